@@ -1,0 +1,15 @@
+# Compiler options for every target of the project, not for those who link it.
+add_library(swiftlet_options INTERFACE)
+# The same bits every time: no fused multiply-add where the source has none.
+target_compile_options(swiftlet_options INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow=local -Wno-psabi)
+target_compile_features(swiftlet_options INTERFACE cxx_std_20)
+if(SWIFTLET_WERROR)
+  target_compile_options(swiftlet_options INTERFACE -Werror)
+endif()
+if(SWIFTLET_NATIVE)
+  target_compile_options(swiftlet_options INTERFACE -march=native)
+endif()
+if(SWIFTLET_SANITIZE)
+  add_compile_options(-fsanitize=${SWIFTLET_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${SWIFTLET_SANITIZE})
+endif()

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/math/random.hpp"
+
+#include <Random123/philox.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace swiftlet {
+namespace {
+
+using Philox = r123::Philox4x32;
+
+// The last counter word separates the kinds of draws, so that normal() and normal3() of one index are independent.
+enum class Domain : std::uint32_t { kBits = 0, kNormal3 = 1, kFillUniform = 2, kFillNormal = 3 };
+
+Philox::ctr_type draw(std::uint64_t seed, std::uint32_t purpose, std::uint32_t entity, Domain domain,
+                      std::uint32_t tick, std::uint32_t index) {
+  const Philox::ctr_type counter = {{index, tick, entity, purpose ^ (static_cast<std::uint32_t>(domain) * 0x9E3779B9U)}};
+  const Philox::key_type key = {{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}};
+  return Philox{}(counter, key);
+}
+
+// Uniform in (0, 1]: safe for a logarithm.
+double open_unit(std::uint32_t high, std::uint32_t low) {
+  const std::uint64_t bits = (static_cast<std::uint64_t>(high) << 21) ^ (low >> 11);
+  return (static_cast<double>(bits) + 1.0) * 0x1.0p-53;
+}
+
+float unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1.0p-24F; }
+
+}  // namespace
+
+Random::Random(std::uint64_t seed, std::string_view purpose, std::string_view entity)
+    : seed_(seed), purpose_(stream_id(purpose)), entity_(stream_id(entity)) {}
+
+std::array<std::uint32_t, 4> Random::bits(std::uint32_t tick, std::uint32_t index) const {
+  const auto r = draw(seed_, purpose_, entity_, Domain::kBits, tick, index);
+  return {r[0], r[1], r[2], r[3]};
+}
+
+double Random::uniform(std::uint32_t tick, std::uint32_t index) const {
+  const auto r = bits(tick, index);
+  const std::uint64_t word = (static_cast<std::uint64_t>(r[0]) << 21) ^ (r[1] >> 11);
+  return static_cast<double>(word) * 0x1.0p-53;
+}
+
+double Random::normal(std::uint32_t tick, std::uint32_t index) const {
+  const auto r = bits(tick, index);
+  return std::sqrt(-2.0 * std::log(open_unit(r[0], r[1]))) *
+         std::cos(2.0 * std::numbers::pi * open_unit(r[2], r[3]));
+}
+
+std::array<double, 3> Random::normal3(std::uint32_t tick, std::uint32_t index) const {
+  // Two Box-Muller pairs of 32-bit uniforms give four normals, of which three are used.
+  const auto r = draw(seed_, purpose_, entity_, Domain::kNormal3, tick, index);
+  const auto unit = [](std::uint32_t word) { return (static_cast<double>(word) + 1.0) * 0x1.0p-32; };
+  const double radius_a = std::sqrt(-2.0 * std::log(unit(r[0])));
+  const double radius_b = std::sqrt(-2.0 * std::log(unit(r[2])));
+  const double angle_a = 2.0 * std::numbers::pi * unit(r[1]);
+  const double angle_b = 2.0 * std::numbers::pi * unit(r[3]);
+  return {radius_a * std::cos(angle_a), radius_a * std::sin(angle_a), radius_b * std::cos(angle_b)};
+}
+
+void Random::fill_uniform(std::uint32_t tick, std::uint32_t first_index, std::span<float> out) const {
+  // Number i is word i % 4 of block i / 4.
+  for (std::size_t k = 0; k < out.size();) {
+    const std::uint32_t index = first_index + static_cast<std::uint32_t>(k);
+    const auto r = draw(seed_, purpose_, entity_, Domain::kFillUniform, tick, index / 4);
+    for (std::uint32_t word = index % 4; word < 4 && k < out.size(); ++word, ++k) out[k] = unit_float(r[word]);
+  }
+}
+
+void Random::fill_normal(std::uint32_t tick, std::uint32_t first_index, std::span<float> out) const {
+  for (std::size_t k = 0; k < out.size();) {
+    const std::uint32_t index = first_index + static_cast<std::uint32_t>(k);
+    const auto r = draw(seed_, purpose_, entity_, Domain::kFillNormal, tick, index / 4);
+    float normals[4];
+    for (int pair = 0; pair < 2; ++pair) {
+      const float u = (static_cast<float>(r[2 * pair] >> 8) + 1.0F) * 0x1.0p-24F;
+      const float radius = std::sqrt(-2.0F * std::log(u));
+      const float angle = 2.0F * std::numbers::pi_v<float> * unit_float(r[2 * pair + 1]);
+      normals[2 * pair] = radius * std::cos(angle);
+      normals[2 * pair + 1] = radius * std::sin(angle);
+    }
+    for (std::uint32_t word = index % 4; word < 4 && k < out.size(); ++word, ++k) out[k] = normals[word];
+  }
+}
+
+}  // namespace swiftlet

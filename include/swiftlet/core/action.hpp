@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/detection.hpp"
+#include "swiftlet/core/message.hpp"
+#include "swiftlet/core/overlay.hpp"
+#include "swiftlet/core/track.hpp"
+
+namespace swiftlet {
+
+inline constexpr int kMaxRotors = 8;
+
+/// Where the vehicle believes to be.
+struct StateEstimate {
+  TimeNs t = 0;
+  bool valid = false;
+  Pose T_world_body = Pose::Identity();  ///< "world" as the vehicle knows it: its local frame when it has no global one
+  Vector3 v_world_mps = Vector3::Zero();
+  Vector3 omega_body_radps = Vector3::Zero();
+  Matrix6 covariance = Matrix6::Zero();  ///< position [m], rotation vector in body axes [rad]
+};
+
+/// Where guidance wants the vehicle to be; the reference tracker makes it flyable.
+struct Reference {
+  Vector3 position_m = Vector3::Zero();
+  Vector3 velocity_mps = Vector3::Zero();
+  Vector3 acceleration_mps2 = Vector3::Zero();
+  double yaw_rad = 0.0;
+  double yaw_rate_radps = 0.0;
+};
+
+/// What the mission says about itself.
+enum class MissionStatus { kRunning, kDone, kFailed };
+
+/// Everything that one vehicle does in one tick. Owned by the agent, which reuses it: valid until its next step.
+struct Action {
+  std::array<double, kMaxRotors> rotor_command{};  ///< 0..1 between least and greatest rotor speed, in the airframe's order
+  StateEstimate estimate;
+  Reference reference;  ///< after the reference tracker
+  std::vector<Message> messages;
+  std::vector<Detection> detections;  ///< made in this tick
+  bool has_tracks = false;            ///< `tracks` was updated in this tick
+  std::vector<Track> tracks;
+  std::vector<Overlay> overlays;
+  MissionStatus mission = MissionStatus::kRunning;
+  std::string mission_note;  ///< why it failed, or what it waits for; goes to the events when it changes
+
+  void clear_outputs() {
+    messages.clear();
+    detections.clear();
+    has_tracks = false;
+    overlays.clear();
+  }
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Configuration without a file format: every module has one struct whose `visit` names its fields, once.
+/// The strict YAML reader, the writer of resolved scenarios and the generated reference page are visitors (sim/scenario).
+///
+/// Rules: defaults stand in the struct and nowhere else; a default-constructed config is valid; a key carries its
+/// unit as a suffix (`_m`, `_s`, `_hz`, `_deg`, `_mps`, `_kg`, ...) and the value is stored in that unit.
+namespace swiftlet {
+
+/// Closed interval by default; the ends can be excluded.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool min_excluded = false;
+  bool max_excluded = false;
+
+  static Range any() { return {}; }
+  static Range positive() { return {0.0, std::numeric_limits<double>::infinity(), true, false}; }
+  static Range non_negative() { return {0.0, std::numeric_limits<double>::infinity(), false, false}; }
+  static Range probability() { return {0.0, 1.0, false, false}; }
+  static Range between(double min, double max) { return {min, max, false, false}; }
+};
+
+class ConfigVisitor;
+
+/// Base of a configuration that is chosen by name (world generator, sensor, guidance, recorder ...).
+struct ModuleConfig {
+  virtual ~ModuleConfig() = default;
+  virtual void visit(ConfigVisitor& visitor) = 0;
+  virtual std::unique_ptr<ModuleConfig> clone() const = 0;
+};
+
+/// Saves each module config its clone(): struct ForestConfig : ModuleConfigOf<ForestConfig> { ... };
+template <class Derived>
+struct ModuleConfigOf : ModuleConfig {
+  std::unique_ptr<ModuleConfig> clone() const override {
+    return std::make_unique<Derived>(static_cast<const Derived&>(*this));
+  }
+};
+
+/// One row of a room's registry table, as far as configuration is concerned.
+struct ModuleType {
+  const char* name;
+  const char* doc;  ///< one line, for `swiftlet list` and the reference
+  std::unique_ptr<ModuleConfig> (*make_config)();
+};
+
+template <class Config>
+std::unique_ptr<ModuleConfig> make_module_config() {
+  return std::make_unique<Config>();
+}
+
+/// A choice by name with that choice's own configuration; has the semantics of a value.
+/// `types` is the registry of the room (a view with static lifetime); the first type is the default unless told.
+struct Module {
+  std::string type;
+  std::unique_ptr<ModuleConfig> config;
+
+  Module() = default;
+  Module(std::span<const ModuleType> types, std::string_view type_name);
+  Module(const Module& other) : type(other.type), config(other.config ? other.config->clone() : nullptr) {}
+  Module& operator=(const Module& other) {
+    type = other.type;
+    config = other.config ? other.config->clone() : nullptr;
+    return *this;
+  }
+  Module(Module&&) = default;
+  Module& operator=(Module&&) = default;
+
+  template <class Config>
+  const Config& as() const {
+    return dynamic_cast<const Config&>(*config);
+  }
+  template <class Config>
+  Config& as() {
+    return dynamic_cast<Config&>(*config);
+  }
+};
+
+class ConfigVisitor {
+ public:
+  virtual ~ConfigVisitor() = default;
+
+  // Leaves. `doc` is one line and starts with the unit in brackets: "[m] standard deviation of the range noise".
+  virtual void field(const char* key, bool& value, const char* doc) = 0;
+  virtual void field(const char* key, int& value, const char* doc, Range range = {}) = 0;
+  virtual void field(const char* key, std::uint64_t& value, const char* doc) = 0;
+  virtual void field(const char* key, double& value, const char* doc, Range range = {}) = 0;
+  virtual void field(const char* key, std::string& value, const char* doc) = 0;
+  /// Fixed-length vectors; `range` holds for each element.
+  virtual void field(const char* key, Eigen::Vector2d& value, const char* doc, Range range = {}) = 0;
+  virtual void field(const char* key, Eigen::Vector3d& value, const char* doc, Range range = {}) = 0;
+  /// Lists of any length.
+  virtual void field(const char* key, std::vector<double>& value, const char* doc, Range range = {}) = 0;
+  virtual void field(const char* key, std::vector<std::string>& value, const char* doc) = 0;
+  virtual void field(const char* key, std::vector<Eigen::Vector3d>& value, const char* doc, Range range = {}) = 0;
+  /// One of the given words.
+  virtual void choice(const char* key, std::string& value, std::span<const char* const> words, const char* doc) = 0;
+  void choice(const char* key, std::string& value, std::initializer_list<const char*> words, const char* doc) {
+    choice(key, value, std::span<const char* const>(words.begin(), words.size()), doc);
+  }
+  /// A path of an input file; the reader resolves it against the file that names it and checks that it exists
+  /// (an empty value means: none).
+  virtual void file(const char* key, std::string& path, const char* doc) = 0;
+  /// Names an asset (`assets/<folder>/<value>.yaml`, or a path) whose content lies under the keys of this object,
+  /// which override it. Must be the first call of a visit. Empty: none.
+  virtual void model(const char* key, std::string& name, const char* folder, const char* doc) = 0;
+
+  /// A nested object with a `void visit(ConfigVisitor&)`.
+  template <class T>
+  void object(const char* key, T& value, const char* doc) {
+    if (!begin_object(key, doc)) return;
+    value.visit(*this);
+    end_object();
+  }
+
+  /// A list of objects. The reader resizes it; the reference shows one default-constructed element.
+  template <class T>
+  void list(const char* key, std::vector<T>& values, const char* doc) {
+    std::size_t size = values.size();
+    if (!begin_list(key, size, doc)) return;
+    values.resize(size);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      begin_element(i);
+      values[i].visit(*this);
+      end_element();
+    }
+    if (wants_example() && values.empty()) {
+      T example{};
+      begin_element(0);
+      example.visit(*this);
+      end_element();
+    }
+    end_list();
+  }
+
+  /// An object whose key `type` picks one of `types`, the other keys being that type's own.
+  virtual void module(const char* key, Module& value, std::span<const ModuleType> types, const char* doc) = 0;
+  /// A list of such objects.
+  virtual void modules(const char* key, std::vector<Module>& values, std::span<const ModuleType> types,
+                       const char* doc) = 0;
+
+  /// What a type cannot say: `ok` is false when the field `key` contradicts another one. The reader reports it at
+  /// the place of `key`: "<place>: <key>: expected <expected>". Call it after the fields.
+  virtual void check(bool ok, const char* key, const std::string& expected) = 0;
+
+ protected:
+  virtual bool begin_object(const char* key, const char* doc) = 0;
+  virtual void end_object() = 0;
+  virtual bool begin_list(const char* key, std::size_t& size, const char* doc) = 0;
+  virtual void begin_element(std::size_t index) = 0;
+  virtual void end_element() = 0;
+  virtual void end_list() = 0;
+  virtual bool wants_example() const { return false; }
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+
+#include "swiftlet/core/time.hpp"
+
+/// Frames (docs/conventions.md): world = east, north, up; body = forward, left, up, origin in the centre of mass;
+/// lidar = as the driver of the sensor gives it; local = a vehicle's odometry frame, which drifts.
+/// A transform names both frames, destination first: point_world = T_world_body * point_body.
+namespace swiftlet {
+
+using Pose = Eigen::Isometry3d;
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Index of a vehicle in the scenario, from 0. Also its identity on the radio.
+using VehicleId = std::int32_t;
+inline constexpr VehicleId kNoVehicle = -1;
+
+struct StampedPose {
+  TimeNs t = 0;
+  Pose T_world_body = Pose::Identity();
+};
+
+inline Pose make_pose(const Vector3& position, const Eigen::Quaterniond& rotation) {
+  Pose pose = Pose::Identity();
+  pose.linear() = rotation.toRotationMatrix();
+  pose.translation() = position;
+  return pose;
+}
+
+/// Heading of the body's x axis in the x-y plane of the destination frame [rad], (-pi, pi].
+inline double yaw_of(const Matrix3& R) { return std::atan2(R(1, 0), R(0, 0)); }
+
+}  // namespace swiftlet

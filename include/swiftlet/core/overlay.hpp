@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// Something an agent wants drawn in a snapshot (voxels, tracks, cells, paths), in the world frame of its estimate.
+/// Recorders and renderers pick overlays by name; agents make them only when `Observation::wants_overlays` is set.
+struct Overlay {
+  enum class Kind { kPoints, kLines, kPolyline, kCubes, kSpheres, kTriangles };
+
+  std::string name;  ///< such as "reference", "tracks", "voxels.occupied"
+  Kind kind = Kind::kPoints;
+  std::vector<Eigen::Vector3f> positions;  ///< points, cubes, spheres: centres; lines: pairs; triangles: triples
+  std::vector<Eigen::Vector4f> colors;     ///< RGBA 0..1, one per position, or one for all
+  float size_m = 0.1F;                     ///< edge of a cube, radius of a sphere, diameter of a point; lines: width in px
+};
+
+}  // namespace swiftlet

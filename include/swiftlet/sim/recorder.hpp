@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/action.hpp"
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/observation.hpp"
+
+namespace swiftlet::sim {
+
+struct Scenario;
+struct Scene;
+struct VehicleState;
+struct LabelledScan;
+struct VehicleShape;
+
+/// Something that happened: a crash, a take-off, a mission that ended. One line of events.jsonl.
+struct Event {
+  TimeNs t = 0;
+  std::string kind;            ///< "crash", "mission", ...
+  VehicleId vehicle = kNoVehicle;
+  std::string partner;         ///< of a crash: "trunk 17", or the other vehicle's name
+  Vector3 p_world_m = Vector3::Zero();
+  std::string note;
+};
+
+/// What stays the same during a run.
+struct RunInfo {
+  const Scenario* scenario = nullptr;
+  const Scene* scene = nullptr;
+  std::vector<std::string> vehicle_names;                            ///< by VehicleId
+  std::vector<const Airframe*> airframes;                            ///< by VehicleId
+  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;   ///< by VehicleId
+  std::filesystem::path directory;                                   ///< where to write; exists
+};
+
+/// One tick as recorders see it: truth beside what was sensed and done. All spans by VehicleId.
+struct TickView {
+  TimeNs t = 0;
+  std::span<const VehicleState> states;
+  std::span<const Observation> observations;
+  std::span<const Action* const> actions;
+  std::span<const std::vector<std::shared_ptr<const LabelledScan>>> scans;  ///< completed in this tick
+  std::span<const Event> events;                                            ///< of this tick
+};
+
+/// Writes one output format. Everything it creates lies in RunInfo::directory.
+class Recorder {
+ public:
+  virtual ~Recorder() = default;
+  virtual void begin(const RunInfo& info) = 0;
+  virtual void write(const TickView& tick) = 0;
+  /// Flushes and closes; returns the paths written, relative to the run directory. Throws std::runtime_error when
+  /// anything could not be written (disk full).
+  virtual std::vector<std::filesystem::path> finish() = 0;
+};
+
+/// One row of sim/recorders/registry.cpp.
+struct RecorderType {
+  ModuleType module;
+  std::unique_ptr<Recorder> (*make)(const ModuleConfig& config);
+};
+
+std::span<const RecorderType> recorder_types();
+std::span<const ModuleType> recorder_module_types();
+std::unique_ptr<Recorder> make_recorder(const Module& config);
+
+}  // namespace swiftlet::sim

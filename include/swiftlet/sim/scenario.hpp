@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/physics/physics_world.hpp"
+#include "sim/physics/wind.hpp"
+#include "sim/radio/radio.hpp"
+#include "sim/render/render_config.hpp"
+#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/config.hpp"
+
+namespace swiftlet::sim {
+
+/// The user's input is wrong. what() is one line: "file:line:column: key: expected ..., found ...; did you mean ...".
+class InputError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct StartConfig {
+  Eigen::Vector3d position_m = {0.0, 0.0, 2.0};  ///< world; with `above_ground`, z counts from the surface below
+  bool above_ground = false;
+  double yaw_deg = 0.0;
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+  bool flying = true;                            ///< rotors turn at hover speed at the start
+
+  void visit(ConfigVisitor& v);
+};
+
+struct VehicleConfig {
+  std::string name;                    ///< unique; empty: uav1, uav2, ...
+  std::string model = "x500";          ///< assets/vehicles/<model>.yaml: airframe and controller gains
+  Airframe airframe;
+  StartConfig start;
+  std::vector<Module> sensors;
+  Module agent;
+
+  VehicleConfig();
+  void visit(ConfigVisitor& v);
+};
+
+struct MetricsConfig {
+  double clearance_max_m = 20.0;       ///< distances beyond are reported as this
+  bool stop_on_crash = false;          ///< end the run at the first crash
+  bool stop_when_done = true;          ///< end the run when every mission is done, failed or crashed
+
+  void visit(ConfigVisitor& v);
+};
+
+/// One run, completely. Default-constructed: valid, one X500 hovering over an empty field.
+struct Scenario {
+  std::string name = "unnamed";
+  std::string description;
+  std::uint64_t seed = 1;
+  double duration_s = 10.0;
+  double tick_s = 0.004;
+  PhysicsConfig physics;
+  Module world;
+  WindConfig wind;
+  RadioConfig radio;
+  std::vector<VehicleConfig> vehicles;
+  std::vector<Module> recorders;
+  std::vector<CameraConfig> snapshots;
+  MetricsConfig metrics;
+
+  Scenario();
+  void visit(ConfigVisitor& v);
+};
+
+/// Reads a scenario with its `base:` chain and the overrides ("vehicles[0].start.yaw_deg", "90").
+/// Throws InputError.
+Scenario load_scenario(const std::filesystem::path& file,
+                       const std::vector<std::pair<std::string, std::string>>& overrides = {});
+/// The complete scenario with every default written out; load_scenario() of it gives the same scenario.
+std::string write_scenario(const Scenario& scenario);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/world/vehicle_state.hpp"
+#include "sim/physics/wind.hpp"
+#include "sim/raycast/ray_scene.hpp"
+#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/config.hpp"
+
+namespace swiftlet::sim {
+
+/// Which effects act. Each can be switched off alone.
+struct PhysicsConfig {
+  double step_s = 0.001;
+  Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
+  double air_density_kgpm3 = 1.225;
+  bool motor_lag = true;
+  bool gyroscopic_torque = true;
+  bool rotor_drag = true;
+  bool body_drag = true;
+  bool ground_effect = true;
+  bool downwash = true;
+  bool contacts = true;
+  double crash_speed_mps = 0.5;     ///< a contact at more than this normal speed is a crash; slower ones are landings or brushes
+  bool stop_motors_on_crash = true;
+
+  void visit(ConfigVisitor& v);
+};
+
+struct PhysicsVehicle {
+  std::string name;
+  Airframe airframe;
+  VehicleState start;
+  bool motors_on = false;   ///< start with rotors at hover speed (in the air) instead of at rest (on the ground)
+};
+
+/// A contact that broke a vehicle. Two vehicles that meet give one event each.
+struct Crash {
+  TimeNs t = 0;
+  VehicleId vehicle = kNoVehicle;
+  VehicleId other_vehicle = kNoVehicle;     ///< kNoVehicle: the static world
+  SurfaceClass surface_class = SurfaceClass::kUnlabeled;   ///< what of the static world
+  std::uint16_t instance = 0;
+  Vector3 p_world_m = Vector3::Zero();
+  double speed_mps = 0.0;                   ///< normal speed at the contact
+};
+
+/// Exact distances of one vehicle's centre at the end of a tick.
+struct Clearance {
+  double surface_m = 0.0;       ///< centre of mass to the nearest triangle, less the circumscribed radius
+  double vehicle_m = 0.0;       ///< to the nearest other vehicle, less both circumscribed radii; infinity when alone
+  VehicleId nearest_vehicle = kNoVehicle;
+};
+
+/// Rigid bodies of all vehicles in one Bullet world with the static scene. Hides Bullet. Single-threaded by design:
+/// a step of a vehicle costs about a microsecond.
+class PhysicsWorld {
+ public:
+  /// `seed` drives gusts. The static scene may be null (empty space).
+  PhysicsWorld(const PhysicsConfig& config, const WindConfig& wind, std::vector<PhysicsVehicle> vehicles,
+               std::shared_ptr<const StaticScene> scene, std::uint64_t seed);
+  ~PhysicsWorld();
+
+  /// Advances by whole physics steps to `t_end`, rotor commands held; pushes the state after each step to `history`.
+  void advance(TimeNs t_end, std::span<const std::array<double, kMaxRotors>> rotor_commands, StateHistory& history);
+
+  const VehicleState& state(VehicleId vehicle) const;
+  std::span<const VehicleState> states() const;
+  /// Crashes of the last advance(), in order of time.
+  std::span<const Crash> crashes() const;
+  /// Vehicles touching something after the last advance().
+  bool in_contact(VehicleId vehicle) const;
+  /// Distances after the last advance(), measured exactly; `max_distance_m` bounds the search.
+  Clearance clearance(VehicleId vehicle, double max_distance_m) const;
+  /// Wind at the vehicle after the last step, world frame.
+  Vector3 wind_world_mps(VehicleId vehicle) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace swiftlet::sim

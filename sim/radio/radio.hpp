@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/world/vehicle_state.hpp"
+#include "sim/raycast/ray_scene.hpp"
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/message.hpp"
+
+namespace swiftlet::sim {
+
+/// One shared channel between all vehicles.
+struct RadioConfig {
+  double rate_kbps = 6000.0;          ///< of each sender; a message occupies it for size / rate
+  double delay_s = 0.005;             ///< fixed part of the delay
+  double jitter_s = 0.002;            ///< standard deviation of the random part (its absolute value is added)
+  double loss_probability = 0.0;      ///< of any message to any receiver
+  double range_m = 100.0;             ///< no reception beyond
+  bool line_of_sight = false;         ///< does the world block it?
+  double queue_limit_kB = 64.0;       ///< a sender's waiting messages beyond this are dropped, oldest first
+
+  void visit(ConfigVisitor& v);
+};
+
+struct RadioStatistics {
+  std::uint64_t sent = 0, delivered = 0, lost = 0, out_of_range = 0, blocked = 0, dropped = 0;
+  std::uint64_t bytes_sent = 0;
+  double mean_delay_s = 0.0, max_delay_s = 0.0;
+};
+
+/// Carries messages in lockstep: what is posted in a tick arrives in a later one.
+class Radio {
+ public:
+  Radio(const RadioConfig& config, std::uint64_t seed, std::vector<std::string> vehicle_names,
+        std::shared_ptr<const StaticScene> world);
+  ~Radio();
+  /// Takes the messages of one vehicle; called in vehicle order. Stamps `from` and `sent`.
+  void post(VehicleId from, TimeNs now, std::span<const Message> messages, std::span<const VehicleState> states);
+  /// Appends what reaches `to` in (previous tick, now], in order of arrival, then of sender.
+  void deliver(VehicleId to, TimeNs now, std::vector<Message>& out);
+  const RadioStatistics& statistics() const;
+  /// By topic: messages and bytes sent.
+  struct TopicStatistics { std::string topic; VehicleId from; std::uint64_t messages = 0, bytes = 0; };
+  std::vector<TopicStatistics> topics() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/world/vehicle_state.hpp"
+#include "sim/raycast/ray_scene.hpp"
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/observation.hpp"
+
+namespace swiftlet::sim {
+
+/// Truth beside each beam of a scan (rows x cols); never given to an agent.
+struct ScanTruth {
+  std::vector<float> range_m;             ///< without noise; 0: nothing in reach
+  std::vector<float> incidence_rad;       ///< angle between beam and surface normal
+  std::vector<std::uint16_t> surface_class;
+  std::vector<std::uint16_t> instance;    ///< VehicleId + 1 for vehicles
+  std::vector<std::uint8_t> part;         ///< VehiclePart
+  std::vector<Pose> T_world_lidar;        ///< true pose of the sensor for each column            (cols), or (1) if frozen
+};
+
+/// A scan with its truth. Made by the LiDAR from a pool, shared with agents (the scan only) and recorders (both).
+struct LabelledScan {
+  Scan scan;
+  ScanTruth truth;
+};
+
+/// What every sensor is built from.
+struct SensorSetup {
+  std::uint64_t seed = 0;
+  VehicleId vehicle = 0;
+  std::string name;               ///< unique on its vehicle
+  std::string entity;             ///< "vehicle/name", key of its random streams
+  std::shared_ptr<const StaticScene> world;
+  std::shared_ptr<const Scene> scene;      ///< materials
+  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< by VehicleId
+  std::vector<std::string> vehicle_names;  ///< by VehicleId
+};
+
+/// Measures the truth at its own exact instants and delivers in the first tick at or after them.
+/// One thread at a time per sensor; several sensors run in parallel.
+class Sensor {
+ public:
+  explicit Sensor(SensorSetup setup) : setup_(std::move(setup)) {}
+  virtual ~Sensor() = default;
+
+  const std::string& name() const { return setup_.name; }
+  /// Everything that became due in (previous tick, now] is measured on `truth` and appended to `out`.
+  virtual void measure(TimeNs now, const StateHistory& truth, Observation& out) = 0;
+  /// Scans made by the last measure(), with truth, for recorders. Empty for anything but a LiDAR.
+  virtual std::span<const std::shared_ptr<const LabelledScan>> scans() const { return {}; }
+  /// How far back the sensor looks into the history [s].
+  virtual double look_back_s() const { return 0.0; }
+
+ protected:
+  SensorSetup setup_;
+};
+
+/// Instants k * period (+ phase), delivered in order; shared by all sensors.
+class Schedule {
+ public:
+  Schedule() = default;
+  explicit Schedule(double rate_hz, TimeNs first = 0) : period_(from_seconds(1.0 / rate_hz)), first_(first) {}
+  /// The next instant that is due at or before `now`; false when there is none. Advances.
+  bool next(TimeNs now, TimeNs& due, std::uint32_t& index) {
+    const TimeNs t = first_ + static_cast<TimeNs>(count_) * period_;
+    if (t > now) return false;
+    due = t;
+    index = count_++;
+    return true;
+  }
+  TimeNs period() const { return period_; }
+
+ private:
+  TimeNs period_ = kNsPerSecond;
+  TimeNs first_ = 0;
+  std::uint32_t count_ = 0;
+};
+
+/// One row of sim/sensors/registry.cpp.
+struct SensorType {
+  ModuleType module;
+  std::unique_ptr<Sensor> (*make)(const ModuleConfig& config, SensorSetup setup);
+};
+
+std::span<const SensorType> sensor_types();
+/// The same table for the configuration reader.
+std::span<const ModuleType> sensor_module_types();
+/// Throws std::invalid_argument on an unknown type (the reader has already checked).
+std::unique_ptr<Sensor> make_sensor(const Module& config, SensorSetup setup);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/math/random.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace swiftlet {
+namespace {
+
+TEST(Random, SameKeysGiveSameNumbersInAnyOrder) {
+  const Random a(7, "lidar.range", "uav1/os1");
+  const Random b(7, "lidar.range", "uav1/os1");
+  const double late = a.normal(1000, 131071);
+  EXPECT_EQ(a.uniform(3, 5), b.uniform(3, 5));
+  EXPECT_EQ(late, b.normal(1000, 131071));
+}
+
+TEST(Random, EveryPartOfTheKeyMatters) {
+  const Random base(7, "lidar.range", "uav1/os1");
+  EXPECT_NE(base.uniform(1, 1), Random(8, "lidar.range", "uav1/os1").uniform(1, 1));
+  EXPECT_NE(base.uniform(1, 1), Random(7, "lidar.drop", "uav1/os1").uniform(1, 1));
+  EXPECT_NE(base.uniform(1, 1), Random(7, "lidar.range", "uav2/os1").uniform(1, 1));
+  EXPECT_NE(base.uniform(1, 1), base.uniform(2, 1));
+  EXPECT_NE(base.uniform(1, 1), base.uniform(1, 2));
+}
+
+TEST(Random, NormalHasTheMomentsOfAStandardNormal) {
+  const Random random(1, "test");
+  constexpr int kSamples = 200000;
+  double sum = 0, sum2 = 0, sum4 = 0, cross = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto n = random.normal3(0, i);
+    sum += n[0];
+    sum2 += n[1] * n[1];
+    sum4 += std::pow(n[2], 4);
+    cross += n[0] * n[1];
+  }
+  // Bounds: 5 standard errors of each estimate.
+  EXPECT_NEAR(sum / kSamples, 0.0, 5.0 / std::sqrt(kSamples));
+  EXPECT_NEAR(sum2 / kSamples, 1.0, 5.0 * std::sqrt(2.0 / kSamples));
+  EXPECT_NEAR(sum4 / kSamples, 3.0, 5.0 * std::sqrt(96.0 / kSamples));
+  EXPECT_NEAR(cross / kSamples, 0.0, 5.0 / std::sqrt(kSamples));
+}
+
+TEST(Random, FilledNumbersDoNotDependOnTheSplit) {
+  const Random random(1, "test");
+  std::vector<float> whole(103), parts(103);
+  random.fill_normal(4, 10, whole);
+  random.fill_normal(4, 10, std::span(parts).first(50));
+  random.fill_normal(4, 60, std::span(parts).subspan(50));
+  EXPECT_EQ(whole, parts);
+  random.fill_uniform(4, 10, whole);
+  random.fill_uniform(4, 10, std::span(parts).first(7));
+  random.fill_uniform(4, 17, std::span(parts).subspan(7));
+  EXPECT_EQ(whole, parts);
+  for (const float u : whole) {
+    EXPECT_GE(u, 0.0F);
+    EXPECT_LT(u, 1.0F);
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet
