@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,13 +12,9 @@
 #include "sim/render/render_config.hpp"
 #include "swiftlet/core/airframe.hpp"
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
-
-/// The user's input is wrong. what() is one line: "file:line:column: key: expected ..., found ...; did you mean ...".
-class InputError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 struct StartConfig {
   Eigen::Vector3d position_m = {0.0, 0.0, 2.0};  ///< world; with `above_ground`, z counts from the surface below
