@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/world/vehicle_state.hpp"
 #include "sim/raycast/ray_scene.hpp"
+#include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/observation.hpp"
 
@@ -16,12 +16,12 @@ namespace swiftlet::sim {
 
 /// Truth beside each beam of a scan (rows x cols); never given to an agent.
 struct ScanTruth {
-  std::vector<float> range_m;             ///< without noise; 0: nothing in reach
-  std::vector<float> incidence_rad;       ///< angle between beam and surface normal
+  std::vector<float> range_m;        ///< without noise; 0: nothing in reach
+  std::vector<float> incidence_rad;  ///< angle between beam and surface normal
   std::vector<std::uint16_t> surface_class;
-  std::vector<std::uint16_t> instance;    ///< VehicleId + 1 for vehicles
-  std::vector<std::uint8_t> part;         ///< VehiclePart
-  std::vector<Pose> T_world_lidar;        ///< true pose of the sensor for each column            (cols), or (1) if frozen
+  std::vector<std::uint16_t> instance;  ///< VehicleId + 1 for vehicles
+  std::vector<std::uint8_t> part;       ///< VehiclePart
+  std::vector<Pose> T_world_lidar;      ///< true pose of the sensor for each column            (cols), or (1) if frozen
 };
 
 /// A scan with its truth. Made by the LiDAR from a pool, shared with agents (the scan only) and recorders (both).
@@ -30,16 +30,30 @@ struct LabelledScan {
   ScanTruth truth;
 };
 
+/// What the configuration of every sensor has. A `visit` starts with `model` (if it has presets), then `visit_name`.
+struct SensorConfig : ModuleConfig {
+  std::string name;  ///< unique on its vehicle; empty: named by its type
+
+  void visit_name(ConfigVisitor& v) { v.field("name", name, "[-] unique on its vehicle; empty: named by its type"); }
+};
+
+template <class Derived>
+struct SensorConfigOf : SensorConfig {
+  std::unique_ptr<ModuleConfig> clone() const override {
+    return std::make_unique<Derived>(static_cast<const Derived&>(*this));
+  }
+};
+
 /// What every sensor is built from.
 struct SensorSetup {
   std::uint64_t seed = 0;
   VehicleId vehicle = 0;
-  std::string name;               ///< unique on its vehicle
-  std::string entity;             ///< "vehicle/name", key of its random streams
+  std::string name;    ///< unique on its vehicle
+  std::string entity;  ///< "vehicle/name", key of its random streams
   std::shared_ptr<const StaticScene> world;
-  std::shared_ptr<const Scene> scene;      ///< materials
+  std::shared_ptr<const Scene> scene;                               ///< materials
   std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< by VehicleId
-  std::vector<std::string> vehicle_names;  ///< by VehicleId
+  std::vector<std::string> vehicle_names;                           ///< by VehicleId
 };
 
 /// Measures the truth at its own exact instants and delivers in the first tick at or after them.
@@ -91,6 +105,9 @@ struct SensorType {
 std::span<const SensorType> sensor_types();
 /// The same table for the configuration reader.
 std::span<const ModuleType> sensor_module_types();
+/// Names for the sensors of one vehicle: as configured, otherwise by type; numbered from 2 where a type comes again
+/// ("imu", "imu2"). Throws std::invalid_argument when two have the same configured name.
+std::vector<std::string> sensor_names(std::span<const Module> sensors);
 /// Throws std::invalid_argument on an unknown type (the reader has already checked).
 std::unique_ptr<Sensor> make_sensor(const Module& config, SensorSetup setup);
 

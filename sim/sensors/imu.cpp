@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/sensors/imu.hpp"
+
+#include "sim/sensors/noise.hpp"
+
+namespace swiftlet::sim {
+
+void ImuConfig::visit(ConfigVisitor& v) {
+  v.model("model", model, "sensors", "preset: imu_adis16448, imu_mrs");
+  visit_name(v);
+  v.field("rate_hz", rate_hz, "[Hz] samples per second, up to the physics rate", Range::positive());
+  v.field("position_m", position_m, "[m] where it is mounted, body frame");
+  v.field("rotation_rpy_deg", rotation_rpy_deg, "[deg] how its axes are turned against the body's: roll, pitch, yaw");
+  v.field("gyro_noise_density_radps_psqrthz", gyro_noise_density_radps_psqrthz,
+          "[rad/s/sqrt(Hz)] white noise of the rates", Range::non_negative());
+  v.field("gyro_bias_walk_radps2_psqrthz", gyro_bias_walk_radps2_psqrthz, "[rad/s^2/sqrt(Hz)] random walk of the bias",
+          Range::non_negative());
+  v.field("gyro_bias_time_s", gyro_bias_time_s, "[s] correlation time of the bias; 0: a pure random walk",
+          Range::non_negative());
+  v.field("gyro_turn_on_bias_radps", gyro_turn_on_bias_radps, "[rad/s] standard deviation of the constant bias",
+          Range::non_negative());
+  v.field("gyro_max_radps", gyro_max_radps, "[rad/s] saturation by axis", Range::positive());
+  v.field("accel_noise_density_mps2_psqrthz", accel_noise_density_mps2_psqrthz,
+          "[m/s^2/sqrt(Hz)] white noise of the specific force", Range::non_negative());
+  v.field("accel_bias_walk_mps3_psqrthz", accel_bias_walk_mps3_psqrthz, "[m/s^3/sqrt(Hz)] random walk of the bias",
+          Range::non_negative());
+  v.field("accel_bias_time_s", accel_bias_time_s, "[s] correlation time of the bias; 0: a pure random walk",
+          Range::non_negative());
+  v.field("accel_turn_on_bias_mps2", accel_turn_on_bias_mps2, "[m/s^2] standard deviation of the constant bias",
+          Range::non_negative());
+  v.field("accel_max_mps2", accel_max_mps2, "[m/s^2] saturation by axis", Range::positive());
+  v.field("gravity_mps2", gravity_mps2, "[m/s^2] downward acceleration that the sensor feels at rest",
+          Range::non_negative());
+}
+
+namespace {
+
+Eigen::Quaterniond from_rpy_deg(const Vector3& rpy_deg) {
+  const Vector3 rpy = rpy_deg * kRadiansPerDegree;
+  return Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
+         Eigen::AngleAxisd(rpy.x(), Vector3::UnitX());
+}
+
+/// White noise, wandering bias and saturation of three axes.
+class NoisyTriad {
+ public:
+  NoisyTriad(const SensorSetup& setup, const std::string& what, double density, double walk, double time_s,
+             double turn_on_bias, double limit)
+      : white_(setup.seed, "imu." + what, setup.entity),
+        walk_(setup.seed, "imu." + what + ".bias", setup.entity),
+        turn_on_bias_(turn_on_bias * normal3(Random(setup.seed, "imu." + what + ".turn_on", setup.entity), 0)),
+        bias_(GaussMarkov::walking(Vector3::Constant(walk), time_s)),
+        density_(density),
+        limit_(limit) {}
+
+  Vector3 corrupt(const Vector3& truth, double dt_s, std::uint32_t index) {
+    bias_.advance(dt_s, normal3(walk_, index));
+    const Vector3 noise = density_ / std::sqrt(dt_s) * normal3(white_, index);
+    return (truth + turn_on_bias_ + bias_.value() + noise).cwiseMax(-limit_).cwiseMin(limit_);
+  }
+
+ private:
+  Random white_, walk_;
+  Vector3 turn_on_bias_;
+  GaussMarkov bias_;
+  double density_, limit_;
+};
+
+class ImuSensor final : public Sensor {
+ public:
+  ImuSensor(const ImuConfig& config, SensorSetup setup)
+      : Sensor(std::move(setup)),
+        schedule_(config.rate_hz,
+                  Schedule(config.rate_hz).period()),  // the first interval ends one period after the start
+        p_body_imu_(config.position_m),
+        R_body_imu_(from_rpy_deg(config.rotation_rpy_deg)),
+        gravity_world_(0.0, 0.0, -config.gravity_mps2),
+        gyro_(setup_, "gyro", config.gyro_noise_density_radps_psqrthz, config.gyro_bias_walk_radps2_psqrthz,
+              config.gyro_bias_time_s, config.gyro_turn_on_bias_radps, config.gyro_max_radps),
+        accel_(setup_, "accel", config.accel_noise_density_mps2_psqrthz, config.accel_bias_walk_mps3_psqrthz,
+               config.accel_bias_time_s, config.accel_turn_on_bias_mps2, config.accel_max_mps2) {}
+
+  void measure(TimeNs now, const StateHistory& truth, Observation& out) override {
+    TimeNs due = 0;
+    std::uint32_t index = 0;
+    while (schedule_.next(now, due, index)) out.imu.push_back(sample(due, index, truth));
+  }
+
+  double look_back_s() const override { return to_seconds(schedule_.period()); }
+
+ private:
+  ImuSample sample(TimeNs due, std::uint32_t index, const StateHistory& truth) {
+    const VehicleState start = truth.at(setup_.vehicle, due - schedule_.period());
+    const VehicleState end = truth.at(setup_.vehicle, due);
+    const double dt_s = to_seconds(schedule_.period());
+
+    const Vector3 turn = rotation_log(start.q_world_body.conjugate() * end.q_world_body);
+    const Eigen::Quaterniond q_world_body_mid = start.q_world_body * rotation_exp(0.5 * turn);
+    const Vector3 acceleration_world = (velocity_of_mount(end) - velocity_of_mount(start)) / dt_s;
+    const Vector3 force_body = q_world_body_mid.conjugate() * (acceleration_world - gravity_world_);
+
+    ImuSample sample;
+    sample.t = due;
+    sample.omega_body_radps = R_body_imu_ * gyro_.corrupt(R_body_imu_.conjugate() * (turn / dt_s), dt_s, index);
+    sample.specific_force_body_mps2 = R_body_imu_ * accel_.corrupt(R_body_imu_.conjugate() * force_body, dt_s, index);
+    return sample;
+  }
+
+  Vector3 velocity_of_mount(const VehicleState& state) const {
+    return state.v_world_mps + state.q_world_body * state.omega_body_radps.cross(p_body_imu_);
+  }
+
+  Schedule schedule_;
+  Vector3 p_body_imu_;
+  Eigen::Quaterniond R_body_imu_;
+  Vector3 gravity_world_;
+  NoisyTriad gyro_, accel_;
+};
+
+}  // namespace
+
+std::unique_ptr<Sensor> make_imu_sensor(const ModuleConfig& config, SensorSetup setup) {
+  return std::make_unique<ImuSensor>(dynamic_cast<const ImuConfig&>(config), std::move(setup));
+}
+
+}  // namespace swiftlet::sim
