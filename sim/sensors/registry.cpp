@@ -2,7 +2,12 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "sim/sensors/altimeter.hpp"
+#include "sim/sensors/compass.hpp"
+#include "sim/sensors/gnss.hpp"
 #include "sim/sensors/imu.hpp"
+#include "sim/sensors/neighbors.hpp"
+#include "sim/sensors/odometry.hpp"
 #include "sim/sensors/pose.hpp"
 #include "sim/sensors/sensor.hpp"
 
@@ -14,6 +19,14 @@ constexpr SensorType kSensorTypes[] = {
     {{"pose", "pose from outside: motion capture, RTK, or the truth itself", make_module_config<PoseConfig>},
      make_pose_sensor},
     {{"imu", "rates and specific force, with bias and noise", make_module_config<ImuConfig>}, make_imu_sensor},
+    {{"gnss", "satellite navigation with drift, outages and multipath", make_module_config<GnssConfig>},
+     make_gnss_sensor},
+    {{"altimeter", "laser rangefinder that looks down", make_module_config<AltimeterConfig>}, make_altimeter_sensor},
+    {{"compass", "heading from a magnetometer", make_module_config<CompassConfig>}, make_compass_sensor},
+    {{"odometry", "visual-inertial odometry in a local frame that drifts", make_module_config<OdometryConfig>},
+     make_odometry_sensor},
+    {{"neighbors", "other vehicles by mutual localisation (UVDAR)", make_module_config<NeighborsConfig>},
+     make_neighbors_sensor},
 };
 
 }  // namespace

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/sensors/neighbors.hpp"
+
+#include <algorithm>
+
+#include "sim/sensors/noise.hpp"
+#include "sim/world/vehicle_shape.hpp"
+
+namespace swiftlet::sim {
+
+void NeighborCamera::visit(ConfigVisitor& v) {
+  v.field("yaw_deg", yaw_deg, "[deg] direction of the optical axis, counter-clockwise from the body's x axis");
+  v.field("pitch_deg", pitch_deg, "[deg] of the optical axis above the body's horizontal plane",
+          Range::between(-90.0, 90.0));
+  v.field("fov_deg", fov_deg, "[deg] full angle of the cone", Range{0.0, 360.0, true, false});
+}
+
+void NeighborsConfig::visit(ConfigVisitor& v) {
+  v.model("model", model, "sensors", "preset: neighbors_uvdar, neighbors_ideal");
+  visit_name(v);
+  v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::positive());
+  v.field("ideal", ideal, "[-] the truth of all other vehicles, without anything below but the latency");
+  v.field("range_max_m", range_max_m, "[m] nobody is seen beyond", Range::positive());
+  v.field("range_min_m", range_min_m, "[m] nobody is seen nearer", Range::non_negative());
+  v.field("sigma_bearing_deg", sigma_bearing_deg, "[deg] standard deviation of the bearing by tangential axis",
+          Range::non_negative());
+  v.field("sigma_range_m", sigma_range_m, "[m] standard deviation of the range, constant part", Range::non_negative());
+  v.field("sigma_range_relative", sigma_range_relative, "[-] part that grows with the range, added in quadrature",
+          Range::non_negative());
+  v.list("cameras", cameras, "fields of view; none: all around between the elevations");
+  v.field("elevation_min_deg", elevation_min_deg, "[deg] lowest bearing in body axes when there are no cameras",
+          Range::between(-90.0, 90.0));
+  v.field("elevation_max_deg", elevation_max_deg, "[deg] highest bearing in body axes when there are no cameras",
+          Range::between(-90.0, 90.0));
+  v.field("occlusion", occlusion, "[-] do the world and other vehicles hide a vehicle?");
+  v.field("occluder_scale", occluder_scale,
+          "[-] radius of the sphere that hides, of the vehicle's circumscribed radius", Range::between(0.0, 1.0));
+  v.field("dropout_probability", dropout_probability, "[-] of missing a vehicle that is in view", Range::probability());
+  v.field("id_swap_probability", id_swap_probability, "[-] of taking a vehicle for another one seen at the same time",
+          Range::probability());
+  v.field("latency_s", latency_s, "[s] from the time of validity to the delivery", Range::non_negative());
+  v.check(elevation_max_deg >= elevation_min_deg, "elevation_max_deg", "at least elevation_min_deg");
+  v.check(range_max_m > range_min_m, "range_max_m", "more than range_min_m");
+}
+
+namespace {
+
+constexpr double kIdealVariance_m2 = 1e-6;  // a filter must be able to invert it
+
+struct ViewCone {
+  Vector3 axis_body;
+  double cos_half_angle;
+};
+
+ViewCone view_cone(const NeighborCamera& camera) {
+  const double yaw = camera.yaw_deg * kRadiansPerDegree;
+  const double pitch = camera.pitch_deg * kRadiansPerDegree;
+  return {{std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw), std::sin(pitch)},
+          std::cos(0.5 * camera.fov_deg * kRadiansPerDegree)};
+}
+
+bool segment_meets_sphere(const Vector3& a, const Vector3& b, const Vector3& center, double radius) {
+  const Vector3 ab = b - a;
+  const double s = std::clamp((center - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0);
+  return (a + s * ab - center).squaredNorm() < radius * radius;
+}
+
+class NeighborsSensor final : public Sensor {
+ public:
+  NeighborsSensor(const NeighborsConfig& config, SensorSetup setup)
+      : Sensor(std::move(setup)),
+        config_(config),
+        schedule_(config.rate_hz),
+        latency_(from_seconds(config.latency_s)),
+        swap_(setup_.seed, "neighbors.swap", setup_.entity) {
+    for (const NeighborCamera& camera : config.cameras) cones_.push_back(view_cone(camera));
+    // A stream for each pair: another vehicle changes nothing between these two.
+    for (const std::string& other : setup_.vehicle_names) {
+      noise_.emplace_back(setup_.seed, "neighbors.noise", setup_.entity + "/" + other);
+      dropout_.emplace_back(setup_.seed, "neighbors.dropout", setup_.entity + "/" + other);
+    }
+  }
+
+  double look_back_s() const override { return config_.latency_s; }
+
+  void measure(TimeNs now, const StateHistory& truth, Observation& out) override {
+    TimeNs due = 0;
+    std::uint32_t index = 0;
+    while (schedule_.next(now - latency_, due, index)) {
+      const std::size_t first = out.neighbors.size();
+      const VehicleState self = truth.at(setup_.vehicle, due);
+      for (VehicleId other = 0; other < truth.num_vehicles(); ++other) {
+        if (other == setup_.vehicle) continue;
+        const Vector3 p_world_other = truth.at(other, due).p_world_m;
+        const Vector3 p_body = self.q_world_body.conjugate() * (p_world_other - self.p_world_m);
+        if (config_.ideal) {
+          out.neighbors.push_back({due, other, p_body, kIdealVariance_m2 * Matrix3::Identity()});
+        } else if (in_view(p_body) && dropout_[other].uniform(index, 0) >= config_.dropout_probability &&
+                   !(config_.occlusion && hidden(self.p_world_m, p_world_other, other, due, truth))) {
+          out.neighbors.push_back(seen(due, index, other, p_body));
+        }
+      }
+      if (!config_.ideal) swap_ids(std::span(out.neighbors).subspan(first), index);
+    }
+  }
+
+ private:
+  bool in_view(const Vector3& p_body) const {
+    const double range_m = p_body.norm();
+    if (range_m > config_.range_max_m || range_m < config_.range_min_m || range_m <= 0.0) return false;
+    if (cones_.empty()) {
+      const double elevation_deg = std::asin(std::clamp(p_body.z() / range_m, -1.0, 1.0)) / kRadiansPerDegree;
+      return elevation_deg >= config_.elevation_min_deg && elevation_deg <= config_.elevation_max_deg;
+    }
+    return std::any_of(cones_.begin(), cones_.end(), [&](const ViewCone& cone) {
+      return cone.axis_body.dot(p_body) >= cone.cos_half_angle * range_m;
+    });
+  }
+
+  bool hidden(const Vector3& p_world_self, const Vector3& p_world_other, VehicleId other, TimeNs t,
+              const StateHistory& truth) const {
+    for (VehicleId third = 0; third < truth.num_vehicles(); ++third) {
+      if (third == setup_.vehicle || third == other) continue;
+      const double radius_m = config_.occluder_scale * setup_.vehicle_shapes[third]->circumscribed_radius_m;
+      if (segment_meets_sphere(p_world_self, p_world_other, truth.at(third, t).p_world_m, radius_m)) return true;
+    }
+    return setup_.world && setup_.world->occluded(p_world_self, p_world_other);
+  }
+
+  /// Range noise along the bearing, bearing noise across it; the covariance is what the sensor knows: at the measured
+  /// place.
+  NeighborSample seen(TimeNs t, std::uint32_t index, VehicleId other, const Vector3& p_body) const {
+    const double sigma_bearing = config_.sigma_bearing_deg * kRadiansPerDegree;
+    const auto sigma_range = [&](double range_m) {
+      return std::hypot(config_.sigma_range_m, config_.sigma_range_relative * range_m);
+    };
+    const double true_range_m = p_body.norm();
+    const Vector3 normals = normal3(noise_[other], index);
+    const Vector3 bearing = p_body / true_range_m;
+    const Vector3 across = bearing.unitOrthogonal();
+    const Vector3 turn = sigma_bearing * (normals.x() * across + normals.y() * bearing.cross(across));
+    const double range_m = std::max(0.0, true_range_m + sigma_range(true_range_m) * normals.z());
+    const Vector3 measured_bearing = rotation_exp(turn) * bearing;
+
+    const double variance_along = sigma_range(range_m) * sigma_range(range_m);
+    const double variance_across = sigma_bearing * sigma_bearing * range_m * range_m;
+    const Matrix3 along = measured_bearing * measured_bearing.transpose();
+    return {t, other, range_m * measured_bearing,
+            variance_along * along + variance_across * (Matrix3::Identity() - along)};
+  }
+
+  void swap_ids(std::span<NeighborSample> seen, std::uint32_t index) const {
+    if (config_.id_swap_probability <= 0.0 || seen.size() < 2) return;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (swap_.uniform(index, static_cast<std::uint32_t>(i)) >= config_.id_swap_probability) continue;
+      std::swap(seen[i].id, seen[(i + 1) % seen.size()].id);
+    }
+  }
+
+  NeighborsConfig config_;
+  Schedule schedule_;
+  TimeNs latency_;
+  std::vector<ViewCone> cones_;
+  std::vector<Random> noise_, dropout_;  // by VehicleId of the other
+  Random swap_;
+};
+
+}  // namespace
+
+std::unique_ptr<Sensor> make_neighbors_sensor(const ModuleConfig& config, SensorSetup setup) {
+  return std::make_unique<NeighborsSensor>(dynamic_cast<const NeighborsConfig&>(config), std::move(setup));
+}
+
+}  // namespace swiftlet::sim
