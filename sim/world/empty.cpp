@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/world/empty.hpp"
+
+#include "sim/world/mesh_builder.hpp"
+#include "sim/world/scene_builder.hpp"
+
+namespace swiftlet::sim {
+
+void EmptyConfig::visit(ConfigVisitor& v) {
+  v.field("ground", ground, "[-] a flat ground at z = 0; without it there is nothing at all");
+  v.field("size_m", size_m, "[m] extent of the ground along x and y, centred at the origin", Range::positive());
+  v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of the ground", Range::probability());
+}
+
+Scene make_empty(const EmptyConfig& config, std::uint64_t) {
+  SceneBuilder scene;
+  if (config.ground) {
+    const Eigen::Vector2f half = (0.5 * config.size_m).cast<float>();
+    Mesh mesh;
+    add_quad(mesh, {-half.x(), -half.y(), 0}, {half.x(), -half.y(), 0}, {half.x(), half.y(), 0},
+             {-half.x(), half.y(), 0});
+    Material material{"ground", static_cast<float>(config.reflectivity), false, {0.5F, 0.5F, 0.48F}};
+    scene.add(std::move(mesh), material, SurfaceClass::kGround);
+  }
+  return scene.finish();
+}
+
+}  // namespace swiftlet::sim

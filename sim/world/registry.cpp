@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "sim/world/empty.hpp"
+#include "sim/world/field.hpp"
+#include "sim/world/forest_thesis.hpp"
+#include "sim/world/world.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+template <class Config, Scene (*make)(const Config&, std::uint64_t)>
+Scene make_from(const ModuleConfig& config, std::uint64_t seed) {
+  return make(dynamic_cast<const Config&>(config), seed);
+}
+
+template <class Config, Scene (*make)(const Config&, std::uint64_t)>
+constexpr WorldType row(const char* name, const char* doc) {
+  return {{name, doc, make_module_config<Config>}, make_from<Config, make>};
+}
+
+// Adding a generator: its .hpp, .cpp and test, and one line here.
+const WorldType kWorldTypes[] = {
+    row<FieldConfig, make_field>("field", "open ground with scattered trees"),
+    row<EmptyConfig, make_empty>("empty", "nothing, or a flat ground"),
+    row<ForestThesisConfig, make_forest_thesis>("forest_thesis", "100 cylinder-and-sphere trees (004, sec. 3.4)"),
+};
+
+}  // namespace
+
+std::span<const WorldType> world_types() { return kWorldTypes; }
+
+std::span<const ModuleType> world_module_types() {
+  static const std::vector<ModuleType> modules = [] {
+    std::vector<ModuleType> list;
+    for (const WorldType& type : kWorldTypes) list.push_back(type.module);
+    return list;
+  }();
+  return modules;
+}
+
+Scene make_world(const Module& config, std::uint64_t seed) {
+  for (const WorldType& type : kWorldTypes) {
+    if (config.type == type.module.name) return type.make(*config.config, seed);
+  }
+  throw std::invalid_argument("no world type is named '" + config.type + "'");
+}
+
+}  // namespace swiftlet::sim

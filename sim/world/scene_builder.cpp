@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/world/scene_builder.hpp"
+
+#include <limits>
+#include <stdexcept>
+
+namespace swiftlet::sim {
+
+std::uint32_t SceneBuilder::index_of(const Material& material) {
+  for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+    if (scene_.materials[i].name == material.name) return static_cast<std::uint32_t>(i);
+  }
+  scene_.materials.push_back(material);
+  return static_cast<std::uint32_t>(scene_.materials.size() - 1);
+}
+
+std::uint32_t SceneBuilder::add_mesh(Mesh mesh, const Material& material, SurfaceClass surface_class) {
+  mesh.material = index_of(material);
+  mesh.surface_class = surface_class;
+  scene_.meshes.push_back(std::move(mesh));
+  return static_cast<std::uint32_t>(scene_.meshes.size() - 1);
+}
+
+void SceneBuilder::place(std::uint32_t mesh, std::uint16_t instance, const Eigen::Affine3f& T_world_mesh) {
+  if (scene_.meshes[mesh].triangles.empty()) return;
+  scene_.instances.push_back({mesh, T_world_mesh, instance});
+}
+
+void SceneBuilder::add(Mesh mesh, const Material& material, SurfaceClass surface_class, std::uint16_t instance) {
+  if (mesh.triangles.empty()) return;
+  place(add_mesh(std::move(mesh), material, surface_class), instance, Eigen::Affine3f::Identity());
+}
+
+std::uint16_t SceneBuilder::next_instance(SurfaceClass surface_class) {
+  std::uint16_t& last = last_instance_[surface_class];
+  if (last == std::numeric_limits<std::uint16_t>::max()) {
+    throw std::invalid_argument(std::string("world: expected at most 65535 things of class '") +
+                                name_of(surface_class) + "', found more");
+  }
+  return ++last;
+}
+
+void SceneBuilder::add_object(WorldObject object) { scene_.objects.push_back(std::move(object)); }
+
+Scene SceneBuilder::finish() {
+  // Meshes of a stock that nobody placed are left out.
+  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> new_index(scene_.meshes.size(), kUnused);
+  std::vector<Mesh> used;
+  for (Instance& instance : scene_.instances) {
+    std::uint32_t& index = new_index[instance.mesh];
+    if (index == kUnused) {
+      index = static_cast<std::uint32_t>(used.size());
+      used.push_back(std::move(scene_.meshes[instance.mesh]));
+    }
+    instance.mesh = index;
+  }
+  scene_.meshes = std::move(used);
+
+  for (const Instance& instance : scene_.instances) {
+    for (const Eigen::Vector3f& vertex : scene_.meshes[instance.mesh].vertices_m) {
+      scene_.bounds_m.extend((instance.T_world_mesh * vertex).cast<double>());
+    }
+  }
+  Scene scene = std::move(scene_);
+  *this = {};
+  return scene;
+}
+
+Eigen::Affine3f transform(const Eigen::Vector3f& position_m, float yaw_rad, const Eigen::Vector3f& scale) {
+  Eigen::Affine3f T = Eigen::Affine3f::Identity();
+  T.translate(position_m).rotate(Eigen::AngleAxisf(yaw_rad, Eigen::Vector3f::UnitZ())).scale(scale);
+  return T;
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/world/forest_thesis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/sim/world/world_support.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using test::attribute;
+using test::objects_of;
+
+TEST(ForestThesis, HasAHundredTreesInTheAreaAtLeastThreeMetresApart) {
+  for (const std::uint64_t seed : {1, 2, 3, 99}) {
+    const auto trees = objects_of(make_forest_thesis({}, seed), SurfaceClass::kTrunk);
+    ASSERT_EQ(trees.size(), 100U);
+    for (std::size_t i = 0; i < trees.size(); ++i) {
+      EXPECT_LE(std::abs(trees[i].position_m.x()), 20.0);
+      EXPECT_LE(std::abs(trees[i].position_m.y()), 32.0);
+      for (std::size_t j = 0; j < i; ++j) EXPECT_GE((trees[i].position_m - trees[j].position_m).norm(), 3.0);
+    }
+  }
+}
+
+TEST(ForestThesis, SizesAreUniformWithinTheStatedSpreads) {
+  double sum_radius = 0, sum_height = 0, sum_crown = 0, sum_height_sq = 0;
+  constexpr int kSeeds = 40;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    for (const WorldObject& tree : objects_of(make_forest_thesis({}, seed), SurfaceClass::kTrunk)) {
+      const double radius_m = 0.5 * attribute(tree, "dbh_m");
+      const double height_m = attribute(tree, "height_m");
+      const double crown_m = attribute(tree, "crown_radius_m");
+      EXPECT_TRUE(radius_m >= 0.3 && radius_m <= 0.7) << radius_m;
+      EXPECT_TRUE(height_m >= 5.5 && height_m <= 9.5) << height_m;
+      EXPECT_TRUE(crown_m >= 2.0 && crown_m <= 3.0) << crown_m;
+      sum_radius += radius_m, sum_height += height_m, sum_crown += crown_m;
+      sum_height_sq += (height_m - 7.5) * (height_m - 7.5);
+    }
+  }
+  // The mean of n uniform numbers of half-width w has the standard error w / sqrt(3 n); 5 of them are allowed.
+  const double n = 100.0 * kSeeds;
+  const double standard_error = 1.0 / std::sqrt(3.0 * n);
+  EXPECT_NEAR(sum_radius / n, 0.5, 5 * 0.2 * standard_error);
+  EXPECT_NEAR(sum_height / n, 7.5, 5 * 2.0 * standard_error);
+  EXPECT_NEAR(sum_crown / n, 2.5, 5 * 0.5 * standard_error);
+  EXPECT_NEAR(sum_height_sq / n, 4.0 / 3.0, 0.1);
+}
+
+TEST(ForestThesis, NormalSpreadIsCutAtTwoStandardDeviations) {
+  ForestThesisConfig config;
+  config.spread = "normal";
+  double beyond_one_sigma = 0;
+  constexpr int kSeeds = 20;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    for (const WorldObject& tree : objects_of(make_forest_thesis(config, seed), SurfaceClass::kTrunk)) {
+      const double deviate = (attribute(tree, "height_m") - 7.5) / 2.0;
+      EXPECT_LE(std::abs(deviate), 2.0);
+      beyond_one_sigma += std::abs(deviate) > 1.0;
+    }
+  }
+  // P(1 < |z| < 2 given |z| < 2) = (0.9545 - 0.6827) / 0.9545 = 0.2848
+  EXPECT_NEAR(beyond_one_sigma / (100.0 * kSeeds), 0.2848, 5 * std::sqrt(0.2848 * 0.7152 / (100.0 * kSeeds)));
+}
+
+TEST(ForestThesis, RaysMeetTrunkAndCrownWhereTheStemMapSays) {
+  const Scene scene = make_forest_thesis({}, 5);
+  const WorldObject tree = objects_of(scene, SurfaceClass::kTrunk)[17];
+  const double radius_m = 0.5 * attribute(tree, "dbh_m");
+  // From 1.4 m before the axis: no other tree reaches in between (3 m apart, at most 0.7 m thick).
+  const auto trunk = test::trace(scene, tree.position_m + Eigen::Vector3d(-1.4, 0.001, 1.3), Eigen::Vector3d::UnitX());
+  ASSERT_TRUE(trunk);
+  EXPECT_EQ(trunk->surface_class, SurfaceClass::kTrunk);
+  EXPECT_EQ(trunk->instance, tree.instance);
+  EXPECT_NEAR(trunk->range_m, 1.4 - radius_m, 0.012 * radius_m + 1e-4);  // 24 sides: within 1.2 % of the circle
+
+  // From above: the highest of the spheres over that point.
+  const Eigen::Vector3d eye_m = tree.position_m + Eigen::Vector3d(0.3, 0.2, 30.0);
+  double top_m = 0.0;
+  for (const WorldObject& other : objects_of(scene, SurfaceClass::kTrunk)) {
+    const double from_axis_sq = (other.position_m - eye_m).head<2>().squaredNorm();
+    const double crown_radius_m = attribute(other, "crown_radius_m");
+    if (from_axis_sq > crown_radius_m * crown_radius_m) continue;
+    top_m = std::max(top_m, attribute(other, "height_m") + std::sqrt(crown_radius_m * crown_radius_m - from_axis_sq));
+  }
+  const auto crown = test::trace(scene, eye_m, -Eigen::Vector3d::UnitZ());
+  ASSERT_TRUE(crown);
+  EXPECT_EQ(crown->surface_class, SurfaceClass::kVegetation);
+  EXPECT_NEAR(eye_m.z() - crown->range_m, top_m, 0.05);
+}
+
+TEST(ForestThesis, SameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
+  EXPECT_EQ(test::hash_of(make_forest_thesis({}, 7)), test::hash_of(make_forest_thesis({}, 7)));
+  EXPECT_NE(test::hash_of(make_forest_thesis({}, 7)), test::hash_of(make_forest_thesis({}, 8)));
+}
+
+TEST(ForestThesis, TrailsStayFreeUpToTheClearHeight) {
+  ForestThesisConfig config;
+  config.keep_clear.trails = {{{{-20, -32, 0}, {20, 32, 0}}, 4.0}};
+  config.keep_clear.clear_height_m = 4.0;
+  for (const WorldObject& tree : objects_of(make_forest_thesis(config, 3), SurfaceClass::kTrunk)) {
+    const double distance_m = distance_to_segment_m(tree.position_m.head<2>(), {-20, -32}, {20, 32});
+    EXPECT_GE(distance_m, 2.0 + 0.5 * attribute(tree, "dbh_m"));
+    if (attribute(tree, "crown_base_m") < 4.0) {
+      EXPECT_GE(distance_m, 2.0 + attribute(tree, "crown_radius_m"));
+    }
+  }
+}
+
+TEST(ForestThesis, TooManyTreesForTheAreaAreAClearError) {
+  ForestThesisConfig config;
+  config.num_trees = 1000;
+  EXPECT_THROW(make_forest_thesis(config, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include "sim/world/scene.hpp"
+
+namespace swiftlet::sim::test {
+
+/// FNV-1a over everything that a scene holds, bit by bit.
+inline std::uint64_t hash_of(const Scene& scene) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  const auto mix = [&](const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 1099511628211ULL;
+  };
+  for (const Material& material : scene.materials) {
+    mix(material.name.data(), material.name.size());
+    mix(&material.reflectivity, sizeof material.reflectivity);
+  }
+  for (const Mesh& mesh : scene.meshes) {
+    for (const Eigen::Vector3f& vertex : mesh.vertices_m) mix(vertex.data(), 3 * sizeof(float));
+    mix(mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
+    mix(&mesh.material, sizeof mesh.material);
+    mix(&mesh.surface_class, sizeof mesh.surface_class);
+  }
+  for (const Instance& instance : scene.instances) {
+    mix(&instance.mesh, sizeof instance.mesh);
+    mix(instance.T_world_mesh.matrix().data(), 16 * sizeof(float));
+    mix(&instance.instance, sizeof instance.instance);
+  }
+  for (const WorldObject& object : scene.objects) {
+    mix(&object.instance, sizeof object.instance);
+    mix(object.kind.data(), object.kind.size());
+    mix(object.position_m.data(), 3 * sizeof(double));
+    for (const auto& [key, value] : object.attributes) mix(&value, sizeof value);
+  }
+  return hash;
+}
+
+inline double attribute(const WorldObject& object, const std::string& key) {
+  for (const auto& [name, value] : object.attributes) {
+    if (name == key) return value;
+  }
+  return std::nan("");
+}
+
+inline std::vector<WorldObject> objects_of(const Scene& scene, SurfaceClass surface_class) {
+  std::vector<WorldObject> found;
+  for (const WorldObject& object : scene.objects) {
+    if (object.surface_class == surface_class) found.push_back(object);
+  }
+  return found;
+}
+
+struct BruteHit {
+  double range_m = 0.0;
+  SurfaceClass surface_class = SurfaceClass::kUnlabeled;
+  std::uint16_t instance = 0;
+};
+
+/// Moeller and Trumbore (1997), one triangle, both sides.
+inline std::optional<double> intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                                       const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const Eigen::Vector3d ab = b - a;
+  const Eigen::Vector3d ac = c - a;
+  const Eigen::Vector3d p = direction.cross(ac);
+  const double determinant = ab.dot(p);
+  if (std::abs(determinant) < 1e-15) return std::nullopt;
+  const Eigen::Vector3d from_a = origin - a;
+  const double u = from_a.dot(p) / determinant;
+  const Eigen::Vector3d q = from_a.cross(ab);
+  const double v = direction.dot(q) / determinant;
+  const double range = ac.dot(q) / determinant;
+  if (u < 0 || v < 0 || u + v > 1 || range <= 0) return std::nullopt;
+  return range;
+}
+
+/// Nearest hit by trying every triangle of the scene.
+inline std::optional<BruteHit> trace(const Scene& scene, const Eigen::Vector3d& origin,
+                                     const Eigen::Vector3d& direction) {
+  std::optional<BruteHit> nearest;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const Eigen::Affine3d T = instance.T_world_mesh.cast<double>();
+    for (const auto& [i, j, k] : mesh.triangles) {
+      const auto range_m = intersect(origin, direction, T * mesh.vertices_m[i].cast<double>(),
+                                     T * mesh.vertices_m[j].cast<double>(), T * mesh.vertices_m[k].cast<double>());
+      if (range_m && (!nearest || *range_m < nearest->range_m))
+        nearest = {*range_m, mesh.surface_class, instance.instance};
+    }
+  }
+  return nearest;
+}
+
+}  // namespace swiftlet::sim::test
