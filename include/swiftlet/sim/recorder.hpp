@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "swiftlet/core/action.hpp"
+#include "swiftlet/core/airframe.hpp"
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/observation.hpp"
 
@@ -47,6 +48,7 @@ struct TickView {
   std::span<const Action* const> actions;
   std::span<const std::vector<std::shared_ptr<const LabelledScan>>> scans;  ///< completed in this tick
   std::span<const Event> events;                                            ///< of this tick
+  std::span<const double> clearance_m;   ///< to the nearest surface or vehicle; empty: nobody measured it
 };
 
 /// Writes one output format. Everything it creates lies in RunInfo::directory.

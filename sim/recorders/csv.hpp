@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "swiftlet/sim/recorder.hpp"
+
+namespace swiftlet::sim {
+
+struct CsvConfig : ModuleConfigOf<CsvConfig> {
+  std::vector<std::string> vehicles;
+  double rate_hz = 100.0;
+  std::vector<std::string> topics = {"state"};
+
+  void visit(ConfigVisitor& v) override;
+};
+
+/// csv/VEHICLE/TOPIC.csv with a header line that carries the units; docs/formats.md lists the columns.
+std::unique_ptr<Recorder> make_csv_recorder(const ModuleConfig& config);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "swiftlet/sim/recorder.hpp"
+
+namespace swiftlet::sim {
+
+struct EventsConfig : ModuleConfigOf<EventsConfig> {
+  std::vector<std::string> vehicles;
+  std::vector<std::string> kinds;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+/// events.jsonl: one JSON object a line, in order of time.
+std::unique_ptr<Recorder> make_events_recorder(const ModuleConfig& config);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <iterator>
+#include <stdexcept>
+
+#include "sim/recorders/csv.hpp"
+#include "sim/recorders/events.hpp"
+#include "sim/recorders/tum.hpp"
+#include "swiftlet/sim/recorder.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+// What can be recorded: a new format is one line here.
+const RecorderType kRecorderTypes[] = {
+    {{"tum", "trajectories, truth and estimate, as TUM text files", make_module_config<TumConfig>}, make_tum_recorder},
+    {{"csv", "tables of states and sensor samples", make_module_config<CsvConfig>}, make_csv_recorder},
+    {{"events", "what happened, as JSON Lines", make_module_config<EventsConfig>}, make_events_recorder},
+};
+
+}  // namespace
+
+std::span<const RecorderType> recorder_types() { return kRecorderTypes; }
+
+std::span<const ModuleType> recorder_module_types() {
+  static const auto modules = [] {
+    std::array<ModuleType, std::size(kRecorderTypes)> rows{};
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = kRecorderTypes[i].module;
+    return rows;
+  }();
+  return modules;
+}
+
+std::unique_ptr<Recorder> make_recorder(const Module& config) {
+  for (const RecorderType& type : kRecorderTypes) {
+    if (config.type == type.module.name) return type.make(*config.config);
+  }
+  throw std::invalid_argument("no recorder is named '" + config.type + "'");
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <concepts>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "swiftlet/core/time.hpp"
+
+namespace swiftlet::sim {
+
+/// One line of numbers. A floating-point number is written with the fewest digits that read back as the same bits.
+class TextRow {
+ public:
+  explicit TextRow(char separator) : separator_(separator) {}
+
+  void clear() { text_.clear(); }
+  TextRow& add(double value);
+  TextRow& add(std::integral auto value) { return add_integer(static_cast<std::int64_t>(value)); }
+  TextRow& add(std::string_view word);
+  template <class Derived>
+  TextRow& add(const Eigen::DenseBase<Derived>& values) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) add(static_cast<double>(values.derived()(i)));
+    return *this;
+  }
+  /// Seconds with all nine digits: exact.
+  TextRow& add_seconds(TimeNs t);
+  /// The line with its end; the row is empty again at the next clear().
+  std::string_view line();
+
+ private:
+  TextRow& add_integer(std::int64_t value);
+  void separate();
+
+  char separator_;
+  std::string text_;
+};
+
+}  // namespace swiftlet::sim
