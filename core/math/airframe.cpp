@@ -13,34 +13,48 @@ void Rotor::visit(ConfigVisitor& v) {
 
 void Airframe::visit(ConfigVisitor& v) {
   v.field("mass_kg", mass_kg, "[kg] take-off mass with payload", Range::positive());
-  v.field("inertia_diagonal_kgm2", inertia_diagonal_kgm2, "[kg m^2] principal moments about the body axes", Range::positive());
+  v.field("inertia_diagonal_kgm2", inertia_diagonal_kgm2, "[kg m^2] principal moments about the body axes",
+          Range::positive());
   v.field("arm_length_m", arm_length_m, "[m] centre to rotor hub", Range::positive());
   v.field("body_height_m", body_height_m, "[m] height of the body", Range::positive());
   v.field("body_radius_m", body_radius_m, "[m] radius of the central plates", Range::positive());
+  v.field("leg_height_m", leg_height_m, "[m] centre of mass to the ground when standing on the legs",
+          Range::positive());
   v.field("propeller_radius_m", propeller_radius_m, "[m]", Range::positive());
   v.field("propeller_blades", propeller_blades, "[-] blades of a propeller", Range::between(2, 6));
-  v.field("thrust_constant_N_per_radps2", thrust_constant_N_per_radps2, "[N/(rad/s)^2] thrust = constant * speed^2", Range::positive());
+  v.field("thrust_constant_N_per_radps2", thrust_constant_N_per_radps2, "[N/(rad/s)^2] thrust = constant * speed^2",
+          Range::positive());
   v.field("torque_to_thrust_m", torque_to_thrust_m, "[m] drag torque of a rotor = this * thrust", Range::positive());
-  v.field("rotor_inertia_kgm2", rotor_inertia_kgm2, "[kg m^2] of motor bell and propeller about the axis", Range::non_negative());
-  v.field("motor_time_constant_up_s", motor_time_constant_up_s, "[s] first-order lag when speeding up", Range::positive());
-  v.field("motor_time_constant_down_s", motor_time_constant_down_s, "[s] first-order lag when slowing down", Range::positive());
+  v.field("rotor_inertia_kgm2", rotor_inertia_kgm2, "[kg m^2] of motor bell and propeller about the axis",
+          Range::non_negative());
+  v.field("motor_time_constant_up_s", motor_time_constant_up_s, "[s] first-order lag when speeding up",
+          Range::positive());
+  v.field("motor_time_constant_down_s", motor_time_constant_down_s, "[s] first-order lag when slowing down",
+          Range::positive());
   v.field("rotor_speed_min_radps", rotor_speed_min_radps, "[rad/s] at command 0", Range::non_negative());
   v.field("rotor_speed_max_radps", rotor_speed_max_radps, "[rad/s] at command 1", Range::positive());
-  v.field("rotor_drag_N_per_radps_mps", rotor_drag_N_per_radps_mps, "[N/((rad/s)(m/s))] in-plane drag of a rotor = this * speed * velocity", Range::non_negative());
-  v.field("body_drag_area_m2", body_drag_area_m2, "[m^2] drag coefficient times area along the body axes", Range::non_negative());
-  v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of the frame at the LiDAR's wavelength", Range::probability());
+  v.field("rotor_drag_N_per_radps_mps", rotor_drag_N_per_radps_mps,
+          "[N/((rad/s)(m/s))] in-plane drag of a rotor = this * speed * velocity", Range::non_negative());
+  v.field("body_drag_area_m2", body_drag_area_m2, "[m^2] drag coefficient times area along the body axes",
+          Range::non_negative());
+  v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of the frame at the LiDAR's wavelength",
+          Range::probability());
   v.list("rotors", rotors, "in the order of the commands");
   v.check(rotor_speed_max_radps > rotor_speed_min_radps, "rotor_speed_max_radps", "more than rotor_speed_min_radps");
   v.check(rotors.size() <= 8, "rotors", "at most 8 rotors");
 }
 
 double Airframe::circumscribed_radius_m() const {
-  double radius_m = body_radius_m;
+  double radius_m = std::hypot(body_radius_m, std::max(0.5 * body_height_m, leg_height_m));
   for (const Rotor& rotor : rotors) {
     const double reach_m = std::hypot(rotor.position_m.x(), rotor.position_m.y()) + propeller_radius_m;
     radius_m = std::max(radius_m, std::hypot(reach_m, rotor.position_m.z()));
   }
   return radius_m;
+}
+
+double Airframe::hover_rotor_speed_radps(double gravity_mps2) const {
+  return std::sqrt(mass_kg * gravity_mps2 / (num_rotors() * thrust_constant_N_per_radps2));
 }
 
 }  // namespace swiftlet

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/world/vehicle_state.hpp"
 #include "sim/physics/wind.hpp"
 #include "sim/raycast/ray_scene.hpp"
+#include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/airframe.hpp"
 #include "swiftlet/core/config.hpp"
 
@@ -26,8 +26,15 @@ struct PhysicsConfig {
   bool body_drag = true;
   bool ground_effect = true;
   bool downwash = true;
+  double ground_effect_coefficient =
+      11.36859;  ///< of the law in sim/physics/air_effects.hpp; 1: a single rotor of Cheeseman and Bennett
   bool contacts = true;
-  double crash_speed_mps = 0.5;     ///< a contact at more than this normal speed is a crash; slower ones are landings or brushes
+  double contact_friction = 0.6;  ///< Coulomb, of the vehicle against anything
+  double contact_restitution = 0.1;
+  double crash_speed_mps =
+      0.5;  ///< a contact at more than this normal speed is a crash; slower ones are landings or brushes
+  bool propeller_contact_is_crash =
+      true;  ///< a turning propeller that touches anything breaks, however slowly it comes
   bool stop_motors_on_crash = true;
 
   void visit(ConfigVisitor& v);
@@ -37,24 +44,25 @@ struct PhysicsVehicle {
   std::string name;
   Airframe airframe;
   VehicleState start;
-  bool motors_on = false;   ///< start with rotors at hover speed (in the air) instead of at rest (on the ground)
+  bool motors_on = false;  ///< start with rotors at hover speed (in the air) instead of at rest (on the ground)
 };
 
 /// A contact that broke a vehicle. Two vehicles that meet give one event each.
 struct Crash {
   TimeNs t = 0;
   VehicleId vehicle = kNoVehicle;
-  VehicleId other_vehicle = kNoVehicle;     ///< kNoVehicle: the static world
-  SurfaceClass surface_class = SurfaceClass::kUnlabeled;   ///< what of the static world
+  VehicleId other_vehicle = kNoVehicle;                   ///< kNoVehicle: the static world
+  SurfaceClass surface_class = SurfaceClass::kUnlabeled;  ///< what of the static world
   std::uint16_t instance = 0;
   Vector3 p_world_m = Vector3::Zero();
-  double speed_mps = 0.0;                   ///< normal speed at the contact
+  double speed_mps = 0.0;  ///< normal speed at the contact
 };
 
 /// Exact distances of one vehicle's centre at the end of a tick.
 struct Clearance {
-  double surface_m = 0.0;       ///< centre of mass to the nearest triangle, less the circumscribed radius
-  double vehicle_m = 0.0;       ///< to the nearest other vehicle, less both circumscribed radii; infinity when alone
+  double surface_m =
+      0.0;  ///< centre of mass to the nearest triangle, less the circumscribed radius (so down to -radius)
+  double vehicle_m = 0.0;  ///< to the nearest other vehicle, less both circumscribed radii; infinity when alone
   VehicleId nearest_vehicle = kNoVehicle;
 };
 
@@ -68,6 +76,7 @@ class PhysicsWorld {
   ~PhysicsWorld();
 
   /// Advances by whole physics steps to `t_end`, rotor commands held; pushes the state after each step to `history`.
+  /// A command is 0..1 from least to greatest rotor speed, clamped; a negative one (or NaN) lets the rotor stop.
   void advance(TimeNs t_end, std::span<const std::array<double, kMaxRotors>> rotor_commands, StateHistory& history);
 
   const VehicleState& state(VehicleId vehicle) const;
@@ -76,7 +85,8 @@ class PhysicsWorld {
   std::span<const Crash> crashes() const;
   /// Vehicles touching something after the last advance().
   bool in_contact(VehicleId vehicle) const;
-  /// Distances after the last advance(), measured exactly; `max_distance_m` bounds the search.
+  /// Distances after the last advance(), measured exactly; a surface beyond `max_distance_m` is reported as that far.
+  /// Different vehicles may be asked by different threads.
   Clearance clearance(VehicleId vehicle, double max_distance_m) const;
   /// Wind at the vehicle after the last step, world frame.
   Vector3 wind_world_mps(VehicleId vehicle) const;

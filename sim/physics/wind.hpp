@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
-#include <string>
-#include <vector>
+#include <cstdint>
+#include <string_view>
 
+#include "core/math/random.hpp"
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/frames.hpp"
 
@@ -17,6 +17,41 @@ struct WindConfig {
   double wind_at_6m_mps = 7.7;  ///< W20 of MIL-F-8785C: 7.7 light, 15.4 moderate, 23.2 severe
 
   void visit(ConfigVisitor& v);
+};
+
+/// Of the three components of turbulence: u along the mean wind's heading, v to its left, w up.
+struct DrydenScales {
+  Vector3 length_m;
+  Vector3 sigma_mps;
+};
+
+/// MIL-F-8785C below 1000 ft: L_w = h, L_u = L_v = h / (0.177 + 0.000823 h)^1.2 (h in ft), sigma_w = 0.1 W20,
+/// sigma_u = sigma_v = sigma_w / (0.177 + 0.000823 h)^0.4. The height is clamped to 10..1000 ft (3..305 m).
+DrydenScales dryden_scales(double height_m, double wind_at_6m_mps);
+
+/// Turbulence at one vehicle: each component a first-order process in the distance flown through the air,
+///   x' = a x + sqrt(1 - a^2) nu,  a = exp(-V dt / L_u) for u and exp(-2 V dt / L) for v and w,
+/// which is the exact discretisation (stable for any step) of the usual forward-difference form. Kept at unit variance
+/// and scaled by sigma on the way out, so that climbing changes the strength without a transient. Starts stationary.
+class Gusts {
+ public:
+  Gusts(const WindConfig& config, std::uint64_t seed, std::string_view vehicle);
+
+  /// The gust of step number `step` (1, 2, ...; 0 is the start), world frame [m/s].
+  /// @param height_m      above the world's z = 0
+  /// @param airspeed_mps  of the vehicle; the frozen field is crossed at max(airspeed, mean wind, 1 m/s), so that a
+  ///                      vehicle hovering in still air feels changing gusts, too
+  const Vector3& advance(std::uint32_t step, double dt_s, double height_m, double airspeed_mps);
+  const Vector3& gust_world_mps() const { return gust_world_mps_; }
+
+ private:
+  WindConfig config_;
+  Random random_;
+  double mean_speed_mps_ = 0.0;
+  Vector3 along_ = Vector3::UnitX();  ///< heading of the mean wind; east when there is none
+  Vector3 left_ = Vector3::UnitY();
+  Vector3 unit_gust_ = Vector3::Zero();  ///< (u, v, w) at unit variance
+  Vector3 gust_world_mps_ = Vector3::Zero();
 };
 
 }  // namespace swiftlet::sim

@@ -24,9 +24,10 @@ struct Rotor {
 struct Airframe {
   double mass_kg = 2.0;
   Eigen::Vector3d inertia_diagonal_kgm2 = {0.0217, 0.0217, 0.04};
-  double arm_length_m = 0.25;       ///< centre to rotor hub
+  double arm_length_m = 0.25;  ///< centre to rotor hub
   double body_height_m = 0.1;
-  double body_radius_m = 0.12;      ///< of the central plates
+  double body_radius_m = 0.12;  ///< of the central plates
+  double leg_height_m = 0.2;    ///< centre of mass to the ground when the vehicle stands on its legs
   double propeller_radius_m = 0.15;
   int propeller_blades = 2;
   double thrust_constant_N_per_radps2 = 2.47e-5;  ///< thrust of a rotor = this * speed^2
@@ -36,16 +37,19 @@ struct Airframe {
   double motor_time_constant_down_s = 0.025;
   double rotor_speed_min_radps = 122.5;
   double rotor_speed_max_radps = 816.8;
-  double rotor_drag_N_per_radps_mps = 0.0;  ///< H-force of a rotor: -this * speed * velocity in the rotor plane [N per (rad/s)(m/s)]
+  double rotor_drag_N_per_radps_mps =
+      0.0;  ///< H-force of a rotor: -this * speed * velocity in the rotor plane [N per (rad/s)(m/s)]
   Eigen::Vector3d body_drag_area_m2 = {0.02, 0.02, 0.05};  ///< C_d * A along the body axes
-  double reflectivity = 0.3;          ///< of frame and body at the LiDAR's wavelength
-  std::vector<Rotor> rotors;          ///< in the order of the commands
+  double reflectivity = 0.3;                               ///< of frame and body at the LiDAR's wavelength
+  std::vector<Rotor> rotors;                               ///< in the order of the commands
 
   void visit(ConfigVisitor& v);
 
   int num_rotors() const { return static_cast<int>(rotors.size()); }
   /// Radius of the sphere around the centre of mass that holds the whole vehicle with its propellers [m].
   double circumscribed_radius_m() const;
+  /// Speed of every rotor at which their thrusts together carry the weight [rad/s].
+  double hover_rotor_speed_radps(double gravity_mps2 = 9.81) const;
   double max_thrust_N() const {
     return num_rotors() * thrust_constant_N_per_radps2 * rotor_speed_max_radps * rotor_speed_max_radps;
   }

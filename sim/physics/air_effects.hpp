@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/frames.hpp"
+
+/// What a rotor does to the air around it, near a surface and far below.
+namespace swiftlet::sim {
+
+/// Extra thrust of a rotor near a surface, as a fraction of its thrust in free air:
+///   gain = coefficient * (R / (4 h))^2, at most 4/15.
+/// The leading term of Cheeseman and Bennett (1955) has coefficient 1; gym-pybullet-drones fits 11.36859 to a whole
+/// quadrotor and clips the height where the gain of all rotors at full speed would exceed 4/15 (BaseAviary.py:715-760),
+/// which written without dimensions is the same limit for every vehicle.
+/// @param height_m  of the rotor's hub above the surface; anything below counts as touching
+double ground_effect_gain(double height_m, double propeller_radius_m, double coefficient);
+inline constexpr double kGroundEffectGainMax = 4.0 / 15.0;
+/// Height in propeller radii above which the effect is left out (gain below 0.2 % at the default coefficient).
+inline constexpr double kGroundEffectReachRadii = 20.0;
+
+/// Air speed in the wake of a multirotor, all its rotors taken as one disc of the same area A.
+///
+/// Momentum theory: v_i = sqrt(T / (2 rho A)) at the disc, growing to 2 v_i below as (1 + z / sqrt(z^2 + R^2))
+/// (McCormick, vortex cylinder) while the stream tube contracts to half the area; from there it spreads like a round
+/// turbulent jet (half-width growing by 0.094 per metre; Pope, Turbulent Flows, sec. 5.1), with a Gaussian profile that
+/// carries the same momentum T at every distance.
+/// The published fit of gym-pybullet-drones is not used: it gives newtons for a 27 g Crazyflie, and its footprint
+/// shrinks to a point 0.69 m below the rotor.
+struct Wake {
+  Vector3 origin_world_m = Vector3::Zero();
+  Vector3 axis_world = -Vector3::UnitZ();  ///< where the air goes
+  double induced_mps = 0.0;                ///< v_i
+  double disc_radius_m = 0.0;              ///< of the equivalent disc
+
+  /// Velocity of the air at a point [m/s]; zero beside and above the rotors, and farther than kReach_m below.
+  Vector3 velocity_world_mps(const Vector3& p_world_m) const;
+  /// Speed on the axis at a distance z >= 0 below the disc [m/s], and width of the Gaussian there [m].
+  double axis_speed_mps(double z_m) const;
+  double width_m(double z_m) const;
+
+  static constexpr double kReach_m = 20.0;  ///< the wake of a 2 kg vehicle is down to 1 m/s there
+};
+
+Wake make_wake(const Airframe& airframe, const Vector3& p_world_m, const Matrix3& R_world_body, double thrust_N,
+               double air_density_kgpm3);
+
+}  // namespace swiftlet::sim

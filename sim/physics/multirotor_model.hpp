@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "sim/physics/physics_world.hpp"
+#include "sim/world/vehicle_state.hpp"
+#include "swiftlet/core/airframe.hpp"
+
+namespace swiftlet::sim {
+
+/// The air around one vehicle, held constant over a physics step.
+struct AirAtVehicle {
+  Vector3 wind_world_mps = Vector3::Zero();
+  Vector3 downwash_world_mps = Vector3::Zero();         ///< added to the wind
+  std::array<double, kMaxRotors> ground_effect_gain{};  ///< extra thrust as a fraction
+};
+
+/// Free flight of one multirotor: motors, rotors, air and gravity on a rigid body. Contacts are not its business.
+///
+/// A step is exact for the motors (the command is held, so a first-order lag has a closed form) and classical
+/// Runge-Kutta 4 for the body, whose forces see the rotor speeds at the beginning, middle and end of the step. That is
+/// fourth order at about a quarter of a microsecond, where a semi-implicit Euler step of the physics engine is first
+/// order: at 1 kHz the integration error of an agile flight stays below a micrometre a second.
+class MultirotorModel {
+ public:
+  MultirotorModel(const Airframe& airframe, const PhysicsConfig& config);
+
+  /// One step of config.step_s. Does not touch state.t. A negative command stops the rotor.
+  void step(VehicleState& state, const std::array<double, kMaxRotors>& rotor_command, const AirAtVehicle& air) const;
+  /// Motors alone: what a vehicle at rest on the ground still does.
+  void step_motors(VehicleState& state, const std::array<double, kMaxRotors>& rotor_command) const;
+
+  struct Acceleration {
+    Vector3 linear_world_mps2;
+    Vector3 angular_body_radps2;
+  };
+  /// In free flight at this instant, rotor speeds taken as constant.
+  Acceleration acceleration(const VehicleState& state, const AirAtVehicle& air) const;
+
+  double thrust_N(const VehicleState& state) const;  ///< in free air, without ground effect
+  const Airframe& airframe() const { return airframe_; }
+
+ private:
+  struct RotorLoad;  // what the rotors do to the body at one instant
+  struct Motors;     // rotor speeds at three instants of a step
+
+  Motors run_motors(VehicleState& state, const std::array<double, kMaxRotors>& rotor_command) const;
+  RotorLoad load(const std::array<double, kMaxRotors>& speed, double momentum_rate, const AirAtVehicle& air) const;
+  Acceleration accelerate(const RotorLoad& load, const Matrix3& R_world_body, const Vector3& v_world,
+                          const Vector3& omega_body, const AirAtVehicle& air) const;
+
+  Airframe airframe_;
+  PhysicsConfig config_;
+  int num_rotors_ = 0;
+  std::array<double, kMaxRotors> direction_{};
+  std::array<double, 2> half_step_decay_up_down_{};  // exp(-step / 2 / time constant)
+  Vector3 inertia_ = Vector3::Ones();
+  Vector3 inertia_inverse_ = Vector3::Ones();
+  bool rotor_drag_ = false;
+};
+
+}  // namespace swiftlet::sim

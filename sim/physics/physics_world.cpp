@@ -1,0 +1,468 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/physics/physics_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "sim/physics/air_effects.hpp"
+#include "sim/physics/contacts.hpp"
+#include "sim/physics/multirotor_model.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using RotorCommands = std::span<const std::array<double, kMaxRotors>>;
+
+constexpr TimeNs kPlanSpan = 10'000'000;      // who can touch what is decided for at most this long
+constexpr double kContactMargin_m = 0.03;     // more than the distance from which contacts are prepared
+constexpr double kSurfaceSlack_m = 2.0;       // distances are asked this much farther than needed, to be asked rarely
+constexpr double kPerRotorGroundRadii = 6.0;  // below this height every rotor has its own ray to the ground
+constexpr double kTurningRotor_radps = 10.0;
+// A vehicle that stands still for a while is frozen until the forces on it change.
+constexpr double kRestSpeed_mps = 0.01;
+constexpr double kRestRate_radps = 0.03;
+constexpr double kRestTime_s = 0.25;
+constexpr double kWakeLinear_mps2 = 0.1;
+constexpr double kWakeAngular_radps2 = 0.5;
+
+/// Distance to the nearest surface as known from an earlier place: at p it is at least distance - |p - from|.
+struct SurfaceBound {
+  Vector3 from_world_m = Vector3::Zero();
+  double distance_m = 0.0;
+  bool exact = false;  // a surface is at just this distance; otherwise there is none nearer
+
+  double at_least_m(const Vector3& p) const { return distance_m - (p - from_world_m).norm(); }
+};
+
+struct Vehicle {
+  Vehicle(std::string vehicle_name, MultirotorModel vehicle_model)
+      : name(std::move(vehicle_name)), model(std::move(vehicle_model)) {}
+
+  std::string name;
+  MultirotorModel model;
+  AirAtVehicle air;
+  std::optional<Gusts> gusts;
+  double circumscribed_m = 0.0;
+  double contact_reach_m = 0.0;  // radius of the collision shape with the margin
+  double acceleration_bound_mps2 = 0.0;
+  SurfaceBound surface;
+
+  // Of the current plan:
+  bool near_world = false;  // may meet a triangle before the plan ends
+  bool near = false;        // ... or another vehicle
+  double travel_m = 0.0;    // bound of the way until then
+
+  bool touching = false;
+  bool asleep = false;
+  double still_s = 0.0;
+  MultirotorModel::Acceleration free_acceleration{};  // when it fell asleep
+};
+
+Eigen::Quaterniond rotation_by(const Vector3& rotation_vector) {
+  const double angle = rotation_vector.norm();
+  if (angle < 1e-12)
+    return Eigen::Quaterniond(1.0, 0.5 * rotation_vector.x(), 0.5 * rotation_vector.y(), 0.5 * rotation_vector.z());
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation_vector / angle));
+}
+
+bool rotors_turn(const VehicleState& state) {
+  return *std::max_element(state.rotor_speed_radps.begin(), state.rotor_speed_radps.end()) > kTurningRotor_radps;
+}
+
+}  // namespace
+
+struct PhysicsWorld::Impl {
+  PhysicsConfig config;
+  WindConfig wind;
+  std::shared_ptr<const StaticScene> scene;
+  TimeNs step = 0;
+  TimeNs now = 0;
+  std::vector<Vehicle> vehicles;
+  std::vector<VehicleState> states;
+  Contacts contacts;
+  std::vector<Crash> crashes;
+
+  // Scratch, kept to keep its memory.
+  std::vector<Vector3> positions;
+  std::vector<Wake> wakes;
+  std::vector<VehicleId> near_vehicles;
+  std::vector<Contacts::Pair> near_pairs;
+  std::vector<VehicleState> before;  // of this step, for the near vehicles
+  std::vector<ContactBody> bodies;
+  std::vector<Contacts::Pair> pairs;
+  std::vector<Touch> touches;
+  std::array<double, kMaxRotors> stopped{};
+
+  Impl(const PhysicsConfig& physics, const WindConfig& wind_config, std::span<const PhysicsVehicle> fleet,
+       std::shared_ptr<const StaticScene> static_scene, std::uint64_t seed)
+      : config(physics),
+        wind(wind_config),
+        scene(std::move(static_scene)),
+        step(from_seconds(physics.step_s)),
+        contacts(fleet, physics) {
+    stopped.fill(-1.0);
+    for (const PhysicsVehicle& vehicle : fleet) add(vehicle, seed);
+    const std::size_t count = vehicles.size();
+    crashes.reserve(count);
+    positions.resize(count);
+    wakes.resize(count);
+    near_vehicles.reserve(count);
+    near_pairs.reserve(16 * count);
+    before.resize(count);
+    bodies.reserve(count);
+    pairs.reserve(16 * count);
+    touches.reserve(64 + 8 * count);
+    note_positions();
+  }
+
+  void add(const PhysicsVehicle& vehicle, std::uint64_t seed) {
+    const Airframe& airframe = vehicle.airframe;
+    const VehicleId id = static_cast<VehicleId>(vehicles.size());
+    VehicleState state = vehicle.start;
+    state.t = 0;
+    state.q_world_body.normalize();
+    if (vehicle.motors_on) {
+      const double hover = std::clamp(airframe.hover_rotor_speed_radps(config.gravity_mps2.norm()),
+                                      airframe.rotor_speed_min_radps, airframe.rotor_speed_max_radps);
+      std::fill_n(state.rotor_speed_radps.begin(), airframe.num_rotors(), hover);
+    }
+    Vehicle entry(vehicle.name, MultirotorModel(airframe, config));
+    entry.air.wind_world_mps = wind.mean_mps;
+    if (wind.gusts) {
+      entry.gusts.emplace(wind, seed, vehicle.name);
+      blow(entry, state, 0);
+    }
+    entry.circumscribed_m = airframe.circumscribed_radius_m();
+    entry.contact_reach_m = contacts.reach_m(id) + kContactMargin_m;
+    // Twice what rotors and gravity can do leaves room for drag in any wind that a vehicle survives.
+    entry.acceleration_bound_mps2 = 2.0 * (airframe.max_thrust_N() / airframe.mass_kg + config.gravity_mps2.norm());
+    vehicles.push_back(std::move(entry));
+    states.push_back(state);
+  }
+
+  void note_positions() {
+    for (std::size_t i = 0; i < states.size(); ++i) positions[i] = states[i].p_world_m;
+  }
+
+  // ---- what lies ahead: decided once for several steps ----
+
+  void plan(double span_s) {
+    note_positions();
+    if (config.downwash) blow_wakes();
+    for (std::size_t i = 0; i < vehicles.size(); ++i) {
+      Vehicle& vehicle = vehicles[i];
+      vehicle.travel_m =
+          states[i].v_world_mps.norm() * span_s + 0.5 * vehicle.acceleration_bound_mps2 * span_s * span_s;
+      vehicle.near_world = config.contacts && scene && may_meet_surface(vehicle, states[i].p_world_m);
+      vehicle.near = vehicle.near_world;
+      if (vehicle.near_world && !vehicle.asleep) gather_triangles(static_cast<VehicleId>(i));
+      if (config.ground_effect && scene) feel_ground(vehicle, states[i]);
+    }
+    near_pairs.clear();
+    if (config.contacts) find_near_pairs();
+    near_vehicles.clear();
+    for (std::size_t i = 0; i < vehicles.size(); ++i) {
+      if (vehicles[i].near) near_vehicles.push_back(static_cast<VehicleId>(i));
+    }
+  }
+
+  double ground_effect_reach_m(const Vehicle& vehicle) const {
+    return config.ground_effect ? kGroundEffectReachRadii * vehicle.model.airframe().propeller_radius_m : 0.0;
+  }
+
+  bool may_meet_surface(Vehicle& vehicle, const Vector3& p_world) const {
+    const double reach_m = vehicle.contact_reach_m + vehicle.travel_m;
+    if (vehicle.surface.at_least_m(p_world) > reach_m) return false;
+    if (vehicle.asleep) return true;
+    const double radius_m = reach_m + std::max(kSurfaceSlack_m, ground_effect_reach_m(vehicle));
+    measure_surface(vehicle, p_world, radius_m);
+    return vehicle.surface.distance_m <= reach_m;
+  }
+
+  void measure_surface(Vehicle& vehicle, const Vector3& p_world, double radius_m) const {
+    const std::optional<NearestSurface> nearest = scene->nearest(p_world, radius_m);
+    vehicle.surface = {p_world, nearest ? nearest->distance_m : radius_m, nearest.has_value()};
+  }
+
+  void gather_triangles(VehicleId id) {
+    const Vector3 half = Vector3::Constant(vehicles[id].contact_reach_m + vehicles[id].travel_m);
+    contacts.gather_triangles(id, *scene, {positions[id] - half, positions[id] + half});
+  }
+
+  /// Wakes of all vehicles at all others, as they are at the beginning of the plan: a wake takes longer to change.
+  void blow_wakes() {
+    for (std::size_t i = 0; i < vehicles.size(); ++i) {
+      const MultirotorModel& model = vehicles[i].model;
+      wakes[i] = make_wake(model.airframe(), positions[i], states[i].q_world_body.toRotationMatrix(),
+                           model.thrust_N(states[i]), config.air_density_kgpm3);
+    }
+    for (std::size_t i = 0; i < vehicles.size(); ++i) {
+      Vector3 sum = Vector3::Zero();
+      for (std::size_t source = 0; source < wakes.size(); ++source) {
+        if (source != i) sum += wakes[source].velocity_world_mps(positions[i]);
+      }
+      vehicles[i].air.downwash_world_mps = sum;
+    }
+  }
+
+  /// Height of each rotor above the surface below it, by a ray straight down.
+  void feel_ground(Vehicle& vehicle, const VehicleState& state) const {
+    vehicle.air.ground_effect_gain.fill(0.0);
+    const double reach_m = ground_effect_reach_m(vehicle);
+    const Matrix3 R_world_body = state.q_world_body.toRotationMatrix();
+    const double upright = R_world_body(2, 2);
+    if (upright <= 0.0 || vehicle.surface.at_least_m(state.p_world_m) > reach_m) return;
+    const Vector3 down = -Vector3::UnitZ();
+    const double center_height_m = scene->trace(state.p_world_m, down, reach_m).range_m;
+    const Airframe& airframe = vehicle.model.airframe();
+    const bool high = center_height_m > kPerRotorGroundRadii * airframe.propeller_radius_m;
+    if (center_height_m <= 0.0 && vehicle.surface.at_least_m(state.p_world_m) > airframe.arm_length_m) return;
+    for (int i = 0; i < airframe.num_rotors(); ++i) {
+      const Vector3 arm_world = R_world_body * airframe.rotors[i].position_m;
+      double height_m = center_height_m + arm_world.z();
+      if (!high) {
+        height_m = scene->trace(state.p_world_m + arm_world, down, reach_m).range_m;
+        if (height_m <= 0.0) continue;
+      }
+      vehicle.air.ground_effect_gain[i] =
+          upright * ground_effect_gain(height_m, airframe.propeller_radius_m, config.ground_effect_coefficient);
+    }
+  }
+
+  void find_near_pairs() {
+    const VehicleId count = static_cast<VehicleId>(vehicles.size());
+    for (VehicleId a = 0; a < count; ++a) {
+      const double reach_a = vehicles[a].contact_reach_m + vehicles[a].travel_m;
+      for (VehicleId b = a + 1; b < count; ++b) {
+        const double reach_m = reach_a + vehicles[b].contact_reach_m + vehicles[b].travel_m;
+        if ((positions[a] - positions[b]).squaredNorm() > reach_m * reach_m) continue;
+        near_pairs.push_back({a, b});
+        for (const VehicleId id : {a, b}) {
+          vehicles[id].near = true;
+          if (vehicles[id].asleep) wake(id);
+        }
+      }
+    }
+  }
+
+  void wake(VehicleId id) {
+    Vehicle& vehicle = vehicles[id];
+    vehicle.asleep = false;
+    vehicle.still_s = 0.0;
+    if (vehicle.near_world) gather_triangles(id);
+  }
+
+  // ---- one step ----
+
+  void blow(Vehicle& vehicle, const VehicleState& state, std::uint32_t step_number) const {
+    const Vector3 v_air = state.v_world_mps - vehicle.air.wind_world_mps;
+    vehicle.air.wind_world_mps =
+        wind.mean_mps + vehicle.gusts->advance(step_number, config.step_s, state.p_world_m.z(), v_air.norm());
+  }
+
+  const std::array<double, kMaxRotors>& command_of(VehicleId id, RotorCommands commands) const {
+    return states[id].crashed && config.stop_motors_on_crash ? stopped : commands[id];
+  }
+
+  /// Free flight through one step.
+  void fly(VehicleId id, TimeNs t, RotorCommands commands) {
+    Vehicle& vehicle = vehicles[id];
+    VehicleState& state = states[id];
+    if (vehicle.gusts) blow(vehicle, state, static_cast<std::uint32_t>(t / step));
+    if (vehicle.asleep) {
+      vehicle.model.step_motors(state, command_of(id, commands));
+      const auto free = vehicle.model.acceleration(state, vehicle.air);
+      const auto& then = vehicle.free_acceleration;
+      if ((free.linear_world_mps2 - then.linear_world_mps2).norm() > kWakeLinear_mps2 ||
+          (free.angular_body_radps2 - then.angular_body_radps2).norm() > kWakeAngular_radps2) {
+        wake(id);
+      }
+    } else {
+      vehicle.model.step(state, command_of(id, commands), vehicle.air);
+    }
+    state.t = t;
+  }
+
+  /// A vehicle that can touch nothing before the plan ends needs nobody else.
+  void fly_clear(VehicleId id, int num_steps, RotorCommands commands, StateHistory& history) {
+    vehicles[id].touching = false;
+    vehicles[id].still_s = 0.0;
+    for (int k = 1; k <= num_steps; ++k) {
+      fly(id, now + k * step, commands);
+      history.push(id, states[id]);
+    }
+  }
+
+  /// All vehicles that may touch something, one step: free flight, then what contacts change of it.
+  void fly_near(TimeNs t, RotorCommands commands, StateHistory& history) {
+    for (const VehicleId id : near_vehicles) {
+      before[id] = states[id];
+      fly(id, t, commands);
+    }
+    touches.clear();
+    collect_bodies();
+    if (!bodies.empty()) {
+      contacts.resolve(bodies, pairs, touches);
+      for (const ContactBody& body : bodies) take_over(body);
+      for (const Touch& touch : touches) judge(touch, t);
+    }
+    for (const VehicleId id : near_vehicles) {
+      fall_asleep(id);
+      history.push(id, states[id]);
+    }
+  }
+
+  void collect_bodies() {
+    bodies.clear();
+    pairs.clear();
+    for (const Contacts::Pair& pair : near_pairs) {
+      const double reach_m = vehicles[pair.a].contact_reach_m + vehicles[pair.b].contact_reach_m;
+      const double way_m = (states[pair.a].v_world_mps.norm() + states[pair.b].v_world_mps.norm()) * config.step_s;
+      if ((before[pair.a].p_world_m - before[pair.b].p_world_m).norm() < reach_m + way_m) pairs.push_back(pair);
+    }
+    for (const VehicleId id : near_vehicles) {
+      Vehicle& vehicle = vehicles[id];
+      if (vehicle.asleep) continue;
+      vehicle.touching = false;
+      const bool low = vehicle.near_world && vehicle.surface.at_least_m(before[id].p_world_m) < vehicle.contact_reach_m;
+      const bool meets = std::any_of(pairs.begin(), pairs.end(),
+                                     [id](const Contacts::Pair& pair) { return pair.a == id || pair.b == id; });
+      if (!low && !meets) continue;
+      const VehicleState& state = states[id];
+      bodies.push_back({id, low, before[id].p_world_m, before[id].q_world_body, state.v_world_mps,
+                        state.q_world_body * state.omega_body_radps, false});
+    }
+  }
+
+  /// Where contacts pushed, their velocities carry the vehicle from its place at the beginning of the step.
+  void take_over(const ContactBody& body) {
+    if (!body.touched) return;
+    VehicleState& state = states[body.vehicle];
+    vehicles[body.vehicle].touching = true;
+    state.v_world_mps = body.v_world_mps;
+    state.p_world_m = body.p_world_m + config.step_s * body.v_world_mps;
+    state.q_world_body = (rotation_by(config.step_s * body.omega_world_radps) * body.q_world_body).normalized();
+    state.omega_body_radps = state.q_world_body.conjugate() * body.omega_world_radps;
+  }
+
+  /// Is this contact a crash?
+  void judge(const Touch& touch, TimeNs t) {
+    VehicleState& state = states[touch.vehicle];
+    if (state.crashed) return;
+    const bool propeller_hit =
+        config.propeller_contact_is_crash &&
+        ((touch.propeller && rotors_turn(state)) || (touch.other_propeller && rotors_turn(states[touch.other])));
+    if (touch.approach_mps <= config.crash_speed_mps && !propeller_hit) return;
+    state.crashed = true;
+    Crash crash{.t = t,
+                .vehicle = touch.vehicle,
+                .other_vehicle = touch.other,
+                .p_world_m = touch.p_world_m,
+                .speed_mps = touch.approach_mps};
+    if (touch.other == kNoVehicle) {
+      if (const auto surface = scene->nearest(touch.p_world_m, kSurfaceSlack_m)) {
+        crash.surface_class = surface->surface_class;
+        crash.instance = surface->instance;
+      }
+    } else {
+      crash.surface_class = SurfaceClass::kVehicle;
+      crash.instance = static_cast<std::uint16_t>(touch.other + 1);
+    }
+    crashes.push_back(crash);
+  }
+
+  void fall_asleep(VehicleId id) {
+    Vehicle& vehicle = vehicles[id];
+    VehicleState& state = states[id];
+    if (vehicle.asleep) return;
+    const bool still = vehicle.touching && state.v_world_mps.norm() < kRestSpeed_mps &&
+                       state.omega_body_radps.norm() < kRestRate_radps;
+    vehicle.still_s = still ? vehicle.still_s + config.step_s : 0.0;
+    if (vehicle.still_s < kRestTime_s || has_near_pair(id)) return;
+    vehicle.asleep = true;
+    state.v_world_mps.setZero();
+    state.omega_body_radps.setZero();
+    vehicle.free_acceleration = vehicle.model.acceleration(state, vehicle.air);
+  }
+
+  bool has_near_pair(VehicleId id) const {
+    return std::any_of(near_pairs.begin(), near_pairs.end(),
+                       [id](const Contacts::Pair& pair) { return pair.a == id || pair.b == id; });
+  }
+
+  void advance(TimeNs t_end, RotorCommands commands, StateHistory& history) {
+    if (commands.size() < vehicles.size())
+      throw std::invalid_argument("PhysicsWorld::advance: one command per vehicle expected");
+    crashes.clear();
+    while (now + step <= t_end) {
+      const int num_steps = static_cast<int>(std::min((t_end - now) / step, std::max<TimeNs>(kPlanSpan / step, 1)));
+      plan(num_steps * config.step_s);
+      for (std::size_t i = 0; i < vehicles.size(); ++i) {
+        if (!vehicles[i].near) fly_clear(static_cast<VehicleId>(i), num_steps, commands, history);
+      }
+      for (int k = 1; k <= num_steps && !near_vehicles.empty(); ++k) fly_near(now + k * step, commands, history);
+      now += num_steps * step;
+    }
+    note_positions();
+    std::sort(crashes.begin(), crashes.end(),
+              [](const Crash& a, const Crash& b) { return a.t != b.t ? a.t < b.t : a.vehicle < b.vehicle; });
+  }
+
+  Clearance clearance(VehicleId id, double max_distance_m) {
+    Clearance clearance;
+    Vehicle& vehicle = vehicles[id];
+    const Vector3& p = positions[id];
+
+    // The nearest surface was at a known distance from a known place: it bounds the search.
+    const double search_m = max_distance_m + vehicle.circumscribed_m;
+    clearance.surface_m = max_distance_m;
+    if (scene && vehicle.surface.at_least_m(p) < search_m) {
+      const double moved_m = (p - vehicle.surface.from_world_m).norm();
+      const double known_m =
+          vehicle.surface.exact ? (vehicle.surface.distance_m + moved_m) * (1.0 + 1e-6) + 1e-6 : search_m;
+      measure_surface(vehicle, p, std::min(known_m, search_m));
+      if (vehicle.surface.exact)
+        clearance.surface_m = std::min(vehicle.surface.distance_m - vehicle.circumscribed_m, max_distance_m);
+    }
+
+    clearance.vehicle_m = std::numeric_limits<double>::infinity();
+    for (std::size_t other = 0; other < vehicles.size(); ++other) {
+      if (static_cast<VehicleId>(other) == id) continue;
+      const double distance_m =
+          (positions[other] - p).norm() - vehicle.circumscribed_m - vehicles[other].circumscribed_m;
+      if (distance_m >= clearance.vehicle_m) continue;
+      clearance.vehicle_m = distance_m;
+      clearance.nearest_vehicle = static_cast<VehicleId>(other);
+    }
+    return clearance;
+  }
+};
+
+PhysicsWorld::PhysicsWorld(const PhysicsConfig& config, const WindConfig& wind, std::vector<PhysicsVehicle> vehicles,
+                           std::shared_ptr<const StaticScene> scene, std::uint64_t seed) {
+  if (from_seconds(config.step_s) <= 0) throw std::invalid_argument("physics.step_s: expected at least one nanosecond");
+  for (const PhysicsVehicle& vehicle : vehicles) {
+    if (vehicle.airframe.num_rotors() > kMaxRotors) {
+      throw std::invalid_argument("vehicle '" + vehicle.name + "': expected at most " + std::to_string(kMaxRotors) +
+                                  " rotors");
+    }
+  }
+  impl_ = std::make_unique<Impl>(config, wind, vehicles, std::move(scene), seed);
+}
+PhysicsWorld::~PhysicsWorld() = default;
+
+void PhysicsWorld::advance(TimeNs t_end, RotorCommands rotor_commands, StateHistory& history) {
+  impl_->advance(t_end, rotor_commands, history);
+}
+const VehicleState& PhysicsWorld::state(VehicleId vehicle) const { return impl_->states[vehicle]; }
+std::span<const VehicleState> PhysicsWorld::states() const { return impl_->states; }
+std::span<const Crash> PhysicsWorld::crashes() const { return impl_->crashes; }
+bool PhysicsWorld::in_contact(VehicleId vehicle) const { return impl_->vehicles[vehicle].touching; }
+Clearance PhysicsWorld::clearance(VehicleId vehicle, double max_distance_m) const {
+  return impl_->clearance(vehicle, max_distance_m);
+}
+Vector3 PhysicsWorld::wind_world_mps(VehicleId vehicle) const { return impl_->vehicles[vehicle].air.wind_world_mps; }
+
+}  // namespace swiftlet::sim
