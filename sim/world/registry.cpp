@@ -5,6 +5,7 @@
 
 #include "sim/world/empty.hpp"
 #include "sim/world/field.hpp"
+#include "sim/world/forest.hpp"
 #include "sim/world/forest_thesis.hpp"
 #include "sim/world/world.hpp"
 
@@ -24,6 +25,8 @@ constexpr WorldType row(const char* name, const char* doc) {
 // Adding a generator: its .hpp, .cpp and test, and one line here.
 const WorldType kWorldTypes[] = {
     row<FieldConfig, make_field>("field", "open ground with scattered trees"),
+    row<ForestConfig, make_forest>("forest",
+                                   "mixed forest on hills: stems, branches, porous crowns, undergrowth, fallen trunks"),
     row<EmptyConfig, make_empty>("empty", "nothing, or a flat ground"),
     row<ForestThesisConfig, make_forest_thesis>("forest_thesis", "100 cylinder-and-sphere trees (004, sec. 3.4)"),
 };
