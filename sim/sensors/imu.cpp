@@ -6,7 +6,7 @@
 namespace swiftlet::sim {
 
 void ImuConfig::visit(ConfigVisitor& v) {
-  v.model("model", model, "sensors", "preset: imu_adis16448, imu_mrs");
+  v.model("model", model, "sensors", "preset: imu_adis16448, imu_mrs, imu_perfect");
   visit_name(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second, up to the physics rate", Range::positive());
   v.field("position_m", position_m, "[m] where it is mounted, body frame");

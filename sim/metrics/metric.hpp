@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/physics/physics_world.hpp"
+#include "swiftlet/sim/recorder.hpp"
+
+namespace swiftlet::sim {
+
+/// One result: a number, or a word when `text` is not empty.
+struct MetricRow {
+  std::string name;     ///< with its unit as suffix: "path_length_m"
+  std::string vehicle;  ///< empty: of the whole run
+  double value = 0.0;   ///< NaN: not measured (no estimate, no other vehicle ...)
+  std::string unit;     ///< "m", "s", "m/s" ...; empty: a plain number or a word
+  std::string text;
+};
+
+/// Results in the order in which they were added; the same names for every vehicle and every run of a scenario.
+class MetricTable {
+ public:
+  void add(std::string name, std::string vehicle, double value, std::string unit) {
+    rows_.push_back({std::move(name), std::move(vehicle), value, std::move(unit), {}});
+  }
+  void add_text(std::string name, std::string vehicle, std::string text) {
+    rows_.push_back({std::move(name), std::move(vehicle), 0.0, {}, std::move(text)});
+  }
+  const std::vector<MetricRow>& rows() const { return rows_; }
+  const MetricRow* find(std::string_view name, std::string_view vehicle = {}) const;
+
+ private:
+  std::vector<MetricRow> rows_;
+};
+
+/// What stays the same during a run.
+struct MetricSetup {
+  std::vector<std::string> vehicle_names;  ///< by VehicleId
+  double clearance_max_m = 20.0;           ///< bound of the search for surfaces
+};
+
+/// What a tick tells beyond its TickView. Spans by VehicleId.
+struct MetricContext {
+  double dt_s = 0.0;  ///< since the last tick
+  std::span<const Clearance> clearances;
+  std::span<const char> flying;  ///< 1: off the ground and not crashed
+};
+
+/// Compares truth with what vehicles made of it, tick by tick; update() never allocates.
+class Metric {
+ public:
+  explicit Metric(const MetricSetup& setup) : setup_(setup) {}
+  virtual ~Metric() = default;
+  virtual void update(const TickView& tick, const MetricContext& context) = 0;
+  virtual void report(MetricTable& table) const = 0;
+
+ protected:
+  std::size_t num_vehicles() const { return setup_.vehicle_names.size(); }
+  const std::string& name_of(std::size_t vehicle) const { return setup_.vehicle_names[vehicle]; }
+  const MetricSetup& setup() const { return setup_; }
+
+ private:
+  MetricSetup setup_;
+};
+
+/// One row of sim/metrics/metrics.cpp.
+struct MetricType {
+  const char* name;
+  const char* doc;
+  std::unique_ptr<Metric> (*make)(const MetricSetup& setup);
+};
+
+std::span<const MetricType> metric_types();
+
+// The metrics of this room; each in the file of its name.
+std::unique_ptr<Metric> make_outcome_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_motion_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_estimate_error_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_tracking_error_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_clearance_metric(const MetricSetup& setup);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/metrics/metrics.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+// What is measured: adding a metric is one line here.
+constexpr MetricType kMetricTypes[] = {
+    {"outcome", "how the mission of each vehicle ended, and when", make_outcome_metric},
+    {"motion", "path length, speeds, accelerations, time of flight", make_motion_metric},
+    {"estimate_error", "estimated against true pose", make_estimate_error_metric},
+    {"tracking_error", "true and estimated position against the reference", make_tracking_error_metric},
+    {"clearance", "least distances to surfaces and to other vehicles", make_clearance_metric},
+};
+
+// A vehicle at rest nearer to a surface than its own radius stands on it.
+constexpr double kRestSpeed_mps = 0.1;
+
+bool is_flying(const VehicleState& state, const Clearance& clearance) {
+  return !state.crashed && (clearance.surface_m > 0.0 || state.v_world_mps.norm() > kRestSpeed_mps);
+}
+
+}  // namespace
+
+std::span<const MetricType> metric_types() { return kMetricTypes; }
+
+const MetricRow* MetricTable::find(std::string_view name, std::string_view vehicle) const {
+  for (const MetricRow& row : rows_) {
+    if (row.name == name && row.vehicle == vehicle) return &row;
+  }
+  return nullptr;
+}
+
+Metrics::Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_names)
+    : flying_(vehicle_names.size(), 0) {
+  const MetricSetup setup{std::move(vehicle_names), config.clearance_max_m};
+  for (const MetricType& type : kMetricTypes) metrics_.push_back(type.make(setup));
+}
+
+void Metrics::update(const TickView& tick, std::span<const Clearance> clearances) {
+  for (std::size_t i = 0; i < flying_.size(); ++i) flying_[i] = is_flying(tick.states[i], clearances[i]);
+  const MetricContext context{to_seconds(tick.t - t_last_), clearances, flying_};
+  for (const auto& metric : metrics_) metric->update(tick, context);
+  t_last_ = tick.t;
+}
+
+MetricTable Metrics::report() const {
+  MetricTable table;
+  for (const auto& metric : metrics_) metric->report(table);
+  return table;
+}
+
+std::string Metrics::outcome() const { return report().find("outcome")->text; }
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/metrics/metric.hpp"
+#include "swiftlet/sim/scenario.hpp"
+
+namespace swiftlet::sim {
+
+/// All metrics of one run.
+class Metrics {
+ public:
+  Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_names);
+
+  /// After every tick. `clearances` by VehicleId.
+  void update(const TickView& tick, std::span<const Clearance> clearances);
+
+  MetricTable report() const;
+  std::vector<MetricRow> rows() const { return report().rows(); }
+  /// Of the run, the worst of its vehicles': "crashed", "failed", "timeout" (a mission that was still running), "done".
+  std::string outcome() const;
+
+ private:
+  std::vector<std::unique_ptr<Metric>> metrics_;
+  TimeNs t_last_ = 0;
+  std::vector<char> flying_;  // by VehicleId
+};
+
+}  // namespace swiftlet::sim
