@@ -19,9 +19,14 @@ struct BeamTable {
   std::vector<Eigen::Vector3f> directions_lidar;  ///< unit vectors                                  (rows x cols)
   std::vector<Eigen::Vector3f> origins_lidar;     ///< where the range is measured from [m]          (rows x cols)
   std::vector<float> column_offset_s;             ///< firing time after the start of the sweep      (cols)
+  std::vector<float> row_offset_s;                ///< and after that of the column  (rows, or empty: all at once)
   std::vector<std::uint8_t> masked;  ///< 1: the beam can only see the vehicle itself (000, sec. III-C) (rows x cols or empty)
 
   int size() const { return rows * cols; }
+  /// Firing time of beam i after the start of the sweep [s].
+  double offset_s(int i) const {
+    return column_offset_s[i % cols] + (row_offset_s.empty() ? 0.0 : row_offset_s[i / cols]);
+  }
 };
 
 /// One sweep of one LiDAR, as the driver would give it. A range of 0 means no return.
@@ -48,7 +53,7 @@ struct Scan {
     return beams->origins_lidar[i] + range_m[i] * beams->directions_lidar[i];
   }
   TimeNs time_of(int i) const {
-    return duration == 0 ? stamp : stamp + from_seconds(beams->column_offset_s[i % beams->cols]);
+    return duration == 0 ? stamp : stamp + from_seconds(beams->offset_s(i));
   }
 };
 
