@@ -6,6 +6,7 @@ function(swiftlet_room room)
   string(REPLACE "/" "_" name ${room})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${room}/*.cpp)
   set(target swiftlet_${name})
+  set_property(GLOBAL APPEND PROPERTY SWIFTLET_ROOMS ${room})
   if(NOT sources)
     # A room without sources yet still hands on what it uses.
     add_library(${target} INTERFACE)
@@ -27,7 +28,6 @@ function(swiftlet_room room)
     string(REPLACE "/" "_" used_name ${used})
     target_link_libraries(${target} PUBLIC swiftlet_${used_name})
   endforeach()
-  set_property(GLOBAL APPEND PROPERTY SWIFTLET_ROOMS ${room})
 endfunction()
 
 # swiftlet_tests(core/math LIBS ... [LABELS unit]): every .cpp of tests/<room> in one GoogleTest program test_core_math.

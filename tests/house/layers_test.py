@@ -10,6 +10,7 @@ import sys
 
 ROOMS = {  # room: rooms it may include besides itself and the public types of core
     "core/math": [],
+    "core/uncertainty": ["core/math"],
     "core/localization": ["core/math"],
     "core/control": ["core/math"],
     "core/guidance": ["core/math", "core/control"],

@@ -13,6 +13,7 @@
 namespace swiftlet::sim {
 
 class StaticScene;
+struct RunSummary;
 
 /// The static part of a run, ready to trace; runs with the same world and seed may share one.
 struct World {
@@ -41,8 +42,8 @@ class Simulation {
   std::uint64_t state_hash() const;
   /// Ends recording; the paths written, relative to the directory.
   std::vector<std::filesystem::path> finish();
-  /// summary.json without the fields that only the caller knows (paths).
-  std::string summary_json() const;
+  /// What the run came to so far; wall times other than the stages' are the caller's to fill in.
+  RunSummary summary() const;
 
  private:
   struct Impl;

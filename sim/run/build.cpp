@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/run/build.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/agent/registry.hpp"
+#include "core/agent/stack.hpp"
+#include "sim/raycast/ray_scene.hpp"
+#include "sim/sensors/pose.hpp"
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// Height of the ground or floor under (x, y): the first such surface that a ray from the sky meets, crowns and roofs let through.
+double ground_height_m(const StaticScene& world, const VehicleConfig& vehicle) {
+  const Vector3 at = vehicle.start.position_m;
+  const double top_m = world.bounds_m().max().z() + 1.0;
+  const double bottom_m = world.bounds_m().min().z() - 1.0;
+  for (double z = top_m; z > bottom_m;) {
+    const RayHit hit = world.trace({at.x(), at.y(), z}, -Vector3::UnitZ(), z - bottom_m);
+    if (hit.range_m <= 0.0F) break;
+    z -= hit.range_m;
+    if (hit.surface_class == SurfaceClass::kGround) return z;
+    z -= 1e-3;
+  }
+  throw InputError("vehicles: " + vehicle.name + ": start.above_ground: expected ground below the start, found none at x " +
+                   std::to_string(at.x()) + ", y " + std::to_string(at.y()));
+}
+
+VehicleState start_state(const VehicleConfig& vehicle, const StaticScene& world) {
+  VehicleState state;
+  state.p_world_m = vehicle.start.position_m;
+  if (vehicle.start.above_ground) state.p_world_m.z() += ground_height_m(world, vehicle);
+  state.q_world_body = Eigen::AngleAxisd(vehicle.start.yaw_deg * kDegree, Vector3::UnitZ());
+  state.v_world_mps = vehicle.start.velocity_mps;
+  return state;
+}
+
+void require_apart(const std::vector<PhysicsVehicle>& vehicles) {
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double distance_m = (vehicles[i].start.p_world_m - vehicles[j].start.p_world_m).norm();
+      const double least_m = vehicles[i].airframe.circumscribed_radius_m() + vehicles[j].airframe.circumscribed_radius_m();
+      if (distance_m >= least_m) continue;
+      throw InputError("vehicles: " + vehicles[i].name + ": start.position_m: expected at least " + std::to_string(least_m) +
+                       " m from " + vehicles[j].name + ", found " + std::to_string(distance_m) + " m");
+    }
+  }
+}
+
+bool has_sensor(const VehicleConfig& vehicle, std::string_view type) {
+  return std::any_of(vehicle.sensors.begin(), vehicle.sensors.end(), [&](const Module& m) { return m.type == type; });
+}
+
+// The truth bypass: what `localization: ground_truth` stands for.
+bool wants_true_pose(const VehicleConfig& vehicle) {
+  const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
+  return stack != nullptr && stack->localization.type == "ground_truth" && !has_sensor(vehicle, "pose");
+}
+
+}  // namespace
+
+std::vector<std::string> vehicle_names(const Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const VehicleConfig& vehicle : scenario.vehicles) names.push_back(vehicle.name);
+  return names;
+}
+
+std::vector<PhysicsVehicle> make_physics_vehicles(const Scenario& scenario, const StaticScene& world) {
+  std::vector<PhysicsVehicle> vehicles;
+  for (const VehicleConfig& vehicle : scenario.vehicles) {
+    vehicles.push_back({vehicle.name, vehicle.airframe, start_state(vehicle, world), vehicle.start.flying});
+  }
+  require_apart(vehicles);
+  return vehicles;
+}
+
+std::vector<std::shared_ptr<const VehicleShape>> make_vehicle_shapes(const Scenario& scenario) {
+  std::vector<std::shared_ptr<const VehicleShape>> shapes;
+  for (const VehicleConfig& vehicle : scenario.vehicles) {
+    shapes.push_back(std::make_shared<const VehicleShape>(make_vehicle_shape(vehicle.airframe)));
+  }
+  return shapes;
+}
+
+std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(const Scenario& scenario, const World& world,
+                                                               const std::vector<std::shared_ptr<const VehicleShape>>& shapes) {
+  std::vector<std::vector<std::unique_ptr<Sensor>>> sensors(scenario.vehicles.size());
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    const VehicleConfig& vehicle = scenario.vehicles[i];
+    std::vector<Module> modules = vehicle.sensors;
+    if (wants_true_pose(vehicle)) modules.emplace_back(sensor_module_types(), "pose");
+    for (const Module& module : modules) {
+      SensorSetup setup;
+      setup.seed = scenario.seed;
+      setup.vehicle = static_cast<VehicleId>(i);
+      setup.name = dynamic_cast<const SensorConfig&>(*module.config).name;
+      setup.entity = vehicle.name + "/" + setup.name;
+      setup.world = world.static_scene;
+      setup.scene = world.scene;
+      setup.vehicle_shapes = shapes;
+      setup.vehicle_names = vehicle_names(scenario);
+      sensors[i].push_back(make_sensor(module, std::move(setup)));
+    }
+  }
+  return sensors;
+}
+
+std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles) {
+  std::vector<std::unique_ptr<Agent>> agents;
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    AgentSetup setup;
+    setup.self = static_cast<VehicleId>(i);
+    setup.num_vehicles = static_cast<int>(scenario.vehicles.size());
+    setup.vehicle_names = vehicle_names(scenario);
+    setup.airframe = scenario.vehicles[i].airframe;
+    setup.T_world_body_start = vehicles[i].start.T_world_body();
+    setup.tick_s = scenario.tick_s;
+    agents.push_back(make_agent(scenario.vehicles[i].agent, setup));
+  }
+  return agents;
+}
+
+}  // namespace swiftlet::sim

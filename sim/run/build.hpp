@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/physics/physics_world.hpp"
+#include "sim/sensors/sensor.hpp"
+#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/simulation.hpp"
+
+/// From a scenario to the parts of a simulation.
+namespace swiftlet::sim {
+
+std::vector<std::string> vehicle_names(const Scenario& scenario);
+
+/// True states at the start. Throws InputError when a vehicle starts inside another one or above nothing although
+/// `above_ground` is set.
+std::vector<PhysicsVehicle> make_physics_vehicles(const Scenario& scenario, const StaticScene& world);
+
+std::vector<std::shared_ptr<const VehicleShape>> make_vehicle_shapes(const Scenario& scenario);
+
+/// By vehicle, in the order of the scenario. A vehicle whose agent asks for `localization: ground_truth` and has no
+/// `pose` sensor gets a perfect one: the only way that truth reaches an agent.
+std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(const Scenario& scenario, const World& world,
+                                                               const std::vector<std::shared_ptr<const VehicleShape>>& shapes);
+
+std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace swiftlet::sim {
+
+/// A directory that appears under its name only when it is complete. Until commit() everything lies beside it in
+/// `.NAME.partial-PID`; a killed run leaves at most that, and the next run of the same name removes it.
+class RunDirectory {
+ public:
+  /// @param destination  an earlier run there (a directory with a summary.json) is replaced at commit(); anything else
+  ///                     that is not an empty directory throws InputError
+  explicit RunDirectory(std::filesystem::path destination);
+  ~RunDirectory();  ///< without commit(): removes what was written
+  RunDirectory(const RunDirectory&) = delete;
+  RunDirectory& operator=(const RunDirectory&) = delete;
+
+  const std::filesystem::path& path() const { return partial_; }  ///< where to write
+  const std::filesystem::path& destination() const { return destination_; }
+  /// Moves it to its destination. Throws std::runtime_error.
+  void commit();
+
+ private:
+  std::filesystem::path destination_;
+  std::filesystem::path partial_;
+  bool committed_ = false;
+};
+
+/// Writes a whole file under a temporary name and renames it. Throws std::runtime_error with path and reason.
+void write_file(const std::filesystem::path& path, const std::string& content);
+
+}  // namespace swiftlet::sim

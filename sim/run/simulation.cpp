@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/sim/simulation.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+
+#include "sim/metrics/metrics.hpp"
+#include "sim/radio/radio.hpp"
+#include "sim/raycast/ray_scene.hpp"
+#include "sim/render/snapshot_recorder.hpp"
+#include "sim/run/build.hpp"
+#include "sim/run/stage_clock.hpp"
+#include "sim/run/state_hash.hpp"
+#include "sim/run/summary.hpp"
+#include "sim/world/world.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+// Sensors look back over at most a sweep; the margin covers a tick and sensors with latency.
+constexpr double kHistoryMargin_s = 0.05;
+
+// A mission that has ended is flown on for this long, so that recordings show its end.
+constexpr TimeNs kAfterTheEnd = kNsPerSecond / 2;
+
+int history_capacity(const std::vector<std::vector<std::unique_ptr<Sensor>>>& sensors, const Scenario& scenario) {
+  double look_back_s = 0.0;
+  for (const auto& of_vehicle : sensors) {
+    for (const auto& sensor : of_vehicle) look_back_s = std::max(look_back_s, sensor->look_back_s());
+  }
+  return static_cast<int>((look_back_s + scenario.tick_s + kHistoryMargin_s) / scenario.physics.step_s) + 2;
+}
+
+}  // namespace
+
+World build_world(const Module& config, std::uint64_t seed) {
+  auto scene = std::make_shared<const Scene>(make_world(config, seed));
+  return {scene, std::make_shared<const StaticScene>(*scene)};
+}
+
+struct Simulation::Impl {
+  Impl(Scenario scenario_in, int threads_in, std::optional<World> world_in)
+      : scenario(std::move(scenario_in)),
+        threads(threads_in > 0 ? threads_in : omp_get_max_threads()),
+        world(world_in ? std::move(*world_in) : build_world(scenario.world, scenario.seed)),
+        names(vehicle_names(scenario)),
+        shapes(make_vehicle_shapes(scenario)),
+        vehicles(make_physics_vehicles(scenario, *world.static_scene)),
+        physics(scenario.physics, scenario.wind, vehicles, world.static_scene, scenario.seed),
+        sensors(make_sensors(scenario, world, shapes)),
+        agents(make_agents(scenario, vehicles)),
+        history(num_vehicles(), history_capacity(sensors, scenario)),
+        radio(scenario.radio, scenario.seed, names, world.static_scene),
+        metrics(scenario.metrics, names),
+        tick_length(from_seconds(scenario.tick_s)),
+        duration(from_seconds(scenario.duration_s)),
+        observations(num_vehicles()),
+        actions(num_vehicles(), &idle),
+        commands(num_vehicles()),
+        clearances(num_vehicles()),
+        scans(num_vehicles()),
+        hashes(num_vehicles()),
+        missions(num_vehicles(), MissionStatus::kRunning),
+        mission_notes(num_vehicles()),
+        ended(num_vehicles(), false) {
+    for (int i = 0; i < num_vehicles(); ++i) history.push(i, physics.state(i));
+    info.scenario = &scenario;
+    info.scene = world.scene.get();
+    info.vehicle_names = names;
+    info.vehicle_shapes = shapes;
+    for (const VehicleConfig& vehicle : scenario.vehicles) info.airframes.push_back(&vehicle.airframe);
+  }
+
+  int num_vehicles() const { return static_cast<int>(vehicles.size()); }
+
+  void tick();
+  void sense(VehicleId i);
+  void collect_events();
+  void note_mission(VehicleId i);
+
+  Scenario scenario;
+  int threads;
+  World world;
+  std::vector<std::string> names;
+  std::vector<std::shared_ptr<const VehicleShape>> shapes;
+  std::vector<PhysicsVehicle> vehicles;
+  PhysicsWorld physics;
+  std::vector<std::vector<std::unique_ptr<Sensor>>> sensors;
+  std::vector<std::unique_ptr<Agent>> agents;
+  StateHistory history;
+  Radio radio;
+  Metrics metrics;
+  std::vector<std::unique_ptr<Recorder>> recorders;
+  RunInfo info;
+
+  TimeNs now = 0;
+  TimeNs tick_length;
+  TimeNs duration;
+  TimeNs end_of_missions = -1;
+  std::uint64_t hash = 0;
+  Action idle;
+  std::vector<Observation> observations;
+  std::vector<const Action*> actions;
+  std::vector<std::array<double, kMaxRotors>> commands;
+  std::vector<Clearance> clearances;
+  std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
+  std::vector<std::uint64_t> hashes;
+  std::vector<Event> events;
+  std::vector<MissionStatus> missions;
+  std::vector<std::string> mission_notes;
+  std::vector<bool> ended;
+  int num_crashes = 0;
+  StageClock clock;
+  TickView view;
+};
+
+// One tick. What is parallel touches one vehicle only; everything that joins vehicles goes in their order, so the
+// result is the same for any number of threads.
+void Simulation::Impl::tick() {
+  omp_set_num_threads(threads);
+  const TimeNs previous = now;
+  now += tick_length;
+
+  // 1. Truth moves, at its own finer step.
+  {
+    const auto timed = clock.measure(Stage::kPhysics);
+    physics.advance(now, commands, history);
+  }
+  // 2. Sensors that are due measure the truth; the radio hands over what has arrived.
+  {
+    const auto timed = clock.measure(Stage::kSensors);
+    const bool pictures = wants_picture(scenario.snapshots, previous, now);
+    for (int i = 0; i < num_vehicles(); ++i) {
+      observations[i].clear();
+      observations[i].t = now;
+      observations[i].self = i;
+      observations[i].wants_overlays = pictures;
+      radio.deliver(i, now, observations[i].messages);
+    }
+#pragma omp parallel for schedule(dynamic, 1) if (num_vehicles() > 1)
+    for (int i = 0; i < num_vehicles(); ++i) sense(i);
+  }
+  // 3. Every agent steps on its own observation.
+  {
+    const auto timed = clock.measure(Stage::kAgents);
+#pragma omp parallel for schedule(dynamic, 4) if (num_vehicles() > 1)
+    for (int i = 0; i < num_vehicles(); ++i) actions[i] = &agents[i]->step(observations[i]);
+    for (int i = 0; i < num_vehicles(); ++i) commands[i] = actions[i]->rotor_command;
+  }
+  // 4. The radio takes the messages, in vehicle order.
+  {
+    const auto timed = clock.measure(Stage::kRadio);
+    for (int i = 0; i < num_vehicles(); ++i) radio.post(i, now, actions[i]->messages, physics.states());
+  }
+  // 5. Metrics compare truth and estimates; recorders write.
+  {
+    const auto timed = clock.measure(Stage::kMetrics);
+    collect_events();
+    for (int i = 0; i < num_vehicles(); ++i) hash = combine(hash, hashes[i]);
+    view = {now, physics.states(), observations, actions, scans, events};
+    metrics.update(view, clearances);
+  }
+  {
+    const auto timed = clock.measure(Stage::kRecorders);
+    for (const auto& recorder : recorders) recorder->write(view);
+  }
+}
+
+void Simulation::Impl::sense(VehicleId i) {
+  scans[i].clear();
+  for (const auto& sensor : sensors[i]) {
+    sensor->measure(now, history, observations[i]);
+    for (const auto& scan : sensor->scans()) scans[i].push_back(scan);
+  }
+  clearances[i] = physics.clearance(i, scenario.metrics.clearance_max_m);
+  hashes[i] = combine(hash_of(physics.state(i)), hash_of(observations[i]));
+}
+
+void Simulation::Impl::collect_events() {
+  events.clear();
+  for (const Crash& crash : physics.crashes()) {
+    ++num_crashes;
+    ended[crash.vehicle] = true;
+    Event event{crash.t, "crash", crash.vehicle, {}, crash.p_world_m, {}};
+    event.partner = crash.other_vehicle != kNoVehicle
+                        ? names[crash.other_vehicle]
+                        : std::string(name_of(crash.surface_class)) + (crash.instance ? " " + std::to_string(crash.instance) : "");
+    event.note = "at " + std::to_string(crash.speed_mps) + " m/s";
+    events.push_back(std::move(event));
+  }
+  for (int i = 0; i < num_vehicles(); ++i) note_mission(i);
+  if (end_of_missions < 0 && num_vehicles() > 0 && std::all_of(ended.begin(), ended.end(), [](bool e) { return e; })) {
+    end_of_missions = now + kAfterTheEnd;
+  }
+}
+
+void Simulation::Impl::note_mission(VehicleId i) {
+  const Action& action = *actions[i];
+  if (action.mission == missions[i] && action.mission_note == mission_notes[i]) return;
+  missions[i] = action.mission;
+  mission_notes[i] = action.mission_note;
+  ended[i] = ended[i] || action.mission != MissionStatus::kRunning;
+  const char* status = action.mission == MissionStatus::kDone     ? "mission_done"
+                       : action.mission == MissionStatus::kFailed ? "mission_failed"
+                                                                  : "mission";
+  events.push_back({now, status, i, {}, physics.state(i).p_world_m, action.mission_note});
+}
+
+Simulation::Simulation(Scenario scenario, int threads, std::optional<World> world)
+    : impl_(std::make_unique<Impl>(std::move(scenario), threads, std::move(world))) {}
+
+Simulation::~Simulation() = default;
+
+void Simulation::attach_recorders(const std::filesystem::path& directory) {
+  impl_->info.directory = directory;
+  for (const Module& config : impl_->scenario.recorders) impl_->recorders.push_back(make_recorder(config));
+  if (!impl_->scenario.snapshots.empty()) impl_->recorders.push_back(make_snapshot_recorder(impl_->scenario.snapshots));
+  for (const auto& recorder : impl_->recorders) recorder->begin(impl_->info);
+}
+
+void Simulation::tick() { impl_->tick(); }
+
+bool Simulation::finished() const {
+  const MetricsConfig& metrics = impl_->scenario.metrics;
+  return impl_->now >= impl_->duration || (metrics.stop_on_crash && impl_->num_crashes > 0) ||
+         (metrics.stop_when_done && impl_->end_of_missions >= 0 && impl_->now >= impl_->end_of_missions);
+}
+
+TimeNs Simulation::now() const { return impl_->now; }
+const Scenario& Simulation::scenario() const { return impl_->scenario; }
+const TickView& Simulation::view() const { return impl_->view; }
+const RunInfo& Simulation::info() const { return impl_->info; }
+std::uint64_t Simulation::state_hash() const { return impl_->hash; }
+
+std::vector<std::filesystem::path> Simulation::finish() {
+  std::vector<std::filesystem::path> paths;
+  for (const auto& recorder : impl_->recorders) {
+    for (auto& path : recorder->finish()) paths.push_back(std::move(path));
+  }
+  impl_->recorders.clear();
+  return paths;
+}
+
+RunSummary Simulation::summary() const {
+  RunSummary summary;
+  summary.scenario = impl_->scenario.name;
+  summary.seed = impl_->scenario.seed;
+  summary.state_hash = impl_->hash;
+  summary.threads = impl_->threads;
+  summary.simulated_s = to_seconds(impl_->now);
+  summary.stage_wall_s = impl_->clock.seconds_by_stage();
+  summary.outcome = impl_->metrics.outcome();
+  summary.metrics = impl_->metrics.report();
+  summary.radio = impl_->radio.statistics();
+  summary.radio_topics = impl_->radio.topics();
+  return summary;
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "sim/world/vehicle_state.hpp"
+#include "swiftlet/core/observation.hpp"
+
+namespace swiftlet::sim {
+
+/// Hash of everything that one vehicle was given to know in one tick (XXH3, 64 bits). Covers every sensor output.
+std::uint64_t hash_of(const Observation& observation);
+
+/// Hash of one vehicle's true state.
+std::uint64_t hash_of(const VehicleState& state);
+
+/// The next value of a running hash; the order of calls matters.
+std::uint64_t combine(std::uint64_t hash, std::uint64_t value);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/run/summary.hpp"
+
+#include <algorithm>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "sim/run/version.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string hash_text(std::uint64_t hash) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016" PRIx64, hash);
+  return text;
+}
+
+// JSON has no NaN: not measured is null.
+Json value_of(const MetricRow& row) {
+  if (!row.text.empty()) return row.text;
+  return std::isfinite(row.value) ? Json(row.value) : Json(nullptr);
+}
+
+Json metrics_json(const MetricTable& table) {
+  Json run = Json::object();
+  Json vehicles = Json::object();
+  for (const MetricRow& row : table.rows()) {
+    (row.vehicle.empty() ? run : vehicles[row.vehicle])[row.name] = value_of(row);
+  }
+  return {{"run", run}, {"vehicles", vehicles}};
+}
+
+Json radio_json(const RunSummary& summary) {
+  const RadioStatistics& s = summary.radio;
+  Json topics = Json::array();
+  for (const auto& topic : summary.radio_topics) {
+    const double seconds = summary.simulated_s > 0.0 ? summary.simulated_s : 1.0;
+    topics.push_back({{"topic", topic.topic},
+                      {"from", topic.from},
+                      {"messages", topic.messages},
+                      {"bytes", topic.bytes},
+                      {"rate_hz", static_cast<double>(topic.messages) / seconds},
+                      {"load_kBps", 1e-3 * static_cast<double>(topic.bytes) / seconds}});
+  }
+  return {{"sent", s.sent},           {"delivered", s.delivered},       {"lost", s.lost},
+          {"blocked", s.blocked},     {"out_of_range", s.out_of_range}, {"dropped", s.dropped},
+          {"bytes_sent", s.bytes_sent}, {"mean_delay_s", s.mean_delay_s}, {"max_delay_s", s.max_delay_s},
+          {"topics", topics}};
+}
+
+std::string number_text(const MetricRow& row) {
+  if (!row.text.empty()) return row.text;
+  if (!std::isfinite(row.value)) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, std::abs(row.value) < 1e-3 && row.value != 0.0 ? "%.1e" : "%.3f", row.value);
+  return text;
+}
+
+// Metrics as a table: a row for each metric, a column for each vehicle (at most a screen's width of them).
+std::string vehicle_table(const MetricTable& table) {
+  constexpr std::size_t kMostColumns = 6;
+  constexpr int kColumn = 13;
+  std::vector<std::string> names, vehicles;
+  std::map<std::pair<std::string, std::string>, std::string> cells;
+  const auto remember = [](std::vector<std::string>& list, const std::string& name) {
+    if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+  };
+  for (const MetricRow& row : table.rows()) {
+    if (row.vehicle.empty()) continue;
+    remember(names, row.name);
+    remember(vehicles, row.vehicle);
+    cells[{row.name, row.vehicle}] = number_text(row);
+  }
+  if (vehicles.empty()) return {};
+  const std::size_t shown = std::min(vehicles.size(), kMostColumns);
+  const auto padded = [](const std::string& text, int width) {
+    return std::string(std::max<int>(1, width - static_cast<int>(text.size())), ' ') + text;
+  };
+  std::string out = "  " + std::string(32, ' ');
+  for (std::size_t i = 0; i < shown; ++i) out += padded(vehicles[i], kColumn);
+  if (shown < vehicles.size()) out += "  ... " + std::to_string(vehicles.size() - shown) + " more in summary.json";
+  out += "\n";
+  for (const std::string& name : names) {
+    out += "  " + name + std::string(name.size() < 32 ? 32 - name.size() : 1, ' ');
+    for (std::size_t i = 0; i < shown; ++i) out += padded(cells[{name, vehicles[i]}], kColumn);
+    out += "\n";
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string to_json(const RunSummary& s) {
+  Json stages = Json::object();
+  for (const auto& [stage, wall_s] : s.stage_wall_s) stages[stage] = wall_s;
+  const Json json = {{"scenario", s.scenario},
+                     {"seed", s.seed},
+                     {"outcome", s.outcome},
+                     {"state_hash", hash_text(s.state_hash)},
+                     {"version", version()},
+                     {"git_revision", git_revision()},
+                     {"threads", s.threads},
+                     {"simulated_s", s.simulated_s},
+                     {"wall_s", s.wall_s},
+                     {"setup_wall_s", s.setup_wall_s},
+                     {"real_time_factor", s.real_time_factor()},
+                     {"stage_wall_s", stages},
+                     {"metrics", metrics_json(s.metrics)},
+                     {"radio", radio_json(s)}};
+  return json.dump(2) + "\n";
+}
+
+std::string to_text(const RunSummary& s) {
+  char line[256];
+  std::snprintf(line, sizeof line, "%s, seed %" PRIu64 ": %s\n", s.scenario.c_str(), s.seed, s.outcome.c_str());
+  std::string out = line;
+  std::snprintf(line, sizeof line, "  %.1f s flown in %.1f s (%.1f x real time) after %.1f s of set-up, state hash %s\n",
+                s.simulated_s, s.wall_s, s.real_time_factor(), s.setup_wall_s, hash_text(s.state_hash).c_str());
+  out += line;
+  out += "  wall time:";
+  for (const auto& [stage, wall_s] : s.stage_wall_s) {
+    std::snprintf(line, sizeof line, " %s %.1f s", stage.c_str(), wall_s);
+    out += line;
+  }
+  out += "\n";
+  for (const MetricRow& row : s.metrics.rows()) {
+    if (row.vehicle.empty() && row.name != "outcome") out += "  " + row.name + ": " + number_text(row) + "\n";
+  }
+  return out + vehicle_table(s.metrics);
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "sim/run/run_directory.hpp"
+#include "sim/sensors/sensor.hpp"
+#include "swiftlet/sim/simulation.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+const std::string kMixedTeam = SWIFTLET_SOURCE_DIR "/tests/golden/mixed_team.yaml";
+
+std::uint64_t fly(Scenario scenario, int threads, const std::string& recordings = {}) {
+  Simulation simulation(std::move(scenario), threads);
+  if (!recordings.empty()) simulation.attach_recorders(recordings);
+  while (!simulation.finished()) simulation.tick();
+  simulation.finish();
+  return simulation.state_hash();
+}
+
+std::uint64_t reference_hash() {
+  static const std::uint64_t hash = fly(load_scenario(kMixedTeam), 1);
+  return hash;
+}
+
+// Sanitizers make no difference to the bits, but a minute of difference to the time.
+TEST(Determinism, ThreadsDoNotChangeTheBits) {
+  for (const int threads : {2, 4}) EXPECT_EQ(fly(load_scenario(kMixedTeam), threads), reference_hash()) << threads << " threads";
+}
+
+TEST(Determinism, AnotherSeedGivesAnotherRun) {
+  EXPECT_NE(fly(load_scenario(kMixedTeam, {{"seed", "12"}}), 2), reference_hash());
+}
+
+TEST(Determinism, TheResolvedScenarioFliesTheSameRun) {
+  const std::string path = testing::TempDir() + "/resolved.yaml";
+  write_file(path, write_scenario(load_scenario(kMixedTeam)));
+  const Scenario resolved = load_scenario(path);
+  EXPECT_EQ(write_scenario(resolved), write_scenario(load_scenario(kMixedTeam)));
+  EXPECT_EQ(fly(resolved, 2), reference_hash());
+}
+
+TEST(Determinism, RecordersAndPicturesDoNotChangeTheBits) {
+  Scenario scenario = load_scenario(kMixedTeam);
+  for (const ModuleType& type : recorder_module_types()) scenario.recorders.emplace_back(recorder_module_types(), type.name);
+  CameraConfig camera;
+  camera.times_s = {0.5};
+  camera.width_px = 160;
+  camera.height_px = 90;
+  scenario.snapshots = {camera};
+  const std::string directory = testing::TempDir() + "/recorded";
+  std::filesystem::remove_all(directory);
+  std::filesystem::create_directories(directory);
+  EXPECT_EQ(fly(scenario, 2, directory), reference_hash());
+}
+
+TEST(Determinism, ASharedWorldGivesTheSameRun) {
+  const Scenario scenario = load_scenario(kMixedTeam);
+  const World world = build_world(scenario.world, scenario.seed);
+  for (int run = 0; run < 2; ++run) {
+    Simulation simulation(scenario, 2, world);
+    while (!simulation.finished()) simulation.tick();
+    EXPECT_EQ(simulation.state_hash(), reference_hash()) << "run " << run;
+  }
+}
+
+// Adding a sensor to one vehicle changes no other vehicle's numbers.
+TEST(Determinism, AnotherSensorChangesNoOtherNumbers) {
+  Scenario scenario = load_scenario(kMixedTeam, {{"duration_s", "0.3"}});
+  Simulation plain(scenario, 2);
+  scenario.vehicles[0].sensors.insert(scenario.vehicles[0].sensors.begin(), Module(sensor_module_types(), "gnss"));
+  Simulation with_gnss(scenario, 2);
+  while (!plain.finished()) {
+    plain.tick();
+    with_gnss.tick();
+    for (int i = 0; i < 4; ++i) {
+      const auto& a = plain.view().observations[i];
+      const auto& b = with_gnss.view().observations[i];
+      ASSERT_EQ(a.imu.size(), b.imu.size());
+      for (std::size_t k = 0; k < a.imu.size(); ++k) ASSERT_EQ(a.imu[k].omega_body_radps, b.imu[k].omega_body_radps);
+      ASSERT_EQ(a.scans.size(), b.scans.size());
+      for (std::size_t k = 0; k < a.scans.size(); ++k) ASSERT_EQ(a.scans[k]->range_m, b.scans[k]->range_m);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

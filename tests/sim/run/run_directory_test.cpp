@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/run/run_directory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RunDirectoryTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::remove_all(root_);
+    fs::create_directories(root_);
+  }
+  std::size_t entries() const { return std::distance(fs::directory_iterator(root_), fs::directory_iterator()); }
+  fs::path root_ = fs::path(testing::TempDir()) / "run_directory_test";
+};
+
+TEST_F(RunDirectoryTest, AppearsUnderItsNameOnlyWhenCommitted) {
+  RunDirectory run(root_ / "a");
+  write_file(run.path() / "summary.json", "{}");
+  EXPECT_FALSE(fs::exists(root_ / "a"));
+  run.commit();
+  EXPECT_TRUE(fs::exists(root_ / "a/summary.json"));
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(RunDirectoryTest, LeavesNothingWithoutCommit) {
+  { RunDirectory run(root_ / "a"); }
+  EXPECT_EQ(entries(), 0U);
+}
+
+TEST_F(RunDirectoryTest, ReplacesAnEarlierRun) {
+  fs::create_directories(root_ / "a");
+  write_file(root_ / "a/summary.json", "old");
+  write_file(root_ / "a/other.txt", "old");
+  RunDirectory run((root_ / "a/").string());
+  write_file(run.path() / "summary.json", "new");
+  run.commit();
+  EXPECT_FALSE(fs::exists(root_ / "a/other.txt"));
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(RunDirectoryTest, RefusesToReplaceAnythingElse) {
+  fs::create_directories(root_ / "thesis");
+  write_file(root_ / "thesis/chapter1.tex", "years of work");
+  EXPECT_THROW(RunDirectory(root_ / "thesis"), InputError);
+  write_file(root_ / "file", "x");
+  EXPECT_THROW(RunDirectory(root_ / "file"), InputError);
+  EXPECT_THROW(RunDirectory(root_ / "file/below"), InputError);
+  EXPECT_TRUE(fs::exists(root_ / "thesis/chapter1.tex"));
+}
+
+TEST_F(RunDirectoryTest, RemovesWhatAKilledRunLeftBehind) {
+  fs::create_directories(root_ / ".a.partial-999999999");  // no process has this number
+  RunDirectory run(root_ / "a");
+  EXPECT_FALSE(fs::exists(root_ / ".a.partial-999999999"));
+}
+
+TEST_F(RunDirectoryTest, WriteFileTellsPathAndReason) {
+  try {
+    write_file("/dev/full/x", "content");
+    FAIL() << "expected an error";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("/dev/full/x"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include "commands.hpp"
+#include "core/agent/registry.hpp"
+#include "progress.hpp"
+#include "sim/run/run_directory.hpp"
+#include "sim/run/summary.hpp"
+#include "sim/run/version.hpp"
+#include "sim/sensors/sensor.hpp"
+#include "sim/world/world.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/simulation.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+struct BenchOptions {
+  std::string csv;
+  std::vector<std::string> only;
+  int threads = 0;
+  bool quiet = false;
+};
+
+constexpr double kWarmUp_s = 0.5;
+
+sim::Scenario read(const char* name) { return sim::load_scenario(std::string(name)); }
+
+// A square block of hovering copies of the scenario's first vehicle, `spacing_m` apart.
+sim::Scenario with_copies(sim::Scenario scenario, int count, double spacing_m) {
+  const sim::VehicleConfig model = scenario.vehicles.front();
+  scenario.vehicles.clear();
+  const int side = static_cast<int>(std::ceil(std::sqrt(count)));
+  for (int i = 0; i < count; ++i) {
+    sim::VehicleConfig vehicle = model;
+    vehicle.name = fmt::format("uav{}", i + 1);
+    vehicle.start.position_m += Eigen::Vector3d(spacing_m * (i % side - side / 2), spacing_m * (i / side - side / 2), 0.0);
+    scenario.vehicles.push_back(std::move(vehicle));
+  }
+  return scenario;
+}
+
+sim::Scenario crowd(double physics_step_s) {
+  sim::Scenario scenario = with_copies(read("bench_crowd"), 100, 3.0);
+  scenario.physics.step_s = physics_step_s;
+  return scenario;
+}
+
+// What is timed: a scenario flown for a while after a warm-up.
+struct Case {
+  const char* name;
+  const char* what;
+  sim::Scenario (*make)();
+  double simulated_s;
+};
+
+const Case kCases[] = {
+    {"one_vehicle", "one X500, no LiDAR, 1 kHz physics", [] { return with_copies(read("bench_crowd"), 1, 1.0); }, 60.0},
+    {"crowd_1khz", "100 X500, no LiDAR, 1 kHz physics", [] { return crowd(0.001); }, 10.0},
+    {"crowd_250hz", "100 X500, no LiDAR, 250 Hz physics", [] { return crowd(0.004); }, 20.0},
+    {"one_os1", "one OS1-128 at 10 Hz in a forest", [] { return read("bench_os1"); }, 5.0},
+    {"ten_mid360", "10 X500 with a Mid-360 each in a forest", [] { return with_copies(read("bench_mid360"), 10, 4.0); }, 5.0},
+    {"forest_patrol", "the quickstart without recorders", [] {
+       sim::Scenario scenario = read("forest_patrol");
+       scenario.recorders.clear();
+       scenario.snapshots.clear();
+       return scenario;
+     }, 5.0},
+};
+
+struct Result {
+  const Case* of;
+  std::size_t num_triangles = 0;
+  sim::RunSummary summary;
+};
+
+Result measure(const Case& which, int threads, Progress& progress) {
+  sim::Scenario scenario = which.make();
+  scenario.duration_s = kWarmUp_s + which.simulated_s;
+  scenario.metrics.stop_when_done = false;
+  const auto begin = std::chrono::steady_clock::now();
+  sim::Simulation simulation(std::move(scenario), threads);
+  const double setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+
+  while (to_seconds(simulation.now()) < kWarmUp_s) simulation.tick();
+  const sim::RunSummary warm = simulation.summary();
+  const auto start = std::chrono::steady_clock::now();
+  while (!simulation.finished()) {
+    simulation.tick();
+    if (progress.due()) progress.update(to_seconds(simulation.now()) / (kWarmUp_s + which.simulated_s), which.name);
+  }
+  Result result{&which, simulation.info().scene->num_triangles(), simulation.summary()};
+  result.summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.summary.simulated_s -= warm.simulated_s;
+  result.summary.setup_wall_s = setup_s;
+  for (std::size_t i = 0; i < warm.stage_wall_s.size(); ++i) result.summary.stage_wall_s[i].second -= warm.stage_wall_s[i].second;
+  return result;
+}
+
+void print(const Result& result) {
+  const sim::RunSummary& s = result.summary;
+  fmt::print("{:<14} {:>8.1f} x real time   {:016x}  {}\n", result.of->name, s.real_time_factor(), s.state_hash, result.of->what);
+  fmt::print("{:<14} set-up {:.2f} s, {} triangles; ms per simulated second:", "", s.setup_wall_s, result.num_triangles);
+  for (const auto& [stage, wall_s] : s.stage_wall_s) fmt::print(" {} {:.1f}", stage, 1e3 * wall_s / s.simulated_s);
+  fmt::print("\n");
+  std::fflush(stdout);
+}
+
+std::string csv_of(const std::vector<Result>& results) {
+  std::string csv = "case,version,revision,threads,triangles,setup_s,simulated_s,wall_s,real_time_factor,state_hash";
+  for (const auto& [stage, wall_s] : results.front().summary.stage_wall_s) csv += "," + stage + "_wall_s";
+  csv += "\n";
+  for (const Result& result : results) {
+    const sim::RunSummary& s = result.summary;
+    csv += fmt::format("{},{},{},{},{},{:.4f},{:.3f},{:.4f},{:.3f},{:016x}", result.of->name, sim::version(), sim::git_revision(),
+                       s.threads, result.num_triangles, s.setup_wall_s, s.simulated_s, s.wall_s, s.real_time_factor(), s.state_hash);
+    for (const auto& [stage, wall_s] : s.stage_wall_s) csv += fmt::format(",{:.4f}", wall_s);
+    csv += "\n";
+  }
+  return csv;
+}
+
+bool wanted(const Case& which, const std::vector<std::string>& only) {
+  return only.empty() || std::find(only.begin(), only.end(), which.name) != only.end();
+}
+
+void check_names(const std::vector<std::string>& only) {
+  for (const std::string& name : only) {
+    if (std::any_of(std::begin(kCases), std::end(kCases), [&](const Case& c) { return name == c.name; })) continue;
+    std::string known;
+    for (const Case& c : kCases) known += std::string(known.empty() ? "" : ", ") + c.name;
+    throw sim::InputError(fmt::format("bench {}: expected one of {}", name, known));
+  }
+}
+
+void bench(const BenchOptions& options) {
+  check_names(options.only);
+  std::vector<Result> results;
+  for (const Case& which : kCases) {
+    if (!wanted(which, options.only)) continue;
+    Progress progress("bench", options.quiet);
+    results.push_back(measure(which, options.threads, progress));
+    progress.finish();
+    if (!options.quiet) print(results.back());
+  }
+  if (options.csv.empty()) return;
+  sim::write_file(options.csv, csv_of(results));
+  if (!options.quiet) fmt::print("\nwritten to {}\n", options.csv);
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+  auto options = std::make_shared<BenchOptions>();
+  CLI::App* command = app.add_subcommand("bench", "Speed of each stage on this machine");
+  command->add_option("cases", options->only, "Only these cases");
+  command->add_option("--csv", options->csv, "Write the table there, too")->type_name("FILE");
+  command->add_option("--threads", options->threads, "Threads, 0: all")->check(CLI::Range(0, 1024));
+  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
+  command->callback([options] { bench(*options); });
+}
+
+}  // namespace swiftlet::tools

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+/// The subcommands of `swiftlet`, one file each. Each adds itself to the program and sets its callback, which throws
+/// InputError (exit status 2) or any other exception (exit status 1).
+namespace swiftlet::tools {
+
+void add_run(CLI::App& app);
+void add_render(CLI::App& app);
+void add_world(CLI::App& app);
+void add_check(CLI::App& app);
+void add_list(CLI::App& app);
+void add_reference(CLI::App& app);
+void add_bench(CLI::App& app);
+
+}  // namespace swiftlet::tools

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "commands.hpp"
+#include "sim/run/version.hpp"
+#include "swiftlet/sim/errors.hpp"
+
+namespace {
+
+constexpr int kBroke = 1;
+constexpr int kWrongInput = 2;
+
+int run_program(int argc, char** argv) {
+  CLI::App app{"Swiftlet: simulator of teams of UAVs that see with LiDAR", "swiftlet"};
+  app.set_version_flag("--version", std::string(swiftlet::sim::version()) + " (" + swiftlet::sim::git_revision() + ")");
+  app.require_subcommand(1);
+  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
+    return "swiftlet: " + std::string(error.what()) + "\nTry '" + failed->get_name() + " --help'.\n";
+  });
+  swiftlet::tools::add_run(app);
+  swiftlet::tools::add_render(app);
+  swiftlet::tools::add_world(app);
+  swiftlet::tools::add_check(app);
+  swiftlet::tools::add_list(app);
+  swiftlet::tools::add_reference(app);
+  swiftlet::tools::add_bench(app);
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kWrongInput;
+  } catch (const swiftlet::sim::InputError& error) {
+    std::fprintf(stderr, "swiftlet: %s\n", error.what());
+    return kWrongInput;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "swiftlet: out of memory\n");
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "swiftlet: %s\n", error.what());
+  }
+  return kBroke;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of the write, not the end of the run
+  return run_program(argc, argv);
+}

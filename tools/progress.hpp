@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace swiftlet::tools {
+
+/// One line on a terminal that rewrites itself, plain lines every ten seconds elsewhere; on stderr, and only for work
+/// that lasts longer than two seconds. Costs nothing when called too often.
+class Progress {
+ public:
+  Progress(std::string what, bool quiet);
+  ~Progress();
+  /// @param done  0..1
+  /// @param note  such as "12.4 s, 3.1 x real time"
+  void update(double done, const std::string& note);
+  /// Is it time to call update()? For callers whose note is dear to make.
+  bool due() const;
+  void finish();
+
+ private:
+  double elapsed_s() const;
+  std::string what_;
+  bool quiet_;
+  bool terminal_;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  mutable std::chrono::steady_clock::time_point last_ = start_;
+};
+
+/// "3.2 s", "4 min 05 s", "2 h 03 min".
+std::string duration_text(double seconds);
+
+/// Bold or coloured text on a terminal that wants it (NO_COLOR is respected), plain text elsewhere.
+std::string bold(const std::string& text);
+
+}  // namespace swiftlet::tools

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "commands.hpp"
+#include "progress.hpp"
+#include "sim/render/video.hpp"
+#include "sim/run/run_directory.hpp"
+#include "sim/run/summary.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/simulation.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderOptions {
+  std::string run;
+  std::string out;
+  std::vector<std::string> cameras;
+  std::vector<double> times_s;
+  bool video = false;
+  double frames_per_s = 25.0;
+  double to_s = -1.0;
+  int threads = 0;
+  bool quiet = false;
+};
+
+// The run's own cameras, or new ones by type ("top", "follow:uav2").
+std::vector<sim::CameraConfig> choose_cameras(const sim::Scenario& scenario, const std::vector<std::string>& wanted) {
+  if (wanted.empty() && !scenario.snapshots.empty()) return scenario.snapshots;
+  std::vector<sim::CameraConfig> chosen;
+  for (const std::string& name : wanted.empty() ? std::vector<std::string>{"follow", "top"} : wanted) {
+    const auto known = std::find_if(scenario.snapshots.begin(), scenario.snapshots.end(),
+                                    [&](const sim::CameraConfig& camera) { return camera.name == name; });
+    if (known != scenario.snapshots.end()) {
+      chosen.push_back(*known);
+      continue;
+    }
+    sim::CameraConfig camera;
+    const std::size_t colon = name.find(':');
+    camera.type = name.substr(0, colon);
+    if (colon != std::string::npos) camera.vehicle = name.substr(colon + 1);
+    camera.name = camera.type + (camera.vehicle.empty() ? "" : "_" + camera.vehicle);
+    camera.cloud = "height";
+    camera.overlays = {"*"};
+    chosen.push_back(camera);
+  }
+  return chosen;
+}
+
+// Flying the resolved scenario again gives the same bits, hence everything that could have been seen at the time.
+void render(const RenderOptions& options) {
+  const fs::path run(options.run);
+  if (!fs::exists(run / "scenario.yaml")) {
+    throw sim::InputError(options.run + ": expected the directory of a finished run (with scenario.yaml and summary.json)");
+  }
+  sim::Scenario scenario = sim::load_scenario(run / "scenario.yaml");
+  scenario.recorders.clear();
+  scenario.snapshots = choose_cameras(scenario, options.cameras);
+  const double end_s = options.to_s >= 0.0 ? std::min(options.to_s, scenario.duration_s) : scenario.duration_s;
+  double last_s = end_s;
+  for (sim::CameraConfig& camera : scenario.snapshots) {
+    if (options.video) {
+      camera.times_s.clear();
+      camera.every_s = 1.0 / options.frames_per_s;
+    } else if (!options.times_s.empty()) {
+      camera.times_s = options.times_s;
+      camera.every_s = 0.0;
+      last_s = *std::max_element(options.times_s.begin(), options.times_s.end());
+    } else if (camera.times_s.empty() && camera.every_s <= 0.0) {
+      camera.times_s = {end_s};
+    }
+  }
+  if (last_s > scenario.duration_s) {
+    throw sim::InputError(fmt::format("--time {:g}: expected at most {:g}, the length of the run", last_s, scenario.duration_s));
+  }
+  scenario = sim::validated(scenario);
+
+  const fs::path out = options.out.empty() ? run / "render" : fs::path(options.out);
+  fs::create_directories(out);
+  sim::Simulation simulation(scenario, options.threads);
+  simulation.attach_recorders(out);
+  {
+    Progress progress("render", options.quiet);
+    while (!simulation.finished() && to_seconds(simulation.now()) < last_s) {
+      simulation.tick();
+      const double now_s = to_seconds(simulation.now());
+      progress.update(now_s / last_s, fmt::format("{:.1f} of {:g} s", now_s, last_s));
+    }
+  }
+  std::vector<fs::path> written = simulation.finish();
+  if (options.video) written = sim::join_frames(out, written, options.frames_per_s);
+  if (options.quiet) return;
+  for (const fs::path& path : written) fmt::print("{}\n", (out / path).string());
+}
+
+}  // namespace
+
+void add_render(CLI::App& app) {
+  auto options = std::make_shared<RenderOptions>();
+  CLI::App* command = app.add_subcommand("render", "Make pictures or a video of a finished run by flying it again, bit for bit");
+  command->add_option("run", options->run, "Directory of a finished run")->required()->type_name("RUN_DIR");
+  command->add_option("--camera", options->cameras, "Camera of the scenario, or a type with a vehicle: top, follow:uav1, onboard:uav2")->type_name("NAME");
+  command->add_option("--time", options->times_s, "Picture at this time; may be repeated")->type_name("SECONDS");
+  command->add_flag("--video", options->video, "A video of each camera (needs ffmpeg)");
+  command->add_option("--fps", options->frames_per_s, "Frames per simulated second of a video")->check(CLI::Range(1.0, 120.0));
+  command->add_option("--until", options->to_s, "End of the video or the last picture")->type_name("SECONDS");
+  command->add_option("--out", options->out, "Where to put them (default: RUN_DIR/render)")->type_name("DIR");
+  command->add_option("--threads", options->threads, "Threads, 0: all")->check(CLI::Range(0, 1024));
+  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
+  command->callback([options] { render(*options); });
+}
+
+}  // namespace swiftlet::tools

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <chrono>
+#include <csignal>
+#include <memory>
+
+#include "commands.hpp"
+#include "progress.hpp"
+#include "scenario_options.hpp"
+#include "sim/run/run_directory.hpp"
+#include "sim/run/summary.hpp"
+#include "swiftlet/sim/simulation.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RunOptions {
+  ScenarioOptions scenario;
+  std::string out;
+  int threads = 0;
+  bool quiet = false;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+// Ctrl-C ends the run after the present tick; nothing that looks finished is left behind.
+class InterruptGuard {
+ public:
+  InterruptGuard() : previous_(std::signal(SIGINT, [](int) { interrupted = 1; })) {}
+  ~InterruptGuard() { std::signal(SIGINT, previous_); }
+
+ private:
+  void (*previous_)(int);
+};
+
+void fly(sim::Simulation& simulation, bool quiet) {
+  const InterruptGuard guard;
+  Progress progress(simulation.scenario().name, quiet);
+  const auto start = std::chrono::steady_clock::now();
+  while (!simulation.finished()) {
+    simulation.tick();
+    if (interrupted != 0) throw std::runtime_error("interrupted; the unfinished run was removed");
+    if (!progress.due()) continue;
+    const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double simulated_s = to_seconds(simulation.now());
+    progress.update(simulated_s / simulation.scenario().duration_s,
+                    fmt::format("{:.1f} of {:g} s, {:.1f} x real time", simulated_s, simulation.scenario().duration_s,
+                                simulated_s / wall_s));
+  }
+}
+
+// One line for a whole folder: a run may write thousands of scans.
+void print_paths(const fs::path& directory, const std::vector<fs::path>& written) {
+  std::vector<std::pair<fs::path, int>> folders;
+  for (const fs::path& path : written) {
+    const fs::path folder = path.parent_path();
+    if (!folders.empty() && folders.back().first == folder) {
+      ++folders.back().second;
+    } else {
+      folders.emplace_back(folder, 1);
+    }
+  }
+  fmt::print("\n{}\n", bold("written to " + directory.string()));
+  fmt::print("  {:<40} outcome, metrics, hash, timing\n", "summary.json");
+  fmt::print("  {:<40} the complete scenario: running it gives the same hash\n", "scenario.yaml");
+  for (const auto& [folder, count] : folders) {
+    if (folder.empty()) {
+      for (const fs::path& path : written) {
+        if (path.parent_path().empty()) fmt::print("  {}\n", path.string());
+      }
+    } else {
+      fmt::print("  {:<40} {} file{}\n", folder.string() + "/", count, count == 1 ? "" : "s");
+    }
+  }
+}
+
+void run(const RunOptions& options) {
+  const sim::Scenario scenario = options.scenario.load();
+  const fs::path out = options.out.empty() ? fs::path("runs") / fmt::format("{}-{}", scenario.name, scenario.seed) : fs::path(options.out);
+  sim::RunDirectory directory(out);
+
+  const auto start = std::chrono::steady_clock::now();
+  sim::Simulation simulation(scenario, options.threads);
+  simulation.attach_recorders(directory.path());
+  const auto ready = std::chrono::steady_clock::now();
+  fly(simulation, options.quiet);
+  std::vector<fs::path> written = simulation.finish();
+  const auto done = std::chrono::steady_clock::now();
+  std::sort(written.begin(), written.end());
+
+  sim::RunSummary summary = simulation.summary();
+  summary.setup_wall_s = std::chrono::duration<double>(ready - start).count();
+  summary.wall_s = std::chrono::duration<double>(done - ready).count();
+  sim::write_file(directory.path() / "scenario.yaml", sim::write_scenario(scenario));
+  sim::write_file(directory.path() / "summary.json", sim::to_json(summary));
+  directory.commit();
+  if (options.quiet) return;
+  fmt::print("{}", sim::to_text(summary));
+  print_paths(out, written);
+}
+
+}  // namespace
+
+void add_run(CLI::App& app) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "Fly one scenario");
+  options->scenario.add_to(*command);
+  command->add_option("--out", options->out, "Run directory (default: runs/NAME-SEED); an earlier run there is replaced")->type_name("DIR");
+  command->add_option("--threads", options->threads, "Threads for sensors and agents, 0: all; changes no result")->check(CLI::Range(0, 1024));
+  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace swiftlet::tools

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.hpp"
+#include "scenario_options.hpp"
+#include "sim/world/export.hpp"
+#include "sim/world/world.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+struct WorldOptions {
+  ScenarioOptions scenario;
+  std::string out;
+  bool quiet = false;
+};
+
+void export_scenario_world(const WorldOptions& options) {
+  const sim::Scenario scenario = options.scenario.load();
+  const sim::Scene scene = sim::make_world(scenario.world, scenario.seed);
+  const auto written = sim::export_world(scene, options.out);
+  if (options.quiet) return;
+  fmt::print("{} with seed {}: {} triangles, {} objects\n", scenario.world.type, scenario.seed, scene.num_triangles(),
+             scene.objects.size());
+  for (const auto& path : written) fmt::print("  {}\n", path.string());
+}
+
+}  // namespace
+
+void add_world(CLI::App& app) {
+  auto options = std::make_shared<WorldOptions>();
+  CLI::App* command = app.add_subcommand("world", "Export the generated world of a scenario with its truth table");
+  options->scenario.add_to(*command);
+  command->add_option("--out", options->out, "File to write: .ply or .obj; the table lies beside it")->required()->type_name("FILE");
+  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
+  command->callback([options] { export_scenario_world(*options); });
+}
+
+}  // namespace swiftlet::tools
