@@ -2,6 +2,8 @@
 #include "sim/recorders/output_file.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -29,9 +31,25 @@ OutputFile::OutputFile(std::filesystem::path path, std::size_t buffer_bytes)
     std::filesystem::create_directories(path_.parent_path(), error);
     if (error) fail(path_, error.value());
   }
-  descriptor_ = ::open(part_of(path_).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  descriptor_ = ::open(part_of(path_).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail(path_, errno);
+  try {
+    claim();
+  } catch (...) {
+    ::close(std::exchange(descriptor_, -1));
+    throw;
+  }
   buffer_.reserve(capacity_);
+}
+
+void OutputFile::claim() {
+  // Two recorders of the same files would write over each other; a file left by a killed run has no owner any more.
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    throw std::runtime_error("cannot write " + path_.string() + ": another recorder is writing it");
+  }
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0) fail(path_, errno);
+  if (S_ISREG(status.st_mode) && ::ftruncate(descriptor_, 0) != 0) fail(path_, errno);
 }
 
 OutputFile::~OutputFile() { abandon(); }

@@ -31,6 +31,7 @@ class OutputFile {
   void finish();
 
  private:
+  void claim();
   void flush();
   void write_all(std::span<const std::byte> bytes);
   void abandon() noexcept;

@@ -5,6 +5,8 @@
 
 #include "sim/recorders/csv.hpp"
 #include "sim/recorders/events.hpp"
+#include "sim/recorders/pcd.hpp"
+#include "sim/recorders/ply.hpp"
 #include "sim/recorders/tum.hpp"
 #include "swiftlet/sim/recorder.hpp"
 
@@ -16,6 +18,8 @@ const RecorderType kRecorderTypes[] = {
     {{"tum", "trajectories, truth and estimate, as TUM text files", make_module_config<TumConfig>}, make_tum_recorder},
     {{"csv", "tables of states and sensor samples", make_module_config<CsvConfig>}, make_csv_recorder},
     {{"events", "what happened, as JSON Lines", make_module_config<EventsConfig>}, make_events_recorder},
+    {{"pcd", "scans with their truth as PCD files", make_module_config<PcdConfig>}, make_pcd_recorder},
+    {{"ply", "scans with their truth as PLY files", make_module_config<PlyConfig>}, make_ply_recorder},
 };
 
 }  // namespace

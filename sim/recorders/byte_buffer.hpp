@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace swiftlet::sim {
+
+static_assert(std::endian::native == std::endian::little,
+              "the recorders write little-endian files as they stand in memory");
+
+/// Bytes in the order in which they are put; numbers are little-endian. Keeps its memory when cleared.
+class ByteBuffer {
+ public:
+  void clear() { bytes_.clear(); }
+  std::size_t size() const { return bytes_.size(); }
+  bool empty() const { return bytes_.empty(); }
+  std::span<const std::byte> bytes() const { return bytes_; }
+  std::span<const std::byte> bytes_from(std::size_t offset) const { return bytes().subspan(offset); }
+
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void put(Number value) { std::memcpy(grow(sizeof value), &value, sizeof value); }
+  void put_bytes(std::span<const std::byte> bytes) {
+    if (!bytes.empty()) std::memcpy(grow(bytes.size()), bytes.data(), bytes.size());
+  }
+  void put_text(std::string_view text) { put_bytes(std::as_bytes(std::span(text))); }
+  /// Replaces a number that was put before.
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void put_at(std::size_t offset, Number value) { std::memcpy(bytes_.data() + offset, &value, sizeof value); }
+  /// Room for `count` more bytes (zeros), to be filled by the caller before the next put.
+  std::byte* grow(std::size_t count) {
+    bytes_.resize(bytes_.size() + count);
+    return bytes_.data() + bytes_.size() - count;
+  }
+  void shrink_to(std::size_t size) { bytes_.resize(size); }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace swiftlet::sim

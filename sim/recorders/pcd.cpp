@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/recorders/pcd.hpp"
+
+#include <sstream>
+
+namespace swiftlet::sim {
+namespace {
+
+std::string pcd_header(const CloudLayout& layout) {
+  std::ostringstream header;
+  const auto line = [&](const char* key, const auto& value_of) {
+    header << key;
+    for (const PointField& field : point_fields()) header << ' ' << value_of(field);
+    header << '\n';
+  };
+  header << "# .PCD v0.7 - Point Cloud Data file format\n";
+  header << "# frame " << layout.frame << ", stamp_ns " << layout.stamp << "\nVERSION 0.7\n";
+  line("FIELDS", [](const PointField& field) { return field.name; });
+  line("SIZE", [](const PointField& field) { return field.size_bytes; });
+  line("TYPE", [](const PointField& field) { return field.type == PointField::Type::kFloat32 ? 'F' : 'U'; });
+  line("COUNT", [](const PointField&) { return 1; });
+  header << "WIDTH " << layout.width << "\nHEIGHT " << layout.height << "\nVIEWPOINT 0 0 0 1 0 0 0\n";
+  header << "POINTS " << layout.width * layout.height << "\nDATA binary\n";
+  return header.str();
+}
+
+}  // namespace
+
+void PcdConfig::visit(ConfigVisitor& v) {
+  visit_common(v);
+  v.field("organized", organized, "[-] keep the rows and columns of the scan, empty returns as NaN");
+}
+
+std::unique_ptr<Recorder> make_pcd_recorder(const ModuleConfig& config) {
+  const auto& pcd = dynamic_cast<const PcdConfig&>(config);
+  return make_scan_files_recorder(pcd, {"pcd", pcd.organized, pcd_header});
+}
+
+}  // namespace swiftlet::sim

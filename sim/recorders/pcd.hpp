@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "sim/recorders/scan_files.hpp"
+
+namespace swiftlet::sim {
+
+struct PcdConfig : ModuleConfigOf<PcdConfig>, ScanFilesConfig {
+  bool organized = false;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+/// Scans as binary PCD 0.7 files (the format of the Point Cloud Library, "The PCD file format").
+std::unique_ptr<Recorder> make_pcd_recorder(const ModuleConfig& config);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "sim/recorders/scan_files.hpp"
+
+namespace swiftlet::sim {
+
+struct PlyConfig : ModuleConfigOf<PlyConfig>, ScanFilesConfig {
+  void visit(ConfigVisitor& v) override;
+};
+
+/// Scans as PLY files, binary_little_endian 1.0 (Turk, "The PLY Polygon File Format", 1994): one element, vertex.
+std::unique_ptr<Recorder> make_ply_recorder(const ModuleConfig& config);
+
+}  // namespace swiftlet::sim

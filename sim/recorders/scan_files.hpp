@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/recorders/byte_buffer.hpp"
+#include "sim/recorders/pose_history.hpp"
+#include "sim/sensors/sensor.hpp"
+#include "swiftlet/sim/recorder.hpp"
+
+namespace swiftlet::sim {
+
+/// What the recorders of scans as single files (PCD, PLY) have in common.
+struct ScanFilesConfig {
+  std::vector<std::string> vehicles;
+  std::vector<std::string> sensors;
+  int every = 1;
+  std::string frame = "lidar";
+  std::string folder = "scans";
+
+  void visit_common(ConfigVisitor& v);
+};
+
+/// A number of each point, as stored.
+struct PointField {
+  enum class Type { kFloat32, kUint8, kUint16, kUint32 };
+  const char* name;
+  Type type;
+  int size_bytes;
+};
+/// The fields of a point in their order: packed, little-endian, without padding.
+std::span<const PointField> point_fields();
+
+/// What a file's header tells about its points.
+struct CloudLayout {
+  int width = 0, height = 0;  ///< organised: columns and rows of the scan; compact: number of points and 1
+  std::string frame;
+  TimeNs stamp = 0;
+};
+
+/// One file format: the points are the same bytes in every one, after its own header.
+struct CloudFormat {
+  const char* extension;
+  bool organized;  ///< keep empty returns, as NaN
+  std::string (*header)(const CloudLayout& layout);
+};
+
+/// Appends the points of a scan as point_fields() say, row by row. `T_frame_lidar` by column, or one for all;
+/// empty: points stay in the lidar's frame. Returns how many points were put.
+int put_points(const LabelledScan& scan, std::span<const Pose> T_frame_lidar, bool organized, ByteBuffer& out);
+
+/// FOLDER/VEHICLE_SENSOR/%06d.EXTENSION and an index of them, FOLDER/VEHICLE_SENSOR/EXTENSION_index.csv.
+std::unique_ptr<Recorder> make_scan_files_recorder(const ScanFilesConfig& config, const CloudFormat& format);
+
+}  // namespace swiftlet::sim
