@@ -30,16 +30,19 @@ function(swiftlet_room room)
   endforeach()
 endfunction()
 
-# swiftlet_tests(core/math LIBS ... [LABELS unit]): every .cpp of tests/<room> in one GoogleTest program test_core_math.
+# swiftlet_tests(core/math LIBS ... [LABELS unit] [SUPPORT allocation_counter]): every .cpp of tests/<room> in one
+# GoogleTest program test_core_math, with the named files of tests/support.
 function(swiftlet_tests folder)
-  cmake_parse_arguments(ARG "" "" "LIBS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "LIBS;LABELS;SUPPORT" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${folder}/*.cpp)
   if(NOT sources)
     return()
   endif()
   string(REPLACE "/" "_" name ${folder})
   string(REPLACE "/" "_" room_target swiftlet_${folder})
-  add_executable(test_${name} ${sources})
+  list(TRANSFORM ARG_SUPPORT PREPEND ${PROJECT_SOURCE_DIR}/tests/support/)
+  list(TRANSFORM ARG_SUPPORT APPEND .cpp)
+  add_executable(test_${name} ${sources} ${ARG_SUPPORT})
   if(TARGET ${room_target})
     target_link_libraries(test_${name} PRIVATE ${room_target})
   endif()

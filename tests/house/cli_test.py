@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""The program as a user meets it: exit statuses, messages, what is left behind. Usage: cli_test.py SWIFTLET SOURCE_DIR"""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SWIFTLET, SOURCE = (pathlib.Path(p).resolve() for p in sys.argv[1:3])
+HOVER = """name: hover
+duration_s: {duration}
+world: {{type: empty}}
+vehicles:
+  - name: uav1
+    model: x500
+    start: {{position_m: [0, 0, 5]}}
+    agent: {{localization: {{type: ground_truth}}, guidance: {{type: hover}}}}
+recorders: [{{type: tum}}, {{type: csv}}, {{type: events}}]
+"""
+
+
+class Cli(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.path = pathlib.Path(self.folder.name)
+        self.scenario = self.path / "hover.yaml"
+        self.scenario.write_text(HOVER.format(duration=1))
+
+    def run_swiftlet(self, *arguments, **options):
+        return subprocess.run([str(SWIFTLET), *map(str, arguments)], cwd=self.path, capture_output=True, text=True,
+                              timeout=120, **options)
+
+    def left_behind(self):
+        return sorted(p.name for p in self.path.iterdir() if p != self.scenario)
+
+    def refused(self, *arguments, tells=()):
+        result = self.run_swiftlet(*arguments)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual(result.stdout, "")
+        for text in tells:
+            self.assertIn(text, result.stderr)
+        self.assertEqual(self.left_behind(), [])
+        return result.stderr
+
+    def test_a_run_leaves_a_complete_directory_and_tells_where(self):
+        result = self.run_swiftlet("run", self.scenario, "--out", "out")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        summary = json.loads((self.path / "out/summary.json").read_text())
+        self.assertIn(summary["outcome"], ("done", "timeout"))
+        self.assertRegex(summary["state_hash"], "^[0-9a-f]{16}$")
+        self.assertEqual(summary["simulated_s"], 1.0)
+        for name in ("scenario.yaml", "trajectories/uav1.tum", "trajectories/uav1.estimate.tum", "events.jsonl"):
+            self.assertTrue((self.path / "out" / name).is_file(), name)
+        self.assertIn("out", result.stdout)
+        self.assertEqual(self.left_behind(), ["out"])
+
+    def test_the_resolved_scenario_gives_the_same_hash(self):
+        self.run_swiftlet("run", self.scenario, "--out", "a", "--seed", 5, "-q", check=True)
+        self.run_swiftlet("run", "a/scenario.yaml", "--out", "b", "--threads", 1, "-q", check=True)
+        hashes = {json.loads((self.path / d / "summary.json").read_text())["state_hash"] for d in "ab"}
+        self.assertEqual(len(hashes), 1)
+
+    def test_quiet_prints_nothing(self):
+        result = self.run_swiftlet("run", self.scenario, "--out", "out", "--quiet")
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+
+    def test_a_wrong_key_is_told_with_its_place_and_a_suggestion(self):
+        self.scenario.write_text(HOVER.format(duration=1).replace("duration_s", "duration"))
+        message = self.refused("run", self.scenario, "--out", "out", tells=["hover.yaml:2:1", "duration_s"])
+        self.assertIn("did you mean", message)
+        self.refused("check", self.scenario, tells=["hover.yaml:2:1"])
+
+    def test_wrong_command_lines_are_refused(self):
+        self.refused("fly")
+        self.refused("run")
+        self.refused("run", "nowhere.yaml", tells=["nowhere.yaml"])
+        self.refused("run", self.scenario, "--set", "seed")
+        self.refused("run", self.scenario, "--set", "sede=3", tells=["seed"])
+        self.refused("run", self.scenario, "--threads", "many")
+        self.refused("run", self.scenario, "--duration", "-1")
+        self.refused("world", self.scenario, "--out", "world.stl", tells=[".ply"])
+        self.refused("render", "nowhere")
+        self.refused("list", "sensor")
+        self.refused("bench", "nothing")
+
+    def test_a_directory_that_is_no_run_is_never_replaced(self):
+        (self.path / "thesis").mkdir()
+        (self.path / "thesis/chapter1.tex").write_text("years of work")
+        result = self.run_swiftlet("run", self.scenario, "--out", "thesis")
+        self.assertEqual(result.returncode, 2)
+        self.assertTrue((self.path / "thesis/chapter1.tex").is_file())
+
+    def test_check_says_nothing_about_what_is_fine(self):
+        for scenario in [self.scenario, *sorted((SOURCE / "scenarios").glob("*.yaml"))]:
+            result = self.run_swiftlet("check", scenario)
+            self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""), scenario)
+
+    def test_help_is_everywhere(self):
+        self.assertIn("run", self.run_swiftlet("--help").stdout)
+        for command in ("run", "render", "world", "check", "list", "reference", "bench"):
+            result = self.run_swiftlet(command, "--help")
+            self.assertEqual(result.returncode, 0)
+            self.assertIn("Usage", result.stdout)
+
+    def test_a_killed_run_leaves_nothing_that_looks_finished(self):
+        self.scenario.write_text(HOVER.format(duration=100000))
+        for how in (signal.SIGKILL, signal.SIGINT):
+            run = subprocess.Popen([str(SWIFTLET), "run", str(self.scenario), "--out", "out", "-q"], cwd=self.path,
+                                   stderr=subprocess.PIPE)
+            time.sleep(0.7)
+            run.send_signal(how)
+            run.communicate(timeout=30)
+            self.assertNotEqual(run.returncode, 0)
+            self.assertFalse((self.path / "out").exists())
+        # The next run cleans up what the killed one left.
+        self.scenario.write_text(HOVER.format(duration=1))
+        self.run_swiftlet("run", self.scenario, "--out", "out", "-q", check=True)
+        self.assertEqual(self.left_behind(), ["out"])
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "needs /dev/full")
+    def test_an_output_that_cannot_be_written_is_an_error(self):
+        result = self.run_swiftlet("run", self.scenario, "--out", "/dev/full/out")
+        self.assertEqual(result.returncode, 2)
+
+    def test_the_world_is_exported_with_its_truth(self):
+        self.scenario.write_text(HOVER.format(duration=1).replace("type: empty", "type: forest_thesis"))
+        result = self.run_swiftlet("world", self.scenario, "--out", "w.ply")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertTrue((self.path / "w.ply").read_bytes().startswith(b"ply\n"))
+        self.assertGreaterEqual(len(list(self.path.glob("w*.csv"))), 1)
+
+    def test_a_finished_run_can_be_rendered(self):
+        self.run_swiftlet("run", self.scenario, "--out", "out", "-q", check=True)
+        result = self.run_swiftlet("render", "out", "--camera", "follow:uav1", "--time", "0.5")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        pictures = list((self.path / "out/render").rglob("*.png"))
+        self.assertEqual(len(pictures), 1)
+        self.assertTrue(pictures[0].read_bytes().startswith(b"\x89PNG"))
+        self.assertEqual(self.run_swiftlet("render", "out", "--time", "5").returncode, 2)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=1)
