@@ -6,6 +6,7 @@
 #include "sim/sensors/compass.hpp"
 #include "sim/sensors/gnss.hpp"
 #include "sim/sensors/imu.hpp"
+#include "sim/sensors/lidar.hpp"
 #include "sim/sensors/neighbors.hpp"
 #include "sim/sensors/odometry.hpp"
 #include "sim/sensors/pose.hpp"
@@ -27,6 +28,8 @@ constexpr SensorType kSensorTypes[] = {
      make_odometry_sensor},
     {{"neighbors", "other vehicles by mutual localisation (UVDAR)", make_module_config<NeighborsConfig>},
      make_neighbors_sensor},
+    {{"lidar", "LiDAR: Ouster, Livox Mid-360, Velodyne Puck, or any pattern", make_module_config<LidarConfig>},
+     make_lidar},
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include "core/math/random.hpp"
 #include "sim/raycast/ray_scene.hpp"
-#include "tests/support/scene_builder.hpp"
+#include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -52,7 +52,7 @@ double distance_to_triangle(const Vector3& p, const Vector3& a, const Vector3& b
 }
 
 TEST(StaticScene, APlaneAtFiveMetresIsFiveMetresAwayAlongItsNormal) {
-  SceneBuilder builder;
+  TestScene builder;
   builder.add_wall({5, -50, -50}, {5, 50, -50}, {5, 50, 50}, {5, -50, 50}, SurfaceClass::kWall, 3);
   const StaticScene scene(builder.scene());
   for (double angle = -1.2; angle <= 1.2; angle += 0.05) {
@@ -68,7 +68,7 @@ TEST(StaticScene, APlaneAtFiveMetresIsFiveMetresAwayAlongItsNormal) {
 }
 
 TEST(StaticScene, OcclusionLooksStrictlyBetweenTheEnds) {
-  SceneBuilder builder;
+  TestScene builder;
   builder.add_wall({5, -50, -50}, {5, 50, -50}, {5, 50, 50}, {5, -50, 50});
   const StaticScene scene(builder.scene());
   EXPECT_TRUE(scene.occluded({0, 0, 0}, {10, 1, 2}));
@@ -123,7 +123,7 @@ TEST(StaticScene, NoTriangleThatTouchesABoxIsMissed) {
 }
 
 TEST(StaticScene, NothingEscapesAClosedRoom) {
-  SceneBuilder builder;
+  TestScene builder;
   builder.add_box({-4, -3, -2}, {4, 3, 2});
   const StaticScene scene(builder.scene());
   const Random random(1, "test.room");
@@ -141,7 +141,7 @@ TEST(StaticScene, NothingEscapesAClosedRoom) {
 }
 
 TEST(StaticScene, AnInstanceLiesWhereItsTransformPutsIt) {
-  SceneBuilder builder;
+  TestScene builder;
   builder.add_box({-1, -1, -1}, {1, 1, 1}, SurfaceClass::kRack, 4);
   Scene scene = builder.scene();
   scene.instances[0].T_world_mesh =

@@ -9,11 +9,11 @@
 
 namespace swiftlet::sim {
 
-/// Small worlds for tests, one line a thing: SceneBuilder b; b.add_box(...); StaticScene s(b.scene()).
+/// Small worlds for tests, one line a thing: TestScene b; b.add_box(...); StaticScene s(b.scene()).
 /// Material 0 is Lambertian with reflectivity 0.3; add_material() returns further ones.
-class SceneBuilder {
+class TestScene {
  public:
-  SceneBuilder() { scene_.materials.push_back({"grey", 0.3F, false, {0.5F, 0.5F, 0.5F}}); }
+  TestScene() { scene_.materials.push_back({"grey", 0.3F, false, {0.5F, 0.5F, 0.5F}}); }
 
   std::uint32_t add_material(float reflectivity, bool retroreflective = false) {
     scene_.materials.push_back({"material", reflectivity, retroreflective, {0.5F, 0.5F, 0.5F}});

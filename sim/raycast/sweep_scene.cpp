@@ -1,0 +1,454 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/raycast/sweep_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/raycast/embree_scene.hpp"
+#include "sim/world/vehicle_shape.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr TimeNs kKnotSpacing = 2'000'000;  // 2 ms
+constexpr double kFastest_mps = 60.0;       // no vehicle is faster: bounds which ones can come into reach
+constexpr float kCullingSlack_m = 0.02F;    // single precision at some 100 m
+constexpr double kTwoPi = 6.283185307179586;
+
+alignas(64) constexpr std::array<int, kPacketSize> kAllLanes = {-1, -1, -1, -1, -1, -1, -1, -1,
+                                                                -1, -1, -1, -1, -1, -1, -1, -1};
+
+/// A vehicle at one instant of the sweep.
+struct Knot {
+  Eigen::Vector3d p_world;
+  Eigen::Quaterniond q_world_body;
+  std::array<double, kMaxRotors> rotor_angle_rad;
+  std::array<double, kMaxRotors> rotor_rate_radps;  // signed
+};
+
+/// Where in the knots an instant lies.
+struct KnotPlace {
+  int before = 0;
+  float fraction = 0.0F;  // of the way to the next knot
+};
+
+/// Rays of a packet in one frame.
+struct alignas(64) Rays {
+  std::array<float, kPacketSize> origin_x, origin_y, origin_z, direction_x, direction_y, direction_z;
+};
+
+struct Vehicle {
+  std::shared_ptr<const VehicleShape> shape;
+  std::shared_ptr<const VehicleBody> body;
+  std::uint32_t first_surface = 0;  // of its body
+  std::uint32_t rotor_surface = 0;
+  float radius_m = 0.0F;  // of a sphere about its origin that holds all of it
+  bool in_reach = false;
+  std::vector<Knot> knots;
+  // Sphere that holds the vehicle during the whole sweep, world frame.
+  Eigen::Vector3f sweep_center_m = Eigen::Vector3f::Zero();
+  float sweep_radius_m = 0.0F;
+};
+
+/// Sensor-to-world transform of one firing, with the origin of its beams.
+struct FiringTransform {
+  float r[9];  // rows of R_world_lidar
+  float t[3];
+};
+
+double bounding_radius_m(const VehicleShape& shape) {
+  double radius = 0.0;
+  for (const Mesh& mesh : shape.meshes) {
+    for (const Eigen::Vector3f& v : mesh.vertices_m) radius = std::max(radius, static_cast<double>(v.norm()));
+  }
+  for (const auto& rotor : shape.rotors) {
+    radius = std::max(radius, static_cast<double>(rotor.hub_m.norm() + rotor.radius_m));
+  }
+  return radius + 1e-3;
+}
+
+// The shorter way on the sphere, linear and normalised: between knots 2 ms apart indistinguishable from slerp.
+Eigen::Quaterniond nlerp(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double s) {
+  const double sign = a.dot(b) < 0.0 ? -1.0 : 1.0;
+  return Eigen::Quaterniond((1.0 - s) * a.coeffs() + sign * s * b.coeffs()).normalized();
+}
+
+// Angle of a rotor between two knots: cubic Hermite from angles and rates.
+double rotor_angle(const Knot& a, const Knot& b, int rotor, double s, double h) {
+  const double s2 = s * s, s3 = s2 * s;
+  return (2 * s3 - 3 * s2 + 1) * a.rotor_angle_rad[rotor] + (s3 - 2 * s2 + s) * h * a.rotor_rate_radps[rotor] +
+         (3 * s2 - 2 * s3) * b.rotor_angle_rad[rotor] + (s3 - s2) * h * b.rotor_rate_radps[rotor];
+}
+
+RTCRayHit16 make_query(const Rays& rays, const std::array<float, kPacketSize>& tfar) {
+  RTCRayHit16 query;
+  for (int i = 0; i < kPacketSize; ++i) {
+    query.ray.org_x[i] = rays.origin_x[i];
+    query.ray.org_y[i] = rays.origin_y[i];
+    query.ray.org_z[i] = rays.origin_z[i];
+    query.ray.dir_x[i] = rays.direction_x[i];
+    query.ray.dir_y[i] = rays.direction_y[i];
+    query.ray.dir_z[i] = rays.direction_z[i];
+    query.ray.tnear[i] = 0.0F;
+    query.ray.tfar[i] = tfar[i];
+    query.ray.time[i] = 0.0F;
+    query.ray.mask[i] = ~0U;
+    query.ray.id[i] = 0;
+    query.ray.flags[i] = 0;
+    query.hit.Ng_x[i] = query.hit.Ng_y[i] = query.hit.Ng_z[i] = 1.0F;  // cosines() reads every lane
+    query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  return query;
+}
+
+void intersect(RTCScene scene, RTCRayHit16& query) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect16(kAllLanes.data(), scene, &context, &query);
+}
+
+// Normals as Embree gives them have the length of twice the triangle's area.
+void cosines(const RTCRayHit16& query, std::array<float, kPacketSize>& out) {
+  for (int i = 0; i < kPacketSize; ++i) {
+    const float dot = query.hit.Ng_x[i] * query.ray.dir_x[i] + query.hit.Ng_y[i] * query.ray.dir_y[i] +
+                      query.hit.Ng_z[i] * query.ray.dir_z[i];
+    const float norm_sq = query.hit.Ng_x[i] * query.hit.Ng_x[i] + query.hit.Ng_y[i] * query.hit.Ng_y[i] +
+                          query.hit.Ng_z[i] * query.hit.Ng_z[i];
+    out[i] = std::min(std::abs(dot) / std::sqrt(norm_sq), 1.0F);
+  }
+}
+
+}  // namespace
+
+struct SweepScene::Impl {
+  std::shared_ptr<const StaticScene> world;
+  std::vector<Vehicle> vehicles;  // by VehicleId
+  std::vector<int> in_reach;      // other vehicles, ascending
+  std::vector<SweepSurface> surfaces;
+  VehicleId self = 0;
+  Pose T_body_lidar = Pose::Identity();
+  Eigen::Matrix3f R_body_lidar = Eigen::Matrix3f::Identity();
+  Eigen::Vector3f p_body_lidar = Eigen::Vector3f::Zero();
+  float range_max_m = 0.0F;
+
+  std::vector<Firing> firings;
+  std::vector<KnotPlace> places;              // (firings)
+  std::vector<FiringTransform> transforms;    // (firings)
+  std::vector<Eigen::Vector3f> origins_body;  // (firings)
+  int num_knots = 1;
+  double knot_spacing_s = 0.0;
+  TimeNs duration = -1;  // of the sweep that `places` belong to
+
+  void place_firings();
+  void look_up(const StateHistory& truth, VehicleId id, TimeNs start, Vehicle& vehicle) const;
+  bool may_come_into_reach(const StateHistory& truth, VehicleId id, TimeNs start) const;
+  void transform_firings();
+
+  Rays rays_world(const BeamPacket& beams) const;
+  Rays rays_body(const BeamPacket& beams) const;
+  Rays rays_of(const Vehicle& vehicle, const BeamPacket& beams, const Rays& world_rays) const;
+  bool near(const Vehicle& vehicle, const Rays& world_rays, const std::array<float, kPacketSize>& tfar) const;
+  void meet(const Vehicle& vehicle, const BeamPacket& beams, const Rays& rays, std::array<float, kPacketSize>& tfar,
+            PacketHits& hits) const;
+  void meet_rotors(const Vehicle& vehicle, const BeamPacket& beams, const Rays& rays,
+                   std::array<float, kPacketSize>& tfar, PacketHits& hits) const;
+};
+
+// ---- preparation of a sweep -----------------------------------------------------------------------------------------
+
+void SweepScene::Impl::place_firings() {
+  const double duration_s = to_seconds(duration);
+  num_knots = duration == 0 ? 1 : static_cast<int>((duration + kKnotSpacing - 1) / kKnotSpacing) + 1;
+  knot_spacing_s = num_knots == 1 ? 0.0 : duration_s / (num_knots - 1);
+  for (std::size_t i = 0; i < firings.size(); ++i) {
+    if (num_knots == 1) {
+      places[i] = {0, 0.0F};
+      continue;
+    }
+    const double place = std::clamp(static_cast<double>(firings[i].offset_s), 0.0, duration_s) / knot_spacing_s;
+    const int before = std::min(static_cast<int>(place), num_knots - 2);
+    places[i] = {before, static_cast<float>(place - before)};
+  }
+  for (Vehicle& vehicle : vehicles) vehicle.knots.resize(num_knots);
+}
+
+void SweepScene::Impl::look_up(const StateHistory& truth, VehicleId id, TimeNs start, Vehicle& vehicle) const {
+  for (int k = 0; k < num_knots; ++k) {
+    const TimeNs t = num_knots == 1 ? start : start + duration * k / (num_knots - 1);
+    const VehicleState state = truth.at(id, t);
+    Knot& knot = vehicle.knots[k];
+    knot.p_world = state.p_world_m;
+    knot.q_world_body = state.q_world_body;
+    knot.rotor_angle_rad = state.rotor_angle_rad;
+    for (std::size_t r = 0; r < vehicle.shape->rotors.size(); ++r) {
+      knot.rotor_rate_radps[r] = vehicle.shape->rotors[r].direction * state.rotor_speed_radps[r];
+    }
+  }
+  Eigen::AlignedBox3d box;
+  for (const Knot& knot : vehicle.knots) box.extend(knot.p_world);
+  vehicle.sweep_center_m = box.center().cast<float>();
+  vehicle.sweep_radius_m = static_cast<float>(0.5 * box.diagonal().norm() + vehicle.radius_m) + kCullingSlack_m;
+}
+
+bool SweepScene::Impl::may_come_into_reach(const StateHistory& truth, VehicleId id, TimeNs start) const {
+  const Vector3 between = truth.at(id, start).p_world_m - vehicles[self].knots[0].p_world;
+  return between.norm() < range_max_m + vehicles[id].radius_m + vehicles[self].radius_m +
+                              T_body_lidar.translation().norm() + 2.0 * kFastest_mps * to_seconds(duration);
+}
+
+void SweepScene::Impl::transform_firings() {
+  for (std::size_t i = 0; i < firings.size(); ++i) {
+    const KnotPlace& place = places[i];
+    const Knot& a = vehicles[self].knots[place.before];
+    const Knot& b = vehicles[self].knots[std::min(place.before + 1, num_knots - 1)];
+    const Eigen::Matrix3d R_world_body = nlerp(a.q_world_body, b.q_world_body, place.fraction).toRotationMatrix();
+    const Eigen::Matrix3f R = (R_world_body * T_body_lidar.linear()).cast<float>();
+    const Eigen::Vector3f t =
+        (a.p_world + place.fraction * (b.p_world - a.p_world) + R_world_body * origins_body[i].cast<double>())
+            .cast<float>();
+    FiringTransform& out = transforms[i];
+    Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(out.r) = R;
+    Eigen::Map<Eigen::Vector3f>(out.t) = t;
+  }
+}
+
+// ---- rays of a packet in the frames
+// -----------------------------------------------------------------------------------
+
+Rays SweepScene::Impl::rays_world(const BeamPacket& beams) const {
+  Rays rays;
+  for (int i = 0; i < kPacketSize; ++i) {
+    const FiringTransform& T = transforms[beams.firing[i]];
+    const float x = beams.direction_x[i], y = beams.direction_y[i], z = beams.direction_z[i];
+    rays.direction_x[i] = T.r[0] * x + T.r[1] * y + T.r[2] * z;
+    rays.direction_y[i] = T.r[3] * x + T.r[4] * y + T.r[5] * z;
+    rays.direction_z[i] = T.r[6] * x + T.r[7] * y + T.r[8] * z;
+    rays.origin_x[i] = T.t[0];
+    rays.origin_y[i] = T.t[1];
+    rays.origin_z[i] = T.t[2];
+  }
+  return rays;
+}
+
+Rays SweepScene::Impl::rays_body(const BeamPacket& beams) const {
+  Rays rays;
+  for (int i = 0; i < kPacketSize; ++i) {
+    const Eigen::Vector3f direction =
+        R_body_lidar * Eigen::Vector3f(beams.direction_x[i], beams.direction_y[i], beams.direction_z[i]);
+    const Eigen::Vector3f& origin = origins_body[beams.firing[i]];
+    rays.direction_x[i] = direction.x();
+    rays.direction_y[i] = direction.y();
+    rays.direction_z[i] = direction.z();
+    rays.origin_x[i] = origin.x();
+    rays.origin_y[i] = origin.y();
+    rays.origin_z[i] = origin.z();
+  }
+  return rays;
+}
+
+Rays SweepScene::Impl::rays_of(const Vehicle& vehicle, const BeamPacket& beams, const Rays& world_rays) const {
+  Rays rays;
+  for (int i = 0; i < kPacketSize; ++i) {
+    const KnotPlace& place = places[beams.firing[i]];
+    const Knot& a = vehicle.knots[place.before];
+    const Knot& b = vehicle.knots[std::min(place.before + 1, num_knots - 1)];
+    const Eigen::Matrix3d R_body_world =
+        nlerp(a.q_world_body, b.q_world_body, place.fraction).toRotationMatrix().transpose();
+    const Eigen::Vector3d p = a.p_world + place.fraction * (b.p_world - a.p_world);
+    const Eigen::Vector3d origin_world(world_rays.origin_x[i], world_rays.origin_y[i], world_rays.origin_z[i]);
+    const Eigen::Vector3f origin = (R_body_world * (origin_world - p)).cast<float>();
+    const Eigen::Vector3f direction =
+        R_body_world.cast<float>() *
+        Eigen::Vector3f(world_rays.direction_x[i], world_rays.direction_y[i], world_rays.direction_z[i]);
+    rays.direction_x[i] = direction.x();
+    rays.direction_y[i] = direction.y();
+    rays.direction_z[i] = direction.z();
+    rays.origin_x[i] = origin.x();
+    rays.origin_y[i] = origin.y();
+    rays.origin_z[i] = origin.z();
+  }
+  return rays;
+}
+
+// ---- meeting vehicles
+// -------------------------------------------------------------------------------------------------
+
+// Does any ray come through the sphere that holds the vehicle during the sweep, before what it has met already?
+bool SweepScene::Impl::near(const Vehicle& vehicle, const Rays& rays,
+                            const std::array<float, kPacketSize>& tfar) const {
+  const float cx = vehicle.sweep_center_m.x(), cy = vehicle.sweep_center_m.y(), cz = vehicle.sweep_center_m.z();
+  const float radius = vehicle.sweep_radius_m;
+  int any = 0;
+  for (int i = 0; i < kPacketSize; ++i) {
+    const float x = cx - rays.origin_x[i], y = cy - rays.origin_y[i], z = cz - rays.origin_z[i];
+    const float along = x * rays.direction_x[i] + y * rays.direction_y[i] + z * rays.direction_z[i];
+    const float across_sq = x * x + y * y + z * z - along * along;
+    any |= (across_sq < radius * radius) & (along > -radius) & (along < tfar[i] + radius);
+  }
+  return any != 0;
+}
+
+void SweepScene::Impl::meet(const Vehicle& vehicle, const BeamPacket& beams, const Rays& rays,
+                            std::array<float, kPacketSize>& tfar, PacketHits& hits) const {
+  RTCRayHit16 query = make_query(rays, tfar);
+  intersect(vehicle.body->triangles.scene.get(), query);
+  std::array<float, kPacketSize> cosine;
+  cosines(query, cosine);
+  for (int i = 0; i < kPacketSize; ++i) {
+    if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    tfar[i] = hits.range_m[i] = query.ray.tfar[i];
+    hits.cos_incidence[i] = cosine[i];
+    hits.surface[i] = vehicle.first_surface + vehicle.body->triangles.surface_of_triangle[query.hit.primID[i]];
+  }
+  meet_rotors(vehicle, beams, rays, tfar, hits);
+}
+
+// A blade is where it is at the beam's own instant: flat, in the plane of its disc.
+void SweepScene::Impl::meet_rotors(const Vehicle& vehicle, const BeamPacket& beams, const Rays& rays,
+                                   std::array<float, kPacketSize>& tfar, PacketHits& hits) const {
+  const auto& rotors = vehicle.shape->rotors;
+  for (std::size_t r = 0; r < rotors.size(); ++r) {
+    const auto& rotor = rotors[r];
+    for (int i = 0; i < kPacketSize; ++i) {
+      const float t = (rotor.hub_m.z() - rays.origin_z[i]) / rays.direction_z[i];
+      if (!(t > 0.0F && t < tfar[i])) continue;
+      const float x = rays.origin_x[i] + t * rays.direction_x[i] - rotor.hub_m.x();
+      const float y = rays.origin_y[i] + t * rays.direction_y[i] - rotor.hub_m.y();
+      if (x * x + y * y > rotor.radius_m * rotor.radius_m) continue;
+      const KnotPlace& place = places[beams.firing[i]];
+      const Knot& a = vehicle.knots[place.before];
+      const Knot& b = vehicle.knots[std::min(place.before + 1, num_knots - 1)];
+      const double angle = rotor_angle(a, b, static_cast<int>(r), place.fraction, knot_spacing_s);
+      if (!VehicleShape::blade_covers(rotor, x, y, std::remainder(angle, kTwoPi))) continue;
+      tfar[i] = hits.range_m[i] = t;
+      hits.cos_incidence[i] = std::min(std::abs(rays.direction_z[i]), 1.0F);
+      hits.surface[i] = vehicle.rotor_surface;
+    }
+  }
+}
+
+// ---- interface
+// --------------------------------------------------------------------------------------------------------
+
+SweepScene::SweepScene(std::shared_ptr<const StaticScene> world,
+                       std::vector<std::shared_ptr<const VehicleShape>> shapes, VehicleId self,
+                       const Pose& T_body_lidar, double range_max_m)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->world = std::move(world);
+  impl_->self = self;
+  impl_->T_body_lidar = T_body_lidar;
+  impl_->R_body_lidar = T_body_lidar.linear().cast<float>();
+  impl_->p_body_lidar = T_body_lidar.translation().cast<float>();
+  impl_->range_max_m = static_cast<float>(range_max_m);
+  for (const Surface& s : impl_->world->impl().world.surfaces) {
+    impl_->surfaces.push_back({s.material, s.surface_class, s.instance, VehiclePart::kNone, kNoVehicle});
+  }
+  for (std::size_t id = 0; id < shapes.size(); ++id) {
+    Vehicle vehicle;
+    vehicle.shape = shapes[id];
+    vehicle.body = impl_->world->impl().body_of(shapes[id]);
+    vehicle.radius_m = static_cast<float>(bounding_radius_m(*shapes[id]));
+    vehicle.first_surface = static_cast<std::uint32_t>(impl_->surfaces.size());
+    const auto instance = static_cast<std::uint16_t>(id + 1);
+    const auto vehicle_id = static_cast<VehicleId>(id);
+    for (const Surface& s : vehicle.body->triangles.surfaces) {
+      impl_->surfaces.push_back({s.material, SurfaceClass::kVehicle, instance, s.part, vehicle_id});
+    }
+    vehicle.rotor_surface = static_cast<std::uint32_t>(impl_->surfaces.size());
+    impl_->surfaces.push_back(
+        {shapes[id]->rotor_material, SurfaceClass::kVehicle, instance, VehiclePart::kRotor, vehicle_id});
+    impl_->vehicles.push_back(std::move(vehicle));
+  }
+  impl_->in_reach.reserve(shapes.size());
+  set_firings({});
+}
+
+SweepScene::~SweepScene() = default;
+
+void SweepScene::set_firings(std::span<const Firing> firings) {
+  impl_->firings.assign(firings.begin(), firings.end());
+  impl_->places.resize(firings.size());
+  impl_->transforms.resize(firings.size());
+  impl_->origins_body.resize(firings.size());
+  for (std::size_t i = 0; i < firings.size(); ++i) {
+    impl_->origins_body[i] = impl_->R_body_lidar * firings[i].origin_lidar_m + impl_->p_body_lidar;
+  }
+  impl_->duration = -1;
+}
+
+void SweepScene::begin(const StateHistory& truth, TimeNs start, TimeNs duration) {
+  Impl& s = *impl_;
+  if (s.duration != duration) {
+    s.duration = duration;
+    s.place_firings();
+  }
+  s.look_up(truth, s.self, start, s.vehicles[s.self]);
+  s.transform_firings();
+  s.in_reach.clear();
+  for (VehicleId id = 0; id < static_cast<VehicleId>(s.vehicles.size()); ++id) {
+    if (id == s.self || !s.may_come_into_reach(truth, id, start)) continue;
+    s.look_up(truth, id, start, s.vehicles[id]);
+    s.in_reach.push_back(id);
+  }
+}
+
+void SweepScene::trace(const BeamPacket& beams, bool meets_self, PacketHits& hits) const {
+  const Impl& s = *impl_;
+  const Rays rays = s.rays_world(beams);
+  std::array<float, kPacketSize> tfar;
+  tfar.fill(s.range_max_m);
+
+  const TriangleScene& world = s.world->impl().world;
+  RTCRayHit16 query = make_query(rays, tfar);
+  intersect(world.scene.get(), query);
+  cosines(query, hits.cos_incidence);
+  for (int i = 0; i < kPacketSize; ++i) {
+    const bool hit = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+    tfar[i] = query.ray.tfar[i];
+    hits.range_m[i] = hit ? tfar[i] : 0.0F;
+    hits.surface[i] = hit ? world.surface_of_triangle[query.hit.primID[i]] : 0;
+  }
+
+  if (meets_self) s.meet(s.vehicles[s.self], beams, s.rays_body(beams), tfar, hits);
+  for (const int id : s.in_reach) {
+    const Vehicle& vehicle = s.vehicles[id];
+    if (s.near(vehicle, rays, tfar)) s.meet(vehicle, beams, s.rays_of(vehicle, beams, rays), tfar, hits);
+  }
+}
+
+std::uint32_t SweepScene::reaches_self(const BeamPacket& beams) const {
+  const Impl& s = *impl_;
+  const Vehicle& self = s.vehicles[s.self];
+  const Rays rays = s.rays_body(beams);
+  std::array<float, kPacketSize> tfar;
+  tfar.fill(s.range_max_m);
+  RTCRayHit16 query = make_query(rays, tfar);
+  intersect(self.body->triangles.scene.get(), query);
+  std::uint32_t met = 0;
+  for (int i = 0; i < kPacketSize; ++i) {
+    bool meets = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+    for (const auto& rotor : self.shape->rotors) {
+      const float t = (rotor.hub_m.z() - rays.origin_z[i]) / rays.direction_z[i];
+      const float x = rays.origin_x[i] + t * rays.direction_x[i] - rotor.hub_m.x();
+      const float y = rays.origin_y[i] + t * rays.direction_y[i] - rotor.hub_m.y();
+      meets |= t > 0.0F && t < s.range_max_m && x * x + y * y <= rotor.radius_m * rotor.radius_m;
+    }
+    met |= static_cast<std::uint32_t>(meets) << i;
+  }
+  return met;
+}
+
+std::span<const SweepSurface> SweepScene::surfaces() const { return impl_->surfaces; }
+
+Pose SweepScene::T_world_lidar(int firing) const {
+  const Impl& s = *impl_;
+  const KnotPlace& place = s.places[firing];
+  const Knot& a = s.vehicles[s.self].knots[place.before];
+  const Knot& b = s.vehicles[s.self].knots[std::min(place.before + 1, s.num_knots - 1)];
+  const Vector3 p = a.p_world + place.fraction * (b.p_world - a.p_world);
+  return make_pose(p, nlerp(a.q_world_body, b.q_world_body, place.fraction)) * s.T_body_lidar;
+}
+
+}  // namespace swiftlet::sim

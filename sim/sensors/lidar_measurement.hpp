@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+
+namespace swiftlet::sim {
+
+/// Noise of the measured range. Constant (000, eq. 66), or by range and incidence: sigma = table(range) *
+/// factor(incidence), both linear between their points and constant outside.
+struct RangeNoiseConfig {
+  double sigma_range_m = 0.03;
+  std::vector<double> table_range_m;
+  std::vector<double> table_sigma_m;
+  std::vector<double> table_incidence_deg;
+  std::vector<double> table_incidence_factor;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Which returns the receiver notices. The received signal, in standard deviations of the receiver's noise, is
+/// S = G * reflectivity * cos(incidence) * range^-n (a surface larger than the beam); a return is noticed when
+/// S + noise > threshold. G and n follow from the two ranges at which a maker's data sheet promises a detection
+/// probability of 0.9: a Lambertian target of 10 % and of 80 % reflectivity, hit at right angles. n is 2 in vacuum
+/// (range_80 = 2.83 range_10); makers' figures give 1.9 (OS1) or, where firmware cuts the range, more.
+struct DetectionConfig {
+  bool always = false;
+  double range_10_percent_m = 40.0;
+  double range_80_percent_m = 120.0;
+  double threshold_snr = 6.0;
+  double retro_gain = 20.0;  ///< signal of a retro-reflector against a Lambertian surface of its reflectivity
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Width of the beam. Sub-rays are the cubature points of a Gaussian beam: 5 = centre and a cross, 9 = 3 x 3
+/// Gauss-Hermite. Echoes within a pulse's length melt into one at their power-weighted range (mixed pixel); of
+/// separate ones the strongest is returned.
+struct BeamWidthConfig {
+  int sub_rays = 1;
+  double divergence_deg = 0.18;  ///< full width at half maximum
+  double pulse_length_m = 0.5;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// The tables behind the noise and the detection, for a hot loop.
+class LidarMeasurement {
+ public:
+  LidarMeasurement(const RangeNoiseConfig& noise, const DetectionConfig& detection, double range_max_m, bool ideal);
+
+  /// Standard deviation of the range noise [m].
+  float sigma_m(float range_m, float cos_incidence) const {
+    const float sigma = interpolate(range_m).sigma_m;
+    return flat_incidence_ ? sigma : sigma * incidence_factor(cos_incidence);
+  }
+  /// Signal over receiver noise of a surface with reflectivity * cos(incidence) = `brightness` that fills the beam.
+  float snr(float range_m, float brightness) const { return brightness * interpolate(range_m).gain; }
+  /// Both at once.
+  void look_up(float range_m, float cos_incidence, float& sigma, float& gain) const {
+    const Entry entry = interpolate(range_m);
+    sigma = flat_incidence_ ? entry.sigma_m : entry.sigma_m * incidence_factor(cos_incidence);
+    gain = entry.gain;
+  }
+  float threshold_snr() const { return threshold_; }
+  /// Chance that a return of this signal is noticed: Phi(snr - threshold), 0 or 1 beyond 4.5 standard deviations.
+  double detection_probability(float snr) const;
+  /// The same decision for one draw of a standard normal; `draw` is only called when it can matter.
+  template <class Draw>
+  bool noticed(float snr, Draw&& draw) const {
+    const float margin = snr - threshold_;
+    if (margin > kCertain) return true;
+    if (margin < -kCertain) return false;
+    return margin + static_cast<float>(draw()) > 0.0F;
+  }
+
+ private:
+  static constexpr float kCertain = 4.5F;
+  struct Entry {
+    float sigma_m, gain;
+  };
+  Entry interpolate(float range_m) const {
+    const float place = range_m * entries_per_m_;
+    const int before = static_cast<int>(place);
+    if (before >= last_) return entries_[last_];
+    const float s = place - static_cast<float>(before);
+    const Entry a = entries_[before];
+    const Entry b = entries_[before + 1];
+    return {a.sigma_m + s * (b.sigma_m - a.sigma_m), a.gain + s * (b.gain - a.gain)};
+  }
+  float incidence_factor(float cos_incidence) const;
+
+  std::vector<Entry> entries_;  // equal steps of the range
+  float entries_per_m_ = 1.0F;
+  int last_ = 0;
+  std::vector<float> incidence_factors_;  // equal steps of the cosine, 0..1
+  bool flat_incidence_ = true;
+  float threshold_ = 0.0F;
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/sensors/lidar_pattern.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRadians = kPi / 180.0;
+constexpr float kRadiansF = static_cast<float>(kRadians);
+
+Eigen::Vector3f direction(double azimuth_rad, double elevation_rad) {
+  return Eigen::Vector3d(std::cos(elevation_rad) * std::cos(azimuth_rad),
+                         std::cos(elevation_rad) * std::sin(azimuth_rad), std::sin(elevation_rad))
+      .cast<float>();
+}
+
+void resize(int rows, int cols, BeamTable& beams) {
+  beams.rows = rows;
+  beams.cols = cols;
+  beams.directions_lidar.resize(static_cast<std::size_t>(rows) * cols);
+  beams.origins_lidar.resize(static_cast<std::size_t>(rows) * cols, Eigen::Vector3f::Zero());
+  beams.column_offset_s.resize(cols);
+}
+
+// ---- Ouster
+// -----------------------------------------------------------------------------------------------------------
+
+/// Sensor's own arithmetic (Ouster firmware manual, "lidar data to XYZ"): encoder and beam azimuth both count
+/// clockwise.
+class Ouster final : public LidarPattern {
+ public:
+  Ouster(const OusterConfig& config, double sweep_s) : config_(config), sweep_s_(sweep_s) {}
+
+  void fill(std::uint32_t /*sweep*/, BeamTable& beams) const override {
+    resize(config_.rows, config_.columns, beams);
+    for (int c = 0; c < beams.cols; ++c) {
+      const double encoder = -2.0 * kPi * c / beams.cols;
+      beams.column_offset_s[c] = static_cast<float>(sweep_s_ * c / beams.cols);
+      const Eigen::Vector3f origin =
+          Eigen::Vector3d(config_.beam_origin_m * std::cos(encoder), config_.beam_origin_m * std::sin(encoder), 0.0)
+              .cast<float>();
+      for (int r = 0; r < beams.rows; ++r) {
+        const std::size_t i = static_cast<std::size_t>(r) * beams.cols + c;
+        beams.directions_lidar[i] = direction(encoder - azimuth_deg(r) * kRadians, elevation_deg(r) * kRadians);
+        beams.origins_lidar[i] = origin;
+      }
+    }
+  }
+
+  int column_shift(int row) const override {
+    return static_cast<int>(std::lround(azimuth_deg(row) / 360.0 * config_.columns));
+  }
+
+ private:
+  double azimuth_deg(int row) const {
+    return config_.azimuths_deg.empty() ? 0.0 : config_.azimuths_deg[row % config_.azimuths_deg.size()];
+  }
+  double elevation_deg(int row) const {
+    if (!config_.elevations_deg.empty()) return config_.elevations_deg[row];
+    if (config_.rows == 1) return config_.elevation_top_deg;
+    return config_.elevation_top_deg +
+           row * (config_.elevation_bottom_deg - config_.elevation_top_deg) / (config_.rows - 1);
+  }
+
+  OusterConfig config_;
+  double sweep_s_;
+};
+
+// ---- Livox
+// ------------------------------------------------------------------------------------------------------------
+
+constexpr int kLivoxLines = 4;
+constexpr double kLivoxStep_s = 20e-6;
+constexpr double kLivoxPeriod = 4962.0;  // steps of one slow sweep of the elevation
+
+class LivoxMid360 final : public LidarPattern {
+ public:
+  LivoxMid360(const LivoxMid360Config& config, double sweep_s)
+      : first_step_(config.first_step), steps_(static_cast<int>(std::lround(sweep_s / kLivoxStep_s))) {}
+
+  void fill(std::uint32_t sweep, BeamTable& beams) const override {
+    resize(kLivoxLines, steps_, beams);
+    for (int k = 0; k < steps_; ++k) {
+      beams.column_offset_s[k] = static_cast<float>(k * kLivoxStep_s);
+      fire(first_step_ + static_cast<double>(sweep) * steps_ + k, k, beams);
+    }
+  }
+  bool repeats() const override { return false; }
+  bool is_image() const override { return false; }
+
+ private:
+  // Least-squares fit to 60 shots of a public table, all angles in degrees: a circle of fast turns, whose axis sweeps
+  // the elevation slowly, carries a small circle of four beams.
+  static void fire(double s, int column, BeamTable& beams) {
+    const float phi = static_cast<float>(std::remainder(s, kLivoxPeriod) * (2.0 * kPi / kLivoxPeriod));
+    const float cos_phi = std::cos(phi), sin_phi = std::sin(phi);
+    const float cos2 = cos_phi * cos_phi, sin2 = sin_phi * sin_phi;
+    const float zenith_center = 68.12F - 26.10F * cos_phi + sin2 * (1.95F + 9.48F * cos_phi);
+    const double turned = 1.31299 * s - 0.03581 * (kLivoxPeriod / (2.0 * kPi)) * sin_phi;
+    const float azimuth_center = static_cast<float>(std::remainder(269.0 - turned, 360.0)) * kRadiansF;
+    const float psi = static_cast<float>(std::remainder(1.002 * turned, 360.0)) * kRadiansF;
+    const float depth = (1.387F + 1.019F * cos2 * cos2 + 0.402F * cos2 * cos_phi) * std::cos(psi);
+    const float width = (1.427F + 0.710F * sin2) * std::sin(psi) / std::sin(zenith_center * kRadiansF);
+    for (int line = 0; line < kLivoxLines; ++line) {
+      const float u = static_cast<float>(line) - 1.5F;
+      const float zenith = (zenith_center + u * depth) * kRadiansF;
+      const float azimuth = azimuth_center - u * width * kRadiansF;
+      const float across = std::sin(zenith);
+      beams.directions_lidar[static_cast<std::size_t>(line) * beams.cols + column] = {
+          across * std::cos(azimuth), across * std::sin(azimuth), std::cos(zenith)};
+    }
+  }
+
+  double first_step_;
+  int steps_;
+};
+
+// ---- Velodyne
+// ---------------------------------------------------------------------------------------------------------
+
+constexpr int kPuckLasers = 16;
+constexpr double kPuckShot_s = 2.304e-6;
+constexpr double kPuckCycle_s = 55.296e-6;
+
+class VelodynePuck final : public LidarPattern {
+ public:
+  VelodynePuck(const VelodynePuckConfig&, double sweep_s)
+      : sweep_s_(sweep_s), cycles_(static_cast<int>(sweep_s / kPuckCycle_s)) {}
+
+  void fill(std::uint32_t /*sweep*/, BeamTable& beams) const override {
+    // Lasers of even number point down, of odd number up; the shot's height (mm) corrects for the curved optics.
+    constexpr std::array<double, 8> kHeight_mm = {0.7, 2.2, 3.7, 5.1, 6.6, 8.1, 9.7, 11.2};
+    resize(kPuckLasers, cycles_, beams);
+    beams.row_offset_s.resize(kPuckLasers);
+    for (int r = 0; r < kPuckLasers; ++r) {
+      const int elevation_deg = 15 - 2 * r;
+      const int laser = elevation_deg > 0 ? elevation_deg : 15 + elevation_deg;
+      const double height_m = (elevation_deg > 0 ? -1e-3 : 1e-3) * kHeight_mm[std::abs(elevation_deg) / 2];
+      beams.row_offset_s[r] = static_cast<float>(laser * kPuckShot_s);
+      for (int c = 0; c < cycles_; ++c) {
+        const double offset_s = c * kPuckCycle_s + laser * kPuckShot_s;
+        const std::size_t i = static_cast<std::size_t>(r) * cycles_ + c;
+        beams.directions_lidar[i] = direction(-2.0 * kPi * offset_s / sweep_s_, elevation_deg * kRadians);
+        beams.origins_lidar[i] = {0.0F, 0.0F, static_cast<float>(height_m)};
+      }
+    }
+    for (int c = 0; c < cycles_; ++c) beams.column_offset_s[c] = static_cast<float>(c * kPuckCycle_s);
+  }
+
+ private:
+  double sweep_s_;
+  int cycles_;
+};
+
+// ---- uniform
+// ----------------------------------------------------------------------------------------------------------
+
+class Uniform final : public LidarPattern {
+ public:
+  Uniform(const UniformConfig& config, double sweep_s) : config_(config), sweep_s_(sweep_s) {}
+
+  void fill(std::uint32_t /*sweep*/, BeamTable& beams) const override {
+    resize(config_.rows, config_.columns, beams);
+    // A full turn ends one step before its start (the papers' simulator made first and last column coincide).
+    const bool full_turn = config_.fov_horizontal_deg >= 360.0;
+    const double steps = full_turn ? config_.columns : std::max(config_.columns - 1, 1);
+    const double first_deg = full_turn || config_.columns == 1 ? 0.0 : -0.5 * config_.fov_horizontal_deg;
+    const double step_elevation_deg = config_.rows > 1 ? config_.fov_vertical_deg / (config_.rows - 1) : 0.0;
+    const double top_deg = config_.elevation_center_deg + 0.5 * step_elevation_deg * (config_.rows - 1);
+    for (int c = 0; c < beams.cols; ++c) {
+      const double azimuth_deg = first_deg + config_.fov_horizontal_deg * c / steps;
+      beams.column_offset_s[c] = static_cast<float>(sweep_s_ * c / beams.cols);
+      for (int r = 0; r < beams.rows; ++r) {
+        beams.directions_lidar[static_cast<std::size_t>(r) * beams.cols + c] =
+            direction(azimuth_deg * kRadians, (top_deg - r * step_elevation_deg) * kRadians);
+      }
+    }
+  }
+
+ private:
+  UniformConfig config_;
+  double sweep_s_;
+};
+
+// ---- CSV
+// --------------------------------------------------------------------------------------------------------------
+
+class CsvPattern final : public LidarPattern {
+ public:
+  CsvPattern(const CsvPatternConfig& config, double sweep_s) { read(config.file, sweep_s); }
+
+  void fill(std::uint32_t /*sweep*/, BeamTable& beams) const override {
+    resize(1, static_cast<int>(directions_.size()), beams);
+    beams.directions_lidar = directions_;
+    beams.column_offset_s = offsets_s_;
+  }
+  bool is_image() const override { return false; }
+
+ private:
+  void read(const std::string& path, double sweep_s) {
+    std::ifstream in(path);
+    if (!in) throw std::invalid_argument(path + ": cannot be read");
+    std::string line;
+    for (int number = 1; std::getline(in, line); ++number) {
+      if (!line.empty() && line.back() == '\r') line.pop_back();
+      if (line.empty() || line[0] == '#') continue;
+      const auto fail = [&](const std::string& expected) {
+        throw std::invalid_argument(path + ":" + std::to_string(number) + ": expected " + expected + ", found \"" +
+                                    line.substr(0, 60) + "\"");
+      };
+      std::istringstream fields(line);
+      double azimuth_deg = 0, elevation_deg = 0, time_s = 0;
+      char comma[2] = {};
+      if (!(fields >> azimuth_deg >> comma[0] >> elevation_deg >> comma[1] >> time_s) || comma[0] != ',' ||
+          comma[1] != ',' || !(fields >> std::ws).eof()) {
+        if (directions_.empty() && number == 1) continue;  // a header
+        fail("azimuth_deg,elevation_deg,time_s");
+      }
+      if (!std::isfinite(azimuth_deg) || std::abs(elevation_deg) > 90.0) fail("an elevation in -90..90 deg");
+      if (!(time_s >= 0.0 && time_s <= sweep_s)) fail("a time within the sweep, 0.." + std::to_string(sweep_s) + " s");
+      if (!offsets_s_.empty() && static_cast<float>(time_s) < offsets_s_.back()) fail("times in ascending order");
+      directions_.push_back(direction(azimuth_deg * kRadians, elevation_deg * kRadians));
+      offsets_s_.push_back(static_cast<float>(time_s));
+    }
+    if (directions_.empty()) throw std::invalid_argument(path + ": expected at least one shot, found none");
+  }
+
+  std::vector<Eigen::Vector3f> directions_;
+  std::vector<float> offsets_s_;
+};
+
+template <class Pattern, class Config>
+std::unique_ptr<LidarPattern> make(const ModuleConfig& config, double sweep_s) {
+  return std::make_unique<Pattern>(dynamic_cast<const Config&>(config), sweep_s);
+}
+
+constexpr LidarPatternType kPatterns[] = {
+    {{"ouster", "spinning columns of beams with staggered azimuths", make_module_config<OusterConfig>},
+     make<Ouster, OusterConfig>},
+    {{"livox_mid360", "non-repetitive scan of the Livox Mid-360", make_module_config<LivoxMid360Config>},
+     make<LivoxMid360, LivoxMid360Config>},
+    {{"velodyne_puck", "16 lasers fired in turn (Puck, Puck LITE)", make_module_config<VelodynePuckConfig>},
+     make<VelodynePuck, VelodynePuckConfig>},
+    {{"uniform", "equal steps in elevation and azimuth", make_module_config<UniformConfig>},
+     make<Uniform, UniformConfig>},
+    {{"csv", "azimuth, elevation and time of every shot from a file", make_module_config<CsvPatternConfig>},
+     make<CsvPattern, CsvPatternConfig>},
+};
+
+}  // namespace
+
+void OusterConfig::visit(ConfigVisitor& v) {
+  v.field("columns", columns, "[-] firings per turn: 512, 1024 or 2048", Range::between(16, 8192));
+  v.field("rows", rows, "[-] beams of a firing", Range::between(1, 256));
+  v.field("elevation_top_deg", elevation_top_deg, "[deg] of the first row", Range::between(-90, 90));
+  v.field("elevation_bottom_deg", elevation_bottom_deg, "[deg] of the last row, equal steps between",
+          Range::between(-90, 90));
+  v.field("elevations_deg", elevations_deg, "[deg] of every row instead, top to bottom; empty: equal steps",
+          Range::between(-90, 90));
+  v.field("azimuths_deg", azimuths_deg, "[deg] of the beams against the encoder, clockwise; repeats over the rows",
+          Range::between(-180, 180));
+  v.field("beam_origin_m", beam_origin_m, "[m] the range counts from this distance off the axis",
+          Range::non_negative());
+  v.check(elevations_deg.empty() || static_cast<int>(elevations_deg.size()) == rows, "elevations_deg",
+          "as many elevations as rows");
+}
+
+void LivoxMid360Config::visit(ConfigVisitor& v) {
+  v.field("first_step", first_step, "[-] where in the pattern the first sweep begins, steps of 20 us",
+          Range::non_negative());
+}
+
+void VelodynePuckConfig::visit(ConfigVisitor&) {}
+
+void UniformConfig::visit(ConfigVisitor& v) {
+  v.field("columns", columns, "[-] firings per sweep", Range::between(1, 16384));
+  v.field("rows", rows, "[-] beams of a firing", Range::between(1, 4096));
+  v.field("fov_vertical_deg", fov_vertical_deg, "[deg] from the first to the last row", Range::between(0, 180));
+  v.field("elevation_center_deg", elevation_center_deg, "[deg] of the middle of the rows", Range::between(-90, 90));
+  v.field("fov_horizontal_deg", fov_horizontal_deg, "[deg] 360: a full turn from +x; less: symmetric to +x",
+          Range{0.0, 360.0, true, false});
+}
+
+void CsvPatternConfig::visit(ConfigVisitor& v) {
+  v.file("file", file, "lines of azimuth_deg,elevation_deg,time_s in ascending time");
+}
+
+std::span<const ModuleType> lidar_pattern_types() {
+  static const std::vector<ModuleType> types = [] {
+    std::vector<ModuleType> modules;
+    for (const LidarPatternType& type : kPatterns) modules.push_back(type.module);
+    return modules;
+  }();
+  return types;
+}
+
+std::unique_ptr<LidarPattern> make_lidar_pattern(const Module& config, double sweep_s) {
+  for (const LidarPatternType& type : kPatterns) {
+    if (config.type == type.module.name) return type.make(*config.config, sweep_s);
+  }
+  throw std::invalid_argument("no LiDAR pattern is named '" + config.type + "'");
+}
+
+}  // namespace swiftlet::sim

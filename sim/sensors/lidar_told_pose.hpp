@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/math/random.hpp"
+#include "sim/sensors/lidar.hpp"
+#include "sim/sensors/noise.hpp"
+
+namespace swiftlet::sim {
+
+/// Makes Scan::told_poses (see ToldPoseConfig). One per sensor; sweeps come in order.
+class ToldPoses {
+ public:
+  ToldPoses(const ToldPoseConfig& config, bool ideal, std::uint64_t seed, const std::string& entity);
+
+  void tell(const StateHistory& truth, VehicleId vehicle, const Pose& T_body_lidar, TimeNs stamp, TimeNs duration,
+            std::uint32_t sweep, std::vector<StampedPose>& out);
+
+ private:
+  void advance(TimeNs t, std::uint32_t sweep, std::uint32_t pose_in_sweep);
+
+  ToldPoseConfig config_;
+  Random position_random_, rotation_random_;
+  bool started_ = false;
+  TimeNs t_last_ = 0;
+  GaussMarkov position_process_, rotation_process_;
+  Vector3 position_noise_ = Vector3::Zero();  // t_n [m]
+  Vector3 rotation_noise_ = Vector3::Zero();  // alpha_n, beta_n, gamma_n [rad]
+};
+
+}  // namespace swiftlet::sim
