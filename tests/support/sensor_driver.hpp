@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/sensors/sensor.hpp"
+#include "sim/world/vehicle_shape.hpp"
+
+namespace swiftlet::sim {
+
+/// Prescribed motion of one vehicle: its true state at a time [s].
+using Motion = std::function<VehicleState(double t_s)>;
+
+inline VehicleState state_at(const Vector3& p_world_m, double yaw_rad = 0.0) {
+  VehicleState state;
+  state.p_world_m = p_world_m;
+  state.q_world_body = Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ());
+  return state;
+}
+
+inline Motion resting(const Vector3& p_world_m, double yaw_rad = 0.0) {
+  return [=](double) { return state_at(p_world_m, yaw_rad); };
+}
+
+inline Motion straight(const Vector3& p_start_m, const Vector3& v_world_mps, double yaw_rad = 0.0) {
+  return [=](double t) {
+    VehicleState state = state_at(p_start_m + t * v_world_mps, yaw_rad);
+    state.v_world_mps = v_world_mps;
+    return state;
+  };
+}
+
+/// The setup of a sensor called `name` on vehicle 0 ("uav1") among `num_vehicles`.
+inline SensorSetup sensor_setup(const std::string& name, std::uint64_t seed = 1, int num_vehicles = 1,
+                                std::shared_ptr<const StaticScene> world = nullptr) {
+  SensorSetup setup;
+  setup.seed = seed;
+  setup.name = name;
+  setup.entity = "uav1/" + name;
+  setup.world = std::move(world);
+  for (int i = 0; i < num_vehicles; ++i) {
+    auto shape = std::make_shared<VehicleShape>();
+    shape->circumscribed_radius_m = 0.5F;
+    setup.vehicle_shapes.push_back(shape);
+    setup.vehicle_names.push_back("uav" + std::to_string(i + 1));
+  }
+  return setup;
+}
+
+struct DriveOptions {
+  double duration_s = 1.0;
+  TimeNs tick = 4'000'000;
+  TimeNs step = 1'000'000;  ///< of the truth
+  int capacity = 512;
+};
+
+/// Runs a sensor on prescribed motions, tick by tick; `on_tick(now, delivered in this tick)`. Returns everything.
+inline Observation drive(Sensor& sensor, const std::vector<Motion>& motions, const DriveOptions& options,
+                         const std::function<void(TimeNs, const Observation&)>& on_tick = {}) {
+  StateHistory history(static_cast<int>(motions.size()), options.capacity);
+  const auto push = [&](TimeNs t) {
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      VehicleState state = motions[i](to_seconds(t));
+      state.t = t;
+      history.push(static_cast<VehicleId>(i), state);
+    }
+  };
+  const auto append = [](auto& all, const auto& some) { all.insert(all.end(), some.begin(), some.end()); };
+
+  Observation all, delivered;
+  push(0);
+  for (TimeNs now = options.tick; now <= from_seconds(options.duration_s); now += options.tick) {
+    for (TimeNs t = now - options.tick + options.step; t <= now; t += options.step) push(t);
+    delivered.clear();
+    sensor.measure(now, history, delivered);
+    if (on_tick) on_tick(now, delivered);
+    append(all.imu, delivered.imu);
+    append(all.gnss, delivered.gnss);
+    append(all.altimeter, delivered.altimeter);
+    append(all.compass, delivered.compass);
+    append(all.odometry, delivered.odometry);
+    append(all.pose, delivered.pose);
+    append(all.neighbors, delivered.neighbors);
+  }
+  return all;
+}
+
+}  // namespace swiftlet::sim
