@@ -80,7 +80,7 @@ std::vector<Stem> draw_stems(const ForestConfig& config, std::uint64_t seed) {
 // Each species has its trees at even quantiles of the diameters.
 TreeStock make_stock(SceneBuilder& scene, const ForestConfig& config, Species species, std::uint64_t seed) {
   const TreeOptions options{.leaf_area_density_per_m = config.leaf_area_density_per_m,
-                            .leaf_cluster_m = 0.32 / std::sqrt(config.detail),
+                            .leaf_cluster_m = 0.28 / std::sqrt(config.detail),
                             .lean_max_deg = config.lean_max_deg};
   std::vector<double> dbh_m(config.variants);
   for (int i = 0; i < config.variants; ++i) dbh_m[i] = weibull_quantile(config, (i + 0.5) / config.variants);

@@ -3,10 +3,14 @@
 #include <stdexcept>
 #include <vector>
 
+#include "sim/world/campus.hpp"
 #include "sim/world/empty.hpp"
 #include "sim/world/field.hpp"
 #include "sim/world/forest.hpp"
 #include "sim/world/forest_thesis.hpp"
+#include "sim/world/hall.hpp"
+#include "sim/world/two_rooms_gap.hpp"
+#include "sim/world/warehouse.hpp"
 #include "sim/world/world.hpp"
 
 namespace swiftlet::sim {
@@ -29,6 +33,11 @@ const WorldType kWorldTypes[] = {
                                    "mixed forest on hills: stems, branches, porous crowns, undergrowth, fallen trunks"),
     row<EmptyConfig, make_empty>("empty", "nothing, or a flat ground"),
     row<ForestThesisConfig, make_forest_thesis>("forest_thesis", "100 cylinder-and-sphere trees (004, sec. 3.4)"),
+    row<WarehouseConfig, make_warehouse>("warehouse",
+                                         "racks, aisles, pallets, pillars, and a door of any width (001, sec. III-C)"),
+    row<TwoRoomsGapConfig, make_two_rooms_gap>("two_rooms_gap", "two rooms joined by a gap (001, sec. III-A)"),
+    row<HallConfig, make_hall>("hall", "an indoor area with a wall to hide behind (000, sec. V-B)"),
+    row<CampusConfig, make_campus>("campus", "a small building to circle, trees, paths with kerbs, lamp posts (003)"),
 };
 
 }  // namespace

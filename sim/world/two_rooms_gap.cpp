@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/world/two_rooms_gap.hpp"
+
+#include <numbers>
+
+#include "sim/world/building.hpp"
+#include "sim/world/dice.hpp"
+#include "sim/world/materials.hpp"
+#include "sim/world/scene_builder.hpp"
+
+namespace swiftlet::sim {
+
+void TwoRoomsGapConfig::visit(ConfigVisitor& v) {
+  v.field("gap_width_m", gap_width_m, "[m] width of the gap; 0: 2 safe_distance_m + 1.5 map_resolution_m (001, eq. 1)",
+          Range::non_negative());
+  v.field("safe_distance_m", safe_distance_m, "[m] the planner's d_S in that formula", Range::positive());
+  v.field("map_resolution_m", map_resolution_m, "[m] voxel size of the planner's map in that formula",
+          Range::positive());
+  v.field("gap_height_m", gap_height_m, "[m] height of the gap; 0: up to the ceiling", Range::non_negative());
+  v.field("gap_offset_m", gap_offset_m, "[m] the rooms are shifted by this along the wall with the gap");
+  v.field("room_size_m", room_size_m, "[m] inner size of each room: along the way through the gap, across it",
+          Range::positive());
+  v.field("height_m", height_m, "[m] inner height", Range::positive());
+  v.field("wall_thickness_m", wall_thickness_m, "[m]", Range::positive());
+  v.field("ceiling", ceiling, "[-] with a ceiling");
+  v.field("yaw_deg", yaw_deg, "[deg] direction of the way through the gap, in the world");
+  v.field("random_yaw", random_yaw, "[-] a direction drawn from the seed is added to yaw_deg");
+  v.field("position_m", position_m, "[m] centre of the gap, x and y in the world");
+  v.check(gap_width() + 2.0 * std::abs(gap_offset_m) < room_size_m.y(), "gap_width_m", "a gap that fits into its wall");
+  v.check(gap_height_m <= height_m, "gap_height_m", "at most height_m");
+}
+
+double TwoRoomsGapConfig::gap_width() const {
+  return gap_width_m > 0.0 ? gap_width_m : 2.0 * safe_distance_m + 1.5 * map_resolution_m;
+}
+
+Scene make_two_rooms_gap(const TwoRoomsGapConfig& config, std::uint64_t seed) {
+  const double turn_rad = config.random_yaw ? Dice(Random(seed, "world.two_rooms_gap.yaw"), 0).angle_rad() : 0.0;
+  const double yaw_rad = config.yaw_deg * std::numbers::pi / 180.0 + turn_rad;
+  const Eigen::Vector2d& room_m = config.room_size_m;
+  const double thickness_m = config.wall_thickness_m;
+  const double gap_top_m = config.gap_height_m > 0.0 ? config.gap_height_m : config.height_m;
+
+  // Middle planes of the walls in the building's frame: origin in the gap, x through it.
+  const double end_x = room_m.x() + thickness_m;
+  const double low_y = config.gap_offset_m - 0.5 * (room_m.y() + thickness_m);
+  const double high_y = config.gap_offset_m + 0.5 * (room_m.y() + thickness_m);
+  const double over_m = 0.5 * thickness_m;  // corners are filled
+  Mesh walls;
+  add_wall(walls, {-end_x - over_m, low_y}, {end_x + over_m, low_y}, config.height_m, thickness_m);
+  add_wall(walls, {-end_x - over_m, high_y}, {end_x + over_m, high_y}, config.height_m, thickness_m);
+  add_wall(walls, {-end_x, low_y + over_m}, {-end_x, high_y - over_m}, config.height_m, thickness_m);
+  add_wall(walls, {end_x, low_y + over_m}, {end_x, high_y - over_m}, config.height_m, thickness_m);
+  const Opening gap = {-(low_y + over_m), config.gap_width(), 0.0, gap_top_m};
+  add_wall(walls, {0.0, low_y + over_m}, {0.0, high_y - over_m}, config.height_m, thickness_m, {&gap, 1});
+
+  Mesh floor;
+  const Eigen::Vector2d outside(5.0, 5.0);
+  add_floor(floor, Eigen::Vector2d(-end_x, low_y) - outside, Eigen::Vector2d(end_x, high_y) + outside, 0.0);
+  Mesh ceiling;
+  if (config.ceiling)
+    add_wall(ceiling, {-end_x - over_m, config.gap_offset_m}, {end_x + over_m, config.gap_offset_m}, 0.15,
+             room_m.y() + 2.0 * thickness_m, {}, config.height_m);
+
+  SceneBuilder scene;
+  const Eigen::Vector3d gap_foot_m(config.position_m.x(), config.position_m.y(), 0.0);
+  const Eigen::Affine3f T_world_building = transform(gap_foot_m.cast<float>(), static_cast<float>(yaw_rad));
+  scene.place(scene.add_mesh(std::move(floor), materials::concrete(), SurfaceClass::kGround), 0, T_world_building);
+  scene.place(scene.add_mesh(std::move(walls), materials::plaster(), SurfaceClass::kWall), 1, T_world_building);
+  scene.place(scene.add_mesh(std::move(ceiling), materials::concrete(), SurfaceClass::kCeiling), 1, T_world_building);
+  scene.add_object({1,
+                    SurfaceClass::kDoor,
+                    "gap",
+                    gap_foot_m + Eigen::Vector3d(0, 0, 0.5 * gap_top_m),
+                    yaw_rad,
+                    {{"width_m", config.gap_width()}, {"height_m", gap_top_m}}});
+  return scene.finish();
+}
+
+}  // namespace swiftlet::sim
