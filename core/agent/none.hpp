@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/agent.hpp"
+
+namespace swiftlet {
+
+/// No software at all: rotors at idle. For dummies that stand on the ground.
+struct NoneConfig : ModuleConfigOf<NoneConfig> {
+  void visit(ConfigVisitor&) override {}
+};
+
+std::unique_ptr<Agent> make_none(const ModuleConfig& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

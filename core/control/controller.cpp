@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/control/controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace swiftlet {
+namespace {
+
+constexpr double kGravity_mps2 = 9.81;
+constexpr double kAirDensity_kgpm3 = 1.225;
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+/// Gains that the airframe's motors allow; where the configuration gives a number, that number.
+ControlGains derive_gains(const Airframe& airframe, const ControlGainsConfig& config, double tick_s) {
+  const auto given_or = [](double given, double derived) { return given > 0.0 ? given : derived; };
+  // What the rate loop has to live with: the part of the lag that is not compensated, and one and a half ticks of
+  // delay.
+  const double motor_lag_s = 0.5 * (airframe.motor_time_constant_up_s + airframe.motor_time_constant_down_s);
+  const double lag_s = (1.0 - config.motor_lead) * motor_lag_s + 1.5 * tick_s;
+  const double rate = given_or(config.rate_radps, std::clamp(0.5 / lag_s, 4.0, 35.0));
+  const double attitude = given_or(config.attitude_radps, rate / 4.0);  // critically damped with the rate loop
+  const double position = given_or(config.position_radps, std::min(attitude / 2.5, 2.5));
+  const double yaw_rate = given_or(config.yaw_rate_radps, rate / 4.0);  // yaw torque is scarce
+  const double yaw_attitude = given_or(config.yaw_attitude_radps, yaw_rate / 4.0);
+
+  ControlGains gains;
+  gains.position = position * position;
+  gains.velocity = 2.0 * config.position_damping * position;
+  gains.integral = config.integral_time_s > 0.0 ? gains.position / config.integral_time_s : 0.0;
+  gains.attitude = {attitude, attitude, yaw_attitude};
+  gains.rate = {rate, rate, yaw_rate};
+  return gains;
+}
+
+Vector3 cut(const Vector3& vector, double longest) {
+  const double length = vector.norm();
+  return length > longest ? Vector3(vector * (longest / length)) : vector;
+}
+
+/// Rotation with b3 along `thrust` and heading `yaw` (Mellinger and Kumar, sec. III).
+Matrix3 attitude_for(const Vector3& thrust_direction, double yaw) {
+  const Vector3 heading_left(-std::sin(yaw), std::cos(yaw), 0.0);
+  Matrix3 R;
+  R.col(2) = thrust_direction;
+  R.col(0) = heading_left.cross(R.col(2)).normalized();  // thrust points up, so this never vanishes
+  R.col(1) = R.col(2).cross(R.col(0));
+  return R;
+}
+
+/// Rotation vector from the body's attitude to the wanted one, body axes: tilt in x and y, heading in z.
+Vector3 attitude_error(const Matrix3& R_world_body, const Matrix3& R_world_wanted) {
+  const Matrix3 E = R_world_body.transpose() * R_world_wanted;
+  // Tilt: the shortest turn that brings e3 onto the wanted thrust direction.
+  const Vector3 b3 = E.col(2);
+  const double sine = std::hypot(b3.x(), b3.y());
+  const double angle = std::atan2(sine, b3.z());
+  Vector3 error = Vector3::Zero();
+  if (sine > 1e-9) {
+    error.x() = -b3.y() * (angle / sine);
+    error.y() = b3.x() * (angle / sine);
+  } else if (b3.z() < 0.0) {
+    error.x() = std::numbers::pi;  // exactly upside down: any axis does
+  }
+  // Heading: the twist about e3 that is left (swing-twist of the quaternion of E); undefined when upside down.
+  const double w2 = std::max(0.0, 1.0 + E.trace());
+  const double twist = std::atan2(E(1, 0) - E(0, 1), w2);
+  error.z() = b3.z() > -0.99 ? std::remainder(2.0 * twist, 2.0 * std::numbers::pi) : 0.0;
+  return error;
+}
+
+}  // namespace
+
+void ControlGainsConfig::visit(ConfigVisitor& v) {
+  const Range range = Range::non_negative();
+  v.field("position_radps", position_radps, "[rad/s] natural frequency of the position loop; 0: from the airframe",
+          range);
+  v.field("position_damping", position_damping, "[-] damping ratio of the position loop", Range::positive());
+  v.field("integral_time_s", integral_time_s, "[s] of the position loop; 0: no integral part", range);
+  v.field("integral_max_mps2", integral_max_mps2, "[m/s^2] most that the integral part holds against, such as wind",
+          range);
+  v.field("feedback_max_mps2", feedback_max_mps2, "[m/s^2] most that position and velocity errors ask for",
+          Range::positive());
+  v.field("attitude_radps", attitude_radps, "[rad/s] rate asked for per rad of tilt error; 0: from the airframe",
+          range);
+  v.field("rate_radps", rate_radps, "[1/s] acceleration per roll or pitch rate error; 0: from the airframe", range);
+  v.field("yaw_attitude_radps", yaw_attitude_radps, "[rad/s] rate per rad of heading error; 0: from the airframe",
+          range);
+  v.field("yaw_rate_radps", yaw_rate_radps, "[1/s] acceleration per yaw rate error; 0: from the airframe", range);
+  v.field("tilt_max_deg", tilt_max_deg, "[deg] of the thrust from the vertical", Range{0.0, 85.0, true, false});
+  v.field("tilt_rate_max_degps", tilt_rate_max_degps, "[deg/s] roll and pitch rate asked for", Range::positive());
+  v.field("yaw_rate_max_degps", yaw_rate_max_degps, "[deg/s] yaw rate asked for", Range::positive());
+  v.field("motor_lead", motor_lead, "[-] share of the motors' lag that is compensated", Range::between(0.0, 0.9));
+  v.field("drag_compensation", drag_compensation, "[-] feed forward the airframe's drag in still air");
+}
+
+MultirotorController::MultirotorController(const Airframe& airframe, const ControlGainsConfig& config, double tick_s)
+    : airframe_(airframe), config_(config), mixer_(airframe), gains_(derive_gains(airframe, config, tick_s)) {
+  tan_tilt_max_ = std::tan(config.tilt_max_deg * kRadPerDeg);
+  max_acceleration_mps2_ = airframe.max_thrust_N() / airframe.mass_kg;
+  // Until commands tell otherwise, the motors are taken to hover.
+  const double hover_speed =
+      std::sqrt(airframe.mass_kg * kGravity_mps2 / (airframe.num_rotors() * airframe.thrust_constant_N_per_radps2));
+  rotor_speed_radps_.fill(hover_speed);
+  commanded_speed_radps_.fill(hover_speed);
+}
+
+const MultirotorController::Commands& MultirotorController::idle(double dt_s) {
+  follow_motors(dt_s);
+  integral_mps2_.setZero();
+  wanted_ = {};
+  saturated_ = false;
+  commands_.fill(0.0);
+  commanded_speed_radps_.fill(airframe_.rotor_speed_min_radps);
+  return commands_;
+}
+
+const MultirotorController::Commands& MultirotorController::step(const StateEstimate& estimate,
+                                                                 const Reference& reference, const Vector3& jerk_mps3,
+                                                                 double dt_s) {
+  const bool usable = estimate.valid && estimate.T_world_body.matrix().allFinite() &&
+                      estimate.v_world_mps.allFinite() && estimate.omega_body_radps.allFinite() &&
+                      reference.position_m.allFinite() && reference.velocity_mps.allFinite() &&
+                      reference.acceleration_mps2.allFinite() && std::isfinite(reference.yaw_rad) &&
+                      std::isfinite(reference.yaw_rate_radps) && jerk_mps3.allFinite() && std::isfinite(dt_s);
+  if (!usable) return idle(std::isfinite(dt_s) ? dt_s : 0.0);
+  dt_s = std::clamp(dt_s, 1e-4, 0.1);
+  follow_motors(dt_s);
+
+  // Specific thrust, world frame: what accelerates as wanted and carries the weight; never far from upright.
+  const Matrix3& R = estimate.T_world_body.linear();
+  Vector3 thrust_mps2 = wanted_acceleration(estimate, reference, dt_s) + kGravity_mps2 * Vector3::UnitZ();
+  thrust_mps2.z() = std::clamp(thrust_mps2.z(), 0.2 * kGravity_mps2, max_acceleration_mps2_);
+  const double level = std::hypot(thrust_mps2.x(), thrust_mps2.y());
+  // Carrying the weight goes before moving sideways when there is not thrust for both.
+  const double level_max = std::min(
+      tan_tilt_max_ * thrust_mps2.z(),
+      std::sqrt(std::max(max_acceleration_mps2_ * max_acceleration_mps2_ - thrust_mps2.z() * thrust_mps2.z(), 1e-6)));
+  saturated_ = level > level_max;
+  if (saturated_) thrust_mps2.head<2>() *= level_max / level;
+  const double thrust_norm = thrust_mps2.norm();
+  const Matrix3 R_wanted = attitude_for(thrust_mps2 / thrust_norm, reference.yaw_rad);
+
+  // Body rates of the reference, from its jerk, turned from the wanted attitude's axes into the body's.
+  const Vector3 turn = (jerk_mps3 - R_wanted.col(2).dot(jerk_mps3) * R_wanted.col(2)) / thrust_norm;
+  const Vector3 rate_wanted_axes(-turn.dot(R_wanted.col(1)), turn.dot(R_wanted.col(0)),
+                                 reference.yaw_rate_radps * R_wanted(2, 2));
+  Vector3 rate = R.transpose() * (R_wanted * rate_wanted_axes);
+  rate += gains_.attitude.cwiseProduct(attitude_error(R, R_wanted));
+  const double tilt_rate = std::hypot(rate.x(), rate.y());
+  const double tilt_rate_max = config_.tilt_rate_max_degps * kRadPerDeg;
+  if (tilt_rate > tilt_rate_max) rate.head<2>() *= tilt_rate_max / tilt_rate;
+  rate.z() = std::clamp(rate.z(), -config_.yaw_rate_max_degps * kRadPerDeg, config_.yaw_rate_max_degps * kRadPerDeg);
+
+  // Euler's equation with the wanted angular acceleration; thrust as projected on the body axis (Lee).
+  const Vector3& omega = estimate.omega_body_radps;
+  const Vector3& inertia = airframe_.inertia_diagonal_kgm2;
+  wanted_.torque_Nm =
+      inertia.cwiseProduct(gains_.rate.cwiseProduct(rate - omega)) + omega.cross(inertia.cwiseProduct(omega));
+  wanted_.thrust_N = std::max(0.0, airframe_.mass_kg * thrust_mps2.dot(R.col(2)));
+  command_rotors(mixer_.forces(wanted_));
+  return commands_;
+}
+
+Vector3 MultirotorController::wanted_acceleration(const StateEstimate& estimate, const Reference& reference,
+                                                  double dt_s) {
+  const Vector3 p_error = reference.position_m - estimate.T_world_body.translation();
+  const Vector3 v_error = reference.velocity_mps - estimate.v_world_mps;
+  const Vector3 feedback = gains_.position * p_error + gains_.velocity * v_error;
+  const Vector3 limited = cut(feedback, config_.feedback_max_mps2);
+
+  // Anti-windup: integrate only while neither the feedback nor the thrust is at its limit, and never beyond the bound.
+  if (!saturated_ && feedback.squaredNorm() <= config_.feedback_max_mps2 * config_.feedback_max_mps2) {
+    integral_mps2_ = cut(integral_mps2_ + gains_.integral * dt_s * p_error, config_.integral_max_mps2);
+  }
+  Vector3 wanted = reference.acceleration_mps2 + limited + integral_mps2_;
+  if (config_.drag_compensation) wanted -= drag_mps2(estimate.T_world_body.linear(), reference.velocity_mps);
+  return wanted;
+}
+
+/// Acceleration by body and rotor drag in still air, in the plane of the rotors and along the axis as it is now.
+Vector3 MultirotorController::drag_mps2(const Matrix3& R_world_body, const Vector3& v_world_mps) const {
+  const Vector3 v_body = R_world_body.transpose() * v_world_mps;
+  double speed_sum = 0.0;
+  for (int i = 0; i < airframe_.num_rotors(); ++i) speed_sum += rotor_speed_radps_[i];
+  Vector3 force_body = -0.5 * kAirDensity_kgpm3 * v_body.norm() * airframe_.body_drag_area_m2.cwiseProduct(v_body);
+  force_body.head<2>() -= airframe_.rotor_drag_N_per_radps_mps * speed_sum * v_body.head<2>();
+  return cut(R_world_body * force_body / airframe_.mass_kg, 5.0);
+}
+
+/// Where the rotors got to under the last command (first-order lag, exact over the step).
+void MultirotorController::follow_motors(double dt_s) {
+  if (dt_s != decay_dt_s_) {
+    decay_dt_s_ = dt_s;
+    decay_up_ = std::exp(-dt_s / airframe_.motor_time_constant_up_s);
+    decay_down_ = std::exp(-dt_s / airframe_.motor_time_constant_down_s);
+    // A motor asked for this much of the difference behaves like one whose lag is (1 - lead) of the real one.
+    const double rest = 1.0 - config_.motor_lead;
+    const auto lead = [&](double tau, double decay) { return (1.0 - std::exp(-dt_s / (rest * tau))) / (1.0 - decay); };
+    lead_up_ = dt_s > 0.0 ? lead(airframe_.motor_time_constant_up_s, decay_up_) : 1.0;
+    lead_down_ = dt_s > 0.0 ? lead(airframe_.motor_time_constant_down_s, decay_down_) : 1.0;
+  }
+  for (int i = 0; i < airframe_.num_rotors(); ++i) {
+    const double decay = commanded_speed_radps_[i] > rotor_speed_radps_[i] ? decay_up_ : decay_down_;
+    rotor_speed_radps_[i] = commanded_speed_radps_[i] + (rotor_speed_radps_[i] - commanded_speed_radps_[i]) * decay;
+  }
+}
+
+void MultirotorController::command_rotors(const Mixer::Forces& force_N) {
+  const double least = airframe_.rotor_speed_min_radps;
+  const double greatest = airframe_.rotor_speed_max_radps;
+  for (int i = 0; i < airframe_.num_rotors(); ++i) {
+    const double wanted = std::sqrt(force_N[i] / airframe_.thrust_constant_N_per_radps2);
+    const double now = rotor_speed_radps_[i];
+    const double lead = wanted > now ? lead_up_ : lead_down_;
+    commanded_speed_radps_[i] = std::clamp(now + lead * (wanted - now), least, greatest);
+    commands_[i] = (commanded_speed_radps_[i] - least) / (greatest - least);
+  }
+}
+
+}  // namespace swiftlet

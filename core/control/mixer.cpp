@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/control/mixer.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace swiftlet {
+namespace {
+
+using Column = Eigen::Matrix<double, kMaxRotors, 1>;
+
+/// Largest share in [0, 1] of `part` that can be added to `base` with every rotor staying in [min, max].
+double largest_share(const Column& base, const Column& part, int n, double min, double max) {
+  double share = 1.0;
+  for (int i = 0; i < n; ++i) {
+    if (part[i] > 0.0) share = std::min(share, (max - base[i]) / part[i]);
+    if (part[i] < 0.0) share = std::min(share, (min - base[i]) / part[i]);
+  }
+  return std::max(share, 0.0);
+}
+
+}  // namespace
+
+Mixer::Mixer(const Airframe& airframe) : num_rotors_(airframe.num_rotors()) {
+  if (num_rotors_ > kMaxRotors) throw std::invalid_argument("airframe: expected at most 8 rotors");
+  const auto force_at = [&](double speed) { return airframe.thrust_constant_N_per_radps2 * speed * speed; };
+  min_force_N_ = force_at(airframe.rotor_speed_min_radps);
+  max_force_N_ = force_at(airframe.rotor_speed_max_radps);
+
+  // A rotor that turns ccw drags the body cw: its torque is opposite to its sense of rotation.
+  for (int i = 0; i < num_rotors_; ++i) {
+    const Rotor& rotor = airframe.rotors[i];
+    effectiveness_.col(i) << 1.0, rotor.position_m.y(), -rotor.position_m.x(),
+        -rotor.direction() * airframe.torque_to_thrust_m;
+  }
+
+  // Rows scaled to comparable size, so that the test of rank does not depend on the vehicle's size.
+  const Eigen::Vector4d scale(1.0, 1.0 / airframe.arm_length_m, 1.0 / airframe.arm_length_m,
+                              1.0 / airframe.torque_to_thrust_m);
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * effectiveness_.leftCols(std::max(num_rotors_, 1));
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(1e-6);
+  if (num_rotors_ < 4 || svd.rank() < 4) {
+    throw std::invalid_argument("airframe: expected rotors that make thrust and torque about all three axes, found " +
+                                std::to_string(num_rotors_) + " rotors that do not");
+  }
+  const Eigen::MatrixXd pseudo_inverse = svd.solve(Eigen::MatrixXd::Identity(4, 4)) * scale.asDiagonal();
+  inverse_.topRows(num_rotors_) = pseudo_inverse;
+}
+
+Wrench Mixer::wrench(const Forces& force_N) const {
+  const Eigen::Vector4d w = effectiveness_ * Eigen::Map<const Column>(force_N.data());
+  return {w[0], w.tail<3>()};
+}
+
+Mixer::Forces Mixer::forces(const Wrench& wanted) const {
+  const int n = num_rotors_;
+  Column tilt = inverse_.col(1) * wanted.torque_Nm.x() + inverse_.col(2) * wanted.torque_Nm.y();
+
+  // Roll and pitch: shrink together when they ask for more than the span of a rotor.
+  const double span = max_force_N_ - min_force_N_;
+  const double tilt_span = tilt.head(n).maxCoeff() - tilt.head(n).minCoeff();
+  if (tilt_span > span) tilt *= span / tilt_span;
+
+  // Thrust: move it so that roll and pitch fit. (Equal rotors share the thrust almost equally; the share of each is in
+  // column 0, so the bounds are taken per rotor.)
+  double least = 0.0, greatest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < n; ++i) {
+    const double share = inverse_(i, 0);
+    if (share <= 1e-9) continue;
+    least = std::max(least, (min_force_N_ - tilt[i]) / share);
+    greatest = std::min(greatest, (max_force_N_ - tilt[i]) / share);
+  }
+  const double thrust = least <= greatest ? std::clamp(wanted.thrust_N, least, greatest) : 0.5 * (least + greatest);
+  const Column base = inverse_.col(0) * thrust + tilt;
+
+  // Yaw gets what is left.
+  const Column yaw = inverse_.col(3) * wanted.torque_Nm.z();
+  const Column total = base + largest_share(base, yaw, n, min_force_N_, max_force_N_) * yaw;
+  Forces out{};
+  for (int i = 0; i < n; ++i) out[i] = std::clamp(total[i], min_force_N_, max_force_N_);
+  return out;
+}
+
+}  // namespace swiftlet

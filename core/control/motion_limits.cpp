@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/control/motion_limits.hpp"
+
+#include <numbers>
+#include <stdexcept>
+
+namespace swiftlet {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+MotionLimits named_set(const std::string& name) {
+  // Order: horizontal speed, acceleration, jerk; vertical the same; heading rate, acceleration.
+  if (name == "slow") return {1.0, 1.0, 20.0, 1.0, 1.0, 20.0, 0.5, 1.0};
+  if (name == "medium") return {4.0, 2.0, 40.0, 2.0, 1.0, 40.0, 1.0, 1.0};
+  if (name == "fast") return {8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
+  if (name == "agile") return {10.0, 6.0, 80.0, 8.5, 5.0, 80.0, 2.0, 4.0};
+  throw std::invalid_argument("no set of motion limits is named '" + name + "'");
+}
+
+void replace_if_given(double& value, double given) {
+  if (given != 0.0) value = given;
+}
+
+}  // namespace
+
+void MotionLimitsConfig::visit(ConfigVisitor& v) {
+  v.choice("set", set, {"slow", "medium", "fast", "agile"},
+           "[-] the limits to start from; a number other than 0 below replaces one");
+  const Range range = Range::non_negative();
+  v.field("horizontal_speed_mps", horizontal_speed_mps, "[m/s] 0: as the set", range);
+  v.field("horizontal_acceleration_mps2", horizontal_acceleration_mps2, "[m/s^2] 0: as the set", range);
+  v.field("horizontal_jerk_mps3", horizontal_jerk_mps3, "[m/s^3] 0: as the set", range);
+  v.field("vertical_speed_mps", vertical_speed_mps, "[m/s] 0: as the set", range);
+  v.field("vertical_acceleration_mps2", vertical_acceleration_mps2, "[m/s^2] 0: as the set", range);
+  v.field("vertical_jerk_mps3", vertical_jerk_mps3, "[m/s^3] 0: as the set", range);
+  v.field("heading_rate_degps", heading_rate_degps, "[deg/s] 0: as the set", range);
+  v.field("heading_acceleration_degps2", heading_acceleration_degps2, "[deg/s^2] 0: as the set", range);
+}
+
+MotionLimits MotionLimitsConfig::resolve() const {
+  MotionLimits limits = named_set(set);
+  replace_if_given(limits.horizontal_speed_mps, horizontal_speed_mps);
+  replace_if_given(limits.horizontal_acceleration_mps2, horizontal_acceleration_mps2);
+  replace_if_given(limits.horizontal_jerk_mps3, horizontal_jerk_mps3);
+  replace_if_given(limits.vertical_speed_mps, vertical_speed_mps);
+  replace_if_given(limits.vertical_acceleration_mps2, vertical_acceleration_mps2);
+  replace_if_given(limits.vertical_jerk_mps3, vertical_jerk_mps3);
+  replace_if_given(limits.heading_rate_radps, heading_rate_degps * kRadPerDeg);
+  replace_if_given(limits.heading_acceleration_radps2, heading_acceleration_degps2 * kRadPerDeg);
+  return limits;
+}
+
+}  // namespace swiftlet

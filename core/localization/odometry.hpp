@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "core/localization/estimator.hpp"
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/config.hpp"
+
+namespace swiftlet {
+
+/// Odometry alone (visual-inertial or any other): its local frame is laid onto the world once, at the first sample, by
+/// the start pose that the operator told (position and heading; both frames have z up). From there its drift is the
+/// vehicle's drift: the "world" of the estimate is the drifting one. The IMU fills the time between samples.
+struct OdometryEstimatorConfig : ModuleConfigOf<OdometryEstimatorConfig> {
+  double timeout_s = 0.5;
+  double position_drift = 0.01;   ///< sigma by distance flown
+  double yaw_drift_degpm = 0.02;  ///< sigma by distance flown
+
+  void visit(ConfigVisitor& v) override;
+};
+
+std::unique_ptr<StateEstimator> make_odometry_estimator(const ModuleConfig& config, const AgentSetup& setup);
+
+}  // namespace swiftlet
