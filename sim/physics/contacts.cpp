@@ -29,7 +29,7 @@ struct Triangle {
 class NearTriangles final : public btConcaveShape {
  public:
   NearTriangles() {
-    m_shapeType = CUSTOM_CONCAVE_SHAPE_TYPE;
+    m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;  // the "custom" type is taken for a signed distance field
     m_collisionMargin = 0.0;
   }
 
@@ -49,9 +49,8 @@ class NearTriangles final : public btConcaveShape {
     }
   }
 
-  void getAabb(const btTransform&, btVector3& low, btVector3& high) const override {
-    low = low_;
-    high = high_;
+  void getAabb(const btTransform& T, btVector3& low, btVector3& high) const override {
+    btTransformAabb(low_, high_, 0.0, T, low, high);
   }
   void setLocalScaling(const btVector3&) override {}
   const btVector3& getLocalScaling() const override { return scaling_; }
@@ -68,7 +67,7 @@ class NearTriangles final : public btConcaveShape {
 /// Contact shape of one airframe, and which of its parts are propellers.
 struct VehicleHull {
   std::vector<std::unique_ptr<btConvexShape>> parts;
-  std::unique_ptr<btCompoundShape> compound = std::make_unique<btCompoundShape>(false);
+  std::unique_ptr<btCompoundShape> compound = std::make_unique<btCompoundShape>(true);
   int first_propeller = 0;
   int end_propeller = 0;
   double reach_m = 0.0;
@@ -256,16 +255,23 @@ struct Contacts::Impl {
     return rigid->getVelocityInLocalPoint(p_world - rigid->getWorldTransform().getOrigin());
   }
 
-  /// Normal speed of every contact point before the impulses, in the order of the manifolds.
+  /// Normal speed of every contact point before the impulses, in the order of the manifolds. A surface that will be
+  /// hit within this step counts as hit now: Bullet would otherwise take up the gap first and lose that much of the
+  /// bounce.
   void note_approaches() {
     approaches.clear();
     for (int m = 0; m < manifolds.size(); ++m) {
-      const btPersistentManifold& manifold = *manifolds[m];
+      btPersistentManifold& manifold = *manifolds[m];
       for (int k = 0; k < manifold.getNumContacts(); ++k) {
-        const btManifoldPoint& point = manifold.getContactPoint(k);
+        btManifoldPoint& point = manifold.getContactPoint(k);
         const btVector3 relative = velocity_at(*manifold.getBody0(), point.getPositionWorldOnA()) -
                                    velocity_at(*manifold.getBody1(), point.getPositionWorldOnB());
-        approaches.push_back(-relative.dot(point.m_normalWorldOnB));
+        const double approach = -relative.dot(point.m_normalWorldOnB);
+        approaches.push_back(approach);
+        const bool bounces = point.m_combinedRestitution > 0.0 && approach > solver_info.m_restitutionVelocityThreshold;
+        if (bounces && point.getDistance() > 0.0 && approach * solver_info.m_timeStep > point.getDistance()) {
+          point.setDistance(0.0);
+        }
       }
     }
   }
