@@ -5,8 +5,10 @@
 
 #include "sim/recorders/csv.hpp"
 #include "sim/recorders/events.hpp"
+#include "sim/recorders/mcap.hpp"
 #include "sim/recorders/pcd.hpp"
 #include "sim/recorders/ply.hpp"
+#include "sim/recorders/rosbag.hpp"
 #include "sim/recorders/tum.hpp"
 #include "swiftlet/sim/recorder.hpp"
 
@@ -20,6 +22,8 @@ const RecorderType kRecorderTypes[] = {
     {{"events", "what happened, as JSON Lines", make_module_config<EventsConfig>}, make_events_recorder},
     {{"pcd", "scans with their truth as PCD files", make_module_config<PcdConfig>}, make_pcd_recorder},
     {{"ply", "scans with their truth as PLY files", make_module_config<PlyConfig>}, make_ply_recorder},
+    {{"mcap", "ROS 2 messages in one MCAP file", make_module_config<McapConfig>}, make_mcap_recorder},
+    {{"rosbag", "ROS 1 messages in one bag", make_module_config<RosbagConfig>}, make_rosbag_recorder},
 };
 
 }  // namespace

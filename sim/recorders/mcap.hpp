@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "sim/recorders/ros_topics.hpp"
+
+namespace swiftlet::sim {
+
+struct McapConfig : ModuleConfigOf<McapConfig>, RosConfig {
+  std::string file = "record.mcap";
+  std::string compression = "zstd";
+
+  void visit(ConfigVisitor& v) override;
+};
+
+/// One MCAP file with ROS 2 messages (profile ros2, CDR, ros2msg schemas), as `ros2 bag` and viewers read it.
+std::unique_ptr<Recorder> make_mcap_recorder(const ModuleConfig& config);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/recorders/ros_encoder.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr std::size_t kEncapsulationBytes = 4;
+
+}  // namespace
+
+void RosEncoder::begin() {
+  buffer_.clear();
+  if (dialect_ == RosDialect::kRos2) buffer_.put(std::uint32_t{0x00000100});  // bytes 00 01 00 00: CDR, little-endian
+}
+
+void RosEncoder::text(std::string_view text) {
+  const bool ends_with_zero = dialect_ == RosDialect::kRos2;
+  count(text.size() + (ends_with_zero ? 1 : 0));
+  buffer_.put_text(text);
+  if (ends_with_zero) buffer_.put(std::uint8_t{0});
+}
+
+void RosEncoder::time(TimeNs t) {
+  put(static_cast<std::uint32_t>(t / kNsPerSecond));  // ROS 2: int32, the same bytes
+  put(static_cast<std::uint32_t>(t % kNsPerSecond));
+}
+
+void RosEncoder::header(std::uint32_t sequence, TimeNs t, std::string_view frame) {
+  if (dialect_ == RosDialect::kRos1) put(sequence);
+  time(t);
+  text(frame);
+}
+
+void RosEncoder::vector3(const Vector3& v) {
+  for (int i = 0; i < 3; ++i) put(v[i]);
+}
+
+void RosEncoder::rotation(const Eigen::Quaterniond& q) {
+  for (const double value : {q.x(), q.y(), q.z(), q.w()}) put(value);
+}
+
+void RosEncoder::put_pose(const Vector3& position, const Eigen::Quaterniond& q) {
+  vector3(position);
+  rotation(q);
+}
+
+std::byte* RosEncoder::blob(std::size_t size) {
+  count(size);
+  return buffer_.grow(size);
+}
+
+void RosEncoder::align(std::size_t size) {
+  const std::size_t misfit = (buffer_.size() - kEncapsulationBytes) % size;
+  if (misfit != 0) buffer_.grow(size - misfit);
+}
+
+}  // namespace swiftlet::sim

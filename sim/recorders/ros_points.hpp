@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "sim/recorders/ros_encoder.hpp"
+#include "swiftlet/core/scan.hpp"
+
+namespace swiftlet::sim {
+
+/// How the maker's ROS driver lays out its point cloud.
+enum class PointsLayout { kOuster, kLivox, kVelodyne };
+
+/// "ouster", "livox", "velodyne"; "auto" goes by the rows of the scan: 4 Livox, 16 and 32 Velodyne, else Ouster.
+PointsLayout points_layout(const std::string& name, const Scan& scan);
+
+/// sensor_msgs/PointCloud2 of a scan, in the lidar's frame.
+void encode_points(const Scan& scan, PointsLayout layout, std::uint32_t sequence, const std::string& frame,
+                   RosEncoder& out);
+
+/// Reflectivity as the sensors give it in a byte: diffuse targets linear up to `diffuse_max` (1 = white Lambertian),
+/// brighter (retro-reflective) ones on a logarithmic scale from there to 255 at 1000 times that.
+std::uint8_t reflectivity_byte(float reflectivity, int diffuse_max);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/recorders/ros_topics.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "sim/recorders/geodesy.hpp"
+#include "sim/recorders/ros_points.hpp"
+#include "sim/sensors/sensor.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr std::array kTopics = {"points", "imu", "odometry", "gnss", "truth", "estimate", "tf", "clock"};
+
+// Constants of sensor_msgs/NavSatStatus and NavSatFix.
+constexpr std::int8_t kStatusFix = 0;
+constexpr std::uint16_t kServiceGps = 1;
+constexpr std::uint8_t kCovarianceDiagonalKnown = 2;
+
+/// A name that ROS accepts in topics and frames: letters, digits, underscores.
+std::string ros_name(std::string name) {
+  for (char& c : name) {
+    const bool fine = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+    if (!fine) c = '_';
+  }
+  return name;
+}
+
+void encode_imu(const ImuSample& sample, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
+  out.begin();
+  out.header(sequence, sample.t, frame);
+  out.rotation(Eigen::Quaterniond::Identity());
+  Matrix3 no_orientation = Matrix3::Zero();
+  no_orientation(0, 0) = -1.0;  // "no orientation estimate" in the words of sensor_msgs/Imu
+  out.row_major(no_orientation);
+  out.vector3(sample.omega_body_radps);
+  out.row_major(Matrix3::Zero());
+  out.vector3(sample.specific_force_body_mps2);
+  out.row_major(Matrix3::Zero());
+}
+
+void encode_gnss(const GnssSample& sample, const Geodetic& datum, std::uint32_t sequence, const std::string& frame,
+                 RosEncoder& out) {
+  const Geodetic position = geodetic_of_world(sample.p_world_m, datum);
+  out.begin();
+  out.header(sequence, sample.t, frame);
+  out.put(kStatusFix);
+  out.put(kServiceGps);
+  out.put(position.latitude_deg);
+  out.put(position.longitude_deg);
+  out.put(position.altitude_m);
+  out.row_major(Matrix3(sample.sigma_p_m.cwiseAbs2().asDiagonal()));
+  out.put(kCovarianceDiagonalKnown);
+}
+
+/// nav_msgs/Odometry; the twist is in the axes of the body, as the message wants it.
+struct OdometryMessage {
+  TimeNs t;
+  std::string frame, child_frame;
+  Pose T_frame_body;
+  Matrix6 pose_covariance = Matrix6::Zero();
+  Vector3 v_frame_mps = Vector3::Zero();
+  Vector3 omega_body_radps = Vector3::Zero();
+};
+
+void encode_odometry(const OdometryMessage& odometry, std::uint32_t sequence, RosEncoder& out) {
+  out.begin();
+  out.header(sequence, odometry.t, odometry.frame);
+  out.text(odometry.child_frame);
+  out.pose(odometry.T_frame_body);
+  out.row_major(odometry.pose_covariance);
+  out.vector3(odometry.T_frame_body.linear().transpose() * odometry.v_frame_mps);
+  out.vector3(odometry.omega_body_radps);
+  out.row_major(Matrix6::Zero());
+}
+
+/// Covariance with the rotation in the axes of the world, as nav_msgs/Odometry wants it.
+Matrix6 covariance_in_world_axes(const StateEstimate& estimate) {
+  Matrix6 J = Matrix6::Identity();
+  J.bottomRightCorner<3, 3>() = estimate.T_world_body.linear();
+  return J * estimate.covariance * J.transpose();
+}
+
+void encode_transform(std::uint32_t sequence, TimeNs t, const std::string& parent, const std::string& child,
+                      const Vector3& position, const Eigen::Quaterniond& rotation, RosEncoder& out) {
+  out.header(sequence, t, parent);
+  out.text(child);
+  out.put_pose(position, rotation);
+}
+
+}  // namespace
+
+void RosConfig::visit_common(ConfigVisitor& v) {
+  v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");
+  v.field("sensors", sensors, "[-] names of the LiDARs to write; empty: all");
+  v.field("topics", topics, "[-] what to write: points, imu, odometry, gnss, truth, estimate, tf, clock");
+  const bool known = std::all_of(topics.begin(), topics.end(), [](const std::string& topic) {
+    return std::find(kTopics.begin(), kTopics.end(), topic) != kTopics.end();
+  });
+  v.check(known, "topics", "a list of points, imu, odometry, gnss, truth, estimate, tf, clock");
+  v.field("rate_hz", rate_hz, "[Hz] of truth, estimate, tf and clock; 0: every tick", Range::non_negative());
+  v.field("every", every, "[-] write every n-th scan of each LiDAR", Range{1, 1e9, false, false});
+  v.choice("points_layout", points_layout, {"auto", "ouster", "livox", "velodyne"},
+           "[-] fields of a point as that maker's driver has them; auto goes by the number of rows");
+  v.field("datum_deg", datum_deg, "[deg] latitude and longitude of the world's origin (WGS 84)",
+          Range::between(-180, 180));
+  v.check(datum_deg.x() >= -90.0 && datum_deg.x() <= 90.0, "datum_deg", "a latitude within -90..90");
+  v.field("datum_altitude_m", datum_altitude_m, "[m] height of the world's origin above the ellipsoid");
+}
+
+RosTopics::RosTopics(const RosConfig& config, const RunInfo& info, RosDialect dialect, RosSink& sink)
+    : config_(config),
+      sink_(sink),
+      message_(dialect),
+      gate_(config.rate_hz),
+      selected_(select_vehicles(config.vehicles, info.vehicle_names)),
+      last_estimate_(info.vehicle_names.size(), -1) {
+  for (const std::string& name : info.vehicle_names) names_.push_back(ros_name(name));
+}
+
+void RosTopics::write(const TickView& tick) {
+  const bool sample = gate_.due(tick.t);
+  if (sample && wants("clock")) write_clock(tick.t);
+  if (sample && wants("tf")) write_tf(tick);
+  for (VehicleId vehicle = 0; vehicle < static_cast<VehicleId>(names_.size()); ++vehicle) {
+    if (!selected_[vehicle]) continue;
+    if (sample && wants("truth")) write_truth(tick, vehicle);
+    if (sample && wants("estimate")) write_estimate(tick, vehicle);
+    write_samples(tick, vehicle);
+    if (wants("points")) write_scans(tick, vehicle);
+  }
+}
+
+bool RosTopics::wants(const char* topic) const {
+  return std::find(config_.topics.begin(), config_.topics.end(), topic) != config_.topics.end();
+}
+
+RosTopics::Channel& RosTopics::channel(const std::string& topic, const RosType& type, bool latched) {
+  const auto found = channels_.find(topic);
+  if (found != channels_.end()) return found->second;
+  return channels_.emplace(topic, Channel{sink_.add_channel(topic, type, latched)}).first->second;
+}
+
+void RosTopics::send(Channel& channel, TimeNs t) { sink_.write(channel.id, channel.sequence++, t, message_.bytes()); }
+
+void RosTopics::write_clock(TimeNs t) {
+  Channel& clock = channel("/clock", kClock);
+  message_.begin();
+  message_.time(t);
+  send(clock, t);
+}
+
+void RosTopics::write_tf(const TickView& tick) {
+  Channel& tf = channel("/tf", kTFMessage);
+  message_.begin();
+  message_.count(static_cast<std::size_t>(std::count(selected_.begin(), selected_.end(), true)));
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (!selected_[i]) continue;
+    const VehicleState& state = tick.states[i];
+    encode_transform(tf.sequence, tick.t, "world", names_[i] + "/body", state.p_world_m, state.q_world_body, message_);
+  }
+  send(tf, tick.t);
+}
+
+void RosTopics::write_truth(const TickView& tick, VehicleId vehicle) {
+  Channel& truth = channel("/" + names_[vehicle] + "/truth/pose", kPoseStamped);
+  const VehicleState& state = tick.states[vehicle];
+  message_.begin();
+  message_.header(truth.sequence, tick.t, "world");
+  message_.put_pose(state.p_world_m, state.q_world_body);
+  send(truth, tick.t);
+}
+
+void RosTopics::write_estimate(const TickView& tick, VehicleId vehicle) {
+  const Action* action = tick.actions[vehicle];
+  if (!action || !action->estimate.valid || action->estimate.t == last_estimate_[vehicle]) return;
+  const StateEstimate& estimate = action->estimate;
+  last_estimate_[vehicle] = estimate.t;
+  Channel& topic = channel("/" + names_[vehicle] + "/estimate", kOdometry);
+  encode_odometry({estimate.t, "world", names_[vehicle] + "/body", estimate.T_world_body,
+                   covariance_in_world_axes(estimate), estimate.v_world_mps, estimate.omega_body_radps},
+                  topic.sequence, message_);
+  send(topic, tick.t);
+}
+
+void RosTopics::write_samples(const TickView& tick, VehicleId vehicle) {
+  const Observation& observation = tick.observations[vehicle];
+  const std::string& name = names_[vehicle];
+  const std::string body = name + "/body";
+  for (const ImuSample& sample : observation.imu) {
+    if (!wants("imu")) break;
+    Channel& imu = channel("/" + name + "/imu", kImu);
+    encode_imu(sample, imu.sequence, body, message_);
+    send(imu, tick.t);
+  }
+  for (const OdometrySample& sample : observation.odometry) {
+    if (!wants("odometry")) break;
+    Channel& odometry = channel("/" + name + "/odometry", kOdometry);
+    encode_odometry({sample.t, name + "/local", body, sample.T_local_body, Matrix6::Zero(), sample.v_local_body_mps},
+                    odometry.sequence, message_);
+    send(odometry, tick.t);
+  }
+  const Geodetic datum{config_.datum_deg.x(), config_.datum_deg.y(), config_.datum_altitude_m};
+  for (const GnssSample& sample : observation.gnss) {
+    if (!wants("gnss")) break;
+    Channel& gnss = channel("/" + name + "/gnss", kNavSatFix);
+    encode_gnss(sample, datum, gnss.sequence, body, message_);
+    send(gnss, tick.t);
+  }
+}
+
+void RosTopics::write_scans(const TickView& tick, VehicleId vehicle) {
+  if (tick.scans.empty()) return;
+  for (const auto& labelled : tick.scans[vehicle]) {
+    const Scan& scan = labelled->scan;
+    if (!selects(config_.sensors, scan.sensor)) continue;
+    const std::string frame = names_[vehicle] + "/" + ros_name(scan.sensor);
+    const std::string topic = "/" + frame + "/points";
+    if (num_scans_[topic]++ % config_.every != 0) continue;
+    announce_sensor(names_[vehicle] + "/body", frame, scan.T_body_lidar, tick.t);
+    Channel& points = channel(topic, kPointCloud2);
+    encode_points(scan, points_layout(config_.points_layout, scan), points.sequence, frame, message_);
+    send(points, tick.t);
+  }
+}
+
+void RosTopics::announce_sensor(const std::string& parent, const std::string& child, const Pose& T_body_lidar,
+                                TimeNs t) {
+  const bool is_known = std::any_of(static_transforms_.begin(), static_transforms_.end(),
+                                    [&](const StaticTransform& transform) { return transform.child == child; });
+  if (is_known || !wants("tf")) return;
+  static_transforms_.push_back({parent, child, T_body_lidar});
+  // All of them each time: a latched topic keeps only its last message.
+  Channel& tf_static = channel("/tf_static", kTFMessage, true);
+  message_.begin();
+  message_.count(static_transforms_.size());
+  for (const StaticTransform& transform : static_transforms_) {
+    encode_transform(tf_static.sequence, t, transform.parent, transform.child, transform.T_parent_child.translation(),
+                     Eigen::Quaterniond(transform.T_parent_child.linear()), message_);
+  }
+  send(tf_static, t);
+}
+
+}  // namespace swiftlet::sim

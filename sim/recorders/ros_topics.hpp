@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/recorders/ros_encoder.hpp"
+#include "sim/recorders/ros_types.hpp"
+#include "sim/recorders/selection.hpp"
+#include "swiftlet/sim/recorder.hpp"
+
+namespace swiftlet::sim {
+
+/// What the recorders of ROS messages (MCAP, ROS 1 bag) have in common.
+struct RosConfig {
+  std::vector<std::string> vehicles;
+  std::vector<std::string> sensors;
+  std::vector<std::string> topics = {"points", "imu", "odometry", "gnss", "truth", "estimate", "tf", "clock"};
+  double rate_hz = 100.0;
+  int every = 1;
+  std::string points_layout = "auto";
+  Eigen::Vector2d datum_deg = {50.0, 14.0};
+  double datum_altitude_m = 0.0;
+
+  void visit_common(ConfigVisitor& v);
+};
+
+/// Where the messages go.
+class RosSink {
+ public:
+  virtual ~RosSink() = default;
+  /// A number for a topic, used in write(). `latched`: late subscribers get the last message.
+  virtual int add_channel(const std::string& topic, const RosType& type, bool latched) = 0;
+  virtual void write(int channel, std::uint32_t sequence, TimeNs t, std::span<const std::byte> message) = 0;
+};
+
+/// Turns ticks into ROS messages. Frames: world, VEHICLE/body, VEHICLE/local (odometry), VEHICLE/SENSOR.
+class RosTopics {
+ public:
+  RosTopics(const RosConfig& config, const RunInfo& info, RosDialect dialect, RosSink& sink);
+  void write(const TickView& tick);
+
+ private:
+  struct Channel {
+    int id;
+    std::uint32_t sequence = 0;
+  };
+  struct StaticTransform {
+    std::string parent, child;
+    Pose T_parent_child;
+  };
+
+  bool wants(const char* topic) const;
+  Channel& channel(const std::string& topic, const RosType& type, bool latched = false);
+  void send(Channel& channel, TimeNs t);
+  void write_clock(TimeNs t);
+  void write_tf(const TickView& tick);
+  void write_truth(const TickView& tick, VehicleId vehicle);
+  void write_estimate(const TickView& tick, VehicleId vehicle);
+  void write_samples(const TickView& tick, VehicleId vehicle);
+  void write_scans(const TickView& tick, VehicleId vehicle);
+  void announce_sensor(const std::string& parent, const std::string& child, const Pose& T_body_lidar, TimeNs t);
+
+  RosConfig config_;
+  RosSink& sink_;
+  RosEncoder message_;
+  RateGate gate_;
+  std::vector<bool> selected_;         // by VehicleId
+  std::vector<std::string> names_;     // by VehicleId, as ROS allows them
+  std::vector<TimeNs> last_estimate_;  // by VehicleId
+  std::map<std::string, Channel> channels_;
+  std::map<std::string, int> num_scans_;  // by topic
+  std::vector<StaticTransform> static_transforms_;
+};
+
+}  // namespace swiftlet::sim

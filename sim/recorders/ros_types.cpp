@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/recorders/ros_types.hpp"
+
+#include <stdexcept>
+#include <string_view>
+
+namespace swiftlet::sim {
+namespace {
+
+/// Fields and constants of a type, in the words of ROS 1; ros2_text only where it differs.
+struct Definition {
+  std::string_view name;
+  const char* text;
+  const char* ros2_text = nullptr;
+};
+
+constexpr Definition kDefinitions[] = {
+    {"std_msgs/Header", "uint32 seq\ntime stamp\nstring frame_id\n",
+     "builtin_interfaces/Time stamp\nstring frame_id\n"},
+    {"builtin_interfaces/Time", "", "int32 sec\nuint32 nanosec\n"},
+    {"geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n"},
+    {"geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n"},
+    {"geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"},
+    {"geometry_msgs/Pose", "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n"},
+    {"geometry_msgs/PoseStamped", "std_msgs/Header header\ngeometry_msgs/Pose pose\n"},
+    {"geometry_msgs/PoseWithCovariance", "geometry_msgs/Pose pose\nfloat64[36] covariance\n"},
+    {"geometry_msgs/Twist", "geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n"},
+    {"geometry_msgs/TwistWithCovariance", "geometry_msgs/Twist twist\nfloat64[36] covariance\n"},
+    {"geometry_msgs/Transform", "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n"},
+    {"geometry_msgs/TransformStamped",
+     "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform\n"},
+    {"sensor_msgs/PointField",
+     "uint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\nuint8 INT32=5\nuint8 UINT32=6\nuint8 FLOAT32=7\n"
+     "uint8 FLOAT64=8\nstring name\nuint32 offset\nuint8 datatype\nuint32 count\n"},
+    {"sensor_msgs/PointCloud2",
+     "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\nbool is_bigendian\n"
+     "uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n"},
+    {"sensor_msgs/Imu",
+     "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
+     "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
+     "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n"},
+    {"sensor_msgs/NavSatStatus",
+     "int8 STATUS_NO_FIX=-1\nint8 STATUS_FIX=0\nint8 STATUS_SBAS_FIX=1\nint8 STATUS_GBAS_FIX=2\nint8 status\n"
+     "uint16 SERVICE_GPS=1\nuint16 SERVICE_GLONASS=2\nuint16 SERVICE_COMPASS=4\nuint16 SERVICE_GALILEO=8\n"
+     "uint16 service\n"},
+    {"sensor_msgs/NavSatFix",
+     "std_msgs/Header header\nsensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\n"
+     "float64[9] position_covariance\nuint8 COVARIANCE_TYPE_UNKNOWN=0\nuint8 COVARIANCE_TYPE_APPROXIMATED=1\n"
+     "uint8 COVARIANCE_TYPE_DIAGONAL_KNOWN=2\nuint8 COVARIANCE_TYPE_KNOWN=3\nuint8 position_covariance_type\n"},
+    {"nav_msgs/Odometry",
+     "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n"
+     "geometry_msgs/TwistWithCovariance twist\n"},
+    {"tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms\n"},
+    {"rosgraph_msgs/Clock", "time clock\n", "builtin_interfaces/Time clock\n"},
+};
+
+std::string_view definition_of(std::string_view name, RosDialect dialect) {
+  for (const Definition& definition : kDefinitions) {
+    if (definition.name != name) continue;
+    return dialect == RosDialect::kRos2 && definition.ros2_text ? definition.ros2_text : definition.text;
+  }
+  throw std::logic_error("no definition of the ROS type " + std::string(name));
+}
+
+constexpr const char* kHeader = "std_msgs/Header";
+constexpr const char* kTime = "builtin_interfaces/Time";
+constexpr const char* kPointCloud2Parts[] = {kHeader, kTime, "sensor_msgs/PointField"};
+constexpr const char* kImuParts[] = {kHeader, kTime, "geometry_msgs/Quaternion", "geometry_msgs/Vector3"};
+constexpr const char* kNavSatFixParts[] = {kHeader, kTime, "sensor_msgs/NavSatStatus"};
+constexpr const char* kOdometryParts[] = {kHeader,
+                                          kTime,
+                                          "geometry_msgs/PoseWithCovariance",
+                                          "geometry_msgs/Pose",
+                                          "geometry_msgs/Point",
+                                          "geometry_msgs/Quaternion",
+                                          "geometry_msgs/TwistWithCovariance",
+                                          "geometry_msgs/Twist",
+                                          "geometry_msgs/Vector3"};
+constexpr const char* kPoseStampedParts[] = {kHeader, kTime, "geometry_msgs/Pose", "geometry_msgs/Point",
+                                             "geometry_msgs/Quaternion"};
+constexpr const char* kTFMessageParts[] = {
+    "geometry_msgs/TransformStamped", kHeader, kTime, "geometry_msgs/Transform", "geometry_msgs/Vector3",
+    "geometry_msgs/Quaternion"};
+constexpr const char* kClockParts[] = {kTime};
+
+}  // namespace
+
+const RosType kPointCloud2{"sensor_msgs", "PointCloud2", "1158d486dd51d683ce2f1be655c3c181", kPointCloud2Parts};
+const RosType kImu{"sensor_msgs", "Imu", "6a62c6daae103f4ff57a132d6f95cec2", kImuParts};
+const RosType kNavSatFix{"sensor_msgs", "NavSatFix", "2d3a8cd499b9b4a0249fb98fd05cfa48", kNavSatFixParts};
+const RosType kOdometry{"nav_msgs", "Odometry", "cd5e73d190d741a2f92e81eda573aca7", kOdometryParts};
+const RosType kPoseStamped{"geometry_msgs", "PoseStamped", "d3812c3cbc69362b77dc0b19b345f8f5", kPoseStampedParts};
+const RosType kTFMessage{"tf2_msgs", "TFMessage", "94810edda583a504dfda3829e70d7eec", kTFMessageParts};
+const RosType kClock{"rosgraph_msgs", "Clock", "a9c97c1d230cfc112e270351a944ee47", kClockParts};
+
+std::string full_name(const RosType& type, RosDialect dialect) {
+  return std::string(type.package) + (dialect == RosDialect::kRos2 ? "/msg/" : "/") + type.name;
+}
+
+std::string full_definition(const RosType& type, RosDialect dialect) {
+  std::string text(definition_of(std::string(type.package) + "/" + type.name, dialect));
+  for (const std::string_view part : type.parts) {
+    if (dialect == RosDialect::kRos1 && part == kTime) continue;  // a built-in type there
+    text += "\n" + std::string(80, '=') + "\nMSG: ";
+    text += part;
+    text += "\n";
+    text += definition_of(part, dialect);
+  }
+  return text;
+}
+
+}  // namespace swiftlet::sim

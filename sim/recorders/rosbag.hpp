@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "sim/recorders/ros_topics.hpp"
+
+namespace swiftlet::sim {
+
+struct RosbagConfig : ModuleConfigOf<RosbagConfig>, RosConfig {
+  std::string file = "record.bag";
+  std::string compression = "lz4";
+
+  void visit(ConfigVisitor& v) override;
+};
+
+/// One ROS 1 bag, version 2.0.
+std::unique_ptr<Recorder> make_rosbag_recorder(const ModuleConfig& config);
+
+}  // namespace swiftlet::sim
