@@ -4,11 +4,13 @@
 #include <vector>
 
 #include "sim/world/campus.hpp"
+#include "sim/world/cloud.hpp"
 #include "sim/world/empty.hpp"
 #include "sim/world/field.hpp"
 #include "sim/world/forest.hpp"
 #include "sim/world/forest_thesis.hpp"
 #include "sim/world/hall.hpp"
+#include "sim/world/mesh_import.hpp"
 #include "sim/world/two_rooms_gap.hpp"
 #include "sim/world/warehouse.hpp"
 #include "sim/world/world.hpp"
@@ -38,6 +40,8 @@ const WorldType kWorldTypes[] = {
     row<TwoRoomsGapConfig, make_two_rooms_gap>("two_rooms_gap", "two rooms joined by a gap (001, sec. III-A)"),
     row<HallConfig, make_hall>("hall", "an indoor area with a wall to hide behind (000, sec. V-B)"),
     row<CampusConfig, make_campus>("campus", "a small building to circle, trees, paths with kerbs, lamp posts (003)"),
+    row<MeshImportConfig, make_mesh_import>("mesh", "an OBJ, PLY or STL file"),
+    row<CloudConfig, make_cloud>("cloud", "a PCD or PLY point cloud as solid voxels"),
 };
 
 }  // namespace

@@ -45,6 +45,26 @@ const char* name_of(SurfaceClass surface_class) {
   return "unlabeled";
 }
 
+std::span<const char* const> static_class_names() {
+  using enum SurfaceClass;
+  static const std::array kNames = {name_of(kUnlabeled),   name_of(kGround), name_of(kKerb),   name_of(kBuilding),
+                                    name_of(kWall),        name_of(kDoor),   name_of(kPillar), name_of(kCeiling),
+                                    name_of(kVegetation),  name_of(kTrunk),  name_of(kBranch), name_of(kUndergrowth),
+                                    name_of(kFallenTrunk), name_of(kRack),   name_of(kPallet), name_of(kMarking),
+                                    name_of(kObject)};
+  return kNames;
+}
+
+std::optional<SurfaceClass> surface_class_of(std::string_view name) {
+  using enum SurfaceClass;
+  for (const SurfaceClass candidate :
+       {kUnlabeled, kGround, kKerb, kBuilding, kWall, kDoor, kPillar, kCeiling, kVegetation, kTrunk, kBranch,
+        kUndergrowth, kFallenTrunk, kRack, kPallet, kMarking, kObject}) {
+    if (name == name_of(candidate)) return candidate;
+  }
+  return std::nullopt;
+}
+
 const char* name_of(VehiclePart part) {
   switch (part) {
     case VehiclePart::kNone:

@@ -4,7 +4,10 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace swiftlet::sim {
@@ -19,20 +22,23 @@ enum class SurfaceClass : std::uint16_t {
   kDoor = 52,
   kPillar = 53,
   kCeiling = 54,
-  kVegetation = 70,   // leaves, crowns
+  kVegetation = 70,  // leaves, crowns
   kTrunk = 71,
   kBranch = 72,
   kUndergrowth = 73,
   kFallenTrunk = 74,
   kRack = 80,
   kPallet = 81,
-  kMarking = 82,      // reflective tape, signs
+  kMarking = 82,  // reflective tape, signs
   kObject = 99,
-  kVehicle = 300,     // a UAV
+  kVehicle = 300,  // a UAV
 };
 
 /// Lower-case name of a class ("trunk"), as written in truth tables.
 const char* name_of(SurfaceClass surface_class);
+/// The same names back; every class but kVehicle can be asked for (the static world has no vehicles).
+std::optional<SurfaceClass> surface_class_of(std::string_view name);
+std::span<const char* const> static_class_names();
 
 /// Which part of a vehicle a triangle belongs to; kNone for the static world.
 enum class VehiclePart : std::uint8_t { kNone = 0, kBody, kArm, kMotor, kRotor, kLeg, kSensor };
@@ -40,8 +46,8 @@ const char* name_of(VehiclePart part);
 
 struct Material {
   std::string name;
-  float reflectivity = 0.3F;       ///< Lambertian, at the LiDAR's wavelength (865..905 nm), 0..1
-  bool retroreflective = false;    ///< returns the beam to its source whatever the incidence
+  float reflectivity = 0.3F;                       ///< Lambertian, at the LiDAR's wavelength (865..905 nm), 0..1
+  bool retroreflective = false;                    ///< returns the beam to its source whatever the incidence
   Eigen::Vector3f color_rgb = {0.5F, 0.5F, 0.5F};  ///< for pictures, sRGB 0..1
 };
 
@@ -49,26 +55,27 @@ struct Material {
 struct Mesh {
   std::vector<Eigen::Vector3f> vertices_m;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::uint32_t material = 0;                         ///< index in Scene::materials
+  std::uint32_t material = 0;  ///< index in Scene::materials
   SurfaceClass surface_class = SurfaceClass::kUnlabeled;
-  VehiclePart part = VehiclePart::kNone;              ///< vehicles' meshes only
+  VehiclePart part = VehiclePart::kNone;  ///< vehicles' meshes only
 };
 
 /// One thing of the static world: meshes share a truth instance number (a tree = trunk + branches + crown).
 struct Instance {
-  std::uint32_t mesh = 0;                              ///< index in Scene::meshes
+  std::uint32_t mesh = 0;  ///< index in Scene::meshes
   Eigen::Affine3f T_world_mesh = Eigen::Affine3f::Identity();
-  std::uint16_t instance = 0;                          ///< truth instance within its class; 0: none (ground)
+  std::uint16_t instance = 0;  ///< truth instance within its class; 0: none (ground)
 };
 
 /// Truth about one thing, for `swiftlet world` tables and metrics (for forests: the stem map).
 struct WorldObject {
   std::uint16_t instance = 0;
   SurfaceClass surface_class = SurfaceClass::kUnlabeled;
-  std::string kind;                                    ///< "pine", "rack", ...
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();   ///< foot of a stem, centre of anything else
+  std::string kind;                                      ///< "pine", "rack", ...
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< foot of a stem, centre of anything else
   double yaw_rad = 0.0;
-  std::vector<std::pair<std::string, double>> attributes;  ///< such as {"dbh_m", 0.31}, {"height_m", 18.2}; same keys for the same kind
+  std::vector<std::pair<std::string, double>>
+      attributes;  ///< such as {"dbh_m", 0.31}, {"height_m", 18.2}; same keys for the same kind
 };
 
 /// The static world: a pure function of (config, seed). World frame: east, north, up.
@@ -77,9 +84,9 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   std::vector<WorldObject> objects;
-  Eigen::AlignedBox3d bounds_m;                        ///< of everything
+  Eigen::AlignedBox3d bounds_m;  ///< of everything
 
-  std::size_t num_triangles() const;                   ///< with instancing unrolled
+  std::size_t num_triangles() const;  ///< with instancing unrolled
 };
 
 }  // namespace swiftlet::sim
