@@ -1,28 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "sim/raycast/ray_scene.hpp"
+
+struct RTCDeviceTy;
+struct RTCSceneTy;
 
 /// Internal to this room (and to its benchmarks): what hides behind the interfaces.
 namespace swiftlet::sim {
 
 struct ReleaseDevice {
-  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCDeviceTy* device) const;
 };
 struct ReleaseScene {
-  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  void operator()(RTCSceneTy* scene) const;
 };
-using EmbreeDevice = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
-using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
+using EmbreeDevice = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
+using EmbreeScene = std::unique_ptr<RTCSceneTy, ReleaseScene>;
 
 /// What all triangles of one instance of a mesh have in common.
 struct Surface {
@@ -41,7 +43,7 @@ struct TriangleScene {
   EmbreeScene scene;
 
   /// Builds the acceleration structure on all cores. The arrays must not change afterwards.
-  void commit(RTCDevice device);
+  void commit(RTCDeviceTy* device);
 };
 
 /// A vehicle without its rotors, in its body frame; the rotors are met analytically (sweep_scene.cpp).
@@ -55,7 +57,8 @@ struct StaticScene::Impl {
   Eigen::AlignedBox3d bounds_m;
 
   /// The body of a shape ready to trace; vehicles of one shape share it, whoever asks.
-  std::shared_ptr<const VehicleBody> body_of(const std::shared_ptr<const VehicleShape>& shape) const;
+  /// @param with_sensors  false: as seen from aboard. The housing on top stands for the very sensor that looks.
+  std::shared_ptr<const VehicleBody> body_of(const std::shared_ptr<const VehicleShape>& shape, bool with_sensors) const;
 
  private:
   struct CachedBody {
@@ -63,7 +66,7 @@ struct StaticScene::Impl {
     std::weak_ptr<const VehicleBody> body;
   };
   mutable std::mutex mutex_;
-  mutable std::map<const VehicleShape*, CachedBody> bodies_;
+  mutable std::map<std::pair<const VehicleShape*, bool>, CachedBody> bodies_;
 };
 
 }  // namespace swiftlet::sim

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/raycast/ray_scene.hpp"
 
+#include <embree3/rtcore.h>
+
 #include <cmath>
 #include <limits>
 #include <map>
@@ -165,6 +167,9 @@ RTCRay ray_between(const Vector3& origin, const Vector3& direction, double from_
 
 }  // namespace
 
+void ReleaseDevice::operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+void ReleaseScene::operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+
 void TriangleScene::commit(RTCDevice device) {
   scene.reset(rtcNewScene(device));
   // Robust: no ray slips through the edge between two triangles.
@@ -188,15 +193,17 @@ void TriangleScene::commit(RTCDevice device) {
   }
 }
 
-std::shared_ptr<const VehicleBody> StaticScene::Impl::body_of(const std::shared_ptr<const VehicleShape>& shape) const {
+std::shared_ptr<const VehicleBody> StaticScene::Impl::body_of(const std::shared_ptr<const VehicleShape>& shape,
+                                                              bool with_sensors) const {
   const std::scoped_lock lock(mutex_);
-  CachedBody& cached = bodies_[shape.get()];
+  CachedBody& cached = bodies_[{shape.get(), with_sensors}];
   if (!cached.shape.expired()) {
     if (auto body = cached.body.lock()) return body;
   }
   auto body = std::make_shared<VehicleBody>();
   SurfaceNumbers numbers(body->triangles.surfaces);
   for (const Mesh& mesh : shape->meshes) {
+    if (mesh.part == VehiclePart::kSensor && !with_sensors) continue;
     const Surface surface = {mesh.material, SurfaceClass::kVehicle, 0, mesh.part};
     append(mesh, Eigen::Affine3f::Identity(), numbers.number_of(surface), body->triangles);
   }

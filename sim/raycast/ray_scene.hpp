@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "sim/world/vehicle_state.hpp"
 #include "sim/world/scene.hpp"
+#include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/airframe.hpp"
 
 namespace swiftlet::sim {
@@ -20,11 +20,11 @@ struct VehicleShape;
 
 /// What a ray met. `vehicle` is kNoVehicle for the static world.
 struct RayHit {
-  float range_m = 0.0F;                 ///< 0: nothing
-  float cos_incidence = 0.0F;           ///< |cos| of the angle between ray and normal
-  std::uint32_t material = 0;           ///< index in Scene::materials, or in VehicleShape's for vehicles
+  float range_m = 0.0F;        ///< 0: nothing
+  float cos_incidence = 0.0F;  ///< |cos| of the angle between ray and normal
+  std::uint32_t material = 0;  ///< index in Scene::materials, or in VehicleShape's for vehicles
   SurfaceClass surface_class = SurfaceClass::kUnlabeled;
-  std::uint16_t instance = 0;           ///< truth instance; VehicleId + 1 for a vehicle
+  std::uint16_t instance = 0;  ///< truth instance; VehicleId + 1 for a vehicle
   VehicleId vehicle = kNoVehicle;
   VehiclePart part = VehiclePart::kNone;
 };
@@ -55,11 +55,12 @@ class StaticScene {
   bool occluded(const Vector3& a_world, const Vector3& b_world) const;
   /// Exact distance to the nearest triangle, by a BVH point query; nothing nearer than max_distance_m: nullopt.
   std::optional<NearestSurface> nearest(const Vector3& p_world, double max_distance_m) const;
-  /// Calls visit(a, b, c, triangle_index) for every triangle that may touch the box (and possibly a few others near it).
+  /// Calls visit(a, b, c, triangle_index) for every triangle that may touch the box (and possibly a few others near
+  /// it).
   void triangles_near_box(const Eigen::AlignedBox3d& box_world,
                           const std::function<void(const Vector3&, const Vector3&, const Vector3&, int)>& visit) const;
 
-  struct Impl;                          // for the other files of this room only
+  struct Impl;  // for the other files of this room only
   const Impl& impl() const { return *impl_; }
 
  private:

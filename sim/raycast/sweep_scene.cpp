@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/raycast/sweep_scene.hpp"
 
+#include <embree3/rtcore.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -348,7 +350,7 @@ SweepScene::SweepScene(std::shared_ptr<const StaticScene> world,
   for (std::size_t id = 0; id < shapes.size(); ++id) {
     Vehicle vehicle;
     vehicle.shape = shapes[id];
-    vehicle.body = impl_->world->impl().body_of(shapes[id]);
+    vehicle.body = impl_->world->impl().body_of(shapes[id], static_cast<VehicleId>(id) != self);
     vehicle.radius_m = static_cast<float>(bounding_radius_m(*shapes[id]));
     vehicle.first_surface = static_cast<std::uint32_t>(impl_->surfaces.size());
     const auto instance = static_cast<std::uint16_t>(id + 1);

@@ -29,7 +29,7 @@ Pose MountConfig::T_body_lidar() const {
 }
 
 void LidarConfig::visit(ConfigVisitor& v) {
-  v.model("model", model, "sensors", "preset: os1_128, os0_128, mid360, puck_lite, uniform");
+  v.model("model", model, "sensors", "preset: os1_128, os0_128, mid360, puck_lite, os1_128_uniform, os0_128_uniform");
   visit_name(v);
   v.field("rate_hz", rate_hz, "[Hz] sweeps per second", Range::between(0.1, 1000));
   v.field("rolling", rolling, "[-] every beam at its own time; false: the whole sweep in one instant");

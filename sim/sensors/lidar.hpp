@@ -9,9 +9,10 @@
 
 namespace swiftlet::sim {
 
-/// Where the sensor sits on its vehicle: T_body_lidar.
+/// Where the sensor sits on its vehicle: T_body_lidar. By default on top; the vehicle's own sensor housing does not
+/// block its view, everything else of the vehicle does.
 struct MountConfig {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position_m = {0.0, 0.0, 0.15};
   Eigen::Vector3d rpy_deg = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll)
 
   void visit(ConfigVisitor& v);

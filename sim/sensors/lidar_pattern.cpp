@@ -9,6 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "swiftlet/sim/errors.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -207,13 +209,13 @@ class CsvPattern final : public LidarPattern {
  private:
   void read(const std::string& path, double sweep_s) {
     std::ifstream in(path);
-    if (!in) throw std::invalid_argument(path + ": cannot be read");
+    if (!in) throw InputError(path + ": cannot be read");
     std::string line;
     for (int number = 1; std::getline(in, line); ++number) {
       if (!line.empty() && line.back() == '\r') line.pop_back();
       if (line.empty() || line[0] == '#') continue;
       const auto fail = [&](const std::string& expected) {
-        throw std::invalid_argument(path + ":" + std::to_string(number) + ": expected " + expected + ", found \"" +
+        throw InputError(path + ":" + std::to_string(number) + ": expected " + expected + ", found \"" +
                                     line.substr(0, 60) + "\"");
       };
       std::istringstream fields(line);
@@ -230,7 +232,7 @@ class CsvPattern final : public LidarPattern {
       directions_.push_back(direction(azimuth_deg * kRadians, elevation_deg * kRadians));
       offsets_s_.push_back(static_cast<float>(time_s));
     }
-    if (directions_.empty()) throw std::invalid_argument(path + ": expected at least one shot, found none");
+    if (directions_.empty()) throw InputError(path + ": expected at least one shot, found none");
   }
 
   std::vector<Eigen::Vector3f> directions_;

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One LiDAR scan of a forest of about a million triangles with four moving vehicles, against what the ray tracers
+// underneath cost for the very same rays: Embree itself (packets of 16, coherent, 4x4 tiles of the range image, in the
+// two-level scene that its manual suggests) and Bullet's rayTest. One thread. The last rows are the ratios, from
+// alternating runs.
+#include <benchmark/benchmark.h>
+#include <btBulletCollisionCommon.h>
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "sim/raycast/embree_scene.hpp"
+#include "sim/raycast/sweep_scene.hpp"
+#include "sim/sensors/lidar.hpp"
+#include "sim/sensors/lidar_tiles.hpp"
+#include "sim/world/forest.hpp"
+#include "sim/world/vehicle_shape.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr int kVehicles = 5;  // the sensor's and four others
+constexpr TimeNs kSweep = 100'000'000;
+constexpr double kHeight_m = 4.0;
+
+Airframe quadrotor() {
+  Airframe airframe;
+  for (int i = 0; i < 4; ++i) {
+    const double angle = (0.25 + 0.5 * i) * std::numbers::pi;
+    airframe.rotors.push_back(
+        {Vector3(0.25 * std::cos(angle), 0.25 * std::sin(angle), 0.03), i % 2 == 0 ? "ccw" : "cw"});
+  }
+  return airframe;
+}
+
+// The sensor flies a curve at 5 m/s; the others circle around it at 4 to 10 m.
+VehicleState state_of(int vehicle, TimeNs t) {
+  const double s = to_seconds(t);
+  VehicleState state;
+  state.t = t;
+  const double radius = vehicle == 0 ? 3.0 : 2.0 + 2.0 * vehicle;
+  const double phase = 5.0 / radius * s + 1.7 * vehicle;
+  state.p_world_m = Vector3(radius * std::cos(phase), radius * std::sin(phase), kHeight_m + 0.3 * vehicle);
+  state.v_world_mps = Vector3(-5.0 * std::sin(phase), 5.0 * std::cos(phase), 0.0);
+  state.q_world_body = Eigen::AngleAxisd(phase, Vector3::UnitZ()) * Eigen::AngleAxisd(0.1, Vector3::UnitY());
+  state.rotor_speed_radps.fill(500.0);
+  for (int r = 0; r < 4; ++r) state.rotor_angle_rad[r] = (r % 2 == 0 ? 500.0 : -500.0) * s;
+  return state;
+}
+
+/// The world of all benchmarks, made once.
+struct Stage {
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const StaticScene> world;
+  std::shared_ptr<const VehicleShape> shape = std::make_shared<const VehicleShape>(make_vehicle_shape(quadrotor()));
+  StateHistory history{kVehicles, 4000};
+
+  Stage() {
+    ForestConfig forest;
+    forest.size_m = {70.0, 70.0};
+    const auto start = std::chrono::steady_clock::now();
+    scene = std::make_shared<const Scene>(make_forest(forest, 1));
+    const auto made = std::chrono::steady_clock::now();
+    world = std::make_shared<const StaticScene>(*scene);
+    const auto ready = std::chrono::steady_clock::now();
+    std::printf("forest: %zu triangles, generated in %.2f s, ready to trace %.2f s later\n", world->num_triangles(),
+                std::chrono::duration<double>(made - start).count(),
+                std::chrono::duration<double>(ready - made).count());
+    for (TimeNs t = 0; t <= 3'000'000'000; t += 1'000'000) {
+      for (int v = 0; v < kVehicles; ++v) history.push(v, state_of(v, t));
+    }
+  }
+
+  SensorSetup setup() const {
+    SensorSetup setup;
+    setup.seed = 1;
+    setup.vehicle = 0;
+    setup.name = "lidar";
+    setup.entity = "uav1/lidar";
+    setup.world = world;
+    setup.scene = scene;
+    for (int v = 0; v < kVehicles; ++v) {
+      setup.vehicle_shapes.push_back(shape);
+      setup.vehicle_names.push_back("uav" + std::to_string(v + 1));
+    }
+    return setup;
+  }
+};
+
+const Stage& stage() {
+  static const Stage stage;
+  return stage;
+}
+
+LidarConfig os1_config() { return {}; }  // the defaults are an OS1-128 with 1024 columns
+
+LidarConfig mid360_config() {
+  LidarConfig config;
+  config.pattern = Module(lidar_pattern_types(), "livox_mid360");
+  config.range_min_m = 0.1;
+  config.range_max_m = 70.0;
+  config.detection.range_80_percent_m = 70.0;
+  return config;
+}
+
+// ---- the complete scan
+// ------------------------------------------------------------------------------------------------
+
+/// Sweeps one after the other for ever.
+class CompleteScan {
+ public:
+  explicit CompleteScan(const LidarConfig& config) : config_(config) { restart(); }
+
+  void scan() {
+    now_ += kSweep;
+    if (now_ > 2'900'000'000) restart();
+    observation_.clear();
+    lidar_->measure(now_, stage().history, observation_);
+  }
+  const Scan& last() const { return *observation_.scans.front(); }
+
+ private:
+  void restart() {
+    if (!lidar_) lidar_ = make_lidar(config_, stage().setup());
+    // A new sensor would be a new warm-up: go on with the vehicles where they stopped at the end of the history.
+    now_ = now_ == 0 ? kSweep : now_;
+    observation_.clear();
+    lidar_->measure(now_, stage().history, observation_);
+  }
+
+  LidarConfig config_;
+  std::unique_ptr<Sensor> lidar_;
+  Observation observation_;
+  TimeNs now_ = 0;
+};
+
+// ---- the same rays, bare
+// ----------------------------------------------------------------------------------------------
+
+/// The rays of the sweep [0, 100 ms] in tiles of 16, as the sensor traces them.
+std::vector<std::array<std::array<float, 6>, kPacketSize>> rays_of(const LidarConfig& config) {
+  const auto pattern = make_lidar_pattern(config.pattern, 0.1);
+  BeamTable beams;
+  pattern->fill(0, beams);
+  LidarTiler tiler(*pattern, beams, true);
+  std::vector<LidarTile> tiles;
+  tiler.arrange(beams, tiles);
+  std::vector<std::array<std::array<float, 6>, kPacketSize>> rays(tiles.size());
+  const Pose T_body_lidar = config.mount.T_body_lidar();
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    tiler.load(beams, tiles[t]);
+    for (int i = 0; i < kPacketSize; ++i) {
+      const int beam = std::max(tiles[t].beam[i], 0);
+      const TimeNs time = from_seconds(beams.offset_s(beam));
+      const Pose T_world_lidar = stage().history.at(0, time).T_world_body() * T_body_lidar;
+      const Vector3 origin = T_world_lidar * beams.origins_lidar[beam].cast<double>();
+      const Vector3 direction = T_world_lidar.linear() * beams.directions_lidar[beam].cast<double>();
+      for (int k = 0; k < 3; ++k) {
+        rays[t][i][k] = static_cast<float>(origin[k]);
+        rays[t][i][3 + k] = static_cast<float>(direction[k]);
+      }
+    }
+  }
+  return rays;
+}
+
+/// The best bare query: rays ready in packets, nothing done with the hits. Vehicles are frozen instances.
+class BareEmbree {
+ public:
+  explicit BareEmbree(const LidarConfig& config) {
+    const auto& impl = stage().world->impl();
+    RTCDevice device = impl.device.get();
+    scene_.reset(rtcNewScene(device));
+    rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
+    add_instance(device, impl.world.scene.get(), Pose::Identity());
+    // Without the own vehicle, whose plates would stop the beams near the sensor and make them cheaper.
+    for (int v = 1; v < kVehicles; ++v) {
+      bodies_.push_back(impl.body_of(stage().shape, true));
+      add_instance(device, bodies_.back()->triangles.scene.get(), state_of(v, kSweep / 2).T_world_body());
+    }
+    rtcCommitScene(scene_.get());
+    for (const auto& tile : rays_of(config)) {
+      Packet packet{};
+      for (int i = 0; i < kPacketSize; ++i) {
+        for (int k = 0; k < 6; ++k) packet.values[k][i] = tile[i][k];
+      }
+      packets_.push_back(packet);
+    }
+    range_max_m_ = static_cast<float>(config.range_max_m);
+  }
+
+  float scan() const {
+    alignas(64) static constexpr std::array<int, kPacketSize> kAll = {-1, -1, -1, -1, -1, -1, -1, -1,
+                                                                      -1, -1, -1, -1, -1, -1, -1, -1};
+    float sum = 0.0F;
+    for (const Packet& packet : packets_) {
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+      RTCRayHit16 query;
+      for (int i = 0; i < kPacketSize; ++i) {
+        query.ray.org_x[i] = packet.values[0][i];
+        query.ray.org_y[i] = packet.values[1][i];
+        query.ray.org_z[i] = packet.values[2][i];
+        query.ray.dir_x[i] = packet.values[3][i];
+        query.ray.dir_y[i] = packet.values[4][i];
+        query.ray.dir_z[i] = packet.values[5][i];
+        query.ray.tnear[i] = 0.0F;
+        query.ray.tfar[i] = range_max_m_;
+        query.ray.time[i] = 0.0F;
+        query.ray.mask[i] = ~0U;
+        query.ray.id[i] = query.ray.flags[i] = 0;
+        query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+      }
+      rtcIntersect16(kAll.data(), scene_.get(), &context, &query);
+      for (int i = 0; i < kPacketSize; ++i) sum += query.ray.tfar[i];
+    }
+    return sum;
+  }
+
+ private:
+  struct alignas(64) Packet {
+    std::array<std::array<float, kPacketSize>, 6> values;
+  };
+
+  void add_instance(RTCDevice device, RTCScene of, const Pose& pose) {
+    RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, of);
+    const Eigen::Matrix4f matrix = pose.matrix().cast<float>();
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, matrix.data());
+    rtcCommitGeometry(instance);
+    rtcAttachGeometry(scene_.get(), instance);
+    rtcReleaseGeometry(instance);
+  }
+
+  std::vector<std::shared_ptr<const VehicleBody>> bodies_;
+  EmbreeScene scene_;
+  std::vector<Packet> packets_;
+  float range_max_m_ = 0.0F;
+};
+
+/// The static world in Bullet: a BVH of the same triangles, quantised as Bullet does by default.
+class BareBullet {
+ public:
+  explicit BareBullet(const LidarConfig& config) : range_max_m_(config.range_max_m), rays_(rays_of(config)) {
+    const TriangleScene& triangles = stage().world->impl().world;
+    btIndexedMesh mesh;
+    mesh.m_numTriangles = static_cast<int>(triangles.triangles.size());
+    mesh.m_triangleIndexBase = reinterpret_cast<const unsigned char*>(triangles.triangles.data());
+    mesh.m_triangleIndexStride = sizeof(triangles.triangles[0]);
+    mesh.m_numVertices = static_cast<int>(triangles.vertices_m.size());
+    mesh.m_vertexBase = reinterpret_cast<const unsigned char*>(triangles.vertices_m.data());
+    mesh.m_vertexStride = sizeof(triangles.vertices_m[0]);
+    mesh.m_vertexType = PHY_FLOAT;
+    mesh_.addIndexedMesh(mesh);
+    shape_ = std::make_unique<btBvhTriangleMeshShape>(&mesh_, true);
+    object_.setCollisionShape(shape_.get());
+    world_.addCollisionObject(&object_);
+  }
+
+  double scan() const {
+    double sum = 0.0;
+    for (const auto& tile : rays_) {
+      for (const auto& ray : tile) {
+        const btVector3 from(ray[0], ray[1], ray[2]);
+        const btVector3 to = from + range_max_m_ * btVector3(ray[3], ray[4], ray[5]);
+        btCollisionWorld::ClosestRayResultCallback result(from, to);
+        world_.rayTest(from, to, result);
+        sum += result.m_closestHitFraction * range_max_m_;
+      }
+    }
+    return sum;
+  }
+
+ private:
+  double range_max_m_;
+  std::vector<std::array<std::array<float, 6>, kPacketSize>> rays_;
+  btTriangleIndexVertexArray mesh_;
+  std::unique_ptr<btBvhTriangleMeshShape> shape_;
+  btCollisionObject object_;
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broadphase_;
+  mutable btCollisionWorld world_{&dispatcher_, &broadphase_, &configuration_};
+};
+
+// ---- rows of the table
+// ------------------------------------------------------------------------------------------------
+
+void complete_os1(benchmark::State& state) {
+  CompleteScan scan(os1_config());
+  for (auto _ : state) scan.scan();
+  state.SetItemsProcessed(state.iterations() * scan.last().size());
+}
+void complete_mid360(benchmark::State& state) {
+  CompleteScan scan(mid360_config());
+  for (auto _ : state) scan.scan();
+  state.SetItemsProcessed(state.iterations() * scan.last().size());
+}
+void bare_embree_os1(benchmark::State& state) {
+  const BareEmbree bare(os1_config());
+  for (auto _ : state) benchmark::DoNotOptimize(bare.scan());
+}
+void bare_embree_mid360(benchmark::State& state) {
+  const BareEmbree bare(mid360_config());
+  for (auto _ : state) benchmark::DoNotOptimize(bare.scan());
+}
+void bullet_os1(benchmark::State& state) {
+  const BareBullet bullet(os1_config());
+  for (auto _ : state) benchmark::DoNotOptimize(bullet.scan());
+}
+
+double seconds(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+// Runs alternate, so that whatever else the machine does hits all alike.
+void ratios_os1(benchmark::State& state) {
+  CompleteScan complete(os1_config());
+  const BareEmbree embree(os1_config());
+  const BareBullet bullet(os1_config());
+  std::vector<double> complete_s, embree_s, bullet_s;
+  for (auto _ : state) {
+    for (int i = 0; i < 25; ++i) {
+      embree_s.push_back(seconds([&] { benchmark::DoNotOptimize(embree.scan()); }));
+      complete_s.push_back(seconds([&] { complete.scan(); }));
+      if (i % 8 == 0) bullet_s.push_back(seconds([&] { benchmark::DoNotOptimize(bullet.scan()); }));
+    }
+  }
+  state.counters["complete_ms"] = 1e3 * median(complete_s);
+  state.counters["embree_ms"] = 1e3 * median(embree_s);
+  state.counters["bullet_ms"] = 1e3 * median(bullet_s);
+  state.counters["complete/embree"] = median(complete_s) / median(embree_s);
+  state.counters["bullet/complete"] = median(bullet_s) / median(complete_s);
+}
+
+BENCHMARK(complete_os1)->Unit(benchmark::kMillisecond);
+BENCHMARK(bare_embree_os1)->Unit(benchmark::kMillisecond);
+BENCHMARK(bullet_os1)->Unit(benchmark::kMillisecond);
+BENCHMARK(complete_mid360)->Unit(benchmark::kMillisecond);
+BENCHMARK(bare_embree_mid360)->Unit(benchmark::kMillisecond);
+BENCHMARK(ratios_os1)->Unit(benchmark::kMillisecond)->Iterations(1);
+
+}  // namespace
+}  // namespace swiftlet::sim
