@@ -4,15 +4,15 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/sample_statistics.hpp"
-#include "tests/support/scene_builder.hpp"
 #include "tests/support/sensor_driver.hpp"
+#include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 // Flat ground at z = 0 with a block of 1 m height for x in 2..4.
 std::shared_ptr<const StaticScene> ground_with_block() {
-  SceneBuilder builder;
+  TestScene builder;
   builder.add_wall({-100, -100, 0}, {100, -100, 0}, {100, 100, 0}, {-100, 100, 0}, SurfaceClass::kGround);
   builder.add_box({2, -2, 0}, {4, 2, 1});
   return std::make_shared<const StaticScene>(builder.scene());

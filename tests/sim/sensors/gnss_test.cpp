@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "tests/support/sample_statistics.hpp"
-#include "tests/support/scene_builder.hpp"
 #include "tests/support/sensor_driver.hpp"
+#include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -129,12 +129,12 @@ TEST(Gnss, ErrorsGrowInACanyonAndARoofTakesTheFix) {
   GnssConfig config;
   config.rate_hz = 10.0;
   config.sky_view = true;
-  SceneBuilder open, canyon, roof;
+  TestScene open, canyon, roof;
   open.add_wall({-50, -50, 0}, {50, -50, 0}, {50, 50, 0}, {-50, 50, 0});
   canyon.add_box({-100, 3, 0}, {100, 5, 6});
   canyon.add_box({-100, -5, 0}, {100, -3, 6});
   roof.add_wall({-100, -100, 10}, {100, -100, 10}, {100, 100, 10}, {-100, 100, 10});
-  const auto fixes = [&](const SceneBuilder& world) {
+  const auto fixes = [&](const TestScene& world) {
     const auto sensor =
         make_gnss_sensor(config, sensor_setup("gnss", 1, 1, std::make_shared<const StaticScene>(world.scene())));
     return drive(*sensor, {resting({0.0, 0.0, 1.5})}, {}).gnss;

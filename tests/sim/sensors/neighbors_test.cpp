@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "tests/support/sample_statistics.hpp"
-#include "tests/support/scene_builder.hpp"
 #include "tests/support/sensor_driver.hpp"
+#include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -51,7 +51,7 @@ TEST(Neighbors, WithoutNoiseArePlacedInTheBodyOfTheObserver) {
 TEST(Neighbors, IdealIgnoresRangeViewAndWorld) {
   NeighborsConfig config;
   config.ideal = true;
-  SceneBuilder wall;
+  TestScene wall;
   wall.add_box({5, -50, -50}, {6, 50, 50});
   const auto seen = see(config, {resting(Vector3::Zero()), resting({80.0, 0.0, 0.0}), resting({0.0, 0.0, 10.0})}, 0.004,
                         std::make_shared<const StaticScene>(wall.scene()));
@@ -112,7 +112,7 @@ TEST(Neighbors, AreSeenInTheFieldOfViewOnly) {
 }
 
 TEST(Neighbors, AreHiddenByTheWorldAndByOtherVehicles) {
-  SceneBuilder wall;
+  TestScene wall;
   wall.add_box({5, 0, -5}, {6, 10, 5});
   const auto world = std::make_shared<const StaticScene>(wall.scene());
   NeighborsConfig config = exact_neighbors();
