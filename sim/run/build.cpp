@@ -100,6 +100,7 @@ std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(const Scenario& s
       setup.seed = scenario.seed;
       setup.vehicle = static_cast<VehicleId>(i);
       setup.name = dynamic_cast<const SensorConfig&>(*module.config).name;
+      if (setup.name.empty()) setup.name = module.type;
       setup.entity = vehicle.name + "/" + setup.name;
       setup.world = world.static_scene;
       setup.scene = world.scene;
