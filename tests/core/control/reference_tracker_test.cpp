@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/control/reference_tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/math/random.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kDt = 0.004;
+
+MotionLimits limits_named(const char* set) {
+  MotionLimitsConfig config;
+  config.set = set;
+  return config.resolve();
+}
+
+Reference at(double x, double y, double z) {
+  Reference r;
+  r.position_m = {x, y, z};
+  return r;
+}
+
+/// Worst use of each limit, as a share of it; measured from outside by the difference of successive states.
+struct Usage {
+  double v_xy = 0, a_xy = 0, j_xy = 0, v_z = 0, a_z = 0, j_z = 0, rate = 0, acc = 0;
+  void add(const Reference& before, const Reference& now, const MotionLimits& l, double dt) {
+    const Vector3 jerk = (now.acceleration_mps2 - before.acceleration_mps2) / dt;
+    v_xy = std::max(v_xy, now.velocity_mps.head<2>().norm() / l.horizontal_speed_mps);
+    a_xy = std::max(a_xy, now.acceleration_mps2.head<2>().norm() / l.horizontal_acceleration_mps2);
+    j_xy = std::max(j_xy, jerk.head<2>().norm() / l.horizontal_jerk_mps3);
+    v_z = std::max(v_z, std::abs(now.velocity_mps.z()) / l.vertical_speed_mps);
+    a_z = std::max(a_z, std::abs(now.acceleration_mps2.z()) / l.vertical_acceleration_mps2);
+    j_z = std::max(j_z, std::abs(jerk.z()) / l.vertical_jerk_mps3);
+    rate = std::max(rate, std::abs(now.yaw_rate_radps) / l.heading_rate_radps);
+    acc = std::max(acc, std::abs(now.yaw_rate_radps - before.yaw_rate_radps) / dt / l.heading_acceleration_radps2);
+  }
+  void expect_within(double tolerance) const {
+    for (const double share : {v_xy, a_xy, j_xy, v_z, a_z, j_z, rate, acc}) EXPECT_LE(share, 1.0 + tolerance);
+  }
+};
+
+/// Least time from rest to rest over a distance under limits of speed, acceleration and jerk, long enough to reach
+/// both.
+double least_time(double distance, double v, double a, double j) { return distance / v + v / a + a / j; }
+
+TEST(ReferenceTracker, GoesToAFarPointInNearlyLeastTimeWithoutOvershoot) {
+  for (const char* set : {"slow", "medium", "fast", "agile"}) {
+    const MotionLimits l = limits_named(set);
+    ReferenceTracker tracker(l);
+    tracker.reset(at(0, 0, 0));
+    const Reference goal = at(60, 0, 0);
+    double arrived = -1.0, farthest = 0.0;
+    for (int i = 1; i < 30000; ++i) {
+      const Reference& r = tracker.step(goal, kDt);
+      farthest = std::max(farthest, r.position_m.x());
+      if (arrived < 0.0 && std::abs(r.position_m.x() - 60.0) < 0.05) arrived = i * kDt;
+    }
+    const double bound =
+        least_time(60.0, l.horizontal_speed_mps, l.horizontal_acceleration_mps2, l.horizontal_jerk_mps3);
+    EXPECT_GT(arrived, 0.95 * bound) << set;
+    EXPECT_LT(arrived, 1.10 * bound + 0.3) << set;
+    EXPECT_LT(farthest, 60.0 + 1e-3) << set;
+    EXPECT_NEAR(tracker.state().position_m.x(), 60.0, 1e-6) << set;
+    EXPECT_EQ(tracker.state().position_m.y(), 0.0) << set;
+  }
+}
+
+TEST(ReferenceTracker, NeverExceedsALimitWhateverTheGoal) {
+  for (const char* set : {"slow", "medium", "fast", "agile"}) {
+    const MotionLimits l = limits_named(set);
+    for (std::uint32_t trial = 0; trial < 6; ++trial) {
+      const Random random(trial, "test.tracker", set);
+      ReferenceTracker tracker(l);
+      tracker.reset(at(0, 0, 0));
+      Usage usage;
+      Reference goal;
+      for (std::uint32_t i = 0; i < 12000; ++i) {
+        // Goals that jump, and jump often in some trials, with velocities and accelerations that are not feasible.
+        if (random.uniform(i, 0) < (trial % 2 == 0 ? 0.005 : 0.3)) {
+          for (int k = 0; k < 3; ++k) {
+            goal.position_m[k] = random.uniform(-20, 20, i, 1 + k);
+            goal.velocity_mps[k] = trial < 3 ? 0.0 : random.uniform(-12, 12, i, 4 + k);
+            goal.acceleration_mps2[k] = trial < 4 ? 0.0 : random.uniform(-9, 9, i, 7 + k);
+          }
+          goal.yaw_rad = random.uniform(-10, 10, i, 10);
+          goal.yaw_rate_radps = trial < 3 ? 0.0 : random.uniform(-5, 5, i, 11);
+        }
+        const double speed_limit = random.uniform(i / 500, 12) < 0.3 ? 0.7 : 1e9;
+        const Reference before = tracker.state();
+        usage.add(before, tracker.step(goal, kDt, speed_limit), l, kDt);
+      }
+      usage.expect_within(1e-6);
+      if (trial != 0) continue;
+      EXPECT_GT(usage.v_xy, 0.95) << "the test must reach the limits to say something";
+      EXPECT_GT(usage.a_xy, 0.99);
+    }
+  }
+}
+
+TEST(ReferenceTracker, KeepsSpeedAndAccelerationLimitsWhenTheStepVaries) {
+  const MotionLimits l = limits_named("medium");
+  const Random random(3, "test.tracker.dt");
+  ReferenceTracker tracker(l);
+  tracker.reset(at(0, 0, 0));
+  Reference goal;
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    if (i % 200 == 0)
+      goal = at(random.uniform(-20, 20, i, 0), random.uniform(-20, 20, i, 1), random.uniform(-9, 9, i, 2));
+    const double dt = i % 97 == 0 ? 0.7 : random.uniform(0.0005, 0.012, i, 3);
+    const Reference& r = tracker.step(goal, dt);
+    ASSERT_LE(r.velocity_mps.head<2>().norm(), l.horizontal_speed_mps + 2e-3);
+    ASSERT_LE(std::abs(r.velocity_mps.z()), l.vertical_speed_mps + 2e-3);
+    ASSERT_LE(r.acceleration_mps2.head<2>().norm(), l.horizontal_acceleration_mps2 * (1 + 1e-9));
+  }
+}
+
+/// A horizontal circle with bobbing height; within the "medium" limits.
+Reference moving(double t) {
+  const double w = 0.6, r = 3.0, wz = 0.8;
+  Reference m;
+  m.position_m = {r * std::cos(w * t), r * std::sin(w * t), 0.5 * std::sin(wz * t)};
+  m.velocity_mps = {-r * w * std::sin(w * t), r * w * std::cos(w * t), 0.5 * wz * std::cos(wz * t)};
+  m.acceleration_mps2 = {-r * w * w * std::cos(w * t), -r * w * w * std::sin(w * t), -0.5 * wz * wz * std::sin(wz * t)};
+  m.yaw_rad = std::remainder(w * t, 2.0 * std::numbers::pi);
+  m.yaw_rate_radps = w;
+  return m;
+}
+
+TEST(ReferenceTracker, FollowsAFeasibleTrajectoryWithoutLagOnceItHasCaughtUp) {
+  ReferenceTracker tracker(limits_named("medium"));
+  tracker.reset(at(-4, 3, 1));
+  Usage usage;
+  for (int i = 1; i < 5000; ++i) {
+    const Reference before = tracker.state();
+    const Reference& r = tracker.step(moving(i * kDt), kDt);
+    usage.add(before, r, tracker.limits(), kDt);
+    if (i * kDt < 10.0) continue;
+    const Reference m = moving(i * kDt);
+    ASSERT_EQ(r.position_m, m.position_m) << "at " << i * kDt;
+    ASSERT_EQ(r.velocity_mps, m.velocity_mps);
+    ASSERT_EQ(r.acceleration_mps2, m.acceleration_mps2);
+    ASSERT_NEAR(std::remainder(r.yaw_rad - m.yaw_rad, 2 * std::numbers::pi), 0.0, 1e-12);
+  }
+  usage.expect_within(1e-6);
+}
+
+TEST(ReferenceTracker, TurnsTheShortWayRound) {
+  ReferenceTracker tracker(limits_named("medium"));
+  Reference start = at(0, 0, 0);
+  start.yaw_rad = 3.0;
+  tracker.reset(start);
+  Reference goal = at(0, 0, 0);
+  goal.yaw_rad = -3.0;  // 0.283 rad across the cut
+  double turned = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    const double before = tracker.state().yaw_rad;
+    turned += std::remainder(tracker.step(goal, kDt).yaw_rad - before, 2 * std::numbers::pi);
+  }
+  EXPECT_NEAR(turned, 2 * std::numbers::pi - 6.0, 1e-6);
+}
+
+TEST(ReferenceTracker, RotatingTheGoalRotatesThePath) {
+  const double c = std::cos(0.7), s = std::sin(0.7);
+  ReferenceTracker straight(limits_named("fast")), rotated(limits_named("fast"));
+  straight.reset(at(0, 0, 0));
+  rotated.reset(at(0, 0, 0));
+  for (int i = 0; i < 3000; ++i) {
+    const Reference a = straight.step(i < 1200 ? at(10, 2, 1) : at(-5, 7, 1), kDt);
+    const Reference b =
+        rotated.step(i < 1200 ? at(10 * c - 2 * s, 10 * s + 2 * c, 1) : at(-5 * c - 7 * s, -5 * s + 7 * c, 1), kDt);
+    ASSERT_NEAR(b.position_m.x(), c * a.position_m.x() - s * a.position_m.y(), 1e-6);
+    ASSERT_NEAR(b.position_m.y(), s * a.position_m.x() + c * a.position_m.y(), 1e-6);
+    ASSERT_NEAR(b.position_m.z(), a.position_m.z(), 1e-9);
+  }
+}
+
+TEST(ReferenceTracker, SlowsDownToAWishedSpeed) {
+  ReferenceTracker tracker(limits_named("medium"));
+  tracker.reset(at(0, 0, 0));
+  for (int i = 0; i < 1500; ++i) tracker.step(at(100, 0, 0), kDt);
+  EXPECT_NEAR(tracker.state().velocity_mps.x(), 4.0, 0.01);
+  for (int i = 0; i < 1000; ++i) tracker.step(at(100, 0, 0), kDt, 1.5);
+  EXPECT_NEAR(tracker.state().velocity_mps.x(), 1.5, 0.01);
+}
+
+TEST(ReferenceTracker, PassesOverGoalsThatAreNotNumbers) {
+  ReferenceTracker tracker(limits_named("medium"));
+  tracker.reset(at(1, 2, 3));
+  Reference broken = at(std::nan(""), 0, 0);
+  for (int i = 0; i < 100; ++i) tracker.step(broken, kDt);
+  EXPECT_EQ(tracker.state().position_m, Vector3(1, 2, 3));
+  tracker.reset(broken);
+  tracker.step(at(1, 2, 3), std::nan(""));
+  tracker.step(at(1, 2, 3), 0.0);
+  EXPECT_EQ(tracker.state().position_m, Vector3(1, 2, 3));
+}
+
+TEST(MotionLimits, MediumIsTable21OfTheThesisAndNumbersReplaceTheSet) {
+  const MotionLimits medium = limits_named("medium");
+  EXPECT_EQ(medium.horizontal_speed_mps, 4.0);
+  EXPECT_EQ(medium.horizontal_acceleration_mps2, 2.0);
+  EXPECT_EQ(medium.vertical_speed_mps, 2.0);
+  EXPECT_EQ(medium.vertical_acceleration_mps2, 1.0);
+  MotionLimitsConfig config;
+  config.horizontal_speed_mps = 3.0;
+  EXPECT_EQ(config.resolve().horizontal_speed_mps, 3.0);
+  EXPECT_EQ(config.resolve().vertical_speed_mps, 2.0);
+  config.set = "warp";
+  EXPECT_THROW(config.resolve(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace swiftlet
