@@ -46,6 +46,8 @@ Wake make_wake(const Airframe& airframe, const Vector3& p_world_m, const Matrix3
   wake.axis_world = -R_world_body.col(2);
   wake.induced_mps = area_m2 > 0.0 ? std::sqrt(std::max(thrust_N, 0.0) / (2.0 * air_density_kgpm3 * area_m2)) : 0.0;
   wake.disc_radius_m = std::sqrt(area_m2 / std::numbers::pi);
+  const double footprint_m = kFootprintWidths * wake.width_m(Wake::kReach_m);
+  wake.footprint_sq_m2 = footprint_m * footprint_m;
   return wake;
 }
 

@@ -15,8 +15,8 @@ namespace swiftlet::sim {
 /// @param height_m  of the rotor's hub above the surface; anything below counts as touching
 double ground_effect_gain(double height_m, double propeller_radius_m, double coefficient);
 inline constexpr double kGroundEffectGainMax = 4.0 / 15.0;
-/// Height in propeller radii above which the effect is left out (gain below 0.2 % at the default coefficient).
-inline constexpr double kGroundEffectReachRadii = 20.0;
+/// Height in propeller radii above which the effect is left out (gain 0.3 % at the default coefficient).
+inline constexpr double kGroundEffectReachRadii = 15.0;
 
 /// Air speed in the wake of a multirotor, all its rotors taken as one disc of the same area A.
 ///
@@ -31,9 +31,16 @@ struct Wake {
   Vector3 axis_world = -Vector3::UnitZ();  ///< where the air goes
   double induced_mps = 0.0;                ///< v_i
   double disc_radius_m = 0.0;              ///< of the equivalent disc
+  double footprint_sq_m2 = 0.0;            ///< squared radius of the footprint at the end of its reach
 
   /// Velocity of the air at a point [m/s]; zero beside and above the rotors, and farther than kReach_m below.
   Vector3 velocity_world_mps(const Vector3& p_world_m) const;
+  /// False where velocity_world_mps() is zero for sure; cheap, for asking about every pair of vehicles.
+  bool may_reach(const Vector3& p_world_m) const {
+    const Vector3 offset = p_world_m - origin_world_m;
+    const double z_m = offset.dot(axis_world);
+    return z_m > 0.0 && z_m <= kReach_m && offset.squaredNorm() - z_m * z_m <= footprint_sq_m2;
+  }
   /// Speed on the axis at a distance z >= 0 below the disc [m/s], and width of the Gaussian there [m].
   double axis_speed_mps(double z_m) const;
   double width_m(double z_m) const;

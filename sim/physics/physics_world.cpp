@@ -15,9 +15,10 @@ namespace {
 
 using RotorCommands = std::span<const std::array<double, kMaxRotors>>;
 
-constexpr TimeNs kPlanSpan = 10'000'000;      // who can touch what is decided for at most this long
-constexpr double kContactMargin_m = 0.03;     // more than the distance from which contacts are prepared
-constexpr double kSurfaceSlack_m = 2.0;       // distances are asked this much farther than needed, to be asked rarely
+constexpr TimeNs kPlanSpan = 8'000'000;    // who can touch what is decided for at most this long
+constexpr TimeNs kAirSpan = 8'000'000;     // wakes and ground effect are looked up this often: both change more slowly
+constexpr double kContactMargin_m = 0.03;  // more than the distance from which contacts are prepared
+constexpr double kSurfaceSlack_m = 2.0;    // distances are asked this much farther than needed, to be asked rarely
 constexpr double kPerRotorGroundRadii = 6.0;  // below this height every rotor has its own ray to the ground
 constexpr double kTurningRotor_radps = 10.0;
 // A vehicle that stands still for a while is frozen until the forces on it change.
@@ -79,6 +80,7 @@ struct PhysicsWorld::Impl {
   std::shared_ptr<const StaticScene> scene;
   TimeNs step = 0;
   TimeNs now = 0;
+  TimeNs next_air = 0;
   std::vector<Vehicle> vehicles;
   std::vector<VehicleState> states;
   Contacts contacts;
@@ -86,6 +88,9 @@ struct PhysicsWorld::Impl {
 
   // Scratch, kept to keep its memory.
   std::vector<Vector3> positions;
+  std::vector<double> circumscribed_m;  // of the vehicles, close together in memory
+  std::vector<Vector3> pairs_from;      // where the vehicles were when all pairs were asked last,
+  double least_gap_m = 0.0;             // and the least gap then
   std::vector<Wake> wakes;
   std::vector<VehicleId> near_vehicles;
   std::vector<Contacts::Pair> near_pairs;
@@ -107,6 +112,7 @@ struct PhysicsWorld::Impl {
     const std::size_t count = vehicles.size();
     crashes.reserve(count);
     positions.resize(count);
+    pairs_from.resize(count, Vector3::Zero());
     wakes.resize(count);
     near_vehicles.reserve(count);
     near_pairs.reserve(16 * count);
@@ -138,6 +144,7 @@ struct PhysicsWorld::Impl {
     entry.contact_reach_m = contacts.reach_m(id) + kContactMargin_m;
     // Twice what rotors and gravity can do leaves room for drag in any wind that a vehicle survives.
     entry.acceleration_bound_mps2 = 2.0 * (airframe.max_thrust_N() / airframe.mass_kg + config.gravity_mps2.norm());
+    circumscribed_m.push_back(entry.circumscribed_m);
     vehicles.push_back(std::move(entry));
     states.push_back(state);
   }
@@ -150,7 +157,9 @@ struct PhysicsWorld::Impl {
 
   void plan(double span_s) {
     note_positions();
-    if (config.downwash) blow_wakes();
+    const bool look_up_air = now >= next_air;
+    if (look_up_air) next_air = now + kAirSpan;
+    if (look_up_air && config.downwash && vehicles.size() > 1) blow_wakes();
     for (std::size_t i = 0; i < vehicles.size(); ++i) {
       Vehicle& vehicle = vehicles[i];
       vehicle.travel_m =
@@ -158,9 +167,8 @@ struct PhysicsWorld::Impl {
       vehicle.near_world = config.contacts && scene && may_meet_surface(vehicle, states[i].p_world_m);
       vehicle.near = vehicle.near_world;
       if (vehicle.near_world && !vehicle.asleep) gather_triangles(static_cast<VehicleId>(i));
-      if (config.ground_effect && scene) feel_ground(vehicle, states[i]);
+      if (look_up_air && config.ground_effect && scene) feel_ground(vehicle, states[i]);
     }
-    near_pairs.clear();
     if (config.contacts) find_near_pairs();
     near_vehicles.clear();
     for (std::size_t i = 0; i < vehicles.size(); ++i) {
@@ -191,7 +199,7 @@ struct PhysicsWorld::Impl {
     contacts.gather_triangles(id, *scene, {positions[id] - half, positions[id] + half});
   }
 
-  /// Wakes of all vehicles at all others, as they are at the beginning of the plan: a wake takes longer to change.
+  /// Wakes of all vehicles at all others.
   void blow_wakes() {
     for (std::size_t i = 0; i < vehicles.size(); ++i) {
       const MultirotorModel& model = vehicles[i].model;
@@ -201,7 +209,7 @@ struct PhysicsWorld::Impl {
     for (std::size_t i = 0; i < vehicles.size(); ++i) {
       Vector3 sum = Vector3::Zero();
       for (std::size_t source = 0; source < wakes.size(); ++source) {
-        if (source != i) sum += wakes[source].velocity_world_mps(positions[i]);
+        if (source != i && wakes[source].may_reach(positions[i])) sum += wakes[source].velocity_world_mps(positions[i]);
       }
       vehicles[i].air.downwash_world_mps = sum;
     }
@@ -231,13 +239,25 @@ struct PhysicsWorld::Impl {
     }
   }
 
+  /// Pairs that may meet before the plan ends. The least gap between any two bounds from below how long nothing can
+  /// happen, so that a fleet that keeps its distance rarely asks about all of its pairs.
   void find_near_pairs() {
+    near_pairs.clear();
+    double way_m = 0.0;
+    for (std::size_t i = 0; i < vehicles.size(); ++i) {
+      way_m = std::max(way_m, (positions[i] - pairs_from[i]).norm() + vehicles[i].travel_m);
+    }
+    if (2.0 * way_m < least_gap_m) return;
+
+    least_gap_m = std::numeric_limits<double>::infinity();
+    pairs_from = positions;
     const VehicleId count = static_cast<VehicleId>(vehicles.size());
     for (VehicleId a = 0; a < count; ++a) {
-      const double reach_a = vehicles[a].contact_reach_m + vehicles[a].travel_m;
       for (VehicleId b = a + 1; b < count; ++b) {
-        const double reach_m = reach_a + vehicles[b].contact_reach_m + vehicles[b].travel_m;
-        if ((positions[a] - positions[b]).squaredNorm() > reach_m * reach_m) continue;
+        const double gap_m =
+            (positions[a] - positions[b]).norm() - vehicles[a].contact_reach_m - vehicles[b].contact_reach_m;
+        least_gap_m = std::min(least_gap_m, gap_m);
+        if (gap_m > vehicles[a].travel_m + vehicles[b].travel_m) continue;
         near_pairs.push_back({a, b});
         for (const VehicleId id : {a, b}) {
           vehicles[id].near = true;
@@ -427,13 +447,15 @@ struct PhysicsWorld::Impl {
         clearance.surface_m = std::min(vehicle.surface.distance_m - vehicle.circumscribed_m, max_distance_m);
     }
 
+    // Squares first: most others are farther than the nearest so far.
     clearance.vehicle_m = std::numeric_limits<double>::infinity();
     for (std::size_t other = 0; other < vehicles.size(); ++other) {
       if (static_cast<VehicleId>(other) == id) continue;
-      const double distance_m =
-          (positions[other] - p).norm() - vehicle.circumscribed_m - vehicles[other].circumscribed_m;
-      if (distance_m >= clearance.vehicle_m) continue;
-      clearance.vehicle_m = distance_m;
+      const double radii_m = vehicle.circumscribed_m + circumscribed_m[other];
+      const double distance_sq = (positions[other] - p).squaredNorm();
+      const double limit_m = std::max(clearance.vehicle_m + radii_m, 0.0);
+      if (distance_sq >= limit_m * limit_m) continue;
+      clearance.vehicle_m = std::sqrt(distance_sq) - radii_m;
       clearance.nearest_vehicle = static_cast<VehicleId>(other);
     }
     return clearance;

@@ -3,12 +3,15 @@
 // "items" are vehicle-steps; "real_time" is simulated over wall time.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <stdexcept>
 
+#include "core/math/random.hpp"
 #include "sim/physics/physics_world.hpp"
-#include "tests/support/test_scene.hpp"
+#include "sim/world/world.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -25,27 +28,35 @@ Airframe quad() {
   return airframe;
 }
 
-/// Ground and trunks on a 4 m grid, each a prism of 2 x 32 triangles: about 25 000 triangles.
-std::shared_ptr<const StaticScene> trunks() {
-  TestScene builder;
-  builder.add_wall({-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}, SurfaceClass::kGround);
-  for (int i = -10; i < 10; ++i) {
-    for (int j = -10; j < 10; ++j) {
-      for (int k = 0; k < 32; ++k) {
-        const auto corner = [&](int n, float z) {
-          const double angle = 2 * std::numbers::pi * n / 32;
-          return Eigen::Vector3f(static_cast<float>(4 * i + 2 + 0.15 * std::cos(angle)),
-                                 static_cast<float>(4 * j + 2 + 0.15 * std::sin(angle)), z);
-        };
-        builder.add_wall(corner(k, 0), corner(k + 1, 0), corner(k + 1, 10), corner(k, 10), SurfaceClass::kTrunk);
-      }
-    }
+/// The forest of the quickstart, made once.
+const std::shared_ptr<const StaticScene>& forest() {
+  static const auto scene = std::make_shared<const StaticScene>(make_world(Module(world_module_types(), "forest"), 1));
+  return scene;
+}
+
+double ground_m(double x, double y) {
+  // Crowns hide the ground from above; the lowest hit of a ray from below is the ground itself.
+  return forest()->trace({x, y, -50.0}, Vector3::UnitZ(), 200.0).range_m - 50.0;
+}
+
+/// Places at a height over the ground with that much room around them, by rejection.
+std::vector<Vector3> places(int count, double height_m, double room_m) {
+  const Random random(5, "bench.places");
+  std::vector<Vector3> found;
+  for (std::uint32_t n = 0; static_cast<int>(found.size()) < count && n < 100000; ++n) {
+    const double x = random.uniform(-25, 25, n, 0);
+    const double y = random.uniform(-25, 25, n, 1);
+    const Vector3 place(x, y, ground_m(x, y) + height_m);
+    const bool apart =
+        std::all_of(found.begin(), found.end(), [&](const Vector3& p) { return (p - place).norm() > 2.0; });
+    if (apart && !forest()->nearest(place, room_m)) found.push_back(place);
   }
-  return std::make_shared<StaticScene>(builder.scene());
+  if (static_cast<int>(found.size()) < count) throw std::runtime_error("bench: not enough room in the forest");
+  return found;
 }
 
 struct Fleet {
-  Fleet(std::vector<Vector3> places, bool flying, const PhysicsConfig& config, const WindConfig& wind = {}) {
+  Fleet(const std::vector<Vector3>& places, bool flying, const PhysicsConfig& config, const WindConfig& wind = {}) {
     std::vector<PhysicsVehicle> vehicles;
     const Airframe airframe = quad();
     for (const Vector3& place : places) {
@@ -58,7 +69,7 @@ struct Fleet {
                          (airframe.rotor_speed_max_radps - airframe.rotor_speed_min_radps);
     for (auto& command : commands) command.fill(flying ? hover : -1.0);
     history = StateHistory(static_cast<int>(vehicles.size()), 256);
-    world = std::make_unique<PhysicsWorld>(config, wind, std::move(vehicles), trunks(), 1);
+    world = std::make_unique<PhysicsWorld>(config, wind, std::move(vehicles), forest(), 1);
   }
 
   void run(benchmark::State& state, double step_s, bool with_clearance) {
@@ -81,51 +92,42 @@ struct Fleet {
   std::unique_ptr<PhysicsWorld> world;
 };
 
-std::vector<Vector3> grid(int count, double spacing_m, double height_m) {
-  std::vector<Vector3> places;
-  const int side = static_cast<int>(std::ceil(std::sqrt(count)));
-  for (int i = 0; i < count; ++i) {
-    places.emplace_back(spacing_m * (i % side) - 20.0, spacing_m * (i / side) - 20.0, height_m);
-  }
-  return places;
+PhysicsConfig without_lift() {
+  PhysicsConfig config;
+  config.ground_effect_coefficient = 1e-9;  // the work of the ground effect without its lift, to stay in place
+  return config;
 }
 
-void clear(benchmark::State& state) { Fleet({{0, 0, 20}}, true, {}).run(state, 0.001, false); }
-void clear_with_clearance(benchmark::State& state) { Fleet({{0, 0, 5}}, true, {}).run(state, 0.001, true); }
-void clear_in_gusts(benchmark::State& state) {
+void above_the_forest(benchmark::State& state) { Fleet({{0, 0, 80}}, true, {}).run(state, 0.001, false); }
+void among_the_trunks(benchmark::State& state) {
+  Fleet(places(1, 3.0, 1.2), true, without_lift()).run(state, 0.001, false);
+}
+void among_the_trunks_with_clearance(benchmark::State& state) {
+  Fleet(places(1, 3.0, 1.2), true, without_lift()).run(state, 0.001, true);
+}
+void in_gusts(benchmark::State& state) {
   WindConfig wind;
   wind.gusts = true;
   wind.wind_at_6m_mps = 0.1;
-  Fleet({{0, 0, 20}}, true, {}, wind).run(state, 0.001, false);
+  Fleet({{0, 0, 80}}, true, {}, wind).run(state, 0.001, false);
 }
-/// Hovering half a metre over the ground: ground effect by a ray for each rotor.
-void low(benchmark::State& state) {
-  PhysicsConfig config;
-  config.ground_effect_coefficient = 1e-9;  // the work without the lift, to stay there
-  Fleet({{0, 0, 0.75}}, true, config).run(state, 0.001, true);
-}
-/// Almost touching: narrow phase in every step.
-void skimming(benchmark::State& state) {
-  PhysicsConfig config;
-  config.ground_effect_coefficient = 1e-9;
-  Fleet({{0, 0, 0.23}}, true, config).run(state, 0.001, true);
-}
-void at_rest(benchmark::State& state) { Fleet({{0, 0, 0.2}}, false, {}).run(state, 0.001, true); }
-void hundred_at_1khz(benchmark::State& state) { Fleet(grid(100, 4.0, 6.0), true, {}).run(state, 0.001, true); }
-void hundred_at_250hz(benchmark::State& state) {
-  PhysicsConfig config;
-  config.step_s = 0.004;
-  Fleet(grid(100, 4.0, 6.0), true, config).run(state, 0.004, true);
+/// Closer to the ground than the circumscribed sphere allows: narrow phase in every step.
+void skimming(benchmark::State& state) { Fleet(places(1, 0.3, 0.29), true, without_lift()).run(state, 0.001, false); }
+void at_rest(benchmark::State& state) { Fleet(places(1, 0.3, 0.29), false, {}).run(state, 0.001, false); }
+/// Arguments: physics step [us], clearance measured every tick or not.
+void hundred_in_the_forest(benchmark::State& state) {
+  PhysicsConfig config = without_lift();
+  config.step_s = 1e-6 * static_cast<double>(state.range(0));
+  Fleet(places(100, 3.0, 0.8), true, config).run(state, config.step_s, state.range(1) != 0);
 }
 
-BENCHMARK(clear);
-BENCHMARK(clear_with_clearance);
-BENCHMARK(clear_in_gusts);
-BENCHMARK(low);
+BENCHMARK(above_the_forest);
+BENCHMARK(among_the_trunks);
+BENCHMARK(among_the_trunks_with_clearance);
+BENCHMARK(in_gusts);
 BENCHMARK(skimming);
 BENCHMARK(at_rest);
-BENCHMARK(hundred_at_1khz);
-BENCHMARK(hundred_at_250hz);
+BENCHMARK(hundred_in_the_forest)->ArgNames({"step_us", "clearance"})->ArgsProduct({{1000, 4000}, {0, 1}});
 
 }  // namespace
 }  // namespace swiftlet::sim
