@@ -75,7 +75,7 @@ void FieldConfig::visit(ConfigVisitor& v) {
   v.field("num_bushes", num_bushes, "[-] bushes, as far as they find room", Range::between(0, 60000));
   v.field("clear_radius_m", clear_radius_m, "[m] nothing grows this near to the origin", Range::non_negative());
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default", Range::between(0.05, 20.0));
-  keep_clear.visit(v);
+  v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
 }
 
 Scene make_field(const FieldConfig& config, std::uint64_t seed) {

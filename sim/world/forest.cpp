@@ -227,7 +227,7 @@ void ForestConfig::visit(ConfigVisitor& v) {
   v.field("rocks_per_ha", rocks_per_ha, "[1/ha]", Range::non_negative());
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default; the leaf area stays",
           Range::between(0.05, 20.0));
-  keep_clear.visit(v);
+  v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
   v.check(pine_share + spruce_share + broadleaf_share > 0.0, "pine_share", "at least one share above 0");
 }
 

@@ -81,7 +81,7 @@ void ForestThesisConfig::visit(ConfigVisitor& v) {
       "spread", spread, {"uniform", "normal"},
       "[-] the spreads are half-widths of uniform, or standard deviations of normal distributions cut at two of them");
   v.field("ground_margin_m", ground_margin_m, "[m] ground around the area", Range::non_negative());
-  keep_clear.visit(v);
+  v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
   const double widest = spread == "normal" ? 2.0 : 1.0;
   v.check(area_max_m.x() > area_min_m.x() && area_max_m.y() > area_min_m.y(), "area_max_m", "more than area_min_m");
   v.check(trunk_radius_m > widest * trunk_radius_spread_m, "trunk_radius_spread_m",

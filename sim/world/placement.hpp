@@ -25,7 +25,8 @@ struct ClearingConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Zones without stems, undergrowth, branches and crowns from the ground up to clear_height_m above the highest ground.
+/// The `keep_clear` object of the forests: zones without stems, undergrowth, branches and crowns from the ground up to
+/// clear_height_m above the highest ground.
 struct KeepClearConfig {
   std::vector<TrailConfig> trails;
   std::vector<ClearingConfig> clearings;

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "sim/world/dice.hpp"
+#include "sim/world/hall.hpp"
+#include "sim/world/two_rooms_gap.hpp"
+#include "sim/world/warehouse.hpp"
+#include "tests/sim/world/config_support.hpp"
+#include "tests/sim/world/world_support.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using Eigen::Vector3d;
+using test::objects_of;
+
+// Free width at a point: ranges to both sides along a direction.
+double free_width_m(const Scene& scene, const Vector3d& point, const Vector3d& direction) {
+  const auto ahead = test::trace(scene, point, direction);
+  const auto behind = test::trace(scene, point, -direction);
+  return ahead && behind ? ahead->range_m + behind->range_m : std::numeric_limits<double>::infinity();
+}
+
+// No triangle's corner or edge middle lies in the box.
+void expect_empty(const Scene& scene, const Vector3d& low, const Vector3d& high) {
+  const Eigen::AlignedBox3d box(low, high);
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const auto& triangle : mesh.triangles) {
+      Eigen::AlignedBox3d own;
+      for (const std::uint32_t corner : triangle)
+        own.extend((instance.T_world_mesh * mesh.vertices_m[corner]).cast<double>());
+      ASSERT_TRUE(box.intersection(own).isEmpty()) << name_of(mesh.surface_class) << " " << instance.instance;
+    }
+  }
+}
+
+TEST(Warehouse, DoorOpensAsWideAndHighAsSet) {
+  for (const double width_m : {1.2, 1.1, 1.0, 0.9}) {
+    WarehouseConfig config;
+    config.door_width_m = width_m;
+    config.door_offset_m = 1.5;
+    const Scene scene = make_warehouse(config, 1);
+    const Vector3d in_door(0.5 * config.size_m.x() + 0.5 * config.wall_thickness_m, 1.5, 1.2);
+    EXPECT_NEAR(free_width_m(scene, in_door, Vector3d::UnitY()), width_m, 1e-4);
+    EXPECT_NEAR(free_width_m(scene, in_door, Vector3d::UnitZ()), config.door_height_m, 1e-4);
+    EXPECT_FALSE(test::trace(scene, in_door, Vector3d::UnitX()));  // out of the building
+    ASSERT_EQ(objects_of(scene, SurfaceClass::kDoor).size(), 1U);
+    EXPECT_EQ(test::attribute(objects_of(scene, SurfaceClass::kDoor)[0], "width_m"), width_m);
+  }
+}
+
+TEST(Warehouse, GateIsClosedBesideTheDoor) {
+  const Scene scene = make_warehouse({}, 1);
+  const auto hit = test::trace(scene, {18.0, 1.2, 1.5}, Vector3d::UnitX());
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->surface_class, SurfaceClass::kDoor);
+}
+
+TEST(Warehouse, AislesAreFreeForEverySeed) {
+  WarehouseConfig config;
+  config.fill = 1.0;
+  ASSERT_EQ(config.num_double_rows(), 4);
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Scene scene = make_warehouse(config, seed);
+    for (int aisle = 0; aisle <= config.num_double_rows(); ++aisle) {
+      const double y = config.aisle_center_y_m(aisle);
+      expect_empty(scene, {-19.5, y - 1.4, 0.1}, {19.5, y + 1.4, 8.4});
+    }
+    for (const double side : {-1.0, 1.0}) {  // cross aisles, outside the pillars
+      const double near = side * (0.5 * config.num_bays() * config.bay_width_m + 0.8);
+      const double far = side * 19.5;
+      expect_empty(scene, {std::min(near, far), -12.8, 0.1}, {std::max(near, far), 12.8, 8.4});
+    }
+  }
+}
+
+TEST(Warehouse, FillSetsTheNumberOfPallets) {
+  WarehouseConfig config;
+  const double places = 2.0 * config.num_double_rows() * config.num_bays() * config.levels * 2.0;
+  config.fill = 1.0;
+  EXPECT_EQ(objects_of(make_warehouse(config, 1), SurfaceClass::kPallet).size(), places);
+  config.fill = 0.0;
+  EXPECT_EQ(objects_of(make_warehouse(config, 1), SurfaceClass::kPallet).size(), 0U);
+  config.fill = 0.7;
+  const auto some = objects_of(make_warehouse(config, 1), SurfaceClass::kPallet).size();
+  EXPECT_NEAR(some, 0.7 * places, 5 * std::sqrt(0.21 * places));
+}
+
+TEST(Warehouse, TapeIsRetroreflectiveAndCanBeLeftOut) {
+  WarehouseConfig config;
+  const auto num_retro = [](const Scene& scene) {
+    std::size_t triangles = 0;
+    for (const Instance& instance : scene.instances) {
+      const Mesh& mesh = scene.meshes[instance.mesh];
+      EXPECT_EQ(scene.materials[mesh.material].retroreflective, mesh.surface_class == SurfaceClass::kMarking);
+      if (scene.materials[mesh.material].retroreflective) triangles += mesh.triangles.size();
+    }
+    return triangles;
+  };
+  EXPECT_GT(num_retro(make_warehouse(config, 1)), 100U);
+  config.tape = false;
+  EXPECT_EQ(num_retro(make_warehouse(config, 1)), 0U);
+}
+
+TEST(Warehouse, ADoorWiderThanItsGateIsRejected) {
+  WarehouseConfig config;
+  config.door_width_m = 5.0;
+  EXPECT_THAT(test::problems_of(config), testing::ElementsAre(testing::HasSubstr("door_width_m")));
+}
+
+TEST(TwoRoomsGap, WidthFollowsEquationOneUnlessItIsSet) {
+  TwoRoomsGapConfig config;
+  EXPECT_DOUBLE_EQ(config.gap_width(), 2 * 0.8 + 1.5 * 0.1);
+  config.safe_distance_m = 0.5;
+  EXPECT_DOUBLE_EQ(config.gap_width(), 1.15);
+  config.gap_width_m = 0.93;
+  EXPECT_DOUBLE_EQ(config.gap_width(), 0.93);
+}
+
+TEST(TwoRoomsGap, GapIsAsWideAsSetAtAnyRotationAgainstTheGrid) {
+  for (const double yaw_deg : {0.0, 17.0, 45.0, 90.0, 123.4, -71.0}) {
+    TwoRoomsGapConfig config;
+    config.yaw_deg = yaw_deg;
+    config.position_m = {3.0, -7.0};
+    config.gap_offset_m = 1.2;
+    config.gap_height_m = 2.5;
+    const Scene scene = make_two_rooms_gap(config, 1);
+    const double yaw_rad = yaw_deg * std::numbers::pi / 180.0;
+    const Vector3d through(std::cos(yaw_rad), std::sin(yaw_rad), 0);
+    const Vector3d across(-through.y(), through.x(), 0);
+    const Vector3d in_gap(3.0, -7.0, 1.0);
+    EXPECT_NEAR(free_width_m(scene, in_gap, across), 1.75, 1e-4);
+    EXPECT_NEAR(free_width_m(scene, in_gap, Vector3d::UnitZ()), 2.5, 1e-4);
+    // Both rooms have their length, and their width is shifted by the offset.
+    EXPECT_NEAR(free_width_m(scene, in_gap, through), 2 * config.room_size_m.x() + config.wall_thickness_m, 1e-4);
+    const auto left = test::trace(scene, in_gap + 2.0 * through, across);
+    const auto right = test::trace(scene, in_gap + 2.0 * through, -across);
+    ASSERT_TRUE(left && right);
+    EXPECT_NEAR(left->range_m, 5.0 + 1.2, 1e-4);
+    EXPECT_NEAR(right->range_m, 5.0 - 1.2, 1e-4);
+  }
+}
+
+TEST(TwoRoomsGap, RoomsAreClosedAllAround) {
+  TwoRoomsGapConfig config;
+  config.yaw_deg = 33.0;
+  const Scene scene = make_two_rooms_gap(config, 1);
+  Random random(1, "test");
+  Dice dice(random, 0);
+  for (int i = 0; i < 3000; ++i) {
+    const auto hit =
+        test::trace(scene, {3.0 * std::cos(0.5), 3.0 * std::sin(0.5), 2.0}, dice.direction().cast<double>());
+    ASSERT_TRUE(hit);
+    ASSERT_LT(hit->range_m, 20.0);
+  }
+}
+
+TEST(TwoRoomsGap, RandomYawComesFromTheSeed) {
+  TwoRoomsGapConfig config;
+  config.random_yaw = true;
+  const double a = make_two_rooms_gap(config, 1).objects[0].yaw_rad;
+  EXPECT_EQ(a, make_two_rooms_gap(config, 1).objects[0].yaw_rad);
+  EXPECT_NE(a, make_two_rooms_gap(config, 2).objects[0].yaw_rad);
+}
+
+TEST(Hall, WallHidesWhatIsBehindIt) {
+  const HallConfig config;
+  const Scene scene = make_hall(config, 1);
+  const auto sees = [&](const Vector3d& a, const Vector3d& b) {
+    const auto hit = test::trace(scene, a, (b - a).normalized());
+    return !hit || hit->range_m > (b - a).norm();
+  };
+  const Vector3d observer(-6.0, 0.0, 2.0);
+  EXPECT_FALSE(sees(observer, {4.0, 0.0, 2.0}));
+  EXPECT_TRUE(sees(observer, {-1.0, 0.0, 2.0}));
+  EXPECT_TRUE(sees(observer, {4.0, 4.0, 2.0}));
+}
+
+TEST(Hall, DistancesStayWithinSixteenMetresForVehiclesOffTheWalls) {
+  const HallConfig config;
+  EXPECT_LE((config.size_m - Vector3d::Constant(2.0)).norm(), 16.0);
+}
+
+TEST(Hall, CratesStayInTheirZoneForEverySeed) {
+  HallConfig config;
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    const Scene scene = make_hall(config, seed);
+    EXPECT_EQ(objects_of(scene, SurfaceClass::kObject).size(), 8U);
+    for (const Instance& instance : scene.instances) {
+      const Mesh& mesh = scene.meshes[instance.mesh];
+      if (mesh.surface_class != SurfaceClass::kObject) continue;
+      Eigen::AlignedBox3d box;
+      for (const Eigen::Vector3f& vertex : mesh.vertices_m) box.extend(vertex.cast<double>());
+      const double from_wall_x = std::min(box.min().x() + 7.5, 7.5 - box.max().x());
+      const double from_wall_y = std::min(box.min().y() + 5.0, 5.0 - box.max().y());
+      EXPECT_NEAR(std::min(from_wall_x, from_wall_y), 0.0, 1e-4);
+      const bool is_in_zone = box.max().x() <= -6.5 + 1e-4 || box.min().x() >= 6.5 - 1e-4 ||
+                              box.max().y() <= -4.0 + 1e-4 || box.min().y() >= 4.0 - 1e-4;
+      EXPECT_TRUE(is_in_zone);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

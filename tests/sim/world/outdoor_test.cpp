@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "sim/world/campus.hpp"
+#include "sim/world/empty.hpp"
+#include "sim/world/field.hpp"
+#include "tests/sim/world/world_support.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using test::objects_of;
+
+// Calls check(point, class) for every corner of every triangle.
+template <class Check>
+void for_each_corner(const Scene& scene, const Check& check) {
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const Eigen::Vector3f& vertex : mesh.vertices_m)
+      check((instance.T_world_mesh * vertex).cast<double>().eval(), mesh.surface_class);
+  }
+}
+
+TEST(Empty, IsNothingOrAFlatGround) {
+  EXPECT_EQ(make_empty({}, 1).num_triangles(), 0U);
+  EmptyConfig config;
+  config.ground = true;
+  const Scene scene = make_empty(config, 1);
+  const auto hit = test::trace(scene, {3, 4, 10}, -Vector3d::UnitZ());
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->range_m, 10.0, 1e-9);
+  EXPECT_EQ(hit->surface_class, SurfaceClass::kGround);
+}
+
+TEST(Field, NothingGrowsNearTheOrigin) {
+  FieldConfig config;
+  config.num_bushes = 200;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Scene scene = make_field(config, seed);
+    EXPECT_EQ(objects_of(scene, SurfaceClass::kTrunk).size(), 12U);
+    for_each_corner(scene, [&](const Vector3d& point, SurfaceClass surface_class) {
+      if (surface_class == SurfaceClass::kGround) return;
+      ASSERT_GE(point.head<2>().norm(), config.clear_radius_m - 1e-3);
+    });
+  }
+}
+
+TEST(Field, TreesStandOnTheHills) {
+  FieldConfig config;
+  config.relief.amplitude_m = 3.0;
+  const Scene scene = make_field(config, 2);
+  const Relief relief(config.relief, 2);
+  for (const WorldObject& tree : objects_of(scene, SurfaceClass::kTrunk)) {
+    EXPECT_NEAR(tree.position_m.z(), relief.height_m(tree.position_m.x(), tree.position_m.y()), 1e-9);
+  }
+}
+
+TEST(Campus, RingAroundTheBuildingIsFreeForEverySeed) {
+  const CampusConfig config;
+  const Vector2d half = 0.5 * config.building_size_m;
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const Scene scene = make_campus(config, seed);
+    EXPECT_GE(objects_of(scene, SurfaceClass::kTrunk).size(), 15U);
+    for_each_corner(scene, [&](const Vector3d& point, SurfaceClass surface_class) {
+      const double from_walls_m = (point.head<2>().cwiseAbs() - half).cwiseMax(0.0).norm();
+      // Eaves, gutters and steps belong to the building and end within 1.2 m.
+      if (from_walls_m < 1.2 || surface_class == SurfaceClass::kGround) return;
+      if (from_walls_m >= config.free_ring_m - 1e-3) return;
+      ASSERT_LE(point.z(), config.kerb_height_m + 1e-6) << name_of(surface_class);
+    });
+  }
+}
+
+TEST(Campus, BuildingHasItsOuterSize) {
+  const CampusConfig config;
+  const Scene scene = make_campus(config, 1);
+  // At a pier between the corner and the first window.
+  const auto west = test::trace(scene, {-30.0, -4.3, 1.5}, Vector3d::UnitX());
+  const auto east = test::trace(scene, {30.0, 4.3, 1.5}, -Vector3d::UnitX());
+  ASSERT_TRUE(west && east);
+  EXPECT_EQ(west->surface_class, SurfaceClass::kBuilding);
+  EXPECT_NEAR(60.0 - west->range_m - east->range_m, 14.0, 1e-4);
+  const auto ridge = test::trace(scene, {0.0, 0.001, 50.0}, -Vector3d::UnitZ());
+  ASSERT_TRUE(ridge);
+  EXPECT_NEAR(50.0 - ridge->range_m, config.wall_height_m + config.roof_height_m + 0.18, 0.01);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <set>
+
+#include "sim/world/forest.hpp"
+#include "sim/world/world.hpp"
+#include "tests/sim/world/config_support.hpp"
+#include "tests/sim/world/world_support.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+bool needs_file(const WorldType& type) {
+  return std::string(type.module.name) == "mesh" || std::string(type.module.name) == "cloud";
+}
+
+TEST(Worlds, EveryGeneratorIsListedOnceWithAValidDefault) {
+  std::set<std::string> names;
+  for (const WorldType& type : world_types()) {
+    EXPECT_TRUE(names.insert(type.module.name).second) << type.module.name;
+    const auto config = type.module.make_config();
+    EXPECT_THAT(test::problems_of(*config), testing::IsEmpty()) << type.module.name;
+  }
+  EXPECT_THAT(names, testing::IsSupersetOf({"forest_thesis", "forest", "warehouse", "two_rooms_gap", "hall", "campus",
+                                            "field", "empty", "mesh", "cloud"}));
+  EXPECT_EQ(world_module_types().size(), world_types().size());
+}
+
+TEST(Worlds, SameSeedGivesTheSameBytes) {
+  for (const WorldType& type : world_types()) {
+    if (needs_file(type)) continue;
+    const Module module(world_module_types(), type.module.name);
+    EXPECT_EQ(test::hash_of(make_world(module, 3)), test::hash_of(make_world(module, 3))) << type.module.name;
+  }
+}
+
+TEST(Worlds, AnotherSeedGivesAnotherWorldWhereChanceIsAtWork) {
+  for (const char* name : {"forest_thesis", "forest", "warehouse", "hall", "campus", "field"}) {
+    const Module module(world_module_types(), name);
+    EXPECT_NE(test::hash_of(make_world(module, 3)), test::hash_of(make_world(module, 4))) << name;
+  }
+}
+
+TEST(Worlds, ScenesAreSoundWhateverTheSeed) {
+  for (const WorldType& type : world_types()) {
+    if (needs_file(type)) continue;
+    const Module module(world_module_types(), type.module.name);
+    for (const std::uint64_t seed : {1, 2}) {
+      const Scene scene = make_world(module, seed);
+      for (const Mesh& mesh : scene.meshes) {
+        EXPECT_LT(mesh.material, scene.materials.size());
+        for (const Eigen::Vector3f& vertex : mesh.vertices_m) ASSERT_TRUE(vertex.allFinite()) << type.module.name;
+        for (const auto& triangle : mesh.triangles) {
+          for (const std::uint32_t corner : triangle) ASSERT_LT(corner, mesh.vertices_m.size());
+        }
+      }
+      for (const Instance& instance : scene.instances) {
+        ASSERT_LT(instance.mesh, scene.meshes.size());
+        for (const Eigen::Vector3f& vertex : scene.meshes[instance.mesh].vertices_m) {
+          ASSERT_LE(scene.bounds_m.exteriorDistance((instance.T_world_mesh * vertex).cast<double>()), 1e-4);
+        }
+      }
+      for (const Material& material : scene.materials) {
+        EXPECT_TRUE(material.reflectivity > 0.0F && material.reflectivity <= 1.0F) << material.name;
+      }
+      // Class and instance tell objects apart, and objects of one kind have the same attributes.
+      std::set<std::pair<SurfaceClass, std::uint16_t>> labels;
+      std::map<std::string, std::vector<std::string>> keys;
+      for (const WorldObject& object : scene.objects) {
+        EXPECT_TRUE(labels.insert({object.surface_class, object.instance}).second)
+            << type.module.name << " " << object.kind;
+        std::vector<std::string> own;
+        for (const auto& [key, value] : object.attributes) own.push_back(key);
+        EXPECT_EQ(keys.try_emplace(object.kind, own).first->second, own);
+      }
+    }
+  }
+}
+
+TEST(Worlds, AnUnknownTypeIsAnError) {
+  Module module(world_module_types(), "field");
+  module.type = "feild";
+  EXPECT_THROW(make_world(module, 1), std::invalid_argument);
+}
+
+TEST(Worlds, AMillionTrianglesAreMadeInUnderASecond) {
+  ForestConfig config;
+  config.detail = 1.8;
+  const auto start = std::chrono::steady_clock::now();
+  const Scene scene = make_forest(config, 1);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_GT(scene.num_triangles(), 1000000U);
+  EXPECT_LT(seconds, 1.0);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
