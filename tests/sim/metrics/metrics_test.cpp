@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/metrics/metrics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr TimeNs kTick = 10'000'000;
+
+/// Feeds metrics with ticks whose states and actions a test sets.
+struct TestRun {
+  explicit TestRun(int num_vehicles, MetricsConfig config = {})
+      : states(num_vehicles),
+        actions(num_vehicles),
+        clearances(num_vehicles),
+        observations(num_vehicles),
+        scans(num_vehicles),
+        metrics(config, names(num_vehicles)) {
+    for (Clearance& clearance : clearances) {
+      clearance.surface_m = 5.0;
+      clearance.vehicle_m = std::numeric_limits<double>::infinity();
+    }
+  }
+  static std::vector<std::string> names(int n) {
+    std::vector<std::string> names;
+    for (int i = 0; i < n; ++i) names.push_back("uav" + std::to_string(i + 1));
+    return names;
+  }
+
+  double next_s() const { return to_seconds(now + kTick); }
+  void tick() {
+    now += kTick;
+    std::vector<const Action*> pointers;
+    for (const Action& action : actions) pointers.push_back(&action);
+    for (VehicleState& state : states) state.t = now;
+    TickView view;
+    view.t = now;
+    view.states = states;
+    view.observations = observations;
+    view.actions = pointers;
+    view.scans = scans;
+    view.events = events;
+    metrics.update(view, clearances);
+    events.clear();
+  }
+  double value(const std::string& name, const std::string& vehicle = "uav1") const {
+    const MetricTable table = metrics.report();
+    const MetricRow* row = table.find(name, vehicle);
+    if (row == nullptr) throw std::out_of_range(name);
+    return row->value;
+  }
+  std::string text(const std::string& name, const std::string& vehicle = "uav1") const {
+    const MetricTable table = metrics.report();
+    const MetricRow* row = table.find(name, vehicle);
+    if (row == nullptr) throw std::out_of_range(name);
+    return row->text;
+  }
+
+  TimeNs now = 0;
+  std::vector<VehicleState> states;
+  std::vector<Action> actions;
+  std::vector<Clearance> clearances;
+  std::vector<Observation> observations;
+  std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
+  std::vector<Event> events;
+  Metrics metrics;
+};
+
+TEST(Metrics, MotionOnACircleIsMeasured) {
+  TestRun run(1);
+  const double radius = 5.0, rate = 0.8;
+  for (int i = 0; i < 1001; ++i) {
+    const double phase = rate * run.next_s();
+    run.states[0].p_world_m = {radius * std::cos(phase), radius * std::sin(phase), 3.0};
+    run.states[0].v_world_mps = radius * rate * Vector3(-std::sin(phase), std::cos(phase), 0.0);
+    run.tick();
+  }
+  EXPECT_NEAR(run.value("path_length_m"), radius * rate * 10.0, 1e-3);
+  EXPECT_NEAR(run.value("max_speed_mps"), radius * rate, 1e-12);
+  EXPECT_NEAR(run.value("mean_speed_mps"), radius * rate, 0.01);
+  EXPECT_NEAR(run.value("max_acceleration_mps2"), radius * rate * rate, 1e-4);
+  EXPECT_NEAR(run.value("flight_time_s"), 10.01, 1e-9);
+}
+
+TEST(Metrics, StandingOnTheGroundIsNoFlight) {
+  TestRun run(1);
+  run.clearances[0].surface_m = -0.2;
+  for (int i = 0; i < 100; ++i) run.tick();
+  EXPECT_EQ(run.value("flight_time_s"), 0.0);
+  EXPECT_TRUE(std::isnan(run.value("min_clearance_surface_m")));
+  run.clearances[0].surface_m = 1.5;
+  for (int i = 0; i < 100; ++i) run.tick();
+  EXPECT_NEAR(run.value("flight_time_s"), 1.0, 1e-9);
+  EXPECT_EQ(run.value("min_clearance_surface_m"), 1.5);
+}
+
+TEST(Metrics, EstimateErrorsAreMeasuredAgainstTheTruth) {
+  TestRun run(1);
+  for (int i = 0; i < 400; ++i) {
+    const double t = run.next_s();
+    run.states[0].p_world_m = {t, 2.0 * std::sin(t), 3.0};
+    run.states[0].q_world_body = Eigen::AngleAxisd(3.1, Vector3::UnitZ());
+    StateEstimate& estimate = run.actions[0].estimate;
+    estimate.valid = true;
+    const double error = i % 2 == 0 ? 0.3 : -0.1;
+    estimate.T_world_body = make_pose(run.states[0].p_world_m + Vector3(0.0, error, 0.0),
+                                      Eigen::Quaterniond(Eigen::AngleAxisd(-3.1, Vector3::UnitZ())));
+    run.tick();
+  }
+  EXPECT_NEAR(run.value("estimate_position_rmse_m"), std::sqrt(0.05), 1e-12);
+  EXPECT_NEAR(run.value("estimate_position_max_m"), 0.3, 1e-12);
+  EXPECT_NEAR(run.value("estimate_yaw_rmse_rad"), 2.0 * std::numbers::pi - 6.2, 1e-9) << "wrapped";
+  // The mean error of 0.1 m is a shift of the frame, which the alignment removes.
+  EXPECT_NEAR(run.value("ate_position_rmse_m"), 0.2, 1e-4);
+}
+
+TEST(Metrics, AlignmentRemovesShiftAndHeadingOfALocalFrameButNoTilt) {
+  const Pose T_local_world = make_pose({7.0, -3.0, 1.0}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3::UnitZ())));
+  const Pose tilted = make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Vector3::UnitX())));
+  TestRun run(2);
+  for (int i = 0; i < 2000; ++i) {
+    const double t = run.next_s();
+    for (int v = 0; v < 2; ++v) {
+      run.states[v].p_world_m = {100.0 + 5.0 * std::cos(t), 5.0 * std::sin(t), 3.0};
+      run.actions[v].estimate.valid = true;
+      run.actions[v].estimate.T_world_body = (v == 0 ? T_local_world : tilted) * run.states[v].T_world_body();
+    }
+    run.tick();
+  }
+  EXPECT_GT(run.value("estimate_position_rmse_m"), 100.0);
+  EXPECT_NEAR(run.value("ate_position_rmse_m"), 0.0, 1e-5);
+  EXPECT_GT(run.value("ate_position_rmse_m", "uav2"), 0.3);
+}
+
+TEST(Metrics, WithoutAnEstimateNothingIsMeasured) {
+  TestRun run(1);
+  run.tick();
+  for (const char* name : {"estimate_position_rmse_m", "ate_position_rmse_m", "tracking_error_rms_m"}) {
+    EXPECT_TRUE(std::isnan(run.value(name))) << name;
+  }
+}
+
+TEST(Metrics, TrackingIsJudgedByTruthAndControlByTheEstimate) {
+  TestRun run(1);
+  run.actions[0].estimate.valid = true;
+  run.actions[0].estimate.T_world_body.translation() = Vector3(1.0, 0.0, 0.1);
+  run.actions[0].reference.position_m = {1.0, 0.0, 0.0};
+  run.states[0].p_world_m = {1.0, 0.4, 0.3};
+  run.tick();
+  EXPECT_NEAR(run.value("tracking_error_rms_m"), 0.5, 1e-12);
+  EXPECT_NEAR(run.value("control_error_rms_m"), 0.1, 1e-12);
+  run.states[0].p_world_m = {1.0, 0.0, 0.0};
+  run.tick();
+  EXPECT_NEAR(run.value("tracking_error_rms_m"), std::sqrt(0.125), 1e-12);
+  EXPECT_NEAR(run.value("tracking_error_max_m"), 0.5, 1e-12);
+}
+
+TEST(Metrics, LeastDistancesComeWithTimeAndPartner) {
+  TestRun run(3);
+  // uav1 passes uav3 at 2 m in y when it is at x = 5, that is after 5 s.
+  run.states[1].p_world_m = {0.0, -30.0, 5.0};
+  run.states[2].p_world_m = {5.0, 2.0, 5.0};
+  for (int i = 0; i < 1000; ++i) {
+    run.states[0].p_world_m = {run.next_s(), 0.0, 5.0};
+    run.clearances[0].surface_m = 1.0 + std::abs(run.next_s() - 3.0);
+    run.clearances[0].vehicle_m = (run.states[0].p_world_m - run.states[2].p_world_m).norm() - 0.8;
+    run.clearances[0].nearest_vehicle = 2;
+    run.tick();
+  }
+  EXPECT_NEAR(run.value("min_clearance_surface_m"), 1.0, 1e-12);
+  EXPECT_NEAR(run.value("min_clearance_surface_time_s"), 3.0, 1e-12);
+  EXPECT_NEAR(run.value("min_clearance_vehicle_m"), 1.2, 1e-12);
+  EXPECT_NEAR(run.value("min_clearance_vehicle_time_s"), 5.0, 1e-12);
+  EXPECT_EQ(run.text("min_clearance_vehicle_partner"), "uav3");
+  EXPECT_NEAR(run.value("min_separation_m", ""), 2.0, 1e-12);
+  EXPECT_NEAR(run.value("min_separation_time_s", ""), 5.0, 1e-12);
+  EXPECT_EQ(run.text("min_separation_pair", ""), "uav1 uav3");
+  EXPECT_NEAR(run.value("min_separation_m", "uav2"), 30.0, 1e-3);
+  EXPECT_EQ(run.text("min_separation_partner", "uav2"), "uav1");
+}
+
+TEST(Metrics, ALoneVehicleHasNoSeparation) {
+  TestRun run(1);
+  run.tick();
+  EXPECT_TRUE(std::isnan(run.value("min_separation_m", "")));
+  EXPECT_TRUE(std::isnan(run.value("min_clearance_vehicle_m")));
+  EXPECT_EQ(run.text("min_clearance_vehicle_partner"), "none");
+}
+
+TEST(Metrics, TheOutcomeIsThatOfTheWorstVehicle) {
+  TestRun run(4);
+  run.tick();
+  EXPECT_EQ(run.metrics.outcome(), "timeout");
+  for (Action& action : run.actions) action.mission = MissionStatus::kDone;
+  run.tick();
+  EXPECT_EQ(run.metrics.outcome(), "done");
+  EXPECT_NEAR(run.value("time_to_done_s"), 0.02, 1e-12);
+  run.actions[1].mission = MissionStatus::kRunning;
+  run.tick();
+  EXPECT_EQ(run.metrics.outcome(), "timeout");
+  run.actions[2].mission = MissionStatus::kFailed;
+  run.tick();
+  EXPECT_EQ(run.metrics.outcome(), "failed");
+  run.states[3].crashed = true;
+  run.events.push_back({run.now + 3'000'000, "crash", 3, "trunk 17", Vector3::Zero(), ""});
+  run.tick();
+  EXPECT_EQ(run.metrics.outcome(), "crashed");
+  EXPECT_EQ(run.text("outcome", "uav1"), "done");
+  EXPECT_EQ(run.text("outcome", "uav2"), "timeout");
+  EXPECT_EQ(run.text("outcome", "uav3"), "failed");
+  EXPECT_EQ(run.text("outcome", "uav4"), "crashed");
+  EXPECT_EQ(run.text("crash_partner", "uav4"), "trunk 17");
+  EXPECT_NEAR(run.value("crash_time_s", "uav4"), 0.043, 1e-12);
+}
+
+TEST(Metrics, AWreckIsMeasuredNoMore) {
+  TestRun run(2);
+  run.states[1].p_world_m.x() = 10.0;
+  run.tick();
+  run.clearances[0].surface_m = -0.1;
+  run.states[0].crashed = true;
+  run.tick();
+  EXPECT_EQ(run.value("min_clearance_surface_m"), -0.1) << "the tick of the crash counts";
+  run.clearances[0].surface_m = -0.4;
+  run.states[0].p_world_m.x() = 8.0;
+  run.tick();
+  EXPECT_EQ(run.value("min_clearance_surface_m"), -0.1);
+  EXPECT_EQ(run.value("min_separation_m", "uav1"), 10.0);
+  EXPECT_EQ(run.value("min_separation_m", "uav2"), 2.0) << "others still keep their distance to it";
+}
+
+TEST(Metrics, TheTableHasTheSameRowsForEveryVehicle) {
+  TestRun run(3);
+  run.tick();
+  std::vector<std::string> first, third;
+  for (const MetricRow& row : run.metrics.rows()) {
+    if (row.vehicle == "uav1") first.push_back(row.name);
+    if (row.vehicle == "uav3") third.push_back(row.name);
+  }
+  EXPECT_GT(first.size(), 20U);
+  EXPECT_EQ(first, third);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
