@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/guidance/agile.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/guidance/heading.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kTargetReached_m = 4.0;
+constexpr double kPassingShare = 0.5;      // of the greatest speed, at a target
+constexpr double kSlowestToSee_mps = 0.5;  // slower than this, the velocity does not tell a heading
+
+bool is_inside(const Vector3& p, const Vector3& min, const Vector3& max) {
+  return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();
+}
+
+/// The step that is closest to a length of at most `longest`, and `longest_z` along the vertical.
+Vector3 cut_to(Vector3 v, double longest, double longest_z) {
+  v.z() = std::clamp(v.z(), -longest_z, longest_z);
+  const double length = v.norm();
+  return length > longest ? Vector3(v * (longest / length)) : v;
+}
+
+class Agile : public Guidance {
+ public:
+  Agile(const AgileConfig& config, const GuidanceSetup& setup)
+      : config_(config),
+        spline_(config, setup.agent.T_world_body_start.translation(), setup.limits.vertical_speed_mps,
+                setup.limits.vertical_acceleration_mps2),
+        heading_rate_max_radps_(setup.limits.heading_rate_radps) {
+    yaw_rad_ = config.yaw == "fixed" ? config.yaw_deg * kPi / 180.0 : yaw_of(setup.agent.T_world_body_start.linear());
+  }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+    spline_.advance(input.dt_s);
+    output.goal = spline_.reference();
+    if (config_.yaw == "along_path") face_along(output.goal);
+    output.goal.yaw_rad = yaw_rad_;
+  }
+
+ private:
+  void face_along(Reference& goal) {
+    const Vector3& v = goal.velocity_mps;
+    const Vector3& a = goal.acceleration_mps2;
+    const double speed_sq = v.head<2>().squaredNorm();
+    if (speed_sq < kSlowestToSee_mps * kSlowestToSee_mps) return;
+    yaw_rad_ = heading_along(v, 0.0, yaw_rad_);
+    goal.yaw_rate_radps =
+        std::clamp((v.x() * a.y() - v.y() * a.x()) / speed_sq, -heading_rate_max_radps_, heading_rate_max_radps_);
+  }
+
+  AgileConfig config_;
+  AgileSpline spline_;
+  double heading_rate_max_radps_;
+  double yaw_rad_ = 0.0;
+};
+
+}  // namespace
+
+AgileSpline::AgileSpline(const AgileConfig& config, const Vector3& start_m, double vertical_speed_mps,
+                         double vertical_acceleration_mps2)
+    : config_(config),
+      random_(config.seed, "guidance.agile"),
+      step_max_m_(config.speed_max_mps * config.knot_s),
+      step_max_z_m_(std::min(config.speed_max_mps, vertical_speed_mps) * config.knot_s),
+      change_max_m_(config.acceleration_max_mps2 * config.knot_s * config.knot_s),
+      change_max_z_m_(std::min(config.acceleration_max_mps2, vertical_acceleration_mps2) * config.knot_s *
+                      config.knot_s),
+      box_min_m_(config.area_min_m.cwiseMin(start_m)),
+      box_max_m_(config.area_max_m.cwiseMax(start_m)) {
+  control_m_.fill(start_m);
+  pick_target(start_m);
+}
+
+void AgileSpline::advance(double dt_s) {
+  u_ += dt_s / config_.knot_s;
+  while (u_ >= 1.0) {
+    u_ -= 1.0;
+    add_control_point();
+  }
+}
+
+Reference AgileSpline::reference() const {
+  // Uniform quartic B-spline basis on its five control points; derivatives from their differences.
+  const double u = u_, u2 = u * u, u3 = u2 * u, u4 = u2 * u2, w = 1.0 - u;
+  const auto& c = control_m_;
+  Reference r;
+  r.position_m = (w * w * w * w * c[0] + (11.0 - 12.0 * u - 6.0 * u2 + 12.0 * u3 - 4.0 * u4) * c[1] +
+                  (11.0 + 12.0 * u - 6.0 * u2 - 12.0 * u3 + 6.0 * u4) * c[2] +
+                  (1.0 + 4.0 * u + 6.0 * u2 + 4.0 * u3 - 4.0 * u4) * c[3] + u4 * c[4]) /
+                 24.0;
+  r.velocity_mps = (w * w * w * (c[1] - c[0]) + (4.0 - 6.0 * u2 + 3.0 * u3) * (c[2] - c[1]) +
+                    (1.0 + 3.0 * u + 3.0 * u2 - 3.0 * u3) * (c[3] - c[2]) + u3 * (c[4] - c[3])) /
+                   (6.0 * config_.knot_s);
+  r.acceleration_mps2 = (w * w * (c[2] - 2.0 * c[1] + c[0]) + (1.0 + 2.0 * u - 2.0 * u2) * (c[3] - 2.0 * c[2] + c[1]) +
+                         u2 * (c[4] - 2.0 * c[3] + c[2])) /
+                        (2.0 * config_.knot_s * config_.knot_s);
+  return r;
+}
+
+Vector3 AgileSpline::jerk_mps3() const {
+  const auto& c = control_m_;
+  const Vector3 third_0 = c[3] - 3.0 * c[2] + 3.0 * c[1] - c[0];
+  const Vector3 third_1 = c[4] - 3.0 * c[3] + 3.0 * c[2] - c[1];
+  return ((1.0 - u_) * third_0 + u_ * third_1) / (config_.knot_s * config_.knot_s * config_.knot_s);
+}
+
+void AgileSpline::add_control_point() {
+  const Vector3 point = control_m_[4];
+  const Vector3 step = control_m_[4] - control_m_[3];
+  if ((point - target_m_).norm() < kTargetReached_m) pick_target(point);
+
+  // As near to the wanted step as leaves room to stop inside the box; full braking always does.
+  const Vector3 wanted = step + cut_to(wanted_step(point) - step, change_max_m_, change_max_z_m_);
+  const Vector3 braked = brake(step);
+  double good = 0.0, bad = 1.0;
+  const auto blend = [&](double share) { return Vector3(braked + share * (wanted - braked)); };
+  if (can_stop_inside(point + wanted, wanted)) good = 1.0;
+  for (int i = 0; i < 16 && good < 1.0; ++i) {
+    const double middle = 0.5 * (good + bad);
+    (can_stop_inside(point + blend(middle), blend(middle)) ? good : bad) = middle;
+  }
+  std::rotate(control_m_.begin(), control_m_.begin() + 1, control_m_.end());
+  control_m_[4] = point + blend(good);
+}
+
+/// A point of the area at least leg_min_m away; the last draw when the area is too small for that.
+void AgileSpline::pick_target(const Vector3& from_m) {
+  for (int attempt = 0; attempt < 32; ++attempt) {
+    const std::uint32_t n = num_targets_++;
+    for (int i = 0; i < 3; ++i) {
+      target_m_[i] = random_.uniform(config_.area_min_m[i], config_.area_max_m[i], n, static_cast<std::uint32_t>(i));
+    }
+    if ((target_m_ - from_m).norm() >= config_.leg_min_m) return;
+  }
+}
+
+Vector3 AgileSpline::wanted_step(const Vector3& point) const {
+  const Vector3 to_target = target_m_ - point;
+  const double distance = to_target.norm();
+  if (distance < 1e-9) return Vector3::Zero();
+  const double passing = kPassingShare * step_max_m_;
+  const double length = std::min(step_max_m_, std::sqrt(passing * passing + 1.6 * change_max_m_ * distance));
+  return cut_step(to_target * (length / distance));
+}
+
+Vector3 AgileSpline::cut_step(const Vector3& step) const { return cut_to(step, step_max_m_, step_max_z_m_); }
+
+/// How much shorter a step can get within one knot, keeping its direction.
+double AgileSpline::braking_per_knot(const Vector3& step) const {
+  const double length = step.norm();
+  const double z_share = length > 0.0 ? std::abs(step.z()) / length : 0.0;
+  return z_share * change_max_m_ > change_max_z_m_ ? change_max_z_m_ / z_share : change_max_m_;
+}
+
+Vector3 AgileSpline::brake(const Vector3& step) const {
+  const double length = step.norm();
+  const double braking = braking_per_knot(step);
+  return length <= braking ? Vector3::Zero() : Vector3(step * ((length - braking) / length));
+}
+
+bool AgileSpline::can_stop_inside(const Vector3& point, const Vector3& step) const {
+  const double length = step.norm();
+  const double braking = braking_per_knot(step);
+  const double n = std::floor(length / braking);
+  const double way = n * length - 0.5 * braking * n * (n + 1.0);  // (length - b) + (length - 2 b) + ...
+  const Vector3 stop = length > 0.0 ? Vector3(point + step * (way / length)) : point;
+  return is_inside(point, box_min_m_, box_max_m_) && is_inside(stop, box_min_m_, box_max_m_);
+}
+
+void AgileConfig::visit(ConfigVisitor& v) {
+  v.field("seed", seed, "[-] another number, another trajectory");
+  v.field("speed_max_mps", speed_max_mps, "[m/s] never exceeded", Range::positive());
+  v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] never exceeded", Range::positive());
+  v.field("area_min_m", area_min_m, "[m] least corner of the box that holds the trajectory (and the start)");
+  v.field("area_max_m", area_max_m, "[m] greatest corner");
+  v.field("leg_min_m", leg_min_m, "[m] from one target to the next", Range::non_negative());
+  v.field("knot_s", knot_s, "[s] between the spline's knots; jerk is at most twice the acceleration over this",
+          Range{0.05, 10.0, false, false});
+  v.choice("yaw", yaw, {"along_path", "fixed"}, "[-] heading: along the velocity, or yaw_deg");
+  v.field("yaw_deg", yaw_deg, "[deg] heading when fixed");
+  v.check((area_max_m.array() > area_min_m.array()).all(), "area_max_m", "more than area_min_m in each direction");
+}
+
+std::unique_ptr<Guidance> make_agile(const ModuleConfig& config_in, const GuidanceSetup& setup) {
+  const auto& config = dynamic_cast<const AgileConfig&>(config_in);
+  const auto require = [](double value, double limit, const char* key) {
+    if (value <= limit) return;
+    throw std::invalid_argument("guidance agile: " + std::string(key) + ": expected at most " + std::to_string(limit) +
+                                " (control.limits), found " + std::to_string(value));
+  };
+  require(config.speed_max_mps, setup.limits.horizontal_speed_mps, "speed_max_mps");
+  require(config.acceleration_max_mps2, setup.limits.horizontal_acceleration_mps2, "acceleration_max_mps2");
+  return std::make_unique<Agile>(config, setup);
+}
+
+}  // namespace swiftlet

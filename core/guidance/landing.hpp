@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/action.hpp"
+
+namespace swiftlet {
+
+/// Straight down at constant speed until the ground holds the vehicle up: the goal gets ahead of the vehicle, which
+/// does not move any more. Needs no height above ground.
+class Landing {
+ public:
+  explicit Landing(double speed_mps) : speed_mps_(speed_mps) {}
+
+  void start(const Vector3& position_m, double yaw_rad);
+  bool started() const { return started_; }
+  /// Writes the goal for this tick; true once on the ground.
+  bool step(const StateEstimate& estimate, double dt_s, Reference& goal);
+
+ private:
+  double speed_mps_;
+  bool started_ = false;
+  Reference goal_;
+  double still_s_ = 0.0;  ///< for how long the ground has held it up
+};
+
+}  // namespace swiftlet

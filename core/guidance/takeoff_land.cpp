@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/guidance/takeoff_land.hpp"
+
+#include "core/guidance/landing.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kArrived_m = 0.2;
+
+class TakeoffLand : public Guidance {
+ public:
+  TakeoffLand(const TakeoffLandConfig& config, const GuidanceSetup& setup)
+      : config_(config), landing_(config.landing_speed_mps) {
+    top_.position_m = setup.agent.T_world_body_start.translation() + config.altitude_m * Vector3::UnitZ();
+    top_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
+  }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+    if (landed_) return;
+    output.goal = top_;
+    output.speed_limit_mps = config_.climb_speed_mps;
+    output.note = "climbing";
+    if ((input.estimate.T_world_body.translation() - top_.position_m).norm() < kArrived_m) arrived_ = true;
+    if (!arrived_) return;
+    output.note = "hovering";
+    hovered_s_ += input.dt_s;
+    if (hovered_s_ < config_.hover_s) return;
+    land(input, output);
+  }
+
+ private:
+  void land(const GuidanceInput& input, GuidanceOutput& output) {
+    output.note = "landing";
+    if (!landing_.started()) landing_.start(top_.position_m, top_.yaw_rad);
+    landed_ = landing_.step(input.estimate, input.dt_s, output.goal);
+    if (!landed_) return;
+    output.motors_on = false;
+    output.mission = MissionStatus::kDone;
+    output.note = "landed";
+  }
+
+  TakeoffLandConfig config_;
+  Reference top_;
+  Landing landing_;
+  bool arrived_ = false, landed_ = false;
+  double hovered_s_ = 0.0;
+};
+
+}  // namespace
+
+void TakeoffLandConfig::visit(ConfigVisitor& v) {
+  v.field("altitude_m", altitude_m, "[m] to climb above the start", Range::positive());
+  v.field("hover_s", hover_s, "[s] up there", Range::non_negative());
+  v.field("climb_speed_mps", climb_speed_mps, "[m/s]", Range::positive());
+  v.field("landing_speed_mps", landing_speed_mps, "[m/s]", Range::positive());
+}
+
+std::unique_ptr<Guidance> make_takeoff_land(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<TakeoffLand>(dynamic_cast<const TakeoffLandConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

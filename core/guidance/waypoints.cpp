@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/guidance/waypoints.hpp"
+
+#include <numbers>
+
+#include "core/guidance/heading.hpp"
+#include "core/guidance/landing.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kShortestToSee_m = 0.3;  // nearer than this, a direction is noise
+
+class Waypoints : public Guidance {
+ public:
+  Waypoints(const WaypointsConfig& config, const GuidanceSetup& setup)
+      : config_(config), landing_(config.landing_speed_mps) {
+    const Pose& T_world_start = setup.agent.T_world_body_start;
+    const double start_yaw = yaw_of(T_world_start.linear());
+    leg_start_m_ = T_world_start.translation();
+    goal_.yaw_rad = config.yaw == "fixed" ? config.yaw_deg * std::numbers::pi / 180.0 : start_yaw;
+    // Waypoints of the start's frame turn with its heading only.
+    const Eigen::AngleAxisd turn(config.frame == "start" ? start_yaw : 0.0, Vector3::UnitZ());
+    for (Vector3& p : config_.waypoints_m) p = config.frame == "start" ? Vector3(leg_start_m_ + turn * p) : p;
+    goal_.position_m = config_.waypoints_m.empty() ? leg_start_m_ : config_.waypoints_m.front();
+  }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+    if (landed_) return;
+    output.speed_limit_mps = config_.speed_mps;
+    const Vector3 p_m = input.estimate.T_world_body.translation();
+    if (!finished_) advance(p_m, input.dt_s);
+    face(p_m);
+    output.goal = goal_;
+    if (finished_) finish(input, output);
+  }
+
+  void append_overlays(std::vector<Overlay>& overlays) const override {
+    Overlay overlay;
+    overlay.name = "waypoints";
+    overlay.kind = Overlay::Kind::kSpheres;
+    overlay.size_m = 0.15F;
+    for (const Vector3& p : config_.waypoints_m) overlay.positions.push_back(p.cast<float>());
+    overlay.colors = {{1.0F, 0.7F, 0.1F, 1.0F}};
+    overlays.push_back(std::move(overlay));
+  }
+
+ private:
+  void advance(const Vector3& p_m, double dt_s) {
+    if (next_ >= config_.waypoints_m.size()) {  // none given
+      finished_ = true;
+      return;
+    }
+    if ((p_m - goal_.position_m).norm() <= config_.arrival_radius_m) arrived_ = true;
+    if (!arrived_) return;
+    dwelled_s_ += dt_s;
+    if (dwelled_s_ < config_.dwell_s) return;
+    const bool last = next_ + 1 == config_.waypoints_m.size();
+    if (last && !config_.loop) {
+      finished_ = true;
+      return;
+    }
+    leg_start_m_ = goal_.position_m;
+    next_ = last ? 0 : next_ + 1;
+    goal_.position_m = config_.waypoints_m[next_];
+    arrived_ = false;
+    dwelled_s_ = 0.0;
+  }
+
+  void face(const Vector3& p_m) {
+    if (config_.yaw == "fixed" || arrived_) return;
+    const Vector3& from = config_.yaw == "along_path" ? leg_start_m_ : p_m;
+    goal_.yaw_rad = heading_along(goal_.position_m - from, kShortestToSee_m, goal_.yaw_rad);
+  }
+
+  void finish(const GuidanceInput& input, GuidanceOutput& output) {
+    if (!config_.land_at_end) {
+      output.mission = MissionStatus::kDone;
+      return;
+    }
+    if (!landing_.started()) landing_.start(goal_.position_m, goal_.yaw_rad);
+    landed_ = landing_.step(input.estimate, input.dt_s, output.goal);
+    output.note = "landing";
+    if (!landed_) return;
+    output.motors_on = false;
+    output.mission = MissionStatus::kDone;
+    output.note = "landed";
+  }
+
+  WaypointsConfig config_;
+  Landing landing_;
+  Reference goal_;
+  Vector3 leg_start_m_;
+  std::size_t next_ = 0;
+  bool arrived_ = false, finished_ = false, landed_ = false;
+  double dwelled_s_ = 0.0;
+};
+
+}  // namespace
+
+void WaypointsConfig::visit(ConfigVisitor& v) {
+  v.field("waypoints_m", waypoints_m, "[m] where to go, in order");
+  v.choice("frame", frame, {"world", "start"},
+           "[-] of the waypoints; start: origin and heading of the vehicle's start");
+  v.field("speed_mps", speed_mps, "[m/s] at most, horizontal and vertical each", Range::positive());
+  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, a waypoint is reached", Range::positive());
+  v.field("dwell_s", dwell_s, "[s] to stay at each waypoint", Range::non_negative());
+  v.field("loop", loop, "[-] go on with the first after the last");
+  v.field("land_at_end", land_at_end, "[-] land after the last and stop the motors");
+  v.field("landing_speed_mps", landing_speed_mps, "[m/s]", Range::positive());
+  v.choice("yaw", yaw, {"along_path", "at_next", "fixed"},
+           "[-] heading: along the leg, at the next waypoint as seen from the vehicle, or yaw_deg");
+  v.field("yaw_deg", yaw_deg, "[deg] heading when fixed");
+  v.check(!(loop && land_at_end), "land_at_end", "false together with loop, which has no end");
+}
+
+std::unique_ptr<Guidance> make_waypoints(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Waypoints>(dynamic_cast<const WaypointsConfig&>(config), setup);
+}
+
+}  // namespace swiftlet
