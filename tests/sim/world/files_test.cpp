@@ -1,0 +1,492 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Worlds out to files and back, and files that are not what they should be.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "sim/world/cloud.hpp"
+#include "sim/world/dice.hpp"
+#include "sim/world/export.hpp"
+#include "sim/world/forest_thesis.hpp"
+#include "sim/world/hall.hpp"
+#include "sim/world/mesh_builder.hpp"
+#include "sim/world/mesh_import.hpp"
+#include "sim/world/point_cloud_file.hpp"
+#include "sim/world/scene_builder.hpp"
+#include "tests/sim/world/world_support.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+using testing::HasSubstr;
+
+const fs::path kData = fs::path(SWIFTLET_SOURCE_DIR) / "tests/sim/world/data";
+
+class WorldFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              (std::string("swiftlet_world_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& content) {
+    std::ofstream(folder_ / name, std::ios::binary) << content;
+    return folder_ / name;
+  }
+  static std::string read(const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+  }
+
+  fs::path folder_;
+};
+
+Scene import_mesh(const fs::path& file) {
+  MeshImportConfig config;
+  config.file = file.string();
+  return make_mesh_import(config, 1);
+}
+
+// The text of the std::invalid_argument that a call must throw.
+template <class Call>
+std::string rejection(const Call& call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+ForestThesisConfig few_trees() {
+  ForestThesisConfig config;
+  config.num_trees = 7;
+  return config;
+}
+
+using Label = std::pair<SurfaceClass, std::uint16_t>;
+
+std::set<Label> labels_of(const Scene& scene) {
+  std::set<Label> labels;
+  for (const Instance& instance : scene.instances)
+    labels.insert({scene.meshes[instance.mesh].surface_class, instance.instance});
+  return labels;
+}
+
+TEST_F(WorldFiles, ExportedObjComesBackWithItsTrianglesAndLabels) {
+  const Scene scene = make_forest_thesis(few_trees(), 1);
+  const auto written = export_world(scene, folder_ / "forest.obj");
+  EXPECT_THAT(written,
+              testing::ElementsAre(folder_ / "forest.obj", folder_ / "forest.mtl", folder_ / "forest.objects.csv"));
+  const Scene back = import_mesh(folder_ / "forest.obj");
+  EXPECT_EQ(back.num_triangles(), scene.num_triangles());
+  EXPECT_TRUE(back.bounds_m.isApprox(scene.bounds_m, 1e-5));
+  std::set<Label> expected = labels_of(scene);
+  expected.erase({SurfaceClass::kGround, 0});
+  expected.insert({SurfaceClass::kGround, 1});  // what has no number gets the next one
+  EXPECT_EQ(labels_of(back), expected);
+}
+
+TEST_F(WorldFiles, ExportedPlyComesBackWithItsTriangles) {
+  const Scene scene = make_forest_thesis(few_trees(), 1);
+  export_world(scene, folder_ / "forest.ply");
+  const Scene back = import_mesh(folder_ / "forest.ply");
+  EXPECT_EQ(back.num_triangles(), scene.num_triangles());
+  EXPECT_TRUE(back.bounds_m.isApprox(scene.bounds_m, 1e-5));
+  const Vector3d eye(0, 0, 40);
+  for (int i = 0; i < 100; ++i) {
+    const Vector3d direction = Vector3d(0.5 * std::sin(i), 0.7 * std::cos(2.3 * i), -1).normalized();
+    const auto before = test::trace(scene, eye, direction);
+    const auto after = test::trace(back, eye, direction);
+    ASSERT_EQ(before.has_value(), after.has_value());
+    if (before) {
+      EXPECT_NEAR(before->range_m, after->range_m, 1e-4);
+    }
+  }
+}
+
+TEST_F(WorldFiles, PlyVerticesCarryTheTruth) {
+  const Scene scene = make_forest_thesis(few_trees(), 1);
+  export_world(scene, folder_ / "forest.ply");
+  const std::string content = read(folder_ / "forest.ply");
+  const std::size_t begin = content.find("end_header\n") + 11;
+  constexpr std::size_t kStride = 12 + 3 + 2 + 2 + 4 + 1;
+  std::size_t row = begin;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (std::size_t i = 0; i < mesh.vertices_m.size(); ++i, row += kStride) {
+      std::uint16_t label[2];
+      float reflectivity = 0;
+      std::memcpy(label, content.data() + row + 15, sizeof label);
+      std::memcpy(&reflectivity, content.data() + row + 19, sizeof reflectivity);
+      ASSERT_EQ(label[0], static_cast<std::uint16_t>(mesh.surface_class));
+      ASSERT_EQ(label[1], instance.instance);
+      ASSERT_EQ(reflectivity, scene.materials[mesh.material].reflectivity);
+    }
+  }
+  EXPECT_EQ(content.size() - row, 13 * scene.num_triangles());
+}
+
+TEST_F(WorldFiles, TableOfObjectsIsTheStemMap) {
+  const Scene scene = make_forest_thesis(few_trees(), 1);
+  export_world(scene, folder_ / "forest.ply");
+  std::istringstream table(read(folder_ / "forest.objects.csv"));
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line, "class,instance,kind,x_m,y_m,z_m,yaw_rad,dbh_m,height_m,crown_base_m,crown_radius_m");
+  int rows = 0;
+  for (; std::getline(table, line); ++rows) {
+    std::istringstream fields(line);
+    std::string name, kind, text;
+    std::getline(fields, name, ',');
+    std::getline(fields, text, ',');
+    std::getline(fields, kind, ',');
+    EXPECT_EQ(name, "trunk");
+    EXPECT_EQ(text, std::to_string(rows + 1));
+    std::vector<double> numbers;
+    while (std::getline(fields, text, ',')) numbers.push_back(std::stod(text));
+    const WorldObject& tree = scene.objects[rows];
+    EXPECT_THAT(numbers,
+                testing::ElementsAre(tree.position_m.x(), tree.position_m.y(), tree.position_m.z(), 0.0,
+                                     test::attribute(tree, "dbh_m"), test::attribute(tree, "height_m"),
+                                     test::attribute(tree, "crown_base_m"), test::attribute(tree, "crown_radius_m")));
+  }
+  EXPECT_EQ(rows, 7);
+}
+
+TEST_F(WorldFiles, ExportLeavesNothingHalfWritten) {
+  const Scene scene = make_hall({}, 1);
+  EXPECT_THROW(export_world(scene, folder_ / "hall.glb"), std::invalid_argument);
+  EXPECT_THROW(export_world(scene, folder_ / "missing" / "hall.ply"), std::runtime_error);
+  EXPECT_TRUE(fs::is_empty(folder_));
+  export_world(scene, folder_ / "hall.ply");
+  for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_NE(entry.path().extension(), ".partial");
+}
+
+TEST_F(WorldFiles, RulesGiveClassAndReflectivityByName) {
+  MeshImportConfig config;
+  config.file = write("two.obj",
+                      "o GateLeft\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\no Sign.001\nv 0 5 0\nv 1 5 0\nv 0 5 1\nf 4 5 "
+                      "6\no Rest\nv 0 9 0\nv 1 9 0\nv 0 9 1\nf 7 8 9\n")
+                    .string();
+  config.surfaces = {{"Gate", "door", 0.2, false}, {"Sign", "marking", 0.9, true}};
+  config.surface_class = "wall";
+  config.reflectivity = 0.6;
+  const Scene scene = make_mesh_import(config, 1);
+  ASSERT_EQ(scene.instances.size(), 3U);
+  const auto material_at = [&](double y) {
+    for (const Instance& instance : scene.instances) {
+      const Mesh& mesh = scene.meshes[instance.mesh];
+      if (std::abs(mesh.vertices_m[0].y() - y) < 0.1)
+        return std::tuple(mesh.surface_class, scene.materials[mesh.material].reflectivity,
+                          scene.materials[mesh.material].retroreflective);
+    }
+    return std::tuple(SurfaceClass::kUnlabeled, 0.0F, false);
+  };
+  EXPECT_EQ(material_at(0), std::tuple(SurfaceClass::kDoor, 0.2F, false));
+  EXPECT_EQ(material_at(5), std::tuple(SurfaceClass::kMarking, 0.9F, true));
+  EXPECT_EQ(material_at(9), std::tuple(SurfaceClass::kWall, 0.6F, false));
+}
+
+TEST_F(WorldFiles, UpAxisScaleYawAndPositionPlaceTheMesh) {
+  MeshImportConfig config;
+  // A pole of height 200 (cm) along the file's y axis, at x = 100.
+  config.file = write("pole.obj", "v 100 0 0\nv 100 200 0\nv 110 0 0\nf 1 2 3\n").string();
+  config.up_axis = "y";
+  config.scale = 0.01;
+  config.yaw_deg = 90.0;
+  config.position_m = {10, 20, 1};
+  const Scene scene = make_mesh_import(config, 1);
+  EXPECT_TRUE(scene.bounds_m.min().isApprox(Vector3d(10, 21, 1), 1e-5)) << scene.bounds_m.min().transpose();
+  EXPECT_TRUE(scene.bounds_m.max().isApprox(Vector3d(10, 21.1, 3), 1e-5)) << scene.bounds_m.max().transpose();
+}
+
+std::string binary_stl(const Mesh& mesh) {
+  std::string content(80, ' ');
+  const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
+  content.append(reinterpret_cast<const char*>(&count), 4);
+  for (const auto& triangle : mesh.triangles) {
+    content.append(12, '\0');
+    for (const std::uint32_t corner : triangle)
+      content.append(reinterpret_cast<const char*>(mesh.vertices_m[corner].data()), 12);
+    content.append(2, '\0');
+  }
+  return content;
+}
+
+TEST_F(WorldFiles, StlIsRead) {
+  Mesh ball;
+  add_icosphere(ball, {1, 2, 3}, 0.5F, 2);
+  const Scene scene = import_mesh(write("ball.stl", binary_stl(ball)));
+  EXPECT_EQ(scene.num_triangles(), 320U);
+  EXPECT_TRUE(scene.bounds_m.center().isApprox(Vector3d(1, 2, 3), 1e-4));
+}
+
+TEST_F(WorldFiles, MeshesThatAreNoneAreRejectedWithTheReason) {
+  EXPECT_THAT(rejection([&] { import_mesh(write("a.obj", "")); }), AllOf(HasSubstr("a.obj"), HasSubstr("empty")));
+  EXPECT_THAT(rejection([&] { import_mesh(write("b.obj", "this is no mesh\n")); }), HasSubstr("b.obj"));
+  EXPECT_THAT(rejection([&] { import_mesh(write("c.dae", "<xml/>")); }), HasSubstr(".obj, .ply or .stl"));
+  EXPECT_THAT(
+      rejection([&] {
+        import_mesh(write(
+            "d.ply",
+            "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nelement face 1\nend_header\n1\n"));
+      }),
+      HasSubstr("truncated"));
+  EXPECT_THAT(
+      rejection([&] { import_mesh(write("e.stl", std::string(80, ' ') + std::string("\xff\xff\xff\x7f", 4))); }),
+      HasSubstr("truncated"));
+  EXPECT_THAT(rejection([&] {
+                import_mesh(write("f.ply",
+                                  "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
+                                  "y\nproperty float z\nend_header\n0 0 0\n"));
+              }),
+              HasSubstr("face"));
+  EXPECT_THAT(rejection([&] { import_mesh({}); }), HasSubstr("expected the name"));
+  EXPECT_THROW(import_mesh(folder_ / "missing.obj"), std::runtime_error);
+  EXPECT_THROW(import_mesh(write("g.obj", "v 0 0 0\nv nan 0 0\nv 0 inf 1\nf 1 2 3\n")), std::invalid_argument);
+}
+
+// A file that ends anywhere is read as far as it makes sense or rejected; never anything else.
+TEST_F(WorldFiles, TruncatedFilesNeverCrash) {
+  Mesh ball;
+  add_icosphere(ball, {1, 2, 3}, 0.5F, 1);
+  SceneBuilder builder;
+  builder.add(ball, {"grey", 0.4F, false, {0.5F, 0.5F, 0.5F}}, SurfaceClass::kObject, 1);
+  const Scene scene = builder.finish();
+  export_world(scene, folder_ / "ball.ply");
+  export_world(scene, folder_ / "ball.obj");
+  write("ball.stl", binary_stl(ball));
+  for (const auto& entry : fs::directory_iterator(kData))
+    fs::copy_file(entry.path(), folder_ / entry.path().filename());
+
+  int rejected = 0;
+  int read_anyway = 0;
+  for (const char* name : {"ball.ply", "ball.obj", "ball.stl", "ascii.pcd", "binary.pcd", "compressed.pcd"}) {
+    const std::string whole = read(folder_ / name);
+    for (std::size_t length = 0; length < whole.size(); length += 1 + whole.size() / 120) {
+      const fs::path cut = write(std::string("cut_") + name, whole.substr(0, length));
+      try {
+        cut.extension() == ".pcd" ? (void)read_point_cloud(cut) : (void)import_mesh(cut);
+        ++read_anyway;
+      } catch (const std::invalid_argument& error) {
+        EXPECT_THAT(error.what(), HasSubstr(cut.filename().string()));
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+        ++rejected;
+      }
+    }
+  }
+  EXPECT_GT(rejected, 300);
+  // Text without a count (OBJ), and numbers that lose their last digits (ascii PCD), can be cut and still make sense.
+  EXPECT_LT(read_anyway, 130);
+}
+
+TEST_F(WorldFiles, DamagedFilesNeverCrash) {
+  Mesh ball;
+  add_icosphere(ball, {1, 2, 3}, 0.5F, 1);
+  SceneBuilder builder;
+  builder.add(ball, {"grey", 0.4F, false, {0.5F, 0.5F, 0.5F}}, SurfaceClass::kObject, 1);
+  const Scene scene = builder.finish();
+  export_world(scene, folder_ / "ball.ply");
+  write("ball.stl", binary_stl(ball));
+  for (const auto& entry : fs::directory_iterator(kData))
+    fs::copy_file(entry.path(), folder_ / entry.path().filename());
+  const Random random(1, "test");
+  int runs = 0;
+  for (const char* name : {"ball.ply", "ball.stl", "ascii.pcd", "binary.pcd", "compressed.pcd"}) {
+    const std::string whole = read(folder_ / name);
+    for (std::uint32_t i = 0; i < 60; ++i) {
+      Dice dice(random, i);
+      std::string damaged = whole;
+      for (int k = 0; k < 1 + static_cast<int>(i) % 5; ++k)
+        damaged[dice.pick(static_cast<int>(whole.size()))] = static_cast<char>(dice.pick(256));
+      const fs::path file = write(std::string("damaged_") + name, damaged);
+      try {
+        file.extension() == ".pcd" ? (void)read_point_cloud(file) : (void)import_mesh(file);
+      } catch (const std::invalid_argument& error) {
+        EXPECT_THAT(error.what(), HasSubstr(file.filename().string()));
+      }
+      ++runs;
+    }
+  }
+  EXPECT_EQ(runs, 300);
+}
+
+// Written by PCL 1.13: 5 x 4 x 3 points, the one with index 7 has no x.
+TEST(PointClouds, PclsFilesAreReadAlikeInEveryEncoding) {
+  for (const char* name : {"ascii.pcd", "binary.pcd", "compressed.pcd"}) {
+    const auto points = read_point_cloud(kData / name);
+    ASSERT_EQ(points.size(), 59U) << name;
+    for (int i = 0, row = 0; i < 60; ++i) {
+      if (i == 7) continue;
+      EXPECT_TRUE(points[row++].isApprox(Vector3d(0.5 * (i % 5), 0.25 * (i / 5 % 4), i / 20), 1e-6))
+          << name << " " << i;
+    }
+  }
+}
+
+TEST(PointClouds, LzfCopiesAndRunsFollowTheFormat) {
+  std::string out(10, '\0');
+  // "ab" as literals, then 8 bytes from 2 back: length 8 - 2 = 6, distance 2 - 1 = 1.
+  ASSERT_TRUE(decompress_lzf(std::string("\x01"
+                                         "ab"
+                                         "\xc0\x01",
+                                         5),
+                             out));
+  EXPECT_EQ(out, "ababababab");
+  // A long copy: length byte 7 + 20, distance 0 (the last byte again).
+  out.assign(1 + 29, '\0');
+  ASSERT_TRUE(decompress_lzf(std::string("\x00"
+                                         "z"
+                                         "\xe0\x14\x00",
+                                         5),
+                             out));
+  EXPECT_EQ(out, std::string(30, 'z'));
+  EXPECT_FALSE(decompress_lzf(std::string("\x01"
+                                          "a",
+                                          2),
+                              out));  // literals missing
+  EXPECT_FALSE(decompress_lzf(std::string("\x00"
+                                          "z"
+                                          "\x20\x05",
+                                          4),
+                              out));  // before the beginning
+  EXPECT_FALSE(decompress_lzf(std::string("\xe0", 1), out));
+  out.assign(5, '\0');
+  EXPECT_FALSE(decompress_lzf(std::string("\x00"
+                                          "z"
+                                          "\xe0\x14\x00",
+                                          5),
+                              out));  // more than was promised
+}
+
+TEST_F(WorldFiles, PlyCloudsAreReadInEitherByteOrder) {
+  const std::string properties =
+      "element vertex 2\nproperty uchar red\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
+  const double values[] = {1.5, -2.25, 1e-3, 4, 5, 6};
+  std::string little, big;
+  for (int i = 0; i < 6; ++i) {
+    if (i % 3 == 0) little += '\x07', big += '\x07';
+    std::string bytes(reinterpret_cast<const char*>(&values[i]), 8);
+    little += bytes;
+    big += std::string(bytes.rbegin(), bytes.rend());
+  }
+  const std::vector<Vector3d> expected = {{1.5, -2.25, 1e-3}, {4, 5, 6}};
+  EXPECT_EQ(read_point_cloud(write("l.ply", "ply\nformat binary_little_endian 1.0\n" + properties + little)), expected);
+  EXPECT_EQ(read_point_cloud(write("b.ply", "ply\nformat binary_big_endian 1.0\n" + properties + big)), expected);
+  EXPECT_EQ(
+      read_point_cloud(write(
+          "a.ply",
+          "ply\r\nformat ascii 1.0\r\ncomment by hand\r\nelement vertex 2\r\nproperty uchar red\r\nproperty double "
+          "x\r\nproperty double y\r\nproperty double z\r\nend_header\r\n7 1.5 -2.25 1e-3\r\n7 +4 5 6\r\n")),
+      expected);
+}
+
+TEST_F(WorldFiles, CloudsThatAreNoneAreRejectedWithTheReason) {
+  EXPECT_THAT(rejection([&] { read_point_cloud(write("a.xyz", "1 2 3\n")); }), HasSubstr(".pcd or .ply"));
+  EXPECT_THAT(rejection([&] { read_point_cloud(write("b.pcd", "hello\nDATA ascii\n")); }),
+              HasSubstr("expected a PCD header"));
+  EXPECT_THAT(
+      rejection([&] {
+        read_point_cloud(write(
+            "c.pcd", "FIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2\n"));
+      }),
+      HasSubstr("no z"));
+  EXPECT_THAT(rejection([&] {
+                read_point_cloud(write(
+                    "d.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 4000000000000\nDATA binary\n"));
+              }),
+              HasSubstr("truncated"));
+  EXPECT_THAT(rejection([&] {
+                read_point_cloud(write(
+                    "e.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 1\nDATA ascii\n1 2 three\n"));
+              }),
+              AllOf(HasSubstr("e.pcd"), HasSubstr("point 0"), HasSubstr("'z'")));
+  EXPECT_THAT(rejection([&] { read_point_cloud(write("f.pcd", "FIELDS x y z\nSIZE 4 4 3\n")); }),
+              HasSubstr("SIZE 4 4 3"));
+  EXPECT_THAT(
+      rejection([&] { read_point_cloud(write("g.ply", "ply\nformat ascii 1.0\nelement face 0\nend_header\n")); }),
+      HasSubstr("vertex"));
+  EXPECT_THAT(rejection([&] { read_point_cloud(write("h.ply", "ply\nformat utf8 1.0\nend_header\n")); }),
+              HasSubstr("utf8"));
+  EXPECT_THROW(read_point_cloud(folder_ / "missing.pcd"), std::runtime_error);
+}
+
+TEST(Voxels, ASolidBlockKeepsItsOuterFacesOnly) {
+  std::vector<Vector3d> points;
+  for (int x = 0; x < 4; ++x) {
+    for (int y = 0; y < 3; ++y) {
+      for (int z = 0; z < 2; ++z) points.emplace_back(0.5 * x + 0.1, 0.5 * y - 3.0 + 0.2, 0.5 * z + 0.3);
+    }
+  }
+  const Mesh mesh = voxelize(points, 0.5, 1);
+  EXPECT_EQ(mesh.triangles.size(), 12U);  // merged to a box
+  EXPECT_NEAR(signed_volume_m3(mesh), 2.0 * 1.5 * 1.0, 1e-5);
+  EXPECT_NEAR(area_m2(mesh), 2 * (2.0 * 1.5 + 2.0 * 1.0 + 1.5 * 1.0), 1e-5);
+  EXPECT_TRUE(bounds_m(mesh).min().isApprox(Eigen::Vector3f(0, -3, 0)));
+}
+
+TEST(Voxels, AnyShapeHasTheVolumeOfItsVoxelsAndTheAreaOfItsFaces) {
+  const Random random(1, "test");
+  Dice dice(random, 0);
+  std::set<std::array<int, 3>> voxels;
+  std::vector<Vector3d> points;
+  for (int i = 0; i < 400; ++i) {
+    const std::array<int, 3> voxel = {dice.pick(9) - 4, dice.pick(9) - 4, dice.pick(9) - 4};
+    voxels.insert(voxel);
+    points.emplace_back(0.2 * (voxel[0] + 0.5), 0.2 * (voxel[1] + 0.5), 0.2 * (voxel[2] + 0.5));
+  }
+  int faces = 0;
+  for (const auto& voxel : voxels) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int side : {-1, 1}) {
+        auto neighbor = voxel;
+        neighbor[axis] += side;
+        faces += !voxels.contains(neighbor);
+      }
+    }
+  }
+  const Mesh mesh = voxelize(points, 0.2, 1);
+  EXPECT_NEAR(signed_volume_m3(mesh), 0.008 * static_cast<double>(voxels.size()), 1e-4);
+  EXPECT_NEAR(area_m2(mesh), 0.04 * faces, 1e-3);
+  EXPECT_LT(mesh.triangles.size(), 2U * static_cast<std::size_t>(faces));
+}
+
+TEST(Voxels, ThinlyPopulatedVoxelsAreLeftOut) {
+  const std::vector<Vector3d> points = {{0.1, 0.1, 0.1}, {0.2, 0.1, 0.1}, {5, 5, 5}};
+  EXPECT_EQ(voxelize(points, 1.0, 2).triangles.size(), 12U);
+  EXPECT_EQ(voxelize(points, 1.0, 3).triangles.size(), 0U);
+}
+
+TEST(Voxels, ACloudTooLargeForItsLeafIsAClearError) {
+  const std::vector<Vector3d> points = {{0, 0, 0}, {1e7, 0, 0}};
+  EXPECT_THROW(voxelize(points, 0.1, 1), std::invalid_argument);
+}
+
+TEST(Cloud, WorldOfTheVoxelsStandsWhereItIsPut) {
+  CloudConfig config;
+  config.file = (kData / "binary.pcd").string();
+  config.leaf_m = 0.25;
+  config.position_m = {100, 0, 5};
+  config.surface_class = "building";
+  config.reflectivity = 0.7;
+  const Scene scene = make_cloud(config, 1);
+  EXPECT_TRUE(scene.bounds_m.min().isApprox(Vector3d(100, 0, 5), 1e-5));
+  EXPECT_TRUE(scene.bounds_m.max().isApprox(Vector3d(102.25, 1, 7.25), 1e-5));
+  EXPECT_EQ(scene.meshes[0].surface_class, SurfaceClass::kBuilding);
+  EXPECT_EQ(scene.materials[0].reflectivity, 0.7F);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

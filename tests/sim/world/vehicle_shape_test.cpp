@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/world/vehicle_shape.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "sim/world/mesh_builder.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Airframe make_airframe(int num_rotors, double arm_m) {
+  Airframe airframe;
+  airframe.arm_length_m = arm_m;
+  for (int i = 0; i < num_rotors; ++i) {
+    const double angle_rad = 2.0 * kPi * (i + 0.5) / num_rotors;
+    Rotor rotor;
+    rotor.position_m = {arm_m * std::cos(angle_rad), arm_m * std::sin(angle_rad), 0.03};
+    rotor.spin = i % 2 == 0 ? "ccw" : "cw";
+    airframe.rotors.push_back(rotor);
+  }
+  return airframe;
+}
+
+TEST(VehicleShape, HasEveryPartInAReasonableNumberOfTriangles) {
+  for (const int num_rotors : {4, 6, 8}) {
+    const VehicleShape shape = make_vehicle_shape(make_airframe(num_rotors, 0.3));
+    std::map<VehiclePart, std::size_t> triangles;
+    std::size_t sum = 0;
+    for (const Mesh& mesh : shape.meshes) {
+      EXPECT_EQ(mesh.surface_class, SurfaceClass::kVehicle);
+      EXPECT_LT(mesh.material, shape.materials.size());
+      EXPECT_GT(signed_volume_m3(mesh), 0.0) << name_of(mesh.part);
+      triangles[mesh.part] += mesh.triangles.size();
+      sum += mesh.triangles.size();
+    }
+    for (const VehiclePart part :
+         {VehiclePart::kBody, VehiclePart::kArm, VehiclePart::kMotor, VehiclePart::kLeg, VehiclePart::kSensor}) {
+      EXPECT_GT(triangles[part], 0U) << name_of(part);
+    }
+    EXPECT_EQ(triangles.count(VehiclePart::kRotor), 0U);
+    EXPECT_GE(sum, 500U);
+    EXPECT_LE(sum, 2500U);
+  }
+}
+
+TEST(VehicleShape, RotorsAreWhereTheAirframeSaysAndTurnItsWay) {
+  const Airframe airframe = make_airframe(4, 0.25);
+  const VehicleShape shape = make_vehicle_shape(airframe);
+  ASSERT_EQ(shape.rotors.size(), 4U);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(shape.rotors[i].hub_m, airframe.rotors[i].position_m.cast<float>());
+    EXPECT_EQ(shape.rotors[i].radius_m, static_cast<float>(airframe.propeller_radius_m));
+    EXPECT_EQ(shape.rotors[i].direction, i % 2 == 0 ? 1.0F : -1.0F);
+  }
+}
+
+TEST(VehicleShape, ArmsReachTheHubsAndNothingLeavesTheCircumscribedSphere) {
+  const Airframe airframe = make_airframe(4, 0.325);
+  const VehicleShape shape = make_vehicle_shape(airframe);
+  for (const Mesh& mesh : shape.meshes) {
+    for (const Eigen::Vector3f& vertex : mesh.vertices_m)
+      EXPECT_LE(vertex.norm(), shape.circumscribed_radius_m + 1e-5F);
+    if (mesh.part != VehiclePart::kArm && mesh.part != VehiclePart::kMotor) continue;
+    for (const VehicleShape::RotorShape& rotor : shape.rotors) {
+      float nearest = 1e9F;
+      for (const Eigen::Vector3f& vertex : mesh.vertices_m)
+        nearest = std::min(nearest, (vertex - rotor.hub_m).head<2>().norm());
+      EXPECT_LT(nearest, 0.06F) << name_of(mesh.part);
+    }
+  }
+  EXPECT_GE(shape.circumscribed_radius_m, static_cast<float>(airframe.circumscribed_radius_m()) - 1e-5F);
+}
+
+// The solidity of a rotor: area of its blades over the area of its disc. A blade is a trapezoid from 0.12 R to R whose
+// chord falls to 0.45 of its width.
+TEST(VehicleShape, BladesCoverTheAreaOfTheirTrapezoids) {
+  for (const int blades : {2, 3}) {
+    VehicleShape::RotorShape rotor;
+    rotor.radius_m = 0.15F;
+    rotor.blades = blades;
+    rotor.chord_m = 0.024F;
+    for (const double angle_rad : {0.0, 0.4, -7.3}) {
+      constexpr int kCells = 1500;
+      const double cell_m = 2.0 * rotor.radius_m / kCells;
+      double area_m2 = 0.0;
+      for (int i = 0; i < kCells; ++i) {
+        for (int j = 0; j < kCells; ++j) {
+          const auto x = static_cast<float>(-rotor.radius_m + (i + 0.5) * cell_m);
+          const auto y = static_cast<float>(-rotor.radius_m + (j + 0.5) * cell_m);
+          if (VehicleShape::blade_covers(rotor, x, y, angle_rad)) area_m2 += cell_m * cell_m;
+        }
+      }
+      const double expected_m2 = blades * rotor.chord_m * 0.5 * (1.0 + 0.45) * 0.88 * rotor.radius_m;
+      EXPECT_NEAR(area_m2, expected_m2, 0.01 * expected_m2);
+    }
+  }
+}
+
+TEST(VehicleShape, BladesTurnWithTheAngle) {
+  VehicleShape::RotorShape rotor;
+  rotor.radius_m = 0.2F;
+  rotor.chord_m = 0.02F;
+  EXPECT_TRUE(VehicleShape::blade_covers(rotor, 0.1F, 0.0F, 0.0));
+  EXPECT_TRUE(VehicleShape::blade_covers(rotor, -0.1F, 0.0F, 0.0));
+  EXPECT_FALSE(VehicleShape::blade_covers(rotor, 0.0F, 0.1F, 0.0));
+  EXPECT_TRUE(VehicleShape::blade_covers(rotor, 0.0F, 0.1F, kPi / 2));
+  EXPECT_TRUE(VehicleShape::blade_covers(rotor, 0.0F, 0.1F, kPi / 2 - 2000 * kPi));
+  EXPECT_FALSE(VehicleShape::blade_covers(rotor, 0.21F, 0.0F, 0.0));  // beyond the tip
+  EXPECT_FALSE(VehicleShape::blade_covers(rotor, 0.01F, 0.0F, 0.0));  // at the hub
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
