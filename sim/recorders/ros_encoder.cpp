@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/recorders/ros_encoder.hpp"
 
+#include <algorithm>
+
 namespace swiftlet::sim {
 namespace {
 
@@ -21,8 +23,11 @@ void RosEncoder::text(std::string_view text) {
 }
 
 void RosEncoder::time(TimeNs t) {
-  put(static_cast<std::uint32_t>(t / kNsPerSecond));  // ROS 2: int32, the same bytes
-  put(static_cast<std::uint32_t>(t % kNsPerSecond));
+  // ROS 1 has no time before zero; ROS 2 has negative seconds, with nanoseconds that still count upwards.
+  if (dialect_ == RosDialect::kRos1) t = std::max<TimeNs>(t, 0);
+  const TimeNs nanoseconds = (t % kNsPerSecond + kNsPerSecond) % kNsPerSecond;
+  put(static_cast<std::int32_t>((t - nanoseconds) / kNsPerSecond));
+  put(static_cast<std::uint32_t>(nanoseconds));
 }
 
 void RosEncoder::header(std::uint32_t sequence, TimeNs t, std::string_view frame) {

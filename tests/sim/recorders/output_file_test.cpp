@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/recorders/output_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+std::string content_of(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+TEST(OutputFile, HasItsNameOnlyWhenItIsComplete) {
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "new/folder/a.txt";
+  OutputFile file(path, 8);
+  file.append("short ");
+  file.append("longer than the buffer ");
+  file.append("end");
+  EXPECT_FALSE(fs::exists(path));
+  EXPECT_TRUE(fs::exists(path.string() + ".part"));
+  file.finish();
+  EXPECT_EQ(content_of(path), "short longer than the buffer end");
+  EXPECT_FALSE(fs::exists(path.string() + ".part"));
+}
+
+TEST(OutputFile, LeavesNothingWhenItIsNotFinished) {
+  const TemporaryDirectory directory;
+  {
+    OutputFile file(directory.path() / "a.txt");
+    file.append("text");
+  }
+  EXPECT_TRUE(fs::is_empty(directory.path()));
+}
+
+TEST(OutputFile, OverwritesWhatWasWrittenBefore) {
+  const TemporaryDirectory directory;
+  OutputFile file(directory.path() / "a.txt", 4);
+  file.append("0123456789");
+  file.append("ab");
+  file.overwrite(2, std::as_bytes(std::span("XY", 2)));
+  file.append("cd");
+  EXPECT_EQ(file.size(), 14U);
+  file.finish();
+  EXPECT_EQ(content_of(directory.path() / "a.txt"), "01XY456789abcd");
+}
+
+TEST(OutputFile, SaysWhichFileDidNotFitOnTheDisk) {
+  const TemporaryDirectory directory;
+  fs::create_symlink("/dev/full", directory.path() / "a.bin.part");  // a disk without room
+  OutputFile file(directory.path() / "a.bin", 16);
+  file.append("fits");
+  EXPECT_THAT([&] { file.append("does not fit any more"); },
+              ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("a.bin"), HasSubstr("No space left on device"))));
+}
+
+TEST(OutputFile, SaysSoWhenOnlyTheLastBytesDoNotFit) {
+  const TemporaryDirectory directory;
+  fs::create_symlink("/dev/full", directory.path() / "a.bin.part");
+  OutputFile file(directory.path() / "a.bin");
+  file.append("buffered");
+  EXPECT_THAT([&] { file.finish(); }, ThrowsMessage<std::runtime_error>(HasSubstr("No space left on device")));
+  EXPECT_FALSE(fs::exists(directory.path() / "a.bin"));
+}
+
+TEST(OutputFile, IsWrittenByOneRecorderOnly) {
+  const TemporaryDirectory directory;
+  OutputFile first(directory.path() / "a.txt");
+  first.append("first");
+  EXPECT_THAT([&] { OutputFile(directory.path() / "a.txt"); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("another recorder")));
+  first.finish();
+  EXPECT_EQ(content_of(directory.path() / "a.txt"), "first");
+}
+
+TEST(OutputFile, StartsAnewOverWhatAKilledRunLeft) {
+  const TemporaryDirectory directory;
+  std::ofstream(directory.path() / "a.txt.part") << "much longer than what comes now";
+  OutputFile file(directory.path() / "a.txt");
+  file.append("now");
+  file.finish();
+  EXPECT_EQ(content_of(directory.path() / "a.txt"), "now");
+}
+
+TEST(OutputFile, NamesAPathThatCannotBe) {
+  const TemporaryDirectory directory;
+  std::ofstream(directory.path() / "file") << "x";
+  EXPECT_THAT([&] { OutputFile(directory.path() / "file/below.txt"); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("below.txt")));
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

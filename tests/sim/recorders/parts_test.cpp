@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The small parts that the recorders are made of.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/recorders/geodesy.hpp"
+#include "sim/recorders/pose_history.hpp"
+#include "sim/recorders/ros_encoder.hpp"
+#include "sim/recorders/ros_points.hpp"
+#include "sim/recorders/ros_types.hpp"
+#include "sim/recorders/selection.hpp"
+#include "sim/recorders/text_row.hpp"
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+TEST(TextRow, WritesNumbersThatReadBackAsTheSameBits) {
+  for (const double value : {0.1, -1.0 / 3.0, 1e-300, 123456789.123456789, -0.0}) {
+    TextRow row(' ');
+    const double read = std::stod(std::string(row.add(value).line()));
+    EXPECT_EQ(std::signbit(read), std::signbit(value));
+    EXPECT_EQ(read, value);
+  }
+}
+
+TEST(TextRow, SeparatesValuesAndEndsWithoutABlank) {
+  TextRow row(' ');
+  row.add_seconds(1'000'000'001).add(Vector3(1, 2.5, -3)).add(7).add(std::string_view("word"));
+  EXPECT_EQ(row.line(), "1.000000001 1 2.5 -3 7 word\n");
+  row.clear();
+  EXPECT_EQ(row.add_seconds(-500'000'000).line(), "-0.500000000\n");
+}
+
+TEST(RateGate, OpensOnceAPeriodWhateverTheTick) {
+  RateGate gate(25.0);  // every 40 ms, ticks of 15 ms
+  std::vector<TimeNs> taken;
+  for (TimeNs t = 0; t <= 150'000'000; t += 15'000'000) {
+    if (gate.due(t)) taken.push_back(t / 1'000'000);
+  }
+  EXPECT_THAT(taken, ElementsAre(0, 45, 90, 120));  // the first ticks at or after 0, 40, 80, 120 ms
+}
+
+TEST(RateGate, TakesEveryTickAtRateZero) {
+  RateGate gate(0.0);
+  EXPECT_TRUE(gate.due(0));
+  EXPECT_TRUE(gate.due(1));
+}
+
+TEST(Selection, TakesAllVehiclesWhenNoneIsNamed) {
+  EXPECT_THAT(select_vehicles({}, {"a", "b"}), ElementsAre(true, true));
+  EXPECT_THAT(select_vehicles({"b"}, {"a", "b"}), ElementsAre(false, true));
+}
+
+TEST(Selection, NamesTheVehiclesThatThereAre) {
+  EXPECT_THAT(
+      [] {
+        select_vehicles({"c"}, {"a", "b"});
+      },
+      ThrowsMessage<InputError>(::testing::AllOf(HasSubstr("a, b"), HasSubstr("\"c\""))));
+}
+
+TEST(PoseHistory, InterpolatesHalfAQuarterTurn) {
+  PoseHistory history;
+  history.push(0, Pose::Identity());
+  history.push(100,
+               make_pose({2, 0, 4}, Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitZ()))));
+  const Pose middle = history.at(50);
+  EXPECT_TRUE(middle.translation().isApprox(Vector3(1, 0, 2)));
+  EXPECT_NEAR(yaw_of(middle.linear()), std::numbers::pi / 4, 1e-12);
+  EXPECT_TRUE(history.at(-5).isApprox(Pose::Identity()));
+  EXPECT_TRUE(history.at(500).translation().isApprox(Vector3(2, 0, 4)));
+}
+
+TEST(PoseHistory, ForgetsWhatIsOlderThanAnySweep) {
+  PoseHistory history;
+  for (int second = 0; second <= 10; ++second) {
+    history.push(second * kNsPerSecond, make_pose({1.0 * second, 0, 0}, Eigen::Quaterniond::Identity()));
+  }
+  EXPECT_DOUBLE_EQ(history.at(0).translation().x(), 8.0);
+}
+
+std::vector<int> ints(std::span<const std::byte> bytes) {
+  std::vector<int> out;
+  for (const std::byte b : bytes) out.push_back(std::to_integer<int>(b));
+  return out;
+}
+
+TEST(RosEncoder, AlignsNumbersInCdrButNotInRos1) {
+  // By hand: CDR header, text "a" with its zero, padding to 4, a uint16, padding to 8 after the header, a uint64.
+  RosEncoder cdr(RosDialect::kRos2);
+  cdr.begin();
+  cdr.text("a");
+  cdr.put(std::uint16_t{0x0102});
+  cdr.put(std::uint64_t{3});
+  EXPECT_THAT(ints(cdr.bytes()), ElementsAre(0, 1, 0, 0, 2, 0, 0, 0, 'a', 0, 2, 1, 3, 0, 0, 0, 0, 0, 0, 0));
+  cdr.put(std::uint8_t{9});
+  cdr.put(std::uint32_t{5});
+  EXPECT_THAT(ints(cdr.bytes().subspan(20)), ElementsAre(9, 0, 0, 0, 5, 0, 0, 0));
+
+  RosEncoder ros1(RosDialect::kRos1);
+  ros1.begin();
+  ros1.text("a");
+  ros1.put(std::uint16_t{0x0102});
+  EXPECT_THAT(ints(ros1.bytes()), ElementsAre(1, 0, 0, 0, 'a', 2, 1));
+}
+
+TEST(RosEncoder, CountsNanosecondsUpwardsBeforeZero) {
+  RosEncoder cdr(RosDialect::kRos2);
+  cdr.begin();
+  cdr.time(-250'000'000);
+  std::int32_t seconds = 0;
+  std::uint32_t nanoseconds = 0;
+  std::memcpy(&seconds, cdr.bytes().data() + 4, 4);
+  std::memcpy(&nanoseconds, cdr.bytes().data() + 8, 4);
+  EXPECT_EQ(seconds, -1);
+  EXPECT_EQ(nanoseconds, 750'000'000U);
+}
+
+TEST(RosTypes, DefineEverythingTheyMention) {
+  const std::string definition = full_definition(kTFMessage, RosDialect::kRos2);
+  EXPECT_THAT(definition, HasSubstr("MSG: builtin_interfaces/Time"));
+  EXPECT_THAT(definition, ::testing::Not(HasSubstr("uint32 seq")));
+  EXPECT_THAT(full_definition(kTFMessage, RosDialect::kRos1), HasSubstr("uint32 seq"));
+  EXPECT_EQ(full_name(kImu, RosDialect::kRos1), "sensor_msgs/Imu");
+  EXPECT_EQ(full_name(kImu, RosDialect::kRos2), "sensor_msgs/msg/Imu");
+}
+
+// WGS 84 in closed form: on the equator, at a pole, and a quarter of the way round.
+TEST(Geodesy, IsExactOnTheAxes) {
+  constexpr double kEquatorial = 6378137.0, kPolar = 6356752.314245179;
+  EXPECT_TRUE(ecef_of({0, 0, 10}).isApprox(Vector3(kEquatorial + 10, 0, 0), 1e-15));
+  EXPECT_NEAR((ecef_of({90, 0, 10}) - Vector3(0, 0, kPolar + 10)).norm(), 0.0, 1e-6);
+  const Geodetic pole = geodetic_of({0, 0, -kPolar - 5});
+  EXPECT_NEAR(pole.latitude_deg, -90.0, 1e-12);
+  EXPECT_NEAR(pole.altitude_m, 5.0, 1e-6);
+}
+
+TEST(Geodesy, GoesThereAndBack) {
+  for (const double latitude : {-89.9, -45.0, 0.0, 12.3, 49.363, 89.0}) {
+    for (const double altitude : {-100.0, 0.0, 9000.0}) {
+      const Geodetic back = geodetic_of(ecef_of({latitude, 14.261, altitude}));
+      EXPECT_NEAR(back.latitude_deg, latitude, 1e-12);
+      EXPECT_NEAR(back.longitude_deg, 14.261, 1e-12);
+      EXPECT_NEAR(back.altitude_m, altitude, 2e-8);
+    }
+  }
+}
+
+TEST(Geodesy, EastAndNorthHaveTheEllipsoidsCurvature) {
+  // Radii of curvature at 45 deg (closed form): meridian M = a (1 - e^2) / W^3, prime vertical N = a / W.
+  const double e2 = 0.00669437999014132, w = std::sqrt(1 - e2 / 2);
+  const double m = 6378137.0 * (1 - e2) / (w * w * w), n = 6378137.0 / w;
+  const Geodetic datum{45, 10, 0};
+  const double degrees = 180 / std::numbers::pi;
+  EXPECT_NEAR(geodetic_of_world({0, 100, 0}, datum).latitude_deg - 45, 100 / m * degrees, 1e-10);
+  EXPECT_NEAR(geodetic_of_world({100, 0, 0}, datum).longitude_deg - 10, 100 / (n * std::sqrt(0.5)) * degrees, 1e-10);
+  EXPECT_NEAR(geodetic_of_world({0, 0, 30}, datum).altitude_m, 30, 1e-8);
+}
+
+TEST(RosPoints, ReflectivityIsLinearUpToWhiteAndLogarithmicBeyond) {
+  EXPECT_EQ(reflectivity_byte(0.0F, 100), 0);
+  EXPECT_EQ(reflectivity_byte(0.1F, 100), 10);
+  EXPECT_EQ(reflectivity_byte(1.0F, 100), 100);
+  EXPECT_EQ(reflectivity_byte(10.0F, 100), 152);  // a third of the way from 100 to 255
+  EXPECT_EQ(reflectivity_byte(1000.0F, 150), 255);
+  EXPECT_EQ(reflectivity_byte(1e9F, 150), 255);
+  EXPECT_EQ(reflectivity_byte(std::nanf(""), 150), 0);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
