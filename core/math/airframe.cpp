@@ -45,7 +45,9 @@ void Airframe::visit(ConfigVisitor& v) {
 }
 
 double Airframe::circumscribed_radius_m() const {
-  double radius_m = std::hypot(body_radius_m, std::max(0.5 * body_height_m, leg_height_m));
+  // The ends of the skids stand out to twice the body's radius (sim/world draws them so).
+  double radius_m =
+      std::max(std::hypot(body_radius_m, 0.5 * body_height_m), std::hypot(2.0 * body_radius_m, leg_height_m));
   for (const Rotor& rotor : rotors) {
     const double reach_m = std::hypot(rotor.position_m.x(), rotor.position_m.y()) + propeller_radius_m;
     radius_m = std::max(radius_m, std::hypot(reach_m, rotor.position_m.z()));

@@ -13,8 +13,10 @@ namespace {
 constexpr double kDiscHalfHeight_m = 0.01;  // a propeller with its coning
 constexpr double kArmHalfWidth_m = 0.012;
 constexpr double kFootRadius_m = 0.012;
-constexpr double kFootSpread = 0.6;        // feet stand at this part of the arm length
-constexpr double kContactMargin_m = 0.02;  // contacts are prepared from this distance on
+// Ends of the skids in body radii, as sim/world/vehicle_shape.cpp draws them.
+constexpr double kFootAhead = 1.5;
+constexpr double kFootAside = 1.3;
+constexpr double kOutOfReach_m = 1.0;  // no impulse can bridge this within a step
 
 btVector3 to_bt(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 Vector3 from_bt(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
@@ -112,8 +114,8 @@ VehicleHull make_hull(const Airframe& airframe) {
   for (int i = 0; i < 4; ++i) {
     const double side_x = (i & 1) != 0 ? 1.0 : -1.0;
     const double side_y = (i & 2) != 0 ? 1.0 : -1.0;
-    const double spread = kFootSpread * airframe.arm_length_m * std::sqrt(0.5);
-    const btVector3 foot(side_x * spread, side_y * spread, -airframe.leg_height_m + kFootRadius_m);
+    const btVector3 foot(side_x * kFootAhead * airframe.body_radius_m, side_y * kFootAside * airframe.body_radius_m,
+                         -airframe.leg_height_m + kFootRadius_m);
     const btVector3 root(0.5 * foot.x(), 0.5 * foot.y(), std::max(-top_m, foot.z() + 0.001));
     hull.add(std::make_unique<btCapsuleShapeZ>(kFootRadius_m, (root - foot).length()),
              frame_along(0.5 * (root + foot), z_axis, root - foot));
@@ -255,9 +257,9 @@ struct Contacts::Impl {
     return rigid->getVelocityInLocalPoint(p_world - rigid->getWorldTransform().getOrigin());
   }
 
-  /// Normal speed of every contact point before the impulses, in the order of the manifolds. A surface that will be
-  /// hit within this step counts as hit now: Bullet would otherwise take up the gap first and lose that much of the
-  /// bounce.
+  /// Normal speed of every contact point before the impulses, in the order of the manifolds. A surface that bounces
+  /// counts as touched in the step that reaches it and as absent before: Bullet would otherwise take up the gap first
+  /// and lose that much of the bounce.
   void note_approaches() {
     approaches.clear();
     for (int m = 0; m < manifolds.size(); ++m) {
@@ -269,8 +271,9 @@ struct Contacts::Impl {
         const double approach = -relative.dot(point.m_normalWorldOnB);
         approaches.push_back(approach);
         const bool bounces = point.m_combinedRestitution > 0.0 && approach > solver_info.m_restitutionVelocityThreshold;
-        if (bounces && point.getDistance() > 0.0 && approach * solver_info.m_timeStep > point.getDistance()) {
-          point.setDistance(0.0);
+        if (bounces && point.getDistance() > 0.0) {
+          const bool hit = approach * solver_info.m_timeStep > point.getDistance();
+          point.setDistance(hit ? 0.0 : kOutOfReach_m);
         }
       }
     }

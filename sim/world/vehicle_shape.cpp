@@ -78,7 +78,7 @@ void add_legs(VehicleShape& shape, const Airframe& airframe, float arm_z_m) {
   const auto radius_m = static_cast<float>(airframe.body_radius_m);
   const auto height_m = static_cast<float>(airframe.body_height_m);
   const float tube_m = std::clamp(0.02F * static_cast<float>(airframe.arm_length_m), 0.004F, 0.012F);
-  const float foot_z_m = arm_z_m - 0.6F * height_m - 0.6F * static_cast<float>(airframe.arm_length_m);
+  const float foot_z_m = tube_m - static_cast<float>(airframe.leg_height_m);  // stands where contacts let it stand
   Mesh& legs = part_of(shape, VehiclePart::kLeg, kFrame);
   for (const float side : {-1.0F, 1.0F}) {
     for (const float end : {-0.7F, 0.7F}) {
