@@ -1,34 +1,48 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/core/time.hpp"
 
 namespace swiftlet::sim {
 
 /// One named camera and when it takes pictures.
 struct CameraConfig {
   std::string name = "top";
-  std::string type = "top";          ///< follow, top, fixed, onboard, depth, lidar_range, lidar_intensity
-  std::string vehicle;               ///< follow, onboard, depth, lidar_*: whose; empty: the first (follow: all of them)
-  std::string sensor;                ///< lidar_*: which LiDAR of the vehicle; empty: the first
-  Eigen::Vector3d position_m = {-10.0, -10.0, 8.0};   ///< fixed: world; follow: offset from the vehicle(s), heading-free; onboard, depth: body frame
-  Eigen::Vector3d target_m = {0.0, 0.0, 0.0};         ///< fixed: point looked at, world; onboard, depth: in the body frame
-  double fov_deg = 60.0;             ///< vertical
+  std::string type = "top";  ///< follow, top, fixed, onboard, depth, lidar_range, lidar_intensity
+  std::string vehicle;       ///< follow, onboard, depth, lidar_*: whose; empty: the first (follow: all of them)
+  std::string sensor;        ///< lidar_*: which LiDAR of the vehicle; empty: the first
+  /// Where it is and what it looks at. Both zero: chosen by the type. fixed: world; follow: position is the offset
+  /// from the vehicle(s), heading-free, and its length the least distance; onboard, depth: body frame;
+  /// top: target is the centre, when span_m is given.
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d target_m = Eigen::Vector3d::Zero();
+  double fov_deg = 60.0;     ///< vertical
+  double span_m = 0.0;       ///< top: height of the area shown; 0: vehicles and trails
+  bool perspective = false;  ///< top: seen from high above instead of a parallel projection
   int width_px = 1280;
   int height_px = 720;
-  std::vector<double> times_s;       ///< pictures at these times ...
-  double every_s = 0.0;              ///< ... and at every multiple of this; 0: none
-  std::string cloud = "none";        ///< latest scans drawn in the world: none, height, label, intensity, vehicle
-  bool trails = true;                ///< path of each vehicle so far
-  std::vector<std::string> overlays; ///< by name; "*": all
-  double vehicle_scale = 1.0;        ///< vehicles drawn larger than they are (for wide views)
-  bool cut_above = false;            ///< top: hide what is higher than cut_height_m, to look under crowns and roofs
+  double max_range_m = 0.0;           ///< depth, lidar_range: end of the colour scale; 0: from the picture
+  std::vector<double> times_s;        ///< pictures at these times ...
+  double every_s = 0.0;               ///< ... and at every multiple of this; 0: none
+  std::string cloud = "none";         ///< latest scans drawn in the world: none, height, label, intensity, vehicle
+  bool trails = true;                 ///< path of each vehicle so far
+  bool names = true;                  ///< of the vehicles, beside them
+  std::vector<std::string> overlays;  ///< by name; "*": all
+  double vehicle_scale = 1.0;         ///< vehicles drawn larger than they are (for wide views)
+  bool cut_above = false;             ///< hide what is higher than cut_height_m, to look under crowns and roofs
   double cut_height_m = 3.0;
 
   void visit(ConfigVisitor& v);
+  /// Does this camera take a picture in (previous, now]?
+  bool is_due(TimeNs previous, TimeNs now) const;
 };
+
+/// Does any camera take a picture in (previous, now]? Pass -1 as `previous` in the first tick, so that t = 0 counts.
+bool wants_picture(std::span<const CameraConfig> cameras, TimeNs previous, TimeNs now);
 
 }  // namespace swiftlet::sim

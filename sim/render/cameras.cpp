@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/render/cameras.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr double kSmoothing_s = 1.2;  // of follow cameras
+constexpr double kMargin = 1.25;      // free space around what must be seen
+const Eigen::Vector3d kFollowOffset_m(-7.0, -7.0, 5.0);
+
+double radians(double degrees) { return degrees * M_PI / 180.0; }
+
+Eigen::Matrix4d look(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const Eigen::Vector3d& up_hint) {
+  const Eigen::Vector3d back = (eye - target).normalized();
+  Eigen::Vector3d right = up_hint.cross(back);
+  if (right.norm() < 1e-6) right = Eigen::Vector3d::UnitY().cross(back);
+  if (right.norm() < 1e-6) right = Eigen::Vector3d::UnitX();
+  right.normalize();
+  Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
+  T.block<1, 3>(0, 0) = right;
+  T.block<1, 3>(1, 0) = back.cross(right);
+  T.block<1, 3>(2, 0) = back;
+  T.block<3, 1>(0, 3) = -T.block<3, 3>(0, 0) * eye;
+  return T;
+}
+
+// Depth 1 at near, 0 at far.
+Eigen::Matrix4d perspective(double fov_rad, double aspect, double near_m, double far_m) {
+  const double f = 1.0 / std::tan(0.5 * fov_rad);
+  Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
+  clip(0, 0) = f / aspect;
+  clip(1, 1) = f;
+  clip(2, 2) = near_m / (far_m - near_m);
+  clip(2, 3) = near_m * far_m / (far_m - near_m);
+  clip(3, 2) = -1.0;
+  return clip;
+}
+
+Eigen::Matrix4d parallel(double width_m, double height_m, double near_m, double far_m) {
+  Eigen::Matrix4d clip = Eigen::Matrix4d::Identity();
+  clip(0, 0) = 2.0 / width_m;
+  clip(1, 1) = 2.0 / height_m;
+  clip(2, 2) = 1.0 / (far_m - near_m);
+  clip(2, 3) = far_m / (far_m - near_m);
+  return clip;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> View::project(const Eigen::Vector3d& p_world_m) const {
+  const Eigen::Vector4d camera = T_camera_world * p_world_m.homogeneous();
+  const double depth = -camera.z();
+  if (depth < near_m) return std::nullopt;
+  const Eigen::Vector4d clip = clip_camera * camera;
+  return Eigen::Vector3d((0.5 + 0.5 * clip.x() / clip.w()) * width_px, (0.5 - 0.5 * clip.y() / clip.w()) * height_px,
+                         depth);
+}
+
+double View::pixels_per_m(double depth_m) const {
+  const double scale = 0.5 * clip_camera(1, 1) * height_px;
+  return orthographic ? scale : scale / std::max(depth_m, near_m);
+}
+
+View perspective_view(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& target_m, double fov_deg, int width_px,
+                      int height_px, const Eigen::Vector3d& up) {
+  View view;
+  view.T_camera_world = look(eye_m, target_m, up);
+  view.eye_world_m = eye_m;
+  view.width_px = width_px;
+  view.height_px = height_px;
+  view.near_m = 0.05;
+  view.far_m = 2000.0;
+  view.clip_camera = perspective(radians(fov_deg), static_cast<double>(width_px) / height_px, view.near_m, view.far_m);
+  return view;
+}
+
+View top_view(const Eigen::Vector2d& centre_m, double span_m, double bottom_m, double top_m, int width_px,
+              int height_px) {
+  View view;
+  view.eye_world_m = {centre_m.x(), centre_m.y(), top_m + 1.0};
+  view.T_camera_world = look(view.eye_world_m, view.eye_world_m - Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY());
+  view.width_px = width_px;
+  view.height_px = height_px;
+  view.orthographic = true;
+  view.near_m = 0.5;
+  view.far_m = top_m - bottom_m + 2.0;
+  view.clip_camera = parallel(span_m * width_px / height_px, span_m, view.near_m, view.far_m);
+  return view;
+}
+
+Cameraman::Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<float> radii_m,
+                     const Eigen::AlignedBox3d& bounds_m)
+    : config_(config), vehicle_(vehicle), radii_m_(std::move(radii_m)), bounds_m_(bounds_m) {
+  if (bounds_m_.isEmpty()) bounds_m_ = Eigen::AlignedBox3d(Eigen::Vector3d(-10, -10, 0), Eigen::Vector3d(10, 10, 5));
+  // Both zero: the type decides.
+  if (config_.position_m != config_.target_m) return;
+  if (config_.type == "follow") config_.position_m = kFollowOffset_m;
+  if (config_.type == "onboard" || config_.type == "depth") {
+    const double front = vehicle_ >= 0 && vehicle_ < static_cast<int>(radii_m_.size()) ? 0.5 * radii_m_[vehicle_] : 0.1;
+    config_.position_m = {front, 0.0, 0.05};
+    config_.target_m = {front + 1.0, 0.0, -0.05};
+  }
+  if (config_.type == "fixed") {  // the whole world, from its south-western corner
+    const double size = bounds_m_.diagonal().norm();
+    config_.target_m = bounds_m_.center();
+    config_.position_m = bounds_m_.center() + 0.6 * size * Eigen::Vector3d(-0.75, -0.9, 0.7).normalized() /
+                                                  std::tan(radians(0.5 * config_.fov_deg));
+  }
+}
+
+Eigen::Vector3d Cameraman::centre_of(std::span<const VehicleState> states) const {
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (looks_at(i)) box.extend(states[i].p_world_m);
+  }
+  return box.isEmpty() ? bounds_m_.center() : box.center();
+}
+
+double Cameraman::distance_for_all(const Eigen::Vector3d& target, const Eigen::Vector3d& direction,
+                                   std::span<const VehicleState> states) const {
+  const Eigen::Matrix3d R = look(target + direction, target, Eigen::Vector3d::UnitZ()).topLeftCorner<3, 3>();
+  const double half_y = radians(0.5 * config_.fov_deg);
+  const double half_x = std::atan(std::tan(half_y) * config_.width_px / config_.height_px);
+  double distance = 0.0;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (!looks_at(i)) continue;
+    const Eigen::Vector3d p = R * (states[i].p_world_m - target);
+    // A sphere touches the plane of the frustum at half angle a when |x| cos a + r = (distance - z) sin a.
+    const double r = kMargin * (i < radii_m_.size() ? radii_m_[i] : 0.5);
+    distance = std::max(distance, p.z() + (kMargin * std::abs(p.x()) * std::cos(half_x) + r) / std::sin(half_x));
+    distance = std::max(distance, p.z() + (kMargin * std::abs(p.y()) * std::cos(half_y) + r) / std::sin(half_y));
+  }
+  return distance;
+}
+
+void Cameraman::update(TimeNs t, std::span<const VehicleState> states) {
+  if (config_.type != "follow") return;
+  const double blend = started_ ? 1.0 - std::exp(-to_seconds(t - updated_) / kSmoothing_s) : 1.0;
+  const Eigen::Vector3d centre = centre_of(states);
+  target_m_ = started_ ? Eigen::Vector3d(target_m_ + blend * (centre - target_m_)) : centre;
+  const double needed =
+      std::max(config_.position_m.norm(), distance_for_all(target_m_, config_.position_m.normalized(), states));
+  distance_m_ = started_ ? distance_m_ + blend * (needed - distance_m_) : needed;
+  distance_m_ = std::max(distance_m_, needed);  // inertia never loses a vehicle
+  updated_ = t;
+  started_ = true;
+}
+
+View Cameraman::view(const PictureScene& picture) const {
+  if (config_.type == "follow") return follow(picture);
+  if (config_.type == "top") return top(picture);
+  if (config_.type == "onboard" || config_.type == "depth") return on_vehicle(picture);
+  return fixed();
+}
+
+View Cameraman::follow(const PictureScene& picture) const {
+  Cameraman now = *this;
+  if (!started_ || updated_ < picture.t) now.update(picture.t, picture.states);
+  const Eigen::Vector3d direction = config_.position_m.normalized();
+  return perspective_view(now.target_m_ + now.distance_m_ * direction, now.target_m_, config_.fov_deg, config_.width_px,
+                          config_.height_px);
+}
+
+View Cameraman::top(const PictureScene& picture) const {
+  const double aspect = static_cast<double>(config_.width_px) / config_.height_px;
+  Eigen::AlignedBox2d area;
+  for (std::size_t i = 0; i < picture.states.size(); ++i) {
+    if (!looks_at(i)) continue;
+    area.extend(picture.states[i].p_world_m.head<2>());
+    if (!config_.trails || i >= picture.trails_m.size()) continue;
+    for (const Eigen::Vector3f& p : picture.trails_m[i]) area.extend(p.head<2>().cast<double>());
+  }
+  if (area.isEmpty()) area.extend(bounds_m_.center().head<2>());
+  Eigen::Vector2d centre = area.center();
+  double span = std::max({12.0, kMargin * area.sizes().y() + 4.0, (kMargin * area.sizes().x() + 4.0) / aspect});
+  if (config_.span_m > 0.0) {
+    span = config_.span_m;
+    if (vehicle_ == kNoVehicle) centre = config_.target_m.head<2>();
+  }
+
+  double top_m = bounds_m_.max().z();
+  double bottom_m = bounds_m_.min().z();
+  for (const VehicleState& state : picture.states) {
+    top_m = std::max(top_m, state.p_world_m.z() + 2.0);
+    bottom_m = std::min(bottom_m, state.p_world_m.z() - 2.0);
+  }
+  if (!config_.perspective) return top_view(centre, span, bottom_m, top_m, config_.width_px, config_.height_px);
+  const double height = 0.5 * span / std::tan(radians(0.5 * config_.fov_deg));
+  const double ground_m = std::max(bottom_m, 0.0);
+  return perspective_view({centre.x(), centre.y(), ground_m + height}, {centre.x(), centre.y(), ground_m},
+                          config_.fov_deg, config_.width_px, config_.height_px, Eigen::Vector3d::UnitY());
+}
+
+View Cameraman::on_vehicle(const PictureScene& picture) const {
+  const Pose T_world_body = vehicle_ >= 0 && vehicle_ < static_cast<int>(picture.states.size())
+                                ? picture.states[vehicle_].T_world_body()
+                                : Pose::Identity();
+  return perspective_view(T_world_body * config_.position_m, T_world_body * config_.target_m, config_.fov_deg,
+                          config_.width_px, config_.height_px, T_world_body.linear().col(2));
+}
+
+View Cameraman::fixed() const {
+  return perspective_view(config_.position_m, config_.target_m, config_.fov_deg, config_.width_px, config_.height_px);
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <optional>
+#include <span>
+
+#include "sim/render/picture_scene.hpp"
+#include "sim/render/render_config.hpp"
+
+namespace swiftlet::sim {
+
+/// Where a picture is taken from and how space is projected onto it.
+/// Camera axes: x right, y up, -z forward. Clip depth runs from 1 (near) to 0 (far), which keeps precision everywhere.
+struct View {
+  Eigen::Matrix4d T_camera_world = Eigen::Matrix4d::Identity();
+  Eigen::Matrix4d clip_camera = Eigen::Matrix4d::Identity();
+  Eigen::Vector3d eye_world_m = Eigen::Vector3d::Zero();
+  int width_px = 1280;
+  int height_px = 720;
+  bool orthographic = false;
+  double near_m = 0.1;
+  double far_m = 1000.0;
+
+  Eigen::Matrix4d clip_world() const { return clip_camera * T_camera_world; }
+  /// Pixel (x right, y down, real-valued) of a point and its depth along the optical axis; nothing behind the camera.
+  std::optional<Eigen::Vector3d> project(const Eigen::Vector3d& p_world_m) const;
+  /// Pixels per metre at a depth.
+  double pixels_per_m(double depth_m) const;
+};
+
+View perspective_view(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& target_m, double fov_deg, int width_px,
+                      int height_px, const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
+/// Straight down, north up; `span_m` is the height of the area shown; sees everything in [bottom, top] in z.
+View top_view(const Eigen::Vector2d& centre_m, double span_m, double bottom_m, double top_m, int width_px,
+              int height_px);
+
+/// Frames the pictures of one camera. Follow cameras have inertia: call update() in steps of time, then view().
+class Cameraman {
+ public:
+  /// @param vehicle  index of the camera's vehicle; kNoVehicle: all of them
+  /// @param radii_m  circumscribed radius of each vehicle as drawn
+  Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<float> radii_m,
+            const Eigen::AlignedBox3d& bounds_m);
+
+  void update(TimeNs t, std::span<const VehicleState> states);
+  View view(const PictureScene& picture) const;
+
+ private:
+  View follow(const PictureScene& picture) const;
+  View top(const PictureScene& picture) const;
+  View on_vehicle(const PictureScene& picture) const;
+  View fixed() const;
+  bool looks_at(std::size_t vehicle) const { return vehicle_ == kNoVehicle || static_cast<int>(vehicle) == vehicle_; }
+  Eigen::Vector3d centre_of(std::span<const VehicleState> states) const;
+  /// Least distance from `target` along `direction` at which every vehicle looked at is in the picture.
+  double distance_for_all(const Eigen::Vector3d& target, const Eigen::Vector3d& direction,
+                          std::span<const VehicleState> states) const;
+
+  CameraConfig config_;
+  VehicleId vehicle_;
+  std::vector<float> radii_m_;
+  Eigen::AlignedBox3d bounds_m_;
+  bool started_ = false;
+  TimeNs updated_ = 0;
+  Eigen::Vector3d target_m_ = Eigen::Vector3d::Zero();  // smoothed
+  double distance_m_ = 0.0;                             // smoothed
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/render/captions.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "sim/render/colors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr std::size_t kMostNames = 24;  // more would cover the picture
+
+}  // namespace
+
+float caption_height_px(const Image& image) {
+  return std::clamp(static_cast<float>(std::min(image.height, image.width)) / 56.0F, 8.0F, 40.0F);
+}
+
+double round_down_nicely(double x) {
+  const double power = std::pow(10.0, std::floor(std::log10(x)));
+  for (const double digit : {5.0, 2.0}) {
+    if (digit * power <= x * (1.0 + 1e-9)) return digit * power;
+  }
+  return power;
+}
+
+std::string tick_text(double value, double step) {
+  const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, value + 0.0);
+  return text.data();
+}
+
+void draw_caption(Image& image, std::string_view left, std::string_view right) {
+  const float h = caption_height_px(image);
+  const float baseline = static_cast<float>(image.height) - 1.1F * h;
+  draw_text(image, 1.2F * h, baseline, left, {.height_px = h});
+  draw_text(image, static_cast<float>(image.width) - 1.2F * h, baseline, right,
+            {.height_px = h, .align = Align::kRight});
+}
+
+void draw_scale_bar(Image& image, const View& view) {
+  const float h = caption_height_px(image);
+  const double pixels_per_m = view.pixels_per_m(1.0);
+  const double length_m = round_down_nicely(0.2 * image.width / pixels_per_m);
+  const int length = static_cast<int>(std::lround(length_m * pixels_per_m));
+  const int thick = std::max(2, static_cast<int>(h / 4.0F));
+  const int x = static_cast<int>(1.2F * h);
+  const int y = image.height - static_cast<int>(3.6F * h);
+  blend_rectangle(image, x - 2, y - 2, length + 4, thick + 4, Rgb::Constant(0.04F), 0.7F);
+  blend_rectangle(image, x, y, length, thick, Rgb::Ones(), 1.0F);
+  blend_rectangle(image, x, y, length / 2, thick, Rgb::Constant(0.25F), 1.0F);
+  draw_text(image, static_cast<float>(x) + 0.5F * static_cast<float>(length), static_cast<float>(y) - 0.7F * h,
+            tick_text(length_m, length_m) + " m", {.height_px = 0.9F * h, .align = Align::kCentre});
+}
+
+void draw_names(Image& image, const View& view, const PictureScene& picture, std::span<const std::string> names,
+                double vehicle_scale) {
+  const std::size_t count = std::min(names.size(), picture.states.size());
+  if (count > kMostNames) return;
+  const float h = 0.9F * caption_height_px(image);
+  for (std::size_t v = 0; v < count; ++v) {
+    const auto at = view.project(picture.states[v].p_world_m);
+    if (!at || at->x() < 0 || at->y() < 0 || at->x() > image.width || at->y() > image.height) continue;
+    const double lift = 0.35 * vehicle_scale * view.pixels_per_m(at->z()) + 1.0 * h;
+    const Rgb color = 0.75F * vehicle_color(static_cast<VehicleId>(v)) + Rgb::Constant(0.25F);
+    draw_text(image, static_cast<float>(at->x()), static_cast<float>(at->y() - std::min(lift, 0.2 * image.height)),
+              names[v], {.height_px = h, .color = color, .align = Align::kCentre});
+  }
+}
+
+void draw_color_bar(Image& image, const ColorBar& bar) {
+  const float h = 0.85F * caption_height_px(image);
+  const double step = round_down_nicely(std::max(1e-6, (bar.high - bar.low) / 4.0));
+  float text_width = text_width_px(bar.unit, h);
+  const double first = std::ceil(bar.low / step - 1e-9) * step;
+  for (double tick = first; tick <= bar.high + 1e-9 * step; tick += step) {
+    text_width = std::max(text_width, text_width_px(tick_text(tick, step), h));
+  }
+
+  const int margin = static_cast<int>(h);
+  const int bar_width = static_cast<int>(1.3F * h);
+  const int bar_height = image.height * 45 / 100;
+  const int panel_width = bar_width + static_cast<int>(text_width + 2.9F * h);
+  const int panel_height = bar_height + static_cast<int>(4.9F * h);
+  const int left = image.width - panel_width - margin;
+  const int top = (image.height - panel_height) / 2;
+  blend_rectangle(image, left, top, panel_width, panel_height, Rgb::Constant(0.04F), 0.6F);
+  draw_text(image, static_cast<float>(left) + 0.8F * h, static_cast<float>(top) + 1.8F * h, bar.unit,
+            {.height_px = h, .halo_alpha = 0.0F});
+
+  const int bar_left = left + static_cast<int>(0.8F * h);
+  const int bar_top = top + static_cast<int>(3.6F * h);
+  for (int y = 0; y < bar_height; ++y) {
+    const float s = 1.0F - (static_cast<float>(y) + 0.5F) / static_cast<float>(bar_height);
+    blend_rectangle(image, bar_left, bar_top + y, bar_width, 1, bar.color(s), 1.0F);
+  }
+  for (double tick = first; tick <= bar.high + 1e-9 * step; tick += step) {
+    const double s = (tick - bar.low) / (bar.high - bar.low);
+    const int y = bar_top + static_cast<int>(std::lround((1.0 - s) * (bar_height - 1)));
+    blend_rectangle(image, bar_left + bar_width, y, static_cast<int>(0.5F * h), 1, Rgb::Ones(), 1.0F);
+    draw_text(image, static_cast<float>(bar_left + bar_width) + 0.9F * h, static_cast<float>(y) + 0.5F * h,
+              tick_text(tick, step), {.height_px = h, .halo_alpha = 0.0F});
+  }
+}
+
+Image draw_depth_image(const DepthImage& depth, double max_range_m) {
+  if (max_range_m <= 0.0) {  // most of what is seen, up to a round number
+    std::vector<float> seen;
+    for (const float d : depth.depth_m) {
+      if (d > 0.0F) seen.push_back(d);
+    }
+    max_range_m = 10.0;
+    if (!seen.empty()) {
+      const auto nth = seen.begin() + static_cast<std::ptrdiff_t>(0.92 * static_cast<double>(seen.size() - 1));
+      std::nth_element(seen.begin(), nth, seen.end());
+      const double step = round_down_nicely(std::max(0.5, static_cast<double>(*nth)) / 4.0);
+      max_range_m = step * std::ceil(*nth / step);
+    }
+  }
+  Image image(depth.width, depth.height);
+  for (int y = 0; y < depth.height; ++y) {
+    for (int x = 0; x < depth.width; ++x) {
+      const float d = depth.at(x, y);
+      set_pixel(image, x, y, d > 0.0F ? turbo_like(d / static_cast<float>(max_range_m)) : Rgb::Constant(0.16F));
+    }
+  }
+  draw_color_bar(image, {turbo_like, 0.0, max_range_m, "depth [m]"});
+  return image;
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "sim/render/image.hpp"
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet::sim {
+
+/// Perceptually even, dark violet to yellow; s in 0..1 (clamped). For heights and intensities.
+Rgb viridis_like(float s);
+/// Rainbow of even lightness steps, dark blue to dark red; s in 0..1 (clamped). For distances.
+Rgb turbo_like(float s);
+/// Distinct colours of the vehicles of a team, good on green and on grey.
+Rgb vehicle_color(VehicleId vehicle);
+/// Colour of a truth class (SurfaceClass) or of a vehicle.
+Rgb class_color(std::uint16_t surface_class);
+
+/// sRGB transfer function, both ways, per channel.
+Rgb to_linear(const Rgb& srgb);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/render/gl_context.hpp"
+
+#include <GL/osmesa.h>
+
+#include <stdexcept>
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr const char* kNoContext =
+    "pictures need an OpenGL 4.5 core context in software, which OSMesa could not make here "
+    "(package libosmesa6 with LLVM); remove `snapshots` from the scenario to run without pictures";
+
+}  // namespace
+
+GlContext::GlContext() {
+  const int attributes[] = {OSMESA_FORMAT,
+                            OSMESA_RGBA,
+                            OSMESA_PROFILE,
+                            OSMESA_CORE_PROFILE,
+                            OSMESA_CONTEXT_MAJOR_VERSION,
+                            4,
+                            OSMESA_CONTEXT_MINOR_VERSION,
+                            5,
+                            0};
+  context_ = OSMesaCreateContextAttribs(attributes, nullptr);
+  if (context_ == nullptr) throw std::runtime_error(kNoContext);
+  make_current();
+}
+
+GlContext::~GlContext() { OSMesaDestroyContext(static_cast<OSMesaContext>(context_)); }
+
+void GlContext::make_current() {
+  if (OSMesaGetCurrentContext() == context_) return;
+  if (OSMesaMakeCurrent(static_cast<OSMesaContext>(context_), buffer_, GL_UNSIGNED_BYTE, 16, 16) == GL_FALSE) {
+    throw std::runtime_error(kNoContext);
+  }
+}
+
+GlContext::Function GlContext::proc_address(const char* name) { return OSMesaGetProcAddress(name); }
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+
+#include "sim/render/gl_functions.hpp"
+
+namespace swiftlet::sim {
+
+// Small owners-by-convention of GL objects: all of them live until their context is destroyed.
+
+class Program {
+ public:
+  Program() = default;
+  /// Throws std::logic_error with the compiler's log.
+  Program(const GlFunctions& gl, const char* name, const char* vertex_source, const char* fragment_source);
+
+  void use() const { gl_->UseProgram(id_); }
+  // For the program in use.
+  void set(const char* name, float value) const { gl_->Uniform1f(location(name), value); }
+  void set(const char* name, int value) const { gl_->Uniform1i(location(name), value); }
+  void set(const char* name, const Eigen::Vector2f& v) const { gl_->Uniform2f(location(name), v.x(), v.y()); }
+  void set(const char* name, const Eigen::Vector3f& v) const { gl_->Uniform3f(location(name), v.x(), v.y(), v.z()); }
+  void set(const char* name, const Eigen::Vector4f& v) const {
+    gl_->Uniform4f(location(name), v.x(), v.y(), v.z(), v.w());
+  }
+  void set(const char* name, const Eigen::Matrix4f& m) const {
+    gl_->UniformMatrix4fv(location(name), 1, GL_FALSE, m.data());
+  }
+  GLint location(const char* name) const { return gl_->GetUniformLocation(id_, name); }
+
+ private:
+  const GlFunctions* gl_ = nullptr;
+  GLuint id_ = 0;
+};
+
+/// A framebuffer with textures for colour and depth (0: none).
+struct Target {
+  GLuint framebuffer = 0;
+  GLuint color = 0;
+  GLuint depth = 0;
+  int width = 0;
+  int height = 0;
+};
+
+struct TargetFormat {
+  GLenum color = 0;  ///< such as GL_RGBA8; 0: none
+  GLenum depth = 0;  ///< such as GL_DEPTH_COMPONENT32F; 0: none
+  int samples = 1;
+  bool compare = false;  ///< the depth is sampled as a shadow map: less or equal passes, bilinear, outside is lit
+};
+
+Target make_target(const GlFunctions& gl, int width, int height, const TargetFormat& format);
+void delete_target(const GlFunctions& gl, Target& target);
+
+/// A vertex array object with one buffer of its own.
+struct VertexBuffer {
+  GLuint array = 0;
+  GLuint buffer = 0;
+};
+VertexBuffer make_vertex_buffer(const GlFunctions& gl);
+GLuint make_buffer(const GlFunctions& gl, GLenum target, const void* data, std::size_t bytes);
+/// Attribute `index` of the bound array and buffer: `count` floats at `offset`.
+void float_attribute(const GlFunctions& gl, GLuint index, int count, std::size_t stride, std::size_t offset,
+                     GLuint divisor = 0);
+
+}  // namespace swiftlet::sim

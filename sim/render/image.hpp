@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace swiftlet::sim {
+
+using Rgb = Eigen::Vector3f;  ///< sRGB, 0..1
+
+inline Eigen::Vector4f with_alpha(const Rgb& color, float alpha) { return {color.x(), color.y(), color.z(), alpha}; }
+
+/// A picture: 8-bit sRGB, row 0 is the top.
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;  ///< (height x width x 3)
+
+  Image() = default;
+  Image(int width_px, int height_px, const Rgb& color = Rgb::Zero());
+  std::uint8_t* pixel(int x, int y) { return rgb.data() + 3 * (static_cast<std::size_t>(y) * width + x); }
+  const std::uint8_t* pixel(int x, int y) const { return rgb.data() + 3 * (static_cast<std::size_t>(y) * width + x); }
+};
+
+/// Metric depth along the optical axis [m]; 0: nothing there. Row 0 is the top.
+struct DepthImage {
+  int width = 0;
+  int height = 0;
+  std::vector<float> depth_m;  ///< (height x width)
+
+  float at(int x, int y) const { return depth_m[static_cast<std::size_t>(y) * width + x]; }
+};
+
+// Two-dimensional drawing, clipped to the picture; y grows downwards.
+void set_pixel(Image& image, int x, int y, const Rgb& color);
+/// Lays `color` with opacity `alpha` over a pixel.
+void blend_pixel(Image& image, int x, int y, const Rgb& color, float alpha);
+void blend_rectangle(Image& image, int x, int y, int width, int height, const Rgb& color, float alpha);
+
+enum class Align { kLeft, kCentre, kRight };
+
+/// Style of a text: `height_px` is the height of a capital; the halo keeps it readable on any background.
+struct TextStyle {
+  float height_px = 12.0F;
+  Rgb color = Rgb::Ones();
+  Align align = Align::kLeft;
+  float halo_alpha = 0.65F;
+  Rgb halo = Rgb::Constant(0.04F);
+};
+
+/// Writes one line in the built-in stroke font, anti-aliased. (x, y) is the left (centre, right) end of the baseline.
+void draw_text(Image& image, float x, float y, std::string_view text, const TextStyle& style);
+float text_width_px(std::string_view text, float height_px);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sim/render/cameras.hpp"
+#include "sim/render/gl_objects.hpp"
+#include "sim/render/wide_lines.hpp"
+
+namespace swiftlet::sim {
+
+struct PointVertex {
+  Eigen::Vector3f position_m;
+  Eigen::Vector4f color;  ///< sRGB and opacity
+};
+
+/// What lies over the world without being of it: points, wide lines, cubes, spheres, triangles.
+/// Blending and depth test are set by the caller.
+class MarkPainter {
+ public:
+  enum class Solid { kCube, kSphere };
+
+  explicit MarkPainter(const GlFunctions& gl);
+
+  void draw_points(const View& view, std::span<const PointVertex> points, float size_m, float cut_m);
+  /// Centre and size of each solid come as (x, y, z, size).
+  void draw_solids(const View& view, Solid solid, std::span<const Eigen::Vector4f> centre_size_m,
+                   std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun, float cut_m);
+  void draw_triangles(const View& view, std::span<const Eigen::Vector3f> corners_m,
+                      std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun, float cut_m);
+  void draw_clip(std::span<const ClipVertex> triangles, float opacity);
+
+ private:
+  void use_solid_program(const View& view, const Eigen::Vector3f& sun, float cut_m);
+
+  const GlFunctions& gl_;
+  Program point_program_;
+  Program solid_program_;
+  Program clip_program_;
+  VertexBuffer points_;
+  VertexBuffer clip_;
+  VertexBuffer triangles_;
+  struct UnitSolid {
+    GLuint array = 0;
+    GLsizei num_vertices = 0;
+  };
+  UnitSolid cube_;
+  UnitSolid sphere_;
+  GLuint solid_instances_ = 0;
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/render/picture_scene.hpp"
+
+#include "sim/sensors/sensor.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr float kTrailStep_m = 0.05F;
+constexpr std::size_t kTrailMaxPoints = 8192;
+
+}  // namespace
+
+PictureCloud cloud_of(const LabelledScan& labelled, VehicleId vehicle) {
+  const Scan& scan = labelled.scan;
+  const ScanTruth& truth = labelled.truth;
+  PictureCloud cloud;
+  cloud.vehicle = vehicle;
+  if (truth.T_world_lidar.empty()) return cloud;
+  const bool moving = truth.T_world_lidar.size() > 1;
+  const bool has_class = truth.surface_class.size() == scan.range_m.size();
+  const bool has_reflectivity = scan.reflectivity.size() == scan.range_m.size();
+  for (int i = 0; i < scan.size(); ++i) {
+    if (!scan.hit(i)) continue;
+    const Pose& T_world_lidar = truth.T_world_lidar[moving ? static_cast<std::size_t>(i % scan.cols()) : 0];
+    cloud.points_world_m.push_back((T_world_lidar * scan.point_lidar(i).cast<double>()).cast<float>());
+    if (has_reflectivity) cloud.intensity.push_back(scan.reflectivity[i]);
+    if (has_class) cloud.surface_class.push_back(truth.surface_class[i]);
+  }
+  return cloud;
+}
+
+void extend_trail(std::vector<Eigen::Vector3f>& trail, const Eigen::Vector3f& p_world_m) {
+  if (!trail.empty() && (trail.back() - p_world_m).norm() < kTrailStep_m) return;
+  trail.push_back(p_world_m);
+  if (trail.size() < kTrailMaxPoints) return;
+  // Keep the newer half as it is and every other point of the older half.
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < trail.size(); ++i) {
+    if (i < trail.size() / 2 && i % 2 == 1) continue;
+    trail[kept++] = trail[i];
+  }
+  trail.resize(kept);
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/world/vehicle_state.hpp"
+#include "swiftlet/core/overlay.hpp"
+
+namespace swiftlet::sim {
+
+struct LabelledScan;
+
+/// Points of one scan in the world frame. `intensity` and `surface_class` may be empty when unknown.
+struct PictureCloud {
+  VehicleId vehicle = 0;
+  std::vector<Eigen::Vector3f> points_world_m;
+  std::vector<float> intensity;  ///< reflectivity, 1 = white Lambertian
+  std::vector<std::uint16_t> surface_class;
+};
+
+/// Everything that changes between two pictures of a run: filled live by the recorder, or from a finished run.
+struct PictureScene {
+  TimeNs t = 0;
+  std::vector<VehicleState> states;                    ///< by VehicleId
+  std::vector<std::vector<Eigen::Vector3f>> trails_m;  ///< by VehicleId: positions in the world, oldest first
+  std::vector<PictureCloud> clouds;
+  std::vector<Overlay> overlays;
+};
+
+/// The returns of a scan in the world, at the true pose of the sensor.
+PictureCloud cloud_of(const LabelledScan& scan, VehicleId vehicle);
+
+/// Grows by one position where the vehicle has moved; keeps its memory bounded by thinning out.
+void extend_trail(std::vector<Eigen::Vector3f>& trail, const Eigen::Vector3f& p_world_m);
+
+}  // namespace swiftlet::sim

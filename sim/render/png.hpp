@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "sim/render/image.hpp"
+
+namespace swiftlet::sim {
+
+/// Writes an 8-bit RGB PNG, fast rather than small, under a temporary name that is renamed when complete.
+/// Throws std::runtime_error with path and reason.
+void write_png(const std::filesystem::path& path, const Image& image);
+
+/// The same for 16-bit grey, row 0 on top.
+void write_png16(const std::filesystem::path& path, int width, int height, std::span<const std::uint16_t> grey);
+
+}  // namespace swiftlet::sim

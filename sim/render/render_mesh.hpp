@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sim/world/scene.hpp"
+
+namespace swiftlet::sim {
+
+/// As it lies in the vertex buffer: 24 bytes.
+struct RenderVertex {
+  std::array<float, 3> position_m;
+  std::array<std::int8_t, 4> normal_open;   ///< normal * 127; fourth: openness to the sky * 127 (ambient light)
+  std::array<std::int16_t, 4> leaf_offset;  ///< from the middle of its leaf, in kLeafUnit_m; 0: not a leaf
+};
+inline constexpr float kLeafUnit_m = 1.0F / 4096.0F;
+
+/// A part of a mesh that is drawn or culled as a whole.
+struct RenderChunk {
+  std::uint32_t first_index = 0;
+  std::uint32_t num_indices = 0;
+  Eigen::AlignedBox3f box_m;
+};
+
+/// A mesh made ready for drawing: vertices split at creases, triangles in compact chunks. Knows no GL.
+struct RenderMesh {
+  std::vector<RenderVertex> vertices;
+  std::vector<std::uint32_t> indices;
+  std::vector<RenderChunk> chunks;
+  /// Typical edge of a leaf [m]; 0: no leaves. In a leafy chunk leaves are shuffled, so that any first part of it is
+  /// a fair sample of the crown: far away fewer and larger leaves look the same.
+  float leaf_size_m = 0.0F;
+};
+
+RenderMesh prepare_mesh(const Mesh& mesh);
+
+/// Six planes of a view volume, inside where n.p + d >= 0.
+struct Frustum {
+  std::array<Eigen::Vector4f, 6> planes;
+};
+/// @param clip_world  with clip depth in [0, 1]
+Frustum frustum_of(const Eigen::Matrix4f& clip_world);
+/// False only when the box is certainly outside. The box is in mesh coordinates.
+bool may_be_seen(const Frustum& frustum, const Eigen::AlignedBox3f& box_m, const Eigen::Affine3f& T_world_mesh);
+
+}  // namespace swiftlet::sim

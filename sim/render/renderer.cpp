@@ -1,0 +1,583 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/render/renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "sim/render/colors.hpp"
+#include "sim/render/gl_context.hpp"
+#include "sim/render/gl_objects.hpp"
+#include "sim/render/mark_painter.hpp"
+#include "sim/render/shaders.hpp"
+#include "sim/render/vehicle_painter.hpp"
+#include "sim/render/world_painter.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr int kSamples = 4;
+constexpr int kShadowTexels = 4096;
+constexpr int kVehicleShadowTexels = 1024;
+constexpr std::size_t kShadowsKept = 3;
+constexpr float kNoCut_m = 1e9F;
+constexpr float kCloudPoint_m = 0.05F;
+constexpr float kTrailWidth_px = 3.2F;
+const Eigen::Vector3f kSun = Eigen::Vector3f(-0.62F, 0.28F, 0.80F).normalized();
+const Eigen::Vector3f kHaze(0.83F, 0.88F, 0.92F);
+
+/// Parallel projection along the sun's rays around a box: x, y to [-1, 1], depth to [0, 1] from the sun.
+Eigen::Matrix4f clip_of_sun(const Eigen::AlignedBox3f& box, float& width_m) {
+  const Eigen::Vector3f right = Eigen::Vector3f::UnitZ().cross(kSun).normalized();
+  const Eigen::Vector3f up = kSun.cross(right);
+  Eigen::Matrix4f clip = Eigen::Matrix4f::Identity();
+  clip.block<1, 3>(0, 0) = right.transpose();
+  clip.block<1, 3>(1, 0) = up.transpose();
+  clip.block<1, 3>(2, 0) = -kSun.transpose();
+  Eigen::AlignedBox3f around;
+  for (int corner = 0; corner < 8; ++corner) {
+    around.extend((clip * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).homogeneous()).head<3>());
+  }
+  const Eigen::Vector3f size = around.sizes().array() + 0.2F;
+  width_m = size.head<2>().maxCoeff();
+  const Eigen::Vector3f centre = around.center();
+  Eigen::Matrix4f fit = Eigen::Matrix4f::Identity();
+  for (int axis = 0; axis < 2; ++axis) {
+    fit(axis, axis) = 2.0F / size[axis];
+    fit(axis, 3) = -2.0F * centre[axis] / size[axis];
+  }
+  fit(2, 2) = 1.0F / size.z();
+  fit(2, 3) = 0.5F - centre.z() / size.z();
+  return fit * clip;
+}
+
+/// From clip coordinates to those of a texture.
+Eigen::Matrix4f texture_of_clip() {
+  Eigen::Matrix4f m = Eigen::Matrix4f::Identity();
+  m(0, 0) = m(1, 1) = m(0, 3) = m(1, 3) = 0.5F;
+  return m;
+}
+
+bool is_chosen(const Overlay& overlay, const std::vector<std::string>& names) {
+  return std::any_of(names.begin(), names.end(), [&](const std::string& n) { return n == "*" || n == overlay.name; });
+}
+
+Eigen::Vector4f color_at(const Overlay& overlay, std::size_t i) {
+  if (overlay.colors.empty()) return {1.0F, 0.75F, 0.1F, 1.0F};
+  return overlay.colors[std::min(i, overlay.colors.size() - 1)];
+}
+
+bool is_opaque(const Overlay& overlay) {
+  return std::all_of(overlay.colors.begin(), overlay.colors.end(), [](const auto& c) { return c.w() >= 0.995F; });
+}
+
+std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, const std::string& by) {
+  std::vector<PointVertex> points;
+  const HeightScale scale = by == "height" ? height_scale_of(clouds) : HeightScale{};
+  for (const PictureCloud& cloud : clouds) {
+    for (std::size_t i = 0; i < cloud.points_world_m.size(); ++i) {
+      const Eigen::Vector3f& p = cloud.points_world_m[i];
+      Rgb color = Rgb::Constant(0.9F);
+      if (by == "height") color = viridis_like((p.z() - scale.low_m) / (scale.high_m - scale.low_m));
+      if (by == "vehicle") color = vehicle_color(cloud.vehicle);
+      if (by == "label" && i < cloud.surface_class.size()) color = class_color(cloud.surface_class[i]);
+      // The eye judges ratios of reflectivity.
+      if (by == "intensity" && i < cloud.intensity.size())
+        color = viridis_like(std::sqrt(std::max(0.0F, cloud.intensity[i])));
+      points.push_back({p, with_alpha(color, 1.0F)});
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+PictureStyle style_of(const CameraConfig& camera) {
+  PictureStyle style;
+  style.cloud = camera.cloud;
+  style.trails = camera.trails;
+  style.overlays = camera.overlays;
+  style.vehicle_scale = camera.vehicle_scale;
+  style.cut_above = camera.cut_above;
+  style.cut_height_m = camera.cut_height_m;
+  return style;
+}
+
+HeightScale height_scale_of(std::span<const PictureCloud> clouds) {
+  std::vector<float> heights;
+  for (const PictureCloud& cloud : clouds) {
+    for (const Eigen::Vector3f& p : cloud.points_world_m) heights.push_back(p.z());
+  }
+  if (heights.empty()) return {};
+  // Few stray points shall not stretch the scale.
+  const auto quantile = [&](double q) {
+    const auto nth = heights.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(heights.size() - 1));
+    std::nth_element(heights.begin(), nth, heights.end());
+    return *nth;
+  };
+  const float low = quantile(0.01);
+  return {low, std::max(low + 0.5F, quantile(0.99))};
+}
+
+struct Renderer::Impl {
+  struct Shadow {
+    Target target;
+    Eigen::Matrix4f texture_world = Eigen::Matrix4f::Identity();
+    float texel_m = 0.0F;
+  };
+
+  GlContext context;
+  GlFunctions gl = load_gl_functions();
+  Program mesh_program{gl, "mesh", shaders::kMeshVertex, shaders::kMeshFragment};
+  Program depth_program{gl, "depth", shaders::kMeshVertex, shaders::kDepthFragment};
+  Program ghost_program{gl, "ghost", shaders::kMeshVertex, shaders::kGhostFragment};
+  Program sky_program{gl, "sky", shaders::kScreenVertex, shaders::kSkyFragment};
+  Program occlusion_program{gl, "occlusion", shaders::kScreenVertex, shaders::kOcclusionFragment};
+  Program apply_occlusion_program{gl, "apply occlusion", shaders::kScreenVertex, shaders::kApplyOcclusionFragment};
+  WorldPainter world;
+  VehiclePainter vehicles;
+  MarkPainter marks{gl};
+  std::vector<float> vehicle_radii_m;
+  GLuint empty_array = 0;
+  float haze_per_m = 0.001F;
+  Target sampled;                         // where pictures are drawn, several samples a pixel
+  Target resolved;                        // one sample a pixel
+  Target openness;                        // ambient occlusion, half as many pixels a side
+  std::map<float, Shadow> world_shadows;  // by height of the cut: the world and the sun stand still
+  Shadow vehicle_shadow;
+
+  Impl(const Scene& scene, std::span<const std::shared_ptr<const VehicleShape>> shapes)
+      : world(gl, scene), vehicles(gl, shapes) {
+    for (const auto& shape : shapes) vehicle_radii_m.push_back(shape->circumscribed_radius_m);
+    gl.GenVertexArrays(1, &empty_array);
+    gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+    const double size_m = scene.bounds_m.isEmpty() ? 100.0 : scene.bounds_m.diagonal().norm();
+    haze_per_m = static_cast<float>(0.35 / std::clamp(size_m, 60.0, 1500.0));
+  }
+
+  void prepare_targets(const View& view);
+  DrawSelection select(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) const;
+  void set_mesh_uniforms(const Program& program, const Eigen::Matrix4f& clip_world, float cut_m) const;
+  const Shadow& world_shadow(const PictureStyle& style);
+  void draw_vehicle_shadow(const PictureScene& picture, const PictureStyle& style);
+  void draw_opaque(const View& view, const PictureScene& picture, const PictureStyle& style);
+  void draw_sky(const View& view);
+  void darken_corners(const View& view);
+  void draw_marks(const View& view, const PictureScene& picture, const PictureStyle& style);
+  void draw_overlay(const View& view, const Overlay& overlay, float cut_m);
+  void draw_solid_overlay(const View& view, const Overlay& overlay, float cut_m);
+  void append_trails(const View& view, const PictureScene& picture, std::vector<ClipVertex>& outline,
+                     std::vector<ClipVertex>& ribbon) const;
+  Image read_picture();
+};
+
+namespace {
+
+float cut_of(const PictureStyle& style) { return style.cut_above ? static_cast<float>(style.cut_height_m) : kNoCut_m; }
+
+}  // namespace
+
+void Renderer::Impl::prepare_targets(const View& view) {
+  if (sampled.width == view.width_px && sampled.height == view.height_px) return;
+  for (Target* target : {&sampled, &resolved, &openness}) delete_target(gl, *target);
+  sampled = make_target(gl, view.width_px, view.height_px, {GL_RGBA8, GL_DEPTH_COMPONENT32F, kSamples});
+  resolved = make_target(gl, view.width_px, view.height_px, {GL_RGBA8, GL_DEPTH_COMPONENT32F});
+  openness = make_target(gl, (view.width_px + 1) / 2, (view.height_px + 1) / 2, {GL_RG32F, 0});
+}
+
+DrawSelection Renderer::Impl::select(const View& view, const PictureStyle& style,
+                                     const Eigen::Matrix4f& clip_world) const {
+  DrawSelection selection;
+  selection.frustum = frustum_of(clip_world);
+  selection.eye_m = view.eye_world_m.cast<float>();
+  selection.pixels_at_1m = static_cast<float>(view.pixels_per_m(1.0));
+  selection.parallel = view.orthographic;
+  selection.cull = style.cull;
+  selection.reduce_leaves = style.reduce_leaves;
+  selection.cut_m = cut_of(style);
+  return selection;
+}
+
+void Renderer::Impl::set_mesh_uniforms(const Program& program, const Eigen::Matrix4f& clip_world, float cut_m) const {
+  program.use();
+  program.set("u_clip_world", clip_world);
+  program.set("u_cut_m", cut_m);
+  program.set("u_leaf_growth", 0.0F);
+}
+
+const Renderer::Impl::Shadow& Renderer::Impl::world_shadow(const PictureStyle& style) {
+  const float cut_m = cut_of(style);
+  if (const auto found = world_shadows.find(cut_m); found != world_shadows.end()) return found->second;
+  if (world_shadows.size() >= kShadowsKept) {
+    delete_target(gl, world_shadows.begin()->second.target);
+    world_shadows.erase(world_shadows.begin());
+  }
+
+  Shadow shadow;
+  Eigen::AlignedBox3f casters = world.casters_m();
+  if (casters.isEmpty()) casters.extend(Eigen::Vector3f::Zero());
+  casters.max().z() = std::max(casters.min().z(), std::min(casters.max().z(), cut_m));
+  float width_m = 1.0F;
+  const Eigen::Matrix4f clip_world = clip_of_sun(casters, width_m);
+  shadow.target = make_target(gl, kShadowTexels, kShadowTexels, {0, GL_DEPTH_COMPONENT16, 1, true});
+  shadow.texture_world = texture_of_clip() * clip_world;
+  shadow.texel_m = width_m / kShadowTexels;
+
+  gl.Viewport(0, 0, kShadowTexels, kShadowTexels);
+  gl.ClearDepth(1.0);
+  gl.DepthMask(GL_TRUE);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LESS);
+  gl.Enable(GL_CLIP_DISTANCE0);
+  gl.Enable(GL_POLYGON_OFFSET_FILL);
+  gl.PolygonOffset(1.5F, 2.0F);
+  set_mesh_uniforms(depth_program, clip_world, cut_m);
+  DrawSelection selection;
+  selection.frustum = frustum_of(clip_world);
+  selection.parallel = true;
+  selection.pixels_at_1m = 1.0F / shadow.texel_m;
+  selection.cut_m = cut_m;
+  world.draw(depth_program, selection);
+  gl.Disable(GL_POLYGON_OFFSET_FILL);
+  gl.Disable(GL_CLIP_DISTANCE0);
+  return world_shadows.emplace(cut_m, shadow).first->second;
+}
+
+void Renderer::Impl::draw_vehicle_shadow(const PictureScene& picture, const PictureStyle& style) {
+  if (vehicle_shadow.target.framebuffer == 0) {
+    vehicle_shadow.target =
+        make_target(gl, kVehicleShadowTexels, kVehicleShadowTexels, {0, GL_DEPTH_COMPONENT32F, 1, true});
+  }
+  Eigen::AlignedBox3f box;
+  for (std::size_t v = 0; v < std::min(picture.states.size(), vehicle_radii_m.size()); ++v) {
+    const Eigen::Vector3f p = picture.states[v].p_world_m.cast<float>();
+    const float r = vehicle_radii_m[v] * static_cast<float>(style.vehicle_scale);
+    box.extend(Eigen::Vector3f(p.array() - r));
+    box.extend(Eigen::Vector3f(p.array() + r));
+  }
+  if (box.isEmpty()) box.extend(Eigen::Vector3f::Zero());
+  float width_m = 1.0F;
+  const Eigen::Matrix4f clip_world = clip_of_sun(box, width_m);
+  vehicle_shadow.texture_world = texture_of_clip() * clip_world;
+  vehicle_shadow.texel_m = width_m / kVehicleShadowTexels;
+
+  gl.BindFramebuffer(GL_FRAMEBUFFER, vehicle_shadow.target.framebuffer);
+  gl.Viewport(0, 0, kVehicleShadowTexels, kVehicleShadowTexels);
+  gl.ClearDepth(1.0);
+  gl.DepthMask(GL_TRUE);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LESS);
+  gl.Enable(GL_POLYGON_OFFSET_FILL);
+  gl.PolygonOffset(1.5F, 2.0F);
+  set_mesh_uniforms(depth_program, clip_world, kNoCut_m);
+  vehicles.draw(picture.states, style.vehicle_scale, kNoVehicle);
+  gl.Disable(GL_POLYGON_OFFSET_FILL);
+}
+
+void Renderer::Impl::draw_opaque(const View& view, const PictureScene& picture, const PictureStyle& style) {
+  const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
+  set_mesh_uniforms(mesh_program, clip_world, cut_of(style));
+  const Shadow& shadow = world_shadows.at(cut_of(style));
+  mesh_program.set("u_eye_m", Eigen::Vector3f(view.eye_world_m.cast<float>()));
+  mesh_program.set("u_forward", Eigen::Vector3f(-view.T_camera_world.block<1, 3>(2, 0).transpose().cast<float>()));
+  mesh_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
+  mesh_program.set("u_sun", kSun);
+  mesh_program.set("u_haze_per_m", haze_per_m);
+  mesh_program.set("u_haze_color", kHaze);
+  mesh_program.set("u_grid", 0.45F);
+  mesh_program.set("u_shadow_world", shadow.texture_world);
+  mesh_program.set("u_vehicle_shadow_world", vehicle_shadow.texture_world);
+  mesh_program.set("u_shadow_texel_m", shadow.texel_m);
+  mesh_program.set("u_shadow", 0);
+  mesh_program.set("u_vehicle_shadow", 1);
+  gl.ActiveTexture(GL_TEXTURE1);
+  gl.BindTexture(GL_TEXTURE_2D, vehicle_shadow.target.depth);
+  gl.ActiveTexture(GL_TEXTURE0);
+  gl.BindTexture(GL_TEXTURE_2D, shadow.target.depth);
+
+  gl.Enable(GL_CLIP_DISTANCE0);
+  world.draw(mesh_program, select(view, style, clip_world));
+  gl.Disable(GL_CLIP_DISTANCE0);
+
+  // Vehicles: first faintly what is hidden by the world, then what is seen.
+  gl.Enable(GL_BLEND);
+  gl.DepthMask(GL_FALSE);
+  gl.DepthFunc(GL_LESS);
+  for (std::size_t v = 0; v < picture.states.size(); ++v) {
+    set_mesh_uniforms(ghost_program, clip_world, kNoCut_m);
+    ghost_program.set("u_color", with_alpha(vehicle_color(static_cast<VehicleId>(v)), 0.5F));
+    if (static_cast<VehicleId>(v) != style.hidden_vehicle) vehicles.draw_one(v, picture.states[v], style.vehicle_scale);
+  }
+  gl.Disable(GL_BLEND);
+  gl.DepthMask(GL_TRUE);
+  gl.DepthFunc(GL_GEQUAL);
+  mesh_program.use();
+  mesh_program.set("u_cut_m", kNoCut_m);
+  mesh_program.set("u_leaf_growth", 0.0F);
+  vehicles.draw(picture.states, style.vehicle_scale, style.hidden_vehicle);
+}
+
+void Renderer::Impl::draw_sky(const View& view) {
+  sky_program.use();
+  sky_program.set("u_world_clip", Eigen::Matrix4f(view.clip_world().inverse().cast<float>()));
+  sky_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
+  sky_program.set("u_haze_color", kHaze);
+  sky_program.set("u_sun", kSun);
+  gl.BindVertexArray(empty_array);
+  gl.DepthMask(GL_FALSE);
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Renderer::Impl::darken_corners(const View& view) {
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, sampled.framebuffer);
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
+  gl.BlitFramebuffer(0, 0, view.width_px, view.height_px, 0, 0, view.width_px, view.height_px, GL_DEPTH_BUFFER_BIT,
+                     GL_NEAREST);
+
+  const Eigen::Matrix4f camera_clip = view.clip_camera.inverse().cast<float>();
+  gl.Disable(GL_DEPTH_TEST);
+  gl.BindVertexArray(empty_array);
+  gl.ActiveTexture(GL_TEXTURE0);
+  gl.BindTexture(GL_TEXTURE_2D, resolved.depth);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, openness.framebuffer);
+  gl.Viewport(0, 0, openness.width, openness.height);
+  occlusion_program.use();
+  occlusion_program.set("u_depth", 0);
+  occlusion_program.set("u_camera_clip", camera_clip);
+  occlusion_program.set("u_radius_m", 0.9F);
+  occlusion_program.set("u_pixels_at_1m", static_cast<float>(view.pixels_per_m(1.0)));
+  occlusion_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+
+  gl.ActiveTexture(GL_TEXTURE1);
+  gl.BindTexture(GL_TEXTURE_2D, openness.color);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
+  gl.Viewport(0, 0, view.width_px, view.height_px);
+  apply_occlusion_program.use();
+  apply_occlusion_program.set("u_depth", 0);
+  apply_occlusion_program.set("u_open", 1);
+  apply_occlusion_program.set("u_camera_clip", camera_clip);
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_ZERO, GL_SRC_COLOR);
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  gl.Disable(GL_BLEND);
+  gl.Enable(GL_DEPTH_TEST);
+}
+
+void Renderer::Impl::append_trails(const View& view, const PictureScene& picture, std::vector<ClipVertex>& outline,
+                                   std::vector<ClipVertex>& ribbon) const {
+  for (std::size_t v = 0; v < std::min(picture.trails_m.size(), picture.states.size()); ++v) {
+    std::vector<Eigen::Vector3f> points = picture.trails_m[v];
+    points.push_back(picture.states[v].p_world_m.cast<float>());
+    if (points.size() < 2) continue;
+    std::vector<Eigen::Vector4f> colors(points.size());
+    std::vector<Eigen::Vector4f> dark(points.size());
+    const Rgb color = vehicle_color(static_cast<VehicleId>(v));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const float age = 1.0F - static_cast<float>(i) / static_cast<float>(points.size() - 1);
+      const float alpha = 1.0F - 0.7F * age;
+      colors[i] = with_alpha(color, alpha);
+      dark[i] = with_alpha(0.18F * color, 0.75F * alpha);
+    }
+    append_polyline(view, points, dark, kTrailWidth_px + 2.4F, outline);
+    append_polyline(view, points, colors, kTrailWidth_px, ribbon);
+  }
+}
+
+void Renderer::Impl::draw_solid_overlay(const View& view, const Overlay& overlay, float cut_m) {
+  const bool cubes = overlay.kind == Overlay::Kind::kCubes;
+  const std::size_t corners = overlay.kind == Overlay::Kind::kTriangles ? 3 : 1;
+  const std::size_t n = overlay.positions.size() / corners;
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const bool opaque = is_opaque(overlay);
+  if (!opaque) {  // far ones first
+    const Eigen::Vector3f back = view.T_camera_world.block<1, 3>(2, 0).transpose().cast<float>();
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return back.dot(overlay.positions[corners * a]) < back.dot(overlay.positions[corners * b]);
+    });
+  }
+  gl.DepthMask(opaque ? GL_TRUE : GL_FALSE);
+  std::vector<Eigen::Vector4f> colors;
+  if (corners == 1) {
+    std::vector<Eigen::Vector4f> centre_size;
+    for (const std::size_t i : order) {
+      const Eigen::Vector3f& p = overlay.positions[i];
+      centre_size.emplace_back(p.x(), p.y(), p.z(), overlay.size_m);
+      colors.push_back(color_at(overlay, i));
+    }
+    marks.draw_solids(view, cubes ? MarkPainter::Solid::kCube : MarkPainter::Solid::kSphere, centre_size, colors, kSun,
+                      cut_m);
+  } else {
+    std::vector<Eigen::Vector3f> positions;
+    for (const std::size_t i : order) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        positions.push_back(overlay.positions[3 * i + c]);
+        colors.push_back(color_at(overlay, 3 * i + c));
+      }
+    }
+    marks.draw_triangles(view, positions, colors, kSun, cut_m);
+  }
+  gl.DepthMask(GL_FALSE);
+}
+
+void Renderer::Impl::draw_overlay(const View& view, const Overlay& overlay, float cut_m) {
+  std::vector<ClipVertex> lines;
+  switch (overlay.kind) {
+    case Overlay::Kind::kPoints: {
+      std::vector<PointVertex> points;
+      for (std::size_t i = 0; i < overlay.positions.size(); ++i)
+        points.push_back({overlay.positions[i], color_at(overlay, i)});
+      gl.DepthMask(is_opaque(overlay) ? GL_TRUE : GL_FALSE);
+      marks.draw_points(view, points, overlay.size_m, cut_m);
+      gl.DepthMask(GL_FALSE);
+      return;
+    }
+    case Overlay::Kind::kLines:
+      for (std::size_t i = 0; i + 1 < overlay.positions.size(); i += 2) {
+        const Eigen::Vector4f colors[] = {color_at(overlay, i), color_at(overlay, i + 1)};
+        append_polyline(view, std::span(overlay.positions).subspan(i, 2), colors, overlay.size_m, lines);
+      }
+      break;
+    case Overlay::Kind::kPolyline: {
+      std::vector<Eigen::Vector4f> colors;
+      for (std::size_t i = 0; i < overlay.positions.size(); ++i) colors.push_back(color_at(overlay, i));
+      append_polyline(view, overlay.positions, colors, overlay.size_m, lines);
+      break;
+    }
+    case Overlay::Kind::kCubes:
+    case Overlay::Kind::kSpheres:
+    case Overlay::Kind::kTriangles:
+      draw_solid_overlay(view, overlay, cut_m);
+      return;
+  }
+  marks.draw_clip(lines, 1.0F);
+}
+
+void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, const PictureStyle& style) {
+  gl.DepthFunc(GL_GEQUAL);
+  gl.Enable(GL_CLIP_DISTANCE0);
+  if (style.cloud != "none") {
+    gl.DepthMask(GL_TRUE);
+    marks.draw_points(view, colored_points(picture.clouds, style.cloud), kCloudPoint_m, cut_of(style));
+  }
+
+  gl.Enable(GL_BLEND);
+  gl.DepthMask(GL_FALSE);
+  // Opaque overlays first, so that translucent ones lie over them.
+  for (const bool opaque : {true, false}) {
+    for (const Overlay& overlay : picture.overlays) {
+      if (is_chosen(overlay, style.overlays) && is_opaque(overlay) == opaque)
+        draw_overlay(view, overlay, cut_of(style));
+    }
+  }
+  gl.Disable(GL_CLIP_DISTANCE0);
+
+  if (style.trails) {
+    std::vector<ClipVertex> outline;
+    std::vector<ClipVertex> ribbon;
+    append_trails(view, picture, outline, ribbon);
+    gl.DepthFunc(GL_LESS);  // hidden parts, faintly
+    marks.draw_clip(ribbon, 0.4F);
+    gl.DepthFunc(GL_GEQUAL);
+    marks.draw_clip(outline, 1.0F);
+    marks.draw_clip(ribbon, 1.0F);
+  }
+  std::vector<ClipVertex> discs;
+  vehicles.append_discs(view, picture.states, style.vehicle_scale, style.hidden_vehicle, discs);
+  marks.draw_clip(discs, 1.0F);
+  gl.Disable(GL_BLEND);
+}
+
+Image Renderer::Impl::read_picture() {
+  const int width = sampled.width;
+  const int height = sampled.height;
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, sampled.framebuffer);
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
+  gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved.framebuffer);
+  std::vector<std::uint8_t> rgba_bottom_up(static_cast<std::size_t>(width) * height * 4);
+  gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba_bottom_up.data());
+
+  Image image;
+  image.width = width;
+  image.height = height;
+  image.rgb.resize(static_cast<std::size_t>(width) * height * 3);
+  for (int y = 0; y < height; ++y) {
+    const std::uint8_t* from = rgba_bottom_up.data() + static_cast<std::size_t>(height - 1 - y) * width * 4;
+    std::uint8_t* to = image.pixel(0, y);
+    for (int x = 0; x < width; ++x, from += 4, to += 3) std::copy(from, from + 3, to);
+  }
+  return image;
+}
+
+Renderer::Renderer(const Scene& scene, std::span<const std::shared_ptr<const VehicleShape>> vehicle_shapes)
+    : impl_(std::make_unique<Impl>(scene, vehicle_shapes)) {}
+Renderer::~Renderer() = default;
+
+Image Renderer::draw(const View& view, const PictureScene& picture, const PictureStyle& style) {
+  Impl& r = *impl_;
+  r.context.make_current();
+  r.prepare_targets(view);
+  r.gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  r.gl.Disable(GL_BLEND);
+  r.world_shadow(style);
+  r.draw_vehicle_shadow(picture, style);
+
+  r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.sampled.framebuffer);
+  r.gl.Viewport(0, 0, view.width_px, view.height_px);
+  r.gl.ClearColor(0.0F, 0.0F, 0.0F, 1.0F);
+  r.gl.ClearDepth(0.0);
+  r.gl.DepthMask(GL_TRUE);
+  r.gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  r.gl.Enable(GL_DEPTH_TEST);
+  r.gl.DepthFunc(GL_GEQUAL);
+  r.draw_opaque(view, picture, style);
+  r.draw_sky(view);
+  r.darken_corners(view);
+  r.draw_marks(view, picture, style);
+  return r.read_picture();
+}
+
+DepthImage Renderer::draw_depth(const View& view, const PictureScene& picture, const PictureStyle& style) {
+  Impl& r = *impl_;
+  r.context.make_current();
+  r.prepare_targets(view);
+  const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
+  r.gl.Disable(GL_BLEND);
+  r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.resolved.framebuffer);
+  r.gl.Viewport(0, 0, view.width_px, view.height_px);
+  r.gl.ClearDepth(0.0);
+  r.gl.DepthMask(GL_TRUE);
+  r.gl.Clear(GL_DEPTH_BUFFER_BIT);
+  r.gl.Enable(GL_DEPTH_TEST);
+  r.gl.DepthFunc(GL_GEQUAL);
+  r.set_mesh_uniforms(r.depth_program, clip_world, cut_of(style));
+  r.gl.Enable(GL_CLIP_DISTANCE0);
+  r.world.draw(r.depth_program, r.select(view, style, clip_world));
+  r.gl.Disable(GL_CLIP_DISTANCE0);
+  r.set_mesh_uniforms(r.depth_program, clip_world, kNoCut_m);
+  r.vehicles.draw(picture.states, style.vehicle_scale, style.hidden_vehicle);
+
+  std::vector<float> bottom_up(static_cast<std::size_t>(view.width_px) * view.height_px);
+  r.gl.ReadPixels(0, 0, view.width_px, view.height_px, GL_DEPTH_COMPONENT, GL_FLOAT, bottom_up.data());
+  DepthImage image{view.width_px, view.height_px, {}};
+  image.depth_m.resize(bottom_up.size());
+  const Eigen::Matrix4d camera_clip = view.clip_camera.inverse();
+  for (int y = 0; y < view.height_px; ++y) {
+    for (int x = 0; x < view.width_px; ++x) {
+      const double depth = bottom_up[static_cast<std::size_t>(view.height_px - 1 - y) * view.width_px + x];
+      const double z = camera_clip(2, 2) * depth + camera_clip(2, 3);
+      const double w = camera_clip(3, 2) * depth + camera_clip(3, 3);
+      image.depth_m[static_cast<std::size_t>(y) * view.width_px + x] = depth > 0.0 ? static_cast<float>(-z / w) : 0.0F;
+    }
+  }
+  return image;
+}
+
+}  // namespace swiftlet::sim

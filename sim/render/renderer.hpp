@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/render/cameras.hpp"
+#include "sim/render/image.hpp"
+#include "sim/render/picture_scene.hpp"
+#include "sim/render/render_config.hpp"
+#include "sim/world/scene.hpp"
+#include "sim/world/vehicle_shape.hpp"
+
+namespace swiftlet::sim {
+
+/// What of a PictureScene is drawn, and how.
+struct PictureStyle {
+  std::string cloud = "none";  ///< as CameraConfig
+  bool trails = true;
+  std::vector<std::string> overlays;  ///< by name; "*": all
+  double vehicle_scale = 1.0;
+  VehicleId hidden_vehicle = kNoVehicle;  ///< the one that carries the camera
+  bool cut_above = false;
+  double cut_height_m = 3.0;
+  // For tests: neither changes what is seen from near.
+  bool cull = true;
+  bool reduce_leaves = true;
+};
+PictureStyle style_of(const CameraConfig& camera);
+
+/// Colours of a cloud's heights, for the legend.
+struct HeightScale {
+  float low_m = 0.0F;
+  float high_m = 1.0F;
+};
+HeightScale height_scale_of(std::span<const PictureCloud> clouds);
+
+/// Draws pictures of one world and its vehicles in software. The world is uploaded once. The same inputs give the same
+/// pixels on one machine. One thread at a time, not always the same.
+class Renderer {
+ public:
+  /// Throws std::runtime_error when there is no OpenGL context to be had.
+  Renderer(const Scene& scene, std::span<const std::shared_ptr<const VehicleShape>> vehicle_shapes);
+  ~Renderer();
+
+  Image draw(const View& view, const PictureScene& picture, const PictureStyle& style);
+  /// Depth of world and vehicles along the optical axis.
+  DepthImage draw_depth(const View& view, const PictureScene& picture, const PictureStyle& style);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace swiftlet::sim

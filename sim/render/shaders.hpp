@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// The programs of the renderer, GLSL 4.50.
+namespace swiftlet::sim::shaders {
+
+// World and vehicles: sun with shadow, hemisphere ambient, haze, grid on the ground.
+extern const char* const kMeshVertex;
+extern const char* const kMeshFragment;
+// Only depth, for shadow maps and depth pictures.
+extern const char* const kDepthFragment;
+// One colour, for what is hidden behind something.
+extern const char* const kGhostFragment;
+// Already projected triangles (lines, rotor discs).
+extern const char* const kClipVertex;
+extern const char* const kClipFragment;
+// Round points of a cloud.
+extern const char* const kPointVertex;
+extern const char* const kPointFragment;
+// Cubes and spheres of overlays, instanced; triangles of overlays.
+extern const char* const kSolidVertex;
+extern const char* const kSolidFragment;
+// A triangle over the whole picture: sky, ambient occlusion and its application.
+extern const char* const kScreenVertex;
+extern const char* const kSkyFragment;
+extern const char* const kOcclusionFragment;
+extern const char* const kApplyOcclusionFragment;
+
+}  // namespace swiftlet::sim::shaders

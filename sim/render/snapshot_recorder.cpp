@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/render/snapshot_recorder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "sim/render/cameras.hpp"
+#include "sim/render/captions.hpp"
+#include "sim/render/colors.hpp"
+#include "sim/render/picture_scene.hpp"
+#include "sim/render/png.hpp"
+#include "sim/render/range_image.hpp"
+#include "sim/render/renderer.hpp"
+#include "sim/sensors/sensor.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/scenario.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr TimeNs kHistoryStep = 20'000'000;  // trails and follow cameras look at the vehicles this often
+
+bool is_lidar(const CameraConfig& camera) { return camera.type.starts_with("lidar_"); }
+bool of_all_vehicles(const CameraConfig& camera) {
+  return camera.vehicle.empty() && (camera.type == "follow" || camera.type == "top");
+}
+
+std::string time_text(TimeNs t, const char* format) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, to_seconds(t));
+  return text.data();
+}
+
+/// One camera at work.
+struct Station {
+  CameraConfig config;
+  VehicleId vehicle = kNoVehicle;
+  Cameraman cameraman;
+};
+
+class SnapshotRecorder : public Recorder {
+ public:
+  explicit SnapshotRecorder(std::vector<CameraConfig> cameras) : cameras_(std::move(cameras)) {}
+
+  void begin(const RunInfo& info) override;
+  void write(const TickView& tick) override;
+  std::vector<std::filesystem::path> finish() override { return std::move(written_); }
+
+ private:
+  using ScanKey = std::pair<VehicleId, std::string>;  // vehicle and sensor
+
+  VehicleId vehicle_of(const CameraConfig& camera, std::size_t index) const;
+  void remember(const TickView& tick);
+  void fill_clouds(const TickView& tick);
+  Image take(const Station& station, const std::filesystem::path& stem);
+  Image take_of_scan(const Station& station) const;
+  Image take_of_depth(const Station& station, const std::filesystem::path& stem);
+  Image take_of_world(const Station& station);
+  std::string caption_of(const Station& station) const;
+  Renderer& renderer();
+  bool needs_scans() const {
+    return std::any_of(cameras_.begin(), cameras_.end(),
+                       [](const auto& c) { return is_lidar(c) || c.cloud != "none"; });
+  }
+
+  std::vector<CameraConfig> cameras_;
+  RunInfo info_;
+  std::vector<Station> stations_;
+  std::unique_ptr<Renderer> renderer_;
+  std::map<ScanKey, std::shared_ptr<const LabelledScan>> latest_scans_;
+  PictureScene picture_;
+  TimeNs previous_ = -1;
+  std::optional<TimeNs> remembered_;
+  std::vector<std::filesystem::path> written_;
+};
+
+void SnapshotRecorder::begin(const RunInfo& info) {
+  info_ = info;
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    const CameraConfig& camera = cameras_[i];
+    const VehicleId vehicle = vehicle_of(camera, i);
+    std::vector<float> radii_m;
+    for (const auto& shape : info_.vehicle_shapes) {
+      radii_m.push_back(shape->circumscribed_radius_m * static_cast<float>(camera.vehicle_scale));
+    }
+    stations_.push_back({camera, vehicle, Cameraman(camera, vehicle, radii_m, info_.scene->bounds_m)});
+  }
+  picture_.trails_m.resize(info_.vehicle_names.size());
+}
+
+VehicleId SnapshotRecorder::vehicle_of(const CameraConfig& camera, std::size_t index) const {
+  if (of_all_vehicles(camera) || camera.type == "fixed") return kNoVehicle;
+  if (camera.vehicle.empty()) return info_.vehicle_names.empty() ? kNoVehicle : 0;
+  const auto found = std::find(info_.vehicle_names.begin(), info_.vehicle_names.end(), camera.vehicle);
+  if (found == info_.vehicle_names.end()) {
+    throw InputError("snapshots[" + std::to_string(index) + "].vehicle: expected the name of a vehicle, found \"" +
+                     camera.vehicle + "\"");
+  }
+  return static_cast<VehicleId>(found - info_.vehicle_names.begin());
+}
+
+void SnapshotRecorder::write(const TickView& tick) {
+  const bool due = wants_picture(cameras_, previous_, tick.t);
+  if (needs_scans()) {
+    for (std::size_t v = 0; v < tick.scans.size(); ++v) {
+      for (const auto& scan : tick.scans[v]) latest_scans_[{static_cast<VehicleId>(v), scan->scan.sensor}] = scan;
+    }
+  }
+  if (due || !remembered_ || tick.t - *remembered_ >= kHistoryStep) remember(tick);
+  if (due) {
+    fill_clouds(tick);
+    const std::filesystem::path folder = info_.directory / "snapshots";
+    std::filesystem::create_directories(folder);
+    for (const Station& station : stations_) {
+      if (!station.config.is_due(previous_, tick.t)) continue;
+      const std::filesystem::path stem = folder / (station.config.name + time_text(tick.t, "_%08.3fs"));
+      const std::filesystem::path path = stem.string() + ".png";
+      write_png(path, take(station, stem));
+      written_.push_back(path.lexically_relative(info_.directory));
+    }
+  }
+  previous_ = tick.t;
+}
+
+void SnapshotRecorder::remember(const TickView& tick) {
+  remembered_ = tick.t;
+  for (std::size_t v = 0; v < tick.states.size(); ++v) {
+    extend_trail(picture_.trails_m[v], tick.states[v].p_world_m.cast<float>());
+  }
+  for (Station& station : stations_) station.cameraman.update(tick.t, tick.states);
+}
+
+void SnapshotRecorder::fill_clouds(const TickView& tick) {
+  picture_.t = tick.t;
+  picture_.states.assign(tick.states.begin(), tick.states.end());
+  picture_.overlays.clear();
+  for (const Action* action : tick.actions) {
+    picture_.overlays.insert(picture_.overlays.end(), action->overlays.begin(), action->overlays.end());
+  }
+  picture_.clouds.clear();
+  const bool wanted = std::any_of(cameras_.begin(), cameras_.end(), [&](const CameraConfig& camera) {
+    return camera.cloud != "none" && camera.is_due(previous_, tick.t);
+  });
+  if (!wanted) return;
+  for (const auto& [key, scan] : latest_scans_) picture_.clouds.push_back(cloud_of(*scan, key.first));
+}
+
+Renderer& SnapshotRecorder::renderer() {
+  if (!renderer_) renderer_ = std::make_unique<Renderer>(*info_.scene, info_.vehicle_shapes);
+  return *renderer_;
+}
+
+Image SnapshotRecorder::take(const Station& station, const std::filesystem::path& stem) {
+  Image image = is_lidar(station.config)         ? take_of_scan(station)
+                : station.config.type == "depth" ? take_of_depth(station, stem)
+                                                 : take_of_world(station);
+  draw_caption(image, caption_of(station), time_text(picture_.t, "t = %.3f s"));
+  return image;
+}
+
+std::string SnapshotRecorder::caption_of(const Station& station) const {
+  std::string text = info_.scenario != nullptr ? info_.scenario->name : std::string();
+  text += (text.empty() ? "" : "  /  ") + station.config.name;
+  if (station.vehicle != kNoVehicle) text += "  /  " + info_.vehicle_names[static_cast<std::size_t>(station.vehicle)];
+  return text;
+}
+
+Image SnapshotRecorder::take_of_scan(const Station& station) const {
+  const CameraConfig& camera = station.config;
+  const auto quantity = camera.type == "lidar_range" ? ScanQuantity::kRange : ScanQuantity::kIntensity;
+  for (const auto& [key, scan] : latest_scans_) {
+    if (key.first != station.vehicle || (!camera.sensor.empty() && camera.sensor != key.second)) continue;
+    return draw_range_image(scan->scan, quantity, camera.width_px, camera.height_px, camera.max_range_m);
+  }
+  Image image(camera.width_px, camera.height_px, Rgb::Constant(0.05F));
+  draw_text(image, 0.5F * static_cast<float>(image.width), 0.5F * static_cast<float>(image.height), "no scan yet",
+            {.height_px = 1.5F * caption_height_px(image), .align = Align::kCentre});
+  return image;
+}
+
+Image SnapshotRecorder::take_of_depth(const Station& station, const std::filesystem::path& stem) {
+  PictureStyle style = style_of(station.config);
+  style.hidden_vehicle = station.vehicle;
+  const DepthImage depth = renderer().draw_depth(station.cameraman.view(picture_), picture_, style);
+  std::vector<std::uint16_t> millimetres(depth.depth_m.size());
+  std::transform(depth.depth_m.begin(), depth.depth_m.end(), millimetres.begin(),
+                 [](float d) { return static_cast<std::uint16_t>(std::min(65535.0F, std::round(1000.0F * d))); });
+  const std::filesystem::path path = stem.string() + ".mm.png";
+  write_png16(path, depth.width, depth.height, millimetres);
+  written_.push_back(path.lexically_relative(info_.directory));
+  return draw_depth_image(depth, station.config.max_range_m);
+}
+
+Image SnapshotRecorder::take_of_world(const Station& station) {
+  const CameraConfig& camera = station.config;
+  PictureStyle style = style_of(camera);
+  if (camera.type == "onboard") style.hidden_vehicle = station.vehicle;
+  const View view = station.cameraman.view(picture_);
+  Image image = renderer().draw(view, picture_, style);
+  if (camera.names && camera.type != "onboard") {
+    draw_names(image, view, picture_, info_.vehicle_names, camera.vehicle_scale);
+  }
+  if (view.orthographic) draw_scale_bar(image, view);
+  if (camera.cloud == "height" && !picture_.clouds.empty()) {
+    const HeightScale scale = height_scale_of(picture_.clouds);
+    draw_color_bar(image, {viridis_like, scale.low_m, scale.high_m, "z [m]"});
+  }
+  return image;
+}
+
+}  // namespace
+
+std::unique_ptr<Recorder> make_snapshot_recorder(std::vector<CameraConfig> cameras) {
+  return std::make_unique<SnapshotRecorder>(std::move(cameras));
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim/render/render_config.hpp"
+#include "swiftlet/sim/recorder.hpp"
+
+namespace swiftlet::sim {
+
+/// Takes the pictures of a scenario's `snapshots`: snapshots/CAMERA_0012.300s.png, and for depth cameras the depth in
+/// millimetres as 16-bit grey beside it (CAMERA_0012.300s.mm.png). OpenGL is asked for when the first picture is due.
+std::unique_ptr<Recorder> make_snapshot_recorder(std::vector<CameraConfig> cameras);
+
+}  // namespace swiftlet::sim

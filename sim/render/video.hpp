@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+#include "sim/render/image.hpp"
+
+namespace swiftlet::sim {
+
+/// Feeds pictures to the ffmpeg program, which makes an H.264 file of them (.mp4), complete when finish() returns.
+class VideoWriter {
+ public:
+  /// Throws std::runtime_error when ffmpeg is not installed.
+  VideoWriter(std::filesystem::path path, int width, int height, double frames_per_s);
+  /// Without finish(): stops ffmpeg and leaves no file.
+  ~VideoWriter();
+  VideoWriter(const VideoWriter&) = delete;
+  VideoWriter& operator=(const VideoWriter&) = delete;
+
+  /// Throws std::runtime_error when ffmpeg has ended, std::invalid_argument when the picture has another size.
+  void add(const Image& frame);
+  void finish();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  int width_ = 0;
+  int height_ = 0;
+  int pipe_ = -1;
+  int child_ = -1;
+};
+
+}  // namespace swiftlet::sim
