@@ -130,6 +130,7 @@ class ConfigVisitor {
   void list(const char* key, std::vector<T>& values, const char* doc) {
     std::size_t size = values.size();
     if (!begin_list(key, size, doc)) return;
+    if (starts_afresh()) values.clear();
     values.resize(size);
     for (std::size_t i = 0; i < values.size(); ++i) {
       begin_element(i);
@@ -163,6 +164,8 @@ class ConfigVisitor {
   virtual void end_element() = 0;
   virtual void end_list() = 0;
   virtual bool wants_example() const { return false; }
+  /// Does the list that has just begun replace the default elements, or keep them?
+  virtual bool starts_afresh() const { return false; }
 };
 
 }  // namespace swiftlet

@@ -66,11 +66,15 @@ struct Scenario {
   void visit(ConfigVisitor& v);
 };
 
-/// Reads a scenario with its `base:` chain and the overrides ("vehicles[0].start.yaw_deg", "90").
+/// Reads a scenario, by path or by the name of one that comes with Swiftlet, with its `base:` chain and the overrides
+/// ("vehicles[0].start.yaw_deg", "90").
 /// Throws InputError.
 Scenario load_scenario(const std::filesystem::path& file,
                        const std::vector<std::pair<std::string, std::string>>& overrides = {});
 /// The complete scenario with every default written out; load_scenario() of it gives the same scenario.
 std::string write_scenario(const Scenario& scenario);
+/// A scenario that was put together in code, checked as if it had been read, with empty names filled in.
+/// Throws InputError.
+Scenario validated(const Scenario& scenario);
 
 }  // namespace swiftlet::sim

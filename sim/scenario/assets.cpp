@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/scenario/assets.hpp"
+
+#include <map>
+#include <sstream>
+
+namespace swiftlet::sim {
+namespace {
+
+/// First sentence of the comment that a text begins with.
+std::string head_comment(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line, comment;
+  while (std::getline(lines, line) && line.starts_with('#')) {
+    line.erase(0, line.find_first_not_of("# "));
+    if (line.empty() && !comment.empty()) break;
+    comment += (comment.empty() ? "" : " ") + line;
+  }
+  const std::size_t end = std::min(comment.find(". "), comment.find(": "));
+  if (end != std::string::npos) comment.resize(end);
+  if (comment.ends_with('.')) comment.pop_back();
+  return comment;
+}
+
+}  // namespace
+
+std::vector<Asset> list_assets(const std::string& folder, const ConfigFiles& files) {
+  std::vector<std::filesystem::path> folders = files.scenario_roots();
+  if (folder != "scenarios") {
+    folders = files.asset_roots();
+    for (std::filesystem::path& root : folders) root /= folder;
+  }
+  std::map<std::string, std::string> docs;
+  for (const std::filesystem::path& where : folders) {
+    for (const std::string& file : files.list(where)) {
+      if (!file.ends_with(".yaml") || !files.is_file(where / file)) continue;
+      const std::string name = file.substr(0, file.size() - 5);
+      // The first folder wins, as it does for the reader.
+      if (!docs.contains(name)) docs[name] = head_comment(files.read(where / file));
+    }
+  }
+  std::vector<Asset> assets;
+  for (const auto& [name, doc] : docs) assets.push_back({name, doc});
+  return assets;
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/sim/scenario.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "core/agent/registry.hpp"
+#include "sim/scenario/suggest.hpp"
+#include "sim/scenario/yaml_reader.hpp"
+#include "sim/scenario/yaml_writer.hpp"
+#include "sim/sensors/sensor.hpp"
+#include "sim/world/world.hpp"
+#include "swiftlet/core/time.hpp"
+#include "swiftlet/sim/recorder.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr std::size_t kMaxVehicles = 10'000;
+constexpr const char* kNameRule = "a name of letters, digits, '_', '-' and '.' (it becomes a file name)";
+
+/// Names become names of files and folders.
+bool is_file_name(std::string_view name) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
+  };
+  return !name.empty() && name.size() <= 64 && name.front() != '.' && name.front() != '-' &&
+         std::all_of(name.begin(), name.end(), allowed);
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string element(const char* list, std::size_t index, const char* key) {
+  return std::string(list) + "[" + std::to_string(index) + "]." + key;
+}
+
+/// Good and unlike those before it; `key` tells where it stands.
+void check_name(ConfigVisitor& v, const std::string& name, const std::vector<std::string>& earlier,
+                const std::string& key) {
+  v.check(is_file_name(name), key.c_str(), kNameRule);
+  v.check(!contains(earlier, name), key.c_str(), "a name that is not taken yet");
+}
+
+void check_exists(ConfigVisitor& v, const std::string& name, const std::vector<std::string>& known,
+                  const std::string& key) {
+  if (name.empty() || contains(known, name)) return;
+  v.check(false, key.c_str(), one_of(known) + did_you_mean(name, known));
+}
+
+/// X configuration at the default arm's length, numbered as x500.yaml does.
+std::vector<Rotor> quad_rotors(const Airframe& airframe) {
+  const double reach_m = airframe.arm_length_m * 0.70710678118654752;
+  const double height_m = 0.5 * airframe.body_height_m;
+  return {{{reach_m, -reach_m, height_m}, "ccw"},
+          {{-reach_m, reach_m, height_m}, "ccw"},
+          {{reach_m, reach_m, height_m}, "cw"},
+          {{-reach_m, -reach_m, height_m}, "cw"}};
+}
+
+std::string sensor_name(const Module& sensor) {
+  const auto* config = dynamic_cast<const SensorConfig*>(sensor.config.get());
+  return config == nullptr ? "" : config->name;
+}
+
+/// Sensors without a name are named by their type.
+void name_sensors(ConfigVisitor& v, std::vector<Module>& sensors) {
+  std::vector<std::string> names;
+  bool unique = true;
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const std::string name = sensor_name(sensors[i]);
+    if (name.empty()) continue;
+    check_name(v, name, names, element("sensors", i, "name"));
+    unique = unique && !contains(names, name);
+    names.push_back(name);
+  }
+  if (!unique) return;
+  names = sensor_names(sensors);
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    if (auto* config = dynamic_cast<SensorConfig*>(sensors[i].config.get())) config->name = names[i];
+  }
+}
+
+/// Vehicles without a name are uav1, uav2, ... by their place in the list.
+std::vector<std::string> name_vehicles(ConfigVisitor& v, std::vector<VehicleConfig>& vehicles) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    if (vehicles[i].name.empty()) vehicles[i].name = "uav" + std::to_string(i + 1);
+    check_name(v, vehicles[i].name, names, element("vehicles", i, "name"));
+    names.push_back(vehicles[i].name);
+  }
+  return names;
+}
+
+/// Names of the LiDARs that a camera may look through: those of its vehicle, of the first one when it names none.
+std::vector<std::string> lidars_of(const CameraConfig& camera, const std::vector<VehicleConfig>& vehicles) {
+  std::vector<std::string> names;
+  for (const VehicleConfig& vehicle : vehicles) {
+    if (!camera.vehicle.empty() && vehicle.name != camera.vehicle) continue;
+    for (const Module& sensor : vehicle.sensors) {
+      if (sensor.type == "lidar") names.push_back(sensor_name(sensor));
+    }
+    break;
+  }
+  return names;
+}
+
+void check_cameras(ConfigVisitor& v, const Scenario& scenario, const std::vector<std::string>& vehicle_names) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scenario.snapshots.size(); ++i) {
+    const CameraConfig& camera = scenario.snapshots[i];
+    check_name(v, camera.name, names, element("snapshots", i, "name"));
+    check_exists(v, camera.vehicle, vehicle_names, element("snapshots", i, "vehicle"));
+    const bool looks_through_lidar = camera.type.starts_with("lidar_");
+    if (looks_through_lidar)
+      check_exists(v, camera.sensor, lidars_of(camera, scenario.vehicles), element("snapshots", i, "sensor"));
+    names.push_back(camera.name);
+  }
+}
+
+void check_time(ConfigVisitor& v, const Scenario& scenario) {
+  const TimeNs step = from_seconds(scenario.physics.step_s);
+  const TimeNs tick = from_seconds(scenario.tick_s);
+  v.check(step > 0 && tick >= step && tick % step == 0, "tick_s", "a whole multiple of physics.step_s");
+  v.check(from_seconds(scenario.duration_s) >= tick, "duration_s", "at least one tick_s");
+}
+
+}  // namespace
+
+void StartConfig::visit(ConfigVisitor& v) {
+  v.field("position_m", position_m, "[m] of the centre of mass, world frame");
+  v.field("above_ground", above_ground, "[-] does z count from the ground below?");
+  v.field("yaw_deg", yaw_deg, "[deg] heading, counter-clockwise from east");
+  v.field("velocity_mps", velocity_mps, "[m/s] world frame");
+  v.field("flying", flying, "[-] do the rotors turn at hover speed at the start?");
+}
+
+VehicleConfig::VehicleConfig() : agent(agent_module_types(), agent_module_types().front().name) {
+  airframe.rotors = quad_rotors(airframe);
+}
+
+void VehicleConfig::visit(ConfigVisitor& v) {
+  v.model("model", model, "vehicles", "[-] airframe and controller gains");
+  v.field("name", name, "[-] unique; empty: uav1, uav2, ...");
+  v.object("airframe", airframe, "physical data, normally from the model");
+  v.object("start", start, "state at time 0");
+  v.modules("sensors", sensors, sensor_module_types(), "[-] what it carries");
+  v.module("agent", agent, agent_module_types(), "[-] its software");
+  name_sensors(v, sensors);
+  v.check(!airframe.rotors.empty(), "airframe.rotors", "at least one rotor");
+}
+
+void MetricsConfig::visit(ConfigVisitor& v) {
+  v.field("clearance_max_m", clearance_max_m, "[m] clearances beyond are reported as this", Range::positive());
+  v.field("stop_on_crash", stop_on_crash, "[-] end the run at the first crash?");
+  v.field("stop_when_done", stop_when_done, "[-] end the run when every mission is done, failed or crashed?");
+}
+
+Scenario::Scenario() : world(world_module_types(), "field"), vehicles(1) { vehicles[0].name = "uav1"; }
+
+void Scenario::visit(ConfigVisitor& v) {
+  v.field("name", name, "[-] of the run, and of its directory");
+  v.field("description", description, "[-] one sentence about it");
+  v.field("seed", seed, "[-] of every random number");
+  v.field("duration_s", duration_s, "[s] simulated time at which the run ends at the latest", Range{0.0, 1e7, true});
+  v.field("tick_s", tick_s, "[s] period of sensing and deciding; a whole multiple of physics.step_s",
+          Range{0.0, 1.0, true});
+  v.object("physics", physics, "which effects act on the vehicles");
+  v.module("world", world, world_module_types(), "[-] the static world, from a generator");
+  v.object("wind", wind, "mean wind and gusts");
+  v.object("radio", radio, "messages between vehicles");
+  v.list("vehicles", vehicles, "the team, in the order of their numbers");
+  v.modules("recorders", recorders, recorder_module_types(), "[-] what is written into the run directory");
+  v.list("snapshots", snapshots, "cameras that take pictures");
+  v.object("metrics", metrics, "what is measured and when the run ends");
+
+  v.check(is_file_name(name), "name", kNameRule);
+  check_time(v, *this);
+  v.check(vehicles.size() <= kMaxVehicles, "vehicles", "at most " + std::to_string(kMaxVehicles) + " vehicles");
+  check_cameras(v, *this, name_vehicles(v, vehicles));
+}
+
+Scenario load_scenario(const std::filesystem::path& file,
+                       const std::vector<std::pair<std::string, std::string>>& overrides) {
+  Scenario scenario;
+  read_config(
+      file, [&](ConfigVisitor& v) { scenario.visit(v); }, overrides);
+  return scenario;
+}
+
+std::string write_scenario(const Scenario& scenario) {
+  Scenario copy = scenario;  // visiting fills names in
+  return write_config([&](ConfigVisitor& v) { copy.visit(v); });
+}
+
+Scenario validated(const Scenario& scenario) {
+  Scenario checked;
+  read_config_text(write_scenario(scenario), scenario.name, [&](ConfigVisitor& v) { checked.visit(v); });
+  return checked;
+}
+
+}  // namespace swiftlet::sim

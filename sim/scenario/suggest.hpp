@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace swiftlet::sim {
+
+/// `; did you mean "rate_hz"?` when a candidate is near enough to `word` to be meant, otherwise nothing.
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
+
+/// `one of "a", "b", "c"`, shortened when there are many; `none` when there is nothing.
+std::string one_of(const std::vector<std::string>& words);
+
+}  // namespace swiftlet::sim

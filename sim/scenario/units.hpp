@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+/// Numbers with units: a key's suffix says its unit (`range_m`), a value may be written in another one ("20 cm").
+namespace swiftlet::sim {
+
+struct Unit {
+  const char* symbol;     ///< as typed after a number: "m/s"
+  const char* suffix;     ///< as it ends a key: "mps"; empty: not used for keys
+  const char* dimension;  ///< "a speed"
+  double numerator;       ///< this unit in the first unit of its dimension = numerator / denominator
+  double denominator;
+};
+
+/// The unit that a key's suffix names; null for a pure number and for compound units (`_per_`).
+const Unit* unit_of_key(std::string_view key);
+/// The unit written `symbol` of the same dimension as `unit`; null when there is none.
+const Unit* find_unit(std::string_view symbol, const Unit& unit);
+/// `value` of unit `from` expressed in `to`. Exact where the ratio is a whole number and the result representable.
+double convert(double value, const Unit& from, const Unit& to);
+
+/// A number and what follows it, without the blanks between: {20, "cm"}. Empty when `text` does not start with a
+/// finite decimal number.
+struct Quantity {
+  double value;
+  std::string_view unit;
+};
+std::optional<Quantity> parse_quantity(std::string_view text);
+
+/// Shortest text that parses back to the same double.
+std::string shortest(double value);
+
+}  // namespace swiftlet::sim

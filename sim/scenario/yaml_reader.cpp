@@ -1,0 +1,569 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/scenario/yaml_reader.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include "sim/scenario/document.hpp"
+#include "sim/scenario/loader.hpp"
+#include "sim/scenario/suggest.hpp"
+#include "sim/scenario/units.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using Kind = Node::Kind;
+
+constexpr std::size_t kMaxErrors = 20;
+constexpr std::size_t kMaxObjects = 100'000;
+
+/// "a number > 0", "a whole number in [2, 6]".
+std::string phrase(const Range& range, const std::string& number = "a number") {
+  const bool below = std::isfinite(range.min), above = std::isfinite(range.max);
+  if (below && above) {
+    return number + " in " + (range.min_excluded ? "(" : "[") + shortest(range.min) + ", " + shortest(range.max) +
+           (range.max_excluded ? ")" : "]");
+  }
+  if (below) return number + (range.min_excluded ? " > " : " >= ") + shortest(range.min);
+  if (above) return number + (range.max_excluded ? " < " : " <= ") + shortest(range.max);
+  return number;
+}
+
+bool contains(const Range& range, double value) {
+  return (range.min_excluded ? value > range.min : value >= range.min) &&
+         (range.max_excluded ? value < range.max : value <= range.max);
+}
+
+std::vector<std::string> names_of(std::span<const ModuleType> types) {
+  std::vector<std::string> names;
+  for (const ModuleType& type : types) names.emplace_back(type.name);
+  return names;
+}
+
+Node scalar_node(const std::string& text, const Place& place) {
+  Node node;
+  node.kind = Kind::kScalar;
+  node.text = text;
+  node.place = place;
+  return node;
+}
+
+Node to_node(double value, const Place& place) { return scalar_node(shortest(value), place); }
+
+Node to_node(const std::string& value, const Place& place) {
+  Node node = scalar_node(value, place);
+  node.quoted = true;
+  return node;
+}
+
+Node to_node(const Eigen::Vector3d& value, const Place& place) {
+  Node node;
+  node.kind = Kind::kList;
+  node.place = place;
+  for (const double x : value) node.items.push_back(to_node(x, place));
+  return node;
+}
+
+template <class Values>
+Node list_node(const Values& values, const Place& place) {
+  Node node;
+  node.kind = Kind::kList;
+  node.place = place;
+  for (const auto& value : values) node.items.push_back(to_node(value, place));
+  return node;
+}
+
+class YamlReader final : public ConfigVisitor {
+ public:
+  YamlReader(const Node& root, Loader& loader) : loader_(loader) { push(&root, root.place, ""); }
+
+  void finish() {
+    pop();
+    report();
+  }
+
+  // --- leaves ---
+
+  void field(const char* key, bool& value, const char*) override {
+    if (const Node* node = take(key)) {
+      if (node->is_scalar() && !node->quoted && (node->text == "true" || node->text == "false")) {
+        value = node->text == "true";
+      } else {
+        static constexpr const char* kYes[] = {"yes", "Yes", "on", "On", "True", "TRUE", "1"};
+        static constexpr const char* kNo[] = {"no", "No", "off", "Off", "False", "FALSE", "0"};
+        const auto is = [&](const char* word) { return node->text == word; };
+        const char* hint = std::any_of(std::begin(kYes), std::end(kYes), is) ? "; did you mean \"true\"?"
+                           : std::any_of(std::begin(kNo), std::end(kNo), is) ? "; did you mean \"false\"?"
+                                                                             : "";
+        error(*node, key, "true or false", hint);
+      }
+    }
+    show(key, value ? "true" : "false");
+  }
+
+  void field(const char* key, int& value, const char*, Range range) override {
+    if (const Node* node = take(key)) {
+      const std::string expected = phrase(range, "a whole number");
+      constexpr double kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
+      if (const auto number = read_number(*node, key, key, expected)) {
+        if (*number != std::floor(*number) || *number < kMin || *number > kMax || !contains(range, *number)) {
+          error(*node, key, expected);
+        } else {
+          value = static_cast<int>(*number);
+        }
+      }
+    }
+    show(key, std::to_string(value));
+  }
+
+  void field(const char* key, std::uint64_t& value, const char*) override {
+    if (const Node* node = take(key)) {
+      std::uint64_t number = 0;
+      const char* end = node->text.data() + node->text.size();
+      const auto [stop, problem] = std::from_chars(node->text.data(), end, number);
+      if (!node->is_scalar() || node->quoted || problem != std::errc() || stop != end) {
+        error(*node, key, "a whole number in [0, 18446744073709551615]");
+      } else {
+        value = number;
+      }
+    }
+    show(key, std::to_string(value));
+  }
+
+  void field(const char* key, double& value, const char*, Range range) override {
+    if (const Node* node = take(key)) read_double(*node, key, key, value, range);
+    show(key, shortest(value));
+  }
+
+  void field(const char* key, std::string& value, const char*) override {
+    if (const Node* node = take(key)) read_text(*node, key, value);
+    show(key, value);
+  }
+
+  void field(const char* key, Eigen::Vector2d& value, const char*, Range range) override {
+    read_fixed(key, value, range);
+  }
+  void field(const char* key, Eigen::Vector3d& value, const char*, Range range) override {
+    read_fixed(key, value, range);
+  }
+
+  void field(const char* key, std::vector<double>& value, const char*, Range range) override {
+    read_list(key, value, "a list of numbers",
+              [&](const Node& item, const std::string& path, double& x) { read_double(item, path, key, x, range); });
+  }
+  void field(const char* key, std::vector<std::string>& value, const char*) override {
+    read_list(key, value, "a list of words",
+              [&](const Node& item, const std::string& path, std::string& x) { read_text(item, path, x); });
+  }
+  void field(const char* key, std::vector<Eigen::Vector3d>& value, const char*, Range range) override {
+    read_list(
+        key, value, "a list of lists of 3 numbers",
+        [&](const Node& item, const std::string& path, Eigen::Vector3d& x) { read_vector(item, path, key, x, range); });
+  }
+
+  void choice(const char* key, std::string& value, std::span<const char* const> words, const char*) override {
+    if (const Node* node = take(key)) {
+      const std::vector<std::string> known(words.begin(), words.end());
+      if (node->is_scalar() && std::find(known.begin(), known.end(), node->text) != known.end()) {
+        value = node->text;
+      } else {
+        error(*node, key, one_of(known), node->is_scalar() ? did_you_mean(node->text, known) : "");
+      }
+    }
+    show(key, value);
+  }
+
+  // --- other files ---
+
+  void file(const char* key, std::string& path, const char*) override {
+    const Node* node = take(key);
+    if (node != nullptr && !read_text(*node, key, path)) return;
+    show(key, path);
+    if (path.empty()) return;
+    const Place place = node != nullptr ? node->place : Place{};
+    attempt(place, [&] { path = loader_.find_file(path, place, at(key)).string(); });
+  }
+
+  void model(const char* key, std::string& name, const char* folder, const char*) override {
+    const Node* node = take(key);
+    if (node != nullptr && !read_text(*node, key, name)) return;
+    show(key, name);
+    if (name.empty()) return;
+    const Place place = node != nullptr ? node->place : top().place;
+    attempt(place, [&] { lay_on_asset(key, name, folder, place); });
+  }
+
+  // --- modules ---
+
+  void module(const char* key, Module& value, std::span<const ModuleType> types, const char*) override {
+    const Node* node = take(key);
+    const Place place = node != nullptr ? node->place : top().place;
+    read_module(value, node, place, at(key), types, false);
+  }
+
+  void modules(const char* key, std::vector<Module>& values, std::span<const ModuleType> types, const char*) override {
+    std::size_t size = values.size();
+    begin_list(key, size, "");
+    const List list = std::move(lists_.back());
+    lists_.pop_back();
+    if (list.fresh) values.clear();
+    values.resize(size);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const Node* node = list.elements[i];
+      const std::string path = list.path + "[" + std::to_string(i) + "]";
+      read_module(values[i], node, node != nullptr ? node->place : list.place, path, types, list.fresh);
+    }
+  }
+
+  // --- checks ---
+
+  void check(bool ok, const char* key, const std::string& expected) override {
+    // Follow-ups of another mistake help nobody.
+    if (ok || !errors_.empty()) return;
+    Place place = top().place;
+    const Node* node = find(key, place);
+    std::string found;
+    if (node != nullptr && node->is_scalar()) found = ", found " + quote(node->text);
+    if (const auto shown = top().shown.find(key); node == nullptr && shown != top().shown.end()) {
+      found = ", found " + quote(shown->second) + " by default";
+    }
+    const std::size_t hint = std::min(expected.find("; did you mean"), expected.size());
+    add_error(place, at(key), "expected " + expected.substr(0, hint) + found + expected.substr(hint));
+  }
+
+ protected:
+  bool begin_object(const char* key, const char*) override {
+    const Node* node = take(key);
+    push(node, node != nullptr ? node->place : top().place, at(key));
+    return true;
+  }
+  void end_object() override { pop(); }
+
+  bool begin_list(const char* key, std::size_t& size, const char*) override {
+    const Node* node = take(key);
+    List list{node != nullptr ? node->place : top().place, at(key), {}, node != nullptr && node->is_list()};
+    if (list.fresh) {
+      for (const Node& item : node->items) list.elements.push_back(&item);
+    } else {
+      list.elements.assign(size, nullptr);
+      if (node != nullptr && node->kind == Kind::kElements) {
+        change_default_elements(list, *node);
+      } else if (node != nullptr) {
+        error(*node, key, "a list");
+      }
+    }
+    size = list.elements.size();
+    lists_.push_back(std::move(list));
+    return true;
+  }
+  bool starts_afresh() const override { return lists_.back().fresh; }
+
+  void begin_element(std::size_t index) override {
+    const List& list = lists_.back();
+    const Node* node = list.elements[index];
+    push(node, node != nullptr ? node->place : list.place, list.path + "[" + std::to_string(index) + "]");
+  }
+  void end_element() override { pop(); }
+  void end_list() override { lists_.pop_back(); }
+
+ private:
+  struct Frame {
+    const Node* node = nullptr;  ///< null: nothing given, all defaults
+    Place place;
+    std::string path;
+    std::vector<std::string> known;            ///< keys that the visit has named
+    std::map<std::string, std::string> shown;  ///< values of leaves, for check()
+  };
+  struct List {
+    Place place;
+    std::string path;
+    std::vector<const Node*> elements;  ///< null: the element stays as it is by default
+    bool fresh = false;                 ///< the text gives the whole list, instead of changes to the default one
+  };
+  struct Error {
+    Place place;
+    std::string line;
+  };
+
+  Frame& top() { return frames_.back(); }
+  std::string at(const std::string& key) const { return join_path(frames_.back().path, key); }
+  void show(const char* key, std::string value) { top().shown[key] = std::move(value); }
+
+  /// The value of a key of the current object; null when it is not given.
+  const Node* take(const char* key) {
+    top().known.emplace_back(key);
+    return top().node == nullptr ? nullptr : top().node->find(key);
+  }
+
+  void push(const Node* node, const Place& place, const std::string& path) {
+    if (++num_objects_ > kMaxObjects) {
+      fail(place, path, "expected at most " + std::to_string(kMaxObjects) + " objects, found more");
+    }
+    if (node != nullptr && !node->is_map()) {
+      add_error(node->place, path, "expected a map of keys, found " + describe(*node));
+      node = nullptr;
+    }
+    frames_.push_back({node, place, path, {}, {}});
+  }
+
+  void pop() {
+    if (const Node* node = top().node) {
+      for (const Entry& entry : node->entries) {
+        const auto& known = top().known;
+        if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
+        std::string hint = did_you_mean(entry.key, known);
+        const std::string expected = hint.empty() ? one_of(known) : "a known key";
+        add_error(entry.place, at(entry.key), "expected " + expected + ", found " + quote(entry.key) + hint);
+      }
+    }
+    frames_.pop_back();
+  }
+
+  // --- errors ---
+
+  void error(const Node& node, const std::string& key, const std::string& expected, const std::string& hint = "") {
+    std::string found = describe(node);
+    if (node.is_scalar() && node.quoted) found = "the quoted text " + found;
+    add_error(node.place, at(key), "expected " + expected + ", found " + found + hint);
+  }
+
+  void add_error(const Place& place, const std::string& path, const std::string& message) {
+    std::string line = error_line(place, path, message);
+    // An asset used twice is wrong once.
+    const std::string known = place.line > 0 ? place.str() : line;
+    if (!places_.insert(known).second) return;
+    errors_.push_back({place, std::move(line)});
+    if (errors_.size() >= kMaxErrors) report();
+  }
+
+  /// Runs what may end in an InputError of its own and collects that.
+  template <class Action>
+  void attempt(const Place& place, const Action& action) {
+    try {
+      action();
+    } catch (const InputError& problem) {
+      if (places_.insert(problem.what()).second) errors_.push_back({place, problem.what()});
+      if (errors_.size() >= kMaxErrors) report();
+    }
+  }
+
+  /// Throws the errors in the order of the text, those of other files behind.
+  void report() {
+    if (errors_.empty()) return;
+    const std::string first = frames_.empty() || !frames_[0].place.source ? "" : frames_[0].place.source->name;
+    const auto order = [&](const Error& error) {
+      const std::string name = error.place.source ? error.place.source->name : "";
+      return std::make_tuple(name != first, name, error.place.line, error.place.column);
+    };
+    std::stable_sort(errors_.begin(), errors_.end(),
+                     [&](const Error& a, const Error& b) { return order(a) < order(b); });
+    std::string text;
+    for (const Error& error : errors_) text += (text.empty() ? "" : "\n") + error.line;
+    throw InputError(text);
+  }
+
+  // --- values; `path` is relative to the current object, `key` tells the unit ---
+
+  std::optional<double> read_number(const Node& node, const std::string& path, const char* key,
+                                    const std::string& expected) {
+    const auto quantity = node.is_scalar() && !node.quoted ? parse_quantity(node.text) : std::nullopt;
+    if (!quantity) {
+      error(node, path, expected);
+      return std::nullopt;
+    }
+    if (quantity->unit.empty()) return quantity->value;
+    const Unit* unit = unit_of_key(key);
+    const Unit* given = unit == nullptr ? nullptr : find_unit(quantity->unit, *unit);
+    if (given == nullptr) {
+      error(node, path, unit == nullptr ? expected : std::string(unit->dimension) + " in " + unit->symbol);
+      return std::nullopt;
+    }
+    return convert(quantity->value, *given, *unit);
+  }
+
+  void read_double(const Node& node, const std::string& path, const char* key, double& value, const Range& range) {
+    const auto number = read_number(node, path, key, phrase(range));
+    if (!number) return;
+    if (!std::isfinite(*number) || !contains(range, *number)) return error(node, path, phrase(range));
+    value = *number;
+  }
+
+  bool read_text(const Node& node, const std::string& path, std::string& value) {
+    if (!node.is_scalar()) {
+      error(node, path, "a text");
+      return false;
+    }
+    value = node.text;
+    return true;
+  }
+
+  template <class Vector>
+  void read_vector(const Node& node, const std::string& path, const char* key, Vector& value, const Range& range) {
+    if (!node.is_list() || static_cast<Eigen::Index>(node.items.size()) != value.size()) {
+      return error(node, path, "a list of " + std::to_string(value.size()) + " numbers");
+    }
+    for (Eigen::Index i = 0; i < value.size(); ++i) {
+      const std::string element = path + "[" + std::to_string(i) + "]";
+      read_double(node.items[static_cast<std::size_t>(i)], element, key, value[i], range);
+    }
+  }
+
+  template <class Vector>
+  void read_fixed(const char* key, Vector& value, const Range& range) {
+    const Node* node = take(key);
+    if (node == nullptr) return;
+    const Node whole = with_default(*node, list_node(value, node->place), key);
+    read_vector(whole, key, key, value, range);
+  }
+
+  template <class T, class ReadItem>
+  void read_list(const char* key, std::vector<T>& values, const char* expected, const ReadItem& read_item) {
+    const Node* node = take(key);
+    if (node == nullptr) return;
+    const Node whole = with_default(*node, list_node(values, node->place), key);
+    if (!whole.is_list()) return error(whole, key, expected);
+    values.assign(whole.items.size(), T{});
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      read_item(whole.items[i], std::string(key) + "[" + std::to_string(i) + "]", values[i]);
+    }
+  }
+
+  /// Changes to single elements are made on the default; anything else stands for itself.
+  Node with_default(const Node& node, Node defaults, const char* key) {
+    if (node.kind != Kind::kElements) return node;
+    try {
+      merge(defaults, node, at(key));
+    } catch (const InputError& problem) {
+      attempt(node.place, [&] { throw problem; });
+    }
+    return defaults;
+  }
+
+  // --- objects ---
+
+  /// `[0]` and `[*]` on a list that only the struct's default has.
+  void change_default_elements(List& list, const Node& changes) {
+    Node elements;
+    elements.kind = Kind::kList;
+    elements.items.resize(list.elements.size());
+    for (Node& item : elements.items) {
+      item.kind = Kind::kMap;
+      item.place = changes.place;
+    }
+    attempt(changes.place, [&] {
+      merge(elements, changes, list.path);
+      owned_.push_back(std::move(elements));
+      for (std::size_t i = 0; i < list.elements.size(); ++i) list.elements[i] = &owned_.back().items[i];
+    });
+  }
+
+  void read_module(Module& value, const Node* node, const Place& place, const std::string& path,
+                   std::span<const ModuleType> types, bool type_required) {
+    const Node* type = node;  // `detector: vofod` is short for `detector: {type: vofod}`
+    if (node != nullptr && node->is_map()) type = node->find("type");
+    const std::vector<std::string> known = names_of(types);
+    if (type == nullptr && type_required) {
+      return add_error(place, join_path(path, "type"), "expected " + one_of(known) + ", found nothing");
+    }
+    if (type != nullptr) {
+      if (!type->is_scalar() || std::find(known.begin(), known.end(), type->text) == known.end()) {
+        const std::string hint = type->is_scalar() ? did_you_mean(type->text, known) : "";
+        return add_error(type->place, type == node ? path : join_path(path, "type"),
+                         "expected " + one_of(known) + ", found " + describe(*type) + hint);
+      }
+      if (value.type != type->text || !value.config) value = Module(types, type->text);
+    }
+    if (!value.config && !types.empty()) value = Module(types, types.front().name);
+    if (!value.config) return;
+    push(type == node ? nullptr : node, place, path);
+    top().known.emplace_back("type");
+    value.config->visit(*this);
+    pop();
+  }
+
+  /// Puts the asset's keys under those of the current object.
+  void lay_on_asset(const std::string& key, std::string& name, const char* folder, const Place& place) {
+    const std::string path = at(key);
+    const Node& asset = loader_.load_asset(name, folder, place, path);
+    if (const Node* chain = asset.find(key)) {
+      fail(chain->place, path, "expected an asset that builds on another one by `base:`, found " + quote(key));
+    }
+    const Node* node = top().node;
+    const Node* type = node == nullptr ? nullptr : node->find("type");
+    const Node* asset_type = asset.find("type");
+    if (type != nullptr && asset_type != nullptr && asset_type->text != type->text) {
+      fail(place, path,
+           "expected an asset of type " + quote(type->text) + ", found " + quote(name) + ", which is of type " +
+               quote(asset_type->text));
+    }
+    num_asset_nodes_ += num_nodes(asset);
+    if (num_asset_nodes_ > 2 * kMaxNodes) fail(place, path, "expected smaller assets, found too many values in all");
+    owned_.push_back(asset);
+    if (node != nullptr) merge(owned_.back(), *node, top().path);
+    top().node = &owned_.back();
+    // A path is kept in full, so that the resolved configuration finds it from anywhere.
+    if (name.ends_with(".yaml") || name.ends_with(".yml")) name = loader_.find_file(name, place, path).string();
+  }
+
+  /// The value at a path such as "start.yaw_deg" or "vehicles[1].name"; `place` becomes that of what lies nearest.
+  const Node* find(std::string_view path, Place& place) const {
+    const Node* node = frames_.back().node;
+    while (node != nullptr && !path.empty()) {
+      const std::size_t end = std::min(path.find_first_of(".[]"), path.size());
+      const std::string_view part = path.substr(0, end);
+      std::size_t index = 0;
+      if (node->is_list() && std::from_chars(part.data(), part.data() + part.size(), index).ec == std::errc()) {
+        node = index < node->items.size() ? &node->items[index] : nullptr;
+      } else {
+        node = node->find(part);
+      }
+      if (node != nullptr) place = node->place;
+      path.remove_prefix(end);
+      while (!path.empty() && path.find_first_of(".[]") == 0) path.remove_prefix(1);
+    }
+    return node;
+  }
+
+  Loader& loader_;
+  std::deque<Frame> frames_;
+  std::vector<List> lists_;
+  std::deque<Node> owned_;  ///< trees made here: objects laid on assets
+  std::vector<Error> errors_;
+  std::set<std::string> places_;
+  std::size_t num_objects_ = 0;
+  std::size_t num_asset_nodes_ = 0;
+};
+
+void read(Node document, Loader& loader, const ConfigVisit& visit, const Overrides& overrides) {
+  for (const auto& [path, value] : overrides) merge(document, parse_override(path, value));
+  YamlReader reader(document, loader);
+  try {
+    visit(reader);
+  } catch (const std::invalid_argument& problem) {
+    fail({document.place.source, 0, 0}, "", problem.what());
+  }
+  reader.finish();
+}
+
+}  // namespace
+
+void read_config(const std::filesystem::path& file, const ConfigVisit& visit, const Overrides& overrides,
+                 const ConfigFiles& files) {
+  Loader loader(files);
+  read(loader.load(file), loader, visit, overrides);
+}
+
+void read_config_text(const std::string& text, const std::filesystem::path& name, const ConfigVisit& visit,
+                      const Overrides& overrides, const ConfigFiles& files) {
+  Loader loader(files);
+  read(loader.load_text(text, name), loader, visit, overrides);
+}
+
+}  // namespace swiftlet::sim
