@@ -77,6 +77,14 @@ TEST(VehicleShape, ArmsReachTheHubsAndNothingLeavesTheCircumscribedSphere) {
   EXPECT_GE(shape.circumscribed_radius_m, static_cast<float>(airframe.circumscribed_radius_m()) - 1e-5F);
 }
 
+TEST(VehicleShape, StandsOnItsLegsAtTheHeightThatTheAirframeSays) {
+  Airframe airframe = make_airframe(4, 0.25);
+  airframe.leg_height_m = 0.23;
+  float lowest_m = 0.0F;
+  for (const Mesh& mesh : make_vehicle_shape(airframe).meshes) lowest_m = std::min(lowest_m, bounds_m(mesh).min().z());
+  EXPECT_NEAR(lowest_m, -0.23F, 0.002F);
+}
+
 // The solidity of a rotor: area of its blades over the area of its disc. A blade is a trapezoid from 0.12 R to R whose
 // chord falls to 0.45 of its width.
 TEST(VehicleShape, BladesCoverTheAreaOfTheirTrapezoids) {
