@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/render/gl_functions.hpp"
+#include "sim/render/gl_functions_internal.hpp"
 
 #include <stdexcept>
 #include <string>

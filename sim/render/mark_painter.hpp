@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/render/cameras.hpp"
-#include "sim/render/gl_objects.hpp"
+#include "sim/render/gl_objects_internal.hpp"
 #include "sim/render/wide_lines.hpp"
 
 namespace swiftlet::sim {

@@ -8,7 +8,7 @@
 
 #include "sim/render/colors.hpp"
 #include "sim/render/gl_context.hpp"
-#include "sim/render/gl_objects.hpp"
+#include "sim/render/gl_objects_internal.hpp"
 #include "sim/render/mark_painter.hpp"
 #include "sim/render/shaders.hpp"
 #include "sim/render/vehicle_painter.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/render/cameras.hpp"
-#include "sim/render/gl_objects.hpp"
+#include "sim/render/gl_objects_internal.hpp"
 #include "sim/render/wide_lines.hpp"
 #include "sim/render/world_painter.hpp"
 #include "sim/world/vehicle_shape.hpp"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/render/cameras.hpp"
-#include "sim/render/gl_objects.hpp"
+#include "sim/render/gl_objects_internal.hpp"
 #include "sim/render/render_mesh.hpp"
 
 namespace swiftlet::sim {

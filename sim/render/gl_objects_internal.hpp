@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "sim/render/gl_functions.hpp"
+#include "sim/render/gl_functions_internal.hpp"
 
 namespace swiftlet::sim {
 
