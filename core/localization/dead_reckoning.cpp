@@ -50,6 +50,7 @@ void DeadReckoning::apply(const ImuSample& s) {
 
 NavState DeadReckoning::at(TimeNs t) const {
   NavState out = state_;
+  if (count_ > 0) out.omega_body_radps = ring_[newest_].omega_body_radps;
   if (t <= state_.t) return out;
   const double dt_s = to_seconds(t - state_.t);
   if (count_ > 0) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/localization/ground_truth.hpp"
+#include "core/localization/ins.hpp"
 #include "core/localization/odometry.hpp"
 
 namespace swiftlet {
@@ -17,6 +18,8 @@ constexpr EstimatorType kTypes[] = {
     {{"odometry", "visual-inertial odometry in its drifting local frame, and the IMU",
       make_module_config<OdometryEstimatorConfig>},
      make_odometry_estimator},
+    {{"ins", "inertial navigation aided by GNSS, altimeter, compass and odometry", make_module_config<InsConfig>},
+     make_ins_estimator},
 };
 
 }  // namespace

@@ -16,7 +16,8 @@ enum class Domain : std::uint32_t { kBits = 0, kNormal3 = 1, kFillUniform = 2, k
 
 Philox::ctr_type draw(std::uint64_t seed, std::uint32_t purpose, std::uint32_t entity, Domain domain,
                       std::uint32_t tick, std::uint32_t index) {
-  const Philox::ctr_type counter = {{index, tick, entity, purpose ^ (static_cast<std::uint32_t>(domain) * 0x9E3779B9U)}};
+  const Philox::ctr_type counter = {
+      {index, tick, entity, purpose ^ (static_cast<std::uint32_t>(domain) * 0x9E3779B9U)}};
   const Philox::key_type key = {{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}};
   return Philox{}(counter, key);
 }
@@ -47,8 +48,7 @@ double Random::uniform(std::uint32_t tick, std::uint32_t index) const {
 
 double Random::normal(std::uint32_t tick, std::uint32_t index) const {
   const auto r = bits(tick, index);
-  return std::sqrt(-2.0 * std::log(open_unit(r[0], r[1]))) *
-         std::cos(2.0 * std::numbers::pi * open_unit(r[2], r[3]));
+  return std::sqrt(-2.0 * std::log(open_unit(r[0], r[1]))) * std::cos(2.0 * std::numbers::pi * open_unit(r[2], r[3]));
 }
 
 std::array<double, 3> Random::normal3(std::uint32_t tick, std::uint32_t index) const {

@@ -37,7 +37,8 @@ class Random {
   /// Three independent standard normals from one index (own counter domain: does not collide with normal()).
   std::array<double, 3> normal3(std::uint32_t tick, std::uint32_t index) const;
 
-  /// out[i] as a pure function of (tick, first_index + i), whatever the span's split; single precision. About 2 ns each.
+  /// out[i] as a pure function of (tick, first_index + i), whatever the span's split; single precision. About 2 ns
+  /// each.
   void fill_uniform(std::uint32_t tick, std::uint32_t first_index, std::span<float> out) const;
   void fill_normal(std::uint32_t tick, std::uint32_t first_index, std::span<float> out) const;
 

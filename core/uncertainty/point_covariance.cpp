@@ -13,9 +13,9 @@ Vector3 true_point(const Vector3& direction_lidar, double range_m, const Pose& T
                    const Eigen::Matrix<double, 7, 1>& w) {
   using Eigen::AngleAxisd;
   // eq. (41): R_gt = R_m R_z(gamma) R_y(beta) R_x(alpha)
-  const Matrix3 R_noise = (AngleAxisd(w[6], Vector3::UnitZ()) * AngleAxisd(w[5], Vector3::UnitY()) *
-                           AngleAxisd(w[4], Vector3::UnitX()))
-                              .toRotationMatrix();
+  const Matrix3 R_noise =
+      (AngleAxisd(w[6], Vector3::UnitZ()) * AngleAxisd(w[5], Vector3::UnitY()) * AngleAxisd(w[4], Vector3::UnitX()))
+          .toRotationMatrix();
   return (range_m + w[0]) * (T_world_lidar.linear() * R_noise * direction_lidar) + T_world_lidar.translation() +
          w.segment<3>(1);
 }

@@ -28,7 +28,8 @@ struct MeasurementNoise {
 Vector3 true_point(const Vector3& direction_lidar, double range_m, const Pose& T_world_lidar,
                    const Eigen::Matrix<double, 7, 1>& w);
 
-/// J of eq. (46): derivative of true_point() by w at w = 0. Columns: R d; I; l R (e_x x d), l R (e_y x d), l R (e_z x d).
+/// J of eq. (46): derivative of true_point() by w at w = 0. Columns: R d; I; l R (e_x x d), l R (e_y x d), l R (e_z x
+/// d).
 Jacobian37 point_jacobian(const Vector3& direction_lidar, double range_m, const Matrix3& R_world_lidar);
 
 /// Covariance of the true point in the world frame, J Sigma_w J^T of eq. (44) [m^2].

@@ -10,8 +10,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kReach = 8.5;        // standard deviations beyond which the density counts as zero (1e-17)
-constexpr double kTolerance = 1e-9;   // of one panel of the outer integral
+constexpr double kReach = 8.5;       // standard deviations beyond which the density counts as zero (1e-17)
+constexpr double kTolerance = 1e-9;  // of one panel of the outer integral
 constexpr int kMaxDepth = 40;
 
 double normal_pdf(double x) { return std::exp(-0.5 * x * x) * std::numbers::inv_sqrtpi / std::numbers::sqrt2; }
@@ -47,8 +47,8 @@ double innermost(const Factored& f, double z1, double z2) {
   return normal_between(i.low, i.high);
 }
 
-// The integrand over z2 is smooth but for flanks where a limit of z3 is crossed: split there, and integrate each piece by
-// Gauss-Legendre.
+// The integrand over z2 is smooth but for flanks where a limit of z3 is crossed: split there, and integrate each piece
+// by Gauss-Legendre.
 double middle(const Factored& f, double z1) {
   Interval i = standardised(f.low[1], f.high[1], f.L(1, 0) * z1, f.L(1, 1));
   i = {std::max(i.low, -kReach), std::min(i.high, kReach)};
@@ -117,7 +117,8 @@ double box_probability(const Vector3& mean, const Matrix3& Sigma, const Eigen::A
   for (int k = 0; k < kPanels; ++k) {
     const double low = i.low + (i.high - i.low) * k / kPanels;
     const double high = i.low + (i.high - i.low) * (k + 1) / kPanels;
-    sum += adaptive(integrand, low, high, boost::math::quadrature::gauss<double, 10>::integrate(integrand, low, high), 0);
+    sum +=
+        adaptive(integrand, low, high, boost::math::quadrature::gauss<double, 10>::integrate(integrand, low, high), 0);
   }
   return std::clamp(sum, 0.0, 1.0);
 }

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/localization/ins.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace swiftlet {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr int kRejectedMost = 20;       // in a row; then the measurement is right and the filter is not
+constexpr double kLongestStep_s = 0.1;  // a gap in the IMU's samples longer than this is not bridged by one of them
+
+enum Source { kGnssPosition, kGnssVelocity, kAltimeter, kCompass, kOdometry };
+
+Matrix3 skew(const Vector3& v) {
+  Matrix3 m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+Vector3 cwise_square(const Vector3& v) { return v.cwiseProduct(v); }
+
+double square(double x) { return x * x; }
+
+class InsEstimator : public StateEstimator {
+ public:
+  InsEstimator(const InsConfig& config, const AgentSetup& setup)
+      : config_(config), filter_(config, setup.T_world_body_start) {
+    estimate_.valid = true;
+    estimate_.T_world_body = setup.T_world_body_start;
+  }
+
+  const StateEstimate& update(const Observation& observation) override {
+    take_in(observation);
+    const NavState& now = filter_.state();
+    estimate_.t = observation.t;
+    const double ahead_s = to_seconds(observation.t - now.t);
+    estimate_.T_world_body =
+        make_pose(now.p_m + ahead_s * now.v_mps, (now.q * rotation_by(ahead_s * now.omega_body_radps)).normalized());
+    estimate_.v_world_mps = now.v_mps;
+    estimate_.omega_body_radps = now.omega_body_radps;
+    fill_covariance();
+    judge(ahead_s);
+    return estimate_;
+  }
+
+  const char* fault() const override { return fault_; }
+
+ private:
+  /// Measurements in the order of their stamps between the IMU's samples.
+  void take_in(const Observation& observation) {
+    for (const ImuSample& sample : observation.imu) filter_.predict(sample);
+    if (config_.use_gnss)
+      for (const GnssSample& sample : observation.gnss) filter_.update(sample);
+    if (config_.use_altimeter)
+      for (const AltimeterSample& sample : observation.altimeter) filter_.update(sample);
+    if (config_.use_compass)
+      for (const CompassSample& sample : observation.compass) filter_.update(sample);
+    if (config_.use_odometry)
+      for (const OdometrySample& sample : observation.odometry) filter_.update(sample);
+  }
+
+  void fill_covariance() {
+    const InsFilter::Covariance& P = filter_.covariance();
+    estimate_.covariance.topLeftCorner<3, 3>() = P.block<3, 3>(InsFilter::kP, InsFilter::kP);
+    estimate_.covariance.topRightCorner<3, 3>() = P.block<3, 3>(InsFilter::kP, InsFilter::kTheta);
+    estimate_.covariance.bottomLeftCorner<3, 3>() = P.block<3, 3>(InsFilter::kTheta, InsFilter::kP);
+    estimate_.covariance.bottomRightCorner<3, 3>() = P.block<3, 3>(InsFilter::kTheta, InsFilter::kTheta);
+  }
+
+  void judge(double ahead_s) {
+    const double sigma_p_m = std::sqrt(estimate_.covariance.diagonal().head<3>().maxCoeff());
+    fault_ = "";
+    if (!filter_.is_sound())
+      fault_ = "inertial navigation broke down";
+    else if (ahead_s > config_.imu_timeout_s)
+      fault_ = "no IMU";
+    else if (sigma_p_m > config_.position_sigma_max_m)
+      fault_ = "position too uncertain";
+    estimate_.valid = fault_[0] == '\0';
+  }
+
+  InsConfig config_;
+  InsFilter filter_;
+  StateEstimate estimate_;
+  const char* fault_ = "";
+};
+
+}  // namespace
+
+InsFilter::InsFilter(const InsConfig& config, const Pose& T_world_body_start) : config_(config) {
+  nominal_.p_m = T_world_body_start.translation();
+  nominal_.q = Eigen::Quaterniond(T_world_body_start.linear()).normalized();
+  ground_m_ = nominal_.p_m.z();
+
+  // Tilt and heading are uncertain to a different degree: about world axes, turned into the body's.
+  const Matrix3 R = nominal_.q.toRotationMatrix();
+  const double tilt = square(config.start_tilt_sigma_deg * kRadPerDeg);
+  const Vector3 attitude(tilt, tilt, square(config.start_yaw_sigma_deg * kRadPerDeg));
+  P_.diagonal() << Vector3::Constant(square(config.start_position_sigma_m)),
+      Vector3::Constant(square(config.start_velocity_sigma_mps)), Vector3::Zero(),
+      Vector3::Constant(square(config.start_accel_bias_sigma_mps2)),
+      Vector3::Constant(square(config.start_gyro_bias_sigma_radps)), square(config.start_ground_sigma_m);
+  P_.block<3, 3>(kTheta, kTheta) = R.transpose() * attitude.asDiagonal() * R;
+  remember();
+}
+
+bool InsFilter::is_sound() const {
+  return nominal_.all_finite() && accel_bias_.allFinite() && gyro_bias_.allFinite() && P_.allFinite() &&
+         P_.diagonal().minCoeff() >= 0.0;
+}
+
+void InsFilter::predict(const ImuSample& sample) {
+  if (!sample.omega_body_radps.allFinite() || !sample.specific_force_body_mps2.allFinite()) return;
+  const double dt = to_seconds(sample.t - nominal_.t);
+  if (dt <= 0.0) return;
+
+  const Vector3 omega = sample.omega_body_radps - gyro_bias_;
+  const Vector3 force = sample.specific_force_body_mps2 - accel_bias_;
+  const Matrix3 R = (nominal_.q * rotation_by(0.5 * dt * omega)).toRotationMatrix();
+  strapdown(nominal_, omega, force, dt);
+  nominal_.t = sample.t;
+
+  // Error dynamics (Solà, eq. 270 and 271, first order in dt; second order where position depends on acceleration).
+  Covariance F = Covariance::Identity();
+  const Matrix3 a_by_theta = -R * skew(force);
+  F.block<3, 3>(kP, kV) = Matrix3::Identity() * dt;
+  F.block<3, 3>(kP, kTheta) = 0.5 * dt * dt * a_by_theta;
+  F.block<3, 3>(kP, kAccelBias) = -0.5 * dt * dt * R;
+  F.block<3, 3>(kV, kTheta) = dt * a_by_theta;
+  F.block<3, 3>(kV, kAccelBias) = -dt * R;
+  F.block<3, 3>(kTheta, kTheta) = rotation_by(-dt * omega).toRotationMatrix();
+  F.block<3, 3>(kTheta, kGyroBias) = -dt * Matrix3::Identity();
+  P_ = F * P_ * F.transpose();
+
+  const double accel_q = square(config_.accel_noise_mps2_sqrt_hz) * dt;
+  P_.block<3, 3>(kP, kP).diagonal().array() += accel_q * dt * dt / 4.0;
+  P_.block<3, 3>(kP, kV).diagonal().array() += accel_q * dt / 2.0;
+  P_.block<3, 3>(kV, kP).diagonal().array() += accel_q * dt / 2.0;
+  P_.block<3, 3>(kV, kV).diagonal().array() += accel_q;
+  P_.block<3, 3>(kTheta, kTheta).diagonal().array() += square(config_.gyro_noise_radps_sqrt_hz) * dt;
+  P_.block<3, 3>(kAccelBias, kAccelBias).diagonal().array() += square(config_.accel_walk_mps3_sqrt_hz) * dt;
+  P_.block<3, 3>(kGyroBias, kGyroBias).diagonal().array() += square(config_.gyro_walk_radps2_sqrt_hz) * dt;
+  // The ground's height wanders with the way over it.
+  P_(kGround, kGround) += square(config_.ground_walk_m_sqrt_m) * nominal_.v_mps.head<2>().norm() * dt;
+  if (dt > kLongestStep_s) {  // what happened in the gap is not known
+    P_.block<3, 3>(kP, kP).diagonal().array() += square(dt * dt);
+    P_.block<3, 3>(kV, kV).diagonal().array() += square(2.0 * dt);
+  }
+  remember();
+}
+
+void InsFilter::update(const GnssSample& sample) {
+  const NavState& then = at(sample.t);
+  if (sample.p_world_m.allFinite() && sample.sigma_p_m.allFinite()) {
+    Eigen::Matrix<double, 3, kStates> H = Eigen::Matrix<double, 3, kStates>::Zero();
+    H.block<3, 3>(0, kP).setIdentity();
+    correct<3>(sample.p_world_m - then.p_m, H, cwise_square(sample.sigma_p_m).asDiagonal(), kGnssPosition);
+  }
+  if (sample.v_world_mps.allFinite() && sample.sigma_v_mps.allFinite()) {
+    Eigen::Matrix<double, 3, kStates> H = Eigen::Matrix<double, 3, kStates>::Zero();
+    H.block<3, 3>(0, kV).setIdentity();
+    correct<3>(sample.v_world_mps - at(sample.t).v_mps, H, cwise_square(sample.sigma_v_mps).asDiagonal(),
+               kGnssVelocity);
+  }
+}
+
+void InsFilter::update(const AltimeterSample& sample) {
+  if (!std::isfinite(sample.height_m) || !std::isfinite(sample.sigma_m)) return;
+  const NavState& then = at(sample.t);
+  if (!ground_known_) {  // the first height says where the ground is; its uncertainty is that of the start
+    ground_m_ = then.p_m.z() - sample.height_m;
+    ground_known_ = true;
+  }
+  Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
+  H[kP + 2] = 1.0;
+  H[kGround] = -1.0;
+  correct<1>(Eigen::Matrix<double, 1, 1>(sample.height_m - (then.p_m.z() - ground_m_)), H,
+             Eigen::Matrix<double, 1, 1>(square(sample.sigma_m)), kAltimeter);
+}
+
+void InsFilter::update(const CompassSample& sample) {
+  if (!std::isfinite(sample.yaw_rad) || !std::isfinite(sample.sigma_rad)) return;
+  // yaw = atan2(R10, R00); the body's small rotation theta moves R's first column by R (theta x e1).
+  const Matrix3 R = at(sample.t).q.toRotationMatrix();
+  const double level_sq = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0);
+  if (level_sq < 0.01) return;  // nose up or down: no heading
+  Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
+  const Matrix3 d_column = -R * skew(Vector3::UnitX());
+  H.block<1, 3>(0, kTheta) = (R(0, 0) * d_column.row(1) - R(1, 0) * d_column.row(0)) / level_sq;
+  const double innovation = std::remainder(sample.yaw_rad - yaw_of(R), 2.0 * std::numbers::pi);
+  correct<1>(Eigen::Matrix<double, 1, 1>(innovation), H, Eigen::Matrix<double, 1, 1>(square(sample.sigma_rad)),
+             kCompass);
+}
+
+void InsFilter::update(const OdometrySample& sample) {
+  if (!sample.T_local_body.matrix().allFinite() || !sample.v_local_body_mps.allFinite()) return;
+  // The heading of the local frame drifts, so only the velocity in body axes says something about the world.
+  const NavState& then = at(sample.t);
+  const Matrix3 R_body_world = then.q.toRotationMatrix().transpose();
+  const Vector3 v_body = R_body_world * then.v_mps;
+  const Vector3 measured = sample.T_local_body.linear().transpose() * sample.v_local_body_mps;
+  Eigen::Matrix<double, 3, kStates> H = Eigen::Matrix<double, 3, kStates>::Zero();
+  H.block<3, 3>(0, kV) = R_body_world;
+  H.block<3, 3>(0, kTheta) = skew(v_body);
+  correct<3>(measured - v_body, H, Matrix3::Identity() * square(config_.odometry_velocity_sigma_mps), kOdometry);
+}
+
+template <int M>
+void InsFilter::correct(const Eigen::Matrix<double, M, 1>& innovation, const Eigen::Matrix<double, M, kStates>& H,
+                        const Eigen::Matrix<double, M, M>& R, int source) {
+  const Eigen::Matrix<double, kStates, M> PHt = P_ * H.transpose();
+  const Eigen::Matrix<double, M, M> S = H * PHt + R;
+  const Eigen::LLT<Eigen::Matrix<double, M, M>> llt(S);
+  if (llt.info() != Eigen::Success) return;
+
+  // Gate: outliers are passed over, unless they go on, which means that the filter has lost the way.
+  const double distance_sq = innovation.dot(llt.solve(innovation));
+  if (!std::isfinite(distance_sq)) return;
+  if (distance_sq > M * square(config_.gate_sigma)) {
+    ++num_rejected_;
+    if (++rejected_in_a_row_[source] <= kRejectedMost) return;
+    // Give the states that this measurement sees enough doubt to follow it.
+    P_ += H.transpose() * (H * H.transpose()).diagonal().cwiseInverse().asDiagonal() *
+          innovation.cwiseProduct(innovation).asDiagonal() * H;
+    rejected_in_a_row_[source] = 0;
+    correct<M>(innovation, H, R, source);
+    return;
+  }
+  rejected_in_a_row_[source] = 0;
+
+  const Eigen::Matrix<double, kStates, M> K = llt.solve(PHt.transpose()).transpose();
+  const Covariance I_KH = Covariance::Identity() - K * H;
+  P_ = I_KH * P_ * I_KH.transpose() + K * R * K.transpose();  // Joseph form: stays positive
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  inject(K * innovation);
+}
+
+void InsFilter::inject(const Eigen::Matrix<double, kStates, 1>& dx) {
+  if (!dx.allFinite()) return;
+  const Eigen::Quaterniond turn = rotation_by(dx.segment<3>(kTheta));
+  nominal_.p_m += dx.segment<3>(kP);
+  nominal_.v_mps += dx.segment<3>(kV);
+  nominal_.q = (nominal_.q * turn).normalized();
+  accel_bias_ += dx.segment<3>(kAccelBias);
+  gyro_bias_ += dx.segment<3>(kGyroBias);
+  nominal_.omega_body_radps -= dx.segment<3>(kGyroBias);
+  ground_m_ += dx[kGround];
+  // The past was wrong by about the same: later late measurements must not correct it again.
+  for (int i = 0; i < count_; ++i) {
+    history_[i].p_m += dx.segment<3>(kP);
+    history_[i].v_mps += dx.segment<3>(kV);
+    history_[i].q = (history_[i].q * turn).normalized();
+  }
+}
+
+/// The state at the IMU sample nearest to t.
+const NavState& InsFilter::at(TimeNs t) const {
+  if (t >= nominal_.t || count_ == 0) return nominal_;
+  int best = newest_;
+  for (int age = 1; age < count_; ++age) {
+    const int i = (newest_ - age + kHistory) % kHistory;
+    if (std::abs(history_[i].t - t) >= std::abs(history_[best].t - t)) break;
+    best = i;
+  }
+  return history_[best];
+}
+
+void InsFilter::remember() {
+  newest_ = (newest_ + 1) % kHistory;
+  count_ = std::min(count_ + 1, kHistory);
+  history_[newest_] = nominal_;
+}
+
+void InsConfig::visit(ConfigVisitor& v) {
+  const Range positive = Range::positive();
+  const Range not_negative = Range::non_negative();
+  v.field("gyro_noise_radps_sqrt_hz", gyro_noise_radps_sqrt_hz,
+          "[rad/s/sqrt(Hz)] density of the gyroscope's white noise", positive);
+  v.field("gyro_walk_radps2_sqrt_hz", gyro_walk_radps2_sqrt_hz, "[rad/s^2/sqrt(Hz)] random walk of its bias",
+          not_negative);
+  v.field("accel_noise_mps2_sqrt_hz", accel_noise_mps2_sqrt_hz,
+          "[m/s^2/sqrt(Hz)] density of the accelerometer's white noise", positive);
+  v.field("accel_walk_mps3_sqrt_hz", accel_walk_mps3_sqrt_hz, "[m/s^3/sqrt(Hz)] random walk of its bias", not_negative);
+  v.field("start_position_sigma_m", start_position_sigma_m, "[m] of the start pose that was told", positive);
+  v.field("start_velocity_sigma_mps", start_velocity_sigma_mps, "[m/s] the vehicle is taken to be at rest", positive);
+  v.field("start_tilt_sigma_deg", start_tilt_sigma_deg, "[deg] of the start pose that was told", positive);
+  v.field("start_yaw_sigma_deg", start_yaw_sigma_deg, "[deg] of the start pose that was told", positive);
+  v.field("start_gyro_bias_sigma_radps", start_gyro_bias_sigma_radps, "[rad/s] turn-on bias of the gyroscope",
+          positive);
+  v.field("start_accel_bias_sigma_mps2", start_accel_bias_sigma_mps2, "[m/s^2] turn-on bias of the accelerometer",
+          positive);
+  v.field("start_ground_sigma_m", start_ground_sigma_m, "[m] of the height of the ground below the start", positive);
+  v.field("use_gnss", use_gnss, "[-] position and velocity");
+  v.field("use_altimeter", use_altimeter, "[-] height above the surface below");
+  v.field("use_compass", use_compass, "[-] heading");
+  v.field("use_odometry", use_odometry, "[-] velocity in body axes");
+  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps, "[m/s] of the odometry's velocity", positive);
+  v.field("ground_walk_m_sqrt_m", ground_walk_m_sqrt_m,
+          "[m/sqrt(m)] how much the ground's height changes along the way", not_negative);
+  v.field("gate_sigma", gate_sigma, "[-] measurements farther than this from what is expected are passed over",
+          positive);
+  v.field("imu_timeout_s", imu_timeout_s, "[s] without the IMU, after which the estimate is not valid", positive);
+  v.field("position_sigma_max_m", position_sigma_max_m, "[m] more uncertain than this, the estimate is not valid",
+          positive);
+}
+
+std::unique_ptr<StateEstimator> make_ins_estimator(const ModuleConfig& config, const AgentSetup& setup) {
+  return std::make_unique<InsEstimator>(dynamic_cast<const InsConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

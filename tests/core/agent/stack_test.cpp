@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/agent/stack.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/agent/registry.hpp"
+#include "core/guidance/agile.hpp"
+#include "core/guidance/hover.hpp"
+#include "core/guidance/registry.hpp"
+#include "core/guidance/takeoff_land.hpp"
+#include "core/guidance/waypoints.hpp"
+#include "core/localization/registry.hpp"
+#include "core/math/random.hpp"
+#include "tests/support/airframes.hpp"
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/fine_plant.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::FinePlant;
+constexpr TimeNs kTick = 4'000'000;
+
+/// One vehicle in closed loop: the whole agent on one side, a fine plant and simple sensors on the other.
+class ClosedLoop {
+ public:
+  ClosedLoop(const Airframe& airframe, const StackConfig& config, const Vector3& start) : plant(airframe) {
+    plant.p = start;
+    AgentSetup setup;
+    setup.airframe = airframe;
+    setup.T_world_body_start = plant.T_world_body();
+    setup.tick_s = to_seconds(kTick);
+    Module module(agent_module_types(), "stack");
+    module.as<StackConfig>() = config;
+    agent_ = make_agent(module, setup);
+  }
+
+  const Action& tick() {
+    const Vector3 v_before = plant.v;
+    plant.advance(command_, to_seconds(kTick));
+    observation_.clear();
+    observation_.t = plant.t;
+    ++ticks_;
+    if (pose_every > 0 && ticks_ % pose_every == 0) observation_.pose.push_back(plant.pose_sample());
+    if (imu) {
+      const Vector3 a = (plant.v - v_before) / to_seconds(kTick);
+      observation_.imu.push_back({plant.t, plant.omega, plant.q.conjugate() * (a + 9.81 * Vector3::UnitZ())});
+    }
+    if (odometry_every > 0 && ticks_ % odometry_every == 0) {
+      const Pose T_local_world = make_pose({7, 8, 9}, Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Vector3::UnitZ())));
+      observation_.odometry.push_back({plant.t, T_local_world * plant.T_world_body(), T_local_world.linear() * plant.v});
+    }
+    if (gnss_every > 0 && ticks_ % gnss_every == 0) add_gnss();
+    observation_.wants_overlays = wants_overlays;
+    const Action& action = agent_->step(observation_);
+    command_ = action.rotor_command;
+    return action;
+  }
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds / to_seconds(kTick)); ++i) last = &tick();
+  }
+
+  FinePlant plant;
+  const Action* last = nullptr;
+  int pose_every = 1, odometry_every = 0, gnss_every = 0;
+  bool imu = false, wants_overlays = false;
+  Observation& observation() { return observation_; }
+  Agent& agent() { return *agent_; }
+
+ private:
+  void add_gnss() {
+    const auto noise = [&](std::uint32_t k) {
+      const auto n = random_.normal3(ticks_, k);
+      return Vector3(n[0], n[1], n[2]);
+    };
+    GnssSample s{plant.t, plant.p + 0.3 * noise(0), plant.v + 0.05 * noise(1), Vector3::Constant(0.3), Vector3::Constant(0.05)};
+    observation_.gnss.push_back(s);
+    observation_.compass.push_back({plant.t, yaw_of(plant.q.toRotationMatrix()) + 0.02 * noise(2).x(), 0.02});
+  }
+
+  std::unique_ptr<Agent> agent_;
+  Observation observation_;
+  std::array<double, kMaxRotors> command_ = hover_command();
+  Random random_{1, "test.stack"};
+  std::uint32_t ticks_ = 0;
+
+  static std::array<double, kMaxRotors> hover_command() {
+    std::array<double, kMaxRotors> u{};
+    u.fill(0.4);
+    return u;
+  }
+};
+
+template <class Config>
+StackConfig stack_with(const char* guidance, const Config& config, const char* limits = "medium",
+                       const char* localization = "ground_truth") {
+  StackConfig stack;
+  stack.localization = Module(estimator_module_types(), localization);
+  stack.guidance = Module(guidance_module_types(), guidance);
+  stack.guidance.as<Config>() = config;
+  stack.control.limits.set = limits;
+  return stack;
+}
+
+TEST(Stack, EveryVehicleHoldsAHoverWithinTwoCentimetres) {
+  for (const auto& [name, airframe] : testing::all_airframes()) {
+    ClosedLoop loop(airframe, StackConfig{}, {1, 2, 3});
+    loop.run(4.0);
+    double worst = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+      loop.tick();
+      worst = std::max(worst, (loop.plant.p - Vector3(1, 2, 3)).norm());
+    }
+    EXPECT_LT(worst, 0.02) << name;
+  }
+}
+
+TEST(Stack, EveryVehicleFliesAgileTrajectoriesWithinThirtyCentimetres) {
+  for (const auto& [name, airframe] : testing::all_airframes()) {
+    for (const std::uint64_t seed : {1u, 2u}) {
+      AgileConfig config;
+      config.seed = seed;
+      ClosedLoop loop(airframe, stack_with("agile", config, "agile"), {0, 0, 6});
+      double sum_sq = 0.0, fastest = 0.0;
+      constexpr int kTicks = 10000;
+      for (int i = 0; i < kTicks; ++i) {
+        const Vector3 asked = loop.last == nullptr ? loop.plant.p : loop.last->reference.position_m;
+        loop.last = &loop.tick();
+        sum_sq += (loop.plant.p - asked).squaredNorm();
+        fastest = std::max(fastest, loop.plant.v.norm());
+      }
+      EXPECT_GT(fastest, 7.5) << name;
+      EXPECT_LT(std::sqrt(sum_sq / kTicks), 0.3) << name;
+    }
+  }
+}
+
+TEST(Stack, TakesOffAndLandsOnTheGround) {
+  TakeoffLandConfig config;
+  config.hover_s = 1.0;
+  ClosedLoop loop(testing::x500(), stack_with("takeoff_land", config), {0, 0, 0.2});
+  loop.plant.ground = true;
+  loop.plant.ground_z = 0.2;
+  double highest = 0.0;
+  for (int i = 0; i < 15 * 250; ++i) {
+    loop.last = &loop.tick();
+    highest = std::max(highest, loop.plant.p.z());
+    if (loop.last->mission != MissionStatus::kRunning) break;
+  }
+  EXPECT_NEAR(highest, 2.2, 0.05);
+  EXPECT_EQ(loop.last->mission, MissionStatus::kDone);
+  EXPECT_EQ(loop.last->mission_note, "landed");
+  EXPECT_NEAR(loop.plant.p.z(), 0.2, 1e-9);
+  loop.run(1.0);
+  for (const double u : loop.last->rotor_command) EXPECT_EQ(u, 0.0);
+}
+
+TEST(Stack, MissionIsDoneWhenTheLastDwellHasElapsed) {
+  WaypointsConfig config;
+  config.waypoints_m = {{3, 0, 2}, {3, 3, 2}};
+  config.dwell_s = 0.5;
+  ClosedLoop loop(testing::x500(), stack_with("waypoints", config), {0, 0, 2});
+  loop.run(3.0);
+  EXPECT_EQ(loop.last->mission, MissionStatus::kRunning);
+  loop.run(12.0);
+  EXPECT_EQ(loop.last->mission, MissionStatus::kDone);
+  EXPECT_LT((loop.plant.p - Vector3(3, 3, 2)).norm(), 0.02);
+}
+
+TEST(Stack, FliesOnOdometryInItsOwnFrame) {
+  WaypointsConfig config;
+  config.waypoints_m = {{4, 2, 3}};
+  ClosedLoop loop(testing::x500(), stack_with("waypoints", config, "slow", "odometry"), {0, 0, 2});
+  loop.pose_every = 0;
+  loop.odometry_every = 8;
+  loop.imu = true;
+  loop.run(15.0);
+  EXPECT_EQ(loop.last->mission, MissionStatus::kDone);
+  EXPECT_LT((loop.plant.p - Vector3(4, 2, 3)).norm(), 0.05);
+}
+
+TEST(Stack, HoversOnInertialNavigationWithNoisyGnss) {
+  ClosedLoop loop(testing::x500(), stack_with("hover", HoverConfig{}, "medium", "ins"), {0, 0, 5});
+  loop.pose_every = 0;
+  loop.gnss_every = 25;
+  loop.imu = true;
+  double worst = 0.0;
+  for (int i = 0; i < 10000; ++i) {
+    loop.last = &loop.tick();
+    worst = std::max(worst, (loop.plant.p - Vector3(0, 0, 5)).norm());
+  }
+  EXPECT_LT(worst, 0.8);
+  EXPECT_EQ(loop.last->mission, MissionStatus::kRunning) << loop.last->mission_note;
+}
+
+TEST(Stack, WithoutAnyPoseTheMissionFailsWithANoteAndTheMotorsIdle) {
+  ClosedLoop loop(testing::x500(), StackConfig{}, {0, 0, 5});
+  loop.run(1.0);
+  EXPECT_EQ(loop.last->mission, MissionStatus::kRunning);
+  loop.pose_every = 0;
+  loop.run(0.4);
+  EXPECT_EQ(loop.last->mission, MissionStatus::kRunning) << "a short gap is bridged";
+  loop.run(0.2);
+  EXPECT_EQ(loop.last->mission, MissionStatus::kFailed);
+  EXPECT_EQ(loop.last->mission_note, "no pose from outside");
+  for (const double u : loop.last->rotor_command) EXPECT_EQ(u, 0.0);
+  // When the poses come back it catches itself, but the mission stays failed.
+  loop.pose_every = 1;
+  loop.plant.p = {0, 0, 30};
+  loop.run(10.0);
+  EXPECT_EQ(loop.last->mission, MissionStatus::kFailed);
+  EXPECT_LT(loop.plant.v.norm(), 2.5);
+  EXPECT_LT(loop.plant.tilt_rad(), 0.3);
+}
+
+TEST(Stack, CatchesItselfWhenThrownUpsideDown) {
+  ClosedLoop loop(testing::x500(), StackConfig{}, {0, 0, 20});
+  loop.plant.q = Eigen::AngleAxisd(M_PI, Vector3::UnitX());
+  loop.plant.omega = {3.0, -2.0, 1.0};
+  loop.plant.v = {3.0, 0.0, 2.0};
+  loop.run(12.0);
+  EXPECT_LT((loop.plant.p - Vector3(0, 0, 20)).norm(), 0.1);
+}
+
+TEST(Stack, SurvivesJumpsAndStandstillsOfTime) {
+  ClosedLoop loop(testing::x500(), StackConfig{}, {0, 0, 5});
+  loop.run(1.0);
+  Observation observation = loop.observation();
+  const Action before = *loop.last;
+  EXPECT_EQ(loop.agent().step(observation).rotor_command, before.rotor_command) << "the same instant again";
+  for (const TimeNs jump : {TimeNs{700'000'000}, TimeNs{3'600} * kNsPerSecond}) {
+    observation.t += jump;
+    observation.pose = {loop.plant.pose_sample()};
+    observation.pose[0].t = observation.t;
+    const Action& action = loop.agent().step(observation);
+    EXPECT_EQ(action.mission, MissionStatus::kRunning);
+    for (int i = 0; i < 4; ++i) EXPECT_NEAR(action.rotor_command[i], before.rotor_command[i], 0.05);
+  }
+}
+
+TEST(Stack, NothingIsAllocatedOnceItFlies) {
+  for (const GuidanceType& guidance : guidance_types()) {
+    for (const EstimatorType& estimator : estimator_types()) {
+      StackConfig config;
+      config.localization = Module(estimator_module_types(), estimator.module.name);
+      config.guidance = Module(guidance_module_types(), guidance.module.name);
+      config.control.limits.set = "agile";
+      ClosedLoop loop(testing::x500(), config, {0, 0, 6});
+      loop.imu = true;
+      loop.odometry_every = 8;
+      loop.gnss_every = 25;
+      loop.run(2.0);
+      const std::uint64_t before = test::num_allocations();
+      loop.run(4.0);
+      EXPECT_EQ(test::num_allocations(), before) << guidance.module.name << " on " << estimator.module.name;
+    }
+  }
+}
+
+TEST(Stack, SameObservationsGiveTheSameBits) {
+  AgileConfig config;
+  ClosedLoop a(testing::x500(), stack_with("agile", config, "agile"), {0, 0, 6});
+  ClosedLoop b(testing::x500(), stack_with("agile", config, "agile"), {0, 0, 6});
+  a.run(5.0);
+  b.wants_overlays = true;  // pictures change nothing
+  b.run(5.0);
+  EXPECT_EQ(a.plant.p, b.plant.p);
+  EXPECT_EQ(a.last->rotor_command, b.last->rotor_command);
+  EXPECT_TRUE(a.last->overlays.empty());
+  ASSERT_FALSE(b.last->overlays.empty());
+  EXPECT_EQ(b.last->overlays[0].name, "reference");
+  EXPECT_GT(b.last->overlays[0].positions.size(), 90u);
+}
+
+TEST(Agents, EveryTypeCanBeMadeFromItsDefaults) {
+  AgentSetup setup;
+  setup.airframe = testing::x500();
+  for (const AgentType& type : agent_types()) {
+    const auto agent = make_agent(Module(agent_module_types(), type.module.name), setup);
+    Observation observation;
+    observation.t = kTick;
+    EXPECT_NE(agent->step(observation).mission, MissionStatus::kFailed) << type.module.name;
+  }
+  EXPECT_THROW(Module(agent_module_types(), "pilot"), std::invalid_argument);
+  setup.airframe.rotors.clear();
+  EXPECT_THROW(make_agent(Module(agent_module_types(), "stack"), setup), std::invalid_argument);
+}
+
+TEST(NoneAgent, KeepsTheMotorsAtIdle) {
+  const auto agent = make_agent(Module(agent_module_types(), "none"), {});
+  Observation observation;
+  const Action& action = agent->step(observation);
+  for (const double u : action.rotor_command) EXPECT_EQ(u, 0.0);
+  EXPECT_FALSE(action.estimate.valid);
+}
+
+}  // namespace
+}  // namespace swiftlet
