@@ -21,7 +21,7 @@ constexpr PointField kFields[] = {
     {"intensity", Type::kFloat32, 4},
     {"reflectivity", Type::kFloat32, 4},
     {"ring", Type::kUint16, 2},
-    {"column", Type::kUint16, 2},
+    {"column", Type::kUint32, 4},
     {"t", Type::kUint32, 4},
     {"class", Type::kUint16, 2},
     {"instance", Type::kUint16, 2},
@@ -190,7 +190,7 @@ int put_points(const LabelledScan& labelled, std::span<const Pose> T_frame_lidar
       }
       at = store(store(store(at, point.x()), point.y()), point.z());
       at = store(store(at, scan.intensity[i]), scan.reflectivity[i]);
-      at = store(store(at, static_cast<std::uint16_t>(row)), static_cast<std::uint16_t>(column));
+      at = store(store(at, static_cast<std::uint16_t>(row)), static_cast<std::uint32_t>(column));
       at = store(at, static_cast<std::uint32_t>(scan.time_of(i) - scan.stamp));
       at = store(store(store(at, truth.surface_class[i]), truth.instance[i]), truth.part[i]);
       at = store(store(at, truth.range_m[i]), truth.incidence_rad[i]);
