@@ -132,6 +132,7 @@ void Simulation::Impl::tick() {
     const auto timed = clock.measure(Stage::kSensors);
     const bool pictures = wants_picture(scenario.snapshots, previous, now);
     for (int i = 0; i < num_vehicles(); ++i) {
+      radio.recycle(observations[i].messages);
       observations[i].clear();
       observations[i].t = now;
       observations[i].self = i;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/support/allocation_counter.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -34,7 +36,7 @@ struct TestRun {
   double next_s() const { return to_seconds(now + kTick); }
   void tick() {
     now += kTick;
-    std::vector<const Action*> pointers;
+    pointers.clear();
     for (const Action& action : actions) pointers.push_back(&action);
     for (VehicleState& state : states) state.t = now;
     TickView view;
@@ -67,6 +69,7 @@ struct TestRun {
   std::vector<Observation> observations;
   std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
   std::vector<Event> events;
+  std::vector<const Action*> pointers;
   Metrics metrics;
 };
 
@@ -231,6 +234,15 @@ TEST(Metrics, AWreckIsMeasuredNoMore) {
   EXPECT_EQ(run.value("min_clearance_surface_m"), -0.1);
   EXPECT_EQ(run.value("min_separation_m", "uav1"), 10.0);
   EXPECT_EQ(run.value("min_separation_m", "uav2"), 2.0) << "others still keep their distance to it";
+}
+
+TEST(Metrics, UpdatesDoNotAllocate) {
+  TestRun run(5);
+  for (Action& action : run.actions) action.estimate.valid = true;
+  run.tick();
+  const std::uint64_t before = test::num_allocations();
+  for (int i = 0; i < 100; ++i) run.tick();
+  EXPECT_EQ(test::num_allocations(), before);
 }
 
 TEST(Metrics, TheTableHasTheSameRowsForEveryVehicle) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/support/allocation_counter.hpp"
 #include "tests/support/sample_statistics.hpp"
 #include "tests/support/test_scene.hpp"
 
@@ -246,6 +247,24 @@ TEST(Radio, CountsTrafficByTopic) {
   EXPECT_EQ(topics[1].from, 1);
   EXPECT_NEAR(topics[1].bytes / duration_s / 1e3, 1.45, 1e-12);
   EXPECT_EQ(network.radio.statistics().bytes_sent, topics[0].bytes + topics[1].bytes);
+}
+
+TEST(Radio, DoesNotAllocateWhenMessagesAreRecycled) {
+  Network network(RadioConfig{}, 3);
+  const std::vector<Message> messages = {message("odometry", 700), message("path", 400, 1)};
+  std::uint64_t before = 0;
+  std::size_t num_received = 0;
+  for (int i = 0; i < 400; ++i) {
+    if (i == 200) before = test::num_allocations();
+    for (auto& inbox : network.inboxes) {
+      num_received += inbox.size();
+      network.radio.recycle(inbox);
+    }
+    for (VehicleId from = 0; from < 3; ++from) network.post(from, messages);
+    network.ticks(3);
+  }
+  EXPECT_EQ(test::num_allocations(), before);
+  EXPECT_GT(num_received, 2000U);
 }
 
 TEST(Radio, AnotherVehicleChangesNothingBetweenTheOthers) {

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/sensor_driver.hpp"
+#include "tests/support/test_scene.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+TEST(SensorAllocations, NoneInATickAfterWarmUp) {
+  TestScene ground;
+  ground.add_wall({-100, -100, 0}, {100, -100, 0}, {100, 100, 0}, {-100, 100, 0}, SurfaceClass::kGround);
+  const auto world = std::make_shared<const StaticScene>(ground.scene());
+  std::vector<std::unique_ptr<Sensor>> sensors;
+  for (const char* type : {"pose", "imu", "gnss", "altimeter", "compass", "odometry", "neighbors"}) {
+    sensors.push_back(make_sensor(Module(sensor_module_types(), type), sensor_setup(type, 1, 3, world)));
+  }
+  StateHistory history(3, 128);
+  Observation observation;
+  std::uint64_t before = 0;
+  std::size_t num_samples = 0;
+  for (int i = 0; i <= 2000; ++i) {
+    if (i == 1000) before = test::num_allocations();
+    const TimeNs now = static_cast<TimeNs>(i) * 4'000'000;
+    for (VehicleId vehicle = 0; vehicle < 3; ++vehicle) {
+      VehicleState state = state_at({3.0 * vehicle, 0.01 * i, 5.0});
+      state.t = now;
+      history.push(vehicle, state);
+    }
+    observation.clear();
+    for (const auto& sensor : sensors) sensor->measure(now, history, observation);
+    num_samples += observation.imu.size() + observation.neighbors.size() + observation.altimeter.size();
+  }
+  EXPECT_EQ(test::num_allocations(), before);
+  EXPECT_GT(num_samples, 2000U);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
