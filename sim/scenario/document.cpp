@@ -34,9 +34,10 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
   return bad ? 0 : length;
 }
 
-std::string hex_byte(unsigned char byte) {
+/// "ff"
+std::string hex(unsigned char byte) {
   constexpr char kDigits[] = "0123456789abcdef";
-  return std::string("0x") + kDigits[byte >> 4] + kDigits[byte & 15];
+  return {kDigits[byte >> 4], kDigits[byte & 15]};
 }
 
 /// Refuses what is not plain text before the parser sees it.
@@ -44,26 +45,26 @@ void check_text(std::string_view text, const std::shared_ptr<const Source>& sour
   int line = 1;
   std::size_t line_start = 0;
   bool indentation = true;
-  std::optional<std::size_t> tab;
+  std::size_t tab = std::string::npos;  // first one of the indentation
   for (std::size_t i = 0; i < text.size();) {
     const Place place{source, line, static_cast<int>(i - line_start) + 1};
     const std::size_t length = utf8_length(text, i);
     const auto byte = static_cast<unsigned char>(text[i]);
-    if (length == 0) fail(place, "", "expected UTF-8 text, found the byte " + hex_byte(byte));
+    if (length == 0) fail(place, "", "expected UTF-8 text, found the byte 0x" + hex(byte));
     if (byte == '\n') {
       ++line;
       line_start = i + 1;
       indentation = true;
-      tab.reset();
+      tab = std::string::npos;
     } else if (byte == '\t' && indentation) {
-      if (!tab) tab = i;
+      tab = std::min(tab, i);
     } else if ((byte < 0x20 && byte != '\t' && byte != '\r') || byte == 0x7F) {
-      fail(place, "", "expected text, found the control character " + hex_byte(byte));
-    } else if (byte != ' ' && byte != '\r' && byte != '#' && tab) {
-      fail({source, line, static_cast<int>(*tab - line_start) + 1}, "", "expected spaces as indentation, found a tab");
+      fail(place, "", "expected text, found the control character 0x" + hex(byte));
+    } else if (byte != ' ' && byte != '\r' && byte != '#' && tab != std::string::npos) {
+      fail({source, line, static_cast<int>(tab - line_start) + 1}, "", "expected spaces as indentation, found a tab");
     } else if (byte != ' ') {
       indentation = false;
-      tab.reset();
+      tab = std::string::npos;
     }
     i += length;
   }
@@ -150,7 +151,7 @@ class Builder final : public YAML::EventHandler {
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto known = anchors_.find(anchor);
     if (known == anchors_.end()) fail(at(mark), "", "expected an alias of a complete value, found one of itself");
-    count(mark, known->second.size);
+    count(at(mark), known->second.size);
     if (depth() + known->second.depth > kMaxDepth) fail_depth(mark);
     Node copy = known->second.node;
     add(std::move(copy), 0, known->second.size, known->second.depth);
@@ -187,10 +188,10 @@ class Builder final : public YAML::EventHandler {
   Place at(const YAML::Mark& mark) const { return {source_, mark.line + 1, mark.column + 1}; }
   int depth() const { return static_cast<int>(open_.size()); }
 
-  void count(const YAML::Mark& mark, std::size_t size) {
+  void count(const Place& place, std::size_t size) {
     num_nodes_ += size;
     if (num_nodes_ > kMaxNodes) {
-      fail(at(mark), "", "expected at most " + std::to_string(kMaxNodes) + " values, found more (aliases counted)");
+      fail(place, "", "expected at most " + std::to_string(kMaxNodes) + " values (aliases counted), found more");
     }
   }
   [[noreturn]] void fail_depth(const YAML::Mark& mark) const {
@@ -198,12 +199,14 @@ class Builder final : public YAML::EventHandler {
   }
 
   Node start(const YAML::Mark& mark, Kind kind, const std::string& tag) {
-    count(mark, 1);
+    count(at(mark), 1);
     if (!tag.empty() && tag != "?" && tag != "!")
       fail(at(mark), "", "expected a plain value, found the tag " + quote(tag));
     const bool is_key = !open_.empty() && open_.back().node.is_map() && !open_.back().key;
     if (is_key && kind != Kind::kScalar) {
-      const char* found = kind == Kind::kNull ? "nothing" : kind == Kind::kList ? "a list" : "a map";
+      const char* found = kind == Kind::kNull   ? "nothing"
+                          : kind == Kind::kList ? "a list (or is a bracket left open?)"
+                                                : "a map (or is a brace left open?)";
       fail(at(mark), "", std::string("expected a word as key, found ") + found);
     }
     Node node;
@@ -225,9 +228,7 @@ class Builder final : public YAML::EventHandler {
 
   void add(Node node, YAML::anchor_t anchor, std::size_t size, int depth = 1) {
     if (anchor != 0) {
-      num_nodes_ += size;  // the copy kept for its aliases takes memory as well
-      if (num_nodes_ > kMaxNodes)
-        fail(node.place, "", "expected at most " + std::to_string(kMaxNodes) + " values, found more");
+      count(node.place, size);  // the copy kept for its aliases takes memory as well
       anchors_[anchor] = {node, size, depth};
     }
     if (open_.empty()) {
@@ -290,10 +291,11 @@ bool chooses_another_type(const Node& base, const Node& over) {
 }
 
 /// `detector: vofod` is short for `detector: {type: vofod}`; the long form is needed to lay further keys on it.
-void spell_out_type(Node& node) {
+void spell_out_type(Node& node, const Place& place) {
   Node type = node;
   node.kind = Kind::kMap;
   node.text.clear();
+  node.place = place;
   node.entries.push_back({"type", type.place, std::move(type)});
 }
 
@@ -310,7 +312,7 @@ class Merger {
       base.entries.insert(base.entries.end(), over.entries.begin(), over.entries.end());
       return;
     }
-    if (base.is_scalar() && over.is_map() && over.find("type") == nullptr) spell_out_type(base);
+    if (base.is_scalar() && over.is_map() && over.find("type") == nullptr) spell_out_type(base, over.place);
     if (!base.is_map() || !over.is_map() || chooses_another_type(base, over)) {
       pay(over);
       base = over;
@@ -476,7 +478,8 @@ std::string quote(std::string_view text) {
     } else if (byte == '\t') {
       shown += "\\t";
     } else if (byte < 0x20 || byte == 0x7F) {
-      shown += "\\" + hex_byte(byte).substr(1);
+      shown += "\\x";
+      shown += hex(byte);
     } else {
       shown += text[i];
     }

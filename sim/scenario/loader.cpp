@@ -17,7 +17,7 @@ bool ends_with_yaml(const std::string& name) { return name.ends_with(".yaml") ||
 fs::path normal(const fs::path& path) { return path.lexically_normal(); }
 
 /// The same file has one absolute name, so that cycles are found and resolved configurations can move.
-fs::path absolute(const fs::path& path) {
+fs::path absolute_path(const fs::path& path) {
   std::error_code error;
   const fs::path result = fs::absolute(path, error);
   return normal(error ? path : result);
@@ -73,7 +73,7 @@ Node Loader::with_base(Node document, std::vector<fs::path> chain) {
   document.entries.erase(key);
 
   const fs::path file = find_base(name);
-  const auto same = [&](const fs::path& other) { return absolute(other) == absolute(file); };
+  const auto same = [&](const fs::path& other) { return absolute_path(other) == absolute_path(file); };
   if (std::any_of(chain.begin(), chain.end(), same) || chain.size() >= kMaxChain) {
     std::string names;
     for (const fs::path& link : chain) names += link.string() + " -> ";
@@ -138,9 +138,9 @@ fs::path Loader::find_asset(const std::string& name, const std::string& folder, 
 fs::path Loader::find_file(const std::string& name, const Place& place, const std::string& path) const {
   if (!is_path_like(name)) fail(place, path, "expected the name of a file, found " + quote(name));
   const fs::path beside = place.source ? place.source->directory / name : fs::path(name);
-  if (files_.is_file(beside)) return absolute(beside);
+  if (files_.is_file(beside)) return absolute_path(beside);
   for (const fs::path& root : files_.asset_roots()) {
-    if (files_.is_file(root / name)) return absolute(root / name);
+    if (files_.is_file(root / name)) return absolute_path(root / name);
   }
   fail(place, path, "expected an existing file, found " + quote(name) + ", which does not exist" + hint(beside));
 }

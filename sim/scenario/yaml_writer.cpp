@@ -53,8 +53,6 @@ std::string flow(const Values& values) {
   return text + "]";
 }
 
-std::string to_text(const Eigen::Vector3d& value) { return flow(value); }
-
 class YamlWriter final : public ConfigVisitor {
  public:
   std::string take() { return std::move(text_); }
