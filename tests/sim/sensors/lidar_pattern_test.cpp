@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/sensors/lidar_pattern.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <set>
+
+#include "sim/sensors/lidar_tiles.hpp"
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+double elevation_deg(const Eigen::Vector3f& d) { return std::asin(static_cast<double>(d.z())) * kDegrees; }
+double azimuth_deg(const Eigen::Vector3f& d) { return std::atan2(d.y(), d.x()) * kDegrees; }
+double wrapped_deg(double angle) { return std::remainder(angle, 360.0); }
+
+BeamTable beams_of(const Module& module, double sweep_s = 0.1, std::uint32_t sweep = 0) {
+  BeamTable beams;
+  make_lidar_pattern(module, sweep_s)->fill(sweep, beams);
+  return beams;
+}
+
+template <class Config>
+Module module_of(const char* type, const Config& config) {
+  Module module(lidar_pattern_types(), type);
+  module.as<Config>() = config;
+  return module;
+}
+
+TEST(LidarPattern, EveryDirectionIsAUnitVectorAndEveryTimeLiesInTheSweep) {
+  for (const char* type : {"ouster", "livox_mid360", "velodyne_puck", "uniform"}) {
+    for (const double sweep_s : {0.1, 0.05}) {
+      const BeamTable beams = beams_of(Module(lidar_pattern_types(), type), sweep_s);
+      ASSERT_EQ(beams.directions_lidar.size(), static_cast<std::size_t>(beams.size()));
+      ASSERT_EQ(beams.origins_lidar.size(), static_cast<std::size_t>(beams.size()));
+      ASSERT_EQ(beams.column_offset_s.size(), static_cast<std::size_t>(beams.cols));
+      for (int i = 0; i < beams.size(); ++i) {
+        ASSERT_NEAR(beams.directions_lidar[i].norm(), 1.0, 2e-6) << type << i;
+        ASSERT_GE(beams.offset_s(i), 0.0) << type << i;
+        ASSERT_LT(beams.offset_s(i), sweep_s) << type << i;
+      }
+    }
+  }
+}
+
+TEST(LidarPattern, Os1HasItsFieldOfViewRateAndTurnsClockwise) {
+  const BeamTable beams = beams_of(Module(lidar_pattern_types(), "ouster"));
+  EXPECT_EQ(beams.rows, 128);
+  EXPECT_EQ(beams.cols, 1024);
+  EXPECT_EQ(beams.size() * 10, 1310720);  // points per second
+  EXPECT_NEAR(elevation_deg(beams.directions_lidar[0]), 21.3, 1e-4);
+  EXPECT_NEAR(elevation_deg(beams.directions_lidar[127 * 1024]), -21.8, 1e-4);
+  // Rows 0..3 look 4.2, 1.4, -1.4, -4.2 deg clockwise of the encoder; the encoder of column c has turned c steps.
+  for (const int c : {0, 1, 256, 1000}) {
+    const double encoder_deg = -360.0 * c / 1024;
+    for (int r = 0; r < 8; ++r) {
+      const double offset_deg = std::array{4.2, 1.4, -1.4, -4.2}[r % 4];
+      EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[r * 1024 + c]) - (encoder_deg - offset_deg)), 0.0,
+                  1e-4);
+      EXPECT_NEAR(beams.origins_lidar[r * 1024 + c].norm(), 0.015806, 1e-7);
+      EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.origins_lidar[r * 1024 + c]) - encoder_deg), 0.0, 1e-3);
+    }
+    EXPECT_NEAR(beams.column_offset_s[c], 0.1 * c / 1024, 1e-8);
+  }
+}
+
+TEST(LidarPattern, ColumnShiftUndoesTheStaggering) {
+  const Module module(lidar_pattern_types(), "ouster");
+  const auto pattern = make_lidar_pattern(module, 0.1);
+  // The maker's own table for 1024 columns.
+  EXPECT_EQ(pattern->column_shift(0), 12);
+  EXPECT_EQ(pattern->column_shift(1), 4);
+  EXPECT_EQ(pattern->column_shift(2), -4);
+  EXPECT_EQ(pattern->column_shift(7), -12);
+  const BeamTable beams = beams_of(module);
+  for (int r = 0; r < 128; ++r) {
+    const int column = 500 - pattern->column_shift(r);
+    EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[r * 1024 + column]) + 360.0 * 500 / 1024), 0.0,
+                0.5 * 360.0 / 1024);
+  }
+}
+
+TEST(LidarPattern, Mid360CoversItsFieldOfViewWith200000ShotsASecond) {
+  const Module module(lidar_pattern_types(), "livox_mid360");
+  double lowest = 90, highest = -90;
+  std::set<int> sectors;
+  for (std::uint32_t sweep = 0; sweep < 10; ++sweep) {
+    const BeamTable beams = beams_of(module, 0.1, sweep);
+    ASSERT_EQ(beams.size(), 20000);
+    ASSERT_EQ(beams.rows, 4);
+    for (const auto& d : beams.directions_lidar) {
+      lowest = std::min(lowest, elevation_deg(d));
+      highest = std::max(highest, elevation_deg(d));
+      sectors.insert(static_cast<int>(std::floor(azimuth_deg(d))));
+    }
+    EXPECT_NEAR(beams.column_offset_s[1], 20e-6, 1e-9);
+  }
+  EXPECT_NEAR(lowest, -7.2, 0.15);
+  EXPECT_NEAR(highest, 52.2, 0.15);
+  EXPECT_GE(sectors.size(), 360U);
+}
+
+TEST(LidarPattern, Mid360GoesOnWhereItStoppedAndDoesNotRepeat) {
+  const Module module(lidar_pattern_types(), "livox_mid360");
+  const BeamTable first = beams_of(module, 0.1, 0);
+  const BeamTable second = beams_of(module, 0.1, 1);
+  const BeamTable both = beams_of(module, 0.2, 0);
+  int same = 0;
+  for (int line = 0; line < 4; ++line) {
+    for (int c = 0; c < 5000; ++c) {
+      const auto& a = first.directions_lidar[line * 5000 + c];
+      const auto& b = second.directions_lidar[line * 5000 + c];
+      EXPECT_LT((both.directions_lidar[line * 10000 + c] - a).norm(), 1e-5);
+      EXPECT_LT((both.directions_lidar[line * 10000 + 5000 + c] - b).norm(), 1e-5);
+      same += std::acos(std::min(1.0F, a.dot(b))) * kDegrees < 5.0 ? 1 : 0;
+    }
+  }
+  EXPECT_LT(same, 200);  // of 20000 shots: a frame is turned by about 85 deg against the one before
+
+  // Ever more of the sphere is seen: cells of 1 deg in the field of view that some shot of the first n frames met.
+  std::set<std::pair<int, int>> cells;
+  std::array<std::size_t, 10> seen{};
+  for (std::uint32_t sweep = 0; sweep < 10; ++sweep) {
+    for (const auto& d : beams_of(module, 0.1, sweep).directions_lidar) {
+      cells.emplace(static_cast<int>(std::floor(azimuth_deg(d))), static_cast<int>(std::floor(elevation_deg(d))));
+    }
+    seen[sweep] = cells.size();
+  }
+  EXPECT_GT(seen[1], 1.3 * seen[0]);
+  EXPECT_GT(seen[9], 1.8 * seen[0]);
+}
+
+TEST(LidarPattern, PuckFiresItsLasersInTurn) {
+  const BeamTable beams = beams_of(Module(lidar_pattern_types(), "velodyne_puck"));
+  EXPECT_EQ(beams.rows, 16);
+  EXPECT_EQ(beams.cols, 1808);
+  EXPECT_NEAR(beams.size() / 0.1, 289344.0, 0.001 * 289344.0);  // points per second by the manual
+  for (int r = 0; r < 16; ++r) EXPECT_NEAR(elevation_deg(beams.directions_lidar[r * 1808]), 15.0 - 2.0 * r, 1e-4);
+  // Laser 0 points to -15 deg, laser 1 to 1 deg, laser 2 to -13 deg ...
+  const double order_deg[] = {-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1, 15};
+  for (int laser = 0; laser < 16; ++laser) {
+    const int row = static_cast<int>(std::lround((15.0 - order_deg[laser]) / 2.0));
+    EXPECT_NEAR(beams.offset_s(row * 1808 + 10), 10 * 55.296e-6 + laser * 2.304e-6, 1e-9);
+    EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[row * 1808 + 10]) +
+                            3600.0 * (10 * 55.296e-6 + laser * 2.304e-6)),
+                0.0, 1e-4);
+  }
+  EXPECT_NEAR(beams.origins_lidar[0].z(), -0.0112, 1e-7);
+  EXPECT_NEAR(beams.origins_lidar[15 * 1808].z(), 0.0112, 1e-7);
+}
+
+TEST(LidarPattern, UniformStepsAreEqualAndItsColumnsDistinct) {
+  const BeamTable beams = beams_of(Module(lidar_pattern_types(), "uniform"));
+  for (int r = 0; r < 128; ++r) {
+    EXPECT_NEAR(elevation_deg(beams.directions_lidar[r * 1024]), 22.5 - r * 45.0 / 127, 1e-4);
+  }
+  for (int c = 0; c < 1024; ++c) {
+    EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[c]) - 360.0 * c / 1024), 0.0, 1e-4);
+  }
+  UniformConfig narrow;
+  narrow.columns = 3;
+  narrow.rows = 1;
+  narrow.fov_horizontal_deg = 40.0;
+  narrow.elevation_center_deg = -10.0;
+  const BeamTable three = beams_of(module_of("uniform", narrow));
+  EXPECT_NEAR(azimuth_deg(three.directions_lidar[0]), -20.0, 1e-4);
+  EXPECT_NEAR(azimuth_deg(three.directions_lidar[2]), 20.0, 1e-4);
+  EXPECT_NEAR(elevation_deg(three.directions_lidar[1]), -10.0, 1e-4);
+}
+
+class CsvFile {
+ public:
+  explicit CsvFile(const std::string& text)
+      : path_(std::filesystem::path(SWIFTLET_BINARY_DIR) / "lidar_pattern_test.csv") {
+    std::ofstream(path_) << text;
+  }
+  ~CsvFile() { std::filesystem::remove(path_); }
+  Module module() const { return module_of("csv", CsvPatternConfig{{}, path_.string()}); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+TEST(LidarPattern, CsvIsReadShotByShot) {
+  const CsvFile file("azimuth_deg,elevation_deg,time_s\n0,0,0\n90,0,0.01\n# comment\n\n-45,30,0.02\r\n");
+  const BeamTable beams = beams_of(file.module());
+  ASSERT_EQ(beams.size(), 3);
+  EXPECT_NEAR(azimuth_deg(beams.directions_lidar[1]), 90.0, 1e-4);
+  EXPECT_NEAR(elevation_deg(beams.directions_lidar[2]), 30.0, 1e-4);
+  EXPECT_NEAR(beams.offset_s(2), 0.02, 1e-8);
+}
+
+TEST(LidarPattern, WhatIsWrongInACsvIsSaidWithItsLine) {
+  const auto message = [](const std::string& text) -> std::string {
+    const CsvFile file(text);
+    try {
+      beams_of(file.module());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message("0,0,0\n1,x,0\n").find(".csv:2: expected azimuth_deg,elevation_deg,time_s, found \"1,x,0\""),
+            std::string::npos);
+  EXPECT_NE(message("0,0,0\n1,2,0,5\n").find(":2:"), std::string::npos);
+  EXPECT_NE(message("0,0,0.05\n1,2,0.01\n").find("ascending"), std::string::npos);
+  EXPECT_NE(message("0,0,0.2\n").find("within the sweep"), std::string::npos);
+  EXPECT_NE(message("0,95,0\n").find("-90..90"), std::string::npos);
+  EXPECT_NE(message("azimuth,elevation,time\n").find("at least one shot"), std::string::npos);
+  EXPECT_THROW(beams_of(module_of("csv", CsvPatternConfig{{}, "/nonexistent.csv"})), InputError);
+}
+
+TEST(LidarTiler, EveryBeamIsInExactlyOneTileWithItsNeighbours) {
+  for (const auto& [type, widest_deg] :
+       {std::pair{"ouster", 2.5}, std::pair{"velodyne_puck", 5.0}, std::pair{"uniform", 2.5}}) {
+    const auto pattern = make_lidar_pattern(Module(lidar_pattern_types(), type), 0.1);
+    BeamTable beams;
+    pattern->fill(0, beams);
+    LidarTiler tiler(*pattern, beams, true);
+    std::vector<LidarTile> tiles;
+    tiler.arrange(beams, tiles);
+    std::vector<int> count(beams.size());
+    for (LidarTile& tile : tiles) {
+      tiler.load(beams, tile);
+      for (int i = 0; i < kPacketSize; ++i) {
+        if (tile.beam[i] < 0) continue;
+        ++count[tile.beam[i]];
+        const auto& d = beams.directions_lidar[tile.beam[i]];
+        EXPECT_EQ(tile.beams.direction_y[i], d.y());
+        if (tile.beam[0] < 0) continue;
+        EXPECT_LT(std::acos(std::min(1.0F, d.dot(beams.directions_lidar[tile.beam[0]]))) * kDegrees, widest_deg)
+            << type;
+      }
+    }
+    for (const int n : count) ASSERT_EQ(n, 1) << type;
+  }
+  // Scattered shots: tiles in the order of cells; all there, most of them narrow.
+  const auto pattern = make_lidar_pattern(Module(lidar_pattern_types(), "livox_mid360"), 0.1);
+  BeamTable beams;
+  pattern->fill(3, beams);
+  LidarTiler tiler(*pattern, beams, true);
+  std::vector<LidarTile> tiles;
+  tiler.arrange(beams, tiles);
+  std::vector<int> count(beams.size());
+  for (const LidarTile& tile : tiles) {
+    for (const int beam : tile.beam) {
+      if (beam >= 0) ++count[beam];
+    }
+  }
+  for (const int n : count) ASSERT_EQ(n, 1);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
