@@ -106,7 +106,7 @@ TEST(Lidar, APlaneAtFiveMetresReturnsFiveMetresAlongEachBeam) {
       const float along = scan.beams->directions_lidar[i].x();
       const double expected = along > 0 ? (5.0 - scan.beams->origins_lidar[i].x()) / along : 1e9;
       if (expected > 119.9) {
-        if (expected > 120.1) EXPECT_FALSE(scan.hit(i)) << pattern << i;
+        EXPECT_TRUE(expected < 120.1 || !scan.hit(i)) << pattern << i;
         continue;
       }
       ++num_hits;
@@ -129,7 +129,8 @@ TEST(Lidar, TheMountTurnsAndShiftsTheSensor) {
   rig.config.mount.position_m = {0.3, 0.0, 0.1};
   rig.config.mount.rpy_deg = {0.0, 30.0, 0.0};  // nose down
   rig.motions = {resting({0, 0, 1}, 0.7)};
-  const Scan& scan = rig.run()[0]->scan;
+  const auto scans = rig.run();
+  const Scan& scan = scans[0]->scan;
   EXPECT_NEAR(scan.range_m[0], (1.0 + 2.0 + 0.1) / std::sin(30.0 / kDegrees), 1e-4);
   EXPECT_EQ(scan.range_m[4], 0.0F) << "behind, the beam goes up";
   EXPECT_TRUE(scan.T_body_lidar.isApprox(rig.config.mount.T_body_lidar()));
@@ -166,7 +167,8 @@ TEST(Lidar, ASphereIsHitByAsManyBeamsAsItsSolidAngleHolds) {
     // Nearest intersection of the line with the sphere.
     const double along = distance * scan.beams->directions_lidar[i].x();
     const double expected = along - std::sqrt(std::max(0.0, radius * radius - distance * distance + along * along));
-    if (along * along - distance * distance > -0.24) EXPECT_NEAR(scan.range_m[i], expected, 2e-3);
+    if (along * along - distance * distance < -0.24) continue;  // grazing: the facets matter
+    EXPECT_NEAR(scan.range_m[i], expected, 2e-3);
   }
   EXPECT_NEAR(num_hits, num_expected, 0.01 * num_expected);
   // And in closed form: solid angle over solid angle of a beam at the horizon.
@@ -337,12 +339,13 @@ TEST(Lidar, IntensityFallsWithTheSquareOfTheRangeAndReflectivityDoesNot) {
     const std::uint32_t white = rig.world.add_material(1.0F);
     rig.world.add_wall({distance, -9, -9}, {distance, 9, -9}, {distance, 9, 9}, {distance, -9, 9}, SurfaceClass::kWall,
                        0, white);
-    rig.config = uniform(1, 3, 0.0, 60.0);
+    rig.config = uniform(1, 3, 0.0, 40.0);
     rig.config.ideal = true;
-    const Scan& scan = rig.run()[0]->scan;
+    const auto scans = rig.run();
+    const Scan& scan = scans[0]->scan;
     EXPECT_NEAR(scan.intensity[1], 100.0 / (distance * distance), 1e-3 * scan.intensity[1]);
     EXPECT_NEAR(scan.reflectivity[1], 1.0, 1e-4);
-    EXPECT_NEAR(scan.reflectivity[0], std::cos(30.0 / kDegrees), 1e-4) << "Lambert's law";
+    EXPECT_NEAR(scan.reflectivity[0], std::cos(20.0 / kDegrees), 1e-4) << "Lambert's law";
   }
 }
 
@@ -392,7 +395,7 @@ TEST(Lidar, WideBeamsMixTheRangesOfAnEdgeAndNoticeWhatThinOnesMiss) {
         ASSERT_GT(range, 9.99F);
         ASSERT_LT(range, 10.02F + behind);
         num_mixed += range > 10.02F && range < 9.98F + behind ? 1 : 0;
-        if (range < 10.005F) EXPECT_EQ(scans[0]->truth.instance[i], 1);
+        EXPECT_TRUE(range > 10.005F || scans[0]->truth.instance[i] == 1);
       }
       // The outer sub-rays lie sqrt(3) sigma off the axis: mixed for that far on both sides of the edge.
       const double mixed_deg = 2.0 * std::sqrt(3.0) * 0.2 / 2.3548;
@@ -549,7 +552,8 @@ TEST(Lidar, ARollingScanTellsPosesOverTheSweepAndAnIdealOneTheTruth) {
   ASSERT_EQ(noisy[0]->scan.told_poses.size(), 11U);
   EXPECT_EQ(noisy[0]->scan.told_poses.back().t, 100'000'000);
   rig.config.ideal = true;
-  for (const StampedPose& pose : rig.run()[0]->scan.told_poses) {
+  const auto ideal = rig.run();
+  for (const StampedPose& pose : ideal[0]->scan.told_poses) {
     EXPECT_NEAR(pose.T_world_body.translation().x(), 5.0 * to_seconds(pose.t), 1e-9);
   }
   rig.config.told_pose.enabled = false;
