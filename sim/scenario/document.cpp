@@ -26,13 +26,18 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
   const std::size_t length = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
   if (lead < 0xC2 || lead > 0xF4 || i + length > text.size()) return 0;
   for (std::size_t k = i + 1; k < i + length; ++k) {
-    if ((byte(k) & 0xC0) != 0x80) return 0;
+    if (!is_continuation(text[k])) return 0;
   }
   const unsigned char next = byte(i + 1);
   const bool bad = (lead == 0xE0 && next < 0xA0) || (lead == 0xED && next > 0x9F) || (lead == 0xF0 && next < 0x90) ||
                    (lead == 0xF4 && next > 0x8F);
   return bad ? 0 : length;
 }
+
+bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
+
+/// A byte inside a UTF-8 sequence, not its first one.
+bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
 
 /// "ff"
 std::string hex(unsigned char byte) {
@@ -365,8 +370,18 @@ class Merger {
 
 // --- overrides ---
 
+/// UTF-8 without control characters, of sensible length.
+bool is_plain_line(const std::string& text) {
+  if (text.size() > 1000 || std::any_of(text.begin(), text.end(), is_control)) return false;
+  for (std::size_t i = 0; i < text.size(); i += utf8_length(text, i)) {
+    if (utf8_length(text, i) == 0) return false;
+  }
+  return true;
+}
+
 /// "vehicles[0].start.yaw_deg" -> "vehicles", "[0]", "start", "yaw_deg"; empty when malformed.
 std::vector<std::string> split_path(const std::string& path) {
+  if (!is_plain_line(path)) return {};
   std::vector<std::string> parts;
   std::size_t i = 0;
   while (i <= path.size()) {
@@ -472,12 +487,12 @@ std::string quote(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
     // Cut between characters, never inside one.
-    if (shown.size() > kMaxShown && (byte & 0xC0) != 0x80) return shown + "...\"";
+    if (shown.size() > kMaxShown && !is_continuation(text[i])) return shown + "...\"";
     if (byte == '\n') {
       shown += "\\n";
     } else if (byte == '\t') {
       shown += "\\t";
-    } else if (byte < 0x20 || byte == 0x7F) {
+    } else if (is_control(text[i])) {
       shown += "\\x";
       shown += hex(byte);
     } else {
@@ -508,7 +523,10 @@ std::string describe(const Node& node) {
 std::string error_line(const Place& place, const std::string& path, const std::string& message) {
   const std::string where = place.str();
   const bool repeats = path.empty() || where == "--set " + path;
-  return where + ": " + (repeats ? "" : path + ": ") + message;
+  std::string line = where + ": " + (repeats ? "" : path + ": ") + message;
+  // Keys and names of files may hold anything; a message is one line.
+  for (char& c : line) c = is_control(c) ? '?' : c;
+  return line;
 }
 
 void fail(const Place& place, const std::string& path, const std::string& message) {
@@ -516,13 +534,10 @@ void fail(const Place& place, const std::string& path, const std::string& messag
 }
 
 std::string join_path(const std::string& path, std::string_view key) {
-  // A key may be any text; in a path it shows as a word.
-  std::string word;
-  for (const char c : key.substr(0, 60)) word += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
-  while (!word.empty() && word.size() < key.size() && (static_cast<unsigned char>(key[word.size()]) & 0xC0) == 0x80) {
-    word += key[word.size()];
-  }
-  return path.empty() ? word : path + "." + word;
+  constexpr std::size_t kMaxShown = 60;
+  std::size_t length = std::min(key.size(), kMaxShown);
+  while (length < key.size() && is_continuation(key[length])) ++length;
+  return (path.empty() ? "" : path + ".") + std::string(key.substr(0, length));
 }
 
 }  // namespace swiftlet::sim

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/scenario/reference.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "core/agent/registry.hpp"
+#include "sim/sensors/sensor.hpp"
+#include "sim/world/world.hpp"
+#include "swiftlet/sim/recorder.hpp"
+#include "tests/sim/scenario/example_config.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Reference, ShowsKeyTypeDefaultUnitRangeAndMeaning) {
+  FleetConfig fleet;
+  const std::string text = reference_tables([&](ConfigVisitor& v) { fleet.visit(v); }, "Fleet");
+  EXPECT_THAT(
+      text,
+      HasSubstr("| `boats[].noise.drop_probability` | number | `0` |  | 0 to 1 | chance that a return is lost |"));
+  EXPECT_THAT(text, HasSubstr("| `boats[].speed_mps` | number | `1` | m/s | > -10, < 10 | cruise |"));
+  EXPECT_THAT(text, HasSubstr("| `sky` | choice | `clear` |  | `clear`, `cloudy`, `overcast` | weather |"));
+  EXPECT_THAT(text, HasSubstr("| `size_m` | 2 numbers | `[10, 20]` | m | > 0 | of the water |"));
+  // Modules have sections of their own, nested ones too, each registry once.
+  EXPECT_THAT(text, HasSubstr("## `boats[].crew`"));
+  EXPECT_THAT(text, HasSubstr("### `type: pilot`"));
+  EXPECT_THAT(text, HasSubstr("| `reaction_s` | number | `0.3` | s | >= 0 | until something is done |"));
+  EXPECT_EQ(text.find("### `type: engine`"), text.rfind("### `type: engine`"));
+  // One of the two boats is enough.
+  EXPECT_EQ(text.find("`boats[].tilt_deg`"), text.rfind("`boats[].tilt_deg`"));
+}
+
+TEST(Reference, NamesEveryModuleOfEveryRegistry) {
+  const std::string text = write_reference();
+  for (const auto types :
+       {world_module_types(), sensor_module_types(), recorder_module_types(), agent_module_types()}) {
+    for (const ModuleType& type : types) EXPECT_THAT(text, HasSubstr("### `type: " + std::string(type.name) + "`"));
+  }
+}
+
+TEST(Reference, TheDocumentIsUpToDate) {
+  std::ifstream file(SWIFTLET_SOURCE_DIR "/docs/reference.md");
+  const std::string document((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_TRUE(document == write_reference()) << "docs/reference.md is stale: a key or its documentation has changed.\n"
+                                                "Regenerate it: build/release/swiftlet reference > docs/reference.md";
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

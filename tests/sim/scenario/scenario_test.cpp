@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/sim/scenario.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/agent/registry.hpp"
+#include "sim/scenario/assets.hpp"
+#include "sim/scenario/yaml_reader.hpp"
+#include "sim/scenario/yaml_writer.hpp"
+#include "sim/sensors/sensor.hpp"
+#include "sim/world/world.hpp"
+#include "swiftlet/sim/recorder.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+Scenario read(const std::string& text) {
+  Scenario scenario;
+  read_config_text(text, "flight.yaml", [&](ConfigVisitor& v) { scenario.visit(v); });
+  return scenario;
+}
+
+std::string error(const std::string& text) {
+  try {
+    read(text);
+  } catch (const InputError& problem) {
+    return problem.what();
+  }
+  return "no error";
+}
+
+std::vector<fs::path> shipped_scenarios() {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(SWIFTLET_SOURCE_DIR "/scenarios")) {
+    const bool other_kind =
+        entry.path().parent_path().filename() == "batch" || entry.path().parent_path().filename() == "dataset";
+    if (entry.path().extension() == ".yaml" && !other_kind) files.push_back(entry.path());
+  }
+  return files;
+}
+
+TEST(Scenario, TheDefaultIsValid) {
+  const Scenario scenario = validated(Scenario());
+  ASSERT_EQ(scenario.vehicles.size(), 1u);
+  EXPECT_EQ(scenario.vehicles[0].name, "uav1");
+  EXPECT_EQ(scenario.vehicles[0].airframe.num_rotors(), 4);
+}
+
+TEST(Scenario, WhatWasWrittenReadsBackTheSame) {
+  const std::string text = write_scenario(validated(Scenario()));
+  EXPECT_EQ(write_scenario(read(text)), text);
+}
+
+TEST(Scenario, EveryScenarioThatComesWithSwiftletIsValidAndResolvesToItself) {
+  const auto files = shipped_scenarios();
+  ASSERT_FALSE(files.empty());
+  for (const fs::path& file : files) {
+    SCOPED_TRACE(file.string());
+    try {
+      const std::string resolved = write_scenario(load_scenario(file));
+      EXPECT_EQ(write_scenario(read(resolved)), resolved);
+    } catch (const InputError& problem) {
+      ADD_FAILURE() << problem.what();
+    }
+  }
+}
+
+TEST(Scenario, IsFoundByNameToo) {
+  const auto assets = list_assets("scenarios");
+  ASSERT_FALSE(assets.empty());
+  EXPECT_NO_THROW(load_scenario(assets.front().name));
+  try {
+    load_scenario("forest_patrl.yaml");
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& problem) {
+    EXPECT_THAT(problem.what(),
+                HasSubstr("forest_patrl.yaml: expected a configuration file, found none; did you mean"));
+  }
+}
+
+TEST(Scenario, EveryModuleOfEveryRegistryIsValidByDefaultAndComesBack) {
+  const auto check = [](std::span<const ModuleType> types, const auto& put) {
+    ASSERT_FALSE(types.empty());
+    for (const ModuleType& type : types) {
+      SCOPED_TRACE(type.name);
+      Scenario scenario;
+      put(scenario, Module(types, type.name));
+      const std::string text = write_scenario(scenario);
+      try {
+        EXPECT_EQ(write_scenario(read(text)), text);
+      } catch (const InputError& problem) {
+        // A path that has no sensible default is the one thing that may be missing.
+        EXPECT_THAT(problem.what(), HasSubstr("found \"\" by default")) << problem.what();
+      }
+    }
+  };
+  check(world_module_types(), [](Scenario& s, Module m) { s.world = std::move(m); });
+  check(sensor_module_types(), [](Scenario& s, Module m) { s.vehicles[0].sensors = {std::move(m)}; });
+  check(recorder_module_types(), [](Scenario& s, Module m) { s.recorders = {std::move(m)}; });
+  check(agent_module_types(), [](Scenario& s, Module m) { s.vehicles[0].agent = std::move(m); });
+}
+
+TEST(Scenario, EveryAssetIsValid) {
+  for (const Asset& asset : list_assets("vehicles")) {
+    EXPECT_EQ(error("vehicles: [{model: " + asset.name + "}]"), "no error") << asset.name;
+    EXPECT_FALSE(asset.doc.empty()) << asset.name;
+  }
+  for (const Asset& asset : list_assets("sensors")) {
+    // A preset belongs to one type: the one that takes it.
+    std::string messages;
+    bool taken = false;
+    for (const ModuleType& type : sensor_module_types()) {
+      const std::string message =
+          error("vehicles: [{sensors: [{type: " + std::string(type.name) + ", model: " + asset.name + "}]}]");
+      taken = taken || message == "no error";
+      messages += message + "\n";
+    }
+    EXPECT_TRUE(taken) << asset.name << ":\n" << messages;
+  }
+}
+
+TEST(Scenario, NamesAreFilledIn) {
+  const Scenario scenario = read("vehicles: [{}, {sensors: [imu, imu]}]");
+  EXPECT_EQ(scenario.vehicles[0].name, "uav1");
+  EXPECT_EQ(scenario.vehicles[1].name, "uav2");
+  EXPECT_THAT(write_scenario(scenario), HasSubstr("name: imu2"));
+}
+
+TEST(Scenario, NamesAreUniqueAndFitForFiles) {
+  EXPECT_EQ(error("vehicles:\n  - name: a\n  - name: a\n"),
+            "flight.yaml:3:11: vehicles[1].name: expected a name that is not taken yet, found \"a\"");
+  EXPECT_THAT(error("vehicles: [{name: uav2}, {}]"),
+              HasSubstr("vehicles[1].name: expected a name that is not taken yet"));
+  EXPECT_THAT(error("vehicles: [{name: ../a}]"),
+              HasSubstr("flight.yaml:1:19: vehicles[0].name: expected a name of letters"));
+  EXPECT_THAT(error("vehicles: [{sensors: [{type: imu, name: a}, {type: gnss, name: a}]}]"),
+              HasSubstr("vehicles[0].sensors[1].name: expected a name that is not taken yet, found \"a\""));
+  EXPECT_EQ(error("vehicles: [{sensors: [{type: imu, name: a}]}, {sensors: [{type: imu, name: a}]}]"), "no error");
+  EXPECT_THAT(error("snapshots: [{name: a}, {name: a}]"),
+              HasSubstr("snapshots[1].name: expected a name that is not taken yet"));
+  EXPECT_THAT(error("name: a/b"), HasSubstr("name: expected a name of letters"));
+  EXPECT_THAT(error("name: .."), HasSubstr("name: expected a name of letters"));
+}
+
+TEST(Scenario, CamerasLookAtVehiclesAndSensorsThatExist) {
+  EXPECT_EQ(error("vehicles: [{name: alpha}]\nsnapshots: [{type: follow, vehicle: alhpa}]"),
+            "flight.yaml:2:37: snapshots[0].vehicle: expected \"alpha\", found \"alhpa\"; did you mean \"alpha\"?");
+  EXPECT_THAT(error("vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, sensor: os2}]"),
+              HasSubstr("snapshots[0].sensor: expected \"os1\", found \"os2\"; did you mean \"os1\"?"));
+  EXPECT_EQ(error("vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, sensor: os1}]"),
+            "no error");
+}
+
+TEST(Scenario, TheTickIsAWholeMultipleOfThePhysicsStep) {
+  EXPECT_EQ(error("tick_s: 4 ms\nphysics: {step_s: 1 ms}"), "no error");
+  EXPECT_EQ(error("tick_s: 4.5 ms\nphysics: {step_s: 1 ms}"),
+            "flight.yaml:1:9: tick_s: expected a whole multiple of physics.step_s, found \"4.5 ms\"");
+  EXPECT_THAT(error("tick_s: 1 ms\nphysics: {step_s: 2 ms}"), HasSubstr("whole multiple"));
+  EXPECT_THAT(error("tick_s: 0"), HasSubstr("tick_s: expected a number in (0, 1]"));
+  EXPECT_THAT(error("duration_s: 0"), HasSubstr("duration_s: expected a number in (0, 1"));
+  EXPECT_THAT(error("duration_s: 1 ms"), HasSubstr("duration_s: expected at least one tick_s"));
+}
+
+TEST(Scenario, ATeamMayBeEmpty) { EXPECT_EQ(read("vehicles: []").vehicles.size(), 0u); }
+
+TEST(Scenario, OverridesReachEveryDepth) {
+  const std::string file = SWIFTLET_SOURCE_DIR "/scenarios/forest_patrol.yaml";
+  const Scenario scenario = load_scenario(
+      file, {{"vehicles[0].start.yaw_deg", "90"}, {"vehicles[*].airframe.mass_kg", "1500 g"}, {"seed", "5"}});
+  EXPECT_EQ(scenario.seed, 5u);
+  EXPECT_EQ(scenario.vehicles[0].start.yaw_deg, 90.0);
+  for (const VehicleConfig& vehicle : scenario.vehicles) EXPECT_EQ(vehicle.airframe.mass_kg, 1.5);
+  EXPECT_THROW(load_scenario(file, {{"vehicles[0].start.yaw", "90"}}), InputError);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
