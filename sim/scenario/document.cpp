@@ -18,6 +18,11 @@ using Kind = Node::Kind;
 
 // --- text ---
 
+bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
+
+/// A byte inside a UTF-8 sequence, not its first one.
+bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
+
 /// Length of the UTF-8 sequence that starts at `i`; 0 when it is malformed, overlong or a surrogate.
 std::size_t utf8_length(std::string_view text, std::size_t i) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
@@ -33,11 +38,6 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
                    (lead == 0xF4 && next > 0x8F);
   return bad ? 0 : length;
 }
-
-bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
-
-/// A byte inside a UTF-8 sequence, not its first one.
-bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
 
 /// "ff"
 std::string hex(unsigned char byte) {
