@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <string>
 
 #include "sim/render/colors.hpp"
 #include "sim/render/gl_context.hpp"
@@ -21,6 +22,7 @@ constexpr int kSamples = 4;
 constexpr int kShadowTexels = 4096;
 constexpr int kVehicleShadowTexels = 1024;
 constexpr std::size_t kShadowsKept = 3;
+constexpr int kMostWatched = 16;  // length of u_watched
 constexpr float kNoCut_m = 1e9F;
 constexpr float kCloudPoint_m = 0.05F;
 constexpr float kTrailWidth_px = 3.2F;
@@ -159,6 +161,7 @@ struct Renderer::Impl {
 
   void prepare_targets(const View& view);
   DrawSelection select(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) const;
+  void set_watched(const PictureScene& picture, const PictureStyle& style) const;
   void set_mesh_uniforms(const Program& program, const Eigen::Matrix4f& clip_world, float cut_m) const;
   const Shadow& world_shadow(const PictureStyle& style);
   void draw_vehicle_shadow(const PictureScene& picture, const PictureStyle& style);
@@ -205,6 +208,19 @@ void Renderer::Impl::set_mesh_uniforms(const Program& program, const Eigen::Matr
   program.set("u_clip_world", clip_world);
   program.set("u_cut_m", cut_m);
   program.set("u_leaf_growth", 0.0F);
+  program.set("u_num_watched", 0);
+}
+
+void Renderer::Impl::set_watched(const PictureScene& picture, const PictureStyle& style) const {
+  int count = 0;
+  for (const VehicleId vehicle : style.watched) {
+    if (vehicle < 0 || vehicle >= std::ssize(picture.states) || vehicle >= std::ssize(vehicle_radii_m)) continue;
+    if (count == kMostWatched) break;
+    const Eigen::Vector3f p = picture.states[vehicle].p_world_m.cast<float>();
+    const float radius_m = 0.4F + 1.6F * vehicle_radii_m[vehicle] * static_cast<float>(style.vehicle_scale);
+    mesh_program.set(("u_watched[" + std::to_string(count++) + "]").c_str(), with_alpha(p, radius_m));
+  }
+  mesh_program.set("u_num_watched", count);
 }
 
 const Renderer::Impl::Shadow& Renderer::Impl::world_shadow(const PictureStyle& style) {
@@ -299,9 +315,13 @@ void Renderer::Impl::draw_opaque(const View& view, const PictureScene& picture, 
   gl.ActiveTexture(GL_TEXTURE0);
   gl.BindTexture(GL_TEXTURE_2D, shadow.target.depth);
 
-  gl.Enable(GL_CLIP_DISTANCE0);
+  set_watched(picture, style);
+  if (!style.watched.empty()) gl.Enable(GL_CLIP_DISTANCE1);
+  if (style.cut_above) gl.Enable(GL_CLIP_DISTANCE0);
   world.draw(mesh_program, select(view, style, clip_world));
   gl.Disable(GL_CLIP_DISTANCE0);
+  gl.Disable(GL_CLIP_DISTANCE1);
+  mesh_program.set("u_num_watched", 0);
 
   // Vehicles: first faintly what is hidden by the world, then what is seen.
   gl.Enable(GL_BLEND);

@@ -22,6 +22,7 @@ struct PictureStyle {
   std::vector<std::string> overlays;  ///< by name; "*": all
   double vehicle_scale = 1.0;
   VehicleId hidden_vehicle = kNoVehicle;  ///< the one that carries the camera
+  std::vector<VehicleId> watched;         ///< leaves between the camera and these are left out
   bool cut_above = false;
   double cut_height_m = 3.0;
   // For tests: neither changes what is seen from near.

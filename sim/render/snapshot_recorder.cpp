@@ -200,6 +200,11 @@ Image SnapshotRecorder::take_of_world(const Station& station) {
   const CameraConfig& camera = station.config;
   PictureStyle style = style_of(camera);
   if (camera.type == "onboard") style.hidden_vehicle = station.vehicle;
+  if (camera.type == "follow") {
+    for (VehicleId v = 0; v < std::ssize(picture_.states); ++v) {
+      if (station.vehicle == kNoVehicle || station.vehicle == v) style.watched.push_back(v);
+    }
+  }
   const View view = station.cameraman.view(picture_);
   Image image = renderer().draw(view, picture_, style);
   if (camera.names && camera.type != "onboard") {
