@@ -34,6 +34,7 @@ namespace swiftlet::sim {
   X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                   \
   X(PFNGLDRAWARRAYSINSTANCEDPROC, DrawArraysInstanced)                                                 \
   X(PFNGLDRAWBUFFERPROC, DrawBuffer)                                                                   \
+  X(PFNGLDRAWBUFFERSPROC, DrawBuffers)                                                                 \
   X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                               \
   X(PFNGLDRAWELEMENTSINSTANCEDBASEVERTEXBASEINSTANCEPROC, DrawElementsInstancedBaseVertexBaseInstance) \
   X(PFNGLENABLEPROC, Enable)                                                                           \

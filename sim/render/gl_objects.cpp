@@ -69,6 +69,10 @@ Target make_target(const GlFunctions& gl, int width, int height, const TargetFor
   if (format.color != 0) {
     target.color = make_texture(gl, width, height, format.color, format.samples);
     gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, kind, target.color, 0);
+    if (format.two_colors) {
+      target.color2 = make_texture(gl, width, height, format.color, format.samples);
+      gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1, kind, target.color2, 0);
+    }
   } else {
     gl.DrawBuffer(GL_NONE);
     gl.ReadBuffer(GL_NONE);
@@ -97,6 +101,7 @@ Target make_target(const GlFunctions& gl, int width, int height, const TargetFor
 void delete_target(const GlFunctions& gl, Target& target) {
   gl.DeleteFramebuffers(1, &target.framebuffer);
   gl.DeleteTextures(1, &target.color);
+  gl.DeleteTextures(1, &target.color2);
   gl.DeleteTextures(1, &target.depth);
   target = {};
 }

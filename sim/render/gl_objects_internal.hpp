@@ -35,10 +35,11 @@ class Program {
   GLuint id_ = 0;
 };
 
-/// A framebuffer with textures for colour and depth (0: none).
+/// A framebuffer with textures for up to two colours and depth (0: none).
 struct Target {
   GLuint framebuffer = 0;
   GLuint color = 0;
+  GLuint color2 = 0;
   GLuint depth = 0;
   int width = 0;
   int height = 0;
@@ -48,7 +49,8 @@ struct TargetFormat {
   GLenum color = 0;  ///< such as GL_RGBA8; 0: none
   GLenum depth = 0;  ///< such as GL_DEPTH_COMPONENT32F; 0: none
   int samples = 1;
-  bool compare = false;  ///< the depth is sampled as a shadow map: less or equal passes, bilinear, outside is lit
+  bool two_colors = false;  ///< a second colour of the same format
+  bool compare = false;     ///< the depth is sampled as a shadow map: less or equal passes, bilinear, outside is lit
 };
 
 Target make_target(const GlFunctions& gl, int width, int height, const TargetFormat& format);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <numeric>
 #include <string>
@@ -134,9 +135,8 @@ struct Renderer::Impl {
   Program mesh_program{gl, "mesh", shaders::kMeshVertex, shaders::kMeshFragment};
   Program depth_program{gl, "depth", shaders::kMeshVertex, shaders::kDepthFragment};
   Program ghost_program{gl, "ghost", shaders::kMeshVertex, shaders::kGhostFragment};
-  Program sky_program{gl, "sky", shaders::kScreenVertex, shaders::kSkyFragment};
   Program occlusion_program{gl, "occlusion", shaders::kScreenVertex, shaders::kOcclusionFragment};
-  Program apply_occlusion_program{gl, "apply occlusion", shaders::kScreenVertex, shaders::kApplyOcclusionFragment};
+  Program light_program{gl, "light", shaders::kScreenVertex, shaders::kLightFragment};
   WorldPainter world;
   VehiclePainter vehicles;
   MarkPainter marks{gl};
@@ -165,9 +165,11 @@ struct Renderer::Impl {
   void set_mesh_uniforms(const Program& program, const Eigen::Matrix4f& clip_world, float cut_m) const;
   const Shadow& world_shadow(const PictureStyle& style);
   void draw_vehicle_shadow(const PictureScene& picture, const PictureStyle& style);
-  void draw_opaque(const View& view, const PictureScene& picture, const PictureStyle& style);
-  void draw_sky(const View& view);
-  void darken_corners(const View& view);
+  void draw_surfaces(const View& view, const PictureScene& picture, const PictureStyle& style);
+  void resolve_surfaces();
+  void bind_textures(std::initializer_list<GLuint> textures);
+  void find_occlusion(const View& view);
+  void light(const View& view, const PictureStyle& style);
   void draw_marks(const View& view, const PictureScene& picture, const PictureStyle& style);
   void draw_overlay(const View& view, const Overlay& overlay, float cut_m);
   void draw_solid_overlay(const View& view, const Overlay& overlay, float cut_m);
@@ -178,6 +180,10 @@ struct Renderer::Impl {
 
 namespace {
 
+Eigen::Vector3f forward_of(const View& view) {
+  return -view.T_camera_world.block<1, 3>(2, 0).transpose().cast<float>();
+}
+
 float cut_of(const PictureStyle& style) { return style.cut_above ? static_cast<float>(style.cut_height_m) : kNoCut_m; }
 
 }  // namespace
@@ -185,8 +191,8 @@ float cut_of(const PictureStyle& style) { return style.cut_above ? static_cast<f
 void Renderer::Impl::prepare_targets(const View& view) {
   if (sampled.width == view.width_px && sampled.height == view.height_px) return;
   for (Target* target : {&sampled, &resolved, &openness}) delete_target(gl, *target);
-  sampled = make_target(gl, view.width_px, view.height_px, {GL_RGBA8, GL_DEPTH_COMPONENT32F, kSamples});
-  resolved = make_target(gl, view.width_px, view.height_px, {GL_RGBA8, GL_DEPTH_COMPONENT32F});
+  sampled = make_target(gl, view.width_px, view.height_px, {GL_RGBA8, GL_DEPTH_COMPONENT32F, kSamples, true});
+  resolved = make_target(gl, view.width_px, view.height_px, {GL_RGBA8, GL_DEPTH_COMPONENT32F, 1, true});
   openness = make_target(gl, (view.width_px + 1) / 2, (view.height_px + 1) / 2, {GL_RG32F, 0});
 }
 
@@ -237,7 +243,7 @@ const Renderer::Impl::Shadow& Renderer::Impl::world_shadow(const PictureStyle& s
   casters.max().z() = std::max(casters.min().z(), std::min(casters.max().z(), cut_m));
   float width_m = 1.0F;
   const Eigen::Matrix4f clip_world = clip_of_sun(casters, width_m);
-  shadow.target = make_target(gl, kShadowTexels, kShadowTexels, {0, GL_DEPTH_COMPONENT16, 1, true});
+  shadow.target = make_target(gl, kShadowTexels, kShadowTexels, {0, GL_DEPTH_COMPONENT16, 1, false, true});
   shadow.texture_world = texture_of_clip() * clip_world;
   shadow.texel_m = width_m / kShadowTexels;
 
@@ -265,7 +271,7 @@ const Renderer::Impl::Shadow& Renderer::Impl::world_shadow(const PictureStyle& s
 void Renderer::Impl::draw_vehicle_shadow(const PictureScene& picture, const PictureStyle& style) {
   if (vehicle_shadow.target.framebuffer == 0) {
     vehicle_shadow.target =
-        make_target(gl, kVehicleShadowTexels, kVehicleShadowTexels, {0, GL_DEPTH_COMPONENT32F, 1, true});
+        make_target(gl, kVehicleShadowTexels, kVehicleShadowTexels, {0, GL_DEPTH_COMPONENT32F, 1, false, true});
   }
   Eigen::AlignedBox3f box;
   for (std::size_t v = 0; v < std::min(picture.states.size(), vehicle_radii_m.size()); ++v) {
@@ -294,98 +300,108 @@ void Renderer::Impl::draw_vehicle_shadow(const PictureScene& picture, const Pict
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
-void Renderer::Impl::draw_opaque(const View& view, const PictureScene& picture, const PictureStyle& style) {
+void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture, const PictureStyle& style) {
   const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
   set_mesh_uniforms(mesh_program, clip_world, cut_of(style));
-  const Shadow& shadow = world_shadows.at(cut_of(style));
   mesh_program.set("u_eye_m", Eigen::Vector3f(view.eye_world_m.cast<float>()));
-  mesh_program.set("u_forward", Eigen::Vector3f(-view.T_camera_world.block<1, 3>(2, 0).transpose().cast<float>()));
+  mesh_program.set("u_forward", forward_of(view));
   mesh_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
-  mesh_program.set("u_sun", kSun);
-  mesh_program.set("u_haze_per_m", haze_per_m);
-  mesh_program.set("u_haze_color", kHaze);
-  mesh_program.set("u_grid", 0.45F);
-  mesh_program.set("u_shadow_world", shadow.texture_world);
-  mesh_program.set("u_vehicle_shadow_world", vehicle_shadow.texture_world);
-  mesh_program.set("u_shadow_texel_m", shadow.texel_m);
-  mesh_program.set("u_shadow", 0);
-  mesh_program.set("u_vehicle_shadow", 1);
-  gl.ActiveTexture(GL_TEXTURE1);
-  gl.BindTexture(GL_TEXTURE_2D, vehicle_shadow.target.depth);
-  gl.ActiveTexture(GL_TEXTURE0);
-  gl.BindTexture(GL_TEXTURE_2D, shadow.target.depth);
-
+  mesh_program.set("u_grid", 0.75F);
   set_watched(picture, style);
   if (!style.watched.empty()) gl.Enable(GL_CLIP_DISTANCE1);
   if (style.cut_above) gl.Enable(GL_CLIP_DISTANCE0);
   world.draw(mesh_program, select(view, style, clip_world));
   gl.Disable(GL_CLIP_DISTANCE0);
   gl.Disable(GL_CLIP_DISTANCE1);
-  mesh_program.set("u_num_watched", 0);
 
-  // Vehicles: first faintly what is hidden by the world, then what is seen.
+  // Vehicles: first faintly what is hidden by the world (it shines through in colour only), then what is seen.
+  constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  gl.DrawBuffers(1, kBoth);
   gl.Enable(GL_BLEND);
   gl.DepthMask(GL_FALSE);
   gl.DepthFunc(GL_LESS);
+  set_mesh_uniforms(ghost_program, clip_world, kNoCut_m);
   for (std::size_t v = 0; v < picture.states.size(); ++v) {
-    set_mesh_uniforms(ghost_program, clip_world, kNoCut_m);
-    ghost_program.set("u_color", with_alpha(vehicle_color(static_cast<VehicleId>(v)), 0.5F));
-    if (static_cast<VehicleId>(v) != style.hidden_vehicle) vehicles.draw_one(v, picture.states[v], style.vehicle_scale);
+    if (static_cast<VehicleId>(v) == style.hidden_vehicle) continue;
+    ghost_program.set("u_color", with_alpha(vehicle_color(static_cast<VehicleId>(v)), 0.55F));
+    vehicles.draw_one(v, picture.states[v], style.vehicle_scale);
   }
   gl.Disable(GL_BLEND);
   gl.DepthMask(GL_TRUE);
   gl.DepthFunc(GL_GEQUAL);
+  gl.DrawBuffers(2, kBoth);
   mesh_program.use();
-  mesh_program.set("u_cut_m", kNoCut_m);
+  mesh_program.set("u_num_watched", 0);
   mesh_program.set("u_leaf_growth", 0.0F);
   vehicles.draw(picture.states, style.vehicle_scale, style.hidden_vehicle);
 }
 
-void Renderer::Impl::draw_sky(const View& view) {
-  sky_program.use();
-  sky_program.set("u_world_clip", Eigen::Matrix4f(view.clip_world().inverse().cast<float>()));
-  sky_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
-  sky_program.set("u_haze_color", kHaze);
-  sky_program.set("u_sun", kSun);
-  gl.BindVertexArray(empty_array);
-  gl.DepthMask(GL_FALSE);
-  gl.DrawArrays(GL_TRIANGLES, 0, 3);
-}
-
-void Renderer::Impl::darken_corners(const View& view) {
+/// From several samples a pixel to one. Colours and normals are averaged, so edges stay smooth.
+void Renderer::Impl::resolve_surfaces() {
+  const int width = sampled.width;
+  const int height = sampled.height;
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, sampled.framebuffer);
   gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
-  gl.BlitFramebuffer(0, 0, view.width_px, view.height_px, 0, 0, view.width_px, view.height_px, GL_DEPTH_BUFFER_BIT,
-                     GL_NEAREST);
+  for (const GLenum color : {GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT0}) {
+    gl.ReadBuffer(color);
+    gl.DrawBuffer(color);
+    gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
+  gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+}
 
-  const Eigen::Matrix4f camera_clip = view.clip_camera.inverse().cast<float>();
-  gl.Disable(GL_DEPTH_TEST);
-  gl.BindVertexArray(empty_array);
-  gl.ActiveTexture(GL_TEXTURE0);
-  gl.BindTexture(GL_TEXTURE_2D, resolved.depth);
+void Renderer::Impl::bind_textures(std::initializer_list<GLuint> textures) {
+  GLenum unit = GL_TEXTURE0;
+  for (const GLuint texture : textures) {
+    gl.ActiveTexture(unit++);
+    gl.BindTexture(GL_TEXTURE_2D, texture);
+  }
+}
+
+void Renderer::Impl::find_occlusion(const View& view) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, openness.framebuffer);
   gl.Viewport(0, 0, openness.width, openness.height);
+  gl.Disable(GL_DEPTH_TEST);
+  bind_textures({resolved.depth, resolved.color, resolved.color2});
   occlusion_program.use();
   occlusion_program.set("u_depth", 0);
-  occlusion_program.set("u_camera_clip", camera_clip);
+  occlusion_program.set("u_base", 1);
+  occlusion_program.set("u_normal", 2);
+  occlusion_program.set("u_camera_clip", Eigen::Matrix4f(view.clip_camera.inverse().cast<float>()));
+  occlusion_program.set("u_camera_world", Eigen::Matrix4f(view.T_camera_world.cast<float>()));
   occlusion_program.set("u_radius_m", 0.9F);
   occlusion_program.set("u_pixels_at_1m", static_cast<float>(view.pixels_per_m(1.0)));
   occlusion_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
+  gl.BindVertexArray(empty_array);
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
 
-  gl.ActiveTexture(GL_TEXTURE1);
-  gl.BindTexture(GL_TEXTURE_2D, openness.color);
+/// Fills the picture, keeping the depth of each sample for what is drawn over it.
+void Renderer::Impl::light(const View& view, const PictureStyle& style) {
+  const Shadow& shadow = world_shadows.at(cut_of(style));
   gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
+  gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
   gl.Viewport(0, 0, view.width_px, view.height_px);
-  apply_occlusion_program.use();
-  apply_occlusion_program.set("u_depth", 0);
-  apply_occlusion_program.set("u_open", 1);
-  apply_occlusion_program.set("u_camera_clip", camera_clip);
-  gl.Enable(GL_BLEND);
-  gl.BlendFunc(GL_ZERO, GL_SRC_COLOR);
+  bind_textures({resolved.color, resolved.color2, resolved.depth, openness.color, shadow.target.depth,
+                 vehicle_shadow.target.depth});
+  light_program.use();
+  int unit = 0;
+  for (const char* name : {"u_base", "u_normal", "u_depth", "u_open", "u_shadow", "u_vehicle_shadow"}) {
+    light_program.set(name, unit++);
+  }
+  light_program.set("u_world_clip", Eigen::Matrix4f(view.clip_world().inverse().cast<float>()));
+  light_program.set("u_camera_clip", Eigen::Matrix4f(view.clip_camera.inverse().cast<float>()));
+  light_program.set("u_eye_m", Eigen::Vector3f(view.eye_world_m.cast<float>()));
+  light_program.set("u_forward", forward_of(view));
+  light_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
+  light_program.set("u_sun", kSun);
+  light_program.set("u_haze_per_m", haze_per_m);
+  light_program.set("u_haze_color", kHaze);
+  light_program.set("u_shadow_world", shadow.texture_world);
+  light_program.set("u_vehicle_shadow_world", vehicle_shadow.texture_world);
+  light_program.set("u_shadow_texel_m", shadow.texel_m);
+  gl.BindVertexArray(empty_array);
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
-  gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  gl.Disable(GL_BLEND);
   gl.Enable(GL_DEPTH_TEST);
 }
 
@@ -519,8 +535,11 @@ Image Renderer::Impl::read_picture() {
   const int height = sampled.height;
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, sampled.framebuffer);
   gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
+  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
   gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved.framebuffer);
+  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
   std::vector<std::uint8_t> rgba_bottom_up(static_cast<std::size_t>(width) * height * 4);
   gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba_bottom_up.data());
 
@@ -550,16 +569,19 @@ Image Renderer::draw(const View& view, const PictureScene& picture, const Pictur
   r.draw_vehicle_shadow(picture, style);
 
   r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.sampled.framebuffer);
+  constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  r.gl.DrawBuffers(2, kBoth);
   r.gl.Viewport(0, 0, view.width_px, view.height_px);
-  r.gl.ClearColor(0.0F, 0.0F, 0.0F, 1.0F);
+  r.gl.ClearColor(0.0F, 0.0F, 0.0F, 0.0F);
   r.gl.ClearDepth(0.0);
   r.gl.DepthMask(GL_TRUE);
   r.gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   r.gl.Enable(GL_DEPTH_TEST);
   r.gl.DepthFunc(GL_GEQUAL);
-  r.draw_opaque(view, picture, style);
-  r.draw_sky(view);
-  r.darken_corners(view);
+  r.draw_surfaces(view, picture, style);
+  r.resolve_surfaces();
+  r.find_occlusion(view);
+  r.light(view, style);
   r.draw_marks(view, picture, style);
   return r.read_picture();
 }

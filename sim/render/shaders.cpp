@@ -66,28 +66,9 @@ flat in vec4 v_color;
 uniform vec3 u_eye_m;
 uniform vec3 u_forward;               // used instead of the eye in parallel projections
 uniform float u_parallel;
-uniform vec3 u_sun;                   // unit vector towards the sun
-uniform float u_haze_per_m;
-uniform vec3 u_haze_color;            // sRGB
 uniform float u_grid;                 // strength of the grid on the ground
-uniform mat4 u_shadow_world;
-uniform mat4 u_vehicle_shadow_world;
-uniform float u_shadow_texel_m;
-uniform sampler2DShadow u_shadow;
-uniform sampler2DShadow u_vehicle_shadow;
-out vec4 o_color;
-
-float lit(sampler2DShadow map, vec3 at) {
-  // Four bilinear taps on a small cross: a penumbra of about two texels.
-  vec2 texel = 1.0 / vec2(textureSize(map, 0));
-  at.z = min(at.z, 1.0);  // behind the map's last caster
-  float sum = 0.0;
-  sum += texture(map, vec3(at.xy + texel * vec2(-0.4, -1.1), at.z));
-  sum += texture(map, vec3(at.xy + texel * vec2(1.1, -0.4), at.z));
-  sum += texture(map, vec3(at.xy + texel * vec2(0.4, 1.1), at.z));
-  sum += texture(map, vec3(at.xy + texel * vec2(-1.1, 0.4), at.z));
-  return 0.25 * sum;
-}
+layout(location = 0) out vec4 o_base;    // square root of the linear colour; covered
+layout(location = 1) out vec4 o_normal;  // to [0, 1]; 0 plain, 0.5 shiny, 1 plant
 
 float hash(vec2 p) {
   uint h = uint(int(p.x)) * 0x9E3779B9u + uint(int(p.y)) * 0x85EBCA77u;
@@ -112,46 +93,128 @@ float grid(vec2 p, float spacing, float half_width_px) {
 }
 
 void main() {
-  vec3 to_eye = u_eye_m - v_world_m;
-  float distance_m = length(to_eye);
-  vec3 V = mix(to_eye / distance_m, -u_forward, u_parallel);
+  vec3 base = v_color.rgb * mix(1.0, v_open, 0.75);
   vec3 N = normalize(v_normal);
   bool plant = v_color.w > 1.5 && v_color.w < 2.5;
-  bool ground = v_color.w > 0.5 && v_color.w < 1.5;
-  if (!plant && dot(N, V) < 0.0) N = -N;
-
-  vec3 base = v_color.rgb;
-  if (ground) {
-    float patches = 0.6 * noise(v_world_m.xy * 0.35) + 0.4 * noise(v_world_m.xy * 2.7);
-    base *= 0.82 + 0.36 * patches;
+  if (!plant && dot(N, mix(u_eye_m - v_world_m, -u_forward, u_parallel)) < 0.0) N = -N;
+  if (v_color.w > 0.5 && v_color.w < 1.5) {  // ground
+    base *= 0.82 + 0.36 * (0.6 * noise(v_world_m.xy * 0.35) + 0.4 * noise(v_world_m.xy * 2.7));
+    float line = max(0.5 * grid(v_world_m.xy, 1.0, 0.0), grid(v_world_m.xy, 10.0, 0.4));
+    base *= 1.0 - 0.65 * u_grid * line * clamp(abs(N.z) * 2.0 - 1.0, 0.0, 1.0);
   }
+  o_base = vec4(sqrt(base), 1.0);
+  o_normal = vec4(0.5 + 0.5 * N, plant ? 1.0 : v_color.w > 2.5 ? 0.5 : 0.0);
+}
+)";
+
+// Light, once for each pixel whatever lies behind it: sun with shadow, hemisphere and occlusion, haze; the sky.
+const char* const kLightFragment = R"(#version 450 core
+in vec2 v_clip;
+uniform sampler2D u_base;
+uniform sampler2D u_normal;
+uniform sampler2D u_depth;
+uniform sampler2D u_open;
+uniform mat4 u_world_clip;
+uniform mat4 u_camera_clip;
+uniform vec3 u_eye_m;
+uniform vec3 u_forward;
+uniform float u_parallel;
+uniform vec3 u_sun;                   // unit vector towards the sun
+uniform float u_haze_per_m;
+uniform vec3 u_haze_color;            // sRGB
+uniform mat4 u_shadow_world;
+uniform mat4 u_vehicle_shadow_world;
+uniform float u_shadow_texel_m;
+uniform sampler2DShadow u_shadow;
+uniform sampler2DShadow u_vehicle_shadow;
+out vec4 o_color;
+
+vec3 sky() {
+  vec4 near = u_world_clip * vec4(v_clip, 1.0, 1.0);
+  vec4 far = u_world_clip * vec4(v_clip, 0.01, 1.0);
+  vec3 d = normalize(far.xyz / far.w - near.xyz / near.w);
+  vec3 color = mix(u_haze_color, vec3(0.36, 0.56, 0.82), 1.0 - pow(1.0 - clamp(d.z, 0.0, 1.0), 2.6));
+  color += vec3(0.14, 0.10, 0.04) * pow(max(0.0, dot(d, u_sun)), 10.0);
+  color = mix(color, u_haze_color * vec3(0.955, 0.955, 0.94), smoothstep(0.0, -0.25, d.z));
+  return mix(color, vec3(0.945, 0.95, 0.955), u_parallel);
+}
+
+float lit(vec3 world_m) {
+  // Four bilinear taps on a small cross: a penumbra of about two texels. Behind the map's last caster all is lit.
+  vec3 at = (u_shadow_world * vec4(world_m, 1.0)).xyz;
+  at.z = min(at.z, 1.0);
+  vec2 texel = 1.0 / vec2(textureSize(u_shadow, 0));
+  float sum = texture(u_shadow, vec3(at.xy + texel * vec2(-0.4, -1.1), at.z));
+  sum += texture(u_shadow, vec3(at.xy + texel * vec2(1.1, -0.4), at.z));
+  sum += texture(u_shadow, vec3(at.xy + texel * vec2(0.4, 1.1), at.z));
+  sum += texture(u_shadow, vec3(at.xy + texel * vec2(-1.1, 0.4), at.z));
+  return 0.25 * sum;
+}
+
+// Averages the 4 x 4 pattern of the occlusion pass over pixels of like depth.
+float openness(ivec2 at, float here_m) {
+  ivec2 last = textureSize(u_open, 0) - 1;
+  ivec2 corner = at / 2 - 2 + (at & 1);
+  float tolerance = 1.0 / (0.02 * here_m + 0.1);
+  float sum = 0.0;
+  float weights = 0.0;
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      vec2 open_depth = texelFetch(u_open, clamp(corner + ivec2(x, y), ivec2(0), last), 0).rg;
+      float w = 1.0 / (0.02 + abs(open_depth.y - here_m) * tolerance);
+      sum += w * open_depth.x;
+      weights += w;
+    }
+  }
+  return sum / weights;
+}
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec4 covered = texelFetch(u_base, at, 0);
+  if (covered.a <= 0.0) { o_color = vec4(sky(), 1.0); return; }
+  vec4 normal_kind = texelFetch(u_normal, at, 0) / covered.a;
+  vec3 base = covered.rgb / covered.a;
+  base *= base;
+  vec3 N = normalize(2.0 * normal_kind.xyz - 1.0);
+  float plant = smoothstep(0.6, 0.9, normal_kind.w);
+  float shiny = 1.0 - abs(2.0 * normal_kind.w - 1.0);
+
+  // The resolved depth is that of one sample; at an edge it may have missed the surface.
+  float depth = texelFetch(u_depth, at, 0).r;
+  if (depth <= 0.0) {
+    depth = max(max(texelFetch(u_depth, at + ivec2(1, 0), 0).r, texelFetch(u_depth, at - ivec2(1, 0), 0).r),
+                max(texelFetch(u_depth, at + ivec2(0, 1), 0).r, texelFetch(u_depth, at - ivec2(0, 1), 0).r));
+    depth = max(depth, 1e-5);
+  }
+  vec4 p = u_world_clip * vec4(v_clip, depth, 1.0);
+  vec3 world_m = p.xyz / p.w;
+  vec4 c = u_camera_clip * vec4(v_clip, depth, 1.0);
+  float depth_m = -c.z / c.w;
+  vec3 to_eye = u_eye_m - world_m;
+  float distance_m = length(to_eye);
+  vec3 V = mix(to_eye / distance_m, -u_forward, u_parallel);
 
   // The sun, with the shadows of the world and of the vehicles; looked up a little above the surface.
   float facing = dot(N, u_sun);
-  float sun = plant ? max(0.0, 0.65 * facing + 0.35) : max(0.0, facing);
-  if (sun > 0.0) {
-    vec3 above = v_world_m + N * (1.5 * u_shadow_texel_m) + u_sun * (plant ? 0.25 : 0.0);
-    sun *= lit(u_shadow, (u_shadow_world * vec4(above, 1.0)).xyz);
-    sun *= lit(u_vehicle_shadow, (u_vehicle_shadow_world * vec4(v_world_m + N * 0.01, 1.0)).xyz);
-  }
+  float sun = max(0.0, mix(facing, 0.65 * facing + 0.35, plant));
+  sun *= lit(world_m + N * (1.5 * u_shadow_texel_m) + u_sun * (0.25 * plant));
+  vec3 of_vehicles = (u_vehicle_shadow_world * vec4(world_m + N * 0.01, 1.0)).xyz;
+  sun *= texture(u_vehicle_shadow, vec3(of_vehicles.xy, min(of_vehicles.z, 1.0)));
 
   // Ambient light: blue from above, warm from below, and a little from the camera so that no side is flat.
-  vec3 ambient = mix(vec3(0.25, 0.225, 0.19), vec3(0.50, 0.565, 0.66), 0.5 + 0.5 * N.z);
-  ambient += 0.10 * max(0.0, dot(N, V));
-  vec3 color = base * (vec3(1.32, 1.22, 1.04) * sun + ambient * v_open);
-  if (v_color.w > 2.5) {  // a soft highlight
-    vec3 H = normalize(V + u_sun);
-    color += 0.25 * pow(max(0.0, dot(N, H)), 40.0) * step(0.001, sun);
-  }
+  vec3 ambient = mix(vec3(0.29, 0.26, 0.22), vec3(0.56, 0.63, 0.73), 0.5 + 0.5 * N.z);
+  ambient += 0.12 * max(0.0, dot(N, V));
+  float open = openness(at, depth_m);
+  vec3 color = base * (vec3(1.36, 1.26, 1.07) * sun * mix(1.0, open, 0.35) + ambient * open);
+  color += shiny * 0.25 * pow(max(0.0, dot(N, normalize(V + u_sun))), 40.0) * step(0.001, sun);
 
   color = color * (1.0 + color * 0.12) / (1.0 + 0.45 * color);  // highlights saturate softly
   color = pow(color, vec3(1.0 / 2.2));
-  if (ground) {
-    float line = max(0.5 * grid(v_world_m.xy, 1.0, 0.0), grid(v_world_m.xy, 10.0, 0.4));
-    color = mix(color, color * 0.62, u_grid * line * clamp(abs(N.z) * 2.0 - 1.0, 0.0, 1.0));
-  }
   float haze = (1.0 - exp(-pow(distance_m * u_haze_per_m, 1.5))) * (1.0 - u_parallel);
-  o_color = vec4(mix(color, u_haze_color, haze), 1.0);
+  color = mix(color, u_haze_color, haze);
+  if (covered.a < 1.0) color = mix(sky(), color, covered.a);
+  o_color = vec4(color, 1.0);
 }
 )";
 
@@ -255,31 +318,13 @@ void main() {
 }
 )";
 
-const char* const kSkyFragment = R"(#version 450 core
-in vec2 v_clip;
-uniform mat4 u_world_clip;
-uniform float u_parallel;
-uniform vec3 u_haze_color;
-uniform vec3 u_sun;
-out vec4 o_color;
-void main() {
-  vec4 near = u_world_clip * vec4(v_clip, 1.0, 1.0);
-  vec4 far = u_world_clip * vec4(v_clip, 0.01, 1.0);
-  vec3 d = normalize(far.xyz / far.w - near.xyz / near.w);
-  vec3 zenith = vec3(0.36, 0.56, 0.82);
-  float height = clamp(d.z, 0.0, 1.0);
-  vec3 sky = mix(u_haze_color, zenith, 1.0 - pow(1.0 - height, 2.6));
-  sky += vec3(0.14, 0.10, 0.04) * pow(max(0.0, dot(d, u_sun)), 10.0);
-  vec3 below = u_haze_color * vec3(0.955, 0.955, 0.94);
-  vec3 color = mix(sky, below, smoothstep(0.0, -0.25, d.z));
-  o_color = vec4(mix(color, vec3(0.945, 0.95, 0.955), u_parallel), 1.0);
-}
-)";
-
 // Ambient occlusion from the depth: how much of the hemisphere over a pixel is filled by near surfaces.
 const char* const kOcclusionFragment = R"(#version 450 core
 uniform sampler2D u_depth;
+uniform sampler2D u_base;
+uniform sampler2D u_normal;
 uniform mat4 u_camera_clip;
+uniform mat4 u_camera_world;
 uniform float u_radius_m;
 uniform float u_pixels_at_1m;   // of the full picture
 uniform float u_parallel;
@@ -294,12 +339,9 @@ void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) * 2;
   if (texelFetch(u_depth, at, 0).r <= 0.0) { o_open = vec4(1.0, 1e6, 0.0, 0.0); return; }
   vec3 p = camera_at(at, size);
-  // The normal from the flatter of the two differences on each axis, so that edges do not smear it.
-  vec3 left = p - camera_at(at - ivec2(1, 0), size);
-  vec3 right = camera_at(at + ivec2(1, 0), size) - p;
-  vec3 down = p - camera_at(at - ivec2(0, 1), size);
-  vec3 up = camera_at(at + ivec2(0, 1), size) - p;
-  vec3 N = normalize(cross(abs(left.z) < abs(right.z) ? left : right, abs(down.z) < abs(up.z) ? down : up));
+  vec4 covered = texelFetch(u_normal, at, 0);
+  vec3 N = normalize(mat3(u_camera_world) * (2.0 * covered.xyz / max(texelFetch(u_base, at, 0).a, 0.25) - 1.0));
+  if (dot(N, p) > 0.0 && u_parallel < 0.5) N = -N;
   float depth_m = mix(-p.z, 1.0, u_parallel);
   float radius_px = clamp(u_radius_m * u_pixels_at_1m / depth_m, 3.0, 90.0);
   float radius_m = radius_px * depth_m / u_pixels_at_1m;
@@ -317,35 +359,6 @@ void main() {
   }
   float fade = clamp((radius_px - 3.0) / 5.0, 0.0, 1.0);
   o_open = vec4(clamp(1.0 - 1.25 * fade * sum / float(kTaps), 0.25, 1.0), -p.z, 0.0, 0.0);
-}
-)";
-
-// Averages the 4 x 4 pattern of the pass above over pixels of like depth, and darkens the picture (by blending).
-const char* const kApplyOcclusionFragment = R"(#version 450 core
-uniform sampler2D u_depth;
-uniform sampler2D u_open;
-uniform mat4 u_camera_clip;
-out vec4 o_color;
-void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
-  if (texelFetch(u_depth, at, 0).r <= 0.0) discard;
-  ivec2 half_size = textureSize(u_open, 0);
-  float depth = texelFetch(u_depth, at, 0).r;
-  vec2 zw = mat2(u_camera_clip[2].zw, u_camera_clip[3].zw) * vec2(depth, 1.0);
-  float here = -zw.x / zw.y;
-  ivec2 corner = at / 2 - 2 + (at & 1);
-  float sum = 0.0;
-  float weights = 0.0;
-  for (int y = 0; y < 4; ++y) {
-    for (int x = 0; x < 4; ++x) {
-      ivec2 q = clamp(corner + ivec2(x, y), ivec2(0), half_size - 1);
-      vec2 open_depth = texelFetch(u_open, q, 0).rg;
-      float w = 1.0 / (0.02 + abs(open_depth.y - here) / (0.02 * here + 0.1));
-      sum += w * open_depth.x;
-      weights += w;
-    }
-  }
-  o_color = vec4(vec3(sum / weights), 1.0);
 }
 )";
 

@@ -4,7 +4,7 @@
 /// The programs of the renderer, GLSL 4.50.
 namespace swiftlet::sim::shaders {
 
-// World and vehicles: sun with shadow, hemisphere ambient, haze, grid on the ground.
+// World and vehicles: colour and normal; light comes later.
 extern const char* const kMeshVertex;
 extern const char* const kMeshFragment;
 // Only depth, for shadow maps and depth pictures.
@@ -20,10 +20,9 @@ extern const char* const kPointFragment;
 // Cubes and spheres of overlays, instanced; triangles of overlays.
 extern const char* const kSolidVertex;
 extern const char* const kSolidFragment;
-// A triangle over the whole picture: sky, ambient occlusion and its application.
+// A triangle over the whole picture: ambient occlusion, light and sky.
 extern const char* const kScreenVertex;
-extern const char* const kSkyFragment;
 extern const char* const kOcclusionFragment;
-extern const char* const kApplyOcclusionFragment;
+extern const char* const kLightFragment;
 
 }  // namespace swiftlet::sim::shaders

@@ -9,7 +9,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr float kLeafPixels = 4.0F;  // leaves smaller than this are thinned out
+constexpr float kLeafPixels = 9.0F;  // leaves smaller than this are thinned out
 constexpr float kFewestLeaves = 0.12F;
 
 SurfaceKind kind_of(const Mesh& mesh) {
