@@ -191,8 +191,10 @@ Scenario load_scenario(const std::filesystem::path& file,
 }
 
 std::string write_scenario(const Scenario& scenario) {
-  Scenario copy = scenario;  // visiting fills names in
-  return write_config([&](ConfigVisitor& v) { copy.visit(v); });
+  Scenario copy = scenario;
+  const auto write = [&] { return write_config([&](ConfigVisitor& v) { copy.visit(v); }); };
+  (void)write();  // a visit ends with filling in the names that are empty
+  return write();
 }
 
 Scenario validated(const Scenario& scenario) {

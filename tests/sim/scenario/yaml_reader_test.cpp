@@ -236,14 +236,14 @@ TEST(YamlReader, AliasesWorkWithinBounds) {
   EXPECT_THAT(error("title: *nothing"), HasSubstr("expected YAML"));
   EXPECT_THAT(error("title: &x [*x]"), HasSubstr("one of itself"));
 
-  std::string bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
+  std::ostringstream bomb;
+  bomb << "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
   for (int i = 1; i < 12; ++i) {
-    const std::string last = "*a" + std::to_string(i - 1);
-    bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + last;
-    for (int k = 0; k < 8; ++k) bomb += ", " + last;
-    bomb += "]\n";
+    bomb << "a" << i << ": &a" << i << " [*a" << i - 1;
+    for (int k = 0; k < 8; ++k) bomb << ", *a" << i - 1;
+    bomb << "]\n";
   }
-  EXPECT_THAT(error(bomb), HasSubstr("aliases counted"));
+  EXPECT_THAT(error(bomb.str()), HasSubstr("aliases counted"));
 }
 
 TEST(YamlReader, DeepOrLargeInputEndsSoon) {
