@@ -59,7 +59,8 @@ class SweepScene {
   SweepScene& operator=(const SweepScene&) = delete;
 
   /// Instants and origins of the beams, until told otherwise.
-  void set_firings(std::span<const Firing> firings);
+  /// @param coherent  beams of one packet go nearly the same way: they are traced together, otherwise one by one
+  void set_firings(std::span<const Firing> firings, bool coherent = true);
   /// Looks up where everything is during [start, start + duration]. duration 0 freezes all in `start`.
   /// Allocates nothing.
   void begin(const StateHistory& truth, TimeNs start, TimeNs duration);
@@ -72,7 +73,7 @@ class SweepScene {
 
   std::span<const SweepSurface> surfaces() const;
   /// Pose of the sensor at a firing of the current sweep.
-  Pose T_world_lidar(int firing) const;
+  const Pose& T_world_lidar(int firing) const;
 
  private:
   struct Impl;

@@ -192,7 +192,7 @@ Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
   look_up_surfaces();
   pattern_->fill(0, *beams_);
   const std::vector<Firing> firings = firings_of(*beams_);
-  scene_.set_firings(firings);
+  scene_.set_firings(firings, pattern_->is_image());
   tiler_ = LidarTiler(*pattern_, *beams_, firings.size() == static_cast<std::size_t>(beams_->cols));
   make_tiles(*beams_);
   range_normals_.resize(beams_->size());

@@ -61,5 +61,35 @@ TEST(Random, FilledNumbersDoNotDependOnTheSplit) {
   }
 }
 
+TEST(Random, FilledNormalsHaveTheDistributionOfAStandardNormal) {
+  const Random random(9, "test.fill");
+  constexpr int kSamples = 400000;
+  std::vector<float> x(kSamples);
+  random.fill_normal(3, 0, x);
+  double sum = 0, sum2 = 0, sum3 = 0, sum4 = 0, lagged = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double v = x[i];
+    ASSERT_TRUE(std::isfinite(v));
+    sum += v;
+    sum2 += v * v;
+    sum3 += v * v * v;
+    sum4 += v * v * v * v;
+    lagged += i > 0 ? v * x[i - 1] : 0.0;
+  }
+  // Bounds: 5 standard errors of each estimate.
+  EXPECT_NEAR(sum / kSamples, 0.0, 5.0 / std::sqrt(kSamples));
+  EXPECT_NEAR(sum2 / kSamples, 1.0, 5.0 * std::sqrt(2.0 / kSamples));
+  EXPECT_NEAR(sum3 / kSamples, 0.0, 5.0 * std::sqrt(15.0 / kSamples));
+  EXPECT_NEAR(sum4 / kSamples, 3.0, 5.0 * std::sqrt(96.0 / kSamples));
+  EXPECT_NEAR(lagged / kSamples, 0.0, 5.0 / std::sqrt(kSamples));
+  // Shares in the tails and the middle against the normal distribution.
+  for (const double limit : {0.5, 1.0, 2.0, 3.0, 4.0}) {
+    int inside = 0;
+    for (const float v : x) inside += std::abs(v) < limit ? 1 : 0;
+    const double p = std::erf(limit / std::sqrt(2.0));
+    EXPECT_NEAR(static_cast<double>(inside) / kSamples, p, 5.0 * std::sqrt(p * (1.0 - p) / kSamples)) << limit;
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet
