@@ -39,6 +39,13 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
   return bad ? 0 : length;
 }
 
+bool is_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); i += utf8_length(text, i)) {
+    if (utf8_length(text, i) == 0) return false;
+  }
+  return true;
+}
+
 /// "ff"
 std::string hex(unsigned char byte) {
   constexpr char kDigits[] = "0123456789abcdef";
@@ -149,6 +156,8 @@ class Builder final : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
     Node node = start(mark, Kind::kScalar, tag);
+    // The parser turns some escapes ("\N", "\_") into single bytes of Latin-1.
+    if (!is_utf8(value)) fail(node.place, "", "expected UTF-8 text, found an escape sequence that is none");
     node.text = value;
     node.quoted = tag == "!";
     add(std::move(node), anchor, 1);
@@ -372,11 +381,7 @@ class Merger {
 
 /// UTF-8 without control characters, of sensible length.
 bool is_plain_line(const std::string& text) {
-  if (text.size() > 1000 || std::any_of(text.begin(), text.end(), is_control)) return false;
-  for (std::size_t i = 0; i < text.size(); i += utf8_length(text, i)) {
-    if (utf8_length(text, i) == 0) return false;
-  }
-  return true;
+  return text.size() <= 1000 && is_utf8(text) && std::none_of(text.begin(), text.end(), is_control);
 }
 
 /// "vehicles[0].start.yaw_deg" -> "vehicles", "[0]", "start", "yaw_deg"; empty when malformed.

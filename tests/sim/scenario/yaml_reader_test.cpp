@@ -218,6 +218,7 @@ TEST(YamlReader, AnythingThatIsNotOneMapInUtf8IsRefused) {
   EXPECT_THAT(error("\xFF\xFE" + std::string("s\0e\0", 4)), HasSubstr("expected UTF-8"));
   EXPECT_THAT(error("title: \xC0\x80"), HasSubstr("expected UTF-8"));
   EXPECT_THAT(error("title: \xED\xA0\x80"), HasSubstr("expected UTF-8"));
+  EXPECT_THAT(error("title: \"\\N\""), HasSubstr("expected UTF-8 text, found an escape sequence"));
   EXPECT_THAT(error("title: [1, 2\n"), StartsWith("fleet.yaml:2:1: expected YAML, found a mistake"));
   EXPECT_THAT(error("title: !!str x"), HasSubstr("found the tag"));
   EXPECT_THAT(error("? [a]\n: 1\n"), HasSubstr("expected a word as key"));
