@@ -32,6 +32,7 @@ std::vector<fs::path> roots(const char* environment, const char* folder) {
   }
   paths.push_back(fs::path(SWIFTLET_SOURCE_DIR) / folder);
   if (const fs::path share = installed_share(); !share.empty()) paths.push_back(share / folder);
+  paths.push_back(fs::path(SWIFTLET_INSTALLED_SHARE) / folder);
   return paths;
 }
 

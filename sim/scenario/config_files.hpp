@@ -24,7 +24,7 @@ class ConfigFiles {
 };
 
 /// The file system. Assets: the folders in the environment variable SWIFTLET_ASSETS (separated by colons), the source
-/// tree, share/swiftlet/assets beside the folder of the running program.
+/// tree, share/swiftlet/assets beside the folder of the running program, and where the library was installed.
 const ConfigFiles& system_files();
 
 }  // namespace swiftlet::sim

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -124,6 +126,25 @@ TEST(Scenario, EveryAssetIsValid) {
     }
     EXPECT_TRUE(taken) << asset.name << ":\n" << messages;
   }
+}
+
+TEST(Scenario, AssetsOfTheUserComeFirst) {
+  const fs::path root = fs::path(::testing::TempDir()) / "swiftlet_assets_of_the_user";
+  fs::create_directories(root / "vehicles");
+  std::ofstream(root / "vehicles" / "x500.yaml") << "airframe: {mass_kg: 9}\n";
+  std::ofstream(root / "vehicles" / "own_one.yaml") << "# Mine. Really.\nairframe: {mass_kg: 8}\n";
+  ASSERT_EQ(setenv("SWIFTLET_ASSETS", ("/nowhere:" + root.string()).c_str(), 1), 0);
+  EXPECT_EQ(read("vehicles: [{}]").vehicles[0].airframe.mass_kg, 9.0);
+  EXPECT_EQ(read("vehicles: [{model: own_one}]").vehicles[0].airframe.mass_kg, 8.0);
+  EXPECT_EQ(read("vehicles: [{model: f450}]").vehicles[0].model, "f450");
+  const auto assets = list_assets("vehicles");
+  const auto own = std::find_if(assets.begin(), assets.end(), [](const Asset& a) { return a.name == "own_one"; });
+  ASSERT_NE(own, assets.end());
+  EXPECT_EQ(own->doc, "Mine");
+  unsetenv("SWIFTLET_ASSETS");
+  fs::remove_all(root);
+  EXPECT_NE(read("vehicles: [{}]").vehicles[0].airframe.mass_kg, 9.0);
+  EXPECT_THAT(error("vehicles: [{model: x50}]"), HasSubstr("did you mean \"x500\"?"));
 }
 
 TEST(Scenario, NamesAreFilledIn) {
