@@ -72,7 +72,8 @@ class NeighborsSensor final : public Sensor {
         config_(config),
         schedule_(config.rate_hz),
         latency_(from_seconds(config.latency_s)),
-        swap_(setup_.seed, "neighbors.swap", setup_.entity) {
+        swap_(setup_.seed, "neighbors.swap", setup_.entity),
+        p_world_m_(setup_.vehicle_names.size(), Vector3::Zero()) {
     for (const NeighborCamera& camera : config.cameras) cones_.push_back(view_cone(camera));
     // A stream for each pair: another vehicle changes nothing between these two.
     for (const std::string& other : setup_.vehicle_names) {
@@ -89,14 +90,14 @@ class NeighborsSensor final : public Sensor {
     while (schedule_.next(now - latency_, due, index)) {
       const std::size_t first = out.neighbors.size();
       const VehicleState self = truth.at(setup_.vehicle, due);
+      for (VehicleId i = 0; i < truth.num_vehicles(); ++i) p_world_m_[i] = truth.at(i, due).p_world_m;
       for (VehicleId other = 0; other < truth.num_vehicles(); ++other) {
         if (other == setup_.vehicle) continue;
-        const Vector3 p_world_other = truth.at(other, due).p_world_m;
-        const Vector3 p_body = self.q_world_body.conjugate() * (p_world_other - self.p_world_m);
+        const Vector3 p_body = self.q_world_body.conjugate() * (p_world_m_[other] - self.p_world_m);
         if (config_.ideal) {
           out.neighbors.push_back({due, other, p_body, kIdealVariance_m2 * Matrix3::Identity()});
         } else if (in_view(p_body) && dropout_[other].uniform(index, 0) >= config_.dropout_probability &&
-                   !(config_.occlusion && hidden(self.p_world_m, p_world_other, other, due, truth))) {
+                   !(config_.occlusion && hidden(other))) {
           out.neighbors.push_back(seen(due, index, other, p_body));
         }
       }
@@ -117,14 +118,15 @@ class NeighborsSensor final : public Sensor {
     });
   }
 
-  bool hidden(const Vector3& p_world_self, const Vector3& p_world_other, VehicleId other, TimeNs t,
-              const StateHistory& truth) const {
-    for (VehicleId third = 0; third < truth.num_vehicles(); ++third) {
+  bool hidden(VehicleId other) const {
+    const Vector3& from = p_world_m_[setup_.vehicle];
+    const Vector3& to = p_world_m_[other];
+    for (VehicleId third = 0; third < static_cast<VehicleId>(p_world_m_.size()); ++third) {
       if (third == setup_.vehicle || third == other) continue;
       const double radius_m = config_.occluder_scale * setup_.vehicle_shapes[third]->circumscribed_radius_m;
-      if (segment_meets_sphere(p_world_self, p_world_other, truth.at(third, t).p_world_m, radius_m)) return true;
+      if (segment_meets_sphere(from, to, p_world_m_[third], radius_m)) return true;
     }
-    return setup_.world && setup_.world->occluded(p_world_self, p_world_other);
+    return setup_.world && setup_.world->occluded(from, to);
   }
 
   /// Range noise along the bearing, bearing noise across it; the covariance is what the sensor knows: at the measured
@@ -163,6 +165,7 @@ class NeighborsSensor final : public Sensor {
   std::vector<ViewCone> cones_;
   std::vector<Random> noise_, dropout_;  // by VehicleId of the other
   Random swap_;
+  std::vector<Vector3> p_world_m_;  // of all vehicles at the instant of the sample, by VehicleId
 };
 
 }  // namespace
