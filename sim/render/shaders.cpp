@@ -207,7 +207,7 @@ void main() {
   ambient += 0.12 * max(0.0, dot(N, V));
   float open = openness(at, depth_m);
   vec3 color = base * (vec3(1.36, 1.26, 1.07) * sun * mix(1.0, open, 0.35) + ambient * open);
-  color += shiny * 0.25 * pow(max(0.0, dot(N, normalize(V + u_sun))), 40.0) * step(0.001, sun);
+  color += shiny * 0.14 * pow(max(0.0, dot(N, normalize(V + u_sun))), 40.0) * step(0.001, sun);
 
   color = color * (1.0 + color * 0.12) / (1.0 + 0.45 * color);  // highlights saturate softly
   color = pow(color, vec3(1.0 / 2.2));

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/render/cameras.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace swiftlet::sim {
+namespace {
+
+const Eigen::AlignedBox3d kBounds(Eigen::Vector3d(-30, -30, 0), Eigen::Vector3d(30, 30, 20));
+
+TEST(View, ProjectsKnownPoints) {
+  const View view = perspective_view({1, 2, 3}, {2, 2, 3}, 90.0, 200, 100);
+  // Straight ahead: the middle. At 45 degrees up: the upper edge. North is left when looking east.
+  EXPECT_TRUE(view.project({6, 2, 3})->isApprox(Eigen::Vector3d(100, 50, 5), 1e-9));
+  EXPECT_NEAR(view.project({6, 2, 8})->y(), 0.0, 1e-9);
+  EXPECT_NEAR(view.project({6, 2 + 5, 3})->x(), 50.0, 1e-9);
+  EXPECT_FALSE(view.project({0, 2, 3})) << "behind the camera";
+  EXPECT_NEAR(view.pixels_per_m(5.0), 10.0, 1e-9);
+}
+
+TEST(View, MapsNearToOneAndFarToZero) {
+  const View view = perspective_view({0, 0, 0}, {1, 0, 0}, 60.0, 200, 100);
+  const auto depth = [&](double x) {
+    const Eigen::Vector4d clip = view.clip_world() * Eigen::Vector4d(x, 0, 0, 1);
+    return clip.z() / clip.w();
+  };
+  EXPECT_NEAR(depth(view.near_m), 1.0, 1e-9);
+  EXPECT_NEAR(depth(view.far_m), 0.0, 1e-9);
+}
+
+TEST(View, FromTheTopHasNorthUpAndOneScale) {
+  const View view = top_view({10, 20}, 50.0, 0.0, 30.0, 200, 100);
+  EXPECT_TRUE(view.project({10, 20, 5})->head<2>().isApprox(Eigen::Vector2d(100, 50), 1e-9));
+  EXPECT_NEAR(view.project({10, 45, 5})->y(), 0.0, 1e-9);
+  EXPECT_NEAR(view.project({15, 20, 25})->x(), 110.0, 1e-9);
+}
+
+std::vector<VehicleState> team_at(double t_s) {
+  std::vector<VehicleState> states(4);
+  for (int v = 0; v < 4; ++v) {
+    const double a = 0.3 * t_s * (1 + 0.4 * v) + v;
+    states[v].t = from_seconds(t_s);
+    states[v].p_world_m = {(4 + 5 * v) * std::cos(a), (4 + 3 * v) * std::sin(a), 2 + v + std::sin(0.9 * t_s)};
+  }
+  return states;
+}
+
+TEST(Cameraman, FollowingATeamNeverLosesAVehicleAndMovesSmoothly) {
+  CameraConfig config;
+  config.type = "follow";
+  const double radius_m = 0.5;
+  Cameraman cameraman(config, kNoVehicle, std::vector<float>(4, radius_m), kBounds);
+  Eigen::Vector3d last_eye = Eigen::Vector3d::Zero();
+  for (int k = 0; k <= 1500; ++k) {
+    PictureScene picture;
+    picture.states = team_at(0.02 * k);
+    picture.t = picture.states[0].t;
+    cameraman.update(picture.t, picture.states);
+    const View view = cameraman.view(picture);
+    for (const VehicleState& state : picture.states) {
+      const auto at = view.project(state.p_world_m);
+      ASSERT_TRUE(at);
+      const double r = radius_m * view.pixels_per_m(at->z());
+      ASSERT_GT(at->x() - r, 0.0) << k;
+      ASSERT_LT(at->x() + r, config.width_px) << k;
+      ASSERT_GT(at->y() - r, 0.0) << k;
+      ASSERT_LT(at->y() + r, config.height_px) << k;
+    }
+    ASSERT_TRUE(k == 0 || (view.eye_world_m - last_eye).norm() < 0.6) << "a jump at " << k;
+    last_eye = view.eye_world_m;
+  }
+}
+
+TEST(Cameraman, FollowingOneVehicleKeepsItsOffset) {
+  CameraConfig config;
+  config.type = "follow";
+  config.position_m = {-6, -3, 4};
+  Cameraman cameraman(config, 2, std::vector<float>(4, 0.5F), kBounds);
+  PictureScene picture;
+  picture.states = team_at(3.0);
+  picture.t = picture.states[0].t;
+  const View view = cameraman.view(picture);
+  EXPECT_TRUE((view.eye_world_m - picture.states[2].p_world_m).isApprox(Eigen::Vector3d(-6, -3, 4), 1e-9));
+}
+
+TEST(Cameraman, FromTheTopShowsEveryTrail) {
+  CameraConfig config;
+  Cameraman cameraman(config, kNoVehicle, std::vector<float>(4, 0.5F), kBounds);
+  PictureScene picture;
+  picture.states = team_at(0.0);
+  picture.trails_m = {{{-25, 3, 1}, {0, 0, 1}}, {{0, 28, 2}}};
+  const View view = cameraman.view(picture);
+  for (const Eigen::Vector3d& p : {Eigen::Vector3d(-25, 3, 1), Eigen::Vector3d(0, 28, 2)}) {
+    const Eigen::Vector3d at = *view.project(p);
+    EXPECT_TRUE(at.x() > 0 && at.x() < config.width_px && at.y() > 0 && at.y() < config.height_px) << at.transpose();
+  }
+}
+
+TEST(Cameraman, OnBoardTurnsWithTheVehicle) {
+  CameraConfig config;
+  config.type = "onboard";
+  config.position_m = {0.2, 0, 0.1};
+  config.target_m = {1.2, 0, 0.1};
+  Cameraman cameraman(config, 0, {0.5F}, kBounds);
+  PictureScene picture;
+  picture.states.resize(1);
+  picture.states[0].p_world_m = {3, 4, 5};
+  picture.states[0].q_world_body = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ());  // facing north
+  const View view = cameraman.view(picture);
+  EXPECT_TRUE(view.eye_world_m.isApprox(Eigen::Vector3d(3, 4.2, 5.1), 1e-9));
+  const Eigen::Vector3d ahead = *view.project({3, 14.2, 5.1});
+  EXPECT_TRUE(ahead.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6));
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

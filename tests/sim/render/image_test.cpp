@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/render/image.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "sim/render/captions.hpp"
+#include "sim/render/colors.hpp"
+#include "sim/render/png.hpp"
+#include "sim/render/stroke_font.hpp"
+#include "sim/render/video.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+Image test_picture(int width, int height) {
+  Image image(width, height);
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = static_cast<std::uint8_t>(i * 37 + i / 91);
+  return image;
+}
+
+TEST(Png, HoldsExactlyThePixelsGiven) {
+  const TemporaryDirectory folder;
+  const Image image = test_picture(33, 21);
+  write_png(folder.path() / "a.png", image);
+  png_image read{};
+  read.version = PNG_IMAGE_VERSION;
+  ASSERT_NE(png_image_begin_read_from_file(&read, (folder.path() / "a.png").c_str()), 0) << read.message;
+  EXPECT_EQ(read.width, 33U);
+  EXPECT_EQ(read.height, 21U);
+  read.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(read));
+  ASSERT_NE(png_image_finish_read(&read, nullptr, pixels.data(), 0, nullptr), 0);
+  EXPECT_EQ(pixels, image.rgb);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.png.part"));
+}
+
+TEST(Png, HoldsSixteenBitsOfGrey) {
+  const TemporaryDirectory folder;
+  const std::vector<std::uint16_t> grey = {0, 1, 255, 256, 12345, 65535};
+  write_png16(folder.path() / "depth.png", 3, 2, grey);
+  // Read row by row with the low-level interface, which gives the file's own big-endian samples.
+  std::FILE* file = std::fopen((folder.path() / "depth.png").c_str(), "rb");
+  ASSERT_NE(file, nullptr);
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_init_io(png, file);
+  png_read_info(png, info);
+  EXPECT_EQ(png_get_bit_depth(png, info), 16);
+  EXPECT_EQ(png_get_color_type(png, info), PNG_COLOR_TYPE_GRAY);
+  std::vector<std::uint16_t> read;
+  for (int y = 0; y < 2; ++y) {
+    std::uint8_t row[6];
+    png_read_row(png, row, nullptr);
+    for (int x = 0; x < 3; ++x) read.push_back(static_cast<std::uint16_t>(256 * row[2 * x] + row[2 * x + 1]));
+  }
+  png_destroy_read_struct(&png, &info, nullptr);
+  std::fclose(file);
+  EXPECT_EQ(read, grey);
+}
+
+TEST(Png, SaysWhereItCannotWrite) {
+  try {
+    write_png("/nonexistent/folder/a.png", test_picture(4, 4));
+    FAIL() << "no exception";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("/nonexistent/folder/a.png"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("No such file"));
+  }
+}
+
+TEST(Video, IsMadeByFfmpegOrRefusedInOneLine) {
+  const TemporaryDirectory folder;
+  const std::filesystem::path path = folder.path() / "run.mp4";
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0) {
+    EXPECT_THROW(VideoWriter(path, 65, 48, 25.0), std::runtime_error);
+    return;
+  }
+  {
+    VideoWriter abandoned(path, 65, 48, 25.0);
+    abandoned.add(test_picture(65, 48));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "an abandoned video leaves nothing";
+  VideoWriter video(path, 65, 48, 25.0);
+  for (int i = 0; i < 10; ++i) video.add(test_picture(65, 48));
+  EXPECT_THROW(video.add(test_picture(64, 48)), std::invalid_argument);
+  video.finish();
+  // Ten frames of the next even size come out again.
+  const std::string raw = (folder.path() / "frames.rgb").string();
+  ASSERT_EQ(std::system(("ffmpeg -loglevel error -i " + path.string() + " -f rawvideo -pix_fmt rgb24 " + raw).c_str()),
+            0);
+  EXPECT_EQ(std::filesystem::file_size(raw), 10U * 66 * 48 * 3);
+}
+
+TEST(Font, HasAGlyphOfItsOwnForEveryPrintableCharacter) {
+  const auto& box = font_strokes('\x7f');
+  for (char a = '!'; a <= '~'; ++a) {
+    EXPECT_NE(font_strokes(a), box) << a;
+    EXPECT_FALSE(font_strokes(a).empty()) << a;
+    for (char b = '!'; b < a; ++b) EXPECT_NE(font_strokes(a), font_strokes(b)) << a << " " << b;
+    for (const Stroke& stroke : font_strokes(a)) {
+      EXPECT_GE(stroke.size(), 2U) << a;
+      for (const Eigen::Vector2f& p : stroke) {
+        EXPECT_TRUE(p.x() >= 0.0F && p.x() <= 9.0F && p.y() >= -3.0F && p.y() <= 10.0F) << a;
+      }
+    }
+  }
+}
+
+TEST(Text, StaysInItsPlaceAndIsClippedAtTheEdges) {
+  Image image(200, 60, Rgb::Constant(0.5F));
+  draw_text(image, 20.0F, 40.0F, "Hg 0.25", {.height_px = 20.0F, .halo_alpha = 0.0F});
+  const float width = text_width_px("Hg 0.25", 20.0F);
+  int left = 200, right = 0, top = 60, bottom = 0;
+  for (int y = 0; y < 60; ++y) {
+    for (int x = 0; x < 200; ++x) {
+      if (image.pixel(x, y)[0] < 200) continue;
+      left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
+    }
+  }
+  EXPECT_NEAR(left, 20, 3);  // half a stroke
+  EXPECT_NEAR(right, 20 + width, 3);
+  EXPECT_NEAR(top, 20, 2);
+  EXPECT_NEAR(bottom, 40 + 20.0 / 3.0, 2);  // the descender of g
+  draw_text(image, -50.0F, 2.0F, "clipped on all sides of the picture", {.height_px = 40.0F});
+  draw_text(image, 190.0F, 70.0F, "\xc3\xa9", {});
+}
+
+TEST(Colors, OfHeightsGetLighterAllTheWay) {
+  float last = -1.0F;
+  for (int i = 0; i <= 100; ++i) {
+    const Rgb linear = to_linear(viridis_like(static_cast<float>(i) / 100.0F));
+    const float luminance = 0.2126F * linear.x() + 0.7152F * linear.y() + 0.0722F * linear.z();
+    EXPECT_GT(luminance, last) << i;
+    last = luminance;
+  }
+}
+
+TEST(Colors, OfVehiclesAreDistinct) {
+  for (VehicleId a = 0; a < 10; ++a) {
+    for (VehicleId b = 0; b < a; ++b) EXPECT_GT((vehicle_color(a) - vehicle_color(b)).norm(), 0.15F) << a << " " << b;
+  }
+  const Rgb late = vehicle_color(1234);
+  EXPECT_TRUE(late.minCoeff() >= 0.0F && late.maxCoeff() <= 1.0F);
+}
+
+TEST(Captions, RoundToNiceNumbers) {
+  EXPECT_DOUBLE_EQ(round_down_nicely(7.3), 5.0);
+  EXPECT_DOUBLE_EQ(round_down_nicely(4.99), 2.0);
+  EXPECT_DOUBLE_EQ(round_down_nicely(0.1), 0.1);
+  EXPECT_DOUBLE_EQ(round_down_nicely(199.0), 100.0);
+  EXPECT_EQ(tick_text(2.5, 0.5), "2.5");
+  EXPECT_EQ(tick_text(-20.0, 10.0), "-20");
+}
+
+TEST(DepthPicture, ColoursNearBlueAndFarRedAndNothingGrey) {
+  DepthImage depth{300, 200, std::vector<float>(300 * 200, 0.0F)};
+  for (int y = 0; y < 200; ++y) {
+    for (int x = 0; x < 100; ++x) depth.depth_m[y * 300 + x] = x < 50 ? 2.0F : 19.0F;
+  }
+  const Image image = draw_depth_image(depth, 20.0);
+  EXPECT_GT(image.pixel(20, 100)[2], image.pixel(20, 100)[0]);
+  EXPECT_GT(image.pixel(80, 100)[0], image.pixel(80, 100)[2]);
+  EXPECT_EQ(image.pixel(150, 100)[0], image.pixel(150, 100)[2]);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

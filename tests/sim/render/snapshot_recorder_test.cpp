@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/render/snapshot_recorder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render_support.hpp"
+#include "sim/render/picture_scene.hpp"
+#include "sim/sensors/sensor.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using testing::ElementsAre;
+
+CameraConfig small_camera(const char* name, const char* type) {
+  CameraConfig camera;
+  camera.name = name;
+  camera.type = type;
+  camera.width_px = 160;
+  camera.height_px = 90;
+  return camera;
+}
+
+TEST(WantsPicture, AtListedTimesAndAtMultiples) {
+  CameraConfig camera;
+  camera.times_s = {0.0, 1.5};
+  EXPECT_TRUE(wants_picture({{camera}}, -1, from_seconds(0.004)));
+  EXPECT_FALSE(wants_picture({{camera}}, 0, from_seconds(0.004)));
+  EXPECT_TRUE(wants_picture({{camera}}, from_seconds(1.496), from_seconds(1.5)));
+  EXPECT_FALSE(wants_picture({{camera}}, from_seconds(1.5), from_seconds(1.504)));
+  camera.times_s.clear();
+  camera.every_s = 0.1;
+  int count = 0;
+  for (int k = 0; k < 2500; ++k) count += camera.is_due(k * 4'000'000LL, (k + 1) * 4'000'000LL) ? 1 : 0;
+  EXPECT_EQ(count, 100);
+}
+
+TEST(Trail, KeepsItsMemoryBoundedAndItsEnds) {
+  std::vector<Eigen::Vector3f> trail;
+  for (int i = 0; i < 100'000; ++i) extend_trail(trail, {0.06F * static_cast<float>(i), 0, 0});
+  EXPECT_LT(trail.size(), 9000U);
+  EXPECT_EQ(trail.front().x(), 0.0F);
+  EXPECT_NEAR(trail.back().x(), 6000.0F, 0.2F);
+  for (std::size_t i = 1; i < trail.size(); ++i) ASSERT_LT(trail[i - 1].x(), trail[i].x());
+  const std::size_t before = trail.size();
+  extend_trail(trail, trail.back());
+  EXPECT_EQ(trail.size(), before) << "a vehicle that hovers";
+}
+
+TEST(Cloud, LiesWhereTheSensorTrulyWasColumnByColumn) {
+  LabelledScan labelled;
+  auto beams = std::make_shared<BeamTable>();
+  beams->rows = 1;
+  beams->cols = 3;
+  beams->directions_lidar.assign(3, Eigen::Vector3f::UnitX());
+  beams->origins_lidar.assign(3, Eigen::Vector3f(0, 0, 0.5F));
+  labelled.scan.beams = beams;
+  labelled.scan.range_m = {2.0F, 0.0F, 4.0F};
+  for (int column = 0; column < 3; ++column) {
+    labelled.truth.T_world_lidar.push_back(make_pose({10.0 * column, 0, 1}, Eigen::Quaterniond::Identity()));
+  }
+  const PictureCloud cloud = cloud_of(labelled, 1);
+  EXPECT_THAT(cloud.points_world_m, ElementsAre(Eigen::Vector3f(2, 0, 1.5F), Eigen::Vector3f(24, 0, 1.5F)));
+}
+
+class SnapshotRecorderTest : public testing::Test {
+ protected:
+  SnapshotRecorderTest() {
+    world_.add({-20, -20, -1}, {20, 20, 0}, {0.5F, 0.5F, 0.5F}, SurfaceClass::kGround);
+    info_.scene = &world_.scene();
+    info_.vehicle_names = {"uav1", "uav2"};
+    info_.vehicle_shapes = {make_test_shape(), make_test_shape()};
+    info_.directory = folder_.path();
+    states_.resize(2);
+    scans_.resize(2);
+  }
+
+  /// Ticks of 10 ms from 0 to `end_s`.
+  std::vector<std::filesystem::path> fly(std::vector<CameraConfig> cameras, double end_s) {
+    const auto recorder = make_snapshot_recorder(std::move(cameras));
+    recorder->begin(info_);
+    for (TimeNs t = 0; t <= from_seconds(end_s); t += 10'000'000) {
+      for (std::size_t v = 0; v < 2; ++v) {
+        states_[v].t = t;
+        states_[v].p_world_m = {to_seconds(t), static_cast<double>(v) * 3.0, 2.0};
+      }
+      TickView tick;
+      tick.t = t;
+      tick.states = states_;
+      tick.scans = scans_;
+      recorder->write(tick);
+    }
+    return recorder->finish();
+  }
+
+  TemporaryDirectory folder_;
+  BoxWorld world_;
+  RunInfo info_;
+  std::vector<VehicleState> states_;
+  std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans_;
+};
+
+TEST_F(SnapshotRecorderTest, WritesEachCamerasPicturesAtItsTimes) {
+  CameraConfig top = small_camera("above", "top");
+  top.times_s = {0.05, 0.2};
+  CameraConfig depth = small_camera("depth", "depth");
+  depth.vehicle = "uav2";
+  depth.every_s = 0.1;
+  depth.times_s = {};
+  CameraConfig lidar = small_camera("os1", "lidar_range");
+  lidar.times_s = {0.2};
+  CameraConfig never = small_camera("never", "follow");
+  const auto written = fly({top, depth, lidar, never}, 0.2);
+  EXPECT_THAT(written,
+              testing::UnorderedElementsAre("snapshots/above_0000.050s.png", "snapshots/above_0000.200s.png",
+                                            "snapshots/depth_0000.000s.png", "snapshots/depth_0000.100s.png",
+                                            "snapshots/depth_0000.200s.png", "snapshots/depth_0000.000s.mm.png",
+                                            "snapshots/depth_0000.100s.mm.png", "snapshots/depth_0000.200s.mm.png",
+                                            "snapshots/os1_0000.200s.png"));
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path() / "snapshots")) {
+    EXPECT_EQ(entry.path().extension(), ".png");
+    ++files;
+  }
+  EXPECT_EQ(files, written.size());
+}
+
+TEST_F(SnapshotRecorderTest, NamesAVehicleThatIsNotThere) {
+  CameraConfig camera = small_camera("onboard", "onboard");
+  camera.vehicle = "uav7";
+  try {
+    fly({camera}, 0.0);
+    FAIL() << "no exception";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "snapshots[0].vehicle: expected the name of a vehicle, found \"uav7\"");
+  }
+}
+
+TEST_F(SnapshotRecorderTest, TouchesNothingWhenNoPictureIsDue) {
+  CameraConfig camera = small_camera("late", "top");
+  camera.times_s = {100.0};
+  EXPECT_TRUE(fly({camera}, 0.1).empty());
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
