@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 namespace swiftlet::sim {
 namespace {
@@ -44,6 +46,17 @@ void store_xyz(std::byte* at, const Scan& scan, int i) {
 
 std::uint32_t offset_ns(const Scan& scan, int i) { return static_cast<std::uint32_t>(scan.time_of(i) - scan.stamp); }
 
+/// Rows in the order in which they fire within a column.
+std::vector<int> firing_order(const BeamTable& beams) {
+  std::vector<int> rows(static_cast<std::size_t>(beams.rows));
+  std::iota(rows.begin(), rows.end(), 0);
+  if (!beams.row_offset_s.empty()) {
+    std::stable_sort(rows.begin(), rows.end(),
+                     [&](int a, int b) { return beams.row_offset_s[a] < beams.row_offset_s[b]; });
+  }
+  return rows;
+}
+
 /// Everything of PointCloud2 up to its data.
 void encode_description(std::uint32_t sequence, const Scan& scan, const std::string& frame, int width, int height,
                         std::span<const Field> fields, std::uint32_t step, RosEncoder& out) {
@@ -82,13 +95,15 @@ void encode_ouster(const Scan& scan, std::uint32_t sequence, const std::string& 
 void encode_livox(const Scan& scan, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
   encode_description(sequence, scan, frame, scan.size(), 1, kLivoxFields, kLivoxStep, out);
   std::byte* at = out.blob(static_cast<std::size_t>(scan.size()) * kLivoxStep);
+  const std::vector<int> rows = firing_order(*scan.beams);
   for (int column = 0; column < scan.cols(); ++column) {
-    for (int row = 0; row < scan.rows(); ++row, at += kLivoxStep) {
+    for (const int row : rows) {
       const int i = row * scan.cols() + column;
       store_xyz(at, scan, i);
       if (scan.hit(i)) store(at + 12, static_cast<float>(reflectivity_byte(scan.reflectivity[i], 150)));
       store(at + 17, static_cast<std::uint8_t>(row));
       store(at + 18, static_cast<double>(scan.time_of(i)));
+      at += kLivoxStep;
     }
   }
 }
@@ -99,8 +114,9 @@ void encode_velodyne(const Scan& scan, std::uint32_t sequence, const std::string
   for (int i = 0; i < scan.size(); ++i) num_points += scan.hit(i) ? 1 : 0;
   encode_description(sequence, scan, frame, num_points, 1, kVelodyneFields, kVelodyneStep, out);
   std::byte* at = out.blob(static_cast<std::size_t>(num_points) * kVelodyneStep);
+  const std::vector<int> rows = firing_order(*scan.beams);
   for (int column = 0; column < scan.cols(); ++column) {
-    for (int row = 0; row < scan.rows(); ++row) {
+    for (const int row : rows) {
       const int i = row * scan.cols() + column;
       if (!scan.hit(i)) continue;
       store_xyz(at, scan, i);

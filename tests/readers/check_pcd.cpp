@@ -65,7 +65,9 @@ void check_point(const pcl::PCLPointCloud2& cloud, std::size_t point, const json
   expect(value<float>(cloud, "reflectivity", point) == scan["reflectivity"][i].get<float>(), where + " reflectivity");
   expect(value<std::uint16_t>(cloud, "ring", point) == i / cols, where + " ring");
   expect(value<std::uint32_t>(cloud, "column", point) == static_cast<unsigned>(i % cols), where + " column");
-  const double offset_s = scan["duration_ns"] == 0 ? 0.0 : scan["column_offset_s"][i % cols].get<double>();
+  const double firing_s =
+      scan["column_offset_s"][i % cols].get<double>() + scan["row_offset_s"][i / cols].get<double>();
+  const double offset_s = scan["duration_ns"] == 0 ? 0.0 : firing_s;
   expect(std::abs(value<std::uint32_t>(cloud, "t", point) - offset_s * 1e9) <= 1.0, where + " t");
   expect(value<std::uint16_t>(cloud, "class", point) == scan["class"][i], where + " class");
   expect(value<std::uint16_t>(cloud, "instance", point) == scan["instance"][i], where + " instance");

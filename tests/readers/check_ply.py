@@ -38,8 +38,7 @@ def check_scan(path, scan, result):
         result.equal(cloud[name], np.array(scan[name])[hit], f"{path}: {name}")
     result.equal(cloud["ring"], hit // scan["cols"], f"{path}: ring")
     result.equal(cloud["column"], hit % scan["cols"], f"{path}: column")
-    offsets = np.array(scan["column_offset_s"]) * (1e9 if scan["duration_ns"] else 0)
-    result.equal(cloud["t"], offsets[hit % scan["cols"]], f"{path}: t", 1)
+    result.equal(cloud["t"], expectation.firing_s(scan)[hit] * 1e9, f"{path}: t", 1)
 
 
 def check_cloudcompare(path, scan, result):

@@ -56,6 +56,13 @@ def points_lidar(scan):
     return np.array(scan["origins"]) + np.array(scan["range"])[:, None] * np.array(scan["directions"])
 
 
+def firing_s(scan):
+    """When each beam was fired after the stamp; all at once in a frozen scan."""
+    i = np.arange(scan["rows"] * scan["cols"])
+    offsets = np.array(scan["column_offset_s"])[i % scan["cols"]] + np.array(scan["row_offset_s"])[i // scan["cols"]]
+    return offsets * (1 if scan["duration_ns"] else 0)
+
+
 def points_world(scan):
     poses = scan["T_world_lidar"]
     columns = np.arange(len(scan["range"])) % scan["cols"]
@@ -217,9 +224,9 @@ class RosCheck:
 
         rows, cols = scan["rows"], scan["cols"]
         i = np.arange(rows * cols)
-        by_time = i.reshape(rows, cols).T.ravel()
+        by_time = np.lexsort((np.array(scan["row_offset_s"])[i // cols], i % cols))
         ranges = np.array(scan["range"])
-        offsets = np.array(scan["column_offset_s"]) * (1 if scan["duration_ns"] else 0)
+        offsets = firing_s(scan)
         if rows == 4:
             order, fields_wanted = by_time, ["x", "y", "z", "intensity", "tag", "line", "timestamp"]
         elif rows == 16:
@@ -238,15 +245,15 @@ class RosCheck:
             self.result.equal(cloud["intensity"], np.where(hit, reflectivity_byte(reflectivity, 150), 0), where, 0.501)
             self.result.equal(cloud["line"], order // cols, where + " line")
             self.result.equal(cloud["tag"], 0 * order, where + " tag")
-            self.result.equal(cloud["timestamp"], scan["stamp_ns"] + offsets[order % cols] * 1e9, where + " timestamp", 1)
+            self.result.equal(cloud["timestamp"], scan["stamp_ns"] + offsets[order] * 1e9, where + " timestamp", 1)
         elif rows == 16:
             self.result.equal(cloud["intensity"], reflectivity_byte(reflectivity, 100), where + " intensity", 0.501)
             self.result.equal(cloud["ring"], rows - 1 - order // cols, where + " ring")
-            self.result.equal(cloud["time"], offsets[order % cols], where + " time", 1e-8)
+            self.result.equal(cloud["time"], offsets[order], where + " time", 1e-8)
         else:
             self.result.equal(cloud["intensity"], scan["intensity"], where + " intensity")
             self.result.equal(cloud["reflectivity"], np.where(hit, reflectivity_byte(reflectivity, 100), 0), where, 0.501)
             self.result.equal(cloud["ring"], i // cols, where + " ring")
             self.result.equal(cloud["ambient"], 0 * i, where + " ambient")
             self.result.equal(cloud["range"], ranges * 1000, where + " range", 0.501)
-            self.result.equal(cloud["t"], offsets[i % cols] * 1e9, where + " t", 1)
+            self.result.equal(cloud["t"], offsets * 1e9, where + " t", 1)

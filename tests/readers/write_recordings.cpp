@@ -48,6 +48,8 @@ json json_of(const LabelledScan& labelled) {
            {"instance", labelled.truth.instance},
            {"part", labelled.truth.part},
            {"column_offset_s", scan.beams->column_offset_s}};
+  out["row_offset_s"] = scan.beams->row_offset_s;
+  if (scan.beams->row_offset_s.empty()) out["row_offset_s"] = std::vector<float>(scan.rows(), 0.0F);
   for (int i = 0; i < scan.size(); ++i) {
     out["directions"].push_back(json_of(Vector3(scan.beams->directions_lidar[i].cast<double>())));
     out["origins"].push_back(json_of(Vector3(scan.beams->origins_lidar[i].cast<double>())));

@@ -14,8 +14,9 @@
 namespace swiftlet::sim {
 
 /// Ticks with made-up content for tests of recorders: every field has a value of its own, none is round.
-/// Two vehicles: "uav1" with a LiDAR "os1" (8 x 16), "uav-2" with "mid360" (4 x 30) and "puck" (16 x 12, frozen).
-/// A tick every 10 ms; a scan of each LiDAR every 100 ms; GNSS every 50 ms; the estimate is valid from 50 ms on.
+/// Two vehicles: "uav1" with a LiDAR "os1" (8 x 16), "uav-2" with "mid360" (4 x 30) and "puck" (16 x 12, its rows one
+/// after the other). Every second scan is frozen. A tick every 10 ms; a scan of each LiDAR every 100 ms; GNSS every 50
+/// ms; the estimate is valid from 50 ms on.
 class SyntheticRun {
  public:
   static constexpr TimeNs kTick = 10'000'000;
@@ -32,7 +33,9 @@ class SyntheticRun {
     }
     ouster_ = make_beams(8, 16);
     livox_ = make_beams(4, 30);
-    velodyne_ = make_beams(16, 12);
+    auto velodyne = std::make_shared<BeamTable>(*make_beams(16, 12));
+    for (int row = 0; row < 16; ++row) velodyne->row_offset_s.push_back(2e-6F * static_cast<float>(row * 7 % 16));
+    velodyne_ = velodyne;
   }
 
   const RunInfo& info() const { return info_; }
@@ -209,11 +212,12 @@ class SyntheticRun {
     scans_[v].clear();
     if (k % 10 != 0 || k == 0) return;
     const TimeNs stamp = view_.t - 100'000'000;
+    const bool rolling = k % 20 != 0;
     if (v == 0) {
-      scans_[v].push_back(make_scan("os1", ouster_, stamp, true));
+      scans_[v].push_back(make_scan("os1", ouster_, stamp, rolling));
     } else {
-      scans_[v].push_back(make_scan("mid360", livox_, stamp, true));
-      scans_[v].push_back(make_scan("puck", velodyne_, stamp, false));
+      scans_[v].push_back(make_scan("mid360", livox_, stamp, rolling));
+      scans_[v].push_back(make_scan("puck", velodyne_, stamp, rolling));
     }
   }
 
