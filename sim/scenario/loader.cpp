@@ -23,6 +23,13 @@ fs::path absolute_path(const fs::path& path) {
   return normal(error ? path : result);
 }
 
+/// The configurations among the names of a folder, written as `name` is: with their extension or without.
+void add_known(std::vector<std::string>& known, const std::vector<std::string>& listing, const std::string& name) {
+  for (const std::string& file : listing) {
+    if (ends_with_yaml(file)) known.push_back(ends_with_yaml(name) ? file : fs::path(file).stem().string());
+  }
+}
+
 bool is_path_like(const std::string& text) {
   return !text.empty() && text.size() < 1024 && text.find('\0') == std::string::npos;
 }
@@ -40,13 +47,14 @@ Node Loader::load(const fs::path& name) {
 
 fs::path Loader::find_main(const fs::path& file) const {
   if (files_.is_file(file)) return file;
-  std::vector<std::string> known = files_.list(file.has_parent_path() ? file.parent_path() : fs::path("."));
+  std::vector<std::string> known;
+  add_known(known, files_.list(file.has_parent_path() ? file.parent_path() : fs::path(".")), file.string());
   for (const fs::path& root : files_.scenario_roots()) {
     for (const char* extension : {"", ".yaml"}) {
       const fs::path candidate = root / (file.string() + extension);
       if (files_.is_file(candidate)) return candidate;
     }
-    for (const std::string& name : files_.list(root)) known.push_back(name);
+    add_known(known, files_.list(root), file.string());
   }
   throw InputError(file.string() + ": expected a configuration file, found none" +
                    did_you_mean(file.filename().string(), known));
@@ -99,9 +107,7 @@ fs::path Loader::find_base(const Node& base) const {
       const fs::path file = normal(folder / (base.text + extension));
       if (files_.is_file(file)) return file;
     }
-    for (const std::string& name : files_.list(folder)) {
-      if (ends_with_yaml(name)) known.push_back(name);
-    }
+    add_known(known, files_.list(folder), base.text);
   }
   fail(base.place, "base",
        "expected the name of a file, found " + quote(base.text) + ", which does not exist" +
@@ -124,9 +130,7 @@ fs::path Loader::find_asset(const std::string& name, const std::string& folder, 
   for (const fs::path& root : files_.asset_roots()) {
     const fs::path file = normal(root / folder / (name + ".yaml"));
     if (files_.is_file(file)) return file;
-    for (const std::string& entry : files_.list(root / folder)) {
-      if (ends_with_yaml(entry)) known.push_back(fs::path(entry).stem().string());
-    }
+    add_known(known, files_.list(root / folder), name);
   }
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());

@@ -87,6 +87,15 @@ TEST(Scenario, IsFoundByNameToo) {
   }
 }
 
+TEST(Scenario, AMisspeltNameIsToldAsItWasWritten) {
+  try {
+    load_scenario("forest_patrl");
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& problem) {
+    EXPECT_THAT(problem.what(), HasSubstr("did you mean \"forest_patrol\"?"));
+  }
+}
+
 TEST(Scenario, EveryModuleOfEveryRegistryIsValidByDefaultAndComesBack) {
   const auto check = [](std::span<const ModuleType> types, const auto& put) {
     ASSERT_FALSE(types.empty());
