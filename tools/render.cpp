@@ -7,8 +7,7 @@
 
 #include "commands.hpp"
 #include "progress.hpp"
-#include "sim/render/video.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/render/snapshot_recorder.hpp"
 #include "sim/run/summary.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/simulation.hpp"
@@ -84,7 +83,11 @@ void render(const RenderOptions& options) {
   const fs::path out = options.out.empty() ? run / "render" : fs::path(options.out);
   fs::create_directories(out);
   sim::Simulation simulation(scenario, options.threads);
-  simulation.attach_recorders(out);
+  if (options.video) {
+    simulation.attach(sim::make_video_recorder(scenario.snapshots, options.frames_per_s), out);
+  } else {
+    simulation.attach_recorders(out);
+  }
   {
     Progress progress("render", options.quiet);
     while (!simulation.finished() && to_seconds(simulation.now()) < last_s) {
@@ -93,8 +96,7 @@ void render(const RenderOptions& options) {
       progress.update(now_s / last_s, fmt::format("{:.1f} of {:g} s", now_s, last_s));
     }
   }
-  std::vector<fs::path> written = simulation.finish();
-  if (options.video) written = sim::join_frames(out, written, options.frames_per_s);
+  const std::vector<fs::path> written = simulation.finish();
   if (options.quiet) return;
   for (const fs::path& path : written) fmt::print("{}\n", (out / path).string());
 }

@@ -16,6 +16,7 @@
 #include "sim/render/png.hpp"
 #include "sim/render/range_image.hpp"
 #include "sim/render/renderer.hpp"
+#include "sim/render/video.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/scenario.hpp"
@@ -45,11 +46,13 @@ struct Station {
 
 class SnapshotRecorder : public Recorder {
  public:
-  explicit SnapshotRecorder(std::vector<CameraConfig> cameras) : cameras_(std::move(cameras)) {}
+  /// @param video_frames_per_s  above 0: the pictures of each camera become a video
+  SnapshotRecorder(std::vector<CameraConfig> cameras, double video_frames_per_s)
+      : cameras_(std::move(cameras)), video_frames_per_s_(video_frames_per_s) {}
 
   void begin(const RunInfo& info) override;
   void write(const TickView& tick) override;
-  std::vector<std::filesystem::path> finish() override { return std::move(written_); }
+  std::vector<std::filesystem::path> finish() override;
 
  private:
   using ScanKey = std::pair<VehicleId, std::string>;  // vehicle and sensor
@@ -57,6 +60,7 @@ class SnapshotRecorder : public Recorder {
   VehicleId vehicle_of(const CameraConfig& camera, std::size_t index) const;
   void remember(const TickView& tick);
   void fill_clouds(const TickView& tick);
+  void keep_frame(const Station& station, const Image& frame);
   Image take(const Station& station, const std::filesystem::path& stem);
   Image take_of_scan(const Station& station) const;
   Image take_of_depth(const Station& station, const std::filesystem::path& stem);
@@ -77,6 +81,8 @@ class SnapshotRecorder : public Recorder {
   TimeNs previous_ = -1;
   std::optional<TimeNs> remembered_;
   std::vector<std::filesystem::path> written_;
+  double video_frames_per_s_ = 0.0;
+  std::map<std::string, std::unique_ptr<VideoWriter>> videos_;  // by camera
 };
 
 void SnapshotRecorder::begin(const RunInfo& info) {
@@ -119,12 +125,32 @@ void SnapshotRecorder::write(const TickView& tick) {
     for (const Station& station : stations_) {
       if (!station.config.is_due(previous_, tick.t)) continue;
       const std::filesystem::path stem = folder / (station.config.name + time_text(tick.t, "_%08.3fs"));
+      if (video_frames_per_s_ > 0.0) {
+        keep_frame(station, take(station, stem));
+        continue;
+      }
       const std::filesystem::path path = stem.string() + ".png";
       write_png(path, take(station, stem));
       written_.push_back(path.lexically_relative(info_.directory));
     }
   }
   previous_ = tick.t;
+}
+
+void SnapshotRecorder::keep_frame(const Station& station, const Image& frame) {
+  std::unique_ptr<VideoWriter>& video = videos_[station.config.name];
+  if (!video) {
+    const std::filesystem::path path = info_.directory / "snapshots" / (station.config.name + ".mp4");
+    video = std::make_unique<VideoWriter>(path, frame.width, frame.height, video_frames_per_s_);
+    written_.push_back(path.lexically_relative(info_.directory));
+  }
+  video->add(frame);
+}
+
+std::vector<std::filesystem::path> SnapshotRecorder::finish() {
+  for (const auto& [camera, video] : videos_) video->finish();
+  videos_.clear();
+  return std::move(written_);
 }
 
 void SnapshotRecorder::remember(const TickView& tick) {
@@ -221,7 +247,11 @@ Image SnapshotRecorder::take_of_world(const Station& station) {
 }  // namespace
 
 std::unique_ptr<Recorder> make_snapshot_recorder(std::vector<CameraConfig> cameras) {
-  return std::make_unique<SnapshotRecorder>(std::move(cameras));
+  return std::make_unique<SnapshotRecorder>(std::move(cameras), 0.0);
+}
+
+std::unique_ptr<Recorder> make_video_recorder(std::vector<CameraConfig> cameras, double frames_per_s) {
+  return std::make_unique<SnapshotRecorder>(std::move(cameras), frames_per_s);
 }
 
 }  // namespace swiftlet::sim

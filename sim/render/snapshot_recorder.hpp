@@ -13,4 +13,7 @@ namespace swiftlet::sim {
 /// millimetres as 16-bit grey beside it (CAMERA_0012.300s.mm.png). OpenGL is asked for when the first picture is due.
 std::unique_ptr<Recorder> make_snapshot_recorder(std::vector<CameraConfig> cameras);
 
+/// The same pictures as one video a camera: snapshots/CAMERA.mp4 (needs the ffmpeg program).
+std::unique_ptr<Recorder> make_video_recorder(std::vector<CameraConfig> cameras, double frames_per_s);
+
 }  // namespace swiftlet::sim

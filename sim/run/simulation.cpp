@@ -59,6 +59,7 @@ struct Simulation::Impl {
         actions(num_vehicles(), &idle),
         commands(num_vehicles()),
         clearances(num_vehicles()),
+        least_clearance_m(num_vehicles()),
         scans(num_vehicles()),
         hashes(num_vehicles()),
         missions(num_vehicles(), MissionStatus::kRunning),
@@ -104,6 +105,7 @@ struct Simulation::Impl {
   std::vector<const Action*> actions;
   std::vector<std::array<double, kMaxRotors>> commands;
   std::vector<Clearance> clearances;
+  std::vector<double> least_clearance_m;
   std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
   std::vector<std::uint64_t> hashes;
   std::vector<Event> events;
@@ -159,7 +161,7 @@ void Simulation::Impl::tick() {
     const auto timed = clock.measure(Stage::kMetrics);
     collect_events();
     for (int i = 0; i < num_vehicles(); ++i) hash = combine(hash, hashes[i]);
-    view = {now, physics.states(), observations, actions, scans, events};
+    view = {now, physics.states(), observations, actions, scans, events, least_clearance_m};
     metrics.update(view, clearances);
   }
   {
@@ -175,6 +177,7 @@ void Simulation::Impl::sense(VehicleId i) {
     for (const auto& scan : sensor->scans()) scans[i].push_back(scan);
   }
   clearances[i] = physics.clearance(i, scenario.metrics.clearance_max_m);
+  least_clearance_m[i] = std::min(clearances[i].surface_m, clearances[i].vehicle_m);
   hashes[i] = combine(hash_of(physics.state(i)), hash_of(observations[i]));
 }
 
@@ -214,10 +217,15 @@ Simulation::Simulation(Scenario scenario, int threads, std::optional<World> worl
 Simulation::~Simulation() = default;
 
 void Simulation::attach_recorders(const std::filesystem::path& directory) {
+  const Scenario& scenario = impl_->scenario;
+  for (const Module& config : scenario.recorders) attach(make_recorder(config), directory);
+  if (!scenario.snapshots.empty()) attach(make_snapshot_recorder(scenario.snapshots), directory);
+}
+
+void Simulation::attach(std::unique_ptr<Recorder> recorder, const std::filesystem::path& directory) {
   impl_->info.directory = directory;
-  for (const Module& config : impl_->scenario.recorders) impl_->recorders.push_back(make_recorder(config));
-  if (!impl_->scenario.snapshots.empty()) impl_->recorders.push_back(make_snapshot_recorder(impl_->scenario.snapshots));
-  for (const auto& recorder : impl_->recorders) recorder->begin(impl_->info);
+  recorder->begin(impl_->info);
+  impl_->recorders.push_back(std::move(recorder));
 }
 
 void Simulation::tick() { impl_->tick(); }

@@ -29,8 +29,10 @@ class Simulation {
   explicit Simulation(Scenario scenario, int threads = 0, std::optional<World> world = std::nullopt);
   ~Simulation();
 
-  /// Recorders write into `directory` (which exists) from the next tick on.
+  /// The scenario's recorders and cameras write into `directory` (which exists) from the next tick on.
   void attach_recorders(const std::filesystem::path& directory);
+  /// One recorder more, which may be the caller's own.
+  void attach(std::unique_ptr<Recorder> recorder, const std::filesystem::path& directory);
 
   void tick();
   bool finished() const;
