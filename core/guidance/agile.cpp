@@ -42,6 +42,7 @@ class Agile : public Guidance {
     output.goal = spline_.reference();
     if (config_.yaw == "along_path") face_along(output.goal);
     output.goal.yaw_rad = yaw_rad_;
+    output.mission = MissionStatus::kEndless;
   }
 
  private:

@@ -15,7 +15,10 @@ class Hover : public Guidance {
     goal_.yaw_rad = at_start ? yaw_of(T_world_start.linear()) : config.yaw_deg * std::numbers::pi / 180.0;
   }
 
-  void step(const GuidanceInput&, GuidanceOutput& output) override { output.goal = goal_; }
+  void step(const GuidanceInput&, GuidanceOutput& output) override {
+    output.goal = goal_;
+    output.mission = MissionStatus::kEndless;
+  }
 
  private:
   Reference goal_;

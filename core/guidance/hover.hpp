@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// Stay at one place: the start, or a given point. The mission is never done.
+/// Stay at one place: the start, or a given point. The mission is endless.
 struct HoverConfig : ModuleConfigOf<HoverConfig> {
   std::string at = "start";
   Eigen::Vector3d point_m = {0.0, 0.0, 2.0};

@@ -84,6 +84,7 @@ class Trajectory : public Guidance {
     }
     t_s_ += input.dt_s;
     output.goal = goal_ = at(t_s_);
+    if (config_.laps == 0) output.mission = MissionStatus::kEndless;
     if (config_.laps > 0 && t_s_ >= laps_duration_s()) output.mission = MissionStatus::kDone;
   }
 

@@ -27,6 +27,7 @@ class Waypoints : public Guidance {
 
   void step(const GuidanceInput& input, GuidanceOutput& output) override {
     if (landed_) return;
+    if (config_.loop) output.mission = MissionStatus::kEndless;
     output.speed_limit_mps = config_.speed_mps;
     const Vector3 p_m = input.estimate.T_world_body.translation();
     if (!finished_) advance(p_m, input.dt_s);

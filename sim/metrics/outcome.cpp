@@ -58,7 +58,7 @@ class OutcomeMetric final : public Metric {
   static Outcome outcome_of(const Vehicle& vehicle) {
     if (!std::isnan(vehicle.crash_s)) return Outcome::kCrashed;
     if (vehicle.mission == MissionStatus::kFailed) return Outcome::kFailed;
-    return vehicle.mission == MissionStatus::kDone ? Outcome::kDone : Outcome::kTimeout;
+    return vehicle.mission == MissionStatus::kRunning ? Outcome::kTimeout : Outcome::kDone;
   }
 
   std::vector<Vehicle> vehicles_;

@@ -21,6 +21,9 @@ namespace {
 // Sensors look back over at most a sweep; the margin covers a tick and sensors with latency.
 constexpr double kHistoryMargin_s = 0.05;
 
+// From here on vehicles without LiDARs are worth several threads.
+constexpr int kManyVehicles = 16;
+
 // A mission that has ended is flown on for this long, so that recordings show its end.
 constexpr TimeNs kAfterTheEnd = kNsPerSecond / 2;
 
@@ -76,6 +79,7 @@ struct Simulation::Impl {
   int num_vehicles() const { return static_cast<int>(vehicles.size()); }
 
   void tick();
+  bool is_busy_tick() const;
   void sense(VehicleId i);
   void collect_events();
   void note_mission(VehicleId i);
@@ -129,6 +133,7 @@ void Simulation::Impl::tick() {
     const auto timed = clock.measure(Stage::kPhysics);
     physics.advance(now, commands, history);
   }
+  const bool parallel = is_busy_tick();
   // 2. Sensors that are due measure the truth; the radio hands over what has arrived.
   {
     const auto timed = clock.measure(Stage::kSensors);
@@ -141,13 +146,13 @@ void Simulation::Impl::tick() {
       observations[i].wants_overlays = pictures;
       radio.deliver(i, now, observations[i].messages);
     }
-#pragma omp parallel for schedule(dynamic, 1) if (num_vehicles() > 1)
+#pragma omp parallel for schedule(dynamic, 1) if (parallel)
     for (int i = 0; i < num_vehicles(); ++i) sense(i);
   }
   // 3. Every agent steps on its own observation.
   {
     const auto timed = clock.measure(Stage::kAgents);
-#pragma omp parallel for schedule(dynamic, 4) if (num_vehicles() > 1)
+#pragma omp parallel for schedule(dynamic, 1) if (parallel)
     for (int i = 0; i < num_vehicles(); ++i) actions[i] = &agents[i]->step(observations[i]);
     for (int i = 0; i < num_vehicles(); ++i) commands[i] = actions[i]->rotor_command;
   }
@@ -168,6 +173,18 @@ void Simulation::Impl::tick() {
     const auto timed = clock.measure(Stage::kRecorders);
     for (const auto& recorder : recorders) recorder->write(view);
   }
+}
+
+// Starting threads costs more than a few vehicles' light sensors and controllers.
+bool Simulation::Impl::is_busy_tick() const {
+  if (num_vehicles() < 2) return false;  // a lone LiDAR is parallel inside
+  if (num_vehicles() >= kManyVehicles) return true;
+  for (const auto& of_vehicle : sensors) {
+    for (const auto& sensor : of_vehicle) {
+      if (sensor->makes_scan_by(now)) return true;
+    }
+  }
+  return false;
 }
 
 void Simulation::Impl::sense(VehicleId i) {
@@ -204,7 +221,9 @@ void Simulation::Impl::note_mission(VehicleId i) {
   if (action.mission == missions[i] && action.mission_note == mission_notes[i]) return;
   missions[i] = action.mission;
   mission_notes[i] = action.mission_note;
-  ended[i] = ended[i] || action.mission != MissionStatus::kRunning;
+  const bool over = action.mission == MissionStatus::kDone || action.mission == MissionStatus::kFailed;
+  ended[i] = ended[i] || over;
+  if (!over && action.mission_note.empty()) return;
   const char* status = action.mission == MissionStatus::kDone     ? "mission_done"
                        : action.mission == MissionStatus::kFailed ? "mission_failed"
                                                                   : "mission";

@@ -134,6 +134,7 @@ class Lidar final : public Sensor {
 
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override;
   std::span<const std::shared_ptr<const LabelledScan>> scans() const override { return completed_; }
+  bool makes_scan_by(TimeNs now) const override { return schedule_.is_due(now); }
   double look_back_s() const override { return 1.0 / config_.rate_hz; }
 
  private:

@@ -68,6 +68,8 @@ class Sensor {
   virtual void measure(TimeNs now, const StateHistory& truth, Observation& out) = 0;
   /// Scans made by the last measure(), with truth, for recorders. Empty for anything but a LiDAR.
   virtual std::span<const std::shared_ptr<const LabelledScan>> scans() const { return {}; }
+  /// Does measure(now) make a scan? Then it is worth a thread of its own.
+  virtual bool makes_scan_by(TimeNs /*now*/) const { return false; }
   /// How far back the sensor looks into the history [s].
   virtual double look_back_s() const { return 0.0; }
 
@@ -88,6 +90,8 @@ class Schedule {
     index = count_++;
     return true;
   }
+  /// Will next(now, ...) give an instant?
+  bool is_due(TimeNs now) const { return first_ + static_cast<TimeNs>(count_) * period_ <= now; }
   TimeNs period() const { return period_; }
 
  private:

@@ -33,8 +33,8 @@ struct Reference {
   double yaw_rate_radps = 0.0;
 };
 
-/// What the mission says about itself.
-enum class MissionStatus { kRunning, kDone, kFailed };
+/// What the mission says about itself. Endless: it has no end by design (a hover, a patrol) and all is well.
+enum class MissionStatus { kRunning, kEndless, kDone, kFailed };
 
 /// Everything that one vehicle does in one tick. Owned by the agent, which reuses it: valid until its next step.
 struct Action {
