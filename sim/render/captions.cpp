@@ -13,6 +13,31 @@ namespace {
 
 constexpr std::size_t kMostNames = 24;  // more would cover the picture
 
+/// Where a colour bar, its ticks and its panel lie [px].
+struct BarLayout {
+  float h = 0.0F;  // height of capitals
+  double step = 1.0;
+  std::vector<double> ticks;
+  int left = 0, top = 0, panel_width = 0, panel_height = 0;
+  int bar_width = 0, bar_height = 0;
+
+  BarLayout(const Image& image, const ColorBar& bar) : h(0.85F * caption_height_px(image)) {
+    step = round_down_nicely(std::max(1e-6, (bar.high - bar.low) / 4.0));
+    float text_width = 0.0F;
+    for (int k = static_cast<int>(std::ceil(bar.low / step - 1e-9)); k * step <= bar.high + 1e-9 * step; ++k) {
+      ticks.push_back(k * step);
+      text_width = std::max(text_width, text_width_px(tick_text(k * step, step), h));
+    }
+    bar_width = static_cast<int>(1.3F * h);
+    bar_height = image.height * 45 / 100;
+    panel_width = static_cast<int>(
+        std::max(static_cast<float>(bar_width) + text_width + 2.5F * h, text_width_px(bar.unit, h) + 1.6F * h));
+    panel_height = bar_height + static_cast<int>(4.9F * h);
+    left = image.width - panel_width - static_cast<int>(h);
+    top = (image.height - panel_height) / 2;
+  }
+};
+
 }  // namespace
 
 float caption_height_px(const Image& image) {
@@ -72,38 +97,31 @@ void draw_names(Image& image, const View& view, const PictureScene& picture, std
   }
 }
 
-void draw_color_bar(Image& image, const ColorBar& bar) {
-  const float h = 0.85F * caption_height_px(image);
-  const double step = round_down_nicely(std::max(1e-6, (bar.high - bar.low) / 4.0));
-  float text_width = text_width_px(bar.unit, h);
-  const double first = std::ceil(bar.low / step - 1e-9) * step;
-  for (double tick = first; tick <= bar.high + 1e-9 * step; tick += step) {
-    text_width = std::max(text_width, text_width_px(tick_text(tick, step), h));
-  }
+int color_bar_width_px(const Image& image, const ColorBar& bar) {
+  const BarLayout layout(image, bar);
+  return image.width - layout.left;
+}
 
-  const int margin = static_cast<int>(h);
-  const int bar_width = static_cast<int>(1.3F * h);
-  const int bar_height = image.height * 45 / 100;
-  const int panel_width = bar_width + static_cast<int>(text_width + 2.9F * h);
-  const int panel_height = bar_height + static_cast<int>(4.9F * h);
-  const int left = image.width - panel_width - margin;
-  const int top = (image.height - panel_height) / 2;
-  blend_rectangle(image, left, top, panel_width, panel_height, Rgb::Constant(0.04F), 0.6F);
-  draw_text(image, static_cast<float>(left) + 0.8F * h, static_cast<float>(top) + 1.8F * h, bar.unit,
+void draw_color_bar(Image& image, const ColorBar& bar) {
+  const BarLayout layout(image, bar);
+  const float h = layout.h;
+  blend_rectangle(image, layout.left, layout.top, layout.panel_width, layout.panel_height, Rgb::Constant(0.04F), 0.6F);
+  draw_text(image, static_cast<float>(layout.left) + 0.8F * h, static_cast<float>(layout.top) + 1.8F * h, bar.unit,
             {.height_px = h, .halo_alpha = 0.0F});
 
-  const int bar_left = left + static_cast<int>(0.8F * h);
-  const int bar_top = top + static_cast<int>(3.6F * h);
-  for (int y = 0; y < bar_height; ++y) {
-    const float s = 1.0F - (static_cast<float>(y) + 0.5F) / static_cast<float>(bar_height);
-    blend_rectangle(image, bar_left, bar_top + y, bar_width, 1, bar.color(s), 1.0F);
+  const int bar_left = layout.left + static_cast<int>(0.8F * h);
+  const int bar_top = layout.top + static_cast<int>(3.6F * h);
+  for (int y = 0; y < layout.bar_height; ++y) {
+    const float s = 1.0F - (static_cast<float>(y) + 0.5F) / static_cast<float>(layout.bar_height);
+    blend_rectangle(image, bar_left, bar_top + y, layout.bar_width, 1, bar.color(s), 1.0F);
   }
-  for (double tick = first; tick <= bar.high + 1e-9 * step; tick += step) {
+  for (const double tick : layout.ticks) {
     const double s = (tick - bar.low) / (bar.high - bar.low);
-    const int y = bar_top + static_cast<int>(std::lround((1.0 - s) * (bar_height - 1)));
-    blend_rectangle(image, bar_left + bar_width, y, static_cast<int>(0.5F * h), 1, Rgb::Ones(), 1.0F);
-    draw_text(image, static_cast<float>(bar_left + bar_width) + 0.9F * h, static_cast<float>(y) + 0.5F * h,
-              tick_text(tick, step), {.height_px = h, .halo_alpha = 0.0F});
+    const int y = bar_top + static_cast<int>(std::lround((1.0 - s) * (layout.bar_height - 1)));
+    const int bar_right = bar_left + layout.bar_width;
+    blend_rectangle(image, bar_right, y, static_cast<int>(0.5F * h), 1, Rgb::Ones(), 1.0F);
+    draw_text(image, static_cast<float>(bar_right) + 0.9F * h, static_cast<float>(y) + 0.5F * h,
+              tick_text(tick, layout.step), {.height_px = h, .halo_alpha = 0.0F});
   }
 }
 

@@ -29,6 +29,8 @@ struct ColorBar {
   double high = 1.0;
   std::string unit;
 };
+/// Width at the right edge of the picture that the bar with its panel takes [px].
+int color_bar_width_px(const Image& image, const ColorBar& bar);
 /// On a dark panel at the right edge of the picture.
 void draw_color_bar(Image& image, const ColorBar& bar);
 

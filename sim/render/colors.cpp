@@ -36,6 +36,8 @@ constexpr Bytes kVehicles[] = {{230, 57, 53},  {33, 120, 230}, {255, 179, 0},  {
 Rgb viridis_like(float s) { return between(kViridis, s); }
 Rgb turbo_like(float s) { return between(kTurbo, s); }
 
+Rgb height_color(float s) { return turbo_like(0.14F + 0.72F * std::clamp(s, 0.0F, 1.0F)); }
+
 Rgb vehicle_color(VehicleId vehicle) {
   const auto index = static_cast<std::size_t>(std::max(vehicle, 0));
   if (index < std::size(kVehicles)) return rgb_of(kVehicles[index]);

@@ -8,10 +8,12 @@
 
 namespace swiftlet::sim {
 
-/// Perceptually even, dark violet to yellow; s in 0..1 (clamped). For heights and intensities.
+/// Perceptually even, dark violet to yellow; s in 0..1 (clamped). For intensities.
 Rgb viridis_like(float s);
 /// Rainbow of even lightness steps, dark blue to dark red; s in 0..1 (clamped). For distances.
 Rgb turbo_like(float s);
+/// The bright part of turbo_like, for points drawn over a scene: readable on soil and on leaves.
+Rgb height_color(float s);
 /// Distinct colours of the vehicles of a team, good on green and on grey.
 Rgb vehicle_color(VehicleId vehicle);
 /// Colour of a truth class (SurfaceClass) or of a vehicle.

@@ -109,7 +109,7 @@ void MarkPainter::draw_points(const View& view, std::span<const PointVertex> poi
   point_program_.set("u_clip_world", Eigen::Matrix4f(view.clip_world().cast<float>()));
   point_program_.set("u_pixels_at_1m", static_cast<float>(view.pixels_per_m(1.0)));
   point_program_.set("u_size_m", size_m);
-  point_program_.set("u_min_px", 1.8F);
+  point_program_.set("u_min_px", 2.2F);
   point_program_.set("u_cut_m", cut_m);
   gl_.Enable(GL_PROGRAM_POINT_SIZE);
   gl_.BindVertexArray(points_.array);

@@ -193,7 +193,8 @@ Image draw_range_image(const Scan& scan, ScanQuantity quantity, int width_px, in
   const double height_rad = lookup.elevation_max_rad() - lookup.elevation_min_rad();
   const int gap = static_cast<int>(2.4F * h);
   const int free_height = height_px - static_cast<int>(3.0F * h);
-  const int free_width = width_px - static_cast<int>(9.5F * h);  // the colour bar is at the right
+  const int margin = static_cast<int>(3.2F * h);  // half of a label
+  const int free_width = width_px - color_bar_width_px(image, shading.bar) - 2 * margin;
   int strips = 1;
   double pixels_per_rad = 0.0;
   for (int n = 1; n <= 4; ++n) {
@@ -206,7 +207,7 @@ Image draw_range_image(const Scan& scan, ScanQuantity quantity, int width_px, in
 
   const int strip_width = static_cast<int>(kTwoPi / strips * pixels_per_rad);
   const int strip_height = std::max(1, static_cast<int>(height_rad * pixels_per_rad));
-  const int left = (free_width - strip_width) / 2 + static_cast<int>(0.6F * h);
+  const int left = (free_width - strip_width) / 2 + margin;
   const int used_height = strips * strip_height + strips * gap;
   for (int strip = 0; strip < strips; ++strip) {
     const int top = (free_height - used_height) / 2 + strip * (strip_height + gap) + static_cast<int>(h);

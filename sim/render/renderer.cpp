@@ -25,7 +25,7 @@ constexpr int kVehicleShadowTexels = 1024;
 constexpr std::size_t kShadowsKept = 3;
 constexpr int kMostWatched = 16;  // length of u_watched
 constexpr float kNoCut_m = 1e9F;
-constexpr float kCloudPoint_m = 0.05F;
+constexpr float kCloudPoint_m = 0.07F;
 constexpr float kTrailWidth_px = 3.2F;
 const Eigen::Vector3f kSun = Eigen::Vector3f(-0.62F, 0.28F, 0.80F).normalized();
 const Eigen::Vector3f kHaze(0.83F, 0.88F, 0.92F);
@@ -82,7 +82,7 @@ std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, co
     for (std::size_t i = 0; i < cloud.points_world_m.size(); ++i) {
       const Eigen::Vector3f& p = cloud.points_world_m[i];
       Rgb color = Rgb::Constant(0.9F);
-      if (by == "height") color = viridis_like((p.z() - scale.low_m) / (scale.high_m - scale.low_m));
+      if (by == "height") color = height_color((p.z() - scale.low_m) / (scale.high_m - scale.low_m));
       if (by == "vehicle") color = vehicle_color(cloud.vehicle);
       if (by == "label" && i < cloud.surface_class.size()) color = class_color(cloud.surface_class[i]);
       // The eye judges ratios of reflectivity.

@@ -213,6 +213,7 @@ Image SnapshotRecorder::take_of_depth(const Station& station, const std::filesys
   PictureStyle style = style_of(station.config);
   style.hidden_vehicle = station.vehicle;
   const DepthImage depth = renderer().draw_depth(station.cameraman.view(picture_), picture_, style);
+  if (video_frames_per_s_ > 0.0) return draw_depth_image(depth, station.config.max_range_m);
   std::vector<std::uint16_t> millimetres(depth.depth_m.size());
   std::transform(depth.depth_m.begin(), depth.depth_m.end(), millimetres.begin(),
                  [](float d) { return static_cast<std::uint16_t>(std::min(65535.0F, std::round(1000.0F * d))); });
@@ -239,7 +240,7 @@ Image SnapshotRecorder::take_of_world(const Station& station) {
   if (view.orthographic) draw_scale_bar(image, view);
   if (camera.cloud == "height" && !picture_.clouds.empty()) {
     const HeightScale scale = height_scale_of(picture_.clouds);
-    draw_color_bar(image, {viridis_like, scale.low_m, scale.high_m, "z [m]"});
+    draw_color_bar(image, {height_color, scale.low_m, scale.high_m, "z [m]"});
   }
   return image;
 }
