@@ -192,16 +192,16 @@ TEST(Stack, HoversOnInertialNavigationWithNoisyGnss) {
     worst = std::max(worst, (loop.plant.p - Vector3(0, 0, 5)).norm());
   }
   EXPECT_LT(worst, 0.8);
-  EXPECT_EQ(loop.last->mission, MissionStatus::kRunning) << loop.last->mission_note;
+  EXPECT_EQ(loop.last->mission, MissionStatus::kEndless) << loop.last->mission_note;
 }
 
 TEST(Stack, WithoutAnyPoseTheMissionFailsWithANoteAndTheMotorsIdle) {
   ClosedLoop loop(testing::x500(), StackConfig{}, {0, 0, 5});
   loop.run(1.0);
-  EXPECT_EQ(loop.last->mission, MissionStatus::kRunning);
+  EXPECT_EQ(loop.last->mission, MissionStatus::kEndless);
   loop.pose_every = 0;
   loop.run(0.4);
-  EXPECT_EQ(loop.last->mission, MissionStatus::kRunning) << "a short gap is bridged";
+  EXPECT_EQ(loop.last->mission, MissionStatus::kEndless) << "a short gap is bridged";
   loop.run(0.2);
   EXPECT_EQ(loop.last->mission, MissionStatus::kFailed);
   EXPECT_EQ(loop.last->mission_note, "no pose from outside");
@@ -235,7 +235,7 @@ TEST(Stack, SurvivesJumpsAndStandstillsOfTime) {
     observation.pose = {loop.plant.pose_sample()};
     observation.pose[0].t = observation.t;
     const Action& action = loop.agent().step(observation);
-    EXPECT_EQ(action.mission, MissionStatus::kRunning);
+    EXPECT_EQ(action.mission, MissionStatus::kEndless);
     for (int i = 0; i < 4; ++i) EXPECT_NEAR(action.rotor_command[i], before.rotor_command[i], 0.05);
   }
 }

@@ -138,7 +138,7 @@ TEST(Waypoints, LoopForEver) {
     if (flight.p().x() > 2.0) away = true;
   }
   EXPECT_GT(visits, 5);
-  EXPECT_EQ(flight.out.mission, MissionStatus::kRunning);
+  EXPECT_EQ(flight.out.mission, MissionStatus::kEndless);
 }
 
 TEST(Waypoints, WithoutAnyTheMissionIsDoneWhereItStands) {
