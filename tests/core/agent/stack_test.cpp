@@ -50,7 +50,8 @@ class ClosedLoop {
     }
     if (odometry_every > 0 && ticks_ % odometry_every == 0) {
       const Pose T_local_world = make_pose({7, 8, 9}, Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Vector3::UnitZ())));
-      observation_.odometry.push_back({plant.t, T_local_world * plant.T_world_body(), T_local_world.linear() * plant.v});
+      observation_.odometry.push_back(
+          {plant.t, T_local_world * plant.T_world_body(), T_local_world.linear() * plant.v});
     }
     if (gnss_every > 0 && ticks_ % gnss_every == 0) add_gnss();
     observation_.wants_overlays = wants_overlays;
@@ -75,7 +76,8 @@ class ClosedLoop {
       const auto n = random_.normal3(ticks_, k);
       return Vector3(n[0], n[1], n[2]);
     };
-    GnssSample s{plant.t, plant.p + 0.3 * noise(0), plant.v + 0.05 * noise(1), Vector3::Constant(0.3), Vector3::Constant(0.05)};
+    GnssSample s{plant.t, plant.p + 0.3 * noise(0), plant.v + 0.05 * noise(1), Vector3::Constant(0.3),
+                 Vector3::Constant(0.05)};
     observation_.gnss.push_back(s);
     observation_.compass.push_back({plant.t, yaw_of(plant.q.toRotationMatrix()) + 0.02 * noise(2).x(), 0.02});
   }
