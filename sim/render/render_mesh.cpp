@@ -81,7 +81,7 @@ struct Groups {
   std::size_t size() const { return first.size() - 1; }
 };
 
-Groups leaves_of(const Mesh& mesh, const std::vector<std::uint32_t>& pieces) {
+Groups connected_groups(const Mesh& mesh, const std::vector<std::uint32_t>& pieces) {
   const std::size_t n = mesh.triangles.size();
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0U);
@@ -96,6 +96,25 @@ Groups leaves_of(const Mesh& mesh, const std::vector<std::uint32_t>& pieces) {
   groups.first.push_back(static_cast<std::uint32_t>(n));
   groups.triangles = std::move(order);
   return groups;
+}
+
+/// Length of each group: the diagonal of its bounds.
+std::vector<float> lengths_of(const Mesh& mesh, const Groups& groups) {
+  std::vector<float> lengths_m(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    Eigen::AlignedBox3f box;
+    for (std::uint32_t k = groups.first[g]; k < groups.first[g + 1]; ++k) {
+      for (const std::uint32_t v : mesh.triangles[groups.triangles[k]]) box.extend(mesh.vertices_m[v]);
+    }
+    lengths_m[g] = box.diagonal().norm();
+  }
+  return lengths_m;
+}
+
+double area_of(const Mesh& mesh) {
+  double area_m2 = 0.0;
+  for (const Triangle& t : mesh.triangles) area_m2 += 0.5 * scaled_normal(mesh, t).norm();
+  return area_m2;
 }
 
 Groups single_triangles(std::size_t n) {
@@ -241,7 +260,7 @@ RenderMesh prepare_mesh(const Mesh& mesh) {
       mesh.surface_class == SurfaceClass::kVegetation || mesh.surface_class == SurfaceClass::kUndergrowth;
   Groups groups;
   if (plant) {
-    groups = leaves_of(mesh, pieces_of(mesh, welded));
+    groups = connected_groups(mesh, pieces_of(mesh, welded));
     std::size_t in_leaves = 0;
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const std::size_t size = groups.first[g + 1] - groups.first[g];
@@ -252,12 +271,17 @@ RenderMesh prepare_mesh(const Mesh& mesh) {
   const bool leafy = out.leaf_size_m > 0.0F;
   if (leafy) {
     make_leaf_vertices(mesh, groups, out);
-    double area = 0.0;
-    for (const Triangle& t : mesh.triangles) area += 0.5 * scaled_normal(mesh, t).norm();
-    out.leaf_size_m = static_cast<float>(std::sqrt(area / static_cast<double>(groups.size())));
+    out.leaf_size_m = static_cast<float>(std::sqrt(area_of(mesh) / static_cast<double>(groups.size())));
   } else {
-    groups = single_triangles(mesh.triangles.size());
+    const bool branches = mesh.surface_class == SurfaceClass::kBranch;
+    groups = branches ? connected_groups(mesh, pieces_of(mesh, welded)) : single_triangles(mesh.triangles.size());
     make_solid_vertices(mesh, welded, out);
+  }
+  const std::vector<float> lengths_m =
+      mesh.surface_class == SurfaceClass::kBranch ? lengths_of(mesh, groups) : std::vector<float>();
+  if (!lengths_m.empty()) {  // the area of a tube is pi * thickness * length
+    const double length_m = std::accumulate(lengths_m.begin(), lengths_m.end(), 0.0);
+    out.branch_thickness_m = static_cast<float>(area_of(mesh) / (M_PI * std::max(length_m, 1e-6)));
   }
 
   // Compact chunks, whole groups each.
@@ -275,6 +299,11 @@ RenderMesh prepare_mesh(const Mesh& mesh) {
   sorted.reserve(out.indices.size());
   for (const auto& [begin, end] : parts) {
     if (leafy) shuffle(order, begin, end);
+    if (!lengths_m.empty()) {
+      std::sort(order.begin() + begin, order.begin() + end, [&](std::uint32_t a, std::uint32_t b) {
+        return std::pair(-lengths_m[a], a) < std::pair(-lengths_m[b], b);
+      });
+    }
     RenderChunk chunk;
     chunk.first_index = static_cast<std::uint32_t>(sorted.size());
     for (std::size_t i = begin; i < end; ++i) {

@@ -33,6 +33,9 @@ struct RenderMesh {
   /// Typical edge of a leaf [m]; 0: no leaves. In a leafy chunk leaves are shuffled, so that any first part of it is
   /// a fair sample of the crown: far away fewer and larger leaves look the same.
   float leaf_size_m = 0.0F;
+  /// Typical thickness of branches [m]; 0: none. In a chunk of branches the longest come first, so that far away its
+  /// first part is enough.
+  float branch_thickness_m = 0.0F;
 };
 
 RenderMesh prepare_mesh(const Mesh& mesh);

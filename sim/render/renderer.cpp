@@ -204,7 +204,7 @@ DrawSelection Renderer::Impl::select(const View& view, const PictureStyle& style
   selection.pixels_at_1m = static_cast<float>(view.pixels_per_m(1.0));
   selection.parallel = view.orthographic;
   selection.cull = style.cull;
-  selection.reduce_leaves = style.reduce_leaves;
+  selection.reduce = style.reduce;
   selection.cut_m = cut_of(style);
   return selection;
 }

@@ -25,9 +25,9 @@ struct PictureStyle {
   std::vector<VehicleId> watched;         ///< leaves between the camera and these are left out
   bool cut_above = false;
   double cut_height_m = 3.0;
-  // For tests: neither changes what is seen from near.
+  // For tests: neither changes what is seen near the camera.
   bool cull = true;
-  bool reduce_leaves = true;
+  bool reduce = true;  ///< fewer leaves and branches far away
 };
 PictureStyle style_of(const CameraConfig& camera);
 

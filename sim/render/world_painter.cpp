@@ -9,8 +9,10 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr float kLeafPixels = 9.0F;  // leaves smaller than this are thinned out
-constexpr float kFewestLeaves = 0.12F;
+constexpr float kLeafPixels = 7.0F;  // leaves smaller than this are thinned out
+constexpr float kFewestLeaves = 0.1F;
+constexpr float kBranchPixels = 1.5F;  // and so are branches thinner than this
+constexpr float kFewestBranches = 0.15F;
 
 SurfaceKind kind_of(const Mesh& mesh) {
   switch (mesh.surface_class) {
@@ -34,11 +36,17 @@ Rgb vary(const Rgb& srgb, const Instance& instance, SurfaceKind kind) {
   return ((1.0F + amount * 0.13F * signed_unit(21)) * srgb.cwiseProduct(tint)).cwiseMin(1.0F);
 }
 
-/// Share of the leaves that is drawn at a projected leaf size: 1, or a step of a ladder.
+/// Rounded up to a step of a ladder, so that a moving camera seldom changes it.
+float on_ladder(float share) { return std::min(1.0F, std::exp2(std::ceil(2.0F * std::log2(share)) / 2.0F)); }
+
+/// Share of the leaves that is drawn at a projected leaf size.
 float share_of_leaves(float leaf_px) {
-  if (leaf_px >= kLeafPixels) return 1.0F;
-  const float share = std::max(kFewestLeaves, leaf_px / kLeafPixels);
-  return std::exp2(std::ceil(2.0F * std::log2(share)) / 2.0F);
+  return leaf_px >= kLeafPixels ? 1.0F : on_ladder(std::max(kFewestLeaves, std::pow(leaf_px / kLeafPixels, 1.5F)));
+}
+
+/// Share of the branches that is drawn at a projected thickness.
+float share_of_branches(float thickness_px) {
+  return thickness_px >= kBranchPixels ? 1.0F : on_ladder(std::max(kFewestBranches, thickness_px / kBranchPixels));
 }
 
 }  // namespace
@@ -68,6 +76,7 @@ WorldPainter::WorldPainter(const GlFunctions& gl, const Scene& scene) : gl_(gl) 
     RenderMesh ready = prepare_mesh(mesh);
     PlacedMesh placed;
     placed.leaf_size_m = ready.leaf_size_m;
+    placed.branch_thickness_m = ready.branch_thickness_m;
     placed.base_vertex = static_cast<GLint>(vertices.size());
     placed.first_index = static_cast<std::uint32_t>(indices.size());
     placed.first_instance = static_cast<std::uint32_t>(attributes.size());
@@ -129,11 +138,17 @@ void WorldPainter::draw(const Program& program, const DrawSelection& selection) 
   for (const Batch& batch : select(selection)) {
     std::uint32_t count = batch.chunk->num_indices;
     float grow = 0.0F;
-    if (batch.mesh->leaf_size_m > 0.0F && selection.reduce_leaves) {
+    if (selection.reduce) {
       const float scale = selection.parallel ? 1.0F : 1.0F / std::max(batch.nearest_m, 0.1F);
-      const float share = share_of_leaves(batch.mesh->leaf_size_m * selection.pixels_at_1m * scale);
+      const float pixels_per_m = selection.pixels_at_1m * scale;
+      float share = 1.0F;
+      if (batch.mesh->leaf_size_m > 0.0F) {
+        share = share_of_leaves(batch.mesh->leaf_size_m * pixels_per_m);
+        grow = 1.0F / std::sqrt(share) - 1.0F;
+      } else if (batch.mesh->branch_thickness_m > 0.0F) {
+        share = share_of_branches(batch.mesh->branch_thickness_m * pixels_per_m);
+      }
       count = std::max(3U, static_cast<std::uint32_t>(share * static_cast<float>(count / 3)) * 3);
-      grow = 1.0F / std::sqrt(share) - 1.0F;
     }
     if (grow != grown) gl_.Uniform1f(growth, grown = grow);
     gl_.DrawElementsInstancedBaseVertexBaseInstance(

@@ -27,7 +27,7 @@ struct DrawSelection {
   float pixels_at_1m = 1000.0F;
   bool parallel = false;
   bool cull = true;
-  bool reduce_leaves = true;
+  bool reduce = true;
   float cut_m = 1e9F;
 };
 
@@ -45,6 +45,7 @@ class WorldPainter {
   struct PlacedMesh {
     std::vector<RenderChunk> chunks;
     float leaf_size_m = 0.0F;
+    float branch_thickness_m = 0.0F;
     std::uint32_t first_instance = 0;
     std::vector<Eigen::Affine3f> T_world_mesh;
     GLint base_vertex = 0;
