@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <tuple>
 
 #include "sim/world/mesh_builder.hpp"
 #include "sim/world/point_cloud_file.hpp"
 #include "sim/world/scene_builder.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -42,9 +42,9 @@ std::vector<std::uint64_t> occupied_voxels(std::span<const Eigen::Vector3d> poin
     for (int axis = 0; axis < 3; ++axis) {
       const double index = std::floor(point[axis] / leaf_m);
       if (std::abs(index) >= kReach - 2) {
-        throw std::invalid_argument("world cloud: expected points within " + std::to_string(kReach * leaf_m) +
-                                    " m of the origin at this leaf_m, found a coordinate of " +
-                                    std::to_string(point[axis]) + " m");
+        throw InputError("world cloud: expected points within " + std::to_string(kReach * leaf_m) +
+                         " m of the origin at this leaf_m, found a coordinate of " + std::to_string(point[axis]) +
+                         " m");
       }
       voxel[axis] = static_cast<std::int32_t>(index);
     }
@@ -147,8 +147,7 @@ Mesh voxelize(std::span<const Eigen::Vector3d> points_m, double leaf_m, int min_
 }
 
 Scene make_cloud(const CloudConfig& config, std::uint64_t) {
-  if (config.file.empty())
-    throw std::invalid_argument("world cloud: file: expected the name of a point cloud, found none");
+  if (config.file.empty()) throw InputError("world cloud: file: expected the name of a point cloud, found none");
   std::vector<Eigen::Vector3d> points_m = read_point_cloud(config.file);
   for (Eigen::Vector3d& point : points_m) point *= config.scale;
   SceneBuilder scene;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/world/export.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -204,7 +205,7 @@ std::vector<fs::path> export_world(const Scene& scene, const fs::path& out) {
     write_file(out, [&](std::ostream& stream) { write_obj(scene, mtl.filename().string(), stream); });
     written.push_back(mtl);
   } else {
-    throw std::invalid_argument("world export: expected a file named .ply or .obj, found '" + out.string() + "'");
+    throw InputError("world export: expected a file named .ply or .obj, found '" + out.string() + "'");
   }
   written.insert(written.begin(), out);
   const fs::path table = fs::path(out).replace_extension(".objects.csv");

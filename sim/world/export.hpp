@@ -12,7 +12,7 @@ namespace swiftlet::sim {
 /// .ply: binary little-endian; each vertex carries colour, class, instance, reflectivity and whether it is
 /// retroreflective. .obj: one object <class>_<instance>_<mesh> with its material for each instance, and <stem>.mtl.
 /// Each file appears complete under its name, or not at all. Returns the paths written.
-/// Throws std::invalid_argument for another extension, std::runtime_error when a file cannot be written.
+/// Throws InputError for another extension, std::runtime_error when a file cannot be written.
 std::vector<std::filesystem::path> export_world(const Scene& scene, const std::filesystem::path& out);
 
 }  // namespace swiftlet::sim

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
 #include "sim/world/mesh_builder.hpp"
 #include "sim/world/tree.hpp"
 #include "sim/world/undergrowth.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -68,8 +68,8 @@ std::vector<Stem> draw_stems(const ForestConfig& config, std::uint64_t seed) {
     int tries = 0;
     do {
       if (++tries > kTriesPerStem) {
-        throw std::invalid_argument("world forest: expected room for " + std::to_string(stems.size()) +
-                                    " stems at the distance of min_spacing_m, found room for " + std::to_string(i));
+        throw InputError("world forest: expected room for " + std::to_string(stems.size()) +
+                         " stems at the distance of min_spacing_m, found room for " + std::to_string(i));
       }
       stem.place_m = draw_place(config, dice);
     } while (!spacing.try_add(stem.place_m));

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
 #include "sim/world/mesh_builder.hpp"
 #include "sim/world/scene_builder.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -58,8 +58,8 @@ Eigen::Vector2d find_place(const ForestThesisConfig& config, const Tree& tree, c
     if (config.keep_clear.distance_m({x_m, y_m}) < reach_m(config, tree)) continue;
     if (spacing.try_add({x_m, y_m})) return {x_m, y_m};
   }
-  throw std::invalid_argument("world forest_thesis: expected room for " + std::to_string(config.num_trees) +
-                              " trees at the distance of min_distance_m, found room for " + std::to_string(i_tree));
+  throw InputError("world forest_thesis: expected room for " + std::to_string(config.num_trees) +
+                   " trees at the distance of min_distance_m, found room for " + std::to_string(i_tree));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/world/input_file.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -8,7 +9,6 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
-#include <stdexcept>
 
 namespace swiftlet::sim {
 namespace {
@@ -79,22 +79,20 @@ void check_length(const fs::path& file, const PlyHeader& header, std::size_t con
 std::string read_whole_file(const fs::path& file) {
   errno = 0;
   std::error_code error;
-  if (fs::is_directory(file, error)) throw std::runtime_error("cannot read " + file.string() + ": is a directory");
+  if (fs::is_directory(file, error)) throw InputError("cannot read " + file.string() + ": is a directory");
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error("cannot read " + file.string() + ": " + std::strerror(errno));
+  if (!stream) throw InputError("cannot read " + file.string() + ": " + std::strerror(errno));
   const std::uintmax_t size = fs::file_size(file, error);
-  if (error) throw std::runtime_error("cannot read " + file.string() + ": " + error.message());
+  if (error) throw InputError("cannot read " + file.string() + ": " + error.message());
   if (size > kMaxFileBytes) reject_file(file, "expected at most 4 GiB, found " + std::to_string(size) + " bytes");
   std::string content(size, '\0');
   stream.read(content.data(), static_cast<std::streamsize>(size));
   if (static_cast<std::uintmax_t>(stream.gcount()) != size)
-    throw std::runtime_error("cannot read " + file.string() + ": it ends early");
+    throw InputError("cannot read " + file.string() + ": it ends early");
   return content;
 }
 
-void reject_file(const fs::path& file, const std::string& reason) {
-  throw std::invalid_argument(file.string() + ": " + reason);
-}
+void reject_file(const fs::path& file, const std::string& reason) { throw InputError(file.string() + ": " + reason); }
 
 std::string extension_of(const fs::path& file) {
   std::string extension = file.extension().string();

@@ -8,10 +8,10 @@
 /// Reading files that others wrote: everything that can be wrong with them ends in one clear line.
 namespace swiftlet::sim {
 
-/// The whole file. Throws std::runtime_error when it cannot be read, std::invalid_argument when it is too large.
+/// The whole file. Throws InputError when it cannot be read or is too large.
 std::string read_whole_file(const std::filesystem::path& file);
 
-/// Throws std::invalid_argument: "<file>: <reason>".
+/// Throws InputError: "<file>: <reason>".
 [[noreturn]] void reject_file(const std::filesystem::path& file, const std::string& reason);
 
 /// The extension in lower case without its dot.

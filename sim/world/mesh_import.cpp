@@ -12,10 +12,10 @@
 #include <cstring>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
 
 #include "sim/world/input_file.hpp"
 #include "sim/world/scene_builder.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -194,7 +194,7 @@ void MeshImportConfig::visit(ConfigVisitor& v) {
 }
 
 Scene make_mesh_import(const MeshImportConfig& config, std::uint64_t) {
-  if (config.file.empty()) throw std::invalid_argument("world mesh: file: expected the name of a mesh, found none");
+  if (config.file.empty()) throw InputError("world mesh: file: expected the name of a mesh, found none");
   const std::string extension = extension_of(config.file);
   if (extension != "obj" && extension != "ply" && extension != "stl")
     reject_file(config.file, "expected a mesh named .obj, .ply or .stl");

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <stdexcept>
 #include <vector>
 
 #include "sim/world/campus.hpp"
@@ -14,6 +13,7 @@
 #include "sim/world/two_rooms_gap.hpp"
 #include "sim/world/warehouse.hpp"
 #include "sim/world/world.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -61,7 +61,7 @@ Scene make_world(const Module& config, std::uint64_t seed) {
   for (const WorldType& type : kWorldTypes) {
     if (config.type == type.module.name) return type.make(*config.config, seed);
   }
-  throw std::invalid_argument("no world type is named '" + config.type + "'");
+  throw InputError("no world type is named '" + config.type + "'");
 }
 
 }  // namespace swiftlet::sim

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/world/scene_builder.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 #include <limits>
-#include <stdexcept>
 
 namespace swiftlet::sim {
 
@@ -34,8 +34,8 @@ void SceneBuilder::add(Mesh mesh, const Material& material, SurfaceClass surface
 std::uint16_t SceneBuilder::next_instance(SurfaceClass surface_class) {
   std::uint16_t& last = last_instance_[surface_class];
   if (last == std::numeric_limits<std::uint16_t>::max()) {
-    throw std::invalid_argument(std::string("world: expected at most 65535 things of class '") +
-                                name_of(surface_class) + "', found more");
+    throw InputError(std::string("world: expected at most 65535 things of class '") + name_of(surface_class) +
+                     "', found more");
   }
   return ++last;
 }

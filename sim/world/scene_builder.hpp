@@ -16,7 +16,7 @@ class SceneBuilder {
   /// add_mesh and place of a mesh made in world coordinates. An empty mesh is left out.
   void add(Mesh mesh, const Material& material, SurfaceClass surface_class, std::uint16_t instance = 0);
 
-  /// 1, 2, 3, ... for each class; throws std::invalid_argument beyond the 65535 that a label can hold.
+  /// 1, 2, 3, ... for each class; throws InputError beyond the 65535 that a label can hold.
   std::uint16_t next_instance(SurfaceClass surface_class);
   void add_object(WorldObject object);
 

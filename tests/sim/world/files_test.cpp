@@ -18,6 +18,7 @@
 #include "sim/world/mesh_import.hpp"
 #include "sim/world/point_cloud_file.hpp"
 #include "sim/world/scene_builder.hpp"
+#include "swiftlet/sim/errors.hpp"
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {
@@ -58,12 +59,12 @@ Scene import_mesh(const fs::path& file) {
   return make_mesh_import(config, 1);
 }
 
-// The text of the std::invalid_argument that a call must throw.
+// The text of the InputError that a call must throw.
 template <class Call>
 std::string rejection(const Call& call) {
   try {
     call();
-  } catch (const std::invalid_argument& error) {
+  } catch (const InputError& error) {
     return error.what();
   }
   return "nothing was thrown";
@@ -167,7 +168,7 @@ TEST_F(WorldFiles, TableOfObjectsIsTheStemMap) {
 
 TEST_F(WorldFiles, ExportLeavesNothingHalfWritten) {
   const Scene scene = make_hall({}, 1);
-  EXPECT_THROW(export_world(scene, folder_ / "hall.glb"), std::invalid_argument);
+  EXPECT_THROW(export_world(scene, folder_ / "hall.glb"), InputError);
   EXPECT_THROW(export_world(scene, folder_ / "missing" / "hall.ply"), std::runtime_error);
   EXPECT_TRUE(fs::is_empty(folder_));
   export_world(scene, folder_ / "hall.ply");
@@ -254,8 +255,8 @@ TEST_F(WorldFiles, MeshesThatAreNoneAreRejectedWithTheReason) {
               }),
               HasSubstr("face"));
   EXPECT_THAT(rejection([&] { import_mesh({}); }), HasSubstr("expected the name"));
-  EXPECT_THROW(import_mesh(folder_ / "missing.obj"), std::runtime_error);
-  EXPECT_THROW(import_mesh(write("g.obj", "v 0 0 0\nv nan 0 0\nv 0 inf 1\nf 1 2 3\n")), std::invalid_argument);
+  EXPECT_THROW(import_mesh(folder_ / "missing.obj"), InputError);
+  EXPECT_THROW(import_mesh(write("g.obj", "v 0 0 0\nv nan 0 0\nv 0 inf 1\nf 1 2 3\n")), InputError);
 }
 
 // A file that ends anywhere is read as far as it makes sense or rejected; never anything else.
@@ -280,7 +281,7 @@ TEST_F(WorldFiles, TruncatedFilesNeverCrash) {
       try {
         cut.extension() == ".pcd" ? (void)read_point_cloud(cut) : (void)import_mesh(cut);
         ++read_anyway;
-      } catch (const std::invalid_argument& error) {
+      } catch (const InputError& error) {
         EXPECT_THAT(error.what(), HasSubstr(cut.filename().string()));
         EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
         ++rejected;
@@ -314,7 +315,7 @@ TEST_F(WorldFiles, DamagedFilesNeverCrash) {
       const fs::path file = write(std::string("damaged_") + name, damaged);
       try {
         file.extension() == ".pcd" ? (void)read_point_cloud(file) : (void)import_mesh(file);
-      } catch (const std::invalid_argument& error) {
+      } catch (const InputError& error) {
         EXPECT_THAT(error.what(), HasSubstr(file.filename().string()));
       }
       ++runs;
@@ -420,7 +421,7 @@ TEST_F(WorldFiles, CloudsThatAreNoneAreRejectedWithTheReason) {
       HasSubstr("vertex"));
   EXPECT_THAT(rejection([&] { read_point_cloud(write("h.ply", "ply\nformat utf8 1.0\nend_header\n")); }),
               HasSubstr("utf8"));
-  EXPECT_THROW(read_point_cloud(folder_ / "missing.pcd"), std::runtime_error);
+  EXPECT_THROW(read_point_cloud(folder_ / "missing.pcd"), InputError);
 }
 
 TEST(Voxels, ASolidBlockKeepsItsOuterFacesOnly) {
@@ -471,7 +472,7 @@ TEST(Voxels, ThinlyPopulatedVoxelsAreLeftOut) {
 
 TEST(Voxels, ACloudTooLargeForItsLeafIsAClearError) {
   const std::vector<Vector3d> points = {{0, 0, 0}, {1e7, 0, 0}};
-  EXPECT_THROW(voxelize(points, 0.1, 1), std::invalid_argument);
+  EXPECT_THROW(voxelize(points, 0.1, 1), InputError);
 }
 
 TEST(Cloud, WorldOfTheVoxelsStandsWhereItIsPut) {

@@ -7,6 +7,7 @@
 
 #include "sim/world/mesh_builder.hpp"
 #include "sim/world/tree.hpp"
+#include "swiftlet/sim/errors.hpp"
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {
@@ -47,7 +48,7 @@ TEST(Forest, StemsKeepTheirDistanceAndDensity) {
 TEST(Forest, TooManyStemsAreAClearError) {
   ForestConfig config = bare_stems();
   config.min_spacing_m = 5.0;
-  EXPECT_THROW(make_forest(config, 1), std::invalid_argument);
+  EXPECT_THROW(make_forest(config, 1), InputError);
 }
 
 TEST(Forest, DiametersFollowTheWeibullLawAndHeightsTheCurve) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "swiftlet/sim/errors.hpp"
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {
@@ -112,7 +113,7 @@ TEST(ForestThesis, TrailsStayFreeUpToTheClearHeight) {
 TEST(ForestThesis, TooManyTreesForTheAreaAreAClearError) {
   ForestThesisConfig config;
   config.num_trees = 1000;
-  EXPECT_THROW(make_forest_thesis(config, 1), std::invalid_argument);
+  EXPECT_THROW(make_forest_thesis(config, 1), InputError);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "sim/world/forest.hpp"
 #include "sim/world/world.hpp"
+#include "swiftlet/sim/errors.hpp"
 #include "tests/sim/world/config_support.hpp"
 #include "tests/sim/world/world_support.hpp"
 
@@ -83,7 +84,7 @@ TEST(Worlds, ScenesAreSoundWhateverTheSeed) {
 TEST(Worlds, AnUnknownTypeIsAnError) {
   Module module(world_module_types(), "field");
   module.type = "feild";
-  EXPECT_THROW(make_world(module, 1), std::invalid_argument);
+  EXPECT_THROW(make_world(module, 1), InputError);
 }
 
 TEST(Worlds, AMillionTrianglesAreMadeInUnderASecond) {
