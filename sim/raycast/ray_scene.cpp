@@ -73,7 +73,9 @@ TriangleScene flatten(const Scene& scene) {
 }
 
 EmbreeDevice make_device() {
-  EmbreeDevice device(rtcNewDevice(nullptr));
+  // Embree takes 4-wide trees where it believes that wider registers slow the clock (Xeons of the Skylake family). 8-wide
+  // ones are a fifth faster there all the same; a processor without AVX gets the narrow ones anyway.
+  EmbreeDevice device(rtcNewDevice("frequency_level=simd256"));
   if (!device)
     throw std::runtime_error("cannot start the ray tracer (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
   return device;
