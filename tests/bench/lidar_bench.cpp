@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One LiDAR scan of a forest of about a million triangles with four moving vehicles, against what the ray tracers
 // underneath cost for the very same rays: Embree itself (packets of 16 in the tiles of the sensor, coherent where they
-// are, in the two-level scene that its manual suggests) and Bullet's rayTest. One thread. The last rows are the ratios, from
-// alternating runs.
+// are, in the two-level scene that its manual suggests) and Bullet's rayTest. One thread. The last rows are the ratios,
+// from alternating runs.
 #include <benchmark/benchmark.h>
 #include <btBulletCollisionCommon.h>
 #include <embree3/rtcore.h>
