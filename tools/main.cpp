@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <stdexcept>
 
 #include "commands.hpp"
 #include "sim/run/version.hpp"
@@ -36,6 +37,9 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kWrongInput;
   } catch (const swiftlet::sim::InputError& error) {
+    std::fprintf(stderr, "swiftlet: %s\n", error.what());
+    return kWrongInput;
+  } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "swiftlet: %s\n", error.what());
     return kWrongInput;
   } catch (const std::bad_alloc&) {

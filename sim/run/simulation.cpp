@@ -126,6 +126,7 @@ struct Simulation::Impl {
 void Simulation::Impl::tick() {
   omp_set_num_threads(threads);
   const TimeNs previous = now;
+  const bool first = previous == 0;
   now += tick_length;
 
   // 1. Truth moves, at its own finer step.
@@ -137,7 +138,7 @@ void Simulation::Impl::tick() {
   // 2. Sensors that are due measure the truth; the radio hands over what has arrived.
   {
     const auto timed = clock.measure(Stage::kSensors);
-    const bool pictures = wants_picture(scenario.snapshots, previous, now);
+    const bool pictures = wants_picture(scenario.snapshots, first ? -1 : previous, now);
     for (int i = 0; i < num_vehicles(); ++i) {
       radio.recycle(observations[i].messages);
       observations[i].clear();
