@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-
 #include "sim/run/run_directory.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/simulation.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -36,7 +34,8 @@ TEST(Determinism, AnotherSeedGivesAnotherRun) {
 }
 
 TEST(Determinism, TheResolvedScenarioFliesTheSameRun) {
-  const std::string path = testing::TempDir() + "/resolved.yaml";
+  const TemporaryDirectory folder;
+  const std::string path = folder.path() / "resolved.yaml";
   write_file(path, write_scenario(load_scenario(kMixedTeam)));
   const Scenario resolved = load_scenario(path);
   EXPECT_EQ(write_scenario(resolved), write_scenario(load_scenario(kMixedTeam)));
@@ -51,10 +50,8 @@ TEST(Determinism, RecordersAndPicturesDoNotChangeTheBits) {
   camera.width_px = 160;
   camera.height_px = 90;
   scenario.snapshots = {camera};
-  const std::string directory = testing::TempDir() + "/recorded";
-  std::filesystem::remove_all(directory);
-  std::filesystem::create_directories(directory);
-  EXPECT_EQ(fly(scenario, 2, directory), reference_hash());
+  const TemporaryDirectory folder;
+  EXPECT_EQ(fly(scenario, 2, folder.path()), reference_hash());
 }
 
 TEST(Determinism, ASharedWorldGivesTheSameRun) {

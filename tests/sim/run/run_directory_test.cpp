@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "swiftlet/sim/errors.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -14,12 +13,9 @@ namespace fs = std::filesystem;
 
 class RunDirectoryTest : public testing::Test {
  protected:
-  void SetUp() override {
-    fs::remove_all(root_);
-    fs::create_directories(root_);
-  }
   std::size_t entries() const { return std::distance(fs::directory_iterator(root_), fs::directory_iterator()); }
-  fs::path root_ = fs::path(testing::TempDir()) / "run_directory_test";
+  const TemporaryDirectory folder_;
+  const fs::path root_ = folder_.path();
 };
 
 TEST_F(RunDirectoryTest, AppearsUnderItsNameOnlyWhenCommitted) {

@@ -3,18 +3,18 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "sim/raycast/ray_scene.hpp"
 #include "sim/run/run_directory.hpp"
 #include "sim/run/summary.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 Scenario scenario_of(const std::string& yaml) {
-  const std::string path = testing::TempDir() + "/scenario.yaml";
+  const TemporaryDirectory folder;
+  const std::string path = folder.path() / "scenario.yaml";
   write_file(path, yaml);
   return load_scenario(path);
 }

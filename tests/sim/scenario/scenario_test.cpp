@@ -16,6 +16,7 @@
 #include "sim/sensors/sensor.hpp"
 #include "sim/world/world.hpp"
 #include "swiftlet/sim/recorder.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -138,7 +139,8 @@ TEST(Scenario, EveryAssetIsValid) {
 }
 
 TEST(Scenario, AssetsOfTheUserComeFirst) {
-  const fs::path root = fs::path(::testing::TempDir()) / "swiftlet_assets_of_the_user";
+  const TemporaryDirectory folder;
+  const fs::path root = folder.path() / "swiftlet_assets_of_the_user";
   fs::create_directories(root / "vehicles");
   std::ofstream(root / "vehicles" / "x500.yaml") << "airframe: {mass_kg: 9}\n";
   std::ofstream(root / "vehicles" / "own_one.yaml") << "# Mine. Really.\nairframe: {mass_kg: 8}\n";

@@ -11,6 +11,7 @@
 
 #include "sim/sensors/lidar_tiles.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -185,14 +186,11 @@ CsvPatternConfig csv_config(const std::string& file) {
 
 class CsvFile {
  public:
-  explicit CsvFile(const std::string& text)
-      : path_(std::filesystem::path(SWIFTLET_BINARY_DIR) / "lidar_pattern_test.csv") {
-    std::ofstream(path_) << text;
-  }
-  ~CsvFile() { std::filesystem::remove(path_); }
+  explicit CsvFile(const std::string& text) : path_(folder_.path() / "pattern.csv") { std::ofstream(path_) << text; }
   Module module() const { return module_of("csv", csv_config(path_.string())); }
 
  private:
+  TemporaryDirectory folder_;
   std::filesystem::path path_;
 };
 
