@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "swiftlet/sim/scenario.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -26,7 +27,8 @@ constexpr Published kPublished[] = {
 };
 
 Airframe airframe_of(const std::string& model) {
-  const std::filesystem::path file = std::filesystem::path(SWIFTLET_BINARY_DIR) / (model + "_alone.yaml");
+  const TemporaryDirectory folder;
+  const std::filesystem::path file = folder.path() / (model + "_alone.yaml");
   std::ofstream(file) << "vehicles:\n  - model: " << model << "\n";
   return load_scenario(file).vehicles.at(0).airframe;
 }
