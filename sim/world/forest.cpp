@@ -126,7 +126,7 @@ void add_undergrowth(SceneBuilder& scene, const ForestConfig& config, std::uint6
 // A trunk that lies on the ground from its foot to its top, with the stubs of broken branches.
 void add_fallen_trunks(SceneBuilder& scene, const ForestConfig& config, std::uint64_t seed, const Relief& relief) {
   constexpr int kRings = 6;
-  constexpr double kStub_m = 0.5;
+  constexpr double kSnag_m = 0.5;
   const Random random(seed, "world.forest.fallen");
   for (int i = 0; i < count_of(config, config.fallen_per_ha); ++i) {
     Dice dice(random, i);
@@ -146,18 +146,18 @@ void add_fallen_trunks(SceneBuilder& scene, const ForestConfig& config, std::uin
       const double t = ring / (kRings - 1.0);
       const Vector2d p = foot_m + t * (tip_m - foot_m);
       const double radius_here_m = radius_m * (1.0 - 0.6 * t);
-      is_clear = is_clear && config.keep_clear.distance_m(p) > 0.5 * length_m / (kRings - 1) + radius_m + kStub_m;
+      is_clear = is_clear && config.keep_clear.distance_m(p) > 0.5 * length_m / (kRings - 1) + radius_m + kSnag_m;
       points_m.push_back((on_ground(relief, p) + Vector3d(0, 0, 0.7 * radius_here_m)).cast<float>());
       radii_m.push_back(static_cast<float>(radius_here_m));
     }
     if (!is_clear || (tip_m - foot_m).norm() < 1.0) continue;
     add_tube(mesh, points_m, radii_m, 8, Caps::kBoth);
-    for (int stub = 0; stub < 6; ++stub) {
+    for (int snag = 0; snag < 6; ++snag) {
       const int ring = 1 + dice.pick(kRings - 1);
       Vector3f direction = dice.direction();
       direction.z() = std::abs(direction.z());
-      const auto stub_m = static_cast<float>(kStub_m * dice.uniform(0.4, 0.95));
-      add_frustum(mesh, points_m[ring], 0.03F, points_m[ring] + (stub_m + radii_m[ring]) * direction, 0.012F, 4,
+      const auto snag_m = static_cast<float>(kSnag_m * dice.uniform(0.4, 0.95));
+      add_frustum(mesh, points_m[ring], 0.03F, points_m[ring] + (snag_m + radii_m[ring]) * direction, 0.012F, 4,
                   Caps::kEnd);
     }
     const std::uint16_t instance = scene.next_instance(SurfaceClass::kFallenTrunk);
