@@ -29,10 +29,12 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "sim/run": ["core/agent", "core/localization", "core/guidance", "core/control", "core/math", "sim/world",
                 "sim/raycast", "sim/physics", "sim/sensors", "sim/radio", "sim/recorders", "sim/render",
                 "sim/metrics", "sim/scenario"],
+    "sim/batch": ["core/math", "sim/world", "sim/raycast", "sim/physics", "sim/radio", "sim/recorders", "sim/render",
+                  "sim/metrics", "sim/scenario", "sim/run"],
 }
 # The public scenario is one struct of every room's configuration: its header may be read where a RunInfo is.
 PUBLIC_SIM_FOR_ALL = {"swiftlet/sim/errors.hpp"}
-PUBLIC_SIM_USERS = {"sim/scenario", "sim/run", "sim/recorders", "sim/render", "sim/metrics"}
+PUBLIC_SIM_USERS = {"sim/scenario", "sim/run", "sim/batch", "sim/recorders", "sim/render", "sim/metrics"}
 THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(bt[A-Z]|bullet/|Bullet|LinearMath/)": ["sim/physics"],
     r"^embree": ["sim/raycast"],
@@ -41,8 +43,9 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^yaml-cpp": ["sim/scenario"],
     r"^assimp": ["sim/world"],
     r"^(zstd|zlib|lz4)": ["sim/recorders", "sim/world"],
-    r"^nlohmann": ["sim/recorders", "sim/run", "tools"],
-    r"^xxhash": ["sim/run"],
+    r"^nlohmann": ["sim/recorders", "sim/run", "sim/batch", "tools"],
+    r"^xxhash": ["sim/run", "sim/batch"],
+    r"^sqlite3": ["sim/batch"],
     r"^omp\.h": ["sim/run", "sim/sensors", "sim/raycast", "sim/world", "tools"],
     r"^Random123": ["core/math"],
     r"^(CLI/|fmt/|spdlog/)": ["tools"],
@@ -50,7 +53,7 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(fstream|filesystem|iostream|cstdio|chrono|thread|random)$": ["sim/*", "tools"],
 }
 # Boundary headers inside sim and core never show a third-party type other than Eigen.
-HEADER_ONLY_IN_CPP = re.compile(r"^(bt[A-Z]|embree|GL/|png\.h|yaml-cpp|assimp|zstd|zlib|lz4|nlohmann|xxhash|Random123|pcl/|ceres/|ompl/|octomap/|boost/)")
+HEADER_ONLY_IN_CPP = re.compile(r"^(bt[A-Z]|embree|GL/|png\.h|yaml-cpp|assimp|zstd|zlib|lz4|nlohmann|xxhash|sqlite3|Random123|pcl/|ceres/|ompl/|octomap/|boost/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 
