@@ -1,8 +1,11 @@
 # Compiler options for every target of the project, not for those who link it.
 add_library(swiftlet_options INTERFACE)
-# GCC 12 sees string overlaps that are not there (-Wrestrict).
+# GCC 12 sees string overlaps that are not there (-Wrestrict, -Wstringop-overflow).
 # The same bits every time: no fused multiply-add where the source has none.
-target_compile_options(swiftlet_options INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow=local -Wno-psabi -Wno-restrict)
+target_compile_options(swiftlet_options INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow=local -Wno-psabi -Wno-restrict -Wno-stringop-overflow)
+# Only sim/ has parallel regions and only libraries need -fPIC; but the options are the same everywhere, so that the
+# precompiled headers fit every target.
+target_compile_options(swiftlet_options INTERFACE -fopenmp -fPIC)
 target_compile_features(swiftlet_options INTERFACE cxx_std_20)
 if(SWIFTLET_WERROR)
   target_compile_options(swiftlet_options INTERFACE -Werror)

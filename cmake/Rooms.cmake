@@ -1,3 +1,17 @@
+# Most of the time to compile a file of this project goes into the same few headers (Eigen's above all): they are
+# precompiled once for all targets that have the same compiler options. A file still includes what it uses; the preset
+# "debug" builds without.
+#   swiftlet_share_headers(target name-of-the-set <header>...)
+function(swiftlet_share_headers target set)
+  if(NOT TARGET ${set})
+    file(WRITE ${PROJECT_BINARY_DIR}/${set}.cpp "")
+    add_library(${set} OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/${set}.cpp)
+    target_link_libraries(${set} PRIVATE swiftlet_options Eigen3::Eigen)
+    target_precompile_headers(${set} PRIVATE ${ARGN})
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${set})
+endfunction()
+
 # A room is a folder of the house (docs/architecture.md) and one static library: core/math -> swiftlet_core_math.
 #   swiftlet_room(core/math USES core/x sim/y LIBS Eigen3::Eigen PRIVATE_LIBS foo)
 # Sources are every .cpp of the folder: adding a module means adding its file and a line in the room's registry.
@@ -18,12 +32,15 @@ function(swiftlet_room room)
     return()
   endif()
   add_library(${target} STATIC ${sources})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${SWIFTLET_INSTALL_INCLUDE}>)
   target_link_libraries(${target} PUBLIC ${ARG_LIBS} PRIVATE swiftlet_options ${ARG_PRIVATE_LIBS})
+  swiftlet_share_headers(${target} swiftlet_house_headers
+    <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <charconv> <cmath> <cstring> <filesystem> <functional> <map> <memory>
+    <numbers> <optional> <span> <stdexcept> <string> <vector>)
   foreach(used ${ARG_USES})
     string(REPLACE "/" "_" used_name ${used})
     target_link_libraries(${target} PUBLIC swiftlet_${used_name})
@@ -49,16 +66,9 @@ function(swiftlet_tests folder)
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} swiftlet_options GTest::gtest GTest::gmock GTest::gtest_main)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)
   target_compile_definitions(test_${name} PRIVATE SWIFTLET_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SWIFTLET_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  # Most of a test's compile time is GoogleTest and Eigen: parsed once for all programs with the same options.
-  if(NOT ARG_LIBS)
-    if(NOT TARGET swiftlet_test_headers)
-      file(WRITE ${PROJECT_BINARY_DIR}/test_headers.cpp "")
-      add_library(swiftlet_test_headers OBJECT ${PROJECT_BINARY_DIR}/test_headers.cpp)
-      target_link_libraries(swiftlet_test_headers PRIVATE swiftlet_options Eigen3::Eigen GTest::gtest GTest::gmock)
-      target_precompile_headers(swiftlet_test_headers PRIVATE <gtest/gtest.h> <gmock/gmock.h> <Eigen/Geometry> <string> <vector>)
-    endif()
-    target_precompile_headers(test_${name} REUSE_FROM swiftlet_test_headers)
-  endif()
+  swiftlet_share_headers(test_${name} swiftlet_test_headers
+    <gtest/gtest.h> <gmock/gmock.h> <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <cmath> <filesystem> <map> <memory>
+    <numbers> <span> <string> <vector>)
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()

@@ -156,12 +156,12 @@ void bench(const BenchOptions& options) {
 
 void add_bench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand("bench", "Speed of each stage on this machine");
-  command->add_option("cases", options->only, "Only these cases");
-  command->add_option("--csv", options->csv, "Write the table there, too")->type_name("FILE");
-  command->add_option("--threads", options->threads, "Threads, 0: all")->check(CLI::Range(0, 1024));
-  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
-  command->callback([options] { bench(*options); });
+  Subcommand command(app, "bench", "Speed of each stage on this machine");
+  command.option("cases", options->only, "Only these cases");
+  command.option("--csv", options->csv, "Write the table there, too", {.value_name = "FILE"});
+  command.option("--threads", options->threads, "Threads, 0: all", {.min = 0, .max = 1024});
+  command.flag("-q,--quiet", options->quiet, "Print errors only");
+  command.action([options] { bench(*options); });
 }
 
 }  // namespace swiftlet::tools

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "command_line.hpp"
 
 /// The subcommands of `swiftlet`, one file each. Each adds itself to the program and sets its callback, which throws
 /// InputError (exit status 2) or any other exception (exit status 1).

@@ -63,9 +63,9 @@ void list(const std::string& wanted) {
 
 void add_list(CLI::App& app) {
   auto wanted = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("list", "What can be named in a scenario");
-  command->add_option("kind", *wanted, "Only this kind: sensors, vehicles, worlds, agents, recorders ...");
-  command->callback([wanted] { list(*wanted); });
+  Subcommand command(app, "list", "What can be named in a scenario");
+  command.option("kind", *wanted, "Only this kind: sensors, vehicles, worlds, agents, recorders ...");
+  command.action([wanted] { list(*wanted); });
 }
 
 }  // namespace swiftlet::tools

@@ -7,8 +7,8 @@
 namespace swiftlet::tools {
 
 void add_reference(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("reference", "Print the reference of every configuration key (docs/reference.md)");
-  command->callback([] {
+  Subcommand command(app, "reference", "Print the reference of every configuration key (docs/reference.md)");
+  command.action([] {
     const std::string text = sim::write_reference();
     std::fwrite(text.data(), 1, text.size(), stdout);
   });

@@ -105,17 +105,17 @@ void render(const RenderOptions& options) {
 
 void add_render(CLI::App& app) {
   auto options = std::make_shared<RenderOptions>();
-  CLI::App* command = app.add_subcommand("render", "Make pictures or a video of a finished run by flying it again, bit for bit");
-  command->add_option("run", options->run, "Directory of a finished run")->required()->type_name("RUN_DIR");
-  command->add_option("--camera", options->cameras, "Camera of the scenario, or a type with a vehicle: top, follow:uav1, onboard:uav2")->type_name("NAME");
-  command->add_option("--time", options->times_s, "Picture at this time; may be repeated")->type_name("SECONDS");
-  command->add_flag("--video", options->video, "A video of each camera (needs ffmpeg)");
-  command->add_option("--fps", options->frames_per_s, "Frames per simulated second of a video")->check(CLI::Range(1.0, 120.0));
-  command->add_option("--until", options->to_s, "End of the video or the last picture")->type_name("SECONDS");
-  command->add_option("--out", options->out, "Where to put them (default: RUN_DIR/render)")->type_name("DIR");
-  command->add_option("--threads", options->threads, "Threads, 0: all")->check(CLI::Range(0, 1024));
-  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
-  command->callback([options] { render(*options); });
+  Subcommand command(app, "render", "Make pictures or a video of a finished run by flying it again, bit for bit");
+  command.option("run", options->run, "Directory of a finished run", {.value_name = "RUN_DIR", .required = true});
+  command.option("--camera", options->cameras, "Camera of the scenario, or a type with a vehicle: top, follow:uav1, onboard:uav2", {.value_name = "NAME"});
+  command.option("--time", options->times_s, "Picture at this time; may be repeated", {.value_name = "SECONDS"});
+  command.flag("--video", options->video, "A video of each camera (needs ffmpeg)");
+  command.option("--fps", options->frames_per_s, "Frames per simulated second of a video", {.min = 1.0, .max = 120.0});
+  command.option("--until", options->to_s, "End of the video or the last picture", {.value_name = "SECONDS"});
+  command.option("--out", options->out, "Where to put them (default: RUN_DIR/render)", {.value_name = "DIR"});
+  command.option("--threads", options->threads, "Threads, 0: all", {.min = 0, .max = 1024});
+  command.flag("-q,--quiet", options->quiet, "Print errors only");
+  command.action([options] { render(*options); });
 }
 
 }  // namespace swiftlet::tools

@@ -106,12 +106,12 @@ void run(const RunOptions& options) {
 
 void add_run(CLI::App& app) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command = app.add_subcommand("run", "Fly one scenario");
-  options->scenario.add_to(*command);
-  command->add_option("--out", options->out, "Run directory (default: runs/NAME-SEED); an earlier run there is replaced")->type_name("DIR");
-  command->add_option("--threads", options->threads, "Threads for sensors and agents, 0: all; changes no result")->check(CLI::Range(0, 1024));
-  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
-  command->callback([options] { run(*options); });
+  Subcommand command(app, "run", "Fly one scenario");
+  options->scenario.add_to(command);
+  command.option("--out", options->out, "Run directory (default: runs/NAME-SEED); an earlier run there is replaced", {.value_name = "DIR"});
+  command.option("--threads", options->threads, "Threads for sensors and agents, 0: all; changes no result", {.min = 0, .max = 1024});
+  command.flag("-q,--quiet", options->quiet, "Print errors only");
+  command.action([options] { run(*options); });
 }
 
 }  // namespace swiftlet::tools

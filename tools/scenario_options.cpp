@@ -7,13 +7,11 @@
 
 namespace swiftlet::tools {
 
-void ScenarioOptions::add_to(CLI::App& command) {
-  command.add_option("scenario", file, "Scenario file, or the name of one that comes with Swiftlet")->required()->type_name("SCENARIO.yaml");
-  command.add_option("--seed", seed, "Seed of every random number (default: the scenario's)")->type_name("N");
-  command.add_option("--duration", duration_s, "Length of the run (default: the scenario's)")->type_name("SECONDS");
-  command.add_option("--set", set, "Override any key: --set vehicles[0].start.yaw_deg=90 (may be repeated)")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+void ScenarioOptions::add_to(Subcommand& command) {
+  command.option("scenario", file, "Scenario file, or the name of one that comes with Swiftlet", {.value_name = "SCENARIO.yaml", .required = true});
+  command.option("--seed", seed, "Seed of every random number (default: the scenario's)", {.value_name = "N"});
+  command.option("--duration", duration_s, "Length of the run (default: the scenario's)", {.value_name = "SECONDS"});
+  command.option("--set", set, "Override any key: --set vehicles[0].start.yaw_deg=90 (may be repeated)", {.value_name = "KEY=VALUE", .repeated = true});
 }
 
 sim::Scenario ScenarioOptions::load() const {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "command_line.hpp"
 #include "swiftlet/sim/scenario.hpp"
 
 namespace swiftlet::tools {
@@ -18,7 +18,7 @@ struct ScenarioOptions {
   std::optional<double> duration_s;
   std::vector<std::string> set;
 
-  void add_to(CLI::App& command);
+  void add_to(Subcommand& command);
   /// Reads the scenario with all overrides. Throws InputError.
   sim::Scenario load() const;
 };

@@ -31,11 +31,11 @@ void export_scenario_world(const WorldOptions& options) {
 
 void add_world(CLI::App& app) {
   auto options = std::make_shared<WorldOptions>();
-  CLI::App* command = app.add_subcommand("world", "Export the generated world of a scenario with its truth table");
-  options->scenario.add_to(*command);
-  command->add_option("--out", options->out, "File to write: .ply or .obj; the table lies beside it")->required()->type_name("FILE");
-  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
-  command->callback([options] { export_scenario_world(*options); });
+  Subcommand command(app, "world", "Export the generated world of a scenario with its truth table");
+  options->scenario.add_to(command);
+  command.option("--out", options->out, "File to write: .ply or .obj; the table lies beside it", {.value_name = "FILE", .required = true});
+  command.flag("-q,--quiet", options->quiet, "Print errors only");
+  command.action([options] { export_scenario_world(*options); });
 }
 
 }  // namespace swiftlet::tools
