@@ -42,6 +42,8 @@ struct Action {
   StateEstimate estimate;
   Reference reference;  ///< after the reference tracker
   std::vector<Message> messages;
+  bool has_detections = false;        ///< the detector finished a scan in this tick, even if it found nothing
+  TimeNs detections_stamp = 0;        ///< start of that scan's sweep
   std::vector<Detection> detections;  ///< made in this tick
   bool has_tracks = false;            ///< `tracks` was updated in this tick
   std::vector<Track> tracks;
@@ -51,6 +53,7 @@ struct Action {
 
   void clear_outputs() {
     messages.clear();
+    has_detections = false;
     detections.clear();
     has_tracks = false;
     overlays.clear();

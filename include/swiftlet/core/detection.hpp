@@ -7,7 +7,7 @@ namespace swiftlet {
 
 /// A flying object found in one scan (000, sec. III-B). World frame of the agent's own estimate.
 struct Detection {
-  TimeNs t = 0;
+  TimeNs t = 0;  ///< mean firing time of its points
   Vector3 position_m = Vector3::Zero();
   Matrix3 covariance = Matrix3::Identity();
   Vector3 extent_m = Vector3::Zero();  ///< edges of its bounding box
