@@ -5,8 +5,10 @@
 
 #include "core/control/controller.hpp"
 #include "core/control/reference_tracker.hpp"
+#include "core/detection/registry.hpp"
 #include "core/guidance/registry.hpp"
 #include "core/localization/registry.hpp"
+#include "core/localization/world_cloud.hpp"
 
 namespace swiftlet {
 namespace {
@@ -54,6 +56,8 @@ class StackAgent : public Agent {
   StackAgent(const StackConfig& config, const AgentSetup& setup)
       : setup_(setup),
         estimator_(make_estimator(config.localization, setup)),
+        registrar_(setup.airframe.circumscribed_radius_m()),
+        detector_(make_detector(config.detector, setup)),
         tracker_(config.control.limits.resolve()),
         guidance_(make_guidance(config.guidance, {setup_, tracker_.limits()})),
         controller_(setup.airframe, config.control.gains, setup.tick_s) {}
@@ -70,6 +74,7 @@ class StackAgent : public Agent {
       give_up(dt_s);
       return action_;
     }
+    perceive(observation);
     guide(observation, dt_s);
     fly(dt_s);
     if (observation.wants_overlays) append_overlays();
@@ -77,6 +82,21 @@ class StackAgent : public Agent {
   }
 
  private:
+  /// Scans become clouds in the world of the estimate, which all modules that look at scans share.
+  void perceive(const Observation& observation) {
+    if (detector_ == nullptr) return;
+    registrar_.push(action_.estimate);
+    clouds_.clear();
+    for (const auto& scan : observation.scans) {
+      if (auto cloud = cloud_pool_.make(scan, registrar_)) clouds_.push_back(std::move(cloud));
+    }
+    found_.clear();
+    detector_->step({observation.t, action_.estimate, clouds_, observation}, found_);
+    action_.has_detections = found_.has_detections;
+    action_.detections_stamp = found_.stamp;
+    action_.detections.assign(found_.detections.begin(), found_.detections.end());
+  }
+
   void guide(const Observation& observation, double dt_s) {
     wanted_.messages.clear();
     guidance_->step({.dt_s = dt_s, .estimate = action_.estimate, .observation = observation}, wanted_);
@@ -115,17 +135,23 @@ class StackAgent : public Agent {
 
   void append_overlays() {
     action_.overlays.push_back(trail_.overlay());
+    if (detector_ != nullptr) detector_->append_overlays(action_.overlays);
     guidance_->append_overlays(action_.overlays);
   }
 
   AgentSetup setup_;
   std::unique_ptr<StateEstimator> estimator_;
+  CloudRegistrar registrar_;
+  std::unique_ptr<Detector> detector_;  // null: none
   ReferenceTracker tracker_;
   std::unique_ptr<Guidance> guidance_;
   MultirotorController controller_;
 
   Action action_;
   GuidanceOutput wanted_;
+  WorldCloudPool cloud_pool_;
+  std::vector<std::shared_ptr<const WorldCloud>> clouds_;  // of this tick
+  DetectorOutput found_;
   Trail trail_;
   TimeNs last_t_ = 0;
   bool started_ = false;
@@ -136,10 +162,13 @@ class StackAgent : public Agent {
 }  // namespace
 
 StackConfig::StackConfig()
-    : localization(estimator_module_types(), "ground_truth"), guidance(guidance_module_types(), "hover") {}
+    : localization(estimator_module_types(), "ground_truth"),
+      detector(detector_module_types(), "none"),
+      guidance(guidance_module_types(), "hover") {}
 
 void StackConfig::visit(ConfigVisitor& v) {
   v.module("localization", localization, estimator_module_types(), "where am I");
+  v.module("detector", detector, detector_module_types(), "who flies near me");
   v.module("guidance", guidance, guidance_module_types(), "where to go");
   v.object("control", control, "how to fly there");
 }

@@ -8,9 +8,10 @@
 
 namespace swiftlet {
 
-/// The software of one vehicle: localization -> guidance -> reference tracker -> controller.
+/// The software of one vehicle: localization -> detection -> guidance -> reference tracker -> controller.
 struct StackConfig : ModuleConfigOf<StackConfig> {
   Module localization;
+  Module detector;
   Module guidance;
   ControlConfig control;
 

@@ -58,6 +58,18 @@ void CloudRegistrar::push(const StateEstimate& estimate) {
   ring_[(first_ + count_ - 1) % kCapacity] = {estimate.t, estimate.T_world_body};
 }
 
+Pose CloudRegistrar::at(TimeNs t) const {
+  int after = 0, end = count_;  // the first pose later than t
+  while (after < end) {
+    const int middle = (after + end) / 2;
+    if (pose(middle).t <= t)
+      after = middle + 1;
+    else
+      end = middle;
+  }
+  return interpolate(pose(std::max(after - 1, 0)), pose(std::min(after, count_ - 1)), t);
+}
+
 void CloudRegistrar::place_columns(const Scan& scan, std::vector<Pose>& T_world_lidar) const {
   if (!scan.told_poses.empty()) {
     const auto& told = scan.told_poses;
@@ -97,6 +109,18 @@ bool CloudRegistrar::make(std::shared_ptr<const Scan> scan, WorldCloud& cloud) c
     }
   }
   return true;
+}
+
+std::shared_ptr<const WorldCloud> WorldCloudPool::make(std::shared_ptr<const Scan> scan,
+                                                       const CloudRegistrar& registrar) {
+  std::shared_ptr<WorldCloud> unused;
+  for (const auto& cloud : clouds_) {
+    if (cloud.use_count() > 1) continue;
+    cloud->scan.reset();  // lets go of the sensor's memory as well
+    unused = cloud;
+  }
+  if (!unused) unused = clouds_.emplace_back(std::make_shared<WorldCloud>());
+  return registrar.make(std::move(scan), *unused) ? unused : nullptr;
 }
 
 }  // namespace swiftlet

@@ -35,6 +35,8 @@ class CloudRegistrar {
 
   /// Every estimate, in order of time. Those that are not valid are passed over.
   void push(const StateEstimate& estimate);
+  /// Of the body at time t: interpolated, or the nearest known. Not before the first push.
+  Pose at(TimeNs t) const;
   /// False when no pose is known for the scan. Poses beyond the known ones are the nearest known.
   bool make(std::shared_ptr<const Scan> scan, WorldCloud& cloud) const;
 
@@ -47,6 +49,16 @@ class CloudRegistrar {
   std::array<StampedPose, kCapacity> ring_{};
   int first_ = 0;
   int count_ = 0;
+};
+
+/// World clouds whose memory is used again when nobody holds on to them any more.
+class WorldCloudPool {
+ public:
+  /// Null when no pose is known for the scan.
+  std::shared_ptr<const WorldCloud> make(std::shared_ptr<const Scan> scan, const CloudRegistrar& registrar);
+
+ private:
+  std::vector<std::shared_ptr<WorldCloud>> clouds_;
 };
 
 /// The pose at time t between two others; position linear, rotation along the shortest arc. Outside: the nearer one.

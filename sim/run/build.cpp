@@ -8,6 +8,7 @@
 #include "core/agent/registry.hpp"
 #include "core/agent/stack.hpp"
 #include "sim/raycast/ray_scene.hpp"
+#include "sim/sensors/neighbors.hpp"
 #include "sim/sensors/pose.hpp"
 #include "swiftlet/sim/errors.hpp"
 
@@ -63,6 +64,18 @@ bool wants_true_pose(const VehicleConfig& vehicle) {
   return stack != nullptr && stack->localization.type == "ground_truth" && !has_sensor(vehicle, "pose");
 }
 
+// Another one: what `detector: ground_truth` stands for.
+bool wants_true_neighbors(const VehicleConfig& vehicle) {
+  const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
+  return stack != nullptr && stack->detector.type == "ground_truth" && !has_sensor(vehicle, "neighbors");
+}
+
+Module ideal_neighbors() {
+  Module module(sensor_module_types(), "neighbors");
+  module.as<NeighborsConfig>().ideal = true;
+  return module;
+}
+
 }  // namespace
 
 std::vector<std::string> vehicle_names(const Scenario& scenario) {
@@ -95,6 +108,7 @@ std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(const Scenario& s
     const VehicleConfig& vehicle = scenario.vehicles[i];
     std::vector<Module> modules = vehicle.sensors;
     if (wants_true_pose(vehicle)) modules.emplace_back(sensor_module_types(), "pose");
+    if (wants_true_neighbors(vehicle)) modules.push_back(ideal_neighbors());
     for (const Module& module : modules) {
       SensorSetup setup;
       setup.seed = scenario.seed;

@@ -30,7 +30,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "sim/scenario": ["core/agent", "core/localization", "core/guidance", "core/control", "core/math", "sim/world",
                      "sim/raycast", "sim/physics", "sim/sensors", "sim/radio", "sim/recorders", "sim/render",
                      "sim/metrics"],
-    "sim/run": ["core/agent", "core/localization", "core/guidance", "core/control", "core/math", "sim/world",
+    "sim/run": ["core/agent", "core/detection", "core/map", "core/localization", "core/guidance", "core/control", "core/math", "sim/world",
                 "sim/raycast", "sim/physics", "sim/sensors", "sim/radio", "sim/recorders", "sim/render",
                 "sim/metrics", "sim/scenario"],
     "sim/batch": ["core/math", "sim/world", "sim/raycast", "sim/physics", "sim/radio", "sim/recorders", "sim/render",

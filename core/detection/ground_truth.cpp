@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/detection/ground_truth.hpp"
+
+#include <algorithm>
+
+namespace swiftlet {
+namespace {
+
+class GroundTruthDetector : public Detector {
+ public:
+  explicit GroundTruthDetector(const GroundTruthDetectorConfig& config)
+      : config_(config), latency_(from_seconds(config.latency_s)) {}
+
+  void step(const DetectorInput& input, DetectorOutput& output) override {
+    poses_.push(input.estimate);
+    for (const NeighborSample& sample : input.observation.neighbors) {
+      if (sample.p_body_m.norm() <= config_.range_max_m) waiting_.push_back(detection_of(sample));
+    }
+    const auto late = std::stable_partition(waiting_.begin(), waiting_.end(),
+                                            [&](const Detection& d) { return d.t + latency_ <= input.t; });
+    if (late == waiting_.begin()) return;
+    output.has_detections = true;
+    output.stamp = (late - 1)->t;
+    output.detections.insert(output.detections.end(), waiting_.begin(), late);
+    waiting_.erase(waiting_.begin(), late);
+  }
+
+ private:
+  Detection detection_of(const NeighborSample& sample) const {
+    const Pose T_world_body = poses_.at(sample.t);
+    const Matrix3 R = T_world_body.linear();
+    Detection d;
+    d.t = sample.t;
+    d.position_m = T_world_body * sample.p_body_m;
+    d.covariance = R * sample.covariance_body * R.transpose() + config_.sigma_m * config_.sigma_m * Matrix3::Identity();
+    d.confidence = 1.0;
+    return d;
+  }
+
+  GroundTruthDetectorConfig config_;
+  TimeNs latency_;
+  CloudRegistrar poses_{0.0};
+  std::vector<Detection> waiting_;
+};
+
+}  // namespace
+
+void GroundTruthDetectorConfig::visit(ConfigVisitor& v) {
+  v.field("range_max_m", range_max_m, "[m] of the objects that are told", Range::positive());
+  v.field("sigma_m", sigma_m, "[m] standard deviation that the detections claim beside the sensor's own",
+          Range::non_negative());
+  v.field("latency_s", latency_s, "[s] from the measurement to the detection", Range::non_negative());
+}
+
+std::unique_ptr<Detector> make_ground_truth_detector(const ModuleConfig& config, const AgentSetup&) {
+  return std::make_unique<GroundTruthDetector>(dynamic_cast<const GroundTruthDetectorConfig&>(config));
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "core/detection/detector.hpp"
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/config.hpp"
+
+namespace swiftlet {
+
+/// One row of core/detection/registry.cpp.
+struct DetectorType {
+  ModuleType module;
+  std::unique_ptr<Detector> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+};
+
+std::span<const DetectorType> detector_types();
+std::span<const ModuleType> detector_module_types();
+/// Null for `none`. Throws std::invalid_argument on an unknown type.
+std::unique_ptr<Detector> make_detector(const Module& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

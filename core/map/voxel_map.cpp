@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/map/voxel_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace swiftlet {
+namespace {
+
+constexpr double kMaxCells = 4e9;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// A scrolling map moves when the vehicle is so far from its middle: moving costs a copy of the map.
+constexpr int kScrollStep = 16;
+
+// G before n updates towards g, after them. Through the difference: the fixed point g is then exact, and so is n =
+// infinity.
+float updated(float G, float weight, float g) { return g + weight * (G - g); }
+
+}  // namespace
+
+void VoxelMapConfig::visit(ConfigVisitor& v) {
+  v.field("voxel_m", voxel_m, "[m] edge of a voxel, s_v", Range::positive());
+  v.field("g_occupied", g_occupied, "[-] update coefficient of points of the background");
+  v.field("g_unknown", g_unknown, "[-] update coefficient of unknown points and of detections; value at the start");
+  v.field("g_free", g_free, "[-] update coefficient of rays and of separate background");
+  v.field("G_confident", G_confident, "[-] from here on confident occupied");
+  v.field("G_tentative", G_tentative, "[-] from here on tentative occupied");
+  v.field("G_uncertain", G_uncertain, "[-] from here on uncertain, below confident free");
+  v.choice("extent", extent, {"scrolling", "bounded"},
+           "a box that follows the vehicle, or one that stays (operation area)");
+  v.field("center_m", center_m, "[m] of a bounded map's box");
+  v.field("size_m", size_m, "[m] edges of the box", Range::positive());
+  v.check(G_confident > G_tentative && G_tentative > G_uncertain, "G_tentative",
+          "thresholds that fall from G_confident over G_tentative to G_uncertain");
+  v.check(g_occupied >= G_confident && g_unknown >= G_uncertain && g_unknown < G_tentative && g_free < G_uncertain,
+          "g_unknown", "g_occupied confident, g_unknown uncertain and g_free free by the thresholds");
+  v.check(size_m.prod() / std::pow(voxel_m, 3) <= kMaxCells, "size_m", "a box of at most 4e9 voxels");
+}
+
+VoxelMap::VoxelMap(const VoxelMapConfig& config)
+    : config_(config),
+      grid_(VoxelGrid::covering(config.center_m, config.size_m, config.voxel_m)),
+      g_unknown_(static_cast<float>(config.g_unknown)),
+      G_confident_(static_cast<float>(config.G_confident)),
+      G_tentative_(static_cast<float>(config.G_tentative)),
+      G_uncertain_(static_cast<float>(config.G_uncertain)),
+      words_per_row_((grid_.size.x() + 63) / 64),
+      values_(grid_.num_cells(), g_unknown_),
+      bits_(static_cast<std::size_t>(num_rows()) * words_per_row_, 0) {}
+
+VoxelState VoxelMap::state_at(const Vector3& p_m) const {
+  return grid_.contains(p_m) ? state(grid_.index(grid_.cell_of(p_m))) : VoxelState::kUncertain;
+}
+
+void VoxelMap::update(std::ptrdiff_t index, double n, double g) {
+  const float before = values_[index];
+  if (!std::isfinite(before)) return;
+  set(index, updated(before, static_cast<float>(std::exp2(-n)), static_cast<float>(g)));
+}
+
+void VoxelMap::set(std::ptrdiff_t index, float value) {
+  values_[index] = value;
+  set_bit(index, value >= G_tentative_);
+}
+
+void VoxelMap::set_bit(std::ptrdiff_t index, bool occupied) {
+  const std::ptrdiff_t row = index / grid_.size.x();
+  const int x = static_cast<int>(index - row * grid_.size.x());
+  std::uint64_t& word = bits_[row * words_per_row_ + x / 64];
+  const std::uint64_t bit = std::uint64_t{1} << (x % 64);
+  word = occupied ? word | bit : word & ~bit;
+}
+
+void VoxelMap::free_row(std::ptrdiff_t row, int first, int count, const float* n) {
+  const float g = static_cast<float>(config_.g_free);
+  float* values = values_.data() + row * grid_.size.x() + first;
+  std::uint64_t* words = bits_.data() + row * words_per_row_;
+  for (int i = 0; i < count; ++i) {
+    if (n[i] == 0.0F || !std::isfinite(values[i])) continue;
+    const bool was_occupied = values[i] >= G_tentative_;
+    values[i] = updated(values[i], std::exp2(-n[i]), g);
+    if (was_occupied && values[i] < G_tentative_) words[(first + i) / 64] &= ~(std::uint64_t{1} << ((first + i) % 64));
+  }
+}
+
+void VoxelMap::set_prior(const PriorMap& prior) {
+  const auto to_cells = [&](const std::vector<Eigen::Vector3f>& points, std::vector<Cell>& cells) {
+    cells.clear();
+    for (const Eigen::Vector3f& p : points) {
+      const Eigen::Array3d at = p.cast<double>().array() / grid_.edge_m;
+      if ((at.abs() < 1e9).all()) cells.push_back(at.floor().cast<int>());  // NaN and infinity are not
+    }
+    const auto before = [](const Cell& a, const Cell& b) {
+      return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+    };
+    std::sort(cells.begin(), cells.end(), before);
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  };
+  to_cells(prior.free_m, prior_free_);
+  to_cells(prior.occupied_m, prior_occupied_);
+  stamp_prior();
+}
+
+void VoxelMap::stamp_prior() {
+  for (const Cell& cell : prior_free_) {
+    if (grid_.contains(cell)) set(grid_.index(cell), -kInfinity);
+  }
+  for (const Cell& cell : prior_occupied_) {
+    if (grid_.contains(cell)) set(grid_.index(cell), kInfinity);
+  }
+}
+
+void VoxelMap::clear() {
+  std::fill(values_.begin(), values_.end(), g_unknown_);
+  std::fill(bits_.begin(), bits_.end(), 0);
+  stamp_prior();
+}
+
+void VoxelMap::follow(const Vector3& p_m) {
+  if (config_.extent != "scrolling" || !((p_m.array() / grid_.edge_m).abs() < 1e9).all()) return;
+  const Cell wanted = grid_.cell_of(p_m) - grid_.size / 2;
+  const Cell shift = wanted - grid_.min_cell;
+  if (shift.cwiseAbs().maxCoeff() < kScrollStep) return;
+  grid_.min_cell = wanted;
+  if ((shift.cwiseAbs().array() >= grid_.size.array()).any()) {
+    clear();
+    return;
+  }
+
+  // What stays moves by -shift; rows go in the order in which none is overwritten before it has moved.
+  const Cell n = grid_.size;
+  const int keep = n.x() - std::abs(shift.x());
+  const int from = std::max(shift.x(), 0), to = std::max(-shift.x(), 0);
+  for (int k = 0; k < n.z(); ++k) {
+    const int z = shift.z() >= 0 ? k : n.z() - 1 - k;
+    for (int j = 0; j < n.y(); ++j) {
+      const int y = shift.y() >= 0 ? j : n.y() - 1 - j;
+      float* row = values_.data() + (static_cast<std::ptrdiff_t>(z) * n.y() + y) * n.x();
+      const int z_from = z + shift.z(), y_from = y + shift.y();
+      if (z_from < 0 || z_from >= n.z() || y_from < 0 || y_from >= n.y()) {
+        std::fill(row, row + n.x(), g_unknown_);
+        continue;
+      }
+      const float* source = values_.data() + (static_cast<std::ptrdiff_t>(z_from) * n.y() + y_from) * n.x();
+      std::memmove(row + to, source + from, keep * sizeof(float));
+      std::fill(row, row + to, g_unknown_);
+      std::fill(row + to + keep, row + n.x(), g_unknown_);
+    }
+  }
+  rebuild_bits();
+  stamp_prior();
+}
+
+void VoxelMap::rebuild_bits() {
+  for (std::ptrdiff_t row = 0; row < num_rows(); ++row) {
+    const float* values = values_.data() + row * grid_.size.x();
+    for (int w = 0; w < words_per_row_; ++w) {
+      std::uint64_t word = 0;
+      const int count = std::min(64, grid_.size.x() - 64 * w);
+      for (int i = 0; i < count; ++i) word |= static_cast<std::uint64_t>(values[64 * w + i] >= G_tentative_) << i;
+      bits_[row * words_per_row_ + w] = word;
+    }
+  }
+}
+
+std::ptrdiff_t VoxelMap::num_occupied() const {
+  std::ptrdiff_t count = 0;
+  for (const std::uint64_t word : bits_) count += __builtin_popcountll(word);
+  return count;
+}
+
+void VoxelMap::append_centers(VoxelState at_least, std::vector<Vector3>& centers) const {
+  if (at_least >= VoxelState::kTentative) {
+    for_each_occupied([&](std::ptrdiff_t i) {
+      if (state(i) >= at_least) centers.push_back(grid_.center_m(grid_.cell(i)));
+    });
+    return;
+  }
+  for (std::ptrdiff_t i = 0; i < grid_.num_cells(); ++i) {
+    if (state(i) >= at_least) centers.push_back(grid_.center_m(grid_.cell(i)));
+  }
+}
+
+template <class Visit>
+void VoxelMap::visit_row(std::ptrdiff_t row, int x_first, int x_last, Visit&& visit) const {
+  const std::uint64_t* words = row_bits(row);
+  for (int w = x_first / 64; w <= x_last / 64; ++w) {
+    std::uint64_t bits = words[w];
+    if (w == x_first / 64) bits &= ~std::uint64_t{0} << (x_first % 64);
+    if (w == x_last / 64) bits &= ~std::uint64_t{0} >> (63 - x_last % 64);
+    for (; bits != 0; bits &= bits - 1) {
+      if (!visit(64 * w + __builtin_ctzll(bits))) return;
+    }
+  }
+}
+
+// Calls visit(x, y, z) for the occupied cells, counted from the corner of the box, whose centre may lie within the
+// radius; it says whether to go on with the row. No finite point, no cell.
+template <class Visit>
+void VoxelMap::visit_box(const Vector3& p_m, double radius_m, Visit&& visit) const {
+  const Eigen::Array3d at = p_m.array() / grid_.edge_m - grid_.min_cell.array().cast<double>() - 0.5;
+  const Eigen::Array3d first = (at - radius_m / grid_.edge_m).ceil().max(0.0);
+  const Eigen::Array3d last = (at + radius_m / grid_.edge_m).floor().min((grid_.size.array() - 1).cast<double>());
+  if (!(first <= last).all()) return;
+  const Cell from = first.cast<int>(), to = last.cast<int>();
+  for (int z = from.z(); z <= to.z(); ++z) {
+    for (int y = from.y(); y <= to.y(); ++y) {
+      visit_row(static_cast<std::ptrdiff_t>(z) * grid_.size.y() + y, from.x(), to.x(),
+                [&](int x) { return visit(x, y, z); });
+    }
+  }
+}
+
+std::optional<Vector3> VoxelMap::nearest_occupied(const Vector3& p_m, double radius_m) const {
+  double best_sq = std::nextafter(radius_m * radius_m, std::numeric_limits<double>::infinity());
+  std::optional<Vector3> best;
+  visit_box(p_m, radius_m, [&](int x, int y, int z) {
+    const Vector3 center = grid_.center_m(grid_.min_cell + Cell(x, y, z));
+    const double distance_sq = (center - p_m).squaredNorm();
+    if (distance_sq < best_sq) {
+      best_sq = distance_sq;
+      best = center;
+    }
+    return true;
+  });
+  return best;
+}
+
+bool VoxelMap::occupied_within(const Vector3& p_m, double radius_m) const {
+  bool found = false;
+  visit_box(p_m, radius_m, [&](int x, int y, int z) {
+    found = found || (grid_.center_m(grid_.min_cell + Cell(x, y, z)) - p_m).squaredNorm() <= radius_m * radius_m;
+    return !found;
+  });
+  return found;
+}
+
+}  // namespace swiftlet
