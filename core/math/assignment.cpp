@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/math/assignment.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace swiftlet {
+
+std::span<const int> Assignment::solve(std::span<const double> costs, int rows, int cols) {
+  // Forbidden pairs and missing rows or columns cost so much that one of them outweighs all the rest.
+  double span = 0.0;
+  for (const double c : costs) {
+    if (c < kForbidden) span = std::max(span, std::abs(c));
+  }
+  const int n = std::max(rows, cols);
+  const double dear = (span + 1.0) * 4.0 * (n + 1);
+  square_.assign(static_cast<std::size_t>(n) * n, dear);
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < cols; ++c) square_[r * n + c] = std::min(costs[r * cols + c], dear);
+  }
+
+  // Columns are numbered from 1; column 0 is where the row that looks for a partner stands.
+  potential_row_.assign(n + 1, 0.0);
+  potential_col_.assign(n + 1, 0.0);
+  row_of_col_.assign(n + 1, 0);
+  previous_col_.assign(n + 1, 0);
+  for (int row = 1; row <= n; ++row) {
+    row_of_col_[0] = row;
+    int here = 0;
+    shortest_.assign(n + 1, kForbidden);
+    visited_.assign(n + 1, 0);
+    do {  // Dijkstra over columns until one is free
+      visited_[here] = 1;
+      const int r = row_of_col_[here];
+      double step = kForbidden;
+      int next = 0;
+      for (int c = 1; c <= n; ++c) {
+        if (visited_[c]) continue;
+        const double reduced = square_[(r - 1) * n + c - 1] - potential_row_[r] - potential_col_[c];
+        if (reduced < shortest_[c]) {
+          shortest_[c] = reduced;
+          previous_col_[c] = here;
+        }
+        if (shortest_[c] < step) {
+          step = shortest_[c];
+          next = c;
+        }
+      }
+      for (int c = 0; c <= n; ++c) {
+        if (visited_[c]) {
+          potential_row_[row_of_col_[c]] += step;
+          potential_col_[c] -= step;
+        } else {
+          shortest_[c] -= step;
+        }
+      }
+      here = next;
+    } while (row_of_col_[here] != 0);
+    for (; here != 0; here = previous_col_[here]) row_of_col_[here] = row_of_col_[previous_col_[here]];
+  }
+
+  result_.assign(rows, -1);
+  for (int c = 1; c <= cols; ++c) {
+    const int r = row_of_col_[c] - 1;
+    if (r < rows && costs[r * cols + c - 1] < kForbidden) result_[r] = c - 1;
+  }
+  return result_;
+}
+
+}  // namespace swiftlet

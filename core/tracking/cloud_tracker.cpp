@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/tracking/cloud_tracker.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace swiftlet {
+namespace {
+
+/// Mean of the points, or the centre of the box around them, and the diagonal of that box.
+struct Extent {
+  Vector3 centroid_m = Vector3::Zero(), box_centre_m = Vector3::Zero();
+  double diagonal_m = 0.0;
+};
+
+Extent extent_of(std::span<const std::uint32_t> members, std::span<const Eigen::Vector3f> points) {
+  Eigen::Vector3f min = points[members.front()], max = min;
+  Extent extent;
+  for (const std::uint32_t i : members) {
+    extent.centroid_m += points[i].cast<double>();
+    min = min.cwiseMin(points[i]);
+    max = max.cwiseMax(points[i]);
+  }
+  extent.centroid_m /= static_cast<double>(members.size());
+  extent.box_centre_m = 0.5 * (min + max).cast<double>();
+  extent.diagonal_m = (max - min).cast<double>().norm();
+  return extent;
+}
+
+/// Where a belief expects its target shortly before or after the time for which it holds.
+Vector3 position_at(const MotionBelief& belief, TimeNs t_belief, TimeNs t) {
+  return belief.position() + belief.velocity() * to_seconds(t - t_belief);
+}
+
+}  // namespace
+
+void TrackMeasurementConfig::visit(ConfigVisitor& v) {
+  v.choice(
+      "noise", noise, {"constant", "sigma_w"},
+      "[-] covariance of a measured position: sigma_m^2 I, or that of a point measured by a sensor of uncertain pose "
+      "(000, sec. IV-A) plus sigma_sampling_m^2 I");
+  v.field("sigma_m", sigma_m, "[m] Z, with constant noise", Range::positive());
+  v.field("sigma_initial_m", sigma_initial_m, "[m] P_0,r: of a detection's position, with constant noise",
+          Range::positive());
+  v.field("sigma_range_m", sensor.sigma_range_m, "[m] Sigma_w: of the range", Range::non_negative());
+  v.field("sigma_position_m", sensor.sigma_position_m, "[m] Sigma_w: of the sensor's position, x y z",
+          Range::non_negative());
+  v.field("sigma_attitude_rad", sensor.sigma_attitude_rad, "[rad] Sigma_w: of the sensor's attitude, about x y z",
+          Range::non_negative());
+  v.field("sigma_sampling_m", sigma_sampling_m,
+          "[m] with sigma_w: of a cluster's centroid about the target's centre, of which one side is seen",
+          Range::positive());
+}
+
+void CloudTrackerConfig::visit(ConfigVisitor& v) {
+  v.field("buffer_size", buffer_size, "[-] N_buf: clouds through which a late detection can be carried",
+          Range::between(1, 1000));
+  v.field("radius_scale", radius_scale, "[-] c_r of eq. (29)", Range::positive());
+  v.choice(
+      "radius_law", radius_law, {"printed", "sphere"},
+      "[-] r_unc of a covariance P: c_r det(P)^(1/3) as printed and released (its unit is m^2), or the radius of the "
+      "equivalent sphere c_r det(P)^(1/6)");
+  v.field("search_radius_min_m", search_radius_min_m, "[m] r_min of eq. (28)", Range::positive());
+  v.field("radius_max_m", radius_max_m, "[m] r_max: a track of greater r_unc is lost", Range::positive());
+  v.field("cluster_distance_m", cluster_distance_m, "[m] d_cluster (released code: 1.0)", Range::positive());
+  v.field("background_distance_m", background_distance_m,
+          "[m] d_min: a cluster that is nearer to background is background", Range::non_negative());
+  v.choice(
+      "background", background, {"map", "cloud", "none"},
+      "[-] what d_min is measured to: occupied voxels of the detector's map (algorithm 2), other points of the cloud "
+      "beyond half the cluster's size (released code), or nothing");
+  v.field("max_size_m", max_size_m, "[m] diagonal beyond which a cluster is no target; 0: no limit (algorithm 2)",
+          Range::non_negative());
+  v.choice(
+      "position", position, {"centroid", "box_centre"},
+      "[-] of a cluster: mean of its points (algorithm 2), or centre of the box around it (as in the released code)");
+  v.choice("assignment", assignment, {"exclusive", "nearest"},
+           "[-] a cluster corrects one track at most, all tracks considered together; or each track takes the cluster "
+           "nearest to its prediction (algorithm 2)");
+  v.field(
+      "association_radius_min_m", association_radius_min_m,
+      "[m] a detection is that of a track when they are nearer than the sum of their radii r_unc, which count as this "
+      "at least (algorithm 2: 0, released code: r_min)",
+      Range::non_negative());
+  v.field("min_detections", min_detections, "[-] that a track needs to be told (released code: 2)",
+          Range::between(1, 1000));
+  v.object("measurement", measurement, "uncertainty of measured positions");
+  v.check(radius_max_m >= search_radius_min_m || radius_law == "printed", "radius_max_m",
+          "at least search_radius_min_m");
+}
+
+CloudTracker::CloudTracker(const CloudTrackerConfig& config, std::unique_ptr<MotionFilter> filter)
+    : config_(config),
+      filter_(std::move(filter)),
+      Sigma_w_(config.measurement.sensor.Sigma_w()),
+      buffer_(config.buffer_size) {}
+
+double CloudTracker::uncertainty_radius_m(const Matrix3& position_covariance) const {
+  const double det = position_covariance.determinant();
+  return config_.radius_scale * (config_.radius_law == "printed" ? std::cbrt(det) : std::sqrt(std::cbrt(det)));
+}
+
+double CloudTracker::search_radius_m(const Target& target) const {
+  return std::max(config_.search_radius_min_m, uncertainty_radius_m(target.state.belief.position_covariance()));
+}
+
+double CloudTracker::association_radius_m(const Target& target) const {
+  return std::max(config_.association_radius_min_m, uncertainty_radius_m(target.state.belief.position_covariance()));
+}
+
+Matrix3 CloudTracker::position_covariance(const Vector3& position_m, const Pose& T_world_lidar) const {
+  const Vector3 ray_lidar = T_world_lidar.inverse() * position_m;
+  const double range_m = ray_lidar.norm();
+  const double sampling_m = config_.measurement.sigma_sampling_m;
+  const Matrix3 sampling = sampling_m * sampling_m * Matrix3::Identity();
+  if (!(range_m > 0.0)) return sampling;
+  return sampling + point_covariance(ray_lidar / range_m, range_m, T_world_lidar.linear(), Sigma_w_);
+}
+
+void CloudTracker::new_cloud(const WorldCloud& cloud, const BackgroundQuery* background) {
+  if (buffer_.size() > 0 && cloud.scan->stamp <= buffer_.newest().stamp()) return;
+  buffer_.push().assign(cloud);
+  update(targets_, buffer_.newest(), background);
+  merge();
+  forget();
+}
+
+void CloudTracker::new_detections(std::span<const Detection> detections, const BackgroundQuery* background) {
+  for (const Detection& detection : detections) {
+    if (!detection.position_m.allFinite()) continue;
+    Target target = start(detection);
+    bool lost = false;
+    for (std::size_t i = 0; i < buffer_.size() && !lost; ++i) {
+      if (buffer_[i].stamp() <= detection.t) continue;
+      update({&target, 1}, buffer_[i], background);
+      lost = !(uncertainty_radius_m(target.state.belief.position_covariance()) <= config_.radius_max_m);
+    }
+    if (!lost) associate(std::move(target));
+  }
+}
+
+CloudTracker::Target CloudTracker::start(const Detection& detection) const {
+  Target target;
+  target.t = detection.t;
+  target.num_detections = 1;
+  target.corrected = true;
+  const double sigma_m = config_.measurement.sigma_initial_m;
+  Matrix3 covariance = sigma_m * sigma_m * Matrix3::Identity();
+  if (config_.measurement.noise == "sigma_w" && buffer_.size() > 0) {
+    // Seen from where the sensor was at the time, or as near to that time as the buffer reaches.
+    std::size_t i = buffer_.size() - 1;
+    while (i > 0 && buffer_[i].stamp() > detection.t) --i;
+    covariance = position_covariance(detection.position_m, buffer_[i].T_world_lidar());
+  }
+  target.state = filter_->start(detection.position_m, covariance);
+  return target;
+}
+
+/// Counts a detection that was carried to the newest cloud for the track that it belongs to, or makes a new track of
+/// it.
+void CloudTracker::associate(Target target) {
+  Target* similar = nullptr;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (Target& other : targets_) {
+    const double distance_m =
+        (position_at(other.state.belief, other.t, target.t) - target.state.belief.position()).norm();
+    if (distance_m > association_radius_m(other) + association_radius_m(target) || distance_m >= least_m) continue;
+    least_m = distance_m;
+    similar = &other;
+  }
+  if (similar != nullptr) {
+    ++similar->num_detections;
+    return;
+  }
+  target.id = next_id_++;
+  targets_.push_back(std::move(target));
+}
+
+// Routine updateTrack(), for all tracks at once.
+void CloudTracker::update(std::span<Target> targets, const BufferedCloud& cloud, const BackgroundQuery* background) {
+  predicted_.assign(targets.begin(), targets.end());
+  for (Target& target : predicted_) {
+    const TimeNs t = std::max(target.t, cloud.middle());
+    filter_->predict(target.state, to_seconds(t - target.t));
+    target.t = t;
+  }
+  find_candidates(predicted_, cloud, background);
+  assign(predicted_);
+
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    Target& target = targets[i];
+    target.corrected = chosen_[i] >= 0;
+    if (!target.corrected) {
+      target.state = predicted_[i].state;
+      target.t = predicted_[i].t;
+      continue;
+    }
+    // The cluster was measured at its own time within the sweep.
+    const Candidate& candidate = candidates_[chosen_[i]];
+    const TimeNs t = std::max(target.t, candidate.t);
+    filter_->predict(target.state, to_seconds(t - target.t));
+    target.t = t;
+    const double sigma_m = config_.measurement.sigma_m;
+    const Matrix3 Z = config_.measurement.noise == "constant"
+                          ? Matrix3(sigma_m * sigma_m * Matrix3::Identity())
+                          : position_covariance(candidate.position_m, cloud.T_world_lidar());
+    filter_->correct(target.state, candidate.position_m, Z);
+  }
+}
+
+/// Clusters of the points around all predictions that are neither background nor too large.
+void CloudTracker::find_candidates(std::span<const Target> targets, const BufferedCloud& cloud,
+                                   const BackgroundQuery* background) {
+  selected_.clear();
+  for (const Target& target : targets) cloud.select(target.state.belief.position(), search_radius_m(target), selected_);
+  std::sort(selected_.begin(), selected_.end());
+  selected_.erase(std::unique(selected_.begin(), selected_.end()), selected_.end());
+  selected_points_.clear();
+  for (const std::uint32_t i : selected_) selected_points_.push_back(cloud.point(i));
+  clusters_.compute(selected_points_, config_.cluster_distance_m);
+
+  candidates_.clear();
+  for (int c = 0; c < clusters_.size(); ++c) {
+    const auto members = clusters_.members(c);
+    const Extent extent = extent_of(members, selected_points_);
+    if (config_.max_size_m > 0.0 && extent.diagonal_m > config_.max_size_m) continue;
+    const Vector3& position_m = config_.position == "centroid" ? extent.centroid_m : extent.box_centre_m;
+    if (is_background(position_m, extent.diagonal_m, cloud, members, background)) continue;
+    std::int64_t sum_ns = 0;
+    for (const std::uint32_t i : members) sum_ns += cloud.time_of(selected_[i]) - cloud.stamp();
+    const TimeNs t = cloud.stamp() + sum_ns / static_cast<std::int64_t>(members.size());
+    candidates_.push_back({position_m, t, static_cast<int>(members.size()), members});
+  }
+}
+
+bool CloudTracker::is_background(const Vector3& position_m, double size_m, const BufferedCloud& cloud,
+                                 std::span<const std::uint32_t> members, const BackgroundQuery* background) {
+  const double distance_m = config_.background_distance_m;
+  if (config_.background == "map") return background != nullptr && background->occupied_within(position_m, distance_m);
+  if (config_.background == "none") return false;
+  around_.clear();
+  cloud.select(position_m, 0.5 * size_m + distance_m, around_);
+  return around_.size() > members.size();  // all members are among them
+}
+
+/// For each target the candidate on which it is corrected, or -1.
+void CloudTracker::assign(std::span<const Target> targets) {
+  const bool exclusive = config_.assignment == "exclusive";
+  const std::size_t num = candidates_.size();
+  costs_.assign(targets.size() * num, Assignment::kForbidden);
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const Target& target = targets[i];
+    const MotionBelief& belief = target.state.belief;
+    const Vector3 centre = belief.position();
+    const double radius_sq = search_radius_m(target) * search_radius_m(target);
+    Matrix3 S = belief.position_covariance();
+    S.diagonal().array() += config_.measurement.sigma_m * config_.measurement.sigma_m;
+    const Eigen::LLT<Matrix3> llt(S);
+    const double log_det = 2.0 * llt.matrixL().toDenseMatrix().diagonal().array().log().sum();
+    for (std::size_t c = 0; c < num; ++c) {
+      const Candidate& candidate = candidates_[c];
+      const bool in_reach = std::any_of(candidate.members.begin(), candidate.members.end(), [&](std::uint32_t m) {
+        return (selected_points_[m].cast<double>() - centre).squaredNorm() <= radius_sq;
+      });
+      if (!in_reach) continue;
+      const Vector3 d = candidate.position_m - position_at(belief, target.t, candidate.t);
+      const double cost = exclusive ? d.dot(llt.solve(d)) + log_det : d.norm();
+      if (std::isfinite(cost)) costs_[i * num + c] = cost;
+    }
+  }
+  chosen_.assign(targets.size(), -1);
+  if (num == 0) return;
+  if (exclusive) {
+    const auto columns = assignment_.solve(costs_, static_cast<int>(targets.size()), static_cast<int>(num));
+    std::copy(columns.begin(), columns.end(), chosen_.begin());
+    return;
+  }
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const auto row = std::span(costs_).subspan(i * num, num);
+    const auto best = std::min_element(row.begin(), row.end());
+    if (*best < Assignment::kForbidden) chosen_[i] = static_cast<int>(best - row.begin());
+  }
+}
+
+/// Tracks that have become the same: of two that are nearer than the sum of their radii the surer one stays (released
+/// code; not in the paper).
+void CloudTracker::merge() {
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    for (std::size_t j = i + 1; j < targets_.size();) {
+      const MotionBelief& a = targets_[i].state.belief;
+      const MotionBelief& b = targets_[j].state.belief;
+      const double radius_a_m = uncertainty_radius_m(a.position_covariance());
+      const double radius_b_m = uncertainty_radius_m(b.position_covariance());
+      const double distance_m = (position_at(a, targets_[i].t, targets_[j].t) - b.position()).norm();
+      if (!(distance_m < radius_a_m + radius_b_m)) {
+        ++j;
+        continue;
+      }
+      const int num_detections = std::max(targets_[i].num_detections, targets_[j].num_detections);
+      if (radius_b_m < radius_a_m) std::swap(targets_[i], targets_[j]);
+      targets_[i].num_detections = num_detections;
+      targets_.erase(targets_.begin() + static_cast<std::ptrdiff_t>(j));
+    }
+  }
+}
+
+void CloudTracker::forget() {
+  std::erase_if(targets_, [this](const Target& target) {
+    return !(uncertainty_radius_m(target.state.belief.position_covariance()) <= config_.radius_max_m) ||
+           !target.state.belief.mean.allFinite();
+  });
+}
+
+void CloudTracker::publish(std::vector<Track>& tracks) const {
+  tracks.clear();
+  for (const Target& target : targets_) {
+    if (target.num_detections < config_.min_detections) continue;
+    Track track;
+    track.id = target.id;
+    track.t = target.t;
+    track.position_m = target.state.belief.mean.head<3>();
+    track.velocity_mps = target.state.belief.mean.segment<3>(3);
+    track.acceleration_mps2 = target.state.belief.mean.tail<3>();
+    track.covariance = target.state.belief.covariance;
+    track.num_detections = target.num_detections;
+    track.corrected = target.corrected;
+    tracks.push_back(track);
+  }
+  std::sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.id < b.id; });
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/tracking/motion_filter.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace swiftlet {
+namespace {
+
+// Below this, a turn is a straight line to within rounding, and its closed form would divide by zero.
+constexpr double kLeastTurn_rad = 1e-4;
+// Direction and turn of something slower are noise; faster turns than this are too.
+constexpr double kLeastSpeed_mps = 0.5;
+constexpr double kGreatestRate_radps = 4.0;
+
+constexpr double kLeastProbability = 1e-6;  // of a mode, so that it can come back
+
+/// [[aI, bI, cI], [0, dI, eI], [0, fI, gI]] on position, velocity, acceleration; the first column is always (I, 0, 0).
+Matrix9 transition(double position_velocity, double position_acceleration, double velocity_velocity,
+                   double velocity_acceleration, double acceleration_velocity, double acceleration_acceleration) {
+  Matrix9 A = Matrix9::Zero();
+  A.block<3, 3>(0, 0).setIdentity();
+  A.block<3, 3>(0, 3).diagonal().setConstant(position_velocity);
+  A.block<3, 3>(0, 6).diagonal().setConstant(position_acceleration);
+  A.block<3, 3>(3, 3).diagonal().setConstant(velocity_velocity);
+  A.block<3, 3>(3, 6).diagonal().setConstant(velocity_acceleration);
+  A.block<3, 3>(6, 3).diagonal().setConstant(acceleration_velocity);
+  A.block<3, 3>(6, 6).diagonal().setConstant(acceleration_acceleration);
+  return A;
+}
+
+void predict_belief(MotionBelief& belief, const Matrix9& A, const Matrix9& Xi) {
+  belief.mean = A * belief.mean;
+  belief.covariance = A * belief.covariance * A.transpose() + Xi;
+}
+
+class KalmanFilter : public MotionFilter {
+ public:
+  explicit KalmanFilter(const KalmanConfig& config) : config_(config) {}
+
+  MotionState start(const Vector3& position_m, const Matrix3& position_covariance) const override {
+    MotionState state;
+    state.belief = config_.initial.at_rest(position_m, position_covariance);
+    return state;
+  }
+  void predict(MotionState& state, double dt_s) const override {
+    predict_belief(state.belief, constant_acceleration_transition(dt_s),
+                   config_.process.covariance(dt_s, config_.process_period_s));
+  }
+  void correct(MotionState& state, const Vector3& z_m, const Matrix3& Z) const override {
+    correct_belief(state.belief, z_m, Z);
+  }
+
+ private:
+  KalmanConfig config_;
+};
+
+class ImmFilter : public MotionFilter {
+ public:
+  explicit ImmFilter(const ImmConfig& config) : config_(config) {}
+
+  MotionState start(const Vector3& position_m, const Matrix3& position_covariance) const override {
+    MotionState state;
+    state.belief = config_.initial.at_rest(position_m, position_covariance);
+    state.modes.fill(state.belief);
+    state.mode_probability.fill(1.0 / kModes);
+    return state;
+  }
+
+  void predict(MotionState& state, double dt_s) const override {
+    mix(state, dt_s);
+    const double period_s = config_.process_period_s;
+    predict_belief(state.modes[0], constant_velocity_transition(dt_s),
+                   config_.constant_velocity.covariance(dt_s, period_s));
+    predict_belief(state.modes[1], constant_acceleration_transition(dt_s),
+                   config_.constant_acceleration.covariance(dt_s, period_s));
+    const double rate_radps = turn_rate_radps(state.modes[2].mean);
+    predict_belief(state.modes[2], coordinated_turn_transition(dt_s, rate_radps),
+                   config_.coordinated_turn.covariance(dt_s, period_s));
+    combine(state);
+  }
+
+  void correct(MotionState& state, const Vector3& z_m, const Matrix3& Z) const override {
+    std::array<double, kModes> log_likelihood{};
+    for (int m = 0; m < kModes; ++m) log_likelihood[m] = correct_belief(state.modes[m], z_m, Z);
+    const double greatest = *std::max_element(log_likelihood.begin(), log_likelihood.end());
+    double sum = 0.0;
+    for (int m = 0; m < kModes; ++m) {
+      double& p = state.mode_probability[m];
+      p = std::max(kLeastProbability, p * std::exp(log_likelihood[m] - greatest));
+      sum += p;
+    }
+    for (double& p : state.mode_probability) p /= sum;
+    combine(state);
+  }
+
+ private:
+  static constexpr int kModes = 3;
+  static_assert(kModes <= MotionState::kMaxModes);
+
+  // A mode is left at a constant rate, for any of the others alike: its chain has a closed form.
+  void mix(MotionState& state, double dt_s) const {
+    const double leave_rate = 1.0 / config_.mean_sojourn_s * kModes / (kModes - 1);
+    const double stay = 1.0 / kModes + (1.0 - 1.0 / kModes) * std::exp(-leave_rate * dt_s);
+    const double change = (1.0 - stay) / (kModes - 1);
+    const auto old_modes = state.modes;
+    const auto old_probability = state.mode_probability;
+    for (int m = 0; m < kModes; ++m) {
+      std::array<double, kModes> weight{};
+      double sum = 0.0;
+      for (int from = 0; from < kModes; ++from) {
+        weight[from] = (from == m ? stay : change) * old_probability[from];
+        sum += weight[from];
+      }
+      for (double& w : weight) w /= sum;
+      state.mode_probability[m] = sum;
+      state.modes[m] = moments(old_modes, weight);
+    }
+  }
+
+  static void combine(MotionState& state) { state.belief = moments(state.modes, state.mode_probability); }
+
+  /// Mean and covariance of a mixture.
+  static MotionBelief moments(const std::array<MotionBelief, kModes>& parts, const std::array<double, kModes>& weight) {
+    MotionBelief out;
+    out.mean.setZero();
+    out.covariance.setZero();
+    for (int m = 0; m < kModes; ++m) out.mean += weight[m] * parts[m].mean;
+    for (int m = 0; m < kModes; ++m) {
+      const Vector9 d = parts[m].mean - out.mean;
+      out.covariance += weight[m] * (parts[m].covariance + d * d.transpose());
+    }
+    return out;
+  }
+
+  ImmConfig config_;
+};
+
+}  // namespace
+
+void ProcessNoise::visit(ConfigVisitor& v) {
+  v.field("sigma_position_m", sigma_position_m, "[m] Xi_r", Range::non_negative());
+  v.field("sigma_velocity_mps", sigma_velocity_mps, "[m/s] Xi_v", Range::non_negative());
+  v.field("sigma_acceleration_mps2", sigma_acceleration_mps2, "[m/s^2] Xi_a", Range::non_negative());
+}
+
+Matrix9 ProcessNoise::covariance(double dt_s, double period_s) const {
+  const double steps = period_s > 0.0 ? dt_s / period_s : 1.0;
+  Vector9 variance;
+  variance << Vector3::Constant(sigma_position_m * sigma_position_m),
+      Vector3::Constant(sigma_velocity_mps * sigma_velocity_mps),
+      Vector3::Constant(sigma_acceleration_mps2 * sigma_acceleration_mps2);
+  return (steps * variance).asDiagonal();
+}
+
+void InitialSpread::visit(ConfigVisitor& v) {
+  v.field("sigma_velocity_mps", sigma_velocity_mps, "[m/s] P_0,v", Range::positive());
+  v.field("sigma_acceleration_mps2", sigma_acceleration_mps2, "[m/s^2] P_0,a", Range::positive());
+}
+
+MotionBelief InitialSpread::at_rest(const Vector3& position_m, const Matrix3& position_covariance) const {
+  MotionBelief belief;
+  belief.mean.setZero();
+  belief.mean.head<3>() = position_m;
+  belief.covariance.setZero();
+  belief.covariance.topLeftCorner<3, 3>() = position_covariance;
+  belief.covariance.diagonal().segment<3>(3).setConstant(sigma_velocity_mps * sigma_velocity_mps);
+  belief.covariance.diagonal().tail<3>().setConstant(sigma_acceleration_mps2 * sigma_acceleration_mps2);
+  return belief;
+}
+
+void KalmanConfig::visit(ConfigVisitor& v) {
+  v.object("process", process, "standard deviations of the noise that a step of process_period_s adds");
+  v.field("process_period_s", process_period_s,
+          "[s] step for which the process noise is given; its variance grows with time; 0: the same in every step",
+          Range::non_negative());
+  v.object("initial", initial, "spread of a new track, beside its position's");
+}
+
+void ImmConfig::visit(ConfigVisitor& v) {
+  v.object("constant_velocity", constant_velocity, "noise that a step of process_period_s adds to constant velocity");
+  v.object("constant_acceleration", constant_acceleration, "and to constant acceleration");
+  v.object("coordinated_turn", coordinated_turn, "and to the coordinated turn");
+  v.field("process_period_s", process_period_s,
+          "[s] step for which the process noise is given; its variance grows with time; 0: the same in every step",
+          Range::non_negative());
+  v.field("mean_sojourn_s", mean_sojourn_s, "[s] mean time that a target keeps to one kind of motion",
+          Range::positive());
+  v.object("initial", initial, "spread of a new track, beside its position's");
+}
+
+std::unique_ptr<MotionFilter> make_kalman_filter(const KalmanConfig& config) {
+  return std::make_unique<KalmanFilter>(config);
+}
+
+std::unique_ptr<MotionFilter> make_imm_filter(const ImmConfig& config) { return std::make_unique<ImmFilter>(config); }
+
+Matrix9 constant_velocity_transition(double dt_s) { return transition(dt_s, 0.0, 1.0, 0.0, 0.0, 0.0); }
+
+Matrix9 constant_acceleration_transition(double dt_s) {
+  return transition(dt_s, 0.5 * dt_s * dt_s, 1.0, dt_s, 0.0, 1.0);
+}
+
+// Velocity and acceleration turn at the rate w: a' = -w^2 v.
+Matrix9 coordinated_turn_transition(double dt_s, double rate_radps) {
+  const double w = rate_radps, angle = w * dt_s;
+  if (std::abs(angle) < kLeastTurn_rad) return constant_acceleration_transition(dt_s);
+  const double s = std::sin(angle), c = std::cos(angle);
+  return transition(s / w, (1.0 - c) / (w * w), c, s / w, -w * s, c);
+}
+
+double turn_rate_radps(const Vector9& mean) {
+  const Vector3 v = mean.segment<3>(3), a = mean.tail<3>();
+  const double speed_sq = v.squaredNorm();
+  if (!(speed_sq > kLeastSpeed_mps * kLeastSpeed_mps)) return 0.0;
+  return std::min(v.cross(a).norm() / speed_sq, kGreatestRate_radps);
+}
+
+double correct_belief(MotionBelief& belief, const Vector3& z_m, const Matrix3& Z) {
+  const Matrix3 S = belief.position_covariance() + Z;
+  const Eigen::LLT<Matrix3> llt(S);
+  if (llt.info() != Eigen::Success)
+    return -std::numeric_limits<double>::max();  // a belief that is no Gaussian any more
+  const Vector3 innovation = z_m - belief.position();
+  // K = P H^T S^-1, of the shape (9 x 3).
+  const Eigen::Matrix<double, 9, 3> PHt = belief.covariance.leftCols<3>();
+  const Eigen::Matrix<double, 9, 3> K = llt.solve(PHt.transpose()).transpose();
+  belief.mean += K * innovation;
+  // Joseph's form stays positive whatever the rounding.
+  Matrix9 I_KH = Matrix9::Identity();
+  I_KH.leftCols<3>() -= K;
+  const Matrix9 P = I_KH * belief.covariance * I_KH.transpose() + K * Z * K.transpose();
+  belief.covariance = 0.5 * (P + P.transpose());
+
+  const double log_det = 2.0 * llt.matrixL().toDenseMatrix().diagonal().array().log().sum();
+  return -0.5 * (innovation.dot(llt.solve(innovation)) + log_det + 3.0 * std::log(2.0 * std::numbers::pi));
+}
+
+}  // namespace swiftlet

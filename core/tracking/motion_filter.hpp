@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+using Vector9 = Eigen::Matrix<double, 9, 1>;
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+
+/// State of a moving point, eq. (26) of 000: position, velocity, acceleration [m, m/s, m/s^2], world frame.
+struct MotionBelief {
+  Vector9 mean = Vector9::Zero();
+  Matrix9 covariance = Matrix9::Identity();
+
+  Vector3 position() const { return mean.head<3>(); }
+  Vector3 velocity() const { return mean.segment<3>(3); }
+  Matrix3 position_covariance() const { return covariance.topLeftCorner<3, 3>(); }
+};
+
+/// What a filter knows of one target: the belief, and the beliefs of its motion models when it has several. A value.
+struct MotionState {
+  static constexpr int kMaxModes = 3;
+  MotionBelief belief;
+  std::array<MotionBelief, kMaxModes> modes;
+  std::array<double, kMaxModes> mode_probability{1.0, 0.0, 0.0};
+};
+
+/// Standard deviations of the process noise that one step of `period_s` adds, eq. (34).
+struct ProcessNoise {
+  double sigma_position_m = 0.01;
+  double sigma_velocity_mps = 0.2;
+  double sigma_acceleration_mps2 = 0.3;
+
+  void visit(ConfigVisitor& v);
+  /// Of a step of another length: variance grows with time, so that two half steps add what one step does. A period
+  /// of 0 adds the same in every step, as printed.
+  Matrix9 covariance(double dt_s, double period_s) const;
+};
+
+/// Predicts and corrects beliefs; has no state of its own.
+class MotionFilter {
+ public:
+  virtual ~MotionFilter() = default;
+  /// At rest at a position, eqs. (35) and (36).
+  virtual MotionState start(const Vector3& position_m, const Matrix3& position_covariance) const = 0;
+  virtual void predict(MotionState& state, double dt_s) const = 0;
+  /// By a measured position z = H x + noise of covariance Z, eqs. (32) and (33).
+  virtual void correct(MotionState& state, const Vector3& z_m, const Matrix3& Z) const = 0;
+};
+
+/// Standard deviations of velocity and acceleration of a target about which nothing but its place is known, eq. (36).
+struct InitialSpread {
+  double sigma_velocity_mps = 1.0;
+  double sigma_acceleration_mps2 = 1.0;
+
+  void visit(ConfigVisitor& v);
+  MotionBelief at_rest(const Vector3& position_m, const Matrix3& position_covariance) const;
+};
+
+/// The document's Kalman filter with constant acceleration, eqs. (30)-(34).
+struct KalmanConfig {
+  ProcessNoise process;
+  double process_period_s = 0.1;
+  InitialSpread initial;
+
+  void visit(ConfigVisitor& v);
+};
+std::unique_ptr<MotionFilter> make_kalman_filter(const KalmanConfig& config);
+
+/// Interacting multiple models (Blom and Bar-Shalom, IEEE TAC 33(8), 1988): constant velocity, constant acceleration
+/// (eq. 30) and coordinated turn in the plane of velocity and acceleration (Li and Jilkov, IEEE TAES 39(4), 2003,
+/// sec. V-B), whose rate |v x a| / |v|^2 is that of the estimate.
+struct ImmConfig {
+  ProcessNoise constant_velocity{0.01, 0.05, 0.05};
+  ProcessNoise constant_acceleration{0.01, 0.2, 0.6};
+  ProcessNoise coordinated_turn{0.01, 0.05, 0.15};
+  double process_period_s = 0.1;
+  double mean_sojourn_s = 2.0;
+  InitialSpread initial;
+
+  void visit(ConfigVisitor& v);
+};
+std::unique_ptr<MotionFilter> make_imm_filter(const ImmConfig& config);
+
+// The parts, for tests and for filters of others.
+Matrix9 constant_velocity_transition(double dt_s);      ///< acceleration ends
+Matrix9 constant_acceleration_transition(double dt_s);  ///< A of eq. (30)
+Matrix9 coordinated_turn_transition(double dt_s, double rate_radps);
+double turn_rate_radps(const Vector9& mean);
+/// Kalman correction by a position; the log of the measurement's likelihood.
+double correct_belief(MotionBelief& belief, const Vector3& z_m, const Matrix3& Z);
+
+}  // namespace swiftlet

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/overlay.hpp"
+#include "swiftlet/core/track.hpp"
+
+namespace swiftlet {
+
+/// Tracks for pictures, in a colour for each identity: "tracks" (where they are and have been, and where they will be
+/// in two seconds) and "tracks.covariance" (ellipses of three standard deviations in the coordinate planes).
+class TrackOverlays {
+ public:
+  /// After every update of the tracks.
+  void push(std::span<const Track> tracks);
+  void append(std::span<const Track> tracks, std::vector<Overlay>& overlays) const;
+
+ private:
+  /// Where one track was, in a ring.
+  struct Trail {
+    static constexpr std::size_t kCapacity = 100;  // 10 s of a LiDAR at 10 Hz
+    std::uint32_t id = 0;
+    bool alive = false;
+    std::size_t first = 0, count = 0;
+    std::array<Eigen::Vector3f, kCapacity> points;
+  };
+
+  std::vector<Trail> trails_;
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/localization/world_cloud.hpp"
+#include "core/map/background_query.hpp"
+#include "swiftlet/core/action.hpp"
+#include "swiftlet/core/observation.hpp"
+
+namespace swiftlet {
+
+/// What a tracker knows in one tick: all values, nothing kept.
+struct TrackerInput {
+  const Observation& observation;
+  const StateEstimate& estimate;                ///< valid
+  const WorldCloud* cloud = nullptr;            ///< new in this tick; null: none
+  bool has_detections = false;                  ///< the detector finished a scan in this tick
+  std::span<const Detection> detections = {};   ///< what it found, which may be nothing
+  const BackgroundQuery* background = nullptr;  ///< occupied voxels of the detector's map; null: nothing is known
+};
+
+/// Where do the others fly? One of the ways of answering that a scenario chooses by name.
+class Tracker {
+ public:
+  virtual ~Tracker() = default;
+  /// True when `tracks` was updated; it is left alone otherwise.
+  virtual bool step(const TrackerInput& input, std::vector<Track>& tracks) = 0;
+  /// Does it want clouds at all?
+  virtual bool wants_clouds() const { return true; }
+};
+
+}  // namespace swiftlet

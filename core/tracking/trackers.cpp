@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/tracking/trackers.hpp"
+
+#include <algorithm>
+
+namespace swiftlet {
+namespace {
+
+class NoTracker : public Tracker {
+ public:
+  bool step(const TrackerInput&, std::vector<Track>&) override { return false; }
+  bool wants_clouds() const override { return false; }
+};
+
+class CloudTrackerModule : public Tracker {
+ public:
+  CloudTrackerModule(const CloudTrackerConfig& config, std::unique_ptr<MotionFilter> filter)
+      : tracker_(config, std::move(filter)) {}
+
+  bool step(const TrackerInput& input, std::vector<Track>& tracks) override {
+    if (input.cloud == nullptr && !input.has_detections) return false;
+    if (input.cloud != nullptr) tracker_.new_cloud(*input.cloud, input.background);
+    tracker_.new_detections(input.detections, input.background);
+    tracker_.publish(tracks);
+    return true;
+  }
+
+ private:
+  CloudTracker tracker_;
+};
+
+/// A filter for each neighbour whose sensor tells its place.
+class GroundTruthTracker : public Tracker {
+ public:
+  explicit GroundTruthTracker(const GroundTruthTrackerConfig& config)
+      : config_(config), filter_(make_kalman_filter(config.filter)) {}
+
+  bool step(const TrackerInput& input, std::vector<Track>& tracks) override {
+    const std::size_t before = targets_.size();
+    bool changed = false;
+    for (const NeighborSample& sample : input.observation.neighbors) {
+      if (sample.p_body_m.allFinite() && sample.p_body_m.norm() <= config_.range_max_m) {
+        take_in(sample, input.estimate.T_world_body);
+        changed = true;
+      }
+    }
+    const TimeNs timeout = from_seconds(config_.timeout_s);
+    std::erase_if(targets_, [&](const Target& target) { return input.observation.t - target.t > timeout; });
+    if (!changed && targets_.size() == before) return false;
+    tracks.clear();
+    for (const Target& target : targets_) tracks.push_back(track_of(target));
+    return true;
+  }
+  bool wants_clouds() const override { return false; }
+
+ private:
+  struct Target {
+    VehicleId id = kNoVehicle;
+    TimeNs t = 0;
+    MotionState state;
+    int num_samples = 0;
+  };
+  // An ideal sensor's covariance is none; the filter needs one.
+  static constexpr double kLeastSigma_m = 1e-3;
+
+  void take_in(const NeighborSample& sample, const Pose& T_world_body) {
+    const Matrix3& R = T_world_body.linear();
+    const Vector3 position_m = T_world_body * sample.p_body_m;
+    const Matrix3 Z = R * sample.covariance_body * R.transpose() + kLeastSigma_m * kLeastSigma_m * Matrix3::Identity();
+    auto target = std::lower_bound(targets_.begin(), targets_.end(), sample.id,
+                                   [](const Target& t, VehicleId id) { return t.id < id; });
+    if (target == targets_.end() || target->id != sample.id) {
+      targets_.insert(target, {sample.id, sample.t, filter_->start(position_m, Z), 1});
+      return;
+    }
+    if (sample.t < target->t) return;
+    filter_->predict(target->state, to_seconds(sample.t - target->t));
+    filter_->correct(target->state, position_m, Z);
+    target->t = sample.t;
+    ++target->num_samples;
+  }
+
+  static Track track_of(const Target& target) {
+    Track track;
+    track.id = static_cast<std::uint32_t>(target.id + 1);
+    track.t = target.t;
+    track.position_m = target.state.belief.mean.head<3>();
+    track.velocity_mps = target.state.belief.mean.segment<3>(3);
+    track.acceleration_mps2 = target.state.belief.mean.tail<3>();
+    track.covariance = target.state.belief.covariance;
+    track.num_detections = target.num_samples;
+    track.corrected = true;
+    return track;
+  }
+
+  GroundTruthTrackerConfig config_;
+  std::unique_ptr<MotionFilter> filter_;
+  std::vector<Target> targets_;  // by id
+};
+
+}  // namespace
+
+void VofodTrackerConfig::visit(ConfigVisitor& v) {
+  tracker.visit(v);
+  v.object("filter", filter, "motion model of a target");
+}
+
+void ImmTrackerConfig::visit(ConfigVisitor& v) {
+  tracker.visit(v);
+  v.object("filter", filter, "motion models of a target");
+}
+
+void GroundTruthTrackerConfig::visit(ConfigVisitor& v) {
+  v.field("range_max_m", range_max_m, "[m] neighbours beyond are not told", Range::positive());
+  v.field("timeout_s", timeout_s, "[s] without a sample, after which a track ends", Range::positive());
+  v.object("filter", filter, "motion model, which gives velocity and acceleration");
+}
+
+std::unique_ptr<Tracker> make_no_tracker(const ModuleConfig&, const AgentSetup&) {
+  return std::make_unique<NoTracker>();
+}
+
+std::unique_ptr<Tracker> make_vofod_tracker(const ModuleConfig& config, const AgentSetup&) {
+  const auto& c = dynamic_cast<const VofodTrackerConfig&>(config);
+  return std::make_unique<CloudTrackerModule>(c.tracker, make_kalman_filter(c.filter));
+}
+
+std::unique_ptr<Tracker> make_imm_tracker(const ModuleConfig& config, const AgentSetup&) {
+  const auto& c = dynamic_cast<const ImmTrackerConfig&>(config);
+  return std::make_unique<CloudTrackerModule>(c.tracker, make_imm_filter(c.filter));
+}
+
+std::unique_ptr<Tracker> make_ground_truth_tracker(const ModuleConfig& config, const AgentSetup&) {
+  return std::make_unique<GroundTruthTracker>(dynamic_cast<const GroundTruthTrackerConfig&>(config));
+}
+
+}  // namespace swiftlet

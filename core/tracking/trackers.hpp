@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "core/tracking/cloud_tracker.hpp"
+#include "core/tracking/tracker.hpp"
+#include "swiftlet/core/agent.hpp"
+
+namespace swiftlet {
+
+/// No tracking.
+struct NoTrackerConfig : ModuleConfigOf<NoTrackerConfig> {
+  void visit(ConfigVisitor&) override {}
+};
+std::unique_ptr<Tracker> make_no_tracker(const ModuleConfig& config, const AgentSetup& setup);
+
+/// Algorithm 2 of 000 with its Kalman filter.
+struct VofodTrackerConfig : ModuleConfigOf<VofodTrackerConfig> {
+  CloudTrackerConfig tracker;
+  KalmanConfig filter;
+
+  void visit(ConfigVisitor& v) override;
+};
+std::unique_ptr<Tracker> make_vofod_tracker(const ModuleConfig& config, const AgentSetup& setup);
+
+/// The same with interacting multiple models, as 000 uses it for interception (sec. VI-B).
+struct ImmTrackerConfig : ModuleConfigOf<ImmTrackerConfig> {
+  CloudTrackerConfig tracker;
+  ImmConfig filter;
+
+  void visit(ConfigVisitor& v) override;
+};
+std::unique_ptr<Tracker> make_imm_tracker(const ModuleConfig& config, const AgentSetup& setup);
+
+/// The named bypass: tracks from the mutual-localisation sensor (Observation::neighbors), with the identity of the
+/// vehicle + 1. A vehicle without such a sensor gets an ideal one.
+struct GroundTruthTrackerConfig : ModuleConfigOf<GroundTruthTrackerConfig> {
+  double range_max_m = 100.0;
+  double timeout_s = 0.5;
+  KalmanConfig filter;
+
+  void visit(ConfigVisitor& v) override;
+};
+std::unique_ptr<Tracker> make_ground_truth_tracker(const ModuleConfig& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/math/assignment.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/math/random.hpp"
+
+namespace swiftlet {
+namespace {
+
+struct Outcome {
+  int pairs = 0;
+  double cost = 0.0;
+};
+
+/// Every way of pairing, by permutation of the longer side padded with nobody.
+Outcome best_by_brute_force(const std::vector<double>& costs, int rows, int cols) {
+  const int n = std::max(rows, cols);
+  std::vector<int> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  Outcome best{-1, 0.0};
+  do {
+    Outcome now;
+    for (int r = 0; r < rows; ++r) {
+      if (order[r] >= cols || costs[r * cols + order[r]] == Assignment::kForbidden) continue;
+      ++now.pairs;
+      now.cost += costs[r * cols + order[r]];
+    }
+    if (now.pairs > best.pairs || (now.pairs == best.pairs && now.cost < best.cost)) best = now;
+  } while (std::next_permutation(order.begin(), order.end()));
+  return best;
+}
+
+TEST(Assignment, IsTheBestOfAllPairings) {
+  Assignment assignment;
+  for (std::uint32_t trial = 0; trial < 300; ++trial) {
+    const Random random(trial, "test.assignment");
+    const int rows = static_cast<int>(7 * random.uniform(0, 0)), cols = static_cast<int>(7 * random.uniform(0, 1));
+    const double forbidden_share = random.uniform(0, 2);
+    std::vector<double> costs(rows * cols);
+    for (std::uint32_t i = 0; i < costs.size(); ++i) {
+      costs[i] = random.uniform(2, i) < forbidden_share ? Assignment::kForbidden : random.uniform(-3.0, 10.0, 1, i);
+    }
+    const auto columns = assignment.solve(costs, rows, cols);
+    Outcome ours;
+    std::vector<int> used;
+    for (int r = 0; r < rows; ++r) {
+      if (columns[r] < 0) continue;
+      ++ours.pairs;
+      ours.cost += costs[r * cols + columns[r]];
+      used.push_back(columns[r]);
+    }
+    std::sort(used.begin(), used.end());
+    EXPECT_EQ(std::adjacent_find(used.begin(), used.end()), used.end()) << "a column twice";
+    const Outcome best = best_by_brute_force(costs, rows, cols);
+    EXPECT_EQ(ours.pairs, best.pairs) << trial;
+    EXPECT_NEAR(ours.cost, best.cost, 1e-9) << trial;
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet
