@@ -26,6 +26,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "sim/radio": ["core/math", "sim/world", "sim/raycast"],
     "sim/metrics": ["core/math", "sim/world", "sim/raycast", "sim/physics"],
     "sim/recorders": ["core/math", "sim/world", "sim/raycast", "sim/sensors"],
+    "sim/report": ["sim/recorders"],
     "sim/render": ["core/math", "sim/world", "sim/raycast", "sim/sensors"],
     "sim/scenario": ["core/agent", "core/localization", "core/guidance", "core/control", "core/math", "sim/world",
                      "sim/raycast", "sim/physics", "sim/sensors", "sim/radio", "sim/recorders", "sim/render",

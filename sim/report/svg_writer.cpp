@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/report/svg_writer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/report/plot_ticks.hpp"
+
+namespace swiftlet::sim::plot {
+namespace {
+
+std::string px(double value) { return number_text(value, 1); }
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        // Control characters are not allowed in XML at all.
+        if (static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n') out += c;
+    }
+  }
+  return out;
+}
+
+// The points [begin, end) lie in one pixel column: what is drawn of them is their first, extremes and last.
+void keep_column(const std::vector<PointPx>& points, std::size_t begin, std::size_t end, std::vector<PointPx>& out) {
+  if (end - begin <= 4) {
+    out.insert(out.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
+               points.begin() + static_cast<std::ptrdiff_t>(end));
+    return;
+  }
+  const auto first = points.begin() + static_cast<std::ptrdiff_t>(begin),
+             last = points.begin() + static_cast<std::ptrdiff_t>(end);
+  const auto [low, high] =
+      std::minmax_element(first, last, [](const PointPx& a, const PointPx& b) { return a.y < b.y; });
+  out.push_back(*first);
+  out.push_back(*std::min(low, high));
+  out.push_back(*std::max(low, high));
+  out.push_back(*(last - 1));
+}
+
+std::vector<PointPx> thinned(const std::vector<PointPx>& points) {
+  std::vector<PointPx> out;
+  for (std::size_t begin = 0; begin < points.size();) {
+    std::size_t end = begin + 1;
+    while (end < points.size() && std::floor(points[end].x) == std::floor(points[begin].x)) ++end;
+    keep_column(points, begin, end, out);
+    begin = end;
+  }
+  return out;
+}
+
+std::string coordinates(const std::vector<PointPx>& points) {
+  std::string text, previous;
+  for (const PointPx& point : points) {
+    std::string here = px(point.x) + "," + px(point.y);
+    if (here == previous) continue;
+    if (!text.empty()) text += ' ';
+    text += here;
+    previous = std::move(here);
+  }
+  return text;
+}
+
+}  // namespace
+
+SvgWriter::SvgWriter(double width_px, double height_px, std::string_view title) {
+  const std::string size = px(width_px) + " " + px(height_px);
+  out_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + px(width_px) + "\" height=\"" + px(height_px) +
+         "\" viewBox=\"0 0 " + size + "\" font-family=\"DejaVu Sans, Verdana, Arial, sans-serif\" role=\"img\">\n";
+  if (!title.empty()) out_ += "<title>" + escaped(title) + "</title>\n";
+  rect(0.0, 0.0, width_px, height_px, "fill=\"#fff\"");
+}
+
+void SvgWriter::rect(double x, double y, double width, double height, std::string_view attributes) {
+  out_ += "<rect x=\"" + px(x) + "\" y=\"" + px(y) + "\" width=\"" + px(width) + "\" height=\"" + px(height) + "\" ";
+  out_ += attributes;
+  out_ += "/>\n";
+}
+
+void SvgWriter::segment(PointPx a, PointPx b, std::string_view attributes) {
+  out_ += "<path d=\"M" + px(a.x) + "," + px(a.y) + "L" + px(b.x) + "," + px(b.y) + "\" ";
+  out_ += attributes;
+  out_ += "/>\n";
+}
+
+void SvgWriter::circle(PointPx centre, double radius, std::string_view attributes) {
+  out_ += "<circle cx=\"" + px(centre.x) + "\" cy=\"" + px(centre.y) + "\" r=\"" + px(radius) + "\" ";
+  out_ += attributes;
+  out_ += "/>\n";
+}
+
+void SvgWriter::polyline(const std::vector<PointPx>& points, std::string_view attributes) {
+  if (points.empty()) return;
+  out_ += "<polyline points=\"" + coordinates(thinned(points)) + "\" fill=\"none\" stroke-linejoin=\"round\" ";
+  out_ += attributes;
+  out_ += "/>\n";
+}
+
+void SvgWriter::polygon(const std::vector<PointPx>& points, std::string_view attributes) {
+  if (points.empty()) return;
+  out_ += "<polygon points=\"" + coordinates(points) + "\" ";
+  out_ += attributes;
+  out_ += "/>\n";
+}
+
+void SvgWriter::text(PointPx at, std::string_view content, double size_px, Anchor anchor, std::string_view color,
+                     double turn_deg, bool bold) {
+  if (content.empty()) return;
+  out_ += "<text x=\"" + px(at.x) + "\" y=\"" + px(at.y) + "\" font-size=\"" + px(size_px) + "\" fill=\"";
+  out_ += color;
+  out_ += "\"";
+  if (anchor == Anchor::kMiddle) out_ += " text-anchor=\"middle\"";
+  if (anchor == Anchor::kEnd) out_ += " text-anchor=\"end\"";
+  if (bold) out_ += " font-weight=\"bold\"";
+  if (turn_deg != 0.0) out_ += " transform=\"rotate(" + px(turn_deg) + " " + px(at.x) + " " + px(at.y) + ")\"";
+  out_ += '>';
+  out_ += escaped(content);
+  out_ += "</text>\n";
+}
+
+void SvgWriter::begin_clip(double x, double y, double width, double height) {
+  const std::string id = "clip" + std::to_string(num_clips_++);
+  out_ += "<clipPath id=\"" + id + "\"><rect x=\"" + px(x) + "\" y=\"" + px(y) + "\" width=\"" + px(width) +
+          "\" height=\"" + px(height) + "\"/></clipPath>\n<g clip-path=\"url(#" + id + ")\">\n";
+}
+
+void SvgWriter::end_clip() { out_ += "</g>\n"; }
+
+std::string SvgWriter::finish() {
+  out_ += "</svg>\n";
+  return std::move(out_);
+}
+
+double text_width(std::string_view content, double size_px) {
+  // Code points, not bytes.
+  const auto count = std::count_if(content.begin(), content.end(),
+                                   [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
+  return 0.6 * size_px * static_cast<double>(count);
+}
+
+}  // namespace swiftlet::sim::plot

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace swiftlet::sim::plot {
+
+struct PointPx {
+  double x = 0.0, y = 0.0;
+};
+
+enum class Anchor { kStart, kMiddle, kEnd };
+
+/// Elements of one SVG picture; coordinates in pixels, y down, written to a tenth of a pixel.
+class SvgWriter {
+ public:
+  SvgWriter(double width_px, double height_px, std::string_view title);
+
+  void rect(double x, double y, double width, double height, std::string_view attributes);
+  void segment(PointPx a, PointPx b, std::string_view attributes);
+  void circle(PointPx centre, double radius, std::string_view attributes);
+  /// Points that fall on the one before are left out; of a crowd in one pixel column first, extremes and last stay.
+  void polyline(const std::vector<PointPx>& points, std::string_view attributes);
+  void polygon(const std::vector<PointPx>& points, std::string_view attributes);
+  /// @param turn_deg  clockwise about the anchor
+  void text(PointPx at, std::string_view content, double size_px, Anchor anchor, std::string_view color = "#222",
+            double turn_deg = 0.0, bool bold = false);
+  /// Everything until end_clip() shows only inside this rectangle.
+  void begin_clip(double x, double y, double width, double height);
+  void end_clip();
+  std::string finish();
+
+ private:
+  std::string out_;
+  int num_clips_ = 0;
+};
+
+/// Estimated width in the fonts that the pictures ask for.
+double text_width(std::string_view content, double size_px);
+
+}  // namespace swiftlet::sim::plot
