@@ -14,5 +14,6 @@ void add_check(CLI::App& app);
 void add_list(CLI::App& app);
 void add_reference(CLI::App& app);
 void add_bench(CLI::App& app);
+void add_dataset(CLI::App& app);
 
 }  // namespace swiftlet::tools

@@ -32,6 +32,7 @@ int run_program(int argc, char** argv) {
   swiftlet::tools::add_list(app);
   swiftlet::tools::add_reference(app);
   swiftlet::tools::add_bench(app);
+  swiftlet::tools::add_dataset(app);
   try {
     app.parse(argc, argv);
     return 0;

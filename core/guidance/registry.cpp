@@ -7,6 +7,7 @@
 #include "core/guidance/agile.hpp"
 #include "core/guidance/hover.hpp"
 #include "core/guidance/takeoff_land.hpp"
+#include "core/guidance/timed_path.hpp"
 #include "core/guidance/trajectory.hpp"
 #include "core/guidance/waypoints.hpp"
 
@@ -17,6 +18,7 @@ constexpr GuidanceType kTypes[] = {
     {{"hover", "stay at the start or at a point", make_module_config<HoverConfig>}, make_hover},
     {{"waypoints", "from waypoint to waypoint", make_module_config<WaypointsConfig>}, make_waypoints},
     {{"trajectory", "circle, lissajous curve or line", make_module_config<TrajectoryConfig>}, make_trajectory},
+    {{"timed_path", "a planned way with its times, as a spline", make_module_config<TimedPathConfig>}, make_timed_path},
     {{"agile", "random smooth flight at high speed in a box", make_module_config<AgileConfig>}, make_agile},
     {{"takeoff_land", "up from the ground, hover, down", make_module_config<TakeoffLandConfig>}, make_takeoff_land},
 };

@@ -36,10 +36,12 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
                 "sim/metrics", "sim/scenario"],
     "sim/batch": ["core/math", "sim/world", "sim/raycast", "sim/physics", "sim/radio", "sim/recorders", "sim/render",
                   "sim/metrics", "sim/scenario", "sim/run"],
+    "sim/dataset": ["core/agent", "core/guidance", "core/math", "sim/world", "sim/raycast", "sim/sensors", "sim/recorders",
+                    "sim/render", "sim/scenario", "sim/run", "sim/batch", "sim/report"],
 }
 # The public scenario is one struct of every room's configuration: its header may be read where a RunInfo is.
 PUBLIC_SIM_FOR_ALL = {"swiftlet/sim/errors.hpp"}
-PUBLIC_SIM_USERS = {"sim/scenario", "sim/run", "sim/batch", "sim/recorders", "sim/render", "sim/metrics"}
+PUBLIC_SIM_USERS = {"sim/scenario", "sim/run", "sim/batch", "sim/dataset", "sim/recorders", "sim/render", "sim/metrics"}
 THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(bt[A-Z]|bullet/|Bullet|LinearMath/)": ["sim/physics"],
     r"^embree": ["sim/raycast"],
@@ -48,8 +50,8 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^yaml-cpp": ["sim/scenario"],
     r"^assimp": ["sim/world"],
     r"^(zstd|zlib|lz4)": ["sim/recorders", "sim/world"],
-    r"^nlohmann": ["sim/recorders", "sim/run", "sim/batch", "tools"],
-    r"^xxhash": ["sim/run", "sim/batch"],
+    r"^nlohmann": ["sim/recorders", "sim/run", "sim/batch", "sim/dataset", "tools"],
+    r"^xxhash": ["sim/run", "sim/batch", "sim/dataset"],
     r"^sqlite3": ["sim/batch"],
     r"^omp\.h": ["sim/run", "sim/sensors", "sim/raycast", "sim/world", "tools"],
     r"^Random123": ["core/math"],

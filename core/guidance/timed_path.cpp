@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/guidance/timed_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/guidance/heading.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kSlowestToSee_mps = 0.2;  // slower than this, the velocity does not tell a heading
+
+class TimedPath : public Guidance {
+ public:
+  TimedPath(const TimedPathConfig& config, const GuidanceSetup& setup) : config_(config) {
+    if (config_.points_m.empty()) config_.points_m.push_back(setup.agent.T_world_body_start.translation());
+    path_ = UniformSpline(config_.points_m, config_.interval_s);
+    yaw_rad_ = config.yaw == "fixed" ? config.yaw_deg * std::numbers::pi / 180.0
+                                     : yaw_of(setup.agent.T_world_body_start.linear());
+  }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+    t_s_ += input.dt_s;
+    const auto [p_m, v_mps, a_mps2] = path_.at(t_s_);
+    output.goal = {.position_m = p_m, .velocity_mps = v_mps, .acceleration_mps2 = a_mps2};
+    if (config_.yaw == "along_path") face_along(output.goal);
+    output.goal.yaw_rad = yaw_rad_;
+    if (t_s_ >= path_.duration_s()) output.mission = MissionStatus::kDone;
+  }
+
+  void append_overlays(std::vector<Overlay>& overlays) const override {
+    Overlay overlay;
+    overlay.name = "path";
+    overlay.kind = Overlay::Kind::kSpheres;
+    overlay.size_m = 0.05F;
+    for (const Vector3& p : config_.points_m) overlay.positions.push_back(p.cast<float>());
+    overlay.colors = {{1.0F, 0.7F, 0.1F, 1.0F}};
+    overlays.push_back(std::move(overlay));
+  }
+
+ private:
+  void face_along(Reference& r) {
+    const Vector3& v = r.velocity_mps;
+    const Vector3& a = r.acceleration_mps2;
+    const double speed_sq = v.head<2>().squaredNorm();
+    if (speed_sq < kSlowestToSee_mps * kSlowestToSee_mps) return;
+    yaw_rad_ = heading_along(v, 0.0, yaw_rad_);
+    r.yaw_rate_radps = (v.x() * a.y() - v.y() * a.x()) / speed_sq;
+  }
+
+  TimedPathConfig config_;
+  UniformSpline path_;
+  double yaw_rad_ = 0.0;
+  double t_s_ = 0.0;
+};
+
+}  // namespace
+
+UniformSpline::UniformSpline(std::vector<Vector3> control_points_m, double interval_s) : interval_s_(interval_s) {
+  // Three times the same control point: there the curve is at rest.
+  points_m_.reserve(control_points_m.size() + 4);
+  points_m_.assign(2, control_points_m.front());
+  points_m_.insert(points_m_.end(), control_points_m.begin(), control_points_m.end());
+  points_m_.insert(points_m_.end(), 2, control_points_m.back());
+}
+
+double UniformSpline::duration_s() const { return static_cast<double>(points_m_.size() - 3) * interval_s_; }
+
+UniformSpline::State UniformSpline::at(double t_s) const {
+  const double place = std::clamp(t_s, 0.0, duration_s()) / interval_s_;
+  const std::size_t i = std::min(static_cast<std::size_t>(place), points_m_.size() - 4);
+  const double u = place - static_cast<double>(i);
+  const double w = 1.0 - u;
+  const Vector3 &a = points_m_[i], &b = points_m_[i + 1], &c = points_m_[i + 2], &d = points_m_[i + 3];
+  const double h = interval_s_;
+  return {
+      (w * w * w * a + (3 * u * u * u - 6 * u * u + 4) * b + (3 * w * w * w - 6 * w * w + 4) * c + u * u * u * d) / 6.0,
+      (w * w * (b - a) + (w * (1 + u) + u * (2 - u)) * (c - b) + u * u * (d - c)) / (2.0 * h),
+      (w * (a - 2 * b + c) + u * (b - 2 * c + d)) / (h * h)};
+}
+
+void TimedPathConfig::visit(ConfigVisitor& v) {
+  v.field("points_m", points_m, "[m] control points of the spline, world frame; the first is where it begins");
+  v.field("interval_s", interval_s, "[s] from one control point to the next", Range{1e-3, 1e6});
+  v.choice("yaw", yaw, {"along_path", "fixed"}, "[-] heading: along the velocity, or yaw_deg");
+  v.field("yaw_deg", yaw_deg, "[deg] heading when fixed");
+}
+
+std::unique_ptr<Guidance> make_timed_path(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<TimedPath>(dynamic_cast<const TimedPathConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

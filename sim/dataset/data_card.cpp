@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/dataset/data_card.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include "sim/run/run_directory.hpp"
+#include "sim/run/version.hpp"
+#include "sim/world/scene.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string format(const char* pattern, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+/// "1 234 567".
+std::string grouped(std::int64_t value) {
+  std::string digits = std::to_string(value);
+  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) digits.insert(static_cast<std::size_t>(i), " ");
+  return digits;
+}
+
+std::string bytes_text(double bytes) {
+  if (bytes >= 1e9) return format("%.2f GB", bytes * 1e-9);
+  if (bytes >= 1e6) return format("%.1f MB", bytes * 1e-6);
+  return format("%.0f kB", bytes * 1e-3);
+}
+
+std::string name_of_label(std::uint16_t label) { return name_of(static_cast<SurfaceClass>(label)); }
+
+struct Totals {
+  SequenceStatistics statistics;
+  std::set<int> flights;
+  int sequences = 0;
+  double bytes = 0.0;
+
+  void add(const SequenceInfo& info) {
+    statistics.add(info.statistics);
+    flights.insert(info.flight);
+    ++sequences;
+    for (const FileEntry& file : info.files) bytes += static_cast<double>(file.bytes);
+  }
+  std::int64_t boxes() const { return sum(&SequenceStatistics::RangeBin::boxes); }
+  std::int64_t sum(std::int64_t SequenceStatistics::RangeBin::*field) const {
+    std::int64_t total = 0;
+    for (const auto& bin : statistics.vehicles_by_range) total += bin.*field;
+    return total;
+  }
+};
+
+std::string split_table(const DatasetPlan& plan, const std::vector<SequenceInfo>& sequences, const Totals& all) {
+  std::string text =
+      "| split | seeds | flights | sequences | frames | points | vehicles in frames | duration | flown | size |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  const auto row = [&](const std::string& name, const std::string& seeds, const Totals& t) {
+    text += "| " + name + " | " + seeds + " | " + std::to_string(t.flights.size()) + " | " +
+            std::to_string(t.sequences) + " | " + grouped(t.statistics.frames) + " | " + grouped(t.statistics.points) +
+            " | " + grouped(t.boxes()) + " | " + format("%.0f s", t.statistics.duration_s) + " | " +
+            format("%.0f m", t.statistics.flown_m) + " | " + bytes_text(t.bytes) + " |\n";
+  };
+  for (const SplitConfig& split : plan.config.splits) {
+    Totals totals;
+    for (const SequenceInfo& info : sequences) {
+      if (info.split == split.name) totals.add(info);
+    }
+    const std::uint64_t last = split.first_seed + static_cast<std::uint64_t>(std::max(split.flights, 1)) - 1;
+    row(split.name, std::to_string(split.first_seed) + " to " + std::to_string(last), totals);
+  }
+  row("all", "", all);
+  return text;
+}
+
+std::string class_histogram(const Totals& all) {
+  std::vector<std::pair<std::int64_t, std::uint16_t>> counts;
+  for (const auto& [label, count] : all.statistics.points_by_class) counts.emplace_back(-count, label);
+  std::sort(counts.begin(), counts.end());
+  std::string text = "| class | label | points | share |\n| --- | --- | --- | --- |\n";
+  for (const auto& [negative, label] : counts) {
+    const double share =
+        static_cast<double>(-negative) / static_cast<double>(std::max<std::int64_t>(all.statistics.points, 1));
+    text += "| " + name_of_label(label) + " | " + std::to_string(label) + " | " + grouped(-negative) + " | " +
+            format(share >= 1e-3 ? "%.2f %%" : "%.4f %%", 100.0 * share) + " |\n";
+  }
+  return text;
+}
+
+/// Vehicles by distance in rows of `step` bins.
+std::string distance_histogram(const Totals& all) {
+  constexpr std::size_t kStep = 5;
+  std::string text =
+      "| distance | vehicles in frames | visible | with points | with 5 points or more | points each, where any |\n"
+      "| --- | --- | --- | --- | --- | --- |\n";
+  const auto& bins = all.statistics.vehicles_by_range;
+  for (std::size_t first = 0; first < bins.size(); first += kStep) {
+    SequenceStatistics::RangeBin sum;
+    const std::size_t end = std::min(first + kStep, bins.size());
+    for (std::size_t i = first; i < end; ++i) {
+      sum.boxes += bins[i].boxes;
+      sum.in_view += bins[i].in_view;
+      sum.detected += bins[i].detected;
+      sum.well_detected += bins[i].well_detected;
+      sum.points += bins[i].points;
+    }
+    if (sum.boxes == 0) continue;
+    const auto metres = [](std::size_t bin) {
+      return format("%.0f", static_cast<double>(bin) * SequenceStatistics::kRangeBin_m);
+    };
+    text +=
+        "| " + metres(first) + (end == bins.size() ? " m and more" : " to " + metres(end) + " m") + " | " +
+        grouped(sum.boxes) + " | " + grouped(sum.in_view) + " | " + grouped(sum.detected) + " | " +
+        grouped(sum.well_detected) + " | " +
+        (sum.detected > 0 ? format("%.1f", static_cast<double>(sum.points) / static_cast<double>(sum.detected)) : "") +
+        " |\n";
+  }
+  return text;
+}
+
+std::string sequence_table(const std::vector<SequenceInfo>& sequences) {
+  std::string text =
+      "| sequence | split | seed | family | LiDAR | vehicles | frames | points a frame | flown | least clearance |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  for (const SequenceInfo& info : sequences) {
+    const SequenceStatistics& s = info.statistics;
+    std::string models;
+    for (const std::string& model : info.models) models += (models.empty() ? "" : ", ") + model;
+    text += "| " + sequence_name(info.sequence) + " | " + info.split + " | " + std::to_string(info.seed) + " | " +
+            info.family + " | " + info.vehicle + "/" + info.sensor +
+            (info.sensor_model.empty() ? "" : " (" + info.sensor_model + ")") + " | " + models + " | " +
+            grouped(s.frames) + " | " + grouped(s.points / std::max<std::int64_t>(s.frames, 1)) + " | " +
+            format("%.0f m", s.flown_m) + " | " + format("%.2f m", s.least_clearance_m) + " |\n";
+  }
+  return text;
+}
+
+std::string randomisation_table(const DatasetConfig& config) {
+  std::string text =
+      "| family | key | law | values |\n"
+      "| --- | --- | --- | --- |\n";
+  for (const FamilyConfig& family : config.families) {
+    for (const VariationConfig& variation : family.vary) {
+      std::string values;
+      for (const std::string& choice : variation.choices) values += (values.empty() ? "" : ", ") + choice;
+      if (values.empty()) values = format("%g", variation.min) + " to " + format("%g", variation.max);
+      text += "| " + family.name + " | `" + variation.key + "` | " + variation.law + " | " + values + " |\n";
+    }
+    if (family.reflectivity_spread > 0.0) {
+      text += "| " + family.name + " | reflectivity of each material | log-normal | x exp(" +
+              format("%g", family.reflectivity_spread) + " n) |\n";
+    }
+    text += "| " + family.name + " | cruise speed | uniform | " + format("%g", family.flight.speed_min_mps) + " to " +
+            format("%g", family.flight.speed_max_mps) + " m/s |\n";
+    text += "| " + family.name + " | height above ground | uniform | " + format("%g", family.flight.height_min_m) +
+            " to " + format("%g", family.flight.height_max_m) + " m |\n";
+  }
+  return text;
+}
+
+std::string pictures(const std::vector<SequenceInfo>& sequences) {
+  std::string text;
+  for (const SequenceInfo& info : sequences) {
+    for (const FileEntry& file : info.files) {
+      if (!file.path.starts_with("snapshots/") || !file.path.ends_with(".png") || file.path.ends_with(".mm.png"))
+        continue;
+      const std::string path = "sequences/" + sequence_name(info.sequence) + "/" + file.path;
+      text += "![sequence " + sequence_name(info.sequence) + ", " + fs::path(file.path).stem().string() + "](" + path +
+              ")\n\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+void write_data_card(const DatasetPlan& plan, const std::vector<SequenceInfo>& sequences, const fs::path& directory) {
+  Totals all;
+  for (const SequenceInfo& info : sequences) all.add(info);
+  const DatasetConfig& config = plan.config;
+  std::string text = "# " + config.name + "\n\n";
+  if (!config.description.empty()) text += config.description + "\n\n";
+  text += "Simulated by Swiftlet " + std::string(version()) + " (" + git_revision() +
+          "); fingerprint of the configuration `" + plan.fingerprint +
+          "`. Everything is a pure function of the seeds: `swiftlet dataset verify DIR` compares every hash with "
+          "manifest.json and simulates random frames again, bit for bit.\n\n";
+  text += "## Splits\n\n" + split_table(plan, sequences, all) + "\n";
+  text +=
+      "No world of one split comes again in another. `semantic-kitti.yaml` names classes, colours and splits in the "
+      "form "
+      "of semantic-kitti-api.\n\n";
+  text += "## Classes\n\n" + class_histogram(all) + "\n";
+  if (all.boxes() > 0) {
+    text += "## Vehicles by distance\n\nOf the " + grouped(all.boxes()) + " vehicles in frames, " +
+            grouped(all.sum(&SequenceStatistics::RangeBin::in_view)) +
+            " are visible (at least a tenth of the silhouette in the field of view with nothing in front) and " +
+            grouped(all.sum(&SequenceStatistics::RangeBin::detected)) + " have points.\n\n" + distance_histogram(all) +
+            "\n";
+  }
+  const std::string shown = pictures(sequences);
+  if (!shown.empty()) text += "## Pictures\n\n" + shown;
+  text += "## What was drawn for each flight\n\n" + randomisation_table(config) + "\n";
+  text += "## Sequences\n\n" + sequence_table(sequences) + "\n";
+  text += "## Files\n\nThe layout is that of SemanticKITTI; docs/datasets.md of Swiftlet describes every file.\n";
+  write_file(directory / "README.md", text);
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/dataset/dataset_config.hpp"
+#include "sim/recorders/byte_buffer.hpp"
+#include "sim/sensors/sensor.hpp"
+
+namespace swiftlet::sim {
+
+/// One scan in the layout of SemanticKITTI (little-endian), with what that layout has no place for beside it. All three
+/// speak of the same points in the same order: the returns, row by row.
+struct Frame {
+  ByteBuffer velodyne;     ///< float32 x, y, z [m], remission
+  ByteBuffer labels;       ///< uint32: class in the low 16 bits, instance in the high 16
+  ByteBuffer point_truth;  ///< packed: uint32 t_ns, uint16 ring, uint16 column, float32 range_m, float32 incidence_rad
+  int num_points = 0;
+};
+inline constexpr std::size_t kPointBytes = 16;
+inline constexpr std::size_t kLabelBytes = 4;
+inline constexpr std::size_t kPointTruthBytes = 16;
+
+/// A pure function of the scan; keeps the memory of `frame`.
+void encode_frame(const LabelledScan& scan, const ContentConfig& content, Frame& frame);
+
+/// Range and intensity by row and column, as fired (see pixel_shift_by_row). 0: no return.
+void encode_images(const LabelledScan& scan, const ContentConfig& content, std::vector<std::uint16_t>& range,
+                   std::vector<std::uint16_t>& intensity);
+
+/// Has the scan rows and columns that make a picture?
+bool makes_an_image(const Scan& scan);
+
+/// By how many columns each row must be shifted to the right so that pixels above each other look the same way.
+std::vector<int> pixel_shift_by_row(const BeamTable& beams);
+
+}  // namespace swiftlet::sim

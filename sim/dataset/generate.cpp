@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/dataset/generate.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "sim/batch/worker_pool.hpp"
+#include "sim/dataset/data_card.hpp"
+#include "sim/dataset/hash.hpp"
+#include "sim/run/run_directory.hpp"
+#include "sim/run/version.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kManifest = "manifest.json";
+
+/// Two generations into one directory would write over each other.
+class DirectoryLock {
+ public:
+  explicit DirectoryLock(const fs::path& directory) {
+    const fs::path path = directory / ".lock";
+    file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file_ < 0) throw std::runtime_error("cannot write " + path.string() + ": " + std::strerror(errno));
+    if (::flock(file_, LOCK_EX | LOCK_NB) == 0) return;
+    ::close(file_);
+    throw InputError(directory.string() + ": expected a directory that nobody is writing, found one in use");
+  }
+  ~DirectoryLock() { ::close(file_); }
+  DirectoryLock(const DirectoryLock&) = delete;
+  DirectoryLock& operator=(const DirectoryLock&) = delete;
+
+ private:
+  int file_ = -1;
+};
+
+std::string fingerprint_in(const fs::path& directory) {
+  std::ifstream in(directory / kManifest);
+  const Json json = Json::parse(in, nullptr, false);
+  return json.is_object() ? json.value("fingerprint", "") : "";
+}
+
+/// dataset.yaml with its scenarios beside it, so that the directory tells all by itself.
+void record_configuration(const DatasetPlan& plan, const fs::path& directory) {
+  DatasetConfig config = plan.config;
+  fs::create_directories(directory / "scenarios");
+  for (FamilyConfig& family : config.families) {
+    const std::string name = "scenarios/" + family.name + ".yaml";
+    write_file(directory / name, write_scenario(load_scenario(family.scenario)));
+    family.scenario = name;
+  }
+  write_file(directory / "dataset.yaml", write_dataset(config));
+}
+
+void open_directory(const DatasetPlan& plan, const GenerateOptions& options) {
+  const fs::path& directory = options.directory;
+  if (fs::exists(directory / kManifest)) {
+    if (!options.resume) {
+      throw InputError(directory.string() +
+                       ": expected a new name or an empty directory, found a dataset; --resume goes on with it");
+    }
+    if (fingerprint_in(directory) != plan.fingerprint) {
+      throw InputError(
+          directory.string() +
+          ": expected a dataset of the same configuration and version, found another one (its dataset.yaml "
+          "tells which); nothing was changed");
+    }
+    return;
+  }
+  if (fs::exists(directory) && (!fs::is_directory(directory) || !fs::is_empty(directory))) {
+    throw InputError(
+        directory.string() +
+        ": expected a new name, an empty directory or a dataset, found something else; it was left as it is");
+  }
+  std::error_code error;
+  fs::create_directories(directory / "sequences", error);
+  if (error)
+    throw InputError(directory.string() + ": expected a directory that can be made, found: " + error.message());
+  record_configuration(plan, directory);
+  write_file(directory / kManifest, manifest_json(plan, {}, {}, false));
+}
+
+/// What killed workers left behind.
+void remove_partial(const fs::path& directory) {
+  for (const auto& entry : fs::directory_iterator(directory / "sequences")) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.') && name.ends_with(".partial")) fs::remove_all(entry.path());
+  }
+}
+
+bool is_finished(const Flight& flight, const fs::path& directory) {
+  for (int i = 0; i < flight.num_sequences; ++i) {
+    if (!fs::exists(directory / "sequences" / sequence_name(flight.first_sequence + i) / "sequence.json")) return false;
+  }
+  return true;
+}
+
+std::vector<SequenceInfo> read_sequences(const DatasetPlan& plan, const fs::path& directory) {
+  std::vector<SequenceInfo> sequences;
+  for (const Flight& flight : plan.flights) {
+    for (int i = 0; i < flight.num_sequences; ++i) {
+      sequences.push_back(read_sequence_info(directory / "sequences" / sequence_name(flight.first_sequence + i)));
+      if (sequences.back().fingerprint != plan.fingerprint) {
+        throw std::runtime_error("sequence " + sequence_name(flight.first_sequence + i) +
+                                 " belongs to another dataset");
+      }
+    }
+  }
+  return sequences;
+}
+
+/// Everything outside the sequences.
+std::vector<FileEntry> write_descriptions(const DatasetPlan& plan, const std::vector<SequenceInfo>& sequences,
+                                          const fs::path& directory) {
+  write_file(directory / "semantic-kitti.yaml", class_table(plan, sequences));
+  write_data_card(plan, sequences, directory);
+  std::vector<FileEntry> files;
+  for (const FileEntry& file : list_files(directory)) {
+    const bool own = !file.path.starts_with("sequences/") && file.path != kManifest && file.path != ".lock";
+    if (own) files.push_back(file);
+  }
+  return files;
+}
+
+}  // namespace
+
+GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  open_directory(plan, options);
+  const DirectoryLock lock(options.directory);
+  remove_partial(options.directory);
+
+  std::vector<Job> jobs;
+  for (const Flight& flight : plan.flights) {
+    if (!is_finished(flight, options.directory)) {
+      jobs.push_back({static_cast<std::uint64_t>(flight.number), static_cast<std::uint64_t>(flight.number)});
+    }
+  }
+  GenerateReport report;
+  report.flights_all = static_cast<int>(plan.flights.size());
+  report.flights_done = report.flights_all - static_cast<int>(jobs.size());
+
+  const int workers = std::max(1, std::min(options.jobs, static_cast<int>(jobs.size())));
+  const int threads = std::max(1, available_processors() / workers);
+  WorkerPoolOptions pool;
+  pool.workers = workers;
+  std::string failure;
+  // The first failure ends all: a full disk does not get better by trying on.
+  pool.cancelled = [&] { return !failure.empty() || (options.cancelled && options.cancelled()); };
+  WorkerPoolEvents events;
+  events.finished = [&](const JobResult& result) {
+    if (result.status != JobStatus::kDone) {
+      if (failure.empty()) {
+        failure = "flight " + std::to_string(result.id) + " " + name_of(result.status) + ": " + result.message;
+      }
+      return;
+    }
+    ++report.flights_done;
+    if (options.progress) options.progress(report.flights_done, report.flights_all, "");
+  };
+  events.idle = [&](int) {
+    if (options.progress) options.progress(report.flights_done, report.flights_all, "");
+  };
+  const auto work = [&](std::uint64_t job) {
+    write_flight(plan, plan.flights[job], options.directory, threads);
+    return std::string();
+  };
+  const bool complete = jobs.empty() || run_jobs(jobs, work, pool, events);
+  if (!failure.empty()) {
+    throw std::runtime_error(failure + " (" + std::to_string(report.flights_done) + " of " +
+                             std::to_string(report.flights_all) + " flights are finished and kept; --resume goes on)");
+  }
+  report.cancelled = !complete;
+  if (!report.cancelled) {
+    report.sequences = read_sequences(plan, options.directory);
+    const std::vector<FileEntry> files = write_descriptions(plan, report.sequences, options.directory);
+    write_file(options.directory / kManifest, manifest_json(plan, report.sequences, files, true));
+    std::error_code ignored;
+    fs::remove(options.directory / ".lock", ignored);
+  }
+  report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+std::string manifest_json(const DatasetPlan& plan, const std::vector<SequenceInfo>& sequences,
+                          const std::vector<FileEntry>& files, bool complete) {
+  Json json;
+  json["dataset"] = plan.config.name;
+  json["description"] = plan.config.description;
+  json["complete"] = complete;
+  json["version"] = version();
+  json["revision"] = git_revision();
+  json["fingerprint"] = plan.fingerprint;
+  Json& splits = json["splits"] = Json::object();
+  for (const SplitConfig& split : plan.config.splits) {
+    splits[split.name] = {{"first_seed", split.first_seed}, {"flights", split.flights}};
+  }
+  Json list = Json::array(), all = Json::array();
+  const auto add = [&](const std::string& prefix, const FileEntry& file) {
+    all.push_back({{"path", prefix + file.path}, {"bytes", file.bytes}, {"xxh128", file.xxh128}});
+  };
+  for (const FileEntry& file : files) add("", file);
+  for (const SequenceInfo& info : sequences) {
+    list.push_back({{"sequence", sequence_name(info.sequence)},
+                    {"split", info.split},
+                    {"flight", info.flight},
+                    {"seed", info.seed},
+                    {"attempt", info.attempt},
+                    {"family", info.family},
+                    {"vehicle", info.vehicle},
+                    {"sensor", info.sensor},
+                    {"frames", info.statistics.frames},
+                    {"points", info.statistics.points},
+                    {"state_hash", info.state_hash}});
+    for (const FileEntry& file : info.files) add("sequences/" + sequence_name(info.sequence) + "/", file);
+  }
+  json["sequences"] = std::move(list);
+  json["files"] = std::move(all);
+  return json.dump(1) + "\n";
+}
+
+}  // namespace swiftlet::sim

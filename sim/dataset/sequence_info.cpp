@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/dataset/sequence_info.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "sim/dataset/hash.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using RangeBin = SequenceStatistics::RangeBin;
+
+constexpr const char* kFile = "sequence.json";
+
+template <class Array, class Field>
+Json column(const Array& bins, Field RangeBin::*field) {
+  Json values = Json::array();
+  for (const RangeBin& bin : bins) values.push_back(bin.*field);
+  return values;
+}
+
+template <class Field>
+void read_column(const Json& json, std::array<RangeBin, SequenceStatistics::kRangeBins>& bins, Field RangeBin::*field) {
+  for (std::size_t i = 0; i < bins.size(); ++i) bins[i].*field = json.at(i).get<Field>();
+}
+
+Json json_of(const SequenceStatistics& s) {
+  Json json;
+  json["frames"] = s.frames;
+  json["points"] = s.points;
+  json["rows"] = s.rows;
+  json["columns"] = s.columns;
+  json["duration_s"] = s.duration_s;
+  json["flown_m"] = s.flown_m;
+  json["least_clearance_m"] = s.least_clearance_m;
+  Json& classes = json["points_by_class"] = Json::object();
+  for (const auto& [label, count] : s.points_by_class) classes[std::to_string(label)] = count;
+  json["range_bin_m"] = SequenceStatistics::kRangeBin_m;
+  json["points_by_range"] = s.points_by_range;
+  Json& vehicles = json["vehicles_by_range"];
+  vehicles["boxes"] = column(s.vehicles_by_range, &RangeBin::boxes);
+  vehicles["in_view"] = column(s.vehicles_by_range, &RangeBin::in_view);
+  vehicles["detected"] = column(s.vehicles_by_range, &RangeBin::detected);
+  vehicles["well_detected"] = column(s.vehicles_by_range, &RangeBin::well_detected);
+  vehicles["points"] = column(s.vehicles_by_range, &RangeBin::points);
+  json["pixel_shift_by_row"] = s.pixel_shift_by_row;
+  return json;
+}
+
+SequenceStatistics statistics_of(const Json& json) {
+  SequenceStatistics s;
+  s.frames = json.at("frames").get<std::int64_t>();
+  s.points = json.at("points").get<std::int64_t>();
+  s.rows = json.at("rows").get<int>();
+  s.columns = json.at("columns").get<int>();
+  s.duration_s = json.at("duration_s").get<double>();
+  s.flown_m = json.at("flown_m").get<double>();
+  s.least_clearance_m = json.at("least_clearance_m").get<double>();
+  for (const auto& [label, count] : json.at("points_by_class").items()) {
+    s.points_by_class[static_cast<std::uint16_t>(std::stoul(label))] = count.get<std::int64_t>();
+  }
+  for (std::size_t i = 0; i < s.points_by_range.size(); ++i) {
+    s.points_by_range[i] = json.at("points_by_range").at(i).get<std::int64_t>();
+  }
+  const Json& vehicles = json.at("vehicles_by_range");
+  read_column(vehicles.at("boxes"), s.vehicles_by_range, &RangeBin::boxes);
+  read_column(vehicles.at("in_view"), s.vehicles_by_range, &RangeBin::in_view);
+  read_column(vehicles.at("detected"), s.vehicles_by_range, &RangeBin::detected);
+  read_column(vehicles.at("well_detected"), s.vehicles_by_range, &RangeBin::well_detected);
+  read_column(vehicles.at("points"), s.vehicles_by_range, &RangeBin::points);
+  s.pixel_shift_by_row = json.at("pixel_shift_by_row").get<std::vector<int>>();
+  return s;
+}
+
+}  // namespace
+
+std::string to_json(const SequenceInfo& info) {
+  Json json;
+  json["sequence"] = sequence_name(info.sequence);
+  json["split"] = info.split;
+  json["flight"] = info.flight;
+  json["seed"] = info.seed;
+  json["attempt"] = info.attempt;
+  json["family"] = info.family;
+  json["vehicle"] = info.vehicle;
+  json["instance"] = info.instance;
+  json["sensor"] = info.sensor;
+  json["sensor_model"] = info.sensor_model;
+  json["vehicles"] = info.vehicles;
+  json["models"] = info.models;
+  json["state_hash"] = info.state_hash;
+  json["fingerprint"] = info.fingerprint;
+  json["version"] = info.version;
+  json["revision"] = info.revision;
+  json["reflectivities"] = info.reflectivities;
+  json["statistics"] = json_of(info.statistics);
+  Json& files = json["files"] = Json::array();
+  for (const FileEntry& file : info.files) {
+    files.push_back({{"path", file.path}, {"bytes", file.bytes}, {"xxh128", file.xxh128}});
+  }
+  return json.dump(1) + "\n";
+}
+
+SequenceInfo read_sequence_info(const fs::path& directory) {
+  const fs::path path = directory / kFile;
+  std::ifstream in(path);
+  if (!in) throw std::runtime_error("cannot read " + path.string());
+  try {
+    const Json json = Json::parse(in);
+    SequenceInfo info;
+    info.sequence = std::stoi(json.at("sequence").get<std::string>());
+    info.split = json.at("split").get<std::string>();
+    info.flight = json.at("flight").get<int>();
+    info.seed = json.at("seed").get<std::uint64_t>();
+    info.attempt = json.at("attempt").get<int>();
+    info.family = json.at("family").get<std::string>();
+    info.vehicle = json.at("vehicle").get<std::string>();
+    info.instance = json.at("instance").get<int>();
+    info.sensor = json.at("sensor").get<std::string>();
+    info.sensor_model = json.at("sensor_model").get<std::string>();
+    info.vehicles = json.at("vehicles").get<std::vector<std::string>>();
+    info.models = json.at("models").get<std::vector<std::string>>();
+    info.state_hash = json.at("state_hash").get<std::string>();
+    info.fingerprint = json.at("fingerprint").get<std::string>();
+    info.version = json.at("version").get<std::string>();
+    info.revision = json.at("revision").get<std::string>();
+    info.reflectivities = json.at("reflectivities").get<std::vector<double>>();
+    info.statistics = statistics_of(json.at("statistics"));
+    for (const Json& file : json.at("files")) {
+      info.files.push_back({file.at("path").get<std::string>(), file.at("bytes").get<std::uint64_t>(),
+                            file.at("xxh128").get<std::string>()});
+    }
+    return info;
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path.string() + ": not the description of a sequence: " + error.what());
+  }
+}
+
+std::vector<FileEntry> list_files(const fs::path& directory) {
+  std::vector<FileEntry> files;
+  for (const auto& entry : fs::recursive_directory_iterator(directory)) {
+    if (!entry.is_regular_file()) continue;
+    const std::string path = entry.path().lexically_relative(directory).generic_string();
+    if (path == kFile) continue;
+    files.push_back({path, entry.file_size(), hex(hash_of_file(entry.path()))});
+  }
+  std::sort(files.begin(), files.end(), [](const FileEntry& a, const FileEntry& b) { return a.path < b.path; });
+  return files;
+}
+
+std::string sequence_name(int sequence) {
+  char digits[16];
+  std::snprintf(digits, sizeof digits, "%02d", sequence);
+  return digits;
+}
+
+}  // namespace swiftlet::sim

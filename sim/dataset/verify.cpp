@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/dataset/verify.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <sstream>
+
+#include "core/math/random.hpp"
+#include "sim/dataset/frame.hpp"
+#include "sim/dataset/generate.hpp"
+#include "sim/dataset/hash.hpp"
+#include "sim/world/scene.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxProblems = 50;
+constexpr int kPoseNumbers = 12;
+
+std::string read_text(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+int count_files(const fs::path& folder) {
+  if (!fs::is_directory(folder)) return 0;
+  return static_cast<int>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+/// Numbers separated by single blanks; nullopt when something else is among them.
+std::optional<int> count_numbers(std::string_view line) {
+  int count = 0;
+  while (!line.empty()) {
+    const std::size_t end = std::min(line.find(' '), line.size());
+    double value = 0.0;
+    const auto [stop, problem] = std::from_chars(line.data(), line.data() + end, value);
+    if (problem != std::errc() || stop != line.data() + end) return std::nullopt;
+    ++count;
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+  return count;
+}
+
+bool is_known_label(std::uint16_t label) {
+  static const std::set<std::uint16_t> known = [] {
+    std::set<std::uint16_t> labels = {0, static_cast<std::uint16_t>(SurfaceClass::kVehicle)};
+    for (const char* name : static_class_names()) labels.insert(static_cast<std::uint16_t>(*surface_class_of(name)));
+    return labels;
+  }();
+  return known.contains(label);
+}
+
+class Verification {
+ public:
+  Verification(fs::path directory, const VerifyOptions& options)
+      : directory_(std::move(directory)), options_(options) {}
+
+  VerifyReport run() {
+    read_manifest();
+    if (!manifest_.value("complete", false)) problem("the dataset is not complete; swiftlet dataset --resume goes on");
+    check_files();
+    for (const SequenceInfo& info : sequences_) check_layout(info);
+    // Bytes that differ from their hash need no second opinion.
+    if (report_.ok() && options_.frames > 0) resimulate();
+    return report_;
+  }
+
+ private:
+  void problem(const std::string& text) {
+    if (report_.problems.size() < kMaxProblems) report_.problems.push_back(text);
+  }
+
+  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
+  void tell(double done, const std::string& note) const {
+    if (options_.progress) options_.progress(done, note);
+  }
+
+  void read_manifest() {
+    const fs::path path = directory_ / "manifest.json";
+    if (!fs::exists(path)) throw InputError(directory_.string() + ": expected a dataset, found no manifest.json");
+    manifest_ = Json::parse(read_text(path), nullptr, false);
+    if (!manifest_.is_object() || !manifest_.contains("files") || !manifest_.contains("sequences")) {
+      throw InputError(path.string() + ": expected the manifest of a dataset, found something else");
+    }
+    try {
+      for (const Json& sequence : manifest_.at("sequences")) {
+        const std::string name = sequence.at("sequence").get<std::string>();
+        sequences_.push_back(read_sequence_info(directory_ / "sequences" / name));
+        const SequenceInfo& info = sequences_.back();
+        if (info.fingerprint != manifest_.at("fingerprint").get<std::string>() ||
+            info.state_hash != sequence.at("state_hash").get<std::string>()) {
+          problem("sequences/" + name + "/sequence.json: belongs to another dataset than manifest.json");
+        }
+      }
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::exception& error) {
+      problem(error.what());
+    }
+  }
+
+  void check_files() {
+    std::set<std::string> named = {"manifest.json", ".lock"};
+    for (const SequenceInfo& info : sequences_) {
+      named.insert("sequences/" + sequence_name(info.sequence) + "/sequence.json");
+    }
+    const std::size_t all = manifest_.at("files").size();
+    for (const Json& file : manifest_.at("files")) {
+      if (cancelled()) return;
+      const std::string name = file.value("path", "");
+      named.insert(name);
+      check_file(name, file.value("bytes", std::uint64_t{0}), file.value("xxh128", ""));
+      ++report_.files;
+      if (report_.files % 64 == 0) {
+        tell(0.5 * static_cast<double>(report_.files) / static_cast<double>(all), "hashes");
+      }
+    }
+    for (const auto& entry : fs::recursive_directory_iterator(directory_)) {
+      if (entry.is_directory()) continue;
+      const std::string name = entry.path().lexically_relative(directory_).generic_string();
+      if (!named.contains(name)) problem(name + ": the manifest does not name it");
+    }
+  }
+
+  void check_file(const std::string& name, std::uint64_t bytes, const std::string& hash) {
+    const fs::path path = directory_ / name;
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(path, error);
+    if (error) return problem(name + ": " + error.message());
+    if (size != bytes) {
+      return problem(name + ": expected " + std::to_string(bytes) + " bytes, found " + std::to_string(size));
+    }
+    try {
+      const std::string found = hex(hash_of_file(path));
+      if (found != hash) problem(name + ": expected the hash " + hash + ", found " + found);
+    } catch (const std::exception& unreadable) {
+      problem(unreadable.what());
+    }
+  }
+
+  void check_layout(const SequenceInfo& info) {
+    const fs::path root = directory_ / "sequences" / sequence_name(info.sequence);
+    const std::string name = "sequences/" + sequence_name(info.sequence);
+    const int frames = static_cast<int>(info.statistics.frames);
+    report_.frames += frames;
+    std::vector<const char*> folders = {"velodyne", "labels"};
+    if (fs::exists(root / "point_truth")) folders.push_back("point_truth");
+    if (fs::exists(root / "images")) folders.insert(folders.end(), {"images/range", "images/intensity"});
+    for (const char* folder : folders) {
+      const int found = count_files(root / folder);
+      if (found != frames) {
+        problem(name + "/" + folder + ": expected " + std::to_string(frames) + " files, found " +
+                std::to_string(found));
+      }
+    }
+    check_lines(root / "poses.txt", name + "/poses.txt", frames, kPoseNumbers);
+    check_lines(root / "times.txt", name + "/times.txt", frames, 1);
+    std::int64_t points = 0;
+    for (int i = 0; i < frames && !cancelled(); ++i) points += check_frame(root, name, i);
+    if (points != info.statistics.points) {
+      problem(name + ": expected " + std::to_string(info.statistics.points) + " points, found " +
+              std::to_string(points));
+    }
+    check_boxes(root / "boxes.csv", name + "/boxes.csv", frames, info);
+  }
+
+  void check_lines(const fs::path& path, const std::string& name, int lines, int numbers) {
+    std::istringstream text(read_text(path));
+    int count = 0;
+    for (std::string line; std::getline(text, line); ++count) {
+      if (count_numbers(line) != numbers) {
+        return problem(name + ":" + std::to_string(count + 1) + ": expected " + std::to_string(numbers) + " numbers");
+      }
+    }
+    if (count != lines)
+      problem(name + ": expected " + std::to_string(lines) + " lines, found " + std::to_string(count));
+  }
+
+  /// @return how many points it has
+  std::int64_t check_frame(const fs::path& root, const std::string& name, int frame) {
+    const std::string scan = frame_file("velodyne", frame, "bin"), label = frame_file("labels", frame, "label");
+    std::error_code error;
+    const std::uintmax_t bytes = fs::file_size(root / scan, error);
+    if (error) return 0;  // told before
+    if (bytes % kPointBytes != 0) problem(name + "/" + scan + ": expected four float32 a point");
+    const std::string labels = read_text(root / label);
+    const std::size_t points = bytes / kPointBytes;
+    if (labels.size() != points * kLabelBytes) {
+      problem(name + "/" + label + ": expected " + std::to_string(points) + " labels, found " +
+              std::to_string(labels.size() / kLabelBytes));
+    }
+    for (std::size_t i = 0; i + kLabelBytes <= labels.size(); i += kLabelBytes) {
+      std::uint16_t surface_class = 0;
+      std::memcpy(&surface_class, labels.data() + i, sizeof surface_class);
+      if (is_known_label(surface_class)) continue;
+      problem(name + "/" + label + ": class " + std::to_string(surface_class) + " is not in the class table");
+      break;
+    }
+    const fs::path truth = root / frame_file("point_truth", frame, "bin");
+    if (fs::exists(truth) && fs::file_size(truth) != points * kPointTruthBytes) {
+      problem(name + "/" + frame_file("point_truth", frame, "bin") + ": expected " + std::to_string(points) +
+              " records");
+    }
+    return static_cast<std::int64_t>(points);
+  }
+
+  void check_boxes(const fs::path& path, const std::string& name, int frames, const SequenceInfo& info) {
+    std::istringstream text(read_text(path));
+    std::string line;
+    std::getline(text, line);
+    const std::size_t columns = static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
+    int count = 0;
+    for (int number = 2; std::getline(text, line); ++number, ++count) {
+      int frame = -1;
+      std::from_chars(line.data(), line.data() + line.size(), frame);
+      if (frame < 0 || frame >= frames ||
+          static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) != columns) {
+        return problem(name + ":" + std::to_string(number) + ": expected a box of one of " + std::to_string(frames) +
+                       " frames");
+      }
+    }
+    const int others = static_cast<int>(info.vehicles.size()) - 1;
+    if (count != frames * others) {
+      problem(name + ": expected " + std::to_string(frames * others) + " boxes, found " + std::to_string(count));
+    }
+  }
+
+  // Frames by sequence, drawn without replacement.
+  std::map<std::size_t, std::set<int>> draw_frames() const {
+    std::int64_t all = 0;
+    for (const SequenceInfo& info : sequences_) all += info.statistics.frames;
+    const auto wanted = static_cast<std::size_t>(std::min<std::int64_t>(options_.frames, all));
+    const Random random(options_.seed, "dataset.verify", manifest_.value("fingerprint", ""));
+    std::set<std::int64_t> drawn;
+    for (std::uint32_t i = 0; drawn.size() < wanted; ++i) {
+      drawn.insert(static_cast<std::int64_t>(random.uniform(i, 0) * static_cast<double>(all)));
+    }
+    std::map<std::size_t, std::set<int>> frames;
+    for (std::int64_t place : drawn) {
+      std::size_t sequence = 0;
+      while (place >= sequences_[sequence].statistics.frames) place -= sequences_[sequence++].statistics.frames;
+      frames[sequence].insert(static_cast<int>(place));
+    }
+    return frames;
+  }
+
+  void resimulate() {
+    const ContentConfig content = load_dataset(directory_ / "dataset.yaml").content;
+    const auto drawn = draw_frames();
+    double done = 0.0;
+    for (const auto& [sequence, frames] : drawn) {
+      if (cancelled()) return;
+      tell(0.5 + 0.5 * done / static_cast<double>(drawn.size()),
+           "sequence " + sequence_name(sequences_[sequence].sequence) + " again");
+      resimulate(sequences_[sequence], content, frames);
+      done += 1.0;
+    }
+  }
+
+  void resimulate(const SequenceInfo& info, const ContentConfig& content, const std::set<int>& frames) {
+    const fs::path root = directory_ / "sequences" / sequence_name(info.sequence);
+    const PreparedFlight prepared = restore_flight(root, info);
+    Simulation simulation(prepared.scenario, 0, prepared.world);
+    const auto carrier = static_cast<std::size_t>(info.instance - 1);
+    int num_scans = 0;
+    Frame frame;
+    while (!simulation.finished() && num_scans <= *frames.rbegin() * content.every) {
+      if (cancelled()) return;
+      simulation.tick();
+      for (const auto& scan : simulation.view().scans[carrier]) {
+        if (scan->scan.sensor != info.sensor) continue;
+        const int number = num_scans++;
+        if (number % content.every != 0 || !frames.contains(number / content.every)) continue;
+        encode_frame(*scan, content, frame);
+        compare(root, number / content.every, content, frame);
+      }
+    }
+    if (num_scans <= *frames.rbegin() * content.every) {
+      problem("sequences/" + sequence_name(info.sequence) + ": simulated again, it ends before frame " +
+              std::to_string(*frames.rbegin()));
+    }
+  }
+
+  void compare(const fs::path& root, int number, const ContentConfig& content, const Frame& frame) {
+    const auto same = [&](const std::string& file, const ByteBuffer& bytes) {
+      const std::string stored = read_text(root / file);
+      if (stored.size() == bytes.size() && std::memcmp(stored.data(), bytes.bytes().data(), bytes.size()) == 0) return;
+      problem((root / file).lexically_relative(directory_).generic_string() + ": differs when simulated again");
+    };
+    same(frame_file("velodyne", number, "bin"), frame.velodyne);
+    same(frame_file("labels", number, "label"), frame.labels);
+    if (content.point_truth) same(frame_file("point_truth", number, "bin"), frame.point_truth);
+    ++report_.resimulated;
+  }
+
+  fs::path directory_;
+  VerifyOptions options_;
+  Json manifest_;
+  std::vector<SequenceInfo> sequences_;
+  VerifyReport report_;
+};
+
+}  // namespace
+
+VerifyReport verify_dataset(const fs::path& directory, const VerifyOptions& options) {
+  return Verification(directory, options).run();
+}
+
+}  // namespace swiftlet::sim

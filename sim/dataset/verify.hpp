@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace swiftlet::sim {
+
+struct VerifyOptions {
+  int frames = 3;          ///< to re-simulate; 0: none
+  std::uint64_t seed = 0;  ///< which ones
+  std::function<bool()> cancelled;
+  std::function<void(double done, const std::string& note)> progress;
+};
+
+struct VerifyReport {
+  std::int64_t files = 0;             ///< whose hash was compared
+  std::int64_t frames = 0;            ///< whose layout was checked
+  int resimulated = 0;                ///< frames compared bit for bit
+  std::vector<std::string> problems;  ///< one line each; empty: all is well
+
+  bool ok() const { return problems.empty(); }
+};
+
+/// Checks a dataset: that it is complete, every file's size and hash, that nothing is there that should not be, the
+/// layout of every sequence (as many poses, times, scans and labels as frames; labels that the class table knows; boxes
+/// of frames that exist), and that random frames come out the same, bit for bit, when their flight is simulated again.
+/// Throws InputError when the directory holds no dataset.
+VerifyReport verify_dataset(const std::filesystem::path& directory, const VerifyOptions& options);
+
+}  // namespace swiftlet::sim

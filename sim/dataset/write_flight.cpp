@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+#include <stdexcept>
+
+#include "sim/dataset/generate.hpp"
+#include "sim/dataset/sequence_recorder.hpp"
+#include "sim/recorders/csv.hpp"
+#include "sim/recorders/tum.hpp"
+#include "sim/render/snapshot_recorder.hpp"
+#include "sim/run/run_directory.hpp"
+#include "sim/run/version.hpp"
+#include "sim/sensors/lidar.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One LiDAR's sequence while it is written.
+struct OpenSequence {
+  LidarOfTeam lidar;
+  int number = 0;
+  fs::path partial, destination;
+  std::shared_ptr<SequenceStatistics> statistics = std::make_shared<SequenceStatistics>();
+};
+
+template <class Config>
+std::unique_ptr<Recorder> recorder_of(const char* type, const Config& config) {
+  Module module(recorder_module_types(), type);
+  module.as<Config>() = config;
+  return make_recorder(module);
+}
+
+std::vector<OpenSequence> open_sequences(const Flight& flight, const Scenario& scenario, const fs::path& directory) {
+  const std::vector<LidarOfTeam> lidars = lidars_of(scenario);
+  if (static_cast<int>(lidars.size()) != flight.num_sequences) {
+    throw std::runtime_error("flight " + std::to_string(flight.number) + ": expected " +
+                             std::to_string(flight.num_sequences) + " LiDARs, found " + std::to_string(lidars.size()) +
+                             " (variations must not change how many there are)");
+  }
+  std::vector<OpenSequence> sequences;
+  for (int i = 0; i < flight.num_sequences; ++i) {
+    OpenSequence sequence;
+    sequence.lidar = lidars[static_cast<std::size_t>(i)];
+    sequence.number = flight.first_sequence + i;
+    sequence.destination = directory / "sequences" / sequence_name(sequence.number);
+    sequence.partial = directory / "sequences" / ("." + sequence_name(sequence.number) + ".partial");
+    fs::remove_all(sequence.partial);
+    fs::create_directories(sequence.partial);
+    sequences.push_back(std::move(sequence));
+  }
+  return sequences;
+}
+
+void attach_recorders(Simulation& simulation, const DatasetPlan& plan, const std::vector<OpenSequence>& sequences,
+                      const World& world) {
+  const ContentConfig& content = plan.config.content;
+  for (const OpenSequence& sequence : sequences) {
+    simulation.attach(make_sequence_recorder(content, sequence.lidar.vehicle, sequence.lidar.sensor, world.static_scene,
+                                             sequence.statistics),
+                      sequence.partial);
+    TumConfig tum;
+    tum.rate_hz = content.trajectory_rate_hz;
+    simulation.attach(recorder_of("tum", tum), sequence.partial);
+    if (!content.tables.empty()) {
+      CsvConfig csv;
+      csv.topics = content.tables;
+      simulation.attach(recorder_of("csv", csv), sequence.partial);
+    }
+  }
+  // What tells about the whole flight is written once.
+  for (const Module& recorder : plan.config.recorders) {
+    simulation.attach(make_recorder(recorder), sequences.front().partial);
+  }
+  const auto& snapshots = simulation.scenario().snapshots;
+  if (!snapshots.empty()) simulation.attach(make_snapshot_recorder(snapshots), sequences.front().partial);
+}
+
+/// @return what happened if a vehicle crashed
+std::string fly_to_the_end(Simulation& simulation) {
+  while (!simulation.finished()) {
+    simulation.tick();
+    for (const Event& event : simulation.view().events) {
+      if (event.kind != "crash") continue;
+      char note[160];
+      std::snprintf(note, sizeof note, "%s crashed into %s at %.2f s",
+                    simulation.info().vehicle_names[static_cast<std::size_t>(event.vehicle)].c_str(),
+                    event.partner.c_str(), to_seconds(event.t));
+      return note;
+    }
+  }
+  return {};
+}
+
+std::string model_of(const Scenario& scenario, const LidarOfTeam& lidar) {
+  for (const Module& sensor : scenario.vehicles[static_cast<std::size_t>(lidar.vehicle)].sensors) {
+    const auto* config = dynamic_cast<const LidarConfig*>(sensor.config.get());
+    if (config != nullptr && config->name == lidar.sensor) return config->model;
+  }
+  return {};
+}
+
+std::string hex64(std::uint64_t value) {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(value));
+  return digits;
+}
+
+SequenceInfo describe(const DatasetPlan& plan, const Flight& flight, int attempt, const PreparedFlight& prepared,
+                      const Simulation& simulation, const OpenSequence& sequence) {
+  SequenceInfo info;
+  info.sequence = sequence.number;
+  info.split = flight.split;
+  info.flight = flight.number;
+  info.seed = flight.seed;
+  info.attempt = attempt;
+  info.family = plan.config.families[static_cast<std::size_t>(flight.family)].name;
+  for (const VehicleConfig& vehicle : prepared.scenario.vehicles) {
+    info.vehicles.push_back(vehicle.name);
+    info.models.push_back(vehicle.model);
+  }
+  info.vehicle = info.vehicles[static_cast<std::size_t>(sequence.lidar.vehicle)];
+  info.instance = sequence.lidar.vehicle + 1;
+  info.sensor = sequence.lidar.sensor;
+  info.sensor_model = model_of(prepared.scenario, sequence.lidar);
+  info.state_hash = hex64(simulation.state_hash());
+  info.fingerprint = plan.fingerprint;
+  info.version = version();
+  info.revision = git_revision();
+  info.reflectivities = prepared.reflectivities;
+  info.statistics = *sequence.statistics;
+  info.files = list_files(sequence.partial);
+  return info;
+}
+
+void commit(const OpenSequence& sequence) {
+  // What an earlier generation finished is the same bytes.
+  if (fs::exists(sequence.destination)) {
+    fs::remove_all(sequence.partial);
+  } else {
+    fs::rename(sequence.partial, sequence.destination);
+  }
+}
+
+/// @return why it must be drawn anew, or nothing
+std::string try_flight(const DatasetPlan& plan, const Flight& flight, int attempt, const fs::path& directory,
+                       int threads) {
+  const PreparedFlight prepared = prepare_flight(plan, flight, attempt);
+  const std::vector<OpenSequence> sequences = open_sequences(flight, prepared.scenario, directory);
+  Simulation simulation(prepared.scenario, threads, prepared.world);
+  attach_recorders(simulation, plan, sequences, prepared.world);
+  const std::string crash = fly_to_the_end(simulation);
+  if (!crash.empty()) {
+    for (const OpenSequence& sequence : sequences) fs::remove_all(sequence.partial);
+    return crash;
+  }
+  simulation.finish();
+  for (const OpenSequence& sequence : sequences) {
+    write_file(sequence.partial / "scenario.yaml", write_scenario(prepared.scenario));
+    const SequenceInfo info = describe(plan, flight, attempt, prepared, simulation, sequence);
+    write_file(sequence.partial / "sequence.json", to_json(info));
+  }
+  for (const OpenSequence& sequence : sequences) commit(sequence);
+  return {};
+}
+
+}  // namespace
+
+void write_flight(const DatasetPlan& plan, const Flight& flight, const fs::path& directory, int threads) {
+  std::string reason;
+  for (int attempt = 0; attempt < plan.config.max_attempts; ++attempt) {
+    try {
+      reason = try_flight(plan, flight, attempt, directory, threads);
+      if (reason.empty()) return;
+    } catch (const NoWayFound& error) {
+      reason = error.what();
+    }
+  }
+  throw std::runtime_error("flight " + std::to_string(flight.number) + " (seed " + std::to_string(flight.seed) + "): " +
+                           std::to_string(plan.config.max_attempts) + " attempts failed, the last because " + reason);
+}
+
+PreparedFlight restore_flight(const fs::path& sequence_directory, const SequenceInfo& info) {
+  PreparedFlight prepared;
+  prepared.scenario = load_scenario(sequence_directory / "scenario.yaml");
+  prepared.reflectivities = info.reflectivities;
+  prepared.world = make_flight_world(prepared.scenario, info.reflectivities);
+  return prepared;
+}
+
+}  // namespace swiftlet::sim

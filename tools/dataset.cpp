@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <csignal>
+#include <memory>
+#include <optional>
+
+#include "commands.hpp"
+#include "progress.hpp"
+#include "sim/batch/worker_pool.hpp"
+#include "sim/dataset/generate.hpp"
+#include "sim/dataset/verify.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+struct DatasetOptions {
+  std::string file, out;
+  std::vector<std::string> set;
+  int jobs = 0;
+  bool resume = false;
+  bool quiet = false;
+};
+
+struct VerifyCommand {
+  std::string directory;
+  int frames = 3;
+  std::optional<std::uint64_t> seed;
+  bool quiet = false;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+// Ctrl-C ends the generation; finished sequences stay.
+class InterruptGuard {
+ public:
+  InterruptGuard() : previous_(std::signal(SIGINT, [](int) { interrupted = 1; })) {}
+  ~InterruptGuard() { std::signal(SIGINT, previous_); }
+
+ private:
+  void (*previous_)(int);
+};
+
+std::vector<std::pair<std::string, std::string>> overrides_of(const std::vector<std::string>& assignments) {
+  std::vector<std::pair<std::string, std::string>> overrides;
+  for (const std::string& assignment : assignments) {
+    const std::size_t equals = assignment.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw sim::InputError(fmt::format("--set {}: expected KEY=VALUE, such as splits[0].flights=2", assignment));
+    }
+    overrides.emplace_back(assignment.substr(0, equals), assignment.substr(equals + 1));
+  }
+  return overrides;
+}
+
+void generate(const DatasetOptions& options) {
+  const sim::DatasetPlan plan = sim::plan_dataset(sim::load_dataset(options.file, overrides_of(options.set)));
+  const InterruptGuard guard;
+  Progress progress(plan.config.name, options.quiet);
+  sim::GenerateOptions generation;
+  generation.directory = options.out;
+  generation.jobs = options.jobs > 0 ? options.jobs : sim::available_processors();
+  generation.resume = options.resume;
+  generation.cancelled = [] { return interrupted != 0; };
+  generation.progress = [&](int done, int all, const std::string&) {
+    if (progress.due()) progress.update(static_cast<double>(done) / all, fmt::format("{} of {} flights", done, all));
+  };
+  const sim::GenerateReport report = sim::generate_dataset(plan, generation);
+  progress.finish();
+  if (report.cancelled) {
+    throw std::runtime_error(fmt::format("interrupted; {} of {} flights are finished and kept, --resume goes on",
+                                         report.flights_done, report.flights_all));
+  }
+  if (options.quiet) return;
+  sim::SequenceStatistics sum;
+  for (const sim::SequenceInfo& info : report.sequences) sum.add(info.statistics);
+  fmt::print("{}: {} flights, {} sequences, {} frames, {} points in {}\n", plan.config.name, report.flights_all,
+             report.sequences.size(), sum.frames, sum.points, duration_text(report.wall_s));
+  fmt::print("\n{}\n", bold("written to " + options.out));
+  fmt::print("  {:<24} data card: statistics, histograms, pictures\n", "README.md");
+  fmt::print("  {:<24} version, seeds, hash of every file\n", "manifest.json");
+  fmt::print("  {:<24} classes, colours and splits for readers of SemanticKITTI\n", "semantic-kitti.yaml");
+  fmt::print("  {:<24} one directory a LiDAR and flight\n", "sequences/NN/");
+}
+
+void verify(const VerifyCommand& command) {
+  const InterruptGuard guard;
+  Progress progress("verify", command.quiet);
+  sim::VerifyOptions options;
+  options.frames = command.frames;
+  options.seed = command.seed.value_or(0);
+  options.cancelled = [] { return interrupted != 0; };
+  options.progress = [&](double done, const std::string& note) {
+    if (progress.due()) progress.update(done, note);
+  };
+  const sim::VerifyReport report = sim::verify_dataset(command.directory, options);
+  progress.finish();
+  if (interrupted != 0) throw std::runtime_error("interrupted before everything was compared");
+  for (const std::string& problem : report.problems) fmt::print(stderr, "{}\n", problem);
+  if (!report.ok()) {
+    throw std::runtime_error(fmt::format("{}: {} problem{}", command.directory, report.problems.size(),
+                                         report.problems.size() == 1 ? "" : "s"));
+  }
+  if (command.quiet) return;
+  fmt::print("{}: {} files as in the manifest, {} frames laid out well, {} simulated again bit for bit\n",
+             command.directory, report.files, report.frames, report.resimulated);
+}
+
+}  // namespace
+
+void add_dataset(CLI::App& app) {
+  auto options = std::make_shared<DatasetOptions>();
+  Subcommand command(app, "dataset", "Write a labelled dataset, or verify one");
+  command.option("dataset", options->file, "Dataset file, or the name of one that comes with Swiftlet",
+                 {.value_name = "DATASET.yaml"});
+  command.option("--out", options->out, "Directory to write", {.value_name = "DIR"});
+  command.option("--jobs", options->jobs, "Flights at a time, each in a process of its own (default: one a processor)",
+                 {.min = 0, .max = 1024});
+  command.flag("--resume", options->resume, "Go on with a generation that was ended before it was done");
+  command.option("--set", options->set, "Override any key: --set splits[0].flights=2 (may be repeated)",
+                 {.value_name = "KEY=VALUE", .repeated = true});
+  command.flag("-q,--quiet", options->quiet, "Print errors only");
+  command.action([options] {
+    if (options->file.empty()) throw sim::InputError("dataset: expected a dataset file, found none");
+    if (options->out.empty()) throw sim::InputError("dataset: expected --out DIR, found none");
+    generate(*options);
+  });
+
+  auto check = std::make_shared<VerifyCommand>();
+  Subcommand verification = command.subcommand("verify", "Check layout, hashes, and random frames by simulation");
+  verification.option("directory", check->directory, "Dataset", {.value_name = "DIR", .required = true});
+  verification.option("--frames", check->frames, "Frames to simulate again", {.min = 0, .max = 1000000});
+  verification.option("--seed", check->seed, "Which ones (default: 0)", {.value_name = "N"});
+  verification.flag("-q,--quiet", check->quiet, "Print errors only");
+  verification.action([check] { verify(*check); });
+}
+
+}  // namespace swiftlet::tools
