@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Results that change must change on purpose.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/world/world.hpp"
+#include "swiftlet/sim/simulation.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+const std::string kFolder = SWIFTLET_SOURCE_DIR "/tests/golden/";
+
+/// A line of tests/golden/hashes.txt: SCENARIO [KEY=VALUE ...] HASH.
+struct GoldenRun {
+  std::string scenario;
+  std::vector<std::pair<std::string, std::string>> settings;
+  std::string hash;
+};
+
+std::ostream& operator<<(std::ostream& out, const GoldenRun& run) {
+  out << run.scenario;
+  for (const auto& [key, value] : run.settings) out << " " << key << "=" << value;
+  return out;
+}
+
+std::vector<GoldenRun> golden_runs() {
+  std::ifstream file(kFolder + "hashes.txt");
+  std::vector<GoldenRun> runs;
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line.front() == '#') continue;
+    std::istringstream words(line);
+    GoldenRun run;
+    words >> run.scenario;
+    for (std::string word; words >> word;) {
+      const std::size_t equals = word.find('=');
+      if (equals == std::string::npos) {
+        run.hash = word;
+      } else {
+        run.settings.emplace_back(word.substr(0, equals), word.substr(equals + 1));
+      }
+    }
+    runs.push_back(std::move(run));
+  }
+  return runs;
+}
+
+std::string hash_of(const GoldenRun& run) {
+  Simulation simulation(load_scenario(kFolder + run.scenario, run.settings));
+  while (!simulation.finished()) simulation.tick();
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(simulation.state_hash()));
+  return text;
+}
+
+class Golden : public testing::TestWithParam<GoldenRun> {};
+
+TEST_P(Golden, RunHasTheSameBitsAsEver) {
+  EXPECT_EQ(hash_of(GetParam()), GetParam().hash)
+      << GetParam() << ": results differ from those in tests/golden/hashes.txt.\n"
+      << "If they were meant to change, write them anew with\n"
+      << "  tests/golden/renew build/release/swiftlet\n"
+      << "and say in CHANGELOG.md what changed and why. If not, look for what this run has and others have not.";
+}
+
+std::string name_of_run(const testing::TestParamInfo<GoldenRun>& info) {
+  std::string name = info.param.scenario.substr(0, info.param.scenario.find('.'));
+  if (!info.param.settings.empty()) name += "_" + info.param.settings.front().second;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Runs, Golden, testing::ValuesIn(golden_runs()), name_of_run);
+
+TEST(GoldenFile, HasEveryTypeOfWorld) {
+  std::set<std::string> covered;
+  for (const GoldenRun& run : golden_runs()) {
+    for (const auto& [key, value] : run.settings) {
+      if (key == "world.type") covered.insert(value);
+    }
+  }
+  for (const ModuleType& type : world_module_types()) {
+    EXPECT_TRUE(covered.contains(type.name)) << "add a line `world.yaml world.type=" << type.name
+                                             << " 0` to tests/golden/hashes.txt and run tests/golden/renew";
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
