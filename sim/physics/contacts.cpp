@@ -331,6 +331,35 @@ void Contacts::gather_triangles(VehicleId vehicle, const StaticScene& scene, con
   });
 }
 
+Contacts::Overlap Contacts::overlap(VehicleId vehicle, const Vector3& p_world_m,
+                                    const Eigen::Quaterniond& q_world_body) {
+  Impl& impl = *impl_;
+  Body& own = impl.bodies[vehicle];
+  // What Bullet remembers of the place before must not count.
+  impl.manifolds.resizeNoInitialize(0);
+  own.world_algorithm->getAllContactManifolds(impl.manifolds);
+  for (int m = 0; m < impl.manifolds.size(); ++m) impl.manifolds[m]->clearManifold();
+  impl.manifolds.resizeNoInitialize(0);
+
+  ContactBody body;
+  body.vehicle = vehicle;
+  body.p_world_m = p_world_m;
+  body.q_world_body = q_world_body;
+  impl.place(body);
+  impl.near_triangles.show(own.triangles, own.low, own.high);
+  if (!own.triangles.empty()) impl.collide(*own.rigid, impl.world, own.world_algorithm);
+
+  Overlap deepest;
+  for (int m = 0; m < impl.manifolds.size(); ++m) {
+    for (int k = 0; k < impl.manifolds[m]->getNumContacts(); ++k) {
+      const btManifoldPoint& point = impl.manifolds[m]->getContactPoint(k);
+      if (-point.getDistance() > deepest.depth_m)
+        deepest = {-point.getDistance(), from_bt(point.getPositionWorldOnB())};
+    }
+  }
+  return deepest;
+}
+
 void Contacts::resolve(std::span<ContactBody> bodies, std::span<const Pair> pairs, std::vector<Touch>& touches) {
   Impl& impl = *impl_;
   impl.manifolds.resizeNoInitialize(0);

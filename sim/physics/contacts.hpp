@@ -45,6 +45,13 @@ class Contacts {
   /// Keeps the triangles that may touch `box_world` as what this vehicle can meet until the next call.
   void gather_triangles(VehicleId vehicle, const StaticScene& scene, const Eigen::AlignedBox3d& box_world);
 
+  struct Overlap {
+    double depth_m = 0.0;  ///< 0: touches nothing, or merely touches
+    Vector3 p_world_m = Vector3::Zero();
+  };
+  /// The deepest contact of the vehicle's shape, put there, with the triangles of gather_triangles().
+  Overlap overlap(VehicleId vehicle, const Vector3& p_world_m, const Eigen::Quaterniond& q_world_body);
+
   struct Pair {
     VehicleId a = kNoVehicle;  ///< a < b; both in `bodies`
     VehicleId b = kNoVehicle;

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "core/agent/registry.hpp"
 #include "core/agent/stack.hpp"
+#include "sim/physics/start_place.hpp"
 #include "sim/raycast/ray_scene.hpp"
 #include "sim/sensors/neighbors.hpp"
 #include "sim/sensors/pose.hpp"
@@ -17,7 +19,20 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// Height of the ground or floor under (x, y): the first such surface that a ray from the sky meets, crowns and roofs let through.
+/// The beginning of a message about where a vehicle starts.
+std::string place_of(const VehicleConfig& vehicle) {
+  return vehicle.start.place.empty() ? "vehicles: " + vehicle.name + ": start.position_m: " : vehicle.start.place;
+}
+
+/// Centimetres are enough for a start.
+std::string metres(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", value);
+  return std::string(text) + " m";
+}
+
+// Height of the ground or floor under (x, y): the first such surface that a ray from the sky meets, crowns and roofs
+// let through.
 double ground_height_m(const StaticScene& world, const VehicleConfig& vehicle) {
   const Vector3 at = vehicle.start.position_m;
   const double top_m = world.bounds_m().max().z() + 1.0;
@@ -29,8 +44,8 @@ double ground_height_m(const StaticScene& world, const VehicleConfig& vehicle) {
     if (hit.surface_class == SurfaceClass::kGround) return z;
     z -= 1e-3;
   }
-  throw InputError("vehicles: " + vehicle.name + ": start.above_ground: expected ground below the start, found none at x " +
-                   std::to_string(at.x()) + ", y " + std::to_string(at.y()));
+  throw InputError(place_of(vehicle) + "expected ground below the start of " + vehicle.name +
+                   " (above_ground), found none at x " + metres(at.x()) + ", y " + metres(at.y()));
 }
 
 VehicleState start_state(const VehicleConfig& vehicle, const StaticScene& world) {
@@ -42,15 +57,34 @@ VehicleState start_state(const VehicleConfig& vehicle, const StaticScene& world)
   return state;
 }
 
-void require_apart(const std::vector<PhysicsVehicle>& vehicles) {
+void require_apart(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles) {
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const double distance_m = (vehicles[i].start.p_world_m - vehicles[j].start.p_world_m).norm();
-      const double least_m = vehicles[i].airframe.circumscribed_radius_m() + vehicles[j].airframe.circumscribed_radius_m();
+      const double least_m =
+          vehicles[i].airframe.circumscribed_radius_m() + vehicles[j].airframe.circumscribed_radius_m();
       if (distance_m >= least_m) continue;
-      throw InputError("vehicles: " + vehicles[i].name + ": start.position_m: expected at least " + std::to_string(least_m) +
-                       " m from " + vehicles[j].name + ", found " + std::to_string(distance_m) + " m");
+      throw InputError(place_of(scenario.vehicles[i]) + "expected " + vehicles[i].name + " at least " +
+                       metres(least_m) + " from " + vehicles[j].name + ", found " + metres(distance_m));
     }
+  }
+}
+
+void require_room(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles, const StaticScene& world) {
+  if (!scenario.physics.contacts) return;  // then nothing is in anything's way
+  StartPlaces places(vehicles, scenario.physics, world);
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    const auto problem = places.check(i);
+    if (!problem) continue;
+    const VehicleConfig& config = scenario.vehicles[i];
+    const double datum_m = vehicles[i].start.p_world_m.z() - config.start.position_m.z();
+    const std::string surface(name_of(problem->surface_class));
+    const std::string found = problem->depth_m > 0.0 ? surface + " in its place" : "it below the ground";
+    // Rounded up, so that the number told is one that does.
+    const double least_z_m = std::ceil((problem->free_z_m - datum_m) * 100.0 - 0.2) / 100.0;
+    throw InputError(place_of(config) + "expected room for " + vehicles[i].name + ", found " + found +
+                     "; there is room from z = " + metres(least_z_m) + " upwards" +
+                     (config.start.above_ground ? " (above the ground)" : ""));
   }
 }
 
@@ -89,7 +123,8 @@ std::vector<PhysicsVehicle> make_physics_vehicles(const Scenario& scenario, cons
   for (const VehicleConfig& vehicle : scenario.vehicles) {
     vehicles.push_back({vehicle.name, vehicle.airframe, start_state(vehicle, world), vehicle.start.flying});
   }
-  require_apart(vehicles);
+  require_apart(scenario, vehicles);
+  require_room(scenario, vehicles, world);
   return vehicles;
 }
 
@@ -101,8 +136,8 @@ std::vector<std::shared_ptr<const VehicleShape>> make_vehicle_shapes(const Scena
   return shapes;
 }
 
-std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(const Scenario& scenario, const World& world,
-                                                               const std::vector<std::shared_ptr<const VehicleShape>>& shapes) {
+std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(
+    const Scenario& scenario, const World& world, const std::vector<std::shared_ptr<const VehicleShape>>& shapes) {
   std::vector<std::vector<std::unique_ptr<Sensor>>> sensors(scenario.vehicles.size());
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
     const VehicleConfig& vehicle = scenario.vehicles[i];

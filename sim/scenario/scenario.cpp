@@ -130,7 +130,9 @@ void check_time(ConfigVisitor& v, const Scenario& scenario) {
 }  // namespace
 
 void StartConfig::visit(ConfigVisitor& v) {
-  v.field("position_m", position_m, "[m] of the centre of mass, world frame");
+  v.field("position_m", position_m,
+          "[m] of the centre of mass, world frame; on legs, z is airframe.leg_height_m above the ground");
+  if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) place = teller->place_of("position_m");
   v.field("above_ground", above_ground, "[-] does z count from the ground below?");
   v.field("yaw_deg", yaw_deg, "[deg] heading, counter-clockwise from east");
   v.field("velocity_mps", velocity_mps, "[m/s] world frame");
@@ -200,6 +202,8 @@ std::string write_scenario(const Scenario& scenario) {
 Scenario validated(const Scenario& scenario) {
   Scenario checked;
   read_config_text(write_scenario(scenario), scenario.name, [&](ConfigVisitor& v) { checked.visit(v); });
+  for (std::size_t i = 0; i < checked.vehicles.size(); ++i)
+    checked.vehicles[i].start.place = scenario.vehicles[i].start.place;
   return checked;
 }
 

@@ -80,7 +80,7 @@ Node list_node(const Values& values, const Place& place) {
   return node;
 }
 
-class YamlReader final : public ConfigVisitor {
+class YamlReader final : public ConfigVisitor, public PlaceTeller {
  public:
   YamlReader(const Node& root, Loader& loader) : loader_(loader) { push(&root, root.place, ""); }
 
@@ -236,6 +236,12 @@ class YamlReader final : public ConfigVisitor {
     }
     const std::size_t hint = std::min(expected.find("; did you mean"), expected.size());
     add_error(place, at(key), "expected " + expected.substr(0, hint) + found + expected.substr(hint));
+  }
+
+  std::string place_of(const char* key) const override {
+    Place place = frames_.back().place;
+    find(key, place);
+    return error_line(place, at(key), "");
   }
 
  protected:

@@ -16,6 +16,14 @@
 ///   file:line:column: key.path[0].x: expected <what>, found <what>; did you mean "<what>"?
 namespace swiftlet::sim {
 
+/// A visitor that reads a text and can tell where the value of `key` stands, for a mistake that shows only later:
+/// "forest.yaml:12:7: vehicles[0].start.position_m: ". Ask it after the field.
+class PlaceTeller {
+ public:
+  virtual ~PlaceTeller() = default;
+  virtual std::string place_of(const char* key) const = 0;
+};
+
 using ConfigVisit = std::function<void(ConfigVisitor&)>;
 /// ("vehicles[0].start.yaw_deg", "90"): key path and YAML value, laid on the file in this order.
 using Overrides = std::vector<std::pair<std::string, std::string>>;

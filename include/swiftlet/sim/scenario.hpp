@@ -22,6 +22,7 @@ struct StartConfig {
   double yaw_deg = 0.0;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
   bool flying = true;                            ///< rotors turn at hover speed at the start
+  std::string place;                             ///< of position_m in its file, for messages: "a.yaml:3:9: vehicles[0]. ...: "
 
   void visit(ConfigVisitor& v);
 };

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/simulation.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/raycast/ray_scene.hpp"
 #include "sim/run/run_directory.hpp"
 #include "sim/run/summary.hpp"
+#include "sim/world/vehicle_state.hpp"
+#include "swiftlet/sim/errors.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -76,9 +79,63 @@ TEST(Simulation, ACrashIsAnEventWithTimePlaceAndPartnerAndTheOutcome) {
 }
 
 TEST(Simulation, VehiclesThatStartInsideEachOtherAreRefused) {
-  const Scenario scenario = scenario_of("world: {type: empty}\nvehicles:\n" + vehicle("uav1", "[0, 0, 5]", "{type: hover}") +
-                                        vehicle("uav2", "[0.1, 0, 5]", "{type: hover}"));
+  const Scenario scenario =
+      scenario_of("world: {type: empty}\nvehicles:\n" + vehicle("uav1", "[0, 0, 5]", "{type: hover}") +
+                  vehicle("uav2", "[0.1, 0, 5]", "{type: hover}"));
   EXPECT_THROW(Simulation{scenario}, InputError);
+}
+
+// One X500, whose legs are 0.2 m long, in a world; the message of the refusal, or nothing.
+std::string refusal(const std::string& world, const std::string& start, const std::string& more = {}) {
+  try {
+    Simulation simulation(scenario_of("world: {type: " + world + "}\n" + more +
+                                      "vehicles:\n  - name: uav1\n    start: {" + start + "}\n"));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Simulation, AStartInTheGroundIsRefusedWithThePlaceAndTheLeastHeightThatWouldDo) {
+  using testing::HasSubstr;
+  const std::string message = refusal("hall", "position_m: [0, 0, 0]");
+  EXPECT_THAT(message, HasSubstr("scenario.yaml:4:25: vehicles[0].start.position_m: expected room for uav1, found "));
+  EXPECT_THAT(message, HasSubstr("found ground in its place; there is room from z = 0.20 m upwards"));
+  EXPECT_EQ(refusal("hall", "position_m: [0, 0, 0.2], flying: false"), "");
+
+  EXPECT_THAT(refusal("field", "position_m: [0, 0, -20]"),
+              HasSubstr("found it below the ground; there is room from z = "));
+  EXPECT_THAT(refusal("field", "position_m: [0, 0, 0], above_ground: true"), HasSubstr("upwards (above the ground)"));
+  EXPECT_EQ(refusal("field", "position_m: [0, 0, 0.3], above_ground: true"), "");
+}
+
+TEST(Simulation, AStartInAnObstacleIsRefused) {
+  using testing::HasSubstr;
+  EXPECT_THAT(refusal("hall", "position_m: [1.5, 0, 2]"), HasSubstr("found wall in its place"));
+  EXPECT_THAT(refusal("hall", "position_m: [1.5, 0, 2]", "physics: {contacts: false}\n"), "")
+      << "a ghost has room anywhere";
+  // Where no key gives the start, the vehicle's place is told.
+  EXPECT_THAT(refusal("field", "yaw_deg: 90", "wind: {mean_mps: [0, 0, 0]}\n"), "");
+}
+
+TEST(Simulation, TheHeightThatARefusalTellsDoes) {
+  for (const char* world : {"field", "forest", "campus", "warehouse"}) {
+    const std::string message = refusal(world, "position_m: [9, 3, -20]");
+    const std::size_t at = message.find("from z = ");
+    ASSERT_NE(at, std::string::npos) << world << ": " << message;
+    const std::string z = std::to_string(std::stod(message.substr(at + 9)));
+    EXPECT_EQ(refusal(world, "position_m: [9, 3, " + z + "]"), "") << world;
+  }
+}
+
+TEST(Simulation, AVehicleThatStandsOnTheGroundStaysThere) {
+  Simulation simulation(
+      scenario_of("duration_s: 2\nworld: {type: hall}\nvehicles:\n  - start: {position_m: [0, 0, 0.2], flying: false}\n"
+                  "    agent: {type: none}\n"));
+  fly(simulation);
+  const VehicleState& state = simulation.view().states[0];
+  EXPECT_FALSE(state.crashed);
+  EXPECT_LT((state.p_world_m - Vector3(0, 0, 0.2)).norm(), 0.005);
 }
 
 TEST(Simulation, OverlaysAreAskedForOnlyWhenAPictureIsTaken) {
