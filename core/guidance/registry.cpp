@@ -6,6 +6,7 @@
 
 #include "core/guidance/agile.hpp"
 #include "core/guidance/hover.hpp"
+#include "core/guidance/rbl.hpp"
 #include "core/guidance/takeoff_land.hpp"
 #include "core/guidance/timed_path.hpp"
 #include "core/guidance/trajectory.hpp"
@@ -21,6 +22,7 @@ constexpr GuidanceType kTypes[] = {
     {{"timed_path", "a planned way with its times, as a spline", make_module_config<TimedPathConfig>}, make_timed_path},
     {{"agile", "random smooth flight at high speed in a box", make_module_config<AgileConfig>}, make_agile},
     {{"takeoff_land", "up from the ground, hover, down", make_module_config<TakeoffLandConfig>}, make_takeoff_land},
+    {{"rbl", "rule-based Lloyd: to the centroid of the own cell, in 2D or 3D", make_module_config<RblConfig>}, make_rbl},
 };
 
 }  // namespace

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/guidance/neighbor_memory.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cstring>
+
+namespace swiftlet {
+namespace {
+
+constexpr const char* kTopic = "neighbor";
+constexpr double kFirstSpeedSigma_mps = 1.0;  // of a vehicle that was seen once
+constexpr double kRadioVariance_m2 = 1e-4;    // others know where they are
+
+struct Announcement {
+  TimeNs t = 0;
+  double position_m[3] = {};
+};
+
+}  // namespace
+
+void NeighborSourceConfig::visit(ConfigVisitor& v) {
+  v.choice("source", source, {"sensor", "radio", "tracks", "none"},
+           "[-] neighbours from a `neighbors` sensor (ideal: the truth), from what they say, or from the own tracker");
+  v.field("timeout_s", timeout_s, "[s] somebody not heard of for this long is forgotten", Range::positive());
+  v.field("acceleration_sigma_mps2", acceleration_sigma_mps2,
+          "[m/s^2] how much a neighbour may manoeuvre (process noise of its filter)", Range::positive());
+  v.field("predict", predict, "[-] positions are carried forward to now with the filtered velocity");
+}
+
+void NeighborMemory::update(const GuidanceInput& input, const PoseHistory& own_poses) {
+  const TimeNs now = input.observation.t;
+  if (config_.source == "sensor") {
+    for (const NeighborSample& sample : input.observation.neighbors) {
+      const Pose T_world_body = own_poses.at(sample.t);
+      const Matrix3& R = T_world_body.linear();
+      measure(sample.id, sample.t, T_world_body * sample.p_body_m, R * sample.covariance_body * R.transpose());
+    }
+  } else if (config_.source == "radio") {
+    for (const Message& message : input.observation.messages) hear(message);
+  }
+  known_.clear();
+  if (config_.source == "tracks") {
+    for (const Track& track : input.tracks) {
+      const double ahead_s = config_.predict ? to_seconds(now - track.t) : 0.0;
+      known_.push_back({track.id, track.position_m + ahead_s * track.velocity_mps, track.velocity_mps, track.t});
+    }
+  } else {
+    const TimeNs timeout = from_seconds(config_.timeout_s);
+    std::erase_if(filters_, [&](const Filter& filter) { return now - filter.seen > timeout; });
+    for (const Filter& filter : filters_) {
+      const double ahead_s = config_.predict ? std::max(0.0, to_seconds(now - filter.t)) : 0.0;
+      known_.push_back(
+          {filter.key, filter.x.head<3>() + ahead_s * filter.x.tail<3>(), filter.x.tail<3>(), filter.seen});
+    }
+  }
+  std::sort(known_.begin(), known_.end(), [](const Neighbor& a, const Neighbor& b) { return a.key < b.key; });
+}
+
+void NeighborMemory::hear(const Message& message) {
+  Announcement said;
+  if (message.topic != kTopic || message.payload.size() != sizeof(said)) return;
+  std::memcpy(&said, message.payload.data(), sizeof(said));
+  const Vector3 position_m(said.position_m[0], said.position_m[1], said.position_m[2]);
+  if (position_m.allFinite()) measure(message.from, said.t, position_m, kRadioVariance_m2 * Matrix3::Identity());
+}
+
+void NeighborMemory::announce(const StateEstimate& estimate, VehicleId self, std::vector<Message>& messages) const {
+  if (config_.source != "radio") return;
+  Announcement said;
+  said.t = estimate.t;
+  Eigen::Map<Vector3>(said.position_m) = estimate.T_world_body.translation();
+  Message& message = messages.emplace_back();
+  message.from = self;
+  message.topic = kTopic;
+  message.payload.resize(sizeof(said));
+  std::memcpy(message.payload.data(), &said, sizeof(said));
+}
+
+void NeighborMemory::predict(Filter& filter, TimeNs t) const {
+  const double dt_s = to_seconds(t - filter.t);
+  if (dt_s <= 0.0) return;
+  Matrix6 F = Matrix6::Identity();
+  F.topRightCorner<3, 3>().diagonal().setConstant(dt_s);
+  // Acceleration constant over the step.
+  Eigen::Matrix<double, 6, 3> G;
+  G << 0.5 * dt_s * dt_s * Matrix3::Identity(), dt_s * Matrix3::Identity();
+  const double variance = config_.acceleration_sigma_mps2 * config_.acceleration_sigma_mps2;
+  filter.x = (F * filter.x).eval();
+  filter.P = (F * filter.P * F.transpose() + variance * G * G.transpose()).eval();
+  filter.t = t;
+}
+
+void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position_m, const Matrix3& covariance) {
+  const auto known = std::find_if(filters_.begin(), filters_.end(), [&](const Filter& f) { return f.key == key; });
+  if (known == filters_.end()) {
+    Filter& filter = filters_.emplace_back();
+    filter.key = key;
+    filter.t = filter.seen = t;
+    filter.x.head<3>() = position_m;
+    filter.P.topLeftCorner<3, 3>() = covariance;
+    filter.P.bottomRightCorner<3, 3>() *= kFirstSpeedSigma_mps * kFirstSpeedSigma_mps;
+    return;
+  }
+  Filter& filter = *known;
+  if (t < filter.t) return;  // older than what is known
+  predict(filter, t);
+  filter.seen = t;
+  const Matrix3 S = filter.P.topLeftCorner<3, 3>() + covariance;
+  const Eigen::Matrix<double, 6, 3> K = filter.P.leftCols<3>() * S.inverse();
+  filter.x += K * (position_m - filter.x.head<3>());
+  Matrix6 rest = Matrix6::Identity();
+  rest.leftCols<3>() -= K;
+  filter.P = (rest * filter.P * rest.transpose() + K * covariance * K.transpose()).eval();  // Joseph's form
+}
+
+}  // namespace swiftlet

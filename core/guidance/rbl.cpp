@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/guidance/rbl.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/guidance/pose_history.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kFar_m = std::numeric_limits<double>::infinity();
+
+RblRules rules_of(const RblConfig& config) {
+  RblRules rules = config.rules;
+  rules.elevation_rule = rules.elevation_rule && config.variant == "3d_z";
+  return rules;
+}
+
+class Rbl : public Guidance {
+ public:
+  Rbl(const RblConfig& config, const GuidanceSetup& setup)
+      : config_(config),
+        planar_(config.variant == "2d"),
+        clipped_(config.variant == "3d_clipped" || config.variant == "3d_z"),
+        period_(from_seconds(1.0 / config.update_rate_hz)),
+        neighbors_(config.neighbors),
+        planner_(config.cells, rules_of(config), planar_) {
+    goal_.position_m = setup.agent.T_world_body_start.translation();
+    goal_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
+    others_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
+  }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+    const Pose& T_world_body = input.estimate.T_world_body;
+    poses_.push(input.estimate.t, T_world_body);
+    neighbors_.update(input, poses_);
+    if (input.observation.t >= next_update_) {
+      next_update_ = next_update_ == 0 ? input.observation.t + period_ : next_update_ + period_;
+      plan(T_world_body);
+      neighbors_.announce(input.estimate, input.observation.self, output.messages);
+    }
+    Vector3 to_goal_m = config_.goal_m - T_world_body.translation();
+    if (planar_) to_goal_m.z() = 0.0;
+    arrived_ = arrived_ || to_goal_m.norm() <= config_.arrival_radius_m;
+    glide(input.observation.t);
+    output.goal = goal_;
+    output.speed_limit_mps = config_.speed_mps;
+    output.mission = arrived_ ? MissionStatus::kDone : MissionStatus::kRunning;
+  }
+
+  void append_overlays(std::vector<Overlay>& overlays) const override;
+
+ private:
+  void plan(const Pose& T_world_body) {
+    const Vector3 p_m = T_world_body.translation();
+    others_m_.clear();
+    for (const Neighbor& neighbor : neighbors_.neighbors()) others_m_.push_back(neighbor.position_m);
+    planner_.partition(p_m, others_m_, clipped_ ? config_.z_min_m : -kFar_m, clipped_ ? config_.z_max_m : kFar_m);
+    step_ = planner_.update(config_.goal_m, 1.0 / config_.update_rate_hz);
+    from_m_ = goal_.position_m;
+    to_m_ = step_.centroid_m;
+    if (planar_) to_m_.z() = config_.goal_m.z();
+  }
+
+  // The centroid jumps at every update; the vehicle's goal glides there until the next one, or each jump would shake
+  // it.
+  void glide(TimeNs now) {
+    const double left = std::clamp(to_seconds(next_update_ - now) / to_seconds(period_), 0.0, 1.0);
+    goal_.position_m = left * from_m_ + (1.0 - left) * to_m_;
+  }
+
+  RblConfig config_;
+  bool planar_, clipped_;
+  TimeNs period_, next_update_ = 0;
+  PoseHistory poses_;
+  NeighborMemory neighbors_;
+  RblPlanner planner_;
+  RblPlanner::Step step_;
+  std::vector<Vector3> others_m_;
+  Vector3 from_m_ = Vector3::Zero(), to_m_ = Vector3::Zero();  // the goal on its way between two updates
+  Reference goal_;
+  bool arrived_ = false;
+};
+
+Overlay marks(const char* name, Overlay::Kind kind, const Eigen::Vector4f& color, float size_m) {
+  Overlay overlay;
+  overlay.name = name;
+  overlay.kind = kind;
+  overlay.colors = {color};
+  overlay.size_m = size_m;
+  return overlay;
+}
+
+void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
+  const RblCell& cell = planner_.cell();
+  const Vector3& p_m = planner_.position_m();
+  // Of a ball the layer at the agent's height is shown: the whole would hide what it explains.
+  Overlay inside = marks("rbl.cell", Overlay::Kind::kPoints, {0.2F, 0.75F, 0.35F, 0.8F}, 0.07F);
+  Overlay outside = marks("rbl.cut_off", Overlay::Kind::kPoints, {0.85F, 0.3F, 0.25F, 0.5F}, 0.05F);
+  for (int i = 0; i < cell.num_samples(); ++i) {
+    const Vector3 q = cell.point(i);
+    if (std::abs(q.z()) > 0.51 * cell.step_m()) continue;
+    (cell.contains(i) ? inside : outside).positions.push_back((p_m + q).cast<float>());
+  }
+  Overlay centroid = marks("rbl.centroid", Overlay::Kind::kSpheres, {1.0F, 0.1F, 0.1F, 1.0F}, 0.15F);
+  centroid.positions = {step_.centroid_m.cast<float>()};
+  Overlay sensing = marks("rbl.sensing_centroid", Overlay::Kind::kSpheres, {0.95F, 0.75F, 0.1F, 1.0F}, 0.11F);
+  sensing.positions = {step_.sensing_m.cast<float>()};
+  // The destination lies far away: its direction is what matters.
+  const Vector3 to_destination = step_.destination_m - p_m;
+  const double shown_m = std::min(to_destination.norm(), cell.radius_m() + 1.0);
+  Overlay destination = marks("rbl.destination", Overlay::Kind::kLines, {0.6F, 0.2F, 0.9F, 1.0F}, 2.5F);
+  destination.positions = {p_m.cast<float>(), (p_m + shown_m * to_destination.normalized()).cast<float>()};
+  Overlay goal = marks("rbl.goal", Overlay::Kind::kSpheres, {0.1F, 0.35F, 0.95F, 1.0F}, 0.2F);
+  goal.positions = {config_.goal_m.cast<float>()};
+  for (Overlay* overlay : {&inside, &outside, &centroid, &sensing, &destination, &goal}) {
+    overlays.push_back(std::move(*overlay));
+  }
+}
+
+}  // namespace
+
+void RblConfig::visit(ConfigVisitor& v) {
+  v.choice("variant", variant, {"2d", "3d", "3d_clipped", "3d_z"},
+           "[-] disc at one height; ball; ball between z_min_m and z_max_m (2.14); that with the z-rule (2.15-2.19)");
+  v.field("goal_m", goal_m, "[m] world");
+  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (r_g)", Range::positive());
+  v.field("update_rate_hz", update_rate_hz, "[Hz] of cells, rules and the centroid to fly to", Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] at most, below the motion limits", Range::positive());
+  v.field("z_min_m", z_min_m, "[m] lowest flight level (2.14)");
+  v.field("z_max_m", z_max_m, "[m] highest flight level (2.14)");
+  v.object("cells", cells, "cells S and A");
+  v.object("rules", rules, "weighting, azimuth and elevation rules");
+  v.object("neighbors", neighbors, "where the others are known from");
+  v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
+}
+
+std::unique_ptr<Guidance> make_rbl(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Rbl>(dynamic_cast<const RblConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// The points q with normal . q <= offset_m, q relative to the agent.
+struct HalfSpace {
+  Vector3 normal = Vector3::UnitX();  ///< unit length
+  double offset_m = 0.0;
+};
+
+/// Weighted centroids, relative to the agent.
+struct CellCentroids {
+  Vector3 sensing_m = Vector3::Zero();      ///< c_S
+  Vector3 partitioned_m = Vector3::Zero();  ///< c_A; zero when A is empty
+};
+
+/// The cells S and A of one agent, as samples on a cubic lattice (004, sec. 2.4.1). Everything is relative to the
+/// agent, in world axes. The samples lie in rows along x; a convex cut leaves an interval of every row, so that a cut
+/// costs one division a row, whatever the number of samples.
+class RblCell {
+ public:
+  /// @param planar  a disc in the agent's horizontal plane instead of a ball
+  RblCell(double radius_m, double step_m, bool planar);
+
+  /// S anew: the ball between two heights (2.4, 2.14), and A = S.
+  /// @param lattice_m  any point of the lattice; zero: the lattice is centred at the agent
+  void reset(const Vector3& lattice_m, double z_low_m, double z_high_m);
+
+  /// Leaves of A only what lies in the half-space (2.3).
+  void cut(const HalfSpace& keep);
+  /// Leaves of A only what lies in the ball (2.3 as printed: an Apollonius ball).
+  void cut_ball(const Vector3& center_m, double radius_m);
+  /// Takes single samples out of A: those for which `excluded(q)` holds. Asked once for each sample in A, in order.
+  template <class Excluded>
+  void exclude(const Excluded& excluded) {
+    prepare_mask();
+    excluded_ = true;
+    for (const Row& row : rows_) {
+      for (int i = row.low; i < row.high; ++i) {
+        float& inside = inside_[row.first + i];
+        if (inside != 0.0F && excluded(point(row.first + i))) inside = 0.0F;
+      }
+    }
+  }
+
+  /// Centroids with the weight exp(-|q - destination| / beta) (2.5, 2.10).
+  CellCentroids centroids(const Vector3& destination_m, double beta_m);
+  /// Of A alone; cheaper.
+  Vector3 partitioned_centroid(const Vector3& destination_m, double beta_m);
+
+  bool is_empty() const;                            ///< A
+  int num_samples() const { return num_samples_; }  ///< of S
+  int num_partitioned() const;                      ///< of A
+  Vector3 point(int sample) const { return {x_[sample], y_[sample], z_[sample]}; }
+  bool contains(int sample) const;  ///< is the sample in A?
+  /// Sample of A that is nearest to `to_m`; -1 when A is empty.
+  int nearest_partitioned(const Vector3& to_m) const;
+  /// Sample of S for which the greatest violation of the half-spaces is least; where to go when A is empty.
+  Vector3 least_violating(const std::vector<HalfSpace>& cuts) const;
+  double step_m() const { return step_m_; }
+  double radius_m() const { return radius_m_; }
+
+ private:
+  struct Row {
+    int first = 0;          // index of its first sample
+    int low = 0, high = 0;  // what A leaves of it: [low, high)
+    float x0 = 0, y = 0, z = 0;
+    int row_count = 0;
+  };
+  struct Sums {
+    double weight = 0.0;
+    Vector3 moment = Vector3::Zero();
+  };
+
+  void prepare_mask();
+  void trim();
+  void add_weighted(const Vector3& destination_m, double beta_m, Sums* sensing, Sums& partitioned);
+  Vector3 centroid(const Sums& sums, const Vector3& destination_m) const;
+
+  double radius_m_, step_m_;
+  bool planar_;
+  int num_samples_ = 0;
+  std::vector<Row> rows_;
+  Eigen::ArrayXf x_, y_, z_;
+  Eigen::ArrayXf inside_;  // 1: in A; valid while masked_
+  bool masked_ = false;
+  bool excluded_ = false;  // samples were taken out singly: the intervals alone do not tell A
+};
+
+}  // namespace swiftlet

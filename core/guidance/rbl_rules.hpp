@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// The rules of the 3D rule-based Lloyd algorithm (004, eqs. 2.7 to 2.20). Where the document is ambiguous or prints
+/// something else than its authors' program does, the reading is an option (docs/rbl.md).
+struct RblRules {
+  double weight_near_m = 0.5;       ///< d_1
+  double weight_gap_m = 1.0;        ///< d_2
+  double azimuth_near_m = 0.5;      ///< d_3
+  double azimuth_gap_m = 1.0;       ///< d_4
+  double elevation_near_m = 0.5;    ///< d_5
+  double elevation_gap_m = 1.0;     ///< d_6
+  double elevation_shrink_m = 0.2;  ///< d_7
+  double beta_desired_m = 1.5;      ///< beta^D
+  double beta_min_m = 0.1;          ///< beta_min; not in the document
+  double weight_rate_mps = 1.0;     ///< k of (2.7)
+  double azimuth_rate_radps = 1.0;  ///< k of (2.8)
+  double azimuth_return_radps = 2.0;
+  double elevation_rate_radps = 1.0;  ///< k of (2.19)
+  double centering_weight = 0.7;      ///< w_1
+  double direction_weight = 0.3;      ///< w_2
+  std::string azimuth_condition = "near";
+  std::string azimuth_reset = "detour";
+  std::string elevation_condition = "gap";
+  bool elevation_shrink_absolute = false;
+  std::string direction_influence = "north";
+  std::string elevation_sense = "up";
+  bool elevation_reset = true;
+  bool azimuth_rule = true;
+  bool elevation_rule = true;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// What the rules change.
+struct RblState {
+  double beta_m = 1.5;
+  double theta_rad = 0.0;  ///< the destination is turned to the right by this
+  double phi_rad = 0.0;    ///< and upwards by this
+};
+
+/// What the rules look at; relative to the agent, in world axes.
+struct RblSituation {
+  Vector3 goal_m = Vector3::Zero();
+  Vector3 partitioned_m = Vector3::Zero();  ///< c_A with the present destination
+  Vector3 sensing_m = Vector3::Zero();      ///< c_S with the present destination
+  Vector3 unrotated_m = Vector3::Zero();    ///< c_A with the goal as destination
+};
+
+/// One step of all rules.
+/// @param planar  norms and rules of the 2D algorithm: no elevation
+RblState apply_rules(const RblRules& rules, const RblSituation& now, const RblState& state, double dt_s, bool planar);
+
+/// Destination (2.20) relative to the agent: the goal turned to the right by theta and up by phi, distance kept.
+Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_m, const RblState& state);
+
+/// C_influence (2.16 to 2.18); positive: go up.
+double vertical_influence(const RblRules& rules, const RblSituation& now);
+
+/// Omega (2.15): is there a reason to leave the level?
+bool wants_elevation(const RblRules& rules, const RblSituation& now);
+
+}  // namespace swiftlet
