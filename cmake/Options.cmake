@@ -6,6 +6,8 @@ target_compile_options(swiftlet_options INTERFACE -ffp-contract=off -Wall -Wextr
 # Only sim/ has parallel regions and only libraries need -fPIC; but the options are the same everywhere, so that the
 # precompiled headers fit every target.
 target_compile_options(swiftlet_options INTERFACE -fopenmp -fPIC)
+# Eigen must not start threads of its own: agents and sensors run in parallel already.
+target_compile_definitions(swiftlet_options INTERFACE EIGEN_DONT_PARALLELIZE)
 target_compile_features(swiftlet_options INTERFACE cxx_std_20)
 if(SWIFTLET_WERROR)
   target_compile_options(swiftlet_options INTERFACE -Werror)

@@ -1,13 +1,14 @@
 # Most of the time to compile a file of this project goes into the same few headers (Eigen's above all): they are
 # precompiled once for all targets that have the same compiler options. A file still includes what it uses; the preset
 # "debug" builds without.
-#   swiftlet_share_headers(target name-of-the-set <header>...)
+#   swiftlet_share_headers(target name-of-the-set [LIBS foo::foo] HEADERS <header>...)
 function(swiftlet_share_headers target set)
+  cmake_parse_arguments(ARG "" "" "LIBS;HEADERS" ${ARGN})
   if(NOT TARGET ${set})
     file(WRITE ${PROJECT_BINARY_DIR}/${set}.cpp "")
     add_library(${set} OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/${set}.cpp)
-    target_link_libraries(${set} PRIVATE swiftlet_options Eigen3::Eigen)
-    target_precompile_headers(${set} PRIVATE ${ARGN})
+    target_link_libraries(${set} PRIVATE swiftlet_options Eigen3::Eigen ${ARG_LIBS})
+    target_precompile_headers(${set} PRIVATE ${ARG_HEADERS})
   endif()
   target_precompile_headers(${target} REUSE_FROM ${set})
 endfunction()
@@ -38,7 +39,7 @@ function(swiftlet_room room)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${SWIFTLET_INSTALL_INCLUDE}>)
   target_link_libraries(${target} PUBLIC ${ARG_LIBS} PRIVATE swiftlet_options ${ARG_PRIVATE_LIBS})
-  swiftlet_share_headers(${target} swiftlet_house_headers
+  swiftlet_share_headers(${target} swiftlet_house_headers HEADERS
     <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <charconv> <cmath> <cstring> <filesystem> <functional> <map> <memory>
     <numbers> <optional> <span> <stdexcept> <string> <vector>)
   foreach(used ${ARG_USES})
@@ -66,7 +67,7 @@ function(swiftlet_tests folder)
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} swiftlet_options GTest::gtest GTest::gmock GTest::gtest_main)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)
   target_compile_definitions(test_${name} PRIVATE SWIFTLET_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SWIFTLET_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  swiftlet_share_headers(test_${name} swiftlet_test_headers
+  swiftlet_share_headers(test_${name} swiftlet_test_headers LIBS GTest::gtest GTest::gmock HEADERS
     <gtest/gtest.h> <gmock/gmock.h> <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <cmath> <filesystem> <map> <memory>
     <numbers> <span> <string> <vector>)
   if(NOT ARG_LABELS)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/control/mixer.hpp"
 
-#include <Eigen/SVD>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -39,15 +39,15 @@ Mixer::Mixer(const Airframe& airframe) : num_rotors_(airframe.num_rotors()) {
   // Rows scaled to comparable size, so that the test of rank does not depend on the vehicle's size.
   const Eigen::Vector4d scale(1.0, 1.0 / airframe.arm_length_m, 1.0 / airframe.arm_length_m,
                               1.0 / airframe.torque_to_thrust_m);
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * effectiveness_.leftCols(std::max(num_rotors_, 1));
-  Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(1e-6);
-  if (num_rotors_ < 4 || svd.rank() < 4) {
+  const Eigen::Matrix<double, 4, kMaxRotors> scaled = scale.asDiagonal() * effectiveness_;
+  const Eigen::LDLT<Eigen::Matrix4d> gram(scaled * scaled.transpose());
+  const bool full_rank = gram.vectorD().minCoeff() > 1e-12 * gram.vectorD().maxCoeff();
+  if (num_rotors_ < 4 || !full_rank) {
     throw std::invalid_argument("airframe: expected rotors that make thrust and torque about all three axes, found " +
                                 std::to_string(num_rotors_) + " rotors that do not");
   }
-  const Eigen::MatrixXd pseudo_inverse = svd.solve(Eigen::MatrixXd::Identity(4, 4)) * scale.asDiagonal();
-  inverse_.topRows(num_rotors_) = pseudo_inverse;
+  // Pseudo-inverse of a matrix with independent rows: A^T (A A^T)^-1.
+  inverse_ = scaled.transpose() * gram.solve(Eigen::Matrix4d(scale.asDiagonal()));
 }
 
 Wrench Mixer::wrench(const Forces& force_N) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/localization/ins.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -24,6 +24,12 @@ Matrix3 skew(const Vector3& v) {
 Vector3 cwise_square(const Vector3& v) { return v.cwiseProduct(v); }
 
 double square(double x) { return x * x; }
+
+/// A P A^T.
+InsFilter::Covariance sandwiched(const InsFilter::Covariance& A, const InsFilter::Covariance& P) {
+  const InsFilter::Covariance AP = A * P;
+  return AP * A.transpose();
+}
 
 class InsEstimator : public StateEstimator {
  public:
@@ -134,7 +140,7 @@ void InsFilter::predict(const ImuSample& sample) {
   F.block<3, 3>(kV, kAccelBias) = -dt * R;
   F.block<3, 3>(kTheta, kTheta) = rotation_by(-dt * omega).toRotationMatrix();
   F.block<3, 3>(kTheta, kGyroBias) = -dt * Matrix3::Identity();
-  P_ = F * P_ * F.transpose();
+  P_ = sandwiched(F, P_);
 
   const double accel_q = square(config_.accel_noise_mps2_sqrt_hz) * dt;
   P_.block<3, 3>(kP, kP).diagonal().array() += accel_q * dt * dt / 4.0;
@@ -214,12 +220,11 @@ void InsFilter::correct(const Eigen::Matrix<double, M, 1>& innovation, const Eig
                         const Eigen::Matrix<double, M, M>& R, int source) {
   const Eigen::Matrix<double, kStates, M> PHt = P_ * H.transpose();
   const Eigen::Matrix<double, M, M> S = H * PHt + R;
-  const Eigen::LLT<Eigen::Matrix<double, M, M>> llt(S);
-  if (llt.info() != Eigen::Success) return;
+  const Eigen::Matrix<double, M, M> S_inverse = S.inverse();
 
   // Gate: outliers are passed over, unless they go on, which means that the filter has lost the way.
-  const double distance_sq = innovation.dot(llt.solve(innovation));
-  if (!std::isfinite(distance_sq)) return;
+  const double distance_sq = innovation.dot(S_inverse * innovation);
+  if (!std::isfinite(distance_sq) || distance_sq < 0.0) return;
   if (distance_sq > M * square(config_.gate_sigma)) {
     ++num_rejected_;
     if (++rejected_in_a_row_[source] <= kRejectedMost) return;
@@ -232,9 +237,9 @@ void InsFilter::correct(const Eigen::Matrix<double, M, 1>& innovation, const Eig
   }
   rejected_in_a_row_[source] = 0;
 
-  const Eigen::Matrix<double, kStates, M> K = llt.solve(PHt.transpose()).transpose();
+  const Eigen::Matrix<double, kStates, M> K = PHt * S_inverse;
   const Covariance I_KH = Covariance::Identity() - K * H;
-  P_ = I_KH * P_ * I_KH.transpose() + K * R * K.transpose();  // Joseph form: stays positive
+  P_ = sandwiched(I_KH, P_) + K * R * K.transpose();  // Joseph form: stays positive
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   inject(K * innovation);
 }

@@ -205,9 +205,12 @@ void Simulation::Impl::collect_events() {
     ++num_crashes;
     ended[crash.vehicle] = true;
     Event event{crash.t, "crash", crash.vehicle, {}, crash.p_world_m, {}};
-    event.partner = crash.other_vehicle != kNoVehicle
-                        ? names[crash.other_vehicle]
-                        : std::string(name_of(crash.surface_class)) + (crash.instance ? " " + std::to_string(crash.instance) : "");
+    if (crash.other_vehicle != kNoVehicle) {
+      event.partner = names[crash.other_vehicle];
+    } else {
+      event.partner = name_of(crash.surface_class);
+      if (crash.instance) event.partner.append(" ").append(std::to_string(crash.instance));
+    }
     event.note = "at " + std::to_string(crash.speed_mps) + " m/s";
     events.push_back(std::move(event));
   }
