@@ -26,6 +26,7 @@ int run_program(int argc, char** argv) {
     return "swiftlet: " + std::string(error.what()) + "\nTry '" + failed->get_name() + " --help'.\n";
   });
   swiftlet::tools::add_run(app);
+  swiftlet::tools::add_batch(app);
   swiftlet::tools::add_render(app);
   swiftlet::tools::add_world(app);
   swiftlet::tools::add_check(app);

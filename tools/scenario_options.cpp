@@ -14,8 +14,8 @@ void ScenarioOptions::add_to(Subcommand& command) {
   command.option("--set", set, "Override any key: --set vehicles[0].start.yaw_deg=90 (may be repeated)", {.value_name = "KEY=VALUE", .repeated = true});
 }
 
-sim::Scenario ScenarioOptions::load() const {
-  std::vector<std::pair<std::string, std::string>> overrides;
+ConfigChanges parse_assignments(const std::vector<std::string>& set) {
+  ConfigChanges overrides;
   for (const std::string& assignment : set) {
     const std::size_t equals = assignment.find('=');
     if (equals == std::string::npos || equals == 0) {
@@ -23,6 +23,11 @@ sim::Scenario ScenarioOptions::load() const {
     }
     overrides.emplace_back(assignment.substr(0, equals), assignment.substr(equals + 1));
   }
+  return overrides;
+}
+
+sim::Scenario ScenarioOptions::load() const {
+  ConfigChanges overrides = parse_assignments(set);
   if (seed) overrides.emplace_back("seed", std::to_string(*seed));
   if (duration_s) overrides.emplace_back("duration_s", fmt::format("{}", *duration_s));
   return sim::load_scenario(file, overrides);

@@ -3,10 +3,10 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "command_line.hpp"
+#include "swiftlet/core/config.hpp"
 #include "swiftlet/sim/scenario.hpp"
 
 namespace swiftlet::tools {
@@ -22,5 +22,8 @@ struct ScenarioOptions {
   /// Reads the scenario with all overrides. Throws InputError.
   sim::Scenario load() const;
 };
+
+/// "key=value" of each --set, in their order. Throws InputError.
+ConfigChanges parse_assignments(const std::vector<std::string>& set);
 
 }  // namespace swiftlet::tools

@@ -19,10 +19,10 @@ struct WorldOptions {
 
 void export_scenario_world(const WorldOptions& options) {
   const sim::Scenario scenario = options.scenario.load();
-  const sim::Scene scene = sim::make_world(scenario.world, scenario.seed);
+  const sim::Scene scene = sim::make_world(scenario.world, scenario.seed_of_world());
   const auto written = sim::export_world(scene, options.out);
   if (options.quiet) return;
-  fmt::print("{} with seed {}: {} triangles, {} objects\n", scenario.world.type, scenario.seed, scene.num_triangles(),
+  fmt::print("{} with seed {}: {} triangles, {} objects\n", scenario.world.type, scenario.seed_of_world(), scene.num_triangles(),
              scene.objects.size());
   for (const auto& path : written) fmt::print("  {}\n", path.string());
 }

@@ -19,6 +19,8 @@ class Loader {
   /// By path, or by name from a scenario root. Throws InputError when the file is missing or malformed, or names itself
   /// through `base:`.
   Node load(const std::filesystem::path& file);
+  /// Where that file lies. Throws InputError.
+  std::filesystem::path path_of(const std::filesystem::path& file) const { return find_main(file); }
   /// A text that is already at hand, with its `base:` chain.
   Node load_text(const std::string& text, const std::filesystem::path& name);
   /// assets/<folder>/<name>.yaml, or a path relative to the file that names it when `name` ends in .yaml.

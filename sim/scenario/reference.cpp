@@ -100,6 +100,7 @@ class TableVisitor final : public ConfigVisitor {
   void model(const char* key, std::string& name, const char* folder, const char* doc) override {
     row(key, "asset", text(name), "`assets/" + std::string(folder) + "/*.yaml` or a path", doc);
   }
+  void changes(const char* key, ConfigChanges&, const char* doc) override { row(key, "map of keys", "{}", "", doc); }
   void module(const char* key, Module& value, std::span<const ModuleType> types, const char* doc) override {
     add_choice(key, "module", value.type, types, doc);
   }

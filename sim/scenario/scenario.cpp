@@ -166,6 +166,7 @@ void Scenario::visit(ConfigVisitor& v) {
   v.field("name", name, "[-] of the run, and of its directory");
   v.field("description", description, "[-] one sentence about it");
   v.field("seed", seed, "[-] of every random number");
+  v.field("world_seed", world_seed, "[-] of the world alone, so that runs with other seeds share it; 0: the seed");
   v.field("duration_s", duration_s, "[s] simulated time at which the run ends at the latest", Range{0.0, 1e7, true});
   v.field("tick_s", tick_s, "[s] period of sensing and deciding; a whole multiple of physics.step_s",
           Range{0.0, 1.0, true});

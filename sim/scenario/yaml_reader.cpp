@@ -11,6 +11,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "sim/scenario/changes.hpp"
 #include "sim/scenario/document.hpp"
 #include "sim/scenario/loader.hpp"
 #include "sim/scenario/suggest.hpp"
@@ -178,6 +179,13 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
       }
     }
     show(key, value);
+  }
+
+  void changes(const char* key, ConfigChanges& value, const char*) override {
+    const Node* node = take(key);
+    if (node == nullptr) return;
+    if (!node->is_map()) return error(*node, key, "a map of keys");
+    value = changes_of(*node);
   }
 
   // --- other files ---

@@ -26,7 +26,7 @@ class PlaceTeller {
 
 using ConfigVisit = std::function<void(ConfigVisitor&)>;
 /// ("vehicles[0].start.yaw_deg", "90"): key path and YAML value, laid on the file in this order.
-using Overrides = std::vector<std::pair<std::string, std::string>>;
+using Overrides = ConfigChanges;
 
 /// Reads `file` with its `base:` chain and the overrides. The struct behind `visit` holds the defaults.
 void read_config(const std::filesystem::path& file, const ConfigVisit& visit, const Overrides& overrides = {},

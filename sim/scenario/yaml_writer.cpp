@@ -77,6 +77,12 @@ class YamlWriter final : public ConfigVisitor {
   void file(const char* key, std::string& path, const char*) override { line(key, to_text(path)); }
   void model(const char* key, std::string& name, const char*, const char*) override { line(key, to_text(name)); }
 
+  void changes(const char* key, ConfigChanges& value, const char*) override {
+    begin_object(key, "");
+    for (const auto& [path, text] : value) line(to_text(path), text);
+    end_object();
+  }
+
   void module(const char* key, Module& value, std::span<const ModuleType>, const char*) override {
     if (!value.config) return;
     begin_object(key, "");

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 /// Configuration without a file format: every module has one struct whose `visit` names its fields, once.
@@ -88,6 +89,9 @@ struct Module {
   }
 };
 
+/// Changes to some other configuration: ("vehicles[0].start.yaw_deg", "90"), key path and YAML value, made in this order.
+using ConfigChanges = std::vector<std::pair<std::string, std::string>>;
+
 class ConfigVisitor {
  public:
   virtual ~ConfigVisitor() = default;
@@ -116,6 +120,9 @@ class ConfigVisitor {
   /// Names an asset (`assets/<folder>/<value>.yaml`, or a path) whose content lies under the keys of this object,
   /// which override it. Must be the first call of a visit. Empty: none.
   virtual void model(const char* key, std::string& name, const char* folder, const char* doc) = 0;
+
+  /// A map of any keys, nested or as paths, that says how another configuration is to be changed.
+  virtual void changes(const char* /*key*/, ConfigChanges& /*value*/, const char* /*doc*/) {}
 
   /// A nested object with a `void visit(ConfigVisitor&)`.
   template <class T>

@@ -52,6 +52,7 @@ struct Scenario {
   std::string name = "unnamed";
   std::string description;
   std::uint64_t seed = 1;
+  std::uint64_t world_seed = 0;        ///< of the world alone; 0: the seed
   double duration_s = 10.0;
   double tick_s = 0.004;
   PhysicsConfig physics;
@@ -65,6 +66,7 @@ struct Scenario {
 
   Scenario();
   void visit(ConfigVisitor& v);
+  std::uint64_t seed_of_world() const { return world_seed != 0 ? world_seed : seed; }
 };
 
 /// Reads a scenario, by path or by the name of one that comes with Swiftlet, with its `base:` chain and the overrides

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/batch/batch_config.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "sim/scenario/yaml_reader.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr std::size_t kMaxVariants = 1000;
+
+bool is_word(const std::string& text) {
+  return !text.empty() && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
+  });
+}
+
+bool is_seed(const std::string& text) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && value >= 0;
+}
+
+std::string last_word(const std::string& key) {
+  const std::size_t dot = key.rfind('.');
+  return dot == std::string::npos ? key : key.substr(dot + 1);
+}
+
+std::string element(const char* list, std::size_t index, const char* key) {
+  return std::string(list) + "[" + std::to_string(index) + "]." + key;
+}
+
+}  // namespace
+
+void VariantConfig::visit(ConfigVisitor& v) {
+  v.field("name", name, "[-] unique word");
+  v.field("scenario", scenario, "[-] file or name of its scenario, normally one with `base:`; empty: the batch's");
+  v.changes("set", set, "[-] changes to the scenario");
+}
+
+void ParameterConfig::visit(ConfigVisitor& v) {
+  v.field("key", key, "[-] of the scenario: world.stems_per_ha, vehicles[*].agent.guidance.speed_mps, ...");
+  v.field("name", name, "[-] of its column in the results; empty: the last word of the key");
+  v.choice("law", law, {"values", "uniform", "log_uniform", "normal", "integer"},
+           "[-] where its values come from: the list, or a distribution");
+  v.field("values", values, "[-] law values: the list; drawn with equal probability when sampled");
+  v.field("min", min, "[-] uniform, log_uniform, integer: least value, in the unit of the key");
+  v.field("max", max, "[-] uniform, log_uniform, integer: greatest value");
+  v.field("mean", mean, "[-] normal: in the unit of the key");
+  v.field("sd", sd, "[-] normal: standard deviation before the cut", Range::positive());
+  v.field("cut_sd", cut_sd, "[-] normal: nothing is drawn beyond mean -+ cut_sd * sd", Range{0.0, 8.0, true});
+  v.field("steps", steps, "[-] grid, list: a uniform, log_uniform or integer law as so many evenly spaced values",
+          Range::between(1, 100'000));
+  v.check(!key.empty(), "key", "the key that is swept");
+  v.check(law != "values" || !values.empty(), "values", "at least one value");
+  v.check(law == "values" || values.empty(), "values", "no values with law \"" + law + "\"");
+  v.check(law == "values" || law == "normal" || min < max || (law == "integer" && min == max), "max", "more than min");
+  v.check(law != "log_uniform" || min > 0.0, "min", "more than 0 for law \"log_uniform\"");
+  if (name.empty()) name = last_word(key);
+}
+
+void SweepConfig::visit(ConfigVisitor& v) {
+  v.choice("method", method, {"grid", "list", "latin_hypercube", "random"},
+           "[-] all combinations; the lists side by side; stratified or independent samples of the laws");
+  v.field("samples", samples, "[-] latin_hypercube, random: number of points", Range::between(1, 1'000'000));
+  v.field("seed", seed, "[-] latin_hypercube, random: of the sampling");
+  v.list("parameters", parameters, "what is swept; none: a single point");
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const bool sampled = method == "latin_hypercube" || method == "random";
+    v.check(sampled || parameters[i].law != "normal", element("parameters", i, "law").c_str(),
+            "another law than \"normal\" with method \"" + method + "\"");
+    for (std::size_t j = 0; j < i; ++j) {
+      v.check(parameters[i].name != parameters[j].name, element("parameters", i, "name").c_str(),
+              "a name that is not taken yet");
+    }
+  }
+}
+
+void SeedsConfig::visit(ConfigVisitor& v) {
+  v.field("first", first, "[-] seeds are first, first + 1, ...");
+  v.field("count", count, "[-] number of seeds", Range::between(1, 10'000'000));
+  v.field("list", list, "[-] these seeds instead");
+  v.choice("pairing", pairing, {"cross", "zip"},
+           "[-] every point of the sweep with every seed; or point i with seed i alone");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    v.check(is_seed(list[i]), ("list[" + std::to_string(i) + "]").c_str(), "a whole number in [0, 2^63)");
+  }
+  v.check(first < (1ULL << 62), "first", "a whole number in [0, 2^62)");
+}
+
+void SlurmConfig::visit(ConfigVisitor& v) {
+  v.field("partition", partition, "[-] empty: the cluster's default");
+  v.field("account", account, "[-] empty: the user's default");
+  v.field("episodes_per_task", episodes_per_task, "[-] of one array task; 0: 20 for each of its processors",
+          Range::non_negative());
+  v.field("cpus_per_task", cpus_per_task, "[-] worker processes of a task", Range::between(1, 4096));
+  v.field("max_running_tasks", max_running_tasks, "[-] tasks that run at a time; 0: no limit", Range::non_negative());
+  v.field("memory_per_cpu_mb", memory_per_cpu_mb, "[MiB] at least memory_limit_mb", Range::positive());
+  v.field("time_limit_min", time_limit_min, "[min] of one task; 0: what its episodes need if each takes timeout_s",
+          Range::non_negative());
+  v.field("options", options, "[-] more options of sbatch, such as --constraint=avx2");
+}
+
+void ReportConfig::visit(ConfigVisitor& v) {
+  v.field("metrics", metrics, "[-] shown with plots; none: those that vary most tellingly");
+  v.field("worst_by", worst_by, "[-] metric by which the worst episodes are chosen; empty: the first of the metrics");
+  v.choice("worst_is", worst_is, {"high", "low"}, "[-] which end of it is bad");
+}
+
+void BatchConfig::visit(ConfigVisitor& v) {
+  v.field("name", name, "[-] of the batch");
+  v.field("description", description, "[-] one sentence about it");
+  v.field("scenario", scenario, "[-] file (relative to this one) or name of a scenario");
+  v.changes("set", set, "[-] changes to the scenario, for every episode");
+  v.list("variants", variants,
+         "settings that are compared, the first being the reference; none: the scenario as it is");
+  v.object("sweep", sweep, "parameters of which every value is flown");
+  v.object("seeds", seeds, "every point and variant is flown with each of them");
+  v.field("threads", threads, "[-] of one episode; workers (--jobs) are what makes a batch fast",
+          Range::between(1, 1024));
+  v.field("timeout_s", timeout_s, "[s] of wall time for one episode, which is then recorded as timed_out; 0: none",
+          Range::non_negative());
+  v.field("memory_limit_mb", memory_limit_mb,
+          "[MiB] of one worker; beyond it an episode is recorded as out_of_memory; 0: none", Range::non_negative());
+  v.field("episodes_per_worker", episodes_per_worker, "[-] after which a worker process is replaced; 0: never",
+          Range::non_negative());
+  v.object("slurm", slurm, "what a cluster is asked for");
+  v.object("report", report, "what the report shows");
+
+  v.check(is_word(name), "name", "a word of letters, digits, '_', '-' and '.'");
+  bool has_scenario = !variants.empty();
+  for (const VariantConfig& variant : variants) has_scenario = has_scenario && !variant.scenario.empty();
+  v.check(!scenario.empty() || has_scenario, "scenario", "the scenario that is flown");
+  v.check(variants.size() <= kMaxVariants, "variants", "at most " + std::to_string(kMaxVariants) + " variants");
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    v.check(is_word(variants[i].name), element("variants", i, "name").c_str(),
+            "a word of letters, digits, '_', '-' and '.'");
+    for (std::size_t j = 0; j < i; ++j) {
+      v.check(variants[i].name != variants[j].name, element("variants", i, "name").c_str(),
+              "a name that is not taken yet");
+    }
+  }
+}
+
+BatchConfig load_batch_config(const std::filesystem::path& file, const ConfigChanges& overrides) {
+  BatchConfig config;
+  read_config(
+      file, [&](ConfigVisitor& v) { config.visit(v); }, overrides);
+  return config;
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+
+/// The batch file: which episodes there are and how they are flown.
+namespace swiftlet::sim {
+
+/// One of several settings that are compared. Variants share the seeds, and hence every random number that both use.
+struct VariantConfig {
+  std::string name;
+  std::string scenario;  ///< empty: the batch's
+  ConfigChanges set;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// One swept key of the scenario.
+struct ParameterConfig {
+  std::string key;
+  std::string name;                 ///< of the column; empty: the last word of the key
+  std::vector<std::string> values;  ///< list, grid; or choices of equal probability
+  std::string law = "values";
+  double min = 0.0, max = 1.0;
+  double mean = 0.0, sd = 1.0, cut_sd = 4.0;
+  int steps = 5;
+
+  void visit(ConfigVisitor& v);
+};
+
+struct SweepConfig {
+  std::string method = "grid";
+  int samples = 10;
+  std::uint64_t seed = 1;
+  std::vector<ParameterConfig> parameters;
+
+  void visit(ConfigVisitor& v);
+};
+
+struct SeedsConfig {
+  std::uint64_t first = 1;
+  int count = 10;
+  std::vector<std::string> list;
+  std::string pairing = "cross";
+
+  void visit(ConfigVisitor& v);
+};
+
+/// What a cluster is asked for (`swiftlet batch --slurm`).
+struct SlurmConfig {
+  std::string partition;
+  std::string account;
+  int episodes_per_task = 0;
+  int cpus_per_task = 1;
+  int max_running_tasks = 0;
+  double memory_per_cpu_mb = 2000.0;
+  double time_limit_min = 0.0;
+  std::vector<std::string> options;
+
+  void visit(ConfigVisitor& v);
+};
+
+struct ReportConfig {
+  std::vector<std::string> metrics;
+  std::string worst_by;
+  std::string worst_is = "high";
+
+  void visit(ConfigVisitor& v);
+};
+
+struct BatchConfig {
+  std::string name = "batch";
+  std::string description;
+  std::string scenario;
+  ConfigChanges set;
+  std::vector<VariantConfig> variants;
+  SweepConfig sweep;
+  SeedsConfig seeds;
+  int threads = 1;
+  double timeout_s = 3600.0;
+  double memory_limit_mb = 0.0;
+  int episodes_per_worker = 0;
+  SlurmConfig slurm;
+  ReportConfig report;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Reads a batch file, by path or by the name of one that comes with Swiftlet ("batch/forest_gains"). Throws
+/// InputError.
+BatchConfig load_batch_config(const std::filesystem::path& file, const ConfigChanges& overrides = {});
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/batch/batch_plan.hpp"
+#include "sim/metrics/metric.hpp"
+#include "swiftlet/sim/simulation.hpp"
+
+namespace swiftlet::sim {
+
+/// What one episode came to.
+struct EpisodeResult {
+  std::string outcome;
+  std::uint64_t state_hash = 0;
+  double simulated_s = 0.0;
+  std::vector<MetricRow> metrics;
+  // Of this machine and moment, not of the episode:
+  double setup_wall_s = 0.0;  ///< reading the scenario, the world, vehicles
+  double flight_wall_s = 0.0;
+  bool built_world = false;
+};
+
+std::string to_bytes(const EpisodeResult& result);
+EpisodeResult episode_result_from_bytes(const std::string& bytes);
+
+/// Worlds that were built last, ready to fly in.
+class WorldCache {
+ public:
+  explicit WorldCache(std::size_t capacity = 2) : capacity_(capacity) {}
+  /// The world of a scenario, built unless it is among the last ones.
+  /// @return the world, and whether it was built now
+  std::pair<World, bool> get(const Scenario& scenario);
+
+ private:
+  std::size_t capacity_;
+  std::list<std::pair<std::string, World>> worlds_;  ///< by key, the last one used first
+};
+
+/// Flies episodes one after another and keeps what they share. Nothing is written; metrics are all that comes out.
+class EpisodeRunner {
+ public:
+  explicit EpisodeRunner(const BatchPlan& plan) : plan_(plan), worlds_(plan.config().variants.size() > 1 ? 3 : 2) {}
+  EpisodeResult fly(std::uint64_t id);
+
+ private:
+  Scenario scenario_of(const Episode& episode);
+
+  const BatchPlan& plan_;
+  WorldCache worlds_;
+  std::size_t point_ = 0;
+  std::map<std::size_t, Scenario> scenarios_;  ///< by variant, of `point_`
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/batch/run_batch.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "sim/batch/episode.hpp"
+#include "sim/batch/worker_pool.hpp"
+#include "sim/run/run_directory.hpp"
+#include "sim/run/version.hpp"
+#include "sim/scenario/yaml_writer.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string host_name() {
+  char name[256] = "";
+  gethostname(name, sizeof name - 1);
+  return name;
+}
+
+/// Held while a database is written. A lock of the process: workers do not inherit it, and no kill leaves it behind.
+class Lock {
+ public:
+  explicit Lock(const fs::path& file) : fd_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+    if (fd_ < 0) throw std::runtime_error(file.string() + ": cannot be written: " + std::strerror(errno));
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    lock.l_whence = SEEK_SET;
+    if (::fcntl(fd_, F_SETLK, &lock) == 0) return;
+    const int problem = errno;
+    ::close(fd_);
+    if (problem == EACCES || problem == EAGAIN) {
+      throw InputError(file.string() + ": expected nobody else at work here, found another `swiftlet batch`");
+    }
+    throw std::runtime_error(file.string() + ": cannot be locked: " + std::strerror(problem));
+  }
+  ~Lock() { ::close(fd_); }  // the file stays: removing it would let two others lock two files of one name
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
+
+ private:
+  int fd_;
+};
+
+void make_directory(const fs::path& directory) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error || !fs::is_directory(directory)) {
+    throw InputError(directory.string() + ": expected a directory that can be made, found: " +
+                     (error ? error.message() : "something else of that name"));
+  }
+}
+
+EpisodeRow row_of(const BatchPlan& plan, const JobResult& result) {
+  const Episode episode = plan.episode(result.id);
+  EpisodeRow row;
+  row.id = episode.id;
+  row.variant = plan.config().variants[episode.variant].name;
+  row.point = episode.point;
+  row.seed = episode.seed;
+  row.parameters = plan.points()[episode.point];
+  row.status = name_of(result.status);
+  row.message = result.message;
+  row.command = plan.command_of(episode);
+  row.wall_s = result.wall_s;
+  row.host = host_name();
+  row.simulated_s = row.setup_wall_s = row.flight_wall_s = std::nan("");
+  if (result.status != JobStatus::kDone) return row;
+  EpisodeResult flown = episode_result_from_bytes(result.bytes);
+  char hash[17];
+  std::snprintf(hash, sizeof hash, "%016" PRIx64, flown.state_hash);
+  row.outcome = flown.outcome;
+  row.state_hash = hash;
+  row.simulated_s = flown.simulated_s;
+  row.metrics = std::move(flown.metrics);
+  row.setup_wall_s = flown.setup_wall_s;
+  row.flight_wall_s = flown.flight_wall_s;
+  row.built_world = flown.built_world;
+  return row;
+}
+
+ResultStore open_store(const BatchPlan& plan, const BatchOptions& options, const fs::path& file) {
+  ResultStore store(file, ResultStore::Mode::kAppend);
+  const BatchInfo wanted = info_of(plan);
+  const auto stored = store.info();
+  if (stored && !options.resume) {
+    throw InputError(file.string() + ": expected an empty place, found results of the batch \"" + stored->name +
+                     "\"; continue it with --resume, or choose another --out");
+  }
+  if (stored) require_same_batch(*stored, wanted, file);
+  if (!stored) store.set_info(wanted);
+  return store;
+}
+
+WorkerPoolOptions pool_options(const BatchPlan& plan, const BatchOptions& options) {
+  WorkerPoolOptions pool;
+  pool.workers = options.jobs;
+  pool.timeout_s = plan.config().timeout_s;
+  pool.memory_limit_mb = plan.config().memory_limit_mb;
+  pool.jobs_per_worker = plan.config().episodes_per_worker;
+  pool.cancelled = options.cancelled;
+  return pool;
+}
+
+}  // namespace
+
+fs::path database_path(const fs::path& out, const Shard& shard) {
+  if (shard.whole()) return out / "results.sqlite";
+  char name[64];
+  const int width = static_cast<int>(std::to_string(shard.count).size());
+  std::snprintf(name, sizeof name, "%0*d-of-%d.sqlite", width, shard.index + 1, shard.count);
+  return out / "shards" / name;
+}
+
+BatchInfo info_of(const BatchPlan& plan) {
+  BatchInfo info;
+  BatchConfig config = plan.config();
+  info.name = config.name;
+  info.description = config.description;
+  info.file = plan.file().string();
+  info.text = write_config([&](ConfigVisitor& v) { config.visit(v); });
+  info.fingerprint = plan.fingerprint();
+  info.version = version();
+  info.git_revision = git_revision();
+  info.num_episodes = plan.num_episodes();
+  for (const VariantConfig& variant : config.variants) info.variants.push_back(variant.name);
+  for (const ParameterConfig& parameter : config.sweep.parameters) info.parameters.push_back(parameter.name);
+  return info;
+}
+
+void require_same_batch(const BatchInfo& stored, const BatchInfo& wanted, const fs::path& database) {
+  const std::string place = database.string() + ": ";
+  if (stored.version != wanted.version) {
+    throw InputError(place + "expected results of Swiftlet " + wanted.version + ", found those of " + stored.version +
+                     "; results of two versions do not mix: choose another --out");
+  }
+  if (stored.fingerprint == wanted.fingerprint) return;
+  std::string what = "the scenario, or a model or file that it names";
+  if (stored.variants != wanted.variants) what = "the variants";
+  if (stored.parameters != wanted.parameters) what = "the swept parameters";
+  if (stored.num_episodes != wanted.num_episodes) {
+    what = std::to_string(stored.num_episodes) + " episodes then, " + std::to_string(wanted.num_episodes) + " now";
+  } else if (stored.text != wanted.text) {
+    what = "the batch file";
+  }
+  throw InputError(place + "expected results of the same batch, found those of one with another meaning (" + what +
+                   "); finish it with the files as they were, or choose another --out");
+}
+
+BatchOutcome run_batch(const BatchPlan& plan, const BatchOptions& options,
+                       const std::function<void(const BatchProgress&)>& report) {
+  BatchOutcome outcome;
+  outcome.database = database_path(options.out, options.shard);
+  make_directory(outcome.database.parent_path());
+  const Lock lock(outcome.database.parent_path() / ("." + outcome.database.filename().string() + ".lock"));
+  ResultStore store = open_store(plan, options, outcome.database);
+  if (options.retry) store.remove_unfinished();
+
+  const std::set<std::uint64_t> known = store.episode_ids();
+  std::vector<Job> jobs;
+  BatchProgress& progress = outcome.progress;
+  for (const std::uint64_t id : plan.episodes_of(options.shard)) {
+    ++progress.total;
+    if (known.contains(id)) {
+      ++progress.done;
+    } else {
+      jobs.push_back({id, plan.group_of(plan.episode(id))});
+    }
+  }
+  for (const auto& [status, count] : store.count_by_status()) progress.failed += status == "done" ? 0 : count;
+
+  EpisodeRunner runner(plan);  // lives on in each worker
+  WorkerPoolEvents events;
+  events.finished = [&](const JobResult& result) {
+    store.add(row_of(plan, result));
+    ++progress.done;
+    ++progress.flown;
+    progress.failed += result.status == JobStatus::kDone ? 0 : 1;
+    if (report) report(progress);
+  };
+  events.idle = [&](int running) {
+    progress.running = running;
+    if (report) report(progress);
+  };
+  outcome.complete = run_jobs(
+      jobs, [&](std::uint64_t id) { return to_bytes(runner.fly(id)); }, pool_options(plan, options), events);
+  progress.running = 0;
+  outcome.by_status = store.count_by_status();
+  if (options.shard.whole()) export_csv(store, options.out);
+  store.close();
+  return outcome;
+}
+
+}  // namespace swiftlet::sim

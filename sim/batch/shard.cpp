@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/batch/shard.hpp"
+
+#include <charconv>
+#include <cstdlib>
+
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr int kMaxShards = 10'000'000;
+
+std::optional<int> whole_number(std::string_view text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::optional<int> number(const Environment& environment, const std::string& name) {
+  const auto text = environment(name);
+  if (!text) return std::nullopt;
+  const auto value = whole_number(*text);
+  if (!value) throw InputError(name + ": expected a whole number, found \"" + *text + "\"");
+  return value;
+}
+
+int need(const Environment& environment, const std::string& name, const std::string& with) {
+  const auto value = number(environment, name);
+  if (!value)
+    throw InputError(name + ": expected a whole number beside " + with + ", found nothing; give --shard i/n instead");
+  return *value;
+}
+
+Shard checked(int index, int count, const std::string& source) {
+  if (count < 1 || count > kMaxShards || index < 0 || index >= count) {
+    throw InputError(source + ": expected a part of a whole, found part " + std::to_string(index) + " (from 0) of " +
+                     std::to_string(count));
+  }
+  return {index, count, source};
+}
+
+Shard slurm_array(const Environment& environment) {
+  const int id = need(environment, "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT");
+  const int count = need(environment, "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_ID");
+  const int min = number(environment, "SLURM_ARRAY_TASK_MIN").value_or(0);
+  const int max = number(environment, "SLURM_ARRAY_TASK_MAX").value_or(min + count - 1);
+  const int step = count > 1 ? (max - min) / (count - 1) : 1;
+  // With holes in the array nobody can tell which of how many parts this is.
+  if (step < 1 || min + step * (count - 1) != max || (id - min) % step != 0) {
+    throw InputError(
+        "SLURM_ARRAY_TASK_ID: expected an array with a fixed step, found one with holes; give --shard i/n instead");
+  }
+  return checked((id - min) / step, count, "SLURM_ARRAY_TASK_ID");
+}
+
+Shard outer_shard(const Environment& environment) {
+  if (environment("SLURM_ARRAY_TASK_ID")) return slurm_array(environment);
+  if (const auto index = number(environment, "JOB_COMPLETION_INDEX")) {
+    return checked(*index, need(environment, "SWIFTLET_NUM_SHARDS", "JOB_COMPLETION_INDEX"), "JOB_COMPLETION_INDEX");
+  }
+  return {};
+}
+
+Shard rank(const Environment& environment) {
+  constexpr const char* kRanks[][2] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
+                                       {"PMI_RANK", "PMI_SIZE"},
+                                       {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}};
+  for (const auto& [index, count] : kRanks) {
+    // SLURM_PROCID stands in batch scripts as well, without a step.
+    if (environment(index) && (environment(count) || std::string(index) != "SLURM_PROCID")) {
+      return checked(*number(environment, index), need(environment, count, index), index);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Environment system_environment() {
+  return [](const std::string& name) -> std::optional<std::string> {
+    const char* value = std::getenv(name.c_str());
+    return value == nullptr || *value == '\0' ? std::nullopt : std::optional<std::string>(value);
+  };
+}
+
+Shard parse_shard(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  const auto index = slash == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(0, slash));
+  const auto count = slash == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(slash + 1));
+  if (!index || !count || *index < 1 || *count < *index || *count > kMaxShards) {
+    throw InputError("--shard: expected i/n with 1 <= i <= n, such as 2/8, found \"" + text + "\"");
+  }
+  return {*index - 1, *count, "--shard"};
+}
+
+Shard shard_of_environment(const Environment& environment) {
+  const Shard outer = outer_shard(environment);
+  const Shard inner = rank(environment);
+  std::string source = outer.source;
+  if (!inner.whole()) source += (source.empty() ? "" : ", ") + inner.source;
+  return checked(outer.index * inner.count + inner.index, outer.count * inner.count, source);
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/batch/run_batch.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cinttypes>
+#include <cmath>
+#include <map>
+
+#include "sim/batch/episode.hpp"
+#include "sim/batch/merge.hpp"
+#include "sim/batch/worker_pool.hpp"
+#include "swiftlet/sim/simulation.hpp"
+#include "tests/sim/batch/batch_support.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kBatch =
+    "variants: [{name: light}, {name: heavy, set: {'vehicles[0].airframe.mass_kg': 3}}]\n"
+    "sweep: {parameters: [{key: 'wind.mean_mps[0]', name: wind_mps, values: [0, 4]}]}\nseeds: {count: 3}\n";
+
+BatchOutcome run(const BatchPlan& plan, const std::filesystem::path& out, BatchOptions options = {}) {
+  options.out = out;
+  return run_batch(plan, options, {});
+}
+
+BatchOptions jobs(int count) {
+  BatchOptions options;
+  options.jobs = count;
+  return options;
+}
+
+BatchOptions resuming() {
+  BatchOptions options;
+  options.resume = true;
+  return options;
+}
+
+BatchOptions retrying() {
+  BatchOptions options = resuming();
+  options.retry = true;
+  return options;
+}
+
+std::vector<EpisodeRow> rows(const std::filesystem::path& file) {
+  return ResultStore(file, ResultStore::Mode::kRead).episodes();
+}
+std::string dump(const std::filesystem::path& file) { return ResultStore(file, ResultStore::Mode::kRead).dump(); }
+
+/// Each episode's state hash by a simulation in a process of its own (this one must not start threads).
+std::map<std::uint64_t, std::string> hashes_alone(const BatchPlan& plan) {
+  std::vector<Job> all;
+  for (std::uint64_t id = 0; id < plan.num_episodes(); ++id) all.push_back({id, id});
+  const auto fly = [&](std::uint64_t id) {
+    Simulation simulation(plan.scenario_of(plan.episode(id)), 1);
+    while (!simulation.finished()) simulation.tick();
+    char hash[17];
+    std::snprintf(hash, sizeof hash, "%016" PRIx64, simulation.state_hash());
+    return std::string(hash);
+  };
+  WorkerPoolOptions options;
+  options.jobs_per_worker = 1;
+  std::map<std::uint64_t, std::string> hashes;
+  WorkerPoolEvents events;
+  events.finished = [&](const JobResult& result) { hashes[result.id] = result.bytes; };
+  run_jobs(all, fly, options, events);
+  return hashes;
+}
+
+std::string refusal(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RunBatch, EveryEpisodeGivesWhatItsScenarioGivesAlone) {
+  const BatchFolder folder;
+  const BatchPlan plan = folder.plan(kBatch);
+  const BatchOutcome outcome = run(plan, folder.path("out"));
+  EXPECT_TRUE(outcome.complete);
+  EXPECT_EQ(outcome.progress.done, 12U);
+  const auto all = rows(outcome.database);
+  ASSERT_EQ(all.size(), 12U);
+  const auto alone = hashes_alone(plan);
+  for (const EpisodeRow& row : all) {
+    EXPECT_EQ(row.state_hash, alone.at(row.id)) << row.id;
+    EXPECT_EQ(row.status, "done");
+    EXPECT_FALSE(row.metrics.empty());
+  }
+  EXPECT_EQ(all[7].variant, "heavy");
+  EXPECT_EQ(all[7].parameters, std::vector<std::string>{"4"});
+}
+
+TEST(RunBatch, TheResultsDoNotDependOnTheNumberOfWorkers) {
+  const BatchFolder folder;
+  const BatchPlan plan = folder.plan(kBatch);
+  const auto one = run(plan, folder.path("one"));
+  const auto three = run(plan, folder.path("three"), jobs(3));
+  EXPECT_EQ(dump(one.database), dump(three.database));
+}
+
+TEST(RunBatch, VariantsOfASeedShareTheirRandomNumbers) {
+  const BatchFolder folder;
+  const BatchPlan plan =
+      folder.plan("variants: [{name: a}, {name: same}, {name: longer, set: {duration_s: 0.3}}]\nseeds: {count: 2}\n");
+  const auto all = rows(run(plan, folder.path("out")).database);
+  ASSERT_EQ(all.size(), 6U);
+  EXPECT_EQ(all[0].state_hash, all[1].state_hash);
+  EXPECT_NE(all[0].state_hash, all[3].state_hash);
+  EXPECT_NE(all[0].state_hash, all[2].state_hash);
+}
+
+TEST(RunBatch, TheWorldIsBuiltOnceAWorkerWhenEpisodesShareIt) {
+  const BatchFolder folder;
+  const auto built = [&](const std::string& text, const std::string& out) {
+    int count = 0;
+    for (const EpisodeRow& row : rows(run(folder.plan(text), folder.path(out)).database))
+      count += row.built_world ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(built(kBatch, "own_worlds"), 3);  // one a seed: variants and wind share it
+  EXPECT_EQ(built(std::string(kBatch) + "set: {world_seed: 9}\n", "one_world"), 1);
+}
+
+TEST(RunBatch, AFailureIsRecordedWithTheCommandThatRepeatsIt) {
+  const BatchFolder folder;
+  // The second point starts both vehicles in one place.
+  const BatchPlan plan = folder.plan(
+      "sweep: {parameters: [{key: 'vehicles[1].start.position_m[0]', name: x, values: [5, 0]}]}\nseeds: {count: 2}\n");
+  const BatchOutcome outcome = run(plan, folder.path("out"));
+  EXPECT_TRUE(outcome.complete);
+  EXPECT_EQ(outcome.progress.failed, 2U);
+  EXPECT_EQ(outcome.by_status.at("failed"), 2U);
+  const EpisodeRow row = rows(outcome.database)[3];
+  EXPECT_EQ(row.status, "failed");
+  EXPECT_EQ(row.seed, 2U);
+  EXPECT_THAT(row.message, HasSubstr("start.position_m"));
+  EXPECT_THAT(row.command, HasSubstr("--set 'vehicles[1].start.position_m[0]=0' --seed 2"));
+}
+
+TEST(RunBatch, AnEpisodeThatTakesTooLongIsRecordedAsThat) {
+  const BatchFolder folder;
+  const BatchPlan plan = folder.plan(
+      "timeout_s: 0.5\nsweep: {parameters: [{key: duration_s, values: [0.1, 100000]}]}\nseeds: {count: 1}\n");
+  const BatchOutcome outcome = run(plan, folder.path("out"));
+  EXPECT_EQ(outcome.by_status.at("timed_out"), 1U);
+  EXPECT_EQ(outcome.by_status.at("done"), 1U);
+}
+
+TEST(RunBatch, ResumingFliesOnlyWhatIsMissing) {
+  const BatchFolder folder;
+  const BatchPlan plan = folder.plan(kBatch);
+  const auto whole = run(plan, folder.path("whole"));
+  int stored = 0;
+  BatchOptions options;
+  options.out = folder.path("out");
+  options.cancelled = [&] { return stored >= 5; };
+  const BatchOutcome first =
+      run_batch(plan, options, [&](const BatchProgress& p) { stored = static_cast<int>(p.done); });
+  EXPECT_FALSE(first.complete);
+  EXPECT_GE(first.progress.done, 5U);
+  EXPECT_LT(first.progress.done, 12U);
+  const BatchOutcome second = run(plan, folder.path("out"), resuming());
+  EXPECT_TRUE(second.complete);
+  EXPECT_EQ(second.progress.done, 12U);
+  EXPECT_EQ(second.progress.flown, 12U - first.progress.done);
+  EXPECT_EQ(dump(second.database), dump(whole.database));
+  EXPECT_EQ(run(plan, folder.path("out"), resuming()).progress.flown, 0U);
+}
+
+TEST(RunBatch, ResultsAreNeitherOverwrittenNorMixedWithThoseOfAnotherBatch) {
+  const BatchFolder folder;
+  const BatchPlan plan = folder.plan(kBatch);
+  run(plan, folder.path("out"));
+  EXPECT_THAT(refusal([&] { run(plan, folder.path("out")); }), HasSubstr("--resume"));
+  const BatchPlan other = folder.plan(std::string(kBatch) + "set: {duration_s: 0.1}\n");
+  EXPECT_THAT(refusal([&] { run(other, folder.path("out"), resuming()); }), HasSubstr("another meaning"));
+  const BatchPlan same = folder.plan(std::string("# a comment\ntimeout_s: 50\n") + kBatch);
+  EXPECT_EQ(run(same, folder.path("out"), resuming()).progress.flown, 0U);
+}
+
+TEST(RunBatch, OnlyFailuresAreFlownAgainOnRequest) {
+  const BatchFolder folder;
+  const std::string text = "sweep: {parameters: [{key: duration_s, values: [0.1, 100000]}]}\nseeds: {count: 2}\n";
+  run(folder.plan("timeout_s: 0.4\n" + text), folder.path("out"));
+  const BatchPlan plan = folder.plan("timeout_s: 0.5\n" + text);
+  EXPECT_EQ(run(plan, folder.path("out"), resuming()).progress.flown, 0U);
+  EXPECT_EQ(run(plan, folder.path("out"), retrying()).progress.flown, 2U);
+}
+
+TEST(RunBatch, CsvFilesHaveARowForEveryEpisodeAndMetric) {
+  const BatchFolder folder;
+  const auto outcome = run(folder.plan(kBatch), folder.path("out"));
+  const auto lines = [&](const char* name) {
+    std::ifstream file(folder.path("out") / name);
+    std::vector<std::string> found;
+    for (std::string line; std::getline(file, line);) found.push_back(line);
+    return found;
+  };
+  const auto episodes = lines("episodes.csv");
+  ASSERT_EQ(episodes.size(), 13U);
+  EXPECT_THAT(episodes[0], ::testing::StartsWith(
+                               "episode,variant,point,seed,wind_mps,status,state_hash,simulated_s,wall_s,outcome"));
+  EXPECT_THAT(episodes[0], HasSubstr("a.path_length_m"));
+  EXPECT_THAT(episodes[8], ::testing::StartsWith("7,heavy,1,1,4,done,"));
+  std::size_t metrics = 1;
+  for (const EpisodeRow& row : rows(outcome.database)) metrics += row.metrics.size();
+  EXPECT_EQ(lines("metrics.csv").size(), metrics);
+}
+
+TEST(EpisodeResult, SurvivesTheWayThroughAPipe) {
+  EpisodeResult result;
+  result.outcome = "crashed";
+  result.state_hash = 0xFEDCBA9876543210ULL;
+  result.simulated_s = 0.1;
+  result.metrics = {
+      {"a_m", "uav1", 1.0 / 3.0, "m", ""}, {"b", "", std::nan(""), "", ""}, {"c", "uav2", 0.0, "", "tree \"7\""}};
+  const EpisodeResult back = episode_result_from_bytes(to_bytes(result));
+  EXPECT_EQ(back.state_hash, result.state_hash);
+  EXPECT_EQ(back.metrics[0].value, 1.0 / 3.0);
+  EXPECT_TRUE(std::isnan(back.metrics[1].value));
+  EXPECT_EQ(back.metrics[2].text, "tree \"7\"");
+}
+
+class Merge : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (int i = 0; i < 3; ++i) {
+      BatchOptions options;
+      options.shard = {i, 3, ""};
+      shards_.push_back(run(plan_, folder_.path("out"), options).database);
+    }
+    whole_ = run(plan_, folder_.path("whole")).database;
+  }
+
+  BatchFolder folder_;
+  BatchPlan plan_ = folder_.plan(kBatch);
+  std::vector<std::filesystem::path> shards_;
+  std::filesystem::path whole_;
+};
+
+TEST_F(Merge, UnitesShardsInAnyOrderToWhatOneMachineGives) {
+  EXPECT_EQ(find_databases({folder_.path("out")}).size(), 3U);
+  const MergeOutcome outcome = merge_batches(find_databases({folder_.path("out")}), folder_.path("out"));
+  EXPECT_EQ(outcome.episodes, 12U);
+  EXPECT_EQ(outcome.expected, 12U);
+  EXPECT_EQ(dump(folder_.path("out/results.sqlite")), dump(whole_));
+  merge_batches({shards_[2], shards_[0], shards_[1]}, folder_.path("other"));
+  EXPECT_EQ(dump(folder_.path("other/results.sqlite")), dump(whole_));
+  EXPECT_TRUE(std::filesystem::exists(folder_.path("other/episodes.csv")));
+}
+
+TEST_F(Merge, TellsWhatIsMissingAndAddsToWhatIsThere) {
+  const MergeOutcome part = merge_batches({shards_[0], shards_[2]}, folder_.path("part"));
+  EXPECT_EQ(part.episodes, 8U);
+  EXPECT_EQ(part.first_missing.size(), 4U);
+  const MergeOutcome all = merge_batches({shards_[1]}, folder_.path("part"));
+  EXPECT_EQ(all.episodes, 12U);
+  EXPECT_EQ(dump(folder_.path("part/results.sqlite")), dump(whole_));
+}
+
+TEST_F(Merge, OverlapsThatAgreeAreOne) {
+  const MergeOutcome outcome = merge_batches({shards_[0], whole_, shards_[0]}, folder_.path("twice"));
+  EXPECT_EQ(outcome.episodes, 12U);
+  EXPECT_EQ(outcome.overlaps, 8U);
+  EXPECT_EQ(dump(folder_.path("twice/results.sqlite")), dump(whole_));
+}
+
+TEST_F(Merge, OverlapsThatDisagreeAreRefusedAndLeaveNothing) {
+  {
+    ResultStore store(shards_[1], ResultStore::Mode::kAppend);
+    EpisodeRow row = store.episodes().front();
+    for (MetricRow& metric : row.metrics) {
+      if (metric.name == "path_length_m") metric.value += 1e-12;
+    }
+    store.add(row);
+  }
+  const std::string message = refusal([&] { merge_batches({whole_, shards_[1]}, folder_.path("bad")); });
+  EXPECT_THAT(message, HasSubstr("path_length_m"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("bad/results.sqlite")));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path("bad")));
+}
+
+TEST_F(Merge, AnEpisodeThatIsDoneWinsOverOneThatIsNot) {
+  {
+    ResultStore store(shards_[1], ResultStore::Mode::kAppend);
+    EpisodeRow row = store.episodes().front();
+    row.status = "timed_out";
+    row.outcome = row.state_hash = "";
+    row.metrics.clear();
+    store.add(row);
+  }
+  merge_batches({shards_[1], whole_}, folder_.path("a"));
+  merge_batches({whole_, shards_[1]}, folder_.path("b"));
+  EXPECT_EQ(dump(folder_.path("a/results.sqlite")), dump(whole_));
+  EXPECT_EQ(dump(folder_.path("b/results.sqlite")), dump(whole_));
+}
+
+TEST_F(Merge, ShardsOfAnotherBatchAreRefused) {
+  const BatchPlan other = folder_.plan(std::string(kBatch) + "set: {duration_s: 0.1}\n");
+  const auto foreign = run(other, folder_.path("foreign")).database;
+  EXPECT_THAT(refusal([&] {
+                merge_batches({shards_[0], foreign}, folder_.path("mixed"));
+              }),
+              HasSubstr("another meaning"));
+  folder_.write("text.sqlite",
+                "this is no database, whatever its name says; it is long enough to be read as one, though");
+  EXPECT_NE(refusal([&] { merge_batches({folder_.path("text.sqlite")}, folder_.path("mixed")); }), "");
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
