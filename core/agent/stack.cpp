@@ -9,6 +9,8 @@
 #include "core/guidance/registry.hpp"
 #include "core/localization/registry.hpp"
 #include "core/localization/world_cloud.hpp"
+#include "core/tracking/registry.hpp"
+#include "core/tracking/track_overlays.hpp"
 
 namespace swiftlet {
 namespace {
@@ -58,6 +60,7 @@ class StackAgent : public Agent {
         estimator_(make_estimator(config.localization, setup)),
         registrar_(setup.airframe.circumscribed_radius_m()),
         detector_(make_detector(config.detector, setup)),
+        target_tracker_(make_tracker(config.tracker, setup)),
         tracker_(config.control.limits.resolve()),
         guidance_(make_guidance(config.guidance, {setup_, tracker_.limits()})),
         controller_(setup.airframe, config.control.gains, setup.tick_s) {}
@@ -84,12 +87,18 @@ class StackAgent : public Agent {
  private:
   /// Scans become clouds in the world of the estimate, which all modules that look at scans share.
   void perceive(const Observation& observation) {
-    if (detector_ == nullptr) return;
+    if (detector_ == nullptr && target_tracker_ == nullptr) return;
     registrar_.push(action_.estimate);
     clouds_.clear();
     for (const auto& scan : observation.scans) {
       if (auto cloud = cloud_pool_.make(scan, registrar_)) clouds_.push_back(std::move(cloud));
     }
+    detect(observation);
+    track(observation);
+  }
+
+  void detect(const Observation& observation) {
+    if (detector_ == nullptr) return;
     found_.clear();
     detector_->step({observation.t, action_.estimate, clouds_, observation}, found_);
     action_.has_detections = found_.has_detections;
@@ -97,9 +106,24 @@ class StackAgent : public Agent {
     action_.detections.assign(found_.detections.begin(), found_.detections.end());
   }
 
+  void track(const Observation& observation) {
+    if (target_tracker_ == nullptr) return;
+    TrackerInput input{.observation = observation, .estimate = action_.estimate, .clouds = clouds_};
+    input.has_detections = action_.has_detections;
+    input.detections = action_.detections;
+    input.background = detector_ != nullptr ? detector_->map() : nullptr;
+    action_.has_tracks = target_tracker_->step(input, action_.tracks);
+    if (action_.has_tracks) track_overlays_.push(action_.tracks);
+  }
+
   void guide(const Observation& observation, double dt_s) {
     wanted_.messages.clear();
-    guidance_->step({.dt_s = dt_s, .estimate = action_.estimate, .observation = observation}, wanted_);
+    guidance_->step({.dt_s = dt_s,
+                     .estimate = action_.estimate,
+                     .observation = observation,
+                     .detections = action_.detections,
+                     .tracks = action_.tracks},
+                    wanted_);
     action_.messages.swap(wanted_.messages);
     if (lost_) return;  // a mission that failed stays failed
     action_.mission = wanted_.mission;
@@ -136,13 +160,15 @@ class StackAgent : public Agent {
   void append_overlays() {
     action_.overlays.push_back(trail_.overlay());
     if (detector_ != nullptr) detector_->append_overlays(action_.overlays);
+    if (target_tracker_ != nullptr) track_overlays_.append(action_.tracks, action_.overlays);
     guidance_->append_overlays(action_.overlays);
   }
 
   AgentSetup setup_;
   std::unique_ptr<StateEstimator> estimator_;
   CloudRegistrar registrar_;
-  std::unique_ptr<Detector> detector_;  // null: none
+  std::unique_ptr<Detector> detector_;       // null: none
+  std::unique_ptr<Tracker> target_tracker_;  // null: none
   ReferenceTracker tracker_;
   std::unique_ptr<Guidance> guidance_;
   MultirotorController controller_;
@@ -152,6 +178,7 @@ class StackAgent : public Agent {
   WorldCloudPool cloud_pool_;
   std::vector<std::shared_ptr<const WorldCloud>> clouds_;  // of this tick
   DetectorOutput found_;
+  TrackOverlays track_overlays_;
   Trail trail_;
   TimeNs last_t_ = 0;
   bool started_ = false;
@@ -164,11 +191,13 @@ class StackAgent : public Agent {
 StackConfig::StackConfig()
     : localization(estimator_module_types(), "ground_truth"),
       detector(detector_module_types(), "none"),
+      tracker(tracker_module_types(), "none"),
       guidance(guidance_module_types(), "hover") {}
 
 void StackConfig::visit(ConfigVisitor& v) {
   v.module("localization", localization, estimator_module_types(), "where am I");
   v.module("detector", detector, detector_module_types(), "who flies near me");
+  v.module("tracker", tracker, tracker_module_types(), "where they fly and will fly");
   v.module("guidance", guidance, guidance_module_types(), "where to go");
   v.object("control", control, "how to fly there");
 }

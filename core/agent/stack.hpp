@@ -8,10 +8,11 @@
 
 namespace swiftlet {
 
-/// The software of one vehicle: localization -> detection -> guidance -> reference tracker -> controller.
+/// The software of one vehicle: localization -> detection -> tracking -> guidance -> reference tracker -> controller.
 struct StackConfig : ModuleConfigOf<StackConfig> {
   Module localization;
   Module detector;
+  Module tracker;
   Module guidance;
   ControlConfig control;
 

@@ -84,6 +84,11 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
       "[m] a detection is that of a track when they are nearer than the sum of their radii r_unc, which count as this "
       "at least (algorithm 2: 0, released code: r_min)",
       Range::non_negative());
+  v.field(
+      "merge_radius_max_m", merge_radius_max_m,
+      "[m] two tracks nearer than the sum of their radii r_unc, which count as this at most, become one (algorithm 2: "
+      "0, never; released code: no bound)",
+      Range::non_negative());
   v.field("min_detections", min_detections, "[-] that a track needs to be told (released code: 2)",
           Range::between(1, 1000));
   v.object("measurement", measurement, "uncertainty of measured positions");
@@ -284,8 +289,8 @@ void CloudTracker::assign(std::span<const Target> targets) {
   }
 }
 
-/// Tracks that have become the same: of two that are nearer than the sum of their radii the surer one stays (released
-/// code; not in the paper).
+/// Of two tracks that have become the same, the surer one stays (released code; not in the paper). The radii are
+/// bounded, or the growing one of a target behind a tree would swallow its neighbour.
 void CloudTracker::merge() {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     for (std::size_t j = i + 1; j < targets_.size();) {
@@ -294,7 +299,8 @@ void CloudTracker::merge() {
       const double radius_a_m = uncertainty_radius_m(a.position_covariance());
       const double radius_b_m = uncertainty_radius_m(b.position_covariance());
       const double distance_m = (position_at(a, targets_[i].t, targets_[j].t) - b.position()).norm();
-      if (!(distance_m < radius_a_m + radius_b_m)) {
+      const double most_m = config_.merge_radius_max_m;
+      if (!(distance_m < std::min(radius_a_m, most_m) + std::min(radius_b_m, most_m))) {
         ++j;
         continue;
       }

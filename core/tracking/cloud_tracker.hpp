@@ -44,6 +44,7 @@ struct CloudTrackerConfig {
   std::string position = "centroid";
   std::string assignment = "exclusive";
   double association_radius_min_m = 0.5;
+  double merge_radius_max_m = 0.5;
   int min_detections = 2;
   TrackMeasurementConfig measurement;
 

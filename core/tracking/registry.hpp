@@ -18,7 +18,7 @@ struct TrackerType {
 
 std::span<const TrackerType> tracker_types();
 std::span<const ModuleType> tracker_module_types();
-/// Throws std::invalid_argument on an unknown type.
+/// Null for `none`. Throws std::invalid_argument on an unknown type.
 std::unique_ptr<Tracker> make_tracker(const Module& config, const AgentSetup& setup);
 
 }  // namespace swiftlet

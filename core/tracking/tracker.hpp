@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,10 +15,10 @@ namespace swiftlet {
 /// What a tracker knows in one tick: all values, nothing kept.
 struct TrackerInput {
   const Observation& observation;
-  const StateEstimate& estimate;                ///< valid
-  const WorldCloud* cloud = nullptr;            ///< new in this tick; null: none
-  bool has_detections = false;                  ///< the detector finished a scan in this tick
-  std::span<const Detection> detections = {};   ///< what it found, which may be nothing
+  const StateEstimate& estimate;                                   ///< valid
+  std::span<const std::shared_ptr<const WorldCloud>> clouds = {};  ///< new in this tick
+  bool has_detections = false;                                     ///< the detector finished a scan in this tick
+  std::span<const Detection> detections = {};                      ///< what it found, which may be nothing
   const BackgroundQuery* background = nullptr;  ///< occupied voxels of the detector's map; null: nothing is known
 };
 
@@ -27,8 +28,6 @@ class Tracker {
   virtual ~Tracker() = default;
   /// True when `tracks` was updated; it is left alone otherwise.
   virtual bool step(const TrackerInput& input, std::vector<Track>& tracks) = 0;
-  /// Does it want clouds at all?
-  virtual bool wants_clouds() const { return true; }
 };
 
 }  // namespace swiftlet

@@ -6,26 +6,27 @@
 namespace swiftlet {
 namespace {
 
-class NoTracker : public Tracker {
- public:
-  bool step(const TrackerInput&, std::vector<Track>&) override { return false; }
-  bool wants_clouds() const override { return false; }
-};
-
 class CloudTrackerModule : public Tracker {
  public:
-  CloudTrackerModule(const CloudTrackerConfig& config, std::unique_ptr<MotionFilter> filter)
-      : tracker_(config, std::move(filter)) {}
+  CloudTrackerModule(std::string sensor, const CloudTrackerConfig& config, std::unique_ptr<MotionFilter> filter)
+      : sensor_(std::move(sensor)), tracker_(config, std::move(filter)) {}
 
   bool step(const TrackerInput& input, std::vector<Track>& tracks) override {
-    if (input.cloud == nullptr && !input.has_detections) return false;
-    if (input.cloud != nullptr) tracker_.new_cloud(*input.cloud, input.background);
+    bool changed = input.has_detections;
+    for (const auto& cloud : input.clouds) {
+      if (sensor_.empty()) sensor_ = cloud->scan->sensor;
+      if (cloud->scan->sensor != sensor_) continue;
+      tracker_.new_cloud(*cloud, input.background);
+      changed = true;
+    }
+    if (!changed) return false;
     tracker_.new_detections(input.detections, input.background);
     tracker_.publish(tracks);
     return true;
   }
 
  private:
+  std::string sensor_;  // from the first cloud on, when none is configured
   CloudTracker tracker_;
 };
 
@@ -51,7 +52,6 @@ class GroundTruthTracker : public Tracker {
     for (const Target& target : targets_) tracks.push_back(track_of(target));
     return true;
   }
-  bool wants_clouds() const override { return false; }
 
  private:
   struct Target {
@@ -101,11 +101,13 @@ class GroundTruthTracker : public Tracker {
 }  // namespace
 
 void VofodTrackerConfig::visit(ConfigVisitor& v) {
+  v.field("sensor", sensor, "[-] name of the LiDAR; empty: the one that gives the first scan");
   tracker.visit(v);
   v.object("filter", filter, "motion model of a target");
 }
 
 void ImmTrackerConfig::visit(ConfigVisitor& v) {
+  v.field("sensor", sensor, "[-] name of the LiDAR; empty: the one that gives the first scan");
   tracker.visit(v);
   v.object("filter", filter, "motion models of a target");
 }
@@ -116,18 +118,16 @@ void GroundTruthTrackerConfig::visit(ConfigVisitor& v) {
   v.object("filter", filter, "motion model, which gives velocity and acceleration");
 }
 
-std::unique_ptr<Tracker> make_no_tracker(const ModuleConfig&, const AgentSetup&) {
-  return std::make_unique<NoTracker>();
-}
+std::unique_ptr<Tracker> make_no_tracker(const ModuleConfig&, const AgentSetup&) { return nullptr; }
 
 std::unique_ptr<Tracker> make_vofod_tracker(const ModuleConfig& config, const AgentSetup&) {
   const auto& c = dynamic_cast<const VofodTrackerConfig&>(config);
-  return std::make_unique<CloudTrackerModule>(c.tracker, make_kalman_filter(c.filter));
+  return std::make_unique<CloudTrackerModule>(c.sensor, c.tracker, make_kalman_filter(c.filter));
 }
 
 std::unique_ptr<Tracker> make_imm_tracker(const ModuleConfig& config, const AgentSetup&) {
   const auto& c = dynamic_cast<const ImmTrackerConfig&>(config);
-  return std::make_unique<CloudTrackerModule>(c.tracker, make_imm_filter(c.filter));
+  return std::make_unique<CloudTrackerModule>(c.sensor, c.tracker, make_imm_filter(c.filter));
 }
 
 std::unique_ptr<Tracker> make_ground_truth_tracker(const ModuleConfig& config, const AgentSetup&) {

@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// No tracking.
+/// No tracking; makes nothing.
 struct NoTrackerConfig : ModuleConfigOf<NoTrackerConfig> {
   void visit(ConfigVisitor&) override {}
 };
@@ -17,6 +17,7 @@ std::unique_ptr<Tracker> make_no_tracker(const ModuleConfig& config, const Agent
 
 /// Algorithm 2 of 000 with its Kalman filter.
 struct VofodTrackerConfig : ModuleConfigOf<VofodTrackerConfig> {
+  std::string sensor;  ///< name of the LiDAR; empty: the first
   CloudTrackerConfig tracker;
   KalmanConfig filter;
 
@@ -26,6 +27,7 @@ std::unique_ptr<Tracker> make_vofod_tracker(const ModuleConfig& config, const Ag
 
 /// The same with interacting multiple models, as 000 uses it for interception (sec. VI-B).
 struct ImmTrackerConfig : ModuleConfigOf<ImmTrackerConfig> {
+  std::string sensor;  ///< name of the LiDAR; empty: the first
   CloudTrackerConfig tracker;
   ImmConfig filter;
 

@@ -98,10 +98,11 @@ bool wants_true_pose(const VehicleConfig& vehicle) {
   return stack != nullptr && stack->localization.type == "ground_truth" && !has_sensor(vehicle, "pose");
 }
 
-// Another one: what `detector: ground_truth` stands for.
+// Another one: what `detector: ground_truth` and `tracker: ground_truth` stand for.
 bool wants_true_neighbors(const VehicleConfig& vehicle) {
   const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
-  return stack != nullptr && stack->detector.type == "ground_truth" && !has_sensor(vehicle, "neighbors");
+  return stack != nullptr && (stack->detector.type == "ground_truth" || stack->tracker.type == "ground_truth") &&
+         !has_sensor(vehicle, "neighbors");
 }
 
 Module ideal_neighbors() {

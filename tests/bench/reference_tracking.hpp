@@ -31,11 +31,11 @@ class PlainTracker {
   void new_point_cloud(const WorldCloud& cloud, const BackgroundQuery& O) {
     Points points;
     for (const Eigen::Vector3f& p : cloud.points_world_m) points.push_back(p.cast<double>());
-    buffer_.push_back({cloud.stamp(), points});                     // line 10
-    if (buffer_.size() > 10) buffer_.pop_front();                   // lines 11-13
+    buffer_.push_back({cloud.stamp(), points});    // line 10
+    if (buffer_.size() > 10) buffer_.pop_front();  // lines 11-13
     const double dt_s = buffer_.size() > 1 ? to_seconds(cloud.stamp() - buffer_[buffer_.size() - 2].t) : 0.0;
     std::vector<PlainTrack> kept;
-    for (PlainTrack& T : tracks) {                                  // lines 14-19
+    for (PlainTrack& T : tracks) {  // lines 14-19
       update_track(T, points, O, dt_s);
       if (!(r_unc(T.P) > 5.0)) kept.push_back(T);
     }
@@ -43,28 +43,28 @@ class PlainTracker {
   }
 
   void new_detections(std::span<const Detection> detections, const BackgroundQuery& O) {
-    for (const Detection& D : detections) {                         // line 21
-      PlainTrack T;                                                 // eqs. (35), (36)
+    for (const Detection& D : detections) {  // line 21
+      PlainTrack T;                          // eqs. (35), (36)
       T.x.setZero();
       T.x.head<3>() = D.position_m;
       Vector9 sigma;
       sigma << Vector3::Constant(0.3), Vector3::Constant(1.0), Vector3::Constant(1.0);
       T.P = sigma.cwiseAbs2().asDiagonal();
       TimeNs t = D.t;
-      for (const auto& [stamp, points] : buffer_) {                 // lines 23-25
+      for (const auto& [stamp, points] : buffer_) {  // lines 23-25
         if (stamp <= D.t) continue;
         update_track(T, points, O, to_seconds(stamp - t));
         t = stamp;
       }
-      if (r_unc(T.P) > 5.0) continue;                               // line 26
+      if (r_unc(T.P) > 5.0) continue;  // line 26
       PlainTrack* similar = nullptr;
-      for (PlainTrack& other : tracks) {                            // line 27
+      for (PlainTrack& other : tracks) {  // line 27
         if ((other.x.head<3>() - T.x.head<3>()).norm() <= r_unc(other.P) + r_unc(T.P)) similar = &other;
       }
       if (similar != nullptr)
-        ++similar->num_detections;                                  // line 28
+        ++similar->num_detections;  // line 28
       else
-        tracks.push_back(T);                                        // line 30
+        tracks.push_back(T);  // line 30
     }
   }
 
@@ -77,22 +77,22 @@ class PlainTracker {
   static double r_unc(const Matrix9& P) { return 1.5 * std::cbrt(P.topLeftCorner<3, 3>().determinant()); }  // eq. (29)
 
   static void update_track(PlainTrack& T, const Points& P, const BackgroundQuery& O, double dt_s) {
-    Matrix9 A = Matrix9::Identity();                                // eq. (30)
+    Matrix9 A = Matrix9::Identity();  // eq. (30)
     A.block<3, 3>(0, 3) = A.block<3, 3>(3, 6) = dt_s * Matrix3::Identity();
     A.block<3, 3>(0, 6) = 0.5 * dt_s * dt_s * Matrix3::Identity();
-    Vector9 xi;                                                     // eq. (34), for a step of 0.1 s
+    Vector9 xi;  // eq. (34), for a step of 0.1 s
     xi << Vector3::Constant(0.01), Vector3::Constant(0.2), Vector3::Constant(0.3);
     T.x = A * T.x;
     T.P = A * T.P * A.transpose() + Matrix9((dt_s / 0.1 * xi.cwiseAbs2()).asDiagonal());
 
     const Vector3 r = T.x.head<3>();
-    Points near;                                                    // line 37
+    Points near;  // line 37
     for (const Vector3& p : P) {
       if ((p - r).norm() <= std::max(2.5, r_unc(T.P))) near.push_back(p);
     }
     double least = 1e300;
-    Vector3 z;
-    for (const Points& C : clusters(near)) {                        // lines 38-44
+    Vector3 z = Vector3::Zero();
+    for (const Points& C : clusters(near)) {  // lines 38-44
       Vector3 c = Vector3::Zero();
       for (const Vector3& p : C) c += p / static_cast<double>(C.size());
       if (O.occupied_within(c, 1.0) || (c - r).norm() >= least) continue;
