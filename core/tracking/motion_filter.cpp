@@ -32,9 +32,16 @@ Matrix9 transition(double position_velocity, double position_acceleration, doubl
   return A;
 }
 
+/// A P A^T. Coefficient by coefficient: Eigen's product of large matrices, which it takes for 9 x 9 already, would cost
+/// more and want threads.
+Matrix9 transformed(const Matrix9& A, const Matrix9& P) {
+  const Matrix9 AP = A.lazyProduct(P);
+  return AP.lazyProduct(A.transpose());
+}
+
 void predict_belief(MotionBelief& belief, const Matrix9& A, const Matrix9& Xi) {
   belief.mean = A * belief.mean;
-  belief.covariance = A * belief.covariance * A.transpose() + Xi;
+  belief.covariance = transformed(A, belief.covariance) + Xi;
 }
 
 class KalmanFilter : public MotionFilter {
@@ -232,7 +239,7 @@ double correct_belief(MotionBelief& belief, const Vector3& z_m, const Matrix3& Z
   // Joseph's form stays positive whatever the rounding.
   Matrix9 I_KH = Matrix9::Identity();
   I_KH.leftCols<3>() -= K;
-  const Matrix9 P = I_KH * belief.covariance * I_KH.transpose() + K * Z * K.transpose();
+  const Matrix9 P = transformed(I_KH, belief.covariance) + (K * Z).lazyProduct(K.transpose());
   belief.covariance = 0.5 * (P + P.transpose());
 
   const double log_det = 2.0 * llt.matrixL().toDenseMatrix().diagonal().array().log().sum();

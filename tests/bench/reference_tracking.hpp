@@ -83,7 +83,8 @@ class PlainTracker {
     Vector9 xi;  // eq. (34), for a step of 0.1 s
     xi << Vector3::Constant(0.01), Vector3::Constant(0.2), Vector3::Constant(0.3);
     T.x = A * T.x;
-    T.P = A * T.P * A.transpose() + Matrix9((dt_s / 0.1 * xi.cwiseAbs2()).asDiagonal());
+    const Matrix9 AP = A.lazyProduct(T.P);
+    T.P = AP.lazyProduct(A.transpose()) + Matrix9((dt_s / 0.1 * xi.cwiseAbs2()).asDiagonal());
 
     const Vector3 r = T.x.head<3>();
     Points near;  // line 37
@@ -105,7 +106,8 @@ class PlainTracker {
     const Matrix3 Z = 0.09 * Matrix3::Identity();
     const Eigen::Matrix<double, 9, 3> K = T.P * H.transpose() * (H * T.P * H.transpose() + Z).inverse();
     T.x += K * (z - H * T.x);
-    T.P = (Matrix9::Identity() - K * H) * T.P;
+    const Matrix9 I_KH = Matrix9::Identity() - K * H;
+    T.P = Matrix9(I_KH.lazyProduct(T.P));
   }
 
   static std::vector<Points> clusters(Points rest) {
