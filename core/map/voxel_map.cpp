@@ -2,6 +2,7 @@
 #include "core/map/voxel_map.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -18,6 +19,26 @@ constexpr int kScrollStep = 16;
 // G before n updates towards g, after them. Through the difference: the fixed point g is then exact, and so is n =
 // infinity.
 float updated(float G, float weight, float g) { return g + weight * (G - g); }
+
+/// 2^-n for n in [0, 126], relative error below 2e-7, in operations that work on vectors.
+float half_to_the(float n) {
+  const float whole = static_cast<float>(static_cast<std::int32_t>(n));
+  const float x = -0.69314718F * (n - whole);  // (-ln 2, 0]
+  float e = 1.0F / 5040.0F;
+  for (const float term : {1.0F / 720.0F, 1.0F / 120.0F, 1.0F / 24.0F, 1.0F / 6.0F, 0.5F, 1.0F, 1.0F}) e = e * x + term;
+  return e * std::bit_cast<float>((127 - static_cast<std::int32_t>(n)) << 23);
+}
+
+// update() for many voxels: infinite values stay what they are, because the weight never becomes 0.
+void move_row(std::span<const float> n, float g, float* __restrict values) {
+  const float* __restrict count = n.data();
+  const std::size_t size = n.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    const float weight = half_to_the(count[i] < 126.0F ? count[i] : 126.0F);
+    const float moved = updated(values[i], weight, g);
+    values[i] = count[i] > 0.0F ? moved : values[i];
+  }
+}
 
 }  // namespace
 
@@ -74,16 +95,23 @@ void VoxelMap::set_bit(std::ptrdiff_t index, bool occupied) {
   word = occupied ? word | bit : word & ~bit;
 }
 
-void VoxelMap::free_row(std::ptrdiff_t row, int first, int count, const float* n) {
-  const float g = static_cast<float>(config_.g_free);
-  float* values = values_.data() + row * grid_.size.x() + first;
-  std::uint64_t* words = bits_.data() + row * words_per_row_;
-  for (int i = 0; i < count; ++i) {
-    if (n[i] == 0.0F || !std::isfinite(values[i])) continue;
-    const bool was_occupied = values[i] >= G_tentative_;
-    values[i] = updated(values[i], std::exp2(-n[i]), g);
-    if (was_occupied && values[i] < G_tentative_) words[(first + i) / 64] &= ~(std::uint64_t{1} << ((first + i) % 64));
+void VoxelMap::move_to_free(const Cell& first, std::span<const float> n) {
+  const std::ptrdiff_t index = grid_.index(first);
+  move_row(n, static_cast<float>(config_.g_free), values_.data() + index);
+  // Going towards free only clears bits.
+  const std::ptrdiff_t row = index / grid_.size.x();
+  const int x = static_cast<int>(index - row * grid_.size.x());
+  for (int w = x / 64; w <= (x + static_cast<int>(n.size()) - 1) / 64; ++w) {
+    if (bits_[row * words_per_row_ + w] != 0) bits_[row * words_per_row_ + w] = bits_of(row, w);
   }
+}
+
+std::uint64_t VoxelMap::bits_of(std::ptrdiff_t row, int word) const {
+  const float* values = values_.data() + row * grid_.size.x() + 64 * word;
+  const int count = std::min(64, grid_.size.x() - 64 * word);
+  std::uint64_t bits = 0;
+  for (int i = 0; i < count; ++i) bits |= static_cast<std::uint64_t>(values[i] >= G_tentative_) << i;
+  return bits;
 }
 
 void VoxelMap::set_prior(const PriorMap& prior) {
@@ -156,13 +184,7 @@ void VoxelMap::follow(const Vector3& p_m) {
 
 void VoxelMap::rebuild_bits() {
   for (std::ptrdiff_t row = 0; row < num_rows(); ++row) {
-    const float* values = values_.data() + row * grid_.size.x();
-    for (int w = 0; w < words_per_row_; ++w) {
-      std::uint64_t word = 0;
-      const int count = std::min(64, grid_.size.x() - 64 * w);
-      for (int i = 0; i < count; ++i) word |= static_cast<std::uint64_t>(values[64 * w + i] >= G_tentative_) << i;
-      bits_[row * words_per_row_ + w] = word;
-    }
+    for (int w = 0; w < words_per_row_; ++w) bits_[row * words_per_row_ + w] = bits_of(row, w);
   }
 }
 
@@ -229,10 +251,12 @@ std::optional<Vector3> VoxelMap::nearest_occupied(const Vector3& p_m, double rad
   return best;
 }
 
-bool VoxelMap::occupied_within(const Vector3& p_m, double radius_m) const {
+bool VoxelMap::any_within(const Vector3& p_m, double radius_m, VoxelState at_least) const {
   bool found = false;
   visit_box(p_m, radius_m, [&](int x, int y, int z) {
-    found = found || (grid_.center_m(grid_.min_cell + Cell(x, y, z)) - p_m).squaredNorm() <= radius_m * radius_m;
+    const Cell cell = grid_.min_cell + Cell(x, y, z);
+    found = found ||
+            ((grid_.center_m(cell) - p_m).squaredNorm() <= radius_m * radius_m && state(grid_.index(cell)) >= at_least);
     return !found;
   });
   return found;

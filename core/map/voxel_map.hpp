@@ -10,6 +10,7 @@
 #include "core/map/background_query.hpp"
 #include "core/map/voxel_grid.hpp"
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/core/prior_map.hpp"
 
 namespace swiftlet {
 
@@ -30,12 +31,6 @@ struct VoxelMapConfig {
   Eigen::Vector3d size_m = {80.0, 80.0, 30.0};
 
   void visit(ConfigVisitor& v);
-};
-
-/// What is known of the world before the start: centres (or any points) of occupied and of free voxels.
-struct PriorMap {
-  std::vector<Eigen::Vector3f> occupied_m;
-  std::vector<Eigen::Vector3f> free_m;
 };
 
 /// The map M: a value G for every voxel of a box, dense. Beside the values it keeps one bit for each voxel that is at
@@ -62,6 +57,8 @@ class VoxelMap : public BackgroundQuery {
   /// Eq. (12): n updates towards g, for any real n >= 0; infinity sets the value to g.
   void update(std::ptrdiff_t index, double n, double g);
   void set(std::ptrdiff_t index, float value);
+  /// update(index, n, g_free) for a row of voxels along x; n = 0 leaves one alone.
+  void move_to_free(const Cell& first, std::span<const float> n);
   /// Sec. III-E: occupied voxels become +infinity, free ones -infinity; where both are claimed, occupied.
   void set_prior(const PriorMap& prior);
   /// A scrolling map follows the vehicle: what leaves the box is forgotten, what enters is unknown (or prior).
@@ -75,7 +72,11 @@ class VoxelMap : public BackgroundQuery {
   void append_centers(VoxelState at_least, std::vector<Vector3>& centers) const;
   /// Centre of the nearest one within the radius of a point; of several as near, the first by index.
   std::optional<Vector3> nearest_occupied(const Vector3& p_m, double radius_m) const;
-  bool occupied_within(const Vector3& p_m, double radius_m) const override;
+  bool occupied_within(const Vector3& p_m, double radius_m) const override {
+    return any_within(p_m, radius_m, VoxelState::kTentative);
+  }
+  /// The same of a state that is at least tentative.
+  bool any_within(const Vector3& p_m, double radius_m, VoxelState at_least) const;
   /// Calls visit(index) for each, in the order of their indices.
   template <class Visit>
   void for_each_occupied(Visit&& visit) const {
@@ -94,12 +95,10 @@ class VoxelMap : public BackgroundQuery {
   std::ptrdiff_t num_rows() const { return static_cast<std::ptrdiff_t>(grid_.size.y()) * grid_.size.z(); }
   const std::uint64_t* row_bits(std::ptrdiff_t row) const { return bits_.data() + row * words_per_row_; }
 
-  /// Multiplies (1 - w) of the way to g_free for a row of voxels at once: `n` by cell, 0 leaves a voxel alone.
-  void free_row(std::ptrdiff_t row, int first, int count, const float* n);
-
  private:
   void stamp_prior();
   void rebuild_bits();
+  std::uint64_t bits_of(std::ptrdiff_t row, int word) const;
   void set_bit(std::ptrdiff_t index, bool occupied);
   /// Calls visit(x, distance_sq) for the occupied cells of a row between two cells, in order.
   template <class Visit>

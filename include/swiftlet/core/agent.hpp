@@ -4,6 +4,7 @@
 #include "swiftlet/core/action.hpp"
 #include "swiftlet/core/airframe.hpp"
 #include "swiftlet/core/observation.hpp"
+#include "swiftlet/core/prior_map.hpp"
 
 namespace swiftlet {
 
@@ -11,10 +12,11 @@ namespace swiftlet {
 struct AgentSetup {
   VehicleId self = 0;
   int num_vehicles = 1;
-  std::vector<std::string> vehicle_names;  ///< by VehicleId
-  Airframe airframe;                       ///< as identified; the truth may differ
+  std::vector<std::string> vehicle_names;      ///< by VehicleId
+  Airframe airframe;                           ///< as identified; the truth may differ
   Pose T_world_body_start = Pose::Identity();  ///< where it was put down; the world frame as the operator sees it
   double tick_s = 0.004;
+  std::shared_ptr<const PriorMap> prior_map;  ///< null: nothing is known
 };
 
 /// One vehicle's software. Knows nothing but its setup and its observations; has no clock, no files, no random numbers.

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/detection/vofod.hpp"
+
+#include <algorithm>
+
+#include "core/detection/vofod_stages.hpp"
+
+namespace swiftlet {
+namespace {
+
+using Cloud = std::shared_ptr<const WorldCloud>;
+
+/// A module that is idle, or works until an instant.
+class Worker {
+ public:
+  explicit Worker(double latency_s) : latency_(from_seconds(latency_s)) {}
+  bool idle() const { return !busy_; }
+  bool due(TimeNs t) const { return busy_ && t >= end_; }
+  void start(TimeNs t) {
+    busy_ = true;
+    end_ = t + latency_;
+  }
+  void stop() { busy_ = false; }
+
+ private:
+  TimeNs latency_;
+  TimeNs end_ = 0;
+  bool busy_ = false;
+};
+
+class VofodDetector : public Detector {
+ public:
+  VofodDetector(const VofodConfig& config, const AgentSetup& setup)
+      : config_(config),
+        stages_(config),
+        classification_(config.timing.classification_latency_s),
+        raycasting_(config.timing.raycasting_latency_s),
+        separation_(config.timing.separation_latency_s),
+        separation_period_(from_seconds(config.timing.separation_period_s)) {
+    if (setup.prior_map != nullptr) stages_.map().set_prior(*setup.prior_map);
+  }
+
+  void step(const DetectorInput& input, DetectorOutput& output) override {
+    stages_.map().follow(input.estimate.T_world_body.translation());
+    seed(input);
+    for (const Cloud& cloud : input.clouds) {
+      if (config_.sensor.empty() || cloud->scan->sensor == config_.sensor) waiting_ = cloud;
+    }
+    // What ends comes before what begins; what takes no time does both.
+    end_classification(input.t, output);
+    begin_classification(input.t);
+    end_classification(input.t, output);
+    end_raycasting(input.t);
+    end_separation(input.t);
+    begin_separation(input.t);
+    end_separation(input.t);
+  }
+
+  const VoxelMap* map() const override { return &stages_.map(); }
+  void append_overlays(std::vector<Overlay>& overlays) const override;
+
+ private:
+  void seed(const DetectorInput& input) {
+    if (config_.seed != "altimeter" && config_.seed != "large_and_altimeter") return;
+    for (const AltimeterSample& sample : input.observation.altimeter) {
+      stages_.seed_ground(input.estimate.T_world_body.translation() - sample.height_m * Vector3::UnitZ());
+    }
+  }
+
+  void begin_classification(TimeNs t) {
+    if (!classification_.idle() || waiting_ == nullptr) return;
+    classified_ = std::move(waiting_);
+    waiting_ = nullptr;
+    classification_.start(t);
+    if (raycasting_.idle()) {
+      stages_.cast_rays(*classified_);
+      raycasting_.start(t);
+      classifications_in_raycasting_ = 0;
+    }
+  }
+
+  void end_classification(TimeNs t, DetectorOutput& output) {
+    if (!classification_.due(t)) return;
+    classification_.stop();
+    stages_.classify(*classified_, output.detections);
+    output.has_detections = true;
+    output.stamp = classified_->stamp();
+    newest_ = output.detections;
+    classified_ = nullptr;
+    ++classifications_in_raycasting_;
+    ++classifications_in_separation_;
+  }
+
+  // Rays wait for at least one classification, whose points they must not outweigh.
+  void end_raycasting(TimeNs t) {
+    if (!raycasting_.due(t) || classifications_in_raycasting_ == 0) return;
+    raycasting_.stop();
+    stages_.apply_rays(classifications_in_raycasting_);
+  }
+
+  void begin_separation(TimeNs t) {
+    if (!separation_.idle() || t < next_separation_) return;
+    separation_.start(t);
+    next_separation_ = t + separation_period_;
+    stages_.find_separate();
+  }
+
+  void end_separation(TimeNs t) {
+    if (!separation_.due(t)) return;
+    separation_.stop();
+    stages_.remove_separate(std::max(classifications_in_separation_, 1));
+    classifications_in_separation_ = 0;
+  }
+
+  VofodConfig config_;
+  VofodStages stages_;
+  Worker classification_, raycasting_, separation_;
+  TimeNs separation_period_;
+  TimeNs next_separation_ = 0;
+  Cloud waiting_, classified_;
+  int classifications_in_raycasting_ = 0, classifications_in_separation_ = 0;
+  std::vector<Detection> newest_;  // for pictures
+};
+
+// Voxels by their confidence, the last scan by class, its detections.
+void VofodDetector::append_overlays(std::vector<Overlay>& overlays) const {
+  const VoxelMap& map = stages_.map();
+  const auto begin = [&](const char* name, Overlay::Kind kind, float size_m) -> Overlay& {
+    Overlay& overlay = overlays.emplace_back();
+    overlay.name = name;
+    overlay.kind = kind;
+    overlay.size_m = size_m;
+    return overlay;
+  };
+  const auto edge = static_cast<float>(map.grid().edge_m);
+  Overlay tentative, confident;
+  map.for_each_occupied([&](std::ptrdiff_t i) {
+    Overlay& overlay = map.state(i) == VoxelState::kConfident ? confident : tentative;
+    overlay.positions.push_back(map.grid().center_m(map.grid().cell(i)).cast<float>());
+  });
+  Overlay& occupied = begin("voxels.occupied", Overlay::Kind::kCubes, 0.9F * edge);
+  occupied.positions = std::move(tentative.positions);
+  occupied.positions.insert(occupied.positions.end(), confident.positions.begin(), confident.positions.end());
+  occupied.colors = {{0.95F, 0.65F, 0.15F, 1.0F}};
+  Overlay& sure = begin("voxels.confident", Overlay::Kind::kCubes, 0.92F * edge);
+  sure.positions = std::move(confident.positions);
+  sure.colors = {{0.45F, 0.48F, 0.55F, 1.0F}};
+
+  Overlay& clusters = begin("clusters", Overlay::Kind::kPoints, 0.08F);
+  const auto paint = [&](ClusterClass of_class, const Eigen::Vector4f& color) {
+    stages_.append_cluster_points(of_class, clusters.positions);
+    clusters.colors.resize(clusters.positions.size(), color);
+  };
+  paint(ClusterClass::kBackground, {0.25F, 0.45F, 0.9F, 1.0F});
+  paint(ClusterClass::kUnknown, {0.95F, 0.85F, 0.1F, 1.0F});
+  paint(ClusterClass::kFlying, {0.95F, 0.1F, 0.1F, 1.0F});
+
+  Overlay& detections = begin("detections", Overlay::Kind::kSpheres, 0.5F);
+  for (const Detection& d : newest_) detections.positions.push_back(d.position_m.cast<float>());
+  detections.colors = {{1.0F, 0.1F, 0.1F, 0.6F}};
+}
+
+}  // namespace
+
+std::unique_ptr<Detector> make_vofod_detector(const ModuleConfig& config, const AgentSetup& setup) {
+  return std::make_unique<VofodDetector>(dynamic_cast<const VofodConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

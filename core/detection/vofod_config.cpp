@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/detection/vofod_config.hpp"
+
+namespace swiftlet {
+
+void VofodChoices::visit(ConfigVisitor& v) {
+  v.choice("clustering", clustering, {"points", "voxels"},
+           "distances between points (paper) or between centres of voxels that hold points (released code)");
+  v.choice("position", position, {"centroid", "box_center"},
+           "of a detection: mean of its points (paper, eq. 19) or centre of its oriented box (released code)");
+  v.choice("close_to", close_to, {"tentative", "confident"},
+           "rule A: background is what is close to voxels that are at least this (rule: tentative; formula below it: "
+           "confident)");
+  v.choice("search", search, {"sphere", "octahedron"},
+           "rule B: border at search_distance_m from the start (paper), or at a number of steps that the object's size "
+           "adds to (released code)");
+  v.choice("failed_search", failed_search, {"keep", "clear"},
+           "rule B: uncertain voxels around a detection stay (paper) or become free (released code)");
+  v.choice("sufficiency", sufficiency, {"none", "background_ratio"},
+           "rule B: always tested (paper), or only once enough of the area is background (released code)");
+  v.field("sufficient_ratio", sufficient_ratio, "[-] voxels of background over horizontal cells of the map",
+          Range::probability());
+  v.choice("map_update", map_update, {"after", "before"},
+           "points go into the map after the classification, detections as exactly unknown (paper), or before it, "
+           "detections as other unknown points (released code)");
+  v.choice("ray_end", ray_end, {"point", "voxel_before"},
+           "rays end at the point (paper, eq. 20) or a voxel's edge before it (released code)");
+  v.choice("hit_voxels", hit_voxels, {"update", "keep"},
+           "voxels that held a point since the last ray casting are freed by rays as others (paper) or not (released "
+           "code)");
+  v.choice("separate_becomes", separate_becomes, {"free", "unknown"},
+           "separate background moves to g_free (eq. 9, released code) or to g_unknown (overview of sec. III)");
+  v.choice("separate_reach", separate_reach, {"cluster", "sphere"},
+           "separate are the voxels of the cluster (paper, eq. 24) or all within separate_distance_m of them (released "
+           "code)");
+}
+
+void VofodTiming::visit(ConfigVisitor& v) {
+  v.field("classification_latency_s", classification_latency_s,
+          "[s] from a scan to its detections; scans that arrive meanwhile wait, the newest one wins",
+          Range::non_negative());
+  v.field("raycasting_latency_s", raycasting_latency_s, "[s] from the start of a ray casting to its effect on the map",
+          Range::non_negative());
+  v.field("separation_latency_s", separation_latency_s, "[s] of the removal of separate background",
+          Range::non_negative());
+  v.field("separation_period_s", separation_period_s, "[s] between the starts of two removals, at least",
+          Range::positive());
+}
+
+void VofodConfig::visit(ConfigVisitor& v) {
+  v.field("sensor", sensor, "LiDAR to listen to; empty: all");
+  v.object("map", map, "multi-state occupancy map");
+  v.field("cluster_distance_m", cluster_distance_m, "[m] d_cluster: points as near as this are of one cluster",
+          Range::positive());
+  v.field("close_distance_m", close_distance_m, "[m] d_close: rule A, background", Range::positive());
+  v.field("search_distance_m", search_distance_m, "[m] d_search: rule B, flying", Range::positive());
+  v.field("ray_max_m", ray_max_m, "[m] d_max: rays are followed so far", Range::positive());
+  v.field("ray_weight", ray_weight, "[-] w_int: updates for a ray through a voxel's diagonal", Range::non_negative());
+  v.field("empty_returns", empty_returns, "[-] do rays without return clear the way up to ray_max_m?");
+  v.field("separate_distance_m", separate_distance_m, "[m] d_sep: between clusters of background", Range::positive());
+  v.field("separate_min_confident", separate_min_confident, "[-] n_conf,min: confident voxels that keep a cluster",
+          Range::non_negative());
+  v.field("min_points", min_points, "[-] of a detection; of voxels when these are clustered", Range::between(1, 1e6));
+  v.field("max_size_m", max_size_m, "[m] diagonal of the oriented box of a detection", Range::positive());
+  v.field("max_range_m", max_range_m, "[m] from the sensor to a detection; 0: any", Range::non_negative());
+  v.choice("seed", seed, {"large_and_altimeter", "large", "altimeter", "none"},
+           "first background in an unknown world: clusters larger than max_size_m, the ground below the altimeter");
+  v.choice("covariance", covariance, {"constant", "pose_noise"},
+           "of detections: sigma_m, or by the noise of range and pose (sec. IV-A) beside it");
+  v.field("sigma_m", sigma_m, "[m] constant part, by axis", Range::positive());
+  v.field("sigma_range_m", sigma_range_m, "[m] pose_noise: of the range", Range::non_negative());
+  v.field("sigma_position_m", sigma_position_m, "[m] pose_noise: of the sensor's position by axis",
+          Range::non_negative());
+  v.field("sigma_attitude_rad", sigma_attitude_rad, "[rad] pose_noise: of its attitude by axis", Range::non_negative());
+  v.object("choices", choices, "readings of what is open in the paper");
+  v.object("timing", timing, "when results are there");
+}
+
+}  // namespace swiftlet

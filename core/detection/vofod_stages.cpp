@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/detection/vofod_stages.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace swiftlet {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// The released code's map of confidence looks so many voxels beyond a cluster's box.
+constexpr int kConfidenceMargin = 2;
+
+MeasurementNoise noise_of(const VofodConfig& config) {
+  MeasurementNoise noise;
+  noise.sigma_range_m = config.sigma_range_m;
+  noise.sigma_position_m.setConstant(config.sigma_position_m);
+  noise.sigma_attitude_rad.setConstant(config.sigma_attitude_rad);
+  return noise;
+}
+
+}  // namespace
+
+/// Oriented box (along the principal axes) and mean of a cluster.
+struct VofodStages::Shape {
+  Vector3 centroid_m = Vector3::Zero();
+  Vector3 box_center_m = Vector3::Zero();
+  Vector3 extent_m = Vector3::Zero();
+  double diagonal_m() const { return extent_m.norm(); }
+};
+
+VofodStages::VofodStages(const VofodConfig& config)
+    : config_(config),
+      map_(config.map),
+      large_is_background_(config.seed == "large" || config.seed == "large_and_altimeter"),
+      g_just_free_(std::nextafter(static_cast<float>(config.map.G_uncertain), -std::numeric_limits<float>::max())) {}
+
+void VofodStages::classify(const WorldCloud& cloud, std::vector<Detection>& detections) {
+  take_points(cloud);
+  if (config_.choices.clustering == "voxels") thin_to_voxels();
+  clusters_.compute(samples_.at_m, config_.cluster_distance_m);
+  const double g_occupied = config_.map.g_occupied, g_unknown = config_.map.g_unknown;
+
+  // Rule A for every cluster before any of them changes the map.
+  classes_.resize(clusters_.size());
+  for (int i = 0; i < clusters_.size(); ++i) {
+    classes_[i] = is_background(clusters_.members(i)) ? ClusterClass::kBackground : ClusterClass::kUnknown;
+  }
+  const bool before = config_.choices.map_update == "before";
+  if (before) {
+    for (int i = 0; i < clusters_.size(); ++i) {
+      put(clusters_.members(i), classes_[i] == ClusterClass::kBackground ? g_occupied : g_unknown);
+    }
+  }
+  // Rules B and C.
+  const bool sufficient = is_sufficient();
+  to_clear_.clear();
+  for (int i = 0; i < clusters_.size(); ++i) {
+    if (classes_[i] == ClusterClass::kBackground) continue;
+    const auto members = clusters_.members(i);
+    const Shape shape = shape_of(members);
+    if (sufficient && is_flying(cloud, members, shape)) {
+      classes_[i] = ClusterClass::kFlying;
+      detections.push_back(make_detection(cloud, members, shape));
+      if (config_.choices.failed_search == "clear") {
+        to_clear_.insert(to_clear_.end(), search_.explored().begin(), search_.explored().end());
+      }
+    } else if (large_is_background_ && shape.diagonal_m() > config_.max_size_m) {
+      classes_[i] = ClusterClass::kBackground;
+      if (before) put(members, g_occupied);
+    }
+  }
+  // Eqs. (16) to (18).
+  for (int i = 0; i < clusters_.size() && !before; ++i) {
+    if (classes_[i] == ClusterClass::kFlying)
+      put_detection(clusters_.members(i));
+    else
+      put(clusters_.members(i), classes_[i] == ClusterClass::kBackground ? g_occupied : g_unknown);
+  }
+  for (const std::ptrdiff_t index : to_clear_) {
+    if (map_.state(index) == VoxelState::kUncertain) map_.set(index, g_just_free_);
+  }
+  if (config_.choices.hit_voxels == "keep") {
+    for (const std::ptrdiff_t voxel : samples_.voxel) hits_.push_back(map_.grid().cell(voxel));
+  }
+}
+
+void VofodStages::take_points(const WorldCloud& cloud) {
+  samples_.at_m.clear();
+  samples_.voxel.clear();
+  samples_.point.clear();
+  samples_.weight.clear();
+  const VoxelGrid& grid = map_.grid();
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+    const Vector3 p = cloud.points_world_m[i].cast<double>();
+    if (!grid.contains(p)) continue;
+    samples_.at_m.push_back(cloud.points_world_m[i]);
+    samples_.voxel.push_back(grid.index(grid.cell_of(p)));
+    samples_.point.push_back(i);
+  }
+}
+
+void VofodStages::thin_to_voxels() {
+  sorted_.clear();
+  for (std::uint32_t i = 0; i < samples_.voxel.size(); ++i) sorted_.emplace_back(samples_.voxel[i], samples_.point[i]);
+  std::sort(sorted_.begin(), sorted_.end());
+  samples_ = {};
+  for (std::size_t i = 0; i < sorted_.size(); ++i) {
+    if (i == 0 || sorted_[i].first != sorted_[i - 1].first) {
+      samples_.at_m.push_back(map_.grid().center_m(map_.grid().cell(sorted_[i].first)).cast<float>());
+      samples_.voxel.push_back(sorted_[i].first);
+      samples_.point.push_back(sorted_[i].second);
+      samples_.weight.push_back(0);
+    }
+    ++samples_.weight.back();
+  }
+}
+
+bool VofodStages::is_background(std::span<const std::uint32_t> members) const {
+  const VoxelState at_least = config_.choices.close_to == "confident" ? VoxelState::kConfident : VoxelState::kTentative;
+  return std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
+    return map_.any_within(samples_.at_m[i].cast<double>(), config_.close_distance_m, at_least);
+  });
+}
+
+VofodStages::Shape VofodStages::shape_of(std::span<const std::uint32_t> members) const {
+  Shape shape;
+  Vector3 sum = Vector3::Zero();
+  double weight = 0.0;
+  for (const std::uint32_t i : members) {
+    sum += samples_.weight_of(i) * samples_.at_m[i].cast<double>();
+    weight += samples_.weight_of(i);
+  }
+  shape.centroid_m = sum / weight;
+  Matrix3 scatter = Matrix3::Zero();
+  for (const std::uint32_t i : members) {
+    const Vector3 r = samples_.at_m[i].cast<double>() - shape.centroid_m;
+    scatter += r * r.transpose();
+  }
+  const Matrix3 axes = Eigen::SelfAdjointEigenSolver<Matrix3>(scatter).eigenvectors();
+  Eigen::AlignedBox3d box;
+  for (const std::uint32_t i : members) {
+    box.extend(Vector3(axes.transpose() * (samples_.at_m[i].cast<double>() - shape.centroid_m)));
+  }
+  shape.box_center_m = shape.centroid_m + axes * box.center();
+  shape.extent_m = box.sizes();
+  return shape;
+}
+
+bool VofodStages::is_flying(const WorldCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape) {
+  if (static_cast<int>(members.size()) < config_.min_points || shape.diagonal_m() > config_.max_size_m) return false;
+  const Vector3 sensor_m = cloud.T_world_lidar_of_beam(cloud.beam[samples_.point[members.front()]]).translation();
+  if (config_.max_range_m > 0.0 && (shape.centroid_m - sensor_m).norm() > config_.max_range_m) return false;
+
+  starts_index_.clear();
+  for (const std::uint32_t i : members) starts_index_.push_back(samples_.voxel[i]);
+  std::sort(starts_index_.begin(), starts_index_.end());
+  starts_index_.erase(std::unique(starts_index_.begin(), starts_index_.end()), starts_index_.end());
+  starts_.clear();
+  for (const std::ptrdiff_t index : starts_index_) starts_.push_back(map_.grid().cell(index));
+
+  SearchShape reach{.octahedron = config_.choices.search == "octahedron", .radius_m = config_.search_distance_m};
+  reach.radius_steps = static_cast<int>((shape.diagonal_m() + config_.search_distance_m) / config_.map.voxel_m);
+  return search_.enclosed(map_, starts_, reach);
+}
+
+// The released code's two conditions, the first of which stays true once it was.
+bool VofodStages::is_sufficient() {
+  if (config_.choices.sufficiency == "none") return true;
+  const Cell size = map_.grid().size;
+  const double needed = config_.choices.sufficient_ratio * size.x() * size.y();
+  was_sufficient_ = was_sufficient_ || static_cast<double>(map_.num_occupied()) > needed;
+  return was_sufficient_ && separator_.num_kept() > 0;
+}
+
+void VofodStages::put(std::span<const std::uint32_t> members, double g) {
+  for (const std::uint32_t i : members) map_.update(samples_.voxel[i], samples_.weight_of(i), g);
+}
+
+void VofodStages::put_detection(std::span<const std::uint32_t> members) {
+  for (const std::uint32_t i : members) map_.update(samples_.voxel[i], kInfinity, config_.map.g_unknown);
+}
+
+Detection VofodStages::make_detection(const WorldCloud& cloud, std::span<const std::uint32_t> members,
+                                      const Shape& shape) const {
+  Detection d;
+  std::int64_t offset_sum = 0;
+  for (const std::uint32_t i : members) {
+    offset_sum += cloud.time_of(samples_.point[i]) - cloud.stamp();
+    d.num_points += samples_.weight_of(i);
+  }
+  d.t = cloud.stamp() + offset_sum / static_cast<std::int64_t>(members.size());
+  d.position_m = config_.choices.position == "centroid" ? shape.centroid_m : shape.box_center_m;
+  d.extent_m = shape.extent_m;
+  d.covariance = covariance(cloud, samples_.point[members.front()], d.position_m);
+  d.confidence = confidence(members);
+  return d;
+}
+
+// How free its surroundings are: exp(-sum(1 - G / g_free) / points) over the cluster's box and a margin, its own voxels
+// counting as free. The paper does not say; this is the released code's.
+double VofodStages::confidence(std::span<const std::uint32_t> members) const {
+  const VoxelGrid& grid = map_.grid();
+  Cell first = starts_.front(), last = starts_.front();
+  for (const Cell& cell : starts_) {
+    first = first.cwiseMin(cell);
+    last = last.cwiseMax(cell);
+  }
+  first = (first.array() - kConfidenceMargin).matrix().cwiseMax(grid.min_cell);
+  last = (last.array() + kConfidenceMargin).matrix().cwiseMin(grid.min_cell + grid.size - Cell::Ones());
+  double sum = 0.0, points = 0.0;
+  for (int z = first.z(); z <= last.z(); ++z) {
+    for (int y = first.y(); y <= last.y(); ++y) {
+      for (int x = first.x(); x <= last.x(); ++x) {
+        const std::ptrdiff_t index = grid.index({x, y, z});
+        if (std::binary_search(starts_index_.begin(), starts_index_.end(), index)) continue;
+        sum += 1.0 - std::clamp(map_.value(index) / config_.map.g_free, 0.0, 1.0);
+      }
+    }
+  }
+  for (const std::uint32_t i : members) points += samples_.weight_of(i);
+  return std::exp(-sum / points);
+}
+
+Matrix3 VofodStages::covariance(const WorldCloud& cloud, std::uint32_t point, const Vector3& position_m) const {
+  const Matrix3 constant = config_.sigma_m * config_.sigma_m * Matrix3::Identity();
+  if (config_.covariance == "constant") return constant;
+  const Pose& T_world_lidar = cloud.T_world_lidar_of_beam(cloud.beam[point]);
+  const Vector3 p_lidar = T_world_lidar.inverse() * position_m;
+  const double range_m = p_lidar.norm();
+  if (range_m <= 0.0) return constant;
+  return constant + point_covariance(p_lidar / range_m, range_m, T_world_lidar.linear(), noise_of(config_).Sigma_w());
+}
+
+void VofodStages::cast_rays(const WorldCloud& cloud) {
+  const Scan& scan = *cloud.scan;
+  const BeamTable& beams = *scan.beams;
+  double beam_offset_m = 0.0;  // beams start a little off the sensor's origin
+  for (const Eigen::Vector3f& origin : beams.origins_lidar) {
+    if (origin.allFinite()) beam_offset_m = std::max(beam_offset_m, static_cast<double>(origin.norm()));
+  }
+  Eigen::AlignedBox3d origins;
+  for (const Pose& pose : cloud.T_world_lidar) {
+    if (pose.matrix().allFinite()) origins.extend(Vector3(pose.translation()));
+  }
+  if (origins.isEmpty() || !map_.grid().contains(Vector3(origins.center()))) {
+    rays_.begin({}, config_.ray_max_m, config_.map.voxel_m);
+    return;
+  }
+  origins.min().array() -= beam_offset_m + 1e-6;
+  origins.max().array() += beam_offset_m + 1e-6;
+  rays_.begin(origins, config_.ray_max_m, config_.map.voxel_m);
+
+  const double shorten_m = config_.choices.ray_end == "voxel_before" ? config_.map.voxel_m : 0.0;
+  const bool masks = !beams.masked.empty();
+  for (int row = 0; row < scan.rows(); ++row) {
+    for (int column = 0; column < scan.cols(); ++column) {
+      const int i = row * scan.cols() + column;
+      if (masks && beams.masked[i]) continue;
+      double length_m = config_.ray_max_m;
+      if (scan.hit(i))
+        length_m = std::min(length_m, static_cast<double>(scan.range_m[i]) - shorten_m);
+      else if (!config_.empty_returns || !(scan.range_m[i] == 0.0F))
+        continue;
+      const Pose& T = cloud.T_world_lidar[column];
+      rays_.add(T * beams.origins_lidar[i].cast<double>(), T.linear() * beams.directions_lidar[i].cast<double>(),
+                length_m);
+    }
+  }
+}
+
+void VofodStages::apply_rays(int num_classifications) {
+  rays_.leave_out(hits_);
+  hits_.clear();
+  rays_.apply(num_classifications * config_.ray_weight / std::sqrt(3.0), map_);
+}
+
+void VofodStages::find_separate() {
+  const auto& found = separator_.find(map_, config_.separate_distance_m, config_.separate_min_confident);
+  separate_.clear();
+  if (config_.choices.separate_reach == "cluster") {
+    for (const std::ptrdiff_t index : found) separate_.push_back(map_.grid().cell(index));
+    return;
+  }
+  const int reach = static_cast<int>(config_.separate_distance_m / config_.map.voxel_m);
+  const double reach_sq = std::pow(config_.separate_distance_m / config_.map.voxel_m, 2);
+  separate_index_.clear();
+  for (const std::ptrdiff_t index : found) {
+    const Cell center = map_.grid().cell(index);
+    for (int z = -reach; z <= reach; ++z) {
+      for (int y = -reach; y <= reach; ++y) {
+        for (int x = -reach; x <= reach; ++x) {
+          const Cell cell = center + Cell(x, y, z);
+          if (x * x + y * y + z * z <= reach_sq && map_.grid().contains(cell)) {
+            separate_index_.push_back(map_.grid().index(cell));
+          }
+        }
+      }
+    }
+  }
+  std::sort(separate_index_.begin(), separate_index_.end());
+  separate_index_.erase(std::unique(separate_index_.begin(), separate_index_.end()), separate_index_.end());
+  for (const std::ptrdiff_t index : separate_index_) separate_.push_back(map_.grid().cell(index));
+}
+
+void VofodStages::remove_separate(int num_classifications) {
+  const double g = config_.choices.separate_becomes == "free" ? config_.map.g_free : config_.map.g_unknown;
+  for (const Cell& cell : separate_) {
+    if (map_.grid().contains(cell)) map_.update(map_.grid().index(cell), num_classifications, g);
+  }
+  separate_.clear();
+}
+
+void VofodStages::seed_ground(const Vector3& p_world_m) {
+  if (map_.grid().contains(p_world_m)) {
+    map_.update(map_.grid().index(map_.grid().cell_of(p_world_m)), 1.0, config_.map.g_occupied);
+  }
+}
+
+void VofodStages::append_cluster_points(ClusterClass of_class, std::vector<Eigen::Vector3f>& points_m) const {
+  for (int i = 0; i < static_cast<int>(classes_.size()); ++i) {
+    if (classes_[i] != of_class) continue;
+    for (const std::uint32_t member : clusters_.members(i)) points_m.push_back(samples_.at_m[member]);
+  }
+}
+
+void VofodStages::append_members(int cluster, std::vector<std::uint32_t>& points) const {
+  for (const std::uint32_t member : clusters_.members(cluster)) points.push_back(samples_.point[member]);
+}
+
+}  // namespace swiftlet

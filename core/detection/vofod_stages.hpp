@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/detection/enclosure.hpp"
+#include "core/detection/euclidean_clusters.hpp"
+#include "core/detection/separate_background.hpp"
+#include "core/detection/vofod_config.hpp"
+#include "core/localization/world_cloud.hpp"
+#include "core/map/ray_lengths.hpp"
+#include "swiftlet/core/detection.hpp"
+
+namespace swiftlet {
+
+/// Result of rules A to C.
+enum class ClusterClass : std::uint8_t { kBackground, kUnknown, kFlying };
+
+/// The stages of the VoFOD detector on one map, without a clock: what each does to a scan or to the map (000, sec.
+/// III-B to III-D). Not copyable in a cheap way: holds the map.
+class VofodStages {
+ public:
+  explicit VofodStages(const VofodConfig& config);
+
+  /// Clustering and classification of a scan, its points into the map, and its detections.
+  void classify(const WorldCloud& cloud, std::vector<Detection>& detections);
+  /// Rays of a scan: lengths by voxel, kept for apply_rays().
+  void cast_rays(const WorldCloud& cloud);
+  /// Their effect on the map, eq. (22). @param num_classifications  N_cls, since the rays were cast
+  void apply_rays(int num_classifications);
+  /// V_sep as of now, kept for remove_separate(). Voxels are remembered by their cells: the map may scroll meanwhile.
+  void find_separate();
+  /// Eq. (25). @param num_classifications  N_cls, since the last removal
+  void remove_separate(int num_classifications);
+  /// The ground below an altimeter moves half-way to occupied.
+  void seed_ground(const Vector3& p_world_m);
+
+  VoxelMap& map() { return map_; }
+  const VoxelMap& map() const { return map_; }
+  const RayLengths& rays() const { return rays_; }
+
+  // Of the last classified scan.
+  int num_clusters() const { return clusters_.size(); }
+  ClusterClass cluster_class(int cluster) const { return classes_[cluster]; }
+  /// Indices of a cluster's points in the cloud (of the first point of each voxel when voxels are clustered).
+  void append_members(int cluster, std::vector<std::uint32_t>& points) const;
+  void append_cluster_points(ClusterClass of_class, std::vector<Eigen::Vector3f>& points_m) const;
+
+ private:
+  /// What is clustered: points, or voxels with the number of their points.
+  struct Samples {
+    std::vector<Eigen::Vector3f> at_m;
+    std::vector<std::ptrdiff_t> voxel;  // index in the map
+    std::vector<std::uint32_t> point;   // of the cloud
+    std::vector<int> weight;            // points; empty: 1 each
+    int weight_of(std::size_t i) const { return weight.empty() ? 1 : weight[i]; }
+  };
+  struct Shape;
+
+  void take_points(const WorldCloud& cloud);
+  void thin_to_voxels();
+  bool is_background(std::span<const std::uint32_t> members) const;
+  bool is_flying(const WorldCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape);
+  Shape shape_of(std::span<const std::uint32_t> members) const;
+  bool is_sufficient();
+  void put(std::span<const std::uint32_t> members, double g);
+  void put_detection(std::span<const std::uint32_t> members);
+  Detection make_detection(const WorldCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape) const;
+  double confidence(std::span<const std::uint32_t> members) const;
+  Matrix3 covariance(const WorldCloud& cloud, std::uint32_t point, const Vector3& position_m) const;
+
+  VofodConfig config_;
+  VoxelMap map_;
+  bool large_is_background_;
+  bool was_sufficient_ = false;
+  float g_just_free_;  // the greatest value that is free
+
+  Samples samples_;
+  EuclideanClusters clusters_;
+  std::vector<ClusterClass> classes_;
+  EnclosureSearch search_;
+  std::vector<std::ptrdiff_t> starts_index_, to_clear_;
+  std::vector<Cell> starts_;
+  std::vector<std::pair<std::ptrdiff_t, std::uint32_t>> sorted_;  // scratch of thin_to_voxels
+
+  RayLengths rays_;
+  std::vector<Cell> hits_;  // voxels with a point since the last ray casting
+  SeparateBackground separator_;
+  std::vector<Cell> separate_;
+  std::vector<std::ptrdiff_t> separate_index_;
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/map/ray_lengths.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+// The pieces of a ray in vectors of eight where the processor has them: the same operations, so the same bits.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__) && !defined(__AVX2__)
+#define SWIFTLET_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define SWIFTLET_VECTOR_CLONES
+#endif
+
+namespace swiftlet {
+namespace {
+
+// A ray is worked on in stretches of this many planes.
+constexpr int kStretch = 96;
+// Cells around the window that no ray reaches: rounding and the unused third piece of a slab stay inside.
+constexpr int kMargin = 2;
+
+/// A ray in edges, mirrored so that it climbs along every axis, from within the cell of its origin: small numbers keep
+/// single precision exact. a is its steepest axis, b and c are the others.
+struct Ray {
+  float o_b, o_c;                             // origin in its cell, 0..1
+  float d_b, d_c;                             // direction, not negative; along a the planes say it
+  float inv_b, inv_c;                         // 1 / direction, 0 where that is infinite
+  std::int32_t base, step_a, step_b, step_c;  // index = base + j step_a + b step_b + c step_c
+};
+
+/// Pieces of the slabs between neighbouring planes: three voxels each, of which the later ones may have length 0.
+struct Pieces {
+  alignas(32) std::array<float, kStretch + 8> t;  // where the planes are met, in edges from the origin
+  alignas(32) std::array<std::int32_t, kStretch + 8> b, c;
+  alignas(32) std::array<float, kStretch> length_0, length_1, length_2;
+  alignas(32) std::array<std::int32_t, kStretch> index_0, index_1, index_2;
+  alignas(32) std::array<std::int32_t, kStretch> crosses;  // leaves its first voxel sideways
+};
+
+SWIFTLET_VECTOR_CLONES
+void cut(const Ray& r, int first, int count, Pieces& out) {
+  float* __restrict t = out.t.data();
+  std::int32_t* __restrict b = out.b.data();
+  std::int32_t* __restrict c = out.c.data();
+  for (int j = 0; j <= count; ++j) {
+    b[j] = static_cast<std::int32_t>(r.o_b + t[j] * r.d_b);
+    c[j] = static_cast<std::int32_t>(r.o_c + t[j] * r.d_c);
+  }
+  for (int j = 0; j < count; ++j) {
+    const float begin = t[j], end = t[j + 1];
+    const bool crosses_b = b[j] != b[j + 1], crosses_c = c[j] != c[j + 1];
+    float t_b = (static_cast<float>(b[j] + 1) - r.o_b) * r.inv_b;
+    float t_c = (static_cast<float>(c[j] + 1) - r.o_c) * r.inv_c;
+    t_b = t_b > begin ? t_b : begin;
+    t_c = t_c > begin ? t_c : begin;
+    t_b = (crosses_b && t_b < end) ? t_b : end;
+    t_c = (crosses_c && t_c < end) ? t_c : end;
+    const float near = t_b < t_c ? t_b : t_c;
+    const float far = t_b < t_c ? t_c : t_b;
+    out.length_0[j] = near - begin;
+    out.length_1[j] = far - near;
+    out.length_2[j] = end - far;
+    const std::int32_t index = r.base + (first + j) * r.step_a + b[j] * r.step_b + c[j] * r.step_c;
+    out.index_0[j] = index;
+    out.index_1[j] = index + (t_b < t_c ? r.step_b : r.step_c);
+    out.index_2[j] = index + r.step_b + r.step_c;
+    out.crosses[j] = crosses_b | crosses_c;
+  }
+}
+
+void accumulate(const Pieces& pieces, int count, float* __restrict lengths) {
+  std::array<std::int32_t, kStretch + 1> crossing;
+  int num_crossing = 0;
+  for (int j = 0; j < count; ++j) {
+    lengths[pieces.index_0[j]] += pieces.length_0[j];
+    crossing[num_crossing] = j;
+    num_crossing += pieces.crosses[j];
+  }
+  for (int k = 0; k < num_crossing; ++k) {
+    const int j = crossing[k];
+    lengths[pieces.index_1[j]] += pieces.length_1[j];
+    lengths[pieces.index_2[j]] += pieces.length_2[j];
+  }
+}
+
+}  // namespace
+
+void RayLengths::begin(const Eigen::AlignedBox3d& origins_m, double reach_m, double edge_m) {
+  clear();
+  origins_m_ = origins_m;
+  reach_m_ = reach_m;
+  window_.edge_m = edge_m;
+  if (origins_m.isEmpty()) return;
+  window_.min_cell = ((origins_m.min().array() - reach_m) / edge_m).floor().cast<int>() - kMargin;
+  const Cell end = ((origins_m.max().array() + reach_m) / edge_m).ceil().cast<int>() + kMargin;
+  window_.size = end - window_.min_cell;
+  if (static_cast<std::ptrdiff_t>(lengths_.size()) < window_.num_cells()) lengths_.resize(window_.num_cells(), 0.0F);
+}
+
+void RayLengths::clear() {
+  if (window_.num_cells() > 0) std::fill_n(lengths_.begin(), window_.num_cells(), 0.0F);
+  window_.size.setZero();
+}
+
+void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double length_m) {
+  if (!(length_m > 0.0) || length_m > reach_m_ || !origins_m_.contains(origin_m) || !direction.allFinite()) return;
+  int a = 0;
+  direction.cwiseAbs().maxCoeff(&a);
+  if (direction[a] == 0.0) return;
+  const int b = (a + 1) % 3, c = (a + 2) % 3;
+  const std::array<std::int32_t, 3> stride = {1, window_.size.x(), window_.size.x() * window_.size.y()};
+
+  const Vector3 origin = origin_m / window_.edge_m - window_.min_cell.cast<double>();
+  const double length = length_m / window_.edge_m;
+  const Eigen::Array3d cell = origin.array().floor();
+  const auto climbs = (direction.array() >= 0.0).eval();
+  const Vector3 inside = climbs.select(origin.array() - cell, cell + 1.0 - origin.array());
+  const Vector3 d = direction.cwiseAbs();
+  const double spacing = 1.0 / d[a];
+  const double first_plane = (1.0 - inside[a]) * spacing;
+
+  Ray r;
+  r.o_b = static_cast<float>(inside[b]), r.o_c = static_cast<float>(inside[c]);
+  r.d_b = static_cast<float>(d[b]), r.d_c = static_cast<float>(d[c]);
+  r.inv_b = r.d_b > 0.0F ? 1.0F / r.d_b : 0.0F, r.inv_c = r.d_c > 0.0F ? 1.0F / r.d_c : 0.0F;
+  r.step_a = climbs[a] ? stride[a] : -stride[a];
+  r.step_b = climbs[b] ? stride[b] : -stride[b];
+  r.step_c = climbs[c] ? stride[c] : -stride[c];
+  r.base = static_cast<std::int32_t>(window_.index(window_.min_cell + cell.cast<int>().matrix()));
+
+  // Slab j lies between planes j - 1 and j; the first begins at the origin, the last ends at the ray's end.
+  const int num_slabs = 1 + std::max(0, static_cast<int>(std::ceil((length - first_plane) / spacing)));
+  const float end = static_cast<float>(length);
+  Pieces pieces;
+  for (int first = 0; first < num_slabs; first += kStretch) {
+    const int count = std::min(kStretch, num_slabs - first);
+    const float before = static_cast<float>(first_plane + (first - 1) * spacing);
+    const float step = static_cast<float>(spacing);
+    for (int j = 0; j <= count; ++j) pieces.t[j] = std::min(before + static_cast<float>(j) * step, end);
+    if (first == 0) pieces.t[0] = 0.0F;
+    if (first + count == num_slabs) pieces.t[count] = end;
+    cut(r, first, count, pieces);
+    accumulate(pieces, count, lengths_.data());
+  }
+}
+
+void RayLengths::leave_out(std::span<const Cell> cells) {
+  for (const Cell& cell : cells) {
+    if (window_.contains(cell)) lengths_[window_.index(cell)] = 0.0F;
+  }
+}
+
+double RayLengths::length_m(const Cell& cell) const {
+  return window_.contains(cell) ? window_.edge_m * lengths_[window_.index(cell)] : 0.0;
+}
+
+std::vector<Cell> RayLengths::cells() const {
+  std::vector<Cell> out;
+  for (std::ptrdiff_t i = 0; i < window_.num_cells(); ++i) {
+    if (lengths_[i] > 0.0F) out.push_back(window_.cell(i));
+  }
+  return out;
+}
+
+void RayLengths::apply(double updates_per_edge, VoxelMap& map) {
+  const VoxelGrid& grid = map.grid();
+  const Cell first = window_.min_cell.cwiseMax(grid.min_cell);
+  const Cell end = (window_.min_cell + window_.size).cwiseMin(grid.min_cell + grid.size);
+  const int count = end.x() - first.x();
+  const float factor = static_cast<float>(updates_per_edge);
+  if (count > 0) weights_.resize(count);
+  for (int z = first.z(); z < end.z() && count > 0; ++z) {
+    for (int y = first.y(); y < end.y(); ++y) {
+      const float* lengths = lengths_.data() + window_.index({first.x(), y, z});
+      const float* const stop = lengths + count;
+      const float* from = std::find_if(lengths, stop, [](float l) { return l > 0.0F; });
+      if (from == stop) continue;
+      const float* to = stop;
+      while (*(to - 1) <= 0.0F) --to;
+      const int n = static_cast<int>(to - from);
+      for (int i = 0; i < n; ++i) weights_[i] = factor * from[i];
+      const Cell cell(first.x() + static_cast<int>(from - lengths), y, z);
+      map.move_to_free(cell, {weights_.data(), static_cast<std::size_t>(n)});
+    }
+  }
+  clear();
+}
+
+}  // namespace swiftlet

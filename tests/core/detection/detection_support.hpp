@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "core/localization/world_cloud.hpp"
+#include "swiftlet/core/scan.hpp"
+
+namespace swiftlet::testing {
+
+/// A spinning LiDAR: rows x cols beams between two elevations.
+inline std::shared_ptr<const BeamTable> make_beams(int rows, int cols, double top_deg = 45.0,
+                                                   double bottom_deg = -45.0) {
+  auto beams = std::make_shared<BeamTable>();
+  beams->rows = rows;
+  beams->cols = cols;
+  for (int r = 0; r < rows; ++r) {
+    const double elevation = (top_deg + (bottom_deg - top_deg) * (r + 0.5) / rows) * std::numbers::pi / 180.0;
+    for (int c = 0; c < cols; ++c) {
+      const double azimuth = -2.0 * std::numbers::pi * (c + 0.5) / cols;
+      beams->directions_lidar.emplace_back(std::cos(elevation) * std::cos(azimuth),
+                                           std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      beams->origins_lidar.emplace_back(Eigen::Vector3f::Zero());
+    }
+  }
+  for (int c = 0; c < cols; ++c)
+    beams->column_offset_s.push_back(0.1F * static_cast<float>(c) / static_cast<float>(cols));
+  return beams;
+}
+
+/// Distance along a ray to the nearest surface, 0 for none.
+using World = std::function<double(const Vector3& origin_m, const Vector3& direction)>;
+
+inline World sphere(const Vector3& center_m, double radius_m) {
+  return [=](const Vector3& o, const Vector3& d) {
+    const Vector3 r = o - center_m;
+    const double b = r.dot(d), c = r.squaredNorm() - radius_m * radius_m;
+    if (b * b - c < 0.0) return 0.0;
+    const double t = -b - std::sqrt(b * b - c);
+    return t > 0.0 ? t : 0.0;
+  };
+}
+
+inline World ground(double height_m = 0.0) {
+  return [=](const Vector3& o, const Vector3& d) {
+    const double t = d.z() < 0.0 ? (height_m - o.z()) / d.z() : 0.0;
+    return t > 0.0 ? t : 0.0;
+  };
+}
+
+inline World all_of(std::vector<World> worlds) {
+  return [worlds = std::move(worlds)](const Vector3& o, const Vector3& d) {
+    double nearest = 0.0;
+    for (const World& world : worlds) {
+      const double t = world(o, d);
+      if (t > 0.0 && (nearest == 0.0 || t < nearest)) nearest = t;
+    }
+    return nearest;
+  };
+}
+
+/// A frozen scan of a world.
+inline std::shared_ptr<const Scan> scan_world(const World& world, const Pose& T_world_lidar,
+                                              const std::shared_ptr<const BeamTable>& beams, TimeNs stamp,
+                                              double range_max_m = 60.0) {
+  auto scan = std::make_shared<Scan>();
+  scan->sensor = "lidar";
+  scan->stamp = stamp;
+  scan->beams = beams;
+  scan->range_max_m = range_max_m;
+  for (const Eigen::Vector3f& d : beams->directions_lidar) {
+    const double t = world(T_world_lidar.translation(), T_world_lidar.linear() * d.cast<double>());
+    scan->range_m.push_back(t < range_max_m ? static_cast<float>(t) : 0.0F);
+  }
+  scan->told_poses = {{stamp, T_world_lidar}};
+  return scan;
+}
+
+inline std::shared_ptr<const WorldCloud> cloud_of(const std::shared_ptr<const Scan>& scan) {
+  auto cloud = std::make_shared<WorldCloud>();
+  CloudRegistrar(0.0).make(scan, *cloud);
+  return cloud;
+}
+
+inline Pose pose_at(const Vector3& p_m, double yaw_rad = 0.0) {
+  return make_pose(p_m, Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ())));
+}
+
+}  // namespace swiftlet::testing

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/detection/vofod_stages.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "core/math/random.hpp"
+#include "tests/bench/reference_detection.hpp"
+#include "tests/core/detection/detection_support.hpp"
+
+namespace swiftlet {
+namespace {
+
+using namespace testing;
+constexpr TimeNs kPeriod = 100'000'000;
+
+VofodConfig small_config() {
+  VofodConfig config;
+  config.map.extent = "bounded";
+  config.map.center_m = {0.0, 0.0, 5.0};
+  config.map.size_m = {40.0, 40.0, 14.0};
+  return config;
+}
+
+/// Scans of a world from a place, each through all three stages.
+class Flight {
+ public:
+  explicit Flight(const VofodConfig& config) : stages(config) {}
+
+  std::vector<Detection> scan(const World& world, const Vector3& from = {0.0, 0.0, 4.0}) {
+    const auto cloud = cloud_of(scan_world(world, pose_at(from, 0.01 * count_), beams_, count_ * kPeriod));
+    ++count_;
+    std::vector<Detection> detections;
+    stages.cast_rays(*cloud);
+    stages.classify(*cloud, detections);
+    stages.apply_rays(1);
+    stages.find_separate();
+    stages.remove_separate(1);
+    return detections;
+  }
+  void look_around(const World& world, int scans) {
+    for (int i = 0; i < scans; ++i) scan(world);
+  }
+
+  VofodStages stages;
+
+ private:
+  std::shared_ptr<const BeamTable> beams_ = make_beams(64, 512);
+  int count_ = 0;
+};
+
+TEST(VofodStages, AFlyingObjectInExploredAirIsFoundWhereItIs) {
+  Flight flight(small_config());
+  flight.look_around(ground(), 20);
+  for (const double x : {4.0, 6.0, 8.0}) {
+    const Vector3 at(x, 1.0, 4.5);
+    const auto found = flight.scan(all_of({ground(), sphere(at, 0.3)}));
+    ASSERT_EQ(found.size(), 1u) << "at " << x << " m";
+    // Seen from one side only: off by at most the radius, towards the sensor.
+    EXPECT_LT((found[0].position_m - at).norm(), 0.3);
+    EXPECT_LT((found[0].position_m - Vector3(0.0, 0.0, 4.0)).norm(), (at - Vector3(0.0, 0.0, 4.0)).norm());
+    EXPECT_GT(found[0].num_points, 5);
+    EXPECT_GT(found[0].confidence, 0.0);
+    EXPECT_LE(found[0].confidence, 1.0);
+    EXPECT_LT(found[0].extent_m.norm(), 1.1);
+  }
+}
+
+TEST(VofodStages, NothingIsFoundBeforeTheAirAroundIsKnown) {
+  Flight flight(small_config());
+  EXPECT_TRUE(flight.scan(all_of({ground(), sphere({6.0, 1.0, 4.5}, 0.3)})).empty());
+}
+
+TEST(VofodStages, WhatStandsOnTheGroundIsBackground) {
+  Flight flight(small_config());
+  flight.look_around(ground(), 20);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(flight.scan(all_of({ground(), sphere({6.0, 1.0, 0.3}, 0.3)})).empty());
+}
+
+TEST(VofodStages, AnObjectThatTakesOffIsFoundAndItsPlaceIsCleared) {
+  Flight flight(small_config());
+  flight.look_around(all_of({ground(), sphere({6.0, 1.0, 0.3}, 0.3)}), 30);
+  std::size_t found = 0;
+  for (int i = 0; i < 60; ++i) {
+    found += flight.scan(all_of({ground(), sphere({6.0, 1.0, std::min(0.3 + 0.1 * i, 4.0)}, 0.3)})).size();
+  }
+  EXPECT_GT(found, 10u);
+  // No trail between the ground and the object.
+  for (const double z : {1.5, 2.0, 2.5}) {
+    EXPECT_LT(flight.stages.map().state_at({6.0, 1.0, z}), VoxelState::kTentative) << z;
+  }
+}
+
+TEST(VofodStages, TheGroundBecomesConfidentBackground) {
+  Flight flight(small_config());
+  flight.look_around(ground(), 20);
+  EXPECT_EQ(flight.stages.map().state_at({5.0, 2.0, -0.01}), VoxelState::kConfident);
+  EXPECT_EQ(flight.stages.map().state_at({5.0, 2.0, 3.0}), VoxelState::kFree);
+}
+
+TEST(VofodStages, WithoutASeedAnUnknownWorldHasNoBackground) {
+  VofodConfig config = small_config();
+  config.seed = "none";
+  Flight flight(config);
+  flight.look_around(ground(), 10);
+  EXPECT_EQ(flight.stages.map().num_occupied(), 0);
+  flight.stages.seed_ground({5.0, 0.0, -0.01});
+  flight.stages.seed_ground({5.0, 0.0, -0.01});  // twice: -185, tentative
+  flight.look_around(ground(), 10);
+  EXPECT_GT(flight.stages.map().num_occupied(), 1000);
+}
+
+TEST(VofodStages, AKnownMapSeedsTheBackground) {
+  VofodConfig config = small_config();
+  config.seed = "none";
+  Flight flight(config);
+  PriorMap prior;
+  for (float x = -15.0F; x < 15.0F; x += 0.2F) {
+    for (float y = -15.0F; y < 15.0F; y += 0.2F) prior.occupied_m.emplace_back(x, y, -0.01F);
+  }
+  flight.stages.map().set_prior(prior);
+  flight.look_around(ground(), 10);
+  EXPECT_EQ(flight.stages.map().state_at({5.0, 2.0, -0.01}), VoxelState::kConfident);
+  EXPECT_EQ(flight.scan(all_of({ground(), sphere({6.0, 1.0, 4.5}, 0.3)})).size(), 1u);
+}
+
+TEST(VofodStages, MapAndDetectionsAreThoseOfThePaperWrittenOut) {
+  const Random random(1, "flight");
+  VofodConfig config = small_config();
+  VofodStages stages(config);
+  reference::Vofod reference(config);
+  const auto beams = make_beams(48, 256);
+  std::size_t found = 0;
+  for (int i = 0; i < 25; ++i) {
+    const double phase = 0.15 * i;
+    std::vector<World> things = {ground(), sphere({-8.0, 3.0, 1.0}, 1.5)};
+    if (i > 8) things.push_back(sphere({6.0 * std::cos(phase), 6.0 * std::sin(phase), 5.0}, 0.35));
+    if (i > 12) things.push_back(sphere({-5.0, -5.0, 0.2 + 0.25 * (i - 12)}, 0.3));
+    const Pose pose = pose_at({0.2 * i, 0.3 * random.uniform(i, 0), 4.0}, 0.1 * i);
+    const auto cloud = cloud_of(scan_world(all_of(things), pose, beams, i * kPeriod));
+    std::vector<Detection> ours;
+    stages.cast_rays(*cloud);
+    stages.classify(*cloud, ours);
+    stages.apply_rays(1);
+    stages.find_separate();
+    stages.remove_separate(1);
+    const auto theirs = reference.classify(*cloud);
+    reference.cast_rays(*cloud, 1);
+    reference.remove_separate(1);
+
+    ASSERT_EQ(ours.size(), theirs.size()) << "scan " << i;
+    for (std::size_t k = 0; k < ours.size(); ++k) {
+      EXPECT_LT((ours[k].position_m - theirs[k].position_m).norm(), 1e-4);
+      EXPECT_EQ(ours[k].num_points, theirs[k].num_points);
+    }
+    found += ours.size();
+    for (std::ptrdiff_t v = 0; v < stages.map().grid().num_cells(); ++v) {
+      const double G = reference.map.G[reference.map.index(stages.map().grid().cell(v))];
+      ASSERT_NEAR(stages.map().value(v), G, 0.05)
+          << "scan " << i << " voxel " << stages.map().grid().cell(v).transpose();
+    }
+  }
+  EXPECT_GT(found, 15u);
+}
+
+TEST(VofodStages, EveryReadingFindsTheObject) {
+  const auto with = [](auto&& change) {
+    VofodConfig config = small_config();
+    change(config.choices);
+    Flight flight(config);
+    flight.look_around(ground(), 30);
+    std::size_t found = 0;
+    for (int i = 0; i < 8; ++i) {
+      found += flight.scan(all_of({ground(), sphere({5.0 + 0.3 * i, 1.0, 4.5}, 0.35)})).size();
+    }
+    return found;
+  };
+  EXPECT_GE(with([](VofodChoices&) {}), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.clustering = "voxels"; }), 3u);
+  EXPECT_GE(with([](VofodChoices& c) { c.position = "box_center"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.close_to = "confident"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.search = "octahedron"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.failed_search = "clear"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.sufficiency = "background_ratio"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.map_update = "before"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.ray_end = "voxel_before"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.hit_voxels = "keep"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.separate_becomes = "unknown"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.separate_reach = "sphere"; }), 6u);
+}
+
+TEST(VofodStages, PoseNoiseWidensTheCovarianceAcrossTheRay) {
+  VofodConfig config = small_config();
+  config.covariance = "pose_noise";
+  config.sigma_m = 0.01;
+  config.sigma_attitude_rad = 0.05;
+  Flight flight(config);
+  flight.look_around(ground(), 20);
+  const auto found = flight.scan(all_of({ground(), sphere({8.0, 0.0, 4.0}, 0.3)}));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].covariance(1, 1), std::pow(7.75 * 0.05, 2) + 0.05 * 0.05 + 0.01 * 0.01, 0.01);
+  EXPECT_NEAR(found[0].covariance(0, 0), 0.03 * 0.03 + 0.05 * 0.05 + 0.01 * 0.01, 0.002);
+}
+
+WorldCloud raw_cloud(const std::vector<Eigen::Vector3f>& points) {
+  auto beams = std::make_shared<BeamTable>();
+  beams->rows = 1;
+  beams->cols = std::max<int>(static_cast<int>(points.size()), 1);
+  beams->column_offset_s.assign(beams->cols, 0.0F);
+  beams->directions_lidar.assign(beams->cols, Eigen::Vector3f::UnitX());
+  beams->origins_lidar.assign(beams->cols, Eigen::Vector3f::Zero());
+  auto scan = std::make_shared<Scan>();
+  scan->beams = beams;
+  scan->range_m.assign(beams->cols, 3.0F);
+  WorldCloud cloud;
+  cloud.scan = scan;
+  cloud.T_world_lidar.assign(beams->cols, pose_at({0.0, 0.0, 4.0}));
+  cloud.points_world_m = points;
+  for (std::uint32_t i = 0; i < points.size(); ++i) cloud.beam.push_back(i);
+  return cloud;
+}
+
+TEST(VofodStages, NoCloudBreaksIt) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+  std::vector<std::vector<Eigen::Vector3f>> clouds = {
+      {},
+      {{1.0F, 1.0F, 1.0F}},
+      std::vector<Eigen::Vector3f>(100'000, {1.0F, 1.0F, 4.0F}),
+      {{kNaN, 0.0F, 0.0F}, {kInf, -kInf, kNaN}, {3e38F, -3e38F, 0.0F}, {0.0F, 0.0F, 4.0F}},
+  };
+  const Random random(5, "fuzz");
+  std::vector<Eigen::Vector3f> wild;
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    const float scale = std::pow(10.0F, static_cast<float>(40.0 * random.uniform(i, 0) - 20.0));
+    wild.emplace_back(scale * static_cast<float>(random.normal(i, 1)), scale * static_cast<float>(random.normal(i, 2)),
+                      i % 17 == 0 ? kNaN : scale * static_cast<float>(random.normal(i, 3)));
+  }
+  clouds.push_back(wild);
+  for (const char* clustering : {"points", "voxels"}) {
+    VofodConfig config = small_config();
+    config.choices.clustering = clustering;
+    config.choices.failed_search = "clear";
+    config.choices.hit_voxels = "keep";
+    VofodStages stages(config);
+    std::vector<Detection> detections;
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      for (const auto& points : clouds) {
+        const WorldCloud cloud = raw_cloud(points);
+        stages.cast_rays(cloud);
+        stages.classify(cloud, detections);
+        stages.apply_rays(1);
+        stages.find_separate();
+        stages.remove_separate(1);
+      }
+    }
+    for (const Detection& d : detections) EXPECT_TRUE(d.position_m.allFinite() && d.covariance.allFinite());
+    for (std::ptrdiff_t i = 0; i < stages.map().grid().num_cells(); ++i) {
+      ASSERT_TRUE(std::isfinite(stages.map().value(i)));
+    }
+  }
+}
+
+TEST(VofodStages, TenMillionPointsAreMany) {
+  const Random random(6, "many");
+  std::vector<Eigen::Vector3f> points(10'000'000);
+  std::uint32_t state = 1;
+  const auto next = [&state] {
+    state = state * 1664525U + 1013904223U;
+    return static_cast<float>(state >> 8) / static_cast<float>(1 << 24);
+  };
+  for (Eigen::Vector3f& p : points) p = {36.0F * next() - 18.0F, 36.0F * next() - 18.0F, 10.0F * next()};
+  VofodStages stages(small_config());
+  std::vector<Detection> detections;
+  stages.classify(raw_cloud(points), detections);
+  EXPECT_TRUE(detections.empty());
+  EXPECT_EQ(stages.num_clusters(), 1);
+}
+
+TEST(VofodStages, RaysThatAreNotFiniteAreLeftOut) {
+  auto beams = std::make_shared<BeamTable>(*make_beams(4, 16));
+  beams->directions_lidar[3] = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+  beams->origins_lidar[5] = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity());
+  auto scan = std::make_shared<Scan>(*scan_world(ground(), pose_at({0.0, 0.0, 4.0}), beams, 0));
+  scan->range_m[7] = std::numeric_limits<float>::quiet_NaN();
+  scan->range_m[8] = std::numeric_limits<float>::infinity();
+  scan->range_m[9] = -1.0F;
+  VofodStages stages(small_config());
+  stages.cast_rays(*cloud_of(scan));
+  stages.apply_rays(1);
+  for (std::ptrdiff_t i = 0; i < stages.map().grid().num_cells(); ++i) {
+    ASSERT_TRUE(std::isfinite(stages.map().value(i)));
+  }
+  EXPECT_EQ(stages.map().state_at({0.0, 0.0, 4.0}), VoxelState::kUncertain);  // 60 rays are too few to clear it
+  EXPECT_LT(stages.map().value(stages.map().grid().index(stages.map().grid().cell_of({0.1, 0.1, 4.1}))), -740.0F);
+}
+
+}  // namespace
+}  // namespace swiftlet

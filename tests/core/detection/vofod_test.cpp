@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/detection/vofod.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/detection/ground_truth.hpp"
+#include "core/detection/registry.hpp"
+#include "core/detection/vofod_stages.hpp"
+#include "tests/core/detection/detection_support.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace swiftlet {
+namespace {
+
+using namespace testing;
+constexpr TimeNs kTick = 4'000'000;
+constexpr TimeNs kPeriod = 100'000'000;
+
+VofodConfig small_config() {
+  VofodConfig config;
+  config.map.extent = "bounded";
+  config.map.center_m = {0.0, 0.0, 5.0};
+  config.map.size_m = {30.0, 30.0, 14.0};
+  return config;
+}
+
+/// Ticks of a detector with a scan every 100 ms.
+class Ticker {
+ public:
+  explicit Ticker(const VofodConfig& config) {
+    Module module(detector_module_types(), "vofod");
+    module.as<VofodConfig>() = config;
+    detector = make_detector(module, AgentSetup{});
+    estimate_.T_world_body = pose_at({0.0, 0.0, 4.0});
+    estimate_.valid = true;
+  }
+  const DetectorOutput& tick(const World& world) {
+    t += kTick;
+    clouds_.clear();
+    if (t % kPeriod == 0) {
+      clouds_.push_back(cloud_of(scan_world(world, pose_at({0.0, 0.0, 4.0}), beams_, t)));
+    }
+    output_.clear();
+    estimate_.t = t;
+    observation_.t = t;
+    detector->step({t, estimate_, clouds_, observation_}, output_);
+    return output_;
+  }
+
+  std::unique_ptr<Detector> detector;
+  TimeNs t = 0;
+
+ private:
+  std::shared_ptr<const BeamTable> beams_ = make_beams(32, 256);
+  StateEstimate estimate_;
+  Observation observation_;
+  std::vector<std::shared_ptr<const WorldCloud>> clouds_;
+  DetectorOutput output_;
+};
+
+TEST(VofodDetector, ResultsComeAfterTheirLatency) {
+  VofodConfig config = small_config();
+  config.timing.classification_latency_s = 0.05;
+  Ticker ticker(config);
+  int finished = 0;
+  for (int i = 0; i < 250; ++i) {
+    const DetectorOutput& output = ticker.tick(ground());
+    if (!output.has_detections) continue;
+    ++finished;
+    EXPECT_EQ(output.stamp % kPeriod, 0);
+    EXPECT_EQ(ticker.t, output.stamp + 52'000'000);  // the first tick at or after 50 ms
+  }
+  EXPECT_EQ(finished, 9);  // of ten scans, the last of which is not ready
+}
+
+TEST(VofodDetector, ASlowClassificationDropsOldScansNotNewOnes) {
+  VofodConfig config = small_config();
+  config.timing.classification_latency_s = 0.25;
+  Ticker ticker(config);
+  std::vector<TimeNs> stamps;
+  for (int i = 0; i < 500; ++i) {
+    const DetectorOutput& output = ticker.tick(ground());
+    if (output.has_detections) stamps.push_back(output.stamp / kPeriod);
+  }
+  EXPECT_EQ(stamps, (std::vector<TimeNs>{1, 3, 6, 8, 11, 13, 16}));
+}
+
+TEST(VofodDetector, TheMapChangesWhenAModuleIsDoneAndRaysCountClassifications) {
+  VofodConfig config = small_config();
+  config.timing.classification_latency_s = 0.0;
+  config.timing.raycasting_latency_s = 0.25;
+  Ticker ticker(config);
+  const Vector3 inside_air(3.0, 0.1, 4.1);
+  const auto value = [&] {
+    const VoxelMap& map = *ticker.detector->map();
+    return map.value(map.grid().index(map.grid().cell_of(inside_air)));
+  };
+  while (ticker.t < 100'000'000 + 248'000'000) ticker.tick(ground());
+  EXPECT_EQ(value(), -740.0F);
+  ticker.tick(ground());  // 352 ms: the rays of the first scan, three classifications (100, 200, 300 ms)
+  const float moved = value();
+  EXPECT_LT(moved, -740.0F);
+
+  VofodStages once(config);
+  const auto cloud = cloud_of(scan_world(ground(), pose_at({0.0, 0.0, 4.0}), make_beams(32, 256), 0));
+  once.cast_rays(*cloud);
+  once.apply_rays(3);
+  EXPECT_EQ(moved, once.map().value(once.map().grid().index(once.map().grid().cell_of(inside_air))));
+}
+
+TEST(VofodDetector, RaysWaitForAClassification) {
+  VofodConfig config = small_config();
+  config.timing.classification_latency_s = 0.4;
+  config.timing.raycasting_latency_s = 0.1;
+  Ticker ticker(config);
+  const auto untouched = [&] {
+    const VoxelMap& map = *ticker.detector->map();
+    for (std::ptrdiff_t i = 0; i < map.grid().num_cells(); ++i) {
+      if (map.value(i) != -740.0F) return false;
+    }
+    return true;
+  };
+  while (ticker.t < 496'000'000) ticker.tick(ground());
+  EXPECT_TRUE(untouched());
+  ticker.tick(ground());
+  EXPECT_FALSE(untouched());
+}
+
+TEST(VofodDetector, FindsAnObjectAndShowsHow) {
+  Ticker ticker(small_config());
+  while (ticker.t < 4 * kNsPerSecond) ticker.tick(ground());
+  std::vector<Detection> found;
+  TimeNs stamp = 0;
+  while (found.empty() && ticker.t < 5 * kNsPerSecond) {
+    const DetectorOutput& output = ticker.tick(all_of({ground(), sphere({5.0, 0.0, 4.5}, 0.3)}));
+    found = output.detections;
+    stamp = output.stamp;
+  }
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_LT((found[0].position_m - Vector3(5.0, 0.0, 4.5)).norm(), 0.3);
+  EXPECT_EQ(found[0].t, stamp);
+
+  std::vector<Overlay> overlays;
+  ticker.detector->append_overlays(overlays);
+  std::vector<std::string> names;
+  for (const Overlay& overlay : overlays) {
+    names.push_back(overlay.name);
+    EXPECT_FALSE(overlay.positions.empty()) << overlay.name;
+    EXPECT_TRUE(overlay.colors.size() == 1 || overlay.colors.size() == overlay.positions.size()) << overlay.name;
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"voxels.occupied", "voxels.confident", "clusters", "detections"}));
+}
+
+TEST(VofodDetector, ListensToItsSensorOnly) {
+  VofodConfig config = small_config();
+  config.sensor = "another";
+  Ticker ticker(config);
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(ticker.tick(ground()).has_detections);
+}
+
+TEST(GroundTruthDetector, TellsWhatTheNeighborSensorSays) {
+  Module module(detector_module_types(), "ground_truth");
+  module.as<GroundTruthDetectorConfig>().latency_s = 0.01;
+  module.as<GroundTruthDetectorConfig>().range_max_m = 50.0;
+  const auto detector = make_detector(module, AgentSetup{});
+  StateEstimate estimate;
+  estimate.valid = true;
+  estimate.t = kTick;
+  estimate.T_world_body = pose_at({1.0, 2.0, 3.0}, M_PI / 2.0);
+  Observation observation;
+  observation.neighbors.push_back({kTick, 1, {10.0, 0.0, 0.0}, 1e-6 * Matrix3::Identity()});
+  observation.neighbors.push_back({kTick, 2, {60.0, 0.0, 0.0}, 1e-6 * Matrix3::Identity()});
+  DetectorOutput output;
+  detector->step({kTick, estimate, {}, observation}, output);
+  EXPECT_FALSE(output.has_detections);
+  observation.neighbors.clear();
+  estimate.t = 4 * kTick;
+  detector->step({4 * kTick, estimate, {}, observation}, output);
+  ASSERT_EQ(output.detections.size(), 1u);
+  EXPECT_EQ(output.stamp, kTick);
+  EXPECT_LT((output.detections[0].position_m - Vector3(1.0, 12.0, 3.0)).norm(), 1e-9);
+}
+
+TEST(DetectorRegistry, MakesWhatItNames) {
+  EXPECT_EQ(make_detector(Module(detector_module_types(), "none"), AgentSetup{}), nullptr);
+  EXPECT_NE(make_detector(Module(detector_module_types(), "ground_truth"), AgentSetup{}), nullptr);
+  Module unknown(detector_module_types(), "none");
+  unknown.type = "radar";
+  EXPECT_THROW(make_detector(unknown, AgentSetup{}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace swiftlet
