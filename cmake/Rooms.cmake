@@ -49,9 +49,10 @@ function(swiftlet_room room)
 endfunction()
 
 # swiftlet_tests(core/math LIBS ... [LABELS unit] [SUPPORT allocation_counter]): every .cpp of tests/<room> in one
-# GoogleTest program test_core_math, with the named files of tests/support.
+# GoogleTest program test_core_math, with the named files of tests/support. Tests that match SLOW run only when the label
+# slow is asked for.
 function(swiftlet_tests folder)
-  cmake_parse_arguments(ARG "" "" "LIBS;LABELS;SUPPORT" ${ARGN})
+  cmake_parse_arguments(ARG "" "SLOW" "LIBS;LABELS;SUPPORT" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${folder}/*.cpp)
   if(NOT sources)
     return()
@@ -73,5 +74,10 @@ function(swiftlet_tests folder)
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
-  gtest_discover_tests(test_${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 300 DISCOVERY_TIMEOUT 60)
+  if(ARG_SLOW)
+    gtest_discover_tests(test_${name} TEST_FILTER "${ARG_SLOW}" TEST_LIST test_${name}_slow
+      PROPERTIES LABELS slow TIMEOUT 7200 DISCOVERY_TIMEOUT 60)
+    set(filter TEST_FILTER "-${ARG_SLOW}")
+  endif()
+  gtest_discover_tests(test_${name} ${filter} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 300 DISCOVERY_TIMEOUT 60)
 endfunction()

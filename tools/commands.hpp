@@ -16,5 +16,7 @@ void add_list(CLI::App& app);
 void add_reference(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_dataset(CLI::App& app);
+void add_reproduce(CLI::App& app);
+void add_uncertainty(CLI::App& app);
 
 }  // namespace swiftlet::tools

@@ -34,6 +34,8 @@ int run_program(int argc, char** argv) {
   swiftlet::tools::add_reference(app);
   swiftlet::tools::add_bench(app);
   swiftlet::tools::add_dataset(app);
+  swiftlet::tools::add_reproduce(app);
+  swiftlet::tools::add_uncertainty(app);
   try {
     app.parse(argc, argv);
     return 0;

@@ -28,4 +28,9 @@ class ErrorDistribution {
   double omega_ = 1.0;
 };
 
+/// Mean Euclidean norm of a normal variable of mean zero, exact (one quadrature over the moment generating function of
+/// the squared norm): what ErrorDistribution::mean_m() approximates.
+/// @param Sigma  [m^2], positive semi-definite
+double mean_normal_norm(const Matrix3& Sigma);
+
 }  // namespace swiftlet

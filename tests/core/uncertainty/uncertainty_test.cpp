@@ -5,6 +5,7 @@
 
 #include "core/math/random.hpp"
 #include "core/uncertainty/error_distribution.hpp"
+#include "core/uncertainty/grid_probability.hpp"
 #include "core/uncertainty/point_covariance.hpp"
 #include "core/uncertainty/voxel_probability.hpp"
 
@@ -93,6 +94,55 @@ TEST(ErrorDistribution, MeanIsNearMonteCarloForAnyCovariance) {
   }
 }
 
+TEST(MeanNormalNorm, IsKnownForEqualAxes) {
+  const double pi = std::acos(-1.0);
+  EXPECT_NEAR(mean_normal_norm(Matrix3::Identity() * 4.0), 2.0 * std::sqrt(8.0 / pi), 1e-9);             // Maxwell
+  EXPECT_NEAR(mean_normal_norm(Vector3(9.0, 9.0, 0.0).asDiagonal()), 3.0 * std::sqrt(pi / 2.0), 1e-9);   // Rayleigh
+  EXPECT_NEAR(mean_normal_norm(Vector3(0.0, 0.25, 0.0).asDiagonal()), 0.5 * std::sqrt(2.0 / pi), 1e-8);  // half-normal
+  EXPECT_EQ(mean_normal_norm(Matrix3::Zero()), 0.0);
+}
+
+TEST(MeanNormalNorm, LiesWithinTheErrorOfMonteCarlo) {
+  for (int k = 0; k < 5; ++k) {
+    const Matrix3 Sigma = random_covariance(k, 0.02);
+    const Matrix3 L = Sigma.llt().matrixL();
+    double sum = 0.0, squares = 0.0;
+    constexpr int kSamples = 200000;
+    for (int i = 0; i < kSamples; ++i) {
+      const double norm = (L * normals(i, 40 + k)).norm();
+      sum += norm;
+      squares += norm * norm;
+    }
+    const double mean = sum / kSamples, standard_error = std::sqrt((squares / kSamples - mean * mean) / kSamples);
+    EXPECT_NEAR(mean_normal_norm(Sigma), mean, 4.0 * standard_error);
+    EXPECT_NEAR(ErrorDistribution(Sigma).mean_m() / mean_normal_norm(Sigma), 1.0, 0.03);
+  }
+}
+
+TEST(GridProbabilities, AgreeWithTheBoxIntegralForThickAndThinEllipsoids) {
+  for (const double thinnest : {0.3, 0.03, 0.004}) {
+    const Vector3 mean(0.3, -0.2, 0.1);
+    const Matrix3 Sigma = random_covariance(3, thinnest);
+    const CellGrid grid{{Vector3(-2.0, -1.5, -2.5), Vector3(2.0, 2.5, 1.5)}, {8, 10, 9}};
+    const auto probabilities = grid_probabilities(mean, Sigma, grid);
+    ASSERT_EQ(probabilities.size(), 720u);
+    const Vector3 cell = grid.cell_size_m();
+    for (int i = 0; i < 720; i += 7) {
+      const Vector3 low = grid.box.min() + cell.cwiseProduct(Vector3(i / 90, i / 9 % 10, i % 9));
+      EXPECT_NEAR(probabilities[static_cast<std::size_t>(i)], box_probability(mean, Sigma, {low, low + cell}), 1e-7)
+          << thinnest;
+    }
+  }
+}
+
+TEST(GridProbabilities, OfAGridThatHoldsEverythingSumToOne) {
+  const Matrix3 Sigma = random_covariance(5, 0.1);
+  const CellGrid grid{{Vector3::Constant(-14.0), Vector3::Constant(14.0)}, {40, 50, 60}};
+  double sum = 0.0;
+  for (const double p : grid_probabilities(Vector3::Zero(), Sigma, grid)) sum += p;
+  EXPECT_NEAR(sum, 1.0, 1e-6);
+}
+
 TEST(BoxProbability, IndependentAxesMultiply) {
   const Vector3 sigma(0.2, 1.0, 3.0);
   const Eigen::AlignedBox3d box(Vector3(-0.1, -2.0, 0.5), Vector3(0.4, 0.3, 4.0));
@@ -110,7 +160,8 @@ TEST(BoxProbability, OrthantOfAnEquicorrelatedNormalIsKnown) {
     Matrix3 Sigma = Matrix3::Constant(rho);
     Sigma.diagonal().setOnes();
     const Eigen::AlignedBox3d orthant(Vector3::Zero(), Vector3::Constant(100.0));
-    EXPECT_NEAR(box_probability(Vector3::Zero(), Sigma, orthant), 0.125 + 3.0 * std::asin(rho) / (4.0 * M_PI), 1e-7) << rho;
+    EXPECT_NEAR(box_probability(Vector3::Zero(), Sigma, orthant), 0.125 + 3.0 * std::asin(rho) / (4.0 * M_PI), 1e-7)
+        << rho;
   }
 }
 
@@ -155,7 +206,8 @@ TEST(CorrectVoxel, ProbabilityFallsWithDistanceAndGrowsWithTheVoxel) {
     const Matrix3 Sigma = point_covariance(Vector3::UnitX(), range_m, Matrix3::Identity(), noise.Sigma_w());
     const double probability = correct_voxel_probability(p, Sigma, 1.0);
     EXPECT_LT(probability, previous + 1e-9);
-    EXPECT_GE(correct_voxel_probability(Vector3(2.0 * std::floor(range_m / 2.0) + 1.0, 1.0, 1.0), Sigma, 2.0), probability);
+    EXPECT_GE(correct_voxel_probability(Vector3(2.0 * std::floor(range_m / 2.0) + 1.0, 1.0, 1.0), Sigma, 2.0),
+              probability);
     previous = probability;
   }
 }

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experiment.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "parallel.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+using testing::HasSubstr;
+
+std::string read(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// Runs an experiment; no row may differ from what was published.
+void expect_reproduced(const std::string& name, bool quick) {
+  const TemporaryDirectory directory;
+  const ExperimentType& type = experiment_type(name);
+  Experiment experiment({.directory = directory.path(), .jobs = 2, .quick = quick});
+  type.run(experiment);
+  EXPECT_FALSE(experiment.rows().empty());
+  for (const ResultRow& row : experiment.rows()) {
+    EXPECT_NE(row.verdict, Verdict::kDiffers) << row.what << ": published " << row.published << ", ours " << row.ours;
+  }
+  EXPECT_FALSE(experiment.files().empty());
+  for (const std::string& file : experiment.files()) {
+    EXPECT_GT(std::filesystem::file_size(directory.path() / file), 0u) << file;
+  }
+}
+
+TEST(Experiments, VerdictsFollowTheTolerance) {
+  Experiment experiment({});
+  experiment.within("a", 100.0, 120.0, 0.25, 3);
+  experiment.within("b", 100.0, 130.0, 0.25, 3);
+  experiment.at_most("c", "-", 2.0, 1.9, 2);
+  experiment.at_least("d", "-", 2.0, 1.9, 2);
+  experiment.claim("e", "holds", "holds", true);
+  const auto& rows = experiment.rows();
+  EXPECT_EQ(rows[0].verdict, Verdict::kReproduced);
+  EXPECT_EQ(rows[1].verdict, Verdict::kDiffers);
+  EXPECT_EQ(rows[2].verdict, Verdict::kDiffers);
+  EXPECT_EQ(rows[3].verdict, Verdict::kReproduced);
+  EXPECT_EQ(rows[4].verdict, Verdict::kReproduced);
+}
+
+TEST(Experiments, NumbersAreShort) {
+  EXPECT_EQ(short_number(6.68e-4, 3), "6.68e-04");
+  EXPECT_EQ(short_number(25.154, 4), "25.15");
+  EXPECT_EQ(short_number(0.054, 2), "0.054");
+  EXPECT_EQ(short_number(0.0, 2), "0.0");
+}
+
+TEST(Experiments, TablesEscapeBarsAndKeepTheNumber) {
+  Experiment experiment({});
+  experiment.row({"P(x | y)", "1", "2", Verdict::kNotComparable, "", 2.0});
+  const ExperimentType type{"name", "doc", 1.0, nullptr};
+  EXPECT_THAT(to_markdown(type, experiment), HasSubstr("P(x \\| y)"));
+  EXPECT_THAT(to_json(type, experiment), HasSubstr("\"value\": 2.0"));
+}
+
+TEST(Experiments, CsvRowsHaveTheLengthOfTheHeader) {
+  CsvTable table({"a", "b"});
+  table.row({1.0, 0.1});
+  EXPECT_EQ(table.text(), "a,b\n1,0.1\n");
+  EXPECT_THROW(table.row({1.0}), std::logic_error);
+}
+
+TEST(Experiments, AnUnknownNameIsAnsweredWithTheKnownOnes) {
+  try {
+    experiment_type("no-such-thing");
+    FAIL();
+  } catch (const sim::InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("uncertainty-table"));
+  }
+}
+
+TEST(Experiments, FlightsComeBackInTheirOrderForAnyNumberOfJobs) {
+  const auto hashes = [](int jobs) {
+    const Experiment experiment({.jobs = jobs});
+    std::vector<sim::Scenario> scenarios;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      sim::Scenario scenario;
+      scenario.seed = seed;
+      scenario.duration_s = 0.2;
+      scenario.wind.gusts = true;
+      scenarios.push_back(sim::validated(scenario));
+    }
+    std::vector<std::uint64_t> result;
+    for (const sim::RunSummary& summary : fly(experiment, scenarios)) {
+      EXPECT_EQ(summary.seed, result.size() + 1);
+      result.push_back(summary.state_hash);
+    }
+    return result;
+  };
+  EXPECT_EQ(hashes(1), hashes(3));
+}
+
+TEST(Experiments, WhatFailsInOneFlightIsTold) {
+  const Experiment experiment({.jobs = 2});
+  EXPECT_THROW(parallel_for(experiment, 5, "steps",
+                            [](std::size_t i) {
+                              if (i == 3) throw std::runtime_error("three");
+                            }),
+               std::runtime_error);
+}
+
+TEST(Claims, UncertaintyTable) { expect_reproduced("uncertainty-table", true); }
+TEST(Claims, ExpectedError) { expect_reproduced("expected-error", true); }
+TEST(Claims, VoxelProbability) { expect_reproduced("voxel-probability", true); }
+
+TEST(ClaimsInFull, UncertaintyTable) { expect_reproduced("uncertainty-table", false); }
+TEST(ClaimsInFull, ExpectedError) { expect_reproduced("expected-error", false); }
+TEST(ClaimsInFull, VoxelProbability) { expect_reproduced("voxel-probability", false); }
+
+}  // namespace
+}  // namespace swiftlet::tools

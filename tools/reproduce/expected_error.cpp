@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/uncertainty/error_distribution.hpp"
+#include "experiments.hpp"
+#include "noise_grid.hpp"
+#include "parallel.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+constexpr double kFarthest_m = 80.0;
+
+Matrix3 covariance_at(double range_m, const MeasurementNoise& noise) {
+  return point_covariance(Vector3::UnitX(), range_m, Matrix3::Identity(), noise.Sigma_w());
+}
+
+double nakagami_mean_m(double range_m, const MeasurementNoise& noise) {
+  return ErrorDistribution(covariance_at(range_m, noise)).mean_m();
+}
+
+struct Case {
+  std::size_t i_rad = 0, i_m = 0;
+  double range_m = 0.0;
+};
+
+struct Sampled {                                // mean error and its standard error
+  double normal_m = 0.0, normal_error_m = 0.0;  // of the linearised distribution
+  double true_m = 0.0;                          // of eqs. (38) to (41) without linearisation
+};
+
+Sampled sample(const Case& one, std::uint32_t count) {
+  const MeasurementNoise noise = noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]);
+  const Random random(1, "expected-error", fmt::format("{}/{}/{}", one.i_rad, one.i_m, one.range_m));
+  const Jacobian37 J = point_jacobian(Vector3::UnitX(), one.range_m, Matrix3::Identity());
+  const Vector3 p_measured_m = one.range_m * Vector3::UnitX();
+  double sum = 0.0, squares = 0.0, true_sum = 0.0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Eigen::Matrix<double, 7, 1> w = draw_noise(random, noise, i);
+    const double error_sq = (J * w).squaredNorm();
+    sum += std::sqrt(error_sq);
+    squares += error_sq;
+    true_sum += (true_point(Vector3::UnitX(), one.range_m, Pose::Identity(), w) - p_measured_m).norm();
+  }
+  const double n = count, mean = sum / n;
+  return {mean, std::sqrt((squares / n - mean * mean) / n), true_sum / n};
+}
+
+// The first range at which the expected error reaches `error_m`; infinity: not within the figure.
+double range_of_error_m(double error_m, const MeasurementNoise& noise) {
+  for (double range_m = 0.0; range_m <= kFarthest_m; range_m += 0.1) {
+    if (nakagami_mean_m(range_m, noise) >= error_m) return range_m;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+void draw(Experiment& experiment, const std::vector<Case>& cases, const std::vector<Sampled>& sampled) {
+  sim::plot::Figure figure("Expected error of a measured point (Fig. 5)", 3);
+  figure.set_panel_size(400, 360);
+  CsvTable csv({"sigma_rad", "sigma_m", "range_m", "expected_error_m", "exact_normal_mean_m"});
+  for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
+    sim::plot::Panel& panel = figure.add_panel(fmt::format("σ_rad = {:g} rad", kSigma_rad[i_rad]));
+    panel.x.label = "range [m]";
+    panel.y.label = "expected error [m]";
+    for (std::size_t i_m = 0; i_m < 3; ++i_m) {
+      std::vector<double> ranges, errors;
+      for (double range_m = 0.0; range_m <= kFarthest_m; range_m += 1.0) {
+        const Matrix3 Sigma = covariance_at(range_m, noise_of(kSigma_m[i_m], kSigma_rad[i_rad]));
+        ranges.push_back(range_m);
+        errors.push_back(ErrorDistribution(Sigma).mean_m());
+        csv.row({kSigma_rad[i_rad], kSigma_m[i_m], range_m, errors.back(), mean_normal_norm(Sigma)});
+      }
+      panel.line(fmt::format("σ_m = {:g} m", kSigma_m[i_m]), ranges, errors, {.color = static_cast<int>(i_m)});
+    }
+    std::vector<double> ranges, means;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      if (cases[i].i_rad != i_rad) continue;
+      ranges.push_back(cases[i].range_m);
+      means.push_back(sampled[i].true_m);
+    }
+    panel.scatter("Monte-Carlo", ranges, means, {.color = 6, .marker = sim::plot::Marker::kCross});
+  }
+  experiment.write("expected-error.csv", csv);
+  experiment.write("expected-error.svg", figure);
+}
+
+}  // namespace
+
+void expected_error(Experiment& experiment) {
+  const auto count = static_cast<std::uint32_t>(experiment.quick() ? 100000 : 1000000);
+  std::vector<Case> cases;
+  for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
+    for (std::size_t i_m = 0; i_m < 3; ++i_m) {
+      for (const double range_m : kPrintedRanges_m) cases.push_back({i_rad, i_m, range_m});
+    }
+  }
+  std::vector<Sampled> sampled(cases.size());
+  parallel_for(experiment, cases.size(), "combinations", [&](std::size_t i) { sampled[i] = sample(cases[i], count); });
+  draw(experiment, cases, sampled);
+
+  CsvTable csv({"sigma_rad", "sigma_m", "range_m", "nakagami_m", "exact_m", "sampled_normal_m", "standard_error_m",
+                "sampled_true_m"});
+  double standard_errors = 0.0, nakagami = 0.0;
+  std::array<double, 3> linearisation{};
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& one = cases[i];
+    const Matrix3 Sigma = covariance_at(one.range_m, noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]));
+    const double exact_m = mean_normal_norm(Sigma), approximate_m = ErrorDistribution(Sigma).mean_m();
+    csv.row({kSigma_rad[one.i_rad], kSigma_m[one.i_m], one.range_m, approximate_m, exact_m, sampled[i].normal_m,
+             sampled[i].normal_error_m, sampled[i].true_m});
+    standard_errors = std::max(standard_errors, std::abs(exact_m - sampled[i].normal_m) / sampled[i].normal_error_m);
+    nakagami = std::max(nakagami, std::abs(approximate_m / exact_m - 1.0));
+    linearisation[one.i_rad] = std::max(linearisation[one.i_rad], std::abs(exact_m / sampled[i].true_m - 1.0));
+  }
+  experiment.write("monte-carlo.csv", csv);
+
+  for (const double sigma_rad : {0.05, 0.5}) {
+    experiment.at_most(fmt::format("range at which 2 m are expected, sigma_rad {:g} [m]", sigma_rad), "tens of metres",
+                       range_of_error_m(2.0, noise_of(0.01, sigma_rad)), 50.0, 3);
+  }
+  experiment.at_most(fmt::format("expected error against {:.0e} samples [standard errors]", static_cast<double>(count)),
+                     "-", standard_errors, 4.0, 2, "exact mean of the normal approximation, worst of 27 combinations");
+  experiment.at_most("Nakagami's mean against the exact one [share]", "-", nakagami, 0.01, 2,
+                     "the price of eqs. 61 to 63, worst of 27");
+  for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
+    const bool small = kSigma_rad[i_rad] < 0.4;
+    const std::string what = fmt::format("linearised against true mean, sigma_rad {:g} [share]", kSigma_rad[i_rad]);
+    if (small) {
+      experiment.at_most(what, "-", linearisation[i_rad], 0.01, 2);
+    } else {
+      experiment.row({what, "-", short_number(linearisation[i_rad], 2), Verdict::kNotComparable,
+                      "half a radian is no small angle: the linearised error is too large by this",
+                      linearisation[i_rad]});
+    }
+  }
+}
+
+}  // namespace swiftlet::tools

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experiment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "sim/run/run_directory.hpp"
+#include "sim/run/version.hpp"
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+std::string field(double value) { return std::isnan(value) ? std::string() : fmt::format("{}", value); }
+
+ResultRow number_row(const std::string& what, std::string published, double ours, int digits, bool holds,
+                     const std::string& note) {
+  return {
+      what, std::move(published), short_number(ours, digits), holds ? Verdict::kReproduced : Verdict::kDiffers, note,
+      ours};
+}
+
+// A bar would end the cell.
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '|') out += '\\';
+    out += c;
+  }
+  return out.empty() ? "-" : out;
+}
+
+}  // namespace
+
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kReproduced:
+      return "reproduced";
+    case Verdict::kBetter:
+      return "better";
+    case Verdict::kDiffers:
+      return "differs";
+    case Verdict::kNotComparable:
+      return "not comparable";
+  }
+  return "";
+}
+
+CsvTable& CsvTable::row(std::span<const double> values) {
+  std::vector<std::string> fields;
+  for (const double value : values) fields.push_back(field(value));
+  return add(fields);
+}
+
+CsvTable& CsvTable::row(const std::string& name, std::initializer_list<double> values) {
+  std::vector<std::string> fields{name};
+  for (const double value : values) fields.push_back(field(value));
+  return add(fields);
+}
+
+CsvTable& CsvTable::add(const std::vector<std::string>& fields) {
+  if (fields.size() != columns_.size())
+    throw std::logic_error("a row of a CSV table has another length than its header");
+  lines_.push_back(fmt::format("{}", fmt::join(fields, ",")));
+  return *this;
+}
+
+std::string CsvTable::text() const {
+  std::string text = fmt::format("{}\n", fmt::join(columns_, ","));
+  for (const std::string& line : lines_) text += line + "\n";
+  return text;
+}
+
+int Experiment::repetitions(int full, int quick_version) const {
+  return options_.repetitions ? *options_.repetitions : options_.quick ? quick_version : full;
+}
+
+void Experiment::progress(double done, const std::string& note) const {
+  if (options_.progress) options_.progress(done, note);
+}
+
+void Experiment::within(const std::string& what, double published, double ours, double tolerance, int digits,
+                        const std::string& note) {
+  const bool holds = std::abs(ours - published) <= tolerance * std::abs(published);
+  row(number_row(what, short_number(published, digits), ours, digits, holds, note));
+}
+
+void Experiment::at_most(const std::string& what, const std::string& published, double ours, double limit, int digits,
+                         const std::string& note) {
+  row(number_row(what, published, ours, digits, ours <= limit, note));
+}
+
+void Experiment::at_least(const std::string& what, const std::string& published, double ours, double limit, int digits,
+                          const std::string& note) {
+  row(number_row(what, published, ours, digits, ours >= limit, note));
+}
+
+void Experiment::claim(const std::string& what, const std::string& published, const std::string& ours, bool holds,
+                       const std::string& note) {
+  row({what, published, ours, holds ? Verdict::kReproduced : Verdict::kDiffers, note,
+       std::numeric_limits<double>::quiet_NaN()});
+}
+
+void Experiment::write(const std::string& file, const CsvTable& table) { write(file, table.text()); }
+
+void Experiment::write(const std::string& file, const sim::plot::Figure& figure) { write(file, figure.svg()); }
+
+void Experiment::write(const std::string& file, const std::string& text) {
+  sim::write_file(options_.directory / file, text);
+  files_.push_back(file);
+}
+
+const ExperimentType& experiment_type(const std::string& name) {
+  std::vector<std::string> names;
+  for (const ExperimentType& type : experiment_types()) {
+    if (type.name == name) return type;
+    names.emplace_back(type.name);
+  }
+  throw sim::InputError(fmt::format("no experiment '{}'; there are {}", name, fmt::join(names, ", ")));
+}
+
+std::string short_number(double value, int digits) {
+  if (!std::isfinite(value)) return "-";
+  const double size = std::abs(value);
+  if (value != 0.0 && (size < 1e-3 || size >= 1e6)) return fmt::format("{:.{}e}", value, std::max(digits - 1, 0));
+  const int whole = size < 1.0 ? (value == 0.0 ? 1 : static_cast<int>(std::floor(std::log10(size))) + 1)
+                               : static_cast<int>(std::floor(std::log10(size))) + 1;
+  return fmt::format("{:.{}f}", value, std::max(digits - whole, 0));
+}
+
+std::string to_markdown(const ExperimentType& type, const Experiment& experiment) {
+  std::string text = fmt::format("# {}\n\n{}\n\n", type.name, type.doc);
+  text += "| what | published | ours | verdict | note |\n| --- | --- | --- | --- | --- |\n";
+  for (const ResultRow& row : experiment.rows()) {
+    text += fmt::format("| {} | {} | {} | {} | {} |\n", cell(row.what), cell(row.published), cell(row.ours),
+                        name_of(row.verdict), row.note.empty() ? "" : cell(row.note));
+  }
+  for (const std::string& file : experiment.files()) {
+    if (file.ends_with(".svg")) text += fmt::format("\n![{}]({})\n", file, file);
+  }
+  return text;
+}
+
+std::string to_json(const ExperimentType& type, const Experiment& experiment) {
+  nlohmann::ordered_json json;
+  json["experiment"] = type.name;
+  json["doc"] = type.doc;
+  json["version"] = sim::version();
+  json["revision"] = sim::git_revision();
+  json["quick"] = experiment.quick();
+  json["rows"] = nlohmann::ordered_json::array();
+  for (const ResultRow& row : experiment.rows()) {
+    nlohmann::ordered_json one{{"what", row.what},
+                               {"published", row.published},
+                               {"ours", row.ours},
+                               {"verdict", name_of(row.verdict)},
+                               {"note", row.note}};
+    if (std::isfinite(row.value)) one["value"] = row.value;
+    json["rows"].push_back(std::move(one));
+  }
+  json["files"] = experiment.files();
+  return json.dump(2) + "\n";
+}
+
+}  // namespace swiftlet::tools

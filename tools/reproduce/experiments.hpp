@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "experiment.hpp"
+
+/// The experiments, each in the file of its name; the table of them is registry.cpp.
+namespace swiftlet::tools {
+
+void uncertainty_table(Experiment& experiment);
+void expected_error(Experiment& experiment);
+void voxel_probability(Experiment& experiment);
+
+}  // namespace swiftlet::tools

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "experiment.hpp"
+#include "sim/run/summary.hpp"
+#include "swiftlet/sim/simulation.hpp"
+
+namespace swiftlet::tools {
+
+/// Calls work(0) ... work(count - 1) on as many threads as the experiment has jobs. Work that writes only to its own
+/// slot gives the same results for any number of jobs. The exception of the lowest index is thrown again.
+/// @param what  of the progress: "12 of 40 flights"
+void parallel_for(const Experiment& experiment, std::size_t count, const std::string& what,
+                  const std::function<void(std::size_t index)>& work);
+
+/// Scenario file (path or name) with overrides ("vehicles[0].start.yaw_deg", "90") and a seed of its own.
+sim::Scenario scenario_with(const std::string& file, std::uint64_t seed,
+                            std::vector<std::pair<std::string, std::string>> overrides = {});
+
+/// Flies every scenario to its end, several at a time; the summaries in the order of the scenarios.
+/// @param after_tick  called after each tick of run `index`, on its thread; may be empty. Keep results by index.
+std::vector<sim::RunSummary> fly(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios,
+                                 const std::function<void(std::size_t index, const sim::Simulation&)>& after_tick = {});
+
+/// One metric of many runs, in their order; NaN where it was not measured.
+/// @param vehicle  empty: the metric of the whole run
+std::vector<double> metric_of(const std::vector<sim::RunSummary>& runs, const std::string& name,
+                              const std::string& vehicle = {});
+
+struct MeanAndDeviation {
+  double mean = 0.0;
+  double deviation = 0.0;  ///< of the samples (n - 1)
+  std::size_t count = 0;   ///< samples that are not NaN
+};
+MeanAndDeviation mean_and_deviation(const std::vector<double>& samples);
+
+}  // namespace swiftlet::tools

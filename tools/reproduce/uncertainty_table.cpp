@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "core/uncertainty/grid_probability.hpp"
+#include "experiments.hpp"
+#include "noise_grid.hpp"
+#include "parallel.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+constexpr std::uint32_t kSamples = 100000;  // N, as published
+constexpr int kCells = 100;                 // regions along an axis, as published
+
+struct Published {
+  double maximum, mean, deviation;
+};
+// Table I by sigma_rad, sigma_m, d.
+constexpr Published kTable[3][3][3] = {
+    {{{7.47e-5, 8.70e-7, 3.03e-6}, {8.79e-5, 8.73e-7, 3.05e-6}, {8.55e-5, 8.67e-7, 3.04e-6}},
+     {{8.00e-5, 8.85e-7, 3.05e-6}, {7.89e-5, 9.08e-7, 3.05e-6}, {9.38e-5, 9.14e-7, 3.02e-6}},
+     {{1.08e-4, 9.10e-7, 3.03e-6}, {8.03e-5, 9.11e-7, 3.04e-6}, {8.41e-5, 9.07e-7, 3.02e-6}}},
+    {{{2.47e-4, 1.45e-6, 9.28e-6}, {4.40e-4, 1.67e-6, 1.45e-5}, {6.68e-4, 1.76e-6, 1.81e-5}},
+     {{9.37e-5, 8.22e-7, 3.21e-6}, {1.14e-4, 8.57e-7, 3.66e-6}, {1.23e-4, 9.52e-7, 4.35e-6}},
+     {{8.32e-5, 8.74e-7, 3.05e-6}, {7.91e-5, 8.83e-7, 3.05e-6}, {8.60e-5, 8.88e-7, 3.05e-6}}},
+    {{{4.00e-4, 1.81e-6, 1.50e-5}, {3.90e-4, 1.80e-6, 1.49e-5}, {3.90e-4, 1.80e-6, 1.49e-5}},
+     {{3.40e-4, 1.81e-6, 1.18e-5}, {3.69e-4, 1.85e-6, 1.50e-5}, {4.00e-4, 1.82e-6, 1.50e-5}},
+     {{1.03e-4, 1.48e-6, 4.68e-6}, {1.40e-4, 1.64e-6, 6.23e-6}, {1.78e-4, 1.71e-6, 7.45e-6}}}};
+constexpr Published kTotal{6.68e-4, 1.26e-6, 8.93e-6};
+
+// How the regions lie. The document says only that they cover the samples and that the attitude was drawn at random,
+// but its rows hardly depend on how flat the distribution is: so they lay along the ray.
+enum class Regions { kAlongRay, kAlongWorld };
+
+struct Case {
+  std::size_t i_rad = 0, i_m = 0, i_range = 0;
+  std::size_t draw = 0;  // which samples, and which attitude of the sensor
+};
+
+struct Difference {  // of the probabilities, over the regions
+  double maximum = 0.0, mean = 0.0, deviation = 0.0;
+};
+
+std::vector<Case> all_cases(int draws) {
+  std::vector<Case> cases;
+  for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
+    for (std::size_t i_m = 0; i_m < 3; ++i_m) {
+      for (std::size_t i_range = 0; i_range < 3; ++i_range) {
+        for (int draw = 0; draw < draws; ++draw) cases.push_back({i_rad, i_m, i_range, static_cast<std::size_t>(draw)});
+      }
+    }
+  }
+  return cases;
+}
+
+// Uniform on SO(3): a quaternion of four normals.
+Matrix3 random_rotation(const Random& random) {
+  const auto n = random.normal3(0, 0);
+  return Eigen::Quaterniond(random.normal(0, 1), n[0], n[1], n[2]).normalized().toRotationMatrix();
+}
+
+// Histogram of samples in regions that cover them, against the normal distribution's probabilities of the same regions.
+Difference compare(const Case& one, Regions regions) {
+  const double range_m = kPrintedRanges_m[one.i_range];
+  const MeasurementNoise noise = noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]);
+  const std::string entity = fmt::format("{}/{}/{}/{}", one.i_rad, one.i_m, one.i_range, one.draw);
+  // Regions along the ray see no attitude at all: turned with the sensor, everything is as if it stood straight.
+  Pose T_world_lidar = Pose::Identity();
+  if (regions == Regions::kAlongWorld)
+    T_world_lidar.linear() = random_rotation(Random(1, "uncertainty-table.attitude", entity));
+
+  const Random random(1, "uncertainty-table.noise", entity);
+  std::vector<Vector3> samples(kSamples);
+  CellGrid grid;
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    samples[i] = true_point(Vector3::UnitX(), range_m, T_world_lidar, draw_noise(random, noise, i));
+    grid.box.extend(samples[i]);
+  }
+  grid.counts = {kCells, kCells, kCells};
+
+  const Matrix3 Sigma = point_covariance(Vector3::UnitX(), range_m, T_world_lidar.linear(), noise.Sigma_w());
+  const Vector3 p_measured_m = T_world_lidar * (range_m * Vector3::UnitX());
+  std::vector<double> difference = grid_probabilities(p_measured_m, Sigma, grid);
+  const Vector3 cell = grid.cell_size_m();
+  for (const Vector3& sample : samples) {
+    const Eigen::Array3i at =
+        (sample - grid.box.min()).cwiseQuotient(cell).array().floor().cast<int>().min(kCells - 1).max(0);
+    difference[static_cast<std::size_t>((at[0] * kCells + at[1]) * kCells + at[2])] -= 1.0 / kSamples;
+  }
+
+  Difference result;
+  double sum = 0.0, squares = 0.0;
+  for (const double d : difference) {
+    result.maximum = std::max(result.maximum, std::abs(d));
+    sum += std::abs(d);
+    squares += d * d;
+  }
+  const double count = static_cast<double>(difference.size());
+  result.mean = sum / count;
+  result.deviation = std::sqrt(squares / count - result.mean * result.mean);
+  return result;
+}
+
+// Over all regions of all cases: the mean of means, the deviation pooled, the median over draws of the maximum.
+Difference total_of(const std::vector<Difference>& results, int draws) {
+  Difference total;
+  double squares = 0.0;
+  std::vector<double> maxima(static_cast<std::size_t>(draws), 0.0);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    total.mean += results[i].mean / static_cast<double>(results.size());
+    squares += (results[i].deviation * results[i].deviation) / static_cast<double>(results.size());
+    double& maximum = maxima[i % static_cast<std::size_t>(draws)];
+    maximum = std::max(maximum, results[i].maximum);
+  }
+  total.deviation = std::sqrt(squares);
+  std::sort(maxima.begin(), maxima.end());
+  total.maximum = maxima[(maxima.size() - 1) / 2];
+  return total;
+}
+
+struct Table {
+  std::vector<Case> cases;
+  std::vector<Difference> results;
+  Difference total;
+  std::vector<double> means, maxima;  // of the 27 combinations
+};
+
+Table measure(const Experiment& experiment, Regions regions, int draws) {
+  Table table;
+  table.cases = all_cases(draws);
+  table.results.resize(table.cases.size());
+  const std::string what =
+      regions == Regions::kAlongRay ? "combinations, regions along the ray" : "combinations, regions along the world";
+  parallel_for(experiment, table.cases.size(), what,
+               [&](std::size_t i) { table.results[i] = compare(table.cases[i], regions); });
+  table.total = total_of(table.results, draws);
+  table.means.assign(27, 0.0);
+  table.maxima.assign(27, 0.0);
+  for (std::size_t i = 0; i < table.cases.size(); ++i) {
+    table.means[i / static_cast<std::size_t>(draws)] += table.results[i].mean / draws;
+    table.maxima[i / static_cast<std::size_t>(draws)] += table.results[i].maximum / draws;
+  }
+  return table;
+}
+
+const Published& published_of(const Case& one) { return kTable[one.i_rad][one.i_m][one.i_range]; }
+
+void add_rows(CsvTable& csv, const Table& table, const std::string& regions) {
+  for (std::size_t i = 0; i < table.cases.size(); ++i) {
+    const Case& one = table.cases[i];
+    const Published& published = published_of(one);
+    csv.row(regions, {kSigma_rad[one.i_rad], kSigma_m[one.i_m], kPrintedRanges_m[one.i_range],
+                      static_cast<double>(one.draw), table.results[i].maximum, table.results[i].mean,
+                      table.results[i].deviation, published.maximum, published.mean, published.deviation});
+  }
+}
+
+void draw(Experiment& experiment, const Table& ray, const Table& world) {
+  sim::plot::Figure figure("Gaussian approximation against Monte-Carlo (Table I)", 2);
+  figure.set_panel_size(860, 420);
+  sim::plot::Panel &mean_panel = figure.add_panel("mean difference of probability"),
+                   &max_panel = figure.add_panel("largest difference");
+  std::vector<double> published_means, published_maxima;
+  for (const Case& one : all_cases(1)) {
+    published_means.push_back(published_of(one).mean);
+    published_maxima.push_back(published_of(one).maximum);
+    const std::string name = fmt::format("{:g} rad, {:g} m, {:g} m", kSigma_rad[one.i_rad], kSigma_m[one.i_m],
+                                         kPrintedRanges_m[one.i_range]);
+    for (sim::plot::Panel* panel : {&mean_panel, &max_panel}) panel->x.categories.push_back(name);
+  }
+  mean_panel.bars("published", published_means)
+      .bars("ours, regions along the ray", ray.means)
+      .bars("ours, regions along the world", world.means);
+  max_panel.bars("published", published_maxima)
+      .bars("ours, regions along the ray", ray.maxima)
+      .bars("ours, regions along the world", world.maxima);
+  for (sim::plot::Panel* panel : {&mean_panel, &max_panel}) {
+    panel->y.label = "difference of probability [-]";
+    panel->x.label = "attitude noise, position noise, range";
+    panel->legend = sim::plot::Legend::kOutside;
+  }
+  experiment.write("uncertainty-table.svg", figure);
+}
+
+}  // namespace
+
+void uncertainty_table(Experiment& experiment) {
+  const Table ray = measure(experiment, Regions::kAlongRay, experiment.repetitions(3, 1));
+  const Table world = measure(experiment, Regions::kAlongWorld, experiment.repetitions(9, 1));
+  CsvTable csv({"regions", "sigma_rad", "sigma_m", "range_m", "draw", "max_d_r", "mean_d_r", "std_d_r", "published_max",
+                "published_mean", "published_std"});
+  add_rows(csv, ray, "ray");
+  add_rows(csv, world, "world");
+  experiment.write("uncertainty-table.csv", csv);
+  draw(experiment, ray, world);
+
+  experiment.within("mean difference over all regions", kTotal.mean, ray.total.mean, 0.25, 3);
+  experiment.at_most("largest difference", short_number(kTotal.maximum, 3), ray.total.maximum, 1.25 * kTotal.maximum,
+                     3);
+  experiment.within("standard deviation over all regions", kTotal.deviation, ray.total.deviation, 0.25, 3);
+  const std::string note = "a flat distribution fills less of a box that lies askew";
+  experiment.within("mean, regions along the world's axes", kTotal.mean, world.total.mean, 0.25, 3, note);
+  experiment.at_most("largest, regions along the world's axes", short_number(kTotal.maximum, 3), world.total.maximum,
+                     1.25 * kTotal.maximum, 3, "median over sets of random attitudes");
+  const std::vector<Case> combinations = all_cases(1);
+  for (std::size_t i = 0; i < combinations.size(); ++i) {
+    const Case& one = combinations[i];
+    experiment.within(fmt::format("mean, sigma_rad {:g}, sigma_m {:g} m, d {:g} m", kSigma_rad[one.i_rad],
+                                  kSigma_m[one.i_m], kPrintedRanges_m[one.i_range]),
+                      published_of(one).mean, ray.means[i], 0.25, 3);
+  }
+}
+
+}  // namespace swiftlet::tools
