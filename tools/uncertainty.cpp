@@ -49,7 +49,7 @@ struct Line {
 };
 
 sim::LidarConfig lidar_preset(const std::string& name) {
-  sim::Module sensor{sim::sensor_module_types(), "lidar"};
+  Module sensor{sim::sensor_module_types(), "lidar"};
   const auto visit = [&](ConfigVisitor& v) {
     v.module("sensor", sensor, sim::sensor_module_types(), "[-] the sensor");
   };
