@@ -259,7 +259,7 @@ void main() {
   v_color = a_color;
   gl_Position = u_clip_world * vec4(a_position_m, 1.0);
   gl_ClipDistance[0] = u_cut_m - a_position_m.z;
-  gl_PointSize = clamp(u_size_m * u_pixels_at_1m / max(gl_Position.w, 1e-3), u_min_px, 40.0);
+  gl_PointSize = clamp(u_size_m * u_pixels_at_1m / max(gl_Position.w, 1e-3), u_min_px, 14.0);
 }
 )";
 
