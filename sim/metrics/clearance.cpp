@@ -60,7 +60,7 @@ class ClearanceMetric final : public Metric {
     Vehicle& vehicle = vehicles_[i];
     if (vehicle.crashed) return;
     vehicle.was_clear = vehicle.was_clear || clearance.surface_m > 0.0;
-    if (vehicle.was_clear) vehicle.surface.add(std::min(clearance.surface_m, setup().clearance_max_m), tick.t);
+    if (vehicle.was_clear) vehicle.surface.add(std::min(clearance.surface_m, setup().config.clearance_max_m), tick.t);
     if (clearance.nearest_vehicle != kNoVehicle)
       vehicle.other.add(clearance.vehicle_m, tick.t, clearance.nearest_vehicle);
   }

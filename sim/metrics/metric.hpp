@@ -9,6 +9,7 @@
 
 #include "sim/physics/physics_world.hpp"
 #include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/scenario.hpp"
 
 namespace swiftlet::sim {
 
@@ -21,7 +22,20 @@ struct MetricRow {
   std::string text;
 };
 
-/// Results in the order in which they were added; the same names for every vehicle and every run of a scenario.
+/// How well a vehicle's detector or tracker did on targets at some distance.
+struct DistanceBin {
+  std::string vehicle;  ///< the observer
+  std::string stage;    ///< "detector", "tracker"
+  double from_m = 0.0, to_m = 0.0;
+  int targets = 0;                               ///< scans, counted for each target in them
+  double recall = 0.0;                           ///< eq. (71)
+  double recall_visible = 0.0;                   ///< of the targets that have returns in the scan
+  double error_mean_m = 0.0, error_std_m = 0.0;  ///< eq. (68)
+  double speed_error_mean_mps = 0.0;             ///< eq. (69)
+  double direction_error_mean_rad = 0.0;         ///< eq. (70)
+};
+
+/// Results in the order in which they were added; the same names for every run of a scenario.
 class MetricTable {
  public:
   void add(std::string name, std::string vehicle, double value, std::string unit) {
@@ -30,17 +44,26 @@ class MetricTable {
   void add_text(std::string name, std::string vehicle, std::string text) {
     rows_.push_back({std::move(name), std::move(vehicle), 0.0, {}, std::move(text)});
   }
+  void add(DistanceBin bin) { bins_.push_back(std::move(bin)); }
   const std::vector<MetricRow>& rows() const { return rows_; }
+  const std::vector<DistanceBin>& bins() const { return bins_; }
   const MetricRow* find(std::string_view name, std::string_view vehicle = {}) const;
 
  private:
   std::vector<MetricRow> rows_;
+  std::vector<DistanceBin> bins_;
+};
+
+/// What of a vehicle's perception there is to measure.
+struct Perception {
+  bool detects = false, tracks = false;
 };
 
 /// What stays the same during a run.
 struct MetricSetup {
   std::vector<std::string> vehicle_names;  ///< by VehicleId
-  double clearance_max_m = 20.0;           ///< bound of the search for surfaces
+  std::vector<Perception> perception;      ///< by VehicleId; empty: none
+  MetricsConfig config;
 };
 
 /// What a tick tells beyond its TickView. Spans by VehicleId.
@@ -57,6 +80,8 @@ class Metric {
   virtual ~Metric() = default;
   virtual void update(const TickView& tick, const MetricContext& context) = 0;
   virtual void report(MetricTable& table) const = 0;
+  /// Of this tick.
+  virtual std::span<const DetectionScore> detection_scores() const { return {}; }
 
  protected:
   std::size_t num_vehicles() const { return setup_.vehicle_names.size(); }
@@ -82,5 +107,6 @@ std::unique_ptr<Metric> make_motion_metric(const MetricSetup& setup);
 std::unique_ptr<Metric> make_estimate_error_metric(const MetricSetup& setup);
 std::unique_ptr<Metric> make_tracking_error_metric(const MetricSetup& setup);
 std::unique_ptr<Metric> make_clearance_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_detection_metric(const MetricSetup& setup);
 
 }  // namespace swiftlet::sim

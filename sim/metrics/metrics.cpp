@@ -11,6 +11,7 @@ constexpr MetricType kMetricTypes[] = {
     {"estimate_error", "estimated against true pose", make_estimate_error_metric},
     {"tracking_error", "true and estimated position against the reference", make_tracking_error_metric},
     {"clearance", "least distances to surfaces and to other vehicles", make_clearance_metric},
+    {"detection", "detections and tracks against the vehicles that are there (000, eqs. 67-71)", make_detection_metric},
 };
 
 // A vehicle at rest nearer to a surface than its own radius stands on it.
@@ -31,9 +32,11 @@ const MetricRow* MetricTable::find(std::string_view name, std::string_view vehic
   return nullptr;
 }
 
-Metrics::Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_names)
+Metrics::Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_names,
+                 std::vector<Perception> perception)
     : flying_(vehicle_names.size(), 0) {
-  const MetricSetup setup{std::move(vehicle_names), config.clearance_max_m};
+  perception.resize(vehicle_names.size());
+  const MetricSetup setup{std::move(vehicle_names), std::move(perception), config};
   for (const MetricType& type : kMetricTypes) metrics_.push_back(type.make(setup));
 }
 
@@ -42,6 +45,13 @@ void Metrics::update(const TickView& tick, std::span<const Clearance> clearances
   const MetricContext context{to_seconds(tick.t - t_last_), clearances, flying_};
   for (const auto& metric : metrics_) metric->update(tick, context);
   t_last_ = tick.t;
+}
+
+std::span<const DetectionScore> Metrics::detection_scores() const {
+  for (const auto& metric : metrics_) {
+    if (const auto scores = metric->detection_scores(); !scores.empty()) return scores;
+  }
+  return {};
 }
 
 MetricTable Metrics::report() const {

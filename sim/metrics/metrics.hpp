@@ -13,10 +13,14 @@ namespace swiftlet::sim {
 /// All metrics of one run.
 class Metrics {
  public:
-  Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_names);
+  /// @param perception  by VehicleId; empty: nobody detects or tracks
+  Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_names, std::vector<Perception> perception = {});
 
   /// After every tick. `clearances` by VehicleId.
   void update(const TickView& tick, std::span<const Clearance> clearances);
+
+  /// What the last update found out about detections and tracks; valid until the next.
+  std::span<const DetectionScore> detection_scores() const;
 
   MetricTable report() const;
   std::vector<MetricRow> rows() const { return report().rows(); }

@@ -143,6 +143,19 @@ void write_tracks(const Source& source) {
   }
 }
 
+void write_scores(const Source& source) {
+  for (const DetectionScore& score : source.tick.detection_scores) {
+    if (score.observer != source.vehicle) continue;
+    TextRow& row = source.begin_row(score.t);
+    row.add(std::string_view(score.stage == DetectionScore::Stage::kDetector ? "detector" : "tracker"));
+    row.add(score.target == kNoVehicle ? std::string_view() : std::string_view(source.names[score.target]));
+    row.add(score.distance_m).add(score.visible_points).add(static_cast<int>(score.found)).add(score.track_id);
+    row.add(score.position_error_m).add(score.speed_error_mps).add(score.direction_error_rad);
+    row.add(score.nees).add(score.latency_s);
+    source.end_row();
+  }
+}
+
 struct Topic {
   const char* name;
   bool sampled;  ///< written at rate_hz; the others as they come
@@ -174,6 +187,10 @@ constexpr Topic kTopics[] = {
     {"tracks", false,
      "t_s,id,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,ax_mps2,ay_mps2,az_mps2," COVARIANCE3 ",num_detections,corrected",
      write_tracks},
+    {"scores", false,
+     "t_s,stage,target,distance_m,visible_points,found,id,position_error_m,speed_error_mps,direction_error_rad,nees,"
+     "latency_s",
+     write_scores},
 };
 #undef COVARIANCE3
 
@@ -253,7 +270,7 @@ void CsvConfig::visit(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] rows of the topic state a second; 0: every tick", Range::non_negative());
   v.field("topics", topics,
           "[-] tables to write: state (truth, estimate, reference, rotors), imu, gnss, odometry, altimeter, compass, "
-          "pose, neighbors, detections, tracks");
+          "pose, neighbors, detections, tracks, scores (of detections and tracks, against the truth)");
   const bool known = std::all_of(topics.begin(), topics.end(), [](const std::string& t) { return find_topic(t); });
   v.check(known, "topics", "a list of " + topic_names());
 }

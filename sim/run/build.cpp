@@ -162,6 +162,16 @@ std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(
   return sensors;
 }
 
+std::vector<Perception> perception_of(const Scenario& scenario) {
+  std::vector<Perception> perception;
+  for (const VehicleConfig& vehicle : scenario.vehicles) {
+    const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
+    perception.push_back({stack != nullptr && stack->detector.type != "none",
+                          stack != nullptr && stack->tracker.type != "none"});
+  }
+  return perception;
+}
+
 std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles) {
   std::vector<std::unique_ptr<Agent>> agents;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/metrics/metric.hpp"
 #include "sim/physics/physics_world.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "sim/world/vehicle_shape.hpp"
@@ -27,6 +28,9 @@ std::vector<std::shared_ptr<const VehicleShape>> make_vehicle_shapes(const Scena
 /// `pose` sensor gets a perfect one: the only way that truth reaches an agent.
 std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(const Scenario& scenario, const World& world,
                                                                const std::vector<std::shared_ptr<const VehicleShape>>& shapes);
+
+/// Which vehicles detect and track others, by VehicleId.
+std::vector<Perception> perception_of(const Scenario& scenario);
 
 std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles);
 

@@ -55,7 +55,7 @@ struct Simulation::Impl {
         agents(make_agents(scenario, vehicles)),
         history(num_vehicles(), history_capacity(sensors, scenario)),
         radio(scenario.radio, scenario.seed, names, world.static_scene),
-        metrics(scenario.metrics, names),
+        metrics(scenario.metrics, names, perception_of(scenario)),
         tick_length(from_seconds(scenario.tick_s)),
         duration(from_seconds(scenario.duration_s)),
         observations(num_vehicles()),
@@ -169,6 +169,7 @@ void Simulation::Impl::tick() {
     for (int i = 0; i < num_vehicles(); ++i) hash = combine(hash, hashes[i]);
     view = {now, physics.states(), observations, actions, scans, events, least_clearance_m};
     metrics.update(view, clearances);
+    view.detection_scores = metrics.detection_scores();
   }
   {
     const auto timed = clock.measure(Stage::kRecorders);

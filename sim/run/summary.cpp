@@ -36,6 +36,24 @@ Json metrics_json(const MetricTable& table) {
   return {{"run", run}, {"vehicles", vehicles}};
 }
 
+// How detectors and trackers do over distance: for each observer and stage a list of bins.
+Json detection_json(const MetricTable& table) {
+  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  Json out = Json::object();
+  for (const DistanceBin& bin : table.bins()) {
+    out[bin.vehicle][bin.stage].push_back({{"from_m", bin.from_m},
+                                           {"to_m", bin.to_m},
+                                           {"targets", bin.targets},
+                                           {"recall", number(bin.recall)},
+                                           {"recall_visible", number(bin.recall_visible)},
+                                           {"error_mean_m", number(bin.error_mean_m)},
+                                           {"error_std_m", number(bin.error_std_m)},
+                                           {"speed_error_mean_mps", number(bin.speed_error_mean_mps)},
+                                           {"direction_error_mean_rad", number(bin.direction_error_mean_rad)}});
+  }
+  return out;
+}
+
 Json radio_json(const RunSummary& summary) {
   const RadioStatistics& s = summary.radio;
   Json topics = Json::array();
@@ -112,6 +130,7 @@ std::string to_json(const RunSummary& s) {
                      {"real_time_factor", s.real_time_factor()},
                      {"stage_wall_s", stages},
                      {"metrics", metrics_json(s.metrics)},
+                     {"detection_over_distance", detection_json(s.metrics)},
                      {"radio", radio_json(s)}};
   return json.dump(2) + "\n";
 }

@@ -156,6 +156,10 @@ void VehicleConfig::visit(ConfigVisitor& v) {
 
 void MetricsConfig::visit(ConfigVisitor& v) {
   v.field("clearance_max_m", clearance_max_m, "[m] clearances beyond are reported as this", Range::positive());
+  v.field("true_positive_m", true_positive_m, "[m] a detection or track nearer than this to a vehicle is that vehicle's",
+          Range::positive());
+  v.field("detection_range_m", detection_range_m, "[m] vehicles nearer than this count for recall", Range::positive());
+  v.field("detection_bin_m", detection_bin_m, "[m] width of the bins of distance of recall and errors", Range::positive());
   v.field("stop_on_crash", stop_on_crash, "[-] end the run at the first crash?");
   v.field("stop_when_done", stop_when_done, "[-] end the run when every mission is done, failed or crashed?");
 }

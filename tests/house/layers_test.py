@@ -24,7 +24,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "sim/physics": ["core/math", "sim/world", "sim/raycast"],
     "sim/sensors": ["core/math", "sim/world", "sim/raycast"],
     "sim/radio": ["core/math", "sim/world", "sim/raycast"],
-    "sim/metrics": ["core/math", "sim/world", "sim/raycast", "sim/physics"],
+    "sim/metrics": ["core/math", "sim/world", "sim/raycast", "sim/physics", "sim/sensors"],
     "sim/recorders": ["core/math", "sim/world", "sim/raycast", "sim/sensors"],
     "sim/report": ["sim/recorders"],
     "sim/render": ["core/math", "sim/world", "sim/raycast", "sim/sensors"],

@@ -40,6 +40,25 @@ struct RunInfo {
   std::filesystem::path directory;                                   ///< where to write; exists
 };
 
+/// How a detector or a tracker did on one target in one scan, or one of its estimates that belongs to none (000, eqs.
+/// 67-71). What is not measured is NaN.
+struct DetectionScore {
+  enum class Stage { kDetector, kTracker };
+  TimeNs t = 0;                   ///< for which the estimate holds; the middle of the sweep when there is none
+  VehicleId observer = kNoVehicle;
+  Stage stage = Stage::kDetector;
+  VehicleId target = kNoVehicle;  ///< kNoVehicle: a false estimate
+  double distance_m = 0.0;        ///< true, observer to target (false estimate: to the estimate)
+  int visible_points = -1;        ///< returns of the scan that lie on the target; -1: there was no scan
+  bool found = false;             ///< an estimate lies nearer than MetricsConfig::true_positive_m
+  std::uint32_t track_id = 0;
+  double position_error_m = 0.0;     ///< eq. (68)
+  double speed_error_mps = 0.0;      ///< eq. (69)
+  double direction_error_rad = 0.0;  ///< eq. (70), of targets that move
+  double nees = 0.0;                 ///< squared error of the position over the covariance it was told with
+  double latency_s = 0.0;            ///< from t to now
+};
+
 /// One tick as recorders see it: truth beside what was sensed and done. All spans by VehicleId.
 struct TickView {
   TimeNs t = 0;
@@ -49,6 +68,7 @@ struct TickView {
   std::span<const std::vector<std::shared_ptr<const LabelledScan>>> scans;  ///< completed in this tick
   std::span<const Event> events;                                            ///< of this tick
   std::span<const double> clearance_m;   ///< to the nearest surface or vehicle; empty: nobody measured it
+  std::span<const DetectionScore> detection_scores = {};  ///< of what was detected and tracked in this tick
 };
 
 /// Writes one output format. Everything it creates lies in RunInfo::directory.

@@ -1,0 +1,483 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
+#include <array>
+
+#include "core/math/assignment.hpp"
+#include "sim/metrics/metric.hpp"
+#include "sim/metrics/statistics.hpp"
+#include "sim/metrics/truth_history.hpp"
+#include "sim/sensors/sensor.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr double kMoving_mps = 0.5;     // slower than this a velocity has no direction
+constexpr double kChiSquare95 = 7.815;  // of three degrees of freedom
+constexpr int kBins = 20;
+constexpr int kScans = 64;  // that a detector may be late
+
+/// Mean and standard deviation.
+class Moments {
+ public:
+  void add(double value) {
+    if (std::isnan(value)) return;
+    ++count_;
+    sum_ += value;
+    sum_of_squares_ += value * value;
+  }
+  double count() const { return static_cast<double>(count_); }
+  double mean() const { return count_ > 0 ? sum_ / count() : kNotMeasured; }
+  double std() const {
+    return count_ > 0 ? std::sqrt(std::max(0.0, sum_of_squares_ / count() - mean() * mean())) : kNotMeasured;
+  }
+
+ private:
+  std::uint64_t count_ = 0;
+  double sum_ = 0.0, sum_of_squares_ = 0.0;
+};
+
+double ratio(double part, double whole) { return whole > 0.0 ? part / whole : kNotMeasured; }
+
+/// Targets counted in each scan, and how many of them were found.
+struct Recall {
+  int targets = 0, found = 0, visible = 0, visible_found = 0;
+
+  void add(const DetectionScore& score) {
+    ++targets;
+    found += score.found;
+    if (score.visible_points == 0) return;  // unknown counts as visible
+    ++visible;
+    visible_found += score.found;
+  }
+  double all() const { return ratio(found, targets); }
+  double of_visible() const { return ratio(visible_found, visible); }
+};
+
+struct Errors {
+  Moments position, speed, direction;
+
+  void add(const DetectionScore& score) {
+    if (!score.found) return;
+    position.add(score.position_error_m);
+    speed.add(score.speed_error_mps);
+    direction.add(score.direction_error_rad);
+  }
+};
+
+/// What a detector or a tracker says of one target.
+struct Estimate {
+  TimeNs t = 0;
+  Vector3 p_m = Vector3::Zero(), v_mps = Vector3::Constant(kNotMeasured);
+  Matrix3 covariance = Matrix3::Zero();
+  std::uint32_t track_id = 0;
+};
+
+/// One scan: when it was made, and how many of its returns lie on each vehicle.
+struct SeenScan {
+  TimeNs stamp = 0, middle = 0;
+  std::vector<int> points;  // by VehicleId
+};
+
+/// What is known of one track while it lives.
+struct KnownTrack {
+  std::uint32_t id = 0;
+  VehicleId target = kNoVehicle;  // that it was found to follow last
+  bool alive = false;
+};
+
+/// A detector or a tracker of one observer, all the run long.
+struct StageResult {
+  Recall recall;
+  Errors errors;
+  std::array<Recall, kBins> recall_by_distance;
+  std::array<Errors, kBins> errors_by_distance;
+  Moments latency, ospa, nees;
+  int consistent = 0;            // squared errors within their 95 %
+  int estimates = 0, right = 0;  // counted in every scan
+  int false_detections = 0;
+  int false_tracks = 0;  // ended and never was anybody's
+  int identity_switches = 0, cross_associations = 0;
+  TimeNs t_first = -1, t_last = 0;
+  std::vector<KnownTrack> tracks;
+  std::vector<std::uint32_t> id_of_target;      // last, by VehicleId; 0: none
+  std::vector<TimeNs> first_seen, first_found;  // by VehicleId; -1: never
+
+  void prepare(std::size_t num_vehicles) {
+    tracks.reserve(256);
+    id_of_target.assign(num_vehicles, 0);
+    first_seen.assign(num_vehicles, -1);
+    first_found.assign(num_vehicles, -1);
+  }
+};
+
+/// Detections and tracks of each observer against the true positions of all other vehicles. Estimates live in the
+/// observer's own world, so truth is carried there by the pose that the observer believed to have at the time: a drift
+/// of its localisation is the business of estimate_error. Counted are vehicles that fly; what is estimated at one on
+/// the ground is neither right nor wrong.
+class DetectionMetric final : public Metric {
+ public:
+  explicit DetectionMetric(const MetricSetup& setup) : Metric(setup), observers_(num_vehicles()) {
+    for (std::size_t i = 0; i < num_vehicles(); ++i) {
+      if (!setup.perception[i].detects && !setup.perception[i].tracks) continue;
+      any_ = true;
+      Observer& observer = observers_[i];
+      observer.detector.prepare(num_vehicles());
+      observer.tracker.prepare(num_vehicles());
+      observer.T_estimate_truth = std::make_unique<RecentValues<Pose>>();
+      observer.scans.resize(kScans);
+      for (SeenScan& scan : observer.scans) scan.points.resize(num_vehicles());
+    }
+    if (any_) truth_.resize(num_vehicles());
+  }
+
+  void update(const TickView& tick, const MetricContext& context) override {
+    if (!any_) return;
+    scores_.clear();
+    for (std::size_t i = 0; i < num_vehicles(); ++i)
+      truth_[i].push(tick.t, {tick.states[i].p_world_m, tick.states[i].v_world_mps});
+    for (std::size_t i = 0; i < num_vehicles(); ++i) {
+      const Perception& perception = setup().perception[i];
+      if (!perception.detects && !perception.tracks) continue;
+      remember(i, tick);
+      const Action& action = *tick.actions[i];
+      if (tick.states[i].crashed) continue;
+      if (perception.detects && action.has_detections) judge_detections(i, tick, context);
+      const bool new_scan = !tick.scans[i].empty() || observers_[i].num_scans == 0;
+      if (perception.tracks && action.has_tracks && new_scan) judge_tracks(i, tick, context);
+    }
+  }
+
+  void report(MetricTable& table) const override {
+    for (std::size_t i = 0; i < num_vehicles(); ++i) {
+      if (setup().perception[i].detects) report_detector(i, table);
+      if (setup().perception[i].tracks) report_tracker(i, table);
+    }
+  }
+
+  std::span<const DetectionScore> detection_scores() const override { return scores_; }
+
+ private:
+  struct Observer {
+    StageResult detector, tracker;
+    std::unique_ptr<RecentValues<Pose>> T_estimate_truth;  // from the true world to the one that it believes in
+    std::vector<SeenScan> scans;                           // a ring
+    std::size_t num_scans = 0;
+  };
+
+  // ---- what is needed later
+  void remember(std::size_t i, const TickView& tick) {
+    Observer& observer = observers_[i];
+    const StateEstimate& estimate = tick.actions[i]->estimate;
+    if (estimate.valid)
+      observer.T_estimate_truth->push(tick.t, estimate.T_world_body * tick.states[i].T_world_body().inverse());
+    for (const auto& labelled : tick.scans[i]) {
+      SeenScan& seen = observer.scans[observer.num_scans++ % kScans];
+      seen.stamp = labelled->scan.stamp;
+      seen.middle = labelled->scan.stamp + labelled->scan.duration / 2;
+      std::fill(seen.points.begin(), seen.points.end(), 0);
+      const ScanTruth& truth = labelled->truth;
+      constexpr auto kVehicleClass = static_cast<std::uint16_t>(SurfaceClass::kVehicle);
+      for (std::size_t k = 0; k < truth.instance.size(); ++k) {
+        if (truth.surface_class[k] != kVehicleClass || !(labelled->scan.range_m[k] > 0.0F)) continue;
+        const std::size_t vehicle = truth.instance[k] - 1U;
+        if (vehicle < seen.points.size()) ++seen.points[vehicle];
+      }
+    }
+  }
+
+  /// The scan with that stamp, or null.
+  const SeenScan* scan_of(const Observer& observer, TimeNs stamp) const {
+    const std::size_t known = std::min<std::size_t>(observer.num_scans, kScans);
+    for (std::size_t k = 1; k <= known; ++k) {
+      const SeenScan& scan = observer.scans[(observer.num_scans - k) % kScans];
+      if (scan.stamp == stamp) return &scan;
+    }
+    return nullptr;
+  }
+
+  // ---- one scan
+  void judge_detections(std::size_t i, const TickView& tick, const MetricContext& context) {
+    const Action& action = *tick.actions[i];
+    estimates_.clear();
+    for (const Detection& detection : action.detections) {
+      Estimate estimate;
+      estimate.t = detection.t;
+      estimate.p_m = detection.position_m;
+      estimate.covariance = detection.covariance;
+      estimates_.push_back(estimate);
+    }
+    const SeenScan* scan = scan_of(observers_[i], action.detections_stamp);
+    const TimeNs middle = scan != nullptr ? scan->middle : action.detections_stamp;
+    judge(i, DetectionScore::Stage::kDetector, scan, middle, tick.t, context.flying);
+  }
+
+  void judge_tracks(std::size_t i, const TickView& tick, const MetricContext& context) {
+    estimates_.clear();
+    for (const Track& track : tick.actions[i]->tracks) {
+      Estimate estimate;
+      estimate.t = track.t;
+      estimate.p_m = track.position_m;
+      estimate.v_mps = track.velocity_mps;
+      estimate.covariance = track.covariance.topLeftCorner<3, 3>();
+      estimate.track_id = track.id;
+      estimates_.push_back(estimate);
+    }
+    const Observer& observer = observers_[i];
+    const SeenScan* scan = observer.num_scans == 0 ? nullptr : &observer.scans[(observer.num_scans - 1) % kScans];
+    judge(i, DetectionScore::Stage::kTracker, scan, scan != nullptr ? scan->middle : tick.t, tick.t, context.flying);
+    follow_identities(observers_[i].tracker);
+  }
+
+  /// Pairs estimates and vehicles and scores every vehicle that flies and every estimate that is nobody's.
+  void judge(std::size_t i, DetectionScore::Stage stage, const SeenScan* scan, TimeNs middle, TimeNs now,
+             std::span<const char> flying) {
+    Observer& observer = observers_[i];
+    if (observer.T_estimate_truth->empty()) return;
+    StageResult& result = stage == DetectionScore::Stage::kDetector ? observer.detector : observer.tracker;
+    if (result.t_first < 0) result.t_first = now;
+    result.t_last = now;
+    pair_up(i, observer);
+
+    first_score_ = scores_.size();
+    for (std::size_t j = 0; j < num_vehicles(); ++j) {
+      if (j == i || !flying[j]) continue;
+      DetectionScore score;
+      score.observer = static_cast<VehicleId>(i);
+      score.stage = stage;
+      score.target = static_cast<VehicleId>(j);
+      score.t = middle;
+      score.distance_m = (interpolate(truth_[j], middle).p_m - interpolate(truth_[i], middle).p_m).norm();
+      score.visible_points = scan != nullptr ? scan->points[j] : -1;
+      fill_errors(observer, estimate_of_[j], now, score);
+      scores_.push_back(score);
+      count(result, score, now);
+    }
+    for (std::size_t e = 0; e < estimates_.size(); ++e) {
+      result.latency.add(to_seconds(now - estimates_[e].t));
+      const int vehicle = vehicle_of_[e];
+      if (vehicle >= 0 && !flying[vehicle]) continue;
+      ++result.estimates;
+      result.right += vehicle >= 0;
+      if (vehicle < 0) add_false(i, stage, estimates_[e], now, result);
+    }
+    if (stage == DetectionScore::Stage::kTracker) result.ospa.add(ospa(flying));
+  }
+
+  /// The pairing of least total distance, each capped at the true-positive distance: what OSPA uses as well. Without
+  /// rivals it is the nearest estimate of eq. (67).
+  void pair_up(std::size_t i, const Observer& observer) {
+    const double most_m = setup().config.true_positive_m;
+    const std::size_t num = estimates_.size();
+    distances_.assign(num_vehicles() * num, most_m);
+    for (std::size_t j = 0; j < num_vehicles(); ++j) {
+      for (std::size_t e = 0; e < num; ++e) {
+        if (j == i) continue;
+        const double distance_m = (estimates_[e].p_m - truth_in_estimate(observer, j, estimates_[e].t).p_m).norm();
+        if (distance_m < most_m) distances_[j * num + e] = distance_m;
+      }
+    }
+    estimate_of_.assign(num_vehicles(), -1);
+    vehicle_of_.assign(num, -1);
+    if (num == 0) return;
+    const auto columns = assignment_.solve(distances_, static_cast<int>(num_vehicles()), static_cast<int>(num));
+    for (std::size_t j = 0; j < num_vehicles(); ++j) {
+      const int e = columns[j];
+      if (e < 0 || distances_[j * num + e] >= most_m) continue;
+      estimate_of_[j] = e;
+      vehicle_of_[e] = static_cast<int>(j);
+    }
+  }
+
+  /// Motion of vehicle j at t as it would be in the world that the observer believes in.
+  PointMotion truth_in_estimate(const Observer& observer, std::size_t j, TimeNs t) const {
+    const Pose& T = observer.T_estimate_truth->value(observer.T_estimate_truth->before(t));
+    const PointMotion truth = interpolate(truth_[j], t);
+    return {T * truth.p_m, T.linear() * truth.v_mps};
+  }
+
+  void fill_errors(const Observer& observer, int e, TimeNs now, DetectionScore& score) const {
+    score.position_error_m = score.speed_error_mps = score.direction_error_rad = score.nees = score.latency_s =
+        kNotMeasured;
+    if (e < 0) return;
+    const Estimate& estimate = estimates_[e];
+    const PointMotion truth = truth_in_estimate(observer, score.target, estimate.t);
+    const Vector3 error = estimate.p_m - truth.p_m;
+    score.found = true;
+    score.t = estimate.t;
+    score.track_id = estimate.track_id;
+    score.latency_s = to_seconds(now - estimate.t);
+    score.position_error_m = error.norm();
+    const Eigen::LLT<Matrix3> llt(estimate.covariance);
+    if (llt.info() == Eigen::Success) score.nees = error.dot(llt.solve(error));
+    if (!estimate.v_mps.allFinite()) return;
+    const double speed_mps = truth.v_mps.norm(), estimated_mps = estimate.v_mps.norm();
+    score.speed_error_mps = std::abs(estimated_mps - speed_mps);
+    if (speed_mps < kMoving_mps || !(estimated_mps > 0.0)) return;
+    const double cosine = estimate.v_mps.dot(truth.v_mps) / (speed_mps * estimated_mps);
+    score.direction_error_rad = std::acos(std::clamp(cosine, -1.0, 1.0));
+  }
+
+  void count(StageResult& result, const DetectionScore& score, TimeNs now) {
+    const auto bin = static_cast<std::size_t>(score.distance_m / setup().config.detection_bin_m);
+    if (bin < kBins) {
+      result.recall_by_distance[bin].add(score);
+      result.errors_by_distance[bin].add(score);
+    }
+    if (score.found) {
+      result.nees.add(score.nees);
+      result.consistent += score.nees <= kChiSquare95;
+      if (result.first_found[score.target] < 0) result.first_found[score.target] = now;
+    }
+    if (score.distance_m > setup().config.detection_range_m) return;
+    result.recall.add(score);
+    result.errors.add(score);
+    if (score.visible_points != 0 && result.first_seen[score.target] < 0) result.first_seen[score.target] = score.t;
+  }
+
+  void add_false(std::size_t i, DetectionScore::Stage stage, const Estimate& estimate, TimeNs now,
+                 StageResult& result) {
+    DetectionScore score;
+    score.observer = static_cast<VehicleId>(i);
+    score.stage = stage;
+    score.t = estimate.t;
+    score.track_id = estimate.track_id;
+    score.latency_s = to_seconds(now - estimate.t);
+    score.distance_m = (estimate.p_m - truth_in_estimate(observers_[i], i, estimate.t).p_m).norm();
+    score.position_error_m = score.speed_error_mps = score.direction_error_rad = score.nees = kNotMeasured;
+    scores_.push_back(score);
+    result.false_detections += 1;
+  }
+
+  /// Optimal subpattern assignment of order 1, cut off at the true-positive distance (Schuhmacher et al., IEEE TSP
+  /// 56(8), 2008), between the flying vehicles in range and the tracks that are not those of others.
+  double ospa(std::span<const char> flying) const {
+    const double cut_off_m = setup().config.true_positive_m;
+    int vehicles = 0, tracks = 0, paired = 0;
+    double sum_m = 0.0;
+    for (std::size_t s = first_score_; s < scores_.size(); ++s) {
+      const DetectionScore& score = scores_[s];
+      const bool in_range = score.distance_m <= setup().config.detection_range_m;
+      if (score.target == kNoVehicle) {
+        ++tracks;
+      } else if (in_range && flying[score.target]) {
+        ++vehicles;
+        tracks += score.found;
+        paired += score.found;
+        if (score.found) sum_m += score.position_error_m;
+      }
+    }
+    const int most = std::max(vehicles, tracks);
+    return most > 0 ? (sum_m + cut_off_m * (most - paired)) / most : 0.0;
+  }
+
+  /// Whom does each track follow, and who follows each vehicle?
+  void follow_identities(StageResult& result) {
+    for (KnownTrack& track : result.tracks) track.alive = false;
+    for (std::size_t e = 0; e < estimates_.size(); ++e) {
+      const std::uint32_t id = estimates_[e].track_id;
+      auto known =
+          std::find_if(result.tracks.begin(), result.tracks.end(), [id](const KnownTrack& t) { return t.id == id; });
+      if (known == result.tracks.end()) known = result.tracks.insert(known, {id, kNoVehicle, true});
+      known->alive = true;
+      const VehicleId vehicle = vehicle_of_[e];
+      if (vehicle == kNoVehicle) continue;
+      result.cross_associations += known->target != kNoVehicle && known->target != vehicle;
+      known->target = vehicle;
+      std::uint32_t& last = result.id_of_target[vehicle];
+      result.identity_switches += last != 0 && last != id;
+      last = id;
+    }
+    for (const KnownTrack& track : result.tracks) result.false_tracks += !track.alive && track.target == kNoVehicle;
+    std::erase_if(result.tracks, [](const KnownTrack& track) { return !track.alive; });
+  }
+
+  // ---- the end
+  void report_detector(std::size_t i, MetricTable& table) const {
+    const StageResult& r = observers_[i].detector;
+    report_common("detection", i, r, table);
+    table.add("false_detections_per_min", name_of(i), per_minute(r, r.false_detections), "1/min");
+    table.add("time_to_first_detection_s", name_of(i), time_to_first_s(r), "s");
+    report_bins("detector", i, r, table);
+  }
+
+  void report_tracker(std::size_t i, MetricTable& table) const {
+    const StageResult& r = observers_[i].tracker;
+    report_common("track", i, r, table);
+    table.add("track_speed_error_mean_mps", name_of(i), r.errors.speed.mean(), "m/s");
+    table.add("track_direction_error_mean_rad", name_of(i), r.errors.direction.mean(), "rad");
+    int false_tracks = r.false_tracks;
+    for (const KnownTrack& track : r.tracks) false_tracks += track.target == kNoVehicle;
+    table.add("false_tracks_per_min", name_of(i), per_minute(r, false_tracks), "1/min");
+    table.add("time_to_first_track_s", name_of(i), time_to_first_s(r), "s");
+    table.add("track_identity_switches", name_of(i), r.identity_switches, "");
+    table.add("track_cross_associations", name_of(i), r.cross_associations, "");
+    table.add("track_ospa_m", name_of(i), r.ospa.mean(), "m");
+    table.add("track_nees", name_of(i), r.nees.mean(), "");
+    table.add("track_nees_within_95", name_of(i), ratio(r.consistent, r.nees.count()), "");
+    report_bins("tracker", i, r, table);
+  }
+
+  void report_common(const std::string& what, std::size_t i, const StageResult& r, MetricTable& table) const {
+    table.add(what + "_recall", name_of(i), r.recall.all(), "");
+    table.add(what + "_recall_visible", name_of(i), r.recall.of_visible(), "");
+    table.add(what + "_precision", name_of(i), ratio(r.right, r.estimates), "");
+    table.add(what + "_error_mean_m", name_of(i), r.errors.position.mean(), "m");
+    table.add(what + "_error_std_m", name_of(i), r.errors.position.std(), "m");
+    table.add(what + "_latency_s", name_of(i), r.latency.mean(), "s");
+  }
+
+  void report_bins(const char* stage, std::size_t i, const StageResult& r, MetricTable& table) const {
+    for (int b = 0; b < kBins; ++b) {
+      const Recall& recall = r.recall_by_distance[b];
+      const Errors& errors = r.errors_by_distance[b];
+      if (recall.targets == 0) continue;
+      DistanceBin bin;
+      bin.vehicle = name_of(i);
+      bin.stage = stage;
+      bin.from_m = b * setup().config.detection_bin_m;
+      bin.to_m = (b + 1) * setup().config.detection_bin_m;
+      bin.targets = recall.targets;
+      bin.recall = recall.all();
+      bin.recall_visible = recall.of_visible();
+      bin.error_mean_m = errors.position.mean();
+      bin.error_std_m = errors.position.std();
+      bin.speed_error_mean_mps = errors.speed.mean();
+      bin.direction_error_mean_rad = errors.direction.mean();
+      table.add(std::move(bin));
+    }
+  }
+
+  static double per_minute(const StageResult& r, int count) {
+    return r.t_last > r.t_first ? count / (to_seconds(r.t_last - r.t_first) / 60.0) : kNotMeasured;
+  }
+
+  /// Mean over the targets that were found, from the first scan in range that shows them.
+  static double time_to_first_s(const StageResult& r) {
+    Moments time;
+    for (std::size_t j = 0; j < r.first_seen.size(); ++j) {
+      if (r.first_seen[j] >= 0 && r.first_found[j] >= 0)
+        time.add(std::max(0.0, to_seconds(r.first_found[j] - r.first_seen[j])));
+    }
+    return time.mean();
+  }
+
+  std::vector<Observer> observers_;               // by VehicleId
+  std::vector<RecentValues<PointMotion>> truth_;  // by VehicleId; empty: nobody detects
+  bool any_ = false;
+
+  // Of the scan being judged.
+  std::vector<Estimate> estimates_;
+  std::vector<double> distances_;  // (vehicles x estimates)
+  std::vector<int> estimate_of_, vehicle_of_;
+  Assignment assignment_;
+  std::vector<DetectionScore> scores_;
+  std::size_t first_score_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Metric> make_detection_metric(const MetricSetup& setup) {
+  return std::make_unique<DetectionMetric>(setup);
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/metrics/metrics.hpp"
+#include "sim/sensors/sensor.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr TimeNs kTick = 10'000'000;
+constexpr TimeNs kScan = 100'000'000;
+
+/// An observer (vehicle 0) that detects and tracks the others; a test says what it sees.
+struct TestRun {
+  explicit TestRun(int num_vehicles, MetricsConfig config = {})
+      : states(num_vehicles),
+        actions(num_vehicles),
+        clearances(num_vehicles),
+        observations(num_vehicles),
+        scans(num_vehicles),
+        perception(num_vehicles),
+        metrics(config, names(num_vehicles), perceived(num_vehicles)) {
+    for (Clearance& clearance : clearances) clearance.surface_m = 5.0;
+    for (Action& action : actions) action.estimate.valid = true;
+  }
+  static std::vector<std::string> names(int n) {
+    std::vector<std::string> out;
+    for (int i = 0; i < n; ++i) out.push_back("uav" + std::to_string(i + 1));
+    return out;
+  }
+  static std::vector<Perception> perceived(int n) {
+    std::vector<Perception> out(n);
+    out[0] = {true, true};
+    return out;
+  }
+
+  /// A frozen scan with that many returns on each vehicle.
+  void scan(const std::vector<int>& points) {
+    auto labelled = std::make_shared<LabelledScan>();
+    labelled->scan.stamp = now + kTick;
+    for (std::size_t vehicle = 0; vehicle < points.size(); ++vehicle) {
+      for (int k = 0; k < points[vehicle] + 1; ++k) {
+        labelled->scan.range_m.push_back(k < points[vehicle] ? 5.0F : 0.0F);  // the last one is not returned
+        labelled->truth.surface_class.push_back(static_cast<std::uint16_t>(SurfaceClass::kVehicle));
+        labelled->truth.instance.push_back(static_cast<std::uint16_t>(vehicle + 1));
+      }
+    }
+    scans[0] = {labelled};
+  }
+  void detect(const std::vector<Vector3>& positions, TimeNs t, TimeNs stamp) {
+    actions[0].has_detections = true;
+    actions[0].detections_stamp = stamp;
+    for (const Vector3& p : positions) {
+      actions[0].detections.emplace_back();
+      actions[0].detections.back().t = t;
+      actions[0].detections.back().position_m = p;
+    }
+  }
+  void track(std::uint32_t id, const Vector3& p, const Vector3& v, TimeNs t, double sigma_m = 0.1) {
+    actions[0].has_tracks = true;
+    Track track;
+    track.id = id;
+    track.t = t;
+    track.position_m = p;
+    track.velocity_mps = v;
+    track.covariance *= sigma_m * sigma_m;
+    actions[0].tracks.push_back(track);
+  }
+  void tick() {
+    now += kTick;
+    pointers.clear();
+    for (Action& action : actions) {
+      action.estimate.t = now;
+      pointers.push_back(&action);
+    }
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      states[i].t = now;
+      if (i > 0 || !own_estimate) actions[i].estimate.T_world_body = states[i].T_world_body();
+    }
+    TickView view;
+    view.t = now;
+    view.states = states;
+    view.observations = observations;
+    view.actions = pointers;
+    view.scans = scans;
+    metrics.update(view, clearances);
+    for (Action& action : actions) {
+      action.clear_outputs();
+      action.tracks.clear();
+    }
+    scans[0].clear();
+  }
+  double value(const std::string& name) const {
+    const MetricTable table = metrics.report();
+    const MetricRow* row = table.find(name, "uav1");
+    if (row == nullptr) throw std::out_of_range(name);
+    return row->value;
+  }
+
+  TimeNs now = 0;
+  bool own_estimate = false;  // the test sets the observer's estimate itself
+  std::vector<VehicleState> states;
+  std::vector<Action> actions;
+  std::vector<Clearance> clearances;
+  std::vector<Observation> observations;
+  std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
+  std::vector<Perception> perception;
+  std::vector<const Action*> pointers;
+  Metrics metrics;
+};
+
+TEST(DetectionMetric, RecallPrecisionAndErrorOfDetections) {
+  TestRun run(3);
+  run.states[1].p_world_m = {8, 0, 0};
+  run.states[2].p_world_m = {0, 12, 0};
+  // The first target is found in every scan with an error of 0.5 m, the second in every fourth with 1 m (and the other
+  // times 4 m beside it: no true positive).
+  for (int k = 0; k < 40; ++k) {
+    for (int i = 1; i < 10; ++i) run.tick();
+    run.scan({0, 20, k % 4 == 0 ? 3 : 0});
+    run.detect({{8, 0.5, 0}, {0, k % 4 == 0 ? 13.0 : 16.0, 0}}, run.now + kTick, run.now + kTick);
+    run.tick();
+  }
+  EXPECT_DOUBLE_EQ(run.value("detection_recall"), 50.0 / 80.0);
+  EXPECT_DOUBLE_EQ(run.value("detection_recall_visible"), 1.0);
+  EXPECT_DOUBLE_EQ(run.value("detection_precision"), 50.0 / 80.0);
+  EXPECT_NEAR(run.value("detection_error_mean_m"), (40 * 0.5 + 10 * 1.0) / 50.0, 1e-9);
+  EXPECT_NEAR(run.value("detection_error_std_m"), 0.2, 1e-9);
+  EXPECT_NEAR(run.value("false_detections_per_min"), 30.0 / (3.9 / 60.0), 1e-6);
+  const MetricTable table = run.metrics.report();
+  ASSERT_EQ(table.bins().size(), 2U);
+  EXPECT_EQ(table.bins()[0].from_m, 5.0);
+  EXPECT_EQ(table.bins()[0].recall, 1.0);
+  EXPECT_EQ(table.bins()[1].from_m, 10.0);
+  EXPECT_EQ(table.bins()[1].recall, 0.25);
+  EXPECT_NEAR(table.bins()[1].error_mean_m, 1.0, 1e-9);
+}
+
+TEST(DetectionMetric, AnEstimateIsComparedWithTheTruthOfItsTime) {
+  TestRun run(2);
+  const Vector3 v(10.0, 0.0, 0.0);
+  const auto truth = [&](TimeNs t) { return Vector3(Vector3(-5, 6, 0) + v * to_seconds(t)); };
+  for (int k = 1; k <= 100; ++k) {
+    run.states[1].p_world_m = truth(run.now + kTick);
+    run.states[1].v_world_mps = v;
+    const TimeNs seen = run.now + kTick - 73'000'000;  // between two ticks
+    if (k % 10 == 1) run.scan({0, 5});
+    if (k > 20 && k % 10 == 1) {
+      run.detect({truth(seen)}, seen, run.now + kTick - kScan);
+      run.track(4, truth(seen), 1.1 * v, seen);
+    }
+    run.tick();
+  }
+  EXPECT_NEAR(run.value("detection_error_mean_m"), 0.0, 1e-9);
+  EXPECT_NEAR(run.value("detection_latency_s"), 0.073, 1e-12);
+  EXPECT_NEAR(run.value("track_error_mean_m"), 0.0, 1e-9);
+  EXPECT_NEAR(run.value("track_speed_error_mean_mps"), 1.0, 1e-9);
+  EXPECT_NEAR(run.value("track_direction_error_mean_rad"), 0.0, 1e-7);
+}
+
+// An odometry frame that is turned and shifted: what counts is where the target is as seen from the observer.
+TEST(DetectionMetric, TheFrameOfTheObserverIsNoErrorOfItsTracker) {
+  TestRun run(2);
+  run.own_estimate = true;
+  const Pose T = make_pose({100, -40, 3}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3::UnitZ())));
+  run.states[1].p_world_m = {8, 0, 0};
+  run.states[1].v_world_mps = {2, 0, 0};
+  run.actions[0].estimate.T_world_body = T;
+  run.scan({0, 5});
+  run.track(1, T * Vector3(8, 0.3, 0), T.linear() * Vector3(0, 2, 0), kTick);
+  run.tick();
+  EXPECT_NEAR(run.value("track_error_mean_m"), 0.3, 1e-9);
+  EXPECT_NEAR(run.value("track_speed_error_mean_mps"), 0.0, 1e-9);
+  EXPECT_NEAR(run.value("track_direction_error_mean_rad"), 0.5 * std::numbers::pi, 1e-9);
+}
+
+TEST(DetectionMetric, WhoIsOnTheGroundIsNeitherMissedNorFalse) {
+  TestRun run(3);
+  run.states[1].p_world_m = {8, 0, 0};
+  run.states[2].p_world_m = {0, 8, 0};
+  run.clearances[2].surface_m = -0.1;
+  for (int k = 0; k < 10; ++k) {
+    run.scan({0, 5, 5});
+    run.detect({{8, 0, 0}, {0, 8, 0}}, run.now + kTick, run.now + kTick);
+    run.tick();
+  }
+  EXPECT_EQ(run.value("detection_recall"), 1.0);
+  EXPECT_EQ(run.value("detection_precision"), 1.0);
+}
+
+TEST(DetectionMetric, IdentitiesAreFollowed) {
+  TestRun run(3);
+  run.states[1].p_world_m = {8, 0, 0};
+  run.states[2].p_world_m = {0, 8, 0};
+  const auto scan = [&](std::uint32_t of_first, std::uint32_t of_second) {
+    run.scan({0, 5, 5});
+    if (of_first != 0) run.track(of_first, {8, 0, 0.1}, {}, run.now + kTick);
+    if (of_second != 0) run.track(of_second, {0, 8, 0.1}, {}, run.now + kTick);
+    run.track(99, {20, 20, 20}, {}, run.now + kTick);  // one ghost, all along
+    run.actions[0].has_tracks = true;
+    run.tick();
+  };
+  scan(1, 2);
+  scan(1, 2);
+  EXPECT_EQ(run.value("track_identity_switches"), 0);
+  scan(0, 2);
+  scan(3, 2);  // lost and found again under another name
+  EXPECT_EQ(run.value("track_identity_switches"), 1);
+  EXPECT_EQ(run.value("track_cross_associations"), 0);
+  scan(2, 3);  // the tracks change places
+  EXPECT_EQ(run.value("track_identity_switches"), 3);
+  EXPECT_EQ(run.value("track_cross_associations"), 2);
+  EXPECT_NEAR(run.value("false_tracks_per_min"), 1.0 / (4 * 0.01 / 60.0), 1e-6) << "a ghost is counted once";
+  EXPECT_NEAR(run.value("track_precision"), 9.0 / 14.0, 1e-12);
+}
+
+TEST(DetectionMetric, OspaIsThatOfItsDefinition) {
+  TestRun run(3);
+  run.states[1].p_world_m = {8, 0, 0};
+  run.states[2].p_world_m = {0, 8, 0};
+  run.scan({0, 5, 5});
+  run.track(1, {8, 0.6, 0}, {}, kTick);
+  run.tick();
+  EXPECT_NEAR(run.value("track_ospa_m"), (0.6 + 3.0) / 2.0, 1e-9);
+  run.scan({0, 5, 5});
+  run.track(1, {8, 0.6, 0}, {}, 2 * kTick);
+  run.track(2, {0, 8.2, 0}, {}, 2 * kTick);
+  run.track(3, {50, 8, 0}, {}, 2 * kTick);
+  run.tick();
+  EXPECT_NEAR(run.value("track_ospa_m"), 0.5 * ((0.6 + 3.0) / 2.0 + (0.6 + 0.2 + 3.0) / 3.0), 1e-9);
+}
+
+TEST(DetectionMetric, NeesTellsWhetherTheCovarianceIsHonest) {
+  TestRun run(2);
+  run.states[1].p_world_m = {8, 0, 0};
+  for (int k = 0; k < 4; ++k) {
+    run.scan({0, 5});
+    run.track(1, Vector3(8, 0, 0) + Vector3(0.1, 0.2, k == 0 ? 0.3 : -0.2), {}, run.now + kTick);
+    run.tick();
+  }
+  EXPECT_NEAR(run.value("track_nees"), (14.0 + 3 * 9.0) / 4.0, 1e-9);
+  EXPECT_EQ(run.value("track_nees_within_95"), 0.0);
+}
+
+TEST(DetectionMetric, TimeToTheFirstDetectionCountsFromTheFirstScanThatShowsTheTarget) {
+  TestRun run(2);
+  run.states[1].p_world_m = {8, 0, 0};
+  for (int k = 1; k <= 300; ++k) {
+    if (k % 10 == 0) {
+      run.scan({0, k >= 100 ? 7 : 0});
+      run.detect(k >= 160 ? std::vector<Vector3>{{8, 0, 0}} : std::vector<Vector3>{}, run.now + kTick, run.now + kTick);
+    }
+    run.tick();
+  }
+  EXPECT_NEAR(run.value("time_to_first_detection_s"), 0.6, 1e-9);
+  EXPECT_TRUE(std::isnan(run.value("time_to_first_track_s")));
+}
+
+TEST(DetectionMetric, WhoIsFarAwayCountsInItsBinOnly) {
+  TestRun run(2);
+  run.states[1].p_world_m = {33, 0, 0};
+  run.scan({0, 1});
+  run.detect({}, kTick, kTick);
+  run.tick();
+  EXPECT_TRUE(std::isnan(run.value("detection_recall")));
+  const MetricTable table = run.metrics.report();
+  ASSERT_EQ(table.bins().size(), 1U);
+  EXPECT_EQ(table.bins()[0].from_m, 30.0);
+  EXPECT_EQ(table.bins()[0].recall, 0.0);
+}
+
+TEST(DetectionMetric, TellsRecordersWhatItFound) {
+  TestRun run(2);
+  run.states[1].p_world_m = {8, 0, 0};
+  run.scan({0, 6});
+  run.detect({{8, 0, 0.4}, {30, 0, 0}}, kTick, kTick);
+  run.tick();
+  const auto scores = run.metrics.detection_scores();
+  ASSERT_EQ(scores.size(), 2U);
+  EXPECT_EQ(scores[0].target, 1);
+  EXPECT_EQ(scores[0].visible_points, 6);
+  EXPECT_TRUE(scores[0].found);
+  EXPECT_NEAR(scores[0].position_error_m, 0.4, 1e-12);
+  EXPECT_EQ(scores[1].target, kNoVehicle);
+  EXPECT_NEAR(scores[1].distance_m, 30.0, 1e-9);
+  run.tick();
+  EXPECT_TRUE(run.metrics.detection_scores().empty());
+}
+
+TEST(DetectionMetric, WithoutPerceptionThereIsNothingToTell) {
+  Metrics metrics({}, {"uav1"});
+  EXPECT_EQ(metrics.report().find("detection_recall", "uav1"), nullptr);
+  EXPECT_EQ(metrics.report().find("track_recall", "uav1"), nullptr);
+}
+
+TEST(DetectionMetric, AllocatesNothingOnceWarm) {
+  TestRun run(3);
+  run.states[1].p_world_m = {8, 0, 0};
+  run.states[2].p_world_m = {0, 8, 0};
+  std::uint64_t during = 0;
+  for (int k = 0; k < 200; ++k) {
+    run.scan({0, 5, 5});
+    run.detect({{8, 0, 0}, {0, 8, 0}, {30, 0, 0}}, run.now + kTick, run.now + kTick);
+    run.track(1 + k / 20, {8, 0, 0}, {1, 0, 0}, run.now + kTick);
+    run.now += kTick;
+    run.pointers.clear();
+    for (Action& action : run.actions) run.pointers.push_back(&action);
+    TickView view;
+    view.t = run.now;
+    view.states = run.states;
+    view.observations = run.observations;
+    view.actions = run.pointers;
+    view.scans = run.scans;
+    const std::uint64_t before = test::num_allocations();
+    run.metrics.update(view, run.clearances);
+    if (k > 50) during += test::num_allocations() - before;
+    run.actions[0].clear_outputs();
+    run.actions[0].tracks.clear();
+  }
+  EXPECT_EQ(during, 0U);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
