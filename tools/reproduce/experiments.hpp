@@ -7,7 +7,15 @@
 namespace swiftlet::tools {
 
 void uncertainty_table(Experiment& experiment);
+void occupancy_filters(Experiment& experiment);
 void expected_error(Experiment& experiment);
 void voxel_probability(Experiment& experiment);
+
+// detection.cpp
+void detection_ideal(Experiment& experiment);
+void detection_noisy(Experiment& experiment);
+void detection_multi(Experiment& experiment);
+void detection_real(Experiment& experiment);
+void detection_takeoff(Experiment& experiment);
 
 }  // namespace swiftlet::tools

@@ -10,10 +10,23 @@ std::span<const ExperimentType> experiment_types() {
       ExperimentType{"uncertainty-table",
                      "Gaussian approximation of a measured point against Monte-Carlo (000, Table I)", 150.0,
                      uncertainty_table},
+      ExperimentType{"occupancy-filters",
+                     "Multi-state map against log-odds while an object flies through (000, Fig. 3)", 1.0,
+                     occupancy_filters},
       ExperimentType{"expected-error", "Expected error of a measured point over its range (000, Fig. 5)", 60.0,
                      expected_error},
       ExperimentType{"voxel-probability", "Probability that a measured point lies in the right voxel (000, Fig. 6)",
                      60.0, voxel_probability},
+      ExperimentType{"detection-ideal", "Detector and tracker without any noise (000, Table V and Fig. 11)", 1800.0,
+                     detection_ideal},
+      ExperimentType{"detection-noisy", "Detector and tracker with noise, against theory (000, Table V and Fig. 11)",
+                     3600.0, detection_noisy},
+      ExperimentType{"detection-multi", "Three targets, one behind a wall again and again (000, Figs. 9 and 10)",
+                     15000.0, detection_multi},
+      ExperimentType{"detection-real", "Does reflectivity explain the lower recall of real flights? (000, Fig. 11)",
+                     3600.0, detection_real},
+      ExperimentType{"detection-takeoff", "Take-off next to the ground, hover and landing (000, Fig. 4)", 300.0,
+                     detection_takeoff},
   };
   return kTypes;
 }

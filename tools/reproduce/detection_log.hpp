@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "swiftlet/sim/simulation.hpp"
+
+/// Flying-object detection against truth, as 000 measures it: eqs. 67 to 71.
+namespace swiftlet::tools {
+
+/// One target at one scan (or track update): was it found, and how far off?
+struct Sighting {
+  TimeNs t = 0;
+  int target = 0;                    ///< index among the targets
+  double range_m = 0.0;              ///< true distance from sensor to target
+  bool visible = false;              ///< within the vertical field of view, nothing in between
+  bool found = false;                ///< an estimate closer than 3 m: a true positive
+  double error_m = 0.0;              ///< eq. (68)
+  double speed_error_mps = 0.0;      ///< eq. (69), of tracks
+  double direction_error_rad = 0.0;  ///< eq. (70), of tracks; NaN when the target hardly moves
+  std::uint32_t track = 0;           ///< identity of the nearest track
+};
+
+/// What one run shows, collected tick by tick: vehicle 0 observes, all others are targets.
+class DetectionLog {
+ public:
+  /// @param vertical_fov_deg  of the observer's LiDAR, from its lowest to its highest beam
+  /// @param ignored_s         nothing is counted before: the map must first become free
+  DetectionLog(const sim::Scenario& scenario, double fov_bottom_deg, double fov_top_deg, double ignored_s);
+
+  void add(const sim::Simulation& simulation);
+
+  const std::vector<Sighting>& detections() const { return detections_; }  ///< by scan and target
+  const std::vector<Sighting>& tracks() const { return tracks_; }          ///< by update and target
+  /// Detections farther than 3 m from every target, and tracks that never were near one.
+  int num_false_detections() const { return num_false_detections_; }
+  int num_false_tracks() const;
+  double observed_s() const { return observed_s_; }
+  /// Identities that followed one target and then another, closer than 1 m each.
+  int num_cross_associations() const;
+
+ private:
+  struct Truth {
+    TimeNs t = 0;
+    std::vector<Vector3> p_m, v_mps;  // by target
+    Vector3 p_sensor_m;
+    Matrix3 R_world_body;
+  };
+  const Truth& at(TimeNs t) const;
+  Sighting sighting_of(const Truth& truth, int target, TimeNs t) const;
+  void add_detections(const Action& action);
+  void add_tracks(const Action& action);
+
+  sim::World world_;
+  Vector3 p_body_lidar_m_ = Vector3(0.0, 0.0, 0.15);
+  double sin_bottom_, sin_top_;
+  TimeNs ignored_;
+  std::vector<Truth> truth_;  // by tick
+  std::vector<Sighting> detections_, tracks_;
+  int num_false_detections_ = 0;
+  double observed_s_ = 0.0;
+  std::map<std::uint32_t, std::vector<int>> targets_of_track_;  // in the order in which it followed them
+  std::set<std::uint32_t> track_ids_;
+};
+
+/// Sightings of visible targets by true distance.
+struct DistanceBin {
+  double low_m = 0.0, high_m = 0.0;
+  int count = 0, found = 0;
+  std::vector<double> errors_m;
+  double middle_m() const { return 0.5 * (low_m + high_m); }
+  double recall() const;        ///< NaN without sightings
+  double mean_error_m() const;  ///< of true positives; NaN without
+};
+std::vector<DistanceBin> by_distance(const std::vector<const std::vector<Sighting>*>& runs, double width_m,
+                                     double farthest_m);
+
+}  // namespace swiftlet::tools
