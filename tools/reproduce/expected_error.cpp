@@ -67,6 +67,7 @@ void draw(Experiment& experiment, const std::vector<Case>& cases, const std::vec
     sim::plot::Panel& panel = figure.add_panel(fmt::format("σ_rad = {:g} rad", kSigma_rad[i_rad]));
     panel.x.label = "range [m]";
     panel.y.label = "expected error [m]";
+    if (i_rad != 1) panel.legend = sim::plot::Legend::kNone;
     for (std::size_t i_m = 0; i_m < 3; ++i_m) {
       std::vector<double> ranges, errors;
       for (double range_m = 0.0; range_m <= kFarthest_m; range_m += 1.0) {

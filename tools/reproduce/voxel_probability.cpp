@@ -76,6 +76,7 @@ void draw(Experiment& experiment, const std::vector<Case>& cases, const std::vec
     panel.y.label = "probability [-]";
     panel.y.min = 0.0;
     panel.y.max = 1.05;
+    if (i_rad != 1) panel.legend = sim::plot::Legend::kNone;
     for (std::size_t i_m = 0; i_m < 3; ++i_m) {
       const MeasurementNoise noise = noise_of(kSigma_m[i_m], kSigma_rad[i_rad]);
       std::vector<double> ranges, centre, random;
