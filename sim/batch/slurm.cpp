@@ -64,15 +64,16 @@ std::string array_script(const BatchPlan& plan, const SlurmScripts& job, const f
   text += option("output", in_shell_quotes((out / "slurm" / "%A_%a.log").string()));
   text += further(slurm);
   text +=
-      "\n# Every task flies its part of the batch and stores each episode as it ends. A task that starts again, "
-      "because its\n"
-      "# node died or its time ran out, flies only what is missing.\n";
-  text += in_shell_quotes(program.string()) + " batch " + in_shell_quotes(plan.file().string()) + " --out " +
-          in_shell_quotes(out.string()) + " --resume \\\n  --shard \"${SLURM_ARRAY_TASK_ID}/" +
-          std::to_string(job.num_tasks) + "\" --jobs " + std::to_string(slurm.cpus_per_task);
+      "\n# Every task flies its part of the batch and stores each episode as it ends. Whatever starts again, because "
+      "it was\n"
+      "# killed, its node died or its time ran out, flies only what is missing.\n"
+      "fly() {\n  " +
+      in_shell_quotes(program.string()) + " batch " + in_shell_quotes(plan.file().string()) + " --out " +
+      in_shell_quotes(out.string()) + " --resume \\\n    --shard \"${SLURM_ARRAY_TASK_ID}/" +
+      std::to_string(job.num_tasks) + "\" --jobs " + std::to_string(slurm.cpus_per_task);
   if (limit) text += " --set memory_limit_mb=" + std::to_string(static_cast<int>(worker_mb));
   text +=
-      " &\nwork=$!\n"
+      " &\n  work=$!\n  wait \"$work\"\n}\n"
       "out_of_time() {\n"
       "  kill -TERM \"$work\"; wait \"$work\"\n"
       "  [ \"${SLURM_RESTART_COUNT:-0}\" -lt 20 ] && scontrol requeue "
@@ -80,7 +81,12 @@ std::string array_script(const BatchPlan& plan, const SlurmScripts& job, const f
       "  exit 1\n"
       "}\n"
       "trap out_of_time USR1\n"
-      "wait \"$work\"\n";
+      "for attempt in 1 2 3; do\n"
+      "  fly\n"
+      "  status=$?\n"
+      "  [ \"$status\" -le 128 ] && break  # above: ended by a signal\n"
+      "done\n"
+      "exit \"$status\"\n";
   return text;
 }
 

@@ -26,7 +26,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "sim/radio": ["core/math", "sim/world", "sim/raycast"],
     "sim/metrics": ["core/math", "sim/world", "sim/raycast", "sim/physics", "sim/sensors"],
     "sim/recorders": ["core/math", "sim/world", "sim/raycast", "sim/sensors"],
-    "sim/report": ["sim/recorders"],
+    "sim/report": ["sim/recorders", "sim/batch", "sim/metrics", "sim/scenario", "sim/run"],
     "sim/render": ["core/math", "sim/world", "sim/raycast", "sim/sensors"],
     "sim/scenario": ["core/agent", "core/localization", "core/guidance", "core/control", "core/math", "sim/world",
                      "sim/raycast", "sim/physics", "sim/sensors", "sim/radio", "sim/recorders", "sim/render",
@@ -41,7 +41,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
 }
 # The public scenario is one struct of every room's configuration: its header may be read where a RunInfo is.
 PUBLIC_SIM_FOR_ALL = {"swiftlet/sim/errors.hpp"}
-PUBLIC_SIM_USERS = {"sim/scenario", "sim/run", "sim/batch", "sim/dataset", "sim/recorders", "sim/render", "sim/metrics"}
+PUBLIC_SIM_USERS = {"sim/scenario", "sim/run", "sim/batch", "sim/report", "sim/dataset", "sim/recorders", "sim/render", "sim/metrics"}
 THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(bt[A-Z]|bullet/|Bullet|LinearMath/)": ["sim/physics"],
     r"^embree": ["sim/raycast"],
@@ -50,7 +50,7 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^yaml-cpp": ["sim/scenario"],
     r"^assimp": ["sim/world"],
     r"^(zstd|zlib|lz4)": ["sim/recorders", "sim/world"],
-    r"^nlohmann": ["sim/recorders", "sim/run", "sim/batch", "sim/dataset", "tools"],
+    r"^nlohmann": ["sim/recorders", "sim/run", "sim/batch", "sim/dataset", "sim/report", "tools"],
     r"^xxhash": ["sim/run", "sim/batch", "sim/dataset"],
     r"^sqlite3": ["sim/batch"],
     r"^omp\.h": ["sim/run", "sim/sensors", "sim/raycast", "sim/world", "tools"],

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+/// The little HTML that reports are made of: one file, no scripts, no network.
+namespace swiftlet::sim::html {
+
+/// Text with its special characters escaped.
+std::string escape(const std::string& text);
+
+/// Four significant digits, or a dash for what was not measured.
+std::string number(double value);
+
+/// "[low, high]".
+std::string interval(double low, double high);
+
+/// Rows under a head; the first column is aligned left.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> head) : head_(std::move(head)) {}
+  /// Cells are HTML already.
+  void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  bool empty() const { return rows_.empty(); }
+  std::string str() const;
+
+ private:
+  std::vector<std::string> head_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+std::string code(const std::string& text);
+std::string section(const std::string& title, const std::string& body);
+/// Shown on a click.
+std::string folded(const std::string& title, const std::string& body);
+/// A whole page.
+std::string page(const std::string& title, const std::string& body);
+
+}  // namespace swiftlet::sim::html

@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+"""`swiftlet batch` as a user meets it: kills, Ctrl-C, shards, the command of an episode. Usage: batch_test.py SWIFTLET"""
+import contextlib
+import json
+import os
+import pathlib
+import random
+import shlex
+import signal
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SWIFTLET = pathlib.Path(sys.argv[1]).resolve()
+SCENARIO = """name: hover
+duration_s: {duration}
+world: {{type: empty}}
+wind: {{gusts: true}}
+vehicles:
+  - {{name: a, start: {{position_m: [0, 0, 5]}}, agent: {{localization: {{type: ground_truth}}}}}}
+"""
+BATCH = """name: kill
+scenario: hover
+variants: [{name: calm}, {name: windy, set: {wind.wind_at_6m_mps: 15}}]
+sweep: {parameters: [{key: wind.mean_mps, name: mean, values: ["[0, 0, 0]", "[3, 0, 0]"]}]}
+seeds: {count: 15}
+"""
+SHARD_VARIABLES = ("SLURM_", "OMPI_", "PMI_", "JOB_COMPLETION_INDEX")
+
+
+def rows(database):
+    """Every row of every table, save what belongs to the machine; read by a library that nobody here wrote."""
+    with contextlib.closing(sqlite3.connect(database)) as connection:
+        tables = [name for name, in connection.execute("SELECT name FROM sqlite_schema WHERE type = 'table' ORDER BY name")]
+        assert "episodes" in tables and "metrics" in tables
+        assert connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+        return {t: sorted(map(repr, connection.execute(f"SELECT * FROM {t}"))) for t in tables if t != "timing"}
+
+
+def count(database):
+    if not database.exists():
+        return 0
+    with contextlib.closing(sqlite3.connect(database)) as connection:
+        try:
+            return connection.execute("SELECT count(*) FROM episodes").fetchone()[0]
+        except sqlite3.OperationalError:  # killed before the tables were made
+            return 0
+
+
+class Batch(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.path = pathlib.Path(folder.name)
+        (self.path / "hover.yaml").write_text(SCENARIO.format(duration=1))
+        (self.path / "batch.yaml").write_text(BATCH)
+        self.environment = {k: v for k, v in os.environ.items() if not k.startswith(SHARD_VARIABLES)}
+
+    def command(self, *arguments):
+        return [str(SWIFTLET), *map(str, arguments)]
+
+    def run_swiftlet(self, *arguments, **options):
+        return subprocess.run(self.command(*arguments), cwd=self.path, capture_output=True, text=True, timeout=250,
+                              env=self.environment | options.pop("more", {}), **options)
+
+    def undisturbed(self):
+        self.run_swiftlet("batch", "batch.yaml", "--out", "undisturbed", "--jobs", 2, "-q", check=True)
+        return rows(self.path / "undisturbed/results.sqlite")
+
+    def start(self, *arguments):
+        return subprocess.Popen(self.command(*arguments), cwd=self.path, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE, text=True, env=self.environment)
+
+    def test_a_batch_killed_at_many_moments_ends_as_one_that_was_not(self):
+        begin = time.monotonic()
+        expected = self.undisturbed()
+        whole_s = time.monotonic() - begin
+        self.assertEqual(len(expected["episodes"]), 60)
+        moments = random.Random(1)
+        database = self.path / "killed/results.sqlite"
+        kills = stored = 0
+        for attempt in range(100):
+            batch = self.start("batch", "batch.yaml", "--out", "killed", "--jobs", 2, "--resume", "-q")
+            try:
+                # Few long lives and many short ones: some end in the middle of the first words.
+                batch.communicate(timeout=moments.uniform(0.0, 0.15 + 0.25 * whole_s))
+                self.assertEqual(batch.returncode, 0)
+                break
+            except subprocess.TimeoutExpired:
+                batch.send_signal(signal.SIGKILL)
+                batch.communicate()
+                kills += 1
+            now = count(database)
+            self.assertGreaterEqual(now, stored, "a finished episode was lost")
+            stored = now
+        else:
+            self.fail("never finished")
+        self.assertGreaterEqual(kills, 3)
+        self.assertEqual(rows(database), expected)
+        self.assertFalse(list((self.path / "killed").glob("results.sqlite-*")), "the journal is folded in")
+
+    def test_ctrl_c_stores_what_is_done_leaves_no_process_and_tells_how_to_go_on(self):
+        (self.path / "hover.yaml").write_text(SCENARIO.format(duration=20))
+        batch = self.start("batch", "batch.yaml", "--out", "out", "--jobs", 2)
+        for _ in range(600):
+            if count(self.path / "out/results.sqlite") >= 2:
+                break
+            time.sleep(0.1)
+        batch.send_signal(signal.SIGINT)
+        _, said = batch.communicate(timeout=30)
+        self.assertEqual(batch.returncode, 1)
+        self.assertIn("--resume", said)
+        self.assertGreaterEqual(count(self.path / "out/results.sqlite"), 2)
+        children = subprocess.run(["ps", "-o", "pid=", "--ppid", str(batch.pid)], capture_output=True, text=True).stdout
+        self.assertEqual(children, "")
+
+    def test_the_command_of_an_episode_repeats_it_alone(self):
+        self.undisturbed()
+        with contextlib.closing(sqlite3.connect(self.path / "undisturbed/results.sqlite")) as connection:
+            command, expected = connection.execute("SELECT command, state_hash FROM episodes WHERE episode = 37").fetchone()
+        words = shlex.split(command)
+        self.assertEqual(words[:2], ["swiftlet", "run"])
+        self.run_swiftlet(*words[1:], "--out", "again", "-q", check=True)
+        self.assertEqual(json.loads((self.path / "again/summary.json").read_text())["state_hash"], expected)
+
+    def test_shards_told_by_hand_and_by_the_environment_merge_to_the_whole(self):
+        expected = self.undisturbed()
+        self.run_swiftlet("batch", "batch.yaml", "--out", "parts", "--shard", "1/3", "--jobs", 1, "-q", check=True)
+        self.run_swiftlet("batch", "batch.yaml", "--out", "parts", "--jobs", 1, "-q", check=True, more={
+            "SLURM_ARRAY_TASK_ID": "1", "SLURM_ARRAY_TASK_COUNT": "3", "SLURM_ARRAY_TASK_MIN": "0", "SLURM_ARRAY_TASK_MAX": "2"})
+        incomplete = self.run_swiftlet("batch", "merge", "--out", "parts")
+        self.assertEqual(incomplete.returncode, 1)
+        self.assertIn("20 episodes are missing", incomplete.stderr)
+        self.run_swiftlet("batch", "batch.yaml", "--out", "parts", "--jobs", 1, "-q", check=True,
+                          more={"JOB_COMPLETION_INDEX": "2", "SWIFTLET_NUM_SHARDS": "3"})
+        self.run_swiftlet("batch", "merge", "--out", "parts", check=True)
+        self.assertEqual(rows(self.path / "parts/results.sqlite"), expected)
+
+    def test_two_batches_never_write_one_database(self):
+        (self.path / "hover.yaml").write_text(SCENARIO.format(duration=100))
+        first = self.start("batch", "batch.yaml", "--out", "out", "--jobs", 1, "-q")
+        self.addCleanup(first.communicate)
+        self.addCleanup(first.kill)
+        for _ in range(100):
+            if (self.path / "out/results.sqlite").exists():
+                break
+            time.sleep(0.1)
+        second = self.run_swiftlet("batch", "batch.yaml", "--out", "out", "--resume")
+        self.assertEqual(second.returncode, 2)
+        self.assertIn("another", second.stderr)
+
+    def test_a_batch_of_another_meaning_is_refused(self):
+        self.run_swiftlet("batch", "batch.yaml", "--out", "out", "-q", "--set", "seeds.count=1", check=True)
+        (self.path / "hover.yaml").write_text(SCENARIO.format(duration=1.5))
+        result = self.run_swiftlet("batch", "batch.yaml", "--out", "out", "--resume", "--set", "seeds.count=1")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("another meaning", result.stderr)
+
+    def test_episodes_that_fail_are_told_with_their_command_and_the_status_says_so(self):
+        (self.path / "batch.yaml").write_text(
+            "name: fails\nscenario: hover\ntimeout_s: 0.7\nseeds: {count: 1}\n"
+            "sweep: {parameters: [{key: duration_s, values: [0.2, 1000000]}]}\n")
+        result = self.run_swiftlet("batch", "batch.yaml", "--out", "out")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("timed_out", result.stderr)
+        self.assertIn("--set duration_s=1000000 --seed 1", result.stderr)
+        self.assertEqual(count(self.path / "out/results.sqlite"), 2)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/report/statistics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/math/random.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+TEST(Statistics, ASampleIsSummarized) {
+  const std::vector<double> samples = {2.0, std::nan(""), 4.0, 4.0, 5.0, 5.0, 7.0, 9.0, 4.0};
+  const SampleSummary s = summarize(samples);
+  EXPECT_EQ(s.n, 8U);
+  EXPECT_DOUBLE_EQ(s.mean, 5.0);
+  EXPECT_DOUBLE_EQ(s.sd, std::sqrt(32.0 / 7.0));
+  // Student's t with 7 degrees of freedom: 2.364624 (any table).
+  EXPECT_NEAR(s.mean_ci.high - s.mean, 2.364624 * s.sd / std::sqrt(8.0), 1e-6);
+  EXPECT_EQ(s.min, 2.0);
+  EXPECT_EQ(s.q1, 4.0);
+  EXPECT_EQ(s.median, 4.5);
+  EXPECT_EQ(s.q3, 5.5);
+  EXPECT_EQ(s.max, 9.0);
+}
+
+TEST(Statistics, TooFewSamplesSayNothing) {
+  EXPECT_TRUE(std::isnan(summarize({}).mean));
+  const std::vector<double> one = {3.0};
+  EXPECT_EQ(summarize(one).mean, 3.0);
+  EXPECT_TRUE(std::isnan(summarize(one).sd));
+  EXPECT_TRUE(std::isnan(summarize(one).mean_ci.low));
+  EXPECT_TRUE(std::isnan(wilson(0, 0).low));
+  EXPECT_TRUE(std::isnan(paired_rate_difference({}).difference));
+}
+
+TEST(Statistics, WilsonsIntervalIsThePublishedOne) {
+  // Newcombe, Stat. Med. 17 (1998), p. 857, table I, method 3.
+  const struct {
+    std::uint64_t r, n;
+    double low, high;
+  } kPublished[] = {
+      {81, 263, 0.2553, 0.3662}, {15, 148, 0.0624, 0.1605}, {0, 20, 0.0, 0.1611}, {1, 29, 0.0061, 0.1718}};
+  for (const auto& row : kPublished) {
+    const Interval ci = wilson(row.r, row.n);
+    EXPECT_NEAR(ci.low, row.low, 5e-5);
+    EXPECT_NEAR(ci.high, row.high, 5e-5);
+  }
+  EXPECT_EQ(wilson(20, 20).high, 1.0);
+}
+
+TEST(Statistics, PairedDifferencesLeaveOutTheNoiseThatBothShare) {
+  const Random random(1, "test");
+  std::vector<double> first, second;
+  for (std::uint32_t i = 0; i < 50; ++i) {
+    const double shared = 10.0 * random.normal(i, 0);
+    first.push_back(shared + 0.1 * random.normal(i, 1));
+    second.push_back(shared + 0.1 * random.normal(i, 2) + 1.0);
+  }
+  const SampleSummary difference = paired_difference(first, second);
+  EXPECT_EQ(difference.n, 50U);
+  EXPECT_LT(difference.mean_ci.high - difference.mean_ci.low, 0.15);
+  EXPECT_LT(difference.mean_ci.low, 1.0);
+  EXPECT_GT(difference.mean_ci.high, 1.0);
+  first[3] = std::nan("");
+  EXPECT_EQ(paired_difference(first, second).n, 49U);
+  second.pop_back();
+  EXPECT_THROW(paired_difference(first, second), std::invalid_argument);
+}
+
+TEST(Statistics, PairedRatesHaveThePublishedInterval) {
+  // Newcombe, Stat. Med. 17 (1998), p. 2635, method 10.
+  const RateDifference d = paired_rate_difference({.both = 36, .first_only = 2, .second_only = 12, .neither = 0});
+  EXPECT_DOUBLE_EQ(d.difference, 0.2);
+  EXPECT_NEAR(d.ci.low, 0.0569, 5e-5);
+  EXPECT_NEAR(d.ci.high, 0.3404, 5e-5);
+}
+
+TEST(Statistics, IntervalsCoverAsOftenAsTheySay) {
+  const Random random(7, "coverage");
+  int mean_covered = 0, rate_covered = 0, difference_covered = 0;
+  constexpr int kTrials = 4000, kSamples = 20;
+  constexpr double kRate = 0.3;
+  for (std::uint32_t trial = 0; trial < kTrials; ++trial) {
+    std::vector<double> samples;
+    PairedCounts counts;
+    std::uint64_t successes = 0;
+    for (std::uint32_t i = 0; i < kSamples; ++i) {
+      samples.push_back(5.0 + 2.0 * random.normal(trial, i));
+      const bool yes = random.uniform(trial, 1000 + i) < kRate;
+      const bool other = random.uniform(trial, 2000 + i) < 0.5;
+      successes += yes ? 1 : 0;
+      ++(yes ? (other ? counts.both : counts.first_only) : (other ? counts.second_only : counts.neither));
+    }
+    const auto covers = [](const Interval& ci, double truth) { return ci.low <= truth && truth <= ci.high ? 1 : 0; };
+    mean_covered += covers(summarize(samples).mean_ci, 5.0);
+    rate_covered += covers(wilson(successes, kSamples), kRate);
+    difference_covered += covers(paired_rate_difference(counts).ci, 0.2);
+  }
+  // Four standard deviations of 4000 trials; a rate's coverage oscillates with the number of samples.
+  const double margin = 4.0 * std::sqrt(0.95 * 0.05 / kTrials);
+  EXPECT_NEAR(static_cast<double>(mean_covered) / kTrials, 0.95, margin);
+  EXPECT_NEAR(static_cast<double>(rate_covered) / kTrials, 0.95, 0.03);
+  EXPECT_NEAR(static_cast<double>(difference_covered) / kTrials, 0.95, 0.03);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
