@@ -17,7 +17,7 @@ import time
 
 SWIFTLET = pathlib.Path(sys.argv[1]).resolve()
 SCENARIO = """name: hover
-duration_s: 4
+duration_s: 60
 world: {type: empty}
 wind: {gusts: true}
 vehicles:
@@ -174,6 +174,7 @@ def main():
             del os.environ[name]
     with tempfile.TemporaryDirectory(prefix="swiftlet_slurm_") as name:
         folder = pathlib.Path(name)
+        folder.chmod(0o755)  # munge insists
         with cluster(folder / "cluster"):
             work = folder / "work"
             work.mkdir()

@@ -1,0 +1,429 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/report/batch_report.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "sim/report/html.hpp"
+#include "sim/report/plot.hpp"
+#include "sim/run/run_directory.hpp"
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kWorst = 10;
+constexpr std::size_t kFailures = 20;
+constexpr std::size_t kMostBoxes = 12;       // points side by side in one box plot
+constexpr std::size_t kMostLevels = 20;      // values of a parameter that are averaged over; more are a cloud
+constexpr std::size_t kMostGroupRows = 200;  // of a table in the page; the CSV has them all
+
+std::string plural(std::uint64_t count, const std::string& word) {
+  return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
+}
+
+std::string percent(double rate) { return std::isfinite(rate) ? html::number(100.0 * rate) + " %" : "–"; }
+std::string percent(const Interval& ci) { return html::interval(100.0 * ci.low, 100.0 * ci.high); }
+
+std::optional<double> as_number(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
+std::uint64_t count_done(const BatchTable& table, const EpisodeGroup& group) {
+  return static_cast<std::uint64_t>(std::count_if(group.episodes.begin(), group.episodes.end(),
+                                                  [&](std::size_t i) { return table.episodes[i].done(); }));
+}
+
+// --- the head ---
+
+std::string heading(const BatchTable& table) {
+  const BatchInfo& info = table.info;
+  std::map<std::string, std::uint64_t> by_status;
+  for (const EpisodeRow& row : table.episodes) ++by_status[row.status];
+  std::string statuses;
+  for (const auto& [status, count] : by_status) statuses += ", " + std::to_string(count) + " " + status;
+  std::string text = "<h1>" + html::escape(info.name) + "</h1>\n";
+  if (!info.description.empty()) text += "<p>" + html::escape(info.description) + "</p>\n";
+  text += "<p class=\"note\">" + plural(table.episodes.size(), "episode") + " of " + std::to_string(info.num_episodes) +
+          html::escape(statuses) + ". Swiftlet " + html::escape(info.version) + " (" + html::escape(info.git_revision) +
+          "), fingerprint " + html::code(info.fingerprint) +
+          ". Intervals are of 95 %: Student's t for means, Wilson's for rates.";
+  if (info.variants.size() > 1) {
+    text += " Differences are to <b>" + html::escape(info.variants.front()) +
+            "</b>, seed by seed: both variants met the same random numbers.";
+  }
+  return text + "</p>\n";
+}
+
+// --- outcomes ---
+
+std::string outcome_section(const BatchTable& table) {
+  std::vector<std::string> head = {"", "episodes"};
+  for (const std::string& outcome : table.outcomes)
+    head.insert(head.end(), {html::escape(outcome), "95 %", "difference", "95 %"});
+  if (table.info.variants.size() < 2) {
+    head.resize(2);
+    for (const std::string& outcome : table.outcomes) head.insert(head.end(), {html::escape(outcome), "95 %"});
+  }
+  html::Table rows(head);
+  for (std::size_t i = 0; i < std::min(table.groups.size(), kMostGroupRows); ++i) {
+    const EpisodeGroup& group = table.groups[i];
+    const std::uint64_t done = count_done(table, group);
+    std::vector<std::string> cells = {html::escape(table.name_of(group)), std::to_string(done)};
+    for (const std::string& outcome : table.outcomes) {
+      const std::uint64_t count = count_outcome(table, outcome, group);
+      cells.push_back(percent(done > 0 ? static_cast<double>(count) / static_cast<double>(done) : std::nan("")));
+      cells.push_back(percent(wilson(count, done)));
+      if (table.info.variants.size() < 2) continue;
+      const EpisodeGroup* reference = table.reference_of(group);
+      const RateDifference d =
+          reference ? paired_rate_difference(paired_outcomes(table, outcome, *reference, group)) : RateDifference{};
+      cells.push_back(percent(d.difference));
+      cells.push_back(percent(d.ci));
+    }
+    rows.add(std::move(cells));
+  }
+  std::string text = rows.str();
+  if (table.groups.size() > kMostGroupRows) text += "<p class=\"note\">The rest is in report.csv.</p>\n";
+  return html::section("Outcomes", text);
+}
+
+// --- one quantity ---
+
+std::vector<double> numbers_only(const std::vector<double>& values) {
+  std::vector<double> numbers;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(numbers), [](double x) { return std::isfinite(x); });
+  return numbers;
+}
+
+/// Distinct points in order, each with a name.
+std::vector<std::pair<std::size_t, std::string>> points_of(const BatchTable& table) {
+  std::vector<std::pair<std::size_t, std::string>> points;
+  for (const EpisodeGroup& group : table.groups) {
+    if (points.empty() || points.back().first != group.point) points.emplace_back(group.point, table.point_name(group));
+  }
+  return points;
+}
+
+/// Boxes of every variant at every point, or of all points together when they are many.
+std::string box_plot(const BatchTable& table, const Quantity& quantity) {
+  const auto points = points_of(table);
+  const bool by_point = points.size() > 1 && points.size() <= kMostBoxes;
+  plot::Figure figure;
+  figure.set_panel_size(
+      by_point ? std::max(420.0, 70.0 * static_cast<double>(points.size() * table.info.variants.size()) / 2.0 + 240.0)
+               : 420.0,
+      330.0);
+  plot::Panel& panel = figure.add_panel();
+  panel.y.label = quantity.label();
+  if (by_point) {
+    for (const auto& [point, name] : points) panel.x.categories.push_back(name);
+  } else {
+    panel.x.categories = table.info.variants;
+    panel.legend = plot::Legend::kNone;
+  }
+  std::map<std::pair<std::size_t, std::string>, std::vector<double>> samples;  // by point (0: all) and variant
+  for (const EpisodeGroup& group : table.groups) {
+    auto& own = samples[{by_point ? group.point : 0, group.variant}];
+    for (const double x : numbers_only(values_of(quantity, group))) own.push_back(x);
+  }
+  const auto box = [&](std::size_t point, const std::string& variant) {
+    const auto& own = samples[{point, variant}];
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return own.empty() ? plot::Box{kNone, kNone, kNone, kNone, kNone, kNone, {}} : plot::box_of(own);
+  };
+  if (by_point) {
+    for (const std::string& variant : table.info.variants) {
+      std::vector<plot::Box> boxes;
+      for (const auto& [point, name] : points) boxes.push_back(box(point, variant));
+      panel.boxes(table.info.variants.size() > 1 ? variant : "", std::move(boxes));
+    }
+  } else {
+    std::vector<plot::Box> boxes;
+    for (const std::string& variant : table.info.variants) boxes.push_back(box(0, variant));
+    panel.boxes("", std::move(boxes));
+  }
+  return "<figure>" + figure.svg() + "</figure>\n";
+}
+
+/// The quantity over one parameter, for each variant: means with their intervals at every value, over all values of the
+/// other parameters; single episodes where the values are many.
+void add_sweep(plot::Panel& panel, const BatchTable& table, const Quantity& quantity, std::size_t parameter,
+               const std::string& variant) {
+  std::map<double, std::vector<double>> levels;
+  for (const EpisodeGroup& group : table.groups) {
+    const auto x = as_number(group.parameters[parameter]);
+    if (group.variant != variant || !x) continue;
+    for (const double y : numbers_only(values_of(quantity, group))) levels[*x].push_back(y);
+  }
+  const std::string label = table.info.variants.size() > 1 ? variant : "";
+  std::vector<double> x, y, low, high;
+  if (levels.size() > kMostLevels) {
+    for (const auto& [level, values] : levels) {
+      for (const double value : values) {
+        x.push_back(level);
+        y.push_back(value);
+      }
+    }
+    panel.scatter(label, x, y);
+    return;
+  }
+  for (const auto& [level, values] : levels) {
+    const SampleSummary s = summarize(values);
+    x.push_back(level);
+    y.push_back(s.mean);
+    low.push_back(s.n > 1 ? s.mean_ci.low : s.mean);
+    high.push_back(s.n > 1 ? s.mean_ci.high : s.mean);
+  }
+  plot::Style style;
+  style.marker = plot::Marker::kCircle;
+  const auto& variants = table.info.variants;
+  style.color = static_cast<int>(std::find(variants.begin(), variants.end(), variant) - variants.begin());
+  panel.band("", x, low, high, style).line(label, x, y, style);
+}
+
+std::string sweep_plots(const BatchTable& table, const Quantity& quantity) {
+  std::string text;
+  for (std::size_t p = 0; p < table.info.parameters.size(); ++p) {
+    std::set<double> values;
+    for (const EpisodeGroup& group : table.groups) {
+      if (const auto value = as_number(group.parameters[p])) values.insert(*value);
+    }
+    if (values.size() < 2) continue;
+    plot::Figure figure;
+    figure.set_panel_size(440.0, 330.0);
+    plot::Panel& panel = figure.add_panel();
+    panel.x.label = table.info.parameters[p];
+    panel.y.label = quantity.label();
+    const auto& parameters = table.config.sweep.parameters;
+    panel.x.log = p < parameters.size() && parameters[p].law == "log_uniform";
+    for (const std::string& variant : table.info.variants) add_sweep(panel, table, quantity, p, variant);
+    text += "<figure>" + figure.svg() + "</figure>\n";
+  }
+  return text;
+}
+
+std::vector<std::string> summary_cells(const SampleSummary& s) {
+  return {
+      std::to_string(s.n), html::number(s.mean),   html::number(s.sd), html::interval(s.mean_ci.low, s.mean_ci.high),
+      html::number(s.min), html::number(s.median), html::number(s.max)};
+}
+
+std::string quantity_table(const BatchTable& table, const Quantity& quantity) {
+  std::vector<std::string> head = {"", "n", "mean", "sd", "95 %", "least", "median", "greatest"};
+  const bool paired = table.info.variants.size() > 1;
+  if (paired) head.insert(head.end(), {"pairs", "difference", "sd", "95 %"});
+  html::Table rows(head);
+  for (std::size_t i = 0; i < std::min(table.groups.size(), kMostGroupRows); ++i) {
+    const EpisodeGroup& group = table.groups[i];
+    std::vector<std::string> cells = {html::escape(table.name_of(group))};
+    for (std::string& cell : summary_cells(summarize(values_of(quantity, group)))) cells.push_back(std::move(cell));
+    if (const EpisodeGroup* reference = table.reference_of(group)) {
+      const PairedValues pairs = paired_values(table, quantity, *reference, group);
+      const SampleSummary d = paired_difference(pairs.first, pairs.second);
+      cells.insert(cells.end(), {std::to_string(d.n), html::number(d.mean), html::number(d.sd),
+                                 html::interval(d.mean_ci.low, d.mean_ci.high)});
+    } else if (paired) {
+      cells.insert(cells.end(), 4, "");
+    }
+    rows.add(std::move(cells));
+  }
+  return rows.str();
+}
+
+std::string quantity_section(const BatchTable& table, const Quantity& quantity) {
+  return html::section(quantity.label(),
+                       box_plot(table, quantity) + sweep_plots(table, quantity) + quantity_table(table, quantity));
+}
+
+/// Every quantity in brief, over all groups.
+std::string all_quantities(const BatchTable& table) {
+  std::string text;
+  for (const EpisodeGroup& group : table.groups) {
+    if (&group - table.groups.data() >= static_cast<std::ptrdiff_t>(kMostBoxes)) {
+      text += "<p class=\"note\">The other groups are in report.csv.</p>\n";
+      break;
+    }
+    html::Table rows({"", "n", "mean", "sd", "95 %", "least", "median", "greatest"});
+    for (const Quantity& quantity : table.quantities) {
+      std::vector<std::string> cells = {html::escape(quantity.label())};
+      for (std::string& cell : summary_cells(summarize(values_of(quantity, group)))) cells.push_back(std::move(cell));
+      rows.add(std::move(cells));
+    }
+    text += html::folded("Every metric: " + table.name_of(group), rows.str());
+  }
+  return text;
+}
+
+// --- single episodes ---
+
+const Quantity* worst_by(const BatchTable& table, const std::vector<const Quantity*>& telling) {
+  if (!table.config.report.worst_by.empty()) {
+    for (const Quantity& q : table.quantities) {
+      if (q.metric == table.config.report.worst_by || q.vehicle + "." + q.metric == table.config.report.worst_by)
+        return &q;
+    }
+  }
+  return telling.empty() ? nullptr : telling.front();
+}
+
+std::string worst_section(const BatchTable& table, const Quantity& quantity) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < table.episodes.size(); ++i) {
+    if (std::isfinite(quantity.values[i])) order.push_back(i);
+  }
+  const bool high = table.config.report.worst_is == "high";
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return high ? quantity.values[a] > quantity.values[b] : quantity.values[a] < quantity.values[b];
+  });
+  html::Table rows({"episode", "variant", "seed", "outcome", html::escape(quantity.label()), "flown again by"});
+  for (std::size_t i = 0; i < std::min(order.size(), kWorst); ++i) {
+    const EpisodeRow& row = table.episodes[order[i]];
+    rows.add({std::to_string(row.id), html::escape(row.variant), std::to_string(row.seed), html::escape(row.outcome),
+              html::number(quantity.values[order[i]]), html::code(row.command)});
+  }
+  return html::section(std::string("Worst episodes: ") + (high ? "greatest " : "least ") + quantity.label(),
+                       rows.str());
+}
+
+std::string failure_section(const BatchTable& table) {
+  html::Table rows({"episode", "variant", "seed", "what happened", "", "flown again by"});
+  std::size_t count = 0;
+  for (const EpisodeRow& row : table.episodes) {
+    if (row.done() || ++count > kFailures) continue;
+    rows.add({std::to_string(row.id), html::escape(row.variant), std::to_string(row.seed), html::escape(row.status),
+              html::escape(row.message), html::code(row.command)});
+  }
+  if (count == 0) return "";
+  const std::string more = count > kFailures ? "<p class=\"note\">" + std::to_string(count - kFailures) +
+                                                   " more in the database's view <i>failures</i>.</p>\n"
+                                             : "";
+  return html::section("Episodes that are not done: " + std::to_string(count), rows.str() + more);
+}
+
+std::string timing_section(const BatchTable& table) {
+  std::vector<double> wall_s, setup_s, flight_s, factor;
+  std::uint64_t worlds = 0;
+  for (const EpisodeRow& row : table.episodes) {
+    wall_s.push_back(row.wall_s);
+    setup_s.push_back(row.setup_wall_s);
+    flight_s.push_back(row.flight_wall_s);
+    factor.push_back(row.simulated_s / row.flight_wall_s);
+    worlds += row.built_world ? 1 : 0;
+  }
+  html::Table rows({"", "n", "mean", "sd", "95 %", "least", "median", "greatest"});
+  const auto add = [&](const std::string& name, const std::vector<double>& values) {
+    std::vector<std::string> cells = {name};
+    for (std::string& cell : summary_cells(summarize(values))) cells.push_back(std::move(cell));
+    rows.add(std::move(cells));
+  };
+  add("whole episode [s]", wall_s);
+  add("set-up [s]", setup_s);
+  add("flight [s]", flight_s);
+  add("times real time", factor);
+  return html::section("Wall time", rows.str() + "<p class=\"note\">" + plural(worlds, "world") + " built for " +
+                                        plural(table.episodes.size(), "episode") + ".</p>\n");
+}
+
+// --- CSV ---
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string csv_cell(double value) {
+  if (!std::isfinite(value)) return "";
+  char text[32];
+  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
+}
+
+std::string csv_head(const EpisodeGroup& group) {
+  std::string text = std::to_string(group.point) + "," + csv_cell(group.variant);
+  for (const std::string& value : group.parameters) text += "," + csv_cell(value);
+  return text;
+}
+
+}  // namespace
+
+std::string batch_report_html(const BatchTable& table) {
+  const auto telling = telling_quantities(table);
+  std::string body = heading(table) + outcome_section(table);
+  for (const Quantity* quantity : telling) body += quantity_section(table, *quantity);
+  body += html::section("All metrics", all_quantities(table));
+  if (const Quantity* quantity = worst_by(table, telling)) body += worst_section(table, *quantity);
+  body += failure_section(table) + timing_section(table);
+  body += html::section("Batch file, with every default",
+                        html::folded(table.info.file, "<pre>" + html::escape(table.info.text) + "</pre>"));
+  return html::page(table.info.name, body);
+}
+
+std::string batch_report_csv(const BatchTable& table) {
+  std::string text = "point,variant";
+  for (const std::string& name : table.info.parameters) text += "," + csv_cell(name);
+  text +=
+      ",metric,vehicle,n,mean,sd,ci_low,ci_high,min,q1,median,q3,max,pairs,difference,difference_sd,difference_ci_low,"
+      "difference_ci_high\n";
+  for (const EpisodeGroup& group : table.groups) {
+    const std::string head = csv_head(group);
+    const EpisodeGroup* reference = table.reference_of(group);
+    const std::uint64_t done = count_done(table, group);
+    for (const std::string& outcome : table.outcomes) {
+      const std::uint64_t count = count_outcome(table, outcome, group);
+      const Interval ci = wilson(count, done);
+      text += head + "," + csv_cell("outcome = " + outcome) + ",," + std::to_string(done) + "," +
+              csv_cell(done > 0 ? static_cast<double>(count) / static_cast<double>(done) : std::nan("")) + ",," +
+              csv_cell(ci.low) + "," + csv_cell(ci.high) + ",,,,,";
+      if (reference != nullptr) {
+        const PairedCounts counts = paired_outcomes(table, outcome, *reference, group);
+        const RateDifference d = paired_rate_difference(counts);
+        text += "," + std::to_string(counts.both + counts.first_only + counts.second_only + counts.neither) + "," +
+                csv_cell(d.difference) + ",," + csv_cell(d.ci.low) + "," + csv_cell(d.ci.high) + "\n";
+      } else {
+        text += ",,,,,\n";
+      }
+    }
+    for (const Quantity& quantity : table.quantities) {
+      const SampleSummary s = summarize(values_of(quantity, group));
+      text += head + "," + csv_cell(quantity.metric) + "," + csv_cell(quantity.vehicle) + "," + std::to_string(s.n);
+      for (const double x : {s.mean, s.sd, s.mean_ci.low, s.mean_ci.high, s.min, s.q1, s.median, s.q3, s.max})
+        text += "," + csv_cell(x);
+      if (reference != nullptr) {
+        const PairedValues pairs = paired_values(table, quantity, *reference, group);
+        const SampleSummary d = paired_difference(pairs.first, pairs.second);
+        text += "," + std::to_string(d.n);
+        for (const double x : {d.mean, d.sd, d.mean_ci.low, d.mean_ci.high}) text += "," + csv_cell(x);
+        text += "\n";
+      } else {
+        text += ",,,,,\n";
+      }
+    }
+  }
+  return text;
+}
+
+std::vector<fs::path> write_batch_report(const fs::path& directory) {
+  const fs::path database = directory / "results.sqlite";
+  if (!fs::is_regular_file(database)) {
+    const bool shards = fs::is_directory(directory / "shards");
+    throw InputError(directory.string() + ": expected a batch directory with results.sqlite, found none" +
+                     (shards ? "; unite its shards first: swiftlet batch merge --out " + directory.string() : ""));
+  }
+  const BatchTable table = read_batch_table(ResultStore(database, ResultStore::Mode::kRead));
+  write_file(directory / "report.html", batch_report_html(table));
+  write_file(directory / "report.csv", batch_report_csv(table));
+  return {directory / "report.html", directory / "report.csv"};
+}
+
+}  // namespace swiftlet::sim
