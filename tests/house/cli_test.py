@@ -102,7 +102,7 @@ class Cli(unittest.TestCase):
 
     def test_help_is_everywhere(self):
         self.assertIn("run", self.run_swiftlet("--help").stdout)
-        for command in ("run", "batch", "render", "world", "check", "list", "reference", "bench"):
+        for command in ("run", "batch", "report", "render", "world", "check", "list", "reference", "bench"):
             result = self.run_swiftlet(command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Usage", result.stdout)

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace swiftlet::sim {
+
+/// Writes report.html into a run directory: outcome, metrics, flown paths, time series (from what the run recorded: CSV
+/// states, else TUM trajectories), events, snapshots and the wall time of each stage; its path.
+/// Throws InputError when it is no run directory.
+std::vector<std::filesystem::path> write_run_report(const std::filesystem::path& directory);
+
+}  // namespace swiftlet::sim
