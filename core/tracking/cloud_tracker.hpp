@@ -29,7 +29,7 @@ struct TrackMeasurementConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Algorithm 2 of 000. The defaults are those of Table II; docs/detection.md tells where the paper and its released
+/// Algorithm 2 of 000. The defaults are those of Table II; docs/tracking.md tells where the paper and its released
 /// code differ and what is the default here.
 struct CloudTrackerConfig {
   int buffer_size = 10;       ///< N_buf
