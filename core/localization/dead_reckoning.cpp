@@ -27,12 +27,18 @@ void strapdown(NavState& state, const Vector3& omega_body_radps, const Vector3& 
 }
 
 void DeadReckoning::push(const ImuSample& sample) {
-  if (!sample.omega_body_radps.allFinite() || !sample.specific_force_body_mps2.allFinite()) return;
-  if (count_ > 0 && sample.t <= ring_[newest_].t) return;
+  if (take(sample)) apply(sample);
+}
+
+void DeadReckoning::keep(const ImuSample& sample) { take(sample); }
+
+bool DeadReckoning::take(const ImuSample& sample) {
+  if (!sample.omega_body_radps.allFinite() || !sample.specific_force_body_mps2.allFinite()) return false;
+  if (count_ > 0 && sample.t <= ring_[newest_].t) return false;
   newest_ = (newest_ + 1) % kCapacity;
   count_ = std::min(count_ + 1, kCapacity);
   ring_[newest_] = sample;
-  apply(sample);
+  return true;
 }
 
 void DeadReckoning::restart(const NavState& state) {

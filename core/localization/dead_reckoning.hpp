@@ -33,6 +33,8 @@ void strapdown(NavState& state, const Vector3& omega_body_radps, const Vector3& 
 class DeadReckoning {
  public:
   void push(const ImuSample& sample);
+  /// Keeps the sample for the next restart(), which must come before the next push() or at().
+  void keep(const ImuSample& sample);
   /// Starts over from a known state; samples after its time are applied at once.
   void restart(const NavState& state);
   /// The state at t; what lies beyond the last sample is extrapolated.
@@ -44,6 +46,7 @@ class DeadReckoning {
  private:
   static constexpr int kCapacity = 256;
   const ImuSample& sample(int age) const { return ring_[(newest_ - age + kCapacity) % kCapacity]; }
+  bool take(const ImuSample& sample);  // false: not a sample that comes next
   void apply(const ImuSample& sample);
 
   NavState state_;

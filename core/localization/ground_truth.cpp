@@ -26,7 +26,6 @@ class GroundTruthEstimator : public StateEstimator {
   }
 
   const StateEstimate& update(const Observation& observation) override {
-    for (const ImuSample& sample : observation.imu) reckoning_.push(sample);
     const PoseSample* newest = nullptr;
     for (const PoseSample& sample : observation.pose) {
       if (is_finite(sample) && (!started_ || sample.t > last_pose_.t)) newest = &sample;
@@ -35,6 +34,10 @@ class GroundTruthEstimator : public StateEstimator {
       last_pose_ = *newest;
       started_ = true;
       reckoning_is_stale_ = true;
+    }
+    // Where a pose comes in every tick, nothing is ever carried forward.
+    for (const ImuSample& sample : observation.imu) {
+      reckoning_is_stale_ ? reckoning_.keep(sample) : reckoning_.push(sample);
     }
 
     estimate_.t = observation.t;

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <compare>
+#include <limits>
+
 #include "sim/metrics/metric.hpp"
 #include "sim/metrics/statistics.hpp"
+#include "sim/world/neighborhood.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -22,21 +27,20 @@ struct Minimum {
 /// others still keep their distance to it.
 class ClearanceMetric final : public Metric {
  public:
-  explicit ClearanceMetric(const MetricSetup& setup) : Metric(setup), vehicles_(num_vehicles()) {}
+  explicit ClearanceMetric(const MetricSetup& setup)
+      : Metric(setup), vehicles_(num_vehicles()), neighborhood_(std::vector<double>(num_vehicles(), 0.0)) {}
 
   void update(const TickView& tick, const MetricContext& context) override {
     for (std::size_t i = 0; i < num_vehicles(); ++i) add_clearance(i, tick, context.clearances[i]);
-    for (std::size_t i = 0; i < num_vehicles(); ++i) {
-      for (std::size_t j = i + 1; j < num_vehicles(); ++j) add_separation(i, j, tick);
-    }
+    neighborhood_.update(tick.states);
+    add_separations(tick);
     for (std::size_t i = 0; i < num_vehicles(); ++i) vehicles_[i].crashed = tick.states[i].crashed;
   }
 
   void report(MetricTable& table) const override {
-    table.add("min_separation_m", "", value_of(pair_), "m");
-    table.add("min_separation_time_s", "", time_of(pair_), "s");
-    table.add_text("min_separation_pair", "",
-                   pair_.measured() ? name_of(pair_first_) + " " + name_of(pair_.partner) : "none");
+    table.add("min_separation_m", "", pair_.measured() ? pair_.distance_m : kNotMeasured, "m");
+    table.add("min_separation_time_s", "", pair_.measured() ? to_seconds(t_pair_) : kNotMeasured, "s");
+    table.add_text("min_separation_pair", "", pair_.measured() ? name_of(pair_.a) + " " + name_of(pair_.b) : "none");
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       const Vehicle& vehicle = vehicles_[i];
       table.add("min_clearance_surface_m", name_of(i), value_of(vehicle.surface), "m");
@@ -56,6 +60,16 @@ class ClearanceMetric final : public Metric {
     Minimum surface, other, separation;
   };
 
+  /// Compared by distance, of equal ones by number.
+  struct Pair {
+    double distance_m = std::numeric_limits<double>::infinity();
+    VehicleId a = kNoVehicle, b = kNoVehicle;
+
+    Pair ascending() const { return {distance_m, std::min(a, b), std::max(a, b)}; }
+    bool measured() const { return b != kNoVehicle; }
+    auto operator<=>(const Pair&) const = default;
+  };
+
   void add_clearance(std::size_t i, const TickView& tick, const Clearance& clearance) {
     Vehicle& vehicle = vehicles_[i];
     if (vehicle.crashed) return;
@@ -65,15 +79,28 @@ class ClearanceMetric final : public Metric {
       vehicle.other.add(clearance.vehicle_m, tick.t, clearance.nearest_vehicle);
   }
 
-  void add_separation(std::size_t i, std::size_t j, const TickView& tick) {
-    if (vehicles_[i].crashed && vehicles_[j].crashed) return;
-    const double distance_m = (tick.states[i].p_world_m - tick.states[j].p_world_m).norm();
-    if (!vehicles_[i].crashed) vehicles_[i].separation.add(distance_m, tick.t, static_cast<VehicleId>(j));
-    if (!vehicles_[j].crashed) vehicles_[j].separation.add(distance_m, tick.t, static_cast<VehicleId>(i));
-    if (distance_m < pair_.value) {
-      pair_.add(distance_m, tick.t, static_cast<VehicleId>(j));
-      pair_first_ = i;
+  /// The least distance of all is that of some vehicle to its nearest.
+  void add_separations(const TickView& tick) {
+    Pair least;
+    for (VehicleId i = 0; i < static_cast<VehicleId>(num_vehicles()); ++i) {
+      if (vehicles_[i].crashed) continue;
+      const Pair nearest = nearest_to(i, tick);
+      vehicles_[i].separation.add(nearest.distance_m, tick.t, nearest.b);
+      if (nearest.b != kNoVehicle) least = std::min(least, nearest.ascending());
     }
+    if (least.distance_m < pair_.distance_m) {
+      pair_ = least;
+      t_pair_ = tick.t;
+    }
+  }
+
+  Pair nearest_to(VehicleId i, const TickView& tick) const {
+    Pair nearest;
+    for (const VehicleId j : neighborhood_.candidates(i)) {
+      const double distance_m = (tick.states[i].p_world_m - tick.states[j].p_world_m).norm();
+      if (distance_m < nearest.distance_m) nearest = {distance_m, i, j};
+    }
+    return nearest;
   }
 
   static double value_of(const Minimum& minimum) { return minimum.measured() ? minimum.value : kNotMeasured; }
@@ -83,8 +110,9 @@ class ClearanceMetric final : public Metric {
   }
 
   std::vector<Vehicle> vehicles_;
-  Minimum pair_;  // of all pairs
-  std::size_t pair_first_ = 0;
+  Neighborhood neighborhood_;
+  Pair pair_;  // least of all so far
+  TimeNs t_pair_ = 0;
 };
 
 }  // namespace

@@ -6,21 +6,12 @@
 #include <numbers>
 
 namespace swiftlet::sim {
-namespace {
-
-// Half-width of a round jet grows by 0.094 z; exp(-r^2 / (2 b^2)) is one half at r = 1.1774 b.
-constexpr double kJetSpread = 0.094 / 1.1774;
-constexpr double kFootprintWidths = 4.0;  // the Gaussian is down to 3e-4 there
-
-}  // namespace
 
 double ground_effect_gain(double height_m, double propeller_radius_m, double coefficient) {
   if (height_m <= 0.0) return coefficient > 0.0 ? kGroundEffectGainMax : 0.0;
   const double ratio = propeller_radius_m / (4.0 * height_m);
   return std::min(coefficient * ratio * ratio, kGroundEffectGainMax);
 }
-
-double Wake::width_m(double z_m) const { return disc_radius_m / std::numbers::sqrt2 + kJetSpread * z_m; }
 
 double Wake::axis_speed_mps(double z_m) const {
   const double developed = 1.0 + z_m / std::sqrt(z_m * z_m + disc_radius_m * disc_radius_m);
@@ -32,8 +23,9 @@ Vector3 Wake::velocity_world_mps(const Vector3& p_world_m) const {
   const double z_m = offset.dot(axis_world);
   if (z_m <= 0.0 || z_m > kReach_m || induced_mps <= 0.0) return Vector3::Zero();
   const double width = width_m(z_m);
+  const double footprint_m = footprint_m_at(z_m);
   const double r_sq = offset.squaredNorm() - z_m * z_m;
-  if (r_sq > kFootprintWidths * kFootprintWidths * width * width) return Vector3::Zero();
+  if (r_sq > footprint_m * footprint_m) return Vector3::Zero();
   return axis_speed_mps(z_m) * std::exp(-0.5 * r_sq / (width * width)) * axis_world;
 }
 
@@ -46,8 +38,6 @@ Wake make_wake(const Airframe& airframe, const Vector3& p_world_m, const Matrix3
   wake.axis_world = -R_world_body.col(2);
   wake.induced_mps = area_m2 > 0.0 ? std::sqrt(std::max(thrust_N, 0.0) / (2.0 * air_density_kgpm3 * area_m2)) : 0.0;
   wake.disc_radius_m = std::sqrt(area_m2 / std::numbers::pi);
-  const double footprint_m = kFootprintWidths * wake.width_m(Wake::kReach_m);
-  wake.footprint_sq_m2 = footprint_m * footprint_m;
   return wake;
 }
 

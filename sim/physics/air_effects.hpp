@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <numbers>
+
 #include "swiftlet/core/airframe.hpp"
 #include "swiftlet/core/frames.hpp"
 
@@ -31,7 +33,6 @@ struct Wake {
   Vector3 axis_world = -Vector3::UnitZ();  ///< where the air goes
   double induced_mps = 0.0;                ///< v_i
   double disc_radius_m = 0.0;              ///< of the equivalent disc
-  double footprint_sq_m2 = 0.0;            ///< squared radius of the footprint at the end of its reach
 
   /// Velocity of the air at a point [m/s]; zero beside and above the rotors, and farther than kReach_m below.
   Vector3 velocity_world_mps(const Vector3& p_world_m) const;
@@ -39,13 +40,20 @@ struct Wake {
   bool may_reach(const Vector3& p_world_m) const {
     const Vector3 offset = p_world_m - origin_world_m;
     const double z_m = offset.dot(axis_world);
-    return z_m > 0.0 && z_m <= kReach_m && offset.squaredNorm() - z_m * z_m <= footprint_sq_m2;
+    if (!(z_m > 0.0 && z_m <= kReach_m)) return false;
+    const double footprint_m = footprint_m_at(z_m);
+    return offset.squaredNorm() - z_m * z_m <= footprint_m * footprint_m;
   }
   /// Speed on the axis at a distance z >= 0 below the disc [m/s], and width of the Gaussian there [m].
   double axis_speed_mps(double z_m) const;
-  double width_m(double z_m) const;
+  double width_m(double z_m) const { return disc_radius_m / std::numbers::sqrt2 + kJetSpread * z_m; }
+  /// Radius beyond which the wake is left out.
+  double footprint_m_at(double z_m) const { return kFootprintWidths * width_m(z_m); }
 
-  static constexpr double kReach_m = 20.0;  ///< the wake of a 2 kg vehicle is down to 1 m/s there
+  // Half-width of a round jet grows by 0.094 z; exp(-r^2 / (2 b^2)) is one half at r = 1.1774 b.
+  static constexpr double kJetSpread = 0.094 / 1.1774;
+  static constexpr double kFootprintWidths = 4.0;  ///< the Gaussian is down to 3e-4 there
+  static constexpr double kReach_m = 20.0;         ///< the wake of a 2 kg vehicle is down to 1 m/s there
 };
 
 Wake make_wake(const Airframe& airframe, const Vector3& p_world_m, const Matrix3& R_world_body, double thrust_N,

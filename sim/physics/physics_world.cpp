@@ -9,6 +9,7 @@
 #include "sim/physics/air_effects.hpp"
 #include "sim/physics/contacts.hpp"
 #include "sim/physics/multirotor_model.hpp"
+#include "sim/world/neighborhood.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -27,6 +28,10 @@ constexpr double kRestRate_radps = 0.03;
 constexpr double kRestTime_s = 0.25;
 constexpr double kWakeLinear_mps2 = 0.1;
 constexpr double kWakeAngular_radps2 = 0.5;
+
+// From here on vehicles are worth several threads, which take so many at a time.
+constexpr int kManyVehicles = 16;
+constexpr int kVehiclesAtATime = 8;
 
 /// Distance to the nearest surface as known from an earlier place: at p it is at least distance - |p - from|.
 struct SurfaceBound {
@@ -72,6 +77,12 @@ bool rotors_turn(const VehicleState& state) {
   return *std::max_element(state.rotor_speed_radps.begin(), state.rotor_speed_radps.end()) > kTurningRotor_radps;
 }
 
+std::vector<double> circumscribed_radii_m(std::span<const PhysicsVehicle> vehicles) {
+  std::vector<double> radii_m;
+  for (const PhysicsVehicle& vehicle : vehicles) radii_m.push_back(vehicle.airframe.circumscribed_radius_m());
+  return radii_m;
+}
+
 }  // namespace
 
 struct PhysicsWorld::Impl {
@@ -88,9 +99,9 @@ struct PhysicsWorld::Impl {
 
   // Scratch, kept to keep its memory.
   std::vector<Vector3> positions;
-  std::vector<double> circumscribed_m;  // of the vehicles, close together in memory
-  std::vector<Vector3> pairs_from;      // where the vehicles were when all pairs were asked last,
-  double least_gap_m = 0.0;             // and the least gap then
+  Neighborhood neighborhood;
+  std::vector<Vector3> pairs_from;  // where the vehicles were when all pairs were asked last,
+  double least_gap_m = 0.0;         // and the least gap then
   std::vector<Wake> wakes;
   std::vector<VehicleId> near_vehicles;
   std::vector<Contacts::Pair> near_pairs;
@@ -106,7 +117,8 @@ struct PhysicsWorld::Impl {
         wind(wind_config),
         scene(std::move(static_scene)),
         step(from_seconds(physics.step_s)),
-        contacts(fleet, physics) {
+        contacts(fleet, physics),
+        neighborhood(circumscribed_radii_m(fleet)) {
     stopped.fill(-1.0);
     for (const PhysicsVehicle& vehicle : fleet) add(vehicle, seed);
     const std::size_t count = vehicles.size();
@@ -121,6 +133,7 @@ struct PhysicsWorld::Impl {
     pairs.reserve(16 * count);
     touches.reserve(64 + 8 * count);
     note_positions();
+    neighborhood.update(states);
   }
 
   void add(const PhysicsVehicle& vehicle, std::uint64_t seed) {
@@ -144,9 +157,16 @@ struct PhysicsWorld::Impl {
     entry.contact_reach_m = contacts.reach_m(id) + kContactMargin_m;
     // Twice what rotors and gravity can do leaves room for drag in any wind that a vehicle survives.
     entry.acceleration_bound_mps2 = 2.0 * (airframe.max_thrust_N() / airframe.mass_kg + config.gravity_mps2.norm());
-    circumscribed_m.push_back(entry.circumscribed_m);
     vehicles.push_back(std::move(entry));
     states.push_back(state);
+  }
+
+  /// Calls act(vehicle) for all, by several threads where that pays: it may change nothing but its own vehicle.
+  template <class Act>
+  void for_each_vehicle(const Act& act) const {
+    const int count = static_cast<int>(vehicles.size());
+#pragma omp parallel for schedule(dynamic, kVehiclesAtATime) if (count >= kManyVehicles)
+    for (VehicleId id = 0; id < count; ++id) act(id);
   }
 
   void note_positions() {
@@ -159,21 +179,24 @@ struct PhysicsWorld::Impl {
     note_positions();
     const bool look_up_air = now >= next_air;
     if (look_up_air) next_air = now + kAirSpan;
-    if (look_up_air && config.downwash && vehicles.size() > 1) blow_wakes();
-    for (std::size_t i = 0; i < vehicles.size(); ++i) {
-      Vehicle& vehicle = vehicles[i];
-      vehicle.travel_m =
-          states[i].v_world_mps.norm() * span_s + 0.5 * vehicle.acceleration_bound_mps2 * span_s * span_s;
-      vehicle.near_world = config.contacts && scene && may_meet_surface(vehicle, states[i].p_world_m);
-      vehicle.near = vehicle.near_world;
-      if (vehicle.near_world && !vehicle.asleep) gather_triangles(static_cast<VehicleId>(i));
-      if (look_up_air && config.ground_effect && scene) feel_ground(vehicle, states[i]);
-    }
+    if (look_up_air && config.downwash) make_wakes();
+    for_each_vehicle([&](VehicleId i) { look_ahead(i, span_s, look_up_air); });
     if (config.contacts) find_near_pairs();
     near_vehicles.clear();
     for (std::size_t i = 0; i < vehicles.size(); ++i) {
       if (vehicles[i].near) near_vehicles.push_back(static_cast<VehicleId>(i));
     }
+  }
+
+  void look_ahead(VehicleId id, double span_s, bool look_up_air) {
+    Vehicle& vehicle = vehicles[id];
+    const VehicleState& state = states[id];
+    if (look_up_air && config.downwash) vehicle.air.downwash_world_mps = downwash_at(id);
+    vehicle.travel_m = state.v_world_mps.norm() * span_s + 0.5 * vehicle.acceleration_bound_mps2 * span_s * span_s;
+    vehicle.near_world = config.contacts && scene && may_meet_surface(vehicle, state.p_world_m);
+    vehicle.near = vehicle.near_world;
+    if (vehicle.near_world && !vehicle.asleep) gather_triangles(id);
+    if (look_up_air && config.ground_effect && scene) feel_ground(vehicle, state);
   }
 
   double ground_effect_reach_m(const Vehicle& vehicle) const {
@@ -199,20 +222,22 @@ struct PhysicsWorld::Impl {
     contacts.gather_triangles(id, *scene, {positions[id] - half, positions[id] + half});
   }
 
-  /// Wakes of all vehicles at all others.
-  void blow_wakes() {
+  void make_wakes() {
     for (std::size_t i = 0; i < vehicles.size(); ++i) {
       const MultirotorModel& model = vehicles[i].model;
       wakes[i] = make_wake(model.airframe(), positions[i], states[i].q_world_body.toRotationMatrix(),
                            model.thrust_N(states[i]), config.air_density_kgpm3);
     }
-    for (std::size_t i = 0; i < vehicles.size(); ++i) {
-      Vector3 sum = Vector3::Zero();
-      for (std::size_t source = 0; source < wakes.size(); ++source) {
-        if (source != i && wakes[source].may_reach(positions[i])) sum += wakes[source].velocity_world_mps(positions[i]);
-      }
-      vehicles[i].air.downwash_world_mps = sum;
+  }
+
+  /// Of the wakes of all others.
+  Vector3 downwash_at(VehicleId id) const {
+    const Vector3 p_world = positions[id];
+    Vector3 sum = Vector3::Zero();
+    for (VehicleId source = 0; source < static_cast<VehicleId>(wakes.size()); ++source) {
+      if (source != id && wakes[source].may_reach(p_world)) sum += wakes[source].velocity_world_mps(p_world);
     }
+    return sum;
   }
 
   /// Height of each rotor above the surface below it, by a ray straight down.
@@ -419,13 +444,14 @@ struct PhysicsWorld::Impl {
     while (now + step <= t_end) {
       const int num_steps = static_cast<int>(std::min((t_end - now) / step, std::max<TimeNs>(kPlanSpan / step, 1)));
       plan(num_steps * config.step_s);
-      for (std::size_t i = 0; i < vehicles.size(); ++i) {
-        if (!vehicles[i].near) fly_clear(static_cast<VehicleId>(i), num_steps, commands, history);
-      }
+      for_each_vehicle([&](VehicleId i) {
+        if (!vehicles[i].near) fly_clear(i, num_steps, commands, history);
+      });
       for (int k = 1; k <= num_steps && !near_vehicles.empty(); ++k) fly_near(now + k * step, commands, history);
       now += num_steps * step;
     }
     note_positions();
+    neighborhood.update(states);
     std::sort(crashes.begin(), crashes.end(),
               [](const Crash& a, const Crash& b) { return a.t != b.t ? a.t < b.t : a.vehicle < b.vehicle; });
   }
@@ -435,28 +461,28 @@ struct PhysicsWorld::Impl {
     Vehicle& vehicle = vehicles[id];
     const Vector3& p = positions[id];
 
-    // The nearest surface was at a known distance from a known place: it bounds the search.
+    // The nearest surface was at a known distance from a known place: it bounds the search. Where none was near, the
+    // search goes farther than asked for, so that it holds for a while.
     const double search_m = max_distance_m + vehicle.circumscribed_m;
     clearance.surface_m = max_distance_m;
     if (scene && vehicle.surface.at_least_m(p) < search_m) {
       const double moved_m = (p - vehicle.surface.from_world_m).norm();
-      const double known_m =
-          vehicle.surface.exact ? (vehicle.surface.distance_m + moved_m) * (1.0 + 1e-6) + 1e-6 : search_m;
-      measure_surface(vehicle, p, std::min(known_m, search_m));
+      const double known_m = vehicle.surface.exact ? (vehicle.surface.distance_m + moved_m) * (1.0 + 1e-6) + 1e-6
+                                                   : search_m + kSurfaceSlack_m;
+      measure_surface(vehicle, p, std::min(known_m, search_m + kSurfaceSlack_m));
       if (vehicle.surface.exact)
         clearance.surface_m = std::min(vehicle.surface.distance_m - vehicle.circumscribed_m, max_distance_m);
     }
 
     // Squares first: most others are farther than the nearest so far.
     clearance.vehicle_m = std::numeric_limits<double>::infinity();
-    for (std::size_t other = 0; other < vehicles.size(); ++other) {
-      if (static_cast<VehicleId>(other) == id) continue;
-      const double radii_m = vehicle.circumscribed_m + circumscribed_m[other];
+    for (const VehicleId other : neighborhood.candidates(id)) {
+      const double radii_m = vehicle.circumscribed_m + vehicles[other].circumscribed_m;
       const double distance_sq = (positions[other] - p).squaredNorm();
       const double limit_m = std::max(clearance.vehicle_m + radii_m, 0.0);
       if (distance_sq >= limit_m * limit_m) continue;
       clearance.vehicle_m = std::sqrt(distance_sq) - radii_m;
-      clearance.nearest_vehicle = static_cast<VehicleId>(other);
+      clearance.nearest_vehicle = other;
     }
     return clearance;
   }

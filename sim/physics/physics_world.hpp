@@ -66,8 +66,9 @@ struct Clearance {
   VehicleId nearest_vehicle = kNoVehicle;
 };
 
-/// Rigid bodies of all vehicles in one Bullet world with the static scene. Hides Bullet. Single-threaded by design:
-/// a step of a vehicle costs about a microsecond.
+/// Rigid bodies of all vehicles in one Bullet world with the static scene. Hides Bullet. A step of a vehicle costs about
+/// a microsecond; many vehicles are shared out to threads (OpenMP's number of them) as long as they cannot touch
+/// anything, which gives the same bits for any number.
 class PhysicsWorld {
  public:
   /// `seed` drives gusts. The static scene may be null (empty space).

@@ -21,8 +21,9 @@ namespace {
 // Sensors look back over at most a sweep; the margin covers a tick and sensors with latency.
 constexpr double kHistoryMargin_s = 0.05;
 
-// From here on vehicles without LiDARs are worth several threads.
+// From here on vehicles without LiDARs are worth several threads, which take so many at a time.
 constexpr int kManyVehicles = 16;
+constexpr int kVehiclesAtATime = 8;
 
 // A mission that has ended is flown on for this long, so that recordings show its end.
 constexpr TimeNs kAfterTheEnd = kNsPerSecond / 2;
@@ -79,7 +80,7 @@ struct Simulation::Impl {
   int num_vehicles() const { return static_cast<int>(vehicles.size()); }
 
   void tick();
-  bool is_busy_tick() const;
+  int vehicles_at_a_time() const;
   void sense(VehicleId i);
   void collect_events();
   void note_mission(VehicleId i);
@@ -134,7 +135,7 @@ void Simulation::Impl::tick() {
     const auto timed = clock.measure(Stage::kPhysics);
     physics.advance(now, commands, history);
   }
-  const bool parallel = is_busy_tick();
+  const int share = vehicles_at_a_time();
   // 2. Sensors that are due measure the truth; the radio hands over what has arrived.
   {
     const auto timed = clock.measure(Stage::kSensors);
@@ -147,13 +148,13 @@ void Simulation::Impl::tick() {
       observations[i].wants_overlays = pictures;
       radio.deliver(i, now, observations[i].messages);
     }
-#pragma omp parallel for schedule(dynamic, 1) if (parallel)
+#pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
     for (int i = 0; i < num_vehicles(); ++i) sense(i);
   }
   // 3. Every agent steps on its own observation.
   {
     const auto timed = clock.measure(Stage::kAgents);
-#pragma omp parallel for schedule(dynamic, 1) if (parallel)
+#pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
     for (int i = 0; i < num_vehicles(); ++i) actions[i] = &agents[i]->step(observations[i]);
     for (int i = 0; i < num_vehicles(); ++i) commands[i] = actions[i]->rotor_command;
   }
@@ -177,16 +178,16 @@ void Simulation::Impl::tick() {
   }
 }
 
-// Starting threads costs more than a few vehicles' light sensors and controllers.
-bool Simulation::Impl::is_busy_tick() const {
-  if (num_vehicles() < 2) return false;  // a lone LiDAR is parallel inside
-  if (num_vehicles() >= kManyVehicles) return true;
+// How many a thread takes from the heap: a sweep of a LiDAR is worth a thread of its own, other sensors and controllers
+// only where there are many. 0: one thread does all, which costs less than starting others.
+int Simulation::Impl::vehicles_at_a_time() const {
+  if (num_vehicles() < 2) return 0;  // a lone LiDAR is parallel inside
   for (const auto& of_vehicle : sensors) {
     for (const auto& sensor : of_vehicle) {
-      if (sensor->makes_scan_by(now)) return true;
+      if (sensor->makes_scan_by(now)) return 1;
     }
   }
-  return false;
+  return num_vehicles() >= kManyVehicles ? kVehiclesAtATime : 0;
 }
 
 void Simulation::Impl::sense(VehicleId i) {

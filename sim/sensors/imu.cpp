@@ -89,14 +89,23 @@ class ImuSensor final : public Sensor {
   double look_back_s() const override { return to_seconds(schedule_.period()); }
 
  private:
+  /// What the IMU feels, at the end of an interval: the beginning of the next.
+  struct MountState {
+    TimeNs t = -1;
+    Eigen::Quaterniond q_world_body = Eigen::Quaterniond::Identity();
+    Vector3 v_world_mps = Vector3::Zero();
+  };
+
   ImuSample sample(TimeNs due, std::uint32_t index, const StateHistory& truth) {
-    const VehicleState start = truth.at(setup_.vehicle, due - schedule_.period());
-    const VehicleState end = truth.at(setup_.vehicle, due);
+    const TimeNs begin = due - schedule_.period();
+    const MountState start = last_.t == begin ? last_ : state_of_mount(truth, begin);
+    const MountState end = state_of_mount(truth, due);
+    last_ = end;
     const double dt_s = to_seconds(schedule_.period());
 
     const Vector3 turn = rotation_log(start.q_world_body.conjugate() * end.q_world_body);
     const Eigen::Quaterniond q_world_body_mid = start.q_world_body * rotation_exp(0.5 * turn);
-    const Vector3 acceleration_world = (velocity_of_mount(end) - velocity_of_mount(start)) / dt_s;
+    const Vector3 acceleration_world = (end.v_world_mps - start.v_world_mps) / dt_s;
     const Vector3 force_body = q_world_body_mid.conjugate() * (acceleration_world - gravity_world_);
 
     ImuSample sample;
@@ -106,8 +115,9 @@ class ImuSensor final : public Sensor {
     return sample;
   }
 
-  Vector3 velocity_of_mount(const VehicleState& state) const {
-    return state.v_world_mps + state.q_world_body * state.omega_body_radps.cross(p_body_imu_);
+  MountState state_of_mount(const StateHistory& truth, TimeNs t) const {
+    const VehicleState state = truth.at(setup_.vehicle, t);
+    return {t, state.q_world_body, state.v_world_mps + state.q_world_body * state.omega_body_radps.cross(p_body_imu_)};
   }
 
   Schedule schedule_;
@@ -115,6 +125,7 @@ class ImuSensor final : public Sensor {
   Eigen::Quaterniond R_body_imu_;
   Vector3 gravity_world_;
   NoisyTriad gyro_, accel_;
+  MountState last_;
 };
 
 }  // namespace

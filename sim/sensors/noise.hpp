@@ -37,8 +37,12 @@ class GaussMarkov {
       value_ += walk_density_.cwiseProduct(normals) * std::sqrt(dt_s);
       return;
     }
-    const double decay = std::exp(-dt_s / time_s_);
-    value_ = decay * value_ + walk_density_.cwiseProduct(normals) * std::sqrt(0.5 * time_s_ * (1.0 - decay * decay));
+    if (dt_s != dt_s_) {  // most processes advance by equal steps
+      dt_s_ = dt_s;
+      decay_ = std::exp(-dt_s / time_s_);
+      spread_ = std::sqrt(0.5 * time_s_ * (1.0 - decay_ * decay_));
+    }
+    value_ = decay_ * value_ + walk_density_.cwiseProduct(normals) * spread_;
   }
   const Vector3& value() const { return value_; }
 
@@ -48,6 +52,8 @@ class GaussMarkov {
   Vector3 walk_density_ = Vector3::Zero();
   double time_s_ = 0.0;
   Vector3 value_ = Vector3::Zero();
+  double dt_s_ = 0.0;  ///< for which the two below hold
+  double decay_ = 1.0, spread_ = 0.0;
 };
 
 /// Rotation by the rotation vector.

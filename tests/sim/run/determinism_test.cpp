@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "core/agent/registry.hpp"
 #include "sim/run/run_directory.hpp"
+#include "sim/run/summary.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/simulation.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -27,6 +29,28 @@ std::uint64_t reference_hash() {
 // Sanitizers make no difference to the bits, but a minute of difference to the time.
 TEST(Determinism, ThreadsDoNotChangeTheBits) {
   for (const int threads : {2, 4}) EXPECT_EQ(fly(load_scenario(kMixedTeam), threads), reference_hash()) << threads << " threads";
+}
+
+// From some number of vehicles on, several threads fly them. Two fall onto others, the rest stay clear.
+TEST(Determinism, ThreadsDoNotChangeTheBitsOfACrowd) {
+  Scenario scenario = load_scenario("bench_crowd", {{"duration_s", "1.5"}});
+  const VehicleConfig model = scenario.vehicles.front();
+  scenario.vehicles.clear();
+  for (int i = 0; i < 24; ++i) {
+    VehicleConfig vehicle = model;
+    vehicle.name = "uav" + std::to_string(i + 1);
+    vehicle.start.position_m += Eigen::Vector3d(1.5 * (i % 6), 1.5 * (i / 6), i % 3);
+    if (i < 2) {  // motors at idle, 4 m above others
+      vehicle.agent = Module(agent_module_types(), "none");
+      vehicle.start.position_m += Eigen::Vector3d(0.0, 3.0, 4.0);
+    }
+    scenario.vehicles.push_back(std::move(vehicle));
+  }
+  Simulation alone(scenario, 1);
+  while (!alone.finished()) alone.tick();
+  const std::uint64_t hash = alone.state_hash();
+  EXPECT_EQ(alone.summary().outcome, "crashed");
+  for (const int threads : {2, 3}) EXPECT_EQ(fly(scenario, threads), hash) << threads << " threads";
 }
 
 TEST(Determinism, AnotherSeedGivesAnotherRun) {
