@@ -152,6 +152,7 @@ void VofodDetector::append_overlays(std::vector<Overlay>& overlays) const {
     clusters.colors.resize(clusters.positions.size(), color);
   };
   paint(ClusterClass::kBackground, {0.25F, 0.45F, 0.9F, 1.0F});
+  paint(ClusterClass::kTooLarge, {0.25F, 0.45F, 0.9F, 1.0F});
   paint(ClusterClass::kUnknown, {0.95F, 0.85F, 0.1F, 1.0F});
   paint(ClusterClass::kFlying, {0.95F, 0.1F, 0.1F, 1.0F});
 

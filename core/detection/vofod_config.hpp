@@ -28,6 +28,17 @@ struct VofodChoices {
   void visit(ConfigVisitor& v);
 };
 
+/// What is known of the world before the start (sec. III-E): voxels that never change.
+struct PriorConfig {
+  std::string occupied;
+  std::string free;
+  std::string recorded;
+  std::string mesh;
+  bool world = false;
+
+  void visit(ConfigVisitor& v);
+};
+
 /// The three modules run beside each other, each at its own rate; the defaults are the means of Table VI.
 struct VofodTiming {
   double classification_latency_s = 0.1123;
@@ -61,6 +72,7 @@ struct VofodConfig : ModuleConfigOf<VofodConfig> {
   double sigma_attitude_rad = 0.005;
   VofodChoices choices;
   VofodTiming timing;
+  PriorConfig prior;
 
   void visit(ConfigVisitor& v) override;
 };

@@ -69,16 +69,17 @@ void VofodStages::classify(const WorldCloud& cloud, std::vector<Detection>& dete
         to_clear_.insert(to_clear_.end(), search_.explored().begin(), search_.explored().end());
       }
     } else if (large_is_background_ && shape.diagonal_m() > config_.max_size_m) {
-      classes_[i] = ClusterClass::kBackground;
-      if (before) put(members, g_occupied);
+      classes_[i] = ClusterClass::kTooLarge;
     }
   }
   // Eqs. (16) to (18).
   for (int i = 0; i < clusters_.size() && !before; ++i) {
-    if (classes_[i] == ClusterClass::kFlying)
-      put_detection(clusters_.members(i));
-    else
-      put(clusters_.members(i), classes_[i] == ClusterClass::kBackground ? g_occupied : g_unknown);
+    if (classes_[i] == ClusterClass::kFlying) set(clusters_.members(i), g_unknown);
+    if (classes_[i] == ClusterClass::kBackground) put(clusters_.members(i), g_occupied);
+    if (classes_[i] == ClusterClass::kUnknown) put(clusters_.members(i), g_unknown);
+  }
+  for (int i = 0; i < clusters_.size(); ++i) {
+    if (classes_[i] == ClusterClass::kTooLarge) set(clusters_.members(i), g_occupied);
   }
   for (const std::ptrdiff_t index : to_clear_) {
     if (map_.state(index) == VoxelState::kUncertain) map_.set(index, g_just_free_);
@@ -107,7 +108,9 @@ void VofodStages::thin_to_voxels() {
   sorted_.clear();
   for (std::uint32_t i = 0; i < samples_.voxel.size(); ++i) sorted_.emplace_back(samples_.voxel[i], samples_.point[i]);
   std::sort(sorted_.begin(), sorted_.end());
-  samples_ = {};
+  samples_.at_m.clear();
+  samples_.voxel.clear();
+  samples_.point.clear();
   for (std::size_t i = 0; i < sorted_.size(); ++i) {
     if (i == 0 || sorted_[i].first != sorted_[i - 1].first) {
       samples_.at_m.push_back(map_.grid().center_m(map_.grid().cell(sorted_[i].first)).cast<float>());
@@ -180,8 +183,8 @@ void VofodStages::put(std::span<const std::uint32_t> members, double g) {
   for (const std::uint32_t i : members) map_.update(samples_.voxel[i], samples_.weight_of(i), g);
 }
 
-void VofodStages::put_detection(std::span<const std::uint32_t> members) {
-  for (const std::uint32_t i : members) map_.update(samples_.voxel[i], kInfinity, config_.map.g_unknown);
+void VofodStages::set(std::span<const std::uint32_t> members, double g) {
+  for (const std::uint32_t i : members) map_.update(samples_.voxel[i], kInfinity, g);
 }
 
 Detection VofodStages::make_detection(const WorldCloud& cloud, std::span<const std::uint32_t> members,

@@ -15,8 +15,8 @@
 
 namespace swiftlet {
 
-/// Result of rules A to C.
-enum class ClusterClass : std::uint8_t { kBackground, kUnknown, kFlying };
+/// Result of rules A to C. Too large: no flying object by its size, the seed of the background.
+enum class ClusterClass : std::uint8_t { kBackground, kUnknown, kFlying, kTooLarge };
 
 /// The stages of the VoFOD detector on one map, without a clock: what each does to a scan or to the map (000, sec.
 /// III-B to III-D). Not copyable in a cheap way: holds the map.
@@ -66,7 +66,7 @@ class VofodStages {
   Shape shape_of(std::span<const std::uint32_t> members) const;
   bool is_sufficient();
   void put(std::span<const std::uint32_t> members, double g);
-  void put_detection(std::span<const std::uint32_t> members);
+  void set(std::span<const std::uint32_t> members, double g);
   Detection make_detection(const WorldCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape) const;
   double confidence(std::span<const std::uint32_t> members) const;
   Matrix3 covariance(const WorldCloud& cloud, std::uint32_t point, const Vector3& position_m) const;

@@ -5,13 +5,7 @@
 #include <array>
 #include <cmath>
 
-// The pieces of a ray in vectors of eight where the processor has them: the same operations, so the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__) && !defined(__AVX2__)
-#define SWIFTLET_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define SWIFTLET_VECTOR_CLONES
-#endif
+#include "core/map/lanes.hpp"
 
 namespace swiftlet {
 namespace {
@@ -20,20 +14,21 @@ namespace {
 constexpr int kStretch = 96;
 // Cells around the window that no ray reaches: rounding and the unused third piece of a slab stay inside.
 constexpr int kMargin = 2;
+// Later than the end of any ray, but finite.
+constexpr float kNever = 1e30F;
 
 /// A ray in edges, mirrored so that it climbs along every axis, from within the cell of its origin: small numbers keep
 /// single precision exact. a is its steepest axis, b and c are the others.
 struct Ray {
   float o_b, o_c;                             // origin in its cell, 0..1
   float d_b, d_c;                             // direction, not negative; along a the planes say it
-  float inv_b, inv_c;                         // 1 / direction, 0 where that is infinite
+  float inv_b, inv_c;                         // 1 / direction, at most kNever
   std::int32_t base, step_a, step_b, step_c;  // index = base + j step_a + b step_b + c step_c
 };
 
 /// Pieces of the slabs between neighbouring planes: three voxels each, of which the later ones may have length 0.
 struct Pieces {
   alignas(32) std::array<float, kStretch + 8> t;  // where the planes are met, in edges from the origin
-  alignas(32) std::array<std::int32_t, kStretch + 8> b, c;
   alignas(32) std::array<float, kStretch> length_0, length_1, length_2;
   alignas(32) std::array<std::int32_t, kStretch> index_0, index_1, index_2;
   alignas(32) std::array<std::int32_t, kStretch> crosses;  // leaves its first voxel sideways
@@ -41,32 +36,23 @@ struct Pieces {
 
 SWIFTLET_VECTOR_CLONES
 void cut(const Ray& r, int first, int count, Pieces& out) {
-  float* __restrict t = out.t.data();
-  std::int32_t* __restrict b = out.b.data();
-  std::int32_t* __restrict c = out.c.data();
-  for (int j = 0; j <= count; ++j) {
-    b[j] = static_cast<std::int32_t>(r.o_b + t[j] * r.d_b);
-    c[j] = static_cast<std::int32_t>(r.o_c + t[j] * r.d_c);
-  }
-  for (int j = 0; j < count; ++j) {
-    const float begin = t[j], end = t[j + 1];
-    const bool crosses_b = b[j] != b[j + 1], crosses_c = c[j] != c[j + 1];
-    float t_b = (static_cast<float>(b[j] + 1) - r.o_b) * r.inv_b;
-    float t_c = (static_cast<float>(c[j] + 1) - r.o_c) * r.inv_c;
-    t_b = t_b > begin ? t_b : begin;
-    t_c = t_c > begin ? t_c : begin;
-    t_b = (crosses_b && t_b < end) ? t_b : end;
-    t_c = (crosses_c && t_c < end) ? t_c : end;
-    const float near = t_b < t_c ? t_b : t_c;
-    const float far = t_b < t_c ? t_c : t_b;
-    out.length_0[j] = near - begin;
-    out.length_1[j] = far - near;
-    out.length_2[j] = end - far;
-    const std::int32_t index = r.base + (first + j) * r.step_a + b[j] * r.step_b + c[j] * r.step_c;
-    out.index_0[j] = index;
-    out.index_1[j] = index + (t_b < t_c ? r.step_b : r.step_c);
-    out.index_2[j] = index + r.step_b + r.step_c;
-    out.crosses[j] = crosses_b | crosses_c;
+  using namespace lanes;
+  const Ints kCount = {0, 1, 2, 3, 4, 5, 6, 7};
+  for (int j = 0; j < count; j += kLanes) {
+    const auto begin = load<Floats>(&out.t[j]), end = load<Floats>(&out.t[j + 1]);
+    const Ints b = truncated(r.o_b + begin * r.d_b), c = truncated(r.o_c + begin * r.d_c);
+    // Where the voxel of the slab's begin would be left sideways, if that is within the slab.
+    const Floats t_b = min(max((to_float(b + 1) - r.o_b) * r.inv_b, begin), end);
+    const Floats t_c = min(max((to_float(c + 1) - r.o_c) * r.inv_c, begin), end);
+    const Floats near = min(t_b, t_c), far = max(t_b, t_c);
+    const Ints index = r.base + (first + j + kCount) * r.step_a + b * r.step_b + c * r.step_c;
+    store(near - begin, &out.length_0[j]);
+    store(far - near, &out.length_1[j]);
+    store(end - far, &out.length_2[j]);
+    store(index, &out.index_0[j]);
+    store(index + (t_b < t_c ? r.step_b + Ints{} : r.step_c + Ints{}), &out.index_1[j]);
+    store(index + (r.step_b + r.step_c), &out.index_2[j]);
+    store(near < end ? Ints{} + 1 : Ints{}, &out.crosses[j]);
   }
 }
 
@@ -124,7 +110,7 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
   Ray r;
   r.o_b = static_cast<float>(inside[b]), r.o_c = static_cast<float>(inside[c]);
   r.d_b = static_cast<float>(d[b]), r.d_c = static_cast<float>(d[c]);
-  r.inv_b = r.d_b > 0.0F ? 1.0F / r.d_b : 0.0F, r.inv_c = r.d_c > 0.0F ? 1.0F / r.d_c : 0.0F;
+  r.inv_b = r.d_b > 1.0F / kNever ? 1.0F / r.d_b : kNever, r.inv_c = r.d_c > 1.0F / kNever ? 1.0F / r.d_c : kNever;
   r.step_a = climbs[a] ? stride[a] : -stride[a];
   r.step_b = climbs[b] ? stride[b] : -stride[b];
   r.step_c = climbs[c] ? stride[c] : -stride[c];
@@ -138,7 +124,10 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
     const int count = std::min(kStretch, num_slabs - first);
     const float before = static_cast<float>(first_plane + (first - 1) * spacing);
     const float step = static_cast<float>(spacing);
-    for (int j = 0; j <= count; ++j) pieces.t[j] = std::min(before + static_cast<float>(j) * step, end);
+    for (int j = 0; j <= count; ++j) {
+      const float t = before + static_cast<float>(j) * step;
+      pieces.t[j] = t < end ? t : end;
+    }
     if (first == 0) pieces.t[0] = 0.0F;
     if (first + count == num_slabs) pieces.t[count] = end;
     cut(r, first, count, pieces);

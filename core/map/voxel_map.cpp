@@ -7,6 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "core/map/lanes.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -20,24 +22,40 @@ constexpr int kScrollStep = 16;
 // infinity.
 float updated(float G, float weight, float g) { return g + weight * (G - g); }
 
-/// 2^-n for n in [0, 126], relative error below 2e-7, in operations that work on vectors.
-float half_to_the(float n) {
-  const float whole = static_cast<float>(static_cast<std::int32_t>(n));
-  const float x = -0.69314718F * (n - whole);  // (-ln 2, 0]
-  float e = 1.0F / 5040.0F;
-  for (const float term : {1.0F / 720.0F, 1.0F / 120.0F, 1.0F / 24.0F, 1.0F / 6.0F, 0.5F, 1.0F, 1.0F}) e = e * x + term;
-  return e * std::bit_cast<float>((127 - static_cast<std::int32_t>(n)) << 23);
+/// 2^-n for n in [0, 126], relative error below 2e-7.
+[[gnu::always_inline]] inline lanes::Floats half_to_the(const lanes::Floats& n) {
+  const lanes::Ints whole = lanes::truncated(n);
+  const lanes::Floats x = -0.69314718F * (n - lanes::to_float(whole));  // (-ln 2, 0]
+  lanes::Floats e = 1.0F / 5040.0F + lanes::Floats{};                   // Taylor's series of exp
+  e = e * x + 1.0F / 720.0F;
+  e = e * x + 1.0F / 120.0F;
+  e = e * x + 1.0F / 24.0F;
+  e = e * x + 1.0F / 6.0F;
+  e = e * x + 0.5F;
+  e = e * x + 1.0F;
+  e = e * x + 1.0F;
+  return e * std::bit_cast<lanes::Floats>((127 - whole) << 23);
 }
 
-// update() for many voxels: infinite values stay what they are, because the weight never becomes 0.
-void move_row(std::span<const float> n, float g, float* __restrict values) {
-  const float* __restrict count = n.data();
-  const std::size_t size = n.size();
-  for (std::size_t i = 0; i < size; ++i) {
-    const float weight = half_to_the(count[i] < 126.0F ? count[i] : 126.0F);
-    const float moved = updated(values[i], weight, g);
-    values[i] = count[i] > 0.0F ? moved : values[i];
+/// update() for eight voxels: infinite values stay what they are, because the weight never becomes 0.
+[[gnu::always_inline]] inline lanes::Floats moved(const lanes::Floats& values, const lanes::Floats& n, float g) {
+  const lanes::Floats weight = half_to_the(lanes::min(n, 126.0F + lanes::Floats{}));
+  return n > 0.0F ? g + weight * (values - g) : values;
+}
+
+SWIFTLET_VECTOR_CLONES
+void move_row(const float* n, std::size_t size, float g, float* values) {
+  using lanes::kLanes, lanes::Floats;
+  std::size_t i = 0;
+  for (; i + kLanes <= size; i += kLanes) {
+    lanes::store(moved(lanes::load<Floats>(values + i), lanes::load<Floats>(n + i), g), values + i);
   }
+  if (i == size) return;
+  Floats last_n{}, last_values{};
+  std::memcpy(&last_n, n + i, (size - i) * sizeof(float));
+  std::memcpy(&last_values, values + i, (size - i) * sizeof(float));
+  last_values = moved(last_values, last_n, g);
+  std::memcpy(values + i, &last_values, (size - i) * sizeof(float));
 }
 
 }  // namespace
@@ -97,7 +115,7 @@ void VoxelMap::set_bit(std::ptrdiff_t index, bool occupied) {
 
 void VoxelMap::move_to_free(const Cell& first, std::span<const float> n) {
   const std::ptrdiff_t index = grid_.index(first);
-  move_row(n, static_cast<float>(config_.g_free), values_.data() + index);
+  move_row(n.data(), n.size(), static_cast<float>(config_.g_free), values_.data() + index);
   // Going towards free only clears bits.
   const std::ptrdiff_t row = index / grid_.size.x();
   const int x = static_cast<int>(index - row * grid_.size.x());

@@ -8,8 +8,10 @@
 
 #include "core/agent/registry.hpp"
 #include "core/agent/stack.hpp"
+#include "core/detection/vofod_config.hpp"
 #include "sim/physics/start_place.hpp"
 #include "sim/raycast/ray_scene.hpp"
+#include "sim/run/prior_map.hpp"
 #include "sim/sensors/neighbors.hpp"
 #include "sim/sensors/pose.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -105,6 +107,12 @@ bool wants_true_neighbors(const VehicleConfig& vehicle) {
          !has_sensor(vehicle, "neighbors");
 }
 
+std::shared_ptr<const PriorMap> prior_map(const VehicleConfig& vehicle, const Scene& world) {
+  const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
+  const auto* vofod = stack ? dynamic_cast<const VofodConfig*>(stack->detector.config.get()) : nullptr;
+  return vofod ? make_prior_map(vofod->prior, vofod->map.voxel_m, world) : nullptr;
+}
+
 Module ideal_neighbors() {
   Module module(sensor_module_types(), "neighbors");
   module.as<NeighborsConfig>().ideal = true;
@@ -172,7 +180,8 @@ std::vector<Perception> perception_of(const Scenario& scenario) {
   return perception;
 }
 
-std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles) {
+std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles,
+                                                const Scene& world) {
   std::vector<std::unique_ptr<Agent>> agents;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
     AgentSetup setup;
@@ -182,6 +191,7 @@ std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const 
     setup.airframe = scenario.vehicles[i].airframe;
     setup.T_world_body_start = vehicles[i].start.T_world_body();
     setup.tick_s = scenario.tick_s;
+    setup.prior_map = prior_map(scenario.vehicles[i], world);
     agents.push_back(make_agent(scenario.vehicles[i].agent, setup));
   }
   return agents;

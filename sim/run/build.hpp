@@ -32,6 +32,7 @@ std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(const Scenario& s
 /// Which vehicles detect and track others, by VehicleId.
 std::vector<Perception> perception_of(const Scenario& scenario);
 
-std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles);
+std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles,
+                                                const Scene& world);
 
 }  // namespace swiftlet::sim

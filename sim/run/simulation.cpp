@@ -53,7 +53,7 @@ struct Simulation::Impl {
         vehicles(make_physics_vehicles(scenario, *world.static_scene)),
         physics(scenario.physics, scenario.wind, vehicles, world.static_scene, scenario.seed),
         sensors(make_sensors(scenario, world, shapes)),
-        agents(make_agents(scenario, vehicles)),
+        agents(make_agents(scenario, vehicles, *world.scene)),
         history(num_vehicles(), history_capacity(sensors, scenario)),
         radio(scenario.radio, scenario.seed, names, world.static_scene),
         metrics(scenario.metrics, names, perception_of(scenario)),

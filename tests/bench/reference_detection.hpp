@@ -122,7 +122,7 @@ class Vofod {
  public:
   explicit Vofod(const VofodConfig& config) : map(config.map), config_(config) {}
 
-  /// Sec. III-B. The classes are in `classes`: 0 background, 1 unknown, 2 flying, by cluster.
+  /// Sec. III-B. The classes are in `classes`: 0 background, 1 unknown, 2 flying, 3 too large, by cluster.
   std::vector<Detection> classify(const WorldCloud& cloud) {
     std::vector<Vector3> points;
     for (const Eigen::Vector3f& p : cloud.points_world_m) {
@@ -143,16 +143,19 @@ class Vofod {
         d.num_points = static_cast<int>(found[i].size());
         detections.push_back(d);
       } else if (diagonal_m(points, found[i]) > config_.max_size_m) {
-        classes[i] = 0;  // seed: large
+        classes[i] = 3;  // seed: large
       }
     }
-    for (std::size_t i = 0; i < found.size(); ++i) {  // eqs. (16) to (18)
+    std::vector<std::size_t> order(found.size());  // eqs. (16) to (18); what is too large comes last
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return classes[i] != 3; });
+    for (const std::size_t i : order) {
       std::map<std::size_t, int> counts;
       for (const int p : found[i]) ++counts[map.index(map.cell_of(points[p]))];
       for (const auto& [voxel, n] : counts) {
         const double infinity = std::numeric_limits<double>::infinity();
-        map.update(voxel, classes[i] == 2 ? infinity : n,
-                   classes[i] == 0 ? config_.map.g_occupied : config_.map.g_unknown);
+        map.update(voxel, classes[i] >= 2 ? infinity : n,
+                   classes[i] == 0 || classes[i] == 3 ? config_.map.g_occupied : config_.map.g_unknown);
       }
     }
     return detections;

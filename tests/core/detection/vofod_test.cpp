@@ -19,8 +19,10 @@ constexpr TimeNs kPeriod = 100'000'000;
 VofodConfig small_config() {
   VofodConfig config;
   config.map.extent = "bounded";
-  config.map.center_m = {0.0, 0.0, 5.0};
-  config.map.size_m = {30.0, 30.0, 14.0};
+  config.map.center_m = {0.0, 0.0, 4.0};
+  config.map.size_m = {20.0, 20.0, 10.0};
+  config.ray_max_m = 10.0;
+  config.ray_weight = 0.03;
   return config;
 }
 

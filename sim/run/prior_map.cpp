@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/run/prior_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "sim/world/mesh_import.hpp"
+#include "sim/world/point_cloud_file.hpp"
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+// Samples to an edge of a voxel.
+constexpr double kSamplesPerVoxel = 3.0;
+
+void append_cloud(const std::filesystem::path& file, std::vector<Eigen::Vector3f>& points_m) {
+  for (const Eigen::Vector3d& p : read_point_cloud(file)) points_m.push_back(p.cast<float>());
+}
+
+// The clouds of a finished run, by the index that its recorder wrote beside them.
+void append_recorded(const std::filesystem::path& index, std::vector<Eigen::Vector3f>& points_m) {
+  std::ifstream in(index);
+  std::string line;
+  std::getline(in, line);
+  if (line.rfind("file,", 0) != 0) {
+    throw InputError(index.string() + ": expected the index of recorded clouds, whose first column is 'file'");
+  }
+  while (std::getline(in, line)) append_cloud(index.parent_path() / line.substr(0, line.find(',')), points_m);
+}
+
+}  // namespace
+
+void append_surface_points(const Scene& scene, double spacing_m, std::vector<Eigen::Vector3f>& points_m) {
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const auto& triangle : mesh.triangles) {
+      const Eigen::Vector3f a = instance.T_world_mesh * mesh.vertices_m[triangle[0]];
+      const Eigen::Vector3f u = instance.T_world_mesh * mesh.vertices_m[triangle[1]] - a;
+      const Eigen::Vector3f v = instance.T_world_mesh * mesh.vertices_m[triangle[2]] - a;
+      const double longest_m = std::max({u.norm(), v.norm(), (u - v).norm()});
+      const int n = std::max(1, static_cast<int>(std::ceil(longest_m / spacing_m)));
+      for (int i = 0; i <= n; ++i) {
+        for (int j = 0; i + j <= n; ++j) {
+          points_m.push_back(a + u * (static_cast<float>(i) / static_cast<float>(n)) +
+                             v * (static_cast<float>(j) / static_cast<float>(n)));
+        }
+      }
+    }
+  }
+}
+
+std::shared_ptr<const PriorMap> make_prior_map(const PriorConfig& config, double voxel_m, const Scene& world) {
+  auto prior = std::make_shared<PriorMap>();
+  const double spacing_m = voxel_m / kSamplesPerVoxel;
+  if (!config.occupied.empty()) append_cloud(config.occupied, prior->occupied_m);
+  if (!config.free.empty()) append_cloud(config.free, prior->free_m);
+  if (!config.recorded.empty()) append_recorded(config.recorded, prior->occupied_m);
+  if (!config.mesh.empty()) {
+    MeshImportConfig mesh;
+    mesh.file = config.mesh;
+    append_surface_points(make_mesh_import(mesh, 0), spacing_m, prior->occupied_m);
+  }
+  if (config.world) append_surface_points(world, spacing_m, prior->occupied_m);
+  if (prior->occupied_m.empty() && prior->free_m.empty()) return nullptr;
+  return prior;
+}
+
+}  // namespace swiftlet::sim

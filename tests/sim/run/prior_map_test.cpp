@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/run/prior_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+
+#include "swiftlet/sim/errors.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+Scene one_triangle() {
+  Scene scene;
+  Mesh mesh;
+  mesh.vertices_m = {{0.0F, 0.0F, 0.1F}, {4.0F, 0.0F, 0.1F}, {0.0F, 3.0F, 0.1F}};
+  mesh.triangles = {{0, 1, 2}};
+  scene.meshes.push_back(mesh);
+  Instance instance;
+  instance.T_world_mesh.translation() = Eigen::Vector3f(10.0F, 0.0F, 0.0F);
+  scene.instances.push_back(instance);
+  return scene;
+}
+
+TEST(PriorMap, SurfacesAreSampledDensely) {
+  PriorConfig config;
+  config.world = true;
+  const auto prior = make_prior_map(config, 0.25, one_triangle());
+  ASSERT_NE(prior, nullptr);
+  std::set<std::pair<int, int>> cells;
+  for (const Eigen::Vector3f& p : prior->occupied_m) {
+    EXPECT_FLOAT_EQ(p.z(), 0.1F);
+    cells.emplace(static_cast<int>(std::floor((p.x() - 10.0F) / 0.25F)), static_cast<int>(std::floor(p.y() / 0.25F)));
+  }
+  // Every cell whose centre lies in the triangle has a point.
+  for (int x = 0; x < 16; ++x) {
+    for (int y = 0; y < 12; ++y) {
+      const double cx = (x + 0.5) * 0.25, cy = (y + 0.5) * 0.25;
+      if (cx / 4.0 + cy / 3.0 < 1.0) EXPECT_TRUE(cells.contains({x, y})) << x << ' ' << y;
+    }
+  }
+}
+
+TEST(PriorMap, NothingAskedForIsNothingKnown) { EXPECT_EQ(make_prior_map({}, 0.25, one_triangle()), nullptr); }
+
+TEST(PriorMap, RecordedCloudsAreReadByTheirIndex) {
+  const TemporaryDirectory directory;
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(directory.path() / name) << text;
+    return (directory.path() / name).string();
+  };
+  const std::string header =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\n"
+      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA ascii\n";
+  write("000000.pcd", header + "1 2 3\n");
+  write("000001.pcd", header + "4 5 6\n");
+  PriorConfig config;
+  config.recorded = write("pcd_index.csv", "file,stamp_s\n000000.pcd,0.0\n000001.pcd,0.1\n");
+  config.free = write("free.pcd", header + "7 8 9\n");
+  const auto prior = make_prior_map(config, 0.25, Scene{});
+  ASSERT_NE(prior, nullptr);
+  EXPECT_EQ(prior->occupied_m, (std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 3.0F}, {4.0F, 5.0F, 6.0F}}));
+  EXPECT_EQ(prior->free_m, (std::vector<Eigen::Vector3f>{{7.0F, 8.0F, 9.0F}}));
+  config.recorded = write("other.csv", "x,y,z\n1,2,3\n");
+  EXPECT_THROW(make_prior_map(config, 0.25, Scene{}), InputError);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
