@@ -96,7 +96,8 @@ class Cli(unittest.TestCase):
         self.assertTrue((self.path / "thesis/chapter1.tex").is_file())
 
     def test_check_says_nothing_about_what_is_fine(self):
-        for scenario in [self.scenario, *sorted((SOURCE / "scenarios").glob("*.yaml"))]:
+        for scenario in [self.scenario, *sorted((SOURCE / "scenarios").glob("*.yaml")),
+                         *sorted((SOURCE / "scenarios/batch").glob("*.yaml"))]:
             result = self.run_swiftlet("check", scenario)
             self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""), scenario)
 
