@@ -28,7 +28,7 @@ void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.field("predict", predict, "[-] positions are carried forward to now with the filtered velocity");
 }
 
-void NeighborMemory::update(const GuidanceInput& input, const PoseHistory& own_poses) {
+void NeighborMemory::update(const GuidanceInput& input, const CloudRegistrar& own_poses) {
   const TimeNs now = input.observation.t;
   if (config_.source == "sensor") {
     for (const NeighborSample& sample : input.observation.neighbors) {

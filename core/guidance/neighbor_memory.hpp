@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/guidance/guidance.hpp"
-#include "core/guidance/pose_history.hpp"
+#include "core/localization/world_cloud.hpp"
 
 namespace swiftlet {
 
@@ -34,7 +34,7 @@ class NeighborMemory {
  public:
   explicit NeighborMemory(const NeighborSourceConfig& config) : config_(config) {}
 
-  void update(const GuidanceInput& input, const PoseHistory& own_poses);
+  void update(const GuidanceInput& input, const CloudRegistrar& own_poses);
   /// Everybody not forgotten, in order of keys.
   std::span<const Neighbor> neighbors() const { return known_; }
 

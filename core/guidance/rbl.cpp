@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
-#include "core/guidance/pose_history.hpp"
+#include "core/guidance/heading.hpp"
 
 namespace swiftlet {
 namespace {
 
+constexpr double kShortestToFace_m = 0.3;  // nearer than this, a direction is noise
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 RblRules rules_of(const RblConfig& config) {
@@ -26,6 +28,9 @@ class Rbl : public Guidance {
         clipped_(config.variant == "3d_clipped" || config.variant == "3d_z"),
         period_(from_seconds(1.0 / config.update_rate_hz)),
         neighbors_(config.neighbors),
+        sight_(config.lidar, setup.agent.airframe.circumscribed_radius_m()),
+        sensed_(config.cells.sensing_radius_m,
+                config.lidar.enabled ? config.cells.step_m : config.cells.sensing_radius_m, planar_),
         planner_(config.cells, rules_of(config), planar_) {
     goal_.position_m = setup.agent.T_world_body_start.translation();
     goal_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
@@ -34,11 +39,11 @@ class Rbl : public Guidance {
 
   void step(const GuidanceInput& input, GuidanceOutput& output) override {
     const Pose& T_world_body = input.estimate.T_world_body;
-    poses_.push(input.estimate.t, T_world_body);
-    neighbors_.update(input, poses_);
+    sight_.see(input);
+    neighbors_.update(input, sight_.poses());
     if (input.observation.t >= next_update_) {
       next_update_ = next_update_ == 0 ? input.observation.t + period_ : next_update_ + period_;
-      plan(T_world_body);
+      plan(T_world_body, input.observation.t);
       neighbors_.announce(input.estimate, input.observation.self, output.messages);
     }
     Vector3 to_goal_m = config_.goal_m - T_world_body.translation();
@@ -53,15 +58,56 @@ class Rbl : public Guidance {
   void append_overlays(std::vector<Overlay>& overlays) const override;
 
  private:
-  void plan(const Pose& T_world_body) {
+  void plan(const Pose& T_world_body, TimeNs now) {
     const Vector3 p_m = T_world_body.translation();
     others_m_.clear();
     for (const Neighbor& neighbor : neighbors_.neighbors()) others_m_.push_back(neighbor.position_m);
-    planner_.partition(p_m, others_m_, clipped_ ? config_.z_min_m : -kFar_m, clipped_ ? config_.z_max_m : kFar_m);
+    planner_.partition(p_m, others_m_, z_min_m(), z_max_m());
+    if (config_.lidar.enabled) cut_by(planner_.cell(), planner_.cuts(), p_m, now, std::numeric_limits<TimeNs>::min());
     step_ = planner_.update(config_.goal_m, 1.0 / config_.update_rate_hz);
     from_m_ = goal_.position_m;
-    to_m_ = step_.centroid_m;
+    to_m_ = config_.lidar.enabled ? within_sight(T_world_body, now) : step_.centroid_m;
     if (planar_) to_m_.z() = config_.goal_m.z();
+  }
+
+  double z_min_m() const { return clipped_ ? config_.z_min_m : -kFar_m; }
+  double z_max_m() const { return clipped_ ? config_.z_max_m : kFar_m; }
+
+  /// Cuts a cell by the voxels hit since then. What lies deeper below the lowest flight level than the vehicle needs
+  /// for itself cannot be met.
+  void cut_by(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& p_m, TimeNs now, TimeNs since) {
+    const RblCellConfig& cells = config_.cells;
+    const double edge_m = sight_.map().edge_m();
+    sight_.map().collect(p_m, cells.sensing_radius_m / cells.eta + cells.encumbrance_m, now, since, voxels_m_);
+    const double floor_m = std::min(z_min_m(), p_m.z()) - cells.encumbrance_m - 0.5 * edge_m;
+    std::erase_if(voxels_m_, [&](const Vector3& voxel_m) { return voxel_m.z() < floor_m; });
+    if (config_.lidar.cut == "convex") {
+      cutter_.cut_convex(cell, p_m, voxels_m_, edge_m, cells.encumbrance_m, cells.eta, cuts);
+    } else {
+      cutter_.cut_nearest(cell, p_m, voxels_m_, edge_m, cells.encumbrance_m, cells.eta);
+    }
+  }
+
+  /// The centroid when it lies in the cell A' that is sensed now, else the nearest place that does; turns to it, and
+  /// stays until it faces it (004, sec. 3.3.1).
+  Vector3 within_sight(const Pose& T_world_body, TimeNs now) {
+    const Vector3 p_m = T_world_body.translation();
+    const Vector3 to_m = step_.centroid_m - p_m;
+    goal_.yaw_rad = heading_along(to_m, kShortestToFace_m, goal_.yaw_rad);
+    sensed_.reset(Vector3::Zero(), z_min_m() - p_m.z(), z_max_m() - p_m.z());
+    sensed_cuts_.clear();
+    for (const HalfSpace& cut :
+         field_of_view(T_world_body.linear(), config_.lidar.fov_lower_deg, config_.lidar.fov_deg)) {
+      sensed_.cut(cut);
+    }
+    cut_by(sensed_, sensed_cuts_, p_m, now, now - from_seconds(config_.lidar.sensed_s));
+    const int sample = sensed_.nearest_partitioned(to_m);
+    if (sample < 0) return p_m;
+    const double off_rad = std::remainder(goal_.yaw_rad - yaw_of(T_world_body.linear()), 2.0 * std::numbers::pi);
+    if (std::abs(off_rad) > config_.lidar.facing_deg * std::numbers::pi / 180.0) return p_m;
+    const Vector3 seen_m = sensed_.point(sample);
+    const bool inside = (seen_m - to_m).norm() <= 0.87 * sensed_.step_m();  // half the diagonal between samples
+    return p_m + (inside ? to_m : seen_m);
   }
 
   // The centroid jumps at every update; the vehicle's goal glides there until the next one, or each jump would shake
@@ -74,8 +120,12 @@ class Rbl : public Guidance {
   RblConfig config_;
   bool planar_, clipped_;
   TimeNs period_, next_update_ = 0;
-  PoseHistory poses_;
   NeighborMemory neighbors_;
+  RblSight sight_;
+  RblCell sensed_;  // A'
+  std::vector<HalfSpace> sensed_cuts_;
+  std::vector<Vector3> voxels_m_;
+  ObstacleCutter cutter_;
   RblPlanner planner_;
   RblPlanner::Step step_;
   std::vector<Vector3> others_m_;
@@ -115,6 +165,14 @@ void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
   destination.positions = {p_m.cast<float>(), (p_m + shown_m * to_destination.normalized()).cast<float>()};
   Overlay goal = marks("rbl.goal", Overlay::Kind::kSpheres, {0.1F, 0.35F, 0.95F, 1.0F}, 0.2F);
   goal.positions = {config_.goal_m.cast<float>()};
+  if (config_.lidar.enabled) {
+    Overlay voxels = marks("rbl.voxels", Overlay::Kind::kCubes, {0.45F, 0.32F, 0.2F, 1.0F},
+                           static_cast<float>(sight_.map().edge_m()));
+    std::vector<Vector3> centers_m;
+    sight_.map().collect(p_m, 12.0, next_update_, std::numeric_limits<TimeNs>::min(), centers_m);
+    for (const Vector3& center_m : centers_m) voxels.positions.push_back(center_m.cast<float>());
+    overlays.push_back(std::move(voxels));
+  }
   for (Overlay* overlay : {&inside, &outside, &centroid, &sensing, &destination, &goal}) {
     overlays.push_back(std::move(*overlay));
   }
@@ -134,6 +192,7 @@ void RblConfig::visit(ConfigVisitor& v) {
   v.object("cells", cells, "cells S and A");
   v.object("rules", rules, "weighting, azimuth and elevation rules");
   v.object("neighbors", neighbors, "where the others are known from");
+  v.object("lidar", lidar, "obstacles");
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }
 

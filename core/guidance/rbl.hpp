@@ -5,6 +5,7 @@
 
 #include "core/guidance/guidance.hpp"
 #include "core/guidance/neighbor_memory.hpp"
+#include "core/guidance/rbl_obstacles.hpp"
 #include "core/guidance/rbl_planner.hpp"
 
 namespace swiftlet {
@@ -23,6 +24,7 @@ struct RblConfig : ModuleConfigOf<RblConfig> {
   RblCellConfig cells;
   RblRules rules;
   NeighborSourceConfig neighbors;
+  RblLidarConfig lidar;
 
   void visit(ConfigVisitor& v) override;
 };

@@ -21,7 +21,7 @@ struct RblRules {
   double weight_rate_mps = 1.0;     ///< k of (2.7)
   double azimuth_rate_radps = 1.0;  ///< k of (2.8)
   double azimuth_return_radps = 2.0;
-  double elevation_rate_radps = 1.0;  ///< k of (2.19)
+  double elevation_rate_radps = 0.1;  ///< k of (2.19): the 2D program's step of 0.01 at 10 Hz
   double centering_weight = 0.7;      ///< w_1
   double direction_weight = 0.3;      ///< w_2
   std::string azimuth_condition = "near";

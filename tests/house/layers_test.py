@@ -13,7 +13,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "core/uncertainty": ["core/math"],
     "core/localization": ["core/math"],
     "core/control": ["core/math"],
-    "core/guidance": ["core/math", "core/control"],
+    "core/guidance": ["core/math", "core/control", "core/localization", "core/map"],
     "core/map": ["core/math"],
     "core/detection": ["core/math", "core/uncertainty", "core/map", "core/localization"],
     "core/tracking": ["core/math", "core/uncertainty", "core/map", "core/localization", "core/detection"],

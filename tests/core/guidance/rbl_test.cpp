@@ -301,6 +301,7 @@ TEST(RblRules, NorthwardsGoesUpSouthwardsDownEastwardsStays) {
 TEST(RblRules, PhiRisesToAnEighthTurnAndReturns) {
   RblRules rules;
   rules.elevation_reset = false;
+  rules.elevation_rate_radps = 1.0;
   RblSituation now = stuck();
   now.goal_m = {1, 10, 0};
   ASSERT_TRUE(wants_elevation(rules, now));  // the others leave 1.5 m less of the way

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/guidance/rbl_obstacles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace swiftlet {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr float kInside_m = 0.01F;  // nearer than this, the direction to a voxel is that to its centre
+
+Matrix3 turn_y(double angle_rad) { return Eigen::AngleAxisd(angle_rad, Vector3::UnitY()).toRotationMatrix(); }
+
+/// The plane that keeps the agent clear of a voxel; an agent inside of a voxel leaves it.
+HalfSpace voxel_cut(const Vector3& nearest_m, const Vector3& center_m, double encumbrance_m, double eta) {
+  if (nearest_m.norm() > kInside_m) return obstacle_cut(nearest_m, encumbrance_m, eta);
+  return {center_m.norm() > kInside_m ? Vector3(center_m.normalized()) : Vector3(Vector3::UnitZ()), -encumbrance_m};
+}
+
+}  // namespace
+
+Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, double edge_m) {
+  const Vector3 half = Vector3::Constant(0.5 * edge_m);
+  return p_m.cwiseMax(center_m - half).cwiseMin(center_m + half);
+}
+
+void ObstacleCutter::cut_convex(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
+                                double encumbrance_m, double eta, std::vector<HalfSpace>& cuts) {
+  left_.clear();
+  for (const Vector3& voxel_m : voxels_m) {
+    const Vector3 center = voxel_m - p_m;
+    const Eigen::Vector3f nearest = nearest_in_voxel(Vector3::Zero(), center, edge_m).cast<float>();
+    left_.push_back({nearest, center.cast<float>(), nearest.squaredNorm()});
+  }
+  while (!left_.empty()) {
+    const auto first = std::min_element(left_.begin(), left_.end(), [](const Candidate& a, const Candidate& b) {
+      return a.distance_sq < b.distance_sq;
+    });
+    const Candidate at = *first;
+    const HalfSpace cut = voxel_cut(at.nearest_m.cast<double>(), at.center_m.cast<double>(), encumbrance_m, eta);
+    cuts.push_back(cut);
+    cell.cut(cut);
+    // What lies beyond the plane through the nearest point is at least as far from the cell as that point.
+    const Eigen::Vector3f normal = cut.normal.cast<float>();
+    const float beyond = std::sqrt(at.distance_sq) - 1e-4F;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < left_.size(); ++i) {
+      if (&left_[i] == &*first || normal.dot(left_[i].nearest_m) >= beyond) continue;
+      left_[kept++] = left_[i];
+    }
+    left_.resize(kept);
+  }
+}
+
+// Exact nearest feature on a grid, one axis after the other (Felzenszwalb and Huttenlocher, 2012): along each line the
+// lower envelope of the parabolas of what the axes before have found.
+void ObstacleCutter::spread_nearest(int side) {
+  const int plane = side * side;
+  line_at_.resize(side);
+  line_from_.resize(side + 1);
+  line_sq_.resize(side);
+  line_owner_.resize(side);
+  int* const at = line_at_.data();
+  double* const from = line_from_.data();
+  float* const line_sq = line_sq_.data();
+  int* const line_owner = line_owner_.data();
+  const int strides[3] = {1, side, plane};
+  distance_sq_.resize(owner_.size());
+  for (std::size_t i = 0; i < owner_.size(); ++i) distance_sq_[i] = owner_[i] >= 0 ? 0.0F : -1.0F;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int stride = strides[axis];
+    const int u = strides[(axis + 1) % 3], w = strides[(axis + 2) % 3];
+    for (int a = 0; a < side; ++a) {
+      for (int b = 0; b < side; ++b) {
+        const int base = a * u + b * w;
+        int count = 0;
+        for (int q = 0; q < side; ++q) {
+          line_owner[q] = owner_[base + q * stride];
+          line_sq[q] = distance_sq_[base + q * stride];
+          if (line_owner[q] < 0) continue;
+          double start = -std::numeric_limits<double>::infinity();
+          while (count > 0) {
+            const int v = at[count - 1];
+            start = ((line_sq[q] + q * q) - (line_sq[v] + v * v)) / (2.0 * (q - v));
+            if (start > from[count - 1]) break;
+            --count;
+            start = -std::numeric_limits<double>::infinity();
+          }
+          at[count] = q;
+          from[count++] = start;
+        }
+        if (count == 0) continue;
+        from[count] = std::numeric_limits<double>::infinity();
+        for (int q = 0, k = 0; q < side; ++q) {
+          while (from[k + 1] < q) ++k;
+          const int v = at[k];
+          owner_[base + q * stride] = line_owner[v];
+          distance_sq_[base + q * stride] = line_sq[v] + static_cast<float>((q - v) * (q - v));
+        }
+      }
+    }
+  }
+}
+
+void ObstacleCutter::cut_nearest(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
+                                 double encumbrance_m, double eta) {
+  if (voxels_m.empty()) return;
+  const int half = static_cast<int>(std::ceil(cell.radius_m() / eta / edge_m)) + 1;
+  const int side = 2 * half + 1;
+  const Eigen::Vector3i middle = (p_m.array() / edge_m).floor().cast<int>();
+  const auto index = [&](const Vector3& world_m) {
+    const Eigen::Vector3i at = ((world_m.array() / edge_m).floor().cast<int>() - middle.array() + half).matrix();
+    const bool in = (at.array() >= 0).all() && (at.array() < side).all();
+    return in ? (at.z() * side + at.y()) * side + at.x() : -1;
+  };
+  owner_.assign(static_cast<std::size_t>(side) * side * side, -1);
+  for (std::size_t i = 0; i < voxels_m.size(); ++i) {
+    const int cell_index = index(voxels_m[i]);
+    if (cell_index >= 0) owner_[cell_index] = static_cast<int>(i);
+  }
+  spread_nearest(side);
+  cell.exclude([&](const Vector3& q) {
+    const int cell_index = index(p_m + q);
+    const int owner = cell_index >= 0 ? owner_[cell_index] : -1;
+    if (owner < 0) return false;
+    const Vector3 center = voxels_m[owner] - p_m;
+    const HalfSpace cut = voxel_cut(nearest_in_voxel(q, center, edge_m), center, encumbrance_m, eta);
+    return cut.normal.dot(q) > cut.offset_m;
+  });
+}
+
+void RblSight::see(const GuidanceInput& input) {
+  registrar_.push(input.estimate);
+  if (!config_.enabled) return;
+  for (const auto& scan : input.observation.scans) {
+    if (!registrar_.make(scan, cloud_)) continue;
+    rays_.clear();
+    returned_.assign(static_cast<std::size_t>(scan->size()), false);
+    for (std::size_t i = 0; i < cloud_.size(); ++i) {
+      const int beam = static_cast<int>(cloud_.beam[i]);
+      returned_[beam] = true;
+      const Eigen::Vector3f origin = cloud_.T_world_lidar_of_beam(beam).translation().cast<float>();
+      const float range_m = (cloud_.points_world_m[i] - origin).norm();
+      if (range_m < config_.range_min_m || range_m > config_.range_max_m) continue;
+      rays_.push_back({origin, cloud_.points_world_m[i], true});
+    }
+    // Beams without return tell that nothing is near; the own body's beams have a return or a mask.
+    const auto far_m = static_cast<float>(config_.map.clear_range_m);
+    for (int beam = 0; beam < scan->size(); ++beam) {
+      if (returned_[beam] || scan->hit(beam)) continue;
+      if (!scan->beams->masked.empty() && scan->beams->masked[beam] != 0) continue;
+      const Pose& T = cloud_.T_world_lidar_of_beam(beam);
+      const Vector3 direction = T.linear() * scan->beams->directions_lidar[beam].cast<double>();
+      const Eigen::Vector3f origin = T.translation().cast<float>();
+      rays_.push_back({origin, origin + far_m * direction.cast<float>(), false});
+    }
+    map_.insert(rays_, cloud_.end());
+    map_.keep_around(input.estimate.T_world_body.translation());
+  }
+}
+
+std::array<HalfSpace, 2> field_of_view(const Matrix3& R_world_body, double fov_lower_deg, double fov_deg) {
+  const Vector3 n1 = R_world_body * turn_y(fov_lower_deg * kRadPerDeg) * Vector3::UnitZ();
+  const Vector3 n2 = R_world_body * turn_y((fov_lower_deg - fov_deg) * kRadPerDeg) * Vector3::UnitZ();
+  return {HalfSpace{-n1, 0.0}, HalfSpace{n2, 0.0}};
+}
+
+void RblLidarConfig::visit(ConfigVisitor& v) {
+  v.field("enabled", enabled, "[-] keep clear of what the own LiDAR sees and has seen (004, chapter 3)");
+  v.field("range_min_m", range_min_m, "[m] nearer returns are the own body (the thesis: 1 m)", Range::non_negative());
+  v.field("range_max_m", range_max_m, "[m] farther returns are not used", Range::positive());
+  v.choice("cut", cut, {"convex", "nearest"},
+           "[-] half-spaces at one voxel after the other, or each sample by the voxel nearest to it (3.1)");
+  v.field("fov_lower_deg", fov_lower_deg, "[deg] gamma of (3.2): the sensor sees down to this below the horizon ahead",
+          Range::between(-90.0, 90.0));
+  v.field("fov_deg", fov_deg, "[deg] alpha of (3.3): vertical field of view", Range::between(1.0, 180.0));
+  v.field("facing_deg", facing_deg, "[deg] fly only when the centroid is less than this off the heading",
+          Range::between(1.0, 180.0));
+  v.field("sensed_s", sensed_s, "[s] a voxel hit within this time counts as actively sensed (cell A')",
+          Range::positive());
+  v.object("map", map, "what was seen");
+}
+
+}  // namespace swiftlet

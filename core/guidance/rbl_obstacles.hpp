@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/guidance/guidance.hpp"
+#include "core/guidance/rbl_planner.hpp"
+#include "core/localization/world_cloud.hpp"
+#include "core/map/sparse_voxel_map.hpp"
+
+namespace swiftlet {
+
+/// LiDAR mode of the rule-based Lloyd algorithm (004, chapter 3). Defaults: Table 3.1 and the released program.
+struct RblLidarConfig {
+  bool enabled = false;
+  double range_min_m = 0.6;
+  double range_max_m = 40.0;
+  std::string cut = "convex";
+  double fov_lower_deg = 20.0;
+  double fov_deg = 59.0;
+  double facing_deg = 60.0;
+  double sensed_s = 0.5;
+  SparseVoxelMapConfig map;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Point of a voxel that is nearest to `p_m` (3.1).
+Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, double edge_m);
+
+/// Cuts cells by voxels. Both ways keep the agent's encumbrance away from every voxel that faces it:
+/// convex: half-spaces at the nearest point of the nearest voxel, then of the nearest one that is not yet behind such a
+/// plane, and so on: the cell stays convex, as 004, sec. 3.1.3 asks for;
+/// nearest: each sample by the voxel that is nearest to it (004, sec. 3.2.5, sign of the exclusion corrected).
+class ObstacleCutter {
+ public:
+  /// @param p_m  the agent; the cell is relative to it
+  void cut_convex(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
+                  double encumbrance_m, double eta, std::vector<HalfSpace>& cuts);
+  void cut_nearest(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
+                   double encumbrance_m, double eta);
+
+ private:
+  struct Candidate {
+    Eigen::Vector3f nearest_m;  // point of the voxel, relative to the agent
+    Eigen::Vector3f center_m;
+    float distance_sq;
+  };
+  void spread_nearest(int side);
+
+  std::vector<Candidate> left_;
+  std::vector<int> owner_;          // grid cell -> nearest voxel, -1: none
+  std::vector<float> distance_sq_;  // to it, in cells
+  std::vector<int> line_at_, line_owner_;
+  std::vector<double> line_from_;
+  std::vector<float> line_sq_;
+};
+
+/// What the LiDAR saw so far.
+class RblSight {
+ public:
+  explicit RblSight(const RblLidarConfig& config, double own_radius_m)
+      : config_(config), registrar_(own_radius_m), map_(config.map) {}
+
+  /// Takes the estimate and the scans of this tick.
+  void see(const GuidanceInput& input);
+  const CloudRegistrar& poses() const { return registrar_; }
+  const SparseVoxelMap& map() const { return map_; }
+
+ private:
+  RblLidarConfig config_;
+  CloudRegistrar registrar_;
+  WorldCloud cloud_;
+  SparseVoxelMap map_;
+  std::vector<SparseVoxelMap::Ray> rays_;
+  std::vector<bool> returned_;
+};
+
+/// The part of space between the two planes of the tilted sensor (3.2-3.4): ahead of the vehicle, from fov_lower_deg
+/// below its horizontal plane. Half-spaces relative to the vehicle.
+std::array<HalfSpace, 2> field_of_view(const Matrix3& R_world_body, double fov_lower_deg, double fov_deg);
+
+}  // namespace swiftlet
