@@ -11,7 +11,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kReach = 7.0;          // standard deviations; beyond lie 3e-12
-constexpr double kStepsPerSigma = 1.2;  // two nodes each
+constexpr double kStepsPerSigma = 2.0;  // two nodes each
 constexpr int kMaxSteps = 512;          // of one cell along one axis
 
 double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }

@@ -18,7 +18,7 @@ struct CellGrid {
 /// Probability of each cell under a trivariate normal distribution: box_probability() for a million boxes at once.
 ///
 /// The integral along the axis of the least conditional deviation is closed, over the two others Gauss-Legendre in
-/// steps that resolve the distribution. Absolute error of a cell below 1e-7 for deviations of a thousandth of a cell
+/// steps that resolve the distribution. Absolute error of a cell below 2e-7 for deviations of a thousandth of a cell
 /// and more.
 /// @param mean   [m]
 /// @param Sigma  [m^2], positive definite

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "parallel.hpp"
@@ -16,11 +15,6 @@ namespace swiftlet::tools {
 namespace {
 
 using testing::HasSubstr;
-
-std::string read(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // Runs an experiment; no row may differ from what was published.
 void expect_reproduced(const std::string& name, bool quick) {
@@ -115,12 +109,19 @@ TEST(Experiments, WhatFailsInOneFlightIsTold) {
 }
 
 TEST(Claims, UncertaintyTable) { expect_reproduced("uncertainty-table", true); }
+TEST(Claims, OccupancyFilters) { expect_reproduced("occupancy-filters", false); }
 TEST(Claims, ExpectedError) { expect_reproduced("expected-error", true); }
 TEST(Claims, VoxelProbability) { expect_reproduced("voxel-probability", true); }
 
 TEST(ClaimsInFull, UncertaintyTable) { expect_reproduced("uncertainty-table", false); }
 TEST(ClaimsInFull, ExpectedError) { expect_reproduced("expected-error", false); }
 TEST(ClaimsInFull, VoxelProbability) { expect_reproduced("voxel-probability", false); }
+
+TEST(ClaimsInFull, DetectionIdeal) { expect_reproduced("detection-ideal", false); }
+TEST(ClaimsInFull, DetectionNoisy) { expect_reproduced("detection-noisy", false); }
+TEST(ClaimsInFull, DetectionMulti) { expect_reproduced("detection-multi", false); }
+TEST(ClaimsInFull, DetectionReal) { expect_reproduced("detection-real", false); }
+TEST(ClaimsInFull, DetectionTakeoff) { expect_reproduced("detection-takeoff", false); }
 
 }  // namespace
 }  // namespace swiftlet::tools

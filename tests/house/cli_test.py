@@ -103,10 +103,32 @@ class Cli(unittest.TestCase):
 
     def test_help_is_everywhere(self):
         self.assertIn("run", self.run_swiftlet("--help").stdout)
-        for command in ("run", "batch", "report", "render", "world", "check", "list", "reference", "bench"):
+        for command in ("run", "batch", "report", "render", "world", "check", "list", "reference", "bench", "reproduce", "uncertainty"):
             result = self.run_swiftlet(command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Usage", result.stdout)
+
+    def test_experiments_are_listed_and_leave_their_table_and_plot(self):
+        self.assertIn("uncertainty-table", self.run_swiftlet("reproduce", "--list").stdout)
+        self.refused("reproduce", "no-such-thing", tells=["no-such-thing", "occupancy-filters"])
+        result = self.run_swiftlet("reproduce", "occupancy-filters", "--out", "experiments")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        folder = self.path / "experiments" / "occupancy-filters"
+        rows = json.loads((folder / "result.json").read_text())["rows"]
+        self.assertTrue(rows and all(row["verdict"] == "reproduced" for row in rows), rows)
+        for name in ("result.md", "occupancy-filters.csv", "occupancy-filters.svg"):
+            self.assertTrue((folder / name).stat().st_size > 0, name)
+
+    def test_the_uncertainty_of_a_sensor_is_a_table_and_a_plot(self):
+        result = self.run_swiftlet("uncertainty", "--sensor", "os1_128", "--sigma-position", "0.05", "--sigma-rotation", "0.005",
+                                   "--voxel", "0.25", "--out", "u")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = (self.path / "u" / "uncertainty.csv").read_text().splitlines()
+        at_12m = dict(zip(lines[0].split(","), map(float, lines[11].split(","))))
+        # Across the ray sqrt(0.05^2 + (12 * 0.005)^2) in two directions, along it sqrt(0.05^2 + 0.03^2): 0.11 to 0.13 m.
+        self.assertAlmostEqual(at_12m["range_m"], 12.0)
+        self.assertTrue(0.10 < at_12m["expected_error_m"] < 0.125, at_12m)
+        self.refused("uncertainty", "--sensor", "no_such_lidar", tells=["no_such_lidar"])
 
     def test_a_killed_run_leaves_nothing_that_looks_finished(self):
         self.scenario.write_text(HOVER.format(duration=100000))

@@ -32,12 +32,12 @@ struct ResultRow {
 };
 
 struct ExperimentOptions {
-  std::filesystem::path directory;  ///< where the experiment writes; exists
-  int jobs = 1;                     ///< runs at a time
-  std::optional<int> repetitions;   ///< instead of the experiment's own number
-  bool quick = false;               ///< a small version: fewer samples or seeds, shorter flights
-  std::function<void(double done, const std::string& note)>
-      progress;  ///< may be empty; called from one thread at a time
+  std::filesystem::path directory = {};  ///< where the experiment writes; exists
+  int jobs = 1;                          ///< runs at a time
+  std::optional<int> repetitions = {};   ///< instead of the experiment's own number
+  bool quick = false;                    ///< a small version: fewer samples or seeds, shorter flights
+  std::function<void(double done, const std::string& note)> progress =
+      {};  ///< may be empty; called from one thread at a time
 };
 
 /// Comma-separated values: a header, then rows of as many fields.

@@ -191,7 +191,7 @@ void draw(Experiment& experiment, const Table& ray, const Table& world) {
 
 void uncertainty_table(Experiment& experiment) {
   const Table ray = measure(experiment, Regions::kAlongRay, experiment.repetitions(3, 1));
-  const Table world = measure(experiment, Regions::kAlongWorld, experiment.repetitions(9, 1));
+  const Table world = measure(experiment, Regions::kAlongWorld, experiment.repetitions(3, 1));
   CsvTable csv({"regions", "sigma_rad", "sigma_m", "range_m", "draw", "max_d_r", "mean_d_r", "std_d_r", "published_max",
                 "published_mean", "published_std"});
   add_rows(csv, ray, "ray");
