@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/guidance/agile.hpp"
+#include "core/guidance/flocking.hpp"
 #include "core/guidance/hover.hpp"
 #include "core/guidance/rbl.hpp"
 #include "core/guidance/takeoff_land.hpp"
@@ -22,7 +23,11 @@ constexpr GuidanceType kTypes[] = {
     {{"timed_path", "a planned way with its times, as a spline", make_module_config<TimedPathConfig>}, make_timed_path},
     {{"agile", "random smooth flight at high speed in a box", make_module_config<AgileConfig>}, make_agile},
     {{"takeoff_land", "up from the ground, hover, down", make_module_config<TakeoffLandConfig>}, make_takeoff_land},
-    {{"rbl", "rule-based Lloyd: to the centroid of the own cell, in 2D or 3D", make_module_config<RblConfig>}, make_rbl},
+    {{"rbl", "rule-based Lloyd: to the centroid of the own cell, in 2D or 3D", make_module_config<RblConfig>},
+     make_rbl},
+    {{"pacnav", "informed vehicles fly to the goal, others follow persistent paths", make_module_config<PacnavConfig>},
+     make_pacnav},
+    {{"mezey", "flocking by what is seen on a 1D retina", make_module_config<MezeyConfig>}, make_mezey},
 };
 
 }  // namespace

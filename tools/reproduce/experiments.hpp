@@ -18,4 +18,11 @@ void detection_multi(Experiment& experiment);
 void detection_real(Experiment& experiment);
 void detection_takeoff(Experiment& experiment);
 
+// rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
+void rbl_circle(Experiment& experiment);
+void rbl_sphere(Experiment& experiment);
+void rbl_forest(Experiment& experiment);
+void rbl_real(Experiment& experiment);
+void rbl_baselines(Experiment& experiment);
+
 }  // namespace swiftlet::tools

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/guidance/flocking.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/localization/world_cloud.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kAhead_s = 1.0;  // the goal of the reference tracker lies this far ahead of a wanted velocity
+constexpr double kNearest_m = 1e-3;
+
+double wrap(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
+
+Vector3 horizontal(Vector3 v) {
+  v.z() = 0.0;
+  return v;
+}
+
+/// Pushes away from everybody nearer than the distance, the harder the nearer.
+Vector3 avoidance(const Vector3& p_m, std::span<const Neighbor> neighbors, double distance_m, double gain_mps) {
+  Vector3 push = Vector3::Zero();
+  for (const Neighbor& neighbor : neighbors) {
+    const Vector3 away = horizontal(p_m - neighbor.position_m);
+    const double d = std::max(away.norm(), kNearest_m);
+    if (d >= distance_m) continue;
+    push += gain_mps * (distance_m / d - 1.0) * away / d;
+  }
+  return push;
+}
+
+/// Positions of one neighbour over the last seconds, oldest first.
+struct RememberedPath {
+  std::int64_t key = 0;
+  std::vector<Vector3> points_m;
+  TimeNs last = 0;
+};
+
+double similarity(const RememberedPath& path, std::span<const RememberedPath> all) {
+  const Vector3 direction = horizontal(path.points_m.back() - path.points_m.front());
+  double sum = 0.0;
+  int count = 0;
+  for (const RememberedPath& other : all) {
+    if (other.key == path.key || other.points_m.size() < 2) continue;
+    const Vector3 with = horizontal(other.points_m.back() - other.points_m.front());
+    const double lengths = direction.norm() * with.norm();
+    if (lengths < kNearest_m) continue;
+    sum += direction.dot(with) / lengths;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+class Pacnav : public Guidance {
+ public:
+  Pacnav(const PacnavConfig& config, const GuidanceSetup& setup)
+      : config_(config), neighbors_(config.neighbors), registrar_(setup.agent.airframe.circumscribed_radius_m()) {
+    goal_.position_m = setup.agent.T_world_body_start.translation();
+    goal_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
+    height_m_ = goal_.position_m.z();
+  }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+    registrar_.push(input.estimate);
+    neighbors_.update(input, registrar_);
+    remember(input.observation.t);
+    const Vector3 p_m = input.estimate.T_world_body.translation();
+    const double to_goal_m = horizontal(config_.goal_m - p_m).norm();
+    const double radius_m = config_.informed ? config_.arrival_radius_m : 2.0 * config_.follow_radius_m;
+    arrived_ = arrived_ || to_goal_m <= radius_m;
+    Vector3 v = toward(p_m, aim(p_m));
+    v += avoidance(p_m, neighbors_.neighbors(), config_.avoid_distance_m, config_.avoid_gain_mps);
+    if (v.norm() > config_.speed_mps) v *= config_.speed_mps / v.norm();
+    goal_.position_m = p_m + kAhead_s * v;
+    goal_.position_m.z() = height_m_;
+    output.goal = goal_;
+    output.speed_limit_mps = config_.speed_mps;
+    output.mission = arrived_ ? MissionStatus::kDone : MissionStatus::kRunning;
+  }
+
+ private:
+  Vector3 toward(const Vector3& p_m, const Vector3& aim_m) const {
+    const Vector3 way = horizontal(aim_m - p_m);
+    const double d = way.norm();
+    return d > kNearest_m ? Vector3(way / d * std::min(config_.speed_mps, d / kAhead_s)) : Vector3(Vector3::Zero());
+  }
+
+  /// The goal, or a place behind the neighbour that seems to know the way; without one: stay.
+  Vector3 aim(const Vector3& p_m) const {
+    if (config_.informed) return config_.goal_m;
+    double best = 0.0;
+    const RememberedPath* leader = nullptr;
+    for (const RememberedPath& path : paths_) {
+      if (path.points_m.size() < 3) continue;
+      const double persistence = path_persistence(path.points_m);
+      const double score = persistence * (1.0 + std::max(0.0, similarity(path, paths_)));
+      if (persistence < config_.least_persistence || score <= best) continue;
+      best = score;
+      leader = &path;
+    }
+    if (leader == nullptr) return p_m;
+    const Vector3 behind = horizontal(p_m - leader->points_m.back());
+    const double d = behind.norm();
+    return d <= config_.follow_radius_m ? p_m : Vector3(leader->points_m.back() + behind / d * config_.follow_radius_m);
+  }
+
+  void remember(TimeNs now) {
+    const auto most = static_cast<std::size_t>(config_.memory_s / config_.sample_s) + 1;
+    for (const Neighbor& neighbor : neighbors_.neighbors()) {
+      auto path =
+          std::find_if(paths_.begin(), paths_.end(), [&](const RememberedPath& p) { return p.key == neighbor.key; });
+      if (path == paths_.end()) path = paths_.insert(paths_.end(), {neighbor.key, {}, 0});
+      if (!path->points_m.empty() && now - path->last < from_seconds(config_.sample_s)) continue;
+      if (path->points_m.size() >= most) path->points_m.erase(path->points_m.begin());
+      path->points_m.push_back(neighbor.position_m);
+      path->last = now;
+    }
+    std::erase_if(paths_, [&](const RememberedPath& p) { return now - p.last > from_seconds(config_.memory_s); });
+  }
+
+  PacnavConfig config_;
+  NeighborMemory neighbors_;
+  CloudRegistrar registrar_;
+  std::vector<RememberedPath> paths_;
+  Reference goal_;
+  double height_m_ = 0.0;
+  bool arrived_ = false;
+};
+
+class Mezey : public Guidance {
+ public:
+  Mezey(const MezeyConfig& config, const GuidanceSetup& setup)
+      : config_(config), neighbors_(config.neighbors), registrar_(setup.agent.airframe.circumscribed_radius_m()) {
+    goal_.position_m = setup.agent.T_world_body_start.translation();
+    heading_rad_ = goal_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
+    height_m_ = goal_.position_m.z();
+  }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+    registrar_.push(input.estimate);
+    neighbors_.update(input, registrar_);
+    const Vector3 p_m = input.estimate.T_world_body.translation();
+    const Vector3 to_goal = horizontal(config_.goal_m - p_m);
+    arrived_ = arrived_ || (config_.goal_weight_radps > 0.0 && to_goal.norm() <= config_.arrival_radius_m);
+    const VisualResponse seen = visual_response(config_, p_m, heading_rad_, neighbors_.neighbors(), retina_);
+    double turn = seen.turn_radps;
+    if (to_goal.norm() > kNearest_m) {
+      turn += config_.goal_weight_radps * std::sin(std::atan2(to_goal.y(), to_goal.x()) - heading_rad_);
+    }
+    speed_mps_ +=
+        input.dt_s * (config_.relaxation_radps * (config_.cruise_speed_mps - speed_mps_) + seen.acceleration_mps2);
+    speed_mps_ = std::clamp(speed_mps_, 0.0, 2.0 * config_.cruise_speed_mps);
+    heading_rad_ = wrap(heading_rad_ + input.dt_s * turn);
+    // Who has arrived rests.
+    const double v = arrived_ ? 0.0 : speed_mps_;
+    goal_.position_m = p_m + kAhead_s * v * Vector3(std::cos(heading_rad_), std::sin(heading_rad_), 0.0);
+    goal_.position_m.z() = height_m_;
+    goal_.yaw_rad = heading_rad_;
+    output.goal = goal_;
+    output.speed_limit_mps = 2.0 * config_.cruise_speed_mps;
+    output.mission = arrived_                          ? MissionStatus::kDone
+                     : config_.goal_weight_radps > 0.0 ? MissionStatus::kRunning
+                                                       : MissionStatus::kEndless;
+  }
+
+ private:
+  MezeyConfig config_;
+  NeighborMemory neighbors_;
+  CloudRegistrar registrar_;
+  std::vector<char> retina_;
+  Reference goal_;
+  double heading_rad_ = 0.0, speed_mps_ = 0.0, height_m_ = 0.0;
+  bool arrived_ = false;
+};
+
+}  // namespace
+
+double path_persistence(std::span<const Vector3> path_m) {
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < path_m.size(); ++i) length_m += (path_m[i] - path_m[i - 1]).norm();
+  return length_m > kNearest_m ? (path_m.back() - path_m.front()).norm() / length_m : 0.0;
+}
+
+VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_m, double heading_rad,
+                               std::span<const Neighbor> neighbors, std::vector<char>& retina) {
+  const int n = config.retina_pixels;
+  retina.assign(static_cast<std::size_t>(n), 0);
+  const double pixel = 2.0 * kPi / n;
+  for (const Neighbor& neighbor : neighbors) {
+    const Vector3 way = horizontal(neighbor.position_m - p_m);
+    const double d = way.norm();
+    const double half = d > config.body_radius_m ? std::asin(config.body_radius_m / d) : kPi / 2.0;
+    const double bearing = wrap(std::atan2(way.y(), way.x()) - heading_rad);
+    const int first = static_cast<int>(std::floor((bearing - half + kPi) / pixel));
+    const int last = static_cast<int>(std::floor((bearing + half + kPi) / pixel));
+    for (int i = first; i <= last; ++i) retina[static_cast<std::size_t>(((i % n) + n) % n)] = 1;
+  }
+  // A place that is seen repels, an edge attracts: near ones are wide, far ones are all edge.
+  VisualResponse response;
+  for (int i = 0; i < n; ++i) {
+    const double phi = -kPi + (i + 0.5) * pixel;
+    const bool edge = retina[i] != retina[(i + 1) % n];
+    const double seen = retina[i] != 0 ? pixel : 0.0;
+    const double phi_edge = -kPi + (i + 1.0) * pixel;
+    response.acceleration_mps2 +=
+        config.alpha0 * (-std::cos(phi) * seen + (edge ? config.alpha1 * std::cos(phi_edge) : 0.0));
+    response.turn_radps += config.beta0 * (-std::sin(phi) * seen + (edge ? config.beta1 * std::sin(phi_edge) : 0.0));
+  }
+  return response;
+}
+
+void PacnavConfig::visit(ConfigVisitor& v) {
+  v.field("informed", informed, "[-] knows the goal; others follow who seems to know the way");
+  v.field("goal_m", goal_m, "[m] world; x and y count");
+  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (informed)",
+          Range::positive());
+  v.field("follow_radius_m", follow_radius_m,
+          "[m] uninformed: distance kept to the followed one; within twice this of the goal it has arrived",
+          Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] at most", Range::positive());
+  v.field("memory_s", memory_s, "[s] length of the paths that are compared", Range::positive());
+  v.field("sample_s", sample_s, "[s] between the points of a path", Range::positive());
+  v.field("avoid_distance_m", avoid_distance_m, "[m] others nearer than this push away", Range::positive());
+  v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
+  v.field("least_persistence", least_persistence, "[-] of a path worth following", Range::probability());
+  v.object("neighbors", neighbors, "where the others are known from");
+  v.check(memory_s >= 2.0 * sample_s, "memory_s", "at least twice sample_s");
+}
+
+void MezeyConfig::visit(ConfigVisitor& v) {
+  v.field("goal_m", goal_m, "[m] world; x and y count");
+  v.field("goal_weight_radps", goal_weight_radps,
+          "[rad/s] turn towards the goal; 0: the published model, which has none", Range::non_negative());
+  v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached", Range::positive());
+  v.field("cruise_speed_mps", cruise_speed_mps, "[m/s] v_0", Range::positive());
+  v.field("relaxation_radps", relaxation_radps, "[1/s] gamma, return to the cruise speed", Range::positive());
+  v.field("alpha0", alpha0, "[m/s^2] strength of the change of speed", Range::non_negative());
+  v.field("alpha1", alpha1, "[-] weight of edges for the speed: sets the distance of balance", Range::non_negative());
+  v.field("beta0", beta0, "[rad/s] strength of the turn", Range::non_negative());
+  v.field("beta1", beta1, "[-] weight of edges for the turn", Range::non_negative());
+  v.field("body_radius_m", body_radius_m, "[m] size in which others are seen", Range::positive());
+  v.field("retina_pixels", retina_pixels, "[-] of the projection field", Range::between(8, 100000));
+  v.object("neighbors", neighbors, "where the others are known from");
+}
+
+std::unique_ptr<Guidance> make_pacnav(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Pacnav>(dynamic_cast<const PacnavConfig&>(config), setup);
+}
+
+std::unique_ptr<Guidance> make_mezey(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Mezey>(dynamic_cast<const MezeyConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/guidance/rbl_obstacles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/math/random.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kEdge = 0.2, kEncumbrance = 0.5, kEta = 0.9;
+
+Vector3 voxel_at(const Vector3& p) { return ((p.array() / kEdge).floor() + 0.5).matrix() * kEdge; }
+
+/// A trunk of voxels.
+void add_trunk(std::vector<Vector3>& voxels, double x, double y, double radius, double z_low, double z_high) {
+  for (double z = z_low; z < z_high; z += kEdge) {
+    for (int i = 0; i < 40; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / 40;
+      voxels.push_back(voxel_at({x + radius * std::cos(angle), y + radius * std::sin(angle), z + 0.01}));
+    }
+  }
+  std::sort(voxels.begin(), voxels.end(), [](const Vector3& a, const Vector3& b) {
+    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+  });
+  voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
+}
+
+double distance_to_voxel(const Vector3& q, const Vector3& center) {
+  return (q - nearest_in_voxel(q, center, kEdge)).norm();
+}
+
+TEST(NearestInVoxel, ClampsToTheFacesEdgesAndCorners) {
+  const Vector3 center(1, 2, 3);
+  EXPECT_EQ(nearest_in_voxel({0, 2.05, 3}, center, 0.2), Vector3(0.9, 2.05, 3));
+  EXPECT_EQ(nearest_in_voxel({0, 0, 0}, center, 0.2), Vector3(0.9, 1.9, 2.9));
+  EXPECT_EQ(nearest_in_voxel({1.02, 1.95, 3.05}, center, 0.2), Vector3(1.02, 1.95, 3.05));
+}
+
+TEST(ObstacleCutter, ConvexCellKeepsItsDistanceFromEveryVoxel) {
+  std::vector<Vector3> voxels;
+  const Vector3 p(0.3, -0.2, 2.0);
+  add_trunk(voxels, 2.0, 0.5, 0.5, 0.0, 6.0);
+  add_trunk(voxels, 0.2, 2.2, 0.3, 0.0, 6.0);
+  add_trunk(voxels, -1.6, -1.5, 0.4, 0.0, 6.0);
+  RblCell cell(3.5, 0.2, false);
+  ObstacleCutter cutter;
+  std::vector<HalfSpace> cuts;
+  cutter.cut_convex(cell, p, voxels, kEdge, kEncumbrance, kEta, cuts);
+  ASSERT_GT(cell.num_partitioned(), 100);
+  EXPECT_LT(cuts.size(), 120U);
+  for (int i = 0; i < cell.num_samples(); ++i) {
+    if (!cell.contains(i)) continue;
+    for (const Vector3& voxel : voxels) ASSERT_GE(distance_to_voxel(p + cell.point(i), voxel), kEncumbrance - 1e-3);
+  }
+  EXPECT_TRUE(cell.contains(cell.nearest_partitioned(Vector3::Zero())));
+  EXPECT_LT(cell.point(cell.nearest_partitioned(Vector3::Zero())).norm(), 1e-6);  // the agent is inside
+}
+
+TEST(ObstacleCutter, NearestVoxelOfTheGridIsTheNearestOfAll) {
+  std::vector<Vector3> voxels;
+  const Random random(3, "test");
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    const Vector3 p(random.uniform(-3.5, 3.5, 0, i), random.uniform(-3.5, 3.5, 1, i), random.uniform(-3.5, 3.5, 2, i));
+    if (p.norm() > 1.0) voxels.push_back(voxel_at(p));
+  }
+  const Vector3 p(0.1, 0.1, 0.1);  // a voxel's centre: samples of step 0.2 m lie on centres, too
+  RblCell by_grid(3.5, 0.2, false), by_search(3.5, 0.2, false);
+  ObstacleCutter cutter;
+  cutter.cut_nearest(by_grid, p, voxels, kEdge, kEncumbrance, kEta);
+  int differing = 0;
+  by_search.exclude([&](const Vector3& q) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector3& voxel : voxels) least = std::min(least, (p + q - voxel).norm());
+    bool any = false, all = true;  // of equally near voxels either may be taken
+    for (const Vector3& voxel : voxels) {
+      if ((p + q - voxel).norm() > least + 1e-6) continue;
+      const Vector3 nearest = nearest_in_voxel(q, voxel - p, kEdge);
+      const HalfSpace cut = obstacle_cut(nearest, kEncumbrance, kEta);
+      (cut.normal.dot(q) > cut.offset_m ? any : all) = cut.normal.dot(q) > cut.offset_m;
+    }
+    return any && all;
+  });
+  for (int i = 0; i < by_grid.num_samples(); ++i) differing += by_grid.contains(i) != by_search.contains(i);
+  EXPECT_LT(differing, by_grid.num_samples() / 100);  // ties only
+  EXPECT_LT(by_grid.num_partitioned(), by_grid.num_samples());
+}
+
+TEST(ObstacleCutter, AgentInsideAVoxelsSpaceIsSentAway) {
+  RblCell cell(3.5, 0.2, false);
+  ObstacleCutter cutter;
+  std::vector<HalfSpace> cuts;
+  const std::vector<Vector3> voxels = {{0.4, 0.1, 0.1}};
+  cutter.cut_convex(cell, Vector3(0.1, 0.1, 0.1), voxels, kEdge, kEncumbrance, kEta, cuts);
+  EXPECT_LT(cell.partitioned_centroid({20, 0, 0}, 0.5).x(), 0.0);
+}
+
+TEST(FieldOfView, IsAWedgeAheadFromGammaBelowToAlphaMinusGammaAbove) {
+  const auto planes = field_of_view(Matrix3::Identity(), 20.0, 59.0);
+  const auto sees = [&](double elevation_deg, double azimuth_deg) {
+    const double e = elevation_deg * std::numbers::pi / 180.0, a = azimuth_deg * std::numbers::pi / 180.0;
+    const Vector3 q(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+    return planes[0].normal.dot(q) <= planes[0].offset_m && planes[1].normal.dot(q) <= planes[1].offset_m;
+  };
+  EXPECT_TRUE(sees(-19.5, 0));
+  EXPECT_FALSE(sees(-20.5, 0));
+  EXPECT_TRUE(sees(38.5, 0));
+  EXPECT_FALSE(sees(39.5, 0));
+  EXPECT_FALSE(sees(0, 180));
+  EXPECT_FALSE(sees(10, 150));
+  // It turns with the vehicle.
+  const Matrix3 left = Eigen::AngleAxisd(std::numbers::pi / 2.0, Vector3::UnitZ()).toRotationMatrix();
+  const auto turned = field_of_view(left, 20.0, 59.0);
+  EXPECT_LE(turned[0].normal.dot(Vector3(0, 1, 0)), 0.0);
+  EXPECT_GT(turned[0].normal.dot(Vector3(0, -1, 0)), 0.0);
+}
+
+/// The document's failure (sec. 3.4.3): leaves around the vehicle are mapped once and are gone in the next sweep.
+double progress_after_leaves(double miss_log_odds) {
+  SparseVoxelMapConfig config;
+  config.miss_log_odds = miss_log_odds;
+  SparseVoxelMap map(config);
+  const Vector3 p(0.1, 0.1, 2.1);
+  const auto shell = [&](double radius, bool hit) {
+    std::vector<SparseVoxelMap::Ray> rays;
+    for (int i = -45; i <= 45; ++i) {
+      for (int j = 0; j < 120; ++j) {
+        const double e = i * std::numbers::pi / 180.0 * 2.0, a = j * std::numbers::pi / 60.0;
+        const Vector3 end = p + radius * Vector3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+        rays.push_back({p.cast<float>(), end.cast<float>(), hit});
+      }
+    }
+    return rays;
+  };
+  map.insert(shell(0.9, true), 1);                                                     // leaves
+  for (int i = 2; i <= 12; ++i) map.insert(shell(8.0, false), i * kNsPerSecond / 10);  // nothing there any more
+  std::vector<Vector3> voxels;
+  map.collect(p, 4.5, 2 * kNsPerSecond, 0, voxels);
+  RblCell cell(3.5, 0.2, false);
+  ObstacleCutter cutter;
+  std::vector<HalfSpace> cuts;
+  cutter.cut_convex(cell, p, voxels, kEdge, kEncumbrance, kEta, cuts);
+  return cell.is_empty() ? 0.0 : cell.partitioned_centroid({20, 0, 0}, 0.5).x();
+}
+
+TEST(Ghosts, LockTheVehicleInWithTheConservativeMapOnly) {
+  EXPECT_LT(progress_after_leaves(0.0), 0.4);
+  EXPECT_GT(progress_after_leaves(0.4), 2.0);
+}
+
+}  // namespace
+}  // namespace swiftlet

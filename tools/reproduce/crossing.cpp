@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "crossing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/agent/stack.hpp"
+#include "core/guidance/flocking.hpp"
+#include "core/guidance/rbl.hpp"
+#include "core/math/random.hpp"
+#include "sim/world/vehicle_state.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kStartSpread_m = 0.1;
+
+/// On the sphere evenly along a spiral of the golden angle.
+Vector3 direction(const Formation& formation, int i) {
+  const int n = formation.num_vehicles;
+  if (!formation.sphere) {
+    const double angle = 2.0 * kPi * i / n;
+    return {std::cos(angle), std::sin(angle), 0.0};
+  }
+  const double z = 1.0 - (2.0 * i + 1.0) / n;
+  const double rho = std::sqrt(1.0 - z * z);
+  const double angle = kPi * (3.0 - std::sqrt(5.0)) * i;
+  return {rho * std::cos(angle), rho * std::sin(angle), z};
+}
+
+}  // namespace
+
+void set_goal(sim::VehicleConfig& vehicle, const Eigen::Vector3d& goal_m) {
+  Module& guidance = vehicle.agent.as<StackConfig>().guidance;
+  if (guidance.type == "rbl") {
+    guidance.as<RblConfig>().goal_m = goal_m;
+  } else if (guidance.type == "pacnav") {
+    guidance.as<PacnavConfig>().goal_m = goal_m;
+  } else if (guidance.type == "mezey") {
+    guidance.as<MezeyConfig>().goal_m = goal_m;
+  } else {
+    throw std::invalid_argument("crossing: guidance '" + guidance.type + "' has no goal");
+  }
+}
+
+sim::Scenario make_crossing(const sim::Scenario& pattern, const Formation& formation, double height_m) {
+  sim::Scenario scenario = pattern;
+  scenario.vehicles.clear();
+  scenario.recorders.clear();
+  scenario.snapshots.clear();
+  const Random random(scenario.seed, "crossing.start");
+  const Vector3 center(0.0, 0.0, height_m);
+  for (int i = 0; i < formation.num_vehicles; ++i) {
+    sim::VehicleConfig vehicle = pattern.vehicles.front();
+    vehicle.name = "uav" + std::to_string(i + 1);
+    const Vector3 from = formation.radius_m * direction(formation, i);
+    vehicle.start.position_m = center + from;
+    for (int axis = 0; axis < (formation.sphere ? 3 : 2); ++axis) {
+      vehicle.start.position_m[axis] += random.uniform(-kStartSpread_m, kStartSpread_m, static_cast<std::uint32_t>(i),
+                                                       static_cast<std::uint32_t>(axis));
+    }
+    vehicle.start.yaw_deg = std::atan2(-from.y(), -from.x()) * 180.0 / kPi;
+    set_goal(vehicle, center - from);
+    scenario.vehicles.push_back(std::move(vehicle));
+  }
+  return scenario;
+}
+
+std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios) {
+  struct Way {
+    Vector3 last_m = Vector3::Zero();
+    double length_m = 0.0, time_s = 0.0;
+    bool known = false, arrived = false;
+  };
+  std::vector<std::vector<Way>> ways(scenarios.size());
+  for (std::size_t i = 0; i < scenarios.size(); ++i) ways[i].resize(scenarios[i].vehicles.size());
+  const auto runs = fly(experiment, scenarios, [&](std::size_t index, const sim::Simulation& simulation) {
+    const sim::TickView& view = simulation.view();
+    for (std::size_t v = 0; v < ways[index].size(); ++v) {
+      Way& way = ways[index][v];
+      if (way.arrived) continue;
+      const Vector3& p_m = view.states[v].p_world_m;
+      if (way.known) way.length_m += (p_m - way.last_m).norm();
+      way.last_m = p_m;
+      way.known = true;
+      if (view.actions[v]->mission != MissionStatus::kDone) continue;
+      way.arrived = true;
+      way.time_s = to_seconds(view.t);
+    }
+  });
+  std::vector<CrossingResult> results(scenarios.size());
+  for (std::size_t i = 0; i < scenarios.size(); ++i) {
+    CrossingResult& result = results[i];
+    for (const Way& way : ways[i]) {
+      if (!way.arrived) continue;
+      result.length_m.push_back(way.length_m);
+      result.time_s.push_back(way.time_s);
+      ++result.num_arrived;
+    }
+    result.crashed = runs[i].outcome == "crashed";
+    const sim::MetricRow* separation = runs[i].metrics.find("min_separation_m");
+    result.min_separation_m = separation != nullptr ? separation->value : std::numeric_limits<double>::quiet_NaN();
+  }
+  return results;
+}
+
+CrossingTable summarize(const std::vector<CrossingResult>& flights, int num_vehicles) {
+  CrossingTable table;
+  table.min_separation_m = std::numeric_limits<double>::infinity();
+  std::vector<double> length_m, time_s, slowest_s, speed_mps;
+  for (const CrossingResult& flight : flights) {
+    table.min_separation_m = std::min(table.min_separation_m, flight.min_separation_m);
+    if (flight.crashed || flight.num_arrived < num_vehicles) continue;
+    table.success += 1.0 / static_cast<double>(flights.size());
+    length_m.insert(length_m.end(), flight.length_m.begin(), flight.length_m.end());
+    time_s.insert(time_s.end(), flight.time_s.begin(), flight.time_s.end());
+    slowest_s.push_back(*std::max_element(flight.time_s.begin(), flight.time_s.end()));
+    for (std::size_t i = 0; i < flight.length_m.size(); ++i) speed_mps.push_back(flight.length_m[i] / flight.time_s[i]);
+  }
+  table.length_m = mean_and_deviation(length_m);
+  table.time_s = mean_and_deviation(time_s);
+  table.slowest_s = mean_and_deviation(slowest_s);
+  table.speed_mps = mean_and_deviation(speed_mps);
+  return table;
+}
+
+}  // namespace swiftlet::tools

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiment.hpp"
+#include "parallel.hpp"
+
+/// Crossings of a circle or a sphere (004, sec. 2.4), shared by the experiments of that document.
+namespace swiftlet::tools {
+
+struct Formation {
+  bool sphere = false;
+  int num_vehicles = 10;
+  double radius_m = 10.0;
+};
+
+/// Everybody to the opposite side. The first vehicle of the scenario is the pattern; starts are moved by up to 0.1 m by
+/// the scenario's seed. Guidance must have a `goal_m`: rbl, pacnav or mezey.
+sim::Scenario make_crossing(const sim::Scenario& pattern, const Formation& formation, double height_m);
+
+/// Sets the goal of whatever guidance has one.
+void set_goal(sim::VehicleConfig& vehicle, const Eigen::Vector3d& goal_m);
+
+/// One flight, as Table "N = ..." of the document counts it: until each vehicle reaches its goal.
+struct CrossingResult {
+  std::vector<double> length_m, time_s;  ///< of the vehicles that arrived
+  int num_arrived = 0;
+  bool crashed = false;
+  double min_separation_m = 0.0;
+};
+std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios);
+
+/// The columns of the document's tables over many flights.
+struct CrossingTable {
+  double success = 0.0;  ///< share of flights in which all arrived and nobody crashed
+  MeanAndDeviation length_m, time_s, slowest_s, speed_mps;
+  double min_separation_m = 0.0;  ///< of all flights
+};
+CrossingTable summarize(const std::vector<CrossingResult>& flights, int num_vehicles);
+
+}  // namespace swiftlet::tools

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "core/agent/stack.hpp"
+#include "core/guidance/rbl.hpp"
+#include "experiments.hpp"
+#include "parallel.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+struct ForestFlights {
+  double success = 0.0, least_clearance_m = std::numeric_limits<double>::infinity();
+  MeanAndDeviation length_m, time_s;
+};
+
+ForestFlights fly_forest(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios, CsvTable& csv,
+                         const std::string& name) {
+  const std::vector<sim::RunSummary> runs = fly(experiment, scenarios);
+  const std::string vehicle = scenarios.front().vehicles.front().name;
+  const std::vector<double> time_s = metric_of(runs, "time_to_done_s", vehicle);
+  const std::vector<double> length_m = metric_of(runs, "path_length_m", vehicle);
+  const std::vector<double> clearance_m = metric_of(runs, "min_clearance_surface_m", vehicle);
+  ForestFlights result;
+  std::vector<double> arrived_length_m, arrived_time_s;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const bool done = runs[i].outcome == "done";
+    csv.row(name, {static_cast<double>(runs[i].seed), done ? 1.0 : 0.0, length_m[i], time_s[i], clearance_m[i]});
+    result.least_clearance_m = std::min(result.least_clearance_m, clearance_m[i]);
+    if (!done) continue;
+    result.success += 1.0 / static_cast<double>(runs.size());
+    arrived_length_m.push_back(length_m[i]);
+    arrived_time_s.push_back(time_s[i]);
+  }
+  result.length_m = mean_and_deviation(arrived_length_m);
+  result.time_s = mean_and_deviation(arrived_time_s);
+  return result;
+}
+
+sim::Scenario forest(std::uint64_t seed) {
+  sim::Scenario scenario = scenario_with("reproduce/rbl_forest.yaml", seed);
+  scenario.recorders.clear();
+  scenario.snapshots.clear();
+  scenario.metrics.stop_on_crash = true;
+  return scenario;
+}
+
+RblConfig& rbl_of(sim::Scenario& scenario) {
+  return scenario.vehicles.front().agent.as<StackConfig>().guidance.as<RblConfig>();
+}
+
+}  // namespace
+
+void rbl_forest(Experiment& experiment) {
+  const int seeds = experiment.repetitions(100, 1);
+  CsvTable csv({"case", "seed", "success", "length_m", "time_s", "least_clearance_m"});
+  std::vector<sim::Scenario> scenarios;
+  for (int seed = 1; seed <= seeds; ++seed) scenarios.push_back(forest(static_cast<std::uint64_t>(seed)));
+  const ForestFlights flights = fly_forest(experiment, scenarios, csv, "forest");
+  experiment.at_least("success [-]", "1", flights.success, 1.0, 3, "another forest for each seed");
+  experiment.at_most("L [m]", "91.99 ± 0.96", flights.length_m.mean, 1.1 * 91.99, 4);
+  experiment.at_most("t [s]", "150.89 ± 0.88", flights.time_s.mean, 150.89, 4,
+                     "the printed v of 0.85 m/s does not fit L / t = 0.61 m/s");
+  experiment.at_least("least clearance of the whole vehicle [m]", "-", flights.least_clearance_m, 0.0, 3);
+  experiment.write("flights.csv", csv);
+}
+
+void rbl_real(Experiment& experiment) {
+  const int seeds = experiment.repetitions(10, 1);
+  CsvTable csv({"case", "seed", "success", "length_m", "time_s", "least_clearance_m"});
+  // The two columns of Table 3.2 are the same in print; the text says that cells and weighting were scaled.
+  struct Flight {
+    const char* name;
+    double goal_m, speed_mps, length_m, time_s;
+  };
+  for (const Flight& flight :
+       {Flight{"conservative", 45.0, 0.55, 53.84, 116.40}, Flight{"aggressive", 32.0, 0.8, 35.56, 51.64}}) {
+    std::vector<sim::Scenario> scenarios;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      sim::Scenario scenario = forest(static_cast<std::uint64_t>(seed));
+      const Eigen::Vector3d start = scenario.vehicles.front().start.position_m;
+      RblConfig& rbl = rbl_of(scenario);
+      const Eigen::Vector3d way = rbl.goal_m - start;
+      rbl.goal_m = start + flight.goal_m / way.norm() * way;
+      rbl.speed_mps = flight.speed_mps;
+      scenarios.push_back(std::move(scenario));
+    }
+    const ForestFlights ours = fly_forest(experiment, scenarios, csv, flight.name);
+    experiment.at_least(fmt::format("{}: success [-]", flight.name), "1", ours.success, 1.0, 3);
+    experiment.row({fmt::format("{}: L [m]", flight.name), fmt::format("{}", flight.length_m),
+                    fmt::format("{:.2f}", ours.length_m.mean), Verdict::kNotComparable,
+                    "neither the forest nor the parameters were published", ours.length_m.mean});
+    experiment.row({fmt::format("{}: t [s]", flight.name), fmt::format("{}", flight.time_s),
+                    fmt::format("{:.2f}", ours.time_s.mean), Verdict::kNotComparable, "at the published mean speed",
+                    ours.time_s.mean});
+  }
+  experiment.write("flights.csv", csv);
+}
+
+}  // namespace swiftlet::tools
