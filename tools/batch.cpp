@@ -27,6 +27,7 @@ struct BatchArguments {
   std::vector<std::string> set;
   int jobs = 0;
   std::string shard;
+  double memory_limit_mb = 0.0;
   bool resume = false;
   bool retry = false;
   bool plan = false;
@@ -122,6 +123,7 @@ void fly(const BatchArguments& arguments, const sim::BatchPlan& plan) {
   options.shard = arguments.shard.empty() ? sim::shard_of_environment(sim::system_environment()) : sim::parse_shard(arguments.shard);
   options.resume = arguments.resume || arguments.retry;
   options.retry = arguments.retry;
+  options.memory_limit_mb = arguments.memory_limit_mb;
   options.cancelled = [] { return interrupted != 0; };
   if (!options.shard.whole() && !arguments.quiet) {
     fmt::print(stderr, "{}: part {} ({})\n", plan.config().name, options.shard.str(), options.shard.source);
@@ -184,6 +186,8 @@ void add_batch(CLI::App& app) {
   command.option("--jobs", options->jobs, "Worker processes (default: one for each processor)", {.value_name = "N", .min = 0, .max = 4096});
   command.option("--shard", options->shard, "Fly part i of n into a database of its own; also told by Slurm arrays, MPI and indexed Kubernetes jobs",
                  {.value_name = "i/n"});
+  command.option("--memory-limit", options->memory_limit_mb, "Memory of one worker on this machine (default: the batch file's memory_limit_mb)",
+                 {.value_name = "MiB", .min = 0});
   command.flag("--resume", options->resume, "Fly what is missing in the batch directory");
   command.flag("--retry", options->retry, "Resume, and fly again what failed, crashed or ran out of time or memory");
   command.option("--set", options->set, "Override any key of the batch file (may be repeated)", {.value_name = "KEY=VALUE", .repeated = true});

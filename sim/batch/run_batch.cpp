@@ -106,7 +106,7 @@ WorkerPoolOptions pool_options(const BatchPlan& plan, const BatchOptions& option
   WorkerPoolOptions pool;
   pool.workers = options.jobs;
   pool.timeout_s = plan.config().timeout_s;
-  pool.memory_limit_mb = plan.config().memory_limit_mb;
+  pool.memory_limit_mb = options.memory_limit_mb > 0.0 ? options.memory_limit_mb : plan.config().memory_limit_mb;
   pool.jobs_per_worker = plan.config().episodes_per_worker;
   pool.cancelled = options.cancelled;
   return pool;

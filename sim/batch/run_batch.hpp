@@ -19,6 +19,7 @@ struct BatchOptions {
   Shard shard;
   bool resume = false;
   bool retry = false;  ///< resume: also what is recorded as failed, crashed, timed_out, out_of_memory
+  double memory_limit_mb = 0.0;        ///< of a worker on this machine; 0: the batch file's
   std::function<bool()> cancelled;
 };
 

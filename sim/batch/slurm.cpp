@@ -71,7 +71,7 @@ std::string array_script(const BatchPlan& plan, const SlurmScripts& job, const f
       in_shell_quotes(program.string()) + " batch " + in_shell_quotes(plan.file().string()) + " --out " +
       in_shell_quotes(out.string()) + " --resume \\\n    --shard \"${SLURM_ARRAY_TASK_ID}/" +
       std::to_string(job.num_tasks) + "\" --jobs " + std::to_string(slurm.cpus_per_task);
-  if (limit) text += " --set memory_limit_mb=" + std::to_string(static_cast<int>(worker_mb));
+  if (limit) text += " --memory-limit " + std::to_string(static_cast<int>(worker_mb));
   text +=
       " &\n  work=$!\n  wait \"$work\"\n}\n"
       "out_of_time() {\n"
