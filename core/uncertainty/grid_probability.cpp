@@ -11,7 +11,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kReach = 7.0;          // standard deviations; beyond lie 3e-12
-constexpr double kStepsPerSigma = 2.0;  // two nodes each
+constexpr double kStepsPerSigma = 1.2;  // three nodes each
 constexpr int kMaxSteps = 512;          // of one cell along one axis
 
 double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
@@ -61,14 +61,15 @@ struct Node {
   double x = 0.0, weight = 0.0;
 };
 
-// Two-point Gauss-Legendre in each step of [low, low + cell].
+// Three-point Gauss-Legendre in each step of [low, low + cell].
 std::vector<Node> nodes_of(double low, double cell_m, int steps) {
   std::vector<Node> nodes;
-  const double step = cell_m / steps;
+  const double step = cell_m / steps, reach = 0.5 * step * std::sqrt(0.6);
   for (int k = 0; k < steps; ++k) {
     const double centre = low + (k + 0.5) * step;
-    for (const double side : {-1.0, 1.0})
-      nodes.push_back({centre + side * 0.5 * step * std::numbers::inv_sqrt3, 0.5 * step});
+    nodes.push_back({centre - reach, step * 5.0 / 18.0});
+    nodes.push_back({centre, step * 8.0 / 18.0});
+    nodes.push_back({centre + reach, step * 5.0 / 18.0});
   }
   return nodes;
 }
