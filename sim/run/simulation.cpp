@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <compare>
 
 #include "sim/metrics/metrics.hpp"
 #include "sim/radio/radio.hpp"
@@ -24,6 +25,21 @@ constexpr double kHistoryMargin_s = 0.05;
 // From here on vehicles without LiDARs are worth several threads, which take so many at a time.
 constexpr int kManyVehicles = 16;
 constexpr int kVehiclesAtATime = 8;
+constexpr int kPartsAtATime = 16;
+
+struct Sweep {
+  Sensor* sensor = nullptr;
+  int num_parts = 0;
+};
+
+/// Part of a sweep; in order of its heading.
+struct Part {
+  int heading = 0;
+  int sweep = 0;
+  int number = 0;
+
+  auto operator<=>(const Part&) const = default;
+};
 
 // A mission that has ended is flown on for this long, so that recordings show its end.
 constexpr TimeNs kAfterTheEnd = kNsPerSecond / 2;
@@ -81,6 +97,7 @@ struct Simulation::Impl {
 
   void tick();
   int vehicles_at_a_time() const;
+  void trace_sweeps();
   void sense(VehicleId i);
   void collect_events();
   void note_mission(VehicleId i);
@@ -113,6 +130,8 @@ struct Simulation::Impl {
   std::vector<double> least_clearance_m;
   std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
   std::vector<std::uint64_t> hashes;
+  std::vector<Sweep> sweeps;  // due in this tick
+  std::vector<Part> parts;    // of theirs
   std::vector<Event> events;
   std::vector<MissionStatus> missions;
   std::vector<std::string> mission_notes;
@@ -148,6 +167,7 @@ void Simulation::Impl::tick() {
       observations[i].wants_overlays = pictures;
       radio.deliver(i, now, observations[i].messages);
     }
+    if (share == 1) trace_sweeps();
 #pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
     for (int i = 0; i < num_vehicles(); ++i) sense(i);
   }
@@ -188,6 +208,27 @@ int Simulation::Impl::vehicles_at_a_time() const {
     }
   }
   return num_vehicles() >= kManyVehicles ? kVehiclesAtATime : 0;
+}
+
+// The sweeps that are due, shared out to the threads in parts. In order of where they look, whosever they are: what one
+// vehicle's beams brought from memory serves the next one's.
+void Simulation::Impl::trace_sweeps() {
+  sweeps.clear();
+  for (const auto& of_vehicle : sensors) {
+    for (const auto& sensor : of_vehicle) {
+      if (sensor->makes_scan_by(now)) sweeps.push_back({sensor.get(), 0});
+    }
+  }
+#pragma omp parallel for schedule(dynamic, 1)
+  for (Sweep& sweep : sweeps) sweep.num_parts = sweep.sensor->begin_sweep(now, history);
+
+  parts.clear();
+  for (int s = 0; s < static_cast<int>(sweeps.size()); ++s) {
+    for (int k = 0; k < sweeps[s].num_parts; ++k) parts.push_back({sweeps[s].sensor->heading_of_part(k), s, k});
+  }
+  std::sort(parts.begin(), parts.end());
+#pragma omp parallel for schedule(dynamic, kPartsAtATime)
+  for (const Part& part : parts) sweeps[part.sweep].sensor->trace_part(part.number);
 }
 
 void Simulation::Impl::sense(VehicleId i) {

@@ -50,6 +50,7 @@ namespace {
 
 constexpr float kIntensityRange_m = 10.0F;  // Scan::intensity is 1 for a white wall at this range
 constexpr int kMaxSubRays = 9;
+constexpr int kTilesAtATime = 32;  // of a thread
 
 /// What the measurement needs to know about a surface, beside its truth.
 struct SurfaceLookUp {
@@ -135,6 +136,9 @@ class Lidar final : public Sensor {
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override;
   std::span<const std::shared_ptr<const LabelledScan>> scans() const override { return completed_; }
   bool makes_scan_by(TimeNs now) const override { return schedule_.is_due(now); }
+  int begin_sweep(TimeNs now, const StateHistory& truth) override;
+  void trace_part(int part) override;
+  int heading_of_part(int part) const override;
   double look_back_s() const override { return 1.0 / config_.rate_hz; }
 
  private:
@@ -143,7 +147,8 @@ class Lidar final : public Sensor {
   void look_up_surfaces();
   std::vector<Firing> firings_of(const BeamTable& beams) const;
   void make_tiles(BeamTable& beams);
-  void sweep(TimeNs stamp, std::uint32_t index, const StateHistory& truth, PooledScan& out);
+  std::shared_ptr<PooledScan> sweep(TimeNs stamp, std::uint32_t index, const StateHistory& truth);
+  void prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth, PooledScan& out);
 
   void measure_tile(const LidarTile& tile, std::uint32_t index, LabelledScan& out) const;
   void trace_thin(const LidarTile& tile, Echoes& echoes) const;
@@ -168,6 +173,8 @@ class Lidar final : public Sensor {
   std::vector<float> range_normals_;  // (beams), of the current sweep
   std::vector<std::shared_ptr<PooledScan>> pool_;
   std::vector<std::shared_ptr<const LabelledScan>> completed_;
+  std::shared_ptr<PooledScan> begun_;  // by begin_sweep(), to be delivered by measure()
+  int tiles_of_part_ = 1;
 };
 
 std::shared_ptr<const StaticScene> world_or_nothing(const SensorSetup& setup) {
@@ -196,6 +203,8 @@ Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
   scene_.set_firings(firings, pattern_->is_image());
   tiler_ = LidarTiler(*pattern_, *beams_, firings.size() == static_cast<std::size_t>(beams_->cols));
   make_tiles(*beams_);
+  // Shots that lie a degree apart share little with their neighbours: the fewer in a part, the better it can be placed.
+  tiles_of_part_ = pattern_->is_image() ? kTilesAtATime : 1;
   range_normals_.resize(beams_->size());
 }
 
@@ -231,7 +240,7 @@ void Lidar::make_tiles(BeamTable& beams) {
   tiler_.arrange(beams, tiles_);
   beams.masked.resize(beams.size());
   const int num_tiles = static_cast<int>(tiles_.size());
-#pragma omp parallel for schedule(dynamic, 32)
+#pragma omp parallel for schedule(dynamic, kTilesAtATime)
   for (int t = 0; t < num_tiles; ++t) {
     LidarTile& tile = tiles_[t];
     tiler_.load(beams, tile);
@@ -253,11 +262,29 @@ void Lidar::measure(TimeNs now, const StateHistory& truth, Observation& out) {
   TimeNs due = 0;
   std::uint32_t index = 0;
   while (schedule_.next(now, due, index)) {
-    std::shared_ptr<PooledScan> scan = take_from_pool();
-    sweep(due - duration_, index, truth, *scan);
+    std::shared_ptr<PooledScan> scan = begun_ ? std::move(begun_) : sweep(due - duration_, index, truth);
+    begun_.reset();
     out.scans.push_back(std::shared_ptr<const Scan>(scan, &scan->scan));
     completed_.push_back(std::move(scan));
   }
+}
+
+int Lidar::begin_sweep(TimeNs now, const StateHistory& truth) {
+  if (begun_ || !schedule_.is_due(now)) return 0;
+  begun_ = take_from_pool();
+  prepare(schedule_.due() - duration_, schedule_.index(), truth, *begun_);
+  return (static_cast<int>(tiles_.size()) + tiles_of_part_ - 1) / tiles_of_part_;
+}
+
+void Lidar::trace_part(int part) {
+  const int end = std::min((part + 1) * tiles_of_part_, static_cast<int>(tiles_.size()));
+  for (int t = part * tiles_of_part_; t < end; ++t) measure_tile(tiles_[t], schedule_.index(), *begun_);
+}
+
+int Lidar::heading_of_part(int part) const {
+  const BeamPacket& beams = tiles_[static_cast<std::size_t>(part) * tiles_of_part_].beams;
+  const Vector3 direction_lidar(beams.direction_x[0], beams.direction_y[0], beams.direction_z[0]);
+  return direction_cell((scene_.T_world_lidar(beams.firing[0]).linear() * direction_lidar).cast<float>());
 }
 
 // A scan that nobody holds any more, or a new one.
@@ -291,7 +318,17 @@ void Lidar::resize(LabelledScan& labelled) const {
   labelled.truth.T_world_lidar.resize(duration_ == 0 ? 1 : beams_->cols);
 }
 
-void Lidar::sweep(TimeNs stamp, std::uint32_t index, const StateHistory& truth, PooledScan& out) {
+std::shared_ptr<PooledScan> Lidar::sweep(TimeNs stamp, std::uint32_t index, const StateHistory& truth) {
+  std::shared_ptr<PooledScan> scan = take_from_pool();
+  prepare(stamp, index, truth, *scan);
+  const int num_tiles = static_cast<int>(tiles_.size());
+#pragma omp parallel for schedule(dynamic, kTilesAtATime)
+  for (int t = 0; t < num_tiles; ++t) measure_tile(tiles_[t], index, *scan);
+  return scan;
+}
+
+// Everything but the tracing.
+void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth, PooledScan& out) {
   out.scan.stamp = stamp;
   if (!pattern_->repeats()) {
     // Somebody may have kept the table without the scan.
@@ -312,9 +349,6 @@ void Lidar::sweep(TimeNs stamp, std::uint32_t index, const StateHistory& truth, 
     const std::size_t count = std::min(kChunk, size - first);
     range_random_.fill_normal(index, first, std::span(range_normals_).subspan(first, count));
   }
-  const int num_tiles = static_cast<int>(tiles_.size());
-#pragma omp parallel for schedule(dynamic, 32)
-  for (int t = 0; t < num_tiles; ++t) measure_tile(tiles_[t], index, out);
   for (std::size_t c = 0; c < out.truth.T_world_lidar.size(); ++c) {
     out.truth.T_world_lidar[c] = scene_.T_world_lidar(static_cast<int>(c));
   }

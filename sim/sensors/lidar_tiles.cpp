@@ -50,8 +50,10 @@ std::vector<std::int32_t> image_blocks(const LidarPattern& pattern, const BeamTa
   return order;
 }
 
+}  // namespace
+
 // Bands of z, each a row of sectors walked to and fro. The sector is by the diamond angle, cheap and monotonic.
-int cell_of(const Eigen::Vector3f& d) {
+int direction_cell(const Eigen::Vector3f& d) {
   const int band = std::clamp(static_cast<int>((d.z() + 1.0F) * (0.5F * kBands)), 0, kBands - 1);
   const float sum = std::abs(d.x()) + std::abs(d.y());
   const float ratio = sum > 0.0F ? d.x() / sum : 1.0F;
@@ -59,8 +61,6 @@ int cell_of(const Eigen::Vector3f& d) {
   const int sector = std::clamp(static_cast<int>(diamond * (0.25F * kSectors)), 0, kSectors - 1);
   return band * kSectors + (band % 2 == 0 ? sector : kSectors - 1 - sector);
 }
-
-}  // namespace
 
 LidarTiler::LidarTiler(const LidarPattern& pattern, const BeamTable& beams, bool one_firing_a_column)
     : is_image_(pattern.is_image()), one_firing_a_column_(one_firing_a_column) {
@@ -77,7 +77,7 @@ LidarTiler::LidarTiler(const LidarPattern& pattern, const BeamTable& beams, bool
 void LidarTiler::arrange_scattered(const BeamTable& beams) {
   std::fill(first_.begin(), first_.end(), 0);
   for (int i = 0; i < beams.size(); ++i) {
-    cell_[i] = cell_of(beams.directions_lidar[i]);
+    cell_[i] = direction_cell(beams.directions_lidar[i]);
     ++first_[cell_[i] + 1];
   }
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];

@@ -17,6 +17,9 @@ struct LidarTile {
   bool meets_self = false;
 };
 
+/// Number of the cell of directions that a beam goes to, about 5 deg wide; neighbouring numbers are neighbouring cells.
+int direction_cell(const Eigen::Vector3f& direction);
+
 /// Groups the beams of a sweep by direction: blocks of the image where rows and columns form one, otherwise in cells
 /// of direction. Tracing 16 rays that go the same way costs half as much as 16 in firing order.
 class LidarTiler {

@@ -68,8 +68,15 @@ class Sensor {
   virtual void measure(TimeNs now, const StateHistory& truth, Observation& out) = 0;
   /// Scans made by the last measure(), with truth, for recorders. Empty for anything but a LiDAR.
   virtual std::span<const std::shared_ptr<const LabelledScan>> scans() const { return {}; }
-  /// Does measure(now) make a scan? Then it is worth a thread of its own.
+  /// Does measure(now) make a scan? Then it may be traced part by part before:
   virtual bool makes_scan_by(TimeNs /*now*/) const { return false; }
+  /// Begins the sweep that is due and tells the number of its parts. Each must be traced once before measure(now), by
+  /// any thread and in any order. Not calling it is fine: then measure() does all.
+  virtual int begin_sweep(TimeNs /*now*/, const StateHistory& /*truth*/) { return 0; }
+  virtual void trace_part(int /*part*/) {}
+  /// Which way a part looks, as a number: parts of all sensors in its order meet what is still in the processor's
+  /// caches.
+  virtual int heading_of_part(int /*part*/) const { return 0; }
   /// How far back the sensor looks into the history [s].
   virtual double look_back_s() const { return 0.0; }
 
@@ -91,7 +98,10 @@ class Schedule {
     return true;
   }
   /// Will next(now, ...) give an instant?
-  bool is_due(TimeNs now) const { return first_ + static_cast<TimeNs>(count_) * period_ <= now; }
+  bool is_due(TimeNs now) const { return due() <= now; }
+  /// What next() will give, in time or number.
+  TimeNs due() const { return first_ + static_cast<TimeNs>(count_) * period_; }
+  std::uint32_t index() const { return count_; }
   TimeNs period() const { return period_; }
 
  private:

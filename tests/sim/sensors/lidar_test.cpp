@@ -618,6 +618,40 @@ TEST(Lidar, AHeldScanIsNotOverwritten) {
   EXPECT_EQ(held->beams->directions_lidar, directions);
 }
 
+/// A LiDAR whose sweeps are traced part by part, last part first, before they are asked for.
+class InParts final : public Sensor {
+ public:
+  explicit InParts(std::unique_ptr<Sensor> lidar) : Sensor({}), lidar_(std::move(lidar)) {}
+  void measure(TimeNs now, const StateHistory& truth, Observation& out) override {
+    const int num_parts = lidar_->begin_sweep(now, truth);
+    EXPECT_EQ(num_parts > 0, lidar_->makes_scan_by(now));
+    for (int part = num_parts - 1; part >= 0; --part) {
+      EXPECT_GE(lidar_->heading_of_part(part), 0);
+      lidar_->trace_part(part);
+    }
+    lidar_->measure(now, truth, out);
+  }
+  std::span<const std::shared_ptr<const LabelledScan>> scans() const override { return lidar_->scans(); }
+
+ private:
+  std::unique_ptr<Sensor> lidar_;
+};
+
+TEST(Lidar, PartsInAnyOrderMakeTheSameSweep) {
+  for (const char* pattern : {"ouster", "livox_mid360", "velodyne_puck"}) {
+    Rig rig = busy_rig();
+    rig.config.pattern = Module(lidar_pattern_types(), pattern);
+    const Scans whole = rig.run(3);
+    InParts in_parts(rig.make());
+    Scans scans;
+    drive(in_parts, rig.motions, {.duration_s = 0.3 + 1e-6, .tick = 10'000'000}, [&](TimeNs, const Observation&) {
+      scans.insert(scans.end(), in_parts.scans().begin(), in_parts.scans().end());
+    });
+    ASSERT_EQ(scans.size(), 3U) << pattern;
+    EXPECT_EQ(fingerprint(scans), fingerprint(whole)) << pattern;
+  }
+}
+
 TEST(Lidar, NothingIsAllocatedAfterTheFirstScans) {
   for (const char* pattern : {"ouster", "livox_mid360"}) {
     Rig rig = busy_rig();
