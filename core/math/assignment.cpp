@@ -7,36 +7,38 @@
 namespace swiftlet {
 
 std::span<const int> Assignment::solve(std::span<const double> costs, int rows, int cols) {
-  // Forbidden pairs and missing rows or columns cost so much that one of them outweighs all the rest.
+  // A forbidden pair, or a row without partner, costs so much that one of them outweighs all the rest.
   double span = 0.0;
   for (const double c : costs) {
     if (c < kForbidden) span = std::max(span, std::abs(c));
   }
-  const int n = std::max(rows, cols);
+  // Each row may stay alone, in a column of its own behind the others: few rows and many columns stay cheap.
+  const int n = rows, m = cols + rows;
   const double dear = (span + 1.0) * 4.0 * (n + 1);
-  square_.assign(static_cast<std::size_t>(n) * n, dear);
+  padded_.assign(static_cast<std::size_t>(n) * m, dear);
   for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < cols; ++c) square_[r * n + c] = std::min(costs[r * cols + c], dear);
+    for (int c = 0; c < cols; ++c) padded_[static_cast<std::size_t>(r) * m + c] = std::min(costs[r * cols + c], dear);
   }
 
   // Columns are numbered from 1; column 0 is where the row that looks for a partner stands.
   potential_row_.assign(n + 1, 0.0);
-  potential_col_.assign(n + 1, 0.0);
-  row_of_col_.assign(n + 1, 0);
-  previous_col_.assign(n + 1, 0);
+  potential_col_.assign(m + 1, 0.0);
+  row_of_col_.assign(m + 1, 0);
+  previous_col_.assign(m + 1, 0);
   for (int row = 1; row <= n; ++row) {
     row_of_col_[0] = row;
     int here = 0;
-    shortest_.assign(n + 1, kForbidden);
-    visited_.assign(n + 1, 0);
+    shortest_.assign(m + 1, kForbidden);
+    visited_.assign(m + 1, 0);
     do {  // Dijkstra over columns until one is free
       visited_[here] = 1;
       const int r = row_of_col_[here];
       double step = kForbidden;
       int next = 0;
-      for (int c = 1; c <= n; ++c) {
+      for (int c = 1; c <= m; ++c) {
         if (visited_[c]) continue;
-        const double reduced = square_[(r - 1) * n + c - 1] - potential_row_[r] - potential_col_[c];
+        const double reduced =
+            padded_[static_cast<std::size_t>(r - 1) * m + c - 1] - potential_row_[r] - potential_col_[c];
         if (reduced < shortest_[c]) {
           shortest_[c] = reduced;
           previous_col_[c] = here;
@@ -46,7 +48,7 @@ std::span<const int> Assignment::solve(std::span<const double> costs, int rows, 
           next = c;
         }
       }
-      for (int c = 0; c <= n; ++c) {
+      for (int c = 0; c <= m; ++c) {
         if (visited_[c]) {
           potential_row_[row_of_col_[c]] += step;
           potential_col_[c] -= step;
@@ -62,7 +64,7 @@ std::span<const int> Assignment::solve(std::span<const double> costs, int rows, 
   result_.assign(rows, -1);
   for (int c = 1; c <= cols; ++c) {
     const int r = row_of_col_[c] - 1;
-    if (r < rows && costs[r * cols + c - 1] < kForbidden) result_[r] = c - 1;
+    if (r >= 0 && costs[r * cols + c - 1] < kForbidden) result_[r] = c - 1;
   }
   return result_;
 }

@@ -19,7 +19,7 @@ class Assignment {
   std::span<const int> solve(std::span<const double> costs, int rows, int cols);
 
  private:
-  std::vector<double> square_, potential_row_, potential_col_, shortest_;
+  std::vector<double> padded_, potential_row_, potential_col_, shortest_;
   std::vector<int> row_of_col_, previous_col_, result_;
   std::vector<char> visited_;
 };
