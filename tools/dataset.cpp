@@ -76,6 +76,12 @@ void generate(const DatasetOptions& options) {
   for (const sim::SequenceInfo& info : report.sequences) sum.add(info.statistics);
   fmt::print("{}: {} flights, {} sequences, {} frames, {} points in {}\n", plan.config.name, report.flights_all,
              report.sequences.size(), sum.frames, sum.points, duration_text(report.wall_s));
+  const sim::FlightTiming& timing = report.timing;
+  if (timing.simulate_s > 0.0) {
+    fmt::print("worlds and ways {}, simulation {}, recording {}: written at {:.0f} % of the speed of simulation\n",
+               duration_text(timing.prepare_s), duration_text(timing.simulate_s), duration_text(timing.record_s),
+               100.0 * timing.simulate_s / (timing.simulate_s + timing.record_s));
+  }
   fmt::print("\n{}\n", bold("written to " + options.out));
   fmt::print("  {:<24} data card: statistics, histograms, pictures\n", "README.md");
   fmt::print("  {:<24} version, seeds, hash of every file\n", "manifest.json");

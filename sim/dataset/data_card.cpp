@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "sim/report/plot.hpp"
 #include "sim/run/run_directory.hpp"
 #include "sim/run/version.hpp"
 #include "sim/world/scene.hpp"
@@ -24,9 +25,13 @@ std::string format(const char* pattern, double value) {
 
 /// "1 234 567".
 std::string grouped(std::int64_t value) {
-  std::string digits = std::to_string(value);
-  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) digits.insert(static_cast<std::size_t>(i), " ");
-  return digits;
+  const std::string digits = std::to_string(value);
+  std::string text;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += ' ';
+    text += digits[i];
+  }
+  return text;
 }
 
 std::string bytes_text(double bytes) {
@@ -164,6 +169,70 @@ std::string randomisation_table(const DatasetConfig& config) {
   return text;
 }
 
+void draw_class_chart(const Totals& all, const fs::path& path) {
+  std::vector<std::pair<std::int64_t, std::uint16_t>> counts;
+  for (const auto& [label, count] : all.statistics.points_by_class) counts.emplace_back(-count, label);
+  std::sort(counts.begin(), counts.end());
+  std::vector<double> shares;
+  std::vector<std::string> names;
+  for (const auto& [negative, label] : counts) {
+    shares.push_back(100.0 * static_cast<double>(-negative) / static_cast<double>(all.statistics.points));
+    names.push_back(name_of_label(label));
+  }
+  plot::Figure figure("Points by class");
+  figure.set_panel_size(760, 380);
+  plot::Panel& panel = figure.add_panel();
+  panel.x.categories = names;
+  panel.y.label = "share of all points [%]";
+  panel.y.log = true;
+  panel.bars("", shares);
+  figure.write(path);
+}
+
+void draw_distance_chart(const Totals& all, const fs::path& path) {
+  const auto& bins = all.statistics.vehicles_by_range;
+  std::size_t end = bins.size();
+  while (end > 1 && bins[end - 1].boxes == 0) --end;
+  std::vector<double> middle_m, boxes, in_view, detected, well_detected, points;
+  for (std::size_t i = 0; i < end; ++i) {
+    const auto& bin = bins[i];
+    middle_m.push_back((static_cast<double>(i) + 0.5) * SequenceStatistics::kRangeBin_m);
+    boxes.push_back(static_cast<double>(bin.boxes));
+    in_view.push_back(static_cast<double>(bin.in_view));
+    detected.push_back(static_cast<double>(bin.detected));
+    well_detected.push_back(static_cast<double>(bin.well_detected));
+    points.push_back(bin.detected > 0 ? static_cast<double>(bin.points) / static_cast<double>(bin.detected)
+                                      : std::nan(""));
+  }
+  plot::Figure figure("Vehicles by distance", 2);
+  plot::Panel& counts = figure.add_panel("how many");
+  counts.x.label = "distance to the LiDAR [m]";
+  counts.y.label = "vehicles in frames, by 2 m";
+  counts.line("in frames", middle_m, boxes).line("visible", middle_m, in_view);
+  counts.line("with points", middle_m, detected).line("with 5 points or more", middle_m, well_detected);
+  plot::Panel& each = figure.add_panel("how well");
+  each.x.label = "distance to the LiDAR [m]";
+  each.y.label = "points on a vehicle that has any";
+  each.y.log = true;
+  each.line("", middle_m, points, {.marker = plot::Marker::kCircle});
+  figure.write(path);
+}
+
+void draw_range_chart(const Totals& all, const fs::path& path) {
+  const auto& bins = all.statistics.points_by_range;
+  std::vector<double> middle_m, share;
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    middle_m.push_back((static_cast<double>(i) + 0.5) * SequenceStatistics::kRangeBin_m);
+    share.push_back(100.0 * static_cast<double>(bins[i]) / static_cast<double>(all.statistics.points));
+  }
+  plot::Figure figure("Points by range");
+  plot::Panel& panel = figure.add_panel();
+  panel.x.label = "range [m]";
+  panel.y.label = "share of all points, by 2 m [%]";
+  panel.line("", middle_m, share);
+  figure.write(path);
+}
+
 std::string pictures(const std::vector<SequenceInfo>& sequences) {
   std::string text;
   for (const SequenceInfo& info : sequences) {
@@ -195,13 +264,20 @@ void write_data_card(const DatasetPlan& plan, const std::vector<SequenceInfo>& s
       "No world of one split comes again in another. `semantic-kitti.yaml` names classes, colours and splits in the "
       "form "
       "of semantic-kitti-api.\n\n";
-  text += "## Classes\n\n" + class_histogram(all) + "\n";
+  if (all.statistics.points > 0) {
+    fs::create_directories(directory / "charts");
+    draw_class_chart(all, directory / "charts/classes.svg");
+    draw_range_chart(all, directory / "charts/ranges.svg");
+    text += "## Classes\n\n![points by class](charts/classes.svg)\n\n" + class_histogram(all) + "\n";
+    text += "## Ranges\n\n![points by range](charts/ranges.svg)\n\n";
+  }
   if (all.boxes() > 0) {
+    draw_distance_chart(all, directory / "charts/distances.svg");
     text += "## Vehicles by distance\n\nOf the " + grouped(all.boxes()) + " vehicles in frames, " +
             grouped(all.sum(&SequenceStatistics::RangeBin::in_view)) +
             " are visible (at least a tenth of the silhouette in the field of view with nothing in front) and " +
-            grouped(all.sum(&SequenceStatistics::RangeBin::detected)) + " have points.\n\n" + distance_histogram(all) +
-            "\n";
+            grouped(all.sum(&SequenceStatistics::RangeBin::detected)) +
+            " have points.\n\n![vehicles by distance](charts/distances.svg)\n\n" + distance_histogram(all) + "\n";
   }
   const std::string shown = pictures(sequences);
   if (!shown.empty()) text += "## Pictures\n\n" + shown;

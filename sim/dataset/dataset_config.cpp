@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/math/random.hpp"
+#include "sim/scenario/reference.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/scenario/yaml_writer.hpp"
 #include "swiftlet/sim/recorder.hpp"
@@ -187,6 +188,14 @@ DatasetConfig load_dataset(const std::filesystem::path& file,
 std::string write_dataset(const DatasetConfig& config) {
   DatasetConfig copy = config;
   return write_config([&](ConfigVisitor& v) { copy.visit(v); });
+}
+
+std::string dataset_reference() {
+  DatasetConfig config;
+  return "# Reference of dataset files\n\nThis page is generated: `swiftlet reference dataset > "
+         "docs/dataset_reference.md`. [datasets.md](datasets.md) tells what the keys are for, "
+         "[reference.md](reference.md) how values are written.\n\n" +
+         reference_tables([&](ConfigVisitor& v) { config.visit(v); }, "Dataset");
 }
 
 std::vector<std::pair<std::string, std::string>> draw_overrides(const FamilyConfig& family, int num_vehicles,

@@ -112,6 +112,9 @@ DatasetConfig load_dataset(const std::filesystem::path& file,
 /// The complete configuration with every default written out.
 std::string write_dataset(const DatasetConfig& config);
 
+/// Every key of a dataset file as Markdown: docs/dataset_reference.md.
+std::string dataset_reference();
+
 /// The overrides of the scenario that flight `seed` draws, in the order of the variations. A pure function.
 /// @param attempt  0; another one when the flight of the one before could not be flown
 std::vector<std::pair<std::string, std::string>> draw_overrides(const FamilyConfig& family, int num_vehicles,

@@ -19,8 +19,8 @@ std::byte* store(std::byte* at, Number value) {
   return at + sizeof value;
 }
 
-std::uint16_t to_grey(float value, float unit) {
-  return static_cast<std::uint16_t>(std::clamp(std::round(value / unit), 1.0F, 65535.0F));
+std::uint16_t to_grey(float value, float per_unit) {
+  return static_cast<std::uint16_t>(std::clamp(value * per_unit + 0.5F, 1.0F, 65535.0F));
 }
 
 /// Poses of the sensor by column relative to the start of the sweep.
@@ -77,12 +77,12 @@ void encode_images(const LabelledScan& labelled, const ContentConfig& content, s
   const Scan& scan = labelled.scan;
   range.assign(static_cast<std::size_t>(scan.size()), 0);
   intensity.assign(static_cast<std::size_t>(scan.size()), 0);
-  const auto range_unit = static_cast<float>(content.range_unit_m);
-  const auto intensity_unit = static_cast<float>(content.intensity_unit);
+  const auto per_range_unit = static_cast<float>(1.0 / content.range_unit_m);
+  const auto per_intensity_unit = static_cast<float>(1.0 / content.intensity_unit);
   for (int i = 0; i < scan.size(); ++i) {
     if (!scan.hit(i)) continue;
-    range[static_cast<std::size_t>(i)] = to_grey(scan.range_m[i], range_unit);
-    intensity[static_cast<std::size_t>(i)] = to_grey(scan.intensity[i], intensity_unit);
+    range[static_cast<std::size_t>(i)] = to_grey(scan.range_m[i], per_range_unit);
+    intensity[static_cast<std::size_t>(i)] = to_grey(scan.intensity[i], per_intensity_unit);
   }
 }
 

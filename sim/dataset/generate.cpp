@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -168,14 +169,19 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
       return;
     }
     ++report.flights_done;
+    FlightTiming timing;
+    std::sscanf(result.bytes.c_str(), "%lf %lf %lf", &timing.prepare_s, &timing.simulate_s, &timing.record_s);
+    report.timing.add(timing);
     if (options.progress) options.progress(report.flights_done, report.flights_all, "");
   };
   events.idle = [&](int) {
     if (options.progress) options.progress(report.flights_done, report.flights_all, "");
   };
   const auto work = [&](std::uint64_t job) {
-    write_flight(plan, plan.flights[job], options.directory, threads);
-    return std::string();
+    const FlightTiming timing = write_flight(plan, plan.flights[job], options.directory, threads);
+    char bytes[128];
+    std::snprintf(bytes, sizeof bytes, "%.6f %.6f %.6f", timing.prepare_s, timing.simulate_s, timing.record_s);
+    return std::string(bytes);
   };
   const bool complete = jobs.empty() || run_jobs(jobs, work, pool, events);
   if (!failure.empty()) {

@@ -21,11 +21,21 @@ struct GenerateOptions {
   std::function<void(int done, int all, const std::string& note)> progress;
 };
 
+/// Where the wall time of flights went.
+struct FlightTiming {
+  double prepare_s = 0.0;   ///< worlds and ways, flights drawn anew
+  double simulate_s = 0.0;  ///< the simulation itself
+  double record_s = 0.0;    ///< everything that is written, and its hashes
+
+  void add(const FlightTiming& other);
+};
+
 struct GenerateReport {
   int flights_done = 0, flights_all = 0;
   bool cancelled = false;
   std::vector<SequenceInfo> sequences;
   double wall_s = 0.0;
+  FlightTiming timing;  ///< of all flights that were simulated
 };
 
 /// Writes what is missing. Throws InputError when the directory holds something else, or a dataset of another
@@ -34,7 +44,8 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
 
 /// Simulates one flight and writes its sequences, each under a temporary name until it is complete; those that are
 /// there already are left alone. A flight that cannot be planned or that ends in a crash is drawn anew.
-void write_flight(const DatasetPlan& plan, const Flight& flight, const std::filesystem::path& directory, int threads);
+FlightTiming write_flight(const DatasetPlan& plan, const Flight& flight, const std::filesystem::path& directory,
+                          int threads);
 
 /// Re-simulation of a finished sequence, for verify: exactly as it was written.
 PreparedFlight restore_flight(const std::filesystem::path& sequence_directory, const SequenceInfo& info);

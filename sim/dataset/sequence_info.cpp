@@ -142,15 +142,25 @@ SequenceInfo read_sequence_info(const fs::path& directory) {
   }
 }
 
-std::vector<FileEntry> list_files(const fs::path& directory) {
+std::vector<FileEntry> list_files(const fs::path& directory, std::vector<FileEntry> known) {
+  const auto by_path = [](const FileEntry& a, const FileEntry& b) { return a.path < b.path; };
+  std::sort(known.begin(), known.end(), by_path);
   std::vector<FileEntry> files;
   for (const auto& entry : fs::recursive_directory_iterator(directory)) {
     if (!entry.is_regular_file()) continue;
-    const std::string path = entry.path().lexically_relative(directory).generic_string();
-    if (path == kFile) continue;
-    files.push_back({path, entry.file_size(), hex(hash_of_file(entry.path()))});
+    FileEntry file;
+    file.path = entry.path().lexically_relative(directory).generic_string();
+    if (file.path == kFile) continue;
+    const auto found = std::lower_bound(known.begin(), known.end(), file, by_path);
+    if (found != known.end() && found->path == file.path) {
+      file = *found;
+    } else {
+      file.bytes = entry.file_size();
+      file.xxh128 = hex(hash_of_file(entry.path()));
+    }
+    files.push_back(std::move(file));
   }
-  std::sort(files.begin(), files.end(), [](const FileEntry& a, const FileEntry& b) { return a.path < b.path; });
+  std::sort(files.begin(), files.end(), by_path);
   return files;
 }
 

@@ -6,15 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "sim/dataset/hash.hpp"
 #include "sim/dataset/sequence_recorder.hpp"
 
 namespace swiftlet::sim {
-
-struct FileEntry {
-  std::string path;  ///< relative to the sequence
-  std::uint64_t bytes = 0;
-  std::string xxh128;
-};
 
 /// What sequences/NN/sequence.json tells.
 struct SequenceInfo {
@@ -43,7 +38,8 @@ std::string to_json(const SequenceInfo& info);
 SequenceInfo read_sequence_info(const std::filesystem::path& directory);
 
 /// Size and hash of every file below a directory, by name, without sequence.json.
-std::vector<FileEntry> list_files(const std::filesystem::path& directory);
+/// @param known  files that need not be read again
+std::vector<FileEntry> list_files(const std::filesystem::path& directory, std::vector<FileEntry> known = {});
 
 /// "00", "07", "113".
 std::string sequence_name(int sequence);

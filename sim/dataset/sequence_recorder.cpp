@@ -9,10 +9,10 @@
 
 #include "sim/dataset/boxes.hpp"
 #include "sim/dataset/frame.hpp"
+#include "sim/recorders/grey_png.hpp"
 #include "sim/recorders/output_file.hpp"
 #include "sim/recorders/pose_history.hpp"
 #include "sim/recorders/text_row.hpp"
-#include "sim/render/png.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -24,12 +24,6 @@ constexpr int kWell = 5;
 constexpr const char* kBoxesHeader =
     "frame,vehicle,instance,t_s,x_m,y_m,z_m,qx,qy,qz,qw,length_m,width_m,height_m,num_points,visible_fraction,range_m,"
     "x_world_m,y_world_m,z_world_m,qx_world,qy_world,qz_world,qw_world,vx_world_mps,vy_world_mps,vz_world_mps\n";
-
-void write_whole(const std::filesystem::path& path, const ByteBuffer& bytes) {
-  OutputFile file(path, 0);
-  file.append(bytes.bytes());
-  file.finish();
-}
 
 void write_whole(const std::filesystem::path& path, const std::string& text) {
   OutputFile file(path, 0);
@@ -127,11 +121,9 @@ class SequenceRecorder : public Recorder {
     const Scan& scan = labelled.scan;
     if (num_frames_ == 0) write_whole(directory_ / "calib.txt", calibration(scan.T_body_lidar));
     encode_frame(labelled, content_, frame_);
-    write_whole(directory_ / frame_file("velodyne", num_frames_, "bin"), frame_.velodyne);
-    write_whole(directory_ / frame_file("labels", num_frames_, "label"), frame_.labels);
-    if (content_.point_truth) {
-      write_whole(directory_ / frame_file("point_truth", num_frames_, "bin"), frame_.point_truth);
-    }
+    write_bytes(frame_file("velodyne", num_frames_, "bin"), frame_.velodyne);
+    write_bytes(frame_file("labels", num_frames_, "label"), frame_.labels);
+    if (content_.point_truth) write_bytes(frame_file("point_truth", num_frames_, "bin"), frame_.point_truth);
     if (content_.images && makes_an_image(scan)) write_images(labelled);
     write_poses(labelled);
     write_boxes(labelled);
@@ -139,18 +131,21 @@ class SequenceRecorder : public Recorder {
     ++num_frames_;
   }
 
+  void write_bytes(const std::string& name, const ByteBuffer& bytes) {
+    OutputFile file(directory_ / name, 0);
+    file.append(bytes.bytes());
+    file.finish();
+    const std::string_view text(reinterpret_cast<const char*>(bytes.bytes().data()), bytes.size());
+    statistics_->files.push_back({name, bytes.size(), hex(hash_of(text))});
+  }
+
   void write_images(const LabelledScan& labelled) {
     const Scan& scan = labelled.scan;
-    if (num_frames_ == 0) {
-      for (const char* folder : {"images/range", "images/intensity"}) {
-        std::filesystem::create_directories(directory_ / folder);
-      }
-      statistics_->pixel_shift_by_row = pixel_shift_by_row(*scan.beams);
-    }
+    if (num_frames_ == 0) statistics_->pixel_shift_by_row = pixel_shift_by_row(*scan.beams);
     encode_images(labelled, content_, range_image_, intensity_image_);
-    write_png16(directory_ / frame_file("images/range", num_frames_, "png"), scan.cols(), scan.rows(), range_image_);
-    write_png16(directory_ / frame_file("images/intensity", num_frames_, "png"), scan.cols(), scan.rows(),
-                intensity_image_);
+    write_bytes(frame_file("images/range", num_frames_, "png"), png_.encode(scan.cols(), scan.rows(), range_image_));
+    write_bytes(frame_file("images/intensity", num_frames_, "png"),
+                png_.encode(scan.cols(), scan.rows(), intensity_image_));
   }
 
   void write_poses(const LabelledScan& labelled) {
@@ -228,6 +223,7 @@ class SequenceRecorder : public Recorder {
   int num_scans_ = 0;
   int num_frames_ = 0;
   Frame frame_;
+  GreyPng png_;
   std::vector<std::uint16_t> range_image_, intensity_image_;
   std::vector<std::int64_t> classes_;  // of one frame, by label
   TextRow row_{' '};

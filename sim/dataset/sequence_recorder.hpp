@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/dataset/dataset_config.hpp"
+#include "sim/dataset/hash.hpp"
 #include "swiftlet/sim/recorder.hpp"
 
 namespace swiftlet::sim {
@@ -38,6 +39,7 @@ struct SequenceStatistics {
   double least_clearance_m = 1e9;
   std::vector<int> pixel_shift_by_row;  ///< of the images; empty: none
   int rows = 0, columns = 0;
+  std::vector<FileEntry> files;  ///< of the frames, hashed as they were written
 
   void add(const SequenceStatistics& other);
 };

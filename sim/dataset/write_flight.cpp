@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
 #include <cstdio>
 #include <stdexcept>
 
@@ -8,6 +9,7 @@
 #include "sim/recorders/tum.hpp"
 #include "sim/render/snapshot_recorder.hpp"
 #include "sim/run/run_directory.hpp"
+#include "sim/run/summary.hpp"
 #include "sim/run/version.hpp"
 #include "sim/sensors/lidar.hpp"
 
@@ -15,6 +17,7 @@ namespace swiftlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
 
 /// One LiDAR's sequence while it is written.
 struct OpenSequence {
@@ -34,9 +37,11 @@ std::unique_ptr<Recorder> recorder_of(const char* type, const Config& config) {
 std::vector<OpenSequence> open_sequences(const Flight& flight, const Scenario& scenario, const fs::path& directory) {
   const std::vector<LidarOfTeam> lidars = lidars_of(scenario);
   if (static_cast<int>(lidars.size()) != flight.num_sequences) {
-    throw std::runtime_error("flight " + std::to_string(flight.number) + ": expected " +
-                             std::to_string(flight.num_sequences) + " LiDARs, found " + std::to_string(lidars.size()) +
-                             " (variations must not change how many there are)");
+    char note[160];
+    std::snprintf(note, sizeof note,
+                  "flight %d: expected %d LiDARs, found %d (variations must not change how many there are)",
+                  flight.number, flight.num_sequences, static_cast<int>(lidars.size()));
+    throw std::runtime_error(note);
   }
   std::vector<OpenSequence> sequences;
   for (int i = 0; i < flight.num_sequences; ++i) {
@@ -129,7 +134,7 @@ SequenceInfo describe(const DatasetPlan& plan, const Flight& flight, int attempt
   info.revision = git_revision();
   info.reflectivities = prepared.reflectivities;
   info.statistics = *sequence.statistics;
-  info.files = list_files(sequence.partial);
+  info.files = list_files(sequence.partial, sequence.statistics->files);
   return info;
 }
 
@@ -142,18 +147,31 @@ void commit(const OpenSequence& sequence) {
   }
 }
 
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double stage_s(const Simulation& simulation, const std::string& wanted) {
+  for (const auto& [stage, seconds] : simulation.summary().stage_wall_s) {
+    if (stage == wanted) return seconds;
+  }
+  return 0.0;
+}
+
 /// @return why it must be drawn anew, or nothing
 std::string try_flight(const DatasetPlan& plan, const Flight& flight, int attempt, const fs::path& directory,
-                       int threads) {
+                       int threads, FlightTiming& timing) {
+  const auto start = Clock::now();
   const PreparedFlight prepared = prepare_flight(plan, flight, attempt);
   const std::vector<OpenSequence> sequences = open_sequences(flight, prepared.scenario, directory);
   Simulation simulation(prepared.scenario, threads, prepared.world);
   attach_recorders(simulation, plan, sequences, prepared.world);
+  const auto ready = Clock::now();
   const std::string crash = fly_to_the_end(simulation);
   if (!crash.empty()) {
     for (const OpenSequence& sequence : sequences) fs::remove_all(sequence.partial);
     return crash;
   }
+  const auto flown = Clock::now();
+  const double recorders_s = stage_s(simulation, "recorders");
   simulation.finish();
   for (const OpenSequence& sequence : sequences) {
     write_file(sequence.partial / "scenario.yaml", write_scenario(prepared.scenario));
@@ -161,23 +179,37 @@ std::string try_flight(const DatasetPlan& plan, const Flight& flight, int attemp
     write_file(sequence.partial / "sequence.json", to_json(info));
   }
   for (const OpenSequence& sequence : sequences) commit(sequence);
+  timing.prepare_s += std::chrono::duration<double>(ready - start).count();
+  timing.simulate_s = std::chrono::duration<double>(flown - ready).count() - recorders_s;
+  timing.record_s = recorders_s + seconds_since(flown);
   return {};
 }
 
 }  // namespace
 
-void write_flight(const DatasetPlan& plan, const Flight& flight, const fs::path& directory, int threads) {
+void FlightTiming::add(const FlightTiming& other) {
+  prepare_s += other.prepare_s;
+  simulate_s += other.simulate_s;
+  record_s += other.record_s;
+}
+
+FlightTiming write_flight(const DatasetPlan& plan, const Flight& flight, const fs::path& directory, int threads) {
+  FlightTiming timing;
   std::string reason;
   for (int attempt = 0; attempt < plan.config.max_attempts; ++attempt) {
+    const auto start = Clock::now();
     try {
-      reason = try_flight(plan, flight, attempt, directory, threads);
-      if (reason.empty()) return;
+      reason = try_flight(plan, flight, attempt, directory, threads, timing);
+      if (reason.empty()) return timing;
     } catch (const NoWayFound& error) {
       reason = error.what();
     }
+    timing.prepare_s += seconds_since(start);
   }
-  throw std::runtime_error("flight " + std::to_string(flight.number) + " (seed " + std::to_string(flight.seed) + "): " +
-                           std::to_string(plan.config.max_attempts) + " attempts failed, the last because " + reason);
+  char place[96];
+  std::snprintf(place, sizeof place, "flight %d (seed %llu): %d attempts failed, the last because ", flight.number,
+                static_cast<unsigned long long>(flight.seed), plan.config.max_attempts);
+  throw std::runtime_error(place + reason);
 }
 
 PreparedFlight restore_flight(const fs::path& sequence_directory, const SequenceInfo& info) {

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/recorders/grey_png.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <queue>
+#include <stdexcept>
+#include <string_view>
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr int kEndOfBlock = 256;
+constexpr int kNumSymbols = 286;  // literals, end, lengths
+constexpr int kMaxCodeBits = 15;
+constexpr int kLeastRun = 4, kMostRun = 258;
+constexpr std::uint16_t kRunToken = 256;  // a token above is a run of token - kRunToken repetitions
+
+/// Lengths of runs as RFC 1951, 3.2.5 codes them.
+struct LengthCode {
+  int symbol, extra_bits, base;
+};
+LengthCode length_code(int length) {
+  static constexpr std::array<int, 29> kBase = {3,  4,  5,  6,  7,  8,  9,  10, 11,  13,  15,  17,  19,  23, 27,
+                                                31, 35, 43, 51, 59, 67, 83, 99, 115, 131, 163, 195, 227, 258};
+  static constexpr std::array<int, 29> kExtra = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2,
+                                                 2, 3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5, 0};
+  std::size_t i = kBase.size() - 1;
+  while (kBase[i] > length) --i;
+  return {257 + static_cast<int>(i), kExtra[i], kBase[i]};
+}
+
+/// Huffman code lengths of at most 15 bits.
+std::array<std::uint8_t, kNumSymbols> code_lengths(std::array<std::uint32_t, kNumSymbols> counts) {
+  struct Node {
+    std::uint64_t count;
+    int index;
+    bool operator<(const Node& other) const { return count != other.count ? count > other.count : index > other.index; }
+  };
+  for (;;) {
+    std::array<int, 2 * kNumSymbols> parent{};
+    std::priority_queue<Node> open;
+    for (int i = 0; i < kNumSymbols; ++i) {
+      if (counts[static_cast<std::size_t>(i)] > 0) open.push({counts[static_cast<std::size_t>(i)], i});
+    }
+    int next = kNumSymbols;
+    while (open.size() > 1) {
+      const Node a = open.top();
+      open.pop();
+      const Node b = open.top();
+      open.pop();
+      parent[static_cast<std::size_t>(a.index)] = parent[static_cast<std::size_t>(b.index)] = next;
+      open.push({a.count + b.count, next++});
+    }
+    const int root = open.top().index;
+    std::array<std::uint8_t, kNumSymbols> lengths{};
+    int longest = 0;
+    for (int i = 0; i < kNumSymbols; ++i) {
+      if (counts[static_cast<std::size_t>(i)] == 0) continue;
+      int length = 0;
+      for (int node = i; node != root; node = parent[static_cast<std::size_t>(node)]) ++length;
+      lengths[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::max(length, 1));
+      longest = std::max(longest, length);
+    }
+    if (longest <= kMaxCodeBits) return lengths;
+    // Flatter counts make shorter codes.
+    for (std::uint32_t& count : counts) count = count > 0 ? count / 2 + 1 : 0;
+  }
+}
+
+/// Canonical codes, as RFC 1951, 3.2.2; turned around, for the stream is filled from the lowest bit.
+std::array<std::uint16_t, kNumSymbols> codes_of(const std::array<std::uint8_t, kNumSymbols>& lengths) {
+  std::array<int, kMaxCodeBits + 2> first{};
+  for (const std::uint8_t length : lengths) {
+    if (length > 0) ++first[length + 1U];
+  }
+  for (std::size_t bits = 2; bits < first.size(); ++bits) first[bits] = (first[bits] + first[bits - 1]) << 1;
+  std::array<std::uint16_t, kNumSymbols> codes{};
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (lengths[i] == 0) continue;
+    const int code = first[lengths[i]]++;
+    int turned = 0;
+    for (int bit = 0; bit < lengths[i]; ++bit) turned |= (code >> bit & 1) << (lengths[i] - 1 - bit);
+    codes[i] = static_cast<std::uint16_t>(turned);
+  }
+  return codes;
+}
+
+class BitWriter {
+ public:
+  explicit BitWriter(std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
+  void put(std::uint32_t bits, int count) {
+    held_ |= static_cast<std::uint64_t>(bits) << num_held_;
+    num_held_ += count;
+    while (num_held_ >= 8) {
+      bytes_.push_back(static_cast<std::uint8_t>(held_));
+      held_ >>= 8;
+      num_held_ -= 8;
+    }
+  }
+  void finish() {
+    if (num_held_ > 0) put(0, 8 - num_held_);
+  }
+
+ private:
+  std::vector<std::uint8_t>& bytes_;
+  std::uint64_t held_ = 0;
+  int num_held_ = 0;
+};
+
+void put_big_endian(ByteBuffer& out, std::uint32_t value) {
+  for (int shift = 24; shift >= 0; shift -= 8) out.put(static_cast<std::uint8_t>(value >> shift));
+}
+
+void put_chunk(ByteBuffer& out, std::string_view kind, std::span<const std::uint8_t> content) {
+  put_big_endian(out, static_cast<std::uint32_t>(content.size()));
+  const std::size_t start = out.size();
+  out.put_text(kind);
+  out.put_bytes(std::as_bytes(content));
+  const auto covered = out.bytes_from(start);
+  put_big_endian(out, static_cast<std::uint32_t>(
+                          crc32(0, reinterpret_cast<const Bytef*>(covered.data()), static_cast<uInt>(covered.size()))));
+}
+
+// Each byte less the one two before it in its row, that is the same half of the pixel to the left.
+void filter(int width, int height, std::span<const std::uint16_t> grey, std::vector<std::uint8_t>& out) {
+  out.resize((2U * static_cast<std::size_t>(width) + 1U) * static_cast<std::size_t>(height));
+  std::uint8_t* at = out.data();
+  for (int y = 0; y < height; ++y) {
+    const std::uint16_t* row = grey.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    *at++ = 1;  // Sub
+    std::uint16_t left = 0;
+    for (int x = 0; x < width; ++x) {
+      *at++ = static_cast<std::uint8_t>((row[x] >> 8) - (left >> 8));
+      *at++ = static_cast<std::uint8_t>((row[x] & 255) - (left & 255));
+      left = row[x];
+    }
+  }
+}
+
+// Bytes, and runs of the byte before.
+void find_runs(std::span<const std::uint8_t> bytes, std::vector<std::uint16_t>& tokens) {
+  tokens.clear();
+  tokens.reserve(bytes.size() + 1);
+  const std::size_t n = bytes.size();
+  for (std::size_t i = 0; i < n;) {
+    tokens.push_back(bytes[i]);
+    const std::uint8_t byte = bytes[i++];
+    while (i + kLeastRun <= n && bytes[i] == byte) {
+      std::size_t end = i;
+      while (end < n && end - i < kMostRun && bytes[end] == byte) ++end;
+      if (end - i < kLeastRun) break;
+      tokens.push_back(static_cast<std::uint16_t>(kRunToken + (end - i)));
+      i = end;
+    }
+  }
+}
+
+void deflate_tokens(std::span<const std::uint16_t> tokens, std::vector<std::uint8_t>& out) {
+  static const std::array<LengthCode, kMostRun + 1> kLengthCodes = [] {
+    std::array<LengthCode, kMostRun + 1> codes{};
+    for (int length = 3; length <= kMostRun; ++length) codes[static_cast<std::size_t>(length)] = length_code(length);
+    return codes;
+  }();
+  std::array<std::uint32_t, kNumSymbols> counts{};
+  for (const std::uint16_t token : tokens) {
+    ++counts[token < kRunToken ? token : static_cast<std::size_t>(kLengthCodes[token - kRunToken].symbol)];
+  }
+  counts[kEndOfBlock] = 1;
+  const auto lengths = code_lengths(counts);
+  const auto codes = codes_of(lengths);
+
+  BitWriter bits(out);
+  bits.put(1, 1);                  // the last block
+  bits.put(2, 2);                  // with its own codes
+  bits.put(kNumSymbols - 257, 5);  // how many symbols
+  bits.put(0, 5);                  // one distance
+  bits.put(19 - 4, 4);
+  // The lengths themselves: 16 values of four bits each, no repetitions (order: 16, 17, 18, then 0 to 15 shuffled).
+  for (int i = 0; i < 19; ++i) bits.put(i < 3 ? 0 : 4, 3);
+  const auto put_length = [&](int length) {
+    const int turned = (length & 1) << 3 | (length & 2) << 1 | (length & 4) >> 1 | (length & 8) >> 3;
+    bits.put(static_cast<std::uint32_t>(turned), 4);
+  };
+  for (const std::uint8_t length : lengths) put_length(length);
+  put_length(1);
+  for (const std::uint16_t token : tokens) {
+    if (token < kRunToken) {
+      bits.put(codes[token], lengths[token]);
+      continue;
+    }
+    const int run = token - kRunToken;
+    const LengthCode& code = kLengthCodes[static_cast<std::size_t>(run)];
+    const auto symbol = static_cast<std::size_t>(code.symbol);
+    bits.put(codes[symbol], lengths[symbol]);
+    bits.put(static_cast<std::uint32_t>(run - code.base), code.extra_bits);
+    bits.put(0, 1);  // distance 1
+  }
+  bits.put(codes[kEndOfBlock], lengths[kEndOfBlock]);
+  bits.finish();
+}
+
+}  // namespace
+
+const ByteBuffer& GreyPng::encode(int width, int height, std::span<const std::uint16_t> grey) {
+  if (width <= 0 || height <= 0 || grey.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+    throw std::invalid_argument("a picture's size and data do not agree");
+  }
+  filter(width, height, grey, filtered_);
+  find_runs(filtered_, tokens_);
+  stream_.clear();
+  stream_.push_back(0x78);
+  stream_.push_back(0x01);
+  deflate_tokens(tokens_, stream_);
+  const auto check = static_cast<std::uint32_t>(adler32(1, filtered_.data(), static_cast<uInt>(filtered_.size())));
+  for (int shift = 24; shift >= 0; shift -= 8) stream_.push_back(static_cast<std::uint8_t>(check >> shift));
+
+  file_.clear();
+  file_.put_text("\x89PNG\r\n\x1a\n");
+  ByteBuffer header;
+  put_big_endian(header, static_cast<std::uint32_t>(width));
+  put_big_endian(header, static_cast<std::uint32_t>(height));
+  for (const int value : {16, 0, 0, 0, 0})
+    header.put(static_cast<std::uint8_t>(value));  // bits, grey, deflate, filters, not interlaced
+  put_chunk(file_, "IHDR", {reinterpret_cast<const std::uint8_t*>(header.bytes().data()), header.size()});
+  put_chunk(file_, "IDAT", stream_);
+  put_chunk(file_, "IEND", {});
+  return file_;
+}
+
+}  // namespace swiftlet::sim

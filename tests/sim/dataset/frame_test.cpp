@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/dataset/frame.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <numbers>
+
+#include "tests/support/synthetic_run.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+template <class Number>
+Number number_at(const ByteBuffer& bytes, std::size_t offset) {
+  Number value;
+  std::memcpy(&value, bytes.bytes().data() + offset, sizeof value);
+  return value;
+}
+
+class FrameTest : public ::testing::Test {
+ protected:
+  TemporaryDirectory directory;
+  SyntheticRun run{directory.path()};
+  std::shared_ptr<LabelledScan> scan = run.make_scan("os1", run.make_beams(8, 16), 1'000, true);
+  ContentConfig content;
+  Frame frame;
+};
+
+TEST_F(FrameTest, HoldsTheReturnsRowByRowInThePublishedLayout) {
+  encode_frame(*scan, content, frame);
+  std::size_t k = 0;
+  for (int i = 0; i < scan->scan.size(); ++i) {
+    if (!scan->scan.hit(i)) continue;
+    const Eigen::Vector3f p = scan->scan.point_lidar(i);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(number_at<float>(frame.velodyne, 16 * k + 4 * static_cast<std::size_t>(axis)), p[axis]);
+    }
+    EXPECT_EQ(number_at<float>(frame.velodyne, 16 * k + 12), scan->scan.reflectivity[i]);
+    const auto label = number_at<std::uint32_t>(frame.labels, 4 * k);
+    EXPECT_EQ(label & 0xFFFF, scan->truth.surface_class[i]);
+    EXPECT_EQ(label >> 16, scan->truth.instance[i]);
+    EXPECT_EQ(number_at<std::uint32_t>(frame.point_truth, 16 * k), scan->scan.time_of(i) - scan->scan.stamp);
+    EXPECT_EQ(number_at<std::uint16_t>(frame.point_truth, 16 * k + 4), i / 16);
+    EXPECT_EQ(number_at<std::uint16_t>(frame.point_truth, 16 * k + 6), i % 16);
+    EXPECT_EQ(number_at<float>(frame.point_truth, 16 * k + 8), scan->truth.range_m[i]);
+    EXPECT_EQ(number_at<float>(frame.point_truth, 16 * k + 12), scan->truth.incidence_rad[i]);
+    ++k;
+  }
+  EXPECT_EQ(static_cast<std::size_t>(frame.num_points), k);
+  EXPECT_EQ(frame.velodyne.size(), 16 * k);
+  EXPECT_EQ(frame.labels.size(), 4 * k);
+  EXPECT_EQ(frame.point_truth.size(), 16 * k);
+}
+
+TEST_F(FrameTest, StoresTheIntensityAsReceivedWhenAskedTo) {
+  content.remission = "intensity";
+  encode_frame(*scan, content, frame);
+  EXPECT_EQ(number_at<float>(frame.velodyne, 12), scan->scan.intensity[0]);
+}
+
+TEST_F(FrameTest, DeskewedPointsLieWhereTheStartOfTheSweepWouldHaveSeenThem) {
+  content.deskew = true;
+  encode_frame(*scan, content, frame);
+  std::size_t k = 0;
+  for (int i = 0; i < scan->scan.size(); ++i) {
+    if (!scan->scan.hit(i)) continue;
+    const Vector3 p_world =
+        scan->truth.T_world_lidar[static_cast<std::size_t>(i % 16)] * scan->scan.point_lidar(i).cast<double>();
+    const Vector3 expected = scan->truth.T_world_lidar[0].inverse() * p_world;
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(number_at<float>(frame.velodyne, 16 * k + 4 * static_cast<std::size_t>(axis)), expected[axis], 2e-5);
+    }
+    ++k;
+  }
+}
+
+TEST_F(FrameTest, ImagesHoldRangeAndIntensityInTheirUnits) {
+  content.range_unit_m = 0.004;
+  content.intensity_unit = 0.001;
+  std::vector<std::uint16_t> range, intensity;
+  encode_images(*scan, content, range, intensity);
+  for (int i = 0; i < scan->scan.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!scan->scan.hit(i)) {
+      EXPECT_EQ(range[k], 0);
+      EXPECT_EQ(intensity[k], 0);
+      continue;
+    }
+    EXPECT_NEAR(0.004 * range[k], scan->scan.range_m[i], 0.0021);
+    EXPECT_NEAR(0.001 * intensity[k], scan->scan.intensity[i], 0.00051);
+  }
+}
+
+TEST(PixelShift, UndoesTheStaggeringOfRows) {
+  BeamTable beams;
+  beams.rows = 4;
+  beams.cols = 360;
+  const int shifts[] = {0, 3, -2, 5};
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 360; ++column) {
+      // Clockwise, as an Ouster turns; each row looks `shift` columns further.
+      const double azimuth = -(column + shifts[row]) * std::numbers::pi / 180.0;
+      beams.directions_lidar.emplace_back(std::cos(azimuth), std::sin(azimuth), 0.0);
+    }
+  }
+  const std::vector<int> found = pixel_shift_by_row(beams);
+  EXPECT_EQ(found, (std::vector<int>{0, 3, -2, 5}));
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/recorders/grey_png.hpp"
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "core/math/random.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+/// What libpng finds in the file.
+std::vector<std::uint16_t> read_by_libpng(const ByteBuffer& file, int& width, int& height) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  EXPECT_NE(png_image_begin_read_from_memory(&image, file.bytes().data(), file.size()), 0) << image.message;
+  width = static_cast<int>(image.width);
+  height = static_cast<int>(image.height);
+  EXPECT_TRUE(image.format & PNG_FORMAT_FLAG_LINEAR);  // 16 bits
+  // The simplified reader converts; the bytes as they are come by the classic one.
+  png_image_free(&image);
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  struct Source {
+    const std::byte* at;
+  } source{file.bytes().data()};
+  png_set_read_fn(png, &source, [](png_structp p, png_bytep out, png_size_t count) {
+    auto* from = static_cast<Source*>(png_get_io_ptr(p));
+    std::memcpy(out, from->at, count);
+    from->at += count;
+  });
+  std::vector<std::uint16_t> grey(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::vector<png_bytep> rows;
+  for (int y = 0; y < height; ++y)
+    rows.push_back(reinterpret_cast<png_bytep>(grey.data() + static_cast<std::size_t>(y) * width));
+  png_read_info(png, info);
+  EXPECT_EQ(png_get_bit_depth(png, info), 16);
+  EXPECT_EQ(png_get_color_type(png, info), PNG_COLOR_TYPE_GRAY);
+  png_set_swap(png);
+  png_read_image(png, rows.data());
+  png_read_end(png, nullptr);
+  png_destroy_read_struct(&png, &info, nullptr);
+  return grey;
+}
+
+void expect_same(int width, int height, const std::vector<std::uint16_t>& grey) {
+  GreyPng encoder;
+  int found_width = 0, found_height = 0;
+  const auto found = read_by_libpng(encoder.encode(width, height, grey), found_width, found_height);
+  EXPECT_EQ(found_width, width);
+  EXPECT_EQ(found_height, height);
+  EXPECT_EQ(found, grey);
+}
+
+TEST(GreyPng, IsReadByLibpngPixelForPixel) {
+  const Random random(1, "test");
+  expect_same(1, 1, {0});
+  expect_same(1, 1, {65535});
+  expect_same(3, 2, {0, 1, 2, 65535, 65534, 40000});
+  for (const int width : {1, 7, 255, 257, 1024}) {
+    for (const int height : {1, 16, 128}) {
+      const auto size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+      std::vector<std::uint16_t> empty(size, 0), noise(size), ranges(size);
+      for (std::size_t i = 0; i < size; ++i) {
+        const auto n = static_cast<std::uint32_t>(i);
+        noise[i] = static_cast<std::uint16_t>(random.bits(0, n)[0]);
+        // Smooth surfaces with noise and gaps: runs of every length.
+        const double range = 8000.0 + 3000.0 * std::sin(0.01 * static_cast<double>(i)) + 15.0 * random.normal(1, n);
+        ranges[i] = random.uniform(2, n / 90) < 0.3 ? 0 : static_cast<std::uint16_t>(range);
+      }
+      expect_same(width, height, empty);
+      expect_same(width, height, noise);
+      expect_same(width, height, ranges);
+    }
+  }
+}
+
+TEST(GreyPng, KeepsCodesShortWhenCountsDifferWildly) {
+  // Counts like Fibonacci's numbers make the longest Huffman codes: here 23 bits without a limit.
+  std::vector<std::uint16_t> grey;
+  std::uint16_t value = 0;
+  int a = 1, b = 1;
+  for (int symbol = 1; symbol < 24; ++symbol) {
+    for (int i = 0; i < a; ++i)
+      grey.push_back(value = static_cast<std::uint16_t>(value + symbol + 256 * (24 - symbol)));
+    const int next = a + b;
+    a = b;
+    b = next;
+  }
+  expect_same(static_cast<int>(grey.size()), 1, grey);
+}
+
+TEST(GreyPng, MakesNoisyRangesSmallerThanTheyAre) {
+  const Random random(1, "test");
+  std::vector<std::uint16_t> ranges(1024 * 128);
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    ranges[i] = static_cast<std::uint16_t>(9000.0 + 15.0 * random.normal(0, static_cast<std::uint32_t>(i)));
+  }
+  GreyPng encoder;
+  // Differences of two draws of 15 units: log2(15 sqrt(2) sqrt(2 pi e)) = 6.5 bits of 16.
+  EXPECT_LT(static_cast<double>(encoder.encode(1024, 128, ranges).size()),
+            0.5 * 2.0 * static_cast<double>(ranges.size()));
+}
+
+TEST(GreyPng, RefusesASizeThatDoesNotFit) {
+  GreyPng encoder;
+  EXPECT_THROW(encoder.encode(2, 2, std::vector<std::uint16_t>(3)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
