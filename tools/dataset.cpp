@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "progress.hpp"
+#include "scenario_options.hpp"
 #include "sim/batch/worker_pool.hpp"
 #include "sim/dataset/generate.hpp"
 #include "sim/dataset/verify.hpp"
@@ -41,20 +42,8 @@ class InterruptGuard {
   void (*previous_)(int);
 };
 
-std::vector<std::pair<std::string, std::string>> overrides_of(const std::vector<std::string>& assignments) {
-  std::vector<std::pair<std::string, std::string>> overrides;
-  for (const std::string& assignment : assignments) {
-    const std::size_t equals = assignment.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw sim::InputError(fmt::format("--set {}: expected KEY=VALUE, such as splits[0].flights=2", assignment));
-    }
-    overrides.emplace_back(assignment.substr(0, equals), assignment.substr(equals + 1));
-  }
-  return overrides;
-}
-
 void generate(const DatasetOptions& options) {
-  const sim::DatasetPlan plan = sim::plan_dataset(sim::load_dataset(options.file, overrides_of(options.set)));
+  const sim::DatasetPlan plan = sim::plan_dataset(sim::load_dataset(options.file, parse_assignments(options.set)));
   const InterruptGuard guard;
   Progress progress(plan.config.name, options.quiet);
   sim::GenerateOptions generation;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdio>
 #include <memory>
+#include <string>
 
 #include "commands.hpp"
 #include "sim/dataset/dataset_config.hpp"
 #include "sim/scenario/reference.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::tools {
 
