@@ -13,7 +13,7 @@ namespace swiftlet::tools {
 void add_reference(CLI::App& app) {
   Subcommand command(app, "reference", "Print the reference of every configuration key (docs/reference.md)");
   auto what = std::make_shared<std::string>("scenario");
-  command.option("what", *what, "scenario or dataset (docs/dataset_reference.md)");
+  command.option("what", *what, "scenario or dataset");
   command.action([what] {
     if (*what != "scenario" && *what != "dataset") {
       throw sim::InputError("reference " + *what + ": expected scenario or dataset");

@@ -192,9 +192,8 @@ std::string write_dataset(const DatasetConfig& config) {
 
 std::string dataset_reference() {
   DatasetConfig config;
-  return "# Reference of dataset files\n\nThis page is generated: `swiftlet reference dataset > "
-         "docs/dataset_reference.md`. [datasets.md](datasets.md) tells what the keys are for, "
-         "[reference.md](reference.md) how values are written.\n\n" +
+  return "# Reference of dataset files\n\nThis page is generated: `swiftlet reference dataset`. "
+         "docs/datasets.md tells what the keys are for, docs/reference.md how values are written.\n\n" +
          reference_tables([&](ConfigVisitor& v) { config.visit(v); }, "Dataset");
 }
 

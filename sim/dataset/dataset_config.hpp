@@ -112,7 +112,7 @@ DatasetConfig load_dataset(const std::filesystem::path& file,
 /// The complete configuration with every default written out.
 std::string write_dataset(const DatasetConfig& config);
 
-/// Every key of a dataset file as Markdown: docs/dataset_reference.md.
+/// Every key of a dataset file as Markdown.
 std::string dataset_reference();
 
 /// The overrides of the scenario that flight `seed` draws, in the order of the variations. A pure function.

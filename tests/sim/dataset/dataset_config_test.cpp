@@ -6,8 +6,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 
 #include "sim/dataset/flight.hpp"
@@ -116,12 +114,6 @@ TEST(DatasetPlan, NumbersSequencesByFlightAndLidarAndTellsConfigurationsApart) {
   EXPECT_EQ(plan_dataset(config).fingerprint, plan.fingerprint);
   const DatasetConfig faster = load_dataset(small.file(), {{"families[0].flight.speed_max_mps", "2.5"}});
   EXPECT_NE(plan_dataset(faster).fingerprint, plan.fingerprint);
-}
-
-TEST(DatasetReference, IsThatOfTheDocumentation) {
-  std::ifstream in(SWIFTLET_SOURCE_DIR "/docs/dataset_reference.md");
-  const std::string written((std::istreambuf_iterator<char>(in)), {});
-  EXPECT_EQ(written, dataset_reference()) << "swiftlet reference dataset > docs/dataset_reference.md";
 }
 
 TEST(DatasetPresets, AreValidAndHaveThreeSplits) {
