@@ -71,7 +71,9 @@ TEST(VoxelMap, ARowMovesToFreeAsItsVoxelsDo) {
     for (int i = 0; i < 20; ++i) {
       const std::ptrdiff_t at = row.grid().index(first) + i;
       EXPECT_NEAR(row.value(at), single.value(at), 1e-3);
-      if (n[i] == 0.0F) EXPECT_EQ(row.value(at), before[i]);
+      if (n[i] == 0.0F) {
+        EXPECT_EQ(row.value(at), before[i]);
+      }
     }
     EXPECT_EQ(row.num_occupied(), single.num_occupied());
   }
@@ -142,7 +144,9 @@ TEST(VoxelMap, AnswersAboutWhatIsOccupiedAreThoseOfALookAtEveryVoxel) {
     EXPECT_EQ(map.any_within(p, radius_m, VoxelState::kConfident), confident);
     const auto nearest = map.nearest_occupied(p, radius_m);
     ASSERT_EQ(nearest.has_value(), nearest_m <= radius_m);
-    if (nearest) EXPECT_NEAR((*nearest - p).norm(), nearest_m, 1e-12);
+    if (nearest) {
+      EXPECT_NEAR((*nearest - p).norm(), nearest_m, 1e-12);
+    }
   }
   for (const double bad : {std::nan(""), kInfinity, -kInfinity, 1e300}) {
     EXPECT_FALSE(map.occupied_within({bad, 0.0, 0.0}, 1.0));

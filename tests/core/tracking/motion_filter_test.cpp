@@ -188,7 +188,7 @@ TEST(ImmFilter, OneStepHasTheMomentsOfTheMixture) {
   const auto filter = make_imm_filter(config);
   const Random random(5, "test.imm");
   MotionState belief = filter->start({1, 2, 3}, 0.1 * Matrix3::Identity());
-  for (int m = 0; m < 3; ++m) belief.modes[m].mean += 0.5 * normal9(random, 0, m) + state({}, {4, 0, 0}, {0, 1, 0});
+  for (int m = 0; m < 3; ++m) belief.modes[m].mean += 0.5 * normal9(random, 0, m) + state(Vector3::Zero(), {4, 0, 0}, {0, 1, 0});
   belief.mode_probability = {0.5, 0.3, 0.2};
   const MotionState before = belief;
   const double dt_s = 0.1, stay = 1.0 / 3.0 + 2.0 / 3.0 * std::exp(-1.5 * dt_s / config.mean_sojourn_s);

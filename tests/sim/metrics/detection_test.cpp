@@ -198,9 +198,9 @@ TEST(DetectionMetric, IdentitiesAreFollowed) {
   run.states[2].p_world_m = {0, 8, 0};
   const auto scan = [&](std::uint32_t of_first, std::uint32_t of_second) {
     run.scan({0, 5, 5});
-    if (of_first != 0) run.track(of_first, {8, 0, 0.1}, {}, run.now + kTick);
-    if (of_second != 0) run.track(of_second, {0, 8, 0.1}, {}, run.now + kTick);
-    run.track(99, {20, 20, 20}, {}, run.now + kTick);  // one ghost, all along
+    if (of_first != 0) run.track(of_first, {8, 0, 0.1}, Vector3::Zero(), run.now + kTick);
+    if (of_second != 0) run.track(of_second, {0, 8, 0.1}, Vector3::Zero(), run.now + kTick);
+    run.track(99, {20, 20, 20}, Vector3::Zero(), run.now + kTick);  // one ghost, all along
     run.actions[0].has_tracks = true;
     run.tick();
   };
@@ -223,13 +223,13 @@ TEST(DetectionMetric, OspaIsThatOfItsDefinition) {
   run.states[1].p_world_m = {8, 0, 0};
   run.states[2].p_world_m = {0, 8, 0};
   run.scan({0, 5, 5});
-  run.track(1, {8, 0.6, 0}, {}, kTick);
+  run.track(1, {8, 0.6, 0}, Vector3::Zero(), kTick);
   run.tick();
   EXPECT_NEAR(run.value("track_ospa_m"), (0.6 + 3.0) / 2.0, 1e-9);
   run.scan({0, 5, 5});
-  run.track(1, {8, 0.6, 0}, {}, 2 * kTick);
-  run.track(2, {0, 8.2, 0}, {}, 2 * kTick);
-  run.track(3, {50, 8, 0}, {}, 2 * kTick);
+  run.track(1, {8, 0.6, 0}, Vector3::Zero(), 2 * kTick);
+  run.track(2, {0, 8.2, 0}, Vector3::Zero(), 2 * kTick);
+  run.track(3, {50, 8, 0}, Vector3::Zero(), 2 * kTick);
   run.tick();
   EXPECT_NEAR(run.value("track_ospa_m"), 0.5 * ((0.6 + 3.0) / 2.0 + (0.6 + 0.2 + 3.0) / 3.0), 1e-9);
 }

@@ -33,8 +33,9 @@ TEST(Changes, AMapBecomesSingleChangesWithTypeFirst) {
   const ConfigChanges expected = {{"world.type", "forest"},
                                   {"world.size_m", "[70, 70]"},
                                   {"wind.gusts", "true"},
-                                  {"vehicles[0].start.yaw_deg", "90"},
-                                  {"vehicles[b].name", "\"two: words\""}};
+                                  {"vehicles[b].name", "\"two: words\""},
+                                  // A map for an element comes after the plain keys, as in a scenario.
+                                  {"vehicles[0].start.yaw_deg", "90"}};
   EXPECT_EQ(read("set:\n  world: {size_m: [70, 70], type: forest}\n  wind.gusts: true\n"
                  "  vehicles[0]: {start: {yaw_deg: 90}}\n  vehicles[b].name: 'two: words'\n"),
             expected);
