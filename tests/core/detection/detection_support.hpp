@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/localization/world_cloud.hpp"
+#include "swiftlet/core/prior_map.hpp"
 #include "swiftlet/core/scan.hpp"
 
 namespace swiftlet::testing {
@@ -84,6 +85,15 @@ inline std::shared_ptr<const WorldCloud> cloud_of(const std::shared_ptr<const Sc
   auto cloud = std::make_shared<WorldCloud>();
   CloudRegistrar(0.0).make(scan, *cloud);
   return cloud;
+}
+
+/// The ground at height 0 as a map that is known beforehand.
+inline PriorMap known_ground(float half_m = 15.0F) {
+  PriorMap prior;
+  for (float x = -half_m; x < half_m; x += 0.2F) {
+    for (float y = -half_m; y < half_m; y += 0.2F) prior.occupied_m.emplace_back(x, y, -0.01F);
+  }
+  return prior;
 }
 
 inline Pose pose_at(const Vector3& p_m, double yaw_rad = 0.0) {

@@ -7,7 +7,6 @@
 #include "core/detection/registry.hpp"
 #include "core/detection/vofod_stages.hpp"
 #include "tests/core/detection/detection_support.hpp"
-#include "tests/support/allocation_counter.hpp"
 
 namespace swiftlet {
 namespace {
@@ -29,10 +28,12 @@ VofodConfig small_config() {
 /// Ticks of a detector with a scan every 100 ms.
 class Ticker {
  public:
-  explicit Ticker(const VofodConfig& config) {
+  explicit Ticker(const VofodConfig& config, bool ground_is_known = false) {
     Module module(detector_module_types(), "vofod");
     module.as<VofodConfig>() = config;
-    detector = make_detector(module, AgentSetup{});
+    AgentSetup setup;
+    if (ground_is_known) setup.prior_map = std::make_shared<const PriorMap>(known_ground());
+    detector = make_detector(module, setup);
     estimate_.T_world_body = pose_at({0.0, 0.0, 4.0});
     estimate_.valid = true;
   }
@@ -129,7 +130,7 @@ TEST(VofodDetector, RaysWaitForAClassification) {
 }
 
 TEST(VofodDetector, FindsAnObjectAndShowsHow) {
-  Ticker ticker(small_config());
+  Ticker ticker(small_config(), true);
   while (ticker.t < 4 * kNsPerSecond) ticker.tick(ground());
   std::vector<Detection> found;
   TimeNs stamp = 0;
