@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 
 #include "commands.hpp"
+#include "interrupt.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
 #include "sim/batch/merge.hpp"
@@ -40,23 +40,6 @@ struct MergeArguments {
   std::string out;
   std::vector<std::string> sources;
   bool quiet = false;
-};
-
-volatile std::sig_atomic_t interrupted = 0;
-
-// Ctrl-C and a cluster's SIGTERM end the batch at once; what has been flown is stored already.
-class StopSignals {
- public:
-  StopSignals() : interrupt_(std::signal(SIGINT, stop)), terminate_(std::signal(SIGTERM, stop)) {}
-  ~StopSignals() {
-    std::signal(SIGINT, interrupt_);
-    std::signal(SIGTERM, terminate_);
-  }
-
- private:
-  static void stop(int) { interrupted = 1; }
-  void (*interrupt_)(int);
-  void (*terminate_)(int);
 };
 
 fs::path out_of(const BatchArguments& arguments, const sim::BatchPlan& plan) {
@@ -124,11 +107,11 @@ void fly(const BatchArguments& arguments, const sim::BatchPlan& plan) {
   options.resume = arguments.resume || arguments.retry;
   options.retry = arguments.retry;
   options.memory_limit_mb = arguments.memory_limit_mb;
-  options.cancelled = [] { return interrupted != 0; };
+  options.cancelled = [] { return StopSignals::requested(); };
   if (!options.shard.whole() && !arguments.quiet) {
     fmt::print(stderr, "{}: part {} ({})\n", plan.config().name, options.shard.str(), options.shard.source);
   }
-  const StopSignals guard;
+  const StopSignals guard;  // what has been flown is stored already
   Progress progress(plan.config().name, arguments.quiet);
   const auto start = std::chrono::steady_clock::now();
   const auto elapsed_s = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };

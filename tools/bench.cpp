@@ -139,6 +139,7 @@ void check_names(const std::vector<std::string>& only) {
 
 void bench(const BenchOptions& options) {
   check_names(options.only);
+  if (!options.csv.empty()) sim::write_file(options.csv, "");  // now, rather than minutes later, when it cannot be written
   std::vector<Result> results;
   for (const Case& which : kCases) {
     if (!wanted(which, options.only)) continue;

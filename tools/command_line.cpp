@@ -1,21 +1,75 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "command_line.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace swiftlet::tools {
 namespace {
+
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
+/// "a whole number in [0, 1024]", "a number >= 0".
+template <class T>
+std::string expected(double min, double max) {
+  if constexpr (std::is_integral_v<T>) {
+    using Limits = std::numeric_limits<T>;
+    const T least = min > static_cast<double>(Limits::min()) ? static_cast<T>(min) : Limits::min();
+    const T most = max < static_cast<double>(Limits::max()) ? static_cast<T>(max) : Limits::max();
+    return fmt::format("a whole number in [{}, {}]", least, most);
+  }
+  if (min > -kUnlimited && max < kUnlimited) return fmt::format("a number in [{:g}, {:g}]", min, max);
+  if (min > -kUnlimited) return fmt::format("a number >= {:g}", min);
+  return max < kUnlimited ? fmt::format("a number <= {:g}", max) : "a number";
+}
+
+/// The whole text as a number; the library itself takes -1 for an unsigned one and cuts what is too large.
+template <class T>
+bool parse(const std::string& text, T& value) {
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return problem == std::errc() && end == text.data() + text.size();
+}
+
+/// What is wrong with the text of an option's number; empty: nothing.
+template <class T>
+std::string complaint(const std::string& text, double min, double max) {
+  T value{};
+  bool ok = parse(text, value) && static_cast<double>(value) >= min && static_cast<double>(value) <= max;
+  if constexpr (std::is_floating_point_v<T>) ok = ok && std::isfinite(value);
+  if (ok) return {};
+  std::string shown = text;
+  for (char& c : shown) c = static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+  return "expected " + expected<T>(min, max) + ", found \"" + shown + "\"";
+}
+
+template <class T>
+struct Number {
+  using Type = T;
+};
+template <class T>
+struct Number<std::optional<T>> {
+  using Type = T;
+};
+template <class T>
+struct Number<std::vector<T>> {
+  using Type = T;
+};
 
 template <class T>
 void add(CLI::App& command, const std::string& name, T& value, const std::string& doc, const OptionTraits& traits) {
   CLI::Option* option = command.add_option(name, value, doc);
   if (*traits.value_name != '\0') option->type_name(traits.value_name);
   if (traits.required) option->required();
-  if (traits.min || traits.max) {
-    option->check(CLI::Range(traits.min.value_or(std::numeric_limits<double>::lowest()),
-                             traits.max.value_or(std::numeric_limits<double>::max())));
+  using Value = typename Number<T>::Type;
+  if constexpr (std::is_arithmetic_v<Value>) {
+    option->check([min = traits.min.value_or(-kUnlimited), max = traits.max.value_or(kUnlimited)](
+                      const std::string& text) { return complaint<Value>(text, min, max); });
   }
   if (traits.repeated) option->allow_extra_args(false);
 }

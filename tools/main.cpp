@@ -2,15 +2,20 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <new>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "commands.hpp"
+#include "interrupt.hpp"
 #include "sim/run/version.hpp"
+#include "sim/scenario/suggest.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace {
@@ -18,12 +23,27 @@ namespace {
 constexpr int kBroke = 1;
 constexpr int kWrongInput = 2;
 
+// The library would only say that a subcommand is missing.
+void require_known_command(const CLI::App& app, const std::string& word) {
+  if (word.empty() || word.front() == '-') return;
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  if (std::find(known.begin(), known.end(), word) != known.end()) return;
+  throw swiftlet::sim::InputError("expected " + swiftlet::sim::one_of(known) + ", found \"" + word + "\"" +
+                                  swiftlet::sim::did_you_mean(word, known));
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app{"Swiftlet: simulator of teams of UAVs that see with LiDAR", "swiftlet"};
   app.set_version_flag("--version", std::string(swiftlet::sim::version()) + " (" + swiftlet::sim::git_revision() + ")");
   app.require_subcommand(1);
-  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return "swiftlet: " + std::string(error.what()) + "\nTry '" + failed->get_name() + " --help'.\n";
+  app.failure_message([](const CLI::App* program, const CLI::Error& error) {
+    std::string command = program->get_name();
+    for (const CLI::App* chosen = program; !chosen->get_subcommands().empty();) {
+      chosen = chosen->get_subcommands().back();
+      command += " " + chosen->get_name();
+    }
+    return "swiftlet: " + std::string(error.what()) + "\nTry '" + command + " --help'.\n";
   });
   swiftlet::tools::add_run(app);
   swiftlet::tools::add_batch(app);
@@ -38,10 +58,14 @@ int run_program(int argc, char** argv) {
   swiftlet::tools::add_reproduce(app);
   swiftlet::tools::add_uncertainty(app);
   try {
+    require_known_command(app, argc > 1 ? argv[1] : "");
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kWrongInput;
+  } catch (const swiftlet::tools::Interrupted& stop) {
+    std::fprintf(stderr, "swiftlet: %s\n", stop.what());
+    return stop.exit_status();
   } catch (const swiftlet::sim::InputError& error) {
     std::fprintf(stderr, "swiftlet: %s\n", error.what());
     return kWrongInput;

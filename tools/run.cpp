@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <csignal>
 #include <memory>
 
 #include "commands.hpp"
+#include "interrupt.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
 #include "sim/run/run_directory.hpp"
@@ -24,25 +24,17 @@ struct RunOptions {
   bool quiet = false;
 };
 
-volatile std::sig_atomic_t interrupted = 0;
-
 // Ctrl-C ends the run after the present tick; nothing that looks finished is left behind.
-class InterruptGuard {
- public:
-  InterruptGuard() : previous_(std::signal(SIGINT, [](int) { interrupted = 1; })) {}
-  ~InterruptGuard() { std::signal(SIGINT, previous_); }
-
- private:
-  void (*previous_)(int);
-};
+void stop_if_asked() {
+  if (StopSignals::requested()) throw Interrupted("interrupted; the unfinished run was removed");
+}
 
 void fly(sim::Simulation& simulation, bool quiet) {
-  const InterruptGuard guard;
   Progress progress(simulation.scenario().name, quiet);
   const auto start = std::chrono::steady_clock::now();
   while (!simulation.finished()) {
     simulation.tick();
-    if (interrupted != 0) throw std::runtime_error("interrupted; the unfinished run was removed");
+    stop_if_asked();
     if (!progress.due()) continue;
     const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const double simulated_s = to_seconds(simulation.now());
@@ -80,10 +72,12 @@ void print_paths(const fs::path& directory, const std::vector<fs::path>& written
 void run(const RunOptions& options) {
   const sim::Scenario scenario = options.scenario.load();
   const fs::path out = options.out.empty() ? fs::path("runs") / fmt::format("{}-{}", scenario.name, scenario.seed) : fs::path(options.out);
+  const StopSignals guard;
   sim::RunDirectory directory(out);
 
   const auto start = std::chrono::steady_clock::now();
   sim::Simulation simulation(scenario, options.threads);
+  stop_if_asked();
   simulation.attach_recorders(directory.path());
   const auto ready = std::chrono::steady_clock::now();
   fly(simulation, options.quiet);

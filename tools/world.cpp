@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 
 #include "commands.hpp"
 #include "scenario_options.hpp"
+#include "sim/run/run_directory.hpp"
 #include "sim/world/export.hpp"
 #include "sim/world/world.hpp"
 
@@ -19,8 +21,10 @@ struct WorldOptions {
 
 void export_scenario_world(const WorldOptions& options) {
   const sim::Scenario scenario = options.scenario.load();
+  const std::filesystem::path out(options.out);
+  if (out.has_parent_path()) sim::make_directory(out.parent_path());
   const sim::Scene scene = sim::make_world(scenario.world, scenario.seed_of_world());
-  const auto written = sim::export_world(scene, options.out);
+  const auto written = sim::export_world(scene, out);
   if (options.quiet) return;
   fmt::print("{} with seed {}: {} triangles, {} objects\n", scenario.world.type, scenario.seed_of_world(), scene.num_triangles(),
              scene.objects.size());

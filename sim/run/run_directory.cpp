@@ -40,9 +40,10 @@ void remove_stale(const fs::path& parent, const std::string& prefix) {
 RunDirectory::RunDirectory(fs::path destination) : destination_(fs::absolute(destination).lexically_normal()) {
   if (!destination_.has_filename()) destination_ = destination_.parent_path();  // "runs/a/" names runs/a
   if (!is_replaceable(destination_)) {
-    throw InputError(destination_.string() +
-                     ": expected a new name, an empty directory or an earlier run (with a summary.json), found something "
-                     "else; it was left as it is");
+    throw InputError(
+        destination_.string() +
+        ": expected a new name, an empty directory or an earlier run (with a summary.json), found something "
+        "else; it was left as it is");
   }
   const std::string prefix = "." + destination_.filename().string() + kPartial;
   try {
@@ -52,7 +53,8 @@ RunDirectory::RunDirectory(fs::path destination) : destination_(fs::absolute(des
     fs::remove_all(partial_);
     fs::create_directory(partial_);
   } catch (const fs::filesystem_error& error) {
-    throw InputError(destination_.string() + ": expected a directory that can be made, found: " + error.code().message());
+    throw InputError(destination_.string() +
+                     ": expected a directory that can be made, found: " + error.code().message());
   }
 }
 
@@ -73,6 +75,13 @@ void RunDirectory::commit() {
   committed_ = true;
   std::error_code ignored;
   fs::remove_all(aside, ignored);
+}
+
+void make_directory(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (!error) return;
+  throw InputError(path.string() + ": expected a directory that can be made, found: " + error.message());
 }
 
 void write_file(const fs::path& path, const std::string& content) {

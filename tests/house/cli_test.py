@@ -88,6 +88,20 @@ class Cli(unittest.TestCase):
         self.refused("list", "sensor")
         self.refused("bench", "nothing")
 
+    def test_refusals_tell_what_was_expected(self):
+        self.refused("runn", tells=['"runn"', 'did you mean "run"'])
+        self.refused("run", "--quite", self.scenario, tells=["'swiftlet run --help'"])
+        for seed in ("-1", "99999999999999999999", "1.5", "x"):
+            self.refused("run", self.scenario, "--seed", seed, tells=["--seed", "whole number", seed])
+        for duration in ("nan", "inf", "-1", "1e300", "1s"):
+            self.refused("run", self.scenario, "--duration", duration, tells=["--duration: expected a number", duration])
+        self.refused("run", self.scenario, "--threads", "5000", tells=["expected a whole number in [0, 1024]"])
+
+    def test_a_start_in_the_ground_is_refused_with_the_height_that_would_do(self):
+        self.scenario.write_text(HOVER.format(duration=1).replace("type: empty", "type: hall").replace("[0, 0, 5]", "[0, 0, 0]"))
+        self.refused("run", self.scenario, "--out", "out",
+                     tells=["hover.yaml:7:25: vehicles[0].start.position_m", "from z = 0.20 m upwards"])
+
     def test_a_directory_that_is_no_run_is_never_replaced(self):
         (self.path / "thesis").mkdir()
         (self.path / "thesis/chapter1.tex").write_text("years of work")
@@ -133,8 +147,7 @@ class Cli(unittest.TestCase):
     def test_a_killed_run_leaves_nothing_that_looks_finished(self):
         self.scenario.write_text(HOVER.format(duration=100000))
         for how in (signal.SIGKILL, signal.SIGINT):
-            run = subprocess.Popen([str(SWIFTLET), "run", str(self.scenario), "--out", "out", "-q"], cwd=self.path,
-                                   stderr=subprocess.PIPE)
+            run = self.start_run()
             time.sleep(0.7)
             run.send_signal(how)
             run.communicate(timeout=30)
@@ -144,6 +157,35 @@ class Cli(unittest.TestCase):
         self.scenario.write_text(HOVER.format(duration=1))
         self.run_swiftlet("run", self.scenario, "--out", "out", "-q", check=True)
         self.assertEqual(self.left_behind(), ["out"])
+
+    def start_run(self, stop_signals=signal.SIG_DFL):
+        def set_signals():  # whatever those of the test itself are
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                signal.signal(number, stop_signals)
+        return subprocess.Popen([str(SWIFTLET), "run", str(self.scenario), "--out", "out", "-q"], cwd=self.path,
+                                stderr=subprocess.PIPE, preexec_fn=set_signals)
+
+    def test_a_stopped_run_cleans_up_whenever_it_is_stopped(self):
+        for how in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            for world in ("empty", "field"):  # while flying, while the world is made
+                self.scenario.write_text(HOVER.format(duration=100000).replace("type: empty", f"type: {world}"))
+                run = self.start_run()
+                while run.poll() is None and not list(self.path.glob(".out.partial-*")):
+                    time.sleep(0.01)
+                run.send_signal(how)
+                message = run.communicate(timeout=60)[1].decode()
+                self.assertEqual(run.returncode, 128 + how, message)
+                self.assertIn("interrupted", message)
+                self.assertEqual(self.left_behind(), [])
+
+    def test_signals_that_are_ignored_stay_ignored(self):
+        self.scenario.write_text(HOVER.format(duration=2))
+        run = self.start_run(stop_signals=signal.SIG_IGN)  # as by nohup
+        while run.poll() is None and not list(self.path.glob(".out.partial-*")):
+            time.sleep(0.01)
+        run.send_signal(signal.SIGHUP)
+        run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 0)
 
     @unittest.skipUnless(os.path.exists("/dev/full"), "needs /dev/full")
     def test_an_output_that_cannot_be_written_is_an_error(self):
@@ -164,7 +206,11 @@ class Cli(unittest.TestCase):
         pictures = list((self.path / "out/render").rglob("*.png"))
         self.assertEqual(len(pictures), 1)
         self.assertTrue(pictures[0].read_bytes().startswith(b"\x89PNG"))
-        self.assertEqual(self.run_swiftlet("render", "out", "--time", "5").returncode, 2)
+        for wrong in (["--time", "5"], ["--time", "-1"], ["--camera", "nope"], ["--camera", "follow:nobody"],
+                      ["--out", "hover.yaml"], ["--until", "x"]):
+            refused = self.run_swiftlet("render", "out", *wrong)
+            self.assertEqual(refused.returncode, 2, wrong)
+            self.assertIn(wrong[0] if wrong[0] != "--out" else wrong[1], refused.stderr)
 
 
 if __name__ == "__main__":
