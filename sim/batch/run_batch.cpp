@@ -52,15 +52,6 @@ class Lock {
   int fd_;
 };
 
-void make_directory(const fs::path& directory) {
-  std::error_code error;
-  fs::create_directories(directory, error);
-  if (error || !fs::is_directory(directory)) {
-    throw InputError(directory.string() + ": expected a directory that can be made, found: " +
-                     (error ? error.message() : "something else of that name"));
-  }
-}
-
 EpisodeRow row_of(const BatchPlan& plan, const JobResult& result) {
   const Episode episode = plan.episode(result.id);
   EpisodeRow row;
