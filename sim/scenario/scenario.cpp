@@ -114,11 +114,8 @@ void check_cameras(ConfigVisitor& v, const Scenario& scenario, const std::vector
     check_name(v, camera.name, names, element("snapshots", i, "name"));
     check_exists(v, camera.vehicle, vehicle_names, element("snapshots", i, "vehicle"));
     const bool looks_through_lidar = camera.type.starts_with("lidar_");
-    if (looks_through_lidar) {
-      const std::vector<std::string> lidars = lidars_of(camera, scenario.vehicles);
-      v.check(!lidars.empty(), element("snapshots", i, "vehicle").c_str(), "a vehicle that carries a LiDAR");
-      check_exists(v, camera.sensor, lidars, element("snapshots", i, "sensor"));
-    }
+    if (looks_through_lidar)
+      check_exists(v, camera.sensor, lidars_of(camera, scenario.vehicles), element("snapshots", i, "sensor"));
     names.push_back(camera.name);
   }
 }

@@ -134,6 +134,7 @@ class Cli(unittest.TestCase):
             self.assertTrue((folder / name).stat().st_size > 0, name)
 
     def test_the_uncertainty_of_a_sensor_is_a_table_and_a_plot(self):
+        self.refused("uncertainty", "--sensor", "no_such_lidar", tells=["no_such_lidar"])
         result = self.run_swiftlet("uncertainty", "--sensor", "os1_128", "--sigma-position", "0.05", "--sigma-rotation", "0.005",
                                    "--voxel", "0.25", "--out", "u")
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -142,7 +143,6 @@ class Cli(unittest.TestCase):
         # Across the ray sqrt(0.05^2 + (12 * 0.005)^2) in two directions, along it sqrt(0.05^2 + 0.03^2): 0.11 to 0.13 m.
         self.assertAlmostEqual(at_12m["range_m"], 12.0)
         self.assertTrue(0.10 < at_12m["expected_error_m"] < 0.125, at_12m)
-        self.refused("uncertainty", "--sensor", "no_such_lidar", tells=["no_such_lidar"])
 
     def test_a_killed_run_leaves_nothing_that_looks_finished(self):
         self.scenario.write_text(HOVER.format(duration=100000))
