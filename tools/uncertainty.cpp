@@ -202,6 +202,7 @@ void answer(const UncertaintyOptions& options) {
   print_table(lines(round_step_m(request.range_max_m), request, options), request, options);
   if (options.out.empty()) return;
   const std::filesystem::path directory = options.out;
+  sim::make_directory(directory);
   const std::vector<Line> fine = lines(request.range_max_m / 100.0, request, options);
   sim::make_directory(directory);
   sim::write_file(directory / "uncertainty.csv", csv(fine, options));

@@ -152,11 +152,13 @@ class Dataset(unittest.TestCase):
                 seen |= set((label & 0xFFFF).tolist())
                 instances = (label >> 16)[(label & 0xFFFF) == VEHICLE]
                 self.assertTrue(set(instances.tolist()) <= {1, 2, 3})
-                # What lies on the ground has the world's height of the ground: poses and points agree.
-                if "ground" in table["labels"].values():
+                # What lies on the ground has the world's height of the ground: poses and points agree. Not in the first
+                # sweep, which rolls while the vehicle is settling.
+                if frame > 0:
                     ground = scan[(label & 0xFFFF) == 40, :3]
                     z = (ground @ poses[frame][:, :3].T + poses[frame][:, 3])[:, 2]
-                    self.assertLess(np.abs(np.median(z)) if len(z) else 0, 0.3)
+                    if len(z) > 200:
+                        self.assertLess(np.abs(np.median(z)), 0.3)
         self.assertTrue(seen <= set(table["labels"]), seen)
         self.assertIn(40, seen)
         self.assertIn(VEHICLE, seen)

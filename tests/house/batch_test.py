@@ -86,7 +86,8 @@ class Batch(unittest.TestCase):
             batch = self.start("batch", "batch.yaml", "--out", "killed", "--jobs", 2, "--resume", "-q")
             try:
                 # Few long lives and many short ones: some end in the middle of the first words.
-                batch.communicate(timeout=moments.uniform(0.0, 0.15 + 0.25 * whole_s))
+                longest_s = 0.4 * whole_s if kills < 5 else 0.15 + 0.25 * whole_s
+                batch.communicate(timeout=moments.uniform(0.0, longest_s))
                 self.assertEqual(batch.returncode, 0)
                 break
             except subprocess.TimeoutExpired:

@@ -100,9 +100,10 @@ TEST(GreyPng, MakesNoisyRangesSmallerThanTheyAre) {
     ranges[i] = static_cast<std::uint16_t>(9000.0 + 15.0 * random.normal(0, static_cast<std::uint32_t>(i)));
   }
   GreyPng encoder;
-  // Differences of two draws of 15 units: log2(15 sqrt(2) sqrt(2 pi e)) = 6.5 bits of 16.
+  // Differences of two draws of 15 units have log2(15 sqrt(2) sqrt(2 pi e)) = 6.5 bits of 16; coded byte by byte, as PNG
+  // does, the sign in the high byte and the magnitude in the low one cost about two bits more.
   EXPECT_LT(static_cast<double>(encoder.encode(1024, 128, ranges).size()),
-            0.5 * 2.0 * static_cast<double>(ranges.size()));
+            0.55 * 2.0 * static_cast<double>(ranges.size()));
 }
 
 TEST(GreyPng, RefusesASizeThatDoesNotFit) {
