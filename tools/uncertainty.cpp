@@ -204,7 +204,6 @@ void answer(const UncertaintyOptions& options) {
   const std::filesystem::path directory = options.out;
   sim::make_directory(directory);
   const std::vector<Line> fine = lines(request.range_max_m / 100.0, request, options);
-  sim::make_directory(directory);
   sim::write_file(directory / "uncertainty.csv", csv(fine, options));
   draw(fine, options, directory / "uncertainty.svg");
   fmt::print("\nwritten to {}: uncertainty.csv, uncertainty.svg\n", directory.string());
