@@ -13,6 +13,16 @@ function(swiftlet_share_headers target set)
   target_precompile_headers(${target} REUSE_FROM ${set})
 endfunction()
 
+# Several files of a target in one translation unit: what they include is read, instantiated and optimised once. A file
+# still compiles alone (the preset "debug" does so), and names in anonymous namespaces are unique within a folder.
+function(swiftlet_compile_together target)
+  if(SWIFTLET_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+    # Every type of an anonymous namespace looks to GCC as if it came from a header then.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
+endfunction()
+
 # A room is a folder of the house (docs/architecture.md) and one static library: core/math -> swiftlet_core_math.
 #   swiftlet_room(core/math USES core/x sim/y LIBS Eigen3::Eigen PRIVATE_LIBS foo)
 # Sources are every .cpp of the folder: adding a module means adding its file and a line in the room's registry.
@@ -42,6 +52,7 @@ function(swiftlet_room room)
   swiftlet_share_headers(${target} swiftlet_house_headers HEADERS
     <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <charconv> <cmath> <cstring> <filesystem> <functional> <map> <memory>
     <numbers> <optional> <span> <stdexcept> <string> <vector>)
+  swiftlet_compile_together(${target})
   foreach(used ${ARG_USES})
     string(REPLACE "/" "_" used_name ${used})
     target_link_libraries(${target} PUBLIC swiftlet_${used_name})
@@ -71,6 +82,7 @@ function(swiftlet_tests folder)
   swiftlet_share_headers(test_${name} swiftlet_test_headers LIBS GTest::gtest GTest::gmock HEADERS
     <gtest/gtest.h> <gmock/gmock.h> <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <cmath> <filesystem> <map> <memory>
     <numbers> <span> <string> <vector>)
+  swiftlet_compile_together(test_${name})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()

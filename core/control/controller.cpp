@@ -5,12 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/math/angles.hpp"
+
 namespace swiftlet {
 namespace {
 
 constexpr double kGravity_mps2 = 9.81;
 constexpr double kAirDensity_kgpm3 = 1.225;
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 /// Gains that the airframe's motors allow; where the configuration gives a number, that number.
 ControlGains derive_gains(const Airframe& airframe, const ControlGainsConfig& config, double tick_s) {

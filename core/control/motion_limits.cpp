@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/control/motion_limits.hpp"
 
-#include <numbers>
 #include <stdexcept>
+
+#include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 MotionLimits named_set(const std::string& name) {
   // Order: horizontal speed, acceleration, jerk; vertical the same; heading rate, acceleration.

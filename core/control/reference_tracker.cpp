@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLongestStep_s = 0.02;  // longer steps are cut into equal parts
 constexpr double kBrakingShare = 0.85;   // of the acceleration limit planned for braking; the rest is for corrections
 constexpr double kFastestPole_radps = 6.0;  // of the position error close to the goal

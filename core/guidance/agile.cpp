@@ -3,18 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "core/guidance/heading.hpp"
+#include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kTargetReached_m = 4.0;
 constexpr double kPassingShare = 0.5;      // of the greatest speed, at a target
-constexpr double kSlowestToSee_mps = 0.5;  // slower than this, the velocity does not tell a heading
+constexpr double kSlowestAgile_mps = 0.5;  // slower than this, the velocity does not tell a heading
 
 bool is_inside(const Vector3& p, const Vector3& min, const Vector3& max) {
   return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();
@@ -50,7 +49,7 @@ class Agile : public Guidance {
     const Vector3& v = goal.velocity_mps;
     const Vector3& a = goal.acceleration_mps2;
     const double speed_sq = v.head<2>().squaredNorm();
-    if (speed_sq < kSlowestToSee_mps * kSlowestToSee_mps) return;
+    if (speed_sq < kSlowestAgile_mps * kSlowestAgile_mps) return;
     yaw_rad_ = heading_along(v, 0.0, yaw_rad_);
     goal.yaw_rate_radps =
         std::clamp((v.x() * a.y() - v.y() * a.x()) / speed_sq, -heading_rate_max_radps_, heading_rate_max_radps_);

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/localization/world_cloud.hpp"
+#include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kAhead_s = 1.0;  // the goal of the reference tracker lies this far ahead of a wanted velocity
 constexpr double kNearest_m = 1e-3;
 

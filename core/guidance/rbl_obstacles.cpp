@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr float kInside_m = 0.01F;  // nearer than this, the direction to a voxel is that to its centre
 
 Matrix3 turn_y(double angle_rad) { return Eigen::AngleAxisd(angle_rad, Vector3::UnitY()).toRotationMatrix(); }

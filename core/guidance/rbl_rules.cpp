@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kMostAzimuth_rad = kPi / 2.0;
 constexpr double kMostElevation_rad = kPi / 4.0;
 

@@ -10,7 +10,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSlowestToSee_mps = 0.2;  // slower than this, the velocity does not tell a heading
+constexpr double kSlowestTimed_mps = 0.2;  // slower than this, the velocity does not tell a heading
 
 class TimedPath : public Guidance {
  public:
@@ -45,7 +45,7 @@ class TimedPath : public Guidance {
     const Vector3& v = r.velocity_mps;
     const Vector3& a = r.acceleration_mps2;
     const double speed_sq = v.head<2>().squaredNorm();
-    if (speed_sq < kSlowestToSee_mps * kSlowestToSee_mps) return;
+    if (speed_sq < kSlowestTimed_mps * kSlowestTimed_mps) return;
     yaw_rad_ = heading_along(v, 0.0, yaw_rad_);
     r.yaw_rate_radps = (v.x() * a.y() - v.y() * a.x()) / speed_sq;
   }

@@ -4,19 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "core/guidance/heading.hpp"
+#include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kArrived_m = 0.3;
+constexpr double kGoalReached_m = 0.3;
 constexpr double kArrivedSpeed_mps = 0.3;
-constexpr double kSlowestToSee_mps = 0.1;  // slower than this, the velocity does not tell a heading
+constexpr double kSlowestLeg_mps = 0.1;  // slower than this, the velocity does not tell a heading
 
 /// A point of a curve and its derivatives by the parameter.
 struct CurvePoint {
@@ -78,7 +77,8 @@ class Trajectory : public Guidance {
     if (!flying_) {
       output.goal = goal_;
       output.note = "going to the beginning of the trajectory";
-      flying_ = (p_m - goal_.position_m).norm() < kArrived_m && input.estimate.v_world_mps.norm() < kArrivedSpeed_mps;
+      flying_ =
+          (p_m - goal_.position_m).norm() < kGoalReached_m && input.estimate.v_world_mps.norm() < kArrivedSpeed_mps;
       if (flying_) output.note = "";
       return;
     }
@@ -139,7 +139,7 @@ class Trajectory : public Guidance {
     const Vector3& v = r.velocity_mps;
     const Vector3& a = r.acceleration_mps2;
     const double speed_sq = v.head<2>().squaredNorm();
-    if (speed_sq < kSlowestToSee_mps * kSlowestToSee_mps) return;
+    if (speed_sq < kSlowestLeg_mps * kSlowestLeg_mps) return;
     yaw_rad_ = heading_along(v, 0.0, yaw_rad_);
     r.yaw_rate_radps = (v.x() * a.y() - v.y() * a.x()) / speed_sq;
   }

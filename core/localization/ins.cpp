@@ -6,10 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/math/angles.hpp"
+
 namespace swiftlet {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr int kRejectedMost = 20;       // in a row; then the measurement is right and the filter is not
 constexpr double kLongestStep_s = 0.1;  // a gap in the IMU's samples longer than this is not bridged by one of them
 

@@ -10,8 +10,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kReach = 8.5;       // standard deviations beyond which the density counts as zero (1e-17)
-constexpr double kTolerance = 1e-9;  // of one panel of the outer integral
+constexpr double kDensityReach = 8.5;  // standard deviations beyond which the density counts as zero (1e-17)
+constexpr double kTolerance = 1e-9;    // of one panel of the outer integral
 constexpr int kMaxDepth = 40;
 
 double normal_pdf(double x) { return std::exp(-0.5 * x * x) * std::numbers::inv_sqrtpi / std::numbers::sqrt2; }
@@ -31,7 +31,7 @@ struct Interval {
 Interval standardised(double low, double high, double mean, double sigma) {
   if (sigma > 0.0) return {(low - mean) / sigma, (high - mean) / sigma};
   const bool inside = low <= mean && mean < high;
-  return inside ? Interval{-kReach, kReach} : Interval{1.0, 0.0};
+  return inside ? Interval{-kDensityReach, kDensityReach} : Interval{1.0, 0.0};
 }
 
 // x = L z with L lower triangular; box limits are relative to the mean.
@@ -51,7 +51,7 @@ double innermost(const Factored& f, double z1, double z2) {
 // by Gauss-Legendre.
 double middle(const Factored& f, double z1) {
   Interval i = standardised(f.low[1], f.high[1], f.L(1, 0) * z1, f.L(1, 1));
-  i = {std::max(i.low, -kReach), std::min(i.high, kReach)};
+  i = {std::max(i.low, -kDensityReach), std::min(i.high, kDensityReach)};
   if (i.high <= i.low) return 0.0;
 
   std::array<double, 16> cuts{};
@@ -107,7 +107,7 @@ Matrix3 lower_factor(const Matrix3& Sigma) {
 double box_probability(const Vector3& mean, const Matrix3& Sigma, const Eigen::AlignedBox3d& box) {
   const Factored f{lower_factor(Sigma), box.min() - mean, box.max() - mean};
   Interval i = standardised(f.low[0], f.high[0], 0.0, f.L(0, 0));
-  i = {std::max(i.low, -kReach), std::min(i.high, kReach)};
+  i = {std::max(i.low, -kDensityReach), std::min(i.high, kDensityReach)};
   if (i.high <= i.low) return 0.0;
   const auto integrand = [&](double z1) { return normal_pdf(z1) * middle(f, z1); };
 

@@ -2,7 +2,8 @@
 #include "sim/recorders/geodesy.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "core/math/angles.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -11,7 +12,6 @@ namespace {
 constexpr double kA = 6378137.0;
 constexpr double kF = 1.0 / 298.257223563;
 constexpr double kE2 = kF * (2.0 - kF);
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 /// Radius of curvature in the prime vertical.
 double prime_vertical_radius(double latitude_rad) {

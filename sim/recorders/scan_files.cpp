@@ -37,7 +37,7 @@ constexpr std::size_t point_size() {
 }
 
 template <class Number>
-std::byte* store(std::byte* at, Number value) {
+std::byte* append(std::byte* at, Number value) {
   std::memcpy(at, &value, sizeof value);
   return at + sizeof value;
 }
@@ -188,12 +188,12 @@ int put_points(const LabelledScan& labelled, std::span<const Pose> T_frame_lidar
           point = (pose * point.cast<double>()).cast<float>();
         }
       }
-      at = store(store(store(at, point.x()), point.y()), point.z());
-      at = store(store(at, scan.intensity[i]), scan.reflectivity[i]);
-      at = store(store(at, static_cast<std::uint16_t>(row)), static_cast<std::uint32_t>(column));
-      at = store(at, static_cast<std::uint32_t>(scan.time_of(i) - scan.stamp));
-      at = store(store(store(at, truth.surface_class[i]), truth.instance[i]), truth.part[i]);
-      at = store(store(at, truth.range_m[i]), truth.incidence_rad[i]);
+      at = append(append(append(at, point.x()), point.y()), point.z());
+      at = append(append(at, scan.intensity[i]), scan.reflectivity[i]);
+      at = append(append(at, static_cast<std::uint16_t>(row)), static_cast<std::uint32_t>(column));
+      at = append(at, static_cast<std::uint32_t>(scan.time_of(i) - scan.stamp));
+      at = append(append(append(at, truth.surface_class[i]), truth.instance[i]), truth.part[i]);
+      at = append(append(at, truth.range_m[i]), truth.incidence_rad[i]);
     }
   }
   out.shrink_to(start + static_cast<std::size_t>(at - first));

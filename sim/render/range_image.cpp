@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/math/angles.hpp"
 #include "sim/render/captions.hpp"
 #include "sim/render/colors.hpp"
 
@@ -12,7 +13,6 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr double kTwoPi = 2.0 * M_PI;
-constexpr double kDegree = M_PI / 180.0;
 
 double azimuth_of(const Eigen::Vector3f& d) { return std::atan2(d.y(), d.x()); }
 double elevation_of(const Eigen::Vector3f& d) { return std::asin(std::clamp(static_cast<double>(d.z()), -1.0, 1.0)); }
@@ -98,7 +98,7 @@ void BeamLookup::organise(const BeamTable& beams) {
     const double azimuth = azimuth_of(direction(row, 0));
     for (const int col : {1, cols_ / 3, 2 * cols_ / 3, cols_ - 1}) {
       const double expected = azimuth + pitch_rad_ * col;
-      if (std::abs(elevation_of(direction(row, col)) - elevation) > 0.3 * kDegree ||
+      if (std::abs(elevation_of(direction(row, col)) - elevation) > 0.3 * kRadPerDeg ||
           std::abs(wrap_signed(azimuth_of(direction(row, col)) - expected)) > 0.5 * std::abs(pitch_rad_) + 1e-4) {
         return;
       }
@@ -122,7 +122,7 @@ void BeamLookup::scatter(const BeamTable& beams) {
   }
   // About one beam in a cell.
   const double height = elevation_max_rad_ - elevation_min_rad_ + 1e-3;
-  cell_rad_ = std::max(0.1 * kDegree, 1.3 * std::sqrt(kTwoPi * height / static_cast<double>(n)));
+  cell_rad_ = std::max(0.1 * kRadPerDeg, 1.3 * std::sqrt(kTwoPi * height / static_cast<double>(n)));
   cells_wide_ = std::max(1, static_cast<int>(kTwoPi / cell_rad_));
   cells_high_ = static_cast<int>(height / cell_rad_) + 1;
   const auto cell_of = [&](const Eigen::Vector2d& angle) {
@@ -198,7 +198,8 @@ Image draw_range_image(const Scan& scan, ScanQuantity quantity, int width_px, in
   int strips = 1;
   double pixels_per_rad = 0.0;
   for (int n = 1; n <= 4; ++n) {
-    const double scale = std::min(free_width / (kTwoPi / n), (free_height / n - gap) / std::max(height_rad, kDegree));
+    const double scale =
+        std::min(free_width / (kTwoPi / n), (free_height / n - gap) / std::max(height_rad, kRadPerDeg));
     if (scale > pixels_per_rad * 1.001) {
       pixels_per_rad = scale;
       strips = n;
@@ -220,9 +221,9 @@ Image draw_range_image(const Scan& scan, ScanQuantity quantity, int width_px, in
       }
     }
     // Azimuths below the strip.
-    const double left_deg = azimuth_left / kDegree;
+    const double left_deg = azimuth_left / kRadPerDeg;
     for (double deg = std::floor(left_deg / 45.0) * 45.0; deg >= left_deg - 360.0 / strips - 1e-6; deg -= 45.0) {
-      const auto x = static_cast<float>(left + (left_deg - deg) * kDegree * pixels_per_rad);
+      const auto x = static_cast<float>(left + (left_deg - deg) * kRadPerDeg * pixels_per_rad);
       blend_rectangle(image, static_cast<int>(x), top + strip_height, 1, static_cast<int>(0.4F * h),
                       Rgb::Constant(0.8F), 1.0F);
       const double shown = deg < -180.0 + 1e-6 ? deg + 360.0 : deg;

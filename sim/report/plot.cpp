@@ -13,7 +13,7 @@
 namespace swiftlet::sim::plot {
 namespace {
 
-constexpr double kTitle_px = 34.0;  // height of the figure's title
+constexpr double kFigureTitle_px = 34.0;  // height of the figure's title
 
 void need(bool condition, const std::string& label, const char* what) {
   if (!condition) throw std::invalid_argument("plot: series '" + label + "': " + what);
@@ -188,7 +188,7 @@ std::string Figure::svg() const {
   const int count = static_cast<int>(panels_.size());
   const int columns = std::clamp(count, 1, columns_);
   const int rows = (count + columns - 1) / columns;
-  const double top = title_.empty() ? 0.0 : kTitle_px;
+  const double top = title_.empty() ? 0.0 : kFigureTitle_px;
   const double width = columns * panel_width_px_;
   SvgWriter svg(width, top + rows * panel_height_px_, title_);
   svg.text({width / 2.0, 23.0}, title_, 15.0, Anchor::kMiddle, "#111", 0.0, true);

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "core/agent/registry.hpp"
 #include "core/agent/stack.hpp"
 #include "core/detection/vofod_config.hpp"
+#include "core/math/angles.hpp"
 #include "sim/physics/start_place.hpp"
 #include "sim/raycast/ray_scene.hpp"
 #include "sim/run/prior_map.hpp"
@@ -18,8 +18,6 @@
 
 namespace swiftlet::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// The beginning of a message about where a vehicle starts.
 std::string place_of(const VehicleConfig& vehicle) {
@@ -54,7 +52,7 @@ VehicleState start_state(const VehicleConfig& vehicle, const StaticScene& world)
   VehicleState state;
   state.p_world_m = vehicle.start.position_m;
   if (vehicle.start.above_ground) state.p_world_m.z() += ground_height_m(world, vehicle);
-  state.q_world_body = Eigen::AngleAxisd(vehicle.start.yaw_deg * kDegree, Vector3::UnitZ());
+  state.q_world_body = Eigen::AngleAxisd(vehicle.start.yaw_deg * kRadPerDeg, Vector3::UnitZ());
   state.v_world_mps = vehicle.start.velocity_mps;
   return state;
 }
@@ -174,8 +172,8 @@ std::vector<Perception> perception_of(const Scenario& scenario) {
   std::vector<Perception> perception;
   for (const VehicleConfig& vehicle : scenario.vehicles) {
     const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
-    perception.push_back({stack != nullptr && stack->detector.type != "none",
-                          stack != nullptr && stack->tracker.type != "none"});
+    perception.push_back(
+        {stack != nullptr && stack->detector.type != "none", stack != nullptr && stack->tracker.type != "none"});
   }
   return perception;
 }

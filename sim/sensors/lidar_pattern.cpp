@@ -5,16 +5,15 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <numbers>
 #include <sstream>
 #include <stdexcept>
 
+#include "core/math/angles.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kRadians = kPi / 180.0;
 constexpr float kRadiansF = static_cast<float>(kRadians);
 
@@ -216,7 +215,7 @@ class CsvPattern final : public LidarPattern {
       if (line.empty() || line[0] == '#') continue;
       const auto fail = [&](const std::string& expected) {
         throw InputError(path + ":" + std::to_string(number) + ": expected " + expected + ", found \"" +
-                                    line.substr(0, 60) + "\"");
+                         line.substr(0, 60) + "\"");
       };
       std::istringstream fields(line);
       double azimuth_deg = 0, elevation_deg = 0, time_s = 0;

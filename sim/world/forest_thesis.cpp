@@ -20,7 +20,7 @@ constexpr int kCrownSubdivisions = 3;
 constexpr int kTriesPerTree = 20000;
 constexpr float kRootDepth_m = 0.1F;  // the trunk goes on below the ground: no slit
 
-struct Tree {
+struct ThesisTree {
   double trunk_radius_m = 0.0;
   double height_m = 0.0;
   double crown_radius_m = 0.0;
@@ -34,9 +34,9 @@ double draw(Dice& dice, const std::string& spread, double mean, double half_widt
   return mean + half_width * deviate;
 }
 
-Tree draw_tree(const ForestThesisConfig& config, const Random& random, int i_tree) {
+ThesisTree draw_tree(const ForestThesisConfig& config, const Random& random, int i_tree) {
   Dice dice(random, i_tree);
-  Tree tree;
+  ThesisTree tree;
   tree.trunk_radius_m = draw(dice, config.spread, config.trunk_radius_m, config.trunk_radius_spread_m);
   tree.height_m = draw(dice, config.spread, config.tree_height_m, config.tree_height_spread_m);
   tree.crown_radius_m = draw(dice, config.spread, config.crown_radius_m, config.crown_radius_spread_m);
@@ -44,12 +44,12 @@ Tree draw_tree(const ForestThesisConfig& config, const Random& random, int i_tre
 }
 
 // How far the tree reaches into a zone that must stay free up to clear_height_m.
-double reach_m(const ForestThesisConfig& config, const Tree& tree) {
+double reach_m(const ForestThesisConfig& config, const ThesisTree& tree) {
   const bool crown_is_above = tree.height_m - tree.crown_radius_m >= config.keep_clear.clear_height_m;
   return crown_is_above ? tree.trunk_radius_m : std::max(tree.trunk_radius_m, tree.crown_radius_m);
 }
 
-Eigen::Vector2d find_place(const ForestThesisConfig& config, const Tree& tree, const Random& random, int i_tree,
+Eigen::Vector2d find_place(const ForestThesisConfig& config, const ThesisTree& tree, const Random& random, int i_tree,
                            Spacing& spacing) {
   Dice dice(random, i_tree);
   for (int i = 0; i < kTriesPerTree; ++i) {
@@ -113,7 +113,7 @@ Scene make_forest_thesis(const ForestThesisConfig& config, std::uint64_t seed) {
 
   Spacing spacing(config.min_distance_m);
   for (int i = 0; i < config.num_trees; ++i) {
-    const Tree tree = draw_tree(config, trees, i);
+    const ThesisTree tree = draw_tree(config, trees, i);
     const Eigen::Vector2d place_m = find_place(config, tree, places, i, spacing);
     const Eigen::Vector2f xy = place_m.cast<float>();
     const auto radius = static_cast<float>(tree.trunk_radius_m);

@@ -5,16 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "core/guidance/rbl_obstacles.hpp"
 #include "core/guidance/rbl_planner.hpp"
+#include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kEdge_m = 0.2;
 
 std::vector<Vector3> ring_of_neighbors(int n) {

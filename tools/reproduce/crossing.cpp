@@ -4,19 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include "core/agent/stack.hpp"
 #include "core/guidance/flocking.hpp"
 #include "core/guidance/rbl.hpp"
+#include "core/math/angles.hpp"
 #include "core/math/random.hpp"
 #include "sim/world/vehicle_state.hpp"
 
 namespace swiftlet::tools {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kStartSpread_m = 0.1;
 
 /// On the sphere evenly along a spiral of the golden angle.

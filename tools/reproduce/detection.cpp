@@ -18,7 +18,7 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr double kBin_m = 5.0, kFarthest_m = 90.0;
+constexpr double kBin_m = 5.0, kFarthestBin_m = 90.0;
 constexpr double kIgnored_s = 10.0;  // the map must first become free
 constexpr double kBias_m = 0.325;    // circumscribed radius of the published target
 constexpr double kOs1Fov_deg = 22.5;
@@ -59,8 +59,8 @@ Flights fly_and_log(const Experiment& experiment, const std::vector<sim::Scenari
     flights.false_detections += log->num_false_detections();
     flights.false_tracks += log->num_false_tracks();
   }
-  flights.detections = by_distance(detections, bin_m, kFarthest_m);
-  flights.tracks = by_distance(tracks, bin_m, kFarthest_m);
+  flights.detections = by_distance(detections, bin_m, kFarthestBin_m);
+  flights.tracks = by_distance(tracks, bin_m, kFarthestBin_m);
   return flights;
 }
 
@@ -135,7 +135,7 @@ void draw(Experiment& experiment, const std::string& name, const Flights& flight
   errors.line("tracker", tracked.x_m, tracked.y,
               {.color = 1, .dash = sim::plot::Dash::kDashed, .marker = sim::plot::Marker::kSquare});
   std::vector<double> ranges, theory;
-  for (double range_m = 0.0; range_m <= kFarthest_m; range_m += 1.0) {
+  for (double range_m = 0.0; range_m <= kFarthestBin_m; range_m += 1.0) {
     ranges.push_back(range_m);
     const Matrix3 Sigma = point_covariance(Vector3::UnitX(), range_m, Matrix3::Identity(), noise_of_eq_66().Sigma_w());
     theory.push_back(with_theory ? ErrorDistribution(Sigma).mean_m() : 0.0);
@@ -210,8 +210,8 @@ void common_rows(Experiment& experiment, const Flights& flights) {
 void detection_ideal(Experiment& experiment) {
   const Flights flights = fly_agile(experiment, "detection_ideal", 355.0);
   draw(experiment, "detection-ideal", flights, false);
-  const DistanceBin all = joined(flights.detections, kFarthest_m), near_detections = joined(flights.detections, 20.0),
-                    near_tracks = joined(flights.tracks, 20.0);
+  const DistanceBin all = joined(flights.detections, kFarthestBin_m),
+                    near_detections = joined(flights.detections, 20.0), near_tracks = joined(flights.tracks, 20.0);
   experiment.at_least("share of true positives within the bias of 0.325 m", "all", share_within(all.errors_m, kBias_m),
                       0.99, 4);
   experiment.at_least("recall of the tracker up to 20 m", "1", near_tracks.recall(), 0.95, 3);
@@ -245,7 +245,8 @@ void detection_noisy(Experiment& experiment) {
   experiment.write("theory.csv", csv);
   experiment.at_most("mean error against theory plus bias, worst distance [share]", "not significantly above", worst,
                      0.20, 2, fmt::format("at {:g} m; the bias is that of the flights without noise", worst_m));
-  const DistanceBin detections = joined(flights.detections, kFarthest_m), tracks = joined(flights.tracks, kFarthest_m);
+  const DistanceBin detections = joined(flights.detections, kFarthestBin_m),
+                    tracks = joined(flights.tracks, kFarthestBin_m);
   experiment.claim("recall of the tracker above the detector's", "yes",
                    fmt::format("{:.3f} against {:.3f}", tracks.recall(), detections.recall()),
                    tracks.recall() >= detections.recall());
@@ -267,13 +268,14 @@ void detection_real(Experiment& experiment) {
   }
   const Flights kept = fly_and_log(experiment, ideal_scenarios, -kOs1Fov_deg, kOs1Fov_deg, kIgnored_s);
   draw(experiment, "detection-real", flights, true);
-  const double ours = joined(flights.detections, kFarthest_m).recall(),
-               without = joined(kept.detections, kFarthest_m).recall();
+  const double ours = joined(flights.detections, kFarthestBin_m).recall(),
+               without = joined(kept.detections, kFarthestBin_m).recall();
   experiment.claim("recall below the simulation in which every return is kept", "overall worse",
                    fmt::format("{:.3f} against {:.3f}", ours, without), ours < without,
                    "the same flights with and without returns lost to reflectivity and range");
-  plain(experiment, "recall of the tracker", joined(flights.tracks, kFarthest_m).recall(), 3);
-  plain(experiment, "mean position error of detections [m]", joined(flights.detections, kFarthest_m).mean_error_m(), 3);
+  plain(experiment, "recall of the tracker", joined(flights.tracks, kFarthestBin_m).recall(), 3);
+  plain(experiment, "mean position error of detections [m]", joined(flights.detections, kFarthestBin_m).mean_error_m(),
+        3);
   common_rows(experiment, flights);
 }
 

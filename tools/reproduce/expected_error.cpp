@@ -24,7 +24,7 @@ double nakagami_mean_m(double range_m, const MeasurementNoise& noise) {
   return ErrorDistribution(covariance_at(range_m, noise)).mean_m();
 }
 
-struct Case {
+struct ErrorCase {
   std::size_t i_rad = 0, i_m = 0;
   double range_m = 0.0;
 };
@@ -34,7 +34,7 @@ struct Sampled {                                // mean error and its standard e
   double true_m = 0.0;                          // of eqs. (38) to (41) without linearisation
 };
 
-Sampled sample(const Case& one, std::uint32_t count) {
+Sampled sample(const ErrorCase& one, std::uint32_t count) {
   const MeasurementNoise noise = noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]);
   const Random random(1, "expected-error", fmt::format("{}/{}/{}", one.i_rad, one.i_m, one.range_m));
   const Jacobian37 J = point_jacobian(Vector3::UnitX(), one.range_m, Matrix3::Identity());
@@ -59,7 +59,7 @@ double range_of_error_m(double error_m, const MeasurementNoise& noise) {
   return std::numeric_limits<double>::infinity();
 }
 
-void draw(Experiment& experiment, const std::vector<Case>& cases, const std::vector<Sampled>& sampled) {
+void draw(Experiment& experiment, const std::vector<ErrorCase>& cases, const std::vector<Sampled>& sampled) {
   sim::plot::Figure figure("Expected error of a measured point (Fig. 5)", 3);
   figure.set_panel_size(400, 360);
   CsvTable csv({"sigma_rad", "sigma_m", "range_m", "expected_error_m", "exact_normal_mean_m"});
@@ -94,7 +94,7 @@ void draw(Experiment& experiment, const std::vector<Case>& cases, const std::vec
 
 void expected_error(Experiment& experiment) {
   const auto count = static_cast<std::uint32_t>(experiment.quick() ? 100000 : 1000000);
-  std::vector<Case> cases;
+  std::vector<ErrorCase> cases;
   for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
     for (std::size_t i_m = 0; i_m < 3; ++i_m) {
       for (const double range_m : kPrintedRanges_m) cases.push_back({i_rad, i_m, range_m});
@@ -109,7 +109,7 @@ void expected_error(Experiment& experiment) {
   double standard_errors = 0.0, nakagami = 0.0;
   std::array<double, 3> linearisation{};
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    const Case& one = cases[i];
+    const ErrorCase& one = cases[i];
     const Matrix3 Sigma = covariance_at(one.range_m, noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]));
     const double exact_m = mean_normal_norm(Sigma), approximate_m = ErrorDistribution(Sigma).mean_m();
     csv.row({kSigma_rad[one.i_rad], kSigma_m[one.i_m], one.range_m, approximate_m, exact_m, sampled[i].normal_m,

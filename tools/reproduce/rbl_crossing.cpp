@@ -20,13 +20,13 @@ constexpr double kCircleHeight_m = 5.0;   // the whole ball of the cell lies bet
 constexpr double kSphereHeight_m = 20.0;  // a sphere of 10 m does not fit between 1 and 10 m: limits moved along
 constexpr double kNeed_m = 1.0;           // the sum of two encumbrances
 
-struct Case {
+struct CrossingCase {
   Formation formation;
   std::string variant;
   double length_m = 0.0, time_s = 0.0, slowest_s = 0.0;  // published; 0: not
 };
 
-sim::Scenario scenario_of(const Case& c, std::uint64_t seed, bool ideal) {
+sim::Scenario scenario_of(const CrossingCase& c, std::uint64_t seed, bool ideal) {
   sim::Scenario pattern = scenario_with("reproduce/rbl_crossing.yaml", seed);
   sim::VehicleConfig& vehicle = pattern.vehicles.front();
   RblConfig& rbl = vehicle.agent.as<StackConfig>().guidance.as<RblConfig>();
@@ -39,7 +39,7 @@ sim::Scenario scenario_of(const Case& c, std::uint64_t seed, bool ideal) {
   return make_crossing(pattern, c.formation, c.formation.sphere ? kSphereHeight_m : kCircleHeight_m);
 }
 
-std::string case_name(const Case& c) {
+std::string case_name(const CrossingCase& c) {
   return fmt::format("{} N={} R={:g} {}", c.formation.sphere ? "sphere" : "circle", c.formation.num_vehicles,
                      c.formation.radius_m, c.variant);
 }
@@ -57,7 +57,7 @@ void add_row(Experiment& experiment, const std::string& what, double published, 
   experiment.row(std::move(row));
 }
 
-CrossingTable fly_case(Experiment& experiment, const Case& c, int seeds, bool ideal, CsvTable& csv) {
+CrossingTable fly_case(Experiment& experiment, const CrossingCase& c, int seeds, bool ideal, CsvTable& csv) {
   std::vector<sim::Scenario> scenarios;
   for (int seed = 1; seed <= seeds; ++seed)
     scenarios.push_back(scenario_of(c, static_cast<std::uint64_t>(seed), ideal));
@@ -68,7 +68,7 @@ CrossingTable fly_case(Experiment& experiment, const Case& c, int seeds, bool id
   return table;
 }
 
-void compare(Experiment& experiment, const Case& c, const CrossingTable& table) {
+void compare(Experiment& experiment, const CrossingCase& c, const CrossingTable& table) {
   const std::string name = case_name(c);
   experiment.at_least(name + ": success [-]", "1", table.success, 1.0, 3);
   if (c.length_m <= 0.0) return;
@@ -83,8 +83,8 @@ CsvTable crossing_csv() {
 }
 
 /// With perfect neighbours nobody enters another's space, whatever the seed.
-void check_safety(Experiment& experiment, const std::vector<Case>& cases, int seeds, CsvTable& csv) {
-  for (const Case& c : cases) {
+void check_safety(Experiment& experiment, const std::vector<CrossingCase>& cases, int seeds, CsvTable& csv) {
+  for (const CrossingCase& c : cases) {
     const CrossingTable table = fly_case(experiment, c, seeds, true, csv);
     experiment.at_least(case_name(c) + ", perfect neighbours: least separation [m]", ">= 1.0", table.min_separation_m,
                         kNeed_m, 3, "sum of the encumbrances");
@@ -97,7 +97,7 @@ void check_safety(Experiment& experiment, const std::vector<Case>& cases, int se
 void rbl_circle(Experiment& experiment) {
   const int seeds = experiment.repetitions(100, 2);
   CsvTable csv = crossing_csv();
-  const std::vector<Case> cases = {
+  const std::vector<CrossingCase> cases = {
       {{false, 5, 10.0}, "2d", 21.06, 25.15, 25.15},          {{false, 5, 10.0}, "3d", 20.77, 26.04, 26.79},
       {{false, 5, 10.0}, "3d_clipped", 20.60, 26.73, 27.39},  {{false, 5, 10.0}, "3d_z", 20.97, 25.54, 26.72},
       {{false, 10, 10.0}, "2d", 22.95, 30.79, 34.73},         {{false, 10, 10.0}, "3d", 22.22, 30.05, 34.39},
@@ -105,13 +105,13 @@ void rbl_circle(Experiment& experiment) {
       {{false, 15, 10.0}, "2d", 23.56, 33.89, 38.75},         {{false, 15, 10.0}, "3d", 22.36, 30.65, 35.77},
       {{false, 15, 10.0}, "3d_clipped", 22.32, 30.69, 34.50}, {{false, 15, 10.0}, "3d_z", 22.64, 29.67, 34.27}};
   std::map<std::pair<std::string, int>, double> mean_time_s;
-  for (const Case& c : cases) {
+  for (const CrossingCase& c : cases) {
     const CrossingTable table = fly_case(experiment, c, seeds, false, csv);
     compare(experiment, c, table);
     mean_time_s[{c.variant, c.formation.num_vehicles}] = table.time_s.mean;
   }
   // The radius that the text prints.
-  const Case printed{{false, 10, 5.0}, "3d_z"};
+  const CrossingCase printed{{false, 10, 5.0}, "3d_z"};
   const CrossingTable half = fly_case(experiment, printed, seeds, false, csv);
   experiment.row({case_name(printed) + ": L [m]", "22.38", fmt::format("{:.2f}", half.length_m.mean),
                   Verdict::kNotComparable, "the radius as printed; the published lengths need 10 m",
@@ -141,8 +141,8 @@ void rbl_sphere(Experiment& experiment) {
   CsvTable csv = crossing_csv();
   for (const double radius_m : {5.0, 10.0}) {
     const bool fits = radius_m == 5.0;
-    for (Case c : {Case{{true, 10, radius_m}, "3d", 14.32, 27.76, 32.48},
-                   Case{{true, 10, radius_m}, "3d_z", 14.06, 27.17, 31.86}}) {
+    for (CrossingCase c : {CrossingCase{{true, 10, radius_m}, "3d", 14.32, 27.76, 32.48},
+                           CrossingCase{{true, 10, radius_m}, "3d_z", 14.06, 27.17, 31.86}}) {
       if (!fits) c.length_m = 0.0;
       const CrossingTable table = fly_case(experiment, c, seeds, false, csv);
       compare(experiment, c, table);
@@ -155,7 +155,7 @@ void rbl_sphere(Experiment& experiment) {
   check_safety(experiment, {{{true, 10, 5.0}, "3d"}, {{true, 10, 5.0}, "3d_z"}}, seeds, csv);
   // Beyond the document: how many fit?
   for (const int n : {30, 60}) {
-    const Case c{{true, n, 10.0}, "3d_z"};
+    const CrossingCase c{{true, n, 10.0}, "3d_z"};
     const CrossingTable table = fly_case(experiment, c, experiment.repetitions(10, 1), true, csv);
     experiment.row({case_name(c) + ", perfect neighbours: success [-]", "-", fmt::format("{:.2f}", table.success),
                     Verdict::kNotComparable, fmt::format("least separation {:.2f} m", table.min_separation_m),

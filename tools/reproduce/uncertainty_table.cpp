@@ -37,7 +37,7 @@ constexpr Published kTotal{6.68e-4, 1.26e-6, 8.93e-6};
 // but its rows hardly depend on how flat the distribution is: so they lay along the ray.
 enum class Regions { kAlongRay, kAlongWorld };
 
-struct Case {
+struct TableCase {
   std::size_t i_rad = 0, i_m = 0, i_range = 0;
   std::size_t draw = 0;  // which samples, and which attitude of the sensor
 };
@@ -46,8 +46,8 @@ struct Difference {  // of the probabilities, over the regions
   double maximum = 0.0, mean = 0.0, deviation = 0.0;
 };
 
-std::vector<Case> all_cases(int draws) {
-  std::vector<Case> cases;
+std::vector<TableCase> all_cases(int draws) {
+  std::vector<TableCase> cases;
   for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
     for (std::size_t i_m = 0; i_m < 3; ++i_m) {
       for (std::size_t i_range = 0; i_range < 3; ++i_range) {
@@ -65,7 +65,7 @@ Matrix3 random_rotation(const Random& random) {
 }
 
 // Histogram of samples in regions that cover them, against the normal distribution's probabilities of the same regions.
-Difference compare(const Case& one, Regions regions) {
+Difference compare(const TableCase& one, Regions regions) {
   const double range_m = kPrintedRanges_m[one.i_range];
   const MeasurementNoise noise = noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]);
   const std::string entity = fmt::format("{}/{}/{}/{}", one.i_rad, one.i_m, one.i_range, one.draw);
@@ -124,7 +124,7 @@ Difference total_of(const std::vector<Difference>& results, int draws) {
 }
 
 struct Table {
-  std::vector<Case> cases;
+  std::vector<TableCase> cases;
   std::vector<Difference> results;
   Difference total;
   std::vector<double> means, maxima;  // of the 27 combinations
@@ -148,11 +148,11 @@ Table measure(const Experiment& experiment, Regions regions, int draws) {
   return table;
 }
 
-const Published& published_of(const Case& one) { return kTable[one.i_rad][one.i_m][one.i_range]; }
+const Published& published_of(const TableCase& one) { return kTable[one.i_rad][one.i_m][one.i_range]; }
 
 void add_rows(CsvTable& csv, const Table& table, const std::string& regions) {
   for (std::size_t i = 0; i < table.cases.size(); ++i) {
-    const Case& one = table.cases[i];
+    const TableCase& one = table.cases[i];
     const Published& published = published_of(one);
     csv.row(regions, {kSigma_rad[one.i_rad], kSigma_m[one.i_m], kPrintedRanges_m[one.i_range],
                       static_cast<double>(one.draw), table.results[i].maximum, table.results[i].mean,
@@ -166,7 +166,7 @@ void draw(Experiment& experiment, const Table& ray, const Table& world) {
   sim::plot::Panel &mean_panel = figure.add_panel("mean difference of probability"),
                    &max_panel = figure.add_panel("largest difference");
   std::vector<double> published_means, published_maxima;
-  for (const Case& one : all_cases(1)) {
+  for (const TableCase& one : all_cases(1)) {
     published_means.push_back(published_of(one).mean);
     published_maxima.push_back(published_of(one).maximum);
     const std::string name = fmt::format("{:g} rad, {:g} m, {:g} m", kSigma_rad[one.i_rad], kSigma_m[one.i_m],
@@ -207,9 +207,9 @@ void uncertainty_table(Experiment& experiment) {
   experiment.within("mean, regions along the world's axes", kTotal.mean, world.total.mean, 0.25, 3, note);
   experiment.at_most("largest, regions along the world's axes", short_number(kTotal.maximum, 3), world.total.maximum,
                      1.25 * kTotal.maximum, 3, "median over sets of random attitudes");
-  const std::vector<Case> combinations = all_cases(1);
+  const std::vector<TableCase> combinations = all_cases(1);
   for (std::size_t i = 0; i < combinations.size(); ++i) {
-    const Case& one = combinations[i];
+    const TableCase& one = combinations[i];
     experiment.within(fmt::format("mean, sigma_rad {:g}, sigma_m {:g} m, d {:g} m", kSigma_rad[one.i_rad],
                                   kSigma_m[one.i_m], kPrintedRanges_m[one.i_range]),
                       published_of(one).mean, ray.means[i], 0.25, 3);

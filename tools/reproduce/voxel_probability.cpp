@@ -14,9 +14,9 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kVoxel_m = 1.0;  // as published
-constexpr double kFarthest_m = 80.0;
+constexpr double kFarthestVoxel_m = 80.0;
 
-struct Case {
+struct VoxelCase {
   std::size_t i_rad = 0, i_m = 0;
   double range_m = 0.0;
 };
@@ -51,7 +51,7 @@ struct Sampled {
   double normal = 0.0, true_model = 0.0;  // share of samples in the voxel
 };
 
-Sampled sample(const Case& one, std::uint32_t count) {
+Sampled sample(const VoxelCase& one, std::uint32_t count) {
   const MeasurementNoise noise = noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]);
   const Random random(1, "voxel-probability", fmt::format("{}/{}/{}", one.i_rad, one.i_m, one.range_m));
   const Jacobian37 J = point_jacobian(Vector3::UnitX(), one.range_m, Matrix3::Identity());
@@ -66,7 +66,7 @@ Sampled sample(const Case& one, std::uint32_t count) {
   return {static_cast<double>(normal) / count, static_cast<double>(true_model) / count};
 }
 
-void draw(Experiment& experiment, const std::vector<Case>& cases, const std::vector<Sampled>& sampled) {
+void draw(Experiment& experiment, const std::vector<VoxelCase>& cases, const std::vector<Sampled>& sampled) {
   sim::plot::Figure figure("Probability of the right voxel of 1 m (Fig. 6)", 3);
   figure.set_panel_size(400, 360);
   CsvTable csv({"sigma_rad", "sigma_m", "range_m", "probability_centre", "probability_any_place"});
@@ -80,7 +80,7 @@ void draw(Experiment& experiment, const std::vector<Case>& cases, const std::vec
     for (std::size_t i_m = 0; i_m < 3; ++i_m) {
       const MeasurementNoise noise = noise_of(kSigma_m[i_m], kSigma_rad[i_rad]);
       std::vector<double> ranges, centre, random;
-      for (double range_m = 0.0; range_m <= kFarthest_m; range_m += 1.0) {
+      for (double range_m = 0.0; range_m <= kFarthestVoxel_m; range_m += 1.0) {
         ranges.push_back(range_m);
         centre.push_back(probability(range_m, noise, Place::kCentre));
         random.push_back(probability(range_m, noise, Place::kRandom));
@@ -107,7 +107,7 @@ void draw(Experiment& experiment, const std::vector<Case>& cases, const std::vec
 
 void voxel_probability(Experiment& experiment) {
   const auto count = static_cast<std::uint32_t>(experiment.quick() ? 100000 : 1000000);
-  std::vector<Case> cases;
+  std::vector<VoxelCase> cases;
   for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
     for (std::size_t i_m = 0; i_m < 3; ++i_m) {
       for (const double range_m : kPrintedRanges_m) cases.push_back({i_rad, i_m, range_m});
@@ -121,7 +121,7 @@ void voxel_probability(Experiment& experiment) {
   double standard_errors = 0.0;
   std::array<double, 3> linearisation{};
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    const Case& one = cases[i];
+    const VoxelCase& one = cases[i];
     const double p = probability(one.range_m, noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]), Place::kCentre);
     csv.row({kSigma_rad[one.i_rad], kSigma_m[one.i_m], one.range_m, p, sampled[i].normal, sampled[i].true_model});
     // One sample of slack where p is so near 0 or 1 that none is expected on the other side.

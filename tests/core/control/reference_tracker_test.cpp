@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kDt = 0.004;
+constexpr double kStep_s = 0.004;
 
 MotionLimits limits_named(const char* set) {
   MotionLimitsConfig config;
@@ -56,9 +56,9 @@ TEST(ReferenceTracker, GoesToAFarPointInNearlyLeastTimeWithoutOvershoot) {
     const Reference goal = at(60, 0, 0);
     double arrived = -1.0, farthest = 0.0;
     for (int i = 1; i < 30000; ++i) {
-      const Reference& r = tracker.step(goal, kDt);
+      const Reference& r = tracker.step(goal, kStep_s);
       farthest = std::max(farthest, r.position_m.x());
-      if (arrived < 0.0 && std::abs(r.position_m.x() - 60.0) < 0.05) arrived = i * kDt;
+      if (arrived < 0.0 && std::abs(r.position_m.x() - 60.0) < 0.05) arrived = i * kStep_s;
     }
     const double bound =
         least_time(60.0, l.horizontal_speed_mps, l.horizontal_acceleration_mps2, l.horizontal_jerk_mps3);
@@ -92,7 +92,7 @@ TEST(ReferenceTracker, NeverExceedsALimitWhateverTheGoal) {
         }
         const double speed_limit = random.uniform(i / 500, 12) < 0.3 ? 0.7 : 1e9;
         const Reference before = tracker.state();
-        usage.add(before, tracker.step(goal, kDt, speed_limit), l, kDt);
+        usage.add(before, tracker.step(goal, kStep_s, speed_limit), l, kStep_s);
       }
       usage.expect_within(1e-6);
       if (trial != 0) continue;
@@ -137,11 +137,11 @@ TEST(ReferenceTracker, FollowsAFeasibleTrajectoryWithoutLagOnceItHasCaughtUp) {
   Usage usage;
   for (int i = 1; i < 5000; ++i) {
     const Reference before = tracker.state();
-    const Reference& r = tracker.step(moving(i * kDt), kDt);
-    usage.add(before, r, tracker.limits(), kDt);
-    if (i * kDt < 10.0) continue;
-    const Reference m = moving(i * kDt);
-    ASSERT_EQ(r.position_m, m.position_m) << "at " << i * kDt;
+    const Reference& r = tracker.step(moving(i * kStep_s), kStep_s);
+    usage.add(before, r, tracker.limits(), kStep_s);
+    if (i * kStep_s < 10.0) continue;
+    const Reference m = moving(i * kStep_s);
+    ASSERT_EQ(r.position_m, m.position_m) << "at " << i * kStep_s;
     ASSERT_EQ(r.velocity_mps, m.velocity_mps);
     ASSERT_EQ(r.acceleration_mps2, m.acceleration_mps2);
     ASSERT_NEAR(std::remainder(r.yaw_rad - m.yaw_rad, 2 * std::numbers::pi), 0.0, 1e-12);
@@ -159,7 +159,7 @@ TEST(ReferenceTracker, TurnsTheShortWayRound) {
   double turned = 0.0;
   for (int i = 0; i < 1000; ++i) {
     const double before = tracker.state().yaw_rad;
-    turned += std::remainder(tracker.step(goal, kDt).yaw_rad - before, 2 * std::numbers::pi);
+    turned += std::remainder(tracker.step(goal, kStep_s).yaw_rad - before, 2 * std::numbers::pi);
   }
   EXPECT_NEAR(turned, 2 * std::numbers::pi - 6.0, 1e-6);
 }
@@ -170,9 +170,9 @@ TEST(ReferenceTracker, RotatingTheGoalRotatesThePath) {
   straight.reset(at(0, 0, 0));
   rotated.reset(at(0, 0, 0));
   for (int i = 0; i < 3000; ++i) {
-    const Reference a = straight.step(i < 1200 ? at(10, 2, 1) : at(-5, 7, 1), kDt);
+    const Reference a = straight.step(i < 1200 ? at(10, 2, 1) : at(-5, 7, 1), kStep_s);
     const Reference b =
-        rotated.step(i < 1200 ? at(10 * c - 2 * s, 10 * s + 2 * c, 1) : at(-5 * c - 7 * s, -5 * s + 7 * c, 1), kDt);
+        rotated.step(i < 1200 ? at(10 * c - 2 * s, 10 * s + 2 * c, 1) : at(-5 * c - 7 * s, -5 * s + 7 * c, 1), kStep_s);
     ASSERT_NEAR(b.position_m.x(), c * a.position_m.x() - s * a.position_m.y(), 1e-6);
     ASSERT_NEAR(b.position_m.y(), s * a.position_m.x() + c * a.position_m.y(), 1e-6);
     ASSERT_NEAR(b.position_m.z(), a.position_m.z(), 1e-9);
@@ -182,9 +182,9 @@ TEST(ReferenceTracker, RotatingTheGoalRotatesThePath) {
 TEST(ReferenceTracker, SlowsDownToAWishedSpeed) {
   ReferenceTracker tracker(limits_named("medium"));
   tracker.reset(at(0, 0, 0));
-  for (int i = 0; i < 1500; ++i) tracker.step(at(100, 0, 0), kDt);
+  for (int i = 0; i < 1500; ++i) tracker.step(at(100, 0, 0), kStep_s);
   EXPECT_NEAR(tracker.state().velocity_mps.x(), 4.0, 0.01);
-  for (int i = 0; i < 1000; ++i) tracker.step(at(100, 0, 0), kDt, 1.5);
+  for (int i = 0; i < 1000; ++i) tracker.step(at(100, 0, 0), kStep_s, 1.5);
   EXPECT_NEAR(tracker.state().velocity_mps.x(), 1.5, 0.01);
 }
 
@@ -192,7 +192,7 @@ TEST(ReferenceTracker, PassesOverGoalsThatAreNotNumbers) {
   ReferenceTracker tracker(limits_named("medium"));
   tracker.reset(at(1, 2, 3));
   Reference broken = at(std::nan(""), 0, 0);
-  for (int i = 0; i < 100; ++i) tracker.step(broken, kDt);
+  for (int i = 0; i < 100; ++i) tracker.step(broken, kStep_s);
   EXPECT_EQ(tracker.state().position_m, Vector3(1, 2, 3));
   tracker.reset(broken);
   tracker.step(at(1, 2, 3), std::nan(""));

@@ -13,9 +13,9 @@ namespace {
 
 using namespace testing;
 constexpr TimeNs kTick = 4'000'000;
-constexpr TimeNs kPeriod = 100'000'000;
+constexpr TimeNs kScanPeriod = 100'000'000;
 
-VofodConfig small_config() {
+VofodConfig near_config() {
   VofodConfig config;
   config.map.extent = "bounded";
   config.map.center_m = {0.0, 0.0, 4.0};
@@ -40,7 +40,7 @@ class Ticker {
   const DetectorOutput& tick(const World& world) {
     t += kTick;
     clouds_.clear();
-    if (t % kPeriod == 0) {
+    if (t % kScanPeriod == 0) {
       clouds_.push_back(cloud_of(scan_world(world, pose_at({0.0, 0.0, 4.0}), beams_, t)));
     }
     output_.clear();
@@ -62,7 +62,7 @@ class Ticker {
 };
 
 TEST(VofodDetector, ResultsComeAfterTheirLatency) {
-  VofodConfig config = small_config();
+  VofodConfig config = near_config();
   config.timing.classification_latency_s = 0.05;
   Ticker ticker(config);
   int finished = 0;
@@ -70,26 +70,26 @@ TEST(VofodDetector, ResultsComeAfterTheirLatency) {
     const DetectorOutput& output = ticker.tick(ground());
     if (!output.has_detections) continue;
     ++finished;
-    EXPECT_EQ(output.stamp % kPeriod, 0);
+    EXPECT_EQ(output.stamp % kScanPeriod, 0);
     EXPECT_EQ(ticker.t, output.stamp + 52'000'000);  // the first tick at or after 50 ms
   }
   EXPECT_EQ(finished, 9);  // of ten scans, the last of which is not ready
 }
 
 TEST(VofodDetector, ASlowClassificationDropsOldScansNotNewOnes) {
-  VofodConfig config = small_config();
+  VofodConfig config = near_config();
   config.timing.classification_latency_s = 0.25;
   Ticker ticker(config);
   std::vector<TimeNs> stamps;
   for (int i = 0; i < 500; ++i) {
     const DetectorOutput& output = ticker.tick(ground());
-    if (output.has_detections) stamps.push_back(output.stamp / kPeriod);
+    if (output.has_detections) stamps.push_back(output.stamp / kScanPeriod);
   }
   EXPECT_EQ(stamps, (std::vector<TimeNs>{1, 3, 6, 8, 11, 13, 16}));
 }
 
 TEST(VofodDetector, TheMapChangesWhenAModuleIsDoneAndRaysCountClassifications) {
-  VofodConfig config = small_config();
+  VofodConfig config = near_config();
   config.timing.classification_latency_s = 0.0;
   config.timing.raycasting_latency_s = 0.25;
   Ticker ticker(config);
@@ -112,7 +112,7 @@ TEST(VofodDetector, TheMapChangesWhenAModuleIsDoneAndRaysCountClassifications) {
 }
 
 TEST(VofodDetector, RaysWaitForAClassification) {
-  VofodConfig config = small_config();
+  VofodConfig config = near_config();
   config.timing.classification_latency_s = 0.4;
   config.timing.raycasting_latency_s = 0.1;
   Ticker ticker(config);
@@ -130,7 +130,7 @@ TEST(VofodDetector, RaysWaitForAClassification) {
 }
 
 TEST(VofodDetector, FindsAnObjectAndShowsHow) {
-  Ticker ticker(small_config(), true);
+  Ticker ticker(near_config(), true);
   while (ticker.t < 4 * kNsPerSecond) ticker.tick(ground());
   std::vector<Detection> found;
   TimeNs stamp = 0;
@@ -155,7 +155,7 @@ TEST(VofodDetector, FindsAnObjectAndShowsHow) {
 }
 
 TEST(VofodDetector, ListensToItsSensorOnly) {
-  VofodConfig config = small_config();
+  VofodConfig config = near_config();
   config.sensor = "another";
   Ticker ticker(config);
   for (int i = 0; i < 100; ++i) EXPECT_FALSE(ticker.tick(ground()).has_detections);

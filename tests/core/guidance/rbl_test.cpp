@@ -4,17 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/control/reference_tracker.hpp"
 #include "core/guidance/rbl_cell.hpp"
 #include "core/guidance/rbl_planner.hpp"
 #include "core/guidance/rbl_rules.hpp"
+#include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Volume and centroid of the part of a ball that lies below a plane at height h (closed form of the spherical cap).
 struct BallPart {

@@ -23,12 +23,12 @@ constexpr const char* kBatch =
     "variants: [{name: light}, {name: heavy, set: {'vehicles[0].airframe.mass_kg': 3}}]\n"
     "sweep: {parameters: [{key: 'wind.mean_mps[0]', name: wind_mps, values: [0, 4]}]}\nseeds: {count: 3}\n";
 
-BatchOutcome run(const BatchPlan& plan, const std::filesystem::path& out, BatchOptions options = {}) {
+BatchOutcome run_plan(const BatchPlan& plan, const std::filesystem::path& out, BatchOptions options = {}) {
   options.out = out;
   return run_batch(plan, options, {});
 }
 
-BatchOptions jobs(int count) {
+BatchOptions on_workers(int count) {
   BatchOptions options;
   options.jobs = count;
   return options;
@@ -83,7 +83,7 @@ std::string refusal(const std::function<void()>& action) {
 TEST(RunBatch, EveryEpisodeGivesWhatItsScenarioGivesAlone) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kBatch);
-  const BatchOutcome outcome = run(plan, folder.path("out"));
+  const BatchOutcome outcome = run_plan(plan, folder.path("out"));
   EXPECT_TRUE(outcome.complete);
   EXPECT_EQ(outcome.progress.done, 12U);
   const auto all = rows(outcome.database);
@@ -101,8 +101,8 @@ TEST(RunBatch, EveryEpisodeGivesWhatItsScenarioGivesAlone) {
 TEST(RunBatch, TheResultsDoNotDependOnTheNumberOfWorkers) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kBatch);
-  const auto one = run(plan, folder.path("one"));
-  const auto three = run(plan, folder.path("three"), jobs(3));
+  const auto one = run_plan(plan, folder.path("one"));
+  const auto three = run_plan(plan, folder.path("three"), on_workers(3));
   EXPECT_EQ(dump(one.database), dump(three.database));
 }
 
@@ -110,7 +110,7 @@ TEST(RunBatch, VariantsOfASeedShareTheirRandomNumbers) {
   const BatchFolder folder;
   const BatchPlan plan =
       folder.plan("variants: [{name: a}, {name: same}, {name: longer, set: {duration_s: 0.3}}]\nseeds: {count: 2}\n");
-  const auto all = rows(run(plan, folder.path("out")).database);
+  const auto all = rows(run_plan(plan, folder.path("out")).database);
   ASSERT_EQ(all.size(), 6U);
   EXPECT_EQ(all[0].state_hash, all[1].state_hash);
   EXPECT_NE(all[0].state_hash, all[3].state_hash);
@@ -121,7 +121,7 @@ TEST(RunBatch, TheWorldIsBuiltOnceAWorkerWhenEpisodesShareIt) {
   const BatchFolder folder;
   const auto built = [&](const std::string& text, const std::string& out) {
     int count = 0;
-    for (const EpisodeRow& row : rows(run(folder.plan(text), folder.path(out)).database))
+    for (const EpisodeRow& row : rows(run_plan(folder.plan(text), folder.path(out)).database))
       count += row.built_world ? 1 : 0;
     return count;
   };
@@ -134,7 +134,7 @@ TEST(RunBatch, AFailureIsRecordedWithTheCommandThatRepeatsIt) {
   // The second point starts both vehicles in one place.
   const BatchPlan plan = folder.plan(
       "sweep: {parameters: [{key: 'vehicles[1].start.position_m[0]', name: x, values: [5, 0]}]}\nseeds: {count: 2}\n");
-  const BatchOutcome outcome = run(plan, folder.path("out"));
+  const BatchOutcome outcome = run_plan(plan, folder.path("out"));
   EXPECT_TRUE(outcome.complete);
   EXPECT_EQ(outcome.progress.failed, 2U);
   EXPECT_EQ(outcome.by_status.at("failed"), 2U);
@@ -149,7 +149,7 @@ TEST(RunBatch, AnEpisodeThatTakesTooLongIsRecordedAsThat) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(
       "timeout_s: 0.5\nsweep: {parameters: [{key: duration_s, values: [0.1, 100000]}]}\nseeds: {count: 1}\n");
-  const BatchOutcome outcome = run(plan, folder.path("out"));
+  const BatchOutcome outcome = run_plan(plan, folder.path("out"));
   EXPECT_EQ(outcome.by_status.at("timed_out"), 1U);
   EXPECT_EQ(outcome.by_status.at("done"), 1U);
 }
@@ -157,7 +157,7 @@ TEST(RunBatch, AnEpisodeThatTakesTooLongIsRecordedAsThat) {
 TEST(RunBatch, ResumingFliesOnlyWhatIsMissing) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kBatch);
-  const auto whole = run(plan, folder.path("whole"));
+  const auto whole = run_plan(plan, folder.path("whole"));
   int stored = 0;
   BatchOptions options;
   options.out = folder.path("out");
@@ -167,37 +167,37 @@ TEST(RunBatch, ResumingFliesOnlyWhatIsMissing) {
   EXPECT_FALSE(first.complete);
   EXPECT_GE(first.progress.done, 5U);
   EXPECT_LT(first.progress.done, 12U);
-  const BatchOutcome second = run(plan, folder.path("out"), resuming());
+  const BatchOutcome second = run_plan(plan, folder.path("out"), resuming());
   EXPECT_TRUE(second.complete);
   EXPECT_EQ(second.progress.done, 12U);
   EXPECT_EQ(second.progress.flown, 12U - first.progress.done);
   EXPECT_EQ(dump(second.database), dump(whole.database));
-  EXPECT_EQ(run(plan, folder.path("out"), resuming()).progress.flown, 0U);
+  EXPECT_EQ(run_plan(plan, folder.path("out"), resuming()).progress.flown, 0U);
 }
 
 TEST(RunBatch, ResultsAreNeitherOverwrittenNorMixedWithThoseOfAnotherBatch) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kBatch);
-  run(plan, folder.path("out"));
-  EXPECT_THAT(refusal([&] { run(plan, folder.path("out")); }), HasSubstr("--resume"));
+  run_plan(plan, folder.path("out"));
+  EXPECT_THAT(refusal([&] { run_plan(plan, folder.path("out")); }), HasSubstr("--resume"));
   const BatchPlan other = folder.plan(std::string(kBatch) + "set: {duration_s: 0.1}\n");
-  EXPECT_THAT(refusal([&] { run(other, folder.path("out"), resuming()); }), HasSubstr("another meaning"));
+  EXPECT_THAT(refusal([&] { run_plan(other, folder.path("out"), resuming()); }), HasSubstr("another meaning"));
   const BatchPlan same = folder.plan(std::string("# a comment\ntimeout_s: 50\n") + kBatch);
-  EXPECT_EQ(run(same, folder.path("out"), resuming()).progress.flown, 0U);
+  EXPECT_EQ(run_plan(same, folder.path("out"), resuming()).progress.flown, 0U);
 }
 
 TEST(RunBatch, OnlyFailuresAreFlownAgainOnRequest) {
   const BatchFolder folder;
   const std::string text = "sweep: {parameters: [{key: duration_s, values: [0.1, 100000]}]}\nseeds: {count: 2}\n";
-  run(folder.plan("timeout_s: 0.4\n" + text), folder.path("out"));
+  run_plan(folder.plan("timeout_s: 0.4\n" + text), folder.path("out"));
   const BatchPlan plan = folder.plan("timeout_s: 0.5\n" + text);
-  EXPECT_EQ(run(plan, folder.path("out"), resuming()).progress.flown, 0U);
-  EXPECT_EQ(run(plan, folder.path("out"), retrying()).progress.flown, 2U);
+  EXPECT_EQ(run_plan(plan, folder.path("out"), resuming()).progress.flown, 0U);
+  EXPECT_EQ(run_plan(plan, folder.path("out"), retrying()).progress.flown, 2U);
 }
 
 TEST(RunBatch, CsvFilesHaveARowForEveryEpisodeAndMetric) {
   const BatchFolder folder;
-  const auto outcome = run(folder.plan(kBatch), folder.path("out"));
+  const auto outcome = run_plan(folder.plan(kBatch), folder.path("out"));
   const auto lines = [&](const char* name) {
     std::ifstream file(folder.path("out") / name);
     std::vector<std::string> found;
@@ -235,9 +235,9 @@ class Merge : public ::testing::Test {
     for (int i = 0; i < 3; ++i) {
       BatchOptions options;
       options.shard = {i, 3, ""};
-      shards_.push_back(run(plan_, folder_.path("out"), options).database);
+      shards_.push_back(run_plan(plan_, folder_.path("out"), options).database);
     }
-    whole_ = run(plan_, folder_.path("whole")).database;
+    whole_ = run_plan(plan_, folder_.path("whole")).database;
   }
 
   BatchFolder folder_;
@@ -305,7 +305,7 @@ TEST_F(Merge, AnEpisodeThatIsDoneWinsOverOneThatIsNot) {
 
 TEST_F(Merge, ShardsOfAnotherBatchAreRefused) {
   const BatchPlan other = folder_.plan(std::string(kBatch) + "set: {duration_s: 0.1}\n");
-  const auto foreign = run(other, folder_.path("foreign")).database;
+  const auto foreign = run_plan(other, folder_.path("foreign")).database;
   EXPECT_THAT(refusal([&] {
                 merge_batches({shards_[0], foreign}, folder_.path("mixed"));
               }),

@@ -4,33 +4,20 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/metrics/metrics.hpp"
 #include "sim/sensors/sensor.hpp"
+#include "tests/sim/metrics/metrics_run.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-constexpr TimeNs kTick = 10'000'000;
 constexpr TimeNs kScan = 100'000'000;
 
 /// An observer (vehicle 0) that detects and tracks the others; a test says what it sees.
-struct TestRun {
-  explicit TestRun(int num_vehicles, MetricsConfig config = {})
-      : states(num_vehicles),
-        actions(num_vehicles),
-        clearances(num_vehicles),
-        observations(num_vehicles),
-        scans(num_vehicles),
-        perception(num_vehicles),
-        metrics(config, names(num_vehicles), perceived(num_vehicles)) {
-    for (Clearance& clearance : clearances) clearance.surface_m = 5.0;
+struct SightRun : MetricsRun {
+  explicit SightRun(int num_vehicles, MetricsConfig config = {})
+      : MetricsRun(num_vehicles, config, perceived(num_vehicles)) {
     for (Action& action : actions) action.estimate.valid = true;
-  }
-  static std::vector<std::string> names(int n) {
-    std::vector<std::string> out;
-    for (int i = 0; i < n; ++i) out.push_back("uav" + std::to_string(i + 1));
-    return out;
   }
   static std::vector<Perception> perceived(int n) {
     std::vector<Perception> out(n);
@@ -71,50 +58,23 @@ struct TestRun {
     actions[0].tracks.push_back(track);
   }
   void tick() {
-    now += kTick;
-    pointers.clear();
-    for (Action& action : actions) {
-      action.estimate.t = now;
-      pointers.push_back(&action);
-    }
     for (std::size_t i = 0; i < states.size(); ++i) {
-      states[i].t = now;
+      actions[i].estimate.t = now + kTick;
       if (i > 0 || !own_estimate) actions[i].estimate.T_world_body = states[i].T_world_body();
     }
-    TickView view;
-    view.t = now;
-    view.states = states;
-    view.observations = observations;
-    view.actions = pointers;
-    view.scans = scans;
-    metrics.update(view, clearances);
+    MetricsRun::tick();
     for (Action& action : actions) {
       action.clear_outputs();
       action.tracks.clear();
     }
     scans[0].clear();
   }
-  double value(const std::string& name) const {
-    const MetricTable table = metrics.report();
-    const MetricRow* row = table.find(name, "uav1");
-    if (row == nullptr) throw std::out_of_range(name);
-    return row->value;
-  }
 
-  TimeNs now = 0;
   bool own_estimate = false;  // the test sets the observer's estimate itself
-  std::vector<VehicleState> states;
-  std::vector<Action> actions;
-  std::vector<Clearance> clearances;
-  std::vector<Observation> observations;
-  std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
-  std::vector<Perception> perception;
-  std::vector<const Action*> pointers;
-  Metrics metrics;
 };
 
 TEST(DetectionMetric, RecallPrecisionAndErrorOfDetections) {
-  TestRun run(3);
+  SightRun run(3);
   run.states[1].p_world_m = {8, 0, 0};
   run.states[2].p_world_m = {0, 12, 0};
   // The first target is found in every scan with an error of 0.5 m, the second in every fourth with 1 m (and the other
@@ -141,7 +101,7 @@ TEST(DetectionMetric, RecallPrecisionAndErrorOfDetections) {
 }
 
 TEST(DetectionMetric, AnEstimateIsComparedWithTheTruthOfItsTime) {
-  TestRun run(2);
+  SightRun run(2);
   const Vector3 v(10.0, 0.0, 0.0);
   const auto truth = [&](TimeNs t) { return Vector3(Vector3(-5, 6, 0) + v * to_seconds(t)); };
   for (int k = 1; k <= 100; ++k) {
@@ -164,7 +124,7 @@ TEST(DetectionMetric, AnEstimateIsComparedWithTheTruthOfItsTime) {
 
 // An odometry frame that is turned and shifted: what counts is where the target is as seen from the observer.
 TEST(DetectionMetric, TheFrameOfTheObserverIsNoErrorOfItsTracker) {
-  TestRun run(2);
+  SightRun run(2);
   run.own_estimate = true;
   const Pose T = make_pose({100, -40, 3}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3::UnitZ())));
   run.states[1].p_world_m = {8, 0, 0};
@@ -179,7 +139,7 @@ TEST(DetectionMetric, TheFrameOfTheObserverIsNoErrorOfItsTracker) {
 }
 
 TEST(DetectionMetric, WhoIsOnTheGroundIsNeitherMissedNorFalse) {
-  TestRun run(3);
+  SightRun run(3);
   run.states[1].p_world_m = {8, 0, 0};
   run.states[2].p_world_m = {0, 8, 0};
   run.clearances[2].surface_m = -0.1;
@@ -193,7 +153,7 @@ TEST(DetectionMetric, WhoIsOnTheGroundIsNeitherMissedNorFalse) {
 }
 
 TEST(DetectionMetric, IdentitiesAreFollowed) {
-  TestRun run(3);
+  SightRun run(3);
   run.states[1].p_world_m = {8, 0, 0};
   run.states[2].p_world_m = {0, 8, 0};
   const auto scan = [&](std::uint32_t of_first, std::uint32_t of_second) {
@@ -219,7 +179,7 @@ TEST(DetectionMetric, IdentitiesAreFollowed) {
 }
 
 TEST(DetectionMetric, OspaIsThatOfItsDefinition) {
-  TestRun run(3);
+  SightRun run(3);
   run.states[1].p_world_m = {8, 0, 0};
   run.states[2].p_world_m = {0, 8, 0};
   run.scan({0, 5, 5});
@@ -235,7 +195,7 @@ TEST(DetectionMetric, OspaIsThatOfItsDefinition) {
 }
 
 TEST(DetectionMetric, NeesTellsWhetherTheCovarianceIsHonest) {
-  TestRun run(2);
+  SightRun run(2);
   run.states[1].p_world_m = {8, 0, 0};
   for (int k = 0; k < 4; ++k) {
     run.scan({0, 5});
@@ -247,7 +207,7 @@ TEST(DetectionMetric, NeesTellsWhetherTheCovarianceIsHonest) {
 }
 
 TEST(DetectionMetric, TimeToTheFirstDetectionCountsFromTheFirstScanThatShowsTheTarget) {
-  TestRun run(2);
+  SightRun run(2);
   run.states[1].p_world_m = {8, 0, 0};
   for (int k = 1; k <= 300; ++k) {
     if (k % 10 == 0) {
@@ -261,7 +221,7 @@ TEST(DetectionMetric, TimeToTheFirstDetectionCountsFromTheFirstScanThatShowsTheT
 }
 
 TEST(DetectionMetric, WhoIsFarAwayCountsInItsBinOnly) {
-  TestRun run(2);
+  SightRun run(2);
   run.states[1].p_world_m = {33, 0, 0};
   run.scan({0, 1});
   run.detect({}, kTick, kTick);
@@ -274,7 +234,7 @@ TEST(DetectionMetric, WhoIsFarAwayCountsInItsBinOnly) {
 }
 
 TEST(DetectionMetric, TellsRecordersWhatItFound) {
-  TestRun run(2);
+  SightRun run(2);
   run.states[1].p_world_m = {8, 0, 0};
   run.scan({0, 6});
   run.detect({{8, 0, 0.4}, {30, 0, 0}}, kTick, kTick);
@@ -298,7 +258,7 @@ TEST(DetectionMetric, WithoutPerceptionThereIsNothingToTell) {
 }
 
 TEST(DetectionMetric, AllocatesNothingOnceWarm) {
-  TestRun run(3);
+  SightRun run(3);
   run.states[1].p_world_m = {8, 0, 0};
   run.states[2].p_world_m = {0, 8, 0};
   std::uint64_t during = 0;

@@ -6,75 +6,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/sim/metrics/metrics_run.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-constexpr TimeNs kTick = 10'000'000;
-
-/// Feeds metrics with ticks whose states and actions a test sets.
-struct TestRun {
-  explicit TestRun(int num_vehicles, MetricsConfig config = {})
-      : states(num_vehicles),
-        actions(num_vehicles),
-        clearances(num_vehicles),
-        observations(num_vehicles),
-        scans(num_vehicles),
-        metrics(config, names(num_vehicles)) {
-    for (Clearance& clearance : clearances) {
-      clearance.surface_m = 5.0;
-      clearance.vehicle_m = std::numeric_limits<double>::infinity();
-    }
-  }
-  static std::vector<std::string> names(int n) {
-    std::vector<std::string> names;
-    for (int i = 0; i < n; ++i) names.push_back("uav" + std::to_string(i + 1));
-    return names;
-  }
-
-  double next_s() const { return to_seconds(now + kTick); }
-  void tick() {
-    now += kTick;
-    pointers.clear();
-    for (const Action& action : actions) pointers.push_back(&action);
-    for (VehicleState& state : states) state.t = now;
-    TickView view;
-    view.t = now;
-    view.states = states;
-    view.observations = observations;
-    view.actions = pointers;
-    view.scans = scans;
-    view.events = events;
-    metrics.update(view, clearances);
-    events.clear();
-  }
-  double value(const std::string& name, const std::string& vehicle = "uav1") const {
-    const MetricTable table = metrics.report();
-    const MetricRow* row = table.find(name, vehicle);
-    if (row == nullptr) throw std::out_of_range(name);
-    return row->value;
-  }
-  std::string text(const std::string& name, const std::string& vehicle = "uav1") const {
-    const MetricTable table = metrics.report();
-    const MetricRow* row = table.find(name, vehicle);
-    if (row == nullptr) throw std::out_of_range(name);
-    return row->text;
-  }
-
-  TimeNs now = 0;
-  std::vector<VehicleState> states;
-  std::vector<Action> actions;
-  std::vector<Clearance> clearances;
-  std::vector<Observation> observations;
-  std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
-  std::vector<Event> events;
-  std::vector<const Action*> pointers;
-  Metrics metrics;
-};
-
 TEST(Metrics, MotionOnACircleIsMeasured) {
-  TestRun run(1);
+  MetricsRun run(1);
   const double radius = 5.0, rate = 0.8;
   for (int i = 0; i < 1001; ++i) {
     const double phase = rate * run.next_s();
@@ -90,7 +29,7 @@ TEST(Metrics, MotionOnACircleIsMeasured) {
 }
 
 TEST(Metrics, StandingOnTheGroundIsNoFlight) {
-  TestRun run(1);
+  MetricsRun run(1);
   run.clearances[0].surface_m = -0.2;
   for (int i = 0; i < 100; ++i) run.tick();
   EXPECT_EQ(run.value("flight_time_s"), 0.0);
@@ -102,7 +41,7 @@ TEST(Metrics, StandingOnTheGroundIsNoFlight) {
 }
 
 TEST(Metrics, EstimateErrorsAreMeasuredAgainstTheTruth) {
-  TestRun run(1);
+  MetricsRun run(1);
   for (int i = 0; i < 400; ++i) {
     const double t = run.next_s();
     run.states[0].p_world_m = {t, 2.0 * std::sin(t), 3.0};
@@ -124,7 +63,7 @@ TEST(Metrics, EstimateErrorsAreMeasuredAgainstTheTruth) {
 TEST(Metrics, AlignmentRemovesShiftAndHeadingOfALocalFrameButNoTilt) {
   const Pose T_local_world = make_pose({7.0, -3.0, 1.0}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3::UnitZ())));
   const Pose tilted = make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Vector3::UnitX())));
-  TestRun run(2);
+  MetricsRun run(2);
   for (int i = 0; i < 2000; ++i) {
     const double t = run.next_s();
     for (int v = 0; v < 2; ++v) {
@@ -140,7 +79,7 @@ TEST(Metrics, AlignmentRemovesShiftAndHeadingOfALocalFrameButNoTilt) {
 }
 
 TEST(Metrics, WithoutAnEstimateNothingIsMeasured) {
-  TestRun run(1);
+  MetricsRun run(1);
   run.tick();
   for (const char* name : {"estimate_position_rmse_m", "ate_position_rmse_m", "tracking_error_rms_m"}) {
     EXPECT_TRUE(std::isnan(run.value(name))) << name;
@@ -148,7 +87,7 @@ TEST(Metrics, WithoutAnEstimateNothingIsMeasured) {
 }
 
 TEST(Metrics, TrackingIsJudgedByTruthAndControlByTheEstimate) {
-  TestRun run(1);
+  MetricsRun run(1);
   run.actions[0].estimate.valid = true;
   run.actions[0].estimate.T_world_body.translation() = Vector3(1.0, 0.0, 0.1);
   run.actions[0].reference.position_m = {1.0, 0.0, 0.0};
@@ -163,7 +102,7 @@ TEST(Metrics, TrackingIsJudgedByTruthAndControlByTheEstimate) {
 }
 
 TEST(Metrics, LeastDistancesComeWithTimeAndPartner) {
-  TestRun run(3);
+  MetricsRun run(3);
   // uav1 passes uav3 at 2 m in y when it is at x = 5, that is after 5 s.
   run.states[1].p_world_m = {0.0, -30.0, 5.0};
   run.states[2].p_world_m = {5.0, 2.0, 5.0};
@@ -187,7 +126,7 @@ TEST(Metrics, LeastDistancesComeWithTimeAndPartner) {
 }
 
 TEST(Metrics, ALoneVehicleHasNoSeparation) {
-  TestRun run(1);
+  MetricsRun run(1);
   run.tick();
   EXPECT_TRUE(std::isnan(run.value("min_separation_m", "")));
   EXPECT_TRUE(std::isnan(run.value("min_clearance_vehicle_m")));
@@ -195,7 +134,7 @@ TEST(Metrics, ALoneVehicleHasNoSeparation) {
 }
 
 TEST(Metrics, TheOutcomeIsThatOfTheWorstVehicle) {
-  TestRun run(4);
+  MetricsRun run(4);
   run.tick();
   EXPECT_EQ(run.metrics.outcome(), "timeout");
   for (Action& action : run.actions) action.mission = MissionStatus::kDone;
@@ -221,7 +160,7 @@ TEST(Metrics, TheOutcomeIsThatOfTheWorstVehicle) {
 }
 
 TEST(Metrics, AWreckIsMeasuredNoMore) {
-  TestRun run(2);
+  MetricsRun run(2);
   run.states[1].p_world_m.x() = 10.0;
   run.tick();
   run.clearances[0].surface_m = -0.1;
@@ -237,7 +176,7 @@ TEST(Metrics, AWreckIsMeasuredNoMore) {
 }
 
 TEST(Metrics, UpdatesDoNotAllocate) {
-  TestRun run(5);
+  MetricsRun run(5);
   for (Action& action : run.actions) action.estimate.valid = true;
   run.tick();
   const std::uint64_t before = test::num_allocations();
@@ -246,7 +185,7 @@ TEST(Metrics, UpdatesDoNotAllocate) {
 }
 
 TEST(Metrics, TheTableHasTheSameRowsForEveryVehicle) {
-  TestRun run(3);
+  MetricsRun run(3);
   run.tick();
   std::vector<std::string> first, third;
   for (const MetricRow& row : run.metrics.rows()) {

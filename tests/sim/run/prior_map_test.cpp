@@ -39,7 +39,9 @@ TEST(PriorMap, SurfacesAreSampledDensely) {
   for (int x = 0; x < 16; ++x) {
     for (int y = 0; y < 12; ++y) {
       const double cx = (x + 0.5) * 0.25, cy = (y + 0.5) * 0.25;
-      if (cx / 4.0 + cy / 3.0 < 1.0) EXPECT_TRUE(cells.contains({x, y})) << x << ' ' << y;
+      if (cx / 4.0 + cy / 3.0 < 1.0) {
+        EXPECT_TRUE(cells.contains({x, y})) << x << ' ' << y;
+      }
     }
   }
 }

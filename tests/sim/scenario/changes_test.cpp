@@ -15,7 +15,7 @@ struct Holder {
   void visit(ConfigVisitor& v) { v.changes("set", changes, "[-] changes"); }
 };
 
-ConfigChanges read(const std::string& text) {
+ConfigChanges read_changes(const std::string& text) {
   Holder holder;
   read_config_text(text, "test.yaml", [&](ConfigVisitor& v) { holder.visit(v); });
   return holder.changes;
@@ -36,8 +36,8 @@ TEST(Changes, AMapBecomesSingleChangesWithTypeFirst) {
                                   {"vehicles[b].name", "\"two: words\""},
                                   // A map for an element comes after the plain keys, as in a scenario.
                                   {"vehicles[0].start.yaw_deg", "90"}};
-  EXPECT_EQ(read("set:\n  world: {size_m: [70, 70], type: forest}\n  wind.gusts: true\n"
-                 "  vehicles[0]: {start: {yaw_deg: 90}}\n  vehicles[b].name: 'two: words'\n"),
+  EXPECT_EQ(read_changes("set:\n  world: {size_m: [70, 70], type: forest}\n  wind.gusts: true\n"
+                         "  vehicles[0]: {start: {yaw_deg: 90}}\n  vehicles[b].name: 'two: words'\n"),
             expected);
 }
 
@@ -52,7 +52,7 @@ TEST(Changes, TheyDoWhatTheMapItselfWouldDo) {
                     {"world", "{type: forest, size_m: [70, 60]}"},
                     {"recorders", "[{type: tum}, {type: pcd, every: 3}]"},
                     {"description", "\"a 'b' \\\"c\\\": # d\""}});
-  const Scenario split = scenario_with(read("set: " + [&] {
+  const Scenario split = scenario_with(read_changes("set: " + [&] {
     std::string quoted = text;  // `vehicles[*]` is no plain key between braces
     quoted.replace(quoted.find("vehicles[*]"), 11, "\"vehicles[*]\"");
     return quoted;
@@ -65,14 +65,14 @@ TEST(Changes, WritingAndReadingThemGivesThemAgain) {
   Holder holder;
   holder.changes = {
       {"a.b", "1"}, {"vehicles[0].c", "[1, {d: \"x y: z\"}]"}, {"e", "20 cm"}, {std::string(100, 'k'), "long"}};
-  EXPECT_EQ(read(write_config([&](ConfigVisitor& v) { holder.visit(v); })), holder.changes);
+  EXPECT_EQ(read_changes(write_config([&](ConfigVisitor& v) { holder.visit(v); })), holder.changes);
   holder.changes.clear();
-  EXPECT_EQ(read(write_config([&](ConfigVisitor& v) { holder.visit(v); })), holder.changes);
+  EXPECT_EQ(read_changes(write_config([&](ConfigVisitor& v) { holder.visit(v); })), holder.changes);
 }
 
 TEST(Changes, AnythingButAMapIsRefused) {
-  EXPECT_THROW(read("set: [1, 2]"), InputError);
-  EXPECT_THROW(read("set: fast"), InputError);
+  EXPECT_THROW(read_changes("set: [1, 2]"), InputError);
+  EXPECT_THROW(read_changes("set: fast"), InputError);
 }
 
 TEST(Changes, AWorldSeedSeparatesTheWorldFromTheRun) {

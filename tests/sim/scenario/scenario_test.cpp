@@ -24,15 +24,15 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-Scenario read(const std::string& text) {
+Scenario read_scenario_text(const std::string& text) {
   Scenario scenario;
   read_config_text(text, "flight.yaml", [&](ConfigVisitor& v) { scenario.visit(v); });
   return scenario;
 }
 
-std::string error(const std::string& text) {
+std::string scenario_error(const std::string& text) {
   try {
-    read(text);
+    read_scenario_text(text);
   } catch (const InputError& problem) {
     return problem.what();
   }
@@ -58,7 +58,7 @@ TEST(Scenario, TheDefaultIsValid) {
 
 TEST(Scenario, WhatWasWrittenReadsBackTheSame) {
   const std::string text = write_scenario(validated(Scenario()));
-  EXPECT_EQ(write_scenario(read(text)), text);
+  EXPECT_EQ(write_scenario(read_scenario_text(text)), text);
 }
 
 TEST(Scenario, EveryScenarioThatComesWithSwiftletIsValidAndResolvesToItself) {
@@ -68,7 +68,7 @@ TEST(Scenario, EveryScenarioThatComesWithSwiftletIsValidAndResolvesToItself) {
     SCOPED_TRACE(file.string());
     try {
       const std::string resolved = write_scenario(load_scenario(file));
-      EXPECT_EQ(write_scenario(read(resolved)), resolved);
+      EXPECT_EQ(write_scenario(read_scenario_text(resolved)), resolved);
     } catch (const InputError& problem) {
       ADD_FAILURE() << problem.what();
     }
@@ -106,7 +106,7 @@ TEST(Scenario, EveryModuleOfEveryRegistryIsValidByDefaultAndComesBack) {
       put(scenario, Module(types, type.name));
       const std::string text = write_scenario(scenario);
       try {
-        EXPECT_EQ(write_scenario(read(text)), text);
+        EXPECT_EQ(write_scenario(read_scenario_text(text)), text);
       } catch (const InputError& problem) {
         // A path that has no sensible default is the one thing that may be missing.
         EXPECT_THAT(problem.what(), HasSubstr("found \"\" by default")) << problem.what();
@@ -121,7 +121,7 @@ TEST(Scenario, EveryModuleOfEveryRegistryIsValidByDefaultAndComesBack) {
 
 TEST(Scenario, EveryAssetIsValid) {
   for (const Asset& asset : list_assets("vehicles")) {
-    EXPECT_EQ(error("vehicles: [{model: " + asset.name + "}]"), "no error") << asset.name;
+    EXPECT_EQ(scenario_error("vehicles: [{model: " + asset.name + "}]"), "no error") << asset.name;
     EXPECT_FALSE(asset.doc.empty()) << asset.name;
   }
   for (const Asset& asset : list_assets("sensors")) {
@@ -130,7 +130,7 @@ TEST(Scenario, EveryAssetIsValid) {
     bool taken = false;
     for (const ModuleType& type : sensor_module_types()) {
       const std::string message =
-          error("vehicles: [{sensors: [{type: " + std::string(type.name) + ", model: " + asset.name + "}]}]");
+          scenario_error("vehicles: [{sensors: [{type: " + std::string(type.name) + ", model: " + asset.name + "}]}]");
       taken = taken || message == "no error";
       messages += message + "\n";
     }
@@ -145,62 +145,65 @@ TEST(Scenario, AssetsOfTheUserComeFirst) {
   std::ofstream(root / "vehicles" / "x500.yaml") << "airframe: {mass_kg: 9}\n";
   std::ofstream(root / "vehicles" / "own_one.yaml") << "# Mine. Really.\nairframe: {mass_kg: 8}\n";
   ASSERT_EQ(setenv("SWIFTLET_ASSETS", ("/nowhere:" + root.string()).c_str(), 1), 0);
-  EXPECT_EQ(read("vehicles: [{}]").vehicles[0].airframe.mass_kg, 9.0);
-  EXPECT_EQ(read("vehicles: [{model: own_one}]").vehicles[0].airframe.mass_kg, 8.0);
-  EXPECT_EQ(read("vehicles: [{model: f450}]").vehicles[0].model, "f450");
+  EXPECT_EQ(read_scenario_text("vehicles: [{}]").vehicles[0].airframe.mass_kg, 9.0);
+  EXPECT_EQ(read_scenario_text("vehicles: [{model: own_one}]").vehicles[0].airframe.mass_kg, 8.0);
+  EXPECT_EQ(read_scenario_text("vehicles: [{model: f450}]").vehicles[0].model, "f450");
   const auto assets = list_assets("vehicles");
   const auto own = std::find_if(assets.begin(), assets.end(), [](const Asset& a) { return a.name == "own_one"; });
   ASSERT_NE(own, assets.end());
   EXPECT_EQ(own->doc, "Mine");
   unsetenv("SWIFTLET_ASSETS");
   fs::remove_all(root);
-  EXPECT_NE(read("vehicles: [{}]").vehicles[0].airframe.mass_kg, 9.0);
-  EXPECT_THAT(error("vehicles: [{model: x50}]"), HasSubstr("did you mean \"x500\"?"));
+  EXPECT_NE(read_scenario_text("vehicles: [{}]").vehicles[0].airframe.mass_kg, 9.0);
+  EXPECT_THAT(scenario_error("vehicles: [{model: x50}]"), HasSubstr("did you mean \"x500\"?"));
 }
 
 TEST(Scenario, NamesAreFilledIn) {
-  const Scenario scenario = read("vehicles: [{}, {sensors: [imu, imu]}]");
+  const Scenario scenario = read_scenario_text("vehicles: [{}, {sensors: [imu, imu]}]");
   EXPECT_EQ(scenario.vehicles[0].name, "uav1");
   EXPECT_EQ(scenario.vehicles[1].name, "uav2");
   EXPECT_THAT(write_scenario(scenario), HasSubstr("name: imu2"));
 }
 
 TEST(Scenario, NamesAreUniqueAndFitForFiles) {
-  EXPECT_EQ(error("vehicles:\n  - name: a\n  - name: a\n"),
+  EXPECT_EQ(scenario_error("vehicles:\n  - name: a\n  - name: a\n"),
             "flight.yaml:3:11: vehicles[1].name: expected a name that is not taken yet, found \"a\"");
-  EXPECT_THAT(error("vehicles: [{name: uav2}, {}]"),
+  EXPECT_THAT(scenario_error("vehicles: [{name: uav2}, {}]"),
               HasSubstr("vehicles[1].name: expected a name that is not taken yet"));
-  EXPECT_THAT(error("vehicles: [{name: ../a}]"),
+  EXPECT_THAT(scenario_error("vehicles: [{name: ../a}]"),
               HasSubstr("flight.yaml:1:19: vehicles[0].name: expected a name of letters"));
-  EXPECT_THAT(error("vehicles: [{sensors: [{type: imu, name: a}, {type: gnss, name: a}]}]"),
+  EXPECT_THAT(scenario_error("vehicles: [{sensors: [{type: imu, name: a}, {type: gnss, name: a}]}]"),
               HasSubstr("vehicles[0].sensors[1].name: expected a name that is not taken yet, found \"a\""));
-  EXPECT_EQ(error("vehicles: [{sensors: [{type: imu, name: a}]}, {sensors: [{type: imu, name: a}]}]"), "no error");
-  EXPECT_THAT(error("snapshots: [{name: a}, {name: a}]"),
+  EXPECT_EQ(scenario_error("vehicles: [{sensors: [{type: imu, name: a}]}, {sensors: [{type: imu, name: a}]}]"),
+            "no error");
+  EXPECT_THAT(scenario_error("snapshots: [{name: a}, {name: a}]"),
               HasSubstr("snapshots[1].name: expected a name that is not taken yet"));
-  EXPECT_THAT(error("name: a/b"), HasSubstr("name: expected a name of letters"));
-  EXPECT_THAT(error("name: .."), HasSubstr("name: expected a name of letters"));
+  EXPECT_THAT(scenario_error("name: a/b"), HasSubstr("name: expected a name of letters"));
+  EXPECT_THAT(scenario_error("name: .."), HasSubstr("name: expected a name of letters"));
 }
 
 TEST(Scenario, CamerasLookAtVehiclesAndSensorsThatExist) {
-  EXPECT_EQ(error("vehicles: [{name: alpha}]\nsnapshots: [{type: follow, vehicle: alhpa}]"),
+  EXPECT_EQ(scenario_error("vehicles: [{name: alpha}]\nsnapshots: [{type: follow, vehicle: alhpa}]"),
             "flight.yaml:2:37: snapshots[0].vehicle: expected \"alpha\", found \"alhpa\"; did you mean \"alpha\"?");
-  EXPECT_THAT(error("vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, sensor: os2}]"),
+  EXPECT_THAT(scenario_error(
+                  "vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, sensor: os2}]"),
               HasSubstr("snapshots[0].sensor: expected \"os1\", found \"os2\"; did you mean \"os1\"?"));
-  EXPECT_EQ(error("vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, sensor: os1}]"),
+  EXPECT_EQ(scenario_error(
+                "vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, sensor: os1}]"),
             "no error");
 }
 
 TEST(Scenario, TheTickIsAWholeMultipleOfThePhysicsStep) {
-  EXPECT_EQ(error("tick_s: 4 ms\nphysics: {step_s: 1 ms}"), "no error");
-  EXPECT_EQ(error("tick_s: 4.5 ms\nphysics: {step_s: 1 ms}"),
+  EXPECT_EQ(scenario_error("tick_s: 4 ms\nphysics: {step_s: 1 ms}"), "no error");
+  EXPECT_EQ(scenario_error("tick_s: 4.5 ms\nphysics: {step_s: 1 ms}"),
             "flight.yaml:1:9: tick_s: expected a whole multiple of physics.step_s, found \"4.5 ms\"");
-  EXPECT_THAT(error("tick_s: 1 ms\nphysics: {step_s: 2 ms}"), HasSubstr("whole multiple"));
-  EXPECT_THAT(error("tick_s: 0"), HasSubstr("tick_s: expected a number in (0, 1]"));
-  EXPECT_THAT(error("duration_s: 0"), HasSubstr("duration_s: expected a number in (0, 1"));
-  EXPECT_THAT(error("duration_s: 1 ms"), HasSubstr("duration_s: expected at least one tick_s"));
+  EXPECT_THAT(scenario_error("tick_s: 1 ms\nphysics: {step_s: 2 ms}"), HasSubstr("whole multiple"));
+  EXPECT_THAT(scenario_error("tick_s: 0"), HasSubstr("tick_s: expected a number in (0, 1]"));
+  EXPECT_THAT(scenario_error("duration_s: 0"), HasSubstr("duration_s: expected a number in (0, 1"));
+  EXPECT_THAT(scenario_error("duration_s: 1 ms"), HasSubstr("duration_s: expected at least one tick_s"));
 }
 
-TEST(Scenario, ATeamMayBeEmpty) { EXPECT_EQ(read("vehicles: []").vehicles.size(), 0u); }
+TEST(Scenario, ATeamMayBeEmpty) { EXPECT_EQ(read_scenario_text("vehicles: []").vehicles.size(), 0u); }
 
 TEST(Scenario, OverridesReachEveryDepth) {
   const std::string file = SWIFTLET_SOURCE_DIR "/scenarios/forest_patrol.yaml";

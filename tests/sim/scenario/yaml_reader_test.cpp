@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-FleetConfig read(const std::string& text, const Overrides& overrides = {}) {
+FleetConfig read_fleet(const std::string& text, const Overrides& overrides = {}) {
   FleetConfig fleet;
   const MemoryFiles files = example_files();
   read_config_text(
@@ -26,9 +26,9 @@ FleetConfig read(const std::string& text, const Overrides& overrides = {}) {
 }
 
 /// The message of the InputError that reading ends in, without the folder.
-std::string error(const std::string& text, const Overrides& overrides = {}) {
+std::string fleet_error(const std::string& text, const Overrides& overrides = {}) {
   try {
-    read(text, overrides);
+    read_fleet(text, overrides);
   } catch (const InputError& problem) {
     std::string message = problem.what();
     for (std::size_t at; (at = message.find("/in/fleet.yaml")) != std::string::npos;) message.erase(at, 4);
@@ -40,7 +40,7 @@ std::string error(const std::string& text, const Overrides& overrides = {}) {
 // --- values ---
 
 TEST(YamlReader, KeysThatAreNotGivenKeepTheirDefaults) {
-  const FleetConfig fleet = read("seed: 7\nboats: [{}]\n");
+  const FleetConfig fleet = read_fleet("seed: 7\nboats: [{}]\n");
   EXPECT_EQ(fleet.seed, 7u);
   EXPECT_EQ(fleet.title, "fleet");
   ASSERT_EQ(fleet.boats.size(), 1u);
@@ -48,7 +48,7 @@ TEST(YamlReader, KeysThatAreNotGivenKeepTheirDefaults) {
 }
 
 TEST(YamlReader, EveryKindOfValueIsRead) {
-  const FleetConfig fleet = read(
+  const FleetConfig fleet = read_fleet(
       "racing: true\nseed: 18446744073709551615\ntitle: \"a: b\"\nsky: cloudy\nchart: chart.csv\nlow: -1e-3\n"
       "size_m: [1, 2.5]\ntimes_s: [0, 1.5]\ntags: [red, 12]\nbuoys_m: [[1, 2, 3], [4, 5, 6]]\n"
       "boats:\n  - width_px: 800\n    position_m: [0, 0, -2]\n    noise: {drop_probability: 0.5}\n"
@@ -82,7 +82,7 @@ TEST(YamlReader, AListReplacesTheDefaultElementsInsteadOfFillingThem) {
 }
 
 TEST(YamlReader, ANumberMayCarryAnotherUnitOfTheSameKind) {
-  const auto boat = [](const std::string& line) { return read("boats: [{" + line + "}]").boats.at(0); };
+  const auto boat = [](const std::string& line) { return read_fleet("boats: [{" + line + "}]").boats.at(0); };
   EXPECT_EQ(boat("noise: {sigma_range_m: 20 cm}").noise.sigma_range_m, 0.2);
   EXPECT_EQ(boat("noise: {sigma_range_m: 35mm}").noise.sigma_range_m, 0.035);
   EXPECT_EQ(boat("rate_hz: 2 kHz").rate_hz, 2000.0);
@@ -91,83 +91,84 @@ TEST(YamlReader, ANumberMayCarryAnotherUnitOfTheSameKind) {
   EXPECT_DOUBLE_EQ(boat("speed_mps: 18 km/h").speed_mps, 5.0);
   EXPECT_EQ(boat("width_px: 800 px").width_px, 800);
   EXPECT_EQ(boat("position_m: [1 km, 20 cm, 3]").position_m, Eigen::Vector3d(1000.0, 0.2, 3.0));
-  EXPECT_EQ(read("times_s: [300 ms, 2 min, 1 h]").times_s, (std::vector<double>{0.3, 120.0, 3600.0}));
+  EXPECT_EQ(read_fleet("times_s: [300 ms, 2 min, 1 h]").times_s, (std::vector<double>{0.3, 120.0, 3600.0}));
 }
 
 TEST(YamlReader, AUnitOfAnotherKindIsRefused) {
-  EXPECT_EQ(error("boats:\n  - noise: {sigma_range_m: 20 deg}\n"),
+  EXPECT_EQ(fleet_error("boats:\n  - noise: {sigma_range_m: 20 deg}\n"),
             "fleet.yaml:2:28: boats[0].noise.sigma_range_m: expected a length in m, found \"20 deg\"");
-  EXPECT_EQ(error("boats: [{drag_N_per_mps: 2 N}]"),
+  EXPECT_EQ(fleet_error("boats: [{drag_N_per_mps: 2 N}]"),
             "fleet.yaml:1:26: boats[0].drag_N_per_mps: expected a number >= 0, found \"2 N\"");
-  EXPECT_THAT(error("boats: [{rate_hz: 2 hurts}]"), HasSubstr("expected a frequency in Hz, found \"2 hurts\""));
-  EXPECT_THAT(error("low: 2 m"), HasSubstr("low: expected a number, found \"2 m\""));
+  EXPECT_THAT(fleet_error("boats: [{rate_hz: 2 hurts}]"), HasSubstr("expected a frequency in Hz, found \"2 hurts\""));
+  EXPECT_THAT(fleet_error("low: 2 m"), HasSubstr("low: expected a number, found \"2 m\""));
 }
 
 // --- errors ---
 
 TEST(YamlReader, AMistakeNamesItsPlaceWhatWasExpectedAndWhatWasFound) {
-  EXPECT_EQ(error("seed: 1\nboats:\n  - name: a\n  - rate_hz: ten\n"),
+  EXPECT_EQ(fleet_error("seed: 1\nboats:\n  - name: a\n  - rate_hz: ten\n"),
             "fleet.yaml:4:14: boats[1].rate_hz: expected a number > 0, found \"ten\"");
-  EXPECT_EQ(error("boats: [{speed_mps: 10}]"),
+  EXPECT_EQ(fleet_error("boats: [{speed_mps: 10}]"),
             "fleet.yaml:1:21: boats[0].speed_mps: expected a number in (-10, 10), found \"10\"");
-  EXPECT_EQ(error("boats: [{width_px: 5}]"),
+  EXPECT_EQ(fleet_error("boats: [{width_px: 5}]"),
             "fleet.yaml:1:20: boats[0].width_px: expected a whole number in [16, 4096], found \"5\"");
-  EXPECT_EQ(error("sky: clowdy"),
+  EXPECT_EQ(fleet_error("sky: clowdy"),
             "fleet.yaml:1:6: sky: expected one of \"clear\", \"cloudy\", \"overcast\", found \"clowdy\"; did you mean "
             "\"cloudy\"?");
-  EXPECT_EQ(error("racing: yes"),
+  EXPECT_EQ(fleet_error("racing: yes"),
             "fleet.yaml:1:9: racing: expected true or false, found \"yes\"; did you mean \"true\"?");
-  EXPECT_EQ(error("boats: 3"), "fleet.yaml:1:8: boats: expected a list, found \"3\"");
-  EXPECT_EQ(error("boats: [7]"), "fleet.yaml:1:9: boats[0]: expected a map of keys, found \"7\"");
-  EXPECT_EQ(error("size_m: [1, 2, 3]"),
+  EXPECT_EQ(fleet_error("boats: 3"), "fleet.yaml:1:8: boats: expected a list, found \"3\"");
+  EXPECT_EQ(fleet_error("boats: [7]"), "fleet.yaml:1:9: boats[0]: expected a map of keys, found \"7\"");
+  EXPECT_EQ(fleet_error("size_m: [1, 2, 3]"),
             "fleet.yaml:1:9: size_m: expected a list of 2 numbers, found a list of 3 values");
-  EXPECT_EQ(error("size_m: [1, -2]"), "fleet.yaml:1:13: size_m[1]: expected a number > 0, found \"-2\"");
-  EXPECT_EQ(error("buoys_m: [[1, 2]]"),
+  EXPECT_EQ(fleet_error("size_m: [1, -2]"), "fleet.yaml:1:13: size_m[1]: expected a number > 0, found \"-2\"");
+  EXPECT_EQ(fleet_error("buoys_m: [[1, 2]]"),
             "fleet.yaml:1:11: buoys_m[0]: expected a list of 3 numbers, found a list of 2 values");
-  EXPECT_EQ(error("title:\nseed: 1"), "fleet.yaml:1:1: title: expected a text, found nothing");
-  EXPECT_EQ(error("title: {a: 1}"), "fleet.yaml:1:8: title: expected a text, found a map");
-  EXPECT_EQ(error("seed: -1"),
+  EXPECT_EQ(fleet_error("title:\nseed: 1"), "fleet.yaml:1:1: title: expected a text, found nothing");
+  EXPECT_EQ(fleet_error("title: {a: 1}"), "fleet.yaml:1:8: title: expected a text, found a map");
+  EXPECT_EQ(fleet_error("seed: -1"),
             "fleet.yaml:1:7: seed: expected a whole number in [0, 18446744073709551615], found \"-1\"");
-  EXPECT_EQ(error("low: \"1\""), "fleet.yaml:1:6: low: expected a number, found the quoted text \"1\"");
+  EXPECT_EQ(fleet_error("low: \"1\""), "fleet.yaml:1:6: low: expected a number, found the quoted text \"1\"");
 }
 
 TEST(YamlReader, AnUnknownKeyIsNamedWithTheOneThatWasMeant) {
-  EXPECT_EQ(error("boats:\n  - noise:\n      sigma_rage_m: 1\n"),
+  EXPECT_EQ(fleet_error("boats:\n  - noise:\n      sigma_rage_m: 1\n"),
             "fleet.yaml:3:7: boats[0].noise.sigma_rage_m: expected a known key, found \"sigma_rage_m\"; "
             "did you mean \"sigma_range_m\"?");
   EXPECT_EQ(
-      error("boats: [{noise: {xyz: 1}}]"),
+      fleet_error("boats: [{noise: {xyz: 1}}]"),
       "fleet.yaml:1:18: boats[0].noise.xyz: expected one of \"sigma_range_m\", \"drop_probability\", found \"xyz\"");
-  EXPECT_THAT(error("boats: [{rate: 1}]"), HasSubstr("did you mean \"rate_hz\"?"));
-  EXPECT_THAT(error("boats: [{tilt_rad: 1}]"), HasSubstr("did you mean \"tilt_deg\"?"));
-  EXPECT_THAT(error("Seed: 1"), HasSubstr("did you mean \"seed\"?"));
+  EXPECT_THAT(fleet_error("boats: [{rate: 1}]"), HasSubstr("did you mean \"rate_hz\"?"));
+  EXPECT_THAT(fleet_error("boats: [{tilt_rad: 1}]"), HasSubstr("did you mean \"tilt_deg\"?"));
+  EXPECT_THAT(fleet_error("Seed: 1"), HasSubstr("did you mean \"seed\"?"));
   EXPECT_THAT(
-      error("boats: [{drive: {type: engin}}]"),
+      fleet_error("boats: [{drive: {type: engin}}]"),
       HasSubstr(
           "boats[0].drive.type: expected one of \"engine\", \"sail\", found \"engin\"; did you mean \"engine\"?"));
-  EXPECT_THAT(error("boats: [{drive: {type: sail, power_kW: 1}}]"),
+  EXPECT_THAT(fleet_error("boats: [{drive: {type: sail, power_kW: 1}}]"),
               HasSubstr("boats[0].drive.power_kW: expected one of"));
-  EXPECT_THAT(error("boats: [{crew: [{name: x}]}]"),
+  EXPECT_THAT(fleet_error("boats: [{crew: [{name: x}]}]"),
               HasSubstr("boats[0].crew[0].type: expected one of \"pilot\", \"sail\", found nothing"));
 }
 
 TEST(YamlReader, EveryNumberThatIsNotOneIsRefused) {
   for (const char* text : {".nan", ".inf", "-.inf", "nan", "inf", "1e999", "1,5", "0x10", "--1", "+-1", "1_000",
                            "1.2.3", "e5", "", "~", "[]", "true", "1 2", "- 1"}) {
-    EXPECT_THAT(error(std::string("low: ") + text), StartsWith("fleet.yaml")) << text;
+    EXPECT_THAT(fleet_error(std::string("low: ") + text), StartsWith("fleet.yaml")) << text;
   }
   for (const char* text : {"1.5", "1e10", "99999999999", "x"}) {
-    EXPECT_THAT(error(std::string("boats: [{width_px: ") + text + "}]"), HasSubstr("expected a whole number")) << text;
+    EXPECT_THAT(fleet_error(std::string("boats: [{width_px: ") + text + "}]"), HasSubstr("expected a whole number"))
+        << text;
   }
   for (const char* text : {"18446744073709551616", "1.0", "+1", "1 m", "0x1"}) {
-    EXPECT_THAT(error(std::string("seed: ") + text), HasSubstr("expected a whole number")) << text;
+    EXPECT_THAT(fleet_error(std::string("seed: ") + text), HasSubstr("expected a whole number")) << text;
   }
-  EXPECT_EQ(read("low: +0.5").low, 0.5);
-  EXPECT_EQ(read("low: .5").low, 0.5);
+  EXPECT_EQ(read_fleet("low: +0.5").low, 0.5);
+  EXPECT_EQ(read_fleet("low: .5").low, 0.5);
 }
 
 TEST(YamlReader, AllMistakesAreToldInTheOrderOfTheText) {
-  const std::string message = error("sead: 1\nlow: x\nboats:\n  - rate_hz: 0\n    nam: a\n");
+  const std::string message = fleet_error("sead: 1\nlow: x\nboats:\n  - rate_hz: 0\n    nam: a\n");
   std::istringstream lines(message);
   std::vector<std::string> places;
   for (std::string line; std::getline(lines, line);) places.push_back(line.substr(0, line.find(": ")));
@@ -176,66 +177,66 @@ TEST(YamlReader, AllMistakesAreToldInTheOrderOfTheText) {
 
   std::string many;
   for (int i = 0; i < 100; ++i) many += "unknown" + std::to_string(i) + ": 1\n";
-  const std::string bounded = error(many);
+  const std::string bounded = fleet_error(many);
   EXPECT_EQ(std::count(bounded.begin(), bounded.end(), '\n'), 19);
 }
 
 TEST(YamlReader, AContradictionBetweenKeysIsToldAtItsKey) {
-  EXPECT_EQ(error("low: 2\n"), "fleet.yaml:1:6: low: expected less than high, found \"2\"");
-  EXPECT_EQ(error("high: -1\n"), "fleet.yaml:1:1: low: expected less than high, found \"0\" by default");
-  EXPECT_EQ(error("boats:\n  - name: a\n  - name: a\n"),
+  EXPECT_EQ(fleet_error("low: 2\n"), "fleet.yaml:1:6: low: expected less than high, found \"2\"");
+  EXPECT_EQ(fleet_error("high: -1\n"), "fleet.yaml:1:1: low: expected less than high, found \"0\" by default");
+  EXPECT_EQ(fleet_error("boats:\n  - name: a\n  - name: a\n"),
             "fleet.yaml:3:11: boats[1].name: expected another name than the boat before, found \"a\"");
 }
 
 TEST(YamlReader, LongOrOddTextIsShownShortAndOnOneLine) {
-  const std::string message = error("low: " + std::string(1000, 'x'));
+  const std::string message = fleet_error("low: " + std::string(1000, 'x'));
   EXPECT_LT(message.size(), 200u);
   EXPECT_THAT(message, HasSubstr("xxx...\""));
-  const std::string odd = error("\"a\\nb\\tc\\x01\": 1");
+  const std::string odd = fleet_error("\"a\\nb\\tc\\x01\": 1");
   EXPECT_EQ(std::count(odd.begin(), odd.end(), '\n'), 0) << odd;
   EXPECT_EQ(odd.find('\x01'), std::string::npos);
-  EXPECT_THAT(error("low: " + std::string(70, 'x') + "\xC3\xA9"), HasSubstr("..."));
+  EXPECT_THAT(fleet_error("low: " + std::string(70, 'x') + "\xC3\xA9"), HasSubstr("..."));
 }
 
 // --- texts that are not configurations ---
 
 TEST(YamlReader, DuplicateKeysAreRefusedAtAnyDepth) {
-  EXPECT_EQ(error("seed: 1\nlow: 0\nseed: 2\n"),
+  EXPECT_EQ(fleet_error("seed: 1\nlow: 0\nseed: 2\n"),
             "fleet.yaml:3:1: expected each key once, found \"seed\" again (first in line 1)");
-  EXPECT_THAT(error("boats: [{name: a, name: a}]"), HasSubstr("expected each key once, found \"name\""));
-  EXPECT_THAT(error("unknown: [{a: 1, \"a\": 2}]"), HasSubstr("expected each key once"));
+  EXPECT_THAT(fleet_error("boats: [{name: a, name: a}]"), HasSubstr("expected each key once, found \"name\""));
+  EXPECT_THAT(fleet_error("unknown: [{a: 1, \"a\": 2}]"), HasSubstr("expected each key once"));
 }
 
 TEST(YamlReader, AnythingThatIsNotOneMapInUtf8IsRefused) {
-  EXPECT_EQ(error(""), "fleet.yaml: expected a map of keys, found an empty text");
-  EXPECT_THAT(error("# only a comment\n"), HasSubstr("found an empty text"));
-  EXPECT_THAT(error("- 1\n- 2\n"), HasSubstr("expected a map of keys, found a list of 2 values"));
-  EXPECT_THAT(error("hello"), HasSubstr("expected a map of keys, found \"hello\""));
-  EXPECT_THAT(error("seed: 1\n---\nseed: 2\n"), HasSubstr("expected one document"));
-  EXPECT_EQ(error("boats:\n\t- name: a\n"), "fleet.yaml:2:1: expected spaces as indentation, found a tab");
-  EXPECT_EQ(error("seed: 1\n \xFF\n"), "fleet.yaml:2:2: expected UTF-8 text, found the byte 0xff");
-  EXPECT_THAT(error(std::string("a\0b", 3)), HasSubstr("control character 0x00"));
-  EXPECT_THAT(error("\xFF\xFE" + std::string("s\0e\0", 4)), HasSubstr("expected UTF-8"));
-  EXPECT_THAT(error("title: \xC0\x80"), HasSubstr("expected UTF-8"));
-  EXPECT_THAT(error("title: \xED\xA0\x80"), HasSubstr("expected UTF-8"));
-  EXPECT_THAT(error("title: \"\\N\""), HasSubstr("expected UTF-8 text, found an escape sequence"));
-  EXPECT_THAT(error("title: [1, 2\n"), StartsWith("fleet.yaml:2:1: expected YAML, found a mistake"));
-  EXPECT_THAT(error("title: !!str x"), HasSubstr("found the tag"));
-  EXPECT_THAT(error("? [a]\n: 1\n"), HasSubstr("expected a word as key"));
-  EXPECT_THAT(error("? {a: 1}\n: 1\n"), HasSubstr("expected a word as key"));
-  EXPECT_THAT(error("<<: {seed: 1}"), HasSubstr("found \"<<\""));
+  EXPECT_EQ(fleet_error(""), "fleet.yaml: expected a map of keys, found an empty text");
+  EXPECT_THAT(fleet_error("# only a comment\n"), HasSubstr("found an empty text"));
+  EXPECT_THAT(fleet_error("- 1\n- 2\n"), HasSubstr("expected a map of keys, found a list of 2 values"));
+  EXPECT_THAT(fleet_error("hello"), HasSubstr("expected a map of keys, found \"hello\""));
+  EXPECT_THAT(fleet_error("seed: 1\n---\nseed: 2\n"), HasSubstr("expected one document"));
+  EXPECT_EQ(fleet_error("boats:\n\t- name: a\n"), "fleet.yaml:2:1: expected spaces as indentation, found a tab");
+  EXPECT_EQ(fleet_error("seed: 1\n \xFF\n"), "fleet.yaml:2:2: expected UTF-8 text, found the byte 0xff");
+  EXPECT_THAT(fleet_error(std::string("a\0b", 3)), HasSubstr("control character 0x00"));
+  EXPECT_THAT(fleet_error("\xFF\xFE" + std::string("s\0e\0", 4)), HasSubstr("expected UTF-8"));
+  EXPECT_THAT(fleet_error("title: \xC0\x80"), HasSubstr("expected UTF-8"));
+  EXPECT_THAT(fleet_error("title: \xED\xA0\x80"), HasSubstr("expected UTF-8"));
+  EXPECT_THAT(fleet_error("title: \"\\N\""), HasSubstr("expected UTF-8 text, found an escape sequence"));
+  EXPECT_THAT(fleet_error("title: [1, 2\n"), StartsWith("fleet.yaml:2:1: expected YAML, found a mistake"));
+  EXPECT_THAT(fleet_error("title: !!str x"), HasSubstr("found the tag"));
+  EXPECT_THAT(fleet_error("? [a]\n: 1\n"), HasSubstr("expected a word as key"));
+  EXPECT_THAT(fleet_error("? {a: 1}\n: 1\n"), HasSubstr("expected a word as key"));
+  EXPECT_THAT(fleet_error("<<: {seed: 1}"), HasSubstr("found \"<<\""));
 }
 
 TEST(YamlReader, AByteOrderMarkAndWindowsLineEndsAreHarmless) {
-  EXPECT_EQ(read("\xEF\xBB\xBFseed: 3\r\ntitle: x\r\n").title, "x");
+  EXPECT_EQ(read_fleet("\xEF\xBB\xBFseed: 3\r\ntitle: x\r\n").title, "x");
 }
 
 TEST(YamlReader, AliasesWorkWithinBounds) {
-  const FleetConfig fleet = read("boats:\n  - &first {rate_hz: 3}\n  - *first\n");
+  const FleetConfig fleet = read_fleet("boats:\n  - &first {rate_hz: 3}\n  - *first\n");
   ASSERT_EQ(fleet.boats.size(), 2u);
   EXPECT_EQ(fleet.boats[1].rate_hz, 3.0);
-  EXPECT_THAT(error("title: *nothing"), HasSubstr("expected YAML"));
-  EXPECT_THAT(error("title: &x [*x]"), HasSubstr("one of itself"));
+  EXPECT_THAT(fleet_error("title: *nothing"), HasSubstr("expected YAML"));
+  EXPECT_THAT(fleet_error("title: &x [*x]"), HasSubstr("one of itself"));
 
   std::ostringstream bomb;
   bomb << "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
@@ -244,19 +245,19 @@ TEST(YamlReader, AliasesWorkWithinBounds) {
     for (int k = 0; k < 8; ++k) bomb << ", *a" << i - 1;
     bomb << "]\n";
   }
-  EXPECT_THAT(error(bomb.str()), HasSubstr("aliases counted"));
+  EXPECT_THAT(fleet_error(bomb.str()), HasSubstr("aliases counted"));
 }
 
 TEST(YamlReader, DeepOrLargeInputEndsSoon) {
-  EXPECT_THAT(error(std::string(100000, '[')), StartsWith("fleet.yaml:1:1: "));
-  EXPECT_THAT(error("a: " + std::string(1000, '[') + std::string(1000, ']')), HasSubstr("64 levels"));
+  EXPECT_THAT(fleet_error(std::string(100000, '[')), StartsWith("fleet.yaml:1:1: "));
+  EXPECT_THAT(fleet_error("a: " + std::string(1000, '[') + std::string(1000, ']')), HasSubstr("64 levels"));
   std::string steps;
   for (int i = 0; i < 100; ++i) steps += std::string(static_cast<std::size_t>(i), ' ') + "a:\n";
-  EXPECT_THAT(error(steps), HasSubstr("64 levels"));
-  EXPECT_THAT(error("title: " + std::string(kMaxFileBytes, 'x')), HasSubstr("expected at most 16 MB"));
+  EXPECT_THAT(fleet_error(steps), HasSubstr("64 levels"));
+  EXPECT_THAT(fleet_error("title: " + std::string(kMaxFileBytes, 'x')), HasSubstr("expected at most 16 MB"));
   std::string list = "boats: [";
   for (int i = 0; i < 110000; ++i) list += "x,";
-  EXPECT_THAT(error(list + "x]"), HasSubstr("at most 100000 values"));
+  EXPECT_THAT(fleet_error(list + "x]"), HasSubstr("at most 100000 values"));
 }
 
 TEST(YamlReader, ChangesThatMultiplyAreBounded) {
@@ -264,99 +265,101 @@ TEST(YamlReader, ChangesThatMultiplyAreBounded) {
   for (int i = 0; i < 50000; ++i) text += "a,";
   text += "a]\ntags[*]: [";
   for (int i = 0; i < 50000; ++i) text += "b,";
-  EXPECT_THAT(error(text + "b]"), HasSubstr("changed values, found more"));
+  EXPECT_THAT(fleet_error(text + "b]"), HasSubstr("changed values, found more"));
 }
 
 // --- overlays ---
 
 TEST(Overlay, MapsMergeAndAnythingElseIsReplaced) {
-  const FleetConfig fleet = read("base: calm.yaml\nseed: 9\n");
+  const FleetConfig fleet = read_fleet("base: calm.yaml\nseed: 9\n");
   EXPECT_EQ(fleet.title, "calm");
   EXPECT_EQ(fleet.seed, 9u);
   EXPECT_EQ(fleet.boats.size(), 2u);
-  EXPECT_EQ(read("base: calm.yaml\nboats: []\n").boats.size(), 0u);
+  EXPECT_EQ(read_fleet("base: calm.yaml\nboats: []\n").boats.size(), 0u);
 }
 
 TEST(Overlay, BasesMayLieInTheFolderOfScenariosAndHaveBases) {
-  const FleetConfig fleet = read("base: storm\n");
+  const FleetConfig fleet = read_fleet("base: storm\n");
   EXPECT_EQ(fleet.sky, "overcast");
   EXPECT_EQ(fleet.title, "calm");
 }
 
 TEST(Overlay, ElementsOfAListCanBeChangedByIndexNameOrAll) {
   const FleetConfig fleet =
-      read("base: calm.yaml\nboats[*]: {tilt_deg: 4}\nboats[0]: {rate_hz: 6}\nboats[second]: {rate_hz: 8}\n");
+      read_fleet("base: calm.yaml\nboats[*]: {tilt_deg: 4}\nboats[0]: {rate_hz: 6}\nboats[second]: {rate_hz: 8}\n");
   ASSERT_EQ(fleet.boats.size(), 2u);
   EXPECT_EQ(fleet.boats[0].tilt_deg, 4.0);
   EXPECT_EQ(fleet.boats[1].tilt_deg, 4.0);
   EXPECT_EQ(fleet.boats[0].rate_hz, 6.0);
   EXPECT_EQ(fleet.boats[0].name, "first");
   EXPECT_EQ(fleet.boats[1].rate_hz, 8.0);
-  EXPECT_EQ(error("base: calm.yaml\nboats[2]: {rate_hz: 6}\n"),
+  EXPECT_EQ(fleet_error("base: calm.yaml\nboats[2]: {rate_hz: 6}\n"),
             "fleet.yaml:2:1: boats[2]: expected an index below 2, the name of an element or *, found \"2\"");
-  EXPECT_THAT(error("base: calm.yaml\ntitle[0]: x\n"), HasSubstr("expected a list whose elements can be changed"));
+  EXPECT_THAT(fleet_error("base: calm.yaml\ntitle[0]: x\n"),
+              HasSubstr("expected a list whose elements can be changed"));
 }
 
 TEST(Overlay, AnotherTypeStartsAfresh) {
   const std::string base = "boats: [{drive: {type: engine, cylinders: 2}, crew: [sail]}]\n";
-  EXPECT_EQ(read(base, {{"boats[0].drive.type", "sail"}}).boats[0].drive.type, "sail");
-  EXPECT_EQ(read(base, {{"boats[0].drive.power_kW", "3"}}).boats[0].drive.as<EngineConfig>().cylinders, 2);
+  EXPECT_EQ(read_fleet(base, {{"boats[0].drive.type", "sail"}}).boats[0].drive.type, "sail");
+  EXPECT_EQ(read_fleet(base, {{"boats[0].drive.power_kW", "3"}}).boats[0].drive.as<EngineConfig>().cylinders, 2);
   // The short form of a module takes further keys as well.
-  EXPECT_EQ(read(base, {{"boats[0].crew[0].area_m2", "3"}}).boats[0].crew[0].as<SailConfig>().area_m2, 3.0);
+  EXPECT_EQ(read_fleet(base, {{"boats[0].crew[0].area_m2", "3"}}).boats[0].crew[0].as<SailConfig>().area_m2, 3.0);
 }
 
 TEST(Overlay, ACycleIsToldWithItsChain) {
-  EXPECT_EQ(error("base: circle.yaml"),
+  EXPECT_EQ(fleet_error("base: circle.yaml"),
             "/in/circle.yaml:1:7: base: expected a chain of files that ends, found fleet.yaml -> /in/circle.yaml -> "
             "/in/circle.yaml");
 }
 
 TEST(Overlay, AMissingOrBrokenBaseIsTold) {
-  EXPECT_EQ(error("base: clam.yaml"),
+  EXPECT_EQ(fleet_error("base: clam.yaml"),
             "fleet.yaml:1:7: base: expected the name of a file, found \"clam.yaml\", which does not exist; did you "
             "mean \"calm.yaml\"?");
-  EXPECT_THAT(error("base: broken.yaml"), StartsWith("/in/broken.yaml:"));
-  EXPECT_THAT(error("base: [a]"), HasSubstr("base: expected the name of a file, found a list of 1 value"));
+  EXPECT_THAT(fleet_error("base: broken.yaml"), StartsWith("/in/broken.yaml:"));
+  EXPECT_THAT(fleet_error("base: [a]"), HasSubstr("base: expected the name of a file, found a list of 1 value"));
 }
 
-TEST(Overrides, TheLastOneWins) { EXPECT_EQ(read("seed: 1", {{"seed", "2"}, {"seed", "3"}}).seed, 3u); }
+TEST(Overrides, TheLastOneWins) { EXPECT_EQ(read_fleet("seed: 1", {{"seed", "2"}, {"seed", "3"}}).seed, 3u); }
 
 TEST(Overrides, ReachIntoListsAndAssetsAndDefaults) {
   const FleetConfig fleet =
-      read("base: calm.yaml", {{"boats[1].noise.sigma_range_m", "20 cm"}, {"boats[*].position_m", "[1, 1, 1]"}});
+      read_fleet("base: calm.yaml", {{"boats[1].noise.sigma_range_m", "20 cm"}, {"boats[*].position_m", "[1, 1, 1]"}});
   EXPECT_EQ(fleet.boats[1].noise.sigma_range_m, 0.2);
   EXPECT_EQ(fleet.boats[0].position_m, Eigen::Vector3d(1, 1, 1));
   // A list that only the defaults have.
-  EXPECT_EQ(read("seed: 1", {{"boats[1].rate_hz", "4"}}).boats[1].rate_hz, 4.0);
-  EXPECT_EQ(read("seed: 1", {{"boats[1].rate_hz", "4"}}).boats[0].rate_hz, 10.0);
-  EXPECT_EQ(read("seed: 1", {{"boats[0].position_m[2]", "7"}}).boats[0].position_m, Eigen::Vector3d(1, 2, 7));
-  EXPECT_EQ(read("seed: 1", {{"times_s[0]", "0.5"}}).times_s, (std::vector<double>{0.5, 2, 3}));
+  EXPECT_EQ(read_fleet("seed: 1", {{"boats[1].rate_hz", "4"}}).boats[1].rate_hz, 4.0);
+  EXPECT_EQ(read_fleet("seed: 1", {{"boats[1].rate_hz", "4"}}).boats[0].rate_hz, 10.0);
+  EXPECT_EQ(read_fleet("seed: 1", {{"boats[0].position_m[2]", "7"}}).boats[0].position_m, Eigen::Vector3d(1, 2, 7));
+  EXPECT_EQ(read_fleet("seed: 1", {{"times_s[0]", "0.5"}}).times_s, (std::vector<double>{0.5, 2, 3}));
   // A list that only the asset has.
-  const FleetConfig boats = read("boats: [{model: dinghy}]", {{"boats[0].crew[bob].reaction_s", "2"}});
+  const FleetConfig boats = read_fleet("boats: [{model: dinghy}]", {{"boats[0].crew[bob].reaction_s", "2"}});
   EXPECT_EQ(boats.boats[0].crew[1].as<PilotConfig>().reaction_s, 2.0);
 }
 
 TEST(Overrides, MistakesNameTheOption) {
-  EXPECT_EQ(error("seed: 1", {{"boats[0].rat_hz", "4"}}),
+  EXPECT_EQ(fleet_error("seed: 1", {{"boats[0].rat_hz", "4"}}),
             "--set boats[0].rat_hz: expected a known key, found \"rat_hz\"; did you mean \"rate_hz\"?");
-  EXPECT_EQ(error("seed: 1", {{"seed", "x"}}),
+  EXPECT_EQ(fleet_error("seed: 1", {{"seed", "x"}}),
             "--set seed: expected a whole number in [0, 18446744073709551615], found \"x\"");
-  EXPECT_EQ(error("seed: 1", {{"seed.foo", "x"}}),
+  EXPECT_EQ(fleet_error("seed: 1", {{"seed.foo", "x"}}),
             "--set seed.foo: seed: expected a whole number in [0, 18446744073709551615], found a map");
-  EXPECT_THAT(error("seed: 1", {{"boats[5].rate_hz", "4"}}), HasSubstr("boats[5]: expected an index below 2"));
-  EXPECT_THAT(error("base: calm.yaml", {{"boats[5].rate_hz", "4"}}), HasSubstr("boats[5]: expected an index below 2"));
+  EXPECT_THAT(fleet_error("seed: 1", {{"boats[5].rate_hz", "4"}}), HasSubstr("boats[5]: expected an index below 2"));
+  EXPECT_THAT(fleet_error("base: calm.yaml", {{"boats[5].rate_hz", "4"}}),
+              HasSubstr("boats[5]: expected an index below 2"));
   for (const char* path : {"", ".", "a.", ".a", "a..b", "a[", "a[]", "[0]", "a[0]b", "a[0]."}) {
-    EXPECT_THAT(error("seed: 1", {{path, "4"}}), StartsWith("--set: expected a path such as")) << path;
+    EXPECT_THAT(fleet_error("seed: 1", {{path, "4"}}), StartsWith("--set: expected a path such as")) << path;
   }
-  EXPECT_THAT(error("seed: 1", {{"title", "[1"}}),
+  EXPECT_THAT(fleet_error("seed: 1", {{"title", "[1"}}),
               HasSubstr("--set title:1:1: expected a word as key, found a list (or is a bracket left open?)"));
-  EXPECT_THAT(error("seed: 1", {{"title", ""}}), HasSubstr("expected a text, found nothing"));
+  EXPECT_THAT(fleet_error("seed: 1", {{"title", ""}}), HasSubstr("expected a text, found nothing"));
 }
 
 // --- assets and files ---
 
 TEST(Assets, LieUnderTheKeysOfTheObject) {
-  const FleetConfig fleet = read("boats: [{model: dinghy, noise: {sigma_range_m: 0.5}}]");
+  const FleetConfig fleet = read_fleet("boats: [{model: dinghy, noise: {sigma_range_m: 0.5}}]");
   const BoatConfig& boat = fleet.boats[0];
   EXPECT_EQ(boat.model, "dinghy");
   EXPECT_EQ(boat.rate_hz, 20.0);
@@ -367,16 +370,16 @@ TEST(Assets, LieUnderTheKeysOfTheObject) {
 }
 
 TEST(Assets, MayBuildOnOneAnotherAndBeNamedByPath) {
-  EXPECT_EQ(read("boats: [{model: raft}]").boats[0].noise.drop_probability, 0.25);
-  EXPECT_EQ(read("boats: [{model: raft}]").boats[0].rate_hz, 2.0);
-  const BoatConfig own = read("boats: [{model: own.yaml}]").boats[0];
+  EXPECT_EQ(read_fleet("boats: [{model: raft}]").boats[0].noise.drop_probability, 0.25);
+  EXPECT_EQ(read_fleet("boats: [{model: raft}]").boats[0].rate_hz, 2.0);
+  const BoatConfig own = read_fleet("boats: [{model: own.yaml}]").boats[0];
   EXPECT_EQ(own.rate_hz, 7.0);
   EXPECT_EQ(own.model, "/in/own.yaml");
 }
 
 TEST(Assets, MistakesInsideNameTheAsset) {
   EXPECT_EQ(
-      error("boats: [{model: leaky}, {model: leaky}]"),
+      fleet_error("boats: [{model: leaky}, {model: leaky}]"),
       "/assets/boats/leaky.yaml:1:10: boats[0].rate_hz: expected a number > 0, found \"-1\"\n"
       "/assets/boats/leaky.yaml:2:1: boats[0].sigma: expected one of \"model\", \"name\", \"rate_hz\", \"tilt_deg\", "
       "\"speed_mps\", \"drag_N_per_mps\", \"width_px\", \"position_m\", \"noise\", \"crew\", \"drive\", found "
@@ -385,20 +388,21 @@ TEST(Assets, MistakesInsideNameTheAsset) {
 
 TEST(Assets, UnknownNamesAreToldWithTheOneThatWasMeant) {
   EXPECT_EQ(
-      error("boats: [{model: dingy}]"),
+      fleet_error("boats: [{model: dingy}]"),
       "fleet.yaml:1:17: boats[0].model: expected a name from assets/boats (one of \"dinghy\", \"leaky\", \"raft\", "
       "\"vain\"), found \"dingy\"; did you mean \"dinghy\"?");
-  EXPECT_THAT(error("boats: [{model: vain}]"),
+  EXPECT_THAT(fleet_error("boats: [{model: vain}]"),
               StartsWith("/assets/boats/vain.yaml:1:8: boats[0].model: expected an asset that builds on"));
-  EXPECT_THAT(error("boats: [{crew: [{type: pilot, model: wind}]}]"),
+  EXPECT_THAT(fleet_error("boats: [{crew: [{type: pilot, model: wind}]}]"),
               HasSubstr("expected an asset of type \"pilot\", found \"wind\", which is of type \"sail\""));
-  EXPECT_EQ(read("boats: [{crew: [{type: pilot, model: ann}]}]").boats[0].crew[0].as<PilotConfig>().reaction_s, 0.1);
+  EXPECT_EQ(read_fleet("boats: [{crew: [{type: pilot, model: ann}]}]").boats[0].crew[0].as<PilotConfig>().reaction_s,
+            0.1);
 }
 
 TEST(Files, AreLookedUpBesideTheFileThatNamesThem) {
-  EXPECT_EQ(read("chart: ../in/chart.csv").chart, "/in/chart.csv");
-  EXPECT_EQ(read("chart: \"\"").chart, "");
-  EXPECT_EQ(error("chart: chrt.csv"),
+  EXPECT_EQ(read_fleet("chart: ../in/chart.csv").chart, "/in/chart.csv");
+  EXPECT_EQ(read_fleet("chart: \"\"").chart, "");
+  EXPECT_EQ(fleet_error("chart: chrt.csv"),
             "fleet.yaml:1:8: chart: expected an existing file, found \"chrt.csv\", which does not exist; did you mean "
             "\"chart.csv\"?");
 }

@@ -12,11 +12,11 @@
 namespace swiftlet::sim {
 namespace {
 
-std::string write(FleetConfig fleet) {
+std::string written(FleetConfig fleet) {
   return write_config([&](ConfigVisitor& v) { fleet.visit(v); });
 }
 
-FleetConfig read(const std::string& text) {
+FleetConfig read_back(const std::string& text) {
   FleetConfig fleet;
   const MemoryFiles files = example_files();
   read_config_text(
@@ -28,7 +28,7 @@ TEST(YamlWriter, WritesEveryKeyWithItsDefault) {
   FleetConfig fleet;
   fleet.boats.resize(1);
   fleet.boats[0].crew = {Module(pilot_types(), "sail")};
-  EXPECT_EQ(write(fleet),
+  EXPECT_EQ(written(fleet),
             "racing: false\n"
             "seed: 1\n"
             "title: fleet\n"
@@ -106,7 +106,7 @@ TEST(YamlWriter, AnyTextComesBack) {
     FleetConfig fleet;
     fleet.title = text;
     fleet.tags = {text, "x", text};
-    const FleetConfig back = read(write(fleet));
+    const FleetConfig back = read_back(written(fleet));
     EXPECT_EQ(back.title, text);
     EXPECT_EQ(back.tags, fleet.tags);
   }
@@ -126,14 +126,14 @@ TEST(YamlWriter, EveryNumberComesBackToTheSameBits) {
     if (std::isfinite(any)) fleet.times_s.push_back(any);
     fleet.times_s.push_back(random.uniform(2, i) * 1000.0);
   }
-  const FleetConfig back = read(write(fleet));
+  const FleetConfig back = read_back(written(fleet));
   ASSERT_EQ(back.times_s.size(), fleet.times_s.size());
   for (std::size_t i = 0; i < fleet.times_s.size(); ++i) {
     EXPECT_EQ(std::bit_cast<std::uint64_t>(back.times_s[i]), std::bit_cast<std::uint64_t>(fleet.times_s[i]));
   }
   FleetConfig zero;
   zero.low = -0.0;
-  EXPECT_TRUE(std::signbit(read(write(zero)).low));
+  EXPECT_TRUE(std::signbit(read_back(written(zero)).low));
 }
 
 /// A fleet in which every value is drawn.
@@ -184,15 +184,16 @@ FleetConfig random_fleet(std::uint32_t n) {
 
 TEST(YamlWriter, WhatWasWrittenReadsBackTheSame) {
   for (std::uint32_t n = 0; n < 300; ++n) {
-    const std::string text = write(random_fleet(n));
-    ASSERT_EQ(write(read(text)), text);
+    const std::string text = written(random_fleet(n));
+    ASSERT_EQ(written(read_back(text)), text);
   }
 }
 
 TEST(YamlWriter, AResolvedAssetKeepsItsNameAndItsChanges) {
-  const std::string text = write(read("boats: [{model: dinghy, drive: {type: engine}, crew: []}, {model: own.yaml}]"));
-  const FleetConfig back = read(text);
-  EXPECT_EQ(write(back), text);
+  const std::string text =
+      written(read_back("boats: [{model: dinghy, drive: {type: engine}, crew: []}, {model: own.yaml}]"));
+  const FleetConfig back = read_back(text);
+  EXPECT_EQ(written(back), text);
   EXPECT_EQ(back.boats[0].model, "dinghy");
   EXPECT_EQ(back.boats[0].rate_hz, 20.0);
   EXPECT_EQ(back.boats[0].drive.type, "engine");

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 #include <set>
 
+#include "core/math/angles.hpp"
 #include "sim/sensors/lidar_tiles.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -16,10 +16,8 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-double elevation_deg(const Eigen::Vector3f& d) { return std::asin(static_cast<double>(d.z())) * kDegrees; }
-double azimuth_deg(const Eigen::Vector3f& d) { return std::atan2(d.y(), d.x()) * kDegrees; }
+double elevation_deg(const Eigen::Vector3f& d) { return std::asin(static_cast<double>(d.z())) * kDegPerRad; }
+double azimuth_deg(const Eigen::Vector3f& d) { return std::atan2(d.y(), d.x()) * kDegPerRad; }
 double wrapped_deg(double angle) { return std::remainder(angle, 360.0); }
 
 BeamTable beams_of(const Module& module, double sweep_s = 0.1, std::uint32_t sweep = 0) {
@@ -120,7 +118,7 @@ TEST(LidarPattern, Mid360GoesOnWhereItStoppedAndDoesNotRepeat) {
       const auto& b = second.directions_lidar[line * 5000 + c];
       EXPECT_LT((both.directions_lidar[line * 10000 + c] - a).norm(), 1e-5);
       EXPECT_LT((both.directions_lidar[line * 10000 + 5000 + c] - b).norm(), 1e-5);
-      same += std::acos(std::min(1.0F, a.dot(b))) * kDegrees < 5.0 ? 1 : 0;
+      same += std::acos(std::min(1.0F, a.dot(b))) * kDegPerRad < 5.0 ? 1 : 0;
     }
   }
   EXPECT_LT(same, 200);  // of 20000 shots: a frame is turned by about 85 deg against the one before
@@ -241,7 +239,7 @@ TEST(LidarTiler, EveryBeamIsInExactlyOneTileWithItsNeighbours) {
         const auto& d = beams.directions_lidar[tile.beam[i]];
         EXPECT_EQ(tile.beams.direction_y[i], d.y());
         if (tile.beam[0] < 0) continue;
-        EXPECT_LT(std::acos(std::min(1.0F, d.dot(beams.directions_lidar[tile.beam[0]]))) * kDegrees, widest_deg)
+        EXPECT_LT(std::acos(std::min(1.0F, d.dot(beams.directions_lidar[tile.beam[0]]))) * kDegPerRad, widest_deg)
             << type;
       }
     }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/math/angles.hpp"
 #include "sim/world/vehicle_shape.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/sample_statistics.hpp"
@@ -16,7 +17,6 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 using Scans = std::vector<std::shared_ptr<const LabelledScan>>;
 
 /// A LiDAR in a small world; the shapes of the vehicles are points unless told otherwise.
@@ -131,7 +131,7 @@ TEST(Lidar, TheMountTurnsAndShiftsTheSensor) {
   rig.motions = {resting({0, 0, 1}, 0.7)};
   const auto scans = rig.run();
   const Scan& scan = scans[0]->scan;
-  EXPECT_NEAR(scan.range_m[0], (1.0 + 2.0 + 0.1) / std::sin(30.0 / kDegrees), 1e-4);
+  EXPECT_NEAR(scan.range_m[0], (1.0 + 2.0 + 0.1) / std::sin(30.0 / kDegPerRad), 1e-4);
   EXPECT_EQ(scan.range_m[4], 0.0F) << "behind, the beam goes up";
   EXPECT_TRUE(scan.T_body_lidar.isApprox(rig.config.mount.T_body_lidar()));
 }
@@ -173,7 +173,7 @@ TEST(Lidar, ASphereIsHitByAsManyBeamsAsItsSolidAngleHolds) {
   EXPECT_NEAR(num_hits, num_expected, 0.01 * num_expected);
   // And in closed form: solid angle over solid angle of a beam at the horizon.
   const double solid_angle = 2.0 * std::numbers::pi * (1.0 - cos_half);
-  const double beam = (20.0 / 255 / kDegrees) * (2.0 * std::numbers::pi / 4096);
+  const double beam = (20.0 / 255 / kDegPerRad) * (2.0 * std::numbers::pi / 4096);
   EXPECT_NEAR(num_hits, solid_angle / beam, 0.02 * num_hits);
 }
 
@@ -250,7 +250,7 @@ TEST(Lidar, AMovingTargetAppearsShearedAndAFrozenOneDoesNot) {
       const double t = rolling ? scan.beams->column_offset_s[column] : 0.1;
       return -0.6 + side * half_width + v * t;
     };
-    const double step = 10.0 * 40.0 / 3999 / kDegrees * 1.1;  // one column on the plate
+    const double step = 10.0 * 40.0 / 3999 / kDegPerRad * 1.1;  // one column on the plate
     EXPECT_NEAR(scan.point_lidar(first).y(), y_of_edge(-1, first), step) << rolling;
     EXPECT_NEAR(scan.point_lidar(last).y(), y_of_edge(+1, last), step) << rolling;
     const double width = scan.point_lidar(last).y() - scan.point_lidar(first).y();
@@ -345,7 +345,7 @@ TEST(Lidar, IntensityFallsWithTheSquareOfTheRangeAndReflectivityDoesNot) {
     const Scan& scan = scans[0]->scan;
     EXPECT_NEAR(scan.intensity[1], 100.0 / (distance * distance), 1e-3 * scan.intensity[1]);
     EXPECT_NEAR(scan.reflectivity[1], 1.0, 1e-4);
-    EXPECT_NEAR(scan.reflectivity[0], std::cos(20.0 / kDegrees), 1e-4) << "Lambert's law";
+    EXPECT_NEAR(scan.reflectivity[0], std::cos(20.0 / kDegPerRad), 1e-4) << "Lambert's law";
   }
 }
 

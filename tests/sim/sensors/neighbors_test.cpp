@@ -6,14 +6,13 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/math/angles.hpp"
 #include "tests/support/sample_statistics.hpp"
 #include "tests/support/sensor_driver.hpp"
 #include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 NeighborsConfig exact_neighbors() {
   NeighborsConfig config;
@@ -77,7 +76,7 @@ TEST(Neighbors, ErrorsAlongAndAcrossTheBearingAreAsStated) {
   }
   ASSERT_EQ(along.size(), 4001);
   const double v_range = 0.01 + 1.0;
-  const double v_bearing = kDegree * kDegree;
+  const double v_bearing = kRadPerDeg * kRadPerDeg;
   EXPECT_NEAR(along.variance(), v_range, variance_bound(v_range, along.size()));
   EXPECT_NEAR(across.variance(), v_bearing, variance_bound(v_bearing, across.size()));
   EXPECT_NEAR(up.variance(), v_bearing, variance_bound(v_bearing, up.size()));
@@ -99,9 +98,9 @@ TEST(Neighbors, AreSeenInTheFieldOfViewOnly) {
   config.elevation_min_deg = -30.0;
   config.elevation_max_deg = 45.0;
   const auto bearing = [](double azimuth_deg, double elevation_deg) {
-    return resting(5.0 * Vector3(std::cos(elevation_deg * kDegree) * std::cos(azimuth_deg * kDegree),
-                                 std::cos(elevation_deg * kDegree) * std::sin(azimuth_deg * kDegree),
-                                 std::sin(elevation_deg * kDegree)));
+    return resting(5.0 * Vector3(std::cos(elevation_deg * kRadPerDeg) * std::cos(azimuth_deg * kRadPerDeg),
+                                 std::cos(elevation_deg * kRadPerDeg) * std::sin(azimuth_deg * kRadPerDeg),
+                                 std::sin(elevation_deg * kRadPerDeg)));
   };
   const std::vector<Motion> motions = {resting(Vector3::Zero()), bearing(0.0, 0.0),    bearing(180.0, 44.0),
                                        bearing(90.0, 46.0),      bearing(10.0, -31.0), bearing(60.0, 0.0)};

@@ -5,13 +5,13 @@
 
 #include <numbers>
 
+#include "core/math/angles.hpp"
 #include "tests/support/sample_statistics.hpp"
 #include "tests/support/sensor_driver.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr DriveOptions kSlow{.duration_s = 50.0, .tick = 100'000'000, .step = 100'000'000, .capacity = 8};
 
 OdometryConfig perfect_odometry() {
@@ -117,7 +117,7 @@ TEST(Odometry, YawDriftBendsThePathAsARandomWalkDoes) {
     yaw.add(yaw_of(last.T_local_body.linear()));
     lateral.add(last.T_local_body.translation().y());
   }
-  const double v_yaw = std::pow(3.0 * kDegree, 2);
+  const double v_yaw = std::pow(3.0 * kRadPerDeg, 2);
   EXPECT_NEAR(yaw.variance(), v_yaw, variance_bound(v_yaw, yaw.size()));
   // Integrated Wiener process: q L^3 / 3 with q = v_yaw / L; 500 steps change it by 3 / (2 * 500).
   const double v_lateral = v_yaw * length_m * length_m / 3.0;
@@ -140,7 +140,7 @@ TEST(Odometry, DriftByTurningAndByTimeAddUp) {
     yaw.add(yaw_of(last.T_local_body.linear()));  // whole turns: back at zero
     x.add(last.T_local_body.translation().x());
   }
-  const double v_yaw = (turns * 1.0 + 0.01 * kSlow.duration_s) * kDegree * kDegree;
+  const double v_yaw = (turns * 1.0 + 0.01 * kSlow.duration_s) * kRadPerDeg * kRadPerDeg;
   const double v_x = (turns * 0.09 + 4e-4 * kSlow.duration_s) / 3.0;
   EXPECT_NEAR(yaw.variance(), v_yaw, variance_bound(v_yaw, yaw.size()));
   EXPECT_NEAR(x.variance(), v_x, variance_bound(v_x, x.size()));
@@ -162,7 +162,7 @@ TEST(Odometry, ScaleTiltAndVelocityErrorsHaveTheirSigmas) {
     velocity.add(last.v_local_body_mps.y());
   }
   const double v_scale = 1e-4 + std::pow(0.01 / 100.0, 2);
-  const double v_tilt = std::pow(0.5 * kDegree, 2);
+  const double v_tilt = std::pow(0.5 * kRadPerDeg, 2);
   EXPECT_NEAR(scale.variance(), v_scale, variance_bound(v_scale, scale.size()));
   EXPECT_NEAR(tilt.variance(), v_tilt, variance_bound(v_tilt, tilt.size()));
   EXPECT_NEAR(velocity.variance(), 0.0025, variance_bound(0.0025, velocity.size()));

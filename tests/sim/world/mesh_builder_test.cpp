@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <numbers>
+
+#include "core/math/angles.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 using Eigen::Vector3f;
-constexpr double kPi = std::numbers::pi;
 
 // Every edge of a closed, consistently turned surface is used once in each direction.
 bool is_closed(const Mesh& mesh) {

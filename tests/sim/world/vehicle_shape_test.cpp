@@ -5,14 +5,12 @@
 
 #include <cmath>
 #include <map>
-#include <numbers>
 
+#include "core/math/angles.hpp"
 #include "sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Airframe make_airframe(int num_rotors, double arm_m) {
   Airframe airframe;
