@@ -4,6 +4,8 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <compare>
 
 #include "sim/metrics/metrics.hpp"
@@ -27,13 +29,22 @@ constexpr int kManyVehicles = 16;
 constexpr int kVehiclesAtATime = 8;
 constexpr int kPartsAtATime = 16;
 
+// An agent whose step takes longer is worth being started before others' sweeps are traced.
+constexpr double kLongStep_s = 1e-3;
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
 struct Sweep {
   Sensor* sensor = nullptr;
+  VehicleId vehicle = 0;
   int num_parts = 0;
 };
 
-/// Part of a sweep; in order of its heading.
+/// Part of a sweep. In order of who waits for it, then of its heading: what one vehicle's beams brought from memory
+/// serves the next one's.
 struct Part {
+  double minus_step_s = 0.0;  // of the agent that waits, if it is a long one
   int heading = 0;
   int sweep = 0;
   int number = 0;
@@ -82,6 +93,8 @@ struct Simulation::Impl {
         least_clearance_m(num_vehicles()),
         scans(num_vehicles()),
         hashes(num_vehicles()),
+        parts_left(num_vehicles()),
+        step_s(num_vehicles()),
         missions(num_vehicles(), MissionStatus::kRunning),
         mission_notes(num_vehicles()),
         ended(num_vehicles(), false) {
@@ -97,8 +110,10 @@ struct Simulation::Impl {
 
   void tick();
   int vehicles_at_a_time() const;
-  void trace_sweeps();
+  void begin_sweeps();
+  void sense_and_step_with_sweeps();
   void sense(VehicleId i);
+  void step(VehicleId i) { actions[i] = &agents[i]->step(observations[i]); }
   void collect_events();
   void note_mission(VehicleId i);
 
@@ -130,8 +145,10 @@ struct Simulation::Impl {
   std::vector<double> least_clearance_m;
   std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
   std::vector<std::uint64_t> hashes;
-  std::vector<Sweep> sweeps;  // due in this tick
-  std::vector<Part> parts;    // of theirs
+  std::vector<Sweep> sweeps;                 // due in this tick
+  std::vector<Part> parts;                   // of theirs
+  std::vector<std::atomic<int>> parts_left;  // by vehicle
+  std::vector<double> step_s;                // by vehicle: wall time of its agent's last step with a sweep
   std::vector<Event> events;
   std::vector<MissionStatus> missions;
   std::vector<std::string> mission_notes;
@@ -154,7 +171,6 @@ void Simulation::Impl::tick() {
     const auto timed = clock.measure(Stage::kPhysics);
     physics.advance(now, commands, history);
   }
-  const int share = vehicles_at_a_time();
   // 2. Sensors that are due measure the truth; the radio hands over what has arrived.
   {
     const auto timed = clock.measure(Stage::kSensors);
@@ -167,17 +183,22 @@ void Simulation::Impl::tick() {
       observations[i].wants_overlays = pictures;
       radio.deliver(i, now, observations[i].messages);
     }
-    if (share == 1) trace_sweeps();
-#pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
-    for (int i = 0; i < num_vehicles(); ++i) sense(i);
   }
   // 3. Every agent steps on its own observation.
-  {
+  const int share = vehicles_at_a_time();
+  if (share == 1) {
+    sense_and_step_with_sweeps();
+  } else {
+    {
+      const auto timed = clock.measure(Stage::kSensors);
+#pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
+      for (int i = 0; i < num_vehicles(); ++i) sense(i);
+    }
     const auto timed = clock.measure(Stage::kAgents);
 #pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
-    for (int i = 0; i < num_vehicles(); ++i) actions[i] = &agents[i]->step(observations[i]);
-    for (int i = 0; i < num_vehicles(); ++i) commands[i] = actions[i]->rotor_command;
+    for (int i = 0; i < num_vehicles(); ++i) step(i);
   }
+  for (int i = 0; i < num_vehicles(); ++i) commands[i] = actions[i]->rotor_command;
   // 4. The radio takes the messages, in vehicle order.
   {
     const auto timed = clock.measure(Stage::kRadio);
@@ -210,25 +231,60 @@ int Simulation::Impl::vehicles_at_a_time() const {
   return num_vehicles() >= kManyVehicles ? kVehiclesAtATime : 0;
 }
 
-// The sweeps that are due, shared out to the threads in parts. In order of where they look, whosever they are: what one
-// vehicle's beams brought from memory serves the next one's.
-void Simulation::Impl::trace_sweeps() {
+// The sweeps that are due, in parts.
+void Simulation::Impl::begin_sweeps() {
   sweeps.clear();
-  for (const auto& of_vehicle : sensors) {
-    for (const auto& sensor : of_vehicle) {
-      if (sensor->makes_scan_by(now)) sweeps.push_back({sensor.get(), 0});
+  for (int i = 0; i < num_vehicles(); ++i) {
+    for (const auto& sensor : sensors[i]) {
+      if (sensor->makes_scan_by(now)) sweeps.push_back({sensor.get(), i, 0});
     }
+    parts_left[i] = 0;
   }
 #pragma omp parallel for schedule(dynamic, 1)
   for (Sweep& sweep : sweeps) sweep.num_parts = sweep.sensor->begin_sweep(now, history);
 
   parts.clear();
   for (int s = 0; s < static_cast<int>(sweeps.size()); ++s) {
-    for (int k = 0; k < sweeps[s].num_parts; ++k) parts.push_back({sweeps[s].sensor->heading_of_part(k), s, k});
+    const Sweep& sweep = sweeps[s];
+    parts_left[sweep.vehicle] += sweep.num_parts;
+    const double step = step_s[sweep.vehicle] > kLongStep_s ? step_s[sweep.vehicle] : 0.0;
+    for (int k = 0; k < sweep.num_parts; ++k) parts.push_back({-step, sweep.sensor->heading_of_part(k), s, k});
   }
   std::sort(parts.begin(), parts.end());
-#pragma omp parallel for schedule(dynamic, kPartsAtATime)
-  for (const Part& part : parts) sweeps[part.sweep].sensor->trace_part(part.number);
+}
+
+// Threads share the parts of the sweeps. Who traces the last one of a vehicle goes on with its other sensors and its
+// agent, while others trace: an agent that detects keeps one thread as busy as the sweeps keep the rest. Only the order
+// of the work depends on how long it took.
+void Simulation::Impl::sense_and_step_with_sweeps() {
+  const auto start = Clock::now();
+  begin_sweeps();
+  double busy_s = 0.0, stepping_s = 0.0;
+#pragma omp parallel reduction(+ : busy_s, stepping_s)
+  {
+    const auto thread_start = Clock::now();
+    const auto sense_and_step = [&](VehicleId i) {
+      sense(i);
+      const auto step_start = Clock::now();
+      step(i);
+      step_s[i] = seconds_since(step_start);
+      stepping_s += step_s[i];
+    };
+#pragma omp for schedule(dynamic, 1)
+    for (int i = 0; i < num_vehicles(); ++i) {
+      if (parts_left[i] == 0) sense_and_step(i);
+    }
+#pragma omp for schedule(dynamic, kPartsAtATime) nowait
+    for (const Part& part : parts) {
+      const Sweep& sweep = sweeps[part.sweep];
+      sweep.sensor->trace_part(part.number);
+      if (--parts_left[sweep.vehicle] == 0) sense_and_step(sweep.vehicle);
+    }
+    busy_s += seconds_since(thread_start);
+  }
+  const double agents_s = seconds_since(start) * stepping_s / busy_s;
+  clock.add(Stage::kAgents, agents_s);
+  clock.add(Stage::kSensors, seconds_since(start) - agents_s);
 }
 
 void Simulation::Impl::sense(VehicleId i) {

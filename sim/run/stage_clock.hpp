@@ -30,6 +30,8 @@ class StageClock {
 
   [[nodiscard]] Scope measure(Stage stage) { return Scope(sums_s_[static_cast<std::size_t>(stage)]); }
 
+  void add(Stage stage, double wall_s) { sums_s_[static_cast<std::size_t>(stage)] += wall_s; }
+
   std::vector<std::pair<std::string, double>> seconds_by_stage() const {
     std::vector<std::pair<std::string, double>> named;
     for (std::size_t i = 0; i < sums_s_.size(); ++i) named.emplace_back(kStageNames[i], sums_s_[i]);
