@@ -45,7 +45,8 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
   constexpr std::size_t kMaxLength = 64;
   if (word.empty() || word.size() > kMaxLength) return "";
   const std::string* best = nullptr;
-  std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
+  const std::size_t length = word.substr(0, word.rfind('.')).size();  // an extension in common is no likeness
+  std::size_t best_distance = std::max<std::size_t>(1, length / 3) + 1;
   for (const std::string& candidate : candidates) {
     if (candidate.empty() || candidate.size() > kMaxLength) continue;
     const std::size_t distance = edit_distance(word, candidate);
