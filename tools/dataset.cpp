@@ -67,9 +67,9 @@ void generate(const DatasetOptions& options) {
              report.sequences.size(), sum.frames, sum.points, duration_text(report.wall_s));
   const sim::FlightTiming& timing = report.timing;
   if (timing.simulate_s > 0.0) {
-    fmt::print("worlds and ways {}, simulation {}, recording {}: written at {:.0f} % of the speed of simulation\n",
+    fmt::print("worlds and ways {}, simulation {}, recording {} and {} beside the simulation\n",
                duration_text(timing.prepare_s), duration_text(timing.simulate_s), duration_text(timing.record_s),
-               100.0 * timing.simulate_s / (timing.simulate_s + timing.record_s));
+               duration_text(timing.beside_s));
   }
   fmt::print("\n{}\n", bold("written to " + options.out));
   fmt::print("  {:<24} data card: statistics, histograms, pictures\n", "README.md");

@@ -92,8 +92,10 @@ std::vector<VehicleBox> BoxMaker::boxes(const LabelledScan& labelled, const Stat
   const std::size_t n = bodies_.size();
   std::vector<int> num_points(n, 0);
   std::vector<TimeNs> sum_ns(n, 0);
-  for (int i = 0; i < scan.size(); ++i) {
-    if (labelled.truth.surface_class[i] != static_cast<std::uint16_t>(SurfaceClass::kVehicle) || !scan.hit(i)) continue;
+  const int size = scan.size();
+  const std::uint16_t* const surface_class = labelled.truth.surface_class.data();
+  for (int i = 0; i < size; ++i) {
+    if (surface_class[i] != static_cast<std::uint16_t>(SurfaceClass::kVehicle) || !scan.hit(i)) continue;
     const int v = labelled.truth.instance[i] - 1;
     if (v < 0 || v >= static_cast<int>(n)) continue;
     ++num_points[static_cast<std::size_t>(v)];
@@ -120,8 +122,9 @@ std::vector<VehicleBox> BoxMaker::boxes(const LabelledScan& labelled, const Stat
       const Eigen::Vector3f direction = p_lidar.normalized().cast<float>();
       int nearest = 0;
       float best = -2.0F;
-      for (int i = 0; i < scan.size(); ++i) {
-        const float cosine = scan.beams->directions_lidar[i].dot(direction);
+      const Eigen::Vector3f* const beams = scan.beams->directions_lidar.data();
+      for (int i = 0; i < size; ++i) {
+        const float cosine = beams[i].dot(direction);
         if (cosine > best) {
           best = cosine;
           nearest = i;

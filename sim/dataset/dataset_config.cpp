@@ -99,6 +99,7 @@ void FlightConfig::visit(ConfigVisitor& v) {
   v.field("margin_m", margin_m, "[m] least distance from the sphere around the vehicle to any surface, as planned",
           Range::positive());
   v.field("border_m", border_m, "[m] strip along the edge of the world where nobody flies", Range::non_negative());
+  v.field("indoors", indoors, "[-] fly only where walls stand all around: for worlds that go on outside a building");
   v.field("leg_min_m", leg_min_m, "[m] shortest way from one goal to the next, as the crow flies", Range::positive());
   v.field("leg_max_m", leg_max_m, "[m] longest", Range::positive());
   v.field("revisit_share", revisit_share, "[-] share of goals that were visited before (closes loops)",

@@ -119,7 +119,7 @@ class Planner {
         seed_(seed),
         attempt_(attempt),
         space_(world, {*std::max_element(radii_m.begin(), radii_m.end()) + config.margin_m, config.height_min_m,
-                       config.height_max_m, config.border_m, config.cell_m}) {}
+                       config.height_max_m, config.border_m, config.cell_m, config.indoors}) {}
 
   std::optional<std::vector<TimedWay>> plan() {
     if (space_.area_m().isEmpty()) return std::nullopt;

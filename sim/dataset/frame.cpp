@@ -31,6 +31,28 @@ std::vector<Eigen::Isometry3f> relative_poses(const ScanTruth& truth) {
   return poses;
 }
 
+/// Scan::time_of() less the stamp; where all rows of a column fire at once, worked out once a column.
+class FiringTimes {
+ public:
+  explicit FiringTimes(const Scan& scan)
+      : beams_(*scan.beams), at_once_(scan.duration == 0), by_column_(beams_.row_offset_s.empty()) {
+    if (at_once_ || !by_column_) return;
+    for (int column = 0; column < beams_.cols; ++column) column_ns_.push_back(to_ns(beams_.column_offset_s[column]));
+  }
+  std::uint32_t offset_ns(int row, int column) const {
+    if (at_once_) return 0;
+    if (by_column_) return column_ns_[static_cast<std::size_t>(column)];
+    return to_ns(static_cast<double>(beams_.column_offset_s[column]) + static_cast<double>(beams_.row_offset_s[row]));
+  }
+
+ private:
+  static std::uint32_t to_ns(double offset_s) { return static_cast<std::uint32_t>(from_seconds(offset_s)); }
+
+  const BeamTable& beams_;
+  bool at_once_, by_column_;
+  std::vector<std::uint32_t> column_ns_;
+};
+
 }  // namespace
 
 void encode_frame(const LabelledScan& labelled, const ContentConfig& content, Frame& frame) {
@@ -44,29 +66,37 @@ void encode_frame(const LabelledScan& labelled, const ContentConfig& content, Fr
   frame.velodyne.clear();
   frame.labels.clear();
   frame.point_truth.clear();
-  std::byte* point_at = frame.velodyne.grow(room * kPointBytes);
-  std::byte* label_at = frame.labels.grow(room * kLabelBytes);
-  std::byte* truth_at = frame.point_truth.grow(room * kPointTruthBytes);
+  std::byte* point_at = frame.velodyne.extend(room * kPointBytes);
+  std::byte* label_at = frame.labels.extend(room * kLabelBytes);
+  std::byte* truth_at = frame.point_truth.extend(room * kPointTruthBytes);
+  const std::byte* const first_label = label_at;
 
-  const std::vector<float>& remission = content.remission == "intensity" ? scan.intensity : scan.reflectivity;
+  // What is written here could be anything to the compiler: it is told that these stay what they are.
+  const float* const range_m = scan.range_m.data();
+  const float* const remission = (content.remission == "intensity" ? scan.intensity : scan.reflectivity).data();
+  const Eigen::Vector3f* const origin_m = scan.beams->origins_lidar.data();
+  const Eigen::Vector3f* const direction = scan.beams->directions_lidar.data();
+  const std::uint16_t* const surface_class = truth.surface_class.data();
+  const std::uint16_t* const instance = truth.instance.data();
+  const float* const true_range_m = truth.range_m.data();
+  const float* const incidence_rad = truth.incidence_rad.data();
   const std::vector<Eigen::Isometry3f> poses =
       content.deskew ? relative_poses(truth) : std::vector<Eigen::Isometry3f>();
-  int num_points = 0;
+  const FiringTimes firing(scan);
   for (int row = 0, i = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column, ++i) {
-      if (!scan.hit(i)) continue;
-      ++num_points;
-      Eigen::Vector3f point = scan.point_lidar(i);
+      if (!(range_m[i] > 0.0F)) continue;
+      Eigen::Vector3f point = origin_m[i] + range_m[i] * direction[i];
       if (!poses.empty()) point = poses[poses.size() == 1 ? 0 : static_cast<std::size_t>(column)] * point;
       point_at = store(store(store(store(point_at, point.x()), point.y()), point.z()), remission[i]);
-      label_at = store(store(label_at, truth.surface_class[i]), truth.instance[i]);
-      truth_at = store(truth_at, static_cast<std::uint32_t>(scan.time_of(i) - scan.stamp));
+      label_at = store(store(label_at, surface_class[i]), instance[i]);
+      truth_at = store(truth_at, firing.offset_ns(row, column));
       truth_at = store(store(truth_at, static_cast<std::uint16_t>(row)), static_cast<std::uint16_t>(column));
-      truth_at = store(store(truth_at, truth.range_m[i]), truth.incidence_rad[i]);
+      truth_at = store(store(truth_at, true_range_m[i]), incidence_rad[i]);
     }
   }
-  frame.num_points = num_points;
-  const auto count = static_cast<std::size_t>(num_points);
+  const auto count = static_cast<std::size_t>(label_at - first_label) / kLabelBytes;
+  frame.num_points = static_cast<int>(count);
   frame.velodyne.shrink_to(count * kPointBytes);
   frame.labels.shrink_to(count * kLabelBytes);
   frame.point_truth.shrink_to(count * kPointTruthBytes);

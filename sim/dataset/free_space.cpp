@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <queue>
 
 namespace swiftlet::sim {
@@ -12,6 +13,7 @@ namespace {
 constexpr float kNotLookedAt = std::numeric_limits<float>::quiet_NaN();
 constexpr float kNoGround = std::numeric_limits<float>::infinity();
 constexpr std::size_t kMaxCells = 40'000'000;
+constexpr int kViews = 8;
 
 }  // namespace
 
@@ -34,6 +36,7 @@ FreeSpace::FreeSpace(std::shared_ptr<const StaticScene> world, const Limits& lim
   }
   free_.assign(columns * static_cast<std::size_t>(size_.z()), 0);
   ground_m_.assign(columns, kNotLookedAt);
+  if (limits.indoors) indoors_.assign(free_.size(), 0);
 }
 
 std::optional<double> FreeSpace::ground_m(double x_m, double y_m) const {
@@ -48,6 +51,21 @@ std::optional<double> FreeSpace::ground_m(double x_m, double y_m) const {
   return std::nullopt;
 }
 
+// Level views in eight directions end at something, but for one that may go out through a door.
+bool FreeSpace::is_indoors(const Vector3& p) const {
+  std::uint8_t& known = indoors_[static_cast<std::size_t>(index_of(cell_of(p)))];
+  if (known != 0) return known == 1;
+  const Vector3 center = center_of(index_of(cell_of(p)));
+  const double far_m = world_->bounds_m().diagonal().norm();
+  int ended = 0;
+  for (int i = 0; i < kViews; ++i) {
+    const double azimuth = i * 2.0 * std::numbers::pi / kViews;
+    ended += world_->trace(center, {std::cos(azimuth), std::sin(azimuth), 0.0}, far_m).range_m > 0.0F ? 1 : 0;
+  }
+  known = ended + 1 >= kViews ? 1 : 2;
+  return known == 1;
+}
+
 bool FreeSpace::is_free(const Vector3& p, double radius_m) const {
   if (!area_m_.contains(p.head<2>().eval())) return false;
   // The ground of the column is near enough: the distance to surfaces is exact.
@@ -59,7 +77,8 @@ bool FreeSpace::is_free(const Vector3& p, double radius_m) const {
   }
   const double height_m = p.z() - static_cast<double>(ground);
   if (!(height_m >= limits_.height_min_m && height_m <= limits_.height_max_m)) return false;
-  return !world_->nearest(p, radius_m).has_value();
+  if (world_->nearest(p, radius_m).has_value()) return false;
+  return indoors_.empty() || is_indoors(p);
 }
 
 bool FreeSpace::is_free(const Vector3& p) const { return is_free(p, limits_.radius_m); }

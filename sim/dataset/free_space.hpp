@@ -21,6 +21,7 @@ class FreeSpace {
     double height_max_m = 5.0;
     double border_m = 2.0;  ///< strip along the edge of the world where nobody flies
     double cell_m = 0.5;    ///< of the grid in which ways are searched
+    bool indoors = false;   ///< only where walls stand all around
   };
 
   FreeSpace(std::shared_ptr<const StaticScene> world, const Limits& limits);
@@ -44,6 +45,7 @@ class FreeSpace {
   Cell cell_of(const Vector3& p_world_m) const;
   Vector3 center_of(int index) const;
   bool is_free_cell(int index) const;
+  bool is_indoors(const Vector3& p_world_m) const;
   std::vector<int> search(int start, int goal) const;
   std::vector<Vector3> without_needless_corners(const std::vector<Vector3>& way) const;
 
@@ -52,8 +54,9 @@ class FreeSpace {
   Eigen::AlignedBox2d area_m_;
   Vector3 origin_m_ = Vector3::Zero();
   Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
-  mutable std::vector<std::uint8_t> free_;  // by cell: 0 not looked at, 1 free, 2 not
-  mutable std::vector<float> ground_m_;     // by column: NaN not looked at, infinity none
+  mutable std::vector<std::uint8_t> free_;     // by cell: 0 not looked at, 1 free, 2 not
+  mutable std::vector<float> ground_m_;        // by column: NaN not looked at, infinity none
+  mutable std::vector<std::uint8_t> indoors_;  // by cell, as free_; empty when it does not matter
 };
 
 }  // namespace swiftlet::sim

@@ -128,9 +128,8 @@ std::vector<FileEntry> write_descriptions(const DatasetPlan& plan, const std::ve
   write_file(directory / "semantic-kitti.yaml", class_table(plan, sequences));
   write_data_card(plan, sequences, directory);
   std::vector<FileEntry> files;
-  for (const FileEntry& file : list_files(directory)) {
-    const bool own = !file.path.starts_with("sequences/") && file.path != kManifest && file.path != ".lock";
-    if (own) files.push_back(file);
+  for (const FileEntry& file : list_files(directory, {}, "sequences")) {
+    if (file.path != kManifest && file.path != ".lock") files.push_back(file);
   }
   return files;
 }
@@ -170,7 +169,8 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
     }
     ++report.flights_done;
     FlightTiming timing;
-    std::sscanf(result.bytes.c_str(), "%lf %lf %lf", &timing.prepare_s, &timing.simulate_s, &timing.record_s);
+    std::sscanf(result.bytes.c_str(), "%lf %lf %lf %lf", &timing.prepare_s, &timing.simulate_s, &timing.record_s,
+                &timing.beside_s);
     report.timing.add(timing);
     if (options.progress) options.progress(report.flights_done, report.flights_all, "");
   };
@@ -180,7 +180,8 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
   const auto work = [&](std::uint64_t job) {
     const FlightTiming timing = write_flight(plan, plan.flights[job], options.directory, threads);
     char bytes[128];
-    std::snprintf(bytes, sizeof bytes, "%.6f %.6f %.6f", timing.prepare_s, timing.simulate_s, timing.record_s);
+    std::snprintf(bytes, sizeof bytes, "%.6f %.6f %.6f %.6f", timing.prepare_s, timing.simulate_s, timing.record_s,
+                  timing.beside_s);
     return std::string(bytes);
   };
   const bool complete = jobs.empty() || run_jobs(jobs, work, pool, events);

@@ -142,14 +142,16 @@ SequenceInfo read_sequence_info(const fs::path& directory) {
   }
 }
 
-std::vector<FileEntry> list_files(const fs::path& directory, std::vector<FileEntry> known) {
+std::vector<FileEntry> list_files(const fs::path& directory, std::vector<FileEntry> known, const std::string& without) {
   const auto by_path = [](const FileEntry& a, const FileEntry& b) { return a.path < b.path; };
   std::sort(known.begin(), known.end(), by_path);
   std::vector<FileEntry> files;
-  for (const auto& entry : fs::recursive_directory_iterator(directory)) {
-    if (!entry.is_regular_file()) continue;
+  for (fs::recursive_directory_iterator at(directory), end; at != end; ++at) {
+    const fs::directory_entry& entry = *at;
     FileEntry file;
     file.path = entry.path().lexically_relative(directory).generic_string();
+    if (entry.is_directory() && file.path == without) at.disable_recursion_pending();
+    if (!entry.is_regular_file()) continue;
     if (file.path == kFile) continue;
     const auto found = std::lower_bound(known.begin(), known.end(), file, by_path);
     if (found != known.end() && found->path == file.path) {

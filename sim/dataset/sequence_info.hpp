@@ -38,8 +38,10 @@ std::string to_json(const SequenceInfo& info);
 SequenceInfo read_sequence_info(const std::filesystem::path& directory);
 
 /// Size and hash of every file below a directory, by name, without sequence.json.
-/// @param known  files that need not be read again
-std::vector<FileEntry> list_files(const std::filesystem::path& directory, std::vector<FileEntry> known = {});
+/// @param known    files that need not be read again
+/// @param without  folder that is left out
+std::vector<FileEntry> list_files(const std::filesystem::path& directory, std::vector<FileEntry> known = {},
+                                  const std::string& without = {});
 
 /// "00", "07", "113".
 std::string sequence_name(int sequence);

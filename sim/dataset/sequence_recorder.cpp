@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "sim/dataset/boxes.hpp"
-#include "sim/dataset/frame.hpp"
-#include "sim/recorders/grey_png.hpp"
+#include "sim/dataset/frame_writer.hpp"
 #include "sim/recorders/output_file.hpp"
 #include "sim/recorders/pose_history.hpp"
 #include "sim/recorders/text_row.hpp"
@@ -71,6 +70,7 @@ class SequenceRecorder : public Recorder {
   void begin(const RunInfo& info) override {
     directory_ = info.directory;
     names_ = info.vehicle_names;
+    frames_ = std::make_unique<FrameWriter>(content_, directory_);
     boxes_ = std::make_unique<BoxMaker>(world_, info.vehicle_shapes, vehicle_);
     poses_file_ = OutputFile(directory_ / "poses.txt");
     times_file_ = OutputFile(directory_ / "times.txt");
@@ -86,12 +86,21 @@ class SequenceRecorder : public Recorder {
     for (const auto& scan : tick.scans[static_cast<std::size_t>(vehicle_)]) {
       if (scan->scan.sensor != sensor_) continue;
       for (const StampedPose& told : scan->scan.told_poses) told_.push(told.t, told.T_world_body);
-      if (num_scans_++ % content_.every == 0) write_frame(*scan);
+      if (num_scans_++ % content_.every != 0) continue;
+      frames_->push(scan);
+      write_frame(*scan);
     }
   }
 
   std::vector<std::filesystem::path> finish() override {
     for (OutputFile* file : {&poses_file_, &times_file_, &told_file_, &boxes_file_}) file->finish();
+    SequenceStatistics of_frames = frames_->finish();
+    statistics_->add(of_frames);
+    statistics_->pixel_shift_by_row = std::move(of_frames.pixel_shift_by_row);
+    statistics_->rows = of_frames.rows;
+    statistics_->columns = of_frames.columns;
+    statistics_->files = std::move(of_frames.files);
+    statistics_->beside_s = frames_->processor_s();
     return {};
   }
 
@@ -120,32 +129,9 @@ class SequenceRecorder : public Recorder {
   void write_frame(const LabelledScan& labelled) {
     const Scan& scan = labelled.scan;
     if (num_frames_ == 0) write_whole(directory_ / "calib.txt", calibration(scan.T_body_lidar));
-    encode_frame(labelled, content_, frame_);
-    write_bytes(frame_file("velodyne", num_frames_, "bin"), frame_.velodyne);
-    write_bytes(frame_file("labels", num_frames_, "label"), frame_.labels);
-    if (content_.point_truth) write_bytes(frame_file("point_truth", num_frames_, "bin"), frame_.point_truth);
-    if (content_.images && makes_an_image(scan)) write_images(labelled);
     write_poses(labelled);
     write_boxes(labelled);
-    count(labelled);
     ++num_frames_;
-  }
-
-  void write_bytes(const std::string& name, const ByteBuffer& bytes) {
-    OutputFile file(directory_ / name, 0);
-    file.append(bytes.bytes());
-    file.finish();
-    const std::string_view text(reinterpret_cast<const char*>(bytes.bytes().data()), bytes.size());
-    statistics_->files.push_back({name, bytes.size(), hex(hash_of(text))});
-  }
-
-  void write_images(const LabelledScan& labelled) {
-    const Scan& scan = labelled.scan;
-    if (num_frames_ == 0) statistics_->pixel_shift_by_row = pixel_shift_by_row(*scan.beams);
-    encode_images(labelled, content_, range_image_, intensity_image_);
-    write_bytes(frame_file("images/range", num_frames_, "png"), png_.encode(scan.cols(), scan.rows(), range_image_));
-    write_bytes(frame_file("images/intensity", num_frames_, "png"),
-                png_.encode(scan.cols(), scan.rows(), intensity_image_));
   }
 
   void write_poses(const LabelledScan& labelled) {
@@ -188,27 +174,6 @@ class SequenceRecorder : public Recorder {
     }
   }
 
-  void count(const LabelledScan& labelled) {
-    const Scan& scan = labelled.scan;
-    statistics_->rows = scan.rows();
-    statistics_->columns = scan.cols();
-    ++statistics_->frames;
-    statistics_->points += frame_.num_points;
-    classes_.resize(65536, 0);
-    constexpr auto kPerMetre = static_cast<float>(1.0 / SequenceStatistics::kRangeBin_m);
-    for (int i = 0; i < scan.size(); ++i) {
-      if (!scan.hit(i)) continue;
-      ++classes_[labelled.truth.surface_class[i]];
-      const int bin = std::min(static_cast<int>(scan.range_m[i] * kPerMetre), SequenceStatistics::kRangeBins - 1);
-      ++statistics_->points_by_range[static_cast<std::size_t>(bin)];
-    }
-    for (std::size_t label = 0; label < classes_.size(); ++label) {
-      if (classes_[label] == 0) continue;
-      statistics_->points_by_class[static_cast<std::uint16_t>(label)] += classes_[label];
-      classes_[label] = 0;
-    }
-  }
-
   ContentConfig content_;
   VehicleId vehicle_;
   std::string sensor_;
@@ -216,16 +181,13 @@ class SequenceRecorder : public Recorder {
   std::shared_ptr<SequenceStatistics> statistics_;
   std::filesystem::path directory_;
   std::vector<std::string> names_;
+  std::unique_ptr<FrameWriter> frames_;
   std::unique_ptr<BoxMaker> boxes_;
   StateHistory truth_;
   PoseHistory estimate_, told_;
   OutputFile poses_file_, times_file_, told_file_, boxes_file_;
   int num_scans_ = 0;
   int num_frames_ = 0;
-  Frame frame_;
-  GreyPng png_;
-  std::vector<std::uint16_t> range_image_, intensity_image_;
-  std::vector<std::int64_t> classes_;  // of one frame, by label
   TextRow row_{' '};
 };
 

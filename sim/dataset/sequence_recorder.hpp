@@ -40,14 +40,15 @@ struct SequenceStatistics {
   std::vector<int> pixel_shift_by_row;  ///< of the images; empty: none
   int rows = 0, columns = 0;
   std::vector<FileEntry> files;  ///< of the frames, hashed as they were written
+  double beside_s = 0.0;         ///< processor time of writing frames beside the simulation
 
   void add(const SequenceStatistics& other);
 };
 
-/// Writes the scans of one LiDAR as a sequence: velodyne/, labels/, point_truth/, images/, poses.txt, times.txt,
+/// Writes the scans of one LiDAR as a sequence, the frames on a thread of their own: velodyne/, labels/, point_truth/, images/, poses.txt, times.txt,
 /// calib.txt, told.tum, boxes.csv (docs/datasets.md).
 /// @param world       of the run, for what is visible
-/// @param statistics  filled as frames are written; shared, for it outlives the recorder
+/// @param statistics  complete when the recorder has finished; shared, for it outlives the recorder
 std::unique_ptr<Recorder> make_sequence_recorder(const ContentConfig& content, VehicleId vehicle,
                                                  const std::string& sensor, std::shared_ptr<const StaticScene> world,
                                                  std::shared_ptr<SequenceStatistics> statistics);

@@ -182,6 +182,7 @@ std::string try_flight(const DatasetPlan& plan, const Flight& flight, int attemp
   timing.prepare_s += std::chrono::duration<double>(ready - start).count();
   timing.simulate_s = std::chrono::duration<double>(flown - ready).count() - recorders_s;
   timing.record_s = recorders_s + seconds_since(flown);
+  for (const OpenSequence& sequence : sequences) timing.beside_s += sequence.statistics->beside_s;
   return {};
 }
 
@@ -191,6 +192,7 @@ void FlightTiming::add(const FlightTiming& other) {
   prepare_s += other.prepare_s;
   simulate_s += other.simulate_s;
   record_s += other.record_s;
+  beside_s += other.beside_s;
 }
 
 FlightTiming write_flight(const DatasetPlan& plan, const Flight& flight, const fs::path& directory, int threads) {

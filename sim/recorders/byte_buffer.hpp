@@ -4,15 +4,34 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace swiftlet::sim {
 
 static_assert(std::endian::native == std::endian::little,
               "the recorders write little-endian files as they stand in memory");
+
+/// Lets a vector grow without setting what will be written over.
+template <class T>
+struct UnsetAllocator : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = UnsetAllocator<U>;
+  };
+  template <class U>
+  void construct(U* place) noexcept(std::is_nothrow_default_constructible_v<U>) {
+    ::new (static_cast<void*>(place)) U;
+  }
+  template <class U, class... Args>
+  void construct(U* place, Args&&... args) {
+    ::new (static_cast<void*>(place)) U(std::forward<Args>(args)...);
+  }
+};
 
 /// Bytes in the order in which they are put; numbers are little-endian. Keeps its memory when cleared.
 class ByteBuffer {
@@ -25,24 +44,26 @@ class ByteBuffer {
 
   template <class Number>
   requires std::is_arithmetic_v<Number>
-  void put(Number value) { std::memcpy(grow(sizeof value), &value, sizeof value); }
+  void put(Number value) { std::memcpy(extend(sizeof value), &value, sizeof value); }
   void put_bytes(std::span<const std::byte> bytes) {
-    if (!bytes.empty()) std::memcpy(grow(bytes.size()), bytes.data(), bytes.size());
+    if (!bytes.empty()) std::memcpy(extend(bytes.size()), bytes.data(), bytes.size());
   }
   void put_text(std::string_view text) { put_bytes(std::as_bytes(std::span(text))); }
   /// Replaces a number that was put before.
   template <class Number>
   requires std::is_arithmetic_v<Number>
   void put_at(std::size_t offset, Number value) { std::memcpy(bytes_.data() + offset, &value, sizeof value); }
-  /// Room for `count` more bytes (zeros), to be filled by the caller before the next put.
-  std::byte* grow(std::size_t count) {
+  /// `count` more bytes of zeros, to be written over by the caller before the next put.
+  std::byte* grow(std::size_t count) { return static_cast<std::byte*>(std::memset(extend(count), 0, count)); }
+  /// The same without setting them: the caller fills all that stay.
+  std::byte* extend(std::size_t count) {
     bytes_.resize(bytes_.size() + count);
     return bytes_.data() + bytes_.size() - count;
   }
   void shrink_to(std::size_t size) { bytes_.resize(size); }
 
  private:
-  std::vector<std::byte> bytes_;
+  std::vector<std::byte, UnsetAllocator<std::byte>> bytes_;
 };
 
 }  // namespace swiftlet::sim

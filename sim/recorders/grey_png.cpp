@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstring>
 #include <queue>
 #include <stdexcept>
 #include <string_view>
@@ -88,27 +90,31 @@ std::array<std::uint16_t, kNumSymbols> codes_of(const std::array<std::uint8_t, k
   return codes;
 }
 
+/// Fills bytes from the lowest bit. Writes eight bytes at a time: the room must reach that far beyond the end.
 class BitWriter {
  public:
-  explicit BitWriter(std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
-  void put(std::uint32_t bits, int count) {
-    held_ |= static_cast<std::uint64_t>(bits) << num_held_;
+  explicit BitWriter(std::uint8_t* at) : at_(at) {}
+  /// At most 56 bits.
+  void put(std::uint64_t bits, int count) {
+    held_ |= bits << num_held_;
     num_held_ += count;
-    while (num_held_ >= 8) {
-      bytes_.push_back(static_cast<std::uint8_t>(held_));
-      held_ >>= 8;
-      num_held_ -= 8;
-    }
+    std::memcpy(at_, &held_, sizeof held_);
+    at_ += num_held_ >> 3;
+    held_ >>= num_held_ & ~7;
+    num_held_ &= 7;
   }
-  void finish() {
+  /// @return one past the last byte
+  std::uint8_t* finish() {
     if (num_held_ > 0) put(0, 8 - num_held_);
+    return at_;
   }
 
  private:
-  std::vector<std::uint8_t>& bytes_;
+  std::uint8_t* at_;
   std::uint64_t held_ = 0;
   int num_held_ = 0;
 };
+static_assert(std::endian::native == std::endian::little, "bits are laid down as they stand in memory");
 
 void put_big_endian(ByteBuffer& out, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) out.put(static_cast<std::uint8_t>(value >> shift));
@@ -129,49 +135,83 @@ void filter(int width, int height, std::span<const std::uint16_t> grey, std::vec
   out.resize((2U * static_cast<std::size_t>(width) + 1U) * static_cast<std::size_t>(height));
   std::uint8_t* at = out.data();
   for (int y = 0; y < height; ++y) {
-    const std::uint16_t* row = grey.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    const std::uint16_t* const row = grey.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     *at++ = 1;  // Sub
-    std::uint16_t left = 0;
-    for (int x = 0; x < width; ++x) {
-      *at++ = static_cast<std::uint8_t>((row[x] >> 8) - (left >> 8));
-      *at++ = static_cast<std::uint8_t>((row[x] & 255) - (left & 255));
-      left = row[x];
+    at[0] = static_cast<std::uint8_t>(row[0] >> 8);
+    at[1] = static_cast<std::uint8_t>(row[0]);
+    for (int x = 1; x < width; ++x) {
+      at[2 * x] = static_cast<std::uint8_t>((row[x] >> 8) - (row[x - 1] >> 8));
+      at[2 * x + 1] = static_cast<std::uint8_t>(row[x] - row[x - 1]);
     }
+    at += 2 * width;
   }
 }
 
 // Bytes, and runs of the byte before.
 void find_runs(std::span<const std::uint8_t> bytes, std::vector<std::uint16_t>& tokens) {
-  tokens.clear();
-  tokens.reserve(bytes.size() + 1);
+  tokens.resize(bytes.size());
+  std::uint16_t* token = tokens.data();
   const std::size_t n = bytes.size();
   for (std::size_t i = 0; i < n;) {
-    tokens.push_back(bytes[i]);
     const std::uint8_t byte = bytes[i++];
+    *token++ = byte;
     while (i + kLeastRun <= n && bytes[i] == byte) {
       std::size_t end = i;
       while (end < n && end - i < kMostRun && bytes[end] == byte) ++end;
       if (end - i < kLeastRun) break;
-      tokens.push_back(static_cast<std::uint16_t>(kRunToken + (end - i)));
+      *token++ = static_cast<std::uint16_t>(kRunToken + (end - i));
       i = end;
     }
   }
+  tokens.resize(static_cast<std::size_t>(token - tokens.data()));
 }
 
-void deflate_tokens(std::span<const std::uint16_t> tokens, std::vector<std::uint8_t>& out) {
-  static const std::array<LengthCode, kMostRun + 1> kLengthCodes = [] {
-    std::array<LengthCode, kMostRun + 1> codes{};
-    for (int length = 3; length <= kMostRun; ++length) codes[static_cast<std::size_t>(length)] = length_code(length);
-    return codes;
-  }();
+struct Bits {
+  std::uint32_t bits = 0;
+  int count = 0;
+};
+constexpr std::size_t kNumTokens = kRunToken + kMostRun + 1;
+constexpr int kMostTokenBits = kMaxCodeBits + 5 + 1;  // length code, its extra bits, the distance
+
+/// What every token becomes.
+std::array<Bits, kNumTokens> bits_of_tokens(const std::array<std::uint8_t, kNumSymbols>& lengths) {
+  const auto codes = codes_of(lengths);
+  std::array<Bits, kNumTokens> table;
+  for (std::size_t token = 0; token < kRunToken; ++token) table[token] = {codes[token], lengths[token]};
+  for (int run = kLeastRun; run <= kMostRun; ++run) {
+    const LengthCode code = length_code(run);
+    const auto symbol = static_cast<std::size_t>(code.symbol);
+    const auto extra = static_cast<std::uint32_t>(run - code.base);
+    // The code, how much longer than its base, and one bit 0: distance 1.
+    table[static_cast<std::size_t>(kRunToken + run)] = {codes[symbol] | extra << lengths[symbol],
+                                                        lengths[symbol] + code.extra_bits + 1};
+  }
+  return table;
+}
+
+/// How often each symbol of the code is needed.
+std::array<std::uint32_t, kNumSymbols> count_symbols(std::span<const std::uint16_t> tokens) {
+  // Two tables: the same token often follows itself, and would wait for its own count.
+  std::array<std::uint32_t, kNumTokens> even{}, odd{};
+  std::size_t i = 0;
+  for (; i + 1 < tokens.size(); i += 2) {
+    ++even[tokens[i]];
+    ++odd[tokens[i + 1]];
+  }
+  if (i < tokens.size()) ++even[tokens[i]];
   std::array<std::uint32_t, kNumSymbols> counts{};
-  for (const std::uint16_t token : tokens) {
-    ++counts[token < kRunToken ? token : static_cast<std::size_t>(kLengthCodes[token - kRunToken].symbol)];
+  for (std::size_t token = 0; token < kRunToken; ++token) counts[token] = even[token] + odd[token];
+  for (int run = kLeastRun; run <= kMostRun; ++run) {
+    const auto token = static_cast<std::size_t>(kRunToken + run);
+    counts[static_cast<std::size_t>(length_code(run).symbol)] += even[token] + odd[token];
   }
   counts[kEndOfBlock] = 1;
-  const auto lengths = code_lengths(counts);
-  const auto codes = codes_of(lengths);
+  return counts;
+}
 
+/// One block with codes of its own. @return one past the last byte
+std::uint8_t* deflate_tokens(std::span<const std::uint16_t> tokens, std::uint8_t* out) {
+  const auto lengths = code_lengths(count_symbols(tokens));
   BitWriter bits(out);
   bits.put(1, 1);                  // the last block
   bits.put(2, 2);                  // with its own codes
@@ -186,21 +226,21 @@ void deflate_tokens(std::span<const std::uint16_t> tokens, std::vector<std::uint
   };
   for (const std::uint8_t length : lengths) put_length(length);
   put_length(1);
-  for (const std::uint16_t token : tokens) {
-    if (token < kRunToken) {
-      bits.put(codes[token], lengths[token]);
-      continue;
-    }
-    const int run = token - kRunToken;
-    const LengthCode& code = kLengthCodes[static_cast<std::size_t>(run)];
-    const auto symbol = static_cast<std::size_t>(code.symbol);
-    bits.put(codes[symbol], lengths[symbol]);
-    bits.put(static_cast<std::uint32_t>(run - code.base), code.extra_bits);
-    bits.put(0, 1);  // distance 1
+  const auto table = bits_of_tokens(lengths);
+  // Two at a time: what one waits for is the place of the one before.
+  std::size_t i = 0;
+  for (; i + 1 < tokens.size(); i += 2) {
+    const Bits first = table[tokens[i]], second = table[tokens[i + 1]];
+    bits.put(first.bits | static_cast<std::uint64_t>(second.bits) << first.count, first.count + second.count);
   }
+  if (i < tokens.size()) bits.put(table[tokens[i]].bits, table[tokens[i]].count);
+  const auto codes = codes_of(lengths);
   bits.put(codes[kEndOfBlock], lengths[kEndOfBlock]);
-  bits.finish();
+  return bits.finish();
 }
+
+/// Bytes that a block of so many tokens never fills, with the head, the check at the end and the room BitWriter needs.
+std::size_t room_for(std::size_t num_tokens) { return num_tokens * kMostTokenBits / 8 + 1024; }
 
 }  // namespace
 
@@ -210,12 +250,12 @@ const ByteBuffer& GreyPng::encode(int width, int height, std::span<const std::ui
   }
   filter(width, height, grey, filtered_);
   find_runs(filtered_, tokens_);
-  stream_.clear();
-  stream_.push_back(0x78);
-  stream_.push_back(0x01);
-  deflate_tokens(tokens_, stream_);
+  if (stream_.size() < room_for(tokens_.size())) stream_.resize(room_for(tokens_.size()));
+  stream_[0] = 0x78;
+  stream_[1] = 0x01;
+  std::uint8_t* end = deflate_tokens(tokens_, stream_.data() + 2);
   const auto check = static_cast<std::uint32_t>(adler32(1, filtered_.data(), static_cast<uInt>(filtered_.size())));
-  for (int shift = 24; shift >= 0; shift -= 8) stream_.push_back(static_cast<std::uint8_t>(check >> shift));
+  for (int shift = 24; shift >= 0; shift -= 8) *end++ = static_cast<std::uint8_t>(check >> shift);
 
   file_.clear();
   file_.put_text("\x89PNG\r\n\x1a\n");
@@ -225,7 +265,7 @@ const ByteBuffer& GreyPng::encode(int width, int height, std::span<const std::ui
   for (const int value : {16, 0, 0, 0, 0})
     header.put(static_cast<std::uint8_t>(value));  // bits, grey, deflate, filters, not interlaced
   put_chunk(file_, "IHDR", {reinterpret_cast<const std::uint8_t*>(header.bytes().data()), header.size()});
-  put_chunk(file_, "IDAT", stream_);
+  put_chunk(file_, "IDAT", {stream_.data(), end});
   put_chunk(file_, "IEND", {});
   return file_;
 }

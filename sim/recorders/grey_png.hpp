@@ -21,7 +21,7 @@ class GreyPng {
  private:
   std::vector<std::uint8_t> filtered_;
   std::vector<std::uint16_t> tokens_;
-  std::vector<std::uint8_t> stream_;
+  std::vector<std::uint8_t> stream_;  // room; what is used of it is written out
   ByteBuffer file_;
 };
 

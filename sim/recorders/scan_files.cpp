@@ -173,7 +173,7 @@ int put_points(const LabelledScan& labelled, std::span<const Pose> T_frame_lidar
   const Scan& scan = labelled.scan;
   const ScanTruth& truth = labelled.truth;
   const std::size_t start = out.size();
-  std::byte* at = out.grow(static_cast<std::size_t>(scan.size()) * point_size());
+  std::byte* at = out.extend(static_cast<std::size_t>(scan.size()) * point_size());
   const std::byte* const first = at;
   int num_points = 0;
   for (int row = 0, i = 0; row < scan.rows(); ++row) {

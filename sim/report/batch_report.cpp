@@ -69,10 +69,10 @@ std::string heading(const BatchTable& table) {
 std::string outcome_section(const BatchTable& table) {
   std::vector<std::string> head = {"", "episodes"};
   for (const std::string& outcome : table.outcomes)
-    head.insert(head.end(), {html::escape(outcome), "95 %", "difference", "95 %"});
+    head.insert(head.end(), {html::escape(outcome), "95 % interval", "difference", "95 % interval"});
   if (table.info.variants.size() < 2) {
     head.resize(2);
-    for (const std::string& outcome : table.outcomes) head.insert(head.end(), {html::escape(outcome), "95 %"});
+    for (const std::string& outcome : table.outcomes) head.insert(head.end(), {html::escape(outcome), "95 % interval"});
   }
   html::Table rows(head);
   for (std::size_t i = 0; i < std::min(table.groups.size(), kMostGroupRows); ++i) {
@@ -219,9 +219,9 @@ std::vector<std::string> summary_cells(const SampleSummary& s) {
 }
 
 std::string quantity_table(const BatchTable& table, const Quantity& quantity) {
-  std::vector<std::string> head = {"", "n", "mean", "sd", "95 %", "least", "median", "greatest"};
+  std::vector<std::string> head = {"", "n", "mean", "sd", "95 % interval", "least", "median", "greatest"};
   const bool paired = table.info.variants.size() > 1;
-  if (paired) head.insert(head.end(), {"pairs", "difference", "sd", "95 %"});
+  if (paired) head.insert(head.end(), {"pairs", "difference", "sd", "95 % interval"});
   html::Table rows(head);
   for (std::size_t i = 0; i < std::min(table.groups.size(), kMostGroupRows); ++i) {
     const EpisodeGroup& group = table.groups[i];
@@ -253,7 +253,7 @@ std::string all_quantities(const BatchTable& table) {
       text += "<p class=\"note\">The other groups are in report.csv.</p>\n";
       break;
     }
-    html::Table rows({"", "n", "mean", "sd", "95 %", "least", "median", "greatest"});
+    html::Table rows({"", "n", "mean", "sd", "95 % interval", "least", "median", "greatest"});
     for (const Quantity& quantity : table.quantities) {
       std::vector<std::string> cells = {html::escape(quantity.label())};
       for (std::string& cell : summary_cells(summarize(values_of(quantity, group)))) cells.push_back(std::move(cell));
@@ -285,7 +285,8 @@ std::string worst_section(const BatchTable& table, const Quantity& quantity) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return high ? quantity.values[a] > quantity.values[b] : quantity.values[a] < quantity.values[b];
   });
-  html::Table rows({"episode", "variant", "seed", "outcome", html::escape(quantity.label()), "flown again by"});
+  html::Table rows({"episode", "variant", "seed", "outcome", html::escape(quantity.label()), "flown again by"},
+                   {0, 1, 3, 5});
   for (std::size_t i = 0; i < std::min(order.size(), kWorst); ++i) {
     const EpisodeRow& row = table.episodes[order[i]];
     rows.add({std::to_string(row.id), html::escape(row.variant), std::to_string(row.seed), html::escape(row.outcome),
@@ -296,7 +297,7 @@ std::string worst_section(const BatchTable& table, const Quantity& quantity) {
 }
 
 std::string failure_section(const BatchTable& table) {
-  html::Table rows({"episode", "variant", "seed", "what happened", "", "flown again by"});
+  html::Table rows({"episode", "variant", "seed", "what happened", "", "flown again by"}, {0, 1, 3, 4, 5});
   std::size_t count = 0;
   for (const EpisodeRow& row : table.episodes) {
     if (row.done() || ++count > kFailures) continue;
@@ -320,7 +321,7 @@ std::string timing_section(const BatchTable& table) {
     factor.push_back(row.simulated_s / row.flight_wall_s);
     worlds += row.built_world ? 1 : 0;
   }
-  html::Table rows({"", "n", "mean", "sd", "95 %", "least", "median", "greatest"});
+  html::Table rows({"", "n", "mean", "sd", "95 % interval", "least", "median", "greatest"});
   const auto add = [&](const std::string& name, const std::vector<double>& values) {
     std::vector<std::string> cells = {name};
     for (std::string& cell : summary_cells(summarize(values))) cells.push_back(std::move(cell));

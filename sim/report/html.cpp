@@ -11,9 +11,10 @@ constexpr const char* kStyle =
     "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1180px;margin:2em auto;padding:0 1em}"
     "h1{font-size:1.6em;margin-bottom:.2em}h2{font-size:1.2em;margin-top:2em;border-bottom:1px solid #ddd}"
     "table{border-collapse:collapse;margin:.8em 0;font-variant-numeric:tabular-nums}"
-    "th,td{padding:.2em .7em;text-align:right;border-bottom:1px solid #eee}th{background:#f6f6f6;font-weight:600}"
-    "th:first-child,td:first-child{text-align:left}code{font-size:.86em;background:#f4f4f4;padding:.1em .3em;"
-    "word-break:break-all}td code{text-align:left}.note{color:#666}svg,img{max-width:100%;height:auto}"
+    "th,td{padding:.2em .7em;text-align:right;white-space:nowrap;border-bottom:1px solid #eee}"
+    "th{background:#f6f6f6;font-weight:600}th.w,td.w{text-align:left;white-space:normal}"
+    "code{font-size:.86em;background:#f4f4f4;padding:.1em .3em;overflow-wrap:anywhere}.note{color:#666}"
+    "svg,img{max-width:100%;height:auto}"
     "figure{display:inline-block;margin:.5em 1em .5em 0}figcaption{color:#666;font-size:.9em}"
     "details{margin:.6em 0}summary{cursor:pointer;color:#0057a0}.wide{overflow-x:auto}";
 
@@ -53,13 +54,23 @@ std::string interval(double low, double high) {
   return std::isfinite(low) && std::isfinite(high) ? "[" + number(low) + ", " + number(high) + "]" : "–";
 }
 
+Table::Table(std::vector<std::string> head, std::vector<std::size_t> columns_of_words) : head_(std::move(head)) {
+  is_words_.resize(head_.size(), false);
+  for (const std::size_t column : columns_of_words) is_words_.at(column) = true;
+}
+
+std::string Table::cell(const char* tag, std::size_t column, const std::string& content) const {
+  const bool words = column < is_words_.size() && is_words_[column];
+  return std::string("<") + tag + (words ? " class=\"w\">" : ">") + content + "</" + tag + ">";
+}
+
 std::string Table::str() const {
   std::string text = "<div class=\"wide\"><table><thead><tr>";
-  for (const std::string& cell : head_) text += "<th>" + cell + "</th>";
+  for (std::size_t i = 0; i < head_.size(); ++i) text += cell("th", i, head_[i]);
   text += "</tr></thead><tbody>\n";
   for (const auto& row : rows_) {
     text += "<tr>";
-    for (const std::string& cell : row) text += "<td>" + cell + "</td>";
+    for (std::size_t i = 0; i < row.size(); ++i) text += cell("td", i, row[i]);
     text += "</tr>\n";
   }
   return text + "</tbody></table></div>\n";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -16,17 +17,20 @@ std::string number(double value);
 /// "[low, high]".
 std::string interval(double low, double high);
 
-/// Rows under a head; the first column is aligned left.
+/// Rows under a head. Columns of words are aligned left and may break; the others are numbers.
 class Table {
  public:
-  explicit Table(std::vector<std::string> head) : head_(std::move(head)) {}
+  explicit Table(std::vector<std::string> head, std::vector<std::size_t> columns_of_words = {0});
   /// Cells are HTML already.
   void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
   bool empty() const { return rows_.empty(); }
   std::string str() const;
 
  private:
+  std::string cell(const char* tag, std::size_t column, const std::string& content) const;
+
   std::vector<std::string> head_;
+  std::vector<bool> is_words_;  // by column
   std::vector<std::vector<std::string>> rows_;
 };
 

@@ -99,6 +99,12 @@ bool has_kind(const Panel& panel, std::initializer_list<Kind> kinds) {
                      [&](const Series& s) { return std::find(kinds.begin(), kinds.end(), s.kind) != kinds.end(); });
 }
 
+/// A marker on the edge of the frame would be cut in half.
+bool marks_ends(const Panel& panel) {
+  return std::any_of(panel.series().begin(), panel.series().end(),
+                     [](const Series& s) { return s.kind == kLine && s.style.marker != Marker::kNone; });
+}
+
 double smallest_positive(const Panel& panel, bool of_x) {
   Range range;
   for (const Series& s : panel.series()) {
@@ -147,7 +153,8 @@ Range axis_range(const Panel& panel, bool of_x) {
     range.include(static_cast<double>(axis.categories.size()) - 0.4);
   }
   const bool discrete = !axis.categories.empty() || (of_x && has_kind(panel, {kBars, kBoxes}));
-  const bool tight = discrete || has_kind(panel, {kHeatMap}) || (of_x && !has_kind(panel, {kScatter, kErrorBars}));
+  const bool tight = discrete || has_kind(panel, {kHeatMap}) ||
+                     (of_x && !has_kind(panel, {kScatter, kErrorBars}) && !marks_ends(panel));
   range = padded(range, axis, tight && !panel.equal_axes, !of_x && has_kind(panel, {kBars}));
   if (axis.min) range.low = *axis.min;
   if (axis.max) range.high = *axis.max;
@@ -428,6 +435,16 @@ std::vector<PointPx> covered(const Panel& panel, const View& view) {
         for (std::size_t i = 0; i < s.x.size(); ++i) points.push_back(view.at(s.x[i], s.y[i]));
         break;
       case kBand:
+        for (std::size_t i = 0; i + 1 < s.x.size(); ++i) {
+          const PointPx low = view.at(s.x[i], s.low[i]), next_low = view.at(s.x[i + 1], s.low[i + 1]);
+          const PointPx high = view.at(s.x[i], s.high[i]), next_high = view.at(s.x[i + 1], s.high[i + 1]);
+          constexpr int kSlices = 8;
+          for (int k = 0; k <= kSlices; ++k) {
+            const double t = static_cast<double>(k) / kSlices, x = low.x + t * (next_low.x - low.x);
+            segment({x, low.y + t * (next_low.y - low.y)}, {x, high.y + t * (next_high.y - high.y)});
+          }
+        }
+        break;
       case kErrorBars:
         for (std::size_t i = 0; i < s.x.size(); ++i) segment(view.at(s.x[i], s.low[i]), view.at(s.x[i], s.high[i]));
         break;

@@ -134,7 +134,7 @@ std::string series_section(const fs::path& directory) {
 
 std::string events_section(const fs::path& directory) {
   std::ifstream stream(directory / "events.jsonl");
-  html::Table rows({"time [s]", "what", "vehicle", "with", "where [m]", ""});
+  html::Table rows({"time [s]", "what", "vehicle", "with", "where [m]", ""}, {1, 2, 3, 4, 5});
   std::size_t count = 0;
   for (std::string line; std::getline(stream, line);) {
     const Json event = Json::parse(line, nullptr, false);
@@ -153,7 +153,10 @@ std::string pictures_section(const fs::path& directory) {
   for (const char* folder : {"snapshots", "render"}) {
     if (!fs::is_directory(directory / folder)) continue;
     for (const auto& entry : fs::recursive_directory_iterator(directory / folder)) {
-      if (entry.path().extension() == ".png") pictures.insert(fs::relative(entry.path(), directory).string());
+      const std::string name = entry.path().filename().string();
+      // Depths in millimetres (NAME.mm.png) are data, not to be looked at.
+      if (name.ends_with(".png") && !name.ends_with(".mm.png"))
+        pictures.insert(fs::relative(entry.path(), directory).string());
     }
   }
   if (pictures.empty()) return "";
@@ -194,7 +197,7 @@ std::string stages_section(const Json& summary) {
 std::string radio_section(const Json& summary) {
   if (!summary.contains("radio") || !summary["radio"].contains("topics") || summary["radio"]["topics"].empty())
     return "";
-  html::Table rows({"topic", "from", "messages", "bytes", "rate [Hz]", "load [kB/s]"});
+  html::Table rows({"topic", "from", "messages", "bytes", "rate [Hz]", "load [kB/s]"}, {0, 1});
   for (const Json& topic : summary["radio"]["topics"]) {
     rows.add({text_at(topic, "topic"), text_at(topic, "from"), text_at(topic, "messages"), text_at(topic, "bytes"),
               text_at(topic, "rate_hz"), text_at(topic, "load_kBps")});

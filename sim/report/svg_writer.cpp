@@ -133,7 +133,8 @@ void SvgWriter::text(PointPx at, std::string_view content, double size_px, Ancho
 }
 
 void SvgWriter::begin_clip(double x, double y, double width, double height) {
-  const std::string id = "clip" + std::to_string(num_clips_++);
+  // Named after the rectangle: a page with many figures has one meaning for each name.
+  const std::string id = "clip_" + px(x) + "_" + px(y) + "_" + px(width) + "_" + px(height);
   out_ += "<clipPath id=\"" + id + "\"><rect x=\"" + px(x) + "\" y=\"" + px(y) + "\" width=\"" + px(width) +
           "\" height=\"" + px(height) + "\"/></clipPath>\n<g clip-path=\"url(#" + id + ")\">\n";
 }

@@ -34,7 +34,6 @@ class SvgWriter {
 
  private:
   std::string out_;
-  int num_clips_ = 0;
 };
 
 /// Estimated width in the fonts that the pictures ask for.

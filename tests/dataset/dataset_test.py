@@ -22,44 +22,7 @@ import yaml
 
 SWIFTLET = pathlib.Path(sys.argv[1]).resolve()
 VEHICLE = 300
-TEAM = """
-name: small_team
-duration_s: 1.2
-tick_s: 0.01
-world: {type: forest_thesis, num_trees: 30}
-vehicles:
-  - name: uav1
-    model: f450
-    sensors:
-      - {type: lidar, name: lidar, range_max_m: 60, pattern: {type: ouster, columns: 512, rows: 64}}
-      - {type: imu, name: imu}
-      - {type: gnss, name: gnss}
-    agent: {type: stack, localization: ground_truth}
-  - name: uav2
-    model: f330
-    sensors:
-      - {type: lidar, name: fast, model: mid360, rate_hz: 5, rolling: false}
-    agent: {type: stack, localization: ground_truth}
-  - name: uav3
-    model: f330
-    agent: {type: stack, localization: ground_truth}
-"""
-DATASET = """
-name: small
-description: A dataset for tests.
-splits:
-  - {name: train, flights: 2, first_seed: 100}
-  - {name: valid, flights: 1, first_seed: 200}
-families:
-  - name: trees
-    scenario: team.yaml
-    reflectivity_spread: 0.2
-    flight: {speed_max_mps: 2, height_max_m: 8, partner_max_m: 15}
-    vary:
-      - {key: "vehicles[*].airframe.reflectivity", min: 0.2, max: 0.8}
-pictures: {flights_per_split: 0}
-recorders: [{type: mcap}]
-"""
+SMALL = pathlib.Path(__file__).resolve().parent / "small"
 
 
 def rotation(q):
@@ -111,9 +74,8 @@ class Dataset(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = pathlib.Path(cls.folder.name)
-        (cls.path / "team.yaml").write_text(TEAM)
+        shutil.copytree(SMALL, cls.path, dirs_exist_ok=True)
         cls.file = cls.path / "small.yaml"
-        cls.file.write_text(DATASET)
         cls.out = cls.path / "out"
         cls.result = run("dataset", cls.file, "--out", cls.out, "--jobs", 2)
 

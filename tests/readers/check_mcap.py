@@ -35,27 +35,32 @@ def plain(value):
     return [plain(v) for v in value] if isinstance(value, list) else value
 
 
-def check_file(file, npm_dir, expected, compression):
-    check = expectation.RosCheck(expected)
-    result = check.result
+def read_file(file, npm_dir, result):
+    """What the file says about itself, and topic -> list of (type without package path, time_ns, message)."""
     done = subprocess.run(["node", HERE / "read_mcap.mjs", npm_dir, file], capture_output=True, text=True)
     if done.returncode != 0:
-        print(f"{file.name}: node failed:\n{done.stderr}")
-        return 1
+        sys.exit(f"{file.name}: node failed:\n{done.stderr}")
     about, *lines = map(json.loads, done.stdout.splitlines())
-    messages, times = {}, []
+    messages = {}
     for line in lines:
         kind = line["type"].split("/")
         result.equal(kind[1], "msg", "type name of ROS 2")
-        times.append(int(line["logTime"]))
         of_topic = messages.setdefault(line["topic"], [])
         result.equal(line["sequence"], len(of_topic), line["topic"] + " sequence")
-        of_topic.append((kind[2], times[-1], plain(line["message"])))
+        of_topic.append((kind[2], int(line["logTime"]), plain(line["message"])))
+    result.expect(about["complete"], "the stream reader reached the end")
+    return about, messages
+
+
+def check_file(file, npm_dir, expected, compression):
+    check = expectation.RosCheck(expected)
+    result = check.result
+    about, messages = read_file(file, npm_dir, result)
     check.check(messages)
+    times = [time for of_topic in messages.values() for _, time, _ in of_topic]
 
     # What the file says about itself.
     result.equal([about["header"]["profile"], about["header"]["library"]], ["ros2", "swiftlet"], "header")
-    result.expect(about["complete"], "the stream reader reached the end")
     statistics = about["statistics"]
     result.equal(int(statistics["messageCount"]), len(times), "message count")
     result.equal({k: int(n) for k, n in statistics["counts"].items()} == {k: len(m) for k, m in messages.items()}, True,
@@ -72,8 +77,12 @@ def check_file(file, npm_dir, expected, compression):
     return result.finish(f"@mcap/core {file.name}", least=5000)
 
 
+def has_node():
+    return bool(shutil.which("node") and shutil.which("npm"))
+
+
 def main():
-    if not shutil.which("node") or not shutil.which("npm"):
+    if not has_node():
         print("skipped: this test needs node and npm")
         sys.exit(77)
     directory, npm_dir = map(pathlib.Path, sys.argv[1:])

@@ -35,9 +35,16 @@ def check_tools(bag):
     return ok
 
 
+def read_bag(reader):
+    """topic -> list of (type without package path, time_ns, message)."""
+    messages = {}
+    for topic, message, t in reader.read_messages():
+        messages.setdefault(topic, []).append((message._type.split("/")[1], t.to_nsec(), plain(message)))
+    return messages
+
+
 def check_content(bag, expected, compression):
     check = expectation.RosCheck(expected, first_time_ns=1, first_stamp_ns=0)
-    messages = {}
     with rosbag.Bag(str(bag)) as reader:
         check.result.equal(reader.get_compression_info().compression, compression, "compression")
         for info in reader._get_connections():  # as the bag carries them
@@ -49,12 +56,9 @@ def check_content(bag, expected, compression):
             check.result.equal(made._md5sum, shipped._md5sum, f"{info.topic} definition")
             check.result.equal(info.header["latching"].decode(), "1" if info.topic == "/tf_static" else "0",
                                f"{info.topic} latching")
-        sequences = {}
-        for topic, message, t in reader.read_messages():
-            messages.setdefault(topic, []).append((message._type.split("/")[1], t.to_nsec(), plain(message)))
-            if message._has_header:
-                sequences.setdefault(topic, []).append(message.header.seq)
-        for topic, numbers in sequences.items():
+        messages = read_bag(reader)
+        for topic, of_topic in messages.items():
+            numbers = [message["header"]["seq"] for _, _, message in of_topic if "header" in message]
             check.result.equal(numbers, list(range(len(numbers))), f"{topic} seq")
         check.result.equal(reader.get_message_count(), sum(map(len, messages.values())), "message count")
     check.check(messages)

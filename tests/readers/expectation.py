@@ -52,6 +52,14 @@ def rotation(q):
                      [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
 
 
+def cloud_of(message):
+    """The points of a sensor_msgs/PointCloud2."""
+    fields = message["fields"]
+    return np.frombuffer(message["data"], np.dtype({
+        "names": [f["name"] for f in fields], "formats": [POINT_TYPES[f["datatype"]] for f in fields],
+        "offsets": [f["offset"] for f in fields], "itemsize": message["point_step"]}))
+
+
 def points_lidar(scan):
     return np.array(scan["origins"]) + np.array(scan["range"])[:, None] * np.array(scan["directions"])
 
@@ -214,9 +222,7 @@ class RosCheck:
     def points(self, message, where, frame, scan):
         self.header(message, where, scan["stamp_ns"], frame)
         fields = message["fields"]
-        cloud = np.frombuffer(message["data"], np.dtype({
-            "names": [f["name"] for f in fields], "formats": [POINT_TYPES[f["datatype"]] for f in fields],
-            "offsets": [f["offset"] for f in fields], "itemsize": message["point_step"]}))
+        cloud = cloud_of(message)
         self.result.equal([f["count"] for f in fields], [1] * len(fields), where + " counts")
         self.result.equal(message["row_step"], message["point_step"] * message["width"], where + " row_step")
         self.result.equal([message["is_bigendian"], message["is_dense"]], [False, True], where + " flags")

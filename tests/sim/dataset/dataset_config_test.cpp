@@ -6,16 +6,19 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "sim/dataset/flight.hpp"
-#include "tests/sim/dataset/small_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
+
+constexpr const char* kSmallDataset = SWIFTLET_SOURCE_DIR "/tests/dataset/small/small.yaml";
 
 FamilyConfig family_with(const std::string& key, const std::string& law, double min, double max,
                          const std::vector<std::string>& choices = {}) {
@@ -79,30 +82,27 @@ TEST(DatasetDraws, AreAFunctionOfSeedAndAttempt) {
 }
 
 TEST(DatasetConfig, WhatWasWrittenReadsBackTheSame) {
-  const SmallDataset small;
-  const std::string text = write_dataset(load_dataset(small.file()));
-  small.write("again.yaml", text);
-  EXPECT_EQ(write_dataset(load_dataset(small.directory() / "again.yaml")), text);
+  const TemporaryDirectory directory;
+  const std::string text = write_dataset(load_dataset(kSmallDataset));
+  std::ofstream(directory.path() / "again.yaml") << text;
+  EXPECT_EQ(write_dataset(load_dataset(directory.path() / "again.yaml")), text);
 }
 
 TEST(DatasetConfig, SplitsMayNotShareAWorld) {
-  const SmallDataset small;
   EXPECT_THAT(
       [&] {
-        load_dataset(small.file(), {{"splits[1].first_seed", "101"}});
+        load_dataset(kSmallDataset, {{"splits[1].first_seed", "101"}});
       },
       ThrowsMessage<InputError>(HasSubstr("splits[1].first_seed: expected seeds that the split train does not")));
 }
 
 TEST(DatasetConfig, AVariationOfAnUnknownKeyIsRefusedBeforeAnythingIsSimulated) {
-  const SmallDataset small;
-  const DatasetConfig config = load_dataset(small.file(), {{"families[0].vary[0].key", "world.num_treees"}});
+  const DatasetConfig config = load_dataset(kSmallDataset, {{"families[0].vary[0].key", "world.num_treees"}});
   EXPECT_THAT([&] { plan_dataset(config); }, ThrowsMessage<InputError>(HasSubstr("num_treees")));
 }
 
 TEST(DatasetPlan, NumbersSequencesByFlightAndLidarAndTellsConfigurationsApart) {
-  const SmallDataset small;
-  const DatasetConfig config = load_dataset(small.file());
+  const DatasetConfig config = load_dataset(kSmallDataset);
   const DatasetPlan plan = plan_dataset(config);
   ASSERT_EQ(plan.flights.size(), 3U);
   for (std::size_t i = 0; i < plan.flights.size(); ++i) {
@@ -112,7 +112,7 @@ TEST(DatasetPlan, NumbersSequencesByFlightAndLidarAndTellsConfigurationsApart) {
   EXPECT_EQ(plan.flights[2].split, "valid");
   EXPECT_EQ(plan.flights[2].seed, 200U);
   EXPECT_EQ(plan_dataset(config).fingerprint, plan.fingerprint);
-  const DatasetConfig faster = load_dataset(small.file(), {{"families[0].flight.speed_max_mps", "2.5"}});
+  const DatasetConfig faster = load_dataset(kSmallDataset, {{"families[0].flight.speed_max_mps", "2.5"}});
   EXPECT_NE(plan_dataset(faster).fingerprint, plan.fingerprint);
 }
 

@@ -69,6 +69,28 @@ TEST(FreeSpace, TellsWhenThereIsNoWay) {
   EXPECT_TRUE(space.find_way({-10, 0, 3}, {0, 0, 3}).empty());
 }
 
+TEST(FreeSpace, IndoorsIsWhereWallsStandAllAroundTheDoorLeftOpen) {
+  TestScene scene;
+  scene.add_wall({-30, -30, 0}, {30, -30, 0}, {30, 30, 0}, {-30, 30, 0}, SurfaceClass::kGround);
+  // A hall of 20 m x 20 m without a roof, 6 m high; its door of 2 m looks east.
+  scene.add_box({-10.2F, -10.2F, 0}, {10.2F, -10, 6}, SurfaceClass::kWall);
+  scene.add_box({-10.2F, 10, 0}, {10.2F, 10.2F, 6}, SurfaceClass::kWall);
+  scene.add_box({-10.2F, -10, 0}, {-10, 10, 6}, SurfaceClass::kWall);
+  scene.add_box({10, -10, 0}, {10.2F, -1, 6}, SurfaceClass::kWall);
+  scene.add_box({10, 1, 0}, {10.2F, 10, 6}, SurfaceClass::kWall);
+  const auto world = std::make_shared<const StaticScene>(scene.scene());
+  const FreeSpace space(world, {.radius_m = kRadius_m, .height_max_m = 9.0, .indoors = true});
+  EXPECT_TRUE(space.is_free(Vector3(0, 0, 3)));
+  EXPECT_TRUE(space.is_free(Vector3(8, 0, 3)));  // before the door
+  EXPECT_TRUE(space.is_free(Vector3(-9, 9, 3)));
+  EXPECT_FALSE(space.is_free(Vector3(0, 0, 7)));  // above the walls
+  for (const Vector3& outside : {Vector3(14, 0, 3), Vector3(0, 14, 3), Vector3(-14, -14, 3), Vector3(12, 20, 3)}) {
+    EXPECT_FALSE(space.is_free(outside)) << outside.transpose();
+    EXPECT_TRUE(space.find_way({0, 0, 3}, outside).empty());
+    EXPECT_TRUE(space_of(world).is_free(outside));  // where it is not asked for
+  }
+}
+
 TEST(TimedWay, KeepsSpeedAndAccelerationOnItsWayRoundACorner) {
   FlightConfig config;
   config.acceleration_mps2 = 1.2;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -82,6 +83,53 @@ TEST(Plot, DrawsALineFromTheLowerLeftToTheUpperRightOfItsFrame) {
   EXPECT_NEAR(points[1].first, 0.5 * (points[0].first + points[2].first), 0.11);
   EXPECT_NEAR(points[1].second, 0.5 * (points[0].second + points[2].second), 0.11);
   EXPECT_LT(points[2].second, points[0].second);  // up is up
+}
+
+// In one page the names of all figures share one space, and the first of a name wins.
+TEST(Plot, ClippingOfOneFigureDoesNotReachIntoAnotherOnTheSamePage) {
+  const std::vector<double> x{0.0, 1.0}, y{0.0, 1.0};
+  const auto clip_of = [&](double width_px, double height_px) {
+    Figure figure;
+    figure.set_panel_size(width_px, height_px);
+    figure.add_panel().line("", x, y);
+    const std::string svg = figure.svg();
+    const std::size_t begin = svg.find("<clipPath id=\"") + 14;
+    return svg.substr(begin, svg.find('"', begin) - begin);
+  };
+  EXPECT_NE(clip_of(400, 300), clip_of(400, 200));
+  EXPECT_NE(clip_of(400, 300), clip_of(300, 300));
+  EXPECT_EQ(clip_of(400, 300), clip_of(400, 300));  // the same rectangle: the same meaning
+}
+
+TEST(Plot, MarkersAtTheEndsOfALineStandWholeInTheFrame) {
+  Figure figure;
+  figure.set_panel_size(400, 300);
+  const std::vector<double> x{3.0, 4.0, 5.0}, y{1.0, 2.0, 1.5};
+  figure.add_panel().line("", x, y, {.marker = Marker::kCircle});
+  const std::string svg = figure.svg();
+  const std::size_t rect = svg.find("<rect x=\"", svg.find("<clipPath"));
+  double left = 0.0, top = 0.0, width = 0.0;
+  ASSERT_EQ(std::sscanf(svg.c_str() + rect, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\"", &left, &top, &width), 3);
+  const auto points = polyline_of(svg);
+  EXPECT_GT(points.front().first, left + 5.0);
+  EXPECT_LT(points.back().first, left + width - 5.0);
+}
+
+TEST(Plot, TheLegendKeepsAwayFromABand) {
+  const std::vector<double> x{0.0, 1.0}, low{0.0, 0.0}, high{1.0, 1.0}, line{0.5, 0.5};
+  Figure over_all, without;
+  for (Figure* figure : {&over_all, &without}) {
+    figure->set_panel_size(400, 300);
+    Panel& panel = figure->add_panel();
+    panel.y.min = 0.0;
+    panel.y.max = 1.0;
+    if (figure == &over_all) panel.band("", x, low, high);
+    panel.line("named", x, line);
+  }
+  // Two samples only, at the ends: in between the band is just as wide. The legend goes beside the panel, unframed.
+  const char* const kFrame = "fill-opacity=\"0.85\"";
+  EXPECT_THAT(without.svg(), HasSubstr(kFrame));
+  EXPECT_THAT(over_all.svg(), Not(HasSubstr(kFrame)));
 }
 
 TEST(Plot, LogarithmicAxesGiveEveryDecadeTheSameLength) {
