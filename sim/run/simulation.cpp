@@ -379,7 +379,7 @@ RunSummary Simulation::summary() const {
   summary.seed = impl_->scenario.seed;
   summary.state_hash = impl_->hash;
   summary.threads = impl_->threads;
-  summary.simulated_s = to_seconds(impl_->now);
+  summary.simulated_s = static_cast<double>(impl_->now) / 1e9;  // nearest to the decimal fraction, for readers
   summary.stage_wall_s = impl_->clock.seconds_by_stage();
   summary.outcome = impl_->metrics.outcome();
   summary.metrics = impl_->metrics.report();
