@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <csignal>
 #include <memory>
 #include <optional>
 
 #include "commands.hpp"
+#include "interrupt.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
 #include "sim/batch/worker_pool.hpp"
@@ -30,34 +30,22 @@ struct VerifyCommand {
   bool quiet = false;
 };
 
-volatile std::sig_atomic_t interrupted = 0;
-
-// Ctrl-C ends the generation; finished sequences stay.
-class InterruptGuard {
- public:
-  InterruptGuard() : previous_(std::signal(SIGINT, [](int) { interrupted = 1; })) {}
-  ~InterruptGuard() { std::signal(SIGINT, previous_); }
-
- private:
-  void (*previous_)(int);
-};
-
 void generate(const DatasetOptions& options) {
   const sim::DatasetPlan plan = sim::plan_dataset(sim::load_dataset(options.file, parse_assignments(options.set)));
-  const InterruptGuard guard;
+  const StopSignals guard;  // finished sequences stay
   Progress progress(plan.config.name, options.quiet);
   sim::GenerateOptions generation;
   generation.directory = options.out;
   generation.jobs = options.jobs > 0 ? options.jobs : sim::available_processors();
   generation.resume = options.resume;
-  generation.cancelled = [] { return interrupted != 0; };
+  generation.cancelled = [] { return StopSignals::requested(); };
   generation.progress = [&](int done, int all, const std::string&) {
     if (progress.due()) progress.update(static_cast<double>(done) / all, fmt::format("{} of {} flights", done, all));
   };
   const sim::GenerateReport report = sim::generate_dataset(plan, generation);
   progress.finish();
   if (report.cancelled) {
-    throw std::runtime_error(fmt::format("interrupted; {} of {} flights are finished and kept, --resume goes on",
+    throw Interrupted(fmt::format("interrupted; {} of {} flights are finished and kept, --resume goes on",
                                          report.flights_done, report.flights_all));
   }
   if (options.quiet) return;
@@ -79,18 +67,18 @@ void generate(const DatasetOptions& options) {
 }
 
 void verify(const VerifyCommand& command) {
-  const InterruptGuard guard;
+  const StopSignals guard;
   Progress progress("verify", command.quiet);
   sim::VerifyOptions options;
   options.frames = command.frames;
   options.seed = command.seed.value_or(0);
-  options.cancelled = [] { return interrupted != 0; };
+  options.cancelled = [] { return StopSignals::requested(); };
   options.progress = [&](double done, const std::string& note) {
     if (progress.due()) progress.update(done, note);
   };
   const sim::VerifyReport report = sim::verify_dataset(command.directory, options);
   progress.finish();
-  if (interrupted != 0) throw std::runtime_error("interrupted before everything was compared");
+  if (StopSignals::requested()) throw Interrupted("interrupted before everything was compared");
   for (const std::string& problem : report.problems) fmt::print(stderr, "{}\n", problem);
   if (!report.ok()) {
     throw std::runtime_error(fmt::format("{}: {} problem{}", command.directory, report.problems.size(),

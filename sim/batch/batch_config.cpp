@@ -98,7 +98,8 @@ void SlurmConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("cpus_per_task", cpus_per_task, "[-] worker processes of a task", Range::between(1, 4096));
   v.field("max_running_tasks", max_running_tasks, "[-] tasks that run at a time; 0: no limit", Range::non_negative());
-  v.field("memory_per_cpu_mb", memory_per_cpu_mb, "[MiB] asked for; a worker is held below 90 % of it", Range::positive());
+  v.field("memory_per_cpu_mb", memory_per_cpu_mb, "[MiB] asked for; a worker is held below 90 % of it",
+          Range::positive());
   v.field("time_limit_min", time_limit_min, "[min] of one task; 0: what its episodes need if each takes timeout_s",
           Range::non_negative());
   v.field("options", options, "[-] more options of sbatch, such as --constraint=avx2");

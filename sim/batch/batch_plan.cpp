@@ -96,7 +96,11 @@ BatchPlan::BatchPlan(const fs::path& file, const ConfigChanges& overrides) {
   for (const VariantConfig& variant : config_.variants) {
     scenarios_.push_back(find_scenario(variant.scenario.empty() ? config_.scenario : variant.scenario, file_));
   }
-  fingerprint_ = make_fingerprint();
+  try {
+    fingerprint_ = make_fingerprint();
+  } catch (const InputError& error) {  // a change made by `set` or the sweep that a scenario does not take
+    throw InputError(file_.string() + ": " + error.what());
+  }
   for (std::size_t v = 0; v < scenarios_.size(); ++v) {
     const bool is_swept = std::any_of(config_.sweep.parameters.begin(), config_.sweep.parameters.end(),
                                       [](const ParameterConfig& p) { return p.key == "world_seed"; });

@@ -90,7 +90,11 @@ class Statement {
 
  private:
   [[noreturn]] void fail() const {
-    throw std::runtime_error(std::string(sqlite3_db_filename(database_, "main")) + ": " + sqlite3_errmsg(database_));
+    const std::string place = std::string(sqlite3_db_filename(database_, "main")) + ": ";
+    if (sqlite3_errcode(database_) == SQLITE_CORRUPT) {
+      throw InputError(place + "expected results of a batch, found a damaged file (" + sqlite3_errmsg(database_) + ")");
+    }
+    throw std::runtime_error(place + sqlite3_errmsg(database_));
   }
 
   sqlite3* database_;
@@ -163,6 +167,8 @@ struct ResultStore::Impl {
     try {
       Statement query(database, "SELECT value FROM batch WHERE key = 'format'");
       if (query.step()) format = query.text(0);
+    } catch (const InputError&) {
+      throw;
     } catch (const std::runtime_error& error) {
       throw InputError(file.string() + ": expected results of a batch, found something else (" + error.what() + ")");
     }
@@ -184,6 +190,8 @@ struct ResultStore::Impl {
       Statement query(database, "SELECT count(*) FROM sqlite_schema");
       query.step();
       return query.whole(0) == 0;
+    } catch (const InputError&) {
+      throw;
     } catch (const std::runtime_error& error) {
       throw InputError(file.string() + ": expected results of a batch, found something else (" + error.what() + ")");
     }
@@ -420,7 +428,9 @@ std::string ResultStore::dump() const {
 }
 
 void ResultStore::close() {
+  // What is finished is one file that can be read anywhere, from read-only media too.
   sqlite3_exec(impl_->database, "PRAGMA wal_checkpoint(TRUNCATE)", nullptr, nullptr, nullptr);
+  sqlite3_exec(impl_->database, "PRAGMA journal_mode = DELETE", nullptr, nullptr, nullptr);
   if (sqlite3_close(impl_->database) != SQLITE_OK)
     throw std::runtime_error(impl_->file.string() + ": cannot be closed");
   impl_->database = nullptr;

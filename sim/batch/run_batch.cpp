@@ -173,7 +173,12 @@ BatchOutcome run_batch(const BatchPlan& plan, const BatchOptions& options,
   EpisodeRunner runner(plan);  // lives on in each worker
   WorkerPoolEvents events;
   events.finished = [&](const JobResult& result) {
-    store.add(row_of(plan, result));
+    try {
+      store.add(row_of(plan, result));
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(std::string(error.what()) + "; " + std::to_string(progress.done) +
+                               " episodes are stored, --resume goes on");
+    }
     ++progress.done;
     ++progress.flown;
     progress.failed += result.status == JobStatus::kDone ? 0 : 1;

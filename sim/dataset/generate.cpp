@@ -122,7 +122,7 @@ std::vector<SequenceInfo> read_sequences(const DatasetPlan& plan, const fs::path
   return sequences;
 }
 
-/// Everything outside the sequences.
+/// Everything outside the sequences, and what describes each of them.
 std::vector<FileEntry> write_descriptions(const DatasetPlan& plan, const std::vector<SequenceInfo>& sequences,
                                           const fs::path& directory) {
   write_file(directory / "semantic-kitti.yaml", class_table(plan, sequences));
@@ -130,6 +130,10 @@ std::vector<FileEntry> write_descriptions(const DatasetPlan& plan, const std::ve
   std::vector<FileEntry> files;
   for (const FileEntry& file : list_files(directory, {}, "sequences")) {
     if (file.path != kManifest && file.path != ".lock") files.push_back(file);
+  }
+  for (const SequenceInfo& info : sequences) {
+    const std::string name = "sequences/" + sequence_name(info.sequence) + "/sequence.json";
+    files.push_back({name, fs::file_size(directory / name), hex(hash_of_file(directory / name))});
   }
   return files;
 }

@@ -89,7 +89,13 @@ class Verification {
     const fs::path path = directory_ / "manifest.json";
     if (!fs::exists(path)) throw InputError(directory_.string() + ": expected a dataset, found no manifest.json");
     manifest_ = Json::parse(read_text(path), nullptr, false);
-    if (!manifest_.is_object() || !manifest_.contains("files") || !manifest_.contains("sequences")) {
+    const auto is_list = [&](const char* key) { return manifest_.contains(key) && manifest_.at(key).is_array(); };
+    const auto has = [](const Json& entry, const char* key) { return entry.is_object() && entry.contains(key); };
+    if (!manifest_.is_object() || !is_list("files") || !is_list("sequences") ||
+        !std::all_of(manifest_.at("files").begin(), manifest_.at("files").end(), [&](const Json& file) {
+          return has(file, "path") && file["path"].is_string() && has(file, "bytes") &&
+                 file["bytes"].is_number_unsigned() && has(file, "xxh128") && file["xxh128"].is_string();
+        })) {
       throw InputError(path.string() + ": expected the manifest of a dataset, found something else");
     }
     try {
@@ -111,15 +117,12 @@ class Verification {
 
   void check_files() {
     std::set<std::string> named = {"manifest.json", ".lock"};
-    for (const SequenceInfo& info : sequences_) {
-      named.insert("sequences/" + sequence_name(info.sequence) + "/sequence.json");
-    }
     const std::size_t all = manifest_.at("files").size();
     for (const Json& file : manifest_.at("files")) {
       if (cancelled()) return;
-      const std::string name = file.value("path", "");
+      const auto name = file["path"].get<std::string>();
       named.insert(name);
-      check_file(name, file.value("bytes", std::uint64_t{0}), file.value("xxh128", ""));
+      check_file(name, file["bytes"].get<std::uint64_t>(), file["xxh128"].get<std::string>());
       ++report_.files;
       if (report_.files % 64 == 0) {
         tell(0.5 * static_cast<double>(report_.files) / static_cast<double>(all), "hashes");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -64,6 +65,17 @@ std::string heading(const BatchTable& table) {
   return text + "</p>\n";
 }
 
+/// All points together, then one by one unless each of them is a single episode, or they are very many.
+std::vector<const EpisodeGroup*> groups_shown(const BatchTable& table) {
+  std::vector<const EpisodeGroup*> shown;
+  for (const EpisodeGroup& group : table.totals) shown.push_back(&group);
+  const bool single = std::all_of(table.groups.begin(), table.groups.end(),
+                                  [](const EpisodeGroup& group) { return group.episodes.size() < 2; });
+  if (single && !shown.empty()) return shown;
+  for (std::size_t i = 0; i < std::min(table.groups.size(), kMostGroupRows); ++i) shown.push_back(&table.groups[i]);
+  return shown;
+}
+
 // --- outcomes ---
 
 std::string outcome_section(const BatchTable& table) {
@@ -75,8 +87,8 @@ std::string outcome_section(const BatchTable& table) {
     for (const std::string& outcome : table.outcomes) head.insert(head.end(), {html::escape(outcome), "95 % interval"});
   }
   html::Table rows(head);
-  for (std::size_t i = 0; i < std::min(table.groups.size(), kMostGroupRows); ++i) {
-    const EpisodeGroup& group = table.groups[i];
+  for (const EpisodeGroup* shown : groups_shown(table)) {
+    const EpisodeGroup& group = *shown;
     const std::uint64_t done = count_done(table, group);
     std::vector<std::string> cells = {html::escape(table.name_of(group)), std::to_string(done)};
     for (const std::string& outcome : table.outcomes) {
@@ -167,7 +179,10 @@ void add_sweep(plot::Panel& panel, const BatchTable& table, const Quantity& quan
   }
   const std::string label = table.info.variants.size() > 1 ? variant : "";
   std::vector<double> x, y, low, high;
-  if (levels.size() > kMostLevels) {
+  const std::size_t num_values =
+      std::accumulate(levels.begin(), levels.end(), std::size_t{0},
+                      [](std::size_t n, const auto& level) { return n + level.second.size(); });
+  if (levels.size() > kMostLevels || num_values < 2 * levels.size()) {  // samples, not steps
     for (const auto& [level, values] : levels) {
       for (const double value : values) {
         x.push_back(level);
@@ -223,8 +238,8 @@ std::string quantity_table(const BatchTable& table, const Quantity& quantity) {
   const bool paired = table.info.variants.size() > 1;
   if (paired) head.insert(head.end(), {"pairs", "difference", "sd", "95 % interval"});
   html::Table rows(head);
-  for (std::size_t i = 0; i < std::min(table.groups.size(), kMostGroupRows); ++i) {
-    const EpisodeGroup& group = table.groups[i];
+  for (const EpisodeGroup* shown : groups_shown(table)) {
+    const EpisodeGroup& group = *shown;
     std::vector<std::string> cells = {html::escape(table.name_of(group))};
     for (std::string& cell : summary_cells(summarize(values_of(quantity, group)))) cells.push_back(std::move(cell));
     if (const EpisodeGroup* reference = table.reference_of(group)) {
@@ -248,11 +263,13 @@ std::string quantity_section(const BatchTable& table, const Quantity& quantity) 
 /// Every quantity in brief, over all groups.
 std::string all_quantities(const BatchTable& table) {
   std::string text;
-  for (const EpisodeGroup& group : table.groups) {
-    if (&group - table.groups.data() >= static_cast<std::ptrdiff_t>(kMostBoxes)) {
+  const std::vector<const EpisodeGroup*> shown = groups_shown(table);
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    if (i == kMostBoxes) {
       text += "<p class=\"note\">The other groups are in report.csv.</p>\n";
       break;
     }
+    const EpisodeGroup& group = *shown[i];
     html::Table rows({"", "n", "mean", "sd", "95 % interval", "least", "median", "greatest"});
     for (const Quantity& quantity : table.quantities) {
       std::vector<std::string> cells = {html::escape(quantity.label())};
@@ -350,9 +367,10 @@ std::string csv_cell(double value) {
   return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
 }
 
-std::string csv_head(const EpisodeGroup& group) {
-  std::string text = std::to_string(group.point) + "," + csv_cell(group.variant);
-  for (const std::string& value : group.parameters) text += "," + csv_cell(value);
+std::string csv_head(const EpisodeGroup& group, std::size_t num_parameters) {
+  const bool all = group.point == EpisodeGroup::kAllPoints;
+  std::string text = (all ? "all" : std::to_string(group.point)) + "," + csv_cell(group.variant);
+  for (std::size_t i = 0; i < num_parameters; ++i) text += "," + (all ? "" : csv_cell(group.parameters[i]));
   return text;
 }
 
@@ -376,8 +394,13 @@ std::string batch_report_csv(const BatchTable& table) {
   text +=
       ",metric,vehicle,n,mean,sd,ci_low,ci_high,min,q1,median,q3,max,pairs,difference,difference_sd,difference_ci_low,"
       "difference_ci_high\n";
-  for (const EpisodeGroup& group : table.groups) {
-    const std::string head = csv_head(group);
+  std::vector<const EpisodeGroup*> groups;
+  for (const auto* list : {&table.groups, &table.totals}) {
+    for (const EpisodeGroup& group : *list) groups.push_back(&group);
+  }
+  for (const EpisodeGroup* at : groups) {
+    const EpisodeGroup& group = *at;
+    const std::string head = csv_head(group, table.info.parameters.size());
     const EpisodeGroup* reference = table.reference_of(group);
     const std::uint64_t done = count_done(table, group);
     for (const std::string& outcome : table.outcomes) {

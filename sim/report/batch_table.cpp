@@ -2,10 +2,12 @@
 #include "sim/report/batch_table.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <optional>
 #include <set>
 
+#include "sim/report/html.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "swiftlet/sim/errors.hpp"
 
@@ -93,15 +95,40 @@ std::vector<EpisodeGroup> groups_of(const BatchTable& table) {
   return list;
 }
 
-/// Calls `use(a, b)` for the episodes of two groups that have the same seed.
+/// All points together, for each variant.
+std::vector<EpisodeGroup> totals_of(const BatchTable& table) {
+  std::vector<EpisodeGroup> totals;
+  for (const std::string& variant : table.info.variants) {
+    EpisodeGroup total{EpisodeGroup::kAllPoints, variant, {}, {}};
+    std::size_t num_groups = 0;
+    for (const EpisodeGroup& group : table.groups) {
+      if (group.variant != variant) continue;
+      ++num_groups;
+      total.episodes.insert(total.episodes.end(), group.episodes.begin(), group.episodes.end());
+    }
+    if (num_groups > 1) totals.push_back(std::move(total));
+  }
+  return totals;
+}
+
+/// Calls `use(a, b)` for the episodes of two groups that have the same point and seed.
 template <class Use>
 void for_each_pair(const BatchTable& table, const EpisodeGroup& first, const EpisodeGroup& second, const Use& use) {
+  const auto place = [&](std::size_t i) { return std::pair(table.episodes[i].point, table.episodes[i].seed); };
   auto b = second.episodes.begin();
   for (const std::size_t a : first.episodes) {
-    while (b != second.episodes.end() && table.episodes[*b].seed < table.episodes[a].seed) ++b;
+    while (b != second.episodes.end() && place(*b) < place(a)) ++b;
     if (b == second.episodes.end()) return;
-    if (table.episodes[*b].seed == table.episodes[a].seed) use(a, *b);
+    if (place(*b) == place(a)) use(a, *b);
   }
+}
+
+/// A swept value as it is shown: numbers with four digits.
+std::string shown(const std::string& value) {
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (error != std::errc() || end != value.data() + value.size() || value.size() <= 6) return value;
+  return html::number(number);
 }
 
 /// Share of the variance that lies between the groups; with one group, how much there is at all.
@@ -146,16 +173,17 @@ const Quantity* BatchTable::find(const std::string& metric, const std::string& v
 
 const EpisodeGroup* BatchTable::reference_of(const EpisodeGroup& group) const {
   if (info.variants.empty() || group.variant == info.variants.front()) return nullptr;
-  for (const EpisodeGroup& other : groups) {
+  for (const EpisodeGroup& other : group.point == EpisodeGroup::kAllPoints ? totals : groups) {
     if (other.point == group.point && other.variant == info.variants.front()) return &other;
   }
   return nullptr;
 }
 
 std::string BatchTable::point_name(const EpisodeGroup& group) const {
+  if (group.point == EpisodeGroup::kAllPoints) return "all points";
   std::string name;
   for (std::size_t i = 0; i < group.parameters.size(); ++i) {
-    name += (name.empty() ? "" : ", ") + info.parameters[i] + " " + group.parameters[i];
+    name += (name.empty() ? "" : ", ") + info.parameters[i] + " " + shown(group.parameters[i]);
   }
   return name;
 }
@@ -184,6 +212,7 @@ BatchTable read_batch_table(const ResultStore& store) {
   table.quantities = columns.take();
   table.outcomes.assign(outcomes.begin(), outcomes.end());
   table.groups = groups_of(table);
+  table.totals = totals_of(table);
   return table;
 }
 

@@ -22,12 +22,13 @@ struct Quantity {
   std::string label() const { return vehicle.empty() ? metric : metric + " (" + vehicle + ")"; }
 };
 
-/// Episodes of one point of the sweep and one variant: what is averaged over.
+/// Episodes of one point of the sweep, or of all, and one variant: what is averaged over.
 struct EpisodeGroup {
+  static constexpr std::size_t kAllPoints = static_cast<std::size_t>(-1);
   std::size_t point = 0;
   std::string variant;
   std::vector<std::string> parameters;
-  std::vector<std::size_t> episodes;  ///< indices, in the order of their seeds
+  std::vector<std::size_t> episodes;  ///< indices, in the order of their points and seeds
 };
 
 struct BatchTable {
@@ -35,14 +36,16 @@ struct BatchTable {
   BatchConfig config;
   std::vector<EpisodeRow> episodes;  ///< without their metrics
   std::vector<EpisodeGroup> groups;  ///< by point, then in the order of the variants
+  std::vector<EpisodeGroup> totals;  ///< all points together, in the order of the variants; empty with a single point
   std::vector<Quantity> quantities;
   std::vector<std::string> outcomes;  ///< that occur, sorted
 
   const Quantity* find(const std::string& metric, const std::string& vehicle) const;
-  /// The group of the first variant at the same point; null for that variant itself.
+  /// The group of the first variant at the same point, or at all; null for that variant itself.
   const EpisodeGroup* reference_of(const EpisodeGroup& group) const;
   /// "wind_mps 4, windy": what sets it apart from the other groups; the batch's name when there is one group.
   std::string name_of(const EpisodeGroup& group) const;
+  /// "wind_mps 4, relief_m 0.4536", numbers rounded; "all points".
   std::string point_name(const EpisodeGroup& group) const;
 };
 
@@ -50,7 +53,7 @@ BatchTable read_batch_table(const ResultStore& store);
 
 std::vector<double> values_of(const Quantity& quantity, const EpisodeGroup& group);
 
-/// Values of both groups for the seeds that both have, side by side.
+/// Values of both groups for the points and seeds that both have, side by side.
 struct PairedValues {
   std::vector<double> first, second;
 };

@@ -46,7 +46,9 @@ std::string escape(const std::string& text) {
 std::string number(double value) {
   if (!std::isfinite(value)) return "–";
   char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
+  // No powers of ten where plain digits are as short.
+  const double size = std::abs(value);
+  std::snprintf(text, sizeof text, size >= 1e4 && size < 1e7 ? "%.0f" : "%.4g", value);
   return text;
 }
 

@@ -11,7 +11,7 @@ namespace swiftlet::sim::html {
 /// Text with its special characters escaped.
 std::string escape(const std::string& text);
 
-/// Four significant digits, or a dash for what was not measured.
+/// Four significant digits, or all before the point; a dash for what was not measured.
 std::string number(double value);
 
 /// "[low, high]".

@@ -220,11 +220,15 @@ std::vector<fs::path> write_run_report(const fs::path& directory) {
   if (!fs::is_regular_file(summary_file))
     throw InputError(directory.string() + ": expected a run directory with summary.json, found none");
   const Json summary = read_json(summary_file);
-  const std::string body = heading(summary) + metrics_section(summary) + series_section(directory) +
-                           events_section(directory) + pictures_section(directory) + radio_section(summary) +
-                           stages_section(summary) + scenario_section(directory);
-  const std::string title = summary.value("scenario", std::string("run"));
-  write_file(directory / "report.html", html::page(title, body));
+  std::string body;
+  try {
+    body = heading(summary) + metrics_section(summary) + series_section(directory) + events_section(directory) +
+           pictures_section(directory) + radio_section(summary) + stages_section(summary) + scenario_section(directory);
+  } catch (const Json::exception& error) {
+    throw InputError(summary_file.string() + ": expected the summary of a run, found something else (" + error.what() +
+                     ")");
+  }
+  write_file(directory / "report.html", html::page(text_at(summary, "scenario"), body));
   return {directory / "report.html"};
 }
 

@@ -247,10 +247,55 @@ class Dataset(unittest.TestCase):
         info = json.loads(info_file.read_text())
         info["reflectivities"][0] *= 0.5  # another ground: other intensities
         info_file.write_text(json.dumps(info))
+        result = run("dataset", "verify", copy, "--frames", 0)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("sequences/00/sequence.json: expected", result.stderr)
+        # The manifest is forged with it, its hash by the tool of those who made the hash.
+        if shutil.which("xxhsum") is None:
+            self.skipTest("xxhsum is not installed")
+        manifest = json.loads((copy / "manifest.json").read_text())
+        hashed = subprocess.run(["xxhsum", "-H128", info_file], capture_output=True, text=True, check=True).stdout
+        for file in manifest["files"]:
+            if file["path"] == "sequences/00/sequence.json":
+                file["bytes"] = info_file.stat().st_size
+                file["xxh128"] = hashed.split()[0]
+        (copy / "manifest.json").write_text(json.dumps(manifest))
         frames = sum(json.loads((s / "sequence.json").read_text())["statistics"]["frames"] for s in self.sequences())
         result = run("dataset", "verify", copy, "--frames", frames)
         self.assertEqual(result.returncode, 1)
         self.assertIn("differs when simulated again", result.stderr)
+
+    def test_a_damaged_description_is_told_for_what_it_is(self):
+        copy = self.path / "damaged"
+        shutil.copytree(self.out, copy)
+        for text in ("", "{}", '{"files": [], "sequences": 3}', '{"files": [3], "sequences": []}'):
+            (copy / "manifest.json").write_text(text)
+            result = run("dataset", "verify", copy)
+            self.assertEqual(result.returncode, 2)
+            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+            self.assertIn("manifest.json: expected the manifest of a dataset", result.stderr)
+        shutil.copy(self.out / "manifest.json", copy)
+        (copy / "sequences/01/sequence.json").write_text("{}")
+        result = run("dataset", "verify", copy)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("sequences/01/sequence.json: expected", result.stderr)
+        self.assertNotIn("does not name it", result.stderr)
+        shutil.rmtree(copy)
+
+    def test_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(self):
+        for how in (signal.SIGINT, signal.SIGTERM):
+            target = self.path / f"stopped{int(how)}"
+            process = subprocess.Popen([str(SWIFTLET), "dataset", str(self.file), "--out", str(target), "--jobs", "1"],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            for _ in range(2000):
+                if list(target.glob("sequences/[0-9]*")):
+                    break
+                time.sleep(0.01)
+            process.send_signal(how)
+            said = process.communicate(timeout=60)[1]
+            self.assertEqual(process.returncode, 128 + how, said)
+            self.assertIn("of 3 flights are finished and kept, --resume goes on", said)
+            self.assertGreaterEqual(len(list(target.glob("sequences/[0-9]*"))), 1)
 
     def test_killed_at_random_moments_and_resumed_it_is_the_same_to_the_byte(self):
         target = self.path / "killed"

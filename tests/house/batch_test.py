@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import random
+import resource
 import shlex
 import signal
 import sqlite3
@@ -139,6 +140,38 @@ class Batch(unittest.TestCase):
                           more={"JOB_COMPLETION_INDEX": "2", "SWIFTLET_NUM_SHARDS": "3"})
         self.run_swiftlet("batch", "merge", "--out", "parts", check=True)
         self.assertEqual(rows(self.path / "parts/results.sqlite"), expected)
+
+    def test_damaged_results_are_told_as_such(self):
+        self.undisturbed()
+        database = self.path / "undisturbed/results.sqlite"
+        whole = database.read_bytes()
+        for damaged in (b"nonsense" * 1000, whole[:9000] + b"\xa5" * 30000 + whole[39000:], whole[:20000]):
+            database.write_bytes(damaged)
+            for arguments in (("batch", "batch.yaml", "--out", "undisturbed", "--resume"), ("report", "undisturbed"),
+                              ("batch", "merge", "--out", "other", "undisturbed")):
+                result = self.run_swiftlet(*arguments)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertIn("expected results of a batch", result.stderr)
+                self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
+    def test_finished_results_are_one_file_that_needs_no_writing_to_be_read(self):
+        self.undisturbed()
+        database = self.path / "undisturbed/results.sqlite"
+        with contextlib.closing(sqlite3.connect(f"file:{database}?mode=ro", uri=True)) as connection:
+            self.assertEqual(connection.execute("PRAGMA journal_mode").fetchone(), ("delete",))
+
+    def test_a_full_disk_is_told_and_what_was_stored_before_stays(self):
+        def no_room():  # a limit of the process in place of a full disk: the same path through the program
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (120_000, resource.RLIM_INFINITY))
+
+        result = self.run_swiftlet("batch", "batch.yaml", "--out", "out", "--jobs", 1, preexec_fn=no_room)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertRegex(result.stderr, r"out/results.sqlite: .*; \d+ episodes are stored, --resume goes on")
+        stored = count(self.path / "out/results.sqlite")
+        self.assertIn(f"; {stored} episodes are stored", result.stderr)
+        self.run_swiftlet("batch", "batch.yaml", "--out", "out", "--resume", "-q", check=True)
+        self.assertEqual(rows(self.path / "out/results.sqlite"), self.undisturbed())
 
     def test_two_batches_never_write_one_database(self):
         (self.path / "hover.yaml").write_text(SCENARIO.format(duration=100))

@@ -108,6 +108,22 @@ TEST_F(BatchReport, DifferencesArePairedBySeed) {
   EXPECT_EQ(counts.neither, 3U);
 }
 
+TEST_F(BatchReport, AllPointsTogetherArePairedByPointAndSeed) {
+  const BatchTable t = table();
+  ASSERT_EQ(t.totals.size(), 2U);
+  EXPECT_EQ(t.name_of(t.totals[1]), "all points, new");
+  EXPECT_EQ(t.totals[0].episodes.size(), 12U);
+  ASSERT_EQ(t.reference_of(t.totals[1]), &t.totals[0]);
+  const Quantity& error = *t.find("error_m", "a");
+  const PairedValues all = paired_values(t, error, t.totals[0], t.totals[1]);
+  const SampleSummary d = paired_difference(all.first, all.second);
+  EXPECT_EQ(d.n, 11U);  // one of the twelve failed
+  // Every pair differs by 0.5 m less its noise of -+0.01 m, although points and seeds differ by metres.
+  EXPECT_NEAR(d.mean, -0.5 + 0.01 / 11.0, 1e-12);
+  EXPECT_LT(d.sd, 0.011);
+  EXPECT_EQ(paired_outcomes(t, "crashed", t.totals[0], t.totals[1]).first_only, 4U);
+}
+
 TEST_F(BatchReport, ThePageTellsItAll) {
   const std::string page = batch_report_html(table());
   EXPECT_THAT(page, HasSubstr("winds &amp; gains"));
@@ -129,15 +145,23 @@ TEST_F(BatchReport, TheCsvHasEveryGroupAndQuantity) {
   std::ifstream file(folder_.path() / "report.csv");
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) lines.push_back(line);
-  ASSERT_EQ(lines.size(), 1U + 4U * (2U + 3U));  // two outcomes; a, b and their mean
+  ASSERT_EQ(lines.size(), 1U + (4U + 2U) * (2U + 3U));  // groups and totals; two outcomes, a, b and their mean
   const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
   for (const std::string& line : lines) EXPECT_EQ(commas(line), commas(lines[0])) << line;
   EXPECT_THAT(lines, ::testing::Contains(HasSubstr("0,old,0,outcome = crashed,,6,0.3333333333333333,,0.0967")));
+  EXPECT_THAT(lines, ::testing::Contains(HasSubstr("all,old,,outcome = crashed,,12,0.3333333333333333,,")));
 }
 
 TEST_F(BatchReport, OnlyABatchHasOne) {
   EXPECT_THROW(write_batch_report(folder_.path() / "nowhere"), InputError);
   EXPECT_THROW(write_run_report(folder_.path()), InputError);
+}
+
+TEST(RunReport, ASummaryOfSomethingElseIsRefusedWithItsName) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder.path() / "summary.json") << R"({"scenario": "gap", "metrics": 7, "stage_wall_s": "x"})";
+  EXPECT_THAT([&] { write_run_report(folder.path()); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("summary.json: expected the summary of a run")));
 }
 
 TEST(RunReport, ShowsMetricsFlightEventsPicturesAndStages) {
