@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kAhead_s = 1.0;  // the goal of the reference tracker lies this far ahead of a wanted velocity
 constexpr double kNearest_m = 1e-3;
+constexpr double kLevel_m = 0.6;             // obstacles this much above or below are not met
+constexpr TimeNs kLook = kNsPerSecond / 10;  // between two looks at the map
 
 double wrap(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
@@ -31,6 +33,70 @@ Vector3 avoidance(const Vector3& p_m, std::span<const Neighbor> neighbors, doubl
   }
   return push;
 }
+
+/// What the two models have in common: flight at one height, neighbours, and a push away from obstacles.
+class LevelFlight : public Guidance {
+ protected:
+  LevelFlight(const NeighborSourceConfig& neighbors, const FlockObstacleConfig& lidar, const GuidanceSetup& setup)
+      : neighbors_(neighbors), lidar_(lidar), sight_(lidar, setup.agent.airframe.circumscribed_radius_m()) {
+    goal_.position_m = setup.agent.T_world_body_start.translation();
+    goal_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
+    height_m_ = goal_.position_m.z();
+  }
+
+  /// Takes the tick in.
+  void look(const GuidanceInput& input) {
+    sight_.see(input);
+    neighbors_.update(input, sight_.poses());
+    if (lidar_.enabled && input.observation.t >= next_look_) find_obstacle(input);
+  }
+
+  /// Velocity away from the nearest obstacle, the harder the nearer.
+  Vector3 off_obstacle(const Vector3& p_m) const {
+    const Vector3 away = horizontal(p_m - obstacle_m_);
+    const double d = std::max(away.norm(), kNearest_m);
+    if (!obstacle_ || d >= lidar_.avoid_distance_m) return Vector3::Zero();
+    return lidar_.avoid_gain_mps * (lidar_.avoid_distance_m / d - 1.0) * away / d;
+  }
+
+  void fly(const Vector3& p_m, const Vector3& v_mps, double speed_mps, GuidanceOutput& output) {
+    goal_.position_m = p_m + kAhead_s * v_mps;
+    goal_.position_m.z() = height_m_;
+    output.goal = goal_;
+    output.speed_limit_mps = speed_mps;
+  }
+
+  NeighborMemory neighbors_;
+  Reference goal_;
+  double height_m_ = 0.0;
+  bool arrived_ = false;
+
+ private:
+  void find_obstacle(const GuidanceInput& input) {
+    next_look_ = input.observation.t + kLook;
+    const Vector3 p_m = input.estimate.T_world_body.translation();
+    const double edge_m = sight_.map().edge_m();
+    sight_.map().collect(p_m, lidar_.avoid_distance_m, input.observation.t, 0, voxels_m_);
+    obstacle_ = false;
+    double least_m = lidar_.avoid_distance_m;
+    for (const Vector3& voxel_m : voxels_m_) {
+      if (std::abs(voxel_m.z() - p_m.z()) > kLevel_m) continue;
+      const Vector3 nearest_m = nearest_in_voxel(p_m, voxel_m, edge_m);
+      const double d = horizontal(p_m - nearest_m).norm();
+      if (d >= least_m) continue;
+      least_m = d;
+      obstacle_m_ = nearest_m;
+      obstacle_ = true;
+    }
+  }
+
+  FlockObstacleConfig lidar_;
+  RblSight sight_;
+  std::vector<Vector3> voxels_m_;
+  Vector3 obstacle_m_ = Vector3::Zero();
+  bool obstacle_ = false;
+  TimeNs next_look_ = 0;
+};
 
 /// Positions of one neighbour over the last seconds, oldest first.
 struct RememberedPath {
@@ -54,18 +120,13 @@ double similarity(const RememberedPath& path, std::span<const RememberedPath> al
   return count > 0 ? sum / count : 0.0;
 }
 
-class Pacnav : public Guidance {
+class Pacnav : public LevelFlight {
  public:
   Pacnav(const PacnavConfig& config, const GuidanceSetup& setup)
-      : config_(config), neighbors_(config.neighbors), registrar_(setup.agent.airframe.circumscribed_radius_m()) {
-    goal_.position_m = setup.agent.T_world_body_start.translation();
-    goal_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
-    height_m_ = goal_.position_m.z();
-  }
+      : LevelFlight(config.neighbors, config.lidar, setup), config_(config) {}
 
   void step(const GuidanceInput& input, GuidanceOutput& output) override {
-    registrar_.push(input.estimate);
-    neighbors_.update(input, registrar_);
+    look(input);
     remember(input.observation.t);
     const Vector3 p_m = input.estimate.T_world_body.translation();
     const double to_goal_m = horizontal(config_.goal_m - p_m).norm();
@@ -73,11 +134,9 @@ class Pacnav : public Guidance {
     arrived_ = arrived_ || to_goal_m <= radius_m;
     Vector3 v = toward(p_m, aim(p_m));
     v += avoidance(p_m, neighbors_.neighbors(), config_.avoid_distance_m, config_.avoid_gain_mps);
+    v += off_obstacle(p_m);
     if (v.norm() > config_.speed_mps) v *= config_.speed_mps / v.norm();
-    goal_.position_m = p_m + kAhead_s * v;
-    goal_.position_m.z() = height_m_;
-    output.goal = goal_;
-    output.speed_limit_mps = config_.speed_mps;
+    fly(p_m, v, config_.speed_mps, output);
     output.mission = arrived_ ? MissionStatus::kDone : MissionStatus::kRunning;
   }
 
@@ -122,26 +181,16 @@ class Pacnav : public Guidance {
   }
 
   PacnavConfig config_;
-  NeighborMemory neighbors_;
-  CloudRegistrar registrar_;
   std::vector<RememberedPath> paths_;
-  Reference goal_;
-  double height_m_ = 0.0;
-  bool arrived_ = false;
 };
 
-class Mezey : public Guidance {
+class Mezey : public LevelFlight {
  public:
   Mezey(const MezeyConfig& config, const GuidanceSetup& setup)
-      : config_(config), neighbors_(config.neighbors), registrar_(setup.agent.airframe.circumscribed_radius_m()) {
-    goal_.position_m = setup.agent.T_world_body_start.translation();
-    heading_rad_ = goal_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
-    height_m_ = goal_.position_m.z();
-  }
+      : LevelFlight(config.neighbors, config.lidar, setup), config_(config), heading_rad_(goal_.yaw_rad) {}
 
   void step(const GuidanceInput& input, GuidanceOutput& output) override {
-    registrar_.push(input.estimate);
-    neighbors_.update(input, registrar_);
+    look(input);
     const Vector3 p_m = input.estimate.T_world_body.translation();
     const Vector3 to_goal = horizontal(config_.goal_m - p_m);
     arrived_ = arrived_ || (config_.goal_weight_radps > 0.0 && to_goal.norm() <= config_.arrival_radius_m);
@@ -156,11 +205,9 @@ class Mezey : public Guidance {
     heading_rad_ = wrap(heading_rad_ + input.dt_s * turn);
     // Who has arrived rests.
     const double v = arrived_ ? 0.0 : speed_mps_;
-    goal_.position_m = p_m + kAhead_s * v * Vector3(std::cos(heading_rad_), std::sin(heading_rad_), 0.0);
-    goal_.position_m.z() = height_m_;
     goal_.yaw_rad = heading_rad_;
-    output.goal = goal_;
-    output.speed_limit_mps = 2.0 * config_.cruise_speed_mps;
+    fly(p_m, v * Vector3(std::cos(heading_rad_), std::sin(heading_rad_), 0.0) + off_obstacle(p_m),
+        2.0 * config_.cruise_speed_mps, output);
     output.mission = arrived_                          ? MissionStatus::kDone
                      : config_.goal_weight_radps > 0.0 ? MissionStatus::kRunning
                                                        : MissionStatus::kEndless;
@@ -168,12 +215,8 @@ class Mezey : public Guidance {
 
  private:
   MezeyConfig config_;
-  NeighborMemory neighbors_;
-  CloudRegistrar registrar_;
   std::vector<char> retina_;
-  Reference goal_;
-  double heading_rad_ = 0.0, speed_mps_ = 0.0, height_m_ = 0.0;
-  bool arrived_ = false;
+  double heading_rad_ = 0.0, speed_mps_ = 0.0;
 };
 
 }  // namespace
@@ -212,6 +255,12 @@ VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_m, do
   return response;
 }
 
+void FlockObstacleConfig::visit(ConfigVisitor& v) {
+  SightConfig::visit(v);
+  v.field("avoid_distance_m", avoid_distance_m, "[m] obstacles nearer than this push away", Range::positive());
+  v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
+}
+
 void PacnavConfig::visit(ConfigVisitor& v) {
   v.field("informed", informed, "[-] knows the goal; others follow who seems to know the way");
   v.field("goal_m", goal_m, "[m] world; x and y count");
@@ -227,6 +276,7 @@ void PacnavConfig::visit(ConfigVisitor& v) {
   v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
   v.field("least_persistence", least_persistence, "[-] of a path worth following", Range::probability());
   v.object("neighbors", neighbors, "where the others are known from");
+  v.object("lidar", lidar, "obstacles");
   v.check(memory_s >= 2.0 * sample_s, "memory_s", "at least twice sample_s");
 }
 
@@ -244,6 +294,7 @@ void MezeyConfig::visit(ConfigVisitor& v) {
   v.field("body_radius_m", body_radius_m, "[m] size in which others are seen", Range::positive());
   v.field("retina_pixels", retina_pixels, "[-] of the projection field", Range::between(8, 100000));
   v.object("neighbors", neighbors, "where the others are known from");
+  v.object("lidar", lidar, "obstacles");
 }
 
 std::unique_ptr<Guidance> make_pacnav(const ModuleConfig& config, const GuidanceSetup& setup) {

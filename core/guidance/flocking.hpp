@@ -5,10 +5,20 @@
 
 #include "core/guidance/guidance.hpp"
 #include "core/guidance/neighbor_memory.hpp"
+#include "core/guidance/rbl_obstacles.hpp"
 
 /// Two other ways of flocking without a word to each other, to compare the rule-based Lloyd algorithm with (004,
 /// sec. 2.5).
 namespace swiftlet {
+
+/// What both share beyond their models, neither of which says how to keep off trees: a push away from the nearest thing
+/// that the own LiDAR has seen at the height of flight.
+struct FlockObstacleConfig : SightConfig {
+  double avoid_distance_m = 2.0;
+  double avoid_gain_mps = 1.5;
+
+  void visit(ConfigVisitor& v);
+};
 
 /// PACNav (Ahmad, Bonilla Licea, Silano, Baca and Saska, 2022): informed vehicles fly to the goal; uninformed ones
 /// follow the neighbour whose path is the most persistent and the most similar to the others', and all avoid
@@ -27,6 +37,7 @@ struct PacnavConfig : ModuleConfigOf<PacnavConfig> {
   double avoid_gain_mps = 1.5;
   double least_persistence = 0.3;
   NeighborSourceConfig neighbors;
+  FlockObstacleConfig lidar;
 
   void visit(ConfigVisitor& v) override;
 };
@@ -49,6 +60,7 @@ struct MezeyConfig : ModuleConfigOf<MezeyConfig> {
   double body_radius_m = 0.5;
   int retina_pixels = 360;
   NeighborSourceConfig neighbors;
+  FlockObstacleConfig lidar;
 
   void visit(ConfigVisitor& v) override;
 };

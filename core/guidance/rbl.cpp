@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "core/guidance/heading.hpp"
+#include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
@@ -70,7 +73,8 @@ class Rbl : public Guidance {
     if (planar_) to_m_.z() = config_.goal_m.z();
   }
 
-  double z_min_m() const { return clipped_ ? config_.z_min_m : -kFar_m; }
+  /// Without the limits of (2.14) the ground is one.
+  double z_min_m() const { return clipped_ ? config_.z_min_m : config_.ground_m + config_.cells.encumbrance_m; }
   double z_max_m() const { return clipped_ ? config_.z_max_m : kFar_m; }
 
   /// Cuts a cell by the voxels hit since then. What lies deeper below the lowest flight level than the vehicle needs
@@ -103,8 +107,8 @@ class Rbl : public Guidance {
     cut_by(sensed_, sensed_cuts_, p_m, now, now - from_seconds(config_.lidar.sensed_s));
     const int sample = sensed_.nearest_partitioned(to_m);
     if (sample < 0) return p_m;
-    const double off_rad = std::remainder(goal_.yaw_rad - yaw_of(T_world_body.linear()), 2.0 * std::numbers::pi);
-    if (std::abs(off_rad) > config_.lidar.facing_deg * std::numbers::pi / 180.0) return p_m;
+    const double off_rad = std::remainder(goal_.yaw_rad - yaw_of(T_world_body.linear()), 2.0 * kPi);
+    if (std::abs(off_rad) > config_.lidar.facing_deg * kRadPerDeg) return p_m;
     const Vector3 seen_m = sensed_.point(sample);
     const bool inside = (seen_m - to_m).norm() <= 0.87 * sensed_.step_m();  // half the diagonal between samples
     return p_m + (inside ? to_m : seen_m);
@@ -134,46 +138,80 @@ class Rbl : public Guidance {
   bool arrived_ = false;
 };
 
-Overlay marks(const char* name, Overlay::Kind kind, const Eigen::Vector4f& color, float size_m) {
+Overlay marks(const char* name, Overlay::Kind kind, float size_m, std::vector<Eigen::Vector4f> colors = {}) {
   Overlay overlay;
   overlay.name = name;
   overlay.kind = kind;
-  overlay.colors = {color};
+  overlay.colors = std::move(colors);
   overlay.size_m = size_m;
   return overlay;
 }
 
+/// The cell A at the agent's height: the disc of S, cut by the half-spaces; corners in order, relative to the agent.
+std::vector<Vector3> level_outline(double radius_m, std::span<const HalfSpace> cuts) {
+  constexpr int kCorners = 72;
+  std::vector<Vector3> corners, left;
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2.0 * kPi * i / kCorners;
+    corners.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle), 0.0);
+  }
+  for (const HalfSpace& cut : cuts) {
+    left.clear();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vector3 &from = corners[i], &to = corners[(i + 1) % corners.size()];
+      const double out_from = cut.normal.dot(from) - cut.offset_m, out_to = cut.normal.dot(to) - cut.offset_m;
+      if (out_from <= 0.0) left.push_back(from);
+      if ((out_from <= 0.0) != (out_to <= 0.0)) left.push_back(from + out_from / (out_from - out_to) * (to - from));
+    }
+    corners.swap(left);
+  }
+  return corners;
+}
+
+// What has no colour of its own is drawn in the vehicle's.
 void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
   const RblCell& cell = planner_.cell();
   const Vector3& p_m = planner_.position_m();
-  // Of a ball the layer at the agent's height is shown: the whole would hide what it explains.
-  Overlay inside = marks("rbl.cell", Overlay::Kind::kPoints, {0.2F, 0.75F, 0.35F, 0.8F}, 0.07F);
-  Overlay outside = marks("rbl.cut_off", Overlay::Kind::kPoints, {0.85F, 0.3F, 0.25F, 0.5F}, 0.05F);
+  const auto world = [&](const Vector3& q) { return Eigen::Vector3f((p_m + q).cast<float>()); };
+  // Of a ball the slice at the agent's height is shown: the whole would hide what it explains.
+  const std::vector<Vector3> corners = level_outline(cell.radius_m(), planner_.cuts());
+  Overlay area = marks("rbl.cell", Overlay::Kind::kTriangles, 0.0F);
+  Overlay outline = marks("rbl.cell_outline", Overlay::Kind::kPolyline, 2.0F);
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    for (const Vector3& corner : {corners.front(), corners[i], corners[i + 1]}) area.positions.push_back(world(corner));
+  }
+  for (std::size_t i = 0; i <= corners.size() && !corners.empty(); ++i) {
+    outline.positions.push_back(world(corners[i % corners.size()]));
+  }
+  Overlay sensing = marks("rbl.sensing", Overlay::Kind::kPolyline, 1.0F, {{0.1F, 0.1F, 0.1F, 0.6F}});
+  const std::vector<Vector3> disc = level_outline(cell.radius_m(), {});
+  for (std::size_t i = 0; i <= disc.size(); ++i) sensing.positions.push_back(world(disc[i % disc.size()]));
+  Overlay samples = marks("rbl.samples", Overlay::Kind::kPoints, 0.06F, {{0.05F, 0.05F, 0.05F, 0.8F}});
   for (int i = 0; i < cell.num_samples(); ++i) {
     const Vector3 q = cell.point(i);
-    if (std::abs(q.z()) > 0.51 * cell.step_m()) continue;
-    (cell.contains(i) ? inside : outside).positions.push_back((p_m + q).cast<float>());
+    if (std::abs(q.z()) <= 0.51 * cell.step_m() && cell.contains(i)) samples.positions.push_back(world(q));
   }
-  Overlay centroid = marks("rbl.centroid", Overlay::Kind::kSpheres, {1.0F, 0.1F, 0.1F, 1.0F}, 0.15F);
+  Overlay centroid = marks("rbl.centroid", Overlay::Kind::kSpheres, 0.16F);
   centroid.positions = {step_.centroid_m.cast<float>()};
-  Overlay sensing = marks("rbl.sensing_centroid", Overlay::Kind::kSpheres, {0.95F, 0.75F, 0.1F, 1.0F}, 0.11F);
-  sensing.positions = {step_.sensing_m.cast<float>()};
+  Overlay sensing_centroid =
+      marks("rbl.sensing_centroid", Overlay::Kind::kSpheres, 0.1F, {{0.05F, 0.05F, 0.05F, 1.0F}});
+  sensing_centroid.positions = {step_.sensing_m.cast<float>()};
   // The destination lies far away: its direction is what matters.
   const Vector3 to_destination = step_.destination_m - p_m;
   const double shown_m = std::min(to_destination.norm(), cell.radius_m() + 1.0);
-  Overlay destination = marks("rbl.destination", Overlay::Kind::kLines, {0.6F, 0.2F, 0.9F, 1.0F}, 2.5F);
-  destination.positions = {p_m.cast<float>(), (p_m + shown_m * to_destination.normalized()).cast<float>()};
-  Overlay goal = marks("rbl.goal", Overlay::Kind::kSpheres, {0.1F, 0.35F, 0.95F, 1.0F}, 0.2F);
+  Overlay destination = marks("rbl.destination", Overlay::Kind::kLines, 3.0F);
+  destination.positions = {p_m.cast<float>(), world(shown_m * to_destination.normalized())};
+  Overlay goal = marks("rbl.goal", Overlay::Kind::kSpheres, 0.22F);
   goal.positions = {config_.goal_m.cast<float>()};
   if (config_.lidar.enabled) {
-    Overlay voxels = marks("rbl.voxels", Overlay::Kind::kCubes, {0.45F, 0.32F, 0.2F, 1.0F},
-                           static_cast<float>(sight_.map().edge_m()));
+    Overlay voxels = marks("rbl.voxels", Overlay::Kind::kCubes, static_cast<float>(sight_.map().edge_m()),
+                           {{0.45F, 0.32F, 0.2F, 1.0F}});
     std::vector<Vector3> centers_m;
     sight_.map().collect(p_m, 12.0, next_update_, std::numeric_limits<TimeNs>::min(), centers_m);
     for (const Vector3& center_m : centers_m) voxels.positions.push_back(center_m.cast<float>());
     overlays.push_back(std::move(voxels));
   }
-  for (Overlay* overlay : {&inside, &outside, &centroid, &sensing, &destination, &goal}) {
+  for (Overlay* overlay : {&area, &outline, &sensing, &samples, &centroid, &sensing_centroid, &destination, &goal}) {
     overlays.push_back(std::move(*overlay));
   }
 }
@@ -187,6 +225,8 @@ void RblConfig::visit(ConfigVisitor& v) {
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (r_g)", Range::positive());
   v.field("update_rate_hz", update_rate_hz, "[Hz] of cells, rules and the centroid to fly to", Range::positive());
   v.field("speed_mps", speed_mps, "[m/s] at most, below the motion limits", Range::positive());
+  v.field("ground_m", ground_m,
+          "[m] height of the ground in 3d, which has no limits of height; the encumbrance above it is kept");
   v.field("z_min_m", z_min_m, "[m] lowest flight level (2.14)");
   v.field("z_max_m", z_max_m, "[m] highest flight level (2.14)");
   v.object("cells", cells, "cells S and A");

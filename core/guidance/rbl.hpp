@@ -19,6 +19,7 @@ struct RblConfig : ModuleConfigOf<RblConfig> {
   double arrival_radius_m = 0.2;
   double update_rate_hz = 10.0;
   double speed_mps = 4.0;
+  double ground_m = 0.0;
   double z_min_m = 1.0;
   double z_max_m = 10.0;
   RblCellConfig cells;

@@ -2,16 +2,48 @@
 #include "core/guidance/rbl_cell.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace swiftlet {
 namespace {
 
-constexpr double kUnderflow = 1e-30;  // a sum of weights below this is rounding
-constexpr int kChunk = 1024;          // samples weighted at a time: they stay in the first-level cache
+constexpr double kUnderflow = 1e-30;     // a sum of weights below this is rounding
+constexpr float kSampleSlack_m = 1e-6F;  // samples on a limit count
 
 int most_in_a_row(double radius_m, double step_m) { return 2 * static_cast<int>(radius_m / step_m) + 2; }
+
+/// Of a number not below -1; the library's floor is a call without SSE 4.1.
+int floor_of(double value) { return static_cast<int>(value + 1.0) - 1; }
+int ceil_of(double value) {
+  const int below = floor_of(value);
+  return below < value ? below + 1 : below;
+}
+
+/// 2^t for t <= 0 in place, to 2e-7 of itself; 0 far below. Plain enough for the compiler to take four at a time.
+void raise_two(float* t, int count) {
+  for (int i = 0; i < count; ++i) {
+    const float at = t[i] < -126.0F ? -126.0F : t[i];
+    const int whole = static_cast<int>(at - 0.5F);
+    const float x = 0.693147181F * (at - static_cast<float>(whole));  // within half a step of 0
+    const float power = 1.0F + x * (1.0F + x * (0.5F + x * (1.0F / 6 + x * (1.0F / 24 + x * (1.0F / 120 + x / 720)))));
+    t[i] = power * std::bit_cast<float>((whole + 127) << 23);
+  }
+}
+
+/// exp(-|q - d| / beta) for many q, relative to the largest possible one: far destinations and small beta do not
+/// underflow.
+template <class Samples>
+void weigh(const Samples& x, const Samples& y, const Samples& z, const Vector3& destination_m, double beta_m,
+           double radius_m, Eigen::Ref<Eigen::ArrayXf> weight) {
+  const Eigen::Vector3f d = destination_m.cast<float>();
+  const auto nearest = static_cast<float>(std::max(0.0, destination_m.norm() - radius_m));
+  const auto per_beta = static_cast<float>(std::numbers::log2e / beta_m);
+  weight = (nearest - ((x - d.x()).square() + (y - d.y()).square() + (z - d.z()).square()).sqrt()) * per_beta;
+  raise_two(weight.data(), static_cast<int>(weight.size()));
+}
 
 }  // namespace
 
@@ -19,50 +51,65 @@ RblCell::RblCell(double radius_m, double step_m, bool planar) : radius_m_(radius
   // The bound holds for every placement of the lattice: reset() never allocates.
   const int n = most_in_a_row(radius_m, step_m);
   const int layers = planar ? 1 : n;
+  ball_.reserve(static_cast<std::size_t>(n) * layers);
   rows_.reserve(static_cast<std::size_t>(n) * layers);
   const Eigen::Index most = static_cast<Eigen::Index>(n) * n * layers;
-  for (Eigen::ArrayXf* array : {&x_, &y_, &z_, &inside_}) array->setZero(most);
+  for (Eigen::ArrayXf* array : {&x_, &y_, &z_, &weight_, &in_x_, &in_y_, &in_z_, &inside_}) array->setZero(most);
+  sample_ball(Vector3::Zero());
   reset(Vector3::Zero(), -radius_m, radius_m);
 }
 
 void RblCell::reset(const Vector3& lattice_m, double z_low_m, double z_high_m) {
-  rows_.clear();
-  num_samples_ = 0;
-  masked_ = excluded_ = false;
   const auto phase = [&](double p) { return p - step_m_ * std::round(p / step_m_); };
-  const Vector3 origin(phase(lattice_m.x()), phase(lattice_m.y()), planar_ ? 0.0 : phase(lattice_m.z()));
-  const double slack_m = 1e-9 * radius_m_;  // samples on the sphere count
-  const auto first_index = [&](double low, double at) {
-    return static_cast<int>(std::ceil((low - slack_m - at) / step_m_));
-  };
-  const auto last_index = [&](double high, double at) {
-    return static_cast<int>(std::floor((high + slack_m - at) / step_m_));
-  };
+  const Vector3 origin_m(phase(lattice_m.x()), phase(lattice_m.y()), planar_ ? 0.0 : phase(lattice_m.z()));
+  if (origin_m != origin_m_) sample_ball(origin_m);
+  auto low = ball_.cbegin(), high = ball_.cend();
+  if (!planar_) {
+    low = std::partition_point(low, high, [&](const Row& row) { return row.z < z_low_m - kSampleSlack_m; });
+    high = std::partition_point(low, high, [&](const Row& row) { return row.z <= z_high_m + kSampleSlack_m; });
+  }
+  rows_.assign(low, high);
+  first_sample_ = rows_.empty() ? 0 : rows_.front().first;
+  num_samples_ = rows_.empty() ? 0 : rows_.back().first + rows_.back().count - first_sample_;
+  masked_ = excluded_ = false;
+}
 
-  const int k_low = planar_ ? 0 : first_index(std::max(z_low_m, -radius_m_), origin.z());
-  const int k_high = planar_ ? 0 : last_index(std::min(z_high_m, radius_m_), origin.z());
+void RblCell::sample_ball(const Vector3& origin_m) {
+  origin_m_ = origin_m;
+  ball_.clear();
+  int num_samples = 0;
+  const double slack_m = 1e-9 * radius_m_;  // samples on the sphere count
+  const auto first_index = [&](double low, double from) {
+    return static_cast<int>(std::ceil((low - slack_m - from) / step_m_));
+  };
+  const auto last_index = [&](double high, double from) {
+    return static_cast<int>(std::floor((high + slack_m - from) / step_m_));
+  };
+  const int k_low = planar_ ? 0 : first_index(-radius_m_, origin_m.z());
+  const int k_high = planar_ ? 0 : last_index(radius_m_, origin_m.z());
   for (int k = k_low; k <= k_high; ++k) {
-    const double z = origin.z() + k * step_m_;
+    const double z = origin_m.z() + k * step_m_;
     const double disc_sq = std::max(0.0, radius_m_ * radius_m_ - z * z);
     const double disc = std::sqrt(disc_sq);
-    for (int j = first_index(-disc, origin.y()); j <= last_index(disc, origin.y()); ++j) {
-      const double y = origin.y() + j * step_m_;
+    for (int j = first_index(-disc, origin_m.y()); j <= last_index(disc, origin_m.y()); ++j) {
+      const double y = origin_m.y() + j * step_m_;
       const double half = std::sqrt(std::max(0.0, disc_sq - y * y));
-      const int i_low = first_index(-half, origin.x());
-      const int count = last_index(half, origin.x()) - i_low + 1;
+      const int i_low = first_index(-half, origin_m.x());
+      const int count = last_index(half, origin_m.x()) - i_low + 1;
       if (count <= 0) continue;
-      const double x0 = origin.x() + i_low * step_m_;
-      for (int i = 0; i < count; ++i) x_[num_samples_ + i] = static_cast<float>(x0 + i * step_m_);
-      y_.segment(num_samples_, count).setConstant(static_cast<float>(y));
-      z_.segment(num_samples_, count).setConstant(static_cast<float>(z));
-      rows_.push_back(
-          {num_samples_, 0, count, static_cast<float>(x0), static_cast<float>(y), static_cast<float>(z), count});
-      num_samples_ += count;
+      const double x0 = origin_m.x() + i_low * step_m_;
+      for (int i = 0; i < count; ++i) x_[num_samples + i] = static_cast<float>(x0 + i * step_m_);
+      y_.segment(num_samples, count).setConstant(static_cast<float>(y));
+      z_.segment(num_samples, count).setConstant(static_cast<float>(z));
+      ball_.push_back({num_samples, count, 0, count, static_cast<float>(x0), static_cast<float>(y),
+                       static_cast<float>(z), static_cast<float>(x0 / step_m_)});
+      num_samples += count;
     }
   }
 }
 
 void RblCell::cut(const HalfSpace& keep) {
+  if (keep.offset_m >= radius_m_) return;  // beyond S
   const double nx = keep.normal.x();
   const double per_step = 1.0 / (nx * step_m_);
   for (Row& row : rows_) {
@@ -71,11 +118,11 @@ void RblCell::cut(const HalfSpace& keep) {
       if (rest < 0.0) row.high = row.low;
       continue;
     }
-    const double i_plane = std::clamp(rest * per_step - row.x0 / step_m_, -1.0, row.row_count + 1.0);
+    const double i_plane = std::clamp(rest * per_step - row.x0_steps, -1.0, row.count + 1.0);
     if (nx > 0.0) {
-      row.high = std::min(row.high, static_cast<int>(std::floor(i_plane)) + 1);
+      row.high = std::min(row.high, floor_of(i_plane) + 1);
     } else {
-      row.low = std::min(row.high, std::max(row.low, static_cast<int>(std::ceil(i_plane))));
+      row.low = std::min(row.high, std::max(row.low, ceil_of(i_plane)));
     }
     row.high = std::max(row.high, row.low);
   }
@@ -91,7 +138,7 @@ void RblCell::cut_ball(const Vector3& center_m, double radius_m) {
       continue;
     }
     const double half = std::sqrt(half_sq);
-    const double limit = row.row_count + 1.0;
+    const double limit = row.count + 1.0;
     const double i_low = std::clamp((center_m.x() - half - row.x0) / step_m_, -1.0, limit);
     const double i_high = std::clamp((center_m.x() + half - row.x0) / step_m_, -1.0, limit);
     row.low = std::min(row.high, std::max(row.low, static_cast<int>(std::ceil(i_low))));
@@ -108,58 +155,34 @@ void RblCell::trim() {
   }
   for (const Row& row : rows_) {
     inside_.segment(row.first, row.low).setZero();
-    inside_.segment(row.first + row.high, row.row_count - row.high).setZero();
+    inside_.segment(row.first + row.high, row.count - row.high).setZero();
   }
 }
 
 void RblCell::prepare_mask() {
   if (masked_) return;
   masked_ = true;
-  inside_.head(num_samples_).setZero();
+  inside_.segment(first_sample_, num_samples_).setZero();
   for (const Row& row : rows_) inside_.segment(row.first + row.low, row.high - row.low).setOnes();
 }
 
 bool RblCell::contains(int sample) const {
-  if (excluded_) return inside_[sample] != 0.0F;
+  const int i = first_sample_ + sample;
+  if (excluded_) return inside_[i] != 0.0F;
   const auto after =
-      std::upper_bound(rows_.begin(), rows_.end(), sample, [](int s, const Row& row) { return s < row.first; });
+      std::upper_bound(rows_.begin(), rows_.end(), i, [](int s, const Row& row) { return s < row.first; });
   const Row& row = *(after - 1);
-  return sample - row.first >= row.low && sample - row.first < row.high;
+  return i - row.first >= row.low && i - row.first < row.high;
 }
 
 int RblCell::num_partitioned() const {
-  if (excluded_) return static_cast<int>(inside_.head(num_samples_).sum());
+  if (excluded_) return static_cast<int>(inside_.segment(first_sample_, num_samples_).sum());
   int count = 0;
   for (const Row& row : rows_) count += row.high - row.low;
   return count;
 }
 
 bool RblCell::is_empty() const { return num_partitioned() == 0; }
-
-void RblCell::add_weighted(const Vector3& destination_m, double beta_m, Sums* sensing, Sums& partitioned) {
-  prepare_mask();
-  const Eigen::Vector3f d = destination_m.cast<float>();
-  // Weights relative to the largest possible one: far destinations and small beta do not underflow.
-  const auto nearest = static_cast<float>(std::max(0.0, destination_m.norm() - radius_m_));
-  const auto per_beta = static_cast<float>(1.0 / beta_m);
-  Eigen::Array<float, Eigen::Dynamic, 1, 0, kChunk, 1> weight;
-  const auto add = [&](Sums& sums, int first, int count) {
-    sums.weight += weight.sum();
-    sums.moment.x() += (weight * x_.segment(first, count)).sum();
-    sums.moment.y() += (weight * y_.segment(first, count)).sum();
-    sums.moment.z() += (weight * z_.segment(first, count)).sum();
-  };
-  for (int first = 0; first < num_samples_; first += kChunk) {
-    const int count = std::min(kChunk, num_samples_ - first);
-    weight = ((x_.segment(first, count) - d.x()).square() + (y_.segment(first, count) - d.y()).square() +
-              (z_.segment(first, count) - d.z()).square())
-                 .sqrt();
-    weight = ((nearest - weight) * per_beta).exp();
-    if (sensing != nullptr) add(*sensing, first, count);
-    weight *= inside_.segment(first, count);
-    add(partitioned, first, count);
-  }
-}
 
 Vector3 RblCell::centroid(const Sums& sums, const Vector3& destination_m) const {
   if (sums.weight > kUnderflow) return sums.moment / sums.weight;
@@ -169,8 +192,32 @@ Vector3 RblCell::centroid(const Sums& sums, const Vector3& destination_m) const 
 }
 
 CellCentroids RblCell::centroids(const Vector3& destination_m, double beta_m) {
+  weigh(x_.segment(first_sample_, num_samples_), y_.segment(first_sample_, num_samples_),
+        z_.segment(first_sample_, num_samples_), destination_m, beta_m, radius_m_,
+        weight_.segment(first_sample_, num_samples_));
+  // In a row y and z are the same.
+  const auto add = [](Sums& sums, const Row& row, float weight, float moment_x) {
+    sums.weight += weight;
+    sums.moment += Vector3(moment_x, weight * row.y, weight * row.z);
+  };
   Sums sensing, partitioned;
-  add_weighted(destination_m, beta_m, &sensing, partitioned);
+  for (const Row& row : rows_) {
+    const auto weight = weight_.segment(row.first, row.count);
+    const auto x = x_.segment(row.first, row.count);
+    const float sum = weight.sum(), sum_x = (weight * x).sum();
+    add(sensing, row, sum, sum_x);
+    const int count = row.high - row.low;
+    if (count == 0) continue;
+    if (excluded_) {
+      const auto inside = inside_.segment(row.first, row.count);
+      add(partitioned, row, (weight * inside).sum(), (weight * inside * x).sum());
+    } else if (count == row.count) {
+      add(partitioned, row, sum, sum_x);
+    } else {
+      const auto in = weight.segment(row.low, count);
+      add(partitioned, row, in.sum(), (in * x.segment(row.low, count)).sum());
+    }
+  }
   CellCentroids result;
   result.partitioned_m = centroid(partitioned, destination_m);
   result.sensing_m = sensing.weight > 0.0 ? Vector3(sensing.moment / sensing.weight) : Vector3(Vector3::Zero());
@@ -178,9 +225,32 @@ CellCentroids RblCell::centroids(const Vector3& destination_m, double beta_m) {
 }
 
 Vector3 RblCell::partitioned_centroid(const Vector3& destination_m, double beta_m) {
-  Sums partitioned;
-  add_weighted(destination_m, beta_m, nullptr, partitioned);
-  return centroid(partitioned, destination_m);
+  int count = 0;
+  for (const Row& row : rows_) {
+    for (int i = row.first + row.low; i < row.first + row.high; ++i) {
+      in_x_[count] = x_[i];
+      in_y_[count] = row.y;
+      in_z_[count] = row.z;
+      count += !excluded_ || inside_[i] != 0.0F;
+    }
+  }
+  const auto weight = weight_.head(count);
+  weigh(in_x_.head(count), in_y_.head(count), in_z_.head(count), destination_m, beta_m, radius_m_, weight_.head(count));
+  Sums sums;
+  sums.weight = weight.sum();
+  sums.moment = Vector3((weight * in_x_.head(count)).sum(), (weight * in_y_.head(count)).sum(),
+                        (weight * in_z_.head(count)).sum());
+  return centroid(sums, destination_m);
+}
+
+std::array<Vector3, 2> RblCell::bounds() const {
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
+  for (const Row& row : rows_) {
+    if (row.low == row.high) continue;
+    low = low.cwiseMin(Eigen::Vector3f(x_[row.first + row.low], row.y, row.z));
+    high = high.cwiseMax(Eigen::Vector3f(x_[row.first + row.high - 1], row.y, row.z));
+  }
+  return {low.cast<double>(), high.cast<double>()};
 }
 
 int RblCell::nearest_partitioned(const Vector3& to_m) const {
@@ -189,10 +259,10 @@ int RblCell::nearest_partitioned(const Vector3& to_m) const {
   for (const Row& row : rows_) {
     for (int i = row.first + row.low; i < row.first + row.high; ++i) {
       if (excluded_ && inside_[i] == 0.0F) continue;
-      const double distance_sq = (point(i) - to_m).squaredNorm();
+      const double distance_sq = (at(i) - to_m).squaredNorm();
       if (distance_sq >= best_sq) continue;
       best_sq = distance_sq;
-      best = i;
+      best = i - first_sample_;
     }
   }
   return best;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "swiftlet/core/frames.hpp"
@@ -42,9 +43,8 @@ class RblCell {
     prepare_mask();
     excluded_ = true;
     for (const Row& row : rows_) {
-      for (int i = row.low; i < row.high; ++i) {
-        float& inside = inside_[row.first + i];
-        if (inside != 0.0F && excluded(point(row.first + i))) inside = 0.0F;
+      for (int i = row.first + row.low; i < row.first + row.high; ++i) {
+        if (inside_[i] != 0.0F && excluded(at(i))) inside_[i] = 0.0F;
       }
     }
   }
@@ -57,8 +57,10 @@ class RblCell {
   bool is_empty() const;                            ///< A
   int num_samples() const { return num_samples_; }  ///< of S
   int num_partitioned() const;                      ///< of A
-  Vector3 point(int sample) const { return {x_[sample], y_[sample], z_[sample]}; }
+  Vector3 point(int sample) const { return at(first_sample_ + sample); }
   bool contains(int sample) const;  ///< is the sample in A?
+  /// Lowest and highest coordinates of the samples of A, which is not empty.
+  std::array<Vector3, 2> bounds() const;
   /// Sample of A that is nearest to `to_m`; -1 when A is empty.
   int nearest_partitioned(const Vector3& to_m) const;
   /// Sample of S for which the greatest violation of the half-spaces is least; where to go when A is empty.
@@ -68,27 +70,32 @@ class RblCell {
 
  private:
   struct Row {
-    int first = 0;          // index of its first sample
-    int low = 0, high = 0;  // what A leaves of it: [low, high)
+    int first = 0, count = 0;  // of its samples, in x_, y_, z_
+    int low = 0, high = 0;     // what A leaves of them: [low, high)
     float x0 = 0, y = 0, z = 0;
-    int row_count = 0;
+    float x0_steps = 0;  // x0 in steps
   };
   struct Sums {
     double weight = 0.0;
     Vector3 moment = Vector3::Zero();
   };
 
+  void sample_ball(const Vector3& origin_m);
+  Vector3 at(int i) const { return {x_[i], y_[i], z_[i]}; }
   void prepare_mask();
   void trim();
-  void add_weighted(const Vector3& destination_m, double beta_m, Sums* sensing, Sums& partitioned);
   Vector3 centroid(const Sums& sums, const Vector3& destination_m) const;
 
   double radius_m_, step_m_;
   bool planar_;
-  int num_samples_ = 0;
-  std::vector<Row> rows_;
+  Vector3 origin_m_ = Vector3::Zero();  // a point of the lattice, within half a step
+  std::vector<Row> ball_;               // all rows for this origin, by height
+  std::vector<Row> rows_;               // those between the heights
+  int first_sample_ = 0, num_samples_ = 0;
   Eigen::ArrayXf x_, y_, z_;
-  Eigen::ArrayXf inside_;  // 1: in A; valid while masked_
+  Eigen::ArrayXf weight_;
+  Eigen::ArrayXf in_x_, in_y_, in_z_;  // samples of A, packed
+  Eigen::ArrayXf inside_;              // 1: in A; valid while masked_
   bool masked_ = false;
   bool excluded_ = false;  // samples were taken out singly: the intervals alone do not tell A
 };

@@ -56,79 +56,26 @@ void ObstacleCutter::cut_convex(RblCell& cell, const Vector3& p_m, std::span<con
   }
 }
 
-// Exact nearest feature on a grid, one axis after the other (Felzenszwalb and Huttenlocher, 2012): along each line the
-// lower envelope of the parabolas of what the axes before have found.
-void ObstacleCutter::spread_nearest(int side) {
-  const int plane = side * side;
-  line_at_.resize(side);
-  line_from_.resize(side + 1);
-  line_sq_.resize(side);
-  line_owner_.resize(side);
-  int* const at = line_at_.data();
-  double* const from = line_from_.data();
-  float* const line_sq = line_sq_.data();
-  int* const line_owner = line_owner_.data();
-  const int strides[3] = {1, side, plane};
-  distance_sq_.resize(owner_.size());
-  for (std::size_t i = 0; i < owner_.size(); ++i) distance_sq_[i] = owner_[i] >= 0 ? 0.0F : -1.0F;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int stride = strides[axis];
-    const int u = strides[(axis + 1) % 3], w = strides[(axis + 2) % 3];
-    for (int a = 0; a < side; ++a) {
-      for (int b = 0; b < side; ++b) {
-        const int base = a * u + b * w;
-        int count = 0;
-        for (int q = 0; q < side; ++q) {
-          line_owner[q] = owner_[base + q * stride];
-          line_sq[q] = distance_sq_[base + q * stride];
-          if (line_owner[q] < 0) continue;
-          double start = -std::numeric_limits<double>::infinity();
-          while (count > 0) {
-            const int v = at[count - 1];
-            start = ((line_sq[q] + q * q) - (line_sq[v] + v * v)) / (2.0 * (q - v));
-            if (start > from[count - 1]) break;
-            --count;
-            start = -std::numeric_limits<double>::infinity();
-          }
-          at[count] = q;
-          from[count++] = start;
-        }
-        if (count == 0) continue;
-        from[count] = std::numeric_limits<double>::infinity();
-        for (int q = 0, k = 0; q < side; ++q) {
-          while (from[k + 1] < q) ++k;
-          const int v = at[k];
-          owner_[base + q * stride] = line_owner[v];
-          distance_sq_[base + q * stride] = line_sq[v] + static_cast<float>((q - v) * (q - v));
-        }
-      }
-    }
-  }
-}
-
 void ObstacleCutter::cut_nearest(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
                                  double encumbrance_m, double eta) {
-  if (voxels_m.empty()) return;
+  if (voxels_m.empty() || cell.is_empty()) return;
   const int half = static_cast<int>(std::ceil(cell.radius_m() / eta / edge_m)) + 1;
-  const int side = 2 * half + 1;
-  const Eigen::Vector3i middle = (p_m.array() / edge_m).floor().cast<int>();
-  const auto index = [&](const Vector3& world_m) {
-    const Eigen::Vector3i at = ((world_m.array() / edge_m).floor().cast<int>() - middle.array() + half).matrix();
-    const bool in = (at.array() >= 0).all() && (at.array() < side).all();
-    return in ? (at.z() * side + at.y()) * side + at.x() : -1;
+  const VoxelGrid around{edge_m, (p_m.array() / edge_m).floor().cast<int>() - half, Cell::Constant(2 * half + 1)};
+  // Inside of the grid, where cutting off the fraction rounds down.
+  const Vector3 from_corner_m = p_m - around.min_cell.cast<double>() * edge_m;
+  const auto cell_of = [&, per_edge = 1.0 / edge_m](const Vector3& q) {
+    return Cell(around.min_cell + ((q + from_corner_m) * per_edge).cast<int>());
   };
-  owner_.assign(static_cast<std::size_t>(side) * side * side, -1);
-  for (std::size_t i = 0; i < voxels_m.size(); ++i) {
-    const int cell_index = index(voxels_m[i]);
-    if (cell_index >= 0) owner_[cell_index] = static_cast<int>(i);
-  }
-  spread_nearest(side);
+  const auto [low_m, high_m] = cell.bounds();
+  const Cell low = cell_of(low_m);
+  nearest_.compute(voxels_m, around, {edge_m, low, cell_of(high_m) - low + Cell::Ones()});
+  if (nearest_.empty()) return;
   cell.exclude([&](const Vector3& q) {
-    const int cell_index = index(p_m + q);
-    const int owner = cell_index >= 0 ? owner_[cell_index] : -1;
-    if (owner < 0) return false;
-    const Vector3 center = voxels_m[owner] - p_m;
-    const HalfSpace cut = voxel_cut(nearest_in_voxel(q, center, edge_m), center, encumbrance_m, eta);
+    const Vector3 center = around.center_m(nearest_.nearest(cell_of(q))) - p_m;
+    const Vector3 nearest = nearest_in_voxel(q, center, edge_m);
+    const double distance = nearest.norm();
+    if (distance > kInside_m) return nearest.dot(q) > distance * obstacle_offset_m(distance, encumbrance_m, eta);
+    const HalfSpace cut = voxel_cut(nearest, center, encumbrance_m, eta);
     return cut.normal.dot(q) > cut.offset_m;
   });
 }
@@ -169,10 +116,15 @@ std::array<HalfSpace, 2> field_of_view(const Matrix3& R_world_body, double fov_l
   return {HalfSpace{-n1, 0.0}, HalfSpace{n2, 0.0}};
 }
 
-void RblLidarConfig::visit(ConfigVisitor& v) {
+void SightConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled, "[-] keep clear of what the own LiDAR sees and has seen (004, chapter 3)");
   v.field("range_min_m", range_min_m, "[m] nearer returns are the own body (the thesis: 1 m)", Range::non_negative());
   v.field("range_max_m", range_max_m, "[m] farther returns are not used", Range::positive());
+  v.object("map", map, "what was seen");
+}
+
+void RblLidarConfig::visit(ConfigVisitor& v) {
+  SightConfig::visit(v);
   v.choice("cut", cut, {"convex", "nearest"},
            "[-] half-spaces at one voxel after the other, or each sample by the voxel nearest to it (3.1)");
   v.field("fov_lower_deg", fov_lower_deg, "[deg] gamma of (3.2): the sensor sees down to this below the horizon ahead",
@@ -182,7 +134,6 @@ void RblLidarConfig::visit(ConfigVisitor& v) {
           Range::between(1.0, 180.0));
   v.field("sensed_s", sensed_s, "[s] a voxel hit within this time counts as actively sensed (cell A')",
           Range::positive());
-  v.object("map", map, "what was seen");
 }
 
 }  // namespace swiftlet

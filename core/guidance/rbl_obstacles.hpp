@@ -7,23 +7,30 @@
 #include <vector>
 
 #include "core/guidance/guidance.hpp"
+#include "core/guidance/nearest_voxels.hpp"
 #include "core/guidance/rbl_planner.hpp"
 #include "core/localization/world_cloud.hpp"
 #include "core/map/sparse_voxel_map.hpp"
 
 namespace swiftlet {
 
-/// LiDAR mode of the rule-based Lloyd algorithm (004, chapter 3). Defaults: Table 3.1 and the released program.
-struct RblLidarConfig {
+/// What to make of the own LiDAR's scans: a map of what is near.
+struct SightConfig {
   bool enabled = false;
   double range_min_m = 0.6;
   double range_max_m = 40.0;
+  SparseVoxelMapConfig map;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// LiDAR mode of the rule-based Lloyd algorithm (004, chapter 3). Defaults: Table 3.1 and the released program.
+struct RblLidarConfig : SightConfig {
   std::string cut = "convex";
   double fov_lower_deg = 20.0;
   double fov_deg = 59.0;
   double facing_deg = 60.0;
   double sensed_s = 0.5;
-  SparseVoxelMapConfig map;
 
   void visit(ConfigVisitor& v);
 };
@@ -49,20 +56,15 @@ class ObstacleCutter {
     Eigen::Vector3f center_m;
     float distance_sq;
   };
-  void spread_nearest(int side);
 
   std::vector<Candidate> left_;
-  std::vector<int> owner_;          // grid cell -> nearest voxel, -1: none
-  std::vector<float> distance_sq_;  // to it, in cells
-  std::vector<int> line_at_, line_owner_;
-  std::vector<double> line_from_;
-  std::vector<float> line_sq_;
+  NearestVoxels nearest_;
 };
 
 /// What the LiDAR saw so far.
 class RblSight {
  public:
-  explicit RblSight(const RblLidarConfig& config, double own_radius_m)
+  explicit RblSight(const SightConfig& config, double own_radius_m)
       : config_(config), registrar_(own_radius_m), map_(config.map) {}
 
   /// Takes the estimate and the scans of this tick.
@@ -71,7 +73,7 @@ class RblSight {
   const SparseVoxelMap& map() const { return map_; }
 
  private:
-  RblLidarConfig config_;
+  SightConfig config_;
   CloudRegistrar registrar_;
   WorldCloud cloud_;
   SparseVoxelMap map_;

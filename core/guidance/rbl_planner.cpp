@@ -7,7 +7,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kNearest_m = 1e-6;  // two agents in one place: any direction will do
+constexpr double kSamePlace_m = 1e-6;  // two agents in one place: any direction will do
 
 /// The program's plane: Delta stays free of the neighbour's side (irbl 594-634).
 double program_offset(double d, double Delta, double eta) {
@@ -21,7 +21,7 @@ double offset_of(const std::string& reading, double d, double Delta, double eta)
 }
 
 HalfSpace half_space(const Vector3& to_m, double d, double offset_m) {
-  return {d > kNearest_m ? Vector3(to_m / d) : Vector3(Vector3::UnitX()), offset_m};
+  return {d > kSamePlace_m ? Vector3(to_m / d) : Vector3(Vector3::UnitX()), offset_m};
 }
 
 /// (2.3) as printed: nearer to the agent than eta times to the other (or to its mirrored place). The set is a ball.
@@ -47,6 +47,10 @@ void cut_as_printed(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& 
 HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, const std::string& reading) {
   const double d = to_neighbor_m.norm();
   return half_space(to_neighbor_m, d, offset_of(reading, d, Delta_m, eta));
+}
+
+double obstacle_offset_m(double distance_m, double encumbrance_m, double eta) {
+  return program_offset(distance_m, encumbrance_m, eta);
 }
 
 HalfSpace obstacle_cut(const Vector3& to_point_m, double encumbrance_m, double eta) {

@@ -28,7 +28,9 @@ struct RblCellConfig {
 /// @param Delta_m        sum of the two encumbrances
 HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, const std::string& reading);
 
-/// Same for a point of an obstacle: the agent's own encumbrance is left free.
+/// How far an agent may go towards a point of an obstacle at this distance: its own encumbrance is left free.
+double obstacle_offset_m(double distance_m, double encumbrance_m, double eta);
+/// The same as a half-space.
 HalfSpace obstacle_cut(const Vector3& to_point_m, double encumbrance_m, double eta);
 
 /// Cells, centroids and rules of one agent: the whole of (2.3) to (2.20). Pure: keeps only beta, theta and phi.
@@ -52,6 +54,7 @@ class RblPlanner {
   RblCell& cell() { return cell_; }
   const RblCell& cell() const { return cell_; }
   std::vector<HalfSpace>& cuts() { return cuts_; }
+  const std::vector<HalfSpace>& cuts() const { return cuts_; }
   const RblState& state() const { return state_; }
   const Vector3& position_m() const { return p_m_; }
 

@@ -18,10 +18,12 @@ double toward_zero(double value, double step) {
   return value > 0.0 ? std::max(0.0, value - step) : std::min(0.0, value + step);
 }
 
-// (2.7)
+// (2.7). Close to the goal, too: with a wide weight neighbours that rest at goals of their own on one side move the
+// centroid, and with it the vehicle, off its goal for ever.
 double next_beta(const RblRules& rules, const RblSituation& now, double beta_m, double dt_s) {
-  const bool stuck =
-      now.partitioned_m.norm() < rules.weight_near_m && (now.partitioned_m - now.sensing_m).norm() > rules.weight_gap_m;
+  const bool at_goal = now.goal_m.norm() < rules.weight_goal_m;
+  const bool cut_off = (now.partitioned_m - now.sensing_m).norm() > rules.weight_gap_m;
+  const bool stuck = now.partitioned_m.norm() < rules.weight_near_m && (cut_off || at_goal);
   if (stuck) return std::max(rules.beta_min_m, beta_m - rules.weight_rate_mps * dt_s);
   return std::max(rules.beta_min_m, beta_m - (beta_m - rules.beta_desired_m) * std::min(dt_s, 1.0));
 }
@@ -40,12 +42,22 @@ double next_theta(const RblRules& rules, const RblSituation& now, double theta_r
   return next >= kMostAzimuth_rad && clear ? 0.0 : next;
 }
 
+// What stands for c_S,z - p_z in (2.18). c_S lies towards the destination, so that a destination that was turned up
+// (2.20) would go on turning up; "level" lets the own turn count backwards and keeps what the limits of height do.
+double centering(const RblRules& rules, const RblSituation& now, double phi_rad) {
+  if (rules.elevation_sense != "level") return now.sensing_m.z();
+  const double goal_rad = std::atan2(now.goal_m.z(), length_xy(now.goal_m));
+  const double reach_m = now.sensing_m.norm();
+  const double turned_m = reach_m * std::sin(std::clamp(goal_rad + phi_rad, -0.5 * kPi, 0.5 * kPi));
+  return (now.sensing_m.z() - turned_m) - (turned_m - reach_m * std::sin(goal_rad));
+}
+
 // (2.19); then the reset that only the released program has
 double next_phi(const RblRules& rules, const RblSituation& now, double phi_rad, double dt_s) {
   const double step = rules.elevation_rate_radps * dt_s;
   double next = toward_zero(phi_rad, step);
   if (wants_elevation(rules, now)) {
-    const double sense = vertical_influence(rules, now) > 0.0 ? 1.0 : -1.0;
+    const double sense = vertical_influence(rules, now, phi_rad) > 0.0 ? 1.0 : -1.0;
     next = std::clamp(phi_rad + sense * step, -kMostElevation_rad, kMostElevation_rad);
   }
   const bool useless = std::abs(now.partitioned_m.z()) > std::abs(now.unrotated_m.z());
@@ -62,7 +74,7 @@ bool wants_elevation(const RblRules& rules, const RblSituation& now) {
   return (apart && std::abs(now.partitioned_m.z()) < rules.elevation_near_m) || shrunk;
 }
 
-double vertical_influence(const RblRules& rules, const RblSituation& now) {
+double vertical_influence(const RblRules& rules, const RblSituation& now, double phi_rad) {
   const Vector3& goal = now.goal_m;
   const double horizontal_m = length_xy(goal);
   double direction = 0.0;
@@ -77,7 +89,7 @@ double vertical_influence(const RblRules& rules, const RblSituation& now) {
     }
   }
   const double weights = rules.centering_weight + rules.direction_weight;
-  return (rules.centering_weight * now.sensing_m.z() + rules.direction_weight * direction) / weights;
+  return (rules.centering_weight * centering(rules, now, phi_rad) + rules.direction_weight * direction) / weights;
 }
 
 RblState apply_rules(const RblRules& rules, const RblSituation& now, const RblState& state, double dt_s, bool planar) {
@@ -91,7 +103,7 @@ RblState apply_rules(const RblRules& rules, const RblSituation& now, const RblSt
 Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_m, const RblState& state) {
   const double distance_m = goal_m.norm();
   if (distance_m <= 0.0) return goal_m;
-  const double up = rules.elevation_sense == "up" ? -state.phi_rad : state.phi_rad;
+  const double up = rules.elevation_sense == "printed" ? state.phi_rad : -state.phi_rad;
   const double polar = std::clamp(std::acos(std::clamp(goal_m.z() / distance_m, -1.0, 1.0)) + up, 0.0, kPi);
   const double azimuth = std::atan2(goal_m.y(), goal_m.x()) - state.theta_rad;
   return distance_m *
@@ -104,6 +116,8 @@ void RblRules::visit(ConfigVisitor& v) {
   v.field("weight_near_m", weight_near_m, "[m] d_1 of (2.7): c_A nearer than this ...", non_negative);
   v.field("weight_gap_m", weight_gap_m, "[m] d_2 of (2.7): ... and farther than this from c_S: beta falls",
           non_negative);
+  v.field("weight_goal_m", weight_goal_m,
+          "[m] ... or nearer than this to the goal: beta falls; not in the document, where it is 0", non_negative);
   v.field("azimuth_near_m", azimuth_near_m, "[m] d_3 of (2.8), (2.11)", non_negative);
   v.field("azimuth_gap_m", azimuth_gap_m, "[m] d_4 of (2.8), (2.11)", non_negative);
   v.field("elevation_near_m", elevation_near_m, "[m] d_5 of (2.15), vertical", non_negative);
@@ -132,8 +146,9 @@ void RblRules::visit(ConfigVisitor& v) {
           "[-] second part of (2.15) with its absolute value, as printed");
   v.choice("direction_influence", direction_influence, {"north", "printed", "program"},
            "[-] (2.17): +1 to the north, -1 to the south (the text), the printed formula, or the authors' program");
-  v.choice("elevation_sense", elevation_sense, {"up", "printed"},
-           "[-] positive phi turns the destination up, or down as (2.20) is printed");
+  v.choice("elevation_sense", elevation_sense, {"level", "up", "printed"},
+           "[-] positive phi turns the destination up, and its own turn counts backwards in (2.18); up, and counts as "
+           "printed; or down, as (2.20) is printed");
   v.field("elevation_reset", elevation_reset, "[-] phi at its limit without effect falls to 0 (the authors' program)");
   v.field("azimuth_rule", azimuth_rule, "[-] the right-hand rule (2.8) to (2.12)");
   v.field("elevation_rule", elevation_rule, "[-] the z-rule (2.15) to (2.19); never in 2D");

@@ -11,6 +11,7 @@ namespace swiftlet {
 struct RblRules {
   double weight_near_m = 0.5;       ///< d_1
   double weight_gap_m = 1.0;        ///< d_2
+  double weight_goal_m = 1.0;       ///< not in the document; 0: off
   double azimuth_near_m = 0.5;      ///< d_3
   double azimuth_gap_m = 1.0;       ///< d_4
   double elevation_near_m = 0.5;    ///< d_5
@@ -21,7 +22,7 @@ struct RblRules {
   double weight_rate_mps = 1.0;     ///< k of (2.7)
   double azimuth_rate_radps = 1.0;  ///< k of (2.8)
   double azimuth_return_radps = 2.0;
-  double elevation_rate_radps = 0.1;  ///< k of (2.19): the 2D program's step of 0.01 at 10 Hz
+  double elevation_rate_radps = 1.0;  ///< k of (2.19)
   double centering_weight = 0.7;      ///< w_1
   double direction_weight = 0.3;      ///< w_2
   std::string azimuth_condition = "near";
@@ -29,7 +30,7 @@ struct RblRules {
   std::string elevation_condition = "gap";
   bool elevation_shrink_absolute = false;
   std::string direction_influence = "north";
-  std::string elevation_sense = "up";
+  std::string elevation_sense = "level";
   bool elevation_reset = true;
   bool azimuth_rule = true;
   bool elevation_rule = true;
@@ -60,7 +61,8 @@ RblState apply_rules(const RblRules& rules, const RblSituation& now, const RblSt
 Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_m, const RblState& state);
 
 /// C_influence (2.16 to 2.18); positive: go up.
-double vertical_influence(const RblRules& rules, const RblSituation& now);
+/// @param phi_rad  of the present destination
+double vertical_influence(const RblRules& rules, const RblSituation& now, double phi_rad = 0.0);
 
 /// Omega (2.15): is there a reason to leave the level?
 bool wants_elevation(const RblRules& rules, const RblSituation& now);

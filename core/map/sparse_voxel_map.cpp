@@ -2,12 +2,15 @@
 #include "core/map/sparse_voxel_map.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace swiftlet {
 namespace {
 
+constexpr int kMostPlaceBits = 7;  // a table of 8 MB
 constexpr std::uint64_t kNobody = std::numeric_limits<std::uint64_t>::max();
 
 std::uint64_t key_of(const Cell& cell) {
@@ -23,29 +26,37 @@ int index_in_block(const Cell& cell) { return (cell.x() & 7) | (cell.y() & 7) <<
 
 }  // namespace
 
-const SparseVoxelMap::Block* SparseVoxelMap::block_at(const Cell& block) const {
-  const auto found = index_.find(key_of(block));
-  return found == index_.end() ? nullptr : &blocks_[found->second];
+SparseVoxelMap::SparseVoxelMap(const SparseVoxelMapConfig& config)
+    : config_(config), cells_per_m_(1.0 / config.edge_m) {
+  // Blocks within the radius of a vehicle between two blocks, and those that reach out of it.
+  const double across = 2.0 * config.keep_radius_m / (kSide * config.edge_m) + 4.0;
+  while (bits_ < kMostPlaceBits && (1 << bits_) < across) ++bits_;
+  mask_ = (1 << bits_) - 1;
+  places_.assign(std::size_t{1} << 3 * bits_, 0U);
 }
 
-SparseVoxelMap::Block* SparseVoxelMap::known_block(const Cell& block) {
-  const auto found = index_.find(key_of(block));
-  return found == index_.end() ? nullptr : &blocks_[found->second];
+const SparseVoxelMap::Block* SparseVoxelMap::block_at(const Cell& block) const {
+  const std::uint32_t place = places_[place_of(block)];
+  if (place == 0) return nullptr;
+  const Block& there = blocks_[place - 1];
+  return there.at == block ? &there : nullptr;
 }
 
 SparseVoxelMap::Block& SparseVoxelMap::block_for(const Cell& block) {
-  const auto [entry, is_new] = index_.try_emplace(key_of(block), 0U);
-  if (!is_new) return blocks_[entry->second];
-  if (free_.empty()) {
-    entry->second = static_cast<std::uint32_t>(blocks_.size());
-    blocks_.emplace_back();
-  } else {
-    entry->second = free_.back();
+  std::uint32_t& place = places_[place_of(block)];
+  if (place != 0 && blocks_[place - 1].at == block) return blocks_[place - 1];
+  // Another one in its place lies farther away than anything that is kept.
+  if (place == 0 && !free_.empty()) {
+    place = free_.back();
     free_.pop_back();
+  } else if (place == 0) {
+    blocks_.emplace_back();
+    place = static_cast<std::uint32_t>(blocks_.size());
   }
-  Block& fresh = blocks_[entry->second];
+  Block& fresh = blocks_[place - 1];
   fresh.at = block;
-  fresh.known.reset();
+  fresh.used = true;
+  fresh.known.fill(0);
   fresh.voxels.fill({});
   return fresh;
 }
@@ -58,7 +69,7 @@ bool SparseVoxelMap::occupied(const Voxel& voxel, TimeNs now) const {
 bool SparseVoxelMap::first_in_sweep(const Cell& cell) {
   const std::uint64_t key = key_of(cell);
   const std::size_t mask = ends_.size() - 1;
-  std::size_t slot = CellHash{}(key)&mask;
+  std::size_t slot = (key * 0x9E3779B97F4A7C15ULL >> 16U) & mask;
   while (ends_[slot] != kNobody) {
     if (ends_[slot] == key) return false;
     slot = (slot + 1) & mask;
@@ -69,42 +80,44 @@ bool SparseVoxelMap::first_in_sweep(const Cell& cell) {
 
 void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
   ++sweep_;
+  passing_.clear();
+  ends_.assign(std::max(std::bit_ceil(2 * rays.size() + 1), ends_.size()), kNobody);
+  const auto keep_sq = static_cast<float>(config_.keep_radius_m * config_.keep_radius_m);
   // First all hits, so that no ray takes away what another one has just seen.
   for (const Ray& ray : rays) {
-    if (!ray.hit) continue;
     const Cell cell = cell_of(ray.end_m.cast<double>());
+    if (!ray.hit || (ray.end_m - ray.origin_m).squaredNorm() > keep_sq) {
+      if (first_in_sweep(cell)) passing_.push_back(&ray);
+      continue;
+    }
     Block& block = block_for(block_of(cell));
     const int i = index_in_block(cell);
     Voxel& voxel = block.voxels[i];
-    if (block.known[i] && voxel.sweep == sweep_) continue;
-    block.known.set(i);
+    if (voxel.sweep == sweep_) continue;
+    block.known[static_cast<std::size_t>(i) >> 6U] |= std::uint64_t{1} << (i & 63);
     voxel.log_odds =
         std::min(voxel.log_odds + static_cast<float>(config_.hit_log_odds), static_cast<float>(config_.max_log_odds));
     voxel.sweep = sweep_;
     voxel.hit = now;
+    passing_.push_back(&ray);
   }
   if (config_.miss_log_odds <= 0.0) return;
-  std::size_t slots = 1024;
-  while (slots < 2 * rays.size()) slots *= 2;
-  ends_.assign(std::max(slots, ends_.size()), kNobody);
-  for (const Ray& ray : rays) {
-    if (first_in_sweep(cell_of(ray.end_m.cast<double>()))) pass(ray);
-  }
+  for (const Ray* ray : passing_) pass(*ray);
 }
 
 // Amanatides and Woo, from the origin to the end or to the clearing range; only voxels that are stored can lose.
 void SparseVoxelMap::pass(const Ray& ray) {
-  const Vector3 origin = ray.origin_m.cast<double>() / config_.edge_m;
+  const Vector3 origin = ray.origin_m.cast<double>() * cells_per_m_;
   const Vector3 way = (ray.end_m - ray.origin_m).cast<double>();
   const double length_m = way.norm();
   if (!(length_m > 0.0)) return;
   const Vector3 direction = way / length_m;
   // The last half voxel before a surface is its own roughness.
   const double end =
-      (std::min(length_m, config_.clear_range_m) - (ray.hit ? 0.5 * config_.edge_m : 0.0)) / config_.edge_m;
+      (std::min(length_m, config_.clear_range_m) - (ray.hit ? 0.5 * config_.edge_m : 0.0)) * cells_per_m_;
   Cell cell = origin.array().floor().cast<int>();
-  Vector3 next, per_cell;
-  Cell step;
+  double next[3], per_cell[3];
+  int step[3];
   for (int axis = 0; axis < 3; ++axis) {
     const double d = direction[axis];
     step[axis] = d > 0.0 ? 1 : -1;
@@ -112,40 +125,54 @@ void SparseVoxelMap::pass(const Ray& ray) {
     const double to_wall = d > 0.0 ? cell[axis] + 1.0 - origin[axis] : origin[axis] - cell[axis];
     next[axis] = d == 0.0 ? per_cell[axis] : to_wall * per_cell[axis];
   }
-  Cell block_cell = block_of(cell);
-  Block* block = known_block(block_cell);
+  const auto loss = static_cast<float>(config_.miss_log_odds), least = static_cast<float>(config_.min_log_odds);
   for (double travelled = 0.0; travelled < end;) {
-    if (block != nullptr) {
+    auto* const block = const_cast<Block*>(block_at(block_of(cell)));
+    if (block == nullptr) {  // to where the ray leaves it
+      int last[3];           // steps to its last voxel
+      double leaves[3];
+      for (int axis = 0; axis < 3; ++axis) {
+        last[axis] = step[axis] > 0 ? kSide - 1 - (cell[axis] & 7) : cell[axis] & 7;
+        leaves[axis] = last[axis] == 0 ? next[axis] : next[axis] + last[axis] * per_cell[axis];
+      }
+      const int out = leaves[0] < leaves[1] ? (leaves[0] < leaves[2] ? 0 : 2) : (leaves[1] < leaves[2] ? 1 : 2);
+      travelled = leaves[out];
+      for (int axis = 0; axis < 3; ++axis) {
+        if (axis != out && !(next[axis] < travelled)) continue;
+        const int steps =
+            axis == out
+                ? last[axis] + 1
+                : std::min(last[axis], 1 + static_cast<int>((travelled - next[axis]) * std::abs(direction[axis])));
+        next[axis] += steps * per_cell[axis];
+        cell[axis] += steps * step[axis];
+      }
+      continue;
+    }
+    int axis = 0, from = 0;
+    do {
       const int i = index_in_block(cell);
       Voxel& voxel = block->voxels[i];
-      if (block->known[i] && voxel.sweep != sweep_ && voxel.passed != sweep_) {
+      if (block->knows(i) && voxel.sweep != sweep_ && voxel.passed != sweep_) {
         voxel.passed = sweep_;
-        voxel.log_odds = std::max(voxel.log_odds - static_cast<float>(config_.miss_log_odds),
-                                  static_cast<float>(config_.min_log_odds));
+        voxel.log_odds = std::max(voxel.log_odds - loss, least);
       }
-    }
-    int axis = 0;
-    travelled = next.minCoeff(&axis);
-    next[axis] += per_cell[axis];
-    cell[axis] += step[axis];
-    const Cell now_in = block_of(cell);
-    if (now_in != block_cell) {
-      block_cell = now_in;
-      block = known_block(block_cell);
-    }
+      axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
+      travelled = next[axis];
+      next[axis] += per_cell[axis];
+      from = cell[axis];
+      cell[axis] += step[axis];
+    } while (travelled < end && from >> 3 == cell[axis] >> 3);
   }
 }
 
 void SparseVoxelMap::keep_around(const Vector3& center_m) {
   const double block_m = kSide * config_.edge_m;
-  for (std::uint32_t i = 0; i < blocks_.size(); ++i) {
-    Block& block = blocks_[i];
+  for (Block& block : blocks_) {
+    if (!block.used) continue;
     const Vector3 middle_m = (block.at.cast<double>().array() + 0.5) * block_m;
     if ((middle_m - center_m).norm() <= config_.keep_radius_m) continue;
-    const auto entry = index_.find(key_of(block.at));
-    if (entry == index_.end() || entry->second != i) continue;  // already given back
-    index_.erase(entry);
-    free_.push_back(i);
+    block.used = false;
+    free_.push_back(std::exchange(places_[place_of(block.at)], 0U));
   }
 }
 
@@ -160,15 +187,17 @@ void SparseVoxelMap::collect(const Vector3& center_m, double radius_m, TimeNs no
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int x = low.x(); x <= high.x(); ++x) {
         const Block* block = block_at({x, y, z});
-        if (block == nullptr || block->known.none()) continue;
-        for (int i = 0; i < kVoxels; ++i) {
-          if (!block->known[i]) continue;
-          const Voxel& voxel = block->voxels[i];
-          if (voxel.hit < since || !occupied(voxel, now)) continue;
-          const Cell cell(x * kSide + (i & 7), y * kSide + ((i >> 3) & 7), z * kSide + (i >> 6));
-          const Vector3 voxel_m = (cell.cast<double>().array() + 0.5) * config_.edge_m;
-          const Vector3 gap = ((voxel_m - center_m).array().abs() - half_m).cwiseMax(0.0);
-          if (gap.squaredNorm() <= radius_m * radius_m) centers_m.push_back(voxel_m);
+        if (block == nullptr) continue;
+        for (int layer = 0; layer < kSide; ++layer) {
+          for (std::uint64_t known = block->known[layer]; known != 0; known &= known - 1) {
+            const int i = layer << 6 | std::countr_zero(known);
+            const Voxel& voxel = block->voxels[i];
+            if (voxel.hit < since || !occupied(voxel, now)) continue;
+            const Cell cell(x * kSide + (i & 7), y * kSide + ((i >> 3) & 7), z * kSide + layer);
+            const Vector3 voxel_m = (cell.cast<double>().array() + 0.5) * config_.edge_m;
+            const Vector3 gap = ((voxel_m - center_m).array().abs() - half_m).cwiseMax(0.0);
+            if (gap.squaredNorm() <= radius_m * radius_m) centers_m.push_back(voxel_m);
+          }
         }
       }
     }
@@ -179,7 +208,7 @@ bool SparseVoxelMap::is_occupied(const Vector3& p_m, TimeNs now) const {
   const Cell cell = cell_of(p_m);
   const Block* block = block_at(block_of(cell));
   const int i = index_in_block(cell);
-  return block != nullptr && block->known[i] && occupied(block->voxels[i], now);
+  return block != nullptr && block->knows(i) && occupied(block->voxels[i], now);
 }
 
 void SparseVoxelMapConfig::visit(ConfigVisitor& v) {
@@ -196,6 +225,7 @@ void SparseVoxelMapConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("clear_range_m", clear_range_m, "[m] rays clear up to here", Range::positive());
   v.field("keep_radius_m", keep_radius_m, "[m] what is farther from the vehicle is forgotten", Range::positive());
+  v.check(keep_radius_m <= 480.0 * edge_m, "keep_radius_m", "at most 480 times edge_m");
   v.check(max_log_odds > min_log_odds, "max_log_odds", "more than min_log_odds");
   v.check(occupied_log_odds <= max_log_odds, "occupied_log_odds", "at most max_log_odds");
 }

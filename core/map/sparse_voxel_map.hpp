@@ -2,10 +2,8 @@
 #pragma once
 
 #include <array>
-#include <bitset>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "core/map/voxel_grid.hpp"
@@ -30,12 +28,12 @@ struct SparseVoxelMapConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What was seen around a vehicle, as occupied voxels in hashed blocks (the role of Bonxai in 004, sec. 3.2.4). Only
-/// voxels that were hit at some time are stored. Everything comes out in the order of coordinates, so that results do
-/// not depend on the hash.
+/// What was seen around a vehicle, as occupied voxels in blocks (the role of Bonxai in 004, sec. 3.2.4). Only voxels
+/// that were hit at some time are stored. A table of block places that repeats itself beyond twice keep_radius_m finds
+/// a block without searching; what is farther from the vehicle than that radius is not stored.
 class SparseVoxelMap {
  public:
-  explicit SparseVoxelMap(const SparseVoxelMapConfig& config) : config_(config) {}
+  explicit SparseVoxelMap(const SparseVoxelMapConfig& config);
 
   /// One beam of a sweep, in the world.
   struct Ray {
@@ -55,7 +53,7 @@ class SparseVoxelMap {
   void collect(const Vector3& center_m, double radius_m, TimeNs now, TimeNs since,
                std::vector<Vector3>& centers_m) const;
   bool is_occupied(const Vector3& p_m, TimeNs now) const;
-  std::size_t num_blocks() const { return index_.size(); }
+  std::size_t num_blocks() const { return blocks_.size() - free_.size(); }
   double edge_m() const { return config_.edge_m; }
 
  private:
@@ -69,26 +67,31 @@ class SparseVoxelMap {
   };
   struct Block {
     Cell at = Cell::Zero();
-    std::bitset<kVoxels> known;  // voxels that were hit at some time
+    bool used = false;
+    std::array<std::uint64_t, kSide> known;  // voxels that were hit at some time: a word a layer
     std::array<Voxel, kVoxels> voxels;
-  };
-  struct CellHash {
-    std::size_t operator()(std::uint64_t key) const { return (key * 0x9E3779B97F4A7C15ULL) >> 16; }
+    bool knows(int i) const { return (known[static_cast<std::size_t>(i) >> 6U] >> (i & 63) & 1U) != 0; }
   };
 
-  Cell cell_of(const Vector3& p_m) const { return (p_m.array() / config_.edge_m).floor().cast<int>(); }
+  Cell cell_of(const Vector3& p_m) const { return (p_m.array() * cells_per_m_).floor().cast<int>(); }
+  std::size_t place_of(const Cell& block) const {
+    return static_cast<std::size_t>((block.x() & mask_) | ((block.y() & mask_) | (block.z() & mask_) << bits_)
+                                                              << bits_);
+  }
   const Block* block_at(const Cell& block) const;
-  Block* known_block(const Cell& block);
   Block& block_for(const Cell& block);
   bool occupied(const Voxel& voxel, TimeNs now) const;
   bool first_in_sweep(const Cell& cell);
   void pass(const Ray& ray);
 
   SparseVoxelMapConfig config_;
+  double cells_per_m_;
+  int bits_ = 0, mask_ = 0;            // of a block's coordinates in the table
+  std::vector<std::uint32_t> places_;  // block, counted from 1; 0: none
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> free_;  // blocks to use again
-  std::unordered_map<std::uint64_t, std::uint32_t, CellHash> index_;
-  std::vector<std::uint64_t> ends_;  // voxels in which rays of this sweep ended: open addressing
+  std::vector<const Ray*> passing_;  // of this sweep: those that take away
+  std::vector<std::uint64_t> ends_;  // voxels in which rays without a hit ended: open addressing
   std::uint32_t sweep_ = 0;
 };
 

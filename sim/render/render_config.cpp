@@ -29,7 +29,7 @@ void CameraConfig::visit(ConfigVisitor& v) {
            "latest scans drawn in the world, and what their colours mean");
   v.field("trails", trails, "draw the path of each vehicle so far");
   v.field("names", names, "write the vehicles' names beside them");
-  v.field("overlays", overlays, "overlays of the agents to draw, by name; \"*\": all");
+  v.field("overlays", overlays, "overlays of the agents to draw, by name, of one vehicle as \"uav1/NAME\"; \"*\": all");
   v.field("vehicle_scale", vehicle_scale, "vehicles are drawn this many times their size",
           Range{0.0, 1000.0, true, false});
   v.field("cut_above", cut_above, "hide what is higher than cut_height_m, to look under crowns and roofs");

@@ -24,6 +24,7 @@
 namespace swiftlet::sim {
 namespace {
 
+constexpr float kAreaOpacity = 0.3F;         // of areas in the vehicle's colour
 constexpr TimeNs kHistoryStep = 20'000'000;  // trails and follow cameras look at the vehicles this often
 
 bool is_lidar(const CameraConfig& camera) { return camera.type.starts_with("lidar_"); }
@@ -165,8 +166,15 @@ void SnapshotRecorder::fill_clouds(const TickView& tick) {
   picture_.t = tick.t;
   picture_.states.assign(tick.states.begin(), tick.states.end());
   picture_.overlays.clear();
-  for (const Action* action : tick.actions) {
-    picture_.overlays.insert(picture_.overlays.end(), action->overlays.begin(), action->overlays.end());
+  for (std::size_t v = 0; v < tick.actions.size(); ++v) {
+    for (Overlay overlay : tick.actions[v]->overlays) {
+      overlay.name = info_.vehicle_names[v] + "/" + overlay.name;
+      if (overlay.colors.empty()) {
+        const Rgb rgb = vehicle_color(static_cast<VehicleId>(v));
+        overlay.colors = {{rgb[0], rgb[1], rgb[2], overlay.kind == Overlay::Kind::kTriangles ? kAreaOpacity : 1.0F}};
+      }
+      picture_.overlays.push_back(std::move(overlay));
+    }
   }
   picture_.clouds.clear();
   const bool wanted = std::any_of(cameras_.begin(), cameras_.end(), [&](const CameraConfig& camera) {

@@ -111,15 +111,22 @@ CrossingTable summarize(const std::vector<CrossingResult>& flights, int num_vehi
   CrossingTable table;
   table.min_separation_m = std::numeric_limits<double>::infinity();
   std::vector<double> length_m, time_s, slowest_s, speed_mps;
+  int num_succeeded = 0, num_arrived = 0, num_crashed = 0;
   for (const CrossingResult& flight : flights) {
     table.min_separation_m = std::min(table.min_separation_m, flight.min_separation_m);
+    num_arrived += flight.num_arrived;
+    num_crashed += flight.crashed;
     if (flight.crashed || flight.num_arrived < num_vehicles) continue;
-    table.success += 1.0 / static_cast<double>(flights.size());
+    ++num_succeeded;
     length_m.insert(length_m.end(), flight.length_m.begin(), flight.length_m.end());
     time_s.insert(time_s.end(), flight.time_s.begin(), flight.time_s.end());
     slowest_s.push_back(*std::max_element(flight.time_s.begin(), flight.time_s.end()));
     for (std::size_t i = 0; i < flight.length_m.size(); ++i) speed_mps.push_back(flight.length_m[i] / flight.time_s[i]);
   }
+  const auto num_flights = static_cast<double>(flights.size());
+  table.success = num_succeeded / num_flights;
+  table.arrived = num_arrived / (num_flights * num_vehicles);
+  table.crashed = num_crashed / num_flights;
   table.length_m = mean_and_deviation(length_m);
   table.time_s = mean_and_deviation(time_s);
   table.slowest_s = mean_and_deviation(slowest_s);

@@ -35,6 +35,8 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
 /// The columns of the document's tables over many flights.
 struct CrossingTable {
   double success = 0.0;  ///< share of flights in which all arrived and nobody crashed
+  double arrived = 0.0;  ///< share of all vehicles
+  double crashed = 0.0;  ///< share of flights with a contact
   MeanAndDeviation length_m, time_s, slowest_s, speed_mps;
   double min_separation_m = 0.0;  ///< of all flights
 };

@@ -24,5 +24,7 @@ void rbl_sphere(Experiment& experiment);
 void rbl_forest(Experiment& experiment);
 void rbl_real(Experiment& experiment);
 void rbl_baselines(Experiment& experiment);
+void rbl_limits(Experiment& experiment);
+void rbl_ghosts(Experiment& experiment);
 
 }  // namespace swiftlet::tools

@@ -32,10 +32,10 @@ ForestFlights fly_forest(const Experiment& experiment, const std::vector<sim::Sc
     csv.row(name, {static_cast<double>(runs[i].seed), done ? 1.0 : 0.0, length_m[i], time_s[i], clearance_m[i]});
     result.least_clearance_m = std::min(result.least_clearance_m, clearance_m[i]);
     if (!done) continue;
-    result.success += 1.0 / static_cast<double>(runs.size());
     arrived_length_m.push_back(length_m[i]);
     arrived_time_s.push_back(time_s[i]);
   }
+  result.success = static_cast<double>(arrived_length_m.size()) / static_cast<double>(runs.size());
   result.length_m = mean_and_deviation(arrived_length_m);
   result.time_s = mean_and_deviation(arrived_time_s);
   return result;

@@ -27,14 +27,17 @@ std::span<const ExperimentType> experiment_types() {
                      3600.0, detection_real},
       ExperimentType{"detection-takeoff", "Take-off next to the ground, hover and landing (000, Fig. 4)", 300.0,
                      detection_takeoff},
-      ExperimentType{"rbl-circle", "Five to fifteen vehicles cross a circle, in 2D and 3D (004, sec. 2.4)", 4000.0,
+      ExperimentType{"rbl-circle", "Five to fifteen vehicles cross a circle, in 2D and 3D (004, sec. 2.4)", 700.0,
                      rbl_circle},
-      ExperimentType{"rbl-sphere", "Ten and more vehicles cross a sphere (004, sec. 2.4)", 2000.0, rbl_sphere},
+      ExperimentType{"rbl-sphere", "Ten and more vehicles cross a sphere (004, sec. 2.4)", 400.0, rbl_sphere},
       ExperimentType{"rbl-forest", "A Mid-360 through a forest on the map that it builds (004, sec. 3.4)", 1000.0,
                      rbl_forest},
       ExperimentType{"rbl-real", "The two real flights in a forest (004, Table 3.2)", 300.0, rbl_real},
       ExperimentType{"rbl-baselines", "PACNav and the vision-based model beside RBL (004, sec. 2.5)", 300.0,
                      rbl_baselines},
+      ExperimentType{"rbl-limits", "More vehicles, worse neighbours, denser forests until it fails (beyond 004)", 1500.0,
+                     rbl_limits},
+      ExperimentType{"rbl-ghosts", "A map that never clears locks the vehicle in (004, sec. 3.4)", 200.0, rbl_ghosts},
   };
   return kTypes;
 }

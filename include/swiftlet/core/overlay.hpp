@@ -16,7 +16,7 @@ struct Overlay {
   std::string name;  ///< such as "reference", "tracks", "voxels.occupied"
   Kind kind = Kind::kPoints;
   std::vector<Eigen::Vector3f> positions;  ///< points, cubes, spheres: centres; lines: pairs; triangles: triples
-  std::vector<Eigen::Vector4f> colors;     ///< RGBA 0..1, one per position, or one for all
+  std::vector<Eigen::Vector4f> colors;     ///< RGBA 0..1, one per position, or one for all; none: the vehicle's
   float size_m = 0.1F;                     ///< edge of a cube, radius of a sphere, diameter of a point; lines: width in px
 };
 

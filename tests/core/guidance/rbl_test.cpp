@@ -299,7 +299,7 @@ TEST(RblRules, NorthwardsGoesUpSouthwardsDownEastwardsStays) {
 TEST(RblRules, PhiRisesToAnEighthTurnAndReturns) {
   RblRules rules;
   rules.elevation_reset = false;
-  rules.elevation_rate_radps = 1.0;
+  rules.elevation_sense = "up";
   RblSituation now = stuck();
   now.goal_m = {1, 10, 0};
   ASSERT_TRUE(wants_elevation(rules, now));  // the others leave 1.5 m less of the way
@@ -312,8 +312,33 @@ TEST(RblRules, PhiRisesToAnEighthTurnAndReturns) {
   EXPECT_EQ(apply_rules(rules, now, state, 0.1, true).phi_rad, 0.0);  // 2D
 }
 
-TEST(RblRules, ElevationIsResetWhereItIsOfNoUse) {
+TEST(RblRules, OwnTurnCountsBackwardsSoThatPhiStaysSmall) {
   const RblRules rules;
+  RblState state;
+  for (int i = 0; i < 60; ++i) {  // c_S follows the destination
+    RblSituation now = stuck();
+    now.goal_m = {0, 10, 0};
+    now.sensing_m = 2.0 * rbl_destination(rules, now.goal_m, state).normalized();
+    state = apply_rules(rules, now, state, 0.1, false);
+  }
+  // Where centering and direction balance (2.18): w_1 * 2 m * sin(phi) = w_2, within a step of the rule.
+  EXPECT_NEAR(state.phi_rad, std::asin(0.3 / 0.7 / 2.0), 0.11);
+}
+
+TEST(RblRules, BetaFallsAtTheGoalWhereNeighborsPullTheCentroidAway) {
+  RblRules rules;
+  RblSituation now;
+  now.goal_m = {0.25, 0, 0};
+  now.partitioned_m = {0.02, 0, 0};
+  now.sensing_m = {0.2, 0, 0};
+  EXPECT_NEAR(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.4, 1e-9);
+  rules.weight_goal_m = 0.0;  // as printed
+  EXPECT_NEAR(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.5, 1e-9);
+}
+
+TEST(RblRules, ElevationIsResetWhereItIsOfNoUse) {
+  RblRules rules;
+  rules.elevation_sense = "up";
   RblSituation now = stuck();
   now.goal_m = {1, 10, 0};
   now.partitioned_m.z() = 0.1;
