@@ -60,8 +60,9 @@ void make_cluster_job(const BatchArguments& arguments, const sim::BatchPlan& pla
   const sim::SlurmScripts scripts = sim::make_slurm_scripts(plan, out, fs::read_symlink("/proc/self/exe"));
   const sim::SlurmFiles files = sim::write_slurm_scripts(scripts, out);
   if (!arguments.quiet) {
-    fmt::print("{} episodes in {} tasks of {}, at most {} min each\n  {}\n  {}\n", plan.num_episodes(), scripts.num_tasks,
-               scripts.episodes_per_task, scripts.time_limit_min, files.array.string(), files.merge.string());
+    fmt::print("{} episodes in {} task{} of {}, at most {} min each\n  {}\n  {}\n", plan.num_episodes(), scripts.num_tasks,
+               scripts.num_tasks == 1 ? "" : "s", scripts.episodes_per_task, scripts.time_limit_min, files.array.string(),
+               files.merge.string());
   }
   if (arguments.submit) {
     const sim::SlurmJobs jobs = sim::submit(files);

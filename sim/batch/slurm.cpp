@@ -135,8 +135,7 @@ SlurmScripts make_slurm_scripts(const BatchPlan& plan, const fs::path& out, cons
 
 SlurmFiles write_slurm_scripts(const SlurmScripts& scripts, const fs::path& out) {
   const fs::path folder = fs::absolute(out).lexically_normal() / "slurm";
-  std::error_code error;
-  fs::create_directories(folder, error);
+  make_directory(folder);
   const SlurmFiles files{folder / "array.sbatch", folder / "merge.sbatch"};
   write_file(files.array, scripts.array);
   write_file(files.merge, scripts.merge);

@@ -73,12 +73,14 @@ TriangleScene flatten(const Scene& scene) {
 }
 
 EmbreeDevice make_device() {
-  // Embree takes 4-wide trees where it believes that wider registers slow the clock (Xeons of the Skylake family). 8-wide
-  // ones are a fifth faster there all the same; a processor without AVX gets the narrow ones anyway.
+  // Embree takes 4-wide trees where it believes that wider registers slow the clock (Xeons of the Skylake family).
+  // 8-wide ones are a fifth faster there all the same; a processor without AVX gets the narrow ones anyway.
   EmbreeDevice device(rtcNewDevice("frequency_level=simd256"));
-  if (!device)
-    throw std::runtime_error("cannot start the ray tracer (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
-  return device;
+  if (device) return device;
+  const RTCError error = rtcGetDeviceError(nullptr);
+  throw std::runtime_error("cannot start the ray tracer: " + (error == RTC_ERROR_OUT_OF_MEMORY
+                                                                  ? std::string("out of memory")
+                                                                  : "error " + std::to_string(error)));
 }
 
 // Ericson, Real-Time Collision Detection (2005), sec. 5.1.5: closest point by the Voronoi regions of the triangle.

@@ -141,6 +141,12 @@ class Batch(unittest.TestCase):
         self.run_swiftlet("batch", "merge", "--out", "parts", check=True)
         self.assertEqual(rows(self.path / "parts/results.sqlite"), expected)
 
+    def test_too_little_memory_is_told_as_that(self):
+        result = self.run_swiftlet("batch", "batch.yaml", "--out", "out", "--memory-limit", 5, "--set", "seeds.count=1")
+        self.assertEqual(result.returncode, 1)
+        with contextlib.closing(sqlite3.connect(self.path / "out/results.sqlite")) as connection:
+            self.assertEqual(set(connection.execute("SELECT status FROM episodes")), {("out_of_memory",)})
+
     def test_damaged_results_are_told_as_such(self):
         self.undisturbed()
         database = self.path / "undisturbed/results.sqlite"
