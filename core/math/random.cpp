@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/math/elementary.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -49,18 +51,17 @@ double Random::uniform(std::uint32_t tick, std::uint32_t index) const {
 
 double Random::normal(std::uint32_t tick, std::uint32_t index) const {
   const auto r = bits(tick, index);
-  return std::sqrt(-2.0 * std::log(open_unit(r[0], r[1]))) * std::cos(2.0 * std::numbers::pi * open_unit(r[2], r[3]));
+  const double radius = std::sqrt(-2.0 * log_of_unit(Lanes2d::Constant(open_unit(r[0], r[1])))[0]);
+  return radius * sincos_of_turns(Lanes2d::Constant(open_unit(r[2], r[3]))).cos[0];
 }
 
 std::array<double, 3> Random::normal3(std::uint32_t tick, std::uint32_t index) const {
   // Two Box-Muller pairs of 32-bit uniforms give four normals, of which three are used.
   const auto r = draw(seed_, purpose_, entity_, Domain::kNormal3, tick, index);
   const auto unit = [](std::uint32_t word) { return (static_cast<double>(word) + 1.0) * 0x1.0p-32; };
-  const double radius_a = std::sqrt(-2.0 * std::log(unit(r[0])));
-  const double radius_b = std::sqrt(-2.0 * std::log(unit(r[2])));
-  const double angle_a = 2.0 * std::numbers::pi * unit(r[1]);
-  const double angle_b = 2.0 * std::numbers::pi * unit(r[3]);
-  return {radius_a * std::cos(angle_a), radius_a * std::sin(angle_a), radius_b * std::cos(angle_b)};
+  const Lanes2d radius = (-2.0 * log_of_unit({unit(r[0]), unit(r[2])})).sqrt();
+  const SinCos2d angle = sincos_of_turns({unit(r[1]), unit(r[3])});
+  return {radius[0] * angle.cos[0], radius[0] * angle.sin[0], radius[1] * angle.cos[1]};
 }
 
 void Random::fill_uniform(std::uint32_t tick, std::uint32_t first_index, std::span<float> out) const {

@@ -23,9 +23,11 @@ namespace {
 /// Noise of one quantity: white, or correlated in time with the same standard deviation.
 class PoseNoise {
  public:
-  PoseNoise(Random random, const Vector3& sigma, double time_s) : random_(random), sigma_(sigma), time_s_(time_s) {}
+  PoseNoise(Random random, const Vector3& sigma, double time_s)
+      : random_(random), sigma_(sigma), none_(sigma == Vector3::Zero()), time_s_(time_s) {}
 
   Vector3 at(TimeNs t, std::uint32_t index) {
+    if (none_) return Vector3::Zero();
     const Vector3 normals = normal3(random_, index);
     if (time_s_ <= 0.0) return sigma_.cwiseProduct(normals);
     if (index == 0) {
@@ -40,6 +42,7 @@ class PoseNoise {
  private:
   Random random_;
   Vector3 sigma_;
+  bool none_;
   double time_s_;
   GaussMarkov process_;
   TimeNs t_last_ = 0;

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <bit>
+#include <cstdint>
+#include <numbers>
+
+namespace swiftlet {
+
+// Elementary functions for random numbers, two at a time: without a branch, in SIMD lanes, a fraction of libm's time,
+// and the same bits on every processor, where libm has versions for some. Errors are below 1e-15.
+using Lanes2d = Eigen::Array2d;
+
+/// Natural logarithm of numbers in (0, 1], not below 1e-307.
+inline Lanes2d log_of_unit(const Lanes2d& u) {
+  // u = m 2^e with m in [sqrt(1/2), sqrt(2)); log m = 2 artanh s, s = (m - 1) / (m + 1), |s| < 0.172.
+  constexpr std::uint64_t kMantissa = 0x000FFFFFFFFFFFFFULL;
+  const std::uint64_t sqrt2 = std::bit_cast<std::uint64_t>(std::numbers::sqrt2) & kMantissa;
+  Lanes2d m, e;
+  for (int i = 0; i < 2; ++i) {
+    const auto bits = std::bit_cast<std::uint64_t>(u[i]);
+    const std::uint64_t mantissa = bits & kMantissa, large = (sqrt2 - mantissa) >> 63;
+    m[i] = std::bit_cast<double>(mantissa | ((1023 - large) << 52));
+    e[i] = static_cast<double>(static_cast<int>((bits >> 52) + large) - 1023);
+  }
+  const Lanes2d s = (m - 1.0) / (m + 1.0), z = s * s;
+  Lanes2d series = Lanes2d::Constant(1.0 / 23.0);
+  for (int k = 21; k >= 3; k -= 2) series = series * z + 1.0 / k;
+  return e * std::numbers::ln2 + (2.0 * s + 2.0 * s * z * series);
+}
+
+struct SinCos2d {
+  Lanes2d sin, cos;
+};
+
+/// Of angles in turns, from 0 to 2^28.
+inline SinCos2d sincos_of_turns(const Lanes2d& turns) {
+  // Taylor series within an eighth of a turn around the nearest quarter.
+  int quarter[2];
+  Lanes2d x;
+  for (int i = 0; i < 2; ++i) {
+    quarter[i] = static_cast<int>(4.0 * turns[i] + 0.5);
+    x[i] = 2.0 * std::numbers::pi * (turns[i] - 0.25 * quarter[i]);
+  }
+  const Lanes2d z = x * x;
+  Lanes2d sine = Lanes2d::Ones(), cosine = Lanes2d::Ones();
+  for (int k = 16; k >= 2; k -= 2) {
+    sine = 1.0 - sine * z * (1.0 / (k * (k + 1)));
+    cosine = 1.0 - cosine * z * (1.0 / (k * (k - 1)));
+  }
+  sine *= x;
+  SinCos2d result;
+  for (int i = 0; i < 2; ++i) {
+    const auto q = static_cast<std::uint64_t>(quarter[i]);
+    const std::uint64_t by_parity[2] = {std::bit_cast<std::uint64_t>(sine[i]), std::bit_cast<std::uint64_t>(cosine[i])};
+    result.sin[i] = std::bit_cast<double>(by_parity[q & 1] ^ ((q & 2) << 62));
+    result.cos[i] = std::bit_cast<double>(by_parity[~q & 1] ^ (((q + 1) & 2) << 62));
+  }
+  return result;
+}
+
+}  // namespace swiftlet
