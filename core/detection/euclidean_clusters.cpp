@@ -14,6 +14,8 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 // Points of cells that are three or more apart along an axis are not.
 constexpr double kCellEdge = 0.577;
 constexpr int kReach = 2;
+// Boxes farther apart than the tolerance times the root of this hold no near points, whatever the rounding.
+constexpr float kWide = 1.0001F;
 
 constexpr int kAxisBits = 21;
 constexpr std::int64_t kHalfAxis = std::int64_t{1} << (kAxisBits - 1);
@@ -93,6 +95,8 @@ void EuclideanClusters::fill_cells(std::span<const Eigen::Vector3f> points, doub
 void EuclideanClusters::join_cells(std::span<const Eigen::Vector3f> points, float tolerance_m) {
   parents_.resize(cells_.size());
   for (std::uint32_t i = 0; i < parents_.size(); ++i) parents_[i] = i;
+  keys_.resize(cells_.size());
+  for (std::size_t i = 0; i < keys_.size(); ++i) keys_[i] = cells_[i].key;
   for (std::int64_t dz = 0; dz <= kReach; ++dz) {
     for (std::int64_t dy = dz == 0 ? 0 : -kReach; dy <= kReach; ++dy) {
       const bool own_row = dz == 0 && dy == 0;
@@ -101,11 +105,15 @@ void EuclideanClusters::join_cells(std::span<const Eigen::Vector3f> points, floa
       for (std::uint32_t i = 0; i < cells_.size(); ++i) {
         const std::int64_t centre = static_cast<std::int64_t>(cells_[i].key) + offset;
         const std::int64_t begin = own_row ? centre + 1 : centre - kReach;
-        while (window < cells_.size() && static_cast<std::int64_t>(cells_[window].key) < begin) ++window;
+        while (window < cells_.size() && static_cast<std::int64_t>(keys_[window]) < begin) ++window;
+        if (window == cells_.size() || static_cast<std::int64_t>(keys_[window]) > centre + kReach) continue;
+        std::uint32_t a = root(i);
         for (std::size_t j = window; j < cells_.size(); ++j) {
-          if (static_cast<std::int64_t>(cells_[j].key) > centre + kReach) break;
-          const std::uint32_t a = root(i), b = root(static_cast<std::uint32_t>(j));
-          if (a != b && are_near(points, cells_[i], cells_[j], tolerance_m)) parents_[std::max(a, b)] = std::min(a, b);
+          if (static_cast<std::int64_t>(keys_[j]) > centre + kReach) break;
+          const std::uint32_t b = root(static_cast<std::uint32_t>(j));
+          if (a == b || !are_near(points, cells_[i], cells_[j], tolerance_m)) continue;
+          parents_[std::max(a, b)] = std::min(a, b);
+          a = std::min(a, b);
         }
       }
     }
@@ -115,6 +123,8 @@ void EuclideanClusters::join_cells(std::span<const Eigen::Vector3f> points, floa
 bool EuclideanClusters::are_near(std::span<const Eigen::Vector3f> points, const Cell& a, const Cell& b,
                                  float tolerance_m) const {
   const float tolerance_sq = tolerance_m * tolerance_m;
+  const Eigen::Vector3f gap = (a.min - b.max).cwiseMax(b.min - a.max).cwiseMax(0.0F);
+  if (gap.squaredNorm() > kWide * tolerance_sq) return false;
   for (std::uint32_t i = a.first; i < a.first + a.count; ++i) {
     const Eigen::Vector3f& p = points[keyed_[i].point];
     if (distance_sq_to_box(p, b.min, b.max) > tolerance_sq) continue;

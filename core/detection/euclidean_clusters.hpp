@@ -43,6 +43,7 @@ class EuclideanClusters {
 
   std::vector<Keyed> keyed_, scratch_;  // points by cell
   std::vector<Cell> cells_;             // by key
+  std::vector<std::uint64_t> keys_;     // of the cells, close together
   std::vector<std::uint32_t> parents_;  // of cells, a union-find forest
   std::vector<std::uint32_t> cell_of_;  // of each point
   std::vector<std::uint32_t> labels_;   // cluster of each root

@@ -49,8 +49,9 @@ const std::vector<std::ptrdiff_t>& SeparateBackground::find(const VoxelMap& map,
     for (std::ptrdiff_t row = 0; row < map.num_rows(); ++row) {
       const std::uint64_t* words = map.row_bits(row);
       for (std::uint32_t run = row_start_[row]; run < row_start_[row + 1]; ++run) {
+        const std::uint32_t cluster = root(run);
         for (int x = runs_[run].first; x <= runs_[run].last; ++x) {
-          if (bit(words, x)) visit(root(run), row * size.x() + x);
+          if (bit(words, x)) visit(cluster, row * size.x() + x);
         }
       }
     }

@@ -28,8 +28,8 @@ void VofodChoices::visit(ConfigVisitor& v) {
   v.choice("hit_voxels", hit_voxels, {"update", "keep"},
            "voxels that held a point since the last ray casting are freed by rays as others (paper) or not (released "
            "code)");
-  v.choice("separate_becomes", separate_becomes, {"free", "unknown"},
-           "separate background moves to g_free (eq. 9, released code) or to g_unknown (overview of sec. III)");
+  v.choice("separate_becomes", separate_becomes, {"unknown", "free"},
+           "separate background moves to g_unknown (overview of sec. III) or to g_free (eq. 9, released code)");
   v.choice("separate_reach", separate_reach, {"cluster", "sphere"},
            "separate are the voxels of the cluster (paper, eq. 24) or all within separate_distance_m of them (released "
            "code)");

@@ -22,7 +22,7 @@ struct VofodChoices {
   std::string map_update = "after";
   std::string ray_end = "point";
   std::string hit_voxels = "update";
-  std::string separate_becomes = "free";
+  std::string separate_becomes = "unknown";
   std::string separate_reach = "cluster";
 
   void visit(ConfigVisitor& v);

@@ -97,7 +97,8 @@ VoxelState VoxelMap::state_at(const Vector3& p_m) const {
 void VoxelMap::update(std::ptrdiff_t index, double n, double g) {
   const float before = values_[index];
   if (!std::isfinite(before)) return;
-  set(index, updated(before, static_cast<float>(std::exp2(-n)), static_cast<float>(g)));
+  const double weight = n == 1.0 ? 0.5 : std::exp2(-n);  // single points are what there is most of
+  set(index, updated(before, static_cast<float>(weight), static_cast<float>(g)));
 }
 
 void VoxelMap::set(std::ptrdiff_t index, float value) {
@@ -225,20 +226,21 @@ void VoxelMap::append_centers(VoxelState at_least, std::vector<Vector3>& centers
 }
 
 template <class Visit>
-void VoxelMap::visit_row(std::ptrdiff_t row, int x_first, int x_last, Visit&& visit) const {
+bool VoxelMap::visit_row(std::ptrdiff_t row, int x_first, int x_last, Visit&& visit) const {
   const std::uint64_t* words = row_bits(row);
   for (int w = x_first / 64; w <= x_last / 64; ++w) {
     std::uint64_t bits = words[w];
     if (w == x_first / 64) bits &= ~std::uint64_t{0} << (x_first % 64);
     if (w == x_last / 64) bits &= ~std::uint64_t{0} >> (63 - x_last % 64);
     for (; bits != 0; bits &= bits - 1) {
-      if (!visit(64 * w + __builtin_ctzll(bits))) return;
+      if (!visit(64 * w + __builtin_ctzll(bits))) return false;
     }
   }
+  return true;
 }
 
 // Calls visit(x, y, z) for the occupied cells, counted from the corner of the box, whose centre may lie within the
-// radius; it says whether to go on with the row. No finite point, no cell.
+// radius; it says whether to go on. No finite point, no cell.
 template <class Visit>
 void VoxelMap::visit_box(const Vector3& p_m, double radius_m, Visit&& visit) const {
   const Eigen::Array3d at = p_m.array() / grid_.edge_m - grid_.min_cell.array().cast<double>() - 0.5;
@@ -248,8 +250,8 @@ void VoxelMap::visit_box(const Vector3& p_m, double radius_m, Visit&& visit) con
   const Cell from = first.cast<int>(), to = last.cast<int>();
   for (int z = from.z(); z <= to.z(); ++z) {
     for (int y = from.y(); y <= to.y(); ++y) {
-      visit_row(static_cast<std::ptrdiff_t>(z) * grid_.size.y() + y, from.x(), to.x(),
-                [&](int x) { return visit(x, y, z); });
+      const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(z) * grid_.size.y() + y;
+      if (!visit_row(row, from.x(), to.x(), [&](int x) { return visit(x, y, z); })) return;
     }
   }
 }
@@ -270,11 +272,15 @@ std::optional<Vector3> VoxelMap::nearest_occupied(const Vector3& p_m, double rad
 }
 
 bool VoxelMap::any_within(const Vector3& p_m, double radius_m, VoxelState at_least) const {
+  const double radius_sq = radius_m * radius_m;
+  const auto counts = [&](const Cell& cell) {
+    return (grid_.center_m(cell) - p_m).squaredNorm() <= radius_sq && state(grid_.index(cell)) >= at_least;
+  };
+  // Points of the background mostly lie in a voxel of it.
+  if (grid_.contains(p_m) && counts(grid_.cell_of(p_m))) return true;
   bool found = false;
   visit_box(p_m, radius_m, [&](int x, int y, int z) {
-    const Cell cell = grid_.min_cell + Cell(x, y, z);
-    found = found ||
-            ((grid_.center_m(cell) - p_m).squaredNorm() <= radius_m * radius_m && state(grid_.index(cell)) >= at_least);
+    found = counts(grid_.min_cell + Cell(x, y, z));
     return !found;
   });
   return found;

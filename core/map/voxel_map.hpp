@@ -100,9 +100,9 @@ class VoxelMap : public BackgroundQuery {
   void rebuild_bits();
   std::uint64_t bits_of(std::ptrdiff_t row, int word) const;
   void set_bit(std::ptrdiff_t index, bool occupied);
-  /// Calls visit(x, distance_sq) for the occupied cells of a row between two cells, in order.
+  /// Calls visit(x) for the occupied cells of a row between two cells, in order, until it says no.
   template <class Visit>
-  void visit_row(std::ptrdiff_t row, int x_first, int x_last, Visit&& visit) const;
+  bool visit_row(std::ptrdiff_t row, int x_first, int x_last, Visit&& visit) const;
   template <class Visit>
   void visit_box(const Vector3& p_m, double radius_m, Visit&& visit) const;
 

@@ -34,6 +34,13 @@ Vector3 position_at(const MotionBelief& belief, TimeNs t_belief, TimeNs t) {
   return belief.position() + belief.velocity() * to_seconds(t - t_belief);
 }
 
+/// -2 log of the density of a difference, but for a constant.
+double statistical_distance(const Vector3& d, const Matrix3& S) {
+  const Eigen::LLT<Matrix3> llt(S);
+  const double log_det = 2.0 * llt.matrixL().toDenseMatrix().diagonal().array().log().sum();
+  return d.dot(llt.solve(d)) + log_det;
+}
+
 }  // namespace
 
 void TrackMeasurementConfig::visit(ConfigVisitor& v) {
@@ -207,11 +214,7 @@ void CloudTracker::update(std::span<Target> targets, const BufferedCloud& cloud,
     const TimeNs t = std::max(target.t, candidate.t);
     filter_->predict(target.state, to_seconds(t - target.t));
     target.t = t;
-    const double sigma_m = config_.measurement.sigma_m;
-    const Matrix3 Z = config_.measurement.noise == "constant"
-                          ? Matrix3(sigma_m * sigma_m * Matrix3::Identity())
-                          : position_covariance(candidate.position_m, cloud.T_world_lidar());
-    filter_->correct(target.state, candidate.position_m, Z);
+    filter_->correct(target.state, candidate.position_m, candidate.covariance);
   }
 }
 
@@ -236,8 +239,14 @@ void CloudTracker::find_candidates(std::span<const Target> targets, const Buffer
     std::int64_t sum_ns = 0;
     for (const std::uint32_t i : members) sum_ns += cloud.time_of(selected_[i]) - cloud.stamp();
     const TimeNs t = cloud.stamp() + sum_ns / static_cast<std::int64_t>(members.size());
-    candidates_.push_back({position_m, t, static_cast<int>(members.size()), members});
+    candidates_.push_back({position_m, measurement_covariance(position_m, cloud), t, members});
   }
+}
+
+/// Z of eq. (32).
+Matrix3 CloudTracker::measurement_covariance(const Vector3& position_m, const BufferedCloud& cloud) const {
+  if (config_.measurement.noise == "sigma_w") return position_covariance(position_m, cloud.T_world_lidar());
+  return config_.measurement.sigma_m * config_.measurement.sigma_m * Matrix3::Identity();
 }
 
 bool CloudTracker::is_background(const Vector3& position_m, double size_m, const BufferedCloud& cloud,
@@ -260,10 +269,6 @@ void CloudTracker::assign(std::span<const Target> targets) {
     const MotionBelief& belief = target.state.belief;
     const Vector3 centre = belief.position();
     const double radius_sq = search_radius_m(target) * search_radius_m(target);
-    Matrix3 S = belief.position_covariance();
-    S.diagonal().array() += config_.measurement.sigma_m * config_.measurement.sigma_m;
-    const Eigen::LLT<Matrix3> llt(S);
-    const double log_det = 2.0 * llt.matrixL().toDenseMatrix().diagonal().array().log().sum();
     for (std::size_t c = 0; c < num; ++c) {
       const Candidate& candidate = candidates_[c];
       const bool in_reach = std::any_of(candidate.members.begin(), candidate.members.end(), [&](std::uint32_t m) {
@@ -271,7 +276,8 @@ void CloudTracker::assign(std::span<const Target> targets) {
       });
       if (!in_reach) continue;
       const Vector3 d = candidate.position_m - position_at(belief, target.t, candidate.t);
-      const double cost = exclusive ? d.dot(llt.solve(d)) + log_det : d.norm();
+      const double cost =
+          exclusive ? statistical_distance(d, belief.position_covariance() + candidate.covariance) : d.norm();
       if (std::isfinite(cost)) costs_[i * num + c] = cost;
     }
   }

@@ -81,8 +81,8 @@ class CloudTracker {
   /// A cluster that may be a target.
   struct Candidate {
     Vector3 position_m;
+    Matrix3 covariance;  // Z
     TimeNs t;
-    int num_points;
     std::span<const std::uint32_t> members;  // indices into selected_
   };
 
@@ -97,6 +97,7 @@ class CloudTracker {
   void forget();
   double search_radius_m(const Target& target) const;
   double association_radius_m(const Target& target) const;
+  Matrix3 measurement_covariance(const Vector3& position_m, const BufferedCloud& cloud) const;
   Matrix3 position_covariance(const Vector3& position_m, const Pose& T_world_lidar) const;
 
   CloudTrackerConfig config_;

@@ -5,13 +5,15 @@
 #include <array>
 
 #include "sim/recorders/geodesy.hpp"
+#include "sim/recorders/ros_markers.hpp"
 #include "sim/recorders/ros_points.hpp"
 #include "sim/sensors/sensor.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::array kTopics = {"points", "imu", "odometry", "gnss", "truth", "estimate", "tf", "clock"};
+constexpr std::array kTopics = {"points",   "imu", "odometry", "gnss",       "truth",
+                                "estimate", "tf",  "clock",    "detections", "tracks"};
 
 // Constants of sensor_msgs/NavSatStatus and NavSatFix.
 constexpr std::int8_t kStatusFix = 0;
@@ -94,11 +96,12 @@ void encode_transform(std::uint32_t sequence, TimeNs t, const std::string& paren
 void RosConfig::visit_common(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");
   v.field("sensors", sensors, "[-] names of the LiDARs to write; empty: all");
-  v.field("topics", topics, "[-] what to write: points, imu, odometry, gnss, truth, estimate, tf, clock");
+  v.field("topics", topics,
+          "[-] what to write: points, imu, odometry, gnss, truth, estimate, tf, clock, detections, tracks");
   const bool known = std::all_of(topics.begin(), topics.end(), [](const std::string& topic) {
     return std::find(kTopics.begin(), kTopics.end(), topic) != kTopics.end();
   });
-  v.check(known, "topics", "a list of points, imu, odometry, gnss, truth, estimate, tf, clock");
+  v.check(known, "topics", "a list of points, imu, odometry, gnss, truth, estimate, tf, clock, detections, tracks");
   v.field("rate_hz", rate_hz, "[Hz] of truth, estimate, tf and clock; 0: every tick", Range::non_negative());
   v.field("every", every, "[-] write every n-th scan of each LiDAR", Range{1, 1e9, false, false});
   v.choice("points_layout", points_layout, {"auto", "ouster", "livox", "velodyne"},
@@ -128,6 +131,7 @@ void RosTopics::write(const TickView& tick) {
     if (sample && wants("truth")) write_truth(tick, vehicle);
     if (sample && wants("estimate")) write_estimate(tick, vehicle);
     write_samples(tick, vehicle);
+    write_markers(tick, vehicle);
     if (wants("points")) write_scans(tick, vehicle);
   }
 }
@@ -207,6 +211,21 @@ void RosTopics::write_samples(const TickView& tick, VehicleId vehicle) {
     Channel& gnss = channel("/" + name + "/gnss", kNavSatFix);
     encode_gnss(sample, datum, gnss.sequence, body, message_);
     send(gnss, tick.t);
+  }
+}
+
+void RosTopics::write_markers(const TickView& tick, VehicleId vehicle) {
+  const Action* action = tick.actions[vehicle];
+  if (!action) return;
+  if (action->has_detections && wants("detections")) {
+    Channel& detections = channel("/" + names_[vehicle] + "/detections", kMarkerArray);
+    encode_detection_markers(action->detections, tick.t, detections.sequence, message_);
+    send(detections, tick.t);
+  }
+  if (action->has_tracks && wants("tracks")) {
+    Channel& tracks = channel("/" + names_[vehicle] + "/tracks", kMarkerArray);
+    encode_track_markers(action->tracks, tick.t, tracks.sequence, message_);
+    send(tracks, tick.t);
   }
 }
 

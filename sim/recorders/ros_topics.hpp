@@ -16,7 +16,8 @@ namespace swiftlet::sim {
 struct RosConfig {
   std::vector<std::string> vehicles;
   std::vector<std::string> sensors;
-  std::vector<std::string> topics = {"points", "imu", "odometry", "gnss", "truth", "estimate", "tf", "clock"};
+  std::vector<std::string> topics = {"points",   "imu", "odometry", "gnss",       "truth",
+                                     "estimate", "tf",  "clock",    "detections", "tracks"};
   double rate_hz = 100.0;
   int every = 1;
   std::string points_layout = "auto";
@@ -59,6 +60,7 @@ class RosTopics {
   void write_truth(const TickView& tick, VehicleId vehicle);
   void write_estimate(const TickView& tick, VehicleId vehicle);
   void write_samples(const TickView& tick, VehicleId vehicle);
+  void write_markers(const TickView& tick, VehicleId vehicle);
   void write_scans(const TickView& tick, VehicleId vehicle);
   void announce_sensor(const std::string& parent, const std::string& child, const Pose& T_body_lidar, TimeNs t);
 

@@ -18,6 +18,8 @@ constexpr Definition kDefinitions[] = {
     {"std_msgs/Header", "uint32 seq\ntime stamp\nstring frame_id\n",
      "builtin_interfaces/Time stamp\nstring frame_id\n"},
     {"builtin_interfaces/Time", "", "int32 sec\nuint32 nanosec\n"},
+    {"builtin_interfaces/Duration", "", "int32 sec\nuint32 nanosec\n"},
+    {"std_msgs/ColorRGBA", "float32 r\nfloat32 g\nfloat32 b\nfloat32 a\n"},
     {"geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n"},
     {"geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n"},
     {"geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"},
@@ -51,6 +53,26 @@ constexpr Definition kDefinitions[] = {
      "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n"
      "geometry_msgs/TwistWithCovariance twist\n"},
     {"tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms\n"},
+    {"sensor_msgs/CompressedImage", "", "std_msgs/Header header\nstring format\nuint8[] data\n"},
+    {"visualization_msgs/UVCoordinate", "", "float32 u\nfloat32 v\n"},
+    {"visualization_msgs/MeshFile", "", "string filename\nuint8[] data\n"},
+    {"visualization_msgs/Marker",
+     "uint8 ARROW=0\nuint8 CUBE=1\nuint8 SPHERE=2\nuint8 CYLINDER=3\nuint8 LINE_STRIP=4\nuint8 LINE_LIST=5\n"
+     "uint8 CUBE_LIST=6\nuint8 SPHERE_LIST=7\nuint8 POINTS=8\nuint8 TEXT_VIEW_FACING=9\nuint8 MESH_RESOURCE=10\n"
+     "uint8 TRIANGLE_LIST=11\nuint8 ADD=0\nuint8 MODIFY=0\nuint8 DELETE=2\nuint8 DELETEALL=3\n"
+     "std_msgs/Header header\nstring ns\nint32 id\nint32 type\nint32 action\ngeometry_msgs/Pose pose\n"
+     "geometry_msgs/Vector3 scale\nstd_msgs/ColorRGBA color\nduration lifetime\nbool frame_locked\n"
+     "geometry_msgs/Point[] points\nstd_msgs/ColorRGBA[] colors\nstring text\nstring mesh_resource\n"
+     "bool mesh_use_embedded_materials\n",
+     "int32 ARROW=0\nint32 CUBE=1\nint32 SPHERE=2\nint32 CYLINDER=3\nint32 LINE_STRIP=4\nint32 LINE_LIST=5\n"
+     "int32 CUBE_LIST=6\nint32 SPHERE_LIST=7\nint32 POINTS=8\nint32 TEXT_VIEW_FACING=9\nint32 MESH_RESOURCE=10\n"
+     "int32 TRIANGLE_LIST=11\nint32 ADD=0\nint32 MODIFY=0\nint32 DELETE=2\nint32 DELETEALL=3\n"
+     "std_msgs/Header header\nstring ns\nint32 id\nint32 type\nint32 action\ngeometry_msgs/Pose pose\n"
+     "geometry_msgs/Vector3 scale\nstd_msgs/ColorRGBA color\nbuiltin_interfaces/Duration lifetime\n"
+     "bool frame_locked\ngeometry_msgs/Point[] points\nstd_msgs/ColorRGBA[] colors\nstring texture_resource\n"
+     "sensor_msgs/CompressedImage texture\nvisualization_msgs/UVCoordinate[] uv_coordinates\nstring text\n"
+     "string mesh_resource\nvisualization_msgs/MeshFile mesh_file\nbool mesh_use_embedded_materials\n"},
+    {"visualization_msgs/MarkerArray", "visualization_msgs/Marker[] markers\n"},
     {"rosgraph_msgs/Clock", "time clock\n", "builtin_interfaces/Time clock\n"},
 };
 
@@ -82,6 +104,18 @@ constexpr const char* kTFMessageParts[] = {
     "geometry_msgs/TransformStamped", kHeader, kTime, "geometry_msgs/Transform", "geometry_msgs/Vector3",
     "geometry_msgs/Quaternion"};
 constexpr const char* kClockParts[] = {kTime};
+constexpr const char* kMarkerArrayParts[] = {"visualization_msgs/Marker",
+                                             kHeader,
+                                             kTime,
+                                             "geometry_msgs/Pose",
+                                             "geometry_msgs/Point",
+                                             "geometry_msgs/Quaternion",
+                                             "geometry_msgs/Vector3",
+                                             "std_msgs/ColorRGBA",
+                                             "builtin_interfaces/Duration",
+                                             "sensor_msgs/CompressedImage",
+                                             "visualization_msgs/UVCoordinate",
+                                             "visualization_msgs/MeshFile"};
 
 }  // namespace
 
@@ -92,6 +126,7 @@ const RosType kOdometry{"nav_msgs", "Odometry", "cd5e73d190d741a2f92e81eda573aca
 const RosType kPoseStamped{"geometry_msgs", "PoseStamped", "d3812c3cbc69362b77dc0b19b345f8f5", kPoseStampedParts};
 const RosType kTFMessage{"tf2_msgs", "TFMessage", "94810edda583a504dfda3829e70d7eec", kTFMessageParts};
 const RosType kClock{"rosgraph_msgs", "Clock", "a9c97c1d230cfc112e270351a944ee47", kClockParts};
+const RosType kMarkerArray{"visualization_msgs", "MarkerArray", "d155b9ce5188fbaf89745847fd5882d7", kMarkerArrayParts};
 
 std::string full_name(const RosType& type, RosDialect dialect) {
   return std::string(type.package) + (dialect == RosDialect::kRos2 ? "/msg/" : "/") + type.name;
@@ -100,7 +135,7 @@ std::string full_name(const RosType& type, RosDialect dialect) {
 std::string full_definition(const RosType& type, RosDialect dialect) {
   std::string text(definition_of(std::string(type.package) + "/" + type.name, dialect));
   for (const std::string_view part : type.parts) {
-    if (dialect == RosDialect::kRos1 && part == kTime) continue;  // a built-in type there
+    if (dialect == RosDialect::kRos1 && definition_of(part, dialect).empty()) continue;  // built in, or not there
     text += "\n" + std::string(80, '=') + "\nMSG: ";
     text += part;
     text += "\n";

@@ -23,6 +23,7 @@ extern const RosType kOdometry;
 extern const RosType kPoseStamped;
 extern const RosType kTFMessage;
 extern const RosType kClock;
+extern const RosType kMarkerArray;
 
 /// "sensor_msgs/Imu" or "sensor_msgs/msg/Imu".
 std::string full_name(const RosType& type, RosDialect dialect);

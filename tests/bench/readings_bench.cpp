@@ -184,7 +184,7 @@ void add_all(bool noisy) {
   add("map_update=before", [](VofodConfig& c) { c.choices.map_update = "before"; });
   add("ray_end=voxel_before", [](VofodConfig& c) { c.choices.ray_end = "voxel_before"; });
   add("hit_voxels=keep", [](VofodConfig& c) { c.choices.hit_voxels = "keep"; });
-  add("separate_becomes=unknown", [](VofodConfig& c) { c.choices.separate_becomes = "unknown"; });
+  add("separate_becomes=free", [](VofodConfig& c) { c.choices.separate_becomes = "free"; });
   add("separate_reach=sphere", [](VofodConfig& c) { c.choices.separate_reach = "sphere"; });
   add("min_points=1", [](VofodConfig& c) { c.min_points = 1; });
   add("released code", [](VofodConfig& c) {
@@ -197,6 +197,7 @@ void add_all(bool noisy) {
                  .map_update = "before",
                  .ray_end = "voxel_before",
                  .hit_voxels = "keep",
+                 .separate_becomes = "free",
                  .separate_reach = "sphere"};
   });
 }

@@ -67,6 +67,20 @@ def check_csv(directory, expected, result):
             result.equal(row["neighbor"], expected["vehicles"][want["neighbor"]["id"]], "neighbor")
             result.equal(columns(row, "x_body_m y_body_m z_body_m " + COV),
                          [*want["neighbor"]["p"], *upper(want["neighbor"]["covariance"])], "neighbor")
+        detections = [want["detection"] for _, want in ticks]
+        rows = table(directory, name, "detections")
+        result.equal([columns(row, "t_s x_m y_m z_m " + COV + " extent_x_m extent_y_m extent_z_m num_points confidence")
+                      for row in rows],
+                     [[d["t_ns"] * 1e-9, *d["p"], *upper(d["covariance"]), *d["extent"], d["points"], d["confidence"]]
+                      for d in detections], "detections", 1e-15)
+        scores = [score for _, want in ticks for score in want["scores"]]
+        rows = table(directory, name, "scores")
+        result.equal([columns(row, "t_s distance_m visible_points found id position_error_m speed_error_mps "
+                                   "direction_error_rad nees latency_s") for row in rows],
+                     [[score["t_ns"] * 1e-9, *score["numbers"]] for score in scores], "scores", 1e-15)
+        names = [expected["vehicles"][score["target"]] if score["target"] >= 0 else "" for score in scores]
+        result.equal([[row["stage"], row["target"]] for row in rows],
+                     [[score["stage"], name] for score, name in zip(scores, names)], "names of scores")
         tracks = [want["track"] for _, want in ticks if want["track"]["written"]]
         rows = table(directory, name, "tracks")
         result.equal([columns(row, "id x_m y_m z_m " + COV) for row in rows],

@@ -150,6 +150,9 @@ class RosCheck:
                     add(f"/{name}/odometry", "Odometry", t, self.odometry, name, sample)
                 for sample in v["gnss"]:
                     add(f"/{name}/gnss", "NavSatFix", t, self.gnss, name, sample)
+                add(f"/{name}/detections", "MarkerArray", t, self.detections, t, v["detection"])
+                if v["track"]["written"]:
+                    add(f"/{name}/tracks", "MarkerArray", t, self.tracks, t, v["track"])
                 for scan in v["scans"]:
                     frame = f"{name}/{scan['sensor']}"
                     if all(child != frame for _, child, _ in static):
@@ -218,6 +221,39 @@ class RosCheck:
         diagonal = np.diag(np.square(sample["sigma"]))
         self.result.equal(np.reshape(message["position_covariance"], (3, 3)), diagonal, where + " covariance", 1e-12)
         self.result.equal(message["position_covariance_type"], 2, where + " covariance type")
+
+    def markers(self, message, where, t, wanted):
+        """wanted: (ns, id, type, stamp) of each marker after the one that deletes those before."""
+        first, *markers = message["markers"]
+        self.header(first, where + " first", t, "world")
+        self.result.equal(first["action"], 3, where + " deletes all")
+        self.result.equal([[m["ns"], str(m["id"]), str(m["type"]), str(m["action"])] for m in markers],
+                          [[ns, str(number), str(kind), "0"] for ns, number, kind, _ in wanted], where + " markers")
+        for marker, (*_, stamp) in zip(markers, wanted):
+            self.header(marker, where, stamp, "world")
+            self.result.equal([len(marker["colors"]), marker["mesh_resource"], marker["frame_locked"]], [0, "", False],
+                              where + " unused")
+        return markers
+
+    def detections(self, message, where, t, detection):
+        box, = self.markers(message, where, t, [("detections", 0, 1, detection["t_ns"])])
+        self.pose(box["pose"], where, detection["p"], [0, 0, 0, 1])
+        self.vector(box["scale"], where + " extent", np.maximum(detection["extent"], 0.1))
+
+    def tracks(self, message, where, t, track):
+        number, stamp = track["id"], track["t_ns"]
+        place, spread, way, name = self.markers(message, where, t, [
+            ("tracks", number, 2, stamp), ("covariance", number, 2, stamp), ("velocity", number, 0, stamp),
+            ("names", number, 9, stamp)])
+        self.pose(place["pose"], where, track["p"], [0, 0, 0, 1])
+        self.vector(spread["pose"]["position"], where + " centre of covariance", track["p"])
+        axes = rotation([spread["pose"]["orientation"][k] for k in "xyzw"])
+        sigma = np.array([spread["scale"][k] for k in "xyz"]) / 6
+        self.result.equal(axes @ np.diag(sigma**2) @ axes.T, np.reshape(track["covariance"], (3, 3)),
+                          where + " covariance", 1e-9)
+        self.result.equal([[p[k] for k in "xyz"] for p in way["points"]],
+                          [track["p"], np.add(track["p"], track["v"])], where + " velocity", 1e-12)
+        self.result.equal(name["text"], str(number), where + " name")
 
     def points(self, message, where, frame, scan):
         self.header(message, where, scan["stamp_ns"], frame)

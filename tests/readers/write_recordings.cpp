@@ -93,9 +93,29 @@ json json_of(const TickView& tick, int vehicle) {
       {"id", neighbor.id}, {"p", json_of(neighbor.p_body_m)}, {"covariance", json_of_matrix(neighbor.covariance_body)}};
   const Track& track = action.tracks.front();
   out["track"] = {{"written", action.has_tracks},
+                  {"t_ns", track.t},
                   {"id", track.id},
                   {"p", json_of(track.position_m)},
+                  {"v", json_of(track.velocity_mps)},
                   {"covariance", json_of_matrix(track.covariance.topLeftCorner<3, 3>())}};
+  const Detection& detection = action.detections.front();
+  out["detection"] = {{"t_ns", detection.t},
+                      {"p", json_of(detection.position_m)},
+                      {"covariance", json_of_matrix(detection.covariance)},
+                      {"extent", json_of(detection.extent_m)},
+                      {"points", detection.num_points},
+                      {"confidence", detection.confidence}};
+  out["scores"] = json::array();
+  for (const DetectionScore& score : tick.detection_scores) {
+    if (score.observer != vehicle) continue;
+    out["scores"].push_back(
+        {{"t_ns", score.t},
+         {"stage", score.stage == DetectionScore::Stage::kDetector ? "detector" : "tracker"},
+         {"target", score.target},
+         {"numbers",
+          {score.distance_m, score.visible_points, score.found ? 1 : 0, score.track_id, score.position_error_m,
+           score.speed_error_mps, score.direction_error_rad, score.nees, score.latency_s}}});
+  }
   out["scans"] = json::array();
   for (const auto& scan : tick.scans[vehicle]) out["scans"].push_back(json_of(*scan));
   return out;
@@ -111,7 +131,7 @@ Module module_of(const char* type, Config config) {
 std::vector<Module> every_recorder() {
   CsvConfig csv;
   csv.rate_hz = 0;
-  csv.topics = {"state", "imu", "gnss", "odometry", "neighbors", "tracks"};
+  csv.topics = {"state", "imu", "gnss", "odometry", "neighbors", "detections", "tracks", "scores"};
   PcdConfig pcd_lidar;
   pcd_lidar.organized = true;
   pcd_lidar.folder = "scans_organized";

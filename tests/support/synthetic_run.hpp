@@ -52,6 +52,7 @@ class SyntheticRun {
       fill_scans(v, k);
       clearance_[v] = number();
     }
+    fill_scores();
     if (k == 7) events_.push_back({view_.t, "crash", 1, "trunk \"17\"", vector(), "motors\nstopped"});
     if (k == 9) events_.push_back({view_.t, "end", kNoVehicle, "", Vector3::Zero(), "time is up"});
     view_.states = states_;
@@ -60,6 +61,7 @@ class SyntheticRun {
     view_.scans = scans_;
     view_.events = events_;
     view_.clearance_m = clearance_;
+    view_.detection_scores = scores_;
     return view_;
   }
 
@@ -188,6 +190,8 @@ class SyntheticRun {
     action.reference.acceleration_mps2 = vector();
     action.reference.yaw_rad = number();
     action.reference.yaw_rate_radps = number();
+    action.has_detections = true;
+    action.detections_stamp = view_.t - 2 * kTick;
     Detection& detection = action.detections.emplace_back();
     detection.t = view_.t - kTick;
     detection.position_m = vector();
@@ -206,6 +210,29 @@ class SyntheticRun {
     track.covariance.topLeftCorner<3, 3>() = covariance();
     track.num_detections = 4;
     track.corrected = true;
+  }
+
+  /// Of each vehicle's detector about the other, and a false estimate of its tracker.
+  void fill_scores() {
+    scores_.clear();
+    for (VehicleId v = 0; v < 2; ++v) {
+      for (const bool is_false : {false, true}) {
+        DetectionScore& score = scores_.emplace_back();
+        score.t = view_.t - kTick;
+        score.observer = v;
+        score.stage = is_false ? DetectionScore::Stage::kTracker : DetectionScore::Stage::kDetector;
+        score.target = is_false ? kNoVehicle : 1 - v;
+        score.distance_m = 20.0 + number();
+        score.visible_points = is_false ? -1 : 12;
+        score.found = !is_false;
+        score.track_id = is_false ? 7 : 0;
+        score.position_error_m = number();
+        score.speed_error_mps = number();
+        score.direction_error_rad = number();
+        score.nees = number();
+        score.latency_s = number();
+      }
+    }
   }
 
   void fill_scans(VehicleId v, int k) {
@@ -231,6 +258,7 @@ class SyntheticRun {
   std::array<std::vector<std::shared_ptr<const LabelledScan>>, 2> scans_;
   std::array<double, 2> clearance_{};
   std::vector<Event> events_;
+  std::vector<DetectionScore> scores_;
   TickView view_;
   double phase_ = 0.0;
 };

@@ -196,7 +196,7 @@ TEST(VofodStages, EveryReadingFindsTheObject) {
   EXPECT_GE(with([](VofodChoices& c) { c.map_update = "before"; }), 6u);
   EXPECT_GE(with([](VofodChoices& c) { c.ray_end = "voxel_before"; }), 6u);
   EXPECT_GE(with([](VofodChoices& c) { c.hit_voxels = "keep"; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.separate_becomes = "unknown"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.separate_becomes = "free"; }), 6u);
   EXPECT_GE(with([](VofodChoices& c) { c.separate_reach = "sphere"; }), 6u);
 }
 

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/recorders/ros_markers.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <string>
+#include <vector>
+
+namespace swiftlet::sim {
+namespace {
+
+// Constants of visualization_msgs/Marker.
+enum MarkerType : std::int32_t { kArrow = 0, kCube = 1, kSphere = 2, kText = 9 };
+enum MarkerAction : std::int32_t { kAdd = 0, kDeleteAll = 3 };
+
+constexpr double kLeastSize_m = 0.1;  // a box without extent would not be seen
+
+/// One marker; what is not named stays as the message has it.
+struct Marker {
+  const char* space = "";
+  std::int32_t id = 0;
+  MarkerType type = kSphere;
+  MarkerAction action = kAdd;
+  Vector3 position_m = Vector3::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Vector3 scale_m = Vector3::Zero();
+  Eigen::Vector4f color = Eigen::Vector4f::Zero();
+  std::vector<Vector3> points_m = {};
+  std::string text = {};
+};
+
+void encode_marker(const Marker& marker, TimeNs t, std::uint32_t sequence, RosEncoder& out) {
+  out.header(sequence, t, "world");
+  out.text(marker.space);
+  out.put(marker.id);
+  out.put(static_cast<std::int32_t>(marker.type));
+  out.put(static_cast<std::int32_t>(marker.action));
+  out.put_pose(marker.position_m, marker.rotation);
+  out.vector3(marker.scale_m);
+  for (const float value : marker.color) out.put(value);
+  out.put(std::int32_t{0});  // lifetime: for ever
+  out.put(std::int32_t{0});
+  out.put(false);  // frame_locked
+  out.count(marker.points_m.size());
+  for (const Vector3& p : marker.points_m) out.vector3(p);
+  out.count(0);  // colors
+  if (out.dialect() == RosDialect::kRos2) {
+    out.text("");  // texture_resource
+    out.header(sequence, t, "");
+    out.text("");  // format of the texture
+    out.count(0);  // its data
+    out.count(0);  // uv_coordinates
+  }
+  out.text(marker.text);
+  out.text("");  // mesh_resource
+  if (out.dialect() == RosDialect::kRos2) {
+    out.text("");  // mesh_file
+    out.count(0);
+  }
+  out.put(false);  // mesh_use_embedded_materials
+}
+
+void begin_markers(std::size_t count, TimeNs t, std::uint32_t sequence, RosEncoder& out) {
+  out.begin();
+  out.count(1 + count);
+  encode_marker({.action = kDeleteAll}, t, sequence, out);
+}
+
+/// Ellipsoid of three standard deviations.
+Marker covariance_marker(const Track& track, std::int32_t id) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(track.covariance.topLeftCorner<3, 3>());
+  Matrix3 axes = solver.eigenvectors();
+  if (axes.determinant() < 0.0) axes.col(0) *= -1.0;
+  return {.space = "covariance",
+          .id = id,
+          .position_m = track.position_m,
+          .rotation = Eigen::Quaterniond(axes),
+          .scale_m = 6.0 * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt(),
+          .color = {0.2F, 0.6F, 1.0F, 0.25F}};
+}
+
+}  // namespace
+
+void encode_detection_markers(std::span<const Detection> detections, TimeNs t, std::uint32_t sequence,
+                              RosEncoder& out) {
+  begin_markers(detections.size(), t, sequence, out);
+  std::int32_t id = 0;
+  for (const Detection& detection : detections) {
+    encode_marker({.space = "detections",
+                   .id = id++,
+                   .type = kCube,
+                   .position_m = detection.position_m,
+                   .scale_m = detection.extent_m.cwiseMax(kLeastSize_m),
+                   .color = {1.0F, 0.1F, 0.1F, 0.8F}},
+                  detection.t, sequence, out);
+  }
+}
+
+void encode_track_markers(std::span<const Track> tracks, TimeNs t, std::uint32_t sequence, RosEncoder& out) {
+  constexpr std::size_t kMarkersPerTrack = 4;
+  begin_markers(kMarkersPerTrack * tracks.size(), t, sequence, out);
+  const Eigen::Vector4f color(0.2F, 0.6F, 1.0F, 1.0F);
+  for (const Track& track : tracks) {
+    const auto id = static_cast<std::int32_t>(track.id);
+    encode_marker({.space = "tracks",
+                   .id = id,
+                   .position_m = track.position_m,
+                   .scale_m = Vector3::Constant(0.4),
+                   .color = color},
+                  track.t, sequence, out);
+    encode_marker(covariance_marker(track, id), track.t, sequence, out);
+    encode_marker({.space = "velocity",
+                   .id = id,
+                   .type = kArrow,
+                   .scale_m = {0.08, 0.2, 0.0},  // diameters of shaft and head
+                   .color = color,
+                   .points_m = {track.position_m, track.position_m + track.velocity_mps}},
+                  track.t, sequence, out);
+    encode_marker({.space = "names",
+                   .id = id,
+                   .type = kText,
+                   .position_m = track.position_m + 0.5 * Vector3::UnitZ(),
+                   .scale_m = {0.0, 0.0, 0.4},
+                   .color = Eigen::Vector4f::Ones(),
+                   .text = std::to_string(track.id)},
+                  track.t, sequence, out);
+  }
+}
+
+}  // namespace swiftlet::sim

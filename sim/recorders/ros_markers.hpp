@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "sim/recorders/ros_encoder.hpp"
+#include "swiftlet/core/detection.hpp"
+#include "swiftlet/core/track.hpp"
+
+namespace swiftlet::sim {
+
+/// visualization_msgs/MarkerArray in the frame `world`. The first marker deletes those of the message before, so that
+/// the newest message is all there is to see.
+/// A red box for each detection, `ns` "detections".
+void encode_detection_markers(std::span<const Detection> detections, TimeNs t, std::uint32_t sequence, RosEncoder& out);
+/// For each track, with its identity as `id`: its place ("tracks"), three standard deviations ("covariance"), the way
+/// of the next second ("velocity") and its number ("names").
+void encode_track_markers(std::span<const Track> tracks, TimeNs t, std::uint32_t sequence, RosEncoder& out);
+
+}  // namespace swiftlet::sim
