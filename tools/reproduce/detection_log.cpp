@@ -22,12 +22,14 @@ const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-DetectionLog::DetectionLog(const sim::Scenario& scenario, double fov_bottom_deg, double fov_top_deg, double ignored_s)
-    : world_(sim::build_world(scenario.world, scenario.seed)),
+DetectionLog::DetectionLog(const sim::Scenario& scenario, double fov_bottom_deg, double fov_top_deg, double ignored_s,
+                           std::size_t observer)
+    : observer_(observer),
+      world_(sim::build_world(scenario.world, scenario.seed)),
       sin_bottom_(std::sin(fov_bottom_deg * std::numbers::pi / 180.0)),
       sin_top_(std::sin(fov_top_deg * std::numbers::pi / 180.0)),
       ignored_(from_seconds(ignored_s)) {
-  for (const Module& sensor : scenario.vehicles.front().sensors) {
+  for (const Module& sensor : scenario.vehicles.at(observer).sensors) {
     if (const auto* lidar = dynamic_cast<const sim::LidarConfig*>(sensor.config.get()))
       p_body_lidar_m_ = lidar->mount.position_m;
   }
@@ -37,16 +39,18 @@ void DetectionLog::add(const sim::Simulation& simulation) {
   const sim::TickView& view = simulation.view();
   Truth truth;
   truth.t = view.t;
-  truth.R_world_body = view.states[0].q_world_body.toRotationMatrix();
-  truth.p_sensor_m = view.states[0].p_world_m + truth.R_world_body * p_body_lidar_m_;
-  for (std::size_t i = 1; i < view.states.size(); ++i) {
+  const sim::VehicleState& own = view.states[observer_];
+  truth.R_world_body = own.q_world_body.toRotationMatrix();
+  truth.p_sensor_m = own.p_world_m + truth.R_world_body * p_body_lidar_m_;
+  for (std::size_t i = 0; i < view.states.size(); ++i) {
+    if (i == observer_) continue;
     truth.p_m.push_back(view.states[i].p_world_m);
     truth.v_mps.push_back(view.states[i].v_world_mps);
   }
   truth_.push_back(std::move(truth));
   if (view.t < ignored_) return;
   observed_s_ = to_seconds(view.t - ignored_);
-  const Action& action = *view.actions[0];
+  const Action& action = *view.actions[observer_];
   if (action.has_detections && action.detections_stamp >= ignored_) add_detections(action);
   if (action.has_tracks) add_tracks(action);
 }
@@ -97,10 +101,15 @@ void DetectionLog::add_detections(const Action& action) {
 void DetectionLog::add_tracks(const Action& action) {
   const int num_targets = static_cast<int>(truth_.back().p_m.size());
   for (const Track& track : action.tracks) track_ids_.insert(track.id);
+  in_view_since_.resize(static_cast<std::size_t>(num_targets), -1);
   for (int target = 0; target < num_targets; ++target) {
     const TimeNs t = action.tracks.empty() ? truth_.back().t : action.tracks.front().t;
     const Truth& truth = at(t);
     Sighting sighting = sighting_of(truth, target, t);
+    TimeNs& since = in_view_since_[static_cast<std::size_t>(target)];
+    if (!sighting.visible) since = -1;
+    if (sighting.visible && since < 0) since = t;
+    sighting.in_view_s = sighting.visible ? to_seconds(t - since) : 0.0;
     const Track* nearest = nullptr;
     for (const Track& track : action.tracks) {
       const double error_m = (track.position_m - truth.p_m[static_cast<std::size_t>(target)]).norm();
@@ -145,13 +154,13 @@ double DistanceBin::mean_error_m() const {
 }
 
 std::vector<DistanceBin> by_distance(const std::vector<const std::vector<Sighting>*>& runs, double width_m,
-                                     double farthest_m) {
+                                     double farthest_m, double least_in_view_s) {
   std::vector<DistanceBin> bins;
   for (int k = 0; k * width_m < farthest_m; ++k) bins.push_back({k * width_m, (k + 1) * width_m, 0, 0, {}});
   for (const std::vector<Sighting>* sightings : runs) {
     for (const Sighting& sighting : *sightings) {
       const auto k = static_cast<std::size_t>(sighting.range_m / width_m);
-      if (!sighting.visible || k >= bins.size()) continue;
+      if (!sighting.visible || k >= bins.size() || sighting.in_view_s < least_in_view_s) continue;
       ++bins[k].count;
       if (!sighting.found) continue;
       ++bins[k].found;

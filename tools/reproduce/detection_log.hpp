@@ -22,14 +22,16 @@ struct Sighting {
   double speed_error_mps = 0.0;      ///< eq. (69), of tracks
   double direction_error_rad = 0.0;  ///< eq. (70), of tracks; NaN when the target hardly moves
   std::uint32_t track = 0;           ///< identity of the nearest track
+  double in_view_s = 0.0;            ///< of tracks: for how long the target has been visible
 };
 
-/// What one run shows, collected tick by tick: vehicle 0 observes, all others are targets.
+/// What one run shows, collected tick by tick: one vehicle observes, all others are targets, numbered without it.
 class DetectionLog {
  public:
   /// @param vertical_fov_deg  of the observer's LiDAR, from its lowest to its highest beam
   /// @param ignored_s         nothing is counted before: the map must first become free
-  DetectionLog(const sim::Scenario& scenario, double fov_bottom_deg, double fov_top_deg, double ignored_s);
+  DetectionLog(const sim::Scenario& scenario, double fov_bottom_deg, double fov_top_deg, double ignored_s,
+               std::size_t observer = 0);
 
   void add(const sim::Simulation& simulation);
 
@@ -54,6 +56,7 @@ class DetectionLog {
   void add_detections(const Action& action);
   void add_tracks(const Action& action);
 
+  std::size_t observer_;
   sim::World world_;
   Vector3 p_body_lidar_m_ = Vector3(0.0, 0.0, 0.15);
   double sin_bottom_, sin_top_;
@@ -64,6 +67,7 @@ class DetectionLog {
   double observed_s_ = 0.0;
   std::map<std::uint32_t, std::vector<int>> targets_of_track_;  // in the order in which it followed them
   std::set<std::uint32_t> track_ids_;
+  std::vector<TimeNs> in_view_since_;  // by target; -1: it is not
 };
 
 /// Sightings of visible targets by true distance.
@@ -75,7 +79,8 @@ struct DistanceBin {
   double recall() const;        ///< NaN without sightings
   double mean_error_m() const;  ///< of true positives; NaN without
 };
+/// @param least_in_view_s  only of targets that have been in view for so long
 std::vector<DistanceBin> by_distance(const std::vector<const std::vector<Sighting>*>& runs, double width_m,
-                                     double farthest_m);
+                                     double farthest_m, double least_in_view_s = 0.0);
 
 }  // namespace swiftlet::tools

@@ -24,18 +24,13 @@ double nakagami_mean_m(double range_m, const MeasurementNoise& noise) {
   return ErrorDistribution(covariance_at(range_m, noise)).mean_m();
 }
 
-struct ErrorCase {
-  std::size_t i_rad = 0, i_m = 0;
-  double range_m = 0.0;
-};
-
-struct Sampled {                                // mean error and its standard error
+struct ErrorSampled {                           // mean error and its standard error
   double normal_m = 0.0, normal_error_m = 0.0;  // of the linearised distribution
   double true_m = 0.0;                          // of eqs. (38) to (41) without linearisation
 };
 
-Sampled sample(const ErrorCase& one, std::uint32_t count) {
-  const MeasurementNoise noise = noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]);
+ErrorSampled sample(const NoiseCase& one, std::uint32_t count) {
+  const MeasurementNoise noise = one.noise();
   const Random random(1, "expected-error", fmt::format("{}/{}/{}", one.i_rad, one.i_m, one.range_m));
   const Jacobian37 J = point_jacobian(Vector3::UnitX(), one.range_m, Matrix3::Identity());
   const Vector3 p_measured_m = one.range_m * Vector3::UnitX();
@@ -59,7 +54,7 @@ double range_of_error_m(double error_m, const MeasurementNoise& noise) {
   return std::numeric_limits<double>::infinity();
 }
 
-void draw(Experiment& experiment, const std::vector<ErrorCase>& cases, const std::vector<Sampled>& sampled) {
+void draw(Experiment& experiment, const SampledNoise<ErrorSampled>& sampled) {
   sim::plot::Figure figure("Expected error of a measured point (Fig. 5)", 3);
   figure.set_panel_size(400, 360);
   CsvTable csv({"sigma_rad", "sigma_m", "range_m", "expected_error_m", "exact_normal_mean_m"});
@@ -79,11 +74,7 @@ void draw(Experiment& experiment, const std::vector<ErrorCase>& cases, const std
       panel.line(fmt::format("σ_m = {:g} m", kSigma_m[i_m]), ranges, errors, {.color = static_cast<int>(i_m)});
     }
     std::vector<double> ranges, means;
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-      if (cases[i].i_rad != i_rad) continue;
-      ranges.push_back(cases[i].range_m);
-      means.push_back(sampled[i].true_m);
-    }
+    sampled.of_attitude(i_rad, &ErrorSampled::true_m, ranges, means);
     panel.scatter("Monte-Carlo", ranges, means, {.color = 6, .marker = sim::plot::Marker::kCross});
   }
   experiment.write("expected-error.csv", csv);
@@ -94,29 +85,24 @@ void draw(Experiment& experiment, const std::vector<ErrorCase>& cases, const std
 
 void expected_error(Experiment& experiment) {
   const auto count = static_cast<std::uint32_t>(experiment.quick() ? 100000 : 1000000);
-  std::vector<ErrorCase> cases;
-  for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
-    for (std::size_t i_m = 0; i_m < 3; ++i_m) {
-      for (const double range_m : kPrintedRanges_m) cases.push_back({i_rad, i_m, range_m});
-    }
-  }
-  std::vector<Sampled> sampled(cases.size());
-  parallel_for(experiment, cases.size(), "combinations", [&](std::size_t i) { sampled[i] = sample(cases[i], count); });
-  draw(experiment, cases, sampled);
+  const SampledNoise<ErrorSampled> sampled(experiment, [count](const NoiseCase& one) { return sample(one, count); });
+  draw(experiment, sampled);
+  const std::vector<NoiseCase>& cases = sampled.cases;
 
   CsvTable csv({"sigma_rad", "sigma_m", "range_m", "nakagami_m", "exact_m", "sampled_normal_m", "standard_error_m",
                 "sampled_true_m"});
   double standard_errors = 0.0, nakagami = 0.0;
   std::array<double, 3> linearisation{};
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    const ErrorCase& one = cases[i];
-    const Matrix3 Sigma = covariance_at(one.range_m, noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]));
+    const NoiseCase& one = cases[i];
+    const Matrix3 Sigma = covariance_at(one.range_m, one.noise());
     const double exact_m = mean_normal_norm(Sigma), approximate_m = ErrorDistribution(Sigma).mean_m();
-    csv.row({kSigma_rad[one.i_rad], kSigma_m[one.i_m], one.range_m, approximate_m, exact_m, sampled[i].normal_m,
-             sampled[i].normal_error_m, sampled[i].true_m});
-    standard_errors = std::max(standard_errors, std::abs(exact_m - sampled[i].normal_m) / sampled[i].normal_error_m);
+    csv.row({kSigma_rad[one.i_rad], kSigma_m[one.i_m], one.range_m, approximate_m, exact_m, sampled.results[i].normal_m,
+             sampled.results[i].normal_error_m, sampled.results[i].true_m});
+    standard_errors =
+        std::max(standard_errors, std::abs(exact_m - sampled.results[i].normal_m) / sampled.results[i].normal_error_m);
     nakagami = std::max(nakagami, std::abs(approximate_m / exact_m - 1.0));
-    linearisation[one.i_rad] = std::max(linearisation[one.i_rad], std::abs(exact_m / sampled[i].true_m - 1.0));
+    linearisation[one.i_rad] = std::max(linearisation[one.i_rad], std::abs(exact_m / sampled.results[i].true_m - 1.0));
   }
   experiment.write("monte-carlo.csv", csv);
 

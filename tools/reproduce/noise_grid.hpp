@@ -3,9 +3,11 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "core/math/random.hpp"
 #include "core/uncertainty/point_covariance.hpp"
+#include "parallel.hpp"
 
 /// The noise parameters of 000, section IV: eqs. (50) to (53).
 namespace swiftlet::tools {
@@ -28,5 +30,40 @@ inline Eigen::Matrix<double, 7, 1> draw_noise(const Random& random, const Measur
       noise.sigma_attitude_rad.cwiseProduct(Vector3(attitude.data()));
   return w;
 }
+
+/// One of the 27 combinations.
+struct NoiseCase {
+  std::size_t i_rad = 0, i_m = 0;
+  double range_m = 0.0;
+  MeasurementNoise noise() const { return noise_of(kSigma_m[i_m], kSigma_rad[i_rad]); }
+};
+
+/// What `sample` says of every combination, on the experiment's jobs.
+template <class Sampled>
+struct SampledNoise {
+  std::vector<NoiseCase> cases;
+  std::vector<Sampled> results;
+
+  template <class Sample>
+  SampledNoise(const Experiment& experiment, Sample&& sample) {
+    for (std::size_t i_rad = 0; i_rad < kSigma_rad.size(); ++i_rad) {
+      for (std::size_t i_m = 0; i_m < kSigma_m.size(); ++i_m) {
+        for (const double range_m : kPrintedRanges_m) cases.push_back({i_rad, i_m, range_m});
+      }
+    }
+    results.resize(cases.size());
+    parallel_for(experiment, cases.size(), "combinations", [&](std::size_t i) { results[i] = sample(cases[i]); });
+  }
+  /// Ranges of the combinations of one attitude noise, and a value of each result.
+  template <class Value>
+  void of_attitude(std::size_t i_rad, Value Sampled::*value, std::vector<double>& ranges_m,
+                   std::vector<double>& values) const {
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      if (cases[i].i_rad != i_rad) continue;
+      ranges_m.push_back(cases[i].range_m);
+      values.push_back(results[i].*value);
+    }
+  }
+};
 
 }  // namespace swiftlet::tools

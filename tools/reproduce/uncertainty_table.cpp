@@ -160,29 +160,33 @@ void add_rows(CsvTable& csv, const Table& table, const std::string& regions) {
   }
 }
 
+// A row of panels for each quantity, a panel for each attitude noise.
 void draw(Experiment& experiment, const Table& ray, const Table& world) {
-  sim::plot::Figure figure("Gaussian approximation against Monte-Carlo (Table I)", 2);
-  figure.set_panel_size(860, 420);
-  sim::plot::Panel &mean_panel = figure.add_panel("mean difference of probability"),
-                   &max_panel = figure.add_panel("largest difference");
-  std::vector<double> published_means, published_maxima;
-  for (const TableCase& one : all_cases(1)) {
-    published_means.push_back(published_of(one).mean);
-    published_maxima.push_back(published_of(one).maximum);
-    const std::string name = fmt::format("{:g} rad, {:g} m, {:g} m", kSigma_rad[one.i_rad], kSigma_m[one.i_m],
-                                         kPrintedRanges_m[one.i_range]);
-    for (sim::plot::Panel* panel : {&mean_panel, &max_panel}) panel->x.categories.push_back(name);
-  }
-  mean_panel.bars("published", published_means)
-      .bars("ours, regions along the ray", ray.means)
-      .bars("ours, regions along the world", world.means);
-  max_panel.bars("published", published_maxima)
-      .bars("ours, regions along the ray", ray.maxima)
-      .bars("ours, regions along the world", world.maxima);
-  for (sim::plot::Panel* panel : {&mean_panel, &max_panel}) {
-    panel->y.label = "difference of probability [-]";
-    panel->x.label = "attitude noise, position noise, range";
-    panel->legend = sim::plot::Legend::kOutside;
+  sim::plot::Figure figure("Gaussian approximation against Monte-Carlo (Table I)", 3);
+  figure.set_panel_size(400, 260);
+  const std::vector<TableCase> cases = all_cases(1);
+  for (const bool largest : {false, true}) {
+    for (std::size_t i_rad = 0; i_rad < kSigma_rad.size(); ++i_rad) {
+      sim::plot::Panel& panel =
+          figure.add_panel(fmt::format("{}, σ_rad = {:g} rad", largest ? "largest" : "mean", kSigma_rad[i_rad]));
+      std::vector<double> published, along_ray, along_world;
+      for (std::size_t i = 0; i < cases.size(); ++i) {
+        const TableCase& one = cases[i];
+        if (one.i_rad != i_rad) continue;
+        panel.x.categories.push_back(fmt::format("{:g} m, {:g} m", kSigma_m[one.i_m], kPrintedRanges_m[one.i_range]));
+        published.push_back(largest ? published_of(one).maximum : published_of(one).mean);
+        along_ray.push_back(largest ? ray.maxima[i] : ray.means[i]);
+        along_world.push_back(largest ? world.maxima[i] : world.means[i]);
+      }
+      panel.bars("published", published)
+          .bars("ours, regions along the ray", along_ray)
+          .bars("ours, regions along the world", along_world);
+      panel.x.label = "position noise, range";
+      panel.y.label = "difference of probability [-]";
+      panel.y.min = 0.0;
+      panel.y.max = largest ? 8e-4 : 2.2e-6;
+      panel.legend = i_rad == 0 ? sim::plot::Legend::kAuto : sim::plot::Legend::kNone;
+    }
   }
   experiment.write("uncertainty-table.svg", figure);
 }

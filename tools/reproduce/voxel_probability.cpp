@@ -16,11 +16,6 @@ namespace {
 constexpr double kVoxel_m = 1.0;  // as published
 constexpr double kFarthestVoxel_m = 80.0;
 
-struct VoxelCase {
-  std::size_t i_rad = 0, i_m = 0;
-  double range_m = 0.0;
-};
-
 // Where the measured point lies in its voxel: the document does not say. In the middle, or at random.
 enum class Place { kCentre, kRandom };
 
@@ -47,12 +42,12 @@ double probability(double range_m, const MeasurementNoise& noise, Place place) {
   return product;
 }
 
-struct Sampled {
+struct VoxelSampled {
   double normal = 0.0, true_model = 0.0;  // share of samples in the voxel
 };
 
-Sampled sample(const VoxelCase& one, std::uint32_t count) {
-  const MeasurementNoise noise = noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]);
+VoxelSampled sample(const NoiseCase& one, std::uint32_t count) {
+  const MeasurementNoise noise = one.noise();
   const Random random(1, "voxel-probability", fmt::format("{}/{}/{}", one.i_rad, one.i_m, one.range_m));
   const Jacobian37 J = point_jacobian(Vector3::UnitX(), one.range_m, Matrix3::Identity());
   const Vector3 p_m = one.range_m * Vector3::UnitX();
@@ -66,7 +61,7 @@ Sampled sample(const VoxelCase& one, std::uint32_t count) {
   return {static_cast<double>(normal) / count, static_cast<double>(true_model) / count};
 }
 
-void draw(Experiment& experiment, const std::vector<VoxelCase>& cases, const std::vector<Sampled>& sampled) {
+void draw(Experiment& experiment, const SampledNoise<VoxelSampled>& sampled) {
   sim::plot::Figure figure("Probability of the right voxel of 1 m (Fig. 6)", 3);
   figure.set_panel_size(400, 360);
   CsvTable csv({"sigma_rad", "sigma_m", "range_m", "probability_centre", "probability_any_place"});
@@ -92,11 +87,7 @@ void draw(Experiment& experiment, const std::vector<VoxelCase>& cases, const std
                  {.color = color, .width_px = 1.2, .dash = sim::plot::Dash::kDashed});
     }
     std::vector<double> ranges, shares;
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-      if (cases[i].i_rad != i_rad) continue;
-      ranges.push_back(cases[i].range_m);
-      shares.push_back(sampled[i].true_model);
-    }
+    sampled.of_attitude(i_rad, &VoxelSampled::true_model, ranges, shares);
     panel.scatter("Monte-Carlo", ranges, shares, {.color = 6, .marker = sim::plot::Marker::kCross});
   }
   experiment.write("voxel-probability.csv", csv);
@@ -107,28 +98,23 @@ void draw(Experiment& experiment, const std::vector<VoxelCase>& cases, const std
 
 void voxel_probability(Experiment& experiment) {
   const auto count = static_cast<std::uint32_t>(experiment.quick() ? 100000 : 1000000);
-  std::vector<VoxelCase> cases;
-  for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
-    for (std::size_t i_m = 0; i_m < 3; ++i_m) {
-      for (const double range_m : kPrintedRanges_m) cases.push_back({i_rad, i_m, range_m});
-    }
-  }
-  std::vector<Sampled> sampled(cases.size());
-  parallel_for(experiment, cases.size(), "combinations", [&](std::size_t i) { sampled[i] = sample(cases[i], count); });
-  draw(experiment, cases, sampled);
+  const SampledNoise<VoxelSampled> sampled(experiment, [count](const NoiseCase& one) { return sample(one, count); });
+  draw(experiment, sampled);
+  const std::vector<NoiseCase>& cases = sampled.cases;
 
   CsvTable csv({"sigma_rad", "sigma_m", "range_m", "probability", "sampled_normal", "sampled_true"});
   double standard_errors = 0.0;
   std::array<double, 3> linearisation{};
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    const VoxelCase& one = cases[i];
-    const double p = probability(one.range_m, noise_of(kSigma_m[one.i_m], kSigma_rad[one.i_rad]), Place::kCentre);
-    csv.row({kSigma_rad[one.i_rad], kSigma_m[one.i_m], one.range_m, p, sampled[i].normal, sampled[i].true_model});
+    const NoiseCase& one = cases[i];
+    const double p = probability(one.range_m, one.noise(), Place::kCentre);
+    csv.row({kSigma_rad[one.i_rad], kSigma_m[one.i_m], one.range_m, p, sampled.results[i].normal,
+             sampled.results[i].true_model});
     // One sample of slack where p is so near 0 or 1 that none is expected on the other side.
     const double error = std::sqrt(p * (1.0 - p) / count);
     standard_errors =
-        std::max(standard_errors, (std::abs(p - sampled[i].normal) - 1.0 / count) / std::max(error, 1e-12));
-    linearisation[one.i_rad] = std::max(linearisation[one.i_rad], std::abs(p - sampled[i].true_model));
+        std::max(standard_errors, (std::abs(p - sampled.results[i].normal) - 1.0 / count) / std::max(error, 1e-12));
+    linearisation[one.i_rad] = std::max(linearisation[one.i_rad], std::abs(p - sampled.results[i].true_model));
   }
   experiment.write("monte-carlo.csv", csv);
 

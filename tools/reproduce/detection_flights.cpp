@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detection_flights.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace swiftlet::tools {
+namespace {
+
+double quantile(std::vector<double> samples, double p) {
+  std::sort(samples.begin(), samples.end());
+  return samples[static_cast<std::size_t>(p * static_cast<double>(samples.size() - 1))];
+}
+
+}  // namespace
+
+sim::Scenario agile_flight(const std::string& name, std::uint64_t seed, double duration_s, Overrides overrides) {
+  overrides.insert(overrides.begin(), {{"duration_s", fmt::format("{}", duration_s)},
+                                       {"vehicles[0].agent.guidance.seed", std::to_string(2 * seed - 1)},
+                                       {"vehicles[1].agent.guidance.seed", std::to_string(2 * seed)}});
+  return scenario_with("reproduce/" + name + ".yaml", seed, std::move(overrides));
+}
+
+Flights fly_and_log(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios, double fov_bottom_deg,
+                    double fov_top_deg, double ignored_s, double bin_m) {
+  Flights flights;
+  for (const sim::Scenario& scenario : scenarios) {
+    flights.logs.push_back(std::make_unique<DetectionLog>(scenario, fov_bottom_deg, fov_top_deg, ignored_s));
+  }
+  fly(experiment, scenarios,
+      [&](std::size_t run, const sim::Simulation& simulation) { flights.logs[run]->add(simulation); });
+  std::vector<const std::vector<Sighting>*> detections, tracks;
+  for (const auto& log : flights.logs) {
+    detections.push_back(&log->detections());
+    tracks.push_back(&log->tracks());
+    flights.observed_s += log->observed_s();
+    flights.false_detections += log->num_false_detections();
+    flights.false_tracks += log->num_false_tracks();
+  }
+  flights.detections = by_distance(detections, bin_m, kFarthestBin_m);
+  flights.tracks = by_distance(tracks, bin_m, kFarthestBin_m);
+  flights.told_tracks = by_distance(tracks, bin_m, kFarthestBin_m, kTold_s);
+  return flights;
+}
+
+Curve error_curve(const std::vector<DistanceBin>& bins) {
+  Curve curve;
+  for (const DistanceBin& bin : bins) {
+    if (bin.errors_m.size() < 5) continue;
+    curve.x_m.push_back(bin.middle_m());
+    curve.y.push_back(bin.mean_error_m());
+    curve.low.push_back(quantile(bin.errors_m, 0.25));
+    curve.high.push_back(quantile(bin.errors_m, 0.75));
+  }
+  return curve;
+}
+
+Curve recall_curve(const std::vector<DistanceBin>& bins) {
+  Curve curve;
+  for (const DistanceBin& bin : bins) {
+    if (bin.count < 5) continue;
+    curve.x_m.push_back(bin.middle_m());
+    curve.y.push_back(bin.recall());
+  }
+  return curve;
+}
+
+DistanceBin joined(const std::vector<DistanceBin>& bins, double up_to_m) {
+  DistanceBin sum;
+  sum.high_m = up_to_m;
+  for (const DistanceBin& bin : bins) {
+    if (bin.high_m > up_to_m) continue;
+    sum.count += bin.count;
+    sum.found += bin.found;
+    sum.errors_m.insert(sum.errors_m.end(), bin.errors_m.begin(), bin.errors_m.end());
+  }
+  return sum;
+}
+
+void plain_row(Experiment& experiment, const std::string& what, double value, int digits, const std::string& note) {
+  experiment.row({what, "-", short_number(value, digits), Verdict::kNotComparable, note, value});
+}
+
+}  // namespace swiftlet::tools
