@@ -12,6 +12,7 @@
 #include "core/tracking/cloud_tracker.hpp"
 #include "detection_flights.hpp"
 #include "experiments.hpp"
+#include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/recorder.hpp"
 
 namespace swiftlet::tools {
