@@ -259,8 +259,8 @@ void Simulation::Impl::begin_sweeps() {
 void Simulation::Impl::sense_and_step_with_sweeps() {
   const auto start = Clock::now();
   begin_sweeps();
-  double busy_s = 0.0, stepping_s = 0.0;
-#pragma omp parallel reduction(+ : busy_s, stepping_s)
+  std::atomic<double> busy_s = 0.0, stepping_s = 0.0;
+#pragma omp parallel
   {
     const auto thread_start = Clock::now();
     const auto sense_and_step = [&](VehicleId i) {
