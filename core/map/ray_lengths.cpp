@@ -130,7 +130,7 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
     }
     if (first == 0) pieces.t[0] = 0.0F;
     if (first + count == num_slabs) pieces.t[count] = end;
-    for (int j = count + 1; (j - 1) % kLanes != 0; ++j) pieces.t[j] = end;  // lanes that nobody asks
+    for (int j = count + 1; (j - 1) % lanes::kLanes != 0; ++j) pieces.t[j] = end;  // lanes that nobody asks
     cut(r, first, count, pieces);
     accumulate(pieces, count, lengths_.data());
   }
