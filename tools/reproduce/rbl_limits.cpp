@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,6 @@
 #include "experiments.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/sensors/neighbors.hpp"
-#include "sim/world/forest_thesis.hpp"
 
 namespace swiftlet::tools {
 namespace {
