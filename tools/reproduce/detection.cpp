@@ -142,7 +142,7 @@ void detection_noisy(Experiment& experiment) {
   draw(experiment, "detection-noisy", flights, true);
 
   CsvTable csv({"middle_m", "samples", "mean_error_m", "bias_m", "predicted_m"});
-  double worst = 0.0, worst_m = 0.0;
+  double worst = std::numeric_limits<double>::quiet_NaN(), worst_m = 0.0;  // NaN: no distance had enough sightings
   for (std::size_t i = 0; i < flights.detections.size(); ++i) {
     const DistanceBin &noisy = flights.detections[i], &exact = ideal.detections[i];
     if (static_cast<int>(noisy.errors_m.size()) < kFewest || static_cast<int>(exact.errors_m.size()) < kFewest)
@@ -153,7 +153,7 @@ void detection_noisy(Experiment& experiment) {
     csv.row({noisy.middle_m(), static_cast<double>(noisy.errors_m.size()), noisy.mean_error_m(), exact.mean_error_m(),
              predicted_m});
     const double off = std::abs(noisy.mean_error_m() / predicted_m - 1.0);
-    if (off <= worst) continue;
+    if (off <= worst) continue;  // false while nothing was judged
     worst = off;
     worst_m = noisy.middle_m();
   }
