@@ -24,12 +24,12 @@ class CompassSensor final : public Sensor {
         schedule_(config.rate_hz),
         white_(stream("compass.white")),
         disturbance_noise_(stream("compass.disturbance")),
-        sigma_rad_(config.sigma_deg * kRadiansPerDegree),
-        bias_rad_(config.bias_sigma_deg * kRadiansPerDegree * stream("compass.bias").normal(0, 0)),
-        disturbance_(GaussMarkov::stationary(Vector3::UnitX() * config.disturbance_sigma_deg * kRadiansPerDegree,
+        sigma_rad_(config.sigma_deg * kRadPerDeg),
+        bias_rad_(config.bias_sigma_deg * kRadPerDeg * stream("compass.bias").normal(0, 0)),
+        disturbance_(GaussMarkov::stationary(Vector3::UnitX() * config.disturbance_sigma_deg * kRadPerDeg,
                                              config.disturbance_time_s,
                                              normal3(stream("compass.disturbance.start"), 0))),
-        total_sigma_rad_(kRadiansPerDegree *
+        total_sigma_rad_(kRadPerDeg *
                          std::hypot(config.sigma_deg, config.bias_sigma_deg, config.disturbance_sigma_deg)) {}
 
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override {

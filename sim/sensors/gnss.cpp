@@ -108,7 +108,7 @@ class GnssSensor final : public Sensor {
         multipath_(GaussMarkov::stationary(Vector3::Ones(), config.multipath_time_s,
                                            normal3(stream("gnss.multipath.start"), 0))),
         random_outages_(stream("gnss.outage"), config.random_outages_per_min, config.random_outage_mean_s),
-        satellites_(constellation(config.num_satellites, config.elevation_mask_deg * kRadiansPerDegree,
+        satellites_(constellation(config.num_satellites, config.elevation_mask_deg * kRadPerDeg,
                                   stream("gnss.satellites").uniform(0.0, 2.0 * std::numbers::pi, 0, 0))) {}
 
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override {

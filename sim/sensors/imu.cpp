@@ -36,7 +36,7 @@ void ImuConfig::visit(ConfigVisitor& v) {
 namespace {
 
 Eigen::Quaterniond from_rpy_deg(const Vector3& rpy_deg) {
-  const Vector3 rpy = rpy_deg * kRadiansPerDegree;
+  const Vector3 rpy = rpy_deg * kRadPerDeg;
   return Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
          Eigen::AngleAxisd(rpy.x(), Vector3::UnitX());
 }

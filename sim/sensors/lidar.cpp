@@ -22,7 +22,7 @@ void MountConfig::visit(ConfigVisitor& v) {
 }
 
 Pose MountConfig::T_body_lidar() const {
-  const Vector3 rpy = rpy_deg * kRadiansPerDegree;
+  const Vector3 rpy = rpy_deg * kRadPerDeg;
   return make_pose(position_m, Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) *
                                    Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
                                    Eigen::AngleAxisd(rpy.x(), Vector3::UnitX()));
@@ -191,7 +191,7 @@ Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
       measurement_(config.noise, config.detection, config.range_max_m, config.ideal),
       sub_rays_(sub_rays(config.ideal ? 1 : config.beam.sub_rays)),
       // FWHM of a Gaussian = 2 sqrt(2 ln 2) sigma.
-      sub_ray_sigma_rad_(static_cast<float>(config.beam.divergence_deg * kRadiansPerDegree / 2.354820045)),
+      sub_ray_sigma_rad_(static_cast<float>(config.beam.divergence_deg * kRadPerDeg / 2.354820045)),
       scene_(world_or_nothing(setup_), setup_.vehicle_shapes, setup_.vehicle, T_body_lidar_, config.range_max_m),
       told_poses_(config.told_pose, config.ideal, setup_.seed, setup_.entity),
       range_random_(setup_.seed, "lidar.range", setup_.entity),

@@ -53,10 +53,10 @@ struct ViewCone {
 };
 
 ViewCone view_cone(const NeighborCamera& camera) {
-  const double yaw = camera.yaw_deg * kRadiansPerDegree;
-  const double pitch = camera.pitch_deg * kRadiansPerDegree;
+  const double yaw = camera.yaw_deg * kRadPerDeg;
+  const double pitch = camera.pitch_deg * kRadPerDeg;
   return {{std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw), std::sin(pitch)},
-          std::cos(0.5 * camera.fov_deg * kRadiansPerDegree)};
+          std::cos(0.5 * camera.fov_deg * kRadPerDeg)};
 }
 
 bool segment_meets_sphere(const Vector3& a, const Vector3& b, const Vector3& center, double radius) {
@@ -110,7 +110,7 @@ class NeighborsSensor final : public Sensor {
     const double range_m = p_body.norm();
     if (range_m > config_.range_max_m || range_m < config_.range_min_m || range_m <= 0.0) return false;
     if (cones_.empty()) {
-      const double elevation_deg = std::asin(std::clamp(p_body.z() / range_m, -1.0, 1.0)) / kRadiansPerDegree;
+      const double elevation_deg = std::asin(std::clamp(p_body.z() / range_m, -1.0, 1.0)) / kRadPerDeg;
       return elevation_deg >= config_.elevation_min_deg && elevation_deg <= config_.elevation_max_deg;
     }
     return std::any_of(cones_.begin(), cones_.end(), [&](const ViewCone& cone) {
@@ -132,7 +132,7 @@ class NeighborsSensor final : public Sensor {
   /// Range noise along the bearing, bearing noise across it; the covariance is what the sensor knows: at the measured
   /// place.
   NeighborSample seen(TimeNs t, std::uint32_t index, VehicleId other, const Vector3& p_body) const {
-    const double sigma_bearing = config_.sigma_bearing_deg * kRadiansPerDegree;
+    const double sigma_bearing = config_.sigma_bearing_deg * kRadPerDeg;
     const auto sigma_range = [&](double range_m) {
       return std::hypot(config_.sigma_range_m, config_.sigma_range_relative * range_m);
     };

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/math/angles.hpp"
 #include "core/math/random.hpp"
 #include "swiftlet/core/frames.hpp"
 
 /// Noise that all sensors share. Every number comes from (seed, purpose, entity, sample, axis).
 namespace swiftlet::sim {
-
-inline constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 /// Three independent standard normals for sample `index`.
 inline Vector3 normal3(const Random& random, std::uint32_t index) {

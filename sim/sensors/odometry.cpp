@@ -59,15 +59,15 @@ class OdometrySensor final : public Sensor {
         white_velocity_(stream("odometry.velocity")),
         tilt_noise_(stream("odometry.tilt")),
         scale_(1.0 + 0.01 * config.scale_error_percent * stream("odometry.scale").normal(0, 0)),
-        tilt_(GaussMarkov::stationary(Vector3(1.0, 1.0, 0.0) * config.sigma_tilt_deg * kRadiansPerDegree,
-                                      config.tilt_time_s, normal3(stream("odometry.tilt.start"), 0))) {
+        tilt_(GaussMarkov::stationary(Vector3(1.0, 1.0, 0.0) * config.sigma_tilt_deg * kRadPerDeg, config.tilt_time_s,
+                                      normal3(stream("odometry.tilt.start"), 0))) {
     constexpr double kTurn = 2.0 * std::numbers::pi;
     const double reference_m = config.drift_reference_m;
     position_rates_ = {square(0.01 * config.drift_percent) * reference_m, square(config.drift_per_turn_m) / kTurn,
                        square(config.drift_m_psqrts)};
-    yaw_rates_ = {square(config.yaw_drift_deg * kRadiansPerDegree) / reference_m,
-                  square(config.yaw_drift_per_turn_deg * kRadiansPerDegree) / kTurn,
-                  square(config.yaw_drift_deg_psqrts * kRadiansPerDegree)};
+    yaw_rates_ = {square(config.yaw_drift_deg * kRadPerDeg) / reference_m,
+                  square(config.yaw_drift_per_turn_deg * kRadPerDeg) / kTurn,
+                  square(config.yaw_drift_deg_psqrts * kRadPerDeg)};
   }
 
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override {
@@ -98,7 +98,7 @@ class OdometrySensor final : public Sensor {
       p_local_m_ = state.p_world_m;
     } else {
       const Random random = stream("odometry.frame");
-      const double limit_rad = config_.initial_yaw_deg * kRadiansPerDegree;
+      const double limit_rad = config_.initial_yaw_deg * kRadPerDeg;
       yaw_local_world_rad_ = random.uniform(-limit_rad, limit_rad, 0, 0);
       for (int axis = 0; axis < 3; ++axis) {
         const double limit_m = config_.initial_offset_m[axis];

@@ -55,8 +55,7 @@ class PoseSensor final : public Sensor {
         every_tick_(config.rate_hz <= 0.0),
         schedule_(every_tick_ ? 1.0 : config.rate_hz),
         position_noise_(stream("pose.position"), config.sigma_position_m, config.correlation_time_s),
-        rotation_noise_(stream("pose.rotation"), config.sigma_rotation_deg * kRadiansPerDegree,
-                        config.correlation_time_s),
+        rotation_noise_(stream("pose.rotation"), config.sigma_rotation_deg * kRadPerDeg, config.correlation_time_s),
         velocity_noise_(stream("pose.velocity"), Vector3::Constant(config.sigma_velocity_mps), 0.0),
         rate_noise_(stream("pose.rate"), Vector3::Constant(config.sigma_rate_radps), 0.0) {}
 

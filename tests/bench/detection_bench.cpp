@@ -44,15 +44,6 @@ VehicleState state_of(int vehicle, TimeNs t) {
   return state;
 }
 
-Airframe quadrotor() {
-  Airframe airframe;
-  for (int i = 0; i < 4; ++i) {
-    const double angle = (0.25 + 0.5 * i) * M_PI;
-    airframe.rotors.push_back({Vector3(0.25 * std::cos(angle), 0.25 * std::sin(angle), 0.03), i % 2 ? "cw" : "ccw"});
-  }
-  return airframe;
-}
-
 /// Sweep after sweep as clouds in the world.
 class Flight {
  public:
@@ -67,7 +58,7 @@ class Flight {
     static const auto world = std::make_shared<const StaticScene>(*scene);
     SensorSetup setup = sensor_setup("os1", 1, kVehicles, world);
     setup.scene = scene;
-    const auto shape = std::make_shared<const VehicleShape>(make_vehicle_shape(quadrotor()));
+    const auto shape = quadrotor_shape();
     setup.vehicle_shapes.assign(kVehicles, shape);
     lidar_ = make_lidar(LidarConfig{}, std::move(setup));
     fly_to(0);

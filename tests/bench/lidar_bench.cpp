@@ -25,6 +25,7 @@
 #include "sim/sensors/lidar_tiles.hpp"
 #include "sim/world/forest.hpp"
 #include "sim/world/vehicle_shape.hpp"
+#include "tests/support/sensor_driver.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -33,16 +34,6 @@ constexpr int kVehicles = 5;  // the sensor's and four others
 constexpr TimeNs kSweep = 100'000'000;
 constexpr TimeNs kStep = 1'000'000;
 constexpr double kHeight_m = 4.0;
-
-Airframe quadrotor() {
-  Airframe airframe;
-  for (int i = 0; i < 4; ++i) {
-    const double angle = (0.25 + 0.5 * i) * std::numbers::pi;
-    airframe.rotors.push_back(
-        {Vector3(0.25 * std::cos(angle), 0.25 * std::sin(angle), 0.03), i % 2 == 0 ? "ccw" : "cw"});
-  }
-  return airframe;
-}
 
 // The sensor flies a curve at 5 m/s; the others circle around it at 4 to 10 m.
 VehicleState state_of(int vehicle, TimeNs t) {
@@ -63,7 +54,7 @@ VehicleState state_of(int vehicle, TimeNs t) {
 struct Stage {
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const StaticScene> world;
-  std::shared_ptr<const VehicleShape> shape = std::make_shared<const VehicleShape>(make_vehicle_shape(quadrotor()));
+  std::shared_ptr<const VehicleShape> shape = quadrotor_shape();
 
   Stage() {
     ForestConfig forest;

@@ -48,15 +48,6 @@ VehicleState state_of(int vehicle, TimeNs t) {
   return state;
 }
 
-Airframe quadrotor() {
-  Airframe airframe;
-  for (int i = 0; i < 4; ++i) {
-    const double angle = (0.25 + 0.5 * i) * M_PI;
-    airframe.rotors.push_back({Vector3(0.25 * std::cos(angle), 0.25 * std::sin(angle), 0.03), i % 2 ? "cw" : "ccw"});
-  }
-  return airframe;
-}
-
 /// The scans of the flight with the noise of eq. (66) in their poses, or without.
 const std::vector<std::shared_ptr<const WorldCloud>>& flight(bool noisy) {
   static std::array<std::vector<std::shared_ptr<const WorldCloud>>, 2> flights;
@@ -69,7 +60,7 @@ const std::vector<std::shared_ptr<const WorldCloud>>& flight(bool noisy) {
   const auto scene = std::make_shared<const Scene>(make_field(field, 1));
   SensorSetup setup = sensor_setup("os1", 1, kTargets + 1, std::make_shared<const StaticScene>(*scene));
   setup.scene = scene;
-  const auto shape = std::make_shared<const VehicleShape>(make_vehicle_shape(quadrotor()));
+  const auto shape = quadrotor_shape();
   setup.vehicle_shapes.assign(kTargets + 1, shape);
   LidarConfig config;
   config.told_pose.enabled = noisy;

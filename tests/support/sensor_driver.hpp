@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "core/math/angles.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "sim/world/vehicle_shape.hpp"
 
@@ -12,6 +15,17 @@ namespace swiftlet::sim {
 
 /// Prescribed motion of one vehicle: its true state at a time [s].
 using Motion = std::function<VehicleState(double t_s)>;
+
+/// What a LiDAR sees of a quadrotor: rotors 0.25 m out and 3 cm up.
+inline std::shared_ptr<const VehicleShape> quadrotor_shape() {
+  Airframe airframe;
+  for (int i = 0; i < 4; ++i) {
+    const double angle = (0.25 + 0.5 * i) * kPi;
+    airframe.rotors.push_back(
+        {Vector3(0.25 * std::cos(angle), 0.25 * std::sin(angle), 0.03), i % 2 == 0 ? "ccw" : "cw"});
+  }
+  return std::make_shared<const VehicleShape>(make_vehicle_shape(airframe));
+}
 
 inline VehicleState state_at(const Vector3& p_world_m, double yaw_rad = 0.0) {
   VehicleState state;

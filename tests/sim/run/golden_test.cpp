@@ -122,8 +122,7 @@ INSTANTIATE_TEST_SUITE_P(Runs, Golden, testing::ValuesIn(golden_runs()), name_of
 
 TEST(GoldenFile, KnowsHowItsMachineRounded) {
   std::cout << "rounding " << rounding_here() << '\n';  // for tests/golden/renew
-  EXPECT_EQ(rounding_here(), rounding_here());
-  EXPECT_FALSE(rounding_of_the_file().empty());
+  EXPECT_GE(rounding_of_the_file().size(), 16U) << "tests/golden/renew writes it";
 }
 
 TEST(GoldenFile, HasEveryTypeOfWorld) {

@@ -437,16 +437,6 @@ TEST(Lidar, APartlyHitBeamReturnsItsPartOfTheSignal) {
 // ---- own vehicle
 // ------------------------------------------------------------------------------------------------------
 
-std::shared_ptr<const VehicleShape> quadrotor_shape() {
-  Airframe airframe;
-  for (int i = 0; i < 4; ++i) {
-    const double angle = (0.25 + 0.5 * i) * std::numbers::pi;
-    airframe.rotors.push_back(
-        {Vector3(0.25 * std::cos(angle), 0.25 * std::sin(angle), 0.03), i % 2 == 0 ? "ccw" : "cw"});
-  }
-  return std::make_shared<const VehicleShape>(make_vehicle_shape(airframe));
-}
-
 TEST(Lidar, TheOwnVehicleIsSeenWhereItIsAndTheMaskRemovesIt) {
   Rig rig;
   rig.world.add_box({-8, -6, -5}, {9, 7, 4});

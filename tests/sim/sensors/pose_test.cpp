@@ -55,7 +55,7 @@ TEST(Pose, WhiteNoiseHasItsSigmaByAxis) {
     for (const PoseSample& sample : seen.pose) {
       position.add(sample.T_world_body.translation()[axis] - Vector3(5.0, 6.0, 7.0)[axis]);
       const Eigen::Quaterniond error(Matrix3(R_body_world * sample.T_world_body.linear()));
-      rotation.add(rotation_log(error)[axis] / kRadiansPerDegree);
+      rotation.add(rotation_log(error)[axis] / kRadPerDeg);
     }
     const double v_position = std::pow(config.sigma_position_m[axis], 2);
     const double v_rotation = std::pow(config.sigma_rotation_deg[axis], 2);
