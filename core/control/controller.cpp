@@ -160,7 +160,7 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
   wanted_.torque_Nm =
       inertia.cwiseProduct(gains_.rate.cwiseProduct(rate - omega)) + omega.cross(inertia.cwiseProduct(omega));
   wanted_.thrust_N = std::max(0.0, airframe_.mass_kg * thrust_mps2.dot(R.col(2)));
-  command_rotors(mixer_.forces(wanted_));
+  command_rotors(mixer_.forces(wanted_, airframe_.mass_kg * kGravity_mps2));
   return commands_;
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace swiftlet {
@@ -55,14 +56,20 @@ Wrench Mixer::wrench(const Forces& force_N) const {
   return {w[0], w.tail<3>()};
 }
 
-Mixer::Forces Mixer::forces(const Wrench& wanted) const {
+Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   const int n = num_rotors_;
   Column tilt = inverse_.col(1) * wanted.torque_Nm.x() + inverse_.col(2) * wanted.torque_Nm.y();
 
   // Roll and pitch: shrink together when they ask for more than the span of a rotor.
   const double span = max_force_N_ - min_force_N_;
   const double tilt_span = tilt.head(n).maxCoeff() - tilt.head(n).minCoeff();
-  if (tilt_span > span) tilt *= span / tilt_span;
+  double part = std::min(1.0, span / std::max(tilt_span, 1e-12));
+  const double lifted_N = std::max(wanted.thrust_N, lift_N);
+  for (int i = 0; i < n; ++i) {
+    const double room_N = std::max(lifted_N * inverse_(i, 0) - min_force_N_, 0.0);
+    if (tilt[i] < 0.0 && inverse_(i, 0) > 1e-9) part = std::min(part, -room_N / tilt[i]);
+  }
+  tilt *= part;
 
   // Thrust: move it so that roll and pitch fit. (Equal rotors share the thrust almost equally; the share of each is in
   // column 0, so the bounds are taken per rotor.)

@@ -18,12 +18,12 @@ double toward_zero(double value, double step) {
   return value > 0.0 ? std::max(0.0, value - step) : std::min(0.0, value + step);
 }
 
-// (2.7). Close to the goal, too: with a wide weight neighbours that rest at goals of their own on one side move the
-// centroid, and with it the vehicle, off its goal for ever.
+// (2.7). With the goal in reach, too: with a wide weight neighbours that rest at goals of their own move the centroid,
+// and with it the vehicle, off its goal or out of the gap between them for ever.
 double next_beta(const RblRules& rules, const RblSituation& now, double beta_m, double dt_s) {
-  const bool at_goal = now.goal_m.norm() < rules.weight_goal_m;
+  const bool goal_in_reach = now.goal_m.norm() < rules.weight_goal_m;
   const bool cut_off = (now.partitioned_m - now.sensing_m).norm() > rules.weight_gap_m;
-  const bool stuck = now.partitioned_m.norm() < rules.weight_near_m && (cut_off || at_goal);
+  const bool stuck = now.partitioned_m.norm() < rules.weight_near_m && (cut_off || goal_in_reach);
   if (stuck) return std::max(rules.beta_min_m, beta_m - rules.weight_rate_mps * dt_s);
   return std::max(rules.beta_min_m, beta_m - (beta_m - rules.beta_desired_m) * std::min(dt_s, 1.0));
 }
@@ -117,7 +117,9 @@ void RblRules::visit(ConfigVisitor& v) {
   v.field("weight_gap_m", weight_gap_m, "[m] d_2 of (2.7): ... and farther than this from c_S: beta falls",
           non_negative);
   v.field("weight_goal_m", weight_goal_m,
-          "[m] ... or nearer than this to the goal: beta falls; not in the document, where it is 0", non_negative);
+          "[m] ... or nearer than this to the goal (r_s: the goal lies in S): beta falls; not in the document, where "
+          "it is 0",
+          non_negative);
   v.field("azimuth_near_m", azimuth_near_m, "[m] d_3 of (2.8), (2.11)", non_negative);
   v.field("azimuth_gap_m", azimuth_gap_m, "[m] d_4 of (2.8), (2.11)", non_negative);
   v.field("elevation_near_m", elevation_near_m, "[m] d_5 of (2.15), vertical", non_negative);

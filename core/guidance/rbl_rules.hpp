@@ -11,7 +11,7 @@ namespace swiftlet {
 struct RblRules {
   double weight_near_m = 0.5;       ///< d_1
   double weight_gap_m = 1.0;        ///< d_2
-  double weight_goal_m = 1.0;       ///< not in the document; 0: off
+  double weight_goal_m = 3.5;       ///< not in the document (0: off); as far as r_s reaches
   double azimuth_near_m = 0.5;      ///< d_3
   double azimuth_gap_m = 1.0;       ///< d_4
   double elevation_near_m = 0.5;    ///< d_5

@@ -23,6 +23,7 @@ void detection_beyond(Experiment& experiment);   // detection_beyond.cpp
 
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);
+void rbl_circle_printed(Experiment& experiment);
 void rbl_sphere(Experiment& experiment);
 void rbl_forest(Experiment& experiment);
 void rbl_real(Experiment& experiment);

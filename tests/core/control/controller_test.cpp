@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -144,6 +145,32 @@ TEST_P(EveryAirframe, SurvivesHugeErrorsAndFliesBack) {
   }
   EXPECT_LT(plant.p.norm(), 0.5);
   EXPECT_LT(worst_tilt, 65.0 * std::numbers::pi / 180.0);
+}
+
+// As flocking does: a new goal ten times a second. The reference's jerk then goes back and forth at its limit, and more
+// torque is asked for than the rotors have, again and again.
+TEST_P(EveryAirframe, GoalsThatJumpNeitherLiftNorLoseIt) {
+  const MotionLimits limits;
+  ASSERT_EQ(limits.horizontal_jerk_mps3, 40.0);
+  for (const double jump_m : {0.05, 0.4}) {
+    ReferenceTracker tracker(limits);
+    MultirotorController controller(airframe, {}, kDt);
+    FinePlant plant(airframe);
+    tracker.reset({});
+    const Random random(1, "test.jumps");
+    Reference goal;
+    double worst = 0.0;
+    for (int i = 0; i < 5000; ++i) {
+      if (i % 25 == 0) {
+        const auto n = random.normal3(0, i);
+        goal.position_m = tracker.state().position_m + Vector3(2.0, 0.0, 0.0) + jump_m * Vector3(n[0], n[1], n[2]);
+      }
+      const Reference& r = tracker.step(goal, kDt);
+      plant.advance(controller.step(plant.truth(), r, tracker.jerk_mps3(), kDt), kDt);
+      worst = std::max(worst, (plant.p - tracker.state().position_m).norm());
+    }
+    EXPECT_LT(worst, 1.5) << jump_m;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Vehicles, EveryAirframe, ::testing::ValuesIn(testing::all_airframes()),

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/math/random.hpp"
@@ -71,6 +72,23 @@ TEST(Mixer, GivesUpYawFirstThenThrustThenShrinksRollAndPitchTogether) {
   got = mixer.wrench(mixer.forces({thrust, {40.0, 20.0, 3.0}}));
   EXPECT_GT(got.torque_Nm.x(), 3.0);
   EXPECT_NEAR(got.torque_Nm.y() / got.torque_Nm.x(), 0.5, 1e-9);
+}
+
+TEST(Mixer, RollAndPitchRaiseTheThrustNoFurtherThanAllowed) {
+  for (const auto& [name, airframe] : all_airframes()) {
+    const Mixer mixer(airframe);
+    const double weight = airframe.mass_kg * 9.81;
+    // Far too much torque: the thrust stays at what was allowed, or at what is wanted when that is more.
+    for (const double thrust : {0.0, 0.2 * weight, weight, 1.2 * weight}) {
+      const Wrench got = mixer.wrench(mixer.forces({thrust, {30.0, -12.0, 0.0}}, weight));
+      EXPECT_NEAR(got.thrust_N, std::max(thrust, weight), 1e-9 * weight) << name << " " << thrust;
+      EXPECT_NEAR(got.torque_Nm.y() / got.torque_Nm.x(), -0.4, 1e-9) << name;
+      EXPECT_GT(got.torque_Nm.x(), 0.1) << name;
+    }
+    // What fits is given in full.
+    const Vector3 small(0.02 * weight * airframe.arm_length_m, 0.0, 0.0);
+    EXPECT_NEAR(mixer.wrench(mixer.forces({weight, small}, weight)).torque_Nm.x(), small.x(), 1e-9) << name;
+  }
 }
 
 TEST(Mixer, ForcesAlwaysStayWithinTheRotorsRange) {

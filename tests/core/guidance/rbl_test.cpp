@@ -361,6 +361,26 @@ TEST(RblRules, DestinationTurnsRightAndUpAndKeepsItsDistance) {
   EXPECT_NEAR(slanted.norm(), 13.0, 1e-9);
 }
 
+TEST(RblPlanner, LeftOutBesideTheGapBetweenTwoThatRestItStillComesIn) {
+  const auto left_m = [](double weight_goal_m) {
+    RblCellConfig cells;
+    cells.step_m = 0.35;
+    RblRules rules;
+    rules.weight_goal_m = weight_goal_m;
+    RblPlanner planner(cells, rules, false);
+    const std::vector<Vector3> others = {{2.09, 0, 5}, {-2.09, 0, 5}};
+    const Vector3 goal(0, 0, 5);
+    Vector3 p(0, 0.2, 6.4);
+    for (int i = 0; i < 300; ++i) {
+      planner.partition(p, others, 1.0, 10.0);
+      p += 0.2 * (planner.update(goal, 0.1).centroid_m - p);
+    }
+    return (p - goal).norm();
+  };
+  EXPECT_LT(left_m(RblRules{}.weight_goal_m), 0.2);
+  EXPECT_GT(left_m(0.0), 0.5) << "as printed";
+}
+
 /// Points that keep Table 2.1's motion limits and follow their centroids: the algorithm without a vehicle's dynamics.
 struct Crossing {
   std::vector<Vector3> start, goal;
