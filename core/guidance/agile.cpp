@@ -117,7 +117,7 @@ void AgileSpline::add_control_point() {
   if ((point - target_m_).norm() < kTargetReached_m) pick_target(point);
 
   // As near to the wanted step as leaves room to stop inside the box; full braking always does.
-  const Vector3 wanted = step + cut_to(wanted_step(point) - step, change_max_m_, change_max_z_m_);
+  const Vector3 wanted = step + cut_to(wanted_step(point) - step, pace_ * change_max_m_, pace_ * change_max_z_m_);
   const Vector3 braked = brake(step);
   double good = 0.0, bad = 1.0;
   const auto blend = [&](double share) { return Vector3(braked + share * (wanted - braked)); };
@@ -130,23 +130,25 @@ void AgileSpline::add_control_point() {
   control_m_[4] = point + blend(good);
 }
 
-/// A point of the area at least leg_min_m away; the last draw when the area is too small for that.
+/// A point of the area at least leg_min_m away (the last draw when the area is too small for that), and the pace of the
+/// way there.
 void AgileSpline::pick_target(const Vector3& from_m) {
   for (int attempt = 0; attempt < 32; ++attempt) {
     const std::uint32_t n = num_targets_++;
     for (int i = 0; i < 3; ++i) {
       target_m_[i] = random_.uniform(config_.area_min_m[i], config_.area_max_m[i], n, static_cast<std::uint32_t>(i));
     }
-    if ((target_m_ - from_m).norm() >= config_.leg_min_m) return;
+    if ((target_m_ - from_m).norm() >= config_.leg_min_m) break;
   }
+  pace_ = random_.uniform(config_.pace_min, 1.0, num_targets_ - 1, 3);
 }
 
 Vector3 AgileSpline::wanted_step(const Vector3& point) const {
   const Vector3 to_target = target_m_ - point;
   const double distance = to_target.norm();
   if (distance < 1e-9) return Vector3::Zero();
-  const double passing = kPassingShare * step_max_m_;
-  const double length = std::min(step_max_m_, std::sqrt(passing * passing + 1.6 * change_max_m_ * distance));
+  const double longest = pace_ * step_max_m_, passing = kPassingShare * longest;
+  const double length = std::min(longest, std::sqrt(passing * passing + 1.6 * pace_ * change_max_m_ * distance));
   return cut_step(to_target * (length / distance));
 }
 
@@ -181,6 +183,9 @@ void AgileConfig::visit(ConfigVisitor& v) {
   v.field("area_min_m", area_min_m, "[m] least corner of the box that holds the trajectory (and the start)");
   v.field("area_max_m", area_max_m, "[m] greatest corner");
   v.field("leg_min_m", leg_min_m, "[m] from one target to the next", Range::non_negative());
+  v.field("pace_min", pace_min,
+          "[-] each leg is flown at a pace drawn between this and 1: its share of greatest speed and acceleration",
+          Range::between(0.02, 1.0));
   v.field("knot_s", knot_s, "[s] between the spline's knots; jerk is at most twice the acceleration over this",
           Range{0.05, 10.0, false, false});
   v.choice("yaw", yaw, {"along_path", "fixed"}, "[-] heading: along the velocity, or yaw_deg");

@@ -17,6 +17,7 @@ struct AgileConfig : ModuleConfigOf<AgileConfig> {
   Eigen::Vector3d area_min_m = {-30.0, -30.0, 4.0};
   Eigen::Vector3d area_max_m = {30.0, 30.0, 10.0};
   double leg_min_m = 15.0;
+  double pace_min = 1.0;  ///< least pace of a leg
   double knot_s = 0.5;
   std::string yaw = "along_path";
   double yaw_deg = 0.0;
@@ -58,6 +59,7 @@ class AgileSpline {
   Vector3 box_min_m_, box_max_m_;
   std::array<Vector3, 5> control_m_;
   Vector3 target_m_;
+  double pace_ = 1.0;  ///< of this leg: share of the greatest speed and acceleration
   std::uint32_t num_targets_ = 0;
   double u_ = 0.0;  ///< share of the knot interval
 };

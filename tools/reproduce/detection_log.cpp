@@ -37,22 +37,41 @@ DetectionLog::DetectionLog(const sim::Scenario& scenario, double fov_bottom_deg,
 
 void DetectionLog::add(const sim::Simulation& simulation) {
   const sim::TickView& view = simulation.view();
+  const Action& action = *view.actions[observer_];
   Truth truth;
   truth.t = view.t;
   const sim::VehicleState& own = view.states[observer_];
   truth.R_world_body = own.q_world_body.toRotationMatrix();
   truth.p_sensor_m = own.p_world_m + truth.R_world_body * p_body_lidar_m_;
+  truth.T_estimate_truth = action.estimate.T_world_body * own.T_world_body().inverse();
   for (std::size_t i = 0; i < view.states.size(); ++i) {
     if (i == observer_) continue;
     truth.p_m.push_back(view.states[i].p_world_m);
     truth.v_mps.push_back(view.states[i].v_world_mps);
   }
   truth_.push_back(std::move(truth));
+  for (const auto& labelled : view.scans[observer_]) remember(*labelled);
   if (view.t < ignored_) return;
   observed_s_ = to_seconds(view.t - ignored_);
-  const Action& action = *view.actions[observer_];
   if (action.has_detections && action.detections_stamp >= ignored_) add_detections(action);
-  if (action.has_tracks) add_tracks(action);
+  if (action.has_tracks && !view.scans[observer_].empty()) add_tracks(action);
+}
+
+void DetectionLog::remember(const sim::LabelledScan& labelled) {
+  SeenScan seen;
+  seen.stamp = labelled.scan.stamp;
+  seen.middle = labelled.scan.stamp + labelled.scan.duration / 2;
+  seen.points.resize(truth_.back().p_m.size());
+  const sim::ScanTruth& truth = labelled.truth;
+  for (std::size_t k = 0; k < truth.instance.size(); ++k) {
+    if (truth.surface_class[k] != static_cast<std::uint16_t>(sim::SurfaceClass::kVehicle)) continue;
+    if (!(labelled.scan.range_m[k] > 0.0F)) continue;
+    const std::size_t vehicle = truth.instance[k] - 1U;
+    if (vehicle == observer_) continue;
+    const std::size_t target = vehicle > observer_ ? vehicle - 1 : vehicle;
+    if (target < seen.points.size()) ++seen.points[target];
+  }
+  scans_.push_back(std::move(seen));
 }
 
 // Truth of the tick nearest to an instant: ticks are milliseconds apart.
@@ -64,63 +83,82 @@ const DetectionLog::Truth& DetectionLog::at(TimeNs t) const {
   return *(after - 1);
 }
 
-Sighting DetectionLog::sighting_of(const Truth& truth, int target, TimeNs t) const {
+const DetectionLog::SeenScan* DetectionLog::scan_of(TimeNs stamp) const {
+  const auto scan = std::find_if(scans_.rbegin(), scans_.rend(), [&](const SeenScan& s) { return s.stamp == stamp; });
+  return scan != scans_.rend() ? &*scan : nullptr;
+}
+
+Sighting DetectionLog::sighting_of(const SeenScan& scan, int target) const {
+  const Truth& truth = at(scan.middle);
   const Vector3 p_m = truth.p_m[static_cast<std::size_t>(target)];
   const Vector3 d_body = truth.R_world_body.transpose() * (p_m - truth.p_sensor_m);
   Sighting sighting;
-  sighting.t = t;
+  sighting.t = scan.middle;
+  sighting.told = truth_.back().t;
   sighting.target = target;
   sighting.range_m = d_body.norm();
   const double sine = d_body.z() / sighting.range_m;
   sighting.visible = sine > sin_bottom_ && sine < sin_top_ && !world_.static_scene->occluded(truth.p_sensor_m, p_m);
-  sighting.error_m = std::numeric_limits<double>::infinity();
+  sighting.points = scan.points[static_cast<std::size_t>(target)];
+  sighting.p_m = truth.T_estimate_truth * p_m;
+  sighting.error_m = sighting.drifted_error_m = std::numeric_limits<double>::infinity();
   sighting.direction_error_rad = kNan;
   return sighting;
 }
 
+/// Eq. (68): an estimate against where the target was at the instant for which it was made.
+double DetectionLog::error_m(int target, TimeNs t, const Vector3& estimate_m) const {
+  const Truth& truth = at(t);
+  return (estimate_m - truth.T_estimate_truth * truth.p_m[static_cast<std::size_t>(target)]).norm();
+}
+
+/// Keeps the nearest estimate, eq. (67).
+bool DetectionLog::take(Sighting& sighting, TimeNs t, const Vector3& estimate_m) const {
+  const double distance_m = error_m(sighting.target, t, estimate_m);
+  if (distance_m >= sighting.error_m) return false;
+  sighting.error_m = distance_m;
+  sighting.drifted_error_m = (estimate_m - at(t).p_m[static_cast<std::size_t>(sighting.target)]).norm();
+  sighting.estimate_m = estimate_m;
+  sighting.found = distance_m < kTruePositive_m;
+  return true;
+}
+
 void DetectionLog::add_detections(const Action& action) {
-  const int num_targets = static_cast<int>(truth_.back().p_m.size());
+  const SeenScan* scan = scan_of(action.detections_stamp);
+  if (scan == nullptr) return;
+  const int num_targets = static_cast<int>(scan->points.size());
+  std::vector<char> is_true(action.detections.size(), 0);
   for (int target = 0; target < num_targets; ++target) {
-    Sighting sighting = sighting_of(at(action.detections_stamp), target, action.detections_stamp);
-    for (const Detection& detection : action.detections) {
-      const double error_m = (detection.position_m - at(detection.t).p_m[static_cast<std::size_t>(target)]).norm();
-      sighting.error_m = std::min(sighting.error_m, error_m);
+    Sighting sighting = sighting_of(*scan, target);
+    for (std::size_t i = 0; i < action.detections.size(); ++i) {
+      const Detection& detection = action.detections[i];
+      if (error_m(target, detection.t, detection.position_m) < kTruePositive_m) is_true[i] = 1;
+      take(sighting, detection.t, detection.position_m);
     }
-    sighting.found = sighting.error_m < kTruePositive_m;
     detections_.push_back(sighting);
   }
-  for (const Detection& detection : action.detections) {
-    const std::vector<Vector3>& targets = at(detection.t).p_m;
-    const bool near_one = std::any_of(targets.begin(), targets.end(), [&](const Vector3& p_m) {
-      return (p_m - detection.position_m).norm() < kTruePositive_m;
-    });
-    if (!near_one) ++num_false_detections_;
-  }
+  num_false_detections_ += static_cast<int>(std::count(is_true.begin(), is_true.end(), 0));
 }
 
 void DetectionLog::add_tracks(const Action& action) {
-  const int num_targets = static_cast<int>(truth_.back().p_m.size());
+  const SeenScan& scan = scans_.back();
+  const int num_targets = static_cast<int>(scan.points.size());
   for (const Track& track : action.tracks) track_ids_.insert(track.id);
   in_view_since_.resize(static_cast<std::size_t>(num_targets), -1);
   for (int target = 0; target < num_targets; ++target) {
-    const TimeNs t = action.tracks.empty() ? truth_.back().t : action.tracks.front().t;
-    const Truth& truth = at(t);
-    Sighting sighting = sighting_of(truth, target, t);
+    Sighting sighting = sighting_of(scan, target);
     TimeNs& since = in_view_since_[static_cast<std::size_t>(target)];
     if (!sighting.visible) since = -1;
-    if (sighting.visible && since < 0) since = t;
-    sighting.in_view_s = sighting.visible ? to_seconds(t - since) : 0.0;
+    if (sighting.visible && since < 0) since = sighting.t;
+    sighting.in_view_s = sighting.visible ? to_seconds(sighting.t - since) : 0.0;
     const Track* nearest = nullptr;
     for (const Track& track : action.tracks) {
-      const double error_m = (track.position_m - truth.p_m[static_cast<std::size_t>(target)]).norm();
-      if (error_m >= sighting.error_m) continue;
-      sighting.error_m = error_m;
-      nearest = &track;
+      if (take(sighting, track.t, track.position_m)) nearest = &track;
     }
-    sighting.found = nearest != nullptr && sighting.error_m < kTruePositive_m;
     if (sighting.found) {
-      const Vector3 v_mps = truth.v_mps[static_cast<std::size_t>(target)];
       sighting.track = nearest->id;
+      const Truth& truth = at(nearest->t);
+      const Vector3 v_mps = truth.T_estimate_truth.linear() * truth.v_mps[static_cast<std::size_t>(target)];
       sighting.speed_error_mps = std::abs(nearest->velocity_mps.norm() - v_mps.norm());
       const double product = nearest->velocity_mps.norm() * v_mps.norm();
       if (v_mps.norm() > kSlow_mps && product > 0.0) {

@@ -6,37 +6,45 @@
 #include <set>
 #include <vector>
 
+#include "swiftlet/sim/recorder.hpp"
 #include "swiftlet/sim/simulation.hpp"
 
 /// Flying-object detection against truth, as 000 measures it: eqs. 67 to 71.
 namespace swiftlet::tools {
 
-/// One target at one scan (or track update): was it found, and how far off?
+/// One target in one scan, and what the detector or the tracker said of it.
 struct Sighting {
-  TimeNs t = 0;
+  TimeNs t = 0;                      ///< middle of the scan
+  TimeNs told = 0;                   ///< when it was judged: for a detection, when the detector was done with the scan
   int target = 0;                    ///< index among the targets
   double range_m = 0.0;              ///< true distance from sensor to target
   bool visible = false;              ///< within the vertical field of view, nothing in between
+  int points = 0;                    ///< returns of the scan that lie on the target
   bool found = false;                ///< an estimate closer than 3 m: a true positive
-  double error_m = 0.0;              ///< eq. (68)
+  double error_m = 0.0;              ///< eq. (68), in the world that the observer believes in
+  double drifted_error_m = 0.0;      ///< the same in the true world: with the error of its localisation
   double speed_error_mps = 0.0;      ///< eq. (69), of tracks
   double direction_error_rad = 0.0;  ///< eq. (70), of tracks; NaN when the target hardly moves
   std::uint32_t track = 0;           ///< identity of the nearest track
   double in_view_s = 0.0;            ///< of tracks: for how long the target has been visible
+  Vector3 p_m = Vector3::Zero();     ///< where it was, in the world that the observer believes in
+  Vector3 estimate_m = Vector3::Zero();  ///< the estimate nearest to it, when found
 };
 
-/// What one run shows, collected tick by tick: one vehicle observes, all others are targets, numbered without it.
+/// What one run shows, collected tick by tick: one vehicle observes, all others are targets, numbered without it. The
+/// detector is judged for each scan that it worked on, by what it told of it, however late; the tracker at each new
+/// scan, by the tracks of that instant.
 class DetectionLog {
  public:
-  /// @param vertical_fov_deg  of the observer's LiDAR, from its lowest to its highest beam
-  /// @param ignored_s         nothing is counted before: the map must first become free
+  /// @param fov_bottom_deg, fov_top_deg  lowest and highest beam of the observer's LiDAR
+  /// @param ignored_s                    nothing is counted before: the map must first become free
   DetectionLog(const sim::Scenario& scenario, double fov_bottom_deg, double fov_top_deg, double ignored_s,
                std::size_t observer = 0);
 
   void add(const sim::Simulation& simulation);
 
   const std::vector<Sighting>& detections() const { return detections_; }  ///< by scan and target
-  const std::vector<Sighting>& tracks() const { return tracks_; }          ///< by update and target
+  const std::vector<Sighting>& tracks() const { return tracks_; }          ///< by scan and target
   /// Detections farther than 3 m from every target, and tracks that never were near one.
   int num_false_detections() const { return num_false_detections_; }
   int num_false_tracks() const;
@@ -50,9 +58,18 @@ class DetectionLog {
     std::vector<Vector3> p_m, v_mps;  // by target
     Vector3 p_sensor_m;
     Matrix3 R_world_body;
+    Pose T_estimate_truth;  // to the world that the observer believes in
   };
+  struct SeenScan {
+    TimeNs stamp = 0, middle = 0;
+    std::vector<int> points;  // by target
+  };
+  void remember(const sim::LabelledScan& labelled);
   const Truth& at(TimeNs t) const;
-  Sighting sighting_of(const Truth& truth, int target, TimeNs t) const;
+  const SeenScan* scan_of(TimeNs stamp) const;
+  Sighting sighting_of(const SeenScan& scan, int target) const;
+  double error_m(int target, TimeNs t, const Vector3& estimate_m) const;
+  bool take(Sighting& sighting, TimeNs t, const Vector3& estimate_m) const;
   void add_detections(const Action& action);
   void add_tracks(const Action& action);
 
@@ -61,7 +78,8 @@ class DetectionLog {
   Vector3 p_body_lidar_m_ = Vector3(0.0, 0.0, 0.15);
   double sin_bottom_, sin_top_;
   TimeNs ignored_;
-  std::vector<Truth> truth_;  // by tick
+  std::vector<Truth> truth_;     // by tick
+  std::vector<SeenScan> scans_;  // by time
   std::vector<Sighting> detections_, tracks_;
   int num_false_detections_ = 0;
   double observed_s_ = 0.0;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <deque>
 #include <vector>
 
 #include "core/detection/vofod_stages.hpp"
@@ -80,7 +81,12 @@ class StageTimer {
     Stopwatch all;
     all.time([&] { tracker_.new_cloud(cloud, &stages_.map()); });
     stages[3].add(1e-3 * all.times_ms().front());
-    if (!detections.empty()) stages[4].time([&] { tracker_.new_detections(detections, &stages_.map()); });
+    // A detector tells of a scan when two newer ones are there (0.11 s after it began, 0.2 s after the scan).
+    late_.push_back(std::move(detections));
+    if (late_.size() > kScansLate) {
+      if (!late_.front().empty()) stages[4].time([&] { tracker_.new_detections(late_.front(), &stages_.map()); });
+      late_.pop_front();
+    }
     // What a track adds to a cloud: the time above without that of a tracker that follows nobody.
     CloudTracker idle({}, make_kalman_filter({}));
     Stopwatch without;
@@ -90,7 +96,10 @@ class StageTimer {
     }
   }
 
+  static constexpr std::size_t kScansLate = 2;
+
   CloudRegistrar registrar_;
+  std::deque<std::vector<Detection>> late_;
   VofodStages stages_;
   CloudTracker tracker_;
 };
@@ -134,7 +143,8 @@ void detection_timing(Experiment& experiment) {
     experiment.row({fmt::format("{} [ms]", one.stage), fmt::format("{:g} ± {:g}", one.mean_ms, one.deviation_ms),
                     fmt::format("{:.2f} ± {:.2f}", mean.mean, mean.deviation),
                     mean.mean < one.mean_ms ? Verdict::kBetter : Verdict::kDiffers,
-                    fmt::format("at most {:.1f} against {:g}", maximum_ms, one.maximum_ms), mean.mean});
+                    fmt::format("at most {:.1f} against {:g}; {} calls", maximum_ms, one.maximum_ms, times_ms.size()),
+                    mean.mean});
     published.push_back(one.mean_ms);
     ours.push_back(mean.mean);
     panel.x.categories.push_back(one.stage);

@@ -352,6 +352,29 @@ TEST(AgileSpline, SeedsDifferAndRepeat) {
   EXPECT_GT((at_20s(1, 0.0625) - at_20s(2, 0.0625)).norm(), 1.0);
 }
 
+TEST(AgileSpline, APaceByLegMakesFlightsSlowerButNotTheirLimits) {
+  // 000, Table IV: 1331 m in 355 s, though 8.2 m/s are reached.
+  double length_m = 0.0, fastest_mps = 0.0;
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
+    AgileConfig config;
+    config.seed = seed;
+    config.pace_min = 0.23;
+    config.area_min_m = {-40.0, -19.0, 7.5};
+    config.area_max_m = {40.0, 19.0, 10.0};
+    AgileSpline spline(config, {-5, 0, 8}, 8.5, 5.0);
+    for (int i = 0; i < 35500; ++i) {
+      spline.advance(0.01);
+      const double speed_mps = spline.reference().velocity_mps.norm();
+      length_m += 0.01 * speed_mps / 5.0;
+      fastest_mps = std::max(fastest_mps, speed_mps);
+      ASSERT_LE(spline.reference().acceleration_mps2.norm(), 4.5 * (1 + 1e-12));
+    }
+  }
+  EXPECT_NEAR(length_m, 1331.0, 0.1 * 1331.0);
+  EXPECT_GT(fastest_mps, 7.5);
+  EXPECT_LE(fastest_mps, 8.2 * (1 + 1e-12));
+}
+
 TEST(AgileSpline, VerticalLimitsHoldOnTheirOwn) {
   AgileConfig config;
   config.area_max_m.z() = 30.0;
