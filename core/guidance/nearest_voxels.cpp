@@ -43,11 +43,13 @@ void NearestVoxels::compute(std::span<const Vector3> voxels_m, const VoxelGrid& 
   empty_ = true;
   occupied_.assign(static_cast<std::size_t>(around.num_cells()), 0);
   row_occupied_.assign(static_cast<std::size_t>(around.size.y()) * around.size.z(), 0);
+  // Counted from two cells before the corner, so that cutting off the fraction rounds down.
+  const Vector3 from_m = (around.min_cell.array() - 2).cast<double>() * around.edge_m;
+  const double per_edge = 1.0 / around.edge_m;
   for (const Vector3& voxel_m : voxels_m) {
-    const Cell cell = around.cell_of(voxel_m);
-    if (!around.contains(cell)) continue;
-    occupied_[static_cast<std::size_t>(around.index(cell))] = 1;
-    const Cell at = cell - around.min_cell;
+    const Cell at = ((voxel_m - from_m) * per_edge).cast<int>().array() - 2;
+    if ((at.array() < 0).any() || (at.array() >= around.size.array()).any()) continue;
+    occupied_[static_cast<std::size_t>((at.z() * around.size.y() + at.y()) * around.size.x() + at.x())] = 1;
     row_occupied_[static_cast<std::size_t>(at.z()) * around.size.y() + at.y()] = 1;
     empty_ = false;
   }

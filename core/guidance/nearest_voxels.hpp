@@ -22,10 +22,11 @@ class NearestVoxels {
 
   /// Whether there is any voxel.
   bool empty() const { return empty_; }
-  /// The nearest voxel's cell; for a cell in the box, when not empty.
-  Cell nearest(const Cell& cell) const {
-    const std::int32_t packed = nearest_[static_cast<std::size_t>(box_.index(cell))];
-    return around_.min_cell + Cell(packed & 1023, packed >> 10 & 1023, packed >> 20);
+  /// The nearest voxel's cell, counted from the corner of `around`; for a cell counted from the corner of the box.
+  Cell nearest(const Cell& in_box) const {
+    const std::int32_t packed =
+        nearest_[static_cast<std::size_t>((in_box.z() * box_.size.y() + in_box.y()) * box_.size.x() + in_box.x())];
+    return {packed & 1023, packed >> 10 & 1023, packed >> 20};
   }
 
  private:

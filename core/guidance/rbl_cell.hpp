@@ -44,7 +44,7 @@ class RblCell {
     excluded_ = true;
     for (const Row& row : rows_) {
       for (int i = row.first + row.low; i < row.first + row.high; ++i) {
-        if (inside_[i] != 0.0F && excluded(at(i))) inside_[i] = 0.0F;
+        if (inside_[i] != 0.0F && excluded(Eigen::Vector3f(x_[i], row.y, row.z))) inside_[i] = 0.0F;
       }
     }
   }

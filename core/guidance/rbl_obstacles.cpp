@@ -21,12 +21,31 @@ HalfSpace voxel_cut(const Vector3& nearest_m, const Vector3& center_m, double en
   return {center_m.norm() > kInside_m ? Vector3(center_m.normalized()) : Vector3(Vector3::UnitZ()), -encumbrance_m};
 }
 
-}  // namespace
+/// Whether q lies beyond obstacle_cut(point): q . point / d > offset(d), where the offset is gain * d - less.
+class PlaneTest {
+ public:
+  PlaneTest(double encumbrance_m, double eta)
+      : twice_sq_(static_cast<float>(4.0 * encumbrance_m * encumbrance_m)),
+        near_{1.0F, static_cast<float>(encumbrance_m)},
+        far_{static_cast<float>(eta), static_cast<float>((2.0 * eta - 1.0) * encumbrance_m)} {}
 
-Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, double edge_m) {
-  const Vector3 half = Vector3::Constant(0.5 * edge_m);
-  return p_m.cwiseMax(center_m - half).cwiseMin(center_m + half);
-}
+  bool operator()(const Eigen::Vector3f& q, const Eigen::Vector3f& point) const {
+    const float d_sq = point.squaredNorm();
+    const Offset& offset = d_sq < twice_sq_ ? near_ : far_;
+    const float over = q.dot(point) - offset.gain * d_sq;  // beyond when more than -less * d
+    const bool within_less = over * over < offset.less * offset.less * d_sq;
+    return offset.less >= 0.0F ? over > 0.0F || within_less : over > 0.0F && !within_less;
+  }
+
+ private:
+  struct Offset {
+    float gain, less;
+  };
+  float twice_sq_;
+  Offset near_, far_;
+};
+
+}  // namespace
 
 void ObstacleCutter::cut_convex(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
                                 double encumbrance_m, double eta, std::vector<HalfSpace>& cuts) {
@@ -61,22 +80,28 @@ void ObstacleCutter::cut_nearest(RblCell& cell, const Vector3& p_m, std::span<co
   if (voxels_m.empty() || cell.is_empty()) return;
   const int half = static_cast<int>(std::ceil(cell.radius_m() / eta / edge_m)) + 1;
   const VoxelGrid around{edge_m, (p_m.array() / edge_m).floor().cast<int>() - half, Cell::Constant(2 * half + 1)};
-  // Inside of the grid, where cutting off the fraction rounds down.
   const Vector3 from_corner_m = p_m - around.min_cell.cast<double>() * edge_m;
-  const auto cell_of = [&, per_edge = 1.0 / edge_m](const Vector3& q) {
-    return Cell(around.min_cell + ((q + from_corner_m) * per_edge).cast<int>());
-  };
+  // Inside of the grid, where cutting off the fraction rounds down.
+  const auto counted_cell = [&](const Vector3& q) { return Cell(((q + from_corner_m) / edge_m).cast<int>()); };
   const auto [low_m, high_m] = cell.bounds();
-  const Cell low = cell_of(low_m);
-  nearest_.compute(voxels_m, around, {edge_m, low, cell_of(high_m) - low + Cell::Ones()});
+  const Cell low = counted_cell(low_m), high = counted_cell(high_m);
+  nearest_.compute(voxels_m, around, {edge_m, around.min_cell + low, high - low + Cell::Ones()});
   if (nearest_.empty()) return;
-  cell.exclude([&](const Vector3& q) {
-    const Vector3 center = around.center_m(nearest_.nearest(cell_of(q))) - p_m;
-    const Vector3 nearest = nearest_in_voxel(q, center, edge_m);
-    const double distance = nearest.norm();
-    if (distance > kInside_m) return nearest.dot(q) > distance * obstacle_offset_m(distance, encumbrance_m, eta);
-    const HalfSpace cut = voxel_cut(nearest, center, encumbrance_m, eta);
-    return cut.normal.dot(q) > cut.offset_m;
+
+  // Asked for every sample: in single precision and without a root.
+  const auto edge = static_cast<float>(edge_m), per_edge = static_cast<float>(1.0 / edge_m);
+  const Eigen::Vector3f to_face = Eigen::Vector3f::Constant(0.5F * edge);
+  const Eigen::Vector3f to_box_cells = (from_corner_m / edge_m - low.cast<double>()).cast<float>();
+  const Eigen::Vector3f first_center = (Vector3::Constant(0.5 * edge_m) - from_corner_m).cast<float>();
+  const PlaneTest beyond_plane(encumbrance_m, eta);
+  const Cell last = high - low;
+  cell.exclude([&](const Eigen::Vector3f& q) {
+    const Cell in_box = (per_edge * q + to_box_cells).cast<int>().cwiseMin(last);
+    const Eigen::Vector3f center = first_center + edge * nearest_.nearest(in_box).cast<float>();
+    const Eigen::Vector3f nearest = q.cwiseMax(center - to_face).cwiseMin(center + to_face);
+    if (nearest.squaredNorm() > kInside_m * kInside_m) return beyond_plane(q, nearest);
+    const HalfSpace cut = voxel_cut(nearest.cast<double>(), center.cast<double>(), encumbrance_m, eta);
+    return cut.normal.dot(q.cast<double>()) > cut.offset_m;
   });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <string>
@@ -36,7 +37,12 @@ struct RblLidarConfig : SightConfig {
 };
 
 /// Point of a voxel that is nearest to `p_m` (3.1).
-Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, double edge_m);
+inline Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, double edge_m) {
+  const auto along = [half_m = 0.5 * edge_m](double p, double center) {
+    return std::min(std::max(p, center - half_m), center + half_m);
+  };
+  return {along(p_m.x(), center_m.x()), along(p_m.y(), center_m.y()), along(p_m.z(), center_m.z())};
+}
 
 /// Cuts cells by voxels. Both ways keep the agent's encumbrance away from every voxel that faces it:
 /// convex: half-spaces at the nearest point of the nearest voxel, then of the nearest one that is not yet behind such a

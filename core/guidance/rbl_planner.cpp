@@ -9,15 +9,10 @@ namespace {
 
 constexpr double kSamePlace_m = 1e-6;  // two agents in one place: any direction will do
 
-/// The program's plane: Delta stays free of the neighbour's side (irbl 594-634).
-double program_offset(double d, double Delta, double eta) {
-  return d >= 2.0 * Delta ? Delta + eta * (d - 2.0 * Delta) : d - Delta;
-}
-
 double offset_of(const std::string& reading, double d, double Delta, double eta) {
   if (reading == "projected") return d >= 2.0 * Delta ? eta * d : 2.0 * eta * (d - Delta);
   if (reading == "buffered") return 0.5 * (d - Delta);
-  return program_offset(d, Delta, eta);
+  return obstacle_offset_m(d, Delta, eta);  // the program's plane: Delta stays free (irbl 594-634)
 }
 
 HalfSpace half_space(const Vector3& to_m, double d, double offset_m) {
@@ -49,13 +44,9 @@ HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta,
   return half_space(to_neighbor_m, d, offset_of(reading, d, Delta_m, eta));
 }
 
-double obstacle_offset_m(double distance_m, double encumbrance_m, double eta) {
-  return program_offset(distance_m, encumbrance_m, eta);
-}
-
 HalfSpace obstacle_cut(const Vector3& to_point_m, double encumbrance_m, double eta) {
   const double d = to_point_m.norm();
-  return half_space(to_point_m, d, program_offset(d, encumbrance_m, eta));
+  return half_space(to_point_m, d, obstacle_offset_m(d, encumbrance_m, eta));
 }
 
 RblPlanner::RblPlanner(const RblCellConfig& config, const RblRules& rules, bool planar)

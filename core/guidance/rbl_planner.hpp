@@ -29,7 +29,10 @@ struct RblCellConfig {
 HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, const std::string& reading);
 
 /// How far an agent may go towards a point of an obstacle at this distance: its own encumbrance is left free.
-double obstacle_offset_m(double distance_m, double encumbrance_m, double eta);
+inline double obstacle_offset_m(double distance_m, double encumbrance_m, double eta) {
+  return distance_m >= 2.0 * encumbrance_m ? encumbrance_m + eta * (distance_m - 2.0 * encumbrance_m)
+                                           : distance_m - encumbrance_m;
+}
 /// The same as a half-space.
 HalfSpace obstacle_cut(const Vector3& to_point_m, double encumbrance_m, double eta);
 

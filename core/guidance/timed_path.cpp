@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/guidance/heading.hpp"
+#include "core/guidance/way_overlay.hpp"
 
 namespace swiftlet {
 namespace {
@@ -31,13 +32,7 @@ class TimedPath : public Guidance {
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    Overlay overlay;
-    overlay.name = "path";
-    overlay.kind = Overlay::Kind::kSpheres;
-    overlay.size_m = 0.05F;
-    for (const Vector3& p : config_.points_m) overlay.positions.push_back(p.cast<float>());
-    overlay.colors = {{1.0F, 0.7F, 0.1F, 1.0F}};
-    overlays.push_back(std::move(overlay));
+    overlays.push_back(way_overlay("path", config_.points_m, 0.05F));
   }
 
  private:

@@ -5,6 +5,7 @@
 
 #include "core/guidance/heading.hpp"
 #include "core/guidance/landing.hpp"
+#include "core/guidance/way_overlay.hpp"
 
 namespace swiftlet {
 namespace {
@@ -37,13 +38,7 @@ class Waypoints : public Guidance {
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    Overlay overlay;
-    overlay.name = "waypoints";
-    overlay.kind = Overlay::Kind::kSpheres;
-    overlay.size_m = 0.15F;
-    for (const Vector3& p : config_.waypoints_m) overlay.positions.push_back(p.cast<float>());
-    overlay.colors = {{1.0F, 0.7F, 0.1F, 1.0F}};
-    overlays.push_back(std::move(overlay));
+    overlays.push_back(way_overlay("waypoints", config_.waypoints_m, 0.15F));
   }
 
  private:

@@ -74,7 +74,8 @@ TEST(ObstacleCutter, NearestVoxelOfTheGridIsTheNearestOfAll) {
   ObstacleCutter cutter;
   cutter.cut_nearest(by_grid, p, voxels, kEdge, kEncumbrance, kEta);
   int differing = 0;
-  by_search.exclude([&](const Vector3& q) {
+  by_search.exclude([&](const Eigen::Vector3f& sample) {
+    const Vector3 q = sample.cast<double>();
     double least = std::numeric_limits<double>::infinity();
     for (const Vector3& voxel : voxels) least = std::min(least, (p + q - voxel).norm());
     bool any = false, all = true;  // of equally near voxels either may be taken

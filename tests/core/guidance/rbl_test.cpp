@@ -62,14 +62,14 @@ TEST(RblCell, IntervalsOfRowsAgreeWithTestingEverySample) {
   const Vector3 ball_center(-0.6, 0.2, 0.1);
   const double ball_radius = 1.5;
   cell.cut_ball(ball_center, ball_radius);
-  cell.exclude([](const Vector3& q) { return q.x() > 0.3 && q.y() > 0.1; });
+  cell.exclude([](const Eigen::Vector3f& q) { return q.x() > 0.3F && q.y() > 0.1F; });
   int inside = 0;
   for (int i = 0; i < cell.num_samples(); ++i) {
     const Vector3 q = cell.point(i);
     ASSERT_LE(q.norm(), 2.0 + 1e-5);
     ASSERT_GE(q.z(), -1.2 - 1e-5);
     ASSERT_LE(q.z(), 1.6 + 1e-5);
-    bool expected = (q - ball_center).norm() <= ball_radius && !(q.x() > 0.3 && q.y() > 0.1);
+    bool expected = (q - ball_center).norm() <= ball_radius && !(q.x() > 0.3F && q.y() > 0.1F);
     for (const HalfSpace& cut : cuts) expected = expected && cut.normal.dot(q) <= cut.offset_m;
     ASSERT_EQ(cell.contains(i), expected) << q.transpose();
     inside += expected;
