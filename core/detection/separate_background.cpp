@@ -2,122 +2,135 @@
 #include "core/detection/separate_background.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace swiftlet {
-namespace {
-
-bool bit(const std::uint64_t* words, int x) { return (words[x / 64] >> (x % 64)) & 1U; }
-
-// Is there a pair of occupied cells, one of each row and one of each run, at most `reach` apart along x?
-bool near(const std::uint64_t* a, int a_first, int a_last, const std::uint64_t* b, int b_first, int b_last, int reach) {
-  for (int x = std::max(a_first, b_first - reach); x <= std::min(a_last, b_last + reach); ++x) {
-    if (!bit(a, x)) continue;
-    for (int y = std::max(x - reach, b_first); y <= std::min(x + reach, b_last); ++y) {
-      if (bit(b, y)) return true;
-    }
-  }
-  return false;
-}
-
-}  // namespace
 
 const std::vector<std::ptrdiff_t>& SeparateBackground::find(const VoxelMap& map, double distance_m,
                                                             int least_confident) {
-  const Cell size = map.grid().size;
-  const double distance = distance_m / map.grid().edge_m * (1.0 + 1e-9);
-  const int reach = static_cast<int>(std::floor(distance));
-  fill_runs(map, reach);
+  look_around(map.grid().size, distance_m / map.grid().edge_m * (1.0 + 1e-9));
+  collect(map);
+  join();
 
-  for (int z = 0; z < size.z(); ++z) {
-    for (int y = 0; y < size.y(); ++y) {
-      const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(z) * size.y() + y;
-      if (row_start_[row] == row_start_[row + 1]) continue;
-      // Half of the rows around it, because nearness is mutual.
-      for (int dz = 0; dz <= reach && z + dz < size.z(); ++dz) {
-        for (int dy = dz == 0 ? 1 : -reach; dy <= reach; ++dy) {
-          const double left_sq = distance * distance - dy * dy - dz * dz;
-          if (left_sq < 0.0 || y + dy < 0 || y + dy >= size.y()) continue;
-          join_rows(map, row, row + static_cast<std::ptrdiff_t>(dz) * size.y() + dy,
-                    static_cast<int>(std::sqrt(left_sq)));
-        }
-      }
-    }
-  }
-
-  const auto for_each_voxel = [&](auto&& visit) {
-    for (std::ptrdiff_t row = 0; row < map.num_rows(); ++row) {
-      const std::uint64_t* words = map.row_bits(row);
-      for (std::uint32_t run = row_start_[row]; run < row_start_[row + 1]; ++run) {
-        const std::uint32_t cluster = root(run);
-        for (int x = runs_[run].first; x <= runs_[run].last; ++x) {
-          if (bit(words, x)) visit(cluster, row * size.x() + x);
-        }
-      }
-    }
-  };
-  num_confident_.assign(runs_.size(), 0);
-  for_each_voxel([&](std::uint32_t cluster, std::ptrdiff_t index) {
-    num_confident_[cluster] += map.state(index) == VoxelState::kConfident;
-  });
   const auto least = static_cast<std::uint32_t>(std::max(least_confident, 0));
-  num_kept_ = 0;
-  for (std::uint32_t run = 0; run < runs_.size(); ++run) {
-    num_kept_ += root(run) == run && num_confident_[run] >= least;
+  num_confident_.assign(blocks_.size(), 0);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    std::uint32_t& count = num_confident_[parents_[i]];
+    if (count >= least) continue;
+    for_each_voxel(blocks_[i], [&](std::ptrdiff_t v) { count += map.state(v) == VoxelState::kConfident; });
   }
+  num_kept_ = 0;
   separate_.clear();
-  for_each_voxel([&](std::uint32_t cluster, std::ptrdiff_t index) {
-    if (num_confident_[cluster] < least) separate_.push_back(index);
-  });
+  for (std::uint32_t i = 0; i < blocks_.size(); ++i) {
+    const bool kept = num_confident_[parents_[i]] >= least;
+    num_kept_ += kept && parents_[i] == i;
+    if (!kept) for_each_voxel(blocks_[i], [&](std::ptrdiff_t v) { separate_.push_back(v); });
+  }
+  std::sort(separate_.begin(), separate_.end());
   return separate_;
 }
 
-void SeparateBackground::fill_runs(const VoxelMap& map, int bridged) {
-  runs_.clear();
-  row_start_.assign(1, 0);
-  for (std::ptrdiff_t row = 0; row < map.num_rows(); ++row) {
-    const std::uint64_t* words = map.row_bits(row);
-    for (int w = 0; w < map.words_per_row(); ++w) {
-      for (std::uint64_t bits = words[w]; bits != 0; bits &= bits - 1) {
-        const int x = 64 * w + __builtin_ctzll(bits);
-        const bool goes_on = runs_.size() > row_start_.back() && x - runs_.back().last <= bridged;
-        if (goes_on)
-          runs_.back().last = x;
-        else
-          runs_.push_back({x, x});
+void SeparateBackground::look_around(const Cell& size, double distance) {
+  if (size == size_ && distance == distance_) return;
+  size_ = size;
+  distance_ = distance;
+  edge_ = distance * distance >= 3.0 ? 2 : 1;  // the diagonal of a block of two
+  reach_ = static_cast<int>(std::floor((distance + edge_ - 1) / edge_));
+  blocks_size_ = (size.array() + edge_ - 1) / edge_ + 2 * reach_;
+  numbers_.assign(blocks_size_.cast<std::ptrdiff_t>().prod(), 0);
+
+  const int count = edge_ * edge_ * edge_;
+  const auto place = [&](int voxel) -> Cell { return {voxel % edge_, voxel / edge_ % edge_, voxel / (edge_ * edge_)}; };
+  neighbors_.clear();
+  for (int z = -reach_; z <= 0; ++z) {
+    for (int y = -reach_; y <= reach_; ++y) {
+      for (int x = -reach_; x <= reach_; ++x) {
+        if (z == 0 && (y > 0 || (y == 0 && x >= 0))) continue;
+        Neighbor neighbor{(static_cast<std::ptrdiff_t>(z) * blocks_size_.y() + y) * blocks_size_.x() + x, {}};
+        for (int own = 0; own < count; ++own) {
+          for (int other = 0; other < count; ++other) {
+            const Cell between = edge_ * Cell(x, y, z) + place(other) - place(own);
+            if (between.squaredNorm() > distance * distance) continue;
+            for (int voxels = 0; voxels < 256; ++voxels) {
+              if ((voxels >> own) & 1) neighbor.near[voxels] |= static_cast<std::uint8_t>(1 << other);
+            }
+          }
+        }
+        if (neighbor.near.back() != 0) neighbors_.push_back(neighbor);
       }
     }
-    row_start_.push_back(static_cast<std::uint32_t>(runs_.size()));
   }
-  parents_.resize(runs_.size());
-  for (std::uint32_t i = 0; i < parents_.size(); ++i) parents_[i] = i;
 }
 
-// Runs of a row are in order, so the ones that can be near move forward together.
-void SeparateBackground::join_rows(const VoxelMap& map, std::ptrdiff_t row, std::ptrdiff_t other, int reach) {
-  const std::uint64_t *a_bits = map.row_bits(row), *b_bits = map.row_bits(other);
-  std::uint32_t window = row_start_[other];
-  for (std::uint32_t a = row_start_[row]; a < row_start_[row + 1]; ++a) {
-    while (window < row_start_[other + 1] && runs_[window].last < runs_[a].first - reach) ++window;
-    for (std::uint32_t b = window; b < row_start_[other + 1] && runs_[b].first <= runs_[a].last + reach; ++b) {
-      if (root(a) == root(b)) continue;
-      if (near(a_bits, runs_[a].first, runs_[a].last, b_bits, runs_[b].first, runs_[b].last, reach)) join(a, b);
+// In the order of numbers_.
+void SeparateBackground::collect(const VoxelMap& map) {
+  for (const Block& block : blocks_) numbers_[block.at] = 0;
+  blocks_.clear();
+  const int rows = edge_ * edge_;
+  const std::uint64_t side = (std::uint64_t{1} << edge_) - 1;
+  std::array<const std::uint64_t*, 4> words{};
+  for (int z = 0; z < size_.z(); z += edge_) {
+    for (int y = 0; y < size_.y(); y += edge_) {
+      for (int r = 0; r < rows; ++r) {
+        const int row_y = y + r % edge_, row_z = z + r / edge_;
+        const bool inside = row_y < size_.y() && row_z < size_.z();
+        words[r] = inside ? map.row_bits(static_cast<std::ptrdiff_t>(row_z) * size_.y() + row_y) : nullptr;
+      }
+      const std::ptrdiff_t at =
+          (static_cast<std::ptrdiff_t>(z / edge_ + reach_) * blocks_size_.y() + y / edge_ + reach_) * blocks_size_.x();
+      const std::ptrdiff_t voxel = (static_cast<std::ptrdiff_t>(z) * size_.y() + y) * size_.x();
+      for (int w = 0; w < map.words_per_row(); ++w) {
+        std::uint64_t any = 0;
+        for (int r = 0; r < rows; ++r) any |= words[r] != nullptr ? words[r][w] : 0;
+        while (any != 0) {
+          const int x = std::countr_zero(any) / edge_ * edge_;
+          any &= ~(side << x);
+          std::uint32_t voxels = 0;
+          for (int r = 0; r < rows; ++r) {
+            if (words[r] != nullptr) voxels |= static_cast<std::uint32_t>(words[r][w] >> x & side) << (r * edge_);
+          }
+          blocks_.push_back({at + (64 * w + x) / edge_ + reach_, voxel + 64 * w + x, voxels});
+          numbers_[blocks_.back().at] = static_cast<std::uint32_t>(blocks_.size());
+        }
+      }
     }
   }
 }
 
-std::uint32_t SeparateBackground::root(std::uint32_t run) {
-  while (parents_[run] != run) {
-    parents_[run] = parents_[parents_[run]];
-    run = parents_[run];
+// Afterwards the parent of each block is the first one of its cluster.
+void SeparateBackground::join() {
+  parents_.resize(blocks_.size());
+  for (std::uint32_t i = 0; i < parents_.size(); ++i) {
+    parents_[i] = i;
+    std::uint32_t first = i;
+    for (const Neighbor& neighbor : neighbors_) {
+      const std::uint32_t number = numbers_[blocks_[i].at + neighbor.step];
+      if (number == 0 || parents_[number - 1] == first) continue;
+      if ((neighbor.near[blocks_[i].voxels] & blocks_[number - 1].voxels) == 0) continue;
+      const std::uint32_t other = root(number - 1);
+      parents_[std::max(first, other)] = std::min(first, other);
+      first = std::min(first, other);
+    }
   }
-  return run;
+  for (std::uint32_t& parent : parents_) parent = parents_[parent];
 }
 
-void SeparateBackground::join(std::uint32_t a, std::uint32_t b) {
-  a = root(a);
-  b = root(b);
-  parents_[std::max(a, b)] = std::min(a, b);
+std::uint32_t SeparateBackground::root(std::uint32_t block) {
+  while (parents_[block] != block) {
+    parents_[block] = parents_[parents_[block]];
+    block = parents_[block];
+  }
+  return block;
+}
+
+template <class Visit>
+void SeparateBackground::for_each_voxel(const Block& block, Visit&& visit) const {
+  for (std::uint32_t bits = block.voxels; bits != 0; bits &= bits - 1) {
+    const int i = std::countr_zero(bits);
+    const int x = i % edge_, y = i / edge_ % edge_, z = i / (edge_ * edge_);
+    visit(block.voxel + x + (y + static_cast<std::ptrdiff_t>(z) * size_.y()) * size_.x());
+  }
 }
 
 }  // namespace swiftlet

@@ -122,43 +122,70 @@ class VofodDetector : public Detector {
   std::vector<Detection> newest_;  // for pictures
 };
 
-// Voxels by their confidence, the last scan by class, its detections.
+// Voxels by their confidence, the last scan by class, its detections, and why they are some: the air around them.
 void VofodDetector::append_overlays(std::vector<Overlay>& overlays) const {
   const VoxelMap& map = stages_.map();
-  const auto begin = [&](const char* name, Overlay::Kind kind, float size_m) -> Overlay& {
-    Overlay& overlay = overlays.emplace_back();
+  const auto begin = [&](const char* name, Overlay::Kind kind, float size_m, std::vector<Overlay::Key> legend) {
+    Overlay overlay;
     overlay.name = name;
     overlay.kind = kind;
     overlay.size_m = size_m;
+    overlay.legend = std::move(legend);
+    if (overlay.legend.size() == 1) overlay.colors = {overlay.legend.front().color};
     return overlay;
   };
   const auto edge = static_cast<float>(map.grid().edge_m);
-  Overlay tentative, confident;
-  map.for_each_occupied([&](std::ptrdiff_t i) {
-    Overlay& overlay = map.state(i) == VoxelState::kConfident ? confident : tentative;
-    overlay.positions.push_back(map.grid().center_m(map.grid().cell(i)).cast<float>());
-  });
-  Overlay& occupied = begin("voxels.occupied", Overlay::Kind::kCubes, 0.9F * edge);
-  occupied.positions = std::move(tentative.positions);
-  occupied.positions.insert(occupied.positions.end(), confident.positions.begin(), confident.positions.end());
-  occupied.colors = {{0.95F, 0.65F, 0.15F, 1.0F}};
-  Overlay& sure = begin("voxels.confident", Overlay::Kind::kCubes, 0.92F * edge);
-  sure.positions = std::move(confident.positions);
-  sure.colors = {{0.45F, 0.48F, 0.55F, 1.0F}};
+  const auto center_m = [&](std::ptrdiff_t i) { return map.grid().center_m(map.grid().cell(i)).cast<float>(); };
 
-  Overlay& clusters = begin("clusters", Overlay::Kind::kPoints, 0.08F);
+  // Translucent: points of the background lie in them.
+  Overlay tentative = begin("voxels.tentative", Overlay::Kind::kCubes, 0.8F * edge,
+                            {{"voxel: tentative occupied", {0.95F, 0.6F, 0.1F, 0.4F}}});
+  Overlay confident = begin("voxels.confident", Overlay::Kind::kCubes, 0.8F * edge,
+                            {{"voxel: confident occupied", {0.45F, 0.48F, 0.55F, 0.3F}}});
+  map.for_each_occupied([&](std::ptrdiff_t i) {
+    (map.state(i) == VoxelState::kConfident ? confident : tentative).positions.push_back(center_m(i));
+  });
+  overlays.push_back(std::move(tentative));
+  overlays.push_back(std::move(confident));
+
+  const Eigen::Vector4f kFree = {0.15F, 0.75F, 0.4F, 0.45F}, kUncertain = {0.98F, 0.85F, 0.1F, 0.8F};
+  Overlay around =
+      begin("voxels.around", Overlay::Kind::kCubes, 0.4F * edge,
+            {{"around a detection: confident free", kFree}, {"around a detection: uncertain", kUncertain}});
+  const int reach = static_cast<int>(config_.search_distance_m / map.grid().edge_m);
+  for (const Detection& d : newest_) {
+    const Cell middle = map.grid().cell_of(d.position_m);
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
+        const Cell cell = middle + Cell(x, y, 0);
+        if (x * x + y * y > reach * reach || !map.grid().contains(cell)) continue;
+        const VoxelState state = map.state(map.grid().index(cell));
+        if (state > VoxelState::kUncertain) continue;
+        around.positions.push_back(center_m(map.grid().index(cell)));
+        around.colors.push_back(state == VoxelState::kFree ? kFree : kUncertain);
+      }
+    }
+  }
+  overlays.push_back(std::move(around));
+
+  const Eigen::Vector4f kBlue = {0.2F, 0.4F, 0.95F, 1.0F}, kYellow = {0.95F, 0.85F, 0.1F, 1.0F},
+                        kRed = {0.95F, 0.1F, 0.1F, 1.0F};
+  Overlay clusters =
+      begin("clusters", Overlay::Kind::kPoints, 0.08F,
+            {{"cluster: background (A)", kBlue}, {"cluster: flying (B)", kRed}, {"cluster: unknown (C)", kYellow}});
   const auto paint = [&](ClusterClass of_class, const Eigen::Vector4f& color) {
     stages_.append_cluster_points(of_class, clusters.positions);
     clusters.colors.resize(clusters.positions.size(), color);
   };
-  paint(ClusterClass::kBackground, {0.25F, 0.45F, 0.9F, 1.0F});
-  paint(ClusterClass::kTooLarge, {0.25F, 0.45F, 0.9F, 1.0F});
-  paint(ClusterClass::kUnknown, {0.95F, 0.85F, 0.1F, 1.0F});
-  paint(ClusterClass::kFlying, {0.95F, 0.1F, 0.1F, 1.0F});
+  paint(ClusterClass::kBackground, kBlue);
+  paint(ClusterClass::kTooLarge, kBlue);
+  paint(ClusterClass::kUnknown, kYellow);
+  paint(ClusterClass::kFlying, kRed);
+  overlays.push_back(std::move(clusters));
 
-  Overlay& detections = begin("detections", Overlay::Kind::kSpheres, 0.5F);
+  Overlay detections = begin("detections", Overlay::Kind::kSpheres, 0.5F, {{"detection", {1.0F, 0.3F, 0.3F, 0.35F}}});
   for (const Detection& d : newest_) detections.positions.push_back(d.position_m.cast<float>());
-  detections.colors = {{1.0F, 0.1F, 0.1F, 0.6F}};
+  overlays.push_back(std::move(detections));
 }
 
 }  // namespace

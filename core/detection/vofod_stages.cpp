@@ -32,6 +32,38 @@ struct VofodStages::Shape {
   double diagonal_m() const { return extent_m.norm(); }
 };
 
+void VofodStages::Samples::clear() {
+  at_m.clear();
+  voxel.clear();
+  point.clear();
+  weight.clear();
+}
+
+void VofodStages::Samples::add(const Eigen::Vector3f& p_m, std::ptrdiff_t in_voxel, std::uint32_t of_point) {
+  at_m.push_back(p_m);
+  voxel.push_back(in_voxel);
+  point.push_back(of_point);
+}
+
+void VofodStages::Samples::add(const Samples& from, std::size_t i) {
+  add(from.at_m[i], from.voxel[i], from.point[i]);
+  if (!from.weight.empty()) weight.push_back(from.weight[i]);
+}
+
+void VofodStages::Samples::move(std::size_t from, std::size_t to) {
+  at_m[to] = at_m[from];
+  voxel[to] = voxel[from];
+  point[to] = point[from];
+  if (!weight.empty()) weight[to] = weight[from];
+}
+
+void VofodStages::Samples::resize(std::size_t count) {
+  at_m.resize(count);
+  voxel.resize(count);
+  point.resize(count);
+  if (!weight.empty()) weight.resize(count);
+}
+
 VofodStages::VofodStages(const VofodConfig& config)
     : config_(config),
       map_(config.map),
@@ -41,6 +73,7 @@ VofodStages::VofodStages(const VofodConfig& config)
 void VofodStages::classify(const WorldCloud& cloud, std::vector<Detection>& detections) {
   take_points(cloud);
   if (config_.choices.clustering == "voxels") thin_to_voxels();
+  set_background_aside();
   clusters_.compute(samples_.at_m, config_.cluster_distance_m);
   const double g_occupied = config_.map.g_occupied, g_unknown = config_.map.g_unknown;
 
@@ -51,6 +84,7 @@ void VofodStages::classify(const WorldCloud& cloud, std::vector<Detection>& dete
   }
   const bool before = config_.choices.map_update == "before";
   if (before) {
+    put_background();
     for (int i = 0; i < clusters_.size(); ++i) {
       put(clusters_.members(i), classes_[i] == ClusterClass::kBackground ? g_occupied : g_unknown);
     }
@@ -72,10 +106,13 @@ void VofodStages::classify(const WorldCloud& cloud, std::vector<Detection>& dete
       classes_[i] = ClusterClass::kTooLarge;
     }
   }
-  // Eqs. (16) to (18).
+  // Eqs. (16) to (18), in this order where a voxel has points of several classes.
+  if (!before) put_background();
+  for (int i = 0; i < clusters_.size() && !before; ++i) {
+    if (classes_[i] == ClusterClass::kBackground) put(clusters_.members(i), g_occupied);
+  }
   for (int i = 0; i < clusters_.size() && !before; ++i) {
     if (classes_[i] == ClusterClass::kFlying) set(clusters_.members(i), g_unknown);
-    if (classes_[i] == ClusterClass::kBackground) put(clusters_.members(i), g_occupied);
     if (classes_[i] == ClusterClass::kUnknown) put(clusters_.members(i), g_unknown);
   }
   for (int i = 0; i < clusters_.size(); ++i) {
@@ -85,22 +122,17 @@ void VofodStages::classify(const WorldCloud& cloud, std::vector<Detection>& dete
     if (map_.state(index) == VoxelState::kUncertain) map_.set(index, g_just_free_);
   }
   if (config_.choices.hit_voxels == "keep") {
-    for (const std::ptrdiff_t voxel : samples_.voxel) hits_.push_back(map_.grid().cell(voxel));
+    for (const Samples* samples : {&aside_, &samples_}) {
+      for (const std::ptrdiff_t voxel : samples->voxel) hits_.push_back(map_.grid().cell(voxel));
+    }
   }
 }
 
 void VofodStages::take_points(const WorldCloud& cloud) {
-  samples_.at_m.clear();
-  samples_.voxel.clear();
-  samples_.point.clear();
-  samples_.weight.clear();
-  const VoxelGrid& grid = map_.grid();
+  samples_.clear();
   for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-    const Vector3 p = cloud.points_world_m[i].cast<double>();
-    if (!grid.contains(p)) continue;
-    samples_.at_m.push_back(cloud.points_world_m[i]);
-    samples_.voxel.push_back(grid.index(grid.cell_of(p)));
-    samples_.point.push_back(i);
+    const std::ptrdiff_t voxel = map_.grid().index_of(cloud.points_world_m[i].cast<double>());
+    if (voxel >= 0) samples_.add(cloud.points_world_m[i], voxel, i);
   }
 }
 
@@ -108,25 +140,47 @@ void VofodStages::thin_to_voxels() {
   sorted_.clear();
   for (std::uint32_t i = 0; i < samples_.voxel.size(); ++i) sorted_.emplace_back(samples_.voxel[i], samples_.point[i]);
   std::sort(sorted_.begin(), sorted_.end());
-  samples_.at_m.clear();
-  samples_.voxel.clear();
-  samples_.point.clear();
+  samples_.clear();
   for (std::size_t i = 0; i < sorted_.size(); ++i) {
     if (i == 0 || sorted_[i].first != sorted_[i - 1].first) {
-      samples_.at_m.push_back(map_.grid().center_m(map_.grid().cell(sorted_[i].first)).cast<float>());
-      samples_.voxel.push_back(sorted_[i].first);
-      samples_.point.push_back(sorted_[i].second);
+      const Vector3 center_m = map_.grid().center_m(map_.grid().cell(sorted_[i].first));
+      samples_.add(center_m.cast<float>(), sorted_[i].first, sorted_[i].second);
       samples_.weight.push_back(0);
     }
     ++samples_.weight.back();
   }
 }
 
-bool VofodStages::is_background(std::span<const std::uint32_t> members) const {
+// Most points are near background by themselves, and it does not matter which of their clusters they are in: by rule A
+// it is background. Only those that lie near a point that is not have to be clustered with it.
+void VofodStages::set_background_aside() {
+  const std::size_t count = samples_.at_m.size();
+  near_background_.resize(count);
+  vicinity_.begin(map_.grid(), config_.cluster_distance_m);
+  for (std::size_t i = 0; i < count; ++i) {
+    near_background_[i] = is_near_background(samples_.at_m[i]);
+    if (!near_background_[i]) vicinity_.add(samples_.at_m[i]);
+  }
+  aside_.clear();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (near_background_[i] && !vicinity_.contains(samples_.at_m[i])) {
+      aside_.add(samples_, i);
+      continue;
+    }
+    near_background_[kept] = near_background_[i];
+    samples_.move(i, kept++);
+  }
+  samples_.resize(kept);
+}
+
+bool VofodStages::is_near_background(const Eigen::Vector3f& at_m) const {
   const VoxelState at_least = config_.choices.close_to == "confident" ? VoxelState::kConfident : VoxelState::kTentative;
-  return std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
-    return map_.any_within(samples_.at_m[i].cast<double>(), config_.close_distance_m, at_least);
-  });
+  return map_.any_within(at_m.cast<double>(), config_.close_distance_m, at_least);
+}
+
+bool VofodStages::is_background(std::span<const std::uint32_t> members) const {
+  return std::any_of(members.begin(), members.end(), [&](std::uint32_t i) { return near_background_[i] != 0; });
 }
 
 VofodStages::Shape VofodStages::shape_of(std::span<const std::uint32_t> members) const {
@@ -177,6 +231,12 @@ bool VofodStages::is_sufficient() {
   const double needed = config_.choices.sufficient_ratio * size.x() * size.y();
   was_sufficient_ = was_sufficient_ || static_cast<double>(map_.num_occupied()) > needed;
   return was_sufficient_ && separator_.num_kept() > 0;
+}
+
+void VofodStages::put_background() {
+  for (std::size_t i = 0; i < aside_.voxel.size(); ++i) {
+    map_.update(aside_.voxel[i], aside_.weight_of(i), config_.map.g_occupied);
+  }
 }
 
 void VofodStages::put(std::span<const std::uint32_t> members, double g) {
@@ -324,14 +384,11 @@ void VofodStages::seed_ground(const Vector3& p_world_m) {
 }
 
 void VofodStages::append_cluster_points(ClusterClass of_class, std::vector<Eigen::Vector3f>& points_m) const {
+  if (of_class == ClusterClass::kBackground) points_m.insert(points_m.end(), aside_.at_m.begin(), aside_.at_m.end());
   for (int i = 0; i < static_cast<int>(classes_.size()); ++i) {
     if (classes_[i] != of_class) continue;
     for (const std::uint32_t member : clusters_.members(i)) points_m.push_back(samples_.at_m[member]);
   }
-}
-
-void VofodStages::append_members(int cluster, std::vector<std::uint32_t>& points) const {
-  for (const std::uint32_t member : clusters_.members(cluster)) points.push_back(samples_.point[member]);
 }
 
 }  // namespace swiftlet

@@ -8,6 +8,7 @@
 #include "core/detection/enclosure.hpp"
 #include "core/detection/euclidean_clusters.hpp"
 #include "core/detection/separate_background.hpp"
+#include "core/detection/vicinity.hpp"
 #include "core/detection/vofod_config.hpp"
 #include "core/localization/world_cloud.hpp"
 #include "core/map/ray_lengths.hpp"
@@ -42,10 +43,8 @@ class VofodStages {
   const RayLengths& rays() const { return rays_; }
 
   // Of the last classified scan.
+  /// Without what is background all around, whose clusters nobody asks for.
   int num_clusters() const { return clusters_.size(); }
-  ClusterClass cluster_class(int cluster) const { return classes_[cluster]; }
-  /// Indices of a cluster's points in the cloud (of the first point of each voxel when voxels are clustered).
-  void append_members(int cluster, std::vector<std::uint32_t>& points) const;
   void append_cluster_points(ClusterClass of_class, std::vector<Eigen::Vector3f>& points_m) const;
 
  private:
@@ -56,15 +55,23 @@ class VofodStages {
     std::vector<std::uint32_t> point;   // of the cloud
     std::vector<int> weight;            // points; empty: 1 each
     int weight_of(std::size_t i) const { return weight.empty() ? 1 : weight[i]; }
+    void clear();
+    void add(const Eigen::Vector3f& p_m, std::ptrdiff_t in_voxel, std::uint32_t of_point);
+    void add(const Samples& from, std::size_t i);
+    void move(std::size_t from, std::size_t to);
+    void resize(std::size_t count);
   };
   struct Shape;
 
   void take_points(const WorldCloud& cloud);
   void thin_to_voxels();
+  void set_background_aside();
+  bool is_near_background(const Eigen::Vector3f& at_m) const;
   bool is_background(std::span<const std::uint32_t> members) const;
   bool is_flying(const WorldCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape);
   Shape shape_of(std::span<const std::uint32_t> members) const;
   bool is_sufficient();
+  void put_background();
   void put(std::span<const std::uint32_t> members, double g);
   void set(std::span<const std::uint32_t> members, double g);
   Detection make_detection(const WorldCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape) const;
@@ -77,7 +84,10 @@ class VofodStages {
   bool was_sufficient_ = false;
   float g_just_free_;  // the greatest value that is free
 
-  Samples samples_;
+  Samples samples_;                            // what is clustered
+  Samples aside_;                              // background without asking for its clusters
+  std::vector<std::uint8_t> near_background_;  // by sample
+  Vicinity vicinity_;                          // of the samples that are not
   EuclideanClusters clusters_;
   std::vector<ClusterClass> classes_;
   EnclosureSearch search_;

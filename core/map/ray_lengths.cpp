@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 #include "core/map/lanes.hpp"
 
@@ -69,6 +71,23 @@ void accumulate(const Pieces& pieces, int count, float* __restrict lengths) {
     lengths[pieces.index_1[j]] += pieces.length_1[j];
     lengths[pieces.index_2[j]] += pieces.length_2[j];
   }
+}
+
+/// Where a row's lengths begin that are not 0, and where they end. Both 0 when all are.
+std::pair<int, int> used(const float* row, int count) {
+  constexpr int kBlock = 8;
+  const auto empty = [row](int from) {
+    std::array<std::uint64_t, kBlock / 2> bits;  // lengths are 0 or more
+    std::memcpy(bits.data(), row + from, sizeof bits);
+    return (bits[0] | bits[1] | bits[2] | bits[3]) == 0;
+  };
+  int begin = 0, end = count;
+  while (begin + kBlock <= end && empty(begin)) begin += kBlock;
+  while (begin < end && row[begin] == 0.0F) ++begin;
+  if (begin == end) return {0, 0};
+  while (end - kBlock >= begin && empty(end - kBlock)) end -= kBlock;
+  while (row[end - 1] == 0.0F) --end;
+  return {begin, end};
 }
 
 }  // namespace
@@ -156,26 +175,24 @@ std::vector<Cell> RayLengths::cells() const {
 
 void RayLengths::apply(double updates_per_edge, VoxelMap& map) {
   const VoxelGrid& grid = map.grid();
-  const Cell first = window_.min_cell.cwiseMax(grid.min_cell);
-  const Cell end = (window_.min_cell + window_.size).cwiseMin(grid.min_cell + grid.size);
-  const int count = end.x() - first.x();
+  const int first_x = std::max(grid.min_cell.x() - window_.min_cell.x(), 0);
+  const int end_x = std::min(grid.min_cell.x() + grid.size.x() - window_.min_cell.x(), window_.size.x());
   const float factor = static_cast<float>(updates_per_edge);
-  if (count > 0) weights_.resize(count);
-  for (int z = first.z(); z < end.z() && count > 0; ++z) {
-    for (int y = first.y(); y < end.y(); ++y) {
-      const float* lengths = lengths_.data() + window_.index({first.x(), y, z});
-      const float* const stop = lengths + count;
-      const float* from = std::find_if(lengths, stop, [](float l) { return l > 0.0F; });
-      if (from == stop) continue;
-      const float* to = stop;
-      while (*(to - 1) <= 0.0F) --to;
-      const int n = static_cast<int>(to - from);
-      for (int i = 0; i < n; ++i) weights_[i] = factor * from[i];
-      const Cell cell(first.x() + static_cast<int>(from - lengths), y, z);
-      map.move_to_free(cell, {weights_.data(), static_cast<std::size_t>(n)});
+  weights_.resize(std::max(window_.size.x(), 0));
+  float* lengths = lengths_.data();
+  for (int z = 0; z < window_.size.z(); ++z) {
+    for (int y = 0; y < window_.size.y(); ++y, lengths += window_.size.x()) {
+      const auto [begin, end] = used(lengths, window_.size.x());
+      const int from = std::max(begin, first_x), to = std::min(end, end_x);
+      const Cell cell = window_.min_cell + Cell(from, y, z);
+      if (from < to && grid.contains(cell)) {
+        for (int x = from; x < to; ++x) weights_[x - from] = factor * lengths[x];
+        map.move_to_free(cell, {weights_.data(), static_cast<std::size_t>(to - from)});
+      }
+      std::fill(lengths + begin, lengths + end, 0.0F);
     }
   }
-  clear();
+  window_.size.setZero();
 }
 
 }  // namespace swiftlet

@@ -34,6 +34,14 @@ struct VoxelGrid {
     const Cell at = cell - min_cell;
     return (static_cast<std::ptrdiff_t>(at.z()) * size.y() + at.y()) * size.x() + at.x();
   }
+  /// Of the cell of any point, -1 where it is not inside (or not finite).
+  std::ptrdiff_t index_of(const Vector3& p_m) const {
+    const Eigen::Array3d at = p_m.array() / edge_m;
+    const Eigen::Array3d first = min_cell.array().cast<double>(), end = (min_cell + size).array().cast<double>();
+    if (!((at >= first).all() && (at < end).all())) return -1;
+    const Eigen::Array3i whole = at.cast<int>();
+    return index((whole - (at < whole.cast<double>()).cast<int>()).matrix());
+  }
   Cell cell(std::ptrdiff_t index) const {
     const std::ptrdiff_t row = index / size.x();
     return min_cell +

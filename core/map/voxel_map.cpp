@@ -102,8 +102,9 @@ void VoxelMap::update(std::ptrdiff_t index, double n, double g) {
 }
 
 void VoxelMap::set(std::ptrdiff_t index, float value) {
+  const bool was = occupied(index);
   values_[index] = value;
-  set_bit(index, value >= G_tentative_);
+  if (occupied(index) != was) set_bit(index, !was);
 }
 
 void VoxelMap::set_bit(std::ptrdiff_t index, bool occupied) {
@@ -277,7 +278,9 @@ bool VoxelMap::any_within(const Vector3& p_m, double radius_m, VoxelState at_lea
     return (grid_.center_m(cell) - p_m).squaredNorm() <= radius_sq && state(grid_.index(cell)) >= at_least;
   };
   // Points of the background mostly lie in a voxel of it.
-  if (grid_.contains(p_m) && counts(grid_.cell_of(p_m))) return true;
+  const std::ptrdiff_t own = grid_.index_of(p_m);
+  if (own >= 0 && state(own) >= at_least && (grid_.center_m(grid_.cell_of(p_m)) - p_m).squaredNorm() <= radius_sq)
+    return true;
   bool found = false;
   visit_box(p_m, radius_m, [&](int x, int y, int z) {
     found = counts(grid_.min_cell + Cell(x, y, z));

@@ -83,6 +83,7 @@ void TrackOverlays::append(std::span<const Track> tracks, std::vector<Overlay>& 
   lines.kind = ellipses.kind = Overlay::Kind::kLines;
   lines.size_m = 3.0F;
   ellipses.size_m = 1.5F;
+  if (!tracks.empty()) lines.legend = {{"track: its way, and where it will be (dashed)", color_of(tracks.front().id)}};
   for (const Track& track : tracks) {
     const Eigen::Vector4f color = color_of(track.id);
     balls.positions.push_back(track.position_m.cast<float>());

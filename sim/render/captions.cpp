@@ -97,6 +97,28 @@ void draw_names(Image& image, const View& view, const PictureScene& picture, std
   }
 }
 
+void draw_legend(Image& image, std::span<const Overlay::Key> keys) {
+  std::vector<Overlay::Key> shown;
+  for (const Overlay::Key& key : keys) {
+    const auto same = [&](const Overlay::Key& other) { return other.meaning == key.meaning; };
+    if (std::none_of(shown.begin(), shown.end(), same)) shown.push_back(key);
+  }
+  if (shown.empty()) return;
+  const float h = 0.85F * caption_height_px(image);
+  const int line = static_cast<int>(2.0F * h), margin = static_cast<int>(h);
+  float width = 0.0F;
+  for (const Overlay::Key& key : shown) width = std::max(width, text_width_px(key.meaning, h));
+  blend_rectangle(image, margin, margin, static_cast<int>(width + 4.0F * h),
+                  line * static_cast<int>(shown.size()) + static_cast<int>(0.8F * h), Rgb::Constant(0.04F), 0.6F);
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const int top = margin + static_cast<int>(0.7F * h) + static_cast<int>(i) * line;
+    blend_rectangle(image, margin + static_cast<int>(0.8F * h), top, static_cast<int>(1.2F * h),
+                    static_cast<int>(1.2F * h), shown[i].color.head<3>(), 1.0F);
+    draw_text(image, static_cast<float>(margin) + 2.9F * h, static_cast<float>(top) + 1.1F * h, shown[i].meaning,
+              {.height_px = h, .halo_alpha = 0.0F});
+  }
+}
+
 int color_bar_width_px(const Image& image, const ColorBar& bar) {
   const BarLayout layout(image, bar);
   return image.width - layout.left;

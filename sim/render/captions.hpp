@@ -22,6 +22,9 @@ void draw_scale_bar(Image& image, const View& view);
 void draw_names(Image& image, const View& view, const PictureScene& picture, std::span<const std::string> names,
                 double vehicle_scale);
 
+/// What colours mean, on a dark panel in the upper left corner; each meaning once.
+void draw_legend(Image& image, std::span<const Overlay::Key> keys);
+
 /// A bar that explains colours.
 struct ColorBar {
   std::function<Rgb(float)> color;  ///< of s in 0..1

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/render/picture_scene.hpp"
 
+#include <algorithm>
+
 #include "sim/sensors/sensor.hpp"
 
 namespace swiftlet::sim {
@@ -10,6 +12,12 @@ constexpr float kTrailStep_m = 0.05F;
 constexpr std::size_t kTrailMaxPoints = 8192;
 
 }  // namespace
+
+bool is_chosen(const Overlay& overlay, const std::vector<std::string>& names) {
+  const std::string plain = overlay.name.substr(overlay.name.find('/') + 1);
+  return std::any_of(names.begin(), names.end(),
+                     [&](const std::string& n) { return n == "*" || n == plain || n == overlay.name; });
+}
 
 PictureCloud cloud_of(const LabelledScan& labelled, VehicleId vehicle) {
   const Scan& scan = labelled.scan;

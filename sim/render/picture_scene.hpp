@@ -29,6 +29,9 @@ struct PictureScene {
   std::vector<Overlay> overlays;
 };
 
+/// An overlay of a vehicle is named "uav1/reference"; without the vehicle all of that name are meant, by "*" all.
+bool is_chosen(const Overlay& overlay, const std::vector<std::string>& names);
+
 /// The returns of a scan in the world, at the true pose of the sensor.
 PictureCloud cloud_of(const LabelledScan& scan, VehicleId vehicle);
 

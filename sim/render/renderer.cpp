@@ -62,13 +62,6 @@ Eigen::Matrix4f texture_of_clip() {
   return m;
 }
 
-/// An overlay is named "uav1/reference"; without the vehicle all of that name are meant.
-bool is_chosen(const Overlay& overlay, const std::vector<std::string>& names) {
-  const std::string plain = overlay.name.substr(overlay.name.find('/') + 1);
-  return std::any_of(names.begin(), names.end(),
-                     [&](const std::string& n) { return n == "*" || n == plain || n == overlay.name; });
-}
-
 Eigen::Vector4f color_at(const Overlay& overlay, std::size_t i) {
   if (overlay.colors.empty()) return {1.0F, 0.75F, 0.1F, 1.0F};
   return overlay.colors[std::min(i, overlay.colors.size() - 1)];

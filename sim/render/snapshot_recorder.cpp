@@ -246,6 +246,11 @@ Image SnapshotRecorder::take_of_world(const Station& station) {
     draw_names(image, view, picture_, info_.vehicle_names, camera.vehicle_scale);
   }
   if (view.orthographic) draw_scale_bar(image, view);
+  std::vector<Overlay::Key> keys;
+  for (const Overlay& overlay : picture_.overlays) {
+    if (is_chosen(overlay, camera.overlays)) keys.insert(keys.end(), overlay.legend.begin(), overlay.legend.end());
+  }
+  draw_legend(image, keys);
   if (camera.cloud == "height" && !picture_.clouds.empty()) {
     const HeightScale scale = height_scale_of(picture_.clouds);
     draw_color_bar(image, {height_color, scale.low_m, scale.high_m, "z [m]"});

@@ -148,6 +148,7 @@ class Vofod {
     }
     std::vector<std::size_t> order(found.size());  // eqs. (16) to (18); what is too large comes last
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return classes[i] == 0; });
     std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return classes[i] != 3; });
     for (const std::size_t i : order) {
       std::map<std::size_t, int> counts;

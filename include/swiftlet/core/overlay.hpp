@@ -13,11 +13,18 @@ namespace swiftlet {
 struct Overlay {
   enum class Kind { kPoints, kLines, kPolyline, kCubes, kSpheres, kTriangles };
 
-  std::string name;  ///< such as "reference", "tracks", "voxels.occupied"
+  /// What a colour means, for the legend of a picture.
+  struct Key {
+    std::string meaning;
+    Eigen::Vector4f color;
+  };
+
+  std::string name;  ///< such as "reference", "tracks", "voxels.confident"
   Kind kind = Kind::kPoints;
   std::vector<Eigen::Vector3f> positions;  ///< points, cubes, spheres: centres; lines: pairs; triangles: triples
   std::vector<Eigen::Vector4f> colors;     ///< RGBA 0..1, one per position, or one for all; none: the vehicle's
   float size_m = 0.1F;                     ///< edge of a cube, radius of a sphere, diameter of a point; lines: width in px
+  std::vector<Key> legend;
 };
 
 }  // namespace swiftlet

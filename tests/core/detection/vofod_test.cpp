@@ -151,7 +151,8 @@ TEST(VofodDetector, FindsAnObjectAndShowsHow) {
     EXPECT_FALSE(overlay.positions.empty()) << overlay.name;
     EXPECT_TRUE(overlay.colors.size() == 1 || overlay.colors.size() == overlay.positions.size()) << overlay.name;
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"voxels.occupied", "voxels.confident", "clusters", "detections"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"voxels.tentative", "voxels.confident", "voxels.around", "clusters",
+                                             "detections"}));
 }
 
 TEST(VofodDetector, ListensToItsSensorOnly) {
