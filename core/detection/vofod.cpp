@@ -135,7 +135,9 @@ void VofodDetector::append_overlays(std::vector<Overlay>& overlays) const {
     return overlay;
   };
   const auto edge = static_cast<float>(map.grid().edge_m);
-  const auto center_m = [&](std::ptrdiff_t i) { return map.grid().center_m(map.grid().cell(i)).cast<float>(); };
+  const auto center_m = [&](std::ptrdiff_t i) -> Eigen::Vector3f {
+    return map.grid().center_m(map.grid().cell(i)).cast<float>();
+  };
 
   // Translucent: points of the background lie in them.
   Overlay tentative = begin("voxels.tentative", Overlay::Kind::kCubes, 0.8F * edge,
@@ -148,7 +150,7 @@ void VofodDetector::append_overlays(std::vector<Overlay>& overlays) const {
   overlays.push_back(std::move(tentative));
   overlays.push_back(std::move(confident));
 
-  const Eigen::Vector4f kFree = {0.15F, 0.75F, 0.4F, 0.45F}, kUncertain = {0.98F, 0.85F, 0.1F, 0.8F};
+  const Eigen::Vector4f kFree = {0.15F, 0.75F, 0.4F, 0.45F}, kUncertain = {0.7F, 0.3F, 0.95F, 0.8F};
   Overlay around =
       begin("voxels.around", Overlay::Kind::kCubes, 0.4F * edge,
             {{"around a detection: confident free", kFree}, {"around a detection: uncertain", kUncertain}});
@@ -183,7 +185,7 @@ void VofodDetector::append_overlays(std::vector<Overlay>& overlays) const {
   paint(ClusterClass::kFlying, kRed);
   overlays.push_back(std::move(clusters));
 
-  Overlay detections = begin("detections", Overlay::Kind::kSpheres, 0.5F, {{"detection", {1.0F, 0.3F, 0.3F, 0.35F}}});
+  Overlay detections = begin("detections", Overlay::Kind::kSpheres, 0.35F, {{"detection", {1.0F, 0.3F, 0.3F, 0.35F}}});
   for (const Detection& d : newest_) detections.positions.push_back(d.position_m.cast<float>());
   overlays.push_back(std::move(detections));
 }

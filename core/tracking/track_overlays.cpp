@@ -9,7 +9,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr float kRadius_m = 0.25F;
+constexpr float kRadius_m = 0.15F;
 constexpr double kAhead_s = 2.0, kAheadStep_s = 0.25;
 constexpr int kEllipseCorners = 36;
 constexpr double kSigmas = 3.0;

@@ -212,5 +212,23 @@ TEST(LogOddsMap, HitsAndMissesAddUpAndSaturate) {
   EXPECT_FLOAT_EQ(map.value(at(passed)), -2.0F);
 }
 
+TEST(VoxelGrid, TheIndexOfAPointIsThatOfItsCell) {
+  const Random random(9, "grid");
+  const VoxelGrid grid = VoxelGrid::covering({0.3, -7.0, 100.0}, {9.0, 4.0, 3.0}, 0.1);
+  int inside = 0;
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    Vector3 p(12.0 * random.uniform(i, 0) - 6.0, 6.0 * random.uniform(i, 1) - 10.0, 4.0 * random.uniform(i, 2) + 98.0);
+    if (i % 3 == 0) p.x() = 0.1 * static_cast<int>(10.0 * p.x());  // on a face
+    if (i % 3 == 1) p.x() = -1e-20;
+    ASSERT_EQ(grid.index_of(p), grid.contains(p) ? grid.index(grid.cell_of(p)) : -1);
+    inside += grid.contains(p);
+  }
+  EXPECT_GT(inside, 1000);
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+  for (const Vector3& p : {Vector3(kNaN, -7.0, 100.0), Vector3(0.0, kInf, 100.0), Vector3(0.0, -7.0, -1e300)}) {
+    EXPECT_EQ(grid.index_of(p), -1);
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -196,12 +196,12 @@ TEST(Renderer, DrawsTrailsCloudsAndChosenOverlaysWhereTheyAre) {
   picture.clouds.push_back(cloud);
   const Eigen::Vector4f blue(0.1F, 0.2F, 1.0F, 1.0F);
   const Eigen::Vector4f half_green(0.0F, 1.0F, 0.0F, 0.5F);
-  picture.overlays.push_back({"voxels", Overlay::Kind::kCubes, {{-4, -4, 1}}, {blue}, 1.0F});
-  picture.overlays.push_back({"ball", Overlay::Kind::kSpheres, {{0, 4, 1}}, {blue}, 0.7F});
-  picture.overlays.push_back({"path", Overlay::Kind::kPolyline, {{-8, -8, 1}, {8, -8, 1}}, {blue}, 5.0F});
+  picture.overlays.push_back({"voxels", Overlay::Kind::kCubes, {{-4, -4, 1}}, {blue}, 1.0F, {}});
+  picture.overlays.push_back({"ball", Overlay::Kind::kSpheres, {{0, 4, 1}}, {blue}, 0.7F, {}});
+  picture.overlays.push_back({"path", Overlay::Kind::kPolyline, {{-8, -8, 1}, {8, -8, 1}}, {blue}, 5.0F, {}});
   picture.overlays.push_back(
-      {"area", Overlay::Kind::kTriangles, {{-2, -2, 1}, {2, -2, 1}, {0, 2, 1}}, {half_green}, 1.0F});
-  picture.overlays.push_back({"other", Overlay::Kind::kPoints, {{8, 0, 1}}, {blue}, 1.0F});
+      {"area", Overlay::Kind::kTriangles, {{-2, -2, 1}, {2, -2, 1}, {0, 2, 1}}, {half_green}, 1.0F, {}});
+  picture.overlays.push_back({"other", Overlay::Kind::kPoints, {{8, 0, 1}}, {blue}, 1.0F, {}});
   const View view = top_view({0, 0}, 20.0, -1.0, 6.0, 400, 400);
   const auto color = [](const Image& image, double x, double y) {
     return color_at(image, static_cast<int>(200 + 20 * x), static_cast<int>(200 - 20 * y));
