@@ -34,3 +34,8 @@ if(SWIFTLET_SANITIZE MATCHES thread)
     add_link_options(-Wl,--wrap=GOMP_${entry})
   endforeach()
 endif()
+
+# Tests need to be compiled soon more than to run fast; what they test is optimised in full.
+add_library(swiftlet_test_options INTERFACE)
+target_link_libraries(swiftlet_test_options INTERFACE swiftlet_options)
+target_compile_options(swiftlet_test_options INTERFACE $<$<CONFIG:Release>:-O1>)

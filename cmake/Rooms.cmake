@@ -76,10 +76,10 @@ function(swiftlet_tests folder)
   if(TARGET ${room_target})
     target_link_libraries(test_${name} PRIVATE ${room_target})
   endif()
-  target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} swiftlet_options GTest::gtest GTest::gmock GTest::gtest_main)
+  target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} swiftlet_test_options GTest::gtest GTest::gmock GTest::gtest_main)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)
   target_compile_definitions(test_${name} PRIVATE SWIFTLET_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SWIFTLET_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  swiftlet_share_headers(test_${name} swiftlet_test_headers LIBS GTest::gtest GTest::gmock HEADERS
+  swiftlet_share_headers(test_${name} swiftlet_test_headers LIBS swiftlet_test_options GTest::gtest GTest::gmock HEADERS
     <gtest/gtest.h> <gmock/gmock.h> <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <cmath> <filesystem> <map> <memory>
     <numbers> <span> <string> <vector>)
   swiftlet_compile_together(test_${name})
