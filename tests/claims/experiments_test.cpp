@@ -117,6 +117,12 @@ TEST(ClaimsInFull, UncertaintyTable) { expect_reproduced("uncertainty-table", fa
 TEST(ClaimsInFull, ExpectedError) { expect_reproduced("expected-error", false); }
 TEST(ClaimsInFull, VoxelProbability) { expect_reproduced("voxel-probability", false); }
 
+TEST(ClaimsInFull, RblCirclePrinted) { expect_reproduced("rbl-circle-printed", false); }
+TEST(ClaimsInFull, RblSphere) { expect_reproduced("rbl-sphere", false); }
+TEST(ClaimsInFull, RblForest) { expect_reproduced("rbl-forest", false); }
+TEST(ClaimsInFull, RblReal) { expect_reproduced("rbl-real", false); }
+TEST(ClaimsInFull, RblGhosts) { expect_reproduced("rbl-ghosts", false); }
+
 TEST(ClaimsInFull, DetectionIdeal) { expect_reproduced("detection-ideal", false); }
 TEST(ClaimsInFull, DetectionNoisy) { expect_reproduced("detection-noisy", false); }
 TEST(ClaimsInFull, DetectionMulti) { expect_reproduced("detection-multi", false); }
