@@ -32,6 +32,13 @@ template <class Vector, class Number>
 }
 [[gnu::always_inline]] inline Floats max(const Floats& a, const Floats& b) { return a > b ? a : b; }
 [[gnu::always_inline]] inline Floats min(const Floats& a, const Floats& b) { return a < b ? a : b; }
+/// All lanes' bits in one number.
+[[gnu::always_inline]] inline std::uint64_t union_of(const Ints& v) {
+  std::uint64_t words[4];
+  std::memcpy(words, &v, sizeof words);
+  const std::uint64_t both = words[0] | words[1] | words[2] | words[3];
+  return (both | (both >> 32)) & 0xFFFFFFFFU;
+}
 [[gnu::always_inline]] inline Ints truncated(const Floats& v) { return __builtin_convertvector(v, Ints); }
 [[gnu::always_inline]] inline Floats to_float(const Ints& v) { return __builtin_convertvector(v, Floats); }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -18,6 +19,7 @@ constexpr int kStretch = 96;
 constexpr int kMargin = 2;
 // Later than the end of any ray, but finite.
 constexpr float kNever = 1e30F;
+constexpr double kHuge = 1e300;
 
 /// A ray in edges, mirrored so that it climbs along every axis, from within the cell of its origin: small numbers keep
 /// single precision exact. a is its steepest axis, b and c are the others.
@@ -30,18 +32,25 @@ struct Ray {
 
 /// Pieces of the slabs between neighbouring planes: three voxels each, of which the later ones may have length 0.
 struct Pieces {
-  alignas(32) std::array<float, kStretch + 8> t;  // where the planes are met, in edges from the origin
   alignas(32) std::array<float, kStretch> length_0, length_1, length_2;
   alignas(32) std::array<std::int32_t, kStretch> index_0, index_1, index_2;
-  alignas(32) std::array<std::int32_t, kStretch> crosses;  // leaves its first voxel sideways
+  std::array<std::uint64_t, (kStretch + 63) / 64> crosses{};  // a bit for each that leaves its first voxel sideways
+};
+
+/// Planes of a ray: the j-th is met at before + j * step, but none before 0 or after the end [edges from the origin].
+struct Planes {
+  float before, step, end;
 };
 
 SWIFTLET_VECTOR_CLONES
-void cut(const Ray& r, int first, int count, Pieces& out) {
+void cut(const Ray& r, const Planes& planes, int first, int count, Pieces& out) {
   using namespace lanes;
-  const Ints kCount = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Ints kCount = {0, 1, 2, 3, 4, 5, 6, 7}, kBits = {1, 2, 4, 8, 16, 32, 64, 128};
+  const auto met = [&](const Ints& j) __attribute__((always_inline)) {
+    return max(min(planes.before + to_float(j) * planes.step, planes.end + Floats{}), Floats{});
+  };
   for (int j = 0; j < count; j += kLanes) {
-    const auto begin = load<Floats>(&out.t[j]), end = load<Floats>(&out.t[j + 1]);
+    const Floats begin = met(j + kCount), end = met(j + 1 + kCount);
     const Ints b = truncated(r.o_b + begin * r.d_b), c = truncated(r.o_c + begin * r.d_c);
     // Where the voxel of the slab's begin would be left sideways, if that is within the slab.
     const Floats t_b = min(max((to_float(b + 1) - r.o_b) * r.inv_b, begin), end);
@@ -54,22 +63,19 @@ void cut(const Ray& r, int first, int count, Pieces& out) {
     store(index, &out.index_0[j]);
     store(index + (t_b < t_c ? r.step_b + Ints{} : r.step_c + Ints{}), &out.index_1[j]);
     store(index + (r.step_b + r.step_c), &out.index_2[j]);
-    store(near < end ? Ints{} + 1 : Ints{}, &out.crosses[j]);
+    out.crosses[j / 64] |= union_of((near < end) & kBits) << (j % 64);
   }
 }
 
 void accumulate(const Pieces& pieces, int count, float* __restrict lengths) {
-  std::array<std::int32_t, kStretch + 1> crossing;
-  int num_crossing = 0;
-  for (int j = 0; j < count; ++j) {
-    lengths[pieces.index_0[j]] += pieces.length_0[j];
-    crossing[num_crossing] = j;
-    num_crossing += pieces.crosses[j];
-  }
-  for (int k = 0; k < num_crossing; ++k) {
-    const int j = crossing[k];
-    lengths[pieces.index_1[j]] += pieces.length_1[j];
-    lengths[pieces.index_2[j]] += pieces.length_2[j];
+#pragma GCC unroll 4
+  for (int j = 0; j < count; ++j) lengths[pieces.index_0[j]] += pieces.length_0[j];
+  for (int word = 0; 64 * word < count; ++word) {
+    for (std::uint64_t bits = pieces.crosses[word]; bits != 0; bits &= bits - 1) {
+      const int j = 64 * word + std::countr_zero(bits);
+      lengths[pieces.index_1[j]] += pieces.length_1[j];
+      lengths[pieces.index_2[j]] += pieces.length_2[j];
+    }
   }
 }
 
@@ -101,6 +107,8 @@ void RayLengths::begin(const Eigen::AlignedBox3d& origins_m, double reach_m, dou
   window_.min_cell = ((origins_m.min().array() - reach_m) / edge_m).floor().cast<int>() - kMargin;
   const Cell end = ((origins_m.max().array() + reach_m) / edge_m).ceil().cast<int>() + kMargin;
   window_.size = end - window_.min_cell;
+  edges_per_m_ = 1.0 / edge_m;
+  first_cell_ = window_.min_cell.cast<double>();
   if (static_cast<std::ptrdiff_t>(lengths_.size()) < window_.num_cells()) lengths_.resize(window_.num_cells(), 0.0F);
 }
 
@@ -110,19 +118,27 @@ void RayLengths::clear() {
 }
 
 void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double length_m) {
-  if (!(length_m > 0.0) || length_m > reach_m_ || !origins_m_.contains(origin_m) || !direction.allFinite()) return;
-  int a = 0;
-  direction.cwiseAbs().maxCoeff(&a);
-  if (direction[a] == 0.0) return;
-  const int b = (a + 1) % 3, c = (a + 2) % 3;
+  if (!(length_m > 0.0) || length_m > reach_m_ || !origins_m_.contains(origin_m)) return;
+  const Vector3 d = direction.cwiseAbs();
+  const int a = d.x() >= d.y() ? (d.x() >= d.z() ? 0 : 2) : (d.y() >= d.z() ? 1 : 2);
+  if (!(d[a] > 0.0 && d.sum() < kHuge)) return;  // nor what is not finite
+  const int b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
   const std::array<std::int32_t, 3> stride = {1, window_.size.x(), window_.size.x() * window_.size.y()};
 
-  const Vector3 origin = origin_m / window_.edge_m - window_.min_cell.cast<double>();
-  const double length = length_m / window_.edge_m;
-  const Eigen::Array3d cell = origin.array().floor();
-  const auto climbs = (direction.array() >= 0.0).eval();
-  const Vector3 inside = climbs.select(origin.array() - cell, cell + 1.0 - origin.array());
-  const Vector3 d = direction.cwiseAbs();
+  // The window begins before every origin, so these are positive and towards 0 is down.
+  const Vector3 origin = edges_per_m_ * origin_m - first_cell_;
+  const double length = length_m * edges_per_m_;
+  std::array<double, 3> inside;
+  std::array<std::int32_t, 3> step;
+  std::int32_t base = 0;
+  for (int k = 0; k < 3; ++k) {
+    const std::int32_t cell = static_cast<std::int32_t>(origin[k]);
+    const double low = origin[k] - cell;
+    const bool climbs = direction[k] >= 0.0;
+    inside[k] = climbs ? low : 1.0 - low;
+    step[k] = climbs ? stride[k] : -stride[k];
+    base += cell * stride[k];
+  }
   const double spacing = 1.0 / d[a];
   const double first_plane = (1.0 - inside[a]) * spacing;
 
@@ -130,27 +146,18 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
   r.o_b = static_cast<float>(inside[b]), r.o_c = static_cast<float>(inside[c]);
   r.d_b = static_cast<float>(d[b]), r.d_c = static_cast<float>(d[c]);
   r.inv_b = r.d_b > 1.0F / kNever ? 1.0F / r.d_b : kNever, r.inv_c = r.d_c > 1.0F / kNever ? 1.0F / r.d_c : kNever;
-  r.step_a = climbs[a] ? stride[a] : -stride[a];
-  r.step_b = climbs[b] ? stride[b] : -stride[b];
-  r.step_c = climbs[c] ? stride[c] : -stride[c];
-  r.base = static_cast<std::int32_t>(window_.index(window_.min_cell + cell.cast<int>().matrix()));
+  r.step_a = step[a], r.step_b = step[b], r.step_c = step[c];
+  r.base = base;
 
-  // Slab j lies between planes j - 1 and j; the first begins at the origin, the last ends at the ray's end.
-  const int num_slabs = 1 + std::max(0, static_cast<int>(std::ceil((length - first_plane) / spacing)));
-  const float end = static_cast<float>(length);
-  Pieces pieces;
+  // Slab j lies between planes j - 1 and j; the first begins at the origin, the last ends at the ray's end. A little
+  // more than the length, so that rounding never leaves out the last bit of it.
+  const int num_slabs = 1 + std::max(0, static_cast<int>((length - first_plane) * d[a] + 1.0001));
   for (int first = 0; first < num_slabs; first += kStretch) {
     const int count = std::min(kStretch, num_slabs - first);
-    const float before = static_cast<float>(first_plane + (first - 1) * spacing);
-    const float step = static_cast<float>(spacing);
-    for (int j = 0; j <= count; ++j) {
-      const float t = before + static_cast<float>(j) * step;
-      pieces.t[j] = t < end ? t : end;
-    }
-    if (first == 0) pieces.t[0] = 0.0F;
-    if (first + count == num_slabs) pieces.t[count] = end;
-    for (int j = count + 1; (j - 1) % lanes::kLanes != 0; ++j) pieces.t[j] = end;  // lanes that nobody asks
-    cut(r, first, count, pieces);
+    const Planes planes{static_cast<float>(first_plane + (first - 1) * spacing), static_cast<float>(spacing),
+                        static_cast<float>(length)};
+    Pieces pieces;
+    cut(r, planes, first, count, pieces);
     accumulate(pieces, count, lengths_.data());
   }
 }

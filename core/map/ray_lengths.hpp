@@ -38,9 +38,10 @@ class RayLengths {
 
   VoxelGrid window_;
   Eigen::AlignedBox3d origins_m_;
-  double reach_m_ = 0.0;
-  std::vector<float> lengths_;  // in edges; all 0 between sweeps
-  std::vector<float> weights_;  // of a row, scratch
+  double reach_m_ = 0.0, edges_per_m_ = 1.0;
+  Vector3 first_cell_ = Vector3::Zero();  // of the window
+  std::vector<float> lengths_;            // in edges; all 0 between sweeps
+  std::vector<float> weights_;            // of a row, scratch
 };
 
 }  // namespace swiftlet

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/math/random.hpp"
-#include "core/uncertainty/error_distribution.hpp"
 #include "core/uncertainty/point_covariance.hpp"
 #include "detection_flights.hpp"
 #include "experiments.hpp"
@@ -122,17 +121,6 @@ void write_sightings(Experiment& experiment, const std::string& name, const Flig
     write("tracker", flights.logs[run]->tracks());
   }
   experiment.write(name + "-sightings.csv", csv);
-}
-
-// Expected error of a point under the noise of eq. (66), or none.
-Curve theory_curve(bool with_noise) {
-  Curve curve;
-  for (double range_m = 0.0; range_m <= kFarthestBin_m; range_m += 1.0) {
-    const Matrix3 Sigma = point_covariance(Vector3::UnitX(), range_m, Matrix3::Identity(), noise_of_eq_66().Sigma_w());
-    curve.x_m.push_back(range_m);
-    curve.y.push_back(with_noise ? ErrorDistribution(Sigma).mean_m() : 0.0);
-  }
-  return curve;
 }
 
 // ---- sums ----------------------------------------------------------------------------------------------------------

@@ -2,8 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ const std::string kLidar = "vehicles[0].sensors[0]";
 
 // Each changes one thing of the flights of detection_real.yaml.
 std::vector<Variation> variations() {
-  return {{"as flown: rolling, modelled", {}},
+  return {{"as flown", {}},
           {"sweep in one instant", {{kLidar + ".rolling", "false"}}},
           {"every return kept", {{kLidar + ".detection.always", "true"}}},
           {"Mid-360",
@@ -38,26 +39,34 @@ std::vector<Variation> variations() {
           {"six blades a propeller", {{"vehicles[1].airframe.propeller_blades", "6"}}}};
 }
 
-/// Recall of one target by several observers: found by any, of the scans in which any could see it.
-double joint_recall(const std::vector<std::unique_ptr<DetectionLog>>& logs, const std::vector<int>& target_of_log) {
-  struct Seen {
-    bool visible = false, found = false;
+/// One target and two observers: of the scans in which any could see it, the share in which the first found it, the
+/// second, and either.
+std::array<double, 3> shares_found(const std::array<std::unique_ptr<DetectionLog>, 2>& logs,
+                                   const std::array<int, 2>& target_of_log) {
+  struct Scan {
+    bool visible = false;
+    std::array<bool, 2> found{};
   };
-  std::map<TimeNs, Seen> scans;
+  std::map<TimeNs, Scan> scans;
   for (std::size_t k = 0; k < logs.size(); ++k) {
     for (const Sighting& sighting : logs[k]->detections()) {
       if (sighting.target != target_of_log[k] || sighting.range_m > kNear_m) continue;
-      Seen& seen = scans[sighting.t];
-      seen.visible |= sighting.visible;
-      seen.found |= sighting.visible && sighting.found;
+      Scan& scan = scans[sighting.t];
+      scan.visible |= sighting.visible;
+      scan.found[k] = sighting.visible && sighting.found;
     }
   }
-  int visible = 0, found = 0;
-  for (const auto& [t, seen] : scans) {
-    visible += seen.visible ? 1 : 0;
-    found += seen.found ? 1 : 0;
+  double visible = 0.0;
+  std::array<double, 3> found{};
+  for (const auto& [t, scan] : scans) {
+    if (!scan.visible) continue;
+    visible += 1.0;
+    found[0] += scan.found[0];
+    found[1] += scan.found[1];
+    found[2] += scan.found[0] || scan.found[1];
   }
-  return visible > 0 ? static_cast<double>(found) / visible : 0.0;
+  for (double& share : found) share /= std::max(visible, 1.0);
+  return found;
 }
 
 void fly_variations(Experiment& experiment, double duration_s) {
@@ -71,8 +80,9 @@ void fly_variations(Experiment& experiment, double duration_s) {
   recall.y.max = 1.05;
   error.y.label = "mean error [m]";
   error.y.min = 0.0;
-  error.legend = sim::plot::Legend::kNone;
-  recall.legend = sim::plot::Legend::kAuto;
+  error.y.max = 0.45;
+  recall.x.max = error.x.max = kNear_m;
+  recall.legend = sim::plot::Legend::kNone;  // that of the other panel, which has the room
   int color = 0;
   for (const Variation& variation : variations()) {
     std::vector<sim::Scenario> scenarios;
@@ -99,6 +109,8 @@ void fly_variations(Experiment& experiment, double duration_s) {
                                flights.told_tracks[i].recall()});
     }
   }
+  const Curve theory = theory_curve(true);
+  error.line("theory: noise alone (Fig. 5)", theory.x_m, theory.y, {.color = color});
   experiment.write("detection-beyond.csv", csv);
   experiment.write("detection-beyond.svg", figure);
 }
@@ -106,28 +118,31 @@ void fly_variations(Experiment& experiment, double duration_s) {
 void fly_two_observers(Experiment& experiment, double duration_s) {
   const sim::Scenario scenario =
       scenario_with("reproduce/detection_two_observers.yaml", 1, {{"duration_s", fmt::format("{}", duration_s)}});
-  std::vector<std::unique_ptr<DetectionLog>> logs;
-  std::vector<int> target_of_log;
-  for (const std::size_t observer : {0U, 2U}) {
-    logs.push_back(std::make_unique<DetectionLog>(scenario, -kOs1Fov_deg, kOs1Fov_deg, kIgnored_s, observer));
-    target_of_log.push_back(kTarget - (observer < static_cast<std::size_t>(kTarget) ? 1 : 0));
+  std::array<std::unique_ptr<DetectionLog>, 2> logs;
+  std::array<int, 2> target_of_log{};
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    const std::size_t observer = k == 0 ? 0 : 2;  // vehicles; targets are numbered without the observer
+    logs[k] = std::make_unique<DetectionLog>(scenario, -kOs1Fov_deg, kOs1Fov_deg, kIgnored_s, observer);
+    target_of_log[k] = kTarget - (observer < static_cast<std::size_t>(kTarget) ? 1 : 0);
   }
   fly(experiment, {scenario}, [&](std::size_t, const sim::Simulation& simulation) {
     for (const auto& log : logs) log->add(simulation);
   });
-  std::vector<double> alone;
-  for (std::size_t k = 0; k < logs.size(); ++k) {
-    int visible = 0, found = 0;
-    for (const Sighting& sighting : logs[k]->detections()) {
-      if (sighting.target != target_of_log[k] || sighting.range_m > kNear_m) continue;
-      visible += sighting.visible ? 1 : 0;
-      found += sighting.visible && sighting.found ? 1 : 0;
-    }
-    alone.push_back(visible > 0 ? static_cast<double>(found) / visible : 0.0);
-  }
-  const double both = joint_recall(logs, target_of_log);
-  experiment.row({"two observers: found by either", "-", fmt::format("recall {:.3f}", both), Verdict::kNotComparable,
-                  fmt::format("alone {:.3f} and {:.3f}, of what each could see", alone[0], alone[1]), both});
+  const std::array<double, 3> found = shares_found(logs, target_of_log);
+  experiment.row({"two observers: found by either", "-", fmt::format("recall {:.3f}", found[2]),
+                  Verdict::kNotComparable,
+                  fmt::format("by the first {:.3f}, by the second {:.3f}, of the scans in which any could see it",
+                              found[0], found[1]),
+                  found[2]});
+  sim::plot::Figure figure("Two observers, one target", 1);
+  figure.set_panel_size(420, 320);
+  sim::plot::Panel& panel = figure.add_panel();
+  panel.x.categories = {"the first", "the second", "either"};
+  panel.y.label = "found in scans that could show it [-]";
+  panel.y.min = 0.0;
+  panel.y.max = 1.05;
+  panel.bars("", {found.begin(), found.end()});
+  experiment.write("detection-two-observers.svg", figure);
 }
 
 }  // namespace

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 
+#include "core/uncertainty/error_distribution.hpp"
+#include "core/uncertainty/point_covariance.hpp"
+
 namespace swiftlet::tools {
 namespace {
 
@@ -62,6 +65,17 @@ Curve recall_curve(const std::vector<DistanceBin>& bins) {
     if (bin.count < 5) continue;
     curve.x_m.push_back(bin.middle_m());
     curve.y.push_back(bin.recall());
+  }
+  return curve;
+}
+
+Curve theory_curve(bool with_noise) {
+  Curve curve;
+  for (double range_m = 0.0; range_m <= kFarthestBin_m; range_m += 1.0) {
+    const Matrix3 Sigma =
+        point_covariance(Vector3::UnitX(), range_m, Matrix3::Identity(), MeasurementNoise{}.Sigma_w());
+    curve.x_m.push_back(range_m);
+    curve.y.push_back(with_noise ? ErrorDistribution(Sigma).mean_m() : 0.0);
   }
   return curve;
 }

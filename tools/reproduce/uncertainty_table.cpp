@@ -163,7 +163,7 @@ void add_rows(CsvTable& csv, const Table& table, const std::string& regions) {
 // A row of panels for each quantity, a panel for each attitude noise.
 void draw(Experiment& experiment, const Table& ray, const Table& world) {
   sim::plot::Figure figure("Gaussian approximation against Monte-Carlo (Table I)", 3);
-  figure.set_panel_size(400, 260);
+  figure.set_panel_size(480, 260);
   const std::vector<TableCase> cases = all_cases(1);
   for (const bool largest : {false, true}) {
     for (std::size_t i_rad = 0; i_rad < kSigma_rad.size(); ++i_rad) {
@@ -179,8 +179,8 @@ void draw(Experiment& experiment, const Table& ray, const Table& world) {
         along_world.push_back(largest ? world.maxima[i] : world.means[i]);
       }
       panel.bars("published", published)
-          .bars("ours, regions along the ray", along_ray)
-          .bars("ours, regions along the world", along_world);
+          .bars("ours, along the ray", along_ray)
+          .bars("ours, along the world", along_world);
       panel.x.label = "position noise, range";
       panel.y.label = "difference of probability [-]";
       panel.y.min = 0.0;
