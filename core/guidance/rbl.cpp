@@ -93,11 +93,13 @@ class Rbl : public Guidance {
   }
 
   /// The centroid when it lies in the cell A' that is sensed now, else the nearest place that does; turns to it, and
-  /// stays until it faces it (004, sec. 3.3.1).
+  /// stays until it faces it (004, sec. 3.3.1). A goal within the own encumbrance is flown to without: one right above
+  /// or below would never come into sight.
   Vector3 within_sight(const Pose& T_world_body, TimeNs now) {
     const Vector3 p_m = T_world_body.translation();
     const Vector3 to_m = step_.centroid_m - p_m;
     goal_.yaw_rad = heading_along(to_m, kShortestToFace_m, goal_.yaw_rad);
+    if ((config_.goal_m - p_m).norm() <= config_.cells.encumbrance_m) return step_.centroid_m;
     sensed_.reset(Vector3::Zero(), z_min_m() - p_m.z(), z_max_m() - p_m.z());
     sensed_cuts_.clear();
     for (const HalfSpace& cut :
