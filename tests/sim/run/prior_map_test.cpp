@@ -6,6 +6,9 @@
 #include <cmath>
 #include <fstream>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "swiftlet/sim/errors.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -68,6 +71,34 @@ TEST(PriorMap, RecordedCloudsAreReadByTheirIndex) {
   EXPECT_EQ(prior->free_m, (std::vector<Eigen::Vector3f>{{7.0F, 8.0F, 9.0F}}));
   config.recorded = write("other.csv", "x,y,z\n1,2,3\n");
   EXPECT_THROW(make_prior_map(config, 0.25, Scene{}), InputError);
+}
+
+TEST(PriorMap, ACloudIsTakenAndAMeshIsSampled) {
+  const TemporaryDirectory directory;
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(directory.path() / name) << text;
+    return (directory.path() / name).string();
+  };
+  PriorConfig config;
+  config.occupied = write("two.pcd",
+                          "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
+                          "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 2 3\n-4 5 6\n");
+  const auto cloud = make_prior_map(config, 0.25, Scene{});
+  ASSERT_NE(cloud, nullptr);
+  EXPECT_EQ(cloud->occupied_m, (std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 3.0F}, {-4.0F, 5.0F, 6.0F}}));
+
+  config = {};
+  config.mesh = write("wall.obj", "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0 2\nf 1 2 3\nf 1 3 4\n");
+  const auto mesh = make_prior_map(config, 0.25, Scene{});
+  ASSERT_NE(mesh, nullptr);
+  std::set<std::pair<int, int>> cells;
+  for (const Eigen::Vector3f& p : mesh->occupied_m) {
+    EXPECT_NEAR(p.y(), 0.0F, 1e-5F);
+    cells.emplace(static_cast<int>(std::floor(p.x() / 0.25F)), static_cast<int>(std::floor(p.z() / 0.25F)));
+  }
+  for (int x = 0; x < 16; ++x) {
+    for (int z = 0; z < 8; ++z) EXPECT_TRUE(cells.contains({x, z})) << x << ' ' << z;
+  }
 }
 
 }  // namespace
