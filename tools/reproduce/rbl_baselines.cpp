@@ -53,7 +53,7 @@ sim::Scenario circle(const Method& method, int n, std::uint64_t seed) {
 sim::Scenario forest_front(const Method& method, int n, std::uint64_t seed) {
   const std::string lidar = "vehicles[0].sensors[0].";
   sim::Scenario scenario = scenario_with("reproduce/rbl_forest.yaml", seed,
-                                         {{lidar + "pattern.type", "grid"},
+                                         {{lidar + "pattern.type", "uniform"},
                                           {lidar + "pattern.columns", "360"},
                                           {lidar + "pattern.rows", "16"},
                                           {lidar + "pattern.fov_vertical_deg", "60"},
