@@ -32,9 +32,12 @@ bool Progress::due() const {
 
 void Progress::update(double done, const std::string& note) {
   if (!due()) return;
+  if (done < done_) part_start_ = last_;
+  done_ = done;
   last_ = std::chrono::steady_clock::now();
   shown_ = true;
-  const double remaining_s = done > 0.0 ? elapsed_s() * (1.0 - done) / done : 0.0;
+  const double part_s = std::chrono::duration<double>(last_ - part_start_).count();
+  const double remaining_s = done > 0.0 ? part_s * (1.0 - done) / done : 0.0;
   const std::string eta = done > 0.0 ? ", " + duration_text(remaining_s) + " left" : "";
   const std::string line = fmt::format("{}: {:3.0f} %, {}{}", what_, 100.0 * done, note, eta);
   if (terminal_) {

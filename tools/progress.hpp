@@ -12,7 +12,7 @@ class Progress {
  public:
   Progress(std::string what, bool quiet);
   ~Progress();
-  /// @param done  0..1
+  /// @param done  0..1; less than before begins a new part, whose own time the estimate is of
   /// @param note  such as "12.4 s, 3.1 x real time"
   void update(double done, const std::string& note);
   /// Is it time to call update()? For callers whose note is dear to make.
@@ -25,7 +25,9 @@ class Progress {
   bool quiet_;
   bool terminal_;
   bool shown_ = false;
+  double done_ = 0.0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point part_start_ = start_;
   mutable std::chrono::steady_clock::time_point last_ = start_;
 };
 
