@@ -24,6 +24,7 @@ struct ReproduceOptions {
   int jobs = 0;
   std::optional<int> repetitions;
   bool quick = false;
+  bool resume = false;
   bool list = false;
   bool quiet = false;
 };
@@ -50,6 +51,7 @@ int run_one(const ExperimentType& type, const ReproduceOptions& options) {
   handed.jobs = options.jobs > 0 ? options.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   handed.repetitions = options.repetitions;
   handed.quick = options.quick;
+  handed.resume = options.resume;
   handed.progress = [&](double done, const std::string& note) {
     if (progress.due()) progress.update(done, note);
   };
@@ -101,6 +103,7 @@ void add_reproduce(CLI::App& app) {
   command.option("--repetitions", options->repetitions, "Runs a case instead of the experiment's own number",
                  {.min = 1, .max = 1e6});
   command.flag("--quick", options->quick, "A small version of each: fewer samples and seeds");
+  command.flag("--resume", options->resume, "Do not fly again what an earlier attempt finished (flights.jsonl)");
   command.flag("--list", options->list, "Only list the experiments and the processor time that they take");
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { reproduce(*options); });

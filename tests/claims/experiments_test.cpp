@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "parallel.hpp"
@@ -78,25 +81,76 @@ TEST(Experiments, AnUnknownNameIsAnsweredWithTheKnownOnes) {
   }
 }
 
+std::vector<sim::Scenario> short_flights() {
+  std::vector<sim::Scenario> scenarios;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    sim::Scenario scenario;
+    scenario.seed = seed;
+    scenario.duration_s = 0.2;
+    scenario.wind.gusts = true;
+    scenarios.push_back(sim::validated(scenario));
+  }
+  return scenarios;
+}
+
 TEST(Experiments, FlightsComeBackInTheirOrderForAnyNumberOfJobs) {
   const auto hashes = [](int jobs) {
     const Experiment experiment({.jobs = jobs});
-    std::vector<sim::Scenario> scenarios;
-    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-      sim::Scenario scenario;
-      scenario.seed = seed;
-      scenario.duration_s = 0.2;
-      scenario.wind.gusts = true;
-      scenarios.push_back(sim::validated(scenario));
-    }
     std::vector<std::uint64_t> result;
-    for (const sim::RunSummary& summary : fly(experiment, scenarios)) {
+    for (const sim::RunSummary& summary : fly(experiment, short_flights())) {
       EXPECT_EQ(summary.seed, result.size() + 1);
       result.push_back(summary.state_hash);
     }
     return result;
   };
   EXPECT_EQ(hashes(1), hashes(3));
+}
+
+// How many ticks were flown, and what came out of it.
+struct Attempt {
+  std::vector<double> ticks = std::vector<double>(4, 0.0), told = ticks;
+  std::vector<sim::RunSummary> summaries;
+};
+
+Attempt attempt(const std::filesystem::path& directory, bool resume) {
+  Attempt result;
+  const Experiment experiment({.directory = directory, .resume = resume});
+  const auto count = [&](std::size_t i, const sim::Simulation&) { result.told[i] = ++result.ticks[i]; };
+  const auto write = [&](std::size_t i) { return std::vector<double>{result.told[i]}; };
+  const auto read = [&](std::size_t i, std::span<const double> numbers) { result.told[i] = numbers[0]; };
+  result.summaries = fly(experiment, short_flights(), {.after_tick = count, .write = write, .read = read});
+  return result;
+}
+
+TEST(Experiments, WhatWasFinishedBeforeTheKillIsNotFlownAgain) {
+  const TemporaryDirectory directory;
+  const Attempt whole = attempt(directory.path(), false);
+  EXPECT_THAT(whole.ticks, testing::Each(50.0));
+
+  // Killed in the middle of the third line.
+  const std::filesystem::path log = directory.path() / "flights.jsonl";
+  std::ifstream in(log);
+  std::string kept, line;
+  for (int i = 0; i < 3 && std::getline(in, line); ++i) kept += i < 2 ? line + '\n' : line.substr(0, line.size() / 2);
+  in.close();
+  std::ofstream(log) << kept;
+
+  for (const int flown_again : {2, 0}) {  // and once more, when all are there
+    const Attempt resumed = attempt(directory.path(), true);
+    EXPECT_EQ(std::count(resumed.ticks.begin(), resumed.ticks.end(), 0.0), 4 - flown_again);
+    EXPECT_EQ(resumed.told, whole.told);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(resumed.summaries[i].state_hash, whole.summaries[i].state_hash);
+      EXPECT_EQ(resumed.summaries[i].outcome, whole.summaries[i].outcome);
+      for (const sim::MetricRow& row : whole.summaries[i].metrics.rows()) {
+        if (!row.text.empty()) continue;
+        const sim::MetricRow* read = resumed.summaries[i].metrics.find(row.name, row.vehicle);
+        ASSERT_NE(read, nullptr) << row.name;
+        EXPECT_TRUE(read->value == row.value || (std::isnan(read->value) && std::isnan(row.value))) << row.name;
+      }
+    }
+  }
+  EXPECT_THAT(attempt(directory.path(), false).ticks, testing::Each(50.0)) << "not asked to resume";
 }
 
 TEST(Experiments, WhatFailsInOneFlightIsTold) {

@@ -77,7 +77,7 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
   };
   std::vector<std::vector<Way>> ways(scenarios.size());
   for (std::size_t i = 0; i < scenarios.size(); ++i) ways[i].resize(scenarios[i].vehicles.size());
-  const auto runs = fly(experiment, scenarios, [&](std::size_t index, const sim::Simulation& simulation) {
+  const auto follow = [&](std::size_t index, const sim::Simulation& simulation) {
     const sim::TickView& view = simulation.view();
     for (std::size_t v = 0; v < ways[index].size(); ++v) {
       Way& way = ways[index][v];
@@ -90,7 +90,24 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
       way.arrived = true;
       way.time_s = to_seconds(view.t);
     }
-  });
+  };
+  // A pair a vehicle; NaN: it did not arrive.
+  const auto write = [&](std::size_t index) {
+    std::vector<double> numbers;
+    for (const Way& way : ways[index]) {
+      numbers.push_back(way.length_m);
+      numbers.push_back(way.arrived ? way.time_s : std::numeric_limits<double>::quiet_NaN());
+    }
+    return numbers;
+  };
+  const auto read = [&](std::size_t index, std::span<const double> numbers) {
+    for (std::size_t v = 0; v < ways[index].size(); ++v) {
+      ways[index][v].length_m = numbers[2 * v];
+      ways[index][v].time_s = numbers[2 * v + 1];
+      ways[index][v].arrived = !std::isnan(numbers[2 * v + 1]);
+    }
+  };
+  const auto runs = fly(experiment, scenarios, {.after_tick = follow, .write = write, .read = read});
   std::vector<CrossingResult> results(scenarios.size());
   for (std::size_t i = 0; i < scenarios.size(); ++i) {
     CrossingResult& result = results[i];

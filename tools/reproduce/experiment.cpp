@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "flight_log.hpp"
 #include "sim/run/run_directory.hpp"
 #include "sim/run/version.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -74,6 +75,17 @@ std::string CsvTable::text() const {
   std::string text = fmt::format("{}\n", fmt::join(columns_, ","));
   for (const std::string& line : lines_) text += line + "\n";
   return text;
+}
+
+Experiment::Experiment(ExperimentOptions options) : options_(std::move(options)) {}
+
+Experiment::~Experiment() = default;
+
+FlightLog* Experiment::flight_log() const {
+  if (!flight_log_ && !options_.directory.empty()) {
+    flight_log_ = std::make_unique<FlightLog>(options_.directory / "flights.jsonl", options_.resume);
+  }
+  return flight_log_.get();
 }
 
 int Experiment::repetitions(int full, int quick_version) const {

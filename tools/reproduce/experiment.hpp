@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,6 +37,7 @@ struct ExperimentOptions {
   int jobs = 1;                          ///< runs at a time
   std::optional<int> repetitions = {};   ///< instead of the experiment's own number
   bool quick = false;                    ///< a small version: fewer samples or seeds, shorter flights
+  bool resume = false;                   ///< flights that an earlier attempt finished are not flown again
   std::function<void(double done, const std::string& note)> progress =
       {};  ///< may be empty; called from one thread at a time
 };
@@ -55,16 +57,21 @@ class CsvTable {
   std::vector<std::string> lines_;
 };
 
+class FlightLog;
+
 /// What an experiment is handed, and where its results go.
 class Experiment {
  public:
-  explicit Experiment(ExperimentOptions options) : options_(std::move(options)) {}
+  explicit Experiment(ExperimentOptions options);
+  ~Experiment();
 
   bool quick() const { return options_.quick; }
   int jobs() const { return options_.jobs; }
   /// How many runs a case: what the user asked for, else the experiment's number for this version.
   int repetitions(int full, int quick_version) const;
   void progress(double done, const std::string& note) const;
+  /// nullptr: nothing is to be kept (no directory). Throws std::runtime_error when it cannot be written.
+  FlightLog* flight_log() const;
 
   /// Any row.
   void row(ResultRow row) { rows_.push_back(std::move(row)); }
@@ -89,6 +96,7 @@ class Experiment {
 
  private:
   ExperimentOptions options_;
+  mutable std::unique_ptr<FlightLog> flight_log_;  // made when the first flights are
   std::vector<ResultRow> rows_;
   std::vector<std::string> files_;
 };

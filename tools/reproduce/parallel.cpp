@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "flight_log.hpp"
+
 namespace swiftlet::tools {
 
 void parallel_for(const Experiment& experiment, std::size_t count, const std::string& what,
@@ -51,17 +53,30 @@ sim::Scenario scenario_with(const std::string& file, std::uint64_t seed,
 }
 
 std::vector<sim::RunSummary> fly(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios,
-                                 const std::function<void(std::size_t, const sim::Simulation&)>& after_tick) {
+                                 const FlightNotes& notes) {
+  FlightLog* log = notes.after_tick && !notes.write ? nullptr : experiment.flight_log();
   std::vector<sim::RunSummary> summaries(scenarios.size());
   parallel_for(experiment, scenarios.size(), "flights", [&](std::size_t index) {
+    const std::string key = log != nullptr ? FlightLog::key_of(scenarios[index]) : std::string();
+    if (const FinishedFlight* flown = log != nullptr ? log->find(key) : nullptr) {
+      summaries[index] = flown->summary;
+      if (notes.read) notes.read(index, flown->notes);
+      return;
+    }
     sim::Simulation simulation(scenarios[index], 1);
     while (!simulation.finished()) {
       simulation.tick();
-      if (after_tick) after_tick(index, simulation);
+      if (notes.after_tick) notes.after_tick(index, simulation);
     }
     summaries[index] = simulation.summary();
+    if (log != nullptr) log->add(key, {summaries[index], notes.write ? notes.write(index) : std::vector<double>()});
   });
   return summaries;
+}
+
+std::vector<sim::RunSummary> fly(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios,
+                                 const std::function<void(std::size_t, const sim::Simulation&)>& after_tick) {
+  return fly(experiment, scenarios, FlightNotes{.after_tick = after_tick});
 }
 
 std::vector<double> metric_of(const std::vector<sim::RunSummary>& runs, const std::string& name,

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,10 +24,22 @@ void parallel_for(const Experiment& experiment, std::size_t count, const std::st
 sim::Scenario scenario_with(const std::string& file, std::uint64_t seed,
                             std::vector<std::pair<std::string, std::string>> overrides = {});
 
-/// Flies every scenario to its end, several at a time; the summaries in the order of the scenarios.
-/// @param after_tick  called after each tick of run `index`, on its thread; may be empty. Keep results by index.
+/// What an experiment notes of its flights beside their summaries. All are called on the thread of run `index`.
+struct FlightNotes {
+  std::function<void(std::size_t index, const sim::Simulation&)> after_tick = {};
+  /// What after_tick has noted, as numbers, and back again: so that a finished flight need not be flown a second time.
+  std::function<std::vector<double>(std::size_t index)> write = {};
+  std::function<void(std::size_t index, std::span<const double> numbers)> read = {};
+};
+
+/// Flies every scenario to its end, several at a time; the summaries in the order of the scenarios. Finished flights
+/// are in flights.jsonl and, when the experiment is resumed, read from there (their metrics, without radio and timing).
 std::vector<sim::RunSummary> fly(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios,
-                                 const std::function<void(std::size_t index, const sim::Simulation&)>& after_tick = {});
+                                 const FlightNotes& notes = {});
+/// The same for notes that cannot be written: such flights are flown again.
+/// @param after_tick  called after each tick of run `index`, on its thread. Keep results by index.
+std::vector<sim::RunSummary> fly(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios,
+                                 const std::function<void(std::size_t index, const sim::Simulation&)>& after_tick);
 
 /// One metric of many runs, in their order; NaN where it was not measured.
 /// @param vehicle  empty: the metric of the whole run

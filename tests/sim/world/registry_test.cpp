@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <ctime>
+#include <limits>
 #include <set>
 
 #include "sim/world/forest.hpp"
@@ -87,17 +89,25 @@ TEST(Worlds, AnUnknownTypeIsAnError) {
   EXPECT_THROW(make_world(module, 1), InputError);
 }
 
-TEST(Worlds, AMillionTrianglesAreMadeInUnderASecondOfProcessorTime) {
+// How long a million takes is measured by `swiftlet bench`; here, that it grows with their number and not faster.
+TEST(Worlds, AMillionTrianglesTakeNoLongerEachThanAFewDo) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers take their time";
 #endif
-  ForestConfig config;
-  config.detail = 1.8;
-  const std::clock_t start = std::clock();
-  const Scene scene = make_forest(config, 1);
-  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  EXPECT_GT(scene.num_triangles(), 1000000U);
-  EXPECT_LT(seconds, 1.0);
+  const auto seconds_a_triangle = [](double detail) {
+    ForestConfig config;
+    config.detail = detail;
+    double best_s = std::numeric_limits<double>::infinity();
+    std::size_t num_triangles = 0;
+    for (int attempt = 0; attempt < 3; ++attempt) {
+      const std::clock_t start = std::clock();
+      num_triangles = make_forest(config, 1).num_triangles();
+      best_s = std::min(best_s, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    }
+    EXPECT_GT(num_triangles, detail > 1.0 ? 1000000U : 0U);
+    return best_s / static_cast<double>(num_triangles);
+  };
+  EXPECT_LT(seconds_a_triangle(1.8), 3.0 * seconds_a_triangle(0.5));
 }
 
 }  // namespace
