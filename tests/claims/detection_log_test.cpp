@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "parallel.hpp"
 #include "swiftlet/core/action.hpp"
@@ -40,6 +41,25 @@ TEST(DetectionLog, JudgesATrackerOnceAScanInTheWorldThatItsObserverBelievesIn) {
   EXPECT_GT(drift_m, 0.02);  // its odometry is noisy and drifts
   EXPECT_EQ(log.num_cross_associations(), 0);
   EXPECT_EQ(log.num_false_tracks(), 0);
+
+  // What is written down of it says the same.
+  DetectionLog restored(scenario, -45.0, 45.0, 1.0);
+  restored.restore(log.numbers());
+  EXPECT_EQ(restored.num_cross_associations(), log.num_cross_associations());
+  EXPECT_EQ(restored.num_false_tracks(), log.num_false_tracks());
+  EXPECT_EQ(restored.num_false_detections(), log.num_false_detections());
+  EXPECT_EQ(restored.observed_s(), log.observed_s());
+  EXPECT_EQ(restored.detections().size(), log.detections().size());
+  ASSERT_EQ(restored.tracks().size(), log.tracks().size());
+  for (std::size_t i = 0; i < log.tracks().size(); ++i) {
+    const Sighting &a = restored.tracks()[i], &b = log.tracks()[i];
+    EXPECT_EQ(
+        std::tuple(a.t, a.told, a.target, a.range_m, a.visible, a.points, a.found, a.error_m, a.track, a.in_view_s),
+        std::tuple(b.t, b.told, b.target, b.range_m, b.visible, b.points, b.found, b.error_m, b.track, b.in_view_s));
+    EXPECT_EQ(a.p_m, b.p_m);
+    EXPECT_EQ(a.estimate_m, b.estimate_m);
+    EXPECT_EQ(a.drifted_error_m, b.drifted_error_m);
+  }
 }
 
 // At 10 Hz an odometry does not tell how a multirotor leans in between: without an inertial unit the walls of the hall

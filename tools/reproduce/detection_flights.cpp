@@ -32,7 +32,9 @@ Flights fly_and_log(const Experiment& experiment, const std::vector<sim::Scenari
     flights.logs.push_back(std::make_unique<DetectionLog>(scenario, fov_bottom_deg, fov_top_deg, ignored_s));
   }
   fly(experiment, scenarios,
-      [&](std::size_t run, const sim::Simulation& simulation) { flights.logs[run]->add(simulation); });
+      {.after_tick = [&](std::size_t run, const sim::Simulation& simulation) { flights.logs[run]->add(simulation); },
+       .write = [&](std::size_t run) { return flights.logs[run]->numbers(); },
+       .read = [&](std::size_t run, std::span<const double> numbers) { flights.logs[run]->restore(numbers); }});
   std::vector<const std::vector<Sighting>*> detections, tracks;
   for (const auto& log : flights.logs) {
     detections.push_back(&log->detections());

@@ -20,6 +20,53 @@ constexpr double kFollowed_m = 1.0;      // nearer than this, a track is this ta
 constexpr double kSlow_mps = 0.3;        // below, a velocity has no direction
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
+// The same walk over what there is writes the numbers and reads them.
+struct NumberWriter {
+  std::vector<double> numbers;
+  template <class T>
+  void number(T& value) {
+    numbers.push_back(static_cast<double>(value));
+  }
+  template <class T, class Each>
+  void list(std::vector<T>& items, Each each) {
+    numbers.push_back(static_cast<double>(items.size()));
+    for (T& item : items) each(item);
+  }
+};
+
+struct NumberReader {
+  std::span<const double> numbers;
+  std::size_t next = 0;
+  template <class T>
+  void number(T& value) {
+    value = static_cast<T>(numbers[next++]);
+  }
+  template <class T, class Each>
+  void list(std::vector<T>& items, Each each) {
+    items.resize(static_cast<std::size_t>(numbers[next++]));
+    for (T& item : items) each(item);
+  }
+};
+
+template <class Stream>
+void exchange_sighting(Stream& stream, Sighting& s) {
+  stream.number(s.t);
+  stream.number(s.told);
+  stream.number(s.target);
+  stream.number(s.range_m);
+  stream.number(s.visible);
+  stream.number(s.points);
+  stream.number(s.found);
+  stream.number(s.error_m);
+  stream.number(s.drifted_error_m);
+  stream.number(s.speed_error_mps);
+  stream.number(s.direction_error_rad);
+  stream.number(s.track);
+  stream.number(s.in_view_s);
+  for (int axis = 0; axis < 3; ++axis) stream.number(s.p_m[axis]);
+  for (int axis = 0; axis < 3; ++axis) stream.number(s.estimate_m[axis]);
+}
+
 }  // namespace
 
 DetectionLog::DetectionLog(const sim::Scenario& scenario, double fov_bottom_deg, double fov_top_deg, double ignored_s,
@@ -169,6 +216,36 @@ void DetectionLog::add_tracks(const Action& action) {
     }
     tracks_.push_back(sighting);
   }
+}
+
+template <class Stream>
+void DetectionLog::exchange(Stream& stream) {
+  const auto sighting = [&](Sighting& s) { exchange_sighting(stream, s); };
+  stream.list(detections_, sighting);
+  stream.list(tracks_, sighting);
+  stream.number(num_false_detections_);
+  stream.number(observed_s_);
+  const auto number = [&](auto& value) { stream.number(value); };
+  std::vector<std::uint32_t> ids(track_ids_.begin(), track_ids_.end());
+  stream.list(ids, number);
+  track_ids_ = {ids.begin(), ids.end()};
+  std::vector<std::pair<std::uint32_t, std::vector<int>>> followed(targets_of_track_.begin(), targets_of_track_.end());
+  stream.list(followed, [&](auto& track) {
+    stream.number(track.first);
+    stream.list(track.second, number);
+  });
+  targets_of_track_ = {followed.begin(), followed.end()};
+}
+
+std::vector<double> DetectionLog::numbers() {
+  NumberWriter writer;
+  exchange(writer);
+  return std::move(writer.numbers);
+}
+
+void DetectionLog::restore(std::span<const double> numbers) {
+  NumberReader reader{numbers};
+  exchange(reader);
 }
 
 int DetectionLog::num_false_tracks() const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <span>
 #include <vector>
 
 #include "swiftlet/sim/recorder.hpp"
@@ -52,6 +53,10 @@ class DetectionLog {
   /// Identities that followed one target and then another, closer than 1 m each.
   int num_cross_associations() const;
 
+  /// All that the flight showed, and back again: FlightNotes::write and read.
+  std::vector<double> numbers();
+  void restore(std::span<const double> numbers);
+
  private:
   struct Truth {
     TimeNs t = 0;
@@ -64,6 +69,8 @@ class DetectionLog {
     TimeNs stamp = 0, middle = 0;
     std::vector<int> points;  // by target
   };
+  template <class Stream>
+  void exchange(Stream& stream);  // with a stream of numbers, one way or the other
   void remember(const sim::LabelledScan& labelled);
   const Truth& at(TimeNs t) const;
   const SeenScan* scan_of(TimeNs stamp) const;
