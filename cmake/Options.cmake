@@ -5,6 +5,10 @@ add_library(swiftlet_options INTERFACE)
 # The same bits every time: no fused multiply-add where the source has none.
 target_compile_options(swiftlet_options INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow=local -Wno-psabi -Wno-restrict -Wno-stringop-overflow
   -Wno-array-bounds -Wno-maybe-uninitialized)
+# The compiler collects its garbage less often: a twentieth of the time, for 250 MB a process.
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  target_compile_options(swiftlet_options INTERFACE "SHELL:--param ggc-min-heapsize=1000000")
+endif()
 # Only sim/ has parallel regions and only libraries need -fPIC; but the options are the same everywhere, so that the
 # precompiled headers fit every target.
 target_compile_options(swiftlet_options INTERFACE -fopenmp -fPIC)
