@@ -71,7 +71,7 @@ sim::Scenario forest_front(const Method& method, int n, std::uint64_t seed) {
   if (guidance.type == "rbl") {
     auto& rbl = guidance.as<RblConfig>();
     rbl.neighbors.source = "sensor";
-    rbl.lidar.fov_lower_deg = -90.0;  // sees all around
+    rbl.lidar.fov_lower_deg = 90.0;  // sees all that lies ahead
     rbl.lidar.fov_deg = 180.0;
     rbl.lidar.facing_deg = 180.0;
   } else if (guidance.type == "pacnav") {
@@ -112,6 +112,7 @@ void rbl_baselines(Experiment& experiment) {
                                   "{:.2f} m",
                                   100.0 * table.arrived, 100.0 * table.crashed, table.min_separation_m),
                       table.success});
+      if (table.success == 0.0) continue;
       experiment.row({what + "L [m], t [s]", "-", fmt::format("{:.2f}, {:.2f}", table.length_m.mean, table.time_s.mean),
                       Verdict::kNotComparable, "of the flights that succeeded", table.time_s.mean});
     }
