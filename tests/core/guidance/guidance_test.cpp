@@ -189,7 +189,9 @@ TEST(TakeoffLand, WaitsWithItsMotorsOff) {
   bool was_off = true;
   for (int i = 0; i < static_cast<int>(4.0 / kDt); ++i) {
     flight.step();
-    if (flight.out.motors_on == was_off) EXPECT_NEAR(i * kDt, 2.0, 2 * kDt);
+    if (flight.out.motors_on == was_off) {
+      EXPECT_NEAR(i * kDt, 2.0, 2 * kDt);
+    }
     was_off = !flight.out.motors_on;
   }
   EXPECT_FALSE(was_off);
