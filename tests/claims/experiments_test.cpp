@@ -133,7 +133,7 @@ TEST(Experiments, WhatWasFinishedBeforeTheKillIsNotFlownAgain) {
   std::string kept, line;
   for (int i = 0; i < 3 && std::getline(in, line); ++i) kept += i < 2 ? line + '\n' : line.substr(0, line.size() / 2);
   in.close();
-  std::ofstream(log) << kept;
+  std::ofstream(log) << "[1, 2]\n{\"key\": 3}\n" << kept;  // and somebody wrote into it
 
   for (const int flown_again : {2, 0}) {  // and once more, when all are there
     const Attempt resumed = attempt(directory.path(), true);

@@ -65,9 +65,12 @@ bool FlightLog::read() {
   bool whole = true;
   for (std::string text; std::getline(in, text);) {
     whole = !in.eof();
-    const Json line = Json::parse(text, nullptr, false);
-    if (line.is_discarded()) continue;  // cut when the program was killed
-    flights_.emplace(line.at("key").get<std::string>(), flight_of(line));
+    try {
+      const Json line = Json::parse(text);
+      flights_.emplace(line.at("key").get<std::string>(), flight_of(line));
+    } catch (const std::exception&) {
+      continue;  // cut when the program was killed, or no flight at all: flown again
+    }
   }
   return whole;
 }
