@@ -11,6 +11,7 @@
 #include "sim/run/run_directory.hpp"
 #include "sim/run/summary.hpp"
 #include "sim/run/version.hpp"
+#include "sim/scenario/suggest.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "sim/world/world.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -38,7 +39,8 @@ sim::Scenario with_copies(sim::Scenario scenario, int count, double spacing_m) {
   for (int i = 0; i < count; ++i) {
     sim::VehicleConfig vehicle = model;
     vehicle.name = fmt::format("uav{}", i + 1);
-    vehicle.start.position_m += Eigen::Vector3d(spacing_m * (i % side - side / 2), spacing_m * (i / side - side / 2), 0.0);
+    vehicle.start.position_m +=
+        Eigen::Vector3d(spacing_m * (i % side - side / 2), spacing_m * (i / side - side / 2), 0.0);
     scenario.vehicles.push_back(std::move(vehicle));
   }
   return scenario;
@@ -63,13 +65,16 @@ const Case kCases[] = {
     {"crowd_1khz", "100 X500, no LiDAR, 1 kHz physics", [] { return crowd(0.001); }, 10.0},
     {"crowd_250hz", "100 X500, no LiDAR, 250 Hz physics", [] { return crowd(0.004); }, 20.0},
     {"one_os1", "one OS1-128 at 10 Hz in a forest", [] { return read("bench_os1"); }, 5.0},
-    {"ten_mid360", "10 X500 with a Mid-360 each in a forest", [] { return with_copies(read("bench_mid360"), 10, 4.0); }, 5.0},
-    {"forest_patrol", "the quickstart without recorders", [] {
+    {"ten_mid360", "10 X500 with a Mid-360 each in a forest", [] { return with_copies(read("bench_mid360"), 10, 4.0); },
+     5.0},
+    {"forest_patrol", "the quickstart without recorders",
+     [] {
        sim::Scenario scenario = read("forest_patrol");
        scenario.recorders.clear();
        scenario.snapshots.clear();
        return scenario;
-     }, 5.0},
+     },
+     5.0},
 };
 
 struct Result {
@@ -97,14 +102,17 @@ Result measure(const Case& which, int threads, Progress& progress) {
   result.summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   result.summary.simulated_s -= warm.simulated_s;
   result.summary.setup_wall_s = setup_s;
-  for (std::size_t i = 0; i < warm.stage_wall_s.size(); ++i) result.summary.stage_wall_s[i].second -= warm.stage_wall_s[i].second;
+  for (std::size_t i = 0; i < warm.stage_wall_s.size(); ++i)
+    result.summary.stage_wall_s[i].second -= warm.stage_wall_s[i].second;
   return result;
 }
 
 void print(const Result& result) {
   const sim::RunSummary& s = result.summary;
-  fmt::print("{:<14} {:>8.1f} x real time   {:016x}  {}\n", result.of->name, s.real_time_factor(), s.state_hash, result.of->what);
-  fmt::print("{:<14} set-up {:.2f} s, {} triangles; ms per simulated second:", "", s.setup_wall_s, result.num_triangles);
+  fmt::print("{:<14} {:>8.1f} x real time   {:016x}  {}\n", result.of->name, s.real_time_factor(), s.state_hash,
+             result.of->what);
+  fmt::print("{:<14} set-up {:.2f} s, {} triangles; ms per simulated second:", "", s.setup_wall_s,
+             result.num_triangles);
   for (const auto& [stage, wall_s] : s.stage_wall_s) fmt::print(" {} {:.1f}", stage, 1e3 * wall_s / s.simulated_s);
   fmt::print("\n");
   std::fflush(stdout);
@@ -116,8 +124,9 @@ std::string csv_of(const std::vector<Result>& results) {
   csv += "\n";
   for (const Result& result : results) {
     const sim::RunSummary& s = result.summary;
-    csv += fmt::format("{},{},{},{},{},{:.4f},{:.3f},{:.4f},{:.3f},{:016x}", result.of->name, sim::version(), sim::git_revision(),
-                       s.threads, result.num_triangles, s.setup_wall_s, s.simulated_s, s.wall_s, s.real_time_factor(), s.state_hash);
+    csv += fmt::format("{},{},{},{},{},{:.4f},{:.3f},{:.4f},{:.3f},{:016x}", result.of->name, sim::version(),
+                       sim::git_revision(), s.threads, result.num_triangles, s.setup_wall_s, s.simulated_s, s.wall_s,
+                       s.real_time_factor(), s.state_hash);
     for (const auto& [stage, wall_s] : s.stage_wall_s) csv += fmt::format(",{:.4f}", wall_s);
     csv += "\n";
   }
@@ -131,15 +140,17 @@ bool wanted(const Case& which, const std::vector<std::string>& only) {
 void check_names(const std::vector<std::string>& only) {
   for (const std::string& name : only) {
     if (std::any_of(std::begin(kCases), std::end(kCases), [&](const Case& c) { return name == c.name; })) continue;
-    std::string known;
-    for (const Case& c : kCases) known += std::string(known.empty() ? "" : ", ") + c.name;
-    throw sim::InputError(fmt::format("bench {}: expected one of {}", name, known));
+    std::vector<std::string> known;
+    for (const Case& c : kCases) known.emplace_back(c.name);
+    throw sim::InputError(
+        fmt::format("bench {}: expected one of {}{}", name, fmt::join(known, ", "), sim::did_you_mean(name, known)));
   }
 }
 
 void bench(const BenchOptions& options) {
   check_names(options.only);
-  if (!options.csv.empty()) sim::write_file(options.csv, "");  // now, rather than minutes later, when it cannot be written
+  if (!options.csv.empty())
+    sim::write_file(options.csv, "");  // now, rather than minutes later, when it cannot be written
   std::vector<Result> results;
   for (const Case& which : kCases) {
     if (!wanted(which, options.only)) continue;

@@ -11,6 +11,7 @@
 #include "core/localization/registry.hpp"
 #include "progress.hpp"
 #include "sim/scenario/assets.hpp"
+#include "sim/scenario/suggest.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "sim/world/world.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -54,9 +55,10 @@ void list(const std::string& wanted) {
     kind.print();
   }
   if (found) return;
-  std::string known;
-  for (const Kind& kind : kKinds) known += std::string(known.empty() ? "" : ", ") + kind.name;
-  throw sim::InputError(fmt::format("list {}: expected one of {}", wanted, known));
+  std::vector<std::string> known;
+  for (const Kind& kind : kKinds) known.emplace_back(kind.name);
+  throw sim::InputError(
+      fmt::format("list {}: expected one of {}{}", wanted, fmt::join(known, ", "), sim::did_you_mean(wanted, known)));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "flight_log.hpp"
 #include "sim/run/run_directory.hpp"
 #include "sim/run/version.hpp"
+#include "sim/scenario/suggest.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::tools {
@@ -133,7 +134,8 @@ const ExperimentType& experiment_type(const std::string& name) {
     if (type.name == name) return type;
     names.emplace_back(type.name);
   }
-  throw sim::InputError(fmt::format("no experiment '{}'; there are {}", name, fmt::join(names, ", ")));
+  throw sim::InputError(
+      fmt::format("reproduce {}: expected one of {}{}", name, fmt::join(names, ", "), sim::did_you_mean(name, names)));
 }
 
 std::string short_number(double value, int digits) {
