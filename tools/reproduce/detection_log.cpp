@@ -50,21 +50,10 @@ struct NumberReader {
 
 template <class Stream>
 void exchange_sighting(Stream& stream, Sighting& s) {
-  stream.number(s.t);
-  stream.number(s.told);
-  stream.number(s.target);
-  stream.number(s.range_m);
-  stream.number(s.visible);
-  stream.number(s.points);
-  stream.number(s.found);
-  stream.number(s.error_m);
-  stream.number(s.drifted_error_m);
-  stream.number(s.speed_error_mps);
-  stream.number(s.direction_error_rad);
-  stream.number(s.track);
-  stream.number(s.in_view_s);
-  for (int axis = 0; axis < 3; ++axis) stream.number(s.p_m[axis]);
-  for (int axis = 0; axis < 3; ++axis) stream.number(s.estimate_m[axis]);
+  const auto numbers = [&](auto&... values) { (stream.number(values), ...); };
+  numbers(s.t, s.told, s.target, s.range_m, s.visible, s.points, s.found, s.error_m, s.drifted_error_m,
+          s.speed_error_mps, s.direction_error_rad, s.track, s.in_view_s, s.p_m.x(), s.p_m.y(), s.p_m.z(),
+          s.estimate_m.x(), s.estimate_m.y(), s.estimate_m.z());
 }
 
 }  // namespace
