@@ -39,7 +39,7 @@ if(SWIFTLET_SANITIZE MATCHES thread)
   endforeach()
 endif()
 
-# Tests need to be compiled soon more than to run fast; what they test is optimised in full.
+# Tests need to be compiled soon more than to run fast; what they test is optimized in full.
 add_library(swiftlet_test_options INTERFACE)
 target_link_libraries(swiftlet_test_options INTERFACE swiftlet_options)
 target_compile_options(swiftlet_test_options INTERFACE $<$<CONFIG:Release>:-O1>)

@@ -13,7 +13,7 @@ function(swiftlet_share_headers target set)
   target_precompile_headers(${target} REUSE_FROM ${set})
 endfunction()
 
-# Several files of a target in one translation unit: what they include is read, instantiated and optimised once. A file
+# Several files of a target in one translation unit: what they include is read, instantiated and optimized once. A file
 # still compiles alone (the preset "debug" does so), and names in anonymous namespaces are unique within a folder.
 function(swiftlet_compile_together target)
   if(SWIFTLET_UNITY)

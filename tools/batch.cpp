@@ -47,9 +47,10 @@ fs::path out_of(const BatchArguments& arguments, const sim::BatchPlan& plan) {
 }
 
 void show_plan(const sim::BatchPlan& plan) {
-  fmt::print("{}: {} episodes = {} point{} x {} seed{} x {} variant{}\n", plan.config().name, plan.num_episodes(), plan.points().size(),
-             plan.points().size() == 1 ? "" : "s", plan.config().seeds.pairing == "zip" ? 1 : plan.seeds().size(),
-             plan.seeds().size() == 1 ? "" : "s", plan.config().variants.size(), plan.config().variants.size() == 1 ? "" : "s");
+  fmt::print("{}: {} episodes = {} point{} x {} seed{} x {} variant{}\n", plan.config().name, plan.num_episodes(),
+             plan.points().size(), plan.points().size() == 1 ? "" : "s",
+             plan.config().seeds.pairing == "zip" ? 1 : plan.seeds().size(), plan.seeds().size() == 1 ? "" : "s",
+             plan.config().variants.size(), plan.config().variants.size() == 1 ? "" : "s");
   for (std::uint64_t id = 0; id < plan.num_episodes(); ++id) {
     fmt::print("{:6}  {}\n", id, plan.command_of(plan.episode(id)));
   }
@@ -60,29 +61,33 @@ void make_cluster_job(const BatchArguments& arguments, const sim::BatchPlan& pla
   const sim::SlurmScripts scripts = sim::make_slurm_scripts(plan, out, fs::read_symlink("/proc/self/exe"));
   const sim::SlurmFiles files = sim::write_slurm_scripts(scripts, out);
   if (!arguments.quiet) {
-    fmt::print("{} episodes in {} task{} of {}, at most {} min each\n  {}\n  {}\n", plan.num_episodes(), scripts.num_tasks,
-               scripts.num_tasks == 1 ? "" : "s", scripts.episodes_per_task, scripts.time_limit_min, files.array.string(),
-               files.merge.string());
+    fmt::print("{} episodes in {} task{} of {}, at most {} min each\n  {}\n  {}\n", plan.num_episodes(),
+               scripts.num_tasks, scripts.num_tasks == 1 ? "" : "s", scripts.episodes_per_task, scripts.time_limit_min,
+               files.array.string(), files.merge.string());
   }
   if (arguments.submit) {
     const sim::SlurmJobs jobs = sim::submit(files);
-    if (!arguments.quiet) fmt::print("submitted: array {}, merge {} when all of it has ended\n", jobs.array, jobs.merge);
+    if (!arguments.quiet)
+      fmt::print("submitted: array {}, merge {} when all of it has ended\n", jobs.array, jobs.merge);
   } else if (!arguments.quiet) {
-    fmt::print("submit them with --submit, or by hand: job=$(sbatch --parsable {}) && sbatch --dependency=afterany:$job {}\n",
-               files.array.string(), files.merge.string());
+    fmt::print(
+        "submit them with --submit, or by hand: job=$(sbatch --parsable {}) && sbatch --dependency=afterany:$job {}\n",
+        files.array.string(), files.merge.string());
   }
 }
 
 std::string note_of(const sim::BatchProgress& p, double elapsed_s) {
   const double per_minute = elapsed_s > 0.0 ? 60.0 * static_cast<double>(p.flown) / elapsed_s : 0.0;
-  return fmt::format("{} of {} done, {} failed, {} running, {:.1f} episodes/min", p.done, p.total, p.failed, p.running, per_minute);
+  return fmt::format("{} of {} done, {} failed, {} running, {:.1f} episodes/min", p.done, p.total, p.failed, p.running,
+                     per_minute);
 }
 
 void tell(const sim::BatchOutcome& outcome, const fs::path& out, double elapsed_s) {
   fmt::print("{} in {}\n", note_of(outcome.progress, elapsed_s), duration_text(elapsed_s));
   fmt::print("  {:<40} every episode and metric\n", outcome.database.string());
   if (outcome.database.parent_path() == out) {
-    fmt::print("  {:<40} a row an episode\n  {:<40} a row a metric\n", (out / "episodes.csv").string(), (out / "metrics.csv").string());
+    fmt::print("  {:<40} a row an episode\n  {:<40} a row a metric\n", (out / "episodes.csv").string(),
+               (out / "metrics.csv").string());
   }
 }
 
@@ -93,7 +98,8 @@ void tell_failures(const fs::path& database) {
   int count = 0;
   for (const sim::EpisodeRow& row : store.episodes(false)) {
     if (row.done() || ++count > kShown) continue;
-    fmt::print(stderr, "swiftlet: episode {} (seed {}): {}: {}\n  repeat it: {}\n", row.id, row.seed, row.status, row.message, row.command);
+    fmt::print(stderr, "swiftlet: episode {} (seed {}): {}: {}\n  repeat it: {}\n", row.id, row.seed, row.status,
+               row.message, row.command);
   }
   if (count == 0) return;
   throw std::runtime_error(fmt::format("{} episode{} did not end as {} should; all of them: view failures in {}", count,
@@ -104,18 +110,21 @@ void fly(const BatchArguments& arguments, const sim::BatchPlan& plan) {
   sim::BatchOptions options;
   options.out = out_of(arguments, plan);
   options.jobs = arguments.jobs > 0 ? arguments.jobs : sim::available_processors();
-  options.shard = arguments.shard.empty() ? sim::shard_of_environment(sim::system_environment()) : sim::parse_shard(arguments.shard);
+  options.shard = arguments.shard.empty() ? sim::shard_of_environment(sim::system_environment())
+                                          : sim::parse_shard(arguments.shard);
   options.resume = arguments.resume || arguments.retry;
   options.retry = arguments.retry;
   options.memory_limit_mb = arguments.memory_limit_mb;
-  options.cancelled = [] { return StopSignals::requested(); };
+  options.canceled = [] { return StopSignals::requested(); };
   if (!options.shard.whole() && !arguments.quiet) {
     fmt::print(stderr, "{}: part {} ({})\n", plan.config().name, options.shard.str(), options.shard.source);
   }
   const StopSignals guard;  // what has been flown is stored already
   Progress progress(plan.config().name, arguments.quiet);
   const auto start = std::chrono::steady_clock::now();
-  const auto elapsed_s = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  const auto elapsed_s = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
   const sim::BatchOutcome outcome = sim::run_batch(plan, options, [&](const sim::BatchProgress& p) {
     if (!progress.due()) return;
     const auto todo = static_cast<double>(p.total - p.done + p.flown);  // what this start is to do
@@ -123,16 +132,18 @@ void fly(const BatchArguments& arguments, const sim::BatchPlan& plan) {
   });
   progress.finish();
   if (!outcome.complete) {
-    throw std::runtime_error(fmt::format("interrupted with {} of {} episodes stored; continue with: swiftlet batch {} --out {} --resume",
-                                         outcome.progress.done, outcome.progress.total, sim::in_shell_quotes(arguments.file),
-                                         sim::in_shell_quotes(options.out.string())));
+    throw std::runtime_error(
+        fmt::format("interrupted with {} of {} episodes stored; continue with: swiftlet batch {} --out {} --resume",
+                    outcome.progress.done, outcome.progress.total, sim::in_shell_quotes(arguments.file),
+                    sim::in_shell_quotes(options.out.string())));
   }
   if (!arguments.quiet) tell(outcome, options.out, elapsed_s());
   tell_failures(outcome.database);
 }
 
 void batch(const BatchArguments& arguments) {
-  if (arguments.file.empty()) throw sim::InputError("batch: expected a batch file, or merge; try 'swiftlet batch --help'");
+  if (arguments.file.empty())
+    throw sim::InputError("batch: expected a batch file, or merge; try 'swiftlet batch --help'");
   const sim::BatchPlan plan(arguments.file, parse_assignments(arguments.set));
   if (arguments.plan) return show_plan(plan);
   if (arguments.slurm || arguments.submit) return make_cluster_job(arguments, plan);
@@ -145,7 +156,8 @@ void merge(const MergeArguments& arguments) {
   const auto databases = sim::find_databases(sources);
   const sim::MergeOutcome outcome = sim::merge_batches(databases, arguments.out);
   if (!arguments.quiet) {
-    fmt::print("{} of {} episodes from {} database{}{}\n", outcome.episodes, outcome.expected, databases.size(), databases.size() == 1 ? "" : "s",
+    fmt::print("{} of {} episodes from {} database{}{}\n", outcome.episodes, outcome.expected, databases.size(),
+               databases.size() == 1 ? "" : "s",
                outcome.overlaps > 0 ? fmt::format(", {} of them more than once", outcome.overlaps) : "");
     for (const auto& [status, count] : outcome.by_status) fmt::print("  {:<16} {}\n", status, count);
     fmt::print("  {}\n", (fs::path(arguments.out) / "results.sqlite").string());
@@ -153,10 +165,11 @@ void merge(const MergeArguments& arguments) {
   if (outcome.episodes < outcome.expected) {
     std::string missing;
     for (const std::uint64_t id : outcome.first_missing) missing += (missing.empty() ? "" : ", ") + std::to_string(id);
-    throw std::runtime_error(fmt::format("{} episodes are missing ({}{}); fly them with: swiftlet batch BATCH.yaml --out {} --resume --shard 1/1",
-                                         outcome.expected - outcome.episodes, missing,
-                                         outcome.expected - outcome.episodes > outcome.first_missing.size() ? ", ..." : "",
-                                         sim::in_shell_quotes(arguments.out)));
+    throw std::runtime_error(fmt::format(
+        "{} episodes are missing ({}{}); fly them with: swiftlet batch BATCH.yaml --out {} --resume --shard 1/1",
+        outcome.expected - outcome.episodes, missing,
+        outcome.expected - outcome.episodes > outcome.first_missing.size() ? ", ..." : "",
+        sim::in_shell_quotes(arguments.out)));
   }
 }
 
@@ -165,16 +178,22 @@ void merge(const MergeArguments& arguments) {
 void add_batch(CLI::App& app) {
   auto options = std::make_shared<BatchArguments>();
   Subcommand command(app, "batch", "Fly many episodes: variants x parameters x seeds, in worker processes");
-  command.option("batch", options->file, "Batch file, or the name of one that comes with Swiftlet", {.value_name = "BATCH.yaml"});
+  command.option("batch", options->file, "Batch file, or the name of one that comes with Swiftlet",
+                 {.value_name = "BATCH.yaml"});
   command.option("--out", options->out, "Batch directory (default: batches/NAME)", {.value_name = "DIR"});
-  command.option("--jobs", options->jobs, "Worker processes (default: one for each processor)", {.value_name = "N", .min = 0, .max = 4096});
-  command.option("--shard", options->shard, "Fly part i of n into a database of its own; also told by Slurm arrays, MPI and indexed Kubernetes jobs",
-                 {.value_name = "i/n"});
-  command.option("--memory-limit", options->memory_limit_mb, "Memory of one worker on this machine (default: the batch file's memory_limit_mb)",
+  command.option("--jobs", options->jobs, "Worker processes (default: one for each processor)",
+                 {.value_name = "N", .min = 0, .max = 4096});
+  command.option(
+      "--shard", options->shard,
+      "Fly part i of n into a database of its own; also told by Slurm arrays, MPI and indexed Kubernetes jobs",
+      {.value_name = "i/n"});
+  command.option("--memory-limit", options->memory_limit_mb,
+                 "Memory of one worker on this machine (default: the batch file's memory_limit_mb)",
                  {.value_name = "MiB", .min = 0});
   command.flag("--resume", options->resume, "Fly what is missing in the batch directory");
   command.flag("--retry", options->retry, "Resume, and fly again what failed, crashed or ran out of time or memory");
-  command.option("--set", options->set, "Override any key of the batch file (may be repeated)", {.value_name = "KEY=VALUE", .repeated = true});
+  command.option("--set", options->set, "Override any key of the batch file (may be repeated)",
+                 {.value_name = "KEY=VALUE", .repeated = true});
   command.flag("--plan", options->plan, "Print every episode as a command of its own, and fly nothing");
   command.flag("--slurm", options->slurm, "Write a Slurm job array with a merge job instead of flying");
   command.flag("--submit", options->submit, "Write and submit them");
@@ -183,7 +202,8 @@ void add_batch(CLI::App& app) {
 
   auto merging = std::make_shared<MergeArguments>();
   Subcommand merge_command = command.subcommand("merge", "Unite the databases of shards");
-  merge_command.option("sources", merging->sources, "Batch directories or databases (default: DIR with its shards)", {.value_name = "SOURCE"});
+  merge_command.option("sources", merging->sources, "Batch directories or databases (default: DIR with its shards)",
+                       {.value_name = "SOURCE"});
   merge_command.option("--out", merging->out, "Batch directory of the whole", {.value_name = "DIR", .required = true});
   merge_command.flag("-q,--quiet", merging->quiet, "Print errors only");
   merge_command.action([merging] { merge(*merging); });

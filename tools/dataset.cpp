@@ -38,15 +38,15 @@ void generate(const DatasetOptions& options) {
   generation.directory = options.out;
   generation.jobs = options.jobs > 0 ? options.jobs : sim::available_processors();
   generation.resume = options.resume;
-  generation.cancelled = [] { return StopSignals::requested(); };
+  generation.canceled = [] { return StopSignals::requested(); };
   generation.progress = [&](int done, int all, const std::string&) {
     if (progress.due()) progress.update(static_cast<double>(done) / all, fmt::format("{} of {} flights", done, all));
   };
   const sim::GenerateReport report = sim::generate_dataset(plan, generation);
   progress.finish();
-  if (report.cancelled) {
+  if (report.canceled) {
     throw Interrupted(fmt::format("interrupted; {} of {} flights are finished and kept, --resume goes on",
-                                         report.flights_done, report.flights_all));
+                                  report.flights_done, report.flights_all));
   }
   if (options.quiet) return;
   sim::SequenceStatistics sum;
@@ -62,7 +62,7 @@ void generate(const DatasetOptions& options) {
   fmt::print("\n{}\n", bold("written to " + options.out));
   fmt::print("  {:<24} data card: statistics, histograms, pictures\n", "README.md");
   fmt::print("  {:<24} version, seeds, hash of every file\n", "manifest.json");
-  fmt::print("  {:<24} classes, colours and splits for readers of SemanticKITTI\n", "semantic-kitti.yaml");
+  fmt::print("  {:<24} classes, colors and splits for readers of SemanticKITTI\n", "semantic-kitti.yaml");
   fmt::print("  {:<24} one directory a LiDAR and flight\n", "sequences/NN/");
 }
 
@@ -72,7 +72,7 @@ void verify(const VerifyCommand& command) {
   sim::VerifyOptions options;
   options.frames = command.frames;
   options.seed = command.seed.value_or(0);
-  options.cancelled = [] { return StopSignals::requested(); };
+  options.canceled = [] { return StopSignals::requested(); };
   options.progress = [&](double done, const std::string& note) {
     if (progress.due()) progress.update(done, note);
   };
@@ -93,7 +93,7 @@ void verify(const VerifyCommand& command) {
 
 void add_dataset(CLI::App& app) {
   auto options = std::make_shared<DatasetOptions>();
-  Subcommand command(app, "dataset", "Write a labelled dataset, or verify one");
+  Subcommand command(app, "dataset", "Write a labeled dataset, or verify one");
   command.option("dataset", options->file, "Dataset file, or the name of one that comes with Swiftlet",
                  {.value_name = "DATASET.yaml"});
   command.option("--out", options->out, "Directory to write", {.value_name = "DIR"});

@@ -34,7 +34,7 @@ class Progress {
 /// "3.2 s", "4 min 05 s", "2 h 03 min".
 std::string duration_text(double seconds);
 
-/// Bold or coloured text on a terminal that wants it (NO_COLOR is respected), plain text elsewhere.
+/// Bold or colored text on a terminal that wants it (NO_COLOR is respected), plain text elsewhere.
 std::string bold(const std::string& text);
 
 }  // namespace swiftlet::tools

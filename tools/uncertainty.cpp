@@ -77,7 +77,7 @@ Request request_of(const UncertaintyOptions& options) {
 }
 
 // The measured point in the middle of its voxel.
-double centred_probability(const Matrix3& Sigma, double voxel_m) {
+double centered_probability(const Matrix3& Sigma, double voxel_m) {
   return box_probability(Vector3::Zero(), Sigma, {Vector3::Constant(-0.5 * voxel_m), Vector3::Constant(0.5 * voxel_m)});
 }
 
@@ -87,7 +87,7 @@ double voxel_for(const Matrix3& Sigma, double confidence) {
   double low = 0.0, high = std::max(20.0 * sigma, 1e-6);
   for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (low + high);
-    (centred_probability(Sigma, middle) < confidence ? low : high) = middle;
+    (centered_probability(Sigma, middle) < confidence ? low : high) = middle;
   }
   return high;
 }
@@ -107,7 +107,7 @@ Line line_at(double range_m, const Request& request, const UncertaintyOptions& o
     line.exceeded_by_5_percent_m = error.quantile_m(0.95);
     line.voxel_m = voxel_for(Sigma, options.confidence);
   }
-  for (const double voxel_m : options.voxels_m) line.probabilities.push_back(centred_probability(Sigma, voxel_m));
+  for (const double voxel_m : options.voxels_m) line.probabilities.push_back(centered_probability(Sigma, voxel_m));
   return line;
 }
 

@@ -21,8 +21,8 @@ struct MotionLimits {
 
 /// A named set of limits; a number other than 0 replaces the one of the set.
 ///
-/// "slow", "medium", "fast": the constraint sets of the MRS UAV system; "medium" equals 004, Table 2.1.
-/// "agile": room for the trajectories of 000, Table IV (8.2 m/s, 4.5 m/s^2), in any direction.
+/// "slow", "medium", "fast": the constraint sets of the MRS UAV system; "medium" equals Kamler 2025, Table 2.1.
+/// "agile": room for the trajectories of Vrba 2025, Table IV (8.2 m/s, 4.5 m/s^2), in any direction.
 struct MotionLimitsConfig {
   std::string set = "medium";
   double horizontal_speed_mps = 0.0;

@@ -9,17 +9,17 @@
 
 namespace swiftlet {
 
-/// How far rule B looks: until the centres are so far apart, or so many steps along the axes away.
+/// How far rule B looks: until the centers are so far apart, or so many steps along the axes away.
 struct SearchShape {
   bool octahedron = false;
   double radius_m = 3.0;  ///< sphere
   int radius_steps = 0;   ///< octahedron
 };
 
-/// Rule B (000, sec. III-B, algorithm 1): is a set of voxels totally separated by confident free ones from everything
-/// that is at least tentative? A flood over the 6-neighbourhood through what is not free; reaching something tentative,
-/// the border of the search or the border of the map ends it. Its answer does not depend on the order of the search,
-/// which goes depth first because that meets the border soonest.
+/// Rule B [Vrba 2025, sec. III-B, algorithm 1]: is a set of voxels totally separated by confident free ones from
+/// everything that is at least tentative? A flood over the 6-neighborhood through what is not free; reaching something
+/// tentative, the border of the search or the border of the map ends it. Its answer does not depend on the order of the
+/// search, which goes depth first because that meets the border soonest.
 class EnclosureSearch {
  public:
   /// True if no start leads out. `explored()` then holds what was flooded: all of it uncertain, the starts apart.

@@ -103,13 +103,13 @@ void EuclideanClusters::join_cells(std::span<const Eigen::Vector3f> points, floa
       const std::int64_t offset = dz * kLayer + dy * kRow;
       std::size_t window = 0;
       for (std::uint32_t i = 0; i < cells_.size(); ++i) {
-        const std::int64_t centre = static_cast<std::int64_t>(cells_[i].key) + offset;
-        const std::int64_t begin = own_row ? centre + 1 : centre - kReach;
+        const std::int64_t center = static_cast<std::int64_t>(cells_[i].key) + offset;
+        const std::int64_t begin = own_row ? center + 1 : center - kReach;
         while (window < cells_.size() && static_cast<std::int64_t>(keys_[window]) < begin) ++window;
-        if (window == cells_.size() || static_cast<std::int64_t>(keys_[window]) > centre + kReach) continue;
+        if (window == cells_.size() || static_cast<std::int64_t>(keys_[window]) > center + kReach) continue;
         std::uint32_t a = root(i);
         for (std::size_t j = window; j < cells_.size(); ++j) {
-          if (static_cast<std::int64_t>(keys_[j]) > centre + kReach) break;
+          if (static_cast<std::int64_t>(keys_[j]) > center + kReach) break;
           const std::uint32_t b = root(static_cast<std::uint32_t>(j));
           if (a == b || !are_near(points, cells_[i], cells_[j], tolerance_m)) continue;
           parents_[std::max(a, b)] = std::min(a, b);

@@ -8,8 +8,8 @@
 
 namespace swiftlet {
 
-/// Clusters of points by their mutual distance (000, eqs. 13-15): two points are in the same cluster exactly if a chain
-/// of points leads from one to the other in steps of at most the tolerance.
+/// Clusters of points by their mutual distance [Vrba 2025, eqs. 13-15]: two points are in the same cluster exactly if a
+/// chain of points leads from one to the other in steps of at most the tolerance.
 ///
 /// Clusters are in the order of their first points, members in the order of the points. Points that are not finite, or
 /// farther than 500 000 tolerances from the origin, are left out. Exact to the rounding of single precision; about

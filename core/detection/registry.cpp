@@ -18,9 +18,9 @@ std::unique_ptr<Detector> make_no_detector(const ModuleConfig&, const AgentSetup
 
 constexpr DetectorType kTypes[] = {
     {{"none", "finds nobody", make_module_config<NoDetectorConfig>}, make_no_detector},
-    {{"vofod", "flying objects by a multi-state occupancy map (000)", make_module_config<VofodConfig>},
+    {{"vofod", "flying objects by a multi-state occupancy map [Vrba 2025]", make_module_config<VofodConfig>},
      make_vofod_detector},
-    {{"ground_truth", "what a mutual-localisation sensor says; an ideal one is added where there is none",
+    {{"ground_truth", "what a mutual-localization sensor says; an ideal one is added where there is none",
       make_module_config<GroundTruthDetectorConfig>},
      make_ground_truth_detector},
 };

@@ -9,9 +9,9 @@
 
 namespace swiftlet {
 
-/// Clusters of occupied voxels that hang together with no confident background (000, sec. III-D).
+/// Clusters of occupied voxels that hang together with no confident background [Vrba 2025, sec. III-D].
 ///
-/// Voxels that are at least tentative are clustered by the distance of their centres; clusters with fewer than
+/// Voxels that are at least tentative are clustered by the distance of their centers; clusters with fewer than
 /// `least_confident` confident voxels are separate (eqs. 23, 24). Voxels of a block of 2 x 2 x 2 are near each other
 /// anyway (if the distance is that large), so blocks are joined instead of voxels. Keeps its memory.
 class SeparateBackground {
@@ -42,7 +42,7 @@ class SeparateBackground {
 
   Cell size_ = Cell::Zero();  // of the map
   double distance_ = -1.0;    // in edges
-  int edge_ = 1, reach_ = 1;  // of a block in voxels; of the neighbours in blocks
+  int edge_ = 1, reach_ = 1;  // of a block in voxels; of the neighbors in blocks
   Cell blocks_size_ = Cell::Zero();
   std::vector<Neighbor> neighbors_;     // those that come before a block in the order of numbers_
   std::vector<std::uint32_t> numbers_;  // 1 + number of the block at each place, 0: none; with a border of empty ones

@@ -5,9 +5,9 @@ namespace swiftlet {
 
 void VofodChoices::visit(ConfigVisitor& v) {
   v.choice("clustering", clustering, {"points", "voxels"},
-           "distances between points (paper) or between centres of voxels that hold points (released code)");
+           "distances between points (paper) or between centers of voxels that hold points (released code)");
   v.choice("position", position, {"centroid", "box_center"},
-           "of a detection: mean of its points (paper, eq. 19) or centre of its oriented box (released code)");
+           "of a detection: mean of its points (paper, eq. 19) or center of its oriented box (released code)");
   v.choice("close_to", close_to, {"tentative", "confident"},
            "rule A: background is what is close to voxels that are at least this (rule: tentative; formula below it: "
            "confident)");

@@ -49,7 +49,7 @@ struct VofodTiming {
   void visit(ConfigVisitor& v);
 };
 
-/// The flying-object detector of 000; distances and weights of Table II.
+/// The flying-object detector of Vrba 2025; distances and weights of Table II.
 struct VofodConfig : ModuleConfigOf<VofodConfig> {
   std::string sensor;
   VoxelMapConfig map;

@@ -9,7 +9,8 @@
 
 namespace swiftlet {
 
-/// Random smooth flight like the simulated trajectories of 000, Table IV and Fig. 8 (8.2 m/s, 4.5 m/s^2, 4-10 m high).
+/// Random smooth flight like the simulated trajectories of Vrba 2025, Table IV and Fig. 8 (8.2 m/s, 4.5 m/s^2, 4-10 m
+/// high).
 struct AgileConfig : ModuleConfigOf<AgileConfig> {
   std::uint64_t seed = 1;
   double speed_max_mps = 8.2;

@@ -34,7 +34,7 @@ Vector3 avoidance(const Vector3& p_m, std::span<const Neighbor> neighbors, doubl
   return push;
 }
 
-/// What the two models have in common: flight at one height, neighbours, and a push away from obstacles.
+/// What the two models have in common: flight at one height, neighbors, and a push away from obstacles.
 class LevelFlight : public Guidance {
  protected:
   LevelFlight(const NeighborSourceConfig& neighbors, const FlockObstacleConfig& lidar, const GuidanceSetup& setup)
@@ -98,7 +98,7 @@ class LevelFlight : public Guidance {
   TimeNs next_look_ = 0;
 };
 
-/// Positions of one neighbour over the last seconds, oldest first.
+/// Positions of one neighbor over the last seconds, oldest first.
 struct RememberedPath {
   std::int64_t key = 0;
   std::vector<Vector3> points_m;
@@ -147,7 +147,7 @@ class Pacnav : public LevelFlight {
     return d > kNearest_m ? Vector3(way / d * std::min(config_.speed_mps, d / kAhead_s)) : Vector3(Vector3::Zero());
   }
 
-  /// The goal, or a place behind the neighbour that seems to know the way; without one: stay.
+  /// The goal, or a place behind the neighbor that seems to know the way; without one: stay.
   Vector3 aim(const Vector3& p_m) const {
     if (config_.informed) return config_.goal_m;
     double best = 0.0;

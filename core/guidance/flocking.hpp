@@ -7,8 +7,8 @@
 #include "core/guidance/neighbor_memory.hpp"
 #include "core/guidance/rbl_obstacles.hpp"
 
-/// Two other ways of flocking without a word to each other, to compare the rule-based Lloyd algorithm with (004,
-/// sec. 2.5).
+/// Two other ways of flocking without a word to each other, to compare the rule-based Lloyd algorithm with [Kamler
+/// 2025, sec. 2.5].
 namespace swiftlet {
 
 /// What both share beyond their models, neither of which says how to keep off trees: a push away from the nearest thing
@@ -21,7 +21,7 @@ struct FlockObstacleConfig : SightConfig {
 };
 
 /// PACNav (Ahmad, Bonilla Licea, Silano, Baca and Saska, 2022): informed vehicles fly to the goal; uninformed ones
-/// follow the neighbour whose path is the most persistent and the most similar to the others', and all avoid
+/// follow the neighbor whose path is the most persistent and the most similar to the others', and all avoid
 /// collisions. The standard form of its two measures is used: persistence is the distance between the ends of the
 /// remembered path over its length; similarity is the mean cosine between its direction of motion and those of the
 /// other paths. Horizontal.
@@ -43,7 +43,7 @@ struct PacnavConfig : ModuleConfigOf<PacnavConfig> {
 };
 
 /// Purely vision-based model (Bastien and Romanczuk, 2020; Mezey et al., 2024): speed and turning follow from the
-/// 1D projection field V of the neighbours on the retina and its edges,
+/// 1D projection field V of the neighbors on the retina and its edges,
 ///   dv/dt = gamma (v0 - v) + int cos(phi) alpha0 (-V + alpha1 |dV/dphi|) dphi,
 ///   dpsi/dt = int sin(phi) beta0 (-V + beta1 |dV/dphi|) dphi.
 /// The model has no goal; `goal_weight_radps` adds a turn towards one (0: as published). Horizontal.

@@ -19,7 +19,7 @@ struct GuidanceSetup {
 struct GuidanceInput {
   double dt_s = 0.0;               ///< since the last tick
   const StateEstimate& estimate;   ///< valid
-  const Observation& observation;  ///< messages, neighbours, scans
+  const Observation& observation;  ///< messages, neighbors, scans
   std::span<const Detection> detections = {};
   std::span<const Track> tracks = {};
 };

@@ -21,10 +21,10 @@ struct Announcement {
 
 void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.choice("source", source, {"sensor", "radio", "tracks", "none"},
-           "[-] neighbours from a `neighbors` sensor (ideal: the truth), from what they say, or from the own tracker");
+           "[-] neighbors from a `neighbors` sensor (ideal: the truth), from what they say, or from the own tracker");
   v.field("timeout_s", timeout_s, "[s] somebody not heard of for this long is forgotten", Range::positive());
   v.field("acceleration_sigma_mps2", acceleration_sigma_mps2,
-          "[m/s^2] how much a neighbour may manoeuvre (process noise of its filter)", Range::positive());
+          "[m/s^2] how much a neighbor may maneuver (process noise of its filter)", Range::positive());
   v.field("predict", predict, "[-] positions are carried forward to now with the filtered velocity");
 }
 

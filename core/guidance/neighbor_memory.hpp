@@ -28,7 +28,7 @@ struct Neighbor {
   TimeNs seen = 0;  ///< time of validity of the last measurement
 };
 
-/// Keeps the others of a mutual-localisation sensor, of radio messages, or of tracks: each through a Kalman filter of
+/// Keeps the others of a mutual-localization sensor, of radio messages, or of tracks: each through a Kalman filter of
 /// constant velocity, forgotten when it was not heard of for a while.
 class NeighborMemory {
  public:

@@ -93,8 +93,8 @@ class Rbl : public Guidance {
   }
 
   /// The centroid when it lies in the cell A' that is sensed now, else the nearest place that does; turns to it, and
-  /// stays until it faces it (004, sec. 3.3.1). A goal within the own encumbrance is flown to without: one right above
-  /// or below would never come into sight.
+  /// stays until it faces it [Kamler 2025, sec. 3.3.1]. A goal within the own encumbrance is flown to without: one
+  /// right above or below would never come into sight.
   Vector3 within_sight(const Pose& T_world_body, TimeNs now) {
     const Vector3 p_m = T_world_body.translation();
     const Vector3 to_m = step_.centroid_m - p_m;
@@ -170,7 +170,7 @@ std::vector<Vector3> level_outline(double radius_m, std::span<const HalfSpace> c
   return corners;
 }
 
-// What has no colour of its own is drawn in the vehicle's.
+// What has no color of its own is drawn in the vehicle's.
 void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
   const RblCell& cell = planner_.cell();
   const Vector3& p_m = planner_.position_m();

@@ -21,16 +21,16 @@ struct CellCentroids {
   Vector3 partitioned_m = Vector3::Zero();  ///< c_A; zero when A is empty
 };
 
-/// The cells S and A of one agent, as samples on a cubic lattice (004, sec. 2.4.1). Everything is relative to the
-/// agent, in world axes. The samples lie in rows along x; a convex cut leaves an interval of every row, so that a cut
-/// costs one division a row, whatever the number of samples.
+/// The cells S and A of one agent, as samples on a cubic lattice [Kamler 2025, sec. 2.4.1]. Everything is relative to
+/// the agent, in world axes. The samples lie in rows along x; a convex cut leaves an interval of every row, so that a
+/// cut costs one division a row, whatever the number of samples.
 class RblCell {
  public:
   /// @param planar  a disc in the agent's horizontal plane instead of a ball
   RblCell(double radius_m, double step_m, bool planar);
 
   /// S anew: the ball between two heights (2.4, 2.14), and A = S.
-  /// @param lattice_m  any point of the lattice; zero: the lattice is centred at the agent
+  /// @param lattice_m  any point of the lattice; zero: the lattice is centered at the agent
   void reset(const Vector3& lattice_m, double z_low_m, double z_high_m);
 
   /// Leaves of A only what lies in the half-space (2.3).

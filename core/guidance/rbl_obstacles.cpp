@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr float kInside_m = 0.01F;  // nearer than this, the direction to a voxel is that to its centre
+constexpr float kInside_m = 0.01F;  // nearer than this, the direction to a voxel is that to its center
 
 Matrix3 turn_y(double angle_rad) { return Eigen::AngleAxisd(angle_rad, Vector3::UnitY()).toRotationMatrix(); }
 
@@ -142,7 +142,7 @@ std::array<HalfSpace, 2> field_of_view(const Matrix3& R_world_body, double fov_l
 }
 
 void SightConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] keep clear of what the own LiDAR sees and has seen (004, chapter 3)");
+  v.field("enabled", enabled, "[-] keep clear of what the own LiDAR sees and has seen [Kamler 2025, chapter 3]");
   v.field("range_min_m", range_min_m, "[m] nearer returns are the own body (the thesis: 1 m)", Range::non_negative());
   v.field("range_max_m", range_max_m, "[m] farther returns are not used", Range::positive());
   v.object("map", map, "what was seen");

@@ -25,7 +25,7 @@ struct SightConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// LiDAR mode of the rule-based Lloyd algorithm (004, chapter 3). Defaults: Table 3.1 and the released program.
+/// LiDAR mode of the rule-based Lloyd algorithm [Kamler 2025, chapter 3]. Defaults: Table 3.1 and the released program.
 struct RblLidarConfig : SightConfig {
   std::string cut = "convex";
   double fov_lower_deg = 20.0;
@@ -46,8 +46,8 @@ inline Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, dou
 
 /// Cuts cells by voxels. Both ways keep the agent's encumbrance away from every voxel that faces it:
 /// convex: half-spaces at the nearest point of the nearest voxel, then of the nearest one that is not yet behind such a
-/// plane, and so on: the cell stays convex, as 004, sec. 3.1.3 asks for;
-/// nearest: each sample by the voxel that is nearest to it (004, sec. 3.2.5, sign of the exclusion corrected).
+/// plane, and so on: the cell stays convex, as Kamler 2025, sec. 3.1.3 asks for;
+/// nearest: each sample by the voxel that is nearest to it [Kamler 2025, sec. 3.2.5, sign of the exclusion corrected].
 class ObstacleCutter {
  public:
   /// @param p_m  the agent; the cell is relative to it

@@ -10,7 +10,7 @@
 
 namespace swiftlet {
 
-/// Cells of the rule-based Lloyd algorithm (004, Tables 2.2 and 3.1).
+/// Cells of the rule-based Lloyd algorithm [Kamler 2025, Tables 2.2 and 3.1].
 struct RblCellConfig {
   double sensing_radius_m = 3.5;  ///< r_s
   double step_m = 0.2;
@@ -22,8 +22,8 @@ struct RblCellConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What keeps agent and neighbour apart: the part of the cell on the agent's side (2.3). All readings of the document
-/// agree that a neighbour nearer than Delta leaves the agent outside of its own cell, so that it moves away.
+/// What keeps agent and neighbor apart: the part of the cell on the agent's side (2.3). All readings of the document
+/// agree that a neighbor nearer than Delta leaves the agent outside of its own cell, so that it moves away.
 /// @param to_neighbor_m  from the agent
 /// @param Delta_m        sum of the two encumbrances
 HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, const std::string& reading);
@@ -41,7 +41,7 @@ class RblPlanner {
  public:
   RblPlanner(const RblCellConfig& config, const RblRules& rules, bool planar);
 
-  /// S (between the heights, world), cut by the neighbours. Obstacles may then cut cell() further.
+  /// S (between the heights, world), cut by the neighbors. Obstacles may then cut cell() further.
   void partition(const Vector3& p_m, std::span<const Vector3> neighbors_m, double z_min_m, double z_max_m);
 
   struct Step {

@@ -18,7 +18,7 @@ double toward_zero(double value, double step) {
   return value > 0.0 ? std::max(0.0, value - step) : std::min(0.0, value + step);
 }
 
-// (2.7). With the goal in reach, too: with a wide weight neighbours that rest at goals of their own move the centroid,
+// (2.7). With the goal in reach, too: with a wide weight neighbors that rest at goals of their own move the centroid,
 // and with it the vehicle, off its goal or out of the gap between them for ever.
 double next_beta(const RblRules& rules, const RblSituation& now, double beta_m, double dt_s) {
   const bool goal_in_reach = now.goal_m.norm() < rules.weight_goal_m;

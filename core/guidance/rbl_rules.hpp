@@ -6,8 +6,8 @@
 
 namespace swiftlet {
 
-/// The rules of the 3D rule-based Lloyd algorithm (004, eqs. 2.7 to 2.20). Where the document is ambiguous or prints
-/// something else than its authors' program does, the reading is an option (docs/rbl.md).
+/// The rules of the 3D rule-based Lloyd algorithm [Kamler 2025, eqs. 2.7 to 2.20]. Where the document is ambiguous or
+/// prints something else than its authors' program does, the reading is an option (docs/rbl.md).
 struct RblRules {
   double weight_near_m = 0.5;       ///< d_1
   double weight_gap_m = 1.0;        ///< d_2

@@ -11,12 +11,12 @@ namespace swiftlet {
 
 /// A smooth curve by time: the uniform cubic B-spline of its control points, at rest in the first one at t = 0 and in
 /// the last one at the end. Velocity and acceleration are continuous; the curve stays in the convex hull of any four
-/// neighbours.
+/// neighbors.
 class UniformSpline {
  public:
   UniformSpline() = default;
   /// @param control_points_m  at least one
-  /// @param interval_s        between neighbours
+  /// @param interval_s        between neighbors
   UniformSpline(std::vector<Vector3> control_points_m, double interval_s);
 
   struct State {

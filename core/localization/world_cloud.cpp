@@ -71,8 +71,8 @@ Pose CloudRegistrar::at(TimeNs t) const {
 }
 
 void CloudRegistrar::place_columns(const Scan& scan, std::vector<Pose>& T_world_lidar) const {
-  if (!scan.told_poses.empty()) {
-    const auto& told = scan.told_poses;
+  if (!scan.external_poses.empty()) {
+    const auto& told = scan.external_poses;
     place(
         scan, static_cast<int>(told.size()), [&](int i) -> const StampedPose& { return told[i]; }, T_world_lidar);
   } else {
@@ -82,7 +82,7 @@ void CloudRegistrar::place_columns(const Scan& scan, std::vector<Pose>& T_world_
 }
 
 bool CloudRegistrar::make(std::shared_ptr<const Scan> scan, WorldCloud& cloud) const {
-  if (scan->told_poses.empty() && count_ == 0) return false;
+  if (scan->external_poses.empty() && count_ == 0) return false;
   cloud.scan = std::move(scan);
   const Scan& s = *cloud.scan;
   place_columns(s, cloud.T_world_lidar);

@@ -12,7 +12,8 @@
 namespace swiftlet {
 
 /// One sweep in the world frame of the agent's own estimate, every beam carried by the pose at its own firing: the
-/// point cloud P of 000, shared by detection, tracking and mapping. Reused from sweep to sweep; holds on to the scan.
+/// point cloud P of Vrba 2025, shared by detection, tracking and mapping. Reused from sweep to sweep; holds on to the
+/// scan.
 struct WorldCloud {
   std::shared_ptr<const Scan> scan;             ///< rays without return are found there
   std::vector<Pose> T_world_lidar;              ///< of the sensor at the firing of each column           (scan->cols())
@@ -27,7 +28,7 @@ struct WorldCloud {
 };
 
 /// Makes world clouds from scans and the estimates of the last second. A scan that tells its own poses
-/// (Scan::told_poses) is placed by them.
+/// (Scan::external_poses) is placed by them.
 class CloudRegistrar {
  public:
   /// @param own_radius_m  returns nearer than this to the body's origin are the vehicle itself

@@ -5,11 +5,12 @@
 
 namespace swiftlet {
 
-/// What others may ask the map of the static surroundings, O of algorithm 2 (000, sec. III-F): the occupied voxels.
+/// What others may ask the map of the static surroundings, O of algorithm 2 [Vrba 2025, sec. III-F]: the occupied
+/// voxels.
 class BackgroundQuery {
  public:
   virtual ~BackgroundQuery() = default;
-  /// Is there a voxel that is at least tentative occupied with its centre within `radius_m` of the point? A point
+  /// Is there a voxel that is at least tentative occupied with its center within `radius_m` of the point? A point
   /// outside of the map, or one that is not finite, has nothing near it.
   virtual bool occupied_within(const Vector3& p_world_m, double radius_m) const = 0;
 };

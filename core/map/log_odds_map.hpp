@@ -14,7 +14,7 @@
 
 namespace swiftlet {
 
-/// The conventional occupancy map, for comparison (000, eqs. 1-5). The defaults are OctoMap's: hit 0.7, miss 0.4,
+/// The conventional occupancy map, for comparison [Vrba 2025, eqs. 1-5]. The defaults are OctoMap's: hit 0.7, miss 0.4,
 /// clamped to 0.1192 and 0.971, occupied from 0.5 on; free below the prior by one miss.
 struct LogOddsConfig {
   double voxel_m = 0.25;

@@ -30,7 +30,7 @@ struct Ray {
   std::int32_t base, step_a, step_b, step_c;  // index = base + j step_a + b step_b + c step_c
 };
 
-/// Pieces of the slabs between neighbouring planes: three voxels each, of which the later ones may have length 0.
+/// Pieces of the slabs between neighboring planes: three voxels each, of which the later ones may have length 0.
 struct Pieces {
   alignas(32) std::array<float, kStretch> length_0, length_1, length_2;
   alignas(32) std::array<std::int32_t, kStretch> index_0, index_1, index_2;

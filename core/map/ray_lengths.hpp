@@ -9,8 +9,8 @@
 
 namespace swiftlet {
 
-/// How far rays travel in each voxel (000, sec. III-C), summed over the rays of a sweep, in a dense window around the
-/// sensor.
+/// How far rays travel in each voxel [Vrba 2025, sec. III-C], summed over the rays of a sweep, in a dense window around
+/// the sensor.
 ///
 /// A ray is cut by the planes of its steepest axis. Between two of them it meets at most three voxels, and which ones,
 /// and how long, follows from the two ends alone: so the pieces are computed side by side instead of one after the

@@ -126,7 +126,7 @@ void SparseVoxelMap::pass(const Ray& ray) {
     next[axis] = d == 0.0 ? per_cell[axis] : to_wall * per_cell[axis];
   }
   const auto loss = static_cast<float>(config_.miss_log_odds), least = static_cast<float>(config_.min_log_odds);
-  for (double travelled = 0.0; travelled < end;) {
+  for (double traveled = 0.0; traveled < end;) {
     auto* const block = const_cast<Block*>(block_at(block_of(cell)));
     if (block == nullptr) {  // to where the ray leaves it
       int last[3];           // steps to its last voxel
@@ -136,13 +136,13 @@ void SparseVoxelMap::pass(const Ray& ray) {
         leaves[axis] = last[axis] == 0 ? next[axis] : next[axis] + last[axis] * per_cell[axis];
       }
       const int out = leaves[0] < leaves[1] ? (leaves[0] < leaves[2] ? 0 : 2) : (leaves[1] < leaves[2] ? 1 : 2);
-      travelled = leaves[out];
+      traveled = leaves[out];
       for (int axis = 0; axis < 3; ++axis) {
-        if (axis != out && !(next[axis] < travelled)) continue;
+        if (axis != out && !(next[axis] < traveled)) continue;
         const int steps =
             axis == out
                 ? last[axis] + 1
-                : std::min(last[axis], 1 + static_cast<int>((travelled - next[axis]) * std::abs(direction[axis])));
+                : std::min(last[axis], 1 + static_cast<int>((traveled - next[axis]) * std::abs(direction[axis])));
         next[axis] += steps * per_cell[axis];
         cell[axis] += steps * step[axis];
       }
@@ -157,11 +157,11 @@ void SparseVoxelMap::pass(const Ray& ray) {
         voxel.log_odds = std::max(voxel.log_odds - loss, least);
       }
       axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
-      travelled = next[axis];
+      traveled = next[axis];
       next[axis] += per_cell[axis];
       from = cell[axis];
       cell[axis] += step[axis];
-    } while (travelled < end && from >> 3 == cell[axis] >> 3);
+    } while (traveled < end && from >> 3 == cell[axis] >> 3);
   }
 }
 
@@ -214,10 +214,10 @@ bool SparseVoxelMap::is_occupied(const Vector3& p_m, TimeNs now) const {
 void SparseVoxelMapConfig::visit(ConfigVisitor& v) {
   v.field("edge_m", edge_m, "[m] edge of a voxel", Range::positive());
   v.field("hit_log_odds", hit_log_odds, "[-] gain of a voxel in which a ray ended, once a sweep", Range::positive());
-  v.field(
-      "miss_log_odds", miss_log_odds,
-      "[-] loss of a voxel that rays passed through, once a sweep; 0: never cleared, the conservative setting of 004",
-      Range::non_negative());
+  v.field("miss_log_odds", miss_log_odds,
+          "[-] loss of a voxel that rays passed through, once a sweep; 0: never cleared, the conservative setting of "
+          "Kamler 2025",
+          Range::non_negative());
   v.field("occupied_log_odds", occupied_log_odds, "[-] from here on a voxel counts as an obstacle");
   v.field("min_log_odds", min_log_odds, "[-] no voxel falls below");
   v.field("max_log_odds", max_log_odds, "[-] no voxel rises above");

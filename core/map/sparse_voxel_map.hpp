@@ -13,7 +13,7 @@
 namespace swiftlet {
 
 /// How a sparse map remembers and forgets. `miss_log_odds` = 0 and `memory_s` = 0: it never forgets, the conservative
-/// setting of 004, sec. 3.4, with which leaves stay in the map as ghosts.
+/// setting of Kamler 2025, sec. 3.4, with which leaves stay in the map as ghosts.
 struct SparseVoxelMapConfig {
   double edge_m = 0.2;
   double hit_log_odds = 0.85;
@@ -28,9 +28,9 @@ struct SparseVoxelMapConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What was seen around a vehicle, as occupied voxels in blocks (the role of Bonxai in 004, sec. 3.2.4). Only voxels
-/// that were hit at some time are stored. A table of block places that repeats itself beyond twice keep_radius_m finds
-/// a block without searching; what is farther from the vehicle than that radius is not stored.
+/// What was seen around a vehicle, as occupied voxels in blocks (the role of Bonxai in Kamler 2025, sec. 3.2.4). Only
+/// voxels that were hit at some time are stored. A table of block places that repeats itself beyond twice keep_radius_m
+/// finds a block without searching; what is farther from the vehicle than that radius is not stored.
 class SparseVoxelMap {
  public:
   explicit SparseVoxelMap(const SparseVoxelMapConfig& config);
@@ -42,14 +42,14 @@ class SparseVoxelMap {
     bool hit = true;  ///< false: nothing was met up to the end
   };
 
-  /// One sweep: of all rays that end in one voxel the first counts (the voxel-grid filter of 004, sec. 3.2.3). Voxels
-  /// hit in this sweep gain, those that a ray passed through lose.
+  /// One sweep: of all rays that end in one voxel the first counts (the voxel-grid filter of Kamler 2025, sec. 3.2.3).
+  /// Voxels hit in this sweep gain, those that a ray passed through lose.
   void insert(std::span<const Ray> rays, TimeNs now);
 
   /// Forgets what lies farther than keep_radius_m from here.
   void keep_around(const Vector3& center_m);
 
-  /// Centres of the occupied voxels whose nearest point lies within the radius; those not hit since `since` left out.
+  /// Centers of the occupied voxels whose nearest point lies within the radius; those not hit since `since` left out.
   void collect(const Vector3& center_m, double radius_m, TimeNs now, TimeNs since,
                std::vector<Vector3>& centers_m) const;
   bool is_occupied(const Vector3& p_m, TimeNs now) const;

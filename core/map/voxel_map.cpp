@@ -240,7 +240,7 @@ bool VoxelMap::visit_row(std::ptrdiff_t row, int x_first, int x_last, Visit&& vi
   return true;
 }
 
-// Calls visit(x, y, z) for the occupied cells, counted from the corner of the box, whose centre may lie within the
+// Calls visit(x, y, z) for the occupied cells, counted from the corner of the box, whose center may lie within the
 // radius; it says whether to go on. No finite point, no cell.
 template <class Visit>
 void VoxelMap::visit_box(const Vector3& p_m, double radius_m, Visit&& visit) const {

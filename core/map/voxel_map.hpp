@@ -17,7 +17,7 @@ namespace swiftlet {
 /// States of eq. (7), by growing confidence of occupancy.
 enum class VoxelState : std::uint8_t { kFree, kUncertain, kTentative, kConfident };
 
-/// Multi-state occupancy map (000, sec. III-A); the defaults are Table II.
+/// Multi-state occupancy map [Vrba 2025, sec. III-A]; the defaults are Table II.
 struct VoxelMapConfig {
   double voxel_m = 0.25;
   double g_occupied = 0.0;
@@ -68,9 +68,9 @@ class VoxelMap : public BackgroundQuery {
   // Questions about voxels that are at least tentative occupied.
   bool occupied(std::ptrdiff_t index) const { return values_[index] >= G_tentative_; }
   std::ptrdiff_t num_occupied() const;
-  /// Centres in the order of their indices.
+  /// Centers in the order of their indices.
   void append_centers(VoxelState at_least, std::vector<Vector3>& centers) const;
-  /// Centre of the nearest one within the radius of a point; of several as near, the first by index.
+  /// Center of the nearest one within the radius of a point; of several as near, the first by index.
   std::optional<Vector3> nearest_occupied(const Vector3& p_m, double radius_m) const;
   bool occupied_within(const Vector3& p_m, double radius_m) const override {
     return any_within(p_m, radius_m, VoxelState::kTentative);

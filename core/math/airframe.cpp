@@ -15,10 +15,10 @@ void Airframe::visit(ConfigVisitor& v) {
   v.field("mass_kg", mass_kg, "[kg] take-off mass with payload", Range::positive());
   v.field("inertia_diagonal_kgm2", inertia_diagonal_kgm2, "[kg m^2] principal moments about the body axes",
           Range::positive());
-  v.field("arm_length_m", arm_length_m, "[m] centre to rotor hub", Range::positive());
+  v.field("arm_length_m", arm_length_m, "[m] center to rotor hub", Range::positive());
   v.field("body_height_m", body_height_m, "[m] height of the body", Range::positive());
   v.field("body_radius_m", body_radius_m, "[m] radius of the central plates", Range::positive());
-  v.field("leg_height_m", leg_height_m, "[m] centre of mass to the ground when standing on the legs",
+  v.field("leg_height_m", leg_height_m, "[m] center of mass to the ground when standing on the legs",
           Range::positive());
   v.field("propeller_radius_m", propeller_radius_m, "[m]", Range::positive());
   v.field("propeller_blades", propeller_blades, "[-] blades of a propeller", Range::between(2, 6));

@@ -27,15 +27,15 @@ void BufferedCloud::assign(const WorldCloud& cloud) {
   }
 }
 
-void BufferedCloud::select(const Vector3& centre_m, double radius_m, std::vector<std::uint32_t>& indices) const {
-  const Eigen::Vector3f centre = centre_m.cast<float>();
+void BufferedCloud::select(const Vector3& center_m, double radius_m, std::vector<std::uint32_t>& indices) const {
+  const Eigen::Vector3f center = center_m.cast<float>();
   const float radius_sq = static_cast<float>(radius_m * radius_m);
   for (std::size_t b = 0; b < boxes_.size(); ++b) {
-    const Eigen::Vector3f nearest = centre.cwiseMax(boxes_[b].min).cwiseMin(boxes_[b].max);
-    if (!((nearest - centre).squaredNorm() <= radius_sq)) continue;
+    const Eigen::Vector3f nearest = center.cwiseMax(boxes_[b].min).cwiseMin(boxes_[b].max);
+    if (!((nearest - center).squaredNorm() <= radius_sq)) continue;
     const std::size_t end = std::min(points_.size(), (b + 1) * kRun);
     for (std::size_t i = b * kRun; i < end; ++i) {
-      if ((points_[i] - centre).squaredNorm() <= radius_sq) indices.push_back(static_cast<std::uint32_t>(i));
+      if ((points_[i] - center).squaredNorm() <= radius_sq) indices.push_back(static_cast<std::uint32_t>(i));
     }
   }
 }

@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// A cloud as the tracker keeps it: its points, when each was measured, and boxes around runs of neighbouring points,
+/// A cloud as the tracker keeps it: its points, when each was measured, and boxes around runs of neighboring points,
 /// with which a search around a place looks at few of them.
 class BufferedCloud {
  public:
@@ -24,7 +24,7 @@ class BufferedCloud {
     return duration_ == 0 ? stamp_ : stamp_ + from_seconds(beams_->offset_s(static_cast<int>(beam_[i])));
   }
   /// Appends the indices of the points within the radius, in increasing order.
-  void select(const Vector3& centre_m, double radius_m, std::vector<std::uint32_t>& indices) const;
+  void select(const Vector3& center_m, double radius_m, std::vector<std::uint32_t>& indices) const;
 
  private:
   struct Box {

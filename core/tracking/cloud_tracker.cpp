@@ -9,9 +9,9 @@
 namespace swiftlet {
 namespace {
 
-/// Mean of the points, or the centre of the box around them, and the diagonal of that box.
+/// Mean of the points, or the center of the box around them, and the diagonal of that box.
 struct Extent {
-  Vector3 centroid_m = Vector3::Zero(), box_centre_m = Vector3::Zero();
+  Vector3 centroid_m = Vector3::Zero(), box_center_m = Vector3::Zero();
   double diagonal_m = 0.0;
 };
 
@@ -24,7 +24,7 @@ Extent extent_of(std::span<const std::uint32_t> members, std::span<const Eigen::
     max = max.cwiseMax(points[i]);
   }
   extent.centroid_m /= static_cast<double>(members.size());
-  extent.box_centre_m = 0.5 * (min + max).cast<double>();
+  extent.box_center_m = 0.5 * (min + max).cast<double>();
   extent.diagonal_m = (max - min).cast<double>().norm();
   return extent;
 }
@@ -47,7 +47,7 @@ void TrackMeasurementConfig::visit(ConfigVisitor& v) {
   v.choice(
       "noise", noise, {"constant", "sigma_w"},
       "[-] covariance of a measured position: sigma_m^2 I, or that of a point measured by a sensor of uncertain pose "
-      "(000, sec. IV-A) plus sigma_sampling_m^2 I");
+      "[Vrba 2025, sec. IV-A] plus sigma_sampling_m^2 I");
   v.field("sigma_m", sigma_m, "[m] Z, with constant noise", Range::positive());
   v.field("sigma_initial_m", sigma_initial_m, "[m] P_0,r: of a detection's position, with constant noise",
           Range::positive());
@@ -57,7 +57,7 @@ void TrackMeasurementConfig::visit(ConfigVisitor& v) {
   v.field("sigma_attitude_rad", sensor.sigma_attitude_rad, "[rad] Sigma_w: of the sensor's attitude, about x y z",
           Range::non_negative());
   v.field("sigma_sampling_m", sigma_sampling_m,
-          "[m] with sigma_w: of a cluster's centroid about the target's centre, of which one side is seen",
+          "[m] with sigma_w: of a cluster's centroid about the target's center, of which one side is seen",
           Range::positive());
 }
 
@@ -81,8 +81,8 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
   v.field("max_size_m", max_size_m, "[m] diagonal beyond which a cluster is no target; 0: no limit (algorithm 2)",
           Range::non_negative());
   v.choice(
-      "position", position, {"centroid", "box_centre"},
-      "[-] of a cluster: mean of its points (algorithm 2), or centre of the box around it (as in the released code)");
+      "position", position, {"centroid", "box_center"},
+      "[-] of a cluster: mean of its points (algorithm 2), or center of the box around it (as in the released code)");
   v.choice("assignment", assignment, {"exclusive", "nearest"},
            "[-] a cluster corrects one track at most, all tracks considered together; or each track takes the cluster "
            "nearest to its prediction (algorithm 2)");
@@ -234,7 +234,7 @@ void CloudTracker::find_candidates(std::span<const Target> targets, const Buffer
     const auto members = clusters_.members(c);
     const Extent extent = extent_of(members, selected_points_);
     if (config_.max_size_m > 0.0 && extent.diagonal_m > config_.max_size_m) continue;
-    const Vector3& position_m = config_.position == "centroid" ? extent.centroid_m : extent.box_centre_m;
+    const Vector3& position_m = config_.position == "centroid" ? extent.centroid_m : extent.box_center_m;
     if (is_background(position_m, extent.diagonal_m, cloud, members, background)) continue;
     std::int64_t sum_ns = 0;
     for (const std::uint32_t i : members) sum_ns += cloud.time_of(selected_[i]) - cloud.stamp();
@@ -267,12 +267,12 @@ void CloudTracker::assign(std::span<const Target> targets) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const Target& target = targets[i];
     const MotionBelief& belief = target.state.belief;
-    const Vector3 centre = belief.position();
+    const Vector3 center = belief.position();
     const double radius_sq = search_radius_m(target) * search_radius_m(target);
     for (std::size_t c = 0; c < num; ++c) {
       const Candidate& candidate = candidates_[c];
       const bool in_reach = std::any_of(candidate.members.begin(), candidate.members.end(), [&](std::uint32_t m) {
-        return (selected_points_[m].cast<double>() - centre).squaredNorm() <= radius_sq;
+        return (selected_points_[m].cast<double>() - center).squaredNorm() <= radius_sq;
       });
       if (!in_reach) continue;
       const Vector3 d = candidate.position_m - position_at(belief, target.t, candidate.t);
@@ -296,7 +296,7 @@ void CloudTracker::assign(std::span<const Target> targets) {
 }
 
 /// Of two tracks that have become the same, the surer one stays (released code; not in the paper). The radii are
-/// bounded, or the growing one of a target behind a tree would swallow its neighbour.
+/// bounded, or the growing one of a target behind a tree would swallow its neighbor.
 void CloudTracker::merge() {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     for (std::size_t j = i + 1; j < targets_.size();) {

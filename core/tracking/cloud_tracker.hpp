@@ -29,8 +29,8 @@ struct TrackMeasurementConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Algorithm 2 of 000. The defaults are those of Table II; docs/tracking.md tells where the paper and its released
-/// code differ and what is the default here.
+/// Algorithm 2 of Vrba 2025. The defaults are those of Table II; docs/tracking.md tells where the paper and its
+/// released code differ and what is the default here.
 struct CloudTrackerConfig {
   int buffer_size = 10;       ///< N_buf
   double radius_scale = 1.5;  ///< c_r
@@ -52,7 +52,7 @@ struct CloudTrackerConfig {
 };
 
 /// Follows any number of flying objects through the clouds of a LiDAR, from detections that may be older than the
-/// newest cloud (000, sec. III-F). Clouds, detections and tracks are in one world frame.
+/// newest cloud [Vrba 2025, sec. III-F]. Clouds, detections and tracks are in one world frame.
 class CloudTracker {
  public:
   CloudTracker(const CloudTrackerConfig& config, std::unique_ptr<MotionFilter> filter);

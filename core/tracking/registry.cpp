@@ -11,13 +11,13 @@ namespace {
 
 constexpr TrackerType kTypes[] = {
     {{"none", "no tracking", make_module_config<NoTrackerConfig>}, make_no_tracker},
-    {{"vofod", "follows detections through the LiDAR's clouds with a Kalman filter (000, algorithm 2)",
+    {{"vofod", "follows detections through the LiDAR's clouds with a Kalman filter [Vrba 2025, algorithm 2]",
       make_module_config<VofodTrackerConfig>},
      make_vofod_tracker},
     {{"imm", "the same with interacting multiple models: constant velocity, constant acceleration, coordinated turn",
       make_module_config<ImmTrackerConfig>},
      make_imm_tracker},
-    {{"ground_truth", "tracks from the mutual-localisation sensor, an ideal one when there is none",
+    {{"ground_truth", "tracks from the mutual-localization sensor, an ideal one when there is none",
       make_module_config<GroundTruthTrackerConfig>},
      make_ground_truth_tracker},
 };

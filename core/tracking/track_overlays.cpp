@@ -15,7 +15,7 @@ constexpr int kEllipseCorners = 36;
 constexpr double kSigmas = 3.0;
 
 Eigen::Vector4f color_of(std::uint32_t id) {
-  // Distinguishable to most colour-blind readers (Okabe and Ito 2008).
+  // Distinguishable to most color-blind readers (Okabe and Ito 2008).
   static const Eigen::Vector4f kColors[] = {{0.90F, 0.62F, 0.00F, 1}, {0.34F, 0.71F, 0.91F, 1},
                                             {0.00F, 0.62F, 0.45F, 1}, {0.94F, 0.89F, 0.26F, 1},
                                             {0.80F, 0.47F, 0.65F, 1}, {0.84F, 0.37F, 0.00F, 1}};

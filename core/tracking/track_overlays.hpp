@@ -11,7 +11,7 @@
 
 namespace swiftlet {
 
-/// Tracks for pictures, in a colour for each identity: "tracks" (where they are and have been, and where they will be
+/// Tracks for pictures, in a color for each identity: "tracks" (where they are and have been, and where they will be
 /// in two seconds) and "tracks.covariance" (ellipses of three standard deviations in the coordinate planes).
 class TrackOverlays {
  public:

@@ -30,7 +30,7 @@ class CloudTrackerModule : public Tracker {
   CloudTracker tracker_;
 };
 
-/// A filter for each neighbour whose sensor tells its place.
+/// A filter for each neighbor whose sensor tells its place.
 class GroundTruthTracker : public Tracker {
  public:
   explicit GroundTruthTracker(const GroundTruthTrackerConfig& config)
@@ -113,7 +113,7 @@ void ImmTrackerConfig::visit(ConfigVisitor& v) {
 }
 
 void GroundTruthTrackerConfig::visit(ConfigVisitor& v) {
-  v.field("range_max_m", range_max_m, "[m] neighbours beyond are not told", Range::positive());
+  v.field("range_max_m", range_max_m, "[m] neighbors beyond are not told", Range::positive());
   v.field("timeout_s", timeout_s, "[s] without a sample, after which a track ends", Range::positive());
   v.object("filter", filter, "motion model, which gives velocity and acceleration");
 }

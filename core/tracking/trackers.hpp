@@ -15,7 +15,7 @@ struct NoTrackerConfig : ModuleConfigOf<NoTrackerConfig> {
 };
 std::unique_ptr<Tracker> make_no_tracker(const ModuleConfig& config, const AgentSetup& setup);
 
-/// Algorithm 2 of 000 with its Kalman filter.
+/// Algorithm 2 of Vrba 2025 with its Kalman filter.
 struct VofodTrackerConfig : ModuleConfigOf<VofodTrackerConfig> {
   std::string sensor;  ///< name of the LiDAR; empty: the first
   CloudTrackerConfig tracker;
@@ -25,7 +25,7 @@ struct VofodTrackerConfig : ModuleConfigOf<VofodTrackerConfig> {
 };
 std::unique_ptr<Tracker> make_vofod_tracker(const ModuleConfig& config, const AgentSetup& setup);
 
-/// The same with interacting multiple models, as 000 uses it for interception (sec. VI-B).
+/// The same with interacting multiple models, as Vrba 2025 uses it for interception (sec. VI-B).
 struct ImmTrackerConfig : ModuleConfigOf<ImmTrackerConfig> {
   std::string sensor;  ///< name of the LiDAR; empty: the first
   CloudTrackerConfig tracker;
@@ -35,7 +35,7 @@ struct ImmTrackerConfig : ModuleConfigOf<ImmTrackerConfig> {
 };
 std::unique_ptr<Tracker> make_imm_tracker(const ModuleConfig& config, const AgentSetup& setup);
 
-/// The named bypass: tracks from the mutual-localisation sensor (Observation::neighbors), with the identity of the
+/// The named bypass: tracks from the mutual-localization sensor (Observation::neighbors), with the identity of the
 /// vehicle + 1. A vehicle without such a sensor gets an ideal one.
 struct GroundTruthTrackerConfig : ModuleConfigOf<GroundTruthTrackerConfig> {
   double range_max_m = 100.0;

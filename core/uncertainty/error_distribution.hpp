@@ -5,7 +5,8 @@
 
 namespace swiftlet {
 
-/// Distribution of the Euclidean error of a measured point, approximated by a Nakagami distribution (000, sec. IV-B).
+/// Distribution of the Euclidean error of a measured point, approximated by a Nakagami distribution [Vrba 2025, sec.
+/// IV-B].
 ///
 /// m = tr(Sigma)^2 / (2 tr(Sigma^2)), eq. (62); Omega = E[e^2] = tr(Sigma), eqs. (59) and (61). The paper's eq. (63)
 /// prints tr(Sigma)^2 for Omega, which has the wrong unit (docs/papers.md).

@@ -66,10 +66,10 @@ std::vector<Node> nodes_of(double low, double cell_m, int steps) {
   std::vector<Node> nodes;
   const double step = cell_m / steps, reach = 0.5 * step * std::sqrt(0.6);
   for (int k = 0; k < steps; ++k) {
-    const double centre = low + (k + 0.5) * step;
-    nodes.push_back({centre - reach, step * 5.0 / 18.0});
-    nodes.push_back({centre, step * 8.0 / 18.0});
-    nodes.push_back({centre + reach, step * 5.0 / 18.0});
+    const double center = low + (k + 0.5) * step;
+    nodes.push_back({center - reach, step * 5.0 / 18.0});
+    nodes.push_back({center, step * 8.0 / 18.0});
+    nodes.push_back({center + reach, step * 5.0 / 18.0});
   }
   return nodes;
 }

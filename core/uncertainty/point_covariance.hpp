@@ -3,7 +3,7 @@
 
 #include "swiftlet/core/frames.hpp"
 
-/// Where does a point measured by a LiDAR of uncertain pose really lie? (000, sec. IV-A)
+/// Where does a point measured by a LiDAR of uncertain pose really lie? [Vrba 2025, sec. IV-A]
 namespace swiftlet {
 
 using Matrix7 = Eigen::Matrix<double, 7, 7>;

@@ -27,8 +27,8 @@ struct Interval {
   double low, high;
 };
 
-// Limits of one standardised coordinate: (limit - mean) / sigma; with sigma = 0 all or nothing.
-Interval standardised(double low, double high, double mean, double sigma) {
+// Limits of one standardized coordinate: (limit - mean) / sigma; with sigma = 0 all or nothing.
+Interval standardized(double low, double high, double mean, double sigma) {
   if (sigma > 0.0) return {(low - mean) / sigma, (high - mean) / sigma};
   const bool inside = low <= mean && mean < high;
   return inside ? Interval{-kDensityReach, kDensityReach} : Interval{1.0, 0.0};
@@ -43,14 +43,14 @@ struct Factored {
 // Integral over z3, in closed form.
 double innermost(const Factored& f, double z1, double z2) {
   const double mean = f.L(2, 0) * z1 + f.L(2, 1) * z2;
-  const Interval i = standardised(f.low[2], f.high[2], mean, f.L(2, 2));
+  const Interval i = standardized(f.low[2], f.high[2], mean, f.L(2, 2));
   return normal_between(i.low, i.high);
 }
 
 // The integrand over z2 is smooth but for flanks where a limit of z3 is crossed: split there, and integrate each piece
 // by Gauss-Legendre.
 double middle(const Factored& f, double z1) {
-  Interval i = standardised(f.low[1], f.high[1], f.L(1, 0) * z1, f.L(1, 1));
+  Interval i = standardized(f.low[1], f.high[1], f.L(1, 0) * z1, f.L(1, 1));
   i = {std::max(i.low, -kDensityReach), std::min(i.high, kDensityReach)};
   if (i.high <= i.low) return 0.0;
 
@@ -82,11 +82,11 @@ double middle(const Factored& f, double z1) {
 template <class F>
 double adaptive(const F& integrand, double low, double high, double whole, int depth) {
   using Rule = boost::math::quadrature::gauss<double, 10>;
-  const double centre = 0.5 * (low + high);
-  const double left = Rule::integrate(integrand, low, centre);
-  const double right = Rule::integrate(integrand, centre, high);
+  const double center = 0.5 * (low + high);
+  const double left = Rule::integrate(integrand, low, center);
+  const double right = Rule::integrate(integrand, center, high);
   if (depth >= kMaxDepth || std::abs(left + right - whole) < kTolerance) return left + right;
-  return adaptive(integrand, low, centre, left, depth + 1) + adaptive(integrand, centre, high, right, depth + 1);
+  return adaptive(integrand, low, center, left, depth + 1) + adaptive(integrand, center, high, right, depth + 1);
 }
 
 // Cholesky for positive semi-definite matrices: a vanishing pivot leaves a column of zeros.
@@ -106,7 +106,7 @@ Matrix3 lower_factor(const Matrix3& Sigma) {
 
 double box_probability(const Vector3& mean, const Matrix3& Sigma, const Eigen::AlignedBox3d& box) {
   const Factored f{lower_factor(Sigma), box.min() - mean, box.max() - mean};
-  Interval i = standardised(f.low[0], f.high[0], 0.0, f.L(0, 0));
+  Interval i = standardized(f.low[0], f.high[0], 0.0, f.L(0, 0));
   i = {std::max(i.low, -kDensityReach), std::min(i.high, kDensityReach)};
   if (i.high <= i.low) return 0.0;
   const auto integrand = [&](double z1) { return normal_pdf(z1) * middle(f, z1); };

@@ -5,7 +5,7 @@
 
 namespace swiftlet {
 
-/// Probability that a trivariate normal variable lies in an axis-aligned box (000, eq. 65).
+/// Probability that a trivariate normal variable lies in an axis-aligned box [Vrba 2025, eq. 65].
 ///
 /// Triangular factorisation makes the innermost integral closed (a difference of normal distribution functions, after
 /// A. Genz, J. Comput. Graph. Stat. 1, 1992); the two others are integrated adaptively. Absolute error below 1e-7, for

@@ -20,7 +20,7 @@ struct Episode {
   std::uint64_t seed = 0;
 };
 
-/// All episodes of a batch file, numbered. Variants of one point and seed have neighbouring numbers.
+/// All episodes of a batch file, numbered. Variants of one point and seed have neighboring numbers.
 class BatchPlan {
  public:
   /// Reads the batch file and every scenario that it names, and tries every swept key. Throws InputError.

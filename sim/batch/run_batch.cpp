@@ -99,7 +99,7 @@ WorkerPoolOptions pool_options(const BatchPlan& plan, const BatchOptions& option
   pool.timeout_s = plan.config().timeout_s;
   pool.memory_limit_mb = options.memory_limit_mb > 0.0 ? options.memory_limit_mb : plan.config().memory_limit_mb;
   pool.jobs_per_worker = plan.config().episodes_per_worker;
-  pool.cancelled = options.cancelled;
+  pool.canceled = options.canceled;
   return pool;
 }
 

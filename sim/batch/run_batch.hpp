@@ -18,9 +18,9 @@ struct BatchOptions {
   int jobs = 1;
   Shard shard;
   bool resume = false;
-  bool retry = false;  ///< resume: also what is recorded as failed, crashed, timed_out, out_of_memory
-  double memory_limit_mb = 0.0;        ///< of a worker on this machine; 0: the batch file's
-  std::function<bool()> cancelled;
+  bool retry = false;            ///< resume: also what is recorded as failed, crashed, timed_out, out_of_memory
+  double memory_limit_mb = 0.0;  ///< of a worker on this machine; 0: the batch file's
+  std::function<bool()> canceled;
 };
 
 struct BatchProgress {
@@ -32,7 +32,7 @@ struct BatchProgress {
 };
 
 struct BatchOutcome {
-  bool complete = false;  ///< false: cancelled
+  bool complete = false;  ///< false: canceled
   BatchProgress progress;
   std::map<std::string, std::uint64_t> by_status;
   std::filesystem::path database;

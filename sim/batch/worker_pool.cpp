@@ -335,7 +335,7 @@ class Pool {
 
   bool run() {
     while (!is_finished()) {
-      if (options_.cancelled && options_.cancelled()) return false;
+      if (options_.canceled && options_.canceled()) return false;
       start_jobs();
       wait();
       receive();

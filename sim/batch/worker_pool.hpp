@@ -32,11 +32,11 @@ struct JobResult {
 };
 
 struct WorkerPoolOptions {
-  int workers = 1;                  ///< processes at a time
-  double timeout_s = 0.0;           ///< wall time of one job; 0: none
-  double memory_limit_mb = 0.0;     ///< of one worker (its data and anonymous maps, RLIMIT_DATA); 0: none
-  int jobs_per_worker = 0;          ///< a worker is replaced after so many jobs; 0: never
-  std::function<bool()> cancelled;  ///< asked several times a second and after every signal; true: stop now
+  int workers = 1;                 ///< processes at a time
+  double timeout_s = 0.0;          ///< wall time of one job; 0: none
+  double memory_limit_mb = 0.0;    ///< of one worker (its data and anonymous maps, RLIMIT_DATA); 0: none
+  int jobs_per_worker = 0;         ///< a worker is replaced after so many jobs; 0: never
+  std::function<bool()> canceled;  ///< asked several times a second and after every signal; true: stop now
 };
 
 /// What happens, told in the process that called run_jobs().
@@ -53,9 +53,9 @@ struct WorkerPoolEvents {
 ///
 /// Workers are forks of this process, which therefore must have no thread but this one, from here until the return:
 /// anything else throws std::logic_error (OpenMP's threads stay once started). Workers ignore SIGINT and SIGTERM, which
-/// are this process's to answer through `cancelled`, and die with it. What they print on stdout or stderr is kept and
+/// are this process's to answer through `canceled`, and die with it. What they print on stdout or stderr is kept and
 /// its last line is part of the message when they crash.
-/// @return false when cancelled; jobs that were running then have no result
+/// @return false when canceled; jobs that were running then have no result
 bool run_jobs(const std::vector<Job>& jobs, const std::function<std::string(std::uint64_t job)>& work,
               const WorkerPoolOptions& options, const WorkerPoolEvents& events);
 

@@ -52,7 +52,7 @@ struct BoxMaker::Body {
   StaticScene scene;
 };
 
-/// Which directions have beams, in cells of two degrees and their neighbours.
+/// Which directions have beams, in cells of two degrees and their neighbors.
 struct BoxMaker::FieldOfView {
   static constexpr int kWide = 180, kHigh = 90;
   std::array<bool, static_cast<std::size_t>(kWide) * kHigh> covered{};
@@ -84,8 +84,8 @@ BoxMaker::BoxMaker(std::shared_ptr<const StaticScene> world,
 
 BoxMaker::~BoxMaker() = default;
 
-std::vector<VehicleBox> BoxMaker::boxes(const LabelledScan& labelled, const StateHistory& truth) {
-  const Scan& scan = labelled.scan;
+std::vector<VehicleBox> BoxMaker::boxes(const LabeledScan& labeled, const StateHistory& truth) {
+  const Scan& scan = labeled.scan;
   if (!view_) view_ = std::make_unique<FieldOfView>(*scan.beams);
 
   // Points and their times, vehicle by vehicle.
@@ -93,10 +93,10 @@ std::vector<VehicleBox> BoxMaker::boxes(const LabelledScan& labelled, const Stat
   std::vector<int> num_points(n, 0);
   std::vector<TimeNs> sum_ns(n, 0);
   const int size = scan.size();
-  const std::uint16_t* const surface_class = labelled.truth.surface_class.data();
+  const std::uint16_t* const surface_class = labeled.truth.surface_class.data();
   for (int i = 0; i < size; ++i) {
     if (surface_class[i] != static_cast<std::uint16_t>(SurfaceClass::kVehicle) || !scan.hit(i)) continue;
-    const int v = labelled.truth.instance[i] - 1;
+    const int v = labeled.truth.instance[i] - 1;
     if (v < 0 || v >= static_cast<int>(n)) continue;
     ++num_points[static_cast<std::size_t>(v)];
     sum_ns[static_cast<std::size_t>(v)] += scan.time_of(i) - scan.stamp;

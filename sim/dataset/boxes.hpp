@@ -13,11 +13,11 @@ namespace swiftlet::sim {
 struct VehicleBox {
   VehicleId vehicle = kNoVehicle;
   TimeNs t = 0;                         ///< mean time of its points; without points: when beams passed its place
-  Pose T_lidar_box = Pose::Identity();  ///< centre of the box, axes of the vehicle's body; lidar frame at t
+  Pose T_lidar_box = Pose::Identity();  ///< center of the box, axes of the vehicle's body; lidar frame at t
   Pose T_world_box = Pose::Identity();
   Vector3 v_world_mps = Vector3::Zero();
   Vector3 size_m = Vector3::Zero();  ///< along the body's axes, propeller discs included
-  double range_m = 0.0;              ///< from the sensor to the centre
+  double range_m = 0.0;              ///< from the sensor to the center
   int num_points = 0;                ///< returns from it
   /// Share of the vehicle's silhouette (without its propellers) that the sensor has in its field of view and in reach
   /// with nothing in front of it: neither the world, nor the others, nor the vehicle that carries the sensor.
@@ -32,7 +32,7 @@ class BoxMaker {
   ~BoxMaker();
 
   /// @param truth  reaches back to the start of the sweep
-  std::vector<VehicleBox> boxes(const LabelledScan& scan, const StateHistory& truth);
+  std::vector<VehicleBox> boxes(const LabeledScan& scan, const StateHistory& truth);
 
  private:
   struct Body;

@@ -116,11 +116,11 @@ std::string distance_histogram(const Totals& all) {
       sum.points += bins[i].points;
     }
     if (sum.boxes == 0) continue;
-    const auto metres = [](std::size_t bin) {
+    const auto meters = [](std::size_t bin) {
       return format("%.0f", static_cast<double>(bin) * SequenceStatistics::kRangeBin_m);
     };
     text +=
-        "| " + metres(first) + (end == bins.size() ? " m and more" : " to " + metres(end) + " m") + " | " +
+        "| " + meters(first) + (end == bins.size() ? " m and more" : " to " + meters(end) + " m") + " | " +
         grouped(sum.boxes) + " | " + grouped(sum.in_view) + " | " + grouped(sum.detected) + " | " +
         grouped(sum.well_detected) + " | " +
         (sum.detected > 0 ? format("%.1f", static_cast<double>(sum.points) / static_cast<double>(sum.detected)) : "") +
@@ -146,7 +146,7 @@ std::string sequence_table(const std::vector<SequenceInfo>& sequences) {
   return text;
 }
 
-std::string randomisation_table(const DatasetConfig& config) {
+std::string randomization_table(const DatasetConfig& config) {
   std::string text =
       "| family | key | law | values |\n"
       "| --- | --- | --- | --- |\n";
@@ -261,7 +261,7 @@ void write_data_card(const DatasetPlan& plan, const std::vector<SequenceInfo>& s
           "manifest.json and simulates random frames again, bit for bit.\n\n";
   text += "## Splits\n\n" + split_table(plan, sequences, all) + "\n";
   text +=
-      "No world of one split comes again in another. `semantic-kitti.yaml` names classes, colours and splits in the "
+      "No world of one split comes again in another. `semantic-kitti.yaml` names classes, colors and splits in the "
       "form "
       "of semantic-kitti-api.\n\n";
   if (all.statistics.points > 0) {
@@ -281,7 +281,7 @@ void write_data_card(const DatasetPlan& plan, const std::vector<SequenceInfo>& s
   }
   const std::string shown = pictures(sequences);
   if (!shown.empty()) text += "## Pictures\n\n" + shown;
-  text += "## What was drawn for each flight\n\n" + randomisation_table(config) + "\n";
+  text += "## What was drawn for each flight\n\n" + randomization_table(config) + "\n";
   text += "## Sequences\n\n" + sequence_table(sequences) + "\n";
   text += "## Files\n\nThe layout is that of SemanticKITTI; docs/datasets.md of Swiftlet describes every file.\n";
   write_file(directory / "README.md", text);

@@ -104,7 +104,7 @@ void FlightConfig::visit(ConfigVisitor& v) {
   v.field("leg_max_m", leg_max_m, "[m] longest", Range::positive());
   v.field("revisit_share", revisit_share, "[-] share of goals that were visited before (closes loops)",
           Range::probability());
-  v.field("separation_m", separation_m, "[m] least distance between the centres of two vehicles, as planned",
+  v.field("separation_m", separation_m, "[m] least distance between the centers of two vehicles, as planned",
           Range::positive());
   v.field("partner_min_m", partner_min_m,
           "[m] the other vehicles choose goals at distances from the first one between this ...", Range::positive());

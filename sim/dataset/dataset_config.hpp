@@ -93,7 +93,7 @@ struct PicturesConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A dataset: from families of worlds to labelled sequences in splits.
+/// A dataset: from families of worlds to labeled sequences in splits.
 struct DatasetConfig {
   std::string name = "dataset";
   std::string description;

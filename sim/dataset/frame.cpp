@@ -19,7 +19,7 @@ std::byte* store(std::byte* at, Number value) {
   return at + sizeof value;
 }
 
-std::uint16_t to_grey(float value, float per_unit) {
+std::uint16_t to_gray(float value, float per_unit) {
   return static_cast<std::uint16_t>(std::clamp(value * per_unit + 0.5F, 1.0F, 65535.0F));
 }
 
@@ -55,9 +55,9 @@ class FiringTimes {
 
 }  // namespace
 
-void encode_frame(const LabelledScan& labelled, const ContentConfig& content, Frame& frame) {
-  const Scan& scan = labelled.scan;
-  const ScanTruth& truth = labelled.truth;
+void encode_frame(const LabeledScan& labeled, const ContentConfig& content, Frame& frame) {
+  const Scan& scan = labeled.scan;
+  const ScanTruth& truth = labeled.truth;
   const int rows = scan.rows(), columns = scan.cols();
   if (rows > 65536 || columns > 65536) {
     throw std::runtime_error("sensor " + scan.sensor + ": a dataset holds scans of at most 65536 rows and columns");
@@ -102,17 +102,17 @@ void encode_frame(const LabelledScan& labelled, const ContentConfig& content, Fr
   frame.point_truth.shrink_to(count * kPointTruthBytes);
 }
 
-void encode_images(const LabelledScan& labelled, const ContentConfig& content, std::vector<std::uint16_t>& range,
+void encode_images(const LabeledScan& labeled, const ContentConfig& content, std::vector<std::uint16_t>& range,
                    std::vector<std::uint16_t>& intensity) {
-  const Scan& scan = labelled.scan;
+  const Scan& scan = labeled.scan;
   range.assign(static_cast<std::size_t>(scan.size()), 0);
   intensity.assign(static_cast<std::size_t>(scan.size()), 0);
   const auto per_range_unit = static_cast<float>(1.0 / content.range_unit_m);
   const auto per_intensity_unit = static_cast<float>(1.0 / content.intensity_unit);
   for (int i = 0; i < scan.size(); ++i) {
     if (!scan.hit(i)) continue;
-    range[static_cast<std::size_t>(i)] = to_grey(scan.range_m[i], per_range_unit);
-    intensity[static_cast<std::size_t>(i)] = to_grey(scan.intensity[i], per_intensity_unit);
+    range[static_cast<std::size_t>(i)] = to_gray(scan.range_m[i], per_range_unit);
+    intensity[static_cast<std::size_t>(i)] = to_gray(scan.intensity[i], per_intensity_unit);
   }
 }
 

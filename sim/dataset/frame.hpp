@@ -23,10 +23,10 @@ inline constexpr std::size_t kLabelBytes = 4;
 inline constexpr std::size_t kPointTruthBytes = 16;
 
 /// A pure function of the scan; keeps the memory of `frame`.
-void encode_frame(const LabelledScan& scan, const ContentConfig& content, Frame& frame);
+void encode_frame(const LabeledScan& scan, const ContentConfig& content, Frame& frame);
 
 /// Range and intensity by row and column, as fired (see pixel_shift_by_row). 0: no return.
-void encode_images(const LabelledScan& scan, const ContentConfig& content, std::vector<std::uint16_t>& range,
+void encode_images(const LabeledScan& scan, const ContentConfig& content, std::vector<std::uint16_t>& range,
                    std::vector<std::uint16_t>& intensity);
 
 /// Has the scan rows and columns that make a picture?

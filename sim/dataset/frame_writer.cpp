@@ -27,8 +27,8 @@ FrameWriter::FrameWriter(ContentConfig content, std::filesystem::path directory)
 
 FrameWriter::~FrameWriter() { stop(); }
 
-void FrameWriter::push(std::shared_ptr<const LabelledScan> scan) {
-  std::vector<std::shared_ptr<const LabelledScan>> written;  // freed here, after the lock
+void FrameWriter::push(std::shared_ptr<const LabeledScan> scan) {
+  std::vector<std::shared_ptr<const LabeledScan>> written;  // freed here, after the lock
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return waiting_.size() < kMostWaiting || failure_; });
   if (failure_) std::rethrow_exception(failure_);
@@ -57,7 +57,7 @@ void FrameWriter::work() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return !waiting_.empty() || closed_; });
     if (waiting_.empty()) break;
-    const std::shared_ptr<const LabelledScan>& scan = waiting_.front();  // stays until it is written
+    const std::shared_ptr<const LabeledScan>& scan = waiting_.front();  // stays until it is written
     lock.unlock();
     std::exception_ptr failure;
     try {
@@ -75,14 +75,14 @@ void FrameWriter::work() {
   processor_s_ = thread_processor_s();
 }
 
-void FrameWriter::write(const LabelledScan& labelled) {
+void FrameWriter::write(const LabeledScan& labeled) {
   const int frame = static_cast<int>(statistics_.frames);
-  encode_frame(labelled, content_, frame_);
+  encode_frame(labeled, content_, frame_);
   write_bytes(frame_file("velodyne", frame, "bin"), frame_.velodyne);
   write_bytes(frame_file("labels", frame, "label"), frame_.labels);
   if (content_.point_truth) write_bytes(frame_file("point_truth", frame, "bin"), frame_.point_truth);
-  if (content_.images && makes_an_image(labelled.scan)) write_images(labelled);
-  count(labelled);
+  if (content_.images && makes_an_image(labeled.scan)) write_images(labeled);
+  count(labeled);
 }
 
 void FrameWriter::write_bytes(const std::string& name, const ByteBuffer& bytes) {
@@ -93,30 +93,30 @@ void FrameWriter::write_bytes(const std::string& name, const ByteBuffer& bytes) 
   statistics_.files.push_back({name, bytes.size(), hex(hash_of(text))});
 }
 
-void FrameWriter::write_images(const LabelledScan& labelled) {
-  const Scan& scan = labelled.scan;
+void FrameWriter::write_images(const LabeledScan& labeled) {
+  const Scan& scan = labeled.scan;
   const int frame = static_cast<int>(statistics_.frames);
   if (frame == 0) statistics_.pixel_shift_by_row = pixel_shift_by_row(*scan.beams);
-  encode_images(labelled, content_, range_image_, intensity_image_);
+  encode_images(labeled, content_, range_image_, intensity_image_);
   write_bytes(frame_file("images/range", frame, "png"), png_.encode(scan.cols(), scan.rows(), range_image_));
   write_bytes(frame_file("images/intensity", frame, "png"), png_.encode(scan.cols(), scan.rows(), intensity_image_));
 }
 
-void FrameWriter::count(const LabelledScan& labelled) {
-  const Scan& scan = labelled.scan;
+void FrameWriter::count(const LabeledScan& labeled) {
+  const Scan& scan = labeled.scan;
   statistics_.rows = scan.rows();
   statistics_.columns = scan.cols();
   ++statistics_.frames;
   statistics_.points += frame_.num_points;
   classes_.resize(65536, 0);
-  constexpr auto kPerMetre = static_cast<float>(1.0 / SequenceStatistics::kRangeBin_m);
+  constexpr auto kPerMeter = static_cast<float>(1.0 / SequenceStatistics::kRangeBin_m);
   std::size_t last_label = 0;
   for (int i = 0; i < scan.size(); ++i) {
     if (!scan.hit(i)) continue;
-    const std::size_t label = labelled.truth.surface_class[i];
+    const std::size_t label = labeled.truth.surface_class[i];
     ++classes_[label];
     last_label = std::max(last_label, label);
-    const int bin = std::min(static_cast<int>(scan.range_m[i] * kPerMetre), SequenceStatistics::kRangeBins - 1);
+    const int bin = std::min(static_cast<int>(scan.range_m[i] * kPerMeter), SequenceStatistics::kRangeBins - 1);
     ++statistics_.points_by_range[static_cast<std::size_t>(bin)];
   }
   for (std::size_t label = 0; label <= last_label; ++label) {

@@ -13,7 +13,7 @@
 #include "sim/dataset/dataset_config.hpp"
 #include "sim/dataset/frame.hpp"
 #include "sim/dataset/sequence_recorder.hpp"
-#include "sim/recorders/grey_png.hpp"
+#include "sim/recorders/gray_png.hpp"
 #include "sim/sensors/sensor.hpp"
 
 namespace swiftlet::sim {
@@ -28,7 +28,7 @@ class FrameWriter {
   FrameWriter& operator=(const FrameWriter&) = delete;
 
   /// The next frame. Throws what an earlier one failed with.
-  void push(std::shared_ptr<const LabelledScan> scan);
+  void push(std::shared_ptr<const LabeledScan> scan);
   /// Waits for all of them. Throws what one of them failed with.
   /// @return frames, points, classes, ranges, shape and files
   SequenceStatistics finish();
@@ -37,10 +37,10 @@ class FrameWriter {
 
  private:
   void work();
-  void write(const LabelledScan& labelled);
+  void write(const LabeledScan& labeled);
   void write_bytes(const std::string& name, const ByteBuffer& bytes);
-  void write_images(const LabelledScan& labelled);
-  void count(const LabelledScan& labelled);
+  void write_images(const LabeledScan& labeled);
+  void count(const LabeledScan& labeled);
   void stop();
 
   const ContentConfig content_;
@@ -49,15 +49,15 @@ class FrameWriter {
   // Between the two threads.
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::shared_ptr<const LabelledScan>> waiting_;
-  std::vector<std::shared_ptr<const LabelledScan>> written_;  // given back: who made them lets go of them
+  std::deque<std::shared_ptr<const LabeledScan>> waiting_;
+  std::vector<std::shared_ptr<const LabeledScan>> written_;  // given back: who made them lets go of them
   std::exception_ptr failure_;
   bool closed_ = false;
 
   // Of the thread.
   SequenceStatistics statistics_;
   Frame frame_;
-  GreyPng png_;
+  GrayPng png_;
   std::vector<std::uint16_t> range_image_, intensity_image_;
   std::vector<std::int64_t> classes_;  // of one frame, by label
   double processor_s_ = 0.0;

@@ -17,7 +17,7 @@ class FreeSpace {
  public:
   struct Limits {
     double radius_m = 1.0;      ///< of the sphere
-    double height_min_m = 1.0;  ///< of its centre above the ground
+    double height_min_m = 1.0;  ///< of its center above the ground
     double height_max_m = 5.0;
     double border_m = 2.0;  ///< strip along the edge of the world where nobody flies
     double cell_m = 0.5;    ///< of the grid in which ways are searched

@@ -162,7 +162,7 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
   pool.workers = workers;
   std::string failure;
   // The first failure ends all: a full disk does not get better by trying on.
-  pool.cancelled = [&] { return !failure.empty() || (options.cancelled && options.cancelled()); };
+  pool.canceled = [&] { return !failure.empty() || (options.canceled && options.canceled()); };
   WorkerPoolEvents events;
   events.finished = [&](const JobResult& result) {
     if (result.status != JobStatus::kDone) {
@@ -193,8 +193,8 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
     throw std::runtime_error(failure + " (" + std::to_string(report.flights_done) + " of " +
                              std::to_string(report.flights_all) + " flights are finished and kept; --resume goes on)");
   }
-  report.cancelled = !complete;
-  if (!report.cancelled) {
+  report.canceled = !complete;
+  if (!report.canceled) {
     report.sequences = read_sequences(plan, options.directory);
     const std::vector<FileEntry> files = write_descriptions(plan, report.sequences, options.directory);
     write_file(options.directory / kManifest, manifest_json(plan, report.sequences, files, true));

@@ -17,7 +17,7 @@ struct GenerateOptions {
   std::filesystem::path directory;
   int jobs = 1;         ///< worker processes
   bool resume = false;  ///< go on with what an earlier generation left unfinished
-  std::function<bool()> cancelled;
+  std::function<bool()> canceled;
   std::function<void(int done, int all, const std::string& note)> progress;
 };
 
@@ -33,7 +33,7 @@ struct FlightTiming {
 
 struct GenerateReport {
   int flights_done = 0, flights_all = 0;
-  bool cancelled = false;
+  bool canceled = false;
   std::vector<SequenceInfo> sequences;
   double wall_s = 0.0;
   FlightTiming timing;  ///< of all flights that were simulated

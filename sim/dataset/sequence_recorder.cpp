@@ -85,7 +85,7 @@ class SequenceRecorder : public Recorder {
     if (tick.scans.empty()) return;
     for (const auto& scan : tick.scans[static_cast<std::size_t>(vehicle_)]) {
       if (scan->scan.sensor != sensor_) continue;
-      for (const StampedPose& told : scan->scan.told_poses) told_.push(told.t, told.T_world_body);
+      for (const StampedPose& told : scan->scan.external_poses) told_.push(told.t, told.T_world_body);
       if (num_scans_++ % content_.every != 0) continue;
       frames_->push(scan);
       write_frame(*scan);
@@ -126,18 +126,18 @@ class SequenceRecorder : public Recorder {
     if (action && action->estimate.valid) estimate_.push(action->estimate.t, action->estimate.T_world_body);
   }
 
-  void write_frame(const LabelledScan& labelled) {
-    const Scan& scan = labelled.scan;
+  void write_frame(const LabeledScan& labeled) {
+    const Scan& scan = labeled.scan;
     if (num_frames_ == 0) write_whole(directory_ / "calib.txt", calibration(scan.T_body_lidar));
-    write_poses(labelled);
-    write_boxes(labelled);
+    write_poses(labeled);
+    write_boxes(labeled);
     ++num_frames_;
   }
 
-  void write_poses(const LabelledScan& labelled) {
-    const Scan& scan = labelled.scan;
+  void write_poses(const LabeledScan& labeled) {
+    const Scan& scan = labeled.scan;
     row_.clear();
-    add_matrix(row_, labelled.truth.T_world_lidar.front());
+    add_matrix(row_, labeled.truth.T_world_lidar.front());
     poses_file_.append(row_.line());
     row_.clear();
     times_file_.append(row_.add_seconds(scan.stamp).line());
@@ -151,11 +151,11 @@ class SequenceRecorder : public Recorder {
     told_file_.append(row_.line());
   }
 
-  void write_boxes(const LabelledScan& labelled) {
+  void write_boxes(const LabeledScan& labeled) {
     TextRow row{','};
     // Where a point lies that was moved to the start of the sweep, its box must lie too.
-    const Pose T_start_world = labelled.truth.T_world_lidar.front().inverse();
-    for (const VehicleBox& box : boxes_->boxes(labelled, truth_)) {
+    const Pose T_start_world = labeled.truth.T_world_lidar.front().inverse();
+    for (const VehicleBox& box : boxes_->boxes(labeled, truth_)) {
       const Pose T_lidar_box = content_.deskew ? Pose(T_start_world * box.T_world_box) : box.T_lidar_box;
       row.clear();
       row.add(num_frames_).add(names_[static_cast<std::size_t>(box.vehicle)]).add(box.vehicle + 1).add_seconds(box.t);

@@ -80,7 +80,7 @@ class Verification {
     if (report_.problems.size() < kMaxProblems) report_.problems.push_back(text);
   }
 
-  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
+  bool canceled() const { return options_.canceled && options_.canceled(); }
   void tell(double done, const std::string& note) const {
     if (options_.progress) options_.progress(done, note);
   }
@@ -119,7 +119,7 @@ class Verification {
     std::set<std::string> named = {"manifest.json", ".lock"};
     const std::size_t all = manifest_.at("files").size();
     for (const Json& file : manifest_.at("files")) {
-      if (cancelled()) return;
+      if (canceled()) return;
       const auto name = file["path"].get<std::string>();
       named.insert(name);
       check_file(name, file["bytes"].get<std::uint64_t>(), file["xxh128"].get<std::string>());
@@ -169,7 +169,7 @@ class Verification {
     check_lines(root / "poses.txt", name + "/poses.txt", frames, kPoseNumbers);
     check_lines(root / "times.txt", name + "/times.txt", frames, 1);
     std::int64_t points = 0;
-    for (int i = 0; i < frames && !cancelled(); ++i) points += check_frame(root, name, i);
+    for (int i = 0; i < frames && !canceled(); ++i) points += check_frame(root, name, i);
     if (points != info.statistics.points) {
       problem(name + ": expected " + std::to_string(info.statistics.points) + " points, found " +
               std::to_string(points));
@@ -262,7 +262,7 @@ class Verification {
     const auto drawn = draw_frames();
     double done = 0.0;
     for (const auto& [sequence, frames] : drawn) {
-      if (cancelled()) return;
+      if (canceled()) return;
       tell(0.5 + 0.5 * done / static_cast<double>(drawn.size()),
            "sequence " + sequence_name(sequences_[sequence].sequence) + " again");
       resimulate(sequences_[sequence], content, frames);
@@ -278,7 +278,7 @@ class Verification {
     int num_scans = 0;
     Frame frame;
     while (!simulation.finished() && num_scans <= *frames.rbegin() * content.every) {
-      if (cancelled()) return;
+      if (canceled()) return;
       simulation.tick();
       for (const auto& scan : simulation.view().scans[carrier]) {
         if (scan->scan.sensor != info.sensor) continue;

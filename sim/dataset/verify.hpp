@@ -12,7 +12,7 @@ namespace swiftlet::sim {
 struct VerifyOptions {
   int frames = 3;          ///< to re-simulate; 0: none
   std::uint64_t seed = 0;  ///< which ones
-  std::function<bool()> cancelled;
+  std::function<bool()> canceled;
   std::function<void(double done, const std::string& note)> progress;
 };
 

@@ -22,7 +22,7 @@ struct Minimum {
   bool measured() const { return value < std::numeric_limits<double>::infinity(); }
 };
 
-/// Least distances of the surfaces of the circumscribed spheres (clearance) and of centres (separation). A vehicle that
+/// Least distances of the surfaces of the circumscribed spheres (clearance) and of centers (separation). A vehicle that
 /// starts on the ground counts for surfaces once it has been clear of them; after its crash it counts no more, but
 /// others still keep their distance to it.
 class ClearanceMetric final : public Metric {

@@ -112,7 +112,7 @@ struct StageResult {
 
 /// Detections and tracks of each observer against the true positions of all other vehicles. Estimates live in the
 /// observer's own world, so truth is carried there by the pose that the observer believed to have at the time: a drift
-/// of its localisation is the business of estimate_error. Counted are vehicles that fly; what is estimated at one on
+/// of its localization is the business of estimate_error. Counted are vehicles that fly; what is estimated at one on
 /// the ground is neither right nor wrong.
 class DetectionMetric final : public Metric {
  public:
@@ -170,15 +170,15 @@ class DetectionMetric final : public Metric {
     const StateEstimate& estimate = tick.actions[i]->estimate;
     if (estimate.valid)
       observer.T_estimate_truth->push(tick.t, estimate.T_world_body * tick.states[i].T_world_body().inverse());
-    for (const auto& labelled : tick.scans[i]) {
+    for (const auto& labeled : tick.scans[i]) {
       SeenScan& seen = observer.scans[observer.num_scans++ % kScans];
-      seen.stamp = labelled->scan.stamp;
-      seen.middle = labelled->scan.stamp + labelled->scan.duration / 2;
+      seen.stamp = labeled->scan.stamp;
+      seen.middle = labeled->scan.stamp + labeled->scan.duration / 2;
       std::fill(seen.points.begin(), seen.points.end(), 0);
-      const ScanTruth& truth = labelled->truth;
+      const ScanTruth& truth = labeled->truth;
       constexpr auto kVehicleClass = static_cast<std::uint16_t>(SurfaceClass::kVehicle);
       for (std::size_t k = 0; k < truth.instance.size(); ++k) {
-        if (truth.surface_class[k] != kVehicleClass || !(labelled->scan.range_m[k] > 0.0F)) continue;
+        if (truth.surface_class[k] != kVehicleClass || !(labeled->scan.range_m[k] > 0.0F)) continue;
         const std::size_t vehicle = truth.instance[k] - 1U;
         if (vehicle < seen.points.size()) ++seen.points[vehicle];
       }

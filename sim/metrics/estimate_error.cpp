@@ -8,7 +8,7 @@ namespace swiftlet::sim {
 namespace {
 
 /// Absolute trajectory error after the best alignment in position and yaw, the four unobservable directions of
-/// visual-inertial odometry (Zhang and Scaramuzza, IROS 2018, sec. III): minimises sum |p_i - R_z(psi) q_i - t|^2 in
+/// visual-inertial odometry (Zhang and Scaramuzza, IROS 2018, sec. III): minimizes sum |p_i - R_z(psi) q_i - t|^2 in
 /// closed form from running sums, so that no trajectory is kept. p: truth, q: estimate, both from their first
 /// positions.
 class AlignedError {
@@ -31,7 +31,7 @@ class AlignedError {
   double rmse() const {
     if (count_ == 0) return kNotMeasured;
     const double n = static_cast<double>(count_);
-    // Centred second moments; the rotation maximises trace(R^T C).
+    // Centered second moments; the rotation maximizes trace(R^T C).
     const Matrix3 C = sum_pq_ / n - (sum_p_ / n) * (sum_q_ / n).transpose();
     const double pp = sum_pp_ / n - (sum_p_ / n).squaredNorm();
     const double qq = sum_qq_ / n - (sum_q_ / n).squaredNorm();

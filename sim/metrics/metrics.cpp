@@ -11,7 +11,8 @@ constexpr MetricType kMetricTypes[] = {
     {"estimate_error", "estimated against true pose", make_estimate_error_metric},
     {"tracking_error", "true and estimated position against the reference", make_tracking_error_metric},
     {"clearance", "least distances to surfaces and to other vehicles", make_clearance_metric},
-    {"detection", "detections and tracks against the vehicles that are there (000, eqs. 67-71)", make_detection_metric},
+    {"detection", "detections and tracks against the vehicles that are there [Vrba 2025, eqs. 67-71]",
+     make_detection_metric},
 };
 
 // A vehicle at rest nearer to a surface than its own radius stands on it.

@@ -24,7 +24,7 @@ inline constexpr double kGroundEffectReachRadii = 15.0;
 ///
 /// Momentum theory: v_i = sqrt(T / (2 rho A)) at the disc, growing to 2 v_i below as (1 + z / sqrt(z^2 + R^2))
 /// (McCormick, vortex cylinder) while the stream tube contracts to half the area; from there it spreads like a round
-/// turbulent jet (half-width growing by 0.094 per metre; Pope, Turbulent Flows, sec. 5.1), with a Gaussian profile that
+/// turbulent jet (half-width growing by 0.094 per meter; Pope, Turbulent Flows, sec. 5.1), with a Gaussian profile that
 /// carries the same momentum T at every distance.
 /// The published fit of gym-pybullet-drones is not used: it gives newtons for a 27 g Crazyflie, and its footprint
 /// shrinks to a point 0.69 m below the rotor.

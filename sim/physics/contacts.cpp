@@ -102,7 +102,7 @@ VehicleHull make_hull(const Airframe& airframe) {
   hull.end_propeller = static_cast<int>(hull.parts.size());
 
   for (const Rotor& rotor : airframe.rotors) {
-    // From the centre to just below the hub, so that the disc is what stands out.
+    // From the center to just below the hub, so that the disc is what stands out.
     const btVector3 tip = to_bt(rotor.position_m) - btVector3(0, 0, 2.0 * kDiscHalfHeight_m + kArmHalfWidth_m);
     if (tip.length() < 2.0 * kArmHalfWidth_m) continue;
     hull.add(std::make_unique<btBoxShape>(btVector3(0.5 * tip.length(), kArmHalfWidth_m, kArmHalfWidth_m)),

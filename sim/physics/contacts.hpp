@@ -40,7 +40,7 @@ class Contacts {
   Contacts(std::span<const PhysicsVehicle> vehicles, const PhysicsConfig& config);
   ~Contacts();
 
-  /// Radius about the centre of mass that holds the collision shape [m].
+  /// Radius about the center of mass that holds the collision shape [m].
   double reach_m(VehicleId vehicle) const;
   /// Keeps the triangles that may touch `box_world` as what this vehicle can meet until the next call.
   void gather_triangles(VehicleId vehicle, const StaticScene& scene, const Eigen::AlignedBox3d& box_world);

@@ -21,7 +21,7 @@ struct AirAtVehicle {
 /// A step is exact for the motors (the command is held, so a first-order lag has a closed form) and classical
 /// Runge-Kutta 4 for the body, whose forces see the rotor speeds at the beginning, middle and end of the step. That is
 /// fourth order at about a quarter of a microsecond, where a semi-implicit Euler step of the physics engine is first
-/// order: at 1 kHz the integration error of an agile flight stays below a micrometre a second.
+/// order: at 1 kHz the integration error of an agile flight stays below a micrometer a second.
 class MultirotorModel {
  public:
   MultirotorModel(const Airframe& airframe, const PhysicsConfig& config);

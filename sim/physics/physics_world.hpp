@@ -58,16 +58,16 @@ struct Crash {
   double speed_mps = 0.0;  ///< normal speed at the contact
 };
 
-/// Exact distances of one vehicle's centre at the end of a tick.
+/// Exact distances of one vehicle's center at the end of a tick.
 struct Clearance {
   double surface_m =
-      0.0;  ///< centre of mass to the nearest triangle, less the circumscribed radius (so down to -radius)
+      0.0;  ///< center of mass to the nearest triangle, less the circumscribed radius (so down to -radius)
   double vehicle_m = 0.0;  ///< to the nearest other vehicle, less both circumscribed radii; infinity when alone
   VehicleId nearest_vehicle = kNoVehicle;
 };
 
-/// Rigid bodies of all vehicles in one Bullet world with the static scene. Hides Bullet. A step of a vehicle costs about
-/// a microsecond; many vehicles are shared out to threads (OpenMP's number of them) as long as they cannot touch
+/// Rigid bodies of all vehicles in one Bullet world with the static scene. Hides Bullet. A step of a vehicle costs
+/// about a microsecond; many vehicles are shared out to threads (OpenMP's number of them) as long as they cannot touch
 /// anything, which gives the same bits for any number.
 class PhysicsWorld {
  public:

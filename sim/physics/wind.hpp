@@ -31,7 +31,7 @@ DrydenScales dryden_scales(double height_m, double wind_at_6m_mps);
 
 /// Turbulence at one vehicle: each component a first-order process in the distance flown through the air,
 ///   x' = a x + sqrt(1 - a^2) nu,  a = exp(-V dt / L_u) for u and exp(-2 V dt / L) for v and w,
-/// which is the exact discretisation (stable for any step) of the usual forward-difference form. Kept at unit variance
+/// which is the exact discretization (stable for any step) of the usual forward-difference form. Kept at unit variance
 /// and scaled by sigma on the way out, so that climbing changes the strength without a transient. Starts stationary.
 class Gusts {
  public:

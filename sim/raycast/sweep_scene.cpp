@@ -70,7 +70,7 @@ double bounding_radius_m(const VehicleShape& shape) {
   return radius + 1e-3;
 }
 
-// The shorter way on the sphere, linear and normalised: between knots 2 ms apart indistinguishable from slerp.
+// The shorter way on the sphere, linear and normalized: between knots 2 ms apart indistinguishable from slerp.
 Eigen::Quaterniond nlerp(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double s) {
   const double sign = a.dot(b) < 0.0 ? -1.0 : 1.0;
   return Eigen::Quaterniond((1.0 - s) * a.coeffs() + sign * s * b.coeffs()).normalized();

@@ -12,7 +12,7 @@ struct Geodetic {
   double altitude_m = 0.0;  ///< above the ellipsoid
 };
 
-/// Earth-centred, earth-fixed coordinates [m].
+/// Earth-centered, earth-fixed coordinates [m].
 Vector3 ecef_of(const Geodetic& position);
 Geodetic geodetic_of(const Vector3& p_ecef_m);
 /// Where a point of the world (east, north, up from `datum`) lies on earth.

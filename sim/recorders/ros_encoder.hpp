@@ -13,7 +13,7 @@ namespace swiftlet::sim {
 
 enum class RosDialect { kRos1, kRos2 };
 
-/// Serialises one ROS message, field after field. ROS 1: packed. ROS 2: little-endian CDR (OMG RTPS 2.3, 10: four
+/// Serializes one ROS message, field after field. ROS 1: packed. ROS 2: little-endian CDR (OMG RTPS 2.3, 10: four
 /// bytes of encapsulation header, then every number aligned to its own size, strings with their final zero).
 class RosEncoder {
  public:

@@ -76,7 +76,7 @@ void encode_description(std::uint32_t sequence, const Scan& scan, const std::str
   out.put(step * static_cast<std::uint32_t>(width));
 }
 
-/// Organised, rows by rows; empty returns are zeros.
+/// Organized, rows by rows; empty returns are zeros.
 void encode_ouster(const Scan& scan, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
   encode_description(sequence, scan, frame, scan.cols(), scan.rows(), kOusterFields, kOusterStep, out);
   std::byte* at = out.blob(static_cast<std::size_t>(scan.size()) * kOusterStep);

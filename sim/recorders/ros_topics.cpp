@@ -231,8 +231,8 @@ void RosTopics::write_markers(const TickView& tick, VehicleId vehicle) {
 
 void RosTopics::write_scans(const TickView& tick, VehicleId vehicle) {
   if (tick.scans.empty()) return;
-  for (const auto& labelled : tick.scans[vehicle]) {
-    const Scan& scan = labelled->scan;
+  for (const auto& labeled : tick.scans[vehicle]) {
+    const Scan& scan = labeled->scan;
     if (!selects(config_.sensors, scan.sensor)) continue;
     const std::string frame = names_[vehicle] + "/" + ros_name(scan.sensor);
     const std::string topic = "/" + frame + "/points";

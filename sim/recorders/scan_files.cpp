@@ -97,7 +97,7 @@ class ScanFilesRecorder : public Recorder {
     return stream;
   }
 
-  void write_scan(VehicleId vehicle, const LabelledScan& scan) {
+  void write_scan(VehicleId vehicle, const LabeledScan& scan) {
     Stream& stream = stream_of(vehicle, scan.scan.sensor);
     if (stream.num_scans++ % config_.every != 0) return;
 
@@ -117,7 +117,7 @@ class ScanFilesRecorder : public Recorder {
   }
 
   /// Poses that bring the points into the frame of the file, by column. Empty: they stay where they are.
-  std::span<const Pose> poses_of(VehicleId vehicle, const LabelledScan& scan) {
+  std::span<const Pose> poses_of(VehicleId vehicle, const LabeledScan& scan) {
     if (config_.frame == "lidar") return {};
     if (config_.frame == "world") return scan.truth.T_world_lidar;
     const PoseHistory& estimate = estimates_[vehicle];
@@ -129,7 +129,7 @@ class ScanFilesRecorder : public Recorder {
     return poses_;
   }
 
-  void append_index(OutputFile& index, const char* name, int num_points, VehicleId vehicle, const LabelledScan& scan) {
+  void append_index(OutputFile& index, const char* name, int num_points, VehicleId vehicle, const LabeledScan& scan) {
     row_.clear();
     row_.add(std::string_view(name)).add_seconds(scan.scan.stamp).add_seconds(scan.scan.duration);
     row_.add(scan.scan.rows()).add(scan.scan.cols()).add(num_points);
@@ -169,9 +169,9 @@ void ScanFilesConfig::visit_common(ConfigVisitor& v) {
 
 std::span<const PointField> point_fields() { return kFields; }
 
-int put_points(const LabelledScan& labelled, std::span<const Pose> T_frame_lidar, bool organized, ByteBuffer& out) {
-  const Scan& scan = labelled.scan;
-  const ScanTruth& truth = labelled.truth;
+int put_points(const LabeledScan& labeled, std::span<const Pose> T_frame_lidar, bool organized, ByteBuffer& out) {
+  const Scan& scan = labeled.scan;
+  const ScanTruth& truth = labeled.truth;
   const std::size_t start = out.size();
   std::byte* at = out.extend(static_cast<std::size_t>(scan.size()) * point_size());
   const std::byte* const first = at;

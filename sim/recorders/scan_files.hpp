@@ -36,7 +36,7 @@ std::span<const PointField> point_fields();
 
 /// What a file's header tells about its points.
 struct CloudLayout {
-  int width = 0, height = 0;  ///< organised: columns and rows of the scan; compact: number of points and 1
+  int width = 0, height = 0;  ///< organized: columns and rows of the scan; compact: number of points and 1
   std::string frame;
   TimeNs stamp = 0;
 };
@@ -50,7 +50,7 @@ struct CloudFormat {
 
 /// Appends the points of a scan as point_fields() say, row by row. `T_frame_lidar` by column, or one for all;
 /// empty: points stay in the lidar's frame. Returns how many points were put.
-int put_points(const LabelledScan& scan, std::span<const Pose> T_frame_lidar, bool organized, ByteBuffer& out);
+int put_points(const LabeledScan& scan, std::span<const Pose> T_frame_lidar, bool organized, ByteBuffer& out);
 
 /// FOLDER/VEHICLE_SENSOR/%06d.EXTENSION and an index of them, FOLDER/VEHICLE_SENSOR/EXTENSION_index.csv.
 std::unique_ptr<Recorder> make_scan_files_recorder(const ScanFilesConfig& config, const CloudFormat& format);

@@ -77,10 +77,10 @@ View perspective_view(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& targe
   return view;
 }
 
-View top_view(const Eigen::Vector2d& centre_m, double span_m, double bottom_m, double top_m, int width_px,
+View top_view(const Eigen::Vector2d& center_m, double span_m, double bottom_m, double top_m, int width_px,
               int height_px) {
   View view;
-  view.eye_world_m = {centre_m.x(), centre_m.y(), top_m + 1.0};
+  view.eye_world_m = {center_m.x(), center_m.y(), top_m + 1.0};
   view.T_camera_world = look(view.eye_world_m, view.eye_world_m - Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY());
   view.width_px = width_px;
   view.height_px = height_px;
@@ -111,7 +111,7 @@ Cameraman::Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<
   }
 }
 
-Eigen::Vector3d Cameraman::centre_of(std::span<const VehicleState> states) const {
+Eigen::Vector3d Cameraman::center_of(std::span<const VehicleState> states) const {
   Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (looks_at(i)) box.extend(states[i].p_world_m);
@@ -139,8 +139,8 @@ double Cameraman::distance_for_all(const Eigen::Vector3d& target, const Eigen::V
 void Cameraman::update(TimeNs t, std::span<const VehicleState> states) {
   if (config_.type != "follow") return;
   const double blend = started_ ? 1.0 - std::exp(-to_seconds(t - updated_) / kSmoothing_s) : 1.0;
-  const Eigen::Vector3d centre = centre_of(states);
-  target_m_ = started_ ? Eigen::Vector3d(target_m_ + blend * (centre - target_m_)) : centre;
+  const Eigen::Vector3d center = center_of(states);
+  target_m_ = started_ ? Eigen::Vector3d(target_m_ + blend * (center - target_m_)) : center;
   const double needed =
       std::max(config_.position_m.norm(), distance_for_all(target_m_, config_.position_m.normalized(), states));
   distance_m_ = started_ ? distance_m_ + blend * (needed - distance_m_) : needed;
@@ -174,11 +174,11 @@ View Cameraman::top(const PictureScene& picture) const {
     for (const Eigen::Vector3f& p : picture.trails_m[i]) area.extend(p.head<2>().cast<double>());
   }
   if (area.isEmpty()) area.extend(bounds_m_.center().head<2>());
-  Eigen::Vector2d centre = area.center();
+  Eigen::Vector2d center = area.center();
   double span = std::max({12.0, kMargin * area.sizes().y() + 4.0, (kMargin * area.sizes().x() + 4.0) / aspect});
   if (config_.span_m > 0.0) {
     span = config_.span_m;
-    if (vehicle_ == kNoVehicle) centre = config_.target_m.head<2>();
+    if (vehicle_ == kNoVehicle) center = config_.target_m.head<2>();
   }
 
   double top_m = bounds_m_.max().z();
@@ -187,10 +187,10 @@ View Cameraman::top(const PictureScene& picture) const {
     top_m = std::max(top_m, state.p_world_m.z() + 2.0);
     bottom_m = std::min(bottom_m, state.p_world_m.z() - 2.0);
   }
-  if (!config_.perspective) return top_view(centre, span, bottom_m, top_m, config_.width_px, config_.height_px);
+  if (!config_.perspective) return top_view(center, span, bottom_m, top_m, config_.width_px, config_.height_px);
   const double height = 0.5 * span / std::tan(radians(0.5 * config_.fov_deg));
   const double ground_m = std::max(bottom_m, 0.0);
-  return perspective_view({centre.x(), centre.y(), ground_m + height}, {centre.x(), centre.y(), ground_m},
+  return perspective_view({center.x(), center.y(), ground_m + height}, {center.x(), center.y(), ground_m},
                           config_.fov_deg, config_.width_px, config_.height_px, Eigen::Vector3d::UnitY());
 }
 

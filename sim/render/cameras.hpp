@@ -26,14 +26,14 @@ struct View {
   Eigen::Matrix4d clip_world() const { return clip_camera * T_camera_world; }
   /// Pixel (x right, y down, real-valued) of a point and its depth along the optical axis; nothing behind the camera.
   std::optional<Eigen::Vector3d> project(const Eigen::Vector3d& p_world_m) const;
-  /// Pixels per metre at a depth.
+  /// Pixels per meter at a depth.
   double pixels_per_m(double depth_m) const;
 };
 
 View perspective_view(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& target_m, double fov_deg, int width_px,
                       int height_px, const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 /// Straight down, north up; `span_m` is the height of the area shown; sees everything in [bottom, top] in z.
-View top_view(const Eigen::Vector2d& centre_m, double span_m, double bottom_m, double top_m, int width_px,
+View top_view(const Eigen::Vector2d& center_m, double span_m, double bottom_m, double top_m, int width_px,
               int height_px);
 
 /// Frames the pictures of one camera. Follow cameras have inertia: call update() in steps of time, then view().
@@ -53,7 +53,7 @@ class Cameraman {
   View on_vehicle(const PictureScene& picture) const;
   View fixed() const;
   bool looks_at(std::size_t vehicle) const { return vehicle_ == kNoVehicle || static_cast<int>(vehicle) == vehicle_; }
-  Eigen::Vector3d centre_of(std::span<const VehicleState> states) const;
+  Eigen::Vector3d center_of(std::span<const VehicleState> states) const;
   /// Least distance from `target` along `direction` at which every vehicle looked at is in the picture.
   double distance_for_all(const Eigen::Vector3d& target, const Eigen::Vector3d& direction,
                           std::span<const VehicleState> states) const;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostNames = 24;  // more would cover the picture
 
-/// Where a colour bar, its ticks and its panel lie [px].
+/// Where a color bar, its ticks and its panel lie [px].
 struct BarLayout {
   float h = 0.0F;  // height of capitals
   double step = 1.0;
@@ -79,7 +79,7 @@ void draw_scale_bar(Image& image, const View& view) {
   blend_rectangle(image, x, y, length, thick, Rgb::Ones(), 1.0F);
   blend_rectangle(image, x, y, length / 2, thick, Rgb::Constant(0.25F), 1.0F);
   draw_text(image, static_cast<float>(x) + 0.5F * static_cast<float>(length), static_cast<float>(y) - 0.7F * h,
-            tick_text(length_m, length_m) + " m", {.height_px = 0.9F * h, .align = Align::kCentre});
+            tick_text(length_m, length_m) + " m", {.height_px = 0.9F * h, .align = Align::kCenter});
 }
 
 void draw_names(Image& image, const View& view, const PictureScene& picture, std::span<const std::string> names,
@@ -93,7 +93,7 @@ void draw_names(Image& image, const View& view, const PictureScene& picture, std
     const double lift = 0.35 * vehicle_scale * view.pixels_per_m(at->z()) + 1.0 * h;
     const Rgb color = 0.75F * vehicle_color(static_cast<VehicleId>(v)) + Rgb::Constant(0.25F);
     draw_text(image, static_cast<float>(at->x()), static_cast<float>(at->y() - std::min(lift, 0.2 * image.height)),
-              names[v], {.height_px = h, .color = color, .align = Align::kCentre});
+              names[v], {.height_px = h, .color = color, .align = Align::kCenter});
   }
 }
 

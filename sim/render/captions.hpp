@@ -18,14 +18,14 @@ float caption_height_px(const Image& image);
 void draw_caption(Image& image, std::string_view left, std::string_view right);
 /// A bar of round length in the lower left corner, above the caption. For parallel projections.
 void draw_scale_bar(Image& image, const View& view);
-/// Each vehicle's name in its colour, above it.
+/// Each vehicle's name in its color, above it.
 void draw_names(Image& image, const View& view, const PictureScene& picture, std::span<const std::string> names,
                 double vehicle_scale);
 
-/// What colours mean, on a dark panel in the upper left corner; each meaning once.
+/// What colors mean, on a dark panel in the upper left corner; each meaning once.
 void draw_legend(Image& image, std::span<const Overlay::Key> keys);
 
-/// A bar that explains colours.
+/// A bar that explains colors.
 struct ColorBar {
   std::function<Rgb(float)> color;  ///< of s in 0..1
   double low = 0.0;                 ///< value at s = 0
@@ -42,7 +42,7 @@ double round_down_nicely(double x);
 /// Shortest decimal of a tick at steps of `step`.
 std::string tick_text(double value, double step);
 
-/// The picture of a depth image: colours of turbo_like, with a colour bar; nothing there is grey.
+/// The picture of a depth image: colors of turbo_like, with a color bar; nothing there is gray.
 Image draw_depth_image(const DepthImage& depth, double max_range_m);
 
 }  // namespace swiftlet::sim

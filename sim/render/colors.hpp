@@ -14,9 +14,9 @@ Rgb viridis_like(float s);
 Rgb turbo_like(float s);
 /// The bright part of turbo_like, for points drawn over a scene: readable on soil and on leaves.
 Rgb height_color(float s);
-/// Distinct colours of the vehicles of a team, good on green and on grey.
+/// Distinct colors of the vehicles of a team, good on green and on gray.
 Rgb vehicle_color(VehicleId vehicle);
-/// Colour of a truth class (SurfaceClass) or of a vehicle.
+/// Color of a truth class (SurfaceClass) or of a vehicle.
 Rgb class_color(std::uint16_t surface_class);
 
 /// sRGB transfer function, both ways, per channel.

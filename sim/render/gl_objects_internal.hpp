@@ -35,7 +35,7 @@ class Program {
   GLuint id_ = 0;
 };
 
-/// A framebuffer with textures for up to two colours and depth (0: none).
+/// A framebuffer with textures for up to two colors and depth (0: none).
 struct Target {
   GLuint framebuffer = 0;
   GLuint color = 0;
@@ -49,7 +49,7 @@ struct TargetFormat {
   GLenum color = 0;  ///< such as GL_RGBA8; 0: none
   GLenum depth = 0;  ///< such as GL_DEPTH_COMPONENT32F; 0: none
   int samples = 1;
-  bool two_colors = false;  ///< a second colour of the same format
+  bool two_colors = false;  ///< a second color of the same format
   bool compare = false;     ///< the depth is sampled as a shadow map: less or equal passes, bilinear, outside is lit
 };
 

@@ -30,9 +30,9 @@ struct DistanceField {
     const int bottom = std::min(height - 1, static_cast<int>(std::ceil(std::max(a.y(), b.y()) + reach_px)) - y0);
     for (int y = top; y <= bottom; ++y) {
       for (int x = left; x <= right; ++x) {
-        const Eigen::Vector2f centre(static_cast<float>(x0 + x) + 0.5F, static_cast<float>(y0 + y) + 0.5F);
+        const Eigen::Vector2f center(static_cast<float>(x0 + x) + 0.5F, static_cast<float>(y0 + y) + 0.5F);
         float& d = distance_px[static_cast<std::size_t>(y) * width + x];
-        d = std::min(d, distance_to_segment(centre, a, b));
+        d = std::min(d, distance_to_segment(center, a, b));
       }
     }
   }
@@ -78,7 +78,7 @@ void draw_text(Image& image, float x, float y, std::string_view text, const Text
   const float halo_px = stroke_px + std::max(1.5F, 0.16F * style.height_px);
   const float reach_px = halo_px + 1.5F;
   const float width = text_width_px(text, style.height_px);
-  if (style.align == Align::kCentre) x -= 0.5F * width;
+  if (style.align == Align::kCenter) x -= 0.5F * width;
   if (style.align == Align::kRight) x -= width;
 
   DistanceField field;

@@ -39,7 +39,7 @@ void set_pixel(Image& image, int x, int y, const Rgb& color);
 void blend_pixel(Image& image, int x, int y, const Rgb& color, float alpha);
 void blend_rectangle(Image& image, int x, int y, int width, int height, const Rgb& color, float alpha);
 
-enum class Align { kLeft, kCentre, kRight };
+enum class Align { kLeft, kCenter, kRight };
 
 /// Style of a text: `height_px` is the height of a capital; the halo keeps it readable on any background.
 struct TextStyle {
@@ -50,7 +50,7 @@ struct TextStyle {
   Rgb halo = Rgb::Constant(0.04F);
 };
 
-/// Writes one line in the built-in stroke font, anti-aliased. (x, y) is the left (centre, right) end of the baseline.
+/// Writes one line in the built-in stroke font, anti-aliased. (x, y) is the left (center, right) end of the baseline.
 void draw_text(Image& image, float x, float y, std::string_view text, const TextStyle& style);
 float text_width_px(std::string_view text, float height_px);
 

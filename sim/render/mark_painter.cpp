@@ -14,7 +14,7 @@ struct SolidVertex {
   Eigen::Vector3f normal;
 };
 struct SolidInstance {
-  Eigen::Vector4f centre_size_m;
+  Eigen::Vector4f center_size_m;
   Eigen::Vector4f color;
 };
 
@@ -95,7 +95,7 @@ MarkPainter::MarkPainter(const GlFunctions& gl)
     float_attribute(gl_, 0, 3, sizeof(SolidVertex), offsetof(SolidVertex, position));
     float_attribute(gl_, 1, 3, sizeof(SolidVertex), offsetof(SolidVertex, normal));
     gl_.BindBuffer(GL_ARRAY_BUFFER, solid_instances_);
-    float_attribute(gl_, 2, 4, sizeof(SolidInstance), offsetof(SolidInstance, centre_size_m), 1);
+    float_attribute(gl_, 2, 4, sizeof(SolidInstance), offsetof(SolidInstance, center_size_m), 1);
     float_attribute(gl_, 3, 4, sizeof(SolidInstance), offsetof(SolidInstance, color), 1);
     return UnitSolid{made.array, static_cast<GLsizei>(vertices.size())};
   };
@@ -125,11 +125,11 @@ void MarkPainter::use_solid_program(const View& view, const Eigen::Vector3f& sun
   solid_program_.set("u_cut_m", cut_m);
 }
 
-void MarkPainter::draw_solids(const View& view, Solid solid, std::span<const Eigen::Vector4f> centre_size_m,
+void MarkPainter::draw_solids(const View& view, Solid solid, std::span<const Eigen::Vector4f> center_size_m,
                               std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun, float cut_m) {
-  if (centre_size_m.empty()) return;
-  std::vector<SolidInstance> instances(centre_size_m.size());
-  for (std::size_t i = 0; i < instances.size(); ++i) instances[i] = {centre_size_m[i], colors[i]};
+  if (center_size_m.empty()) return;
+  std::vector<SolidInstance> instances(center_size_m.size());
+  for (std::size_t i = 0; i < instances.size(); ++i) instances[i] = {center_size_m[i], colors[i]};
   use_solid_program(view, sun, cut_m);
   const UnitSolid& unit = solid == Solid::kCube ? cube_ : sphere_;
   gl_.BindVertexArray(unit.array);

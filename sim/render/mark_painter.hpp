@@ -24,8 +24,8 @@ class MarkPainter {
   explicit MarkPainter(const GlFunctions& gl);
 
   void draw_points(const View& view, std::span<const PointVertex> points, float size_m, float cut_m);
-  /// Centre and size of each solid come as (x, y, z, size).
-  void draw_solids(const View& view, Solid solid, std::span<const Eigen::Vector4f> centre_size_m,
+  /// Center and size of each solid come as (x, y, z, size).
+  void draw_solids(const View& view, Solid solid, std::span<const Eigen::Vector4f> center_size_m,
                    std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun, float cut_m);
   void draw_triangles(const View& view, std::span<const Eigen::Vector3f> corners_m,
                       std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun, float cut_m);

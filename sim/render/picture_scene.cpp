@@ -19,9 +19,9 @@ bool is_chosen(const Overlay& overlay, const std::vector<std::string>& names) {
                      [&](const std::string& n) { return n == "*" || n == plain || n == overlay.name; });
 }
 
-PictureCloud cloud_of(const LabelledScan& labelled, VehicleId vehicle) {
-  const Scan& scan = labelled.scan;
-  const ScanTruth& truth = labelled.truth;
+PictureCloud cloud_of(const LabeledScan& labeled, VehicleId vehicle) {
+  const Scan& scan = labeled.scan;
+  const ScanTruth& truth = labeled.truth;
   PictureCloud cloud;
   cloud.vehicle = vehicle;
   if (truth.T_world_lidar.empty()) return cloud;

@@ -10,7 +10,7 @@
 
 namespace swiftlet::sim {
 
-struct LabelledScan;
+struct LabeledScan;
 
 /// Points of one scan in the world frame. `intensity` and `surface_class` may be empty when unknown.
 struct PictureCloud {
@@ -33,7 +33,7 @@ struct PictureScene {
 bool is_chosen(const Overlay& overlay, const std::vector<std::string>& names);
 
 /// The returns of a scan in the world, at the true pose of the sensor.
-PictureCloud cloud_of(const LabelledScan& scan, VehicleId vehicle);
+PictureCloud cloud_of(const LabeledScan& scan, VehicleId vehicle);
 
 /// Grows by one position where the vehicle has moved; keeps its memory bounded by thinning out.
 void extend_trail(std::vector<Eigen::Vector3f>& trail, const Eigen::Vector3f& p_world_m);

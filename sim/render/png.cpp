@@ -72,9 +72,9 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   write(path, image.width, image.height, 8, PNG_COLOR_TYPE_RGB, image.rgb.data());
 }
 
-void write_png16(const std::filesystem::path& path, int width, int height, std::span<const std::uint16_t> grey) {
-  if (grey.size() != static_cast<std::size_t>(width) * height) fail(path, "size and data do not agree");
-  write(path, width, height, 16, PNG_COLOR_TYPE_GRAY, grey.data());
+void write_png16(const std::filesystem::path& path, int width, int height, std::span<const std::uint16_t> gray) {
+  if (gray.size() != static_cast<std::size_t>(width) * height) fail(path, "size and data do not agree");
+  write(path, width, height, 16, PNG_COLOR_TYPE_GRAY, gray.data());
 }
 
 }  // namespace swiftlet::sim

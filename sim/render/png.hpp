@@ -13,7 +13,7 @@ namespace swiftlet::sim {
 /// Throws std::runtime_error with path and reason.
 void write_png(const std::filesystem::path& path, const Image& image);
 
-/// The same for 16-bit grey, row 0 on top.
-void write_png16(const std::filesystem::path& path, int width, int height, std::span<const std::uint16_t> grey);
+/// The same for 16-bit gray, row 0 on top.
+void write_png16(const std::filesystem::path& path, int width, int height, std::span<const std::uint16_t> gray);
 
 }  // namespace swiftlet::sim

@@ -80,11 +80,11 @@ BeamLookup::BeamLookup(const BeamTable& beams) : cols_(beams.cols) {
     elevation_min_rad_ = std::min(elevation_min_rad_, elevation);
     elevation_max_rad_ = std::max(elevation_max_rad_, elevation);
   }
-  organise(beams);
+  organize(beams);
   if (rows_.empty()) scatter(beams);
 }
 
-void BeamLookup::organise(const BeamTable& beams) {
+void BeamLookup::organize(const BeamTable& beams) {
   if (beams.rows < 8 || beams.cols < 16) return;
   const auto direction = [&](int row, int col) {
     return beams.directions_lidar[static_cast<std::size_t>(row) * cols_ + col];
@@ -228,7 +228,7 @@ Image draw_range_image(const Scan& scan, ScanQuantity quantity, int width_px, in
                       Rgb::Constant(0.8F), 1.0F);
       const double shown = deg < -180.0 + 1e-6 ? deg + 360.0 : deg;
       draw_text(image, x, static_cast<float>(top + strip_height) + 1.5F * h, tick_text(shown, 1.0) + " deg",
-                {.height_px = 0.75F * h, .color = Rgb::Constant(0.8F), .align = Align::kCentre});
+                {.height_px = 0.75F * h, .color = Rgb::Constant(0.8F), .align = Align::kCenter});
     }
   }
   draw_color_bar(image, shading.bar);

@@ -21,7 +21,7 @@ class BeamLookup {
 
   double elevation_min_rad() const { return elevation_min_rad_; }
   double elevation_max_rad() const { return elevation_max_rad_; }
-  bool organised() const { return !rows_.empty(); }
+  bool organized() const { return !rows_.empty(); }
 
  private:
   struct Row {
@@ -29,7 +29,7 @@ class BeamLookup {
     double elevation_rad = 0.0;
     double azimuth_first_rad = 0.0;  // of column 0
   };
-  void organise(const BeamTable& beams);
+  void organize(const BeamTable& beams);
   void scatter(const BeamTable& beams);
   int in_rows(double azimuth_rad, double elevation_rad) const;
   int nearest(double azimuth_rad, double elevation_rad) const;
@@ -50,8 +50,8 @@ class BeamLookup {
 
 enum class ScanQuantity { kRange, kIntensity };
 
-/// The scan as a picture with a colour bar: strips of azimuth, the sensor's x axis in the middle of the first.
-/// @param max_range_m  end of the colour scale of ranges; 0: from the scan
+/// The scan as a picture with a color bar: strips of azimuth, the sensor's x axis in the middle of the first.
+/// @param max_range_m  end of the color scale of ranges; 0: from the scan
 Image draw_range_image(const Scan& scan, ScanQuantity quantity, int width_px, int height_px, double max_range_m = 0.0);
 
 }  // namespace swiftlet::sim

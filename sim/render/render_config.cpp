@@ -14,19 +14,19 @@ void CameraConfig::visit(ConfigVisitor& v) {
   v.field("position_m", position_m,
           "[m] fixed: world; follow: offset from the vehicles; onboard, depth: body frame; zero as target_m: by type");
   v.field("target_m", target_m,
-          "[m] point looked at. fixed: world; onboard, depth: body frame; top: centre, when span_m is given");
+          "[m] point looked at. fixed: world; onboard, depth: body frame; top: center, when span_m is given");
   v.field("fov_deg", fov_deg, "[deg] vertical field of view", Range::between(5.0, 150.0));
   v.field("span_m", span_m, "[m] top: height of the area shown; 0: all vehicles with their trails",
           Range::non_negative());
   v.field("perspective", perspective, "top: seen from high above instead of a parallel projection");
   v.field("width_px", width_px, "[px] width of the picture", Range::between(64, 8192));
   v.field("height_px", height_px, "[px] height of the picture", Range::between(64, 8192));
-  v.field("max_range_m", max_range_m, "[m] depth, lidar_range: end of the colour scale; 0: from the picture",
+  v.field("max_range_m", max_range_m, "[m] depth, lidar_range: end of the color scale; 0: from the picture",
           Range::non_negative());
   v.field("times_s", times_s, "[s] pictures at these times", Range::non_negative());
   v.field("every_s", every_s, "[s] and at every multiple of this; 0: none", Range::non_negative());
   v.choice("cloud", cloud, {"none", "height", "label", "intensity", "vehicle"},
-           "latest scans drawn in the world, and what their colours mean");
+           "latest scans drawn in the world, and what their colors mean");
   v.field("trails", trails, "draw the path of each vehicle so far");
   v.field("names", names, "write the vehicles' names beside them");
   v.field("overlays", overlays, "overlays of the agents to draw, by name, of one vehicle as \"uav1/NAME\"; \"*\": all");

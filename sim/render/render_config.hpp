@@ -18,7 +18,7 @@ struct CameraConfig {
   std::string sensor;        ///< lidar_*: which LiDAR of the vehicle; empty: the first
   /// Where it is and what it looks at. Both zero: chosen by the type. fixed: world; follow: position is the offset
   /// from the vehicle(s), heading-free, and its length the least distance; onboard, depth: body frame;
-  /// top: target is the centre, when span_m is given.
+  /// top: target is the center, when span_m is given.
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();
   double fov_deg = 60.0;     ///< vertical
@@ -26,7 +26,7 @@ struct CameraConfig {
   bool perspective = false;  ///< top: seen from high above instead of a parallel projection
   int width_px = 1280;
   int height_px = 720;
-  double max_range_m = 0.0;           ///< depth, lidar_range: end of the colour scale; 0: from the picture
+  double max_range_m = 0.0;           ///< depth, lidar_range: end of the color scale; 0: from the picture
   std::vector<double> times_s;        ///< pictures at these times ...
   double every_s = 0.0;               ///< ... and at every multiple of this; 0: none
   std::string cloud = "none";         ///< latest scans drawn in the world: none, height, label, intensity, vehicle

@@ -128,22 +128,22 @@ Groups single_triangles(std::size_t n) {
 
 /// Splits groups at the median of the longest axis until each part is small; appends the parts in order.
 void split(std::vector<std::uint32_t>& groups, std::size_t begin, std::size_t end, std::size_t limit,
-           const std::vector<Vector3f>& centres, std::vector<std::pair<std::size_t, std::size_t>>& parts) {
+           const std::vector<Vector3f>& centers, std::vector<std::pair<std::size_t, std::size_t>>& parts) {
   if (end - begin <= limit) {
     parts.emplace_back(begin, end);
     return;
   }
   Eigen::AlignedBox3f box;
-  for (std::size_t i = begin; i < end; ++i) box.extend(centres[groups[i]]);
+  for (std::size_t i = begin; i < end; ++i) box.extend(centers[groups[i]]);
   int axis = 0;
   box.sizes().maxCoeff(&axis);
   const std::size_t middle = begin + (end - begin) / 2;
   std::nth_element(groups.begin() + begin, groups.begin() + middle, groups.begin() + end,
                    [&](std::uint32_t a, std::uint32_t b) {
-                     return std::pair(centres[a][axis], a) < std::pair(centres[b][axis], b);
+                     return std::pair(centers[a][axis], a) < std::pair(centers[b][axis], b);
                    });
-  split(groups, begin, middle, limit, centres, parts);
-  split(groups, middle, end, limit, centres, parts);
+  split(groups, begin, middle, limit, centers, parts);
+  split(groups, middle, end, limit, centers, parts);
 }
 
 /// Deterministic shuffle, the same for every mesh of this size.
@@ -160,7 +160,7 @@ void make_leaf_vertices(const Mesh& mesh, const Groups& leaves, RenderMesh& out)
   Eigen::AlignedBox3f crown;
   for (const Vector3f& p : mesh.vertices_m) crown.extend(p);
   const bool is_crown = crown.sizes().head<2>().maxCoeff() < kCrownSize_m;
-  const Vector3f centre = crown.center() - Vector3f(0, 0, 0.15F * crown.sizes().z());
+  const Vector3f center = crown.center() - Vector3f(0, 0, 0.15F * crown.sizes().z());
   const Vector3f half = (0.5F * crown.sizes()).cwiseMax(0.05F);
 
   out.vertices.reserve(mesh.vertices_m.size());
@@ -179,10 +179,10 @@ void make_leaf_vertices(const Mesh& mesh, const Groups& leaves, RenderMesh& out)
     }
     middle /= static_cast<float>(3 * (end - begin));
     normal.normalize();
-    const Vector3f from_centre = (middle - centre).cwiseQuotient(half);
-    const Vector3f outward = is_crown ? Vector3f(from_centre.cwiseQuotient(half).normalized()) : Vector3f::UnitZ();
+    const Vector3f from_center = (middle - center).cwiseQuotient(half);
+    const Vector3f outward = is_crown ? Vector3f(from_center.cwiseQuotient(half).normalized()) : Vector3f::UnitZ();
     const float openness =
-        is_crown ? std::clamp(0.25F + 0.6F * from_centre.norm() + 0.15F * from_centre.z(), 0.2F, 1.0F) : 0.8F;
+        is_crown ? std::clamp(0.25F + 0.6F * from_center.norm() + 0.15F * from_center.z(), 0.2F, 1.0F) : 0.8F;
     const auto normal_open = pack_normal(0.75F * outward + 0.45F * normal, openness);
 
     for (std::uint32_t k = begin; k < end; ++k) {
@@ -285,15 +285,15 @@ RenderMesh prepare_mesh(const Mesh& mesh) {
   }
 
   // Compact chunks, whole groups each.
-  std::vector<Vector3f> centres(groups.size());
+  std::vector<Vector3f> centers(groups.size());
   std::vector<std::uint32_t> order(groups.size());
   std::iota(order.begin(), order.end(), 0U);
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    centres[g] = mesh.vertices_m[mesh.triangles[groups.triangles[groups.first[g]]][0]];
+    centers[g] = mesh.vertices_m[mesh.triangles[groups.triangles[groups.first[g]]][0]];
   }
   const std::size_t limit = std::max<std::size_t>(1, kChunkTriangles * groups.size() / mesh.triangles.size());
   std::vector<std::pair<std::size_t, std::size_t>> parts;
-  split(order, 0, order.size(), limit, centres, parts);
+  split(order, 0, order.size(), limit, centers, parts);
 
   std::vector<std::uint32_t> sorted;
   sorted.reserve(out.indices.size());
@@ -328,12 +328,12 @@ Frustum frustum_of(const Eigen::Matrix4f& m) {
 }
 
 bool may_be_seen(const Frustum& frustum, const Eigen::AlignedBox3f& box_m, const Eigen::Affine3f& T_world_mesh) {
-  const Vector3f centre = T_world_mesh * box_m.center();
+  const Vector3f center = T_world_mesh * box_m.center();
   const Vector3f half = 0.5F * box_m.sizes();
   for (const Eigen::Vector4f& plane : frustum.planes) {
     const Vector3f n = plane.head<3>();
     const float reach = (T_world_mesh.linear().transpose() * n).cwiseAbs().dot(half);
-    if (n.dot(centre) + plane.w() + reach < 0.0F) return false;
+    if (n.dot(center) + plane.w() + reach < 0.0F) return false;
   }
   return true;
 }

@@ -44,14 +44,14 @@ Eigen::Matrix4f clip_of_sun(const Eigen::AlignedBox3f& box, float& width_m) {
   }
   const Eigen::Vector3f size = around.sizes().array() + 0.2F;
   width_m = size.head<2>().maxCoeff();
-  const Eigen::Vector3f centre = around.center();
+  const Eigen::Vector3f center = around.center();
   Eigen::Matrix4f fit = Eigen::Matrix4f::Identity();
   for (int axis = 0; axis < 2; ++axis) {
     fit(axis, axis) = 2.0F / size[axis];
-    fit(axis, 3) = -2.0F * centre[axis] / size[axis];
+    fit(axis, 3) = -2.0F * center[axis] / size[axis];
   }
   fit(2, 2) = 1.0F / size.z();
-  fit(2, 3) = 0.5F - centre.z() / size.z();
+  fit(2, 3) = 0.5F - center.z() / size.z();
   return fit * clip;
 }
 
@@ -310,7 +310,7 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   gl.Disable(GL_CLIP_DISTANCE0);
   gl.Disable(GL_CLIP_DISTANCE1);
 
-  // Vehicles: first faintly what is hidden by the world (it shines through in colour only), then what is seen.
+  // Vehicles: first faintly what is hidden by the world (it shines through in color only), then what is seen.
   constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   gl.DrawBuffers(1, kBoth);
   gl.Enable(GL_BLEND);
@@ -332,7 +332,7 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   vehicles.draw(picture.states, style.vehicle_scale, style.hidden_vehicle);
 }
 
-/// From several samples a pixel to one. Colours and normals are averaged, so edges stay smooth.
+/// From several samples a pixel to one. Colors and normals are averaged, so edges stay smooth.
 void Renderer::Impl::resolve_surfaces() {
   const int width = sampled.width;
   const int height = sampled.height;
@@ -437,13 +437,13 @@ void Renderer::Impl::draw_solid_overlay(const View& view, const Overlay& overlay
   gl.DepthMask(opaque ? GL_TRUE : GL_FALSE);
   std::vector<Eigen::Vector4f> colors;
   if (corners == 1) {
-    std::vector<Eigen::Vector4f> centre_size;
+    std::vector<Eigen::Vector4f> center_size;
     for (const std::size_t i : order) {
       const Eigen::Vector3f& p = overlay.positions[i];
-      centre_size.emplace_back(p.x(), p.y(), p.z(), overlay.size_m);
+      center_size.emplace_back(p.x(), p.y(), p.z(), overlay.size_m);
       colors.push_back(color_at(overlay, i));
     }
-    marks.draw_solids(view, cubes ? MarkPainter::Solid::kCube : MarkPainter::Solid::kSphere, centre_size, colors, kSun,
+    marks.draw_solids(view, cubes ? MarkPainter::Solid::kCube : MarkPainter::Solid::kSphere, center_size, colors, kSun,
                       cut_m);
   } else {
     std::vector<Eigen::Vector3f> positions;

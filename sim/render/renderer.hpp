@@ -31,7 +31,7 @@ struct PictureStyle {
 };
 PictureStyle style_of(const CameraConfig& camera);
 
-/// Colours of a cloud's heights, for the legend.
+/// Colors of a cloud's heights, for the legend.
 struct HeightScale {
   float low_m = 0.0F;
   float high_m = 1.0F;

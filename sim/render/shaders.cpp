@@ -67,7 +67,7 @@ uniform vec3 u_eye_m;
 uniform vec3 u_forward;               // used instead of the eye in parallel projections
 uniform float u_parallel;
 uniform float u_grid;                 // strength of the grid on the ground
-layout(location = 0) out vec4 o_base;    // square root of the linear colour; covered
+layout(location = 0) out vec4 o_base;    // square root of the linear color; covered
 layout(location = 1) out vec4 o_normal;  // to [0, 1]; 0 plain, 0.5 shiny, 1 plant
 
 float hash(vec2 p) {
@@ -249,7 +249,7 @@ const char* const kPointVertex = R"(#version 450 core
 layout(location = 0) in vec3 a_position_m;
 layout(location = 1) in vec4 a_color;
 uniform mat4 u_clip_world;
-uniform float u_pixels_at_1m;  // pixels per metre, times the clip w
+uniform float u_pixels_at_1m;  // pixels per meter, times the clip w
 uniform float u_size_m;
 uniform float u_min_px;
 uniform float u_cut_m;
@@ -277,7 +277,7 @@ void main() {
 const char* const kSolidVertex = R"(#version 450 core
 layout(location = 0) in vec3 a_position;       // of the unit solid
 layout(location = 1) in vec3 a_normal;
-layout(location = 2) in vec4 a_centre_size_m;
+layout(location = 2) in vec4 a_center_size_m;
 layout(location = 3) in vec4 a_color;
 uniform mat4 u_clip_world;
 uniform float u_cut_m;
@@ -286,7 +286,7 @@ out vec3 v_normal;
 out vec4 v_color;
 out float gl_ClipDistance[1];
 void main() {
-  v_world_m = a_centre_size_m.xyz + a_centre_size_m.w * a_position;
+  v_world_m = a_center_size_m.xyz + a_center_size_m.w * a_position;
   v_normal = a_normal;
   v_color = a_color;
   gl_ClipDistance[0] = u_cut_m - v_world_m.z;

@@ -4,12 +4,12 @@
 /// The programs of the renderer, GLSL 4.50.
 namespace swiftlet::sim::shaders {
 
-// World and vehicles: colour and normal; light comes later.
+// World and vehicles: color and normal; light comes later.
 extern const char* const kMeshVertex;
 extern const char* const kMeshFragment;
 // Only depth, for shadow maps and depth pictures.
 extern const char* const kDepthFragment;
-// One colour, for what is hidden behind something.
+// One color, for what is hidden behind something.
 extern const char* const kGhostFragment;
 // Already projected triangles (lines, rotor discs).
 extern const char* const kClipVertex;

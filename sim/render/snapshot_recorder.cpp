@@ -24,7 +24,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr float kAreaOpacity = 0.3F;         // of areas in the vehicle's colour
+constexpr float kAreaOpacity = 0.3F;         // of areas in the vehicle's color
 constexpr TimeNs kHistoryStep = 20'000'000;  // trails and follow cameras look at the vehicles this often
 
 bool is_lidar(const CameraConfig& camera) { return camera.type.starts_with("lidar_"); }
@@ -77,7 +77,7 @@ class SnapshotRecorder : public Recorder {
   RunInfo info_;
   std::vector<Station> stations_;
   std::unique_ptr<Renderer> renderer_;
-  std::map<ScanKey, std::shared_ptr<const LabelledScan>> latest_scans_;
+  std::map<ScanKey, std::shared_ptr<const LabeledScan>> latest_scans_;
   PictureScene picture_;
   TimeNs previous_ = -1;
   std::optional<TimeNs> remembered_;
@@ -213,7 +213,7 @@ Image SnapshotRecorder::take_of_scan(const Station& station) const {
   }
   Image image(camera.width_px, camera.height_px, Rgb::Constant(0.05F));
   draw_text(image, 0.5F * static_cast<float>(image.width), 0.5F * static_cast<float>(image.height), "no scan yet",
-            {.height_px = 1.5F * caption_height_px(image), .align = Align::kCentre});
+            {.height_px = 1.5F * caption_height_px(image), .align = Align::kCenter});
   return image;
 }
 
@@ -222,11 +222,11 @@ Image SnapshotRecorder::take_of_depth(const Station& station, const std::filesys
   style.hidden_vehicle = station.vehicle;
   const DepthImage depth = renderer().draw_depth(station.cameraman.view(picture_), picture_, style);
   if (video_frames_per_s_ > 0.0) return draw_depth_image(depth, station.config.max_range_m);
-  std::vector<std::uint16_t> millimetres(depth.depth_m.size());
-  std::transform(depth.depth_m.begin(), depth.depth_m.end(), millimetres.begin(),
+  std::vector<std::uint16_t> millimeters(depth.depth_m.size());
+  std::transform(depth.depth_m.begin(), depth.depth_m.end(), millimeters.begin(),
                  [](float d) { return static_cast<std::uint16_t>(std::min(65535.0F, std::round(1000.0F * d))); });
   const std::filesystem::path path = stem.string() + ".mm.png";
-  write_png16(path, depth.width, depth.height, millimetres);
+  write_png16(path, depth.width, depth.height, millimeters);
   written_.push_back(path.lexically_relative(info_.directory));
   return draw_depth_image(depth, station.config.max_range_m);
 }

@@ -10,7 +10,7 @@
 namespace swiftlet::sim {
 
 /// Takes the pictures of a scenario's `snapshots`: snapshots/CAMERA_0012.300s.png, and for depth cameras the depth in
-/// millimetres as 16-bit grey beside it (CAMERA_0012.300s.mm.png). OpenGL is asked for when the first picture is due.
+/// millimeters as 16-bit gray beside it (CAMERA_0012.300s.mm.png). OpenGL is asked for when the first picture is due.
 std::unique_ptr<Recorder> make_snapshot_recorder(std::vector<CameraConfig> cameras);
 
 /// The same pictures as one video a camera: snapshots/CAMERA.mp4 (needs the ffmpeg program).

@@ -13,7 +13,7 @@
 
 namespace swiftlet::sim {
 
-/// The vehicles on the graphics side: bodies in their own colours, blades at their true angles.
+/// The vehicles on the graphics side: bodies in their own colors, blades at their true angles.
 class VehiclePainter {
  public:
   VehiclePainter(const GlFunctions& gl, std::span<const std::shared_ptr<const VehicleShape>> shapes);

@@ -16,7 +16,7 @@ struct ClipVertex {
 };
 
 /// Appends a polyline of constant width in pixels as triangles with mitred joints (core profiles of OpenGL draw
-/// no wide lines). Parts behind the camera are cut off. One colour per point.
+/// no wide lines). Parts behind the camera are cut off. One color per point.
 void append_polyline(const View& view, std::span<const Eigen::Vector3f> points_world_m,
                      std::span<const Eigen::Vector4f> colors, float width_px, std::vector<ClipVertex>& out);
 

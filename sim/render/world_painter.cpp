@@ -26,7 +26,7 @@ SurfaceKind kind_of(const Mesh& mesh) {
   }
 }
 
-/// No two trees have quite the same colour.
+/// No two trees have quite the same color.
 Rgb vary(const Rgb& srgb, const Instance& instance, SurfaceKind kind) {
   if (instance.instance == 0 || kind == SurfaceKind::kGround) return srgb;
   const std::uint32_t h = (instance.instance * 0x9E3779B9U) ^ (instance.instance * 0x85EBCA77U >> 11);

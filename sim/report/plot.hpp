@@ -30,7 +30,7 @@ struct Style {
   double opacity = 1.0;
 };
 
-/// Colours that people with any colour vision can tell apart on white (Okabe and Ito, 2008, without the yellow).
+/// Colors that people with any color vision can tell apart on white (Okabe and Ito, 2008, without the yellow).
 std::span<const char* const> palette();
 
 struct Axis {
@@ -55,7 +55,7 @@ class Panel {
   std::string title;
   Axis x, y;
   Legend legend = Legend::kAuto;
-  bool equal_axes = false;  ///< a metre is as long in x as in y: maps and top views
+  bool equal_axes = false;  ///< a meter is as long in x as in y: maps and top views
 
   using Values = std::span<const double>;
   Panel& line(const std::string& label, Values x, Values y, const Style& style = {});
@@ -69,7 +69,7 @@ class Panel {
   Panel& horizontal(const std::string& label, double y, const Style& style = {});
   Panel& vertical(const std::string& label, double x, const Style& style = {});
   Panel& text(double x, double y, const std::string& text);  ///< anchored left, at data coordinates
-  /// Cells from the lower left, row by row; colours from low (dark) to high (bright), with a scale of its own label.
+  /// Cells from the lower left, row by row; colors from low (dark) to high (bright), with a scale of its own label.
   /// @param x_edges, y_edges  columns + 1 and rows + 1 values, increasing
   Panel& heat_map(const std::string& label, Values x_edges, Values y_edges, Values values);
 

@@ -258,7 +258,7 @@ void draw_error_bars(SvgWriter& svg, const Series& s, const View& view) {
 
 // Series that stand side by side share the slot of a position.
 struct Slot {
-  double centre_offset = 0.0, width = 0.8;
+  double center_offset = 0.0, width = 0.8;
 };
 
 Slot slot_of(const Panel& panel, const Series& series) {
@@ -275,8 +275,8 @@ Slot slot_of(const Panel& panel, const Series& series) {
 void draw_bars(SvgWriter& svg, const Series& s, const View& view, const Slot& slot) {
   for (std::size_t i = 0; i < s.x.size(); ++i) {
     if (!std::isfinite(s.y[i])) continue;
-    const double left = view.x.at(s.x[i] + slot.centre_offset - 0.46 * slot.width);
-    const double right = view.x.at(s.x[i] + slot.centre_offset + 0.46 * slot.width);
+    const double left = view.x.at(s.x[i] + slot.center_offset - 0.46 * slot.width);
+    const double right = view.x.at(s.x[i] + slot.center_offset + 0.46 * slot.width);
     const double foot = view.y.log ? view.frame.bottom : view.y.at(0.0), top = view.y.at(s.y[i]);
     if (!std::isfinite(top)) continue;
     svg.rect(left, std::min(foot, top), right - left, std::abs(foot - top), fill(s.style, 0.85));
@@ -286,9 +286,9 @@ void draw_bars(SvgWriter& svg, const Series& s, const View& view, const Slot& sl
 void draw_boxes(SvgWriter& svg, const Series& s, const View& view, const Slot& slot) {
   for (std::size_t i = 0; i < s.boxes.size(); ++i) {
     const Box& box = s.boxes[i];
-    const double centre = s.x[i] + slot.centre_offset;
-    const double left = view.x.at(centre - 0.36 * slot.width), right = view.x.at(centre + 0.36 * slot.width);
-    const double middle = view.x.at(centre), q1 = view.y.at(box.q1), q3 = view.y.at(box.q3),
+    const double center = s.x[i] + slot.center_offset;
+    const double left = view.x.at(center - 0.36 * slot.width), right = view.x.at(center + 0.36 * slot.width);
+    const double middle = view.x.at(center), q1 = view.y.at(box.q1), q3 = view.y.at(box.q3),
                  median = view.y.at(box.median);
     const std::string pen = stroke({.color = s.style.color, .width_px = 1.2});
     svg.segment({middle, view.y.at(box.low)}, {middle, q1}, pen);
@@ -323,7 +323,7 @@ void draw_heat_map(SvgWriter& svg, const Series& s, const View& view) {
         return std::isfinite(value) ? heat_color((value - range.low) / (range.high - range.low)) : std::string();
       };
       const std::string color = color_at(begin);
-      std::size_t end = begin + 1;  // cells of one colour become one rectangle
+      std::size_t end = begin + 1;  // cells of one color become one rectangle
       while (end < columns && color_at(end) == color) ++end;
       const double left = view.x.at(s.x[begin]), right = view.x.at(s.x[end]);
       // A hair larger than the cell: no seams.
@@ -501,9 +501,9 @@ std::optional<PointPx> free_corner(const Panel& panel, const View& view, double 
 
 // Equal axes: the range with room to spare grows about its middle.
 void equalise(Range& x, Range& y, const Frame& frame) {
-  const double metres_per_px = std::max((x.high - x.low) / frame.width(), (y.high - y.low) / frame.height());
+  const double meters_per_px = std::max((x.high - x.low) / frame.width(), (y.high - y.low) / frame.height());
   const auto grow = [&](Range& range, double pixels) {
-    const double middle = 0.5 * (range.low + range.high), half = 0.5 * metres_per_px * pixels;
+    const double middle = 0.5 * (range.low + range.high), half = 0.5 * meters_per_px * pixels;
     range = {middle - half, middle + half};
   };
   grow(x, frame.width());

@@ -24,7 +24,7 @@ struct Panel::Series {
 /// Draws a panel into the rectangle whose upper left corner is (left, top).
 void paint_panel(SvgWriter& svg, const Panel& panel, double left, double top, double width, double height);
 
-/// Dark to bright, 0 <= t <= 1, also ordered without colour vision (Viridis).
+/// Dark to bright, 0 <= t <= 1, also ordered without color vision (Viridis).
 std::string heat_color(double t);
 
 }  // namespace swiftlet::sim::plot

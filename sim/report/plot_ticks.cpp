@@ -77,9 +77,9 @@ std::vector<Tick> log_ticks(double low, double high, int wanted) {
       const double value = mantissa * std::pow(10.0, exponent);
       if (value < low * (1.0 - 1e-9) || value > high * (1.0 + 1e-9)) continue;
       const bool decade = mantissa == 1 && exponent % every == 0;
-      const bool labelled = decade || (fine && (mantissa == 1 || mantissa == 2 || mantissa == 5));
+      const bool labeled = decade || (fine && (mantissa == 1 || mantissa == 2 || mantissa == 5));
       if (mantissa != 1 && !fine && decades > 8.0) continue;
-      ticks.push_back({value, labelled ? decade_label(mantissa, exponent) : std::string()});
+      ticks.push_back({value, labeled ? decade_label(mantissa, exponent) : std::string()});
     }
   }
   return ticks;

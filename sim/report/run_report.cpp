@@ -154,7 +154,7 @@ std::string pictures_section(const fs::path& directory) {
     if (!fs::is_directory(directory / folder)) continue;
     for (const auto& entry : fs::recursive_directory_iterator(directory / folder)) {
       const std::string name = entry.path().filename().string();
-      // Depths in millimetres (NAME.mm.png) are data, not to be looked at.
+      // Depths in millimeters (NAME.mm.png) are data, not to be looked at.
       if (name.ends_with(".png") && !name.ends_with(".mm.png"))
         pictures.insert(fs::relative(entry.path(), directory).string());
     }

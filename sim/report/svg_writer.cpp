@@ -97,8 +97,8 @@ void SvgWriter::segment(PointPx a, PointPx b, std::string_view attributes) {
   out_ += "/>\n";
 }
 
-void SvgWriter::circle(PointPx centre, double radius, std::string_view attributes) {
-  out_ += "<circle cx=\"" + px(centre.x) + "\" cy=\"" + px(centre.y) + "\" r=\"" + px(radius) + "\" ";
+void SvgWriter::circle(PointPx center, double radius, std::string_view attributes) {
+  out_ += "<circle cx=\"" + px(center.x) + "\" cy=\"" + px(center.y) + "\" r=\"" + px(radius) + "\" ";
   out_ += attributes;
   out_ += "/>\n";
 }

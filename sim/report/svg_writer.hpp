@@ -20,7 +20,7 @@ class SvgWriter {
 
   void rect(double x, double y, double width, double height, std::string_view attributes);
   void segment(PointPx a, PointPx b, std::string_view attributes);
-  void circle(PointPx centre, double radius, std::string_view attributes);
+  void circle(PointPx center, double radius, std::string_view attributes);
   /// Points that fall on the one before are left out; of a crowd in one pixel column first, extremes and last stay.
   void polyline(const std::vector<PointPx>& points, std::string_view attributes);
   void polygon(const std::vector<PointPx>& points, std::string_view attributes);

@@ -24,8 +24,8 @@ std::string place_of(const VehicleConfig& vehicle) {
   return vehicle.start.place.empty() ? "vehicles: " + vehicle.name + ": start.position_m: " : vehicle.start.place;
 }
 
-/// Centimetres are enough for a start.
-std::string metres(double value) {
+/// Centimeters are enough for a start.
+std::string meters(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f", value);
   return std::string(text) + " m";
@@ -45,7 +45,7 @@ double ground_height_m(const StaticScene& world, const VehicleConfig& vehicle) {
     z -= 1e-3;
   }
   throw InputError(place_of(vehicle) + "expected ground below the start of " + vehicle.name +
-                   " (above_ground), found none at x " + metres(at.x()) + ", y " + metres(at.y()));
+                   " (above_ground), found none at x " + meters(at.x()) + ", y " + meters(at.y()));
 }
 
 VehicleState start_state(const VehicleConfig& vehicle, const StaticScene& world) {
@@ -65,7 +65,7 @@ void require_apart(const Scenario& scenario, const std::vector<PhysicsVehicle>& 
           vehicles[i].airframe.circumscribed_radius_m() + vehicles[j].airframe.circumscribed_radius_m();
       if (distance_m >= least_m) continue;
       throw InputError(place_of(scenario.vehicles[i]) + "expected " + vehicles[i].name + " at least " +
-                       metres(least_m) + " from " + vehicles[j].name + ", found " + metres(distance_m));
+                       meters(least_m) + " from " + vehicles[j].name + ", found " + meters(distance_m));
     }
   }
 }
@@ -83,7 +83,7 @@ void require_room(const Scenario& scenario, const std::vector<PhysicsVehicle>& v
     // Rounded up, so that the number told is one that does.
     const double least_z_m = std::ceil((problem->free_z_m - datum_m) * 100.0 - 0.2) / 100.0;
     throw InputError(place_of(config) + "expected room for " + vehicles[i].name + ", found " + found +
-                     "; there is room from z = " + metres(least_z_m) + " upwards" +
+                     "; there is room from z = " + meters(least_z_m) + " upwards" +
                      (config.start.above_ground ? " (above the ground)" : ""));
   }
 }

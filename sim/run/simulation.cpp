@@ -143,7 +143,7 @@ struct Simulation::Impl {
   std::vector<std::array<double, kMaxRotors>> commands;
   std::vector<Clearance> clearances;
   std::vector<double> least_clearance_m;
-  std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
+  std::vector<std::vector<std::shared_ptr<const LabeledScan>>> scans;
   std::vector<std::uint64_t> hashes;
   std::vector<Sweep> sweeps;                 // due in this tick
   std::vector<Part> parts;                   // of theirs

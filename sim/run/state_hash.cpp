@@ -108,7 +108,7 @@ void add(Hasher& h, const std::shared_ptr<const Scan>& scan) {
   h.add(scan->range_m);
   h.add(scan->intensity);
   h.add(scan->reflectivity);
-  for (const StampedPose& told : scan->told_poses) {
+  for (const StampedPose& told : scan->external_poses) {
     h.add(told.t);
     h.add(told.T_world_body);
   }

@@ -131,7 +131,7 @@ void check_time(ConfigVisitor& v, const Scenario& scenario) {
 
 void StartConfig::visit(ConfigVisitor& v) {
   v.field("position_m", position_m,
-          "[m] of the centre of mass, world frame; on legs, z is airframe.leg_height_m above the ground");
+          "[m] of the center of mass, world frame; on legs, z is airframe.leg_height_m above the ground");
   if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) place = teller->place_of("position_m");
   v.field("above_ground", above_ground, "[-] does z count from the ground below?");
   v.field("yaw_deg", yaw_deg, "[deg] heading, counter-clockwise from east");
@@ -156,10 +156,11 @@ void VehicleConfig::visit(ConfigVisitor& v) {
 
 void MetricsConfig::visit(ConfigVisitor& v) {
   v.field("clearance_max_m", clearance_max_m, "[m] clearances beyond are reported as this", Range::positive());
-  v.field("true_positive_m", true_positive_m, "[m] a detection or track nearer than this to a vehicle is that vehicle's",
-          Range::positive());
+  v.field("true_positive_m", true_positive_m,
+          "[m] a detection or track nearer than this to a vehicle is that vehicle's", Range::positive());
   v.field("detection_range_m", detection_range_m, "[m] vehicles nearer than this count for recall", Range::positive());
-  v.field("detection_bin_m", detection_bin_m, "[m] width of the bins of distance of recall and errors", Range::positive());
+  v.field("detection_bin_m", detection_bin_m, "[m] width of the bins of distance of recall and errors",
+          Range::positive());
   v.field("stop_on_crash", stop_on_crash, "[-] end the run at the first crash?");
   v.field("stop_when_done", stop_when_done, "[-] end the run when every mission is done, failed or crashed?");
 }

@@ -14,8 +14,8 @@ struct GnssOutage {
 };
 
 /// Satellite navigation. Error of position = white noise + stationary Gauss-Markov drift + random walk of the altitude
-/// (what a receiver's filter hides: 003 saw 0.8 m between take-off and landing) + multipath where the sky is blocked.
-/// Defaults: the receiver of 003 (u-blox M8P), whose sigma was above 1.5 m.
+/// (what a receiver's filter hides: Orsulic 2021 saw 0.8 m between take-off and landing) + multipath where the sky is
+/// blocked. Defaults: the receiver of Orsulic 2021 (u-blox M8P), whose sigma was above 1.5 m.
 struct GnssConfig : SensorConfigOf<GnssConfig> {
   std::string model;
   double rate_hz = 5.0;

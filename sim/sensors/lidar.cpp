@@ -9,8 +9,8 @@
 
 #include "core/math/random.hpp"
 #include "sim/raycast/sweep_scene.hpp"
+#include "sim/sensors/lidar_external_pose.hpp"
 #include "sim/sensors/lidar_tiles.hpp"
-#include "sim/sensors/lidar_told_pose.hpp"
 #include "sim/sensors/noise.hpp"
 #include "sim/world/vehicle_shape.hpp"
 
@@ -42,7 +42,7 @@ void LidarConfig::visit(ConfigVisitor& v) {
   v.object("noise", noise, "noise of the range");
   v.object("detection", detection, "which returns are noticed");
   v.object("beam", beam, "width of the beam");
-  v.object("told_pose", told_pose, "pose that comes with each scan from an outside localisation");
+  v.object("external_pose", external_pose, "pose that comes with each scan from an outside localization");
   v.check(range_max_m > range_min_m, "range_max_m", "more than range_min_m");
 }
 
@@ -125,7 +125,7 @@ float arc_cosine(float x) {
 }
 
 /// A scan of the pool with the beam table of its own that a pattern without repetition needs.
-struct PooledScan : LabelledScan {
+struct PooledScan : LabeledScan {
   std::shared_ptr<BeamTable> own_beams;
 };
 
@@ -134,7 +134,7 @@ class Lidar final : public Sensor {
   Lidar(const LidarConfig& config, SensorSetup setup);
 
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override;
-  std::span<const std::shared_ptr<const LabelledScan>> scans() const override { return completed_; }
+  std::span<const std::shared_ptr<const LabeledScan>> scans() const override { return completed_; }
   bool makes_scan_by(TimeNs now) const override { return schedule_.is_due(now); }
   int begin_sweep(TimeNs now, const StateHistory& truth) override;
   void trace_part(int part) override;
@@ -143,14 +143,14 @@ class Lidar final : public Sensor {
 
  private:
   std::shared_ptr<PooledScan> take_from_pool();
-  void resize(LabelledScan& scan) const;
+  void resize(LabeledScan& scan) const;
   void look_up_surfaces();
   std::vector<Firing> firings_of(const BeamTable& beams) const;
   void make_tiles(BeamTable& beams);
   std::shared_ptr<PooledScan> sweep(TimeNs stamp, std::uint32_t index, const StateHistory& truth);
   void prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth, PooledScan& out);
 
-  void measure_tile(const LidarTile& tile, std::uint32_t index, LabelledScan& out) const;
+  void measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan& out) const;
   void trace_thin(const LidarTile& tile, Echoes& echoes) const;
   void trace_wide(const LidarTile& tile, Echoes& echoes) const;
   float brightness(std::uint32_t surface, float cos_incidence) const;
@@ -164,7 +164,7 @@ class Lidar final : public Sensor {
   std::vector<SubRay> sub_rays_;
   float sub_ray_sigma_rad_ = 0.0F;
   SweepScene scene_;
-  ToldPoses told_poses_;
+  ExternalPoses external_poses_;
   Random range_random_, detection_random_;
   std::vector<SurfaceLookUp> surfaces_;  // by number of SweepScene
   std::shared_ptr<BeamTable> beams_;     // of a pattern that repeats; otherwise those of the first sweep
@@ -172,7 +172,7 @@ class Lidar final : public Sensor {
   std::vector<LidarTile> tiles_;
   std::vector<float> range_normals_;  // (beams), of the current sweep
   std::vector<std::shared_ptr<PooledScan>> pool_;
-  std::vector<std::shared_ptr<const LabelledScan>> completed_;
+  std::vector<std::shared_ptr<const LabeledScan>> completed_;
   std::shared_ptr<PooledScan> begun_;  // by begin_sweep(), to be delivered by measure()
   int tiles_of_part_ = 1;
 };
@@ -193,7 +193,7 @@ Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
       // FWHM of a Gaussian = 2 sqrt(2 ln 2) sigma.
       sub_ray_sigma_rad_(static_cast<float>(config.beam.divergence_deg * kRadPerDeg / 2.354820045)),
       scene_(world_or_nothing(setup_), setup_.vehicle_shapes, setup_.vehicle, T_body_lidar_, config.range_max_m),
-      told_poses_(config.told_pose, config.ideal, setup_.seed, setup_.entity),
+      external_poses_(config.external_pose, config.ideal, setup_.seed, setup_.entity),
       range_random_(setup_.seed, "lidar.range", setup_.entity),
       detection_random_(setup_.seed, "lidar.detection", setup_.entity),
       beams_(std::make_shared<BeamTable>()) {
@@ -203,7 +203,7 @@ Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
   scene_.set_firings(firings, pattern_->is_image());
   tiler_ = LidarTiler(*pattern_, *beams_, firings.size() == static_cast<std::size_t>(beams_->cols));
   make_tiles(*beams_);
-  // Shots that lie a degree apart share little with their neighbours: the fewer in a part, the better it can be placed.
+  // Shots that lie a degree apart share little with their neighbors: the fewer in a part, the better it can be placed.
   tiles_of_part_ = pattern_->is_image() ? kTilesAtATime : 1;
   range_normals_.resize(beams_->size());
 }
@@ -235,7 +235,7 @@ std::vector<Firing> Lidar::firings_of(const BeamTable& beams) const {
   return firings;
 }
 
-// Packets of neighbouring beams, and which beams can meet the own vehicle.
+// Packets of neighboring beams, and which beams can meet the own vehicle.
 void Lidar::make_tiles(BeamTable& beams) {
   tiler_.arrange(beams, tiles_);
   beams.masked.resize(beams.size());
@@ -299,9 +299,9 @@ std::shared_ptr<PooledScan> Lidar::take_from_pool() {
   return scan;
 }
 
-void Lidar::resize(LabelledScan& labelled) const {
+void Lidar::resize(LabeledScan& labeled) const {
   const std::size_t size = beams_->size();
-  Scan& scan = labelled.scan;
+  Scan& scan = labeled.scan;
   scan.sensor = setup_.name;
   scan.duration = duration_;
   scan.T_body_lidar = T_body_lidar_;
@@ -310,12 +310,12 @@ void Lidar::resize(LabelledScan& labelled) const {
   scan.range_m.resize(size);
   scan.intensity.resize(size);
   scan.reflectivity.resize(size);
-  labelled.truth.range_m.resize(size);
-  labelled.truth.incidence_rad.resize(size);
-  labelled.truth.surface_class.resize(size);
-  labelled.truth.instance.resize(size);
-  labelled.truth.part.resize(size);
-  labelled.truth.T_world_lidar.resize(duration_ == 0 ? 1 : beams_->cols);
+  labeled.truth.range_m.resize(size);
+  labeled.truth.incidence_rad.resize(size);
+  labeled.truth.surface_class.resize(size);
+  labeled.truth.instance.resize(size);
+  labeled.truth.part.resize(size);
+  labeled.truth.T_world_lidar.resize(duration_ == 0 ? 1 : beams_->cols);
 }
 
 std::shared_ptr<PooledScan> Lidar::sweep(TimeNs stamp, std::uint32_t index, const StateHistory& truth) {
@@ -339,7 +339,7 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
     out.scan.beams = out.own_beams;
   }
   scene_.begin(truth, stamp, duration_);
-  told_poses_.tell(truth, setup_.vehicle, T_body_lidar_, stamp, duration_, index, out.scan.told_poses);
+  external_poses_.tell(truth, setup_.vehicle, T_body_lidar_, stamp, duration_, index, out.scan.external_poses);
 
   // The same numbers however the beams are shared out: each is a function of (sweep, beam).
   constexpr int kChunk = 4096;
@@ -357,7 +357,7 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
 // ---- one tile
 // ---------------------------------------------------------------------------------------------------------
 
-void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabelledScan& out) const {
+void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan& out) const {
   Echoes echoes;
   sub_rays_.size() == 1 ? trace_thin(tile, echoes) : trace_wide(tile, echoes);
   std::array<float, kPacketSize> incidence_rad;

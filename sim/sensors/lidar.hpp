@@ -19,10 +19,10 @@ struct MountConfig {
   Pose T_body_lidar() const;
 };
 
-/// The pose that the agent is told with each scan, with the noise of Sigma_w (000, sec. IV-A and eq. 66). With the
-/// noise on the way from measurement to truth (eqs. 40, 41), the told pose is t_m = t_gt - t_n, R_m = R_gt R_n^T with
-/// R_n = Rz Ry Rx. White: one draw for each sweep. Correlated: a stationary Gauss-Markov process.
-struct ToldPoseConfig {
+/// The pose that the agent is told with each scan, with the noise of Sigma_w [Vrba 2025, sec. IV-A and eq. 66]. With
+/// the noise on the way from measurement to truth (eqs. 40, 41), the external pose is t_m = t_gt - t_n, R_m = R_gt
+/// R_n^T with R_n = Rz Ry Rx. White: one draw for each sweep. Correlated: a stationary Gauss-Markov process.
+struct ExternalPoseConfig {
   bool enabled = false;
   double sigma_position_m = 0.05;
   double sigma_rotation_rad = 0.005;
@@ -46,7 +46,7 @@ struct LidarConfig : SensorConfigOf<LidarConfig> {
   RangeNoiseConfig noise;
   DetectionConfig detection;
   BeamWidthConfig beam;
-  ToldPoseConfig told_pose;
+  ExternalPoseConfig external_pose;
 
   void visit(ConfigVisitor& v) override;
 };

@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-/// Noise of the measured range. Constant (000, eq. 66), or by range and incidence: sigma = table(range) *
+/// Noise of the measured range. Constant [Vrba 2025, eq. 66], or by range and incidence: sigma = table(range) *
 /// factor(incidence), both linear between their points and constant outside.
 struct RangeNoiseConfig {
   double sigma_range_m = 0.03;
@@ -35,7 +35,7 @@ struct DetectionConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Width of the beam. Sub-rays are the cubature points of a Gaussian beam: 5 = centre and a cross, 9 = 3 x 3
+/// Width of the beam. Sub-rays are the cubature points of a Gaussian beam: 5 = center and a cross, 9 = 3 x 3
 /// Gauss-Hermite. Echoes within a pulse's length melt into one at their power-weighted range (mixed pixel); of
 /// separate ones the strongest is returned.
 struct BeamWidthConfig {

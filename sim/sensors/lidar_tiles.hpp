@@ -10,14 +10,14 @@
 
 namespace swiftlet::sim {
 
-/// 16 neighbouring beams, to be traced together.
+/// 16 neighboring beams, to be traced together.
 struct LidarTile {
   BeamPacket beams;
   std::array<std::int32_t, kPacketSize> beam;  ///< index in the BeamTable; -1: lane not used
   bool meets_self = false;
 };
 
-/// Number of the cell of directions that a beam goes to, about 5 deg wide; neighbouring numbers are neighbouring cells.
+/// Number of the cell of directions that a beam goes to, about 5 deg wide; neighboring numbers are neighboring cells.
 int direction_cell(const Eigen::Vector3f& direction);
 
 /// Groups the beams of a sweep by direction: blocks of the image where rows and columns form one, otherwise in cells

@@ -5,7 +5,7 @@
 
 namespace swiftlet::sim {
 
-/// A camera of a mutual-localisation sensor, with a conical field of view (a fisheye lens).
+/// A camera of a mutual-localization sensor, with a conical field of view (a fisheye lens).
 struct NeighborCamera {
   double yaw_deg = 0.0;
   double pitch_deg = 0.0;
@@ -14,8 +14,9 @@ struct NeighborCamera {
   void visit(ConfigVisitor& v);
 };
 
-/// Other vehicles as UVDAR (blinking markers seen by fisheye cameras; 004) and the like give them: good bearings,
-/// ranges that get worse with distance, nothing beyond a range, behind an obstacle or another vehicle, or out of view.
+/// Other vehicles as UVDAR (blinking markers seen by fisheye cameras; Kamler 2025) and the like give them: good
+/// bearings, ranges that get worse with distance, nothing beyond a range, behind an obstacle or another vehicle, or out
+/// of view.
 struct NeighborsConfig : SensorConfigOf<NeighborsConfig> {
   std::string model;
   double rate_hz = 10.0;

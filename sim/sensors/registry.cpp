@@ -26,7 +26,7 @@ constexpr SensorType kSensorTypes[] = {
     {{"compass", "heading from a magnetometer", make_module_config<CompassConfig>}, make_compass_sensor},
     {{"odometry", "visual-inertial odometry in a local frame that drifts", make_module_config<OdometryConfig>},
      make_odometry_sensor},
-    {{"neighbors", "other vehicles by mutual localisation (UVDAR)", make_module_config<NeighborsConfig>},
+    {{"neighbors", "other vehicles by mutual localization (UVDAR)", make_module_config<NeighborsConfig>},
      make_neighbors_sensor},
     {{"lidar", "LiDAR: Ouster, Livox Mid-360, Velodyne Puck, or any pattern", make_module_config<LidarConfig>},
      make_lidar},

@@ -25,7 +25,7 @@ struct ScanTruth {
 };
 
 /// A scan with its truth. Made by the LiDAR from a pool, shared with agents (the scan only) and recorders (both).
-struct LabelledScan {
+struct LabeledScan {
   Scan scan;
   ScanTruth truth;
 };
@@ -67,7 +67,7 @@ class Sensor {
   /// Everything that became due in (previous tick, now] is measured on `truth` and appended to `out`.
   virtual void measure(TimeNs now, const StateHistory& truth, Observation& out) = 0;
   /// Scans made by the last measure(), with truth, for recorders. Empty for anything but a LiDAR.
-  virtual std::span<const std::shared_ptr<const LabelledScan>> scans() const { return {}; }
+  virtual std::span<const std::shared_ptr<const LabeledScan>> scans() const { return {}; }
   /// Does measure(now) make a scan? Then it may be traced part by part before:
   virtual bool makes_scan_by(TimeNs /*now*/) const { return false; }
   /// Begins the sweep that is due and tells the number of its parts. Each must be traced once before measure(now), by

@@ -272,8 +272,8 @@ void add_cars(SceneBuilder& scene, const CampusConfig& config, std::uint64_t see
 }  // namespace
 
 void CampusConfig::visit(ConfigVisitor& v) {
-  v.field("size_m", size_m, "[m] extent of the ground along x and y, centred at the origin", Range::positive());
-  v.field("building_size_m", building_size_m, "[m] outer size of the building along x and y, centred at the origin",
+  v.field("size_m", size_m, "[m] extent of the ground along x and y, centered at the origin", Range::positive());
+  v.field("building_size_m", building_size_m, "[m] outer size of the building along x and y, centered at the origin",
           Range::between(4.0, 1000.0));
   v.field("wall_height_m", wall_height_m, "[m] height of the walls below the roof", Range::between(2.0, 100.0));
   v.field("roof_height_m", roof_height_m, "[m] ridge above the walls", Range::positive());

@@ -130,7 +130,7 @@ void CloudConfig::visit(ConfigVisitor& v) {
   v.file("file", file, "[-] point cloud: .pcd (ascii, binary, binary_compressed) or .ply (ascii, binary)");
   v.field("leaf_m", leaf_m, "[m] edge of a voxel", Range::between(0.005, 100.0));
   v.field("min_points", min_points, "[-] points that make a voxel solid", Range::between(1, 1000000));
-  v.field("scale", scale, "[-] metres for a unit of the file", Range::positive());
+  v.field("scale", scale, "[-] meters for a unit of the file", Range::positive());
   v.field("yaw_deg", yaw_deg, "[deg] turn about the vertical, after scaling");
   v.field("position_m", position_m, "[m] where the file's origin goes");
   v.choice("class", surface_class, static_class_names(), "[-] truth class of everything");

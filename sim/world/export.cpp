@@ -82,7 +82,7 @@ void write_ply(const Scene& scene, std::ostream& stream) {
   if (vertices > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw std::runtime_error("PLY indices hold at most 2147483647 vertices, the world has " + std::to_string(vertices));
   }
-  stream << "ply\nformat binary_little_endian 1.0\ncomment world frame: x east, y north, z up; metres\n"
+  stream << "ply\nformat binary_little_endian 1.0\ncomment world frame: x east, y north, z up; meters\n"
          << "element vertex " << vertices << "\nproperty float x\nproperty float y\nproperty float z\n"
          << "property uchar red\nproperty uchar green\nproperty uchar blue\n"
          << "property ushort class\nproperty ushort instance\nproperty float reflectivity\nproperty uchar "
@@ -132,7 +132,7 @@ void write_mtl(const Scene& scene, std::ostream& stream) {
 }
 
 void write_obj(const Scene& scene, const std::string& mtl_name, std::ostream& stream) {
-  std::string buffer = "# world frame: x east, y north, z up; metres\nmtllib " + mtl_name + "\n";
+  std::string buffer = "# world frame: x east, y north, z up; meters\nmtllib " + mtl_name + "\n";
   std::size_t first = 1;  // OBJ counts from 1
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];

@@ -9,7 +9,7 @@
 namespace swiftlet::sim {
 
 /// Writes the scene as `out` and its table of objects (for forests: the stem map) beside it as <stem>.objects.csv.
-/// .ply: binary little-endian; each vertex carries colour, class, instance, reflectivity and whether it is
+/// .ply: binary little-endian; each vertex carries color, class, instance, reflectivity and whether it is
 /// retroreflective. .obj: one object <class>_<instance>_<mesh> with its material for each instance, and <stem>.mtl.
 /// Each file appears complete under its name, or not at all. Returns the paths written.
 /// Throws InputError for another extension, std::runtime_error when a file cannot be written.

@@ -67,7 +67,7 @@ void add_bushes(SceneBuilder& scene, const FieldConfig& config, std::uint64_t se
 }  // namespace
 
 void FieldConfig::visit(ConfigVisitor& v) {
-  v.field("size_m", size_m, "[m] extent along x and y, centred at the origin", Range::positive());
+  v.field("size_m", size_m, "[m] extent along x and y, centered at the origin", Range::positive());
   v.object("relief", relief, "hills");
   v.field("ground_cell_m", ground_cell_m, "[m] mesh of the ground where it is not flat", Range::between(0.1, 100.0));
   v.field("num_trees", num_trees, "[-] trees, as far as they find room", Range::between(0, 20000));

@@ -8,7 +8,7 @@
 
 namespace swiftlet::sim {
 
-/// Open grassland with scattered trees, as for the outdoor flights of 000.
+/// Open grassland with scattered trees, as for the outdoor flights of Vrba 2025.
 struct FieldConfig : ModuleConfigOf<FieldConfig> {
   Eigen::Vector2d size_m = {120.0, 120.0};
   ReliefConfig relief;

@@ -198,7 +198,7 @@ void add_rocks(SceneBuilder& scene, const ForestConfig& config, std::uint64_t se
 }  // namespace
 
 void ForestConfig::visit(ConfigVisitor& v) {
-  v.field("size_m", size_m, "[m] extent along x and y, centred at the origin", Range::between(1.0, 2000.0));
+  v.field("size_m", size_m, "[m] extent along x and y, centered at the origin", Range::between(1.0, 2000.0));
   v.object("relief", relief, "hills");
   v.field("ground_cell_m", ground_cell_m, "[m] mesh of the ground", Range::between(0.1, 100.0));
   v.field("stems_per_ha", stems_per_ha, "[1/ha] trees before trails and clearings are cut",

@@ -72,7 +72,7 @@ void ForestThesisConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("trunk_radius_m", trunk_radius_m, "[m] mean radius of the trunks", Range::positive());
   v.field("trunk_radius_spread_m", trunk_radius_spread_m, "[m] see spread", Range::non_negative());
-  v.field("tree_height_m", tree_height_m, "[m] mean height of the trunks, and of the centres of the crowns",
+  v.field("tree_height_m", tree_height_m, "[m] mean height of the trunks, and of the centers of the crowns",
           Range::positive());
   v.field("tree_height_spread_m", tree_height_spread_m, "[m] see spread", Range::non_negative());
   v.field("crown_radius_m", crown_radius_m, "[m] mean radius of the crowns", Range::positive());

@@ -73,11 +73,11 @@ void add_crates(SceneBuilder& scene, const HallConfig& config, std::uint64_t see
 }  // namespace
 
 void HallConfig::visit(ConfigVisitor& v) {
-  v.field("size_m", size_m, "[m] inner size along x, y, z; x and y centred at the origin, floor at z = 0",
+  v.field("size_m", size_m, "[m] inner size along x, y, z; x and y centered at the origin, floor at z = 0",
           Range::positive());
   v.field("wall_thickness_m", wall_thickness_m, "[m]", Range::positive());
   v.field("ceiling", ceiling, "[-] with a ceiling");
-  v.field("hide_center_m", hide_center_m, "[m] centre of the free-standing wall");
+  v.field("hide_center_m", hide_center_m, "[m] center of the free-standing wall");
   v.field("hide_length_m", hide_length_m, "[m] length of the free-standing wall", Range::positive());
   v.field("hide_height_m", hide_height_m, "[m] its height; 0: up to the ceiling", Range::non_negative());
   v.field("hide_yaw_deg", hide_yaw_deg, "[deg] its direction");

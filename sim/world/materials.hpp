@@ -32,7 +32,7 @@ inline Material concrete() {
 }  // (R) smooth 0.24, light weathered 0.45
 inline Material plaster() {
   return {"plaster", 0.70F, false, {0.87F, 0.84F, 0.77F}};
-}  // white masonry (R) 0.85, coloured less
+}  // white masonry (R) 0.85, colored less
 inline Material brick() {
   return {"brick", 0.50F, false, {0.62F, 0.33F, 0.25F}};
 }  // red brick is bright in the near infrared

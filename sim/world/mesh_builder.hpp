@@ -14,7 +14,7 @@ void add_triangle(Mesh& mesh, const Eigen::Vector3f& a, const Eigen::Vector3f& b
 void add_quad(Mesh& mesh, const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c,
               const Eigen::Vector3f& d);
 void add_box(Mesh& mesh, const Eigen::Vector3f& min_m, const Eigen::Vector3f& max_m);
-/// A box of `size_m` centred at the origin of `T`.
+/// A box of `size_m` centered at the origin of `T`.
 void add_box(Mesh& mesh, const Eigen::Affine3f& T, const Eigen::Vector3f& size_m);
 
 enum class Caps { kNone, kStart, kEnd, kBoth };

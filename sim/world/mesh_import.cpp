@@ -185,7 +185,7 @@ void SurfaceRuleConfig::visit(ConfigVisitor& v) {
 void MeshImportConfig::visit(ConfigVisitor& v) {
   v.file("file", file, "[-] mesh: .obj, .ply or .stl");
   v.choice("up_axis", up_axis, {"z", "y"}, "[-] axis of the file that points up");
-  v.field("scale", scale, "[-] metres for a unit of the file", Range::positive());
+  v.field("scale", scale, "[-] meters for a unit of the file", Range::positive());
   v.field("yaw_deg", yaw_deg, "[deg] turn about the vertical, after scaling");
   v.field("position_m", position_m, "[m] where the file's origin goes");
   v.choice("class", surface_class, static_class_names(), "[-] truth class of what no rule names");

@@ -13,7 +13,7 @@ namespace swiftlet::sim {
 /// distances in a tick, not 99.
 class Neighborhood {
  public:
-  /// @param radii_m  by VehicleId, taken off the distances between centres; all zero: centres count
+  /// @param radii_m  by VehicleId, taken off the distances between centers; all zero: centers count
   explicit Neighborhood(std::vector<double> radii_m);
 
   /// After every tick.

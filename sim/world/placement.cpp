@@ -8,12 +8,12 @@
 namespace swiftlet::sim {
 
 void TrailConfig::visit(ConfigVisitor& v) {
-  v.field("points_m", points_m, "[m] corners of the trail's centre line; z is not used");
+  v.field("points_m", points_m, "[m] corners of the trail's center line; z is not used");
   v.field("width_m", width_m, "[m] width that stays free", Range::positive());
 }
 
 void ClearingConfig::visit(ConfigVisitor& v) {
-  v.field("center_m", center_m, "[m] x and y of the centre");
+  v.field("center_m", center_m, "[m] x and y of the center");
   v.field("radius_m", radius_m, "[m]", Range::positive());
 }
 

@@ -72,7 +72,7 @@ struct WorldObject {
   std::uint16_t instance = 0;
   SurfaceClass surface_class = SurfaceClass::kUnlabeled;
   std::string kind;                                      ///< "pine", "rack", ...
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< foot of a stem, centre of anything else
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< foot of a stem, center of anything else
   double yaw_rad = 0.0;
   std::vector<std::pair<std::string, double>>
       attributes;  ///< such as {"dbh_m", 0.31}, {"height_m", 18.2}; same keys for the same kind

@@ -29,7 +29,7 @@ struct Crown {
   double base_m = 0.0;
   double top_m = 0.0;
   double radius_m = 0.0;  ///< widest
-  double lean_x = 0.0;    ///< the axis leaves the vertical by this much for a metre of height
+  double lean_x = 0.0;    ///< the axis leaves the vertical by this much for a meter of height
   double lean_y = 0.0;
 
   double outer_radius_m(double z_m) const;
@@ -37,7 +37,7 @@ struct Crown {
   bool contains(const Eigen::Vector3d& point_m) const;
 };
 
-/// One tree in metres, its foot at the origin.
+/// One tree in meters, its foot at the origin.
 struct Tree {
   Species species = Species::kPine;
   double dbh_m = 0.0;

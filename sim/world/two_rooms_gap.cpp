@@ -11,7 +11,8 @@
 namespace swiftlet::sim {
 
 void TwoRoomsGapConfig::visit(ConfigVisitor& v) {
-  v.field("gap_width_m", gap_width_m, "[m] width of the gap; 0: 2 safe_distance_m + 1.5 map_resolution_m (001, eq. 1)",
+  v.field("gap_width_m", gap_width_m,
+          "[m] width of the gap; 0: 2 safe_distance_m + 1.5 map_resolution_m [Pritzl 2024, eq. 1]",
           Range::non_negative());
   v.field("safe_distance_m", safe_distance_m, "[m] the planner's d_S in that formula", Range::positive());
   v.field("map_resolution_m", map_resolution_m, "[m] voxel size of the planner's map in that formula",
@@ -25,7 +26,7 @@ void TwoRoomsGapConfig::visit(ConfigVisitor& v) {
   v.field("ceiling", ceiling, "[-] with a ceiling");
   v.field("yaw_deg", yaw_deg, "[deg] direction of the way through the gap, in the world");
   v.field("random_yaw", random_yaw, "[-] a direction drawn from the seed is added to yaw_deg");
-  v.field("position_m", position_m, "[m] centre of the gap, x and y in the world");
+  v.field("position_m", position_m, "[m] center of the gap, x and y in the world");
   v.check(gap_width() + 2.0 * std::abs(gap_offset_m) < room_size_m.y(), "gap_width_m", "a gap that fits into its wall");
   v.check(gap_height_m <= height_m, "gap_height_m", "at most height_m");
 }

@@ -135,7 +135,7 @@ VehicleShape make_vehicle_shape(const Airframe& airframe) {
   VehicleShape shape;
   const auto reflectivity = static_cast<float>(airframe.reflectivity);
   shape.materials = {{"frame", reflectivity, false, {0.13F, 0.13F, 0.15F}},
-                     {"rotor", 0.10F, false, {0.22F, 0.22F, 0.24F}},    // black plastic or carbon fibre
+                     {"rotor", 0.10F, false, {0.22F, 0.22F, 0.24F}},    // black plastic or carbon fiber
                      {"sensor", 0.25F, false, {0.55F, 0.57F, 0.60F}}};  // anodised aluminium
 
   // The arms lie below the hubs; the plates are at their height.

@@ -11,18 +11,20 @@ namespace swiftlet::sim {
 /// True state of one vehicle at one instant. Plain, trivially copyable apart from Eigen.
 struct VehicleState {
   TimeNs t = 0;
-  Vector3 p_world_m = Vector3::Zero();                 ///< centre of mass = origin of the body frame
+  Vector3 p_world_m = Vector3::Zero();  ///< center of mass = origin of the body frame
   Eigen::Quaterniond q_world_body = Eigen::Quaterniond::Identity();
   Vector3 v_world_mps = Vector3::Zero();
   Vector3 omega_body_radps = Vector3::Zero();
   std::array<double, kMaxRotors> rotor_speed_radps{};  ///< >= 0
-  std::array<double, kMaxRotors> rotor_angle_rad{};    ///< turned since the start, signed by the sense of rotation, not wrapped
+  std::array<double, kMaxRotors>
+      rotor_angle_rad{};  ///< turned since the start, signed by the sense of rotation, not wrapped
   bool crashed = false;
 
   Pose T_world_body() const { return make_pose(p_world_m, q_world_body); }
 };
 
-/// State between two instants: cubic Hermite in position, slerp in attitude, linear in the rest. t is clamped to [a.t, b.t].
+/// State between two instants: cubic Hermite in position, slerp in attitude, linear in the rest. t is clamped to [a.t,
+/// b.t].
 VehicleState interpolate(const VehicleState& a, const VehicleState& b, TimeNs t);
 
 /// The last states of every vehicle at physics rate, so that a sensor can look at any instant of its sweep.
@@ -32,7 +34,7 @@ class StateHistory {
   StateHistory() = default;
   StateHistory(int num_vehicles, int capacity);
 
-  void push(VehicleId vehicle, const VehicleState& state);   ///< states come in order of time
+  void push(VehicleId vehicle, const VehicleState& state);  ///< states come in order of time
   const VehicleState& latest(VehicleId vehicle) const;
   /// Interpolated state; before the oldest kept one or after the newest: that one.
   VehicleState at(VehicleId vehicle, TimeNs t) const;
@@ -42,9 +44,9 @@ class StateHistory {
   const VehicleState& nth_newest(VehicleId vehicle, int n) const;
   int num_vehicles_ = 0;
   int capacity_ = 0;
-  std::vector<VehicleState> ring_;   // (num_vehicles x capacity)
-  std::vector<int> newest_;          // (num_vehicles), index in its row
-  std::vector<int> count_;           // (num_vehicles)
+  std::vector<VehicleState> ring_;  // (num_vehicles x capacity)
+  std::vector<int> newest_;         // (num_vehicles), index in its row
+  std::vector<int> count_;          // (num_vehicles)
 };
 
 }  // namespace swiftlet::sim

@@ -203,7 +203,7 @@ void fill_racks(SceneBuilder& scene, const WarehouseConfig& config, std::uint64_
         for (const double side : {-1.0, 1.0}) {
           Dice dice(chance, slot++);
           if (!dice.chance(config.fill)) continue;
-          // Up to a few centimetres and degrees off, but never out of the rack.
+          // Up to a few centimeters and degrees off, but never out of the rack.
           const double play_m = std::max(0.0, 0.5 * (config.rack_depth_m - kPalletLength_m - 0.05));
           const double x = -0.5 * racks_length_m(config) + (bay + 0.5) * config.bay_width_m +
                            side * 0.25 * config.bay_width_m + dice.uniform(-0.05, 0.05);
@@ -246,7 +246,7 @@ void add_floor_tape(SceneBuilder& scene, const WarehouseConfig& config) {
 }  // namespace
 
 void WarehouseConfig::visit(ConfigVisitor& v) {
-  v.field("size_m", size_m, "[m] inner size along x, y, z; x and y centred at the origin, floor at z = 0",
+  v.field("size_m", size_m, "[m] inner size along x, y, z; x and y centered at the origin, floor at z = 0",
           Range::positive());
   v.field("wall_thickness_m", wall_thickness_m, "[m]", Range::positive());
   v.field("roof", roof, "[-] with a roof");
@@ -261,7 +261,7 @@ void WarehouseConfig::visit(ConfigVisitor& v) {
   v.field("gate_width_m", gate_width_m,
           "[m] opening in the east wall, closed by the leaves of the gate but for the door", Range::positive());
   v.field("gate_height_m", gate_height_m, "[m]", Range::positive());
-  v.field("door_width_m", door_width_m, "[m] what the leaves leave open (001, Table III: 1.2, 1.1, 1.0, 0.9)",
+  v.field("door_width_m", door_width_m, "[m] what the leaves leave open [Pritzl 2024, Table III: 1.2, 1.1, 1.0, 0.9]",
           Range::positive());
   v.field("door_height_m", door_height_m, "[m]", Range::positive());
   v.field("door_offset_m", door_offset_m, "[m] y of the middle of the door");

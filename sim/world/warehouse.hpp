@@ -8,8 +8,8 @@ namespace swiftlet::sim {
 
 /// A hall with pallet racks in double rows along x, aisles between them, a cross aisle at either end, pillars at the
 /// ends of the rows, retro-reflective tape on the floor and on the uprights, and a gate in the east wall (+x) whose
-/// leaves leave a door of any width open, as in 001 sec. III-C (1.2 m down to 0.9 m). What fills the racks is drawn
-/// from the seed; walls, aisles, pillars and door are the same for every seed.
+/// leaves leave a door of any width open, as in Pritzl 2024 sec. III-C (1.2 m down to 0.9 m). What fills the racks is
+/// drawn from the seed; walls, aisles, pillars and door are the same for every seed.
 struct WarehouseConfig : ModuleConfigOf<WarehouseConfig> {
   Eigen::Vector3d size_m = {40.0, 26.0, 9.0};
   double wall_thickness_m = 0.2;

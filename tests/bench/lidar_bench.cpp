@@ -242,7 +242,7 @@ class BareEmbree {
   bool coherent_ = true;
 };
 
-/// The static world in Bullet: a BVH of the same triangles, quantised as Bullet does by default.
+/// The static world in Bullet: a BVH of the same triangles, quantized as Bullet does by default.
 class BareBullet {
  public:
   explicit BareBullet(const LidarConfig& config) : range_max_m_(config.range_max_m), rays_(rays_of(config)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One update of the 3D rule-based Lloyd algorithm: r 3.5 m, samples every 0.2 m, 15 neighbours, all three centroids;
+// One update of the 3D rule-based Lloyd algorithm: r 3.5 m, samples every 0.2 m, 15 neighbors, all three centroids;
 // then with some 5000 voxels of a forest floor with trunks.
 #include <benchmark/benchmark.h>
 

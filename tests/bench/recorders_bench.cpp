@@ -17,7 +17,7 @@ void record_scan(benchmark::State& state, const char* type) {
   const auto scan = run.make_scan("os1", run.make_beams(128, 1024), 0, true);
   const auto recorder = make_recorder(Module(recorder_module_types(), type));
   recorder->begin(run.info());
-  const std::vector<std::shared_ptr<const LabelledScan>> scans[2] = {{scan}, {}};
+  const std::vector<std::shared_ptr<const LabeledScan>> scans[2] = {{scan}, {}};
   TickView tick = run.tick(0);
   tick.scans = scans;
   for (auto _ : state) {

@@ -14,7 +14,7 @@
 #include "core/localization/world_cloud.hpp"
 #include "swiftlet/core/detection.hpp"
 
-/// The detector of 000 written straight from the paper (Table II, the paper's reading of every choice), in double
+/// The detector of Vrba 2025 written straight from the paper (Table II, the paper's reading of every choice), in double
 /// precision and without any of core/detection or of the map's and the rays' code: what those are measured against, in
 /// result and in speed.
 namespace swiftlet::reference {
@@ -84,7 +84,7 @@ struct CellHash {
   }
 };
 
-/// Euclidean clusters as in PCL: breadth first, neighbours from a search structure (here buckets of the tolerance).
+/// Euclidean clusters as in PCL: breadth first, neighbors from a search structure (here buckets of the tolerance).
 inline std::vector<std::vector<int>> clusters(const std::vector<Vector3>& points, double tolerance_m) {
   std::unordered_map<Eigen::Vector3i, std::vector<int>, CellHash> buckets;
   const auto bucket_of = [&](const Vector3& p) -> Eigen::Vector3i {

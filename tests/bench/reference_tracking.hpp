@@ -10,8 +10,8 @@
 #include "core/map/background_query.hpp"
 #include "swiftlet/core/detection.hpp"
 
-/// Algorithm 2 of 000 as it is printed, line by line, with Table II, for frozen scans. Slow; what it gives is what the
-/// tracker must give.
+/// Algorithm 2 of Vrba 2025 as it is printed, line by line, with Table II, for frozen scans. Slow; what it gives is
+/// what the tracker must give.
 namespace swiftlet::reference {
 
 using Vector9 = Eigen::Matrix<double, 9, 1>;

@@ -63,7 +63,7 @@ TEST(DetectionLog, JudgesATrackerOnceAScanInTheWorldThatItsObserverBelievesIn) {
 }
 
 // At 10 Hz an odometry does not tell how a multirotor leans in between: without an inertial unit the walls of the hall
-// stood metres off in the map, and targets before them were background.
+// stood meters off in the map, and targets before them were background.
 TEST(DetectionScenarios, TheObserverInTheHallKnowsItsAttitude) {
   sim::Simulation simulation(hall_with_perfect_tracks(6.0), 1);
   double worst_rad = 0.0;

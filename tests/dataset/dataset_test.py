@@ -32,8 +32,8 @@ def rotation(q):
                      [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
 
 
-def read_grey16(path):
-    """A 16-bit grey PNG by its specification; only the filters None and Sub, as they are written."""
+def read_gray16(path):
+    """A 16-bit gray PNG by its specification; only the filters None and Sub, as they are written."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     at, body = 8, b""
@@ -124,7 +124,7 @@ class Dataset(unittest.TestCase):
         self.assertTrue(seen <= set(table["labels"]), seen)
         self.assertIn(40, seen)
         self.assertIn(VEHICLE, seen)
-        # As semantic-kitti-api uses it: a lookup table over all labels, train numbers without gaps, colours and splits.
+        # As semantic-kitti-api uses it: a lookup table over all labels, train numbers without gaps, colors and splits.
         learning = table["learning_map"]
         self.assertEqual(sorted(learning.values()), list(range(len(learning))))
         self.assertEqual({v: k for k, v in learning.items()}, table["learning_map_inv"])
@@ -148,12 +148,12 @@ class Dataset(unittest.TestCase):
             self.assertTrue(np.all((truth["incidence"] >= 0) & (truth["incidence"] <= np.pi / 2 + 1e-6)))
             self.assertTrue(np.all(truth["t_ns"] < 100_000_000))
             self.assertTrue(np.all(np.diff(truth["t_ns"][truth["ring"] == truth["ring"][0]].astype(int)) > 0))
-            image = read_grey16(sequence / f"images/range/{frame:06d}.png")
+            image = read_gray16(sequence / f"images/range/{frame:06d}.png")
             self.assertEqual(image.shape, (64, 512))
             self.assertEqual(np.count_nonzero(image), len(scan))
             shown = image[truth["ring"], truth["column"]] * 0.002
             self.assertLess(np.abs(shown - measured).max(), 0.016 + 0.002)
-            intensity = read_grey16(sequence / f"images/intensity/{frame:06d}.png")
+            intensity = read_gray16(sequence / f"images/intensity/{frame:06d}.png")
             self.assertTrue(np.array_equal(intensity > 0, image > 0))
 
     def test_boxes_hold_the_points_of_their_vehicles(self):
@@ -189,7 +189,7 @@ class Dataset(unittest.TestCase):
                     continue
                 p = np.array([np.interp(t, tum[:, 0], tum[:, i]) for i in (1, 2, 3)])
                 center = np.array([float(box[k]) for k in ("x_world_m", "y_world_m", "z_world_m")])
-                # The box's centre lies near the centre of mass.
+                # The box's center lies near the center of mass.
                 self.assertLess(np.linalg.norm(center - p), 0.3)
 
     def test_tables_and_recordings_are_there(self):

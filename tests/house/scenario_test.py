@@ -74,7 +74,7 @@ def check_png(path):
     pixels = numpy.frombuffer(zlib.decompress(chunks[b"IDAT"]), numpy.uint8)
     expect(pixels.size > width * height, f"{path.name} has too few pixels")
     shown = numpy.count_nonzero(pixels) / pixels.size
-    expect(shown > 0.02, f"{path.name} shows nothing: {100 * shown:.2f} % of its bytes differ from their neighbours")
+    expect(shown > 0.02, f"{path.name} shows nothing: {100 * shown:.2f} % of its bytes differ from their neighbors")
 
 
 def check_pictures(out, scenario):

@@ -246,7 +246,7 @@ class RosCheck:
             ("tracks", number, 2, stamp), ("covariance", number, 2, stamp), ("velocity", number, 0, stamp),
             ("names", number, 9, stamp)])
         self.pose(place["pose"], where, track["p"], [0, 0, 0, 1])
-        self.vector(spread["pose"]["position"], where + " centre of covariance", track["p"])
+        self.vector(spread["pose"]["position"], where + " center of covariance", track["p"])
         axes = rotation([spread["pose"]["orientation"][k] for k in "xyzw"])
         sigma = np.array([spread["scale"][k] for k in "xyz"]) / 6
         self.result.equal(axes @ np.diag(sigma**2) @ axes.T, np.reshape(track["covariance"], (3, 3)),

@@ -31,8 +31,8 @@ json json_of_matrix(const Eigen::MatrixBase<Derived>& m) {
   return values;
 }
 
-json json_of(const LabelledScan& labelled) {
-  const Scan& scan = labelled.scan;
+json json_of(const LabeledScan& labeled) {
+  const Scan& scan = labeled.scan;
   json out{{"sensor", scan.sensor},
            {"stamp_ns", scan.stamp},
            {"duration_ns", scan.duration},
@@ -42,11 +42,11 @@ json json_of(const LabelledScan& labelled) {
            {"range", scan.range_m},
            {"intensity", scan.intensity},
            {"reflectivity", scan.reflectivity},
-           {"range_true", labelled.truth.range_m},
-           {"incidence", labelled.truth.incidence_rad},
-           {"class", labelled.truth.surface_class},
-           {"instance", labelled.truth.instance},
-           {"part", labelled.truth.part},
+           {"range_true", labeled.truth.range_m},
+           {"incidence", labeled.truth.incidence_rad},
+           {"class", labeled.truth.surface_class},
+           {"instance", labeled.truth.instance},
+           {"part", labeled.truth.part},
            {"column_offset_s", scan.beams->column_offset_s}};
   out["row_offset_s"] = scan.beams->row_offset_s;
   if (scan.beams->row_offset_s.empty()) out["row_offset_s"] = std::vector<float>(scan.rows(), 0.0F);
@@ -54,7 +54,7 @@ json json_of(const LabelledScan& labelled) {
     out["directions"].push_back(json_of(Vector3(scan.beams->directions_lidar[i].cast<double>())));
     out["origins"].push_back(json_of(Vector3(scan.beams->origins_lidar[i].cast<double>())));
   }
-  for (const Pose& pose : labelled.truth.T_world_lidar) out["T_world_lidar"].push_back(json_of(pose));
+  for (const Pose& pose : labeled.truth.T_world_lidar) out["T_world_lidar"].push_back(json_of(pose));
   return out;
 }
 

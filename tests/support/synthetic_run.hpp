@@ -72,10 +72,10 @@ class SyntheticRun {
     return 10.0 * phase_ - 5.0;
   }
 
-  std::shared_ptr<LabelledScan> make_scan(const std::string& sensor, std::shared_ptr<const BeamTable> beams,
-                                          TimeNs stamp, bool rolling) {
-    auto labelled = std::make_shared<LabelledScan>();
-    Scan& scan = labelled->scan;
+  std::shared_ptr<LabeledScan> make_scan(const std::string& sensor, std::shared_ptr<const BeamTable> beams,
+                                         TimeNs stamp, bool rolling) {
+    auto labeled = std::make_shared<LabeledScan>();
+    Scan& scan = labeled->scan;
     scan.sensor = sensor;
     scan.stamp = stamp;
     scan.duration = rolling ? 100'000'000 : 0;
@@ -88,15 +88,15 @@ class SyntheticRun {
       // Mostly diffuse, some retro-reflective.
       scan.reflectivity.push_back(hit ? static_cast<float>(i % 7 == 0 ? 50.0 + 9 * number() : 0.5 + 0.09 * number())
                                       : 0.0F);
-      labelled->truth.range_m.push_back(static_cast<float>(10.0 + number()));
-      labelled->truth.incidence_rad.push_back(static_cast<float>(0.7 + 0.1 * number()));
-      labelled->truth.surface_class.push_back(static_cast<std::uint16_t>(40 + i % 300));
-      labelled->truth.instance.push_back(static_cast<std::uint16_t>(1000 + i));
-      labelled->truth.part.push_back(static_cast<std::uint8_t>(i % 7));
+      labeled->truth.range_m.push_back(static_cast<float>(10.0 + number()));
+      labeled->truth.incidence_rad.push_back(static_cast<float>(0.7 + 0.1 * number()));
+      labeled->truth.surface_class.push_back(static_cast<std::uint16_t>(40 + i % 300));
+      labeled->truth.instance.push_back(static_cast<std::uint16_t>(1000 + i));
+      labeled->truth.part.push_back(static_cast<std::uint8_t>(i % 7));
     }
     const int num_poses = rolling ? scan.cols() : 1;
-    for (int column = 0; column < num_poses; ++column) labelled->truth.T_world_lidar.push_back(pose());
-    return labelled;
+    for (int column = 0; column < num_poses; ++column) labeled->truth.T_world_lidar.push_back(pose());
+    return labeled;
   }
 
   std::shared_ptr<const BeamTable> make_beams(int rows, int cols) {
@@ -255,7 +255,7 @@ class SyntheticRun {
   std::array<Observation, 2> observations_;
   std::array<Action, 2> actions_;
   std::vector<const Action*> action_pointers_;
-  std::array<std::vector<std::shared_ptr<const LabelledScan>>, 2> scans_;
+  std::array<std::vector<std::shared_ptr<const LabeledScan>>, 2> scans_;
   std::array<double, 2> clearance_{};
   std::vector<Event> events_;
   std::vector<DetectionScore> scores_;

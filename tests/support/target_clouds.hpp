@@ -22,16 +22,16 @@ class CloudMaker {
     return *this;
   }
   /// Points on the half of a sphere that faces the sensor in the origin, noise-free: their mean is nearer than the
-  /// centre.
-  CloudMaker& add_target(const Vector3& centre_m, double radius_m = 0.3, int num_points = 40, double offset_s = 0.0) {
-    const Vector3 to_sensor = centre_m.norm() > 0.0 ? Vector3(-centre_m.normalized()) : Vector3::UnitX();
+  /// center.
+  CloudMaker& add_target(const Vector3& center_m, double radius_m = 0.3, int num_points = 40, double offset_s = 0.0) {
+    const Vector3 to_sensor = center_m.norm() > 0.0 ? Vector3(-center_m.normalized()) : Vector3::UnitX();
     for (int i = 0, added = 0; added < num_points; ++i) {
       // Directions all over the sphere, evenly (Fibonacci lattice).
       const double z = 1.0 - 2.0 * std::fmod((i + 0.5) / (2.0 * num_points), 1.0);
       const double angle = i * std::numbers::pi * (3.0 - std::sqrt(5.0)), r = std::sqrt(std::max(0.0, 1.0 - z * z));
       const Vector3 n(r * std::cos(angle), r * std::sin(angle), z);
       if (n.dot(to_sensor) < 0.0 && i < 4 * num_points) continue;
-      add(centre_m + radius_m * n, offset_s);
+      add(center_m + radius_m * n, offset_s);
       ++added;
     }
     return *this;
@@ -67,11 +67,11 @@ inline Detection detection_at(const Vector3& p_m, TimeNs t) {
   return detection;
 }
 
-/// Occupied voxels as a list of their centres.
+/// Occupied voxels as a list of their centers.
 struct ListedBackground : BackgroundQuery {
-  std::vector<Vector3> centres_m;
+  std::vector<Vector3> centers_m;
   bool occupied_within(const Vector3& p_world_m, double radius_m) const override {
-    for (const Vector3& c : centres_m) {
+    for (const Vector3& c : centers_m) {
       if ((c - p_world_m).norm() <= radius_m) return true;
     }
     return false;

@@ -13,7 +13,7 @@ namespace swiftlet::sim {
 /// Material 0 is Lambertian with reflectivity 0.3; add_material() returns further ones.
 class TestScene {
  public:
-  TestScene() { scene_.materials.push_back({"grey", 0.3F, false, {0.5F, 0.5F, 0.5F}}); }
+  TestScene() { scene_.materials.push_back({"gray", 0.3F, false, {0.5F, 0.5F, 0.5F}}); }
 
   std::uint32_t add_material(float reflectivity, bool retroreflective = false) {
     scene_.materials.push_back({"material", reflectivity, retroreflective, {0.5F, 0.5F, 0.5F}});
@@ -49,7 +49,7 @@ class TestScene {
   }
 
   /// A sphere of `stacks` x 2 `stacks` quadrilaterals with its vertices on the sphere.
-  void add_sphere(const Eigen::Vector3f& centre, float radius_m, int stacks = 64,
+  void add_sphere(const Eigen::Vector3f& center, float radius_m, int stacks = 64,
                   SurfaceClass surface_class = SurfaceClass::kObject, std::uint16_t instance = 0,
                   std::uint32_t material = 0) {
     std::vector<Eigen::Vector3f> v;
@@ -61,7 +61,7 @@ class TestScene {
         const double azimuth = 2.0 * std::numbers::pi * j / slices;
         const Eigen::Vector3d unit(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
                                    std::cos(polar));
-        v.push_back(centre + radius_m * unit.cast<float>());
+        v.push_back(center + radius_m * unit.cast<float>());
       }
     }
     const auto index = [&](int i, int j) { return static_cast<std::uint32_t>(i * slices + j % slices); };

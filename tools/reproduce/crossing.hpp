@@ -7,7 +7,7 @@
 #include "experiment.hpp"
 #include "parallel.hpp"
 
-/// Crossings of a circle or a sphere (004, sec. 2.4), shared by the experiments of that document.
+/// Crossings of a circle or a sphere [Kamler 2025, sec. 2.4], shared by the experiments of that document.
 namespace swiftlet::tools {
 
 struct Formation {

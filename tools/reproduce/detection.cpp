@@ -220,8 +220,7 @@ void detection_real(Experiment& experiment) {
   const Flights flights = fly_agile(experiment, "detection_real", 375.0);
   const Flights kept =
       fly_agile(experiment, "detection_real", 375.0, {{"vehicles[0].sensors[0].detection.always", "true"}});
-  draw(experiment, "detection-real", {{"modelled returns", &flights}, {"every return kept", &kept}},
-       theory_curve(true));
+  draw(experiment, "detection-real", {{"modeled returns", &flights}, {"every return kept", &kept}}, theory_curve(true));
   write_bins(experiment, "detection-real", flights);
   write_bins(experiment, "detection-real-kept", kept);
   const double ours = joined(flights.detections, kFarthestBin_m).recall(),

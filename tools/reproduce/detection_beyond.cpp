@@ -33,7 +33,7 @@ std::vector<Variation> variations() {
           {"Mid-360",
            {{kLidar,
              "{type: lidar, name: mid360, model: mid360, mount: {position_m: [0, 0, 0.15]}, "
-             "told_pose: {enabled: true, sigma_position_m: 0.05, sigma_rotation_rad: 0.005}}"}},
+             "external_pose: {enabled: true, sigma_position_m: 0.05, sigma_rotation_rad: 0.005}}"}},
            -7.0,
            52.0},
           {"six blades a propeller", {{"vehicles[1].airframe.propeller_blades", "6"}}}};

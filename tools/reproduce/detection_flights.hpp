@@ -44,7 +44,7 @@ struct Curve {
 };
 Curve error_curve(const std::vector<DistanceBin>& bins);
 Curve recall_curve(const std::vector<DistanceBin>& bins);
-/// Expected error of a point under the noise of eq. (66), or none (000, sec. IV): what Fig. 5 says of Fig. 11.
+/// Expected error of a point under the noise of eq. (66), or none [Vrba 2025, sec. IV]: what Fig. 5 says of Fig. 11.
 Curve theory_curve(bool with_noise);
 
 /// A row without published figure.

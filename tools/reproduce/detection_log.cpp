@@ -15,7 +15,7 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr double kTruePositive_m = 3.0;  // 000, sec. V-A
+constexpr double kTruePositive_m = 3.0;  // Vrba 2025, sec. V-A
 constexpr double kFollowed_m = 1.0;      // nearer than this, a track is this target's
 constexpr double kSlow_mps = 0.3;        // below, a velocity has no direction
 const double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -86,22 +86,22 @@ void DetectionLog::add(const sim::Simulation& simulation) {
     truth.v_mps.push_back(view.states[i].v_world_mps);
   }
   truth_.push_back(std::move(truth));
-  for (const auto& labelled : view.scans[observer_]) remember(*labelled);
+  for (const auto& labeled : view.scans[observer_]) remember(*labeled);
   if (view.t < ignored_) return;
   observed_s_ = to_seconds(view.t - ignored_);
   if (action.has_detections && action.detections_stamp >= ignored_) add_detections(action);
   if (action.has_tracks && !view.scans[observer_].empty()) add_tracks(action);
 }
 
-void DetectionLog::remember(const sim::LabelledScan& labelled) {
+void DetectionLog::remember(const sim::LabeledScan& labeled) {
   SeenScan seen;
-  seen.stamp = labelled.scan.stamp;
-  seen.middle = labelled.scan.stamp + labelled.scan.duration / 2;
+  seen.stamp = labeled.scan.stamp;
+  seen.middle = labeled.scan.stamp + labeled.scan.duration / 2;
   seen.points.resize(truth_.back().p_m.size());
-  const sim::ScanTruth& truth = labelled.truth;
+  const sim::ScanTruth& truth = labeled.truth;
   for (std::size_t k = 0; k < truth.instance.size(); ++k) {
     if (truth.surface_class[k] != static_cast<std::uint16_t>(sim::SurfaceClass::kVehicle)) continue;
-    if (!(labelled.scan.range_m[k] > 0.0F)) continue;
+    if (!(labeled.scan.range_m[k] > 0.0F)) continue;
     const std::size_t vehicle = truth.instance[k] - 1U;
     if (vehicle == observer_) continue;
     const std::size_t target = vehicle > observer_ ? vehicle - 1 : vehicle;

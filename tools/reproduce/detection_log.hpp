@@ -10,7 +10,7 @@
 #include "swiftlet/sim/recorder.hpp"
 #include "swiftlet/sim/simulation.hpp"
 
-/// Flying-object detection against truth, as 000 measures it: eqs. 67 to 71.
+/// Flying-object detection against truth, as Vrba 2025 measures it: eqs. 67 to 71.
 namespace swiftlet::tools {
 
 /// One target in one scan, and what the detector or the tracker said of it.
@@ -23,7 +23,7 @@ struct Sighting {
   int points = 0;                    ///< returns of the scan that lie on the target
   bool found = false;                ///< an estimate closer than 3 m: a true positive
   double error_m = 0.0;              ///< eq. (68), in the world that the observer believes in
-  double drifted_error_m = 0.0;      ///< the same in the true world: with the error of its localisation
+  double drifted_error_m = 0.0;      ///< the same in the true world: with the error of its localization
   double speed_error_mps = 0.0;      ///< eq. (69), of tracks
   double direction_error_rad = 0.0;  ///< eq. (70), of tracks; NaN when the target hardly moves
   std::uint32_t track = 0;           ///< identity of the nearest track
@@ -71,7 +71,7 @@ class DetectionLog {
   };
   template <class Stream>
   void exchange(Stream& stream);  // with a stream of numbers, one way or the other
-  void remember(const sim::LabelledScan& labelled);
+  void remember(const sim::LabeledScan& labeled);
   const Truth& at(TimeNs t) const;
   const SeenScan* scan_of(TimeNs stamp) const;
   Sighting sighting_of(const SeenScan& scan, int target) const;

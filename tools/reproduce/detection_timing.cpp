@@ -49,7 +49,7 @@ class StageTimer {
   void add(const sim::Simulation& simulation) {
     const sim::TickView& view = simulation.view();
     registrar_.push(view.actions[0]->estimate);
-    for (const auto& labelled : view.scans[0]) work_on(std::shared_ptr<const Scan>(labelled, &labelled->scan));
+    for (const auto& labeled : view.scans[0]) work_on(std::shared_ptr<const Scan>(labeled, &labeled->scan));
   }
 
   // In the order of Table VI.

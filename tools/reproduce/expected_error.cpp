@@ -25,8 +25,8 @@ double nakagami_mean_m(double range_m, const MeasurementNoise& noise) {
 }
 
 struct ErrorSampled {                           // mean error and its standard error
-  double normal_m = 0.0, normal_error_m = 0.0;  // of the linearised distribution
-  double true_m = 0.0;                          // of eqs. (38) to (41) without linearisation
+  double normal_m = 0.0, normal_error_m = 0.0;  // of the linearized distribution
+  double true_m = 0.0;                          // of eqs. (38) to (41) without linearization
 };
 
 ErrorSampled sample(const NoiseCase& one, std::uint32_t count) {
@@ -92,7 +92,7 @@ void expected_error(Experiment& experiment) {
   CsvTable csv({"sigma_rad", "sigma_m", "range_m", "nakagami_m", "exact_m", "sampled_normal_m", "standard_error_m",
                 "sampled_true_m"});
   double standard_errors = 0.0, nakagami = 0.0;
-  std::array<double, 3> linearisation{};
+  std::array<double, 3> linearization{};
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const NoiseCase& one = cases[i];
     const Matrix3 Sigma = covariance_at(one.range_m, one.noise());
@@ -102,12 +102,12 @@ void expected_error(Experiment& experiment) {
     standard_errors =
         std::max(standard_errors, std::abs(exact_m - sampled.results[i].normal_m) / sampled.results[i].normal_error_m);
     nakagami = std::max(nakagami, std::abs(approximate_m / exact_m - 1.0));
-    linearisation[one.i_rad] = std::max(linearisation[one.i_rad], std::abs(exact_m / sampled.results[i].true_m - 1.0));
+    linearization[one.i_rad] = std::max(linearization[one.i_rad], std::abs(exact_m / sampled.results[i].true_m - 1.0));
   }
   experiment.write("monte-carlo.csv", csv);
 
   for (const double sigma_rad : {0.05, 0.5}) {
-    experiment.at_most(fmt::format("range at which 2 m are expected, sigma_rad {:g} [m]", sigma_rad), "tens of metres",
+    experiment.at_most(fmt::format("range at which 2 m are expected, sigma_rad {:g} [m]", sigma_rad), "tens of meters",
                        range_of_error_m(2.0, noise_of(0.01, sigma_rad)), 50.0, 3);
   }
   experiment.at_most(fmt::format("expected error against {:.0e} samples [standard errors]", static_cast<double>(count)),
@@ -116,13 +116,13 @@ void expected_error(Experiment& experiment) {
                      "the price of eqs. 61 to 63, worst of 27");
   for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
     const bool small = kSigma_rad[i_rad] < 0.4;
-    const std::string what = fmt::format("linearised against true mean, sigma_rad {:g} [share]", kSigma_rad[i_rad]);
+    const std::string what = fmt::format("linearized against true mean, sigma_rad {:g} [share]", kSigma_rad[i_rad]);
     if (small) {
-      experiment.at_most(what, "-", linearisation[i_rad], 0.01, 2);
+      experiment.at_most(what, "-", linearization[i_rad], 0.01, 2);
     } else {
-      experiment.row({what, "-", short_number(linearisation[i_rad], 2), Verdict::kNotComparable,
-                      "half a radian is no small angle: the linearised error is too large by this",
-                      linearisation[i_rad]});
+      experiment.row({what, "-", short_number(linearization[i_rad], 2), Verdict::kNotComparable,
+                      "half a radian is no small angle: the linearized error is too large by this",
+                      linearization[i_rad]});
     }
   }
 }

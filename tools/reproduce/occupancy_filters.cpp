@@ -20,7 +20,7 @@ constexpr double kEnters_s = 2.0, kLeaves_s = 4.5, kEnd_s = 8.0;
 constexpr double kScan_s = 0.1;
 constexpr double kRaycast_s = 0.3195;  // Table VI: the ray casting is slower than the classification
 constexpr double kObject_m = 0.15;
-const Vector3 kVoxel_m(10.125, 0.125, 0.125);           // its centre, 10 m before the sensor
+const Vector3 kVoxel_m(10.125, 0.125, 0.125);           // its center, 10 m before the sensor
 constexpr double kRayWeight = 0.003, kRayMax_m = 20.0;  // Table II
 
 // The beams of an OS1-128 (1024 x 128 over 360 x 45 degrees) that pass near the voxel.

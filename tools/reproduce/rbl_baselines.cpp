@@ -95,7 +95,7 @@ sim::Scenario forest_front(const Method& method, int n, std::uint64_t seed) {
 
 }  // namespace
 
-// The same flights with PACNav, with the vision-based model and with RBL: neighbours are perfect for all.
+// The same flights with PACNav, with the vision-based model and with RBL: neighbors are perfect for all.
 void rbl_baselines(Experiment& experiment) {
   CsvTable csv({"case", "vehicles", "success", "arrived", "crashed", "length_m", "time_s", "min_separation_m"});
   const auto compare = [&](const std::string& place, int n, int seeds, const auto& make) {

@@ -110,10 +110,10 @@ void tell(Experiment& experiment, const CrossingCase& c, const CrossingTable& ta
                   note + least_distance(table), table.success});
 }
 
-/// With perfect neighbours nobody enters another's space, whatever the seed.
+/// With perfect neighbors nobody enters another's space, whatever the seed.
 void check_safety(Experiment& experiment, const CrossingCase& c, int seeds, CrossingCsv& csv) {
   const CrossingTable table = fly_case(experiment, c, seeds, true, csv);
-  experiment.claim(case_name(c) + ", perfect neighbours: least distance [m], success [-]", ">= 1.0, 1",
+  experiment.claim(case_name(c) + ", perfect neighbors: least distance [m], success [-]", ">= 1.0, 1",
                    fmt::format("{:.3f}, {:.2f}", table.min_separation_m, table.success),
                    table.min_separation_m >= kNeed_m && table.success == 1.0, "1.0: the sum of the encumbrances");
 }
@@ -201,7 +201,7 @@ void rbl_sphere(Experiment& experiment) {
   const int crowds = experiment.repetitions(10, 1);
   check_safety(experiment, {{true, 30, 10.0}, "3d_z"}, crowds, csv);
   const CrossingCase crowd{{true, 60, 10.0}, "3d_z"};
-  tell(experiment, crowd, fly_case(experiment, crowd, crowds, true, csv), "perfect neighbours; beyond the limit; ");
+  tell(experiment, crowd, fly_case(experiment, crowd, crowds, true, csv), "perfect neighbors; beyond the limit; ");
   csv.write(experiment);
 }
 

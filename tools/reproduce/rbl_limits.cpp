@@ -53,7 +53,7 @@ void add(Experiment& experiment, const std::string& what, double success, double
                   fmt::format("least distance {:.2f} m", least_m), success});
 }
 
-/// More and more vehicles on a sphere of 10 m; neighbours are perfect.
+/// More and more vehicles on a sphere of 10 m; neighbors are perfect.
 void crowd(Experiment& experiment, int seeds, CsvTable& csv) {
   Sweep sweep;
   for (const int n : experiment.quick() ? std::vector<int>{15, 30} : std::vector<int>{10, 20, 30, 45, 60, 90}) {
@@ -68,10 +68,10 @@ void crowd(Experiment& experiment, int seeds, CsvTable& csv) {
     const CrossingTable table = summarize(fly_crossings(experiment, scenarios), n);
     csv.row("vehicles", {static_cast<double>(n), table.success, table.min_separation_m, table.time_s.mean});
     sweep.add(n, table.success, table.min_separation_m, table.time_s.mean);
-    add(experiment, fmt::format("sphere of 10 m, {} vehicles, perfect neighbours", n), table.success,
+    add(experiment, fmt::format("sphere of 10 m, {} vehicles, perfect neighbors", n), table.success,
         table.min_separation_m);
   }
-  draw(experiment, "crowd.svg", "Sphere of 10 m, perfect neighbours", "vehicles", "least distance [m]", sweep);
+  draw(experiment, "crowd.svg", "Sphere of 10 m, perfect neighbors", "vehicles", "least distance [m]", sweep);
 }
 
 /// Ten on a circle with worse and worse knowledge of each other.

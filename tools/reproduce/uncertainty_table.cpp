@@ -207,7 +207,7 @@ void uncertainty_table(Experiment& experiment) {
   experiment.at_most("largest difference", short_number(kTotal.maximum, 3), ray.total.maximum, 1.25 * kTotal.maximum,
                      3);
   experiment.within("standard deviation over all regions", kTotal.deviation, ray.total.deviation, 0.25, 3);
-  const std::string note = "a flat distribution fills less of a box that lies askew";
+  const std::string note = "a flat distribution fills less of a box that lies at an angle";
   experiment.within("mean, regions along the world's axes", kTotal.mean, world.total.mean, 0.25, 3, note);
   experiment.at_most("largest, regions along the world's axes", short_number(kTotal.maximum, 3), world.total.maximum,
                      1.25 * kTotal.maximum, 3, "median over sets of random attitudes");

@@ -17,7 +17,7 @@ constexpr double kVoxel_m = 1.0;  // as published
 constexpr double kFarthestVoxel_m = 80.0;
 
 // Where the measured point lies in its voxel: the document does not say. In the middle, or at random.
-enum class Place { kCentre, kRandom };
+enum class Place { kCenter, kRandom };
 
 Eigen::AlignedBox3d voxel_around(const Vector3& p_m, const Vector3& place) {
   const Vector3 low = p_m - kVoxel_m * place;
@@ -27,7 +27,7 @@ Eigen::AlignedBox3d voxel_around(const Vector3& p_m, const Vector3& place) {
 double probability(double range_m, const MeasurementNoise& noise, Place place) {
   const Matrix3 Sigma = point_covariance(Vector3::UnitX(), range_m, Matrix3::Identity(), noise.Sigma_w());
   const Vector3 p_m = range_m * Vector3::UnitX();
-  if (place == Place::kCentre) return box_probability(p_m, Sigma, voxel_around(p_m, Vector3::Constant(0.5)));
+  if (place == Place::kCenter) return box_probability(p_m, Sigma, voxel_around(p_m, Vector3::Constant(0.5)));
   // Along the x axis the covariance is diagonal, so the average over places is a product of averages.
   double product = 1.0;
   constexpr int kPlaces = 50;
@@ -64,7 +64,7 @@ VoxelSampled sample(const NoiseCase& one, std::uint32_t count) {
 void draw(Experiment& experiment, const SampledNoise<VoxelSampled>& sampled) {
   sim::plot::Figure figure("Probability of the right voxel of 1 m (Fig. 6)", 3);
   figure.set_panel_size(400, 360);
-  CsvTable csv({"sigma_rad", "sigma_m", "range_m", "probability_centre", "probability_any_place"});
+  CsvTable csv({"sigma_rad", "sigma_m", "range_m", "probability_center", "probability_any_place"});
   for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
     sim::plot::Panel& panel = figure.add_panel(fmt::format("σ_rad = {:g} rad", kSigma_rad[i_rad]));
     panel.x.label = "range [m]";
@@ -74,15 +74,15 @@ void draw(Experiment& experiment, const SampledNoise<VoxelSampled>& sampled) {
     if (i_rad != 1) panel.legend = sim::plot::Legend::kNone;
     for (std::size_t i_m = 0; i_m < 3; ++i_m) {
       const MeasurementNoise noise = noise_of(kSigma_m[i_m], kSigma_rad[i_rad]);
-      std::vector<double> ranges, centre, random;
+      std::vector<double> ranges, center, random;
       for (double range_m = 0.0; range_m <= kFarthestVoxel_m; range_m += 1.0) {
         ranges.push_back(range_m);
-        centre.push_back(probability(range_m, noise, Place::kCentre));
+        center.push_back(probability(range_m, noise, Place::kCenter));
         random.push_back(probability(range_m, noise, Place::kRandom));
-        csv.row({kSigma_rad[i_rad], kSigma_m[i_m], range_m, centre.back(), random.back()});
+        csv.row({kSigma_rad[i_rad], kSigma_m[i_m], range_m, center.back(), random.back()});
       }
       const int color = static_cast<int>(i_m);
-      panel.line(fmt::format("σ_m = {:g} m", kSigma_m[i_m]), ranges, centre, {.color = color});
+      panel.line(fmt::format("σ_m = {:g} m", kSigma_m[i_m]), ranges, center, {.color = color});
       panel.line(i_m == 0 ? "point anywhere in it" : "", ranges, random,
                  {.color = color, .width_px = 1.2, .dash = sim::plot::Dash::kDashed});
     }
@@ -104,22 +104,22 @@ void voxel_probability(Experiment& experiment) {
 
   CsvTable csv({"sigma_rad", "sigma_m", "range_m", "probability", "sampled_normal", "sampled_true"});
   double standard_errors = 0.0;
-  std::array<double, 3> linearisation{};
+  std::array<double, 3> linearization{};
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const NoiseCase& one = cases[i];
-    const double p = probability(one.range_m, one.noise(), Place::kCentre);
+    const double p = probability(one.range_m, one.noise(), Place::kCenter);
     csv.row({kSigma_rad[one.i_rad], kSigma_m[one.i_m], one.range_m, p, sampled.results[i].normal,
              sampled.results[i].true_model});
     // One sample of slack where p is so near 0 or 1 that none is expected on the other side.
     const double error = std::sqrt(p * (1.0 - p) / count);
     standard_errors =
         std::max(standard_errors, (std::abs(p - sampled.results[i].normal) - 1.0 / count) / std::max(error, 1e-12));
-    linearisation[one.i_rad] = std::max(linearisation[one.i_rad], std::abs(p - sampled.results[i].true_model));
+    linearization[one.i_rad] = std::max(linearization[one.i_rad], std::abs(p - sampled.results[i].true_model));
   }
   experiment.write("monte-carlo.csv", csv);
 
   const auto at = [](double range_m, double sigma_rad) {
-    return probability(range_m, noise_of(0.01, sigma_rad), Place::kCentre);
+    return probability(range_m, noise_of(0.01, sigma_rad), Place::kCenter);
   };
   experiment.at_least("right voxel at 20 m, sigma_rad 0.005, sigma_m 0.01 m", "-", at(20.0, 0.005), 0.99, 3);
   experiment.at_most("right voxel at 40 m, sigma_rad 0.05, sigma_m 0.01 m", "falls significantly", at(40.0, 0.05), 0.2,
@@ -129,9 +129,9 @@ void voxel_probability(Experiment& experiment) {
   experiment.at_most(fmt::format("probability against {:.0e} samples [standard errors]", static_cast<double>(count)),
                      "-", standard_errors, 4.0, 2, "of the normal approximation, worst of 27 combinations");
   for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
-    experiment.row({fmt::format("linearised against true probability, sigma_rad {:g}", kSigma_rad[i_rad]), "-",
-                    short_number(linearisation[i_rad], 2), Verdict::kNotComparable,
-                    "largest difference: what the linearisation costs", linearisation[i_rad]});
+    experiment.row({fmt::format("linearized against true probability, sigma_rad {:g}", kSigma_rad[i_rad]), "-",
+                    short_number(linearization[i_rad], 2), Verdict::kNotComparable,
+                    "largest difference: what the linearization costs", linearization[i_rad]});
   }
 }
 

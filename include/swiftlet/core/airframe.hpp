@@ -11,7 +11,7 @@ namespace swiftlet {
 
 /// One rotor of a multirotor.
 struct Rotor {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< hub, body frame (origin: centre of mass)
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< hub, body frame (origin: center of mass)
   std::string spin = "ccw";                              ///< seen from above: "ccw" or "cw"
 
   void visit(ConfigVisitor& v);
@@ -24,10 +24,10 @@ struct Rotor {
 struct Airframe {
   double mass_kg = 2.0;
   Eigen::Vector3d inertia_diagonal_kgm2 = {0.0217, 0.0217, 0.04};
-  double arm_length_m = 0.25;  ///< centre to rotor hub
+  double arm_length_m = 0.25;  ///< center to rotor hub
   double body_height_m = 0.1;
   double body_radius_m = 0.12;  ///< of the central plates
-  double leg_height_m = 0.2;    ///< centre of mass to the ground when the vehicle stands on its legs
+  double leg_height_m = 0.2;    ///< center of mass to the ground when the vehicle stands on its legs
   double propeller_radius_m = 0.15;
   int propeller_blades = 2;
   double thrust_constant_N_per_radps2 = 2.47e-5;  ///< thrust of a rotor = this * speed^2
@@ -46,7 +46,7 @@ struct Airframe {
   void visit(ConfigVisitor& v);
 
   int num_rotors() const { return static_cast<int>(rotors.size()); }
-  /// Radius of the sphere around the centre of mass that holds the whole vehicle with its propellers [m].
+  /// Radius of the sphere around the center of mass that holds the whole vehicle with its propellers [m].
   double circumscribed_radius_m() const;
   /// Speed of every rotor at which their thrusts together carry the weight [rad/s].
   double hover_rotor_speed_radps(double gravity_mps2 = 9.81) const;

@@ -5,7 +5,7 @@
 
 namespace swiftlet {
 
-/// A flying object found in one scan (000, sec. III-B). World frame of the agent's own estimate.
+/// A flying object found in one scan [Vrba 2025, sec. III-B]. World frame of the agent's own estimate.
 struct Detection {
   TimeNs t = 0;  ///< mean firing time of its points
   Vector3 position_m = Vector3::Zero();

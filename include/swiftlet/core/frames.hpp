@@ -6,7 +6,7 @@
 
 #include "swiftlet/core/time.hpp"
 
-/// Frames (docs/conventions.md): world = east, north, up; body = forward, left, up, origin in the centre of mass;
+/// Frames (docs/conventions.md): world = east, north, up; body = forward, left, up, origin in the center of mass;
 /// lidar = as the driver of the sensor gives it; local = a vehicle's odometry frame, which drifts.
 /// A transform names both frames, destination first: point_world = T_world_body * point_body.
 namespace swiftlet {

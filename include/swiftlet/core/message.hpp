@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// What vehicles say to each other. The payload is already serialised: its size is what the radio carries.
+/// What vehicles say to each other. The payload is already serialized: its size is what the radio carries.
 struct Message {
   VehicleId from = kNoVehicle;
   VehicleId to = kNoVehicle;  ///< kNoVehicle: to everybody

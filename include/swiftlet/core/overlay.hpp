@@ -13,7 +13,7 @@ namespace swiftlet {
 struct Overlay {
   enum class Kind { kPoints, kLines, kPolyline, kCubes, kSpheres, kTriangles };
 
-  /// What a colour means, for the legend of a picture.
+  /// What a color means, for the legend of a picture.
   struct Key {
     std::string meaning;
     Eigen::Vector4f color;
@@ -21,9 +21,9 @@ struct Overlay {
 
   std::string name;  ///< such as "reference", "tracks", "voxels.confident"
   Kind kind = Kind::kPoints;
-  std::vector<Eigen::Vector3f> positions;  ///< points, cubes, spheres: centres; lines: pairs; triangles: triples
+  std::vector<Eigen::Vector3f> positions;  ///< points, cubes, spheres: centers; lines: pairs; triangles: triples
   std::vector<Eigen::Vector4f> colors;     ///< RGBA 0..1, one per position, or one for all; none: the vehicle's
-  float size_m = 0.1F;                     ///< edge of a cube, radius of a sphere, diameter of a point; lines: width in px
+  float size_m = 0.1F;  ///< edge of a cube, radius of a sphere, diameter of a point; lines: width in px
   std::vector<Key> legend;
 };
 

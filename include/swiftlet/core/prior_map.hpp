@@ -6,7 +6,8 @@
 
 namespace swiftlet {
 
-/// What is known of the world before the start (000, sec. III-E): points of occupied and of free voxels, world frame.
+/// What is known of the world before the start [Vrba 2025, sec. III-E]: points of occupied and of free voxels, world
+/// frame.
 struct PriorMap {
   std::vector<Eigen::Vector3f> occupied_m;
   std::vector<Eigen::Vector3f> free_m;

@@ -52,7 +52,7 @@ struct PoseSample {
   Vector3 omega_body_radps = Vector3::Zero();
 };
 
-/// Another vehicle as a mutual-localisation sensor sees it (UVDAR and the like).
+/// Another vehicle as a mutual-localization sensor sees it (UVDAR and the like).
 struct NeighborSample {
   TimeNs t = 0;
   VehicleId id = kNoVehicle;

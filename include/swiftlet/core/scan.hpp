@@ -20,7 +20,8 @@ struct BeamTable {
   std::vector<Eigen::Vector3f> origins_lidar;     ///< where the range is measured from [m]          (rows x cols)
   std::vector<float> column_offset_s;             ///< firing time after the start of the sweep      (cols)
   std::vector<float> row_offset_s;                ///< and after that of the column  (rows, or empty: all at once)
-  std::vector<std::uint8_t> masked;  ///< 1: the beam can only see the vehicle itself (000, sec. III-C) (rows x cols or empty)
+  std::vector<std::uint8_t>
+      masked;  ///< 1: the beam can only see the vehicle itself [Vrba 2025, sec. III-C] (rows x cols or empty)
 
   int size() const { return rows * cols; }
   /// Firing time of beam i after the start of the sweep [s].
@@ -31,30 +32,26 @@ struct BeamTable {
 
 /// One sweep of one LiDAR, as the driver would give it. A range of 0 means no return.
 struct Scan {
-  std::string sensor;     ///< name of the sensor on its vehicle
-  TimeNs stamp = 0;       ///< start of the sweep
-  TimeNs duration = 0;    ///< length of the sweep; 0 for a frozen scan
+  std::string sensor;                    ///< name of the sensor on its vehicle
+  TimeNs stamp = 0;                      ///< start of the sweep
+  TimeNs duration = 0;                   ///< length of the sweep; 0 for a frozen scan
   Pose T_body_lidar = Pose::Identity();  ///< mounting, as calibrated
-  double range_max_m = 0.0;  ///< beyond this the sensor never returns anything
-  double sigma_range_m = 0.0;  ///< standard deviation of the range noise that the agent may assume
+  double range_max_m = 0.0;              ///< beyond this the sensor never returns anything
+  double sigma_range_m = 0.0;            ///< standard deviation of the range noise that the agent may assume
   std::shared_ptr<const BeamTable> beams;
-  std::vector<float> range_m;         ///< along the beam from its origin; 0: no return      (rows x cols)
-  std::vector<float> intensity;       ///< received power, 1 = white Lambertian wall at 10 m, normal incidence (rows x cols)
-  std::vector<float> reflectivity;    ///< range-corrected intensity, 1 = white Lambertian (rows x cols)
-  /// Poses of the body during the sweep as told by an outside localisation with the noise of Sigma_w (000, eq. 66):
-  /// one for a frozen scan, several over the sweep otherwise. Empty when the vehicle localises itself.
-  std::vector<StampedPose> told_poses;
+  std::vector<float> range_m;    ///< along the beam from its origin; 0: no return      (rows x cols)
+  std::vector<float> intensity;  ///< received power, 1 = white Lambertian wall at 10 m, normal incidence (rows x cols)
+  std::vector<float> reflectivity;  ///< range-corrected intensity, 1 = white Lambertian (rows x cols)
+  /// Poses of the body during the sweep as told by an outside localization with the noise of Sigma_w [Vrba 2025, eq.
+  /// 66]: one for a frozen scan, several over the sweep otherwise. Empty when the vehicle localizes itself.
+  std::vector<StampedPose> external_poses;
 
   int rows() const { return beams->rows; }
   int cols() const { return beams->cols; }
   int size() const { return beams->size(); }
   bool hit(int i) const { return range_m[i] > 0.0F; }
-  Eigen::Vector3f point_lidar(int i) const {
-    return beams->origins_lidar[i] + range_m[i] * beams->directions_lidar[i];
-  }
-  TimeNs time_of(int i) const {
-    return duration == 0 ? stamp : stamp + from_seconds(beams->offset_s(i));
-  }
+  Eigen::Vector3f point_lidar(int i) const { return beams->origins_lidar[i] + range_m[i] * beams->directions_lidar[i]; }
+  TimeNs time_of(int i) const { return duration == 0 ? stamp : stamp + from_seconds(beams->offset_s(i)); }
 };
 
 }  // namespace swiftlet

@@ -7,8 +7,8 @@
 
 namespace swiftlet {
 
-/// A flying object followed over time (000, sec. III-F). State: position, velocity, acceleration, world frame of the
-/// agent's own estimate.
+/// A flying object followed over time [Vrba 2025, sec. III-F]. State: position, velocity, acceleration, world frame of
+/// the agent's own estimate.
 struct Track {
   std::uint32_t id = 0;
   TimeNs t = 0;
@@ -16,8 +16,8 @@ struct Track {
   Vector3 velocity_mps = Vector3::Zero();
   Vector3 acceleration_mps2 = Vector3::Zero();
   Eigen::Matrix<double, 9, 9> covariance = Eigen::Matrix<double, 9, 9>::Identity();
-  int num_detections = 0;   ///< detections associated so far
-  bool corrected = false;   ///< a measurement was found in the newest cloud
+  int num_detections = 0;  ///< detections associated so far
+  bool corrected = false;  ///< a measurement was found in the newest cloud
 };
 
 }  // namespace swiftlet

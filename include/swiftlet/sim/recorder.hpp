@@ -17,15 +17,15 @@ namespace swiftlet::sim {
 struct Scenario;
 struct Scene;
 struct VehicleState;
-struct LabelledScan;
+struct LabeledScan;
 struct VehicleShape;
 
 /// Something that happened: a crash, a take-off, a mission that ended. One line of events.jsonl.
 struct Event {
   TimeNs t = 0;
-  std::string kind;            ///< "crash", "mission", ...
+  std::string kind;  ///< "crash", "mission", ...
   VehicleId vehicle = kNoVehicle;
-  std::string partner;         ///< of a crash: "trunk 17", or the other vehicle's name
+  std::string partner;  ///< of a crash: "trunk 17", or the other vehicle's name
   Vector3 p_world_m = Vector3::Zero();
   std::string note;
 };
@@ -34,17 +34,17 @@ struct Event {
 struct RunInfo {
   const Scenario* scenario = nullptr;
   const Scene* scene = nullptr;
-  std::vector<std::string> vehicle_names;                            ///< by VehicleId
-  std::vector<const Airframe*> airframes;                            ///< by VehicleId
-  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;   ///< by VehicleId
-  std::filesystem::path directory;                                   ///< where to write; exists
+  std::vector<std::string> vehicle_names;                           ///< by VehicleId
+  std::vector<const Airframe*> airframes;                           ///< by VehicleId
+  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< by VehicleId
+  std::filesystem::path directory;                                  ///< where to write; exists
 };
 
-/// How a detector or a tracker did on one target in one scan, or one of its estimates that belongs to none (000, eqs.
-/// 67-71). What is not measured is NaN.
+/// How a detector or a tracker did on one target in one scan, or one of its estimates that belongs to none (Vrba 2025,
+/// eqs. 67-71). What is not measured is NaN.
 struct DetectionScore {
   enum class Stage { kDetector, kTracker };
-  TimeNs t = 0;                   ///< for which the estimate holds; the middle of the sweep when there is none
+  TimeNs t = 0;  ///< for which the estimate holds; the middle of the sweep when there is none
   VehicleId observer = kNoVehicle;
   Stage stage = Stage::kDetector;
   VehicleId target = kNoVehicle;  ///< kNoVehicle: a false estimate
@@ -65,9 +65,9 @@ struct TickView {
   std::span<const VehicleState> states;
   std::span<const Observation> observations;
   std::span<const Action* const> actions;
-  std::span<const std::vector<std::shared_ptr<const LabelledScan>>> scans;  ///< completed in this tick
-  std::span<const Event> events;                                            ///< of this tick
-  std::span<const double> clearance_m;   ///< to the nearest surface or vehicle; empty: nobody measured it
+  std::span<const std::vector<std::shared_ptr<const LabeledScan>>> scans;  ///< completed in this tick
+  std::span<const Event> events;                                           ///< of this tick
+  std::span<const double> clearance_m;  ///< to the nearest surface or vehicle; empty: nobody measured it
   std::span<const DetectionScore> detection_scores = {};  ///< of what was detected and tracked in this tick
 };
 

@@ -106,7 +106,7 @@ StackConfig stack_with(const char* guidance, const Config& config, const char* l
   return stack;
 }
 
-TEST(Stack, EveryVehicleHoldsAHoverWithinTwoCentimetres) {
+TEST(Stack, EveryVehicleHoldsAHoverWithinTwoCentimeters) {
   for (const auto& [name, airframe] : testing::all_airframes()) {
     ClosedLoop loop(airframe, StackConfig{}, {1, 2, 3});
     loop.run(4.0);
@@ -119,7 +119,7 @@ TEST(Stack, EveryVehicleHoldsAHoverWithinTwoCentimetres) {
   }
 }
 
-TEST(Stack, EveryVehicleFliesAgileTrajectoriesWithinThirtyCentimetres) {
+TEST(Stack, EveryVehicleFliesAgileTrajectoriesWithinThirtyCentimeters) {
   for (const auto& [name, airframe] : testing::all_airframes()) {
     for (const std::uint64_t seed : {1u, 2u}) {
       AgileConfig config;

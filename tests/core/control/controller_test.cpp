@@ -37,7 +37,7 @@ TEST_P(EveryAirframe, HoversWithRotorsAtTheSpeedThatCarriesItsWeight) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(rotor_speed(airframe, command[i]), hover, 1e-6 * hover);
 }
 
-TEST_P(EveryAirframe, HoldsAHoverWithinTwoCentimetresAfterAPush) {
+TEST_P(EveryAirframe, HoldsAHoverWithinTwoCentimetersAfterAPush) {
   MultirotorController controller(airframe, {}, kDt);
   FinePlant plant(airframe);
   plant.v = {0.5, -0.3, 0.2};
@@ -81,7 +81,8 @@ TEST_P(EveryAirframe, TiltSettlesQuicklyAndWithLittleOvershoot) {
   EXPECT_NEAR(yaw_of(plant.q.toRotationMatrix()), 0.0, 1e-3) << "tilting forward must not turn the heading";
 }
 
-/// The most demanding loop within Table IV of 000: a lying figure of eight with 8.2 m/s and 4.5 m/s^2 at its peaks.
+/// The most demanding loop within Table IV of Vrba 2025: a lying figure of eight with 8.2 m/s and 4.5 m/s^2 at its
+/// peaks.
 struct Eight {
   // x = A sin wt, y = B sin 2wt: |v| <= w sqrt(A^2 + 4 B^2), |a| <= w^2 sqrt(A^2 + 16 B^2) (bounds of each axis).
   double w = 0.42, A = 15.0, B = 6.2;
@@ -95,7 +96,7 @@ struct Eight {
   }
 };
 
-TEST_P(EveryAirframe, FliesAgileTrajectoriesOfTableFourWithinThirtyCentimetres) {
+TEST_P(EveryAirframe, FliesAgileTrajectoriesOfTableFourWithinThirtyCentimeters) {
   MotionLimitsConfig limits;
   limits.set = "agile";
   ReferenceTracker tracker(limits.resolve());

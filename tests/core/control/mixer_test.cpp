@@ -32,7 +32,7 @@ TEST(Mixer, GivesBackTheWrenchThatWasAskedForWhenInReach) {
 }
 
 TEST(Mixer, ClosedFormOfTheQuadX) {
-  // One newton metre of roll on arms of d = L / sqrt(2): each rotor 1 / (4 d), more on the left.
+  // One newton meter of roll on arms of d = L / sqrt(2): each rotor 1 / (4 d), more on the left.
   const Airframe airframe = testing::x500();
   const Mixer mixer(airframe);
   const double thrust = 0.5 * airframe.max_thrust_N();

@@ -77,7 +77,7 @@ inline std::shared_ptr<const Scan> scan_world(const World& world, const Pose& T_
     const double t = world(T_world_lidar.translation(), T_world_lidar.linear() * d.cast<double>());
     scan->range_m.push_back(t < range_max_m ? static_cast<float>(t) : 0.0F);
   }
-  scan->told_poses = {{stamp, T_world_lidar}};
+  scan->external_poses = {{stamp, T_world_lidar}};
   return scan;
 }
 

@@ -325,7 +325,7 @@ TEST(AgileSpline, KeepsItsLimitsAndItsBoxForTenMinutesAndComesNearThem) {
     EXPECT_LE(jerk, 2 * 4.5 / 0.5 * (1 + 1e-12)) << seed;
     EXPECT_TRUE((least.array() >= config.area_min_m.array() - 1e-9).all()) << least.transpose();
     EXPECT_TRUE((greatest.array() <= config.area_max_m.array() + 1e-9).all()) << greatest.transpose();
-    // 000, Table IV: 1782 m in 400 s, 8.2 m/s and 4.5 m/s^2 at most: 4.5 m/s on average.
+    // Vrba 2025, Table IV: 1782 m in 400 s, 8.2 m/s and 4.5 m/s^2 at most: 4.5 m/s on average.
     EXPECT_GT(fastest, 8.0) << seed;
     EXPECT_GT(hardest, 4.4) << seed;
     EXPECT_GT(length / 600.0, 4.0) << seed;
@@ -368,7 +368,7 @@ TEST(AgileSpline, SeedsDifferAndRepeat) {
 }
 
 TEST(AgileSpline, APaceByLegMakesFlightsSlowerButNotTheirLimits) {
-  // 000, Table IV: 1331 m in 355 s, though 8.2 m/s are reached.
+  // Vrba 2025, Table IV: 1331 m in 355 s, though 8.2 m/s are reached.
   double length_m = 0.0, fastest_mps = 0.0;
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
     AgileConfig config;

@@ -69,7 +69,7 @@ TEST(ObstacleCutter, NearestVoxelOfTheGridIsTheNearestOfAll) {
     const Vector3 p(random.uniform(-3.5, 3.5, 0, i), random.uniform(-3.5, 3.5, 1, i), random.uniform(-3.5, 3.5, 2, i));
     if (p.norm() > 1.0) voxels.push_back(voxel_at(p));
   }
-  const Vector3 p(0.1, 0.1, 0.1);  // a voxel's centre: samples of step 0.2 m lie on centres, too
+  const Vector3 p(0.1, 0.1, 0.1);  // a voxel's center: samples of step 0.2 m lie on centers, too
   RblCell by_grid(3.5, 0.2, false), by_search(3.5, 0.2, false);
   ObstacleCutter cutter;
   cutter.cut_nearest(by_grid, p, voxels, kEdge, kEncumbrance, kEta);

@@ -24,7 +24,7 @@ struct Circling {
     s.omega_body_radps = {0.0, 0.0, rate};
     return s;
   }
-  /// Body x along the velocity, y to the centre.
+  /// Body x along the velocity, y to the center.
   ImuSample imu(TimeNs t) const { return {t, {0.0, 0.0, rate}, {0.0, radius * rate * rate, kStandardGravity_mps2}}; }
   AgentSetup setup() const {
     AgentSetup s;

@@ -115,8 +115,8 @@ InsConfig test_config() {
 }
 
 TEST(Ins, ErrorsAreAsLargeAsTheCovarianceSays) {
-  // Mean of the normalised squared error over N runs: chi-square with 15 N degrees of freedom over N. Bounds: 5 sigma,
-  // sigma = sqrt(2 * 15 / N), and 10 % for what linearisation leaves.
+  // Mean of the normalized squared error over N runs: chi-square with 15 N degrees of freedom over N. Bounds: 5 sigma,
+  // sigma = sqrt(2 * 15 / N), and 10 % for what linearization leaves.
   constexpr int kRuns = 40;
   double sum_10s = 0.0, sum_30s = 0.0;
   Error squares = Error::Zero();

@@ -74,7 +74,7 @@ TEST(WorldCloud, AScanThatTellsItsPosesIsPlacedByThem) {
   auto scan = scan_of({12.0, 5.0, 4.0}, 900 * kMs, 0, 4);
   Pose told = motion_at(0.9);
   told.translation() += shift;
-  scan->told_poses = {{900 * kMs, told}};
+  scan->external_poses = {{900 * kMs, told}};
   WorldCloud cloud;
   ASSERT_TRUE(registrar.make(scan, cloud));
   for (const Eigen::Vector3f& p : cloud.points_world_m)

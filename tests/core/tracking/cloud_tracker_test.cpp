@@ -46,12 +46,12 @@ TEST(CloudBuffer, SelectsWhatBruteForceSelects) {
   cloud.assign(maker.make());
   for (std::uint32_t trial = 0; trial < 50; ++trial) {
     const auto r = random.normal3(1, trial);
-    const Vector3 centre(12 * r[0], 12 * r[1], 3 * r[2]);
+    const Vector3 center(12 * r[0], 12 * r[1], 3 * r[2]);
     const double radius_m = 6.0 * random.uniform(2, trial);
     std::vector<std::uint32_t> ours, all;
-    cloud.select(centre, radius_m, ours);
+    cloud.select(center, radius_m, ours);
     for (std::uint32_t i = 0; i < points.size(); ++i) {
-      if ((points[i].cast<float>() - centre.cast<float>()).norm() <= radius_m) all.push_back(i);
+      if ((points[i].cast<float>() - center.cast<float>()).norm() <= radius_m) all.push_back(i);
     }
     EXPECT_EQ(ours, all);
   }
@@ -85,7 +85,7 @@ TEST(CloudTracker, IsAlgorithm2AsPrinted) {
   CloudTracker tracker = make(printed);
   reference::PlainTracker plain;
   ListedBackground background;
-  background.centres_m = {{30, 0, 4}, {-20, -20, 4}};
+  background.centers_m = {{30, 0, 4}, {-20, -20, 4}};
 
   // Targets that come from far apart; one passes the background, one stays away for a while; and clutter.
   const Random random(7, "test.algorithm2");
@@ -258,13 +258,13 @@ TEST(CloudTracker, BackgroundCorrectsNoTrack) {
     for (int i = 0; i < 100; ++i) {
       const Vector3 on_pole = p + Vector3(0.0, 1.6, -5.0 + 0.1 * i);
       maker.add(on_pole);
-      wall.centres_m.push_back(on_pole);
+      wall.centers_m.push_back(on_pole);
     }
     tracker.new_cloud(maker.make(), &wall);
     const bool corrected = tracks_of(tracker).at(0).corrected;
     EXPECT_EQ(corrected, false) << rule << ": a pole of 3.8 m is no target either";
     // A small thing beside it that the map knows, alone within its surroundings.
-    wall.centres_m = {p + Vector3(0, 1.5, 0)};
+    wall.centers_m = {p + Vector3(0, 1.5, 0)};
     tracker.new_cloud(CloudMaker(3 * kScan).add_target(p + Vector3(0, 1.0, 0), 0.2).make(), &wall);
     EXPECT_EQ(tracks_of(tracker).at(0).corrected, std::string(rule) != "map") << rule;
     // And one with other things around it.
@@ -309,7 +309,7 @@ TEST(CloudTracker, CrossingTargetsKeepTheirTracks) {
   EXPECT_LE(exclusive, nearest);
 }
 
-TEST(CloudTracker, AHiddenTargetDoesNotTakeItsNeighboursPlace) {
+TEST(CloudTracker, AHiddenTargetDoesNotTakeItsNeighborsPlace) {
   CloudTracker tracker = make(told_at_once());
   const Vector3 a(10, 0, 5), b(10, 1.8, 5);
   for (int k = 1; k <= 30; ++k) {

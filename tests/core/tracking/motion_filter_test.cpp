@@ -36,7 +36,7 @@ Vector9 normal9(const Random& random, std::uint32_t tick, std::uint32_t index) {
   return x;
 }
 
-/// Velocity and acceleration on a circle of the x-y plane, and its centre's offset.
+/// Velocity and acceleration on a circle of the x-y plane, and its center's offset.
 Vector9 on_circle(double radius_m, double rate_radps, double t_s) {
   const double s = std::sin(rate_radps * t_s), c = std::cos(rate_radps * t_s);
   return state(radius_m * Vector3(c, s, 0), radius_m * rate_radps * Vector3(-s, c, 0),
@@ -268,7 +268,7 @@ Flight fly(const MotionFilter& filter, const std::function<Vector9(double)>& pat
   return flight;
 }
 
-TEST(ImmFilter, RecognisesStraightFlightAndTurns) {
+TEST(ImmFilter, RecognizesStraightFlightAndTurns) {
   const auto filter = make_imm_filter({});
   const Flight straight = fly(
       *filter,
@@ -283,7 +283,7 @@ TEST(ImmFilter, RecognisesStraightFlightAndTurns) {
 }
 
 // Straight lines and sharp turns by turns: what interception meets (sec. VI-B).
-TEST(ImmFilter, FollowsAManoeuvringTargetBetterThanOneModel) {
+TEST(ImmFilter, FollowsAManeuveringTargetBetterThanOneModel) {
   KalmanConfig one;
   const auto kalman = make_kalman_filter(one);
   const auto imm = make_imm_filter({});

@@ -147,8 +147,8 @@ TEST(RunBatch, AFailureIsRecordedWithTheCommandThatRepeatsIt) {
 
 TEST(RunBatch, AnEpisodeThatTakesTooLongIsRecordedAsThat) {
   const BatchFolder folder;
-  const BatchPlan plan = folder.plan(
-      "timeout_s: 2\nsweep: {parameters: [{key: duration_s, values: [0.1, 100000]}]}\nseeds: {count: 1}\n");
+  const BatchPlan plan =
+      folder.plan("timeout_s: 2\nsweep: {parameters: [{key: duration_s, values: [0.1, 100000]}]}\nseeds: {count: 1}\n");
   const BatchOutcome outcome = run_plan(plan, folder.path("out"));
   EXPECT_EQ(outcome.by_status.at("timed_out"), 1U);
   EXPECT_EQ(outcome.by_status.at("done"), 1U);
@@ -161,7 +161,7 @@ TEST(RunBatch, ResumingFliesOnlyWhatIsMissing) {
   int stored = 0;
   BatchOptions options;
   options.out = folder.path("out");
-  options.cancelled = [&] { return stored >= 5; };
+  options.canceled = [&] { return stored >= 5; };
   const BatchOutcome first =
       run_batch(plan, options, [&](const BatchProgress& p) { stored = static_cast<int>(p.done); });
   EXPECT_FALSE(first.complete);

@@ -171,7 +171,7 @@ TEST(WorkerPool, AWorkerIsReplacedAfterItsShare) {
   EXPECT_EQ(pids.size(), 3U);
 }
 
-TEST(WorkerPool, CancellingStopsAtOnceAndLeavesNoProcessBehind) {
+TEST(WorkerPool, CancelingStopsAtOnceAndLeavesNoProcessBehind) {
   const TemporaryDirectory folder;
   const auto work = [&](std::uint64_t job) -> std::string {
     std::ofstream(folder.path() / std::to_string(::getpid())) << "here";
@@ -180,7 +180,7 @@ TEST(WorkerPool, CancellingStopsAtOnceAndLeavesNoProcessBehind) {
   };
   int done = 0;
   WorkerPoolOptions options = workers(2);
-  options.cancelled = [&] {
+  options.canceled = [&] {
     return done == 2 && std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 2;
   };
   WorkerPoolEvents events;

@@ -63,7 +63,7 @@ class BoxesTest : public ::testing::Test {
 
   TestScene scene;
   std::vector<std::shared_ptr<const VehicleShape>> shapes;
-  LabelledScan scan;
+  LabeledScan scan;
 };
 
 const Vector3 kFarBehind(-40, 30, 12);

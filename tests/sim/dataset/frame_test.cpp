@@ -23,7 +23,7 @@ class FrameTest : public ::testing::Test {
  protected:
   TemporaryDirectory directory;
   SyntheticRun run{directory.path()};
-  std::shared_ptr<LabelledScan> scan = run.make_scan("os1", run.make_beams(8, 16), 1'000, true);
+  std::shared_ptr<LabeledScan> scan = run.make_scan("os1", run.make_beams(8, 16), 1'000, true);
   ContentConfig content;
   Frame frame;
 };

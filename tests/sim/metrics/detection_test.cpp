@@ -27,16 +27,16 @@ struct SightRun : MetricsRun {
 
   /// A frozen scan with that many returns on each vehicle.
   void scan(const std::vector<int>& points) {
-    auto labelled = std::make_shared<LabelledScan>();
-    labelled->scan.stamp = now + kTick;
+    auto labeled = std::make_shared<LabeledScan>();
+    labeled->scan.stamp = now + kTick;
     for (std::size_t vehicle = 0; vehicle < points.size(); ++vehicle) {
       for (int k = 0; k < points[vehicle] + 1; ++k) {
-        labelled->scan.range_m.push_back(k < points[vehicle] ? 5.0F : 0.0F);  // the last one is not returned
-        labelled->truth.surface_class.push_back(static_cast<std::uint16_t>(SurfaceClass::kVehicle));
-        labelled->truth.instance.push_back(static_cast<std::uint16_t>(vehicle + 1));
+        labeled->scan.range_m.push_back(k < points[vehicle] ? 5.0F : 0.0F);  // the last one is not returned
+        labeled->truth.surface_class.push_back(static_cast<std::uint16_t>(SurfaceClass::kVehicle));
+        labeled->truth.instance.push_back(static_cast<std::uint16_t>(vehicle + 1));
       }
     }
-    scans[0] = {labelled};
+    scans[0] = {labeled};
   }
   void detect(const std::vector<Vector3>& positions, TimeNs t, TimeNs stamp) {
     actions[0].has_detections = true;

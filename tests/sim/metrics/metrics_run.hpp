@@ -67,7 +67,7 @@ struct MetricsRun {
   std::vector<Action> actions;
   std::vector<Clearance> clearances;
   std::vector<Observation> observations;
-  std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans;
+  std::vector<std::vector<std::shared_ptr<const LabeledScan>>> scans;
   std::vector<Event> events;
   std::vector<const Action*> pointers;
   Metrics metrics;

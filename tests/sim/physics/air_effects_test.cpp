@@ -109,7 +109,7 @@ TEST(GroundEffect, OverATablesEdgeLiftsOneSideOnly) {
   PhysicsConfig config = bare_physics();
   config.ground_effect = true;
   TestScene builder;
-  builder.add_box({0, -2, 0}, {2, 2, 1}, SurfaceClass::kObject);  // its edge at x = 0, below the centre
+  builder.add_box({0, -2, 0}, {2, 2, 1}, SurfaceClass::kObject);  // its edge at x = 0, below the center
   const Airframe airframe = test_quad();
   PhysicsVehicle vehicle = vehicle_at({0, 0, 1.4}, airframe);
   vehicle.motors_on = true;

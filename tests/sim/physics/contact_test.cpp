@@ -207,7 +207,7 @@ TEST(Crash, OfTwoVehiclesGivesOneEventEachAndKeepsMomentum) {
   EXPECT_EQ(flight.crashes[1].other_vehicle, 0);
   EXPECT_EQ(flight.crashes[0].t, flight.crashes[1].t);
   EXPECT_EQ(flight.crashes[0].surface_class, SurfaceClass::kVehicle);
-  // Two discs of 0.15 m radius whose centres pass 0.05 m apart.
+  // Two discs of 0.15 m radius whose centers pass 0.05 m apart.
   EXPECT_NEAR(flight.crashes[0].speed_mps, 4.0 * std::sqrt(1.0 - std::pow(0.05 / 0.3, 2)), 0.1);
   const Vector3 momentum = 2.0 * flight.state(0).v_world_mps + 3.0 * flight.state(1).v_world_mps;
   EXPECT_NEAR((momentum - Vector3(3, 0, 0)).norm(), 0.0, 1e-6);

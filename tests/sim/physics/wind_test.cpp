@@ -15,7 +15,7 @@ WindConfig gusty(const Vector3& mean_mps = Vector3::Zero()) {
   return wind;
 }
 
-TEST(Dryden, ScalesAtTenMetresAreThoseOfTheStandard) {
+TEST(Dryden, ScalesAtTenMetersAreThoseOfTheStandard) {
   // 32.8 ft: L_u = h / (0.177 + 0.000823 h)^1.2 = 221 ft, sigma_u / sigma_w = 1.89.
   const DrydenScales scales = dryden_scales(10.0, 7.7);
   EXPECT_NEAR(scales.length_m.x(), 67.0, 1.0);
@@ -30,13 +30,13 @@ TEST(Dryden, ScalesAtTenMetresAreThoseOfTheStandard) {
 }
 
 TEST(Dryden, GustsHaveTheStandardDeviationAndCorrelationLength) {
-  // Whatever the step: the discretisation is exact.
+  // Whatever the step: the discretization is exact.
   for (const double dt_s : {0.02, 0.5}) {
     Gusts gusts(gusty(), 7, "uav1");
     const double speed = 10.0;
     const DrydenScales scales = dryden_scales(10.0, 7.7);
-    const double metres_a_step = speed * dt_s;
-    const int count = static_cast<int>(2.0e6 / metres_a_step / (dt_s < 0.1 ? 8.0 : 1.0));
+    const double meters_a_step = speed * dt_s;
+    const int count = static_cast<int>(2.0e6 / meters_a_step / (dt_s < 0.1 ? 8.0 : 1.0));
     std::vector<Vector3> series(count);
     for (int n = 0; n < count; ++n) series[n] = gusts.advance(n, dt_s, 10.0, speed);
     Vector3 mean = Vector3::Zero();
@@ -44,16 +44,16 @@ TEST(Dryden, GustsHaveTheStandardDeviationAndCorrelationLength) {
     for (int axis = 0; axis < 3; ++axis) {
       // exp(-1) after L_u for u, after half of the length for v and w.
       const double length = scales.length_m[axis] * (axis == 0 ? 1.0 : 0.5);
-      const int lag = static_cast<int>(std::lround(length / metres_a_step));
+      const int lag = static_cast<int>(std::lround(length / meters_a_step));
       double variance = 0.0;
       double covariance = 0.0;
       for (int n = 0; n + lag < count; ++n) {
         variance += (series[n][axis] - mean[axis]) * (series[n][axis] - mean[axis]) / (count - lag);
         covariance += (series[n][axis] - mean[axis]) * (series[n + lag][axis] - mean[axis]) / (count - lag);
       }
-      const double independent = count * metres_a_step / (2 * length);
+      const double independent = count * meters_a_step / (2 * length);
       EXPECT_NEAR(std::sqrt(variance) / scales.sigma_mps[axis], 1.0, 4.0 / std::sqrt(2 * independent));
-      EXPECT_NEAR(covariance / variance, std::exp(-lag * metres_a_step / length), 4.0 / std::sqrt(independent));
+      EXPECT_NEAR(covariance / variance, std::exp(-lag * meters_a_step / length), 4.0 / std::sqrt(independent));
       EXPECT_NEAR(mean[axis], 0.0, 4.0 * scales.sigma_mps[axis] / std::sqrt(independent));
     }
   }

@@ -17,15 +17,15 @@ Vector3 random_point(const Random& random, std::uint32_t i, double half_m) {
           random.uniform(-half_m, half_m, 2, i)};
 }
 
-// Random triangles of about a metre in a cube of 20 m.
+// Random triangles of about a meter in a cube of 20 m.
 Scene triangle_soup(int num_triangles) {
   const Random random(3, "test.soup");
   Mesh mesh;
   mesh.surface_class = SurfaceClass::kObject;
   for (int i = 0; i < num_triangles; ++i) {
-    const Vector3 centre = random_point(random, 4 * i, 10.0);
+    const Vector3 center = random_point(random, 4 * i, 10.0);
     for (int corner = 0; corner < 3; ++corner) {
-      mesh.vertices_m.push_back((centre + random_point(random, 4 * i + 1 + corner, 0.5)).cast<float>());
+      mesh.vertices_m.push_back((center + random_point(random, 4 * i + 1 + corner, 0.5)).cast<float>());
     }
     const auto first = static_cast<std::uint32_t>(3 * i);
     mesh.triangles.push_back({first, first + 1, first + 2});
@@ -51,7 +51,7 @@ double distance_to_triangle(const Vector3& p, const Vector3& a, const Vector3& b
   return std::min({distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
 }
 
-TEST(StaticScene, APlaneAtFiveMetresIsFiveMetresAwayAlongItsNormal) {
+TEST(StaticScene, APlaneAtFiveMetersIsFiveMetersAwayAlongItsNormal) {
   TestScene builder;
   builder.add_wall({5, -50, -50}, {5, 50, -50}, {5, 50, 50}, {5, -50, 50}, SurfaceClass::kWall, 3);
   const StaticScene scene(builder.scene());

@@ -183,15 +183,15 @@ float x_in_frame(const std::string& frame, double offset_m) {
   beams->directions_lidar = {Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitX()};
   beams->origins_lidar.resize(2, Eigen::Vector3f::Zero());
   beams->column_offset_s = {0.0F, 0.05F};
-  auto labelled = run.make_scan("lidar", beams, 0, true);
-  labelled->scan.T_body_lidar = Pose::Identity();
-  labelled->scan.range_m = {0.0F, 5.0F};
+  auto labeled = run.make_scan("lidar", beams, 0, true);
+  labeled->scan.T_body_lidar = Pose::Identity();
+  labeled->scan.range_m = {0.0F, 5.0F};
 
   // 10 m/s along x.
   const auto pose_at = [](double t_s, double dx) {
     return make_pose({10.0 * t_s + dx, 0, 0}, Eigen::Quaterniond::Identity());
   };
-  labelled->truth.T_world_lidar = {pose_at(0, 0), pose_at(0.05, 0)};
+  labeled->truth.T_world_lidar = {pose_at(0, 0), pose_at(0.05, 0)};
 
   PcdConfig config;
   config.frame = frame;
@@ -202,8 +202,8 @@ float x_in_frame(const std::string& frame, double offset_m) {
   const VehicleState states[2];
   const Observation observations[2];
   for (int k = 0; k <= 5; ++k) {
-    std::vector<std::shared_ptr<const LabelledScan>> scans[2];
-    if (k == 5) scans[0] = {labelled};
+    std::vector<std::shared_ptr<const LabeledScan>> scans[2];
+    if (k == 5) scans[0] = {labeled};
     actions[0].estimate.valid = true;
     actions[0].estimate.t = k * 20'000'000;
     actions[0].estimate.T_world_body = pose_at(0.02 * k, offset_m);

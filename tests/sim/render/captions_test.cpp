@@ -23,7 +23,7 @@ int pixels_of(const Image& image, const Rgb& color) {
   return count;
 }
 
-TEST(Legend, ShowsEachMeaningOnceInItsColour) {
+TEST(Legend, ShowsEachMeaningOnceInItsColor) {
   const Overlay::Key red{"flying", {1.0F, 0.0F, 0.0F, 0.3F}}, blue{"background", {0.0F, 0.0F, 1.0F, 1.0F}};
   Image once(640, 360, Rgb::Constant(0.5F)), twice = once;
   draw_legend(once, std::vector{red, blue});

@@ -40,10 +40,10 @@ TEST(Png, HoldsExactlyThePixelsGiven) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.png.part"));
 }
 
-TEST(Png, HoldsSixteenBitsOfGrey) {
+TEST(Png, HoldsSixteenBitsOfGray) {
   const TemporaryDirectory folder;
-  const std::vector<std::uint16_t> grey = {0, 1, 255, 256, 12345, 65535};
-  write_png16(folder.path() / "depth.png", 3, 2, grey);
+  const std::vector<std::uint16_t> gray = {0, 1, 255, 256, 12345, 65535};
+  write_png16(folder.path() / "depth.png", 3, 2, gray);
   // Read row by row with the low-level interface, which gives the file's own big-endian samples.
   std::FILE* file = std::fopen((folder.path() / "depth.png").c_str(), "rb");
   ASSERT_NE(file, nullptr);
@@ -61,7 +61,7 @@ TEST(Png, HoldsSixteenBitsOfGrey) {
   }
   png_destroy_read_struct(&png, &info, nullptr);
   std::fclose(file);
-  EXPECT_EQ(read, grey);
+  EXPECT_EQ(read, gray);
 }
 
 TEST(Png, SaysWhereItCannotWrite) {
@@ -158,7 +158,7 @@ TEST(Captions, RoundToNiceNumbers) {
   EXPECT_EQ(tick_text(-20.0, 10.0), "-20");
 }
 
-TEST(DepthPicture, ColoursNearBlueAndFarRedAndNothingGrey) {
+TEST(DepthPicture, ColorsNearBlueAndFarRedAndNothingGray) {
   DepthImage depth{300, 200, std::vector<float>(300 * 200, 0.0F)};
   for (int y = 0; y < 200; ++y) {
     for (int x = 0; x < 100; ++x) depth.depth_m[y * 300 + x] = x < 50 ? 2.0F : 19.0F;

@@ -36,7 +36,7 @@ BeamTable spinning(int rows, int cols) {
 TEST(BeamLookup, UndoesTheStaggeringOfASpinningSensor) {
   const BeamTable beams = spinning(32, 256);
   const BeamLookup lookup(beams);
-  ASSERT_TRUE(lookup.organised());
+  ASSERT_TRUE(lookup.organized());
   for (int i = 0; i < beams.size(); ++i) {
     const Eigen::Vector3f& d = beams.directions_lidar[static_cast<std::size_t>(i)];
     ASSERT_EQ(lookup.beam_at(std::atan2(d.y(), d.x()), std::asin(d.z())), i);
@@ -53,7 +53,7 @@ TEST(BeamLookup, FindsTheNearestBeamOfAPatternWithoutRows) {
     beams.directions_lidar.push_back(direction(random.uniform(-M_PI, M_PI, 0, i), random.uniform(-0.12, 0.9, 1, i)));
   }
   const BeamLookup lookup(beams);
-  ASSERT_FALSE(lookup.organised());
+  ASSERT_FALSE(lookup.organized());
   int found = 0;
   for (std::uint32_t k = 0; k < 500; ++k) {
     const double azimuth = random.uniform(-7.0, 7.0, 2, k);
@@ -92,7 +92,7 @@ TEST(RangeImage, ShowsWhatIsAheadInTheMiddleOfTheFirstStrip) {
   double ahead_x = 0.0, left_x = 0.0;
   int ahead = 0, left = 0;
   for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < 640; ++x) {  // without the colour bar
+    for (int x = 0; x < 640; ++x) {  // without the color bar
       const std::uint8_t* p = image.pixel(x, y);
       if (p[0] > p[2] + 100) ahead_x += x, ++ahead;
       if (p[2] > p[0] + 100) left_x += x, ++left;

@@ -31,7 +31,7 @@ class BoxWorld {
   Scene scene_;
 };
 
-/// A body of half a metre with one rotor on top.
+/// A body of half a meter with one rotor on top.
 inline std::shared_ptr<const VehicleShape> make_test_shape() {
   auto shape = std::make_shared<VehicleShape>();
   Mesh body;

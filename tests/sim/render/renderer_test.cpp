@@ -14,7 +14,7 @@ namespace {
 const Rgb kRed(0.9F, 0.08F, 0.08F);
 const Rgb kGreen(0.08F, 0.85F, 0.08F);
 const Rgb kBlue(0.08F, 0.1F, 0.9F);
-const Rgb kGrey(0.6F, 0.6F, 0.6F);
+const Rgb kGray(0.6F, 0.6F, 0.6F);
 constexpr int kWidth = 160;
 constexpr int kHeight = 120;
 
@@ -42,19 +42,19 @@ TEST(Renderer, ShowsARedBoxInFrontOfTheCameraAndTheSkyAroundIt) {
 
 TEST(Renderer, MeasuresTheDepthOfPlanesAndOfNothing) {
   BoxWorld world;
-  world.add({5, -50, -50}, {6, -0.5F, 50}, kGrey).add({80, 0.5F, -50}, {81, 50, 50}, kGrey);
+  world.add({5, -50, -50}, {6, -0.5F, 50}, kGray).add({80, 0.5F, -50}, {81, 50, 50}, kGray);
   Renderer renderer(world.scene(), {});
   const DepthImage depth = renderer.draw_depth(view_along_x(), {}, {});
-  // A plane across the axis has one depth; far away it is still right to a millimetre.
+  // A plane across the axis has one depth; far away it is still right to a millimeter.
   for (const int y : {10, 60, 110}) {
     EXPECT_NEAR(depth.at(130, y), 5.0, 1e-3);
     EXPECT_NEAR(depth.at(30, y), 80.0, 1e-3);
   }
   BoxWorld floor;
-  floor.add({-100, -100, -1}, {100, 100, 0}, kGrey);
+  floor.add({-100, -100, -1}, {100, 100, 0}, kGray);
   Renderer floor_renderer(floor.scene(), {});
   const DepthImage slope = floor_renderer.draw_depth(view_along_x({0, 0, 2}), {}, {});
-  for (const int y : {70, 90, 119}) {  // the ray through the pixel falls (y + 0.5 - 60) / f a metre
+  for (const int y : {70, 90, 119}) {  // the ray through the pixel falls (y + 0.5 - 60) / f a meter
     const double f = 60.0 / std::tan(M_PI / 6.0);
     EXPECT_NEAR(slope.at(80, y), 2.0 * f / (y + 0.5 - 60.0), 0.01) << y;
   }
@@ -92,7 +92,7 @@ TEST(Renderer, CullingChangesNoPixel) {
 
 TEST(Renderer, GivesTheSamePixelsAgain) {
   BoxWorld world;
-  world.add({5, -1, 0}, {6, 1, 2}, kRed).add({-20, -20, -1}, {20, 20, 0}, kGrey, SurfaceClass::kGround);
+  world.add({5, -1, 0}, {6, 1, 2}, kRed).add({-20, -20, -1}, {20, 20, 0}, kGray, SurfaceClass::kGround);
   Renderer renderer(world.scene(), {});
   const Image first = renderer.draw(view_along_x(), {}, {});
   renderer.draw(view_along_x({1, 2, 3}), {}, {});
@@ -118,13 +118,13 @@ TEST(Renderer, LooksUnderARoofWhenToldToCut) {
 TEST(Renderer, ThrowsShadowsOfTheWorldAndOfVehicles) {
   // The sun stands at (-0.62, 0.28, 0.80): a thing at height h shades the ground at (+0.775, -0.35) h.
   BoxWorld world;
-  world.add({-20, -20, -1}, {20, 20, 0}, kGrey).add({-7, -1, 5}, {-5, 1, 5.2F}, kGrey);
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray).add({-7, -1, 5}, {-5, 1, 5.2F}, kGray);
   const auto shape = make_test_shape();
   Renderer renderer(world.scene(), std::vector{shape});
   PictureScene picture;
   picture.states.resize(1);
   picture.states[0].p_world_m = {4.0, 3.0, 4.0};
-  const View view = top_view({0, 0}, 20.0, -1.0, 6.0, 400, 400);  // 20 px a metre
+  const View view = top_view({0, 0}, 20.0, -1.0, 6.0, 400, 400);  // 20 px a meter
   const Image image = renderer.draw(view, picture, {});
   const auto ground = [&](double x, double y) {
     return brightness(color_at(image, static_cast<int>(200 + 20 * x), static_cast<int>(200 - 20 * y)));
@@ -135,9 +135,9 @@ TEST(Renderer, ThrowsShadowsOfTheWorldAndOfVehicles) {
   EXPECT_NEAR(ground(8.0, -8.0), lit, 0.1F);
 }
 
-TEST(Renderer, DrawsVehiclesInTheirColoursUnlessTheyCarryTheCamera) {
+TEST(Renderer, DrawsVehiclesInTheirColorsUnlessTheyCarryTheCamera) {
   BoxWorld world;
-  world.add({-20, -20, -1}, {20, 20, 0}, kGrey);
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray);
   const auto shape = make_test_shape();
   Renderer renderer(world.scene(), std::vector{shape, shape});
   PictureScene picture;
@@ -161,12 +161,12 @@ TEST(Renderer, DrawsVehiclesInTheirColoursUnlessTheyCarryTheCamera) {
 
 TEST(Renderer, BlursSpinningRotorsAndTurnsTheirBlades) {
   BoxWorld world;
-  world.add({-20, -20, -1}, {20, 20, 0}, kGrey);
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray);
   Renderer renderer(world.scene(), std::vector{make_test_shape()});
   PictureScene picture;
   picture.states.resize(1);
   picture.states[0].p_world_m = {0.0, 0.0, 2.0};
-  const View view = top_view({0, 0}, 3.0, -1.0, 4.0, 300, 300);  // 100 px a metre; the rotor's radius is 1 m
+  const View view = top_view({0, 0}, 3.0, -1.0, 4.0, 300, 300);  // 100 px a meter; the rotor's radius is 1 m
   const Image still = renderer.draw(view, picture, {});
   picture.states[0].rotor_speed_radps[0] = 400.0;
   const Image spinning = renderer.draw(view, picture, {});
@@ -180,7 +180,7 @@ TEST(Renderer, BlursSpinningRotorsAndTurnsTheirBlades) {
 
 TEST(Renderer, DrawsTrailsCloudsAndChosenOverlaysWhereTheyAre) {
   BoxWorld world;
-  world.add({-20, -20, -1}, {20, 20, 0}, kGrey);
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray);
   const auto shape = make_test_shape();
   Renderer renderer(world.scene(), std::vector{shape});
   PictureScene picture;
@@ -224,7 +224,7 @@ TEST(Renderer, DrawsTrailsCloudsAndChosenOverlaysWhereTheyAre) {
   EXPECT_TRUE(is_dominated_by(color(drawn, -4, 8), 0)) << "a trail";
   EXPECT_TRUE(is_dominated_by(color(drawn, 4.2, -3.8), 0)) << "a cloud of vehicle points";
   EXPECT_LT((color(drawn, 8, 0) - color(plain, 8, 0)).cwiseAbs().maxCoeff(), 0.05F) << "an overlay nobody chose";
-  // Half transparent: half of the ground, half of the colour.
+  // Half transparent: half of the ground, half of the color.
   EXPECT_NEAR(color(drawn, 0, -1).x(), 0.5F * color(plain, 0, -1).x(), 0.06F);
 
   style.overlays = {"*"};

@@ -51,18 +51,18 @@ TEST(Trail, KeepsItsMemoryBoundedAndItsEnds) {
 }
 
 TEST(Cloud, LiesWhereTheSensorTrulyWasColumnByColumn) {
-  LabelledScan labelled;
+  LabeledScan labeled;
   auto beams = std::make_shared<BeamTable>();
   beams->rows = 1;
   beams->cols = 3;
   beams->directions_lidar.assign(3, Eigen::Vector3f::UnitX());
   beams->origins_lidar.assign(3, Eigen::Vector3f(0, 0, 0.5F));
-  labelled.scan.beams = beams;
-  labelled.scan.range_m = {2.0F, 0.0F, 4.0F};
+  labeled.scan.beams = beams;
+  labeled.scan.range_m = {2.0F, 0.0F, 4.0F};
   for (int column = 0; column < 3; ++column) {
-    labelled.truth.T_world_lidar.push_back(make_pose({10.0 * column, 0, 1}, Eigen::Quaterniond::Identity()));
+    labeled.truth.T_world_lidar.push_back(make_pose({10.0 * column, 0, 1}, Eigen::Quaterniond::Identity()));
   }
-  const PictureCloud cloud = cloud_of(labelled, 1);
+  const PictureCloud cloud = cloud_of(labeled, 1);
   EXPECT_THAT(cloud.points_world_m, ElementsAre(Eigen::Vector3f(2, 0, 1.5F), Eigen::Vector3f(24, 0, 1.5F)));
 }
 
@@ -100,7 +100,7 @@ class SnapshotRecorderTest : public testing::Test {
   BoxWorld world_;
   RunInfo info_;
   std::vector<VehicleState> states_;
-  std::vector<std::vector<std::shared_ptr<const LabelledScan>>> scans_;
+  std::vector<std::vector<std::shared_ptr<const LabeledScan>>> scans_;
 };
 
 TEST_F(SnapshotRecorderTest, WritesEachCamerasPicturesAtItsTimes) {

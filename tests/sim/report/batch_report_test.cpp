@@ -118,7 +118,7 @@ TEST_F(BatchReport, AllPointsTogetherArePairedByPointAndSeed) {
   const PairedValues all = paired_values(t, error, t.totals[0], t.totals[1]);
   const SampleSummary d = paired_difference(all.first, all.second);
   EXPECT_EQ(d.n, 11U);  // one of the twelve failed
-  // Every pair differs by 0.5 m less its noise of -+0.01 m, although points and seeds differ by metres.
+  // Every pair differs by 0.5 m less its noise of -+0.01 m, although points and seeds differ by meters.
   EXPECT_NEAR(d.mean, -0.5 + 0.01 / 11.0, 1e-12);
   EXPECT_LT(d.sd, 0.011);
   EXPECT_EQ(paired_outcomes(t, "crashed", t.totals[0], t.totals[1]).first_only, 4U);

@@ -48,7 +48,7 @@ std::vector<std::pair<double, double>> polyline_of(const std::string& svg) {
   return points;
 }
 
-TEST(PlotTicks, AreRoundAndLabelledWithoutSuperfluousDigits) {
+TEST(PlotTicks, AreRoundAndLabeledWithoutSuperfluousDigits) {
   EXPECT_THAT(labels(linear_ticks(0.0, 1.0, 5)), ElementsAre("0", "0.2", "0.4", "0.6", "0.8", "1"));
   EXPECT_THAT(labels(linear_ticks(-3.2, 3.9, 4)), ElementsAre("-2", "0", "2"));
   EXPECT_THAT(labels(linear_ticks(0.012, 0.033, 4)), ElementsAre("0.015", "0.02", "0.025", "0.03"));
@@ -209,7 +209,7 @@ TEST(Plot, SeriesOfUnequalLengthAreRefused) {
   EXPECT_THROW(figure.add_panel().heat_map("heat", two, three, three), std::invalid_argument);
 }
 
-TEST(Plot, TheLegendNamesOnlyLabelledSeriesAndAvoidsTheData) {
+TEST(Plot, TheLegendNamesOnlyLabeledSeriesAndAvoidsTheData) {
   Figure figure;
   figure.set_panel_size(500, 400);
   Panel& panel = figure.add_panel();
@@ -226,7 +226,7 @@ TEST(Plot, TheLegendNamesOnlyLabelledSeriesAndAvoidsTheData) {
   EXPECT_EQ(count_of(svg, "stroke=\"#ccc\""), 1);  // inside, framed
 }
 
-TEST(Plot, EqualAxesGiveAMetreOneLength) {
+TEST(Plot, EqualAxesGiveAMeterOneLength) {
   Figure figure;
   figure.set_panel_size(700, 300);
   Panel& panel = figure.add_panel();

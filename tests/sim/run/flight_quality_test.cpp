@@ -29,7 +29,7 @@ class EveryVehicle : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Models, EveryVehicle, testing::Values("t650", "f330", "f450", "x500", "kopterworx"),
                          [](const auto& tested) { return std::string(tested.param); });
 
-TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetresWithoutWind) {
+TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetersWithoutWind) {
   Simulation simulation(scenario_of(GetParam(), "60", "guidance: {type: hover}"));
   double farthest_m = 0.0;
   while (!simulation.finished()) {
@@ -41,7 +41,7 @@ TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetresWithoutWind) {
 }
 
 // Out of a flight, it comes to rest where it should and stays there.
-TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetresAfterAFlight) {
+TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetersAfterAFlight) {
   Simulation simulation(
       scenario_of(GetParam(), "40", "guidance: {type: hover, at: point, point_m: [12, -5, 4], yaw_deg: 120}"));
   double farthest_m = 0.0;
@@ -54,9 +54,9 @@ TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetresAfterAFlight) {
   RecordProperty("farthest_m", std::to_string(farthest_m));
 }
 
-// 000, Table IV: at most 8.2 m/s and 4.5 m/s^2, 4 to 10 m high. The trajectory is followed by a second spline of our
-// own, so that neither guidance nor the reference tracker can make it easier.
-TEST_P(EveryVehicle, FliesTheAgileTrajectoriesWithLessThanThirtyCentimetresOfError) {
+// Vrba 2025, Table IV: at most 8.2 m/s and 4.5 m/s^2, 4 to 10 m high. The trajectory is followed by a second spline of
+// our own, so that neither guidance nor the reference tracker can make it easier.
+TEST_P(EveryVehicle, FliesTheAgileTrajectoriesWithLessThanThirtyCentimetersOfError) {
   for (const char* seed : {"1", "2", "3"}) {
     Simulation simulation(
         scenario_of(GetParam(), "120",

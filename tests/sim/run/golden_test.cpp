@@ -96,7 +96,7 @@ TEST_P(Golden, RunHasTheSameBitsAsEver) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   // The compiler computes functions of constants to the last digit, libm nearly so; what is constant depends on -O.
   hash_of(GetParam());
-  GTEST_SKIP() << "flown, but hashes are those of optimised builds";
+  GTEST_SKIP() << "flown, but hashes are those of optimized builds";
 #endif
   if (rounding_here() != rounding_of_the_file()) {
     hash_of(GetParam());

@@ -38,7 +38,7 @@ TEST(PriorMap, SurfacesAreSampledDensely) {
     EXPECT_FLOAT_EQ(p.z(), 0.1F);
     cells.emplace(static_cast<int>(std::floor((p.x() - 10.0F) / 0.25F)), static_cast<int>(std::floor(p.y() / 0.25F)));
   }
-  // Every cell whose centre lies in the triangle has a point.
+  // Every cell whose center lies in the triangle has a point.
   for (int x = 0; x < 16; ++x) {
     for (int y = 0; y < 12; ++y) {
       const double cx = (x + 0.5) * 0.25, cy = (y + 0.5) * 0.25;

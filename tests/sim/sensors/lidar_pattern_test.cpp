@@ -221,7 +221,7 @@ TEST(LidarPattern, WhatIsWrongInACsvIsSaidWithItsLine) {
   EXPECT_THROW(beams_of(module_of("csv", csv_config("/nonexistent.csv"))), InputError);
 }
 
-TEST(LidarTiler, EveryBeamIsInExactlyOneTileWithItsNeighbours) {
+TEST(LidarTiler, EveryBeamIsInExactlyOneTileWithItsNeighbors) {
   for (const auto& [type, widest_deg] :
        {std::pair{"ouster", 2.5}, std::pair{"velodyne_puck", 5.0}, std::pair{"uniform", 2.5}}) {
     const auto pattern = make_lidar_pattern(Module(lidar_pattern_types(), type), 0.1);

@@ -17,7 +17,7 @@
 namespace swiftlet::sim {
 namespace {
 
-using Scans = std::vector<std::shared_ptr<const LabelledScan>>;
+using Scans = std::vector<std::shared_ptr<const LabeledScan>>;
 
 /// A LiDAR in a small world; the shapes of the vehicles are points unless told otherwise.
 struct Rig {
@@ -84,7 +84,7 @@ std::uint64_t fingerprint(const Scans& scans) {
     mix(s->scan.intensity.data(), s->scan.intensity.size() * sizeof(float));
     mix(s->truth.instance.data(), s->truth.instance.size() * sizeof(std::uint16_t));
     mix(s->truth.incidence_rad.data(), s->truth.incidence_rad.size() * sizeof(float));
-    for (const StampedPose& pose : s->scan.told_poses) mix(pose.T_world_body.matrix().data(), 16 * sizeof(double));
+    for (const StampedPose& pose : s->scan.external_poses) mix(pose.T_world_body.matrix().data(), 16 * sizeof(double));
   }
   return hash;
 }
@@ -92,7 +92,7 @@ std::uint64_t fingerprint(const Scans& scans) {
 // ---- geometry
 // ---------------------------------------------------------------------------------------------------------
 
-TEST(Lidar, APlaneAtFiveMetresReturnsFiveMetresAlongEachBeam) {
+TEST(Lidar, APlaneAtFiveMetersReturnsFiveMetersAlongEachBeam) {
   for (const char* pattern : {"ouster", "livox_mid360", "velodyne_puck", "uniform"}) {
     Rig rig;
     rig.world.add_wall({5, -400, -400}, {5, 400, -400}, {5, 400, 400}, {5, -400, 400}, SurfaceClass::kWall, 6);
@@ -274,7 +274,7 @@ TEST(Lidar, TruthPosesPutTheReturnsOfAMovingSensorOnTheWall) {
     return state;
   }};
   const auto scans = rig.run(3);
-  const LabelledScan& s = *scans[2];
+  const LabeledScan& s = *scans[2];
   for (int i = 0; i < s.scan.size(); i += 37) {
     const Vector3 p = s.truth.T_world_lidar[i % s.scan.cols()] * s.scan.point_lidar(i).cast<double>();
     const double off_x = std::abs(std::abs(p.x()) - 30), off_y = std::abs(std::abs(p.y()) - 30),
@@ -480,15 +480,15 @@ TEST(Lidar, TheOwnVehicleIsSeenWhereItIsAndTheMaskRemovesIt) {
   EXPECT_LT(num_masked, beams.size() / 2);
 }
 
-// ---- told poses
+// ---- external poses
 // -------------------------------------------------------------------------------------------------------
 
-TEST(Lidar, ToldPosesCarryTheNoiseOfSigmaW) {
+TEST(Lidar, ExternalPosesCarryTheNoiseOfSigmaW) {
   Rig rig;
   rig.config = uniform(1, 4, 0.0);
   rig.config.rolling = false;
   rig.config.rate_hz = 100;
-  rig.config.told_pose.enabled = true;
+  rig.config.external_pose.enabled = true;
   rig.config.mount.position_m = {0.1, 0.2, 0.3};
   rig.config.mount.rpy_deg = {10, 20, 30};
   rig.motions = {resting({3, -2, 5}, 0.8)};
@@ -496,11 +496,11 @@ TEST(Lidar, ToldPosesCarryTheNoiseOfSigmaW) {
   SampleStatistics x, roll, product;
   double previous = 0;
   for (const auto& s : rig.run(kScans)) {
-    ASSERT_EQ(s->scan.told_poses.size(), 1U);
-    EXPECT_EQ(s->scan.told_poses[0].t, s->scan.stamp);
+    ASSERT_EQ(s->scan.external_poses.size(), 1U);
+    EXPECT_EQ(s->scan.external_poses[0].t, s->scan.stamp);
     const Pose T_body_lidar = s->scan.T_body_lidar;
     const Pose truth = rig.motions[0](0).T_world_body() * T_body_lidar;
-    const Pose told = s->scan.told_poses[0].T_world_body * T_body_lidar;
+    const Pose told = s->scan.external_poses[0].T_world_body * T_body_lidar;
     // Eqs. (40), (41): t_gt = t_m + t_n, R_gt = R_m R_n.
     const Vector3 t_n = truth.translation() - told.translation();
     const Matrix3 R_n = told.linear().transpose() * truth.linear();
@@ -515,15 +515,15 @@ TEST(Lidar, ToldPosesCarryTheNoiseOfSigmaW) {
   EXPECT_NEAR(product.mean(), 0.0, mean_bound(0.0025, kScans)) << "white";
 }
 
-TEST(Lidar, CorrelatedToldPosesKeepTheirSigmaAndDecayWithTheirTime) {
+TEST(Lidar, CorrelatedExternalPosesKeepTheirSigmaAndDecayWithTheirTime) {
   Rig rig;
   rig.config = uniform(1, 4, 0.0);
   rig.config.rolling = false;
   rig.config.rate_hz = 100;
-  rig.config.told_pose.enabled = true;
-  rig.config.told_pose.correlation_time_s = 0.05;
+  rig.config.external_pose.enabled = true;
+  rig.config.external_pose.correlation_time_s = 0.05;
   std::vector<double> x;
-  for (const auto& s : rig.run(6000)) x.push_back(s->scan.told_poses[0].T_world_body.translation().x());
+  for (const auto& s : rig.run(6000)) x.push_back(s->scan.external_poses[0].T_world_body.translation().x());
   double variance = 0, lagged = 0;
   for (std::size_t i = 0; i + 5 < x.size(); ++i) {
     variance += x[i] * x[i] / x.size();
@@ -536,18 +536,18 @@ TEST(Lidar, CorrelatedToldPosesKeepTheirSigmaAndDecayWithTheirTime) {
 TEST(Lidar, ARollingScanTellsPosesOverTheSweepAndAnIdealOneTheTruth) {
   Rig rig;
   rig.config = uniform(1, 4, 0.0);
-  rig.config.told_pose.enabled = true;
+  rig.config.external_pose.enabled = true;
   rig.motions = {straight({0, 0, 0}, {5, 0, 0})};
   const auto noisy = rig.run();
-  ASSERT_EQ(noisy[0]->scan.told_poses.size(), 11U);
-  EXPECT_EQ(noisy[0]->scan.told_poses.back().t, 100'000'000);
+  ASSERT_EQ(noisy[0]->scan.external_poses.size(), 11U);
+  EXPECT_EQ(noisy[0]->scan.external_poses.back().t, 100'000'000);
   rig.config.ideal = true;
   const auto ideal = rig.run();
-  for (const StampedPose& pose : ideal[0]->scan.told_poses) {
+  for (const StampedPose& pose : ideal[0]->scan.external_poses) {
     EXPECT_NEAR(pose.T_world_body.translation().x(), 5.0 * to_seconds(pose.t), 1e-9);
   }
-  rig.config.told_pose.enabled = false;
-  EXPECT_TRUE(rig.run()[0]->scan.told_poses.empty());
+  rig.config.external_pose.enabled = false;
+  EXPECT_TRUE(rig.run()[0]->scan.external_poses.empty());
 }
 
 // ---- determinism, memory
@@ -559,7 +559,7 @@ Rig busy_rig() {
   rig.world.add_sphere({6, 2, 0}, 1.0F, 48);
   rig.shapes = {quadrotor_shape(), quadrotor_shape(), quadrotor_shape()};
   rig.motions = {straight({0, 0, 0}, {3, 1, 0}), straight({5, -3, 0}, {-4, 6, 0}), straight({-4, 3, 1}, {4, 0, 1})};
-  rig.config.told_pose.enabled = true;
+  rig.config.external_pose.enabled = true;
   rig.config.mount.position_m = {0, 0, 0.15};
   return rig;
 }
@@ -621,7 +621,7 @@ class InParts final : public Sensor {
     }
     lidar_->measure(now, truth, out);
   }
-  std::span<const std::shared_ptr<const LabelledScan>> scans() const override { return lidar_->scans(); }
+  std::span<const std::shared_ptr<const LabeledScan>> scans() const override { return lidar_->scans(); }
 
  private:
   std::unique_ptr<Sensor> lidar_;

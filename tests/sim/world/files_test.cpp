@@ -264,7 +264,7 @@ TEST_F(WorldFiles, TruncatedFilesNeverCrash) {
   Mesh ball;
   add_icosphere(ball, {1, 2, 3}, 0.5F, 1);
   SceneBuilder builder;
-  builder.add(ball, {"grey", 0.4F, false, {0.5F, 0.5F, 0.5F}}, SurfaceClass::kObject, 1);
+  builder.add(ball, {"gray", 0.4F, false, {0.5F, 0.5F, 0.5F}}, SurfaceClass::kObject, 1);
   const Scene scene = builder.finish();
   export_world(scene, folder_ / "ball.ply");
   export_world(scene, folder_ / "ball.obj");
@@ -297,7 +297,7 @@ TEST_F(WorldFiles, DamagedFilesNeverCrash) {
   Mesh ball;
   add_icosphere(ball, {1, 2, 3}, 0.5F, 1);
   SceneBuilder builder;
-  builder.add(ball, {"grey", 0.4F, false, {0.5F, 0.5F, 0.5F}}, SurfaceClass::kObject, 1);
+  builder.add(ball, {"gray", 0.4F, false, {0.5F, 0.5F, 0.5F}}, SurfaceClass::kObject, 1);
   const Scene scene = builder.finish();
   export_world(scene, folder_ / "ball.ply");
   write("ball.stl", binary_stl(ball));

@@ -14,7 +14,7 @@ namespace {
 using test::attribute;
 using test::objects_of;
 
-TEST(ForestThesis, HasAHundredTreesInTheAreaAtLeastThreeMetresApart) {
+TEST(ForestThesis, HasAHundredTreesInTheAreaAtLeastThreeMetersApart) {
   for (const std::uint64_t seed : {1, 2, 3, 99}) {
     const auto trees = objects_of(make_forest_thesis({}, seed), SurfaceClass::kTrunk);
     ASSERT_EQ(trees.size(), 100U);

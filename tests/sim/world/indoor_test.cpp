@@ -180,7 +180,7 @@ TEST(Hall, WallHidesWhatIsBehindIt) {
   EXPECT_TRUE(sees(observer, {4.0, 4.0, 2.0}));
 }
 
-TEST(Hall, DistancesStayWithinSixteenMetresForVehiclesOffTheWalls) {
+TEST(Hall, DistancesStayWithinSixteenMetersForVehiclesOffTheWalls) {
   const HallConfig config;
   EXPECT_LE((config.size_m - Vector3d::Constant(2.0)).norm(), 16.0);
 }

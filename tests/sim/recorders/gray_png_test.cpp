@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/grey_png.hpp"
+#include "sim/recorders/gray_png.hpp"
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -32,10 +32,10 @@ std::vector<std::uint16_t> read_by_libpng(const ByteBuffer& file, int& width, in
     std::memcpy(out, from->at, count);
     from->at += count;
   });
-  std::vector<std::uint16_t> grey(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::vector<std::uint16_t> gray(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   std::vector<png_bytep> rows;
   for (int y = 0; y < height; ++y)
-    rows.push_back(reinterpret_cast<png_bytep>(grey.data() + static_cast<std::size_t>(y) * width));
+    rows.push_back(reinterpret_cast<png_bytep>(gray.data() + static_cast<std::size_t>(y) * width));
   png_read_info(png, info);
   EXPECT_EQ(png_get_bit_depth(png, info), 16);
   EXPECT_EQ(png_get_color_type(png, info), PNG_COLOR_TYPE_GRAY);
@@ -43,19 +43,19 @@ std::vector<std::uint16_t> read_by_libpng(const ByteBuffer& file, int& width, in
   png_read_image(png, rows.data());
   png_read_end(png, nullptr);
   png_destroy_read_struct(&png, &info, nullptr);
-  return grey;
+  return gray;
 }
 
-void expect_same(int width, int height, const std::vector<std::uint16_t>& grey) {
-  GreyPng encoder;
+void expect_same(int width, int height, const std::vector<std::uint16_t>& gray) {
+  GrayPng encoder;
   int found_width = 0, found_height = 0;
-  const auto found = read_by_libpng(encoder.encode(width, height, grey), found_width, found_height);
+  const auto found = read_by_libpng(encoder.encode(width, height, gray), found_width, found_height);
   EXPECT_EQ(found_width, width);
   EXPECT_EQ(found_height, height);
-  EXPECT_EQ(found, grey);
+  EXPECT_EQ(found, gray);
 }
 
-TEST(GreyPng, IsReadByLibpngPixelForPixel) {
+TEST(GrayPng, IsReadByLibpngPixelForPixel) {
   const Random random(1, "test");
   expect_same(1, 1, {0});
   expect_same(1, 1, {65535});
@@ -78,36 +78,36 @@ TEST(GreyPng, IsReadByLibpngPixelForPixel) {
   }
 }
 
-TEST(GreyPng, KeepsCodesShortWhenCountsDifferWildly) {
+TEST(GrayPng, KeepsCodesShortWhenCountsDifferWildly) {
   // Counts like Fibonacci's numbers make the longest Huffman codes: here 23 bits without a limit.
-  std::vector<std::uint16_t> grey;
+  std::vector<std::uint16_t> gray;
   std::uint16_t value = 0;
   int a = 1, b = 1;
   for (int symbol = 1; symbol < 24; ++symbol) {
     for (int i = 0; i < a; ++i)
-      grey.push_back(value = static_cast<std::uint16_t>(value + symbol + 256 * (24 - symbol)));
+      gray.push_back(value = static_cast<std::uint16_t>(value + symbol + 256 * (24 - symbol)));
     const int next = a + b;
     a = b;
     b = next;
   }
-  expect_same(static_cast<int>(grey.size()), 1, grey);
+  expect_same(static_cast<int>(gray.size()), 1, gray);
 }
 
-TEST(GreyPng, MakesNoisyRangesSmallerThanTheyAre) {
+TEST(GrayPng, MakesNoisyRangesSmallerThanTheyAre) {
   const Random random(1, "test");
   std::vector<std::uint16_t> ranges(1024 * 128);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     ranges[i] = static_cast<std::uint16_t>(9000.0 + 15.0 * random.normal(0, static_cast<std::uint32_t>(i)));
   }
-  GreyPng encoder;
-  // Differences of two draws of 15 units have log2(15 sqrt(2) sqrt(2 pi e)) = 6.5 bits of 16; coded byte by byte, as PNG
-  // does, the sign in the high byte and the magnitude in the low one cost about two bits more.
+  GrayPng encoder;
+  // Differences of two draws of 15 units have log2(15 sqrt(2) sqrt(2 pi e)) = 6.5 bits of 16; coded byte by byte, as
+  // PNG does, the sign in the high byte and the magnitude in the low one cost about two bits more.
   EXPECT_LT(static_cast<double>(encoder.encode(1024, 128, ranges).size()),
             0.55 * 2.0 * static_cast<double>(ranges.size()));
 }
 
-TEST(GreyPng, RefusesASizeThatDoesNotFit) {
-  GreyPng encoder;
+TEST(GrayPng, RefusesASizeThatDoesNotFit) {
+  GrayPng encoder;
   EXPECT_THROW(encoder.encode(2, 2, std::vector<std::uint16_t>(3)), std::invalid_argument);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/grey_png.hpp"
+#include "sim/recorders/gray_png.hpp"
 
 #include <zlib.h>
 
@@ -131,11 +131,11 @@ void put_chunk(ByteBuffer& out, std::string_view kind, std::span<const std::uint
 }
 
 // Each byte less the one two before it in its row, that is the same half of the pixel to the left.
-void filter(int width, int height, std::span<const std::uint16_t> grey, std::vector<std::uint8_t>& out) {
+void filter(int width, int height, std::span<const std::uint16_t> gray, std::vector<std::uint8_t>& out) {
   out.resize((2U * static_cast<std::size_t>(width) + 1U) * static_cast<std::size_t>(height));
   std::uint8_t* at = out.data();
   for (int y = 0; y < height; ++y) {
-    const std::uint16_t* const row = grey.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    const std::uint16_t* const row = gray.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     *at++ = 1;  // Sub
     at[0] = static_cast<std::uint8_t>(row[0] >> 8);
     at[1] = static_cast<std::uint8_t>(row[0]);
@@ -244,11 +244,11 @@ std::size_t room_for(std::size_t num_tokens) { return num_tokens * kMostTokenBit
 
 }  // namespace
 
-const ByteBuffer& GreyPng::encode(int width, int height, std::span<const std::uint16_t> grey) {
-  if (width <= 0 || height <= 0 || grey.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+const ByteBuffer& GrayPng::encode(int width, int height, std::span<const std::uint16_t> gray) {
+  if (width <= 0 || height <= 0 || gray.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
     throw std::invalid_argument("a picture's size and data do not agree");
   }
-  filter(width, height, grey, filtered_);
+  filter(width, height, gray, filtered_);
   find_runs(filtered_, tokens_);
   if (stream_.size() < room_for(tokens_.size())) stream_.resize(room_for(tokens_.size()));
   stream_[0] = 0x78;
@@ -263,7 +263,7 @@ const ByteBuffer& GreyPng::encode(int width, int height, std::span<const std::ui
   put_big_endian(header, static_cast<std::uint32_t>(width));
   put_big_endian(header, static_cast<std::uint32_t>(height));
   for (const int value : {16, 0, 0, 0, 0})
-    header.put(static_cast<std::uint8_t>(value));  // bits, grey, deflate, filters, not interlaced
+    header.put(static_cast<std::uint8_t>(value));  // bits, gray, deflate, filters, not interlaced
   put_chunk(file_, "IHDR", {reinterpret_cast<const std::uint8_t*>(header.bytes().data()), header.size()});
   put_chunk(file_, "IDAT", {stream_.data(), end});
   put_chunk(file_, "IEND", {});

@@ -9,14 +9,14 @@
 
 namespace swiftlet::sim {
 
-/// Makes 16-bit grey PNG files in memory, several times as fast as a general compressor and no larger: measured ranges
+/// Makes 16-bit gray PNG files in memory, several times as fast as a general compressor and no larger: measured ranges
 /// are noise in their low bits, where there is nothing to be found but the statistics of the bytes and runs of equal
 /// ones. (PNG, ISO/IEC 15948: filter Sub; RFC 1951: one dynamic Huffman block a file.) Keeps its memory between images.
-class GreyPng {
+class GrayPng {
  public:
-  /// @param grey  row by row, row 0 on top
+  /// @param gray  row by row, row 0 on top
   /// @return the file; valid until the next call
-  const ByteBuffer& encode(int width, int height, std::span<const std::uint16_t> grey);
+  const ByteBuffer& encode(int width, int height, std::span<const std::uint16_t> gray);
 
  private:
   std::vector<std::uint8_t> filtered_;

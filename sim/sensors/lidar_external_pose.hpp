@@ -10,10 +10,10 @@
 
 namespace swiftlet::sim {
 
-/// Makes Scan::told_poses (see ToldPoseConfig). One per sensor; sweeps come in order.
-class ToldPoses {
+/// Makes Scan::external_poses (see ExternalPoseConfig). One per sensor; sweeps come in order.
+class ExternalPoses {
  public:
-  ToldPoses(const ToldPoseConfig& config, bool ideal, std::uint64_t seed, const std::string& entity);
+  ExternalPoses(const ExternalPoseConfig& config, bool ideal, std::uint64_t seed, const std::string& entity);
 
   void tell(const StateHistory& truth, VehicleId vehicle, const Pose& T_body_lidar, TimeNs stamp, TimeNs duration,
             std::uint32_t sweep, std::vector<StampedPose>& out);
@@ -21,7 +21,7 @@ class ToldPoses {
  private:
   void advance(TimeNs t, std::uint32_t sweep, std::uint32_t pose_in_sweep);
 
-  ToldPoseConfig config_;
+  ExternalPoseConfig config_;
   Random position_random_, rotation_random_;
   bool started_ = false;
   TimeNs t_last_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/lidar_told_pose.hpp"
+#include "sim/sensors/lidar_external_pose.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ Vector3 normals_of(const Random& random, std::uint32_t sweep, std::uint32_t pose
 
 }  // namespace
 
-void ToldPoseConfig::visit(ConfigVisitor& v) {
+void ExternalPoseConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled, "[-] scans carry poses of the body from outside");
   v.field("sigma_position_m", sigma_position_m, "[m] standard deviation of the position by axis",
           Range::non_negative());
@@ -25,14 +25,15 @@ void ToldPoseConfig::visit(ConfigVisitor& v) {
   v.field("spacing_s", spacing_s, "[s] between the poses of a rolling sweep", Range::positive());
 }
 
-ToldPoses::ToldPoses(const ToldPoseConfig& config, bool ideal, std::uint64_t seed, const std::string& entity)
+ExternalPoses::ExternalPoses(const ExternalPoseConfig& config, bool ideal, std::uint64_t seed,
+                             const std::string& entity)
     : config_(config),
       position_random_(seed, "lidar.pose.position", entity),
       rotation_random_(seed, "lidar.pose.rotation", entity) {
   if (ideal) config_.sigma_position_m = config_.sigma_rotation_rad = 0.0;
 }
 
-void ToldPoses::advance(TimeNs t, std::uint32_t sweep, std::uint32_t pose_in_sweep) {
+void ExternalPoses::advance(TimeNs t, std::uint32_t sweep, std::uint32_t pose_in_sweep) {
   const bool white = config_.correlation_time_s <= 0.0;
   if (white && pose_in_sweep > 0) return;
   const Vector3 position_normals = normals_of(position_random_, sweep, pose_in_sweep);
@@ -57,8 +58,8 @@ void ToldPoses::advance(TimeNs t, std::uint32_t sweep, std::uint32_t pose_in_swe
   rotation_noise_ = rotation_process_.value();
 }
 
-void ToldPoses::tell(const StateHistory& truth, VehicleId vehicle, const Pose& T_body_lidar, TimeNs stamp,
-                     TimeNs duration, std::uint32_t sweep, std::vector<StampedPose>& out) {
+void ExternalPoses::tell(const StateHistory& truth, VehicleId vehicle, const Pose& T_body_lidar, TimeNs stamp,
+                         TimeNs duration, std::uint32_t sweep, std::vector<StampedPose>& out) {
   out.clear();
   if (!config_.enabled) return;
   const int intervals =
@@ -67,7 +68,7 @@ void ToldPoses::tell(const StateHistory& truth, VehicleId vehicle, const Pose& T
   for (int k = 0; k <= intervals; ++k) {
     const TimeNs t = intervals == 0 ? stamp : stamp + duration * k / intervals;
     advance(t, sweep, static_cast<std::uint32_t>(k));
-    // 000, eqs. (40), (41), solved for what is measured.
+    // Vrba 2025, eqs. (40), (41), solved for what is measured.
     const Pose T_world_lidar = truth.at(vehicle, t).T_world_body() * T_body_lidar;
     const Eigen::Matrix3d R_n = (Eigen::AngleAxisd(rotation_noise_.z(), Vector3::UnitZ()) *
                                  Eigen::AngleAxisd(rotation_noise_.y(), Vector3::UnitY()) *
