@@ -33,6 +33,17 @@ void require_known_command(const CLI::App& app, const std::string& word) {
                                   swiftlet::sim::did_you_mean(word, known));
 }
 
+// The program is built for processors with AVX2; on others it would end in the middle with an illegal instruction.
+bool processor_is_known() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return true;
+  std::fputs("swiftlet: expected a processor with AVX2 and FMA, found one without\n", stderr);
+  return false;
+#else
+  return true;
+#endif
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app{"Swiftlet: simulator of teams of UAVs that see with LiDAR", "swiftlet"};
   app.set_version_flag("--version", std::string(swiftlet::sim::version()) + " (" + swiftlet::sim::git_revision() + ")");
@@ -93,5 +104,5 @@ void spin_little(char** argv) {
 int main(int argc, char** argv) {
   spin_little(argv);
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of the write, not the end of the run
-  return run_program(argc, argv);
+  return processor_is_known() ? run_program(argc, argv) : kBroke;
 }

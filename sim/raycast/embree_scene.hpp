@@ -34,15 +34,27 @@ struct Surface {
   VehiclePart part = VehiclePart::kNone;
 };
 
-/// Triangles in one Embree geometry with one surface number per triangle. The arrays are shared with Embree.
+/// What a hit needs to know of a triangle, in half a cache line. exact_hits.hpp tells the rule that it serves.
+struct alignas(32) Facet {
+  Eigen::Vector3f corner_m;
+  Eigen::Vector3f normal;            ///< unit vector; zero where the triangle has no area
+  float least_cosine_per_m = 0.0F;   ///< visible from the range r where |cos| >= this * (r + 1 m)
+  std::uint32_t surface : 24 = 0;    ///< index in TriangleScene::surfaces
+  std::uint32_t firm_steps : 8 = 0;  ///< barycentric distance from the enlarged edges that is inside for sure, in 1/512
+};
+static_assert(sizeof(Facet) == 32);
+
+/// Triangles in one Embree geometry. Embree holds them a little enlarged; exact_hits.hpp tells why.
 struct TriangleScene {
-  std::vector<Eigen::Vector3f> vertices_m;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> surface_of_triangle;
+  std::vector<std::array<Eigen::Vector3f, 3>> corners_m;
+  std::vector<Facet> facets;  ///< of the same triangles; commit() fills in all but the surface
   std::vector<Surface> surfaces;
+  std::vector<std::array<Eigen::Vector3f, 3>> enlarged_m;  ///< shared with Embree; made by commit()
+  float slack_m = 0.0F;  ///< a ray goes on so far behind a proposal, beside a part of its range
   EmbreeScene scene;
 
-  /// Builds the acceleration structure on all cores. The arrays must not change afterwards.
+  std::size_t size() const { return corners_m.size(); }
+  /// Builds the acceleration structure on all cores. The triangles must not change afterwards.
   void commit(RTCDeviceTy* device);
 };
 

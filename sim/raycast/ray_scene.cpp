@@ -3,20 +3,24 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdlib>
 #include <map>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "sim/raycast/embree_scene.hpp"
+#include "sim/raycast/exact_hits.hpp"
 #include "sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kMaxTriangles = 2'000'000'000.0;
+constexpr std::size_t kMaxTriangles = 1'000'000'000;
+constexpr std::size_t kMaxSurfaces = 1U << 24;  // Facet::surface
 
 // Equal (class, instance, material, part) share one surface number.
 class SurfaceNumbers {
@@ -28,6 +32,7 @@ class SurfaceNumbers {
                               (static_cast<std::uint64_t>(s.surface_class) << 48);
     const auto [it, is_new] = numbers_.try_emplace(std::pair(key, static_cast<std::uint64_t>(s.part)), 0);
     if (is_new) {
+      if (surfaces_.size() == kMaxSurfaces) throw std::invalid_argument("world: expected at most 2^24 labeled things");
       it->second = static_cast<std::uint32_t>(surfaces_.size());
       surfaces_.push_back(s);
     }
@@ -40,29 +45,27 @@ class SurfaceNumbers {
 };
 
 void append(const Mesh& mesh, const Eigen::Affine3f& T_world_mesh, std::uint32_t surface, TriangleScene& out) {
-  const auto first = static_cast<std::uint32_t>(out.vertices_m.size());
   const Eigen::Matrix3f linear = T_world_mesh.linear();
   const Eigen::Vector3f translation = T_world_mesh.translation();
-  for (const Eigen::Vector3f& v : mesh.vertices_m) out.vertices_m.push_back(linear * v + translation);
-  for (const auto& t : mesh.triangles) out.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-  out.surface_of_triangle.insert(out.surface_of_triangle.end(), mesh.triangles.size(), surface);
+  std::vector<Eigen::Vector3f> vertices_m;
+  vertices_m.reserve(mesh.vertices_m.size());
+  for (const Eigen::Vector3f& v : mesh.vertices_m) vertices_m.push_back(linear * v + translation);
+  for (const auto& t : mesh.triangles) out.corners_m.push_back({vertices_m[t[0]], vertices_m[t[1]], vertices_m[t[2]]});
+  Facet facet{};
+  facet.surface = surface;
+  out.facets.resize(out.size(), facet);
 }
 
 // All instances unrolled: one big geometry is quicker to build and to trace than instances of small ones.
 TriangleScene flatten(const Scene& scene) {
-  std::size_t num_vertices = 0;
   std::size_t num_triangles = 0;
-  for (const Instance& instance : scene.instances) {
-    num_vertices += scene.meshes.at(instance.mesh).vertices_m.size();
-    num_triangles += scene.meshes[instance.mesh].triangles.size();
-  }
-  if (static_cast<double>(num_triangles) > kMaxTriangles || static_cast<double>(num_vertices) > kMaxTriangles) {
-    throw std::invalid_argument("world: expected at most 2e9 triangles, found " + std::to_string(num_triangles));
+  for (const Instance& instance : scene.instances) num_triangles += scene.meshes.at(instance.mesh).triangles.size();
+  if (num_triangles > kMaxTriangles) {
+    throw std::invalid_argument("world: expected at most 1e9 triangles, found " + std::to_string(num_triangles));
   }
   TriangleScene out;
-  out.vertices_m.reserve(num_vertices + 1);  // Embree reads 16 bytes at the last vertex
-  out.triangles.reserve(num_triangles);
-  out.surface_of_triangle.reserve(num_triangles);
+  out.corners_m.reserve(num_triangles);
+  out.facets.reserve(num_triangles);
   SurfaceNumbers numbers(out.surfaces);
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
@@ -75,7 +78,9 @@ TriangleScene flatten(const Scene& scene) {
 EmbreeDevice make_device() {
   // Embree takes 4-wide trees where it believes that wider registers slow the clock (Xeons of the Skylake family).
   // 8-wide ones are a fifth faster there all the same; a processor without AVX gets the narrow ones anyway.
-  EmbreeDevice device(rtcNewDevice("frequency_level=simd256"));
+  // SWIFTLET_EMBREE chooses otherwise, such as "isa=avx": tests show that results do not depend on it.
+  const char* chosen = std::getenv("SWIFTLET_EMBREE");
+  EmbreeDevice device(rtcNewDevice(chosen != nullptr ? chosen : "frequency_level=simd256"));
   if (device) return device;
   const RTCError error = rtcGetDeviceError(nullptr);
   throw std::runtime_error("cannot start the ray tracer: " + (error == RTC_ERROR_OUT_OF_MEMORY
@@ -118,9 +123,8 @@ struct NearestQuery {
 
 bool visit_nearest(RTCPointQueryFunctionArguments* args) {
   auto& query = *static_cast<NearestQuery*>(args->userPtr);
-  const auto& t = query.world->triangles[args->primID];
-  const auto corner = [&](int i) -> Vector3 { return query.world->vertices_m[t[i]].cast<double>(); };
-  const Vector3 point = closest_point_on_triangle(query.p, corner(0), corner(1), corner(2));
+  const auto& [a, b, c] = query.world->corners_m[args->primID];
+  const Vector3 point = closest_point_on_triangle(query.p, a.cast<double>(), b.cast<double>(), c.cast<double>());
   const double distance_sq = (point - query.p).squaredNorm();
   // Of equally near triangles the first in the scene wins, whatever the order of the visits.
   if (distance_sq > query.best_sq) return false;
@@ -135,38 +139,20 @@ bool visit_nearest(RTCPointQueryFunctionArguments* args) {
 struct BoxQuery {
   const TriangleScene* world;
   Eigen::AlignedBox3f box;
-  const std::function<void(const Vector3&, const Vector3&, const Vector3&, int)>* visit;
+  std::vector<std::uint32_t>* found;
 };
 
 bool visit_box(RTCPointQueryFunctionArguments* args) {
   const auto& query = *static_cast<const BoxQuery*>(args->userPtr);
-  const auto& t = query.world->triangles[args->primID];
-  const auto& v = query.world->vertices_m;
-  Eigen::AlignedBox3f bounds(v[t[0]]);
-  bounds.extend(v[t[1]]).extend(v[t[2]]);
-  if (query.box.intersects(bounds)) {
-    (*query.visit)(v[t[0]].cast<double>(), v[t[1]].cast<double>(), v[t[2]].cast<double>(),
-                   static_cast<int>(args->primID));
-  }
+  const auto& [a, b, c] = query.world->corners_m[args->primID];
+  Eigen::AlignedBox3f bounds(a);
+  bounds.extend(b).extend(c);
+  if (query.box.intersects(bounds)) query.found->push_back(args->primID);
   return false;
 }
 
 RTCPointQuery point_query(const Vector3& p, float radius_m) {
   return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()), 0.0F, radius_m};
-}
-
-RTCRay ray_between(const Vector3& origin, const Vector3& direction, double from_m, double to_m) {
-  RTCRay ray{};
-  ray.org_x = static_cast<float>(origin.x());
-  ray.org_y = static_cast<float>(origin.y());
-  ray.org_z = static_cast<float>(origin.z());
-  ray.dir_x = static_cast<float>(direction.x());
-  ray.dir_y = static_cast<float>(direction.y());
-  ray.dir_z = static_cast<float>(direction.z());
-  ray.tnear = static_cast<float>(from_m);
-  ray.tfar = static_cast<float>(to_m);
-  ray.mask = ~0U;
-  return ray;
 }
 
 }  // namespace
@@ -176,23 +162,24 @@ void ReleaseScene::operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 
 void TriangleScene::commit(RTCDevice device) {
   scene.reset(rtcNewScene(device));
-  // Robust: no ray slips through the edge between two triangles.
-  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+  // Robust: no box of the tree is passed by that a ray touches.
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_MEDIUM);
-  if (!triangles.empty()) {
-    vertices_m.reserve(vertices_m.size() + 1);
+  if (!corners_m.empty()) {
+    prepare_for_exact_hits(*this);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices_m.data(), 0,
-                               sizeof(vertices_m[0]), vertices_m.size());
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(), 0,
-                               sizeof(triangles[0]), triangles.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, enlarged_m.data(), 0,
+                               sizeof(enlarged_m[0][0]), 3 * size());
+    auto* corners = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), size()));
+    if (corners != nullptr) std::iota(corners, corners + 3 * size(), 0U);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene.get(), geometry);
     rtcReleaseGeometry(geometry);
   }
   rtcCommitScene(scene.get());
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE) {
-    throw std::runtime_error("cannot build the ray tracing structure of " + std::to_string(triangles.size()) +
+    throw std::runtime_error("cannot build the ray tracing structure of " + std::to_string(size()) +
                              " triangles (error " + std::to_string(error) + ")");
   }
 }
@@ -219,33 +206,31 @@ std::shared_ptr<const VehicleBody> StaticScene::Impl::body_of(const std::shared_
 StaticScene::StaticScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   impl_->device = make_device();
   impl_->world = flatten(scene);
-  for (const Eigen::Vector3f& v : impl_->world.vertices_m) {
-    if (!v.allFinite()) throw std::invalid_argument("world: a vertex is not a finite number");
-    impl_->bounds_m.extend(v.cast<double>());
+  for (const auto& corners_m : impl_->world.corners_m) {
+    for (const Eigen::Vector3f& corner : corners_m) {
+      if (!corner.allFinite()) throw std::invalid_argument("world: a vertex is not a finite number");
+      impl_->bounds_m.extend(corner.cast<double>());
+    }
   }
   impl_->world.commit(impl_->device.get());
 }
 
 StaticScene::~StaticScene() = default;
 
-std::size_t StaticScene::num_triangles() const { return impl_->world.triangles.size(); }
+std::size_t StaticScene::num_triangles() const { return impl_->world.size(); }
 
 const Eigen::AlignedBox3d& StaticScene::bounds_m() const { return impl_->bounds_m; }
 
 RayHit StaticScene::trace(const Vector3& origin_world, const Vector3& direction_world, double range_max_m) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRayHit query{};
-  query.ray = ray_between(origin_world, direction_world, 0.0, range_max_m);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(impl_->world.scene.get(), &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  ExactQuery query(impl_->world);
+  query.set_ray(0, origin_world.cast<float>(), direction_world.cast<float>(), range_max_m);
+  query.trace_singly(1);
+  if (!query.met(0)) return {};
 
-  const Surface& surface = impl_->world.surfaces[impl_->world.surface_of_triangle[query.hit.primID]];
-  const Eigen::Vector3f normal(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z);
+  const Surface& surface = impl_->world.surfaces[query.surface(0)];
   RayHit hit;
-  hit.range_m = query.ray.tfar;
-  hit.cos_incidence = std::abs(normal.normalized().dot(direction_world.cast<float>()));
+  hit.range_m = query.range_m(0);
+  hit.cos_incidence = query.cos_incidence(0);
   hit.material = surface.material;
   hit.surface_class = surface.surface_class;
   hit.instance = surface.instance;
@@ -253,15 +238,12 @@ RayHit StaticScene::trace(const Vector3& origin_world, const Vector3& direction_
 }
 
 bool StaticScene::occluded(const Vector3& a_world, const Vector3& b_world) const {
-  constexpr double kEndMargin_m = 1e-4;  // the ends may lie on surfaces
   const Vector3 ab = b_world - a_world;
   const double distance_m = ab.norm();
-  if (distance_m <= 2 * kEndMargin_m) return false;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRay ray = ray_between(a_world, ab / distance_m, kEndMargin_m, distance_m - kEndMargin_m);
-  rtcOccluded1(impl_->world.scene.get(), &context, &ray);
-  return ray.tfar < 0;
+  if (distance_m <= 2 * kLeastHeight_m) return false;  // the ends may lie on surfaces
+  ExactQuery query(impl_->world);
+  query.set_ray(0, a_world.cast<float>(), (ab / distance_m).cast<float>(), distance_m - kLeastHeight_m);
+  return query.is_blocked();
 }
 
 std::optional<NearestSurface> StaticScene::nearest(const Vector3& p_world, double max_distance_m) const {
@@ -271,7 +253,7 @@ std::optional<NearestSurface> StaticScene::nearest(const Vector3& p_world, doubl
   RTCPointQuery query = point_query(p_world, query_radius(max_distance_m));
   rtcPointQuery(impl_->world.scene.get(), &query, &context, visit_nearest, &nearest);
   if (nearest.best_triangle == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const Surface& surface = impl_->world.surfaces[impl_->world.surface_of_triangle[nearest.best_triangle]];
+  const Surface& surface = impl_->world.surfaces[impl_->world.facets[nearest.best_triangle].surface];
   return NearestSurface{std::sqrt(nearest.best_sq), nearest.best_point, surface.surface_class, surface.instance};
 }
 
@@ -280,14 +262,23 @@ void StaticScene::triangles_near_box(
     const std::function<void(const Vector3&, const Vector3&, const Vector3&, int)>& visit) const {
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
+  // The order of the tree depends on the processor; that of the scene does not.
+  static thread_local std::vector<std::uint32_t> found;
+  found.clear();
   // A hair of slack for the rounding to single precision.
   constexpr float kSlack_m = 1e-4F;
   const Eigen::Vector3f slack = Eigen::Vector3f::Constant(kSlack_m);
   BoxQuery box{&impl_->world,
                Eigen::AlignedBox3f(box_world.min().cast<float>() - slack, box_world.max().cast<float>() + slack),
-               &visit};
+               &found};
   RTCPointQuery query = point_query(box_world.center(), query_radius(0.5 * box_world.diagonal().norm()));
   rtcPointQuery(impl_->world.scene.get(), &query, &context, visit_box, &box);
+  std::sort(found.begin(), found.end());
+  const TriangleScene& world = impl_->world;
+  for (const std::uint32_t triangle : found) {
+    const auto& [a, b, c] = world.corners_m[triangle];
+    visit(a.cast<double>(), b.cast<double>(), c.cast<double>(), static_cast<int>(triangle));
+  }
 }
 
 }  // namespace swiftlet::sim

@@ -55,8 +55,7 @@ class StaticScene {
   bool occluded(const Vector3& a_world, const Vector3& b_world) const;
   /// Exact distance to the nearest triangle, by a BVH point query; nothing nearer than max_distance_m: nullopt.
   std::optional<NearestSurface> nearest(const Vector3& p_world, double max_distance_m) const;
-  /// Calls visit(a, b, c, triangle_index) for every triangle that may touch the box (and possibly a few others near
-  /// it).
+  /// Calls visit(a, b, c, triangle_index) for every triangle whose bounding box touches the box, in order of the index.
   void triangles_near_box(const Eigen::AlignedBox3d& box_world,
                           const std::function<void(const Vector3&, const Vector3&, const Vector3&, int)>& visit) const;
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/raycast/sweep_scene.hpp"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "sim/raycast/embree_scene.hpp"
+#include "sim/raycast/exact_hits.hpp"
 #include "sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
@@ -17,9 +16,6 @@ constexpr TimeNs kKnotSpacing = 2'000'000;  // 2 ms
 constexpr double kFastest_mps = 60.0;       // no vehicle is faster: bounds which ones can come into reach
 constexpr float kCullingSlack_m = 0.02F;    // single precision at some 100 m
 constexpr double kTwoPi = 6.283185307179586;
-
-alignas(64) constexpr std::array<int, kPacketSize> kAllLanes = {-1, -1, -1, -1, -1, -1, -1, -1,
-                                                                -1, -1, -1, -1, -1, -1, -1, -1};
 
 /// A vehicle at one instant of the sweep.
 struct Knot {
@@ -83,72 +79,10 @@ double rotor_angle(const Knot& a, const Knot& b, int rotor, double s, double h) 
          (3 * s2 - 2 * s3) * b.rotor_angle_rad[rotor] + (s3 - s2) * h * b.rotor_rate_radps[rotor];
 }
 
-RTCRayHit16 make_query(const Rays& rays, const std::array<float, kPacketSize>& tfar) {
-  RTCRayHit16 query;
+void set_rays(const Rays& rays, const std::array<float, kPacketSize>& range_max_m, ExactQuery& query) {
   for (int i = 0; i < kPacketSize; ++i) {
-    query.ray.org_x[i] = rays.origin_x[i];
-    query.ray.org_y[i] = rays.origin_y[i];
-    query.ray.org_z[i] = rays.origin_z[i];
-    query.ray.dir_x[i] = rays.direction_x[i];
-    query.ray.dir_y[i] = rays.direction_y[i];
-    query.ray.dir_z[i] = rays.direction_z[i];
-    query.ray.tnear[i] = 0.0F;
-    query.ray.tfar[i] = tfar[i];
-    query.ray.time[i] = 0.0F;
-    query.ray.mask[i] = ~0U;
-    query.ray.id[i] = 0;
-    query.ray.flags[i] = 0;
-    query.hit.Ng_x[i] = query.hit.Ng_y[i] = query.hit.Ng_z[i] = 1.0F;  // cosines() reads every lane
-    query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-  }
-  return query;
-}
-
-// Sixteen rays that go different ways visit more of the tree together than one by one.
-void intersect_one_by_one(RTCScene scene, RTCRayHit16& query) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  for (int i = 0; i < kPacketSize; ++i) {
-    RTCRayHit one;
-    one.ray = {query.ray.org_x[i],
-               query.ray.org_y[i],
-               query.ray.org_z[i],
-               0.0F,
-               query.ray.dir_x[i],
-               query.ray.dir_y[i],
-               query.ray.dir_z[i],
-               0.0F,
-               query.ray.tfar[i],
-               ~0U,
-               0,
-               0};
-    one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene, &context, &one);
-    if (one.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
-    query.ray.tfar[i] = one.ray.tfar;
-    query.hit.Ng_x[i] = one.hit.Ng_x;
-    query.hit.Ng_y[i] = one.hit.Ng_y;
-    query.hit.Ng_z[i] = one.hit.Ng_z;
-    query.hit.primID[i] = one.hit.primID;
-    query.hit.geomID[i] = one.hit.geomID;
-  }
-}
-
-void intersect(RTCScene scene, RTCRayHit16& query) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(kAllLanes.data(), scene, &context, &query);
-}
-
-// Normals as Embree gives them have the length of twice the triangle's area.
-void cosines(const RTCRayHit16& query, std::array<float, kPacketSize>& out) {
-  for (int i = 0; i < kPacketSize; ++i) {
-    const float dot = query.hit.Ng_x[i] * query.ray.dir_x[i] + query.hit.Ng_y[i] * query.ray.dir_y[i] +
-                      query.hit.Ng_z[i] * query.ray.dir_z[i];
-    const float norm_sq = query.hit.Ng_x[i] * query.hit.Ng_x[i] + query.hit.Ng_y[i] * query.hit.Ng_y[i] +
-                          query.hit.Ng_z[i] * query.hit.Ng_z[i];
-    out[i] = std::min(std::abs(dot) / std::sqrt(norm_sq), 1.0F);
+    query.set_ray(i, {rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]},
+                  {rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]}, range_max_m[i]);
   }
 }
 
@@ -327,15 +261,15 @@ bool SweepScene::Impl::near(const Vehicle& vehicle, const Rays& rays,
 
 void SweepScene::Impl::meet(const Vehicle& vehicle, const BeamPacket& beams, const Rays& rays,
                             std::array<float, kPacketSize>& tfar, PacketHits& hits) const {
-  RTCRayHit16 query = make_query(rays, tfar);
-  intersect(vehicle.body->triangles.scene.get(), query);
-  std::array<float, kPacketSize> cosine;
-  cosines(query, cosine);
+  const TriangleScene& body = vehicle.body->triangles;
+  ExactQuery query(body);
+  set_rays(rays, tfar, query);
+  query.trace_together();
   for (int i = 0; i < kPacketSize; ++i) {
-    if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-    tfar[i] = hits.range_m[i] = query.ray.tfar[i];
-    hits.cos_incidence[i] = cosine[i];
-    hits.surface[i] = vehicle.first_surface + vehicle.body->triangles.surface_of_triangle[query.hit.primID[i]];
+    if (!query.met(i)) continue;
+    tfar[i] = hits.range_m[i] = query.range_m(i);
+    hits.cos_incidence[i] = query.cos_incidence(i);
+    hits.surface[i] = vehicle.first_surface + query.surface(i);
   }
   meet_rotors(vehicle, beams, rays, tfar, hits);
 }
@@ -438,14 +372,15 @@ void SweepScene::trace(const BeamPacket& beams, bool meets_self, PacketHits& hit
   tfar.fill(s.range_max_m);
 
   const TriangleScene& world = s.world->impl().world;
-  RTCRayHit16 query = make_query(rays, tfar);
-  s.coherent ? intersect(world.scene.get(), query) : intersect_one_by_one(world.scene.get(), query);
-  cosines(query, hits.cos_incidence);
+  ExactQuery query(world);
+  set_rays(rays, tfar, query);
+  s.coherent ? query.trace_together() : query.trace_singly(kPacketSize);
   for (int i = 0; i < kPacketSize; ++i) {
-    const bool hit = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-    tfar[i] = query.ray.tfar[i];
-    hits.range_m[i] = hit ? tfar[i] : 0.0F;
-    hits.surface[i] = hit ? world.surface_of_triangle[query.hit.primID[i]] : 0;
+    const bool met = query.met(i);
+    hits.range_m[i] = met ? query.range_m(i) : 0.0F;
+    hits.cos_incidence[i] = met ? query.cos_incidence(i) : 0.0F;
+    hits.surface[i] = met ? query.surface(i) : 0;
+    if (met) tfar[i] = hits.range_m[i];
   }
 
   if (meets_self) s.meet(s.vehicles[s.self], beams, s.rays_body(beams), tfar, hits);
@@ -461,11 +396,12 @@ std::uint32_t SweepScene::reaches_self(const BeamPacket& beams) const {
   const Rays rays = s.rays_body(beams);
   std::array<float, kPacketSize> tfar;
   tfar.fill(s.range_max_m);
-  RTCRayHit16 query = make_query(rays, tfar);
-  intersect(self.body->triangles.scene.get(), query);
+  ExactQuery query(self.body->triangles);
+  set_rays(rays, tfar, query);
+  query.trace_together();
   std::uint32_t met = 0;
   for (int i = 0; i < kPacketSize; ++i) {
-    bool meets = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+    bool meets = query.met(i);
     for (const auto& rotor : self.shape->rotors) {
       const float t = (rotor.hub_m.z() - rays.origin_z[i]) / rays.direction_z[i];
       const float x = rays.origin_x[i] + t * rays.direction_x[i] - rotor.hub_m.x();

@@ -17,6 +17,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "sim/raycast/embree_scene.hpp"
@@ -246,14 +247,18 @@ class BareEmbree {
 class BareBullet {
  public:
   explicit BareBullet(const LidarConfig& config) : range_max_m_(config.range_max_m), rays_(rays_of(config)) {
-    const TriangleScene& triangles = stage().world->impl().world;
+    const auto& triangles = stage().world->impl().world.corners_m;
+    for (const auto& of_triangle : triangles)
+      corners_m_.insert(corners_m_.end(), of_triangle.begin(), of_triangle.end());
+    corner_numbers_.resize(corners_m_.size());
+    std::iota(corner_numbers_.begin(), corner_numbers_.end(), 0);
     btIndexedMesh mesh;
-    mesh.m_numTriangles = static_cast<int>(triangles.triangles.size());
-    mesh.m_triangleIndexBase = reinterpret_cast<const unsigned char*>(triangles.triangles.data());
-    mesh.m_triangleIndexStride = sizeof(triangles.triangles[0]);
-    mesh.m_numVertices = static_cast<int>(triangles.vertices_m.size());
-    mesh.m_vertexBase = reinterpret_cast<const unsigned char*>(triangles.vertices_m.data());
-    mesh.m_vertexStride = sizeof(triangles.vertices_m[0]);
+    mesh.m_numTriangles = static_cast<int>(triangles.size());
+    mesh.m_triangleIndexBase = reinterpret_cast<const unsigned char*>(corner_numbers_.data());
+    mesh.m_triangleIndexStride = 3 * sizeof(int);
+    mesh.m_numVertices = static_cast<int>(corners_m_.size());
+    mesh.m_vertexBase = reinterpret_cast<const unsigned char*>(corners_m_.data());
+    mesh.m_vertexStride = sizeof(corners_m_[0]);
     mesh.m_vertexType = PHY_FLOAT;
     mesh_.addIndexedMesh(mesh);
     shape_ = std::make_unique<btBvhTriangleMeshShape>(&mesh_, true);
@@ -278,6 +283,8 @@ class BareBullet {
  private:
   double range_max_m_;
   std::vector<std::array<std::array<float, 6>, kPacketSize>> rays_;
+  std::vector<Eigen::Vector3f> corners_m_;
+  std::vector<int> corner_numbers_;
   btTriangleIndexVertexArray mesh_;
   std::unique_ptr<btBvhTriangleMeshShape> shape_;
   btCollisionObject object_;
