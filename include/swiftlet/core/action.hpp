@@ -22,6 +22,15 @@ struct StateEstimate {
   Vector3 v_world_mps = Vector3::Zero();
   Vector3 omega_body_radps = Vector3::Zero();
   Matrix6 covariance = Matrix6::Zero();  ///< position [m], rotation vector in body axes [rad]
+
+  static void visit(auto& e, auto& v) {
+    v.valid("valid", e.valid, "[-] is there an estimate?");
+    v.time("t_s", e.t, "[s] when it holds");
+    v.field("*", e.T_world_body, "[m, -] pose of the body in the world as the vehicle knows it");
+    v.field("v*_mps", e.v_world_mps, "[m/s] velocity, in the axes of that world");
+    v.field("omega_*_radps", e.omega_body_radps, "[rad/s] body rate, in body axes");
+    v.covariance("cov_*_m2", e.covariance, "[m^2] covariance of the position");
+  }
 };
 
 /// Where guidance wants the vehicle to be; the reference tracker makes it flyable.
@@ -31,6 +40,14 @@ struct Reference {
   Vector3 acceleration_mps2 = Vector3::Zero();
   double yaw_rad = 0.0;
   double yaw_rate_radps = 0.0;
+
+  static void visit(auto& r, auto& v) {
+    v.field("*_m", r.position_m, "[m] in the world as the vehicle knows it");
+    v.field("v*_mps", r.velocity_mps, "[m/s] velocity, in the axes of that world");
+    v.field("a*_mps2", r.acceleration_mps2, "[m/s^2] acceleration, in the same axes");
+    v.field("yaw_rad", r.yaw_rad, "[rad] heading, counter-clockwise from east");
+    v.field("yaw_rate_radps", r.yaw_rate_radps, "[rad/s] rate of the heading");
+  }
 };
 
 /// What the mission says about itself. Endless: it has no end by design (a hover, a patrol) and all is well.
@@ -38,7 +55,8 @@ enum class MissionStatus { kRunning, kEndless, kDone, kFailed };
 
 /// Everything that one vehicle does in one tick. Owned by the agent, which reuses it: valid until its next step.
 struct Action {
-  std::array<double, kMaxRotors> rotor_command{};  ///< 0..1 between least and greatest rotor speed, in the airframe's order
+  std::array<double, kMaxRotors>
+      rotor_command{};  ///< 0..1 between least and greatest rotor speed, in the airframe's order
   StateEstimate estimate;
   Reference reference;  ///< after the reference tracker
   std::vector<Message> messages;

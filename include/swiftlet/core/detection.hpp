@@ -7,12 +7,22 @@ namespace swiftlet {
 
 /// A flying object found in one scan [Vrba 2025, sec. III-B]. World frame of the agent's own estimate.
 struct Detection {
+  static constexpr const char* kName = "detections";
   TimeNs t = 0;  ///< mean firing time of its points
   Vector3 position_m = Vector3::Zero();
   Matrix3 covariance = Matrix3::Identity();
   Vector3 extent_m = Vector3::Zero();  ///< edges of its bounding box
   int num_points = 0;
   double confidence = 0.0;  ///< 0..1
+
+  static void visit(auto& d, auto& v) {
+    v.time("t_s", d.t, "[s] mean firing time of its points");
+    v.field("*_m", d.position_m, "[m] in the world of the estimate");
+    v.covariance("cov_*_m2", d.covariance, "[m^2] covariance of the position");
+    v.field("extent_*_m", d.extent_m, "[m] edges of its box");
+    v.field("num_points", d.num_points, "[-] points of the scan");
+    v.field("confidence", d.confidence, "[-] 0 to 1");
+  }
 };
 
 }  // namespace swiftlet

@@ -23,6 +23,11 @@ inline constexpr VehicleId kNoVehicle = -1;
 struct StampedPose {
   TimeNs t = 0;
   Pose T_world_body = Pose::Identity();
+
+  static void visit(auto& s, auto& v) {
+    v.time("t_s", s.t, "[s] when it holds");
+    v.field("*", s.T_world_body, "[m, -] pose of the body in the world");
+  }
 };
 
 inline Pose make_pose(const Vector3& position, const Eigen::Quaterniond& rotation) {

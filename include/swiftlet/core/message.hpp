@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,13 +14,25 @@ namespace swiftlet {
 struct Message {
   VehicleId from = kNoVehicle;
   VehicleId to = kNoVehicle;  ///< kNoVehicle: to everybody
-  std::string topic;          ///< short; part of what is sent
+  std::string topic;          ///< short; names the kind and is part of what is sent
+  std::uint16_t version = 0;  ///< of the kind (core/messages)
   std::vector<std::byte> payload;
   TimeNs sent = 0;
   TimeNs received = 0;  ///< set by the radio
 
+  static void visit(auto& m, auto& v) {
+    v.vehicle("from", m.from, "[-] sender");
+    v.vehicle("to", m.to, "[-] receiver; empty: everybody");
+    v.time("sent_s", m.sent, "[s] when it was handed to the radio");
+    v.time("t_s", m.received, "[s] of its arrival");
+    v.field("topic", m.topic, "[-] its kind");
+    v.field("version", m.version, "[-] of the kind");
+    v.field("payload_bytes", m.payload, "[B] size of its content");
+  }
+
   std::size_t size_bytes() const { return kHeaderBytes + topic.size() + payload.size(); }
-  static constexpr std::size_t kHeaderBytes = 24;  ///< from, to, stamp, lengths
+  static constexpr std::size_t kHeaderBytes =
+      24;  ///< from, to: 4 each; stamp: 8; version, length of the topic: 2 each; of the payload: 4
 };
 
 }  // namespace swiftlet

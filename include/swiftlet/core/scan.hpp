@@ -46,6 +46,20 @@ struct Scan {
   /// 66]: one for a frozen scan, several over the sweep otherwise. Empty when the vehicle localizes itself.
   std::vector<StampedPose> external_poses;
 
+  /// Everything that differs between scans; `beams` is a property of the sensor.
+  static void visit(auto& s, auto& v) {
+    v.field("sensor", s.sensor, "[-] name of the sensor on its vehicle");
+    v.time("t_s", s.stamp, "[s] start of the sweep");
+    v.time("duration_s", s.duration, "[s] length of the sweep; 0 for a frozen scan");
+    v.field("mount_*", s.T_body_lidar, "[m, -] mounting, as calibrated");
+    v.field("range_max_m", s.range_max_m, "[m] beyond this the sensor returns nothing");
+    v.field("sigma_range_m", s.sigma_range_m, "[m] standard deviation of the range noise");
+    v.field("range_m", s.range_m, "[m] along each beam; 0: no return");
+    v.field("intensity", s.intensity, "[-] received power of each beam");
+    v.field("reflectivity", s.reflectivity, "[-] range-corrected intensity of each beam");
+    v.list("external_poses", s.external_poses, "[m, -] poses of the body during the sweep, told from outside");
+  }
+
   int rows() const { return beams->rows; }
   int cols() const { return beams->cols; }
   int size() const { return beams->size(); }

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Kinds of data: one `visit` that names each field.
+#include "swiftlet/core/fields.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "swiftlet/core/action.hpp"
+#include "swiftlet/core/observation.hpp"
+#include "tests/support/field_coverage.hpp"
+
+namespace swiftlet {
+namespace {
+
+using ::testing::ElementsAre;
+
+struct Gust {
+  enum class Side { kLeft, kRight };
+  TimeNs t = 0;
+  bool known = true;
+  VehicleId whose = kNoVehicle;
+  Vector3 v_world_mps = Vector3::Zero();
+  Pose T_world_gust = Pose::Identity();
+  Matrix6 covariance = Matrix6::Identity();
+  Side side = Side::kRight;
+  int count = 0;
+  std::string note;
+
+  static void visit(auto& g, auto& v) {
+    static constexpr const char* kSides[] = {"left", "right"};
+    v.time("t_s", g.t, "[s] when");
+    v.valid("known", g.known, "[-] is it known?");
+    v.vehicle("whose", g.whose, "[-] who met it");
+    v.field("v*_mps", g.v_world_mps, "[m/s] in world axes");
+    v.field("*", g.T_world_gust, "[m, -] pose");
+    v.covariance("cov_*_m2", g.covariance, "[m^2] of the position");
+    v.choice("side", g.side, kSides, "[-] from where");
+    v.field("count", g.count, "[-] so far");
+    v.field("note", g.note, "[-] more");
+  }
+};
+
+struct Forgetful {
+  TimeNs t = 0;
+  double height_m = 0.0;
+  bool crashed = false;
+
+  static void visit(auto& f, auto& v) {
+    v.time("t_s", f.t, "[s] when");
+    v.field("height_m", f.height_m, "[m] above ground");
+  }
+};
+
+std::vector<std::string> names_of(const std::vector<Column>& columns) {
+  std::vector<std::string> names;
+  for (const Column& column : columns) names.push_back(column.name);
+  return names;
+}
+
+/// What a row says, as text.
+class Words final : public ColumnSink {
+ public:
+  void time(const ColumnName&, TimeNs t) override { words.push_back(std::to_string(t) + "ns"); }
+  void number(const ColumnName&, double value) override { words.push_back(std::to_string(value)); }
+  void integer(const ColumnName&, std::int64_t value) override { words.push_back(std::to_string(value)); }
+  void flag(const ColumnName&, bool value) override { words.push_back(value ? "yes" : "no"); }
+  void text(const ColumnName&, std::string_view value) override { words.emplace_back(value); }
+  void vehicle(const ColumnName&, VehicleId id) override { words.push_back("vehicle " + std::to_string(id)); }
+  void missing(const ColumnName&) override { words.emplace_back("missing"); }
+  std::vector<std::string> words;
+};
+
+TEST(Fields, AColumnIsNamedByItsFieldItsComponentAndItsUnit) {
+  EXPECT_THAT(names_of(columns_of<Gust>()),
+              ElementsAre("t_s", "whose", "vx_mps", "vy_mps", "vz_mps", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw",
+                          "cov_xx_m2", "cov_xy_m2", "cov_xz_m2", "cov_yy_m2", "cov_yz_m2", "cov_zz_m2", "side", "count",
+                          "note"));
+}
+
+TEST(Fields, ARowHasTheValuesInTheOrderOfTheColumns) {
+  Gust gust;
+  gust.t = 5;
+  gust.whose = 2;
+  gust.v_world_mps = {1, 2, 3};
+  gust.T_world_gust.translation() = Vector3(4, 5, 6);
+  gust.covariance(0, 2) = 0.5;
+  gust.note = "hello";
+  Words row;
+  put_columns(gust, row);
+  EXPECT_EQ(row.words.size(), columns_of<Gust>().size());
+  EXPECT_THAT(std::vector(row.words.begin(), row.words.begin() + 6),
+              ElementsAre("5ns", "vehicle 2", "1.000000", "2.000000", "3.000000", "4.000000"));
+  EXPECT_EQ(row.words[14], "0.500000");
+  EXPECT_THAT(std::vector(row.words.end() - 3, row.words.end()), ElementsAre("right", "0", "hello"));
+}
+
+TEST(Fields, WhatFollowsAnUnknownIsMissing) {
+  Gust gust;
+  gust.known = false;
+  Words row;
+  put_columns(gust, row);
+  EXPECT_EQ(row.words[0], "0ns");
+  for (std::size_t i = 1; i < row.words.size(); ++i) EXPECT_EQ(row.words[i], "missing") << i;
+}
+
+TEST(Fields, APrefixStandsBeforeEveryName) {
+  ColumnList list;
+  put_columns(Reference{}, list, "ref_");
+  EXPECT_EQ(list.columns().front().name, "ref_x_m");
+  EXPECT_EQ(list.columns().back().name, "ref_yaw_rate_radps");
+}
+
+TEST(Fields, TheTextOfEveryColumnBeginsWithItsUnit) {
+  const Observation nothing;
+  Observation::each_samples(nothing, []<class Sample>(const std::vector<Sample>&) {
+    for (const Column& column : columns_of<Sample>()) {
+      EXPECT_EQ(column.doc.front(), '[') << Sample::kName << " " << column.name;
+      EXPECT_NE(column.doc.find("] "), std::string::npos) << Sample::kName << " " << column.name;
+    }
+  });
+}
+
+// Hash, tables, bytes: all come from `visit`, so nothing may be missing there.
+TEST(Fields, EveryByteOfAKindOfDataThatIsNotPaddingIsVisited) {
+  const Observation nothing;
+  Observation::each_samples(nothing, []<class Sample>(const std::vector<Sample>&) {
+    EXPECT_EQ(num_bytes_forgotten<Sample>(), 0) << Sample::kName;
+  });
+  EXPECT_EQ(num_bytes_forgotten<Detection>(), 0);
+  EXPECT_EQ(num_bytes_forgotten<Track>(), 0);
+  EXPECT_EQ(num_bytes_forgotten<StateEstimate>(), 0);
+  EXPECT_EQ(num_bytes_forgotten<Reference>(), 0);
+  EXPECT_EQ(num_bytes_forgotten<Message>(), 0);
+  EXPECT_EQ(num_bytes_forgotten<StampedPose>(), 0);
+  EXPECT_EQ(num_bytes_forgotten<Gust>(), 0);
+}
+
+TEST(Fields, AScanVisitsEverythingButTheTableOfItsBeams) {
+  EXPECT_EQ(num_bytes_forgotten<Scan>(), static_cast<int>(sizeof(Scan::beams)));
+}
+
+TEST(Fields, AFieldThatIsForgottenIsNoticed) { EXPECT_EQ(num_bytes_forgotten<Forgetful>(), 1); }
+
+TEST(Observation, EveryListOfSamplesIsEmptiedByClear) {
+  Observation observation;
+  Observation::each_samples(observation, [](auto& samples) { samples.emplace_back(); });
+  observation.clear();
+  Observation::each_samples(observation, [](const auto& samples) { EXPECT_TRUE(samples.empty()); });
+}
+
+TEST(Observation, SamplesAreFoundByTheirKind) {
+  Observation observation;
+  observation.compass.emplace_back().yaw_rad = 0.25;
+  EXPECT_EQ(samples_of<CompassSample>(observation).front().yaw_rad, 0.25);
+  EXPECT_TRUE(samples_of<ImuSample>(observation).empty());
+}
+
+}  // namespace
+}  // namespace swiftlet
