@@ -3,19 +3,15 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cstring>
+
+#include "core/messages/kind.hpp"
+#include "core/messages/neighbor_position.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr const char* kTopic = "neighbor";
 constexpr double kFirstSpeedSigma_mps = 1.0;  // of a vehicle that was seen once
 constexpr double kRadioVariance_m2 = 1e-4;    // others know where they are
-
-struct Announcement {
-  TimeNs t = 0;
-  double position_m[3] = {};
-};
 
 }  // namespace
 
@@ -58,23 +54,16 @@ void NeighborMemory::update(const GuidanceInput& input, const CloudRegistrar& ow
 }
 
 void NeighborMemory::hear(const Message& message) {
-  Announcement said;
-  if (message.topic != kTopic || message.payload.size() != sizeof(said)) return;
-  std::memcpy(&said, message.payload.data(), sizeof(said));
-  const Vector3 position_m(said.position_m[0], said.position_m[1], said.position_m[2]);
-  if (position_m.allFinite()) measure(message.from, said.t, position_m, kRadioVariance_m2 * Matrix3::Identity());
+  NeighborPosition said;
+  if (read_message(message, said) != Reading::kDone || !said.p_world_m.allFinite()) return;
+  measure(message.from, said.t, said.p_world_m, kRadioVariance_m2 * Matrix3::Identity());
 }
 
 void NeighborMemory::announce(const StateEstimate& estimate, VehicleId self, std::vector<Message>& messages) const {
   if (config_.source != "radio") return;
-  Announcement said;
-  said.t = estimate.t;
-  Eigen::Map<Vector3>(said.position_m) = estimate.T_world_body.translation();
   Message& message = messages.emplace_back();
   message.from = self;
-  message.topic = kTopic;
-  message.payload.resize(sizeof(said));
-  std::memcpy(message.payload.data(), &said, sizeof(said));
+  write_message(NeighborPosition{estimate.t, estimate.T_world_body.translation()}, message);
 }
 
 void NeighborMemory::predict(Filter& filter, TimeNs t) const {

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// Says where its sender is.
+struct NeighborPosition {
+  static constexpr const char* kTopic = "neighbor";
+  static constexpr int kVersion = 1;
+  static constexpr const char* kDoc = "where its sender believes to be";
+
+  TimeNs t = 0;
+  Vector3 p_world_m = Vector3::Zero();
+
+  static void visit(auto& m, auto& v) {
+    v.time("t_s", m.t, "[s] when it holds");
+    v.field("*_m", m.p_world_m, "[m] position in the world as the sender knows it");
+  }
+};
+
+}  // namespace swiftlet

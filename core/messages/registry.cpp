@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <iterator>
+
+#include "core/messages/kind.hpp"
+#include "core/messages/neighbor_position.hpp"
+
+namespace swiftlet {
+namespace {
+
+// What vehicles can say to each other: a new kind is one line here.
+constexpr MessageKind kKinds[] = {
+    message_kind<NeighborPosition>(),
+};
+
+/// What recordings add to the content of a message.
+struct Reception {
+  VehicleId from = kNoVehicle;
+  TimeNs received = 0;
+
+  static void visit(auto& r, auto& v) {
+    v.vehicle("sender", r.from, "[-] who sent it");
+    v.time("received_s", r.received, "[s] when it came");
+  }
+};
+
+}  // namespace
+
+std::span<const MessageKind> message_kinds() { return kKinds; }
+
+const MessageKind* find_message_kind(std::string_view topic) {
+  const auto found = std::find_if(std::begin(kKinds), std::end(kKinds),
+                                  [topic](const MessageKind& kind) { return topic == kind.topic; });
+  return found == std::end(kKinds) ? nullptr : found;
+}
+
+std::vector<Column> message_columns(const MessageKind& kind) {
+  std::vector<Column> columns = kind.columns();
+  for (Column& column : columns_of<Reception>()) columns.push_back(std::move(column));
+  return columns;
+}
+
+void put_message(const MessageKind& kind, const Message& message, ColumnSink& sink) {
+  if (kind.read(message, &sink) == Reading::kDone) put_columns(Reception{message.from, message.received}, sink);
+}
+
+}  // namespace swiftlet
