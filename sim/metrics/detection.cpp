@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/math/assignment.hpp"
+#include "sim/metrics/detection_score.hpp"
 #include "sim/metrics/metric.hpp"
 #include "sim/metrics/statistics.hpp"
 #include "sim/metrics/truth_history.hpp"
@@ -116,7 +117,8 @@ struct StageResult {
 /// the ground is neither right nor wrong.
 class DetectionMetric final : public Metric {
  public:
-  explicit DetectionMetric(const MetricSetup& setup) : Metric(setup), observers_(num_vehicles()) {
+  explicit DetectionMetric(const MetricSetup& setup)
+      : Metric(setup), observers_(num_vehicles()), scores_(add_series<DetectionScore>()) {
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       if (!setup.perception[i].detects && !setup.perception[i].tracks) continue;
       any_ = true;
@@ -132,7 +134,6 @@ class DetectionMetric final : public Metric {
 
   void update(const TickView& tick, const MetricContext& context) override {
     if (!any_) return;
-    scores_.clear();
     for (std::size_t i = 0; i < num_vehicles(); ++i)
       truth_[i].push(tick.t, {tick.states[i].p_world_m, tick.states[i].v_world_mps});
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
@@ -153,8 +154,6 @@ class DetectionMetric final : public Metric {
       if (setup().perception[i].tracks) report_tracker(i, table);
     }
   }
-
-  std::span<const DetectionScore> detection_scores() const override { return scores_; }
 
  private:
   struct Observer {
@@ -238,18 +237,17 @@ class DetectionMetric final : public Metric {
     result.t_last = now;
     pair_up(i, observer);
 
-    first_score_ = scores_.size();
+    first_score_ = scores_.rows().size();
     for (std::size_t j = 0; j < num_vehicles(); ++j) {
       if (j == i || !flying[j]) continue;
       DetectionScore score;
-      score.observer = static_cast<VehicleId>(i);
       score.stage = stage;
       score.target = static_cast<VehicleId>(j);
       score.t = middle;
       score.distance_m = (interpolate(truth_[j], middle).p_m - interpolate(truth_[i], middle).p_m).norm();
       score.visible_points = scan != nullptr ? scan->points[j] : -1;
       fill_errors(observer, estimate_of_[j], now, score);
-      scores_.push_back(score);
+      scores_.push(static_cast<VehicleId>(i), score);
       count(result, score, now);
     }
     for (std::size_t e = 0; e < estimates_.size(); ++e) {
@@ -337,14 +335,13 @@ class DetectionMetric final : public Metric {
   void add_false(std::size_t i, DetectionScore::Stage stage, const Estimate& estimate, TimeNs now,
                  StageResult& result) {
     DetectionScore score;
-    score.observer = static_cast<VehicleId>(i);
     score.stage = stage;
     score.t = estimate.t;
     score.track_id = estimate.track_id;
     score.latency_s = to_seconds(now - estimate.t);
     score.distance_m = (estimate.p_m - truth_in_estimate(observers_[i], i, estimate.t).p_m).norm();
     score.position_error_m = score.speed_error_mps = score.direction_error_rad = score.nees = kNotMeasured;
-    scores_.push_back(score);
+    scores_.push(static_cast<VehicleId>(i), score);
     result.false_detections += 1;
   }
 
@@ -354,8 +351,7 @@ class DetectionMetric final : public Metric {
     const double cut_off_m = setup().config.true_positive_m;
     int vehicles = 0, tracks = 0, paired = 0;
     double sum_m = 0.0;
-    for (std::size_t s = first_score_; s < scores_.size(); ++s) {
-      const DetectionScore& score = scores_[s];
+    for (const DetectionScore& score : scores_.rows().subspan(first_score_)) {
       const bool in_range = score.distance_m <= setup().config.detection_range_m;
       if (score.target == kNoVehicle) {
         ++tracks;
@@ -470,7 +466,7 @@ class DetectionMetric final : public Metric {
   std::vector<double> distances_;  // (vehicles x estimates)
   std::vector<int> estimate_of_, vehicle_of_;
   Assignment assignment_;
-  std::vector<DetectionScore> scores_;
+  SeriesOf<DetectionScore>& scores_;  // about the observer
   std::size_t first_score_ = 0;
 };
 

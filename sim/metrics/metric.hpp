@@ -10,6 +10,7 @@
 #include "sim/physics/physics_world.hpp"
 #include "swiftlet/sim/recorder.hpp"
 #include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/series.hpp"
 
 namespace swiftlet::sim {
 
@@ -80,16 +81,25 @@ class Metric {
   virtual ~Metric() = default;
   virtual void update(const TickView& tick, const MetricContext& context) = 0;
   virtual void report(MetricTable& table) const = 0;
-  /// Of this tick.
-  virtual std::span<const DetectionScore> detection_scores() const { return {}; }
+  /// Its tables; rows are those of this tick.
+  std::span<const std::unique_ptr<Series>> series() const { return series_; }
 
  protected:
+  /// A table of the kind `Row` for recorders; whoever calls update() empties it before. Call this in a constructor.
+  template <class Row>
+  SeriesOf<Row>& add_series() {
+    auto table = std::make_unique<SeriesOf<Row>>();
+    SeriesOf<Row>& added = *table;
+    series_.push_back(std::move(table));
+    return added;
+  }
   std::size_t num_vehicles() const { return setup_.vehicle_names.size(); }
   const std::string& name_of(std::size_t vehicle) const { return setup_.vehicle_names[vehicle]; }
   const MetricSetup& setup() const { return setup_; }
 
  private:
   MetricSetup setup_;
+  std::vector<std::unique_ptr<Series>> series_;
 };
 
 /// One row of sim/metrics/metrics.cpp.

@@ -26,6 +26,12 @@ bool is_flying(const VehicleState& state, const Clearance& clearance) {
 
 std::span<const MetricType> metric_types() { return kMetricTypes; }
 
+std::vector<std::string> series_names() {
+  std::vector<std::string> names;
+  for (const Series* table : Metrics({}, {}).series()) names.push_back(table->name());
+  return names;
+}
+
 const MetricRow* MetricTable::find(std::string_view name, std::string_view vehicle) const {
   for (const MetricRow& row : rows_) {
     if (row.name == name && row.vehicle == vehicle) return &row;
@@ -44,15 +50,19 @@ Metrics::Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_n
 void Metrics::update(const TickView& tick, std::span<const Clearance> clearances) {
   for (std::size_t i = 0; i < flying_.size(); ++i) flying_[i] = is_flying(tick.states[i], clearances[i]);
   const MetricContext context{to_seconds(tick.t - t_last_), clearances, flying_};
-  for (const auto& metric : metrics_) metric->update(tick, context);
+  for (const auto& metric : metrics_) {
+    for (const auto& table : metric->series()) table->clear();
+    metric->update(tick, context);
+  }
   t_last_ = tick.t;
 }
 
-std::span<const DetectionScore> Metrics::detection_scores() const {
+std::vector<const Series*> Metrics::series() const {
+  std::vector<const Series*> all;
   for (const auto& metric : metrics_) {
-    if (const auto scores = metric->detection_scores(); !scores.empty()) return scores;
+    for (const auto& table : metric->series()) all.push_back(table.get());
   }
-  return {};
+  return all;
 }
 
 MetricTable Metrics::report() const {

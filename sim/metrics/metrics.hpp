@@ -19,8 +19,8 @@ class Metrics {
   /// After every tick. `clearances` by VehicleId.
   void update(const TickView& tick, std::span<const Clearance> clearances);
 
-  /// What the last update found out about detections and tracks; valid until the next.
-  std::span<const DetectionScore> detection_scores() const;
+  /// The tables of all metrics; rows are those of the last update.
+  std::vector<const Series*> series() const;
 
   MetricTable report() const;
   std::vector<MetricRow> rows() const { return report().rows(); }

@@ -2,207 +2,190 @@
 #include "sim/recorders/csv.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
+#include <optional>
+#include <span>
 
+#include "core/messages/kind.hpp"
 #include "sim/recorders/output_file.hpp"
 #include "sim/recorders/selection.hpp"
 #include "sim/recorders/text_row.hpp"
 #include "sim/world/vehicle_state.hpp"
+#include "swiftlet/core/fields.hpp"
+#include "swiftlet/sim/series.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+/// The values of one row as text.
+class CsvRow final : public ColumnSink {
+ public:
+  explicit CsvRow(std::vector<std::string> vehicle_names) : names_(std::move(vehicle_names)) {}
 
-/// What one row is made from.
+  void time(const ColumnName&, TimeNs t) override { row_.add_seconds(t); }
+  void number(const ColumnName&, double value) override { row_.add(value); }
+  void integer(const ColumnName&, std::int64_t value) override { row_.add(value); }
+  void flag(const ColumnName&, bool value) override { row_.add(static_cast<int>(value)); }
+  void text(const ColumnName&, std::string_view value) override { row_.add(value); }
+  void vehicle(const ColumnName&, VehicleId id) override {
+    row_.add(id == kNoVehicle ? std::string_view() : std::string_view(names_[id]));
+  }
+  void missing(const ColumnName&) override { row_.add(std::numeric_limits<double>::quiet_NaN()); }
+
+  void clear() { row_.clear(); }
+  std::string_view line() { return row_.line(); }
+
+ private:
+  std::vector<std::string> names_;
+  TextRow row_{','};
+};
+
+/// A file with the names of its columns in the first line.
+class Table {
+ public:
+  Table(std::filesystem::path directory, std::string name, const std::vector<Column>& columns)
+      : path_(std::move(directory) / name), name_(std::move(name)) {
+    for (const Column& column : columns) header_ += (header_.empty() ? "" : ",") + column.name;
+    header_ += "\n";
+  }
+
+  void open() {
+    file_ = OutputFile(path_);
+    file_.append(header_);
+  }
+  void append(std::string_view line) {
+    if (!file_.is_open()) open();
+    file_.append(line);
+  }
+  /// @return its name, or none when it was never opened
+  std::optional<std::filesystem::path> finish() {
+    if (!file_.is_open()) return std::nullopt;
+    file_.finish();
+    return name_;
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::string name_, header_;
+  OutputFile file_;
+};
+
+/// What the rows of one tick are made from.
 struct Source {
   const TickView& tick;
   VehicleId vehicle;
-  int num_rotors;
-  const std::vector<std::string>& names;
-  TextRow& row;
-  OutputFile& file;
+  CsvRow& row;
+  Table& table;
 
-  const VehicleState& state() const { return tick.states[vehicle]; }
   const Observation& observation() const { return tick.observations[vehicle]; }
-  const Action* action() const { return tick.actions[vehicle]; }
-  TextRow& begin_row(TimeNs t) const {
+  const Action& action() const {
+    static const Action kNone;
+    return tick.actions[vehicle] ? *tick.actions[vehicle] : kNone;
+  }
+  ColumnSink& begin_row() const {
     row.clear();
-    return row.add_seconds(t);
+    return row;
   }
-  void end_row() const { file.append(row.line()); }
+  void end_row() const { table.append(row.line()); }
 };
 
-void add_rotation(TextRow& row, const Matrix3& R) { row.add(Eigen::Quaterniond(R).coeffs()); }
-
-/// Upper triangle, row by row.
-template <int N>
-void add_covariance(TextRow& row, const Eigen::Matrix<double, N, N>& covariance) {
-  for (int i = 0; i < N; ++i) {
-    for (int j = i; j < N; ++j) row.add(covariance(i, j));
-  }
-}
-
-void write_state(const Source& source) {
-  const VehicleState& state = source.state();
-  TextRow& row = source.begin_row(source.tick.t);
-  row.add(state.p_world_m).add(state.q_world_body.coeffs()).add(state.v_world_mps).add(state.omega_body_radps);
-  row.add(static_cast<int>(state.crashed));
-  row.add(source.tick.clearance_m.empty() ? kMissing : source.tick.clearance_m[source.vehicle]);
-  const Action* action = source.action();
-  if (action && action->estimate.valid) {
-    const StateEstimate& estimate = action->estimate;
-    row.add_seconds(estimate.t).add(estimate.T_world_body.translation());
-    add_rotation(row, estimate.T_world_body.linear());
-    row.add(estimate.v_world_mps).add(estimate.omega_body_radps);
-  } else {
-    for (int i = 0; i < 14; ++i) row.add(kMissing);
-  }
-  const Reference reference = action ? action->reference : Reference{};
-  row.add(reference.position_m).add(reference.velocity_mps).add(reference.acceleration_mps2);
-  row.add(reference.yaw_rad).add(reference.yaw_rate_radps);
-  for (int i = 0; i < source.num_rotors; ++i) row.add(state.rotor_speed_radps[i]);
-  source.end_row();
-}
-
-void write_imu(const Source& source) {
-  for (const ImuSample& sample : source.observation().imu) {
-    source.begin_row(sample.t).add(sample.omega_body_radps).add(sample.specific_force_body_mps2);
-    source.end_row();
-  }
-}
-
-void write_gnss(const Source& source) {
-  for (const GnssSample& sample : source.observation().gnss) {
-    TextRow& row = source.begin_row(sample.t);
-    row.add(sample.p_world_m).add(sample.v_world_mps).add(sample.sigma_p_m).add(sample.sigma_v_mps);
-    source.end_row();
-  }
-}
-
-void write_odometry(const Source& source) {
-  for (const OdometrySample& sample : source.observation().odometry) {
-    TextRow& row = source.begin_row(sample.t).add(sample.T_local_body.translation());
-    add_rotation(row, sample.T_local_body.linear());
-    row.add(sample.v_local_body_mps);
-    source.end_row();
-  }
-}
-
-void write_altimeter(const Source& source) {
-  for (const AltimeterSample& sample : source.observation().altimeter) {
-    source.begin_row(sample.t).add(sample.height_m).add(sample.sigma_m);
-    source.end_row();
-  }
-}
-
-void write_compass(const Source& source) {
-  for (const CompassSample& sample : source.observation().compass) {
-    source.begin_row(sample.t).add(sample.yaw_rad).add(sample.sigma_rad);
-    source.end_row();
-  }
-}
-
-void write_pose(const Source& source) {
-  for (const PoseSample& sample : source.observation().pose) {
-    TextRow& row = source.begin_row(sample.t).add(sample.T_world_body.translation());
-    add_rotation(row, sample.T_world_body.linear());
-    row.add(sample.v_world_mps).add(sample.omega_body_radps);
-    source.end_row();
-  }
-}
-
-void write_neighbors(const Source& source) {
-  for (const NeighborSample& sample : source.observation().neighbors) {
-    TextRow& row = source.begin_row(sample.t);
-    row.add(sample.id == kNoVehicle ? std::string_view() : std::string_view(source.names[sample.id]));
-    row.add(sample.p_body_m);
-    add_covariance<3>(row, sample.covariance_body);
-    source.end_row();
-  }
-}
-
-void write_detections(const Source& source) {
-  if (!source.action()) return;
-  for (const Detection& detection : source.action()->detections) {
-    TextRow& row = source.begin_row(detection.t).add(detection.position_m);
-    add_covariance<3>(row, detection.covariance);
-    row.add(detection.extent_m).add(detection.num_points).add(detection.confidence);
-    source.end_row();
-  }
-}
-
-void write_tracks(const Source& source) {
-  if (!source.action() || !source.action()->has_tracks) return;
-  for (const Track& track : source.action()->tracks) {
-    TextRow& row = source.begin_row(track.t).add(track.id);
-    row.add(track.position_m).add(track.velocity_mps).add(track.acceleration_mps2);
-    add_covariance<3>(row, track.covariance.topLeftCorner<3, 3>());
-    row.add(track.num_detections).add(static_cast<int>(track.corrected));
-    source.end_row();
-  }
-}
-
-void write_scores(const Source& source) {
-  for (const DetectionScore& score : source.tick.detection_scores) {
-    if (score.observer != source.vehicle) continue;
-    TextRow& row = source.begin_row(score.t);
-    row.add(std::string_view(score.stage == DetectionScore::Stage::kDetector ? "detector" : "tracker"));
-    row.add(score.target == kNoVehicle ? std::string_view() : std::string_view(source.names[score.target]));
-    row.add(score.distance_m).add(score.visible_points).add(static_cast<int>(score.found)).add(score.track_id);
-    row.add(score.position_error_m).add(score.speed_error_mps).add(score.direction_error_rad);
-    row.add(score.nees).add(score.latency_s);
-    source.end_row();
-  }
-}
-
+/// One kind of table.
 struct Topic {
-  const char* name;
-  bool sampled;  ///< written at rate_hz; the others as they come
-  const char* header;
-  void (*write)(const Source& source);
+  std::string name;
+  std::vector<Column> columns;
+  std::function<void(const Source&)> write;  ///< the rows of one tick
+  bool sampled = false;                      ///< written at rate_hz; the others as they come
 };
 
-#define COVARIANCE3 "cov_xx_m2,cov_xy_m2,cov_xz_m2,cov_yy_m2,cov_yz_m2,cov_zz_m2"
-constexpr Topic kTopics[] = {
-    {"state", true,
-     "t_s,x_m,y_m,z_m,qx,qy,qz,qw,vx_mps,vy_mps,vz_mps,omega_x_radps,omega_y_radps,omega_z_radps,crashed,clearance_m,"
-     "est_t_s,est_x_m,est_y_m,est_z_m,est_qx,est_qy,est_qz,est_qw,est_vx_mps,est_vy_mps,est_vz_mps,"
-     "est_omega_x_radps,est_omega_y_radps,est_omega_z_radps,"
-     "ref_x_m,ref_y_m,ref_z_m,ref_vx_mps,ref_vy_mps,ref_vz_mps,ref_ax_mps2,ref_ay_mps2,ref_az_mps2,ref_yaw_rad,"
-     "ref_yaw_rate_radps",
-     write_state},
-    {"imu", false, "t_s,omega_x_radps,omega_y_radps,omega_z_radps,f_x_mps2,f_y_mps2,f_z_mps2", write_imu},
-    {"gnss", false,
-     "t_s,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,sigma_x_m,sigma_y_m,sigma_z_m,sigma_vx_mps,sigma_vy_mps,sigma_vz_mps",
-     write_gnss},
-    {"odometry", false, "t_s,x_m,y_m,z_m,qx,qy,qz,qw,vx_mps,vy_mps,vz_mps", write_odometry},
-    {"altimeter", false, "t_s,height_m,sigma_m", write_altimeter},
-    {"compass", false, "t_s,yaw_rad,sigma_rad", write_compass},
-    {"pose", false, "t_s,x_m,y_m,z_m,qx,qy,qz,qw,vx_mps,vy_mps,vz_mps,omega_x_radps,omega_y_radps,omega_z_radps",
-     write_pose},
-    {"neighbors", false, "t_s,neighbor,x_body_m,y_body_m,z_body_m," COVARIANCE3, write_neighbors},
-    {"detections", false, "t_s,x_m,y_m,z_m," COVARIANCE3 ",extent_x_m,extent_y_m,extent_z_m,num_points,confidence",
-     write_detections},
-    {"tracks", false,
-     "t_s,id,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,ax_mps2,ay_mps2,az_mps2," COVARIANCE3 ",num_detections,corrected",
-     write_tracks},
-    {"scores", false,
-     "t_s,stage,target,distance_m,visible_points,found,id,position_error_m,speed_error_mps,direction_error_rad,nees,"
-     "latency_s",
-     write_scores},
+/// The table of states has rotors of its own, last, and no covariance.
+struct StateColumns : Columns {
+  using Columns::Columns;
+  void array(const char*, const auto&, const char*) {}
+  void covariance(const char*, const auto&, const char*) {}
 };
-#undef COVARIANCE3
 
-const Topic* find_topic(const std::string& name) {
-  const auto found =
-      std::find_if(std::begin(kTopics), std::end(kTopics), [&](const Topic& t) { return name == t.name; });
-  return found == std::end(kTopics) ? nullptr : found;
+void put_state(const VehicleState& state, double clearance_m, const Action& action, int num_rotors, ColumnSink& sink) {
+  StateColumns truth(sink), estimate(sink, "est_");
+  VehicleState::visit(state, truth);
+  Columns(sink).field("clearance_m", clearance_m, "[m] to the nearest surface or vehicle");
+  StateEstimate::visit(action.estimate, estimate);
+  put_columns(action.reference, sink, "ref_");
+  for (int i = 0; i < num_rotors; ++i) {
+    sink.number({{}, "rotor*_radps", std::to_string(i), "[rad/s] true rotor speed"}, state.rotor_speed_radps[i]);
+  }
 }
 
-std::string topic_names() {
-  std::string names;
-  for (const Topic& topic : kTopics) names += (names.empty() ? "" : ", ") + std::string(topic.name);
+Topic state_topic(int num_rotors) {
+  ColumnList columns;
+  put_state({}, 0.0, {}, num_rotors, columns);
+  const auto write = [num_rotors](const Source& source) {
+    const std::span<const double> clearance_m = source.tick.clearance_m;
+    put_state(source.tick.states[source.vehicle],
+              clearance_m.empty() ? std::numeric_limits<double>::quiet_NaN() : clearance_m[source.vehicle],
+              source.action(), num_rotors, source.begin_row());
+    source.end_row();
+  };
+  return {"state", columns.columns(), write, true};
+}
+
+Topic series_topic(const Series& series) {
+  const auto write = [&series](const Source& source) {
+    for (std::size_t i = 0; i < series.size(); ++i) {
+      if (series.about(i) != source.vehicle) continue;
+      series.put(i, source.begin_row());
+      source.end_row();
+    }
+  };
+  return {series.name(), series.columns(), write};
+}
+
+/// A row for each of the values that `values_of` finds in a tick.
+template <class Kind, class ValuesOf>
+Topic topic_of(ValuesOf values_of, const char* name = Kind::kName) {
+  const auto write = [values_of](const Source& source) {
+    for (const Kind& value : values_of(source)) {
+      put_columns(value, source.begin_row());
+      source.end_row();
+    }
+  };
+  return {name, columns_of<Kind>(), write};
+}
+
+/// What was heard of one kind of message.
+Topic message_topic(const MessageKind& kind) {
+  const auto write = [&kind](const Source& source) {
+    for (const Message& message : source.observation().messages) {
+      if (kind.read(message, nullptr) != Reading::kDone) continue;
+      put_message(kind, message, source.begin_row());
+      source.end_row();
+    }
+  };
+  return {"message_" + std::string(kind.topic), message_columns(kind), write};
+}
+
+/// The tables that every vehicle has.
+std::vector<Topic> vehicle_topics(int num_rotors) {
+  std::vector<Topic> topics{state_topic(num_rotors)};
+  const Observation nothing;
+  Observation::each_samples(nothing, [&]<class Sample>(const std::vector<Sample>&) {
+    topics.push_back(topic_of<Sample>([](const Source& source) { return samples_of<Sample>(source.observation()); }));
+  });
+  topics.push_back(topic_of<Detection>([](const Source& source) { return std::span(source.action().detections); }));
+  topics.push_back(topic_of<Track>([](const Source& source) {
+    const Action& action = source.action();
+    return action.has_tracks ? std::span(action.tracks) : std::span<const Track>();
+  }));
+  topics.push_back(
+      topic_of<Message>([](const Source& source) { return std::span(source.observation().messages); }, "messages"));
+  for (const MessageKind& kind : message_kinds()) topics.push_back(message_topic(kind));
+  return topics;
+}
+
+std::vector<std::string> csv_topic_names() {
+  std::vector<std::string> names;
+  for (const Topic& topic : vehicle_topics(0)) names.push_back(topic.name);
+  for (std::string& name : series_names()) names.push_back(std::move(name));
   return names;
 }
 
@@ -211,56 +194,52 @@ class CsvRecorder : public Recorder {
   explicit CsvRecorder(CsvConfig config) : config_(std::move(config)), gate_(config_.rate_hz) {}
 
   void begin(const RunInfo& info) override {
-    names_ = info.vehicle_names;
-    const std::vector<bool> selected = select_vehicles(config_.vehicles, names_);
+    row_.emplace(info.vehicle_names);
+    const std::vector<bool> selected = select_vehicles(config_.vehicles, info.vehicle_names);
     for (std::size_t i = 0; i < selected.size(); ++i) {
       if (!selected[i]) continue;
-      const int num_rotors = info.airframes[i]->num_rotors();
-      for (const Topic& topic : kTopics) {
-        if (config_.topics.empty() || !selects(config_.topics, topic.name)) continue;
-        const std::string name = "csv/" + names_[i] + "/" + topic.name + ".csv";
-        tables_.push_back({static_cast<VehicleId>(i), num_rotors, &topic, OutputFile(info.directory / name)});
-        tables_.back().file.append(header_of(topic, num_rotors));
-        paths_.push_back(name);
-      }
+      const std::string folder = "csv/" + info.vehicle_names[i] + "/";
+      std::vector<Topic> topics = vehicle_topics(info.airframes[i]->num_rotors());
+      for (const Series* series : info.series) topics.push_back(series_topic(*series));
+      for (Topic& topic : topics) add(static_cast<VehicleId>(i), std::move(topic), info.directory, folder);
     }
+    for (OpenTable& open : tables_) open.table.open();
+    // Of the whole run: there is a file when there is a row.
+    for (const Series* series : info.series) add(kNoVehicle, series_topic(*series), info.directory, "csv/");
   }
 
   void write(const TickView& tick) override {
     const bool sample = gate_.due(tick.t);
-    for (Table& table : tables_) {
-      if (table.topic->sampled && !sample) continue;
-      table.topic->write({tick, table.vehicle, table.num_rotors, names_, row_, table.file});
+    for (OpenTable& open : tables_) {
+      if (!open.topic.sampled || sample) open.topic.write({tick, open.vehicle, *row_, open.table});
     }
   }
 
   std::vector<std::filesystem::path> finish() override {
-    for (Table& table : tables_) table.file.finish();
-    return paths_;
+    std::vector<std::filesystem::path> paths;
+    for (OpenTable& open : tables_) {
+      if (auto path = open.table.finish()) paths.push_back(std::move(*path));
+    }
+    return paths;
   }
 
  private:
-  struct Table {
+  struct OpenTable {
     VehicleId vehicle;
-    int num_rotors;
-    const Topic* topic;
-    OutputFile file;
+    Topic topic;
+    Table table;
   };
 
-  static std::string header_of(const Topic& topic, int num_rotors) {
-    std::string header = topic.header;
-    for (int i = 0; topic.write == write_state && i < num_rotors; ++i) {
-      header += ",rotor" + std::to_string(i) + "_radps";
-    }
-    return header + "\n";
+  void add(VehicleId vehicle, Topic topic, const std::filesystem::path& directory, const std::string& folder) {
+    if (config_.topics.empty() || !selects(config_.topics, topic.name)) return;
+    Table table(directory, folder + topic.name + ".csv", topic.columns);
+    tables_.push_back({vehicle, std::move(topic), std::move(table)});
   }
 
   CsvConfig config_;
   RateGate gate_;
-  std::vector<std::string> names_;
-  std::vector<Table> tables_;
-  std::vector<std::filesystem::path> paths_;
-  TextRow row_{','};
+  std::vector<OpenTable> tables_;
+  std::optional<CsvRow> row_;
 };
 
 }  // namespace
@@ -268,11 +247,13 @@ class CsvRecorder : public Recorder {
 void CsvConfig::visit(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");
   v.field("rate_hz", rate_hz, "[Hz] rows of the topic state a second; 0: every tick", Range::non_negative());
-  v.field("topics", topics,
-          "[-] tables to write: state (truth, estimate, reference, rotors), imu, gnss, odometry, altimeter, compass, "
-          "pose, neighbors, detections, tracks, scores (of detections and tracks, against the truth)");
-  const bool known = std::all_of(topics.begin(), topics.end(), [](const std::string& t) { return find_topic(t); });
-  v.check(known, "topics", "a list of " + topic_names());
+  static const std::vector<std::string> names = csv_topic_names();
+  static const std::string doc = "[-] tables to write: " + listed(names);
+  v.field("topics", topics, doc.c_str());
+  const bool known = std::all_of(topics.begin(), topics.end(), [](const std::string& topic) {
+    return std::find(names.begin(), names.end(), topic) != names.end();
+  });
+  v.check(known, "topics", "a list of " + listed(names));
 }
 
 std::unique_ptr<Recorder> make_csv_recorder(const ModuleConfig& config) {

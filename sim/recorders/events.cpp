@@ -11,6 +11,30 @@ namespace {
 
 constexpr const char* kFile = "events.jsonl";
 
+/// The visitor that makes a JSON object of an event.
+class EventLine {
+ public:
+  explicit EventLine(const std::vector<std::string>& vehicle_names) : names_(vehicle_names) {}
+
+  // A division rounds right: 0.09, not 0.09000000000000001.
+  void time(const char* name, TimeNs t, const char*) { line_[name] = static_cast<double>(t) / 1e9; }
+  void field(const char* name, const std::string& text, const char*) { line_[name] = text; }
+  void field(const char* name, const Vector3& v, const char*) {
+    std::string key = name;
+    key.erase(key.find("_*"), 2);
+    line_[key] = {v.x(), v.y(), v.z()};
+  }
+  void vehicle(const char* name, VehicleId id, const char*) {
+    line_[name] = id == kNoVehicle ? nlohmann::ordered_json() : nlohmann::ordered_json(names_[id]);
+  }
+  // Names may come from files in any encoding: what is not UTF-8 is replaced rather than refused.
+  std::string text() const { return line_.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace); }
+
+ private:
+  const std::vector<std::string>& names_;
+  nlohmann::ordered_json line_;
+};
+
 class EventsRecorder : public Recorder {
  public:
   explicit EventsRecorder(EventsConfig config) : config_(std::move(config)) {}
@@ -25,19 +49,9 @@ class EventsRecorder : public Recorder {
     for (const Event& event : tick.events) {
       const bool about_a_vehicle = event.vehicle != kNoVehicle;
       if (!selects(config_.kinds, event.kind) || (about_a_vehicle && !selected_[event.vehicle])) continue;
-      nlohmann::ordered_json line;
-      line["t_s"] = static_cast<double>(event.t) / 1e9;  // a division rounds right: 0.09, not 0.09000000000000001
-      line["kind"] = event.kind;
-      if (about_a_vehicle) {
-        line["vehicle"] = names_[event.vehicle];
-      } else {
-        line["vehicle"] = nullptr;
-      }
-      line["partner"] = event.partner;
-      line["position_m"] = {event.p_world_m.x(), event.p_world_m.y(), event.p_world_m.z()};
-      line["note"] = event.note;
-      // Names may come from files in any encoding: what is not UTF-8 is replaced rather than refused.
-      file_.append(line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
+      EventLine line(names_);
+      Event::visit(event, line);
+      file_.append(line.text() + '\n');
     }
   }
 

@@ -2,18 +2,28 @@
 #include "sim/recorders/ros_topics.hpp"
 
 #include <algorithm>
-#include <array>
+#include <type_traits>
 
+#include "core/messages/kind.hpp"
 #include "sim/recorders/geodesy.hpp"
 #include "sim/recorders/ros_markers.hpp"
 #include "sim/recorders/ros_points.hpp"
+#include "sim/recorders/ros_rows.hpp"
+#include "sim/recorders/text_row.hpp"
 #include "sim/sensors/sensor.hpp"
+#include "swiftlet/sim/series.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::array kTopics = {"points",   "imu", "odometry", "gnss",       "truth",
-                                "estimate", "tf",  "clock",    "detections", "tracks"};
+/// What can be asked for.
+std::vector<std::string> ros_topic_names() {
+  std::vector<std::string> names = {"points", "truth", "estimate", "tf", "clock", "detections", "tracks", "messages"};
+  const Observation nothing;
+  Observation::each_samples(nothing, [&]<class Sample>(const std::vector<Sample>&) { names.push_back(Sample::kName); });
+  for (std::string& name : series_names()) names.push_back(std::move(name));
+  return names;
+}
 
 // Constants of sensor_msgs/NavSatStatus and NavSatFix.
 constexpr std::int8_t kStatusFix = 0;
@@ -27,33 +37,6 @@ std::string ros_name(std::string name) {
     if (!fine) c = '_';
   }
   return name;
-}
-
-void encode_imu(const ImuSample& sample, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
-  out.begin();
-  out.header(sequence, sample.t, frame);
-  out.rotation(Eigen::Quaterniond::Identity());
-  Matrix3 no_orientation = Matrix3::Zero();
-  no_orientation(0, 0) = -1.0;  // "no orientation estimate" in the words of sensor_msgs/Imu
-  out.row_major(no_orientation);
-  out.vector3(sample.omega_body_radps);
-  out.row_major(Matrix3::Zero());
-  out.vector3(sample.specific_force_body_mps2);
-  out.row_major(Matrix3::Zero());
-}
-
-void encode_gnss(const GnssSample& sample, const Geodetic& datum, std::uint32_t sequence, const std::string& frame,
-                 RosEncoder& out) {
-  const Geodetic position = geodetic_of_world(sample.p_world_m, datum);
-  out.begin();
-  out.header(sequence, sample.t, frame);
-  out.put(kStatusFix);
-  out.put(kServiceGps);
-  out.put(position.latitude_deg);
-  out.put(position.longitude_deg);
-  out.put(position.altitude_m);
-  out.row_major(Matrix3(sample.sigma_p_m.cwiseAbs2().asDiagonal()));
-  out.put(kCovarianceDiagonalKnown);
 }
 
 /// nav_msgs/Odometry; the twist is in the axes of the body, as the message wants it.
@@ -91,17 +74,79 @@ void encode_transform(std::uint32_t sequence, TimeNs t, const std::string& paren
   out.put_pose(position, rotation);
 }
 
+/// What a message of a sample needs to know besides.
+struct SampleContext {
+  std::string local, body;  // frames
+  Geodetic datum;
+  const std::vector<std::string>& vehicle_names;
+};
+
+void encode(const ImuSample& sample, const SampleContext& context, std::uint32_t sequence, RosEncoder& out) {
+  out.begin();
+  out.header(sequence, sample.t, context.body);
+  out.rotation(Eigen::Quaterniond::Identity());
+  Matrix3 no_orientation = Matrix3::Zero();
+  no_orientation(0, 0) = -1.0;  // "no orientation estimate" in the words of sensor_msgs/Imu
+  out.row_major(no_orientation);
+  out.vector3(sample.omega_body_radps);
+  out.row_major(Matrix3::Zero());
+  out.vector3(sample.specific_force_body_mps2);
+  out.row_major(Matrix3::Zero());
+}
+
+void encode(const GnssSample& sample, const SampleContext& context, std::uint32_t sequence, RosEncoder& out) {
+  const Geodetic position = geodetic_of_world(sample.p_world_m, context.datum);
+  out.begin();
+  out.header(sequence, sample.t, context.body);
+  out.put(kStatusFix);
+  out.put(kServiceGps);
+  out.put(position.latitude_deg);
+  out.put(position.longitude_deg);
+  out.put(position.altitude_m);
+  out.row_major(Matrix3(sample.sigma_p_m.cwiseAbs2().asDiagonal()));
+  out.put(kCovarianceDiagonalKnown);
+}
+
+void encode(const OdometrySample& sample, const SampleContext& context, std::uint32_t sequence, RosEncoder& out) {
+  encode_odometry(
+      {sample.t, context.local, context.body, sample.T_local_body, Matrix6::Zero(), sample.v_local_body_mps}, sequence,
+      out);
+}
+
+void encode(const PoseSample& sample, const SampleContext& context, std::uint32_t sequence, RosEncoder& out) {
+  encode_odometry({sample.t, "world", context.body, sample.T_world_body, Matrix6::Zero(), sample.v_world_mps,
+                   sample.omega_body_radps},
+                  sequence, out);
+}
+
+template <class Sample>
+void encode(const Sample& sample, const SampleContext& context, std::uint32_t sequence, RosEncoder& out) {
+  RosRow row(out, context.vehicle_names);
+  row.begin(sequence, sample.t, context.body);
+  put_columns(sample, row);
+}
+
+RosType type_of(const ImuSample&) { return kImu; }
+RosType type_of(const GnssSample&) { return kNavSatFix; }
+RosType type_of(const OdometrySample&) { return kOdometry; }
+RosType type_of(const PoseSample&) { return kOdometry; }
+template <class Sample>
+RosType type_of(const Sample&) {
+  return row_type(Sample::kName, columns_of<Sample>());
+}
+
 }  // namespace
 
 void RosConfig::visit_common(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");
   v.field("sensors", sensors, "[-] names of the LiDARs to write; empty: all");
-  v.field("topics", topics,
-          "[-] what to write: points, imu, odometry, gnss, truth, estimate, tf, clock, detections, tracks");
+  static const std::vector<std::string> names = ros_topic_names();
+  static const std::string doc = "[-] what to write: " + listed(names);
+  v.field("topics", topics, doc.c_str());
   const bool known = std::all_of(topics.begin(), topics.end(), [](const std::string& topic) {
-    return std::find(kTopics.begin(), kTopics.end(), topic) != kTopics.end();
+    return std::find(names.begin(), names.end(), topic) != names.end();
   });
-  v.check(known, "topics", "a list of points, imu, odometry, gnss, truth, estimate, tf, clock, detections, tracks");
+  v.check(known, "topics", "a list of " + listed(names));
   v.field("rate_hz", rate_hz, "[Hz] of truth, estimate, tf and clock; 0: every tick", Range::non_negative());
   v.field("every", every, "[-] write every n-th scan of each LiDAR", Range{1, 1e9, false, false});
   v.choice("points_layout", points_layout, {"auto", "ouster", "livox", "velodyne"},
@@ -118,7 +163,8 @@ RosTopics::RosTopics(const RosConfig& config, const RunInfo& info, RosDialect di
       message_(dialect),
       gate_(config.rate_hz),
       selected_(select_vehicles(config.vehicles, info.vehicle_names)),
-      last_estimate_(info.vehicle_names.size(), -1) {
+      last_estimate_(info.vehicle_names.size(), -1),
+      series_(info.series) {
   for (const std::string& name : info.vehicle_names) names_.push_back(ros_name(name));
 }
 
@@ -131,9 +177,11 @@ void RosTopics::write(const TickView& tick) {
     if (sample && wants("truth")) write_truth(tick, vehicle);
     if (sample && wants("estimate")) write_estimate(tick, vehicle);
     write_samples(tick, vehicle);
+    if (wants("messages")) write_messages(tick, vehicle);
     write_markers(tick, vehicle);
     if (wants("points")) write_scans(tick, vehicle);
   }
+  write_series(tick);
 }
 
 bool RosTopics::wants(const char* topic) const {
@@ -141,9 +189,16 @@ bool RosTopics::wants(const char* topic) const {
 }
 
 RosTopics::Channel& RosTopics::channel(const std::string& topic, const RosType& type, bool latched) {
+  return channel(
+      topic, [&type]() -> const RosType& { return type; }, latched);
+}
+
+template <class TypeOf>
+requires std::is_invocable_v<TypeOf> RosTopics::Channel& RosTopics::channel(const std::string& topic,
+                                                                            const TypeOf& type_of, bool latched) {
   const auto found = channels_.find(topic);
   if (found != channels_.end()) return found->second;
-  return channels_.emplace(topic, Channel{sink_.add_channel(topic, type, latched)}).first->second;
+  return channels_.emplace(topic, Channel{sink_.add_channel(topic, type_of(), latched)}).first->second;
 }
 
 void RosTopics::send(Channel& channel, TimeNs t) { sink_.write(channel.id, channel.sequence++, t, message_.bytes()); }
@@ -189,28 +244,48 @@ void RosTopics::write_estimate(const TickView& tick, VehicleId vehicle) {
 }
 
 void RosTopics::write_samples(const TickView& tick, VehicleId vehicle) {
-  const Observation& observation = tick.observations[vehicle];
   const std::string& name = names_[vehicle];
-  const std::string body = name + "/body";
-  for (const ImuSample& sample : observation.imu) {
-    if (!wants("imu")) break;
-    Channel& imu = channel("/" + name + "/imu", kImu);
-    encode_imu(sample, imu.sequence, body, message_);
-    send(imu, tick.t);
+  const SampleContext context{name + "/local",
+                              name + "/body",
+                              {config_.datum_deg.x(), config_.datum_deg.y(), config_.datum_altitude_m},
+                              names_};
+  Observation::each_samples(tick.observations[vehicle], [&]<class Sample>(const std::vector<Sample>& samples) {
+    if (samples.empty() || !wants(Sample::kName)) return;
+    Channel& topic = channel("/" + name + "/" + Sample::kName, [&] { return type_of(samples.front()); });
+    for (const Sample& sample : samples) {
+      encode(sample, context, topic.sequence, message_);
+      send(topic, tick.t);
+    }
+  });
+}
+
+void RosTopics::write_messages(const TickView& tick, VehicleId vehicle) {
+  RosRow row(message_, names_);
+  for (const Message& message : tick.observations[vehicle].messages) {
+    const MessageKind* kind = find_message_kind(message.topic);
+    if (kind == nullptr || kind->read(message, nullptr) != Reading::kDone) continue;
+    Channel& topic = channel("/" + names_[vehicle] + "/radio/" + ros_name(message.topic),
+                             [&] { return row_type(message.topic + "_message", message_columns(*kind)); });
+    row.begin(topic.sequence, message.received, "");
+    put_message(*kind, message, row);
+    send(topic, tick.t);
   }
-  for (const OdometrySample& sample : observation.odometry) {
-    if (!wants("odometry")) break;
-    Channel& odometry = channel("/" + name + "/odometry", kOdometry);
-    encode_odometry({sample.t, name + "/local", body, sample.T_local_body, Matrix6::Zero(), sample.v_local_body_mps},
-                    odometry.sequence, message_);
-    send(odometry, tick.t);
-  }
-  const Geodetic datum{config_.datum_deg.x(), config_.datum_deg.y(), config_.datum_altitude_m};
-  for (const GnssSample& sample : observation.gnss) {
-    if (!wants("gnss")) break;
-    Channel& gnss = channel("/" + name + "/gnss", kNavSatFix);
-    encode_gnss(sample, datum, gnss.sequence, body, message_);
-    send(gnss, tick.t);
+}
+
+void RosTopics::write_series(const TickView& tick) {
+  RosRow row(message_, names_);
+  for (const Series* series : series_) {
+    if (!wants(series->name().c_str())) continue;
+    for (std::size_t i = 0; i < series->size(); ++i) {
+      const VehicleId about = series->about(i);
+      if (about != kNoVehicle && !selected_[about]) continue;
+      const std::string whom = about == kNoVehicle ? "" : "/" + names_[about];
+      Channel& topic =
+          channel(whom + "/" + ros_name(series->name()), [&] { return row_type(series->name(), series->columns()); });
+      row.begin(topic.sequence, tick.t, "");
+      series->put(i, row);
+      send(topic, tick.t);
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "sim/recorders/ros_encoder.hpp"
@@ -54,12 +55,18 @@ class RosTopics {
 
   bool wants(const char* topic) const;
   Channel& channel(const std::string& topic, const RosType& type, bool latched = false);
+  /// The same with a type that is made only when the channel is new.
+  template <class TypeOf>
+  requires std::is_invocable_v<TypeOf> Channel& channel(const std::string& topic, const TypeOf& type_of,
+                                                        bool latched = false);
   void send(Channel& channel, TimeNs t);
   void write_clock(TimeNs t);
   void write_tf(const TickView& tick);
   void write_truth(const TickView& tick, VehicleId vehicle);
   void write_estimate(const TickView& tick, VehicleId vehicle);
   void write_samples(const TickView& tick, VehicleId vehicle);
+  void write_messages(const TickView& tick, VehicleId vehicle);
+  void write_series(const TickView& tick);
   void write_markers(const TickView& tick, VehicleId vehicle);
   void write_scans(const TickView& tick, VehicleId vehicle);
   void announce_sensor(const std::string& parent, const std::string& child, const Pose& T_body_lidar, TimeNs t);
@@ -72,6 +79,7 @@ class RosTopics {
   std::vector<std::string> names_;     // by VehicleId, as ROS allows them
   std::vector<TimeNs> last_estimate_;  // by VehicleId
   std::map<std::string, Channel> channels_;
+  std::vector<const Series*> series_;
   std::map<std::string, int> num_scans_;  // by topic
   std::vector<StaticTransform> static_transforms_;
 };

@@ -3,6 +3,9 @@
 
 #include <stdexcept>
 #include <string_view>
+#include <vector>
+
+#include "sim/recorders/md5.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -84,6 +87,45 @@ std::string_view definition_of(std::string_view name, RosDialect dialect) {
   throw std::logic_error("no definition of the ROS type " + std::string(name));
 }
 
+std::vector<std::string> lines_of(std::string_view text) {
+  std::vector<std::string> lines;
+  for (std::size_t end; (end = text.find('\n')) != std::string_view::npos; text.remove_prefix(end + 1)) {
+    lines.emplace_back(text.substr(0, end));
+  }
+  return lines;
+}
+
+/// The lines of a type itself.
+std::string own_definition(const RosType& type, RosDialect dialect) {
+  if (type.text.empty()) return std::string(definition_of(type.package + "/" + type.name, dialect));
+  std::string text;
+  for (const std::string& line : lines_of(type.text)) {
+    const bool is_time = dialect == RosDialect::kRos2 && line.starts_with("time ");
+    text += (is_time ? "builtin_interfaces/Time" + line.substr(4) : line) + "\n";
+  }
+  return text;
+}
+
+/// As genmsg makes it: MD5 of the constants, then of the fields, types of other messages replaced by their
+/// fingerprints.
+std::string fingerprint(std::string_view definition) {
+  std::string constants, fields;
+  for (const std::string& line : lines_of(definition)) {
+    const std::string type = line.substr(0, line.find(' '));
+    const std::string base = type.substr(0, type.find('['));
+    if (line.find('=') != std::string::npos) {
+      constants += line + "\n";
+    } else if (base.find('/') != std::string::npos) {
+      fields += fingerprint(definition_of(base, RosDialect::kRos1)) + line.substr(type.size()) + "\n";
+    } else {
+      fields += line + "\n";
+    }
+  }
+  std::string text = constants + fields;
+  if (!text.empty()) text.pop_back();
+  return md5(text);
+}
+
 constexpr const char* kHeader = "std_msgs/Header";
 constexpr const char* kTime = "builtin_interfaces/Time";
 constexpr const char* kPointCloud2Parts[] = {kHeader, kTime, "sensor_msgs/PointField"};
@@ -119,21 +161,21 @@ constexpr const char* kMarkerArrayParts[] = {"visualization_msgs/Marker",
 
 }  // namespace
 
-const RosType kPointCloud2{"sensor_msgs", "PointCloud2", "1158d486dd51d683ce2f1be655c3c181", kPointCloud2Parts};
-const RosType kImu{"sensor_msgs", "Imu", "6a62c6daae103f4ff57a132d6f95cec2", kImuParts};
-const RosType kNavSatFix{"sensor_msgs", "NavSatFix", "2d3a8cd499b9b4a0249fb98fd05cfa48", kNavSatFixParts};
-const RosType kOdometry{"nav_msgs", "Odometry", "cd5e73d190d741a2f92e81eda573aca7", kOdometryParts};
-const RosType kPoseStamped{"geometry_msgs", "PoseStamped", "d3812c3cbc69362b77dc0b19b345f8f5", kPoseStampedParts};
-const RosType kTFMessage{"tf2_msgs", "TFMessage", "94810edda583a504dfda3829e70d7eec", kTFMessageParts};
-const RosType kClock{"rosgraph_msgs", "Clock", "a9c97c1d230cfc112e270351a944ee47", kClockParts};
-const RosType kMarkerArray{"visualization_msgs", "MarkerArray", "d155b9ce5188fbaf89745847fd5882d7", kMarkerArrayParts};
+const RosType kPointCloud2{"sensor_msgs", "PointCloud2", kPointCloud2Parts};
+const RosType kImu{"sensor_msgs", "Imu", kImuParts};
+const RosType kNavSatFix{"sensor_msgs", "NavSatFix", kNavSatFixParts};
+const RosType kOdometry{"nav_msgs", "Odometry", kOdometryParts};
+const RosType kPoseStamped{"geometry_msgs", "PoseStamped", kPoseStampedParts};
+const RosType kTFMessage{"tf2_msgs", "TFMessage", kTFMessageParts};
+const RosType kClock{"rosgraph_msgs", "Clock", kClockParts};
+const RosType kMarkerArray{"visualization_msgs", "MarkerArray", kMarkerArrayParts};
 
 std::string full_name(const RosType& type, RosDialect dialect) {
-  return std::string(type.package) + (dialect == RosDialect::kRos2 ? "/msg/" : "/") + type.name;
+  return type.package + (dialect == RosDialect::kRos2 ? "/msg/" : "/") + type.name;
 }
 
 std::string full_definition(const RosType& type, RosDialect dialect) {
-  std::string text(definition_of(std::string(type.package) + "/" + type.name, dialect));
+  std::string text = own_definition(type, dialect);
   for (const std::string_view part : type.parts) {
     if (dialect == RosDialect::kRos1 && definition_of(part, dialect).empty()) continue;  // built in, or not there
     text += "\n" + std::string(80, '=') + "\nMSG: ";
@@ -143,5 +185,7 @@ std::string full_definition(const RosType& type, RosDialect dialect) {
   }
   return text;
 }
+
+std::string ros1_fingerprint(const RosType& type) { return fingerprint(own_definition(type, RosDialect::kRos1)); }
 
 }  // namespace swiftlet::sim

@@ -10,10 +10,10 @@ namespace swiftlet::sim {
 
 /// A message type that the recorders write.
 struct RosType {
-  const char* package;
-  const char* name;
-  const char* ros1_md5;                ///< fingerprint of the ROS 1 definition
+  std::string package;
+  std::string name;
   std::span<const char* const> parts;  ///< "package/Name" of every type inside, in order of appearance
+  std::string text = {};               ///< its fields in the words of ROS 1; empty: a standard type
 };
 
 extern const RosType kPointCloud2;
@@ -29,5 +29,7 @@ extern const RosType kMarkerArray;
 std::string full_name(const RosType& type, RosDialect dialect);
 /// The definition with those of all its parts, as bags carry it.
 std::string full_definition(const RosType& type, RosDialect dialect);
+/// The fingerprint by which ROS 1 tells types apart.
+std::string ros1_fingerprint(const RosType& type);
 
 }  // namespace swiftlet::sim

@@ -24,8 +24,8 @@ class RosbagRecorder : public Recorder, public RosSink {
 
  private:
   int add_channel(const std::string& topic, const RosType& type, bool latched) override {
-    return static_cast<int>(writer_->add_connection(
-        {topic, full_name(type, RosDialect::kRos1), type.ros1_md5, full_definition(type, RosDialect::kRos1), latched}));
+    return static_cast<int>(writer_->add_connection({topic, full_name(type, RosDialect::kRos1), ros1_fingerprint(type),
+                                                     full_definition(type, RosDialect::kRos1), latched}));
   }
   void write(int channel, std::uint32_t /*sequence*/, TimeNs t, std::span<const std::byte> message) override {
     writer_->write(static_cast<std::uint32_t>(channel), t, message);

@@ -5,6 +5,12 @@
 
 namespace swiftlet::sim {
 
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
 TextRow& TextRow::add(double value) {
   separate();
   char digits[32];

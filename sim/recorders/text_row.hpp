@@ -6,10 +6,14 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "swiftlet/core/time.hpp"
 
 namespace swiftlet::sim {
+
+/// "a, b, c", for texts about choices.
+std::string listed(const std::vector<std::string>& words);
 
 /// One line of numbers. A floating-point number is written with the fewest digits that read back as the same bits.
 class TextRow {

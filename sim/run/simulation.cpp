@@ -103,6 +103,7 @@ struct Simulation::Impl {
     info.scene = world.scene.get();
     info.vehicle_names = names;
     info.vehicle_shapes = shapes;
+    info.series = metrics.series();
     for (const VehicleConfig& vehicle : scenario.vehicles) info.airframes.push_back(&vehicle.airframe);
   }
 
@@ -211,7 +212,6 @@ void Simulation::Impl::tick() {
     for (int i = 0; i < num_vehicles(); ++i) hash = combine(hash, hashes[i]);
     view = {now, physics.states(), observations, actions, scans, events, least_clearance_m};
     metrics.update(view, clearances);
-    view.detection_scores = metrics.detection_scores();
   }
   {
     const auto timed = clock.measure(Stage::kRecorders);

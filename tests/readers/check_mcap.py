@@ -92,6 +92,9 @@ def main():
     expected = expectation.load(directory)
     failures = check_file(directory / "record.mcap", npm_dir, expected, "zstd")
     failures += check_file(directory / "plain.mcap", npm_dir, expected, "")
+    rows = expectation.Comparison()
+    expectation.check_rows(read_file(directory / "rows.mcap", npm_dir, rows)[1], directory, expected, rows)
+    failures += rows.finish("@mcap/core rows.mcap", least=1000)
     sys.exit(1 if failures else 0)
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the ROS messages of a synthetic run must say, worked out from what went in (expected.json), and the comparison."""
+import csv
 import json
 import math
 import pathlib
@@ -100,6 +101,35 @@ def reflectivity_byte(reflectivity, diffuse_max):
     r = np.maximum(np.asarray(reflectivity, dtype=np.float64), 1e-30)
     bright = diffuse_max + (255 - diffuse_max) * np.minimum(np.log10(r) / 3, 1)
     return np.where(r <= 1, diffuse_max * r, bright)
+
+
+def check_rows(messages, directory, expected, result, first_stamp_ns=-10**18):
+    """What ROS has no types for has a field for each column of the table that the recorder csv writes."""
+    def ros_name(name):
+        return re.sub("[^A-Za-z0-9_]", "_", name)
+
+    def plain(name, text):
+        if re.fullmatch("t_s|received_s", name):
+            return max(int(text.replace(".", "")), first_stamp_ns)
+        return float(text) if re.fullmatch("-?[0-9.]+(e-?[0-9]+)?|nan", text) else ros_name(text)
+
+    tables = {"/spread": "spread"}
+    for vehicle in expected["vehicles"]:
+        for topic in ("altimeter", "compass", "neighbors", "scores"):
+            tables[f"/{ros_name(vehicle)}/{topic}"] = f"{vehicle}/{topic}"
+        tables[f"/{ros_name(vehicle)}/radio/neighbor"] = f"{vehicle}/message_neighbor"
+    result.equal(sorted(messages), sorted(tables), "topics of rows")
+    for topic, table in tables.items():
+        with open(pathlib.Path(directory) / "csv" / f"{table}.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        found = messages.get(topic, [])
+        result.equal(len(found), len(rows), f"{topic}: number of messages")
+        result.expect(len(rows) > 0, f"{topic}: rows")
+        for (_, _, message), row in zip(found, rows):
+            result.equal(list(message), ["header", *row], f"{topic} fields")
+            for name, text in row.items():
+                wanted = plain(name, text)
+                result.equal(type(wanted)(message[name]), wanted, f"{topic} {name}")  # JSON has large integers as texts
 
 
 class RosCheck:

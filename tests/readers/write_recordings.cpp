@@ -58,7 +58,7 @@ json json_of(const LabeledScan& labeled) {
   return out;
 }
 
-json json_of(const TickView& tick, int vehicle) {
+json json_of(const TickView& tick, const SeriesOf<DetectionScore>& scores, int vehicle) {
   const VehicleState& state = tick.states[vehicle];
   const Observation& observation = tick.observations[vehicle];
   const Action& action = *tick.actions[vehicle];
@@ -106,8 +106,9 @@ json json_of(const TickView& tick, int vehicle) {
                       {"points", detection.num_points},
                       {"confidence", detection.confidence}};
   out["scores"] = json::array();
-  for (const DetectionScore& score : tick.detection_scores) {
-    if (score.observer != vehicle) continue;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    const DetectionScore& score = scores.rows()[i];
+    if (scores.about(i) != vehicle) continue;
     out["scores"].push_back(
         {{"t_ns", score.t},
          {"stage", score.stage == DetectionScore::Stage::kDetector ? "detector" : "tracker"},
@@ -131,7 +132,8 @@ Module module_of(const char* type, Config config) {
 std::vector<Module> every_recorder() {
   CsvConfig csv;
   csv.rate_hz = 0;
-  csv.topics = {"state", "imu", "gnss", "odometry", "neighbors", "detections", "tracks", "scores"};
+  csv.topics = {"state",      "imu",    "gnss",   "odometry",         "altimeter", "compass", "neighbors",
+                "detections", "tracks", "scores", "message_neighbor", "spread"};
   PcdConfig pcd_lidar;
   pcd_lidar.organized = true;
   pcd_lidar.folder = "scans_organized";
@@ -151,6 +153,12 @@ std::vector<Module> every_recorder() {
   RosbagConfig plain_bag = bag;
   plain_bag.compression = "none";
   plain_bag.file = "plain.bag";
+  McapConfig rows_mcap;  // what ROS has no types for
+  rows_mcap.topics = {"altimeter", "compass", "neighbors", "scores", "messages", "spread"};
+  rows_mcap.file = "rows.mcap";
+  RosbagConfig rows_bag;
+  rows_bag.topics = rows_mcap.topics;
+  rows_bag.file = "rows.bag";
   return {Module(recorder_module_types(), "tum"),
           Module(recorder_module_types(), "events"),
           module_of("csv", csv),
@@ -160,7 +168,9 @@ std::vector<Module> every_recorder() {
           module_of("mcap", mcap),
           module_of("mcap", plain_mcap),
           module_of("rosbag", bag),
-          module_of("rosbag", plain_bag)};
+          module_of("mcap", rows_mcap),
+          module_of("rosbag", plain_bag),
+          module_of("rosbag", rows_bag)};
 }
 
 void write_recordings(const std::filesystem::path& directory) {
@@ -183,7 +193,7 @@ void write_recordings(const std::filesystem::path& directory) {
                                {"p", json_of(event.p_world_m)},
                                {"note", event.note}});
     }
-    for (int v = 0; v < 2; ++v) out["vehicles"].push_back(json_of(tick, v));
+    for (int v = 0; v < 2; ++v) out["vehicles"].push_back(json_of(tick, run.scores(), v));
     expected["ticks"].push_back(out);
   }
   for (auto& recorder : recorders) {

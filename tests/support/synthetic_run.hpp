@@ -7,11 +7,27 @@
 #include <string>
 #include <vector>
 
+#include "core/messages/kind.hpp"
+#include "core/messages/neighbor_position.hpp"
+#include "sim/metrics/detection_score.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "sim/world/vehicle_state.hpp"
 #include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/series.hpp"
 
 namespace swiftlet::sim {
+
+/// A series of the whole run, as a metric of one's own may have it.
+struct TeamSpread {
+  static constexpr const char* kName = "spread";
+  TimeNs t = 0;
+  double spread_m = 0.0;
+
+  static void visit(auto& s, auto& v) {
+    v.time("t_s", s.t, "[s] of the tick");
+    v.field("spread_m", s.spread_m, "[m] greatest distance between two vehicles");
+  }
+};
 
 /// Ticks with made-up content for tests of recorders: every field has a value of its own, none is round.
 /// Two vehicles: "uav1" with a LiDAR "os1" (8 x 16), "uav-2" with "mid360" (4 x 30) and "puck" (16 x 12, its rows one
@@ -25,6 +41,7 @@ class SyntheticRun {
     info_.directory = std::move(directory);
     std::filesystem::create_directories(info_.directory);
     info_.vehicle_names = {"uav1", "uav-2"};
+    info_.series = {&scores_, &team_};
     airframe_.rotors.resize(4);
     for (std::size_t i = 0; i < info_.vehicle_names.size(); ++i) {
       info_.airframes.push_back(&airframe_);
@@ -39,6 +56,7 @@ class SyntheticRun {
   }
 
   const RunInfo& info() const { return info_; }
+  const SeriesOf<DetectionScore>& scores() const { return scores_; }
 
   /// The k-th tick, at k * kTick; valid until the next call.
   const TickView& tick(int k) {
@@ -61,7 +79,6 @@ class SyntheticRun {
     view_.scans = scans_;
     view_.events = events_;
     view_.clearance_m = clearance_;
-    view_.detection_scores = scores_;
     return view_;
   }
 
@@ -172,6 +189,12 @@ class SyntheticRun {
     o.pose.push_back({view_.t, told, velocity, vector()});
     const Vector3 seen = vector();
     o.neighbors.push_back({view_.t, 1 - v, seen, covariance()});
+    Message& message = o.messages.emplace_back();
+    message.from = 1 - v;
+    message.sent = view_.t - kTick;
+    message.received = view_.t - kTick / 3;
+    write_message(NeighborPosition{view_.t - kTick, vector()}, message);
+    if (k % 3 == 0) message.version = 99;  // of a newer program
   }
 
   void fill_action(VehicleId v) {
@@ -215,11 +238,12 @@ class SyntheticRun {
   /// Of each vehicle's detector about the other, and a false estimate of its tracker.
   void fill_scores() {
     scores_.clear();
+    team_.clear();
+    team_.push(kNoVehicle, {view_.t, number()});
     for (VehicleId v = 0; v < 2; ++v) {
       for (const bool is_false : {false, true}) {
-        DetectionScore& score = scores_.emplace_back();
+        DetectionScore score;
         score.t = view_.t - kTick;
-        score.observer = v;
         score.stage = is_false ? DetectionScore::Stage::kTracker : DetectionScore::Stage::kDetector;
         score.target = is_false ? kNoVehicle : 1 - v;
         score.distance_m = 20.0 + number();
@@ -231,6 +255,7 @@ class SyntheticRun {
         score.direction_error_rad = number();
         score.nees = number();
         score.latency_s = number();
+        scores_.push(v, score);
       }
     }
   }
@@ -258,7 +283,8 @@ class SyntheticRun {
   std::array<std::vector<std::shared_ptr<const LabeledScan>>, 2> scans_;
   std::array<double, 2> clearance_{};
   std::vector<Event> events_;
-  std::vector<DetectionScore> scores_;
+  SeriesOf<DetectionScore> scores_;
+  SeriesOf<TeamSpread> team_;
   TickView view_;
   double phase_ = 0.0;
 };

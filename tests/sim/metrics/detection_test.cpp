@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/metrics/detection_score.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "tests/sim/metrics/metrics_run.hpp"
 #include "tests/support/allocation_counter.hpp"
@@ -239,7 +240,7 @@ TEST(DetectionMetric, TellsRecordersWhatItFound) {
   run.scan({0, 6});
   run.detect({{8, 0, 0.4}, {30, 0, 0}}, kTick, kTick);
   run.tick();
-  const auto scores = run.metrics.detection_scores();
+  const auto scores = rows_of<DetectionScore>(run.metrics.series());
   ASSERT_EQ(scores.size(), 2U);
   EXPECT_EQ(scores[0].target, 1);
   EXPECT_EQ(scores[0].visible_points, 6);
@@ -248,7 +249,7 @@ TEST(DetectionMetric, TellsRecordersWhatItFound) {
   EXPECT_EQ(scores[1].target, kNoVehicle);
   EXPECT_NEAR(scores[1].distance_m, 30.0, 1e-9);
   run.tick();
-  EXPECT_TRUE(run.metrics.detection_scores().empty());
+  EXPECT_TRUE(rows_of<DetectionScore>(run.metrics.series()).empty());
 }
 
 TEST(DetectionMetric, WithoutPerceptionThereIsNothingToTell) {

@@ -184,6 +184,54 @@ TEST(Metrics, UpdatesDoNotAllocate) {
   EXPECT_EQ(test::num_allocations(), before);
 }
 
+/// A metric of one's own, with a table that nobody else knows of.
+struct Height {
+  static constexpr const char* kName = "height";
+  TimeNs t = 0;
+  double height_m = 0.0;
+
+  static void visit(auto& h, auto& v) {
+    v.time("t_s", h.t, "[s] of the tick");
+    v.field("height_m", h.height_m, "[m] above the world's origin");
+  }
+};
+
+class HeightMetric final : public Metric {
+ public:
+  explicit HeightMetric(const MetricSetup& setup) : Metric(setup), heights_(add_series<Height>()) {}
+  void update(const TickView& tick, const MetricContext&) override {
+    for (std::size_t i = 0; i < num_vehicles(); ++i) {
+      heights_.push(static_cast<VehicleId>(i), {tick.t, tick.states[i].p_world_m.z()});
+    }
+  }
+  void report(MetricTable&) const override {}
+
+ private:
+  SeriesOf<Height>& heights_;
+};
+
+TEST(Metrics, AMetricOfOnesOwnHasASeriesByTick) {
+  MetricSetup setup;
+  setup.vehicle_names = {"uav1", "uav2"};
+  HeightMetric metric(setup);
+  std::vector<VehicleState> states(2);
+  states[1].p_world_m.z() = 7.0;
+  TickView tick;
+  tick.t = kTick;
+  tick.states = states;
+  metric.update(tick, {});
+  ASSERT_EQ(metric.series().size(), 1U);
+  const Series& series = *metric.series().front();
+  EXPECT_EQ(series.name(), "height");
+  ASSERT_EQ(series.columns().size(), 2U);
+  EXPECT_EQ(series.columns()[1].name, "height_m");
+  ASSERT_EQ(series.size(), 2U);
+  EXPECT_EQ(series.about(1), 1);
+  EXPECT_EQ(rows_of<Height>(std::vector<const Series*>{&series})[1].height_m, 7.0);
+}
+
+TEST(Metrics, TheNamesOfAllSeriesAreKnownBeforeARun) { EXPECT_EQ(series_names(), std::vector<std::string>{"scores"}); }
+
 TEST(Metrics, TheTableHasTheSameRowsForEveryVehicle) {
   MetricsRun run(3);
   run.tick();

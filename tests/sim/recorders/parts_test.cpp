@@ -7,12 +7,15 @@
 #include <numbers>
 
 #include "sim/recorders/geodesy.hpp"
+#include "sim/recorders/md5.hpp"
 #include "sim/recorders/pose_history.hpp"
 #include "sim/recorders/ros_encoder.hpp"
 #include "sim/recorders/ros_points.hpp"
+#include "sim/recorders/ros_rows.hpp"
 #include "sim/recorders/ros_types.hpp"
 #include "sim/recorders/selection.hpp"
 #include "sim/recorders/text_row.hpp"
+#include "swiftlet/core/samples.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
@@ -21,6 +24,36 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
+
+// As the packages of ROS 1 publish them.
+TEST(RosTypes, HaveTheFingerprintsThatRosKnows) {
+  EXPECT_EQ(ros1_fingerprint(kPointCloud2), "1158d486dd51d683ce2f1be655c3c181");
+  EXPECT_EQ(ros1_fingerprint(kImu), "6a62c6daae103f4ff57a132d6f95cec2");
+  EXPECT_EQ(ros1_fingerprint(kNavSatFix), "2d3a8cd499b9b4a0249fb98fd05cfa48");
+  EXPECT_EQ(ros1_fingerprint(kOdometry), "cd5e73d190d741a2f92e81eda573aca7");
+  EXPECT_EQ(ros1_fingerprint(kPoseStamped), "d3812c3cbc69362b77dc0b19b345f8f5");
+  EXPECT_EQ(ros1_fingerprint(kTFMessage), "94810edda583a504dfda3829e70d7eec");
+  EXPECT_EQ(ros1_fingerprint(kClock), "a9c97c1d230cfc112e270351a944ee47");
+  EXPECT_EQ(ros1_fingerprint(kMarkerArray), "d155b9ce5188fbaf89745847fd5882d7");
+}
+
+TEST(RosTypes, WhatRosHasNoTypeForIsARowOfColumns) {
+  const RosType type = row_type("neighbors", columns_of<NeighborSample>());
+  EXPECT_EQ(full_name(type, RosDialect::kRos1), "swiftlet_msgs/Neighbors");
+  const std::string ros1 = full_definition(type, RosDialect::kRos1), ros2 = full_definition(type, RosDialect::kRos2);
+  EXPECT_THAT(ros1, ::testing::StartsWith("std_msgs/Header header\ntime t_s\nstring neighbor\nfloat64 x_body_m\n"));
+  EXPECT_THAT(ros1, HasSubstr("MSG: std_msgs/Header\nuint32 seq\n"));
+  EXPECT_THAT(ros2, ::testing::StartsWith("std_msgs/Header header\nbuiltin_interfaces/Time t_s\nstring neighbor\n"));
+  EXPECT_THAT(ros2, HasSubstr("MSG: builtin_interfaces/Time\nint32 sec\n"));
+  EXPECT_EQ(full_name(row_type("id_swaps", {}), RosDialect::kRos2), "swiftlet_msgs/msg/IdSwaps");
+}
+
+TEST(Md5, IsThatOfTheRfc) {
+  EXPECT_EQ(md5(""), "d41d8cd98f00b204e9800998ecf8427e");
+  EXPECT_EQ(md5("message digest"), "f96b697d7cb7938d525a2f31aaf161d0");
+  EXPECT_EQ(md5("12345678901234567890123456789012345678901234567890123456789012345678901234567890"),
+            "57edf4a22be3c955ac49da2e2107b67a");
+}
 
 TEST(TextRow, WritesNumbersThatReadBackAsTheSameBits) {
   for (const double value : {0.1, -1.0 / 3.0, 1e-300, 123456789.123456789, -0.0}) {

@@ -14,6 +14,7 @@
 #include "sim/recorders/pcd.hpp"
 #include "sim/recorders/rosbag.hpp"
 #include "sim/recorders/tum.hpp"
+#include "tests/sim/world/config_support.hpp"
 #include "tests/support/synthetic_run.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -133,8 +134,8 @@ TEST(Csv, EveryRowHasAsManyFieldsAsTheHeader) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   CsvConfig config;
-  config.topics = {"state",   "imu",  "gnss",      "odometry",   "altimeter",
-                   "compass", "pose", "neighbors", "detections", "tracks"};
+  config.topics = {"state",     "imu",        "gnss",   "odometry", "altimeter", "compass",         "pose",
+                   "neighbors", "detections", "tracks", "scores",   "messages",  "message_neighbor"};
   const auto paths = record(run, module_of("csv", config));
   EXPECT_EQ(paths.size(), 2 * config.topics.size());
   for (const fs::path& path : paths) {
@@ -142,6 +143,84 @@ TEST(Csv, EveryRowHasAsManyFieldsAsTheHeader) {
     ASSERT_GT(lines.size(), 5U) << path;
     for (const std::string& line : lines) EXPECT_EQ(num_fields(line), num_fields(lines[0])) << path << ": " << line;
   }
+}
+
+/// What others read these files by: a field that is renamed or moved is a change of the format.
+TEST(Csv, ColumnsAreNamedByFieldAndUnit) {
+  const std::string covariance = "cov_xx_m2,cov_xy_m2,cov_xz_m2,cov_yy_m2,cov_yz_m2,cov_zz_m2";
+  const std::string pose = "x_m,y_m,z_m,qx,qy,qz,qw", velocity = "vx_mps,vy_mps,vz_mps";
+  const std::string rate = "omega_x_radps,omega_y_radps,omega_z_radps";
+  const std::pair<const char*, std::string> headers[] = {
+      {"state", "t_s," + pose + "," + velocity + "," + rate +
+                    ",crashed,clearance_m,"
+                    "est_t_s,est_x_m,est_y_m,est_z_m,est_qx,est_qy,est_qz,est_qw,est_vx_mps,est_vy_mps,est_vz_mps,"
+                    "est_omega_x_radps,est_omega_y_radps,est_omega_z_radps,"
+                    "ref_x_m,ref_y_m,ref_z_m,ref_vx_mps,ref_vy_mps,ref_vz_mps,ref_ax_mps2,ref_ay_mps2,ref_az_mps2,"
+                    "ref_yaw_rad,ref_yaw_rate_radps,rotor0_radps,rotor1_radps,rotor2_radps,rotor3_radps"},
+      {"imu", "t_s," + rate + ",f_x_mps2,f_y_mps2,f_z_mps2"},
+      {"gnss", "t_s,x_m,y_m,z_m," + velocity + ",sigma_x_m,sigma_y_m,sigma_z_m,sigma_vx_mps,sigma_vy_mps,sigma_vz_mps"},
+      {"odometry", "t_s," + pose + "," + velocity},
+      {"altimeter", "t_s,height_m,sigma_m"},
+      {"compass", "t_s,yaw_rad,sigma_rad"},
+      {"pose", "t_s," + pose + "," + velocity + "," + rate},
+      {"neighbors", "t_s,neighbor,x_body_m,y_body_m,z_body_m," + covariance},
+      {"detections", "t_s,x_m,y_m,z_m," + covariance + ",extent_x_m,extent_y_m,extent_z_m,num_points,confidence"},
+      {"tracks",
+       "t_s,id,x_m,y_m,z_m," + velocity + ",ax_mps2,ay_mps2,az_mps2," + covariance + ",num_detections,corrected"},
+      {"scores",
+       "t_s,stage,target,distance_m,visible_points,found,id,position_error_m,speed_error_mps,direction_error_rad,nees,"
+       "latency_s"},
+      {"message_neighbor", "t_s,x_m,y_m,z_m,sender,received_s"}};
+  const TemporaryDirectory directory;
+  SyntheticRun run(directory.path());
+  CsvConfig config;
+  config.topics.clear();
+  for (const auto& [topic, header] : headers) config.topics.emplace_back(topic);
+  record(run, module_of("csv", config), 1);
+  for (const auto& [topic, header] : headers) {
+    EXPECT_EQ(lines_of(directory.path() / "csv/uav1" / (std::string(topic) + ".csv"))[0], header);
+  }
+}
+
+TEST(Csv, ASeriesOfTheWholeRunHasAFileWhenItHasARow) {
+  const TemporaryDirectory directory;
+  SyntheticRun run(directory.path());
+  CsvConfig config;
+  config.topics = {"spread"};
+  const auto paths = record(run, module_of("csv", config), 3);
+  EXPECT_THAT(paths, ElementsAre("csv/uav1/spread.csv", "csv/uav-2/spread.csv", "csv/spread.csv"));
+  const auto lines = lines_of(directory.path() / "csv/spread.csv");
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_EQ(lines[0], "t_s,spread_m");
+  EXPECT_EQ(lines[3].substr(0, 12), "0.020000000,");
+  EXPECT_EQ(lines_of(directory.path() / "csv/uav1/spread.csv").size(), 1U);
+}
+
+TEST(Csv, AMessageOfANewerProgramIsListedButNotRead) {
+  const TemporaryDirectory directory;
+  SyntheticRun run(directory.path());
+  CsvConfig config;
+  config.topics = {"messages", "message_neighbor"};
+  record(run, module_of("csv", config), 6);  // the first and the fourth are of another version
+  EXPECT_EQ(lines_of(directory.path() / "csv/uav1/messages.csv").size(), 1U + 6U);
+  const auto read = lines_of(directory.path() / "csv/uav1/message_neighbor.csv");
+  ASSERT_EQ(read.size(), 1U + 4U);
+  EXPECT_EQ(num_fields(read[1]), num_fields(read[0]));
+  EXPECT_THAT(read[1], HasSubstr(",uav-2,"));
+}
+
+TEST(Csv, ATableThatNobodyMakesIsRefused) {
+  CsvConfig config;
+  config.topics = {"imu", "scores", "weather"};
+  test::CheckingVisitor refused;
+  config.visit(refused);
+  ASSERT_EQ(refused.problems.size(), 1U);
+  EXPECT_THAT(refused.problems[0], HasSubstr("topics: expected a list of state, imu, "));
+  EXPECT_THAT(refused.problems[0], HasSubstr("scores"));
+  config.topics = {"imu", "scores"};
+  test::CheckingVisitor accepted;
+  config.visit(accepted);
+  EXPECT_THAT(accepted.problems, ::testing::IsEmpty());
 }
 
 TEST(Events, CanBeChosenByKind) {

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet::sim {
+
+/// How a detector or a tracker did on one target in one scan, or one of its estimates that belongs to none (Vrba 2025,
+/// eqs. 67-71). What is not measured is NaN.
+struct DetectionScore {
+  static constexpr const char* kName = "scores";
+  enum class Stage { kDetector, kTracker };
+  TimeNs t = 0;  ///< for which the estimate holds; the middle of the sweep when there is none
+  Stage stage = Stage::kDetector;
+  VehicleId target = kNoVehicle;  ///< kNoVehicle: a false estimate
+  double distance_m = 0.0;        ///< true, observer to target (false estimate: to the estimate)
+  int visible_points = -1;        ///< returns of the scan that lie on the target; -1: there was no scan
+  bool found = false;             ///< an estimate lies nearer than MetricsConfig::true_positive_m
+  std::uint32_t track_id = 0;
+  double position_error_m = 0.0;     ///< eq. (68)
+  double speed_error_mps = 0.0;      ///< eq. (69)
+  double direction_error_rad = 0.0;  ///< eq. (70), of targets that move
+  double nees = 0.0;                 ///< squared error of the position over the covariance it was told with
+  double latency_s = 0.0;            ///< from t to now
+
+  static void visit(auto& s, auto& v) {
+    static constexpr const char* kStages[] = {"detector", "tracker"};
+    v.time("t_s", s.t, "[s] for which the estimate holds; the middle of the sweep for a target that was missed");
+    v.choice("stage", s.stage, kStages, "[-] detector or tracker");
+    v.vehicle("target", s.target, "[-] empty: a false estimate");
+    v.field("distance_m", s.distance_m,
+            "[m] true, from the observer to the target (a false estimate: to the estimate)");
+    v.field("visible_points", s.visible_points, "[-] returns of the scan on the target; -1: there was no scan");
+    v.field("found", s.found, "[-] 1: an estimate lies near enough");
+    v.field("id", s.track_id, "[-] identity of the track");
+    v.field("position_error_m", s.position_error_m, "[m] eq. 68 of Vrba 2025");
+    v.field("speed_error_mps", s.speed_error_mps, "[m/s] eq. 69");
+    v.field("direction_error_rad", s.direction_error_rad, "[rad] eq. 70, of targets that move");
+    v.field("nees", s.nees, "[-] squared error of the position over its covariance");
+    v.field("latency_s", s.latency_s, "[s] from t_s until it was told");
+  }
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace swiftlet::sim {
+
+/// MD5 (RFC 1321) in hexadecimal digits; ROS 1 tells message types apart by it.
+std::string md5(std::string_view text);
+
+}  // namespace swiftlet::sim
