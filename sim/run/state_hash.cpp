@@ -1,112 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/run/state_hash.hpp"
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
-#include <algorithm>
-#include <array>
-#include <cstring>
-#include <span>
-#include <string_view>
-#include <type_traits>
+#include "sim/run/hasher_internal.hpp"
 
 namespace swiftlet::sim {
-namespace {
-
-// The visitor that hashes a kind of data. Feeds values, never whole structs: padding bytes have no defined content.
-// What fits into the buffer (anything but scans) is hashed at once, which gives the same value as bit by bit and costs
-// half as much.
-class Hasher {
- public:
-  void time(const char*, TimeNs t, const char*) { add(t); }
-  template <class T>
-  void field(const char* name, const T& value, const char*) {
-    if (!left_out(name)) add(value);
-  }
-  void valid(const char*, bool value, const char*) { add(value); }
-  void vehicle(const char* name, VehicleId id, const char*) {
-    if (!left_out(name)) add(id);
-  }
-  template <class Enum>
-  void choice(const char*, Enum value, std::span<const char* const>, const char*) {
-    add(static_cast<std::int32_t>(value));
-  }
-  template <class Matrix>
-  void covariance(const char*, const Matrix& matrix, const char*) {
-    bytes(matrix.data(), matrix.size() * sizeof(double));
-  }
-  template <std::size_t N>
-  void array(const char*, const std::array<double, N>& values, const char*) {
-    bytes(values.data(), sizeof values);
-  }
-  template <class T>
-  void list(const char*, const std::vector<T>& values, const char*) {
-    for (const T& value : values) T::visit(value, *this);
-  }
-
-  std::uint64_t digest() {
-    if (!streaming_) return XXH3_64bits(buffer_, size_);
-    flush();
-    return XXH3_64bits_digest(&state_);
-  }
-
- private:
-  static constexpr std::size_t kCapacity = 2048;
-
-  // Fields that the hash does not cover yet.
-  static bool left_out(std::string_view name) {
-    constexpr std::string_view kNames[] = {"sigma_m", "sigma_rad",   "sensor",        "mount_*",
-                                           "to",      "range_max_m", "sigma_range_m", "version"};
-    return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
-  }
-
-  template <class Number>
-  requires std::is_arithmetic_v<Number>
-  void add(Number value) { bytes(&value, sizeof value); }
-  void add(bool value) { add(std::int32_t{value}); }
-  void add(const Vector3& v) { bytes(v.data(), 3 * sizeof(double)); }
-  void add(const Eigen::Quaterniond& q) { bytes(q.coeffs().data(), 4 * sizeof(double)); }
-  void add(const Pose& pose) {
-    const Matrix3 rotation = pose.linear();
-    bytes(rotation.data(), 9 * sizeof(double));
-    add(Vector3(pose.translation()));
-  }
-  void add(const std::string& text) { bytes(text.data(), text.size()); }
-  template <class T>
-  void add(const std::vector<T>& values) {
-    bytes(values.data(), values.size() * sizeof(T));
-  }
-
-  void bytes(const void* data, std::size_t size) {
-    if (size > kCapacity - size_) {
-      flush();
-      if (size > kCapacity) {
-        XXH3_64bits_update(&state_, data, size);
-        return;
-      }
-    }
-    if (size > 0) std::memcpy(buffer_ + size_, data, size);
-    size_ += size;
-  }
-  void flush() {
-    if (!streaming_) XXH3_64bits_reset(&state_);
-    streaming_ = true;
-    XXH3_64bits_update(&state_, buffer_, size_);
-    size_ = 0;
-  }
-
-  std::size_t size_ = 0;
-  bool streaming_ = false;
-  unsigned char buffer_[kCapacity];
-  XXH3_state_t state_;
-};
-
-}  // namespace
 
 std::uint64_t hash_of(const Observation& observation) {
   Hasher h;
   Observation::each_samples(observation, [&h](const auto& samples) { h.list("", samples, ""); });
+  h.field("", observation.scans.size(), "");
   for (const auto& scan : observation.scans) Scan::visit(*scan, h);
   h.list("", observation.messages, "");
   return h.digest();

@@ -12,6 +12,7 @@ namespace swiftlet {
 
 /// What vehicles say to each other. The payload is already serialized: its size is what the radio carries.
 struct Message {
+  static constexpr const char* kName = "messages";
   VehicleId from = kNoVehicle;
   VehicleId to = kNoVehicle;  ///< kNoVehicle: to everybody
   std::string topic;          ///< short; names the kind and is part of what is sent
@@ -21,10 +22,10 @@ struct Message {
   TimeNs received = 0;  ///< set by the radio
 
   static void visit(auto& m, auto& v) {
-    v.vehicle("from", m.from, "[-] sender");
-    v.vehicle("to", m.to, "[-] receiver; empty: everybody");
+    v.time("t_s", m.received, "[s] when it came");
+    v.vehicle("sender", m.from, "[-] who sent it");
+    v.vehicle("receiver", m.to, "[-] to whom; empty: to everybody");
     v.time("sent_s", m.sent, "[s] when it was handed to the radio");
-    v.time("t_s", m.received, "[s] of its arrival");
     v.field("topic", m.topic, "[-] its kind");
     v.field("version", m.version, "[-] of the kind");
     v.field("payload_bytes", m.payload, "[B] size of its content");
