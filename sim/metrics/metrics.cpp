@@ -26,10 +26,11 @@ bool is_flying(const VehicleState& state, const Clearance& clearance) {
 
 std::span<const MetricType> metric_types() { return kMetricTypes; }
 
-std::vector<std::string> series_names() {
-  std::vector<std::string> names;
-  for (const Series* table : Metrics({}, {}).series()) names.push_back(table->name());
-  return names;
+std::vector<TableType> series_types() {
+  const Metrics metrics({}, {});
+  std::vector<TableType> types;
+  for (const Series* table : metrics.series()) types.push_back({table->name(), table->columns()});
+  return types;
 }
 
 const MetricRow* MetricTable::find(std::string_view name, std::string_view vehicle) const {

@@ -112,7 +112,7 @@ void put_state(const VehicleState& state, double clearance_m, const Action& acti
   StateEstimate::visit(action.estimate, estimate);
   put_columns(action.reference, sink, "ref_");
   for (int i = 0; i < num_rotors; ++i) {
-    sink.number({{}, "rotor*_radps", std::to_string(i), "[rad/s] true rotor speed"}, state.rotor_speed_radps[i]);
+    sink.number({{}, "rotor*_radps", std::to_string(i), "[rad/s] true speed of each rotor"}, state.rotor_speed_radps[i]);
   }
 }
 
@@ -142,14 +142,14 @@ Topic series_topic(const Series& series) {
 
 /// A row for each of the values that `values_of` finds in a tick.
 template <class Kind, class ValuesOf>
-Topic topic_of(ValuesOf values_of, const char* name = Kind::kName) {
+Topic topic_of(ValuesOf values_of) {
   const auto write = [values_of](const Source& source) {
     for (const Kind& value : values_of(source)) {
       put_columns(value, source.begin_row());
       source.end_row();
     }
   };
-  return {name, columns_of<Kind>(), write};
+  return {Kind::kName, columns_of<Kind>(), write};
 }
 
 /// What was heard of one kind of message.
@@ -176,16 +176,14 @@ std::vector<Topic> vehicle_topics(int num_rotors) {
     const Action& action = source.action();
     return action.has_tracks ? std::span(action.tracks) : std::span<const Track>();
   }));
-  topics.push_back(
-      topic_of<Message>([](const Source& source) { return std::span(source.observation().messages); }, "messages"));
+  topics.push_back(topic_of<Message>([](const Source& source) { return std::span(source.observation().messages); }));
   for (const MessageKind& kind : message_kinds()) topics.push_back(message_topic(kind));
   return topics;
 }
 
 std::vector<std::string> csv_topic_names() {
   std::vector<std::string> names;
-  for (const Topic& topic : vehicle_topics(0)) names.push_back(topic.name);
-  for (std::string& name : series_names()) names.push_back(std::move(name));
+  for (TableType& table : csv_tables()) names.push_back(std::move(table.name));
   return names;
 }
 
@@ -243,6 +241,13 @@ class CsvRecorder : public Recorder {
 };
 
 }  // namespace
+
+std::vector<TableType> csv_tables() {
+  std::vector<TableType> tables;
+  for (Topic& topic : vehicle_topics(1)) tables.push_back({std::move(topic.name), std::move(topic.columns)});
+  for (TableType& series : series_types()) tables.push_back(std::move(series));
+  return tables;
+}
 
 void CsvConfig::visit(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/series.hpp"
 
 namespace swiftlet::sim {
 
@@ -17,7 +18,10 @@ struct CsvConfig : ModuleConfigOf<CsvConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// csv/VEHICLE/TOPIC.csv with a header line that carries the units; docs/formats.md lists the columns.
+/// Every table with its columns; of the rotors the first stands for all.
+std::vector<TableType> csv_tables();
+
+/// csv/VEHICLE/TOPIC.csv with a header line that carries the units; docs/reference.md lists the columns.
 std::unique_ptr<Recorder> make_csv_recorder(const ModuleConfig& config);
 
 }  // namespace swiftlet::sim

@@ -18,10 +18,11 @@ namespace {
 
 /// What can be asked for.
 std::vector<std::string> ros_topic_names() {
-  std::vector<std::string> names = {"points", "truth", "estimate", "tf", "clock", "detections", "tracks", "messages"};
+  std::vector<std::string> names = {"points",     "truth",  "estimate", "tf",    "clock",
+                                    "detections", "tracks", "messages", "events"};
   const Observation nothing;
   Observation::each_samples(nothing, [&]<class Sample>(const std::vector<Sample>&) { names.push_back(Sample::kName); });
-  for (std::string& name : series_names()) names.push_back(std::move(name));
+  for (TableType& series : series_types()) names.push_back(std::move(series.name));
   return names;
 }
 
@@ -181,6 +182,7 @@ void RosTopics::write(const TickView& tick) {
     write_markers(tick, vehicle);
     if (wants("points")) write_scans(tick, vehicle);
   }
+  if (wants("events")) write_events(tick);
   write_series(tick);
 }
 
@@ -268,6 +270,17 @@ void RosTopics::write_messages(const TickView& tick, VehicleId vehicle) {
                              [&] { return row_type(message.topic + "_message", message_columns(*kind)); });
     row.begin(topic.sequence, message.received, "");
     put_message(*kind, message, row);
+    send(topic, tick.t);
+  }
+}
+
+void RosTopics::write_events(const TickView& tick) {
+  RosRow row(message_, names_);
+  for (const Event& event : tick.events) {
+    if (event.vehicle != kNoVehicle && !selected_[event.vehicle]) continue;
+    Channel& topic = channel("/events", [] { return row_type("event", columns_of<Event>()); });
+    row.begin(topic.sequence, event.t, "world");
+    put_columns(event, row);
     send(topic, tick.t);
   }
 }

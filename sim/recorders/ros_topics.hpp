@@ -66,6 +66,7 @@ class RosTopics {
   void write_estimate(const TickView& tick, VehicleId vehicle);
   void write_samples(const TickView& tick, VehicleId vehicle);
   void write_messages(const TickView& tick, VehicleId vehicle);
+  void write_events(const TickView& tick);
   void write_series(const TickView& tick);
   void write_markers(const TickView& tick, VehicleId vehicle);
   void write_scans(const TickView& tick, VehicleId vehicle);

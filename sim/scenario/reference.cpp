@@ -5,6 +5,8 @@
 #include <cmath>
 #include <deque>
 
+#include "core/messages/kind.hpp"
+#include "sim/recorders/csv.hpp"
 #include "sim/scenario/units.hpp"
 #include "swiftlet/sim/scenario.hpp"
 
@@ -28,6 +30,15 @@ std::string cell(std::string_view text) {
 }
 
 std::string code(const std::string& text) { return text.empty() ? "" : "`" + text + "`"; }
+
+/// "[m] meaning" apart: unit, meaning.
+std::pair<std::string_view, std::string_view> unit_and_meaning(std::string_view doc) {
+  const std::size_t end = doc.starts_with('[') ? doc.find(']') : std::string_view::npos;
+  if (end == std::string_view::npos) return {{}, doc};
+  const std::string_view unit = doc.substr(1, end - 1);
+  doc.remove_prefix(std::min(end + 2, doc.size()));
+  return {unit == "-" ? std::string_view() : unit, doc};
+}
 
 std::string range_text(const Range& range) {
   const bool below = std::isfinite(range.min), above = std::isfinite(range.max);
@@ -137,15 +148,9 @@ class TableVisitor final : public ConfigVisitor {
   void row(const char* key, const std::string& type, const std::string& value, const std::string& range,
            std::string_view doc) {
     if (hidden_ > 0) return;
-    std::string_view unit;
-    if (doc.starts_with('[') && doc.find(']') != std::string_view::npos) {
-      unit = doc.substr(1, doc.find(']') - 1);
-      doc.remove_prefix(doc.find(']') + 1);
-      while (doc.starts_with(' ')) doc.remove_prefix(1);
-    }
-    if (unit == "-") unit = "";
+    const auto [unit, meaning] = unit_and_meaning(doc);
     rows_ += "| " + code(full_key(key)) + " | " + type + " | " + cell(code(value)) + " | " + cell(unit) + " | " +
-             cell(range) + " | " + cell(doc) + " |\n";
+             cell(range) + " | " + cell(meaning) + " |\n";
   }
 
   void add_choice(const char* key, const std::string& kind, const std::string& value, std::span<const ModuleType> types,
@@ -166,6 +171,36 @@ class TableVisitor final : public ConfigVisitor {
 std::string table(const std::string& rows) {
   if (rows.empty()) return "No keys of its own.\n";
   return "| key | type | default | unit | range | meaning |\n| --- | --- | --- | --- | --- | --- |\n" + rows;
+}
+
+/// A row for each field: the columns that it has.
+std::string columns_table(std::span<const Column> columns) {
+  std::string text = "| columns | unit | meaning |\n| --- | --- | --- |\n";
+  for (std::size_t i = 0, end = 0; i < columns.size(); i = end) {
+    std::string names;
+    for (end = i; end < columns.size() && columns[end].doc == columns[i].doc; ++end) {
+      names += (names.empty() ? "" : " ") + code(columns[end].name);
+    }
+    const auto [unit, meaning] = unit_and_meaning(columns[i].doc);
+    text += "| " + names + " | " + cell(unit) + " | " + cell(meaning) + " |\n";
+  }
+  return text;
+}
+
+std::string data_tables() {
+  std::string text =
+      "\n## Tables\n\nThe tables of the recorder `csv`. ROS messages of what ROS has no type for have a "
+      "field for each column.\n";
+  for (const TableType& table : csv_tables()) {
+    text += "\n### `" + table.name + "`\n\n" + columns_table(table.columns);
+  }
+  text += "\n## Messages\n\nWhat vehicles say to each other. Sizes are those on the air, with a header of " +
+          std::to_string(Message::kHeaderBytes) + " bytes and the name of the topic.\n";
+  for (const MessageKind& kind : message_kinds()) {
+    text += "\n### `" + std::string(kind.topic) + "`\n\n" + kind.doc + "; version " + std::to_string(kind.version) +
+            ", " + std::to_string(kind.size_bytes()) + " bytes.\n\n" + columns_table(kind.columns());
+  }
+  return text;
 }
 
 std::string without_unit(const std::string& doc) { return doc.starts_with("[-] ") ? doc.substr(4) : doc; }
@@ -208,7 +243,7 @@ std::string write_reference() {
          "vehicles[0].start.yaw_deg=90` "
          "does the same from the command\nline. A module without keys may be written by its name alone: "
          "`localization: ground_truth`.\n\n" +
-         reference_tables([&](ConfigVisitor& v) { scenario.visit(v); }, "Scenario");
+         reference_tables([&](ConfigVisitor& v) { scenario.visit(v); }, "Scenario") + data_tables();
 }
 
 }  // namespace swiftlet::sim

@@ -29,7 +29,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "sim/recorders": ["core/math", "core/messages", "sim/world", "sim/raycast", "sim/sensors"],
     "sim/report": ["sim/recorders", "sim/batch", "sim/metrics", "sim/scenario", "sim/run"],
     "sim/render": ["core/math", "sim/world", "sim/raycast", "sim/sensors"],
-    "sim/scenario": ["core/agent", "core/localization", "core/guidance", "core/control", "core/math", "sim/world",
+    "sim/scenario": ["core/agent", "core/messages", "core/localization", "core/guidance", "core/control", "core/math", "sim/world",
                      "sim/raycast", "sim/physics", "sim/sensors", "sim/radio", "sim/recorders", "sim/render",
                      "sim/metrics"],
     "sim/run": ["core/agent", "core/detection", "core/map", "core/localization", "core/guidance", "core/control", "core/math", "sim/world",

@@ -118,7 +118,12 @@ def check_rows(messages, directory, expected, result, first_stamp_ns=-10**18):
         for topic in ("altimeter", "compass", "neighbors", "scores"):
             tables[f"/{ros_name(vehicle)}/{topic}"] = f"{vehicle}/{topic}"
         tables[f"/{ros_name(vehicle)}/radio/neighbor"] = f"{vehicle}/message_neighbor"
-    result.equal(sorted(messages), sorted(tables), "topics of rows")
+    result.equal(sorted(messages), sorted([*tables, "/events"]), "topics of rows")
+    events = [event for tick in expected["ticks"] for event in tick["events"]]
+    found = [message for _, _, message in messages.get("/events", [])]
+    result.equal([[m["kind"], m["partner"], m["note"]] for m in found],
+                 [[e["kind"], e["partner"], e["note"]] for e in events], "events")
+    result.equal([[m[f"position_{axis}_m"] for axis in "xyz"] for m in found], [e["p"] for e in events], "events' places")
     for topic, table in tables.items():
         with open(pathlib.Path(directory) / "csv" / f"{table}.csv", newline="") as file:
             rows = list(csv.DictReader(file))

@@ -132,8 +132,8 @@ Module module_of(const char* type, Config config) {
 std::vector<Module> every_recorder() {
   CsvConfig csv;
   csv.rate_hz = 0;
-  csv.topics = {"state",      "imu",    "gnss",   "odometry",         "altimeter", "compass", "neighbors",
-                "detections", "tracks", "scores", "message_neighbor", "spread"};
+  csv.topics = {"state",     "imu",        "gnss",   "odometry", "altimeter",        "compass",
+                "neighbors", "detections", "tracks", "scores",   "message_neighbor", "spread"};
   PcdConfig pcd_lidar;
   pcd_lidar.organized = true;
   pcd_lidar.folder = "scans_organized";
@@ -154,7 +154,7 @@ std::vector<Module> every_recorder() {
   plain_bag.compression = "none";
   plain_bag.file = "plain.bag";
   McapConfig rows_mcap;  // what ROS has no types for
-  rows_mcap.topics = {"altimeter", "compass", "neighbors", "scores", "messages", "spread"};
+  rows_mcap.topics = {"altimeter", "compass", "neighbors", "scores", "messages", "events", "spread"};
   rows_mcap.file = "rows.mcap";
   RosbagConfig rows_bag;
   rows_bag.topics = rows_mcap.topics;

@@ -65,7 +65,13 @@ std::span<const Row> rows_of(std::span<const Series* const> series) {
   return {};
 }
 
-/// Names of the tables of all metrics that a run has (sim/metrics).
-std::vector<std::string> series_names();
+/// What is known of a table before a run.
+struct TableType {
+  std::string name;
+  std::vector<Column> columns;
+};
+
+/// The tables of all metrics that a run has (sim/metrics).
+std::vector<TableType> series_types();
 
 }  // namespace swiftlet::sim

@@ -134,6 +134,24 @@ TEST(Wire, AMessageIsReadOnlyAtItsVeryLength) {
   EXPECT_EQ(read.t, Everything{}.t);
 }
 
+TEST(Wire, WhateverBytesComeTheyAreReadOrRefused) {
+  std::uint64_t state = 1;  // a congruential sequence: any bytes do
+  for (int i = 0; i < 2000; ++i) {
+    Message message;
+    message.topic = Everything::kTopic;
+    message.version = Everything::kVersion;
+    for (int n = i % 300; n > 0; --n) {
+      state = 6364136223846793005U * state + 1442695040888963407U;
+      message.payload.push_back(static_cast<std::byte>(state >> 60));
+    }
+    Everything read;
+    Message again;
+    if (read_message(message, read) != Reading::kDone) continue;
+    write_message(read, again);
+    EXPECT_EQ(again.payload.size(), message.payload.size());
+  }
+}
+
 TEST(Wire, AChoiceThatDoesNotExistAndARotationThatIsNoneAreRefused) {
   Everything content = filled();
   content.mode = static_cast<Everything::Mode>(7);

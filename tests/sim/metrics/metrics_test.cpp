@@ -230,7 +230,12 @@ TEST(Metrics, AMetricOfOnesOwnHasASeriesByTick) {
   EXPECT_EQ(rows_of<Height>(std::vector<const Series*>{&series})[1].height_m, 7.0);
 }
 
-TEST(Metrics, TheNamesOfAllSeriesAreKnownBeforeARun) { EXPECT_EQ(series_names(), std::vector<std::string>{"scores"}); }
+TEST(Metrics, TheSeriesOfAllMetricsAreKnownBeforeARun) {
+  const std::vector<TableType> types = series_types();
+  ASSERT_EQ(types.size(), 1U);
+  EXPECT_EQ(types[0].name, "scores");
+  EXPECT_EQ(types[0].columns.front().name, "t_s");
+}
 
 TEST(Metrics, TheTableHasTheSameRowsForEveryVehicle) {
   MetricsRun run(3);
