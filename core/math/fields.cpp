@@ -12,36 +12,37 @@ constexpr const char* kUpperTriangle[] = {"xx", "xy", "xz", "yy", "yz", "zz"};
 }  // namespace
 
 std::string ColumnName::text() const {
-  const std::size_t star = pattern.find('*');
+  const std::string_view whole = pattern;
+  const std::size_t star = whole.find('*');
   std::string name(prefix);
-  name += pattern.substr(0, star);
+  name += whole.substr(0, star);
   if (star == std::string_view::npos) return name;
   name += component;
-  return name += pattern.substr(star + 1);
+  return name += whole.substr(star + 1);
 }
 
 void Columns::time(const char* name, TimeNs t, const char* doc) {
-  missing_ ? sink_.missing(of(name, {}, doc)) : sink_.time(of(name, {}, doc), t);
+  missing_ ? sink_.missing(of(name, "", doc)) : sink_.time(of(name, "", doc), t);
 }
 
-void Columns::number(const char* name, std::string_view component, double value, const char* doc) {
+void Columns::number(const char* name, const char* component, double value, const char* doc) {
   missing_ ? sink_.missing(of(name, component, doc)) : sink_.number(of(name, component, doc), value);
 }
 
 void Columns::integer(const char* name, std::int64_t value, const char* doc) {
-  missing_ ? sink_.missing(of(name, {}, doc)) : sink_.integer(of(name, {}, doc), value);
+  missing_ ? sink_.missing(of(name, "", doc)) : sink_.integer(of(name, "", doc), value);
 }
 
 void Columns::field(const char* name, bool value, const char* doc) {
-  missing_ ? sink_.missing(of(name, {}, doc)) : sink_.flag(of(name, {}, doc), value);
+  missing_ ? sink_.missing(of(name, "", doc)) : sink_.flag(of(name, "", doc), value);
 }
 
 void Columns::text(const char* name, std::string_view value, const char* doc) {
-  missing_ ? sink_.missing(of(name, {}, doc)) : sink_.text(of(name, {}, doc), value);
+  missing_ ? sink_.missing(of(name, "", doc)) : sink_.text(of(name, "", doc), value);
 }
 
 void Columns::vehicle(const char* name, VehicleId id, const char* doc) {
-  missing_ ? sink_.missing(of(name, {}, doc)) : sink_.vehicle(of(name, {}, doc), id);
+  missing_ ? sink_.missing(of(name, "", doc)) : sink_.vehicle(of(name, "", doc), id);
 }
 
 void Columns::field(const char* name, const Vector3& value, const char* doc) {

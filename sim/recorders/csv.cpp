@@ -112,7 +112,8 @@ void put_state(const VehicleState& state, double clearance_m, const Action& acti
   StateEstimate::visit(action.estimate, estimate);
   put_columns(action.reference, sink, "ref_");
   for (int i = 0; i < num_rotors; ++i) {
-    sink.number({{}, "rotor*_radps", std::to_string(i), "[rad/s] true speed of each rotor"}, state.rotor_speed_radps[i]);
+    sink.number({{}, "rotor*_radps", std::to_string(i).c_str(), "[rad/s] true speed of each rotor"},
+                state.rotor_speed_radps[i]);
   }
 }
 

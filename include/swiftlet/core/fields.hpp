@@ -40,12 +40,12 @@
 ///   list        any number of things with a `visit` of their own
 namespace swiftlet {
 
-/// What a value of a row is called; views that live as long as the call.
+/// What a value of a row is called, for as long as the call lasts.
 struct ColumnName {
   std::string_view prefix;
-  std::string_view pattern;    ///< with "*" for the component
-  std::string_view component;  ///< "x", "xy", "qw" ...
-  std::string_view doc;        ///< of the whole field
+  const char* pattern;    ///< with "*" for the component
+  const char* component;  ///< "x", "xy", "qw" ...
+  const char* doc;        ///< of the whole field
 
   std::string text() const;
 };
@@ -74,7 +74,7 @@ class Columns {
   void field(const char* name, int value, const char* doc) { integer(name, value, doc); }
   void field(const char* name, std::uint16_t value, const char* doc) { integer(name, value, doc); }
   void field(const char* name, std::uint32_t value, const char* doc) { integer(name, value, doc); }
-  void field(const char* name, double value, const char* doc) { number(name, {}, value, doc); }
+  void field(const char* name, double value, const char* doc) { number(name, "", value, doc); }
   void field(const char* name, const std::string& value, const char* doc) { text(name, value, doc); }
   void field(const char* name, const Vector3& value, const char* doc);
   void field(const char* name, const Eigen::Quaterniond& value, const char* doc);
@@ -95,10 +95,10 @@ class Columns {
   }
 
  private:
-  ColumnName of(const char* name, std::string_view component, const char* doc) const {
+  ColumnName of(const char* name, const char* component, const char* doc) const {
     return {prefix_, name, component, doc};
   }
-  void number(const char* name, std::string_view component, double value, const char* doc);
+  void number(const char* name, const char* component, double value, const char* doc);
   void integer(const char* name, std::int64_t value, const char* doc);
   void text(const char* name, std::string_view value, const char* doc);
   void upper_triangle(const char* name, const Matrix3& matrix, const char* doc);
@@ -137,9 +137,7 @@ class ColumnList final : public ColumnSink {
   const std::vector<Column>& columns() const { return columns_; }
 
  private:
-  void add(const ColumnName& name, Column::Type type) {
-    columns_.push_back({name.text(), type, std::string(name.doc)});
-  }
+  void add(const ColumnName& name, Column::Type type) { columns_.push_back({name.text(), type, name.doc}); }
   std::vector<Column> columns_;
 };
 
