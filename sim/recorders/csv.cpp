@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "sim/recorders/output_file.hpp"
+#include "sim/io/output_file.hpp"
+#include "sim/io/text_row.hpp"
 #include "sim/recorders/selection.hpp"
-#include "sim/recorders/text_row.hpp"
 #include "sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {

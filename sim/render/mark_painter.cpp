@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/render/mark_painter.hpp"
 
-#include <array>
 #include <cmath>
 
 #include "sim/render/shaders.hpp"

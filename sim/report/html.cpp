@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/report/html.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
+
+#include "sim/io/text.hpp"
 
 namespace swiftlet::sim::html {
 namespace {
@@ -20,36 +23,11 @@ constexpr const char* kStyle =
 
 }  // namespace
 
-std::string escape(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
-
 std::string number(double value) {
   if (!std::isfinite(value)) return "–";
-  char text[32];
   // No powers of ten where plain digits are as short.
   const double size = std::abs(value);
-  std::snprintf(text, sizeof text, size >= 1e4 && size < 1e7 ? "%.0f" : "%.4g", value);
-  return text;
+  return size >= 1e4 && size < 1e7 ? fmt::format("{:.0f}", value) : fmt::format("{:.4g}", value);
 }
 
 std::string interval(double low, double high) {
@@ -78,18 +56,18 @@ std::string Table::str() const {
   return text + "</tbody></table></div>\n";
 }
 
-std::string code(const std::string& text) { return "<code>" + escape(text) + "</code>"; }
+std::string code(const std::string& text) { return "<code>" + escape_markup(text) + "</code>"; }
 
 std::string section(const std::string& title, const std::string& body) {
-  return "<h2>" + escape(title) + "</h2>\n" + body;
+  return "<h2>" + escape_markup(title) + "</h2>\n" + body;
 }
 
 std::string folded(const std::string& title, const std::string& body) {
-  return "<details><summary>" + escape(title) + "</summary>\n" + body + "</details>\n";
+  return "<details><summary>" + escape_markup(title) + "</summary>\n" + body + "</details>\n";
 }
 
 std::string page(const std::string& title, const std::string& body) {
-  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + escape(title) +
+  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + escape_markup(title) +
          "</title><meta name=\"viewport\" content=\"width=device-width\"><style>" + kStyle +
          "</style></head>\n<body>\n" + body + "</body></html>\n";
 }

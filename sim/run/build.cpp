@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/run/build.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "core/agent/registry.hpp"
 #include "core/agent/stack.hpp"
@@ -25,11 +26,7 @@ std::string place_of(const VehicleConfig& vehicle) {
 }
 
 /// Centimeters are enough for a start.
-std::string meters(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  return std::string(text) + " m";
-}
+std::string meters(double value) { return fmt::format("{:.2f} m", value); }
 
 // Height of the ground or floor under (x, y): the first such surface that a ray from the sky meets, crowns and roofs
 // let through.

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "flight_log.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
 #include "sim/run/version.hpp"
 #include "sim/scenario/suggest.hpp"
 #include "swiftlet/sim/errors.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/report/plot.hpp"
+#include "sim/plot/plot.hpp"
 
 /// Experiments of the literature, flown or computed again: one file each in this folder, one row each in registry.cpp.
 namespace swiftlet::tools {

@@ -10,7 +10,7 @@
 #include "core/guidance/rbl.hpp"
 #include "crossing.hpp"
 #include "experiments.hpp"
-#include "sim/report/plot.hpp"
+#include "sim/plot/plot.hpp"
 #include "sim/sensors/neighbors.hpp"
 
 namespace swiftlet::tools {

@@ -12,7 +12,6 @@
 #include "sim/recorders/ros_points.hpp"
 #include "sim/recorders/ros_types.hpp"
 #include "sim/recorders/selection.hpp"
-#include "sim/recorders/text_row.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
@@ -21,23 +20,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-
-TEST(TextRow, WritesNumbersThatReadBackAsTheSameBits) {
-  for (const double value : {0.1, -1.0 / 3.0, 1e-300, 123456789.123456789, -0.0}) {
-    TextRow row(' ');
-    const double read = std::stod(std::string(row.add(value).line()));
-    EXPECT_EQ(std::signbit(read), std::signbit(value));
-    EXPECT_EQ(read, value);
-  }
-}
-
-TEST(TextRow, SeparatesValuesAndEndsWithoutABlank) {
-  TextRow row(' ');
-  row.add_seconds(1'000'000'001).add(Vector3(1, 2.5, -3)).add(7).add(std::string_view("word"));
-  EXPECT_EQ(row.line(), "1.000000001 1 2.5 -3 7 word\n");
-  row.clear();
-  EXPECT_EQ(row.add_seconds(-500'000'000).line(), "-0.500000000\n");
-}
 
 TEST(RateGate, OpensOnceAPeriodWhateverTheTick) {
   RateGate gate(25.0);  // every 40 ms, ticks of 15 ms
