@@ -196,7 +196,7 @@ FlightTiming write_flight(const DatasetPlan& plan, const Flight& flight, const f
     try {
       reason = try_flight(plan, flight, attempt, directory, threads, timing);
       if (reason.empty()) return timing;
-    } catch (const NoWayFound& error) {
+    } catch (const NoPathFound& error) {
       reason = error.what();
     }
     timing.prepare_s += seconds_since(start);

@@ -13,7 +13,8 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "core/uncertainty": ["core/math"],
     "core/localization": ["core/math"],
     "core/control": ["core/math"],
-    "core/guidance": ["core/math", "core/control", "core/localization", "core/map"],
+    "core/planning": [],
+    "core/guidance": ["core/math", "core/planning", "core/control", "core/localization", "core/map"],
     "core/map": ["core/math"],
     "core/detection": ["core/math", "core/uncertainty", "core/map", "core/localization"],
     "core/tracking": ["core/math", "core/uncertainty", "core/map", "core/localization", "core/detection"],
@@ -38,7 +39,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
                 "sim/metrics", "sim/scenario"],
     "sim/batch": ["core/math", "sim/io", "sim/world", "sim/raycast", "sim/physics", "sim/radio", "sim/recorders", "sim/render",
                   "sim/metrics", "sim/scenario", "sim/run"],
-    "sim/dataset": ["core/agent", "core/guidance", "core/math", "sim/world", "sim/raycast", "sim/sensors", "sim/recorders",
+    "sim/dataset": ["core/agent", "core/guidance", "core/planning", "core/math", "sim/world", "sim/raycast", "sim/sensors", "sim/recorders",
                     "sim/render", "sim/scenario", "sim/run", "sim/batch", "sim/io", "sim/plot"],
 }
 # The public scenario is one struct of every room's configuration: its header may be read where a RunInfo is.
