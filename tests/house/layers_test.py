@@ -9,6 +9,8 @@ import re
 import sys
 
 ROOMS = {  # room: rooms it may include besides itself and the public types of core
+    "core/config": [],
+    "core/airframe": [],
     "core/math": [],
     "core/uncertainty": ["core/math"],
     "core/localization": ["core/math"],
