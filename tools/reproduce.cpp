@@ -47,6 +47,7 @@ int run_one(const ExperimentType& type, const ReproduceOptions& options) {
   fs::create_directories(directory);
   Progress progress(type.name, options.quiet);
   ExperimentOptions handed;
+  handed.name = type.name;
   handed.directory = directory;
   handed.jobs = options.jobs > 0 ? options.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   handed.repetitions = options.repetitions;
