@@ -58,10 +58,8 @@ void fail_to_write(const fs::path& path, const std::string& reason) {
 
 void fail_to_write(const fs::path& path, int error_number) { fail_to_write(path, std::strerror(error_number)); }
 
-void write_file(const fs::path& path, std::string_view content) { write_file(path, std::as_bytes(std::span(content))); }
-
-void write_file(const fs::path& path, std::span<const std::byte> content) {
-  OutputFile file(path, 0);
+void write_file(const fs::path& path, std::string_view content, MissingFolders missing) {
+  OutputFile file(path, 0, missing);
   file.append(content);
   file.finish();
 }

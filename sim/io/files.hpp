@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -35,9 +33,12 @@ class PartialFile {
 [[noreturn]] void fail_to_write(const std::filesystem::path& path, const std::string& reason);
 [[noreturn]] void fail_to_write(const std::filesystem::path& path, int error_number);
 
-/// Replaces the file. The folder exists. Throws std::runtime_error "cannot write PATH: REASON".
-void write_file(const std::filesystem::path& path, std::string_view content);
-void write_file(const std::filesystem::path& path, std::span<const std::byte> content);
+/// What becomes of a folder that is named but is not there.
+enum class MissingFolders { kRefused, kMade };
+
+/// Replaces the file. Throws std::runtime_error "cannot write PATH: REASON".
+void write_file(const std::filesystem::path& path, std::string_view content,
+                MissingFolders missing = MissingFolders::kRefused);
 
 /// With its parents. Throws InputError when it cannot be made.
 void make_directory(const std::filesystem::path& path);

@@ -11,8 +11,9 @@
 
 namespace swiftlet::sim {
 
-OutputFile::OutputFile(std::filesystem::path path, std::size_t buffer_bytes) : capacity_(buffer_bytes) {
-  if (path.has_parent_path()) {
+OutputFile::OutputFile(std::filesystem::path path, std::size_t buffer_bytes, MissingFolders missing)
+    : capacity_(buffer_bytes) {
+  if (missing == MissingFolders::kMade && path.has_parent_path()) {
     std::error_code error;
     std::filesystem::create_directories(path.parent_path(), error);
     if (error) fail_to_write(path, error.message());

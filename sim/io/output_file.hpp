@@ -17,8 +17,8 @@ namespace swiftlet::sim {
 class OutputFile {
  public:
   OutputFile() = default;
-  /// Creates missing folders.
-  explicit OutputFile(std::filesystem::path path, std::size_t buffer_bytes = 1 << 16);
+  explicit OutputFile(std::filesystem::path path, std::size_t buffer_bytes = 1 << 16,
+                      MissingFolders missing = MissingFolders::kMade);
   ~OutputFile();  ///< an unfinished file is removed
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&& other) noexcept;

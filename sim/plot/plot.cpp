@@ -199,6 +199,6 @@ std::string Figure::svg() const {
   return svg.finish();
 }
 
-void Figure::write(const std::filesystem::path& path) const { write_file(path, svg()); }
+void Figure::write(const std::filesystem::path& path) const { write_file(path, svg(), MissingFolders::kMade); }
 
 }  // namespace swiftlet::sim::plot

@@ -21,7 +21,7 @@ constexpr std::size_t kBuffer = 1 << 20;
 // Writes the file in one go, so that nobody finds half a file.
 template <class Write>
 void write_whole(const fs::path& path, const Write& write) {
-  OutputFile file(path, kBuffer);
+  OutputFile file(path, kBuffer, MissingFolders::kRefused);
   write(file);
   file.finish();
 }

@@ -24,6 +24,15 @@ TEST(WriteFile, ReplacesTheWholeFile) {
   EXPECT_EQ(read_whole_file(directory.path() / "a.txt"), "now");
 }
 
+TEST(WriteFile, MakesFoldersOnlyWhenAsked) {
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "new/a.txt";
+  EXPECT_THAT([&] { write_file(path, "text"); }, ThrowsMessage<std::runtime_error>(HasSubstr("No such file")));
+  EXPECT_TRUE(fs::is_empty(directory.path()));
+  write_file(path, "text", MissingFolders::kMade);
+  EXPECT_EQ(read_whole_file(path), "text");
+}
+
 TEST(WriteFile, TellsPathAndReason) {
   EXPECT_THAT([] { write_file("/dev/full/x", "content"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("cannot write /dev/full/x: ")));
