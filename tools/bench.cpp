@@ -8,7 +8,7 @@
 #include "commands.hpp"
 #include "core/agent/registry.hpp"
 #include "progress.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
 #include "sim/run/summary.hpp"
 #include "sim/run/version.hpp"
 #include "sim/scenario/suggest.hpp"

@@ -7,8 +7,8 @@
 
 #include "commands.hpp"
 #include "progress.hpp"
+#include "sim/io/files.hpp"
 #include "sim/render/snapshot_recorder.hpp"
-#include "sim/run/run_directory.hpp"
 #include "sim/run/summary.hpp"
 #include "sim/scenario/suggest.hpp"
 #include "swiftlet/sim/errors.hpp"

@@ -11,7 +11,7 @@
 #include "commands.hpp"
 #include "progress.hpp"
 #include "reproduce/experiment.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
 
 namespace swiftlet::tools {
 namespace {
@@ -47,6 +47,7 @@ int run_one(const ExperimentType& type, const ReproduceOptions& options) {
   fs::create_directories(directory);
   Progress progress(type.name, options.quiet);
   ExperimentOptions handed;
+  handed.name = type.name;
   handed.directory = directory;
   handed.jobs = options.jobs > 0 ? options.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   handed.repetitions = options.repetitions;

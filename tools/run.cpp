@@ -8,6 +8,7 @@
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
+#include "sim/io/files.hpp"
 #include "sim/run/run_directory.hpp"
 #include "sim/run/summary.hpp"
 #include "swiftlet/sim/simulation.hpp"

@@ -15,8 +15,8 @@
 #include "core/uncertainty/point_covariance.hpp"
 #include "core/uncertainty/voxel_probability.hpp"
 #include "progress.hpp"
-#include "sim/report/plot.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
+#include "sim/plot/plot.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/sensors/lidar.hpp"
 

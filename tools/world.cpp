@@ -6,7 +6,7 @@
 
 #include "commands.hpp"
 #include "scenario_options.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
 #include "sim/world/export.hpp"
 #include "sim/world/world.hpp"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/guidance/timed_path.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -52,29 +51,6 @@ class TimedPath : public Guidance {
 };
 
 }  // namespace
-
-UniformSpline::UniformSpline(std::vector<Vector3> control_points_m, double interval_s) : interval_s_(interval_s) {
-  // Three times the same control point: there the curve is at rest.
-  points_m_.reserve(control_points_m.size() + 4);
-  points_m_.assign(2, control_points_m.front());
-  points_m_.insert(points_m_.end(), control_points_m.begin(), control_points_m.end());
-  points_m_.insert(points_m_.end(), 2, control_points_m.back());
-}
-
-double UniformSpline::duration_s() const { return static_cast<double>(points_m_.size() - 3) * interval_s_; }
-
-UniformSpline::State UniformSpline::at(double t_s) const {
-  const double place = std::clamp(t_s, 0.0, duration_s()) / interval_s_;
-  const std::size_t i = std::min(static_cast<std::size_t>(place), points_m_.size() - 4);
-  const double u = place - static_cast<double>(i);
-  const double w = 1.0 - u;
-  const Vector3 &a = points_m_[i], &b = points_m_[i + 1], &c = points_m_[i + 2], &d = points_m_[i + 3];
-  const double h = interval_s_;
-  return {
-      (w * w * w * a + (3 * u * u * u - 6 * u * u + 4) * b + (3 * w * w * w - 6 * w * w + 4) * c + u * u * u * d) / 6.0,
-      (w * w * (b - a) + (w * (1 + u) + u * (2 - u)) * (c - b) + u * u * (d - c)) / (2.0 * h),
-      (w * (a - 2 * b + c) + u * (b - 2 * c + d)) / (h * h)};
-}
 
 void TimedPathConfig::visit(ConfigVisitor& v) {
   v.field("points_m", points_m, "[m] control points of the spline, world frame; the first is where it begins");

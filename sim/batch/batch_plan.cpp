@@ -5,9 +5,6 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cinttypes>
-#include <cstdio>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -15,6 +12,7 @@
 
 #include "sim/batch/shell.hpp"
 #include "sim/batch/sweep.hpp"
+#include "sim/io/text.hpp"
 #include "sim/scenario/config_files.hpp"
 #include "sim/scenario/document.hpp"
 #include "sim/scenario/loader.hpp"
@@ -25,11 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string hash_text(const std::string& text) {
-  char shown[17];
-  std::snprintf(shown, sizeof shown, "%016" PRIx64, XXH3_64bits(text.data(), text.size()));
-  return shown;
-}
+std::string hash_text(const std::string& text) { return hex64(XXH3_64bits(text.data(), text.size())); }
 
 /// A scenario file beside the batch file by its path, anything else by its name.
 std::string find_scenario(const std::string& name, const fs::path& batch_file) {

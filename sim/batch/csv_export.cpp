@@ -1,31 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <charconv>
-#include <cmath>
 #include <map>
 
 #include "sim/batch/result_store.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
+#include "sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-/// RFC 4180: quoted where it must be.
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
-/// Shortest text that reads back as the same number; nothing for what was not measured.
-std::string cell(double value) {
-  if (!std::isfinite(value)) return "";
-  char text[32];
-  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
-  return std::string(text, end);
-}
-
-std::string cell(const MetricRow& row) { return row.text.empty() ? cell(row.value) : cell(row.text); }
+std::string cell(const MetricRow& row) { return row.text.empty() ? csv_cell(row.value) : csv_cell(row.text); }
 
 std::string column(const MetricRow& row) { return row.vehicle.empty() ? row.name : row.vehicle + "." + row.name; }
 
@@ -38,20 +21,20 @@ std::string episodes_csv(const BatchInfo& info, const std::vector<EpisodeRow>& r
     }
   }
   std::string text = "episode,variant,point,seed";
-  for (const std::string& name : info.parameters) text += "," + cell(name);
+  for (const std::string& name : info.parameters) text += "," + csv_cell(name);
   text += ",status,state_hash,simulated_s,wall_s";
-  for (const std::string& name : columns) text += "," + cell(name);
+  for (const std::string& name : columns) text += "," + csv_cell(name);
   text += ",message,command\n";
   std::vector<std::string> cells(columns.size());
   for (const EpisodeRow& row : rows) {
-    text += std::to_string(row.id) + "," + cell(row.variant) + "," + std::to_string(row.point) + "," +
+    text += std::to_string(row.id) + "," + csv_cell(row.variant) + "," + std::to_string(row.point) + "," +
             std::to_string(row.seed);
-    for (const std::string& value : row.parameters) text += "," + cell(value);
-    text += "," + row.status + "," + row.state_hash + "," + cell(row.simulated_s) + "," + cell(row.wall_s);
+    for (const std::string& value : row.parameters) text += "," + csv_cell(value);
+    text += "," + row.status + "," + row.state_hash + "," + csv_cell(row.simulated_s) + "," + csv_cell(row.wall_s);
     std::fill(cells.begin(), cells.end(), "");
     for (const MetricRow& metric : row.metrics) cells[index.at(column(metric))] = cell(metric);
     for (const std::string& value : cells) text += "," + value;
-    text += "," + cell(row.message) + "," + cell(row.command) + "\n";
+    text += "," + csv_cell(row.message) + "," + csv_cell(row.command) + "\n";
   }
   return text;
 }
@@ -59,11 +42,11 @@ std::string episodes_csv(const BatchInfo& info, const std::vector<EpisodeRow>& r
 std::string metrics_csv(const std::vector<EpisodeRow>& rows) {
   std::string text = "episode,variant,point,seed,vehicle,metric,value,unit\n";
   for (const EpisodeRow& row : rows) {
-    const std::string head = std::to_string(row.id) + "," + cell(row.variant) + "," + std::to_string(row.point) + "," +
-                             std::to_string(row.seed) + ",";
+    const std::string head = std::to_string(row.id) + "," + csv_cell(row.variant) + "," + std::to_string(row.point) +
+                             "," + std::to_string(row.seed) + ",";
     for (const MetricRow& metric : row.metrics) {
-      text +=
-          head + cell(metric.vehicle) + "," + cell(metric.name) + "," + cell(metric) + "," + cell(metric.unit) + "\n";
+      text += head + csv_cell(metric.vehicle) + "," + csv_cell(metric.name) + "," + cell(metric) + "," +
+              csv_cell(metric.unit) + "\n";
     }
   }
   return text;

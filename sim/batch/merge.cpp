@@ -10,6 +10,7 @@
 
 #include "sim/batch/result_store.hpp"
 #include "sim/batch/run_batch.hpp"
+#include "sim/io/files.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
@@ -116,7 +117,8 @@ MergeOutcome merge_batches(const std::vector<fs::path>& databases, const fs::pat
   std::error_code error;
   fs::create_directories(out, error);
   const fs::path destination = out / "results.sqlite";
-  const fs::path partial = out / (".results.merging-" + std::to_string(getpid()) + ".sqlite");
+  PartialFile database(destination, out / (".results.merging-" + std::to_string(getpid()) + ".sqlite"));
+  const fs::path& partial = database.partial();
   std::vector<fs::path> sources = databases;
   const auto is_destination = [&](const fs::path& path) {
     return fs::exists(destination) && fs::equivalent(path, destination);
@@ -141,12 +143,12 @@ MergeOutcome merge_batches(const std::vector<fs::path>& databases, const fs::pat
     export_csv(store, out);
     store.close();
   } catch (...) {
-    for (const char* suffix : {"", "-wal", "-shm", "-journal"}) fs::remove(partial.string() + suffix, error);
+    for (const char* suffix : {"-wal", "-shm", "-journal"}) fs::remove(partial.string() + suffix, error);
     throw;
   }
   for (const char* suffix : {"-wal", "-shm", "-journal"})
     fs::remove(destination.string() + suffix, error);  // now of nothing
-  fs::rename(partial, destination);
+  database.commit();
   return outcome;
 }
 

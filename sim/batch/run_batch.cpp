@@ -2,18 +2,18 @@
 #include "sim/batch/run_batch.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cinttypes>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 
 #include "sim/batch/episode.hpp"
 #include "sim/batch/worker_pool.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
+#include "sim/io/text.hpp"
 #include "sim/run/version.hpp"
 #include "sim/scenario/yaml_writer.hpp"
 
@@ -68,10 +68,8 @@ EpisodeRow row_of(const BatchPlan& plan, const JobResult& result) {
   row.simulated_s = row.setup_wall_s = row.flight_wall_s = std::nan("");
   if (result.status != JobStatus::kDone) return row;
   EpisodeResult flown = episode_result_from_bytes(result.bytes);
-  char hash[17];
-  std::snprintf(hash, sizeof hash, "%016" PRIx64, flown.state_hash);
   row.outcome = flown.outcome;
-  row.state_hash = hash;
+  row.state_hash = hex64(flown.state_hash);
   row.simulated_s = flown.simulated_s;
   row.metrics = std::move(flown.metrics);
   row.setup_wall_s = flown.setup_wall_s;
@@ -107,10 +105,8 @@ WorkerPoolOptions pool_options(const BatchPlan& plan, const BatchOptions& option
 
 fs::path database_path(const fs::path& out, const Shard& shard) {
   if (shard.whole()) return out / "results.sqlite";
-  char name[64];
-  const int width = static_cast<int>(std::to_string(shard.count).size());
-  std::snprintf(name, sizeof name, "%0*d-of-%d.sqlite", width, shard.index + 1, shard.count);
-  return out / "shards" / name;
+  const std::size_t width = std::to_string(shard.count).size();
+  return out / "shards" / fmt::format("{:0{}}-of-{}.sqlite", shard.index + 1, width, shard.count);
 }
 
 BatchInfo info_of(const BatchPlan& plan) {

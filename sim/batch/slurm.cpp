@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "sim/batch/shell.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/batch/sweep.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 #include "core/math/random.hpp"
@@ -16,11 +17,7 @@ namespace {
 constexpr std::size_t kMaxPoints = 10'000'000;
 
 /// Decimal texts of 12 digits: short in tables, and the same on every machine although libraries round differently.
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.12g", value);
-  return text;
-}
+std::string number(double value) { return fmt::format("{:.12g}", value); }
 
 /// The evenly spaced values of a law, or its list.
 std::vector<std::string> levels(const ParameterConfig& p) {

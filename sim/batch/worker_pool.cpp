@@ -2,6 +2,7 @@
 #include "sim/batch/worker_pool.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
@@ -16,7 +17,6 @@
 #include <cctype>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
@@ -214,9 +214,7 @@ class Worker {
   JobResult kill_for_time(double limit_s) {
     JobResult result = result_of(JobStatus::kTimedOut);
     kill();
-    char text[80];
-    std::snprintf(text, sizeof text, "took longer than %g s of wall time", limit_s);
-    result.message = text;
+    result.message = fmt::format("took longer than {:g} s of wall time", limit_s);
     return result;
   }
 

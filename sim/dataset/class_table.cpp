@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "sim/dataset/generate.hpp"
@@ -46,9 +47,7 @@ std::string class_table(const DatasetPlan& plan, const std::vector<SequenceInfo>
     const double share = found == sum.points_by_class.end() || sum.points == 0
                              ? 0.0
                              : static_cast<double>(found->second) / static_cast<double>(sum.points);
-    char digits[32];
-    std::snprintf(digits, sizeof digits, "%.9f", share);
-    content += key + digits + "\n";
+    content += fmt::format("{}{:.9f}\n", key, share);
     learning += key + std::to_string(learned) + "\n";
     inverse += "  " + std::to_string(learned) + ": " + std::to_string(label) + "\n";
     ignore += "  " + std::to_string(learned) + (label == 0 ? ": True\n" : ": False\n");

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/dataset/data_card.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 
-#include "sim/report/plot.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
+#include "sim/plot/plot.hpp"
 #include "sim/run/version.hpp"
 #include "sim/world/scene.hpp"
 
@@ -16,12 +17,6 @@ namespace swiftlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string format(const char* pattern, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 /// "1 234 567".
 std::string grouped(std::int64_t value) {
@@ -35,9 +30,9 @@ std::string grouped(std::int64_t value) {
 }
 
 std::string bytes_text(double bytes) {
-  if (bytes >= 1e9) return format("%.2f GB", bytes * 1e-9);
-  if (bytes >= 1e6) return format("%.1f MB", bytes * 1e-6);
-  return format("%.0f kB", bytes * 1e-3);
+  if (bytes >= 1e9) return fmt::format("{:.2f} GB", bytes * 1e-9);
+  if (bytes >= 1e6) return fmt::format("{:.1f} MB", bytes * 1e-6);
+  return fmt::format("{:.0f} kB", bytes * 1e-3);
 }
 
 std::string name_of_label(std::uint16_t label) { return name_of(static_cast<SurfaceClass>(label)); }
@@ -69,8 +64,8 @@ std::string split_table(const DatasetPlan& plan, const std::vector<SequenceInfo>
   const auto row = [&](const std::string& name, const std::string& seeds, const Totals& t) {
     text += "| " + name + " | " + seeds + " | " + std::to_string(t.flights.size()) + " | " +
             std::to_string(t.sequences) + " | " + grouped(t.statistics.frames) + " | " + grouped(t.statistics.points) +
-            " | " + grouped(t.boxes()) + " | " + format("%.0f s", t.statistics.duration_s) + " | " +
-            format("%.0f m", t.statistics.flown_m) + " | " + bytes_text(t.bytes) + " |\n";
+            " | " + grouped(t.boxes()) + " | " + fmt::format("{:.0f} s", t.statistics.duration_s) + " | " +
+            fmt::format("{:.0f} m", t.statistics.flown_m) + " | " + bytes_text(t.bytes) + " |\n";
   };
   for (const SplitConfig& split : plan.config.splits) {
     Totals totals;
@@ -93,7 +88,7 @@ std::string class_histogram(const Totals& all) {
     const double share =
         static_cast<double>(-negative) / static_cast<double>(std::max<std::int64_t>(all.statistics.points, 1));
     text += "| " + name_of_label(label) + " | " + std::to_string(label) + " | " + grouped(-negative) + " | " +
-            format(share >= 1e-3 ? "%.2f %%" : "%.4f %%", 100.0 * share) + " |\n";
+            (share >= 1e-3 ? fmt::format("{:.2f} %", 100.0 * share) : fmt::format("{:.4f} %", 100.0 * share)) + " |\n";
   }
   return text;
 }
@@ -117,13 +112,14 @@ std::string distance_histogram(const Totals& all) {
     }
     if (sum.boxes == 0) continue;
     const auto meters = [](std::size_t bin) {
-      return format("%.0f", static_cast<double>(bin) * SequenceStatistics::kRangeBin_m);
+      return fmt::format("{:.0f}", static_cast<double>(bin) * SequenceStatistics::kRangeBin_m);
     };
     text +=
         "| " + meters(first) + (end == bins.size() ? " m and more" : " to " + meters(end) + " m") + " | " +
         grouped(sum.boxes) + " | " + grouped(sum.in_view) + " | " + grouped(sum.detected) + " | " +
         grouped(sum.well_detected) + " | " +
-        (sum.detected > 0 ? format("%.1f", static_cast<double>(sum.points) / static_cast<double>(sum.detected)) : "") +
+        (sum.detected > 0 ? fmt::format("{:.1f}", static_cast<double>(sum.points) / static_cast<double>(sum.detected))
+                          : "") +
         " |\n";
   }
   return text;
@@ -141,7 +137,7 @@ std::string sequence_table(const std::vector<SequenceInfo>& sequences) {
             info.family + " | " + info.vehicle + "/" + info.sensor +
             (info.sensor_model.empty() ? "" : " (" + info.sensor_model + ")") + " | " + models + " | " +
             grouped(s.frames) + " | " + grouped(s.points / std::max<std::int64_t>(s.frames, 1)) + " | " +
-            format("%.0f m", s.flown_m) + " | " + format("%.2f m", s.least_clearance_m) + " |\n";
+            fmt::format("{:.0f} m", s.flown_m) + " | " + fmt::format("{:.2f} m", s.least_clearance_m) + " |\n";
   }
   return text;
 }
@@ -154,17 +150,18 @@ std::string randomization_table(const DatasetConfig& config) {
     for (const VariationConfig& variation : family.vary) {
       std::string values;
       for (const std::string& choice : variation.choices) values += (values.empty() ? "" : ", ") + choice;
-      if (values.empty()) values = format("%g", variation.min) + " to " + format("%g", variation.max);
+      if (values.empty()) values = fmt::format("{:g}", variation.min) + " to " + fmt::format("{:g}", variation.max);
       text += "| " + family.name + " | `" + variation.key + "` | " + variation.law + " | " + values + " |\n";
     }
     if (family.reflectivity_spread > 0.0) {
       text += "| " + family.name + " | reflectivity of each material | log-normal | x exp(" +
-              format("%g", family.reflectivity_spread) + " n) |\n";
+              fmt::format("{:g}", family.reflectivity_spread) + " n) |\n";
     }
-    text += "| " + family.name + " | cruise speed | uniform | " + format("%g", family.flight.speed_min_mps) + " to " +
-            format("%g", family.flight.speed_max_mps) + " m/s |\n";
-    text += "| " + family.name + " | height above ground | uniform | " + format("%g", family.flight.height_min_m) +
-            " to " + format("%g", family.flight.height_max_m) + " m |\n";
+    text += "| " + family.name + " | cruise speed | uniform | " + fmt::format("{:g}", family.flight.speed_min_mps) +
+            " to " + fmt::format("{:g}", family.flight.speed_max_mps) + " m/s |\n";
+    text += "| " + family.name + " | height above ground | uniform | " +
+            fmt::format("{:g}", family.flight.height_min_m) + " to " + fmt::format("{:g}", family.flight.height_max_m) +
+            " m |\n";
   }
   return text;
 }

@@ -2,10 +2,10 @@
 #include "sim/dataset/dataset_config.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "core/math/random.hpp"
+#include "sim/io/text.hpp"
 #include "sim/scenario/reference.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/scenario/yaml_writer.hpp"
@@ -51,21 +51,16 @@ void check_seeds(ConfigVisitor& v, const std::vector<SplitConfig>& splits) {
   }
 }
 
-std::string text_of(double value) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
-}
-
 std::string draw(const VariationConfig& variation, const Random& random, std::uint32_t index) {
   const double u = random.uniform(index, 0);
   if (variation.law == "choice") {
     return variation.choices[static_cast<std::size_t>(u * static_cast<double>(variation.choices.size()))];
   }
   if (variation.law == "whole") {
-    return text_of(variation.min + std::floor(u * (variation.max - variation.min + 1.0)));
+    return shortest(variation.min + std::floor(u * (variation.max - variation.min + 1.0)));
   }
-  if (variation.law == "log_uniform") return text_of(variation.min * std::pow(variation.max / variation.min, u));
-  return text_of(variation.min + u * (variation.max - variation.min));
+  if (variation.law == "log_uniform") return shortest(variation.min * std::pow(variation.max / variation.min, u));
+  return shortest(variation.min + u * (variation.max - variation.min));
 }
 
 }  // namespace

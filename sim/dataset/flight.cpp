@@ -65,8 +65,8 @@ World with_reflectivities(Scene scene, const std::vector<double>& reflectivities
   return {shared, std::make_shared<const StaticScene>(*shared)};
 }
 
-void fly(Scenario& scenario, const std::vector<TimedWay>& ways) {
-  for (std::size_t i = 0; i < ways.size(); ++i) {
+void fly(Scenario& scenario, const std::vector<SplineTrajectory>& paths) {
+  for (std::size_t i = 0; i < paths.size(); ++i) {
     VehicleConfig& vehicle = scenario.vehicles[i];
     auto* stack = dynamic_cast<StackConfig*>(vehicle.agent.config.get());
     if (stack == nullptr) {
@@ -75,11 +75,11 @@ void fly(Scenario& scenario, const std::vector<TimedWay>& ways) {
                        vehicle.agent.type);
     }
     vehicle.start = StartConfig();
-    vehicle.start.position_m = ways[i].control_points_m.front();
-    vehicle.start.yaw_deg = ways[i].yaw_rad * 180.0 / std::numbers::pi;
+    vehicle.start.position_m = paths[i].control_points_m.front();
+    vehicle.start.yaw_deg = paths[i].yaw_rad * 180.0 / std::numbers::pi;
     stack->guidance = Module(guidance_module_types(), "timed_path");
-    stack->guidance.as<TimedPathConfig>().points_m = ways[i].control_points_m;
-    stack->guidance.as<TimedPathConfig>().interval_s = ways[i].interval_s;
+    stack->guidance.as<TimedPathConfig>().points_m = paths[i].control_points_m;
+    stack->guidance.as<TimedPathConfig>().interval_s = paths[i].interval_s;
   }
 }
 
@@ -177,12 +177,12 @@ PreparedFlight prepare_flight(const DatasetPlan& plan, const Flight& flight, int
 
   std::vector<double> radii_m;
   for (const VehicleConfig& vehicle : scenario.vehicles) radii_m.push_back(vehicle.airframe.circumscribed_radius_m());
-  const auto ways =
+  const auto paths =
       plan_flight(family.flight, prepared.world.static_scene, radii_m, scenario.duration_s, flight.seed, attempt);
-  if (!ways) {
-    throw NoWayFound("no free ways for " + std::to_string(radii_m.size()) + " vehicles were found");
+  if (!paths) {
+    throw NoPathFound("no free paths for " + std::to_string(radii_m.size()) + " vehicles were found");
   }
-  fly(scenario, *ways);
+  fly(scenario, *paths);
   scenario = validated(scenario);
   return prepared;
 }

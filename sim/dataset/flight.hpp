@@ -32,7 +32,7 @@ struct DatasetPlan {
 /// Reads the scenarios. Throws InputError.
 DatasetPlan plan_dataset(const DatasetConfig& config);
 
-/// A flight ready to be simulated: the scenario with its ways, and the world with its materials.
+/// A flight ready to be simulated: the scenario with its paths, and the world with its materials.
 struct PreparedFlight {
   Scenario scenario;
   World world;
@@ -42,10 +42,10 @@ struct PreparedFlight {
 World make_flight_world(const Scenario& scenario, const std::vector<double>& reflectivities);
 
 /// The world is too narrow for the flights that were asked for.
-class NoWayFound : public std::runtime_error {
+class NoPathFound : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-/// Draws, plans and checks the attempt. Throws NoWayFound.
+/// Draws, plans and checks the attempt. Throws NoPathFound.
 PreparedFlight prepare_flight(const DatasetPlan& plan, const Flight& flight, int attempt);
 
 /// A LiDAR of a scenario.

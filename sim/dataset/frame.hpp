@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/dataset/dataset_config.hpp"
-#include "sim/recorders/byte_buffer.hpp"
+#include "sim/io/byte_buffer.hpp"
 #include "sim/sensors/sensor.hpp"
 
 namespace swiftlet::sim {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "sim/dataset/hash.hpp"
-#include "sim/recorders/output_file.hpp"
+#include "sim/io/output_file.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/dataset/free_space.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <queue>
 
 namespace swiftlet::sim {
 namespace {
@@ -24,18 +22,18 @@ FreeSpace::FreeSpace(std::shared_ptr<const StaticScene> world, const Limits& lim
   area_m_.min() = bounds.min().head<2>().array() + limits.border_m;
   area_m_.max() = bounds.max().head<2>().array() - limits.border_m;
   if (area_m_.isEmpty()) return;
-  origin_m_ << area_m_.min(), bounds.min().z();
+  grid_.cell_m = limits.cell_m;
+  grid_.origin_world_m << area_m_.min(), bounds.min().z();
   const Eigen::Vector2d extent = area_m_.sizes();
   // Nobody flies higher than the limit above the highest ground, which lies below the top of everything.
   const double height_m = bounds.sizes().z() + limits.height_max_m;
-  size_ = {static_cast<int>(extent.x() / limits.cell_m) + 1, static_cast<int>(extent.y() / limits.cell_m) + 1,
-           static_cast<int>(height_m / limits.cell_m) + 1};
-  const std::size_t columns = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y());
-  if (columns * static_cast<std::size_t>(size_.z()) > kMaxCells) {
+  grid_.size = {static_cast<int>(extent.x() / limits.cell_m) + 1, static_cast<int>(extent.y() / limits.cell_m) + 1,
+                static_cast<int>(height_m / limits.cell_m) + 1};
+  if (grid_.num_cells() > kMaxCells) {
     throw std::invalid_argument("flight.cell_m: expected a larger cell, found a grid of more than 40 million cells");
   }
-  free_.assign(columns * static_cast<std::size_t>(size_.z()), 0);
-  ground_m_.assign(columns, kNotLookedAt);
+  free_.assign(grid_.num_cells(), 0);
+  ground_m_.assign(static_cast<std::size_t>(grid_.size.x()) * static_cast<std::size_t>(grid_.size.y()), kNotLookedAt);
   if (limits.indoors) indoors_.assign(free_.size(), 0);
 }
 
@@ -53,9 +51,10 @@ std::optional<double> FreeSpace::ground_m(double x_m, double y_m) const {
 
 // Level views in eight directions end at something, but for one that may go out through a door.
 bool FreeSpace::is_indoors(const Vector3& p) const {
-  std::uint8_t& known = indoors_[static_cast<std::size_t>(index_of(cell_of(p)))];
+  const int index = grid_.index_of(grid_.cell_at(p));
+  std::uint8_t& known = indoors_[static_cast<std::size_t>(index)];
   if (known != 0) return known == 1;
-  const Vector3 center = center_of(index_of(cell_of(p)));
+  const Vector3 center = grid_.center_of(index);
   const double far_m = world_->bounds_m().diagonal().norm();
   int ended = 0;
   for (int i = 0; i < kViews; ++i) {
@@ -69,10 +68,10 @@ bool FreeSpace::is_indoors(const Vector3& p) const {
 bool FreeSpace::is_free(const Vector3& p, double radius_m) const {
   if (!area_m_.contains(p.head<2>().eval())) return false;
   // The ground of the column is near enough: the distance to surfaces is exact.
-  const Cell cell = cell_of(p);
-  float& ground = ground_m_[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(size_.x()) + cell.x];
+  const Eigen::Vector3i cell = grid_.cell_at(p);
+  float& ground = ground_m_[static_cast<std::size_t>(grid_.index_of({cell.x(), cell.y(), 0}))];
   if (std::isnan(ground)) {
-    const Vector3 center = center_of(index_of(cell));
+    const Vector3 center = grid_.center_of(grid_.index_of(cell));
     ground = static_cast<float>(ground_m(center.x(), center.y()).value_or(kNoGround));
   }
   const double height_m = p.z() - static_cast<double>(ground);
@@ -83,102 +82,10 @@ bool FreeSpace::is_free(const Vector3& p, double radius_m) const {
 
 bool FreeSpace::is_free(const Vector3& p) const { return is_free(p, limits_.radius_m); }
 
-bool FreeSpace::is_free(const Vector3& a, const Vector3& b) const {
-  const int steps = std::max(1, static_cast<int>(std::ceil((b - a).norm() / (0.5 * limits_.cell_m))));
-  for (int i = 0; i <= steps; ++i) {
-    if (!is_free(a + (b - a) * (static_cast<double>(i) / steps))) return false;
-  }
-  return true;
-}
-
-std::vector<Vector3> FreeSpace::find_way(const Vector3& from, const Vector3& to) const {
-  if (!is_free(from) || !is_free(to)) return {};
-  const std::vector<int> cells = search(index_of(cell_of(from)), index_of(cell_of(to)));
-  if (cells.empty()) return {};
-  std::vector<Vector3> way = {from};
-  for (std::size_t i = 1; i + 1 < cells.size(); ++i) way.push_back(center_of(cells[i]));
-  way.push_back(to);
-  return without_needless_corners(way);
-}
-
-FreeSpace::Cell FreeSpace::cell_of(const Vector3& p) const {
-  const Eigen::Vector3i cell = ((p - origin_m_) / limits_.cell_m).array().floor().cast<int>();
-  return {std::clamp(cell.x(), 0, size_.x() - 1), std::clamp(cell.y(), 0, size_.y() - 1),
-          std::clamp(cell.z(), 0, size_.z() - 1)};
-}
-
-Vector3 FreeSpace::center_of(int index) const {
-  const Vector3 cell(index % size_.x(), index / size_.x() % size_.y(), index / size_.x() / size_.y());
-  return origin_m_ + limits_.cell_m * (cell + Vector3::Constant(0.5));
-}
-
 bool FreeSpace::is_free_cell(int index) const {
   std::uint8_t& known = free_[static_cast<std::size_t>(index)];
-  if (known == 0) known = is_free(center_of(index)) ? 1 : 2;
+  if (known == 0) known = is_free(grid_.center_of(index)) ? 1 : 2;
   return known == 1;
-}
-
-// A*; start and goal count as free. Equal costs are told apart by the index, so that the way is always the same.
-std::vector<int> FreeSpace::search(int start, int goal) const {
-  struct Open {
-    float cost;  // so far and the rest as the crow flies, in cells
-    int index;
-    bool operator<(const Open& other) const { return cost != other.cost ? cost > other.cost : index > other.index; }
-  };
-  const Vector3 goal_m = center_of(goal);
-  const auto rest = [&](int index) { return static_cast<float>((center_of(index) - goal_m).norm() / limits_.cell_m); };
-  std::vector<float> cost(free_.size(), std::numeric_limits<float>::infinity());
-  std::vector<int> parent(free_.size(), -1);
-  std::priority_queue<Open> open;
-  cost[static_cast<std::size_t>(start)] = 0.0F;
-  open.push({rest(start), start});
-  while (!open.empty()) {
-    const Open next = open.top();
-    open.pop();
-    if (next.index == goal) break;
-    const float so_far = cost[static_cast<std::size_t>(next.index)];
-    if (next.cost > so_far + rest(next.index) + 1e-3F) continue;  // found a shorter way to it since
-    const Cell cell = {next.index % size_.x(), next.index / size_.x() % size_.y(), next.index / size_.x() / size_.y()};
-    for (int dz = -1; dz <= 1; ++dz) {
-      for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          const Cell to = {cell.x + dx, cell.y + dy, cell.z + dz};
-          if ((dx == 0 && dy == 0 && dz == 0) || to.x < 0 || to.y < 0 || to.z < 0 || to.x >= size_.x() ||
-              to.y >= size_.y() || to.z >= size_.z()) {
-            continue;
-          }
-          const int index = index_of(to);
-          const float length = std::sqrt(static_cast<float>(dx * dx + dy * dy + dz * dz));
-          if (so_far + length >= cost[static_cast<std::size_t>(index)]) continue;
-          if (index != goal && !is_free_cell(index)) continue;
-          cost[static_cast<std::size_t>(index)] = so_far + length;
-          parent[static_cast<std::size_t>(index)] = next.index;
-          open.push({so_far + length + rest(index), index});
-        }
-      }
-    }
-  }
-  if (start != goal && parent[static_cast<std::size_t>(goal)] < 0) return {};
-  std::vector<int> way;
-  for (int index = goal; index >= 0; index = index == start ? -1 : parent[static_cast<std::size_t>(index)]) {
-    way.push_back(index);
-  }
-  std::reverse(way.begin(), way.end());
-  return way;
-}
-
-std::vector<Vector3> FreeSpace::without_needless_corners(const std::vector<Vector3>& way) const {
-  std::vector<Vector3> corners = {way.front()};
-  for (std::size_t i = 0; i + 1 < way.size();) {
-    // The farthest corner that can be reached straight, looked for by doubling.
-    std::size_t reach = i + 1;
-    for (std::size_t step = 1; reach + step < way.size() && is_free(way[i], way[reach + step]); step *= 2)
-      reach += step;
-    while (reach + 1 < way.size() && is_free(way[i], way[reach + 1])) ++reach;
-    corners.push_back(way[reach]);
-    i = reach;
-  }
-  return corners;
 }
 
 }  // namespace swiftlet::sim

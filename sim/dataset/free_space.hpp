@@ -7,20 +7,21 @@
 #include <optional>
 #include <vector>
 
+#include "core/planning/free_space.hpp"
 #include "sim/raycast/ray_scene.hpp"
 
 namespace swiftlet::sim {
 
 /// Where a sphere can fly between two heights above the ground of a static world, by its truth. Cells are looked at
 /// when first asked for and remembered. Not thread-safe.
-class FreeSpace {
+class FreeSpace : public FreeSpaceView {
  public:
   struct Limits {
     double radius_m = 1.0;      ///< of the sphere
     double height_min_m = 1.0;  ///< of its center above the ground
     double height_max_m = 5.0;
     double border_m = 2.0;  ///< strip along the edge of the world where nobody flies
-    double cell_m = 0.5;    ///< of the grid in which ways are searched
+    double cell_m = 0.5;    ///< of the grid in which paths are searched
     bool indoors = false;   ///< only where walls stand all around
   };
 
@@ -30,30 +31,18 @@ class FreeSpace {
   const Eigen::AlignedBox2d& area_m() const { return area_m_; }
   /// Of the ground or floor below, crowns and roofs let through; nullopt where there is none [m].
   std::optional<double> ground_m(double x_m, double y_m) const;
-  bool is_free(const Vector3& p_world_m) const;
+  const CellGrid& grid() const override { return grid_; }
+  bool is_free(const Vector3& p_world_m) const override;
   bool is_free(const Vector3& p_world_m, double radius_m) const;
-  /// Is every point of the segment free?
-  bool is_free(const Vector3& a_world_m, const Vector3& b_world_m) const;
-  /// Corners of a short free way (A* on the grid, then corners left out); empty when there is none.
-  std::vector<Vector3> find_way(const Vector3& from_world_m, const Vector3& to_world_m) const;
+  bool is_free_cell(int index) const override;
 
  private:
-  struct Cell {
-    int x, y, z;
-  };
-  int index_of(const Cell& cell) const { return (cell.z * size_.y() + cell.y) * size_.x() + cell.x; }
-  Cell cell_of(const Vector3& p_world_m) const;
-  Vector3 center_of(int index) const;
-  bool is_free_cell(int index) const;
   bool is_indoors(const Vector3& p_world_m) const;
-  std::vector<int> search(int start, int goal) const;
-  std::vector<Vector3> without_needless_corners(const std::vector<Vector3>& way) const;
 
   std::shared_ptr<const StaticScene> world_;
   Limits limits_;
   Eigen::AlignedBox2d area_m_;
-  Vector3 origin_m_ = Vector3::Zero();
-  Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
+  CellGrid grid_;
   mutable std::vector<std::uint8_t> free_;     // by cell: 0 not looked at, 1 free, 2 not
   mutable std::vector<float> ground_m_;        // by column: NaN not looked at, infinity none
   mutable std::vector<std::uint8_t> indoors_;  // by cell, as free_; empty when it does not matter

@@ -2,6 +2,7 @@
 #include "sim/dataset/generate.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -17,7 +18,7 @@
 #include "sim/batch/worker_pool.hpp"
 #include "sim/dataset/data_card.hpp"
 #include "sim/dataset/hash.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
 #include "sim/run/version.hpp"
 
 namespace swiftlet::sim {
@@ -183,10 +184,8 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
   };
   const auto work = [&](std::uint64_t job) {
     const FlightTiming timing = write_flight(plan, plan.flights[job], options.directory, threads);
-    char bytes[128];
-    std::snprintf(bytes, sizeof bytes, "%.6f %.6f %.6f %.6f", timing.prepare_s, timing.simulate_s, timing.record_s,
-                  timing.beside_s);
-    return std::string(bytes);
+    return fmt::format("{:.6f} {:.6f} {:.6f} {:.6f}", timing.prepare_s, timing.simulate_s, timing.record_s,
+                       timing.beside_s);
   };
   const bool complete = jobs.empty() || run_jobs(jobs, work, pool, events);
   if (!failure.empty()) {

@@ -7,11 +7,12 @@
 #include <xxhash.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <vector>
+
+#include "sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -47,11 +48,6 @@ Hash128 hash_of_file(const std::filesystem::path& path) {
   return of(XXH3_128bits_digest(state.get()));
 }
 
-std::string hex(const Hash128& hash) {
-  char digits[33];
-  std::snprintf(digits, sizeof digits, "%016llx%016llx", static_cast<unsigned long long>(hash.high),
-                static_cast<unsigned long long>(hash.low));
-  return digits;
-}
+std::string hex(const Hash128& hash) { return hex64(hash.high) + hex64(hash.low); }
 
 }  // namespace swiftlet::sim

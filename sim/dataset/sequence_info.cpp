@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/dataset/sequence_info.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -166,10 +167,6 @@ std::vector<FileEntry> list_files(const fs::path& directory, std::vector<FileEnt
   return files;
 }
 
-std::string sequence_name(int sequence) {
-  char digits[16];
-  std::snprintf(digits, sizeof digits, "%02d", sequence);
-  return digits;
-}
+std::string sequence_name(int sequence) { return fmt::format("{:02}", sequence); }
 
 }  // namespace swiftlet::sim

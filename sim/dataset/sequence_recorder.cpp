@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/dataset/sequence_recorder.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
 #include "sim/dataset/boxes.hpp"
 #include "sim/dataset/frame_writer.hpp"
-#include "sim/recorders/output_file.hpp"
+#include "sim/io/output_file.hpp"
+#include "sim/io/text_row.hpp"
 #include "sim/recorders/pose_history.hpp"
-#include "sim/recorders/text_row.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -219,9 +220,7 @@ std::unique_ptr<Recorder> make_sequence_recorder(const ContentConfig& content, V
 }
 
 std::string frame_file(const char* folder, int frame, const char* extension) {
-  char name[128];
-  std::snprintf(name, sizeof name, "%s/%06d.%s", folder, frame, extension);
-  return name;
+  return fmt::format("{}/{:06}.{}", folder, frame, extension);
 }
 
 }  // namespace swiftlet::sim

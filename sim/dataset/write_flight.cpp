@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/core.h>
+
 #include <chrono>
 #include <cstdio>
 #include <stdexcept>
 
 #include "sim/dataset/generate.hpp"
 #include "sim/dataset/sequence_recorder.hpp"
+#include "sim/io/files.hpp"
+#include "sim/io/text.hpp"
 #include "sim/recorders/csv.hpp"
 #include "sim/recorders/tum.hpp"
 #include "sim/render/snapshot_recorder.hpp"
-#include "sim/run/run_directory.hpp"
 #include "sim/run/summary.hpp"
 #include "sim/run/version.hpp"
 #include "sim/sensors/lidar.hpp"
@@ -37,11 +40,9 @@ std::unique_ptr<Recorder> recorder_of(const char* type, const Config& config) {
 std::vector<OpenSequence> open_sequences(const Flight& flight, const Scenario& scenario, const fs::path& directory) {
   const std::vector<LidarOfTeam> lidars = lidars_of(scenario);
   if (static_cast<int>(lidars.size()) != flight.num_sequences) {
-    char note[160];
-    std::snprintf(note, sizeof note,
-                  "flight %d: expected %d LiDARs, found %d (variations must not change how many there are)",
-                  flight.number, flight.num_sequences, static_cast<int>(lidars.size()));
-    throw std::runtime_error(note);
+    throw std::runtime_error(
+        fmt::format("flight {}: expected {} LiDARs, found {} (variations must not change how many there are)",
+                    flight.number, flight.num_sequences, lidars.size()));
   }
   std::vector<OpenSequence> sequences;
   for (int i = 0; i < flight.num_sequences; ++i) {
@@ -87,11 +88,9 @@ std::string fly_to_the_end(Simulation& simulation) {
     simulation.tick();
     for (const Event& event : simulation.view().events) {
       if (event.kind != "crash") continue;
-      char note[160];
-      std::snprintf(note, sizeof note, "%s crashed into %s at %.2f s",
-                    simulation.info().vehicle_names[static_cast<std::size_t>(event.vehicle)].c_str(),
-                    event.partner.c_str(), to_seconds(event.t));
-      return note;
+      return fmt::format("{} crashed into {} at {:.2f} s",
+                         simulation.info().vehicle_names[static_cast<std::size_t>(event.vehicle)], event.partner,
+                         to_seconds(event.t));
     }
   }
   return {};
@@ -103,12 +102,6 @@ std::string model_of(const Scenario& scenario, const LidarOfTeam& lidar) {
     if (config != nullptr && config->name == lidar.sensor) return config->model;
   }
   return {};
-}
-
-std::string hex64(std::uint64_t value) {
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(value));
-  return digits;
 }
 
 SequenceInfo describe(const DatasetPlan& plan, const Flight& flight, int attempt, const PreparedFlight& prepared,
@@ -203,15 +196,13 @@ FlightTiming write_flight(const DatasetPlan& plan, const Flight& flight, const f
     try {
       reason = try_flight(plan, flight, attempt, directory, threads, timing);
       if (reason.empty()) return timing;
-    } catch (const NoWayFound& error) {
+    } catch (const NoPathFound& error) {
       reason = error.what();
     }
     timing.prepare_s += seconds_since(start);
   }
-  char place[96];
-  std::snprintf(place, sizeof place, "flight %d (seed %llu): %d attempts failed, the last because ", flight.number,
-                static_cast<unsigned long long>(flight.seed), plan.config.max_attempts);
-  throw std::runtime_error(place + reason);
+  throw std::runtime_error(fmt::format("flight {} (seed {}): {} attempts failed, the last because {}", flight.number,
+                                       flight.seed, plan.config.max_attempts, reason));
 }
 
 PreparedFlight restore_flight(const fs::path& sequence_directory, const SequenceInfo& info) {

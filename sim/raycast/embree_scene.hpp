@@ -34,7 +34,7 @@ struct Surface {
   VehiclePart part = VehiclePart::kNone;
 };
 
-/// What a hit needs to know of a triangle, in half a cache line. exact_hits.hpp tells the rule that it serves.
+/// What a hit needs to know of a triangle, in half a cache line. exact_hits_internal.hpp tells the rule that it serves.
 struct alignas(32) Facet {
   Eigen::Vector3f corner_m;
   Eigen::Vector3f normal;            ///< unit vector; zero where the triangle has no area
@@ -44,7 +44,7 @@ struct alignas(32) Facet {
 };
 static_assert(sizeof(Facet) == 32);
 
-/// Triangles in one Embree geometry. Embree holds them a little enlarged; exact_hits.hpp tells why.
+/// Triangles in one Embree geometry. Embree holds them a little enlarged; exact_hits_internal.hpp tells why.
 struct TriangleScene {
   std::vector<std::array<Eigen::Vector3f, 3>> corners_m;
   std::vector<Facet> facets;  ///< of the same triangles; commit() fills in all but the surface

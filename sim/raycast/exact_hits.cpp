@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/raycast/exact_hits.hpp"
+#include "sim/raycast/exact_hits_internal.hpp"
 
 #include <algorithm>
 #include <cmath>

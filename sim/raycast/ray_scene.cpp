@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "sim/raycast/embree_scene.hpp"
-#include "sim/raycast/exact_hits.hpp"
+#include "sim/raycast/exact_hits_internal.hpp"
 #include "sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {

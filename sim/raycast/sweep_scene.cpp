@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "sim/raycast/embree_scene.hpp"
-#include "sim/raycast/exact_hits.hpp"
+#include "sim/raycast/exact_hits_internal.hpp"
 #include "sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {

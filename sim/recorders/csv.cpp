@@ -8,9 +8,9 @@
 #include <span>
 
 #include "core/messages/kind.hpp"
-#include "sim/recorders/output_file.hpp"
+#include "sim/io/output_file.hpp"
+#include "sim/io/text_row.hpp"
 #include "sim/recorders/selection.hpp"
-#include "sim/recorders/text_row.hpp"
 #include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/fields.hpp"
 #include "swiftlet/sim/series.hpp"

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/recorders/output_file.hpp"
+#include "sim/io/output_file.hpp"
 #include "sim/recorders/selection.hpp"
 
 namespace swiftlet::sim {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/recorders/byte_buffer.hpp"
+#include "sim/io/byte_buffer.hpp"
 
 namespace swiftlet::sim {
 

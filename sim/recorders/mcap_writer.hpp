@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/recorders/byte_buffer.hpp"
-#include "sim/recorders/output_file.hpp"
+#include "sim/io/byte_buffer.hpp"
+#include "sim/io/output_file.hpp"
 #include "swiftlet/core/time.hpp"
 
 namespace swiftlet::sim {

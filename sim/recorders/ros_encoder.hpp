@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "sim/recorders/byte_buffer.hpp"
+#include "sim/io/byte_buffer.hpp"
 #include "swiftlet/core/frames.hpp"
 
 namespace swiftlet::sim {

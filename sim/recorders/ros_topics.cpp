@@ -5,11 +5,11 @@
 #include <type_traits>
 
 #include "core/messages/kind.hpp"
+#include "sim/io/text_row.hpp"
 #include "sim/recorders/geodesy.hpp"
 #include "sim/recorders/ros_markers.hpp"
 #include "sim/recorders/ros_points.hpp"
 #include "sim/recorders/ros_rows.hpp"
-#include "sim/recorders/text_row.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/series.hpp"
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/recorders/scan_files.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
+
 #include <limits>
 #include <map>
 #include <utility>
 
-#include "sim/recorders/output_file.hpp"
+#include "sim/io/output_file.hpp"
+#include "sim/io/text_row.hpp"
 #include "sim/recorders/selection.hpp"
-#include "sim/recorders/text_row.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -107,8 +108,7 @@ class ScanFilesRecorder : public Recorder {
     CloudLayout layout{num_points, 1, config_.frame, scan.scan.stamp};
     if (format_.organized) layout = {scan.scan.cols(), scan.scan.rows(), config_.frame, scan.scan.stamp};
 
-    char name[32];
-    std::snprintf(name, sizeof name, "%06d.%s", stream.num_files++, format_.extension);
+    const std::string name = fmt::format("{:06}.{}", stream.num_files++, format_.extension);
     OutputFile file(directory_ / stream.folder / name, 0);
     file.append(format_.header(layout));
     file.append(body_.bytes());
@@ -129,9 +129,10 @@ class ScanFilesRecorder : public Recorder {
     return poses_;
   }
 
-  void append_index(OutputFile& index, const char* name, int num_points, VehicleId vehicle, const LabeledScan& scan) {
+  void append_index(OutputFile& index, const std::string& name, int num_points, VehicleId vehicle,
+                    const LabeledScan& scan) {
     row_.clear();
-    row_.add(std::string_view(name)).add_seconds(scan.scan.stamp).add_seconds(scan.scan.duration);
+    row_.add(name).add_seconds(scan.scan.stamp).add_seconds(scan.scan.duration);
     row_.add(scan.scan.rows()).add(scan.scan.cols()).add(num_points);
     add_pose(scan.truth.T_world_lidar.front());
     if (estimates_[vehicle].empty()) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/recorders/byte_buffer.hpp"
+#include "sim/io/byte_buffer.hpp"
 #include "sim/recorders/pose_history.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/recorder.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/recorders/tum.hpp"
 
-#include "sim/recorders/output_file.hpp"
+#include "sim/io/output_file.hpp"
+#include "sim/io/text_row.hpp"
 #include "sim/recorders/selection.hpp"
-#include "sim/recorders/text_row.hpp"
 #include "sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/render/captions.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/render/colors.hpp"
 
@@ -54,9 +54,7 @@ double round_down_nicely(double x) {
 
 std::string tick_text(double value, double step) {
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, value + 0.0);
-  return text.data();
+  return fmt::format("{:.{}f}", value + 0.0, decimals);
 }
 
 void draw_caption(Image& image, std::string_view left, std::string_view right) {

@@ -7,9 +7,11 @@
 namespace swiftlet::sim {
 namespace {
 
-GLuint compile(const GlFunctions& gl, const char* name, GLenum stage, const char* source) {
+GLuint compile(const GlFunctions& gl, const char* name, GLenum stage, std::string_view source) {
   const GLuint shader = gl.CreateShader(stage);
-  gl.ShaderSource(shader, 1, &source, nullptr);
+  const char* text = source.data();
+  const auto size = static_cast<GLint>(source.size());
+  gl.ShaderSource(shader, 1, &text, &size);
   gl.CompileShader(shader);
   GLint ok = 0;
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
@@ -42,7 +44,8 @@ GLuint make_texture(const GlFunctions& gl, int width, int height, GLenum format,
 
 }  // namespace
 
-Program::Program(const GlFunctions& gl, const char* name, const char* vertex_source, const char* fragment_source)
+Program::Program(const GlFunctions& gl, const char* name, std::string_view vertex_source,
+                 std::string_view fragment_source)
     : gl_(&gl), id_(gl.CreateProgram()) {
   const GLuint stages[] = {compile(gl, name, GL_VERTEX_SHADER, vertex_source),
                            compile(gl, name, GL_FRAGMENT_SHADER, fragment_source)};

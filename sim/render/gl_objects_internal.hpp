@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <string_view>
 
 #include "sim/render/gl_functions_internal.hpp"
 
@@ -14,7 +15,7 @@ class Program {
  public:
   Program() = default;
   /// Throws std::logic_error with the compiler's log.
-  Program(const GlFunctions& gl, const char* name, const char* vertex_source, const char* fragment_source);
+  Program(const GlFunctions& gl, const char* name, std::string_view vertex_source, std::string_view fragment_source);
 
   void use() const { gl_->UseProgram(id_); }
   // For the program in use.

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/render/mark_painter.hpp"
 
-#include <array>
 #include <cmath>
 
-#include "sim/render/shaders.hpp"
+#include "embedded/sim_render.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -73,9 +72,9 @@ void stream(const GlFunctions& gl, GLuint buffer, std::span<const T> data) {
 
 MarkPainter::MarkPainter(const GlFunctions& gl)
     : gl_(gl),
-      point_program_(gl, "point", shaders::kPointVertex, shaders::kPointFragment),
-      solid_program_(gl, "solid", shaders::kSolidVertex, shaders::kSolidFragment),
-      clip_program_(gl, "clip", shaders::kClipVertex, shaders::kClipFragment) {
+      point_program_(gl, "point", embedded::point_vert, embedded::point_frag),
+      solid_program_(gl, "solid", embedded::solid_vert, embedded::solid_frag),
+      clip_program_(gl, "clip", embedded::clip_vert, embedded::clip_frag) {
   points_ = make_vertex_buffer(gl_);
   float_attribute(gl_, 0, 3, sizeof(PointVertex), offsetof(PointVertex, position_m));
   float_attribute(gl_, 1, 4, sizeof(PointVertex), offsetof(PointVertex, color));

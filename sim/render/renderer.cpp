@@ -8,11 +8,11 @@
 #include <numeric>
 #include <string>
 
+#include "embedded/sim_render.hpp"
 #include "sim/render/colors.hpp"
 #include "sim/render/gl_context.hpp"
 #include "sim/render/gl_objects_internal.hpp"
 #include "sim/render/mark_painter.hpp"
-#include "sim/render/shaders.hpp"
 #include "sim/render/vehicle_painter.hpp"
 #include "sim/render/world_painter.hpp"
 
@@ -128,11 +128,11 @@ struct Renderer::Impl {
 
   GlContext context;
   GlFunctions gl = load_gl_functions();
-  Program mesh_program{gl, "mesh", shaders::kMeshVertex, shaders::kMeshFragment};
-  Program depth_program{gl, "depth", shaders::kMeshVertex, shaders::kDepthFragment};
-  Program ghost_program{gl, "ghost", shaders::kMeshVertex, shaders::kGhostFragment};
-  Program occlusion_program{gl, "occlusion", shaders::kScreenVertex, shaders::kOcclusionFragment};
-  Program light_program{gl, "light", shaders::kScreenVertex, shaders::kLightFragment};
+  Program mesh_program{gl, "mesh", embedded::mesh_vert, embedded::mesh_frag};
+  Program depth_program{gl, "depth", embedded::mesh_vert, embedded::depth_frag};
+  Program ghost_program{gl, "ghost", embedded::mesh_vert, embedded::ghost_frag};
+  Program occlusion_program{gl, "occlusion", embedded::screen_vert, embedded::occlusion_frag};
+  Program light_program{gl, "light", embedded::screen_vert, embedded::light_frag};
   WorldPainter world;
   VehiclePainter vehicles;
   MarkPainter marks{gl};

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/render/snapshot_recorder.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <utility>
@@ -30,12 +30,6 @@ constexpr TimeNs kHistoryStep = 20'000'000;  // trails and follow cameras look a
 bool is_lidar(const CameraConfig& camera) { return camera.type.starts_with("lidar_"); }
 bool of_all_vehicles(const CameraConfig& camera) {
   return camera.vehicle.empty() && (camera.type == "follow" || camera.type == "top");
-}
-
-std::string time_text(TimeNs t, const char* format) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), format, to_seconds(t));
-  return text.data();
 }
 
 /// One camera at work.
@@ -125,7 +119,7 @@ void SnapshotRecorder::write(const TickView& tick) {
     std::filesystem::create_directories(folder);
     for (const Station& station : stations_) {
       if (!station.config.is_due(previous_, tick.t)) continue;
-      const std::filesystem::path stem = folder / (station.config.name + time_text(tick.t, "_%08.3fs"));
+      const std::filesystem::path stem = folder / fmt::format("{}_{:08.3f}s", station.config.name, to_seconds(tick.t));
       if (video_frames_per_s_ > 0.0) {
         keep_frame(station, take(station, stem));
         continue;
@@ -193,7 +187,7 @@ Image SnapshotRecorder::take(const Station& station, const std::filesystem::path
   Image image = is_lidar(station.config)         ? take_of_scan(station)
                 : station.config.type == "depth" ? take_of_depth(station, stem)
                                                  : take_of_world(station);
-  draw_caption(image, caption_of(station), time_text(picture_.t, "t = %.3f s"));
+  draw_caption(image, caption_of(station), fmt::format("t = {:.3f} s", to_seconds(picture_.t)));
   return image;
 }
 

@@ -31,13 +31,13 @@ int wait_for(int child) {
 
 VideoWriter::VideoWriter(std::filesystem::path path, int width, int height, double frames_per_s)
     : path_(std::move(path)), width_(width), height_(height) {
-  temporary_ = path_.parent_path() / (path_.stem().string() + ".part.mp4");
+  file_ = PartialFile(path_, path_.parent_path() / (path_.stem().string() + ".part.mp4"));
   std::vector<std::string> arguments = {
       "ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size",
       std::to_string(width) + "x" + std::to_string(height), "-framerate", std::to_string(frames_per_s), "-i", "pipe:0",
       // H.264 players want even sizes and 4:2:0.
       "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt",
-      "yuv420p", "-movflags", "+faststart", temporary_.string()};
+      "yuv420p", "-movflags", "+faststart", file_.partial().string()};
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
@@ -66,8 +66,6 @@ VideoWriter::~VideoWriter() {
   kill(child_, SIGKILL);
   close(pipe_);
   wait_for(child_);
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
 }
 
 void VideoWriter::add(const Image& frame) {
@@ -88,13 +86,11 @@ void VideoWriter::add(const Image& frame) {
 void VideoWriter::finish() {
   close(pipe_);
   const int status = wait_for(std::exchange(child_, -1));
-  std::error_code error;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) std::filesystem::rename(temporary_, path_, error);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || error) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary_, ignored);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    file_.abandon();
     throw std::runtime_error(path_.string() + ": ffmpeg could not make the video");
   }
+  file_.commit();
 }
 
 }  // namespace swiftlet::sim

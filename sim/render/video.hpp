@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "sim/io/files.hpp"
 #include "sim/render/image.hpp"
 
 namespace swiftlet::sim {
@@ -23,7 +24,7 @@ class VideoWriter {
 
  private:
   std::filesystem::path path_;
-  std::filesystem::path temporary_;
+  PartialFile file_;
   int width_ = 0;
   int height_ = 0;
   int pipe_ = -1;

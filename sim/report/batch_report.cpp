@@ -10,9 +10,10 @@
 #include <optional>
 #include <set>
 
+#include "sim/io/files.hpp"
+#include "sim/io/text.hpp"
+#include "sim/plot/plot.hpp"
 #include "sim/report/html.hpp"
-#include "sim/report/plot.hpp"
-#include "sim/run/run_directory.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
@@ -52,14 +53,14 @@ std::string heading(const BatchTable& table) {
   for (const EpisodeRow& row : table.episodes) ++by_status[row.status];
   std::string statuses;
   for (const auto& [status, count] : by_status) statuses += ", " + std::to_string(count) + " " + status;
-  std::string text = "<h1>" + html::escape(info.name) + "</h1>\n";
-  if (!info.description.empty()) text += "<p>" + html::escape(info.description) + "</p>\n";
+  std::string text = "<h1>" + escape_markup(info.name) + "</h1>\n";
+  if (!info.description.empty()) text += "<p>" + escape_markup(info.description) + "</p>\n";
   text += "<p class=\"note\">" + plural(table.episodes.size(), "episode") + " of " + std::to_string(info.num_episodes) +
-          html::escape(statuses) + ". Swiftlet " + html::escape(info.version) + " (" + html::escape(info.git_revision) +
-          "), fingerprint " + html::code(info.fingerprint) +
+          escape_markup(statuses) + ". Swiftlet " + escape_markup(info.version) + " (" +
+          escape_markup(info.git_revision) + "), fingerprint " + html::code(info.fingerprint) +
           ". Intervals are of 95 %: Student's t for means, Wilson's for rates.";
   if (info.variants.size() > 1) {
-    text += " Differences are to <b>" + html::escape(info.variants.front()) +
+    text += " Differences are to <b>" + escape_markup(info.variants.front()) +
             "</b>, seed by seed: both variants met the same random numbers.";
   }
   return text + "</p>\n";
@@ -81,16 +82,17 @@ std::vector<const EpisodeGroup*> groups_shown(const BatchTable& table) {
 std::string outcome_section(const BatchTable& table) {
   std::vector<std::string> head = {"", "episodes"};
   for (const std::string& outcome : table.outcomes)
-    head.insert(head.end(), {html::escape(outcome), "95 % interval", "difference", "95 % interval"});
+    head.insert(head.end(), {escape_markup(outcome), "95 % interval", "difference", "95 % interval"});
   if (table.info.variants.size() < 2) {
     head.resize(2);
-    for (const std::string& outcome : table.outcomes) head.insert(head.end(), {html::escape(outcome), "95 % interval"});
+    for (const std::string& outcome : table.outcomes)
+      head.insert(head.end(), {escape_markup(outcome), "95 % interval"});
   }
   html::Table rows(head);
   for (const EpisodeGroup* shown : groups_shown(table)) {
     const EpisodeGroup& group = *shown;
     const std::uint64_t done = count_done(table, group);
-    std::vector<std::string> cells = {html::escape(table.name_of(group)), std::to_string(done)};
+    std::vector<std::string> cells = {escape_markup(table.name_of(group)), std::to_string(done)};
     for (const std::string& outcome : table.outcomes) {
       const std::uint64_t count = count_outcome(table, outcome, group);
       cells.push_back(percent(done > 0 ? static_cast<double>(count) / static_cast<double>(done) : std::nan("")));
@@ -240,7 +242,7 @@ std::string quantity_table(const BatchTable& table, const Quantity& quantity) {
   html::Table rows(head);
   for (const EpisodeGroup* shown : groups_shown(table)) {
     const EpisodeGroup& group = *shown;
-    std::vector<std::string> cells = {html::escape(table.name_of(group))};
+    std::vector<std::string> cells = {escape_markup(table.name_of(group))};
     for (std::string& cell : summary_cells(summarize(values_of(quantity, group)))) cells.push_back(std::move(cell));
     if (const EpisodeGroup* reference = table.reference_of(group)) {
       const PairedValues pairs = paired_values(table, quantity, *reference, group);
@@ -272,7 +274,7 @@ std::string all_quantities(const BatchTable& table) {
     const EpisodeGroup& group = *shown[i];
     html::Table rows({"", "n", "mean", "sd", "95 % interval", "least", "median", "greatest"});
     for (const Quantity& quantity : table.quantities) {
-      std::vector<std::string> cells = {html::escape(quantity.label())};
+      std::vector<std::string> cells = {escape_markup(quantity.label())};
       for (std::string& cell : summary_cells(summarize(values_of(quantity, group)))) cells.push_back(std::move(cell));
       rows.add(std::move(cells));
     }
@@ -302,11 +304,11 @@ std::string worst_section(const BatchTable& table, const Quantity& quantity) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return high ? quantity.values[a] > quantity.values[b] : quantity.values[a] < quantity.values[b];
   });
-  html::Table rows({"episode", "variant", "seed", "outcome", html::escape(quantity.label()), "flown again by"},
+  html::Table rows({"episode", "variant", "seed", "outcome", escape_markup(quantity.label()), "flown again by"},
                    {0, 1, 3, 5});
   for (std::size_t i = 0; i < std::min(order.size(), kWorst); ++i) {
     const EpisodeRow& row = table.episodes[order[i]];
-    rows.add({std::to_string(row.id), html::escape(row.variant), std::to_string(row.seed), html::escape(row.outcome),
+    rows.add({std::to_string(row.id), escape_markup(row.variant), std::to_string(row.seed), escape_markup(row.outcome),
               html::number(quantity.values[order[i]]), html::code(row.command)});
   }
   return html::section(std::string("Worst episodes: ") + (high ? "greatest " : "least ") + quantity.label(),
@@ -318,8 +320,8 @@ std::string failure_section(const BatchTable& table) {
   std::size_t count = 0;
   for (const EpisodeRow& row : table.episodes) {
     if (row.done() || ++count > kFailures) continue;
-    rows.add({std::to_string(row.id), html::escape(row.variant), std::to_string(row.seed), html::escape(row.status),
-              html::escape(row.message), html::code(row.command)});
+    rows.add({std::to_string(row.id), escape_markup(row.variant), std::to_string(row.seed), escape_markup(row.status),
+              escape_markup(row.message), html::code(row.command)});
   }
   if (count == 0) return "";
   const std::string more = count > kFailures ? "<p class=\"note\">" + std::to_string(count - kFailures) +
@@ -354,19 +356,6 @@ std::string timing_section(const BatchTable& table) {
 
 // --- CSV ---
 
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
-std::string csv_cell(double value) {
-  if (!std::isfinite(value)) return "";
-  char text[32];
-  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
-}
-
 std::string csv_head(const EpisodeGroup& group, std::size_t num_parameters) {
   const bool all = group.point == EpisodeGroup::kAllPoints;
   std::string text = (all ? "all" : std::to_string(group.point)) + "," + csv_cell(group.variant);
@@ -384,7 +373,7 @@ std::string batch_report_html(const BatchTable& table) {
   if (const Quantity* quantity = worst_by(table, telling)) body += worst_section(table, *quantity);
   body += failure_section(table) + timing_section(table);
   body += html::section("Batch file, with every default",
-                        html::folded(table.info.file, "<pre>" + html::escape(table.info.text) + "</pre>"));
+                        html::folded(table.info.file, "<pre>" + escape_markup(table.info.text) + "</pre>"));
   return html::page(table.info.name, body);
 }
 

@@ -1,55 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/report/html.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
+
+#include "embedded/sim_report.hpp"
+#include "sim/io/text.hpp"
 
 namespace swiftlet::sim::html {
-namespace {
-
-constexpr const char* kStyle =
-    "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1180px;margin:2em auto;padding:0 1em}"
-    "h1{font-size:1.6em;margin-bottom:.2em}h2{font-size:1.2em;margin-top:2em;border-bottom:1px solid #ddd}"
-    "table{border-collapse:collapse;margin:.8em 0;font-variant-numeric:tabular-nums}"
-    "th,td{padding:.2em .7em;text-align:right;white-space:nowrap;border-bottom:1px solid #eee}"
-    "th{background:#f6f6f6;font-weight:600}th.w,td.w{text-align:left;white-space:normal}"
-    "code{font-size:.86em;background:#f4f4f4;padding:.1em .3em;overflow-wrap:anywhere}.note{color:#666}"
-    "svg,img{max-width:100%;height:auto}"
-    "figure{display:inline-block;margin:.5em 1em .5em 0}figcaption{color:#666;font-size:.9em}"
-    "details{margin:.6em 0}summary{cursor:pointer;color:#0057a0}.wide{overflow-x:auto}";
-
-}  // namespace
-
-std::string escape(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
-
 std::string number(double value) {
   if (!std::isfinite(value)) return "–";
-  char text[32];
   // No powers of ten where plain digits are as short.
   const double size = std::abs(value);
-  std::snprintf(text, sizeof text, size >= 1e4 && size < 1e7 ? "%.0f" : "%.4g", value);
-  return text;
+  return size >= 1e4 && size < 1e7 ? fmt::format("{:.0f}", value) : fmt::format("{:.4g}", value);
 }
 
 std::string interval(double low, double high) {
@@ -78,20 +42,19 @@ std::string Table::str() const {
   return text + "</tbody></table></div>\n";
 }
 
-std::string code(const std::string& text) { return "<code>" + escape(text) + "</code>"; }
+std::string code(const std::string& text) { return "<code>" + escape_markup(text) + "</code>"; }
 
 std::string section(const std::string& title, const std::string& body) {
-  return "<h2>" + escape(title) + "</h2>\n" + body;
+  return "<h2>" + escape_markup(title) + "</h2>\n" + body;
 }
 
 std::string folded(const std::string& title, const std::string& body) {
-  return "<details><summary>" + escape(title) + "</summary>\n" + body + "</details>\n";
+  return "<details><summary>" + escape_markup(title) + "</summary>\n" + body + "</details>\n";
 }
 
 std::string page(const std::string& title, const std::string& body) {
-  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + escape(title) +
-         "</title><meta name=\"viewport\" content=\"width=device-width\"><style>" + kStyle +
-         "</style></head>\n<body>\n" + body + "</body></html>\n";
+  return fmt::format(fmt::runtime(embedded::page_html), fmt::arg("title", escape_markup(title)),
+                     fmt::arg("style", embedded::page_css), fmt::arg("body", body));
 }
 
 }  // namespace swiftlet::sim::html

@@ -8,9 +8,6 @@
 /// The little HTML that reports are made of: one file, no scripts, no network.
 namespace swiftlet::sim::html {
 
-/// Text with its special characters escaped.
-std::string escape(const std::string& text);
-
 /// Four significant digits, or all before the point; a dash for what was not measured.
 std::string number(double value);
 

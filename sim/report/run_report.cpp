@@ -8,10 +8,11 @@
 #include <set>
 #include <sstream>
 
+#include "sim/io/files.hpp"
+#include "sim/io/text.hpp"
+#include "sim/plot/plot.hpp"
 #include "sim/report/html.hpp"
-#include "sim/report/plot.hpp"
 #include "sim/report/time_series.hpp"
-#include "sim/run/run_directory.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
@@ -33,10 +34,10 @@ Json read_json(const fs::path& file) {
 }
 
 std::string text_of(const Json& value) {
-  if (value.is_string()) return html::escape(value.get<std::string>());
+  if (value.is_string()) return escape_markup(value.get<std::string>());
   if (value.is_number_integer() || value.is_number_unsigned()) return value.dump();
   if (value.is_number()) return html::number(value.get<double>());
-  return value.is_null() ? "–" : html::escape(value.dump());
+  return value.is_null() ? "–" : escape_markup(value.dump());
 }
 
 std::string text_at(const Json& json, const char* key) { return json.contains(key) ? text_of(json[key]) : "–"; }
@@ -55,19 +56,19 @@ std::string metrics_section(const Json& summary) {
   const Json metrics = summary.value("metrics", Json::object());
   html::Table of_run({"of the run", ""});
   const Json run = metrics.value("run", Json::object());
-  for (const auto& [name, value] : run.items()) of_run.add({html::escape(name), text_of(value)});
+  for (const auto& [name, value] : run.items()) of_run.add({escape_markup(name), text_of(value)});
   const Json vehicles = metrics.value("vehicles", Json::object());
   std::vector<std::string> head = {"of each vehicle"};
   std::vector<std::string> names;
   for (const auto& [vehicle, own] : vehicles.items()) {
-    head.push_back(html::escape(vehicle));
+    head.push_back(escape_markup(vehicle));
     for (const auto& [name, value] : own.items()) {
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     }
   }
   html::Table of_vehicles(head);
   for (const std::string& name : names) {
-    std::vector<std::string> cells = {html::escape(name)};
+    std::vector<std::string> cells = {escape_markup(name)};
     for (const auto& [vehicle, own] : vehicles.items()) cells.push_back(own.contains(name) ? text_of(own[name]) : "–");
     of_vehicles.add(std::move(cells));
   }
@@ -164,8 +165,8 @@ std::string pictures_section(const fs::path& directory) {
   std::size_t count = 0;
   for (const std::string& picture : pictures) {
     if (++count > kMostPictures) break;
-    text += "<figure><a href=\"" + html::escape(picture) + "\"><img width=\"540\" loading=\"lazy\" src=\"" +
-            html::escape(picture) + "\" alt=\"\"></a><figcaption>" + html::escape(fs::path(picture).stem().string()) +
+    text += "<figure><a href=\"" + escape_markup(picture) + "\"><img width=\"540\" loading=\"lazy\" src=\"" +
+            escape_markup(picture) + "\" alt=\"\"></a><figcaption>" + escape_markup(fs::path(picture).stem().string()) +
             "</figcaption></figure>\n";
   }
   return html::section("Pictures", text);
@@ -187,7 +188,7 @@ std::string stages_section(const Json& summary) {
     const double s = wall_s.get<double>();
     panel.x.categories.push_back(stage);
     heights.push_back(s);
-    rows.add({html::escape(stage), html::number(s), sum_s > 0.0 ? html::number(100.0 * s / sum_s) + " %" : "–",
+    rows.add({escape_markup(stage), html::number(s), sum_s > 0.0 ? html::number(100.0 * s / sum_s) + " %" : "–",
               simulated_s > 0.0 ? html::number(1e3 * s / simulated_s) : "–"});
   }
   panel.bars("", heights);
@@ -210,7 +211,7 @@ std::string scenario_section(const fs::path& directory) {
   std::ostringstream text;
   text << stream.rdbuf();
   return html::section("Scenario, with every default",
-                       html::folded("scenario.yaml", "<pre>" + html::escape(text.str()) + "</pre>"));
+                       html::folded("scenario.yaml", "<pre>" + escape_markup(text.str()) + "</pre>"));
 }
 
 }  // namespace

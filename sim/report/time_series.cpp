@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const double kNaN = std::nan("");
+const double kNotThere = std::nan("");
 
 std::vector<std::string_view> split(std::string_view line, char separator) {
   std::vector<std::string_view> words;
@@ -27,9 +27,9 @@ std::vector<std::string_view> split(std::string_view line, char separator) {
 }
 
 double number(std::string_view word) {
-  double value = kNaN;
+  double value = kNotThere;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size() ? value : kNaN;
+  return error == std::errc() && end == word.data() + word.size() ? value : kNotThere;
 }
 
 /// Distance between two sets of three columns; empty when one is missing.
@@ -76,10 +76,10 @@ VehicleSeries from_csv(const fs::path& file, std::size_t most) {
 double at(const NumberTable& table, const std::vector<double>& values, double t_s) {
   const std::vector<double>& t = table.columns.front();
   const auto after = std::lower_bound(t.begin(), t.end(), t_s);
-  if (after == t.end()) return kNaN;
+  if (after == t.end()) return kNotThere;
   const auto i = static_cast<std::size_t>(after - t.begin());
   if (*after == t_s) return values[i];
-  if (i == 0) return kNaN;
+  if (i == 0) return kNotThere;
   const double part = (t_s - t[i - 1]) / (t[i] - t[i - 1]);
   return values[i - 1] + part * (values[i] - values[i - 1]);
 }
@@ -88,7 +88,7 @@ VehicleSeries from_tum(const fs::path& truth_file, const fs::path& estimate_file
   VehicleSeries series;
   add_position(series, read_number_table(truth_file, ' ', most));
   const std::size_t n = series.t_s.size();
-  series.speed_mps.assign(n, kNaN);
+  series.speed_mps.assign(n, kNotThere);
   for (std::size_t i = 1; i < n; ++i) {
     const double length_m = std::hypot(series.x_m[i] - series.x_m[i - 1], series.y_m[i] - series.y_m[i - 1],
                                        series.z_m[i] - series.z_m[i - 1]);
@@ -143,7 +143,7 @@ NumberTable read_number_table(const fs::path& file, char separator, std::size_t 
   for (std::size_t i = 0; i < lines.size(); i += stride) {
     const auto words = split(lines[i], separator);
     for (std::size_t c = 0; c < table.columns.size(); ++c)
-      table.columns[c].push_back(c < words.size() ? number(words[c]) : kNaN);
+      table.columns[c].push_back(c < words.size() ? number(words[c]) : kNotThere);
   }
   return table;
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/run/build.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "core/agent/registry.hpp"
 #include "core/agent/stack.hpp"
@@ -14,6 +15,7 @@
 #include "sim/run/prior_map.hpp"
 #include "sim/sensors/neighbors.hpp"
 #include "sim/sensors/pose.hpp"
+#include "sim/world/world.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
@@ -25,11 +27,7 @@ std::string place_of(const VehicleConfig& vehicle) {
 }
 
 /// Centimeters are enough for a start.
-std::string meters(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  return std::string(text) + " m";
-}
+std::string meters(double value) { return fmt::format("{:.2f} m", value); }
 
 // Height of the ground or floor under (x, y): the first such surface that a ray from the sky meets, crowns and roofs
 // let through.
@@ -119,10 +117,27 @@ Module ideal_neighbors() {
 
 }  // namespace
 
+World build_world(const Module& config, std::uint64_t seed) {
+  auto scene = std::make_shared<const Scene>(make_world(config, seed));
+  return {scene, std::make_shared<const StaticScene>(*scene)};
+}
+
 std::vector<std::string> vehicle_names(const Scenario& scenario) {
   std::vector<std::string> names;
   for (const VehicleConfig& vehicle : scenario.vehicles) names.push_back(vehicle.name);
   return names;
+}
+
+RunInfo make_run_info(const Scenario& scenario, const World& world) {
+  RunInfo info;
+  info.scenario = &scenario;
+  info.scene = world.scene.get();
+  info.vehicle_names = vehicle_names(scenario);
+  for (const VehicleConfig& vehicle : scenario.vehicles) {
+    info.airframes.push_back(&vehicle.airframe);
+    info.vehicle_shapes.push_back(std::make_shared<const VehicleShape>(make_vehicle_shape(vehicle.airframe)));
+  }
+  return info;
 }
 
 std::vector<PhysicsVehicle> make_physics_vehicles(const Scenario& scenario, const StaticScene& world) {
@@ -133,14 +148,6 @@ std::vector<PhysicsVehicle> make_physics_vehicles(const Scenario& scenario, cons
   require_apart(scenario, vehicles);
   require_room(scenario, vehicles, world);
   return vehicles;
-}
-
-std::vector<std::shared_ptr<const VehicleShape>> make_vehicle_shapes(const Scenario& scenario) {
-  std::vector<std::shared_ptr<const VehicleShape>> shapes;
-  for (const VehicleConfig& vehicle : scenario.vehicles) {
-    shapes.push_back(std::make_shared<const VehicleShape>(make_vehicle_shape(vehicle.airframe)));
-  }
-  return shapes;
 }
 
 std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(

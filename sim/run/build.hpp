@@ -18,11 +18,12 @@ namespace swiftlet::sim {
 
 std::vector<std::string> vehicle_names(const Scenario& scenario);
 
+/// What stays the same during a run. It points into the scenario and the world.
+RunInfo make_run_info(const Scenario& scenario, const World& world);
+
 /// True states at the start. Throws InputError when a vehicle starts inside another one or above nothing although
 /// `above_ground` is set.
 std::vector<PhysicsVehicle> make_physics_vehicles(const Scenario& scenario, const StaticScene& world);
-
-std::vector<std::shared_ptr<const VehicleShape>> make_vehicle_shapes(const Scenario& scenario);
 
 /// By vehicle, in the order of the scenario. A vehicle whose agent asks for `localization: ground_truth` and has no
 /// `pose` sensor gets a perfect one: the only way that truth reaches an agent.

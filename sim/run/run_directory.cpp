@@ -6,8 +6,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 
 #include "swiftlet/sim/errors.hpp"
 
@@ -75,27 +73,6 @@ void RunDirectory::commit() {
   committed_ = true;
   std::error_code ignored;
   fs::remove_all(aside, ignored);
-}
-
-void make_directory(const fs::path& path) {
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (!error) return;
-  throw InputError(path.string() + ": expected a directory that can be made, found: " + error.message());
-}
-
-void write_file(const fs::path& path, const std::string& content) {
-  const fs::path partial = path.string() + ".part";
-  std::ofstream out(partial, std::ios::binary | std::ios::trunc);
-  out.write(content.data(), static_cast<std::streamsize>(content.size()));
-  out.close();
-  std::error_code error;
-  if (out) fs::rename(partial, path, error);
-  if (!out || error) {
-    const std::string reason = error ? error.message() : std::strerror(errno);
-    fs::remove(partial, error);
-    throw std::runtime_error(path.string() + ": cannot be written: " + reason);
-  }
 }
 
 }  // namespace swiftlet::sim

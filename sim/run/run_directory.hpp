@@ -28,10 +28,4 @@ class RunDirectory {
   bool committed_ = false;
 };
 
-/// Makes the directory and those above it where they are missing. Throws InputError with path and reason.
-void make_directory(const std::filesystem::path& path);
-
-/// Writes a whole file under a temporary name and renames it. Throws std::runtime_error with path and reason.
-void write_file(const std::filesystem::path& path, const std::string& content);
-
 }  // namespace swiftlet::sim

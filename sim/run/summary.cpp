@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/run/summary.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <cinttypes>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "sim/io/text.hpp"
 #include "sim/run/version.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string hash_text(std::uint64_t hash) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016" PRIx64, hash);
-  return text;
-}
 
 // JSON has no NaN: not measured is null.
 Json value_of(const MetricRow& row) {
@@ -75,9 +70,8 @@ Json radio_json(const RunSummary& summary) {
 std::string number_text(const MetricRow& row) {
   if (!row.text.empty()) return row.text;
   if (!std::isfinite(row.value)) return "-";
-  char text[32];
-  std::snprintf(text, sizeof text, std::abs(row.value) < 1e-3 && row.value != 0.0 ? "%.1e" : "%.3f", row.value);
-  return text;
+  const bool tiny = std::abs(row.value) < 1e-3 && row.value != 0.0;
+  return tiny ? fmt::format("{:.1e}", row.value) : fmt::format("{:.3f}", row.value);
 }
 
 // Metrics as a table: a row for each metric, a column for each vehicle (at most a screen's width of them).
@@ -120,7 +114,7 @@ std::string to_json(const RunSummary& s) {
   const Json json = {{"scenario", s.scenario},
                      {"seed", s.seed},
                      {"outcome", s.outcome},
-                     {"state_hash", hash_text(s.state_hash)},
+                     {"state_hash", hex64(s.state_hash)},
                      {"version", version()},
                      {"git_revision", git_revision()},
                      {"threads", s.threads},
@@ -136,17 +130,12 @@ std::string to_json(const RunSummary& s) {
 }
 
 std::string to_text(const RunSummary& s) {
-  char line[256];
-  std::snprintf(line, sizeof line, "%s, seed %" PRIu64 ": %s\n", s.scenario.c_str(), s.seed, s.outcome.c_str());
-  std::string out = line;
-  std::snprintf(line, sizeof line, "  %.1f s flown in %.1f s (%.1f x real time) after %.1f s of set-up, state hash %s\n",
-                s.simulated_s, s.wall_s, s.real_time_factor(), s.setup_wall_s, hash_text(s.state_hash).c_str());
-  out += line;
-  out += "  wall time:";
-  for (const auto& [stage, wall_s] : s.stage_wall_s) {
-    std::snprintf(line, sizeof line, " %s %.1f s", stage.c_str(), wall_s);
-    out += line;
-  }
+  std::string out = fmt::format(
+      "{}, seed {}: {}\n  {:.1f} s flown in {:.1f} s ({:.1f} x real time) after {:.1f} s of set-up, state hash {}\n"
+      "  wall time:",
+      s.scenario, s.seed, s.outcome, s.simulated_s, s.wall_s, s.real_time_factor(), s.setup_wall_s,
+      hex64(s.state_hash));
+  for (const auto& [stage, wall_s] : s.stage_wall_s) out += fmt::format(" {} {:.1f} s", stage, wall_s);
   out += "\n";
   for (const MetricRow& row : s.metrics.rows()) {
     if (row.vehicle.empty() && row.name != "outcome") out += "  " + row.name + ": " + number_text(row) + "\n";

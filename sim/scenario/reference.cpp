@@ -42,10 +42,10 @@ std::pair<std::string_view, std::string_view> unit_and_meaning(std::string_view 
 
 std::string range_text(const Range& range) {
   const bool below = std::isfinite(range.min), above = std::isfinite(range.max);
-  const std::string least = (range.min_excluded ? "> " : ">= ") + shortest(range.min);
-  const std::string most = (range.max_excluded ? "< " : "<= ") + shortest(range.max);
+  const std::string least = (range.min_excluded ? "> " : ">= ") + yaml_number(range.min);
+  const std::string most = (range.max_excluded ? "< " : "<= ") + yaml_number(range.max);
   if (below && above && !range.min_excluded && !range.max_excluded) {
-    return shortest(range.min) + " to " + shortest(range.max);
+    return yaml_number(range.min) + " to " + yaml_number(range.max);
   }
   return below && above ? least + ", " + most : below ? least : above ? most : "";
 }
@@ -62,7 +62,7 @@ std::string list_text(const Values& values, const ToText& to_text) {
   return "[" + text + "]";
 }
 
-std::string vector_text(const Eigen::Vector3d& value) { return list_text(value, shortest); }
+std::string vector_text(const Eigen::Vector3d& value) { return list_text(value, yaml_number); }
 
 /// One table; modules are not entered but noted.
 class TableVisitor final : public ConfigVisitor {
@@ -82,17 +82,17 @@ class TableVisitor final : public ConfigVisitor {
     row(key, "whole number", std::to_string(value), ">= 0", doc);
   }
   void field(const char* key, double& value, const char* doc, Range range) override {
-    row(key, "number", shortest(value), range_text(range), doc);
+    row(key, "number", yaml_number(value), range_text(range), doc);
   }
   void field(const char* key, std::string& value, const char* doc) override { row(key, "text", text(value), "", doc); }
   void field(const char* key, Eigen::Vector2d& value, const char* doc, Range range) override {
-    row(key, "2 numbers", list_text(value, shortest), range_text(range), doc);
+    row(key, "2 numbers", list_text(value, yaml_number), range_text(range), doc);
   }
   void field(const char* key, Eigen::Vector3d& value, const char* doc, Range range) override {
     row(key, "3 numbers", vector_text(value), range_text(range), doc);
   }
   void field(const char* key, std::vector<double>& value, const char* doc, Range range) override {
-    row(key, "list of numbers", list_text(value, shortest), range_text(range), doc);
+    row(key, "list of numbers", list_text(value, yaml_number), range_text(range), doc);
   }
   void field(const char* key, std::vector<std::string>& value, const char* doc) override {
     row(key, "list of texts", list_text(value, text), "", doc);

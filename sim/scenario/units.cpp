@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/io/text.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -106,12 +108,10 @@ std::optional<Quantity> parse_quantity(std::string_view text) {
   return Quantity{value, text};
 }
 
-std::string shortest(double value) {
+std::string yaml_number(double value) {
   if (std::isnan(value)) return ".nan";
   if (std::isinf(value)) return value > 0.0 ? ".inf" : "-.inf";
-  char buffer[32];
-  const auto result = std::to_chars(buffer, buffer + sizeof(buffer), value);
-  return std::string(buffer, result.ptr);
+  return shortest(value);
 }
 
 }  // namespace swiftlet::sim

@@ -31,7 +31,7 @@ struct Quantity {
 };
 std::optional<Quantity> parse_quantity(std::string_view text);
 
-/// Shortest text that parses back to the same double.
-std::string shortest(double value);
+/// The shortest text that YAML parses back to the same double.
+std::string yaml_number(double value);
 
 }  // namespace swiftlet::sim

@@ -29,11 +29,11 @@ constexpr std::size_t kMaxObjects = 100'000;
 std::string phrase(const Range& range, const std::string& number = "a number") {
   const bool below = std::isfinite(range.min), above = std::isfinite(range.max);
   if (below && above) {
-    return number + " in " + (range.min_excluded ? "(" : "[") + shortest(range.min) + ", " + shortest(range.max) +
+    return number + " in " + (range.min_excluded ? "(" : "[") + yaml_number(range.min) + ", " + yaml_number(range.max) +
            (range.max_excluded ? ")" : "]");
   }
-  if (below) return number + (range.min_excluded ? " > " : " >= ") + shortest(range.min);
-  if (above) return number + (range.max_excluded ? " < " : " <= ") + shortest(range.max);
+  if (below) return number + (range.min_excluded ? " > " : " >= ") + yaml_number(range.min);
+  if (above) return number + (range.max_excluded ? " < " : " <= ") + yaml_number(range.max);
   return number;
 }
 
@@ -56,7 +56,7 @@ Node scalar_node(const std::string& text, const Place& place) {
   return node;
 }
 
-Node to_node(double value, const Place& place) { return scalar_node(shortest(value), place); }
+Node to_node(double value, const Place& place) { return scalar_node(yaml_number(value), place); }
 
 Node to_node(const std::string& value, const Place& place) {
   Node node = scalar_node(value, place);
@@ -140,7 +140,7 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
 
   void field(const char* key, double& value, const char*, Range range) override {
     if (const Node* node = take(key)) read_double(*node, key, key, value, range);
-    show(key, shortest(value));
+    show(key, yaml_number(value));
   }
 
   void field(const char* key, std::string& value, const char*) override {

@@ -2,7 +2,6 @@
 #include "sim/scenario/yaml_writer.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string_view>
 
 #include "sim/scenario/units.hpp"
@@ -44,7 +43,7 @@ std::string to_text(const std::string& text) {
   return quoted + "\"";
 }
 
-std::string to_text(double value) { return shortest(value); }
+std::string to_text(double value) { return yaml_number(value); }
 
 template <class Values>
 std::string flow(const Values& values) {

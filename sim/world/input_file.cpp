@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/world/input_file.hpp"
-#include "swiftlet/sim/errors.hpp"
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <fstream>
 #include <sstream>
+
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::uintmax_t kMaxFileBytes = 4ULL << 30;
 constexpr std::size_t kMaxHeaderBytes = 1 << 20;
 
 bool parse_type(const std::string& word, char& kind, int& size) {
@@ -75,22 +72,6 @@ void check_length(const fs::path& file, const PlyHeader& header, std::size_t con
 }
 
 }  // namespace
-
-std::string read_whole_file(const fs::path& file) {
-  errno = 0;
-  std::error_code error;
-  if (fs::is_directory(file, error)) throw InputError("cannot read " + file.string() + ": is a directory");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError("cannot read " + file.string() + ": " + std::strerror(errno));
-  const std::uintmax_t size = fs::file_size(file, error);
-  if (error) throw InputError("cannot read " + file.string() + ": " + error.message());
-  if (size > kMaxFileBytes) reject_file(file, "expected at most 4 GiB, found " + std::to_string(size) + " bytes");
-  std::string content(size, '\0');
-  stream.read(content.data(), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != size)
-    throw InputError("cannot read " + file.string() + ": it ends early");
-  return content;
-}
 
 void reject_file(const fs::path& file, const std::string& reason) { throw InputError(file.string() + ": " + reason); }
 

@@ -8,9 +8,6 @@
 /// Reading files that others wrote: everything that can be wrong with them ends in one clear line.
 namespace swiftlet::sim {
 
-/// The whole file. Throws InputError when it cannot be read or is too large.
-std::string read_whole_file(const std::filesystem::path& file);
-
 /// Throws InputError: "<file>: <reason>".
 [[noreturn]] void reject_file(const std::filesystem::path& file, const std::string& reason);
 

@@ -13,6 +13,7 @@
 #include <limits>
 #include <numbers>
 
+#include "sim/io/files.hpp"
 #include "sim/world/input_file.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/errors.hpp"

@@ -10,6 +10,7 @@
 #include <optional>
 #include <sstream>
 
+#include "sim/io/files.hpp"
 #include "sim/world/input_file.hpp"
 
 namespace swiftlet::sim {

@@ -23,7 +23,7 @@ using testing::HasSubstr;
 void expect_reproduced(const std::string& name, bool quick) {
   const TemporaryDirectory directory;
   const ExperimentType& type = experiment_type(name);
-  Experiment experiment({.directory = directory.path(), .jobs = 2, .quick = quick});
+  Experiment experiment({.name = name, .directory = directory.path(), .jobs = 2, .quick = quick});
   type.run(experiment);
   EXPECT_FALSE(experiment.rows().empty());
   for (const ResultRow& row : experiment.rows()) {
@@ -36,18 +36,22 @@ void expect_reproduced(const std::string& name, bool quick) {
 }
 
 TEST(Experiments, VerdictsFollowTheTolerance) {
-  Experiment experiment({});
-  experiment.within("a", 100.0, 120.0, 0.25, 3);
-  experiment.within("b", 100.0, 130.0, 0.25, 3);
-  experiment.at_most("c", "-", 2.0, 1.9, 2);
-  experiment.at_least("d", "-", 2.0, 1.9, 2);
-  experiment.claim("e", "holds", "holds", true);
+  Experiment experiment({.name = "rbl-real"});
+  const std::string length = "aggressive: L [m]";  // published: 35.56
+  experiment.within(length, 35.56 * 1.2, 0.25, 3);
+  experiment.within(length, 35.56 * 1.3, 0.25, 3);
+  experiment.at_most("c", 2.0, 1.9, 2);
+  experiment.at_least("d", 2.0, 1.9, 2);
+  experiment.claim("e", "holds", true);
   const auto& rows = experiment.rows();
   EXPECT_EQ(rows[0].verdict, Verdict::kReproduced);
   EXPECT_EQ(rows[1].verdict, Verdict::kDiffers);
   EXPECT_EQ(rows[2].verdict, Verdict::kDiffers);
   EXPECT_EQ(rows[3].verdict, Verdict::kReproduced);
   EXPECT_EQ(rows[4].verdict, Verdict::kReproduced);
+  EXPECT_EQ(rows[0].published, "35.56");
+  EXPECT_EQ(rows[2].published, "-");
+  EXPECT_THROW(experiment.within("c", 2.0, 0.1, 2), std::logic_error) << "nothing to compare with";
 }
 
 TEST(Experiments, NumbersAreShort) {
@@ -59,7 +63,7 @@ TEST(Experiments, NumbersAreShort) {
 
 TEST(Experiments, TablesEscapeBarsAndKeepTheNumber) {
   Experiment experiment({});
-  experiment.row({"P(x | y)", "1", "2", Verdict::kNotComparable, "", 2.0});
+  experiment.row({"P(x | y)", "2", Verdict::kNotComparable, "", 2.0});
   const ExperimentType type{"name", "doc", 1.0, nullptr};
   EXPECT_THAT(to_markdown(type, experiment), HasSubstr("P(x \\| y)"));
   EXPECT_THAT(to_json(type, experiment), HasSubstr("\"value\": 2.0"));

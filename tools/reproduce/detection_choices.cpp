@@ -60,7 +60,7 @@ void detection_choices(Experiment& experiment) {
     csv.row(kReadings[i].name, {recall[i], precision[i], false_per_min[i], error[i], track_recall[i], false_tracks[i]});
     panel.x.categories.emplace_back(kReadings[i].name);
     experiment.row(
-        {kReadings[i].name, "-",
+        {kReadings[i].name,
          fmt::format("recall {:.3f}, precision {:.3f}, {:.0f} false a minute, error {:.3f} m", recall[i], precision[i],
                      false_per_min[i], error[i]),
          Verdict::kNotComparable,

@@ -107,20 +107,20 @@ void expected_error(Experiment& experiment) {
   experiment.write("monte-carlo.csv", csv);
 
   for (const double sigma_rad : {0.05, 0.5}) {
-    experiment.at_most(fmt::format("range at which 2 m are expected, sigma_rad {:g} [m]", sigma_rad), "tens of meters",
+    experiment.at_most(fmt::format("range at which 2 m are expected, sigma_rad {:g} [m]", sigma_rad),
                        range_of_error_m(2.0, noise_of(0.01, sigma_rad)), 50.0, 3);
   }
   experiment.at_most(fmt::format("expected error against {:.0e} samples [standard errors]", static_cast<double>(count)),
-                     "-", standard_errors, 4.0, 2, "exact mean of the normal approximation, worst of 27 combinations");
-  experiment.at_most("Nakagami's mean against the exact one [share]", "-", nakagami, 0.01, 2,
+                     standard_errors, 4.0, 2, "exact mean of the normal approximation, worst of 27 combinations");
+  experiment.at_most("Nakagami's mean against the exact one [share]", nakagami, 0.01, 2,
                      "the price of eqs. 61 to 63, worst of 27");
   for (std::size_t i_rad = 0; i_rad < 3; ++i_rad) {
     const bool small = kSigma_rad[i_rad] < 0.4;
     const std::string what = fmt::format("linearized against true mean, sigma_rad {:g} [share]", kSigma_rad[i_rad]);
     if (small) {
-      experiment.at_most(what, "-", linearization[i_rad], 0.01, 2);
+      experiment.at_most(what, linearization[i_rad], 0.01, 2);
     } else {
-      experiment.row({what, "-", short_number(linearization[i_rad], 2), Verdict::kNotComparable,
+      experiment.row({what, short_number(linearization[i_rad], 2), Verdict::kNotComparable,
                       "half a radian is no small angle: the linearized error is too large by this",
                       linearization[i_rad]});
     }

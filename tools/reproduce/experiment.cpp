@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "flight_log.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
 #include "sim/run/version.hpp"
 #include "sim/scenario/suggest.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -20,11 +20,8 @@ namespace {
 
 std::string field(double value) { return std::isnan(value) ? std::string() : fmt::format("{}", value); }
 
-ResultRow number_row(const std::string& what, std::string published, double ours, int digits, bool holds,
-                     const std::string& note) {
-  return {
-      what, std::move(published), short_number(ours, digits), holds ? Verdict::kReproduced : Verdict::kDiffers, note,
-      ours};
+ResultRow number_row(const std::string& what, double ours, int digits, bool holds, const std::string& note) {
+  return {what, short_number(ours, digits), holds ? Verdict::kReproduced : Verdict::kDiffers, note, ours};
 }
 
 // A bar would end the cell.
@@ -97,26 +94,32 @@ void Experiment::progress(double done, const std::string& note) const {
   if (options_.progress) options_.progress(done, note);
 }
 
-void Experiment::within(const std::string& what, double published, double ours, double tolerance, int digits,
-                        const std::string& note) {
-  const bool holds = std::abs(ours - published) <= tolerance * std::abs(published);
-  row(number_row(what, short_number(published, digits), ours, digits, holds, note));
+const PublishedFigure& Experiment::published(const std::string& what) const {
+  const PublishedFigure* figure = find_published(options_.name, what);
+  if (figure == nullptr) throw std::logic_error("published.csv has nothing for " + options_.name + ": " + what);
+  return *figure;
 }
 
-void Experiment::at_most(const std::string& what, const std::string& published, double ours, double limit, int digits,
-                         const std::string& note) {
-  row(number_row(what, published, ours, digits, ours <= limit, note));
+void Experiment::row(ResultRow row) {
+  if (const PublishedFigure* figure = find_published(options_.name, row.what)) row.published = figure->text;
+  rows_.push_back(std::move(row));
 }
 
-void Experiment::at_least(const std::string& what, const std::string& published, double ours, double limit, int digits,
-                          const std::string& note) {
-  row(number_row(what, published, ours, digits, ours >= limit, note));
+void Experiment::within(const std::string& what, double ours, double tolerance, int digits, const std::string& note) {
+  const double wanted = published(what).value;
+  row(number_row(what, ours, digits, std::abs(ours - wanted) <= tolerance * std::abs(wanted), note));
 }
 
-void Experiment::claim(const std::string& what, const std::string& published, const std::string& ours, bool holds,
-                       const std::string& note) {
-  row({what, published, ours, holds ? Verdict::kReproduced : Verdict::kDiffers, note,
-       std::numeric_limits<double>::quiet_NaN()});
+void Experiment::at_most(const std::string& what, double ours, double limit, int digits, const std::string& note) {
+  row(number_row(what, ours, digits, ours <= limit, note));
+}
+
+void Experiment::at_least(const std::string& what, double ours, double limit, int digits, const std::string& note) {
+  row(number_row(what, ours, digits, ours >= limit, note));
+}
+
+void Experiment::claim(const std::string& what, const std::string& ours, bool holds, const std::string& note) {
+  row({what, ours, holds ? Verdict::kReproduced : Verdict::kDiffers, note, std::numeric_limits<double>::quiet_NaN()});
 }
 
 void Experiment::write(const std::string& file, const CsvTable& table) { write(file, table.text()); }

@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/report/plot.hpp"
+#include "published.hpp"
+#include "sim/plot/plot.hpp"
 
 /// Experiments of the literature, flown or computed again: one file each in this folder, one row each in registry.cpp.
 namespace swiftlet::tools {
@@ -24,15 +25,16 @@ const char* name_of(Verdict verdict);
 
 /// One line of the table published | ours | verdict.
 struct ResultRow {
-  std::string what;       ///< with its unit: "mean position error at 10 m [m]"
-  std::string published;  ///< as printed, or "-"
+  std::string what;  ///< with its unit: "mean position error at 10 m [m]"
   std::string ours;
   Verdict verdict = Verdict::kNotComparable;
   std::string note;
-  double value = 0.0;  ///< ours as a number, for programs; NaN: none
+  double value = 0.0;           ///< ours as a number, for programs; NaN: none
+  std::string published = "-";  ///< as printed; the experiment fills it in from published.csv
 };
 
 struct ExperimentOptions {
+  std::string name = {};                 ///< under which published.csv knows the experiment
   std::filesystem::path directory = {};  ///< where the experiment writes; exists
   int jobs = 1;                          ///< runs at a time
   std::optional<int> repetitions = {};   ///< instead of the experiment's own number
@@ -73,19 +75,18 @@ class Experiment {
   /// nullptr: nothing is to be kept (no directory). Throws std::runtime_error when it cannot be written.
   FlightLog* flight_log() const;
 
-  /// Any row.
-  void row(ResultRow row) { rows_.push_back(std::move(row)); }
+  /// What was published for the row `what`. Throws std::logic_error when nothing was.
+  const PublishedFigure& published(const std::string& what) const;
+
+  /// Any row. What was published stands in the table published.csv, here and below.
+  void row(ResultRow row);
   /// Reproduced when |ours - published| <= tolerance * |published|.
-  void within(const std::string& what, double published, double ours, double tolerance, int digits,
-              const std::string& note = {});
-  /// Reproduced when ours is within the limit; `published` is what stands in the table.
-  void at_most(const std::string& what, const std::string& published, double ours, double limit, int digits,
-               const std::string& note = {});
-  void at_least(const std::string& what, const std::string& published, double ours, double limit, int digits,
-                const std::string& note = {});
+  void within(const std::string& what, double ours, double tolerance, int digits, const std::string& note = {});
+  /// Reproduced when ours is within the limit.
+  void at_most(const std::string& what, double ours, double limit, int digits, const std::string& note = {});
+  void at_least(const std::string& what, double ours, double limit, int digits, const std::string& note = {});
   /// A statement that came out or did not.
-  void claim(const std::string& what, const std::string& published, const std::string& ours, bool holds,
-             const std::string& note = {});
+  void claim(const std::string& what, const std::string& ours, bool holds, const std::string& note = {});
 
   void write(const std::string& file, const CsvTable& table);
   void write(const std::string& file, const sim::plot::Figure& figure);

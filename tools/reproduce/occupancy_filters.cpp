@@ -184,10 +184,10 @@ void occupancy_filters(Experiment& experiment) {
   const auto of_G = [](const Sample& sample) { return sample.G_state; };
   const auto of_L = [](const Sample& sample) { return sample.L_state; };
   const int confident_G = num_confident_occupied(samples, of_G), confident_L = num_confident_occupied(samples, of_L);
-  experiment.claim("scans in which G(v) is confident occupied", "never", std::to_string(confident_G), confident_G == 0);
-  experiment.claim("scans in which L(v) is confident occupied", "yes", std::to_string(confident_L), confident_L > 0);
+  experiment.claim("scans in which G(v) is confident occupied", std::to_string(confident_G), confident_G == 0);
+  experiment.claim("scans in which L(v) is confident occupied", std::to_string(confident_L), confident_L > 0);
   const double free_G_s = freed_after_s(samples, of_G), free_L_s = freed_after_s(samples, of_L);
-  experiment.claim("confident free again after it left: G(v) sooner than L(v)", "yes",
+  experiment.claim("confident free again after it left: G(v) sooner than L(v)",
                    fmt::format("{:.1f} s against {:.1f} s", free_G_s, free_L_s), free_G_s < free_L_s);
 }
 

@@ -9,7 +9,7 @@
 #include "core/guidance/rbl.hpp"
 #include "crossing.hpp"
 #include "experiments.hpp"
-#include "sim/report/plot.hpp"
+#include "sim/plot/plot.hpp"
 #include "sim/sensors/neighbors.hpp"
 
 namespace swiftlet::tools {
@@ -49,7 +49,7 @@ void draw(Experiment& experiment, const std::string& file, const std::string& ti
 }
 
 void add(Experiment& experiment, const std::string& what, double success, double least_m) {
-  experiment.row({what + ": success [-]", "-", fmt::format("{:.2f}", success), Verdict::kNotComparable,
+  experiment.row({what + ": success [-]", fmt::format("{:.2f}", success), Verdict::kNotComparable,
                   fmt::format("least distance {:.2f} m", least_m), success});
 }
 

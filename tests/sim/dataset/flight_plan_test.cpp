@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/planning/grid_search.hpp"
 #include "sim/dataset/free_space.hpp"
 #include "tests/support/test_scene.hpp"
 
@@ -36,37 +37,37 @@ TEST(FreeSpace, IsBetweenTheHeightsAndAwayFromSurfacesAndTheBorder) {
   EXPECT_TRUE(space.is_free(Vector3(1.1, 0, 3)));
   EXPECT_FALSE(space.is_free(Vector3(18.5, 0, 3)));
   EXPECT_TRUE(space.is_free(Vector3(0, 10, 3)));  // in the gap
-  EXPECT_FALSE(space.is_free(Vector3(-5, 0, 3), Vector3(5, 0, 3)));
-  EXPECT_TRUE(space.is_free(Vector3(-5, 10, 3), Vector3(5, 10, 3)));
+  EXPECT_FALSE(is_free_segment(space, Vector3(-5, 0, 3), Vector3(5, 0, 3)));
+  EXPECT_TRUE(is_free_segment(space, Vector3(-5, 10, 3), Vector3(5, 10, 3)));
 }
 
-TEST(FreeSpace, FindsTheWayThroughTheGap) {
+TEST(FreeSpace, HasAPathThroughTheGap) {
   const auto world = field_with_gap();
   const FreeSpace space = space_of(world);
   const Vector3 from(-10, -10, 3), to(10, -10, 3);
-  const std::vector<Vector3> way = space.find_way(from, to);
-  ASSERT_GE(way.size(), 3U);
-  EXPECT_EQ(way.front(), from);
-  EXPECT_EQ(way.back(), to);
+  const std::vector<Vector3> path = find_path(space, from, to).corners_world_m;
+  ASSERT_GE(path.size(), 3U);
+  EXPECT_EQ(path.front(), from);
+  EXPECT_EQ(path.back(), to);
   double length_m = 0.0;
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    length_m += (way[i] - way[i - 1]).norm();
-    EXPECT_TRUE(space.is_free(way[i])) << way[i].transpose();
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    length_m += (path[i] - path[i - 1]).norm();
+    EXPECT_TRUE(space.is_free(path[i])) << path[i].transpose();
   }
-  // The shortest way bends around the corner of the wall at (0, 8.5 + 0.8): 2 hypot(10, 19.3) = 43.5 m.
+  // The shortest path bends around the corner of the wall at (0, 8.5 + 0.8): 2 hypot(10, 19.3) = 43.5 m.
   EXPECT_GE(length_m, 43.4);
   EXPECT_LE(length_m, 46.5);
   EXPECT_TRUE(
-      std::any_of(way.begin(), way.end(), [](const Vector3& p) { return std::abs(p.x()) < 3.0 && p.y() > 8.0; }));
+      std::any_of(path.begin(), path.end(), [](const Vector3& p) { return std::abs(p.x()) < 3.0 && p.y() > 8.0; }));
 }
 
-TEST(FreeSpace, TellsWhenThereIsNoWay) {
+TEST(FreeSpace, HasNoPathThroughAWall) {
   TestScene scene;
   scene.add_wall({-20, -20, 0}, {20, -20, 0}, {20, 20, 0}, {-20, 20, 0}, SurfaceClass::kGround);
   scene.add_box({-0.2F, -20, 0}, {0.2F, 20, 8}, SurfaceClass::kWall);
   const FreeSpace space = space_of(std::make_shared<const StaticScene>(scene.scene()));
-  EXPECT_TRUE(space.find_way({-10, 0, 3}, {10, 0, 3}).empty());
-  EXPECT_TRUE(space.find_way({-10, 0, 3}, {0, 0, 3}).empty());
+  EXPECT_TRUE(find_path(space, {-10, 0, 3}, {10, 0, 3}).corners_world_m.empty());
+  EXPECT_TRUE(find_path(space, {-10, 0, 3}, {0, 0, 3}).corners_world_m.empty());
 }
 
 TEST(FreeSpace, IndoorsIsWhereWallsStandAllAroundTheDoorLeftOpen) {
@@ -86,46 +87,9 @@ TEST(FreeSpace, IndoorsIsWhereWallsStandAllAroundTheDoorLeftOpen) {
   EXPECT_FALSE(space.is_free(Vector3(0, 0, 7)));  // above the walls
   for (const Vector3& outside : {Vector3(14, 0, 3), Vector3(0, 14, 3), Vector3(-14, -14, 3), Vector3(12, 20, 3)}) {
     EXPECT_FALSE(space.is_free(outside)) << outside.transpose();
-    EXPECT_TRUE(space.find_way({0, 0, 3}, outside).empty());
+    EXPECT_TRUE(find_path(space, {0, 0, 3}, outside).corners_world_m.empty());
     EXPECT_TRUE(space_of(world).is_free(outside));  // where it is not asked for
   }
-}
-
-TEST(TimedWay, KeepsSpeedAndAccelerationOnItsWayRoundACorner) {
-  FlightConfig config;
-  config.acceleration_mps2 = 1.2;
-  const auto way = time_way({{0, 0, 3}, {12, 0, 3}, {12, 12, 4}}, 3.0, config, [](const Vector3&) { return true; });
-  ASSERT_TRUE(way.has_value());
-  const UniformSpline spline = way->spline();
-  double fastest = 0.0, hardest = 0.0, length_m = 0.0;
-  Vector3 last = spline.at(0.0).p_m;
-  for (double t_s = 0.0; t_s <= spline.duration_s(); t_s += 0.01) {
-    const auto state = spline.at(t_s);
-    fastest = std::max(fastest, state.v_mps.head<2>().norm());
-    hardest = std::max(hardest, state.a_mps2.head<2>().norm());
-    length_m += (state.p_m - last).norm();
-    last = state.p_m;
-  }
-  EXPECT_LE(fastest, 3.0 * 1.02);
-  EXPECT_GE(fastest, 2.5);
-  // Braking and turning at once, each within the limit.
-  EXPECT_LE(hardest, 1.2 * 1.7);
-  EXPECT_LT((spline.at(0.0).p_m - Vector3(0, 0, 3)).norm(), 1e-9);
-  EXPECT_LT((spline.at(1e9).p_m - Vector3(12, 12, 4)).norm(), 1e-9);
-  EXPECT_NEAR(length_m, 12.0 + std::hypot(12.0, 1.0), 1.0);  // the corner is rounded
-}
-
-TEST(TimedWay, LeastDistanceIsThatOfTheClosestApproach) {
-  TimedWay a, b;
-  for (int i = 0; i <= 50; ++i) {
-    a.control_points_m.emplace_back(0.4 * i, 0, 2);
-    b.control_points_m.emplace_back(20 - 0.4 * i, 1.5, 2);
-  }
-  EXPECT_NEAR(least_distance_m(a, b), 1.5, 1e-6);
-  // The second one waits at its start; the first comes by.
-  TimedWay still;
-  still.control_points_m = {{7.3, 0, 4.5}};
-  EXPECT_NEAR(least_distance_m(a, still), 2.5, 1e-3);
 }
 
 TEST(FlightPlan, TeamsStayClearOfWallsAndOfEachOtherAndComeNear) {
@@ -138,17 +102,17 @@ TEST(FlightPlan, TeamsStayClearOfWallsAndOfEachOtherAndComeNear) {
   constexpr double kDuration_s = 15.0;
   double nearest_of_all_m = 1e9;
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    const auto ways = plan_flight(config, world, radii_m, kDuration_s, seed, 0);
-    ASSERT_TRUE(ways.has_value());
-    ASSERT_EQ(ways->size(), 3U);
+    const auto paths = plan_flight(config, world, radii_m, kDuration_s, seed, 0);
+    ASSERT_TRUE(paths.has_value());
+    ASSERT_EQ(paths->size(), 3U);
     for (double t_s = 0.0; t_s <= kDuration_s; t_s += 0.02) {
       for (std::size_t i = 0; i < 3; ++i) {
-        const Vector3 p = (*ways)[i].spline().at(t_s).p_m;
+        const Vector3 p = (*paths)[i].spline().at(t_s).p_m;
         const auto surface = world->nearest(p, 10.0);
         const double clearance_m = (surface ? surface->distance_m : 10.0) - radii_m[i];
         EXPECT_GE(clearance_m, 0.5 * config.margin_m - 0.05) << "vehicle " << i << " at " << t_s;
         for (std::size_t j = 0; j < i; ++j) {
-          const double distance_m = (p - (*ways)[j].spline().at(t_s).p_m).norm();
+          const double distance_m = (p - (*paths)[j].spline().at(t_s).p_m).norm();
           EXPECT_GE(distance_m, config.separation_m - 1e-3);
           nearest_of_all_m = std::min(nearest_of_all_m, distance_m);
         }
@@ -156,10 +120,10 @@ TEST(FlightPlan, TeamsStayClearOfWallsAndOfEachOtherAndComeNear) {
     }
     const auto again = plan_flight(config, world, radii_m, kDuration_s, seed, 0);
     ASSERT_TRUE(again.has_value());
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ((*again)[i].control_points_m, (*ways)[i].control_points_m);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ((*again)[i].control_points_m, (*paths)[i].control_points_m);
     const auto other = plan_flight(config, world, radii_m, kDuration_s, seed, 1);
     ASSERT_TRUE(other.has_value());
-    EXPECT_NE((*other)[0].control_points_m, (*ways)[0].control_points_m);
+    EXPECT_NE((*other)[0].control_points_m, (*paths)[0].control_points_m);
   }
   EXPECT_LT(nearest_of_all_m, 6.0);
 }

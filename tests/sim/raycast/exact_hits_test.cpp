@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rule of sim/raycast/exact_hits.hpp against a search through all triangles, and under every instruction set that
+// The rule of sim/raycast/exact_hits_internal.hpp against a search through all triangles, and under every instruction set that
 // Embree can be told to use on this processor.
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 
 #include "core/math/random.hpp"
-#include "sim/raycast/exact_hits.hpp"
+#include "sim/raycast/exact_hits_internal.hpp"
 #include "sim/world/forest.hpp"
 
 namespace swiftlet::sim {

@@ -14,7 +14,6 @@
 #include "sim/recorders/ros_rows.hpp"
 #include "sim/recorders/ros_types.hpp"
 #include "sim/recorders/selection.hpp"
-#include "sim/recorders/text_row.hpp"
 #include "swiftlet/core/samples.hpp"
 #include "swiftlet/sim/errors.hpp"
 
@@ -53,23 +52,6 @@ TEST(Md5, IsThatOfTheRfc) {
   EXPECT_EQ(md5("message digest"), "f96b697d7cb7938d525a2f31aaf161d0");
   EXPECT_EQ(md5("12345678901234567890123456789012345678901234567890123456789012345678901234567890"),
             "57edf4a22be3c955ac49da2e2107b67a");
-}
-
-TEST(TextRow, WritesNumbersThatReadBackAsTheSameBits) {
-  for (const double value : {0.1, -1.0 / 3.0, 1e-300, 123456789.123456789, -0.0}) {
-    TextRow row(' ');
-    const double read = std::stod(std::string(row.add(value).line()));
-    EXPECT_EQ(std::signbit(read), std::signbit(value));
-    EXPECT_EQ(read, value);
-  }
-}
-
-TEST(TextRow, SeparatesValuesAndEndsWithoutABlank) {
-  TextRow row(' ');
-  row.add_seconds(1'000'000'001).add(Vector3(1, 2.5, -3)).add(7).add(std::string_view("word"));
-  EXPECT_EQ(row.line(), "1.000000001 1 2.5 -3 7 word\n");
-  row.clear();
-  EXPECT_EQ(row.add_seconds(-500'000'000).line(), "-0.500000000\n");
 }
 
 TEST(RateGate, OpensOnceAPeriodWhateverTheTick) {

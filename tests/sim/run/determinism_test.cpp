@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/agent/registry.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
 #include "sim/run/summary.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/simulation.hpp"

@@ -8,7 +8,7 @@
 
 #include "core/agent/stack.hpp"
 #include "core/guidance/agile.hpp"
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
 #include "sim/world/vehicle_state.hpp"
 #include "swiftlet/sim/simulation.hpp"
 #include "tests/support/temporary_directory.hpp"

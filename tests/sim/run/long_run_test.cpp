@@ -9,7 +9,7 @@
 #include <limits>
 #include <string>
 
-#include "sim/run/run_directory.hpp"
+#include "sim/io/files.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/simulation.hpp"
 #include "tests/support/allocation_counter.hpp"

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/io/files.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -57,15 +58,6 @@ TEST_F(RunDirectoryTest, RemovesWhatAKilledRunLeftBehind) {
   fs::create_directories(root_ / ".a.partial-999999999");  // no process has this number
   RunDirectory run(root_ / "a");
   EXPECT_FALSE(fs::exists(root_ / ".a.partial-999999999"));
-}
-
-TEST_F(RunDirectoryTest, WriteFileTellsPathAndReason) {
-  try {
-    write_file("/dev/full/x", "content");
-    FAIL() << "expected an error";
-  } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("/dev/full/x"), std::string::npos) << error.what();
-  }
 }
 
 }  // namespace

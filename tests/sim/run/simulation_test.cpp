@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/io/files.hpp"
 #include "sim/raycast/ray_scene.hpp"
-#include "sim/run/run_directory.hpp"
 #include "sim/run/summary.hpp"
 #include "sim/world/vehicle_state.hpp"
 #include "swiftlet/sim/errors.hpp"

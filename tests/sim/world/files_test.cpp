@@ -172,7 +172,7 @@ TEST_F(WorldFiles, ExportLeavesNothingHalfWritten) {
   EXPECT_THROW(export_world(scene, folder_ / "missing" / "hall.ply"), std::runtime_error);
   EXPECT_TRUE(fs::is_empty(folder_));
   export_world(scene, folder_ / "hall.ply");
-  for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_NE(entry.path().extension(), ".partial");
+  for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_NE(entry.path().extension(), ".part");
 }
 
 TEST_F(WorldFiles, RulesGiveClassAndReflectivityByName) {

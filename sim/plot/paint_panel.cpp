@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/report/plot_series.hpp"
-#include "sim/report/plot_ticks.hpp"
+#include "sim/plot/series.hpp"
+#include "sim/plot/ticks.hpp"
 
 namespace swiftlet::sim::plot {
 namespace {

@@ -94,7 +94,7 @@ class Figure {
   void set_panel_size(double width_px, double height_px);
   Panel& add_panel(const std::string& title = {});
   std::string svg() const;
-  /// Under a temporary name, then renamed. Throws std::runtime_error with path and reason.
+  /// Makes missing folders. Throws std::runtime_error with path and reason.
   void write(const std::filesystem::path& path) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/report/plot.hpp"
+#include "sim/plot/plot.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "sim/recorders/output_file.hpp"
-#include "sim/report/plot_series.hpp"
+#include "sim/io/files.hpp"
+#include "sim/plot/series.hpp"
 
 namespace swiftlet::sim::plot {
 namespace {
@@ -199,10 +199,6 @@ std::string Figure::svg() const {
   return svg.finish();
 }
 
-void Figure::write(const std::filesystem::path& path) const {
-  OutputFile file(path);
-  file.append(svg());
-  file.finish();
-}
+void Figure::write(const std::filesystem::path& path) const { write_file(path, svg(), MissingFolders::kMade); }
 
 }  // namespace swiftlet::sim::plot

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/report/plot.hpp"
+#include "sim/plot/plot.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/report/plot_ticks.hpp"
+#include "sim/plot/ticks.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim::plot {

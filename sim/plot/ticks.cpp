@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/report/plot_ticks.hpp"
+#include "sim/plot/ticks.hpp"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 namespace swiftlet::sim::plot {
@@ -37,10 +38,7 @@ std::string decade_label(double mantissa, int exponent) {
 }  // namespace
 
 std::string number_text(double value, int decimals) {
-  std::array<char, 400> buffer{};
-  const auto result =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, decimals);
-  std::string text(buffer.data(), result.ptr);
+  std::string text = fmt::format("{:.{}f}", value, decimals);
   if (text.find('.') != std::string::npos) {
     text.erase(text.find_last_not_of('0') + 1);
     if (text.back() == '.') text.pop_back();

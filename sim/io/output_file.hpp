@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/io/files.hpp"
+
 namespace swiftlet::sim {
 
 /// A file that appears under its name only when it is complete: written as "NAME.part", renamed by finish().
@@ -15,8 +17,8 @@ namespace swiftlet::sim {
 class OutputFile {
  public:
   OutputFile() = default;
-  /// Creates missing folders.
-  explicit OutputFile(std::filesystem::path path, std::size_t buffer_bytes = 1 << 16);
+  explicit OutputFile(std::filesystem::path path, std::size_t buffer_bytes = 1 << 16,
+                      MissingFolders missing = MissingFolders::kMade);
   ~OutputFile();  ///< an unfinished file is removed
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&& other) noexcept;
@@ -27,16 +29,16 @@ class OutputFile {
   /// Overwrites what was appended before at that place (for headers that are known only at the end).
   void overwrite(std::uint64_t offset, std::span<const std::byte> bytes);
   std::uint64_t size() const { return written_ + buffer_.size(); }  ///< bytes appended so far
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return file_.destination(); }
   void finish();
 
  private:
-  void claim();
+  void claim(const std::filesystem::path& path);
   void flush();
   void write_all(std::span<const std::byte> bytes);
   void abandon() noexcept;
 
-  std::filesystem::path path_;
+  PartialFile file_;
   int descriptor_ = -1;
   std::uint64_t written_ = 0;
   std::size_t capacity_ = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/text_row.hpp"
+#include "sim/io/text_row.hpp"
 
-#include <charconv>
+#include "sim/io/text.hpp"
 
 namespace swiftlet::sim {
 
@@ -13,17 +13,13 @@ std::string listed(const std::vector<std::string>& words) {
 
 TextRow& TextRow::add(double value) {
   separate();
-  char digits[32];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-  text_.append(digits, end);
+  append_number(text_, value);
   return *this;
 }
 
 TextRow& TextRow::add_integer(std::int64_t value) {
   separate();
-  char digits[24];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-  text_.append(digits, end);
+  append_number(text_, value);
   return *this;
 }
 
@@ -37,13 +33,9 @@ TextRow& TextRow::add_seconds(TimeNs t) {
   separate();
   if (t < 0) text_.push_back('-');
   const std::uint64_t magnitude = t < 0 ? 0 - static_cast<std::uint64_t>(t) : static_cast<std::uint64_t>(t);
-  char digits[24];
-  auto end = std::to_chars(digits, digits + sizeof digits, magnitude / kNsPerSecond).ptr;
-  text_.append(digits, end);
-  end = std::to_chars(digits, digits + sizeof digits, magnitude % kNsPerSecond).ptr;
-  text_.push_back('.');
-  text_.append(9 - static_cast<std::size_t>(end - digits), '0');
-  text_.append(digits, end);
+  append_number(text_, magnitude / kNsPerSecond);
+  const std::string digits = shortest(magnitude % kNsPerSecond);
+  text_.append(".").append(9 - digits.size(), '0').append(digits);
   return *this;
 }
 

@@ -1,39 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/report/svg_writer.hpp"
+#include "sim/plot/svg_writer.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "sim/report/plot_ticks.hpp"
+#include "sim/io/text.hpp"
+#include "sim/plot/ticks.hpp"
 
 namespace swiftlet::sim::plot {
 namespace {
 
 std::string px(double value) { return number_text(value, 1); }
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        // Control characters are not allowed in XML at all.
-        if (static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n') out += c;
-    }
-  }
-  return out;
-}
 
 // The points [begin, end) lie in one pixel column: what is drawn of them is their first, extremes and last.
 void keep_column(const std::vector<PointPx>& points, std::size_t begin, std::size_t end, std::vector<PointPx>& out) {
@@ -81,7 +58,7 @@ SvgWriter::SvgWriter(double width_px, double height_px, std::string_view title) 
   const std::string size = px(width_px) + " " + px(height_px);
   out_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + px(width_px) + "\" height=\"" + px(height_px) +
          "\" viewBox=\"0 0 " + size + "\" font-family=\"DejaVu Sans, Verdana, Arial, sans-serif\" role=\"img\">\n";
-  if (!title.empty()) out_ += "<title>" + escaped(title) + "</title>\n";
+  if (!title.empty()) out_ += "<title>" + escape_markup(title) + "</title>\n";
   rect(0.0, 0.0, width_px, height_px, "fill=\"#fff\"");
 }
 
@@ -128,7 +105,7 @@ void SvgWriter::text(PointPx at, std::string_view content, double size_px, Ancho
   if (bold) out_ += " font-weight=\"bold\"";
   if (turn_deg != 0.0) out_ += " transform=\"rotate(" + px(turn_deg) + " " + px(at.x) + " " + px(at.y) + ")\"";
   out_ += '>';
-  out_ += escaped(content);
+  out_ += escape_markup(content);
   out_ += "</text>\n";
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/output_file.hpp"
+#include "sim/io/output_file.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -7,49 +7,38 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 namespace swiftlet::sim {
-namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& path, int error) {
-  throw std::runtime_error("cannot write " + path.string() + ": " + std::strerror(error));
-}
-
-std::filesystem::path part_of(const std::filesystem::path& path) { return path.string() + ".part"; }
-
-}  // namespace
-
-OutputFile::OutputFile(std::filesystem::path path, std::size_t buffer_bytes)
-    : path_(std::move(path)), capacity_(buffer_bytes) {
-  if (path_.has_parent_path()) {
+OutputFile::OutputFile(std::filesystem::path path, std::size_t buffer_bytes, MissingFolders missing)
+    : capacity_(buffer_bytes) {
+  if (missing == MissingFolders::kMade && path.has_parent_path()) {
     std::error_code error;
-    std::filesystem::create_directories(path_.parent_path(), error);
-    if (error) fail(path_, error.value());
+    std::filesystem::create_directories(path.parent_path(), error);
+    if (error) fail_to_write(path, error.message());
   }
-  descriptor_ = ::open(part_of(path_).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail(path_, errno);
+  const std::filesystem::path partial = path.string() + ".part";
+  descriptor_ = ::open(partial.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) fail_to_write(path, errno);
   try {
-    claim();
+    claim(path);
   } catch (...) {
     ::close(std::exchange(descriptor_, -1));
     throw;
   }
+  file_ = PartialFile(std::move(path), partial);
   buffer_.reserve(capacity_);
 }
 
-void OutputFile::claim() {
+void OutputFile::claim(const std::filesystem::path& path) {
   // Two recorders of the same files would write over each other; a file left by a killed run has no owner any more.
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    throw std::runtime_error("cannot write " + path_.string() + ": another recorder is writing it");
+    fail_to_write(path, "another recorder is writing it");
   }
   struct stat status {};
-  if (::fstat(descriptor_, &status) != 0) fail(path_, errno);
-  if (S_ISREG(status.st_mode) && ::ftruncate(descriptor_, 0) != 0) fail(path_, errno);
+  if (::fstat(descriptor_, &status) != 0) fail_to_write(path, errno);
+  if (S_ISREG(status.st_mode) && ::ftruncate(descriptor_, 0) != 0) fail_to_write(path, errno);
 }
 
 OutputFile::~OutputFile() { abandon(); }
@@ -59,7 +48,7 @@ OutputFile::OutputFile(OutputFile&& other) noexcept { *this = std::move(other); 
 OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
   if (this == &other) return *this;
   abandon();
-  path_ = std::move(other.path_);
+  file_ = std::move(other.file_);
   descriptor_ = std::exchange(other.descriptor_, -1);
   written_ = other.written_;
   capacity_ = other.capacity_;
@@ -81,7 +70,7 @@ void OutputFile::overwrite(std::uint64_t offset, std::span<const std::byte> byte
   while (!bytes.empty()) {
     const ssize_t count = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) fail(path_, count < 0 ? errno : ENOSPC);
+    if (count <= 0) fail_to_write(path(), count < 0 ? errno : ENOSPC);
     offset += static_cast<std::uint64_t>(count);
     bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
@@ -92,10 +81,10 @@ void OutputFile::finish() {
   // Some file systems report a full disk only when the file is closed.
   if (::close(std::exchange(descriptor_, -1)) != 0) {
     const int error = errno;
-    ::unlink(part_of(path_).c_str());
-    fail(path_, error);
+    file_.abandon();
+    fail_to_write(path(), error);
   }
-  if (std::rename(part_of(path_).c_str(), path_.c_str()) != 0) fail(path_, errno);
+  file_.commit();
 }
 
 void OutputFile::flush() {
@@ -107,7 +96,7 @@ void OutputFile::write_all(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) fail(path_, count < 0 ? errno : ENOSPC);
+    if (count <= 0) fail_to_write(path(), count < 0 ? errno : ENOSPC);
     written_ += static_cast<std::uint64_t>(count);
     bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
@@ -116,7 +105,7 @@ void OutputFile::write_all(std::span<const std::byte> bytes) {
 void OutputFile::abandon() noexcept {
   if (descriptor_ < 0) return;
   ::close(std::exchange(descriptor_, -1));
-  ::unlink(part_of(path_).c_str());
+  file_.abandon();
 }
 
 }  // namespace swiftlet::sim

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/report/plot.hpp"
-#include "sim/report/svg_writer.hpp"
+#include "sim/plot/plot.hpp"
+#include "sim/plot/svg_writer.hpp"
 
 namespace swiftlet::sim::plot {
 

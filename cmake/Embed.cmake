@@ -1,0 +1,39 @@
+# Files of another kind than C++ (shaders, style sheets, scripts, SQL) stand as files of their own and become text in the
+# program:
+#   swiftlet_embed(sim/render shaders/mesh.vert shaders/mesh.frag)
+# gives the room's sources <embedded/sim_render.hpp> with swiftlet::sim::embedded::mesh_vert and mesh_frag, a
+# std::string_view each that ends with a zero. An edit of a file compiles that file alone again. TARGET names a target that
+# is not called after its room.
+if(CMAKE_SCRIPT_MODE_FILE)
+  # cmake -DINPUT=file -DNAME=name -DSPACE=namespace -DOUTPUT=file.cpp -P Embed.cmake
+  file(READ ${INPUT} text)
+  file(WRITE ${OUTPUT} "#include <string_view>\n\nnamespace ${SPACE} {\n\nextern const std::string_view ${NAME};\n"
+    "constinit const std::string_view ${NAME} = R\"embedded(${text})embedded\";\n\n}  // namespace ${SPACE}\n")
+  return()
+endif()
+
+set(SWIFTLET_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_FILE})
+
+function(swiftlet_embed room)
+  cmake_parse_arguments(ARG "" "TARGET" "" ${ARGN})
+  string(REPLACE "/" "_" prefix ${room})
+  if(NOT ARG_TARGET)
+    set(ARG_TARGET swiftlet_${prefix})
+  endif()
+  string(REGEX REPLACE "/.*" "" space ${room})
+  set(space swiftlet::${space}::embedded)
+  set(folder ${PROJECT_BINARY_DIR}/generated/embedded)
+  set(header "#pragma once\n\n#include <string_view>\n\nnamespace ${space} {\n\n")
+  foreach(file ${ARG_UNPARSED_ARGUMENTS})
+    get_filename_component(name ${file} NAME)
+    string(MAKE_C_IDENTIFIER ${name} name)
+    set(output ${folder}/${prefix}.${name}.cpp)
+    add_custom_command(OUTPUT ${output} DEPENDS ${PROJECT_SOURCE_DIR}/${room}/${file} ${SWIFTLET_EMBED_SCRIPT} VERBATIM
+      COMMAND ${CMAKE_COMMAND} -DINPUT=${PROJECT_SOURCE_DIR}/${room}/${file} -DNAME=${name} -DSPACE=${space}
+              -DOUTPUT=${output} -P ${SWIFTLET_EMBED_SCRIPT})
+    target_sources(${ARG_TARGET} PRIVATE ${output})
+    string(APPEND header "extern const std::string_view ${name};  // ${file}\n")
+  endforeach()
+  file(CONFIGURE OUTPUT ${folder}/${prefix}.hpp CONTENT "${header}\n}  // namespace ${space}\n" @ONLY)
+  target_include_directories(${ARG_TARGET} PRIVATE ${PROJECT_BINARY_DIR}/generated)
+endfunction()

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// Cubic cells over a box, counted along x first, then y, then z.
+struct CellGrid {
+  Vector3 origin_world_m = Vector3::Zero();  ///< corner of cell 0
+  double cell_m = 1.0;
+  Eigen::Vector3i size = Eigen::Vector3i::Zero();  ///< cells along each axis
+
+  std::size_t num_cells() const;
+  int index_of(const Eigen::Vector3i& cell) const { return (cell.z() * size.y() + cell.y()) * size.x() + cell.x(); }
+  Eigen::Vector3i cell_of(int index) const;
+  /// Places outside belong to the nearest cell of the box.
+  Eigen::Vector3i cell_at(const Vector3& p_world_m) const;
+  Vector3 center_of(int index) const;
+};
+
+/// All that a planner asks of the space in which it plans, for a vehicle that counts as a point there.
+class FreeSpaceView {
+ public:
+  virtual ~FreeSpaceView() = default;
+
+  /// The cells in which paths are searched.
+  virtual const CellGrid& grid() const = 0;
+  virtual bool is_free(const Vector3& p_world_m) const = 0;
+  /// The same for the center of a cell, which is asked often.
+  virtual bool is_free_cell(int index) const = 0;
+};
+
+/// Is the segment free? It is asked at points half a cell apart.
+bool is_free_segment(const FreeSpaceView& space, const Vector3& a_world_m, const Vector3& b_world_m);
+
+}  // namespace swiftlet

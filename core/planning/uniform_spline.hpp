@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// A smooth curve by time: the uniform cubic B-spline of its control points, at rest in the first one at t = 0 and in
+/// the last one at the end. Velocity and acceleration are continuous; the curve stays in the convex hull of any four
+/// neighbors.
+class UniformSpline {
+ public:
+  UniformSpline() = default;
+  /// @param control_points_m  at least one
+  /// @param interval_s        between neighbors
+  UniformSpline(std::vector<Vector3> control_points_m, double interval_s);
+
+  struct State {
+    Vector3 p_m, v_mps, a_mps2;
+  };
+  /// Clamped to [0, duration_s()].
+  State at(double t_s) const;
+  double duration_s() const;
+
+ private:
+  std::vector<Vector3> points_m_;
+  double interval_s_ = 1.0;
+};
+
+/// Least distance between the points of two curves at the same time, until the longer one ends [m].
+double least_distance_m(const UniformSpline& a, const UniformSpline& b);
+
+}  // namespace swiftlet

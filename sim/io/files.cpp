@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/io/files.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+#include <utility>
+
+#include "sim/io/output_file.hpp"
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30;
+
+}  // namespace
+
+PartialFile::PartialFile(fs::path destination) : destination_(std::move(destination)) {
+  partial_ = destination_.string() + ".part";
+}
+
+PartialFile::PartialFile(fs::path destination, fs::path partial)
+    : destination_(std::move(destination)), partial_(std::move(partial)) {}
+
+PartialFile::~PartialFile() { abandon(); }
+
+PartialFile::PartialFile(PartialFile&& other) noexcept { *this = std::move(other); }
+
+PartialFile& PartialFile::operator=(PartialFile&& other) noexcept {
+  if (this == &other) return *this;
+  abandon();
+  destination_ = std::move(other.destination_);
+  partial_ = std::exchange(other.partial_, {});
+  return *this;
+}
+
+void PartialFile::commit() {
+  std::error_code error;
+  fs::rename(partial_, destination_, error);
+  if (error) fail_to_write(destination_, error.message());
+  partial_.clear();
+}
+
+void PartialFile::abandon() noexcept {
+  if (partial_.empty()) return;
+  std::error_code ignored;
+  fs::remove(partial_, ignored);
+  partial_.clear();
+}
+
+void fail_to_write(const fs::path& path, const std::string& reason) {
+  throw std::runtime_error("cannot write " + path.string() + ": " + reason);
+}
+
+void fail_to_write(const fs::path& path, int error_number) { fail_to_write(path, std::strerror(error_number)); }
+
+void write_file(const fs::path& path, std::string_view content, MissingFolders missing) {
+  OutputFile file(path, 0, missing);
+  file.append(content);
+  file.finish();
+}
+
+void make_directory(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (!error) return;
+  throw InputError(path.string() + ": expected a directory that can be made, found: " + error.message());
+}
+
+std::string read_whole_file(const fs::path& path) {
+  errno = 0;
+  std::error_code error;
+  if (fs::is_directory(path, error)) throw InputError("cannot read " + path.string() + ": is a directory");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw InputError("cannot read " + path.string() + ": " + std::strerror(errno));
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) throw InputError("cannot read " + path.string() + ": " + error.message());
+  if (size > kMaxFileBytes) {
+    throw InputError(path.string() + ": expected at most 4 GiB, found " + std::to_string(size) + " bytes");
+  }
+  std::string content(size, '\0');
+  stream.read(content.data(), static_cast<std::streamsize>(size));
+  if (static_cast<std::uintmax_t>(stream.gcount()) != size)
+    throw InputError("cannot read " + path.string() + ": it ends early");
+  return content;
+}
+
+}  // namespace swiftlet::sim

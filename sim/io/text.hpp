@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+/// Numbers and words as parts of text files, the same on every machine and in every locale. What has a fixed number of
+/// digits is formatted with fmt.
+namespace swiftlet::sim {
+
+/// The fewest digits that read back as the same number.
+template <class Number>
+requires std::is_arithmetic_v<Number>
+void append_number(std::string& text, Number value) {
+  char digits[40];
+  text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
+/// The same as a text of its own.
+template <class Number>
+std::string shortest(Number value) {
+  std::string text;
+  append_number(text, value);
+  return text;
+}
+
+/// 16 hexadecimal digits, as hashes are told.
+std::string hex64(std::uint64_t value);
+
+/// A cell of a CSV table, quoted where it must be (RFC 4180).
+std::string csv_cell(std::string_view text);
+/// A number, or nothing for what was not measured.
+std::string csv_cell(double value);
+
+/// Text between the tags or in an attribute of HTML and SVG.
+std::string escape_markup(std::string_view text);
+
+}  // namespace swiftlet::sim

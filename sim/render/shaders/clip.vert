@@ -1,0 +1,9 @@
+#version 450 core
+// Triangles that are projected already (lines, rotor discs).
+layout(location = 0) in vec4 a_clip;
+layout(location = 1) in vec4 a_color;
+out vec4 v_color;
+void main() {
+  v_color = a_color;
+  gl_Position = a_clip;
+}

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/run/event_log.hpp"
+
+#include <algorithm>
+
+namespace swiftlet::sim {
+namespace {
+
+// A mission that has ended is flown on for this long.
+constexpr TimeNs kAfterTheEnd = kNsPerSecond / 2;
+
+}  // namespace
+
+EventLog::EventLog(std::vector<std::string> vehicle_names)
+    : names_(std::move(vehicle_names)),
+      missions_(names_.size(), MissionStatus::kRunning),
+      mission_notes_(names_.size()),
+      ended_(names_.size(), false) {}
+
+void EventLog::collect(TimeNs now, const PhysicsWorld& physics, std::span<const Action* const> actions) {
+  events_.clear();
+  for (const Crash& crash : physics.crashes()) note_crash(crash);
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    const auto vehicle = static_cast<VehicleId>(i);
+    note_mission(vehicle, now, *actions[i], physics.state(vehicle).p_world_m);
+  }
+  const bool all_ended = !ended_.empty() && std::all_of(ended_.begin(), ended_.end(), [](bool e) { return e; });
+  if (end_of_missions_ < 0 && all_ended) end_of_missions_ = now + kAfterTheEnd;
+}
+
+void EventLog::note_crash(const Crash& crash) {
+  crashed_ = true;
+  ended_[crash.vehicle] = true;
+  Event event{crash.t, "crash", crash.vehicle, {}, crash.p_world_m, {}};
+  if (crash.other_vehicle != kNoVehicle) {
+    event.partner = names_[crash.other_vehicle];
+  } else {
+    event.partner = name_of(crash.surface_class);
+    if (crash.instance) event.partner.append(" ").append(std::to_string(crash.instance));
+  }
+  event.note = "at " + std::to_string(crash.speed_mps) + " m/s";
+  events_.push_back(std::move(event));
+}
+
+void EventLog::note_mission(VehicleId i, TimeNs now, const Action& action, const Vector3& p_world_m) {
+  if (action.mission == missions_[i] && action.mission_note == mission_notes_[i]) return;
+  missions_[i] = action.mission;
+  mission_notes_[i] = action.mission_note;
+  const bool over = action.mission == MissionStatus::kDone || action.mission == MissionStatus::kFailed;
+  ended_[i] = ended_[i] || over;
+  if (!over && action.mission_note.empty()) return;
+  const char* status = action.mission == MissionStatus::kDone     ? "mission_done"
+                       : action.mission == MissionStatus::kFailed ? "mission_failed"
+                                                                  : "mission";
+  events_.push_back({now, status, i, {}, p_world_m, action.mission_note});
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/run/team.hpp"
+
+#include <algorithm>
+
+#include "sim/radio/radio.hpp"
+#include "sim/run/build.hpp"
+#include "sim/run/state_hash.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr double kHistoryMargin_s = 0.05;
+
+}  // namespace
+
+Team::Team(const Scenario& scenario, const World& world, const std::vector<PhysicsVehicle>& vehicles,
+           const std::vector<std::shared_ptr<const VehicleShape>>& shapes)
+    : sensors(make_sensors(scenario, world, shapes)),
+      agents(make_agents(scenario, vehicles, *world.scene)),
+      clearance_max_m(scenario.metrics.clearance_max_m),
+      observations(agents.size()),
+      actions(agents.size(), &idle_),
+      commands(agents.size()),
+      clearances(agents.size()),
+      least_clearance_m(agents.size()),
+      scans(agents.size()),
+      hashes(agents.size()) {}
+
+StateHistory Team::make_history(const Scenario& scenario) const {
+  double look_back_s = 0.0;
+  for (const auto& of_vehicle : sensors) {
+    for (const auto& sensor : of_vehicle) look_back_s = std::max(look_back_s, sensor->look_back_s());
+  }
+  const double length_s = look_back_s + scenario.tick_s + kHistoryMargin_s;
+  return {size(), static_cast<int>(length_s / scenario.physics.step_s) + 2};
+}
+
+void Team::begin_tick(TimeNs t, bool wants_overlays, Radio& radio) {
+  now = t;
+  for (int i = 0; i < size(); ++i) {
+    Observation& observation = observations[i];
+    radio.recycle(observation.messages);
+    observation.clear();
+    observation.t = now;
+    observation.self = i;
+    observation.wants_overlays = wants_overlays;
+    radio.deliver(i, now, observation.messages);
+  }
+}
+
+void Team::sense(VehicleId i, const Truth& truth) {
+  scans[i].clear();
+  for (const auto& sensor : sensors[i]) {
+    sensor->measure(now, truth.history, observations[i]);
+    for (const auto& scan : sensor->scans()) scans[i].push_back(scan);
+  }
+  clearances[i] = truth.physics.clearance(i, clearance_max_m);
+  least_clearance_m[i] = std::min(clearances[i].surface_m, clearances[i].vehicle_m);
+  hashes[i] = combine(hash_of(truth.physics.state(i)), hash_of(observations[i]));
+}
+
+void Team::step(VehicleId i) {
+  actions[i] = &agents[i]->step(observations[i]);
+  commands[i] = actions[i]->rotor_command;
+}
+
+void Team::send(Radio& radio, std::span<const VehicleState> states) {
+  for (int i = 0; i < size(); ++i) radio.post(i, now, actions[i]->messages, states);
+}
+
+std::uint64_t Team::combined_hash(std::uint64_t before) const {
+  for (const std::uint64_t hash : hashes) before = combine(before, hash);
+  return before;
+}
+
+}  // namespace swiftlet::sim

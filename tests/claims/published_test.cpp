@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// published.csv is the one place where published figures stand: what the documents show of them is the same.
+#include "published.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "experiment.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+std::vector<std::string> lines_of(const std::string& document) {
+  std::ifstream stream(std::string(SWIFTLET_SOURCE_DIR) + "/docs/" + document);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  EXPECT_FALSE(lines.empty()) << document;
+  return lines;
+}
+
+// The cells of a row of a table in Markdown; empty for any other line.
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  if (!line.starts_with("| ")) return cells;
+  for (std::size_t at = 2, end; (end = line.find(" |", at)) != std::string::npos; at = end + 3) {
+    cells.push_back(line.substr(at, end - at));
+    if (end + 3 > line.size()) break;
+  }
+  return cells;
+}
+
+TEST(Published, NumbersAndDeviationsAreReadFromTheText) {
+  const PublishedFigure* length = find_published("rbl-forest", "L [m]");
+  ASSERT_NE(length, nullptr);
+  EXPECT_EQ(length->text, "91.99 ± 0.96");
+  EXPECT_EQ(length->value, 91.99);
+  EXPECT_EQ(length->deviation, 0.96);
+  const PublishedFigure* never = find_published("occupancy-filters", "scans in which G(v) is confident occupied");
+  ASSERT_NE(never, nullptr);
+  EXPECT_TRUE(std::isnan(never->value));
+}
+
+TEST(Published, AStarStandsForAnyBeginningWithinItsExperiment) {
+  EXPECT_NE(find_published("rbl-circle", "circle N=5 R=10 2d: success [-]"), nullptr);
+  EXPECT_EQ(find_published("rbl-circle", "circle N=5 R=10 2d: success [-]; L [m], t [s]"), nullptr);
+  EXPECT_EQ(find_published("rbl-limits", "sphere of 10 m: success [-]"), nullptr);
+}
+
+TEST(Published, EveryFigureBelongsToAnExperimentAndStandsOnce) {
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const PublishedFigure& figure : published_figures()) {
+    EXPECT_NO_THROW(experiment_type(figure.experiment)) << figure.experiment;
+    EXPECT_TRUE(seen.emplace(figure.experiment, figure.what).second) << figure.experiment << ": " << figure.what;
+    EXPECT_FALSE(figure.text.empty() || figure.source.empty()) << figure.what;
+  }
+  EXPECT_GT(seen.size(), 100U);
+}
+
+TEST(Published, ResultTablesInTheDocumentsShowTheSame) {
+  std::string experiment;
+  int compared = 0;
+  for (const std::string& line : lines_of("reproduction.md")) {
+    const std::size_t name = line.starts_with("##") ? line.find('`') : std::string::npos;
+    if (name != std::string::npos) experiment = line.substr(name + 1, line.find('`', name + 1) - name - 1);
+    const std::vector<std::string> cells = cells_of(line);
+    if (cells.size() < 4 || cells[0] == "what" || cells[0] == "---") continue;
+    const PublishedFigure* figure = find_published(experiment, cells[0]);
+    EXPECT_EQ(cells[1], figure != nullptr ? figure->text : "-") << experiment << ": " << cells[0];
+    compared += figure != nullptr ? 1 : 0;
+  }
+  EXPECT_GT(compared, 100);
+}
+
+TEST(Published, TheTableOfCrossingsInTheDocumentsShowsTheSame) {
+  int compared = 0;
+  bool of_crossings = false;
+  for (const std::string& line : lines_of("rbl.md")) {
+    const std::vector<std::string> cells = cells_of(line);
+    if (cells.size() < 8) continue;
+    if (cells[0] == "N") of_crossings = cells[2] == "L [m] published";
+    if (!of_crossings || cells[0] == "N" || cells[0] == "---") continue;
+    const std::string name = "circle N=" + cells[0] + " R=10 " + cells[1];
+    for (const auto& [quantity, cell] :
+         {std::pair(": L [m]", 2), std::pair(": t [s]", 4), std::pair(": t_max [s]", 6)}) {
+      const PublishedFigure* figure = find_published("rbl-circle", name + quantity);
+      ASSERT_NE(figure, nullptr) << name;
+      EXPECT_EQ(cells[static_cast<std::size_t>(cell)], figure->text) << name << quantity;
+      ++compared;
+    }
+  }
+  EXPECT_EQ(compared, 36);
+}
+
+}  // namespace
+}  // namespace swiftlet::tools

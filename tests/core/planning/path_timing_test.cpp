@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/planning/path_timing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace swiftlet {
+namespace {
+
+const PathLimits kLimits{
+    .speed_mps = 3.0, .vertical_speed_mps = 1.0, .acceleration_mps2 = 1.2, .vertical_acceleration_mps2 = 0.7};
+
+TEST(PathTiming, KeepsSpeedAndAccelerationAroundACorner) {
+  const auto path = time_path({{0, 0, 3}, {12, 0, 3}, {12, 12, 4}}, kLimits, [](const Vector3&) { return true; });
+  ASSERT_TRUE(path.has_value());
+  EXPECT_DOUBLE_EQ(path->yaw_rad, 0.0);
+  const UniformSpline spline = path->spline();
+  double fastest = 0.0, hardest = 0.0, length_m = 0.0;
+  Vector3 last = spline.at(0.0).p_m;
+  for (double t_s = 0.0; t_s <= spline.duration_s(); t_s += 0.01) {
+    const auto state = spline.at(t_s);
+    fastest = std::max(fastest, state.v_mps.head<2>().norm());
+    hardest = std::max(hardest, state.a_mps2.head<2>().norm());
+    length_m += (state.p_m - last).norm();
+    last = state.p_m;
+  }
+  EXPECT_LE(fastest, 3.0 * 1.02);
+  EXPECT_GE(fastest, 2.5);
+  // Braking and turning at once, each within the limit.
+  EXPECT_LE(hardest, 1.2 * 1.7);
+  EXPECT_LT((spline.at(0.0).p_m - Vector3(0, 0, 3)).norm(), 1e-9);
+  EXPECT_LT((spline.at(1e9).p_m - Vector3(12, 12, 4)).norm(), 1e-9);
+  EXPECT_NEAR(length_m, 12.0 + std::hypot(12.0, 1.0), 1.0);  // the corner is rounded
+}
+
+TEST(PathTiming, KeepsTheVerticalSpeed) {
+  const auto path = time_path({{0, 0, 3}, {1, 0, 15}}, kLimits, [](const Vector3&) { return true; });
+  ASSERT_TRUE(path.has_value());
+  const UniformSpline spline = path->spline();
+  for (double t_s = 0.0; t_s <= spline.duration_s(); t_s += 0.01) EXPECT_LE(spline.at(t_s).v_mps.z(), 1.0 * 1.02);
+}
+
+TEST(PathTiming, CutsACornerLessWhereThereIsLittleRoomAndNotWhereThereIsNone) {
+  const Vector3 corner(12, 0, 3);
+  const auto cut_m = [&](double room_m) {
+    const auto has_room = [&](const Vector3& p) { return std::min(12.0 - p.x(), p.y()) < room_m; };
+    const auto path = time_path({{0, 0, 3}, corner, {12, 12, 3}}, kLimits, has_room);
+    if (!path) return std::nan("");
+    double least_m = 1e9;
+    for (const Vector3& p : path->control_points_m) least_m = std::min(least_m, (p - corner).norm());
+    return least_m;
+  };
+  EXPECT_GT(cut_m(10.0), 1.5 * cut_m(0.2));
+  EXPECT_TRUE(std::isnan(cut_m(0.01)));
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/io/files.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <stdexcept>
+
+#include "swiftlet/sim/errors.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+TEST(WriteFile, ReplacesTheWholeFile) {
+  const TemporaryDirectory directory;
+  write_file(directory.path() / "a.txt", "long before");
+  write_file(directory.path() / "a.txt", "now");
+  EXPECT_EQ(read_whole_file(directory.path() / "a.txt"), "now");
+}
+
+TEST(WriteFile, MakesFoldersOnlyWhenAsked) {
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "new/a.txt";
+  EXPECT_THAT([&] { write_file(path, "text"); }, ThrowsMessage<std::runtime_error>(HasSubstr("No such file")));
+  EXPECT_TRUE(fs::is_empty(directory.path()));
+  write_file(path, "text", MissingFolders::kMade);
+  EXPECT_EQ(read_whole_file(path), "text");
+}
+
+TEST(WriteFile, TellsPathAndReason) {
+  EXPECT_THAT([] { write_file("/dev/full/x", "content"); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("cannot write /dev/full/x: ")));
+}
+
+TEST(PartialFile, WhatIsNotCommittedIsRemovedAndWhatStoodThereStays) {
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "a.txt";
+  write_file(path, "before");
+  {
+    PartialFile file(path);
+    std::ofstream(file.partial()) << "half";
+  }
+  EXPECT_EQ(read_whole_file(path), "before");
+  EXPECT_FALSE(fs::exists(path.string() + ".part"));
+  PartialFile file(path);
+  std::ofstream(file.partial()) << "whole";
+  file.commit();
+  EXPECT_EQ(read_whole_file(path), "whole");
+}
+
+TEST(PartialFile, ANameThatIsADirectoryIsToldWithItsPath) {
+  const TemporaryDirectory directory;
+  fs::create_directories(directory.path() / "taken/inside");
+  PartialFile file(directory.path() / "taken");
+  std::ofstream(file.partial()) << "text";
+  EXPECT_THAT([&] { file.commit(); }, ThrowsMessage<std::runtime_error>(HasSubstr("taken: ")));
+}
+
+TEST(ReadWholeFile, TellsWhatCannotBeRead) {
+  const TemporaryDirectory directory;
+  EXPECT_THAT([&] { read_whole_file(directory.path()); }, ThrowsMessage<InputError>(HasSubstr("is a directory")));
+  EXPECT_THAT([&] { read_whole_file(directory.path() / "none"); },
+              ThrowsMessage<InputError>(HasSubstr("No such file")));
+}
+
+TEST(MakeDirectory, MakesThoseAboveIt) {
+  const TemporaryDirectory directory;
+  make_directory(directory.path() / "a/b/c");
+  EXPECT_TRUE(fs::is_directory(directory.path() / "a/b/c"));
+  write_file(directory.path() / "file", "x");
+  EXPECT_THROW(make_directory(directory.path() / "file/below"), InputError);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
