@@ -134,6 +134,8 @@ void VofodStages::take_points(const WorldCloud& cloud) {
     const std::ptrdiff_t voxel = map_.grid().index_of(cloud.points_world_m[i].cast<double>());
     if (voxel >= 0) samples_.add(cloud.points_world_m[i], voxel, i);
   }
+  num_points_ += cloud.size();
+  num_points_outside_ += cloud.size() - samples_.at_m.size();
 }
 
 void VofodStages::thin_to_voxels() {

@@ -42,6 +42,10 @@ class VofodStages {
   const VoxelMap& map() const { return map_; }
   const RayLengths& rays() const { return rays_; }
 
+  // Returns of all classified scans, and those of them that lay outside the map.
+  std::uint64_t num_points() const { return num_points_; }
+  std::uint64_t num_points_outside() const { return num_points_outside_; }
+
   // Of the last classified scan.
   /// Without what is background all around, whose clusters nobody asks for.
   int num_clusters() const { return clusters_.size(); }
@@ -100,6 +104,7 @@ class VofodStages {
   SeparateBackground separator_;
   std::vector<Cell> separate_;
   std::vector<std::ptrdiff_t> separate_index_;
+  std::uint64_t num_points_ = 0, num_points_outside_ = 0;
 };
 
 }  // namespace swiftlet

@@ -7,6 +7,7 @@
 
 #include "core/guidance/heading.hpp"
 #include "core/guidance/way_overlay.hpp"
+#include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet {
 namespace {
@@ -54,6 +55,7 @@ class TimedPath : public Guidance {
 }  // namespace
 
 UniformSpline::UniformSpline(std::vector<Vector3> control_points_m, double interval_s) : interval_s_(interval_s) {
+  ENSURE(!control_points_m.empty() && interval_s > 0.0, control_points_m.size(), interval_s);
   // Three times the same control point: there the curve is at rest.
   points_m_.reserve(control_points_m.size() + 4);
   points_m_.assign(2, control_points_m.front());

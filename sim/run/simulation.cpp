@@ -9,14 +9,17 @@
 #include <compare>
 
 #include "sim/metrics/metrics.hpp"
+#include "sim/parallel/first_exception.hpp"
 #include "sim/radio/radio.hpp"
 #include "sim/raycast/ray_scene.hpp"
 #include "sim/render/snapshot_recorder.hpp"
 #include "sim/run/build.hpp"
+#include "sim/run/finite_values.hpp"
 #include "sim/run/stage_clock.hpp"
 #include "sim/run/state_hash.hpp"
 #include "sim/run/summary.hpp"
 #include "sim/world/world.hpp"
+#include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -113,7 +116,9 @@ struct Simulation::Impl {
   void begin_sweeps();
   void sense_and_step_with_sweeps();
   void sense(VehicleId i);
-  void step(VehicleId i) { actions[i] = &agents[i]->step(observations[i]); }
+  void step(VehicleId i);
+  void rethrow(const FirstException& failure) const;
+  std::vector<Counter> counters() const;
   void collect_events();
   void note_mission(VehicleId i);
 
@@ -191,12 +196,16 @@ void Simulation::Impl::tick() {
   } else {
     {
       const auto timed = clock.measure(Stage::kSensors);
+      FirstException failure;
 #pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
-      for (int i = 0; i < num_vehicles(); ++i) sense(i);
+      for (int i = 0; i < num_vehicles(); ++i) failure.guard(i, [&] { sense(i); });
+      rethrow(failure);
     }
     const auto timed = clock.measure(Stage::kAgents);
+    FirstException failure;
 #pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
-    for (int i = 0; i < num_vehicles(); ++i) step(i);
+    for (int i = 0; i < num_vehicles(); ++i) failure.guard(i, [&] { step(i); });
+    rethrow(failure);
   }
   for (int i = 0; i < num_vehicles(); ++i) commands[i] = actions[i]->rotor_command;
   // 4. The radio takes the messages, in vehicle order.
@@ -240,8 +249,12 @@ void Simulation::Impl::begin_sweeps() {
     }
     parts_left[i] = 0;
   }
+  FirstException failure;
 #pragma omp parallel for schedule(dynamic, 1)
-  for (Sweep& sweep : sweeps) sweep.num_parts = sweep.sensor->begin_sweep(now, history);
+  for (Sweep& sweep : sweeps) {
+    failure.guard(sweep.vehicle, [&] { sweep.num_parts = sweep.sensor->begin_sweep(now, history); });
+  }
+  rethrow(failure);
 
   parts.clear();
   for (int s = 0; s < static_cast<int>(sweeps.size()); ++s) {
@@ -260,6 +273,7 @@ void Simulation::Impl::sense_and_step_with_sweeps() {
   const auto start = Clock::now();
   begin_sweeps();
   std::atomic<double> busy_s = 0.0, stepping_s = 0.0;
+  FirstException failure;
 #pragma omp parallel
   {
     const auto thread_start = Clock::now();
@@ -272,16 +286,19 @@ void Simulation::Impl::sense_and_step_with_sweeps() {
     };
 #pragma omp for schedule(dynamic, 1)
     for (int i = 0; i < num_vehicles(); ++i) {
-      if (parts_left[i] == 0) sense_and_step(i);
+      if (parts_left[i] == 0) failure.guard(i, [&] { sense_and_step(i); });
     }
 #pragma omp for schedule(dynamic, kPartsAtATime) nowait
     for (const Part& part : parts) {
       const Sweep& sweep = sweeps[part.sweep];
-      sweep.sensor->trace_part(part.number);
-      if (--parts_left[sweep.vehicle] == 0) sense_and_step(sweep.vehicle);
+      failure.guard(sweep.vehicle, [&] {
+        sweep.sensor->trace_part(part.number);
+        if (--parts_left[sweep.vehicle] == 0) sense_and_step(sweep.vehicle);
+      });
     }
     busy_s += seconds_since(thread_start);
   }
+  rethrow(failure);
   const double agents_s = seconds_since(start) * stepping_s / busy_s;
   clock.add(Stage::kAgents, agents_s);
   clock.add(Stage::kSensors, seconds_since(start) - agents_s);
@@ -293,9 +310,38 @@ void Simulation::Impl::sense(VehicleId i) {
     sensor->measure(now, history, observations[i]);
     for (const auto& scan : sensor->scans()) scans[i].push_back(scan);
   }
+  ensure_finite(observations[i]);
   clearances[i] = physics.clearance(i, scenario.metrics.clearance_max_m);
   least_clearance_m[i] = std::min(clearances[i].surface_m, clearances[i].vehicle_m);
   hashes[i] = combine(hash_of(physics.state(i)), hash_of(observations[i]));
+}
+
+void Simulation::Impl::step(VehicleId i) {
+  actions[i] = &agents[i]->step(observations[i]);
+  ensure_finite(*actions[i]);
+}
+
+/// A broken contract is told with its vehicle and the instant.
+void Simulation::Impl::rethrow(const FirstException& failure) const {
+  try {
+    failure.rethrow();
+  } catch (const ContractViolation& violation) {
+    throw ContractViolation(names[failure.part()] + " at " + std::to_string(to_seconds(now)) +
+                            " s: " + violation.what());
+  }
+}
+
+// Of all agents, their keys put under where the agent stands in the scenario, and of what they share.
+std::vector<Counter> Simulation::Impl::counters() const {
+  std::vector<Counter> all = {{"messages dropped from full queues", radio.statistics().dropped,
+                               radio.statistics().dropped + radio.statistics().sent, "radio.queue_limit_kB"}};
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    const std::size_t first = all.size();
+    agents[i]->append_counters(all);
+    const std::string place = "vehicles[" + std::to_string(i) + "].agent.";
+    for (std::size_t k = first; k < all.size(); ++k) all[k].setting.insert(0, place);
+  }
+  return all;
 }
 
 void Simulation::Impl::collect_events() {
@@ -385,6 +431,7 @@ RunSummary Simulation::summary() const {
   summary.metrics = impl_->metrics.report();
   summary.radio = impl_->radio.statistics();
   summary.radio_topics = impl_->radio.topics();
+  summary.counters = impl_->counters();
   return summary;
 }
 
