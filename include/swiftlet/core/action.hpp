@@ -38,7 +38,8 @@ enum class MissionStatus { kRunning, kEndless, kDone, kFailed };
 
 /// Everything that one vehicle does in one tick. Owned by the agent, which reuses it: valid until its next step.
 struct Action {
-  std::array<double, kMaxRotors> rotor_command{};  ///< 0..1 between least and greatest rotor speed, in the airframe's order
+  std::array<double, kMaxRotors>
+      rotor_command{};  ///< 0..1 between least and greatest rotor speed, in the airframe's order
   StateEstimate estimate;
   Reference reference;  ///< after the reference tracker
   std::vector<Message> messages;

@@ -40,13 +40,11 @@ template <class T>
 void append_value(std::string& text, const T& value) {
   if constexpr (std::convertible_to<const T&, std::string_view>) {
     append(text, std::string_view(value));
-  } else if constexpr (std::is_enum_v<T>) {
-    append(text, static_cast<std::int64_t>(value));
   } else if constexpr (std::same_as<T, bool>) {
     text += value ? "true" : "false";
   } else if constexpr (std::floating_point<T>) {
     append(text, static_cast<double>(value));
-  } else if constexpr (std::signed_integral<T>) {
+  } else if constexpr (std::signed_integral<T> || std::is_enum_v<T>) {
     append(text, static_cast<std::int64_t>(value));
   } else if constexpr (std::unsigned_integral<T>) {
     append(text, static_cast<std::uint64_t>(value));

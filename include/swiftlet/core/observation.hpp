@@ -14,7 +14,7 @@ namespace swiftlet {
 /// Everything that one vehicle gets to know in one tick: what its sensors and its radio delivered since the last one.
 /// Vectors are in order of their stamps and keep their capacity between ticks.
 struct Observation {
-  TimeNs t = 0;           ///< now
+  TimeNs t = 0;  ///< now
   VehicleId self = 0;
   std::vector<ImuSample> imu;
   std::vector<OdometrySample> odometry;
