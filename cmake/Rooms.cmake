@@ -24,14 +24,19 @@ function(swiftlet_compile_together target)
 endfunction()
 
 # A room is a folder of the house (docs/architecture.md) and one static library: core/math -> swiftlet_core_math.
-#   swiftlet_room(core/math USES core/x sim/y LIBS Eigen3::Eigen PRIVATE_LIBS foo)
+#   swiftlet_room(core/math USES core/x sim/y LIBS Eigen3::Eigen PRIVATE_LIBS foo [COMPONENT pcl])
+# A room with a component is not part of swiftlet::core or swiftlet::sim: it is swiftlet::<component>.
 # Sources are every .cpp of the folder: adding a module means adding its file and a line in the room's registry.
 function(swiftlet_room room)
-  cmake_parse_arguments(ARG "" "" "USES;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "" "COMPONENT" "USES;LIBS;PRIVATE_LIBS" ${ARGN})
   string(REPLACE "/" "_" name ${room})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${room}/*.cpp)
   set(target swiftlet_${name})
-  set_property(GLOBAL APPEND PROPERTY SWIFTLET_ROOMS ${room})
+  if(ARG_COMPONENT)
+    set(name ${ARG_COMPONENT})
+  else()
+    set_property(GLOBAL APPEND PROPERTY SWIFTLET_ROOMS ${room})
+  endif()
   if(NOT sources)
     # A room without sources yet still hands on what it uses.
     add_library(${target} INTERFACE)
@@ -43,6 +48,9 @@ function(swiftlet_room room)
     return()
   endif()
   add_library(${target} STATIC ${sources})
+  if(ARG_COMPONENT)
+    add_library(swiftlet::${ARG_COMPONENT} ALIAS ${target})
+  endif()
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC

@@ -14,6 +14,7 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "optional/rooms.hpp"
 #include "sim/run/version.hpp"
 #include "sim/scenario/suggest.hpp"
 #include "swiftlet/core/ensure.hpp"
@@ -35,6 +36,7 @@ void require_known_command(const CLI::App& app, const std::string& word) {
 }
 
 int run_program(int argc, char** argv) {
+  swiftlet::tools::plug_in_optional_rooms();
   CLI::App app{"Swiftlet: simulator of teams of UAVs that see with LiDAR", "swiftlet"};
   app.set_version_flag("--version", std::string(swiftlet::sim::version()) + " (" + swiftlet::sim::git_revision() + ")");
   app.require_subcommand(1);

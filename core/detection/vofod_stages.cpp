@@ -68,7 +68,8 @@ VofodStages::VofodStages(const VofodConfig& config)
     : config_(config),
       map_(config.map),
       large_is_background_(config.seed == "large" || config.seed == "large_and_altimeter"),
-      g_just_free_(std::nextafter(static_cast<float>(config.map.G_uncertain), -std::numeric_limits<float>::max())) {}
+      g_just_free_(std::nextafter(static_cast<float>(config.map.G_uncertain), -std::numeric_limits<float>::max())),
+      clusterer_(make_clusterer(config.clusterer)) {}
 
 void VofodStages::classify(const WorldCloud& cloud, std::vector<Detection>& detections) {
   take_points(cloud);

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/detection/clusterer.hpp"
 #include "core/detection/enclosure.hpp"
-#include "core/detection/euclidean_clusters.hpp"
 #include "core/detection/separate_background.hpp"
 #include "core/detection/vicinity.hpp"
 #include "core/detection/vofod_config.hpp"
@@ -92,7 +92,8 @@ class VofodStages {
   Samples aside_;                              // background without asking for its clusters
   std::vector<std::uint8_t> near_background_;  // by sample
   Vicinity vicinity_;                          // of the samples that are not
-  EuclideanClusters clusters_;
+  std::unique_ptr<Clusterer> clusterer_;
+  Clusterer& clusters_ = *clusterer_;
   std::vector<ClusterClass> classes_;
   EnclosureSearch search_;
   std::vector<std::ptrdiff_t> starts_index_, to_clear_;

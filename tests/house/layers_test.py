@@ -15,6 +15,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "core/control": ["core/math"],
     "core/guidance": ["core/math", "core/control", "core/localization", "core/map"],
     "core/map": ["core/math"],
+    "core/pcl": ["core/detection"],
     "core/detection": ["core/math", "core/uncertainty", "core/map", "core/localization"],
     "core/tracking": ["core/math", "core/uncertainty", "core/map", "core/localization", "core/detection"],
     "core/agent": ["core/math", "core/localization", "core/control", "core/guidance", "core/map", "core/detection",
@@ -58,7 +59,8 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^Random123": ["core/math"],
     r"^(CLI/|fmt/|spdlog/)": ["tools"],
     r"^boost/": ["core/*", "sim/batch", "sim/report"],
-    r"^(pcl|ceres|ompl|octomap)/": ["core/*"],
+    r"^pcl/": ["core/pcl"],
+    r"^(ceres|ompl|octomap)/": ["core/*"],
     r"^(fstream|filesystem|iostream|cstdio|chrono|thread|random)$": ["sim/*", "tools"],
 }
 # Boundary headers inside sim and core never show a third-party type other than Eigen.

@@ -112,6 +112,7 @@ TEST(VofodDetector, CountsTheSweepsThatWerePassedOver) {
 TEST(VofodDetector, CountsTheReturnsOutsideItsMap) {
   VofodConfig config = near_config();
   config.timing.classification_latency_s = 0.0;
+  config.map.voxel_m = 1.0;
   for (const double edge_m : {200.0, 3.0}) {
     config.map.size_m = {edge_m, edge_m, 20.0};
     Ticker ticker(config);
