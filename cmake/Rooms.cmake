@@ -18,8 +18,10 @@ endfunction()
 function(swiftlet_compile_together target)
   if(SWIFTLET_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
-    # Every type of an anonymous namespace looks to GCC as if it came from a header then.
-    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+      # Every type of an anonymous namespace looks to it as if it came from a header then.
+      target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+    endif()
   endif()
 endfunction()
 

@@ -23,12 +23,12 @@ bool is_finite(const Eigen::MatrixBase<Derived>& matrix) {
 inline bool is_finite(const Eigen::Quaterniond& q) { return is_finite(q.coeffs()); }
 inline bool is_finite(const Pose& pose) { return is_finite(pose.affine()); }
 
-/// Exponents that are all ones are those of infinity and NaN. Written so that compilers take several numbers at a time.
+/// Exponents that are all ones are those of infinity and NaN. Counted, so that compilers take several numbers at a time.
 inline bool is_finite(std::span<const float> values) {
-  constexpr std::uint32_t kNotFinite = 0x7f800000U;
-  std::uint32_t greatest = 0;
-  for (const float value : values) greatest = std::max(greatest, std::bit_cast<std::uint32_t>(value) & kNotFinite);
-  return greatest < kNotFinite;
+  constexpr std::uint32_t kExponent = 0x7f800000U;
+  std::uint32_t count = 0;
+  for (const float value : values) count += (std::bit_cast<std::uint32_t>(value) & kExponent) == kExponent;
+  return count == 0;
 }
 
 inline bool is_finite(const StateEstimate& e) {
