@@ -39,7 +39,7 @@ StateHistory::StateHistory(int num_vehicles, int capacity)
 
 void StateHistory::push(VehicleId vehicle, const VehicleState& state) {
   ENSURE(vehicle >= 0 && vehicle < num_vehicles_, vehicle, num_vehicles_);
-  ENSURE(count_[vehicle] == 0 || state.t > latest(vehicle).t, vehicle, to_seconds(state.t));
+  ENSURE(count_[vehicle] == 0 || state.t >= latest(vehicle).t, vehicle, to_seconds(state.t));
   newest_[vehicle] = (newest_[vehicle] + 1) % capacity_;
   count_[vehicle] = std::min(count_[vehicle] + 1, capacity_);
   ring_[static_cast<std::size_t>(vehicle) * capacity_ + newest_[vehicle]] = state;
