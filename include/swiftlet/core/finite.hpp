@@ -23,7 +23,8 @@ bool is_finite(const Eigen::MatrixBase<Derived>& matrix) {
 inline bool is_finite(const Eigen::Quaterniond& q) { return is_finite(q.coeffs()); }
 inline bool is_finite(const Pose& pose) { return is_finite(pose.affine()); }
 
-/// Exponents that are all ones are those of infinity and NaN. Counted, so that compilers take several numbers at a time.
+/// Exponents that are all ones are those of infinity and NaN. Counted, so that compilers take several numbers at a
+/// time.
 inline bool is_finite(std::span<const float> values) {
   constexpr std::uint32_t kExponent = 0x7f800000U;
   std::uint32_t count = 0;
