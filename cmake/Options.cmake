@@ -1,10 +1,13 @@
 # Compiler options for every target of the project, not for those who link it.
 add_library(swiftlet_options INTERFACE)
+# The same bits every time: no fused multiply-add where the source has none.
+target_compile_options(swiftlet_options INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra)
 # GCC 12 sees overlaps, overflows and unset temporaries that are not there (-Wrestrict, -Wstringop-overflow, -Warray-bounds,
 # -Wmaybe-uninitialized in Eigen).
-# The same bits every time: no fused multiply-add where the source has none.
-target_compile_options(swiftlet_options INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Wshadow=local -Wno-psabi -Wno-restrict -Wno-stringop-overflow
-  -Wno-array-bounds -Wno-maybe-uninitialized)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  target_compile_options(swiftlet_options INTERFACE -Wshadow=local -Wno-psabi -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds
+    -Wno-maybe-uninitialized)
+endif()
 # The compiler collects its garbage less often: a twentieth of the time, for 250 MB a process.
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   target_compile_options(swiftlet_options INTERFACE "SHELL:--param ggc-min-heapsize=1000000")

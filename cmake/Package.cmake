@@ -20,6 +20,11 @@ endforeach()
 add_library(swiftlet::core ALIAS swiftlet_core)
 add_library(swiftlet::sim ALIAS swiftlet_sim)
 
+if(SWIFTLET_PCL)
+  install(TARGETS swiftlet_core_pcl swiftlet_libpcl EXPORT swiftletPclTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/swiftlet)
+  install(EXPORT swiftletPclTargets NAMESPACE swiftlet:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/swiftlet)
+endif()
+
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/swiftlet)
 install(TARGETS ${room_targets} swiftlet_core swiftlet_sim swiftlet_options swiftlet_bullet swiftlet_osmesa
   EXPORT swiftletTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/swiftlet)

@@ -18,20 +18,27 @@ endfunction()
 function(swiftlet_compile_together target)
   if(SWIFTLET_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
-    # Every type of an anonymous namespace looks to GCC as if it came from a header then.
-    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+      # Every type of an anonymous namespace looks to it as if it came from a header then.
+      target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+    endif()
   endif()
 endfunction()
 
 # A room is a folder of the house (docs/architecture.md) and one static library: core/math -> swiftlet_core_math.
-#   swiftlet_room(core/math USES core/x sim/y LIBS Eigen3::Eigen PRIVATE_LIBS foo)
+#   swiftlet_room(core/math USES core/x sim/y LIBS Eigen3::Eigen PRIVATE_LIBS foo [COMPONENT pcl])
+# A room with a component is not part of swiftlet::core or swiftlet::sim: it is swiftlet::<component>.
 # Sources are every .cpp of the folder: adding a module means adding its file and a line in the room's registry.
 function(swiftlet_room room)
-  cmake_parse_arguments(ARG "" "" "USES;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "" "COMPONENT" "USES;LIBS;PRIVATE_LIBS" ${ARGN})
   string(REPLACE "/" "_" name ${room})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${room}/*.cpp)
   set(target swiftlet_${name})
-  set_property(GLOBAL APPEND PROPERTY SWIFTLET_ROOMS ${room})
+  if(ARG_COMPONENT)
+    set(name ${ARG_COMPONENT})
+  else()
+    set_property(GLOBAL APPEND PROPERTY SWIFTLET_ROOMS ${room})
+  endif()
   if(NOT sources)
     # A room without sources yet still hands on what it uses.
     add_library(${target} INTERFACE)
@@ -43,11 +50,15 @@ function(swiftlet_room room)
     return()
   endif()
   add_library(${target} STATIC ${sources})
+  if(ARG_COMPONENT)
+    add_library(swiftlet::${ARG_COMPONENT} ALIAS ${target})
+  endif()
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${SWIFTLET_INSTALL_INCLUDE}>)
+  target_compile_definitions(${target} PUBLIC EIGEN_MAX_ALIGN_BYTES=16)  # whatever the processor that a user builds for
   target_link_libraries(${target} PUBLIC ${ARG_LIBS} PRIVATE swiftlet_options ${ARG_PRIVATE_LIBS})
   swiftlet_share_headers(${target} swiftlet_house_headers HEADERS
     <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <charconv> <cmath> <cstring> <filesystem> <functional> <map> <memory>

@@ -14,8 +14,10 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "optional/rooms.hpp"
 #include "sim/run/version.hpp"
 #include "sim/scenario/suggest.hpp"
+#include "swiftlet/core/ensure.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace {
@@ -45,6 +47,7 @@ bool processor_is_known() {
 }
 
 int run_program(int argc, char** argv) {
+  swiftlet::tools::plug_in_optional_rooms();
   CLI::App app{"Swiftlet: simulator of teams of UAVs that see with LiDAR", "swiftlet"};
   app.set_version_flag("--version", std::string(swiftlet::sim::version()) + " (" + swiftlet::sim::git_revision() + ")");
   app.require_subcommand(1);
@@ -83,6 +86,8 @@ int run_program(int argc, char** argv) {
   } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "swiftlet: %s\n", error.what());
     return kWrongInput;
+  } catch (const swiftlet::ContractViolation& violation) {
+    std::fprintf(stderr, "swiftlet: internal error: %s\n", violation.what());
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "swiftlet: out of memory\n");
   } catch (const std::exception& error) {
@@ -91,8 +96,8 @@ int run_program(int argc, char** argv) {
   return kBroke;
 }
 
-// OpenMP threads that wait by spinning for milliseconds, as they do by default, take the processor from the run itself on
-// a busy machine. The library reads the setting when a program is loaded, hence the second start.
+// OpenMP threads that wait by spinning for milliseconds, as they do by default, take the processor from the run itself
+// on a busy machine. The library reads the setting when a program is loaded, hence the second start.
 void spin_little(char** argv) {
   if (std::getenv("GOMP_SPINCOUNT") != nullptr || std::getenv("OMP_WAIT_POLICY") != nullptr) return;
   setenv("GOMP_SPINCOUNT", "20000", 1);

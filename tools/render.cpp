@@ -56,13 +56,15 @@ std::vector<sim::CameraConfig> choose_cameras(const sim::Scenario& scenario, con
 
 // Mistakes in the options, told as such: the scenario's reader would speak of lines that nobody wrote.
 void check_options(const RenderOptions& options, const sim::Scenario& scenario) {
-  static constexpr const char* kTypes[] = {"top", "follow", "fixed", "onboard", "depth", "lidar_range", "lidar_intensity"};
+  static constexpr const char* kTypes[] = {"top",   "follow",      "fixed",          "onboard",
+                                           "depth", "lidar_range", "lidar_intensity"};
   std::vector<std::string> known(std::begin(kTypes), std::end(kTypes)), vehicles;
   for (const sim::CameraConfig& camera : scenario.snapshots) known.push_back(camera.name);
   for (const sim::VehicleConfig& vehicle : scenario.vehicles) vehicles.push_back(vehicle.name);
   const auto require = [](const std::string& name, const std::vector<std::string>& of, const std::string& option) {
     if (std::find(of.begin(), of.end(), name) != of.end()) return;
-    throw sim::InputError("--camera " + option + ": expected " + sim::one_of(of) + ", found \"" + name + "\"" + sim::did_you_mean(name, of));
+    throw sim::InputError("--camera " + option + ": expected " + sim::one_of(of) + ", found \"" + name + "\"" +
+                          sim::did_you_mean(name, of));
   };
   for (const std::string& camera : options.cameras) {
     const std::size_t colon = camera.find(':');
@@ -71,7 +73,8 @@ void check_options(const RenderOptions& options, const sim::Scenario& scenario) 
   }
   for (const double time_s : options.times_s) {
     if (time_s <= scenario.duration_s) continue;
-    throw sim::InputError(fmt::format("--time {:g}: expected at most {:g}, the length of the run", time_s, scenario.duration_s));
+    throw sim::InputError(
+        fmt::format("--time {:g}: expected at most {:g}, the length of the run", time_s, scenario.duration_s));
   }
 }
 
@@ -79,7 +82,8 @@ void check_options(const RenderOptions& options, const sim::Scenario& scenario) 
 void render(const RenderOptions& options) {
   const fs::path run(options.run);
   if (!fs::exists(run / "scenario.yaml")) {
-    throw sim::InputError(options.run + ": expected the directory of a finished run (with scenario.yaml and summary.json)");
+    throw sim::InputError(options.run +
+                          ": expected the directory of a finished run (with scenario.yaml and summary.json)");
   }
   sim::Scenario scenario = sim::load_scenario(run / "scenario.yaml");
   scenario.recorders.clear();
@@ -128,11 +132,15 @@ void add_render(CLI::App& app) {
   auto options = std::make_shared<RenderOptions>();
   Subcommand command(app, "render", "Make pictures or a video of a finished run by flying it again, bit for bit");
   command.option("run", options->run, "Directory of a finished run", {.value_name = "RUN_DIR", .required = true});
-  command.option("--camera", options->cameras, "Camera of the scenario, or a type with a vehicle: top, follow:uav1, onboard:uav2", {.value_name = "NAME"});
-  command.option("--time", options->times_s, "Picture at this time; may be repeated", {.value_name = "SECONDS", .min = 0.0});
+  command.option("--camera", options->cameras,
+                 "Camera of the scenario, or a type with a vehicle: top, follow:uav1, onboard:uav2",
+                 {.value_name = "NAME"});
+  command.option("--time", options->times_s, "Picture at this time; may be repeated",
+                 {.value_name = "SECONDS", .min = 0.0});
   command.flag("--video", options->video, "A video of each camera (needs ffmpeg)");
   command.option("--fps", options->frames_per_s, "Frames per simulated second of a video", {.min = 1.0, .max = 120.0});
-  command.option("--until", options->to_s, "End of the video or the last picture", {.value_name = "SECONDS", .min = 0.0});
+  command.option("--until", options->to_s, "End of the video or the last picture",
+                 {.value_name = "SECONDS", .min = 0.0});
   command.option("--out", options->out, "Where to put them (default: RUN_DIR/render)", {.value_name = "DIR"});
   command.option("--threads", options->threads, "Threads, 0: all", {.min = 0, .max = 1024});
   command.flag("-q,--quiet", options->quiet, "Print errors only");

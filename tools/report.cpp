@@ -23,8 +23,11 @@ struct ReportOptions {
 
 std::vector<fs::path> write_report(const fs::path& directory) {
   if (fs::is_regular_file(directory / "summary.json")) return sim::write_run_report(directory);
-  if (fs::exists(directory / "results.sqlite") || fs::is_directory(directory / "shards")) return sim::write_batch_report(directory);
-  throw sim::InputError(directory.string() + ": expected a run directory (with summary.json) or a batch directory (with results.sqlite), found none");
+  if (fs::exists(directory / "results.sqlite") || fs::is_directory(directory / "shards"))
+    return sim::write_batch_report(directory);
+  throw sim::InputError(
+      directory.string() +
+      ": expected a run directory (with summary.json) or a batch directory (with results.sqlite), found none");
 }
 
 void report(const ReportOptions& options) {
@@ -38,7 +41,8 @@ void report(const ReportOptions& options) {
 void add_report(CLI::App& app) {
   auto options = std::make_shared<ReportOptions>();
   Subcommand command(app, "report", "Write a page about a run or a batch");
-  command.option("directory", options->directory, "Run directory or batch directory", {.value_name = "DIR", .required = true});
+  command.option("directory", options->directory, "Run directory or batch directory",
+                 {.value_name = "DIR", .required = true});
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { report(*options); });
 }

@@ -72,7 +72,8 @@ void print_paths(const fs::path& directory, const std::vector<fs::path>& written
 
 void run(const RunOptions& options) {
   const sim::Scenario scenario = options.scenario.load();
-  const fs::path out = options.out.empty() ? fs::path("runs") / fmt::format("{}-{}", scenario.name, scenario.seed) : fs::path(options.out);
+  const fs::path out = options.out.empty() ? fs::path("runs") / fmt::format("{}-{}", scenario.name, scenario.seed)
+                                           : fs::path(options.out);
   const StopSignals guard;
   sim::RunDirectory directory(out);
 
@@ -103,8 +104,10 @@ void add_run(CLI::App& app) {
   auto options = std::make_shared<RunOptions>();
   Subcommand command(app, "run", "Fly one scenario");
   options->scenario.add_to(command);
-  command.option("--out", options->out, "Run directory (default: runs/NAME-SEED); an earlier run there is replaced", {.value_name = "DIR"});
-  command.option("--threads", options->threads, "Threads for sensors and agents, 0: all; changes no result", {.min = 0, .max = 1024});
+  command.option("--out", options->out, "Run directory (default: runs/NAME-SEED); an earlier run there is replaced",
+                 {.value_name = "DIR"});
+  command.option("--threads", options->threads, "Threads for sensors and agents, 0: all; changes no result",
+                 {.min = 0, .max = 1024});
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { run(*options); });
 }

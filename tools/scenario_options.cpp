@@ -8,10 +8,13 @@
 namespace swiftlet::tools {
 
 void ScenarioOptions::add_to(Subcommand& command) {
-  command.option("scenario", file, "Scenario file, or the name of one that comes with Swiftlet", {.value_name = "SCENARIO.yaml", .required = true});
+  command.option("scenario", file, "Scenario file, or the name of one that comes with Swiftlet",
+                 {.value_name = "SCENARIO.yaml", .required = true});
   command.option("--seed", seed, "Seed of every random number (default: the scenario's)", {.value_name = "N"});
-  command.option("--duration", duration_s, "Length of the run (default: the scenario's)", {.value_name = "SECONDS", .min = 0.0, .max = 1e7});
-  command.option("--set", set, "Override any key: --set vehicles[0].start.yaw_deg=90 (may be repeated)", {.value_name = "KEY=VALUE", .repeated = true});
+  command.option("--duration", duration_s, "Length of the run (default: the scenario's)",
+                 {.value_name = "SECONDS", .min = 0.0, .max = 1e7});
+  command.option("--set", set, "Override any key: --set vehicles[0].start.yaw_deg=90 (may be repeated)",
+                 {.value_name = "KEY=VALUE", .repeated = true});
 }
 
 ConfigChanges parse_assignments(const std::vector<std::string>& set) {
@@ -19,7 +22,8 @@ ConfigChanges parse_assignments(const std::vector<std::string>& set) {
   for (const std::string& assignment : set) {
     const std::size_t equals = assignment.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw sim::InputError(fmt::format("--set {}: expected KEY=VALUE, such as vehicles[0].start.yaw_deg=90", assignment));
+      throw sim::InputError(
+          fmt::format("--set {}: expected KEY=VALUE, such as vehicles[0].start.yaw_deg=90", assignment));
     }
     overrides.emplace_back(assignment.substr(0, equals), assignment.substr(equals + 1));
   }

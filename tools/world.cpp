@@ -26,8 +26,8 @@ void export_scenario_world(const WorldOptions& options) {
   const sim::Scene scene = sim::make_world(scenario.world, scenario.seed_of_world());
   const auto written = sim::export_world(scene, out);
   if (options.quiet) return;
-  fmt::print("{} with seed {}: {} triangles, {} objects\n", scenario.world.type, scenario.seed_of_world(), scene.num_triangles(),
-             scene.objects.size());
+  fmt::print("{} with seed {}: {} triangles, {} objects\n", scenario.world.type, scenario.seed_of_world(),
+             scene.num_triangles(), scene.objects.size());
   for (const auto& path : written) fmt::print("  {}\n", path.string());
 }
 
@@ -37,7 +37,8 @@ void add_world(CLI::App& app) {
   auto options = std::make_shared<WorldOptions>();
   Subcommand command(app, "world", "Export the generated world of a scenario with its truth table");
   options->scenario.add_to(command);
-  command.option("--out", options->out, "File to write: .ply or .obj; the table lies beside it", {.value_name = "FILE", .required = true});
+  command.option("--out", options->out, "File to write: .ply or .obj; the table lies beside it",
+                 {.value_name = "FILE", .required = true});
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { export_scenario_world(*options); });
 }

@@ -11,6 +11,8 @@
 #include "core/localization/world_cloud.hpp"
 #include "core/tracking/registry.hpp"
 #include "core/tracking/track_overlays.hpp"
+#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/finite.hpp"
 
 namespace swiftlet {
 namespace {
@@ -66,6 +68,7 @@ class StackAgent : public Agent {
         controller_(setup.airframe, config.control.gains, setup.tick_s) {}
 
   const Action& step(const Observation& observation) override {
+    ENSURE(observation.self == setup_.self, observation.self, setup_.self);
     const double dt_s = started_ ? to_seconds(observation.t - last_t_) : setup_.tick_s;
     if (started_ && dt_s <= 0.0) return action_;  // the same instant again: nothing new to do
     last_t_ = observation.t;
@@ -77,11 +80,23 @@ class StackAgent : public Agent {
       give_up(dt_s);
       return action_;
     }
+    ENSURE(is_finite(action_.estimate), action_.estimate.T_world_body.translation(), action_.estimate.v_world_mps,
+           action_.estimate.omega_body_radps);
     perceive(observation);
     guide(observation, dt_s);
     fly(dt_s);
     if (observation.wants_overlays) append_overlays();
     return action_;
+  }
+
+  void append_counters(std::vector<Counter>& counters) const override {
+    const auto append = [&](const auto& stage, const char* key) {
+      const std::size_t first = counters.size();
+      if (stage != nullptr) stage->append_counters(counters);
+      for (std::size_t i = first; i < counters.size(); ++i) counters[i].setting.insert(0, key);
+    };
+    append(detector_, "detector.");
+    append(target_tracker_, "tracker.");
   }
 
  private:
@@ -104,6 +119,7 @@ class StackAgent : public Agent {
     action_.has_detections = found_.has_detections;
     action_.detections_stamp = found_.stamp;
     action_.detections.assign(found_.detections.begin(), found_.detections.end());
+    for (const Detection& d : action_.detections) ENSURE(is_finite(d), d.position_m, d.extent_m, d.confidence);
   }
 
   void track(const Observation& observation) {
@@ -113,7 +129,9 @@ class StackAgent : public Agent {
     input.detections = action_.detections;
     input.background = detector_ != nullptr ? detector_->map() : nullptr;
     action_.has_tracks = target_tracker_->step(input, action_.tracks);
-    if (action_.has_tracks) track_overlays_.push(action_.tracks);
+    if (!action_.has_tracks) return;
+    for (const Track& track : action_.tracks) ENSURE(is_finite(track), track.id, track.position_m, track.velocity_mps);
+    track_overlays_.push(action_.tracks);
   }
 
   void guide(const Observation& observation, double dt_s) {
@@ -137,9 +155,12 @@ class StackAgent : public Agent {
       tracking_ = false;
       return;
     }
+    ENSURE(is_finite(wanted_.goal), wanted_.goal.position_m, wanted_.goal.velocity_mps, wanted_.goal.yaw_rad);
     if (!tracking_) tracker_.reset(at_rest_with(action_.estimate));
     tracking_ = true;
     action_.reference = tracker_.step(wanted_.goal, dt_s, wanted_.speed_limit_mps);
+    ENSURE(is_finite(action_.reference), action_.reference.position_m, action_.reference.velocity_mps,
+           action_.reference.acceleration_mps2);
     action_.rotor_command = controller_.step(action_.estimate, action_.reference, tracker_.jerk_mps3(), dt_s);
     trail_.push(action_.estimate.t, action_.reference.position_m);
   }

@@ -41,6 +41,8 @@ class Detector {
   /// The map that it keeps, as of now; null when it keeps none.
   virtual const VoxelMap* map() const { return nullptr; }
   virtual void append_overlays(std::vector<Overlay>&) const {}
+  /// What did not fit its settings so far.
+  virtual void append_counters(std::vector<Counter>&) const {}
 };
 
 }  // namespace swiftlet

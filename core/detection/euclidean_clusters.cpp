@@ -60,10 +60,10 @@ float distance_sq_to_box(const Eigen::Vector3f& p, const Eigen::Vector3f& min, c
 
 }  // namespace
 
-void EuclideanClusters::compute(std::span<const Eigen::Vector3f> points, double tolerance_m) {
-  fill_cells(points, tolerance_m);
-  join_cells(points, static_cast<float>(tolerance_m));
-  collect(points.size());
+void EuclideanClusters::compute(std::span<const Eigen::Vector3f> points_m, double tolerance_m) {
+  fill_cells(points_m, tolerance_m);
+  join_cells(points_m, static_cast<float>(tolerance_m));
+  collect(points_m.size());
 }
 
 void EuclideanClusters::fill_cells(std::span<const Eigen::Vector3f> points, double tolerance_m) {

@@ -6,23 +6,16 @@
 #include <span>
 #include <vector>
 
+#include "core/detection/clusterer.hpp"
+
 namespace swiftlet {
 
-/// Clusters of points by their mutual distance [Vrba 2025, eqs. 13-15]: two points are in the same cluster exactly if a
-/// chain of points leads from one to the other in steps of at most the tolerance.
-///
-/// Clusters are in the order of their first points, members in the order of the points. Points that are not finite, or
-/// farther than 500 000 tolerances from the origin, are left out. Exact to the rounding of single precision; about
-/// linear in the number of points, also for duplicates and dense heaps. Keeps its memory from call to call.
-class EuclideanClusters {
+/// Our own clusters. Points that are not finite, or farther than 500 000 tolerances from the origin, are left out.
+/// Exact to the rounding of single precision; about linear in the number of points, also for duplicates and dense
+/// heaps. Keeps its memory from call to call.
+class EuclideanClusters : public Clusterer {
  public:
-  void compute(std::span<const Eigen::Vector3f> points, double tolerance_m);
-
-  int size() const { return static_cast<int>(starts_.size()) - 1; }
-  /// Indices of the points of a cluster.
-  std::span<const std::uint32_t> members(int cluster) const {
-    return std::span(members_).subspan(starts_[cluster], starts_[cluster + 1] - starts_[cluster]);
-  }
+  void compute(std::span<const Eigen::Vector3f> points_m, double tolerance_m) override;
 
  private:
   struct Keyed {
@@ -47,7 +40,6 @@ class EuclideanClusters {
   std::vector<std::uint32_t> parents_;  // of cells, a union-find forest
   std::vector<std::uint32_t> cell_of_;  // of each point
   std::vector<std::uint32_t> labels_;   // cluster of each root
-  std::vector<std::uint32_t> starts_ = {0}, members_;
 };
 
 }  // namespace swiftlet

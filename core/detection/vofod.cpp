@@ -44,7 +44,10 @@ class VofodDetector : public Detector {
     stages_.map().follow(input.estimate.T_world_body.translation());
     seed(input);
     for (const Cloud& cloud : input.clouds) {
-      if (config_.sensor.empty() || cloud->scan->sensor == config_.sensor) waiting_ = cloud;
+      if (!config_.sensor.empty() && cloud->scan->sensor != config_.sensor) continue;
+      ++num_sweeps_;
+      if (waiting_ != nullptr) ++num_sweeps_passed_over_;
+      waiting_ = cloud;
     }
     // What ends comes before what begins; what takes no time does both.
     end_classification(input.t, output);
@@ -58,6 +61,12 @@ class VofodDetector : public Detector {
 
   const VoxelMap* map() const override { return &stages_.map(); }
   void append_overlays(std::vector<Overlay>& overlays) const override;
+  void append_counters(std::vector<Counter>& counters) const override {
+    counters.push_back({"sweeps passed over because the one before was still being classified", num_sweeps_passed_over_,
+                        num_sweeps_, "timing.classification_latency_s"});
+    counters.push_back(
+        {"returns outside the detector's map", stages_.num_points_outside(), stages_.num_points(), "map.size_m"});
+  }
 
  private:
   void seed(const DetectorInput& input) {
@@ -120,6 +129,7 @@ class VofodDetector : public Detector {
   Cloud waiting_, classified_;
   int classifications_in_raycasting_ = 0, classifications_in_separation_ = 0;
   std::vector<Detection> newest_;  // for pictures
+  std::uint64_t num_sweeps_ = 0, num_sweeps_passed_over_ = 0;
 };
 
 // Voxels by their confidence, the last scan by class, its detections, and why they are some: the air around them.

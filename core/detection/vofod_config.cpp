@@ -59,6 +59,9 @@ void VofodTiming::visit(ConfigVisitor& v) {
 void VofodConfig::visit(ConfigVisitor& v) {
   v.field("sensor", sensor, "LiDAR to listen to; empty: all");
   v.object("map", map, "multi-state occupancy map");
+  v.choice("clusterer", clusterer, {"swiftlet", "pcl"},
+           "who joins points to clusters, which are the same; pcl: in programs that were built with PCL");
+  v.check(has_clusterer(clusterer), "clusterer", "swiftlet: this program was built without PCL");
   v.field("cluster_distance_m", cluster_distance_m, "[m] d_cluster: points as near as this are of one cluster",
           Range::positive());
   v.field("close_distance_m", close_distance_m, "[m] d_close: rule A, background", Range::positive());

@@ -53,6 +53,7 @@ struct VofodTiming {
 struct VofodConfig : ModuleConfigOf<VofodConfig> {
   std::string sensor;
   VoxelMapConfig map;
+  std::string clusterer = "swiftlet";
   double cluster_distance_m = 0.25;
   double close_distance_m = 0.7;
   double search_distance_m = 3.0;

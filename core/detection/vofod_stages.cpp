@@ -68,7 +68,8 @@ VofodStages::VofodStages(const VofodConfig& config)
     : config_(config),
       map_(config.map),
       large_is_background_(config.seed == "large" || config.seed == "large_and_altimeter"),
-      g_just_free_(std::nextafter(static_cast<float>(config.map.G_uncertain), -std::numeric_limits<float>::max())) {}
+      g_just_free_(std::nextafter(static_cast<float>(config.map.G_uncertain), -std::numeric_limits<float>::max())),
+      clusterer_(make_clusterer(config.clusterer)) {}
 
 void VofodStages::classify(const WorldCloud& cloud, std::vector<Detection>& detections) {
   take_points(cloud);
@@ -134,6 +135,8 @@ void VofodStages::take_points(const WorldCloud& cloud) {
     const std::ptrdiff_t voxel = map_.grid().index_of(cloud.points_world_m[i].cast<double>());
     if (voxel >= 0) samples_.add(cloud.points_world_m[i], voxel, i);
   }
+  num_points_ += cloud.size();
+  num_points_outside_ += cloud.size() - samples_.at_m.size();
 }
 
 void VofodStages::thin_to_voxels() {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/detection/clusterer.hpp"
 #include "core/detection/enclosure.hpp"
-#include "core/detection/euclidean_clusters.hpp"
 #include "core/detection/separate_background.hpp"
 #include "core/detection/vicinity.hpp"
 #include "core/detection/vofod_config.hpp"
@@ -41,6 +41,10 @@ class VofodStages {
   VoxelMap& map() { return map_; }
   const VoxelMap& map() const { return map_; }
   const RayLengths& rays() const { return rays_; }
+
+  // Returns of all classified scans, and those of them that lay outside the map.
+  std::uint64_t num_points() const { return num_points_; }
+  std::uint64_t num_points_outside() const { return num_points_outside_; }
 
   // Of the last classified scan.
   /// Without what is background all around, whose clusters nobody asks for.
@@ -88,7 +92,8 @@ class VofodStages {
   Samples aside_;                              // background without asking for its clusters
   std::vector<std::uint8_t> near_background_;  // by sample
   Vicinity vicinity_;                          // of the samples that are not
-  EuclideanClusters clusters_;
+  std::unique_ptr<Clusterer> clusterer_;
+  Clusterer& clusters_ = *clusterer_;
   std::vector<ClusterClass> classes_;
   EnclosureSearch search_;
   std::vector<std::ptrdiff_t> starts_index_, to_clear_;
@@ -100,6 +105,7 @@ class VofodStages {
   SeparateBackground separator_;
   std::vector<Cell> separate_;
   std::vector<std::ptrdiff_t> separate_index_;
+  std::uint64_t num_points_ = 0, num_points_outside_ = 0;
 };
 
 }  // namespace swiftlet

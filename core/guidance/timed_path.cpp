@@ -6,6 +6,7 @@
 
 #include "core/guidance/heading.hpp"
 #include "core/guidance/way_overlay.hpp"
+#include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet {
 namespace {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "swiftlet/core/ensure.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -59,6 +61,7 @@ void CloudRegistrar::push(const StateEstimate& estimate) {
 }
 
 Pose CloudRegistrar::at(TimeNs t) const {
+  ENSURE(count_ > 0, t);
   int after = 0, end = count_;  // the first pose later than t
   while (after < end) {
     const int middle = (after + end) / 2;
@@ -85,9 +88,15 @@ bool CloudRegistrar::make(std::shared_ptr<const Scan> scan, WorldCloud& cloud) c
   if (scan->external_poses.empty() && count_ == 0) return false;
   cloud.scan = std::move(scan);
   const Scan& s = *cloud.scan;
+  const BeamTable& beams = *s.beams;
+  const std::size_t size = beams.size();
+  ENSURE(s.range_m.size() == size && beams.directions_lidar.size() == size && beams.origins_lidar.size() == size &&
+             beams.column_offset_s.size() == static_cast<std::size_t>(beams.cols) &&
+             (beams.masked.empty() || beams.masked.size() == size),
+         s.sensor, size, s.range_m.size(), beams.directions_lidar.size(), beams.origins_lidar.size(),
+         beams.column_offset_s.size(), beams.masked.size());
   place_columns(s, cloud.T_world_lidar);
 
-  const BeamTable& beams = *s.beams;
   const bool has_mask = !beams.masked.empty();
   const float own_radius_sq = static_cast<float>(own_radius_m_ * own_radius_m_);
   const Eigen::Isometry3f T_body_lidar = s.T_body_lidar.cast<float>();

@@ -6,9 +6,11 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "core/map/lanes.hpp"
+#include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet {
 namespace {
@@ -104,6 +106,10 @@ void RayLengths::begin(const Eigen::AlignedBox3d& origins_m, double reach_m, dou
   reach_m_ = reach_m;
   window_.edge_m = edge_m;
   if (origins_m.isEmpty()) return;
+  // Voxels of the window are numbered in 32 bits.
+  const double cells = (((origins_m.sizes().array() + 2.0 * reach_m) / edge_m) + 2.0 * (kMargin + 1)).prod();
+  ENSURE(cells < static_cast<double>(std::numeric_limits<std::int32_t>::max()), cells, origins_m.sizes(), reach_m,
+         edge_m);
   window_.min_cell = ((origins_m.min().array() - reach_m) / edge_m).floor().cast<int>() - kMargin;
   const Cell end = ((origins_m.max().array() + reach_m) / edge_m).ceil().cast<int>() + kMargin;
   window_.size = end - window_.min_cell;

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/map/lanes.hpp"
+#include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet {
 namespace {
@@ -95,6 +96,7 @@ VoxelState VoxelMap::state_at(const Vector3& p_m) const {
 }
 
 void VoxelMap::update(std::ptrdiff_t index, double n, double g) {
+  ENSURE(index >= 0 && index < grid_.num_cells(), index, grid_.num_cells());
   const float before = values_[index];
   if (!std::isfinite(before)) return;
   const double weight = n == 1.0 ? 0.5 : std::exp2(-n);  // single points are what there is most of
@@ -116,6 +118,8 @@ void VoxelMap::set_bit(std::ptrdiff_t index, bool occupied) {
 }
 
 void VoxelMap::move_to_free(const Cell& first, std::span<const float> n) {
+  ENSURE(grid_.contains(first) && first.x() + static_cast<int>(n.size()) <= grid_.min_cell.x() + grid_.size.x(), first,
+         n.size(), grid_.min_cell, grid_.size);
   const std::ptrdiff_t index = grid_.index(first);
   move_row(n.data(), n.size(), static_cast<float>(config_.g_free), values_.data() + index);
   // Going towards free only clears bits.

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/ensure.hpp"
+
 namespace swiftlet {
 
 std::span<const int> Assignment::solve(std::span<const double> costs, int rows, int cols) {
+  ENSURE(rows >= 0 && cols >= 0 && costs.size() == static_cast<std::size_t>(rows) * cols, costs.size(), rows, cols);
   // A forbidden pair, or a row without partner, costs so much that one of them outweighs all the rest.
   double span = 0.0;
   for (const double c : costs) {

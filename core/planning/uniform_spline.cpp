@@ -5,9 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "swiftlet/core/ensure.hpp"
+
 namespace swiftlet {
 
 UniformSpline::UniformSpline(std::vector<Vector3> control_points_m, double interval_s) : interval_s_(interval_s) {
+  ENSURE(!control_points_m.empty() && interval_s > 0.0, control_points_m.size(), interval_s);
   // Three times the same control point: there the curve is at rest.
   points_m_.reserve(control_points_m.size() + 4);
   points_m_.assign(2, control_points_m.front());

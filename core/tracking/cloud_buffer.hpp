@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/localization/world_cloud.hpp"
+#include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet {
 
@@ -54,8 +55,12 @@ class CloudBuffer {
     return clouds_[(first_ + count_ - 1) % clouds_.size()];
   }
   std::size_t size() const { return count_; }
+  bool is_full() const { return count_ == clouds_.size(); }
   const BufferedCloud& operator[](std::size_t i) const { return clouds_[(first_ + i) % clouds_.size()]; }
-  const BufferedCloud& newest() const { return (*this)[count_ - 1]; }
+  const BufferedCloud& newest() const {
+    ENSURE(count_ > 0);
+    return (*this)[count_ - 1];
+  }
 
  private:
   std::vector<BufferedCloud> clouds_;

@@ -132,7 +132,11 @@ Matrix3 CloudTracker::position_covariance(const Vector3& position_m, const Pose&
 }
 
 void CloudTracker::new_cloud(const WorldCloud& cloud, const BackgroundQuery* background) {
-  if (buffer_.size() > 0 && cloud.scan->stamp <= buffer_.newest().stamp()) return;
+  ++num_clouds_;
+  if (buffer_.size() > 0 && cloud.scan->stamp <= buffer_.newest().stamp()) {
+    ++num_late_clouds_;
+    return;
+  }
   buffer_.push().assign(cloud);
   update(targets_, buffer_.newest(), background);
   merge();
@@ -142,6 +146,8 @@ void CloudTracker::new_cloud(const WorldCloud& cloud, const BackgroundQuery* bac
 void CloudTracker::new_detections(std::span<const Detection> detections, const BackgroundQuery* background) {
   for (const Detection& detection : detections) {
     if (!detection.position_m.allFinite()) continue;
+    ++num_detections_;
+    if (buffer_.is_full() && detection.t < buffer_[0].stamp()) ++num_late_detections_;
     Target target = start(detection);
     bool lost = false;
     for (std::size_t i = 0; i < buffer_.size() && !lost; ++i) {
@@ -151,6 +157,12 @@ void CloudTracker::new_detections(std::span<const Detection> detections, const B
     }
     if (!lost) associate(std::move(target));
   }
+}
+
+void CloudTracker::append_counters(std::vector<Counter>& counters) const {
+  counters.push_back({"sweeps that came after a newer one", num_late_clouds_, num_clouds_, "sensor"});
+  counters.push_back(
+      {"detections older than every buffered cloud", num_late_detections_, num_detections_, "buffer_size"});
 }
 
 CloudTracker::Target CloudTracker::start(const Detection& detection) const {

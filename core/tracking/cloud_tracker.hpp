@@ -13,6 +13,7 @@
 #include "core/tracking/motion_filter.hpp"
 #include "core/uncertainty/point_covariance.hpp"
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/detection.hpp"
 #include "swiftlet/core/track.hpp"
 
@@ -66,6 +67,7 @@ class CloudTracker {
   /// Tracks with enough detections, in order of their identity.
   void publish(std::vector<Track>& tracks) const;
   int num_tracks() const { return static_cast<int>(targets_.size()); }  ///< published or not
+  void append_counters(std::vector<Counter>& counters) const;
 
   /// r_unc of eq. (29) [m].
   double uncertainty_radius_m(const Matrix3& position_covariance) const;
@@ -106,6 +108,8 @@ class CloudTracker {
   CloudBuffer buffer_;
   std::vector<Target> targets_;
   std::uint32_t next_id_ = 1;
+  std::uint64_t num_clouds_ = 0, num_late_clouds_ = 0;
+  std::uint64_t num_detections_ = 0, num_late_detections_ = 0;
 
   // Memory of one update, kept for the next.
   std::vector<Target> predicted_;

@@ -8,6 +8,7 @@
 #include "core/localization/world_cloud.hpp"
 #include "core/map/background_query.hpp"
 #include "swiftlet/core/action.hpp"
+#include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/observation.hpp"
 
 namespace swiftlet {
@@ -28,6 +29,8 @@ class Tracker {
   virtual ~Tracker() = default;
   /// True when `tracks` was updated; it is left alone otherwise.
   virtual bool step(const TrackerInput& input, std::vector<Track>& tracks) = 0;
+  /// What did not fit its settings so far.
+  virtual void append_counters(std::vector<Counter>& /*counters*/) const {}
 };
 
 }  // namespace swiftlet

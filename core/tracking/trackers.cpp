@@ -25,6 +25,8 @@ class CloudTrackerModule : public Tracker {
     return true;
   }
 
+  void append_counters(std::vector<Counter>& counters) const override { tracker_.append_counters(counters); }
+
  private:
   std::string sensor_;  // from the first cloud on, when none is configured
   CloudTracker tracker_;

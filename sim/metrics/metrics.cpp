@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/metrics/metrics.hpp"
 
+#include "swiftlet/core/ensure.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -49,7 +51,11 @@ Metrics::Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_n
 }
 
 void Metrics::update(const TickView& tick, std::span<const Clearance> clearances) {
-  for (std::size_t i = 0; i < flying_.size(); ++i) flying_[i] = is_flying(tick.states[i], clearances[i]);
+  const std::size_t count = flying_.size();
+  ENSURE(tick.states.size() == count && clearances.size() == count && tick.actions.size() == count, count,
+         tick.states.size(), clearances.size(), tick.actions.size());
+  ENSURE(tick.t > t_last_, to_seconds(tick.t), to_seconds(t_last_));
+  for (std::size_t i = 0; i < count; ++i) flying_[i] = is_flying(tick.states[i], clearances[i]);
   const MetricContext context{to_seconds(tick.t - t_last_), clearances, flying_};
   for (const auto& metric : metrics_) {
     for (const auto& table : metric->series()) table->clear();

@@ -6,10 +6,13 @@
 #include <optional>
 #include <stdexcept>
 
+#include "sim/parallel/first_exception.hpp"
 #include "sim/physics/air_effects.hpp"
 #include "sim/physics/contacts.hpp"
 #include "sim/physics/multirotor_model.hpp"
 #include "sim/world/neighborhood.hpp"
+#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/finite.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -65,6 +68,12 @@ struct Vehicle {
   double still_s = 0.0;
   MultirotorModel::Acceleration free_acceleration{};  // when it fell asleep
 };
+
+/// Rotors follow: their speeds are clamped, and a command that is not finite has been noticed before.
+bool is_finite(const VehicleState& state) {
+  return swiftlet::is_finite(state.p_world_m) && swiftlet::is_finite(state.q_world_body) &&
+         swiftlet::is_finite(state.v_world_mps) && swiftlet::is_finite(state.omega_body_radps);
+}
 
 Eigen::Quaterniond rotation_by(const Vector3& rotation_vector) {
   const double angle = rotation_vector.norm();
@@ -165,8 +174,10 @@ struct PhysicsWorld::Impl {
   template <class Act>
   void for_each_vehicle(const Act& act) const {
     const int count = static_cast<int>(vehicles.size());
+    FirstException failure;
 #pragma omp parallel for schedule(dynamic, kVehiclesAtATime) if (count >= kManyVehicles)
-    for (VehicleId id = 0; id < count; ++id) act(id);
+    for (VehicleId id = 0; id < count; ++id) failure.guard(id, [&] { act(id); });
+    failure.rethrow();
   }
 
   void note_positions() {
@@ -328,6 +339,7 @@ struct PhysicsWorld::Impl {
       vehicle.model.step(state, command_of(id, commands), vehicle.air);
     }
     state.t = t;
+    ENSURE(is_finite(state), vehicle.name, to_seconds(t), state.p_world_m, state.v_world_mps, state.omega_body_radps);
   }
 
   /// A vehicle that can touch nothing before the plan ends needs nobody else.
@@ -390,6 +402,8 @@ struct PhysicsWorld::Impl {
     state.p_world_m = body.p_world_m + config.step_s * body.v_world_mps;
     state.q_world_body = (rotation_by(config.step_s * body.omega_world_radps) * body.q_world_body).normalized();
     state.omega_body_radps = state.q_world_body.conjugate() * body.omega_world_radps;
+    ENSURE(is_finite(state), vehicles[body.vehicle].name, to_seconds(state.t), state.p_world_m, state.v_world_mps,
+           state.omega_body_radps);
   }
 
   /// Is this contact a crash?

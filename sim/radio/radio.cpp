@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/math/random.hpp"
+#include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet::sim {
 
@@ -219,6 +220,8 @@ void Radio::post(VehicleId from, TimeNs now, std::span<const Message> messages, 
     impl_->positions_at = now;
     for (int i = 0; i < impl_->num_vehicles; ++i) impl_->positions[i] = states[i].p_world_m;
   }
+  ENSURE(from >= 0 && from < impl_->num_vehicles && states.size() == static_cast<std::size_t>(impl_->num_vehicles),
+         from, states.size(), impl_->num_vehicles);
   for (const Message& message : messages) impl_->enqueue(from, now, message);
 }
 

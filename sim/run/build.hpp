@@ -27,8 +27,8 @@ std::vector<PhysicsVehicle> make_physics_vehicles(const Scenario& scenario, cons
 
 /// By vehicle, in the order of the scenario. A vehicle whose agent asks for `localization: ground_truth` and has no
 /// `pose` sensor gets a perfect one: the only way that truth reaches an agent.
-std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(const Scenario& scenario, const World& world,
-                                                               const std::vector<std::shared_ptr<const VehicleShape>>& shapes);
+std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(
+    const Scenario& scenario, const World& world, const std::vector<std::shared_ptr<const VehicleShape>>& shapes);
 
 /// Which vehicles detect and track others, by VehicleId.
 std::vector<Perception> perception_of(const Scenario& scenario);

@@ -144,7 +144,8 @@ RunSummary Simulation::summary() const {
           .stage_wall_s = impl_->clock.seconds_by_stage(),
           .metrics = impl_->metrics.report(),
           .radio = impl_->radio.statistics(),
-          .radio_topics = impl_->radio.topics()};
+          .radio_topics = impl_->radio.topics(),
+          .counters = impl_->team.counters(impl_->radio.statistics())};
 }
 
 }  // namespace swiftlet::sim

@@ -11,7 +11,8 @@ namespace swiftlet::sim {
 
 /// Parts of a tick whose wall time the summary tells.
 enum class Stage { kPhysics, kSensors, kAgents, kRadio, kMetrics, kRecorders };
-inline constexpr std::array<const char*, 6> kStageNames = {"physics", "sensors", "agents", "radio", "metrics", "recorders"};
+inline constexpr std::array<const char*, 6> kStageNames = {"physics", "sensors", "agents",
+                                                           "radio",   "metrics", "recorders"};
 
 /// Adds up wall time by stage. Says nothing about the simulation itself: no result may depend on it.
 class StageClock {

@@ -61,10 +61,28 @@ Json radio_json(const RunSummary& summary) {
                       {"rate_hz", static_cast<double>(topic.messages) / seconds},
                       {"load_kBps", 1e-3 * static_cast<double>(topic.bytes) / seconds}});
   }
-  return {{"sent", s.sent},           {"delivered", s.delivered},       {"lost", s.lost},
-          {"blocked", s.blocked},     {"out_of_range", s.out_of_range}, {"dropped", s.dropped},
-          {"bytes_sent", s.bytes_sent}, {"mean_delay_s", s.mean_delay_s}, {"max_delay_s", s.max_delay_s},
+  return {{"sent", s.sent},
+          {"delivered", s.delivered},
+          {"lost", s.lost},
+          {"blocked", s.blocked},
+          {"out_of_range", s.out_of_range},
+          {"dropped", s.dropped},
+          {"bytes_sent", s.bytes_sent},
+          {"mean_delay_s", s.mean_delay_s},
+          {"max_delay_s", s.max_delay_s},
           {"topics", topics}};
+}
+
+// Only what happened: a run in which all fits has an empty list.
+Json counters_json(const std::vector<Counter>& counters) {
+  Json out = Json::array();
+  for (const Counter& counter : counters) {
+    if (counter.count == 0) continue;
+    Json entry = {{"what", counter.what}, {"count", counter.count}, {"setting", counter.setting}};
+    if (counter.of > 0) entry["of"] = counter.of;
+    out.push_back(std::move(entry));
+  }
+  return out;
 }
 
 std::string number_text(const MetricRow& row) {
@@ -125,7 +143,8 @@ std::string to_json(const RunSummary& s) {
                      {"stage_wall_s", stages},
                      {"metrics", metrics_json(s.metrics)},
                      {"detection_over_distance", detection_json(s.metrics)},
-                     {"radio", radio_json(s)}};
+                     {"radio", radio_json(s)},
+                     {"counters", counters_json(s.counters)}};
   return json.dump(2) + "\n";
 }
 
@@ -140,7 +159,14 @@ std::string to_text(const RunSummary& s) {
   for (const MetricRow& row : s.metrics.rows()) {
     if (row.vehicle.empty() && row.name != "outcome") out += "  " + row.name + ": " + number_text(row) + "\n";
   }
-  return out + vehicle_table(s.metrics);
+  out += vehicle_table(s.metrics);
+  for (const Counter& counter : s.counters) {
+    if (counter.count == 0) continue;
+    out += "  " + counter.setting + ": " + std::to_string(counter.count);
+    if (counter.of > 0) out += " of " + std::to_string(counter.of);
+    out += " " + counter.what + "\n";
+  }
+  return out;
 }
 
 }  // namespace swiftlet::sim

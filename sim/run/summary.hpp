@@ -8,6 +8,7 @@
 
 #include "sim/metrics/metrics.hpp"
 #include "sim/radio/radio.hpp"
+#include "swiftlet/core/counter.hpp"
 
 namespace swiftlet::sim {
 
@@ -19,12 +20,13 @@ struct RunSummary {
   std::uint64_t state_hash = 0;
   int threads = 1;
   double simulated_s = 0.0;
-  double setup_wall_s = 0.0;   ///< world, trace structure, vehicles
-  double wall_s = 0.0;         ///< the flight with its recording
+  double setup_wall_s = 0.0;  ///< world, trace structure, vehicles
+  double wall_s = 0.0;        ///< the flight with its recording
   std::vector<std::pair<std::string, double>> stage_wall_s;
   MetricTable metrics;
   RadioStatistics radio;
   std::vector<Radio::TopicStatistics> radio_topics;
+  std::vector<Counter> counters;  ///< what did not fit; settings by their path in the scenario
 
   double real_time_factor() const { return wall_s > 0.0 ? simulated_s / wall_s : 0.0; }
 };

@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
+
+#include "sim/parallel/first_exception.hpp"
+#include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -30,6 +34,16 @@ int vehicles_at_a_time(const Team& team) {
   return team.size() >= kManyVehicles ? kVehiclesAtATime : 0;
 }
 
+/// A broken contract is told with its vehicle and the instant.
+void rethrow(const FirstException& failure, const Team& team) {
+  try {
+    failure.rethrow();
+  } catch (const ContractViolation& violation) {
+    throw ContractViolation(team.names[failure.part()] + " at " + std::to_string(to_seconds(team.now)) +
+                            " s: " + violation.what());
+  }
+}
+
 }  // namespace
 
 void SweepSchedule::sense_and_step(Team& team, const Truth& truth, StageClock& clock) {
@@ -40,12 +54,16 @@ void SweepSchedule::sense_and_step(Team& team, const Truth& truth, StageClock& c
   }
   {
     const auto timed = clock.measure(Stage::kSensors);
+    FirstException failure;
 #pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
-    for (int i = 0; i < team.size(); ++i) team.sense(i, truth);
+    for (int i = 0; i < team.size(); ++i) failure.guard(i, [&] { team.sense(i, truth); });
+    rethrow(failure, team);
   }
   const auto timed = clock.measure(Stage::kAgents);
+  FirstException failure;
 #pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
-  for (int i = 0; i < team.size(); ++i) team.step(i);
+  for (int i = 0; i < team.size(); ++i) failure.guard(i, [&] { team.step(i); });
+  rethrow(failure, team);
 }
 
 // The sweeps that are due, in parts.
@@ -57,8 +75,12 @@ void SweepSchedule::begin_sweeps(const Team& team, const Truth& truth) {
     }
     parts_left_[i] = 0;
   }
+  FirstException failure;
 #pragma omp parallel for schedule(dynamic, 1)
-  for (Sweep& sweep : sweeps_) sweep.num_parts = sweep.sensor->begin_sweep(team.now, truth.history);
+  for (Sweep& sweep : sweeps_) {
+    failure.guard(sweep.vehicle, [&] { sweep.num_parts = sweep.sensor->begin_sweep(team.now, truth.history); });
+  }
+  rethrow(failure, team);
 
   parts_.clear();
   for (int s = 0; s < static_cast<int>(sweeps_.size()); ++s) {
@@ -76,6 +98,7 @@ void SweepSchedule::trace_with_steps(Team& team, const Truth& truth, StageClock&
   const auto start = Clock::now();
   begin_sweeps(team, truth);
   std::atomic<double> busy_s = 0.0, stepping_s = 0.0;
+  FirstException failure;
 #pragma omp parallel
   {
     const auto thread_start = Clock::now();
@@ -88,16 +111,19 @@ void SweepSchedule::trace_with_steps(Team& team, const Truth& truth, StageClock&
     };
 #pragma omp for schedule(dynamic, 1)
     for (int i = 0; i < team.size(); ++i) {
-      if (parts_left_[i] == 0) sense_and_step_one(i);
+      if (parts_left_[i] == 0) failure.guard(i, [&] { sense_and_step_one(i); });
     }
 #pragma omp for schedule(dynamic, kPartsAtATime) nowait
     for (const Part& part : parts_) {
       const Sweep& sweep = sweeps_[part.sweep];
-      sweep.sensor->trace_part(part.number);
-      if (--parts_left_[sweep.vehicle] == 0) sense_and_step_one(sweep.vehicle);
+      failure.guard(sweep.vehicle, [&] {
+        sweep.sensor->trace_part(part.number);
+        if (--parts_left_[sweep.vehicle] == 0) sense_and_step_one(sweep.vehicle);
+      });
     }
     busy_s += seconds_since(thread_start);
   }
+  rethrow(failure, team);
   const double agents_s = seconds_since(start) * stepping_s / busy_s;
   clock.add(Stage::kAgents, agents_s);
   clock.add(Stage::kSensors, seconds_since(start) - agents_s);

@@ -5,6 +5,7 @@
 
 #include "sim/radio/radio.hpp"
 #include "sim/run/build.hpp"
+#include "sim/run/finite_values.hpp"
 #include "sim/run/state_hash.hpp"
 
 namespace swiftlet::sim {
@@ -18,6 +19,7 @@ Team::Team(const Scenario& scenario, const World& world, const std::vector<Physi
            const std::vector<std::shared_ptr<const VehicleShape>>& shapes)
     : sensors(make_sensors(scenario, world, shapes)),
       agents(make_agents(scenario, vehicles, *world.scene)),
+      names(vehicle_names(scenario)),
       clearance_max_m(scenario.metrics.clearance_max_m),
       observations(agents.size()),
       actions(agents.size(), &idle_),
@@ -55,6 +57,7 @@ void Team::sense(VehicleId i, const Truth& truth) {
     sensor->measure(now, truth.history, observations[i]);
     for (const auto& scan : sensor->scans()) scans[i].push_back(scan);
   }
+  ensure_finite(observations[i]);
   clearances[i] = truth.physics.clearance(i, clearance_max_m);
   least_clearance_m[i] = std::min(clearances[i].surface_m, clearances[i].vehicle_m);
   hashes[i] = combine(hash_of(truth.physics.state(i)), hash_of(observations[i]));
@@ -62,6 +65,7 @@ void Team::sense(VehicleId i, const Truth& truth) {
 
 void Team::step(VehicleId i) {
   actions[i] = &agents[i]->step(observations[i]);
+  ensure_finite(*actions[i]);
   commands[i] = actions[i]->rotor_command;
 }
 
@@ -72,6 +76,18 @@ void Team::send(Radio& radio, std::span<const VehicleState> states) {
 std::uint64_t Team::combined_hash(std::uint64_t before) const {
   for (const std::uint64_t hash : hashes) before = combine(before, hash);
   return before;
+}
+
+std::vector<Counter> Team::counters(const RadioStatistics& radio) const {
+  std::vector<Counter> all = {
+      {"messages dropped from full queues", radio.dropped, radio.dropped + radio.sent, "radio.queue_limit_kB"}};
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    const std::size_t first = all.size();
+    agents[i]->append_counters(all);
+    const std::string place = "vehicles[" + std::to_string(i) + "].agent.";
+    for (std::size_t k = first; k < all.size(); ++k) all[k].setting.insert(0, place);
+  }
+  return all;
 }
 
 }  // namespace swiftlet::sim

@@ -15,6 +15,7 @@
 namespace swiftlet::sim {
 
 class Radio;
+struct RadioStatistics;
 
 /// The truth that sensors measure.
 struct Truth {
@@ -43,9 +44,12 @@ struct Team {
   void send(Radio& radio, std::span<const VehicleState> states);
   /// What the vehicles were and knew in this tick joins the hash of the ticks before.
   std::uint64_t combined_hash(std::uint64_t before) const;
+  /// Of all agents, their keys put under where the agent stands in the scenario, and of what they share.
+  std::vector<Counter> counters(const RadioStatistics& radio) const;
 
   std::vector<std::vector<std::unique_ptr<Sensor>>> sensors;
   std::vector<std::unique_ptr<Agent>> agents;
+  std::vector<std::string> names;
   double clearance_max_m;
 
   TimeNs now = 0;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/math/random.hpp"
+#include "sim/parallel/first_exception.hpp"
 #include "sim/raycast/sweep_scene.hpp"
 #include "sim/sensors/lidar_external_pose.hpp"
 #include "sim/sensors/lidar_tiles.hpp"
@@ -147,6 +148,7 @@ class Lidar final : public Sensor {
   void look_up_surfaces();
   std::vector<Firing> firings_of(const BeamTable& beams) const;
   void make_tiles(BeamTable& beams);
+  void make_tile(BeamTable& beams, LidarTile& tile) const;
   std::shared_ptr<PooledScan> sweep(TimeNs stamp, std::uint32_t index, const StateHistory& truth);
   void prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth, PooledScan& out);
 
@@ -240,20 +242,23 @@ void Lidar::make_tiles(BeamTable& beams) {
   tiler_.arrange(beams, tiles_);
   beams.masked.resize(beams.size());
   const int num_tiles = static_cast<int>(tiles_.size());
+  FirstException failure;
 #pragma omp parallel for schedule(dynamic, kTilesAtATime)
-  for (int t = 0; t < num_tiles; ++t) {
-    LidarTile& tile = tiles_[t];
-    tiler_.load(beams, tile);
-    std::uint32_t reaches_self = 0;
-    for (const SubRay& ray : sub_rays_) {
-      const bool is_axis = ray.across == 0.0F && ray.up == 0.0F;
-      reaches_self |= scene_.reaches_self(
-          is_axis ? tile.beams : turned(tile.beams, ray.across * sub_ray_sigma_rad_, ray.up * sub_ray_sigma_rad_));
-    }
-    tile.meets_self = reaches_self != 0;
-    for (int i = 0; i < kPacketSize; ++i) {
-      if (tile.beam[i] >= 0) beams.masked[tile.beam[i]] = (reaches_self >> i) & 1U;
-    }
+  for (int t = 0; t < num_tiles; ++t) failure.guard(t, [&] { make_tile(beams, tiles_[t]); });
+  failure.rethrow();
+}
+
+void Lidar::make_tile(BeamTable& beams, LidarTile& tile) const {
+  tiler_.load(beams, tile);
+  std::uint32_t reaches_self = 0;
+  for (const SubRay& ray : sub_rays_) {
+    const bool is_axis = ray.across == 0.0F && ray.up == 0.0F;
+    reaches_self |= scene_.reaches_self(
+        is_axis ? tile.beams : turned(tile.beams, ray.across * sub_ray_sigma_rad_, ray.up * sub_ray_sigma_rad_));
+  }
+  tile.meets_self = reaches_self != 0;
+  for (int i = 0; i < kPacketSize; ++i) {
+    if (tile.beam[i] >= 0) beams.masked[tile.beam[i]] = (reaches_self >> i) & 1U;
   }
 }
 
@@ -322,8 +327,10 @@ std::shared_ptr<PooledScan> Lidar::sweep(TimeNs stamp, std::uint32_t index, cons
   std::shared_ptr<PooledScan> scan = take_from_pool();
   prepare(stamp, index, truth, *scan);
   const int num_tiles = static_cast<int>(tiles_.size());
+  FirstException failure;
 #pragma omp parallel for schedule(dynamic, kTilesAtATime)
-  for (int t = 0; t < num_tiles; ++t) measure_tile(tiles_[t], index, *scan);
+  for (int t = 0; t < num_tiles; ++t) failure.guard(t, [&] { measure_tile(tiles_[t], index, *scan); });
+  failure.rethrow();
   return scan;
 }
 
@@ -344,11 +351,15 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
   // The same numbers however the beams are shared out: each is a function of (sweep, beam).
   constexpr int kChunk = 4096;
   const int size = static_cast<int>(range_normals_.size());
+  FirstException failure;
 #pragma omp parallel for schedule(static)
   for (int first = 0; first < size; first += kChunk) {
-    const std::size_t count = std::min(kChunk, size - first);
-    range_random_.fill_normal(index, first, std::span(range_normals_).subspan(first, count));
+    failure.guard(first, [&] {
+      const std::size_t count = std::min(kChunk, size - first);
+      range_random_.fill_normal(index, first, std::span(range_normals_).subspan(first, count));
+    });
   }
+  failure.rethrow();
   for (std::size_t c = 0; c < out.truth.T_world_lidar.size(); ++c) {
     out.truth.T_world_lidar[c] = scene_.T_world_lidar(static_cast<int>(c));
   }

@@ -136,7 +136,7 @@ VehicleShape make_vehicle_shape(const Airframe& airframe) {
   const auto reflectivity = static_cast<float>(airframe.reflectivity);
   shape.materials = {{"frame", reflectivity, false, {0.13F, 0.13F, 0.15F}},
                      {"rotor", 0.10F, false, {0.22F, 0.22F, 0.24F}},    // black plastic or carbon fiber
-                     {"sensor", 0.25F, false, {0.55F, 0.57F, 0.60F}}};  // anodised aluminium
+                     {"sensor", 0.25F, false, {0.55F, 0.57F, 0.60F}}};  // anodized aluminum
 
   // The arms lie below the hubs; the plates are at their height.
   float hub_z_m = 0.0F;

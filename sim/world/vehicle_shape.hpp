@@ -12,15 +12,15 @@ namespace swiftlet::sim {
 /// Rotors are kept apart because they spin.
 struct VehicleShape {
   struct RotorShape {
-    Eigen::Vector3f hub_m = Eigen::Vector3f::Zero();   ///< body frame
+    Eigen::Vector3f hub_m = Eigen::Vector3f::Zero();  ///< body frame
     float radius_m = 0.1F;
     int blades = 2;
-    float chord_m = 0.02F;                             ///< width of a blade
-    float direction = 1.0F;                            ///< +1 ccw seen from above
+    float chord_m = 0.02F;   ///< width of a blade
+    float direction = 1.0F;  ///< +1 ccw seen from above
   };
 
-  std::vector<Material> materials;      ///< index 0: frame, 1: rotor, 2: sensor
-  std::vector<Mesh> meshes;             ///< everything but the rotors; `part` set
+  std::vector<Material> materials;  ///< index 0: frame, 1: rotor, 2: sensor
+  std::vector<Mesh> meshes;         ///< everything but the rotors; `part` set
   std::vector<RotorShape> rotors;
   std::uint32_t rotor_material = 1;
   float circumscribed_radius_m = 0.5F;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "swiftlet/core/ensure.hpp"
+
 namespace swiftlet::sim {
 
 VehicleState interpolate(const VehicleState& a, const VehicleState& b, TimeNs t) {
@@ -36,6 +38,8 @@ StateHistory::StateHistory(int num_vehicles, int capacity)
       count_(num_vehicles, 0) {}
 
 void StateHistory::push(VehicleId vehicle, const VehicleState& state) {
+  ENSURE(vehicle >= 0 && vehicle < num_vehicles_, vehicle, num_vehicles_);
+  ENSURE(count_[vehicle] == 0 || state.t >= latest(vehicle).t, vehicle, to_seconds(state.t));
   newest_[vehicle] = (newest_[vehicle] + 1) % capacity_;
   count_[vehicle] = std::min(count_[vehicle] + 1, capacity_);
   ring_[static_cast<std::size_t>(vehicle) * capacity_ + newest_[vehicle]] = state;
@@ -49,11 +53,17 @@ const VehicleState& StateHistory::nth_newest(VehicleId vehicle, int n) const {
 const VehicleState& StateHistory::latest(VehicleId vehicle) const { return nth_newest(vehicle, 0); }
 
 VehicleState StateHistory::at(VehicleId vehicle, TimeNs t) const {
+  ENSURE(vehicle >= 0 && vehicle < num_vehicles_, vehicle, num_vehicles_);
   // Binary search for the newest kept state at or before t; ages grow from 0.
   const int count = count_[vehicle];
   if (count == 0) return {};
   if (t >= nth_newest(vehicle, 0).t) return nth_newest(vehicle, 0);
-  if (t <= nth_newest(vehicle, count - 1).t) return nth_newest(vehicle, count - 1);
+  if (t <= nth_newest(vehicle, count - 1).t) {
+    const VehicleState& oldest = nth_newest(vehicle, count - 1);
+    // A full history has forgotten what came before; asking for that would be answered wrongly.
+    ENSURE(t == oldest.t || count < capacity_, vehicle, to_seconds(t), to_seconds(oldest.t), capacity_);
+    return oldest;
+  }
   int younger = 0;
   int older = count - 1;
   while (older - younger > 1) {

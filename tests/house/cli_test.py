@@ -115,6 +115,15 @@ class Cli(unittest.TestCase):
             result = self.run_swiftlet("check", scenario)
             self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""), scenario)
 
+    def test_a_broken_contract_is_one_message_with_vehicle_and_instant_and_nothing_is_left(self):
+        # A wind that blows everything away: no state stays finite.
+        self.scenario.write_text(HOVER.format(duration=1) + "wind: {mean_mps: [1e200, 0, 0]}\n")
+        result = self.run_swiftlet("run", self.scenario, "--out", "out", "-q")
+        self.assertEqual((result.returncode, result.stdout), (1, ""), result.stderr)
+        self.assertRegex(result.stderr, r"^swiftlet: internal error: sim/\S+:\d+: ENSURE\(is_finite\(state\)\): .*\"uav1\", "
+                                        r"to_seconds\(t\) = 0\.\d+, .*\n$")
+        self.assertEqual(self.left_behind(), [])
+
     def test_help_is_everywhere(self):
         self.assertIn("run", self.run_swiftlet("--help").stdout)
         for command in ("run", "batch", "report", "render", "world", "check", "list", "reference", "bench", "reproduce", "uncertainty"):

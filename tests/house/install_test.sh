@@ -10,6 +10,12 @@ cmake -S "$here/consumer" -B "$work/consumer" -G Ninja -DCMAKE_BUILD_TYPE=Releas
 cmake --build "$work/consumer"
 "$work/consumer/robot"
 "$work/consumer/flight"
+# The component pcl, where this build has it.
+if [ -e "$work"/prefix/lib*/cmake/swiftlet/swiftletPclTargets.cmake ]; then
+  cmake -S "$here/../../examples/pcl" -B "$work/pcl" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
+  cmake --build "$work/pcl"
+  "$work/pcl/register_scans" "$here/../../examples/pcl/hall.yaml"
+fi
 # The installed program finds the installed assets, not the source tree's.
 cd "$work"
 env -u SWIFTLET_ASSETS "$work/prefix/bin/swiftlet" list vehicles

@@ -3,6 +3,7 @@
 
 #include "swiftlet/core/action.hpp"
 #include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/observation.hpp"
 #include "swiftlet/core/prior_map.hpp"
 
@@ -25,6 +26,8 @@ class Agent {
   virtual ~Agent() = default;
   /// One tick. The result belongs to the agent and is valid until the next call.
   virtual const Action& step(const Observation& observation) = 0;
+  /// What did not fit its settings so far, with keys from the agent's own.
+  virtual void append_counters(std::vector<Counter>& /*counters*/) const {}
 };
 
 }  // namespace swiftlet

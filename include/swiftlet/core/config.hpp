@@ -13,7 +13,8 @@
 #include <vector>
 
 /// Configuration without a file format: every module has one struct whose `visit` names its fields, once.
-/// The strict YAML reader, the writer of resolved scenarios and the generated reference page are visitors (sim/scenario).
+/// The strict YAML reader, the writer of resolved scenarios and the generated reference page are visitors
+/// (sim/scenario).
 ///
 /// Rules: defaults stand in the struct and nowhere else; a default-constructed config is valid; a key carries its
 /// unit as a suffix (`_m`, `_s`, `_hz`, `_deg`, `_mps`, `_kg`, ...) and the value is stored in that unit.
@@ -89,7 +90,8 @@ struct Module {
   }
 };
 
-/// Changes to some other configuration: ("vehicles[0].start.yaw_deg", "90"), key path and YAML value, made in this order.
+/// Changes to some other configuration: ("vehicles[0].start.yaw_deg", "90"), key path and YAML value, made in this
+/// order.
 using ConfigChanges = std::vector<std::pair<std::string, std::string>>;
 
 class ConfigVisitor {

@@ -21,15 +21,15 @@ struct StartConfig {
   bool above_ground = false;
   double yaw_deg = 0.0;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
-  bool flying = true;                            ///< rotors turn at hover speed at the start
-  std::string place;                             ///< of position_m in its file, for messages: "a.yaml:3:9: vehicles[0]. ...: "
+  bool flying = true;  ///< rotors turn at hover speed at the start
+  std::string place;   ///< of position_m in its file, for messages: "a.yaml:3:9: vehicles[0]. ...: "
 
   void visit(ConfigVisitor& v);
 };
 
 struct VehicleConfig {
-  std::string name;                    ///< unique; empty: uav1, uav2, ...
-  std::string model = "x500";          ///< assets/vehicles/<model>.yaml: airframe and controller gains
+  std::string name;            ///< unique; empty: uav1, uav2, ...
+  std::string model = "x500";  ///< assets/vehicles/<model>.yaml: airframe and controller gains
   Airframe airframe;
   StartConfig start;
   std::vector<Module> sensors;
@@ -40,12 +40,12 @@ struct VehicleConfig {
 };
 
 struct MetricsConfig {
-  double clearance_max_m = 20.0;       ///< distances beyond are reported as this
-  bool stop_on_crash = false;          ///< end the run at the first crash
-  bool stop_when_done = true;          ///< end the run when every mission is done, failed or crashed
-  double true_positive_m = 3.0;        ///< a detection or track nearer than this to a vehicle is that vehicle's
-  double detection_range_m = 20.0;     ///< vehicles nearer than this count for recall
-  double detection_bin_m = 5.0;        ///< of the results over distance
+  double clearance_max_m = 20.0;    ///< distances beyond are reported as this
+  bool stop_on_crash = false;       ///< end the run at the first crash
+  bool stop_when_done = true;       ///< end the run when every mission is done, failed or crashed
+  double true_positive_m = 3.0;     ///< a detection or track nearer than this to a vehicle is that vehicle's
+  double detection_range_m = 20.0;  ///< vehicles nearer than this count for recall
+  double detection_bin_m = 5.0;     ///< of the results over distance
 
   void visit(ConfigVisitor& v);
 };
@@ -55,7 +55,7 @@ struct Scenario {
   std::string name = "unnamed";
   std::string description;
   std::uint64_t seed = 1;
-  std::uint64_t world_seed = 0;        ///< of the world alone; 0: the seed
+  std::uint64_t world_seed = 0;  ///< of the world alone; 0: the seed
   double duration_s = 10.0;
   double tick_s = 0.004;
   PhysicsConfig physics;

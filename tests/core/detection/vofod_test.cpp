@@ -88,6 +88,40 @@ TEST(VofodDetector, ASlowClassificationDropsOldScansNotNewOnes) {
   EXPECT_EQ(stamps, (std::vector<TimeNs>{1, 3, 6, 8, 11, 13, 16}));
 }
 
+std::uint64_t count_of(const Detector& detector, const std::string& setting) {
+  std::vector<Counter> counters;
+  detector.append_counters(counters);
+  for (const Counter& counter : counters) {
+    if (counter.setting == setting) return counter.count;
+  }
+  ADD_FAILURE() << "no counter names " << setting;
+  return 0;
+}
+
+TEST(VofodDetector, CountsTheSweepsThatWerePassedOver) {
+  VofodConfig config = near_config();
+  for (const double latency_s : {0.05, 0.25}) {
+    config.timing.classification_latency_s = latency_s;
+    Ticker ticker(config);
+    for (int i = 0; i < 500; ++i) ticker.tick(ground());
+    // Of 20 sweeps 8 are classified in 2 s at 0.25 s each, one waits.
+    EXPECT_EQ(count_of(*ticker.detector, "timing.classification_latency_s"), latency_s < 0.1 ? 0U : 11U);
+  }
+}
+
+TEST(VofodDetector, CountsTheReturnsOutsideItsMap) {
+  VofodConfig config = near_config();
+  config.timing.classification_latency_s = 0.0;
+  config.map.voxel_m = 1.0;
+  for (const double edge_m : {200.0, 3.0}) {
+    config.map.size_m = {edge_m, edge_m, 20.0};
+    Ticker ticker(config);
+    for (int i = 0; i < 50; ++i) ticker.tick(ground());
+    const std::uint64_t outside = count_of(*ticker.detector, "map.size_m");
+    EXPECT_EQ(outside == 0, edge_m > 100.0) << outside;
+  }
+}
+
 TEST(VofodDetector, TheMapChangesWhenAModuleIsDoneAndRaysCountClassifications) {
   VofodConfig config = near_config();
   config.timing.classification_latency_s = 0.0;

@@ -154,6 +154,32 @@ TEST(CloudTracker, ALateDetectionArrivesWhereAnEarlyOneWouldBe) {
   EXPECT_LT((b[0].position_m - truth(9 * kScan)).norm(), 0.6) << "though detected 3 m from there";
 }
 
+TEST(CloudTracker, CountsWhatCameTooLate) {
+  CloudTrackerConfig config = told_at_once();
+  config.buffer_size = 3;
+  CloudTracker tracker = make(config);
+  const auto count_of = [&](const std::string& setting) {
+    std::vector<Counter> counters;
+    tracker.append_counters(counters);
+    const auto found =
+        std::find_if(counters.begin(), counters.end(), [&](const Counter& c) { return c.setting == setting; });
+    return found == counters.end() ? std::uint64_t{999} : found->count;
+  };
+  const Vector3 place(5, 5, 5);
+  for (TimeNs t = kScan; t <= 5 * kScan; t += kScan) {
+    tracker.new_cloud(CloudMaker(t).add_target(place, 0.3).make(), nullptr);
+  }
+  EXPECT_EQ(count_of("sensor"), 0U);
+  tracker.new_cloud(CloudMaker(4 * kScan).add_target(place, 0.3).make(), nullptr);
+  EXPECT_EQ(count_of("sensor"), 1U);
+
+  const Detection buffered = detection_at(place, 3 * kScan), too_old = detection_at(place, 2 * kScan);
+  tracker.new_detections({&buffered, 1}, nullptr);
+  EXPECT_EQ(count_of("buffer_size"), 0U);
+  tracker.new_detections({&too_old, 1}, nullptr);
+  EXPECT_EQ(count_of("buffer_size"), 1U);
+}
+
 TEST(CloudTracker, ALateDetectionOfATrackedTargetIsCountedForIt) {
   const auto truth = [](TimeNs t) { return Vector3(8.0 + 5.0 * to_seconds(t), 3.0, 5.0); };
   CloudTracker tracker = make(told_at_once());

@@ -56,7 +56,8 @@ TEST(BatchPlan, TheCommandOfAnEpisodeMakesTheSameScenario) {
 TEST(BatchPlan, ZippedSeedsGiveEveryPointItsOwn) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(
-      "sweep: {method: random, samples: 7, parameters: [{key: 'wind.mean_mps[0]', law: uniform}]}\nseeds: {pairing: zip, "
+      "sweep: {method: random, samples: 7, parameters: [{key: 'wind.mean_mps[0]', law: uniform}]}\nseeds: {pairing: "
+      "zip, "
       "first: 3}\n");
   ASSERT_EQ(plan.num_episodes(), 7U);
   for (std::uint64_t id = 0; id < 7; ++id) {

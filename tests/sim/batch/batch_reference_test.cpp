@@ -12,8 +12,7 @@ namespace {
 
 TEST(BatchReference, TheDocumentIsUpToDate) {
   BatchConfig config;
-  const std::string tables =
-      reference_tables([&](ConfigVisitor& v) { config.visit(v); }, "Every key of a batch file");
+  const std::string tables = reference_tables([&](ConfigVisitor& v) { config.visit(v); }, "Every key of a batch file");
   std::ifstream file(SWIFTLET_SOURCE_DIR "/docs/batch.md");
   const std::string document((std::istreambuf_iterator<char>(file)), {});
   EXPECT_NE(document.find(tables), std::string::npos) << "docs/batch.md should end with\n" << tables;

@@ -28,7 +28,8 @@ std::uint64_t reference_hash() {
 
 // Sanitizers make no difference to the bits, but a minute of difference to the time.
 TEST(Determinism, ThreadsDoNotChangeTheBits) {
-  for (const int threads : {2, 4}) EXPECT_EQ(fly(load_scenario(kMixedTeam), threads), reference_hash()) << threads << " threads";
+  for (const int threads : {2, 4})
+    EXPECT_EQ(fly(load_scenario(kMixedTeam), threads), reference_hash()) << threads << " threads";
 }
 
 // From some number of vehicles on, several threads fly them. Two fall onto others, the rest stay clear.
@@ -68,7 +69,8 @@ TEST(Determinism, TheResolvedScenarioFliesTheSameRun) {
 
 TEST(Determinism, RecordersAndPicturesDoNotChangeTheBits) {
   Scenario scenario = load_scenario(kMixedTeam);
-  for (const ModuleType& type : recorder_module_types()) scenario.recorders.emplace_back(recorder_module_types(), type.name);
+  for (const ModuleType& type : recorder_module_types())
+    scenario.recorders.emplace_back(recorder_module_types(), type.name);
   CameraConfig camera;
   camera.times_s = {0.5};
   camera.width_px = 160;

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace swiftlet {
+
+/// Joins points by their mutual distance: two points are in the same cluster exactly if a chain of points leads from
+/// one to the other in steps of at most the tolerance [Vrba 2025, eqs. 13-15].
+///
+/// Clusters are in the order of their first points, members in the order of the points, so results do not depend on who
+/// joins them.
+class Clusterer {
+ public:
+  virtual ~Clusterer() = default;
+  virtual void compute(std::span<const Eigen::Vector3f> points_m, double tolerance_m) = 0;
+
+  int size() const { return static_cast<int>(starts_.size()) - 1; }
+  /// Indices of the points of a cluster.
+  std::span<const std::uint32_t> members(int cluster) const {
+    return std::span(members_).subspan(starts_[cluster], starts_[cluster + 1] - starts_[cluster]);
+  }
+
+ protected:
+  std::vector<std::uint32_t> starts_ = {0}, members_;
+};
+
+using MakeClusterer = std::unique_ptr<Clusterer> (*)();
+
+/// A clusterer by its name: "swiftlet", or one that a room outside has plugged in. Throws std::invalid_argument.
+std::unique_ptr<Clusterer> make_clusterer(const std::string& name);
+bool has_clusterer(std::string_view name);
+/// Plugs in the clusterer of an optional room, in place of an earlier one of that name. Call it before configurations
+/// are read, and not beside other threads.
+void plug_in_clusterer(const std::string& name, MakeClusterer make);
+
+}  // namespace swiftlet

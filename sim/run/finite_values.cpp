@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/run/finite_values.hpp"
+
+#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/finite.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+template <class Sample>
+void ensure_samples_finite(const char* sensor, const std::vector<Sample>& samples) {
+  for (const Sample& sample : samples) ENSURE(is_finite(sample), sensor, to_seconds(sample.t));
+}
+
+}  // namespace
+
+void ensure_finite(const Observation& observation) {
+  ensure_samples_finite("imu", observation.imu);
+  ensure_samples_finite("odometry", observation.odometry);
+  ensure_samples_finite("gnss", observation.gnss);
+  ensure_samples_finite("altimeter", observation.altimeter);
+  ensure_samples_finite("compass", observation.compass);
+  ensure_samples_finite("pose", observation.pose);
+  ensure_samples_finite("neighbors", observation.neighbors);
+  for (const auto& scan : observation.scans) ENSURE(is_finite(*scan), scan->sensor, to_seconds(scan->stamp));
+}
+
+void ensure_finite(const Action& action) {
+  for (const double command : action.rotor_command) ENSURE(is_finite(command), command);
+  const StateEstimate& estimate = action.estimate;
+  ENSURE(!estimate.valid || is_finite(estimate), estimate.T_world_body.translation(), estimate.v_world_mps,
+         estimate.omega_body_radps);
+  const Reference& reference = action.reference;
+  ENSURE(is_finite(reference), reference.position_m, reference.velocity_mps, reference.acceleration_mps2,
+         reference.yaw_rad, reference.yaw_rate_radps);
+  for (const Detection& detection : action.detections) {
+    ENSURE(is_finite(detection), detection.position_m, detection.extent_m, detection.confidence);
+  }
+  for (const Track& track : action.tracks) ENSURE(is_finite(track), track.id, track.position_m, track.velocity_mps);
+}
+
+}  // namespace swiftlet::sim

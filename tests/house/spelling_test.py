@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+"""One spelling: no word of words.txt stands in a file of the project. Usage: spelling_test.py SOURCE_DIR
+
+Words are found within identifiers too, whether their parts are joined by capitals or by underscores.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+TEXT = {".cpp", ".hpp", ".py", ".sh", ".md", ".yaml", ".yml", ".txt", ".cmake", ".in", ".json", ".cff", ".html", ".css", ".js",
+        ".glsl", ""}
+APART = {"tests/house/words.txt", "LICENSE"}  # the list itself, and what others wrote
+GIVEN_UP_IN = {"CHANGELOG.md"}  # where names that were given up are told
+WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
+
+
+def forbidden(root):
+    words, names = [], []
+    for line in (root / "tests/house/words.txt").read_text().splitlines():
+        if not line or line.startswith("#"):
+            continue
+        pattern, better = line.split(maxsplit=1)
+        (names if "_" in pattern else words).append((re.compile(pattern), better))
+    return words, names
+
+
+def tracked(root):
+    listed = subprocess.run(["git", "-C", str(root), "ls-files", "-z"], capture_output=True, text=True)
+    if listed.returncode != 0:  # not a clone
+        return sorted(p.relative_to(root) for p in root.rglob("*") if p.is_file() and "build" not in p.parts)
+    return [pathlib.PurePath(name) for name in listed.stdout.split("\0") if name]
+
+
+def violations(root):
+    words, names = forbidden(root)
+    known = {}  # word -> what to write, or None
+
+    def better_than(word):
+        if word not in known:
+            known[word] = next((better for pattern, better in words if pattern.fullmatch(word)), None)
+        return known[word]
+
+    for path in tracked(root):
+        if path.suffix not in TEXT or str(path) in APART or not (root / path).is_file():
+            continue
+        try:
+            lines = (root / path).read_text().splitlines()
+        except UnicodeDecodeError:
+            continue
+        for number, line in enumerate(lines, 1):
+            for word in {w.lower() for w in WORD.findall(line)}:
+                if better := better_than(word):
+                    yield f"{path}:{number}: '{word}': write '{better}'"
+            for pattern, better in names:
+                if pattern.search(line) and str(path) not in GIVEN_UP_IN:
+                    yield f"{path}:{number}: '{pattern.pattern}': write '{better}'"
+
+
+def main():
+    found = list(violations(pathlib.Path(sys.argv[1])))
+    print("\n".join(found))
+    sys.exit(1 if found else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/parallel/first_exception.hpp"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <string>
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr int kParts = 200;
+
+TEST(FirstException, NothingIsThrownWhereNothingWas) {
+  FirstException failure;
+#pragma omp parallel for num_threads(4)
+  for (int i = 0; i < kParts; ++i) failure.guard(i, [] {});
+  EXPECT_EQ(failure.part(), -1);
+  EXPECT_NO_THROW(failure.rethrow());
+}
+
+TEST(FirstException, OfSeveralTheOneOfTheFirstPartIsThrownForAnyNumberOfThreads) {
+  for (const int threads : {1, 2, 4}) {
+    FirstException failure;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+    for (int i = kParts - 1; i >= 0; --i) {
+      failure.guard(i, [&] {
+        if (i % 50 == 17) throw std::runtime_error("part " + std::to_string(i));
+      });
+    }
+    EXPECT_EQ(failure.part(), 17);
+    try {
+      failure.rethrow();
+      FAIL() << "nothing was thrown by " << threads << " threads";
+    } catch (const std::runtime_error& error) {
+      EXPECT_STREQ(error.what(), "part 17");
+    }
+  }
+}
+
+TEST(FirstException, AllOtherPartsAreDone) {
+  FirstException failure;
+  std::atomic<int> done = 0;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(4)
+  for (int i = 0; i < kParts; ++i) {
+    failure.guard(i, [&] {
+      if (i == 0) throw std::bad_alloc();
+      ++done;
+    });
+  }
+  EXPECT_EQ(done, kParts - 1);
+  EXPECT_THROW(failure.rethrow(), std::bad_alloc);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
