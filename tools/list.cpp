@@ -7,8 +7,8 @@
 
 #include "commands.hpp"
 #include "core/agent/registry.hpp"
-#include "core/guidance/registry.hpp"
-#include "core/localization/registry.hpp"
+#include "core/stages/guidances.hpp"
+#include "core/stages/estimators.hpp"
 #include "progress.hpp"
 #include "sim/scenario/assets.hpp"
 #include "sim/scenario/suggest.hpp"

@@ -5,11 +5,11 @@
 
 #include "core/control/controller.hpp"
 #include "core/control/reference_tracker.hpp"
-#include "core/detection/registry.hpp"
-#include "core/guidance/registry.hpp"
-#include "core/localization/registry.hpp"
+#include "core/stages/detectors.hpp"
+#include "core/stages/guidances.hpp"
+#include "core/stages/estimators.hpp"
 #include "core/localization/world_cloud.hpp"
-#include "core/tracking/registry.hpp"
+#include "core/stages/trackers.hpp"
 #include "core/tracking/track_overlays.hpp"
 
 namespace swiftlet {

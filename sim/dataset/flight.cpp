@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "core/agent/stack.hpp"
-#include "core/guidance/registry.hpp"
+#include "core/stages/guidances.hpp"
 #include "core/guidance/timed_path.hpp"
 #include "core/math/random.hpp"
 #include "sim/dataset/flight_plan.hpp"

@@ -4,9 +4,9 @@
 #include "core/agent/registry.hpp"
 #include "core/agent/stack.hpp"
 #include "core/control/reference_tracker.hpp"
-#include "core/guidance/registry.hpp"
+#include "core/stages/guidances.hpp"
 #include "core/localization/ins.hpp"
-#include "core/localization/registry.hpp"
+#include "core/stages/estimators.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/fine_plant.hpp"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/detection/ground_truth.hpp"
-#include "core/detection/registry.hpp"
+#include "core/stages/detectors.hpp"
 #include "core/detection/vofod_stages.hpp"
 #include "tests/core/detection/detection_support.hpp"
 

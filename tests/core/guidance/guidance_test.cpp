@@ -6,7 +6,7 @@
 
 #include "core/control/reference_tracker.hpp"
 #include "core/guidance/agile.hpp"
-#include "core/guidance/registry.hpp"
+#include "core/stages/guidances.hpp"
 #include "core/guidance/takeoff_land.hpp"
 #include "core/guidance/trajectory.hpp"
 #include "core/guidance/waypoints.hpp"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/guidance/registry.hpp"
+#include "core/stages/guidances.hpp"
 
 namespace swiftlet {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/localization/dead_reckoning.hpp"
-#include "core/localization/registry.hpp"
+#include "core/stages/estimators.hpp"
 
 namespace swiftlet {
 namespace {

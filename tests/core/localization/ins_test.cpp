@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/localization/registry.hpp"
+#include "core/stages/estimators.hpp"
 #include "core/math/random.hpp"
 
 namespace swiftlet {

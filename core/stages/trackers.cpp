@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/tracking/registry.hpp"
-
-#include <stdexcept>
-#include <vector>
+#include "core/stages/trackers.hpp"
 
 #include "core/tracking/trackers.hpp"
+#include "swiftlet/core/registry.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr TrackerType kTypes[] = {
+constexpr TrackerType kTrackerTypes[] = {
     {{"none", "no tracking", make_module_config<NoTrackerConfig>}, make_no_tracker},
     {{"vofod", "follows detections through the LiDAR's clouds with a Kalman filter [Vrba 2025, algorithm 2]",
       make_module_config<VofodTrackerConfig>},
@@ -24,22 +22,12 @@ constexpr TrackerType kTypes[] = {
 
 }  // namespace
 
-std::span<const TrackerType> tracker_types() { return kTypes; }
+std::span<const TrackerType> tracker_types() { return kTrackerTypes; }
 
-std::span<const ModuleType> tracker_module_types() {
-  static const std::vector<ModuleType> modules = [] {
-    std::vector<ModuleType> out;
-    for (const TrackerType& type : kTypes) out.push_back(type.module);
-    return out;
-  }();
-  return modules;
-}
+std::span<const ModuleType> tracker_module_types() { return module_types_of<kTrackerTypes>(); }
 
 std::unique_ptr<Tracker> make_tracker(const Module& config, const AgentSetup& setup) {
-  for (const TrackerType& type : kTypes) {
-    if (config.type == type.module.name) return type.make(*config.config, setup);
-  }
-  throw std::invalid_argument("no tracker type is named '" + config.type + "'");
+  return row_named(kTrackerTypes, config.type, "tracker").make(*config.config, setup);
 }
 
 }  // namespace swiftlet

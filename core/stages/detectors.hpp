@@ -10,7 +10,7 @@
 
 namespace swiftlet {
 
-/// One row of core/detection/registry.cpp.
+/// One row of core/stages/detectors.cpp.
 struct DetectorType {
   ModuleType module;
   std::unique_ptr<Detector> (*make)(const ModuleConfig& config, const AgentSetup& setup);

@@ -10,7 +10,7 @@
 
 namespace swiftlet {
 
-/// One row of core/tracking/registry.cpp.
+/// One row of core/stages/trackers.cpp.
 struct TrackerType {
   ModuleType module;
   std::unique_ptr<Tracker> (*make)(const ModuleConfig& config, const AgentSetup& setup);

@@ -10,7 +10,7 @@
 
 namespace swiftlet {
 
-/// One row of core/localization/registry.cpp.
+/// One row of core/stages/estimators.cpp.
 struct EstimatorType {
   ModuleType module;
   std::unique_ptr<StateEstimator> (*make)(const ModuleConfig& config, const AgentSetup& setup);

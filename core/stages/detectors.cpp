@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/registry.hpp"
-
-#include <stdexcept>
-#include <vector>
+#include "core/stages/detectors.hpp"
 
 #include "core/detection/ground_truth.hpp"
 #include "core/detection/vofod.hpp"
+#include "swiftlet/core/registry.hpp"
 
 namespace swiftlet {
 namespace {
@@ -16,7 +14,7 @@ struct NoDetectorConfig : ModuleConfigOf<NoDetectorConfig> {
 
 std::unique_ptr<Detector> make_no_detector(const ModuleConfig&, const AgentSetup&) { return nullptr; }
 
-constexpr DetectorType kTypes[] = {
+constexpr DetectorType kDetectorTypes[] = {
     {{"none", "finds nobody", make_module_config<NoDetectorConfig>}, make_no_detector},
     {{"vofod", "flying objects by a multi-state occupancy map [Vrba 2025]", make_module_config<VofodConfig>},
      make_vofod_detector},
@@ -27,22 +25,12 @@ constexpr DetectorType kTypes[] = {
 
 }  // namespace
 
-std::span<const DetectorType> detector_types() { return kTypes; }
+std::span<const DetectorType> detector_types() { return kDetectorTypes; }
 
-std::span<const ModuleType> detector_module_types() {
-  static const std::vector<ModuleType> modules = [] {
-    std::vector<ModuleType> out;
-    for (const DetectorType& type : kTypes) out.push_back(type.module);
-    return out;
-  }();
-  return modules;
-}
+std::span<const ModuleType> detector_module_types() { return module_types_of<kDetectorTypes>(); }
 
 std::unique_ptr<Detector> make_detector(const Module& config, const AgentSetup& setup) {
-  for (const DetectorType& type : kTypes) {
-    if (config.type == type.module.name) return type.make(*config.config, setup);
-  }
-  throw std::invalid_argument("no detector type is named '" + config.type + "'");
+  return row_named(kDetectorTypes, config.type, "detector").make(*config.config, setup);
 }
 
 }  // namespace swiftlet
