@@ -10,7 +10,9 @@ namespace {
 
 constexpr AgentType kAgentTypes[] = {
     {{"stack", "localization, guidance, reference tracker and controller", make_module_config<StackConfig>},
-     make_stack},
+     make_stack,
+     stack_needs,
+     stack_guidance},
     {{"none", "motors at idle: a dummy", make_module_config<NoneConfig>}, make_none},
 };
 
@@ -22,6 +24,16 @@ std::span<const ModuleType> agent_module_types() { return module_types_of<kAgent
 
 std::unique_ptr<Agent> make_agent(const Module& config, const AgentSetup& setup) {
   return row_named(kAgentTypes, config.type, "agent").make(*config.config, setup);
+}
+
+AgentNeeds needs_of(const Module& agent) {
+  const AgentType& row = row_named(kAgentTypes, agent.type, "agent");
+  return row.needs == nullptr ? AgentNeeds() : row.needs(*agent.config);
+}
+
+Module* guidance_of(Module& agent) {
+  const AgentType& row = row_named(kAgentTypes, agent.type, "agent");
+  return row.guidance == nullptr ? nullptr : row.guidance(*agent.config);
 }
 
 }  // namespace swiftlet

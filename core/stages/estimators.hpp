@@ -14,11 +14,13 @@ namespace swiftlet {
 struct EstimatorType {
   ModuleType module;
   std::unique_ptr<StateEstimator> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+  void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
 };
 
 std::span<const EstimatorType> estimator_types();
 std::span<const ModuleType> estimator_module_types();
 /// Throws std::invalid_argument on an unknown type.
 std::unique_ptr<StateEstimator> make_estimator(const Module& config, const AgentSetup& setup);
+void add_estimator_needs(const Module& config, AgentNeeds& needs);
 
 }  // namespace swiftlet

@@ -24,10 +24,9 @@ std::vector<PhysicsVehicle> make_physics_vehicles(const Scenario& scenario, cons
 
 std::vector<std::shared_ptr<const VehicleShape>> make_vehicle_shapes(const Scenario& scenario);
 
-/// By vehicle, in the order of the scenario. A vehicle whose agent asks for `localization: ground_truth` and has no
-/// `pose` sensor gets a perfect one: the only way that truth reaches an agent.
-std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(const Scenario& scenario, const World& world,
-                                                               const std::vector<std::shared_ptr<const VehicleShape>>& shapes);
+/// By vehicle, in the order of the scenario, which names all of them (with_truth_sensors).
+std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(
+    const Scenario& scenario, const World& world, const std::vector<std::shared_ptr<const VehicleShape>>& shapes);
 
 /// Which vehicles detect and track others, by VehicleId.
 std::vector<Perception> perception_of(const Scenario& scenario);

@@ -7,7 +7,9 @@
 #include <atomic>
 #include <chrono>
 #include <compare>
+#include <cstdio>
 
+#include "core/math/angles.hpp"
 #include "sim/metrics/metrics.hpp"
 #include "sim/radio/radio.hpp"
 #include "sim/raycast/ray_scene.hpp"
@@ -72,7 +74,7 @@ World build_world(const Module& config, std::uint64_t seed) {
 
 struct Simulation::Impl {
   Impl(Scenario scenario_in, int threads_in, std::optional<World> world_in)
-      : scenario(std::move(scenario_in)),
+      : scenario(with_truth_sensors(std::move(scenario_in))),
         threads(threads_in > 0 ? threads_in : omp_get_max_threads()),
         world(world_in ? std::move(*world_in) : build_world(scenario.world, scenario.seed_of_world())),
         names(vehicle_names(scenario)),
@@ -95,6 +97,7 @@ struct Simulation::Impl {
         hashes(num_vehicles()),
         parts_left(num_vehicles()),
         step_s(num_vehicles()),
+        corrections(num_vehicles(), 0),
         missions(num_vehicles(), MissionStatus::kRunning),
         mission_notes(num_vehicles()),
         ended(num_vehicles(), false) {
@@ -116,6 +119,7 @@ struct Simulation::Impl {
   void sense(VehicleId i);
   void step(VehicleId i) { actions[i] = &agents[i]->step(observations[i]); }
   void collect_events();
+  void note_correction(VehicleId i);
   void note_mission(VehicleId i);
 
   Scenario scenario;
@@ -151,6 +155,7 @@ struct Simulation::Impl {
   std::vector<std::atomic<int>> parts_left;  // by vehicle
   std::vector<double> step_s;                // by vehicle: wall time of its agent's last step with a sweep
   std::vector<Event> events;
+  std::vector<std::uint32_t> corrections;  // by vehicle: the last correction_revision
   std::vector<MissionStatus> missions;
   std::vector<std::string> mission_notes;
   std::vector<bool> ended;
@@ -313,10 +318,25 @@ void Simulation::Impl::collect_events() {
     event.note = "at " + std::to_string(crash.speed_mps) + " m/s";
     events.push_back(std::move(event));
   }
-  for (int i = 0; i < num_vehicles(); ++i) note_mission(i);
+  for (int i = 0; i < num_vehicles(); ++i) {
+    note_correction(i);
+    note_mission(i);
+  }
   if (end_of_missions < 0 && num_vehicles() > 0 && std::all_of(ended.begin(), ended.end(), [](bool e) { return e; })) {
     end_of_missions = now + kAfterTheEnd;
   }
+}
+
+void Simulation::Impl::note_correction(VehicleId i) {
+  const StateEstimate& estimate = actions[i]->estimate;
+  if (estimate.correction_revision == corrections[i]) return;
+  corrections[i] = estimate.correction_revision;
+  const Vector3& p_m = estimate.T_world_local.translation();
+  const double yaw_deg = yaw_of(estimate.T_world_local.linear()) / kRadPerDeg;
+  char note[120];
+  std::snprintf(note, sizeof note, "the local frame lies at %.3f, %.3f, %.3f m and is turned by %.2f deg", p_m.x(),
+                p_m.y(), p_m.z(), yaw_deg);
+  events.push_back({now, "correction", i, {}, physics.state(i).p_world_m, note});
 }
 
 void Simulation::Impl::note_mission(VehicleId i) {

@@ -10,8 +10,8 @@
 
 #include "swiftlet/core/config.hpp"
 
-/// What every registry does with its table. A row is a struct that begins with `ModuleType module` and has a `make`; the
-/// table is a constant array of rows in one .cpp, in a room above everything that it names.
+/// What every registry does with its table. A row is a struct that begins with `ModuleType module` and has a `make`;
+/// the table is a constant array of rows in one .cpp, in a room above everything that it names.
 namespace swiftlet {
 
 /// The rows as far as configuration is concerned, in their order.
