@@ -7,8 +7,9 @@
 
 #include "commands.hpp"
 #include "core/agent/registry.hpp"
-#include "core/guidance/registry.hpp"
-#include "core/localization/registry.hpp"
+#include "core/stages/estimators.hpp"
+#include "core/stages/guidances.hpp"
+#include "core/stages/mappers.hpp"
 #include "progress.hpp"
 #include "sim/scenario/assets.hpp"
 #include "sim/scenario/suggest.hpp"
@@ -42,6 +43,7 @@ constexpr Kind kKinds[] = {
     {"sensor_models", "vehicles[].sensors[].model", [] { print_assets("sensors"); }},
     {"agents", "vehicles[].agent.type", [] { print_types(agent_module_types()); }},
     {"localization", "vehicles[].agent.localization.type", [] { print_types(estimator_module_types()); }},
+    {"mapping", "vehicles[].agent.mapping.type", [] { print_types(mapper_module_types()); }},
     {"guidance", "vehicles[].agent.guidance.type", [] { print_types(guidance_module_types()); }},
     {"recorders", "recorders[].type", [] { print_types(sim::recorder_module_types()); }},
 };

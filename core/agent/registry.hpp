@@ -13,10 +13,15 @@ namespace swiftlet {
 struct AgentType {
   ModuleType module;
   std::unique_ptr<Agent> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+  AgentNeeds (*needs)(const ModuleConfig& config) = nullptr;  ///< null: nothing
+  Module* (*guidance)(ModuleConfig& config) = nullptr;        ///< where its guidance is chosen; null: nowhere
 };
 
 std::span<const AgentType> agent_types();
 std::span<const ModuleType> agent_module_types();
 std::unique_ptr<Agent> make_agent(const Module& config, const AgentSetup& setup);
+AgentNeeds needs_of(const Module& agent);
+/// Null when guidance of this agent cannot be chosen.
+Module* guidance_of(Module& agent);
 
 }  // namespace swiftlet

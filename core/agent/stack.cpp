@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/agent/stack.hpp"
 
-#include <cmath>
+#include <stdexcept>
 
+#include "core/agent/trail.hpp"
 #include "core/control/controller.hpp"
 #include "core/control/reference_tracker.hpp"
-#include "core/detection/registry.hpp"
-#include "core/guidance/registry.hpp"
-#include "core/localization/registry.hpp"
-#include "core/localization/world_cloud.hpp"
-#include "core/tracking/registry.hpp"
+#include "core/localization/frame_change.hpp"
+#include "core/stages/detectors.hpp"
+#include "core/stages/estimators.hpp"
+#include "core/stages/guidances.hpp"
+#include "core/stages/mappers.hpp"
+#include "core/stages/trackers.hpp"
 #include "core/tracking/track_overlays.hpp"
 #include "swiftlet/core/ensure.hpp"
 #include "swiftlet/core/finite.hpp"
@@ -20,72 +22,53 @@ namespace {
 /// A reference that starts where and as the vehicle is.
 Reference at_rest_with(const StateEstimate& estimate) {
   Reference reference;
-  reference.position_m = estimate.T_world_body.translation();
-  reference.velocity_mps = estimate.v_world_mps;
-  reference.yaw_rad = yaw_of(estimate.T_world_body.linear());
+  reference.position_m = estimate.T_local_body.translation();
+  reference.velocity_mps = estimate.v_local_mps;
+  reference.yaw_rad = yaw_of(estimate.T_local_body.linear());
   return reference;
 }
 
-/// The last seconds of the reference's path, for pictures.
-class Trail {
- public:
-  void push(TimeNs t, const Vector3& p_m) {
-    if (count_ > 0 && t - last_ < kNsPerSecond / 20) return;
-    last_ = t;
-    points_[(first_ + count_) % kCapacity] = p_m.cast<float>();
-    if (count_ < kCapacity)
-      ++count_;
-    else
-      first_ = (first_ + 1) % kCapacity;
-  }
-  Overlay overlay() const {
-    Overlay out;
-    out.name = "reference";
-    out.kind = Overlay::Kind::kPolyline;
-    for (int i = 0; i < count_; ++i) out.positions.push_back(points_[(first_ + i) % kCapacity]);
-    out.colors = {{0.1F, 0.6F, 1.0F, 1.0F}};
-    out.size_m = 2.0F;
-    return out;
-  }
-
- private:
-  static constexpr int kCapacity = 600;  // 30 s
-  std::array<Eigen::Vector3f, kCapacity> points_{};
-  int first_ = 0, count_ = 0;
-  TimeNs last_ = 0;
-};
-
+/// All stages work in the local frame; what leaves the vehicle (`action_`) is told in the world.
 class StackAgent : public Agent {
  public:
-  StackAgent(const StackConfig& config, const AgentSetup& setup)
-      : setup_(setup),
-        estimator_(make_estimator(config.localization, setup)),
+  StackAgent(StackStages stages, const ControlConfig& control, const AgentSetup& setup)
+      : self_(setup.self),
+        tick_s_(setup.tick_s),
+        stages_(std::move(stages)),
+        needs_(stages_.guidance->needs()),
         registrar_(setup.airframe.circumscribed_radius_m()),
-        detector_(make_detector(config.detector, setup)),
-        target_tracker_(make_tracker(config.tracker, setup)),
-        tracker_(config.control.limits.resolve()),
-        guidance_(make_guidance(config.guidance, {setup_, tracker_.limits()})),
-        controller_(setup.airframe, config.control.gains, setup.tick_s) {}
+        reference_tracker_(control.limits.resolve()),
+        controller_(setup.airframe, control.gains, setup.tick_s),
+        outbox_(setup.self) {
+    if (needs_.map && stages_.mapping == nullptr) {
+      throw std::invalid_argument("mapping: expected a type other than none, because guidance asks the map");
+    }
+  }
 
   const Action& step(const Observation& observation) override {
-    ENSURE(observation.self == setup_.self, observation.self, setup_.self);
-    const double dt_s = started_ ? to_seconds(observation.t - last_t_) : setup_.tick_s;
+    ENSURE(observation.self == self_, observation.self, self_);
+    const double dt_s = started_ ? to_seconds(observation.t - last_t_) : tick_s_;
     if (started_ && dt_s <= 0.0) return action_;  // the same instant again: nothing new to do
     last_t_ = observation.t;
     started_ = true;
     action_.clear_outputs();
 
-    action_.estimate = estimator_->update(observation);
-    if (!action_.estimate.valid) {
+    action_.estimate = stages_.localization->update(observation, outbox_);
+    if (action_.estimate.valid) {
+      ENSURE(is_finite(action_.estimate), action_.estimate.T_local_body.translation(), action_.estimate.v_local_mps,
+             action_.estimate.omega_body_radps);
+      to_world_ = FrameChange::to_world(action_.estimate);
+      place_scans(observation);
+      detect(observation);
+      track(observation);
+      map(observation);
+      guide(observation, dt_s);
+      fly(dt_s);
+      if (observation.wants_overlays) append_overlays();
+    } else {
       give_up(dt_s);
-      return action_;
     }
-    ENSURE(is_finite(action_.estimate), action_.estimate.T_world_body.translation(), action_.estimate.v_world_mps,
-           action_.estimate.omega_body_radps);
-    perceive(observation);
-    guide(observation, dt_s);
-    fly(dt_s);
-    if (observation.wants_overlays) append_overlays();
+    outbox_.empty_into(action_.messages);
     return action_;
   }
 
@@ -95,54 +78,61 @@ class StackAgent : public Agent {
       if (stage != nullptr) stage->append_counters(counters);
       for (std::size_t i = first; i < counters.size(); ++i) counters[i].setting.insert(0, key);
     };
-    append(detector_, "detector.");
-    append(target_tracker_, "tracker.");
+    append(stages_.detector, "detector.");
+    append(stages_.tracker, "tracker.");
   }
 
  private:
-  /// Scans become clouds in the world of the estimate, which all modules that look at scans share.
-  void perceive(const Observation& observation) {
-    if (detector_ == nullptr && target_tracker_ == nullptr) return;
+  /// Scans become clouds in the local frame, once for all stages that look at them.
+  void place_scans(const Observation& observation) {
     registrar_.push(action_.estimate);
     clouds_.clear();
+    if (!stages_.detector && !stages_.tracker && !stages_.mapping && !needs_.clouds) return;
     for (const auto& scan : observation.scans) {
       if (auto cloud = cloud_pool_.make(scan, registrar_)) clouds_.push_back(std::move(cloud));
     }
-    detect(observation);
-    track(observation);
   }
 
   void detect(const Observation& observation) {
-    if (detector_ == nullptr) return;
+    if (!stages_.detector) return;
     found_.clear();
-    detector_->step({observation.t, action_.estimate, clouds_, observation}, found_);
+    stages_.detector->step({observation.t, action_.estimate, registrar_.poses(), clouds_, observation}, found_,
+                           outbox_);
     action_.has_detections = found_.has_detections;
     action_.detections_stamp = found_.stamp;
-    action_.detections.assign(found_.detections.begin(), found_.detections.end());
+    for (const Detection& d : found_.detections) action_.detections.push_back(to_world_.detection(d));
     for (const Detection& d : action_.detections) ENSURE(is_finite(d), d.position_m, d.extent_m, d.confidence);
   }
 
   void track(const Observation& observation) {
-    if (target_tracker_ == nullptr) return;
+    if (!stages_.tracker) return;
     TrackerInput input{.observation = observation, .estimate = action_.estimate, .clouds = clouds_};
-    input.has_detections = action_.has_detections;
-    input.detections = action_.detections;
-    input.background = detector_ != nullptr ? detector_->map() : nullptr;
-    action_.has_tracks = target_tracker_->step(input, action_.tracks);
+    input.has_detections = found_.has_detections;
+    input.detections = found_.detections;
+    input.background = stages_.detector ? stages_.detector->map() : nullptr;
+    action_.has_tracks = stages_.tracker->step(input, tracks_, outbox_);
     if (!action_.has_tracks) return;
-    for (const Track& track : action_.tracks) ENSURE(is_finite(track), track.id, track.position_m, track.velocity_mps);
-    track_overlays_.push(action_.tracks);
+    track_overlays_.push(tracks_);
+    action_.tracks.clear();
+    for (const Track& t : tracks_) ENSURE(is_finite(t), t.id, t.position_m, t.velocity_mps);
+    for (const Track& t : tracks_) action_.tracks.push_back(to_world_.track(t));
+  }
+
+  void map(const Observation& observation) {
+    if (stages_.mapping) stages_.mapping->step({observation, action_.estimate, clouds_, tracks_}, outbox_);
   }
 
   void guide(const Observation& observation, double dt_s) {
-    wanted_.messages.clear();
-    guidance_->step({.dt_s = dt_s,
-                     .estimate = action_.estimate,
-                     .observation = observation,
-                     .detections = action_.detections,
-                     .tracks = action_.tracks},
-                    wanted_);
-    action_.messages.swap(wanted_.messages);
+    wanted_.goal_is_feasible = false;
+    stages_.guidance->step({.dt_s = dt_s,
+                            .estimate = action_.estimate,
+                            .observation = observation,
+                            .poses = registrar_.poses(),
+                            .detections = found_.detections,
+                            .tracks = tracks_,
+                            .clouds = clouds_,
+                            .map = stages_.mapping ? &stages_.mapping->map() : nullptr},
+                           wanted_, outbox_);
     if (lost_) return;  // a mission that failed stays failed
     action_.mission = wanted_.mission;
     set_note(wanted_.note);
@@ -151,25 +141,27 @@ class StackAgent : public Agent {
   void fly(double dt_s) {
     if (!wanted_.motors_on) {
       action_.rotor_command = controller_.idle(dt_s);
-      action_.reference = at_rest_with(action_.estimate);
+      action_.reference = to_world_.reference(at_rest_with(action_.estimate));
       tracking_ = false;
       return;
     }
     ENSURE(is_finite(wanted_.goal), wanted_.goal.position_m, wanted_.goal.velocity_mps, wanted_.goal.yaw_rad);
-    if (!tracking_) tracker_.reset(at_rest_with(action_.estimate));
+    if (!tracking_) reference_tracker_.reset(at_rest_with(action_.estimate));
     tracking_ = true;
-    action_.reference = tracker_.step(wanted_.goal, dt_s, wanted_.speed_limit_mps);
-    ENSURE(is_finite(action_.reference), action_.reference.position_m, action_.reference.velocity_mps,
-           action_.reference.acceleration_mps2);
-    action_.rotor_command = controller_.step(action_.estimate, action_.reference, tracker_.jerk_mps3(), dt_s);
-    trail_.push(action_.estimate.t, action_.reference.position_m);
+    const Reference& reference = wanted_.goal_is_feasible
+                                     ? reference_tracker_.take(wanted_.goal, dt_s)
+                                     : reference_tracker_.step(wanted_.goal, dt_s, wanted_.speed_limit_mps);
+    ENSURE(is_finite(reference), reference.position_m, reference.velocity_mps, reference.acceleration_mps2);
+    action_.rotor_command = controller_.step(action_.estimate, reference, reference_tracker_.jerk_mps3(), dt_s);
+    action_.reference = to_world_.reference(reference);
+    trail_.push(action_.estimate.t, reference.position_m);
   }
 
   /// Without knowing where it is, a multirotor cannot fly on.
   void give_up(double dt_s) {
     action_.rotor_command = controller_.idle(dt_s);
     action_.mission = MissionStatus::kFailed;
-    set_note(estimator_->fault());
+    set_note(stages_.localization->fault());
     lost_ = true;
     tracking_ = false;
   }
@@ -179,26 +171,32 @@ class StackAgent : public Agent {
   }
 
   void append_overlays() {
-    action_.overlays.push_back(trail_.overlay());
-    if (detector_ != nullptr) detector_->append_overlays(action_.overlays);
-    if (target_tracker_ != nullptr) track_overlays_.append(action_.tracks, action_.overlays);
-    guidance_->append_overlays(action_.overlays);
+    action_.overlays.push_back(trail_.overlay("reference"));
+    if (stages_.detector) stages_.detector->append_overlays(action_.overlays);
+    if (stages_.tracker) track_overlays_.append(tracks_, action_.overlays);
+    if (stages_.mapping) stages_.mapping->append_overlays(action_.overlays);
+    stages_.guidance->append_overlays(action_.overlays);
+    for (Overlay& overlay : action_.overlays) to_world_.carry(overlay);
   }
 
-  AgentSetup setup_;
-  std::unique_ptr<StateEstimator> estimator_;
+  VehicleId self_;
+  double tick_s_;
+  StackStages stages_;
+  GuidanceNeeds needs_;
   CloudRegistrar registrar_;
-  std::unique_ptr<Detector> detector_;       // null: none
-  std::unique_ptr<Tracker> target_tracker_;  // null: none
-  ReferenceTracker tracker_;
-  std::unique_ptr<Guidance> guidance_;
+  ReferenceTracker reference_tracker_;
   MultirotorController controller_;
 
+  Outbox outbox_;
   Action action_;
-  GuidanceOutput wanted_;
-  WorldCloudPool cloud_pool_;
-  std::vector<std::shared_ptr<const WorldCloud>> clouds_;  // of this tick
+  // Of this tick, in the local frame.
+  FrameChange to_world_;
+  LocalCloudPool cloud_pool_;
+  std::vector<std::shared_ptr<const LocalCloud>> clouds_;
   DetectorOutput found_;
+  std::vector<Track> tracks_;  // the newest
+  GuidanceOutput wanted_;
+
   TrackOverlays track_overlays_;
   Trail trail_;
   TimeNs last_t_ = 0;
@@ -213,18 +211,42 @@ StackConfig::StackConfig()
     : localization(estimator_module_types(), "ground_truth"),
       detector(detector_module_types(), "none"),
       tracker(tracker_module_types(), "none"),
+      mapping(mapper_module_types(), "none"),
       guidance(guidance_module_types(), "hover") {}
 
 void StackConfig::visit(ConfigVisitor& v) {
   v.module("localization", localization, estimator_module_types(), "where am I");
   v.module("detector", detector, detector_module_types(), "who flies near me");
   v.module("tracker", tracker, tracker_module_types(), "where they fly and will fly");
+  v.module("mapping", mapping, mapper_module_types(), "what is around me");
   v.module("guidance", guidance, guidance_module_types(), "where to go");
   v.object("control", control, "how to fly there");
 }
 
-std::unique_ptr<Agent> make_stack(const ModuleConfig& config, const AgentSetup& setup) {
-  return std::make_unique<StackAgent>(dynamic_cast<const StackConfig&>(config), setup);
+std::unique_ptr<Agent> make_stack(StackStages stages, const ControlConfig& control, const AgentSetup& setup) {
+  return std::make_unique<StackAgent>(std::move(stages), control, setup);
 }
+
+std::unique_ptr<Agent> make_stack(const ModuleConfig& config, const AgentSetup& setup) {
+  const auto& stack = dynamic_cast<const StackConfig&>(config);
+  StackStages stages;
+  stages.localization = make_estimator(stack.localization, setup);
+  stages.detector = make_detector(stack.detector, setup);
+  stages.tracker = make_tracker(stack.tracker, setup);
+  stages.mapping = make_mapper(stack.mapping, setup);
+  stages.guidance = make_guidance(stack.guidance, {setup, stack.control.limits.resolve()});
+  return make_stack(std::move(stages), stack.control, setup);
+}
+
+AgentNeeds stack_needs(const ModuleConfig& config) {
+  const auto& stack = dynamic_cast<const StackConfig&>(config);
+  AgentNeeds needs;
+  add_estimator_needs(stack.localization, needs);
+  add_detector_needs(stack.detector, needs);
+  add_tracker_needs(stack.tracker, needs);
+  return needs;
+}
+
+Module* stack_guidance(ModuleConfig& config) { return &dynamic_cast<StackConfig&>(config).guidance; }
 
 }  // namespace swiftlet

@@ -4,15 +4,22 @@
 #include <memory>
 
 #include "core/control/control_config.hpp"
+#include "core/detection/detector.hpp"
+#include "core/guidance/guidance.hpp"
+#include "core/localization/estimator.hpp"
+#include "core/mapping/mapper.hpp"
+#include "core/tracking/tracker.hpp"
 #include "swiftlet/core/agent.hpp"
 
 namespace swiftlet {
 
-/// The software of one vehicle: localization -> detection -> tracking -> guidance -> reference tracker -> controller.
+/// The software of one vehicle: localization -> clouds -> detection -> tracking -> mapping -> guidance -> reference
+/// tracker -> controller.
 struct StackConfig : ModuleConfigOf<StackConfig> {
   Module localization;
   Module detector;
   Module tracker;
+  Module mapping;
   Module guidance;
   ControlConfig control;
 
@@ -20,7 +27,21 @@ struct StackConfig : ModuleConfigOf<StackConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// Throws std::invalid_argument when the airframe cannot be controlled.
+/// The stages of a stack, ready made: from its configuration, or one's own.
+struct StackStages {
+  std::unique_ptr<StateEstimator> localization;
+  std::unique_ptr<Detector> detector;  ///< null: none
+  std::unique_ptr<Tracker> tracker;    ///< null: none
+  std::unique_ptr<Mapper> mapping;     ///< null: none
+  std::unique_ptr<Guidance> guidance;
+};
+
+/// Throws std::invalid_argument when the airframe cannot be controlled, or guidance needs a map and there is none.
+std::unique_ptr<Agent> make_stack(StackStages stages, const ControlConfig& control, const AgentSetup& setup);
+
+// What its row in the registry says of it.
 std::unique_ptr<Agent> make_stack(const ModuleConfig& config, const AgentSetup& setup);
+AgentNeeds stack_needs(const ModuleConfig& config);
+Module* stack_guidance(ModuleConfig& config);
 
 }  // namespace swiftlet

@@ -51,8 +51,8 @@ Matrix3 attitude_for(const Vector3& thrust_direction, double yaw) {
 }
 
 /// Rotation vector from the body's attitude to the wanted one, body axes: tilt in x and y, heading in z.
-Vector3 attitude_error(const Matrix3& R_world_body, const Matrix3& R_world_wanted) {
-  const Matrix3 E = R_world_body.transpose() * R_world_wanted;
+Vector3 attitude_error(const Matrix3& R_local_body, const Matrix3& R_local_wanted) {
+  const Matrix3 E = R_local_body.transpose() * R_local_wanted;
   // Tilt: the shortest turn that brings e3 onto the wanted thrust direction.
   const Vector3 b3 = E.col(2);
   const double sine = std::hypot(b3.x(), b3.y());
@@ -120,8 +120,8 @@ const MultirotorController::Commands& MultirotorController::idle(double dt_s) {
 const MultirotorController::Commands& MultirotorController::step(const StateEstimate& estimate,
                                                                  const Reference& reference, const Vector3& jerk_mps3,
                                                                  double dt_s) {
-  const bool usable = estimate.valid && estimate.T_world_body.matrix().allFinite() &&
-                      estimate.v_world_mps.allFinite() && estimate.omega_body_radps.allFinite() &&
+  const bool usable = estimate.valid && estimate.T_local_body.matrix().allFinite() &&
+                      estimate.v_local_mps.allFinite() && estimate.omega_body_radps.allFinite() &&
                       reference.position_m.allFinite() && reference.velocity_mps.allFinite() &&
                       reference.acceleration_mps2.allFinite() && std::isfinite(reference.yaw_rad) &&
                       std::isfinite(reference.yaw_rate_radps) && jerk_mps3.allFinite() && std::isfinite(dt_s);
@@ -129,8 +129,8 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
   dt_s = std::clamp(dt_s, 1e-4, 0.1);
   follow_motors(dt_s);
 
-  // Specific thrust, world frame: what accelerates as wanted and carries the weight; never far from upright.
-  const Matrix3& R = estimate.T_world_body.linear();
+  // Specific thrust, local frame: what accelerates as wanted and carries the weight; never far from upright.
+  const Matrix3& R = estimate.T_local_body.linear();
   Vector3 thrust_mps2 = wanted_acceleration(estimate, reference, dt_s) + kGravity_mps2 * Vector3::UnitZ();
   thrust_mps2.z() = std::clamp(thrust_mps2.z(), 0.2 * kGravity_mps2, max_acceleration_mps2_);
   const double level = std::hypot(thrust_mps2.x(), thrust_mps2.y());
@@ -166,8 +166,8 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
 
 Vector3 MultirotorController::wanted_acceleration(const StateEstimate& estimate, const Reference& reference,
                                                   double dt_s) {
-  const Vector3 p_error = reference.position_m - estimate.T_world_body.translation();
-  const Vector3 v_error = reference.velocity_mps - estimate.v_world_mps;
+  const Vector3 p_error = reference.position_m - estimate.T_local_body.translation();
+  const Vector3 v_error = reference.velocity_mps - estimate.v_local_mps;
   const Vector3 feedback = gains_.position * p_error + gains_.velocity * v_error;
   const Vector3 limited = cut(feedback, config_.feedback_max_mps2);
 
@@ -176,18 +176,18 @@ Vector3 MultirotorController::wanted_acceleration(const StateEstimate& estimate,
     integral_mps2_ = cut(integral_mps2_ + gains_.integral * dt_s * p_error, config_.integral_max_mps2);
   }
   Vector3 wanted = reference.acceleration_mps2 + limited + integral_mps2_;
-  if (config_.drag_compensation) wanted -= drag_mps2(estimate.T_world_body.linear(), reference.velocity_mps);
+  if (config_.drag_compensation) wanted -= drag_mps2(estimate.T_local_body.linear(), reference.velocity_mps);
   return wanted;
 }
 
 /// Acceleration by body and rotor drag in still air, in the plane of the rotors and along the axis as it is now.
-Vector3 MultirotorController::drag_mps2(const Matrix3& R_world_body, const Vector3& v_world_mps) const {
-  const Vector3 v_body = R_world_body.transpose() * v_world_mps;
+Vector3 MultirotorController::drag_mps2(const Matrix3& R_local_body, const Vector3& v_local_mps) const {
+  const Vector3 v_body = R_local_body.transpose() * v_local_mps;
   double speed_sum = 0.0;
   for (int i = 0; i < airframe_.num_rotors(); ++i) speed_sum += rotor_speed_radps_[i];
   Vector3 force_body = -0.5 * kAirDensity_kgpm3 * v_body.norm() * airframe_.body_drag_area_m2.cwiseProduct(v_body);
   force_body.head<2>() -= airframe_.rotor_drag_N_per_radps_mps * speed_sum * v_body.head<2>();
-  return cut(R_world_body * force_body / airframe_.mass_kg, 5.0);
+  return cut(R_local_body * force_body / airframe_.mass_kg, 5.0);
 }
 
 /// Where the rotors got to under the last command (first-order lag, exact over the step).

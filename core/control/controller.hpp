@@ -69,7 +69,7 @@ class MultirotorController {
 
  private:
   Vector3 wanted_acceleration(const StateEstimate& estimate, const Reference& reference, double dt_s);
-  Vector3 drag_mps2(const Matrix3& R_world_body, const Vector3& v_world_mps) const;
+  Vector3 drag_mps2(const Matrix3& R_local_body, const Vector3& v_local_mps) const;
   void command_rotors(const Mixer::Forces& force_N);
   void follow_motors(double dt_s);
 

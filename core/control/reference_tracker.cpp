@@ -203,6 +203,15 @@ const Reference& ReferenceTracker::step(const Reference& wanted_goal, double dt_
   return state_;
 }
 
+const Reference& ReferenceTracker::take(const Reference& feasible, double dt_s) {
+  if (!(dt_s > 0.0)) return state_;
+  if (!is_finite(feasible)) return step(feasible, dt_s);
+  jerk_mps3_ = (feasible.acceleration_mps2 - state_.acceleration_mps2) / dt_s;
+  state_ = last_goal_ = feasible;
+  state_.yaw_rad = wrap_angle(state_.yaw_rad);
+  return state_;
+}
+
 void ReferenceTracker::step_once(const Reference& goal, double dt_s, double speed_limit_mps) {
   const AxisLimits horizontal{limits_.horizontal_speed_mps, limits_.horizontal_acceleration_mps2,
                               limits_.horizontal_jerk_mps3};

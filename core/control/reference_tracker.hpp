@@ -28,6 +28,9 @@ class ReferenceTracker {
   const Reference& step(const Reference& goal, double dt_s,
                         double speed_limit_mps = std::numeric_limits<double>::infinity());
 
+  /// A reference that keeps the limits by itself is taken as it is; step() goes on from there. Not-finite ones are not.
+  const Reference& take(const Reference& feasible, double dt_s);
+
   const Reference& state() const { return state_; }
   const Vector3& jerk_mps3() const { return jerk_mps3_; }
   const MotionLimits& limits() const { return limits_; }

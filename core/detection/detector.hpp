@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/localization/world_cloud.hpp"
+#include "core/localization/local_cloud.hpp"
 #include "core/map/voxel_map.hpp"
 #include "swiftlet/core/agent.hpp"
 
@@ -13,9 +13,10 @@ namespace swiftlet {
 
 /// What a detector gets in one tick.
 struct DetectorInput {
-  TimeNs t = 0;  ///< now
-  const StateEstimate& estimate;
-  std::span<const std::shared_ptr<const WorldCloud>> clouds;  ///< new in this tick
+  TimeNs t = 0;                                               ///< now
+  const StateEstimate& estimate;                              ///< valid
+  const LocalPoses& poses;                                    ///< where the vehicle was in the last seconds
+  std::span<const std::shared_ptr<const LocalCloud>> clouds;  ///< new in this tick
   const Observation& observation;
 };
 
@@ -37,7 +38,7 @@ class Detector {
  public:
   virtual ~Detector() = default;
   /// Adds to the output what became ready since the last call.
-  virtual void step(const DetectorInput& input, DetectorOutput& output) = 0;
+  virtual void step(const DetectorInput& input, DetectorOutput& output, Outbox& outbox) = 0;
   /// The map that it keeps, as of now; null when it keeps none.
   virtual const VoxelMap* map() const { return nullptr; }
   virtual void append_overlays(std::vector<Overlay>&) const {}

@@ -3,21 +3,21 @@
 
 #include <algorithm>
 
+#include "core/math/latency.hpp"
+
 namespace swiftlet {
 namespace {
 
 class GroundTruthDetector : public Detector {
  public:
-  explicit GroundTruthDetector(const GroundTruthDetectorConfig& config)
-      : config_(config), latency_(from_seconds(config.latency_s)) {}
+  explicit GroundTruthDetector(const GroundTruthDetectorConfig& config) : config_(config), latency_(config.latency_s) {}
 
-  void step(const DetectorInput& input, DetectorOutput& output) override {
-    poses_.push(input.estimate);
+  void step(const DetectorInput& input, DetectorOutput& output, Outbox&) override {
     for (const NeighborSample& sample : input.observation.neighbors) {
-      if (sample.p_body_m.norm() <= config_.range_max_m) waiting_.push_back(detection_of(sample));
+      if (sample.p_body_m.norm() <= config_.range_max_m) waiting_.push_back(detection_of(sample, input.poses));
     }
     const auto late = std::stable_partition(waiting_.begin(), waiting_.end(),
-                                            [&](const Detection& d) { return d.t + latency_ <= input.t; });
+                                            [&](const Detection& d) { return latency_.is_over(d.t, input.t); });
     if (late == waiting_.begin()) return;
     output.has_detections = true;
     output.stamp = (late - 1)->t;
@@ -26,20 +26,19 @@ class GroundTruthDetector : public Detector {
   }
 
  private:
-  Detection detection_of(const NeighborSample& sample) const {
-    const Pose T_world_body = poses_.at(sample.t);
-    const Matrix3 R = T_world_body.linear();
+  Detection detection_of(const NeighborSample& sample, const LocalPoses& poses) const {
+    const Pose T_local_body = poses.at(sample.t);
+    const Matrix3 R = T_local_body.linear();
     Detection d;
     d.t = sample.t;
-    d.position_m = T_world_body * sample.p_body_m;
+    d.position_m = T_local_body * sample.p_body_m;
     d.covariance = R * sample.covariance_body * R.transpose() + config_.sigma_m * config_.sigma_m * Matrix3::Identity();
     d.confidence = 1.0;
     return d;
   }
 
   GroundTruthDetectorConfig config_;
-  TimeNs latency_;
-  CloudRegistrar poses_{0.0};
+  Latency latency_;
   std::vector<Detection> waiting_;
 };
 

@@ -4,29 +4,12 @@
 #include <algorithm>
 
 #include "core/detection/vofod_stages.hpp"
+#include "core/math/latency.hpp"
 
 namespace swiftlet {
 namespace {
 
-using Cloud = std::shared_ptr<const WorldCloud>;
-
-/// A module that is idle, or works until an instant.
-class Worker {
- public:
-  explicit Worker(double latency_s) : latency_(from_seconds(latency_s)) {}
-  bool idle() const { return !busy_; }
-  bool due(TimeNs t) const { return busy_ && t >= end_; }
-  void start(TimeNs t) {
-    busy_ = true;
-    end_ = t + latency_;
-  }
-  void stop() { busy_ = false; }
-
- private:
-  TimeNs latency_;
-  TimeNs end_ = 0;
-  bool busy_ = false;
-};
+using Cloud = std::shared_ptr<const LocalCloud>;
 
 class VofodDetector : public Detector {
  public:
@@ -40,8 +23,8 @@ class VofodDetector : public Detector {
     if (setup.prior_map != nullptr) stages_.map().set_prior(*setup.prior_map);
   }
 
-  void step(const DetectorInput& input, DetectorOutput& output) override {
-    stages_.map().follow(input.estimate.T_world_body.translation());
+  void step(const DetectorInput& input, DetectorOutput& output, Outbox&) override {
+    stages_.map().follow(input.estimate.T_local_body.translation());
     seed(input);
     for (const Cloud& cloud : input.clouds) {
       if (!config_.sensor.empty() && cloud->scan->sensor != config_.sensor) continue;
@@ -72,7 +55,7 @@ class VofodDetector : public Detector {
   void seed(const DetectorInput& input) {
     if (config_.seed != "altimeter" && config_.seed != "large_and_altimeter") return;
     for (const AltimeterSample& sample : input.observation.altimeter) {
-      stages_.seed_ground(input.estimate.T_world_body.translation() - sample.height_m * Vector3::UnitZ());
+      stages_.seed_ground(input.estimate.T_local_body.translation() - sample.height_m * Vector3::UnitZ());
     }
   }
 

@@ -35,15 +35,6 @@ void VofodChoices::visit(ConfigVisitor& v) {
            "code)");
 }
 
-void PriorConfig::visit(ConfigVisitor& v) {
-  v.file("occupied", occupied, "point cloud (PCD, PLY) of occupied voxels, world frame");
-  v.file("free", free, "point cloud of free voxels, one point in each");
-  v.file("recorded", recorded,
-         "finished run: pcd_index.csv or ply_index.csv of a recorder with `frame: world`; all its points are occupied");
-  v.file("mesh", mesh, "mesh (OBJ, PLY, STL) whose surface is occupied, world frame");
-  v.field("world", world, "[-] the scenario's own world is known");
-}
-
 void VofodTiming::visit(ConfigVisitor& v) {
   v.field("classification_latency_s", classification_latency_s,
           "[s] from a scan to its detections; scans that arrive meanwhile wait, the newest one wins",

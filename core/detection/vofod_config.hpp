@@ -6,6 +6,7 @@
 #include "core/map/voxel_map.hpp"
 #include "core/uncertainty/point_covariance.hpp"
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/core/prior_map.hpp"
 
 namespace swiftlet {
 
@@ -24,17 +25,6 @@ struct VofodChoices {
   std::string hit_voxels = "update";
   std::string separate_becomes = "unknown";
   std::string separate_reach = "cluster";
-
-  void visit(ConfigVisitor& v);
-};
-
-/// What is known of the world before the start (sec. III-E): voxels that never change.
-struct PriorConfig {
-  std::string occupied;
-  std::string free;
-  std::string recorded;
-  std::string mesh;
-  bool world = false;
 
   void visit(ConfigVisitor& v);
 };

@@ -71,7 +71,7 @@ VofodStages::VofodStages(const VofodConfig& config)
       g_just_free_(std::nextafter(static_cast<float>(config.map.G_uncertain), -std::numeric_limits<float>::max())),
       clusterer_(make_clusterer(config.clusterer)) {}
 
-void VofodStages::classify(const WorldCloud& cloud, std::vector<Detection>& detections) {
+void VofodStages::classify(const LocalCloud& cloud, std::vector<Detection>& detections) {
   take_points(cloud);
   if (config_.choices.clustering == "voxels") thin_to_voxels();
   set_background_aside();
@@ -129,11 +129,11 @@ void VofodStages::classify(const WorldCloud& cloud, std::vector<Detection>& dete
   }
 }
 
-void VofodStages::take_points(const WorldCloud& cloud) {
+void VofodStages::take_points(const LocalCloud& cloud) {
   samples_.clear();
   for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-    const std::ptrdiff_t voxel = map_.grid().index_of(cloud.points_world_m[i].cast<double>());
-    if (voxel >= 0) samples_.add(cloud.points_world_m[i], voxel, i);
+    const std::ptrdiff_t voxel = map_.grid().index_of(cloud.points_local_m[i].cast<double>());
+    if (voxel >= 0) samples_.add(cloud.points_local_m[i], voxel, i);
   }
   num_points_ += cloud.size();
   num_points_outside_ += cloud.size() - samples_.at_m.size();
@@ -210,9 +210,9 @@ VofodStages::Shape VofodStages::shape_of(std::span<const std::uint32_t> members)
   return shape;
 }
 
-bool VofodStages::is_flying(const WorldCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape) {
+bool VofodStages::is_flying(const LocalCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape) {
   if (static_cast<int>(members.size()) < config_.min_points || shape.diagonal_m() > config_.max_size_m) return false;
-  const Vector3 sensor_m = cloud.T_world_lidar_of_beam(cloud.beam[samples_.point[members.front()]]).translation();
+  const Vector3 sensor_m = cloud.T_local_lidar_of_beam(cloud.beam[samples_.point[members.front()]]).translation();
   if (config_.max_range_m > 0.0 && (shape.centroid_m - sensor_m).norm() > config_.max_range_m) return false;
 
   starts_index_.clear();
@@ -250,7 +250,7 @@ void VofodStages::set(std::span<const std::uint32_t> members, double g) {
   for (const std::uint32_t i : members) map_.update(samples_.voxel[i], kInfinity, g);
 }
 
-Detection VofodStages::make_detection(const WorldCloud& cloud, std::span<const std::uint32_t> members,
+Detection VofodStages::make_detection(const LocalCloud& cloud, std::span<const std::uint32_t> members,
                                       const Shape& shape) const {
   Detection d;
   std::int64_t offset_sum = 0;
@@ -291,17 +291,17 @@ double VofodStages::confidence(std::span<const std::uint32_t> members) const {
   return std::exp(-sum / points);
 }
 
-Matrix3 VofodStages::covariance(const WorldCloud& cloud, std::uint32_t point, const Vector3& position_m) const {
+Matrix3 VofodStages::covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_m) const {
   const Matrix3 constant = config_.sigma_m * config_.sigma_m * Matrix3::Identity();
   if (config_.covariance == "constant") return constant;
-  const Pose& T_world_lidar = cloud.T_world_lidar_of_beam(cloud.beam[point]);
-  const Vector3 p_lidar = T_world_lidar.inverse() * position_m;
+  const Pose& T_local_lidar = cloud.T_local_lidar_of_beam(cloud.beam[point]);
+  const Vector3 p_lidar = T_local_lidar.inverse() * position_m;
   const double range_m = p_lidar.norm();
   if (range_m <= 0.0) return constant;
-  return constant + point_covariance(p_lidar / range_m, range_m, T_world_lidar.linear(), noise_of(config_).Sigma_w());
+  return constant + point_covariance(p_lidar / range_m, range_m, T_local_lidar.linear(), noise_of(config_).Sigma_w());
 }
 
-void VofodStages::cast_rays(const WorldCloud& cloud) {
+void VofodStages::cast_rays(const LocalCloud& cloud) {
   const Scan& scan = *cloud.scan;
   const BeamTable& beams = *scan.beams;
   double beam_offset_m = 0.0;  // beams start a little off the sensor's origin
@@ -309,7 +309,7 @@ void VofodStages::cast_rays(const WorldCloud& cloud) {
     if (origin.allFinite()) beam_offset_m = std::max(beam_offset_m, static_cast<double>(origin.norm()));
   }
   Eigen::AlignedBox3d origins;
-  for (const Pose& pose : cloud.T_world_lidar) {
+  for (const Pose& pose : cloud.T_local_lidar) {
     if (pose.matrix().allFinite()) origins.extend(Vector3(pose.translation()));
   }
   if (origins.isEmpty() || !map_.grid().contains(Vector3(origins.center()))) {
@@ -331,7 +331,7 @@ void VofodStages::cast_rays(const WorldCloud& cloud) {
         length_m = std::min(length_m, static_cast<double>(scan.range_m[i]) - shorten_m);
       else if (!config_.empty_returns || !(scan.range_m[i] == 0.0F))
         continue;
-      const Pose& T = cloud.T_world_lidar[column];
+      const Pose& T = cloud.T_local_lidar[column];
       rays_.add(T * beams.origins_lidar[i].cast<double>(), T.linear() * beams.directions_lidar[i].cast<double>(),
                 length_m);
     }
@@ -380,9 +380,9 @@ void VofodStages::remove_separate(int num_classifications) {
   separate_.clear();
 }
 
-void VofodStages::seed_ground(const Vector3& p_world_m) {
-  if (map_.grid().contains(p_world_m)) {
-    map_.update(map_.grid().index(map_.grid().cell_of(p_world_m)), 1.0, config_.map.g_occupied);
+void VofodStages::seed_ground(const Vector3& p_local_m) {
+  if (map_.grid().contains(p_local_m)) {
+    map_.update(map_.grid().index(map_.grid().cell_of(p_local_m)), 1.0, config_.map.g_occupied);
   }
 }
 

@@ -10,7 +10,7 @@
 #include "core/detection/separate_background.hpp"
 #include "core/detection/vicinity.hpp"
 #include "core/detection/vofod_config.hpp"
-#include "core/localization/world_cloud.hpp"
+#include "core/localization/local_cloud.hpp"
 #include "core/map/ray_lengths.hpp"
 #include "swiftlet/core/detection.hpp"
 
@@ -26,9 +26,9 @@ class VofodStages {
   explicit VofodStages(const VofodConfig& config);
 
   /// Clustering and classification of a scan, its points into the map, and its detections.
-  void classify(const WorldCloud& cloud, std::vector<Detection>& detections);
+  void classify(const LocalCloud& cloud, std::vector<Detection>& detections);
   /// Rays of a scan: lengths by voxel, kept for apply_rays().
-  void cast_rays(const WorldCloud& cloud);
+  void cast_rays(const LocalCloud& cloud);
   /// Their effect on the map, eq. (22). @param num_classifications  N_cls, since the rays were cast
   void apply_rays(int num_classifications);
   /// V_sep as of now, kept for remove_separate(). Voxels are remembered by their cells: the map may scroll meanwhile.
@@ -36,7 +36,7 @@ class VofodStages {
   /// Eq. (25). @param num_classifications  N_cls, since the last removal
   void remove_separate(int num_classifications);
   /// The ground below an altimeter moves half-way to occupied.
-  void seed_ground(const Vector3& p_world_m);
+  void seed_ground(const Vector3& p_local_m);
 
   VoxelMap& map() { return map_; }
   const VoxelMap& map() const { return map_; }
@@ -67,20 +67,20 @@ class VofodStages {
   };
   struct Shape;
 
-  void take_points(const WorldCloud& cloud);
+  void take_points(const LocalCloud& cloud);
   void thin_to_voxels();
   void set_background_aside();
   bool is_near_background(const Eigen::Vector3f& at_m) const;
   bool is_background(std::span<const std::uint32_t> members) const;
-  bool is_flying(const WorldCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape);
+  bool is_flying(const LocalCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape);
   Shape shape_of(std::span<const std::uint32_t> members) const;
   bool is_sufficient();
   void put_background();
   void put(std::span<const std::uint32_t> members, double g);
   void set(std::span<const std::uint32_t> members, double g);
-  Detection make_detection(const WorldCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape) const;
+  Detection make_detection(const LocalCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape) const;
   double confidence(std::span<const std::uint32_t> members) const;
-  Matrix3 covariance(const WorldCloud& cloud, std::uint32_t point, const Vector3& position_m) const;
+  Matrix3 covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_m) const;
 
   VofodConfig config_;
   VoxelMap map_;

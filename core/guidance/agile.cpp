@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "core/guidance/heading.hpp"
@@ -30,16 +31,22 @@ class Agile : public Guidance {
  public:
   Agile(const AgileConfig& config, const GuidanceSetup& setup)
       : config_(config),
-        spline_(config, setup.agent.T_world_body_start.translation(), setup.limits.vertical_speed_mps,
-                setup.limits.vertical_acceleration_mps2),
-        heading_rate_max_radps_(setup.limits.heading_rate_radps) {
-    yaw_rad_ = config.yaw == "fixed" ? config.yaw_deg * kPi / 180.0 : yaw_of(setup.agent.T_world_body_start.linear());
-  }
+        limits_(setup.limits),
+        start_local_m_(setup.agent.T_local_body_start.translation()),
+        yaw_rad_(yaw_of(setup.agent.T_local_body_start.linear())) {}
 
-  void step(const GuidanceInput& input, GuidanceOutput& output) override {
-    spline_.advance(input.dt_s);
-    output.goal = spline_.reference();
-    if (config_.yaw == "along_path") face_along(output.goal);
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
+    if (!spline_) {  // begins where the start lies in the world, as known now
+      spline_.emplace(config_, FrameChange::to_world(input.estimate).point(start_local_m_), limits_.vertical_speed_mps,
+                      limits_.vertical_acceleration_mps2);
+    }
+    spline_->advance(input.dt_s);
+    const FrameChange to_local = FrameChange::to_local(input.estimate);
+    output.goal = to_local.reference(spline_->reference());
+    if (config_.yaw == "along_path")
+      face_along(output.goal);
+    else
+      yaw_rad_ = to_local.yaw(config_.yaw_deg * kPi / 180.0);
     output.goal.yaw_rad = yaw_rad_;
     output.mission = MissionStatus::kEndless;
   }
@@ -52,13 +59,14 @@ class Agile : public Guidance {
     if (speed_sq < kSlowestAgile_mps * kSlowestAgile_mps) return;
     yaw_rad_ = heading_along(v, 0.0, yaw_rad_);
     goal.yaw_rate_radps =
-        std::clamp((v.x() * a.y() - v.y() * a.x()) / speed_sq, -heading_rate_max_radps_, heading_rate_max_radps_);
+        std::clamp((v.x() * a.y() - v.y() * a.x()) / speed_sq, -limits_.heading_rate_radps, limits_.heading_rate_radps);
   }
 
   AgileConfig config_;
-  AgileSpline spline_;
-  double heading_rate_max_radps_;
-  double yaw_rad_ = 0.0;
+  MotionLimits limits_;
+  Vector3 start_local_m_;
+  std::optional<AgileSpline> spline_;  // in the world
+  double yaw_rad_;                     // in the local frame
 };
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/localization/world_cloud.hpp"
+#include "core/guidance/rbl_obstacles.hpp"
 #include "core/math/angles.hpp"
 
 namespace swiftlet {
@@ -36,18 +36,20 @@ Vector3 avoidance(const Vector3& p_m, std::span<const Neighbor> neighbors, doubl
 
 /// What the two models have in common: flight at one height, neighbors, and a push away from obstacles.
 class LevelFlight : public Guidance {
+ public:
+  GuidanceNeeds needs() const override { return {.map = lidar_.enabled}; }
+
  protected:
   LevelFlight(const NeighborSourceConfig& neighbors, const FlockObstacleConfig& lidar, const GuidanceSetup& setup)
-      : neighbors_(neighbors), lidar_(lidar), sight_(lidar, setup.agent.airframe.circumscribed_radius_m()) {
-    goal_.position_m = setup.agent.T_world_body_start.translation();
-    goal_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
+      : neighbors_(neighbors), lidar_(lidar) {
+    goal_.position_m = setup.agent.T_local_body_start.translation();
+    goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
     height_m_ = goal_.position_m.z();
   }
 
   /// Takes the tick in.
   void look(const GuidanceInput& input) {
-    sight_.see(input);
-    neighbors_.update(input, sight_.poses());
+    neighbors_.update(input);
     if (lidar_.enabled && input.observation.t >= next_look_) find_obstacle(input);
   }
 
@@ -74,9 +76,9 @@ class LevelFlight : public Guidance {
  private:
   void find_obstacle(const GuidanceInput& input) {
     next_look_ = input.observation.t + kLook;
-    const Vector3 p_m = input.estimate.T_world_body.translation();
-    const double edge_m = sight_.map().edge_m();
-    sight_.map().collect(p_m, lidar_.avoid_distance_m, input.observation.t, 0, voxels_m_);
+    const Vector3 p_m = input.estimate.T_local_body.translation();
+    const double edge_m = input.map->edge_m();
+    input.map->occupied_within(p_m, lidar_.avoid_distance_m, kEver, voxels_m_);
     obstacle_ = false;
     double least_m = lidar_.avoid_distance_m;
     for (const Vector3& voxel_m : voxels_m_) {
@@ -91,7 +93,6 @@ class LevelFlight : public Guidance {
   }
 
   FlockObstacleConfig lidar_;
-  RblSight sight_;
   std::vector<Vector3> voxels_m_;
   Vector3 obstacle_m_ = Vector3::Zero();
   bool obstacle_ = false;
@@ -125,14 +126,15 @@ class Pacnav : public LevelFlight {
   Pacnav(const PacnavConfig& config, const GuidanceSetup& setup)
       : LevelFlight(config.neighbors, config.lidar, setup), config_(config) {}
 
-  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     look(input);
     remember(input.observation.t);
-    const Vector3 p_m = input.estimate.T_world_body.translation();
-    const double to_goal_m = horizontal(config_.goal_m - p_m).norm();
+    const Vector3 p_m = input.estimate.T_local_body.translation();
+    const Vector3 goal_m = FrameChange::to_local(input.estimate).point(config_.goal_m);
+    const double to_goal_m = horizontal(goal_m - p_m).norm();
     const double radius_m = config_.informed ? config_.arrival_radius_m : 2.0 * config_.follow_radius_m;
     arrived_ = arrived_ || to_goal_m <= radius_m;
-    Vector3 v = toward(p_m, aim(p_m));
+    Vector3 v = toward(p_m, aim(p_m, goal_m));
     v += avoidance(p_m, neighbors_.neighbors(), config_.avoid_distance_m, config_.avoid_gain_mps);
     v += off_obstacle(p_m);
     if (v.norm() > config_.speed_mps) v *= config_.speed_mps / v.norm();
@@ -148,8 +150,8 @@ class Pacnav : public LevelFlight {
   }
 
   /// The goal, or a place behind the neighbor that seems to know the way; without one: stay.
-  Vector3 aim(const Vector3& p_m) const {
-    if (config_.informed) return config_.goal_m;
+  Vector3 aim(const Vector3& p_m, const Vector3& goal_m) const {
+    if (config_.informed) return goal_m;
     double best = 0.0;
     const RememberedPath* leader = nullptr;
     for (const RememberedPath& path : paths_) {
@@ -189,10 +191,10 @@ class Mezey : public LevelFlight {
   Mezey(const MezeyConfig& config, const GuidanceSetup& setup)
       : LevelFlight(config.neighbors, config.lidar, setup), config_(config), heading_rad_(goal_.yaw_rad) {}
 
-  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     look(input);
-    const Vector3 p_m = input.estimate.T_world_body.translation();
-    const Vector3 to_goal = horizontal(config_.goal_m - p_m);
+    const Vector3 p_m = input.estimate.T_local_body.translation();
+    const Vector3 to_goal = horizontal(FrameChange::to_local(input.estimate).point(config_.goal_m) - p_m);
     arrived_ = arrived_ || (config_.goal_weight_radps > 0.0 && to_goal.norm() <= config_.arrival_radius_m);
     const VisualResponse seen = visual_response(config_, p_m, heading_rad_, neighbors_.neighbors(), retina_);
     double turn = seen.turn_radps;
@@ -256,7 +258,7 @@ VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_m, do
 }
 
 void FlockObstacleConfig::visit(ConfigVisitor& v) {
-  SightConfig::visit(v);
+  v.field("enabled", enabled, "[-] keep clear of what the map shows (mapping)");
   v.field("avoid_distance_m", avoid_distance_m, "[m] obstacles nearer than this push away", Range::positive());
   v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
 }

@@ -5,15 +5,15 @@
 
 #include "core/guidance/guidance.hpp"
 #include "core/guidance/neighbor_memory.hpp"
-#include "core/guidance/rbl_obstacles.hpp"
 
 /// Two other ways of flocking without a word to each other, to compare the rule-based Lloyd algorithm with [Kamler
 /// 2025, sec. 2.5].
 namespace swiftlet {
 
 /// What both share beyond their models, neither of which says how to keep off trees: a push away from the nearest thing
-/// that the own LiDAR has seen at the height of flight.
-struct FlockObstacleConfig : SightConfig {
+/// that the map shows at the height of flight.
+struct FlockObstacleConfig {
+  bool enabled = false;
   double avoid_distance_m = 2.0;
   double avoid_gain_mps = 1.5;
 

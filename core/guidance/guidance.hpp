@@ -5,6 +5,9 @@
 #include <span>
 
 #include "core/control/motion_limits.hpp"
+#include "core/localization/frame_change.hpp"
+#include "core/localization/local_cloud.hpp"
+#include "core/map/occupancy_view.hpp"
 #include "swiftlet/core/agent.hpp"
 
 namespace swiftlet {
@@ -15,30 +18,42 @@ struct GuidanceSetup {
   MotionLimits limits;  ///< of the reference tracker that follows
 };
 
-/// What guidance knows in one tick: all values, nothing kept.
+/// What guidance knows in one tick: all values, nothing kept. Everything but what it was told before the start and what
+/// others say lies in the local frame.
 struct GuidanceInput {
   double dt_s = 0.0;               ///< since the last tick
   const StateEstimate& estimate;   ///< valid
   const Observation& observation;  ///< messages, neighbors, scans
+  const LocalPoses& poses;         ///< where the vehicle was in the last seconds
   std::span<const Detection> detections = {};
   std::span<const Track> tracks = {};
+  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick, when it needs them
+  const OccupancyView* map = nullptr;                              ///< null: there is none
 };
 
-/// What guidance wants in one tick. Owned by the caller, reused.
+/// What guidance wants in one tick, in the local frame. Owned by the caller, reused.
 struct GuidanceOutput {
-  Reference goal;                                                    ///< the reference tracker makes it flyable
+  Reference goal;                 ///< the reference tracker makes it flyable
+  bool goal_is_feasible = false;  ///< it keeps the motion limits already and is flown as it is
   double speed_limit_mps = std::numeric_limits<double>::infinity();  ///< lower than the tracker's, for now
   bool motors_on = true;
   MissionStatus mission = MissionStatus::kRunning;
-  const char* note = "";          ///< why it failed, or what it waits for
-  std::vector<Message> messages;  ///< to other vehicles; cleared by the caller
+  const char* note = "";  ///< why it failed, or what it waits for
 };
 
-/// Where should I go? One of the ways of answering that a scenario chooses by name.
+/// What guidance asks of the stages before it.
+struct GuidanceNeeds {
+  bool clouds = false;
+  bool map = false;
+};
+
+/// Where should I go? One of the ways of answering that a scenario chooses by name. Goals of the world are carried into
+/// the local frame anew in every tick: the correction may have changed.
 class Guidance {
  public:
   virtual ~Guidance() = default;
-  virtual void step(const GuidanceInput& input, GuidanceOutput& output) = 0;
+  virtual GuidanceNeeds needs() const { return {}; }
+  virtual void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) = 0;
   /// What may help to understand it in a picture; called only when one is taken.
   virtual void append_overlays(std::vector<Overlay>&) const {}
 };

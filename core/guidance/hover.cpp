@@ -8,20 +8,20 @@ namespace {
 
 class Hover : public Guidance {
  public:
-  Hover(const HoverConfig& config, const GuidanceSetup& setup) {
-    const Pose& T_world_start = setup.agent.T_world_body_start;
-    const bool at_start = config.at == "start";
-    goal_.position_m = at_start ? Vector3(T_world_start.translation()) : config.point_m;
-    goal_.yaw_rad = at_start ? yaw_of(T_world_start.linear()) : config.yaw_deg * std::numbers::pi / 180.0;
+  Hover(const HoverConfig& config, const GuidanceSetup& setup) : at_start_(config.at == "start") {
+    const Pose& T_local_start = setup.agent.T_local_body_start;
+    goal_.position_m = at_start_ ? Vector3(T_local_start.translation()) : config.point_m;
+    goal_.yaw_rad = at_start_ ? yaw_of(T_local_start.linear()) : config.yaw_deg * std::numbers::pi / 180.0;
   }
 
-  void step(const GuidanceInput&, GuidanceOutput& output) override {
-    output.goal = goal_;
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
+    output.goal = at_start_ ? goal_ : FrameChange::to_local(input.estimate).reference(goal_);
     output.mission = MissionStatus::kEndless;
   }
 
  private:
-  Reference goal_;
+  bool at_start_;
+  Reference goal_;  // in the local frame for the start, in the world for a point
 };
 
 }  // namespace

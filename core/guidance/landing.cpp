@@ -23,7 +23,7 @@ void Landing::start(const Vector3& position_m, double yaw_rad) {
 }
 
 bool Landing::step(const StateEstimate& estimate, double dt_s, Reference& goal) {
-  const double z_m = estimate.T_world_body.translation().z();
+  const double z_m = estimate.T_local_body.translation().z();
   goal_.position_m.z() -= speed_mps_ * dt_s;
   goal_.velocity_mps.z() = -speed_mps_;
   if (goal_.position_m.z() < z_m - kGoalAheadMax_m) {
@@ -33,7 +33,7 @@ bool Landing::step(const StateEstimate& estimate, double dt_s, Reference& goal) 
   goal = goal_;
 
   const bool held_up = z_m - goal_.position_m.z() > kGoalAheadLanded_m &&
-                       std::abs(estimate.v_world_mps.z()) < std::min(kStillSpeed_mps, 0.5 * speed_mps_);
+                       std::abs(estimate.v_local_mps.z()) < std::min(kStillSpeed_mps, 0.5 * speed_mps_);
   still_s_ = held_up ? still_s_ + dt_s : 0.0;
   return still_s_ >= kStillTime_s;
 }

@@ -24,16 +24,17 @@ void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.field("predict", predict, "[-] positions are carried forward to now with the filtered velocity");
 }
 
-void NeighborMemory::update(const GuidanceInput& input, const CloudRegistrar& own_poses) {
+void NeighborMemory::update(const GuidanceInput& input) {
   const TimeNs now = input.observation.t;
   if (config_.source == "sensor") {
     for (const NeighborSample& sample : input.observation.neighbors) {
-      const Pose T_world_body = own_poses.at(sample.t);
-      const Matrix3& R = T_world_body.linear();
-      measure(sample.id, sample.t, T_world_body * sample.p_body_m, R * sample.covariance_body * R.transpose());
+      const Pose T_local_body = input.poses.at(sample.t);
+      const Matrix3& R = T_local_body.linear();
+      measure(sample.id, sample.t, T_local_body * sample.p_body_m, R * sample.covariance_body * R.transpose());
     }
   } else if (config_.source == "radio") {
-    for (const Message& message : input.observation.messages) hear(message);
+    const FrameChange to_local = FrameChange::to_local(input.estimate);
+    for (const Message& message : input.observation.messages) hear(message, to_local);
   }
   known_.clear();
   if (config_.source == "tracks") {
@@ -53,17 +54,15 @@ void NeighborMemory::update(const GuidanceInput& input, const CloudRegistrar& ow
   std::sort(known_.begin(), known_.end(), [](const Neighbor& a, const Neighbor& b) { return a.key < b.key; });
 }
 
-void NeighborMemory::hear(const Message& message) {
+void NeighborMemory::hear(const Message& message, const FrameChange& to_local) {
   NeighborPosition said;
   if (read_message(message, said) != Reading::kDone || !said.p_world_m.allFinite()) return;
-  measure(message.from, said.t, said.p_world_m, kRadioVariance_m2 * Matrix3::Identity());
+  measure(message.from, said.t, to_local.point(said.p_world_m), kRadioVariance_m2 * Matrix3::Identity());
 }
 
-void NeighborMemory::announce(const StateEstimate& estimate, VehicleId self, std::vector<Message>& messages) const {
+void NeighborMemory::announce(const StateEstimate& estimate, Outbox& outbox) const {
   if (config_.source != "radio") return;
-  Message& message = messages.emplace_back();
-  message.from = self;
-  write_message(NeighborPosition{estimate.t, estimate.T_world_body.translation()}, message);
+  write_message(NeighborPosition{estimate.t, estimate.T_world_body().translation()}, outbox.say());
 }
 
 void NeighborMemory::predict(Filter& filter, TimeNs t) const {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/guidance/guidance.hpp"
-#include "core/localization/world_cloud.hpp"
 
 namespace swiftlet {
 
@@ -20,7 +19,7 @@ struct NeighborSourceConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Another vehicle as known now, in the world frame of the own estimate.
+/// Another vehicle as known now, in the own local frame.
 struct Neighbor {
   std::int64_t key = 0;  ///< identity at its source
   Vector3 position_m = Vector3::Zero();
@@ -34,12 +33,12 @@ class NeighborMemory {
  public:
   explicit NeighborMemory(const NeighborSourceConfig& config) : config_(config) {}
 
-  void update(const GuidanceInput& input, const CloudRegistrar& own_poses);
+  void update(const GuidanceInput& input);
   /// Everybody not forgotten, in order of keys.
   std::span<const Neighbor> neighbors() const { return known_; }
 
   /// What to say to the others when they listen to the radio (source: radio), once a call.
-  void announce(const StateEstimate& estimate, VehicleId self, std::vector<Message>& messages) const;
+  void announce(const StateEstimate& estimate, Outbox& outbox) const;
 
  private:
   using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -52,7 +51,7 @@ class NeighborMemory {
   };
 
   void measure(std::int64_t key, TimeNs t, const Vector3& position_m, const Matrix3& covariance);
-  void hear(const Message& message);
+  void hear(const Message& message, const FrameChange& to_local);
   void predict(Filter& filter, TimeNs t) const;
 
   NeighborSourceConfig config_;

@@ -31,25 +31,28 @@ class Rbl : public Guidance {
         clipped_(config.variant == "3d_clipped" || config.variant == "3d_z"),
         period_(from_seconds(1.0 / config.update_rate_hz)),
         neighbors_(config.neighbors),
-        sight_(config.lidar, setup.agent.airframe.circumscribed_radius_m()),
         sensed_(config.cells.sensing_radius_m,
                 config.lidar.enabled ? config.cells.step_m : config.cells.sensing_radius_m, planar_),
         planner_(config.cells, rules_of(config), planar_) {
-    goal_.position_m = setup.agent.T_world_body_start.translation();
-    goal_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
+    goal_.position_m = setup.agent.T_local_body_start.translation();
+    goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
     others_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
   }
 
-  void step(const GuidanceInput& input, GuidanceOutput& output) override {
-    const Pose& T_world_body = input.estimate.T_world_body;
-    sight_.see(input);
-    neighbors_.update(input, sight_.poses());
+  GuidanceNeeds needs() const override { return {.map = config_.lidar.enabled}; }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
+    const Pose& T_local_body = input.estimate.T_local_body;
+    to_local_ = FrameChange::to_local(input.estimate);
+    goal_local_m_ = to_local_.point(config_.goal_m);
+    map_ = input.map;
+    neighbors_.update(input);
     if (input.observation.t >= next_update_) {
       next_update_ = next_update_ == 0 ? input.observation.t + period_ : next_update_ + period_;
-      plan(T_world_body, input.observation.t);
-      neighbors_.announce(input.estimate, input.observation.self, output.messages);
+      plan(T_local_body, input.observation.t);
+      neighbors_.announce(input.estimate, outbox);
     }
-    Vector3 to_goal_m = config_.goal_m - T_world_body.translation();
+    Vector3 to_goal_m = goal_local_m_ - T_local_body.translation();
     if (planar_) to_goal_m.z() = 0.0;
     arrived_ = arrived_ || to_goal_m.norm() <= config_.arrival_radius_m;
     glide(input.observation.t);
@@ -61,28 +64,30 @@ class Rbl : public Guidance {
   void append_overlays(std::vector<Overlay>& overlays) const override;
 
  private:
-  void plan(const Pose& T_world_body, TimeNs now) {
-    const Vector3 p_m = T_world_body.translation();
+  void plan(const Pose& T_local_body, TimeNs now) {
+    const Vector3 p_m = T_local_body.translation();
     others_m_.clear();
     for (const Neighbor& neighbor : neighbors_.neighbors()) others_m_.push_back(neighbor.position_m);
     planner_.partition(p_m, others_m_, z_min_m(), z_max_m());
-    if (config_.lidar.enabled) cut_by(planner_.cell(), planner_.cuts(), p_m, now, std::numeric_limits<TimeNs>::min());
-    step_ = planner_.update(config_.goal_m, 1.0 / config_.update_rate_hz);
+    if (config_.lidar.enabled) cut_by(planner_.cell(), planner_.cuts(), p_m, kEver);
+    step_ = planner_.update(goal_local_m_, 1.0 / config_.update_rate_hz);
     from_m_ = goal_.position_m;
-    to_m_ = config_.lidar.enabled ? within_sight(T_world_body, now) : step_.centroid_m;
-    if (planar_) to_m_.z() = config_.goal_m.z();
+    to_m_ = config_.lidar.enabled ? within_sight(T_local_body, now) : step_.centroid_m;
+    if (planar_) to_m_.z() = goal_local_m_.z();
   }
 
   /// Without the limits of (2.14) the ground is one.
-  double z_min_m() const { return clipped_ ? config_.z_min_m : config_.ground_m + config_.cells.encumbrance_m; }
-  double z_max_m() const { return clipped_ ? config_.z_max_m : kFar_m; }
+  double z_min_m() const {
+    return to_local_.height(clipped_ ? config_.z_min_m : config_.ground_m + config_.cells.encumbrance_m);
+  }
+  double z_max_m() const { return to_local_.height(clipped_ ? config_.z_max_m : kFar_m); }
 
   /// Cuts a cell by the voxels hit since then. What lies deeper below the lowest flight level than the vehicle needs
   /// for itself cannot be met.
-  void cut_by(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& p_m, TimeNs now, TimeNs since) {
+  void cut_by(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& p_m, TimeNs since) {
     const RblCellConfig& cells = config_.cells;
-    const double edge_m = sight_.map().edge_m();
-    sight_.map().collect(p_m, cells.sensing_radius_m / cells.eta + cells.encumbrance_m, now, since, voxels_m_);
+    const double edge_m = map_->edge_m();
+    map_->occupied_within(p_m, cells.sensing_radius_m / cells.eta + cells.encumbrance_m, since, voxels_m_);
     const double floor_m = std::min(z_min_m(), p_m.z()) - cells.encumbrance_m - 0.5 * edge_m;
     std::erase_if(voxels_m_, [&](const Vector3& voxel_m) { return voxel_m.z() < floor_m; });
     if (config_.lidar.cut == "convex") {
@@ -95,21 +100,21 @@ class Rbl : public Guidance {
   /// The centroid when it lies in the cell A' that is sensed now, else the nearest place that does; turns to it, and
   /// stays until it faces it [Kamler 2025, sec. 3.3.1]. A goal within the own encumbrance is flown to without: one
   /// right above or below would never come into sight.
-  Vector3 within_sight(const Pose& T_world_body, TimeNs now) {
-    const Vector3 p_m = T_world_body.translation();
+  Vector3 within_sight(const Pose& T_local_body, TimeNs now) {
+    const Vector3 p_m = T_local_body.translation();
     const Vector3 to_m = step_.centroid_m - p_m;
     goal_.yaw_rad = heading_along(to_m, kShortestToFace_m, goal_.yaw_rad);
-    if ((config_.goal_m - p_m).norm() <= config_.cells.encumbrance_m) return step_.centroid_m;
+    if ((goal_local_m_ - p_m).norm() <= config_.cells.encumbrance_m) return step_.centroid_m;
     sensed_.reset(Vector3::Zero(), z_min_m() - p_m.z(), z_max_m() - p_m.z());
     sensed_cuts_.clear();
     for (const HalfSpace& cut :
-         field_of_view(T_world_body.linear(), config_.lidar.fov_lower_deg, config_.lidar.fov_deg)) {
+         field_of_view(T_local_body.linear(), config_.lidar.fov_lower_deg, config_.lidar.fov_deg)) {
       sensed_.cut(cut);
     }
-    cut_by(sensed_, sensed_cuts_, p_m, now, now - from_seconds(config_.lidar.sensed_s));
+    cut_by(sensed_, sensed_cuts_, p_m, now - from_seconds(config_.lidar.sensed_s));
     const int sample = sensed_.nearest_partitioned(to_m);
     if (sample < 0) return p_m;
-    const double off_rad = std::remainder(goal_.yaw_rad - yaw_of(T_world_body.linear()), 2.0 * kPi);
+    const double off_rad = std::remainder(goal_.yaw_rad - yaw_of(T_local_body.linear()), 2.0 * kPi);
     if (std::abs(off_rad) > config_.lidar.facing_deg * kRadPerDeg) return p_m;
     const Vector3 seen_m = sensed_.point(sample);
     const bool inside = (seen_m - to_m).norm() <= 0.87 * sensed_.step_m();  // half the diagonal between samples
@@ -127,7 +132,9 @@ class Rbl : public Guidance {
   bool planar_, clipped_;
   TimeNs period_, next_update_ = 0;
   NeighborMemory neighbors_;
-  RblSight sight_;
+  const OccupancyView* map_ = nullptr;  // of this tick
+  FrameChange to_local_;                // of this tick
+  Vector3 goal_local_m_ = Vector3::Zero();
   RblCell sensed_;  // A'
   std::vector<HalfSpace> sensed_cuts_;
   std::vector<Vector3> voxels_m_;
@@ -174,24 +181,24 @@ std::vector<Vector3> level_outline(double radius_m, std::span<const HalfSpace> c
 void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
   const RblCell& cell = planner_.cell();
   const Vector3& p_m = planner_.position_m();
-  const auto world = [&](const Vector3& q) { return Eigen::Vector3f((p_m + q).cast<float>()); };
+  const auto place = [&](const Vector3& q) { return Eigen::Vector3f((p_m + q).cast<float>()); };
   // Of a ball the slice at the agent's height is shown: the whole would hide what it explains.
   const std::vector<Vector3> corners = level_outline(cell.radius_m(), planner_.cuts());
   Overlay area = marks("rbl.cell", Overlay::Kind::kTriangles, 0.0F);
   Overlay outline = marks("rbl.cell_outline", Overlay::Kind::kPolyline, 2.0F);
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-    for (const Vector3& corner : {corners.front(), corners[i], corners[i + 1]}) area.positions.push_back(world(corner));
+    for (const Vector3& corner : {corners.front(), corners[i], corners[i + 1]}) area.positions.push_back(place(corner));
   }
   for (std::size_t i = 0; i <= corners.size() && !corners.empty(); ++i) {
-    outline.positions.push_back(world(corners[i % corners.size()]));
+    outline.positions.push_back(place(corners[i % corners.size()]));
   }
   Overlay sensing = marks("rbl.sensing", Overlay::Kind::kPolyline, 1.0F, {{0.1F, 0.1F, 0.1F, 0.6F}});
   const std::vector<Vector3> disc = level_outline(cell.radius_m(), {});
-  for (std::size_t i = 0; i <= disc.size(); ++i) sensing.positions.push_back(world(disc[i % disc.size()]));
+  for (std::size_t i = 0; i <= disc.size(); ++i) sensing.positions.push_back(place(disc[i % disc.size()]));
   Overlay samples = marks("rbl.samples", Overlay::Kind::kPoints, 0.06F, {{0.05F, 0.05F, 0.05F, 0.8F}});
   for (int i = 0; i < cell.num_samples(); ++i) {
     const Vector3 q = cell.point(i);
-    if (std::abs(q.z()) <= 0.51 * cell.step_m() && cell.contains(i)) samples.positions.push_back(world(q));
+    if (std::abs(q.z()) <= 0.51 * cell.step_m() && cell.contains(i)) samples.positions.push_back(place(q));
   }
   Overlay centroid = marks("rbl.centroid", Overlay::Kind::kSpheres, 0.16F);
   centroid.positions = {step_.centroid_m.cast<float>()};
@@ -202,14 +209,14 @@ void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
   const Vector3 to_destination = step_.destination_m - p_m;
   const double shown_m = std::min(to_destination.norm(), cell.radius_m() + 1.0);
   Overlay destination = marks("rbl.destination", Overlay::Kind::kLines, 3.0F);
-  destination.positions = {p_m.cast<float>(), world(shown_m * to_destination.normalized())};
+  destination.positions = {p_m.cast<float>(), place(shown_m * to_destination.normalized())};
   Overlay goal = marks("rbl.goal", Overlay::Kind::kSpheres, 0.22F);
-  goal.positions = {config_.goal_m.cast<float>()};
-  if (config_.lidar.enabled) {
-    Overlay voxels = marks("rbl.voxels", Overlay::Kind::kCubes, static_cast<float>(sight_.map().edge_m()),
-                           {{0.45F, 0.32F, 0.2F, 1.0F}});
+  goal.positions = {goal_local_m_.cast<float>()};
+  if (config_.lidar.enabled && map_ != nullptr) {
+    Overlay voxels =
+        marks("rbl.voxels", Overlay::Kind::kCubes, static_cast<float>(map_->edge_m()), {{0.45F, 0.32F, 0.2F, 1.0F}});
     std::vector<Vector3> centers_m;
-    sight_.map().collect(p_m, 12.0, next_update_, std::numeric_limits<TimeNs>::min(), centers_m);
+    map_->occupied_within(p_m, 12.0, kEver, centers_m);
     for (const Vector3& center_m : centers_m) voxels.positions.push_back(center_m.cast<float>());
     overlays.push_back(std::move(voxels));
   }

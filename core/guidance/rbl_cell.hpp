@@ -22,7 +22,7 @@ struct CellCentroids {
 };
 
 /// The cells S and A of one agent, as samples on a cubic lattice [Kamler 2025, sec. 2.4.1]. Everything is relative to
-/// the agent, in world axes. The samples lie in rows along x; a convex cut leaves an interval of every row, so that a
+/// the agent, in local axes. The samples lie in rows along x; a convex cut leaves an interval of every row, so that a
 /// cut costs one division a row, whatever the number of samples.
 class RblCell {
  public:

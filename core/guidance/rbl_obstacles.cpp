@@ -105,51 +105,14 @@ void ObstacleCutter::cut_nearest(RblCell& cell, const Vector3& p_m, std::span<co
   });
 }
 
-void RblSight::see(const GuidanceInput& input) {
-  registrar_.push(input.estimate);
-  if (!config_.enabled) return;
-  for (const auto& scan : input.observation.scans) {
-    if (!registrar_.make(scan, cloud_)) continue;
-    rays_.clear();
-    returned_.assign(static_cast<std::size_t>(scan->size()), false);
-    for (std::size_t i = 0; i < cloud_.size(); ++i) {
-      const int beam = static_cast<int>(cloud_.beam[i]);
-      returned_[beam] = true;
-      const Eigen::Vector3f origin = cloud_.T_world_lidar_of_beam(beam).translation().cast<float>();
-      const float range_m = (cloud_.points_world_m[i] - origin).norm();
-      if (range_m < config_.range_min_m || range_m > config_.range_max_m) continue;
-      rays_.push_back({origin, cloud_.points_world_m[i], true});
-    }
-    // Beams without return tell that nothing is near; the own body's beams have a return or a mask.
-    const auto far_m = static_cast<float>(config_.map.clear_range_m);
-    for (int beam = 0; beam < scan->size(); ++beam) {
-      if (returned_[beam] || scan->hit(beam)) continue;
-      if (!scan->beams->masked.empty() && scan->beams->masked[beam] != 0) continue;
-      const Pose& T = cloud_.T_world_lidar_of_beam(beam);
-      const Vector3 direction = T.linear() * scan->beams->directions_lidar[beam].cast<double>();
-      const Eigen::Vector3f origin = T.translation().cast<float>();
-      rays_.push_back({origin, origin + far_m * direction.cast<float>(), false});
-    }
-    map_.insert(rays_, cloud_.end());
-    map_.keep_around(input.estimate.T_world_body.translation());
-  }
-}
-
-std::array<HalfSpace, 2> field_of_view(const Matrix3& R_world_body, double fov_lower_deg, double fov_deg) {
-  const Vector3 n1 = R_world_body * turn_y(fov_lower_deg * kRadPerDeg) * Vector3::UnitZ();
-  const Vector3 n2 = R_world_body * turn_y((fov_lower_deg - fov_deg) * kRadPerDeg) * Vector3::UnitZ();
+std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_lower_deg, double fov_deg) {
+  const Vector3 n1 = R_local_body * turn_y(fov_lower_deg * kRadPerDeg) * Vector3::UnitZ();
+  const Vector3 n2 = R_local_body * turn_y((fov_lower_deg - fov_deg) * kRadPerDeg) * Vector3::UnitZ();
   return {HalfSpace{-n1, 0.0}, HalfSpace{n2, 0.0}};
 }
 
-void SightConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled, "[-] keep clear of what the own LiDAR sees and has seen [Kamler 2025, chapter 3]");
-  v.field("range_min_m", range_min_m, "[m] nearer returns are the own body (the thesis: 1 m)", Range::non_negative());
-  v.field("range_max_m", range_max_m, "[m] farther returns are not used", Range::positive());
-  v.object("map", map, "what was seen");
-}
-
 void RblLidarConfig::visit(ConfigVisitor& v) {
-  SightConfig::visit(v);
+  v.field("enabled", enabled, "[-] keep clear of what the map shows (mapping) [Kamler 2025, chapter 3]");
   v.choice("cut", cut, {"convex", "nearest"},
            "[-] half-spaces at one voxel after the other, or each sample by the voxel nearest to it (3.1)");
   v.field("fov_lower_deg", fov_lower_deg, "[deg] gamma of (3.2): the sensor sees down to this below the horizon ahead",

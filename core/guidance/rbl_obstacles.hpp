@@ -10,23 +10,12 @@
 #include "core/guidance/guidance.hpp"
 #include "core/guidance/nearest_voxels.hpp"
 #include "core/guidance/rbl_planner.hpp"
-#include "core/localization/world_cloud.hpp"
-#include "core/map/sparse_voxel_map.hpp"
 
 namespace swiftlet {
 
-/// What to make of the own LiDAR's scans: a map of what is near.
-struct SightConfig {
-  bool enabled = false;
-  double range_min_m = 0.6;
-  double range_max_m = 40.0;
-  SparseVoxelMapConfig map;
-
-  void visit(ConfigVisitor& v);
-};
-
 /// LiDAR mode of the rule-based Lloyd algorithm [Kamler 2025, chapter 3]. Defaults: Table 3.1 and the released program.
-struct RblLidarConfig : SightConfig {
+struct RblLidarConfig {
+  bool enabled = false;
   std::string cut = "convex";
   double fov_lower_deg = 20.0;
   double fov_deg = 59.0;
@@ -67,28 +56,8 @@ class ObstacleCutter {
   NearestVoxels nearest_;
 };
 
-/// What the LiDAR saw so far.
-class RblSight {
- public:
-  explicit RblSight(const SightConfig& config, double own_radius_m)
-      : config_(config), registrar_(own_radius_m), map_(config.map) {}
-
-  /// Takes the estimate and the scans of this tick.
-  void see(const GuidanceInput& input);
-  const CloudRegistrar& poses() const { return registrar_; }
-  const SparseVoxelMap& map() const { return map_; }
-
- private:
-  SightConfig config_;
-  CloudRegistrar registrar_;
-  WorldCloud cloud_;
-  SparseVoxelMap map_;
-  std::vector<SparseVoxelMap::Ray> rays_;
-  std::vector<bool> returned_;
-};
-
 /// The part of space between the two planes of the tilted sensor (3.2-3.4): ahead of the vehicle, from fov_lower_deg
 /// below its horizontal plane. Half-spaces relative to the vehicle.
-std::array<HalfSpace, 2> field_of_view(const Matrix3& R_world_body, double fov_lower_deg, double fov_deg);
+std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_lower_deg, double fov_deg);
 
 }  // namespace swiftlet

@@ -106,7 +106,7 @@ void RblCellConfig::visit(ConfigVisitor& v) {
   v.field("sensing_radius_m", sensing_radius_m, "[m] r_s, radius of the cell S", Range::positive());
   v.field("step_m", step_m, "[m] distance of the samples of a cell; not in the document", Range::positive());
   v.choice("lattice", lattice, {"agent", "world"},
-           "[-] samples centered at the agent (symmetric), or on multiples of the step in the world");
+           "[-] samples centered at the agent (symmetric), or on multiples of the step in the local frame");
   v.field("encumbrance_m", encumbrance_m, "[m] delta: radius that each vehicle needs for itself", Range::positive());
   v.field("eta", eta, "[-] scale of the cells: the part of the way to a neighbor that the agent takes",
           Range{0.0, 1.0, true, false});

@@ -41,11 +41,11 @@ class RblPlanner {
  public:
   RblPlanner(const RblCellConfig& config, const RblRules& rules, bool planar);
 
-  /// S (between the heights, world), cut by the neighbors. Obstacles may then cut cell() further.
+  /// S (between the heights, local frame), cut by the neighbors. Obstacles may then cut cell() further.
   void partition(const Vector3& p_m, std::span<const Vector3> neighbors_m, double z_min_m, double z_max_m);
 
   struct Step {
-    Vector3 centroid_m = Vector3::Zero();     ///< c_A, world: where to go
+    Vector3 centroid_m = Vector3::Zero();     ///< c_A, local frame: where to go
     Vector3 sensing_m = Vector3::Zero();      ///< c_S
     Vector3 unrotated_m = Vector3::Zero();    ///< c_A with the goal as destination
     Vector3 destination_m = Vector3::Zero();  ///< d of the next update

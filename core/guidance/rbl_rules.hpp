@@ -45,7 +45,7 @@ struct RblState {
   double phi_rad = 0.0;    ///< and upwards by this
 };
 
-/// What the rules look at; relative to the agent, in world axes.
+/// What the rules look at; relative to the agent, in local axes.
 struct RblSituation {
   Vector3 goal_m = Vector3::Zero();
   Vector3 partitioned_m = Vector3::Zero();  ///< c_A with the present destination

@@ -12,11 +12,11 @@ class TakeoffLand : public Guidance {
  public:
   TakeoffLand(const TakeoffLandConfig& config, const GuidanceSetup& setup)
       : config_(config), landing_(config.landing_speed_mps) {
-    top_.position_m = setup.agent.T_world_body_start.translation() + config.altitude_m * Vector3::UnitZ();
-    top_.yaw_rad = yaw_of(setup.agent.T_world_body_start.linear());
+    top_.position_m = setup.agent.T_local_body_start.translation() + config.altitude_m * Vector3::UnitZ();
+    top_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
   }
 
-  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     if (landed_) return;
     output.goal = top_;
     output.motors_on = waited_s_ >= config_.wait_s;
@@ -25,7 +25,7 @@ class TakeoffLand : public Guidance {
     if (!output.motors_on) return;
     output.speed_limit_mps = config_.climb_speed_mps;
     output.note = "climbing";
-    if ((input.estimate.T_world_body.translation() - top_.position_m).norm() < kArrived_m) arrived_ = true;
+    if ((input.estimate.T_local_body.translation() - top_.position_m).norm() < kArrived_m) arrived_ = true;
     if (!arrived_) return;
     output.note = "hovering";
     hovered_s_ += input.dt_s;

@@ -15,24 +15,30 @@ constexpr double kSlowestTimed_mps = 0.2;  // slower than this, the velocity doe
 
 class TimedPath : public Guidance {
  public:
-  TimedPath(const TimedPathConfig& config, const GuidanceSetup& setup) : config_(config) {
-    if (config_.points_m.empty()) config_.points_m.push_back(setup.agent.T_world_body_start.translation());
+  TimedPath(const TimedPathConfig& config, const GuidanceSetup& setup)
+      : config_(config), stays_(config.points_m.empty()) {
+    if (stays_) config_.points_m.push_back(setup.agent.T_local_body_start.translation());
     path_ = UniformSpline(config_.points_m, config_.interval_s);
-    yaw_rad_ = config.yaw == "fixed" ? config.yaw_deg * std::numbers::pi / 180.0
-                                     : yaw_of(setup.agent.T_world_body_start.linear());
+    yaw_rad_ = yaw_of(setup.agent.T_local_body_start.linear());
   }
 
-  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     t_s_ += input.dt_s;
     const auto [p_m, v_mps, a_mps2] = path_.at(t_s_);
-    output.goal = {.position_m = p_m, .velocity_mps = v_mps, .acceleration_mps2 = a_mps2};
-    if (config_.yaw == "along_path") face_along(output.goal);
+    to_local_ = stays_ ? FrameChange() : FrameChange::to_local(input.estimate);
+    output.goal = to_local_.reference({.position_m = p_m, .velocity_mps = v_mps, .acceleration_mps2 = a_mps2});
+    if (config_.yaw == "along_path")
+      face_along(output.goal);
+    else
+      yaw_rad_ = to_local_.yaw(config_.yaw_deg * std::numbers::pi / 180.0);
     output.goal.yaw_rad = yaw_rad_;
     if (t_s_ >= path_.duration_s()) output.mission = MissionStatus::kDone;
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    overlays.push_back(way_overlay("path", config_.points_m, 0.05F));
+    std::vector<Vector3> points_m = config_.points_m;
+    for (Vector3& p : points_m) p = to_local_.point(p);
+    overlays.push_back(way_overlay("path", points_m, 0.05F));
   }
 
  private:
@@ -46,8 +52,10 @@ class TimedPath : public Guidance {
   }
 
   TimedPathConfig config_;
+  bool stays_;  // where it starts: no path was given
   UniformSpline path_;
-  double yaw_rad_ = 0.0;
+  FrameChange to_local_;  // of this tick
+  double yaw_rad_ = 0.0;  // in the local frame
   double t_s_ = 0.0;
 };
 

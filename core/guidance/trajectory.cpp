@@ -68,22 +68,22 @@ class Trajectory : public Guidance {
         require_within(setup.limits, v, rate * v.cwiseProduct(config.frequency_ratio));
       }
     }
-    yaw_rad_ = config.yaw == "fixed" ? config.yaw_deg * kPi / 180.0 : yaw_of(setup.agent.T_world_body_start.linear());
-    goal_ = at(0.0);
+    yaw_rad_ = yaw_of(setup.agent.T_local_body_start.linear());
   }
 
-  void step(const GuidanceInput& input, GuidanceOutput& output) override {
-    const Vector3 p_m = input.estimate.T_world_body.translation();
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
+    const Vector3 p_m = input.estimate.T_local_body.translation();
+    const FrameChange to_local = FrameChange::to_local(input.estimate);
     if (!flying_) {
-      output.goal = goal_;
+      output.goal = at(0.0, to_local);
       output.note = "going to the beginning of the trajectory";
-      flying_ =
-          (p_m - goal_.position_m).norm() < kGoalReached_m && input.estimate.v_world_mps.norm() < kArrivedSpeed_mps;
+      flying_ = (p_m - output.goal.position_m).norm() < kGoalReached_m &&
+                input.estimate.v_local_mps.norm() < kArrivedSpeed_mps;
       if (flying_) output.note = "";
       return;
     }
     t_s_ += input.dt_s;
-    output.goal = goal_ = at(t_s_);
+    output.goal = at(t_s_, to_local);
     if (config_.laps == 0) output.mission = MissionStatus::kEndless;
     if (config_.laps > 0 && t_s_ >= laps_duration_s()) output.mission = MissionStatus::kDone;
   }
@@ -112,7 +112,7 @@ class Trajectory : public Guidance {
     return config_.shape == "line" ? 2.0 * config_.laps * travel_.duration_s() : travel_.duration_s();
   }
 
-  Reference at(double t_s) {
+  Reference at(double t_s, const FrameChange& to_local) {
     Reference r;
     if (config_.shape == "line") {
       if (config_.laps > 0) t_s = std::min(t_s, laps_duration_s());
@@ -130,7 +130,11 @@ class Trajectory : public Guidance {
       r.velocity_mps = ds * c.dp;
       r.acceleration_mps2 = ds * ds * c.ddp + dds * c.dp;
     }
-    if (config_.yaw == "along_path") face_along(r);
+    r = to_local.reference(r);
+    if (config_.yaw == "along_path")
+      face_along(r);
+    else
+      yaw_rad_ = to_local.yaw(config_.yaw_deg * kPi / 180.0);
     r.yaw_rad = yaw_rad_;
     return r;
   }
@@ -147,8 +151,7 @@ class Trajectory : public Guidance {
   TrajectoryConfig config_;
   RampedTravel travel_;
   Vector3 direction_ = Vector3::Zero();  // of a line
-  Reference goal_;
-  double yaw_rad_ = 0.0;
+  double yaw_rad_ = 0.0;                 // in the local frame
   double t_s_ = 0.0;
   bool flying_ = false;
 };

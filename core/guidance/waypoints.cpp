@@ -16,21 +16,24 @@ class Waypoints : public Guidance {
  public:
   Waypoints(const WaypointsConfig& config, const GuidanceSetup& setup)
       : config_(config), landing_(config.landing_speed_mps) {
-    const Pose& T_world_start = setup.agent.T_world_body_start;
-    const double start_yaw = yaw_of(T_world_start.linear());
-    leg_start_m_ = T_world_start.translation();
-    goal_.yaw_rad = config.yaw == "fixed" ? config.yaw_deg * std::numbers::pi / 180.0 : start_yaw;
-    // Waypoints of the start's frame turn with its heading only.
-    const Eigen::AngleAxisd turn(config.frame == "start" ? start_yaw : 0.0, Vector3::UnitZ());
-    for (Vector3& p : config_.waypoints_m) p = config.frame == "start" ? Vector3(leg_start_m_ + turn * p) : p;
-    goal_.position_m = config_.waypoints_m.empty() ? leg_start_m_ : config_.waypoints_m.front();
+    const Pose& T_local_start = setup.agent.T_local_body_start;
+    const double start_yaw = yaw_of(T_local_start.linear());
+    leg_start_m_ = T_local_start.translation();
+    goal_.yaw_rad = start_yaw;
+    goal_.position_m = leg_start_m_;
+    // Waypoints of the start's frame turn with its heading only, and lie in the local frame.
+    const Eigen::AngleAxisd turn(start_yaw, Vector3::UnitZ());
+    if (config.frame != "start") return;
+    for (Vector3& p : config_.waypoints_m) p = Vector3(leg_start_m_ + turn * p);
   }
 
-  void step(const GuidanceInput& input, GuidanceOutput& output) override {
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     if (landed_) return;
     if (config_.loop) output.mission = MissionStatus::kEndless;
     output.speed_limit_mps = config_.speed_mps;
-    const Vector3 p_m = input.estimate.T_world_body.translation();
+    const Vector3 p_m = input.estimate.T_local_body.translation();
+    to_local_ = FrameChange::to_local(input.estimate);
+    if (!config_.waypoints_m.empty()) goal_.position_m = waypoint_m(next_);
     if (!finished_) advance(p_m, input.dt_s);
     face(p_m);
     output.goal = goal_;
@@ -38,10 +41,16 @@ class Waypoints : public Guidance {
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    overlays.push_back(way_overlay("waypoints", config_.waypoints_m, 0.15F));
+    std::vector<Vector3> points_m;
+    for (std::size_t i = 0; i < config_.waypoints_m.size(); ++i) points_m.push_back(waypoint_m(i));
+    overlays.push_back(way_overlay("waypoints", points_m, 0.15F));
   }
 
  private:
+  Vector3 waypoint_m(std::size_t i) const {
+    return config_.frame == "world" ? to_local_.point(config_.waypoints_m[i]) : config_.waypoints_m[i];
+  }
+
   void advance(const Vector3& p_m, double dt_s) {
     if (next_ >= config_.waypoints_m.size()) {  // none given
       finished_ = true;
@@ -58,12 +67,13 @@ class Waypoints : public Guidance {
     }
     leg_start_m_ = goal_.position_m;
     next_ = last ? 0 : next_ + 1;
-    goal_.position_m = config_.waypoints_m[next_];
+    goal_.position_m = waypoint_m(next_);
     arrived_ = false;
     dwelled_s_ = 0.0;
   }
 
   void face(const Vector3& p_m) {
+    if (config_.yaw == "fixed") goal_.yaw_rad = to_local_.yaw(config_.yaw_deg * std::numbers::pi / 180.0);
     if (config_.yaw == "fixed" || arrived_) return;
     const Vector3& from = config_.yaw == "along_path" ? leg_start_m_ : p_m;
     goal_.yaw_rad = heading_along(goal_.position_m - from, kShortestToSee_m, goal_.yaw_rad);
@@ -86,6 +96,7 @@ class Waypoints : public Guidance {
   WaypointsConfig config_;
   Landing landing_;
   Reference goal_;
+  FrameChange to_local_;  // of this tick
   Vector3 leg_start_m_;
   std::size_t next_ = 0;
   bool arrived_ = false, finished_ = false, landed_ = false;

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/action.hpp"
+#include "swiftlet/core/message.hpp"
 #include "swiftlet/core/observation.hpp"
+#include "swiftlet/core/state_estimate.hpp"
 
 namespace swiftlet {
 
-/// Where am I? One of the ways of answering that a scenario chooses by name.
+/// Where am I? One of the ways of answering that a scenario chooses by name. The local frame begins at the start
+/// (AgentSetup::T_local_body_start) and stays smooth; what is learned of the world goes into the correction.
 class StateEstimator {
  public:
   virtual ~StateEstimator() = default;
   /// Takes in one observation; the state at its time `t`. Samples that are not finite are passed over. The result
   /// belongs to the estimator. Not valid when the sensors that it needs have been silent for too long.
-  virtual const StateEstimate& update(const Observation& observation) = 0;
+  virtual const StateEstimate& update(const Observation& observation, Outbox& outbox) = 0;
   /// Why the estimate is not valid, in a few words; empty while it is.
   virtual const char* fault() const = 0;
 };

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/localization/dead_reckoning.hpp"
+#include "core/localization/frame_change.hpp"
+#include "core/localization/local_poses.hpp"
 
 namespace swiftlet {
 namespace {
@@ -15,24 +17,25 @@ bool is_finite(const PoseSample& s) {
 class GroundTruthEstimator : public StateEstimator {
  public:
   GroundTruthEstimator(const GroundTruthConfig& config, const AgentSetup& setup)
-      : timeout_(from_seconds(config.timeout_s)) {
+      : timeout_(from_seconds(config.timeout_s)),
+        T_local_body_start_(setup.T_local_body_start),
+        local_is_world_(setup.start_known == StartKnown::kPose) {
     estimate_.valid = true;
-    estimate_.T_world_body = setup.T_world_body_start;
-    last_pose_.T_world_body = setup.T_world_body_start;
+    estimate_.T_local_body = T_local_body_start_;
+    last_.T = T_local_body_start_;
     NavState start;
-    start.p_m = setup.T_world_body_start.translation();
-    start.q = Eigen::Quaterniond(setup.T_world_body_start.linear());
+    start.p_m = setup.T_local_body_start.translation();
+    start.q = Eigen::Quaterniond(setup.T_local_body_start.linear());
     reckoning_.restart(start);
   }
 
-  const StateEstimate& update(const Observation& observation) override {
+  const StateEstimate& update(const Observation& observation, Outbox&) override {
     const PoseSample* newest = nullptr;
     for (const PoseSample& sample : observation.pose) {
-      if (is_finite(sample) && (!started_ || sample.t > last_pose_.t)) newest = &sample;
+      if (is_finite(sample) && (!started_ || sample.t > last_.t)) newest = &sample;
     }
     if (newest != nullptr) {
-      last_pose_ = *newest;
-      started_ = true;
+      take(*newest);
       reckoning_is_stale_ = true;
     }
     // Where a pose comes in every tick, nothing is ever carried forward.
@@ -41,39 +44,55 @@ class GroundTruthEstimator : public StateEstimator {
     }
 
     estimate_.t = observation.t;
-    if (last_pose_.t == observation.t && started_) {
-      estimate_.T_world_body = last_pose_.T_world_body;
-      estimate_.v_world_mps = last_pose_.v_world_mps;
-      estimate_.omega_body_radps = last_pose_.omega_body_radps;
+    if (last_.t == observation.t && started_) {
+      estimate_.T_local_body = last_.T;
+      estimate_.v_local_mps = v_local_mps_;
+      estimate_.omega_body_radps = omega_body_radps_;
     } else {
       carry_forward(observation.t);
     }
-    if (observation.t - last_pose_.t > timeout_)
+    if (observation.t - last_.t > timeout_)
       estimate_.valid = false;
     else
-      estimate_.valid = estimate_.T_world_body.matrix().allFinite() && estimate_.v_world_mps.allFinite();
+      estimate_.valid = estimate_.T_local_body.matrix().allFinite() && estimate_.v_local_mps.allFinite();
     return estimate_;
   }
 
   const char* fault() const override { return estimate_.valid ? "" : "no pose from outside"; }
 
  private:
+  /// The first pose says where the local frame lies in the world, if the vehicle was not told.
+  void take(const PoseSample& sample) {
+    if (!started_ && !local_is_world_) {
+      const double yaw_rad = yaw_of(sample.T_world_body.linear()) - yaw_of(T_local_body_start_.linear());
+      estimate_.correct(level_alignment(yaw_rad, sample.T_world_body.translation(), T_local_body_start_.translation()));
+    }
+    const FrameChange to_local = FrameChange::to_local(estimate_);
+    last_ = {sample.t, to_local.pose(sample.T_world_body)};
+    v_local_mps_ = to_local.direction(sample.v_world_mps);
+    omega_body_radps_ = sample.omega_body_radps;
+    started_ = true;
+  }
+
   void carry_forward(TimeNs t) {
     if (reckoning_is_stale_) {
-      reckoning_.restart({last_pose_.t, last_pose_.T_world_body.translation(), last_pose_.v_world_mps,
-                          Eigen::Quaterniond(last_pose_.T_world_body.linear()), last_pose_.omega_body_radps});
+      reckoning_.restart(
+          {last_.t, last_.T.translation(), v_local_mps_, Eigen::Quaterniond(last_.T.linear()), omega_body_radps_});
       reckoning_is_stale_ = false;
     }
     const NavState now = reckoning_.at(t);
-    estimate_.T_world_body = make_pose(now.p_m, now.q);
-    estimate_.v_world_mps = now.v_mps;
+    estimate_.T_local_body = make_pose(now.p_m, now.q);
+    estimate_.v_local_mps = now.v_mps;
     estimate_.omega_body_radps = now.omega_body_radps;
   }
 
   TimeNs timeout_;
+  Pose T_local_body_start_;
+  bool local_is_world_;  // from the start on
   bool started_ = false;
   bool reckoning_is_stale_ = false;  // a newer pose is there than the one it started from
-  PoseSample last_pose_;
+  TimedPose last_;                   // in the local frame
+  Vector3 v_local_mps_ = Vector3::Zero(), omega_body_radps_ = Vector3::Zero();
   DeadReckoning reckoning_;
   StateEstimate estimate_;
 };

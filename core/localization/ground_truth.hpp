@@ -10,7 +10,7 @@
 namespace swiftlet {
 
 /// The pose from outside (Observation::pose), carried to the present by the IMU when it comes more rarely than the
-/// tick.
+/// tick. A vehicle that was not told its pose learns by the first one where its local frame lies in the world.
 struct GroundTruthConfig : ModuleConfigOf<GroundTruthConfig> {
   double timeout_s = 0.5;
 

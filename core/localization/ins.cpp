@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/localization/frame_change.hpp"
 #include "core/math/angles.hpp"
 
 namespace swiftlet {
@@ -35,19 +36,23 @@ InsFilter::Covariance sandwiched(const InsFilter::Covariance& A, const InsFilter
 class InsEstimator : public StateEstimator {
  public:
   InsEstimator(const InsConfig& config, const AgentSetup& setup)
-      : config_(config), filter_(config, setup.T_world_body_start) {
+      : config_(config),
+        filter_(config, setup.T_local_body_start),
+        start_m_(setup.T_local_body_start.translation()),
+        heading_known_(setup.start_known == StartKnown::kPose),
+        place_known_(setup.start_known != StartKnown::kNothing) {
     estimate_.valid = true;
-    estimate_.T_world_body = setup.T_world_body_start;
+    estimate_.T_local_body = setup.T_local_body_start;
   }
 
-  const StateEstimate& update(const Observation& observation) override {
+  const StateEstimate& update(const Observation& observation, Outbox&) override {
     take_in(observation);
     const NavState& now = filter_.state();
     estimate_.t = observation.t;
     const double ahead_s = to_seconds(observation.t - now.t);
-    estimate_.T_world_body =
+    estimate_.T_local_body =
         make_pose(now.p_m + ahead_s * now.v_mps, (now.q * rotation_by(ahead_s * now.omega_body_radps)).normalized());
-    estimate_.v_world_mps = now.v_mps;
+    estimate_.v_local_mps = now.v_mps;
     estimate_.omega_body_radps = now.omega_body_radps;
     fill_covariance();
     judge(ahead_s);
@@ -61,13 +66,44 @@ class InsEstimator : public StateEstimator {
   void take_in(const Observation& observation) {
     for (const ImuSample& sample : observation.imu) filter_.predict(sample);
     if (config_.use_gnss)
-      for (const GnssSample& sample : observation.gnss) filter_.update(sample);
+      for (const GnssSample& sample : observation.gnss) take(sample);
     if (config_.use_altimeter)
       for (const AltimeterSample& sample : observation.altimeter) filter_.update(sample);
     if (config_.use_compass)
-      for (const CompassSample& sample : observation.compass) filter_.update(sample);
+      for (const CompassSample& sample : observation.compass) take(sample);
     if (config_.use_odometry)
       for (const OdometrySample& sample : observation.odometry) filter_.update(sample);
+  }
+
+  /// What a sensor tells of the world goes through the correction into the local frame, where the filter lives. The
+  /// first sample makes the correction where the vehicle was not told its start.
+  void take(const CompassSample& sample) {
+    if (!heading_known_) {
+      if (!std::isfinite(sample.yaw_rad)) return;
+      heading_known_ = true;
+      const double yaw_rad = sample.yaw_rad - yaw_of(filter_.state().q.toRotationMatrix());
+      estimate_.correct(level_alignment(yaw_rad, start_m_, start_m_));
+      return;
+    }
+    CompassSample local = sample;
+    local.yaw_rad = FrameChange::to_local(estimate_).yaw(sample.yaw_rad);
+    filter_.update(local);
+  }
+
+  void take(const GnssSample& sample) {
+    if (!heading_known_) return;
+    if (!place_known_) {
+      if (!sample.p_world_m.allFinite()) return;
+      place_known_ = true;
+      estimate_.correct(
+          level_alignment(yaw_of(estimate_.T_world_local.linear()), sample.p_world_m, filter_.state().p_m));
+      return;
+    }
+    const FrameChange to_local = FrameChange::to_local(estimate_);
+    GnssSample local = sample;
+    local.p_world_m = to_local.point(sample.p_world_m);
+    local.v_world_mps = to_local.direction(sample.v_world_mps);
+    filter_.update(local);
   }
 
   void fill_covariance() {
@@ -91,16 +127,18 @@ class InsEstimator : public StateEstimator {
   }
 
   InsConfig config_;
-  InsFilter filter_;
+  InsFilter filter_;  // in the local frame
+  Vector3 start_m_;
+  bool heading_known_, place_known_;  // of the local frame in the world
   StateEstimate estimate_;
   const char* fault_ = "";
 };
 
 }  // namespace
 
-InsFilter::InsFilter(const InsConfig& config, const Pose& T_world_body_start) : config_(config) {
-  nominal_.p_m = T_world_body_start.translation();
-  nominal_.q = Eigen::Quaterniond(T_world_body_start.linear()).normalized();
+InsFilter::InsFilter(const InsConfig& config, const Pose& T_local_body_start) : config_(config) {
+  nominal_.p_m = T_local_body_start.translation();
+  nominal_.q = Eigen::Quaterniond(T_local_body_start.linear()).normalized();
   ground_m_ = nominal_.p_m.z();
 
   // Tilt and heading are uncertain to a different degree: about world axes, turned into the body's.

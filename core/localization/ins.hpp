@@ -11,7 +11,9 @@
 
 namespace swiftlet {
 
-/// Inertial navigation aided by whatever the vehicle carries: GNSS, altimeter, compass, velocity from odometry.
+/// Inertial navigation aided by whatever the vehicle carries: GNSS, altimeter, compass, velocity from odometry. A
+/// vehicle that was not told its heading needs a compass before it can use its GNSS; one that was told nothing takes
+/// its place from the first fix after that.
 struct InsConfig : ModuleConfigOf<InsConfig> {
   // Noise of the IMU; defaults: ADIS16448 as in RotorS and PX4.
   double gyro_noise_radps_sqrt_hz = 3.39e-4;
@@ -53,7 +55,7 @@ class InsFilter {
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
   enum Index { kP = 0, kV = 3, kTheta = 6, kAccelBias = 9, kGyroBias = 12, kGround = 15 };
 
-  InsFilter(const InsConfig& config, const Pose& T_world_body_start);
+  InsFilter(const InsConfig& config, const Pose& T_local_body_start);
 
   /// Forward by the time since the last sample.
   void predict(const ImuSample& sample);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/localization/dead_reckoning.hpp"
+#include "core/localization/frame_change.hpp"
 
 namespace swiftlet {
 namespace {
@@ -22,13 +23,15 @@ Vector3 rate_between(const Eigen::Quaterniond& before, const Eigen::Quaterniond&
 class OdometryEstimator : public StateEstimator {
  public:
   OdometryEstimator(const OdometryEstimatorConfig& config, const AgentSetup& setup)
-      : config_(config), T_world_body_start_(setup.T_world_body_start) {
-    base_.p_m = setup.T_world_body_start.translation();
-    base_.q = Eigen::Quaterniond(setup.T_world_body_start.linear());
+      : config_(config),
+        T_local_body_start_(setup.T_local_body_start),
+        heading_known_(setup.start_known == StartKnown::kPose) {
+    base_.p_m = setup.T_local_body_start.translation();
+    base_.q = Eigen::Quaterniond(setup.T_local_body_start.linear());
     reckoning_.restart(base_);
   }
 
-  const StateEstimate& update(const Observation& observation) override {
+  const StateEstimate& update(const Observation& observation, Outbox&) override {
     for (const ImuSample& sample : observation.imu) reckoning_.push(sample);
     bool moved_on = false;
     for (const OdometrySample& sample : observation.odometry) {
@@ -40,11 +43,12 @@ class OdometryEstimator : public StateEstimator {
 
     const NavState now = reckoning_.at(observation.t);
     estimate_.t = observation.t;
-    estimate_.T_world_body = make_pose(now.p_m, now.q);
-    estimate_.v_world_mps = now.v_mps;
+    estimate_.T_local_body = make_pose(now.p_m, now.q);
+    estimate_.v_local_mps = now.v_mps;
     estimate_.omega_body_radps = now.omega_body_radps;
     estimate_.valid = now.all_finite() && observation.t - base_.t <= from_seconds(config_.timeout_s);
     set_covariance();
+    if (!heading_known_) learn_heading(observation);
     return estimate_;
   }
 
@@ -53,24 +57,33 @@ class OdometryEstimator : public StateEstimator {
  private:
   void take(const OdometrySample& sample) {
     if (!aligned_) {
-      // Position and heading of the local frame in the world; roll and pitch are measured against gravity anyway.
-      const double yaw = yaw_of(T_world_body_start_.linear()) - yaw_of(sample.T_local_body.linear());
-      T_world_local_.linear() = Eigen::AngleAxisd(yaw, Vector3::UnitZ()).toRotationMatrix();
-      T_world_local_.translation() =
-          T_world_body_start_.translation() - T_world_local_.linear() * sample.T_local_body.translation();
+      // Position and heading of the odometry's frame; roll and pitch are measured against gravity anyway.
+      const double yaw = yaw_of(T_local_body_start_.linear()) - yaw_of(sample.T_local_body.linear());
+      T_local_odometry_ = level_alignment(yaw, T_local_body_start_.translation(), sample.T_local_body.translation());
     }
-    const Pose T_world_body = T_world_local_ * sample.T_local_body;
+    const Pose T_local_body = T_local_odometry_ * sample.T_local_body;
     NavState next;
     next.t = sample.t;
-    next.p_m = T_world_body.translation();
-    next.q = Eigen::Quaterniond(T_world_body.linear()).normalized();
-    next.v_mps = T_world_local_.linear() * sample.v_local_body_mps;
+    next.p_m = T_local_body.translation();
+    next.q = Eigen::Quaterniond(T_local_body.linear()).normalized();
+    next.v_mps = T_local_odometry_.linear() * sample.v_local_body_mps;
     if (aligned_) {
       next.omega_body_radps = rate_between(base_.q, next.q, to_seconds(next.t - base_.t));
       distance_m_ += (next.p_m - base_.p_m).norm();
     }
     base_ = next;
     aligned_ = true;
+  }
+
+  /// The first heading of a compass turns the local frame about the start.
+  void learn_heading(const Observation& observation) {
+    for (const CompassSample& sample : observation.compass) {
+      if (heading_known_ || !std::isfinite(sample.yaw_rad)) continue;
+      const Vector3& start_m = T_local_body_start_.translation();
+      const double yaw_rad = sample.yaw_rad - yaw_of(estimate_.T_local_body.linear());
+      estimate_.correct(level_alignment(yaw_rad, start_m, start_m));
+      heading_known_ = true;
+    }
   }
 
   void set_covariance() {
@@ -81,8 +94,9 @@ class OdometryEstimator : public StateEstimator {
   }
 
   OdometryEstimatorConfig config_;
-  Pose T_world_body_start_;
-  Pose T_world_local_ = Pose::Identity();
+  Pose T_local_body_start_;
+  bool heading_known_;
+  Pose T_local_odometry_ = Pose::Identity();
   bool aligned_ = false;
   double distance_m_ = 0.0;
   NavState base_;  // at the newest odometry sample

@@ -9,9 +9,10 @@
 
 namespace swiftlet {
 
-/// Odometry alone (visual-inertial or any other): its local frame is laid onto the world once, at the first sample, by
-/// the start pose that the operator told (position and heading; both frames have z up). From there its drift is the
-/// vehicle's drift: the "world" of the estimate is the drifting one. The IMU fills the time between samples.
+/// Odometry alone (visual-inertial or any other): its frame is laid onto the vehicle's local frame once, at the first
+/// sample, by the start (position and heading; both frames have z up). From there its drift is the vehicle's drift. A
+/// vehicle that was not told its heading learns it from the first sample of a compass, if it carries one; otherwise its
+/// world stays its local frame. The IMU fills the time between samples.
 struct OdometryEstimatorConfig : ModuleConfigOf<OdometryEstimatorConfig> {
   double timeout_s = 0.5;
   double position_drift = 0.01;   ///< sigma by distance flown

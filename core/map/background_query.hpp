@@ -12,7 +12,7 @@ class BackgroundQuery {
   virtual ~BackgroundQuery() = default;
   /// Is there a voxel that is at least tentative occupied with its center within `radius_m` of the point? A point
   /// outside of the map, or one that is not finite, has nothing near it.
-  virtual bool occupied_within(const Vector3& p_world_m, double radius_m) const = 0;
+  virtual bool occupied_within(const Vector3& p_local_m, double radius_m) const = 0;
 };
 
 }  // namespace swiftlet

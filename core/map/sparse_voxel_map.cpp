@@ -11,6 +11,7 @@ namespace swiftlet {
 namespace {
 
 constexpr int kMostPlaceBits = 7;  // a table of 8 MB
+constexpr std::size_t kMostForgotten = 1024;
 constexpr std::uint64_t kNobody = std::numeric_limits<std::uint64_t>::max();
 
 std::uint64_t key_of(const Cell& cell) {
@@ -23,6 +24,24 @@ std::uint64_t key_of(const Cell& cell) {
 Cell block_of(const Cell& cell) { return {cell.x() >> 3, cell.y() >> 3, cell.z() >> 3}; }
 
 int index_in_block(const Cell& cell) { return (cell.x() & 7) | (cell.y() & 7) << 3 | (cell.z() & 7) << 6; }
+
+/// From cell to cell along a line [Amanatides and Woo, 1987]; lengths in cells.
+struct Walk {
+  Cell cell;
+  int step[3];
+  double next[3], per_cell[3];  // way to the next wall, and from wall to wall
+
+  Walk(const Vector3& origin, const Vector3& direction) : cell(origin.array().floor().cast<int>()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = direction[axis];
+      step[axis] = d > 0.0 ? 1 : -1;
+      per_cell[axis] = d == 0.0 ? std::numeric_limits<double>::infinity() : std::abs(1.0 / d);
+      const double to_wall = d > 0.0 ? cell[axis] + 1.0 - origin[axis] : origin[axis] - cell[axis];
+      next[axis] = d == 0.0 ? per_cell[axis] : to_wall * per_cell[axis];
+    }
+  }
+  int next_axis() const { return next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2); }
+};
 
 }  // namespace
 
@@ -46,6 +65,7 @@ SparseVoxelMap::Block& SparseVoxelMap::block_for(const Cell& block) {
   std::uint32_t& place = places_[place_of(block)];
   if (place != 0 && blocks_[place - 1].at == block) return blocks_[place - 1];
   // Another one in its place lies farther away than anything that is kept.
+  if (place != 0) note_forgotten(blocks_[place - 1].at);
   if (place == 0 && !free_.empty()) {
     place = free_.back();
     free_.pop_back();
@@ -56,14 +76,20 @@ SparseVoxelMap::Block& SparseVoxelMap::block_for(const Cell& block) {
   Block& fresh = blocks_[place - 1];
   fresh.at = block;
   fresh.used = true;
+  fresh.changed = 0;
   fresh.known.fill(0);
   fresh.voxels.fill({});
   return fresh;
 }
 
-bool SparseVoxelMap::occupied(const Voxel& voxel, TimeNs now) const {
+bool SparseVoxelMap::occupied(const Voxel& voxel) const {
   return voxel.log_odds >= static_cast<float>(config_.occupied_log_odds) &&
-         (config_.memory_s <= 0.0 || now - voxel.hit <= from_seconds(config_.memory_s));
+         (config_.memory_s <= 0.0 || now_ - voxel.hit <= from_seconds(config_.memory_s));
+}
+
+void SparseVoxelMap::note_forgotten(const Cell& block) {
+  if (forgotten_.empty()) forgotten_.resize(kMostForgotten);
+  forgotten_[num_forgotten_++ % kMostForgotten] = {revision_, block};
 }
 
 bool SparseVoxelMap::first_in_sweep(const Cell& cell) {
@@ -80,6 +106,8 @@ bool SparseVoxelMap::first_in_sweep(const Cell& cell) {
 
 void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
   ++sweep_;
+  ++revision_;
+  const auto threshold = static_cast<float>(config_.occupied_log_odds);
   passing_.clear();
   ends_.assign(std::max(std::bit_ceil(2 * rays.size() + 1), ends_.size()), kNobody);
   const auto keep_sq = static_cast<float>(config_.keep_radius_m * config_.keep_radius_m);
@@ -94,9 +122,12 @@ void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
     const int i = index_in_block(cell);
     Voxel& voxel = block.voxels[i];
     if (voxel.sweep == sweep_) continue;
+    const bool was_occupied = voxel.log_odds >= threshold;
+    if (!block.knows(i)) block.changed = revision_;
     block.known[static_cast<std::size_t>(i) >> 6U] |= std::uint64_t{1} << (i & 63);
     voxel.log_odds =
         std::min(voxel.log_odds + static_cast<float>(config_.hit_log_odds), static_cast<float>(config_.max_log_odds));
+    if (was_occupied != (voxel.log_odds >= threshold)) block.changed = revision_;
     voxel.sweep = sweep_;
     voxel.hit = now;
     passing_.push_back(&ray);
@@ -105,7 +136,7 @@ void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
   for (const Ray* ray : passing_) pass(*ray);
 }
 
-// Amanatides and Woo, from the origin to the end or to the clearing range; only voxels that are stored can lose.
+// From the origin to the end or to the clearing range; only voxels that are stored can lose.
 void SparseVoxelMap::pass(const Ray& ray) {
   const Vector3 origin = ray.origin_m.cast<double>() * cells_per_m_;
   const Vector3 way = (ray.end_m - ray.origin_m).cast<double>();
@@ -115,16 +146,9 @@ void SparseVoxelMap::pass(const Ray& ray) {
   // The last half voxel before a surface is its own roughness.
   const double end =
       (std::min(length_m, config_.clear_range_m) - (ray.hit ? 0.5 * config_.edge_m : 0.0)) * cells_per_m_;
-  Cell cell = origin.array().floor().cast<int>();
-  double next[3], per_cell[3];
-  int step[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const double d = direction[axis];
-    step[axis] = d > 0.0 ? 1 : -1;
-    per_cell[axis] = d == 0.0 ? std::numeric_limits<double>::infinity() : std::abs(1.0 / d);
-    const double to_wall = d > 0.0 ? cell[axis] + 1.0 - origin[axis] : origin[axis] - cell[axis];
-    next[axis] = d == 0.0 ? per_cell[axis] : to_wall * per_cell[axis];
-  }
+  Walk walk(origin, direction);
+  auto& [cell, step, next, per_cell] = walk;
+  const auto threshold = static_cast<float>(config_.occupied_log_odds);
   const auto loss = static_cast<float>(config_.miss_log_odds), least = static_cast<float>(config_.min_log_odds);
   for (double traveled = 0.0; traveled < end;) {
     auto* const block = const_cast<Block*>(block_at(block_of(cell)));
@@ -154,9 +178,11 @@ void SparseVoxelMap::pass(const Ray& ray) {
       Voxel& voxel = block->voxels[i];
       if (block->knows(i) && voxel.sweep != sweep_ && voxel.passed != sweep_) {
         voxel.passed = sweep_;
+        const bool was_occupied = voxel.log_odds >= threshold;
         voxel.log_odds = std::max(voxel.log_odds - loss, least);
+        if (was_occupied && voxel.log_odds < threshold) block->changed = revision_;
       }
-      axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
+      axis = walk.next_axis();
       traveled = next[axis];
       next[axis] += per_cell[axis];
       from = cell[axis];
@@ -167,22 +193,22 @@ void SparseVoxelMap::pass(const Ray& ray) {
 
 void SparseVoxelMap::keep_around(const Vector3& center_m) {
   const double block_m = kSide * config_.edge_m;
+  bool forgets = false;
   for (Block& block : blocks_) {
     if (!block.used) continue;
     const Vector3 middle_m = (block.at.cast<double>().array() + 0.5) * block_m;
     if ((middle_m - center_m).norm() <= config_.keep_radius_m) continue;
     block.used = false;
     free_.push_back(std::exchange(places_[place_of(block.at)], 0U));
+    if (!forgets) ++revision_;
+    forgets = true;
+    note_forgotten(block.at);
   }
 }
 
-void SparseVoxelMap::collect(const Vector3& center_m, double radius_m, TimeNs now, TimeNs since,
-                             std::vector<Vector3>& centers_m) const {
-  centers_m.clear();
-  const double reach_m = radius_m + config_.edge_m;
-  const Cell low = block_of(cell_of(center_m.array() - reach_m));
-  const Cell high = block_of(cell_of(center_m.array() + reach_m));
-  const double half_m = 0.5 * config_.edge_m;
+template <class Fn>
+void SparseVoxelMap::for_occupied(const Vector3& min_m, const Vector3& max_m, Fn&& fn) const {
+  const Cell low = block_of(cell_of(min_m)), high = block_of(cell_of(max_m));
   for (int z = low.z(); z <= high.z(); ++z) {
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int x = low.x(); x <= high.x(); ++x) {
@@ -191,12 +217,8 @@ void SparseVoxelMap::collect(const Vector3& center_m, double radius_m, TimeNs no
         for (int layer = 0; layer < kSide; ++layer) {
           for (std::uint64_t known = block->known[layer]; known != 0; known &= known - 1) {
             const int i = layer << 6 | std::countr_zero(known);
-            const Voxel& voxel = block->voxels[i];
-            if (voxel.hit < since || !occupied(voxel, now)) continue;
-            const Cell cell(x * kSide + (i & 7), y * kSide + ((i >> 3) & 7), z * kSide + layer);
-            const Vector3 voxel_m = (cell.cast<double>().array() + 0.5) * config_.edge_m;
-            const Vector3 gap = ((voxel_m - center_m).array().abs() - half_m).cwiseMax(0.0);
-            if (gap.squaredNorm() <= radius_m * radius_m) centers_m.push_back(voxel_m);
+            if (!occupied(block->voxels[i])) continue;
+            fn(block->voxels[i], center_of({x * kSide + (i & 7), y * kSide + ((i >> 3) & 7), z * kSide + layer}));
           }
         }
       }
@@ -204,11 +226,71 @@ void SparseVoxelMap::collect(const Vector3& center_m, double radius_m, TimeNs no
   }
 }
 
-bool SparseVoxelMap::is_occupied(const Vector3& p_m, TimeNs now) const {
-  const Cell cell = cell_of(p_m);
+void SparseVoxelMap::occupied_within(const Vector3& center_m, double radius_m, TimeNs since,
+                                     std::vector<Vector3>& centers_m) const {
+  centers_m.clear();
+  const double reach_m = radius_m + config_.edge_m, half_m = 0.5 * config_.edge_m;
+  for_occupied(center_m.array() - reach_m, center_m.array() + reach_m, [&](const Voxel& voxel, const Vector3& voxel_m) {
+    if (voxel.hit < since) return;
+    const Vector3 gap = ((voxel_m - center_m).array().abs() - half_m).cwiseMax(0.0);
+    if (gap.squaredNorm() <= radius_m * radius_m) centers_m.push_back(voxel_m);
+  });
+}
+
+void SparseVoxelMap::occupied_in(const Vector3& min_m, const Vector3& max_m, std::vector<Vector3>& centers_m) const {
+  centers_m.clear();
+  const double half_m = 0.5 * config_.edge_m;
+  for_occupied(min_m, max_m, [&](const Voxel&, const Vector3& voxel_m) {
+    const bool above = (voxel_m.array() + half_m >= min_m.array()).all();
+    if (above && (voxel_m.array() - half_m <= max_m.array()).all()) centers_m.push_back(voxel_m);
+  });
+}
+
+double SparseVoxelMap::distance_m(const Vector3& p_local_m, double max_m) const {
+  double least_sq = max_m * max_m;
+  const double half_m = 0.5 * config_.edge_m;
+  for_occupied(p_local_m.array() - max_m, p_local_m.array() + max_m, [&](const Voxel&, const Vector3& voxel_m) {
+    const Vector3 gap = ((voxel_m - p_local_m).array().abs() - half_m).cwiseMax(0.0);
+    least_sq = std::min(least_sq, gap.squaredNorm());
+  });
+  return std::sqrt(least_sq);
+}
+
+std::optional<SegmentHit> SparseVoxelMap::first_hit(const Vector3& from_m, const Vector3& to_m) const {
+  const double length_m = (to_m - from_m).norm();
+  const Vector3 direction = length_m > 0.0 ? Vector3((to_m - from_m) / length_m) : Vector3(Vector3::UnitX());
+  Walk walk(from_m * cells_per_m_, direction);
+  for (double traveled = 0.0; traveled <= length_m * cells_per_m_;) {
+    if (state_of(walk.cell) == CellState::kOccupied) return SegmentHit{traveled / cells_per_m_, center_of(walk.cell)};
+    const int axis = walk.next_axis();
+    traveled = walk.next[axis];
+    walk.next[axis] += walk.per_cell[axis];
+    walk.cell[axis] += walk.step[axis];
+  }
+  return std::nullopt;
+}
+
+bool SparseVoxelMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {
+  boxes.clear();
+  if (config_.memory_s > 0.0) return false;
+  if (num_forgotten_ > kMostForgotten && forgotten_[num_forgotten_ % kMostForgotten].revision > revision) return false;
+  const auto add = [&](const Cell& block) { boxes.push_back({config_.edge_m, block * kSide, Cell::Constant(kSide)}); };
+  for (const Block& block : blocks_) {
+    if (block.used && block.changed > revision) add(block.at);
+  }
+  for (std::size_t i = 0; i < std::min(num_forgotten_, kMostForgotten); ++i) {
+    if (forgotten_[i].revision > revision) add(forgotten_[i].block);
+  }
+  return true;
+}
+
+CellState SparseVoxelMap::state(const Vector3& p_local_m) const { return state_of(cell_of(p_local_m)); }
+
+CellState SparseVoxelMap::state_of(const Cell& cell) const {
   const Block* block = block_at(block_of(cell));
   const int i = index_in_block(cell);
-  return block != nullptr && block->knows(i) && occupied(block->voxels[i], now);
+  if (block == nullptr || !block->knows(i)) return CellState::kUnknown;
+  return occupied(block->voxels[i]) ? CellState::kOccupied : CellState::kFree;
 }
 
 void SparseVoxelMapConfig::visit(ConfigVisitor& v) {

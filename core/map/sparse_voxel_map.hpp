@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/map/voxel_grid.hpp"
+#include "core/map/occupancy_view.hpp"
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/time.hpp"
 
@@ -31,11 +31,11 @@ struct SparseVoxelMapConfig {
 /// What was seen around a vehicle, as occupied voxels in blocks (the role of Bonxai in Kamler 2025, sec. 3.2.4). Only
 /// voxels that were hit at some time are stored. A table of block places that repeats itself beyond twice keep_radius_m
 /// finds a block without searching; what is farther from the vehicle than that radius is not stored.
-class SparseVoxelMap {
+class SparseVoxelMap : public OccupancyView {
  public:
   explicit SparseVoxelMap(const SparseVoxelMapConfig& config);
 
-  /// One beam of a sweep, in the world.
+  /// One beam of a sweep, in the local frame.
   struct Ray {
     Eigen::Vector3f origin_m;
     Eigen::Vector3f end_m;
@@ -49,12 +49,22 @@ class SparseVoxelMap {
   /// Forgets what lies farther than keep_radius_m from here.
   void keep_around(const Vector3& center_m);
 
-  /// Centers of the occupied voxels whose nearest point lies within the radius; those not hit since `since` left out.
-  void collect(const Vector3& center_m, double radius_m, TimeNs now, TimeNs since,
-               std::vector<Vector3>& centers_m) const;
-  bool is_occupied(const Vector3& p_m, TimeNs now) const;
+  /// For what is asked from now on: voxels not hit for memory_s are forgotten.
+  void set_time(TimeNs now) { now_ = now; }
+
+  double edge_m() const override { return config_.edge_m; }
+  /// Free: it was hit at some time and lost it again.
+  CellState state(const Vector3& p_local_m) const override;
+  void occupied_within(const Vector3& center_m, double radius_m, TimeNs since,
+                       std::vector<Vector3>& centers_m) const override;
+  void occupied_in(const Vector3& min_m, const Vector3& max_m, std::vector<Vector3>& centers_m) const override;
+  double distance_m(const Vector3& p_local_m, double max_m) const override;
+  std::optional<SegmentHit> first_hit(const Vector3& from_m, const Vector3& to_m) const override;
+  std::uint64_t revision() const override { return revision_; }
+  /// By blocks. Not known of a map that forgets by time, and of what lies too many forgotten blocks back.
+  bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
+
   std::size_t num_blocks() const { return blocks_.size() - free_.size(); }
-  double edge_m() const { return config_.edge_m; }
 
  private:
   static constexpr int kSide = 8;  // voxels along the edge of a block
@@ -68,6 +78,7 @@ class SparseVoxelMap {
   struct Block {
     Cell at = Cell::Zero();
     bool used = false;
+    std::uint64_t changed = 0;               // the revision in which a voxel's state changed last
     std::array<std::uint64_t, kSide> known;  // voxels that were hit at some time: a word a layer
     std::array<Voxel, kVoxels> voxels;
     bool knows(int i) const { return (known[static_cast<std::size_t>(i) >> 6U] >> (i & 63) & 1U) != 0; }
@@ -80,9 +91,15 @@ class SparseVoxelMap {
   }
   const Block* block_at(const Cell& block) const;
   Block& block_for(const Cell& block);
-  bool occupied(const Voxel& voxel, TimeNs now) const;
+  bool occupied(const Voxel& voxel) const;
+  CellState state_of(const Cell& cell) const;
+  Vector3 center_of(const Cell& cell) const { return (cell.cast<double>().array() + 0.5) * config_.edge_m; }
+  /// fn(voxel, its center) for every occupied one of the blocks that reach into the box.
+  template <class Fn>
+  void for_occupied(const Vector3& min_m, const Vector3& max_m, Fn&& fn) const;
   bool first_in_sweep(const Cell& cell);
   void pass(const Ray& ray);
+  void note_forgotten(const Cell& block);
 
   SparseVoxelMapConfig config_;
   double cells_per_m_;
@@ -93,6 +110,14 @@ class SparseVoxelMap {
   std::vector<const Ray*> passing_;  // of this sweep: those that take away
   std::vector<std::uint64_t> ends_;  // voxels in which rays without a hit ended: open addressing
   std::uint32_t sweep_ = 0;
+  TimeNs now_ = 0;
+  std::uint64_t revision_ = 0;
+  struct Forgotten {
+    std::uint64_t revision = 0;
+    Cell block = Cell::Zero();
+  };
+  std::vector<Forgotten> forgotten_;  // the last blocks, in a ring
+  std::size_t num_forgotten_ = 0;     // ever
 };
 
 }  // namespace swiftlet

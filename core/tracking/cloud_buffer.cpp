@@ -5,18 +5,18 @@
 
 namespace swiftlet {
 
-void BufferedCloud::assign(const WorldCloud& cloud) {
+void BufferedCloud::assign(const LocalCloud& cloud) {
   stamp_ = cloud.scan->stamp;
   duration_ = cloud.scan->duration;
   beams_ = cloud.scan->beams;
-  if (!cloud.T_world_lidar.empty()) T_world_lidar_ = cloud.T_world_lidar[cloud.T_world_lidar.size() / 2];
+  if (!cloud.T_local_lidar.empty()) T_local_lidar_ = cloud.T_local_lidar[cloud.T_local_lidar.size() / 2];
   points_.clear();
   beam_.clear();
   points_.reserve(cloud.size());
   beam_.reserve(cloud.size());
   boxes_.clear();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f& p = cloud.points_world_m[i];
+    const Eigen::Vector3f& p = cloud.points_local_m[i];
     if (!p.allFinite()) continue;
     if (points_.size() % kRun == 0) boxes_.push_back({p, p});
     Box& box = boxes_.back();

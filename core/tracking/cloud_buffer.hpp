@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/localization/world_cloud.hpp"
+#include "core/localization/local_cloud.hpp"
 #include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet {
@@ -14,12 +14,12 @@ namespace swiftlet {
 /// with which a search around a place looks at few of them.
 class BufferedCloud {
  public:
-  void assign(const WorldCloud& cloud);
+  void assign(const LocalCloud& cloud);
 
   TimeNs stamp() const { return stamp_; }
   TimeNs middle() const { return stamp_ + duration_ / 2; }
   /// Pose of the sensor in the middle of the sweep.
-  const Pose& T_world_lidar() const { return T_world_lidar_; }
+  const Pose& T_local_lidar() const { return T_local_lidar_; }
   const Eigen::Vector3f& point(std::uint32_t i) const { return points_[i]; }
   TimeNs time_of(std::uint32_t i) const {
     return duration_ == 0 ? stamp_ : stamp_ + from_seconds(beams_->offset_s(static_cast<int>(beam_[i])));
@@ -35,7 +35,7 @@ class BufferedCloud {
 
   TimeNs stamp_ = 0;
   TimeNs duration_ = 0;
-  Pose T_world_lidar_ = Pose::Identity();
+  Pose T_local_lidar_ = Pose::Identity();
   std::shared_ptr<const BeamTable> beams_;
   std::vector<Eigen::Vector3f> points_;
   std::vector<std::uint32_t> beam_;

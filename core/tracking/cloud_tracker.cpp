@@ -122,16 +122,16 @@ double CloudTracker::association_radius_m(const Target& target) const {
   return std::max(config_.association_radius_min_m, uncertainty_radius_m(target.state.belief.position_covariance()));
 }
 
-Matrix3 CloudTracker::position_covariance(const Vector3& position_m, const Pose& T_world_lidar) const {
-  const Vector3 ray_lidar = T_world_lidar.inverse() * position_m;
+Matrix3 CloudTracker::position_covariance(const Vector3& position_m, const Pose& T_local_lidar) const {
+  const Vector3 ray_lidar = T_local_lidar.inverse() * position_m;
   const double range_m = ray_lidar.norm();
   const double sampling_m = config_.measurement.sigma_sampling_m;
   const Matrix3 sampling = sampling_m * sampling_m * Matrix3::Identity();
   if (!(range_m > 0.0)) return sampling;
-  return sampling + point_covariance(ray_lidar / range_m, range_m, T_world_lidar.linear(), Sigma_w_);
+  return sampling + point_covariance(ray_lidar / range_m, range_m, T_local_lidar.linear(), Sigma_w_);
 }
 
-void CloudTracker::new_cloud(const WorldCloud& cloud, const BackgroundQuery* background) {
+void CloudTracker::new_cloud(const LocalCloud& cloud, const BackgroundQuery* background) {
   ++num_clouds_;
   if (buffer_.size() > 0 && cloud.scan->stamp <= buffer_.newest().stamp()) {
     ++num_late_clouds_;
@@ -176,7 +176,7 @@ CloudTracker::Target CloudTracker::start(const Detection& detection) const {
     // Seen from where the sensor was at the time, or as near to that time as the buffer reaches.
     std::size_t i = buffer_.size() - 1;
     while (i > 0 && buffer_[i].stamp() > detection.t) --i;
-    covariance = position_covariance(detection.position_m, buffer_[i].T_world_lidar());
+    covariance = position_covariance(detection.position_m, buffer_[i].T_local_lidar());
   }
   target.state = filter_->start(detection.position_m, covariance);
   return target;
@@ -257,7 +257,7 @@ void CloudTracker::find_candidates(std::span<const Target> targets, const Buffer
 
 /// Z of eq. (32).
 Matrix3 CloudTracker::measurement_covariance(const Vector3& position_m, const BufferedCloud& cloud) const {
-  if (config_.measurement.noise == "sigma_w") return position_covariance(position_m, cloud.T_world_lidar());
+  if (config_.measurement.noise == "sigma_w") return position_covariance(position_m, cloud.T_local_lidar());
   return config_.measurement.sigma_m * config_.measurement.sigma_m * Matrix3::Identity();
 }
 

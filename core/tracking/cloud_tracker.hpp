@@ -53,14 +53,14 @@ struct CloudTrackerConfig {
 };
 
 /// Follows any number of flying objects through the clouds of a LiDAR, from detections that may be older than the
-/// newest cloud [Vrba 2025, sec. III-F]. Clouds, detections and tracks are in one world frame.
+/// newest cloud [Vrba 2025, sec. III-F]. Clouds, detections and tracks are in the local frame.
 class CloudTracker {
  public:
   CloudTracker(const CloudTrackerConfig& config, std::unique_ptr<MotionFilter> filter);
 
   /// Routine newPointCloud(). A cloud that is not newer than the last one is passed over.
   /// @param background  occupied voxels O; null: nothing is known
-  void new_cloud(const WorldCloud& cloud, const BackgroundQuery* background);
+  void new_cloud(const LocalCloud& cloud, const BackgroundQuery* background);
   /// Routine newDetections(): each is carried through the buffered clouds that are newer.
   void new_detections(std::span<const Detection> detections, const BackgroundQuery* background);
 
@@ -100,7 +100,7 @@ class CloudTracker {
   double search_radius_m(const Target& target) const;
   double association_radius_m(const Target& target) const;
   Matrix3 measurement_covariance(const Vector3& position_m, const BufferedCloud& cloud) const;
-  Matrix3 position_covariance(const Vector3& position_m, const Pose& T_world_lidar) const;
+  Matrix3 position_covariance(const Vector3& position_m, const Pose& T_local_lidar) const;
 
   CloudTrackerConfig config_;
   std::unique_ptr<MotionFilter> filter_;

@@ -12,7 +12,7 @@ namespace swiftlet {
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
-/// State of a moving point, eq. (26) of Vrba 2025: position, velocity, acceleration [m, m/s, m/s^2], world frame.
+/// State of a moving point, eq. (26) of Vrba 2025: position, velocity, acceleration [m, m/s, m/s^2], local frame.
 struct MotionBelief {
   Vector9 mean = Vector9::Zero();
   Matrix9 covariance = Matrix9::Identity();

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/localization/world_cloud.hpp"
+#include "core/localization/local_cloud.hpp"
 #include "core/map/background_query.hpp"
 #include "swiftlet/core/action.hpp"
 #include "swiftlet/core/counter.hpp"
@@ -17,7 +17,7 @@ namespace swiftlet {
 struct TrackerInput {
   const Observation& observation;
   const StateEstimate& estimate;                                   ///< valid
-  std::span<const std::shared_ptr<const WorldCloud>> clouds = {};  ///< new in this tick
+  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick
   bool has_detections = false;                                     ///< the detector finished a scan in this tick
   std::span<const Detection> detections = {};                      ///< what it found, which may be nothing
   const BackgroundQuery* background = nullptr;  ///< occupied voxels of the detector's map; null: nothing is known
@@ -28,7 +28,7 @@ class Tracker {
  public:
   virtual ~Tracker() = default;
   /// True when `tracks` was updated; it is left alone otherwise.
-  virtual bool step(const TrackerInput& input, std::vector<Track>& tracks) = 0;
+  virtual bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox& outbox) = 0;
   /// What did not fit its settings so far.
   virtual void append_counters(std::vector<Counter>& /*counters*/) const {}
 };

@@ -11,7 +11,7 @@ class CloudTrackerModule : public Tracker {
   CloudTrackerModule(std::string sensor, const CloudTrackerConfig& config, std::unique_ptr<MotionFilter> filter)
       : sensor_(std::move(sensor)), tracker_(config, std::move(filter)) {}
 
-  bool step(const TrackerInput& input, std::vector<Track>& tracks) override {
+  bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox&) override {
     bool changed = input.has_detections;
     for (const auto& cloud : input.clouds) {
       if (sensor_.empty()) sensor_ = cloud->scan->sensor;
@@ -38,12 +38,12 @@ class GroundTruthTracker : public Tracker {
   explicit GroundTruthTracker(const GroundTruthTrackerConfig& config)
       : config_(config), filter_(make_kalman_filter(config.filter)) {}
 
-  bool step(const TrackerInput& input, std::vector<Track>& tracks) override {
+  bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox&) override {
     const std::size_t before = targets_.size();
     bool changed = false;
     for (const NeighborSample& sample : input.observation.neighbors) {
       if (sample.p_body_m.allFinite() && sample.p_body_m.norm() <= config_.range_max_m) {
-        take_in(sample, input.estimate.T_world_body);
+        take_in(sample, input.estimate.T_local_body);
         changed = true;
       }
     }
@@ -65,9 +65,9 @@ class GroundTruthTracker : public Tracker {
   // An ideal sensor's covariance is none; the filter needs one.
   static constexpr double kLeastSigma_m = 1e-3;
 
-  void take_in(const NeighborSample& sample, const Pose& T_world_body) {
-    const Matrix3& R = T_world_body.linear();
-    const Vector3 position_m = T_world_body * sample.p_body_m;
+  void take_in(const NeighborSample& sample, const Pose& T_local_body) {
+    const Matrix3& R = T_local_body.linear();
+    const Vector3 position_m = T_local_body * sample.p_body_m;
     const Matrix3 Z = R * sample.covariance_body * R.transpose() + kLeastSigma_m * kLeastSigma_m * Matrix3::Identity();
     auto target = std::lower_bound(targets_.begin(), targets_.end(), sample.id,
                                    [](const Target& t, VehicleId id) { return t.id < id; });

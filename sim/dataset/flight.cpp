@@ -6,10 +6,10 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/agent/stack.hpp"
-#include "core/guidance/registry.hpp"
+#include "core/agent/registry.hpp"
 #include "core/guidance/timed_path.hpp"
 #include "core/math/random.hpp"
+#include "core/stages/guidances.hpp"
 #include "sim/dataset/flight_plan.hpp"
 #include "sim/dataset/hash.hpp"
 #include "sim/dataset/sequence_info.hpp"
@@ -68,18 +68,20 @@ World with_reflectivities(Scene scene, const std::vector<double>& reflectivities
 void fly(Scenario& scenario, const std::vector<SplineTrajectory>& paths) {
   for (std::size_t i = 0; i < paths.size(); ++i) {
     VehicleConfig& vehicle = scenario.vehicles[i];
-    auto* stack = dynamic_cast<StackConfig*>(vehicle.agent.config.get());
-    if (stack == nullptr) {
+    Module* guidance = guidance_of(vehicle.agent);
+    if (guidance == nullptr) {
       throw InputError("vehicles[" + std::to_string(i) +
-                       "].agent: expected the agent stack, whose guidance a dataset replaces, found " +
+                       "].agent: expected an agent whose guidance a dataset can replace, such as stack, found " +
                        vehicle.agent.type);
     }
+    const std::string known = vehicle.start.known;
     vehicle.start = StartConfig();
+    vehicle.start.known = known;
     vehicle.start.position_m = paths[i].control_points_m.front();
     vehicle.start.yaw_deg = paths[i].yaw_rad * 180.0 / std::numbers::pi;
-    stack->guidance = Module(guidance_module_types(), "timed_path");
-    stack->guidance.as<TimedPathConfig>().points_m = paths[i].control_points_m;
-    stack->guidance.as<TimedPathConfig>().interval_s = paths[i].interval_s;
+    *guidance = Module(guidance_module_types(), "timed_path");
+    guidance->as<TimedPathConfig>().points_m = paths[i].control_points_m;
+    guidance->as<TimedPathConfig>().interval_s = paths[i].interval_s;
   }
 }
 

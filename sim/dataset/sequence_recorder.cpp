@@ -124,7 +124,7 @@ class SequenceRecorder : public Recorder {
       }
     }
     const Action* action = tick.actions[static_cast<std::size_t>(vehicle_)];
-    if (action && action->estimate.valid) estimate_.push(action->estimate.t, action->estimate.T_world_body);
+    if (action && action->estimate.valid) estimate_.push(action->estimate.t, action->estimate.T_world_body());
   }
 
   void write_frame(const LabeledScan& labeled) {

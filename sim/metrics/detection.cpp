@@ -168,7 +168,7 @@ class DetectionMetric final : public Metric {
     Observer& observer = observers_[i];
     const StateEstimate& estimate = tick.actions[i]->estimate;
     if (estimate.valid)
-      observer.T_estimate_truth->push(tick.t, estimate.T_world_body * tick.states[i].T_world_body().inverse());
+      observer.T_estimate_truth->push(tick.t, estimate.T_world_body() * tick.states[i].T_world_body().inverse());
     for (const auto& labeled : tick.scans[i]) {
       SeenScan& seen = observer.scans[observer.num_scans++ % kScans];
       seen.stamp = labeled->scan.stamp;

@@ -59,11 +59,11 @@ class EstimateErrorMetric final : public Metric {
       const VehicleState& state = tick.states[i];
       if (!estimate.valid || state.crashed) continue;
       const Matrix3 R_world_body = state.q_world_body.toRotationMatrix();
-      const double yaw_error = yaw_of(estimate.T_world_body.linear()) - yaw_of(R_world_body);
-      vehicles_[i].position.add((estimate.T_world_body.translation() - state.p_world_m).norm());
+      const double yaw_error = yaw_of(estimate.T_world_body().linear()) - yaw_of(R_world_body);
+      vehicles_[i].position.add((estimate.T_world_body().translation() - state.p_world_m).norm());
       vehicles_[i].yaw.add(std::remainder(yaw_error, 2.0 * std::numbers::pi));
-      vehicles_[i].velocity.add((estimate.v_world_mps - state.v_world_mps).norm());
-      vehicles_[i].aligned.add(state.p_world_m, estimate.T_world_body.translation());
+      vehicles_[i].velocity.add((estimate.v_world_mps() - state.v_world_mps).norm());
+      vehicles_[i].aligned.add(state.p_world_m, estimate.T_world_body().translation());
     }
   }
 

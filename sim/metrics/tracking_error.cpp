@@ -18,7 +18,7 @@ class TrackingErrorMetric final : public Metric {
       if (!context.flying[i] || !action.estimate.valid) continue;
       const Vector3& reference = action.reference.position_m;
       vehicles_[i].truth.add((tick.states[i].p_world_m - reference).norm());
-      vehicles_[i].estimate.add((action.estimate.T_world_body.translation() - reference).norm());
+      vehicles_[i].estimate.add((action.estimate.T_world_body().translation() - reference).norm());
     }
   }
 

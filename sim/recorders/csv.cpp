@@ -109,7 +109,8 @@ void put_state(const VehicleState& state, double clearance_m, const Action& acti
   StateColumns truth(sink), estimate(sink, "est_");
   VehicleState::visit(state, truth);
   Columns(sink).field("clearance_m", clearance_m, "[m] to the nearest surface or vehicle");
-  StateEstimate::visit(action.estimate, estimate);
+  const WorldEstimate told = in_world(action.estimate);
+  WorldEstimate::visit(told, estimate);
   put_columns(action.reference, sink, "ref_");
   for (int i = 0; i < num_rotors; ++i) {
     sink.number({{}, "rotor*_radps", std::to_string(i).c_str(), "[rad/s] true speed of each rotor"},

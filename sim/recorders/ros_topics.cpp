@@ -64,7 +64,8 @@ void encode_odometry(const OdometryMessage& odometry, std::uint32_t sequence, Ro
 /// Covariance with the rotation in the axes of the world, as nav_msgs/Odometry wants it.
 Matrix6 covariance_in_world_axes(const StateEstimate& estimate) {
   Matrix6 J = Matrix6::Identity();
-  J.bottomRightCorner<3, 3>() = estimate.T_world_body.linear();
+  if (estimate.correction_revision > 0) J.topLeftCorner<3, 3>() = estimate.T_world_local.linear();
+  J.bottomRightCorner<3, 3>() = estimate.T_world_body().linear();
   return J * estimate.covariance * J.transpose();
 }
 
@@ -239,8 +240,8 @@ void RosTopics::write_estimate(const TickView& tick, VehicleId vehicle) {
   const StateEstimate& estimate = action->estimate;
   last_estimate_[vehicle] = estimate.t;
   Channel& topic = channel("/" + names_[vehicle] + "/estimate", kOdometry);
-  encode_odometry({estimate.t, "world", names_[vehicle] + "/body", estimate.T_world_body,
-                   covariance_in_world_axes(estimate), estimate.v_world_mps, estimate.omega_body_radps},
+  encode_odometry({estimate.t, "world", names_[vehicle] + "/body", estimate.T_world_body(),
+                   covariance_in_world_axes(estimate), estimate.v_world_mps(), estimate.omega_body_radps},
                   topic.sequence, message_);
   send(topic, tick.t);
 }

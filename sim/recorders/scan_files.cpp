@@ -62,7 +62,7 @@ class ScanFilesRecorder : public Recorder {
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (!selected_[i]) continue;
       const Action* action = tick.actions[i];
-      if (action && action->estimate.valid) estimates_[i].push(action->estimate.t, action->estimate.T_world_body);
+      if (action && action->estimate.valid) estimates_[i].push(action->estimate.t, action->estimate.T_world_body());
       if (tick.scans.empty()) continue;
       for (const auto& scan : tick.scans[i]) {
         if (selects(config_.sensors, scan->scan.sensor)) write_scan(static_cast<VehicleId>(i), *scan);

@@ -36,8 +36,8 @@ class TumRecorder : public Recorder {
         continue;
       }
       const StateEstimate& estimate = action->estimate;
-      append(vehicle.estimate, estimate.t, estimate.T_world_body.translation(),
-             Eigen::Quaterniond(estimate.T_world_body.linear()));
+      append(vehicle.estimate, estimate.t, estimate.T_world_body().translation(),
+             Eigen::Quaterniond(estimate.T_world_body().linear()));
       vehicle.last_estimate = estimate.t;
     }
   }

@@ -5,16 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "core/agent/registry.hpp"
-#include "core/agent/stack.hpp"
-#include "core/detection/vofod_config.hpp"
 #include "core/math/angles.hpp"
 #include "sim/physics/start_place.hpp"
 #include "sim/raycast/ray_scene.hpp"
 #include "sim/run/prior_map.hpp"
-#include "sim/sensors/neighbors.hpp"
-#include "sim/sensors/pose.hpp"
 #include "sim/world/world.hpp"
 #include "swiftlet/sim/errors.hpp"
 
@@ -86,33 +83,28 @@ void require_room(const Scenario& scenario, const std::vector<PhysicsVehicle>& v
   }
 }
 
-bool has_sensor(const VehicleConfig& vehicle, std::string_view type) {
-  return std::any_of(vehicle.sensors.begin(), vehicle.sensors.end(), [&](const Module& m) { return m.type == type; });
+StartKnown start_known(const StartConfig& start) {
+  if (start.known == "pose") return StartKnown::kPose;
+  return start.known == "position" ? StartKnown::kPosition : StartKnown::kNothing;
 }
 
-// The truth bypass: what `localization: ground_truth` stands for.
-bool wants_true_pose(const VehicleConfig& vehicle) {
-  const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
-  return stack != nullptr && stack->localization.type == "ground_truth" && !has_sensor(vehicle, "pose");
-}
-
-// Another one: what `detector: ground_truth` and `tracker: ground_truth` stand for.
-bool wants_true_neighbors(const VehicleConfig& vehicle) {
-  const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
-  return stack != nullptr && (stack->detector.type == "ground_truth" || stack->tracker.type == "ground_truth") &&
-         !has_sensor(vehicle, "neighbors");
+/// What the vehicle is told of where it starts; zero for the rest.
+Pose told_start(const StartConfig& start, const VehicleState& truth) {
+  if (start.known == "pose") return truth.T_world_body();
+  Pose told = Pose::Identity();
+  if (start.known == "position") told.translation() = truth.p_world_m;
+  return told;
 }
 
 std::shared_ptr<const PriorMap> prior_map(const VehicleConfig& vehicle, const Scene& world) {
-  const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
-  const auto* vofod = stack ? dynamic_cast<const VofodConfig*>(stack->detector.config.get()) : nullptr;
-  return vofod ? make_prior_map(vofod->prior, vofod->map.voxel_m, world) : nullptr;
-}
-
-Module ideal_neighbors() {
-  Module module(sensor_module_types(), "neighbors");
-  module.as<NeighborsConfig>().ideal = true;
-  return module;
+  const AgentNeeds needs = needs_of(vehicle.agent);
+  auto prior = make_prior_map(needs.prior, needs.prior_voxel_m, world);
+  if (prior != nullptr && vehicle.start.known != "pose") {
+    throw InputError("vehicles: " + vehicle.name +
+                     ": start.known: expected pose, because the vehicle is told a map of " +
+                     "the world (prior), found " + vehicle.start.known);
+  }
+  return prior;
 }
 
 }  // namespace
@@ -155,10 +147,7 @@ std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(
   std::vector<std::vector<std::unique_ptr<Sensor>>> sensors(scenario.vehicles.size());
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
     const VehicleConfig& vehicle = scenario.vehicles[i];
-    std::vector<Module> modules = vehicle.sensors;
-    if (wants_true_pose(vehicle)) modules.emplace_back(sensor_module_types(), "pose");
-    if (wants_true_neighbors(vehicle)) modules.push_back(ideal_neighbors());
-    for (const Module& module : modules) {
+    for (const Module& module : vehicle.sensors) {
       SensorSetup setup;
       setup.seed = scenario.seed;
       setup.vehicle = static_cast<VehicleId>(i);
@@ -178,9 +167,8 @@ std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(
 std::vector<Perception> perception_of(const Scenario& scenario) {
   std::vector<Perception> perception;
   for (const VehicleConfig& vehicle : scenario.vehicles) {
-    const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
-    perception.push_back(
-        {stack != nullptr && stack->detector.type != "none", stack != nullptr && stack->tracker.type != "none"});
+    const AgentNeeds needs = needs_of(vehicle.agent);
+    perception.push_back({needs.detects, needs.tracks});
   }
   return perception;
 }
@@ -194,10 +182,15 @@ std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const 
     setup.num_vehicles = static_cast<int>(scenario.vehicles.size());
     setup.vehicle_names = vehicle_names(scenario);
     setup.airframe = scenario.vehicles[i].airframe;
-    setup.T_world_body_start = vehicles[i].start.T_world_body();
+    setup.start_known = start_known(scenario.vehicles[i].start);
+    setup.T_local_body_start = told_start(scenario.vehicles[i].start, vehicles[i].start);
     setup.tick_s = scenario.tick_s;
     setup.prior_map = prior_map(scenario.vehicles[i], world);
-    agents.push_back(make_agent(scenario.vehicles[i].agent, setup));
+    try {
+      agents.push_back(make_agent(scenario.vehicles[i].agent, setup));
+    } catch (const std::invalid_argument& problem) {
+      throw InputError("vehicles: " + scenario.vehicles[i].name + ": agent: " + problem.what());
+    }
   }
   return agents;
 }

@@ -25,8 +25,7 @@ RunInfo make_run_info(const Scenario& scenario, const World& world);
 /// `above_ground` is set.
 std::vector<PhysicsVehicle> make_physics_vehicles(const Scenario& scenario, const StaticScene& world);
 
-/// By vehicle, in the order of the scenario. A vehicle whose agent asks for `localization: ground_truth` and has no
-/// `pose` sensor gets a perfect one: the only way that truth reaches an agent.
+/// By vehicle, in the order of the scenario, which names all of them (with_truth_sensors).
 std::vector<std::vector<std::unique_ptr<Sensor>>> make_sensors(
     const Scenario& scenario, const World& world, const std::vector<std::shared_ptr<const VehicleShape>>& shapes);
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/run/event_log.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+
+#include "core/math/angles.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -13,6 +17,7 @@ constexpr TimeNs kAfterTheEnd = kNsPerSecond / 2;
 
 EventLog::EventLog(std::vector<std::string> vehicle_names)
     : names_(std::move(vehicle_names)),
+      corrections_(names_.size(), 0),
       missions_(names_.size(), MissionStatus::kRunning),
       mission_notes_(names_.size()),
       ended_(names_.size(), false) {}
@@ -22,6 +27,7 @@ void EventLog::collect(TimeNs now, const PhysicsWorld& physics, std::span<const 
   for (const Crash& crash : physics.crashes()) note_crash(crash);
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const auto vehicle = static_cast<VehicleId>(i);
+    note_correction(vehicle, now, actions[i]->estimate, physics.state(vehicle).p_world_m);
     note_mission(vehicle, now, *actions[i], physics.state(vehicle).p_world_m);
   }
   const bool all_ended = !ended_.empty() && std::all_of(ended_.begin(), ended_.end(), [](bool e) { return e; });
@@ -40,6 +46,20 @@ void EventLog::note_crash(const Crash& crash) {
   }
   event.note = "at " + std::to_string(crash.speed_mps) + " m/s";
   events_.push_back(std::move(event));
+}
+
+void EventLog::note_correction(VehicleId i, TimeNs now, const StateEstimate& estimate, const Vector3& p_world_m) {
+  if (estimate.correction_revision == corrections_[i]) return;
+  corrections_[i] = estimate.correction_revision;
+  const Vector3& p_m = estimate.T_world_local.translation();
+  const double yaw_deg = yaw_of(estimate.T_world_local.linear()) / kRadPerDeg;
+  events_.push_back({now,
+                     "correction",
+                     i,
+                     {},
+                     p_world_m,
+                     fmt::format("the local frame lies at {:.3f}, {:.3f}, {:.3f} m and is turned by {:.2f} deg",
+                                 p_m.x(), p_m.y(), p_m.z(), yaw_deg)});
 }
 
 void EventLog::note_mission(VehicleId i, TimeNs now, const Action& action, const Vector3& p_world_m) {

@@ -15,7 +15,7 @@ class EventLog {
  public:
   explicit EventLog(std::vector<std::string> vehicle_names);
 
-  /// Crashes of the tick, then missions whose status or note has changed, in the order of the vehicles.
+  /// Crashes of the tick, then for each vehicle a correction of its local frame and a change of its mission.
   void collect(TimeNs now, const PhysicsWorld& physics, std::span<const Action* const> actions);
 
   std::span<const Event> of_this_tick() const { return events_; }
@@ -25,10 +25,12 @@ class EventLog {
 
  private:
   void note_crash(const Crash& crash);
+  void note_correction(VehicleId i, TimeNs now, const StateEstimate& estimate, const Vector3& p_world_m);
   void note_mission(VehicleId i, TimeNs now, const Action& action, const Vector3& p_world_m);
 
   std::vector<std::string> names_;
   std::vector<Event> events_;
+  std::vector<std::uint32_t> corrections_;  // by vehicle: the last correction_revision
   std::vector<MissionStatus> missions_;
   std::vector<std::string> mission_notes_;
   std::vector<bool> ended_;

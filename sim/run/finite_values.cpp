@@ -28,7 +28,7 @@ void ensure_finite(const Observation& observation) {
 void ensure_finite(const Action& action) {
   for (const double command : action.rotor_command) ENSURE(is_finite(command), command);
   const StateEstimate& estimate = action.estimate;
-  ENSURE(!estimate.valid || is_finite(estimate), estimate.T_world_body.translation(), estimate.v_world_mps,
+  ENSURE(!estimate.valid || is_finite(estimate), estimate.T_local_body.translation(), estimate.v_local_mps,
          estimate.omega_body_radps);
   const Reference& reference = action.reference;
   ENSURE(is_finite(reference), reference.position_m, reference.velocity_mps, reference.acceleration_mps2,

@@ -3,13 +3,12 @@
 
 #include <memory>
 
-#include "core/detection/vofod_config.hpp"
 #include "sim/world/scene.hpp"
 #include "swiftlet/core/prior_map.hpp"
 
 namespace swiftlet::sim {
 
-/// What a detector knows of the world beforehand: points read from files, and surfaces sampled so densely that every
+/// What a vehicle knows of the world beforehand: points read from files, and surfaces sampled so densely that every
 /// voxel which they pass has one (but for corners that they cut). Null when nothing is asked for. Throws InputError.
 /// @param world  the scenario's own, for `world: true`
 std::shared_ptr<const PriorMap> make_prior_map(const PriorConfig& config, double voxel_m, const Scene& world);

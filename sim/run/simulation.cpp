@@ -16,7 +16,7 @@ namespace swiftlet::sim {
 
 struct Simulation::Impl {
   Impl(Scenario scenario_in, int threads_in, std::optional<World> world_in)
-      : scenario(std::move(scenario_in)),
+      : scenario(with_truth_sensors(std::move(scenario_in))),
         threads(threads_in > 0 ? threads_in : omp_get_max_threads()),
         world(world_in ? std::move(*world_in) : build_world(scenario.world, scenario.seed_of_world())),
         vehicles(make_physics_vehicles(scenario, *world.static_scene)),

@@ -8,6 +8,7 @@
 #include "sim/scenario/suggest.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/scenario/yaml_writer.hpp"
+#include "sim/sensors/neighbors.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "sim/world/world.hpp"
 #include "swiftlet/core/time.hpp"
@@ -63,6 +64,11 @@ std::vector<Rotor> quad_rotors(const Airframe& airframe) {
 std::string sensor_name(const Module& sensor) {
   const auto* config = dynamic_cast<const SensorConfig*>(sensor.config.get());
   return config == nullptr ? "" : config->name;
+}
+
+bool carries(const VehicleConfig& vehicle, std::string_view sensor_type) {
+  return std::any_of(vehicle.sensors.begin(), vehicle.sensors.end(),
+                     [&](const Module& sensor) { return sensor.type == sensor_type; });
 }
 
 /// Sensors without a name are named by their type.
@@ -137,6 +143,8 @@ void StartConfig::visit(ConfigVisitor& v) {
   v.field("yaw_deg", yaw_deg, "[deg] heading, counter-clockwise from east");
   v.field("velocity_mps", velocity_mps, "[m/s] world frame");
   v.field("flying", flying, "[-] do the rotors turn at hover speed at the start?");
+  v.choice("known", known, {"pose", "position", "nothing"},
+           "[-] what the vehicle's software is told of this: position_m and yaw_deg, position_m, or nothing");
 }
 
 VehicleConfig::VehicleConfig() : agent(agent_module_types(), agent_module_types().front().name) {
@@ -198,8 +206,19 @@ Scenario load_scenario(const std::filesystem::path& file,
   return scenario;
 }
 
+Scenario with_truth_sensors(Scenario scenario) {
+  for (VehicleConfig& vehicle : scenario.vehicles) {
+    const AgentNeeds needs = needs_of(vehicle.agent);
+    if (needs.true_pose && !carries(vehicle, "pose")) vehicle.sensors.emplace_back(sensor_module_types(), "pose");
+    if (needs.true_neighbors && !carries(vehicle, "neighbors")) {
+      vehicle.sensors.emplace_back(sensor_module_types(), "neighbors").as<NeighborsConfig>().ideal = true;
+    }
+  }
+  return scenario;
+}
+
 std::string write_scenario(const Scenario& scenario) {
-  Scenario copy = scenario;
+  Scenario copy = with_truth_sensors(scenario);
   const auto write = [&] { return write_config([&](ConfigVisitor& v) { copy.visit(v); }); };
   (void)write();  // a visit ends with filling in the names that are empty
   return write();

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/math/angles.hpp"
+#include "swiftlet/core/registry.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
@@ -294,20 +295,10 @@ void CsvPatternConfig::visit(ConfigVisitor& v) {
   v.file("file", file, "lines of azimuth_deg,elevation_deg,time_s in ascending time");
 }
 
-std::span<const ModuleType> lidar_pattern_types() {
-  static const std::vector<ModuleType> types = [] {
-    std::vector<ModuleType> modules;
-    for (const LidarPatternType& type : kPatterns) modules.push_back(type.module);
-    return modules;
-  }();
-  return types;
-}
+std::span<const ModuleType> lidar_pattern_types() { return module_types_of<kPatterns>(); }
 
 std::unique_ptr<LidarPattern> make_lidar_pattern(const Module& config, double sweep_s) {
-  for (const LidarPatternType& type : kPatterns) {
-    if (config.type == type.module.name) return type.make(*config.config, sweep_s);
-  }
-  throw std::invalid_argument("no LiDAR pattern is named '" + config.type + "'");
+  return row_named(kPatterns, config.type, "LiDAR pattern").make(*config.config, sweep_s);
 }
 
 }  // namespace swiftlet::sim

@@ -110,7 +110,7 @@ class Schedule {
   std::uint32_t count_ = 0;
 };
 
-/// One row of sim/sensors/registry.cpp.
+/// One row of sim/registry/sensors.cpp.
 struct SensorType {
   ModuleType module;
   std::unique_ptr<Sensor> (*make)(const ModuleConfig& config, SensorSetup setup);

@@ -9,7 +9,7 @@
 
 namespace swiftlet::sim {
 
-/// One row of sim/world/registry.cpp: a generator is a pure function of (config, seed).
+/// One row of sim/registry/worlds.cpp: a generator is a pure function of (config, seed).
 struct WorldType {
   ModuleType module;
   Scene (*make)(const ModuleConfig& config, std::uint64_t seed);

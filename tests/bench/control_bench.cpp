@@ -4,9 +4,9 @@
 #include "core/agent/registry.hpp"
 #include "core/agent/stack.hpp"
 #include "core/control/reference_tracker.hpp"
-#include "core/guidance/registry.hpp"
 #include "core/localization/ins.hpp"
-#include "core/localization/registry.hpp"
+#include "core/stages/estimators.hpp"
+#include "core/stages/guidances.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/fine_plant.hpp"
 
@@ -20,7 +20,7 @@ constexpr TimeNs kTick = 4'000'000;
 void stack(benchmark::State& state, const char* guidance) {
   AgentSetup setup;
   setup.airframe = testing::x500();
-  setup.T_world_body_start.translation() = Vector3(0, 0, 6);
+  setup.T_local_body_start.translation() = Vector3(0, 0, 6);
   Module module(agent_module_types(), "stack");
   module.as<StackConfig>().guidance = Module(guidance_module_types(), guidance);
   module.as<StackConfig>().control.limits.set = "agile";
@@ -76,7 +76,7 @@ void controller(benchmark::State& state) {
   const Reference reference;
   double x = 0.0;
   for (auto _ : state) {
-    estimate.T_world_body.translation().x() = x = 0.1 - x;
+    estimate.T_local_body.translation().x() = x = 0.1 - x;
     benchmark::DoNotOptimize(controller.step(estimate, reference, Vector3::Zero(), 0.004));
   }
 }

@@ -64,13 +64,13 @@ class Flight {
     fly_to(0);
   }
 
-  std::shared_ptr<const WorldCloud> next() {
+  std::shared_ptr<const LocalCloud> next() {
     observation_.clear();
     while (observation_.scans.empty()) {
       fly_to(now_ + kStep);
       lidar_->measure(now_, history_, observation_);
     }
-    auto cloud = std::make_shared<WorldCloud>();
+    auto cloud = std::make_shared<LocalCloud>();
     registrar_.make(observation_.scans.front(), *cloud);
     return cloud;
   }
@@ -82,7 +82,7 @@ class Flight {
     StateEstimate estimate;
     estimate.t = t;
     estimate.valid = true;
-    estimate.T_world_body = state_of(0, t).T_world_body();
+    estimate.T_local_body = state_of(0, t).T_world_body();
     registrar_.push(estimate);
   }
 

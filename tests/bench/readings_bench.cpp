@@ -50,8 +50,8 @@ VehicleState state_of(int vehicle, TimeNs t) {
 }
 
 /// The scans of the flight with the noise of eq. (66) in their poses, or without.
-const std::vector<std::shared_ptr<const WorldCloud>>& flight(bool noisy) {
-  static std::array<std::vector<std::shared_ptr<const WorldCloud>>, 2> flights;
+const std::vector<std::shared_ptr<const LocalCloud>>& flight(bool noisy) {
+  static std::array<std::vector<std::shared_ptr<const LocalCloud>>, 2> flights;
   auto& clouds = flights[noisy];
   if (!clouds.empty()) return clouds;
   FieldConfig field;
@@ -75,12 +75,12 @@ const std::vector<std::shared_ptr<const WorldCloud>>& flight(bool noisy) {
     StateEstimate estimate;
     estimate.t = now;
     estimate.valid = true;
-    estimate.T_world_body = state_of(0, now).T_world_body();
+    estimate.T_local_body = state_of(0, now).T_world_body();
     registrar.push(estimate);
     observation.clear();
     lidar->measure(now, history, observation);
     for (const auto& scan : observation.scans) {
-      auto cloud = std::make_shared<WorldCloud>();
+      auto cloud = std::make_shared<LocalCloud>();
       registrar.make(scan, *cloud);
       clouds.push_back(cloud);
     }
@@ -93,13 +93,13 @@ struct Score {
   int false_alarms = 0, right = 0;
   double error_sum_m = 0.0, cpu_s = 0.0;
 
-  void add(const WorldCloud& cloud, const std::vector<Detection>& detections) {
-    const Vector3 sensor_m = cloud.T_world_lidar.front().translation();
+  void add(const LocalCloud& cloud, const std::vector<Detection>& detections) {
+    const Vector3 sensor_m = cloud.T_local_lidar.front().translation();
     const TimeNs middle = cloud.stamp() + cloud.scan->duration / 2;
     for (int v = 1; v <= kTargets; ++v) {
       const Vector3 at = state_of(v, middle).p_world_m;
       const auto near = [&](const Eigen::Vector3f& p) { return (p.cast<double>() - at).norm() < 1.0; };
-      if (at.z() < 1.2 || std::count_if(cloud.points_world_m.begin(), cloud.points_world_m.end(), near) < 2) continue;
+      if (at.z() < 1.2 || std::count_if(cloud.points_local_m.begin(), cloud.points_local_m.end(), near) < 2) continue;
       const double distance_m = (at - sensor_m).norm();
       const int bin = distance_m < 10.0 ? 0 : distance_m < 20.0 ? 1 : 2;
       ++seen[bin];

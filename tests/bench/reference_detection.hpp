@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/detection/vofod_config.hpp"
-#include "core/localization/world_cloud.hpp"
+#include "core/localization/local_cloud.hpp"
 #include "swiftlet/core/detection.hpp"
 
 /// The detector of Vrba 2025 written straight from the paper (Table II, the paper's reading of every choice), in double
@@ -123,9 +123,9 @@ class Vofod {
   explicit Vofod(const VofodConfig& config) : map(config.map), config_(config) {}
 
   /// Sec. III-B. The classes are in `classes`: 0 background, 1 unknown, 2 flying, 3 too large, by cluster.
-  std::vector<Detection> classify(const WorldCloud& cloud) {
+  std::vector<Detection> classify(const LocalCloud& cloud) {
     std::vector<Vector3> points;
-    for (const Eigen::Vector3f& p : cloud.points_world_m) {
+    for (const Eigen::Vector3f& p : cloud.points_local_m) {
       if (map.contains(Vector3(p.cast<double>()))) points.push_back(p.cast<double>());
     }
     const auto found = clusters(points, config_.cluster_distance_m);
@@ -163,12 +163,12 @@ class Vofod {
   }
 
   /// Sec. III-C, eqs. (20) to (22).
-  void cast_rays(const WorldCloud& cloud, int num_classifications) {
+  void cast_rays(const LocalCloud& cloud, int num_classifications) {
     const Scan& scan = *cloud.scan;
     lengths.assign(map.G.size(), 0.0);
     for (int i = 0; i < scan.size(); ++i) {
       if (!scan.beams->masked.empty() && scan.beams->masked[i]) continue;
-      const Pose& T = cloud.T_world_lidar[i % scan.cols()];
+      const Pose& T = cloud.T_local_lidar[i % scan.cols()];
       const Vector3 direction = T.linear() * scan.beams->directions_lidar[i].cast<double>();
       const double length_m = scan.hit(i) ? std::min<double>(config_.ray_max_m, scan.range_m[i]) : config_.ray_max_m;
       walk(T * scan.beams->origins_lidar[i].cast<double>(), direction, length_m, config_.map.voxel_m,

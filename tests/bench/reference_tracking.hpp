@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/localization/world_cloud.hpp"
+#include "core/localization/local_cloud.hpp"
 #include "core/map/background_query.hpp"
 #include "swiftlet/core/detection.hpp"
 
@@ -28,9 +28,9 @@ class PlainTracker {
  public:
   std::vector<PlainTrack> tracks;  // T
 
-  void new_point_cloud(const WorldCloud& cloud, const BackgroundQuery& O) {
+  void new_point_cloud(const LocalCloud& cloud, const BackgroundQuery& O) {
     Points points;
-    for (const Eigen::Vector3f& p : cloud.points_world_m) points.push_back(p.cast<double>());
+    for (const Eigen::Vector3f& p : cloud.points_local_m) points.push_back(p.cast<double>());
     buffer_.push_back({cloud.stamp(), points});    // line 10
     if (buffer_.size() > 10) buffer_.pop_front();  // lines 11-13
     const double dt_s = buffer_.size() > 1 ? to_seconds(cloud.stamp() - buffer_[buffer_.size() - 2].t) : 0.0;

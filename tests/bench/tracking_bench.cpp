@@ -25,7 +25,7 @@ Vector3 target_at(int i, double t) {
 
 /// What an OS1-128 (1024 x 128, 45 degrees) returns 3 m above a floor within a round wall of 30 m, with five targets:
 /// nearly every beam returns, row by row as the sensor orders them.
-WorldCloud ouster_cloud(int k) {
+LocalCloud ouster_cloud(int k) {
   const double t = 0.1 * k;
   CloudMaker maker(k * kScan);
   for (int row = 0; row < 128; ++row) {
@@ -55,7 +55,7 @@ struct Hall : BackgroundQuery {
 };
 
 struct Recording {
-  std::vector<WorldCloud> clouds;
+  std::vector<LocalCloud> clouds;
   std::vector<std::vector<Detection>> detections;
   Recording() {
     for (int k = 1; k <= 20; ++k) {
@@ -88,7 +88,7 @@ void new_cloud(benchmark::State& state, bool imm) {
   TimeNs t = r.clouds[0].stamp();
   auto clouds = r.clouds;
   std::vector<std::shared_ptr<Scan>> scans;
-  for (WorldCloud& cloud : clouds) {
+  for (LocalCloud& cloud : clouds) {
     scans.push_back(std::make_shared<Scan>(*cloud.scan));
     cloud.scan = scans.back();
   }
@@ -153,10 +153,10 @@ BENCHMARK(new_cloud_as_printed)->Unit(benchmark::kMillisecond)->Iterations(2);
 
 /// Clusters of a whole scan.
 void euclidean_clusters(benchmark::State& state) {
-  const WorldCloud& cloud = recording().clouds[0];
+  const LocalCloud& cloud = recording().clouds[0];
   EuclideanClusters clusters;
   for (auto _ : state) {
-    clusters.compute(cloud.points_world_m, 0.25);
+    clusters.compute(cloud.points_local_m, 0.25);
     benchmark::DoNotOptimize(clusters.size());
   }
 }

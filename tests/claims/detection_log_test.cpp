@@ -70,7 +70,7 @@ TEST(DetectionScenarios, TheObserverInTheHallKnowsItsAttitude) {
   while (!simulation.finished()) {
     simulation.tick();
     const sim::TickView& view = simulation.view();
-    const Matrix3 believed = view.actions[0]->estimate.T_world_body.linear();
+    const Matrix3 believed = view.actions[0]->estimate.T_local_body.linear();
     const Matrix3 error = believed.transpose() * view.states[0].q_world_body.toRotationMatrix();
     worst_rad = std::max(worst_rad, Eigen::AngleAxisd(error).angle());
   }

@@ -22,8 +22,10 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "core/pcl": ["core/detection"],
     "core/detection": ["core/math", "core/uncertainty", "core/map", "core/localization"],
     "core/tracking": ["core/math", "core/uncertainty", "core/map", "core/localization", "core/detection"],
+    "core/mapping": ["core/map", "core/localization"],
+    "core/stages": ["core/localization", "core/detection", "core/tracking", "core/mapping", "core/guidance"],
     "core/agent": ["core/math", "core/localization", "core/control", "core/guidance", "core/map", "core/detection",
-                   "core/tracking"],
+                   "core/tracking", "core/mapping", "core/stages"],
     "sim/io": [],
     "sim/parallel": [],
     "sim/plot": ["sim/io"],
@@ -34,6 +36,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "sim/radio": ["core/math", "sim/world", "sim/raycast"],
     "sim/metrics": ["core/math", "sim/world", "sim/raycast", "sim/physics", "sim/sensors"],
     "sim/recorders": ["core/math", "core/messages", "sim/io", "sim/world", "sim/raycast", "sim/sensors"],
+    "sim/registry": ["sim/world", "sim/sensors", "sim/recorders"],
     "sim/report": ["sim/io", "sim/plot", "sim/batch", "sim/metrics", "sim/scenario", "sim/run"],
     "sim/render": ["core/math", "sim/io", "sim/world", "sim/raycast", "sim/sensors"],
     "sim/scenario": ["core/agent", "core/messages", "core/localization", "core/guidance", "core/control", "core/math", "sim/io", "sim/world",
@@ -44,12 +47,12 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
                 "sim/metrics", "sim/scenario"],
     "sim/batch": ["core/math", "sim/io", "sim/world", "sim/raycast", "sim/physics", "sim/radio", "sim/recorders", "sim/render",
                   "sim/metrics", "sim/scenario", "sim/run"],
-    "sim/dataset": ["core/agent", "core/guidance", "core/planning", "core/math", "sim/world", "sim/raycast", "sim/sensors", "sim/recorders",
+    "sim/dataset": ["core/agent", "core/stages", "core/guidance", "core/planning", "core/math", "sim/world", "sim/raycast", "sim/sensors", "sim/recorders",
                     "sim/render", "sim/scenario", "sim/run", "sim/batch", "sim/io", "sim/plot"],
 }
 # The public scenario is one struct of every room's configuration: its header may be read where a RunInfo is.
 PUBLIC_SIM_FOR_ALL = {"swiftlet/sim/errors.hpp"}
-PUBLIC_SIM_USERS = {"sim/scenario", "sim/run", "sim/batch", "sim/report", "sim/dataset", "sim/recorders", "sim/render", "sim/metrics"}
+PUBLIC_SIM_USERS = {"sim/registry", "sim/scenario", "sim/run", "sim/batch", "sim/report", "sim/dataset", "sim/recorders", "sim/render", "sim/metrics"}
 THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(bt[A-Z]|bullet/|Bullet|LinearMath/)": ["sim/physics"],
     r"^embree": ["sim/raycast"],

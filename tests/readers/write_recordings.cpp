@@ -73,8 +73,8 @@ json json_of(const TickView& tick, const SeriesOf<DetectionScore>& scores, int v
   const StateEstimate& estimate = action.estimate;
   out["estimate"] = {{"valid", estimate.valid},
                      {"t_ns", estimate.t},
-                     {"pose", json_of(estimate.T_world_body)},
-                     {"v", json_of(estimate.v_world_mps)},
+                     {"pose", json_of(estimate.T_local_body)},
+                     {"v", json_of(estimate.v_local_mps)},
                      {"omega", json_of(estimate.omega_body_radps)},
                      {"covariance", json_of_matrix(estimate.covariance)}};
   for (const auto& s : observation.imu) {

@@ -42,8 +42,8 @@ class FinePlant {
     StateEstimate e;
     e.t = t;
     e.valid = true;
-    e.T_world_body = T_world_body();
-    e.v_world_mps = v;
+    e.T_local_body = T_world_body();
+    e.v_local_mps = v;
     e.omega_body_radps = omega;
     return e;
   }

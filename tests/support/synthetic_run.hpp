@@ -203,8 +203,8 @@ class SyntheticRun {
     StateEstimate& estimate = action.estimate;
     estimate.valid = view_.t >= 5 * kTick;
     estimate.t = view_.t;
-    estimate.T_world_body = pose();
-    estimate.v_world_mps = vector();
+    estimate.T_local_body = pose();
+    estimate.v_local_mps = vector();
     estimate.omega_body_radps = vector();
     estimate.covariance.topLeftCorner<3, 3>() = covariance();
     estimate.covariance.bottomRightCorner<3, 3>() = covariance();

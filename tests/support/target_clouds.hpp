@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/localization/world_cloud.hpp"
+#include "core/localization/local_cloud.hpp"
 #include "core/map/background_query.hpp"
 #include "core/math/random.hpp"
 
@@ -36,7 +36,7 @@ class CloudMaker {
     }
     return *this;
   }
-  WorldCloud make() const {
+  LocalCloud make() const {
     auto beams = std::make_shared<BeamTable>();
     auto scan = std::make_shared<Scan>();
     beams->rows = 1;
@@ -45,10 +45,10 @@ class CloudMaker {
     scan->stamp = stamp_;
     scan->duration = duration_;
     scan->beams = beams;
-    WorldCloud cloud;
+    LocalCloud cloud;
     cloud.scan = scan;
-    cloud.T_world_lidar = {Pose::Identity()};
-    cloud.points_world_m = points_;
+    cloud.T_local_lidar = {Pose::Identity()};
+    cloud.points_local_m = points_;
     for (std::uint32_t i = 0; i < points_.size(); ++i) cloud.beam.push_back(i);
     return cloud;
   }

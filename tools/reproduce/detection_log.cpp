@@ -79,7 +79,7 @@ void DetectionLog::add(const sim::Simulation& simulation) {
   const sim::VehicleState& own = view.states[observer_];
   truth.R_world_body = own.q_world_body.toRotationMatrix();
   truth.p_sensor_m = own.p_world_m + truth.R_world_body * p_body_lidar_m_;
-  truth.T_estimate_truth = action.estimate.T_world_body * own.T_world_body().inverse();
+  truth.T_estimate_truth = action.estimate.T_world_body() * own.T_world_body().inverse();
   for (std::size_t i = 0; i < view.states.size(); ++i) {
     if (i == observer_) continue;
     truth.p_m.push_back(view.states[i].p_world_m);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/detection/vofod_stages.hpp"
-#include "core/localization/world_cloud.hpp"
+#include "core/localization/local_cloud.hpp"
 #include "core/tracking/cloud_tracker.hpp"
 #include "detection_flights.hpp"
 #include "experiments.hpp"
@@ -65,7 +65,7 @@ class StageTimer {
   }
 
   void work_on(std::shared_ptr<const Scan> scan) {
-    WorldCloud cloud;
+    LocalCloud cloud;
     if (!registrar_.make(std::move(scan), cloud)) return;
     std::vector<Detection> detections;
     stages[0].time([&] { stages_.classify(cloud, detections); });

@@ -8,7 +8,7 @@
 #include "core/agent/stack.hpp"
 #include "core/guidance/flocking.hpp"
 #include "core/guidance/rbl.hpp"
-#include "core/guidance/registry.hpp"
+#include "core/stages/guidances.hpp"
 #include "crossing.hpp"
 #include "experiments.hpp"
 

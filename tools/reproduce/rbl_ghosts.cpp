@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/agent/stack.hpp"
-#include "core/guidance/rbl.hpp"
+#include "core/mapping/sparse_mapper.hpp"
 #include "experiments.hpp"
 #include "parallel.hpp"
 
@@ -22,8 +22,8 @@ void rbl_ghosts(Experiment& experiment) {
       sim::Scenario scenario = scenario_with("reproduce/rbl_ghosts.yaml", static_cast<std::uint64_t>(seed));
       scenario.recorders.clear();
       scenario.snapshots.clear();
-      auto& rbl = scenario.vehicles.front().agent.as<StackConfig>().guidance.as<RblConfig>();
-      if (conservative) rbl.lidar.map.miss_log_odds = 0.0;
+      auto& mapping = scenario.vehicles.front().agent.as<StackConfig>().mapping.as<SparseMapperConfig>();
+      if (conservative) mapping.map.miss_log_odds = 0.0;
       scenarios.push_back(std::move(scenario));
     }
     const std::vector<double> time_s =

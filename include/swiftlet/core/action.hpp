@@ -8,30 +8,12 @@
 #include "swiftlet/core/detection.hpp"
 #include "swiftlet/core/message.hpp"
 #include "swiftlet/core/overlay.hpp"
+#include "swiftlet/core/state_estimate.hpp"
 #include "swiftlet/core/track.hpp"
 
 namespace swiftlet {
 
 inline constexpr int kMaxRotors = 8;
-
-/// Where the vehicle believes to be.
-struct StateEstimate {
-  TimeNs t = 0;
-  bool valid = false;
-  Pose T_world_body = Pose::Identity();  ///< "world" as the vehicle knows it: its local frame when it has no global one
-  Vector3 v_world_mps = Vector3::Zero();
-  Vector3 omega_body_radps = Vector3::Zero();
-  Matrix6 covariance = Matrix6::Zero();  ///< position [m], rotation vector in body axes [rad]
-
-  static void visit(auto& e, auto& v) {
-    v.valid("valid", e.valid, "[-] is there an estimate?");
-    v.time("t_s", e.t, "[s] when it holds");
-    v.field("*", e.T_world_body, "[m, -] pose of the body in the world as the vehicle knows it");
-    v.field("v*_mps", e.v_world_mps, "[m/s] velocity, in the axes of that world");
-    v.field("omega_*_radps", e.omega_body_radps, "[rad/s] body rate, in body axes");
-    v.covariance("cov_*_m2", e.covariance, "[m^2] covariance of the position");
-  }
-};
 
 /// Where guidance wants the vehicle to be; the reference tracker makes it flyable.
 struct Reference {
@@ -53,7 +35,8 @@ struct Reference {
 /// What the mission says about itself. Endless: it has no end by design (a hover, a patrol) and all is well.
 enum class MissionStatus { kRunning, kEndless, kDone, kFailed };
 
-/// Everything that one vehicle does in one tick. Owned by the agent, which reuses it: valid until its next step.
+/// Everything that one vehicle does in one tick. Owned by the agent, which reuses it: valid until its next step. All
+/// places are told in the world as the vehicle knows it (StateEstimate::T_world_local).
 struct Action {
   std::array<double, kMaxRotors>
       rotor_command{};  ///< 0..1 between least and greatest rotor speed, in the airframe's order

@@ -9,15 +9,31 @@
 
 namespace swiftlet {
 
+/// What a vehicle knows of the pose in which it was put down.
+enum class StartKnown { kPose, kPosition, kNothing };
+
 /// What a vehicle's software is told before the start.
 struct AgentSetup {
   VehicleId self = 0;
   int num_vehicles = 1;
-  std::vector<std::string> vehicle_names;      ///< by VehicleId
-  Airframe airframe;                           ///< as identified; the truth may differ
-  Pose T_world_body_start = Pose::Identity();  ///< where it was put down; the world frame as the operator sees it
+  std::vector<std::string> vehicle_names;  ///< by VehicleId
+  Airframe airframe;                       ///< as identified; the truth may differ
+  StartKnown start_known = StartKnown::kPose;
+  /// Where it was put down, as far as it was told: its pose in the world, its place with heading 0, or the origin.
+  /// There its local frame begins.
+  Pose T_local_body_start = Pose::Identity();
   double tick_s = 0.004;
   std::shared_ptr<const PriorMap> prior_map;  ///< null: nothing is known
+};
+
+/// What an agent needs of whoever puts it into a world, beside the sensors that its vehicle carries.
+struct AgentNeeds {
+  bool true_pose = false;       ///< truth by name: an ideal `pose` sensor where the vehicle carries none
+  bool true_neighbors = false;  ///< truth by name: an ideal `neighbors` sensor where the vehicle carries none
+  PriorConfig prior;            ///< the map that it wants to be told
+  double prior_voxel_m = 0.25;  ///< for which that map must be dense enough
+  bool detects = false;         ///< its detections are to be scored
+  bool tracks = false;          ///< its tracks are to be scored
 };
 
 /// One vehicle's software. Knows nothing but its setup and its observations; has no clock, no files, no random numbers.

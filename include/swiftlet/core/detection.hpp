@@ -5,7 +5,7 @@
 
 namespace swiftlet {
 
-/// A flying object found in one scan [Vrba 2025, sec. III-B]. World frame of the agent's own estimate.
+/// A flying object found in one scan [Vrba 2025, sec. III-B]. Local frame between stages, world in Action.
 struct Detection {
   static constexpr const char* kName = "detections";
   TimeNs t = 0;  ///< mean firing time of its points

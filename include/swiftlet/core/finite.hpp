@@ -33,8 +33,8 @@ inline bool is_finite(std::span<const float> values) {
 }
 
 inline bool is_finite(const StateEstimate& e) {
-  return is_finite(e.T_world_body) && is_finite(e.v_world_mps) && is_finite(e.omega_body_radps) &&
-         is_finite(e.covariance);
+  return is_finite(e.T_local_body) && is_finite(e.v_local_mps) && is_finite(e.omega_body_radps) &&
+         is_finite(e.T_world_local) && is_finite(e.covariance);
 }
 
 inline bool is_finite(const Reference& r) {

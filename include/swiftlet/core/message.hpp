@@ -36,4 +36,28 @@ struct Message {
       24;  ///< from, to: 4 each; stamp: 8; version, length of the topic: 2 each; of the payload: 4
 };
 
+/// What one vehicle says in one tick. Every stage of its software may add to it.
+class Outbox {
+ public:
+  explicit Outbox(VehicleId self = kNoVehicle) : self_(self) {}
+
+  /// A new message, which the caller fills (core/messages). @param to  kNoVehicle: to everybody
+  Message& say(VehicleId to = kNoVehicle) {
+    Message& message = messages_.emplace_back();
+    message.from = self_;
+    message.to = to;
+    return message;
+  }
+  const std::vector<Message>& messages() const { return messages_; }
+  /// Hands over what was said, in exchange for memory to use again.
+  void empty_into(std::vector<Message>& messages) {
+    messages.clear();
+    messages.swap(messages_);
+  }
+
+ private:
+  VehicleId self_;
+  std::vector<Message> messages_;
+};
+
 }  // namespace swiftlet

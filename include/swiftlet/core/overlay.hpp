@@ -8,7 +8,8 @@
 
 namespace swiftlet {
 
-/// Something an agent wants drawn in a snapshot (voxels, tracks, cells, paths), in the world frame of its estimate.
+/// Something an agent wants drawn in a snapshot (voxels, tracks, cells, paths). A stage makes it in the local frame; in
+/// Action it is told in the world.
 /// Recorders and renderers pick overlays by name; agents make them only when `Observation::wants_overlays` is set.
 struct Overlay {
   enum class Kind { kPoints, kLines, kPolyline, kCubes, kSpheres, kTriangles };

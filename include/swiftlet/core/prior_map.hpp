@@ -2,7 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
+
+#include "swiftlet/core/config.hpp"
 
 namespace swiftlet {
 
@@ -11,6 +14,25 @@ namespace swiftlet {
 struct PriorMap {
   std::vector<Eigen::Vector3f> occupied_m;
   std::vector<Eigen::Vector3f> free_m;
+};
+
+/// Where that knowledge comes from; by default there is none.
+struct PriorConfig {
+  std::string occupied;
+  std::string free;
+  std::string recorded;
+  std::string mesh;
+  bool world = false;
+
+  void visit(ConfigVisitor& v) {
+    v.file("occupied", occupied, "point cloud (PCD, PLY) of occupied voxels, world frame");
+    v.file("free", free, "point cloud of free voxels, one point in each");
+    v.file(
+        "recorded", recorded,
+        "finished run: pcd_index.csv or ply_index.csv of a recorder with `frame: world`; all its points are occupied");
+    v.file("mesh", mesh, "mesh (OBJ, PLY, STL) whose surface is occupied, world frame");
+    v.field("world", world, "[-] the scenario's own world is known");
+  }
 };
 
 }  // namespace swiftlet

@@ -73,7 +73,7 @@ class Recorder {
   virtual std::vector<std::filesystem::path> finish() = 0;
 };
 
-/// One row of sim/recorders/registry.cpp.
+/// One row of sim/registry/recorders.cpp.
 struct RecorderType {
   ModuleType module;
   std::unique_ptr<Recorder> (*make)(const ModuleConfig& config);

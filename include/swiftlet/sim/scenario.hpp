@@ -21,8 +21,9 @@ struct StartConfig {
   bool above_ground = false;
   double yaw_deg = 0.0;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
-  bool flying = true;  ///< rotors turn at hover speed at the start
-  std::string place;   ///< of position_m in its file, for messages: "a.yaml:3:9: vehicles[0]. ...: "
+  bool flying = true;          ///< rotors turn at hover speed at the start
+  std::string known = "pose";  ///< what the vehicle's software is told of it
+  std::string place;           ///< of position_m in its file, for messages: "a.yaml:3:9: vehicles[0]. ...: "
 
   void visit(ConfigVisitor& v);
 };
@@ -77,7 +78,11 @@ struct Scenario {
 /// Throws InputError.
 Scenario load_scenario(const std::filesystem::path& file,
                        const std::vector<std::pair<std::string, std::string>>& overrides = {});
-/// The complete scenario with every default written out; load_scenario() of it gives the same scenario.
+/// With an ideal `pose` or `neighbors` sensor for every agent that needs truth by name (`localization: ground_truth`
+/// and the like) and whose vehicle carries none. No other truth is ever sensed.
+Scenario with_truth_sensors(Scenario scenario);
+/// The complete scenario with every default and those sensors written out; load_scenario() of it gives the same
+/// scenario.
 std::string write_scenario(const Scenario& scenario);
 /// A scenario that was put together in code, checked as if it had been read, with empty names filled in.
 /// Throws InputError.

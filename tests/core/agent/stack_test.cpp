@@ -6,13 +6,16 @@
 #include <cmath>
 
 #include "core/agent/registry.hpp"
+#include "core/detection/vofod_config.hpp"
 #include "core/guidance/agile.hpp"
 #include "core/guidance/hover.hpp"
-#include "core/guidance/registry.hpp"
 #include "core/guidance/takeoff_land.hpp"
 #include "core/guidance/waypoints.hpp"
-#include "core/localization/registry.hpp"
 #include "core/math/random.hpp"
+#include "core/stages/detectors.hpp"
+#include "core/stages/estimators.hpp"
+#include "core/stages/guidances.hpp"
+#include "core/stages/trackers.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/fine_plant.hpp"
@@ -30,7 +33,7 @@ class ClosedLoop {
     plant.p = start;
     AgentSetup setup;
     setup.airframe = airframe;
-    setup.T_world_body_start = plant.T_world_body();
+    setup.T_local_body_start = plant.T_world_body();
     setup.tick_s = to_seconds(kTick);
     Module module(agent_module_types(), "stack");
     module.as<StackConfig>() = config;
@@ -288,6 +291,25 @@ TEST(Agents, EveryTypeCanBeMadeFromItsDefaults) {
   EXPECT_THROW(Module(agent_module_types(), "pilot"), std::invalid_argument);
   setup.airframe.rotors.clear();
   EXPECT_THROW(make_agent(Module(agent_module_types(), "stack"), setup), std::invalid_argument);
+}
+
+TEST(Agents, TellWhatTheyNeedBesideTheirSensors) {
+  Module stack(agent_module_types(), "stack");
+  EXPECT_TRUE(needs_of(stack).true_pose) << "by default it is told its pose";
+  EXPECT_FALSE(needs_of(stack).true_neighbors || needs_of(stack).detects || needs_of(stack).tracks);
+  stack.as<StackConfig>().localization = Module(estimator_module_types(), "ins");
+  EXPECT_FALSE(needs_of(stack).true_pose);
+  stack.as<StackConfig>().detector = Module(detector_module_types(), "vofod");
+  stack.as<StackConfig>().detector.as<VofodConfig>().prior.world = true;
+  EXPECT_TRUE(needs_of(stack).detects && needs_of(stack).prior.world);
+  EXPECT_FALSE(needs_of(stack).true_neighbors);
+  stack.as<StackConfig>().tracker = Module(tracker_module_types(), "ground_truth");
+  EXPECT_TRUE(needs_of(stack).tracks && needs_of(stack).true_neighbors);
+  EXPECT_EQ(guidance_of(stack), &stack.as<StackConfig>().guidance);
+
+  Module none(agent_module_types(), "none");
+  EXPECT_FALSE(needs_of(none).true_pose);
+  EXPECT_EQ(guidance_of(none), nullptr);
 }
 
 TEST(NoneAgent, KeepsTheMotorsAtIdle) {

@@ -259,7 +259,7 @@ TEST(MultirotorController, BadInputStopsTheMotorsAndNothingElse) {
   estimate.valid = false;
   expect_idle(controller.step(estimate, reference, Vector3::Zero(), kDt));
   estimate = plant.truth();
-  estimate.T_world_body.translation().x() = nan;
+  estimate.T_local_body.translation().x() = nan;
   expect_idle(controller.step(estimate, reference, Vector3::Zero(), kDt));
   estimate = plant.truth();
   estimate.omega_body_radps.z() = std::numeric_limits<double>::infinity();
@@ -284,9 +284,9 @@ TEST(MultirotorController, CommandsStayWithinTheirRangeForAnyState) {
       return Vector3(random.uniform(-size, size, i, k), random.uniform(-size, size, i, k + 1),
                      random.uniform(-size, size, i, k + 2));
     };
-    e.T_world_body = make_pose(
+    e.T_local_body = make_pose(
         vec(0, 1e3), Eigen::Quaterniond(Eigen::AngleAxisd(random.uniform(-3.14, 3.14, i, 3), vec(4, 1).normalized())));
-    e.v_world_mps = vec(7, 50);
+    e.v_local_mps = vec(7, 50);
     e.omega_body_radps = vec(10, 40);
     Reference r;
     r.position_m = vec(13, 1e3);

@@ -48,6 +48,27 @@ struct Usage {
 /// both.
 double least_time(double distance, double v, double a, double j) { return distance / v + v / a + a / j; }
 
+TEST(ReferenceTracker, TakesAFeasibleReferenceAsItIsAndGoesOnFromThere) {
+  MotionLimitsConfig config;
+  ReferenceTracker tracker(config.resolve());
+  tracker.reset({});
+  Reference told;
+  told.position_m = {1, 2, 3};
+  told.velocity_mps = {0.5, 0, 0};
+  told.acceleration_mps2 = {0.1, 0, 0};
+  told.yaw_rad = 0.3;
+  const Reference& taken = tracker.take(told, 0.01);
+  EXPECT_EQ(taken.position_m, told.position_m);
+  EXPECT_EQ(taken.velocity_mps, told.velocity_mps);
+  EXPECT_EQ(taken.yaw_rad, told.yaw_rad);
+  EXPECT_LT((tracker.jerk_mps3() - Vector3(10, 0, 0)).norm(), 1e-9);
+  Reference goal = told;
+  goal.position_m = {9, 2, 3};
+  EXPECT_LT((tracker.step(goal, 0.01).position_m - told.position_m).norm(), 0.01);
+  told.position_m.x() = std::nan("");
+  EXPECT_TRUE(tracker.take(told, 0.01).position_m.allFinite());
+}
+
 TEST(ReferenceTracker, GoesToAFarPointInNearlyLeastTimeWithoutOvershoot) {
   for (const char* set : {"slow", "medium", "fast", "agile"}) {
     const MotionLimits l = limits_named(set);

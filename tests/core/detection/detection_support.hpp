@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/localization/world_cloud.hpp"
+#include "core/localization/local_cloud.hpp"
 #include "swiftlet/core/prior_map.hpp"
 #include "swiftlet/core/scan.hpp"
 
@@ -65,7 +65,7 @@ inline World all_of(std::vector<World> worlds) {
 }
 
 /// A frozen scan of a world.
-inline std::shared_ptr<const Scan> scan_world(const World& world, const Pose& T_world_lidar,
+inline std::shared_ptr<const Scan> scan_world(const World& world, const Pose& T_local_lidar,
                                               const std::shared_ptr<const BeamTable>& beams, TimeNs stamp,
                                               double range_max_m = 60.0) {
   auto scan = std::make_shared<Scan>();
@@ -74,15 +74,15 @@ inline std::shared_ptr<const Scan> scan_world(const World& world, const Pose& T_
   scan->beams = beams;
   scan->range_max_m = range_max_m;
   for (const Eigen::Vector3f& d : beams->directions_lidar) {
-    const double t = world(T_world_lidar.translation(), T_world_lidar.linear() * d.cast<double>());
+    const double t = world(T_local_lidar.translation(), T_local_lidar.linear() * d.cast<double>());
     scan->range_m.push_back(t < range_max_m ? static_cast<float>(t) : 0.0F);
   }
-  scan->external_poses = {{stamp, T_world_lidar}};
+  scan->external_poses = {{stamp, T_local_lidar}};
   return scan;
 }
 
-inline std::shared_ptr<const WorldCloud> cloud_of(const std::shared_ptr<const Scan>& scan) {
-  auto cloud = std::make_shared<WorldCloud>();
+inline std::shared_ptr<const LocalCloud> cloud_of(const std::shared_ptr<const Scan>& scan) {
+  auto cloud = std::make_shared<LocalCloud>();
   CloudRegistrar(0.0).make(scan, *cloud);
   return cloud;
 }

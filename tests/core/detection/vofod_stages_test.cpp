@@ -213,7 +213,7 @@ TEST(VofodStages, PoseNoiseWidensTheCovarianceAcrossTheRay) {
   EXPECT_NEAR(found[0].covariance(0, 0), 0.03 * 0.03 + 0.05 * 0.05 + 0.01 * 0.01, 0.002);
 }
 
-WorldCloud raw_cloud(const std::vector<Eigen::Vector3f>& points) {
+LocalCloud raw_cloud(const std::vector<Eigen::Vector3f>& points) {
   auto beams = std::make_shared<BeamTable>();
   beams->cols = 1000;
   beams->rows = static_cast<int>(points.size()) / beams->cols + 1;
@@ -223,10 +223,10 @@ WorldCloud raw_cloud(const std::vector<Eigen::Vector3f>& points) {
   auto scan = std::make_shared<Scan>();
   scan->beams = beams;
   scan->range_m.assign(beams->size(), 3.0F);
-  WorldCloud cloud;
+  LocalCloud cloud;
   cloud.scan = scan;
-  cloud.T_world_lidar.assign(beams->cols, pose_at({0.0, 0.0, 2.0}));
-  cloud.points_world_m = points;
+  cloud.T_local_lidar.assign(beams->cols, pose_at({0.0, 0.0, 2.0}));
+  cloud.points_local_m = points;
   for (std::uint32_t i = 0; i < points.size(); ++i) cloud.beam.push_back(i);
   return cloud;
 }
@@ -256,7 +256,7 @@ TEST(VofodStages, NoCloudBreaksIt) {
     std::vector<Detection> detections;
     for (int repeat = 0; repeat < 3; ++repeat) {
       for (const auto& points : clouds) {
-        const WorldCloud cloud = raw_cloud(points);
+        const LocalCloud cloud = raw_cloud(points);
         stages.cast_rays(cloud);
         stages.classify(cloud, detections);
         stages.apply_rays(1);

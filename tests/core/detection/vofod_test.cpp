@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/detection/ground_truth.hpp"
-#include "core/detection/registry.hpp"
 #include "core/detection/vofod_stages.hpp"
+#include "core/stages/detectors.hpp"
 #include "tests/core/detection/detection_support.hpp"
 
 namespace swiftlet {
@@ -34,7 +34,7 @@ class Ticker {
     AgentSetup setup;
     if (ground_is_known) setup.prior_map = std::make_shared<const PriorMap>(known_ground());
     detector = make_detector(module, setup);
-    estimate_.T_world_body = pose_at({0.0, 0.0, 4.0});
+    estimate_.T_local_body = pose_at({0.0, 0.0, 4.0});
     estimate_.valid = true;
   }
   const DetectorOutput& tick(const World& world) {
@@ -46,7 +46,7 @@ class Ticker {
     output_.clear();
     estimate_.t = t;
     observation_.t = t;
-    detector->step({t, estimate_, clouds_, observation_}, output_);
+    detector->step({t, estimate_, poses_, clouds_, observation_}, output_, outbox_);
     return output_;
   }
 
@@ -57,7 +57,9 @@ class Ticker {
   std::shared_ptr<const BeamTable> beams_ = make_beams(32, 256);
   StateEstimate estimate_;
   Observation observation_;
-  std::vector<std::shared_ptr<const WorldCloud>> clouds_;
+  LocalPoses poses_;
+  Outbox outbox_;
+  std::vector<std::shared_ptr<const LocalCloud>> clouds_;
   DetectorOutput output_;
 };
 
@@ -204,16 +206,20 @@ TEST(GroundTruthDetector, TellsWhatTheNeighborSensorSays) {
   StateEstimate estimate;
   estimate.valid = true;
   estimate.t = kTick;
-  estimate.T_world_body = pose_at({1.0, 2.0, 3.0}, M_PI / 2.0);
+  estimate.T_local_body = pose_at({1.0, 2.0, 3.0}, M_PI / 2.0);
   Observation observation;
   observation.neighbors.push_back({kTick, 1, {10.0, 0.0, 0.0}, 1e-6 * Matrix3::Identity()});
   observation.neighbors.push_back({kTick, 2, {60.0, 0.0, 0.0}, 1e-6 * Matrix3::Identity()});
   DetectorOutput output;
-  detector->step({kTick, estimate, {}, observation}, output);
+  LocalPoses poses;
+  Outbox outbox;
+  poses.push(estimate);
+  detector->step({kTick, estimate, poses, {}, observation}, output, outbox);
   EXPECT_FALSE(output.has_detections);
   observation.neighbors.clear();
   estimate.t = 4 * kTick;
-  detector->step({4 * kTick, estimate, {}, observation}, output);
+  poses.push(estimate);
+  detector->step({4 * kTick, estimate, poses, {}, observation}, output, outbox);
   ASSERT_EQ(output.detections.size(), 1u);
   EXPECT_EQ(output.stamp, kTick);
   EXPECT_LT((output.detections[0].position_m - Vector3(1.0, 12.0, 3.0)).norm(), 1e-9);

@@ -6,10 +6,10 @@
 
 #include "core/control/reference_tracker.hpp"
 #include "core/guidance/agile.hpp"
-#include "core/guidance/registry.hpp"
 #include "core/guidance/takeoff_land.hpp"
 #include "core/guidance/trajectory.hpp"
 #include "core/guidance/waypoints.hpp"
+#include "core/stages/guidances.hpp"
 
 namespace swiftlet {
 namespace {
@@ -18,7 +18,7 @@ constexpr double kDt = 0.004;
 
 AgentSetup starting_at(const Vector3& p_m, double yaw_rad = 0.0) {
   AgentSetup setup;
-  setup.T_world_body_start = make_pose(p_m, Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ())));
+  setup.T_local_body_start = make_pose(p_m, Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ())));
   return setup;
 }
 
@@ -33,7 +33,7 @@ class IdealFlight {
     module.as<Config>() = config;
     guidance_ = make_guidance(module, {setup_, tracker_.limits()});
     estimate_.valid = true;
-    estimate_.T_world_body = setup_.T_world_body_start;
+    estimate_.T_local_body = setup_.T_local_body_start;
     Reference r;
     r.position_m = start;
     r.yaw_rad = start_yaw;
@@ -48,7 +48,8 @@ class IdealFlight {
 
   void step() {
     observation_.t += from_seconds(kDt);
-    guidance_->step({.dt_s = kDt, .estimate = estimate_, .observation = observation_}, out);
+    poses_.push(estimate_);
+    guidance_->step({.dt_s = kDt, .estimate = estimate_, .observation = observation_, .poses = poses_}, out, outbox);
     const Reference& r = tracker_.step(out.goal, kDt, out.speed_limit_mps);
     Vector3 p = r.position_m;
     Vector3 v = r.velocity_mps;
@@ -56,8 +57,8 @@ class IdealFlight {
       p.z() = floor_z;
       v.z() = 0.0;
     }
-    estimate_.T_world_body = make_pose(p, Eigen::Quaterniond(Eigen::AngleAxisd(r.yaw_rad, Vector3::UnitZ())));
-    estimate_.v_world_mps = v;
+    estimate_.T_local_body = make_pose(p, Eigen::Quaterniond(Eigen::AngleAxisd(r.yaw_rad, Vector3::UnitZ())));
+    estimate_.v_local_mps = v;
     estimate_.t = observation_.t;
   }
   /// Runs until done; the time that took, or -1.
@@ -68,13 +69,14 @@ class IdealFlight {
     }
     return -1.0;
   }
-  Vector3 p() const { return estimate_.T_world_body.translation(); }
-  Vector3 v() const { return estimate_.v_world_mps; }
-  double yaw() const { return yaw_of(estimate_.T_world_body.linear()); }
+  Vector3 p() const { return estimate_.T_local_body.translation(); }
+  Vector3 v() const { return estimate_.v_local_mps; }
+  double yaw() const { return yaw_of(estimate_.T_local_body.linear()); }
   const ReferenceTracker& tracker() const { return tracker_; }
   Guidance& guidance() { return *guidance_; }
 
   GuidanceOutput out;
+  Outbox outbox;
   double floor_z = -1e9;
 
  private:
@@ -83,6 +85,7 @@ class IdealFlight {
   std::unique_ptr<Guidance> guidance_;
   StateEstimate estimate_;
   Observation observation_;
+  LocalPoses poses_;
 };
 
 TEST(Guidance, EveryTypeCanBeMadeFromItsDefaults) {
@@ -92,10 +95,12 @@ TEST(Guidance, EveryTypeCanBeMadeFromItsDefaults) {
         make_guidance(Module(guidance_module_types(), type.module.name), {setup, IdealFlight::limits_named("agile")});
     StateEstimate estimate;
     estimate.valid = true;
-    estimate.T_world_body = setup.T_world_body_start;
+    estimate.T_local_body = setup.T_local_body_start;
     Observation observation;
+    LocalPoses poses;
     GuidanceOutput out;
-    guidance->step({.dt_s = kDt, .estimate = estimate, .observation = observation}, out);
+    Outbox outbox;
+    guidance->step({.dt_s = kDt, .estimate = estimate, .observation = observation, .poses = poses}, out, outbox);
     EXPECT_TRUE(out.goal.position_m.allFinite()) << type.module.name;
     EXPECT_NE(out.mission, MissionStatus::kFailed) << type.module.name;
   }

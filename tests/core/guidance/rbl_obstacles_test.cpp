@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/map/sparse_voxel_map.hpp"
 #include "core/math/random.hpp"
 
 namespace swiftlet {
@@ -141,7 +142,8 @@ double progress_after_leaves(double miss_log_odds) {
   map.insert(shell(0.9, true), 1);                                                     // leaves
   for (int i = 2; i <= 12; ++i) map.insert(shell(8.0, false), i * kNsPerSecond / 10);  // nothing there any more
   std::vector<Vector3> voxels;
-  map.collect(p, 4.5, 2 * kNsPerSecond, 0, voxels);
+  map.set_time(2 * kNsPerSecond);
+  map.occupied_within(p, 4.5, kEver, voxels);
   RblCell cell(3.5, 0.2, false);
   ObstacleCutter cutter;
   std::vector<HalfSpace> cuts;

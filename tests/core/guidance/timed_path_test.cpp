@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/guidance/registry.hpp"
+#include "core/stages/guidances.hpp"
 
 namespace swiftlet {
 namespace {
@@ -15,7 +15,7 @@ TEST(TimedPath, TellsPlaceVelocityAndAccelerationByTimeAndIsDoneAtTheEnd) {
   module.as<TimedPathConfig>().points_m = kBend;
   module.as<TimedPathConfig>().interval_s = 0.5;
   AgentSetup agent;
-  agent.T_world_body_start = make_pose(kBend.front(), Eigen::Quaterniond::Identity());
+  agent.T_local_body_start = make_pose(kBend.front(), Eigen::Quaterniond::Identity());
   const auto guidance = make_guidance(module, {agent, {}});
   const UniformSpline spline(kBend, 0.5);
   StateEstimate estimate;
@@ -23,7 +23,9 @@ TEST(TimedPath, TellsPlaceVelocityAndAccelerationByTimeAndIsDoneAtTheEnd) {
   double last_yaw_rad = 0.0;
   for (int tick = 1; tick <= 1000; ++tick) {
     GuidanceOutput out;
-    guidance->step({.dt_s = 0.004, .estimate = estimate, .observation = observation}, out);
+    LocalPoses poses;
+    Outbox outbox;
+    guidance->step({.dt_s = 0.004, .estimate = estimate, .observation = observation, .poses = poses}, out, outbox);
     const auto expected = spline.at(0.004 * tick);
     ASSERT_LT((out.goal.position_m - expected.p_m).norm(), 1e-9);
     ASSERT_LT((out.goal.velocity_mps - expected.v_mps).norm(), 1e-9);

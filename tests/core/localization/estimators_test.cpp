@@ -4,10 +4,13 @@
 #include <cmath>
 
 #include "core/localization/dead_reckoning.hpp"
-#include "core/localization/registry.hpp"
+#include "core/localization/frame_change.hpp"
+#include "core/stages/estimators.hpp"
 
 namespace swiftlet {
 namespace {
+
+Outbox outbox;  // estimators say nothing
 
 constexpr TimeNs kTick = 4'000'000;
 
@@ -28,13 +31,13 @@ struct Circling {
   ImuSample imu(TimeNs t) const { return {t, {0.0, 0.0, rate}, {0.0, radius * rate * rate, kStandardGravity_mps2}}; }
   AgentSetup setup() const {
     AgentSetup s;
-    s.T_world_body_start = pose(0).T_world_body;
+    s.T_local_body_start = pose(0).T_world_body;
     return s;
   }
 };
 
 double distance(const StateEstimate& e, const PoseSample& s) {
-  return (e.T_world_body.translation() - s.T_world_body.translation()).norm();
+  return (e.T_local_body.translation() - s.T_world_body.translation()).norm();
 }
 
 TEST(GroundTruthEstimator, TellsThePoseOfThisTickAsItIs) {
@@ -44,11 +47,11 @@ TEST(GroundTruthEstimator, TellsThePoseOfThisTickAsItIs) {
     Observation observation;
     observation.t = t;
     observation.pose.push_back(circling.pose(t));
-    const StateEstimate& e = estimator->update(observation);
+    const StateEstimate& e = estimator->update(observation, outbox);
     ASSERT_TRUE(e.valid);
     ASSERT_EQ(e.t, t);
-    ASSERT_EQ(e.T_world_body.matrix(), circling.pose(t).T_world_body.matrix());
-    ASSERT_EQ(e.v_world_mps, circling.pose(t).v_world_mps);
+    ASSERT_EQ(e.T_local_body.matrix(), circling.pose(t).T_world_body.matrix());
+    ASSERT_EQ(e.v_local_mps, circling.pose(t).v_world_mps);
     ASSERT_EQ(e.omega_body_radps, circling.pose(t).omega_body_radps);
   }
 }
@@ -62,11 +65,11 @@ TEST(GroundTruthEstimator, BridgesSlowAndLatePosesByTheImu) {
     observation.imu.push_back(circling.imu(t));
     // 10 Hz, 40 ms late.
     if (t % (25 * kTick) == 10 * kTick) observation.pose.push_back(circling.pose(t - 10 * kTick));
-    const StateEstimate& e = estimator->update(observation);
+    const StateEstimate& e = estimator->update(observation, outbox);
     if (t < kNsPerSecond / 10) continue;
     ASSERT_TRUE(e.valid);
     ASSERT_LT(distance(e, circling.pose(t)), 1e-4);
-    ASSERT_LT((e.v_world_mps - circling.pose(t).v_world_mps).norm(), 1e-3);
+    ASSERT_LT((e.v_local_mps - circling.pose(t).v_world_mps).norm(), 1e-3);
   }
 }
 
@@ -77,7 +80,7 @@ TEST(GroundTruthEstimator, WithoutAnImuGoesOnAtConstantVelocity) {
     Observation observation;
     observation.t = t;
     if (t % (5 * kTick) == 0) observation.pose.push_back(circling.pose(t));
-    const StateEstimate& e = estimator->update(observation);
+    const StateEstimate& e = estimator->update(observation, outbox);
     // Over at most 16 ms the circle leaves its tangent by a t^2 / 2.
     if (t <= 5 * kTick) continue;
     ASSERT_LE(distance(e, circling.pose(t)), 0.5 * 1.25 * 0.016 * 0.016 * 1.01);
@@ -89,19 +92,127 @@ TEST(GroundTruthEstimator, IsValidFromTheStartUntilThePosesStop) {
   const auto estimator = make_estimator(Module(estimator_module_types(), "ground_truth"), circling.setup());
   Observation observation;
   observation.t = kTick;
-  EXPECT_TRUE(estimator->update(observation).valid) << "the start pose is known";
+  EXPECT_TRUE(estimator->update(observation, outbox).valid) << "the start pose is known";
   observation.t = 400'000'000;
-  EXPECT_TRUE(estimator->update(observation).valid);
+  EXPECT_TRUE(estimator->update(observation, outbox).valid);
   observation.t = 600'000'000;
-  EXPECT_FALSE(estimator->update(observation).valid);
+  EXPECT_FALSE(estimator->update(observation, outbox).valid);
   EXPECT_STRNE(estimator->fault(), "");
   observation.t = 604'000'000;
   PoseSample broken = circling.pose(observation.t);
   broken.T_world_body.translation().x() = std::nan("");
   observation.pose.push_back(broken);
-  EXPECT_FALSE(estimator->update(observation).valid) << "a pose that is not a number is none";
+  EXPECT_FALSE(estimator->update(observation, outbox).valid) << "a pose that is not a number is none";
   observation.pose = {circling.pose(observation.t)};
-  EXPECT_TRUE(estimator->update(observation).valid);
+  EXPECT_TRUE(estimator->update(observation, outbox).valid);
+}
+
+/// As it would be told of the start of the circle.
+AgentSetup told(const Circling& circling, StartKnown known) {
+  AgentSetup setup = circling.setup();
+  setup.start_known = known;
+  if (known != StartKnown::kPose) setup.T_local_body_start.linear().setIdentity();
+  if (known == StartKnown::kNothing) setup.T_local_body_start.translation().setZero();
+  return setup;
+}
+
+TEST(GroundTruthEstimator, AVehicleThatWasToldNothingBeginsAtTheOriginAndLearnsTheWorldFromTheFirstPose) {
+  const Circling circling;
+  const auto estimator =
+      make_estimator(Module(estimator_module_types(), "ground_truth"), told(circling, StartKnown::kNothing));
+  Observation observation;
+  const StateEstimate& e = estimator->update(observation, outbox);
+  EXPECT_EQ(e.T_local_body.matrix(), Pose::Identity().matrix());
+  EXPECT_EQ(e.correction_revision, 0U);
+  for (TimeNs t = kTick; t < kNsPerSecond; t += kTick) {
+    observation.t = t;
+    observation.pose = {circling.pose(t)};
+    estimator->update(observation, outbox);
+    ASSERT_EQ(e.correction_revision, 1U);
+    ASSERT_LT((e.T_world_body().translation() - circling.pose(t).T_world_body.translation()).norm(), 1e-9);
+    ASSERT_LT((e.v_world_mps() - circling.pose(t).v_world_mps).norm(), 1e-9);
+  }
+  // It flew ahead and to the left, as seen from where it began.
+  EXPECT_GT(e.T_local_body.translation().x(), 2.0);
+  EXPECT_GT(e.T_local_body.translation().y(), 0.2);
+}
+
+TEST(OdometryEstimator, AVehicleThatKnowsItsPlaceOnlyTakesItsHeadingFromACompass) {
+  const Circling circling;
+  for (const bool compass : {false, true}) {
+    const auto estimator =
+        make_estimator(Module(estimator_module_types(), "odometry"), told(circling, StartKnown::kPosition));
+    const StateEstimate* e = nullptr;
+    for (TimeNs t = 0; t < kNsPerSecond; t += kTick) {
+      Observation observation;
+      observation.t = t;
+      const PoseSample s = circling.pose(t);
+      observation.odometry = {{t, s.T_world_body, s.v_world_mps}};
+      if (compass && t >= 10 * kTick) observation.compass = {{t, yaw_of(s.T_world_body.linear()), 0.02}};
+      e = &estimator->update(observation, outbox);
+      EXPECT_LE((e->T_local_body.translation() - circling.pose(0).T_world_body.translation()).norm(),
+                1e-9 + 2.51 * to_seconds(t));
+    }
+    const PoseSample end = circling.pose(e->t);
+    const double error_m = (e->T_world_body().translation() - end.T_world_body.translation()).norm();
+    EXPECT_EQ(e->correction_revision, compass ? 1U : 0U);
+    EXPECT_EQ(error_m < 1e-3, compass) << error_m << " m: without a compass its heading is arbitrary";
+  }
+}
+
+TEST(InsEstimator, AVehicleThatWasToldNothingTakesHeadingAndPlaceFromCompassAndGnss) {
+  const Circling circling;
+  const auto estimator = make_estimator(Module(estimator_module_types(), "ins"), told(circling, StartKnown::kNothing));
+  // The filter takes the vehicle to be at rest at the start: it stands for two seconds, then the circle begins slowly.
+  const PoseSample start = circling.pose(0);
+  Observation observation;
+  const StateEstimate* e = nullptr;
+  for (TimeNs t = kTick; t < 4 * kNsPerSecond; t += kTick) {
+    observation.clear();
+    observation.t = t;
+    observation.imu = {{t, Vector3::Zero(), kStandardGravity_mps2 * Vector3::UnitZ()}};
+    if (t % (25 * kTick) == 0) {
+      observation.gnss = {
+          {t, start.T_world_body.translation(), Vector3::Zero(), Vector3::Constant(0.1), Vector3::Constant(0.05)}};
+    }
+    if (t >= kNsPerSecond && t % (10 * kTick) == 0) {
+      observation.compass = {{t, yaw_of(start.T_world_body.linear()), 0.02}};
+    }
+    e = &estimator->update(observation, outbox);
+    ASSERT_TRUE(t >= kNsPerSecond || e->correction_revision == 0) << "a fix is of no use without a heading";
+    ASSERT_TRUE(e->valid) << estimator->fault();
+  }
+  EXPECT_EQ(e->correction_revision, 2U);
+  EXPECT_LT(e->T_local_body.translation().norm(), 0.1) << "the local frame began at the origin and did not jump";
+  EXPECT_LT((e->T_world_body().translation() - start.T_world_body.translation()).norm(), 0.1);
+  EXPECT_NEAR(yaw_of(e->T_world_body().linear()), yaw_of(start.T_world_body.linear()), 0.02);
+}
+
+TEST(FrameChange, WhatIsCarriedToTheWorldAndBackIsWhatItWas) {
+  StateEstimate estimate;
+  EXPECT_EQ(FrameChange::to_world(estimate).point({1, -0.0, 3}), Vector3(1, -0.0, 3));
+  estimate.correct(make_pose({5, -3, 2}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3::UnitZ()))));
+  estimate.correct(estimate.T_world_local);
+  EXPECT_EQ(estimate.correction_revision, 1U) << "an equal correction is none";
+  const FrameChange to_world = FrameChange::to_world(estimate), to_local = FrameChange::to_local(estimate);
+  Track track;
+  track.position_m = {1, 2, 3};
+  track.velocity_mps = {4, 5, 6};
+  track.acceleration_mps2 = {0, 1, 0};
+  track.covariance.diagonal() << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  const Track there = to_world.track(track);
+  EXPECT_LT((there.position_m - estimate.T_world_local * track.position_m).norm(), 1e-12);
+  const Track back = to_local.track(there);
+  EXPECT_LT((back.position_m - track.position_m).norm(), 1e-12);
+  EXPECT_LT((back.velocity_mps - track.velocity_mps).norm(), 1e-12);
+  EXPECT_LT((back.covariance - track.covariance).norm(), 1e-12);
+  Reference reference;
+  reference.position_m = {1, 2, 3};
+  reference.velocity_mps = {1, 0, 0};
+  reference.yaw_rad = 3.0;
+  EXPECT_NEAR(to_world.reference(reference).yaw_rad, 5.0 - 2.0 * M_PI, 1e-12);
+  EXPECT_NEAR(to_local.reference(to_world.reference(reference)).yaw_rad, 3.0, 1e-12);
+  EXPECT_NEAR(to_world.height(1.0), 3.0, 1e-12);
 }
 
 TEST(OdometryEstimator, LaysTheLocalFrameOntoTheStartAndFollowsIt) {
@@ -117,10 +228,10 @@ TEST(OdometryEstimator, LaysTheLocalFrameOntoTheStartAndFollowsIt) {
       const PoseSample s = circling.pose(t);
       observation.odometry.push_back({t, T_local_world * s.T_world_body, T_local_world.linear() * s.v_world_mps});
     }
-    const StateEstimate& e = estimator->update(observation);
+    const StateEstimate& e = estimator->update(observation, outbox);
     ASSERT_TRUE(e.valid);
     ASSERT_LT(distance(e, circling.pose(t)), 1e-4) << to_seconds(t);
-    ASSERT_LT((e.v_world_mps - circling.pose(t).v_world_mps).norm(), 1e-3);
+    ASSERT_LT((e.v_local_mps - circling.pose(t).v_world_mps).norm(), 1e-3);
     ASSERT_NEAR(e.omega_body_radps.z(), circling.rate, 1e-6);
   }
 }
@@ -131,13 +242,13 @@ TEST(OdometryEstimator, ItsDriftIsTheEstimatesDrift) {
   Observation observation;
   const PoseSample start = circling.pose(0);
   observation.odometry.push_back({0, start.T_world_body, start.v_world_mps});
-  estimator->update(observation);
+  estimator->update(observation, outbox);
   observation.t = kTick;
   Pose drifted = circling.pose(kTick).T_world_body;
   drifted.translation() += Vector3(0.3, -0.2, 0.1);
   observation.odometry = {{kTick, drifted, start.v_world_mps}};
-  const StateEstimate& e = estimator->update(observation);
-  EXPECT_LT((e.T_world_body.translation() - drifted.translation()).norm(), 1e-12);
+  const StateEstimate& e = estimator->update(observation, outbox);
+  EXPECT_LT((e.T_local_body.translation() - drifted.translation()).norm(), 1e-12);
   EXPECT_GT(e.covariance(0, 0), 0.0);
 }
 
@@ -148,9 +259,9 @@ TEST(OdometryEstimator, WithoutAnImuFindsTheBodyRateFromTheAttitudes) {
   for (TimeNs t = 0; t < 100 * kTick; t += kTick) {
     observation.t = t;
     observation.odometry = {{t, circling.pose(t).T_world_body, circling.pose(t).v_world_mps}};
-    estimator->update(observation);
+    estimator->update(observation, outbox);
   }
-  EXPECT_NEAR(estimator->update(observation).omega_body_radps.z(), circling.rate, 1e-6);
+  EXPECT_NEAR(estimator->update(observation, outbox).omega_body_radps.z(), circling.rate, 1e-6);
 }
 
 TEST(DeadReckoning, FreeFallIsHalfGTSquared) {

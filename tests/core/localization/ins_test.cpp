@@ -6,8 +6,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/localization/registry.hpp"
 #include "core/math/random.hpp"
+#include "core/stages/estimators.hpp"
 
 namespace swiftlet {
 namespace {
@@ -236,14 +236,15 @@ TEST(Ins, EstimatorIsNotValidWithoutItsImu) {
   AgentSetup setup;
   const Module module(estimator_module_types(), "ins");
   const auto estimator = make_estimator(module, setup);
+  Outbox outbox;
   Observation observation;
   observation.t = 4'000'000;
   observation.imu.push_back({observation.t, Vector3::Zero(), kStandardGravity_mps2 * Vector3::UnitZ()});
-  EXPECT_TRUE(estimator->update(observation).valid);
+  EXPECT_TRUE(estimator->update(observation, outbox).valid);
   EXPECT_STREQ(estimator->fault(), "");
   observation.imu.clear();
   observation.t = 200'000'000;
-  EXPECT_FALSE(estimator->update(observation).valid);
+  EXPECT_FALSE(estimator->update(observation, outbox).valid);
   EXPECT_STREQ(estimator->fault(), "no IMU");
 }
 

@@ -16,6 +16,11 @@ using Ray = SparseVoxelMap::Ray;
 
 constexpr TimeNs kSweep = kNsPerSecond / 10;
 
+bool is_occupied(SparseVoxelMap& map, const Vector3& p_m, TimeNs now) {
+  map.set_time(now);
+  return map.state(p_m) == CellState::kOccupied;
+}
+
 /// A wall at x = 3 m seen from the origin.
 std::vector<Ray> wall() {
   std::vector<Ray> rays;
@@ -29,14 +34,15 @@ TEST(SparseVoxelMap, WallIsWhereItWasSeenAndNowhereElse) {
   SparseVoxelMap map({});
   for (int i = 1; i <= 5; ++i) map.insert(wall(), i * kSweep);
   std::vector<Vector3> voxels;
-  map.collect(Vector3::Zero(), 10.0, 5 * kSweep, 0, voxels);
+  map.set_time(5 * kSweep);
+  map.occupied_within(Vector3::Zero(), 10.0, kEver, voxels);
   ASSERT_FALSE(voxels.empty());
   for (const Vector3& voxel : voxels) {
     EXPECT_NEAR(voxel.x(), 3.1, 1e-9);
     EXPECT_LE(std::abs(voxel.y()), 1.11);
   }
-  EXPECT_TRUE(map.is_occupied({3.05, 0.0, 0.0}, 5 * kSweep));
-  EXPECT_FALSE(map.is_occupied({2.5, 0.0, 0.0}, 5 * kSweep));
+  EXPECT_TRUE(is_occupied(map, {3.05, 0.0, 0.0}, 5 * kSweep));
+  EXPECT_FALSE(is_occupied(map, {2.5, 0.0, 0.0}, 5 * kSweep));
 }
 
 TEST(SparseVoxelMap, CollectsExactlyTheVoxelsThatReachIntoTheBall) {
@@ -56,7 +62,7 @@ TEST(SparseVoxelMap, CollectsExactlyTheVoxelsThatReachIntoTheBall) {
   const Vector3 center(0.4, -1.2, 0.3);
   const double radius = 2.3;
   std::vector<Vector3> voxels;
-  map.collect(center, radius, kSweep, 0, voxels);
+  map.occupied_within(center, radius, kEver, voxels);
   std::vector<std::array<int, 3>> expected;
   for (const Ray& ray : rays) {
     const Eigen::Array3d cell = (ray.end_m.cast<double>().array() / 0.25).floor();
@@ -70,6 +76,65 @@ TEST(SparseVoxelMap, CollectsExactlyTheVoxelsThatReachIntoTheBall) {
   EXPECT_GT(voxels.size(), 50U);
 }
 
+TEST(SparseVoxelMap, TellsStatesDistancesAndWhatASegmentHits) {
+  SparseVoxelMap map({});
+  map.insert(wall(), kSweep);
+  EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kOccupied);
+  EXPECT_EQ(map.state({1.5, 0.05, 0.05}), CellState::kUnknown) << "only what was hit at some time is stored";
+  // The wall's voxels span x from 3.0 to 3.2.
+  EXPECT_NEAR(map.distance_m({1.0, 0.05, 0.05}, 5.0), 2.0, 1e-9);
+  EXPECT_NEAR(map.distance_m({1.0, 0.05, 0.05}, 1.5), 1.5, 1e-9) << "bounded";
+  EXPECT_NEAR(map.distance_m({3.1, 0.05, 0.05}, 5.0), 0.0, 1e-9);
+  const auto hit = map.first_hit({0.1, 0.05, 0.05}, {8.0, 0.05, 0.05});
+  ASSERT_TRUE(hit.has_value());
+  EXPECT_NEAR(hit->distance_m, 2.9, 1e-9);
+  EXPECT_LT((hit->center_m - Vector3(3.1, 0.1, 0.1)).norm(), 1e-9);
+  EXPECT_FALSE(map.first_hit({0.1, 0.05, 0.05}, {2.9, 0.05, 0.05}).has_value());
+  EXPECT_FALSE(map.first_hit({0.1, 0.05, 0.05}, {-8.0, 1.0, 0.5}).has_value());
+  EXPECT_NEAR(map.first_hit({3.1, 0.1, 0.1}, {3.1, 0.1, 0.1})->distance_m, 0.0, 1e-9) << "its own cell";
+  std::vector<Vector3> voxels;
+  map.occupied_in({2.0, 0.05, 0.05}, {4.0, 0.15, 0.15}, voxels);
+  ASSERT_EQ(voxels.size(), 1U);
+  EXPECT_LT((voxels[0] - Vector3(3.1, 0.1, 0.1)).norm(), 1e-9);
+}
+
+TEST(SparseVoxelMap, ACellThatWasClearedIsFree) {
+  SparseVoxelMap map({});
+  const std::vector<Ray> leaf = {{{0, 0, 0}, {1.5F, 0.05F, 0.05F}, true}};
+  map.insert(leaf, kSweep);
+  for (int i = 2; i <= 6; ++i) map.insert(wall(), i * kSweep);
+  EXPECT_EQ(map.state({1.5, 0.05, 0.05}), CellState::kFree);
+}
+
+TEST(SparseVoxelMap, TellsWhatChangedSinceARevision) {
+  SparseVoxelMapConfig config;
+  config.keep_radius_m = 5.0;
+  SparseVoxelMap map(config);
+  std::vector<VoxelGrid> boxes;
+  const auto covers = [&](const Vector3& p_m) {
+    return std::any_of(boxes.begin(), boxes.end(), [&](const VoxelGrid& box) { return box.contains(p_m); });
+  };
+  const std::uint64_t before = map.revision();
+  map.insert(wall(), kSweep);
+  EXPECT_GT(map.revision(), before);
+  ASSERT_TRUE(map.changed_since(before, boxes));
+  EXPECT_TRUE(covers({3.05, 0.05, 0.05}));
+  EXPECT_FALSE(covers({-3.05, 0.05, 0.05}));
+
+  const std::uint64_t seen = map.revision();
+  map.insert(wall(), 2 * kSweep);
+  ASSERT_TRUE(map.changed_since(seen, boxes));
+  EXPECT_TRUE(boxes.empty()) << "more certain, but no other state";
+
+  map.keep_around({50.0, 0.0, 0.0});
+  ASSERT_TRUE(map.changed_since(seen, boxes));
+  EXPECT_TRUE(covers({3.05, 0.05, 0.05})) << "forgotten";
+  EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kUnknown);
+
+  config.memory_s = 1.0;
+  EXPECT_FALSE(SparseVoxelMap(config).changed_since(0, boxes)) << "forgets by time, without a sweep";
+}
+
 TEST(SparseVoxelMap, GhostIsClearedByRaysThatPassAndKeptByTheConservativeSetting) {
   SparseVoxelMapConfig conservative;
   conservative.miss_log_odds = 0.0;
@@ -80,14 +145,14 @@ TEST(SparseVoxelMap, GhostIsClearedByRaysThatPassAndKeptByTheConservativeSetting
     keeps.insert(leaf, i * kSweep);
   }
   const Vector3 ghost(1.5, 0.05, 0.05);
-  ASSERT_TRUE(forgets.is_occupied(ghost, 3 * kSweep));
+  ASSERT_TRUE(is_occupied(forgets, ghost, 3 * kSweep));
   for (int i = 4; i <= 13; ++i) {  // one second of looking at the wall behind
     forgets.insert(wall(), i * kSweep);
     keeps.insert(wall(), i * kSweep);
   }
-  EXPECT_FALSE(forgets.is_occupied(ghost, 13 * kSweep));
-  EXPECT_TRUE(keeps.is_occupied(ghost, 13 * kSweep));
-  EXPECT_TRUE(forgets.is_occupied({3.05, 0.0, 0.0}, 13 * kSweep));
+  EXPECT_FALSE(is_occupied(forgets, ghost, 13 * kSweep));
+  EXPECT_TRUE(is_occupied(keeps, ghost, 13 * kSweep));
+  EXPECT_TRUE(is_occupied(forgets, {3.05, 0.0, 0.0}, 13 * kSweep));
 }
 
 TEST(SparseVoxelMap, BeamsWithoutReturnClearAndMemoryFades) {
@@ -100,9 +165,9 @@ TEST(SparseVoxelMap, BeamsWithoutReturnClearAndMemoryFades) {
   const std::vector<Ray> sky = {{{0, 0, 0}, {8.0F, 0.2667F, 0.2667F}, false}};
   for (int i = 2; i <= 10; ++i) map.insert(sky, i * kSweep);
   const Vector3 ghost(1.5, 0.05, 0.05);
-  EXPECT_FALSE(map.is_occupied(ghost, 10 * kSweep));
-  EXPECT_TRUE(fades.is_occupied(ghost, 10 * kSweep));
-  EXPECT_FALSE(fades.is_occupied(ghost, 30 * kSweep));
+  EXPECT_FALSE(is_occupied(map, ghost, 10 * kSweep));
+  EXPECT_TRUE(is_occupied(fades, ghost, 10 * kSweep));
+  EXPECT_FALSE(is_occupied(fades, ghost, 30 * kSweep));
 }
 
 TEST(SparseVoxelMap, SurfaceSeenAtAGrazingAngleDoesNotEatItself) {
@@ -110,7 +175,7 @@ TEST(SparseVoxelMap, SurfaceSeenAtAGrazingAngleDoesNotEatItself) {
   std::vector<Ray> ground;
   for (int i = 0; i < 400; ++i) ground.push_back({{0, 0, 1.0F}, {0.5F + 0.02F * i, 0.03F, 0.02F}, true});
   for (int i = 1; i <= 30; ++i) map.insert(ground, i * kSweep);
-  for (int i = 0; i < 37; ++i) EXPECT_TRUE(map.is_occupied({0.6 + 0.2 * i, 0.03, 0.02}, 30 * kSweep)) << i;
+  for (int i = 0; i < 37; ++i) EXPECT_TRUE(is_occupied(map, {0.6 + 0.2 * i, 0.03, 0.02}, 30 * kSweep)) << i;
 }
 
 TEST(SparseVoxelMap, ForgetsWhatIsFarAwayAndUsesItsMemoryAgain) {
@@ -123,8 +188,8 @@ TEST(SparseVoxelMap, ForgetsWhatIsFarAwayAndUsesItsMemoryAgain) {
     map.keep_around({x, 0, 0});
   }
   EXPECT_LE(map.num_blocks(), 10U);
-  EXPECT_TRUE(map.is_occupied({102.0, 0.1, 0.1}, 200 * kSweep));
-  EXPECT_FALSE(map.is_occupied({20.0, 0.1, 0.1}, 200 * kSweep));
+  EXPECT_TRUE(is_occupied(map, {102.0, 0.1, 0.1}, 200 * kSweep));
+  EXPECT_FALSE(is_occupied(map, {20.0, 0.1, 0.1}, 200 * kSweep));
 }
 
 }  // namespace

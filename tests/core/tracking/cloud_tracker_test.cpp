@@ -106,7 +106,7 @@ TEST(CloudTracker, IsAlgorithm2AsPrinted) {
       const auto r = random.normal3(k, j);
       maker.add({20 * r[0], 20 * r[1], 5 + 3 * r[2]});
     }
-    const WorldCloud cloud = maker.make();
+    const LocalCloud cloud = maker.make();
     tracker.new_cloud(cloud, &background);
     plain.new_point_cloud(cloud, background);
     std::vector<Detection> detections;  // some of them up to four clouds old
@@ -139,7 +139,7 @@ TEST(CloudTracker, ALateDetectionArrivesWhereAnEarlyOneWouldBe) {
   CloudTracker early = make(told_at_once()), late = make(told_at_once());
   const Detection detection = detection_at(truth(3 * kScan), 3 * kScan);
   for (int k = 1; k <= 9; ++k) {
-    const WorldCloud cloud = CloudMaker(k * kScan).add_target(truth(k * kScan)).make();
+    const LocalCloud cloud = CloudMaker(k * kScan).add_target(truth(k * kScan)).make();
     early.new_cloud(cloud, nullptr);
     late.new_cloud(cloud, nullptr);
     if (k == 3) early.new_detections({&detection, 1}, nullptr);
@@ -414,7 +414,7 @@ TEST(CloudTracker, SurvivesAnyCloud) {
   CloudTracker tracker = make(told_at_once());
   const Vector3 p(8, 3, 5);
   TimeNs t = 0;
-  const auto feed = [&](WorldCloud cloud) {
+  const auto feed = [&](LocalCloud cloud) {
     tracker.new_cloud(cloud, nullptr);
     for (const Track& track : tracks_of(tracker)) EXPECT_TRUE(track.position_m.allFinite());
   };
@@ -453,16 +453,16 @@ TEST(CloudTracker, SurvivesAnyCloud) {
 TEST(CloudTracker, SurvivesTenMillionPoints) {
   CloudTracker tracker = make(told_at_once());
   const Vector3 p(8, 3, 5);
-  WorldCloud cloud = CloudMaker(kScan).add_target(p).make();
+  LocalCloud cloud = CloudMaker(kScan).add_target(p).make();
   std::uint32_t bits = 1;
   const auto uniform = [&bits] {
     bits = bits * 1664525U + 1013904223U;
     return static_cast<float>(bits >> 8) * 0x1p-24F - 0.5F;
   };
-  cloud.points_world_m.reserve(10'000'000);
-  while (cloud.points_world_m.size() < 10'000'000)
-    cloud.points_world_m.emplace_back(200 * uniform(), 200 * uniform(), 40 * uniform() - 30);
-  cloud.beam.assign(cloud.points_world_m.size(), 0);
+  cloud.points_local_m.reserve(10'000'000);
+  while (cloud.points_local_m.size() < 10'000'000)
+    cloud.points_local_m.emplace_back(200 * uniform(), 200 * uniform(), 40 * uniform() - 30);
+  cloud.beam.assign(cloud.points_local_m.size(), 0);
   tracker.new_cloud(cloud, nullptr);
   const Detection detection = detection_at(p, kScan - 1);
   tracker.new_detections({&detection, 1}, nullptr);
@@ -472,7 +472,7 @@ TEST(CloudTracker, SurvivesTenMillionPoints) {
 
 TEST(CloudTracker, AllocatesNothingOnceWarm) {
   CloudTracker tracker = make(told_at_once());
-  std::vector<WorldCloud> clouds;
+  std::vector<LocalCloud> clouds;
   std::vector<Detection> detections;
   for (int k = 1; k <= 60; ++k) {
     clouds.push_back(CloudMaker(k * kScan).add_target({8, 3, 5}).add_target({8, -9, 5}).add({0, 30, 0}).make());

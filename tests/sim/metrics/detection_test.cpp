@@ -61,7 +61,7 @@ struct SightRun : MetricsRun {
   void tick() {
     for (std::size_t i = 0; i < states.size(); ++i) {
       actions[i].estimate.t = now + kTick;
-      if (i > 0 || !own_estimate) actions[i].estimate.T_world_body = states[i].T_world_body();
+      if (i > 0 || !own_estimate) actions[i].estimate.T_local_body = states[i].T_world_body();
     }
     MetricsRun::tick();
     for (Action& action : actions) {
@@ -130,7 +130,7 @@ TEST(DetectionMetric, TheFrameOfTheObserverIsNoErrorOfItsTracker) {
   const Pose T = make_pose({100, -40, 3}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3::UnitZ())));
   run.states[1].p_world_m = {8, 0, 0};
   run.states[1].v_world_mps = {2, 0, 0};
-  run.actions[0].estimate.T_world_body = T;
+  run.actions[0].estimate.T_local_body = T;
   run.scan({0, 5});
   run.track(1, T * Vector3(8, 0.3, 0), T.linear() * Vector3(0, 2, 0), kTick);
   run.tick();

@@ -49,7 +49,7 @@ TEST(Metrics, EstimateErrorsAreMeasuredAgainstTheTruth) {
     StateEstimate& estimate = run.actions[0].estimate;
     estimate.valid = true;
     const double error = i % 2 == 0 ? 0.3 : -0.1;
-    estimate.T_world_body = make_pose(run.states[0].p_world_m + Vector3(0.0, error, 0.0),
+    estimate.T_local_body = make_pose(run.states[0].p_world_m + Vector3(0.0, error, 0.0),
                                       Eigen::Quaterniond(Eigen::AngleAxisd(-3.1, Vector3::UnitZ())));
     run.tick();
   }
@@ -69,7 +69,7 @@ TEST(Metrics, AlignmentRemovesShiftAndHeadingOfALocalFrameButNoTilt) {
     for (int v = 0; v < 2; ++v) {
       run.states[v].p_world_m = {100.0 + 5.0 * std::cos(t), 5.0 * std::sin(t), 3.0};
       run.actions[v].estimate.valid = true;
-      run.actions[v].estimate.T_world_body = (v == 0 ? T_local_world : tilted) * run.states[v].T_world_body();
+      run.actions[v].estimate.T_local_body = (v == 0 ? T_local_world : tilted) * run.states[v].T_world_body();
     }
     run.tick();
   }
@@ -89,7 +89,7 @@ TEST(Metrics, WithoutAnEstimateNothingIsMeasured) {
 TEST(Metrics, TrackingIsJudgedByTruthAndControlByTheEstimate) {
   MetricsRun run(1);
   run.actions[0].estimate.valid = true;
-  run.actions[0].estimate.T_world_body.translation() = Vector3(1.0, 0.0, 0.1);
+  run.actions[0].estimate.T_local_body.translation() = Vector3(1.0, 0.0, 0.1);
   run.actions[0].reference.position_m = {1.0, 0.0, 0.0};
   run.states[0].p_world_m = {1.0, 0.4, 0.3};
   run.tick();

@@ -285,7 +285,7 @@ float x_in_frame(const std::string& frame, double offset_m) {
     if (k == 5) scans[0] = {labeled};
     actions[0].estimate.valid = true;
     actions[0].estimate.t = k * 20'000'000;
-    actions[0].estimate.T_world_body = pose_at(0.02 * k, offset_m);
+    actions[0].estimate.T_local_body = pose_at(0.02 * k, offset_m);
     TickView tick;
     tick.t = k * 20'000'000;
     tick.states = states;

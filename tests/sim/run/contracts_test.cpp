@@ -82,7 +82,7 @@ TEST(Contracts, EveryPartOfAnActionIsLookedAt) {
     EXPECT_THROW(ensure_finite(action), ContractViolation);
   };
   broken([](Action& a) { a.rotor_command[7] = kNan; });
-  broken([](Action& a) { a.estimate.T_world_body.translation().z() = kNan; });
+  broken([](Action& a) { a.estimate.T_local_body.translation().z() = kNan; });
   broken([](Action& a) { a.estimate.covariance(5, 5) = HUGE_VAL; });
   broken([](Action& a) { a.reference.acceleration_mps2.x() = -HUGE_VAL; });
   broken([](Action& a) { a.reference.yaw_rad = kNan; });

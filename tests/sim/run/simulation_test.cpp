@@ -54,6 +54,33 @@ TEST(Simulation, AFinishedMissionEndsTheRunAsDone) {
   EXPECT_NEAR(simulation.view().states[0].p_world_m.x(), 4.0, 0.5);
 }
 
+TEST(Simulation, AVehicleThatWasNotToldItsStartStillReachesAWaypointOfTheWorldAndTheCorrectionIsAnEvent) {
+  for (const std::string known : {"pose", "position", "nothing"}) {
+    Simulation simulation(
+        scenario_of("duration_s: 60\nworld: {type: empty}\nvehicles:\n  - {start: {position_m: [3, 1, 5], yaw_deg: 70, "
+                    "known: " +
+                    known + "}, agent: {guidance: {type: waypoints, waypoints_m: [[4, -2, 6]]}}}\n"));
+    int corrections = 0;
+    while (!simulation.finished()) {
+      simulation.tick();
+      for (const Event& event : simulation.view().events) corrections += event.kind == "correction";
+    }
+    EXPECT_EQ(simulation.summary().outcome, "done") << known;
+    EXPECT_LT((simulation.view().states[0].p_world_m - Vector3(4, -2, 6)).norm(), 0.6) << known;
+    EXPECT_EQ(corrections, known == "pose" ? 0 : 1) << known;
+    const Action& action = *simulation.view().actions[0];
+    EXPECT_LT((action.reference.position_m - Vector3(4, -2, 6)).norm(), 0.6) << "told in the world";
+  }
+}
+
+TEST(Simulation, AMapOfTheWorldIsOfNoUseToAVehicleThatDoesNotKnowItsPose) {
+  const Scenario scenario = scenario_of(
+      "world: {type: empty, ground: true}\nvehicles: [{start: {known: position}, agent: {detector: {type: vofod, "
+      "prior: {world: true}}}}]\n");
+  EXPECT_THAT([&] { Simulation simulation(scenario); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("start.known: expected pose")));
+}
+
 TEST(Simulation, ACrashIsAnEventWithTimePlaceAndPartnerAndTheOutcome) {
   // Through the wall of a hall, at full speed.
   Scenario scenario = scenario_of("duration_s: 20\nworld: {type: hall}\nvehicles:\n" +

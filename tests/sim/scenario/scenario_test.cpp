@@ -13,6 +13,7 @@
 #include "sim/scenario/assets.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/scenario/yaml_writer.hpp"
+#include "sim/sensors/neighbors.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "sim/world/world.hpp"
 #include "swiftlet/sim/recorder.hpp"
@@ -163,6 +164,19 @@ TEST(Scenario, NamesAreFilledIn) {
   EXPECT_EQ(scenario.vehicles[0].name, "uav1");
   EXPECT_EQ(scenario.vehicles[1].name, "uav2");
   EXPECT_THAT(write_scenario(scenario), HasSubstr("name: imu2"));
+}
+
+TEST(Scenario, TruthByNameIsWrittenOutAsASensor) {
+  const Scenario scenario = read_scenario_text(
+      "vehicles: [{agent: {detector: ground_truth}}, {sensors: [{type: pose, name: mocap}]}, {agent: {type: none}}]");
+  EXPECT_TRUE(scenario.vehicles[0].sensors.empty());
+  const Scenario resolved = read_scenario_text(write_scenario(scenario));
+  ASSERT_EQ(resolved.vehicles[0].sensors.size(), 2U);
+  EXPECT_EQ(resolved.vehicles[0].sensors[0].type, "pose");
+  EXPECT_EQ(resolved.vehicles[0].sensors[1].type, "neighbors");
+  EXPECT_TRUE(resolved.vehicles[0].sensors[1].as<NeighborsConfig>().ideal);
+  EXPECT_EQ(resolved.vehicles[1].sensors.size(), 1U) << "it carries one";
+  EXPECT_TRUE(resolved.vehicles[2].sensors.empty()) << "it needs none";
 }
 
 TEST(Scenario, NamesAreUniqueAndFitForFiles) {

@@ -86,7 +86,7 @@ TEST(Worlds, ScenesAreSoundWhateverTheSeed) {
 TEST(Worlds, AnUnknownTypeIsAnError) {
   Module module(world_module_types(), "field");
   module.type = "feild";
-  EXPECT_THROW(make_world(module, 1), InputError);
+  EXPECT_THROW(make_world(module, 1), std::invalid_argument);
 }
 
 // How long a million takes is measured by `swiftlet bench`; here, that it grows with their number and not faster.

@@ -10,15 +10,17 @@
 
 namespace swiftlet {
 
-/// One row of core/localization/registry.cpp.
+/// One row of core/stages/estimators.cpp.
 struct EstimatorType {
   ModuleType module;
   std::unique_ptr<StateEstimator> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+  void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
 };
 
 std::span<const EstimatorType> estimator_types();
 std::span<const ModuleType> estimator_module_types();
 /// Throws std::invalid_argument on an unknown type.
 std::unique_ptr<StateEstimator> make_estimator(const Module& config, const AgentSetup& setup);
+void add_estimator_needs(const Module& config, AgentNeeds& needs);
 
 }  // namespace swiftlet

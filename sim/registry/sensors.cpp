@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <stdexcept>
-
 #include "sim/sensors/altimeter.hpp"
 #include "sim/sensors/compass.hpp"
 #include "sim/sensors/gnss.hpp"
@@ -11,6 +8,7 @@
 #include "sim/sensors/odometry.hpp"
 #include "sim/sensors/pose.hpp"
 #include "sim/sensors/sensor.hpp"
+#include "swiftlet/core/registry.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -36,41 +34,10 @@ constexpr SensorType kSensorTypes[] = {
 
 std::span<const SensorType> sensor_types() { return kSensorTypes; }
 
-std::span<const ModuleType> sensor_module_types() {
-  static const std::vector<ModuleType> types = [] {
-    std::vector<ModuleType> modules;
-    for (const SensorType& type : kSensorTypes) modules.push_back(type.module);
-    return modules;
-  }();
-  return types;
-}
-
-std::vector<std::string> sensor_names(std::span<const Module> sensors) {
-  std::vector<std::string> names(sensors.size());
-  const auto taken = [&](const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-  };
-  // What the user named comes first, so that no generated name takes one of these.
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    const auto* config = dynamic_cast<const SensorConfig*>(sensors[i].config.get());
-    if (config == nullptr || config->name.empty()) continue;
-    if (taken(config->name)) throw std::invalid_argument("two sensors are named '" + config->name + "'");
-    names[i] = config->name;
-  }
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    if (!names[i].empty()) continue;
-    std::string name = sensors[i].type;
-    for (int number = 2; taken(name); ++number) name = sensors[i].type + std::to_string(number);
-    names[i] = name;
-  }
-  return names;
-}
+std::span<const ModuleType> sensor_module_types() { return module_types_of<kSensorTypes>(); }
 
 std::unique_ptr<Sensor> make_sensor(const Module& config, SensorSetup setup) {
-  for (const SensorType& type : kSensorTypes) {
-    if (config.type == type.module.name) return type.make(*config.config, std::move(setup));
-  }
-  throw std::invalid_argument("no sensor type is named '" + config.type + "'");
+  return row_named(kSensorTypes, config.type, "sensor").make(*config.config, std::move(setup));
 }
 
 }  // namespace swiftlet::sim

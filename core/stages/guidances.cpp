@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/registry.hpp"
-
-#include <stdexcept>
-#include <vector>
+#include "core/stages/guidances.hpp"
 
 #include "core/guidance/agile.hpp"
 #include "core/guidance/flocking.hpp"
@@ -12,11 +9,12 @@
 #include "core/guidance/timed_path.hpp"
 #include "core/guidance/trajectory.hpp"
 #include "core/guidance/waypoints.hpp"
+#include "swiftlet/core/registry.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr GuidanceType kTypes[] = {
+constexpr GuidanceType kGuidanceTypes[] = {
     {{"hover", "stay at the start or at a point", make_module_config<HoverConfig>}, make_hover},
     {{"waypoints", "from waypoint to waypoint", make_module_config<WaypointsConfig>}, make_waypoints},
     {{"trajectory", "circle, lissajous curve or line", make_module_config<TrajectoryConfig>}, make_trajectory},
@@ -32,22 +30,12 @@ constexpr GuidanceType kTypes[] = {
 
 }  // namespace
 
-std::span<const GuidanceType> guidance_types() { return kTypes; }
+std::span<const GuidanceType> guidance_types() { return kGuidanceTypes; }
 
-std::span<const ModuleType> guidance_module_types() {
-  static const std::vector<ModuleType> modules = [] {
-    std::vector<ModuleType> out;
-    for (const GuidanceType& type : kTypes) out.push_back(type.module);
-    return out;
-  }();
-  return modules;
-}
+std::span<const ModuleType> guidance_module_types() { return module_types_of<kGuidanceTypes>(); }
 
 std::unique_ptr<Guidance> make_guidance(const Module& config, const GuidanceSetup& setup) {
-  for (const GuidanceType& type : kTypes) {
-    if (config.type == type.module.name) return type.make(*config.config, setup);
-  }
-  throw std::invalid_argument("no guidance type is named '" + config.type + "'");
+  return row_named(kGuidanceTypes, config.type, "guidance").make(*config.config, setup);
 }
 
 }  // namespace swiftlet

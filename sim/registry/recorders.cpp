@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
-#include <iterator>
-#include <stdexcept>
-
 #include "sim/recorders/csv.hpp"
 #include "sim/recorders/events.hpp"
 #include "sim/recorders/mcap.hpp"
@@ -10,6 +6,7 @@
 #include "sim/recorders/ply.hpp"
 #include "sim/recorders/rosbag.hpp"
 #include "sim/recorders/tum.hpp"
+#include "swiftlet/core/registry.hpp"
 #include "swiftlet/sim/recorder.hpp"
 
 namespace swiftlet::sim {
@@ -30,20 +27,10 @@ const RecorderType kRecorderTypes[] = {
 
 std::span<const RecorderType> recorder_types() { return kRecorderTypes; }
 
-std::span<const ModuleType> recorder_module_types() {
-  static const auto modules = [] {
-    std::array<ModuleType, std::size(kRecorderTypes)> rows{};
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = kRecorderTypes[i].module;
-    return rows;
-  }();
-  return modules;
-}
+std::span<const ModuleType> recorder_module_types() { return module_types_of<kRecorderTypes>(); }
 
 std::unique_ptr<Recorder> make_recorder(const Module& config) {
-  for (const RecorderType& type : kRecorderTypes) {
-    if (config.type == type.module.name) return type.make(*config.config);
-  }
-  throw std::invalid_argument("no recorder is named '" + config.type + "'");
+  return row_named(kRecorderTypes, config.type, "recorder").make(*config.config);
 }
 
 }  // namespace swiftlet::sim

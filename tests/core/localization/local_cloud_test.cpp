@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/localization/world_cloud.hpp"
+#include "core/localization/local_cloud.hpp"
 
 #include <gtest/gtest.h>
 
@@ -39,35 +39,35 @@ StateEstimate estimate_at(TimeNs t) {
   StateEstimate estimate;
   estimate.t = t;
   estimate.valid = true;
-  estimate.T_world_body = motion_at(to_seconds(t));
+  estimate.T_local_body = motion_at(to_seconds(t));
   return estimate;
 }
 
-TEST(WorldCloud, MotionDuringTheSweepIsTakenOut) {
+TEST(LocalCloud, MotionDuringTheSweepIsTakenOut) {
   const Vector3 target(12.0, 5.0, 4.0);
   CloudRegistrar registrar(0.4);
-  WorldCloud cloud;
+  LocalCloud cloud;
   const auto scan = scan_of(target, 900 * kMs, 100 * kMs, 512);
   EXPECT_FALSE(registrar.make(scan, cloud)) << "no pose is known yet";
   for (TimeNs t = 0; t <= 1000 * kMs; t += 4 * kMs) registrar.push(estimate_at(t));
   ASSERT_TRUE(registrar.make(scan, cloud));
   ASSERT_EQ(cloud.size(), 512U);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    EXPECT_LT((cloud.points_world_m[i].cast<double>() - target).norm(), 1e-3) << i;
+    EXPECT_LT((cloud.points_local_m[i].cast<double>() - target).norm(), 1e-3) << i;
     EXPECT_NEAR(to_seconds(cloud.time_of(i)), 0.9 + 0.1 * static_cast<double>(i) / 512, 1e-7);
   }
 }
 
-TEST(WorldCloud, AFrozenScanIsPlacedByThePoseAtItsStamp) {
+TEST(LocalCloud, AFrozenScanIsPlacedByThePoseAtItsStamp) {
   const Vector3 target(12.0, 5.0, 4.0);
   CloudRegistrar registrar(0.4);
   for (TimeNs t = 0; t <= 1000 * kMs; t += 4 * kMs) registrar.push(estimate_at(t));
-  WorldCloud cloud;
+  LocalCloud cloud;
   ASSERT_TRUE(registrar.make(scan_of(target, 902 * kMs, 0, 16), cloud));
-  for (const Eigen::Vector3f& p : cloud.points_world_m) EXPECT_LT((p.cast<double>() - target).norm(), 1e-4);
+  for (const Eigen::Vector3f& p : cloud.points_local_m) EXPECT_LT((p.cast<double>() - target).norm(), 1e-4);
 }
 
-TEST(WorldCloud, AScanThatTellsItsPosesIsPlacedByThem) {
+TEST(LocalCloud, AScanThatTellsItsPosesIsPlacedByThem) {
   const Vector3 shift(0.3, -0.2, 0.1);
   CloudRegistrar registrar(0.4);
   for (TimeNs t = 0; t <= 1000 * kMs; t += 4 * kMs) registrar.push(estimate_at(t));
@@ -75,13 +75,13 @@ TEST(WorldCloud, AScanThatTellsItsPosesIsPlacedByThem) {
   Pose told = motion_at(0.9);
   told.translation() += shift;
   scan->external_poses = {{900 * kMs, told}};
-  WorldCloud cloud;
+  LocalCloud cloud;
   ASSERT_TRUE(registrar.make(scan, cloud));
-  for (const Eigen::Vector3f& p : cloud.points_world_m)
+  for (const Eigen::Vector3f& p : cloud.points_local_m)
     EXPECT_LT((p.cast<double>() - shift - Vector3(12.0, 5.0, 4.0)).norm(), 1e-4);
 }
 
-TEST(WorldCloud, HoldsNeitherEmptyNorMaskedNorOwnReturns) {
+TEST(LocalCloud, HoldsNeitherEmptyNorMaskedNorOwnReturns) {
   CloudRegistrar registrar(0.4);
   registrar.push(estimate_at(0));
   auto scan = scan_of({5.0, 1.0, 3.0}, 0, 0, 6);
@@ -92,7 +92,7 @@ TEST(WorldCloud, HoldsNeitherEmptyNorMaskedNorOwnReturns) {
   scan->range_m[2] = 0.0F;
   scan->range_m[3] = 0.1F;  // a rotor
   scan->range_m[4] = std::numeric_limits<float>::infinity();
-  WorldCloud cloud;
+  LocalCloud cloud;
   ASSERT_TRUE(registrar.make(scan, cloud));
   EXPECT_EQ(cloud.beam, (std::vector<std::uint32_t>{0, 5}));
 }

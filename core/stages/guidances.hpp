@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// One row of core/guidance/registry.cpp.
+/// One row of core/stages/guidances.cpp.
 struct GuidanceType {
   ModuleType module;
   std::unique_ptr<Guidance> (*make)(const ModuleConfig& config, const GuidanceSetup& setup);

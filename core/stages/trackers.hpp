@@ -10,15 +10,17 @@
 
 namespace swiftlet {
 
-/// One row of core/tracking/registry.cpp.
+/// One row of core/stages/trackers.cpp.
 struct TrackerType {
   ModuleType module;
   std::unique_ptr<Tracker> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+  void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
 };
 
 std::span<const TrackerType> tracker_types();
 std::span<const ModuleType> tracker_module_types();
 /// Null for `none`. Throws std::invalid_argument on an unknown type.
 std::unique_ptr<Tracker> make_tracker(const Module& config, const AgentSetup& setup);
+void add_tracker_needs(const Module& config, AgentNeeds& needs);
 
 }  // namespace swiftlet

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <vector>
-
 #include "sim/world/campus.hpp"
 #include "sim/world/cloud.hpp"
 #include "sim/world/empty.hpp"
@@ -13,7 +10,7 @@
 #include "sim/world/two_rooms_gap.hpp"
 #include "sim/world/warehouse.hpp"
 #include "sim/world/world.hpp"
-#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/core/registry.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -50,20 +47,10 @@ const WorldType kWorldTypes[] = {
 
 std::span<const WorldType> world_types() { return kWorldTypes; }
 
-std::span<const ModuleType> world_module_types() {
-  static const std::vector<ModuleType> modules = [] {
-    std::vector<ModuleType> list;
-    for (const WorldType& type : kWorldTypes) list.push_back(type.module);
-    return list;
-  }();
-  return modules;
-}
+std::span<const ModuleType> world_module_types() { return module_types_of<kWorldTypes>(); }
 
 Scene make_world(const Module& config, std::uint64_t seed) {
-  for (const WorldType& type : kWorldTypes) {
-    if (config.type == type.module.name) return type.make(*config.config, seed);
-  }
-  throw InputError("no world type is named '" + config.type + "'");
+  return row_named(kWorldTypes, config.type, "world").make(*config.config, seed);
 }
 
 }  // namespace swiftlet::sim

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/action.hpp"
+
+namespace swiftlet {
+
+/// Carries what was told in one frame into another: goals of the world into the vehicle's local frame, and what the
+/// vehicle says of itself back into the world. Without a correction it changes no bit.
+class FrameChange {
+ public:
+  FrameChange() = default;  ///< to the same frame
+  static FrameChange to_world(const StateEstimate& estimate);
+  static FrameChange to_local(const StateEstimate& estimate);
+
+  Vector3 point(const Vector3& p_m) const { return same_ ? p_m : Vector3(T_to_from_ * p_m); }
+  Vector3 direction(const Vector3& v) const { return same_ ? v : Vector3(T_to_from_.linear() * v); }
+  /// Both frames have z up, so that headings and heights change by a constant.
+  double yaw(double yaw_rad) const;
+  double height(double z_m) const { return same_ ? z_m : z_m + T_to_from_.translation().z(); }
+  Pose pose(const Pose& T_from_body) const { return same_ ? T_from_body : T_to_from_ * T_from_body; }
+  Matrix3 covariance(const Matrix3& C) const;
+  Reference reference(const Reference& r) const;
+  Detection detection(const Detection& d) const;
+  Track track(const Track& t) const;
+  void carry(Overlay& overlay) const;
+
+ private:
+  explicit FrameChange(const Pose& T_to_from) : T_to_from_(T_to_from), same_(false) {}
+
+  Pose T_to_from_ = Pose::Identity();
+  bool same_ = true;
+};
+
+/// Turns by a heading and takes one point onto another.
+Pose level_alignment(double yaw_rad, const Vector3& p_to_m, const Vector3& p_from_m);
+
+}  // namespace swiftlet

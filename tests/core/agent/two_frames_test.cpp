@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "core/agent/stack.hpp"
+#include "core/guidance/waypoints.hpp"
+#include "core/stages/guidances.hpp"
+#include "tests/support/airframes.hpp"
+#include "tests/support/fine_plant.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::FinePlant;
+
+constexpr TimeNs kStep = 4'000'000;
+// Where the vehicle's local frame really lies in the world.
+const Pose kT_world_local = make_pose({6.0, -4.0, 0.5}, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3::UnitZ())));
+
+/// Knows exactly how it moves in its local frame, and learns only at `learns_at` where that frame lies.
+class LateEstimator : public StateEstimator {
+ public:
+  explicit LateEstimator(TimeNs learns_at) : learns_at_(learns_at) {}
+
+  const StateEstimate& update(const Observation& observation, Outbox& outbox) override {
+    const PoseSample& truth = observation.pose.back();
+    const Pose T_local_world = kT_world_local.inverse();
+    estimate_.t = observation.t;
+    estimate_.valid = true;
+    estimate_.T_local_body = T_local_world * truth.T_world_body;
+    estimate_.v_local_mps = T_local_world.linear() * truth.v_world_mps;
+    estimate_.omega_body_radps = truth.omega_body_radps;
+    if (observation.t >= learns_at_) estimate_.correct(kT_world_local);
+    outbox.say().topic = "estimator";
+    return estimate_;
+  }
+  const char* fault() const override { return ""; }
+
+ private:
+  TimeNs learns_at_;
+  StateEstimate estimate_;
+};
+
+/// Asks for what no reference tracker would give: a step of ten meters, as a feasible reference or as a goal.
+class StepGuidance : public Guidance {
+ public:
+  explicit StepGuidance(bool feasible) : feasible_(feasible) {}
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
+    output.goal.position_m = input.observation.t < kNsPerSecond ? Vector3(0, 0, 5) : Vector3(10, 0, 5);
+    output.goal_is_feasible = feasible_;
+    outbox.say(3).topic = "guidance";
+  }
+
+ private:
+  bool feasible_;
+};
+
+/// Keeps the clouds that it was given and the map.
+class WatchingGuidance : public Guidance {
+ public:
+  explicit WatchingGuidance(GuidanceNeeds needs) : needs_(needs) {}
+  GuidanceNeeds needs() const override { return needs_; }
+  void step(const GuidanceInput& input, GuidanceOutput&, Outbox&) override {
+    num_clouds += static_cast<int>(input.clouds.size());
+    for (const auto& cloud : input.clouds) points_m = cloud->points_local_m;
+    had_map = had_map || input.map != nullptr;
+  }
+
+  int num_clouds = 0;
+  std::vector<Eigen::Vector3f> points_m;
+  bool had_map = false;
+
+ private:
+  GuidanceNeeds needs_;
+};
+
+AgentSetup setup_of_x500() {
+  AgentSetup setup;
+  setup.self = 1;
+  setup.airframe = testing::x500();
+  setup.tick_s = to_seconds(kStep);
+  return setup;
+}
+
+std::unique_ptr<Guidance> waypoints(std::vector<Vector3> waypoints_m, const char* frame) {
+  Module module(guidance_module_types(), "waypoints");
+  module.as<WaypointsConfig>().waypoints_m = std::move(waypoints_m);
+  module.as<WaypointsConfig>().frame = frame;
+  return make_guidance(module, {setup_of_x500(), MotionLimitsConfig{}.resolve()});
+}
+
+/// A flight on the late estimator.
+struct Flight {
+  Flight(TimeNs learns_at, std::unique_ptr<Guidance> guidance) : plant(testing::x500()) {
+    plant.p = kT_world_local.translation();
+    plant.q = kT_world_local.linear();
+    StackStages stages;
+    stages.localization = std::make_unique<LateEstimator>(learns_at);
+    stages.guidance = std::move(guidance);
+    agent = make_stack(std::move(stages), {}, setup_of_x500());
+  }
+  const Action& tick() {
+    plant.advance(command, to_seconds(kStep));
+    Observation observation;
+    observation.t = plant.t;
+    observation.pose = {plant.pose_sample()};
+    const Action& action = agent->step(observation);
+    command = action.rotor_command;
+    return action;
+  }
+
+  FinePlant plant;
+  std::unique_ptr<Agent> agent;
+  std::array<double, kMaxRotors> command = {0.4, 0.4, 0.4, 0.4};
+};
+
+TEST(TwoFrames, ControlAndReferenceDoNotSeeTheCorrectionJump) {
+  // Two legs of the local frame: one vehicle never learns where that lies, the other one in the middle of the flight.
+  const std::vector<Vector3> legs = {{3, 0, 1}, {3, 3, 1}};
+  Flight unaware(100 * kNsPerSecond, waypoints(legs, "start")), learns(2 * kNsPerSecond, waypoints(legs, "start"));
+  Vector3 last_m = Vector3::Zero();
+  for (int i = 0; i < 1500; ++i) {
+    const Action& a = unaware.tick();
+    const Action& b = learns.tick();
+    ASSERT_EQ(a.rotor_command, b.rotor_command) << i;
+    ASSERT_EQ(a.estimate.T_local_body.matrix(), b.estimate.T_local_body.matrix());
+    ASSERT_EQ(b.estimate.correction_revision, learns.plant.t >= 2 * kNsPerSecond ? 1U : 0U);
+    // What is told to the world jumps by the correction; carried back it is the smooth reference of the local frame.
+    const Vector3 reference_m = b.estimate.T_world_local.inverse() * b.reference.position_m;
+    ASSERT_LT((reference_m - a.reference.position_m).norm(), 1e-12);
+    ASSERT_TRUE(i == 0 || (reference_m - last_m).norm() < 0.02) << i;
+    last_m = reference_m;
+  }
+}
+
+TEST(TwoFrames, WaypointsOfTheWorldAreReachedAfterTheCorrection) {
+  const Vector3 target(9.0, 1.0, 3.0);
+  Flight flight(2 * kNsPerSecond, waypoints({target}, "world"));
+  const Action* action = nullptr;
+  Vector3 last_m = flight.plant.p;
+  for (int i = 0; i < 6000 && (action == nullptr || action->mission != MissionStatus::kDone); ++i) {
+    action = &flight.tick();
+    const Vector3 reference_m =
+        kT_world_local * (action->estimate.T_world_local.inverse() * action->reference.position_m);
+    ASSERT_LT((reference_m - last_m).norm(), 0.04) << "the reference has no jump at " << i;
+    last_m = reference_m;
+  }
+  EXPECT_EQ(action->mission, MissionStatus::kDone);
+  EXPECT_LT((flight.plant.p - target).norm(), 0.6);
+  EXPECT_LT((action->estimate.T_world_body().translation() - flight.plant.p).norm(), 0.05);
+}
+
+TEST(Stack, AFeasibleReferenceIsFlownAsItIsAndAGoalIsNot) {
+  for (const bool feasible : {false, true}) {
+    Flight flight(100 * kNsPerSecond, std::make_unique<StepGuidance>(feasible));
+    Vector3 before = Vector3::Zero(), after = Vector3::Zero();
+    for (int i = 0; i < 260; ++i) {
+      const Action& action = flight.tick();
+      if (action.estimate.t == kNsPerSecond - kStep) before = action.reference.position_m;
+      if (action.estimate.t == kNsPerSecond) after = action.reference.position_m;
+    }
+    if (feasible) {
+      EXPECT_EQ(before, Vector3(0, 0, 5));
+      EXPECT_EQ(after, Vector3(10, 0, 5));
+    } else {
+      EXPECT_LT((after - before).norm(), 0.02);
+    }
+  }
+}
+
+TEST(Stack, EveryStageMaySaySomethingAndTheOutboxTellsWho) {
+  Flight flight(0, std::make_unique<StepGuidance>(false));
+  flight.tick();
+  const Action& action = flight.tick();
+  ASSERT_EQ(action.messages.size(), 2U);
+  EXPECT_EQ(action.messages[0].topic, "estimator");
+  EXPECT_EQ(action.messages[0].from, 1);
+  EXPECT_EQ(action.messages[0].to, kNoVehicle);
+  EXPECT_EQ(action.messages[1].topic, "guidance");
+  EXPECT_EQ(action.messages[1].to, 3);
+}
+
+TEST(Stack, ScansArePlacedForGuidanceOnlyWhenItNeedsThem) {
+  auto beams = std::make_shared<BeamTable>();
+  beams->rows = beams->cols = 1;
+  beams->directions_lidar = {Eigen::Vector3f::UnitX()};
+  beams->origins_lidar = {Eigen::Vector3f::Zero()};
+  beams->column_offset_s = {0.0F};
+  for (const bool needs : {false, true}) {
+    StackStages stages;
+    stages.localization = std::make_unique<LateEstimator>(0);
+    auto guidance = std::make_unique<WatchingGuidance>(GuidanceNeeds{.clouds = needs});
+    const WatchingGuidance& seen = *guidance;
+    stages.guidance = std::move(guidance);
+    const auto agent = make_stack(std::move(stages), {}, setup_of_x500());
+    auto scan = std::make_shared<Scan>();
+    scan->beams = beams;
+    scan->range_m = {5.0F};
+    Observation observation;
+    observation.t = kStep;
+    observation.pose = {{kStep, kT_world_local, Vector3::Zero(), Vector3::Zero()}};
+    observation.scans = {scan};
+    agent->step(observation);
+    ASSERT_EQ(seen.num_clouds, needs ? 1 : 0);
+    EXPECT_FALSE(seen.had_map);
+    if (!needs) continue;
+    EXPECT_LT((seen.points_m.front() - Eigen::Vector3f(5, 0, 0)).norm(), 1e-5F) << "in the local frame";
+  }
+}
+
+TEST(Stack, GuidanceThatNeedsAMapIsRefusedWithoutOne) {
+  StackStages stages;
+  stages.localization = std::make_unique<LateEstimator>(0);
+  stages.guidance = std::make_unique<WatchingGuidance>(GuidanceNeeds{.map = true});
+  EXPECT_THROW(make_stack(std::move(stages), {}, setup_of_x500()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace swiftlet
