@@ -16,7 +16,7 @@ ROOMS = {  # room: rooms it may include besides itself and the public types of c
     "core/messages": ["core/math"],
     "core/localization": ["core/math"],
     "core/control": ["core/math"],
-    "core/planning": [],
+    "core/planning": ["core/math"],
     "core/guidance": ["core/math", "core/messages", "core/planning", "core/control", "core/localization", "core/map"],
     "core/map": ["core/math"],
     "core/pcl": ["core/detection"],

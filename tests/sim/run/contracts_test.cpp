@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/agent/stack.hpp"
-#include "core/detection/registry.hpp"
+#include "core/stages/detectors.hpp"
 #include "sim/radio/radio.hpp"
 #include "sim/run/finite_values.hpp"
 #include "sim/run/summary.hpp"
