@@ -20,6 +20,7 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr std::size_t kMaxTriangles = 1'000'000'000;
+constexpr std::size_t kUsuallyNear = 1024;  // triangles about a vehicle
 constexpr std::size_t kMaxSurfaces = 1U << 24;  // Facet::surface
 
 // Equal (class, instance, material, part) share one surface number.
@@ -265,6 +266,7 @@ void StaticScene::triangles_near_box(
   // The order of the tree depends on the processor; that of the scene does not.
   static thread_local std::vector<std::uint32_t> found;
   found.clear();
+  found.reserve(kUsuallyNear);
   // A hair of slack for the rounding to single precision.
   constexpr float kSlack_m = 1e-4F;
   const Eigen::Vector3f slack = Eigen::Vector3f::Constant(kSlack_m);

@@ -315,6 +315,7 @@ TEST(Agents, TellWhatTheyNeedBesideTheirSensors) {
 TEST(NoneAgent, KeepsTheMotorsAtIdle) {
   const auto agent = make_agent(Module(agent_module_types(), "none"), {});
   Observation observation;
+  observation.self = 1;
   const Action& action = agent->step(observation);
   for (const double u : action.rotor_command) EXPECT_EQ(u, 0.0);
   EXPECT_FALSE(action.estimate.valid);

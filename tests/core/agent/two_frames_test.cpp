@@ -101,6 +101,7 @@ struct Flight {
   const Action& tick() {
     plant.advance(command, to_seconds(kStep));
     Observation observation;
+    observation.self = 1;
     observation.t = plant.t;
     observation.pose = {plant.pose_sample()};
     const Action& action = agent->step(observation);
@@ -196,6 +197,7 @@ TEST(Stack, ScansArePlacedForGuidanceOnlyWhenItNeedsThem) {
     scan->beams = beams;
     scan->range_m = {5.0F};
     Observation observation;
+    observation.self = 1;
     observation.t = kStep;
     observation.pose = {{kStep, kT_world_local, Vector3::Zero(), Vector3::Zero()}};
     observation.scans = {scan};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rule of sim/raycast/exact_hits_internal.hpp against a search through all triangles, and under every instruction set that
-// Embree can be told to use on this processor.
+// The rule of sim/raycast/exact_hits_internal.hpp against a search through all triangles, and under every instruction
+// set that Embree can be told to use on this processor.
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -92,7 +92,7 @@ TEST(Contracts, EveryPartOfAnActionIsLookedAt) {
 
 TEST(Contracts, AnEstimateThatIsNotValidMayBeAnything) {
   Action action;
-  action.estimate.v_world_mps.x() = kNan;
+  action.estimate.v_local_mps.x() = kNan;
   EXPECT_NO_THROW(ensure_finite(action));
 }
 

@@ -100,7 +100,8 @@ TEST_P(Golden, RunHasTheSameBitsAsEver) {
 #endif
   EXPECT_EQ(hash_of(GetParam()), GetParam().hash)
       << GetParam() << ": results differ from those in tests/golden/hashes.txt.\n"
-      << (c_library_here() == c_library_of_the_file() ? "" : "This C library computes other functions than Debian 12's.\n")
+      << (c_library_here() == c_library_of_the_file() ? ""
+                                                      : "This C library computes other functions than Debian 12's.\n")
       << "If they were meant to change, write them anew with\n"
       << "  tests/golden/renew build/release/swiftlet\n"
       << "and say in CHANGELOG.md what changed and why. If not, look for what this run has and others have not.";
