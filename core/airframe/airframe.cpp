@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -46,11 +47,11 @@ void Airframe::visit(ConfigVisitor& v) {
 
 double Airframe::circumscribed_radius_m() const {
   // The ends of the skids stand out to twice the body's radius (sim/world draws them so).
-  double radius_m =
-      std::max(std::hypot(body_radius_m, 0.5 * body_height_m), std::hypot(2.0 * body_radius_m, leg_height_m));
+  double radius_m = std::max(elementary::hypot(body_radius_m, 0.5 * body_height_m),
+                             elementary::hypot(2.0 * body_radius_m, leg_height_m));
   for (const Rotor& rotor : rotors) {
-    const double reach_m = std::hypot(rotor.position_m.x(), rotor.position_m.y()) + propeller_radius_m;
-    radius_m = std::max(radius_m, std::hypot(reach_m, rotor.position_m.z()));
+    const double reach_m = elementary::hypot(rotor.position_m.x(), rotor.position_m.y()) + propeller_radius_m;
+    radius_m = std::max(radius_m, elementary::hypot(reach_m, rotor.position_m.z()));
   }
   return radius_m;
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/math/angles.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet {
 namespace {
@@ -42,7 +43,7 @@ Vector3 cut(const Vector3& vector, double longest) {
 
 /// Rotation with b3 along `thrust` and heading `yaw` (Mellinger and Kumar, sec. III).
 Matrix3 attitude_for(const Vector3& thrust_direction, double yaw) {
-  const Vector3 heading_left(-std::sin(yaw), std::cos(yaw), 0.0);
+  const Vector3 heading_left(-elementary::sin(yaw), elementary::cos(yaw), 0.0);
   Matrix3 R;
   R.col(2) = thrust_direction;
   R.col(0) = heading_left.cross(R.col(2)).normalized();  // thrust points up, so this never vanishes
@@ -55,8 +56,8 @@ Vector3 attitude_error(const Matrix3& R_local_body, const Matrix3& R_local_wante
   const Matrix3 E = R_local_body.transpose() * R_local_wanted;
   // Tilt: the shortest turn that brings e3 onto the wanted thrust direction.
   const Vector3 b3 = E.col(2);
-  const double sine = std::hypot(b3.x(), b3.y());
-  const double angle = std::atan2(sine, b3.z());
+  const double sine = elementary::hypot(b3.x(), b3.y());
+  const double angle = elementary::atan2(sine, b3.z());
   Vector3 error = Vector3::Zero();
   if (sine > 1e-9) {
     error.x() = -b3.y() * (angle / sine);
@@ -66,7 +67,7 @@ Vector3 attitude_error(const Matrix3& R_local_body, const Matrix3& R_local_wante
   }
   // Heading: the twist about e3 that is left (swing-twist of the quaternion of E); undefined when upside down.
   const double w2 = std::max(0.0, 1.0 + E.trace());
-  const double twist = std::atan2(E(1, 0) - E(0, 1), w2);
+  const double twist = elementary::atan2(E(1, 0) - E(0, 1), w2);
   error.z() = b3.z() > -0.99 ? std::remainder(2.0 * twist, 2.0 * std::numbers::pi) : 0.0;
   return error;
 }
@@ -98,7 +99,7 @@ void ControlGainsConfig::visit(ConfigVisitor& v) {
 
 MultirotorController::MultirotorController(const Airframe& airframe, const ControlGainsConfig& config, double tick_s)
     : airframe_(airframe), config_(config), mixer_(airframe), gains_(derive_gains(airframe, config, tick_s)) {
-  tan_tilt_max_ = std::tan(config.tilt_max_deg * kRadPerDeg);
+  tan_tilt_max_ = elementary::tan(config.tilt_max_deg * kRadPerDeg);
   max_acceleration_mps2_ = airframe.max_thrust_N() / airframe.mass_kg;
   // Until commands tell otherwise, the motors are taken to hover.
   const double hover_speed =
@@ -133,7 +134,7 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
   const Matrix3& R = estimate.T_local_body.linear();
   Vector3 thrust_mps2 = wanted_acceleration(estimate, reference, dt_s) + kGravity_mps2 * Vector3::UnitZ();
   thrust_mps2.z() = std::clamp(thrust_mps2.z(), 0.2 * kGravity_mps2, max_acceleration_mps2_);
-  const double level = std::hypot(thrust_mps2.x(), thrust_mps2.y());
+  const double level = elementary::hypot(thrust_mps2.x(), thrust_mps2.y());
   // Carrying the weight goes before moving sideways when there is not thrust for both.
   const double level_max = std::min(
       tan_tilt_max_ * thrust_mps2.z(),
@@ -149,7 +150,7 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
                                  reference.yaw_rate_radps * R_wanted(2, 2));
   Vector3 rate = R.transpose() * (R_wanted * rate_wanted_axes);
   rate += gains_.attitude.cwiseProduct(attitude_error(R, R_wanted));
-  const double tilt_rate = std::hypot(rate.x(), rate.y());
+  const double tilt_rate = elementary::hypot(rate.x(), rate.y());
   const double tilt_rate_max = config_.tilt_rate_max_degps * kRadPerDeg;
   if (tilt_rate > tilt_rate_max) rate.head<2>() *= tilt_rate_max / tilt_rate;
   rate.z() = std::clamp(rate.z(), -config_.yaw_rate_max_degps * kRadPerDeg, config_.yaw_rate_max_degps * kRadPerDeg);
@@ -194,11 +195,13 @@ Vector3 MultirotorController::drag_mps2(const Matrix3& R_local_body, const Vecto
 void MultirotorController::follow_motors(double dt_s) {
   if (dt_s != decay_dt_s_) {
     decay_dt_s_ = dt_s;
-    decay_up_ = std::exp(-dt_s / airframe_.motor_time_constant_up_s);
-    decay_down_ = std::exp(-dt_s / airframe_.motor_time_constant_down_s);
+    decay_up_ = elementary::exp(-dt_s / airframe_.motor_time_constant_up_s);
+    decay_down_ = elementary::exp(-dt_s / airframe_.motor_time_constant_down_s);
     // A motor asked for this much of the difference behaves like one whose lag is (1 - lead) of the real one.
     const double rest = 1.0 - config_.motor_lead;
-    const auto lead = [&](double tau, double decay) { return (1.0 - std::exp(-dt_s / (rest * tau))) / (1.0 - decay); };
+    const auto lead = [&](double tau, double decay) {
+      return (1.0 - elementary::exp(-dt_s / (rest * tau))) / (1.0 - decay);
+    };
     lead_up_ = dt_s > 0.0 ? lead(airframe_.motor_time_constant_up_s, decay_up_) : 1.0;
     lead_down_ = dt_s > 0.0 ? lead(airframe_.motor_time_constant_down_s, decay_down_) : 1.0;
   }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -288,7 +290,7 @@ double VofodStages::confidence(std::span<const std::uint32_t> members) const {
     }
   }
   for (const std::uint32_t i : members) points += samples_.weight_of(i);
-  return std::exp(-sum / points);
+  return elementary::exp(-sum / points);
 }
 
 Matrix3 VofodStages::covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_m) const {
@@ -352,7 +354,7 @@ void VofodStages::find_separate() {
     return;
   }
   const int reach = static_cast<int>(config_.separate_distance_m / config_.map.voxel_m);
-  const double reach_sq = std::pow(config_.separate_distance_m / config_.map.voxel_m, 2);
+  const double reach_sq = elementary::pow(config_.separate_distance_m / config_.map.voxel_m, 2);
   separate_index_.clear();
   for (const std::ptrdiff_t index : found) {
     const Cell center = map_.grid().cell(index);

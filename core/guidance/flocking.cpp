@@ -6,6 +6,7 @@
 
 #include "core/guidance/rbl_obstacles.hpp"
 #include "core/math/angles.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet {
 namespace {
@@ -199,7 +200,7 @@ class Mezey : public LevelFlight {
     const VisualResponse seen = visual_response(config_, p_m, heading_rad_, neighbors_.neighbors(), retina_);
     double turn = seen.turn_radps;
     if (to_goal.norm() > kNearest_m) {
-      turn += config_.goal_weight_radps * std::sin(std::atan2(to_goal.y(), to_goal.x()) - heading_rad_);
+      turn += config_.goal_weight_radps * elementary::sin(elementary::atan2(to_goal.y(), to_goal.x()) - heading_rad_);
     }
     speed_mps_ +=
         input.dt_s * (config_.relaxation_radps * (config_.cruise_speed_mps - speed_mps_) + seen.acceleration_mps2);
@@ -208,7 +209,7 @@ class Mezey : public LevelFlight {
     // Who has arrived rests.
     const double v = arrived_ ? 0.0 : speed_mps_;
     goal_.yaw_rad = heading_rad_;
-    fly(p_m, v * Vector3(std::cos(heading_rad_), std::sin(heading_rad_), 0.0) + off_obstacle(p_m),
+    fly(p_m, v * Vector3(elementary::cos(heading_rad_), elementary::sin(heading_rad_), 0.0) + off_obstacle(p_m),
         2.0 * config_.cruise_speed_mps, output);
     output.mission = arrived_                          ? MissionStatus::kDone
                      : config_.goal_weight_radps > 0.0 ? MissionStatus::kRunning
@@ -237,8 +238,8 @@ VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_m, do
   for (const Neighbor& neighbor : neighbors) {
     const Vector3 way = horizontal(neighbor.position_m - p_m);
     const double d = way.norm();
-    const double half = d > config.body_radius_m ? std::asin(config.body_radius_m / d) : kPi / 2.0;
-    const double bearing = wrap(std::atan2(way.y(), way.x()) - heading_rad);
+    const double half = d > config.body_radius_m ? elementary::asin(config.body_radius_m / d) : kPi / 2.0;
+    const double bearing = wrap(elementary::atan2(way.y(), way.x()) - heading_rad);
     const int first = static_cast<int>(std::floor((bearing - half + kPi) / pixel));
     const int last = static_cast<int>(std::floor((bearing + half + kPi) / pixel));
     for (int i = first; i <= last; ++i) retina[static_cast<std::size_t>(((i % n) + n) % n)] = 1;
@@ -251,8 +252,9 @@ VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_m, do
     const double seen = retina[i] != 0 ? pixel : 0.0;
     const double phi_edge = -kPi + (i + 1.0) * pixel;
     response.acceleration_mps2 +=
-        config.alpha0 * (-std::cos(phi) * seen + (edge ? config.alpha1 * std::cos(phi_edge) : 0.0));
-    response.turn_radps += config.beta0 * (-std::sin(phi) * seen + (edge ? config.beta1 * std::sin(phi_edge) : 0.0));
+        config.alpha0 * (-elementary::cos(phi) * seen + (edge ? config.alpha1 * elementary::cos(phi_edge) : 0.0));
+    response.turn_radps +=
+        config.beta0 * (-elementary::sin(phi) * seen + (edge ? config.beta1 * elementary::sin(phi_edge) : 0.0));
   }
   return response;
 }

@@ -3,14 +3,15 @@
 
 #include <cmath>
 
+#include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/frames.hpp"
 
 namespace swiftlet {
 
 /// Heading along a horizontal direction; keeps the last one while the direction is too short to tell.
 inline double heading_along(const Vector3& direction, double shortest, double otherwise_rad) {
-  if (std::hypot(direction.x(), direction.y()) < shortest) return otherwise_rad;
-  return std::atan2(direction.y(), direction.x());
+  if (elementary::hypot(direction.x(), direction.y()) < shortest) return otherwise_rad;
+  return elementary::atan2(direction.y(), direction.x());
 }
 
 }  // namespace swiftlet

@@ -10,6 +10,7 @@
 
 #include "core/guidance/heading.hpp"
 #include "core/math/angles.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet {
 namespace {
@@ -162,7 +163,7 @@ std::vector<Vector3> level_outline(double radius_m, std::span<const HalfSpace> c
   std::vector<Vector3> corners, left;
   for (int i = 0; i < kCorners; ++i) {
     const double angle = 2.0 * kPi * i / kCorners;
-    corners.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle), 0.0);
+    corners.emplace_back(radius_m * elementary::cos(angle), radius_m * elementary::sin(angle), 0.0);
   }
   for (const HalfSpace& cut : cuts) {
     left.clear();

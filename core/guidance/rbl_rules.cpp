@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/math/angles.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 constexpr double kMostAzimuth_rad = kPi / 2.0;
 constexpr double kMostElevation_rad = kPi / 4.0;
 
-double length_xy(const Vector3& v) { return std::hypot(v.x(), v.y()); }
+double length_xy(const Vector3& v) { return elementary::hypot(v.x(), v.y()); }
 
 double toward_zero(double value, double step) {
   return value > 0.0 ? std::max(0.0, value - step) : std::min(0.0, value + step);
@@ -46,10 +47,10 @@ double next_theta(const RblRules& rules, const RblSituation& now, double theta_r
 // (2.20) would go on turning up; "level" lets the own turn count backwards and keeps what the limits of height do.
 double centering(const RblRules& rules, const RblSituation& now, double phi_rad) {
   if (rules.elevation_sense != "level") return now.sensing_m.z();
-  const double goal_rad = std::atan2(now.goal_m.z(), length_xy(now.goal_m));
+  const double goal_rad = elementary::atan2(now.goal_m.z(), length_xy(now.goal_m));
   const double reach_m = now.sensing_m.norm();
-  const double turned_m = reach_m * std::sin(std::clamp(goal_rad + phi_rad, -0.5 * kPi, 0.5 * kPi));
-  return (now.sensing_m.z() - turned_m) - (turned_m - reach_m * std::sin(goal_rad));
+  const double turned_m = reach_m * elementary::sin(std::clamp(goal_rad + phi_rad, -0.5 * kPi, 0.5 * kPi));
+  return (now.sensing_m.z() - turned_m) - (turned_m - reach_m * elementary::sin(goal_rad));
 }
 
 // (2.19); then the reset that only the released program has
@@ -82,9 +83,9 @@ double vertical_influence(const RblRules& rules, const RblSituation& now, double
     if (rules.direction_influence == "north") {
       direction = goal.y() / horizontal_m;
     } else if (rules.direction_influence == "printed") {
-      direction = std::atan2(goal.y(), goal.x()) / kPi;  // (2.16), (2.17)
+      direction = elementary::atan2(goal.y(), goal.x()) / kPi;  // (2.16), (2.17)
     } else {
-      const double from_north = std::atan2(goal.x(), goal.y());
+      const double from_north = elementary::atan2(goal.x(), goal.y());
       direction = (from_north < 0.0 ? from_north + 2.0 * kPi : from_north) / kPi - 1.0;
     }
   }
@@ -104,10 +105,10 @@ Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_m, const RblS
   const double distance_m = goal_m.norm();
   if (distance_m <= 0.0) return goal_m;
   const double up = rules.elevation_sense == "printed" ? state.phi_rad : -state.phi_rad;
-  const double polar = std::clamp(std::acos(std::clamp(goal_m.z() / distance_m, -1.0, 1.0)) + up, 0.0, kPi);
-  const double azimuth = std::atan2(goal_m.y(), goal_m.x()) - state.theta_rad;
-  return distance_m *
-         Vector3(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar));
+  const double polar = std::clamp(elementary::acos(std::clamp(goal_m.z() / distance_m, -1.0, 1.0)) + up, 0.0, kPi);
+  const double azimuth = elementary::atan2(goal_m.y(), goal_m.x()) - state.theta_rad;
+  return distance_m * Vector3(elementary::sin(polar) * elementary::cos(azimuth),
+                              elementary::sin(polar) * elementary::sin(azimuth), elementary::cos(polar));
 }
 
 void RblRules::visit(ConfigVisitor& v) {

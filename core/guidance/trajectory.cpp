@@ -9,6 +9,7 @@
 
 #include "core/guidance/heading.hpp"
 #include "core/math/angles.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet {
 namespace {
@@ -25,7 +26,7 @@ struct CurvePoint {
 CurvePoint circle(const TrajectoryConfig& c, double s) {
   const double sense = c.clockwise ? -1.0 : 1.0;
   const double angle = c.phase_deg * kPi / 180.0 + sense * s;
-  const Vector3 out(std::cos(angle), std::sin(angle), 0.0);
+  const Vector3 out(elementary::cos(angle), elementary::sin(angle), 0.0);
   const Vector3 along(-sense * out.y(), sense * out.x(), 0.0);
   return {c.center_m + c.radius_m * out, c.radius_m * along, -c.radius_m * out};
 }
@@ -35,9 +36,9 @@ CurvePoint lissajous(const TrajectoryConfig& c, double s) {
   for (int i = 0; i < 3; ++i) {
     const double k = c.frequency_ratio[i];
     const double angle = k * (s + c.phase_deg * kPi / 180.0);
-    point.p[i] = c.center_m[i] + c.amplitude_m[i] * std::sin(angle);
-    point.dp[i] = c.amplitude_m[i] * k * std::cos(angle);
-    point.ddp[i] = -c.amplitude_m[i] * k * k * std::sin(angle);
+    point.p[i] = c.center_m[i] + c.amplitude_m[i] * elementary::sin(angle);
+    point.dp[i] = c.amplitude_m[i] * k * elementary::cos(angle);
+    point.ddp[i] = -c.amplitude_m[i] * k * k * elementary::sin(angle);
   }
   return point;
 }

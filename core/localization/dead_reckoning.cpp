@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet {
 
 Eigen::Quaterniond rotation_by(const Vector3& angle_rad) {
@@ -13,8 +15,8 @@ Eigen::Quaterniond rotation_by(const Vector3& angle_rad) {
         .normalized();
   }
   const double angle = std::sqrt(angle_sq);
-  const Vector3 axis = angle_rad * (std::sin(0.5 * angle) / angle);
-  return {std::cos(0.5 * angle), axis.x(), axis.y(), axis.z()};
+  const Vector3 axis = angle_rad * (elementary::sin(0.5 * angle) / angle);
+  return {elementary::cos(0.5 * angle), axis.x(), axis.y(), axis.z()};
 }
 
 void strapdown(NavState& state, const Vector3& omega_body_radps, const Vector3& specific_force_mps2, double dt_s) {

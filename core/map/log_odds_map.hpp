@@ -11,6 +11,7 @@
 #include "core/map/voxel_grid.hpp"
 #include "core/map/voxel_map.hpp"
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet {
 
@@ -45,7 +46,7 @@ class LogOddsMap {
 
   const VoxelGrid& grid() const { return grid_; }
   float value(std::ptrdiff_t index) const { return values_[index]; }
-  double probability(std::ptrdiff_t index) const { return 1.0 / (1.0 + std::exp(-values_[index])); }
+  double probability(std::ptrdiff_t index) const { return 1.0 / (1.0 + elementary::exp(-values_[index])); }
   /// Eq. (5): confident occupied, confident free, or uncertain.
   VoxelState state(std::ptrdiff_t index) const {
     if (values_[index] >= config_.L_occupied && values_[index] != 0.0F) return VoxelState::kConfident;

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/map/lanes.hpp"
+#include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet {
@@ -77,7 +78,7 @@ void VoxelMapConfig::visit(ConfigVisitor& v) {
           "thresholds that fall from G_confident over G_tentative to G_uncertain");
   v.check(g_occupied >= G_confident && g_unknown >= G_uncertain && g_unknown < G_tentative && g_free < G_uncertain,
           "g_unknown", "g_occupied confident, g_unknown uncertain and g_free free by the thresholds");
-  v.check(size_m.prod() / std::pow(voxel_m, 3) <= kMaxCells, "size_m", "a box of at most 4e9 voxels");
+  v.check(size_m.prod() / elementary::pow(voxel_m, 3) <= kMaxCells, "size_m", "a box of at most 4e9 voxels");
 }
 
 VoxelMap::VoxelMap(const VoxelMapConfig& config)
@@ -99,7 +100,7 @@ void VoxelMap::update(std::ptrdiff_t index, double n, double g) {
   ENSURE(index >= 0 && index < grid_.num_cells(), index, grid_.num_cells());
   const float before = values_[index];
   if (!std::isfinite(before)) return;
-  const double weight = n == 1.0 ? 0.5 : std::exp2(-n);  // single points are what there is most of
+  const double weight = n == 1.0 ? 0.5 : elementary::exp2(-n);  // single points are what there is most of
   set(index, updated(before, static_cast<float>(weight), static_cast<float>(g)));
 }
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/math/elementary.hpp"
+#include "core/math/elementary_lanes.hpp"
 
 namespace swiftlet {
 namespace {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -96,7 +98,7 @@ std::optional<SplineTrajectory> time_path(const std::vector<Vector3>& corners_m,
     path.interval_s = kInterval_s;
     path.control_points_m = at_equal_times(smoothed, speeds_along(smoothed, limits));
     const Vector3 first_leg = corners_m[1] - corners_m[0];
-    path.yaw_rad = std::atan2(first_leg.y(), first_leg.x());
+    path.yaw_rad = elementary::atan2(first_leg.y(), first_leg.x());
     return path;
   }
   return std::nullopt;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -111,7 +113,8 @@ CloudTracker::CloudTracker(const CloudTrackerConfig& config, std::unique_ptr<Mot
 
 double CloudTracker::uncertainty_radius_m(const Matrix3& position_covariance) const {
   const double det = position_covariance.determinant();
-  return config_.radius_scale * (config_.radius_law == "printed" ? std::cbrt(det) : std::sqrt(std::cbrt(det)));
+  return config_.radius_scale *
+         (config_.radius_law == "printed" ? elementary::cbrt(det) : std::sqrt(elementary::cbrt(det)));
 }
 
 double CloudTracker::search_radius_m(const Target& target) const {

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -97,7 +99,7 @@ class ImmFilter : public MotionFilter {
     double sum = 0.0;
     for (int m = 0; m < kModes; ++m) {
       double& p = state.mode_probability[m];
-      p = std::max(kLeastProbability, p * std::exp(log_likelihood[m] - greatest));
+      p = std::max(kLeastProbability, p * elementary::exp(log_likelihood[m] - greatest));
       sum += p;
     }
     for (double& p : state.mode_probability) p /= sum;
@@ -111,7 +113,7 @@ class ImmFilter : public MotionFilter {
   // A mode is left at a constant rate, for any of the others alike: its chain has a closed form.
   void mix(MotionState& state, double dt_s) const {
     const double leave_rate = 1.0 / config_.mean_sojourn_s * kModes / (kModes - 1);
-    const double stay = 1.0 / kModes + (1.0 - 1.0 / kModes) * std::exp(-leave_rate * dt_s);
+    const double stay = 1.0 / kModes + (1.0 - 1.0 / kModes) * elementary::exp(-leave_rate * dt_s);
     const double change = (1.0 - stay) / (kModes - 1);
     const auto old_modes = state.modes;
     const auto old_probability = state.mode_probability;
@@ -215,7 +217,7 @@ Matrix9 constant_acceleration_transition(double dt_s) {
 Matrix9 coordinated_turn_transition(double dt_s, double rate_radps) {
   const double w = rate_radps, angle = w * dt_s;
   if (std::abs(angle) < kLeastTurn_rad) return constant_acceleration_transition(dt_s);
-  const double s = std::sin(angle), c = std::cos(angle);
+  const double s = elementary::sin(angle), c = elementary::cos(angle);
   return transition(s / w, (1.0 - c) / (w * w), c, s / w, -w * s, c);
 }
 
@@ -243,7 +245,7 @@ double correct_belief(MotionBelief& belief, const Vector3& z_m, const Matrix3& Z
   belief.covariance = 0.5 * (P + P.transpose());
 
   const double log_det = 2.0 * llt.matrixL().toDenseMatrix().diagonal().array().log().sum();
-  return -0.5 * (innovation.dot(llt.solve(innovation)) + log_det + 3.0 * std::log(2.0 * std::numbers::pi));
+  return -0.5 * (innovation.dot(llt.solve(innovation)) + log_det + 3.0 * elementary::log(2.0 * std::numbers::pi));
 }
 
 }  // namespace swiftlet

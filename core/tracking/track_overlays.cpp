@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -47,7 +49,8 @@ void add_ellipsoid(Overlay& lines, const Track& track) {
     const Vector3 u = axes.col(plane), w = axes.col((plane + 1) % 3);
     const auto corner = [&](int k) {
       const double angle = 2.0 * std::numbers::pi * k / kEllipseCorners;
-      return Eigen::Vector3f((track.position_m + std::cos(angle) * u + std::sin(angle) * w).cast<float>());
+      return Eigen::Vector3f(
+          (track.position_m + elementary::cos(angle) * u + elementary::sin(angle) * w).cast<float>());
     };
     for (int k = 0; k < kEllipseCorners; ++k) add_line(lines, corner(k), corner(k + 1), color_of(track.id));
   }

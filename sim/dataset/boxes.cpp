@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -64,8 +66,8 @@ struct BoxMaker::FieldOfView {
     }
   }
   static std::pair<int, int> cell_of(const Vector3& d) {
-    const double azimuth = std::atan2(d.y(), d.x()) / (2.0 * std::numbers::pi) + 0.5;
-    const double elevation = std::asin(std::clamp(d.z() / d.norm(), -1.0, 1.0)) / std::numbers::pi + 0.5;
+    const double azimuth = elementary::atan2(d.y(), d.x()) / (2.0 * std::numbers::pi) + 0.5;
+    const double elevation = elementary::asin(std::clamp(d.z() / d.norm(), -1.0, 1.0)) / std::numbers::pi + 0.5;
     return {std::min(static_cast<int>(azimuth * kWide), kWide - 1),
             std::min(static_cast<int>(elevation * kHigh), kHigh - 1)};
   }

@@ -9,6 +9,7 @@
 #include "sim/scenario/reference.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/scenario/yaml_writer.hpp"
+#include "swiftlet/core/elementary.hpp"
 #include "swiftlet/sim/recorder.hpp"
 
 namespace swiftlet::sim {
@@ -59,7 +60,8 @@ std::string draw(const VariationConfig& variation, const Random& random, std::ui
   if (variation.law == "whole") {
     return shortest(variation.min + std::floor(u * (variation.max - variation.min + 1.0)));
   }
-  if (variation.law == "log_uniform") return shortest(variation.min * std::pow(variation.max / variation.min, u));
+  if (variation.law == "log_uniform")
+    return shortest(variation.min * elementary::pow(variation.max / variation.min, u));
   return shortest(variation.min + u * (variation.max - variation.min));
 }
 

@@ -17,6 +17,7 @@
 #include "sim/run/version.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "sim/world/world.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -45,7 +46,7 @@ std::vector<double> draw_reflectivities(const Scene& scene, double spread, std::
   std::vector<double> drawn;
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const double factor =
-        std::exp(spread * random.normal(static_cast<std::uint32_t>(attempt), static_cast<std::uint32_t>(i)));
+        elementary::exp(spread * random.normal(static_cast<std::uint32_t>(attempt), static_cast<std::uint32_t>(i)));
     const auto reflectivity = static_cast<float>(scene.materials[i].reflectivity * factor);
     drawn.push_back(static_cast<double>(std::clamp(reflectivity, kDarkest, kBrightest)));
   }

@@ -10,6 +10,7 @@
 #include "core/math/random.hpp"
 #include "core/planning/grid_search.hpp"
 #include "sim/dataset/free_space.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -130,8 +131,8 @@ class Planner {
     for (int i = 0; i < kMaxPlaces; ++i) {
       const double distance_m = draws.uniform(config_.leg_min_m, config_.leg_max_m);
       const double azimuth = draws.uniform(0.0, kTwoPi);
-      const auto p =
-          at_some_height(draws, from.x() + distance_m * std::cos(azimuth), from.y() + distance_m * std::sin(azimuth));
+      const auto p = at_some_height(draws, from.x() + distance_m * elementary::cos(azimuth),
+                                    from.y() + distance_m * elementary::sin(azimuth));
       if (p) return p;
     }
     return std::nullopt;
@@ -140,8 +141,8 @@ class Planner {
   // A place at a chosen distance from where the first vehicle will be by then.
   std::optional<Vector3> draw_near_first(Draws& draws, double t_s, const Vector3* from) const {
     const UniformSpline first = paths_.front().spline();
-    const double octaves = std::log(config_.partner_max_m / config_.partner_min_m);
-    const double distance_m = config_.partner_min_m * std::exp(octaves * draws.uniform());
+    const double octaves = elementary::log(config_.partner_max_m / config_.partner_min_m);
+    const double distance_m = config_.partner_min_m * elementary::exp(octaves * draws.uniform());
     const bool in_view = draws.uniform() < config_.in_view_share;
     std::optional<Vector3> otherwise;
     for (int i = 0; i < kMaxPlaces; ++i) {
@@ -152,8 +153,8 @@ class Planner {
         center = first.at(t_s + std::min(leg_s, 10.0)).p_m;
       }
       const double azimuth = draws.uniform(0.0, kTwoPi);
-      const auto p = at_some_height(draws, center.x() + distance_m * std::cos(azimuth),
-                                    center.y() + distance_m * std::sin(azimuth));
+      const auto p = at_some_height(draws, center.x() + distance_m * elementary::cos(azimuth),
+                                    center.y() + distance_m * elementary::sin(azimuth));
       if (!p) continue;
       if (!in_view || !world_->occluded(center, *p)) return p;
       if (!otherwise) otherwise = p;

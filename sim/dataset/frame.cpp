@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -123,7 +125,7 @@ std::vector<int> pixel_shift_by_row(const BeamTable& beams) {
   if (beams.cols < 2) return shifts;
   const auto azimuth = [&](int row, int column) {
     const Eigen::Vector3f& d = beams.directions_lidar[static_cast<std::size_t>(row) * beams.cols + column];
-    return std::atan2(static_cast<double>(d.y()), static_cast<double>(d.x()));
+    return elementary::atan2(static_cast<double>(d.y()), static_cast<double>(d.x()));
   };
   const auto wrapped = [](double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); };
   const double pitch = wrapped(azimuth(0, 1) - azimuth(0, 0));

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -59,7 +61,8 @@ bool FreeSpace::is_indoors(const Vector3& p) const {
   int ended = 0;
   for (int i = 0; i < kViews; ++i) {
     const double azimuth = i * 2.0 * std::numbers::pi / kViews;
-    ended += world_->trace(center, {std::cos(azimuth), std::sin(azimuth), 0.0}, far_m).range_m > 0.0F ? 1 : 0;
+    ended +=
+        world_->trace(center, {elementary::cos(azimuth), elementary::sin(azimuth), 0.0}, far_m).range_m > 0.0F ? 1 : 0;
   }
   known = ended + 1 >= kViews ? 1 : 2;
   return known == 1;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet::sim {
 
 double ground_effect_gain(double height_m, double propeller_radius_m, double coefficient) {
@@ -26,7 +28,7 @@ Vector3 Wake::velocity_world_mps(const Vector3& p_world_m) const {
   const double footprint_m = footprint_m_at(z_m);
   const double r_sq = offset.squaredNorm() - z_m * z_m;
   if (r_sq > footprint_m * footprint_m) return Vector3::Zero();
-  return axis_speed_mps(z_m) * std::exp(-0.5 * r_sq / (width * width)) * axis_world;
+  return axis_speed_mps(z_m) * elementary::exp(-0.5 * r_sq / (width * width)) * axis_world;
 }
 
 Wake make_wake(const Airframe& airframe, const Vector3& p_world_m, const Matrix3& R_world_body, double thrust_N,

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet::sim {
 
 struct MultirotorModel::RotorLoad {
@@ -22,8 +24,8 @@ MultirotorModel::MultirotorModel(const Airframe& airframe, const PhysicsConfig& 
     : airframe_(airframe),
       config_(config),
       num_rotors_(airframe.num_rotors()),
-      half_step_decay_up_down_{std::exp(-0.5 * config.step_s / airframe.motor_time_constant_up_s),
-                               std::exp(-0.5 * config.step_s / airframe.motor_time_constant_down_s)},
+      half_step_decay_up_down_{elementary::exp(-0.5 * config.step_s / airframe.motor_time_constant_up_s),
+                               elementary::exp(-0.5 * config.step_s / airframe.motor_time_constant_down_s)},
       inertia_(airframe.inertia_diagonal_kgm2),
       inertia_inverse_(airframe.inertia_diagonal_kgm2.cwiseInverse()),
       rotor_drag_(config.rotor_drag && airframe.rotor_drag_N_per_radps_mps > 0.0) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -23,9 +25,9 @@ void WindConfig::visit(ConfigVisitor& v) {
 DrydenScales dryden_scales(double height_m, double wind_at_6m_mps) {
   const double height_ft = std::clamp(height_m / kMetersPerFoot, 10.0, 1000.0);
   const double shape = 0.177 + 0.000823 * height_ft;
-  const double length_u_m = height_ft / std::pow(shape, 1.2) * kMetersPerFoot;
+  const double length_u_m = height_ft / elementary::pow(shape, 1.2) * kMetersPerFoot;
   const double sigma_w_mps = 0.1 * wind_at_6m_mps;
-  const double sigma_u_mps = sigma_w_mps / std::pow(shape, 0.4);
+  const double sigma_u_mps = sigma_w_mps / elementary::pow(shape, 0.4);
   return {{length_u_m, length_u_m, height_ft * kMetersPerFoot}, {sigma_u_mps, sigma_u_mps, sigma_w_mps}};
 }
 
@@ -42,9 +44,9 @@ const Vector3& Gusts::advance(std::uint32_t step, double dt_s, double height_m, 
   const DrydenScales scales = dryden_scales(height_m, config_.wind_at_6m_mps);
   const double crossed_m = std::max({airspeed_mps, mean_speed_mps_, kLeastCrossingSpeed_mps}) * dt_s;
   if (step > 0) {
-    const Vector3 memory = {std::exp(-crossed_m / scales.length_m.x()),
-                            std::exp(-2.0 * crossed_m / scales.length_m.y()),
-                            std::exp(-2.0 * crossed_m / scales.length_m.z())};
+    const Vector3 memory = {elementary::exp(-crossed_m / scales.length_m.x()),
+                            elementary::exp(-2.0 * crossed_m / scales.length_m.y()),
+                            elementary::exp(-2.0 * crossed_m / scales.length_m.z())};
     const auto noise = random_.normal3(step, 0);
     for (int i = 0; i < 3; ++i) {
       unit_gust_[i] = memory[i] * unit_gust_[i] + std::sqrt(1.0 - memory[i] * memory[i]) * noise[i];

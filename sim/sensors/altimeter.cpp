@@ -2,6 +2,7 @@
 #include "sim/sensors/altimeter.hpp"
 
 #include "sim/sensors/noise.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 
@@ -40,7 +41,7 @@ class AltimeterSensor final : public Sensor {
           setup_.world->trace(state.p_world_m + lever_world, beam_world, config_.range_max_m).range_m;
       if (true_range_m <= 0.0 || true_range_m < config_.range_min_m) continue;
 
-      const double sigma_m = std::hypot(config_.sigma_m, config_.sigma_relative * true_range_m);
+      const double sigma_m = elementary::hypot(config_.sigma_m, config_.sigma_relative * true_range_m);
       const double range_m = true_range_m + sigma_m * noise_.normal(index, 0);
       if (range_m < config_.range_min_m || range_m > config_.range_max_m) continue;
       const double cos_tilt = -beam_world.z();

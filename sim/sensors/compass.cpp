@@ -2,6 +2,7 @@
 #include "sim/sensors/compass.hpp"
 
 #include "sim/sensors/noise.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 
@@ -30,7 +31,7 @@ class CompassSensor final : public Sensor {
                                              config.disturbance_time_s,
                                              normal3(stream("compass.disturbance.start"), 0))),
         total_sigma_rad_(kRadPerDeg *
-                         std::hypot(config.sigma_deg, config.bias_sigma_deg, config.disturbance_sigma_deg)) {}
+                         elementary::hypot(config.sigma_deg, config.bias_sigma_deg, config.disturbance_sigma_deg)) {}
 
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override {
     TimeNs due = 0;

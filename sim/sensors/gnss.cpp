@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "sim/sensors/noise.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 
@@ -52,13 +53,13 @@ constexpr int kMinSatellites = 4;
 /// Directions spread evenly over the sky above the mask: equal areas in elevation, golden angle in azimuth.
 std::vector<Vector3> constellation(int count, double mask_rad, double first_azimuth_rad) {
   const double golden_angle = std::numbers::pi * (3.0 - std::sqrt(5.0));
-  const double lowest = std::sin(mask_rad);
+  const double lowest = elementary::sin(mask_rad);
   std::vector<Vector3> directions;
   for (int i = 0; i < count; ++i) {
     const double z = lowest + (1.0 - lowest) * (i + 0.5) / count;
     const double azimuth = first_azimuth_rad + i * golden_angle;
     const double horizontal = std::sqrt(1.0 - z * z);
-    directions.emplace_back(horizontal * std::cos(azimuth), horizontal * std::sin(azimuth), z);
+    directions.emplace_back(horizontal * elementary::cos(azimuth), horizontal * elementary::sin(azimuth), z);
   }
   return directions;
 }
@@ -82,7 +83,7 @@ class RandomOutages {
 
  private:
   TimeNs exponential(double mean_s) {
-    return std::max<TimeNs>(1, from_seconds(-mean_s * std::log1p(-random_.uniform(num_drawn_++, 0))));
+    return std::max<TimeNs>(1, from_seconds(-mean_s * elementary::log(1.0 - random_.uniform(num_drawn_++, 0))));
   }
 
   Random random_;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -71,8 +73,8 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
   entries_per_m_ = static_cast<float>(kRangeEntries / range_max_m);
   const bool all_noticed = ideal || detection.always;
   threshold_ = all_noticed ? -1e30F : static_cast<float>(detection.threshold_snr);
-  const double exponent = std::log(kReflectivityHigh / kReflectivityLow) /
-                          std::log(detection.range_80_percent_m / detection.range_10_percent_m);
+  const double exponent = elementary::log(kReflectivityHigh / kReflectivityLow) /
+                          elementary::log(detection.range_80_percent_m / detection.range_10_percent_m);
   const double promised_snr = detection.threshold_snr + kPromised;
   for (int i = 0; i <= kRangeEntries; ++i) {
     const double range_m = i * range_max_m / kRangeEntries;
@@ -85,12 +87,13 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
     // Within the first step the gain of the step's end: everything that near is noticed anyway.
     const double far_enough_m = std::max(range_m, range_max_m / kRangeEntries);
     entry.gain = static_cast<float>(promised_snr / kReflectivityLow *
-                                    std::pow(detection.range_10_percent_m / far_enough_m, exponent));
+                                    elementary::pow(detection.range_10_percent_m / far_enough_m, exponent));
     entries_.push_back(entry);
   }
   flat_incidence_ = noise.table_incidence_deg.empty();
   for (int i = 0; i <= kIncidenceEntries && !flat_incidence_; ++i) {
-    const double incidence_deg = std::acos(static_cast<double>(i) / kIncidenceEntries) * 180.0 / std::numbers::pi;
+    const double incidence_deg =
+        elementary::acos(static_cast<double>(i) / kIncidenceEntries) * 180.0 / std::numbers::pi;
     incidence_factors_.push_back(
         static_cast<float>(linear(noise.table_incidence_deg, noise.table_incidence_factor, incidence_deg)));
   }

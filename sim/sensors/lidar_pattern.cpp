@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/math/angles.hpp"
+#include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/registry.hpp"
 #include "swiftlet/sim/errors.hpp"
 
@@ -19,8 +20,8 @@ constexpr double kRadians = kPi / 180.0;
 constexpr float kRadiansF = static_cast<float>(kRadians);
 
 Eigen::Vector3f direction(double azimuth_rad, double elevation_rad) {
-  return Eigen::Vector3d(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                         std::cos(elevation_rad) * std::sin(azimuth_rad), std::sin(elevation_rad))
+  return Eigen::Vector3d(elementary::cos(elevation_rad) * elementary::cos(azimuth_rad),
+                         elementary::cos(elevation_rad) * elementary::sin(azimuth_rad), elementary::sin(elevation_rad))
       .cast<float>();
 }
 
@@ -46,9 +47,9 @@ class Ouster final : public LidarPattern {
     for (int c = 0; c < beams.cols; ++c) {
       const double encoder = -2.0 * kPi * c / beams.cols;
       beams.column_offset_s[c] = static_cast<float>(sweep_s_ * c / beams.cols);
-      const Eigen::Vector3f origin =
-          Eigen::Vector3d(config_.beam_origin_m * std::cos(encoder), config_.beam_origin_m * std::sin(encoder), 0.0)
-              .cast<float>();
+      const Eigen::Vector3f origin = Eigen::Vector3d(config_.beam_origin_m * elementary::cos(encoder),
+                                                     config_.beam_origin_m * elementary::sin(encoder), 0.0)
+                                         .cast<float>();
       for (int r = 0; r < beams.rows; ++r) {
         const std::size_t i = static_cast<std::size_t>(r) * beams.cols + c;
         beams.directions_lidar[i] = direction(encoder - azimuth_deg(r) * kRadians, elevation_deg(r) * kRadians);
@@ -103,21 +104,21 @@ class LivoxMid360 final : public LidarPattern {
   // the elevation slowly, carries a small circle of four beams.
   static void fire(double s, int column, BeamTable& beams) {
     const float phi = static_cast<float>(std::remainder(s, kLivoxPeriod) * (2.0 * kPi / kLivoxPeriod));
-    const float cos_phi = std::cos(phi), sin_phi = std::sin(phi);
+    const float cos_phi = elementary::cos(phi), sin_phi = elementary::sin(phi);
     const float cos2 = cos_phi * cos_phi, sin2 = sin_phi * sin_phi;
     const float zenith_center = 68.12F - 26.10F * cos_phi + sin2 * (1.95F + 9.48F * cos_phi);
     const double turned = 1.31299 * s - 0.03581 * (kLivoxPeriod / (2.0 * kPi)) * sin_phi;
     const float azimuth_center = static_cast<float>(std::remainder(269.0 - turned, 360.0)) * kRadiansF;
     const float psi = static_cast<float>(std::remainder(1.002 * turned, 360.0)) * kRadiansF;
-    const float depth = (1.387F + 1.019F * cos2 * cos2 + 0.402F * cos2 * cos_phi) * std::cos(psi);
-    const float width = (1.427F + 0.710F * sin2) * std::sin(psi) / std::sin(zenith_center * kRadiansF);
+    const float depth = (1.387F + 1.019F * cos2 * cos2 + 0.402F * cos2 * cos_phi) * elementary::cos(psi);
+    const float width = (1.427F + 0.710F * sin2) * elementary::sin(psi) / elementary::sin(zenith_center * kRadiansF);
     for (int line = 0; line < kLivoxLines; ++line) {
       const float u = static_cast<float>(line) - 1.5F;
       const float zenith = (zenith_center + u * depth) * kRadiansF;
       const float azimuth = azimuth_center - u * width * kRadiansF;
-      const float across = std::sin(zenith);
+      const float across = elementary::sin(zenith);
       beams.directions_lidar[static_cast<std::size_t>(line) * beams.cols + column] = {
-          across * std::cos(azimuth), across * std::sin(azimuth), std::cos(zenith)};
+          across * elementary::cos(azimuth), across * elementary::sin(azimuth), elementary::cos(zenith)};
     }
   }
 

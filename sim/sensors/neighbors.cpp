@@ -5,6 +5,7 @@
 
 #include "sim/sensors/noise.hpp"
 #include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 
@@ -55,8 +56,9 @@ struct ViewCone {
 ViewCone view_cone(const NeighborCamera& camera) {
   const double yaw = camera.yaw_deg * kRadPerDeg;
   const double pitch = camera.pitch_deg * kRadPerDeg;
-  return {{std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw), std::sin(pitch)},
-          std::cos(0.5 * camera.fov_deg * kRadPerDeg)};
+  return {{elementary::cos(pitch) * elementary::cos(yaw), elementary::cos(pitch) * elementary::sin(yaw),
+           elementary::sin(pitch)},
+          elementary::cos(0.5 * camera.fov_deg * kRadPerDeg)};
 }
 
 bool segment_meets_sphere(const Vector3& a, const Vector3& b, const Vector3& center, double radius) {
@@ -110,7 +112,7 @@ class NeighborsSensor final : public Sensor {
     const double range_m = p_body.norm();
     if (range_m > config_.range_max_m || range_m < config_.range_min_m || range_m <= 0.0) return false;
     if (cones_.empty()) {
-      const double elevation_deg = std::asin(std::clamp(p_body.z() / range_m, -1.0, 1.0)) / kRadPerDeg;
+      const double elevation_deg = elementary::asin(std::clamp(p_body.z() / range_m, -1.0, 1.0)) / kRadPerDeg;
       return elevation_deg >= config_.elevation_min_deg && elevation_deg <= config_.elevation_max_deg;
     }
     return std::any_of(cones_.begin(), cones_.end(), [&](const ViewCone& cone) {
@@ -134,7 +136,7 @@ class NeighborsSensor final : public Sensor {
   NeighborSample seen(TimeNs t, std::uint32_t index, VehicleId other, const Vector3& p_body) const {
     const double sigma_bearing = config_.sigma_bearing_deg * kRadPerDeg;
     const auto sigma_range = [&](double range_m) {
-      return std::hypot(config_.sigma_range_m, config_.sigma_range_relative * range_m);
+      return elementary::hypot(config_.sigma_range_m, config_.sigma_range_relative * range_m);
     };
     const double true_range_m = p_body.norm();
     const Vector3 normals = normal3(noise_[other], index);

@@ -6,6 +6,7 @@
 
 #include "core/math/angles.hpp"
 #include "core/math/random.hpp"
+#include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/frames.hpp"
 
 /// Noise that all sensors share. Every number comes from (seed, purpose, entity, sample, axis).
@@ -38,7 +39,7 @@ class GaussMarkov {
     }
     if (dt_s != dt_s_) {  // most processes advance by equal steps
       dt_s_ = dt_s;
-      decay_ = std::exp(-dt_s / time_s_);
+      decay_ = elementary::exp(-dt_s / time_s_);
       spread_ = std::sqrt(0.5 * time_s_ * (1.0 - decay_ * decay_));
     }
     value_ = decay_ * value_ + walk_density_.cwiseProduct(normals) * spread_;
@@ -70,7 +71,7 @@ inline Vector3 rotation_log(Eigen::Quaterniond q) {
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
   const double sine = q.vec().norm();
   if (sine < 1e-12) return 2.0 * q.vec();
-  return q.vec() * (2.0 * std::atan2(sine, q.w()) / sine);
+  return q.vec() * (2.0 * elementary::atan2(sine, q.w()) / sine);
 }
 
 /// Wraps to (-pi, pi].

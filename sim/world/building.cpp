@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim/world/mesh_builder.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 
@@ -12,7 +13,7 @@ void add_wall(Mesh& mesh, const Eigen::Vector2d& start_m, const Eigen::Vector2d&
               double thickness_m, std::span<const Opening> openings, double foot_z_m) {
   const Eigen::Vector2d along = (end_m - start_m).normalized();
   const double length_m = (end_m - start_m).norm();
-  const double yaw_rad = std::atan2(along.y(), along.x());
+  const double yaw_rad = elementary::atan2(along.y(), along.x());
   // The part of the wall between two places along it and two heights.
   const auto add_piece = [&](double from_m, double to_m, double low_m, double high_m) {
     if (to_m - from_m <= 1e-9 || high_m - low_m <= 1e-9) return;

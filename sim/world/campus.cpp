@@ -9,6 +9,7 @@
 #include "sim/world/materials.hpp"
 #include "sim/world/mesh_builder.hpp"
 #include "sim/world/tree.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -230,7 +231,7 @@ void add_lamps(SceneBuilder& scene, const CampusConfig& config, std::uint64_t se
     Dice dice(random, i);
     const auto place_m = find_place(config, kReach_m, spacing, dice);
     if (!place_m) continue;
-    const double yaw_rad = std::atan2(-place_m->y(), -place_m->x());  // the arm points to the building
+    const double yaw_rad = elementary::atan2(-place_m->y(), -place_m->x());  // the arm points to the building
     const Vector3d foot_m(place_m->x(), place_m->y(), 0.0);
     const std::uint16_t instance = scene.next_instance(SurfaceClass::kPillar);
     scene.place(lamp, instance, transform(foot_m.cast<float>(), static_cast<float>(yaw_rad)));

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/math/random.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 
@@ -27,7 +28,7 @@ class Dice {
     const double z = uniform(-1.0, 1.0);
     const double angle = angle_rad();
     const double radius = std::sqrt(1.0 - z * z);
-    return {static_cast<float>(radius * std::cos(angle)), static_cast<float>(radius * std::sin(angle)),
+    return {static_cast<float>(radius * elementary::cos(angle)), static_cast<float>(radius * elementary::sin(angle)),
             static_cast<float>(z)};
   }
 

@@ -9,6 +9,7 @@
 #include "sim/world/mesh_builder.hpp"
 #include "sim/world/tree.hpp"
 #include "sim/world/undergrowth.hpp"
+#include "swiftlet/core/elementary.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
@@ -38,7 +39,8 @@ int count_of(const ForestConfig& config, double per_ha) {
 Vector3d on_ground(const Relief& relief, const Vector2d& p) { return {p.x(), p.y(), relief.height_m(p.x(), p.y())}; }
 
 double weibull_quantile(const ForestConfig& config, double probability) {
-  return config.dbh_min_m + config.dbh_scale_m * std::pow(-std::log(1.0 - probability), 1.0 / config.dbh_shape);
+  return config.dbh_min_m +
+         config.dbh_scale_m * elementary::pow(-elementary::log(1.0 - probability), 1.0 / config.dbh_shape);
 }
 
 Vector2d draw_place(const ForestConfig& config, Dice& dice) {
@@ -99,7 +101,7 @@ void add_trees(SceneBuilder& scene, const ForestConfig& config, std::uint64_t se
     const Vector3d foot_m = on_ground(relief, stem.place_m);
     const bool crown_is_above = foot_m.z() + tree.crown_base_m >= clear_top_m;
     const double trunk_reach_m =
-        stem.dbh_m + 1.0 + std::tan(config.lean_max_deg * std::numbers::pi / 180.0) * tree.height_m;
+        stem.dbh_m + 1.0 + elementary::tan(config.lean_max_deg * std::numbers::pi / 180.0) * tree.height_m;
     const double reach_m = crown_is_above ? std::min(trunk_reach_m, tree.crown_radius_m) : tree.crown_radius_m;
     if (config.keep_clear.distance_m(stem.place_m) < reach_m) continue;
     stock.place(scene, foot_m, stem.dbh_m, stem.height_factor, stem.yaw_rad);
@@ -134,7 +136,7 @@ void add_fallen_trunks(SceneBuilder& scene, const ForestConfig& config, std::uin
     const double yaw_rad = dice.angle_rad();
     const double length_m = dice.uniform(4.0, 12.0);
     const double radius_m = dice.uniform(0.08, 0.22);
-    const Vector2d along(std::cos(yaw_rad), std::sin(yaw_rad));
+    const Vector2d along(elementary::cos(yaw_rad), elementary::sin(yaw_rad));
     const Vector2d half_m = 0.5 * config.size_m;
     const Vector2d tip_m = (foot_m + length_m * along).cwiseMax(-half_m).cwiseMin(half_m);
 

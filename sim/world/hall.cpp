@@ -8,6 +8,7 @@
 #include "sim/world/materials.hpp"
 #include "sim/world/mesh_builder.hpp"
 #include "sim/world/scene_builder.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -23,7 +24,7 @@ double hide_top_m(const HallConfig& config) {
 // Both ends of the wall to hide behind.
 std::pair<Vector2d, Vector2d> hide_ends(const HallConfig& config) {
   const double yaw_rad = config.hide_yaw_deg * std::numbers::pi / 180.0;
-  const Vector2d half_m = 0.5 * config.hide_length_m * Vector2d(std::cos(yaw_rad), std::sin(yaw_rad));
+  const Vector2d half_m = 0.5 * config.hide_length_m * Vector2d(elementary::cos(yaw_rad), elementary::sin(yaw_rad));
   return {config.hide_center_m - half_m, config.hide_center_m + half_m};
 }
 

@@ -5,6 +5,8 @@
 #include <map>
 #include <numbers>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -25,7 +27,7 @@ void add_box_triangles(Mesh& mesh, std::uint32_t first) {
 // Circumradius of the regular polygon that has the area of the unit circle.
 float equal_area_circumradius(int sides) {
   const double step_rad = 2.0 * std::numbers::pi / sides;
-  return static_cast<float>(std::sqrt(step_rad / std::sin(step_rad)));
+  return static_cast<float>(std::sqrt(step_rad / elementary::sin(step_rad)));
 }
 
 Mesh make_unit_icosphere(int subdivisions) {
@@ -54,7 +56,7 @@ Mesh make_unit_icosphere(int subdivisions) {
     }
     mesh.triangles = std::move(finer);
   }
-  const double to_unit_volume = std::cbrt(4.0 / 3.0 * std::numbers::pi / signed_volume_m3(mesh));
+  const double to_unit_volume = elementary::cbrt(4.0 / 3.0 * std::numbers::pi / signed_volume_m3(mesh));
   for (Vector3f& vertex : mesh.vertices_m) vertex *= static_cast<float>(to_unit_volume);
   return mesh;
 }
@@ -109,7 +111,7 @@ void add_tube(Mesh& mesh, std::span<const Vector3f> points_m, std::span<const fl
     const Vector3f up = axis.cross(side);
     for (std::uint32_t k = 0; k < num_sides; ++k) {
       const float angle_rad = step_rad * static_cast<float>(k);
-      const Vector3f radial = std::cos(angle_rad) * side + std::sin(angle_rad) * up;
+      const Vector3f radial = elementary::cos(angle_rad) * side + elementary::sin(angle_rad) * up;
       mesh.vertices_m.push_back(points_m[ring] + circumradius * radii_m[ring] * radial);
     }
   }

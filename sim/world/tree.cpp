@@ -6,6 +6,7 @@
 
 #include "sim/world/materials.hpp"
 #include "sim/world/mesh_builder.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -92,7 +93,8 @@ Mesh make_whorls(const Tree& tree, Dice& dice) {
       const double length_m = 0.92 * dice.uniform(0.75, 1.0) * tree.crown.outer_radius_m(z_m);
       const double rise_m = length_m * (is_spruce ? dice.uniform(-0.25, 0.0) : dice.uniform(0.05, 0.35));
       const Vector3d from_m = axis_point(tree.crown, z_m);
-      const Vector3d to_m = from_m + Vector3d(length_m * std::cos(angle_rad), length_m * std::sin(angle_rad), rise_m);
+      const Vector3d to_m =
+          from_m + Vector3d(length_m * elementary::cos(angle_rad), length_m * elementary::sin(angle_rad), rise_m);
       const double thickness_m =
           std::min(0.012 + 0.012 * length_m, 0.8 * trunk_radius_m(tree.dbh_m, tree.height_m, z_m));
       add_branch(mesh, {from_m, to_m, thickness_m}, (is_spruce ? 0.04 : -0.04) * length_m, 4);
@@ -105,7 +107,9 @@ Mesh make_whorls(const Tree& tree, Dice& dice) {
     const double length_m = trunk_radius_m(tree.dbh_m, tree.height_m, z_m) + dice.uniform(0.15, 0.6);
     const Vector3d from_m = axis_point(tree.crown, z_m);
     add_branch(
-        mesh, {from_m, from_m + Vector3d(length_m * std::cos(angle_rad), length_m * std::sin(angle_rad), -0.05), 0.012},
+        mesh,
+        {from_m, from_m + Vector3d(length_m * elementary::cos(angle_rad), length_m * elementary::sin(angle_rad), -0.05),
+         0.012},
         0.0, 3);
   }
   return mesh;
@@ -122,7 +126,8 @@ Mesh make_boughs(const Tree& tree, Dice& dice) {
     const double top_z_m = std::min(z_m + length_m * dice.uniform(0.12, 0.25), crown.top_m - 0.1 * length_m);
     const double reach_m = 0.88 * dice.uniform(0.8, 1.0) * crown.outer_radius_m(top_z_m);
     const Vector3d from_m = axis_point(crown, z_m);
-    const Vector3d to_m = axis_point(crown, top_z_m) + reach_m * Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0);
+    const Vector3d to_m =
+        axis_point(crown, top_z_m) + reach_m * Vector3d(elementary::cos(angle_rad), elementary::sin(angle_rad), 0);
     const double radius_m = std::min(0.02 + 0.015 * reach_m, 0.7 * trunk_radius_m(tree.dbh_m, tree.height_m, z_m));
     add_branch(mesh, {from_m, to_m, radius_m}, -0.06 * reach_m, 5);
     for (int fork = 0; fork < 4; ++fork) {
@@ -192,13 +197,13 @@ const char* name_of(Species species) { return law_of(species).name; }
 
 double height_by_diameter_m(Species species, double dbh_m) {
   const SpeciesLaw& law = law_of(species);
-  return kBreastHeight_m + law.michailow_a_m * std::exp(-law.michailow_b_m / dbh_m);
+  return kBreastHeight_m + law.michailow_a_m * elementary::exp(-law.michailow_b_m / dbh_m);
 }
 
 double trunk_radius_m(double dbh_m, double height_m, double z_m) {
   const double above = std::clamp((height_m - z_m) / (height_m - kBreastHeight_m), 0.0, 2.0);
-  const double butt_swell = 0.35 * std::exp(-z_m / 0.25) - 0.35 * std::exp(-kBreastHeight_m / 0.25);
-  return 0.5 * dbh_m * (std::pow(above, 0.8) + std::max(butt_swell, 0.0) * (z_m < kBreastHeight_m ? 1.0 : 0.0));
+  const double butt_swell = 0.35 * elementary::exp(-z_m / 0.25) - 0.35 * elementary::exp(-kBreastHeight_m / 0.25);
+  return 0.5 * dbh_m * (elementary::pow(above, 0.8) + std::max(butt_swell, 0.0) * (z_m < kBreastHeight_m ? 1.0 : 0.0));
 }
 
 double Crown::outer_radius_m(double z_m) const {
@@ -207,7 +212,7 @@ double Crown::outer_radius_m(double z_m) const {
     case Species::kSpruce:
       return radius_m * std::min(t / 0.08, (1.0 - t) / 0.92);  // cone
     case Species::kPine:
-      return radius_m * std::pow(std::sin(std::numbers::pi * std::pow(t, 0.8)), 0.6);  // dome
+      return radius_m * elementary::pow(elementary::sin(std::numbers::pi * elementary::pow(t, 0.8)), 0.6);  // dome
     case Species::kBroadleaf:
       return radius_m * std::sqrt(std::max(0.0, 1.0 - (2.0 * t - 1.0) * (2.0 * t - 1.0)));  // ellipsoid
   }
@@ -226,7 +231,7 @@ bool Crown::contains(const Vector3d& point_m) const {
 
 Tree make_tree(Species species, double dbh_m, const TreeOptions& options, Dice dice) {
   const SpeciesLaw& law = law_of(species);
-  const double lean = std::tan(dice.uniform(0.0, options.lean_max_deg) * std::numbers::pi / 180.0);
+  const double lean = elementary::tan(dice.uniform(0.0, options.lean_max_deg) * std::numbers::pi / 180.0);
   const double lean_direction_rad = dice.angle_rad();
   Tree tree;
   tree.species = species;
@@ -236,8 +241,8 @@ Tree make_tree(Species species, double dbh_m, const TreeOptions& options, Dice d
   tree.crown.top_m = tree.height_m;
   tree.crown.base_m = tree.height_m * (1.0 - law.crown_length_ratio * dice.uniform(0.9, 1.1));
   tree.crown.radius_m = (law.crown_radius_m + law.crown_radius_per_dbh * dbh_m) * dice.uniform(0.9, 1.1);
-  tree.crown.lean_x = lean * std::cos(lean_direction_rad);
-  tree.crown.lean_y = lean * std::sin(lean_direction_rad);
+  tree.crown.lean_x = lean * elementary::cos(lean_direction_rad);
+  tree.crown.lean_y = lean * elementary::sin(lean_direction_rad);
   tree.trunk = make_trunk(tree);
   tree.branches = species == Species::kBroadleaf ? make_boughs(tree, dice) : make_whorls(tree, dice);
   tree.leaves = make_leaves(tree.crown, options, dice);

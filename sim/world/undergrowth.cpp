@@ -6,6 +6,7 @@
 
 #include "sim/world/materials.hpp"
 #include "sim/world/mesh_builder.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -21,7 +22,7 @@ Mesh make_bush(double detail, Dice dice) {
   const auto leaf_m = static_cast<float>(0.16 / std::sqrt(std::max(detail, 0.1)));
   for (int i = 0; i < num_leaves; ++i) {
     const Vector3f direction = dice.direction();
-    const auto radius = static_cast<float>(std::cbrt(dice.uniform(0.1, 1.0)));
+    const auto radius = static_cast<float>(elementary::cbrt(dice.uniform(0.1, 1.0)));
     const Vector3f center(0.55F * radius * direction.x(), 0.55F * radius * direction.y(),
                           0.15F + 0.8F * radius * std::abs(direction.z()));
     const Vector3f normal = dice.direction();
@@ -32,8 +33,8 @@ Mesh make_bush(double detail, Dice dice) {
   }
   for (int i = 0; i < 4; ++i) {
     const double angle_rad = dice.angle_rad();
-    const Vector3f tip(static_cast<float>(0.4 * std::cos(angle_rad)), static_cast<float>(0.4 * std::sin(angle_rad)),
-                       0.7F);
+    const Vector3f tip(static_cast<float>(0.4 * elementary::cos(angle_rad)),
+                       static_cast<float>(0.4 * elementary::sin(angle_rad)), 0.7F);
     add_frustum(mesh, {0, 0, -0.1F}, 0.012F, tip, 0.004F, 3, Caps::kNone);
   }
   return mesh;
@@ -45,7 +46,8 @@ Mesh make_grass(double detail, Dice dice) {
   const int num_blades = std::max(6, static_cast<int>(std::lround(14 * detail)));
   for (int i = 0; i < num_blades; ++i) {
     const double angle_rad = dice.angle_rad();
-    const Vector3f outward(static_cast<float>(std::cos(angle_rad)), static_cast<float>(std::sin(angle_rad)), 0);
+    const Vector3f outward(static_cast<float>(elementary::cos(angle_rad)),
+                           static_cast<float>(elementary::sin(angle_rad)), 0);
     const Vector3f side = Vector3f::UnitZ().cross(outward);
     const auto height_m = static_cast<float>(dice.uniform(0.25, 0.55));
     const auto bend_m = static_cast<float>(dice.uniform(0.05, 0.3));

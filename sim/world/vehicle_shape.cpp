@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sim/world/mesh_builder.hpp"
+#include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -48,10 +49,10 @@ void add_body(VehicleShape& shape, const Airframe& airframe, float arm_z_m) {
           Vector3f(0.75F * radius_m, 0.3F * radius_m, arm_z_m - 0.25F * height_m - plate_m));
   for (int i = 0; i < 4; ++i) {  // spacers between the plates
     const float angle_rad = std::numbers::pi_v<float> * (0.5F * static_cast<float>(i));
-    add_upright(
-        body,
-        {0.8F * radius_m * std::cos(angle_rad), 0.8F * radius_m * std::sin(angle_rad), arm_z_m - 0.25F * height_m},
-        0.03F * radius_m, 0.5F * height_m);
+    add_upright(body,
+                {0.8F * radius_m * elementary::cos(angle_rad), 0.8F * radius_m * elementary::sin(angle_rad),
+                 arm_z_m - 0.25F * height_m},
+                0.03F * radius_m, 0.5F * height_m);
   }
 }
 
@@ -107,7 +108,7 @@ float reach_m(const VehicleShape& shape) {
     for (const Vector3f& vertex : mesh.vertices_m) reach = std::max(reach, vertex.norm());
   }
   for (const VehicleShape::RotorShape& rotor : shape.rotors) {
-    reach = std::max(reach, std::hypot(rotor.hub_m.head<2>().norm() + rotor.radius_m, rotor.hub_m.z()));
+    reach = std::max(reach, elementary::hypot(rotor.hub_m.head<2>().norm() + rotor.radius_m, rotor.hub_m.z()));
   }
   return reach;
 }
@@ -119,11 +120,11 @@ bool VehicleShape::blade_covers(const RotorShape& rotor, float x, float y, doubl
   if (radius_sq > rotor.radius_m * rotor.radius_m) return false;
   // Turn the point into the frame of the rotor and then to its nearest blade, which lies along +x.
   const double pitch_rad = 2.0 * std::numbers::pi / rotor.blades;
-  const double from_blade_0_rad = std::atan2(y, x) - angle_rad;
+  const double from_blade_0_rad = elementary::atan2(y, x) - angle_rad;
   const double from_blade_rad = from_blade_0_rad - pitch_rad * std::round(from_blade_0_rad / pitch_rad);
   const float radius = std::sqrt(radius_sq);
-  const auto along = static_cast<float>(radius * std::cos(from_blade_rad));
-  const auto across = static_cast<float>(radius * std::sin(from_blade_rad));
+  const auto along = static_cast<float>(radius * elementary::cos(from_blade_rad));
+  const auto across = static_cast<float>(radius * elementary::sin(from_blade_rad));
   const float root_m = kRootCutout * rotor.radius_m;
   if (along < root_m) return false;
   const float taper = (along - root_m) / (rotor.radius_m - root_m);

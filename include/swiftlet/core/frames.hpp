@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 
+#include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/time.hpp"
 
 /// Frames (docs/conventions.md): world = east, north, up; body = forward, left, up, origin in the center of mass;
@@ -38,6 +39,6 @@ inline Pose make_pose(const Vector3& position, const Eigen::Quaterniond& rotatio
 }
 
 /// Heading of the body's x axis in the x-y plane of the destination frame [rad], (-pi, pi].
-inline double yaw_of(const Matrix3& R) { return std::atan2(R(1, 0), R(0, 0)); }
+inline double yaw_of(const Matrix3& R) { return elementary::atan2(R(1, 0), R(0, 0)); }
 
 }  // namespace swiftlet
