@@ -131,6 +131,7 @@ inline double cbrt(double x) {
 }
 /// Of sides whose squares are neither too small nor too large.
 inline double hypot(double x, double y) { return std::sqrt(x * x + y * y); }
+inline double hypot(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }
 
 // In single precision: rounded once more.
 inline float sin(float x) { return static_cast<float>(sin(static_cast<double>(x))); }
