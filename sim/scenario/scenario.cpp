@@ -13,6 +13,7 @@
 #include "sim/world/world.hpp"
 #include "swiftlet/core/time.hpp"
 #include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/recorder_output.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -126,6 +127,56 @@ void check_cameras(ConfigVisitor& v, const Scenario& scenario, const std::vector
   }
 }
 
+/// Every part of it is a plain name, so that it stays below the run directory.
+bool is_output_path(const std::string& path) {
+  if (path.size() > 255 || path.ends_with(".part")) return false;  // files that are being written end with .part
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    if (!is_file_name(std::string_view(path).substr(begin, end - begin))) return false;
+    begin = end + 1;
+  }
+  return true;
+}
+
+/// Is `path` the folder itself or something in it?
+bool lies_in(const std::string& path, const std::string& folder) {
+  return path == folder || path.starts_with(folder + "/");
+}
+
+/// Have two selections anything in common? An empty one selects all.
+bool overlap(const std::vector<std::string>& a, const std::vector<std::string>& b) {
+  return a.empty() || b.empty() ||
+         std::any_of(a.begin(), a.end(), [&](const std::string& name) { return contains(b, name); });
+}
+
+bool collide(const RecorderOutput& a, const RecorderOutput& b) {
+  if (a.is_file || b.is_file) return lies_in(a.place, b.place) || lies_in(b.place, a.place);
+  return a.place == b.place && a.kind == b.kind && overlap(a.vehicles, b.vehicles) && overlap(a.streams, b.streams);
+}
+
+/// What recorders write lies in the run directory, and no two write the same.
+void check_recorders(ConfigVisitor& v, const std::vector<Module>& recorders, const std::vector<std::string>& vehicles) {
+  std::vector<RecorderOutput> earlier = {{"", "summary.json", true, "", {}, {}},
+                                         {"", "scenario.yaml", true, "", {}, {}}};
+  for (std::size_t i = 0; i < recorders.size(); ++i) {
+    const auto* config = dynamic_cast<const TellsOutput*>(recorders[i].config.get());
+    if (config == nullptr) continue;
+    const RecorderOutput output = config->output();
+    const std::string key = element("recorders", i, output.key.c_str());
+    for (std::size_t j = 0; j < output.vehicles.size(); ++j) {
+      check_exists(v, output.vehicles[j], vehicles,
+                   element("recorders", i, "vehicles") + "[" + std::to_string(j) + "]");
+    }
+    v.check(is_output_path(output.place), key.c_str(),
+            "a path within the run directory, of names of letters, digits, '_', '-' and '.'");
+    const auto taken = std::find_if(earlier.begin(), earlier.end(),
+                                    [&](const RecorderOutput& other) { return collide(output, other); });
+    v.check(taken == earlier.end(), key.c_str(),
+            "files that nothing else writes; " + output.place + " is written already");
+    earlier.push_back(output);
+  }
+}
+
 void check_time(ConfigVisitor& v, const Scenario& scenario) {
   const TimeNs step = from_seconds(scenario.physics.step_s);
   const TimeNs tick = from_seconds(scenario.tick_s);
@@ -195,7 +246,9 @@ void Scenario::visit(ConfigVisitor& v) {
   v.check(is_file_name(name), "name", kNameRule);
   check_time(v, *this);
   v.check(vehicles.size() <= kMaxVehicles, "vehicles", "at most " + std::to_string(kMaxVehicles) + " vehicles");
-  check_cameras(v, *this, name_vehicles(v, vehicles));
+  const std::vector<std::string> vehicle_names = name_vehicles(v, vehicles);
+  check_recorders(v, recorders, vehicle_names);
+  check_cameras(v, *this, vehicle_names);
 }
 
 Scenario load_scenario(const std::filesystem::path& file,

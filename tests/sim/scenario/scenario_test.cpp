@@ -229,5 +229,39 @@ TEST(Scenario, OverridesReachEveryDepth) {
   EXPECT_THROW(load_scenario(file, {{"vehicles[0].start.yaw", "90"}}), InputError);
 }
 
+TEST(Scenario, RecordersWriteNowhereButIntoTheRunDirectory) {
+  for (const std::string place : {"../out", "a/../../b", "/tmp/x", "", "a//b", "a/", ".", "..", ".hidden", "-o",
+                                  "a\\nb", "summary.json", "scenario.yaml", "summary.json/a", "x.part"}) {
+    for (const auto& [type, key] :
+         {std::pair{"mcap", "file"}, {"rosbag", "file"}, {"pcd", "folder"}, {"ply", "folder"}}) {
+      const std::string error =
+          scenario_error(std::string("recorders:\n  - {type: ") + type + ", " + key + ": \"" + place + "\"}\n");
+      EXPECT_THAT(error, HasSubstr("flight.yaml:2:")) << type << " " << place;
+      EXPECT_THAT(error, HasSubstr(std::string("recorders[0].") + key)) << type << " " << place;
+    }
+  }
+  EXPECT_EQ(scenario_error("recorders: [{type: mcap, file: logs/a.mcap}, {type: pcd, folder: logs/scans}]"),
+            "no error");
+}
+
+TEST(Scenario, NoTwoRecordersWriteTheSame) {
+  for (const std::string recorders :
+       {"{type: mcap, file: a}, {type: rosbag, file: a}", "{type: pcd, folder: a}, {type: pcd, folder: a}",
+        "{type: pcd, folder: a}, {type: mcap, file: a}", "{type: mcap, file: a}, {type: ply, folder: a/b}",
+        "{type: tum}, {type: tum}", "{type: csv}, {type: csv}", "{type: events}, {type: mcap, file: events.jsonl}"}) {
+    EXPECT_THAT(scenario_error("recorders: [" + recorders + "]"), HasSubstr("recorders[1].")) << recorders;
+  }
+  for (const std::string recorders :
+       {"{type: pcd}, {type: ply}", "{type: pcd, sensors: [front]}, {type: pcd, sensors: [rear]}",
+        "{type: pcd, folder: a}, {type: pcd, folder: b}", "{type: csv, topics: [state]}, {type: csv, topics: [imu]}"}) {
+    EXPECT_EQ(scenario_error("recorders: [" + recorders + "]"), "no error") << recorders;
+  }
+}
+
+TEST(Scenario, ARecorderOfAVehicleThatIsNotThereIsToldWithItsPlace) {
+  EXPECT_THAT(scenario_error("vehicles: [{name: alpha}]\nrecorders: [{type: tum, vehicles: [alpha, alfa]}]"),
+              HasSubstr("flight.yaml:2:43: recorders[0].vehicles[1]: expected \"alpha\""));
+}
+
 }  // namespace
 }  // namespace swiftlet::sim
