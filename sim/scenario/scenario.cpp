@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/agent/registry.hpp"
+#include "sim/scenario/recorder_paths.hpp"
 #include "sim/scenario/suggest.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/scenario/yaml_writer.hpp"
@@ -13,23 +14,12 @@
 #include "sim/world/world.hpp"
 #include "swiftlet/core/time.hpp"
 #include "swiftlet/sim/recorder.hpp"
-#include "swiftlet/sim/recorder_output.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 constexpr std::size_t kMaxVehicles = 10'000;
 constexpr const char* kNameRule = "a name of letters, digits, '_', '-' and '.' (it becomes a file name)";
-
-/// Names become names of files and folders.
-bool is_file_name(std::string_view name) {
-  const auto allowed = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-           c == '.';
-  };
-  return !name.empty() && name.size() <= 64 && name.front() != '.' && name.front() != '-' &&
-         std::all_of(name.begin(), name.end(), allowed);
-}
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -127,56 +117,6 @@ void check_cameras(ConfigVisitor& v, const Scenario& scenario, const std::vector
   }
 }
 
-/// Every part of it is a plain name, so that it stays below the run directory.
-bool is_output_path(const std::string& path) {
-  if (path.size() > 255 || path.ends_with(".part")) return false;  // files that are being written end with .part
-  for (std::size_t begin = 0; begin <= path.size();) {
-    const std::size_t end = std::min(path.find('/', begin), path.size());
-    if (!is_file_name(std::string_view(path).substr(begin, end - begin))) return false;
-    begin = end + 1;
-  }
-  return true;
-}
-
-/// Is `path` the folder itself or something in it?
-bool lies_in(const std::string& path, const std::string& folder) {
-  return path == folder || path.starts_with(folder + "/");
-}
-
-/// Have two selections anything in common? An empty one selects all.
-bool overlap(const std::vector<std::string>& a, const std::vector<std::string>& b) {
-  return a.empty() || b.empty() ||
-         std::any_of(a.begin(), a.end(), [&](const std::string& name) { return contains(b, name); });
-}
-
-bool collide(const RecorderOutput& a, const RecorderOutput& b) {
-  if (a.is_file || b.is_file) return lies_in(a.place, b.place) || lies_in(b.place, a.place);
-  return a.place == b.place && a.kind == b.kind && overlap(a.vehicles, b.vehicles) && overlap(a.streams, b.streams);
-}
-
-/// What recorders write lies in the run directory, and no two write the same.
-void check_recorders(ConfigVisitor& v, const std::vector<Module>& recorders, const std::vector<std::string>& vehicles) {
-  std::vector<RecorderOutput> earlier = {{"", "summary.json", true, "", {}, {}},
-                                         {"", "scenario.yaml", true, "", {}, {}}};
-  for (std::size_t i = 0; i < recorders.size(); ++i) {
-    const auto* config = dynamic_cast<const TellsOutput*>(recorders[i].config.get());
-    if (config == nullptr) continue;
-    const RecorderOutput output = config->output();
-    const std::string key = element("recorders", i, output.key.c_str());
-    for (std::size_t j = 0; j < output.vehicles.size(); ++j) {
-      check_exists(v, output.vehicles[j], vehicles,
-                   element("recorders", i, "vehicles") + "[" + std::to_string(j) + "]");
-    }
-    v.check(is_output_path(output.place), key.c_str(),
-            "a path within the run directory, of names of letters, digits, '_', '-' and '.'");
-    const auto taken = std::find_if(earlier.begin(), earlier.end(),
-                                    [&](const RecorderOutput& other) { return collide(output, other); });
-    v.check(taken == earlier.end(), key.c_str(),
-            "files that nothing else writes; " + output.place + " is written already");
-    earlier.push_back(output);
-  }
-}
-
 void check_time(ConfigVisitor& v, const Scenario& scenario) {
   const TimeNs step = from_seconds(scenario.physics.step_s);
   const TimeNs tick = from_seconds(scenario.tick_s);
@@ -188,11 +128,12 @@ void check_time(ConfigVisitor& v, const Scenario& scenario) {
 
 void StartConfig::visit(ConfigVisitor& v) {
   v.field("position_m", position_m,
-          "[m] of the center of mass, world frame; on legs, z is airframe.leg_height_m above the ground");
+          "[m] of the center of mass, world frame; on legs, z is airframe.leg_height_m above the ground",
+          Range::between(-1e5, 1e5));
   if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) place = teller->place_of("position_m");
   v.field("above_ground", above_ground, "[-] does z count from the ground below?");
   v.field("yaw_deg", yaw_deg, "[deg] heading, counter-clockwise from east");
-  v.field("velocity_mps", velocity_mps, "[m/s] world frame");
+  v.field("velocity_mps", velocity_mps, "[m/s] world frame", Range::between(-200.0, 200.0));
   v.field("flying", flying, "[-] do the rotors turn at hover speed at the start?");
   v.choice("known", known, {"pose", "position", "nothing"},
            "[-] what the vehicle's software is told of this: position_m and yaw_deg, position_m, or nothing");
@@ -247,7 +188,7 @@ void Scenario::visit(ConfigVisitor& v) {
   check_time(v, *this);
   v.check(vehicles.size() <= kMaxVehicles, "vehicles", "at most " + std::to_string(kMaxVehicles) + " vehicles");
   const std::vector<std::string> vehicle_names = name_vehicles(v, vehicles);
-  check_recorders(v, recorders, vehicle_names);
+  check_recorders(v, recorders, &vehicle_names);
   check_cameras(v, *this, vehicle_names);
 }
 
