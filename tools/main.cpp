@@ -3,9 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <stdexcept>
@@ -74,7 +76,8 @@ int run_program(int argc, char** argv) {
   try {
     require_known_command(app, argc > 1 ? argv[1] : "");
     app.parse(argc, argv);
-    return 0;
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
+    std::fprintf(stderr, "swiftlet: cannot write to the standard output: %s\n", std::strerror(errno));
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kWrongInput;
   } catch (const swiftlet::tools::Interrupted& stop) {
@@ -88,6 +91,8 @@ int run_program(int argc, char** argv) {
     return kWrongInput;
   } catch (const swiftlet::ContractViolation& violation) {
     std::fprintf(stderr, "swiftlet: internal error: %s\n", violation.what());
+  } catch (const swiftlet::sim::OutOfMemory& problem) {
+    std::fprintf(stderr, "swiftlet: %s\n", problem.what());
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "swiftlet: out of memory\n");
   } catch (const std::exception& error) {
@@ -108,6 +113,8 @@ void spin_little(char** argv) {
 
 int main(int argc, char** argv) {
   spin_little(argv);
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of the write, not the end of the run
+  // A closed pipe or a file at its limit is an error of the write, not the end of the run.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   return processor_is_known() ? run_program(argc, argv) : kBroke;
 }

@@ -9,6 +9,7 @@
 #include "progress.hpp"
 #include "scenario_options.hpp"
 #include "sim/io/files.hpp"
+#include "sim/run/memory.hpp"
 #include "sim/run/run_directory.hpp"
 #include "sim/run/summary.hpp"
 #include "swiftlet/sim/simulation.hpp"
@@ -22,6 +23,7 @@ struct RunOptions {
   ScenarioOptions scenario;
   std::string out;
   int threads = 0;
+  double memory_limit_mb = 0.0;
   bool quiet = false;
 };
 
@@ -71,6 +73,7 @@ void print_paths(const fs::path& directory, const std::vector<fs::path>& written
 }
 
 void run(const RunOptions& options) {
+  sim::limit_memory(options.memory_limit_mb);
   const sim::Scenario scenario = options.scenario.load();
   const fs::path out = options.out.empty() ? fs::path("runs") / fmt::format("{}-{}", scenario.name, scenario.seed)
                                            : fs::path(options.out);
@@ -108,6 +111,8 @@ void add_run(CLI::App& app) {
                  {.value_name = "DIR"});
   command.option("--threads", options->threads, "Threads for sensors and agents, 0: all; changes no result",
                  {.min = 0, .max = 1024});
+  command.option("--memory-limit", options->memory_limit_mb,
+                 "MiB that the run may take, 0: what the machine has; what would take more is refused", {.min = 0});
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { run(*options); });
 }

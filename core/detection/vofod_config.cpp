@@ -1,7 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/detection/vofod_config.hpp"
 
+#include <cmath>
+
 namespace swiftlet {
+namespace {
+
+constexpr double kMaxWindowCells = 2e9;   // voxels of the window are numbered in 32 bits
+constexpr double kWindowMargin_m = 10.0;  // how far the sensor may move in a sweep
+constexpr double kMaxReach_voxels = 50.0;
+
+}  // namespace
 
 void VofodChoices::visit(ConfigVisitor& v) {
   v.choice("clustering", clustering, {"points", "voxels"},
@@ -54,17 +63,19 @@ void VofodConfig::visit(ConfigVisitor& v) {
            "who joins points to clusters, which are the same; pcl: in programs that were built with PCL");
   v.check(has_clusterer(clusterer), "clusterer", "swiftlet: this program was built without PCL");
   v.field("cluster_distance_m", cluster_distance_m, "[m] d_cluster: points as near as this are of one cluster",
-          Range::positive());
-  v.field("close_distance_m", close_distance_m, "[m] d_close: rule A, background", Range::positive());
-  v.field("search_distance_m", search_distance_m, "[m] d_search: rule B, flying", Range::positive());
-  v.field("ray_max_m", ray_max_m, "[m] d_max: rays are followed so far", Range::positive());
-  v.field("ray_weight", ray_weight, "[-] w_int: updates for a ray through a voxel's diagonal", Range::non_negative());
+          Range{0.0, 100.0, true});
+  v.field("close_distance_m", close_distance_m, "[m] d_close: rule A, background", Range{0.0, 100.0, true});
+  v.field("search_distance_m", search_distance_m, "[m] d_search: rule B, flying", Range{0.0, 100.0, true});
+  v.field("ray_max_m", ray_max_m, "[m] d_max: rays are followed so far", Range{0.0, 1000.0, true});
+  v.field("ray_weight", ray_weight, "[-] w_int: updates for a ray through a voxel's diagonal",
+          Range::between(0.0, 1e6));
   v.field("empty_returns", empty_returns, "[-] do rays without return clear the way up to ray_max_m?");
-  v.field("separate_distance_m", separate_distance_m, "[m] d_sep: between clusters of background", Range::positive());
+  v.field("separate_distance_m", separate_distance_m, "[m] d_sep: between clusters of background",
+          Range{0.0, 100.0, true});
   v.field("separate_min_confident", separate_min_confident, "[-] n_conf,min: confident voxels that keep a cluster",
           Range::non_negative());
   v.field("min_points", min_points, "[-] of a detection; of voxels when these are clustered", Range::between(1, 1e6));
-  v.field("max_size_m", max_size_m, "[m] diagonal of the oriented box of a detection", Range::positive());
+  v.field("max_size_m", max_size_m, "[m] diagonal of the oriented box of a detection", Range{0.0, 100.0, true});
   v.field("max_range_m", max_range_m, "[m] from the sensor to a detection; 0: any", Range::non_negative());
   v.choice("seed", seed, {"large_and_altimeter", "large", "altimeter", "none"},
            "first background in an unknown world: clusters larger than max_size_m, the ground below the altimeter");
@@ -78,6 +89,19 @@ void VofodConfig::visit(ConfigVisitor& v) {
   v.object("choices", choices, "readings of what is open in the paper");
   v.object("prior", prior, "what is known beforehand");
   v.object("timing", timing, "when results are there");
+  const double reach_m = kMaxReach_voxels * map.voxel_m;
+  v.check(separate_distance_m <= reach_m, "separate_distance_m", "at most 50 edges of map.voxel_m");
+  v.check(search_distance_m <= reach_m, "search_distance_m", "at most 50 edges of map.voxel_m");
+  v.check(close_distance_m <= reach_m, "close_distance_m", "at most 50 edges of map.voxel_m");
+  v.check(cluster_distance_m <= reach_m, "cluster_distance_m", "at most 50 edges of map.voxel_m");
+  v.check(ray_window_bytes() <= kMaxWindowCells * sizeof(float), "ray_max_m",
+          "a window of at most 2e9 voxels of map.voxel_m around the sensor");
+}
+
+double VofodConfig::map_bytes() const { return (map.size_m / map.voxel_m).prod() * (sizeof(float) + 1.0 / 8.0); }
+
+double VofodConfig::ray_window_bytes() const {
+  return std::pow((2.0 * ray_max_m + kWindowMargin_m) / map.voxel_m, 3) * sizeof(float);
 }
 
 }  // namespace swiftlet

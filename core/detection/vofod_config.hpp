@@ -66,6 +66,8 @@ struct VofodConfig : ModuleConfigOf<VofodConfig> {
   PriorConfig prior;
 
   void visit(ConfigVisitor& v) override;
+  double map_bytes() const;         ///< of the map's voxels
+  double ray_window_bytes() const;  ///< of the voxels around the sensor in which rays are followed
 };
 
 }  // namespace swiftlet

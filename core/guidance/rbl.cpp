@@ -233,7 +233,8 @@ void RblConfig::visit(ConfigVisitor& v) {
            "[-] disc at one height; ball; ball between z_min_m and z_max_m (2.14); that with the z-rule (2.15-2.19)");
   v.field("goal_m", goal_m, "[m] world");
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (r_g)", Range::positive());
-  v.field("update_rate_hz", update_rate_hz, "[Hz] of cells, rules and the centroid to fly to", Range::positive());
+  v.field("update_rate_hz", update_rate_hz, "[Hz] of cells, rules and the centroid to fly to",
+          Range::between(1e-3, 1e5));
   v.field("speed_mps", speed_mps, "[m/s] at most, below the motion limits", Range::positive());
   v.field("ground_m", ground_m,
           "[m] height of the ground in 3d, which has no limits of height; the encumbrance above it is kept");

@@ -294,7 +294,7 @@ CellState SparseVoxelMap::state_of(const Cell& cell) const {
 }
 
 void SparseVoxelMapConfig::visit(ConfigVisitor& v) {
-  v.field("edge_m", edge_m, "[m] edge of a voxel", Range::positive());
+  v.field("edge_m", edge_m, "[m] edge of a voxel", Range::between(0.01, 100.0));
   v.field("hit_log_odds", hit_log_odds, "[-] gain of a voxel in which a ray ended, once a sweep", Range::positive());
   v.field("miss_log_odds", miss_log_odds,
           "[-] loss of a voxel that rays passed through, once a sweep; 0: never cleared, the conservative setting of "
@@ -305,8 +305,8 @@ void SparseVoxelMapConfig::visit(ConfigVisitor& v) {
   v.field("max_log_odds", max_log_odds, "[-] no voxel rises above");
   v.field("memory_s", memory_s, "[s] a voxel that was not hit for this long is forgotten; 0: never",
           Range::non_negative());
-  v.field("clear_range_m", clear_range_m, "[m] rays clear up to here", Range::positive());
-  v.field("keep_radius_m", keep_radius_m, "[m] what is farther from the vehicle is forgotten", Range::positive());
+  v.field("clear_range_m", clear_range_m, "[m] rays clear up to here", Range{0.0, 1000.0, true});
+  v.field("keep_radius_m", keep_radius_m, "[m] what is farther from the vehicle is forgotten", Range{0.0, 1e5, true});
   v.check(keep_radius_m <= 480.0 * edge_m, "keep_radius_m", "at most 480 times edge_m");
   v.check(max_log_odds > min_log_odds, "max_log_odds", "more than min_log_odds");
   v.check(occupied_log_odds <= max_log_odds, "occupied_log_odds", "at most max_log_odds");

@@ -63,7 +63,7 @@ void move_row(const float* n, std::size_t size, float g, float* values) {
 }  // namespace
 
 void VoxelMapConfig::visit(ConfigVisitor& v) {
-  v.field("voxel_m", voxel_m, "[m] edge of a voxel, s_v", Range::positive());
+  v.field("voxel_m", voxel_m, "[m] edge of a voxel, s_v", Range::between(0.01, 100.0));
   v.field("g_occupied", g_occupied, "[-] update coefficient of points of the background");
   v.field("g_unknown", g_unknown, "[-] update coefficient of unknown points and of detections; value at the start");
   v.field("g_free", g_free, "[-] update coefficient of rays and of separate background");
@@ -72,8 +72,8 @@ void VoxelMapConfig::visit(ConfigVisitor& v) {
   v.field("G_uncertain", G_uncertain, "[-] from here on uncertain, below confident free");
   v.choice("extent", extent, {"scrolling", "bounded"},
            "a box that follows the vehicle, or one that stays (operation area)");
-  v.field("center_m", center_m, "[m] of a bounded map's box");
-  v.field("size_m", size_m, "[m] edges of the box", Range::positive());
+  v.field("center_m", center_m, "[m] of a bounded map's box", Range::between(-1e5, 1e5));
+  v.field("size_m", size_m, "[m] edges of the box", Range{0.0, 1e5, true});
   v.check(G_confident > G_tentative && G_tentative > G_uncertain, "G_tentative",
           "thresholds that fall from G_confident over G_tentative to G_uncertain");
   v.check(g_occupied >= G_confident && g_unknown >= G_uncertain && g_unknown < G_tentative && g_free < G_uncertain,

@@ -54,7 +54,7 @@ class SparseMapper : public Mapper {
 
 void SparseMapperConfig::visit(ConfigVisitor& v) {
   v.field("range_min_m", range_min_m, "[m] nearer returns are the own body (the thesis: 1 m)", Range::non_negative());
-  v.field("range_max_m", range_max_m, "[m] farther returns are not used", Range::positive());
+  v.field("range_max_m", range_max_m, "[m] farther returns are not used", Range{0.0, 1000.0, true});
   map.visit(v);
 }
 

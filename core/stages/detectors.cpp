@@ -19,6 +19,8 @@ void need_for_vofod(const ModuleConfig& config, AgentNeeds& needs) {
   needs.detects = true;
   needs.prior = vofod.prior;
   needs.prior_voxel_m = vofod.map.voxel_m;
+  needs.memory.push_back({"detector.map.size_m", vofod.map_bytes()});
+  needs.memory.push_back({"detector.ray_max_m", vofod.ray_window_bytes()});
 }
 
 void need_neighbors_to_detect(const ModuleConfig&, AgentNeeds& needs) { needs.detects = needs.true_neighbors = true; }

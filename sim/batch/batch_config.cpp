@@ -18,6 +18,16 @@ bool is_word(const std::string& text) {
   });
 }
 
+/// Stays within its line of a job script.
+bool is_line(const std::string& text) {
+  return std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+}
+
+/// A list of names as Slurm writes it: a,b.
+bool is_slurm_name(const std::string& text) {
+  return text.empty() || std::all_of(text.begin(), text.end(), [](char c) { return c == ',' || is_word({c}); });
+}
+
 bool is_seed(const std::string& text) {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -103,6 +113,12 @@ void SlurmConfig::visit(ConfigVisitor& v) {
   v.field("time_limit_min", time_limit_min, "[min] of one task; 0: what its episodes need if each takes timeout_s",
           Range::non_negative());
   v.field("options", options, "[-] more options of sbatch, such as --constraint=avx2");
+  v.check(is_slurm_name(partition), "partition", "names of letters, digits, '_', '-' and '.', separated by commas");
+  v.check(is_slurm_name(account), "account", "names of letters, digits, '_', '-' and '.', separated by commas");
+  for (std::size_t i = 0; i < options.size(); ++i) {
+    v.check(options[i].starts_with('-') && is_line(options[i]), ("options[" + std::to_string(i) + "]").c_str(),
+            "an option of sbatch in one line, beginning with '-'");
+  }
 }
 
 void ReportConfig::visit(ConfigVisitor& v) {

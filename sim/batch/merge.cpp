@@ -10,6 +10,7 @@
 
 #include "sim/batch/result_store.hpp"
 #include "sim/batch/run_batch.hpp"
+#include "sim/batch/writer_lock.hpp"
 #include "sim/io/files.hpp"
 #include "swiftlet/sim/errors.hpp"
 
@@ -117,6 +118,7 @@ MergeOutcome merge_batches(const std::vector<fs::path>& databases, const fs::pat
   std::error_code error;
   fs::create_directories(out, error);
   const fs::path destination = out / "results.sqlite";
+  const WriterLock lock(destination);  // a batch that still writes there would go on writing a file without a name
   PartialFile database(destination, out / (".results.merging-" + std::to_string(getpid()) + ".sqlite"));
   const fs::path& partial = database.partial();
   std::vector<fs::path> sources = databases;

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/batch/run_batch.hpp"
 
-#include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
 #include "sim/batch/episode.hpp"
 #include "sim/batch/worker_pool.hpp"
+#include "sim/batch/writer_lock.hpp"
 #include "sim/io/files.hpp"
 #include "sim/io/text.hpp"
 #include "sim/run/version.hpp"
@@ -27,30 +25,6 @@ std::string host_name() {
   gethostname(name, sizeof name - 1);
   return name;
 }
-
-/// Held while a database is written. A lock of the process: workers do not inherit it, and no kill leaves it behind.
-class Lock {
- public:
-  explicit Lock(const fs::path& file) : fd_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
-    if (fd_ < 0) throw std::runtime_error(file.string() + ": cannot be written: " + std::strerror(errno));
-    struct flock lock {};
-    lock.l_type = F_WRLCK;
-    lock.l_whence = SEEK_SET;
-    if (::fcntl(fd_, F_SETLK, &lock) == 0) return;
-    const int problem = errno;
-    ::close(fd_);
-    if (problem == EACCES || problem == EAGAIN) {
-      throw InputError(file.string() + ": expected nobody else at work here, found another `swiftlet batch`");
-    }
-    throw std::runtime_error(file.string() + ": cannot be locked: " + std::strerror(problem));
-  }
-  ~Lock() { ::close(fd_); }  // the file stays: removing it would let two others lock two files of one name
-  Lock(const Lock&) = delete;
-  Lock& operator=(const Lock&) = delete;
-
- private:
-  int fd_;
-};
 
 EpisodeRow row_of(const BatchPlan& plan, const JobResult& result) {
   const Episode episode = plan.episode(result.id);
@@ -149,7 +123,7 @@ BatchOutcome run_batch(const BatchPlan& plan, const BatchOptions& options,
   BatchOutcome outcome;
   outcome.database = database_path(options.out, options.shard);
   make_directory(outcome.database.parent_path());
-  const Lock lock(outcome.database.parent_path() / ("." + outcome.database.filename().string() + ".lock"));
+  const WriterLock lock(outcome.database);
   ResultStore store = open_store(plan, options, outcome.database);
   if (options.retry) store.remove_unfinished();
 

@@ -11,6 +11,7 @@
 
 #include "sim/batch/shell.hpp"
 #include "sim/io/files.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -128,6 +129,9 @@ SlurmScripts make_slurm_scripts(const BatchPlan& plan, const fs::path& out, cons
   job.episodes_per_task = static_cast<int>(std::ceil(episodes / job.num_tasks));
   job.time_limit_min = task_minutes(plan.config(), job.episodes_per_task);
   const fs::path directory = fs::absolute(out).lexically_normal();
+  const std::string& name = directory.native();
+  if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }))
+    throw InputError("--out: expected a directory whose name is one line of a job script, found control characters");
   job.array = array_script(plan, job, directory, program);
   job.merge = merge_script(plan, directory, program);
   return job;

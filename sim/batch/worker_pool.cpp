@@ -8,7 +8,6 @@
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -27,6 +26,9 @@
 #include <new>
 #include <optional>
 #include <stdexcept>
+
+#include "sim/run/memory.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -73,17 +75,13 @@ struct AnswerHead {
 
 // --- the worker's side ---
 
-void limit_memory(double limit_mb) {
-  if (limit_mb <= 0.0) return;
-  const auto bytes = static_cast<rlim_t>(limit_mb * 1048576.0);
-  const rlimit limit{bytes, bytes};
-  setrlimit(RLIMIT_DATA, &limit);
-}
-
 JobResult do_job(const Work& work, std::uint64_t job) {
   JobResult result;
   try {
     result.bytes = work(job);
+  } catch (const OutOfMemory& problem) {
+    result.status = JobStatus::kOutOfMemory;
+    result.message = problem.what();
   } catch (const std::bad_alloc&) {
     result.status = JobStatus::kOutOfMemory;
     result.message = "out of memory";

@@ -6,6 +6,7 @@
 
 #include "core/math/random.hpp"
 #include "sim/io/text.hpp"
+#include "sim/scenario/recorder_paths.hpp"
 #include "sim/scenario/reference.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/scenario/yaml_writer.hpp"
@@ -147,7 +148,8 @@ void ContentConfig::visit(ConfigVisitor& v) {
   v.field("range_unit_m", range_unit_m, "[m] of a range image", Range::positive());
   v.field("intensity_unit", intensity_unit, "[-] of an intensity image, 1 = white Lambertian wall at 10 m",
           Range::positive());
-  v.field("trajectory_rate_hz", trajectory_rate_hz, "[Hz] of the TUM files; 0: every tick", Range::non_negative());
+  v.field("trajectory_rate_hz", trajectory_rate_hz, "[Hz] of the TUM files; 0: every tick", Range::between(0.0, 1e5));
+  v.check(trajectory_rate_hz == 0.0 || trajectory_rate_hz >= 1e-3, "trajectory_rate_hz", "0, or at least 0.001");
   v.field("tables", tables, "[-] csv/: topics of the recorder csv");
   v.field("snapshots", snapshots, "[-] take the pictures of the scenario in every sequence");
 }
@@ -168,6 +170,7 @@ void DatasetConfig::visit(ConfigVisitor& v) {
   v.object("content", content, "what is written of each sequence");
   v.modules("recorders", recorders, recorder_module_types(), "[-] more formats in every sequence, such as mcap");
   v.object("pictures", pictures, "taken for the data card");
+  check_recorders(v, recorders, nullptr);
   v.check(is_name(name), "name", "a name of letters, digits, '_' and '-'");
   v.check(!families.empty(), "families", "at least one family");
   check_names(v, splits, "splits");

@@ -13,12 +13,14 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "sim/batch/worker_pool.hpp"
 #include "sim/dataset/data_card.hpp"
 #include "sim/dataset/hash.hpp"
 #include "sim/io/files.hpp"
+#include "sim/io/shallow_json.hpp"
 #include "sim/run/version.hpp"
 
 namespace swiftlet::sim {
@@ -50,7 +52,7 @@ class DirectoryLock {
 
 std::string fingerprint_in(const fs::path& directory) {
   std::ifstream in(directory / kManifest);
-  const Json json = Json::parse(in, nullptr, false);
+  const Json json = parse_shallow<Json>(in);
   return json.is_object() ? json.value("fingerprint", "") : "";
 }
 
@@ -64,6 +66,17 @@ void record_configuration(const DatasetPlan& plan, const fs::path& directory) {
     family.scenario = name;
   }
   write_file(directory / "dataset.yaml", write_dataset(config));
+}
+
+/// A generation that was killed before its first manifest: nothing but what is written anew.
+bool is_begun(const fs::path& directory) {
+  if (!fs::exists(directory / "dataset.yaml") && !fs::exists(directory / "scenarios")) return false;
+  const std::set<std::string> ours = {".lock",        "sequences",         "scenarios",
+                                      "dataset.yaml", "dataset.yaml.part", "manifest.json.part"};
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    if (!ours.contains(entry.path().filename().string())) return false;
+  }
+  return !fs::exists(directory / "sequences") || fs::is_empty(directory / "sequences");
 }
 
 void open_directory(const DatasetPlan& plan, const GenerateOptions& options) {
@@ -81,7 +94,8 @@ void open_directory(const DatasetPlan& plan, const GenerateOptions& options) {
     }
     return;
   }
-  if (fs::exists(directory) && (!fs::is_directory(directory) || !fs::is_empty(directory))) {
+  const bool begun = options.resume && is_begun(directory);
+  if (!begun && fs::exists(directory) && (!fs::is_directory(directory) || !fs::is_empty(directory))) {
     throw InputError(
         directory.string() +
         ": expected a new name, an empty directory or a dataset, found something else; it was left as it is");

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/hash.hpp"
+#include "sim/io/shallow_json.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -113,7 +114,7 @@ SequenceInfo read_sequence_info(const fs::path& directory) {
   std::ifstream in(path);
   if (!in) throw std::runtime_error("cannot read " + path.string());
   try {
-    const Json json = Json::parse(in);
+    const Json json = parse_shallow<Json>(in);
     SequenceInfo info;
     info.sequence = std::stoi(json.at("sequence").get<std::string>());
     info.split = json.at("split").get<std::string>();

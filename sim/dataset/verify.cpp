@@ -16,6 +16,7 @@
 #include "sim/dataset/frame.hpp"
 #include "sim/dataset/generate.hpp"
 #include "sim/dataset/hash.hpp"
+#include "sim/io/shallow_json.hpp"
 #include "sim/world/scene.hpp"
 
 namespace swiftlet::sim {
@@ -24,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+constexpr std::int64_t kMaxFrames = 100'000'000;
 constexpr std::size_t kMaxProblems = 50;
 constexpr int kPoseNumbers = 12;
 
@@ -88,7 +90,7 @@ class Verification {
   void read_manifest() {
     const fs::path path = directory_ / "manifest.json";
     if (!fs::exists(path)) throw InputError(directory_.string() + ": expected a dataset, found no manifest.json");
-    manifest_ = Json::parse(read_text(path), nullptr, false);
+    manifest_ = parse_shallow<Json>(read_text(path));
     const auto is_list = [&](const char* key) { return manifest_.contains(key) && manifest_.at(key).is_array(); };
     const auto has = [](const Json& entry, const char* key) { return entry.is_object() && entry.contains(key); };
     if (!manifest_.is_object() || !is_list("files") || !is_list("sequences") ||
@@ -103,6 +105,12 @@ class Verification {
         const std::string name = sequence.at("sequence").get<std::string>();
         sequences_.push_back(read_sequence_info(directory_ / "sequences" / name));
         const SequenceInfo& info = sequences_.back();
+        if (info.instance < 1 || static_cast<std::size_t>(info.instance) > info.vehicles.size() ||
+            info.statistics.frames < 0 || info.statistics.frames > kMaxFrames) {
+          problem("sequences/" + name + "/sequence.json: expected the instance of one of its vehicles, and its frames");
+          sequences_.pop_back();
+          continue;
+        }
         if (info.fingerprint != manifest_.at("fingerprint").get<std::string>() ||
             info.state_hash != sequence.at("state_hash").get<std::string>()) {
           problem("sequences/" + name + "/sequence.json: belongs to another dataset than manifest.json");
@@ -113,6 +121,7 @@ class Verification {
     } catch (const std::exception& error) {
       problem(error.what());
     }
+    if (manifest_.at("sequences").empty()) problem("manifest.json: expected a dataset with sequences, found none");
   }
 
   void check_files() {

@@ -5,18 +5,18 @@ namespace swiftlet::sim {
 
 void PhysicsConfig::visit(ConfigVisitor& v) {
   v.field("step_s", step_s, "[s] physics step, a whole number of nanoseconds", Range{1e-6, 0.02});
-  v.field("gravity_mps2", gravity_mps2, "[m/s^2] gravity in the world frame");
-  v.field("air_density_kgpm3", air_density_kgpm3, "[kg/m^3]", Range::positive());
+  v.field("gravity_mps2", gravity_mps2, "[m/s^2] gravity in the world frame", Range::between(-100.0, 100.0));
+  v.field("air_density_kgpm3", air_density_kgpm3, "[kg/m^3]", Range{0.0, 100.0, true});
   v.field("motor_lag", motor_lag, "[-] rotors follow their command with a first-order lag");
   v.field("gyroscopic_torque", gyroscopic_torque, "[-] the rotors' angular momentum acts on the body");
   v.field("rotor_drag", rotor_drag, "[-] in-plane drag of the rotors");
   v.field("body_drag", body_drag, "[-] quadratic drag of the body");
   v.field("ground_effect", ground_effect, "[-] rotors near a surface below give more thrust");
   v.field("ground_effect_coefficient", ground_effect_coefficient,
-          "[-] extra thrust = coefficient * (radius / (4 height))^2, at most 4/15", Range::non_negative());
+          "[-] extra thrust = coefficient * (radius / (4 height))^2, at most 4/15", Range::between(0.0, 100.0));
   v.field("downwash", downwash, "[-] rotor wakes push vehicles below");
   v.field("contacts", contacts, "[-] vehicles touch the world and each other");
-  v.field("contact_friction", contact_friction, "[-] Coulomb friction of a vehicle", Range::non_negative());
+  v.field("contact_friction", contact_friction, "[-] Coulomb friction of a vehicle", Range::between(0.0, 100.0));
   v.field("contact_restitution", contact_restitution, "[-] part of the normal speed that a contact gives back",
           Range::between(0.0, 1.0));
   v.field("crash_speed_mps", crash_speed_mps, "[m/s] a contact at more than this normal speed is a crash",

@@ -132,7 +132,8 @@ Range padded(Range range, const Axis& axis, bool tight, bool from_zero) {
   }
   // Much of the way to zero: then show zero.
   if (from_zero || (!tight && range.low > 0.0 && range.low < 0.35 * range.high)) range.include(0.0);
-  if (range.high <= range.low) {
+  // What differs in its last bits alone is one value.
+  if (range.high - range.low <= 1e-9 * std::max(std::abs(range.low), std::abs(range.high))) {
     const double half = std::max(std::abs(range.low) * 0.1, 0.5);
     return {range.low - half, range.high + half};
   }

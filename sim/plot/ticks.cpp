@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kLargestPlain = 1e5;
 constexpr double kSmallestPlain = 1e-4;
+constexpr double kMaxMultiple = 1e12;  // numbers of steps beyond are not exact any more
 
 std::string power_of_ten(int exponent) {
   static constexpr std::array<const char*, 10> kDigits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
@@ -54,6 +55,7 @@ std::vector<Tick> linear_ticks(double low, double high, int wanted) {
   const bool plain = largest < kLargestPlain && largest >= kSmallestPlain;
   // Beyond plain numbers all labels share the power of the largest.
   const int shared = plain ? 0 : static_cast<int>(std::floor(std::log10(largest)));
+  if (!(step > 0.0) || !(largest / step < kMaxMultiple)) return {{low, number_text(low, 6)}};
   for (double k = std::ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; ++k) {
     const double value = k * step;
     std::string label = number_text(value / std::pow(10.0, shared), std::max(0, shared - exponent));

@@ -253,7 +253,8 @@ std::vector<TableType> csv_tables() {
 
 void CsvConfig::visit(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");
-  v.field("rate_hz", rate_hz, "[Hz] rows of the topic state a second; 0: every tick", Range::non_negative());
+  v.field("rate_hz", rate_hz, "[Hz] rows of the topic state a second; 0: every tick", Range::between(0.0, 1e5));
+  v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
   static const std::vector<std::string> names = csv_topic_names();
   static const std::string doc = "[-] tables to write: " + listed(names);
   v.field("topics", topics, doc.c_str());

@@ -6,16 +6,18 @@
 #include <vector>
 
 #include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/recorder_output.hpp"
 #include "swiftlet/sim/series.hpp"
 
 namespace swiftlet::sim {
 
-struct CsvConfig : ModuleConfigOf<CsvConfig> {
+struct CsvConfig : ModuleConfigOf<CsvConfig>, TellsOutput {
   std::vector<std::string> vehicles;
   double rate_hz = 100.0;
   std::vector<std::string> topics = {"state"};
 
   void visit(ConfigVisitor& v) override;
+  RecorderOutput output() const override { return {"type", "csv", false, "csv", vehicles, topics}; }
 };
 
 /// Every table with its columns; of the rotors the first stands for all.

@@ -6,14 +6,16 @@
 #include <vector>
 
 #include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/recorder_output.hpp"
 
 namespace swiftlet::sim {
 
-struct EventsConfig : ModuleConfigOf<EventsConfig> {
+struct EventsConfig : ModuleConfigOf<EventsConfig>, TellsOutput {
   std::vector<std::string> vehicles;
   std::vector<std::string> kinds;
 
   void visit(ConfigVisitor& v) override;
+  RecorderOutput output() const override { return {"type", "events.jsonl", true, "events", {}, {}}; }
 };
 
 /// events.jsonl: one JSON object a line, in order of time.

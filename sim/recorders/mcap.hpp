@@ -5,11 +5,12 @@
 
 namespace swiftlet::sim {
 
-struct McapConfig : ModuleConfigOf<McapConfig>, RosConfig {
+struct McapConfig : ModuleConfigOf<McapConfig>, RosConfig, TellsOutput {
   std::string file = "record.mcap";
   std::string compression = "zstd";
 
   void visit(ConfigVisitor& v) override;
+  RecorderOutput output() const override { return {"file", file, true, "mcap", {}, {}}; }
 };
 
 /// One MCAP file with ROS 2 messages (profile ros2, CDR, ros2msg schemas), as `ros2 bag` and viewers read it.

@@ -5,10 +5,11 @@
 
 namespace swiftlet::sim {
 
-struct PcdConfig : ModuleConfigOf<PcdConfig>, ScanFilesConfig {
+struct PcdConfig : ModuleConfigOf<PcdConfig>, ScanFilesConfig, TellsOutput {
   bool organized = false;
 
   void visit(ConfigVisitor& v) override;
+  RecorderOutput output() const override { return {"folder", folder, false, "pcd", vehicles, sensors}; }
 };
 
 /// Scans as binary PCD 0.7 files (the format of the Point Cloud Library, "The PCD file format").

@@ -5,8 +5,9 @@
 
 namespace swiftlet::sim {
 
-struct PlyConfig : ModuleConfigOf<PlyConfig>, ScanFilesConfig {
+struct PlyConfig : ModuleConfigOf<PlyConfig>, ScanFilesConfig, TellsOutput {
   void visit(ConfigVisitor& v) override;
+  RecorderOutput output() const override { return {"folder", folder, false, "ply", vehicles, sensors}; }
 };
 
 /// Scans as PLY files, binary_little_endian 1.0 (Turk, "The PLY Polygon File Format", 1994): one element, vertex.

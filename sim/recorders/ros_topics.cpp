@@ -149,7 +149,8 @@ void RosConfig::visit_common(ConfigVisitor& v) {
     return std::find(names.begin(), names.end(), topic) != names.end();
   });
   v.check(known, "topics", "a list of " + listed(names));
-  v.field("rate_hz", rate_hz, "[Hz] of truth, estimate, tf and clock; 0: every tick", Range::non_negative());
+  v.field("rate_hz", rate_hz, "[Hz] of truth, estimate, tf and clock; 0: every tick", Range::between(0.0, 1e5));
+  v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
   v.field("every", every, "[-] write every n-th scan of each LiDAR", Range{1, 1e9, false, false});
   v.choice("points_layout", points_layout, {"auto", "ouster", "livox", "velodyne"},
            "[-] fields of a point as that maker's driver has them; auto goes by the number of rows");

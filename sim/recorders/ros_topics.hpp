@@ -10,6 +10,7 @@
 #include "sim/recorders/ros_types.hpp"
 #include "sim/recorders/selection.hpp"
 #include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/recorder_output.hpp"
 
 namespace swiftlet::sim {
 

@@ -5,11 +5,12 @@
 
 namespace swiftlet::sim {
 
-struct RosbagConfig : ModuleConfigOf<RosbagConfig>, RosConfig {
+struct RosbagConfig : ModuleConfigOf<RosbagConfig>, RosConfig, TellsOutput {
   std::string file = "record.bag";
   std::string compression = "lz4";
 
   void visit(ConfigVisitor& v) override;
+  RecorderOutput output() const override { return {"file", file, true, "rosbag", {}, {}}; }
 };
 
 /// One ROS 1 bag, version 2.0.

@@ -10,6 +10,7 @@
 #include "sim/recorders/pose_history.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/recorder_output.hpp"
 
 namespace swiftlet::sim {
 

@@ -84,7 +84,8 @@ class TumRecorder : public Recorder {
 
 void TumConfig::visit(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");
-  v.field("rate_hz", rate_hz, "[Hz] poses a second; 0: every tick", Range::non_negative());
+  v.field("rate_hz", rate_hz, "[Hz] poses a second; 0: every tick", Range::between(0.0, 1e5));
+  v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
   v.field("estimate", estimate, "[-] also write each vehicle's own estimate");
 }
 

@@ -6,15 +6,17 @@
 #include <vector>
 
 #include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/recorder_output.hpp"
 
 namespace swiftlet::sim {
 
-struct TumConfig : ModuleConfigOf<TumConfig> {
+struct TumConfig : ModuleConfigOf<TumConfig>, TellsOutput {
   std::vector<std::string> vehicles;
   double rate_hz = 100.0;
   bool estimate = true;
 
   void visit(ConfigVisitor& v) override;
+  RecorderOutput output() const override { return {"type", "trajectories", false, "tum", vehicles, {}}; }
 };
 
 /// trajectories/VEHICLE.tum (truth) and VEHICLE.estimate.tum: "t_s x y z qx qy qz qw" of the body in the world.

@@ -32,12 +32,14 @@ int wait_for(int child) {
 VideoWriter::VideoWriter(std::filesystem::path path, int width, int height, double frames_per_s)
     : path_(std::move(path)), width_(width), height_(height) {
   file_ = PartialFile(path_, path_.parent_path() / (path_.stem().string() + ".part.mp4"));
-  std::vector<std::string> arguments = {
-      "ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size",
-      std::to_string(width) + "x" + std::to_string(height), "-framerate", std::to_string(frames_per_s), "-i", "pipe:0",
-      // H.264 players want even sizes and 4:2:0.
-      "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt",
-      "yuv420p", "-movflags", "+faststart", file_.partial().string()};
+  std::vector<std::string> arguments = {"ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt",
+                                        "rgb24", "-video_size", std::to_string(width) + "x" + std::to_string(height),
+                                        "-framerate", std::to_string(frames_per_s), "-i", "pipe:0",
+                                        // H.264 players want even sizes and 4:2:0.
+                                        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset",
+                                        "veryfast", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
+                                        // Neither an option nor a protocol, whatever the name.
+                                        "file:" + std::filesystem::absolute(file_.partial()).string()};
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "sim/io/files.hpp"
+#include "sim/io/shallow_json.hpp"
 #include "sim/io/text.hpp"
 #include "sim/plot/plot.hpp"
 #include "sim/report/html.hpp"
@@ -27,7 +28,7 @@ constexpr std::size_t kMostPictures = 60;
 
 Json read_json(const fs::path& file) {
   std::ifstream stream(file);
-  const Json json = Json::parse(stream, nullptr, false);
+  const Json json = parse_shallow<Json>(stream);
   if (json.is_discarded() || !json.is_object())
     throw InputError(file.string() + ": expected the summary of a run, found something else");
   return json;
@@ -138,7 +139,7 @@ std::string events_section(const fs::path& directory) {
   html::Table rows({"time [s]", "what", "vehicle", "with", "where [m]", ""}, {1, 2, 3, 4, 5});
   std::size_t count = 0;
   for (std::string line; std::getline(stream, line);) {
-    const Json event = Json::parse(line, nullptr, false);
+    const Json event = parse_shallow<Json>(line);
     if (!event.is_object() || ++count > kMostEvents) continue;
     std::string where;
     for (const Json& x : event.value("position_m", Json::array())) where += (where.empty() ? "" : ", ") + text_of(x);

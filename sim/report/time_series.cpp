@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "swiftlet/sim/errors.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -59,8 +61,17 @@ void add_position(VehicleSeries& series, const NumberTable& table) {
   series.z_m = column(table, "z_m");
 }
 
+/// Some of them may be missing in a damaged file.
+void require_position(const NumberTable& table, const fs::path& file) {
+  for (const char* name : {"t_s", "x_m", "y_m", "z_m"}) {
+    if (table.find(name) == nullptr)
+      throw InputError(file.string() + ": expected a table with a column " + name + ", found none");
+  }
+}
+
 VehicleSeries from_csv(const fs::path& file, std::size_t most) {
   const NumberTable table = read_number_table(file, ',', most);
+  require_position(table, file);
   VehicleSeries series;
   add_position(series, table);
   const auto x = column(table, "vx_mps"), y = column(table, "vy_mps"), z = column(table, "vz_mps");
@@ -74,7 +85,7 @@ VehicleSeries from_csv(const fs::path& file, std::size_t most) {
 
 /// Value of a column at a time, between the rows beside it.
 double at(const NumberTable& table, const std::vector<double>& values, double t_s) {
-  const std::vector<double>& t = table.columns.front();
+  const std::vector<double>& t = *table.find("t_s");
   const auto after = std::lower_bound(t.begin(), t.end(), t_s);
   if (after == t.end()) return kNotThere;
   const auto i = static_cast<std::size_t>(after - t.begin());
@@ -86,7 +97,9 @@ double at(const NumberTable& table, const std::vector<double>& values, double t_
 
 VehicleSeries from_tum(const fs::path& truth_file, const fs::path& estimate_file, std::size_t most) {
   VehicleSeries series;
-  add_position(series, read_number_table(truth_file, ' ', most));
+  const NumberTable truth = read_number_table(truth_file, ' ', most);
+  require_position(truth, truth_file);
+  add_position(series, truth);
   const std::size_t n = series.t_s.size();
   series.speed_mps.assign(n, kNotThere);
   for (std::size_t i = 1; i < n; ++i) {
@@ -96,8 +109,8 @@ VehicleSeries from_tum(const fs::path& truth_file, const fs::path& estimate_file
   }
   if (!fs::is_regular_file(estimate_file)) return series;
   const NumberTable estimate = read_number_table(estimate_file, ' ', static_cast<std::size_t>(-1));
+  require_position(estimate, estimate_file);
   const auto *x = estimate.find("x_m"), *y = estimate.find("y_m"), *z = estimate.find("z_m");
-  if (x == nullptr || y == nullptr || z == nullptr) return series;
   for (std::size_t i = 0; i < n; ++i) {
     const double t = series.t_s[i];
     series.estimate_error_m.push_back(std::hypot(

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 
+#include "sim/run/memory.hpp"
 #include "sim/world/mesh_import.hpp"
 #include "sim/world/point_cloud_file.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -34,15 +35,41 @@ void append_recorded(const std::filesystem::path& index, std::vector<Eigen::Vect
 
 }  // namespace
 
-void append_surface_points(const Scene& scene, double spacing_m, std::vector<Eigen::Vector3f>& points_m) {
+namespace {
+
+int samples_of(const Eigen::Vector3f& u, const Eigen::Vector3f& v, double spacing_m) {
+  const double longest_m = std::max({u.norm(), v.norm(), (u - v).norm()});
+  return std::max(1, static_cast<int>(std::min(std::ceil(longest_m / spacing_m), 1e6)));
+}
+
+double num_surface_points(const Scene& scene, double spacing_m) {
+  double count = 0.0;
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (const auto& triangle : mesh.triangles) {
       const Eigen::Vector3f a = instance.T_world_mesh * mesh.vertices_m[triangle[0]];
       const Eigen::Vector3f u = instance.T_world_mesh * mesh.vertices_m[triangle[1]] - a;
       const Eigen::Vector3f v = instance.T_world_mesh * mesh.vertices_m[triangle[2]] - a;
-      const double longest_m = std::max({u.norm(), v.norm(), (u - v).norm()});
-      const int n = std::max(1, static_cast<int>(std::ceil(longest_m / spacing_m)));
+      const double n = samples_of(u, v, spacing_m);
+      count += 0.5 * (n + 1.0) * (n + 2.0);
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+void append_surface_points(const Scene& scene, double spacing_m, std::vector<Eigen::Vector3f>& points_m) {
+  const double count = num_surface_points(scene, spacing_m);
+  require_memory("agent.detector.prior", count * sizeof(Eigen::Vector3f));
+  points_m.reserve(points_m.size() + static_cast<std::size_t>(count));
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const auto& triangle : mesh.triangles) {
+      const Eigen::Vector3f a = instance.T_world_mesh * mesh.vertices_m[triangle[0]];
+      const Eigen::Vector3f u = instance.T_world_mesh * mesh.vertices_m[triangle[1]] - a;
+      const Eigen::Vector3f v = instance.T_world_mesh * mesh.vertices_m[triangle[2]] - a;
+      const int n = samples_of(u, v, spacing_m);
       for (int i = 0; i <= n; ++i) {
         for (int j = 0; i + j <= n; ++j) {
           points_m.push_back(a + u * (static_cast<float>(i) / static_cast<float>(n)) +

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/run/run_directory.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <vector>
 
 #include "swiftlet/sim/errors.hpp"
 
@@ -14,6 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kPartial = ".partial-";
+constexpr const char* kReplaced = ".replaced";  // beside the partial directory
 
 bool is_replaceable(const fs::path& directory) {
   if (!fs::exists(directory)) return true;
@@ -21,16 +25,36 @@ bool is_replaceable(const fs::path& directory) {
   return fs::is_empty(directory) || fs::exists(directory / "summary.json");
 }
 
-// Removes what killed runs of this name left behind; a partial directory whose process lives is left alone.
-void remove_stale(const fs::path& parent, const std::string& prefix) {
+// Removes what killed runs of this name left behind; a partial directory whose process lives is left alone. An earlier
+// run that was moved aside and not yet replaced comes back.
+void remove_stale(const fs::path& destination, const std::string& prefix) {
   std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(parent, ignored)) {
+  std::vector<fs::path> stale;
+  for (const auto& entry : fs::directory_iterator(destination.parent_path(), ignored)) {
     const std::string name = entry.path().filename().string();
     if (name.rfind(prefix, 0) != 0) continue;
     const long pid = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
     const bool alive = pid > 0 && (kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM);
-    if (!alive) fs::remove_all(entry.path(), ignored);
+    if (!alive) stale.push_back(entry.path());
   }
+  for (const fs::path& path : stale) {
+    if (path.native().ends_with(kReplaced) && !fs::exists(destination)) {
+      fs::rename(path, destination);
+    } else {
+      fs::remove_all(path, ignored);
+    }
+  }
+}
+
+void rename_at_once(const fs::path& from, const fs::path& to, unsigned flags) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), flags) == 0) return;
+  throw fs::filesystem_error("rename", from, to, std::error_code(errno, std::generic_category()));
+}
+
+/// File systems of networks may not know how to exchange two names.
+bool is_unsupported(const fs::filesystem_error& error) {
+  const int code = error.code().value();
+  return code == EINVAL || code == ENOSYS || code == EOPNOTSUPP;
 }
 
 }  // namespace
@@ -46,7 +70,7 @@ RunDirectory::RunDirectory(fs::path destination) : destination_(fs::absolute(des
   const std::string prefix = "." + destination_.filename().string() + kPartial;
   try {
     fs::create_directories(destination_.parent_path());
-    remove_stale(destination_.parent_path(), prefix);
+    remove_stale(destination_, prefix);
     partial_ = destination_.parent_path() / (prefix + std::to_string(getpid()));
     fs::remove_all(partial_);
     fs::create_directory(partial_);
@@ -62,17 +86,36 @@ RunDirectory::~RunDirectory() {
 }
 
 void RunDirectory::commit() {
-  // The earlier run is moved aside first, so that at no moment a half-replaced directory bears the name.
-  const fs::path aside = partial_.string() + ".replaced";
   try {
-    if (fs::exists(destination_)) fs::rename(destination_, aside);
-    fs::rename(partial_, destination_);
+    put_in_place();
   } catch (const fs::filesystem_error& error) {
     throw std::runtime_error(destination_.string() + ": cannot move the finished run there: " + error.code().message());
   }
+}
+
+// The earlier run and the new one change places at once, and what is not ours is never removed.
+void RunDirectory::put_in_place() {
+  if (!is_replaceable(destination_)) {
+    const fs::path other = destination_.string() + ".finished-" + std::to_string(getpid());
+    rename_at_once(partial_, other, RENAME_NOREPLACE);
+    committed_ = true;
+    throw std::runtime_error(destination_.string() +
+                             ": somebody else has put something there during the run; the finished run is " +
+                             other.string());
+  }
+  fs::path earlier = partial_;
+  try {
+    rename_at_once(partial_, destination_, fs::exists(destination_) ? RENAME_EXCHANGE : RENAME_NOREPLACE);
+  } catch (const fs::filesystem_error& error) {
+    if (!is_unsupported(error)) throw;
+    // In two steps; remove_stale() takes back the first when the second did not happen.
+    earlier = partial_.string() + kReplaced;
+    if (fs::exists(destination_)) fs::rename(destination_, earlier);
+    fs::rename(partial_, destination_);
+  }
   committed_ = true;
   std::error_code ignored;
-  fs::remove_all(aside, ignored);
+  fs::remove_all(earlier, ignored);
 }
 
 }  // namespace swiftlet::sim

@@ -19,10 +19,13 @@ class RunDirectory {
 
   const std::filesystem::path& path() const { return partial_; }  ///< where to write
   const std::filesystem::path& destination() const { return destination_; }
-  /// Moves it to its destination. Throws std::runtime_error.
+  /// Moves it to its destination. What somebody else has put there meanwhile stays, and the run gets another name:
+  /// that, and what cannot be moved, throws std::runtime_error.
   void commit();
 
  private:
+  void put_in_place();
+
   std::filesystem::path destination_;
   std::filesystem::path partial_;
   bool committed_ = false;

@@ -8,9 +8,11 @@
 #include "sim/render/snapshot_recorder.hpp"
 #include "sim/run/build.hpp"
 #include "sim/run/event_log.hpp"
+#include "sim/run/memory.hpp"
 #include "sim/run/summary.hpp"
 #include "sim/run/sweep_schedule.hpp"
 #include "sim/run/team.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 
@@ -95,8 +97,16 @@ void Simulation::Impl::tick() {
   }
 }
 
-Simulation::Simulation(Scenario scenario, int threads, std::optional<World> world)
-    : impl_(std::make_unique<Impl>(std::move(scenario), threads, std::move(world))) {}
+Simulation::Simulation(Scenario scenario, int threads, std::optional<World> world) {
+  require_memory(scenario);
+  try {
+    impl_ = std::make_unique<Impl>(std::move(scenario), threads, std::move(world));
+  } catch (const OutOfMemory&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw OutOfMemory("while the world and the vehicles are made");
+  }
+}
 
 Simulation::~Simulation() = default;
 
@@ -111,7 +121,16 @@ void Simulation::attach(std::unique_ptr<Recorder> recorder, const std::filesyste
   impl_->recorders.push_back(std::move(recorder));
 }
 
-void Simulation::tick() { impl_->tick(); }
+void Simulation::tick() {
+  try {
+    impl_->tick();
+  } catch (const OutOfMemory&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw OutOfMemory("in the stage " + std::string(kStageNames[static_cast<std::size_t>(impl_->clock.latest())]) +
+                      " at " + std::to_string(to_seconds(impl_->now)) + " s");
+  }
+}
 
 bool Simulation::finished() const {
   const MetricsConfig& until = scenario().metrics;

@@ -29,9 +29,17 @@ class StageClock {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   };
 
-  [[nodiscard]] Scope measure(Stage stage) { return Scope(sums_s_[static_cast<std::size_t>(stage)]); }
+  [[nodiscard]] Scope measure(Stage stage) {
+    latest_ = stage;
+    return Scope(sums_s_[static_cast<std::size_t>(stage)]);
+  }
+  /// The stage that was entered last, by measure() or add().
+  Stage latest() const { return latest_; }
 
-  void add(Stage stage, double wall_s) { sums_s_[static_cast<std::size_t>(stage)] += wall_s; }
+  void add(Stage stage, double wall_s) {
+    latest_ = stage;
+    sums_s_[static_cast<std::size_t>(stage)] += wall_s;
+  }
 
   std::vector<std::pair<std::string, double>> seconds_by_stage() const {
     std::vector<std::pair<std::string, double>> named;
@@ -41,6 +49,7 @@ class StageClock {
 
  private:
   std::array<double, kStageNames.size()> sums_s_{};
+  Stage latest_ = Stage::kPhysics;
 };
 
 }  // namespace swiftlet::sim

@@ -96,6 +96,7 @@ void SweepSchedule::begin_sweeps(const Team& team, const Truth& truth) {
 // agent, while others trace: an agent that detects keeps one thread as busy as the sweeps keep the rest.
 void SweepSchedule::trace_with_steps(Team& team, const Truth& truth, StageClock& clock) {
   const auto start = Clock::now();
+  clock.add(Stage::kSensors, 0.0);
   begin_sweeps(team, truth);
   std::atomic<double> busy_s = 0.0, stepping_s = 0.0;
   FirstException failure;

@@ -7,6 +7,7 @@
 #include "sim/run/build.hpp"
 #include "sim/run/finite_values.hpp"
 #include "sim/run/state_hash.hpp"
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -51,7 +52,7 @@ void Team::begin_tick(TimeNs t, bool wants_overlays, Radio& radio) {
   }
 }
 
-void Team::sense(VehicleId i, const Truth& truth) {
+void Team::sense(VehicleId i, const Truth& truth) try {
   scans[i].clear();
   for (const auto& sensor : sensors[i]) {
     sensor->measure(now, truth.history, observations[i]);
@@ -61,12 +62,16 @@ void Team::sense(VehicleId i, const Truth& truth) {
   clearances[i] = truth.physics.clearance(i, clearance_max_m);
   least_clearance_m[i] = std::min(clearances[i].surface_m, clearances[i].vehicle_m);
   hashes[i] = combine(hash_of(truth.physics.state(i)), hash_of(observations[i]));
+} catch (const std::bad_alloc&) {
+  throw OutOfMemory("at the sensors of " + names[i] + " at " + std::to_string(to_seconds(now)) + " s");
 }
 
-void Team::step(VehicleId i) {
+void Team::step(VehicleId i) try {
   actions[i] = &agents[i]->step(observations[i]);
   ensure_finite(*actions[i]);
   commands[i] = actions[i]->rotor_command;
+} catch (const std::bad_alloc&) {
+  throw OutOfMemory("at the agent of " + names[i] + " at " + std::to_string(to_seconds(now)) + " s");
 }
 
 void Team::send(Radio& radio, std::span<const VehicleState> states) {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/agent/registry.hpp"
+#include "sim/scenario/recorder_paths.hpp"
 #include "sim/scenario/suggest.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/scenario/yaml_writer.hpp"
@@ -19,16 +20,6 @@ namespace {
 
 constexpr std::size_t kMaxVehicles = 10'000;
 constexpr const char* kNameRule = "a name of letters, digits, '_', '-' and '.' (it becomes a file name)";
-
-/// Names become names of files and folders.
-bool is_file_name(std::string_view name) {
-  const auto allowed = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-           c == '.';
-  };
-  return !name.empty() && name.size() <= 64 && name.front() != '.' && name.front() != '-' &&
-         std::all_of(name.begin(), name.end(), allowed);
-}
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -137,11 +128,12 @@ void check_time(ConfigVisitor& v, const Scenario& scenario) {
 
 void StartConfig::visit(ConfigVisitor& v) {
   v.field("position_m", position_m,
-          "[m] of the center of mass, world frame; on legs, z is airframe.leg_height_m above the ground");
+          "[m] of the center of mass, world frame; on legs, z is airframe.leg_height_m above the ground",
+          Range::between(-1e5, 1e5));
   if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) place = teller->place_of("position_m");
   v.field("above_ground", above_ground, "[-] does z count from the ground below?");
   v.field("yaw_deg", yaw_deg, "[deg] heading, counter-clockwise from east");
-  v.field("velocity_mps", velocity_mps, "[m/s] world frame");
+  v.field("velocity_mps", velocity_mps, "[m/s] world frame", Range::between(-200.0, 200.0));
   v.field("flying", flying, "[-] do the rotors turn at hover speed at the start?");
   v.choice("known", known, {"pose", "position", "nothing"},
            "[-] what the vehicle's software is told of this: position_m and yaw_deg, position_m, or nothing");
@@ -195,7 +187,9 @@ void Scenario::visit(ConfigVisitor& v) {
   v.check(is_file_name(name), "name", kNameRule);
   check_time(v, *this);
   v.check(vehicles.size() <= kMaxVehicles, "vehicles", "at most " + std::to_string(kMaxVehicles) + " vehicles");
-  check_cameras(v, *this, name_vehicles(v, vehicles));
+  const std::vector<std::string> vehicle_names = name_vehicles(v, vehicles);
+  check_recorders(v, recorders, &vehicle_names);
+  check_cameras(v, *this, vehicle_names);
 }
 
 Scenario load_scenario(const std::filesystem::path& file,

@@ -37,6 +37,16 @@ std::string phrase(const Range& range, const std::string& number = "a number") {
   return number;
 }
 
+// No physical quantity in these units is larger; what is squared or counted stays in range.
+constexpr double kLargest = 1e9;
+
+/// The range, closed where it is open to infinity.
+Range bounded(Range range) {
+  if (std::isinf(range.min)) range.min = -kLargest;
+  if (std::isinf(range.max)) range.max = std::max(kLargest, range.min);
+  return range;
+}
+
 bool contains(const Range& range, double value) {
   return (range.min_excluded ? value > range.min : value >= range.min) &&
          (range.max_excluded ? value < range.max : value <= range.max);
@@ -405,6 +415,8 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
   void read_double(const Node& node, const std::string& path, const char* key, double& value, const Range& range) {
     const auto number = read_number(node, path, key, phrase(range));
     if (!number) return;
+    if (std::isfinite(*number) && !contains(bounded(range), *number) && contains(range, *number))
+      return error(node, path, phrase(bounded(range)));
     if (!std::isfinite(*number) || !contains(range, *number)) return error(node, path, phrase(range));
     value = *number;
   }

@@ -8,7 +8,7 @@ namespace swiftlet::sim {
 
 void AltimeterConfig::visit(ConfigVisitor& v) {
   visit_name(v);
-  v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::positive());
+  v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.field("position_m", position_m, "[m] where it is mounted, body frame");
   v.choice("beam", beam, {"vertical", "body"}, "[-] along the world's vertical, or the body's");
   v.field("range_min_m", range_min_m, "[m] nothing nearer is measured", Range::non_negative());

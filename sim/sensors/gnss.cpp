@@ -17,7 +17,7 @@ void GnssOutage::visit(ConfigVisitor& v) {
 void GnssConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: gnss_m8p, gnss_rtk, gnss_mrs");
   visit_name(v);
-  v.field("rate_hz", rate_hz, "[Hz] fixes per second", Range::positive());
+  v.field("rate_hz", rate_hz, "[Hz] fixes per second", Range::between(1e-3, 1e5));
   v.field("position_m", position_m, "[m] of the antenna, body frame");
   v.field("sigma_xy_m", sigma_xy_m, "[m] white noise of east and north", Range::non_negative());
   v.field("sigma_z_m", sigma_z_m, "[m] white noise of the altitude", Range::non_negative());

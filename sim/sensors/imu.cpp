@@ -8,7 +8,7 @@ namespace swiftlet::sim {
 void ImuConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: imu_adis16448, imu_mrs, imu_perfect");
   visit_name(v);
-  v.field("rate_hz", rate_hz, "[Hz] samples per second, up to the physics rate", Range::positive());
+  v.field("rate_hz", rate_hz, "[Hz] samples per second, up to the physics rate", Range::between(1e-3, 1e6));
   v.field("position_m", position_m, "[m] where it is mounted, body frame");
   v.field("rotation_rpy_deg", rotation_rpy_deg, "[deg] how its axes are turned against the body's: roll, pitch, yaw");
   v.field("gyro_noise_density_radps_psqrthz", gyro_noise_density_radps_psqrthz,

@@ -22,7 +22,7 @@ void ExternalPoseConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("correlation_time_s", correlation_time_s, "[s] of Gauss-Markov noise; 0: white, one draw for each sweep",
           Range::non_negative());
-  v.field("spacing_s", spacing_s, "[s] between the poses of a rolling sweep", Range::positive());
+  v.field("spacing_s", spacing_s, "[s] between the poses of a rolling sweep", Range::between(1e-5, 1e3));
 }
 
 ExternalPoses::ExternalPoses(const ExternalPoseConfig& config, bool ideal, std::uint64_t seed,

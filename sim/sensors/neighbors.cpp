@@ -19,7 +19,7 @@ void NeighborCamera::visit(ConfigVisitor& v) {
 void NeighborsConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: neighbors_uvdar, neighbors_ideal");
   visit_name(v);
-  v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::positive());
+  v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.field("ideal", ideal, "[-] the truth of all other vehicles, without anything below but the latency");
   v.field("range_max_m", range_max_m, "[m] nobody is seen beyond", Range::positive());
   v.field("range_min_m", range_min_m, "[m] nobody is seen nearer", Range::non_negative());

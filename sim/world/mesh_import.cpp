@@ -6,12 +6,14 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "sim/io/files.hpp"
 #include "sim/world/input_file.hpp"
@@ -22,6 +24,8 @@ namespace swiftlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr unsigned kMaxCorners = 100'000;  // of a face
 
 struct Label {
   SurfaceClass surface_class = SurfaceClass::kUnlabeled;
@@ -89,6 +93,24 @@ void check_head(const fs::path& file, const std::string& extension, const std::s
       reject_file(file, "truncated: expected " + std::to_string(expected) + " bytes for " + std::to_string(triangles) +
                             " triangles, found " + std::to_string(content.size()));
     }
+  }
+}
+
+// The library triangulates polygons by assertions, not by messages.
+void check_faces(const fs::path& file, const aiMesh& mesh) {
+  std::vector<unsigned> corners;
+  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+    const aiFace& face = mesh.mFaces[i];
+    const std::string name = "face " + std::to_string(i);
+    if (face.mNumIndices > kMaxCorners || (face.mNumIndices > 0 && face.mIndices == nullptr))
+      reject_file(file, name + ": expected at most " + std::to_string(kMaxCorners) + " corners, found " +
+                            std::to_string(face.mNumIndices));
+    corners.assign(face.mIndices, face.mIndices + face.mNumIndices);
+    std::sort(corners.begin(), corners.end());
+    if (!corners.empty() && corners.back() >= mesh.mNumVertices)
+      reject_file(file, name + " names a vertex that does not exist");
+    if (corners.size() > 3 && std::adjacent_find(corners.begin(), corners.end()) != corners.end())
+      reject_file(file, name + " has a corner twice");
   }
 }
 
@@ -203,10 +225,16 @@ Scene make_mesh_import(const MeshImportConfig& config, std::uint64_t) {
 
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* source = importer.ReadFile(config.file, aiProcess_ValidateDataStructure | aiProcess_Triangulate |
-                                                             aiProcess_SortByPType | aiProcess_JoinIdenticalVertices);
-  if (source == nullptr || source->mRootNode == nullptr)
-    reject_file(config.file, std::string("cannot be read as a mesh: ") + importer.GetErrorString());
+  const auto require = [&](const aiScene* scene) {
+    if (scene == nullptr || scene->mRootNode == nullptr)
+      reject_file(config.file, std::string("cannot be read as a mesh: ") + importer.GetErrorString());
+  };
+  const aiScene* source = importer.ReadFile(config.file, 0);
+  require(source);
+  for (unsigned i = 0; i < source->mNumMeshes; ++i) check_faces(config.file, *source->mMeshes[i]);
+  source = importer.ApplyPostProcessing(aiProcess_ValidateDataStructure | aiProcess_Triangulate |
+                                        aiProcess_SortByPType | aiProcess_JoinIdenticalVertices);
+  require(source);
   return Converter(config, *source).run();
 }
 

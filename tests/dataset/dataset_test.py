@@ -319,6 +319,38 @@ class Dataset(unittest.TestCase):
             time.sleep(0.3)  # the killed one's workers go with it
         self.assertEqual(content(target), content(self.out))
 
+    def test_killed_before_its_first_manifest_it_is_resumed(self):
+        target = self.path / "begun"
+        target.mkdir()
+        for name in ("scenarios", "sequences"):
+            (target / name).mkdir()
+        (target / "dataset.yaml").write_text("name: ha")
+        (target / ".lock").touch()
+        self.assertEqual(run("dataset", self.file, "--out", target).returncode, 2)
+        (target / "thesis.tex").write_text("precious")
+        self.assertEqual(run("dataset", self.file, "--out", target, "--resume").returncode, 2)
+        (target / "thesis.tex").unlink()
+        result = run("dataset", self.file, "--out", target, "--resume", "-q")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(content(target), content(self.out))
+
+    def test_verify_refuses_no_sequences_and_a_forged_instance(self):
+        copy = self.path / "forged"
+        shutil.copytree(self.out, copy)
+        manifest = json.loads((copy / "manifest.json").read_text())
+        (copy / "manifest.json").write_text(json.dumps({**manifest, "sequences": []}))
+        result = run("dataset", "verify", copy)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("expected a dataset with sequences, found none", result.stderr)
+        (copy / "manifest.json").write_text(json.dumps(manifest))
+        info = json.loads((copy / "sequences/01/sequence.json").read_text())
+        for instance in (0, -5, 9, 2**31 - 1):
+            (copy / "sequences/01/sequence.json").write_text(json.dumps({**info, "instance": instance}))
+            result = run("dataset", "verify", copy)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn("sequences/01/sequence.json: expected the instance of one of its vehicles", result.stderr)
+        shutil.rmtree(copy)
+
     def test_resume_refuses_another_configuration_and_without_it_nothing_is_overwritten(self):
         result = run("dataset", self.file, "--out", self.out)
         self.assertEqual(result.returncode, 2)

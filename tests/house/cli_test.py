@@ -115,13 +115,31 @@ class Cli(unittest.TestCase):
             result = self.run_swiftlet("check", scenario)
             self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""), scenario)
 
-    def test_a_broken_contract_is_one_message_with_vehicle_and_instant_and_nothing_is_left(self):
-        # A wind that blows everything away: no state stays finite.
-        self.scenario.write_text(HOVER.format(duration=1) + "wind: {mean_mps: [1e200, 0, 0]}\n")
-        result = self.run_swiftlet("run", self.scenario, "--out", "out", "-q")
-        self.assertEqual((result.returncode, result.stdout), (1, ""), result.stderr)
-        self.assertRegex(result.stderr, r"^swiftlet: internal error: sim/\S+:\d+: ENSURE\(is_finite\(state\)\): .*\"uav1\", "
-                                        r"to_seconds\(t\) = 0\.\d+, .*\n$")
+    def test_what_does_not_fit_into_memory_is_refused_by_key_before_the_flight(self):
+        detector = "vehicles[0].agent.detector={type: vofod, map: {size_m: [400, 400, 100]}}"
+        stderr = self.refused("run", self.scenario, "--out", "out", "--memory-limit", 500, "--set", detector,
+                              tells=["vehicles[0].agent.detector.map.size_m: expected a setting that fits into 500 MiB"])
+        self.assertEqual(stderr.count("\n"), 1)
+
+    def test_recorders_write_nowhere_else(self):
+        for command in (("check", self.scenario), ("run", self.scenario, "--out", "out")):
+            for place in ("../x.mcap", "/tmp/x.mcap", "summary.json"):
+                self.refused(*command, "--set", "recorders[0]={type: mcap, file: %s}" % place, tells=["recorders[0].file"])
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "needs /dev/full")
+    def test_output_that_cannot_be_written_is_an_error(self):
+        for command in ("reference", "list"):
+            with open("/dev/full", "w") as full:
+                result = subprocess.run([str(SWIFTLET), command], stdout=full, stderr=subprocess.PIPE, text=True)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn("No space left on device", result.stderr)
+
+    def test_a_file_at_its_limit_is_an_error_not_a_signal(self):
+        import resource
+        result = self.run_swiftlet("run", self.scenario, "--out", "out", "-q",
+                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)))
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("File too large", result.stderr)
         self.assertEqual(self.left_behind(), [])
 
     def test_help_is_everywhere(self):

@@ -26,14 +26,21 @@ struct AgentSetup {
   std::shared_ptr<const PriorMap> prior_map;  ///< null: nothing is known
 };
 
+/// Memory that a setting asks for; small needs are not told.
+struct MemoryNeed {
+  std::string key;  ///< of the setting, below the agent's own
+  double bytes = 0.0;
+};
+
 /// What an agent needs of whoever puts it into a world, beside the sensors that its vehicle carries.
 struct AgentNeeds {
-  bool true_pose = false;       ///< truth by name: an ideal `pose` sensor where the vehicle carries none
-  bool true_neighbors = false;  ///< truth by name: an ideal `neighbors` sensor where the vehicle carries none
-  PriorConfig prior;            ///< the map that it wants to be told
-  double prior_voxel_m = 0.25;  ///< for which that map must be dense enough
-  bool detects = false;         ///< its detections are to be scored
-  bool tracks = false;          ///< its tracks are to be scored
+  bool true_pose = false;          ///< truth by name: an ideal `pose` sensor where the vehicle carries none
+  bool true_neighbors = false;     ///< truth by name: an ideal `neighbors` sensor where the vehicle carries none
+  PriorConfig prior;               ///< the map that it wants to be told
+  double prior_voxel_m = 0.25;     ///< for which that map must be dense enough
+  bool detects = false;            ///< its detections are to be scored
+  bool tracks = false;             ///< its tracks are to be scored
+  std::vector<MemoryNeed> memory;  ///< what is large
 };
 
 /// One vehicle's software. Knows nothing but its setup and its observations; has no clock, no files, no random numbers.

@@ -6,6 +6,8 @@
 
 #include <set>
 
+#include "sim/batch/slurm.hpp"
+#include "swiftlet/sim/errors.hpp"
 #include "tests/sim/batch/batch_support.hpp"
 
 namespace swiftlet::sim {
@@ -162,6 +164,18 @@ TEST(BatchPlan, EpisodesThatMayShareAWorldAreOneGroup) {
   EXPECT_NE(plan.group_of(plan.episode(0)), plan.group_of(plan.episode(2)));  // another seed
   const BatchPlan fixed = folder.plan(std::string(kTwoByThree) + "set: {world_seed: 4}\n");
   EXPECT_EQ(fixed.group_of(fixed.episode(0)), fixed.group_of(fixed.episode(2)));
+}
+
+TEST(BatchPlan, NothingOfAFileBecomesACommandOfTheJobScript) {
+  const BatchFolder folder;
+  for (const std::string slurm : {R"(partition: "gpu\nrm -rf x")", R"(account: "a\nid")", R"(account: "a b")",
+                                  R"(options: ["--constraint=avx2\necho pwned"])", R"(options: [echo])"}) {
+    EXPECT_THROW(folder.plan("slurm: {" + slurm + "}\n"), InputError) << slurm;
+  }
+  const BatchPlan plan = folder.plan("slurm: {partition: 'cpu,gpu', account: a-1, options: [--constraint=avx2]}\n");
+  EXPECT_NE(make_slurm_scripts(plan, "out", "/bin/swiftlet").array.find("#SBATCH --partition=cpu,gpu\n"),
+            std::string::npos);
+  EXPECT_THROW(make_slurm_scripts(plan, "out\nid", "/bin/swiftlet"), InputError);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cinttypes>
 #include <cmath>
@@ -11,6 +13,7 @@
 #include "sim/batch/episode.hpp"
 #include "sim/batch/merge.hpp"
 #include "sim/batch/worker_pool.hpp"
+#include "sim/batch/writer_lock.hpp"
 #include "swiftlet/sim/simulation.hpp"
 #include "tests/sim/batch/batch_support.hpp"
 
@@ -266,6 +269,30 @@ TEST_F(Merge, TellsWhatIsMissingAndAddsToWhatIsThere) {
   EXPECT_EQ(dump(folder_.path("part/results.sqlite")), dump(whole_));
 }
 
+TEST_F(Merge, IsRefusedWhileABatchWritesThere) {
+  int started[2], ended[2];
+  ASSERT_EQ(pipe(started) | pipe(ended), 0);
+  const pid_t batch = fork();
+  ASSERT_GE(batch, 0);
+  char byte = 0;
+  if (batch == 0) {
+    close(ended[1]);
+    const WriterLock lock(whole_);
+    (void)!write(started[1], &byte, 1);
+    (void)!read(ended[0], &byte, 1);
+    _exit(0);
+  }
+  ASSERT_EQ(read(started[0], &byte, 1), 1);
+  const std::string before = dump(whole_);
+  EXPECT_THAT(refusal([&] { merge_batches({shards_[0]}, folder_.path("whole")); }),
+              HasSubstr("results.sqlite.lock: expected nobody else at work here"));
+  EXPECT_EQ(dump(whole_), before);
+  close(ended[1]);
+  waitpid(batch, nullptr, 0);
+  merge_batches({shards_[0]}, folder_.path("whole"));
+  for (const int fd : {started[0], started[1], ended[0]}) close(fd);
+}
+
 TEST_F(Merge, OverlapsThatAgreeAreOne) {
   const MergeOutcome outcome = merge_batches({shards_[0], whole_, shards_[0]}, folder_.path("twice"));
   EXPECT_EQ(outcome.episodes, 12U);
@@ -285,7 +312,8 @@ TEST_F(Merge, OverlapsThatDisagreeAreRefusedAndLeaveNothing) {
   const std::string message = refusal([&] { merge_batches({whole_, shards_[1]}, folder_.path("bad")); });
   EXPECT_THAT(message, HasSubstr("path_length_m"));
   EXPECT_FALSE(std::filesystem::exists(folder_.path("bad/results.sqlite")));
-  EXPECT_TRUE(std::filesystem::is_empty(folder_.path("bad")));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path("bad")))
+    EXPECT_EQ(entry.path().filename(), ".results.sqlite.lock");
 }
 
 TEST_F(Merge, AnEpisodeThatIsDoneWinsOverOneThatIsNot) {

@@ -270,5 +270,17 @@ TEST(Plot, IsWrittenUnderItsNameOnlyWhenComplete) {
   EXPECT_THROW(figure.write("/dev/null/figure.svg"), std::runtime_error);
 }
 
+TEST(Plot, ValuesThatDifferInTheirLastBitsHaveFewTicks) {
+  const std::pair<double, double> pairs[] = {
+      {0.3, 0.30000000000000004}, {1e300, 1.0000000000000002e300}, {-7.0, -6.999999999999999}, {1e17, 1e17 + 16.0}};
+  for (const auto& [low, high] : pairs) {
+    EXPECT_LE(linear_ticks(low, high, 5).size(), 20U) << low;
+    const double values[] = {low, high};
+    Figure figure;
+    figure.add_panel().line("a", values, values);
+    EXPECT_LT(figure.svg().size(), 100'000U) << low;
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet::sim::plot

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "sim/io/files.hpp"
 #include "sim/report/run_report.hpp"
 #include "sim/report/time_series.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -212,6 +213,34 @@ TEST(TimeSeries, CsvStatesGiveErrorsAndAreThinned) {
   EXPECT_EQ(series[0].tracking_error_m[7], 1.0);
   EXPECT_TRUE(std::isnan(series[0].clearance_m[0]));
   EXPECT_EQ(series[0].clearance_m[7], 2.5);
+}
+
+TEST(RunReport, DamagedTablesAreRefusedByTheirName) {
+  for (const std::string content :
+       {"", "# t_s\n1\n2\n", "# t_s x_m y_m\n1 2 3\n", std::string("\0\0\n\xff 1", 6).c_str()}) {
+    const TemporaryDirectory folder;
+    write_file(folder.path() / "summary.json", "{}");
+    std::filesystem::create_directories(folder.path() / "trajectories");
+    const std::string whole = "# t_s x_m y_m z_m qx qy qz qw\n0 1 2 3 0 0 0 1\n1 1 2 4 0 0 0 1\n";
+    for (const auto& [broken, good] : {std::pair{"a.tum", "a.estimate.tum"}, {"a.estimate.tum", "a.tum"}}) {
+      write_file(folder.path() / "trajectories" / broken, content);
+      write_file(folder.path() / "trajectories" / good, whole);
+      EXPECT_THROW(write_run_report(folder.path()), InputError) << broken << ": " << content;
+    }
+    std::filesystem::create_directories(folder.path() / "csv/a");
+    write_file(folder.path() / "csv/a/state.csv", content);
+    EXPECT_THROW(write_run_report(folder.path()), InputError) << content;
+  }
+}
+
+TEST(RunReport, JsonThatIsNestedWithoutEndIsRefused) {
+  const TemporaryDirectory folder;
+  const std::string deep = std::string(100'000, '[') + std::string(100'000, ']');
+  write_file(folder.path() / "summary.json", "{\"outcome\": " + deep + "}");
+  EXPECT_THROW(write_run_report(folder.path()), InputError);
+  write_file(folder.path() / "summary.json", "{}");
+  write_file(folder.path() / "events.jsonl", "{\"kind\": " + deep + "}\n");
+  write_run_report(folder.path());  // such a line is no event
 }
 
 }  // namespace

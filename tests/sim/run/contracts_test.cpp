@@ -3,17 +3,23 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <new>
 #include <nlohmann/json.hpp>
 
 #include "core/agent/stack.hpp"
+#include "core/detection/vofod_config.hpp"
 #include "core/stages/detectors.hpp"
 #include "sim/radio/radio.hpp"
 #include "sim/run/finite_values.hpp"
+#include "sim/run/memory.hpp"
 #include "sim/run/summary.hpp"
 #include "sim/sensors/compass.hpp"
 #include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/ensure.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/recorder.hpp"
 #include "swiftlet/sim/simulation.hpp"
 
 namespace swiftlet::sim {
@@ -143,6 +149,57 @@ TEST(Counters, TheSettingOfAnAgentIsNamedByItsPathInTheScenario) {
   EXPECT_THAT(settings,
               ElementsAre("radio.queue_limit_kB", "vehicles[1].agent.detector.timing.classification_latency_s",
                           "vehicles[1].agent.detector.map.size_m"));
+}
+
+/// A recorder that asks for more memory than there is.
+class HungryRecorder : public Recorder {
+ public:
+  void begin(const RunInfo&) override {}
+  void write(const TickView&) override { throw std::bad_alloc(); }
+  std::vector<std::filesystem::path> finish() override { return {}; }
+};
+
+TEST(Contracts, RunningOutOfMemoryNamesTheStage) {
+  Simulation simulation(row_of(1), 1);
+  simulation.attach(std::make_unique<HungryRecorder>(), "");
+  try {
+    simulation.tick();
+    FAIL() << "no exception";
+  } catch (const OutOfMemory& problem) {
+    EXPECT_STREQ(problem.what(), "out of memory in the stage recorders at 0.004000 s");
+  }
+}
+
+Scenario with_detector(const std::function<void(VofodConfig&)>& change) {
+  Scenario scenario = row_of(1);
+  Module detector(detector_module_types(), "vofod");
+  change(detector.as<VofodConfig>());
+  scenario.vehicles[0].agent.as<StackConfig>().detector = detector;
+  return scenario;
+}
+
+std::string refusal_of(const Scenario& scenario) {
+  try {
+    require_memory(scenario);
+  } catch (const InputError& problem) {
+    return problem.what();
+  }
+  return "none";
+}
+
+TEST(Memory, WhatDoesNotFitIsRefusedByKeyAndNumberBeforeTheFlight) {
+  EXPECT_EQ(refusal_of(with_detector([](VofodConfig&) {})), "none");
+  const Scenario large = with_detector([](VofodConfig& vofod) { vofod.map.size_m = {1e5, 1e5, 1e4}; });
+  EXPECT_THAT(refusal_of(large), HasSubstr("vehicles[0].agent.detector.map.size_m: expected a setting that fits into"));
+  EXPECT_THROW(Simulation(large, 1), InputError);
+  const Scenario far = with_detector([](VofodConfig& vofod) { vofod.ray_max_m = 1000.0; });
+  EXPECT_THAT(refusal_of(far), HasSubstr("vehicles[0].agent.detector.ray_max_m: "));
+  // Many small needs are one large one.
+  Scenario team = row_of(50);
+  Module detector(detector_module_types(), "vofod");
+  detector.as<VofodConfig>().map.size_m = {500.0, 500.0, 50.0};
+  for (VehicleConfig& vehicle : team.vehicles) vehicle.agent.as<StackConfig>().detector = detector;
+  EXPECT_THAT(refusal_of(team), HasSubstr(" MiB in all"));
 }
 
 }  // namespace

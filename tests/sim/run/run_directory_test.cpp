@@ -2,6 +2,7 @@
 #include "sim/run/run_directory.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "sim/io/files.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -58,6 +59,28 @@ TEST_F(RunDirectoryTest, RemovesWhatAKilledRunLeftBehind) {
   fs::create_directories(root_ / ".a.partial-999999999");  // no process has this number
   RunDirectory run(root_ / "a");
   EXPECT_FALSE(fs::exists(root_ / ".a.partial-999999999"));
+}
+
+TEST_F(RunDirectoryTest, WhatSomebodyPutsThereDuringTheRunStaysAndTheRunGetsAnotherName) {
+  RunDirectory run(root_ / "a");
+  write_file(run.path() / "summary.json", "new");
+  fs::create_directories(root_ / "a");
+  write_file(root_ / "a/notes.txt", "an afternoon of work");
+  EXPECT_THROW(run.commit(), std::runtime_error);
+  EXPECT_TRUE(fs::exists(root_ / "a/notes.txt"));
+  EXPECT_EQ(read_whole_file(root_ / ("a.finished-" + std::to_string(getpid())) / "summary.json"), "new");
+  EXPECT_EQ(entries(), 2U);
+}
+
+TEST_F(RunDirectoryTest, AnEarlierRunThatAKilledCommitMovedAsideComesBack) {
+  // No process has this number.
+  fs::create_directories(root_ / ".a.partial-999999999.replaced");
+  write_file(root_ / ".a.partial-999999999.replaced/summary.json", "earlier");
+  fs::create_directories(root_ / ".a.partial-999999999");
+  write_file(root_ / ".a.partial-999999999/summary.json", "finished");
+  { RunDirectory run(root_ / "a"); }
+  EXPECT_EQ(read_whole_file(root_ / "a/summary.json"), "earlier");
+  EXPECT_EQ(entries(), 1U);
 }
 
 }  // namespace

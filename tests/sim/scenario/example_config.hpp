@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -117,7 +118,7 @@ struct FleetConfig {
     v.field("low", low, "[-] lower end");
     v.field("high", high, "[-] upper end");
     v.field("size_m", size_m, "[m] of the water", Range::positive());
-    v.field("times_s", times_s, "[s] of the start signals", Range::non_negative());
+    v.field("times_s", times_s, "[s] of the start signals", Range::between(0.0, std::numeric_limits<double>::max()));
     v.field("tags", tags, "[-] free words");
     v.field("buoys_m", buoys_m, "[m] to go round");
     v.list("boats", boats, "in the order of their numbers");

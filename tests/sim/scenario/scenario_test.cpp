@@ -8,8 +8,15 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "core/agent/registry.hpp"
+#include "core/agent/stack.hpp"
+#include "core/stages/detectors.hpp"
+#include "core/stages/estimators.hpp"
+#include "core/stages/guidances.hpp"
+#include "core/stages/mappers.hpp"
+#include "core/stages/trackers.hpp"
 #include "sim/scenario/assets.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/scenario/yaml_writer.hpp"
@@ -227,6 +234,122 @@ TEST(Scenario, OverridesReachEveryDepth) {
   EXPECT_EQ(scenario.vehicles[0].start.yaw_deg, 90.0);
   for (const VehicleConfig& vehicle : scenario.vehicles) EXPECT_EQ(vehicle.airframe.mass_kg, 1.5);
   EXPECT_THROW(load_scenario(file, {{"vehicles[0].start.yaw", "90"}}), InputError);
+}
+
+TEST(Scenario, RecordersWriteNowhereButIntoTheRunDirectory) {
+  for (const std::string place : {"../out", "a/../../b", "/tmp/x", "", "a//b", "a/", ".", "..", ".hidden", "-o",
+                                  "a\\nb", "summary.json", "scenario.yaml", "summary.json/a", "x.part"}) {
+    for (const auto& [type, key] :
+         {std::pair{"mcap", "file"}, {"rosbag", "file"}, {"pcd", "folder"}, {"ply", "folder"}}) {
+      const std::string error =
+          scenario_error(std::string("recorders:\n  - {type: ") + type + ", " + key + ": \"" + place + "\"}\n");
+      EXPECT_THAT(error, HasSubstr("flight.yaml:2:")) << type << " " << place;
+      EXPECT_THAT(error, HasSubstr(std::string("recorders[0].") + key)) << type << " " << place;
+    }
+  }
+  EXPECT_EQ(scenario_error("recorders: [{type: mcap, file: logs/a.mcap}, {type: pcd, folder: logs/scans}]"),
+            "no error");
+}
+
+TEST(Scenario, NoTwoRecordersWriteTheSame) {
+  for (const std::string recorders :
+       {"{type: mcap, file: a}, {type: rosbag, file: a}", "{type: pcd, folder: a}, {type: pcd, folder: a}",
+        "{type: pcd, folder: a}, {type: mcap, file: a}", "{type: mcap, file: a}, {type: ply, folder: a/b}",
+        "{type: tum}, {type: tum}", "{type: csv}, {type: csv}", "{type: events}, {type: mcap, file: events.jsonl}"}) {
+    EXPECT_THAT(scenario_error("recorders: [" + recorders + "]"), HasSubstr("recorders[1].")) << recorders;
+  }
+  for (const std::string recorders :
+       {"{type: pcd}, {type: ply}", "{type: pcd, sensors: [front]}, {type: pcd, sensors: [rear]}",
+        "{type: pcd, folder: a}, {type: pcd, folder: b}", "{type: csv, topics: [state]}, {type: csv, topics: [imu]}"}) {
+    EXPECT_EQ(scenario_error("recorders: [" + recorders + "]"), "no error") << recorders;
+  }
+}
+
+TEST(Scenario, ARecorderOfAVehicleThatIsNotThereIsToldWithItsPlace) {
+  EXPECT_THAT(scenario_error("vehicles: [{name: alpha}]\nrecorders: [{type: tum, vehicles: [alpha, alfa]}]"),
+              HasSubstr("flight.yaml:2:43: recorders[0].vehicles[1]: expected \"alpha\""));
+}
+
+TEST(Scenario, ValuesBeyondReasonAreRefusedWithTheirPlace) {
+  const auto detector = [](const std::string& keys) {
+    return "vehicles: [{agent: {detector: {type: vofod, " + keys + "}}}]";
+  };
+  const std::pair<std::string, std::string> cases[] = {
+      {"physics: {gravity_mps2: -1e30}", "physics.gravity_mps2"},
+      {"physics: {air_density_kgpm3: 1e200}", "physics.air_density_kgpm3"},
+      {"wind: {mean_mps: [1e200, 0, 0]}", "wind.mean_mps"},
+      {"wind: {wind_at_6m_mps: 1e10}", "wind.wind_at_6m_mps"},
+      {"vehicles: [{start: {velocity_mps: [0, 1e99, 0]}}]", "vehicles[0].start.velocity_mps"},
+      {"vehicles: [{start: {position_m: [1e18, 0, 5]}}]", "vehicles[0].start.position_m"},
+      {"vehicles: [{airframe: {mass_kg: 1e-300}}]", "vehicles[0].airframe.mass_kg"},
+      {"vehicles: [{sensors: [{type: imu, rate_hz: 3e9}]}]", "vehicles[0].sensors[0].rate_hz"},
+      {"vehicles: [{sensors: [{type: pose, rate_hz: 1e-12}]}]", "vehicles[0].sensors[0].rate_hz"},
+      {"vehicles: [{agent: {mapping: {type: sparse, map: {clear_range_m: 1e9}}}}]", "clear_range_m"},
+      {detector("ray_max_m: 1e6"), "vehicles[0].agent.detector.ray_max_m"},
+      {detector("ray_max_m: 900"), "vehicles[0].agent.detector.ray_max_m"},
+      {detector("map: {center_m: [1e18, 0, 0], extent: bounded}"), "vehicles[0].agent.detector.map.center_m"},
+      {detector("map: {voxel_m: 1e-9}"), "vehicles[0].agent.detector.map.voxel_m"},
+      {detector("separate_distance_m: 1e18"), "vehicles[0].agent.detector.separate_distance_m"},
+      {detector("separate_distance_m: 90"), "vehicles[0].agent.detector.separate_distance_m"},
+      {"vehicles: [{agent: {guidance: {type: hover, point_m: [1e10, 0, 0]}}}]", "guidance.point_m"},
+  };
+  for (const auto& [text, key] : cases) {
+    EXPECT_THAT(scenario_error(text), HasSubstr("flight.yaml:1:")) << text;
+    EXPECT_THAT(scenario_error(text), HasSubstr(key)) << text;
+  }
+}
+
+/// Every scenario with one module of a registry and defaults else, as text.
+std::vector<std::string> texts_of_all_modules() {
+  std::vector<std::string> texts;
+  const auto add = [&](std::span<const ModuleType> types, const auto& put) {
+    for (const ModuleType& type : types) {
+      Scenario scenario;
+      put(scenario, Module(types, type.name));
+      texts.push_back(write_scenario(scenario));
+    }
+  };
+  const auto stack = [](Scenario& s) -> StackConfig& { return s.vehicles[0].agent.as<StackConfig>(); };
+  add(world_module_types(), [](Scenario& s, Module m) { s.world = std::move(m); });
+  add(sensor_module_types(), [](Scenario& s, Module m) { s.vehicles[0].sensors = {std::move(m)}; });
+  add(recorder_module_types(), [](Scenario& s, Module m) { s.recorders = {std::move(m)}; });
+  add(estimator_module_types(), [&](Scenario& s, Module m) { stack(s).localization = std::move(m); });
+  add(detector_module_types(), [&](Scenario& s, Module m) { stack(s).detector = std::move(m); });
+  add(tracker_module_types(), [&](Scenario& s, Module m) { stack(s).tracker = std::move(m); });
+  add(mapper_module_types(), [&](Scenario& s, Module m) { stack(s).mapping = std::move(m); });
+  add(guidance_module_types(), [&](Scenario& s, Module m) { stack(s).guidance = std::move(m); });
+  return texts;
+}
+
+TEST(Scenario, EveryNumberThatIsAbsurdIsRefusedWithItsPlaceOrLoads) {
+  std::set<std::string> seen;  // lines: most keys stand in every text
+  std::size_t tried = 0;
+  for (const std::string& text : texts_of_all_modules()) {
+    std::size_t begin = 0;
+    for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
+      const std::string line = text.substr(begin, end - begin);
+      const std::size_t colon = line.find(": ");
+      if (colon == std::string::npos || line.find_first_of("0123456789", colon) == std::string::npos) continue;
+      if (line[colon + 2] == '"' || line.find_first_not_of("-+.e0123456789[], ", colon + 2) != std::string::npos)
+        continue;
+      if (!seen.insert(line).second) continue;
+      const std::size_t first = line.find_first_of("-.0123456789", colon + 2);
+      const std::size_t last = std::min(line.find_first_of(",]", first), line.size());
+      for (const char* value : {"0", "1e-300", "1e18", "-1e18", "1e300", "-1e300", "2147483647"}) {
+        const std::string changed =
+            text.substr(0, begin) + line.substr(0, first) + value + line.substr(last) + text.substr(end);
+        const std::string error = scenario_error(changed);
+        ++tried;
+        if (error == "no error") {
+          EXPECT_EQ(std::string(value).find("1e300"), std::string::npos) << line << " took " << value;
+        } else if (!error.starts_with("flight.yaml:")) {
+          // Paths without a sensible default are missing anyway.
+          EXPECT_THAT(error, HasSubstr("by default")) << line << " with " << value;
+        }
+      }
+    }
+  }
+  EXPECT_GT(tried, 2000U);
 }
 
 }  // namespace

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/run/memory.hpp"
+
+#include <fmt/core.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+
+#include "core/agent/registry.hpp"
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr double kMebibyte = 1048576.0;
+
+double limit_of(int resource) {
+  rlimit limit{};
+  if (getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+    return std::numeric_limits<double>::infinity();
+  return static_cast<double>(limit.rlim_cur);
+}
+
+/// Of the control group, as containers and batch systems set it; the word "max" is no number.
+double limit_of_group() {
+  std::ifstream file("/sys/fs/cgroup/memory.max");
+  double bytes = 0.0;
+  return file >> bytes ? bytes : std::numeric_limits<double>::infinity();
+}
+
+[[noreturn]] void refuse(const std::string& key, double bytes, double all_bytes) {
+  std::string message =
+      fmt::format("{}: expected a setting that fits into {:.0f} MiB of memory, found one that takes {:.0f} MiB", key,
+                  available_memory_bytes() / kMebibyte, bytes / kMebibyte);
+  if (all_bytes > bytes) message += fmt::format(" of {:.0f} MiB in all", all_bytes / kMebibyte);
+  throw InputError(message);
+}
+
+}  // namespace
+
+double available_memory_bytes() {
+  const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  return std::min({machine, limit_of(RLIMIT_DATA), limit_of(RLIMIT_AS), limit_of_group()});
+}
+
+void limit_memory(double limit_mb) {
+  if (limit_mb <= 0.0) return;
+  rlimit limit{};
+  getrlimit(RLIMIT_DATA, &limit);
+  limit.rlim_cur = std::min(limit.rlim_max, static_cast<rlim_t>(limit_mb * kMebibyte));
+  setrlimit(RLIMIT_DATA, &limit);
+}
+
+void require_memory(const std::string& key, double bytes) {
+  if (bytes > available_memory_bytes()) refuse(key, bytes, bytes);
+}
+
+void require_memory(const Scenario& scenario) {
+  double all_bytes = 0.0;
+  MemoryNeed largest;
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    for (const MemoryNeed& need : needs_of(scenario.vehicles[i].agent).memory) {
+      all_bytes += need.bytes;
+      if (need.bytes <= largest.bytes) continue;
+      largest = {"vehicles[" + std::to_string(i) + "].agent." + need.key, need.bytes};
+    }
+  }
+  if (all_bytes > available_memory_bytes()) refuse(largest.key, largest.bytes, all_bytes);
+}
+
+}  // namespace swiftlet::sim
