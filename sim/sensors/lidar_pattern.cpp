@@ -44,7 +44,7 @@ class Ouster final : public LidarPattern {
   void fill(std::uint32_t /*sweep*/, BeamTable& beams) const override {
     resize(config_.rows, config_.columns, beams);
     for (int c = 0; c < beams.cols; ++c) {
-      const double encoder = -2.0 * kPi * c / beams.cols;
+      const double encoder = config_.connector_deg * kRadians - 2.0 * kPi * c / beams.cols;
       beams.column_offset_s[c] = static_cast<float>(sweep_s_ * c / beams.cols);
       const Eigen::Vector3f origin =
           Eigen::Vector3d(config_.beam_origin_m * std::cos(encoder), config_.beam_origin_m * std::sin(encoder), 0.0)
@@ -269,8 +269,9 @@ void OusterConfig::visit(ConfigVisitor& v) {
           Range::between(-90, 90));
   v.field("azimuths_deg", azimuths_deg, "[deg] of the beams against the encoder, clockwise; repeats over the rows",
           Range::between(-180, 180));
-  v.field("beam_origin_m", beam_origin_m, "[m] the range counts from this distance off the axis",
-          Range::non_negative());
+  v.field("beam_origin_m", beam_origin_m, "[m] the beams start at this distance from the axis", Range::non_negative());
+  v.field("connector_deg", connector_deg, "[deg] azimuth of the connector, at which column 0 and the sweep begin",
+          Range::between(-180, 180));
   v.check(elevations_deg.empty() || static_cast<int>(elevations_deg.size()) == rows, "elevations_deg",
           "as many elevations as rows");
 }
