@@ -37,7 +37,7 @@ void RangeNoiseConfig::visit(ConfigVisitor& v) {
   v.field("floor_m", floor_m, "[m] signal: standard deviation that no signal undercuts", Range::non_negative());
   v.field("sigma_at_reference_m", sigma_at_reference_m, "[m] signal: what is added to it in squares at reference_snr",
           Range::non_negative());
-  v.field("reference_snr", reference_snr, "[-] signal over receiver noise, in units of threshold_snr",
+  v.field("reference_snr", reference_snr, "[-] signal: over the receiver's noise, where sigma_at_reference_m is added",
           Range::positive());
   v.field("exponent", exponent, "[-] signal: by which the added part falls with the signal", Range::between(0, 4));
   v.field("table_range_m", table_range_m, "[m] ranges of table_sigma_m, ascending; empty: constant sigma_range_m",

@@ -63,14 +63,19 @@ class Ouster final : public LidarPattern {
 
  private:
   double azimuth_deg(int row) const {
-    return config_.azimuths_deg.empty() ? 0.0 : config_.azimuths_deg[row % config_.azimuths_deg.size()];
+    const std::size_t size = config_.azimuths_deg.size();
+    if (size == 0) return 0.0;
+    return config_.azimuths_deg[size == config_.elevations_deg.size() ? row * row_step() : row % size];
   }
   double elevation_deg(int row) const {
-    if (!config_.elevations_deg.empty()) return config_.elevations_deg[row];
+    if (!config_.elevations_deg.empty()) return config_.elevations_deg[row * row_step()];
     if (config_.rows == 1) return config_.elevation_top_deg;
     return config_.elevation_top_deg +
            row * (config_.elevation_bottom_deg - config_.elevation_top_deg) / (config_.rows - 1);
   }
+
+  // A sensor of fewer rows has every second, fourth ... of the table.
+  std::size_t row_step() const { return config_.elevations_deg.size() / config_.rows; }
 
   OusterConfig config_;
   double sweep_s_;
@@ -272,8 +277,8 @@ void OusterConfig::visit(ConfigVisitor& v) {
   v.field("beam_origin_m", beam_origin_m, "[m] the beams start at this distance from the axis", Range::non_negative());
   v.field("connector_deg", connector_deg, "[deg] azimuth of the connector, at which column 0 and the sweep begin",
           Range::between(-180, 180));
-  v.check(elevations_deg.empty() || static_cast<int>(elevations_deg.size()) == rows, "elevations_deg",
-          "as many elevations as rows");
+  v.check(rows < 1 || elevations_deg.size() % rows == 0, "elevations_deg",
+          "as many elevations as rows, or a multiple of which every second, third ... row is taken");
 }
 
 void LivoxMid360Config::visit(ConfigVisitor& v) {

@@ -97,6 +97,17 @@ TEST(LidarPattern, TheSweepOfAnOusterBeginsAtTheConnectorBehind) {
   EXPECT_NEAR(azimuth_deg(beams_of(module_of("ouster", config)).directions_lidar[0]), 0.0, 1e-4);
 }
 
+TEST(LidarPattern, AnOusterOfFewerRowsTakesEverySecondOrFourthOfTheTable) {
+  OusterConfig config;
+  config.rows = 2;
+  config.elevations_deg = {30.0, 10.0, -10.0, -30.0};
+  config.azimuths_deg = {1.0, 2.0, 3.0, 4.0};
+  const BeamTable beams = beams_of(module_of("ouster", config));
+  EXPECT_NEAR(elevation_deg(beams.directions_lidar[0]), 30.0, 1e-4);
+  EXPECT_NEAR(elevation_deg(beams.directions_lidar[1024]), -10.0, 1e-4);
+  EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[1024]) - (180.0 - 3.0)), 0.0, 1e-4);
+}
+
 TEST(LidarPattern, Mid360CoversItsFieldOfViewWith200000ShotsASecond) {
   const Module module(lidar_pattern_types(), "livox_mid360");
   double lowest = 90, highest = -90;
