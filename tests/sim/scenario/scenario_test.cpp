@@ -189,11 +189,13 @@ TEST(LidarPresets, NoBeamOfTheDatasetsMid360MeetsTheOwnHullOnAnyAirframe) {
       for (const double pitch_deg : {0.0, 15.0, 25.0}) {
         lidar.mount.rpy_deg.y() = pitch_deg;
         const auto sensor = make_lidar(lidar, setup);
-        const Observation out = drive(*sensor, {resting({0, 0, 50})}, {.duration_s = 0.101});
-        ASSERT_EQ(out.scans.size(), 1U);
-        const auto& masked = out.scans[0]->beams->masked;
+        std::vector<std::shared_ptr<const Scan>> scans;
+        drive(*sensor, {resting({0, 0, 50})}, {.duration_s = 0.101},
+              [&](TimeNs, const Observation& out) { scans.insert(scans.end(), out.scans.begin(), out.scans.end()); });
+        ASSERT_EQ(scans.size(), 1U);
+        const auto& masked = scans[0]->beams->masked;
         EXPECT_EQ(std::ranges::count(masked, 1), 0) << model << " " << pitch_deg;
-        EXPECT_LT(out.scans[0]->T_body_lidar.translation().z(), 0.6) << model << " " << pitch_deg;
+        EXPECT_LT(scans[0]->T_body_lidar.translation().z(), 0.6) << model << " " << pitch_deg;
       }
     }
   }
