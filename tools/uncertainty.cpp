@@ -38,9 +38,12 @@ struct UncertaintyOptions {
 
 struct Request {  // the options with the sensor's own numbers filled in
   sim::RangeNoiseConfig range_noise;
+  sim::DetectionConfig detection;
   double range_max_m = 100.0;
   Vector3 direction = Vector3::UnitX();
 };
+
+constexpr float kBrightness = 0.3F;  // reflectivity of the surface, hit at right angles
 
 struct Line {
   double range_m = 0.0, sigma_range_m = 0.0, expected_m = 0.0, median_m = 0.0, exceeded_by_5_percent_m = 0.0,
@@ -62,6 +65,7 @@ Request request_of(const UncertaintyOptions& options) {
   if (!options.sensor.empty()) {
     const sim::LidarConfig lidar = lidar_preset(options.sensor);
     request.range_noise = lidar.noise;
+    request.detection = lidar.detection;
     request.range_max_m = lidar.range_max_m;
   }
   if (options.sigma_range_m) {
@@ -95,8 +99,8 @@ double voxel_for(const Matrix3& Sigma, double confidence) {
 Line line_at(double range_m, const Request& request, const UncertaintyOptions& options) {
   Line line;
   line.range_m = range_m;
-  const sim::LidarMeasurement measurement(request.range_noise, {}, request.range_max_m, false);
-  line.sigma_range_m = measurement.sigma_m(static_cast<float>(range_m), 1.0F);
+  const sim::LidarMeasurement measurement(request.range_noise, request.detection, request.range_max_m, false);
+  line.sigma_range_m = measurement.sigma_m(static_cast<float>(range_m), 1.0F, kBrightness);
   const MeasurementNoise noise{line.sigma_range_m, Vector3::Constant(options.sigma_position_m),
                                Vector3::Constant(options.sigma_rotation_rad)};
   const Matrix3 Sigma = point_covariance(request.direction, range_m, Matrix3::Identity(), noise.Sigma_w());
@@ -131,7 +135,9 @@ void print_table(const std::vector<Line>& table, const Request& request, const U
   fmt::print("{}\n", bold("Where does a measured point really lie?"));
   fmt::print("range noise {:g} m{}, position {:g} m an axis, attitude {:g} rad an axis\n\n",
              table.front().sigma_range_m,
-             request.range_noise.table_sigma_m.empty() ? "" : " (at range 0; from the sensor's table)",
+             request.range_noise.law == "constant" && request.range_noise.table_sigma_m.empty()
+                 ? ""
+                 : " (at range 0; by the sensor's law, reflectivity 0.3)",
              options.sigma_position_m, options.sigma_rotation_rad);
   std::string header = fmt::format("{:>8} {:>10} {:>10} {:>12} {:>14}", "range", "expected", "median", "5 % exceed",
                                    fmt::format("voxel {:g} %", 100.0 * options.confidence));

@@ -6,7 +6,10 @@ namespace {
 
 class NoneAgent : public Agent {
  public:
-  NoneAgent() { action_.mission = MissionStatus::kDone; }
+  NoneAgent() {
+    action_.mission = MissionStatus::kDone;
+    action_.mission_note = "the agent is none: it has no mission";
+  }
   const Action& step(const Observation& observation) override {
     action_.estimate.t = observation.t;
     return action_;

@@ -113,7 +113,7 @@ void encode_images(const LabeledScan& labeled, const ContentConfig& content, std
   const auto per_intensity_unit = static_cast<float>(1.0 / content.intensity_unit);
   for (int i = 0; i < scan.size(); ++i) {
     if (!scan.hit(i)) continue;
-    range[static_cast<std::size_t>(i)] = to_gray(scan.range_m[i], per_range_unit);
+    range[static_cast<std::size_t>(i)] = to_gray(scan.range_from_axis_m(i), per_range_unit);
     intensity[static_cast<std::size_t>(i)] = to_gray(scan.intensity[i], per_intensity_unit);
   }
 }

@@ -87,7 +87,7 @@ void encode_ouster(const Scan& scan, std::uint32_t sequence, const std::string& 
     if (!scan.hit(i)) continue;
     store(at + 16, scan.intensity[i]);
     store(at + 24, static_cast<std::uint16_t>(reflectivity_byte(scan.reflectivity[i], 100)));
-    store(at + 32, static_cast<std::uint32_t>(std::lround(scan.range_m[i] * 1000.0F)));
+    store(at + 32, static_cast<std::uint32_t>(std::lround(scan.range_from_axis_m(i) * 1000.0F)));
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <omp.h>
 
+#include <algorithm>
+
 #include "sim/metrics/metrics.hpp"
 #include "sim/radio/radio.hpp"
 #include "sim/render/snapshot_recorder.hpp"
@@ -30,6 +32,7 @@ struct Simulation::Impl {
         radio(scenario.radio, scenario.seed, info.vehicle_names, world.static_scene),
         events(info.vehicle_names),
         metrics(scenario.metrics, info.vehicle_names, perception_of(scenario)),
+        has_missions(std::ranges::any_of(scenario.vehicles, [](const auto& v) { return v.agent.type != "none"; })),
         tick_length(from_seconds(scenario.tick_s)) {
     info.series = metrics.series();
     for (int i = 0; i < team.size(); ++i) history.push(i, physics.state(i));
@@ -51,6 +54,7 @@ struct Simulation::Impl {
   Metrics metrics;
   std::vector<std::unique_ptr<Recorder>> recorders;
 
+  bool has_missions;  // a run of dummies alone lasts as long as it should
   TimeNs now = 0;
   TimeNs tick_length;
   std::uint64_t hash = 0;
@@ -135,7 +139,7 @@ void Simulation::tick() {
 bool Simulation::finished() const {
   const MetricsConfig& until = scenario().metrics;
   return now() >= from_seconds(scenario().duration_s) || (until.stop_on_crash && impl_->events.crashed()) ||
-         (until.stop_when_done && impl_->events.all_is_over(now()));
+         (until.stop_when_done && impl_->has_missions && impl_->events.all_is_over(now()));
 }
 
 TimeNs Simulation::now() const { return impl_->now; }

@@ -17,18 +17,6 @@
 
 namespace swiftlet::sim {
 
-void MountConfig::visit(ConfigVisitor& v) {
-  v.field("position_m", position_m, "[m] of the sensor in the body frame");
-  v.field("rpy_deg", rpy_deg, "[deg] roll, pitch, yaw of the sensor in the body frame: R = Rz(yaw) Ry(pitch) Rx(roll)");
-}
-
-Pose MountConfig::T_body_lidar() const {
-  const Vector3 rpy = rpy_deg * kRadPerDeg;
-  return make_pose(position_m, Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) *
-                                   Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
-                                   Eigen::AngleAxisd(rpy.x(), Vector3::UnitX()));
-}
-
 void LidarConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "sensors", "preset: os1_128, os0_128, mid360, puck_lite, os1_128_uniform, os0_128_uniform");
   visit_name(v);
@@ -36,7 +24,7 @@ void LidarConfig::visit(ConfigVisitor& v) {
   v.field("rolling", rolling, "[-] every beam at its own time; false: the whole sweep in one instant");
   v.field("ideal", ideal, "[-] no noise, no lost returns, thin beams, true poses");
   v.field("self_mask", self_mask, "[-] no returns from beams that can meet the own vehicle");
-  v.field("range_min_m", range_min_m, "[m] nothing nearer is returned", Range::non_negative());
+  v.field("range_min_m", range_min_m, "[m] no range below this is returned", Range::non_negative());
   v.field("range_max_m", range_max_m, "[m] nothing beyond is returned", Range::positive());
   v.object("mount", mount, "where the sensor sits on its vehicle");
   v.module("pattern", pattern, lidar_pattern_types(), "where and when it fires");
@@ -186,7 +174,7 @@ std::shared_ptr<const StaticScene> world_or_nothing(const SensorSetup& setup) {
 Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
     : Sensor(std::move(setup)),
       config_(config),
-      T_body_lidar_(config.mount.T_body_lidar()),
+      T_body_lidar_(config.mount.place_on(*setup_.vehicle_shapes.at(setup_.vehicle), config.pattern)),
       schedule_(config.rate_hz, from_seconds(1.0 / config.rate_hz)),
       duration_(config.rolling ? schedule_.period() : 0),
       pattern_(make_lidar_pattern(config.pattern, 1.0 / config.rate_hz)),
@@ -388,12 +376,13 @@ void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan
     out.truth.instance[beam] = met ? surface.instance : 0;
     out.truth.part[beam] = met ? surface.part : 0;
 
-    float sigma = 0.0F, gain = 0.0F;
-    measurement_.look_up(range, echoes.cos_incidence[i], sigma, gain);
     const float brightness = echoes.brightness[i];
-    const bool noticed = met && range >= range_min &&
+    float sigma = 0.0F, gain = 0.0F;
+    measurement_.look_up(range, echoes.cos_incidence[i], brightness, sigma, gain);
+    const float measured = std::min(range + sigma * range_normals_[beam], range_max);
+    // The sensor knows what it measured, not what is there.
+    const bool noticed = met && measured >= range_min && measured > 0.0F &&
                          measurement_.noticed(brightness * gain, [&] { return detection_random_.normal(index, beam); });
-    const float measured = std::clamp(range + sigma * range_normals_[beam], 1e-3F, range_max);
     const float toward_10_m = kIntensityRange_m / (met ? range : 1.0F);
     const float intensity = brightness * toward_10_m * toward_10_m;
     const float corrected = measured / kIntensityRange_m;

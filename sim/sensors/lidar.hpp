@@ -4,20 +4,11 @@
 #include <string>
 
 #include "sim/sensors/lidar_measurement.hpp"
+#include "sim/sensors/lidar_mount.hpp"
 #include "sim/sensors/lidar_pattern.hpp"
 #include "sim/sensors/sensor.hpp"
 
 namespace swiftlet::sim {
-
-/// Where the sensor sits on its vehicle: T_body_lidar. By default on top; the vehicle's own sensor housing does not
-/// block its view, everything else of the vehicle does.
-struct MountConfig {
-  Eigen::Vector3d position_m = {0.0, 0.0, 0.15};
-  Eigen::Vector3d rpy_deg = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll)
-
-  void visit(ConfigVisitor& v);
-  Pose T_body_lidar() const;
-};
 
 /// The pose that the agent is told with each scan, with the noise of Sigma_w [Vrba 2025, sec. IV-A and eq. 66]. With
 /// the noise on the way from measurement to truth (eqs. 40, 41), the external pose is t_m = t_gt - t_n, R_m = R_gt

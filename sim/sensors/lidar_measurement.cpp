@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kRangeEntries = 2048;
 constexpr int kIncidenceEntries = 256;
+constexpr int kSignalEntries = 1024;
 constexpr double kPromised = 1.2815515655446004;  // Phi(this) = 0.9
 constexpr double kReflectivityLow = 0.1;
 constexpr double kReflectivityHigh = 0.8;
@@ -32,8 +33,15 @@ double linear(const std::vector<double>& x, const std::vector<double>& y, double
 }  // namespace
 
 void RangeNoiseConfig::visit(ConfigVisitor& v) {
-  v.field("sigma_range_m", sigma_range_m, "[m] standard deviation of the range, also what the agent is told",
+  v.choice("law", law, {"constant", "signal"}, "[-] of the standard deviation: constant (or table), or by signal");
+  v.field("sigma_range_m", sigma_range_m, "[m] standard deviation of the range if constant; what the agent is told",
           Range::non_negative());
+  v.field("floor_m", floor_m, "[m] signal: standard deviation that no signal undercuts", Range::non_negative());
+  v.field("sigma_at_reference_m", sigma_at_reference_m, "[m] signal: what is added to it in squares at reference_snr",
+          Range::non_negative());
+  v.field("reference_snr", reference_snr, "[-] signal: over the receiver's noise, where sigma_at_reference_m is added",
+          Range::positive());
+  v.field("exponent", exponent, "[-] signal: by which the added part falls with the signal", Range::between(0, 4));
   v.field("table_range_m", table_range_m, "[m] ranges of table_sigma_m, ascending; empty: constant sigma_range_m",
           Range::non_negative());
   v.field("table_sigma_m", table_sigma_m, "[m] standard deviation at these ranges", Range::non_negative());
@@ -90,6 +98,11 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
                                     elementary::pow(detection.range_10_percent_m / far_enough_m, exponent));
     entries_.push_back(entry);
   }
+  for (int i = 0; i <= kSignalEntries && noise.law == "signal" && !ideal; ++i) {
+    const double inverse_snr = std::pow(static_cast<double>(i) / kSignalEntries, 2);
+    signal_sigmas_m_.push_back(static_cast<float>(std::hypot(
+        noise.floor_m, noise.sigma_at_reference_m * std::pow(noise.reference_snr * inverse_snr, noise.exponent))));
+  }
   flat_incidence_ = noise.table_incidence_deg.empty();
   for (int i = 0; i <= kIncidenceEntries && !flat_incidence_; ++i) {
     const double incidence_deg =
@@ -97,6 +110,14 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
     incidence_factors_.push_back(
         static_cast<float>(linear(noise.table_incidence_deg, noise.table_incidence_factor, incidence_deg)));
   }
+}
+
+// The root makes the law almost linear between its entries.
+float LidarMeasurement::signal_sigma_m(float snr) const {
+  const float place = std::sqrt(1.0F / std::max(snr, 1.0F)) * kSignalEntries;
+  const int before = std::min(static_cast<int>(place), kSignalEntries - 1);
+  const float s = place - static_cast<float>(before);
+  return signal_sigmas_m_[before] + s * (signal_sigmas_m_[before + 1] - signal_sigmas_m_[before]);
 }
 
 float LidarMeasurement::incidence_factor(float cos_incidence) const {

@@ -2,16 +2,24 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
 
 namespace swiftlet::sim {
 
-/// Noise of the measured range. Constant [Vrba 2025, eq. 66], or by range and incidence: sigma = table(range) *
-/// factor(incidence), both linear between their points and constant outside.
+/// Noise of the measured range, by one of two laws.
+/// `constant`: sigma_range_m [Vrba 2025, eq. 66], or a table by range; linear between its points, constant outside.
+/// `signal`: sigma^2 = floor^2 + (sigma_at_reference * (reference_snr / S)^exponent)^2 with the S of DetectionConfig.
+/// Either is multiplied by factor(incidence), if there is such a table.
 struct RangeNoiseConfig {
+  std::string law = "constant";
   double sigma_range_m = 0.03;
+  double floor_m = 0.0085;
+  double sigma_at_reference_m = 0.1;
+  double reference_snr = 1.5;
+  double exponent = 0.62;
   std::vector<double> table_range_m;
   std::vector<double> table_sigma_m;
   std::vector<double> table_incidence_deg;
@@ -51,18 +59,20 @@ class LidarMeasurement {
  public:
   LidarMeasurement(const RangeNoiseConfig& noise, const DetectionConfig& detection, double range_max_m, bool ideal);
 
-  /// Standard deviation of the range noise [m].
-  float sigma_m(float range_m, float cos_incidence) const {
-    const float sigma = interpolate(range_m).sigma_m;
-    return flat_incidence_ ? sigma : sigma * incidence_factor(cos_incidence);
+  /// Standard deviation of the range noise [m] of a surface with reflectivity * cos(incidence) = `brightness`.
+  float sigma_m(float range_m, float cos_incidence, float brightness) const {
+    float sigma = 0.0F, gain = 0.0F;
+    look_up(range_m, cos_incidence, brightness, sigma, gain);
+    return sigma;
   }
   /// Signal over receiver noise of a surface with reflectivity * cos(incidence) = `brightness` that fills the beam.
   float snr(float range_m, float brightness) const { return brightness * interpolate(range_m).gain; }
   /// Both at once.
-  void look_up(float range_m, float cos_incidence, float& sigma, float& gain) const {
+  void look_up(float range_m, float cos_incidence, float brightness, float& sigma, float& gain) const {
     const Entry entry = interpolate(range_m);
-    sigma = flat_incidence_ ? entry.sigma_m : entry.sigma_m * incidence_factor(cos_incidence);
     gain = entry.gain;
+    sigma = signal_sigmas_m_.empty() ? entry.sigma_m : signal_sigma_m(brightness * gain);
+    if (!flat_incidence_) sigma *= incidence_factor(cos_incidence);
   }
   float threshold_snr() const { return threshold_; }
   /// Chance that a return of this signal is noticed: Phi(snr - threshold), 0 or 1 beyond 4.5 standard deviations.
@@ -90,11 +100,13 @@ class LidarMeasurement {
     const Entry b = entries_[before + 1];
     return {a.sigma_m + s * (b.sigma_m - a.sigma_m), a.gain + s * (b.gain - a.gain)};
   }
+  float signal_sigma_m(float snr) const;
   float incidence_factor(float cos_incidence) const;
 
   std::vector<Entry> entries_;  // equal steps of the range
   float entries_per_m_ = 1.0F;
   int last_ = 0;
+  std::vector<float> signal_sigmas_m_;    // equal steps of 1 / sqrt(snr), 0..1; empty: another law
   std::vector<float> incidence_factors_;  // equal steps of the cosine, 0..1
   bool flat_incidence_ = true;
   float threshold_ = 0.0F;

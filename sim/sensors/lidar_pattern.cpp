@@ -45,7 +45,7 @@ class Ouster final : public LidarPattern {
   void fill(std::uint32_t /*sweep*/, BeamTable& beams) const override {
     resize(config_.rows, config_.columns, beams);
     for (int c = 0; c < beams.cols; ++c) {
-      const double encoder = -2.0 * kPi * c / beams.cols;
+      const double encoder = config_.connector_deg * kRadians - 2.0 * kPi * c / beams.cols;
       beams.column_offset_s[c] = static_cast<float>(sweep_s_ * c / beams.cols);
       const Eigen::Vector3f origin = Eigen::Vector3d(config_.beam_origin_m * elementary::cos(encoder),
                                                      config_.beam_origin_m * elementary::sin(encoder), 0.0)
@@ -64,14 +64,19 @@ class Ouster final : public LidarPattern {
 
  private:
   double azimuth_deg(int row) const {
-    return config_.azimuths_deg.empty() ? 0.0 : config_.azimuths_deg[row % config_.azimuths_deg.size()];
+    const std::size_t size = config_.azimuths_deg.size();
+    if (size == 0) return 0.0;
+    return config_.azimuths_deg[size == config_.elevations_deg.size() ? row * row_step() : row % size];
   }
   double elevation_deg(int row) const {
-    if (!config_.elevations_deg.empty()) return config_.elevations_deg[row];
+    if (!config_.elevations_deg.empty()) return config_.elevations_deg[row * row_step()];
     if (config_.rows == 1) return config_.elevation_top_deg;
     return config_.elevation_top_deg +
            row * (config_.elevation_bottom_deg - config_.elevation_top_deg) / (config_.rows - 1);
   }
+
+  // A sensor of fewer rows has every second, fourth ... of the table.
+  std::size_t row_step() const { return config_.elevations_deg.size() / config_.rows; }
 
   OusterConfig config_;
   double sweep_s_;
@@ -270,10 +275,11 @@ void OusterConfig::visit(ConfigVisitor& v) {
           Range::between(-90, 90));
   v.field("azimuths_deg", azimuths_deg, "[deg] of the beams against the encoder, clockwise; repeats over the rows",
           Range::between(-180, 180));
-  v.field("beam_origin_m", beam_origin_m, "[m] the range counts from this distance off the axis",
-          Range::non_negative());
-  v.check(elevations_deg.empty() || static_cast<int>(elevations_deg.size()) == rows, "elevations_deg",
-          "as many elevations as rows");
+  v.field("beam_origin_m", beam_origin_m, "[m] the beams start at this distance from the axis", Range::non_negative());
+  v.field("connector_deg", connector_deg, "[deg] azimuth of the connector, at which column 0 and the sweep begin",
+          Range::between(-180, 180));
+  v.check(rows < 1 || elevations_deg.size() % rows == 0, "elevations_deg",
+          "as many elevations as rows, or a multiple of which every second, third ... row is taken");
 }
 
 void LivoxMid360Config::visit(ConfigVisitor& v) {

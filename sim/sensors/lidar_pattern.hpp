@@ -28,7 +28,8 @@ class LidarPattern {
 };
 
 /// Spinning sensor with a table of beams that rotates clockwise seen from above, a column at a time (Ouster).
-/// The range counts from a point that rotates at `beam_origin_m` around the axis. Column 0 looks along +x.
+/// The beams start at a point that rotates at `beam_origin_m` around the axis. Column 0 lies at the connector, as the
+/// maker's encoder counts; the connector points backward.
 struct OusterConfig : ModuleConfigOf<OusterConfig> {
   int columns = 1024;
   int rows = 128;
@@ -37,6 +38,7 @@ struct OusterConfig : ModuleConfigOf<OusterConfig> {
   std::vector<double> elevations_deg;  ///< explicit table, top to bottom; empty: equal steps from top to bottom
   std::vector<double> azimuths_deg = {4.2, 1.4, -1.4, -4.2};
   double beam_origin_m = 0.015806;
+  double connector_deg = 180.0;
 
   void visit(ConfigVisitor& v) override;
 };

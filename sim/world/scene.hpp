@@ -12,23 +12,24 @@
 
 namespace swiftlet::sim {
 
-/// Truth class of a surface. The numbers are the labels in datasets (semantic-kitti style, docs/conventions.md).
+/// Truth class of a surface. The numbers are the labels in datasets (docs/conventions.md). A number that SemanticKITTI
+/// gives to another thing is not used: such classes lie 300 higher than the group they belong to.
 enum class SurfaceClass : std::uint16_t {
   kUnlabeled = 0,
   kGround = 40,
   kKerb = 48,
   kBuilding = 50,
-  kWall = 51,
-  kDoor = 52,
+  kWall = 351,
+  kDoor = 352,
   kPillar = 53,
   kCeiling = 54,
   kVegetation = 70,  // leaves, crowns
   kTrunk = 71,
-  kBranch = 72,
+  kBranch = 372,
   kUndergrowth = 73,
   kFallenTrunk = 74,
-  kRack = 80,
-  kPallet = 81,
+  kRack = 380,
+  kPallet = 381,
   kMarking = 82,  // reflective tape, signs
   kObject = 99,
   kVehicle = 300,  // a UAV

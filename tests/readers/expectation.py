@@ -332,5 +332,6 @@ class RosCheck:
             self.result.equal(cloud["reflectivity"], np.where(hit, reflectivity_byte(reflectivity, 100), 0), where, 0.501)
             self.result.equal(cloud["ring"], i // cols, where + " ring")
             self.result.equal(cloud["ambient"], 0 * i, where + " ambient")
-            self.result.equal(cloud["range"], ranges * 1000, where + " range", 0.501)
+            from_axis = np.where(hit, ranges + np.hypot(*np.array(scan["origins"]).T[:2]), 0.0)
+            self.result.equal(cloud["range"], from_axis * 1000, where + " range", 0.501)
             self.result.equal(cloud["t"], offsets * 1e9, where + " t", 1)

@@ -64,6 +64,8 @@ struct Scan {
   int cols() const { return beams->cols; }
   int size() const { return beams->size(); }
   bool hit(int i) const { return range_m[i] > 0.0F; }
+  /// The range as the maker of a spinning sensor counts it: from the axis, before the beam leaves its origin.
+  float range_from_axis_m(int i) const { return range_m[i] + beams->origins_lidar[i].head<2>().norm(); }
   Eigen::Vector3f point_lidar(int i) const { return beams->origins_lidar[i] + range_m[i] * beams->directions_lidar[i]; }
   TimeNs time_of(int i) const { return duration == 0 ? stamp : stamp + from_seconds(beams->offset_s(i)); }
 };

@@ -88,7 +88,9 @@ TEST_F(FrameTest, ImagesHoldRangeAndIntensityInTheirUnits) {
       EXPECT_EQ(intensity[k], 0);
       continue;
     }
-    EXPECT_NEAR(0.004 * range[k], scan->scan.range_m[i], 0.0021);
+    // The maker counts from the axis, the beam from its origin.
+    const Eigen::Vector3f& origin_m = scan->scan.beams->origins_lidar[k];
+    EXPECT_NEAR(0.004 * range[k], scan->scan.range_m[i] + std::hypot(origin_m.x(), origin_m.y()), 0.0021);
     EXPECT_NEAR(0.001 * intensity[k], scan->scan.intensity[i], 0.00051);
   }
 }

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
+#include <memory>
 #include <numbers>
 
 #include "sim/recorders/geodesy.hpp"
@@ -178,6 +180,30 @@ TEST(Geodesy, EastAndNorthHaveTheEllipsoidsCurvature) {
   EXPECT_NEAR(geodetic_of_world({0, 100, 0}, datum).latitude_deg - 45, 100 / m * degrees, 1e-10);
   EXPECT_NEAR(geodetic_of_world({100, 0, 0}, datum).longitude_deg - 10, 100 / (n * std::sqrt(0.5)) * degrees, 1e-10);
   EXPECT_NEAR(geodetic_of_world({0, 0, 30}, datum).altitude_m, 30, 1e-8);
+}
+
+TEST(RosPoints, TheRangeOfAnOusterCountsFromItsAxisAsTheMakersDoes) {
+  // Two beams that start 27.67 mm off the axis, 10 m long; one of them did not return.
+  auto beams = std::make_shared<BeamTable>();
+  beams->rows = 1;
+  beams->cols = 2;
+  beams->directions_lidar.assign(2, Eigen::Vector3f::UnitX());
+  beams->origins_lidar.assign(2, Eigen::Vector3f(0.0F, 0.02767F, 0.0F));
+  beams->column_offset_s = {0.0F, 0.05F};
+  Scan scan;
+  scan.beams = beams;
+  scan.range_m = {10.0F, 0.0F};
+  scan.intensity = scan.reflectivity = {0.5F, 0.0F};
+  RosEncoder out(RosDialect::kRos1);
+  encode_points(scan, PointsLayout::kOuster, 0, "lidar", out);
+  const auto points = out.bytes().last(2 * 48 + 1);  // and a byte that says that no point is missing
+  const auto uint32_at = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, points.data() + at, sizeof value);
+    return value;
+  };
+  EXPECT_EQ(uint32_at(32), 10028U);
+  EXPECT_EQ(uint32_at(48 + 32), 0U) << "an empty return stays empty";
 }
 
 TEST(RosPoints, ReflectivityIsLinearUpToWhiteAndLogarithmicBeyond) {

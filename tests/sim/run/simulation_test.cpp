@@ -54,6 +54,21 @@ TEST(Simulation, AFinishedMissionEndsTheRunAsDone) {
   EXPECT_NEAR(simulation.view().states[0].p_world_m.x(), 4.0, 0.5);
 }
 
+TEST(Simulation, ARunOfDummiesLastsAsLongAsItShouldAndSaysThatTheyHaveNoMission) {
+  const std::string dummy = "  - {name: rock, model: x500, start: {position_m: [5, 5, 50]}, agent: {type: none}}\n";
+  Simulation alone(scenario_of("duration_s: 1.5\nworld: {type: empty}\nvehicles:\n" + dummy));
+  alone.tick();
+  ASSERT_EQ(alone.view().events.size(), 1U);
+  EXPECT_EQ(alone.view().events[0].kind, "mission_done");
+  EXPECT_EQ(alone.view().events[0].note, "the agent is none: it has no mission");
+  EXPECT_NEAR(fly(alone).simulated_s, 1.5, 1e-9);
+
+  // Beside others it waits for nobody: their missions end the run.
+  Simulation beside(scenario_of("duration_s: 60\nworld: {type: empty}\nmetrics: {stop_on_crash: false}\nvehicles:\n" +
+                                dummy + vehicle("uav1", "[0, 0, 5]", "{type: waypoints, waypoints_m: [[1, 0, 5]]}")));
+  EXPECT_LT(fly(beside).simulated_s, 20.0);
+}
+
 TEST(Simulation, AVehicleThatWasNotToldItsStartStillReachesAWaypointOfTheWorldAndTheCorrectionIsAnEvent) {
   for (const std::string known : {"pose", "position", "nothing"}) {
     Simulation simulation(

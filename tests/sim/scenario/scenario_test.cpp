@@ -20,10 +20,12 @@
 #include "sim/scenario/assets.hpp"
 #include "sim/scenario/yaml_reader.hpp"
 #include "sim/scenario/yaml_writer.hpp"
+#include "sim/sensors/lidar.hpp"
 #include "sim/sensors/neighbors.hpp"
 #include "sim/sensors/sensor.hpp"
 #include "sim/world/world.hpp"
 #include "swiftlet/sim/recorder.hpp"
+#include "tests/support/sensor_driver.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
@@ -125,6 +127,102 @@ TEST(Scenario, EveryModuleOfEveryRegistryIsValidByDefaultAndComesBack) {
   check(sensor_module_types(), [](Scenario& s, Module m) { s.vehicles[0].sensors = {std::move(m)}; });
   check(recorder_module_types(), [](Scenario& s, Module m) { s.recorders = {std::move(m)}; });
   check(agent_module_types(), [](Scenario& s, Module m) { s.vehicles[0].agent = std::move(m); });
+}
+
+LidarConfig lidar_preset(const std::string& name) {
+  const Scenario scenario = read_scenario_text("vehicles: [{sensors: [{type: lidar, model: " + name + "}]}]");
+  return dynamic_cast<const LidarConfig&>(*scenario.vehicles.at(0).sensors.at(0).config);
+}
+
+TEST(LidarPresets, OustersHaveTheMakersTableOfEveryRow) {
+  const LidarConfig os0 = lidar_preset("os0_128"), os1 = lidar_preset("os1_128");
+  const OusterConfig& wide = os0.pattern.as<OusterConfig>();
+  const OusterConfig& narrow = os1.pattern.as<OusterConfig>();
+  ASSERT_EQ(wide.elevations_deg.size(), 128U);
+  ASSERT_EQ(wide.azimuths_deg.size(), 128U);
+  ASSERT_EQ(narrow.elevations_deg.size(), 128U);
+  ASSERT_EQ(narrow.azimuths_deg.size(), 128U);
+  // Offsets of the OS0 vary by row: their means over its four columns of lasers, and the rows at the horizon.
+  for (const auto& [first, mean_deg] : {std::pair{0, 9.15}, {1, 3.05}, {2, -3.05}, {3, -9.15}}) {
+    double sum_deg = 0.0;
+    for (std::size_t row = first; row < 128; row += 4) sum_deg += wide.azimuths_deg[row];
+    EXPECT_NEAR(sum_deg / 32, mean_deg, 0.1) << first;
+  }
+  EXPECT_NEAR(wide.azimuths_deg[0], 11.24, 1e-9);
+  EXPECT_NEAR(wide.azimuths_deg[64], 8.39, 1e-9);
+  EXPECT_NEAR(wide.azimuths_deg[127], -11.35, 1e-9);
+  EXPECT_NEAR(narrow.azimuths_deg[0], 4.27, 1e-9);
+  EXPECT_NEAR(narrow.azimuths_deg[127], -4.3, 1e-9);
+  // Elevations are no equal steps.
+  const auto bend_deg = [](const std::vector<double>& e) {
+    double most_deg = 0.0;
+    for (std::size_t row = 0; row < e.size(); ++row) {
+      most_deg = std::max(most_deg, std::abs(e[row] - (e.front() + (e.back() - e.front()) * row / 127.0)));
+    }
+    return most_deg;
+  };
+  EXPECT_TRUE(std::is_sorted(wide.elevations_deg.rbegin(), wide.elevations_deg.rend()));
+  EXPECT_TRUE(std::is_sorted(narrow.elevations_deg.rbegin(), narrow.elevations_deg.rend()));
+  EXPECT_GT(bend_deg(wide.elevations_deg), 0.5);
+  EXPECT_GT(bend_deg(narrow.elevations_deg), 0.3);
+  EXPECT_NEAR(wide.elevations_deg[63], 0.04, 1e-9);
+  EXPECT_NEAR(narrow.elevations_deg[63], 0.05, 1e-9);
+}
+
+TEST(LidarPresets, NoiseOfOustersIsThatOfRecordedFrames) {
+  // Mean over surfaces of reflectivity * cos(incidence) = 0.3.
+  const auto sigma_mm = [](const char* preset, float range_m) {
+    const LidarConfig lidar = lidar_preset(preset);
+    const LidarMeasurement measurement(lidar.noise, lidar.detection, lidar.range_max_m, false);
+    return 1000.0 * measurement.sigma_m(range_m, 1.0F, 0.3F);
+  };
+  for (const float range_m : {4.0F, 6.0F, 8.0F}) {
+    EXPECT_NEAR(sigma_mm("os1_128", range_m), 9.0, 1.0) << range_m;
+    EXPECT_NEAR(sigma_mm("os0_128", range_m), 7.5, 2.5) << range_m;
+  }
+  for (const float range_m : {15.0F, 20.0F, 25.0F}) EXPECT_NEAR(sigma_mm("os1_128", range_m), 13.0, 3.0) << range_m;
+  EXPECT_NEAR((sigma_mm("os1_128", 15.0F) + sigma_mm("os1_128", 22.5F) + sigma_mm("os1_128", 30.0F)) / 3, 13.0, 1.0);
+}
+
+TEST(LidarPresets, NoBeamOfTheDatasetsMid360MeetsTheOwnHullOnAnyAirframe) {
+  for (const char* world : {"forest_team.yaml", "warehouse_team.yaml"}) {
+    const Scenario scenario = load_scenario(fs::path(SWIFTLET_SOURCE_DIR "/scenarios/dataset/worlds") / world);
+    LidarConfig lidar = dynamic_cast<const LidarConfig&>(*scenario.vehicles.at(1).sensors.at(0).config);
+    ASSERT_EQ(lidar.model, "mid360");
+    for (const char* model : {"f330", "f450", "x500", "f550", "t650"}) {
+      const Scenario drawn = read_scenario_text("vehicles: [{model: " + std::string(model) + "}]");
+      SensorSetup setup = sensor_setup("lidar");
+      setup.vehicle_shapes = {std::make_shared<VehicleShape>(make_vehicle_shape(drawn.vehicles.at(0).airframe))};
+      for (const double pitch_deg : {0.0, 15.0, 25.0}) {
+        lidar.mount.rpy_deg.y() = pitch_deg;
+        const auto sensor = make_lidar(lidar, setup);
+        std::vector<std::shared_ptr<const Scan>> scans;
+        drive(*sensor, {resting({0, 0, 50})}, {.duration_s = 0.101},
+              [&](TimeNs, const Observation& out) { scans.insert(scans.end(), out.scans.begin(), out.scans.end()); });
+        ASSERT_EQ(scans.size(), 1U);
+        const auto& masked = scans[0]->beams->masked;
+        EXPECT_EQ(std::ranges::count(masked, 1), 0) << model << " " << pitch_deg;
+        EXPECT_LT(scans[0]->T_body_lidar.translation().z(), 0.6) << model << " " << pitch_deg;
+      }
+    }
+  }
+}
+
+TEST(LidarPresets, ExperimentsKeepTheConstantNoiseOfThePapers) {
+  int lidars = 0;
+  for (const fs::path& file : shipped_scenarios()) {
+    if (file.parent_path().filename() != "reproduce") continue;
+    for (const auto& vehicle : load_scenario(file).vehicles) {
+      for (const Module& sensor : vehicle.sensors) {
+        const auto* const lidar = dynamic_cast<const LidarConfig*>(sensor.config.get());
+        if (lidar == nullptr || !lidar->model.starts_with("os")) continue;
+        ++lidars;
+        EXPECT_EQ(lidar->noise.law, "constant") << file;
+        EXPECT_EQ(lidar->noise.sigma_range_m, 0.03) << file;
+      }
+    }
+  }
+  EXPECT_GE(lidars, 8);
 }
 
 TEST(Scenario, EveryAssetIsValid) {

@@ -45,23 +45,48 @@ TEST(LidarMeasurement, TheDecisionHasTheProbabilityThatIsStated) {
 TEST(LidarMeasurement, SigmaFollowsTheTables) {
   RangeNoiseConfig noise;
   const LidarMeasurement constant(noise, {}, 120.0, false);
-  EXPECT_FLOAT_EQ(constant.sigma_m(3.0F, 1.0F), 0.03F);
-  EXPECT_FLOAT_EQ(constant.sigma_m(110.0F, 0.1F), 0.03F);
+  EXPECT_FLOAT_EQ(constant.sigma_m(3.0F, 1.0F, 0.5F), 0.03F);
+  EXPECT_FLOAT_EQ(constant.sigma_m(110.0F, 0.1F, 0.5F), 0.03F);
   noise.table_range_m = {10.0, 60.0};
   noise.table_sigma_m = {0.01, 0.06};
   noise.table_incidence_deg = {0.0, 60.0};
   noise.table_incidence_factor = {1.0, 3.0};
   const LidarMeasurement table(noise, {}, 120.0, false);
-  EXPECT_NEAR(table.sigma_m(5.0F, 1.0F), 0.01, 1e-6);
-  EXPECT_NEAR(table.sigma_m(35.0F, 1.0F), 0.035, 1e-5);
-  EXPECT_NEAR(table.sigma_m(100.0F, 1.0F), 0.06, 1e-6);
-  EXPECT_NEAR(table.sigma_m(35.0F, static_cast<float>(std::cos(0.523599))), 2.0 * 0.035, 2e-4);
-  EXPECT_NEAR(table.sigma_m(35.0F, 0.3F), 3.0 * 0.035, 2e-4);
+  EXPECT_NEAR(table.sigma_m(5.0F, 1.0F, 0.5F), 0.01, 1e-6);
+  EXPECT_NEAR(table.sigma_m(35.0F, 1.0F, 0.5F), 0.035, 1e-5);
+  EXPECT_NEAR(table.sigma_m(100.0F, 1.0F, 0.5F), 0.06, 1e-6);
+  EXPECT_NEAR(table.sigma_m(35.0F, static_cast<float>(std::cos(0.523599)), 0.5F), 2.0 * 0.035, 2e-4);
+  EXPECT_NEAR(table.sigma_m(35.0F, 0.3F, 0.5F), 3.0 * 0.035, 2e-4);
+}
+
+TEST(LidarMeasurement, SigmaBySignalFollowsTheMakersLaw) {
+  RangeNoiseConfig noise;
+  noise.law = "signal";
+  noise.floor_m = 0.0085;
+  noise.reference_snr = 12.0;
+  const LidarMeasurement by_signal(noise, {}, 120.0, false);
+  const auto sigma_at = [&](double snr) {
+    const float brightness = static_cast<float>(snr) / by_signal.snr(10.0F, 1.0F);
+    return by_signal.sigma_m(10.0F, 1.0F, brightness);
+  };
+  // Data sheet of the OS1: 10 cm at 12, 3 cm at 100, 1.5 cm above 250.
+  EXPECT_NEAR(sigma_at(12.0), 0.10, 0.001);
+  EXPECT_NEAR(sigma_at(100.0), 0.03, 0.002);
+  EXPECT_NEAR(sigma_at(320.0), 0.015, 0.0015);
+  EXPECT_NEAR(sigma_at(1e6), 0.0085, 1e-4) << "no signal undercuts the floor";
+  for (double snr = 2.0; snr < 1e5; snr *= 1.3) {
+    const double expected = std::hypot(0.0085, 0.1 * std::pow(12.0 / snr, 0.62));
+    EXPECT_NEAR(sigma_at(snr), expected, 2e-3 * expected) << snr;
+  }
+  EXPECT_GT(sigma_at(1.0), 0.4);
+  EXPECT_GT(by_signal.sigma_m(10.0F, 1.0F, 0.0F), 0.4F) << "without a signal it stays finite";
+  EXPECT_EQ(LidarMeasurement(noise, {}, 120.0, true).sigma_m(50.0F, 0.2F, 0.1F), 0.0F)
+      << "an ideal sensor has no noise";
 }
 
 TEST(LidarMeasurement, AnIdealSensorSeesAllWithoutNoise) {
   const LidarMeasurement ideal({}, {}, 120.0, true);
-  EXPECT_EQ(ideal.sigma_m(50.0F, 0.2F), 0.0F);
+  EXPECT_EQ(ideal.sigma_m(50.0F, 0.2F, 0.5F), 0.0F);
   EXPECT_TRUE(ideal.noticed(ideal.snr(119.0F, 0.0F), [] { return -100.0; }));
 }
 

@@ -58,7 +58,7 @@ TEST(LidarPattern, Os1HasItsFieldOfViewRateAndTurnsClockwise) {
   EXPECT_NEAR(elevation_deg(beams.directions_lidar[127 * 1024]), -21.8, 1e-4);
   // Rows 0..3 look 4.2, 1.4, -1.4, -4.2 deg clockwise of the encoder; the encoder of column c has turned c steps.
   for (const int c : {0, 1, 256, 1000}) {
-    const double encoder_deg = -360.0 * c / 1024;
+    const double encoder_deg = 180.0 - 360.0 * c / 1024;
     for (int r = 0; r < 8; ++r) {
       const double offset_deg = std::array{4.2, 1.4, -1.4, -4.2}[r % 4];
       EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[r * 1024 + c]) - (encoder_deg - offset_deg)), 0.0,
@@ -81,9 +81,31 @@ TEST(LidarPattern, ColumnShiftUndoesTheStaggering) {
   const BeamTable beams = beams_of(module);
   for (int r = 0; r < 128; ++r) {
     const int column = 500 - pattern->column_shift(r);
-    EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[r * 1024 + column]) + 360.0 * 500 / 1024), 0.0,
+    EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[r * 1024 + column]) - 180.0 + 360.0 * 500 / 1024), 0.0,
                 0.5 * 360.0 / 1024);
   }
+}
+
+TEST(LidarPattern, TheSweepOfAnOusterBeginsAtTheConnectorBehind) {
+  OusterConfig config;
+  config.azimuths_deg = {0.0};
+  const BeamTable beams = beams_of(module_of("ouster", config));
+  EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[0]) - 180.0), 0.0, 1e-4);
+  EXPECT_NEAR(azimuth_deg(beams.directions_lidar[512]), 0.0, 1e-4) << "half a turn later it looks forward";
+  EXPECT_NEAR(azimuth_deg(beams.directions_lidar[256]), 90.0, 1e-4) << "it turns clockwise from behind over the left";
+  config.connector_deg = 0.0;
+  EXPECT_NEAR(azimuth_deg(beams_of(module_of("ouster", config)).directions_lidar[0]), 0.0, 1e-4);
+}
+
+TEST(LidarPattern, AnOusterOfFewerRowsTakesEverySecondOrFourthOfTheTable) {
+  OusterConfig config;
+  config.rows = 2;
+  config.elevations_deg = {30.0, 10.0, -10.0, -30.0};
+  config.azimuths_deg = {1.0, 2.0, 3.0, 4.0};
+  const BeamTable beams = beams_of(module_of("ouster", config));
+  EXPECT_NEAR(elevation_deg(beams.directions_lidar[0]), 30.0, 1e-4);
+  EXPECT_NEAR(elevation_deg(beams.directions_lidar[1024]), -10.0, 1e-4);
+  EXPECT_NEAR(wrapped_deg(azimuth_deg(beams.directions_lidar[1024]) - (180.0 - 3.0)), 0.0, 1e-4);
 }
 
 TEST(LidarPattern, Mid360CoversItsFieldOfViewWith200000ShotsASecond) {

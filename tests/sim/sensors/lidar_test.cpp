@@ -375,6 +375,25 @@ TEST(Lidar, NothingReturnsFromNearerThanTheSmallestRange) {
   EXPECT_NEAR(scans[0]->truth.range_m[1], 0.5, 1e-5) << "the truth knows what was in the way";
 }
 
+TEST(Lidar, TheBlindZoneTestsTheRangeThatWasMeasured) {
+  for (const float wall_m : {0.11F, 0.09F}) {
+    Rig rig;
+    rig.world.add_wall({wall_m, -9, -9}, {wall_m, 9, -9}, {wall_m, 9, 9}, {wall_m, -9, 9});
+    rig.config = uniform(64, 64, 10.0, 10.0);
+    rig.config.detection.always = true;
+    rig.config.range_min_m = 0.1;
+    rig.config.noise.sigma_range_m = 0.03;
+    const auto scans = rig.run();
+    int returned = 0;
+    for (const float range_m : scans[0]->scan.range_m) {
+      returned += range_m > 0.0F ? 1 : 0;
+      ASSERT_TRUE(range_m == 0.0F || range_m >= 0.1F) << range_m;
+    }
+    // Phi(+-1/3): the noise lifts some over the limit and takes others below it.
+    EXPECT_NEAR(returned / 4096.0, wall_m > 0.1F ? 0.63 : 0.37, 0.05) << wall_m;
+  }
+}
+
 TEST(Lidar, WideBeamsMixTheRangesOfAnEdgeAndNoticeWhatThinOnesMiss) {
   // Half of the field is a wall at 10 m, the other half one at 10.3 m: within a pulse, hence mixed; at 14 m: not mixed.
   for (const float behind : {0.3F, 4.0F}) {

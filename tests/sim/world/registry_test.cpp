@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ctime>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "sim/world/forest.hpp"
@@ -18,6 +19,51 @@ namespace {
 
 bool needs_file(const WorldType& type) {
   return std::string(type.module.name) == "mesh" || std::string(type.module.name) == "cloud";
+}
+
+TEST(SurfaceClasses, NoneHasANumberThatSemanticKittiGivesToAnotherThing) {
+  // All labels of semantic-kitti.yaml, and what ours may be called there: "ground" is a road or its edge.
+  const std::map<int, std::string> theirs = {{0, "unlabeled"},
+                                             {1, "outlier"},
+                                             {10, ""},
+                                             {11, ""},
+                                             {13, ""},
+                                             {15, ""},
+                                             {16, ""},
+                                             {18, ""},
+                                             {20, ""},
+                                             {30, ""},
+                                             {31, ""},
+                                             {32, ""},
+                                             {40, "ground"},
+                                             {44, ""},
+                                             {48, "kerb"},
+                                             {49, ""},
+                                             {50, "building"},
+                                             {51, "fence"},
+                                             {52, "other-structure"},
+                                             {60, ""},
+                                             {70, "vegetation"},
+                                             {71, "trunk"},
+                                             {72, "terrain"},
+                                             {80, "pole"},
+                                             {81, "traffic-sign"},
+                                             {99, "object"},
+                                             {252, ""},
+                                             {253, ""},
+                                             {254, ""},
+                                             {255, ""},
+                                             {256, ""},
+                                             {257, ""},
+                                             {258, ""},
+                                             {259, ""}};
+  std::set<int> numbers;
+  for (const char* name : static_class_names()) {
+    const int number = static_cast<int>(*surface_class_of(name));
+    EXPECT_TRUE(numbers.insert(number).second) << name;
+    if (const auto found = theirs.find(number); found != theirs.end()) EXPECT_EQ(found->second, name) << number;
+  }
+  EXPECT_GE(numbers.size(), 15U);
 }
 
 TEST(Worlds, EveryGeneratorIsListedOnceWithAValidDefault) {
