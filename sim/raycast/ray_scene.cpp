@@ -20,7 +20,7 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr std::size_t kMaxTriangles = 1'000'000'000;
-constexpr std::size_t kUsuallyNear = 1024;  // triangles about a vehicle
+constexpr std::size_t kUsuallyNear = 1024;      // triangles about a vehicle
 constexpr std::size_t kMaxSurfaces = 1U << 24;  // Facet::surface
 
 // Equal (class, instance, material, part) share one surface number.

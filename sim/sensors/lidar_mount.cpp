@@ -26,10 +26,10 @@ std::vector<Vector3> hull_points(const VehicleShape& shape) {
     for (const Eigen::Vector3f& vertex : mesh.vertices_m) points.push_back(vertex.cast<double>());
   }
   for (const VehicleShape::RotorShape& rotor : shape.rotors) {
-    const double around_m = rotor.radius_m / std::cos(std::numbers::pi / kRimPoints);
+    const double around_m = rotor.radius_m / elementary::cos(std::numbers::pi / kRimPoints);
     for (int i = 0; i < kRimPoints; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / kRimPoints;
-      points.push_back(rotor.hub_m.cast<double>() + around_m * Vector3(std::cos(angle), std::sin(angle), 0.0));
+      points.push_back(rotor.hub_m.cast<double>() + around_m * Vector3(elementary::cos(angle), elementary::sin(angle), 0.0));
     }
   }
   return points;
@@ -41,7 +41,7 @@ double lowest_elevation_rad(const Module& pattern) {
   make_lidar_pattern(pattern, kSweep_s)->fill(0, beams);
   float lowest = 1.0F;
   for (const Eigen::Vector3f& direction : beams.directions_lidar) lowest = std::min(lowest, direction.z());
-  return std::asin(std::clamp(static_cast<double>(lowest), -1.0, 1.0)) - kMargin_rad;
+  return elementary::asin(std::clamp(static_cast<double>(lowest), -1.0, 1.0)) - kMargin_rad;
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ Pose MountConfig::place_on(const VehicleShape& shape, const Module& pattern) con
   Pose T_body_lidar = this->T_body_lidar();
   if (!clear_of_hull) return T_body_lidar;
   const std::vector<Vector3> points = hull_points(shape);
-  const double fall = std::tan(std::min(lowest_elevation_rad(pattern), 0.0));
+  const double fall = elementary::tan(std::min(lowest_elevation_rad(pattern), 0.0));
   const double lowest_m = position_m.z();
   for (int step = 0; step * kStep_m <= kHighest_m; ++step) {
     T_body_lidar.translation().z() = lowest_m + step * kStep_m;
