@@ -101,7 +101,8 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
   for (int i = 0; i <= kSignalEntries && noise.law == "signal" && !ideal; ++i) {
     const double inverse_snr = elementary::pow(static_cast<double>(i) / kSignalEntries, 2);
     signal_sigmas_m_.push_back(static_cast<float>(elementary::hypot(
-        noise.floor_m, noise.sigma_at_reference_m * elementary::pow(noise.reference_snr * inverse_snr, noise.exponent))));
+        noise.floor_m,
+        noise.sigma_at_reference_m * elementary::pow(noise.reference_snr * inverse_snr, noise.exponent))));
   }
   flat_incidence_ = noise.table_incidence_deg.empty();
   for (int i = 0; i <= kIncidenceEntries && !flat_incidence_; ++i) {

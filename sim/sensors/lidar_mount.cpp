@@ -29,7 +29,8 @@ std::vector<Vector3> hull_points(const VehicleShape& shape) {
     const double around_m = rotor.radius_m / elementary::cos(std::numbers::pi / kRimPoints);
     for (int i = 0; i < kRimPoints; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / kRimPoints;
-      points.push_back(rotor.hub_m.cast<double>() + around_m * Vector3(elementary::cos(angle), elementary::sin(angle), 0.0));
+      points.push_back(rotor.hub_m.cast<double>() +
+                       around_m * Vector3(elementary::cos(angle), elementary::sin(angle), 0.0));
     }
   }
   return points;

@@ -335,7 +335,7 @@ class Dataset(unittest.TestCase):
         self.assertEqual(content(target), content(self.out))
 
     def test_verify_refuses_no_sequences_and_a_forged_instance(self):
-        copy = self.path / "forged"
+        copy = self.path / "forged_instance"
         shutil.copytree(self.out, copy)
         manifest = json.loads((copy / "manifest.json").read_text())
         (copy / "manifest.json").write_text(json.dumps({**manifest, "sequences": []}))
