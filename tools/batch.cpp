@@ -49,8 +49,9 @@ fs::path out_of(const BatchArguments& arguments, const sim::BatchPlan& plan) {
 void show_plan(const sim::BatchPlan& plan) {
   fmt::print("{}: {} episodes = {} point{} x {} seed{} x {} variant{}\n", plan.config().name, plan.num_episodes(),
              plan.points().size(), plan.points().size() == 1 ? "" : "s",
-             plan.config().seeds.pairing == "zip" ? 1 : plan.seeds().size(), plan.seeds().size() == 1 ? "" : "s",
-             plan.config().variants.size(), plan.config().variants.size() == 1 ? "" : "s");
+             plan.config().seeds.pairing == sim::SeedsConfig::Pairing::kZip ? 1 : plan.seeds().size(),
+             plan.seeds().size() == 1 ? "" : "s", plan.config().variants.size(),
+             plan.config().variants.size() == 1 ? "" : "s");
   for (std::uint64_t id = 0; id < plan.num_episodes(); ++id) {
     fmt::print("{:6}  {}\n", id, plan.command_of(plan.episode(id)));
   }

@@ -44,10 +44,11 @@ std::vector<sim::CameraConfig> choose_cameras(const sim::Scenario& scenario, con
     }
     sim::CameraConfig camera;
     const std::size_t colon = name.find(':');
-    camera.type = name.substr(0, colon);
+    const std::string type = name.substr(0, colon);
+    camera.type = *enum_named<sim::CameraConfig::Type>(type, sim::CameraConfig::kTypes);  // check_options has seen it
     if (colon != std::string::npos) camera.vehicle = name.substr(colon + 1);
-    camera.name = camera.type + (camera.vehicle.empty() ? "" : "_" + camera.vehicle);
-    camera.cloud = "height";
+    camera.name = type + (camera.vehicle.empty() ? "" : "_" + camera.vehicle);
+    camera.cloud = sim::CloudColors::kHeight;
     camera.overlays = {"*"};
     chosen.push_back(camera);
   }
@@ -56,9 +57,7 @@ std::vector<sim::CameraConfig> choose_cameras(const sim::Scenario& scenario, con
 
 // Mistakes in the options, told as such: the scenario's reader would speak of lines that nobody wrote.
 void check_options(const RenderOptions& options, const sim::Scenario& scenario) {
-  static constexpr const char* kTypes[] = {"top",   "follow",      "fixed",          "onboard",
-                                           "depth", "lidar_range", "lidar_intensity"};
-  std::vector<std::string> known(std::begin(kTypes), std::end(kTypes)), vehicles;
+  std::vector<std::string> known(std::begin(sim::CameraConfig::kTypes), std::end(sim::CameraConfig::kTypes)), vehicles;
   for (const sim::CameraConfig& camera : scenario.snapshots) known.push_back(camera.name);
   for (const sim::VehicleConfig& vehicle : scenario.vehicles) vehicles.push_back(vehicle.name);
   const auto require = [](const std::string& name, const std::vector<std::string>& of, const std::string& option) {

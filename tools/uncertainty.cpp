@@ -133,12 +133,12 @@ double round_step_m(double range_m) {
 
 void print_table(const std::vector<Line>& table, const Request& request, const UncertaintyOptions& options) {
   fmt::print("{}\n", bold("Where does a measured point really lie?"));
-  fmt::print("range noise {:g} m{}, position {:g} m an axis, attitude {:g} rad an axis\n\n",
-             table.front().sigma_range_m,
-             request.range_noise.law == "constant" && request.range_noise.table_sigma_m.empty()
-                 ? ""
-                 : " (at range 0; by the sensor's law, reflectivity 0.3)",
-             options.sigma_position_m, options.sigma_rotation_rad);
+  fmt::print(
+      "range noise {:g} m{}, position {:g} m an axis, attitude {:g} rad an axis\n\n", table.front().sigma_range_m,
+      request.range_noise.law == sim::RangeNoiseConfig::Law::kConstant && request.range_noise.table_sigma_m.empty()
+          ? ""
+          : " (at range 0; by the sensor's law, reflectivity 0.3)",
+      options.sigma_position_m, options.sigma_rotation_rad);
   std::string header = fmt::format("{:>8} {:>10} {:>10} {:>12} {:>14}", "range", "expected", "median", "5 % exceed",
                                    fmt::format("voxel {:g} %", 100.0 * options.confidence));
   for (const double voxel_m : options.voxels_m) header += fmt::format(" {:>11}", fmt::format("P({:g} m)", voxel_m));

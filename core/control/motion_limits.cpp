@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/control/motion_limits.hpp"
 
-#include <stdexcept>
-
 #include "core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-MotionLimits named_set(const std::string& name) {
-  // Order: horizontal speed, acceleration, jerk; vertical the same; heading rate, acceleration.
-  if (name == "slow") return {1.0, 1.0, 20.0, 1.0, 1.0, 20.0, 0.5, 1.0};
-  if (name == "medium") return {4.0, 2.0, 40.0, 2.0, 1.0, 40.0, 1.0, 1.0};
-  if (name == "fast") return {8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
-  if (name == "agile") return {10.0, 6.0, 80.0, 8.5, 5.0, 80.0, 2.0, 4.0};
-  throw std::invalid_argument("no set of motion limits is named '" + name + "'");
-}
+// Of slow, medium, fast, agile: horizontal speed, acceleration, jerk; vertical the same; heading rate, acceleration.
+constexpr MotionLimits kSets[] = {{1.0, 1.0, 20.0, 1.0, 1.0, 20.0, 0.5, 1.0},
+                                  {4.0, 2.0, 40.0, 2.0, 1.0, 40.0, 1.0, 1.0},
+                                  {8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0},
+                                  {10.0, 6.0, 80.0, 8.5, 5.0, 80.0, 2.0, 4.0}};
 
 void replace_if_given(double& value, double given) {
   if (given != 0.0) value = given;
@@ -38,7 +33,7 @@ void MotionLimitsConfig::visit(ConfigVisitor& v) {
 }
 
 MotionLimits MotionLimitsConfig::resolve() const {
-  MotionLimits limits = named_set(set);
+  MotionLimits limits = kSets[static_cast<std::size_t>(set)];
   replace_if_given(limits.horizontal_speed_mps, horizontal_speed_mps);
   replace_if_given(limits.horizontal_acceleration_mps2, horizontal_acceleration_mps2);
   replace_if_given(limits.horizontal_jerk_mps3, horizontal_jerk_mps3);

@@ -24,7 +24,8 @@ struct MotionLimits {
 /// "slow", "medium", "fast": the constraint sets of the MRS UAV system; "medium" equals Kamler 2025, Table 2.1.
 /// "agile": room for the trajectories of Vrba 2025, Table IV (8.2 m/s, 4.5 m/s^2), in any direction.
 struct MotionLimitsConfig {
-  std::string set = "medium";
+  enum class Set { kSlow, kMedium, kFast, kAgile };
+  Set set = Set::kMedium;
   double horizontal_speed_mps = 0.0;
   double horizontal_acceleration_mps2 = 0.0;
   double horizontal_jerk_mps3 = 0.0;
@@ -35,7 +36,6 @@ struct MotionLimitsConfig {
   double heading_acceleration_degps2 = 0.0;
 
   void visit(ConfigVisitor& v);
-  /// Throws std::invalid_argument when the set has no such name.
   MotionLimits resolve() const;
 };
 

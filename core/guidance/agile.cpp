@@ -43,7 +43,7 @@ class Agile : public Guidance {
     spline_->advance(input.dt_s);
     const FrameChange to_local = FrameChange::to_local(input.estimate);
     output.goal = to_local.reference(spline_->reference());
-    if (config_.yaw == "along_path")
+    if (config_.yaw == AgileConfig::Yaw::kAlongPath)
       face_along(output.goal);
     else
       yaw_rad_ = to_local.yaw(config_.yaw_deg * kPi / 180.0);

@@ -20,7 +20,8 @@ struct AgileConfig : ModuleConfigOf<AgileConfig> {
   double leg_min_m = 15.0;
   double pace_min = 1.0;  ///< least pace of a leg
   double knot_s = 0.5;
-  std::string yaw = "along_path";
+  enum class Yaw { kAlongPath, kFixed };
+  Yaw yaw = Yaw::kAlongPath;
   double yaw_deg = 0.0;
 
   void visit(ConfigVisitor& v) override;

@@ -8,7 +8,7 @@ namespace {
 
 class Hover : public Guidance {
  public:
-  Hover(const HoverConfig& config, const GuidanceSetup& setup) : at_start_(config.at == "start") {
+  Hover(const HoverConfig& config, const GuidanceSetup& setup) : at_start_(config.at == HoverConfig::At::kStart) {
     const Pose& T_local_start = setup.agent.T_local_body_start;
     goal_.position_m = at_start_ ? Vector3(T_local_start.translation()) : config.point_m;
     goal_.yaw_rad = at_start_ ? yaw_of(T_local_start.linear()) : config.yaw_deg * std::numbers::pi / 180.0;

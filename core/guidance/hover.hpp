@@ -9,7 +9,8 @@ namespace swiftlet {
 
 /// Stay at one place: the start, or a given point. The mission is endless.
 struct HoverConfig : ModuleConfigOf<HoverConfig> {
-  std::string at = "start";
+  enum class At { kStart, kPoint };
+  At at = At::kStart;
   Eigen::Vector3d point_m = {0.0, 0.0, 2.0};
   double yaw_deg = 0.0;
 

@@ -26,18 +26,18 @@ void NeighborSourceConfig::visit(ConfigVisitor& v) {
 
 void NeighborMemory::update(const GuidanceInput& input) {
   const TimeNs now = input.observation.t;
-  if (config_.source == "sensor") {
+  if (config_.source == NeighborSourceConfig::Source::kSensor) {
     for (const NeighborSample& sample : input.observation.neighbors) {
       const Pose T_local_body = input.poses.at(sample.t);
       const Matrix3& R = T_local_body.linear();
       measure(sample.id, sample.t, T_local_body * sample.p_body_m, R * sample.covariance_body * R.transpose());
     }
-  } else if (config_.source == "radio") {
+  } else if (config_.source == NeighborSourceConfig::Source::kRadio) {
     const FrameChange to_local = FrameChange::to_local(input.estimate);
     for (const Message& message : input.observation.messages) hear(message, to_local);
   }
   known_.clear();
-  if (config_.source == "tracks") {
+  if (config_.source == NeighborSourceConfig::Source::kTracks) {
     for (const Track& track : input.tracks) {
       const double ahead_s = config_.predict ? to_seconds(now - track.t) : 0.0;
       known_.push_back({track.id, track.position_m + ahead_s * track.velocity_mps, track.velocity_mps, track.t});
@@ -61,7 +61,7 @@ void NeighborMemory::hear(const Message& message, const FrameChange& to_local) {
 }
 
 void NeighborMemory::announce(const StateEstimate& estimate, Outbox& outbox) const {
-  if (config_.source != "radio") return;
+  if (config_.source != NeighborSourceConfig::Source::kRadio) return;
   write_message(NeighborPosition{estimate.t, estimate.T_world_body().translation()}, outbox.say());
 }
 

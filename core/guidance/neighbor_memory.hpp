@@ -11,7 +11,8 @@ namespace swiftlet {
 
 /// Where a vehicle learns about the others.
 struct NeighborSourceConfig {
-  std::string source = "sensor";
+  enum class Source { kSensor, kRadio, kTracks, kNone };
+  Source source = Source::kSensor;
   double timeout_s = 1.0;
   double acceleration_sigma_mps2 = 1.0;
   bool predict = true;

@@ -20,7 +20,7 @@ constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 RblRules rules_of(const RblConfig& config) {
   RblRules rules = config.rules;
-  rules.elevation_rule = rules.elevation_rule && config.variant == "3d_z";
+  rules.elevation_rule = rules.elevation_rule && config.variant == RblConfig::Variant::k3dZ;
   return rules;
 }
 
@@ -28,8 +28,8 @@ class Rbl : public Guidance {
  public:
   Rbl(const RblConfig& config, const GuidanceSetup& setup)
       : config_(config),
-        planar_(config.variant == "2d"),
-        clipped_(config.variant == "3d_clipped" || config.variant == "3d_z"),
+        planar_(config.variant == RblConfig::Variant::k2d),
+        clipped_(config.variant == RblConfig::Variant::k3dClipped || config.variant == RblConfig::Variant::k3dZ),
         period_(from_seconds(1.0 / config.update_rate_hz)),
         neighbors_(config.neighbors),
         sensed_(config.cells.sensing_radius_m,
@@ -91,7 +91,7 @@ class Rbl : public Guidance {
     map_->occupied_within(p_m, cells.sensing_radius_m / cells.eta + cells.encumbrance_m, since, voxels_m_);
     const double floor_m = std::min(z_min_m(), p_m.z()) - cells.encumbrance_m - 0.5 * edge_m;
     std::erase_if(voxels_m_, [&](const Vector3& voxel_m) { return voxel_m.z() < floor_m; });
-    if (config_.lidar.cut == "convex") {
+    if (config_.lidar.cut == RblLidarConfig::Cut::kConvex) {
       cutter_.cut_convex(cell, p_m, voxels_m_, edge_m, cells.encumbrance_m, cells.eta, cuts);
     } else {
       cutter_.cut_nearest(cell, p_m, voxels_m_, edge_m, cells.encumbrance_m, cells.eta);
@@ -229,7 +229,7 @@ void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
 }  // namespace
 
 void RblConfig::visit(ConfigVisitor& v) {
-  v.choice("variant", variant, {"2d", "3d", "3d_clipped", "3d_z"},
+  v.choice("variant", variant, kVariants,
            "[-] disc at one height; ball; ball between z_min_m and z_max_m (2.14); that with the z-rule (2.15-2.19)");
   v.field("goal_m", goal_m, "[m] world");
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (r_g)", Range::positive());

@@ -14,7 +14,9 @@ namespace swiftlet {
 /// centroid of its own cell, without a word to the others. Defaults: Table 2.2. Done when the goal was reached; the
 /// vehicle then goes on to keep its cell.
 struct RblConfig : ModuleConfigOf<RblConfig> {
-  std::string variant = "3d_z";
+  enum class Variant { k2d, k3d, k3dClipped, k3dZ };
+  static constexpr const char* kVariants[] = {"2d", "3d", "3d_clipped", "3d_z"};
+  Variant variant = Variant::k3dZ;
   Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
   double arrival_radius_m = 0.2;
   double update_rate_hz = 10.0;

@@ -16,7 +16,8 @@ namespace swiftlet {
 /// LiDAR mode of the rule-based Lloyd algorithm [Kamler 2025, chapter 3]. Defaults: Table 3.1 and the released program.
 struct RblLidarConfig {
   bool enabled = false;
-  std::string cut = "convex";
+  enum class Cut { kConvex, kNearest };
+  Cut cut = Cut::kConvex;
   double fov_lower_deg = 20.0;
   double fov_deg = 59.0;
   double facing_deg = 60.0;

@@ -9,9 +9,9 @@ namespace {
 
 constexpr double kSamePlace_m = 1e-6;  // two agents in one place: any direction will do
 
-double offset_of(const std::string& reading, double d, double Delta, double eta) {
-  if (reading == "projected") return d >= 2.0 * Delta ? eta * d : 2.0 * eta * (d - Delta);
-  if (reading == "buffered") return 0.5 * (d - Delta);
+double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
+  if (cut == RblCellConfig::Cut::kProjected) return d >= 2.0 * Delta ? eta * d : 2.0 * eta * (d - Delta);
+  if (cut == RblCellConfig::Cut::kBuffered) return 0.5 * (d - Delta);
   return obstacle_offset_m(d, Delta, eta);  // the program's plane: Delta stays free (irbl 594-634)
 }
 
@@ -39,9 +39,9 @@ void cut_as_printed(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& 
 
 }  // namespace
 
-HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, const std::string& reading) {
+HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, RblCellConfig::Cut cut) {
   const double d = to_neighbor_m.norm();
-  return half_space(to_neighbor_m, d, offset_of(reading, d, Delta_m, eta));
+  return half_space(to_neighbor_m, d, offset_of(cut, d, Delta_m, eta));
 }
 
 HalfSpace obstacle_cut(const Vector3& to_point_m, double encumbrance_m, double eta) {
@@ -60,14 +60,15 @@ void RblPlanner::partition(const Vector3& p_m, std::span<const Vector3> neighbor
   // An agent outside of its limits keeps the layer next to them.
   z_low_m_ = std::min(z_min_m - p_m.z(), config_.sensing_radius_m - config_.step_m);
   z_high_m_ = std::max(z_max_m - p_m.z(), -config_.sensing_radius_m + config_.step_m);
-  cell_.reset(config_.lattice == "world" ? Vector3(-p_m) : Vector3(Vector3::Zero()), z_low_m_, z_high_m_);
+  cell_.reset(config_.lattice == RblCellConfig::Lattice::kWorld ? Vector3(-p_m) : Vector3(Vector3::Zero()), z_low_m_,
+              z_high_m_);
   cuts_.clear();
   const double Delta_m = 2.0 * config_.encumbrance_m;
   for (const Vector3& neighbor_m : neighbors_m) {
     Vector3 to_m = neighbor_m - p_m;
     if (planar_) to_m.z() = 0.0;
     if (to_m.norm() > config_.sensing_radius_m / config_.eta + Delta_m) continue;  // its cut lies beyond S
-    if (config_.cut == "printed") {
+    if (config_.cut == RblCellConfig::Cut::kPrinted) {
       cut_as_printed(cell_, cuts_, to_m, Delta_m, config_.eta);
     } else {
       cuts_.push_back(neighbor_cut(to_m, Delta_m, config_.eta, config_.cut));

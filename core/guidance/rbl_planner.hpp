@@ -14,10 +14,12 @@ namespace swiftlet {
 struct RblCellConfig {
   double sensing_radius_m = 3.5;  ///< r_s
   double step_m = 0.2;
-  std::string lattice = "agent";
+  enum class Lattice { kAgent, kWorld };
+  Lattice lattice = Lattice::kAgent;
   double encumbrance_m = 0.5;  ///< delta_i, and of the others
   double eta = 0.9;
-  std::string cut = "program";
+  enum class Cut { kProgram, kProjected, kPrinted, kBuffered };
+  Cut cut = Cut::kProgram;
 
   void visit(ConfigVisitor& v);
 };
@@ -26,7 +28,7 @@ struct RblCellConfig {
 /// agree that a neighbor nearer than Delta leaves the agent outside of its own cell, so that it moves away.
 /// @param to_neighbor_m  from the agent
 /// @param Delta_m        sum of the two encumbrances
-HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, const std::string& reading);
+HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, RblCellConfig::Cut cut);
 
 /// How far an agent may go towards a point of an obstacle at this distance: its own encumbrance is left free.
 inline double obstacle_offset_m(double distance_m, double encumbrance_m, double eta) {

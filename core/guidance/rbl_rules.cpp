@@ -33,20 +33,22 @@ double next_beta(const RblRules& rules, const RblSituation& now, double beta_m, 
 double next_theta(const RblRules& rules, const RblSituation& now, double theta_rad, double dt_s) {
   const double gap_m = length_xy(now.partitioned_m - now.sensing_m);
   const double reach_m = length_xy(now.partitioned_m);
-  const bool near = rules.azimuth_condition == "near" ? reach_m < rules.azimuth_near_m : reach_m > rules.azimuth_near_m;
+  const bool near = rules.azimuth_condition == RblRules::AzimuthCondition::kNear ? reach_m < rules.azimuth_near_m
+                                                                                 : reach_m > rules.azimuth_near_m;
   const bool turn = gap_m > rules.azimuth_gap_m && near;
   const double next = turn ? std::min(kMostAzimuth_rad, theta_rad + rules.azimuth_rate_radps * dt_s)
                            : std::max(0.0, theta_rad - rules.azimuth_return_radps * dt_s);
   const double direct_m = length_xy(now.unrotated_m);
-  const bool clear = rules.azimuth_reset == "detour" ? direct_m > reach_m
-                                                     : rules.azimuth_reset == "near" && direct_m > rules.azimuth_near_m;
+  const bool clear = rules.azimuth_reset == RblRules::AzimuthReset::kDetour
+                         ? direct_m > reach_m
+                         : rules.azimuth_reset == RblRules::AzimuthReset::kNear && direct_m > rules.azimuth_near_m;
   return next >= kMostAzimuth_rad && clear ? 0.0 : next;
 }
 
 // What stands for c_S,z - p_z in (2.18). c_S lies towards the destination, so that a destination that was turned up
 // (2.20) would go on turning up; "level" lets the own turn count backwards and keeps what the limits of height do.
 double centering(const RblRules& rules, const RblSituation& now, double phi_rad) {
-  if (rules.elevation_sense != "level") return now.sensing_m.z();
+  if (rules.elevation_sense != RblRules::ElevationSense::kLevel) return now.sensing_m.z();
   const double goal_rad = elementary::atan2(now.goal_m.z(), length_xy(now.goal_m));
   const double reach_m = now.sensing_m.norm();
   const double turned_m = reach_m * elementary::sin(std::clamp(goal_rad + phi_rad, -0.5 * kPi, 0.5 * kPi));
@@ -69,7 +71,8 @@ double next_phi(const RblRules& rules, const RblSituation& now, double phi_rad, 
 
 bool wants_elevation(const RblRules& rules, const RblSituation& now) {
   const double gap_m = std::abs(now.partitioned_m.z() - now.sensing_m.z());
-  const bool apart = rules.elevation_condition == "gap" ? gap_m > rules.elevation_gap_m : gap_m < rules.elevation_gap_m;
+  const bool apart = rules.elevation_condition == RblRules::ElevationCondition::kGap ? gap_m > rules.elevation_gap_m
+                                                                                     : gap_m < rules.elevation_gap_m;
   const double shrink_m = length_xy(now.sensing_m) - length_xy(now.partitioned_m);
   const bool shrunk = (rules.elevation_shrink_absolute ? std::abs(shrink_m) : shrink_m) > rules.elevation_shrink_m;
   return (apart && std::abs(now.partitioned_m.z()) < rules.elevation_near_m) || shrunk;
@@ -80,9 +83,9 @@ double vertical_influence(const RblRules& rules, const RblSituation& now, double
   const double horizontal_m = length_xy(goal);
   double direction = 0.0;
   if (horizontal_m > 0.0) {
-    if (rules.direction_influence == "north") {
+    if (rules.direction_influence == RblRules::DirectionInfluence::kNorth) {
       direction = goal.y() / horizontal_m;
-    } else if (rules.direction_influence == "printed") {
+    } else if (rules.direction_influence == RblRules::DirectionInfluence::kPrinted) {
       direction = elementary::atan2(goal.y(), goal.x()) / kPi;  // (2.16), (2.17)
     } else {
       const double from_north = elementary::atan2(goal.x(), goal.y());
@@ -104,7 +107,7 @@ RblState apply_rules(const RblRules& rules, const RblSituation& now, const RblSt
 Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_m, const RblState& state) {
   const double distance_m = goal_m.norm();
   if (distance_m <= 0.0) return goal_m;
-  const double up = rules.elevation_sense == "printed" ? state.phi_rad : -state.phi_rad;
+  const double up = rules.elevation_sense == RblRules::ElevationSense::kPrinted ? state.phi_rad : -state.phi_rad;
   const double polar = std::clamp(elementary::acos(std::clamp(goal_m.z() / distance_m, -1.0, 1.0)) + up, 0.0, kPi);
   const double azimuth = elementary::atan2(goal_m.y(), goal_m.x()) - state.theta_rad;
   return distance_m * Vector3(elementary::sin(polar) * elementary::cos(azimuth),

@@ -25,12 +25,17 @@ struct RblRules {
   double elevation_rate_radps = 1.0;  ///< k of (2.19)
   double centering_weight = 0.7;      ///< w_1
   double direction_weight = 0.3;      ///< w_2
-  std::string azimuth_condition = "near";
-  std::string azimuth_reset = "detour";
-  std::string elevation_condition = "gap";
+  enum class AzimuthCondition { kNear, kPrinted };
+  AzimuthCondition azimuth_condition = AzimuthCondition::kNear;
+  enum class AzimuthReset { kDetour, kNear, kNone };
+  AzimuthReset azimuth_reset = AzimuthReset::kDetour;
+  enum class ElevationCondition { kGap, kPrinted };
+  ElevationCondition elevation_condition = ElevationCondition::kGap;
   bool elevation_shrink_absolute = false;
-  std::string direction_influence = "north";
-  std::string elevation_sense = "level";
+  enum class DirectionInfluence { kNorth, kPrinted, kProgram };
+  DirectionInfluence direction_influence = DirectionInfluence::kNorth;
+  enum class ElevationSense { kLevel, kUp, kPrinted };
+  ElevationSense elevation_sense = ElevationSense::kLevel;
   bool elevation_reset = true;
   bool azimuth_rule = true;
   bool elevation_rule = true;

@@ -27,7 +27,7 @@ class TimedPath : public Guidance {
     const auto [p_m, v_mps, a_mps2] = path_.at(t_s_);
     to_local_ = stays_ ? FrameChange() : FrameChange::to_local(input.estimate);
     output.goal = to_local_.reference({.position_m = p_m, .velocity_mps = v_mps, .acceleration_mps2 = a_mps2});
-    if (config_.yaw == "along_path")
+    if (config_.yaw == TimedPathConfig::Yaw::kAlongPath)
       face_along(output.goal);
     else
       yaw_rad_ = to_local_.yaw(config_.yaw_deg * std::numbers::pi / 180.0);

@@ -15,7 +15,8 @@ namespace swiftlet {
 struct TimedPathConfig : ModuleConfigOf<TimedPathConfig> {
   std::vector<Eigen::Vector3d> points_m;
   double interval_s = 0.5;
-  std::string yaw = "along_path";
+  enum class Yaw { kAlongPath, kFixed };
+  Yaw yaw = Yaw::kAlongPath;
   double yaw_deg = 0.0;
 
   void visit(ConfigVisitor& v) override;

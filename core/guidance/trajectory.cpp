@@ -53,7 +53,7 @@ class Trajectory : public Guidance {
  public:
   Trajectory(const TrajectoryConfig& config, const GuidanceSetup& setup) : config_(config) {
     const double ramp_s = 1.875 * config.speed_mps / (0.5 * setup.limits.horizontal_acceleration_mps2);
-    if (config.shape == "line") {
+    if (config.shape == TrajectoryConfig::Shape::kLine) {
       direction_ = (config.to_m - config.from_m).normalized();
       const double length = (config.to_m - config.from_m).norm();
       travel_ = RampedTravel(length, config.speed_mps, ramp_s);
@@ -62,7 +62,7 @@ class Trajectory : public Guidance {
       const double rate = parameter_rate();
       const double length = config.laps > 0 ? 2.0 * kPi * config.laps : std::numeric_limits<double>::infinity();
       travel_ = RampedTravel(length, rate, ramp_s);
-      if (config.shape == "circle") {
+      if (config.shape == TrajectoryConfig::Shape::kCircle) {
         require_within(setup.limits, {config.speed_mps, 0.0, 0.0}, {rate * config.speed_mps, 0.0, 0.0});
       } else {
         const Vector3 v = rate * config.amplitude_m.cwiseProduct(config.frequency_ratio);
@@ -92,7 +92,7 @@ class Trajectory : public Guidance {
  private:
   /// Parameter per second: the greatest speed along the curve is speed_mps.
   double parameter_rate() const {
-    if (config_.shape == "circle") return config_.speed_mps / config_.radius_m;
+    if (config_.shape == TrajectoryConfig::Shape::kCircle) return config_.speed_mps / config_.radius_m;
     return config_.speed_mps / config_.amplitude_m.cwiseProduct(config_.frequency_ratio).norm();
   }
 
@@ -110,12 +110,13 @@ class Trajectory : public Guidance {
   }
 
   double laps_duration_s() const {
-    return config_.shape == "line" ? 2.0 * config_.laps * travel_.duration_s() : travel_.duration_s();
+    return config_.shape == TrajectoryConfig::Shape::kLine ? 2.0 * config_.laps * travel_.duration_s()
+                                                           : travel_.duration_s();
   }
 
   Reference at(double t_s, const FrameChange& to_local) {
     Reference r;
-    if (config_.shape == "line") {
+    if (config_.shape == TrajectoryConfig::Shape::kLine) {
       if (config_.laps > 0) t_s = std::min(t_s, laps_duration_s());
       const double leg = std::floor(t_s / travel_.duration_s());
       const bool back = std::fmod(leg, 2.0) == 1.0;
@@ -126,13 +127,14 @@ class Trajectory : public Guidance {
       r.acceleration_mps2 = sense * dds * direction_;
     } else {
       const auto [s, ds, dds] = travel_.at(t_s);
-      const CurvePoint c = config_.shape == "circle" ? circle(config_, s) : lissajous(config_, s);
+      const CurvePoint c =
+          config_.shape == TrajectoryConfig::Shape::kCircle ? circle(config_, s) : lissajous(config_, s);
       r.position_m = c.p;
       r.velocity_mps = ds * c.dp;
       r.acceleration_mps2 = ds * ds * c.ddp + dds * c.dp;
     }
     r = to_local.reference(r);
-    if (config_.yaw == "along_path")
+    if (config_.yaw == TrajectoryConfig::Yaw::kAlongPath)
       face_along(r);
     else
       yaw_rad_ = to_local.yaw(config_.yaw_deg * kPi / 180.0);

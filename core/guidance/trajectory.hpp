@@ -10,7 +10,8 @@ namespace swiftlet {
 /// A curve given by a formula, flown with its exact velocity and acceleration: first to its beginning, there a rest,
 /// then speeding up smoothly; slowing down the same way at the end of the last lap.
 struct TrajectoryConfig : ModuleConfigOf<TrajectoryConfig> {
-  std::string shape = "circle";
+  enum class Shape { kCircle, kLissajous, kLine };
+  Shape shape = Shape::kCircle;
   double speed_mps = 2.0;
   int laps = 0;
   Eigen::Vector3d center_m = {0.0, 0.0, 3.0};
@@ -21,7 +22,8 @@ struct TrajectoryConfig : ModuleConfigOf<TrajectoryConfig> {
   Eigen::Vector3d frequency_ratio = {1.0, 2.0, 1.0};
   Eigen::Vector3d from_m = {-10.0, 0.0, 3.0};
   Eigen::Vector3d to_m = {10.0, 0.0, 3.0};
-  std::string yaw = "along_path";
+  enum class Yaw { kAlongPath, kFixed };
+  Yaw yaw = Yaw::kAlongPath;
   double yaw_deg = 0.0;
 
   void visit(ConfigVisitor& v) override;

@@ -23,7 +23,7 @@ class Waypoints : public Guidance {
     goal_.position_m = leg_start_m_;
     // Waypoints of the start's frame turn with its heading only, and lie in the local frame.
     const Eigen::AngleAxisd turn(start_yaw, Vector3::UnitZ());
-    if (config.frame != "start") return;
+    if (config.frame != WaypointsConfig::Frame::kStart) return;
     for (Vector3& p : config_.waypoints_m) p = Vector3(leg_start_m_ + turn * p);
   }
 
@@ -48,7 +48,8 @@ class Waypoints : public Guidance {
 
  private:
   Vector3 waypoint_m(std::size_t i) const {
-    return config_.frame == "world" ? to_local_.point(config_.waypoints_m[i]) : config_.waypoints_m[i];
+    return config_.frame == WaypointsConfig::Frame::kWorld ? to_local_.point(config_.waypoints_m[i])
+                                                           : config_.waypoints_m[i];
   }
 
   void advance(const Vector3& p_m, double dt_s) {
@@ -73,9 +74,10 @@ class Waypoints : public Guidance {
   }
 
   void face(const Vector3& p_m) {
-    if (config_.yaw == "fixed") goal_.yaw_rad = to_local_.yaw(config_.yaw_deg * std::numbers::pi / 180.0);
-    if (config_.yaw == "fixed" || arrived_) return;
-    const Vector3& from = config_.yaw == "along_path" ? leg_start_m_ : p_m;
+    if (config_.yaw == WaypointsConfig::Yaw::kFixed)
+      goal_.yaw_rad = to_local_.yaw(config_.yaw_deg * std::numbers::pi / 180.0);
+    if (config_.yaw == WaypointsConfig::Yaw::kFixed || arrived_) return;
+    const Vector3& from = config_.yaw == WaypointsConfig::Yaw::kAlongPath ? leg_start_m_ : p_m;
     goal_.yaw_rad = heading_along(goal_.position_m - from, kShortestToSee_m, goal_.yaw_rad);
   }
 

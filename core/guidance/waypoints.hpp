@@ -12,14 +12,16 @@ namespace swiftlet {
 /// dwell and goes on. Done when the last dwell has elapsed (or when landed).
 struct WaypointsConfig : ModuleConfigOf<WaypointsConfig> {
   std::vector<Eigen::Vector3d> waypoints_m;
-  std::string frame = "world";
+  enum class Frame { kWorld, kStart };
+  Frame frame = Frame::kWorld;
   double speed_mps = 2.0;
   double arrival_radius_m = 0.5;
   double dwell_s = 0.0;
   bool loop = false;
   bool land_at_end = false;
   double landing_speed_mps = 0.5;
-  std::string yaw = "along_path";
+  enum class Yaw { kAlongPath, kAtNext, kFixed };
+  Yaw yaw = Yaw::kAlongPath;
   double yaw_deg = 0.0;
 
   void visit(ConfigVisitor& v) override;

@@ -54,8 +54,7 @@ void VariantConfig::visit(ConfigVisitor& v) {
 void ParameterConfig::visit(ConfigVisitor& v) {
   v.field("key", key, "[-] of the scenario: world.stems_per_ha, vehicles[*].agent.guidance.speed_mps, ...");
   v.field("name", name, "[-] of its column in the results; empty: the last word of the key");
-  v.choice("law", law, {"values", "uniform", "log_uniform", "normal", "integer"},
-           "[-] where its values come from: the list, or a distribution");
+  v.choice("law", law, kLaws, "[-] where its values come from: the list, or a distribution");
   v.field("values", values, "[-] law values: the list; drawn with equal probability when sampled");
   v.field("min", min, "[-] uniform, log_uniform, integer: least value, in the unit of the key");
   v.field("max", max, "[-] uniform, log_uniform, integer: greatest value");
@@ -65,10 +64,13 @@ void ParameterConfig::visit(ConfigVisitor& v) {
   v.field("steps", steps, "[-] grid, list: a uniform, log_uniform or integer law as so many evenly spaced values",
           Range::between(1, 100'000));
   v.check(!key.empty(), "key", "the key that is swept");
-  v.check(law != "values" || !values.empty(), "values", "at least one value");
-  v.check(law == "values" || values.empty(), "values", "no values with law \"" + law + "\"");
-  v.check(law == "values" || law == "normal" || min < max || (law == "integer" && min == max), "max", "more than min");
-  v.check(law != "log_uniform" || min > 0.0, "min", "more than 0 for law \"log_uniform\"");
+  v.check(law != ParameterConfig::Law::kValues || !values.empty(), "values", "at least one value");
+  v.check(law == ParameterConfig::Law::kValues || values.empty(), "values",
+          "no values with law \"" + std::string(kLaws[static_cast<std::size_t>(law)]) + "\"");
+  v.check(law == ParameterConfig::Law::kValues || law == ParameterConfig::Law::kNormal || min < max ||
+              (law == ParameterConfig::Law::kInteger && min == max),
+          "max", "more than min");
+  v.check(law != ParameterConfig::Law::kLogUniform || min > 0.0, "min", "more than 0 for law \"log_uniform\"");
   if (name.empty()) name = last_word(key);
 }
 
@@ -79,9 +81,9 @@ void SweepConfig::visit(ConfigVisitor& v) {
   v.field("seed", seed, "[-] latin_hypercube, random: of the sampling");
   v.list("parameters", parameters, "what is swept; none: a single point");
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const bool sampled = method == "latin_hypercube" || method == "random";
-    v.check(sampled || parameters[i].law != "normal", element("parameters", i, "law").c_str(),
-            "another law than \"normal\" with method \"" + method + "\"");
+    const bool sampled = method == SweepConfig::Method::kLatinHypercube || method == SweepConfig::Method::kRandom;
+    v.check(sampled || parameters[i].law != ParameterConfig::Law::kNormal, element("parameters", i, "law").c_str(),
+            "another law than \"normal\" with method \"grid\" or \"list\"");
     for (std::size_t j = 0; j < i; ++j) {
       v.check(parameters[i].name != parameters[j].name, element("parameters", i, "name").c_str(),
               "a name that is not taken yet");
@@ -93,8 +95,7 @@ void SeedsConfig::visit(ConfigVisitor& v) {
   v.field("first", first, "[-] seeds are first, first + 1, ...");
   v.field("count", count, "[-] number of seeds", Range::between(1, 10'000'000));
   v.field("list", list, "[-] these seeds instead");
-  v.choice("pairing", pairing, {"cross", "zip"},
-           "[-] every point of the sweep with every seed; or point i with seed i alone");
+  v.choice("pairing", pairing, kPairings, "[-] every point of the sweep with every seed; or point i with seed i alone");
   for (std::size_t i = 0; i < list.size(); ++i) {
     v.check(is_seed(list[i]), ("list[" + std::to_string(i) + "]").c_str(), "a whole number in [0, 2^63)");
   }

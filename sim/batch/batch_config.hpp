@@ -25,7 +25,9 @@ struct ParameterConfig {
   std::string key;
   std::string name;                 ///< of the column; empty: the last word of the key
   std::vector<std::string> values;  ///< list, grid; or choices of equal probability
-  std::string law = "values";
+  enum class Law { kValues, kUniform, kLogUniform, kNormal, kInteger };
+  static constexpr const char* kLaws[] = {"values", "uniform", "log_uniform", "normal", "integer"};
+  Law law = Law::kValues;
   double min = 0.0, max = 1.0;
   double mean = 0.0, sd = 1.0, cut_sd = 4.0;
   int steps = 5;
@@ -34,7 +36,8 @@ struct ParameterConfig {
 };
 
 struct SweepConfig {
-  std::string method = "grid";
+  enum class Method { kGrid, kList, kLatinHypercube, kRandom };
+  Method method = Method::kGrid;
   int samples = 10;
   std::uint64_t seed = 1;
   std::vector<ParameterConfig> parameters;
@@ -46,7 +49,9 @@ struct SeedsConfig {
   std::uint64_t first = 1;
   int count = 10;
   std::vector<std::string> list;
-  std::string pairing = "cross";
+  enum class Pairing { kCross, kZip };
+  static constexpr const char* kPairings[] = {"cross", "zip"};
+  Pairing pairing = Pairing::kCross;
 
   void visit(ConfigVisitor& v);
 };
@@ -68,7 +73,8 @@ struct SlurmConfig {
 struct ReportConfig {
   std::vector<std::string> metrics;
   std::string worst_by;
-  std::string worst_is = "high";
+  enum class WorstIs { kHigh, kLow };
+  WorstIs worst_is = WorstIs::kHigh;
 
   void visit(ConfigVisitor& v);
 };

@@ -39,11 +39,12 @@ std::vector<std::uint64_t> seeds_of(const SeedsConfig& config, std::size_t num_p
   std::vector<std::uint64_t> seeds;
   for (const std::string& text : config.list) seeds.push_back(std::strtoull(text.c_str(), nullptr, 10));
   if (seeds.empty()) {
-    const std::size_t count = config.pairing == "zip" ? num_points : static_cast<std::size_t>(config.count);
+    const std::size_t count =
+        config.pairing == SeedsConfig::Pairing::kZip ? num_points : static_cast<std::size_t>(config.count);
     seeds.resize(count);
     std::iota(seeds.begin(), seeds.end(), config.first);
   }
-  if (config.pairing == "zip" && seeds.size() != num_points) {
+  if (config.pairing == SeedsConfig::Pairing::kZip && seeds.size() != num_points) {
     throw InputError("seeds.list: expected as many seeds as the sweep has points (" + std::to_string(num_points) +
                      ") with pairing \"zip\", found " + std::to_string(seeds.size()));
   }
@@ -103,7 +104,8 @@ BatchPlan::BatchPlan(const fs::path& file, const ConfigChanges& overrides) {
 }
 
 std::uint64_t BatchPlan::num_episodes() const {
-  const std::uint64_t pairs = config_.seeds.pairing == "zip" ? points_.size() : points_.size() * seeds_.size();
+  const std::uint64_t pairs =
+      config_.seeds.pairing == SeedsConfig::Pairing::kZip ? points_.size() : points_.size() * seeds_.size();
   return pairs * config_.variants.size();
 }
 
@@ -112,7 +114,7 @@ Episode BatchPlan::episode(std::uint64_t id) const {
   episode.id = id;
   episode.variant = id % config_.variants.size();
   const std::uint64_t pair = id / config_.variants.size();
-  const bool zip = config_.seeds.pairing == "zip";
+  const bool zip = config_.seeds.pairing == SeedsConfig::Pairing::kZip;
   episode.point = zip ? pair : pair / seeds_.size();
   episode.seed = seeds_.at(zip ? pair : pair % seeds_.size());
   return episode;
@@ -199,7 +201,7 @@ std::string BatchPlan::make_fingerprint() const {
     for (const std::string& value : point) text += value + " ";
     text += "\n";
   }
-  text += config_.seeds.pairing;
+  text += SeedsConfig::kPairings[static_cast<std::size_t>(config_.seeds.pairing)];
   for (const std::uint64_t seed : seeds_) text += " " + std::to_string(seed);
   return hash_text(text);
 }

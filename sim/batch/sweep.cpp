@@ -21,9 +21,9 @@ std::string number(double value) { return fmt::format("{:.12g}", value); }
 
 /// The evenly spaced values of a law, or its list.
 std::vector<std::string> levels(const ParameterConfig& p) {
-  if (p.law == "values") return p.values;
+  if (p.law == ParameterConfig::Law::kValues) return p.values;
   std::vector<std::string> values;
-  if (p.law == "integer") {
+  if (p.law == ParameterConfig::Law::kInteger) {
     const auto count = static_cast<double>(std::min<long long>(p.steps, std::llround(p.max - p.min) + 1));
     for (double i = 0.0; i < count; i += 1.0) {
       const double part = count > 1.0 ? i / (count - 1.0) : 0.0;
@@ -33,7 +33,7 @@ std::vector<std::string> levels(const ParameterConfig& p) {
   }
   for (int i = 0; i < p.steps; ++i) {
     const double part = p.steps > 1 ? static_cast<double>(i) / (p.steps - 1) : 0.5;
-    const bool is_log = p.law == "log_uniform";
+    const bool is_log = p.law == ParameterConfig::Law::kLogUniform;
     values.push_back(number(is_log ? p.min * std::pow(p.max / p.min, part) : p.min + part * (p.max - p.min)));
   }
   return values;
@@ -92,7 +92,7 @@ std::vector<std::vector<std::string>> samples(const SweepConfig& sweep) {
   for (const ParameterConfig& parameter : sweep.parameters) {
     // Streams are named by the key: another parameter more changes no one's values.
     const Random draw(sweep.seed, "batch.sweep", parameter.key);
-    const bool is_stratified = sweep.method == "latin_hypercube";
+    const bool is_stratified = sweep.method == SweepConfig::Method::kLatinHypercube;
     std::vector<std::size_t> stratum(count);
     if (is_stratified) stratum = shuffled(count, Random(sweep.seed, "batch.sweep.order", parameter.key));
     for (std::size_t i = 0; i < count; ++i) {
@@ -114,23 +114,23 @@ double normal_quantile(const ParameterConfig& p, double u) {
 }  // namespace
 
 std::string quantile(const ParameterConfig& p, double u) {
-  if (p.law == "values") {
+  if (p.law == ParameterConfig::Law::kValues) {
     const auto count = static_cast<double>(p.values.size());
     return p.values[static_cast<std::size_t>(std::min(u * count, count - 1.0))];
   }
-  if (p.law == "integer") {
+  if (p.law == ParameterConfig::Law::kInteger) {
     const double count = std::floor(p.max) - std::ceil(p.min) + 1.0;
     return number(std::ceil(p.min) + std::floor(std::min(u * count, count - 1.0)));
   }
-  if (p.law == "log_uniform") return number(p.min * std::pow(p.max / p.min, u));
-  if (p.law == "normal") return number(normal_quantile(p, u));
+  if (p.law == ParameterConfig::Law::kLogUniform) return number(p.min * std::pow(p.max / p.min, u));
+  if (p.law == ParameterConfig::Law::kNormal) return number(normal_quantile(p, u));
   return number(p.min + u * (p.max - p.min));
 }
 
 std::vector<std::vector<std::string>> sweep_points(const SweepConfig& sweep) {
   if (sweep.parameters.empty()) return {{}};
-  if (sweep.method == "grid") return grid(sweep.parameters);
-  if (sweep.method == "list") return list(sweep.parameters);
+  if (sweep.method == SweepConfig::Method::kGrid) return grid(sweep.parameters);
+  if (sweep.method == SweepConfig::Method::kList) return list(sweep.parameters);
   return samples(sweep);
 }
 

@@ -151,7 +151,8 @@ std::string randomization_table(const DatasetConfig& config) {
       std::string values;
       for (const std::string& choice : variation.choices) values += (values.empty() ? "" : ", ") + choice;
       if (values.empty()) values = fmt::format("{:g}", variation.min) + " to " + fmt::format("{:g}", variation.max);
-      text += "| " + family.name + " | `" + variation.key + "` | " + variation.law + " | " + values + " |\n";
+      text += "| " + family.name + " | `" + variation.key + "` | " +
+              VariationConfig::kLaws[static_cast<std::size_t>(variation.law)] + " | " + values + " |\n";
     }
     if (family.reflectivity_spread > 0.0) {
       text += "| " + family.name + " | reflectivity of each material | log-normal | x exp(" +

@@ -55,13 +55,13 @@ void check_seeds(ConfigVisitor& v, const std::vector<SplitConfig>& splits) {
 
 std::string draw(const VariationConfig& variation, const Random& random, std::uint32_t index) {
   const double u = random.uniform(index, 0);
-  if (variation.law == "choice") {
+  if (variation.law == VariationConfig::Law::kChoice) {
     return variation.choices[static_cast<std::size_t>(u * static_cast<double>(variation.choices.size()))];
   }
-  if (variation.law == "whole") {
+  if (variation.law == VariationConfig::Law::kWhole) {
     return shortest(variation.min + std::floor(u * (variation.max - variation.min + 1.0)));
   }
-  if (variation.law == "log_uniform")
+  if (variation.law == VariationConfig::Law::kLogUniform)
     return shortest(variation.min * elementary::pow(variation.max / variation.min, u));
   return shortest(variation.min + u * (variation.max - variation.min));
 }
@@ -73,17 +73,18 @@ void VariationConfig::visit(ConfigVisitor& v) {
       "key", key,
       "[-] key path in the scenario, such as world.stems_per_ha; vehicles[*]. stands for every vehicle, each with a "
       "draw of its own");
-  v.choice("law", law, {"uniform", "log_uniform", "whole", "choice"},
+  v.choice("law", law, kLaws,
            "[-] uniform in [min, max]; log_uniform: its logarithm is; whole: whole numbers; choice: one of choices");
   v.field("min", min, "[-] least value, in the unit of the key");
   v.field("max", max, "[-] greatest value");
   v.field("choices", choices, "[-] values of law choice, as one would write them in the scenario");
   v.check(!key.empty(), "key", "a key path of the scenario");
   v.check(min <= max, "max", "a number that is not below min");
-  v.check(law != "log_uniform" || min > 0.0, "min", "a number > 0 for law log_uniform");
-  v.check(law != "whole" || (min == std::floor(min) && max == std::floor(max)), "min",
+  v.check(law != VariationConfig::Law::kLogUniform || min > 0.0, "min", "a number > 0 for law log_uniform");
+  v.check(law != VariationConfig::Law::kWhole || (min == std::floor(min) && max == std::floor(max)), "min",
           "whole numbers as min and max for law whole");
-  v.check((law == "choice") == !choices.empty(), "choices", "values with law choice, and only with it");
+  v.check((law == VariationConfig::Law::kChoice) == !choices.empty(), "choices",
+          "values with law choice, and only with it");
 }
 
 void FlightConfig::visit(ConfigVisitor& v) {

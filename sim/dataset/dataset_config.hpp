@@ -17,7 +17,9 @@ namespace swiftlet::sim {
 /// One number or word of the scenario that is drawn for each flight.
 struct VariationConfig {
   std::string key;  ///< key path in the scenario; `vehicles[*]` stands for each vehicle with a draw of its own
-  std::string law = "uniform";
+  enum class Law { kUniform, kLogUniform, kWhole, kChoice };
+  static constexpr const char* kLaws[] = {"uniform", "log_uniform", "whole", "choice"};
+  Law law = Law::kUniform;
   double min = 0.0;
   double max = 1.0;
   std::vector<std::string> choices;
@@ -73,7 +75,8 @@ struct SplitConfig {
 /// What is written of each sequence.
 struct ContentConfig {
   int every = 1;
-  std::string remission = "reflectivity";
+  enum class Remission { kReflectivity, kIntensity };
+  Remission remission = Remission::kReflectivity;
   bool deskew = false;
   bool point_truth = true;
   bool images = true;

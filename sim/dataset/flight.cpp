@@ -75,7 +75,7 @@ void fly(Scenario& scenario, const std::vector<SplineTrajectory>& paths) {
                        "].agent: expected an agent whose guidance a dataset can replace, such as stack, found " +
                        vehicle.agent.type);
     }
-    const std::string known = vehicle.start.known;
+    const StartKnown known = vehicle.start.known;
     vehicle.start = StartConfig();
     vehicle.start.known = known;
     vehicle.start.position_m = paths[i].control_points_m.front();

@@ -75,7 +75,8 @@ void encode_frame(const LabeledScan& labeled, const ContentConfig& content, Fram
 
   // What is written here could be anything to the compiler: it is told that these stay what they are.
   const float* const range_m = scan.range_m.data();
-  const float* const remission = (content.remission == "intensity" ? scan.intensity : scan.reflectivity).data();
+  const float* const remission =
+      (content.remission == ContentConfig::Remission::kIntensity ? scan.intensity : scan.reflectivity).data();
   const Eigen::Vector3f* const origin_m = scan.beams->origins_lidar.data();
   const Eigen::Vector3f* const direction = scan.beams->directions_lidar.data();
   const std::uint16_t* const surface_class = truth.surface_class.data();

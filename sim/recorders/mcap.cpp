@@ -27,7 +27,7 @@ class McapRecorder : public Recorder, public RosSink {
     McapWriter::Options options;
     options.profile = "ros2";
     options.library = "swiftlet";
-    options.compress = config_.compression == "zstd";
+    options.compress = config_.compression == McapConfig::Compression::kZstd;
     writer_.emplace(info.directory / config_.file, options);
   }
   void write(const TickView& tick) override { topics_->write(tick); }

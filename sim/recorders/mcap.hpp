@@ -7,7 +7,8 @@ namespace swiftlet::sim {
 
 struct McapConfig : ModuleConfigOf<McapConfig>, RosConfig, TellsOutput {
   std::string file = "record.mcap";
-  std::string compression = "zstd";
+  enum class Compression { kZstd, kNone };
+  Compression compression = Compression::kZstd;
 
   void visit(ConfigVisitor& v) override;
   RecorderOutput output() const override { return {"file", file, true, "mcap", {}, {}}; }

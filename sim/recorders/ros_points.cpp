@@ -128,19 +128,18 @@ void encode_velodyne(const Scan& scan, std::uint32_t sequence, const std::string
   }
 }
 
-}  // namespace
-
-PointsLayout points_layout(const std::string& name, const Scan& scan) {
-  if (name == "ouster") return PointsLayout::kOuster;
-  if (name == "livox") return PointsLayout::kLivox;
-  if (name == "velodyne") return PointsLayout::kVelodyne;
+PointsLayout layout_for(PointsLayout layout, const Scan& scan) {
+  if (layout != PointsLayout::kAuto) return layout;
   if (scan.rows() == 4) return PointsLayout::kLivox;
   return scan.rows() == 16 || scan.rows() == 32 ? PointsLayout::kVelodyne : PointsLayout::kOuster;
 }
 
+}  // namespace
+
 void encode_points(const Scan& scan, PointsLayout layout, std::uint32_t sequence, const std::string& frame,
                    RosEncoder& out) {
-  switch (layout) {
+  switch (layout_for(layout, scan)) {
+    case PointsLayout::kAuto:
     case PointsLayout::kOuster:
       encode_ouster(scan, sequence, frame, out);
       break;

@@ -8,11 +8,9 @@
 
 namespace swiftlet::sim {
 
-/// How the maker's ROS driver lays out its point cloud.
-enum class PointsLayout { kOuster, kLivox, kVelodyne };
-
-/// "ouster", "livox", "velodyne"; "auto" goes by the rows of the scan: 4 Livox, 16 and 32 Velodyne, else Ouster.
-PointsLayout points_layout(const std::string& name, const Scan& scan);
+/// How the maker's ROS driver lays out its point cloud; kAuto goes by the rows of the scan: 4 Livox, 16 and 32
+/// Velodyne, else Ouster.
+enum class PointsLayout { kAuto, kOuster, kLivox, kVelodyne };
 
 /// sensor_msgs/PointCloud2 of a scan, in the lidar's frame.
 void encode_points(const Scan& scan, PointsLayout layout, std::uint32_t sequence, const std::string& frame,

@@ -329,7 +329,7 @@ void RosTopics::write_scans(const TickView& tick, VehicleId vehicle) {
     if (num_scans_[topic]++ % config_.every != 0) continue;
     announce_sensor(names_[vehicle] + "/body", frame, scan.T_body_lidar, tick.t);
     Channel& points = channel(topic, kPointCloud2);
-    encode_points(scan, points_layout(config_.points_layout, scan), points.sequence, frame, message_);
+    encode_points(scan, config_.points_layout, points.sequence, frame, message_);
     send(points, tick.t);
   }
 }

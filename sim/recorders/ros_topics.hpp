@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/recorders/ros_encoder.hpp"
+#include "sim/recorders/ros_points.hpp"
 #include "sim/recorders/ros_types.hpp"
 #include "sim/recorders/selection.hpp"
 #include "swiftlet/sim/recorder.hpp"
@@ -22,7 +23,7 @@ struct RosConfig {
                                      "estimate", "tf",  "clock",    "detections", "tracks"};
   double rate_hz = 100.0;
   int every = 1;
-  std::string points_layout = "auto";
+  PointsLayout points_layout = PointsLayout::kAuto;
   Eigen::Vector2d datum_deg = {50.0, 14.0};
   double datum_altitude_m = 0.0;
 

@@ -14,7 +14,7 @@ class RosbagRecorder : public Recorder, public RosSink {
 
   void begin(const RunInfo& info) override {
     topics_.emplace(config_, info, RosDialect::kRos1, *this);
-    writer_.emplace(info.directory / config_.file, config_.compression == "lz4");
+    writer_.emplace(info.directory / config_.file, config_.compression == RosbagConfig::Compression::kLz4);
   }
   void write(const TickView& tick) override { topics_->write(tick); }
   std::vector<std::filesystem::path> finish() override {

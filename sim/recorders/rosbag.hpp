@@ -7,7 +7,8 @@ namespace swiftlet::sim {
 
 struct RosbagConfig : ModuleConfigOf<RosbagConfig>, RosConfig, TellsOutput {
   std::string file = "record.bag";
-  std::string compression = "lz4";
+  enum class Compression { kLz4, kNone };
+  Compression compression = Compression::kLz4;
 
   void visit(ConfigVisitor& v) override;
   RecorderOutput output() const override { return {"file", file, true, "rosbag", {}, {}}; }

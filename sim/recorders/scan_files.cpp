@@ -105,8 +105,9 @@ class ScanFilesRecorder : public Recorder {
     // The header needs the number of points, hence the points first.
     body_.clear();
     const int num_points = put_points(scan, poses_of(vehicle, scan), format_.organized, body_);
-    CloudLayout layout{num_points, 1, config_.frame, scan.scan.stamp};
-    if (format_.organized) layout = {scan.scan.cols(), scan.scan.rows(), config_.frame, scan.scan.stamp};
+    const char* frame = ScanFilesConfig::kFrames[static_cast<std::size_t>(config_.frame)];
+    CloudLayout layout{num_points, 1, frame, scan.scan.stamp};
+    if (format_.organized) layout = {scan.scan.cols(), scan.scan.rows(), frame, scan.scan.stamp};
 
     const std::string name = fmt::format("{:06}.{}", stream.num_files++, format_.extension);
     OutputFile file(directory_ / stream.folder / name, 0);
@@ -118,8 +119,8 @@ class ScanFilesRecorder : public Recorder {
 
   /// Poses that bring the points into the frame of the file, by column. Empty: they stay where they are.
   std::span<const Pose> poses_of(VehicleId vehicle, const LabeledScan& scan) {
-    if (config_.frame == "lidar") return {};
-    if (config_.frame == "world") return scan.truth.T_world_lidar;
+    if (config_.frame == ScanFilesConfig::Frame::kLidar) return {};
+    if (config_.frame == ScanFilesConfig::Frame::kWorld) return scan.truth.T_world_lidar;
     const PoseHistory& estimate = estimates_[vehicle];
     poses_.clear();
     for (int column = 0; column < scan.scan.cols(); ++column) {
@@ -163,7 +164,7 @@ void ScanFilesConfig::visit_common(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles whose scans are written; empty: all");
   v.field("sensors", sensors, "[-] names of the LiDARs on those vehicles; empty: all");
   v.field("every", every, "[-] write every n-th scan", Range{1, 1e9, false, false});
-  v.choice("frame", frame, {"lidar", "world", "world_estimate"},
+  v.choice("frame", frame, kFrames,
            "[-] frame of the points: as measured, the world by the true poses, the world as the vehicle estimates it");
   v.field("folder", folder, "[-] folder in the run directory; two recorders of the same format need two");
 }

@@ -19,7 +19,9 @@ struct ScanFilesConfig {
   std::vector<std::string> vehicles;
   std::vector<std::string> sensors;
   int every = 1;
-  std::string frame = "lidar";
+  enum class Frame { kLidar, kWorld, kWorldEstimate };
+  static constexpr const char* kFrames[] = {"lidar", "world", "world_estimate"};
+  Frame frame = Frame::kLidar;
   std::string folder = "scans";
 
   void visit_common(ConfigVisitor& v);

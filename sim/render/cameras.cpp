@@ -97,13 +97,13 @@ Cameraman::Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<
   if (bounds_m_.isEmpty()) bounds_m_ = Eigen::AlignedBox3d(Eigen::Vector3d(-10, -10, 0), Eigen::Vector3d(10, 10, 5));
   // Both zero: the type decides.
   if (config_.position_m != config_.target_m) return;
-  if (config_.type == "follow") config_.position_m = kFollowOffset_m;
-  if (config_.type == "onboard" || config_.type == "depth") {
+  if (config_.type == CameraConfig::Type::kFollow) config_.position_m = kFollowOffset_m;
+  if (config_.type == CameraConfig::Type::kOnboard || config_.type == CameraConfig::Type::kDepth) {
     const double front = vehicle_ >= 0 && vehicle_ < static_cast<int>(radii_m_.size()) ? 0.5 * radii_m_[vehicle_] : 0.1;
     config_.position_m = {front, 0.0, 0.05};
     config_.target_m = {front + 1.0, 0.0, -0.05};
   }
-  if (config_.type == "fixed") {  // the whole world, from its south-western corner
+  if (config_.type == CameraConfig::Type::kFixed) {  // the whole world, from its south-western corner
     const double size = bounds_m_.diagonal().norm();
     config_.target_m = bounds_m_.center();
     config_.position_m = bounds_m_.center() + 0.6 * size * Eigen::Vector3d(-0.75, -0.9, 0.7).normalized() /
@@ -137,7 +137,7 @@ double Cameraman::distance_for_all(const Eigen::Vector3d& target, const Eigen::V
 }
 
 void Cameraman::update(TimeNs t, std::span<const VehicleState> states) {
-  if (config_.type != "follow") return;
+  if (config_.type != CameraConfig::Type::kFollow) return;
   const double blend = started_ ? 1.0 - std::exp(-to_seconds(t - updated_) / kSmoothing_s) : 1.0;
   const Eigen::Vector3d center = center_of(states);
   target_m_ = started_ ? Eigen::Vector3d(target_m_ + blend * (center - target_m_)) : center;
@@ -150,9 +150,10 @@ void Cameraman::update(TimeNs t, std::span<const VehicleState> states) {
 }
 
 View Cameraman::view(const PictureScene& picture) const {
-  if (config_.type == "follow") return follow(picture);
-  if (config_.type == "top") return top(picture);
-  if (config_.type == "onboard" || config_.type == "depth") return on_vehicle(picture);
+  if (config_.type == CameraConfig::Type::kFollow) return follow(picture);
+  if (config_.type == CameraConfig::Type::kTop) return top(picture);
+  if (config_.type == CameraConfig::Type::kOnboard || config_.type == CameraConfig::Type::kDepth)
+    return on_vehicle(picture);
   return fixed();
 }
 

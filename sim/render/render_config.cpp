@@ -7,8 +7,7 @@ namespace swiftlet::sim {
 
 void CameraConfig::visit(ConfigVisitor& v) {
   v.field("name", name, "name of the camera, in the names of its pictures");
-  v.choice("type", type, {"top", "follow", "fixed", "onboard", "depth", "lidar_range", "lidar_intensity"},
-           "what it is: a view of the world, metric depth, or what a LiDAR measures");
+  v.choice("type", type, kTypes, "what it is: a view of the world, metric depth, or what a LiDAR measures");
   v.field("vehicle", vehicle, "follow, top, onboard, depth, lidar_*: whose; empty: the first (follow, top: all)");
   v.field("sensor", sensor, "lidar_*: which LiDAR of the vehicle; empty: the first");
   v.field("position_m", position_m,

@@ -10,12 +10,18 @@
 
 namespace swiftlet::sim {
 
+/// What the points of a scan that is drawn are colored by.
+enum class CloudColors { kNone, kHeight, kLabel, kIntensity, kVehicle };
+
 /// One named camera and when it takes pictures.
 struct CameraConfig {
   std::string name = "top";
-  std::string type = "top";  ///< follow, top, fixed, onboard, depth, lidar_range, lidar_intensity
-  std::string vehicle;       ///< follow, onboard, depth, lidar_*: whose; empty: the first (follow: all of them)
-  std::string sensor;        ///< lidar_*: which LiDAR of the vehicle; empty: the first
+  enum class Type { kTop, kFollow, kFixed, kOnboard, kDepth, kLidarRange, kLidarIntensity };
+  static constexpr const char* kTypes[] = {"top",   "follow",      "fixed",          "onboard",
+                                           "depth", "lidar_range", "lidar_intensity"};
+  Type type = Type::kTop;
+  std::string vehicle;  ///< follow, onboard, depth, lidar_*: whose; empty: the first (follow: all of them)
+  std::string sensor;   ///< lidar_*: which LiDAR of the vehicle; empty: the first
   /// Where it is and what it looks at. Both zero: chosen by the type. fixed: world; follow: position is the offset
   /// from the vehicle(s), heading-free, and its length the least distance; onboard, depth: body frame;
   /// top: target is the center, when span_m is given.
@@ -26,18 +32,19 @@ struct CameraConfig {
   bool perspective = false;  ///< top: seen from high above instead of a parallel projection
   int width_px = 1280;
   int height_px = 720;
-  double max_range_m = 0.0;           ///< depth, lidar_range: end of the color scale; 0: from the picture
-  std::vector<double> times_s;        ///< pictures at these times ...
-  double every_s = 0.0;               ///< ... and at every multiple of this; 0: none
-  std::string cloud = "none";         ///< latest scans drawn in the world: none, height, label, intensity, vehicle
-  bool trails = true;                 ///< path of each vehicle so far
-  bool names = true;                  ///< of the vehicles, beside them
-  std::vector<std::string> overlays;  ///< by name; "*": all
-  double vehicle_scale = 1.0;         ///< vehicles drawn larger than they are (for wide views)
-  bool cut_above = false;             ///< hide what is higher than cut_height_m, to look under crowns and roofs
+  double max_range_m = 0.0;                ///< depth, lidar_range: end of the color scale; 0: from the picture
+  std::vector<double> times_s;             ///< pictures at these times ...
+  double every_s = 0.0;                    ///< ... and at every multiple of this; 0: none
+  CloudColors cloud = CloudColors::kNone;  ///< latest scans drawn in the world
+  bool trails = true;                      ///< path of each vehicle so far
+  bool names = true;                       ///< of the vehicles, beside them
+  std::vector<std::string> overlays;       ///< by name; "*": all
+  double vehicle_scale = 1.0;              ///< vehicles drawn larger than they are (for wide views)
+  bool cut_above = false;                  ///< hide what is higher than cut_height_m, to look under crowns and roofs
   double cut_height_m = 3.0;
 
   void visit(ConfigVisitor& v);
+  bool looks_through_lidar() const { return type == Type::kLidarRange || type == Type::kLidarIntensity; }
   /// Does this camera take a picture in (previous, now]?
   bool is_due(TimeNs previous, TimeNs now) const;
 };

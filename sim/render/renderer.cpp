@@ -71,18 +71,18 @@ bool is_opaque(const Overlay& overlay) {
   return std::all_of(overlay.colors.begin(), overlay.colors.end(), [](const auto& c) { return c.w() >= 0.995F; });
 }
 
-std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, const std::string& by) {
+std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, CloudColors by) {
   std::vector<PointVertex> points;
-  const HeightScale scale = by == "height" ? height_scale_of(clouds) : HeightScale{};
+  const HeightScale scale = by == CloudColors::kHeight ? height_scale_of(clouds) : HeightScale{};
   for (const PictureCloud& cloud : clouds) {
     for (std::size_t i = 0; i < cloud.points_world_m.size(); ++i) {
       const Eigen::Vector3f& p = cloud.points_world_m[i];
       Rgb color = Rgb::Constant(0.9F);
-      if (by == "height") color = height_color((p.z() - scale.low_m) / (scale.high_m - scale.low_m));
-      if (by == "vehicle") color = vehicle_color(cloud.vehicle);
-      if (by == "label" && i < cloud.surface_class.size()) color = class_color(cloud.surface_class[i]);
+      if (by == CloudColors::kHeight) color = height_color((p.z() - scale.low_m) / (scale.high_m - scale.low_m));
+      if (by == CloudColors::kVehicle) color = vehicle_color(cloud.vehicle);
+      if (by == CloudColors::kLabel && i < cloud.surface_class.size()) color = class_color(cloud.surface_class[i]);
       // The eye judges ratios of reflectivity.
-      if (by == "intensity" && i < cloud.intensity.size())
+      if (by == CloudColors::kIntensity && i < cloud.intensity.size())
         color = viridis_like(std::sqrt(std::max(0.0F, cloud.intensity[i])));
       points.push_back({p, with_alpha(color, 1.0F)});
     }
@@ -494,7 +494,7 @@ void Renderer::Impl::draw_overlay(const View& view, const Overlay& overlay, floa
 void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, const PictureStyle& style) {
   gl.DepthFunc(GL_GEQUAL);
   gl.Enable(GL_CLIP_DISTANCE0);
-  if (style.cloud != "none") {
+  if (style.cloud != CloudColors::kNone) {
     gl.DepthMask(GL_TRUE);
     marks.draw_points(view, colored_points(picture.clouds, style.cloud), kCloudPoint_m, cut_of(style));
   }

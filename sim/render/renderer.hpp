@@ -17,7 +17,7 @@ namespace swiftlet::sim {
 
 /// What of a PictureScene is drawn, and how.
 struct PictureStyle {
-  std::string cloud = "none";  ///< as CameraConfig
+  CloudColors cloud = CloudColors::kNone;  ///< as CameraConfig
   bool trails = true;
   std::vector<std::string> overlays;  ///< by name; "*": all
   double vehicle_scale = 1.0;

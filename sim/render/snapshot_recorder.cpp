@@ -27,9 +27,9 @@ namespace {
 constexpr float kAreaOpacity = 0.3F;         // of areas in the vehicle's color
 constexpr TimeNs kHistoryStep = 20'000'000;  // trails and follow cameras look at the vehicles this often
 
-bool is_lidar(const CameraConfig& camera) { return camera.type.starts_with("lidar_"); }
 bool of_all_vehicles(const CameraConfig& camera) {
-  return camera.vehicle.empty() && (camera.type == "follow" || camera.type == "top");
+  return camera.vehicle.empty() &&
+         (camera.type == CameraConfig::Type::kFollow || camera.type == CameraConfig::Type::kTop);
 }
 
 /// One camera at work.
@@ -64,7 +64,7 @@ class SnapshotRecorder : public Recorder {
   Renderer& renderer();
   bool needs_scans() const {
     return std::any_of(cameras_.begin(), cameras_.end(),
-                       [](const auto& c) { return is_lidar(c) || c.cloud != "none"; });
+                       [](const auto& c) { return c.looks_through_lidar() || c.cloud != CloudColors::kNone; });
   }
 
   std::vector<CameraConfig> cameras_;
@@ -95,7 +95,7 @@ void SnapshotRecorder::begin(const RunInfo& info) {
 }
 
 VehicleId SnapshotRecorder::vehicle_of(const CameraConfig& camera, std::size_t index) const {
-  if (of_all_vehicles(camera) || camera.type == "fixed") return kNoVehicle;
+  if (of_all_vehicles(camera) || camera.type == CameraConfig::Type::kFixed) return kNoVehicle;
   if (camera.vehicle.empty()) return info_.vehicle_names.empty() ? kNoVehicle : 0;
   const auto found = std::find(info_.vehicle_names.begin(), info_.vehicle_names.end(), camera.vehicle);
   if (found == info_.vehicle_names.end()) {
@@ -172,7 +172,7 @@ void SnapshotRecorder::fill_clouds(const TickView& tick) {
   }
   picture_.clouds.clear();
   const bool wanted = std::any_of(cameras_.begin(), cameras_.end(), [&](const CameraConfig& camera) {
-    return camera.cloud != "none" && camera.is_due(previous_, tick.t);
+    return camera.cloud != CloudColors::kNone && camera.is_due(previous_, tick.t);
   });
   if (!wanted) return;
   for (const auto& [key, scan] : latest_scans_) picture_.clouds.push_back(cloud_of(*scan, key.first));
@@ -184,9 +184,9 @@ Renderer& SnapshotRecorder::renderer() {
 }
 
 Image SnapshotRecorder::take(const Station& station, const std::filesystem::path& stem) {
-  Image image = is_lidar(station.config)         ? take_of_scan(station)
-                : station.config.type == "depth" ? take_of_depth(station, stem)
-                                                 : take_of_world(station);
+  Image image = station.config.looks_through_lidar()                ? take_of_scan(station)
+                : station.config.type == CameraConfig::Type::kDepth ? take_of_depth(station, stem)
+                                                                    : take_of_world(station);
   draw_caption(image, caption_of(station), fmt::format("t = {:.3f} s", to_seconds(picture_.t)));
   return image;
 }
@@ -200,7 +200,8 @@ std::string SnapshotRecorder::caption_of(const Station& station) const {
 
 Image SnapshotRecorder::take_of_scan(const Station& station) const {
   const CameraConfig& camera = station.config;
-  const auto quantity = camera.type == "lidar_range" ? ScanQuantity::kRange : ScanQuantity::kIntensity;
+  const auto quantity =
+      camera.type == CameraConfig::Type::kLidarRange ? ScanQuantity::kRange : ScanQuantity::kIntensity;
   for (const auto& [key, scan] : latest_scans_) {
     if (key.first != station.vehicle || (!camera.sensor.empty() && camera.sensor != key.second)) continue;
     return draw_range_image(scan->scan, quantity, camera.width_px, camera.height_px, camera.max_range_m);
@@ -228,15 +229,15 @@ Image SnapshotRecorder::take_of_depth(const Station& station, const std::filesys
 Image SnapshotRecorder::take_of_world(const Station& station) {
   const CameraConfig& camera = station.config;
   PictureStyle style = style_of(camera);
-  if (camera.type == "onboard") style.hidden_vehicle = station.vehicle;
-  if (camera.type == "follow") {
+  if (camera.type == CameraConfig::Type::kOnboard) style.hidden_vehicle = station.vehicle;
+  if (camera.type == CameraConfig::Type::kFollow) {
     for (VehicleId v = 0; v < std::ssize(picture_.states); ++v) {
       if (station.vehicle == kNoVehicle || station.vehicle == v) style.watched.push_back(v);
     }
   }
   const View view = station.cameraman.view(picture_);
   Image image = renderer().draw(view, picture_, style);
-  if (camera.names && camera.type != "onboard") {
+  if (camera.names && camera.type != CameraConfig::Type::kOnboard) {
     draw_names(image, view, picture_, info_.vehicle_names, camera.vehicle_scale);
   }
   if (view.orthographic) draw_scale_bar(image, view);
@@ -245,7 +246,7 @@ Image SnapshotRecorder::take_of_world(const Station& station) {
     if (is_chosen(overlay, camera.overlays)) keys.insert(keys.end(), overlay.legend.begin(), overlay.legend.end());
   }
   draw_legend(image, keys);
-  if (camera.cloud == "height" && !picture_.clouds.empty()) {
+  if (camera.cloud == CloudColors::kHeight && !picture_.clouds.empty()) {
     const HeightScale scale = height_scale_of(picture_.clouds);
     draw_color_bar(image, {height_color, scale.low_m, scale.high_m, "z [m]"});
   }

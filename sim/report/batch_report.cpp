@@ -222,7 +222,7 @@ std::string sweep_plots(const BatchTable& table, const Quantity& quantity) {
     panel.x.label = table.info.parameters[p];
     panel.y.label = quantity.label();
     const auto& parameters = table.config.sweep.parameters;
-    panel.x.log = p < parameters.size() && parameters[p].law == "log_uniform";
+    panel.x.log = p < parameters.size() && parameters[p].law == ParameterConfig::Law::kLogUniform;
     for (const std::string& variant : table.info.variants) add_sweep(panel, table, quantity, p, variant);
     text += "<figure>" + figure.svg() + "</figure>\n";
   }
@@ -300,7 +300,7 @@ std::string worst_section(const BatchTable& table, const Quantity& quantity) {
   for (std::size_t i = 0; i < table.episodes.size(); ++i) {
     if (std::isfinite(quantity.values[i])) order.push_back(i);
   }
-  const bool high = table.config.report.worst_is == "high";
+  const bool high = table.config.report.worst_is == ReportConfig::WorstIs::kHigh;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return high ? quantity.values[a] > quantity.values[b] : quantity.values[a] < quantity.values[b];
   });

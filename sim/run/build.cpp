@@ -83,26 +83,22 @@ void require_room(const Scenario& scenario, const std::vector<PhysicsVehicle>& v
   }
 }
 
-StartKnown start_known(const StartConfig& start) {
-  if (start.known == "pose") return StartKnown::kPose;
-  return start.known == "position" ? StartKnown::kPosition : StartKnown::kNothing;
-}
-
 /// What the vehicle is told of where it starts; zero for the rest.
 Pose told_start(const StartConfig& start, const VehicleState& truth) {
-  if (start.known == "pose") return truth.T_world_body();
+  if (start.known == StartKnown::kPose) return truth.T_world_body();
   Pose told = Pose::Identity();
-  if (start.known == "position") told.translation() = truth.p_world_m;
+  if (start.known == StartKnown::kPosition) told.translation() = truth.p_world_m;
   return told;
 }
 
 std::shared_ptr<const PriorMap> prior_map(const VehicleConfig& vehicle, const Scene& world) {
   const AgentNeeds needs = needs_of(vehicle.agent);
   auto prior = make_prior_map(needs.prior, needs.prior_voxel_m, world);
-  if (prior != nullptr && vehicle.start.known != "pose") {
+  if (prior != nullptr && vehicle.start.known != StartKnown::kPose) {
     throw InputError("vehicles: " + vehicle.name +
                      ": start.known: expected pose, because the vehicle is told a map of " +
-                     "the world (prior), found " + vehicle.start.known);
+                     "the world (prior), found " +
+                     std::string(vehicle.start.known == StartKnown::kPosition ? "position" : "nothing"));
   }
   return prior;
 }
@@ -182,7 +178,7 @@ std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const 
     setup.num_vehicles = static_cast<int>(scenario.vehicles.size());
     setup.vehicle_names = vehicle_names(scenario);
     setup.airframe = scenario.vehicles[i].airframe;
-    setup.start_known = start_known(scenario.vehicles[i].start);
+    setup.start_known = scenario.vehicles[i].start.known;
     setup.T_local_body_start = told_start(scenario.vehicles[i].start, vehicles[i].start);
     setup.tick_s = scenario.tick_s;
     setup.prior_map = prior_map(scenario.vehicles[i], world);

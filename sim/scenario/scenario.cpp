@@ -46,10 +46,10 @@ void check_exists(ConfigVisitor& v, const std::string& name, const std::vector<s
 std::vector<Rotor> quad_rotors(const Airframe& airframe) {
   const double reach_m = airframe.arm_length_m * 0.70710678118654752;
   const double height_m = 0.5 * airframe.body_height_m;
-  return {{{reach_m, -reach_m, height_m}, "ccw"},
-          {{-reach_m, reach_m, height_m}, "ccw"},
-          {{reach_m, reach_m, height_m}, "cw"},
-          {{-reach_m, -reach_m, height_m}, "cw"}};
+  return {{{reach_m, -reach_m, height_m}, Rotor::Spin::kCcw},
+          {{-reach_m, reach_m, height_m}, Rotor::Spin::kCcw},
+          {{reach_m, reach_m, height_m}, Rotor::Spin::kCw},
+          {{-reach_m, -reach_m, height_m}, Rotor::Spin::kCw}};
 }
 
 std::string sensor_name(const Module& sensor) {
@@ -110,8 +110,7 @@ void check_cameras(ConfigVisitor& v, const Scenario& scenario, const std::vector
     const CameraConfig& camera = scenario.snapshots[i];
     check_name(v, camera.name, names, element("snapshots", i, "name"));
     check_exists(v, camera.vehicle, vehicle_names, element("snapshots", i, "vehicle"));
-    const bool looks_through_lidar = camera.type.starts_with("lidar_");
-    if (looks_through_lidar)
+    if (camera.looks_through_lidar())
       check_exists(v, camera.sensor, lidars_of(camera, scenario.vehicles), element("snapshots", i, "sensor"));
     names.push_back(camera.name);
   }

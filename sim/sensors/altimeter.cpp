@@ -36,7 +36,8 @@ class AltimeterSensor final : public Sensor {
     while (schedule_.next(now, due, index)) {
       const VehicleState state = truth.at(setup_.vehicle, due);
       const Vector3 lever_world = state.q_world_body * config_.position_m;
-      const Vector3 beam_world = config_.beam == "body" ? state.q_world_body * -Vector3::UnitZ() : -Vector3::UnitZ();
+      const Vector3 beam_world =
+          config_.beam == AltimeterConfig::Beam::kBody ? state.q_world_body * -Vector3::UnitZ() : -Vector3::UnitZ();
       const double true_range_m =
           setup_.world->trace(state.p_world_m + lever_world, beam_world, config_.range_max_m).range_m;
       if (true_range_m <= 0.0 || true_range_m < config_.range_min_m) continue;

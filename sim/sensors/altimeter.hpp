@@ -9,7 +9,8 @@ namespace swiftlet::sim {
 struct AltimeterConfig : SensorConfigOf<AltimeterConfig> {
   double rate_hz = 50.0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  std::string beam = "vertical";  ///< "vertical": gimballed or compensated; "body": fixed to the body
+  enum class Beam { kVertical, kBody };
+  Beam beam = Beam::kVertical;  ///< "vertical": gimballed or compensated; "body": fixed to the body
   double range_min_m = 0.05;
   double range_max_m = 40.0;
   double sigma_m = 0.03;

@@ -98,7 +98,7 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
                                     elementary::pow(detection.range_10_percent_m / far_enough_m, exponent));
     entries_.push_back(entry);
   }
-  for (int i = 0; i <= kSignalEntries && noise.law == "signal" && !ideal; ++i) {
+  for (int i = 0; i <= kSignalEntries && noise.law == RangeNoiseConfig::Law::kSignal && !ideal; ++i) {
     const double inverse_snr = elementary::pow(static_cast<double>(i) / kSignalEntries, 2);
     signal_sigmas_m_.push_back(static_cast<float>(elementary::hypot(
         noise.floor_m,

@@ -14,7 +14,8 @@ namespace swiftlet::sim {
 /// `signal`: sigma^2 = floor^2 + (sigma_at_reference * (reference_snr / S)^exponent)^2 with the S of DetectionConfig.
 /// Either is multiplied by factor(incidence), if there is such a table.
 struct RangeNoiseConfig {
-  std::string law = "constant";
+  enum class Law { kConstant, kSignal };
+  Law law = Law::kConstant;
   double sigma_range_m = 0.03;
   double floor_m = 0.0085;
   double sigma_at_reference_m = 0.1;

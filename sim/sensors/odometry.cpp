@@ -90,10 +90,10 @@ class OdometrySensor final : public Sensor {
   Random stream(const char* purpose) const { return Random(setup_.seed, purpose, setup_.entity); }
 
   void start(const VehicleState& state) {
-    if (config_.frame == "start") {
+    if (config_.frame == OdometryConfig::Frame::kStart) {
       yaw_local_world_rad_ = -yaw_of(state.q_world_body.toRotationMatrix());
       p_local_m_.setZero();
-    } else if (config_.frame == "world") {
+    } else if (config_.frame == OdometryConfig::Frame::kWorld) {
       yaw_local_world_rad_ = 0.0;
       p_local_m_ = state.p_world_m;
     } else {

@@ -16,7 +16,8 @@ namespace swiftlet::sim {
 struct OdometryConfig : SensorConfigOf<OdometryConfig> {
   std::string model;
   double rate_hz = 30.0;
-  std::string frame = "start";
+  enum class Frame { kStart, kWorld, kRandom };
+  Frame frame = Frame::kStart;
   Eigen::Vector3d initial_offset_m = {10.0, 10.0, 1.0};
   double initial_yaw_deg = 180.0;
   double drift_reference_m = 100.0;

@@ -27,8 +27,8 @@ struct ThesisTree {
 };
 
 // mean +- spread: uniform in between, or normal with this standard deviation cut at two of them.
-double draw(Dice& dice, const std::string& spread, double mean, double half_width) {
-  if (spread == "uniform") return dice.uniform(mean - half_width, mean + half_width);
+double draw(Dice& dice, ForestThesisConfig::Spread spread, double mean, double half_width) {
+  if (spread == ForestThesisConfig::Spread::kUniform) return dice.uniform(mean - half_width, mean + half_width);
   double deviate = dice.normal();
   while (std::abs(deviate) > 2.0) deviate = dice.normal();
   return mean + half_width * deviate;
@@ -82,7 +82,7 @@ void ForestThesisConfig::visit(ConfigVisitor& v) {
       "[-] the spreads are half-widths of uniform, or standard deviations of normal distributions cut at two of them");
   v.field("ground_margin_m", ground_margin_m, "[m] ground around the area", Range::non_negative());
   v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
-  const double widest = spread == "normal" ? 2.0 : 1.0;
+  const double widest = spread == ForestThesisConfig::Spread::kNormal ? 2.0 : 1.0;
   v.check(area_max_m.x() > area_min_m.x() && area_max_m.y() > area_min_m.y(), "area_max_m", "more than area_min_m");
   v.check(trunk_radius_m > widest * trunk_radius_spread_m, "trunk_radius_spread_m",
           "a spread that leaves every radius positive");

@@ -22,7 +22,8 @@ struct ForestThesisConfig : ModuleConfigOf<ForestThesisConfig> {
   double tree_height_spread_m = 2.0;
   double crown_radius_m = 2.5;
   double crown_radius_spread_m = 0.5;
-  std::string spread = "uniform";
+  enum class Spread { kUniform, kNormal };
+  Spread spread = Spread::kUniform;
   double ground_margin_m = 10.0;
   KeepClearConfig keep_clear;
 

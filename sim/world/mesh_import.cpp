@@ -119,7 +119,8 @@ Eigen::Affine3f placement(const MeshImportConfig& config) {
   Eigen::Affine3f T =
       transform(config.position_m.cast<float>(), static_cast<float>(config.yaw_deg * std::numbers::pi / 180.0),
                 Eigen::Vector3f::Constant(static_cast<float>(config.scale)));
-  if (config.up_axis == "y") T.rotate(Eigen::AngleAxisf(std::numbers::pi_v<float> / 2.0F, Eigen::Vector3f::UnitX()));
+  if (config.up_axis == MeshImportConfig::UpAxis::kY)
+    T.rotate(Eigen::AngleAxisf(std::numbers::pi_v<float> / 2.0F, Eigen::Vector3f::UnitX()));
   return T;
 }
 

@@ -20,7 +20,8 @@ struct SurfaceRuleConfig {
 /// class and instance; the others are numbered.
 struct MeshImportConfig : ModuleConfigOf<MeshImportConfig> {
   std::string file;
-  std::string up_axis = "z";
+  enum class UpAxis { kZ, kY };
+  UpAxis up_axis = UpAxis::kZ;
   double scale = 1.0;
   double yaw_deg = 0.0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

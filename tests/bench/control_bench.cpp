@@ -23,7 +23,7 @@ void stack(benchmark::State& state, const char* guidance) {
   setup.T_local_body_start.translation() = Vector3(0, 0, 6);
   Module module(agent_module_types(), "stack");
   module.as<StackConfig>().guidance = Module(guidance_module_types(), guidance);
-  module.as<StackConfig>().control.limits.set = "agile";
+  module.as<StackConfig>().control.limits.set = MotionLimitsConfig::Set::kAgile;
 
   std::vector<PoseSample> flight;
   {

@@ -21,10 +21,10 @@ constexpr double kTick_s = 0.004;
 Airframe quad() {
   Airframe airframe;
   const double side = airframe.arm_length_m / std::numbers::sqrt2;
-  airframe.rotors = {{{side, -side, 0.05}, "ccw"},
-                     {{-side, side, 0.05}, "ccw"},
-                     {{side, side, 0.05}, "cw"},
-                     {{-side, -side, 0.05}, "cw"}};
+  airframe.rotors = {{{side, -side, 0.05}, Rotor::Spin::kCcw},
+                     {{-side, side, 0.05}, Rotor::Spin::kCcw},
+                     {{side, side, 0.05}, Rotor::Spin::kCw},
+                     {{-side, -side, 0.05}, Rotor::Spin::kCw}};
   return airframe;
 }
 

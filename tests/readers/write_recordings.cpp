@@ -138,20 +138,20 @@ std::vector<Module> every_recorder() {
   pcd_lidar.organized = true;
   pcd_lidar.folder = "scans_organized";
   PcdConfig pcd_world;
-  pcd_world.frame = "world";
+  pcd_world.frame = ScanFilesConfig::Frame::kWorld;
   PlyConfig ply;
-  ply.frame = "world";
+  ply.frame = ScanFilesConfig::Frame::kWorld;
   McapConfig mcap;
   mcap.datum_deg = {49.363, 14.261};
   mcap.datum_altitude_m = 470.0;
   McapConfig plain_mcap = mcap;
-  plain_mcap.compression = "none";
+  plain_mcap.compression = McapConfig::Compression::kNone;
   plain_mcap.file = "plain.mcap";
   RosbagConfig bag;
   bag.datum_deg = mcap.datum_deg;
   bag.datum_altitude_m = mcap.datum_altitude_m;
   RosbagConfig plain_bag = bag;
-  plain_bag.compression = "none";
+  plain_bag.compression = RosbagConfig::Compression::kNone;
   plain_bag.file = "plain.bag";
   McapConfig rows_mcap;  // what ROS has no types for
   rows_mcap.topics = {"altimeter", "compass", "neighbors", "scores", "messages", "events", "spread"};

@@ -32,10 +32,10 @@ inline Airframe quad_x(double mass_kg, double arm_m, double height_m, double kf_
   a.rotor_speed_max_radps = rpm_max / kRpmPerRadps;
   a.body_drag_area_m2.setConstant(2.0 * 0.30 * std::numbers::pi * arm_m * arm_m / 1.225);
   const double d = arm_m * std::sqrt(0.5);
-  a.rotors = {{{d, -d, 0.5 * height_m}, "ccw"},
-              {{-d, d, 0.5 * height_m}, "ccw"},
-              {{d, d, 0.5 * height_m}, "cw"},
-              {{-d, -d, 0.5 * height_m}, "cw"}};
+  a.rotors = {{{d, -d, 0.5 * height_m}, Rotor::Spin::kCcw},
+              {{-d, d, 0.5 * height_m}, Rotor::Spin::kCcw},
+              {{d, d, 0.5 * height_m}, Rotor::Spin::kCw},
+              {{-d, -d, 0.5 * height_m}, Rotor::Spin::kCw}};
   return a;
 }
 
@@ -69,8 +69,8 @@ inline Airframe ring_of_rotors(int n) {
   a.rotors.clear();
   for (int i = 0; i < n; ++i) {
     const double angle = 2.0 * std::numbers::pi * (i + 0.5) / n;
-    a.rotors.push_back(
-        {{a.arm_length_m * std::cos(angle), a.arm_length_m * std::sin(angle), 0.0}, i % 2 == 0 ? "ccw" : "cw"});
+    a.rotors.push_back({{a.arm_length_m * std::cos(angle), a.arm_length_m * std::sin(angle), 0.0},
+                        i % 2 == 0 ? Rotor::Spin::kCcw : Rotor::Spin::kCw});
   }
   return a;
 }

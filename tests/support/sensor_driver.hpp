@@ -21,8 +21,8 @@ inline std::shared_ptr<const VehicleShape> quadrotor_shape() {
   Airframe airframe;
   for (int i = 0; i < 4; ++i) {
     const double angle = (0.25 + 0.5 * i) * kPi;
-    airframe.rotors.push_back(
-        {Vector3(0.25 * std::cos(angle), 0.25 * std::sin(angle), 0.03), i % 2 == 0 ? "ccw" : "cw"});
+    airframe.rotors.push_back({Vector3(0.25 * std::cos(angle), 0.25 * std::sin(angle), 0.03),
+                               i % 2 == 0 ? Rotor::Spin::kCcw : Rotor::Spin::kCw});
   }
   return std::make_shared<const VehicleShape>(make_vehicle_shape(airframe));
 }

@@ -70,7 +70,7 @@ sim::Scenario forest_front(const Method& method, int n, std::uint64_t seed) {
   Module& guidance = pattern.agent.as<StackConfig>().guidance;
   if (guidance.type == "rbl") {
     auto& rbl = guidance.as<RblConfig>();
-    rbl.neighbors.source = "sensor";
+    rbl.neighbors.source = NeighborSourceConfig::Source::kSensor;
     rbl.lidar.fov_lower_deg = 90.0;  // sees all that lies ahead
     rbl.lidar.fov_deg = 180.0;
     rbl.lidar.facing_deg = 180.0;

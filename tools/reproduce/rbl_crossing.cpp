@@ -29,7 +29,7 @@ sim::Scenario scenario_of(const CrossingCase& c, std::uint64_t seed, bool ideal)
   sim::Scenario pattern = scenario_with("reproduce/rbl_crossing.yaml", seed);
   sim::VehicleConfig& vehicle = pattern.vehicles.front();
   RblConfig& rbl = vehicle.agent.as<StackConfig>().guidance.as<RblConfig>();
-  rbl.variant = c.variant;
+  rbl.variant = *enum_named<RblConfig::Variant>(c.variant, RblConfig::kVariants);
   if (c.formation.sphere) {
     rbl.z_min_m = 1.0;
     rbl.z_max_m = 2.0 * kSphereHeight_m;
@@ -126,7 +126,7 @@ sim::plot::Figure times_by_number(const MeanTimes& ours_s, const MeanTimes& publ
     p.x.label = "vehicles";
     p.y.label = "t [s]";
     p.y.min = 0.0;
-    for (const std::string variant : {"2d", "3d", "3d_clipped", "3d_z"}) {
+    for (const std::string variant : RblConfig::kVariants) {
       const std::vector<double> counts = {5, 10, 15};
       std::vector<double> values;
       for (const double n : counts) values.push_back(times_s.at({variant, static_cast<int>(n)}));
@@ -145,7 +145,7 @@ void rbl_circle(Experiment& experiment) {
   CrossingCsv csv;
   std::vector<CrossingCase> cases;
   for (const int n : {5, 10, 15}) {
-    for (const char* variant : {"2d", "3d", "3d_clipped", "3d_z"}) cases.push_back({{false, n, 10.0}, variant});
+    for (const char* variant : RblConfig::kVariants) cases.push_back({{false, n, 10.0}, variant});
   }
   MeanTimes ours_s, published_s;
   for (const CrossingCase& c : cases) {
@@ -172,7 +172,7 @@ void rbl_circle_printed(Experiment& experiment) {
   const int seeds = experiment.repetitions(100, 2);
   CrossingCsv csv;
   for (const int n : {5, 10, 15}) {
-    for (const char* variant : {"2d", "3d", "3d_clipped", "3d_z"}) {
+    for (const char* variant : RblConfig::kVariants) {
       const CrossingCase c{{false, n, 5.0}, variant};
       tell(experiment, c, fly_case(experiment, c, seeds, false, csv), "the radius as printed; ");
       check_safety(experiment, c, seeds, csv);

@@ -12,11 +12,12 @@ namespace swiftlet {
 /// One rotor of a multirotor.
 struct Rotor {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< hub, body frame (origin: center of mass)
-  std::string spin = "ccw";                              ///< seen from above: "ccw" or "cw"
+  enum class Spin { kCcw, kCw };
+  Spin spin = Spin::kCcw;  ///< seen from above: "ccw" or "cw"
 
   void visit(ConfigVisitor& v);
   /// +1 for a rotor whose angular momentum points up (ccw), -1 otherwise.
-  double direction() const { return spin == "ccw" ? 1.0 : -1.0; }
+  double direction() const { return spin == Rotor::Spin::kCcw ? 1.0 : -1.0; }
 };
 
 /// The physical data of a multirotor: what its maker would put in a data sheet. Used by the simulator as the truth,

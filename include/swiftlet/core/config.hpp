@@ -2,13 +2,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -35,6 +38,14 @@ struct Range {
 };
 
 class ConfigVisitor;
+
+/// The value of an enum by its word; `words` stand in the order of the values.
+template <class Enum>
+std::optional<Enum> enum_named(std::string_view word, std::span<const char* const> words) {
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found == words.end()) return std::nullopt;
+  return static_cast<Enum>(found - words.begin());
+}
 
 /// Base of a configuration that is chosen by name (world generator, sensor, guidance, recorder ...).
 struct ModuleConfig {
@@ -113,7 +124,15 @@ class ConfigVisitor {
   virtual void field(const char* key, std::vector<Eigen::Vector3d>& value, const char* doc, Range range = {}) = 0;
   /// One of the given words.
   virtual void choice(const char* key, std::string& value, std::span<const char* const> words, const char* doc) = 0;
-  void choice(const char* key, std::string& value, std::initializer_list<const char*> words, const char* doc) {
+  /// The words in the order of the enum's values, all of them.
+  template <class Enum>
+  requires std::is_enum_v<Enum>
+  void choice(const char* key, Enum& value, std::span<const char* const> words, const char* doc) {
+    std::string word = words[static_cast<std::size_t>(value)];
+    choice(key, word, words, doc);
+    value = *enum_named<Enum>(word, words);
+  }
+  void choice(const char* key, auto& value, std::initializer_list<const char*> words, const char* doc) {
     choice(key, value, std::span<const char* const>(words.begin(), words.size()), doc);
   }
   /// A path of an input file; the reader resolves it against the file that names it and checks that it exists

@@ -10,6 +10,7 @@
 #include "sim/physics/wind.hpp"
 #include "sim/radio/radio.hpp"
 #include "sim/render/render_config.hpp"
+#include "swiftlet/core/agent.hpp"
 #include "swiftlet/core/airframe.hpp"
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -21,9 +22,9 @@ struct StartConfig {
   bool above_ground = false;
   double yaw_deg = 0.0;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
-  bool flying = true;          ///< rotors turn at hover speed at the start
-  std::string known = "pose";  ///< what the vehicle's software is told of it
-  std::string place;           ///< of position_m in its file, for messages: "a.yaml:3:9: vehicles[0]. ...: "
+  bool flying = true;                    ///< rotors turn at hover speed at the start
+  StartKnown known = StartKnown::kPose;  ///< what the vehicle's software is told of it
+  std::string place;                     ///< of position_m in its file, for messages: "a.yaml:3:9: vehicles[0]. ...: "
 
   void visit(ConfigVisitor& v);
 };

@@ -99,7 +99,8 @@ class ClosedLoop {
 };
 
 template <class Config>
-StackConfig stack_with(const char* guidance, const Config& config, const char* limits = "medium",
+StackConfig stack_with(const char* guidance, const Config& config,
+                       MotionLimitsConfig::Set limits = MotionLimitsConfig::Set::kMedium,
                        const char* localization = "ground_truth") {
   StackConfig stack;
   stack.localization = Module(estimator_module_types(), localization);
@@ -127,7 +128,7 @@ TEST(Stack, EveryVehicleFliesAgileTrajectoriesWithinThirtyCentimeters) {
     for (const std::uint64_t seed : {1u, 2u}) {
       AgileConfig config;
       config.seed = seed;
-      ClosedLoop loop(airframe, stack_with("agile", config, "agile"), {0, 0, 6});
+      ClosedLoop loop(airframe, stack_with("agile", config, MotionLimitsConfig::Set::kAgile), {0, 0, 6});
       double sum_sq = 0.0, fastest = 0.0;
       constexpr int kTicks = 10000;
       for (int i = 0; i < kTicks; ++i) {
@@ -177,7 +178,8 @@ TEST(Stack, MissionIsDoneWhenTheLastDwellHasElapsed) {
 TEST(Stack, FliesOnOdometryInItsOwnFrame) {
   WaypointsConfig config;
   config.waypoints_m = {{4, 2, 3}};
-  ClosedLoop loop(testing::x500(), stack_with("waypoints", config, "slow", "odometry"), {0, 0, 2});
+  ClosedLoop loop(testing::x500(), stack_with("waypoints", config, MotionLimitsConfig::Set::kSlow, "odometry"),
+                  {0, 0, 2});
   loop.pose_every = 0;
   loop.odometry_every = 8;
   loop.imu = true;
@@ -187,7 +189,8 @@ TEST(Stack, FliesOnOdometryInItsOwnFrame) {
 }
 
 TEST(Stack, HoversOnInertialNavigationWithNoisyGnss) {
-  ClosedLoop loop(testing::x500(), stack_with("hover", HoverConfig{}, "medium", "ins"), {0, 0, 5});
+  ClosedLoop loop(testing::x500(), stack_with("hover", HoverConfig{}, MotionLimitsConfig::Set::kMedium, "ins"),
+                  {0, 0, 5});
   loop.pose_every = 0;
   loop.gnss_every = 25;
   loop.imu = true;
@@ -251,7 +254,7 @@ TEST(Stack, NothingIsAllocatedOnceItFlies) {
       StackConfig config;
       config.localization = Module(estimator_module_types(), estimator.module.name);
       config.guidance = Module(guidance_module_types(), guidance.module.name);
-      config.control.limits.set = "agile";
+      config.control.limits.set = MotionLimitsConfig::Set::kAgile;
       ClosedLoop loop(testing::x500(), config, {0, 0, 6});
       loop.imu = true;
       loop.odometry_every = 8;
@@ -266,8 +269,8 @@ TEST(Stack, NothingIsAllocatedOnceItFlies) {
 
 TEST(Stack, SameObservationsGiveTheSameBits) {
   AgileConfig config;
-  ClosedLoop a(testing::x500(), stack_with("agile", config, "agile"), {0, 0, 6});
-  ClosedLoop b(testing::x500(), stack_with("agile", config, "agile"), {0, 0, 6});
+  ClosedLoop a(testing::x500(), stack_with("agile", config, MotionLimitsConfig::Set::kAgile), {0, 0, 6});
+  ClosedLoop b(testing::x500(), stack_with("agile", config, MotionLimitsConfig::Set::kAgile), {0, 0, 6});
   a.run(5.0);
   b.wants_overlays = true;  // pictures change nothing
   b.run(5.0);

@@ -81,7 +81,7 @@ AgentSetup setup_of_x500() {
   return setup;
 }
 
-std::unique_ptr<Guidance> waypoints(std::vector<Vector3> waypoints_m, const char* frame) {
+std::unique_ptr<Guidance> waypoints(std::vector<Vector3> waypoints_m, WaypointsConfig::Frame frame) {
   Module module(guidance_module_types(), "waypoints");
   module.as<WaypointsConfig>().waypoints_m = std::move(waypoints_m);
   module.as<WaypointsConfig>().frame = frame;
@@ -117,7 +117,8 @@ struct Flight {
 TEST(TwoFrames, ControlAndReferenceDoNotSeeTheCorrectionJump) {
   // Two legs of the local frame: one vehicle never learns where that lies, the other one in the middle of the flight.
   const std::vector<Vector3> legs = {{3, 0, 1}, {3, 3, 1}};
-  Flight unaware(100 * kNsPerSecond, waypoints(legs, "start")), learns(2 * kNsPerSecond, waypoints(legs, "start"));
+  Flight unaware(100 * kNsPerSecond, waypoints(legs, WaypointsConfig::Frame::kStart)),
+      learns(2 * kNsPerSecond, waypoints(legs, WaypointsConfig::Frame::kStart));
   Vector3 last_m = Vector3::Zero();
   for (int i = 0; i < 1500; ++i) {
     const Action& a = unaware.tick();
@@ -135,7 +136,7 @@ TEST(TwoFrames, ControlAndReferenceDoNotSeeTheCorrectionJump) {
 
 TEST(TwoFrames, WaypointsOfTheWorldAreReachedAfterTheCorrection) {
   const Vector3 target(9.0, 1.0, 3.0);
-  Flight flight(2 * kNsPerSecond, waypoints({target}, "world"));
+  Flight flight(2 * kNsPerSecond, waypoints({target}, WaypointsConfig::Frame::kWorld));
   const Action* action = nullptr;
   Vector3 last_m = flight.plant.p;
   for (int i = 0; i < 6000 && (action == nullptr || action->mission != MissionStatus::kDone); ++i) {

@@ -98,7 +98,7 @@ struct Eight {
 
 TEST_P(EveryAirframe, FliesAgileTrajectoriesOfTableFourWithinThirtyCentimeters) {
   MotionLimitsConfig limits;
-  limits.set = "agile";
+  limits.set = MotionLimitsConfig::Set::kAgile;
   ReferenceTracker tracker(limits.resolve());
   MultirotorController controller(airframe, {}, kDt);
   FinePlant plant(airframe);

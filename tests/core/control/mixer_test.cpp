@@ -115,7 +115,7 @@ TEST(Mixer, RefusesAirframesThatCannotBeControlled) {
   airframe.rotors.pop_back();
   EXPECT_THROW(Mixer{airframe}, std::invalid_argument);
   airframe = testing::x500();
-  for (Rotor& rotor : airframe.rotors) rotor.spin = "cw";  // yaw torque only together with thrust
+  for (Rotor& rotor : airframe.rotors) rotor.spin = Rotor::Spin::kCw;  // yaw torque only together with thrust
   EXPECT_THROW(Mixer{airframe}, std::invalid_argument);
 }
 

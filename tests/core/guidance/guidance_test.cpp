@@ -26,8 +26,8 @@ AgentSetup starting_at(const Vector3& p_m, double yaw_rad = 0.0) {
 class IdealFlight {
  public:
   template <class Config>
-  IdealFlight(const char* type, const Config& config, const char* limits = "medium", Vector3 start = Vector3::Zero(),
-              double start_yaw = 0.0)
+  IdealFlight(const char* type, const Config& config, MotionLimitsConfig::Set limits = MotionLimitsConfig::Set::kMedium,
+              Vector3 start = Vector3::Zero(), double start_yaw = 0.0)
       : setup_(starting_at(start, start_yaw)), tracker_(limits_named(limits)) {
     Module module(guidance_module_types(), type);
     module.as<Config>() = config;
@@ -40,7 +40,7 @@ class IdealFlight {
     tracker_.reset(r);
   }
 
-  static MotionLimits limits_named(const char* set) {
+  static MotionLimits limits_named(MotionLimitsConfig::Set set) {
     MotionLimitsConfig config;
     config.set = set;
     return config.resolve();
@@ -91,8 +91,8 @@ class IdealFlight {
 TEST(Guidance, EveryTypeCanBeMadeFromItsDefaults) {
   const AgentSetup setup = starting_at({1, 2, 3});
   for (const GuidanceType& type : guidance_types()) {
-    const auto guidance =
-        make_guidance(Module(guidance_module_types(), type.module.name), {setup, IdealFlight::limits_named("agile")});
+    const auto guidance = make_guidance(Module(guidance_module_types(), type.module.name),
+                                        {setup, IdealFlight::limits_named(MotionLimitsConfig::Set::kAgile)});
     StateEstimate estimate;
     estimate.valid = true;
     estimate.T_local_body = setup.T_local_body_start;
@@ -147,7 +147,7 @@ TEST(Waypoints, LoopForEver) {
 }
 
 TEST(Waypoints, WithoutAnyTheMissionIsDoneWhereItStands) {
-  IdealFlight flight("waypoints", WaypointsConfig{}, "medium", {1, 2, 3});
+  IdealFlight flight("waypoints", WaypointsConfig{}, MotionLimitsConfig::Set::kMedium, {1, 2, 3});
   flight.step();
   EXPECT_EQ(flight.out.mission, MissionStatus::kDone);
   EXPECT_EQ(flight.out.goal.position_m, Vector3(1, 2, 3));
@@ -159,7 +159,7 @@ TEST(Waypoints, FacesAlongTheLegOrAsTold) {
   IdealFlight along("waypoints", config);
   for (int i = 0; i < 1000; ++i) along.step();
   EXPECT_NEAR(along.yaw(), std::numbers::pi / 2, 0.01);
-  config.yaw = "fixed";
+  config.yaw = WaypointsConfig::Yaw::kFixed;
   config.yaw_deg = -45.0;
   IdealFlight fixed("waypoints", config);
   for (int i = 0; i < 1000; ++i) fixed.step();
@@ -169,8 +169,8 @@ TEST(Waypoints, FacesAlongTheLegOrAsTold) {
 TEST(Waypoints, OfTheStartFrameTurnWithTheStart) {
   WaypointsConfig config;
   config.waypoints_m = {{2, 0, 1}};
-  config.frame = "start";
-  IdealFlight flight("waypoints", config, "medium", {5, 5, 5}, std::numbers::pi / 2);
+  config.frame = WaypointsConfig::Frame::kStart;
+  IdealFlight flight("waypoints", config, MotionLimitsConfig::Set::kMedium, {5, 5, 5}, std::numbers::pi / 2);
   flight.step();
   EXPECT_LT((flight.out.goal.position_m - Vector3(5, 7, 6)).norm(), 1e-12);
 }
@@ -179,7 +179,7 @@ TEST(Waypoints, LandsAtTheEndAndStopsTheMotors) {
   WaypointsConfig config;
   config.waypoints_m = {{3, 0, 2}};
   config.land_at_end = true;
-  IdealFlight flight("waypoints", config, "medium", {0, 0, 2});
+  IdealFlight flight("waypoints", config, MotionLimitsConfig::Set::kMedium, {0, 0, 2});
   flight.floor_z = 0.4;  // the guidance does not know where the ground is
   EXPECT_GT(flight.run(60.0), 3.0);
   EXPECT_FALSE(flight.out.motors_on);
@@ -190,7 +190,7 @@ TEST(Waypoints, LandsAtTheEndAndStopsTheMotors) {
 TEST(TakeoffLand, WaitsWithItsMotorsOff) {
   TakeoffLandConfig config;
   config.wait_s = 2.0;
-  IdealFlight flight("takeoff_land", config, "medium");
+  IdealFlight flight("takeoff_land", config, MotionLimitsConfig::Set::kMedium);
   bool was_off = true;
   for (int i = 0; i < static_cast<int>(4.0 / kDt); ++i) {
     flight.step();
@@ -206,7 +206,7 @@ TEST(TakeoffLand, ClimbsHoversLandsAndIsDone) {
   TakeoffLandConfig config;
   config.altitude_m = 3.0;
   config.hover_s = 2.0;
-  IdealFlight flight("takeoff_land", config, "medium", {1, 1, 0.2});
+  IdealFlight flight("takeoff_land", config, MotionLimitsConfig::Set::kMedium, {1, 1, 0.2});
   flight.floor_z = 0.2;
   double highest = 0.0;
   double t = 0.0;
@@ -220,13 +220,15 @@ TEST(TakeoffLand, ClimbsHoversLandsAndIsDone) {
   EXPECT_NEAR(t, 3.0 / 1.0 + 2.0 + 3.0 / 0.5 + 0.5, 3.0);
 }
 
+using Shape = TrajectoryConfig::Shape;
+
 TEST(Trajectory, GoalsAreConsistentDerivativesOfEachOther) {
-  for (const char* shape : {"circle", "lissajous", "line"}) {
+  for (const Shape shape : {Shape::kCircle, Shape::kLissajous, Shape::kLine}) {
     TrajectoryConfig config;
     config.shape = shape;
     config.amplitude_m = {6.0, 3.0, 0.5};
     config.speed_mps = 1.4;
-    IdealFlight flight("trajectory", config, "fast");
+    IdealFlight flight("trajectory", config, MotionLimitsConfig::Set::kFast);
     Reference before;
     double fastest = 0.0;
     int compared = 0;
@@ -238,13 +240,14 @@ TEST(Trajectory, GoalsAreConsistentDerivativesOfEachOther) {
         fastest = std::max(fastest, now.velocity_mps.norm());
         const Vector3 v_mean = (now.position_m - before.position_m) / kDt;
         const Vector3 a_mean = (now.velocity_mps - before.velocity_mps) / kDt;
-        ASSERT_LT((v_mean - 0.5 * (now.velocity_mps + before.velocity_mps)).norm(), 1e-4) << shape;
-        ASSERT_LT((a_mean - 0.5 * (now.acceleration_mps2 + before.acceleration_mps2)).norm(), 1e-3) << shape;
+        ASSERT_LT((v_mean - 0.5 * (now.velocity_mps + before.velocity_mps)).norm(), 1e-4) << static_cast<int>(shape);
+        ASSERT_LT((a_mean - 0.5 * (now.acceleration_mps2 + before.acceleration_mps2)).norm(), 1e-3)
+            << static_cast<int>(shape);
       }
       before = now;
     }
-    EXPECT_GT(compared, 10000) << shape;
-    EXPECT_NEAR(fastest, 1.4, 1e-3) << shape;
+    EXPECT_GT(compared, 10000) << static_cast<int>(shape);
+    EXPECT_NEAR(fastest, 1.4, 1e-3) << static_cast<int>(shape);
   }
 }
 
@@ -265,16 +268,16 @@ TEST(Trajectory, IsTrackedExactlyOnceUnderWay) {
 }
 
 TEST(Trajectory, LapsEndWhereTheyBeganAtRest) {
-  for (const char* shape : {"circle", "lissajous", "line"}) {
+  for (const Shape shape : {Shape::kCircle, Shape::kLissajous, Shape::kLine}) {
     TrajectoryConfig config;
     config.shape = shape;
     config.laps = 2;
-    IdealFlight flight("trajectory", config, "fast");
+    IdealFlight flight("trajectory", config, MotionLimitsConfig::Set::kFast);
     flight.step();
     const Vector3 begin = flight.out.goal.position_m;
-    EXPECT_GT(flight.run(200.0), 10.0) << shape;
-    EXPECT_LT((flight.out.goal.position_m - begin).norm(), 1e-6) << shape;
-    EXPECT_LT(flight.out.goal.velocity_mps.norm(), 1e-6) << shape;
+    EXPECT_GT(flight.run(200.0), 10.0) << static_cast<int>(shape);
+    EXPECT_LT((flight.out.goal.position_m - begin).norm(), 1e-6) << static_cast<int>(shape);
+    EXPECT_LT(flight.out.goal.velocity_mps.norm(), 1e-6) << static_cast<int>(shape);
   }
 }
 
@@ -285,7 +288,7 @@ TEST(Trajectory, RefusesWhatTheLimitsForbid) {
   config.speed_mps = 3.9;
   config.radius_m = 2.0;  // 7.6 m/s^2
   EXPECT_THROW(IdealFlight("trajectory", config), std::invalid_argument);
-  config.shape = "line";
+  config.shape = TrajectoryConfig::Shape::kLine;
   config.from_m = {0, 0, 0};
   config.to_m = {0, 0, 50};  // straight up at 3.9 m/s
   EXPECT_THROW(IdealFlight("trajectory", config), std::invalid_argument);
@@ -407,7 +410,7 @@ TEST(AgileSpline, VerticalLimitsHoldOnTheirOwn) {
 }
 
 TEST(Agile, PassesThroughTheReferenceTrackerUnchanged) {
-  IdealFlight flight("agile", AgileConfig{}, "agile", {0, 0, 6});
+  IdealFlight flight("agile", AgileConfig{}, MotionLimitsConfig::Set::kAgile, {0, 0, 6});
   for (int i = 0; i < 15000; ++i) {
     flight.step();
     ASSERT_EQ(flight.p(), flight.out.goal.position_m) << "at " << i * kDt;
@@ -415,7 +418,7 @@ TEST(Agile, PassesThroughTheReferenceTrackerUnchanged) {
 }
 
 TEST(Agile, RefusesWhatTheLimitsForbid) {
-  EXPECT_THROW(IdealFlight("agile", AgileConfig{}, "medium"), std::invalid_argument);
+  EXPECT_THROW(IdealFlight("agile", AgileConfig{}, MotionLimitsConfig::Set::kMedium), std::invalid_argument);
 }
 
 }  // namespace

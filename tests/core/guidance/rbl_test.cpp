@@ -139,33 +139,35 @@ TEST(RblCell, MirroredAndTurnedSituationsGiveMirroredAndTurnedCentroids) {
   }
 }
 
+using Cut = RblCellConfig::Cut;
+
 TEST(NeighborCut, LeavesTheEncumbrancesFreeAndIsContinuous) {
   const double Delta = 1.0;
   for (const double d : {2.0, 2.5, 3.0, 5.0}) {
-    const HalfSpace cut = neighbor_cut({0, d, 0}, Delta, 0.9, "program");
+    const HalfSpace cut = neighbor_cut({0, d, 0}, Delta, 0.9, Cut::kProgram);
     EXPECT_NEAR(cut.normal.y(), 1.0, 1e-12);
     EXPECT_NEAR(cut.offset_m, 1.0 + 0.9 * (d - 2.0), 1e-12);
     EXPECT_LE(cut.offset_m, d - Delta + 1e-12);
   }
-  for (const std::string reading : {"program", "projected"}) {
-    const double above = neighbor_cut({2.0 + 1e-9, 0, 0}, Delta, 0.9, reading).offset_m;
-    const double below = neighbor_cut({2.0 - 1e-9, 0, 0}, Delta, 0.9, reading).offset_m;
-    EXPECT_NEAR(above, below, 1e-6) << reading;
+  for (const Cut cut : {Cut::kProgram, Cut::kProjected}) {
+    const double above = neighbor_cut({2.0 + 1e-9, 0, 0}, Delta, 0.9, cut).offset_m;
+    const double below = neighbor_cut({2.0 - 1e-9, 0, 0}, Delta, 0.9, cut).offset_m;
+    EXPECT_NEAR(above, below, 1e-6) << static_cast<int>(cut);
   }
   // With eta = 0.5 the plane of equation (2.3) is the bisector.
-  EXPECT_NEAR(neighbor_cut({4, 0, 0}, Delta, 0.5, "projected").offset_m, 2.0, 1e-12);
-  EXPECT_NEAR(neighbor_cut({4, 0, 0}, Delta, 0.5, "program").offset_m, 2.0, 1e-12);
+  EXPECT_NEAR(neighbor_cut({4, 0, 0}, Delta, 0.5, Cut::kProjected).offset_m, 2.0, 1e-12);
+  EXPECT_NEAR(neighbor_cut({4, 0, 0}, Delta, 0.5, Cut::kProgram).offset_m, 2.0, 1e-12);
 }
 
 TEST(NeighborCut, NeighborThatIsTooNearPutsTheAgentOutsideOfItsOwnCell) {
-  for (const std::string reading : {"program", "projected", "buffered"}) {
-    EXPECT_LT(neighbor_cut({0.8, 0, 0}, 1.0, 0.9, reading).offset_m, 0.0) << reading;
+  for (const Cut cut : {Cut::kProgram, Cut::kProjected, Cut::kBuffered}) {
+    EXPECT_LT(neighbor_cut({0.8, 0, 0}, 1.0, 0.9, cut).offset_m, 0.0) << static_cast<int>(cut);
   }
 }
 
 TEST(RblPlanner, PrintedReadingIsTheApolloniusBallOfTheEquation) {
   RblCellConfig config;
-  config.cut = "printed";
+  config.cut = RblCellConfig::Cut::kPrinted;
   RblPlanner planner(config, RblRules{}, false);
   for (const Vector3& other : {Vector3(3.0, 1.0, 0.5), Vector3(1.2, -0.9, 0.2)}) {  // beyond and below 2 Delta
     planner.partition(Vector3::Zero(), std::vector<Vector3>{other}, -100.0, 100.0);
@@ -251,7 +253,7 @@ TEST(RblRules, BetaFallsWhileStuckAndComesBack) {
 
 TEST(RblRules, AzimuthTurnsWhileStuckUpToARightAngleAndReturns) {
   RblRules rules;
-  rules.azimuth_reset = "none";
+  rules.azimuth_reset = RblRules::AzimuthReset::kNone;
   RblState state;
   for (int i = 0; i < 10; ++i) state = apply_rules(rules, stuck(), state, 0.1, false);
   EXPECT_NEAR(state.theta_rad, 1.0, 1e-9);
@@ -275,7 +277,7 @@ TEST(RblRules, AzimuthIsResetWhenTheDirectWayIsTheLongerOne) {
 
 TEST(RblRules, PrintedAzimuthConditionAsksForTheOpposite) {
   RblRules rules;
-  rules.azimuth_condition = "printed";
+  rules.azimuth_condition = RblRules::AzimuthCondition::kPrinted;
   EXPECT_EQ(apply_rules(rules, stuck(), {}, 0.1, false).theta_rad, 0.0);
   RblSituation now = stuck();
   now.partitioned_m = {0.6, 0, 0};
@@ -299,7 +301,7 @@ TEST(RblRules, NorthwardsGoesUpSouthwardsDownEastwardsStays) {
 TEST(RblRules, PhiRisesToAnEighthTurnAndReturns) {
   RblRules rules;
   rules.elevation_reset = false;
-  rules.elevation_sense = "up";
+  rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = stuck();
   now.goal_m = {1, 10, 0};
   ASSERT_TRUE(wants_elevation(rules, now));  // the others leave 1.5 m less of the way
@@ -338,7 +340,7 @@ TEST(RblRules, BetaFallsAtTheGoalWhereNeighborsPullTheCentroidAway) {
 
 TEST(RblRules, ElevationIsResetWhereItIsOfNoUse) {
   RblRules rules;
-  rules.elevation_sense = "up";
+  rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = stuck();
   now.goal_m = {1, 10, 0};
   now.partitioned_m.z() = 0.1;
@@ -355,7 +357,7 @@ TEST(RblRules, DestinationTurnsRightAndUpAndKeepsItsDistance) {
   EXPECT_NEAR((right - Vector3(0, -10, 0)).norm(), 0.0, 1e-9);
   const Vector3 up = rbl_destination(rules, goal, {1.5, 0.0, kPi / 4.0});
   EXPECT_NEAR((up - 10.0 * Vector3(1, 0, 1).normalized()).norm(), 0.0, 1e-9);
-  rules.elevation_sense = "printed";  // erratum of (2.20)
+  rules.elevation_sense = RblRules::ElevationSense::kPrinted;  // erratum of (2.20)
   EXPECT_LT(rbl_destination(rules, goal, {1.5, 0.0, kPi / 4.0}).z(), 0.0);
   const Vector3 slanted = rbl_destination(rules, {3, -4, 12}, {1.5, 0.4, 0.2});
   EXPECT_NEAR(slanted.norm(), 13.0, 1e-9);

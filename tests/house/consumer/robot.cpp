@@ -5,8 +5,10 @@
 
 int main() {
   swiftlet::AgentSetup setup;
-  setup.airframe.rotors = {
-      {{0.18, 0.18, 0.0}, "cw"}, {{-0.18, 0.18, 0.0}, "ccw"}, {{-0.18, -0.18, 0.0}, "cw"}, {{0.18, -0.18, 0.0}, "ccw"}};
+  setup.airframe.rotors = {{{0.18, 0.18, 0.0}, swiftlet::Rotor::Spin::kCw},
+                           {{-0.18, 0.18, 0.0}, swiftlet::Rotor::Spin::kCcw},
+                           {{-0.18, -0.18, 0.0}, swiftlet::Rotor::Spin::kCw},
+                           {{0.18, -0.18, 0.0}, swiftlet::Rotor::Spin::kCcw}};
   const auto agent = swiftlet::make_agent(swiftlet::Module(swiftlet::agent_module_types(), "stack"), setup);
   swiftlet::Observation observation;
   observation.t = 4'000'000;

@@ -22,10 +22,12 @@ ParameterConfig values(std::vector<std::string> list) {
   return p;
 }
 
-ParameterConfig law(const std::string& name, double min, double max) {
+using Law = ParameterConfig::Law;
+
+ParameterConfig law(Law law, double min, double max) {
   ParameterConfig p;
-  p.key = p.name = "k_" + name;
-  p.law = name;
+  p.key = p.name = "k_" + std::to_string(static_cast<int>(law));
+  p.law = law;
   p.min = min;
   p.max = max;
   return p;
@@ -47,17 +49,17 @@ TEST(Sweep, AGridIsEveryCombinationTheLastParameterFastest) {
 
 TEST(Sweep, AGridOfALawIsEvenlySpaced) {
   SweepConfig sweep;
-  sweep.parameters = {law("uniform", 0.0, 1.0)};
+  sweep.parameters = {law(Law::kUniform, 0.0, 1.0)};
   EXPECT_EQ(sweep_points(sweep), (Points{{"0"}, {"0.25"}, {"0.5"}, {"0.75"}, {"1"}}));
-  sweep.parameters = {law("log_uniform", 0.01, 100.0)};
+  sweep.parameters = {law(Law::kLogUniform, 0.01, 100.0)};
   EXPECT_EQ(sweep_points(sweep), (Points{{"0.01"}, {"0.1"}, {"1"}, {"10"}, {"100"}}));
-  sweep.parameters = {law("integer", 3, 5)};
+  sweep.parameters = {law(Law::kInteger, 3, 5)};
   EXPECT_EQ(sweep_points(sweep), (Points{{"3"}, {"4"}, {"5"}}));
 }
 
 TEST(Sweep, ListsGoSideBySideAndMustBeEquallyLong) {
   SweepConfig sweep;
-  sweep.method = "list";
+  sweep.method = SweepConfig::Method::kList;
   sweep.parameters = {values({"a", "b", "c"}), values({"1", "2", "3"})};
   sweep.parameters[1].name = "other";
   EXPECT_EQ(sweep_points(sweep), (Points{{"a", "1"}, {"b", "2"}, {"c", "3"}}));
@@ -67,9 +69,9 @@ TEST(Sweep, ListsGoSideBySideAndMustBeEquallyLong) {
 
 TEST(Sweep, ALatinHypercubeHasOneSampleInEveryPartOfEveryLaw) {
   SweepConfig sweep;
-  sweep.method = "latin_hypercube";
+  sweep.method = SweepConfig::Method::kLatinHypercube;
   sweep.samples = 50;
-  sweep.parameters = {law("uniform", 10.0, 20.0), law("log_uniform", 1.0, 1000.0)};
+  sweep.parameters = {law(Law::kUniform, 10.0, 20.0), law(Law::kLogUniform, 1.0, 1000.0)};
   const Points points = sweep_points(sweep);
   std::set<int> first, second;
   for (const double x : column(points, 0)) first.insert(static_cast<int>(std::floor((x - 10.0) / 10.0 * 50)));
@@ -94,9 +96,9 @@ TEST(Sweep, ALatinHypercubeHasOneSampleInEveryPartOfEveryLaw) {
 
 TEST(Sweep, RandomDrawsFollowTheirLaw) {
   SweepConfig sweep;
-  sweep.method = "random";
+  sweep.method = SweepConfig::Method::kRandom;
   sweep.samples = 20'000;
-  sweep.parameters = {law("uniform", -1.0, 3.0), law("normal", 0.0, 1.0), law("integer", 1, 4),
+  sweep.parameters = {law(Law::kUniform, -1.0, 3.0), law(Law::kNormal, 0.0, 1.0), law(Law::kInteger, 1, 4),
                       values({"x", "y", "z"})};
   sweep.parameters[1].mean = 5.0;
   sweep.parameters[1].sd = 2.0;
@@ -128,7 +130,7 @@ TEST(Sweep, RandomDrawsFollowTheirLaw) {
 }
 
 TEST(Sweep, ANormalLawIsCutWhereToldAndHasItsQuantiles) {
-  ParameterConfig p = law("normal", 0.0, 1.0);
+  ParameterConfig p = law(Law::kNormal, 0.0, 1.0);
   p.mean = 10.0;
   p.sd = 2.0;
   p.cut_sd = 8.0;
@@ -141,11 +143,11 @@ TEST(Sweep, ANormalLawIsCutWhereToldAndHasItsQuantiles) {
 
 TEST(Sweep, OneParameterMoreChangesNoOnesSamples) {
   SweepConfig sweep;
-  for (const char* method : {"random", "latin_hypercube"}) {
+  for (const auto method : {SweepConfig::Method::kRandom, SweepConfig::Method::kLatinHypercube}) {
     sweep.method = method;
-    sweep.parameters = {law("uniform", 0.0, 1.0)};
+    sweep.parameters = {law(Law::kUniform, 0.0, 1.0)};
     const auto alone = column(sweep_points(sweep));
-    sweep.parameters.insert(sweep.parameters.begin(), law("log_uniform", 1.0, 2.0));
+    sweep.parameters.insert(sweep.parameters.begin(), law(Law::kLogUniform, 1.0, 2.0));
     EXPECT_EQ(column(sweep_points(sweep), 1), alone);
     sweep.seed = 2;
     EXPECT_NE(column(sweep_points(sweep), 1), alone);

@@ -20,7 +20,9 @@ using ::testing::ThrowsMessage;
 
 constexpr const char* kSmallDataset = SWIFTLET_SOURCE_DIR "/tests/dataset/small/small.yaml";
 
-FamilyConfig family_with(const std::string& key, const std::string& law, double min, double max,
+using Law = VariationConfig::Law;
+
+FamilyConfig family_with(const std::string& key, Law law, double min, double max,
                          const std::vector<std::string>& choices = {}) {
   VariationConfig variation;
   variation.key = key;
@@ -38,10 +40,10 @@ std::string drawn(const FamilyConfig& family, std::uint64_t seed) {
 }
 
 TEST(DatasetDraws, StayInTheirRangesAndCoverThem) {
-  const FamilyConfig uniform = family_with("a", "uniform", -2.0, 3.0);
-  const FamilyConfig log_uniform = family_with("b", "log_uniform", 0.01, 100.0);
-  const FamilyConfig whole = family_with("c", "whole", 2.0, 4.0);
-  const FamilyConfig choice = family_with("d", "choice", 0.0, 1.0, {"x", "y"});
+  const FamilyConfig uniform = family_with("a", Law::kUniform, -2.0, 3.0);
+  const FamilyConfig log_uniform = family_with("b", Law::kLogUniform, 0.01, 100.0);
+  const FamilyConfig whole = family_with("c", Law::kWhole, 2.0, 4.0);
+  const FamilyConfig choice = family_with("d", Law::kChoice, 0.0, 1.0, {"x", "y"});
   double sum = 0.0;
   int below_one = 0;
   std::set<std::string> wholes, words;
@@ -63,7 +65,7 @@ TEST(DatasetDraws, StayInTheirRangesAndCoverThem) {
 }
 
 TEST(DatasetDraws, EveryVehicleHasItsOwnAndAddingOneChangesNone) {
-  const auto family = family_with("vehicles[*].airframe.reflectivity", "uniform", 0.0, 1.0);
+  const auto family = family_with("vehicles[*].airframe.reflectivity", Law::kUniform, 0.0, 1.0);
   const auto two = draw_overrides(family, 2, 7, 0);
   const auto three = draw_overrides(family, 3, 7, 0);
   ASSERT_EQ(two.size(), 2U);
@@ -75,7 +77,7 @@ TEST(DatasetDraws, EveryVehicleHasItsOwnAndAddingOneChangesNone) {
 }
 
 TEST(DatasetDraws, AreAFunctionOfSeedAndAttempt) {
-  const auto family = family_with("duration_s", "uniform", 1.0, 9.0);
+  const auto family = family_with("duration_s", Law::kUniform, 1.0, 9.0);
   EXPECT_EQ(draw_overrides(family, 1, 7, 0), draw_overrides(family, 1, 7, 0));
   EXPECT_NE(draw_overrides(family, 1, 7, 0), draw_overrides(family, 1, 8, 0));
   EXPECT_NE(draw_overrides(family, 1, 7, 0), draw_overrides(family, 1, 7, 1));

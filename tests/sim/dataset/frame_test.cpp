@@ -55,7 +55,7 @@ TEST_F(FrameTest, HoldsTheReturnsRowByRowInThePublishedLayout) {
 }
 
 TEST_F(FrameTest, StoresTheIntensityAsReceivedWhenAskedTo) {
-  content.remission = "intensity";
+  content.remission = ContentConfig::Remission::kIntensity;
   encode_frame(*scan, content, frame);
   EXPECT_EQ(number_at<float>(frame.velodyne, 12), scan->scan.intensity[0]);
 }

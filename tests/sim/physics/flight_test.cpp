@@ -137,7 +137,7 @@ TEST(Yaw, TurnsAgainstTheFasterRotors) {
   const double fast = 500.0;
   const double slow = 400.0;
   for (int i = 0; i < 4; ++i) {
-    flight.commands[0][i] = command_for(airframe, airframe.rotors[i].spin == "ccw" ? fast : slow);
+    flight.commands[0][i] = command_for(airframe, airframe.rotors[i].spin == Rotor::Spin::kCcw ? fast : slow);
   }
   flight.run(0.5);
   const double torque =
@@ -220,7 +220,7 @@ TEST(Gyroscope, SpinningRotorsMakeTheBodyPrecess) {
   config.gravity_mps2.setZero();
   config.gyroscopic_torque = true;
   Airframe airframe = flywheel_quad();
-  for (Rotor& rotor : airframe.rotors) rotor.spin = "ccw";
+  for (Rotor& rotor : airframe.rotors) rotor.spin = Rotor::Spin::kCcw;
   PhysicsVehicle vehicle = vehicle_at({0, 0, 0}, airframe);
   vehicle.start.omega_body_radps = {0.5, 0, 0};
   Flight flight(config, {vehicle});

@@ -253,7 +253,7 @@ TEST(ScanFiles, EveryNthScanIsWritten) {
 
 /// Runs a straight flight whose estimate is `offset` beside it, and returns the x of a point 5 m ahead of a LiDAR in
 /// the middle of the body, seen half-way through a sweep of 100 ms.
-float x_in_frame(const std::string& frame, double offset_m) {
+float x_in_frame(ScanFilesConfig::Frame frame, double offset_m) {
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());
   auto beams = std::make_shared<BeamTable>();
@@ -305,9 +305,10 @@ float x_in_frame(const std::string& frame, double offset_m) {
 }
 
 TEST(ScanFiles, FramesAreTheLidarTheTrueWorldAndTheEstimatedWorld) {
-  EXPECT_FLOAT_EQ(x_in_frame("lidar", 0.25), 5.0F);
-  EXPECT_FLOAT_EQ(x_in_frame("world", 0.25), 5.5F);            // flown 0.5 m when the beam was fired
-  EXPECT_FLOAT_EQ(x_in_frame("world_estimate", 0.25), 5.75F);  // and believed to be 0.25 m further
+  EXPECT_FLOAT_EQ(x_in_frame(ScanFilesConfig::Frame::kLidar, 0.25), 5.0F);
+  EXPECT_FLOAT_EQ(x_in_frame(ScanFilesConfig::Frame::kWorld, 0.25), 5.5F);  // flown 0.5 m when the beam was fired
+  EXPECT_FLOAT_EQ(x_in_frame(ScanFilesConfig::Frame::kWorldEstimate, 0.25),
+                  5.75F);  // and believed to be 0.25 m further
 }
 
 TEST(Csv, TwoRecordersOfTheSameFilesAreRefused) {

@@ -49,7 +49,7 @@ std::vector<VehicleState> team_at(double t_s) {
 
 TEST(Cameraman, FollowingATeamNeverLosesAVehicleAndMovesSmoothly) {
   CameraConfig config;
-  config.type = "follow";
+  config.type = CameraConfig::Type::kFollow;
   const double radius_m = 0.5;
   Cameraman cameraman(config, kNoVehicle, std::vector<float>(4, radius_m), kBounds);
   Eigen::Vector3d last_eye = Eigen::Vector3d::Zero();
@@ -75,7 +75,7 @@ TEST(Cameraman, FollowingATeamNeverLosesAVehicleAndMovesSmoothly) {
 
 TEST(Cameraman, FollowingOneVehicleKeepsItsOffset) {
   CameraConfig config;
-  config.type = "follow";
+  config.type = CameraConfig::Type::kFollow;
   config.position_m = {-6, -3, 4};
   Cameraman cameraman(config, 2, std::vector<float>(4, 0.5F), kBounds);
   PictureScene picture;
@@ -100,7 +100,7 @@ TEST(Cameraman, FromTheTopShowsEveryTrail) {
 
 TEST(Cameraman, OnBoardTurnsWithTheVehicle) {
   CameraConfig config;
-  config.type = "onboard";
+  config.type = CameraConfig::Type::kOnboard;
   config.position_m = {0.2, 0, 0.1};
   config.target_m = {1.2, 0, 0.1};
   Cameraman cameraman(config, 0, {0.5F}, kBounds);

@@ -215,7 +215,7 @@ TEST(Renderer, DrawsTrailsCloudsAndChosenOverlaysWhereTheyAre) {
   }
 
   style.trails = true;
-  style.cloud = "label";
+  style.cloud = CloudColors::kLabel;
   style.overlays = {"voxels", "ball", "path", "area"};
   const Image drawn = renderer.draw(view, picture, style);
   EXPECT_TRUE(is_dominated_by(color(drawn, -4, -4), 2)) << "a cube";

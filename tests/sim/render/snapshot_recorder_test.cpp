@@ -15,7 +15,7 @@ namespace {
 
 using testing::ElementsAre;
 
-CameraConfig small_camera(const char* name, const char* type) {
+CameraConfig small_camera(const char* name, CameraConfig::Type type) {
   CameraConfig camera;
   camera.name = name;
   camera.type = type;
@@ -104,15 +104,15 @@ class SnapshotRecorderTest : public testing::Test {
 };
 
 TEST_F(SnapshotRecorderTest, WritesEachCamerasPicturesAtItsTimes) {
-  CameraConfig top = small_camera("above", "top");
+  CameraConfig top = small_camera("above", CameraConfig::Type::kTop);
   top.times_s = {0.05, 0.2};
-  CameraConfig depth = small_camera("depth", "depth");
+  CameraConfig depth = small_camera("depth", CameraConfig::Type::kDepth);
   depth.vehicle = "uav2";
   depth.every_s = 0.1;
   depth.times_s = {};
-  CameraConfig lidar = small_camera("os1", "lidar_range");
+  CameraConfig lidar = small_camera("os1", CameraConfig::Type::kLidarRange);
   lidar.times_s = {0.2};
-  CameraConfig never = small_camera("never", "follow");
+  CameraConfig never = small_camera("never", CameraConfig::Type::kFollow);
   const auto written = fly({top, depth, lidar, never}, 0.2);
   EXPECT_THAT(written,
               testing::UnorderedElementsAre("snapshots/above_0000.050s.png", "snapshots/above_0000.200s.png",
@@ -129,7 +129,7 @@ TEST_F(SnapshotRecorderTest, WritesEachCamerasPicturesAtItsTimes) {
 }
 
 TEST_F(SnapshotRecorderTest, NamesAVehicleThatIsNotThere) {
-  CameraConfig camera = small_camera("onboard", "onboard");
+  CameraConfig camera = small_camera("onboard", CameraConfig::Type::kOnboard);
   camera.vehicle = "uav7";
   try {
     fly({camera}, 0.0);
@@ -140,7 +140,7 @@ TEST_F(SnapshotRecorderTest, NamesAVehicleThatIsNotThere) {
 }
 
 TEST_F(SnapshotRecorderTest, TouchesNothingWhenNoPictureIsDue) {
-  CameraConfig camera = small_camera("late", "top");
+  CameraConfig camera = small_camera("late", CameraConfig::Type::kTop);
   camera.times_s = {100.0};
   EXPECT_TRUE(fly({camera}, 0.1).empty());
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));

@@ -217,7 +217,7 @@ TEST(LidarPresets, ExperimentsKeepTheConstantNoiseOfThePapers) {
         const auto* const lidar = dynamic_cast<const LidarConfig*>(sensor.config.get());
         if (lidar == nullptr || !lidar->model.starts_with("os")) continue;
         ++lidars;
-        EXPECT_EQ(lidar->noise.law, "constant") << file;
+        EXPECT_EQ(lidar->noise.law, RangeNoiseConfig::Law::kConstant) << file;
         EXPECT_EQ(lidar->noise.sigma_range_m, 0.03) << file;
       }
     }

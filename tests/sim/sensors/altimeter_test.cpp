@@ -52,7 +52,7 @@ TEST(Altimeter, ABeamFixedToTheBodyIsCorrectedForItsTilt) {
   AltimeterConfig config = perfect_altimeter();
   const auto vertical = make_altimeter_sensor(config, sensor_setup("altimeter", 1, 1, ground_with_block()));
   EXPECT_NEAR(drive(*vertical, {tilted}, {}).altimeter.at(0).height_m, 5.0, 1e-5);
-  config.beam = "body";
+  config.beam = AltimeterConfig::Beam::kBody;
   const auto fixed = make_altimeter_sensor(config, sensor_setup("altimeter", 1, 1, ground_with_block()));
   EXPECT_NEAR(drive(*fixed, {tilted}, {}).altimeter.at(0).height_m, 4.0, 1e-5);  // the top of the block
 }

@@ -61,7 +61,7 @@ TEST(LidarMeasurement, SigmaFollowsTheTables) {
 
 TEST(LidarMeasurement, SigmaBySignalFollowsTheMakersLaw) {
   RangeNoiseConfig noise;
-  noise.law = "signal";
+  noise.law = RangeNoiseConfig::Law::kSignal;
   noise.floor_m = 0.0085;
   noise.reference_snr = 12.0;
   const LidarMeasurement by_signal(noise, {}, 120.0, false);

@@ -37,8 +37,10 @@ Pose frame_of(const OdometrySample& sample) {
   return sample.T_local_body * circling(to_seconds(sample.t)).T_world_body().inverse();
 }
 
+using Frame = OdometryConfig::Frame;
+
 TEST(Odometry, WithoutErrorsItsFrameStaysWhereItWas) {
-  for (const char* frame : {"start", "world", "random"}) {
+  for (const Frame frame : {Frame::kStart, Frame::kWorld, Frame::kRandom}) {
     OdometryConfig config = perfect_odometry();
     config.frame = frame;
     const auto sensor = make_odometry_sensor(config, sensor_setup("vio"));
@@ -47,7 +49,7 @@ TEST(Odometry, WithoutErrorsItsFrameStaysWhereItWas) {
     const Pose T_local_world = frame_of(seen.odometry[0]);
     EXPECT_NEAR(T_local_world.linear()(2, 2), 1.0, 1e-12) << "z stays up";
     for (const OdometrySample& sample : seen.odometry) {
-      EXPECT_NEAR((frame_of(sample).matrix() - T_local_world.matrix()).norm(), 0.0, 1e-9) << frame;
+      EXPECT_NEAR((frame_of(sample).matrix() - T_local_world.matrix()).norm(), 0.0, 1e-9) << static_cast<int>(frame);
       const Vector3 v_local = T_local_world.linear() * circling(to_seconds(sample.t)).v_world_mps;
       EXPECT_NEAR((sample.v_local_body_mps - v_local).norm(), 0.0, 1e-9);
     }
@@ -60,13 +62,13 @@ TEST(Odometry, TheFrameStartsAsConfigured) {
     const auto sensor = make_odometry_sensor(config, sensor_setup("vio", seed));
     return drive(*sensor, {circling}, {.duration_s = 0.1}).odometry.at(0);
   };
-  config.frame = "start";
+  config.frame = OdometryConfig::Frame::kStart;
   EXPECT_NEAR(first(1).T_local_body.translation().norm(), 0.0, 1e-12);
   EXPECT_NEAR(yaw_of(first(1).T_local_body.linear()), 0.0, 1e-12);
-  config.frame = "world";
+  config.frame = OdometryConfig::Frame::kWorld;
   EXPECT_NEAR((frame_of(first(1)).matrix() - Eigen::Matrix4d::Identity()).norm(), 0.0, 1e-12);
 
-  config.frame = "random";
+  config.frame = OdometryConfig::Frame::kRandom;
   SampleStatistics x, yaw;
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
     const OdometrySample sample = first(seed);

@@ -204,7 +204,7 @@ TEST_F(WorldFiles, UpAxisScaleYawAndPositionPlaceTheMesh) {
   MeshImportConfig config;
   // A pole of height 200 (cm) along the file's y axis, at x = 100.
   config.file = write("pole.obj", "v 100 0 0\nv 100 200 0\nv 110 0 0\nf 1 2 3\n").string();
-  config.up_axis = "y";
+  config.up_axis = MeshImportConfig::UpAxis::kY;
   config.scale = 0.01;
   config.yaw_deg = 90.0;
   config.position_m = {10, 20, 1};

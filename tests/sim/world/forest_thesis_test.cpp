@@ -52,7 +52,7 @@ TEST(ForestThesis, SizesAreUniformWithinTheStatedSpreads) {
 
 TEST(ForestThesis, NormalSpreadIsCutAtTwoStandardDeviations) {
   ForestThesisConfig config;
-  config.spread = "normal";
+  config.spread = ForestThesisConfig::Spread::kNormal;
   double beyond_one_sigma = 0;
   constexpr int kSeeds = 20;
   for (int seed = 0; seed < kSeeds; ++seed) {

@@ -19,7 +19,7 @@ Airframe make_airframe(int num_rotors, double arm_m) {
     const double angle_rad = 2.0 * kPi * (i + 0.5) / num_rotors;
     Rotor rotor;
     rotor.position_m = {arm_m * std::cos(angle_rad), arm_m * std::sin(angle_rad), 0.03};
-    rotor.spin = i % 2 == 0 ? "ccw" : "cw";
+    rotor.spin = i % 2 == 0 ? Rotor::Spin::kCcw : Rotor::Spin::kCw;
     airframe.rotors.push_back(rotor);
   }
   return airframe;
