@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
+#include <set>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "commands.hpp"
 #include "scenario_options.hpp"
@@ -25,6 +30,41 @@ bool is_dataset_file(const sim::Node& document) {
   return document.find("splits") != nullptr || document.find("families") != nullptr;
 }
 
+/// A folder for the length of the check.
+class ScratchFolder {
+ public:
+  ScratchFolder() : path_((std::filesystem::temp_directory_path() / "swiftlet_check_XXXXXX").string()) {
+    if (mkdtemp(path_.data()) == nullptr) throw std::runtime_error(path_ + ": cannot be made");
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+/// Does all that a run does before its first tick, so that what passes here flies.
+void require_flyable(sim::Scenario scenario) {
+  const ScratchFolder folder;
+  sim::Simulation simulation(std::move(scenario));
+  simulation.attach_recorders(folder.path());
+}
+
+/// One episode of each variant.
+void require_flyable(const sim::BatchPlan& plan) {
+  std::set<std::uint64_t> seen;
+  for (std::uint64_t id = 0; id < plan.num_episodes() && seen.size() < plan.config().variants.size() + 1; ++id) {
+    const auto episode = plan.episode(id);
+    if (seen.insert(episode.variant).second) require_flyable(plan.scenario_of(episode));
+    if (plan.config().variants.empty()) break;
+  }
+}
+
 }  // namespace
 
 void add_check(CLI::App& app) {
@@ -34,11 +74,11 @@ void add_check(CLI::App& app) {
   command.action([options] {
     const sim::Node document = sim::Loader(sim::system_files()).load(options->file);
     if (is_batch_file(document)) {
-      (void)sim::BatchPlan(options->file, parse_assignments(options->set));
+      require_flyable(sim::BatchPlan(options->file, parse_assignments(options->set)));
     } else if (is_dataset_file(document)) {
       (void)sim::plan_dataset(sim::load_dataset(options->file, parse_assignments(options->set)));
     } else {
-      (void)options->load();
+      require_flyable(options->load());
     }
   });
 }

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -95,6 +96,9 @@ int run_program(int argc, char** argv) {
     std::fprintf(stderr, "swiftlet: %s\n", problem.what());
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "swiftlet: out of memory\n");
+  } catch (const std::filesystem::filesystem_error& error) {
+    const std::string path = error.path2().empty() ? error.path1().string() : error.path2().string();
+    std::fprintf(stderr, "swiftlet: %s: %s\n", path.c_str(), error.code().message().c_str());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "swiftlet: %s\n", error.what());
   }

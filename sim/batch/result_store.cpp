@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "embedded/sim_batch.hpp"
+#include "sim/io/text.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
@@ -277,7 +278,12 @@ std::optional<BatchInfo> ResultStore::info() const {
   info.text = impl_->value("text");
   info.version = impl_->value("version");
   info.git_revision = impl_->value("git_revision");
-  info.num_episodes = std::stoull(impl_->value("num_episodes"));
+  const std::string episodes = impl_->value("num_episodes");
+  const auto num_episodes = number_in<std::uint64_t>(episodes);
+  if (!num_episodes)
+    throw InputError(impl_->file.string() + ": batch.num_episodes: expected a whole number, found \"" + episodes +
+                     "\"");
+  info.num_episodes = *num_episodes;
   info.variants = split(impl_->value("variants"));
   info.parameters = split(impl_->value("parameters"));
   return info;

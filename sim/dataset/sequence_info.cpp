@@ -10,6 +10,7 @@
 
 #include "sim/dataset/hash.hpp"
 #include "sim/io/shallow_json.hpp"
+#include "sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -65,7 +66,9 @@ SequenceStatistics statistics_of(const Json& json) {
   s.flown_m = json.at("flown_m").get<double>();
   s.least_clearance_m = json.at("least_clearance_m").get<double>();
   for (const auto& [label, count] : json.at("points_by_class").items()) {
-    s.points_by_class[static_cast<std::uint16_t>(std::stoul(label))] = count.get<std::int64_t>();
+    const auto number = number_in<std::uint16_t>(label);
+    if (!number) throw std::runtime_error("points_by_class: expected a class number, found \"" + label + "\"");
+    s.points_by_class[*number] = count.get<std::int64_t>();
   }
   for (std::size_t i = 0; i < s.points_by_range.size(); ++i) {
     s.points_by_range[i] = json.at("points_by_range").at(i).get<std::int64_t>();
@@ -116,7 +119,10 @@ SequenceInfo read_sequence_info(const fs::path& directory) {
   try {
     const Json json = parse_shallow<Json>(in);
     SequenceInfo info;
-    info.sequence = std::stoi(json.at("sequence").get<std::string>());
+    const std::string sequence = json.at("sequence").get<std::string>();
+    const auto number = number_in<int>(sequence);
+    if (!number) throw std::runtime_error("sequence: expected a number, found \"" + sequence + "\"");
+    info.sequence = *number;
     info.split = json.at("split").get<std::string>();
     info.flight = json.at("flight").get<int>();
     info.seed = json.at("seed").get<std::uint64_t>();

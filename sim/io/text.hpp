@@ -3,8 +3,10 @@
 
 #include <charconv>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 
 /// Numbers and words as parts of text files, the same on every machine and in every locale. What has a fixed number of
@@ -25,6 +27,16 @@ std::string shortest(Number value) {
   std::string text;
   append_number(text, value);
   return text;
+}
+
+/// The number that the whole text is, or nothing.
+template <class Number>
+std::optional<Number> number_in(std::string_view text) {
+  Number value{};
+  const char* end = text.data() + text.size();
+  const auto [at, problem] = std::from_chars(text.data(), end, value);
+  if (problem != std::errc() || at != end) return std::nullopt;
+  return value;
 }
 
 /// 16 hexadecimal digits, as hashes are told.

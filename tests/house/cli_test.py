@@ -115,6 +115,26 @@ class Cli(unittest.TestCase):
             result = self.run_swiftlet("check", scenario)
             self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""), scenario)
 
+    def test_check_refuses_what_run_refuses_with_the_same_message(self):
+        wrong = {
+            "vehicles[0].agent.guidance={type: agile, speed_max_mps: 30}": "agile",
+            "recorders[0]={type: csv, vehicles: [uav7]}": "uav7",
+            "vehicles[0].airframe.rotors=[{position_m: [0.1, 0, 0]}]": "rotors",
+            "world={type: mesh, file: nowhere.obj}": "nowhere.obj",
+        }
+        for setting, word in wrong.items():
+            with self.subTest(setting):
+                run = self.refused("run", self.scenario, "--out", "out", "--set", setting, tells=[word])
+                self.assertEqual(run, self.refused("check", self.scenario, "--set", setting))
+
+    def test_a_directory_that_cannot_be_made_is_told_by_its_path(self):
+        (self.path / "file").write_text("in the way")
+        result = self.run_swiftlet("run", self.scenario, "--out", "file/below")
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("file/below", result.stderr)
+        self.assertNotIn("filesystem error", result.stderr)
+        (self.path / "file").unlink()
+
     def test_what_does_not_fit_into_memory_is_refused_by_key_before_the_flight(self):
         detector = "vehicles[0].agent.detector={type: vofod, map: {size_m: [400, 400, 100]}}"
         stderr = self.refused("run", self.scenario, "--out", "out", "--memory-limit", 500, "--set", detector,
