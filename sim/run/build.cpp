@@ -91,9 +91,10 @@ Pose told_start(const StartConfig& start, const VehicleState& truth) {
   return told;
 }
 
-std::shared_ptr<const PriorMap> prior_map(const VehicleConfig& vehicle, const Scene& world) {
+std::shared_ptr<const PriorMap> prior_map(const VehicleConfig& vehicle, std::size_t i, const Scene& world) {
   const AgentNeeds needs = needs_of(vehicle.agent);
-  auto prior = make_prior_map(needs.prior, needs.prior_voxel_m, world);
+  auto prior = make_prior_map(needs.prior, needs.prior_voxel_m, world,
+                              "vehicles[" + std::to_string(i) + "].agent.detector.prior");
   if (prior != nullptr && vehicle.start.known != StartKnown::kPose) {
     throw InputError("vehicles: " + vehicle.name +
                      ": start.known: expected pose, because the vehicle is told a map of " +
@@ -181,7 +182,7 @@ std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const 
     setup.start_known = scenario.vehicles[i].start.known;
     setup.T_local_body_start = told_start(scenario.vehicles[i].start, vehicles[i].start);
     setup.tick_s = scenario.tick_s;
-    setup.prior_map = prior_map(scenario.vehicles[i], world);
+    setup.prior_map = prior_map(scenario.vehicles[i], i, world);
     try {
       agents.push_back(make_agent(scenario.vehicles[i].agent, setup));
     } catch (const std::invalid_argument& problem) {

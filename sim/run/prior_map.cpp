@@ -33,10 +33,6 @@ void append_recorded(const std::filesystem::path& index, std::vector<Eigen::Vect
   while (std::getline(in, line)) append_cloud(index.parent_path() / line.substr(0, line.find(',')), points_m);
 }
 
-}  // namespace
-
-namespace {
-
 int samples_of(const Eigen::Vector3f& u, const Eigen::Vector3f& v, double spacing_m) {
   const double longest_m = std::max({u.norm(), v.norm(), (u - v).norm()});
   return std::max(1, static_cast<int>(std::min(std::ceil(longest_m / spacing_m), 1e6)));
@@ -59,9 +55,10 @@ double num_surface_points(const Scene& scene, double spacing_m) {
 
 }  // namespace
 
-void append_surface_points(const Scene& scene, double spacing_m, std::vector<Eigen::Vector3f>& points_m) {
+void append_surface_points(const Scene& scene, double spacing_m, const std::string& key,
+                           std::vector<Eigen::Vector3f>& points_m) {
   const double count = num_surface_points(scene, spacing_m);
-  require_memory("agent.detector.prior", count * sizeof(Eigen::Vector3f));
+  require_memory(key, count * sizeof(Eigen::Vector3f));
   points_m.reserve(points_m.size() + static_cast<std::size_t>(count));
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
@@ -80,7 +77,8 @@ void append_surface_points(const Scene& scene, double spacing_m, std::vector<Eig
   }
 }
 
-std::shared_ptr<const PriorMap> make_prior_map(const PriorConfig& config, double voxel_m, const Scene& world) {
+std::shared_ptr<const PriorMap> make_prior_map(const PriorConfig& config, double voxel_m, const Scene& world,
+                                               const std::string& key) {
   auto prior = std::make_shared<PriorMap>();
   const double spacing_m = voxel_m / kSamplesPerVoxel;
   if (!config.occupied.empty()) append_cloud(config.occupied, prior->occupied_m);
@@ -89,9 +87,9 @@ std::shared_ptr<const PriorMap> make_prior_map(const PriorConfig& config, double
   if (!config.mesh.empty()) {
     MeshImportConfig mesh;
     mesh.file = config.mesh;
-    append_surface_points(make_mesh_import(mesh, 0), spacing_m, prior->occupied_m);
+    append_surface_points(make_mesh_import(mesh, 0), spacing_m, key + ".mesh", prior->occupied_m);
   }
-  if (config.world) append_surface_points(world, spacing_m, prior->occupied_m);
+  if (config.world) append_surface_points(world, spacing_m, key + ".world", prior->occupied_m);
   if (prior->occupied_m.empty() && prior->free_m.empty()) return nullptr;
   return prior;
 }

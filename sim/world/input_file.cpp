@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cstring>
 #include <sstream>
 
 #include "swiftlet/sim/errors.hpp"
@@ -70,6 +71,59 @@ void check_length(const fs::path& file, const PlyHeader& header, std::size_t con
     }
   }
 }
+
+/// Walks over the data of a PLY file; only the lengths of lists are read.
+class PlyData {
+ public:
+  PlyData(const PlyHeader& header, const std::string& content)
+      : format_(header.format), at_(content.data() + header.data_begin), end_(content.data() + content.size()) {}
+
+  bool is_over() const { return at_ == end_; }
+  /// What the rest of the file can hold of values of this size.
+  std::uint64_t room_for(int value_bytes) const {
+    const auto left = static_cast<std::uint64_t>(end_ - at_);
+    return is_text() ? (left + 1) / 2 : left / static_cast<std::uint64_t>(value_bytes);
+  }
+  void skip(std::uint64_t values, int value_bytes) {
+    if (!is_text()) {
+      at_ += std::min(static_cast<std::uint64_t>(end_ - at_), values * static_cast<std::uint64_t>(value_bytes));
+      return;
+    }
+    for (std::uint64_t i = 0; i < values && !is_over(); ++i) word();
+  }
+  /// Negative lengths come out as very long ones.
+  std::uint64_t list_length(int count_bytes) {
+    std::uint64_t length = 0;
+    if (is_text()) {
+      const std::string_view text = word();
+      const bool is_whole = std::from_chars(text.data(), text.data() + text.size(), length).ec == std::errc();
+      return is_whole || text.empty() || text[0] != '-' ? length : ~std::uint64_t{0};
+    }
+    if (end_ - at_ < count_bytes) {
+      at_ = end_;
+      return 0;
+    }
+    char bytes[8] = {};
+    std::copy_n(at_, count_bytes, bytes);
+    if (format_ == PlyHeader::Format::kBigEndian) std::reverse(bytes, bytes + count_bytes);
+    at_ += count_bytes;
+    std::memcpy(&length, bytes, sizeof length);
+    return length;
+  }
+
+ private:
+  bool is_text() const { return format_ == PlyHeader::Format::kAscii; }
+  std::string_view word() {
+    const auto is_space = [](unsigned char c) { return std::isspace(c) != 0; };
+    const char* const begin = std::find_if_not(at_, end_, is_space);
+    at_ = std::find_if(begin, end_, is_space);
+    return {begin, at_};
+  }
+
+  PlyHeader::Format format_;
+  const char* at_;
+  const char* end_;
+};
 
 }  // namespace
 
@@ -145,6 +199,22 @@ PlyHeader parse_ply_header(const fs::path& file, const std::string& content) {
   header.data_begin = position;
   check_length(file, header, content.size());
   return header;
+}
+
+void check_ply_lists(const fs::path& file, const PlyHeader& header, const std::string& content) {
+  PlyData data(header, content);
+  for (const PlyHeader::Element& element : header.elements) {
+    for (std::uint64_t i = 0; i < element.count && !data.is_over(); ++i) {
+      for (const PlyHeader::Property& property : element.properties) {
+        const std::uint64_t length = property.is_list ? data.list_length(property.count_size) : 1;
+        if (property.is_list && length > data.room_for(property.size)) {
+          reject_file(file, element.name + " " + std::to_string(i) + ": expected a list '" + property.name +
+                                "' that fits into the file, found one of " + std::to_string(length) + " values");
+        }
+        data.skip(length, property.size);
+      }
+    }
+  }
 }
 
 }  // namespace swiftlet::sim

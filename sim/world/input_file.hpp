@@ -39,4 +39,7 @@ struct PlyHeader {
 /// Reads the head and checks that the file is long enough for what the head promises.
 PlyHeader parse_ply_header(const std::filesystem::path& file, const std::string& content);
 
+/// Checks that no list is longer than the rest of the file: a reader would make room for it before it looks.
+void check_ply_lists(const std::filesystem::path& file, const PlyHeader& header, const std::string& content);
+
 }  // namespace swiftlet::sim

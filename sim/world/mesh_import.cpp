@@ -82,6 +82,7 @@ void check_head(const fs::path& file, const std::string& extension, const std::s
         reject_file(file, std::string("expected a mesh with elements '") + needed +
                               "', found none (a point cloud is a world of type cloud)");
     }
+    check_ply_lists(file, header, content);
   }
   if (extension == "stl" && content.compare(0, 5, "solid") != 0) {
     if (content.size() < 84)

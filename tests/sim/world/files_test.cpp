@@ -260,6 +260,10 @@ TEST_F(WorldFiles, MeshesThatAreNoneAreRejectedWithTheReason) {
       "element face 1\nproperty list uint int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
   EXPECT_NO_THROW(import_mesh(write("h.ply", ply + "4 0 1 2 3\n")));
   EXPECT_THAT(rejection([&] { import_mesh(write("i.ply", ply + "4 0 1 1 3\n")); }), HasSubstr("a corner twice"));
+  for (const char* corners : {"2147483647", "4294967295", "-1"}) {
+    EXPECT_THAT(rejection([&] { import_mesh(write("k.ply", ply + corners + " 0 1 2 3\n")); }),
+                HasSubstr("face 0: expected a list"));
+  }
   EXPECT_THROW(import_mesh(write("j.ply", ply + "4 0 1 2 7\n")), InputError);
   EXPECT_THROW(import_mesh(folder_ / "missing.obj"), InputError);
   EXPECT_THROW(import_mesh(write("g.obj", "v 0 0 0\nv nan 0 0\nv 0 inf 1\nf 1 2 3\n")), InputError);
