@@ -5,10 +5,13 @@
 #include <chrono>
 #include <memory>
 
+#include "beside_others.hpp"
 #include "commands.hpp"
 #include "core/agent/registry.hpp"
 #include "progress.hpp"
+#include "sim/batch/worker_pool.hpp"
 #include "sim/io/files.hpp"
+#include "sim/run/stage_clock.hpp"
 #include "sim/run/summary.hpp"
 #include "sim/run/version.hpp"
 #include "sim/scenario/suggest.hpp"
@@ -77,6 +80,26 @@ const Case kCases[] = {
      5.0},
 };
 
+// Beside as many busy processes as there are threads.
+struct BusyCase {
+  const char* name;
+  const char* what;
+  BesideOthers (*measure)(int threads, const TellProgress& tell);
+};
+
+const BusyCase kBusyCases[] = {
+    {"busy_crowd_1khz", "100 X500, no LiDAR, 1 kHz physics",
+     [](int threads, const TellProgress& tell) { return fly_beside_others(crowd(0.001), 1.0, threads, tell); }},
+    {"busy_crowd_250hz", "100 X500, no LiDAR, 250 Hz physics",
+     [](int threads, const TellProgress& tell) { return fly_beside_others(crowd(0.004), 2.0, threads, tell); }},
+    {"busy_mid360", "4 X500 with a Mid-360 each in a forest",
+     [](int threads, const TellProgress& tell) {
+       return fly_beside_others(with_copies(read("bench_mid360"), 4, 4.0), 0.5, threads, tell);
+     }},
+    {"busy_batch", "a batch of single X500",
+     [](int threads, const TellProgress& tell) { return fly_batch_beside_others(threads, tell); }},
+};
+
 struct Result {
   const Case* of;
   std::size_t num_triangles = 0;
@@ -118,30 +141,45 @@ void print(const Result& result) {
   std::fflush(stdout);
 }
 
-std::string csv_of(const std::vector<Result>& results) {
-  std::string csv = "case,version,revision,threads,triangles,setup_s,simulated_s,wall_s,real_time_factor,state_hash";
-  for (const auto& [stage, wall_s] : results.front().summary.stage_wall_s) csv += "," + stage + "_wall_s";
-  csv += "\n";
-  for (const Result& result : results) {
-    const sim::RunSummary& s = result.summary;
-    csv += fmt::format("{},{},{},{},{},{:.4f},{:.3f},{:.4f},{:.3f},{:016x}", result.of->name, sim::version(),
-                       sim::git_revision(), s.threads, result.num_triangles, s.setup_wall_s, s.simulated_s, s.wall_s,
-                       s.real_time_factor(), s.state_hash);
-    for (const auto& [stage, wall_s] : s.stage_wall_s) csv += fmt::format(",{:.4f}", wall_s);
-    csv += "\n";
-  }
-  return csv;
+void print(const BusyCase& which, const BesideOthers& result) {
+  fmt::print(
+      "{:<16} {:>6.2f} x one thread, {:>3.0f} % of the fair share with {} threads beside {} busy processes  {}\n",
+      which.name, result.times_one_thread, 100.0 * result.share_kept, result.threads, result.others, which.what);
+  std::fflush(stdout);
 }
 
-bool wanted(const Case& which, const std::vector<std::string>& only) {
-  return only.empty() || std::find(only.begin(), only.end(), which.name) != only.end();
+std::string row_of(const Result& result) {
+  const sim::RunSummary& s = result.summary;
+  std::string row = fmt::format("{},{},{},{},{},{:.4f},{:.3f},{:.4f},{:.3f},{:016x}", result.of->name, sim::version(),
+                                sim::git_revision(), s.threads, result.num_triangles, s.setup_wall_s, s.simulated_s,
+                                s.wall_s, s.real_time_factor(), s.state_hash);
+  for (const auto& [stage, wall_s] : s.stage_wall_s) row += fmt::format(",{:.4f}", wall_s);
+  return row + ",,,\n";
+}
+
+std::string row_of(const BusyCase& which, const BesideOthers& result) {
+  constexpr std::size_t kOfRuns = 6 + sim::kStageNames.size();  // columns
+  return fmt::format("{},{},{},{}{},{},{:.3f},{:.3f}\n", which.name, sim::version(), sim::git_revision(),
+                     result.threads, std::string(kOfRuns, ','), result.others, result.times_one_thread,
+                     result.share_kept);
+}
+
+std::string header() {
+  std::string row = "case,version,revision,threads,triangles,setup_s,simulated_s,wall_s,real_time_factor,state_hash";
+  for (const char* stage : sim::kStageNames) row += fmt::format(",{}_wall_s", stage);
+  return row + ",busy_processes,times_one_thread,share_kept\n";
+}
+
+bool wanted(const char* name, const std::vector<std::string>& only) {
+  return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
 }
 
 void check_names(const std::vector<std::string>& only) {
+  std::vector<std::string> known;
+  for (const Case& c : kCases) known.emplace_back(c.name);
+  for (const BusyCase& c : kBusyCases) known.emplace_back(c.name);
   for (const std::string& name : only) {
-    if (std::any_of(std::begin(kCases), std::end(kCases), [&](const Case& c) { return name == c.name; })) continue;
-    std::vector<std::string> known;
-    for (const Case& c : kCases) known.emplace_back(c.name);
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     throw sim::InputError(
         fmt::format("bench {}: expected one of {}{}", name, fmt::join(known, ", "), sim::did_you_mean(name, known)));
   }
@@ -151,16 +189,26 @@ void bench(const BenchOptions& options) {
   check_names(options.only);
   if (!options.csv.empty())
     sim::write_file(options.csv, "");  // now, rather than minutes later, when it cannot be written
-  std::vector<Result> results;
+  std::string csv = header();
   for (const Case& which : kCases) {
-    if (!wanted(which, options.only)) continue;
+    if (!wanted(which.name, options.only)) continue;
     Progress progress("bench", options.quiet);
-    results.push_back(measure(which, options.threads, progress));
+    const Result result = measure(which, options.threads, progress);
     progress.finish();
-    if (!options.quiet) print(results.back());
+    if (!options.quiet) print(result);
+    csv += row_of(result);
+  }
+  const int threads = options.threads > 0 ? options.threads : sim::available_processors();
+  for (const BusyCase& which : kBusyCases) {
+    if (!wanted(which.name, options.only)) continue;
+    Progress progress("bench", options.quiet);
+    const BesideOthers result = which.measure(threads, [&](double done) { progress.update(done, which.name); });
+    progress.finish();
+    if (!options.quiet) print(which, result);
+    csv += row_of(which, result);
   }
   if (options.csv.empty()) return;
-  sim::write_file(options.csv, csv_of(results));
+  sim::write_file(options.csv, csv);
   if (!options.quiet) fmt::print("\nwritten to {}\n", options.csv);
 }
 

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -18,6 +15,7 @@
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "optional/rooms.hpp"
+#include "sim/parallel/time_slices.hpp"
 #include "sim/run/version.hpp"
 #include "sim/scenario/suggest.hpp"
 #include "swiftlet/core/ensure.hpp"
@@ -105,18 +103,10 @@ int run_program(int argc, char** argv) {
   return kBroke;
 }
 
-// OpenMP threads that wait by spinning for milliseconds, as they do by default, take the processor from the run itself
-// on a busy machine. The library reads the setting when a program is loaded, hence the second start.
-void spin_little(char** argv) {
-  if (std::getenv("GOMP_SPINCOUNT") != nullptr || std::getenv("OMP_WAIT_POLICY") != nullptr) return;
-  setenv("GOMP_SPINCOUNT", "20000", 1);
-  execv("/proc/self/exe", argv);  // returns only when it failed: then run as we are
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  spin_little(argv);
+  swiftlet::sim::ask_for_short_time_slices();
   // A closed pipe or a file at its limit is an error of the write, not the end of the run.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);

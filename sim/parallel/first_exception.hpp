@@ -7,13 +7,9 @@
 
 namespace swiftlet::sim {
 
-/// An exception must not leave a parallel region: the program would end without a word. So every part of a region runs
-/// guarded, and what was thrown is thrown again after it:
-///
-///   FirstException failure;
-///   #pragma omp parallel for
-///   for (int i = 0; i < n; ++i) failure.guard(i, [&] { work(i); });
-///   failure.rethrow();
+/// An exception must not leave a thread: the program would end without a word. So every part of a loop that threads
+/// share runs guarded, and what was thrown is thrown again after it. parallel_for (sim/parallel/crew.hpp) does so by
+/// iteration; who wants it by another number has a FirstException of his own in the loop.
 ///
 /// All parts run, and of several exceptions that of the first part is kept, so the outcome is the same for any number
 /// of threads.

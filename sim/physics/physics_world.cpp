@@ -6,7 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "sim/parallel/first_exception.hpp"
+#include "sim/parallel/crew.hpp"
 #include "sim/physics/air_effects.hpp"
 #include "sim/physics/contacts.hpp"
 #include "sim/physics/multirotor_model.hpp"
@@ -34,7 +34,7 @@ constexpr double kWakeAngular_radps2 = 0.5;
 
 // From here on vehicles are worth several threads, which take so many at a time.
 constexpr int kManyVehicles = 16;
-constexpr int kVehiclesAtATime = 8;
+constexpr int kVehiclesAtATime = 4;
 
 /// Distance to the nearest surface as known from an earlier place: at p it is at least distance - |p - from|.
 struct SurfaceBound {
@@ -174,10 +174,7 @@ struct PhysicsWorld::Impl {
   template <class Act>
   void for_each_vehicle(const Act& act) const {
     const int count = static_cast<int>(vehicles.size());
-    FirstException failure;
-#pragma omp parallel for schedule(dynamic, kVehiclesAtATime) if (count >= kManyVehicles)
-    for (VehicleId id = 0; id < count; ++id) failure.guard(id, [&] { act(id); });
-    failure.rethrow();
+    parallel_for(count, count >= kManyVehicles ? kVehiclesAtATime : count, act);
   }
 
   void note_positions() {

@@ -67,7 +67,7 @@ struct Clearance {
 };
 
 /// Rigid bodies of all vehicles in one Bullet world with the static scene. Hides Bullet. A step of a vehicle costs
-/// about a microsecond; many vehicles are shared out to threads (OpenMP's number of them) as long as they cannot touch
+/// about a microsecond; many vehicles are shared out to the crew on duty as long as they cannot touch
 /// anything, which gives the same bits for any number.
 class PhysicsWorld {
  public:

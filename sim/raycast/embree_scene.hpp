@@ -52,10 +52,13 @@ struct TriangleScene {
   std::vector<std::array<Eigen::Vector3f, 3>> enlarged_m;  ///< shared with Embree; made by commit()
   float slack_m = 0.0F;  ///< a ray goes on so far behind a proposal, beside a part of its range
   EmbreeScene scene;
+  mutable EmbreeScene for_scattered_rays;  ///< the same triangles in a tree that suits them better; made when asked for
 
   std::size_t size() const { return corners_m.size(); }
   /// Builds the acceleration structure on all cores. The triangles must not change afterwards.
   void commit(RTCDeviceTy* device);
+  /// After commit(). Takes as long as that once more, and as much memory for a tree.
+  void commit_for_scattered_rays(RTCDeviceTy* device) const;
 };
 
 /// A vehicle without its rotors, in its body frame; the rotors are met analytically (sweep_scene.cpp).
@@ -71,6 +74,8 @@ struct StaticScene::Impl {
   /// The body of a shape ready to trace; vehicles of one shape share it, whoever asks.
   /// @param with_sensors  false: as seen from aboard. The housing on top stands for the very sensor that looks.
   std::shared_ptr<const VehicleBody> body_of(const std::shared_ptr<const VehicleShape>& shape, bool with_sensors) const;
+  /// ExactQuery::trace_scattered() is worth it from here on.
+  void expect_scattered_rays() const;
 
  private:
   struct CachedBody {

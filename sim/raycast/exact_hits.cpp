@@ -74,7 +74,7 @@ void ExactQuery::trace_singly(int count) {
     RTCRayHit one;
     one.ray = single_ray(lane);
     one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_->scene.get(), &context.embree, &one);
+    rtcIntersect1(tree_, &context.embree, &one);
     u[lane] = one.hit.u;
     v[lane] = one.hit.v;
   }
@@ -84,24 +84,44 @@ void ExactQuery::trace_singly(int count) {
 void ExactQuery::trace_together() {
   Context context(this, take_proposals);
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  RTCRayHit16 packet;
-  for (int i = 0; i < kPacketSize; ++i) {
-    packet.ray.org_x[i] = origin_x_[i];
-    packet.ray.org_y[i] = origin_y_[i];
-    packet.ray.org_z[i] = origin_z_[i];
-    packet.ray.dir_x[i] = direction_x_[i];
-    packet.ray.dir_y[i] = direction_y_[i];
-    packet.ray.dir_z[i] = direction_z_[i];
+  auto packet = packet_from<RTCRayHit16>(0);
+  rtcIntersect16(kAllLanes.data(), tree_, &context.embree, &packet);
+  conclude(kPacketSize, packet.hit.u, packet.hit.v);
+}
+
+void ExactQuery::trace_scattered() {
+  if (scene_->for_scattered_rays) tree_ = scene_->for_scattered_rays.get();
+  Context context(this, take_proposals);
+  Coordinates u, v;
+  for (int first = 0; first < kPacketSize; first += 8) {
+    auto packet = packet_from<RTCRayHit8>(first);
+    rtcIntersect8(kAllLanes.data(), tree_, &context.embree, &packet);
+    std::copy_n(packet.hit.u, 8, &u[first]);
+    std::copy_n(packet.hit.v, 8, &v[first]);
+  }
+  conclude(kPacketSize, u.data(), v.data());
+}
+
+// Of the rays of as many lanes as it holds.
+template <typename Packet>
+Packet ExactQuery::packet_from(int lane) const {
+  Packet packet;
+  for (int i = 0; i < static_cast<int>(std::size(packet.ray.id)); ++i) {
+    packet.ray.org_x[i] = origin_x_[lane + i];
+    packet.ray.org_y[i] = origin_y_[lane + i];
+    packet.ray.org_z[i] = origin_z_[lane + i];
+    packet.ray.dir_x[i] = direction_x_[lane + i];
+    packet.ray.dir_y[i] = direction_y_[lane + i];
+    packet.ray.dir_z[i] = direction_z_[lane + i];
     packet.ray.tnear[i] = 0.0F;
-    packet.ray.tfar[i] = with_slack_m(nearest_proposal_m_[i]);
+    packet.ray.tfar[i] = with_slack_m(nearest_proposal_m_[lane + i]);
     packet.ray.time[i] = 0.0F;
     packet.ray.mask[i] = ~0U;
-    packet.ray.id[i] = static_cast<unsigned int>(i);
+    packet.ray.id[i] = static_cast<unsigned int>(lane + i);
     packet.ray.flags[i] = 0;
     packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
   }
-  rtcIntersect16(kAllLanes.data(), scene_->scene.get(), &context.embree, &packet);
-  conclude(kPacketSize, packet.hit.u, packet.hit.v);
+  return packet;
 }
 
 bool ExactQuery::is_blocked() {
@@ -109,7 +129,7 @@ bool ExactQuery::is_blocked() {
   range_m_[0] = range_max_m_[0];
   Context context(this, judge_at_once);
   RTCRay ray = single_ray(0);
-  rtcOccluded1(scene_->scene.get(), &context.embree, &ray);
+  rtcOccluded1(tree_, &context.embree, &ray);
   return met(0);
 }
 
@@ -329,7 +349,7 @@ void ExactQuery::trace_again(int lane) {
   // Nothing lies before the nearest proposal.
   one.ray.tnear = std::max(nearest_proposal_m_[lane] - error_m(nearest_proposal_m_[lane]), 0.0F);
   one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene_->scene.get(), &context.embree, &one);
+  rtcIntersect1(tree_, &context.embree, &one);
 }
 
 // Embree's callback for single rays. What the rule rejects does not stop the ray.

@@ -32,7 +32,10 @@ inline constexpr double kLeastHeight_m = 1e-4;
 class alignas(64) ExactQuery {
  public:
   explicit ExactQuery(const TriangleScene& scene)
-      : scene_(&scene), slack_factor_(1.0F + 2.0F * kErrorPerRange), slack_m_(scene.slack_m) {}
+      : scene_(&scene),
+        tree_(scene.scene.get()),
+        slack_factor_(1.0F + 2.0F * kErrorPerRange),
+        slack_m_(scene.slack_m) {}
 
   /// Lanes are filled from 0 on.
   void set_ray(int lane, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, double range_max_m);
@@ -41,6 +44,8 @@ class alignas(64) ExactQuery {
   void trace_singly(int count);
   /// The same for kPacketSize rays at once; best for rays that go nearly the same way.
   void trace_together();
+  /// The same for rays that go different ways; best in a scene that is made for them.
+  void trace_scattered();
   /// Does the ray of lane 0 meet anything at all?
   bool is_blocked();
 
@@ -62,6 +67,8 @@ class alignas(64) ExactQuery {
   static void take_sixteen(ExactQuery& query, const RTCFilterFunctionNArguments* args);
   static void take_eight(ExactQuery& query, const RTCFilterFunctionNArguments* args);
   static void judge_at_once(const RTCFilterFunctionNArguments* args);
+  template <typename Packet>
+  Packet packet_from(int lane) const;
   template <typename Registers>
   void propose_at_once(const RTCFilterFunctionNArguments* args);
   void propose(int lane, std::uint32_t triangle, float& tfar);
@@ -76,6 +83,7 @@ class alignas(64) ExactQuery {
   float with_slack_m(float range_m) const { return slack_factor_ * range_m + slack_m_; }
 
   const TriangleScene* scene_;
+  RTCScene tree_;
   float slack_factor_, slack_m_;  // a ray goes on behind a proposal, to factor * range + slack
   Coordinates origin_x_, origin_y_, origin_z_, direction_x_, direction_y_, direction_z_;
   Lanes range_max_m_;

@@ -161,11 +161,22 @@ RTCPointQuery point_query(const Vector3& p, float radius_m) {
 void ReleaseDevice::operator()(RTCDevice device) const { rtcReleaseDevice(device); }
 void ReleaseScene::operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 
+namespace {
+
+void commit_tree(RTCScene scene, RTCSceneFlags flags, std::size_t num_triangles, RTCDevice device) {
+  rtcSetSceneFlags(scene, flags | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+  rtcCommitScene(scene);
+  if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE) {
+    throw std::runtime_error("cannot build the ray tracing structure of " + std::to_string(num_triangles) +
+                             " triangles (error " + std::to_string(error) + ")");
+  }
+}
+
+}  // namespace
+
 void TriangleScene::commit(RTCDevice device) {
   scene.reset(rtcNewScene(device));
-  // Robust: no box of the tree is passed by that a ray touches.
-  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-  rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_MEDIUM);
   if (!corners_m.empty()) {
     prepare_for_exact_hits(*this);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -178,11 +189,16 @@ void TriangleScene::commit(RTCDevice device) {
     rtcAttachGeometry(scene.get(), geometry);
     rtcReleaseGeometry(geometry);
   }
-  rtcCommitScene(scene.get());
-  if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE) {
-    throw std::runtime_error("cannot build the ray tracing structure of " + std::to_string(size()) +
-                             " triangles (error " + std::to_string(error) + ")");
-  }
+  // Robust: no box of the tree is passed by that a ray touches.
+  commit_tree(scene.get(), RTC_SCENE_FLAG_ROBUST, size(), device);
+}
+
+// Not robust: the margins of the triangles are larger than what a ray may pass by.
+void TriangleScene::commit_for_scattered_rays(RTCDevice device) const {
+  EmbreeScene tree(rtcNewScene(device));
+  if (!corners_m.empty()) rtcAttachGeometry(tree.get(), rtcGetGeometry(scene.get(), 0));
+  commit_tree(tree.get(), RTC_SCENE_FLAG_NONE, size(), device);
+  for_scattered_rays = std::move(tree);
 }
 
 std::shared_ptr<const VehicleBody> StaticScene::Impl::body_of(const std::shared_ptr<const VehicleShape>& shape,
@@ -202,6 +218,11 @@ std::shared_ptr<const VehicleBody> StaticScene::Impl::body_of(const std::shared_
   body->triangles.commit(device.get());
   cached = {shape, body};
   return body;
+}
+
+void StaticScene::Impl::expect_scattered_rays() const {
+  const std::scoped_lock lock(mutex_);
+  if (!world.for_scattered_rays) world.commit_for_scattered_rays(device.get());
 }
 
 StaticScene::StaticScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {

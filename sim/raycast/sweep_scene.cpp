@@ -338,6 +338,7 @@ SweepScene::~SweepScene() = default;
 
 void SweepScene::set_firings(std::span<const Firing> firings, bool coherent) {
   impl_->coherent = coherent;
+  if (!coherent) impl_->world->impl().expect_scattered_rays();
   impl_->poses.resize(firings.size(), Pose::Identity());
   impl_->firings.assign(firings.begin(), firings.end());
   impl_->places.resize(firings.size());
@@ -374,7 +375,7 @@ void SweepScene::trace(const BeamPacket& beams, bool meets_self, PacketHits& hit
   const TriangleScene& world = s.world->impl().world;
   ExactQuery query(world);
   set_rays(rays, tfar, query);
-  s.coherent ? query.trace_together() : query.trace_singly(kPacketSize);
+  s.coherent ? query.trace_together() : query.trace_scattered();
   for (int i = 0; i < kPacketSize; ++i) {
     const bool met = query.met(i);
     hits.range_m[i] = met ? query.range_m(i) : 0.0F;

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "sim/metrics/metrics.hpp"
+#include "sim/parallel/crew.hpp"
 #include "sim/radio/radio.hpp"
 #include "sim/render/snapshot_recorder.hpp"
 #include "sim/run/build.hpp"
@@ -19,9 +20,10 @@
 namespace swiftlet::sim {
 
 struct Simulation::Impl {
-  Impl(Scenario scenario_in, int threads_in, std::optional<World> world_in)
-      : scenario(with_truth_sensors(std::move(scenario_in))),
-        threads(threads_in > 0 ? threads_in : omp_get_max_threads()),
+  /// With the crew on duty.
+  Impl(Scenario scenario_in, std::unique_ptr<Crew> crew_in, std::optional<World> world_in)
+      : crew(std::move(crew_in)),
+        scenario(with_truth_sensors(std::move(scenario_in))),
         world(world_in ? std::move(*world_in) : build_world(scenario.world, scenario.seed_of_world())),
         vehicles(make_physics_vehicles(scenario, *world.static_scene)),
         info(make_run_info(scenario, world)),
@@ -40,8 +42,8 @@ struct Simulation::Impl {
 
   void tick();
 
+  std::unique_ptr<Crew> crew;
   Scenario scenario;
-  int threads;
   World world;
   std::vector<PhysicsVehicle> vehicles;
   RunInfo info;
@@ -65,7 +67,7 @@ struct Simulation::Impl {
 // One tick. What is parallel touches one vehicle only; everything that joins vehicles goes in their order, so the
 // result is the same for any number of threads.
 void Simulation::Impl::tick() {
-  omp_set_num_threads(threads);
+  const Crew::Duty duty(*crew);
   const TimeNs previous = now == 0 ? -1 : now;
   now += tick_length;
 
@@ -104,7 +106,9 @@ void Simulation::Impl::tick() {
 Simulation::Simulation(Scenario scenario, int threads, std::optional<World> world) {
   require_memory(scenario);
   try {
-    impl_ = std::make_unique<Impl>(std::move(scenario), threads, std::move(world));
+    auto crew = std::make_unique<Crew>(threads > 0 ? threads : omp_get_max_threads());
+    const Crew::Duty duty(*crew);
+    impl_ = std::make_unique<Impl>(std::move(scenario), std::move(crew), std::move(world));
   } catch (const OutOfMemory&) {
     throw;
   } catch (const std::bad_alloc&) {
@@ -162,7 +166,7 @@ RunSummary Simulation::summary() const {
           .seed = scenario().seed,
           .outcome = impl_->metrics.outcome(),
           .state_hash = impl_->hash,
-          .threads = impl_->threads,
+          .threads = impl_->crew->num_threads(),
           .simulated_s = static_cast<double>(now()) / 1e9,  // nearest to the decimal fraction, for readers
           .stage_wall_s = impl_->clock.seconds_by_stage(),
           .metrics = impl_->metrics.report(),

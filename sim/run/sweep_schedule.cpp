@@ -5,7 +5,7 @@
 #include <chrono>
 #include <string>
 
-#include "sim/parallel/first_exception.hpp"
+#include "sim/parallel/crew.hpp"
 #include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet::sim {
@@ -13,7 +13,7 @@ namespace {
 
 // From here on vehicles without LiDARs are worth several threads, which take so many at a time.
 constexpr int kManyVehicles = 16;
-constexpr int kVehiclesAtATime = 8;
+constexpr int kVehiclesAtATime = 4;
 constexpr int kPartsAtATime = 16;
 
 // An agent whose step takes longer is worth being started before others' sweeps are traced.
@@ -22,25 +22,25 @@ constexpr double kLongStep_s = 1e-3;
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// How many a thread takes from the heap: a sweep of a LiDAR is worth a thread of its own, other sensors and controllers
-// only where there are many. 0: one thread does all, which costs less than starting others.
+// How many a thread takes at a time: a sweep of a LiDAR is worth a thread of its own, other sensors and controllers
+// only where there are many. Otherwise one thread does all, which costs less than sharing.
 int vehicles_at_a_time(const Team& team) {
-  if (team.size() < 2) return 0;  // a lone LiDAR is parallel inside
+  if (team.size() < 2) return 1;  // a lone LiDAR is parallel inside
   for (const auto& of_vehicle : team.sensors) {
     for (const auto& sensor : of_vehicle) {
       if (sensor->makes_scan_by(team.now)) return 1;
     }
   }
-  return team.size() >= kManyVehicles ? kVehiclesAtATime : 0;
+  return team.size() >= kManyVehicles ? kVehiclesAtATime : team.size();
 }
 
 /// A broken contract is told with its vehicle and the instant.
-void rethrow(const FirstException& failure, const Team& team) {
+template <class Act>
+void for_vehicle(const Team& team, VehicleId i, const Act& act) {
   try {
-    failure.rethrow();
+    act();
   } catch (const ContractViolation& violation) {
-    throw ContractViolation(team.names[failure.part()] + " at " + std::to_string(to_seconds(team.now)) +
-                            " s: " + violation.what());
+    throw ContractViolation(team.names[i] + " at " + std::to_string(to_seconds(team.now)) + " s: " + violation.what());
   }
 }
 
@@ -48,22 +48,16 @@ void rethrow(const FirstException& failure, const Team& team) {
 
 void SweepSchedule::sense_and_step(Team& team, const Truth& truth, StageClock& clock) {
   const int share = vehicles_at_a_time(team);
-  if (share == 1) {
+  if (share == 1 && team.size() > 1) {
     trace_with_steps(team, truth, clock);
     return;
   }
   {
     const auto timed = clock.measure(Stage::kSensors);
-    FirstException failure;
-#pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
-    for (int i = 0; i < team.size(); ++i) failure.guard(i, [&] { team.sense(i, truth); });
-    rethrow(failure, team);
+    parallel_for(team.size(), share, [&](int i) { for_vehicle(team, i, [&] { team.sense(i, truth); }); });
   }
   const auto timed = clock.measure(Stage::kAgents);
-  FirstException failure;
-#pragma omp parallel for schedule(dynamic, std::max(share, 1)) if (share > 0)
-  for (int i = 0; i < team.size(); ++i) failure.guard(i, [&] { team.step(i); });
-  rethrow(failure, team);
+  parallel_for(team.size(), share, [&](int i) { for_vehicle(team, i, [&] { team.step(i); }); });
 }
 
 // The sweeps that are due, in parts.
@@ -75,12 +69,10 @@ void SweepSchedule::begin_sweeps(const Team& team, const Truth& truth) {
     }
     parts_left_[i] = 0;
   }
-  FirstException failure;
-#pragma omp parallel for schedule(dynamic, 1)
-  for (Sweep& sweep : sweeps_) {
-    failure.guard(sweep.vehicle, [&] { sweep.num_parts = sweep.sensor->begin_sweep(team.now, truth.history); });
-  }
-  rethrow(failure, team);
+  parallel_for(static_cast<int>(sweeps_.size()), 1, [&](int s) {
+    Sweep& sweep = sweeps_[s];
+    for_vehicle(team, sweep.vehicle, [&] { sweep.num_parts = sweep.sensor->begin_sweep(team.now, truth.history); });
+  });
 
   parts_.clear();
   for (int s = 0; s < static_cast<int>(sweeps_.size()); ++s) {
@@ -90,6 +82,10 @@ void SweepSchedule::begin_sweeps(const Team& team, const Truth& truth) {
     for (int k = 0; k < sweep.num_parts; ++k) parts_.push_back({-step, sweep.sensor->heading_of_part(k), s, k});
   }
   std::sort(parts_.begin(), parts_.end());
+  without_sweep_.clear();
+  for (int i = 0; i < team.size(); ++i) {
+    if (parts_left_[i] == 0) without_sweep_.push_back(i);
+  }
 }
 
 // Threads share the parts of the sweeps. Who traces the last one of a vehicle goes on with its other sensors and its
@@ -98,33 +94,40 @@ void SweepSchedule::trace_with_steps(Team& team, const Truth& truth, StageClock&
   const auto start = Clock::now();
   clock.add(Stage::kSensors, 0.0);
   begin_sweeps(team, truth);
+
   std::atomic<double> busy_s = 0.0, stepping_s = 0.0;
-  FirstException failure;
-#pragma omp parallel
-  {
-    const auto thread_start = Clock::now();
-    const auto sense_and_step_one = [&](VehicleId i) {
-      team.sense(i, truth);
-      const auto step_start = Clock::now();
-      team.step(i);
-      step_s_[i] = seconds_since(step_start);
-      stepping_s += step_s_[i];
-    };
-#pragma omp for schedule(dynamic, 1)
-    for (int i = 0; i < team.size(); ++i) {
-      if (parts_left_[i] == 0) failure.guard(i, [&] { sense_and_step_one(i); });
-    }
-#pragma omp for schedule(dynamic, kPartsAtATime) nowait
-    for (const Part& part : parts_) {
-      const Sweep& sweep = sweeps_[part.sweep];
-      failure.guard(sweep.vehicle, [&] {
-        sweep.sensor->trace_part(part.number);
-        if (--parts_left_[sweep.vehicle] == 0) sense_and_step_one(sweep.vehicle);
-      });
-    }
-    busy_s += seconds_since(thread_start);
-  }
-  rethrow(failure, team);
+  const auto sense_and_step = [&](VehicleId i) {
+    team.sense(i, truth);
+    const auto step_start = Clock::now();
+    team.step(i);
+    step_s_[i] = seconds_since(step_start);
+    stepping_s += step_s_[i];
+  };
+  FirstException failure;  // by vehicle, in whatever order they come
+  const auto guard = [&](VehicleId i, const auto& act) { failure.guard(i, [&] { for_vehicle(team, i, act); }); };
+  const int num_without = static_cast<int>(without_sweep_.size());
+  const int num_parts = static_cast<int>(parts_.size());
+  parallel_for(
+      num_without + (num_parts + kPartsAtATime - 1) / kPartsAtATime, 1,
+      [&](int k) {
+        const auto begin = Clock::now();
+        if (k < num_without) {
+          guard(without_sweep_[k], [&] { sense_and_step(without_sweep_[k]); });
+        } else {
+          const int first = (k - num_without) * kPartsAtATime;
+          for (int p = first; p < std::min(first + kPartsAtATime, num_parts); ++p) {
+            const Part& part = parts_[p];
+            const Sweep& sweep = sweeps_[part.sweep];
+            guard(sweep.vehicle, [&] {
+              sweep.sensor->trace_part(part.number);
+              if (--parts_left_[sweep.vehicle] == 0) sense_and_step(sweep.vehicle);
+            });
+          }
+        }
+        busy_s += seconds_since(begin);
+      },
+      Sharing::kInOrder);
+  failure.rethrow();
   const double agents_s = seconds_since(start) * stepping_s / busy_s;
   clock.add(Stage::kAgents, agents_s);
   clock.add(Stage::kSensors, seconds_since(start) - agents_s);

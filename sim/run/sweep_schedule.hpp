@@ -40,6 +40,7 @@ class SweepSchedule {
 
   std::vector<Sweep> sweeps_;                 // due in this tick
   std::vector<Part> parts_;                   // of theirs
+  std::vector<VehicleId> without_sweep_;      // in this tick
   std::vector<std::atomic<int>> parts_left_;  // by vehicle
   std::vector<double> step_s_;                // by vehicle: wall time of its agent's last step with a sweep
 };

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "core/math/random.hpp"
-#include "sim/parallel/first_exception.hpp"
+#include "sim/parallel/crew.hpp"
 #include "sim/raycast/sweep_scene.hpp"
 #include "sim/sensors/lidar_external_pose.hpp"
 #include "sim/sensors/lidar_tiles.hpp"
@@ -229,11 +229,7 @@ std::vector<Firing> Lidar::firings_of(const BeamTable& beams) const {
 void Lidar::make_tiles(BeamTable& beams) {
   tiler_.arrange(beams, tiles_);
   beams.masked.resize(beams.size());
-  const int num_tiles = static_cast<int>(tiles_.size());
-  FirstException failure;
-#pragma omp parallel for schedule(dynamic, kTilesAtATime)
-  for (int t = 0; t < num_tiles; ++t) failure.guard(t, [&] { make_tile(beams, tiles_[t]); });
-  failure.rethrow();
+  parallel_for(static_cast<int>(tiles_.size()), kTilesAtATime, [&](int t) { make_tile(beams, tiles_[t]); });
 }
 
 void Lidar::make_tile(BeamTable& beams, LidarTile& tile) const {
@@ -314,11 +310,7 @@ void Lidar::resize(LabeledScan& labeled) const {
 std::shared_ptr<PooledScan> Lidar::sweep(TimeNs stamp, std::uint32_t index, const StateHistory& truth) {
   std::shared_ptr<PooledScan> scan = take_from_pool();
   prepare(stamp, index, truth, *scan);
-  const int num_tiles = static_cast<int>(tiles_.size());
-  FirstException failure;
-#pragma omp parallel for schedule(dynamic, kTilesAtATime)
-  for (int t = 0; t < num_tiles; ++t) failure.guard(t, [&] { measure_tile(tiles_[t], index, *scan); });
-  failure.rethrow();
+  parallel_for(static_cast<int>(tiles_.size()), kTilesAtATime, [&](int t) { measure_tile(tiles_[t], index, *scan); });
   return scan;
 }
 
@@ -339,15 +331,11 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
   // The same numbers however the beams are shared out: each is a function of (sweep, beam).
   constexpr int kChunk = 4096;
   const int size = static_cast<int>(range_normals_.size());
-  FirstException failure;
-#pragma omp parallel for schedule(static)
-  for (int first = 0; first < size; first += kChunk) {
-    failure.guard(first, [&] {
-      const std::size_t count = std::min(kChunk, size - first);
-      range_random_.fill_normal(index, first, std::span(range_normals_).subspan(first, count));
-    });
-  }
-  failure.rethrow();
+  parallel_for((size + kChunk - 1) / kChunk, 1, [&](int chunk) {
+    const int first = chunk * kChunk;
+    const std::size_t count = std::min(kChunk, size - first);
+    range_random_.fill_normal(index, first, std::span(range_normals_).subspan(first, count));
+  });
   for (std::size_t c = 0; c < out.truth.T_world_lidar.size(); ++c) {
     out.truth.T_world_lidar[c] = scene_.T_world_lidar(static_cast<int>(c));
   }

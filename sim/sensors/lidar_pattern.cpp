@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/math/angles.hpp"
+#include "core/math/elementary_lanes.hpp"
 #include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/registry.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -96,35 +97,72 @@ class LivoxMid360 final : public LidarPattern {
 
   void fill(std::uint32_t sweep, BeamTable& beams) const override {
     resize(kLivoxLines, steps_, beams);
-    for (int k = 0; k < steps_; ++k) {
-      beams.column_offset_s[k] = static_cast<float>(k * kLivoxStep_s);
-      fire(first_step_ + static_cast<double>(sweep) * steps_ + k, k, beams);
-    }
+    for (int k = 0; k < steps_; ++k) beams.column_offset_s[k] = static_cast<float>(k * kLivoxStep_s);
+    for (int k = 0; k < steps_; k += 4) fire(first_step_ + static_cast<double>(sweep) * steps_, k, beams);
   }
   bool repeats() const override { return false; }
   bool is_image() const override { return false; }
 
  private:
-  // Least-squares fit to 60 shots of a public table, all angles in degrees: a circle of fast turns, whose axis sweeps
-  // the elevation slowly, carries a small circle of four beams.
-  static void fire(double s, int column, BeamTable& beams) {
-    const float phi = static_cast<float>(std::remainder(s, kLivoxPeriod) * (2.0 * kPi / kLivoxPeriod));
-    const float cos_phi = elementary::cos(phi), sin_phi = elementary::sin(phi);
-    const float cos2 = cos_phi * cos_phi, sin2 = sin_phi * sin_phi;
-    const float zenith_center = 68.12F - 26.10F * cos_phi + sin2 * (1.95F + 9.48F * cos_phi);
-    const double turned = 1.31299 * s - 0.03581 * (kLivoxPeriod / (2.0 * kPi)) * sin_phi;
-    const float azimuth_center = static_cast<float>(std::remainder(269.0 - turned, 360.0)) * kRadiansF;
-    const float psi = static_cast<float>(std::remainder(1.002 * turned, 360.0)) * kRadiansF;
-    const float depth = (1.387F + 1.019F * cos2 * cos2 + 0.402F * cos2 * cos_phi) * elementary::cos(psi);
-    const float width = (1.427F + 0.710F * sin2) * elementary::sin(psi) / elementary::sin(zenith_center * kRadiansF);
+  using Four = std::array<float, 4>;
+  struct SinCos {
+    Four sin, cos;
+  };
+  static SinCos sincos_of(const Four& angle_rad) {
+    const auto [sine, cosine] = sincos(Lanes4d{angle_rad[0], angle_rad[1], angle_rad[2], angle_rad[3]});
+    SinCos result;
+    for (int i = 0; i < 4; ++i) {
+      result.sin[i] = static_cast<float>(sine[i]);
+      result.cos[i] = static_cast<float>(cosine[i]);
+    }
+    return result;
+  }
+
+  // Four shots of each line, from this column on. Least-squares fit to 60 shots of a public table, all angles in
+  // degrees: a circle of fast turns, whose axis sweeps the elevation slowly, carries a small circle of four beams.
+  void fire(double first_step, int column, BeamTable& beams) const {
+    std::array<double, 4> s;
+    Four phi, zenith_center, zenith_center_rad, azimuth_center, psi, depth, width;
+    for (int i = 0; i < 4; ++i) {
+      s[i] = first_step + (column + i);
+      phi[i] = static_cast<float>(remainder(s[i], kLivoxPeriod) * (2.0 * kPi / kLivoxPeriod));
+    }
+    const SinCos of_phi = sincos_of(phi);
+    for (int i = 0; i < 4; ++i) {
+      const float cos_phi = of_phi.cos[i], sin_phi = of_phi.sin[i];
+      zenith_center[i] = 68.12F - 26.10F * cos_phi + sin_phi * sin_phi * (1.95F + 9.48F * cos_phi);
+      zenith_center_rad[i] = zenith_center[i] * kRadiansF;
+      const double turned = 1.31299 * s[i] - 0.03581 * (kLivoxPeriod / (2.0 * kPi)) * sin_phi;
+      azimuth_center[i] = static_cast<float>(remainder(269.0 - turned, 360.0)) * kRadiansF;
+      psi[i] = static_cast<float>(remainder(1.002 * turned, 360.0)) * kRadiansF;
+    }
+    const SinCos of_psi = sincos_of(psi), of_center = sincos_of(zenith_center_rad);
+    for (int i = 0; i < 4; ++i) {
+      const float cos_phi = of_phi.cos[i], sin2 = of_phi.sin[i] * of_phi.sin[i], cos2 = cos_phi * cos_phi;
+      depth[i] = (1.387F + 1.019F * cos2 * cos2 + 0.402F * cos2 * cos_phi) * of_psi.cos[i];
+      width[i] = (1.427F + 0.710F * sin2) * of_psi.sin[i] / of_center.sin[i];
+    }
     for (int line = 0; line < kLivoxLines; ++line) {
       const float u = static_cast<float>(line) - 1.5F;
-      const float zenith = (zenith_center + u * depth) * kRadiansF;
-      const float azimuth = azimuth_center - u * width * kRadiansF;
-      const float across = elementary::sin(zenith);
-      beams.directions_lidar[static_cast<std::size_t>(line) * beams.cols + column] = {
-          across * elementary::cos(azimuth), across * elementary::sin(azimuth), elementary::cos(zenith)};
+      Four zenith, azimuth;
+      for (int i = 0; i < 4; ++i) {
+        zenith[i] = (zenith_center[i] + u * depth[i]) * kRadiansF;
+        azimuth[i] = azimuth_center[i] - u * width[i] * kRadiansF;
+      }
+      const SinCos of_zenith = sincos_of(zenith), of_azimuth = sincos_of(azimuth);
+      for (int i = 0; i < std::min(4, steps_ - column); ++i) {
+        const float across = of_zenith.sin[i];
+        beams.directions_lidar[static_cast<std::size_t>(line) * beams.cols + column + i] = {
+            across * of_azimuth.cos[i], across * of_azimuth.sin[i], of_zenith.cos[i]};
+      }
     }
+  }
+
+  // As std::remainder, exact, without its loop: x is below 2^50 periods.
+  static double remainder(double x, double period) {
+    double rest = std::fma(-std::rint(x / period), period, x);
+    if (std::abs(rest) > 0.5 * period) rest -= std::copysign(period, rest);
+    return std::copysign(std::abs(rest), rest == 0.0 ? x : rest);
   }
 
   double first_step_;

@@ -64,7 +64,7 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^nlohmann": ["sim/recorders", "sim/run", "sim/batch", "sim/dataset", "sim/report", "tools"],
     r"^xxhash": ["sim/run", "sim/batch", "sim/dataset"],
     r"^sqlite3": ["sim/batch"],
-    r"^omp\.h": ["sim/run", "sim/sensors", "sim/raycast", "sim/world", "tools"],
+    r"^omp\.h": ["sim/run", "sim/raycast", "tools"],
     r"^Random123": ["core/math"],
     r"^fmt/": ["sim/*", "tools"],
     r"^(CLI/|spdlog/)": ["tools"],

@@ -44,5 +44,22 @@ TEST(Elementary, SineAndCosineOfTurnsAreThoseOfTheStandardLibrary) {
   }
 }
 
+TEST(ElementaryLanes, FourAnglesHaveTheBitsOfEachAlone) {
+  const Random random(3, "test", "angles");
+  for (std::uint32_t i = 0; i < 100'000; ++i) {
+    Lanes4d angle_rad;
+    for (std::uint32_t lane = 0; lane < 4; ++lane)
+      angle_rad[lane] = random.uniform(-1.0, 1.0, lane, i) * (i % 2 == 0 ? 7.0 : 1e5);
+    if (i == 0) angle_rad = Lanes4d{0.0, -0.0, std::numbers::pi / 4.0, -std::numbers::pi / 2.0};
+    const auto [sine, cosine] = sincos(angle_rad);
+    for (int lane = 0; lane < 4; ++lane) {
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(sine[lane]),
+                std::bit_cast<std::uint64_t>(elementary::sin(angle_rad[lane])));
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(cosine[lane]),
+                std::bit_cast<std::uint64_t>(elementary::cos(angle_rad[lane])));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -2,11 +2,12 @@
 #include "sim/parallel/first_exception.hpp"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <atomic>
 #include <stdexcept>
 #include <string>
+
+#include "sim/parallel/crew.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -14,22 +15,25 @@ namespace {
 constexpr int kParts = 200;
 
 TEST(FirstException, NothingIsThrownWhereNothingWas) {
+  Crew crew(4);
+  const Crew::Duty duty(crew);
   FirstException failure;
-#pragma omp parallel for num_threads(4)
-  for (int i = 0; i < kParts; ++i) failure.guard(i, [] {});
+  parallel_for(kParts, 1, [&](int i) { failure.guard(i, [] {}); });
   EXPECT_EQ(failure.part(), -1);
   EXPECT_NO_THROW(failure.rethrow());
 }
 
 TEST(FirstException, OfSeveralTheOneOfTheFirstPartIsThrownForAnyNumberOfThreads) {
   for (const int threads : {1, 2, 4}) {
+    Crew crew(threads);
+    const Crew::Duty duty(crew);
     FirstException failure;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-    for (int i = kParts - 1; i >= 0; --i) {
+    parallel_for(kParts, 1, [&](int k) {
+      const int i = kParts - 1 - k;
       failure.guard(i, [&] {
         if (i % 50 == 17) throw std::runtime_error("part " + std::to_string(i));
       });
-    }
+    });
     EXPECT_EQ(failure.part(), 17);
     try {
       failure.rethrow();
@@ -41,15 +45,16 @@ TEST(FirstException, OfSeveralTheOneOfTheFirstPartIsThrownForAnyNumberOfThreads)
 }
 
 TEST(FirstException, AllOtherPartsAreDone) {
+  Crew crew(4);
+  const Crew::Duty duty(crew);
   FirstException failure;
   std::atomic<int> done = 0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(4)
-  for (int i = 0; i < kParts; ++i) {
+  parallel_for(kParts, 1, [&](int i) {
     failure.guard(i, [&] {
       if (i == 0) throw std::bad_alloc();
       ++done;
     });
-  }
+  });
   EXPECT_EQ(done, kParts - 1);
   EXPECT_THROW(failure.rethrow(), std::bad_alloc);
 }

@@ -118,12 +118,17 @@ std::vector<Ray> hard_rays(const Mesh& mesh) {
   return rays;
 }
 
-std::vector<Met> traced(const TriangleScene& scene, const std::vector<Ray>& rays, bool together) {
+enum class Way { kTogether, kScattered, kSingly };
+constexpr Way kWays[] = {Way::kTogether, Way::kScattered, Way::kSingly};
+
+std::vector<Met> traced(const TriangleScene& scene, const std::vector<Ray>& rays, Way way) {
   std::vector<Met> out;
   for (std::size_t first = 0; first < rays.size(); first += kPacketSize) {
     ExactQuery query(scene);
     for (int i = 0; i < kPacketSize; ++i) query.set_ray(i, rays[first + i].origin, rays[first + i].direction, kRange_m);
-    together ? query.trace_together() : query.trace_singly(kPacketSize);
+    if (way == Way::kTogether) query.trace_together();
+    if (way == Way::kScattered) query.trace_scattered();
+    if (way == Way::kSingly) query.trace_singly(kPacketSize);
     for (int i = 0; i < kPacketSize; ++i) {
       Met met;
       if (query.met(i)) met = {query.triangle(i), query.range_m(i), query.cos_incidence(i)};
@@ -168,12 +173,13 @@ TEST(ExactHits, AreThoseOfASearchThroughAllTrianglesWhateverEmbreeRoundsLike) {
   for (const std::string& setting : kSettings) {
     const EmbreeSetting as_told(setting);
     const StaticScene scene(description);
+    scene.impl().expect_scattered_rays();
     const TriangleScene& triangles = scene.impl().world;
     if (expected.empty()) {
       for (const Ray& ray : rays) expected.push_back(searched(triangles, ray));
     }
-    for (const bool together : {true, false}) {
-      const std::vector<Met> met = traced(triangles, rays, together);
+    for (const Way way : kWays) {
+      const std::vector<Met> met = traced(triangles, rays, way);
       int different = 0;
       for (std::size_t i = 0; i < rays.size(); ++i) {
         // Two roundings of the search may differ from the rule's in the last bit; the triangle may not.
@@ -181,7 +187,7 @@ TEST(ExactHits, AreThoseOfASearchThroughAllTrianglesWhateverEmbreeRoundsLike) {
                           std::abs(met[i].range_m - expected[i].range_m) <= 1e-6F * expected[i].range_m;
         if (same) continue;
         if (++different <= 3) {
-          ADD_FAILURE() << setting << (together ? ", together" : ", singly") << ": ray " << i << " met "
+          ADD_FAILURE() << setting << ", way " << static_cast<int>(way) << ": ray " << i << " met "
                         << met[i].triangle << " at " << met[i].range_m << ", expected " << expected[i].triangle
                         << " at " << expected[i].range_m;
         }
@@ -208,10 +214,11 @@ TEST(ExactHits, InAForestHaveTheSameBitsUnderEveryInstructionSet) {
   for (const std::string& setting : kSettings) {
     const EmbreeSetting as_told(setting);
     const StaticScene scene(description);
-    for (const bool together : {true, false}) {
-      const std::vector<Met> met = traced(scene.impl().world, rays, together);
+    scene.impl().expect_scattered_rays();
+    for (const Way way : kWays) {
+      const std::vector<Met> met = traced(scene.impl().world, rays, way);
       if (expected.empty()) expected = met;
-      EXPECT_TRUE(met == expected) << setting << (together ? ", together" : ", singly");
+      EXPECT_TRUE(met == expected) << setting << ", way " << static_cast<int>(way);
     }
   }
   const auto hits = std::count_if(expected.begin(), expected.end(), [](const Met& m) { return m.range_m > 0.0F; });
@@ -251,8 +258,9 @@ TEST(ExactHits, NoRaySlipsThroughAClosedSurface) {
                                       : Vector3f((a + u * (b + c)) / (1 + 2 * u));
     rays.push_back({origin, (aim - origin).normalized()});
   }
-  for (const bool together : {true, false}) {
-    for (const Met& met : traced(scene.impl().world, rays, together)) ASSERT_NEAR(met.range_m, 7.0F, 0.6F);
+  scene.impl().expect_scattered_rays();
+  for (const Way way : kWays) {
+    for (const Met& met : traced(scene.impl().world, rays, way)) ASSERT_NEAR(met.range_m, 7.0F, 0.6F);
   }
 }
 

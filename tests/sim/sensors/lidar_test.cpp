@@ -2,12 +2,12 @@
 #include "sim/sensors/lidar.hpp"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "core/math/angles.hpp"
+#include "sim/parallel/crew.hpp"
 #include "sim/world/vehicle_shape.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/sample_statistics.hpp"
@@ -584,14 +584,14 @@ Rig busy_rig() {
 }
 
 TEST(Lidar, TheSameBitsForAnyNumberOfThreads) {
-  const int threads_before = omp_get_max_threads();
   for (const char* pattern : {"ouster", "livox_mid360", "velodyne_puck"}) {
     Rig rig = busy_rig();
     rig.config.pattern = Module(lidar_pattern_types(), pattern);
     rig.config.beam.sub_rays = pattern[0] == 'l' ? 5 : 1;
     std::vector<std::uint64_t> hashes;
     for (const int threads : {1, 2, 4}) {
-      omp_set_num_threads(threads);
+      Crew crew(threads);
+      const Crew::Duty duty(crew);
       hashes.push_back(fingerprint(rig.run(2)));
     }
     EXPECT_EQ(hashes[0], hashes[1]) << pattern;
@@ -599,7 +599,6 @@ TEST(Lidar, TheSameBitsForAnyNumberOfThreads) {
     rig.seed = 2;
     EXPECT_NE(fingerprint(rig.run(2)), hashes[0]) << pattern;
   }
-  omp_set_num_threads(threads_before);
 }
 
 TEST(Lidar, AddingAVehicleOutOfSightChangesNothing) {
