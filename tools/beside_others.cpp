@@ -14,8 +14,10 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+#include "scratch_folder.hpp"
 
 #include "busy_processes.hpp"
+#include "scratch_folder.hpp"
 #include "sim/io/files.hpp"
 #include "swiftlet/sim/simulation.hpp"
 
@@ -61,25 +63,6 @@ BesideOthers compare(const Spent& by_one, const Spent& by_all, int threads, int 
 void fly_until(sim::Simulation& simulation, double until_s) {
   while (to_seconds(simulation.now()) < until_s) simulation.tick();
 }
-
-/// An empty folder that goes with the object.
-class ScratchFolder {
- public:
-  ScratchFolder() : path_((fs::temp_directory_path() / "swiftlet_bench_XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error("cannot make a folder " + path_);
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  fs::path operator/(const std::string& name) const { return fs::path(path_) / name; }
-
- private:
-  std::string path_;
-};
 
 /// This program once more.
 void run_swiftlet(std::vector<std::string> arguments) {

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "commands.hpp"
 #include "scenario_options.hpp"
+#include "scratch_folder.hpp"
 #include "sim/batch/batch_plan.hpp"
 #include "sim/dataset/flight.hpp"
 #include "sim/scenario/loader.hpp"
@@ -29,24 +27,6 @@ bool is_batch_file(const sim::Node& document) {
 bool is_dataset_file(const sim::Node& document) {
   return document.find("splits") != nullptr || document.find("families") != nullptr;
 }
-
-/// A folder for the length of the check.
-class ScratchFolder {
- public:
-  ScratchFolder() : path_((std::filesystem::temp_directory_path() / "swiftlet_check_XXXXXX").string()) {
-    if (mkdtemp(path_.data()) == nullptr) throw std::runtime_error(path_ + ": cannot be made");
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 /// Does all that a run does before its first tick, so that what passes here flies.
 void require_flyable(sim::Scenario scenario) {

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Fuzz target of the import of meshes: the first byte tells the format, the rest is the file.
+#include "sim/world/mesh_import.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "tests/fuzz/support.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace swiftlet;
+  static const fuzz::Folder folder;
+  if (size == 0) return 0;
+  static constexpr const char* kNames[] = {"mesh.ply", "mesh.obj", "mesh.stl"};
+  sim::MeshImportConfig config;
+  config.file = folder.write(kNames[data[0] % 3], fuzz::text_of({data + 1, size - 1})).string();
+  try {
+    const sim::Scene scene = sim::make_mesh_import(config, 1);
+    for (const sim::Mesh& mesh : scene.meshes) {
+      for (const auto& triangle : mesh.triangles) {
+        for (const auto corner : triangle) {
+          if (corner >= mesh.vertices_m.size()) std::abort();
+        }
+      }
+    }
+  } catch (const sim::InputError& problem) {
+    fuzz::require_message(problem);
+  }
+  return 0;
+}
