@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "busy_processes.hpp"
-#include "sim/io/files.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -9,9 +9,9 @@
 #include <numbers>
 #include <string>
 
-#include "core/math/random.hpp"
 #include "sim/raycast/exact_hits_internal.hpp"
-#include "sim/world/forest.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/world/forest.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -187,9 +187,9 @@ TEST(ExactHits, AreThoseOfASearchThroughAllTrianglesWhateverEmbreeRoundsLike) {
                           std::abs(met[i].range_m - expected[i].range_m) <= 1e-6F * expected[i].range_m;
         if (same) continue;
         if (++different <= 3) {
-          ADD_FAILURE() << setting << ", way " << static_cast<int>(way) << ": ray " << i << " met "
-                        << met[i].triangle << " at " << met[i].range_m << ", expected " << expected[i].triangle
-                        << " at " << expected[i].range_m;
+          ADD_FAILURE() << setting << ", way " << static_cast<int>(way) << ": ray " << i << " met " << met[i].triangle
+                        << " at " << met[i].range_m << ", expected " << expected[i].triangle << " at "
+                        << expected[i].range_m;
         }
       }
       EXPECT_EQ(different, 0) << "of " << rays.size();
