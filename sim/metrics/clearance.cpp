@@ -5,7 +5,6 @@
 
 #include "sim/metrics/statistics.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
-#include "swiftlet/sim/world/neighborhood.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -7,7 +7,6 @@
 #include "swiftlet/core/math/assignment.hpp"
 #include "swiftlet/sim/metrics/detection_score.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
-#include "swiftlet/sim/world/labeled_scan.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -14,7 +14,6 @@
 #include "swiftlet/core/finite.hpp"
 #include "swiftlet/sim/parallel/crew.hpp"
 #include "swiftlet/sim/parallel/first_exception.hpp"
-#include "swiftlet/sim/world/neighborhood.hpp"
 
 namespace swiftlet::sim {
 namespace {

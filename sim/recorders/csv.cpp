@@ -13,7 +13,6 @@
 #include "swiftlet/sim/io/output_file.hpp"
 #include "swiftlet/sim/io/text_row.hpp"
 #include "swiftlet/sim/metrics/metrics.hpp"
-#include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -4,7 +4,6 @@
 #include "sim/recorders/selection.hpp"
 #include "swiftlet/sim/io/output_file.hpp"
 #include "swiftlet/sim/io/text_row.hpp"
-#include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -18,7 +18,6 @@
 #include "sim/render/video.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/render/colors.hpp"
-#include "swiftlet/sim/world/labeled_scan.hpp"
 
 namespace swiftlet::sim {
 namespace {

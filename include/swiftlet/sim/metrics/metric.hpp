@@ -8,8 +8,8 @@
 
 #include "swiftlet/sim/metrics/metric_table.hpp"
 #include "swiftlet/sim/metrics/metrics_config.hpp"
-#include "swiftlet/sim/physics/clearance.hpp"
 #include "swiftlet/sim/view/tick_view.hpp"
+#include "swiftlet/sim/world/neighborhood.hpp"
 
 namespace swiftlet::sim {
 

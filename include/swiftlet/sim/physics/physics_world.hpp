@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "swiftlet/core/airframe.hpp"
-#include "swiftlet/sim/physics/clearance.hpp"
 #include "swiftlet/sim/physics/physics_config.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/world/neighborhood.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {

@@ -8,6 +8,13 @@
 
 namespace swiftlet::sim {
 
+/// Exact distances of one vehicle's center at the end of a tick.
+struct Clearance {
+  double surface_m = 0.0;  ///< to the nearest triangle, less the circumscribed radius (so down to -radius)
+  double vehicle_m = 0.0;  ///< to the nearest other vehicle, less both circumscribed radii; infinity when alone
+  VehicleId nearest_vehicle = kNoVehicle;
+};
+
 /// Who may be the nearest vehicle of whom. The lists are made anew only when motion could have changed the answer
 /// (L. Verlet, Phys. Rev. 159, 98, 1967), so that the exact distance to the nearest of 100 vehicles costs a few
 /// distances in a tick, not 99.
