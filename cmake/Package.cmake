@@ -34,5 +34,5 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/swiftletConfig.cmake.i
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/swiftletConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/swiftletConfig.cmake ${PROJECT_BINARY_DIR}/swiftletConfigVersion.cmake
   DESTINATION ${package_dir})
-install(DIRECTORY include/swiftlet core sim DESTINATION ${SWIFTLET_INSTALL_INCLUDE} FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY include/swiftlet DESTINATION ${SWIFTLET_INSTALL_INCLUDE} FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY assets scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/swiftlet)

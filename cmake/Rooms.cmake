@@ -25,70 +25,119 @@ function(swiftlet_compile_together target)
   endif()
 endfunction()
 
-# A room is a folder of the house (docs/architecture.md) and one static library: core/math -> swiftlet_core_math.
-#   swiftlet_room(core/math USES core/x sim/y LIBS Eigen3::Eigen PRIVATE_LIBS foo [COMPONENT pcl])
+# The law of the house stands in the lines swiftlet_room(...) of CMakeLists.txt, and nowhere else:
+#   swiftlet_room(core/math USES core/x INSIDE core/y LIBS Eigen3::Eigen PRIVATE_LIBS foo [COMPONENT pcl])
+# A room is the folder core/math with what is its own, the folder include/swiftlet/core/math with what others may use, and
+# one static library swiftlet_core_math. Its public headers may use what USES names, its other files what INSIDE names as
+# well. No other header is on a target's include path: each room has two folders of links, ${PROJECT_BINARY_DIR}/rooms.
+# USES hands on, so whoever uses a room finds what that room's headers name.
+# A room comes after those that it uses, so there are no circles. core/base and sim/base are what every room may use.
+# Sources are every .cpp of the folder: adding a module means adding its file and a line in a registry.
 # A room with a component is not part of swiftlet::core or swiftlet::sim: it is swiftlet::<component>.
-# Sources are every .cpp of the folder: adding a module means adding its file and a line in the room's registry.
+file(REMOVE_RECURSE ${PROJECT_BINARY_DIR}/rooms)
+
+# The public headers of a room stand under its name, those of a base directly in include/swiftlet/core or sim.
+function(swiftlet_link_headers room folder)
+  set(headers ${room})
+  if(room MATCHES "^(core|sim)/base$")
+    file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/include/swiftlet ${PROJECT_SOURCE_DIR}/include/swiftlet/${CMAKE_MATCH_1}/*.hpp)
+  endif()
+  foreach(link ${headers})
+    cmake_path(GET link PARENT_PATH parent)
+    file(MAKE_DIRECTORY ${folder}/public/swiftlet/${parent} ${folder}/private/${parent})
+    file(CREATE_LINK ${PROJECT_SOURCE_DIR}/include/swiftlet/${link} ${folder}/public/swiftlet/${link} SYMBOLIC)
+  endforeach()
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${room} ${folder}/private/${room} SYMBOLIC)
+endfunction()
+
+# The libraries of rooms by their names: core/math -> swiftlet_core_math. They stand above.
+function(swiftlet_targets_of out)
+  set(targets)
+  foreach(room ${ARGN})
+    string(REPLACE "/" "_" target swiftlet_${room})
+    if(NOT TARGET ${target})
+      message(FATAL_ERROR "${room}: no such room so far; a room comes after those that it uses")
+    endif()
+    list(APPEND targets ${target})
+  endforeach()
+  set(${out} ${targets} PARENT_SCOPE)
+endfunction()
+
 function(swiftlet_room room)
-  cmake_parse_arguments(ARG "" "COMPONENT" "USES;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "" "COMPONENT" "USES;INSIDE;LIBS;PRIVATE_LIBS" ${ARGN})
   string(REPLACE "/" "_" name ${room})
-  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${room}/*.cpp)
   set(target swiftlet_${name})
+  if(room MATCHES "^sim/")
+    list(PREPEND ARG_USES sim/base)
+  endif()
+  list(PREPEND ARG_USES core/base)
+  list(REMOVE_ITEM ARG_USES ${room})
+  swiftlet_targets_of(uses ${ARG_USES})
+  swiftlet_targets_of(inside ${ARG_INSIDE})
+  set(folder ${PROJECT_BINARY_DIR}/rooms/${room})
+  swiftlet_link_headers(${room} ${folder})
   if(ARG_COMPONENT)
     set(name ${ARG_COMPONENT})
   else()
     set_property(GLOBAL APPEND PROPERTY SWIFTLET_ROOMS ${room})
   endif()
-  if(NOT sources)
-    # A room without sources yet still hands on what it uses.
-    add_library(${target} INTERFACE)
-    target_link_libraries(${target} INTERFACE ${ARG_LIBS})
-    foreach(used ${ARG_USES})
-      string(REPLACE "/" "_" used_name ${used})
-      target_link_libraries(${target} INTERFACE swiftlet_${used_name})
-    endforeach()
-    return()
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${room}/*.cpp)
+  set(reach PUBLIC)
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    target_include_directories(${target} PRIVATE ${folder}/private)
+    target_link_libraries(${target} PRIVATE swiftlet_options ${inside} ${ARG_PRIVATE_LIBS})
+    set_property(TARGET ${target} PROPERTY SWIFTLET_INSIDE ${inside})
+    swiftlet_share_headers(${target} swiftlet_house_headers HEADERS
+      <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <charconv> <cmath> <cstring> <filesystem> <functional> <map> <memory>
+      <numbers> <optional> <span> <stdexcept> <string> <vector>)
+    swiftlet_compile_together(${target})
+  else()
+    add_library(${target} INTERFACE)  # headers only
+    set(reach INTERFACE)
   endif()
-  add_library(${target} STATIC ${sources})
-  if(ARG_COMPONENT)
-    add_library(swiftlet::${ARG_COMPONENT} ALIAS ${target})
-  endif()
+  add_library(swiftlet::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
-  target_compile_features(${target} PUBLIC cxx_std_20)
-  target_include_directories(${target} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-    $<INSTALL_INTERFACE:${SWIFTLET_INSTALL_INCLUDE}>)
-  target_compile_definitions(${target} PUBLIC EIGEN_MAX_ALIGN_BYTES=16)  # whatever the processor that a user builds for
-  target_link_libraries(${target} PUBLIC ${ARG_LIBS} PRIVATE swiftlet_options ${ARG_PRIVATE_LIBS})
-  swiftlet_share_headers(${target} swiftlet_house_headers HEADERS
-    <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <charconv> <cmath> <cstring> <filesystem> <functional> <map> <memory>
-    <numbers> <optional> <span> <stdexcept> <string> <vector>)
-  swiftlet_compile_together(${target})
-  foreach(used ${ARG_USES})
-    string(REPLACE "/" "_" used_name ${used})
-    target_link_libraries(${target} PUBLIC swiftlet_${used_name})
+  target_compile_features(${target} ${reach} cxx_std_20)
+  target_include_directories(${target} ${reach}
+    $<BUILD_INTERFACE:${folder}/public> $<INSTALL_INTERFACE:${SWIFTLET_INSTALL_INCLUDE}>)
+  target_compile_definitions(${target} ${reach} EIGEN_MAX_ALIGN_BYTES=16)  # whatever the processor that a user builds for
+  target_link_libraries(${target} ${reach} ${ARG_LIBS} ${uses})
+endfunction()
+
+# Who is no room (a program, a test) sees the public headers of the rooms named here, and with INSIDE all of those.
+#   swiftlet_uses(target [PUBLIC|PRIVATE] sim/run core/agent [INSIDE sim/raycast])
+function(swiftlet_uses target reach)
+  cmake_parse_arguments(ARG "" "" "INSIDE" ${ARGN})
+  swiftlet_targets_of(uses ${ARG_UNPARSED_ARGUMENTS} ${ARG_INSIDE})
+  target_link_libraries(${target} ${reach} ${uses})
+  foreach(room ${ARG_INSIDE})
+    string(REPLACE "/" "_" name ${room})
+    target_link_libraries(${target} ${reach} $<TARGET_PROPERTY:swiftlet_${name},SWIFTLET_INSIDE>)
+    target_include_directories(${target} PRIVATE ${PROJECT_BINARY_DIR}/rooms/${room}/private)
   endforeach()
 endfunction()
 
-# swiftlet_tests(core/math LIBS ... [LABELS unit] [SUPPORT allocation_counter]): every .cpp of tests/<room> in one
-# GoogleTest program test_core_math, with the named files of tests/support. Tests that match SLOW run only when the label
-# slow is asked for.
+# Tests and benchmarks include their own headers as "tests/support/...".
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/rooms/tests)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/tests ${PROJECT_BINARY_DIR}/rooms/tests/tests SYMBOLIC)
+
+# swiftlet_tests(core/math USES core/x LIBS ... [LABELS unit] [SUPPORT allocation_counter]): every .cpp of tests/<room> in
+# one GoogleTest program test_core_math, with the named files of tests/support. It sees all of its room, and the public
+# headers of the rooms that it uses. Tests that match SLOW run only when the label slow is asked for.
 function(swiftlet_tests folder)
-  cmake_parse_arguments(ARG "" "SLOW" "LIBS;LABELS;SUPPORT" ${ARGN})
+  cmake_parse_arguments(ARG "" "SLOW" "USES;LIBS;LABELS;SUPPORT" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${folder}/*.cpp)
-  if(NOT sources)
-    return()
-  endif()
   string(REPLACE "/" "_" name ${folder})
-  string(REPLACE "/" "_" room_target swiftlet_${folder})
   list(TRANSFORM ARG_SUPPORT PREPEND ${PROJECT_SOURCE_DIR}/tests/support/)
   list(TRANSFORM ARG_SUPPORT APPEND .cpp)
   add_executable(test_${name} ${sources} ${ARG_SUPPORT})
-  if(TARGET ${room_target})
-    target_link_libraries(test_${name} PRIVATE ${room_target})
+  if(TARGET swiftlet_${name})
+    swiftlet_uses(test_${name} PRIVATE INSIDE ${folder})
   endif()
+  swiftlet_uses(test_${name} PRIVATE ${ARG_USES})
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} swiftlet_test_options GTest::gtest GTest::gmock GTest::gtest_main)
-  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)
+  target_include_directories(test_${name} PRIVATE ${PROJECT_BINARY_DIR}/rooms/tests)
   target_compile_definitions(test_${name} PRIVATE SWIFTLET_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SWIFTLET_BINARY_DIR="${PROJECT_BINARY_DIR}")
   swiftlet_share_headers(test_${name} swiftlet_test_headers LIBS swiftlet_test_options GTest::gtest GTest::gmock HEADERS
     <gtest/gtest.h> <gmock/gmock.h> <Eigen/Cholesky> <Eigen/Geometry> <algorithm> <array> <cmath> <filesystem> <map> <memory>

@@ -10,7 +10,7 @@ else()
   endif()
 endif()
 set(content "// Written by cmake/Version.cmake.
-#include \"sim/run/version.hpp\"
+#include \"swiftlet/sim/run/version.hpp\"
 
 namespace swiftlet::sim {
 

@@ -9,11 +9,11 @@
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
-#include "sim/batch/merge.hpp"
-#include "sim/batch/run_batch.hpp"
-#include "sim/batch/shell.hpp"
-#include "sim/batch/slurm.hpp"
-#include "sim/batch/worker_pool.hpp"
+#include "swiftlet/sim/batch/merge.hpp"
+#include "swiftlet/sim/batch/run_batch.hpp"
+#include "swiftlet/sim/batch/shell.hpp"
+#include "swiftlet/sim/batch/slurm.hpp"
+#include "swiftlet/sim/batch/worker_pool.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::tools {

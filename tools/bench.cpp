@@ -7,18 +7,18 @@
 
 #include "beside_others.hpp"
 #include "commands.hpp"
-#include "core/agent/registry.hpp"
 #include "progress.hpp"
-#include "sim/batch/worker_pool.hpp"
-#include "sim/io/files.hpp"
-#include "sim/run/stage_clock.hpp"
-#include "sim/run/summary.hpp"
-#include "sim/run/version.hpp"
-#include "sim/scenario/suggest.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/world.hpp"
+#include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/sim/batch/worker_pool.hpp"
 #include "swiftlet/sim/errors.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/run/stage_clock.hpp"
+#include "swiftlet/sim/run/summary.hpp"
+#include "swiftlet/sim/run/version.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
 
 namespace swiftlet::tools {
 namespace {

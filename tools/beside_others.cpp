@@ -14,12 +14,11 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
-#include "scratch_folder.hpp"
 
 #include "busy_processes.hpp"
 #include "scratch_folder.hpp"
-#include "sim/io/files.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
 
 /// Speed beside other work, as ratios within one run: whatever else the machine does hits both sides alike.
 namespace swiftlet::tools {

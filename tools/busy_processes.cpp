@@ -8,7 +8,7 @@
 
 #include <ctime>
 
-#include "sim/parallel/time_slices.hpp"
+#include "swiftlet/sim/parallel/time_slices.hpp"
 
 namespace swiftlet::tools {
 namespace {

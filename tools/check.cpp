@@ -7,10 +7,10 @@
 #include "commands.hpp"
 #include "scenario_options.hpp"
 #include "scratch_folder.hpp"
-#include "sim/batch/batch_plan.hpp"
-#include "sim/dataset/flight.hpp"
-#include "sim/scenario/loader.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/batch/batch_plan.hpp"
+#include "swiftlet/sim/dataset/flight.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/scenario/loader.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -8,9 +8,9 @@
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
-#include "sim/batch/worker_pool.hpp"
-#include "sim/dataset/generate.hpp"
-#include "sim/dataset/verify.hpp"
+#include "swiftlet/sim/batch/worker_pool.hpp"
+#include "swiftlet/sim/dataset/generate.hpp"
+#include "swiftlet/sim/dataset/verify.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -6,17 +6,18 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "core/agent/registry.hpp"
-#include "core/stages/estimators.hpp"
-#include "core/stages/guidances.hpp"
-#include "core/stages/mappers.hpp"
 #include "progress.hpp"
-#include "sim/scenario/assets.hpp"
-#include "sim/scenario/suggest.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/world.hpp"
+#include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/core/stages/estimators.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stages/mappers.hpp"
 #include "swiftlet/sim/errors.hpp"
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/scenario/assets.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -15,11 +15,11 @@
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "optional/rooms.hpp"
-#include "sim/parallel/time_slices.hpp"
-#include "sim/run/version.hpp"
-#include "sim/scenario/suggest.hpp"
 #include "swiftlet/core/ensure.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/parallel/time_slices.hpp"
+#include "swiftlet/sim/run/version.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
 
 namespace {
 

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "commands.hpp"
-#include "sim/dataset/dataset_config.hpp"
-#include "sim/scenario/reference.hpp"
+#include "swiftlet/sim/dataset/dataset_config.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/scenario/reference.hpp"
 
 namespace swiftlet::tools {
 

@@ -7,12 +7,12 @@
 
 #include "commands.hpp"
 #include "progress.hpp"
-#include "sim/io/files.hpp"
-#include "sim/render/snapshot_recorder.hpp"
-#include "sim/run/summary.hpp"
-#include "sim/scenario/suggest.hpp"
 #include "swiftlet/sim/errors.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/render/snapshot_recorder.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/run/summary.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "sim/report/batch_report.hpp"
-#include "sim/report/run_report.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/report/batch_report.hpp"
+#include "swiftlet/sim/report/run_report.hpp"
 
 namespace swiftlet::tools {
 namespace {

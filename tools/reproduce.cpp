@@ -11,7 +11,7 @@
 #include "commands.hpp"
 #include "progress.hpp"
 #include "reproduce/experiment.hpp"
-#include "sim/io/files.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::tools {
 namespace {

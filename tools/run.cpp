@@ -8,11 +8,11 @@
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
-#include "sim/io/files.hpp"
-#include "sim/run/memory.hpp"
-#include "sim/run/run_directory.hpp"
-#include "sim/run/summary.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/run/memory.hpp"
+#include "swiftlet/sim/run/run_directory.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/run/summary.hpp"
 
 namespace swiftlet::tools {
 namespace {

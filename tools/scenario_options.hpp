@@ -7,7 +7,7 @@
 
 #include "command_line.hpp"
 #include "swiftlet/core/config.hpp"
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
 
 namespace swiftlet::tools {
 

@@ -11,14 +11,15 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "core/uncertainty/error_distribution.hpp"
-#include "core/uncertainty/point_covariance.hpp"
-#include "core/uncertainty/voxel_probability.hpp"
 #include "progress.hpp"
-#include "sim/io/files.hpp"
-#include "sim/plot/plot.hpp"
-#include "sim/scenario/yaml_reader.hpp"
-#include "sim/sensors/lidar.hpp"
+#include "swiftlet/core/uncertainty/error_distribution.hpp"
+#include "swiftlet/core/uncertainty/point_covariance.hpp"
+#include "swiftlet/core/uncertainty/voxel_probability.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/plot/plot.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
 
 namespace swiftlet::tools {
 namespace {

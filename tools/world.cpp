@@ -6,9 +6,9 @@
 
 #include "commands.hpp"
 #include "scenario_options.hpp"
-#include "sim/io/files.hpp"
-#include "sim/world/export.hpp"
-#include "sim/world/world.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/world/export.hpp"
 
 namespace swiftlet::tools {
 namespace {

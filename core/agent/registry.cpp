@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/agent/registry.hpp"
+#include "swiftlet/core/agent/registry.hpp"
 
 #include "core/agent/none.hpp"
-#include "core/agent/stack.hpp"
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/agent/stack.hpp"
 
 namespace swiftlet {
 namespace {
@@ -18,21 +17,22 @@ constexpr AgentType kAgentTypes[] = {
 
 }  // namespace
 
-std::span<const AgentType> agent_types() { return kAgentTypes; }
-
-std::span<const ModuleType> agent_module_types() { return module_types_of<kAgentTypes>(); }
+Registry<AgentType>& agent_registry() {
+  static Registry<AgentType> table("agent", kAgentTypes);
+  return table;
+}
 
 std::unique_ptr<Agent> make_agent(const Module& config, const AgentSetup& setup) {
-  return row_named(kAgentTypes, config.type, "agent").make(*config.config, setup);
+  return agent_registry().named(config.type).make(*config.config, setup);
 }
 
 AgentNeeds needs_of(const Module& agent) {
-  const AgentType& row = row_named(kAgentTypes, agent.type, "agent");
+  const AgentType& row = agent_registry().named(agent.type);
   return row.needs == nullptr ? AgentNeeds() : row.needs(*agent.config);
 }
 
 Module* guidance_of(Module& agent) {
-  const AgentType& row = row_named(kAgentTypes, agent.type, "agent");
+  const AgentType& row = agent_registry().named(agent.type);
   return row.guidance == nullptr ? nullptr : row.guidance(*agent.config);
 }
 

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/agent/stack.hpp"
+#include "swiftlet/core/agent/stack.hpp"
 
 #include <stdexcept>
 
 #include "core/agent/trail.hpp"
-#include "core/control/controller.hpp"
-#include "core/control/reference_tracker.hpp"
-#include "core/localization/frame_change.hpp"
-#include "core/stages/detectors.hpp"
-#include "core/stages/estimators.hpp"
-#include "core/stages/guidances.hpp"
-#include "core/stages/mappers.hpp"
-#include "core/stages/trackers.hpp"
-#include "core/tracking/track_overlays.hpp"
+#include "swiftlet/core/control/controller.hpp"
+#include "swiftlet/core/control/reference_tracker.hpp"
 #include "swiftlet/core/ensure.hpp"
 #include "swiftlet/core/finite.hpp"
+#include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/stages/detectors.hpp"
+#include "swiftlet/core/stages/estimators.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stages/mappers.hpp"
+#include "swiftlet/core/stages/trackers.hpp"
+#include "swiftlet/core/tracking/track_overlays.hpp"
 
 namespace swiftlet {
 namespace {
@@ -241,9 +241,13 @@ std::unique_ptr<Agent> make_stack(const ModuleConfig& config, const AgentSetup& 
 AgentNeeds stack_needs(const ModuleConfig& config) {
   const auto& stack = dynamic_cast<const StackConfig&>(config);
   AgentNeeds needs;
-  add_estimator_needs(stack.localization, needs);
-  add_detector_needs(stack.detector, needs);
-  add_tracker_needs(stack.tracker, needs);
+  const auto add = [&](const auto& registry, const Module& stage) {
+    const auto& row = registry.named(stage.type);
+    if (row.add_needs != nullptr) row.add_needs(*stage.config, needs);
+  };
+  add(estimator_registry(), stack.localization);
+  add(detector_registry(), stack.detector);
+  add(tracker_registry(), stack.tracker);
   return needs;
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/control/controller.hpp"
+#include "swiftlet/core/control/controller.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "core/math/angles.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/control/mixer.hpp"
+#include "swiftlet/core/control/mixer.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

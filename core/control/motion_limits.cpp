@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/control/motion_limits.hpp"
+#include "swiftlet/core/control/motion_limits.hpp"
 
-#include "core/math/angles.hpp"
+#include <stdexcept>
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/control/reference_tracker.hpp"
+#include "swiftlet/core/control/reference_tracker.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/math/angles.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/clusterer.hpp"
+#include "swiftlet/core/detection/clusterer.hpp"
 
 #include <map>
 #include <stdexcept>
 
-#include "core/detection/euclidean_clusters.hpp"
+#include "swiftlet/core/detection/euclidean_clusters.hpp"
 
 namespace swiftlet {
 namespace {

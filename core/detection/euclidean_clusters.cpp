@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/euclidean_clusters.hpp"
+#include "swiftlet/core/detection/euclidean_clusters.hpp"
 
 #include <array>
 #include <cmath>

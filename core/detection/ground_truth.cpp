@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/ground_truth.hpp"
+#include "swiftlet/core/detection/ground_truth.hpp"
 
 #include <algorithm>
 
-#include "core/math/latency.hpp"
+#include "swiftlet/core/math/latency.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/vofod.hpp"
+#include "swiftlet/core/detection/vofod.hpp"
 
 #include <algorithm>
 
-#include "core/detection/vofod_stages.hpp"
-#include "core/math/latency.hpp"
+#include "swiftlet/core/detection/vofod_stages.hpp"
+#include "swiftlet/core/math/latency.hpp"
 
 namespace swiftlet {
 namespace {

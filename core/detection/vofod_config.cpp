@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/vofod_config.hpp"
+#include "swiftlet/core/detection/vofod_config.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/vofod_stages.hpp"
+#include "swiftlet/core/detection/vofod_stages.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

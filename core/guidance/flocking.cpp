@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/flocking.hpp"
+#include "swiftlet/core/guidance/flocking.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/guidance/rbl_obstacles.hpp"
-#include "core/math/angles.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/guidance/rbl_obstacles.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/hover.hpp"
+#include "swiftlet/core/guidance/hover.hpp"
 
 #include <numbers>
 

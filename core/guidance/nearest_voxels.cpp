@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/nearest_voxels.hpp"
+#include "swiftlet/core/guidance/nearest_voxels.hpp"
 
 #include <algorithm>
 #include <limits>

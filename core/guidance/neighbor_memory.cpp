@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/neighbor_memory.hpp"
+#include "swiftlet/core/guidance/neighbor_memory.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "core/messages/kind.hpp"
-#include "core/messages/neighbor_position.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/neighbor_position.hpp"
 
 namespace swiftlet {
 namespace {

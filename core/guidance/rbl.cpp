@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/rbl.hpp"
+#include "swiftlet/core/guidance/rbl.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/guidance/heading.hpp"
-#include "core/math/angles.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {

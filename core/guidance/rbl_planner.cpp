@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/rbl_planner.hpp"
+#include "swiftlet/core/guidance/rbl_planner.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/rbl_rules.hpp"
+#include "swiftlet/core/guidance/rbl_rules.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/math/angles.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/takeoff_land.hpp"
+#include "swiftlet/core/guidance/takeoff_land.hpp"
 
 #include "core/guidance/landing.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/timed_path.hpp"
+#include "swiftlet/core/guidance/timed_path.hpp"
 
 #include <cmath>
 #include <numbers>

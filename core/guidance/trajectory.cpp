@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/trajectory.hpp"
+#include "swiftlet/core/guidance/trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <string>
 
 #include "core/guidance/heading.hpp"
-#include "core/math/angles.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {

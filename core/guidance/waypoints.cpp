@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/waypoints.hpp"
+#include "swiftlet/core/guidance/waypoints.hpp"
 
 #include <numbers>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/dead_reckoning.hpp"
 
 #include <algorithm>
 #include <cmath>

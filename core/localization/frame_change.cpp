@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/localization/frame_change.hpp"
+#include "swiftlet/core/localization/frame_change.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/localization/ground_truth.hpp"
+#include "swiftlet/core/localization/ground_truth.hpp"
 
 #include <cmath>
 
-#include "core/localization/dead_reckoning.hpp"
-#include "core/localization/frame_change.hpp"
-#include "core/localization/local_poses.hpp"
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/localization/local_poses.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/localization/ins.hpp"
+#include "swiftlet/core/localization/ins.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "core/localization/frame_change.hpp"
-#include "core/math/angles.hpp"
+#include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/localization/local_cloud.hpp"
+#include "swiftlet/core/localization/local_cloud.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/localization/local_poses.hpp"
+#include "swiftlet/core/localization/local_poses.hpp"
 
 #include <algorithm>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/localization/odometry.hpp"
+#include "swiftlet/core/localization/odometry.hpp"
 
 #include <cmath>
 #include <numbers>
 
-#include "core/localization/dead_reckoning.hpp"
-#include "core/localization/frame_change.hpp"
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/frame_change.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/map/log_odds_map.hpp"
+#include "swiftlet/core/map/log_odds_map.hpp"
 
 #include <algorithm>
 

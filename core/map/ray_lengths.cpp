@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/map/ray_lengths.hpp"
+#include "swiftlet/core/map/ray_lengths.hpp"
 
 #include <algorithm>
 #include <array>

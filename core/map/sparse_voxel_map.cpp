@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/map/sparse_voxel_map.hpp"
+#include "swiftlet/core/map/sparse_voxel_map.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/map/voxel_map.hpp"
+#include "swiftlet/core/map/voxel_map.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/mapping/sparse_mapper.hpp"
+#include "swiftlet/core/mapping/sparse_mapper.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/math/assignment.hpp"
+#include "swiftlet/core/math/assignment.hpp"
 
 #include <algorithm>
 #include <cmath>

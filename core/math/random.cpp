@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 #include <Random123/philox.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/math/elementary_lanes.hpp"
+#include "swiftlet/core/math/elementary_lanes.hpp"
 
 namespace swiftlet {
 namespace {

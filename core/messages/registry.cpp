@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "core/messages/kind.hpp"
-#include "core/messages/neighbor_position.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/neighbor_position.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/pcl/clouds.hpp"
+#include "swiftlet/core/pcl/clouds.hpp"
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>

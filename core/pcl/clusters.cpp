@@ -2,7 +2,7 @@
 // Instantiated here: a program that needs clusters loads libpcl_common, not the eight libraries behind
 // libpcl_segmentation.
 #define PCL_NO_PRECOMPILE
-#include "core/pcl/clusters.hpp"
+#include "swiftlet/core/pcl/clusters.hpp"
 
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/pcl/clouds.hpp"
+#include "swiftlet/core/pcl/clouds.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/pcl/filters.hpp"
+#include "swiftlet/core/pcl/filters.hpp"
 
 #include <pcl/filters/radius_outlier_removal.h>
 #include <pcl/filters/statistical_outlier_removal.h>
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/point_types.h>
 
-#include "core/pcl/clouds.hpp"
+#include "swiftlet/core/pcl/clouds.hpp"
 
 namespace swiftlet {
 namespace {

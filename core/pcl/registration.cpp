@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/pcl/registration.hpp"
+#include "swiftlet/core/pcl/registration.hpp"
 
 #include <pcl/point_types.h>
 #include <pcl/registration/gicp.h>
 #include <pcl/registration/ndt.h>
 
-#include "core/pcl/clouds.hpp"
+#include "swiftlet/core/pcl/clouds.hpp"
 
 namespace swiftlet {
 namespace {

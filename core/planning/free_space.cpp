@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/planning/free_space.hpp"
+#include "swiftlet/core/planning/free_space.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/planning/path_timing.hpp"
+#include "swiftlet/core/planning/path_timing.hpp"
 
 #include <algorithm>
 #include <cmath>

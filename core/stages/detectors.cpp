@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/stages/detectors.hpp"
+#include "swiftlet/core/stages/detectors.hpp"
 
-#include "core/detection/ground_truth.hpp"
-#include "core/detection/vofod.hpp"
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/detection/ground_truth.hpp"
+#include "swiftlet/core/detection/vofod.hpp"
 
 namespace swiftlet {
 namespace {
@@ -38,17 +37,13 @@ constexpr DetectorType kDetectorTypes[] = {
 
 }  // namespace
 
-std::span<const DetectorType> detector_types() { return kDetectorTypes; }
-
-std::span<const ModuleType> detector_module_types() { return module_types_of<kDetectorTypes>(); }
-
-std::unique_ptr<Detector> make_detector(const Module& config, const AgentSetup& setup) {
-  return row_named(kDetectorTypes, config.type, "detector").make(*config.config, setup);
+Registry<DetectorType>& detector_registry() {
+  static Registry<DetectorType> table("detector", kDetectorTypes);
+  return table;
 }
 
-void add_detector_needs(const Module& config, AgentNeeds& needs) {
-  const DetectorType& row = row_named(kDetectorTypes, config.type, "detector");
-  if (row.add_needs != nullptr) row.add_needs(*config.config, needs);
+std::unique_ptr<Detector> make_detector(const Module& config, const AgentSetup& setup) {
+  return detector_registry().named(config.type).make(*config.config, setup);
 }
 
 }  // namespace swiftlet

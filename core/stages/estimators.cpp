@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/stages/estimators.hpp"
+#include "swiftlet/core/stages/estimators.hpp"
 
-#include "core/localization/ground_truth.hpp"
-#include "core/localization/ins.hpp"
-#include "core/localization/odometry.hpp"
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/localization/ground_truth.hpp"
+#include "swiftlet/core/localization/ins.hpp"
+#include "swiftlet/core/localization/odometry.hpp"
 
 namespace swiftlet {
 namespace {
@@ -25,17 +24,13 @@ constexpr EstimatorType kEstimatorTypes[] = {
 
 }  // namespace
 
-std::span<const EstimatorType> estimator_types() { return kEstimatorTypes; }
-
-std::span<const ModuleType> estimator_module_types() { return module_types_of<kEstimatorTypes>(); }
-
-std::unique_ptr<StateEstimator> make_estimator(const Module& config, const AgentSetup& setup) {
-  return row_named(kEstimatorTypes, config.type, "localization").make(*config.config, setup);
+Registry<EstimatorType>& estimator_registry() {
+  static Registry<EstimatorType> table("localization", kEstimatorTypes);
+  return table;
 }
 
-void add_estimator_needs(const Module& config, AgentNeeds& needs) {
-  const EstimatorType& row = row_named(kEstimatorTypes, config.type, "localization");
-  if (row.add_needs != nullptr) row.add_needs(*config.config, needs);
+std::unique_ptr<StateEstimator> make_estimator(const Module& config, const AgentSetup& setup) {
+  return estimator_registry().named(config.type).make(*config.config, setup);
 }
 
 }  // namespace swiftlet

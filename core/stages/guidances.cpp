@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/stages/guidances.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
 
-#include "core/guidance/agile.hpp"
-#include "core/guidance/flocking.hpp"
-#include "core/guidance/hover.hpp"
-#include "core/guidance/rbl.hpp"
-#include "core/guidance/takeoff_land.hpp"
-#include "core/guidance/timed_path.hpp"
-#include "core/guidance/trajectory.hpp"
-#include "core/guidance/waypoints.hpp"
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/guidance/agile.hpp"
+#include "swiftlet/core/guidance/flocking.hpp"
+#include "swiftlet/core/guidance/hover.hpp"
+#include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/guidance/takeoff_land.hpp"
+#include "swiftlet/core/guidance/timed_path.hpp"
+#include "swiftlet/core/guidance/trajectory.hpp"
+#include "swiftlet/core/guidance/waypoints.hpp"
 
 namespace swiftlet {
 namespace {
@@ -30,12 +29,13 @@ constexpr GuidanceType kGuidanceTypes[] = {
 
 }  // namespace
 
-std::span<const GuidanceType> guidance_types() { return kGuidanceTypes; }
-
-std::span<const ModuleType> guidance_module_types() { return module_types_of<kGuidanceTypes>(); }
+Registry<GuidanceType>& guidance_registry() {
+  static Registry<GuidanceType> table("guidance", kGuidanceTypes);
+  return table;
+}
 
 std::unique_ptr<Guidance> make_guidance(const Module& config, const GuidanceSetup& setup) {
-  return row_named(kGuidanceTypes, config.type, "guidance").make(*config.config, setup);
+  return guidance_registry().named(config.type).make(*config.config, setup);
 }
 
 }  // namespace swiftlet

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/stages/mappers.hpp"
+#include "swiftlet/core/stages/mappers.hpp"
 
-#include "core/mapping/sparse_mapper.hpp"
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/mapping/sparse_mapper.hpp"
 
 namespace swiftlet {
 namespace {
@@ -22,12 +21,13 @@ constexpr MapperType kMapperTypes[] = {
 
 }  // namespace
 
-std::span<const MapperType> mapper_types() { return kMapperTypes; }
-
-std::span<const ModuleType> mapper_module_types() { return module_types_of<kMapperTypes>(); }
+Registry<MapperType>& mapper_registry() {
+  static Registry<MapperType> table("mapping", kMapperTypes);
+  return table;
+}
 
 std::unique_ptr<Mapper> make_mapper(const Module& config, const AgentSetup& setup) {
-  return row_named(kMapperTypes, config.type, "mapping").make(*config.config, setup);
+  return mapper_registry().named(config.type).make(*config.config, setup);
 }
 
 }  // namespace swiftlet

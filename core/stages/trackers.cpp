@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/stages/trackers.hpp"
+#include "swiftlet/core/stages/trackers.hpp"
 
-#include "core/tracking/trackers.hpp"
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/core/tracking/trackers.hpp"
 
 namespace swiftlet {
 namespace {
@@ -29,17 +28,13 @@ constexpr TrackerType kTrackerTypes[] = {
 
 }  // namespace
 
-std::span<const TrackerType> tracker_types() { return kTrackerTypes; }
-
-std::span<const ModuleType> tracker_module_types() { return module_types_of<kTrackerTypes>(); }
-
-std::unique_ptr<Tracker> make_tracker(const Module& config, const AgentSetup& setup) {
-  return row_named(kTrackerTypes, config.type, "tracker").make(*config.config, setup);
+Registry<TrackerType>& tracker_registry() {
+  static Registry<TrackerType> table("tracker", kTrackerTypes);
+  return table;
 }
 
-void add_tracker_needs(const Module& config, AgentNeeds& needs) {
-  const TrackerType& row = row_named(kTrackerTypes, config.type, "tracker");
-  if (row.add_needs != nullptr) row.add_needs(*config.config, needs);
+std::unique_ptr<Tracker> make_tracker(const Module& config, const AgentSetup& setup) {
+  return tracker_registry().named(config.type).make(*config.config, setup);
 }
 
 }  // namespace swiftlet

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/tracking/cloud_tracker.hpp"
+#include "swiftlet/core/tracking/cloud_tracker.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

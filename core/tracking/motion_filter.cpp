@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/tracking/motion_filter.hpp"
+#include "swiftlet/core/tracking/motion_filter.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

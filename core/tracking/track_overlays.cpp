@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/tracking/track_overlays.hpp"
+#include "swiftlet/core/tracking/track_overlays.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/tracking/trackers.hpp"
+#include "swiftlet/core/tracking/trackers.hpp"
 
 #include <algorithm>
 

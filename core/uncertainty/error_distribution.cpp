@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/uncertainty/error_distribution.hpp"
+#include "swiftlet/core/uncertainty/error_distribution.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <boost/math/quadrature/gauss_kronrod.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/uncertainty/grid_probability.hpp"
+#include "swiftlet/core/uncertainty/grid_probability.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

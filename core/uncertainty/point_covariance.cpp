@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/uncertainty/point_covariance.hpp"
+#include "swiftlet/core/uncertainty/point_covariance.hpp"
 
 namespace swiftlet {
 

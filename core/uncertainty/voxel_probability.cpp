@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/uncertainty/voxel_probability.hpp"
+#include "swiftlet/core/uncertainty/voxel_probability.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,10 +3,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "core/pcl/filters.hpp"
-#include "core/pcl/registration.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/core/pcl/filters.hpp"
+#include "swiftlet/core/pcl/registration.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
 
 namespace {
 

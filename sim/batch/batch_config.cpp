@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/batch_config.hpp"
+#include "swiftlet/sim/batch/batch_config.hpp"
 
 #include <algorithm>
 #include <charconv>
 
-#include "sim/scenario/yaml_reader.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
 
 namespace swiftlet::sim {
 namespace {

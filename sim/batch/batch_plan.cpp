@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/batch_plan.hpp"
+#include "swiftlet/sim/batch/batch_plan.hpp"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -10,13 +10,13 @@
 #include <optional>
 #include <set>
 
-#include "sim/batch/shell.hpp"
 #include "sim/batch/sweep.hpp"
-#include "sim/io/text.hpp"
-#include "sim/scenario/config_files.hpp"
-#include "sim/scenario/document.hpp"
-#include "sim/scenario/loader.hpp"
-#include "sim/scenario/units.hpp"
+#include "swiftlet/sim/batch/shell.hpp"
+#include "swiftlet/sim/io/text.hpp"
+#include "swiftlet/sim/scenario/config_files.hpp"
+#include "swiftlet/sim/scenario/document.hpp"
+#include "swiftlet/sim/scenario/loader.hpp"
+#include "swiftlet/sim/scenario/units.hpp"
 
 namespace swiftlet::sim {
 namespace {

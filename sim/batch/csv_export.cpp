@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <map>
 
-#include "sim/batch/result_store.hpp"
-#include "sim/io/files.hpp"
-#include "sim/io/text.hpp"
+#include "swiftlet/sim/batch/result_store.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {

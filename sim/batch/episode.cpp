@@ -6,9 +6,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "sim/run/summary.hpp"
-#include "sim/scenario/yaml_writer.hpp"
 #include "swiftlet/core/time.hpp"
+#include "swiftlet/sim/run/summary.hpp"
+#include "swiftlet/sim/scenario/yaml_writer.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "sim/batch/batch_plan.hpp"
-#include "sim/metrics/metric.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/batch/batch_plan.hpp"
+#include "swiftlet/sim/metrics/metric_table.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/merge.hpp"
+#include "swiftlet/sim/batch/merge.hpp"
 
 #include <unistd.h>
 
@@ -8,11 +8,11 @@
 #include <set>
 #include <tuple>
 
-#include "sim/batch/result_store.hpp"
-#include "sim/batch/run_batch.hpp"
 #include "sim/batch/writer_lock.hpp"
-#include "sim/io/files.hpp"
+#include "swiftlet/sim/batch/result_store.hpp"
+#include "swiftlet/sim/batch/run_batch.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/result_store.hpp"
+#include "swiftlet/sim/batch/result_store.hpp"
 
 #include <sqlite3.h>
 #include <sys/vfs.h>
@@ -11,8 +11,8 @@
 #include <stdexcept>
 
 #include "embedded/sim_batch.hpp"
-#include "sim/io/text.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/run_batch.hpp"
+#include "swiftlet/sim/batch/run_batch.hpp"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -8,12 +8,12 @@
 #include <cmath>
 
 #include "sim/batch/episode.hpp"
-#include "sim/batch/worker_pool.hpp"
 #include "sim/batch/writer_lock.hpp"
-#include "sim/io/files.hpp"
-#include "sim/io/text.hpp"
-#include "sim/run/version.hpp"
-#include "sim/scenario/yaml_writer.hpp"
+#include "swiftlet/sim/batch/worker_pool.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/text.hpp"
+#include "swiftlet/sim/run/version.hpp"
+#include "swiftlet/sim/scenario/yaml_writer.hpp"
 
 namespace swiftlet::sim {
 namespace {

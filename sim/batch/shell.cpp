@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/shell.hpp"
+#include "swiftlet/sim/batch/shell.hpp"
 
 #include <algorithm>
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/slurm.hpp"
+#include "swiftlet/sim/batch/slurm.hpp"
 
 #include <sys/wait.h>
 
@@ -9,9 +9,9 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "sim/batch/shell.hpp"
-#include "sim/io/files.hpp"
+#include "swiftlet/sim/batch/shell.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/batch/batch_config.hpp"
+#include "swiftlet/sim/batch/batch_config.hpp"
 
 namespace swiftlet::sim {
 

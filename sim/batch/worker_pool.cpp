@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/worker_pool.hpp"
+#include "swiftlet/sim/batch/worker_pool.hpp"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -27,8 +27,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "sim/run/memory.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/run/memory.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -4,8 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "sim/dataset/generate.hpp"
-#include "sim/render/colors.hpp"
-#include "sim/world/scene.hpp"
+#include "swiftlet/sim/dataset/generate.hpp"
+#include "swiftlet/sim/render/colors.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
 namespace {

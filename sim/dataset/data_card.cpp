@@ -8,10 +8,10 @@
 #include <map>
 #include <set>
 
-#include "sim/io/files.hpp"
-#include "sim/plot/plot.hpp"
-#include "sim/run/version.hpp"
-#include "sim/world/scene.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/plot/plot.hpp"
+#include "swiftlet/sim/run/version.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "sim/dataset/flight.hpp"
-#include "sim/dataset/sequence_info.hpp"
+#include "swiftlet/sim/dataset/flight.hpp"
+#include "swiftlet/sim/dataset/sequence_info.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/dataset/dataset_config.hpp"
+#include "swiftlet/sim/dataset/dataset_config.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/math/random.hpp"
-#include "sim/io/text.hpp"
-#include "sim/scenario/recorder_paths.hpp"
-#include "sim/scenario/reference.hpp"
-#include "sim/scenario/yaml_reader.hpp"
-#include "sim/scenario/yaml_writer.hpp"
 #include "swiftlet/core/elementary.hpp"
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/io/text.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/scenario/recorder_paths.hpp"
+#include "swiftlet/sim/scenario/reference.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
+#include "swiftlet/sim/scenario/yaml_writer.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/dataset/flight.hpp"
+#include "swiftlet/sim/dataset/flight.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "core/agent/registry.hpp"
-#include "core/guidance/timed_path.hpp"
-#include "core/math/random.hpp"
-#include "core/stages/guidances.hpp"
 #include "sim/dataset/flight_plan.hpp"
-#include "sim/dataset/hash.hpp"
-#include "sim/dataset/sequence_info.hpp"
-#include "sim/raycast/ray_scene.hpp"
-#include "sim/run/version.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/world.hpp"
+#include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/guidance/timed_path.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/sim/dataset/hash.hpp"
+#include "swiftlet/sim/dataset/sequence_info.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/run/version.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
 
 namespace swiftlet::sim {
 namespace {

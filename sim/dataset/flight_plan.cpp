@@ -7,10 +7,10 @@
 #include <numbers>
 #include <string>
 
-#include "core/math/random.hpp"
-#include "core/planning/grid_search.hpp"
 #include "sim/dataset/free_space.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/planning/grid_search.hpp"
 
 namespace swiftlet::sim {
 namespace {

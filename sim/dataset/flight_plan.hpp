@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/planning/path_timing.hpp"
-#include "sim/dataset/dataset_config.hpp"
-#include "sim/raycast/ray_scene.hpp"
+#include "swiftlet/core/planning/path_timing.hpp"
+#include "swiftlet/sim/dataset/dataset_config.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
 
 namespace swiftlet::sim {
 

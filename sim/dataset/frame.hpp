@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/dataset/dataset_config.hpp"
-#include "sim/io/byte_buffer.hpp"
-#include "sim/sensors/sensor.hpp"
+#include "swiftlet/sim/dataset/dataset_config.hpp"
+#include "swiftlet/sim/io/byte_buffer.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
 
 namespace swiftlet::sim {
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "sim/dataset/hash.hpp"
-#include "sim/io/output_file.hpp"
+#include "swiftlet/sim/dataset/hash.hpp"
+#include "swiftlet/sim/io/output_file.hpp"
 
 namespace swiftlet::sim {
 namespace {

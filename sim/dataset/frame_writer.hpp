@@ -10,11 +10,11 @@
 #include <thread>
 #include <vector>
 
-#include "sim/dataset/dataset_config.hpp"
 #include "sim/dataset/frame.hpp"
-#include "sim/dataset/sequence_recorder.hpp"
-#include "sim/recorders/gray_png.hpp"
-#include "sim/sensors/sensor.hpp"
+#include "swiftlet/sim/dataset/dataset_config.hpp"
+#include "swiftlet/sim/dataset/sequence_recorder.hpp"
+#include "swiftlet/sim/recorders/gray_png.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
 
 namespace swiftlet::sim {
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/planning/free_space.hpp"
-#include "sim/raycast/ray_scene.hpp"
+#include "swiftlet/core/planning/free_space.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
 
 namespace swiftlet::sim {
 

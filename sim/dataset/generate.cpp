@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/dataset/generate.hpp"
+#include "swiftlet/sim/dataset/generate.hpp"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -16,12 +16,12 @@
 #include <set>
 #include <stdexcept>
 
-#include "sim/batch/worker_pool.hpp"
 #include "sim/dataset/data_card.hpp"
-#include "sim/dataset/hash.hpp"
-#include "sim/io/files.hpp"
-#include "sim/io/shallow_json.hpp"
-#include "sim/run/version.hpp"
+#include "swiftlet/sim/batch/worker_pool.hpp"
+#include "swiftlet/sim/dataset/hash.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/shallow_json.hpp"
+#include "swiftlet/sim/run/version.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/dataset/hash.hpp"
+#include "swiftlet/sim/dataset/hash.hpp"
 
 #define XXH_INLINE_ALL
 #include <fcntl.h>
@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "sim/io/text.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/dataset/sequence_info.hpp"
+#include "swiftlet/sim/dataset/sequence_info.hpp"
 
 #include <fmt/core.h>
 
@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "sim/dataset/hash.hpp"
-#include "sim/io/shallow_json.hpp"
-#include "sim/io/text.hpp"
+#include "swiftlet/sim/dataset/hash.hpp"
+#include "swiftlet/sim/io/shallow_json.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {

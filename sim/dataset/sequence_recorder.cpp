@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/dataset/sequence_recorder.hpp"
+#include "swiftlet/sim/dataset/sequence_recorder.hpp"
 
 #include <fmt/core.h>
 
@@ -10,9 +10,9 @@
 
 #include "sim/dataset/boxes.hpp"
 #include "sim/dataset/frame_writer.hpp"
-#include "sim/io/output_file.hpp"
-#include "sim/io/text_row.hpp"
-#include "sim/recorders/pose_history.hpp"
+#include "swiftlet/sim/io/output_file.hpp"
+#include "swiftlet/sim/io/text_row.hpp"
+#include "swiftlet/sim/recorders/pose_history.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/dataset/verify.hpp"
+#include "swiftlet/sim/dataset/verify.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -12,12 +12,12 @@
 #include <set>
 #include <sstream>
 
-#include "core/math/random.hpp"
 #include "sim/dataset/frame.hpp"
-#include "sim/dataset/generate.hpp"
-#include "sim/dataset/hash.hpp"
-#include "sim/io/shallow_json.hpp"
-#include "sim/world/scene.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/dataset/generate.hpp"
+#include "swiftlet/sim/dataset/hash.hpp"
+#include "swiftlet/sim/io/shallow_json.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
 namespace {

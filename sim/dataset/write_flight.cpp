@@ -5,16 +5,17 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "sim/dataset/generate.hpp"
-#include "sim/dataset/sequence_recorder.hpp"
-#include "sim/io/files.hpp"
-#include "sim/io/text.hpp"
-#include "sim/recorders/csv.hpp"
-#include "sim/recorders/tum.hpp"
-#include "sim/render/snapshot_recorder.hpp"
-#include "sim/run/summary.hpp"
-#include "sim/run/version.hpp"
-#include "sim/sensors/lidar.hpp"
+#include "swiftlet/sim/dataset/generate.hpp"
+#include "swiftlet/sim/dataset/sequence_recorder.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/text.hpp"
+#include "swiftlet/sim/recorders/csv.hpp"
+#include "swiftlet/sim/recorders/tum.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/render/snapshot_recorder.hpp"
+#include "swiftlet/sim/run/summary.hpp"
+#include "swiftlet/sim/run/version.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
 
 namespace swiftlet::sim {
 namespace {

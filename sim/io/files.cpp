@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/io/files.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/io/output_file.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/output_file.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/io/text.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/io/text_row.hpp"
+#include "swiftlet/sim/io/text_row.hpp"
 
-#include "sim/io/text.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 

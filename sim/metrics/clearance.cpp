@@ -3,9 +3,8 @@
 #include <compare>
 #include <limits>
 
-#include "sim/metrics/metric.hpp"
 #include "sim/metrics/statistics.hpp"
-#include "sim/world/neighborhood.hpp"
+#include "swiftlet/sim/metrics/metric.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -2,12 +2,11 @@
 #include <Eigen/Cholesky>
 #include <array>
 
-#include "core/math/assignment.hpp"
-#include "sim/metrics/detection_score.hpp"
-#include "sim/metrics/metric.hpp"
 #include "sim/metrics/statistics.hpp"
 #include "sim/metrics/truth_history.hpp"
-#include "sim/sensors/sensor.hpp"
+#include "swiftlet/core/math/assignment.hpp"
+#include "swiftlet/sim/metrics/detection_score.hpp"
+#include "swiftlet/sim/metrics/metric.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/metrics/metrics.hpp"
+#include "swiftlet/sim/metrics/metrics.hpp"
 
 #include "swiftlet/core/ensure.hpp"
 
@@ -26,7 +26,21 @@ bool is_flying(const VehicleState& state, const Clearance& clearance) {
 
 }  // namespace
 
-std::span<const MetricType> metric_types() { return kMetricTypes; }
+void MetricsConfig::visit(ConfigVisitor& v) {
+  v.field("clearance_max_m", clearance_max_m, "[m] clearances beyond are reported as this", Range::positive());
+  v.field("true_positive_m", true_positive_m,
+          "[m] a detection or track nearer than this to a vehicle is that vehicle's", Range::positive());
+  v.field("detection_range_m", detection_range_m, "[m] vehicles nearer than this count for recall", Range::positive());
+  v.field("detection_bin_m", detection_bin_m, "[m] width of the bins of distance of recall and errors",
+          Range::positive());
+  v.field("stop_on_crash", stop_on_crash, "[-] end the run at the first crash?");
+  v.field("stop_when_done", stop_when_done, "[-] end the run when every mission is done, failed or crashed?");
+}
+
+std::vector<MetricType>& metric_registry() {
+  static std::vector<MetricType> types(std::begin(kMetricTypes), std::end(kMetricTypes));
+  return types;
+}
 
 std::vector<TableType> series_types() {
   const Metrics metrics({}, {});
@@ -47,7 +61,7 @@ Metrics::Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_n
     : flying_(vehicle_names.size(), 0) {
   perception.resize(vehicle_names.size());
   const MetricSetup setup{std::move(vehicle_names), std::move(perception), config};
-  for (const MetricType& type : kMetricTypes) metrics_.push_back(type.make(setup));
+  for (const MetricType& type : metric_registry()) metrics_.push_back(type.make(setup));
 }
 
 void Metrics::update(const TickView& tick, std::span<const Clearance> clearances) {

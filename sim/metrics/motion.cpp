@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/metrics/metric.hpp"
 #include "sim/metrics/statistics.hpp"
+#include "swiftlet/sim/metrics/metric.hpp"
 
 namespace swiftlet::sim {
 namespace {

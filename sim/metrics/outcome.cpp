@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
-#include "sim/metrics/metric.hpp"
 #include "sim/metrics/statistics.hpp"
+#include "swiftlet/sim/metrics/metric.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/view/tick_view.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/parallel/crew.hpp"
+#include "swiftlet/sim/parallel/crew.hpp"
 
 #include <immintrin.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/parallel/first_exception.hpp"
+#include "swiftlet/sim/parallel/first_exception.hpp"
 
 namespace swiftlet::sim {
 

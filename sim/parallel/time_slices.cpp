@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/parallel/time_slices.hpp"
+#include "swiftlet/sim/parallel/time_slices.hpp"
 
 #include <sched.h>
 #include <sys/syscall.h>

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/physics/physics_world.hpp"
+#include "swiftlet/sim/physics/physics_world.hpp"
 
 namespace swiftlet::sim {
 

@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "sim/physics/physics_world.hpp"
-#include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/airframe.hpp"
+#include "swiftlet/sim/physics/physics_world.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/physics/physics_world.hpp"
+#include "swiftlet/sim/physics/physics_world.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/physics/physics_world.hpp"
+#include "swiftlet/sim/physics/physics_world.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 
-#include "sim/parallel/crew.hpp"
 #include "sim/physics/air_effects.hpp"
 #include "sim/physics/contacts.hpp"
 #include "sim/physics/multirotor_model.hpp"
-#include "sim/world/neighborhood.hpp"
+#include "sim/physics/wind.hpp"
 #include "swiftlet/core/ensure.hpp"
 #include "swiftlet/core/finite.hpp"
+#include "swiftlet/sim/parallel/crew.hpp"
+#include "swiftlet/sim/parallel/first_exception.hpp"
 
 namespace swiftlet::sim {
 namespace {

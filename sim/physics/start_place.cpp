@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/physics/start_place.hpp"
+#include "swiftlet/sim/physics/start_place.hpp"
 
 #include <algorithm>
 

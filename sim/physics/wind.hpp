@@ -4,20 +4,11 @@
 #include <cstdint>
 #include <string_view>
 
-#include "core/math/random.hpp"
-#include "swiftlet/core/config.hpp"
 #include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/physics/physics_config.hpp"
 
 namespace swiftlet::sim {
-
-/// Mean wind and Dryden turbulence (MIL-F-8785C, low altitude).
-struct WindConfig {
-  Eigen::Vector3d mean_mps = Eigen::Vector3d::Zero();
-  bool gusts = false;
-  double wind_at_6m_mps = 7.7;  ///< W20 of MIL-F-8785C: 7.7 light, 15.4 moderate, 23.2 severe
-
-  void visit(ConfigVisitor& v);
-};
 
 /// Of the three components of turbulence: u along the mean wind's heading, v to its left, w up.
 struct DrydenScales {
@@ -42,7 +33,6 @@ class Gusts {
   /// @param airspeed_mps  of the vehicle; the frozen field is crossed at max(airspeed, mean wind, 1 m/s), so that a
   ///                      vehicle hovering in still air feels changing gusts, too
   const Vector3& advance(std::uint32_t step, double dt_s, double height_m, double airspeed_mps);
-  const Vector3& gust_world_mps() const { return gust_world_mps_; }
 
  private:
   WindConfig config_;

@@ -13,7 +13,7 @@ namespace {
 using Series = Panel::Series;
 
 constexpr double kTick_px = 11.0, kLabel_px = 12.0, kTitle_px = 13.0, kLegend_px = 11.0;  // font sizes
-constexpr double kLegendRow_px = 17.0, kLegendSwatch_px = 26.0, kScale_px = 12.0;
+constexpr double kLegendRow_px = 17.0, kLegendSwatch_px = 26.0;
 constexpr const char* kInk = "#222";
 
 struct Range {
@@ -85,7 +85,6 @@ void include_x(const Series& s, Range& range) {
 void include_y(const Series& s, Range& range) {
   if (s.kind == kVertical) return;
   for (const double value : s.y) range.include(value);
-  if (s.kind == kHeatMap) return;
   for (const double value : s.low) range.include(value);
   for (const double value : s.high) range.include(value);
   for (const Box& box : s.boxes) {
@@ -154,8 +153,7 @@ Range axis_range(const Panel& panel, bool of_x) {
     range.include(static_cast<double>(axis.categories.size()) - 0.4);
   }
   const bool discrete = !axis.categories.empty() || (of_x && has_kind(panel, {kBars, kBoxes}));
-  const bool tight = discrete || has_kind(panel, {kHeatMap}) ||
-                     (of_x && !has_kind(panel, {kScatter, kErrorBars}) && !marks_ends(panel));
+  const bool tight = discrete || (of_x && !has_kind(panel, {kScatter}) && !marks_ends(panel));
   range = padded(range, axis, tight && !panel.equal_axes, !of_x && has_kind(panel, {kBars}));
   if (axis.min) range.low = *axis.min;
   if (axis.max) range.high = *axis.max;
@@ -245,18 +243,6 @@ void draw_band(SvgWriter& svg, const Series& s, const View& view) {
   }
 }
 
-void draw_error_bars(SvgWriter& svg, const Series& s, const View& view) {
-  for (std::size_t i = 0; i < s.x.size(); ++i) {
-    const PointPx p = view.at(s.x[i], s.y[i]), low = view.at(s.x[i], s.low[i]), high = view.at(s.x[i], s.high[i]);
-    if (!drawable(p)) continue;
-    if (drawable(low) && drawable(high)) {
-      svg.segment(low, high, stroke(s.style));
-      for (const PointPx& end : {low, high}) svg.segment({end.x - 4.0, end.y}, {end.x + 4.0, end.y}, stroke(s.style));
-    }
-    draw_marker(svg, p, s.style);
-  }
-}
-
 // Series that stand side by side share the slot of a position.
 struct Slot {
   double center_offset = 0.0, width = 0.8;
@@ -305,35 +291,6 @@ void draw_boxes(SvgWriter& svg, const Series& s, const View& view, const Slot& s
   }
 }
 
-Range heat_range(const Series& s) {
-  Range range;
-  for (const double value : s.low) range.include(value);
-  if (range.empty()) range = {0.0, 1.0};
-  if (range.high <= range.low) range.high = range.low + 1.0;
-  return range;
-}
-
-void draw_heat_map(SvgWriter& svg, const Series& s, const View& view) {
-  const Range range = heat_range(s);
-  const std::size_t columns = s.x.size() - 1, rows = s.y.size() - 1;
-  for (std::size_t row = 0; row < rows; ++row) {
-    const double bottom = view.y.at(s.y[row]), top = view.y.at(s.y[row + 1]);
-    for (std::size_t begin = 0; begin < columns;) {
-      const auto color_at = [&](std::size_t column) {
-        const double value = s.low[row * columns + column];
-        return std::isfinite(value) ? heat_color((value - range.low) / (range.high - range.low)) : std::string();
-      };
-      const std::string color = color_at(begin);
-      std::size_t end = begin + 1;  // cells of one color become one rectangle
-      while (end < columns && color_at(end) == color) ++end;
-      const double left = view.x.at(s.x[begin]), right = view.x.at(s.x[end]);
-      // A hair larger than the cell: no seams.
-      if (!color.empty()) svg.rect(left, top, right - left + 0.3, bottom - top + 0.3, "fill=\"" + color + "\"");
-      begin = end;
-    }
-  }
-}
-
 void draw_series(SvgWriter& svg, const Panel& panel, const Series& s, const View& view) {
   const Frame& frame = view.frame;
   switch (s.kind) {
@@ -348,9 +305,6 @@ void draw_series(SvgWriter& svg, const Panel& panel, const Series& s, const View
         const PointPx p = view.at(s.x[i], s.y[i]);
         if (drawable(p)) draw_marker(svg, p, s.style);
       }
-      return;
-    case kErrorBars:
-      draw_error_bars(svg, s, view);
       return;
     case kBars:
       draw_bars(svg, s, view, slot_of(panel, s));
@@ -367,9 +321,6 @@ void draw_series(SvgWriter& svg, const Panel& panel, const Series& s, const View
     case kText:
       svg.text(view.at(s.x[0], s.y[0]), s.label, kLegend_px, Anchor::kStart, kInk);
       return;
-    case kHeatMap:
-      draw_heat_map(svg, s, view);
-      return;
   }
 }
 
@@ -379,7 +330,7 @@ std::vector<const Series*> legend_entries(const Panel& panel) {
   std::vector<const Series*> entries;
   if (panel.legend == Legend::kNone) return entries;
   for (const Series& s : panel.series()) {
-    if (!s.label.empty() && s.kind != kText && s.kind != kHeatMap) entries.push_back(&s);
+    if (!s.label.empty() && s.kind != kText) entries.push_back(&s);
   }
   return entries;
 }
@@ -446,9 +397,6 @@ std::vector<PointPx> covered(const Panel& panel, const View& view) {
           }
         }
         break;
-      case kErrorBars:
-        for (std::size_t i = 0; i < s.x.size(); ++i) segment(view.at(s.x[i], s.low[i]), view.at(s.x[i], s.high[i]));
-        break;
       case kBars: {
         const double foot = view.y.log ? view.y.low : 0.0;
         for (const double side : {-0.4, 0.0, 0.4}) {
@@ -471,8 +419,6 @@ std::vector<PointPx> covered(const Panel& panel, const View& view) {
       case kVertical:
         segment({view.x.at(s.x[0]), view.frame.top}, {view.x.at(s.x[0]), view.frame.bottom});
         break;
-      case kHeatMap:
-        break;
     }
   }
   return points;
@@ -480,7 +426,6 @@ std::vector<PointPx> covered(const Panel& panel, const View& view) {
 
 // A corner of the frame that no mark touches.
 std::optional<PointPx> free_corner(const Panel& panel, const View& view, double width, double height) {
-  if (has_kind(panel, {kHeatMap})) return std::nullopt;
   const Frame& f = view.frame;
   if (width > 0.6 * f.width() || height > 0.6 * f.height()) return std::nullopt;
   const std::vector<PointPx> points = covered(panel, view);
@@ -567,68 +512,16 @@ void draw_axes(SvgWriter& svg, const Panel& panel, const Layout& layout, double 
   svg.text({left + 20.0, 0.5 * (f.top + f.bottom)}, panel.y.label, kLabel_px, Anchor::kMiddle, kInk, -90.0);
 }
 
-void draw_heat_scale(SvgWriter& svg, const Series& s, const Frame& frame) {
-  const Range range = heat_range(s);
-  const double left = frame.right + 14.0;
-  constexpr int kSteps = 32;
-  for (int k = 0; k < kSteps; ++k) {
-    const double height = frame.height() / kSteps;
-    svg.rect(left, frame.bottom - (k + 1) * height, kScale_px, height + 0.3,
-             "fill=\"" + heat_color((k + 0.5) / kSteps) + "\"");
-  }
-  const Scale scale{false, range.low, range.high, frame.bottom, frame.top};
-  const std::vector<Tick> ticks = linear_ticks(range.low, range.high, 5);
-  for (const Tick& tick : ticks)
-    svg.text({left + kScale_px + 5.0, scale.at(tick.value) + 4.0}, tick.label, kTick_px, Anchor::kStart, kInk);
-  svg.text({left + kScale_px + widest(ticks) + 20.0, 0.5 * (frame.top + frame.bottom)}, s.label, kLabel_px,
-           Anchor::kMiddle, kInk, -90.0);
-}
-
-double heat_scale_width(const Series& s) {
-  const Range range = heat_range(s);
-  return 14.0 + kScale_px + 5.0 + widest(linear_ticks(range.low, range.high, 5)) + (s.label.empty() ? 0.0 : 20.0);
-}
-
 }  // namespace
-
-std::string heat_color(double t) {
-  // Viridis (Smith and van der Walt, 2015) at nine places, linear between.
-  static constexpr std::array<std::array<int, 3>, 9> kPlaces{{{68, 1, 84},
-                                                              {71, 44, 122},
-                                                              {59, 81, 139},
-                                                              {44, 113, 142},
-                                                              {33, 144, 141},
-                                                              {39, 173, 129},
-                                                              {92, 200, 99},
-                                                              {170, 220, 50},
-                                                              {253, 231, 37}}};
-  const double place = std::clamp(t, 0.0, 1.0) * (kPlaces.size() - 1);
-  const std::size_t below = std::min(static_cast<std::size_t>(place), kPlaces.size() - 2);
-  static constexpr char kHex[] = "0123456789abcdef";
-  std::string color = "#";
-  for (std::size_t channel = 0; channel < 3; ++channel) {
-    const double share = place - static_cast<double>(below);
-    const int value =
-        static_cast<int>(std::lround((1.0 - share) * kPlaces[below][channel] + share * kPlaces[below + 1][channel]));
-    color += kHex[value / 16];
-    color += kHex[value % 16];
-  }
-  return color;
-}
 
 void paint_panel(SvgWriter& svg, const Panel& panel, double left, double top, double width, double height) {
   const std::vector<const Series*> entries = legend_entries(panel);
-  double scale = 0.0;
-  for (const Series& s : panel.series()) {
-    if (s.kind == kHeatMap) scale = heat_scale_width(s);
-  }
-
-  Layout layout = arrange(panel, left, top, width, height, scale);
+  Layout layout = arrange(panel, left, top, width, height, 0.0);
   std::optional<PointPx> corner;
   if (!entries.empty()) {
     if (panel.legend == Legend::kAuto)
       corner = free_corner(panel, layout.view, legend_width(entries), legend_height(entries));
-    if (!corner) layout = arrange(panel, left, top, width, height, scale + legend_width(entries) + 4.0);
+    if (!corner) layout = arrange(panel, left, top, width, height, legend_width(entries) + 4.0);
   }
 
   const Frame& f = layout.view.frame;
@@ -638,14 +531,11 @@ void paint_panel(SvgWriter& svg, const Panel& panel, double left, double top, do
   for (const Series& s : panel.series()) draw_series(svg, panel, s, layout.view);
   svg.end_clip();
   svg.rect(f.left, f.top, f.width(), f.height(), "fill=\"none\" stroke=\"#222\"");
-  for (const Series& s : panel.series()) {
-    if (s.kind == kHeatMap) draw_heat_scale(svg, s, f);
-  }
   if (entries.empty()) return;
   if (corner) {
     draw_legend(svg, entries, corner->x, corner->y, true);
   } else {
-    draw_legend(svg, entries, f.right + scale + 10.0, f.top, false);
+    draw_legend(svg, entries, f.right + 10.0, f.top, false);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/plot/plot.hpp"
+#include "swiftlet/sim/plot/plot.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,21 +7,17 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "sim/io/files.hpp"
 #include "sim/plot/series.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim::plot {
 namespace {
 
 constexpr double kFigureTitle_px = 34.0;  // height of the figure's title
 
-void need(bool condition, const std::string& label, const char* what) {
-  if (!condition) throw std::invalid_argument("plot: series '" + label + "': " + what);
-}
-
 void need_same_length(const std::string& label, std::initializer_list<std::size_t> sizes) {
   const bool same = std::all_of(sizes.begin(), sizes.end(), [&](std::size_t size) { return size == *sizes.begin(); });
-  need(same, label, "expected as many x as y values");
+  if (!same) throw std::invalid_argument("plot: series '" + label + "': expected as many x as y values");
 }
 
 std::vector<double> copied(Panel::Values values) { return {values.begin(), values.end()}; }
@@ -119,17 +115,6 @@ Panel& Panel::scatter(const std::string& label, Values xs, Values ys, const Styl
   return *this;
 }
 
-Panel& Panel::error_bars(const std::string& label, Values xs, Values ys, Values low, Values high, const Style& style) {
-  need_same_length(label, {xs.size(), ys.size(), low.size(), high.size()});
-  Series& series = add(kErrorBars, label, style);
-  series.x = copied(xs);
-  series.y = copied(ys);
-  series.low = copied(low);
-  series.high = copied(high);
-  if (series.style.marker == Marker::kNone) series.style.marker = Marker::kCircle;
-  return *this;
-}
-
 Panel& Panel::bars(const std::string& label, Values heights, const Style& style) {
   Series& series = add(kBars, label, style);
   series.x = positions(heights.size());
@@ -158,16 +143,6 @@ Panel& Panel::text(double at_x, double at_y, const std::string& words) {
   Series& series = add(kText, words, {.color = 6});
   series.x = {at_x};
   series.y = {at_y};
-  return *this;
-}
-
-Panel& Panel::heat_map(const std::string& label, Values x_edges, Values y_edges, Values values) {
-  need(x_edges.size() >= 2 && y_edges.size() >= 2, label, "expected at least two edges in x and in y");
-  need(values.size() == (x_edges.size() - 1) * (y_edges.size() - 1), label, "expected one value a cell");
-  Series& series = add(kHeatMap, label, {.color = 0});
-  series.x = copied(x_edges);
-  series.y = copied(y_edges);
-  series.low = copied(values);
   return *this;
 }
 

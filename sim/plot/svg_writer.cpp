@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/io/text.hpp"
 #include "sim/plot/ticks.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim::plot {
 namespace {

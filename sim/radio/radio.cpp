@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/radio/radio.hpp"
+#include "swiftlet/sim/radio/radio.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <tuple>
 
-#include "core/math/random.hpp"
 #include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::sim {
 
@@ -100,7 +100,7 @@ struct Radio::Impl {
   TimeNs positions_at = -1;
   RadioStatistics statistics;
   double delay_sum_s = 0.0;
-  std::vector<TopicStatistics> topics;
+  std::vector<RadioTopicStatistics> topics;
 };
 
 int Radio::Impl::store(const Message& message) {
@@ -193,7 +193,7 @@ void Radio::Impl::receive(VehicleId to, int slot, TimeNs end) {
 void Radio::Impl::release(int slot) { free_slots.push_back(slot); }
 
 void Radio::Impl::count_topic(const Message& message) {
-  auto row = std::find_if(topics.begin(), topics.end(), [&](const TopicStatistics& known) {
+  auto row = std::find_if(topics.begin(), topics.end(), [&](const RadioTopicStatistics& known) {
     return known.from == message.from && known.topic == message.topic;
   });
   if (row == topics.end()) row = topics.insert(topics.end(), {message.topic, message.from, 0, 0});
@@ -254,9 +254,9 @@ void Radio::recycle(std::vector<Message>& messages) {
 
 const RadioStatistics& Radio::statistics() const { return impl_->statistics; }
 
-std::vector<Radio::TopicStatistics> Radio::topics() const {
-  std::vector<TopicStatistics> sorted = impl_->topics;
-  std::sort(sorted.begin(), sorted.end(), [](const TopicStatistics& a, const TopicStatistics& b) {
+std::vector<RadioTopicStatistics> Radio::topics() const {
+  std::vector<RadioTopicStatistics> sorted = impl_->topics;
+  std::sort(sorted.begin(), sorted.end(), [](const RadioTopicStatistics& a, const RadioTopicStatistics& b) {
     return std::tie(a.from, a.topic) < std::tie(b.from, b.topic);
   });
   return sorted;

@@ -9,7 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 struct RTCDeviceTy;
 struct RTCSceneTy;

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "sim/raycast/embree_scene.hpp"
-#include "sim/raycast/sweep_scene.hpp"
+#include "swiftlet/sim/raycast/sweep_scene.hpp"
 
 /// Internal to this room: which triangle a ray meets, and where, with the same bits on every processor.
 ///

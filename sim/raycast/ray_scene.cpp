@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
 
 #include <embree3/rtcore.h>
 
@@ -14,7 +14,7 @@
 
 #include "sim/raycast/embree_scene.hpp"
 #include "sim/raycast/exact_hits_internal.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 namespace {

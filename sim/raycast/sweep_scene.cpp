@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/raycast/sweep_scene.hpp"
+#include "swiftlet/sim/raycast/sweep_scene.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "sim/raycast/embree_scene.hpp"
 #include "sim/raycast/exact_hits_internal.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/csv.hpp"
+#include "swiftlet/sim/recorders/csv.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -7,13 +7,12 @@
 #include <optional>
 #include <span>
 
-#include "core/messages/kind.hpp"
-#include "sim/io/output_file.hpp"
-#include "sim/io/text_row.hpp"
 #include "sim/recorders/selection.hpp"
-#include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/fields.hpp"
-#include "swiftlet/sim/series.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/sim/io/output_file.hpp"
+#include "swiftlet/sim/io/text_row.hpp"
+#include "swiftlet/sim/metrics/metrics.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/events.hpp"
+#include "swiftlet/sim/recorders/events.hpp"
 
 #include <nlohmann/json.hpp>
 
-#include "sim/io/output_file.hpp"
 #include "sim/recorders/selection.hpp"
+#include "swiftlet/sim/io/output_file.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/math/angles.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet::sim {
 namespace {

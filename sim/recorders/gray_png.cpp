@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/gray_png.hpp"
+#include "swiftlet/sim/recorders/gray_png.hpp"
 
 #include <zlib.h>
 

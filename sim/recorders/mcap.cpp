@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/mcap.hpp"
+#include "swiftlet/sim/recorders/mcap.hpp"
+
+#include "sim/recorders/ros_topics.hpp"
 
 #include <optional>
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/pcd.hpp"
+#include "swiftlet/sim/recorders/pcd.hpp"
+
+#include "sim/recorders/scan_files.hpp"
 
 #include <sstream>
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/ply.hpp"
+#include "swiftlet/sim/recorders/ply.hpp"
+
+#include "sim/recorders/scan_files.hpp"
 
 namespace swiftlet::sim {
 namespace {

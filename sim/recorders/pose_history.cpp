@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/pose_history.hpp"
+#include "swiftlet/sim/recorders/pose_history.hpp"
 
 #include <algorithm>
 

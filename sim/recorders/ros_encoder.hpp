@@ -6,8 +6,8 @@
 #include <span>
 #include <string_view>
 
-#include "sim/io/byte_buffer.hpp"
 #include "swiftlet/core/frames.hpp"
+#include "swiftlet/sim/io/byte_buffer.hpp"
 
 namespace swiftlet::sim {
 

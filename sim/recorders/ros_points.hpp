@@ -5,12 +5,9 @@
 
 #include "sim/recorders/ros_encoder.hpp"
 #include "swiftlet/core/scan.hpp"
+#include "swiftlet/sim/recorders/ros_config.hpp"
 
 namespace swiftlet::sim {
-
-/// How the maker's ROS driver lays out its point cloud; kAuto goes by the rows of the scan: 4 Livox, 16 and 32
-/// Velodyne, else Ouster.
-enum class PointsLayout { kAuto, kOuster, kLivox, kVelodyne };
 
 /// sensor_msgs/PointCloud2 of a scan, in the lidar's frame.
 void encode_points(const Scan& scan, PointsLayout layout, std::uint32_t sequence, const std::string& frame,

@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "core/messages/kind.hpp"
-#include "sim/io/text_row.hpp"
 #include "sim/recorders/geodesy.hpp"
 #include "sim/recorders/ros_markers.hpp"
 #include "sim/recorders/ros_points.hpp"
 #include "sim/recorders/ros_rows.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "swiftlet/sim/series.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/sim/io/text_row.hpp"
+#include "swiftlet/sim/metrics/metrics.hpp"
 
 namespace swiftlet::sim {
 namespace {

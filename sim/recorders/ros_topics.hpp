@@ -10,25 +10,10 @@
 #include "sim/recorders/ros_points.hpp"
 #include "sim/recorders/ros_types.hpp"
 #include "sim/recorders/selection.hpp"
-#include "swiftlet/sim/recorder.hpp"
-#include "swiftlet/sim/recorder_output.hpp"
+#include "swiftlet/sim/recorders/ros_config.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
-
-/// What the recorders of ROS messages (MCAP, ROS 1 bag) have in common.
-struct RosConfig {
-  std::vector<std::string> vehicles;
-  std::vector<std::string> sensors;
-  std::vector<std::string> topics = {"points",   "imu", "odometry", "gnss",       "truth",
-                                     "estimate", "tf",  "clock",    "detections", "tracks"};
-  double rate_hz = 100.0;
-  int every = 1;
-  PointsLayout points_layout = PointsLayout::kAuto;
-  Eigen::Vector2d datum_deg = {50.0, 14.0};
-  double datum_altitude_m = 0.0;
-
-  void visit_common(ConfigVisitor& v);
-};
 
 /// Where the messages go.
 class RosSink {

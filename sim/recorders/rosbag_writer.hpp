@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/io/byte_buffer.hpp"
-#include "sim/io/output_file.hpp"
 #include "swiftlet/core/time.hpp"
+#include "swiftlet/sim/io/byte_buffer.hpp"
+#include "swiftlet/sim/io/output_file.hpp"
 
 namespace swiftlet::sim {
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <utility>
 
-#include "sim/io/output_file.hpp"
-#include "sim/io/text_row.hpp"
 #include "sim/recorders/selection.hpp"
+#include "swiftlet/sim/io/output_file.hpp"
+#include "swiftlet/sim/io/text_row.hpp"
 
 namespace swiftlet::sim {
 namespace {

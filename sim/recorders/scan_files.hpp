@@ -6,26 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "sim/io/byte_buffer.hpp"
-#include "sim/recorders/pose_history.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "swiftlet/sim/recorder.hpp"
-#include "swiftlet/sim/recorder_output.hpp"
+#include "swiftlet/sim/io/byte_buffer.hpp"
+#include "swiftlet/sim/recorders/pose_history.hpp"
+#include "swiftlet/sim/recorders/scan_files_config.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
 
 namespace swiftlet::sim {
-
-/// What the recorders of scans as single files (PCD, PLY) have in common.
-struct ScanFilesConfig {
-  std::vector<std::string> vehicles;
-  std::vector<std::string> sensors;
-  int every = 1;
-  enum class Frame { kLidar, kWorld, kWorldEstimate };
-  static constexpr const char* kFrames[] = {"lidar", "world", "world_estimate"};
-  Frame frame = Frame::kLidar;
-  std::string folder = "scans";
-
-  void visit_common(ConfigVisitor& v);
-};
 
 /// A number of each point, as stored.
 struct PointField {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/tum.hpp"
+#include "swiftlet/sim/recorders/tum.hpp"
 
-#include "sim/io/output_file.hpp"
-#include "sim/io/text_row.hpp"
 #include "sim/recorders/selection.hpp"
-#include "sim/world/vehicle_state.hpp"
+#include "swiftlet/sim/io/output_file.hpp"
+#include "swiftlet/sim/io/text_row.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/recorders/csv.hpp"
-#include "sim/recorders/events.hpp"
-#include "sim/recorders/mcap.hpp"
-#include "sim/recorders/pcd.hpp"
-#include "sim/recorders/ply.hpp"
-#include "sim/recorders/rosbag.hpp"
-#include "sim/recorders/tum.hpp"
-#include "swiftlet/core/registry.hpp"
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+
+#include "swiftlet/sim/recorders/csv.hpp"
+#include "swiftlet/sim/recorders/events.hpp"
+#include "swiftlet/sim/recorders/mcap.hpp"
+#include "swiftlet/sim/recorders/pcd.hpp"
+#include "swiftlet/sim/recorders/ply.hpp"
+#include "swiftlet/sim/recorders/rosbag.hpp"
+#include "swiftlet/sim/recorders/tum.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -25,12 +25,13 @@ const RecorderType kRecorderTypes[] = {
 
 }  // namespace
 
-std::span<const RecorderType> recorder_types() { return kRecorderTypes; }
-
-std::span<const ModuleType> recorder_module_types() { return module_types_of<kRecorderTypes>(); }
+Registry<RecorderType>& recorder_registry() {
+  static Registry<RecorderType> table("recorder", kRecorderTypes);
+  return table;
+}
 
 std::unique_ptr<Recorder> make_recorder(const Module& config) {
-  return row_named(kRecorderTypes, config.type, "recorder").make(*config.config);
+  return recorder_registry().named(config.type).make(*config.config);
 }
 
 }  // namespace swiftlet::sim

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/altimeter.hpp"
-#include "sim/sensors/compass.hpp"
-#include "sim/sensors/gnss.hpp"
-#include "sim/sensors/imu.hpp"
-#include "sim/sensors/lidar.hpp"
-#include "sim/sensors/neighbors.hpp"
-#include "sim/sensors/odometry.hpp"
-#include "sim/sensors/pose.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+
+#include "swiftlet/sim/sensors/altimeter.hpp"
+#include "swiftlet/sim/sensors/compass.hpp"
+#include "swiftlet/sim/sensors/gnss.hpp"
+#include "swiftlet/sim/sensors/imu.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
+#include "swiftlet/sim/sensors/neighbors.hpp"
+#include "swiftlet/sim/sensors/odometry.hpp"
+#include "swiftlet/sim/sensors/pose.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -32,12 +32,13 @@ constexpr SensorType kSensorTypes[] = {
 
 }  // namespace
 
-std::span<const SensorType> sensor_types() { return kSensorTypes; }
-
-std::span<const ModuleType> sensor_module_types() { return module_types_of<kSensorTypes>(); }
+Registry<SensorType>& sensor_registry() {
+  static Registry<SensorType> table("sensor", kSensorTypes);
+  return table;
+}
 
 std::unique_ptr<Sensor> make_sensor(const Module& config, SensorSetup setup) {
-  return row_named(kSensorTypes, config.type, "sensor").make(*config.config, std::move(setup));
+  return sensor_registry().named(config.type).make(*config.config, std::move(setup));
 }
 
 }  // namespace swiftlet::sim

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/campus.hpp"
-#include "sim/world/cloud.hpp"
-#include "sim/world/empty.hpp"
-#include "sim/world/field.hpp"
-#include "sim/world/forest.hpp"
-#include "sim/world/forest_thesis.hpp"
-#include "sim/world/hall.hpp"
-#include "sim/world/mesh_import.hpp"
-#include "sim/world/two_rooms_gap.hpp"
-#include "sim/world/warehouse.hpp"
-#include "sim/world/world.hpp"
-#include "swiftlet/core/registry.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/world/campus.hpp"
+#include "swiftlet/sim/world/cloud.hpp"
+#include "swiftlet/sim/world/empty.hpp"
+#include "swiftlet/sim/world/field.hpp"
+#include "swiftlet/sim/world/forest.hpp"
+#include "swiftlet/sim/world/forest_thesis.hpp"
+#include "swiftlet/sim/world/hall.hpp"
+#include "swiftlet/sim/world/mesh_import.hpp"
+#include "swiftlet/sim/world/two_rooms_gap.hpp"
+#include "swiftlet/sim/world/warehouse.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -45,12 +44,13 @@ const WorldType kWorldTypes[] = {
 
 }  // namespace
 
-std::span<const WorldType> world_types() { return kWorldTypes; }
-
-std::span<const ModuleType> world_module_types() { return module_types_of<kWorldTypes>(); }
+Registry<WorldType>& world_registry() {
+  static Registry<WorldType> table("world", kWorldTypes);
+  return table;
+}
 
 Scene make_world(const Module& config, std::uint64_t seed) {
-  return row_named(kWorldTypes, config.type, "world").make(*config.config, seed);
+  return world_registry().named(config.type).make(*config.config, seed);
 }
 
 }  // namespace swiftlet::sim

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "sim/render/picture_scene.hpp"
-#include "sim/render/render_config.hpp"
+#include "swiftlet/sim/render/render_config.hpp"
 
 namespace swiftlet::sim {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "sim/render/cameras.hpp"
-#include "sim/render/image.hpp"
+#include "swiftlet/sim/render/image.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/render/colors.hpp"
+#include "swiftlet/sim/render/colors.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
 
-#include "sim/world/scene.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/render/image.hpp"
+#include "swiftlet/sim/render/image.hpp"
 
 #include <algorithm>
 #include <cmath>

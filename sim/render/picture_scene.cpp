@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "sim/sensors/sensor.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/overlay.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {
 

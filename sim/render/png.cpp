@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/io/files.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {
 namespace {

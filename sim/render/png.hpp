@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <span>
 
-#include "sim/render/image.hpp"
+#include "swiftlet/sim/render/image.hpp"
 
 namespace swiftlet::sim {
 

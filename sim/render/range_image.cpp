@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/math/angles.hpp"
 #include "sim/render/captions.hpp"
-#include "sim/render/colors.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/sim/render/colors.hpp"
 
 namespace swiftlet::sim {
 namespace {

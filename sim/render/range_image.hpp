@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sim/render/image.hpp"
 #include "swiftlet/core/scan.hpp"
+#include "swiftlet/sim/render/image.hpp"
 
 namespace swiftlet::sim {
 

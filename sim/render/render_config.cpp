@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/render/render_config.hpp"
+#include "swiftlet/sim/render/render_config.hpp"
 
 #include <algorithm>
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/world/scene.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
 

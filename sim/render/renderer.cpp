@@ -9,12 +9,12 @@
 #include <string>
 
 #include "embedded/sim_render.hpp"
-#include "sim/render/colors.hpp"
 #include "sim/render/gl_context.hpp"
 #include "sim/render/gl_objects_internal.hpp"
 #include "sim/render/mark_painter.hpp"
 #include "sim/render/vehicle_painter.hpp"
 #include "sim/render/world_painter.hpp"
+#include "swiftlet/sim/render/colors.hpp"
 
 namespace swiftlet::sim {
 namespace {

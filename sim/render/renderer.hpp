@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "sim/render/cameras.hpp"
-#include "sim/render/image.hpp"
 #include "sim/render/picture_scene.hpp"
-#include "sim/render/render_config.hpp"
-#include "sim/world/scene.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/sim/render/image.hpp"
+#include "swiftlet/sim/render/render_config.hpp"
+#include "swiftlet/sim/world/scene.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 

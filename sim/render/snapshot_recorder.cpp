@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/render/snapshot_recorder.hpp"
+#include "swiftlet/sim/render/snapshot_recorder.hpp"
 
 #include <fmt/core.h>
 
@@ -11,15 +11,13 @@
 
 #include "sim/render/cameras.hpp"
 #include "sim/render/captions.hpp"
-#include "sim/render/colors.hpp"
 #include "sim/render/picture_scene.hpp"
 #include "sim/render/png.hpp"
 #include "sim/render/range_image.hpp"
 #include "sim/render/renderer.hpp"
 #include "sim/render/video.hpp"
-#include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/errors.hpp"
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/render/colors.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -192,7 +190,7 @@ Image SnapshotRecorder::take(const Station& station, const std::filesystem::path
 }
 
 std::string SnapshotRecorder::caption_of(const Station& station) const {
-  std::string text = info_.scenario != nullptr ? info_.scenario->name : std::string();
+  std::string text = info_.scenario;
   text += (text.empty() ? "" : "  /  ") + station.config.name;
   if (station.vehicle != kNoVehicle) text += "  /  " + info_.vehicle_names[static_cast<std::size_t>(station.vehicle)];
   return text;

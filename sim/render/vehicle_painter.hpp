@@ -9,7 +9,7 @@
 #include "sim/render/gl_objects_internal.hpp"
 #include "sim/render/wide_lines.hpp"
 #include "sim/render/world_painter.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 

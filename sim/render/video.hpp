@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "sim/io/files.hpp"
-#include "sim/render/image.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/render/image.hpp"
 
 namespace swiftlet::sim {
 

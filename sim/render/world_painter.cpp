@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/render/colors.hpp"
+#include "swiftlet/sim/render/colors.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/report/batch_report.hpp"
+#include "swiftlet/sim/report/batch_report.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -10,11 +10,11 @@
 #include <optional>
 #include <set>
 
-#include "sim/io/files.hpp"
-#include "sim/io/text.hpp"
-#include "sim/plot/plot.hpp"
 #include "sim/report/html.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/text.hpp"
+#include "swiftlet/sim/plot/plot.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/report/batch_table.hpp"
+#include "swiftlet/sim/report/batch_table.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -8,8 +8,8 @@
 #include <set>
 
 #include "sim/report/html.hpp"
-#include "sim/scenario/yaml_reader.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "embedded/sim_report.hpp"
-#include "sim/io/text.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim::html {
 std::string number(double value) {

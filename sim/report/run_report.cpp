@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/report/run_report.hpp"
+#include "swiftlet/sim/report/run_report.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +8,13 @@
 #include <set>
 #include <sstream>
 
-#include "sim/io/files.hpp"
-#include "sim/io/shallow_json.hpp"
-#include "sim/io/text.hpp"
-#include "sim/plot/plot.hpp"
 #include "sim/report/html.hpp"
 #include "sim/report/time_series.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/shallow_json.hpp"
+#include "swiftlet/sim/io/text.hpp"
+#include "swiftlet/sim/plot/plot.hpp"
 
 namespace swiftlet::sim {
 namespace {

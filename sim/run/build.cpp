@@ -7,13 +7,14 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/agent/registry.hpp"
-#include "core/math/angles.hpp"
-#include "sim/physics/start_place.hpp"
-#include "sim/raycast/ray_scene.hpp"
 #include "sim/run/prior_map.hpp"
-#include "sim/world/world.hpp"
+#include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/physics/start_place.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -119,7 +120,7 @@ std::vector<std::string> vehicle_names(const Scenario& scenario) {
 
 RunInfo make_run_info(const Scenario& scenario, const World& world) {
   RunInfo info;
-  info.scenario = &scenario;
+  info.scenario = scenario.name;
   info.scene = world.scene.get();
   info.vehicle_names = vehicle_names(scenario);
   for (const VehicleConfig& vehicle : scenario.vehicles) {

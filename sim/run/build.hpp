@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "sim/metrics/metric.hpp"
-#include "sim/physics/physics_world.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/vehicle_shape.hpp"
 #include "swiftlet/core/agent.hpp"
-#include "swiftlet/sim/scenario.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/metrics/metric.hpp"
+#include "swiftlet/sim/physics/physics_world.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 /// From a scenario to the parts of a simulation.
 namespace swiftlet::sim {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "core/math/angles.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/physics/physics_world.hpp"
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/physics/physics_world.hpp"
+#include "swiftlet/sim/view/tick_view.hpp"
 
 namespace swiftlet::sim {
 

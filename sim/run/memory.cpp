@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/run/memory.hpp"
+#include "swiftlet/sim/run/memory.hpp"
 
 #include <fmt/core.h>
 #include <sys/resource.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <limits>
 
-#include "core/agent/registry.hpp"
+#include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {

@@ -7,10 +7,10 @@
 #include <fstream>
 #include <string>
 
-#include "sim/run/memory.hpp"
-#include "sim/world/mesh_import.hpp"
-#include "sim/world/point_cloud_file.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/run/memory.hpp"
+#include "swiftlet/sim/world/mesh_import.hpp"
+#include "swiftlet/sim/world/point_cloud_file.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "sim/world/scene.hpp"
 #include "swiftlet/core/prior_map.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
 

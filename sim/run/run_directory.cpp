@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/run/run_directory.hpp"
+#include "swiftlet/sim/run/run_directory.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
 
 #include <omp.h>
 
 #include <algorithm>
 
-#include "sim/metrics/metrics.hpp"
-#include "sim/parallel/crew.hpp"
-#include "sim/radio/radio.hpp"
-#include "sim/render/snapshot_recorder.hpp"
 #include "sim/run/build.hpp"
 #include "sim/run/event_log.hpp"
-#include "sim/run/memory.hpp"
-#include "sim/run/summary.hpp"
 #include "sim/run/sweep_schedule.hpp"
 #include "sim/run/team.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/metrics/metrics.hpp"
+#include "swiftlet/sim/parallel/crew.hpp"
+#include "swiftlet/sim/radio/radio.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/render/snapshot_recorder.hpp"
+#include "swiftlet/sim/run/memory.hpp"
+#include "swiftlet/sim/run/summary.hpp"
 
 namespace swiftlet::sim {
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/observation.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/run/summary.hpp"
+#include "swiftlet/sim/run/summary.hpp"
 
 #include <fmt/core.h>
 
@@ -8,8 +8,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "sim/io/text.hpp"
-#include "sim/run/version.hpp"
+#include "swiftlet/sim/io/text.hpp"
+#include "swiftlet/sim/run/version.hpp"
 
 namespace swiftlet::sim {
 namespace {

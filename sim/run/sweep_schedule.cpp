@@ -5,8 +5,9 @@
 #include <chrono>
 #include <string>
 
-#include "sim/parallel/crew.hpp"
 #include "swiftlet/core/ensure.hpp"
+#include "swiftlet/sim/parallel/crew.hpp"
+#include "swiftlet/sim/parallel/first_exception.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <compare>
 #include <vector>
 
-#include "sim/run/stage_clock.hpp"
 #include "sim/run/team.hpp"
+#include "swiftlet/sim/run/stage_clock.hpp"
 
 namespace swiftlet::sim {
 

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "sim/radio/radio.hpp"
 #include "sim/run/build.hpp"
 #include "sim/run/finite_values.hpp"
 #include "sim/run/state_hash.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/radio/radio.hpp"
 
 namespace swiftlet::sim {
 namespace {

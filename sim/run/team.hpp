@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "sim/physics/physics_world.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/agent.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/physics/physics_world.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {
 

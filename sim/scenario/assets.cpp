@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/assets.hpp"
+#include "swiftlet/sim/scenario/assets.hpp"
 
 #include <map>
 #include <sstream>

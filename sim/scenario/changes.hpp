@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "sim/scenario/document.hpp"
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/sim/scenario/document.hpp"
 
 namespace swiftlet::sim {
 

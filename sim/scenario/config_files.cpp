@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/config_files.hpp"
+#include "swiftlet/sim/scenario/config_files.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "sim/scenario/document.hpp"
+#include "swiftlet/sim/scenario/document.hpp"
 
 namespace swiftlet::sim {
 namespace {

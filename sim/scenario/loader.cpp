@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/loader.hpp"
+#include "swiftlet/sim/scenario/loader.hpp"
 
 #include <algorithm>
 
-#include "sim/scenario/suggest.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/recorder_paths.hpp"
+#include "swiftlet/sim/scenario/recorder_paths.hpp"
 
 #include <algorithm>
 
-#include "sim/scenario/suggest.hpp"
-#include "swiftlet/sim/recorder_output.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/reference.hpp"
+#include "swiftlet/sim/scenario/reference.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <deque>
 
-#include "core/messages/kind.hpp"
-#include "sim/recorders/csv.hpp"
-#include "sim/scenario/units.hpp"
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/sim/recorders/csv.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
+#include "swiftlet/sim/scenario/units.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
 
 #include <algorithm>
 #include <string_view>
 
-#include "core/agent/registry.hpp"
-#include "sim/scenario/recorder_paths.hpp"
-#include "sim/scenario/suggest.hpp"
-#include "sim/scenario/yaml_reader.hpp"
-#include "sim/scenario/yaml_writer.hpp"
-#include "sim/sensors/neighbors.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/world.hpp"
+#include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/time.hpp"
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/scenario/recorder_paths.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
+#include "swiftlet/sim/scenario/yaml_writer.hpp"
+#include "swiftlet/sim/sensors/neighbors.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -151,17 +153,6 @@ void VehicleConfig::visit(ConfigVisitor& v) {
   v.module("agent", agent, agent_module_types(), "[-] its software");
   name_sensors(v, sensors);
   v.check(!airframe.rotors.empty(), "airframe.rotors", "at least one rotor");
-}
-
-void MetricsConfig::visit(ConfigVisitor& v) {
-  v.field("clearance_max_m", clearance_max_m, "[m] clearances beyond are reported as this", Range::positive());
-  v.field("true_positive_m", true_positive_m,
-          "[m] a detection or track nearer than this to a vehicle is that vehicle's", Range::positive());
-  v.field("detection_range_m", detection_range_m, "[m] vehicles nearer than this count for recall", Range::positive());
-  v.field("detection_bin_m", detection_bin_m, "[m] width of the bins of distance of recall and errors",
-          Range::positive());
-  v.field("stop_on_crash", stop_on_crash, "[-] end the run at the first crash?");
-  v.field("stop_when_done", stop_when_done, "[-] end the run when every mission is done, failed or crashed?");
 }
 
 Scenario::Scenario() : world(world_module_types(), "field"), vehicles(1) { vehicles[0].name = "uav1"; }

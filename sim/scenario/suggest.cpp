@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/suggest.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
 
 #include <algorithm>
 #include <numeric>

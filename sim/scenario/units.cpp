@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/units.hpp"
+#include "swiftlet/sim/scenario/units.hpp"
 
 #include <charconv>
 #include <cmath>
 #include <numbers>
 
-#include "sim/io/text.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/yaml_reader.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -12,10 +12,10 @@
 #include <stdexcept>
 
 #include "sim/scenario/changes.hpp"
-#include "sim/scenario/document.hpp"
-#include "sim/scenario/loader.hpp"
-#include "sim/scenario/suggest.hpp"
-#include "sim/scenario/units.hpp"
+#include "swiftlet/sim/scenario/document.hpp"
+#include "swiftlet/sim/scenario/loader.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
+#include "swiftlet/sim/scenario/units.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/yaml_writer.hpp"
+#include "swiftlet/sim/scenario/yaml_writer.hpp"
 
 #include <algorithm>
 #include <string_view>
 
-#include "sim/scenario/units.hpp"
+#include "swiftlet/sim/scenario/units.hpp"
 
 namespace swiftlet::sim {
 namespace {

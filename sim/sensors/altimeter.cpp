@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/altimeter.hpp"
+#include "swiftlet/sim/sensors/altimeter.hpp"
 
 #include "sim/sensors/noise.hpp"
 #include "swiftlet/core/elementary.hpp"

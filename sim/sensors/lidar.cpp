@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/lidar.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,13 +7,14 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/math/random.hpp"
-#include "sim/parallel/crew.hpp"
-#include "sim/raycast/sweep_scene.hpp"
 #include "sim/sensors/lidar_external_pose.hpp"
 #include "sim/sensors/lidar_tiles.hpp"
 #include "sim/sensors/noise.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/parallel/crew.hpp"
+#include "swiftlet/sim/parallel/first_exception.hpp"
+#include "swiftlet/sim/raycast/sweep_scene.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 

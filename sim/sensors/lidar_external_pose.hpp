@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/math/random.hpp"
-#include "sim/sensors/lidar.hpp"
 #include "sim/sensors/noise.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/lidar_measurement.hpp"
+#include "swiftlet/sim/sensors/lidar_measurement.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/lidar_mount.hpp"
+#include "swiftlet/sim/sensors/lidar_mount.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/math/angles.hpp"
-#include "sim/sensors/lidar_pattern.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/sim/sensors/lidar_pattern.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/lidar_pattern.hpp"
+#include "swiftlet/sim/sensors/lidar_pattern.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/math/angles.hpp"
-#include "core/math/elementary_lanes.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/math/elementary_lanes.hpp"
 #include "swiftlet/core/registry.hpp"
 #include "swiftlet/sim/errors.hpp"
 
@@ -301,6 +301,11 @@ constexpr LidarPatternType kPatterns[] = {
      make<CsvPattern, CsvPatternConfig>},
 };
 
+Registry<LidarPatternType>& patterns() {
+  static Registry<LidarPatternType> table("LiDAR pattern", kPatterns);
+  return table;
+}
+
 }  // namespace
 
 void OusterConfig::visit(ConfigVisitor& v) {
@@ -340,10 +345,10 @@ void CsvPatternConfig::visit(ConfigVisitor& v) {
   v.file("file", file, "lines of azimuth_deg,elevation_deg,time_s in ascending time");
 }
 
-std::span<const ModuleType> lidar_pattern_types() { return module_types_of<kPatterns>(); }
+std::span<const ModuleType> lidar_pattern_types() { return patterns().modules(); }
 
 std::unique_ptr<LidarPattern> make_lidar_pattern(const Module& config, double sweep_s) {
-  return row_named(kPatterns, config.type, "LiDAR pattern").make(*config.config, sweep_s);
+  return patterns().named(config.type).make(*config.config, sweep_s);
 }
 
 }  // namespace swiftlet::sim

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/raycast/sweep_scene.hpp"
-#include "sim/sensors/lidar_pattern.hpp"
+#include "swiftlet/sim/raycast/sweep_scene.hpp"
+#include "swiftlet/sim/sensors/lidar_pattern.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/neighbors.hpp"
+#include "swiftlet/sim/sensors/neighbors.hpp"
 
 #include <algorithm>
 
 #include "sim/sensors/noise.hpp"
-#include "sim/world/vehicle_shape.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/math/angles.hpp"
-#include "core/math/random.hpp"
 #include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 /// Noise that all sensors share. Every number comes from (seed, purpose, entity, sample, axis).
 namespace swiftlet::sim {

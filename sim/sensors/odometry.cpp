@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/odometry.hpp"
+#include "swiftlet/sim/sensors/odometry.hpp"
 
 #include "sim/sensors/noise.hpp"
 

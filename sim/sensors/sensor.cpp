@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/sensor.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
 
 #include <algorithm>
 #include <stdexcept>

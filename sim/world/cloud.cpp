@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/cloud.hpp"
+#include "swiftlet/sim/world/cloud.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <tuple>
 
-#include "sim/world/mesh_builder.hpp"
-#include "sim/world/point_cloud_file.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
+#include "swiftlet/sim/world/point_cloud_file.hpp"
 
 namespace swiftlet::sim {
 namespace {

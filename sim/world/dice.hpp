@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/math/random.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/export.hpp"
+#include "swiftlet/sim/world/export.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim/io/byte_buffer.hpp"
-#include "sim/io/output_file.hpp"
-#include "sim/io/text.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/byte_buffer.hpp"
+#include "swiftlet/sim/io/output_file.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/field.hpp"
+#include "swiftlet/sim/world/field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/forest.hpp"
+#include "swiftlet/sim/world/forest.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
-#include "sim/world/mesh_builder.hpp"
 #include "sim/world/tree.hpp"
 #include "sim/world/undergrowth.hpp"
 #include "swiftlet/core/elementary.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

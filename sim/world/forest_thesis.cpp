@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/forest_thesis.hpp"
+#include "swiftlet/sim/world/forest_thesis.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
-#include "sim/world/mesh_builder.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/hall.hpp"
+#include "swiftlet/sim/world/hall.hpp"
 
 #include <algorithm>
 
 #include "sim/world/building.hpp"
 #include "sim/world/dice.hpp"
 #include "sim/world/materials.hpp"
-#include "sim/world/mesh_builder.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

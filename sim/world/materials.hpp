@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "sim/world/scene.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 /// Materials of the generated worlds. Reflectivities are diffuse, at 865..905 nm; the comments say where they come
 /// from: (R) LiDAR makers' table of natural surfaces at 0.9 um (RIEGL: deciduous trees 60 %, conifers 30 %, newspaper

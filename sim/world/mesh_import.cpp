@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/mesh_import.hpp"
+#include "swiftlet/sim/world/mesh_import.hpp"
 
 #include <assimp/config.h>
 #include <assimp/material.h>
@@ -15,10 +15,10 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/io/files.hpp"
 #include "sim/world/input_file.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/neighborhood.hpp"
+#include "swiftlet/sim/world/neighborhood.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/placement.hpp"
+#include "swiftlet/sim/world/placement.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/point_cloud_file.hpp"
+#include "swiftlet/sim/world/point_cloud_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 #include <optional>
 #include <sstream>
 
-#include "sim/io/files.hpp"
 #include "sim/world/input_file.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/relief.hpp"
+#include "swiftlet/sim/world/relief.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "sim/world/mesh_builder.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

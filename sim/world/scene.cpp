@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/scene.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
 

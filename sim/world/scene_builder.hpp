@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "sim/world/scene.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
 

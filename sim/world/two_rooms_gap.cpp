@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/two_rooms_gap.hpp"
+#include "swiftlet/sim/world/two_rooms_gap.hpp"
 
 #include <numbers>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "sim/world/mesh_builder.hpp"
 #include "swiftlet/core/elementary.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/vehicle_state.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 
 #include <algorithm>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <benchmark/benchmark.h>
 
-#include "core/agent/registry.hpp"
-#include "core/agent/stack.hpp"
-#include "core/control/reference_tracker.hpp"
-#include "core/localization/ins.hpp"
-#include "core/stages/estimators.hpp"
-#include "core/stages/guidances.hpp"
+#include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/localization/ins.hpp"
+#include "swiftlet/core/stages/estimators.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/fine_plant.hpp"
 

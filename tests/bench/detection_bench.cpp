@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "core/detection/vofod_stages.hpp"
-#include "sim/sensors/lidar.hpp"
-#include "sim/world/forest.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/core/detection/vofod_stages.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
+#include "swiftlet/sim/world/forest.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "tests/bench/reference_detection.hpp"
 #include "tests/support/sensor_driver.hpp"
 

@@ -21,11 +21,11 @@
 #include <vector>
 
 #include "sim/raycast/embree_scene.hpp"
-#include "sim/raycast/sweep_scene.hpp"
-#include "sim/sensors/lidar.hpp"
 #include "sim/sensors/lidar_tiles.hpp"
-#include "sim/world/forest.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/sim/raycast/sweep_scene.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
+#include "swiftlet/sim/world/forest.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "tests/support/sensor_driver.hpp"
 
 namespace swiftlet::sim {

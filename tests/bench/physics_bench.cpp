@@ -9,9 +9,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/math/random.hpp"
-#include "sim/physics/physics_world.hpp"
-#include "sim/world/world.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/physics/physics_world.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
 
 namespace swiftlet::sim {
 namespace {

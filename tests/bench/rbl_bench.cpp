@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "core/guidance/rbl_obstacles.hpp"
-#include "core/guidance/rbl_planner.hpp"
-#include "core/math/angles.hpp"
+#include "swiftlet/core/guidance/rbl_obstacles.hpp"
+#include "swiftlet/core/guidance/rbl_planner.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "core/detection/vofod_stages.hpp"
-#include "core/math/random.hpp"
-#include "sim/sensors/lidar.hpp"
-#include "sim/world/field.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/core/detection/vofod_stages.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
+#include "swiftlet/sim/world/field.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "tests/support/sensor_driver.hpp"
 
 namespace swiftlet::sim {

@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 
+#include "swiftlet/sim/registry/recorders.hpp"
 #include "tests/support/synthetic_run.hpp"
 #include "tests/support/temporary_directory.hpp"
 

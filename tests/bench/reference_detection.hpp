@@ -10,9 +10,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/detection/vofod_config.hpp"
-#include "core/localization/local_cloud.hpp"
 #include "swiftlet/core/detection.hpp"
+#include "swiftlet/core/detection/vofod_config.hpp"
+#include "swiftlet/core/localization/local_cloud.hpp"
 
 /// The detector of Vrba 2025 written straight from the paper (Table II, the paper's reading of every choice), in double
 /// precision and without any of core/detection or of the map's and the rays' code: what those are measured against, in

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "core/localization/local_cloud.hpp"
-#include "core/map/background_query.hpp"
 #include "swiftlet/core/detection.hpp"
+#include "swiftlet/core/localization/local_cloud.hpp"
+#include "swiftlet/core/map/background_query.hpp"
 
 /// Algorithm 2 of Vrba 2025 as it is printed, line by line, with Table II, for frozen scans. Slow; what it gives is
 /// what the tracker must give.

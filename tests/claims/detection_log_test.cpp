@@ -8,7 +8,7 @@
 
 #include "parallel.hpp"
 #include "swiftlet/core/action.hpp"
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/messages/kind.hpp"
+#include "swiftlet/core/messages/kind.hpp"
 #include "tests/fuzz/support.hpp"
 
 namespace swiftlet {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "sim/report/run_report.hpp"
+#include "swiftlet/sim/report/run_report.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "tests/fuzz/support.hpp"
 

@@ -2,7 +2,7 @@
 // Fuzz target of a batch's database of results: any bytes must end in rows or in a message.
 #include <stdexcept>
 
-#include "sim/batch/result_store.hpp"
+#include "swiftlet/sim/batch/result_store.hpp"
 #include "tests/fuzz/support.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "sim/scenario/yaml_reader.hpp"
-#include "sim/scenario/yaml_writer.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
+#include "swiftlet/sim/scenario/yaml_writer.hpp"
 #include "tests/sim/scenario/example_config.hpp"
 
 namespace swiftlet::sim {

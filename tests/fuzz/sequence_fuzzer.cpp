@@ -3,7 +3,7 @@
 // read must survive being written and read again.
 #include <stdexcept>
 
-#include "sim/dataset/sequence_info.hpp"
+#include "swiftlet/sim/dataset/sequence_info.hpp"
 #include "tests/fuzz/support.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

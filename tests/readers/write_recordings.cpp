@@ -5,11 +5,12 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "sim/recorders/csv.hpp"
-#include "sim/recorders/mcap.hpp"
-#include "sim/recorders/pcd.hpp"
-#include "sim/recorders/ply.hpp"
-#include "sim/recorders/rosbag.hpp"
+#include "swiftlet/sim/recorders/csv.hpp"
+#include "swiftlet/sim/recorders/mcap.hpp"
+#include "swiftlet/sim/recorders/pcd.hpp"
+#include "swiftlet/sim/recorders/ply.hpp"
+#include "swiftlet/sim/recorders/rosbag.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
 #include "tests/support/synthetic_run.hpp"
 
 namespace swiftlet::sim {

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/action.hpp"
 #include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/observation.hpp"
 
 namespace swiftlet::testing {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/math/angles.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 

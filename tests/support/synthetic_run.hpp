@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "core/messages/kind.hpp"
-#include "core/messages/neighbor_position.hpp"
-#include "sim/metrics/detection_score.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/vehicle_state.hpp"
-#include "swiftlet/sim/recorder.hpp"
-#include "swiftlet/sim/series.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/neighbor_position.hpp"
+#include "swiftlet/sim/metrics/detection_score.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/view/series.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {
 

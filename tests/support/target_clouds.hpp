@@ -5,9 +5,9 @@
 #include <numbers>
 #include <vector>
 
-#include "core/localization/local_cloud.hpp"
-#include "core/map/background_query.hpp"
-#include "core/math/random.hpp"
+#include "swiftlet/core/localization/local_cloud.hpp"
+#include "swiftlet/core/map/background_query.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::testing {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/world/scene.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
 

@@ -6,12 +6,12 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/agent/stack.hpp"
-#include "core/guidance/flocking.hpp"
-#include "core/guidance/rbl.hpp"
-#include "core/math/angles.hpp"
-#include "core/math/random.hpp"
-#include "sim/world/vehicle_state.hpp"
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/guidance/flocking.hpp"
+#include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "core/math/random.hpp"
-#include "core/uncertainty/point_covariance.hpp"
 #include "detection_flights.hpp"
 #include "experiments.hpp"
 #include "parallel.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/uncertainty/point_covariance.hpp"
 
 namespace swiftlet::tools {
 namespace {

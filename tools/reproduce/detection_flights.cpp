@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "core/uncertainty/error_distribution.hpp"
-#include "core/uncertainty/point_covariance.hpp"
+#include "swiftlet/core/uncertainty/error_distribution.hpp"
+#include "swiftlet/core/uncertainty/point_covariance.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -6,11 +6,11 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/raycast/ray_scene.hpp"
-#include "sim/sensors/lidar.hpp"
-#include "sim/world/vehicle_state.hpp"
 #include "swiftlet/core/action.hpp"
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "swiftlet/sim/recorder.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 
 /// Flying-object detection against truth, as Vrba 2025 measures it: eqs. 67 to 71.
 namespace swiftlet::tools {

@@ -8,13 +8,12 @@
 #include <deque>
 #include <vector>
 
-#include "core/detection/vofod_stages.hpp"
-#include "core/localization/local_cloud.hpp"
-#include "core/tracking/cloud_tracker.hpp"
 #include "detection_flights.hpp"
 #include "experiments.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/core/detection/vofod_stages.hpp"
+#include "swiftlet/core/localization/local_cloud.hpp"
+#include "swiftlet/core/tracking/cloud_tracker.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <vector>
 
-#include "core/uncertainty/error_distribution.hpp"
 #include "experiments.hpp"
 #include "noise_grid.hpp"
 #include "parallel.hpp"
+#include "swiftlet/core/uncertainty/error_distribution.hpp"
 
 namespace swiftlet::tools {
 namespace {

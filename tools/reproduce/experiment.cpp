@@ -10,10 +10,10 @@
 #include <stdexcept>
 
 #include "flight_log.hpp"
-#include "sim/io/files.hpp"
-#include "sim/run/version.hpp"
-#include "sim/scenario/suggest.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/run/version.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
 
 namespace swiftlet::tools {
 namespace {

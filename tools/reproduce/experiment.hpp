@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "published.hpp"
-#include "sim/plot/plot.hpp"
+#include "swiftlet/sim/plot/plot.hpp"
 
 /// Experiments of the literature, flown or computed again: one file each in this folder, one row each in registry.cpp.
 namespace swiftlet::tools {

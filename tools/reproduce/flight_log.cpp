@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "sim/run/version.hpp"
+#include "swiftlet/sim/run/version.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/run/summary.hpp"
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/run/summary.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
 
 namespace swiftlet::tools {
 

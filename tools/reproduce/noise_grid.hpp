@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/math/random.hpp"
-#include "core/uncertainty/point_covariance.hpp"
 #include "parallel.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/uncertainty/point_covariance.hpp"
 
 /// The noise parameters of Vrba 2025, section IV: eqs. (50) to (53).
 namespace swiftlet::tools {

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/map/log_odds_map.hpp"
-#include "core/map/ray_lengths.hpp"
-#include "core/map/voxel_map.hpp"
 #include "experiments.hpp"
+#include "swiftlet/core/map/log_odds_map.hpp"
+#include "swiftlet/core/map/ray_lengths.hpp"
+#include "swiftlet/core/map/voxel_map.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "experiment.hpp"
-#include "sim/run/summary.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/run/summary.hpp"
 
 namespace swiftlet::tools {
 

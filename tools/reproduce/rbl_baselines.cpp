@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "core/agent/stack.hpp"
-#include "core/guidance/flocking.hpp"
-#include "core/guidance/rbl.hpp"
-#include "core/stages/guidances.hpp"
 #include "crossing.hpp"
 #include "experiments.hpp"
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/guidance/flocking.hpp"
+#include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -5,10 +5,10 @@
 #include <limits>
 #include <vector>
 
-#include "core/agent/stack.hpp"
-#include "core/guidance/rbl.hpp"
 #include "experiments.hpp"
 #include "parallel.hpp"
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/guidance/rbl.hpp"
 
 namespace swiftlet::tools {
 namespace {

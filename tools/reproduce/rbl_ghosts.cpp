@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "core/agent/stack.hpp"
-#include "core/mapping/sparse_mapper.hpp"
 #include "experiments.hpp"
 #include "parallel.hpp"
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/mapping/sparse_mapper.hpp"
 
 namespace swiftlet::tools {
 

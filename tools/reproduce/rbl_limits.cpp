@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "core/agent/stack.hpp"
-#include "core/guidance/rbl.hpp"
 #include "crossing.hpp"
 #include "experiments.hpp"
-#include "sim/plot/plot.hpp"
-#include "sim/sensors/neighbors.hpp"
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/sim/plot/plot.hpp"
+#include "swiftlet/sim/sensors/neighbors.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -6,10 +6,10 @@
 #include <numeric>
 #include <vector>
 
-#include "core/uncertainty/grid_probability.hpp"
 #include "experiments.hpp"
 #include "noise_grid.hpp"
 #include "parallel.hpp"
+#include "swiftlet/core/uncertainty/grid_probability.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "core/uncertainty/voxel_probability.hpp"
 #include "experiments.hpp"
 #include "noise_grid.hpp"
 #include "parallel.hpp"
+#include "swiftlet/core/uncertainty/voxel_probability.hpp"
 
 namespace swiftlet::tools {
 namespace {

@@ -1,37 +1,56 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <iterator>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "swiftlet/core/config.hpp"
 
-/// What every registry does with its table. A row is a struct that begins with `ModuleType module` and has a `make`;
-/// the table is a constant array of rows in one .cpp, in a room above everything that it names.
 namespace swiftlet {
 
-/// The rows as far as configuration is concerned, in their order.
-template <const auto& kRows>
-std::span<const ModuleType> module_types_of() {
-  static const auto modules = [] {
-    std::array<ModuleType, std::size(kRows)> out{};
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = kRows[i].module;
-    return out;
-  }();
-  return modules;
-}
-
-/// The row of that name. Throws std::invalid_argument: "no <what> is named '<type>'".
-template <class Rows>
-const auto& row_named(const Rows& rows, std::string_view type, const char* what) {
-  for (const auto& row : rows) {
-    if (type == row.module.name) return row;
+/// What a scenario may choose by name: the rows that come with Swiftlet, in one .cpp of a room above everything that it
+/// names, then those that a program plugs in. A row is a struct that begins with `ModuleType module` and has a `make`.
+/// Rows are added before configurations are read, and not beside other threads.
+template <class Row>
+class Registry {
+ public:
+  /// `what` names the kind of module in messages; `rows` is the table that comes with Swiftlet.
+  Registry(const char* what, std::span<const Row> rows) : what_(what) {
+    for (const Row& row : rows) add(row);
   }
-  throw std::invalid_argument("no " + std::string(what) + " is named '" + std::string(type) + "'");
-}
+
+  /// Throws std::invalid_argument when the name is taken.
+  void add(const Row& row) {
+    if (find(row.module.name) != nullptr)
+      throw std::invalid_argument("there is a " + what_ + " named '" + row.module.name + "' already");
+    rows_.push_back(row);
+    modules_.push_back(row.module);
+  }
+
+  std::span<const Row> rows() const { return rows_; }
+  /// The rows as far as configuration is concerned, in their order.
+  std::span<const ModuleType> modules() const { return modules_; }
+
+  /// The row of that name. Throws std::invalid_argument: "no <what> is named '<type>'".
+  const Row& named(std::string_view type) const {
+    if (const Row* row = find(type)) return *row;
+    throw std::invalid_argument("no " + what_ + " is named '" + std::string(type) + "'");
+  }
+
+ private:
+  const Row* find(std::string_view type) const {
+    for (const Row& row : rows_) {
+      if (type == row.module.name) return &row;
+    }
+    return nullptr;
+  }
+
+  std::string what_;
+  std::vector<Row> rows_;
+  std::vector<ModuleType> modules_;
+};
 
 }  // namespace swiftlet

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/agent/stack.hpp"
+#include "swiftlet/core/agent/stack.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/agent/registry.hpp"
-#include "core/detection/vofod_config.hpp"
-#include "core/guidance/agile.hpp"
-#include "core/guidance/hover.hpp"
-#include "core/guidance/takeoff_land.hpp"
-#include "core/guidance/waypoints.hpp"
-#include "core/math/random.hpp"
-#include "core/stages/detectors.hpp"
-#include "core/stages/estimators.hpp"
-#include "core/stages/guidances.hpp"
-#include "core/stages/trackers.hpp"
+#include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/core/detection/vofod_config.hpp"
+#include "swiftlet/core/guidance/agile.hpp"
+#include "swiftlet/core/guidance/hover.hpp"
+#include "swiftlet/core/guidance/takeoff_land.hpp"
+#include "swiftlet/core/guidance/waypoints.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/stages/detectors.hpp"
+#include "swiftlet/core/stages/estimators.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stages/trackers.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/fine_plant.hpp"
@@ -249,8 +249,8 @@ TEST(Stack, SurvivesJumpsAndStandstillsOfTime) {
 }
 
 TEST(Stack, NothingIsAllocatedOnceItFlies) {
-  for (const GuidanceType& guidance : guidance_types()) {
-    for (const EstimatorType& estimator : estimator_types()) {
+  for (const GuidanceType& guidance : guidance_registry().rows()) {
+    for (const EstimatorType& estimator : estimator_registry().rows()) {
       StackConfig config;
       config.localization = Module(estimator_module_types(), estimator.module.name);
       config.guidance = Module(guidance_module_types(), guidance.module.name);
@@ -285,7 +285,7 @@ TEST(Stack, SameObservationsGiveTheSameBits) {
 TEST(Agents, EveryTypeCanBeMadeFromItsDefaults) {
   AgentSetup setup;
   setup.airframe = testing::x500();
-  for (const AgentType& type : agent_types()) {
+  for (const AgentType& type : agent_registry().rows()) {
     const auto agent = make_agent(Module(agent_module_types(), type.module.name), setup);
     Observation observation;
     observation.t = kTick;

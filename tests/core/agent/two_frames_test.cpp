@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "core/agent/stack.hpp"
-#include "core/guidance/waypoints.hpp"
-#include "core/stages/guidances.hpp"
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/guidance/waypoints.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/fine_plant.hpp"
 

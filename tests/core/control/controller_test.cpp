@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/control/controller.hpp"
+#include "swiftlet/core/control/controller.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/control/reference_tracker.hpp"
-#include "core/math/random.hpp"
+#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/math/random.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/fine_plant.hpp"
 

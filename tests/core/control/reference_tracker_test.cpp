@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/control/reference_tracker.hpp"
+#include "swiftlet/core/control/reference_tracker.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/localization/local_cloud.hpp"
+#include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/prior_map.hpp"
 #include "swiftlet/core/scan.hpp"
 

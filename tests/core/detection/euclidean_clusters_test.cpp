@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/euclidean_clusters.hpp"
+#include "swiftlet/core/detection/euclidean_clusters.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <map>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/vicinity.hpp"
+#include "swiftlet/core/detection/vicinity.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet {
 namespace {

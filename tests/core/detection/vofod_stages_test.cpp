@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/vofod_stages.hpp"
+#include "swiftlet/core/detection/vofod_stages.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 #include "tests/bench/reference_detection.hpp"
 #include "tests/core/detection/detection_support.hpp"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/detection/vofod.hpp"
+#include "swiftlet/core/detection/vofod.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/detection/ground_truth.hpp"
-#include "core/detection/vofod_stages.hpp"
-#include "core/stages/detectors.hpp"
+#include "swiftlet/core/detection/ground_truth.hpp"
+#include "swiftlet/core/detection/vofod_stages.hpp"
+#include "swiftlet/core/stages/detectors.hpp"
 #include "tests/core/detection/detection_support.hpp"
 
 namespace swiftlet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/flocking.hpp"
+#include "swiftlet/core/guidance/flocking.hpp"
 
 #include <gtest/gtest.h>
 

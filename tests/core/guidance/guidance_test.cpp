@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/control/reference_tracker.hpp"
-#include "core/guidance/agile.hpp"
-#include "core/guidance/takeoff_land.hpp"
-#include "core/guidance/trajectory.hpp"
-#include "core/guidance/waypoints.hpp"
-#include "core/stages/guidances.hpp"
+#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/guidance/agile.hpp"
+#include "swiftlet/core/guidance/takeoff_land.hpp"
+#include "swiftlet/core/guidance/trajectory.hpp"
+#include "swiftlet/core/guidance/waypoints.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
 
 namespace swiftlet {
 namespace {
@@ -90,7 +90,7 @@ class IdealFlight {
 
 TEST(Guidance, EveryTypeCanBeMadeFromItsDefaults) {
   const AgentSetup setup = starting_at({1, 2, 3});
-  for (const GuidanceType& type : guidance_types()) {
+  for (const GuidanceType& type : guidance_registry().rows()) {
     const auto guidance = make_guidance(Module(guidance_module_types(), type.module.name),
                                         {setup, IdealFlight::limits_named(MotionLimitsConfig::Set::kAgile)});
     StateEstimate estimate;

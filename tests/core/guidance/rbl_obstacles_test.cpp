@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/rbl_obstacles.hpp"
+#include "swiftlet/core/guidance/rbl_obstacles.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "core/map/sparse_voxel_map.hpp"
-#include "core/math/random.hpp"
+#include "swiftlet/core/map/sparse_voxel_map.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet {
 namespace {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/control/reference_tracker.hpp"
-#include "core/guidance/rbl_cell.hpp"
-#include "core/guidance/rbl_planner.hpp"
-#include "core/guidance/rbl_rules.hpp"
-#include "core/math/angles.hpp"
+#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/guidance/rbl_cell.hpp"
+#include "swiftlet/core/guidance/rbl_planner.hpp"
+#include "swiftlet/core/guidance/rbl_rules.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {

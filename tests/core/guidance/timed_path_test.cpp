@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/guidance/timed_path.hpp"
+#include "swiftlet/core/guidance/timed_path.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/stages/guidances.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
 
 namespace swiftlet {
 namespace {

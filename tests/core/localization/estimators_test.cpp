@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "core/localization/dead_reckoning.hpp"
-#include "core/localization/frame_change.hpp"
-#include "core/stages/estimators.hpp"
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/stages/estimators.hpp"
 
 namespace swiftlet {
 namespace {

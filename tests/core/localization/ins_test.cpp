@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/localization/ins.hpp"
+#include "swiftlet/core/localization/ins.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/math/random.hpp"
-#include "core/stages/estimators.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/stages/estimators.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/map/ray_lengths.hpp"
+#include "swiftlet/core/map/ray_lengths.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 #include <map>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 #include "tests/bench/reference_detection.hpp"
 
 namespace swiftlet {

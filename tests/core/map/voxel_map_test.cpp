@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/map/voxel_map.hpp"
+#include "swiftlet/core/map/voxel_map.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "core/map/log_odds_map.hpp"
-#include "core/math/random.hpp"
+#include "swiftlet/core/map/log_odds_map.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/mapping/sparse_mapper.hpp"
+#include "swiftlet/core/mapping/sparse_mapper.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/stages/mappers.hpp"
+#include "swiftlet/core/stages/mappers.hpp"
 
 namespace swiftlet {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet {
 namespace {

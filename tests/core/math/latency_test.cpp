@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/math/latency.hpp"
+#include "swiftlet/core/math/latency.hpp"
 
 #include <gtest/gtest.h>
 

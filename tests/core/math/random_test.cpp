@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 // What goes on the air: the bytes of a kind of message, and what a receiver makes of bytes that are not its own.
 #include <gtest/gtest.h>
 
-#include "core/messages/kind.hpp"
-#include "core/messages/neighbor_position.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/neighbor_position.hpp"
 #include "tests/support/field_coverage.hpp"
 
 namespace swiftlet {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/pcl/clusters.hpp"
+#include "swiftlet/core/pcl/clusters.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <stdexcept>
 
-#include "core/detection/euclidean_clusters.hpp"
-#include "core/detection/vofod_config.hpp"
-#include "core/math/random.hpp"
-#include "core/pcl/filters.hpp"
+#include "swiftlet/core/detection/euclidean_clusters.hpp"
+#include "swiftlet/core/detection/vofod_config.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/pcl/filters.hpp"
 #include "tests/core/pcl/scans.hpp"
 
 namespace swiftlet {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/pcl/registration.hpp"
+#include "swiftlet/core/pcl/registration.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/pcl/filters.hpp"
+#include "swiftlet/core/pcl/filters.hpp"
 #include "tests/core/pcl/scans.hpp"
 
 namespace swiftlet {

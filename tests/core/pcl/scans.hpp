@@ -4,11 +4,12 @@
 #include <memory>
 #include <vector>
 
-#include "core/math/angles.hpp"
-#include "sim/sensors/lidar.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/world.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
 
 namespace swiftlet::testing {
 

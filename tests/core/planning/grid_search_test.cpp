@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/planning/grid_search.hpp"
+#include "swiftlet/core/planning/grid_search.hpp"
 
 #include <gtest/gtest.h>
 

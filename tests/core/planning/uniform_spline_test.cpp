@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/planning/uniform_spline.hpp"
+#include "swiftlet/core/planning/uniform_spline.hpp"
 
 #include <gtest/gtest.h>
 

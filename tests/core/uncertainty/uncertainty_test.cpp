@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "core/math/random.hpp"
-#include "core/uncertainty/error_distribution.hpp"
-#include "core/uncertainty/grid_probability.hpp"
-#include "core/uncertainty/point_covariance.hpp"
-#include "core/uncertainty/voxel_probability.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/uncertainty/error_distribution.hpp"
+#include "swiftlet/core/uncertainty/grid_probability.hpp"
+#include "swiftlet/core/uncertainty/point_covariance.hpp"
+#include "swiftlet/core/uncertainty/voxel_probability.hpp"
 
 namespace swiftlet {
 namespace {

@@ -1,7 +1,7 @@
 // A program of somebody else's that runs Swiftlet's simulation.
 #include <cstdio>
 
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
 
 int main() {
   swiftlet::sim::Scenario scenario;

@@ -1,7 +1,7 @@
 // A robot of somebody else's that flies with Swiftlet's core alone.
 #include <cstdio>
 
-#include "core/agent/registry.hpp"
+#include "swiftlet/core/agent/registry.hpp"
 
 int main() {
   swiftlet::AgentSetup setup;

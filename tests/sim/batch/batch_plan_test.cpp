@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/batch_plan.hpp"
+#include "swiftlet/sim/batch/batch_plan.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "sim/batch/slurm.hpp"
+#include "swiftlet/sim/batch/slurm.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "tests/sim/batch/batch_support.hpp"
 

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "sim/batch/batch_config.hpp"
-#include "sim/scenario/reference.hpp"
+#include "swiftlet/sim/batch/batch_config.hpp"
+#include "swiftlet/sim/scenario/reference.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "sim/batch/batch_plan.hpp"
+#include "swiftlet/sim/batch/batch_plan.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/run_batch.hpp"
+#include "swiftlet/sim/batch/run_batch.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,10 +11,10 @@
 #include <map>
 
 #include "sim/batch/episode.hpp"
-#include "sim/batch/merge.hpp"
-#include "sim/batch/worker_pool.hpp"
 #include "sim/batch/writer_lock.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/batch/merge.hpp"
+#include "swiftlet/sim/batch/worker_pool.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
 #include "tests/sim/batch/batch_support.hpp"
 
 namespace swiftlet::sim {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/shard.hpp"
+#include "swiftlet/sim/batch/shard.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/batch/worker_pool.hpp"
+#include "swiftlet/sim/batch/worker_pool.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/world/vehicle_shape.hpp"
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/dataset/dataset_config.hpp"
+#include "swiftlet/sim/dataset/dataset_config.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <set>
 
-#include "sim/dataset/flight.hpp"
+#include "swiftlet/sim/dataset/flight.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "core/planning/grid_search.hpp"
 #include "sim/dataset/free_space.hpp"
+#include "swiftlet/core/planning/grid_search.hpp"
 #include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/io/files.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/io/output_file.hpp"
+#include "swiftlet/sim/io/output_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

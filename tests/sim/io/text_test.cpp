@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/io/text.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/io/text_row.hpp"
 #include "swiftlet/core/frames.hpp"
+#include "swiftlet/sim/io/text_row.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/metrics/metrics.hpp"
+#include "swiftlet/sim/metrics/metrics.hpp"
 
 namespace swiftlet::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/metrics/metrics.hpp"
+#include "swiftlet/sim/metrics/metrics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/parallel/first_exception.hpp"
+#include "swiftlet/sim/parallel/first_exception.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim/parallel/crew.hpp"
+#include "swiftlet/sim/parallel/crew.hpp"
 
 namespace swiftlet::sim {
 namespace {

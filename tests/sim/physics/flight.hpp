@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/physics/physics_world.hpp"
+#include "swiftlet/sim/physics/physics_world.hpp"
 #include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {

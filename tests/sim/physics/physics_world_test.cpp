@@ -4,7 +4,7 @@
 #include <atomic>
 #include <limits>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 #include "tests/sim/physics/flight.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/radio/radio.hpp"
+#include "swiftlet/sim/radio/radio.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,9 +9,9 @@
 #include <numbers>
 #include <string>
 
-#include "core/math/random.hpp"
 #include "sim/raycast/exact_hits_internal.hpp"
-#include "sim/world/forest.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/world/forest.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <set>
 
-#include "core/math/random.hpp"
-#include "sim/raycast/ray_scene.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/raycast/sweep_scene.hpp"
+#include "swiftlet/sim/raycast/sweep_scene.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "core/math/random.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {

@@ -10,7 +10,6 @@
 
 #include "sim/recorders/geodesy.hpp"
 #include "sim/recorders/md5.hpp"
-#include "sim/recorders/pose_history.hpp"
 #include "sim/recorders/ros_encoder.hpp"
 #include "sim/recorders/ros_points.hpp"
 #include "sim/recorders/ros_rows.hpp"
@@ -18,6 +17,7 @@
 #include "sim/recorders/selection.hpp"
 #include "swiftlet/core/samples.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/recorders/pose_history.hpp"
 
 namespace swiftlet::sim {
 namespace {

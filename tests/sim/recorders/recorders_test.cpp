@@ -8,12 +8,13 @@
 #include <set>
 #include <sstream>
 
-#include "sim/recorders/csv.hpp"
-#include "sim/recorders/events.hpp"
-#include "sim/recorders/mcap.hpp"
-#include "sim/recorders/pcd.hpp"
-#include "sim/recorders/rosbag.hpp"
-#include "sim/recorders/tum.hpp"
+#include "swiftlet/sim/recorders/csv.hpp"
+#include "swiftlet/sim/recorders/events.hpp"
+#include "swiftlet/sim/recorders/mcap.hpp"
+#include "swiftlet/sim/recorders/pcd.hpp"
+#include "swiftlet/sim/recorders/rosbag.hpp"
+#include "swiftlet/sim/recorders/tum.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
 #include "tests/sim/world/config_support.hpp"
 #include "tests/support/synthetic_run.hpp"
 #include "tests/support/temporary_directory.hpp"

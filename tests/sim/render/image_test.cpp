@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/render/image.hpp"
+#include "swiftlet/sim/render/image.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include <fstream>
 
 #include "sim/render/captions.hpp"
-#include "sim/render/colors.hpp"
 #include "sim/render/png.hpp"
 #include "sim/render/stroke_font.hpp"
 #include "sim/render/video.hpp"
+#include "swiftlet/sim/render/colors.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

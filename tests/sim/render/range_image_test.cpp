@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/math/random.hpp"
 #include "sim/render/cameras.hpp"
-#include "sim/world/mesh_builder.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

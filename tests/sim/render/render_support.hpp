@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/render/renderer.hpp"
-#include "sim/world/mesh_builder.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 

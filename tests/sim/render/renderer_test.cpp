@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "render_support.hpp"
-#include "sim/render/colors.hpp"
+#include "swiftlet/sim/render/colors.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/render/snapshot_recorder.hpp"
+#include "swiftlet/sim/render/snapshot_recorder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "render_support.hpp"
 #include "sim/render/picture_scene.hpp"
-#include "sim/sensors/sensor.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/report/batch_report.hpp"
+#include "swiftlet/sim/report/batch_report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include <iterator>
 #include <sstream>
 
-#include "sim/io/files.hpp"
-#include "sim/report/run_report.hpp"
 #include "sim/report/time_series.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/report/run_report.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/report/statistics.hpp"
+#include "swiftlet/sim/report/statistics.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -8,19 +8,20 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
-#include "core/agent/stack.hpp"
-#include "core/detection/vofod_config.hpp"
-#include "core/stages/detectors.hpp"
-#include "sim/radio/radio.hpp"
 #include "sim/run/finite_values.hpp"
-#include "sim/run/memory.hpp"
-#include "sim/run/summary.hpp"
-#include "sim/sensors/compass.hpp"
-#include "sim/world/vehicle_state.hpp"
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/stages/detectors.hpp"
 #include "swiftlet/sim/errors.hpp"
-#include "swiftlet/sim/recorder.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/radio/radio.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/run/memory.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/run/summary.hpp"
+#include "swiftlet/sim/sensors/compass.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::sim {
 namespace {

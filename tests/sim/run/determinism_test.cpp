@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "core/agent/registry.hpp"
-#include "sim/io/files.hpp"
-#include "sim/run/summary.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/run/summary.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <string>
 
-#include "core/agent/stack.hpp"
-#include "core/guidance/agile.hpp"
-#include "sim/io/files.hpp"
-#include "sim/world/vehicle_state.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/guidance/agile.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "sim/world/world.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
 
 namespace swiftlet::sim {
 namespace {

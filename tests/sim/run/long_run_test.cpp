@@ -9,9 +9,9 @@
 #include <limits>
 #include <string>
 
-#include "sim/io/files.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/temporary_directory.hpp"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/run/run_directory.hpp"
+#include "swiftlet/sim/run/run_directory.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "sim/io/files.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

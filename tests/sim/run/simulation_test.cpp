@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/simulation.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/io/files.hpp"
-#include "sim/raycast/ray_scene.hpp"
-#include "sim/run/summary.hpp"
-#include "sim/world/vehicle_state.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/run/summary.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/temporary_directory.hpp"
 

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/scenario/yaml_reader.hpp"
-#include "sim/scenario/yaml_writer.hpp"
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
+#include "swiftlet/sim/scenario/yaml_writer.hpp"
 
 namespace swiftlet::sim {
 namespace {

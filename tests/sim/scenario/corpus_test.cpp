@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/scenario/config_files.hpp"
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/sim/scenario/config_files.hpp"
 
 /// A small configuration that uses every method of ConfigVisitor, and files that exist only in memory. Shared by the
 /// tests of the reader and its fuzz target.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/reference.hpp"
+#include "swiftlet/sim/scenario/reference.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,11 @@
 #include <fstream>
 #include <iterator>
 
-#include "core/agent/registry.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/world.hpp"
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 #include "tests/sim/scenario/example_config.hpp"
 
 namespace swiftlet::sim {

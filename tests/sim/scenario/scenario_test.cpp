@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,21 +10,23 @@
 #include <fstream>
 #include <set>
 
-#include "core/agent/registry.hpp"
-#include "core/agent/stack.hpp"
-#include "core/stages/detectors.hpp"
-#include "core/stages/estimators.hpp"
-#include "core/stages/guidances.hpp"
-#include "core/stages/mappers.hpp"
-#include "core/stages/trackers.hpp"
-#include "sim/scenario/assets.hpp"
-#include "sim/scenario/yaml_reader.hpp"
-#include "sim/scenario/yaml_writer.hpp"
-#include "sim/sensors/lidar.hpp"
-#include "sim/sensors/neighbors.hpp"
-#include "sim/sensors/sensor.hpp"
-#include "sim/world/world.hpp"
-#include "swiftlet/sim/recorder.hpp"
+#include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/stages/detectors.hpp"
+#include "swiftlet/core/stages/estimators.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stages/mappers.hpp"
+#include "swiftlet/core/stages/trackers.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/scenario/assets.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
+#include "swiftlet/sim/scenario/yaml_writer.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
+#include "swiftlet/sim/sensors/neighbors.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 #include "tests/support/sensor_driver.hpp"
 #include "tests/support/temporary_directory.hpp"
 

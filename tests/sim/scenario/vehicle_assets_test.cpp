@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "swiftlet/sim/scenario.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {

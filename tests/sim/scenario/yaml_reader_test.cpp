@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/yaml_reader.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "sim/scenario/document.hpp"
+#include "swiftlet/sim/scenario/document.hpp"
 #include "tests/sim/scenario/example_config.hpp"
 
 namespace swiftlet::sim {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/scenario/yaml_writer.hpp"
+#include "swiftlet/sim/scenario/yaml_writer.hpp"
 
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <limits>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 #include "tests/sim/scenario/example_config.hpp"
 
 namespace swiftlet::sim {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "swiftlet/sim/registry/sensors.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/sensor_driver.hpp"
 #include "tests/support/test_scene.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/compass.hpp"
+#include "swiftlet/sim/sensors/compass.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/gnss.hpp"
+#include "swiftlet/sim/sensors/gnss.hpp"
 
 #include <gtest/gtest.h>
 

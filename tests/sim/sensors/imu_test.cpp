@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/imu.hpp"
+#include "swiftlet/sim/sensors/imu.hpp"
 
 #include <gtest/gtest.h>
 

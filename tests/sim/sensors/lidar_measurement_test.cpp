@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/lidar_measurement.hpp"
+#include "swiftlet/sim/sensors/lidar_measurement.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 #include "tests/support/sample_statistics.hpp"
 
 namespace swiftlet::sim {

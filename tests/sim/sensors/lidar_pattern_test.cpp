@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/lidar_pattern.hpp"
+#include "swiftlet/sim/sensors/lidar_pattern.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <fstream>
 #include <set>
 
-#include "core/math/angles.hpp"
 #include "sim/sensors/lidar_tiles.hpp"
+#include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "tests/support/temporary_directory.hpp"
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/lidar.hpp"
+#include "swiftlet/sim/sensors/lidar.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "core/math/angles.hpp"
-#include "sim/parallel/crew.hpp"
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/sim/parallel/crew.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/sample_statistics.hpp"
 #include "tests/support/sensor_driver.hpp"

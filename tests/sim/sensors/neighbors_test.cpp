@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/neighbors.hpp"
+#include "swiftlet/sim/sensors/neighbors.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numbers>
 
-#include "core/math/angles.hpp"
+#include "swiftlet/core/math/angles.hpp"
 #include "tests/support/sample_statistics.hpp"
 #include "tests/support/sensor_driver.hpp"
 #include "tests/support/test_scene.hpp"

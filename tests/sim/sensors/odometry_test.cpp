@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/odometry.hpp"
+#include "swiftlet/sim/sensors/odometry.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "core/math/angles.hpp"
+#include "swiftlet/core/math/angles.hpp"
 #include "tests/support/sample_statistics.hpp"
 #include "tests/support/sensor_driver.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/sensors/pose.hpp"
+#include "swiftlet/sim/sensors/pose.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,9 +4,10 @@
 #include <set>
 #include <stdexcept>
 
-#include "sim/sensors/neighbors.hpp"
-#include "sim/sensors/pose.hpp"
-#include "sim/sensors/sensor.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/sensors/neighbors.hpp"
+#include "swiftlet/sim/sensors/pose.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
 #include "tests/support/sensor_driver.hpp"
 
 namespace swiftlet::sim {

@@ -9,16 +9,16 @@
 #include <set>
 #include <sstream>
 
-#include "sim/world/cloud.hpp"
 #include "sim/world/dice.hpp"
-#include "sim/world/export.hpp"
-#include "sim/world/forest_thesis.hpp"
-#include "sim/world/hall.hpp"
-#include "sim/world/mesh_builder.hpp"
-#include "sim/world/mesh_import.hpp"
-#include "sim/world/point_cloud_file.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/world/cloud.hpp"
+#include "swiftlet/sim/world/export.hpp"
+#include "swiftlet/sim/world/forest_thesis.hpp"
+#include "swiftlet/sim/world/hall.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
+#include "swiftlet/sim/world/mesh_import.hpp"
+#include "swiftlet/sim/world/point_cloud_file.hpp"
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {

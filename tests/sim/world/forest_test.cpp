@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/forest.hpp"
+#include "swiftlet/sim/world/forest.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "sim/world/mesh_builder.hpp"
 #include "sim/world/tree.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {

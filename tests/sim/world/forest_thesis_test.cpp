@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/forest_thesis.hpp"
+#include "swiftlet/sim/world/forest_thesis.hpp"
 
 #include <gtest/gtest.h>
 

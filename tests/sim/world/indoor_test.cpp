@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "sim/world/dice.hpp"
-#include "sim/world/hall.hpp"
-#include "sim/world/two_rooms_gap.hpp"
-#include "sim/world/warehouse.hpp"
+#include "swiftlet/sim/world/hall.hpp"
+#include "swiftlet/sim/world/two_rooms_gap.hpp"
+#include "swiftlet/sim/world/warehouse.hpp"
 #include "tests/sim/world/config_support.hpp"
 #include "tests/sim/world/world_support.hpp"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/mesh_builder.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "core/math/angles.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/neighborhood.hpp"
+#include "swiftlet/sim/world/neighborhood.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "core/math/random.hpp"
+#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::sim {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "sim/world/campus.hpp"
-#include "sim/world/empty.hpp"
-#include "sim/world/field.hpp"
+#include "swiftlet/sim/world/campus.hpp"
+#include "swiftlet/sim/world/empty.hpp"
+#include "swiftlet/sim/world/field.hpp"
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {

@@ -8,9 +8,9 @@
 #include <map>
 #include <set>
 
-#include "sim/world/forest.hpp"
-#include "sim/world/world.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/world/forest.hpp"
 #include "tests/sim/world/config_support.hpp"
 #include "tests/sim/world/world_support.hpp"
 
@@ -70,18 +70,18 @@ TEST(SurfaceClasses, NoneHasANumberThatSemanticKittiGivesToAnotherThing) {
 
 TEST(Worlds, EveryGeneratorIsListedOnceWithAValidDefault) {
   std::set<std::string> names;
-  for (const WorldType& type : world_types()) {
+  for (const WorldType& type : world_registry().rows()) {
     EXPECT_TRUE(names.insert(type.module.name).second) << type.module.name;
     const auto config = type.module.make_config();
     EXPECT_THAT(test::problems_of(*config), testing::IsEmpty()) << type.module.name;
   }
   EXPECT_THAT(names, testing::IsSupersetOf({"forest_thesis", "forest", "warehouse", "two_rooms_gap", "hall", "campus",
                                             "field", "empty", "mesh", "cloud"}));
-  EXPECT_EQ(world_module_types().size(), world_types().size());
+  EXPECT_EQ(world_module_types().size(), world_registry().rows().size());
 }
 
 TEST(Worlds, SameSeedGivesTheSameBytes) {
-  for (const WorldType& type : world_types()) {
+  for (const WorldType& type : world_registry().rows()) {
     if (needs_file(type)) continue;
     const Module module(world_module_types(), type.module.name);
     EXPECT_EQ(test::hash_of(make_world(module, 3)), test::hash_of(make_world(module, 3))) << type.module.name;
@@ -96,7 +96,7 @@ TEST(Worlds, AnotherSeedGivesAnotherWorldWhereChanceIsAtWork) {
 }
 
 TEST(Worlds, ScenesAreSoundWhateverTheSeed) {
-  for (const WorldType& type : world_types()) {
+  for (const WorldType& type : world_registry().rows()) {
     if (needs_file(type)) continue;
     const Module module(world_module_types(), type.module.name);
     for (const std::uint64_t seed : {1, 2}) {

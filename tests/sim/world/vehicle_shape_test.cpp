@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world/vehicle_shape.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 
-#include "core/math/angles.hpp"
-#include "sim/world/mesh_builder.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
 
 namespace swiftlet::sim {
 namespace {

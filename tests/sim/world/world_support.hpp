@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/world/scene.hpp"
+#include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim::test {
 

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/control/control_config.hpp"
+#include "swiftlet/core/detection/detector.hpp"
+#include "swiftlet/core/guidance/guidance.hpp"
+#include "swiftlet/core/localization/estimator.hpp"
+#include "swiftlet/core/mapping/mapper.hpp"
+#include "swiftlet/core/tracking/tracker.hpp"
+
+namespace swiftlet {
+
+/// The software of one vehicle: localization -> clouds -> detection -> tracking -> mapping -> guidance -> reference
+/// tracker -> controller.
+struct StackConfig : ModuleConfigOf<StackConfig> {
+  Module localization;
+  Module detector;
+  Module tracker;
+  Module mapping;
+  Module guidance;
+  ControlConfig control;
+
+  StackConfig();
+  void visit(ConfigVisitor& v) override;
+};
+
+/// The stages of a stack, ready made: from its configuration, or one's own.
+struct StackStages {
+  std::unique_ptr<StateEstimator> localization;
+  std::unique_ptr<Detector> detector;  ///< null: none
+  std::unique_ptr<Tracker> tracker;    ///< null: none
+  std::unique_ptr<Mapper> mapping;     ///< null: none
+  std::unique_ptr<Guidance> guidance;
+};
+
+/// Throws std::invalid_argument when the airframe cannot be controlled, or guidance needs a map and there is none.
+std::unique_ptr<Agent> make_stack(StackStages stages, const ControlConfig& control, const AgentSetup& setup);
+
+// What its row in the registry says of it.
+std::unique_ptr<Agent> make_stack(const ModuleConfig& config, const AgentSetup& setup);
+AgentNeeds stack_needs(const ModuleConfig& config);
+Module* stack_guidance(ModuleConfig& config);
+
+}  // namespace swiftlet

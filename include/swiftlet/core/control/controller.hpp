@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "swiftlet/core/action.hpp"
+#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/control/mixer.hpp"
+#include "swiftlet/core/control/motion_limits.hpp"
+
+namespace swiftlet {
+
+/// Gains of the cascade. A gain of 0 is derived from the airframe: how fast its motors are bounds the rate loop, which
+/// bounds the attitude loop, which bounds the position loop. Gains act on accelerations, so mass and inertia drop out.
+struct ControlGainsConfig {
+  double position_radps = 0.0;  ///< natural frequency of the position loop
+  double position_damping = 1.0;
+  double integral_time_s = 2.0;    ///< 0: no integral part
+  double integral_max_mps2 = 3.0;  ///< what the integral part can hold against (wind)
+  double feedback_max_mps2 = 6.0;  ///< of position and velocity errors together
+  double attitude_radps = 0.0;     ///< tilt error -> rate
+  double rate_radps = 0.0;         ///< roll and pitch rate error -> angular acceleration
+  double yaw_attitude_radps = 0.0;
+  double yaw_rate_radps = 0.0;
+  double tilt_max_deg = 60.0;
+  double tilt_rate_max_degps = 570.0;
+  double yaw_rate_max_degps = 170.0;
+  double motor_lead = 0.5;        ///< share of the motors' lag that is compensated, 0..0.9
+  bool drag_compensation = true;  ///< feed forward the drag of the airframe in still air
+
+  void visit(ConfigVisitor& v);
+};
+
+/// The gains in use.
+struct ControlGains {
+  double position = 0.0, velocity = 0.0, integral = 0.0;
+  Vector3 attitude = Vector3::Zero();  ///< about body axes
+  Vector3 rate = Vector3::Zero();
+};
+
+/// Position -> acceleration -> attitude -> body rates -> torques -> rotors.
+///
+/// Structure and feed-forward terms of T. Lee, M. Leok, N. H. McClamroch, "Geometric tracking control of a quadrotor
+/// UAV on SE(3)", CDC 2010 (thrust along the body axis and moment, eq. (10), (11), (16)). Deviations: the attitude
+/// error is the rotation angle instead of its sine, so that it also brings back a vehicle that is upside down, and tilt
+/// is split from heading so that weak yaw torque never disturbs the thrust direction (D. Brescianini, R. D'Andrea,
+/// "Tilt-prioritized quadrocopter attitude control", TCST 2020); body rates of the reference from its jerk as in
+/// D. Mellinger, V. Kumar, "Minimum snap trajectory generation and control for quadrotors", ICRA 2011.
+/// Knows the rotors' speeds from a model of the motors, which gives the lead that makes up for part of their lag.
+class MultirotorController {
+ public:
+  using Commands = std::array<double, kMaxRotors>;
+
+  /// Throws std::invalid_argument when the airframe cannot be controlled (see Mixer).
+  MultirotorController(const Airframe& airframe, const ControlGainsConfig& config, double tick_s);
+
+  /// Rotor commands 0..1 for the next `dt_s`. All zero when the estimate is not valid or not finite.
+  /// @param jerk_mps3  of the reference
+  const Commands& step(const StateEstimate& estimate, const Reference& reference, const Vector3& jerk_mps3,
+                       double dt_s);
+  /// Motors at idle; forgets the integral part.
+  const Commands& idle(double dt_s);
+
+  const ControlGains& gains() const { return gains_; }
+  const Mixer& mixer() const { return mixer_; }
+
+ private:
+  Vector3 wanted_acceleration(const StateEstimate& estimate, const Reference& reference, double dt_s);
+  Vector3 drag_mps2(const Matrix3& R_local_body, const Vector3& v_local_mps) const;
+  void command_rotors(const Mixer::Forces& force_N);
+  void follow_motors(double dt_s);
+
+  Airframe airframe_;
+  ControlGainsConfig config_;
+  Mixer mixer_;
+  ControlGains gains_;
+  double tan_tilt_max_ = 1.7;
+  double max_acceleration_mps2_ = 0.0;  ///< of all rotors together
+
+  Vector3 integral_mps2_ = Vector3::Zero();
+  Wrench wanted_;
+  std::array<double, kMaxRotors> rotor_speed_radps_{};  ///< by the motor model
+  std::array<double, kMaxRotors> commanded_speed_radps_{};
+  Commands commands_{};
+  bool saturated_ = false;
+  double decay_dt_s_ = -1.0;  ///< step for which the decays below hold
+  double decay_up_ = 0.0, decay_down_ = 0.0, lead_up_ = 1.0, lead_down_ = 1.0;
+};
+
+}  // namespace swiftlet

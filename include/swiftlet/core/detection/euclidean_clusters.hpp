@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/detection/clusterer.hpp"
+
+namespace swiftlet {
+
+/// Our own clusters. Points that are not finite, or farther than 500 000 tolerances from the origin, are left out.
+/// Exact to the rounding of single precision; about linear in the number of points, also for duplicates and dense
+/// heaps. Keeps its memory from call to call.
+class EuclideanClusters : public Clusterer {
+ public:
+  void compute(std::span<const Eigen::Vector3f> points_m, double tolerance_m) override;
+
+ private:
+  struct Keyed {
+    std::uint64_t key;  // of the cell: z, y, x
+    std::uint32_t point;
+  };
+  struct Cell {
+    std::uint64_t key;
+    std::uint32_t first, count;  // its points in keyed_
+    Eigen::Vector3f min, max;    // box around them
+  };
+
+  void fill_cells(std::span<const Eigen::Vector3f> points, double tolerance_m);
+  void join_cells(std::span<const Eigen::Vector3f> points, float tolerance_m);
+  void collect(std::size_t num_points);
+  bool are_near(std::span<const Eigen::Vector3f> points, const Cell& a, const Cell& b, float tolerance_m) const;
+  std::uint32_t root(std::uint32_t cell);
+
+  std::vector<Keyed> keyed_, scratch_;  // points by cell
+  std::vector<Cell> cells_;             // by key
+  std::vector<std::uint64_t> keys_;     // of the cells, close together
+  std::vector<std::uint32_t> parents_;  // of cells, a union-find forest
+  std::vector<std::uint32_t> cell_of_;  // of each point
+  std::vector<std::uint32_t> labels_;   // cluster of each root
+};
+
+}  // namespace swiftlet

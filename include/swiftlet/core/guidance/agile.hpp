@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "swiftlet/core/guidance/guidance.hpp"
+#include "swiftlet/core/math/random.hpp"
+
+namespace swiftlet {
+
+/// Random smooth flight like the simulated trajectories of Vrba 2025, Table IV and Fig. 8 (8.2 m/s, 4.5 m/s^2, 4-10 m
+/// high).
+struct AgileConfig : ModuleConfigOf<AgileConfig> {
+  std::uint64_t seed = 1;
+  double speed_max_mps = 8.2;
+  double acceleration_max_mps2 = 4.5;
+  Eigen::Vector3d area_min_m = {-30.0, -30.0, 4.0};
+  Eigen::Vector3d area_max_m = {30.0, 30.0, 10.0};
+  double leg_min_m = 15.0;
+  double pace_min = 1.0;  ///< least pace of a leg
+  double knot_s = 0.5;
+  enum class Yaw { kAlongPath, kFixed };
+  Yaw yaw = Yaw::kAlongPath;
+  double yaw_deg = 0.0;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+/// A trajectory without end: a uniform quartic B-spline (C3), whose control points are drawn as it goes.
+///
+/// A B-spline's derivatives are B-splines of the differences of its control points, hence convex combinations of them
+/// (de Boor, A Practical Guide to Splines, ch. X): with the first differences at most v h, the second at most a h^2 and
+/// the points in the box, speed, acceleration and place keep their bounds at every instant, and jerk is at most 2 a /
+/// h. The control points head for random targets in the area, at least `leg_min_m` apart, and can always brake in time.
+class AgileSpline {
+ public:
+  /// Rests at `start` first; the area is extended to hold it. Limits of the vertical may be lower than those of the
+  /// whole.
+  AgileSpline(const AgileConfig& config, const Vector3& start_m, double vertical_speed_mps,
+              double vertical_acceleration_mps2);
+
+  void advance(double dt_s);
+  /// Position, velocity, acceleration now.
+  Reference reference() const;
+  Vector3 jerk_mps3() const;
+
+ private:
+  void add_control_point();
+  void pick_target(const Vector3& from_m);
+  Vector3 wanted_step(const Vector3& point) const;
+  Vector3 cut_step(const Vector3& step) const;
+  Vector3 brake(const Vector3& step) const;
+  double braking_per_knot(const Vector3& step) const;
+  bool can_stop_inside(const Vector3& point, const Vector3& step) const;
+
+  AgileConfig config_;
+  Random random_;
+  double step_max_m_, step_max_z_m_;      ///< per knot
+  double change_max_m_, change_max_z_m_;  ///< of the step, per knot
+  Vector3 box_min_m_, box_max_m_;
+  std::array<Vector3, 5> control_m_;
+  Vector3 target_m_;
+  double pace_ = 1.0;  ///< of this leg: share of the greatest speed and acceleration
+  std::uint32_t num_targets_ = 0;
+  double u_ = 0.0;  ///< share of the knot interval
+};
+
+/// Throws std::invalid_argument when speed or acceleration are beyond the motion limits.
+std::unique_ptr<Guidance> make_agile(const ModuleConfig& config, const GuidanceSetup& setup);
+
+}  // namespace swiftlet

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/guidance/guidance.hpp"
+#include "swiftlet/core/guidance/neighbor_memory.hpp"
+
+/// Two other ways of flocking without a word to each other, to compare the rule-based Lloyd algorithm with [Kamler
+/// 2025, sec. 2.5].
+namespace swiftlet {
+
+/// What both share beyond their models, neither of which says how to keep off trees: a push away from the nearest thing
+/// that the map shows at the height of flight.
+struct FlockObstacleConfig {
+  bool enabled = false;
+  double avoid_distance_m = 2.0;
+  double avoid_gain_mps = 1.5;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// PACNav (Ahmad, Bonilla Licea, Silano, Baca and Saska, 2022): informed vehicles fly to the goal; uninformed ones
+/// follow the neighbor whose path is the most persistent and the most similar to the others', and all avoid
+/// collisions. The standard form of its two measures is used: persistence is the distance between the ends of the
+/// remembered path over its length; similarity is the mean cosine between its direction of motion and those of the
+/// other paths. Horizontal.
+struct PacnavConfig : ModuleConfigOf<PacnavConfig> {
+  bool informed = true;
+  Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
+  double arrival_radius_m = 0.2;
+  double follow_radius_m = 3.0;
+  double speed_mps = 1.0;
+  double memory_s = 8.0;
+  double sample_s = 0.5;
+  double avoid_distance_m = 3.0;
+  double avoid_gain_mps = 1.5;
+  double least_persistence = 0.3;
+  NeighborSourceConfig neighbors;
+  FlockObstacleConfig lidar;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+/// Purely vision-based model (Bastien and Romanczuk, 2020; Mezey et al., 2024): speed and turning follow from the
+/// 1D projection field V of the neighbors on the retina and its edges,
+///   dv/dt = gamma (v0 - v) + int cos(phi) alpha0 (-V + alpha1 |dV/dphi|) dphi,
+///   dpsi/dt = int sin(phi) beta0 (-V + beta1 |dV/dphi|) dphi.
+/// The model has no goal; `goal_weight_radps` adds a turn towards one (0: as published). Horizontal.
+struct MezeyConfig : ModuleConfigOf<MezeyConfig> {
+  Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
+  double goal_weight_radps = 0.8;
+  double arrival_radius_m = 0.5;
+  double cruise_speed_mps = 1.0;
+  double relaxation_radps = 0.5;
+  double alpha0 = 1.0;
+  double alpha1 = 0.12;
+  double beta0 = 1.5;
+  double beta1 = 0.12;
+  double body_radius_m = 0.5;
+  int retina_pixels = 360;
+  NeighborSourceConfig neighbors;
+  FlockObstacleConfig lidar;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+std::unique_ptr<Guidance> make_pacnav(const ModuleConfig& config, const GuidanceSetup& setup);
+std::unique_ptr<Guidance> make_mezey(const ModuleConfig& config, const GuidanceSetup& setup);
+
+/// Persistence of a path: 1 for a straight one, towards 0 for one that leads nowhere.
+double path_persistence(std::span<const Vector3> path_m);
+
+/// What the retina says: change of speed and of heading. Bearings are counted from the heading, to the left.
+struct VisualResponse {
+  double acceleration_mps2 = 0.0;
+  double turn_radps = 0.0;
+};
+VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_m, double heading_rad,
+                               std::span<const Neighbor> neighbors, std::vector<char>& retina);
+
+}  // namespace swiftlet

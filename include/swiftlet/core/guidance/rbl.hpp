@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/guidance/guidance.hpp"
+#include "swiftlet/core/guidance/neighbor_memory.hpp"
+#include "swiftlet/core/guidance/rbl_obstacles.hpp"
+#include "swiftlet/core/guidance/rbl_planner.hpp"
+
+namespace swiftlet {
+
+/// Rule-based Lloyd algorithm in 2D and 3D [Kamler 2025; Boldrer 2023]: each vehicle flies to the weighted
+/// centroid of its own cell, without a word to the others. Defaults: Table 2.2. Done when the goal was reached; the
+/// vehicle then goes on to keep its cell.
+struct RblConfig : ModuleConfigOf<RblConfig> {
+  enum class Variant { k2d, k3d, k3dClipped, k3dZ };
+  static constexpr const char* kVariants[] = {"2d", "3d", "3d_clipped", "3d_z"};
+  Variant variant = Variant::k3dZ;
+  Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
+  double arrival_radius_m = 0.2;
+  double update_rate_hz = 10.0;
+  double speed_mps = 4.0;
+  double ground_m = 0.0;
+  double z_min_m = 1.0;
+  double z_max_m = 10.0;
+  RblCellConfig cells;
+  RblRules rules;
+  NeighborSourceConfig neighbors;
+  RblLidarConfig lidar;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+std::unique_ptr<Guidance> make_rbl(const ModuleConfig& config, const GuidanceSetup& setup);
+
+}  // namespace swiftlet

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/guidance/guidance.hpp"
+#include "swiftlet/core/guidance/nearest_voxels.hpp"
+#include "swiftlet/core/guidance/rbl_planner.hpp"
+
+namespace swiftlet {
+
+/// LiDAR mode of the rule-based Lloyd algorithm [Kamler 2025, chapter 3]. Defaults: Table 3.1 and the released program.
+struct RblLidarConfig {
+  bool enabled = false;
+  enum class Cut { kConvex, kNearest };
+  Cut cut = Cut::kConvex;
+  double fov_lower_deg = 20.0;
+  double fov_deg = 59.0;
+  double facing_deg = 60.0;
+  double sensed_s = 0.5;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Point of a voxel that is nearest to `p_m` (3.1).
+inline Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, double edge_m) {
+  const auto along = [half_m = 0.5 * edge_m](double p, double center) {
+    return std::min(std::max(p, center - half_m), center + half_m);
+  };
+  return {along(p_m.x(), center_m.x()), along(p_m.y(), center_m.y()), along(p_m.z(), center_m.z())};
+}
+
+/// Cuts cells by voxels. Both ways keep the agent's encumbrance away from every voxel that faces it:
+/// convex: half-spaces at the nearest point of the nearest voxel, then of the nearest one that is not yet behind such a
+/// plane, and so on: the cell stays convex, as Kamler 2025, sec. 3.1.3 asks for;
+/// nearest: each sample by the voxel that is nearest to it [Kamler 2025, sec. 3.2.5, sign of the exclusion corrected].
+class ObstacleCutter {
+ public:
+  /// @param p_m  the agent; the cell is relative to it
+  void cut_convex(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
+                  double encumbrance_m, double eta, std::vector<HalfSpace>& cuts);
+  void cut_nearest(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
+                   double encumbrance_m, double eta);
+
+ private:
+  struct Candidate {
+    Eigen::Vector3f nearest_m;  // point of the voxel, relative to the agent
+    Eigen::Vector3f center_m;
+    float distance_sq;
+  };
+
+  std::vector<Candidate> left_;
+  NearestVoxels nearest_;
+};
+
+/// The part of space between the two planes of the tilted sensor (3.2-3.4): ahead of the vehicle, from fov_lower_deg
+/// below its horizontal plane. Half-spaces relative to the vehicle.
+std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_lower_deg, double fov_deg);
+
+}  // namespace swiftlet

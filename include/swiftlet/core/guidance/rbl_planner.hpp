@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/guidance/rbl_cell.hpp"
+#include "swiftlet/core/guidance/rbl_rules.hpp"
+
+namespace swiftlet {
+
+/// Cells of the rule-based Lloyd algorithm [Kamler 2025, Tables 2.2 and 3.1].
+struct RblCellConfig {
+  double sensing_radius_m = 3.5;  ///< r_s
+  double step_m = 0.2;
+  enum class Lattice { kAgent, kWorld };
+  Lattice lattice = Lattice::kAgent;
+  double encumbrance_m = 0.5;  ///< delta_i, and of the others
+  double eta = 0.9;
+  enum class Cut { kProgram, kProjected, kPrinted, kBuffered };
+  Cut cut = Cut::kProgram;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// What keeps agent and neighbor apart: the part of the cell on the agent's side (2.3). All readings of the document
+/// agree that a neighbor nearer than Delta leaves the agent outside of its own cell, so that it moves away.
+/// @param to_neighbor_m  from the agent
+/// @param Delta_m        sum of the two encumbrances
+HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, RblCellConfig::Cut cut);
+
+/// How far an agent may go towards a point of an obstacle at this distance: its own encumbrance is left free.
+inline double obstacle_offset_m(double distance_m, double encumbrance_m, double eta) {
+  return distance_m >= 2.0 * encumbrance_m ? encumbrance_m + eta * (distance_m - 2.0 * encumbrance_m)
+                                           : distance_m - encumbrance_m;
+}
+/// The same as a half-space.
+HalfSpace obstacle_cut(const Vector3& to_point_m, double encumbrance_m, double eta);
+
+/// Cells, centroids and rules of one agent: the whole of (2.3) to (2.20). Pure: keeps only beta, theta and phi.
+class RblPlanner {
+ public:
+  RblPlanner(const RblCellConfig& config, const RblRules& rules, bool planar);
+
+  /// S (between the heights, local frame), cut by the neighbors. Obstacles may then cut cell() further.
+  void partition(const Vector3& p_m, std::span<const Vector3> neighbors_m, double z_min_m, double z_max_m);
+
+  struct Step {
+    Vector3 centroid_m = Vector3::Zero();     ///< c_A, local frame: where to go
+    Vector3 sensing_m = Vector3::Zero();      ///< c_S
+    Vector3 unrotated_m = Vector3::Zero();    ///< c_A with the goal as destination
+    Vector3 destination_m = Vector3::Zero();  ///< d of the next update
+    bool empty_cell = false;
+  };
+  /// Centroids of the partitioned cell with the last destination, then the rules, then the next destination.
+  Step update(const Vector3& goal_m, double dt_s);
+
+  RblCell& cell() { return cell_; }
+  const RblCell& cell() const { return cell_; }
+  std::vector<HalfSpace>& cuts() { return cuts_; }
+  const std::vector<HalfSpace>& cuts() const { return cuts_; }
+  const RblState& state() const { return state_; }
+  const Vector3& position_m() const { return p_m_; }
+
+ private:
+  RblCellConfig config_;
+  RblRules rules_;
+  bool planar_;
+  RblCell cell_;
+  std::vector<HalfSpace> cuts_;
+  RblState state_;
+  Vector3 p_m_ = Vector3::Zero();
+  double z_low_m_ = 0.0, z_high_m_ = 0.0;  // of the cell, relative
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "swiftlet/core/guidance/guidance.hpp"
+
+namespace swiftlet {
+
+/// From waypoint to waypoint. A waypoint counts as reached within the arrival radius; then the vehicle stays for the
+/// dwell and goes on. Done when the last dwell has elapsed (or when landed).
+struct WaypointsConfig : ModuleConfigOf<WaypointsConfig> {
+  std::vector<Eigen::Vector3d> waypoints_m;
+  enum class Frame { kWorld, kStart };
+  Frame frame = Frame::kWorld;
+  double speed_mps = 2.0;
+  double arrival_radius_m = 0.5;
+  double dwell_s = 0.0;
+  bool loop = false;
+  bool land_at_end = false;
+  double landing_speed_mps = 0.5;
+  enum class Yaw { kAlongPath, kAtNext, kFixed };
+  Yaw yaw = Yaw::kAlongPath;
+  double yaw_deg = 0.0;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+std::unique_ptr<Guidance> make_waypoints(const ModuleConfig& config, const GuidanceSetup& setup);
+
+}  // namespace swiftlet

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/estimator.hpp"
+
+namespace swiftlet {
+
+/// Inertial navigation aided by whatever the vehicle carries: GNSS, altimeter, compass, velocity from odometry. A
+/// vehicle that was not told its heading needs a compass before it can use its GNSS; one that was told nothing takes
+/// its place from the first fix after that.
+struct InsConfig : ModuleConfigOf<InsConfig> {
+  // Noise of the IMU; defaults: ADIS16448 as in RotorS and PX4.
+  double gyro_noise_radps_sqrt_hz = 3.39e-4;
+  double gyro_walk_radps2_sqrt_hz = 3.88e-5;
+  double accel_noise_mps2_sqrt_hz = 4e-3;
+  double accel_walk_mps3_sqrt_hz = 6e-3;
+  // Uncertainty of what the operator told and of the turn-on biases.
+  double start_position_sigma_m = 0.1;
+  double start_velocity_sigma_mps = 0.1;
+  double start_tilt_sigma_deg = 1.0;
+  double start_yaw_sigma_deg = 3.0;
+  double start_gyro_bias_sigma_radps = 0.0087;
+  double start_accel_bias_sigma_mps2 = 0.196;
+  double start_ground_sigma_m = 2.0;
+  // What is used, and how.
+  bool use_gnss = true;
+  bool use_altimeter = true;
+  bool use_compass = true;
+  bool use_odometry = true;
+  double odometry_velocity_sigma_mps = 0.1;
+  double ground_walk_m_sqrt_m = 0.1;
+  double gate_sigma = 6.0;
+  double imu_timeout_s = 0.1;
+  double position_sigma_max_m = 30.0;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+/// Error-state Kalman filter on (position, velocity, attitude, accelerometer bias, gyroscope bias, height of the
+/// ground).
+///
+/// J. Solà, "Quaternion kinematics for the error-state Kalman filter", arXiv 1711.02508, sec. 5-6, local attitude error
+/// (R_true = R exp(theta)); covariance updates in Joseph form. The sixteenth state lets the altimeter, which measures
+/// the height above whatever lies below, help over uneven ground. Measurements of the past (by their stamps) are
+/// compared with the state of that time, and correct the present one.
+class InsFilter {
+ public:
+  static constexpr int kStates = 16;
+  using Covariance = Eigen::Matrix<double, kStates, kStates>;
+  enum Index { kP = 0, kV = 3, kTheta = 6, kAccelBias = 9, kGyroBias = 12, kGround = 15 };
+
+  InsFilter(const InsConfig& config, const Pose& T_local_body_start);
+
+  /// Forward by the time since the last sample.
+  void predict(const ImuSample& sample);
+  void update(const GnssSample& sample);
+  void update(const AltimeterSample& sample);
+  void update(const CompassSample& sample);
+  void update(const OdometrySample& sample);
+
+  /// At the last IMU sample; the body rate is free of its estimated bias.
+  const NavState& state() const { return nominal_; }
+  const Vector3& accel_bias_mps2() const { return accel_bias_; }
+  const Vector3& gyro_bias_radps() const { return gyro_bias_; }
+  double ground_m() const { return ground_m_; }
+  const Covariance& covariance() const { return P_; }
+  bool is_sound() const;
+  int num_rejected() const { return num_rejected_; }
+
+ private:
+  template <int M>
+  void correct(const Eigen::Matrix<double, M, 1>& innovation, const Eigen::Matrix<double, M, kStates>& H,
+               const Eigen::Matrix<double, M, M>& R, int source);
+  void inject(const Eigen::Matrix<double, kStates, 1>& dx);
+  const NavState& at(TimeNs t) const;
+  void remember();
+
+  static constexpr int kHistory = 128;
+  static constexpr int kSources = 5;
+  InsConfig config_;
+  NavState nominal_;
+  Vector3 accel_bias_ = Vector3::Zero(), gyro_bias_ = Vector3::Zero();
+  double ground_m_ = 0.0;
+  bool ground_known_ = false;
+  Covariance P_ = Covariance::Zero();
+  std::array<NavState, kHistory> history_;  // at the last IMU samples, for measurements that come late
+  int newest_ = -1, count_ = 0;
+  std::array<int, kSources> rejected_in_a_row_{};
+  int num_rejected_ = 0;
+};
+
+std::unique_ptr<StateEstimator> make_ins_estimator(const ModuleConfig& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/localization/local_cloud.hpp"
+#include "swiftlet/core/map/occupancy_view.hpp"
+#include "swiftlet/core/observation.hpp"
+
+namespace swiftlet {
+
+/// What a mapper knows in one tick: all values, nothing kept.
+struct MapperInput {
+  const Observation& observation;
+  const StateEstimate& estimate;                                   ///< valid
+  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick
+  std::span<const Track> tracks = {};                              ///< who flies there and is no obstacle
+};
+
+/// What is around? One of the ways of answering that a scenario chooses by name. A vehicle has one such map, which
+/// everybody asks.
+class Mapper {
+ public:
+  virtual ~Mapper() = default;
+  virtual void step(const MapperInput& input, Outbox& outbox) = 0;
+  /// The map as of the last step; stays the mapper's.
+  virtual const OccupancyView& map() const = 0;
+  virtual void append_overlays(std::vector<Overlay>&) const {}
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/map/sparse_voxel_map.hpp"
+#include "swiftlet/core/mapping/mapper.hpp"
+
+namespace swiftlet {
+
+/// Voxels that the own LiDARs hit, near the vehicle.
+struct SparseMapperConfig : ModuleConfigOf<SparseMapperConfig> {
+  double range_min_m = 0.6;
+  double range_max_m = 40.0;
+  SparseVoxelMapConfig map;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+std::unique_ptr<Mapper> make_sparse_mapper(const ModuleConfig& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

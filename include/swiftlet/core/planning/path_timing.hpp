@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "swiftlet/core/planning/uniform_spline.hpp"
+
+namespace swiftlet {
+
+/// What a vehicle may do along its path.
+struct PathLimits {
+  double speed_mps = 1.0;
+  double vertical_speed_mps = 1.0;
+  double acceleration_mps2 = 1.0;
+  double vertical_acceleration_mps2 = 1.0;
+};
+
+/// A path with its times.
+struct SplineTrajectory {
+  std::vector<Vector3> control_points_m;  ///< of a UniformSpline
+  double interval_s = 0.2;
+  double yaw_rad = 0.0;  ///< heading at the start
+
+  UniformSpline spline() const { return {control_points_m, interval_s}; }
+};
+
+/// A polyline as a smooth path with speeds within the limits, from rest to rest.
+/// @param corners_m  at least two
+/// @param is_free    asked along the smoothed path; nullopt when it is not free
+std::optional<SplineTrajectory> time_path(const std::vector<Vector3>& corners_m, const PathLimits& limits,
+                                          const std::function<bool(const Vector3&)>& is_free);
+
+}  // namespace swiftlet

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/localization/estimator.hpp"
+#include "swiftlet/core/registry.hpp"
+
+namespace swiftlet {
+
+/// One row of core/stages/estimators.cpp.
+struct EstimatorType {
+  ModuleType module;
+  std::unique_ptr<StateEstimator> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+  void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
+};
+
+Registry<EstimatorType>& estimator_registry();
+inline std::span<const ModuleType> estimator_module_types() { return estimator_registry().modules(); }
+/// Throws std::invalid_argument on an unknown type.
+std::unique_ptr<StateEstimator> make_estimator(const Module& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/guidance/guidance.hpp"
+#include "swiftlet/core/registry.hpp"
+
+namespace swiftlet {
+
+/// One row of core/stages/guidances.cpp.
+struct GuidanceType {
+  ModuleType module;
+  std::unique_ptr<Guidance> (*make)(const ModuleConfig& config, const GuidanceSetup& setup);
+};
+
+Registry<GuidanceType>& guidance_registry();
+inline std::span<const ModuleType> guidance_module_types() { return guidance_registry().modules(); }
+/// Throws std::invalid_argument on an unknown type.
+std::unique_ptr<Guidance> make_guidance(const Module& config, const GuidanceSetup& setup);
+
+}  // namespace swiftlet

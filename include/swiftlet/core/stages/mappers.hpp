@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/mapping/mapper.hpp"
+#include "swiftlet/core/registry.hpp"
+
+namespace swiftlet {
+
+/// One row of core/stages/mappers.cpp.
+struct MapperType {
+  ModuleType module;
+  std::unique_ptr<Mapper> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+};
+
+Registry<MapperType>& mapper_registry();
+inline std::span<const ModuleType> mapper_module_types() { return mapper_registry().modules(); }
+/// Null for `none`. Throws std::invalid_argument on an unknown type.
+std::unique_ptr<Mapper> make_mapper(const Module& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

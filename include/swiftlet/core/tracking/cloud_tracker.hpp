@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/counter.hpp"
+#include "swiftlet/core/detection.hpp"
+#include "swiftlet/core/detection/euclidean_clusters.hpp"
+#include "swiftlet/core/map/background_query.hpp"
+#include "swiftlet/core/math/assignment.hpp"
+#include "swiftlet/core/track.hpp"
+#include "swiftlet/core/tracking/cloud_buffer.hpp"
+#include "swiftlet/core/tracking/motion_filter.hpp"
+#include "swiftlet/core/uncertainty/point_covariance.hpp"
+
+namespace swiftlet {
+
+/// How far the position on which a track is corrected may be off.
+struct TrackMeasurementConfig {
+  std::string noise = "constant";
+  double sigma_m = 0.3;            ///< Z
+  double sigma_initial_m = 0.3;    ///< P_0,r
+  MeasurementNoise sensor;         ///< Sigma_w
+  double sigma_sampling_m = 0.15;  ///< only one side of the target is seen
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Algorithm 2 of Vrba 2025. The defaults are those of Table II; docs/tracking.md tells where the paper and its
+/// released code differ and what is the default here.
+struct CloudTrackerConfig {
+  int buffer_size = 10;       ///< N_buf
+  double radius_scale = 1.5;  ///< c_r
+  std::string radius_law = "printed";
+  double search_radius_min_m = 2.5;    ///< r_min
+  double radius_max_m = 5.0;           ///< r_max
+  double cluster_distance_m = 0.25;    ///< d_cluster
+  double background_distance_m = 1.0;  ///< d_min
+  std::string background = "map";
+  double max_size_m = 3.0;
+  std::string position = "centroid";
+  std::string assignment = "exclusive";
+  double association_radius_min_m = 0.5;
+  double merge_radius_max_m = 0.5;
+  int min_detections = 2;
+  TrackMeasurementConfig measurement;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Follows any number of flying objects through the clouds of a LiDAR, from detections that may be older than the
+/// newest cloud [Vrba 2025, sec. III-F]. Clouds, detections and tracks are in the local frame.
+class CloudTracker {
+ public:
+  CloudTracker(const CloudTrackerConfig& config, std::unique_ptr<MotionFilter> filter);
+
+  /// Routine newPointCloud(). A cloud that is not newer than the last one is passed over.
+  /// @param background  occupied voxels O; null: nothing is known
+  void new_cloud(const LocalCloud& cloud, const BackgroundQuery* background);
+  /// Routine newDetections(): each is carried through the buffered clouds that are newer.
+  void new_detections(std::span<const Detection> detections, const BackgroundQuery* background);
+
+  /// Tracks with enough detections, in order of their identity.
+  void publish(std::vector<Track>& tracks) const;
+  int num_tracks() const { return static_cast<int>(targets_.size()); }  ///< published or not
+  void append_counters(std::vector<Counter>& counters) const;
+
+  /// r_unc of eq. (29) [m].
+  double uncertainty_radius_m(const Matrix3& position_covariance) const;
+
+ private:
+  struct Target {
+    std::uint32_t id = 0;
+    TimeNs t = 0;  // for which its state holds
+    MotionState state;
+    int num_detections = 0;
+    bool corrected = false;
+  };
+  /// A cluster that may be a target.
+  struct Candidate {
+    Vector3 position_m;
+    Matrix3 covariance;  // Z
+    TimeNs t;
+    std::span<const std::uint32_t> members;  // indices into selected_
+  };
+
+  void update(std::span<Target> targets, const BufferedCloud& cloud, const BackgroundQuery* background);
+  void find_candidates(std::span<const Target> targets, const BufferedCloud& cloud, const BackgroundQuery* background);
+  bool is_background(const Vector3& position_m, double size_m, const BufferedCloud& cloud,
+                     std::span<const std::uint32_t> members, const BackgroundQuery* background);
+  void assign(std::span<const Target> targets);
+  Target start(const Detection& detection) const;
+  void associate(Target target);
+  void merge();
+  void forget();
+  double search_radius_m(const Target& target) const;
+  double association_radius_m(const Target& target) const;
+  Matrix3 measurement_covariance(const Vector3& position_m, const BufferedCloud& cloud) const;
+  Matrix3 position_covariance(const Vector3& position_m, const Pose& T_local_lidar) const;
+
+  CloudTrackerConfig config_;
+  std::unique_ptr<MotionFilter> filter_;
+  Matrix7 Sigma_w_;
+  CloudBuffer buffer_;
+  std::vector<Target> targets_;
+  std::uint32_t next_id_ = 1;
+  std::uint64_t num_clouds_ = 0, num_late_clouds_ = 0;
+  std::uint64_t num_detections_ = 0, num_late_detections_ = 0;
+
+  // Memory of one update, kept for the next.
+  std::vector<Target> predicted_;
+  std::vector<std::uint32_t> selected_, around_;
+  std::vector<Eigen::Vector3f> selected_points_;
+  EuclideanClusters clusters_;
+  std::vector<Candidate> candidates_;
+  Assignment assignment_;
+  std::vector<double> costs_;
+  std::vector<int> chosen_;
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/tracking/cloud_tracker.hpp"
+#include "swiftlet/core/tracking/tracker.hpp"
+
+namespace swiftlet {
+
+/// No tracking; makes nothing.
+struct NoTrackerConfig : ModuleConfigOf<NoTrackerConfig> {
+  void visit(ConfigVisitor&) override {}
+};
+std::unique_ptr<Tracker> make_no_tracker(const ModuleConfig& config, const AgentSetup& setup);
+
+/// Algorithm 2 of Vrba 2025 with its Kalman filter.
+struct VofodTrackerConfig : ModuleConfigOf<VofodTrackerConfig> {
+  std::string sensor;  ///< name of the LiDAR; empty: the first
+  CloudTrackerConfig tracker;
+  KalmanConfig filter;
+
+  void visit(ConfigVisitor& v) override;
+};
+std::unique_ptr<Tracker> make_vofod_tracker(const ModuleConfig& config, const AgentSetup& setup);
+
+/// The same with interacting multiple models, as Vrba 2025 uses it for interception (sec. VI-B).
+struct ImmTrackerConfig : ModuleConfigOf<ImmTrackerConfig> {
+  std::string sensor;  ///< name of the LiDAR; empty: the first
+  CloudTrackerConfig tracker;
+  ImmConfig filter;
+
+  void visit(ConfigVisitor& v) override;
+};
+std::unique_ptr<Tracker> make_imm_tracker(const ModuleConfig& config, const AgentSetup& setup);
+
+/// The named bypass: tracks from the mutual-localization sensor (Observation::neighbors), with the identity of the
+/// vehicle + 1. A vehicle without such a sensor gets an ideal one.
+struct GroundTruthTrackerConfig : ModuleConfigOf<GroundTruthTrackerConfig> {
+  double range_max_m = 100.0;
+  double timeout_s = 0.5;
+  KalmanConfig filter;
+
+  void visit(ConfigVisitor& v) override;
+};
+std::unique_ptr<Tracker> make_ground_truth_tracker(const ModuleConfig& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

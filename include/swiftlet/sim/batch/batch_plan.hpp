@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "swiftlet/sim/batch/batch_config.hpp"
+#include "swiftlet/sim/batch/shard.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
+
+namespace swiftlet::sim {
+
+/// One run of a batch: what makes it what it is.
+struct Episode {
+  std::uint64_t id = 0;
+  std::size_t point = 0;  ///< of the sweep
+  std::size_t variant = 0;
+  std::uint64_t seed = 0;
+};
+
+/// All episodes of a batch file, numbered. Variants of one point and seed have neighboring numbers.
+class BatchPlan {
+ public:
+  /// Reads the batch file and every scenario that it names, and tries every swept key. Throws InputError.
+  explicit BatchPlan(const std::filesystem::path& file, const ConfigChanges& overrides = {});
+
+  const BatchConfig& config() const { return config_; }
+  const std::filesystem::path& file() const { return file_; }  ///< absolute
+  const std::vector<std::vector<std::string>>& points() const { return points_; }
+  const std::vector<std::uint64_t>& seeds() const { return seeds_; }
+
+  std::uint64_t num_episodes() const;
+  Episode episode(std::uint64_t id) const;
+  Scenario scenario_of(const Episode& episode) const;
+  /// `swiftlet run ...`: flies that episode alone, anywhere, with its recorders.
+  std::string command_of(const Episode& episode) const;
+  /// Equal for episodes that may fly in the same world.
+  std::uint64_t group_of(const Episode& episode) const;
+  /// The episodes of one shard: a contiguous part of all of them in the order of their groups.
+  std::vector<std::uint64_t> episodes_of(const Shard& shard) const;
+  /// Changes with anything that could change a result (scenarios with all their defaults, models, files that they name,
+  /// points, seeds), and with nothing else (comments, order of keys, time-outs, recorders).
+  const std::string& fingerprint() const { return fingerprint_; }
+
+ private:
+  ConfigChanges changes_of(const Episode& episode) const;
+  std::string make_fingerprint() const;
+
+  std::filesystem::path file_;
+  BatchConfig config_;
+  std::vector<std::string> scenarios_;  ///< by variant: file or name
+  std::vector<bool> world_is_fixed_;    ///< by variant: a world seed of its own
+  std::vector<std::vector<std::string>> points_;
+  std::vector<std::uint64_t> seeds_;
+  std::string fingerprint_;
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "swiftlet/sim/dataset/hash.hpp"
+#include "swiftlet/sim/dataset/sequence_recorder.hpp"
+
+namespace swiftlet::sim {
+
+/// What sequences/NN/sequence.json tells.
+struct SequenceInfo {
+  int sequence = 0;
+  std::string split;
+  int flight = 0;
+  std::uint64_t seed = 0;
+  int attempt = 0;
+  std::string family;
+  std::string vehicle;  ///< that carries the LiDAR
+  int instance = 0;     ///< label of that vehicle's own points
+  std::string sensor;
+  std::string sensor_model;
+  std::vector<std::string> vehicles;
+  std::vector<std::string> models;  ///< of the vehicles
+  std::string state_hash;
+  std::string fingerprint;  ///< of the dataset
+  std::string version, revision;
+  std::vector<double> reflectivities;
+  SequenceStatistics statistics;
+  std::vector<FileEntry> files;  ///< all but sequence.json
+};
+
+std::string to_json(const SequenceInfo& info);
+/// Throws std::runtime_error with the path and the reason.
+SequenceInfo read_sequence_info(const std::filesystem::path& directory);
+
+/// Size and hash of every file below a directory, by name, without sequence.json.
+/// @param known    files that need not be read again
+/// @param without  folder that is left out
+std::vector<FileEntry> list_files(const std::filesystem::path& directory, std::vector<FileEntry> known = {},
+                                  const std::string& without = {});
+
+/// "00", "07", "113".
+std::string sequence_name(int sequence);
+
+}  // namespace swiftlet::sim

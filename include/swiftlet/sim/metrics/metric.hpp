@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "swiftlet/sim/metrics/metric_table.hpp"
+#include "swiftlet/sim/metrics/metrics_config.hpp"
+#include "swiftlet/sim/view/tick_view.hpp"
+#include "swiftlet/sim/world/neighborhood.hpp"
+
+namespace swiftlet::sim {
+
+/// What of a vehicle's perception there is to measure.
+struct Perception {
+  bool detects = false, tracks = false;
+};
+
+/// What stays the same during a run.
+struct MetricSetup {
+  std::vector<std::string> vehicle_names;  ///< by VehicleId
+  std::vector<Perception> perception;      ///< by VehicleId; empty: none
+  MetricsConfig config;
+};
+
+/// What a tick tells beyond its TickView. Spans by VehicleId.
+struct MetricContext {
+  double dt_s = 0.0;  ///< since the last tick
+  std::span<const Clearance> clearances;
+  std::span<const char> flying;  ///< 1: off the ground and not crashed
+};
+
+/// Compares truth with what vehicles made of it, tick by tick; update() never allocates.
+class Metric {
+ public:
+  explicit Metric(const MetricSetup& setup) : setup_(setup) {}
+  virtual ~Metric() = default;
+  virtual void update(const TickView& tick, const MetricContext& context) = 0;
+  virtual void report(MetricTable& table) const = 0;
+  /// Its tables; rows are those of this tick.
+  std::span<const std::unique_ptr<Series>> series() const { return series_; }
+
+ protected:
+  /// A table of the kind `Row` for recorders; whoever calls update() empties it before. Call this in a constructor.
+  template <class Row>
+  SeriesOf<Row>& add_series() {
+    auto table = std::make_unique<SeriesOf<Row>>();
+    SeriesOf<Row>& added = *table;
+    series_.push_back(std::move(table));
+    return added;
+  }
+  std::size_t num_vehicles() const { return setup_.vehicle_names.size(); }
+  const std::string& name_of(std::size_t vehicle) const { return setup_.vehicle_names[vehicle]; }
+  const MetricSetup& setup() const { return setup_; }
+
+ private:
+  MetricSetup setup_;
+  std::vector<std::unique_ptr<Series>> series_;
+};
+
+/// One row of sim/metrics/metrics.cpp.
+struct MetricType {
+  const char* name;
+  const char* doc;
+  std::unique_ptr<Metric> (*make)(const MetricSetup& setup);
+};
+
+/// What every simulation that is made later measures; a program may add its own.
+std::vector<MetricType>& metric_registry();
+
+// The metrics of this room; each in the file of its name.
+std::unique_ptr<Metric> make_outcome_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_motion_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_estimate_error_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_tracking_error_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_clearance_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_detection_metric(const MetricSetup& setup);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/config.hpp"
+
+namespace swiftlet::sim {
+
+/// Which effects act. Each can be switched off alone.
+struct PhysicsConfig {
+  double step_s = 0.001;
+  Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
+  double air_density_kgpm3 = 1.225;
+  bool motor_lag = true;
+  bool gyroscopic_torque = true;
+  bool rotor_drag = true;
+  bool body_drag = true;
+  bool ground_effect = true;
+  bool downwash = true;
+  double ground_effect_coefficient =
+      11.36859;  ///< of the law in sim/physics/air_effects.hpp; 1: a single rotor of Cheeseman and Bennett
+  bool contacts = true;
+  double contact_friction = 0.6;  ///< Coulomb, of the vehicle against anything
+  double contact_restitution = 0.1;
+  double crash_speed_mps =
+      0.5;  ///< a contact at more than this normal speed is a crash; slower ones are landings or brushes
+  bool propeller_contact_is_crash =
+      true;  ///< a turning propeller that touches anything breaks, however slowly it comes
+  bool stop_motors_on_crash = true;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Mean wind and Dryden turbulence (MIL-F-8785C, low altitude).
+struct WindConfig {
+  Eigen::Vector3d mean_mps = Eigen::Vector3d::Zero();
+  bool gusts = false;
+  double wind_at_6m_mps = 7.7;  ///< W20 of MIL-F-8785C: 7.7 light, 15.4 moderate, 23.2 severe
+
+  void visit(ConfigVisitor& v);
+};
+
+}  // namespace swiftlet::sim

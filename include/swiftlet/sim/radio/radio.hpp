@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/message.hpp"
+#include "swiftlet/sim/radio/radio_config.hpp"
+#include "swiftlet/sim/radio/radio_statistics.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
+
+namespace swiftlet::sim {
+
+/// Carries messages in lockstep: what is posted in a tick arrives in a later one. Each sender transmits one message
+/// after the other, in the order of posting. A message posted at t while the sender is free starts at t, ends
+/// size / rate later, and arrives after the delay; range, line of sight and loss are decided for each receiver with the
+/// vehicles' positions in the tick in which it starts (at most one tick old). Jitter may change the order of arrival.
+class Radio {
+ public:
+  Radio(const RadioConfig& config, std::uint64_t seed, std::vector<std::string> vehicle_names,
+        std::shared_ptr<const StaticScene> world);
+  ~Radio();
+  /// Takes the messages of one vehicle; called in vehicle order. Stamps `from` and `sent`.
+  void post(VehicleId from, TimeNs now, std::span<const Message> messages, std::span<const VehicleState> states);
+  /// Appends what reaches `to` in (previous tick, now], in order of arrival, then of sender.
+  void deliver(VehicleId to, TimeNs now, std::vector<Message>& out);
+  /// Takes back the memory of delivered messages and empties the list; without it every delivery allocates.
+  void recycle(std::vector<Message>& messages);
+  const RadioStatistics& statistics() const;
+  /// By sender, then topic.
+  std::vector<RadioTopicStatistics> topics() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace swiftlet::sim

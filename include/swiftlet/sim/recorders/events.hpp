@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "swiftlet/sim/view/recorder.hpp"
+
+namespace swiftlet::sim {
+
+struct EventsConfig : ModuleConfigOf<EventsConfig>, TellsOutput {
+  std::vector<std::string> vehicles;
+  std::vector<std::string> kinds;
+
+  void visit(ConfigVisitor& v) override;
+  RecorderOutput output() const override { return {"type", "events.jsonl", true, "events", {}, {}}; }
+};
+
+/// events.jsonl: one JSON object a line, in order of time.
+std::unique_ptr<Recorder> make_events_recorder(const ModuleConfig& config);
+
+}  // namespace swiftlet::sim

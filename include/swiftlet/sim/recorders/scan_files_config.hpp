@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+
+namespace swiftlet::sim {
+
+/// What the recorders of scans as single files (PCD, PLY) have in common.
+struct ScanFilesConfig {
+  std::vector<std::string> vehicles;
+  std::vector<std::string> sensors;
+  int every = 1;
+  enum class Frame { kLidar, kWorld, kWorldEstimate };
+  static constexpr const char* kFrames[] = {"lidar", "world", "world_estimate"};
+  Frame frame = Frame::kLidar;
+  std::string folder = "scans";
+
+  void visit_common(ConfigVisitor& v);
+};
+
+}  // namespace swiftlet::sim

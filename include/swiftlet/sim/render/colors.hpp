@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "swiftlet/core/frames.hpp"
+#include "swiftlet/sim/render/image.hpp"
+
+namespace swiftlet::sim {
+
+/// Perceptually even, dark violet to yellow; s in 0..1 (clamped). For intensities.
+Rgb viridis_like(float s);
+/// Rainbow of even lightness steps, dark blue to dark red; s in 0..1 (clamped). For distances.
+Rgb turbo_like(float s);
+/// The bright part of turbo_like, for points drawn over a scene: readable on soil and on leaves.
+Rgb height_color(float s);
+/// Distinct colors of the vehicles of a team, good on green and on gray.
+Rgb vehicle_color(VehicleId vehicle);
+/// Color of a truth class (SurfaceClass) or of a vehicle.
+Rgb class_color(std::uint16_t surface_class);
+
+/// sRGB transfer function, both ways, per channel.
+Rgb to_linear(const Rgb& srgb);
+
+}  // namespace swiftlet::sim

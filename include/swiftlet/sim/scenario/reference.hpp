@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
+
+namespace swiftlet::sim {
+
+/// Every key of a scenario and of every module that one can name in it, as Markdown: docs/reference.md.
+std::string write_reference();
+
+/// The tables of any configuration: its own keys first, then each module type that can be chosen anywhere below it.
+std::string reference_tables(const ConfigVisit& visit, const std::string& title);
+
+}  // namespace swiftlet::sim

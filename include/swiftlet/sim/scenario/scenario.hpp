@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/metrics/metrics_config.hpp"
+#include "swiftlet/sim/physics/physics_config.hpp"
+#include "swiftlet/sim/radio/radio_config.hpp"
+#include "swiftlet/sim/render/render_config.hpp"
+
+namespace swiftlet::sim {
+
+struct StartConfig {
+  Eigen::Vector3d position_m = {0.0, 0.0, 2.0};  ///< world; with `above_ground`, z counts from the surface below
+  bool above_ground = false;
+  double yaw_deg = 0.0;
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+  bool flying = true;                    ///< rotors turn at hover speed at the start
+  StartKnown known = StartKnown::kPose;  ///< what the vehicle's software is told of it
+  std::string place;                     ///< of position_m in its file, for messages: "a.yaml:3:9: vehicles[0]. ...: "
+
+  void visit(ConfigVisitor& v);
+};
+
+struct VehicleConfig {
+  std::string name;            ///< unique; empty: uav1, uav2, ...
+  std::string model = "x500";  ///< assets/vehicles/<model>.yaml: airframe and controller gains
+  Airframe airframe;
+  StartConfig start;
+  std::vector<Module> sensors;
+  Module agent;
+
+  VehicleConfig();
+  void visit(ConfigVisitor& v);
+};
+
+/// One run, completely. Default-constructed: valid, one X500 hovering over an empty field.
+struct Scenario {
+  std::string name = "unnamed";
+  std::string description;
+  std::uint64_t seed = 1;
+  std::uint64_t world_seed = 0;  ///< of the world alone; 0: the seed
+  double duration_s = 10.0;
+  double tick_s = 0.004;
+  PhysicsConfig physics;
+  Module world;
+  WindConfig wind;
+  RadioConfig radio;
+  std::vector<VehicleConfig> vehicles;
+  std::vector<Module> recorders;
+  std::vector<CameraConfig> snapshots;
+  MetricsConfig metrics;
+
+  Scenario();
+  void visit(ConfigVisitor& v);
+  std::uint64_t seed_of_world() const { return world_seed != 0 ? world_seed : seed; }
+};
+
+/// Reads a scenario, by path or by the name of one that comes with Swiftlet, with its `base:` chain and the overrides
+/// ("vehicles[0].start.yaw_deg", "90").
+/// Throws InputError.
+Scenario load_scenario(const std::filesystem::path& file,
+                       const std::vector<std::pair<std::string, std::string>>& overrides = {});
+/// With an ideal `pose` or `neighbors` sensor for every agent that needs truth by name (`localization: ground_truth`
+/// and the like) and whose vehicle carries none. No other truth is ever sensed.
+Scenario with_truth_sensors(Scenario scenario);
+/// The complete scenario with every default and those sensors written out; load_scenario() of it gives the same
+/// scenario.
+std::string write_scenario(const Scenario& scenario);
+/// A scenario that was put together in code, checked as if it had been read, with empty names filled in.
+/// Throws InputError.
+Scenario validated(const Scenario& scenario);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/scenario/config_files.hpp"
+
+/// The strict reader: fills any configuration through its `visit`. Whatever is wrong with the input ends in an
+/// InputError whose lines (20 at most, in the order of the text) are
+///   file:line:column: key.path[0].x: expected <what>, found <what>; did you mean "<what>"?
+namespace swiftlet::sim {
+
+/// A visitor that reads a text and can tell where the value of `key` stands, for a mistake that shows only later:
+/// "forest.yaml:12:7: vehicles[0].start.position_m: ". Ask it after the field.
+class PlaceTeller {
+ public:
+  virtual ~PlaceTeller() = default;
+  virtual std::string place_of(const char* key) const = 0;
+};
+
+using ConfigVisit = std::function<void(ConfigVisitor&)>;
+/// ("vehicles[0].start.yaw_deg", "90"): key path and YAML value, laid on the file in this order.
+using Overrides = ConfigChanges;
+
+/// Reads `file` with its `base:` chain and the overrides. The struct behind `visit` holds the defaults.
+void read_config(const std::filesystem::path& file, const ConfigVisit& visit, const Overrides& overrides = {},
+                 const ConfigFiles& files = system_files());
+
+/// The same for a text; `name` stands for it in messages and its folder is what relative paths refer to.
+void read_config_text(const std::string& text, const std::filesystem::path& name, const ConfigVisit& visit,
+                      const Overrides& overrides = {}, const ConfigFiles& files = system_files());
+
+}  // namespace swiftlet::sim

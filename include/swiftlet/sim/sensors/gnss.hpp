@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/sim/sensors/sensor.hpp"
+
+namespace swiftlet::sim {
+
+/// No fixes in [start_s, end_s).
+struct GnssOutage {
+  double start_s = 0.0;
+  double end_s = 0.0;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Satellite navigation. Error of position = white noise + stationary Gauss-Markov drift + random walk of the altitude
+/// (what a receiver's filter hides: Orsulic 2021 saw 0.8 m between take-off and landing) + multipath where the sky is
+/// blocked. Defaults: the receiver of Orsulic 2021 (u-blox M8P), whose sigma was above 1.5 m.
+struct GnssConfig : SensorConfigOf<GnssConfig> {
+  std::string model;
+  double rate_hz = 5.0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  double sigma_xy_m = 0.3;
+  double sigma_z_m = 0.5;
+  double drift_sigma_xy_m = 1.5;
+  double drift_sigma_z_m = 2.0;
+  double drift_time_s = 60.0;
+  double altitude_walk_m_psqrts = 0.05;
+  double sigma_velocity_xy_mps = 0.1;
+  double sigma_velocity_z_mps = 0.2;
+  std::vector<GnssOutage> outages;
+  double random_outages_per_min = 0.0;
+  double random_outage_mean_s = 5.0;
+  bool sky_view = false;
+  int num_satellites = 12;
+  double elevation_mask_deg = 10.0;
+  double multipath_sigma_m = 5.0;
+  double multipath_time_s = 10.0;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+/// With `sky_view` a ray goes to each of the satellites (a fixed constellation, spread evenly over the sky, turned by a
+/// random azimuth); blocked ones are lost, noise and drift grow with sqrt(satellites / visible), multipath with the
+/// blocked share, and fewer than four visible ones give no fix. The sample's sigmas are the standard deviations of the
+/// whole error but for the altitude's walk, which no receiver knows.
+std::unique_ptr<Sensor> make_gnss_sensor(const ModuleConfig& config, SensorSetup setup);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "swiftlet/sim/sensors/lidar_measurement.hpp"
+#include "swiftlet/sim/sensors/lidar_mount.hpp"
+#include "swiftlet/sim/sensors/lidar_pattern.hpp"
+#include "swiftlet/sim/sensors/sensor.hpp"
+
+namespace swiftlet::sim {
+
+/// The pose that the agent is told with each scan, with the noise of Sigma_w [Vrba 2025, sec. IV-A and eq. 66]. With
+/// the noise on the way from measurement to truth (eqs. 40, 41), the external pose is t_m = t_gt - t_n, R_m = R_gt
+/// R_n^T with R_n = Rz Ry Rx. White: one draw for each sweep. Correlated: a stationary Gauss-Markov process.
+struct ExternalPoseConfig {
+  bool enabled = false;
+  double sigma_position_m = 0.05;
+  double sigma_rotation_rad = 0.005;
+  double correlation_time_s = 0.0;
+  double spacing_s = 0.01;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// A LiDAR: where it sits, how it scans, what it measures. The defaults are an Ouster OS1-128.
+struct LidarConfig : SensorConfigOf<LidarConfig> {
+  std::string model;
+  double rate_hz = 10.0;
+  bool rolling = true;     ///< false: the whole sweep in the instant of its stamp
+  bool ideal = false;      ///< no noise, no lost returns, infinitely thin beams, true poses
+  bool self_mask = false;  ///< removes the returns of beams that can meet the own vehicle
+  double range_min_m = 0.8;
+  double range_max_m = 120.0;
+  MountConfig mount;
+  Module pattern{lidar_pattern_types(), "ouster"};
+  RangeNoiseConfig noise;
+  DetectionConfig detection;
+  BeamWidthConfig beam;
+  ExternalPoseConfig external_pose;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+std::unique_ptr<Sensor> make_lidar(const ModuleConfig& config, SensorSetup setup);
+
+}  // namespace swiftlet::sim

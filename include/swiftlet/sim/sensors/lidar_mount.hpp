@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/frames.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
+
+namespace swiftlet::sim {
+
+/// Where the sensor sits on its vehicle: T_body_lidar. By default on top; the vehicle's own sensor housing does not
+/// block its view, everything else of the vehicle does.
+struct MountConfig {
+  Eigen::Vector3d position_m = {0.0, 0.0, 0.15};
+  Eigen::Vector3d rpy_deg = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll)
+  bool clear_of_hull = false;  ///< raises the sensor on its airframe until no beam can meet the hull
+
+  void visit(ConfigVisitor& v);
+  Pose T_body_lidar() const;
+  /// The same, on this airframe, for a sensor with this pattern. Throws std::invalid_argument when no mast is high
+  /// enough.
+  Pose place_on(const VehicleShape& shape, const Module& pattern) const;
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/sim/sensors/sensor.hpp"
+
+namespace swiftlet::sim {
+
+/// A camera of a mutual-localization sensor, with a conical field of view (a fisheye lens).
+struct NeighborCamera {
+  double yaw_deg = 0.0;
+  double pitch_deg = 0.0;
+  double fov_deg = 180.0;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Other vehicles as UVDAR (blinking markers seen by fisheye cameras; Kamler 2025) and the like give them: good
+/// bearings, ranges that get worse with distance, nothing beyond a range, behind an obstacle or another vehicle, or out
+/// of view.
+struct NeighborsConfig : SensorConfigOf<NeighborsConfig> {
+  std::string model;
+  double rate_hz = 10.0;
+  bool ideal = false;
+  double range_max_m = 15.0;
+  double range_min_m = 0.3;
+  double sigma_bearing_deg = 1.0;
+  double sigma_range_m = 0.05;
+  double sigma_range_relative = 0.05;
+  std::vector<NeighborCamera> cameras;
+  double elevation_min_deg = -60.0;
+  double elevation_max_deg = 60.0;
+  bool occlusion = true;
+  double occluder_scale = 0.5;
+  double dropout_probability = 0.05;
+  double id_swap_probability = 0.0;
+  double latency_s = 0.0;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+/// `ideal` gives every other vehicle exactly, whatever the range or the world (the truth bypass; the rate and the
+/// latency still hold). Stamps are the times of validity; samples come `latency_s` later.
+std::unique_ptr<Sensor> make_neighbors_sensor(const ModuleConfig& config, SensorSetup setup);
+
+}  // namespace swiftlet::sim

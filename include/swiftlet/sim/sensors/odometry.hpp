@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/sim/sensors/sensor.hpp"
+
+namespace swiftlet::sim {
+
+/// Visual-inertial (or LiDAR-inertial) odometry as its user sees it: a local frame with z up, of arbitrary origin and
+/// heading, that drifts in position and yaw. Roll and pitch are observable, so they err but do not drift.
+///
+/// The drift is a random walk by distance, by turning and by time: over a step of length s, turn |dpsi| and time dt
+///   var(yaw)           = yaw_drift^2 s / reference + yaw_drift_per_turn^2 |dpsi| / 2 pi + yaw_drift_psqrts^2 dt
+///   var(position, 3D)  = (drift_percent/100 reference)^2 s / reference + drift_per_turn^2 |dpsi| / 2 pi +
+///   drift_psqrts^2 dt
+/// (a third of the latter by axis), so it grows faster the faster the vehicle flies and turns.
+struct OdometryConfig : SensorConfigOf<OdometryConfig> {
+  std::string model;
+  double rate_hz = 30.0;
+  enum class Frame { kStart, kWorld, kRandom };
+  Frame frame = Frame::kStart;
+  Eigen::Vector3d initial_offset_m = {10.0, 10.0, 1.0};
+  double initial_yaw_deg = 180.0;
+  double drift_reference_m = 100.0;
+  double drift_percent = 1.0;
+  double drift_per_turn_m = 0.05;
+  double drift_m_psqrts = 0.002;
+  double yaw_drift_deg = 1.0;
+  double yaw_drift_per_turn_deg = 0.5;
+  double yaw_drift_deg_psqrts = 0.01;
+  double scale_error_percent = 0.2;
+  double sigma_position_m = 0.003;
+  double sigma_tilt_deg = 0.2;
+  double tilt_time_s = 5.0;
+  double sigma_velocity_mps = 0.03;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+std::unique_ptr<Sensor> make_odometry_sensor(const ModuleConfig& config, SensorSetup setup);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/observation.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
+
+namespace swiftlet::sim {
+
+/// What the configuration of every sensor has. A `visit` starts with `model` (if it has presets), then `visit_name`.
+struct SensorConfig : ModuleConfig {
+  std::string name;  ///< unique on its vehicle; empty: named by its type
+
+  void visit_name(ConfigVisitor& v) { v.field("name", name, "[-] unique on its vehicle; empty: named by its type"); }
+};
+
+template <class Derived>
+struct SensorConfigOf : SensorConfig {
+  std::unique_ptr<ModuleConfig> clone() const override {
+    return std::make_unique<Derived>(static_cast<const Derived&>(*this));
+  }
+};
+
+/// What every sensor is built from.
+struct SensorSetup {
+  std::uint64_t seed = 0;
+  VehicleId vehicle = 0;
+  std::string name;    ///< unique on its vehicle
+  std::string entity;  ///< "vehicle/name", key of its random streams
+  std::shared_ptr<const StaticScene> world;
+  std::shared_ptr<const Scene> scene;                               ///< materials
+  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< by VehicleId
+  std::vector<std::string> vehicle_names;                           ///< by VehicleId
+};
+
+/// Measures the truth at its own exact instants and delivers in the first tick at or after them.
+/// One thread at a time per sensor; several sensors run in parallel.
+class Sensor {
+ public:
+  explicit Sensor(SensorSetup setup) : setup_(std::move(setup)) {}
+  virtual ~Sensor() = default;
+
+  const std::string& name() const { return setup_.name; }
+  /// Everything that became due in (previous tick, now] is measured on `truth` and appended to `out`.
+  virtual void measure(TimeNs now, const StateHistory& truth, Observation& out) = 0;
+  /// Scans made by the last measure(), with truth, for recorders. Empty for anything but a LiDAR.
+  virtual std::span<const std::shared_ptr<const LabeledScan>> scans() const { return {}; }
+  /// Does measure(now) make a scan? Then it may be traced part by part before:
+  virtual bool makes_scan_by(TimeNs /*now*/) const { return false; }
+  /// Begins the sweep that is due and tells the number of its parts. Each must be traced once before measure(now), by
+  /// any thread and in any order. Not calling it is fine: then measure() does all.
+  virtual int begin_sweep(TimeNs /*now*/, const StateHistory& /*truth*/) { return 0; }
+  virtual void trace_part(int /*part*/) {}
+  /// Which way a part looks, as a number: parts of all sensors in its order meet what is still in the processor's
+  /// caches.
+  virtual int heading_of_part(int /*part*/) const { return 0; }
+  /// How far back the sensor looks into the history [s].
+  virtual double look_back_s() const { return 0.0; }
+
+ protected:
+  SensorSetup setup_;
+};
+
+/// Instants k * period (+ phase), delivered in order; shared by all sensors.
+class Schedule {
+ public:
+  Schedule() = default;
+  explicit Schedule(double rate_hz, TimeNs first = 0) : period_(from_seconds(1.0 / rate_hz)), first_(first) {}
+  /// The next instant that is due at or before `now`; false when there is none. Advances.
+  bool next(TimeNs now, TimeNs& due, std::uint32_t& index) {
+    const TimeNs t = first_ + static_cast<TimeNs>(count_) * period_;
+    if (t > now) return false;
+    due = t;
+    index = count_++;
+    return true;
+  }
+  /// Will next(now, ...) give an instant?
+  bool is_due(TimeNs now) const { return due() <= now; }
+  /// What next() will give, in time or number.
+  TimeNs due() const { return first_ + static_cast<TimeNs>(count_) * period_; }
+  std::uint32_t index() const { return count_; }
+  TimeNs period() const { return period_; }
+
+ private:
+  TimeNs period_ = kNsPerSecond;
+  TimeNs first_ = 0;
+  std::uint32_t count_ = 0;
+};
+
+/// Names for the sensors of one vehicle: as configured, otherwise by type; numbered from 2 where a type comes again
+/// ("imu", "imu2"). Throws std::invalid_argument when two have the same configured name.
+std::vector<std::string> sensor_names(std::span<const Module> sensors);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "swiftlet/core/fields.hpp"
+
+namespace swiftlet::sim {
+
+/// A table that a metric fills tick by tick. Recorders write it under its name and know no more of it.
+class Series {
+ public:
+  explicit Series(std::string name) : name_(std::move(name)) {}
+  virtual ~Series() = default;
+
+  const std::string& name() const { return name_; }
+  virtual std::vector<Column> columns() const = 0;
+
+  /// Rows of this tick.
+  std::size_t size() const { return about_.size(); }
+  /// The vehicle that a row is about; kNoVehicle: the whole run.
+  VehicleId about(std::size_t row) const { return about_[row]; }
+  virtual void put(std::size_t row, ColumnSink& sink) const = 0;
+  virtual void clear() { about_.clear(); }
+
+ protected:
+  std::vector<VehicleId> about_;
+
+ private:
+  std::string name_;
+};
+
+/// `Row` is a kind of data (swiftlet/core/fields.hpp) with a `kName`, the name of the table.
+template <class Row>
+class SeriesOf final : public Series {
+ public:
+  SeriesOf() : Series(Row::kName) {}
+
+  void push(VehicleId about, Row row) {
+    about_.push_back(about);
+    rows_.push_back(std::move(row));
+  }
+  std::span<const Row> rows() const { return rows_; }
+
+  std::vector<Column> columns() const override { return columns_of<Row>(); }
+  void put(std::size_t row, ColumnSink& sink) const override { put_columns(rows_[row], sink); }
+  void clear() override {
+    Series::clear();
+    rows_.clear();
+  }
+
+ private:
+  std::vector<Row> rows_;
+};
+
+/// The rows of this tick in the table of that kind; none when there is no such table.
+template <class Row>
+std::span<const Row> rows_of(std::span<const Series* const> series) {
+  for (const Series* table : series) {
+    if (const auto* found = dynamic_cast<const SeriesOf<Row>*>(table)) return found->rows();
+  }
+  return {};
+}
+
+/// What is known of a table before a run.
+struct TableType {
+  std::string name;
+  std::vector<Column> columns;
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/action.hpp"
+#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/observation.hpp"
+#include "swiftlet/sim/view/series.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
+#include "swiftlet/sim/world/scene.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
+#include "swiftlet/sim/world/vehicle_state.hpp"
+
+namespace swiftlet::sim {
+
+/// Something that happened: a crash, a take-off, a mission that ended. One line of events.jsonl.
+struct Event {
+  TimeNs t = 0;
+  std::string kind;  ///< "crash", "mission", ...
+  VehicleId vehicle = kNoVehicle;
+  std::string partner;  ///< of a crash: "trunk 17", or the other vehicle's name
+  Vector3 p_world_m = Vector3::Zero();
+  std::string note;
+
+  static void visit(auto& e, auto& v) {
+    v.time("t_s", e.t, "[s] when it happened");
+    v.field("kind", e.kind, "[-] crash, mission, ...");
+    v.vehicle("vehicle", e.vehicle, "[-] to whom; none: to the whole run");
+    v.field("partner", e.partner, "[-] what or whom it crashed into");
+    v.field("position_*_m", e.p_world_m, "[m] true position in the world");
+    v.field("note", e.note, "[-] more about it");
+  }
+};
+
+/// What stays the same during a run.
+struct RunInfo {
+  std::string scenario;  ///< its name
+  const Scene* scene = nullptr;
+  std::vector<std::string> vehicle_names;                           ///< by VehicleId
+  std::vector<const Airframe*> airframes;                           ///< by VehicleId
+  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< by VehicleId
+  std::vector<const Series*> series;                                ///< what metrics tell by tick
+  std::filesystem::path directory;                                  ///< where to write; exists
+};
+
+/// One tick as recorders see it: truth beside what was sensed and done. All spans by VehicleId.
+struct TickView {
+  TimeNs t = 0;
+  std::span<const VehicleState> states;
+  std::span<const Observation> observations;
+  std::span<const Action* const> actions;
+  std::span<const std::vector<std::shared_ptr<const LabeledScan>>> scans;  ///< completed in this tick
+  std::span<const Event> events;                                           ///< of this tick
+  std::span<const double> clearance_m;  ///< to the nearest surface or vehicle; empty: nobody measured it
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/sim/world/placement.hpp"
+#include "swiftlet/sim/world/relief.hpp"
+#include "swiftlet/sim/world/scene.hpp"
+
+namespace swiftlet::sim {
+
+/// Open grassland with scattered trees, as for the outdoor flights of Vrba 2025.
+struct FieldConfig : ModuleConfigOf<FieldConfig> {
+  Eigen::Vector2d size_m = {120.0, 120.0};
+  ReliefConfig relief;
+  double ground_cell_m = 1.0;
+  int num_trees = 12;
+  double min_distance_m = 8.0;
+  int num_bushes = 20;
+  double clear_radius_m = 20.0;
+  double detail = 1.0;
+  KeepClearConfig keep_clear;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+Scene make_field(const FieldConfig& config, std::uint64_t seed);
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/sim/world/placement.hpp"
+#include "swiftlet/sim/world/scene.hpp"
+
+namespace swiftlet::sim {
+
+/// The forest of thesis Kamler 2025, sec. 3.4: 100 trees at least 3 m apart on a flat area, trunks as cylinders, crowns
+/// as spheres. The thesis writes "0.5 +- 0.2 m" without naming a distribution; by default it is read as uniform with
+/// that half-width. Trees stand apart by the distance of their axes. The trunk is as long as the tree is high; the
+/// crown is centered on its top, so that the flight from z = 2 m to 5 m passes below most of it, as Fig. 3.4 shows.
+struct ForestThesisConfig : ModuleConfigOf<ForestThesisConfig> {
+  Eigen::Vector2d area_min_m = {-20.0, -32.0};
+  Eigen::Vector2d area_max_m = {20.0, 32.0};
+  int num_trees = 100;
+  double min_distance_m = 3.0;
+  double trunk_radius_m = 0.5;
+  double trunk_radius_spread_m = 0.2;
+  double tree_height_m = 7.5;
+  double tree_height_spread_m = 2.0;
+  double crown_radius_m = 2.5;
+  double crown_radius_spread_m = 0.5;
+  enum class Spread { kUniform, kNormal };
+  Spread spread = Spread::kUniform;
+  double ground_margin_m = 10.0;
+  KeepClearConfig keep_clear;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+Scene make_forest_thesis(const ForestThesisConfig& config, std::uint64_t seed);
+
+}  // namespace swiftlet::sim

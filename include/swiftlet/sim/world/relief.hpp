@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/world/scene.hpp"
+
+namespace swiftlet::sim {
+
+struct ReliefConfig {
+  double amplitude_m = 0.0;
+  double wavelength_m = 30.0;
+  int octaves = 4;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Smooth ground: value noise in octaves (each of half the wavelength and half the height), |height| <= amplitude.
+class Relief {
+ public:
+  Relief(const ReliefConfig& config, std::uint64_t seed);
+  double height_m(double x_m, double y_m) const;
+
+ private:
+  ReliefConfig config_;
+  Random random_;
+};
+
+/// The rectangle of ground as a triangle mesh; a flat one has two triangles.
+Mesh make_ground(const Relief& relief, bool flat, const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m,
+                 double cell_m);
+
+}  // namespace swiftlet::sim

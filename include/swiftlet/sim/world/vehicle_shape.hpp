@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "swiftlet/core/airframe.hpp"
+#include "swiftlet/sim/world/scene.hpp"
+
+namespace swiftlet::sim {
+
+/// What a vehicle looks like, made from its airframe: body, arms, motors, legs, sensors; body frame.
+/// Rotors are kept apart because they spin.
+struct VehicleShape {
+  struct RotorShape {
+    Eigen::Vector3f hub_m = Eigen::Vector3f::Zero();  ///< body frame
+    float radius_m = 0.1F;
+    int blades = 2;
+    float chord_m = 0.02F;   ///< width of a blade
+    float direction = 1.0F;  ///< +1 ccw seen from above
+  };
+
+  std::vector<Material> materials;  ///< index 0: frame, 1: rotor, 2: sensor
+  std::vector<Mesh> meshes;         ///< everything but the rotors; `part` set
+  std::vector<RotorShape> rotors;
+  std::uint32_t rotor_material = 1;
+  float circumscribed_radius_m = 0.5F;
+
+  /// Does the blade of a rotor turned by `angle_rad` cover the point (x, y) of its disc, hub at the origin?
+  static bool blade_covers(const RotorShape& rotor, float x, float y, double angle_rad);
+};
+
+VehicleShape make_vehicle_shape(const Airframe& airframe);
+
+}  // namespace swiftlet::sim
