@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/recorders/csv.hpp"
 #include "sim/recorders/events.hpp"
+#include "sim/recorders/map.hpp"
 #include "sim/recorders/mcap.hpp"
 #include "sim/recorders/pcd.hpp"
 #include "sim/recorders/ply.hpp"
@@ -19,6 +20,7 @@ const RecorderType kRecorderTypes[] = {
     {{"events", "what happened, as JSON Lines", make_module_config<EventsConfig>}, make_events_recorder},
     {{"pcd", "scans with their truth as PCD files", make_module_config<PcdConfig>}, make_pcd_recorder},
     {{"ply", "scans with their truth as PLY files", make_module_config<PlyConfig>}, make_ply_recorder},
+    {{"map", "the maps that vehicles keep, as PLY or PCD files", make_module_config<MapConfig>}, make_map_recorder},
     {{"mcap", "ROS 2 messages in one MCAP file", make_module_config<McapConfig>}, make_mcap_recorder},
     {{"rosbag", "ROS 1 messages in one bag", make_module_config<RosbagConfig>}, make_rosbag_recorder},
 };
