@@ -82,6 +82,12 @@ class StackAgent : public Agent {
     append(stages_.tracker, "tracker.");
   }
 
+  void append_maps(std::vector<MapVoxels>& maps) const override {
+    const auto append = [&](const auto& map, const char* stage) { map.append_voxels(maps.emplace_back(stage)); };
+    if (stages_.detector && stages_.detector->map() != nullptr) append(*stages_.detector->map(), "detector");
+    if (stages_.mapping) append(stages_.mapping->map(), "mapping");
+  }
+
  private:
   /// Scans become clouds in the local frame, once for all stages that look at them.
   void place_scans(const Observation& observation) {

@@ -53,7 +53,7 @@ class VofodDetector : public Detector {
 
  private:
   void seed(const DetectorInput& input) {
-    if (config_.seed != "altimeter" && config_.seed != "large_and_altimeter") return;
+    if (config_.seed != VofodSeed::kAltimeter && config_.seed != VofodSeed::kLargeAndAltimeter) return;
     for (const AltimeterSample& sample : input.observation.altimeter) {
       stages_.seed_ground(input.estimate.T_local_body.translation() - sample.height_m * Vector3::UnitZ());
     }

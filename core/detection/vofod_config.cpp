@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "swiftlet/core/enum_choice.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -13,35 +15,37 @@ constexpr double kMaxReach_voxels = 50.0;
 }  // namespace
 
 void VofodChoices::visit(ConfigVisitor& v) {
-  v.choice("clustering", clustering, {"points", "voxels"},
-           "distances between points (paper) or between centers of voxels that hold points (released code)");
-  v.choice("position", position, {"centroid", "box_center"},
-           "of a detection: mean of its points (paper, eq. 19) or center of its oriented box (released code)");
-  v.choice("close_to", close_to, {"tentative", "confident"},
-           "rule A: background is what is close to voxels that are at least this (rule: tentative; formula below it: "
-           "confident)");
-  v.choice("search", search, {"sphere", "octahedron"},
-           "rule B: border at search_distance_m from the start (paper), or at a number of steps that the object's size "
-           "adds to (released code)");
-  v.choice("failed_search", failed_search, {"keep", "clear"},
-           "rule B: uncertain voxels around a detection stay (paper) or become free (released code)");
-  v.choice("sufficiency", sufficiency, {"none", "background_ratio"},
-           "rule B: always tested (paper), or only once enough of the area is background (released code)");
+  enum_choice(v, "clustering", clustering, {"points", "voxels"},
+              "distances between points (paper) or between centers of voxels that hold points (released code)");
+  enum_choice(v, "position", position, {"centroid", "box_center"},
+              "of a detection: mean of its points (paper, eq. 19) or center of its oriented box (released code)");
+  enum_choice(
+      v, "close_to", close_to, {"tentative", "confident"},
+      "rule A: background is what is close to voxels that are at least this (rule: tentative; formula below it: "
+      "confident)");
+  enum_choice(
+      v, "search", search, {"sphere", "octahedron"},
+      "rule B: border at search_distance_m from the start (paper), or at a number of steps that the object's size "
+      "adds to (released code)");
+  enum_choice(v, "failed_search", failed_search, {"keep", "clear"},
+              "rule B: uncertain voxels around a detection stay (paper) or become free (released code)");
+  enum_choice(v, "sufficiency", sufficiency, {"none", "background_ratio"},
+              "rule B: always tested (paper), or only once enough of the area is background (released code)");
   v.field("sufficient_ratio", sufficient_ratio, "[-] voxels of background over horizontal cells of the map",
           Range::probability());
-  v.choice("map_update", map_update, {"after", "before"},
-           "points go into the map after the classification, detections as exactly unknown (paper), or before it, "
-           "detections as other unknown points (released code)");
-  v.choice("ray_end", ray_end, {"point", "voxel_before"},
-           "rays end at the point (paper, eq. 20) or a voxel's edge before it (released code)");
-  v.choice("hit_voxels", hit_voxels, {"update", "keep"},
-           "voxels that held a point since the last ray casting are freed by rays as others (paper) or not (released "
-           "code)");
-  v.choice("separate_becomes", separate_becomes, {"unknown", "free"},
-           "separate background moves to g_unknown (overview of sec. III) or to g_free (eq. 9, released code)");
-  v.choice("separate_reach", separate_reach, {"cluster", "sphere"},
-           "separate are the voxels of the cluster (paper, eq. 24) or all within separate_distance_m of them (released "
-           "code)");
+  enum_choice(v, "map_update", map_update, {"after", "before"},
+              "points go into the map after the classification, detections as exactly unknown (paper), or before it, "
+              "detections as other unknown points (released code)");
+  enum_choice(v, "ray_end", ray_end, {"point", "voxel_before"},
+              "rays end at the point (paper, eq. 20) or a voxel's edge before it (released code)");
+  enum_choice(
+      v, "hit_voxels", hit_voxels, {"update", "keep"},
+      "voxels that held a point since the last ray casting are freed by rays as others (paper) or not (released "
+      "code)");
+  enum_choice(v, "separate_becomes", separate_becomes, {"unknown", "free"},
+              "separate background moves to g_unknown (overview of sec. III) or to g_free (eq. 9)");
+  enum_choice(v, "separate_reach", separate_reach, {"cluster", "sphere"},
+              "separate are the voxels of the cluster (paper, eq. 24) or all within separate_distance_m of them");
 }
 
 void VofodTiming::visit(ConfigVisitor& v) {
@@ -62,8 +66,8 @@ void VofodConfig::visit(ConfigVisitor& v) {
   v.choice("clusterer", clusterer, {"swiftlet", "pcl"},
            "who joins points to clusters, which are the same; pcl: in programs that were built with PCL");
   v.check(has_clusterer(clusterer), "clusterer", "swiftlet: this program was built without PCL");
-  v.field("cluster_distance_m", cluster_distance_m, "[m] d_cluster: points as near as this are of one cluster",
-          Range{0.0, 100.0, true});
+  v.field("cluster_distance_m", cluster_distance_m,
+          "[m] d_cluster: points as near as this are of one cluster (paper: 0.25)", Range{0.0, 100.0, true});
   v.field("close_distance_m", close_distance_m, "[m] d_close: rule A, background", Range{0.0, 100.0, true});
   v.field("search_distance_m", search_distance_m, "[m] d_search: rule B, flying", Range{0.0, 100.0, true});
   v.field("ray_max_m", ray_max_m, "[m] d_max: rays are followed so far", Range{0.0, 1000.0, true});
@@ -77,10 +81,10 @@ void VofodConfig::visit(ConfigVisitor& v) {
   v.field("min_points", min_points, "[-] of a detection; of voxels when these are clustered", Range::between(1, 1e6));
   v.field("max_size_m", max_size_m, "[m] diagonal of the oriented box of a detection", Range{0.0, 100.0, true});
   v.field("max_range_m", max_range_m, "[m] from the sensor to a detection; 0: any", Range::non_negative());
-  v.choice("seed", seed, {"large_and_altimeter", "large", "altimeter", "none"},
-           "first background in an unknown world: clusters larger than max_size_m, the ground below the altimeter");
-  v.choice("covariance", covariance, {"constant", "pose_noise"},
-           "of detections: sigma_m, or by the noise of range and pose (sec. IV-A) beside it");
+  enum_choice(v, "seed", seed, {"large_and_altimeter", "large", "altimeter", "none"},
+              "first background in an unknown world: clusters larger than max_size_m, the ground below the altimeter");
+  enum_choice(v, "covariance", covariance, {"constant", "pose_noise"},
+              "of detections: sigma_m, or by the noise of range and pose (sec. IV-A) beside it");
   v.field("sigma_m", sigma_m, "[m] constant part, by axis", Range::positive());
   v.field("sigma_range_m", sigma_range_m, "[m] pose_noise: of the range", Range::non_negative());
   v.field("sigma_position_m", sigma_position_m, "[m] pose_noise: of the sensor's position by axis",
@@ -95,13 +99,14 @@ void VofodConfig::visit(ConfigVisitor& v) {
   v.check(close_distance_m <= reach_m, "close_distance_m", "at most 50 edges of map.voxel_m");
   v.check(cluster_distance_m <= reach_m, "cluster_distance_m", "at most 50 edges of map.voxel_m");
   v.check(ray_window_bytes() <= kMaxWindowCells * sizeof(float), "ray_max_m",
-          "a window of at most 2e9 voxels of map.voxel_m around the sensor");
+          "at most 2e9 voxels of map.voxel_m so near the sensor and near the map");
 }
 
 double VofodConfig::map_bytes() const { return (map.size_m / map.voxel_m).prod() * (sizeof(float) + 1.0 / 8.0); }
 
 double VofodConfig::ray_window_bytes() const {
-  return std::pow((2.0 * ray_max_m + kWindowMargin_m) / map.voxel_m, 3) * sizeof(float);
+  const double around = (2.0 * ray_max_m + kWindowMargin_m) / map.voxel_m;
+  return (map.size_m.array() / map.voxel_m + 2.0 * kRayScroll_voxels).min(around).prod() * sizeof(float);
 }
 
 }  // namespace swiftlet

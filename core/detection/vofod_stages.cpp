@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/detection/vofod_stages.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,133 +25,71 @@ MeasurementNoise noise_of(const VofodConfig& config) {
 
 }  // namespace
 
-/// Oriented box (along the principal axes) and mean of a cluster.
-struct VofodStages::Shape {
-  Vector3 centroid_m = Vector3::Zero();
-  Vector3 box_center_m = Vector3::Zero();
-  Vector3 extent_m = Vector3::Zero();
-  double diagonal_m() const { return extent_m.norm(); }
-};
-
-void VofodStages::Samples::clear() {
-  at_m.clear();
-  voxel.clear();
-  point.clear();
-  weight.clear();
-}
-
-void VofodStages::Samples::add(const Eigen::Vector3f& p_m, std::ptrdiff_t in_voxel, std::uint32_t of_point) {
-  at_m.push_back(p_m);
-  voxel.push_back(in_voxel);
-  point.push_back(of_point);
-}
-
-void VofodStages::Samples::add(const Samples& from, std::size_t i) {
-  add(from.at_m[i], from.voxel[i], from.point[i]);
-  if (!from.weight.empty()) weight.push_back(from.weight[i]);
-}
-
-void VofodStages::Samples::move(std::size_t from, std::size_t to) {
-  at_m[to] = at_m[from];
-  voxel[to] = voxel[from];
-  point[to] = point[from];
-  if (!weight.empty()) weight[to] = weight[from];
-}
-
-void VofodStages::Samples::resize(std::size_t count) {
-  at_m.resize(count);
-  voxel.resize(count);
-  point.resize(count);
-  if (!weight.empty()) weight.resize(count);
-}
-
 VofodStages::VofodStages(const VofodConfig& config)
     : config_(config),
       map_(config.map),
-      large_is_background_(config.seed == "large" || config.seed == "large_and_altimeter"),
+      large_is_background_(config.seed == VofodSeed::kLarge || config.seed == VofodSeed::kLargeAndAltimeter),
       g_just_free_(std::nextafter(static_cast<float>(config.map.G_uncertain), -std::numeric_limits<float>::max())),
       clusterer_(make_clusterer(config.clusterer)) {}
 
 void VofodStages::classify(const LocalCloud& cloud, std::vector<Detection>& detections) {
-  take_points(cloud);
-  if (config_.choices.clustering == "voxels") thin_to_voxels();
-  set_background_aside();
-  clusters_.compute(samples_.at_m, config_.cluster_distance_m);
-  const double g_occupied = config_.map.g_occupied, g_unknown = config_.map.g_unknown;
-
-  // Rule A for every cluster before any of them changes the map.
-  classes_.resize(clusters_.size());
-  for (int i = 0; i < clusters_.size(); ++i) {
-    classes_[i] = is_background(clusters_.members(i)) ? ClusterClass::kBackground : ClusterClass::kUnknown;
-  }
-  const bool before = config_.choices.map_update == "before";
-  if (before) {
-    put_background();
-    for (int i = 0; i < clusters_.size(); ++i) {
-      put(clusters_.members(i), classes_[i] == ClusterClass::kBackground ? g_occupied : g_unknown);
-    }
-  }
-  // Rules B and C.
-  const bool sufficient = is_sufficient();
+  take_samples(cloud);
+  find_background();
   to_clear_.clear();
-  for (int i = 0; i < clusters_.size(); ++i) {
-    if (classes_[i] == ClusterClass::kBackground) continue;
-    const auto members = clusters_.members(i);
-    const Shape shape = shape_of(members);
-    if (sufficient && is_flying(cloud, members, shape)) {
-      classes_[i] = ClusterClass::kFlying;
-      detections.push_back(make_detection(cloud, members, shape));
-      if (config_.choices.failed_search == "clear") {
-        to_clear_.insert(to_clear_.end(), search_.explored().begin(), search_.explored().end());
-      }
-    } else if (large_is_background_ && shape.diagonal_m() > config_.max_size_m) {
-      classes_[i] = ClusterClass::kTooLarge;
-    }
+  switch (config_.choices.map_update) {
+    case VofodChoices::MapUpdate::kAfter:
+      classify_then_update(cloud, detections);
+      break;
+    case VofodChoices::MapUpdate::kBefore:
+      update_then_classify(cloud, detections);
+      break;
   }
-  // Eqs. (16) to (18), in this order where a voxel has points of several classes.
-  if (!before) put_background();
-  for (int i = 0; i < clusters_.size() && !before; ++i) {
-    if (classes_[i] == ClusterClass::kBackground) put(clusters_.members(i), g_occupied);
-  }
-  for (int i = 0; i < clusters_.size() && !before; ++i) {
-    if (classes_[i] == ClusterClass::kFlying) set(clusters_.members(i), g_unknown);
-    if (classes_[i] == ClusterClass::kUnknown) put(clusters_.members(i), g_unknown);
-  }
-  for (int i = 0; i < clusters_.size(); ++i) {
-    if (classes_[i] == ClusterClass::kTooLarge) set(clusters_.members(i), g_occupied);
-  }
+  set_large();
   for (const std::ptrdiff_t index : to_clear_) {
     if (map_.state(index) == VoxelState::kUncertain) map_.set(index, g_just_free_);
   }
-  if (config_.choices.hit_voxels == "keep") {
+  if (config_.choices.hit_voxels == VofodChoices::HitVoxels::kKeep) {
     for (const Samples* samples : {&aside_, &samples_}) {
       for (const std::ptrdiff_t voxel : samples->voxel) hits_.push_back(map_.grid().cell(voxel));
     }
   }
 }
 
-void VofodStages::take_points(const LocalCloud& cloud) {
-  samples_.clear();
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-    const std::ptrdiff_t voxel = map_.grid().index_of(cloud.points_local_m[i].cast<double>());
-    if (voxel >= 0) samples_.add(cloud.points_local_m[i], voxel, i);
+// The paper: rules first, then eqs. (16) to (18), in this order where a voxel has points of several classes.
+void VofodStages::classify_then_update(const LocalCloud& cloud, std::vector<Detection>& detections) {
+  find_flying(cloud, detections);
+  put_aside();
+  for_each_cluster(ClusterClass::kBackground, [&](Members members) { put(members, config_.map.g_occupied); });
+  for (int i = 0; i < clusters_.size(); ++i) {
+    if (classes_[i] == ClusterClass::kFlying) set(clusters_.members(i), config_.map.g_unknown);
+    if (classes_[i] == ClusterClass::kUnknown) put(clusters_.members(i), config_.map.g_unknown);
   }
-  num_points_ += cloud.size();
-  num_points_outside_ += cloud.size() - samples_.at_m.size();
 }
 
-void VofodStages::thin_to_voxels() {
-  sorted_.clear();
-  for (std::uint32_t i = 0; i < samples_.voxel.size(); ++i) sorted_.emplace_back(samples_.voxel[i], samples_.point[i]);
-  std::sort(sorted_.begin(), sorted_.end());
-  samples_.clear();
-  for (std::size_t i = 0; i < sorted_.size(); ++i) {
-    if (i == 0 || sorted_[i].first != sorted_[i - 1].first) {
-      const Vector3 center_m = map_.grid().center_m(map_.grid().cell(sorted_[i].first));
-      samples_.add(center_m.cast<float>(), sorted_[i].first, sorted_[i].second);
-      samples_.weight.push_back(0);
-    }
-    ++samples_.weight.back();
+// The released code: points first, those of detections like other unknown ones, then rules B and C.
+void VofodStages::update_then_classify(const LocalCloud& cloud, std::vector<Detection>& detections) {
+  put_aside();
+  for (int i = 0; i < clusters_.size(); ++i) {
+    const bool background = classes_[i] == ClusterClass::kBackground;
+    put(clusters_.members(i), background ? config_.map.g_occupied : config_.map.g_unknown);
+  }
+  find_flying(cloud, detections);
+}
+
+void VofodStages::take_samples(const LocalCloud& cloud) {
+  samples_.take_points(cloud, map_.grid());
+  num_points_ += cloud.size();
+  num_points_outside_ += cloud.size() - samples_.size();
+  if (config_.choices.clustering == VofodChoices::Clustering::kVoxels) samples_.thin_to_voxels(map_.grid());
+}
+
+// Rule A for every cluster before any of them changes the map.
+void VofodStages::find_background() {
+  set_background_aside();
+  clusters_.compute(samples_.at_m, config_.cluster_distance_m);
+  classes_.resize(clusters_.size());
+  for (int i = 0; i < clusters_.size(); ++i) {
+    classes_[i] = is_background(clusters_.members(i)) ? ClusterClass::kBackground : ClusterClass::kUnknown;
   }
 }
 
@@ -180,39 +117,34 @@ void VofodStages::set_background_aside() {
 }
 
 bool VofodStages::is_near_background(const Eigen::Vector3f& at_m) const {
-  const VoxelState at_least = config_.choices.close_to == "confident" ? VoxelState::kConfident : VoxelState::kTentative;
+  const VoxelState at_least =
+      config_.choices.close_to == VofodChoices::CloseTo::kConfident ? VoxelState::kConfident : VoxelState::kTentative;
   return map_.any_within(at_m.cast<double>(), config_.close_distance_m, at_least);
 }
 
-bool VofodStages::is_background(std::span<const std::uint32_t> members) const {
+bool VofodStages::is_background(Members members) const {
   return std::any_of(members.begin(), members.end(), [&](std::uint32_t i) { return near_background_[i] != 0; });
 }
 
-VofodStages::Shape VofodStages::shape_of(std::span<const std::uint32_t> members) const {
-  Shape shape;
-  Vector3 sum = Vector3::Zero();
-  double weight = 0.0;
-  for (const std::uint32_t i : members) {
-    sum += samples_.weight_of(i) * samples_.at_m[i].cast<double>();
-    weight += samples_.weight_of(i);
+void VofodStages::find_flying(const LocalCloud& cloud, std::vector<Detection>& detections) {
+  const bool sufficient = is_sufficient();
+  for (int i = 0; i < clusters_.size(); ++i) {
+    if (classes_[i] == ClusterClass::kBackground) continue;
+    const Members members = clusters_.members(i);
+    const ClusterShape shape = shape_of(samples_, members);
+    if (sufficient && is_flying(cloud, members, shape)) {
+      classes_[i] = ClusterClass::kFlying;
+      detections.push_back(make_detection(cloud, members, shape));
+      if (config_.choices.failed_search == VofodChoices::FailedSearch::kClear) {
+        to_clear_.insert(to_clear_.end(), search_.explored().begin(), search_.explored().end());
+      }
+    } else if (large_is_background_ && shape.diagonal_m() > config_.max_size_m) {
+      classes_[i] = ClusterClass::kTooLarge;
+    }
   }
-  shape.centroid_m = sum / weight;
-  Matrix3 scatter = Matrix3::Zero();
-  for (const std::uint32_t i : members) {
-    const Vector3 r = samples_.at_m[i].cast<double>() - shape.centroid_m;
-    scatter += r * r.transpose();
-  }
-  const Matrix3 axes = Eigen::SelfAdjointEigenSolver<Matrix3>(scatter).eigenvectors();
-  Eigen::AlignedBox3d box;
-  for (const std::uint32_t i : members) {
-    box.extend(Vector3(axes.transpose() * (samples_.at_m[i].cast<double>() - shape.centroid_m)));
-  }
-  shape.box_center_m = shape.centroid_m + axes * box.center();
-  shape.extent_m = box.sizes();
-  return shape;
 }
 
-bool VofodStages::is_flying(const LocalCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape) {
+bool VofodStages::is_flying(const LocalCloud& cloud, Members members, const ClusterShape& shape) {
   if (static_cast<int>(members.size()) < config_.min_points || shape.diagonal_m() > config_.max_size_m) return false;
   const Vector3 sensor_m = cloud.T_local_lidar_of_beam(cloud.beam[samples_.point[members.front()]]).translation();
   if (config_.max_range_m > 0.0 && (shape.centroid_m - sensor_m).norm() > config_.max_range_m) return false;
@@ -224,36 +156,53 @@ bool VofodStages::is_flying(const LocalCloud& cloud, std::span<const std::uint32
   starts_.clear();
   for (const std::ptrdiff_t index : starts_index_) starts_.push_back(map_.grid().cell(index));
 
-  SearchShape reach{.octahedron = config_.choices.search == "octahedron", .radius_m = config_.search_distance_m};
+  return search_.enclosed(map_, starts_, search_shape(shape));
+}
+
+SearchShape VofodStages::search_shape(const ClusterShape& shape) const {
+  SearchShape reach{.octahedron = config_.choices.search == VofodChoices::Search::kOctahedron,
+                    .radius_m = config_.search_distance_m};
   reach.radius_steps = static_cast<int>((shape.diagonal_m() + config_.search_distance_m) / config_.map.voxel_m);
-  return search_.enclosed(map_, starts_, reach);
+  return reach;
 }
 
 // The released code's two conditions, the first of which stays true once it was.
 bool VofodStages::is_sufficient() {
-  if (config_.choices.sufficiency == "none") return true;
+  if (config_.choices.sufficiency == VofodChoices::Sufficiency::kNone) return true;
   const Cell size = map_.grid().size;
   const double needed = config_.choices.sufficient_ratio * size.x() * size.y();
   was_sufficient_ = was_sufficient_ || static_cast<double>(map_.num_occupied()) > needed;
   return was_sufficient_ && separator_.num_kept() > 0;
 }
 
-void VofodStages::put_background() {
-  for (std::size_t i = 0; i < aside_.voxel.size(); ++i) {
+void VofodStages::put_aside() {
+  for (std::size_t i = 0; i < aside_.size(); ++i) {
     map_.update(aside_.voxel[i], aside_.weight_of(i), config_.map.g_occupied);
   }
 }
 
-void VofodStages::put(std::span<const std::uint32_t> members, double g) {
+void VofodStages::put(Members members, double g) {
   for (const std::uint32_t i : members) map_.update(samples_.voxel[i], samples_.weight_of(i), g);
 }
 
-void VofodStages::set(std::span<const std::uint32_t> members, double g) {
+// To exactly g, as eq. (17) does with detections.
+void VofodStages::set(Members members, double g) {
   for (const std::uint32_t i : members) map_.update(samples_.voxel[i], kInfinity, g);
 }
 
-Detection VofodStages::make_detection(const LocalCloud& cloud, std::span<const std::uint32_t> members,
-                                      const Shape& shape) const {
+// What is too large to fly begins the background, or fills it up.
+void VofodStages::set_large() {
+  for_each_cluster(ClusterClass::kTooLarge, [&](Members members) { set(members, config_.map.g_occupied); });
+}
+
+template <class Visit>
+void VofodStages::for_each_cluster(ClusterClass of_class, Visit&& visit) const {
+  for (int i = 0; i < clusters_.size(); ++i) {
+    if (classes_[i] == of_class) visit(clusters_.members(i));
+  }
+}
+
+Detection VofodStages::make_detection(const LocalCloud& cloud, Members members, const ClusterShape& shape) const {
   Detection d;
   std::int64_t offset_sum = 0;
   for (const std::uint32_t i : members) {
@@ -261,16 +210,17 @@ Detection VofodStages::make_detection(const LocalCloud& cloud, std::span<const s
     d.num_points += samples_.weight_of(i);
   }
   d.t = cloud.stamp() + offset_sum / static_cast<std::int64_t>(members.size());
-  d.position_m = config_.choices.position == "centroid" ? shape.centroid_m : shape.box_center_m;
+  d.position_m = config_.choices.position == VofodChoices::Position::kCentroid ? shape.centroid_m : shape.box_center_m;
   d.extent_m = shape.extent_m;
   d.covariance = covariance(cloud, samples_.point[members.front()], d.position_m);
-  d.confidence = confidence(members);
+  d.confidence = confidence();
   return d;
 }
 
-// How free its surroundings are: exp(-sum(1 - G / g_free) / points) over the cluster's box and a margin, its own voxels
-// counting as free. The paper does not say; this is the released code's.
-double VofodStages::confidence(std::span<const std::uint32_t> members) const {
+// How free the surroundings of the cluster that rule B was asked of are: exp(-sum(1 - G / g_free) / voxels) over its
+// box and a margin, its own voxels counting as free. The paper does not say; this is the released code's, which counts
+// voxels, so that an object near by with many points in each is not surer than one far away.
+double VofodStages::confidence() const {
   const VoxelGrid& grid = map_.grid();
   Cell first = starts_.front(), last = starts_.front();
   for (const Cell& cell : starts_) {
@@ -279,7 +229,7 @@ double VofodStages::confidence(std::span<const std::uint32_t> members) const {
   }
   first = (first.array() - kConfidenceMargin).matrix().cwiseMax(grid.min_cell);
   last = (last.array() + kConfidenceMargin).matrix().cwiseMin(grid.min_cell + grid.size - Cell::Ones());
-  double sum = 0.0, points = 0.0;
+  double sum = 0.0;
   for (int z = first.z(); z <= last.z(); ++z) {
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int x = first.x(); x <= last.x(); ++x) {
@@ -289,13 +239,12 @@ double VofodStages::confidence(std::span<const std::uint32_t> members) const {
       }
     }
   }
-  for (const std::uint32_t i : members) points += samples_.weight_of(i);
-  return elementary::exp(-sum / points);
+  return elementary::exp(-sum / static_cast<double>(starts_.size()));
 }
 
 Matrix3 VofodStages::covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_m) const {
   const Matrix3 constant = config_.sigma_m * config_.sigma_m * Matrix3::Identity();
-  if (config_.covariance == "constant") return constant;
+  if (config_.covariance == DetectionCovariance::kConstant) return constant;
   const Pose& T_local_lidar = cloud.T_local_lidar_of_beam(cloud.beam[point]);
   const Vector3 p_lidar = T_local_lidar.inverse() * position_m;
   const double range_m = p_lidar.norm();
@@ -320,9 +269,15 @@ void VofodStages::cast_rays(const LocalCloud& cloud) {
   }
   origins.min().array() -= beam_offset_m + 1e-6;
   origins.max().array() += beam_offset_m + 1e-6;
-  rays_.begin(origins, config_.ray_max_m, config_.map.voxel_m);
+  // The map may scroll until the rays take effect.
+  VoxelGrid within = map_.grid();
+  if (config_.map.extent == "scrolling") {
+    within.min_cell.array() -= kRayScroll_voxels;
+    within.size.array() += 2 * kRayScroll_voxels;
+  }
+  rays_.begin(origins, config_.ray_max_m, config_.map.voxel_m, &within);
 
-  const double shorten_m = config_.choices.ray_end == "voxel_before" ? config_.map.voxel_m : 0.0;
+  const double shorten_m = config_.choices.ray_end == VofodChoices::RayEnd::kVoxelBefore ? config_.map.voxel_m : 0.0;
   const bool masks = !beams.masked.empty();
   for (int row = 0; row < scan.rows(); ++row) {
     for (int column = 0; column < scan.cols(); ++column) {
@@ -349,14 +304,22 @@ void VofodStages::apply_rays(int num_classifications) {
 void VofodStages::find_separate() {
   const auto& found = separator_.find(map_, config_.separate_distance_m, config_.separate_min_confident);
   separate_.clear();
-  if (config_.choices.separate_reach == "cluster") {
-    for (const std::ptrdiff_t index : found) separate_.push_back(map_.grid().cell(index));
-    return;
+  switch (config_.choices.separate_reach) {
+    case VofodChoices::SeparateReach::kCluster:
+      for (const std::ptrdiff_t index : found) separate_.push_back(map_.grid().cell(index));
+      break;
+    case VofodChoices::SeparateReach::kSphere:
+      append_spheres(found, separate_);
+      break;
   }
+}
+
+// Every voxel within d_sep of a center, once.
+void VofodStages::append_spheres(std::span<const std::ptrdiff_t> centers, std::vector<Cell>& cells) {
   const int reach = static_cast<int>(config_.separate_distance_m / config_.map.voxel_m);
   const double reach_sq = elementary::pow(config_.separate_distance_m / config_.map.voxel_m, 2);
   separate_index_.clear();
-  for (const std::ptrdiff_t index : found) {
+  for (const std::ptrdiff_t index : centers) {
     const Cell center = map_.grid().cell(index);
     for (int z = -reach; z <= reach; ++z) {
       for (int y = -reach; y <= reach; ++y) {
@@ -371,11 +334,12 @@ void VofodStages::find_separate() {
   }
   std::sort(separate_index_.begin(), separate_index_.end());
   separate_index_.erase(std::unique(separate_index_.begin(), separate_index_.end()), separate_index_.end());
-  for (const std::ptrdiff_t index : separate_index_) separate_.push_back(map_.grid().cell(index));
+  for (const std::ptrdiff_t index : separate_index_) cells.push_back(map_.grid().cell(index));
 }
 
 void VofodStages::remove_separate(int num_classifications) {
-  const double g = config_.choices.separate_becomes == "free" ? config_.map.g_free : config_.map.g_unknown;
+  const double g = config_.choices.separate_becomes == VofodChoices::SeparateBecomes::kFree ? config_.map.g_free
+                                                                                            : config_.map.g_unknown;
   for (const Cell& cell : separate_) {
     if (map_.grid().contains(cell)) map_.update(map_.grid().index(cell), num_classifications, g);
   }

@@ -32,7 +32,7 @@ void LogOddsMap::insert(const Vector3& origin_m, std::span<const Vector3> ends_m
   for (const Vector3& end : ends_m) {
     if (end.allFinite()) reach_m = std::max(reach_m, (end - origin_m).norm());
   }
-  rays_.begin(Eigen::AlignedBox3d(origin_m), reach_m * (1.0 + 1e-9), grid_.edge_m);
+  rays_.begin(Eigen::AlignedBox3d(origin_m), reach_m * (1.0 + 1e-9), grid_.edge_m, &grid_);
   occupied_.clear();
   for (std::size_t i = 0; i < ends_m.size(); ++i) {
     const Vector3 ray = ends_m[i] - origin_m;

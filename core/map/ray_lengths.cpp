@@ -73,7 +73,8 @@ void accumulate(const Pieces& pieces, int count, float* __restrict lengths) {
 #pragma GCC unroll 4
   for (int j = 0; j < count; ++j) lengths[pieces.index_0[j]] += pieces.length_0[j];
   for (int word = 0; 64 * word < count; ++word) {
-    for (std::uint64_t bits = pieces.crosses[word]; bits != 0; bits &= bits - 1) {
+    const int slabs = std::min(count - 64 * word, 64);
+    for (std::uint64_t bits = pieces.crosses[word] & (~std::uint64_t{0} >> (64 - slabs)); bits != 0; bits &= bits - 1) {
       const int j = 64 * word + std::countr_zero(bits);
       lengths[pieces.index_1[j]] += pieces.length_1[j];
       lengths[pieces.index_2[j]] += pieces.length_2[j];
@@ -100,19 +101,30 @@ std::pair<int, int> used(const float* row, int count) {
 
 }  // namespace
 
-void RayLengths::begin(const Eigen::AlignedBox3d& origins_m, double reach_m, double edge_m) {
+void RayLengths::begin(const Eigen::AlignedBox3d& origins_m, double reach_m, double edge_m, const VoxelGrid* within) {
   clear();
   origins_m_ = origins_m;
   reach_m_ = reach_m;
   window_.edge_m = edge_m;
   if (origins_m.isEmpty()) return;
+  Eigen::Array3d first = ((origins_m.min().array() - reach_m) / edge_m).floor();
+  Eigen::Array3d end = ((origins_m.max().array() + reach_m) / edge_m).ceil();
+  cut_ = false;
+  if (within != nullptr) {  // but never less than where the rays begin
+    const Eigen::Array3d least =
+        (origins_m.min().array() / edge_m).floor().min(within->min_cell.array().cast<double>());
+    const Eigen::Array3d most =
+        (origins_m.max().array() / edge_m).ceil().max((within->min_cell + within->size).array().cast<double>());
+    cut_ = (first < least).any() || (end > most).any();
+    first = first.max(least);
+    end = end.min(most);
+  }
   // Voxels of the window are numbered in 32 bits.
-  const double cells = (((origins_m.sizes().array() + 2.0 * reach_m) / edge_m) + 2.0 * (kMargin + 1)).prod();
+  const double cells = (end - first + 2.0 * kMargin).prod();
   ENSURE(cells < static_cast<double>(std::numeric_limits<std::int32_t>::max()), cells, origins_m.sizes(), reach_m,
          edge_m);
-  window_.min_cell = ((origins_m.min().array() - reach_m) / edge_m).floor().cast<int>() - kMargin;
-  const Cell end = ((origins_m.max().array() + reach_m) / edge_m).ceil().cast<int>() + kMargin;
-  window_.size = end - window_.min_cell;
+  window_.min_cell = first.cast<int>() - kMargin;
+  window_.size = (end.cast<int>() + kMargin).matrix() - window_.min_cell;
   edges_per_m_ = 1.0 / edge_m;
   first_cell_ = window_.min_cell.cast<double>();
   if (static_cast<std::ptrdiff_t>(lengths_.size()) < window_.num_cells()) lengths_.resize(window_.num_cells(), 0.0F);
@@ -157,7 +169,12 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
 
   // Slab j lies between planes j - 1 and j; the first begins at the origin, the last ends at the ray's end. A little
   // more than the length, so that rounding never leaves out the last bit of it.
-  const int num_slabs = 1 + std::max(0, static_cast<int>((length - first_plane) * d[a] + 1.0001));
+  int num_slabs = 1 + std::max(0, static_cast<int>((length - first_plane) * d[a] + 1.0001));
+  if (cut_) {  // up to the slab in which the ray leaves; the margin has room for the rest of that one
+    const double exit = exit_edges(origin, direction);
+    if (exit < length)
+      num_slabs = std::min(num_slabs, 1 + std::max(0, static_cast<int>((exit - first_plane) * d[a] + 1.0)));
+  }
   for (int first = 0; first < num_slabs; first += kStretch) {
     const int count = std::min(kStretch, num_slabs - first);
     const Planes planes{static_cast<float>(first_plane + (first - 1) * spacing), static_cast<float>(spacing),
@@ -166,6 +183,16 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
     cut(r, planes, first, count, pieces);
     accumulate(pieces, count, lengths_.data());
   }
+}
+
+// How far a ray from an origin in the window goes in what is counted, both in edges.
+double RayLengths::exit_edges(const Vector3& origin, const Vector3& direction) const {
+  double exit = kHuge;
+  for (int k = 0; k < 3; ++k) {
+    const double room = direction[k] >= 0.0 ? window_.size[k] - kMargin - origin[k] : origin[k] - kMargin;
+    if (direction[k] != 0.0) exit = std::min(exit, room / std::abs(direction[k]));
+  }
+  return exit;
 }
 
 void RayLengths::leave_out(std::span<const Cell> cells) {

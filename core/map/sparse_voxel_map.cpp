@@ -284,6 +284,20 @@ bool SparseVoxelMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid
   return true;
 }
 
+void SparseVoxelMap::append_voxels(MapVoxels& copy) const {
+  copy.edge_m = config_.edge_m;
+  copy.states = {"free", "occupied"};
+  copy.occupied_from = 1;
+  for (const Block& block : blocks_) {
+    if (!block.used) continue;
+    for (int i = 0; i < kVoxels; ++i) {
+      if (!block.knows(i)) continue;
+      const Cell at = kSide * block.at + Cell(i & 7, (i >> 3) & 7, i >> 6);
+      copy.add(center_of(at), occupied(block.voxels[i]) ? 1 : 0, block.voxels[i].log_odds);
+    }
+  }
+}
+
 CellState SparseVoxelMap::state(const Vector3& p_local_m) const { return state_of(cell_of(p_local_m)); }
 
 CellState SparseVoxelMap::state_of(const Cell& cell) const {

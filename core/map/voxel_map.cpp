@@ -231,6 +231,16 @@ void VoxelMap::append_centers(VoxelState at_least, std::vector<Vector3>& centers
   }
 }
 
+void VoxelMap::append_voxels(MapVoxels& copy) const {
+  copy.edge_m = grid_.edge_m;
+  copy.states = {"free", "uncertain", "tentative", "confident"};
+  copy.occupied_from = static_cast<std::uint8_t>(VoxelState::kTentative);
+  for (std::ptrdiff_t i = 0; i < grid_.num_cells(); ++i) {
+    if (values_[i] == g_unknown_) continue;
+    copy.add(grid_.center_m(grid_.cell(i)), static_cast<std::uint8_t>(state(i)), values_[i]);
+  }
+}
+
 template <class Visit>
 bool VoxelMap::visit_row(std::ptrdiff_t row, int x_first, int x_last, Visit&& visit) const {
   const std::uint64_t* words = row_bits(row);

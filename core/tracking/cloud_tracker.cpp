@@ -73,7 +73,8 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
       "equivalent sphere c_r det(P)^(1/6)");
   v.field("search_radius_min_m", search_radius_min_m, "[m] r_min of eq. (28)", Range::positive());
   v.field("radius_max_m", radius_max_m, "[m] r_max: a track of greater r_unc is lost", Range::positive());
-  v.field("cluster_distance_m", cluster_distance_m, "[m] d_cluster (released code: 1.0)", Range::positive());
+  v.field("cluster_distance_m", cluster_distance_m, "[m] d_cluster (paper: 0.25, released code: 1.0)",
+          Range::positive());
   v.field("background_distance_m", background_distance_m,
           "[m] d_min: a cluster that is nearer to background is background", Range::non_negative());
   v.choice(

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/registry/recorders.hpp"
-
+#include "swiftlet/core/registry.hpp"
 #include "swiftlet/sim/recorders/csv.hpp"
 #include "swiftlet/sim/recorders/events.hpp"
+#include "swiftlet/sim/recorders/map.hpp"
 #include "swiftlet/sim/recorders/mcap.hpp"
 #include "swiftlet/sim/recorders/pcd.hpp"
 #include "swiftlet/sim/recorders/ply.hpp"
 #include "swiftlet/sim/recorders/rosbag.hpp"
 #include "swiftlet/sim/recorders/tum.hpp"
+#include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -19,6 +21,7 @@ const RecorderType kRecorderTypes[] = {
     {{"events", "what happened, as JSON Lines", make_module_config<EventsConfig>}, make_events_recorder},
     {{"pcd", "scans with their truth as PCD files", make_module_config<PcdConfig>}, make_pcd_recorder},
     {{"ply", "scans with their truth as PLY files", make_module_config<PlyConfig>}, make_ply_recorder},
+    {{"map", "the maps that vehicles keep, as PLY or PCD files", make_module_config<MapConfig>}, make_map_recorder},
     {{"mcap", "ROS 2 messages in one MCAP file", make_module_config<McapConfig>}, make_mcap_recorder},
     {{"rosbag", "ROS 1 messages in one bag", make_module_config<RosbagConfig>}, make_rosbag_recorder},
 };

@@ -94,8 +94,8 @@ void Simulation::Impl::tick() {
     const auto timed = clock.measure(Stage::kMetrics);
     events.collect(now, physics, team.actions);
     hash = team.combined_hash(hash);
-    view = {now,        physics.states(),      team.observations,     team.actions,
-            team.scans, events.of_this_tick(), team.least_clearance_m};
+    view = {now,        physics.states(),      team.observations,      team.actions,
+            team.scans, events.of_this_tick(), team.least_clearance_m, team.agents};
     metrics.update(view, team.clearances);
   }
   {

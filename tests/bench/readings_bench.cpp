@@ -167,30 +167,31 @@ void add_all(bool noisy) {
         ->Unit(benchmark::kSecond);
   };
   add("default", [](VofodConfig&) {});
-  add("clustering=voxels", [](VofodConfig& c) { c.choices.clustering = "voxels"; });
-  add("position=box_center", [](VofodConfig& c) { c.choices.position = "box_center"; });
-  add("close_to=confident", [](VofodConfig& c) { c.choices.close_to = "confident"; });
-  add("search=octahedron", [](VofodConfig& c) { c.choices.search = "octahedron"; });
-  add("failed_search=clear", [](VofodConfig& c) { c.choices.failed_search = "clear"; });
-  add("sufficiency=background_ratio", [](VofodConfig& c) { c.choices.sufficiency = "background_ratio"; });
-  add("map_update=before", [](VofodConfig& c) { c.choices.map_update = "before"; });
-  add("ray_end=voxel_before", [](VofodConfig& c) { c.choices.ray_end = "voxel_before"; });
-  add("hit_voxels=keep", [](VofodConfig& c) { c.choices.hit_voxels = "keep"; });
-  add("separate_becomes=free", [](VofodConfig& c) { c.choices.separate_becomes = "free"; });
-  add("separate_reach=sphere", [](VofodConfig& c) { c.choices.separate_reach = "sphere"; });
+  add("clustering=voxels", [](VofodConfig& c) { c.choices.clustering = VofodChoices::Clustering::kVoxels; });
+  add("position=box_center", [](VofodConfig& c) { c.choices.position = VofodChoices::Position::kBoxCenter; });
+  add("close_to=confident", [](VofodConfig& c) { c.choices.close_to = VofodChoices::CloseTo::kConfident; });
+  add("search=octahedron", [](VofodConfig& c) { c.choices.search = VofodChoices::Search::kOctahedron; });
+  add("failed_search=clear", [](VofodConfig& c) { c.choices.failed_search = VofodChoices::FailedSearch::kClear; });
+  add("sufficiency=background_ratio",
+      [](VofodConfig& c) { c.choices.sufficiency = VofodChoices::Sufficiency::kBackgroundRatio; });
+  add("map_update=before", [](VofodConfig& c) { c.choices.map_update = VofodChoices::MapUpdate::kBefore; });
+  add("ray_end=voxel_before", [](VofodConfig& c) { c.choices.ray_end = VofodChoices::RayEnd::kVoxelBefore; });
+  add("hit_voxels=keep", [](VofodConfig& c) { c.choices.hit_voxels = VofodChoices::HitVoxels::kKeep; });
+  add("separate_becomes=free",
+      [](VofodConfig& c) { c.choices.separate_becomes = VofodChoices::SeparateBecomes::kFree; });
+  add("separate_reach=sphere", [](VofodConfig& c) { c.choices.separate_reach = VofodChoices::SeparateReach::kSphere; });
   add("min_points=1", [](VofodConfig& c) { c.min_points = 1; });
-  add("released code", [](VofodConfig& c) {
+  // All of its readings but the removal of separate background, which it does in another way.
+  add("readings of the released code", [](VofodConfig& c) {
     c.cluster_distance_m = c.close_distance_m;
-    c.choices = {.clustering = "voxels",
-                 .position = "box_center",
-                 .search = "octahedron",
-                 .failed_search = "clear",
-                 .sufficiency = "background_ratio",
-                 .map_update = "before",
-                 .ray_end = "voxel_before",
-                 .hit_voxels = "keep",
-                 .separate_becomes = "free",
-                 .separate_reach = "sphere"};
+    c.choices = {.clustering = VofodChoices::Clustering::kVoxels,
+                 .position = VofodChoices::Position::kBoxCenter,
+                 .search = VofodChoices::Search::kOctahedron,
+                 .failed_search = VofodChoices::FailedSearch::kClear,
+                 .sufficiency = VofodChoices::Sufficiency::kBackgroundRatio,
+                 .map_update = VofodChoices::MapUpdate::kBefore,
+                 .ray_end = VofodChoices::RayEnd::kVoxelBefore,
+                 .hit_voxels = VofodChoices::HitVoxels::kKeep};
   });
 }
 

@@ -197,7 +197,8 @@ class Vofod {
       const auto confident = std::count_if(cluster.begin(), cluster.end(),
                                            [&](int k) { return map.G[voxels[k]] >= config_.map.G_confident; });
       if (confident >= config_.separate_min_confident) continue;
-      const double g = config_.choices.separate_becomes == "free" ? config_.map.g_free : config_.map.g_unknown;
+      const double g = config_.choices.separate_becomes == VofodChoices::SeparateBecomes::kFree ? config_.map.g_free
+                                                                                                : config_.map.g_unknown;
       for (const int k : cluster) map.update(voxels[k], num_classifications, g);
     }
   }

@@ -181,6 +181,8 @@ TEST(ClaimsInFull, RblForest) { expect_reproduced("rbl-forest", false); }
 TEST(ClaimsInFull, RblReal) { expect_reproduced("rbl-real", false); }
 TEST(ClaimsInFull, RblGhosts) { expect_reproduced("rbl-ghosts", false); }
 
+TEST(Claims, DetectionLatencies) { expect_reproduced("detection-latencies", true); }
+TEST(ClaimsInFull, DetectionLatencies) { expect_reproduced("detection-latencies", false); }
 TEST(ClaimsInFull, DetectionIdeal) { expect_reproduced("detection-ideal", false); }
 TEST(ClaimsInFull, DetectionNoisy) { expect_reproduced("detection-noisy", false); }
 TEST(ClaimsInFull, DetectionMulti) { expect_reproduced("detection-multi", false); }

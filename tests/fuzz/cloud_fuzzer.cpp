@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fuzz target of the reader of point clouds: the first byte tells the format, the rest is the file.
-#include "swiftlet/sim/world/point_cloud_file.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/world/point_cloud_file.hpp"
 #include "tests/fuzz/support.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

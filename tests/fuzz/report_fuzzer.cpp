@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "swiftlet/sim/report/run_report.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/report/run_report.hpp"
 #include "tests/fuzz/support.hpp"
 
 namespace {

@@ -89,6 +89,26 @@ void check_scan(const std::string& file, const json& scan, bool organized) {
   expect(cloud.height == (organized ? static_cast<unsigned>(rows) : 1U), file + " height");
 }
 
+// Only what is occupied was written.
+void check_map(const std::string& file, const json& map) {
+  pcl::PCLPointCloud2 cloud;
+  if (pcl::io::loadPCDFile(file, cloud) != 0) throw std::runtime_error("PCL cannot read " + file);
+  std::size_t point = 0;
+  for (const json& voxel : map["voxels"]) {
+    if (voxel[3] < map["occupied_from"]) continue;
+    const std::string where = file + " voxel " + std::to_string(point);
+    for (int k = 0; k < 3; ++k) {
+      const char* const names[] = {"x", "y", "z"};
+      expect(value<float>(cloud, names[k], point) == voxel[k].get<float>(), where + " position");
+    }
+    expect(value<std::uint8_t>(cloud, "state", point) == voxel[3], where + " state");
+    const float found = value<float>(cloud, "value", point);
+    expect(voxel[4].is_string() ? std::isinf(found) : found == voxel[4].get<float>(), where + " value");
+    ++point;
+  }
+  expect(point == cloud.width && point > 0, file + " number of voxels");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -106,6 +126,9 @@ int main(int argc, char** argv) {
         check_scan(directory + "/scans/" + stream + name, scan, false);
       }
     }
+  }
+  for (const json& map : expected["maps"]) {
+    if (map["name"] == "detector") check_map(directory + "/maps/uav1_detector_end.pcd", map);
   }
   std::cout << "PCL read " << num_compared << " values in " << num_files.size() << " streams, " << num_failures
             << " differ\n";

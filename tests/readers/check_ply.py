@@ -41,6 +41,23 @@ def check_scan(path, scan, result):
     result.equal(cloud["t"], expectation.firing_s(scan)[hit] * 1e9, f"{path}: t", 1)
 
 
+def check_map(path, expected, result):
+    voxels = read_ply(path)
+    result.equal(len(voxels), len(expected["voxels"]), f"{path}: voxels")
+    for i, name in enumerate(("x", "y", "z", "state", "value")):
+        wanted = np.array([float(v[i]) for v in expected["voxels"]])  # a voxel of a known world is infinite
+        result.equal(np.nan_to_num(voxels[name], posinf=9e9), np.nan_to_num(wanted, posinf=9e9), f"{path}: {name}", 1e-6)
+    header = path.read_bytes().split(b"end_header")[0].decode("ascii")
+    result.equal(f"comment edge_m {expected['edge']:g}" in header, True, f"{path}: edge")
+
+
+def check_maps(directory, expected, result):
+    for vehicle in expected["vehicles"]:
+        for voxel_map in expected["maps"]:
+            for when in ("000000.050s", "000000.200s", "end"):
+                check_map(directory / "maps" / f"{vehicle}_{voxel_map['name']}_{when}.ply", voxel_map, result)
+
+
 def read_by_cloudcompare(path):
     """Positions, or None where CloudCompare is not installed."""
     if not shutil.which("CloudCompare"):
@@ -74,6 +91,7 @@ def main():
                 if not count:
                     check_cloudcompare(path, scan, result)
                 count[stream] = count.get(stream, 0) + 1
+    check_maps(directory, expected, result)
     sys.exit(result.finish("PLY by its header", least=10000))
 
 

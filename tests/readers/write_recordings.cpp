@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Usage: write_recordings DIR. Records a synthetic run in every format, and writes beside it, in DIR/expected.json,
 // what went in, for the independent readers of this folder to compare with.
+#include <cmath>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "swiftlet/sim/recorders/csv.hpp"
+#include "swiftlet/sim/recorders/map.hpp"
 #include "swiftlet/sim/recorders/mcap.hpp"
 #include "swiftlet/sim/recorders/pcd.hpp"
 #include "swiftlet/sim/recorders/ply.hpp"
@@ -130,7 +133,43 @@ Module module_of(const char* type, Config config) {
   return module;
 }
 
+/// Keeps two maps that change with every tick; of which the first has a voxel of a known world.
+class Cartographer : public Agent {
+ public:
+  const Action& step(const Observation&) override { return action_; }
+  void append_maps(std::vector<MapVoxels>& maps) const override {
+    maps.push_back({"detector", 0.25, {"free", "uncertain", "tentative", "confident"}, 2, {}, {}, {}});
+    for (int i = 0; i < 40; ++i) {
+      const float value = i == 0 ? std::numeric_limits<float>::infinity() : -25.5F * static_cast<float>(i);
+      maps.back().add({0.25 * i + 0.125, -0.125, 1e-3 * i}, static_cast<std::uint8_t>(3 - i / 10), value);
+    }
+    maps.push_back({"mapping", 0.2, {"free", "occupied"}, 1, {}, {}, {}});
+    maps.back().add({1.1, 2.3, -0.7}, 1, 3.25F);
+    maps.back().add({1.3, 2.3, -0.7}, 0, -0.5F);
+  }
+
+ private:
+  Action action_;
+};
+
+json json_of(const MapVoxels& map) {
+  json out{{"name", map.name}, {"edge", map.edge_m}, {"occupied_from", map.occupied_from}, {"voxels", json::array()}};
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Eigen::Vector3f& at = map.centers_local_m[i];
+    const json value = std::isinf(map.value[i]) ? json("inf") : json(map.value[i]);
+    out["voxels"].push_back({at.x(), at.y(), at.z(), map.state[i], value});
+  }
+  return out;
+}
+
 std::vector<Module> every_recorder() {
+  MapConfig map;
+  map.times_s = {0.2, 0.05};
+  MapConfig occupied_map;
+  occupied_map.vehicles = {"uav1"};
+  occupied_map.maps = {"detector"};
+  occupied_map.voxels = "occupied";
+  occupied_map.format = "pcd";
   CsvConfig csv;
   csv.rate_hz = 0;
   csv.topics = {"state",     "imu",        "gnss",   "odometry", "altimeter",        "compass",
@@ -166,6 +205,8 @@ std::vector<Module> every_recorder() {
           module_of("pcd", pcd_lidar),
           module_of("pcd", pcd_world),
           module_of("ply", ply),
+          module_of("map", map),
+          module_of("map", occupied_map),
           module_of("mcap", mcap),
           module_of("mcap", plain_mcap),
           module_of("rosbag", bag),
@@ -182,9 +223,14 @@ void write_recordings(const std::filesystem::path& directory) {
     recorders.push_back(make_recorder(module));
     recorders.back()->begin(run.info());
   }
+  std::vector<std::unique_ptr<Agent>> agents;
+  for (int v = 0; v < 2; ++v) agents.push_back(std::make_unique<Cartographer>());
+  std::vector<MapVoxels> maps;
+  agents.front()->append_maps(maps);
   json expected{{"vehicles", run.info().vehicle_names}, {"datum", {49.363, 14.261, 470.0}}};
   for (int k = 0; k <= 30; ++k) {
-    const TickView& tick = run.tick(k);
+    TickView tick = run.tick(k);
+    tick.agents = agents;
     for (auto& recorder : recorders) recorder->write(tick);
     json out{{"t_ns", tick.t}, {"events", json::array()}};
     for (const Event& event : tick.events) {
@@ -197,6 +243,7 @@ void write_recordings(const std::filesystem::path& directory) {
     for (int v = 0; v < 2; ++v) out["vehicles"].push_back(json_of(tick, run.scores(), v));
     expected["ticks"].push_back(out);
   }
+  for (const MapVoxels& map : maps) expected["maps"].push_back(json_of(map));
   for (auto& recorder : recorders) {
     for (const auto& path : recorder->finish()) expected["paths"].push_back(path.string());
   }

@@ -30,6 +30,7 @@ constexpr Reading kReadings[] = {
     {"hit_voxels: keep", "choices.hit_voxels", "keep"},
     {"separate_becomes: free", "choices.separate_becomes", "free"},
     {"separate_reach: sphere", "choices.separate_reach", "sphere"},
+    {"cluster_distance_m: 0.25", "cluster_distance_m", "0.25"},
     {"min_points: 1", "min_points", "1"},
 };
 

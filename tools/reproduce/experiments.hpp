@@ -17,9 +17,10 @@ void detection_noisy(Experiment& experiment);
 void detection_multi(Experiment& experiment);
 void detection_real(Experiment& experiment);
 void detection_takeoff(Experiment& experiment);
-void detection_timing(Experiment& experiment);   // detection_timing.cpp
-void detection_choices(Experiment& experiment);  // detection_choices.cpp
-void detection_beyond(Experiment& experiment);   // detection_beyond.cpp
+void detection_timing(Experiment& experiment);     // detection_timing.cpp
+void detection_choices(Experiment& experiment);    // detection_choices.cpp
+void detection_latencies(Experiment& experiment);  // detection_latencies.cpp
+void detection_beyond(Experiment& experiment);     // detection_beyond.cpp
 
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);

@@ -34,6 +34,8 @@ std::span<const ExperimentType> experiment_types() {
                      detection_timing},
       ExperimentType{"detection-choices", "Each reading of what the document leaves open, on the same scans", 900.0,
                      detection_choices},
+      ExperimentType{"detection-latencies", "False detections in a forest at any latency of the detector's modules",
+                     1000.0, detection_latencies},
       ExperimentType{"detection-beyond",
                      "Rolling sweeps, lost returns, another LiDAR, propellers, two observers [Vrba 2025, sec. V]",
                      1500.0, detection_beyond},

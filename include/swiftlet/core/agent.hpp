@@ -4,6 +4,7 @@
 #include "swiftlet/core/action.hpp"
 #include "swiftlet/core/airframe.hpp"
 #include "swiftlet/core/counter.hpp"
+#include "swiftlet/core/map_voxels.hpp"
 #include "swiftlet/core/observation.hpp"
 #include "swiftlet/core/prior_map.hpp"
 
@@ -51,6 +52,8 @@ class Agent {
   virtual const Action& step(const Observation& observation) = 0;
   /// What did not fit its settings so far, with keys from the agent's own.
   virtual void append_counters(std::vector<Counter>& /*counters*/) const {}
+  /// Copies of the maps that it keeps, as of now, each named by its stage.
+  virtual void append_maps(std::vector<MapVoxels>& /*maps*/) const {}
 };
 
 }  // namespace swiftlet

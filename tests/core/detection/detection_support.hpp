@@ -46,6 +46,20 @@ inline World sphere(const Vector3& center_m, double radius_m) {
   };
 }
 
+/// A round bar between two points.
+inline World bar(const Vector3& from_m, const Vector3& to_m, double radius_m) {
+  return [=](const Vector3& o, const Vector3& d) {
+    const Vector3 axis = (to_m - from_m).normalized(), r = o - from_m;
+    const Vector3 d_across = d - d.dot(axis) * axis, r_across = r - r.dot(axis) * axis;
+    const double a = d_across.squaredNorm(), b = d_across.dot(r_across),
+                 c = r_across.squaredNorm() - radius_m * radius_m;
+    if (a == 0.0 || b * b - a * c < 0.0) return 0.0;
+    const double t = (-b - std::sqrt(b * b - a * c)) / a;
+    const double along_m = (r + t * d).dot(axis);
+    return t > 0.0 && along_m >= 0.0 && along_m <= (to_m - from_m).norm() ? t : 0.0;
+  };
+}
+
 inline World ground(double height_m = 0.0) {
   return [=](const Vector3& o, const Vector3& d) {
     const double t = d.z() < 0.0 ? (height_m - o.z()) / d.z() : 0.0;

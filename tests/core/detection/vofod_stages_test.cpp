@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include "swiftlet/core/math/random.hpp"
 #include "tests/bench/reference_detection.hpp"
@@ -73,6 +74,66 @@ TEST(VofodStages, AFlyingObjectInExploredAirIsFoundWhereItIs) {
   }
 }
 
+/// Detections in a world where nothing flies, or of what does in it, after the air around has been seen.
+int found_in(const World& world, double cluster_distance_m, int scans, const VofodConfig& base = small_config()) {
+  VofodConfig config = base;
+  config.cluster_distance_m = cluster_distance_m;
+  Flight flight(config);
+  int found = 0;
+  for (int i = 0; i < scans; ++i) found += static_cast<int>(flight.scan(all_of({ground(), world})).size());
+  return found;
+}
+constexpr double kPapers_m = 0.25;  // d_cluster of Table II
+
+// Leaves are farther apart than d_cluster of Table II, so each of them is a small object in the air that its neighbors'
+// rays have cleared.
+TEST(VofodStages, AThinCrownIsBackground) {
+  const Random random(3, "leaves");
+  std::vector<World> leaves;
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    const auto n = random.normal3(i, 0);
+    const Vector3 at =
+        Vector3(7.0, 0.0, 4.5) + 1.8 * std::cbrt(random.uniform(i, 4)) * Vector3(n[0], n[1], n[2]).normalized();
+    leaves.push_back(sphere(at, 0.06));
+  }
+  EXPECT_EQ(found_in(all_of(leaves), VofodConfig{}.cluster_distance_m, 15), 0);
+  EXPECT_GT(found_in(all_of(leaves), kPapers_m, 15), 20);
+}
+
+// A wire that rises slowly meets a row of beams here and there; only an end that none is near looks like an object.
+TEST(VofodStages, WiresAndPolesThatHangFreeAreBackground) {
+  const std::vector<World> things = {bar({5.0, -4.0, 2.0}, {5.0, 3.2, 2.81}, 0.025),
+                                     bar({-6.0, -3.0, 2.0}, {-6.0, 3.0, 4.0}, 0.025),
+                                     bar({1.0, 6.0, 0.9}, {1.0, 6.0, 5.5}, 0.025)};
+  EXPECT_LE(found_in(all_of(things), VofodConfig{}.cluster_distance_m, 15), 1);
+  EXPECT_GT(found_in(all_of(things), kPapers_m, 15), 100);
+}
+
+// A hull and six motors on arms too thin to be hit: 2 m across.
+TEST(VofodStages, ALargeTargetIsOneDetection) {
+  for (const double d_cluster_m : {VofodConfig{}.cluster_distance_m, kPapers_m}) {
+    VofodConfig config = small_config();
+    config.cluster_distance_m = d_cluster_m;
+    Flight flight(config);
+    flight.look_around(ground(), 12);
+    std::size_t found = 0;
+    for (int i = 0; i < 8; ++i) {
+      const Vector3 at(4.5, 0.2 * i - 0.8, 2.5);
+      std::vector<World> parts = {ground(), sphere(at, 0.28)};
+      for (int k = 0; k < 6; ++k) {
+        const double angle = std::numbers::pi / 3.0 * k;
+        parts.push_back(sphere(at + 0.87 * Vector3(std::cos(angle), std::sin(angle), 0.0), 0.14));
+      }
+      found += flight.scan(all_of(parts)).size();
+    }
+    if (d_cluster_m == kPapers_m) {
+      EXPECT_GT(found, 16u);
+    } else {
+      EXPECT_EQ(found, 8u);
+    }
+  }
+}
+
 TEST(VofodStages, NothingIsFoundBeforeTheAirAroundIsKnown) {
   Flight flight(small_config());
   EXPECT_TRUE(flight.scan(all_of({ground(), sphere({6.0, 1.0, 2.5}, 0.3)})).empty());
@@ -110,7 +171,7 @@ TEST(VofodStages, TheGroundBecomesBackground) {
 
 TEST(VofodStages, WithoutASeedAnUnknownWorldHasNoBackground) {
   VofodConfig config = small_config();
-  config.seed = "none";
+  config.seed = VofodSeed::kNone;
   config.ray_weight = 0.003;
   Flight flight(config);
   flight.removes_separate = false;
@@ -125,7 +186,7 @@ TEST(VofodStages, WithoutASeedAnUnknownWorldHasNoBackground) {
 
 TEST(VofodStages, AKnownMapSeedsTheBackground) {
   VofodConfig config = small_config();
-  config.seed = "none";
+  config.seed = VofodSeed::kNone;
   Flight flight(config);
   flight.stages.map().set_prior(known_ground());
   flight.look_around(ground(), 10);
@@ -133,9 +194,13 @@ TEST(VofodStages, AKnownMapSeedsTheBackground) {
   EXPECT_EQ(flight.scan(all_of({ground(), sphere({6.0, 1.0, 2.5}, 0.3)})).size(), 1u);
 }
 
-TEST(VofodStages, MapAndDetectionsAreThoseOfThePaperWrittenOut) {
+class VofodStagesByDistance : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(ClusterDistance, VofodStagesByDistance, ::testing::Values(kPapers_m, 0.7));
+
+TEST_P(VofodStagesByDistance, MapAndDetectionsAreThoseOfThePaperWrittenOut) {
   const Random random(1, "flight");
   VofodConfig config = small_config();
+  config.cluster_distance_m = GetParam();
   config.ray_weight = 0.06;
   VofodStages stages(config);
   reference::Vofod reference(config);
@@ -187,22 +252,22 @@ TEST(VofodStages, EveryReadingFindsTheObject) {
     return found;
   };
   EXPECT_GE(with([](VofodChoices&) {}), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.clustering = "voxels"; }), 3u);
-  EXPECT_GE(with([](VofodChoices& c) { c.position = "box_center"; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.close_to = "confident"; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.search = "octahedron"; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.failed_search = "clear"; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.sufficiency = "background_ratio"; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.map_update = "before"; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.ray_end = "voxel_before"; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.hit_voxels = "keep"; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.separate_becomes = "free"; }), 6u);
-  EXPECT_GE(with([](VofodChoices& c) { c.separate_reach = "sphere"; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.clustering = VofodChoices::Clustering::kVoxels; }), 3u);
+  EXPECT_GE(with([](VofodChoices& c) { c.position = VofodChoices::Position::kBoxCenter; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.close_to = VofodChoices::CloseTo::kConfident; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.search = VofodChoices::Search::kOctahedron; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.failed_search = VofodChoices::FailedSearch::kClear; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.sufficiency = VofodChoices::Sufficiency::kBackgroundRatio; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.map_update = VofodChoices::MapUpdate::kBefore; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.ray_end = VofodChoices::RayEnd::kVoxelBefore; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.hit_voxels = VofodChoices::HitVoxels::kKeep; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.separate_becomes = VofodChoices::SeparateBecomes::kFree; }), 6u);
+  EXPECT_GE(with([](VofodChoices& c) { c.separate_reach = VofodChoices::SeparateReach::kSphere; }), 6u);
 }
 
 TEST(VofodStages, PoseNoiseWidensTheCovarianceAcrossTheRay) {
   VofodConfig config = small_config();
-  config.covariance = "pose_noise";
+  config.covariance = DetectionCovariance::kPoseNoise;
   config.sigma_m = 0.01;
   config.sigma_attitude_rad = 0.05;
   Flight flight(config);
@@ -231,6 +296,24 @@ LocalCloud raw_cloud(const std::vector<Eigen::Vector3f>& points) {
   return cloud;
 }
 
+// What is near by has more points in each voxel, but is not surer for it.
+TEST(VofodStages, ConfidenceCountsVoxels) {
+  std::vector<Eigen::Vector3f> points = {{1.1F, 1.1F, 3.1F}, {1.3F, 1.1F, 3.1F}, {1.1F, 1.3F, 3.3F}};
+  std::vector<double> confidences;
+  for (const int copies : {1, 30}) {
+    VofodStages stages(small_config());
+    for (std::ptrdiff_t i = 0; i < stages.map().grid().num_cells(); ++i) stages.map().set(i, -990.0F);
+    std::vector<Eigen::Vector3f> all;
+    for (int k = 0; k < copies; ++k) all.insert(all.end(), points.begin(), points.end());
+    std::vector<Detection> detections;
+    stages.classify(raw_cloud(all), detections);
+    ASSERT_EQ(detections.size(), 1u);
+    confidences.push_back(detections[0].confidence);
+  }
+  EXPECT_DOUBLE_EQ(confidences[0], confidences[1]);
+  EXPECT_LT(confidences[0], 0.9);
+}
+
 TEST(VofodStages, NoCloudBreaksIt) {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
   std::vector<std::vector<Eigen::Vector3f>> clouds = {
@@ -247,11 +330,11 @@ TEST(VofodStages, NoCloudBreaksIt) {
                       i % 17 == 0 ? kNaN : scale * static_cast<float>(random.normal(i, 3)));
   }
   clouds.push_back(wild);
-  for (const char* clustering : {"points", "voxels"}) {
+  for (const auto clustering : {VofodChoices::Clustering::kPoints, VofodChoices::Clustering::kVoxels}) {
     VofodConfig config = small_config();
     config.choices.clustering = clustering;
-    config.choices.failed_search = "clear";
-    config.choices.hit_voxels = "keep";
+    config.choices.failed_search = VofodChoices::FailedSearch::kClear;
+    config.choices.hit_voxels = VofodChoices::HitVoxels::kKeep;
     VofodStages stages(config);
     std::vector<Detection> detections;
     for (int repeat = 0; repeat < 3; ++repeat) {

@@ -86,6 +86,47 @@ TEST(RayLengths, AxisAlignedAndDiagonalRaysAreExact) {
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(rays.length_m(Cell::Constant(i)), 0.25 * std::sqrt(3.0), 1e-5);
 }
 
+// Rays of a long-range sensor in a map that ends before them: the same lengths, in the map.
+TEST(RayLengths, WhatLiesOutsideTheMapIsNotCountedAndNeedsNoMemory) {
+  const Random random(4, "rays");
+  const VoxelGrid map = VoxelGrid::covering({1.0, -2.0, 0.5}, {14.0, 9.0, 4.0}, 0.25);
+  const Vector3 origin(0.3, -0.2, 1.0);
+  RayLengths cut, whole;
+  cut.begin(box_around(origin), 30.0, 0.25, &map);
+  whole.begin(box_around(origin), 30.0, 0.25);
+  for (std::uint32_t i = 0; i < 3000; ++i) {
+    const Vector3 from = origin + 0.4 * Vector3(random.uniform(i, 1), random.uniform(i, 2), random.uniform(i, 3));
+    Vector3 direction = random_direction(random, i);
+    if (i < 6) direction = (i < 3 ? 1.0 : -1.0) * Vector3::Unit(i % 3);
+    const double length_m = 30.0 * random.uniform(i, 7);
+    cut.add(from, direction, length_m);
+    whole.add(from, direction, length_m);
+  }
+  for (std::ptrdiff_t i = 0; i < map.num_cells(); ++i) {
+    ASSERT_EQ(cut.length_m(map.cell(i)), whole.length_m(map.cell(i))) << map.cell(i).transpose();
+  }
+  EXPECT_LT(cut.window().num_cells(), 2 * map.num_cells());
+
+  const VoxelGrid default_map = VoxelGrid::covering(Vector3::Zero(), {80.0, 80.0, 30.0}, 0.25);
+  cut.begin(box_around(origin), 120.0, 0.25, &default_map);
+  EXPECT_LT(4.0 * static_cast<double>(cut.window().num_cells()), 60e6);
+  const VoxelGrid fine_map = VoxelGrid::covering(Vector3::Zero(), {60.0, 60.0, 15.0}, 0.1);
+  cut.begin(box_around(origin), 65.0, 0.1, &fine_map);
+  cut.add(origin, Vector3::UnitX(), 64.0);
+  EXPECT_NEAR(cut.length_m({290, -2, 10}), 0.1, 1e-5);
+}
+
+// An origin may lie beside the map, as that of a beam does when the sensor flies at its border.
+TEST(RayLengths, RaysThatBeginOutsideOfTheMapAreFollowedIntoIt) {
+  const VoxelGrid map = VoxelGrid::covering({5.0, 0.0, 0.0}, {8.0, 4.0, 4.0}, 0.25);
+  RayLengths rays;
+  const Vector3 origin(-3.0, 0.1, 0.1);
+  rays.begin(box_around(origin), 20.0, 0.25, &map);
+  rays.add(origin, Vector3::UnitX(), 20.0);
+  EXPECT_NEAR(rays.length_m({8, 0, 0}), 0.25, 1e-5);
+  EXPECT_NEAR(rays.length_m({35, 0, 0}), 0.25, 1e-5);
+}
+
 TEST(RayLengths, ManyRaysAddUp) {
   const Random random(3, "rays");
   RayLengths rays;

@@ -45,6 +45,24 @@ TEST(SparseVoxelMap, WallIsWhereItWasSeenAndNowhereElse) {
   EXPECT_FALSE(is_occupied(map, {2.5, 0.0, 0.0}, 5 * kSweep));
 }
 
+TEST(SparseVoxelMap, ItsCopyAgreesWithWhatItAnswers) {
+  SparseVoxelMap map({});
+  for (int i = 1; i <= 5; ++i) map.insert(wall(), i * kSweep);
+  map.insert(std::vector<Ray>{{{0, 0, 0}, {6.0F, 0.11F, 0.31F}, true}}, 6 * kSweep);  // passes through the wall
+  map.set_time(6 * kSweep);
+  MapVoxels copy;
+  map.append_voxels(copy);
+  std::vector<Vector3> occupied;
+  map.occupied_within(Vector3::Zero(), 20.0, kEver, occupied);
+  EXPECT_EQ(std::count(copy.state.begin(), copy.state.end(), copy.occupied_from), std::ssize(occupied));
+  for (std::size_t i = 0; i < copy.size(); ++i) {
+    const CellState state = map.state(copy.centers_local_m[i].cast<double>());
+    EXPECT_EQ(copy.states.at(copy.state[i]), state == CellState::kOccupied ? "occupied" : "free");
+    EXPECT_NE(state, CellState::kUnknown);
+    EXPECT_EQ(copy.value[i] >= 0.8F, state == CellState::kOccupied);
+  }
+}
+
 TEST(SparseVoxelMap, CollectsExactlyTheVoxelsThatReachIntoTheBall) {
   SparseVoxelMapConfig config;
   config.edge_m = 0.25;

@@ -79,6 +79,26 @@ TEST(VoxelMap, ARowMovesToFreeAsItsVoxelsDo) {
   }
 }
 
+TEST(VoxelMap, ItsCopyHasEveryVoxelThatIsNotExactlyUnknown) {
+  VoxelMap map(small_box());
+  map.set(3, 0.0F);
+  map.set(40, -200.0F);
+  map.set(41, -740.0F);
+  map.set(77, -999.0F);
+  map.set(78, static_cast<float>(kInfinity));
+  MapVoxels copy;
+  map.append_voxels(copy);
+  ASSERT_EQ(copy.size(), 4u);
+  EXPECT_EQ(copy.edge_m, 0.25);
+  EXPECT_EQ(copy.centers_local_m[1], map.grid().center_m(map.grid().cell(40)).cast<float>());
+  EXPECT_EQ(copy.states.at(copy.state[0]), "confident");
+  EXPECT_EQ(copy.states.at(copy.state[1]), "tentative");
+  EXPECT_EQ(copy.states.at(copy.state[2]), "free");
+  EXPECT_EQ(copy.states.at(copy.occupied_from), "tentative");
+  EXPECT_EQ(copy.value[2], -999.0F);
+  EXPECT_EQ(copy.value[3], static_cast<float>(kInfinity));
+}
+
 TEST(VoxelMap, ThresholdsBelongToTheStateAbove) {  // eq. (7)
   VoxelMap map(small_box());
   EXPECT_EQ(map.state_of(-0.1F), VoxelState::kConfident);

@@ -76,12 +76,35 @@ TEST(CloudTracker, FollowsATargetFromOneDetectionOn) {
   EXPECT_LT((tracks[0].velocity_mps - v).norm(), 0.15);
 }
 
+// Two parts 0.4 m apart: with d_cluster of Table II the track sits on one of them.
+TEST(CloudTracker, ATargetOfPartsIsFollowedAtItsMiddle) {
+  for (const double cluster_distance_m : {CloudTrackerConfig{}.cluster_distance_m, 0.25}) {
+    CloudTrackerConfig config = told_at_once();
+    config.cluster_distance_m = cluster_distance_m;
+    CloudTracker tracker = make(config);
+    const auto truth = [&](TimeNs t) { return Vector3(8.0, 0.5 * to_seconds(t), 5.0); };
+    double error_m = 0.0;
+    for (TimeNs t = kScan; t <= 40 * kScan; t += kScan) {
+      CloudMaker maker(t);
+      for (const double side : {-0.3, 0.3}) maker.add_target(truth(t) + side * Vector3::UnitY(), 0.1, 6);
+      tracker.new_cloud(maker.make(), nullptr);
+      if (t == kScan) {
+        const Detection detection = detection_at(truth(t), t);
+        tracker.new_detections({&detection, 1}, nullptr);
+      }
+      for (const Track& track : tracks_of(tracker)) error_m = std::max(error_m, (track.position_m - truth(t)).norm());
+    }
+    EXPECT_EQ(error_m<0.2, cluster_distance_m> 0.5) << cluster_distance_m << ": " << error_m;
+  }
+}
+
 TEST(CloudTracker, IsAlgorithm2AsPrinted) {
   CloudTrackerConfig printed = told_at_once();
   printed.assignment = "nearest";
   printed.association_radius_min_m = 0.0;
   printed.merge_radius_max_m = 0.0;
   printed.max_size_m = 0.0;
+  printed.cluster_distance_m = 0.25;
   CloudTracker tracker = make(printed);
   reference::PlainTracker plain;
   ListedBackground background;

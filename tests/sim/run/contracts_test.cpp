@@ -194,7 +194,7 @@ TEST(Memory, WhatDoesNotFitIsRefusedByKeyAndNumberBeforeTheFlight) {
   EXPECT_THAT(refusal_of(large), HasSubstr("vehicles[0].agent.detector.map.size_m: expected a setting that fits into"));
   EXPECT_THROW(Simulation(large, 1), InputError);
   const Scenario far = with_detector([](VofodConfig& vofod) { vofod.ray_max_m = 1000.0; });
-  EXPECT_THAT(refusal_of(far), HasSubstr("vehicles[0].agent.detector.ray_max_m: "));
+  EXPECT_EQ(refusal_of(far), "none") << "rays end where the map does";
   // Many small needs are one large one.
   Scenario team = row_of(50);
   Module detector(detector_module_types(), "vofod");

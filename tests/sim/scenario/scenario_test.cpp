@@ -386,7 +386,7 @@ TEST(Scenario, ValuesBeyondReasonAreRefusedWithTheirPlace) {
       {"vehicles: [{sensors: [{type: pose, rate_hz: 1e-12}]}]", "vehicles[0].sensors[0].rate_hz"},
       {"vehicles: [{agent: {mapping: {type: sparse, map: {clear_range_m: 1e9}}}}]", "clear_range_m"},
       {detector("ray_max_m: 1e6"), "vehicles[0].agent.detector.ray_max_m"},
-      {detector("ray_max_m: 900"), "vehicles[0].agent.detector.ray_max_m"},
+      {detector("ray_max_m: 900, map: {size_m: [700, 700, 120]}"), "vehicles[0].agent.detector.ray_max_m"},
       {detector("map: {center_m: [1e18, 0, 0], extent: bounded}"), "vehicles[0].agent.detector.map.center_m"},
       {detector("map: {voxel_m: 1e-9}"), "vehicles[0].agent.detector.map.voxel_m"},
       {detector("separate_distance_m: 1e18"), "vehicles[0].agent.detector.separate_distance_m"},

@@ -10,24 +10,31 @@
 
 namespace swiftlet {
 
+/// Rays are followed so far beyond a scrolling map, which may have moved when they take effect.
+inline constexpr int kRayScroll_voxels = 32;
+
 /// How the parts of the method that the paper leaves open, or that the authors' released code does otherwise, are read
 /// (docs/detection.md has the numbers behind the defaults).
 struct VofodChoices {
-  std::string clustering = "points";
-  std::string position = "centroid";
-  std::string close_to = "tentative";
-  std::string search = "sphere";
-  std::string failed_search = "keep";
-  std::string sufficiency = "none";
+  enum class Clustering { kPoints, kVoxels } clustering = Clustering::kPoints;
+  enum class Position { kCentroid, kBoxCenter } position = Position::kCentroid;
+  enum class CloseTo { kTentative, kConfident } close_to = CloseTo::kTentative;
+  enum class Search { kSphere, kOctahedron } search = Search::kSphere;
+  enum class FailedSearch { kKeep, kClear } failed_search = FailedSearch::kKeep;
+  enum class Sufficiency { kNone, kBackgroundRatio } sufficiency = Sufficiency::kNone;
   double sufficient_ratio = 0.15;
-  std::string map_update = "after";
-  std::string ray_end = "point";
-  std::string hit_voxels = "update";
-  std::string separate_becomes = "unknown";
-  std::string separate_reach = "cluster";
+  enum class MapUpdate { kAfter, kBefore } map_update = MapUpdate::kAfter;
+  enum class RayEnd { kPoint, kVoxelBefore } ray_end = RayEnd::kPoint;
+  enum class HitVoxels { kUpdate, kKeep } hit_voxels = HitVoxels::kUpdate;
+  enum class SeparateBecomes { kUnknown, kFree } separate_becomes = SeparateBecomes::kUnknown;
+  enum class SeparateReach { kCluster, kSphere } separate_reach = SeparateReach::kCluster;
 
   void visit(ConfigVisitor& v);
 };
+
+/// What begins the background in an unknown world.
+enum class VofodSeed { kLargeAndAltimeter, kLarge, kAltimeter, kNone };
+enum class DetectionCovariance { kConstant, kPoseNoise };
 
 /// The three modules run beside each other, each at its own rate; the defaults are the means of Table VI.
 struct VofodTiming {
@@ -39,12 +46,12 @@ struct VofodTiming {
   void visit(ConfigVisitor& v);
 };
 
-/// The flying-object detector of Vrba 2025; distances and weights of Table II.
+/// The flying-object detector of Vrba 2025; distances and weights of Table II, but for d_cluster (docs/detection.md).
 struct VofodConfig : ModuleConfigOf<VofodConfig> {
   std::string sensor;
   VoxelMapConfig map;
   std::string clusterer = "swiftlet";
-  double cluster_distance_m = 0.25;
+  double cluster_distance_m = 0.7;
   double close_distance_m = 0.7;
   double search_distance_m = 3.0;
   double ray_max_m = 20.0;
@@ -55,8 +62,8 @@ struct VofodConfig : ModuleConfigOf<VofodConfig> {
   int min_points = 2;
   double max_size_m = 3.0;
   double max_range_m = 0.0;
-  std::string seed = "large_and_altimeter";
-  std::string covariance = "constant";
+  VofodSeed seed = VofodSeed::kLargeAndAltimeter;
+  DetectionCovariance covariance = DetectionCovariance::kConstant;
   double sigma_m = 0.3;
   double sigma_range_m = 0.03;
   double sigma_position_m = 0.05;
@@ -66,8 +73,9 @@ struct VofodConfig : ModuleConfigOf<VofodConfig> {
   PriorConfig prior;
 
   void visit(ConfigVisitor& v) override;
-  double map_bytes() const;         ///< of the map's voxels
-  double ray_window_bytes() const;  ///< of the voxels around the sensor in which rays are followed
+  double map_bytes() const;  ///< of the map's voxels
+  double ray_window_bytes()
+      const;  ///< of the voxels in which rays are followed: around the sensor, about the map at most
 };
 
 }  // namespace swiftlet

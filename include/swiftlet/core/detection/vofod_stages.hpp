@@ -8,6 +8,7 @@
 #include "swiftlet/core/detection.hpp"
 #include "swiftlet/core/detection/clusterer.hpp"
 #include "swiftlet/core/detection/enclosure.hpp"
+#include "swiftlet/core/detection/samples.hpp"
 #include "swiftlet/core/detection/separate_background.hpp"
 #include "swiftlet/core/detection/vicinity.hpp"
 #include "swiftlet/core/detection/vofod_config.hpp"
@@ -52,35 +53,36 @@ class VofodStages {
   void append_cluster_points(ClusterClass of_class, std::vector<Eigen::Vector3f>& points_m) const;
 
  private:
-  /// What is clustered: points, or voxels with the number of their points.
-  struct Samples {
-    std::vector<Eigen::Vector3f> at_m;
-    std::vector<std::ptrdiff_t> voxel;  // index in the map
-    std::vector<std::uint32_t> point;   // of the cloud
-    std::vector<int> weight;            // points; empty: 1 each
-    int weight_of(std::size_t i) const { return weight.empty() ? 1 : weight[i]; }
-    void clear();
-    void add(const Eigen::Vector3f& p_m, std::ptrdiff_t in_voxel, std::uint32_t of_point);
-    void add(const Samples& from, std::size_t i);
-    void move(std::size_t from, std::size_t to);
-    void resize(std::size_t count);
-  };
-  struct Shape;
+  using Members = std::span<const std::uint32_t>;
 
-  void take_points(const LocalCloud& cloud);
-  void thin_to_voxels();
+  void take_samples(const LocalCloud& cloud);
+
+  // Rule A.
   void set_background_aside();
   bool is_near_background(const Eigen::Vector3f& at_m) const;
-  bool is_background(std::span<const std::uint32_t> members) const;
-  bool is_flying(const LocalCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape);
-  Shape shape_of(std::span<const std::uint32_t> members) const;
+  bool is_background(Members members) const;
+  void find_background();
+
+  // Rules B and C.
+  void find_flying(const LocalCloud& cloud, std::vector<Detection>& detections);
+  bool is_flying(const LocalCloud& cloud, Members members, const ClusterShape& shape);
+  SearchShape search_shape(const ClusterShape& shape) const;
   bool is_sufficient();
-  void put_background();
-  void put(std::span<const std::uint32_t> members, double g);
-  void set(std::span<const std::uint32_t> members, double g);
-  Detection make_detection(const LocalCloud& cloud, std::span<const std::uint32_t> members, const Shape& shape) const;
-  double confidence(std::span<const std::uint32_t> members) const;
+
+  // Points into the map: the interpretations of the paper and of the released code.
+  void classify_then_update(const LocalCloud& cloud, std::vector<Detection>& detections);
+  void update_then_classify(const LocalCloud& cloud, std::vector<Detection>& detections);
+  void put_aside();
+  void put(Members members, double g);
+  void set(Members members, double g);
+  void set_large();
+  template <class Visit>
+  void for_each_cluster(ClusterClass of_class, Visit&& visit) const;
+
+  Detection make_detection(const LocalCloud& cloud, Members members, const ClusterShape& shape) const;
+  double confidence() const;
   Matrix3 covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_m) const;
+  void append_spheres(std::span<const std::ptrdiff_t> centers, std::vector<Cell>& cells);
 
   VofodConfig config_;
   VoxelMap map_;
@@ -98,7 +100,6 @@ class VofodStages {
   EnclosureSearch search_;
   std::vector<std::ptrdiff_t> starts_index_, to_clear_;
   std::vector<Cell> starts_;
-  std::vector<std::pair<std::ptrdiff_t, std::uint32_t>> sorted_;  // scratch of thin_to_voxels
 
   RayLengths rays_;
   std::vector<Cell> hits_;  // voxels with a point since the last ray casting

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "swiftlet/core/map/voxel_grid.hpp"
+#include "swiftlet/core/map_voxels.hpp"
 #include "swiftlet/core/time.hpp"
 
 namespace swiftlet {
@@ -41,6 +42,8 @@ class OccupancyView {
   virtual std::uint64_t revision() const = 0;
   /// Boxes of cells outside of which every state is what it was at that revision; false when that is not known.
   virtual bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const = 0;
+  /// A copy for whoever looks at it, its name apart.
+  virtual void append_voxels(MapVoxels& /*copy*/) const {}
 };
 
 }  // namespace swiftlet

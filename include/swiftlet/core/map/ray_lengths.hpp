@@ -10,7 +10,7 @@
 namespace swiftlet {
 
 /// How far rays travel in each voxel [Vrba 2025, sec. III-C], summed over the rays of a sweep, in a dense window around
-/// the sensor.
+/// the sensor that is no larger than the map.
 ///
 /// A ray is cut by the planes of its steepest axis. Between two of them it meets at most three voxels, and which ones,
 /// and how long, follows from the two ends alone: so the pieces are computed side by side instead of one after the
@@ -18,7 +18,8 @@ namespace swiftlet {
 class RayLengths {
  public:
   /// Starts a sweep whose rays begin in the box and are no longer than the reach. Lengths start from 0.
-  void begin(const Eigen::AlignedBox3d& origins_m, double reach_m, double edge_m);
+  /// @param within  what lies outside of it is not counted, so that the window is no larger; null: everything is
+  void begin(const Eigen::AlignedBox3d& origins_m, double reach_m, double edge_m, const VoxelGrid* within = nullptr);
   /// One ray. Nothing happens when it is not finite, begins outside of the box or is longer than the reach.
   /// @param direction  unit vector
   void add(const Vector3& origin_m, const Vector3& direction, double length_m);
@@ -35,8 +36,10 @@ class RayLengths {
 
  private:
   void clear();
+  double exit_edges(const Vector3& origin, const Vector3& direction) const;
 
   VoxelGrid window_;
+  bool cut_ = false;  // can rays leave the window?
   Eigen::AlignedBox3d origins_m_;
   double reach_m_ = 0.0, edges_per_m_ = 1.0;
   Vector3 first_cell_ = Vector3::Zero();  // of the window

@@ -63,6 +63,8 @@ class SparseVoxelMap : public OccupancyView {
   std::uint64_t revision() const override { return revision_; }
   /// By blocks. Not known of a map that forgets by time, and of what lies too many forgotten blocks back.
   bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
+  /// Values are log-odds.
+  void append_voxels(MapVoxels& copy) const override;
 
   std::size_t num_blocks() const { return blocks_.size() - free_.size(); }
 

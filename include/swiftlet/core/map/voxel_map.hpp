@@ -10,6 +10,7 @@
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/map/background_query.hpp"
 #include "swiftlet/core/map/voxel_grid.hpp"
+#include "swiftlet/core/map_voxels.hpp"
 #include "swiftlet/core/prior_map.hpp"
 
 namespace swiftlet {
@@ -70,6 +71,8 @@ class VoxelMap : public BackgroundQuery {
   std::ptrdiff_t num_occupied() const;
   /// Centers in the order of their indices.
   void append_centers(VoxelState at_least, std::vector<Vector3>& centers) const;
+  /// A copy of all voxels but those that are exactly unknown, by their indices. Values are G.
+  void append_voxels(MapVoxels& copy) const;
   /// Center of the nearest one within the radius of a point; of several as near, the first by index.
   std::optional<Vector3> nearest_occupied(const Vector3& p_m, double radius_m) const;
   bool occupied_within(const Vector3& p_m, double radius_m) const override {

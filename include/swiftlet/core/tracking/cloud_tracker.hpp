@@ -38,7 +38,7 @@ struct CloudTrackerConfig {
   std::string radius_law = "printed";
   double search_radius_min_m = 2.5;    ///< r_min
   double radius_max_m = 5.0;           ///< r_max
-  double cluster_distance_m = 0.25;    ///< d_cluster
+  double cluster_distance_m = 0.7;     ///< d_cluster, as the detector's
   double background_distance_m = 1.0;  ///< d_min
   std::string background = "map";
   double max_size_m = 3.0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "swiftlet/core/action.hpp"
+#include "swiftlet/core/agent.hpp"
 #include "swiftlet/core/airframe.hpp"
 #include "swiftlet/core/observation.hpp"
 #include "swiftlet/sim/view/series.hpp"
@@ -57,6 +58,7 @@ struct TickView {
   std::span<const std::vector<std::shared_ptr<const LabeledScan>>> scans;  ///< completed in this tick
   std::span<const Event> events;                                           ///< of this tick
   std::span<const double> clearance_m;  ///< to the nearest surface or vehicle; empty: nobody measured it
+  std::span<const std::unique_ptr<Agent>> agents = {};  ///< to be asked for their maps; stay until the run ends
 };
 
 }  // namespace swiftlet::sim
