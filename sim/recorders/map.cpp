@@ -92,15 +92,15 @@ class MapRecorder : public Recorder {
     body_.clear();
     std::size_t count = 0;
     for (std::size_t i = 0; i < map.size(); ++i) {
-      if (config_.voxels == "occupied" && map.state[i] < map.occupied_from) continue;
+      if (config_.voxels == MapConfig::Voxels::kOccupied && map.state[i] < map.occupied_from) continue;
       for (const float coordinate : map.centers_local_m[i]) body_.put(coordinate);
       body_.put(map.state[i]);
       body_.put(map.value[i]);
       ++count;
     }
-    path += "." + config_.format;
+    path += std::string(".") + config_.format_name();
     OutputFile file(directory_ / path, 0);
-    file.append((config_.format == "ply" ? ply_header : pcd_header)(count, comments(map, label)));
+    file.append((config_.format == MapConfig::Format::kPly ? ply_header : pcd_header)(count, comments(map, label)));
     file.append(body_.bytes());
     file.finish();
     paths_.push_back(std::move(path));
@@ -125,7 +125,7 @@ void MapConfig::visit(ConfigVisitor& v) {
   v.field("times_s", times_s, "[s] instants", Range::non_negative());
   v.field("at_end", at_end, "[-] also when the run ends");
   v.choice("voxels", voxels, {"all", "occupied"}, "[-] every voxel that was ever seen, or only occupied ones");
-  v.choice("format", format, {"ply", "pcd"}, "[-] of the files, both binary with x, y, z, state and value");
+  v.choice("format", format, kFormats, "[-] of the files, both binary with x, y, z, state and value");
   v.field("folder", folder, "[-] folder in the run directory; two recorders of the same format need two");
 }
 

@@ -168,8 +168,8 @@ std::vector<Module> every_recorder() {
   MapConfig occupied_map;
   occupied_map.vehicles = {"uav1"};
   occupied_map.maps = {"detector"};
-  occupied_map.voxels = "occupied";
-  occupied_map.format = "pcd";
+  occupied_map.voxels = MapConfig::Voxels::kOccupied;
+  occupied_map.format = MapConfig::Format::kPcd;
   CsvConfig csv;
   csv.rate_hz = 0;
   csv.topics = {"state",     "imu",        "gnss",   "odometry", "altimeter",        "compass",

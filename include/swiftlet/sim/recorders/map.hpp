@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "swiftlet/sim/recorder_output.hpp"
 #include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
@@ -15,12 +14,16 @@ struct MapConfig : ModuleConfigOf<MapConfig>, TellsOutput {
   std::vector<std::string> maps;
   std::vector<double> times_s;
   bool at_end = true;
-  std::string voxels = "all";
-  std::string format = "ply";
+  enum class Voxels { kAll, kOccupied };
+  Voxels voxels = Voxels::kAll;
+  enum class Format { kPly, kPcd };
+  static constexpr const char* kFormats[] = {"ply", "pcd"};
+  Format format = Format::kPly;
+  const char* format_name() const { return kFormats[static_cast<std::size_t>(format)]; }
   std::string folder = "maps";
 
   void visit(ConfigVisitor& v) override;
-  RecorderOutput output() const override { return {"folder", folder, false, format, vehicles, maps}; }
+  RecorderOutput output() const override { return {"folder", folder, false, format_name(), vehicles, maps}; }
 };
 
 /// The maps that vehicles keep, voxel by voxel with state and value, at instants and at the end:
