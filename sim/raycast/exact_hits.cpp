@@ -263,28 +263,43 @@ void ExactQuery::take_proposals(const RTCFilterFunctionNArguments* args) {
 }
 
 void ExactQuery::conclude(int count, const float* u, const float* v) {
+  fetch(count);
   std::array<bool, kPacketSize> visible;
   if (count == kPacketSize) {
-    for (int i = 0; i < kPacketSize; ++i) {
-      if (num_proposals_[i] > 0) __builtin_prefetch(&scene_->facets[first_proposal_[i]]);
-    }
     judge_planes(range_m_, cos_incidence_, visible);
   } else {
     visible.fill(false);
   }
+  std::array<bool, kPacketSize> in_full;
   for (int lane = 0; lane < count; ++lane) {
-    const int num_proposals = num_proposals_[lane];
     triangle_[lane] = kNone;
-    if (num_proposals == 0) continue;  // whoever meets no enlarged triangle meets none
+    in_full[lane] = false;
+    if (num_proposals_[lane] == 0) continue;  // whoever meets no enlarged triangle meets none
     const std::uint32_t triangle = first_proposal_[lane];
     const int steps = scene_->facets[triangle].firm_steps;
     const float firm = steps == kNeverFirm ? 2.0F : static_cast<float>(kFirmStep) * static_cast<float>(steps);
     const bool inside = std::min(std::min(u[lane], v[lane]), 1.0F - u[lane] - v[lane]) >= firm;
-    if (num_proposals == 1 && visible[lane] && inside && range_m_[lane] <= range_max_m_[lane]) {
+    if (num_proposals_[lane] == 1 && visible[lane] && inside && range_m_[lane] <= range_max_m_[lane]) {
       triangle_[lane] = triangle;
     } else {
-      judge_in_full(lane);
+      in_full[lane] = true;
+      __builtin_prefetch(&scene_->corners_m[triangle]);
     }
+  }
+  for (int lane = 0; lane < count; ++lane) {
+    if (in_full[lane]) judge_in_full(lane);
+  }
+}
+
+// Asks the memory for what the rule is going to read of the proposals.
+void ExactQuery::fetch(int count) const {
+  for (int lane = 0; lane < count; ++lane) {
+    if (num_proposals_[lane] == 0) continue;
+    __builtin_prefetch(&scene_->facets[first_proposal_[lane]]);
+    if (num_proposals_[lane] != 2) continue;
+    __builtin_prefetch(&scene_->corners_m[first_proposal_[lane]]);
+    __builtin_prefetch(&scene_->facets[second_proposal_[lane]]);
+    __builtin_prefetch(&scene_->corners_m[second_proposal_[lane]]);
   }
 }
 

@@ -72,6 +72,7 @@ class alignas(64) ExactQuery {
   template <typename Registers>
   void propose_at_once(const RTCFilterFunctionNArguments* args);
   void propose(int lane, std::uint32_t triangle, float& tfar);
+  void fetch(int count) const;
   void conclude(int count, const float* u, const float* v);
   void judge_planes(Lanes& range_m, Lanes& cosine, std::array<bool, kPacketSize>& visible) const;
   void judge_in_full(int lane);
