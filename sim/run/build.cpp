@@ -187,7 +187,9 @@ std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const 
     try {
       agents.push_back(make_agent(scenario.vehicles[i].agent, setup));
     } catch (const std::invalid_argument& problem) {
-      throw InputError("vehicles: " + scenario.vehicles[i].name + ": agent: " + problem.what());
+      const VehicleConfig& vehicle = scenario.vehicles[i];
+      throw InputError((vehicle.agent_place.empty() ? "vehicles: " + vehicle.name + ": agent: " : vehicle.agent_place) +
+                       problem.what());
     }
   }
   return agents;

@@ -151,6 +151,7 @@ void VehicleConfig::visit(ConfigVisitor& v) {
   v.object("start", start, "state at time 0");
   v.modules("sensors", sensors, sensor_module_types(), "[-] what it carries");
   v.module("agent", agent, agent_module_types(), "[-] its software");
+  if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) agent_place = teller->place_of("agent");
   name_sensors(v, sensors);
   v.check(!airframe.rotors.empty(), "airframe.rotors", "at least one rotor");
 }
@@ -211,8 +212,10 @@ std::string write_scenario(const Scenario& scenario) {
 Scenario validated(const Scenario& scenario) {
   Scenario checked;
   read_config_text(write_scenario(scenario), scenario.name, [&](ConfigVisitor& v) { checked.visit(v); });
-  for (std::size_t i = 0; i < checked.vehicles.size(); ++i)
+  for (std::size_t i = 0; i < checked.vehicles.size(); ++i) {
     checked.vehicles[i].start.place = scenario.vehicles[i].start.place;
+    checked.vehicles[i].agent_place = scenario.vehicles[i].agent_place;
+  }
   return checked;
 }
 

@@ -36,6 +36,7 @@ struct VehicleConfig {
   StartConfig start;
   std::vector<Module> sensors;
   Module agent;
+  std::string agent_place;  ///< in its file, for messages
 
   VehicleConfig();
   void visit(ConfigVisitor& v);
