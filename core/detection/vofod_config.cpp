@@ -90,7 +90,7 @@ void VofodConfig::visit(ConfigVisitor& v) {
   v.field("sigma_position_m", sigma_position_m, "[m] pose_noise: of the sensor's position by axis",
           Range::non_negative());
   v.field("sigma_attitude_rad", sigma_attitude_rad, "[rad] pose_noise: of its attitude by axis", Range::non_negative());
-  v.object("choices", choices, "readings of what is open in the paper");
+  v.object("choices", choices, "interpretations of what is open in the paper");
   v.object("prior", prior, "what is known beforehand");
   v.object("timing", timing, "when results are there");
   const double reach_m = kMaxReach_voxels * map.voxel_m;

@@ -46,7 +46,7 @@ def check_map(path, expected, result):
     result.equal(len(voxels), len(expected["voxels"]), f"{path}: voxels")
     for i, name in enumerate(("x", "y", "z", "state", "value")):
         wanted = np.array([float(v[i]) for v in expected["voxels"]])  # a voxel of a known world is infinite
-        result.equal(np.nan_to_num(voxels[name], posinf=9e9), np.nan_to_num(wanted, posinf=9e9), f"{path}: {name}", 1e-6)
+        result.equal(np.nan_to_num(voxels[name].astype(float), posinf=9e9), np.nan_to_num(wanted, posinf=9e9), f"{path}: {name}", 1e-6)
     header = path.read_bytes().split(b"end_header")[0].decode("ascii")
     result.equal(f"comment edge_m {expected['edge']:g}" in header, True, f"{path}: edge")
 

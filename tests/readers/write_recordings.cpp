@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "swiftlet/sim/recorders/csv.hpp"
@@ -133,25 +132,6 @@ Module module_of(const char* type, Config config) {
   return module;
 }
 
-/// Keeps two maps that change with every tick; of which the first has a voxel of a known world.
-class Cartographer : public Agent {
- public:
-  const Action& step(const Observation&) override { return action_; }
-  void append_maps(std::vector<MapVoxels>& maps) const override {
-    maps.push_back({"detector", 0.25, {"free", "uncertain", "tentative", "confident"}, 2, {}, {}, {}});
-    for (int i = 0; i < 40; ++i) {
-      const float value = i == 0 ? std::numeric_limits<float>::infinity() : -25.5F * static_cast<float>(i);
-      maps.back().add({0.25 * i + 0.125, -0.125, 1e-3 * i}, static_cast<std::uint8_t>(3 - i / 10), value);
-    }
-    maps.push_back({"mapping", 0.2, {"free", "occupied"}, 1, {}, {}, {}});
-    maps.back().add({1.1, 2.3, -0.7}, 1, 3.25F);
-    maps.back().add({1.3, 2.3, -0.7}, 0, -0.5F);
-  }
-
- private:
-  Action action_;
-};
-
 json json_of(const MapVoxels& map) {
   json out{{"name", map.name}, {"edge", map.edge_m}, {"occupied_from", map.occupied_from}, {"voxels", json::array()}};
   for (std::size_t i = 0; i < map.size(); ++i) {
@@ -223,14 +203,9 @@ void write_recordings(const std::filesystem::path& directory) {
     recorders.push_back(make_recorder(module));
     recorders.back()->begin(run.info());
   }
-  std::vector<std::unique_ptr<Agent>> agents;
-  for (int v = 0; v < 2; ++v) agents.push_back(std::make_unique<Cartographer>());
-  std::vector<MapVoxels> maps;
-  agents.front()->append_maps(maps);
   json expected{{"vehicles", run.info().vehicle_names}, {"datum", {49.363, 14.261, 470.0}}};
   for (int k = 0; k <= 30; ++k) {
-    TickView tick = run.tick(k);
-    tick.agents = agents;
+    const TickView& tick = run.tick(k);
     for (auto& recorder : recorders) recorder->write(tick);
     json out{{"t_ns", tick.t}, {"events", json::array()}};
     for (const Event& event : tick.events) {
@@ -243,7 +218,7 @@ void write_recordings(const std::filesystem::path& directory) {
     for (int v = 0; v < 2; ++v) out["vehicles"].push_back(json_of(tick, run.scores(), v));
     expected["ticks"].push_back(out);
   }
-  for (const MapVoxels& map : maps) expected["maps"].push_back(json_of(map));
+  for (const MapVoxels& map : made_up_maps()) expected["maps"].push_back(json_of(map));
   for (auto& recorder : recorders) {
     for (const auto& path : recorder->finish()) expected["paths"].push_back(path.string());
   }

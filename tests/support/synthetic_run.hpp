@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,6 +30,30 @@ struct TeamSpread {
   }
 };
 
+/// Of every vehicle of a SyntheticRun; the first voxel is of a world known beforehand.
+inline std::vector<MapVoxels> made_up_maps() {
+  std::vector<MapVoxels> maps;
+  maps.push_back({"detector", 0.25, {"free", "uncertain", "tentative", "confident"}, 2, {}, {}, {}});
+  for (int i = 0; i < 40; ++i) {
+    const float value = i == 0 ? std::numeric_limits<float>::infinity() : -25.5F * static_cast<float>(i);
+    maps.back().add({0.25 * i + 0.125, -0.125, 1e-3 * i}, static_cast<std::uint8_t>(3 - i / 10), value);
+  }
+  maps.push_back({"mapping", 0.2, {"free", "occupied"}, 1, {}, {}, {}});
+  maps.back().add({1.1, 2.3, -0.7}, 1, 3.25F);
+  maps.back().add({1.3, 2.3, -0.7}, 0, -0.5F);
+  return maps;
+}
+
+/// Does nothing but keep those maps.
+class MapKeeper : public Agent {
+ public:
+  const Action& step(const Observation&) override { return action_; }
+  void append_maps(std::vector<MapVoxels>& maps) const override { maps = made_up_maps(); }
+
+ private:
+  Action action_;
+};
+
 /// Ticks with made-up content for tests of recorders: every field has a value of its own, none is round.
 /// Two vehicles: "uav1" with a LiDAR "os1" (8 x 16), "uav-2" with "mid360" (4 x 30) and "puck" (16 x 12, its rows one
 /// after the other). Every second scan is frozen. A tick every 10 ms; a scan of each LiDAR every 100 ms; GNSS every 50
@@ -47,6 +72,7 @@ class SyntheticRun {
       info_.airframes.push_back(&airframe_);
       info_.vehicle_shapes.push_back(nullptr);
       action_pointers_.push_back(&actions_[i]);
+      agents_.push_back(std::make_unique<MapKeeper>());
     }
     ouster_ = make_beams(8, 16);
     livox_ = make_beams(4, 30);
@@ -79,6 +105,7 @@ class SyntheticRun {
     view_.scans = scans_;
     view_.events = events_;
     view_.clearance_m = clearance_;
+    view_.agents = agents_;
     return view_;
   }
 
@@ -285,6 +312,7 @@ class SyntheticRun {
   std::vector<Event> events_;
   SeriesOf<DetectionScore> scores_;
   SeriesOf<TeamSpread> team_;
+  std::vector<std::unique_ptr<Agent>> agents_;
   TickView view_;
   double phase_ = 0.0;
 };

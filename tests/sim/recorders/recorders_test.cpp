@@ -95,6 +95,7 @@ TEST(Recorders, AFullDiskIsAnErrorThatNamesTheFile) {
                                                        {"events", "events.jsonl"},
                                                        {"pcd", "scans/uav1_os1/000000.pcd"},
                                                        {"ply", "scans/uav1_os1/000000.ply"},
+                                                       {"map", "maps/uav1_detector_end.ply"},
                                                        {"mcap", "record.mcap"},
                                                        {"rosbag", "record.bag"}};
   for (const auto& [type, file] : files) {
