@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "swiftlet/core/enum_choice.hpp"
-
 namespace swiftlet {
 namespace {
 
@@ -15,37 +13,34 @@ constexpr double kMaxReach_voxels = 50.0;
 }  // namespace
 
 void VofodChoices::visit(ConfigVisitor& v) {
-  enum_choice(v, "clustering", clustering, {"points", "voxels"},
-              "distances between points (paper) or between centers of voxels that hold points (released code)");
-  enum_choice(v, "position", position, {"centroid", "box_center"},
-              "of a detection: mean of its points (paper, eq. 19) or center of its oriented box (released code)");
-  enum_choice(
-      v, "close_to", close_to, {"tentative", "confident"},
-      "rule A: background is what is close to voxels that are at least this (rule: tentative; formula below it: "
-      "confident)");
-  enum_choice(
-      v, "search", search, {"sphere", "octahedron"},
-      "rule B: border at search_distance_m from the start (paper), or at a number of steps that the object's size "
-      "adds to (released code)");
-  enum_choice(v, "failed_search", failed_search, {"keep", "clear"},
-              "rule B: uncertain voxels around a detection stay (paper) or become free (released code)");
-  enum_choice(v, "sufficiency", sufficiency, {"none", "background_ratio"},
-              "rule B: always tested (paper), or only once enough of the area is background (released code)");
+  v.choice("clustering", clustering, {"points", "voxels"},
+           "distances between points (paper) or between centers of voxels that hold points (released code)");
+  v.choice("position", position, {"centroid", "box_center"},
+           "of a detection: mean of its points (paper, eq. 19) or center of its oriented box (released code)");
+  v.choice("close_to", close_to, {"tentative", "confident"},
+           "rule A: background is what is close to voxels that are at least this (rule: tentative; formula below it: "
+           "confident)");
+  v.choice("search", search, {"sphere", "octahedron"},
+           "rule B: border at search_distance_m from the start (paper), or at a number of steps that the object's size "
+           "adds to (released code)");
+  v.choice("failed_search", failed_search, {"keep", "clear"},
+           "rule B: uncertain voxels around a detection stay (paper) or become free (released code)");
+  v.choice("sufficiency", sufficiency, {"none", "background_ratio"},
+           "rule B: always tested (paper), or only once enough of the area is background (released code)");
   v.field("sufficient_ratio", sufficient_ratio, "[-] voxels of background over horizontal cells of the map",
           Range::probability());
-  enum_choice(v, "map_update", map_update, {"after", "before"},
-              "points go into the map after the classification, detections as exactly unknown (paper), or before it, "
-              "detections as other unknown points (released code)");
-  enum_choice(v, "ray_end", ray_end, {"point", "voxel_before"},
-              "rays end at the point (paper, eq. 20) or a voxel's edge before it (released code)");
-  enum_choice(
-      v, "hit_voxels", hit_voxels, {"update", "keep"},
-      "voxels that held a point since the last ray casting are freed by rays as others (paper) or not (released "
-      "code)");
-  enum_choice(v, "separate_becomes", separate_becomes, {"unknown", "free"},
-              "separate background moves to g_unknown (overview of sec. III) or to g_free (eq. 9)");
-  enum_choice(v, "separate_reach", separate_reach, {"cluster", "sphere"},
-              "separate are the voxels of the cluster (paper, eq. 24) or all within separate_distance_m of them");
+  v.choice("map_update", map_update, {"after", "before"},
+           "points go into the map after the classification, detections as exactly unknown (paper), or before it, "
+           "detections as other unknown points (released code)");
+  v.choice("ray_end", ray_end, {"point", "voxel_before"},
+           "rays end at the point (paper, eq. 20) or a voxel's edge before it (released code)");
+  v.choice("hit_voxels", hit_voxels, {"update", "keep"},
+           "voxels that held a point since the last ray casting are freed by rays as others (paper) or not (released "
+           "code)");
+  v.choice("separate_becomes", separate_becomes, {"unknown", "free"},
+           "separate background moves to g_unknown (overview of sec. III) or to g_free (eq. 9)");
+  v.choice("separate_reach", separate_reach, {"cluster", "sphere"},
+           "separate are the voxels of the cluster (paper, eq. 24) or all within separate_distance_m of them");
 }
 
 void VofodTiming::visit(ConfigVisitor& v) {
@@ -81,10 +76,10 @@ void VofodConfig::visit(ConfigVisitor& v) {
   v.field("min_points", min_points, "[-] of a detection; of voxels when these are clustered", Range::between(1, 1e6));
   v.field("max_size_m", max_size_m, "[m] diagonal of the oriented box of a detection", Range{0.0, 100.0, true});
   v.field("max_range_m", max_range_m, "[m] from the sensor to a detection; 0: any", Range::non_negative());
-  enum_choice(v, "seed", seed, {"large_and_altimeter", "large", "altimeter", "none"},
-              "first background in an unknown world: clusters larger than max_size_m, the ground below the altimeter");
-  enum_choice(v, "covariance", covariance, {"constant", "pose_noise"},
-              "of detections: sigma_m, or by the noise of range and pose (sec. IV-A) beside it");
+  v.choice("seed", seed, {"large_and_altimeter", "large", "altimeter", "none"},
+           "first background in an unknown world: clusters larger than max_size_m, the ground below the altimeter");
+  v.choice("covariance", covariance, {"constant", "pose_noise"},
+           "of detections: sigma_m, or by the noise of range and pose (sec. IV-A) beside it");
   v.field("sigma_m", sigma_m, "[m] constant part, by axis", Range::positive());
   v.field("sigma_range_m", sigma_range_m, "[m] pose_noise: of the range", Range::non_negative());
   v.field("sigma_position_m", sigma_position_m, "[m] pose_noise: of the sensor's position by axis",

@@ -271,7 +271,7 @@ void VofodStages::cast_rays(const LocalCloud& cloud) {
   origins.max().array() += beam_offset_m + 1e-6;
   // The map may scroll until the rays take effect.
   VoxelGrid within = map_.grid();
-  if (config_.map.extent == "scrolling") {
+  if (config_.map.extent == VoxelMapConfig::Extent::kScrolling) {
     within.min_cell.array() -= kRayScroll_voxels;
     within.size.array() += 2 * kRayScroll_voxels;
   }

@@ -173,7 +173,7 @@ void VoxelMap::clear() {
 }
 
 void VoxelMap::follow(const Vector3& p_m) {
-  if (config_.extent != "scrolling" || !((p_m.array() / grid_.edge_m).abs() < 1e9).all()) return;
+  if (config_.extent != VoxelMapConfig::Extent::kScrolling || !((p_m.array() / grid_.edge_m).abs() < 1e9).all()) return;
   const Cell wanted = grid_.cell_of(p_m) - grid_.size / 2;
   const Cell shift = wanted - grid_.min_cell;
   if (shift.cwiseAbs().maxCoeff() < kScrollStep) return;

@@ -102,7 +102,7 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
   v.field("min_detections", min_detections, "[-] that a track needs to be told (released code: 2)",
           Range::between(1, 1000));
   v.object("measurement", measurement, "uncertainty of measured positions");
-  v.check(radius_max_m >= search_radius_min_m || radius_law == "printed", "radius_max_m",
+  v.check(radius_max_m >= search_radius_min_m || radius_law == CloudTrackerConfig::RadiusLaw::kPrinted, "radius_max_m",
           "at least search_radius_min_m");
 }
 
@@ -114,8 +114,9 @@ CloudTracker::CloudTracker(const CloudTrackerConfig& config, std::unique_ptr<Mot
 
 double CloudTracker::uncertainty_radius_m(const Matrix3& position_covariance) const {
   const double det = position_covariance.determinant();
-  return config_.radius_scale *
-         (config_.radius_law == "printed" ? elementary::cbrt(det) : std::sqrt(elementary::cbrt(det)));
+  return config_.radius_scale * (config_.radius_law == CloudTrackerConfig::RadiusLaw::kPrinted
+                                     ? elementary::cbrt(det)
+                                     : std::sqrt(elementary::cbrt(det)));
 }
 
 double CloudTracker::search_radius_m(const Target& target) const {
@@ -176,7 +177,7 @@ CloudTracker::Target CloudTracker::start(const Detection& detection) const {
   target.corrected = true;
   const double sigma_m = config_.measurement.sigma_initial_m;
   Matrix3 covariance = sigma_m * sigma_m * Matrix3::Identity();
-  if (config_.measurement.noise == "sigma_w" && buffer_.size() > 0) {
+  if (config_.measurement.noise == TrackMeasurementConfig::Noise::kSigmaW && buffer_.size() > 0) {
     // Seen from where the sensor was at the time, or as near to that time as the buffer reaches.
     std::size_t i = buffer_.size() - 1;
     while (i > 0 && buffer_[i].stamp() > detection.t) --i;
@@ -250,7 +251,8 @@ void CloudTracker::find_candidates(std::span<const Target> targets, const Buffer
     const auto members = clusters_.members(c);
     const Extent extent = extent_of(members, selected_points_);
     if (config_.max_size_m > 0.0 && extent.diagonal_m > config_.max_size_m) continue;
-    const Vector3& position_m = config_.position == "centroid" ? extent.centroid_m : extent.box_center_m;
+    const Vector3& position_m =
+        config_.position == CloudTrackerConfig::Position::kCentroid ? extent.centroid_m : extent.box_center_m;
     if (is_background(position_m, extent.diagonal_m, cloud, members, background)) continue;
     std::int64_t sum_ns = 0;
     for (const std::uint32_t i : members) sum_ns += cloud.time_of(selected_[i]) - cloud.stamp();
@@ -261,15 +263,17 @@ void CloudTracker::find_candidates(std::span<const Target> targets, const Buffer
 
 /// Z of eq. (32).
 Matrix3 CloudTracker::measurement_covariance(const Vector3& position_m, const BufferedCloud& cloud) const {
-  if (config_.measurement.noise == "sigma_w") return position_covariance(position_m, cloud.T_local_lidar());
+  if (config_.measurement.noise == TrackMeasurementConfig::Noise::kSigmaW)
+    return position_covariance(position_m, cloud.T_local_lidar());
   return config_.measurement.sigma_m * config_.measurement.sigma_m * Matrix3::Identity();
 }
 
 bool CloudTracker::is_background(const Vector3& position_m, double size_m, const BufferedCloud& cloud,
                                  std::span<const std::uint32_t> members, const BackgroundQuery* background) {
   const double distance_m = config_.background_distance_m;
-  if (config_.background == "map") return background != nullptr && background->occupied_within(position_m, distance_m);
-  if (config_.background == "none") return false;
+  if (config_.background == CloudTrackerConfig::Background::kMap)
+    return background != nullptr && background->occupied_within(position_m, distance_m);
+  if (config_.background == CloudTrackerConfig::Background::kNone) return false;
   around_.clear();
   cloud.select(position_m, 0.5 * size_m + distance_m, around_);
   return around_.size() > members.size();  // all members are among them
@@ -277,7 +281,7 @@ bool CloudTracker::is_background(const Vector3& position_m, double size_m, const
 
 /// For each target the candidate on which it is corrected, or -1.
 void CloudTracker::assign(std::span<const Target> targets) {
-  const bool exclusive = config_.assignment == "exclusive";
+  const bool exclusive = config_.assignment == CloudTrackerConfig::Assignment::kExclusive;
   const std::size_t num = candidates_.size();
   costs_.assign(targets.size() * num, Assignment::kForbidden);
   for (std::size_t i = 0; i < targets.size(); ++i) {

@@ -95,7 +95,7 @@ class Flight {
 
 VofodConfig config() {
   VofodConfig config;
-  config.map.extent = "bounded";  // the reference knows no other
+  config.map.extent = VoxelMapConfig::Extent::kBounded;  // the reference knows no other
   return config;
 }
 

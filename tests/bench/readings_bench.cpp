@@ -130,7 +130,7 @@ double now_s() {
 
 void reading(benchmark::State& state, bool noisy, const std::function<void(VofodConfig&)>& change) {
   VofodConfig config;
-  config.map.extent = "bounded";
+  config.map.extent = VoxelMapConfig::Extent::kBounded;
   config.map.size_m = {96.0, 96.0, 24.0};
   config.map.center_m = {0.0, 0.0, 8.0};
   change(config);

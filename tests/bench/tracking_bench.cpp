@@ -123,7 +123,7 @@ void new_cloud_as_printed(benchmark::State& state) {
   const Recording& r = recording();
   const Hall hall;
   CloudTrackerConfig printed = told_at_once();
-  printed.assignment = "nearest";
+  printed.assignment = CloudTrackerConfig::Assignment::kNearest;
   printed.association_radius_min_m = printed.merge_radius_max_m = printed.max_size_m = 0.0;
   for (auto _ : state) {
     state.PauseTiming();

@@ -117,7 +117,7 @@ class Cli(unittest.TestCase):
 
     def test_check_refuses_what_run_refuses_with_the_same_message(self):
         wrong = {
-            "vehicles[0].agent.guidance={type: agile, speed_max_mps: 30}": "hover.yaml:8:5: vehicles[0].agent: guidance agile",
+            "vehicles[0].agent.guidance={type: agile, speed_max_mps: 30}": "hover.yaml:8:12: vehicles[0].agent: guidance agile",
             "recorders[0]={type: csv, vehicles: [uav7]}": "uav7",
             "vehicles[0].airframe.rotors=[{position_m: [0.1, 0, 0]}]": "rotors",
             "world={type: mesh, file: nowhere.obj}": "nowhere.obj",

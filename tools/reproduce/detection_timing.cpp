@@ -57,7 +57,7 @@ class StageTimer {
  private:
   static VofodConfig config_of_flight() {
     VofodConfig config;
-    config.map.extent = "bounded";
+    config.map.extent = VoxelMapConfig::Extent::kBounded;
     config.map.center_m = {0.0, 0.0, 6.0};
     config.map.size_m = {130.0, 90.0, 24.0};
     return config;

@@ -85,7 +85,7 @@ class Filters {
  private:
   static VoxelMapConfig map_config() {
     VoxelMapConfig config;
-    config.extent = "bounded";
+    config.extent = VoxelMapConfig::Extent::kBounded;
     config.center_m = {10.0, 0.0, 0.0};
     config.size_m = {30.0, 12.0, 12.0};
     return config;

@@ -14,7 +14,7 @@ namespace {
 
 VoxelMapConfig box(double size_m) {
   VoxelMapConfig config;
-  config.extent = "bounded";
+  config.extent = VoxelMapConfig::Extent::kBounded;
   config.size_m.setConstant(size_m);
   return config;
 }

@@ -12,7 +12,7 @@ namespace {
 
 VoxelMapConfig box(const Vector3& size_m) {
   VoxelMapConfig config;
-  config.extent = "bounded";
+  config.extent = VoxelMapConfig::Extent::kBounded;
   config.size_m = size_m;
   return config;
 }

@@ -19,7 +19,7 @@ constexpr TimeNs kPeriod = 100'000'000;
 
 VofodConfig small_config() {
   VofodConfig config;
-  config.map.extent = "bounded";
+  config.map.extent = VoxelMapConfig::Extent::kBounded;
   config.map.center_m = {0.0, 0.0, 3.0};
   config.map.size_m = {26.0, 26.0, 8.0};
   config.ray_max_m = 12.0;

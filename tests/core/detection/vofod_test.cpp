@@ -17,7 +17,7 @@ constexpr TimeNs kScanPeriod = 100'000'000;
 
 VofodConfig near_config() {
   VofodConfig config;
-  config.map.extent = "bounded";
+  config.map.extent = VoxelMapConfig::Extent::kBounded;
   config.map.center_m = {0.0, 0.0, 4.0};
   config.map.size_m = {20.0, 20.0, 10.0};
   config.ray_max_m = 10.0;

@@ -150,7 +150,7 @@ TEST(RayLengths, ManyRaysAddUp) {
 
 TEST(RayLengths, TheMapMovesByEquation22AndOnlyWhereRaysWent) {
   VoxelMapConfig config;
-  config.extent = "bounded";
+  config.extent = VoxelMapConfig::Extent::kBounded;
   config.size_m = {4.0, 4.0, 4.0};
   VoxelMap map(config);
   RayLengths rays;

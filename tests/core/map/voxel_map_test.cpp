@@ -16,7 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 VoxelMapConfig small_box(const Vector3& size_m = {6.0, 5.0, 4.0}) {
   VoxelMapConfig config;
-  config.extent = "bounded";
+  config.extent = VoxelMapConfig::Extent::kBounded;
   config.size_m = size_m;
   return config;
 }
@@ -176,7 +176,7 @@ TEST(VoxelMap, AnswersAboutWhatIsOccupiedAreThoseOfALookAtEveryVoxel) {
 
 TEST(VoxelMap, ScrollsWithTheVehicleAndForgetsWhatItLeaves) {
   VoxelMapConfig config = small_box({20.0, 20.0, 10.0});
-  config.extent = "scrolling";
+  config.extent = VoxelMapConfig::Extent::kScrolling;
   PriorMap prior;
   prior.occupied_m = {{14.1F, 0.1F, 0.1F}};  // outside at first
   VoxelMap map(config);

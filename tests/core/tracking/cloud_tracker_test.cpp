@@ -100,7 +100,7 @@ TEST(CloudTracker, ATargetOfPartsIsFollowedAtItsMiddle) {
 
 TEST(CloudTracker, IsAlgorithm2AsPrinted) {
   CloudTrackerConfig printed = told_at_once();
-  printed.assignment = "nearest";
+  printed.assignment = CloudTrackerConfig::Assignment::kNearest;
   printed.association_radius_min_m = 0.0;
   printed.merge_radius_max_m = 0.0;
   printed.max_size_m = 0.0;
@@ -294,7 +294,8 @@ TEST(CloudTracker, TracksOfOneTargetBecomeOne) {
 
 TEST(CloudTracker, BackgroundCorrectsNoTrack) {
   const Vector3 p(8, 3, 5);
-  for (const char* rule : {"map", "cloud", "none"}) {
+  using Background = CloudTrackerConfig::Background;
+  for (const auto rule : {Background::kMap, Background::kCloud, Background::kNone}) {
     CloudTrackerConfig config = told_at_once();
     config.background = rule;
     CloudTracker tracker = make(config);
@@ -311,19 +312,19 @@ TEST(CloudTracker, BackgroundCorrectsNoTrack) {
     }
     tracker.new_cloud(maker.make(), &wall);
     const bool corrected = tracks_of(tracker).at(0).corrected;
-    EXPECT_EQ(corrected, false) << rule << ": a pole of 3.8 m is no target either";
+    EXPECT_EQ(corrected, false) << static_cast<int>(rule) << ": a pole of 3.8 m is no target either";
     // A small thing beside it that the map knows, alone within its surroundings.
     wall.centers_m = {p + Vector3(0, 1.5, 0)};
     tracker.new_cloud(CloudMaker(3 * kScan).add_target(p + Vector3(0, 1.0, 0), 0.2).make(), &wall);
-    EXPECT_EQ(tracks_of(tracker).at(0).corrected, std::string(rule) != "map") << rule;
+    EXPECT_EQ(tracks_of(tracker).at(0).corrected, rule != Background::kMap) << static_cast<int>(rule);
     // And one with other things around it.
     tracker.new_cloud(CloudMaker(4 * kScan).add_target(p, 0.2).add(p + Vector3(0, 0, 0.9)).make(), nullptr);
-    EXPECT_EQ(tracks_of(tracker).at(0).corrected, std::string(rule) != "cloud") << rule;
+    EXPECT_EQ(tracks_of(tracker).at(0).corrected, rule != Background::kCloud) << static_cast<int>(rule);
   }
 }
 
 /// Two targets that cross at a distance; how often a track ends on the other one.
-int swaps_at_a_crossing(const std::string& assignment, double miss_m) {
+int swaps_at_a_crossing(CloudTrackerConfig::Assignment assignment, double miss_m) {
   int swaps = 0;
   for (int trial = 0; trial < 10; ++trial) {
     CloudTrackerConfig config = told_at_once();
@@ -351,7 +352,8 @@ int swaps_at_a_crossing(const std::string& assignment, double miss_m) {
 }
 
 TEST(CloudTracker, CrossingTargetsKeepTheirTracks) {
-  const int exclusive = swaps_at_a_crossing("exclusive", 1.0), nearest = swaps_at_a_crossing("nearest", 1.0);
+  const int exclusive = swaps_at_a_crossing(CloudTrackerConfig::Assignment::kExclusive, 1.0),
+            nearest = swaps_at_a_crossing(CloudTrackerConfig::Assignment::kNearest, 1.0);
   RecordProperty("exclusive", exclusive);
   RecordProperty("nearest", nearest);
   EXPECT_EQ(exclusive, 0);
@@ -416,7 +418,7 @@ TEST(CloudTracker, ATrackHoldsForTheMomentAtWhichItsTargetWasSeen) {
 
 TEST(CloudTracker, WithSigmaWTheFarAndTheWideAreLessCertain) {
   CloudTrackerConfig config = told_at_once();
-  config.measurement.noise = "sigma_w";
+  config.measurement.noise = TrackMeasurementConfig::Noise::kSigmaW;
   config.measurement.sensor.sigma_attitude_rad.setConstant(0.02);
   const auto covariance_at = [&](const Vector3& p) {
     CloudTracker tracker = make(config);

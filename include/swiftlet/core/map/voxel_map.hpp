@@ -27,7 +27,8 @@ struct VoxelMapConfig {
   double G_confident = -0.1;
   double G_tentative = -300.0;
   double G_uncertain = -750.0;
-  std::string extent = "scrolling";
+  enum class Extent { kScrolling, kBounded };
+  Extent extent = Extent::kScrolling;
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d size_m = {80.0, 80.0, 30.0};
 

@@ -21,7 +21,8 @@ namespace swiftlet {
 
 /// How far the position on which a track is corrected may be off.
 struct TrackMeasurementConfig {
-  std::string noise = "constant";
+  enum class Noise { kConstant, kSigmaW };
+  Noise noise = Noise::kConstant;
   double sigma_m = 0.3;            ///< Z
   double sigma_initial_m = 0.3;    ///< P_0,r
   MeasurementNoise sensor;         ///< Sigma_w
@@ -35,15 +36,19 @@ struct TrackMeasurementConfig {
 struct CloudTrackerConfig {
   int buffer_size = 10;       ///< N_buf
   double radius_scale = 1.5;  ///< c_r
-  std::string radius_law = "printed";
+  enum class RadiusLaw { kPrinted, kSphere };
+  RadiusLaw radius_law = RadiusLaw::kPrinted;
   double search_radius_min_m = 2.5;    ///< r_min
   double radius_max_m = 5.0;           ///< r_max
   double cluster_distance_m = 0.7;     ///< d_cluster, as the detector's
   double background_distance_m = 1.0;  ///< d_min
-  std::string background = "map";
+  enum class Background { kMap, kCloud, kNone };
+  Background background = Background::kMap;
   double max_size_m = 3.0;
-  std::string position = "centroid";
-  std::string assignment = "exclusive";
+  enum class Position { kCentroid, kBoxCenter };
+  Position position = Position::kCentroid;
+  enum class Assignment { kExclusive, kNearest };
+  Assignment assignment = Assignment::kExclusive;
   double association_radius_min_m = 0.5;
   double merge_radius_max_m = 0.5;
   int min_detections = 2;
