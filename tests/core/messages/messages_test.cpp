@@ -2,6 +2,8 @@
 // What goes on the air: the bytes of a kind of message, and what a receiver makes of bytes that are not its own.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/core/messages/neighbor_position.hpp"
 #include "tests/support/field_coverage.hpp"
@@ -164,6 +166,16 @@ TEST(Wire, AChoiceThatDoesNotExistAndARotationThatIsNoneAreRefused) {
   content.T_world_body.linear().setZero();
   write_message(content, message);
   EXPECT_EQ(read_message(message, read), Reading::kBadValue);
+}
+
+TEST(Wire, ANumberThatIsNotFiniteIsRefused) {
+  for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    Message message;
+    write_message(NeighborPosition{.t = 1, .p_world_m = {0.0, value, 0.0}}, message);
+    NeighborPosition read;
+    EXPECT_EQ(read_message(message, read), Reading::kBadValue) << value;
+    EXPECT_EQ(read.p_world_m, Vector3(0.0, 0.0, 0.0)) << "nothing of it is kept";
+  }
 }
 
 TEST(Wire, EveryReasonNotToReadHasItsWords) {

@@ -106,6 +106,7 @@ class Wire {
     using Plain = std::remove_const_t<Number>;
     if constexpr (Stream::kReads) {
       value = from_bits<Plain>(stream_.bits(sizeof(Plain)));
+      if constexpr (std::is_floating_point_v<Plain>) bad_ = bad_ || !std::isfinite(value);
     } else {
       stream_.bits(to_bits(value), sizeof(Plain));
     }
