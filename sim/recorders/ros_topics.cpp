@@ -215,12 +215,21 @@ void RosTopics::write_clock(TimeNs t) {
 
 void RosTopics::write_tf(const TickView& tick) {
   Channel& tf = channel("/tf", kTFMessage);
+  const auto knows_its_place = [&](std::size_t i) {
+    return tick.actions[i] != nullptr && tick.actions[i]->estimate.valid;
+  };
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < names_.size(); ++i) count += selected_[i] ? 1 + knows_its_place(i) : 0;
   message_.begin();
-  message_.count(static_cast<std::size_t>(std::count(selected_.begin(), selected_.end(), true)));
+  message_.count(count);
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (!selected_[i]) continue;
     const VehicleState& state = tick.states[i];
     encode_transform(tf.sequence, tick.t, "world", names_[i] + "/body", state.p_world_m, state.q_world_body, message_);
+    if (!knows_its_place(i)) continue;
+    const Pose& T_world_local = tick.actions[i]->estimate.T_world_local;
+    encode_transform(tf.sequence, tick.t, "world", names_[i] + "/local", T_world_local.translation(),
+                     Eigen::Quaterniond(T_world_local.linear()), message_);
   }
   send(tf, tick.t);
 }

@@ -173,8 +173,12 @@ class RosCheck:
         for tick in self.expected["ticks"]:
             t = tick["t_ns"]
             add("/clock", "Clock", t, self.clock, t)
-            add("/tf", "TFMessage", t, self.transforms, t,
-                [("world", f"{name}/body", v) for name, v in zip(self.names, tick["vehicles"])])
+            frames = []
+            for name, v in zip(self.names, tick["vehicles"]):
+                frames.append(("world", f"{name}/body", v))
+                if v["estimate"]["valid"]:
+                    frames.append(("world", f"{name}/local", v["estimate"]["correction"]))
+            add("/tf", "TFMessage", t, self.transforms, t, frames)
             for name, v in zip(self.names, tick["vehicles"]):
                 add(f"/{name}/truth/pose", "PoseStamped", t, self.truth, t, v)
                 if v["estimate"]["valid"]:

@@ -77,6 +77,7 @@ json json_of(const TickView& tick, const SeriesOf<DetectionScore>& scores, int v
   out["estimate"] = {{"valid", estimate.valid},
                      {"t_ns", estimate.t},
                      {"pose", json_of(estimate.T_local_body)},
+                     {"correction", json_of(estimate.T_world_local)},
                      {"v", json_of(estimate.v_local_mps)},
                      {"omega", json_of(estimate.omega_body_radps)},
                      {"covariance", json_of_matrix(estimate.covariance)}};
