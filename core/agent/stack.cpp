@@ -83,7 +83,10 @@ class StackAgent : public Agent {
   }
 
   void append_maps(std::vector<MapVoxels>& maps) const override {
-    const auto append = [&](const auto& map, const char* stage) { map.append_voxels(maps.emplace_back(stage)); };
+    const auto append = [&](const auto& map, const char* stage) {
+      maps.emplace_back().name = stage;
+      map.append_voxels(maps.back());
+    };
     if (stages_.detector && stages_.detector->map() != nullptr) append(*stages_.detector->map(), "detector");
     if (stages_.mapping) append(stages_.mapping->map(), "mapping");
   }
