@@ -78,9 +78,8 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
   v.field("background_distance_m", background_distance_m,
           "[m] d_min: a cluster that is nearer to background is background", Range::non_negative());
   v.choice("background", background, {"map", "cloud", "none"},
-           "[-] background, from which d_min is measured: occupied voxels of the detector's map (algorithm 2), points "
-           "of the "
-           "cloud beyond half the cluster's size (released code), or none");
+           "[-] what d_min is measured to: occupied voxels of the detector's map (algorithm 2), points of the cloud beyond "
+           "half the cluster's size (released code), or nothing");
   v.field("max_size_m", max_size_m, "[m] diagonal beyond which a cluster is no target; 0: no limit (algorithm 2)",
           Range::non_negative());
   v.choice(
