@@ -34,9 +34,10 @@ void VofodChoices::visit(ConfigVisitor& v) {
            "detections as other unknown points (released code)");
   v.choice("ray_end", ray_end, {"point", "voxel_before"},
            "rays end at the point (paper, eq. 20) or a voxel's edge before it (released code)");
-  v.choice("hit_voxels", hit_voxels, {"update", "keep"},
-           "voxels that held a point since the last ray casting: rays free them like any voxel (paper) or not (released "
-           "code)");
+  v.choice(
+      "hit_voxels", hit_voxels, {"update", "keep"},
+      "voxels that held a point since the last ray casting: rays free them like any voxel (paper) or not (released "
+      "code)");
   v.choice("separate_becomes", separate_becomes, {"unknown", "free"},
            "separate background moves to g_unknown (overview of sec. III) or to g_free (eq. 9)");
   v.choice("separate_reach", separate_reach, {"cluster", "sphere"},

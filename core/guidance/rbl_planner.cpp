@@ -113,9 +113,10 @@ void RblCellConfig::visit(ConfigVisitor& v) {
   v.field("encumbrance_m", encumbrance_m, "[m] delta: radius that each vehicle needs for itself", Range::positive());
   v.field("eta", eta, "[-] scale of the cells: the part of the distance to a neighbor that the agent takes",
           Range{0.0, 1.0, true, false});
-  v.choice("cut", cut, {"program", "projected", "printed", "buffered"},
-           "[-] interpretation of (2.3): plane that leaves the encumbrances free (authors' program), plane at eta times the "
-           "distance, printed ball, or half the gap (buffered Voronoi)");
+  v.choice(
+      "cut", cut, {"program", "projected", "printed", "buffered"},
+      "[-] interpretation of (2.3): plane that leaves the encumbrances free (authors' program), plane at eta times the "
+      "distance, printed ball, or half the gap (buffered Voronoi)");
   v.check(step_m <= sensing_radius_m, "step_m", "at most sensing_radius_m");
   v.check(sensing_radius_m / step_m <= 60.0, "step_m", "at least a sixtieth of sensing_radius_m");
 }

@@ -77,9 +77,10 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("background_distance_m", background_distance_m,
           "[m] d_min: a cluster that is nearer to background is background", Range::non_negative());
-  v.choice("background", background, {"map", "cloud", "none"},
-           "[-] what d_min is measured to: occupied voxels of the detector's map (algorithm 2), points of the cloud beyond "
-           "half the cluster's size (released code), or nothing");
+  v.choice(
+      "background", background, {"map", "cloud", "none"},
+      "[-] what d_min is measured to: occupied voxels of the detector's map (algorithm 2), points of the cloud beyond "
+      "half the cluster's size (released code), or nothing");
   v.field("max_size_m", max_size_m, "[m] diagonal beyond which a cluster is no target; 0: no limit (algorithm 2)",
           Range::non_negative());
   v.choice(
@@ -90,8 +91,7 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
            "nearest to its prediction (algorithm 2)");
   v.field("association_radius_min_m", association_radius_min_m,
           "[m] least radius r_unc; a detection joins a track when they are nearer than the sum of their radii "
-          "(algorithm 2: "
-          "0, released code: r_min)",
+          "(algorithm 2: 0, released code: r_min)",
           Range::non_negative());
   v.field(
       "merge_radius_max_m", merge_radius_max_m,

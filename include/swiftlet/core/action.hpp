@@ -15,8 +15,8 @@ namespace swiftlet {
 
 inline constexpr int kMaxRotors = 8;
 
-/// Where guidance wants the vehicle to be; the reference governor makes it flyable. Local frame between stages, world in
-/// Action.
+/// Where guidance wants the vehicle to be; the reference governor makes it flyable. Local frame between stages, world
+/// in Action.
 struct Reference {
   Vector3 position_m = Vector3::Zero();
   Vector3 velocity_mps = Vector3::Zero();
