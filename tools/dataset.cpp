@@ -55,7 +55,7 @@ void generate(const DatasetOptions& options) {
              report.sequences.size(), sum.frames, sum.points, duration_text(report.wall_s));
   const sim::FlightTiming& timing = report.timing;
   if (timing.simulate_s > 0.0) {
-    fmt::print("worlds and ways {}, simulation {}, recording {} and {} beside the simulation\n",
+    fmt::print("worlds and paths {}, simulation {}, recording {} and {} beside the simulation\n",
                duration_text(timing.prepare_s), duration_text(timing.simulate_s), duration_text(timing.record_s),
                duration_text(timing.beside_s));
   }

@@ -8,7 +8,7 @@ namespace swiftlet {
 namespace {
 
 constexpr AgentType kAgentTypes[] = {
-    {{"stack", "localization, guidance, reference tracker and controller", make_module_config<StackConfig>},
+    {{"stack", "localization, guidance, reference governor and controller", make_module_config<StackConfig>},
      make_stack,
      stack_needs,
      stack_guidance},

@@ -5,7 +5,7 @@
 
 #include "core/agent/trail.hpp"
 #include "swiftlet/core/control/controller.hpp"
-#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/control/reference_governor.hpp"
 #include "swiftlet/core/ensure.hpp"
 #include "swiftlet/core/finite.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
@@ -37,7 +37,7 @@ class StackAgent : public Agent {
         stages_(std::move(stages)),
         needs_(stages_.guidance->needs()),
         registrar_(setup.airframe.circumscribed_radius_m()),
-        reference_tracker_(control.limits.resolve()),
+        reference_governor_(control.limits.resolve()),
         controller_(setup.airframe, control.gains, setup.tick_s),
         outbox_(setup.self) {
     if (needs_.map && stages_.mapping == nullptr) {
@@ -155,13 +155,13 @@ class StackAgent : public Agent {
       return;
     }
     ENSURE(is_finite(wanted_.goal), wanted_.goal.position_m, wanted_.goal.velocity_mps, wanted_.goal.yaw_rad);
-    if (!tracking_) reference_tracker_.reset(at_rest_with(action_.estimate));
+    if (!tracking_) reference_governor_.reset(at_rest_with(action_.estimate));
     tracking_ = true;
     const Reference& reference = wanted_.goal_is_feasible
-                                     ? reference_tracker_.take(wanted_.goal, dt_s)
-                                     : reference_tracker_.step(wanted_.goal, dt_s, wanted_.speed_limit_mps);
+                                     ? reference_governor_.take(wanted_.goal, dt_s)
+                                     : reference_governor_.step(wanted_.goal, dt_s, wanted_.speed_limit_mps);
     ENSURE(is_finite(reference), reference.position_m, reference.velocity_mps, reference.acceleration_mps2);
-    action_.rotor_command = controller_.step(action_.estimate, reference, reference_tracker_.jerk_mps3(), dt_s);
+    action_.rotor_command = controller_.step(action_.estimate, reference, reference_governor_.jerk_mps3(), dt_s);
     action_.reference = to_world_.reference(reference);
     trail_.push(action_.estimate.t, reference.position_m);
   }
@@ -193,7 +193,7 @@ class StackAgent : public Agent {
   StackStages stages_;
   GuidanceNeeds needs_;
   CloudRegistrar registrar_;
-  ReferenceTracker reference_tracker_;
+  ReferenceGovernor reference_governor_;
   MultirotorController controller_;
 
   Outbox outbox_;

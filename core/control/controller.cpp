@@ -31,8 +31,8 @@ ControlGains derive_gains(const Airframe& airframe, const ControlGainsConfig& co
   gains.position = position * position;
   gains.velocity = 2.0 * config.position_damping * position;
   gains.integral = config.integral_time_s > 0.0 ? gains.position / config.integral_time_s : 0.0;
-  gains.attitude = {attitude, attitude, yaw_attitude};
-  gains.rate = {rate, rate, yaw_rate};
+  gains.attitude_body = {attitude, attitude, yaw_attitude};
+  gains.rate_body = {rate, rate, yaw_rate};
   return gains;
 }
 
@@ -119,13 +119,13 @@ const MultirotorController::Commands& MultirotorController::idle(double dt_s) {
 }
 
 const MultirotorController::Commands& MultirotorController::step(const StateEstimate& estimate,
-                                                                 const Reference& reference, const Vector3& jerk_mps3,
-                                                                 double dt_s) {
+                                                                 const Reference& reference,
+                                                                 const Vector3& jerk_local_mps3, double dt_s) {
   const bool usable = estimate.valid && estimate.T_local_body.matrix().allFinite() &&
                       estimate.v_local_mps.allFinite() && estimate.omega_body_radps.allFinite() &&
                       reference.position_m.allFinite() && reference.velocity_mps.allFinite() &&
                       reference.acceleration_mps2.allFinite() && std::isfinite(reference.yaw_rad) &&
-                      std::isfinite(reference.yaw_rate_radps) && jerk_mps3.allFinite() && std::isfinite(dt_s);
+                      std::isfinite(reference.yaw_rate_radps) && jerk_local_mps3.allFinite() && std::isfinite(dt_s);
   if (!usable) return idle(std::isfinite(dt_s) ? dt_s : 0.0);
   dt_s = std::clamp(dt_s, 1e-4, 0.1);
   follow_motors(dt_s);
@@ -145,11 +145,11 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
   const Matrix3 R_wanted = attitude_for(thrust_mps2 / thrust_norm, reference.yaw_rad);
 
   // Body rates of the reference, from its jerk, turned from the wanted attitude's axes into the body's.
-  const Vector3 turn = (jerk_mps3 - R_wanted.col(2).dot(jerk_mps3) * R_wanted.col(2)) / thrust_norm;
+  const Vector3 turn = (jerk_local_mps3 - R_wanted.col(2).dot(jerk_local_mps3) * R_wanted.col(2)) / thrust_norm;
   const Vector3 rate_wanted_axes(-turn.dot(R_wanted.col(1)), turn.dot(R_wanted.col(0)),
                                  reference.yaw_rate_radps * R_wanted(2, 2));
   Vector3 rate = R.transpose() * (R_wanted * rate_wanted_axes);
-  rate += gains_.attitude.cwiseProduct(attitude_error(R, R_wanted));
+  rate += gains_.attitude_body.cwiseProduct(attitude_error(R, R_wanted));
   const double tilt_rate = elementary::hypot(rate.x(), rate.y());
   const double tilt_rate_max = config_.tilt_rate_max_degps * kRadPerDeg;
   if (tilt_rate > tilt_rate_max) rate.head<2>() *= tilt_rate_max / tilt_rate;
@@ -158,8 +158,8 @@ const MultirotorController::Commands& MultirotorController::step(const StateEsti
   // Euler's equation with the wanted angular acceleration; thrust as projected on the body axis (Lee).
   const Vector3& omega = estimate.omega_body_radps;
   const Vector3& inertia = airframe_.inertia_diagonal_kgm2;
-  wanted_.torque_Nm =
-      inertia.cwiseProduct(gains_.rate.cwiseProduct(rate - omega)) + omega.cross(inertia.cwiseProduct(omega));
+  wanted_.torque_body_Nm =
+      inertia.cwiseProduct(gains_.rate_body.cwiseProduct(rate - omega)) + omega.cross(inertia.cwiseProduct(omega));
   wanted_.thrust_N = std::max(0.0, airframe_.mass_kg * thrust_mps2.dot(R.col(2)));
   command_rotors(mixer_.forces(wanted_, airframe_.mass_kg * kGravity_mps2));
   return commands_;

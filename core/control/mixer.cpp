@@ -58,7 +58,7 @@ Wrench Mixer::wrench(const Forces& force_N) const {
 
 Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   const int n = num_rotors_;
-  Column tilt = inverse_.col(1) * wanted.torque_Nm.x() + inverse_.col(2) * wanted.torque_Nm.y();
+  Column tilt = inverse_.col(1) * wanted.torque_body_Nm.x() + inverse_.col(2) * wanted.torque_body_Nm.y();
 
   // Roll and pitch: shrink together when they ask for more than the span of a rotor.
   const double span = max_force_N_ - min_force_N_;
@@ -84,7 +84,7 @@ Mixer::Forces Mixer::forces(const Wrench& wanted, double lift_N) const {
   const Column base = inverse_.col(0) * thrust + tilt;
 
   // Yaw gets what is left.
-  const Column yaw = inverse_.col(3) * wanted.torque_Nm.z();
+  const Column yaw = inverse_.col(3) * wanted.torque_body_Nm.z();
   const Column total = base + largest_share(base, yaw, n, min_force_N_, max_force_N_) * yaw;
   Forces out{};
   for (int i = 0; i < n; ++i) out[i] = std::clamp(total[i], min_force_N_, max_force_N_);

@@ -7,32 +7,32 @@
 namespace swiftlet {
 
 void Samples::clear() {
-  at_m.clear();
+  at_local_m.clear();
   voxel.clear();
   point.clear();
   weight.clear();
 }
 
-void Samples::add(const Eigen::Vector3f& p_m, std::ptrdiff_t in_voxel, std::uint32_t of_point) {
-  at_m.push_back(p_m);
+void Samples::add(const Eigen::Vector3f& p_local_m, std::ptrdiff_t in_voxel, std::uint32_t of_point) {
+  at_local_m.push_back(p_local_m);
   voxel.push_back(in_voxel);
   point.push_back(of_point);
 }
 
 void Samples::add(const Samples& from, std::size_t i) {
-  add(from.at_m[i], from.voxel[i], from.point[i]);
+  add(from.at_local_m[i], from.voxel[i], from.point[i]);
   if (!from.weight.empty()) weight.push_back(from.weight[i]);
 }
 
 void Samples::move(std::size_t from, std::size_t to) {
-  at_m[to] = at_m[from];
+  at_local_m[to] = at_local_m[from];
   voxel[to] = voxel[from];
   point[to] = point[from];
   if (!weight.empty()) weight[to] = weight[from];
 }
 
 void Samples::resize(std::size_t count) {
-  at_m.resize(count);
+  at_local_m.resize(count);
   voxel.resize(count);
   point.resize(count);
   if (!weight.empty()) weight.resize(count);
@@ -65,21 +65,21 @@ ClusterShape shape_of(const Samples& samples, std::span<const std::uint32_t> mem
   Vector3 sum = Vector3::Zero();
   double weight = 0.0;
   for (const std::uint32_t i : members) {
-    sum += samples.weight_of(i) * samples.at_m[i].cast<double>();
+    sum += samples.weight_of(i) * samples.at_local_m[i].cast<double>();
     weight += samples.weight_of(i);
   }
-  shape.centroid_m = sum / weight;
+  shape.centroid_local_m = sum / weight;
   Matrix3 scatter = Matrix3::Zero();
   for (const std::uint32_t i : members) {
-    const Vector3 r = samples.at_m[i].cast<double>() - shape.centroid_m;
+    const Vector3 r = samples.at_local_m[i].cast<double>() - shape.centroid_local_m;
     scatter += samples.weight_of(i) * (r * r.transpose());
   }
   const Matrix3 axes = Eigen::SelfAdjointEigenSolver<Matrix3>(scatter).eigenvectors();
   Eigen::AlignedBox3d box;
   for (const std::uint32_t i : members) {
-    box.extend(Vector3(axes.transpose() * (samples.at_m[i].cast<double>() - shape.centroid_m)));
+    box.extend(Vector3(axes.transpose() * (samples.at_local_m[i].cast<double>() - shape.centroid_local_m)));
   }
-  shape.box_center_m = shape.centroid_m + axes * box.center();
+  shape.box_center_local_m = shape.centroid_local_m + axes * box.center();
   shape.extent_m = box.sizes();
   return shape;
 }

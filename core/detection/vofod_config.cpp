@@ -34,9 +34,10 @@ void VofodChoices::visit(ConfigVisitor& v) {
            "detections as other unknown points (released code)");
   v.choice("ray_end", ray_end, {"point", "voxel_before"},
            "rays end at the point (paper, eq. 20) or a voxel's edge before it (released code)");
-  v.choice("hit_voxels", hit_voxels, {"update", "keep"},
-           "voxels that held a point since the last ray casting are freed by rays as others (paper) or not (released "
-           "code)");
+  v.choice(
+      "hit_voxels", hit_voxels, {"update", "keep"},
+      "voxels that held a point since the last ray casting: rays free them like any voxel (paper) or not (released "
+      "code)");
   v.choice("separate_becomes", separate_becomes, {"unknown", "free"},
            "separate background moves to g_unknown (overview of sec. III) or to g_free (eq. 9)");
   v.choice("separate_reach", separate_reach, {"cluster", "sphere"},
@@ -68,7 +69,7 @@ void VofodConfig::visit(ConfigVisitor& v) {
   v.field("ray_max_m", ray_max_m, "[m] d_max: rays are followed so far", Range{0.0, 1000.0, true});
   v.field("ray_weight", ray_weight, "[-] w_int: updates for a ray through a voxel's diagonal",
           Range::between(0.0, 1e6));
-  v.field("empty_returns", empty_returns, "[-] do rays without return clear the way up to ray_max_m?");
+  v.field("empty_returns", empty_returns, "[-] do rays without return clear the voxels up to ray_max_m?");
   v.field("separate_distance_m", separate_distance_m, "[m] d_sep: between clusters of background",
           Range{0.0, 100.0, true});
   v.field("separate_min_confident", separate_min_confident, "[-] n_conf,min: confident voxels that keep a cluster",

@@ -86,7 +86,7 @@ void VofodStages::take_samples(const LocalCloud& cloud) {
 // Rule A for every cluster before any of them changes the map.
 void VofodStages::find_background() {
   set_background_aside();
-  clusters_.compute(samples_.at_m, config_.cluster_distance_m);
+  clusters_.compute(samples_.at_local_m, config_.cluster_distance_m);
   classes_.resize(clusters_.size());
   for (int i = 0; i < clusters_.size(); ++i) {
     classes_[i] = is_background(clusters_.members(i)) ? ClusterClass::kBackground : ClusterClass::kUnknown;
@@ -96,17 +96,17 @@ void VofodStages::find_background() {
 // Most points are near background by themselves, and it does not matter which of their clusters they are in: by rule A
 // it is background. Only those that lie near a point that is not have to be clustered with it.
 void VofodStages::set_background_aside() {
-  const std::size_t count = samples_.at_m.size();
+  const std::size_t count = samples_.at_local_m.size();
   near_background_.resize(count);
   vicinity_.begin(map_.grid(), config_.cluster_distance_m);
   for (std::size_t i = 0; i < count; ++i) {
-    near_background_[i] = is_near_background(samples_.at_m[i]);
-    if (!near_background_[i]) vicinity_.add(samples_.at_m[i]);
+    near_background_[i] = is_near_background(samples_.at_local_m[i]);
+    if (!near_background_[i]) vicinity_.add(samples_.at_local_m[i]);
   }
   aside_.clear();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (near_background_[i] && !vicinity_.contains(samples_.at_m[i])) {
+    if (near_background_[i] && !vicinity_.contains(samples_.at_local_m[i])) {
       aside_.add(samples_, i);
       continue;
     }
@@ -116,10 +116,10 @@ void VofodStages::set_background_aside() {
   samples_.resize(kept);
 }
 
-bool VofodStages::is_near_background(const Eigen::Vector3f& at_m) const {
+bool VofodStages::is_near_background(const Eigen::Vector3f& at_local_m) const {
   const VoxelState at_least =
       config_.choices.close_to == VofodChoices::CloseTo::kConfident ? VoxelState::kConfident : VoxelState::kTentative;
-  return map_.any_within(at_m.cast<double>(), config_.close_distance_m, at_least);
+  return map_.any_within(at_local_m.cast<double>(), config_.close_distance_m, at_least);
 }
 
 bool VofodStages::is_background(Members members) const {
@@ -147,7 +147,7 @@ void VofodStages::find_flying(const LocalCloud& cloud, std::vector<Detection>& d
 bool VofodStages::is_flying(const LocalCloud& cloud, Members members, const ClusterShape& shape) {
   if (static_cast<int>(members.size()) < config_.min_points || shape.diagonal_m() > config_.max_size_m) return false;
   const Vector3 sensor_m = cloud.T_local_lidar_of_beam(cloud.beam[samples_.point[members.front()]]).translation();
-  if (config_.max_range_m > 0.0 && (shape.centroid_m - sensor_m).norm() > config_.max_range_m) return false;
+  if (config_.max_range_m > 0.0 && (shape.centroid_local_m - sensor_m).norm() > config_.max_range_m) return false;
 
   starts_index_.clear();
   for (const std::uint32_t i : members) starts_index_.push_back(samples_.voxel[i]);
@@ -210,7 +210,8 @@ Detection VofodStages::make_detection(const LocalCloud& cloud, Members members, 
     d.num_points += samples_.weight_of(i);
   }
   d.t = cloud.stamp() + offset_sum / static_cast<std::int64_t>(members.size());
-  d.position_m = config_.choices.position == VofodChoices::Position::kCentroid ? shape.centroid_m : shape.box_center_m;
+  d.position_m =
+      config_.choices.position == VofodChoices::Position::kCentroid ? shape.centroid_local_m : shape.box_center_local_m;
   d.extent_m = shape.extent_m;
   d.covariance = covariance(cloud, samples_.point[members.front()], d.position_m);
   d.confidence = confidence();
@@ -242,11 +243,11 @@ double VofodStages::confidence() const {
   return elementary::exp(-sum / static_cast<double>(starts_.size()));
 }
 
-Matrix3 VofodStages::covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_m) const {
+Matrix3 VofodStages::covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_local_m) const {
   const Matrix3 constant = config_.sigma_m * config_.sigma_m * Matrix3::Identity();
   if (config_.covariance == DetectionCovariance::kConstant) return constant;
   const Pose& T_local_lidar = cloud.T_local_lidar_of_beam(cloud.beam[point]);
-  const Vector3 p_lidar = T_local_lidar.inverse() * position_m;
+  const Vector3 p_lidar = T_local_lidar.inverse() * position_local_m;
   const double range_m = p_lidar.norm();
   if (range_m <= 0.0) return constant;
   return constant + point_covariance(p_lidar / range_m, range_m, T_local_lidar.linear(), noise_of(config_).Sigma_w());
@@ -352,11 +353,12 @@ void VofodStages::seed_ground(const Vector3& p_local_m) {
   }
 }
 
-void VofodStages::append_cluster_points(ClusterClass of_class, std::vector<Eigen::Vector3f>& points_m) const {
-  if (of_class == ClusterClass::kBackground) points_m.insert(points_m.end(), aside_.at_m.begin(), aside_.at_m.end());
+void VofodStages::append_cluster_points(ClusterClass of_class, std::vector<Eigen::Vector3f>& points_local_m) const {
+  if (of_class == ClusterClass::kBackground)
+    points_local_m.insert(points_local_m.end(), aside_.at_local_m.begin(), aside_.at_local_m.end());
   for (int i = 0; i < static_cast<int>(classes_.size()); ++i) {
     if (classes_[i] != of_class) continue;
-    for (const std::uint32_t member : clusters_.members(i)) points_m.push_back(samples_.at_m[member]);
+    for (const std::uint32_t member : clusters_.members(i)) points_local_m.push_back(samples_.at_local_m[member]);
   }
 }
 

@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kAhead_s = 1.0;  // the goal of the reference tracker lies this far ahead of a wanted velocity
+constexpr double kAhead_s = 1.0;  // the goal of the reference governor lies this far ahead of a wanted velocity
 constexpr double kNearest_m = 1e-3;
 constexpr double kLevel_m = 0.6;             // obstacles this much above or below are not met
 constexpr TimeNs kLook = kNsPerSecond / 10;  // between two looks at the map
@@ -24,10 +24,10 @@ Vector3 horizontal(Vector3 v) {
 }
 
 /// Pushes away from everybody nearer than the distance, the harder the nearer.
-Vector3 avoidance(const Vector3& p_m, std::span<const Neighbor> neighbors, double distance_m, double gain_mps) {
+Vector3 avoidance(const Vector3& p_local_m, std::span<const Neighbor> neighbors, double distance_m, double gain_mps) {
   Vector3 push = Vector3::Zero();
   for (const Neighbor& neighbor : neighbors) {
-    const Vector3 away = horizontal(p_m - neighbor.position_m);
+    const Vector3 away = horizontal(p_local_m - neighbor.position_local_m);
     const double d = std::max(away.norm(), kNearest_m);
     if (d >= distance_m) continue;
     push += gain_mps * (distance_m / d - 1.0) * away / d;
@@ -55,15 +55,15 @@ class LevelFlight : public Guidance {
   }
 
   /// Velocity away from the nearest obstacle, the harder the nearer.
-  Vector3 off_obstacle(const Vector3& p_m) const {
-    const Vector3 away = horizontal(p_m - obstacle_m_);
+  Vector3 off_obstacle(const Vector3& p_local_m) const {
+    const Vector3 away = horizontal(p_local_m - obstacle_m_);
     const double d = std::max(away.norm(), kNearest_m);
     if (!obstacle_ || d >= lidar_.avoid_distance_m) return Vector3::Zero();
     return lidar_.avoid_gain_mps * (lidar_.avoid_distance_m / d - 1.0) * away / d;
   }
 
-  void fly(const Vector3& p_m, const Vector3& v_mps, double speed_mps, GuidanceOutput& output) {
-    goal_.position_m = p_m + kAhead_s * v_mps;
+  void fly(const Vector3& p_local_m, const Vector3& v_mps, double speed_mps, GuidanceOutput& output) {
+    goal_.position_m = p_local_m + kAhead_s * v_mps;
     goal_.position_m.z() = height_m_;
     output.goal = goal_;
     output.speed_limit_mps = speed_mps;
@@ -77,15 +77,15 @@ class LevelFlight : public Guidance {
  private:
   void find_obstacle(const GuidanceInput& input) {
     next_look_ = input.observation.t + kLook;
-    const Vector3 p_m = input.estimate.T_local_body.translation();
+    const Vector3 p_local_m = input.estimate.T_local_body.translation();
     const double edge_m = input.map->edge_m();
-    input.map->occupied_within(p_m, lidar_.avoid_distance_m, kEver, voxels_m_);
+    input.map->occupied_within(p_local_m, lidar_.avoid_distance_m, kEver, voxels_m_);
     obstacle_ = false;
     double least_m = lidar_.avoid_distance_m;
     for (const Vector3& voxel_m : voxels_m_) {
-      if (std::abs(voxel_m.z() - p_m.z()) > kLevel_m) continue;
-      const Vector3 nearest_m = nearest_in_voxel(p_m, voxel_m, edge_m);
-      const double d = horizontal(p_m - nearest_m).norm();
+      if (std::abs(voxel_m.z() - p_local_m.z()) > kLevel_m) continue;
+      const Vector3 nearest_m = nearest_in_voxel(p_local_m, voxel_m, edge_m);
+      const double d = horizontal(p_local_m - nearest_m).norm();
       if (d >= least_m) continue;
       least_m = d;
       obstacle_m_ = nearest_m;
@@ -103,17 +103,17 @@ class LevelFlight : public Guidance {
 /// Positions of one neighbor over the last seconds, oldest first.
 struct RememberedPath {
   std::int64_t key = 0;
-  std::vector<Vector3> points_m;
+  std::vector<Vector3> points_local_m;
   TimeNs last = 0;
 };
 
 double similarity(const RememberedPath& path, std::span<const RememberedPath> all) {
-  const Vector3 direction = horizontal(path.points_m.back() - path.points_m.front());
+  const Vector3 direction = horizontal(path.points_local_m.back() - path.points_local_m.front());
   double sum = 0.0;
   int count = 0;
   for (const RememberedPath& other : all) {
-    if (other.key == path.key || other.points_m.size() < 2) continue;
-    const Vector3 with = horizontal(other.points_m.back() - other.points_m.front());
+    if (other.key == path.key || other.points_local_m.size() < 2) continue;
+    const Vector3 with = horizontal(other.points_local_m.back() - other.points_local_m.front());
     const double lengths = direction.norm() * with.norm();
     if (lengths < kNearest_m) continue;
     sum += direction.dot(with) / lengths;
@@ -130,43 +130,44 @@ class Pacnav : public LevelFlight {
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     look(input);
     remember(input.observation.t);
-    const Vector3 p_m = input.estimate.T_local_body.translation();
-    const Vector3 goal_m = FrameChange::to_local(input.estimate).point(config_.goal_m);
-    const double to_goal_m = horizontal(goal_m - p_m).norm();
+    const Vector3 p_local_m = input.estimate.T_local_body.translation();
+    const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goal_m);
+    const double to_goal_m = horizontal(goal_local_m - p_local_m).norm();
     const double radius_m = config_.informed ? config_.arrival_radius_m : 2.0 * config_.follow_radius_m;
     arrived_ = arrived_ || to_goal_m <= radius_m;
-    Vector3 v = toward(p_m, aim(p_m, goal_m));
-    v += avoidance(p_m, neighbors_.neighbors(), config_.avoid_distance_m, config_.avoid_gain_mps);
-    v += off_obstacle(p_m);
+    Vector3 v = toward(p_local_m, aim(p_local_m, goal_local_m));
+    v += avoidance(p_local_m, neighbors_.neighbors(), config_.avoid_distance_m, config_.avoid_gain_mps);
+    v += off_obstacle(p_local_m);
     if (v.norm() > config_.speed_mps) v *= config_.speed_mps / v.norm();
-    fly(p_m, v, config_.speed_mps, output);
+    fly(p_local_m, v, config_.speed_mps, output);
     output.mission = arrived_ ? MissionStatus::kDone : MissionStatus::kRunning;
   }
 
  private:
-  Vector3 toward(const Vector3& p_m, const Vector3& aim_m) const {
-    const Vector3 way = horizontal(aim_m - p_m);
+  Vector3 toward(const Vector3& p_local_m, const Vector3& aim_local_m) const {
+    const Vector3 way = horizontal(aim_local_m - p_local_m);
     const double d = way.norm();
     return d > kNearest_m ? Vector3(way / d * std::min(config_.speed_mps, d / kAhead_s)) : Vector3(Vector3::Zero());
   }
 
   /// The goal, or a place behind the neighbor that seems to know the way; without one: stay.
-  Vector3 aim(const Vector3& p_m, const Vector3& goal_m) const {
-    if (config_.informed) return goal_m;
+  Vector3 aim(const Vector3& p_local_m, const Vector3& goal_local_m) const {
+    if (config_.informed) return goal_local_m;
     double best = 0.0;
     const RememberedPath* leader = nullptr;
     for (const RememberedPath& path : paths_) {
-      if (path.points_m.size() < 3) continue;
-      const double persistence = path_persistence(path.points_m);
+      if (path.points_local_m.size() < 3) continue;
+      const double persistence = path_persistence(path.points_local_m);
       const double score = persistence * (1.0 + std::max(0.0, similarity(path, paths_)));
       if (persistence < config_.least_persistence || score <= best) continue;
       best = score;
       leader = &path;
     }
-    if (leader == nullptr) return p_m;
-    const Vector3 behind = horizontal(p_m - leader->points_m.back());
+    if (leader == nullptr) return p_local_m;
+    const Vector3 behind = horizontal(p_local_m - leader->points_local_m.back());
     const double d = behind.norm();
-    return d <= config_.follow_radius_m ? p_m : Vector3(leader->points_m.back() + behind / d * config_.follow_radius_m);
+    return d <= config_.follow_radius_m ? p_local_m
+                                        : Vector3(leader->points_local_m.back() + behind / d * config_.follow_radius_m);
   }
 
   void remember(TimeNs now) {
@@ -175,9 +176,9 @@ class Pacnav : public LevelFlight {
       auto path =
           std::find_if(paths_.begin(), paths_.end(), [&](const RememberedPath& p) { return p.key == neighbor.key; });
       if (path == paths_.end()) path = paths_.insert(paths_.end(), {neighbor.key, {}, 0});
-      if (!path->points_m.empty() && now - path->last < from_seconds(config_.sample_s)) continue;
-      if (path->points_m.size() >= most) path->points_m.erase(path->points_m.begin());
-      path->points_m.push_back(neighbor.position_m);
+      if (!path->points_local_m.empty() && now - path->last < from_seconds(config_.sample_s)) continue;
+      if (path->points_local_m.size() >= most) path->points_local_m.erase(path->points_local_m.begin());
+      path->points_local_m.push_back(neighbor.position_local_m);
       path->last = now;
     }
     std::erase_if(paths_, [&](const RememberedPath& p) { return now - p.last > from_seconds(config_.memory_s); });
@@ -194,10 +195,10 @@ class Mezey : public LevelFlight {
 
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     look(input);
-    const Vector3 p_m = input.estimate.T_local_body.translation();
-    const Vector3 to_goal = horizontal(FrameChange::to_local(input.estimate).point(config_.goal_m) - p_m);
+    const Vector3 p_local_m = input.estimate.T_local_body.translation();
+    const Vector3 to_goal = horizontal(FrameChange::to_local(input.estimate).point(config_.goal_m) - p_local_m);
     arrived_ = arrived_ || (config_.goal_weight_radps > 0.0 && to_goal.norm() <= config_.arrival_radius_m);
-    const VisualResponse seen = visual_response(config_, p_m, heading_rad_, neighbors_.neighbors(), retina_);
+    const VisualResponse seen = visual_response(config_, p_local_m, heading_rad_, neighbors_.neighbors(), retina_);
     double turn = seen.turn_radps;
     if (to_goal.norm() > kNearest_m) {
       turn += config_.goal_weight_radps * elementary::sin(elementary::atan2(to_goal.y(), to_goal.x()) - heading_rad_);
@@ -209,7 +210,8 @@ class Mezey : public LevelFlight {
     // Who has arrived rests.
     const double v = arrived_ ? 0.0 : speed_mps_;
     goal_.yaw_rad = heading_rad_;
-    fly(p_m, v * Vector3(elementary::cos(heading_rad_), elementary::sin(heading_rad_), 0.0) + off_obstacle(p_m),
+    fly(p_local_m,
+        v * Vector3(elementary::cos(heading_rad_), elementary::sin(heading_rad_), 0.0) + off_obstacle(p_local_m),
         2.0 * config_.cruise_speed_mps, output);
     output.mission = arrived_                          ? MissionStatus::kDone
                      : config_.goal_weight_radps > 0.0 ? MissionStatus::kRunning
@@ -224,19 +226,19 @@ class Mezey : public LevelFlight {
 
 }  // namespace
 
-double path_persistence(std::span<const Vector3> path_m) {
+double path_persistence(std::span<const Vector3> path_local_m) {
   double length_m = 0.0;
-  for (std::size_t i = 1; i < path_m.size(); ++i) length_m += (path_m[i] - path_m[i - 1]).norm();
-  return length_m > kNearest_m ? (path_m.back() - path_m.front()).norm() / length_m : 0.0;
+  for (std::size_t i = 1; i < path_local_m.size(); ++i) length_m += (path_local_m[i] - path_local_m[i - 1]).norm();
+  return length_m > kNearest_m ? (path_local_m.back() - path_local_m.front()).norm() / length_m : 0.0;
 }
 
-VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_m, double heading_rad,
+VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local_m, double heading_rad,
                                std::span<const Neighbor> neighbors, std::vector<char>& retina) {
   const int n = config.retina_pixels;
   retina.assign(static_cast<std::size_t>(n), 0);
   const double pixel = 2.0 * kPi / n;
   for (const Neighbor& neighbor : neighbors) {
-    const Vector3 way = horizontal(neighbor.position_m - p_m);
+    const Vector3 way = horizontal(neighbor.position_local_m - p_local_m);
     const double d = way.norm();
     const double half = d > config.body_radius_m ? elementary::asin(config.body_radius_m / d) : kPi / 2.0;
     const double bearing = wrap(elementary::atan2(way.y(), way.x()) - heading_rad);
@@ -266,7 +268,8 @@ void FlockObstacleConfig::visit(ConfigVisitor& v) {
 }
 
 void PacnavConfig::visit(ConfigVisitor& v) {
-  v.field("informed", informed, "[-] knows the goal; others follow who seems to know the way");
+  v.field("informed", informed,
+          "[-] the vehicle knows the goal; uninformed ones follow a neighbor that seems to know it");
   v.field("goal_m", goal_m, "[m] world; x and y count");
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (informed)",
           Range::positive());
@@ -276,10 +279,10 @@ void PacnavConfig::visit(ConfigVisitor& v) {
   v.field("speed_mps", speed_mps, "[m/s] at most", Range::positive());
   v.field("memory_s", memory_s, "[s] length of the paths that are compared", Range::positive());
   v.field("sample_s", sample_s, "[s] between the points of a path", Range::positive());
-  v.field("avoid_distance_m", avoid_distance_m, "[m] others nearer than this push away", Range::positive());
+  v.field("avoid_distance_m", avoid_distance_m, "[m] neighbors nearer than this push away", Range::positive());
   v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
   v.field("least_persistence", least_persistence, "[-] of a path worth following", Range::probability());
-  v.object("neighbors", neighbors, "where the others are known from");
+  v.object("neighbors", neighbors, "where the neighbors are known from");
   v.object("lidar", lidar, "obstacles");
   v.check(memory_s >= 2.0 * sample_s, "memory_s", "at least twice sample_s");
 }
@@ -295,9 +298,9 @@ void MezeyConfig::visit(ConfigVisitor& v) {
   v.field("alpha1", alpha1, "[-] weight of edges for the speed: sets the distance of balance", Range::non_negative());
   v.field("beta0", beta0, "[rad/s] strength of the turn", Range::non_negative());
   v.field("beta1", beta1, "[-] weight of edges for the turn", Range::non_negative());
-  v.field("body_radius_m", body_radius_m, "[m] size in which others are seen", Range::positive());
+  v.field("body_radius_m", body_radius_m, "[m] size in which neighbors are seen", Range::positive());
   v.field("retina_pixels", retina_pixels, "[-] of the projection field", Range::between(8, 100000));
-  v.object("neighbors", neighbors, "where the others are known from");
+  v.object("neighbors", neighbors, "where the neighbors are known from");
   v.object("lidar", lidar, "obstacles");
 }
 

@@ -14,11 +14,11 @@ constexpr double kStillTime_s = 0.5;
 
 }  // namespace
 
-void Landing::start(const Vector3& position_m, double yaw_rad) {
+void Landing::start(const Vector3& position_local_m, double yaw_rad) {
   started_ = true;
   still_s_ = 0.0;
   goal_ = {};
-  goal_.position_m = position_m;
+  goal_.position_m = position_local_m;
   goal_.yaw_rad = yaw_rad;
 }
 

@@ -11,7 +11,7 @@ class Landing {
  public:
   explicit Landing(double speed_mps) : speed_mps_(speed_mps) {}
 
-  void start(const Vector3& position_m, double yaw_rad);
+  void start(const Vector3& position_local_m, double yaw_rad);
   bool started() const { return started_; }
   /// Writes the goal for this tick; true once on the ground.
   bool step(const StateEstimate& estimate, double dt_s, Reference& goal);

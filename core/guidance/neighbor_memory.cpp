@@ -11,14 +11,14 @@ namespace swiftlet {
 namespace {
 
 constexpr double kFirstSpeedSigma_mps = 1.0;  // of a vehicle that was seen once
-constexpr double kRadioVariance_m2 = 1e-4;    // others know where they are
+constexpr double kRadioVariance_m2 = 1e-4;    // of what a neighbor says of itself
 
 }  // namespace
 
 void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.choice("source", source, {"sensor", "radio", "tracks", "none"},
-           "[-] neighbors from a `neighbors` sensor (ideal: the truth), from what they say, or from the own tracker");
-  v.field("timeout_s", timeout_s, "[s] somebody not heard of for this long is forgotten", Range::positive());
+           "[-] neighbors from a `neighbors` sensor (ideal: the truth), from their messages, or from the own tracks");
+  v.field("timeout_s", timeout_s, "[s] a neighbor that was not measured for this long is forgotten", Range::positive());
   v.field("acceleration_sigma_mps2", acceleration_sigma_mps2,
           "[m/s^2] how much a neighbor may maneuver (process noise of its filter)", Range::positive());
   v.field("predict", predict, "[-] positions are carried forward to now with the filtered velocity");
@@ -79,13 +79,13 @@ void NeighborMemory::predict(Filter& filter, TimeNs t) const {
   filter.t = t;
 }
 
-void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position_m, const Matrix3& covariance) {
+void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position_local_m, const Matrix3& covariance) {
   const auto known = std::find_if(filters_.begin(), filters_.end(), [&](const Filter& f) { return f.key == key; });
   if (known == filters_.end()) {
     Filter& filter = filters_.emplace_back();
     filter.key = key;
     filter.t = filter.seen = t;
-    filter.x.head<3>() = position_m;
+    filter.x.head<3>() = position_local_m;
     filter.P.topLeftCorner<3, 3>() = covariance;
     filter.P.bottomRightCorner<3, 3>() *= kFirstSpeedSigma_mps * kFirstSpeedSigma_mps;
     return;
@@ -96,7 +96,7 @@ void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position
   filter.seen = t;
   const Matrix3 S = filter.P.topLeftCorner<3, 3>() + covariance;
   const Eigen::Matrix<double, 6, 3> K = filter.P.leftCols<3>() * S.inverse();
-  filter.x += K * (position_m - filter.x.head<3>());
+  filter.x += K * (position_local_m - filter.x.head<3>());
   Matrix6 rest = Matrix6::Identity();
   rest.leftCols<3>() -= K;
   filter.P = (rest * filter.P * rest.transpose() + K * covariance * K.transpose()).eval();  // Joseph's form

@@ -37,7 +37,7 @@ class Rbl : public Guidance {
         planner_(config.cells, rules_of(config), planar_) {
     goal_.position_m = setup.agent.T_local_body_start.translation();
     goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
-    others_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
+    neighbors_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
   }
 
   GuidanceNeeds needs() const override { return {.map = config_.lidar.enabled}; }
@@ -53,9 +53,9 @@ class Rbl : public Guidance {
       plan(T_local_body, input.observation.t);
       neighbors_.announce(input.estimate, outbox);
     }
-    Vector3 to_goal_m = goal_local_m_ - T_local_body.translation();
-    if (planar_) to_goal_m.z() = 0.0;
-    arrived_ = arrived_ || to_goal_m.norm() <= config_.arrival_radius_m;
+    Vector3 to_goal_local_m = goal_local_m_ - T_local_body.translation();
+    if (planar_) to_goal_local_m.z() = 0.0;
+    arrived_ = arrived_ || to_goal_local_m.norm() <= config_.arrival_radius_m;
     glide(input.observation.t);
     output.goal = goal_;
     output.speed_limit_mps = config_.speed_mps;
@@ -66,15 +66,15 @@ class Rbl : public Guidance {
 
  private:
   void plan(const Pose& T_local_body, TimeNs now) {
-    const Vector3 p_m = T_local_body.translation();
-    others_m_.clear();
-    for (const Neighbor& neighbor : neighbors_.neighbors()) others_m_.push_back(neighbor.position_m);
-    planner_.partition(p_m, others_m_, z_min_m(), z_max_m());
-    if (config_.lidar.enabled) cut_by(planner_.cell(), planner_.cuts(), p_m, kEver);
+    const Vector3 p_local_m = T_local_body.translation();
+    neighbors_local_m_.clear();
+    for (const Neighbor& neighbor : neighbors_.neighbors()) neighbors_local_m_.push_back(neighbor.position_local_m);
+    planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
+    if (config_.lidar.enabled) cut_by(planner_.cell(), planner_.cuts(), p_local_m, kEver);
     step_ = planner_.update(goal_local_m_, 1.0 / config_.update_rate_hz);
-    from_m_ = goal_.position_m;
-    to_m_ = config_.lidar.enabled ? within_sight(T_local_body, now) : step_.centroid_m;
-    if (planar_) to_m_.z() = goal_local_m_.z();
+    from_local_m_ = goal_.position_m;
+    to_local_m_ = config_.lidar.enabled ? within_sight(T_local_body, now) : step_.centroid_local_m;
+    if (planar_) to_local_m_.z() = goal_local_m_.z();
   }
 
   /// Without the limits of (2.14) the ground is one.
@@ -85,16 +85,16 @@ class Rbl : public Guidance {
 
   /// Cuts a cell by the voxels hit since then. What lies deeper below the lowest flight level than the vehicle needs
   /// for itself cannot be met.
-  void cut_by(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& p_m, TimeNs since) {
+  void cut_by(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& p_local_m, TimeNs since) {
     const RblCellConfig& cells = config_.cells;
     const double edge_m = map_->edge_m();
-    map_->occupied_within(p_m, cells.sensing_radius_m / cells.eta + cells.encumbrance_m, since, voxels_m_);
-    const double floor_m = std::min(z_min_m(), p_m.z()) - cells.encumbrance_m - 0.5 * edge_m;
-    std::erase_if(voxels_m_, [&](const Vector3& voxel_m) { return voxel_m.z() < floor_m; });
+    map_->occupied_within(p_local_m, cells.sensing_radius_m / cells.eta + cells.encumbrance_m, since, voxels_local_m_);
+    const double floor_m = std::min(z_min_m(), p_local_m.z()) - cells.encumbrance_m - 0.5 * edge_m;
+    std::erase_if(voxels_local_m_, [&](const Vector3& voxel_local_m) { return voxel_local_m.z() < floor_m; });
     if (config_.lidar.cut == RblLidarConfig::Cut::kConvex) {
-      cutter_.cut_convex(cell, p_m, voxels_m_, edge_m, cells.encumbrance_m, cells.eta, cuts);
+      cutter_.cut_convex(cell, p_local_m, voxels_local_m_, edge_m, cells.encumbrance_m, cells.eta, cuts);
     } else {
-      cutter_.cut_nearest(cell, p_m, voxels_m_, edge_m, cells.encumbrance_m, cells.eta);
+      cutter_.cut_nearest(cell, p_local_m, voxels_local_m_, edge_m, cells.encumbrance_m, cells.eta);
     }
   }
 
@@ -102,31 +102,32 @@ class Rbl : public Guidance {
   /// stays until it faces it [Kamler 2025, sec. 3.3.1]. A goal within the own encumbrance is flown to without: one
   /// right above or below would never come into sight.
   Vector3 within_sight(const Pose& T_local_body, TimeNs now) {
-    const Vector3 p_m = T_local_body.translation();
-    const Vector3 to_m = step_.centroid_m - p_m;
-    goal_.yaw_rad = heading_along(to_m, kShortestToFace_m, goal_.yaw_rad);
-    if ((goal_local_m_ - p_m).norm() <= config_.cells.encumbrance_m) return step_.centroid_m;
-    sensed_.reset(Vector3::Zero(), z_min_m() - p_m.z(), z_max_m() - p_m.z());
+    const Vector3 p_local_m = T_local_body.translation();
+    const Vector3 to_centroid_local_m = step_.centroid_local_m - p_local_m;
+    goal_.yaw_rad = heading_along(to_centroid_local_m, kShortestToFace_m, goal_.yaw_rad);
+    if ((goal_local_m_ - p_local_m).norm() <= config_.cells.encumbrance_m) return step_.centroid_local_m;
+    sensed_.reset(Vector3::Zero(), z_min_m() - p_local_m.z(), z_max_m() - p_local_m.z());
     sensed_cuts_.clear();
     for (const HalfSpace& cut :
          field_of_view(T_local_body.linear(), config_.lidar.fov_lower_deg, config_.lidar.fov_deg)) {
       sensed_.cut(cut);
     }
-    cut_by(sensed_, sensed_cuts_, p_m, now - from_seconds(config_.lidar.sensed_s));
-    const int sample = sensed_.nearest_partitioned(to_m);
-    if (sample < 0) return p_m;
+    cut_by(sensed_, sensed_cuts_, p_local_m, now - from_seconds(config_.lidar.sensed_s));
+    const int sample = sensed_.nearest_partitioned(to_centroid_local_m);
+    if (sample < 0) return p_local_m;
     const double off_rad = std::remainder(goal_.yaw_rad - yaw_of(T_local_body.linear()), 2.0 * kPi);
-    if (std::abs(off_rad) > config_.lidar.facing_deg * kRadPerDeg) return p_m;
-    const Vector3 seen_m = sensed_.point(sample);
-    const bool inside = (seen_m - to_m).norm() <= 0.87 * sensed_.step_m();  // half the diagonal between samples
-    return p_m + (inside ? to_m : seen_m);
+    if (std::abs(off_rad) > config_.lidar.facing_deg * kRadPerDeg) return p_local_m;
+    const Vector3 seen_agent_m = sensed_.point(sample);
+    const bool inside =
+        (seen_agent_m - to_centroid_local_m).norm() <= 0.87 * sensed_.step_m();  // half the diagonal between samples
+    return p_local_m + (inside ? to_centroid_local_m : seen_agent_m);
   }
 
   // The centroid jumps at every update; the vehicle's goal glides there until the next one, or each jump would shake
   // it.
   void glide(TimeNs now) {
     const double left = std::clamp(to_seconds(next_update_ - now) / to_seconds(period_), 0.0, 1.0);
-    goal_.position_m = left * from_m_ + (1.0 - left) * to_m_;
+    goal_.position_m = left * from_local_m_ + (1.0 - left) * to_local_m_;
   }
 
   RblConfig config_;
@@ -138,12 +139,12 @@ class Rbl : public Guidance {
   Vector3 goal_local_m_ = Vector3::Zero();
   RblCell sensed_;  // A'
   std::vector<HalfSpace> sensed_cuts_;
-  std::vector<Vector3> voxels_m_;
+  std::vector<Vector3> voxels_local_m_;
   ObstacleCutter cutter_;
   RblPlanner planner_;
   RblPlanner::Step step_;
-  std::vector<Vector3> others_m_;
-  Vector3 from_m_ = Vector3::Zero(), to_m_ = Vector3::Zero();  // the goal on its way between two updates
+  std::vector<Vector3> neighbors_local_m_;
+  Vector3 from_local_m_ = Vector3::Zero(), to_local_m_ = Vector3::Zero();  // the goal on its way between two updates
   Reference goal_;
   bool arrived_ = false;
 };
@@ -169,7 +170,8 @@ std::vector<Vector3> level_outline(double radius_m, std::span<const HalfSpace> c
     left.clear();
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const Vector3 &from = corners[i], &to = corners[(i + 1) % corners.size()];
-      const double out_from = cut.normal.dot(from) - cut.offset_m, out_to = cut.normal.dot(to) - cut.offset_m;
+      const double out_from = cut.normal_local.dot(from) - cut.offset_m,
+                   out_to = cut.normal_local.dot(to) - cut.offset_m;
       if (out_from <= 0.0) left.push_back(from);
       if ((out_from <= 0.0) != (out_to <= 0.0)) left.push_back(from + out_from / (out_from - out_to) * (to - from));
     }
@@ -181,8 +183,8 @@ std::vector<Vector3> level_outline(double radius_m, std::span<const HalfSpace> c
 // What has no color of its own is drawn in the vehicle's.
 void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
   const RblCell& cell = planner_.cell();
-  const Vector3& p_m = planner_.position_m();
-  const auto place = [&](const Vector3& q) { return Eigen::Vector3f((p_m + q).cast<float>()); };
+  const Vector3& p_local_m = planner_.p_local_m();
+  const auto place = [&](const Vector3& q) { return Eigen::Vector3f((p_local_m + q).cast<float>()); };
   // Of a ball the slice at the agent's height is shown: the whole would hide what it explains.
   const std::vector<Vector3> corners = level_outline(cell.radius_m(), planner_.cuts());
   Overlay area = marks("rbl.cell", Overlay::Kind::kTriangles, 0.0F);
@@ -202,23 +204,23 @@ void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
     if (std::abs(q.z()) <= 0.51 * cell.step_m() && cell.contains(i)) samples.positions.push_back(place(q));
   }
   Overlay centroid = marks("rbl.centroid", Overlay::Kind::kSpheres, 0.16F);
-  centroid.positions = {step_.centroid_m.cast<float>()};
+  centroid.positions = {step_.centroid_local_m.cast<float>()};
   Overlay sensing_centroid =
       marks("rbl.sensing_centroid", Overlay::Kind::kSpheres, 0.1F, {{0.05F, 0.05F, 0.05F, 1.0F}});
-  sensing_centroid.positions = {step_.sensing_m.cast<float>()};
+  sensing_centroid.positions = {step_.sensing_local_m.cast<float>()};
   // The destination lies far away: its direction is what matters.
-  const Vector3 to_destination = step_.destination_m - p_m;
+  const Vector3 to_destination = step_.destination_local_m - p_local_m;
   const double shown_m = std::min(to_destination.norm(), cell.radius_m() + 1.0);
   Overlay destination = marks("rbl.destination", Overlay::Kind::kLines, 3.0F);
-  destination.positions = {p_m.cast<float>(), place(shown_m * to_destination.normalized())};
+  destination.positions = {p_local_m.cast<float>(), place(shown_m * to_destination.normalized())};
   Overlay goal = marks("rbl.goal", Overlay::Kind::kSpheres, 0.22F);
   goal.positions = {goal_local_m_.cast<float>()};
   if (config_.lidar.enabled && map_ != nullptr) {
     Overlay voxels =
         marks("rbl.voxels", Overlay::Kind::kCubes, static_cast<float>(map_->edge_m()), {{0.45F, 0.32F, 0.2F, 1.0F}});
-    std::vector<Vector3> centers_m;
-    map_->occupied_within(p_m, 12.0, kEver, centers_m);
-    for (const Vector3& center_m : centers_m) voxels.positions.push_back(center_m.cast<float>());
+    std::vector<Vector3> centers_local_m;
+    map_->occupied_within(p_local_m, 12.0, kEver, centers_local_m);
+    for (const Vector3& center_local_m : centers_local_m) voxels.positions.push_back(center_local_m.cast<float>());
     overlays.push_back(std::move(voxels));
   }
   for (Overlay* overlay : {&area, &outline, &sensing, &samples, &centroid, &sensing_centroid, &destination, &goal}) {
@@ -242,7 +244,7 @@ void RblConfig::visit(ConfigVisitor& v) {
   v.field("z_max_m", z_max_m, "[m] highest flight level (2.14)");
   v.object("cells", cells, "cells S and A");
   v.object("rules", rules, "weighting, azimuth and elevation rules");
-  v.object("neighbors", neighbors, "where the others are known from");
+  v.object("neighbors", neighbors, "where the neighbors are known from");
   v.object("lidar", lidar, "obstacles");
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }

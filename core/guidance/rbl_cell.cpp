@@ -37,10 +37,10 @@ void raise_two(float* t, int count) {
 /// exp(-|q - d| / beta) for many q, relative to the largest possible one: far destinations and small beta do not
 /// underflow.
 template <class Samples>
-void weigh(const Samples& x, const Samples& y, const Samples& z, const Vector3& destination_m, double beta_m,
+void weigh(const Samples& x, const Samples& y, const Samples& z, const Vector3& destination_agent_m, double beta_m,
            double radius_m, Eigen::Ref<Eigen::ArrayXf> weight) {
-  const Eigen::Vector3f d = destination_m.cast<float>();
-  const auto nearest = static_cast<float>(std::max(0.0, destination_m.norm() - radius_m));
+  const Eigen::Vector3f d = destination_agent_m.cast<float>();
+  const auto nearest = static_cast<float>(std::max(0.0, destination_agent_m.norm() - radius_m));
   const auto per_beta = static_cast<float>(std::numbers::log2e / beta_m);
   weight = (nearest - ((x - d.x()).square() + (y - d.y()).square() + (z - d.z()).square()).sqrt()) * per_beta;
   weight = weight.max(kLeastPower);
@@ -61,10 +61,11 @@ RblCell::RblCell(double radius_m, double step_m, bool planar) : radius_m_(radius
   reset(Vector3::Zero(), -radius_m, radius_m);
 }
 
-void RblCell::reset(const Vector3& lattice_m, double z_low_m, double z_high_m) {
+void RblCell::reset(const Vector3& lattice_agent_m, double z_low_m, double z_high_m) {
   const auto phase = [&](double p) { return p - step_m_ * std::round(p / step_m_); };
-  const Vector3 origin_m(phase(lattice_m.x()), phase(lattice_m.y()), planar_ ? 0.0 : phase(lattice_m.z()));
-  if (origin_m != origin_m_) sample_ball(origin_m);
+  const Vector3 origin_agent_m(phase(lattice_agent_m.x()), phase(lattice_agent_m.y()),
+                               planar_ ? 0.0 : phase(lattice_agent_m.z()));
+  if (origin_agent_m != origin_m_) sample_ball(origin_agent_m);
   auto low = ball_.cbegin(), high = ball_.cend();
   if (!planar_) {
     low = std::partition_point(low, high, [&](const Row& row) { return row.z < z_low_m - kSampleSlack_m; });
@@ -76,8 +77,8 @@ void RblCell::reset(const Vector3& lattice_m, double z_low_m, double z_high_m) {
   masked_ = excluded_ = false;
 }
 
-void RblCell::sample_ball(const Vector3& origin_m) {
-  origin_m_ = origin_m;
+void RblCell::sample_ball(const Vector3& origin_agent_m) {
+  origin_m_ = origin_agent_m;
   ball_.clear();
   int num_samples = 0;
   const double slack_m = 1e-9 * radius_m_;  // samples on the sphere count
@@ -87,19 +88,19 @@ void RblCell::sample_ball(const Vector3& origin_m) {
   const auto last_index = [&](double high, double from) {
     return static_cast<int>(std::floor((high + slack_m - from) / step_m_));
   };
-  const int k_low = planar_ ? 0 : first_index(-radius_m_, origin_m.z());
-  const int k_high = planar_ ? 0 : last_index(radius_m_, origin_m.z());
+  const int k_low = planar_ ? 0 : first_index(-radius_m_, origin_agent_m.z());
+  const int k_high = planar_ ? 0 : last_index(radius_m_, origin_agent_m.z());
   for (int k = k_low; k <= k_high; ++k) {
-    const double z = origin_m.z() + k * step_m_;
+    const double z = origin_agent_m.z() + k * step_m_;
     const double disc_sq = std::max(0.0, radius_m_ * radius_m_ - z * z);
     const double disc = std::sqrt(disc_sq);
-    for (int j = first_index(-disc, origin_m.y()); j <= last_index(disc, origin_m.y()); ++j) {
-      const double y = origin_m.y() + j * step_m_;
+    for (int j = first_index(-disc, origin_agent_m.y()); j <= last_index(disc, origin_agent_m.y()); ++j) {
+      const double y = origin_agent_m.y() + j * step_m_;
       const double half = std::sqrt(std::max(0.0, disc_sq - y * y));
-      const int i_low = first_index(-half, origin_m.x());
-      const int count = last_index(half, origin_m.x()) - i_low + 1;
+      const int i_low = first_index(-half, origin_agent_m.x());
+      const int count = last_index(half, origin_agent_m.x()) - i_low + 1;
       if (count <= 0) continue;
-      const double x0 = origin_m.x() + i_low * step_m_;
+      const double x0 = origin_agent_m.x() + i_low * step_m_;
       for (int i = 0; i < count; ++i) x_[num_samples + i] = static_cast<float>(x0 + i * step_m_);
       y_.segment(num_samples, count).setConstant(static_cast<float>(y));
       z_.segment(num_samples, count).setConstant(static_cast<float>(z));
@@ -112,10 +113,11 @@ void RblCell::sample_ball(const Vector3& origin_m) {
 
 void RblCell::cut(const HalfSpace& keep) {
   if (keep.offset_m >= radius_m_) return;  // beyond S
-  const double nx = keep.normal.x();
+  const double nx = keep.normal_local.x();
   const double per_step = 1.0 / (nx * step_m_);
   for (Row& row : rows_) {
-    const double rest = keep.offset_m - keep.normal.y() * row.y - keep.normal.z() * row.z;  // nx * x <= rest
+    const double rest =
+        keep.offset_m - keep.normal_local.y() * row.y - keep.normal_local.z() * row.z;  // nx * x <= rest
     if (std::abs(nx) < 1e-9) {
       if (rest < 0.0) row.high = row.low;
       continue;
@@ -131,9 +133,9 @@ void RblCell::cut(const HalfSpace& keep) {
   trim();
 }
 
-void RblCell::cut_ball(const Vector3& center_m, double radius_m) {
+void RblCell::cut_ball(const Vector3& center_agent_m, double radius_m) {
   for (Row& row : rows_) {
-    const double dy = row.y - center_m.y(), dz = row.z - center_m.z();
+    const double dy = row.y - center_agent_m.y(), dz = row.z - center_agent_m.z();
     const double half_sq = radius_m * radius_m - dy * dy - dz * dz;
     if (half_sq < 0.0) {
       row.high = row.low;
@@ -141,8 +143,8 @@ void RblCell::cut_ball(const Vector3& center_m, double radius_m) {
     }
     const double half = std::sqrt(half_sq);
     const double limit = row.count + 1.0;
-    const double i_low = std::clamp((center_m.x() - half - row.x0) / step_m_, -1.0, limit);
-    const double i_high = std::clamp((center_m.x() + half - row.x0) / step_m_, -1.0, limit);
+    const double i_low = std::clamp((center_agent_m.x() - half - row.x0) / step_m_, -1.0, limit);
+    const double i_high = std::clamp((center_agent_m.x() + half - row.x0) / step_m_, -1.0, limit);
     row.low = std::min(row.high, std::max(row.low, static_cast<int>(std::ceil(i_low))));
     row.high = std::max(row.low, std::min(row.high, static_cast<int>(std::floor(i_high)) + 1));
   }
@@ -186,21 +188,21 @@ int RblCell::num_partitioned() const {
 
 bool RblCell::is_empty() const { return num_partitioned() == 0; }
 
-Vector3 RblCell::centroid(const Sums& sums, const Vector3& destination_m) const {
-  if (sums.weight > kUnderflow) return sums.moment / sums.weight;
+Vector3 RblCell::centroid(const Sums& sums, const Vector3& destination_agent_m) const {
+  if (sums.weight > kUnderflow) return sums.moment_agent / sums.weight;
   // Every weight underflowed (or there is no sample): what a vanishing beta tends to.
-  const int sample = nearest_partitioned(destination_m);
+  const int sample = nearest_partitioned(destination_agent_m);
   return sample < 0 ? Vector3(Vector3::Zero()) : point(sample);
 }
 
-CellCentroids RblCell::centroids(const Vector3& destination_m, double beta_m) {
+CellCentroids RblCell::centroids(const Vector3& destination_agent_m, double beta_m) {
   weigh(x_.segment(first_sample_, num_samples_), y_.segment(first_sample_, num_samples_),
-        z_.segment(first_sample_, num_samples_), destination_m, beta_m, radius_m_,
+        z_.segment(first_sample_, num_samples_), destination_agent_m, beta_m, radius_m_,
         weight_.segment(first_sample_, num_samples_));
   // In a row y and z are the same.
   const auto add = [](Sums& sums, const Row& row, float weight, float moment_x) {
     sums.weight += weight;
-    sums.moment += Vector3(moment_x, weight * row.y, weight * row.z);
+    sums.moment_agent += Vector3(moment_x, weight * row.y, weight * row.z);
   };
   Sums sensing, partitioned;
   for (const Row& row : rows_) {
@@ -221,12 +223,13 @@ CellCentroids RblCell::centroids(const Vector3& destination_m, double beta_m) {
     }
   }
   CellCentroids result;
-  result.partitioned_m = centroid(partitioned, destination_m);
-  result.sensing_m = sensing.weight > 0.0 ? Vector3(sensing.moment / sensing.weight) : Vector3(Vector3::Zero());
+  result.partitioned_agent_m = centroid(partitioned, destination_agent_m);
+  result.sensing_agent_m =
+      sensing.weight > 0.0 ? Vector3(sensing.moment_agent / sensing.weight) : Vector3(Vector3::Zero());
   return result;
 }
 
-Vector3 RblCell::partitioned_centroid(const Vector3& destination_m, double beta_m) {
+Vector3 RblCell::partitioned_centroid(const Vector3& destination_agent_m, double beta_m) {
   int count = 0;
   for (const Row& row : rows_) {
     for (int i = row.first + row.low; i < row.first + row.high; ++i) {
@@ -237,12 +240,13 @@ Vector3 RblCell::partitioned_centroid(const Vector3& destination_m, double beta_
     }
   }
   const auto weight = weight_.head(count);
-  weigh(in_x_.head(count), in_y_.head(count), in_z_.head(count), destination_m, beta_m, radius_m_, weight_.head(count));
+  weigh(in_x_.head(count), in_y_.head(count), in_z_.head(count), destination_agent_m, beta_m, radius_m_,
+        weight_.head(count));
   Sums sums;
   sums.weight = weight.sum();
-  sums.moment = Vector3((weight * in_x_.head(count)).sum(), (weight * in_y_.head(count)).sum(),
-                        (weight * in_z_.head(count)).sum());
-  return centroid(sums, destination_m);
+  sums.moment_agent = Vector3((weight * in_x_.head(count)).sum(), (weight * in_y_.head(count)).sum(),
+                              (weight * in_z_.head(count)).sum());
+  return centroid(sums, destination_agent_m);
 }
 
 std::array<Vector3, 2> RblCell::bounds() const {
@@ -255,13 +259,13 @@ std::array<Vector3, 2> RblCell::bounds() const {
   return {low.cast<double>(), high.cast<double>()};
 }
 
-int RblCell::nearest_partitioned(const Vector3& to_m) const {
+int RblCell::nearest_partitioned(const Vector3& wanted_agent_m) const {
   int best = -1;
   double best_sq = std::numeric_limits<double>::infinity();
   for (const Row& row : rows_) {
     for (int i = row.first + row.low; i < row.first + row.high; ++i) {
       if (excluded_ && inside_[i] == 0.0F) continue;
-      const double distance_sq = (at(i) - to_m).squaredNorm();
+      const double distance_sq = (at(i) - wanted_agent_m).squaredNorm();
       if (distance_sq >= best_sq) continue;
       best_sq = distance_sq;
       best = i - first_sample_;
@@ -276,7 +280,7 @@ Vector3 RblCell::least_violating(const std::vector<HalfSpace>& cuts) const {
   for (int i = 0; i < num_samples_; ++i) {
     const Vector3 q = point(i);
     double worst = 0.0;
-    for (const HalfSpace& cut : cuts) worst = std::max(worst, cut.normal.dot(q) - cut.offset_m);
+    for (const HalfSpace& cut : cuts) worst = std::max(worst, cut.normal_local.dot(q) - cut.offset_m);
     // Of equal ones the nearest.
     const double cost = worst + 1e-6 * q.norm();
     if (cost >= least) continue;

@@ -16,9 +16,10 @@ constexpr float kInside_m = 0.01F;  // nearer than this, the direction to a voxe
 Matrix3 turn_y(double angle_rad) { return Eigen::AngleAxisd(angle_rad, Vector3::UnitY()).toRotationMatrix(); }
 
 /// The plane that keeps the agent clear of a voxel; an agent inside of a voxel leaves it.
-HalfSpace voxel_cut(const Vector3& nearest_m, const Vector3& center_m, double encumbrance_m, double eta) {
-  if (nearest_m.norm() > kInside_m) return obstacle_cut(nearest_m, encumbrance_m, eta);
-  return {center_m.norm() > kInside_m ? Vector3(center_m.normalized()) : Vector3(Vector3::UnitZ()), -encumbrance_m};
+HalfSpace voxel_cut(const Vector3& nearest_agent_m, const Vector3& center_agent_m, double encumbrance_m, double eta) {
+  if (nearest_agent_m.norm() > kInside_m) return obstacle_cut(nearest_agent_m, encumbrance_m, eta);
+  return {center_agent_m.norm() > kInside_m ? Vector3(center_agent_m.normalized()) : Vector3(Vector3::UnitZ()),
+          -encumbrance_m};
 }
 
 /// Whether q lies beyond obstacle_cut(point): q . point / d > offset(d), where the offset is gain * d - less.
@@ -47,11 +48,11 @@ class PlaneTest {
 
 }  // namespace
 
-void ObstacleCutter::cut_convex(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
-                                double encumbrance_m, double eta, std::vector<HalfSpace>& cuts) {
+void ObstacleCutter::cut_convex(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m,
+                                double edge_m, double encumbrance_m, double eta, std::vector<HalfSpace>& cuts) {
   left_.clear();
-  for (const Vector3& voxel_m : voxels_m) {
-    const Vector3 center = voxel_m - p_m;
+  for (const Vector3& voxel_local_m : voxels_local_m) {
+    const Vector3 center = voxel_local_m - p_local_m;
     const Eigen::Vector3f nearest = nearest_in_voxel(Vector3::Zero(), center, edge_m).cast<float>();
     left_.push_back({nearest, center.cast<float>(), nearest.squaredNorm()});
   }
@@ -60,32 +61,33 @@ void ObstacleCutter::cut_convex(RblCell& cell, const Vector3& p_m, std::span<con
       return a.distance_sq < b.distance_sq;
     });
     const Candidate at = *first;
-    const HalfSpace cut = voxel_cut(at.nearest_m.cast<double>(), at.center_m.cast<double>(), encumbrance_m, eta);
+    const HalfSpace cut =
+        voxel_cut(at.nearest_agent_m.cast<double>(), at.center_agent_m.cast<double>(), encumbrance_m, eta);
     cuts.push_back(cut);
     cell.cut(cut);
     // What lies beyond the plane through the nearest point is at least as far from the cell as that point.
-    const Eigen::Vector3f normal = cut.normal.cast<float>();
+    const Eigen::Vector3f normal = cut.normal_local.cast<float>();
     const float beyond = std::sqrt(at.distance_sq) - 1e-4F;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < left_.size(); ++i) {
-      if (&left_[i] == &*first || normal.dot(left_[i].nearest_m) >= beyond) continue;
+      if (&left_[i] == &*first || normal.dot(left_[i].nearest_agent_m) >= beyond) continue;
       left_[kept++] = left_[i];
     }
     left_.resize(kept);
   }
 }
 
-void ObstacleCutter::cut_nearest(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
-                                 double encumbrance_m, double eta) {
-  if (voxels_m.empty() || cell.is_empty()) return;
+void ObstacleCutter::cut_nearest(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m,
+                                 double edge_m, double encumbrance_m, double eta) {
+  if (voxels_local_m.empty() || cell.is_empty()) return;
   const int half = static_cast<int>(std::ceil(cell.radius_m() / eta / edge_m)) + 1;
-  const VoxelGrid around{edge_m, (p_m.array() / edge_m).floor().cast<int>() - half, Cell::Constant(2 * half + 1)};
-  const Vector3 from_corner_m = p_m - around.min_cell.cast<double>() * edge_m;
+  const VoxelGrid around{edge_m, (p_local_m.array() / edge_m).floor().cast<int>() - half, Cell::Constant(2 * half + 1)};
+  const Vector3 from_corner_m = p_local_m - around.min_cell.cast<double>() * edge_m;
   // Inside of the grid, where cutting off the fraction rounds down.
   const auto counted_cell = [&](const Vector3& q) { return Cell(((q + from_corner_m) / edge_m).cast<int>()); };
   const auto [low_m, high_m] = cell.bounds();
   const Cell low = counted_cell(low_m), high = counted_cell(high_m);
-  nearest_.compute(voxels_m, around, {edge_m, around.min_cell + low, high - low + Cell::Ones()});
+  nearest_.compute(voxels_local_m, around, {edge_m, around.min_cell + low, high - low + Cell::Ones()});
   if (nearest_.empty()) return;
 
   // Asked for every sample: in single precision and without a root.
@@ -101,7 +103,7 @@ void ObstacleCutter::cut_nearest(RblCell& cell, const Vector3& p_m, std::span<co
     const Eigen::Vector3f nearest = q.cwiseMax(center - to_face).cwiseMin(center + to_face);
     if (nearest.squaredNorm() > kInside_m * kInside_m) return beyond_plane(q, nearest);
     const HalfSpace cut = voxel_cut(nearest.cast<double>(), center.cast<double>(), encumbrance_m, eta);
-    return cut.normal.dot(q.cast<double>()) > cut.offset_m;
+    return cut.normal_local.dot(q.cast<double>()) > cut.offset_m;
   });
 }
 

@@ -15,38 +15,38 @@ double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
   return obstacle_offset_m(d, Delta, eta);  // the program's plane: Delta stays free (irbl 594-634)
 }
 
-HalfSpace half_space(const Vector3& to_m, double d, double offset_m) {
-  return {d > kSamePlace_m ? Vector3(to_m / d) : Vector3(Vector3::UnitX()), offset_m};
+HalfSpace half_space(const Vector3& to_local_m, double d, double offset_m) {
+  return {d > kSamePlace_m ? Vector3(to_local_m / d) : Vector3(Vector3::UnitX()), offset_m};
 }
 
 /// (2.3) as printed: nearer to the agent than eta times to the other (or to its mirrored place). The set is a ball.
-void cut_as_printed(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& to_m, double Delta, double eta) {
-  const double d = to_m.norm();
+void cut_as_printed(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& to_local_m, double Delta, double eta) {
+  const double d = to_local_m.norm();
   const double reach = d >= 2.0 * Delta ? d : 2.0 * (d - Delta);
   if (reach <= 0.0) {  // the mirrored place is on the wrong side: only the plane makes sense
-    cuts.push_back(half_space(to_m, d, d - Delta));
+    cuts.push_back(half_space(to_local_m, d, d - Delta));
     cell.cut(cuts.back());
     return;
   }
   const double rest = 1.0 - eta * eta;
-  cuts.push_back(half_space(to_m, d, eta / (1.0 + eta) * reach));
+  cuts.push_back(half_space(to_local_m, d, eta / (1.0 + eta) * reach));
   if (rest < 1e-9) {
     cell.cut(cuts.back());
   } else {
-    cell.cut_ball(-eta * eta / rest * reach / d * to_m, eta / rest * reach);
+    cell.cut_ball(-eta * eta / rest * reach / d * to_local_m, eta / rest * reach);
   }
 }
 
 }  // namespace
 
-HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, RblCellConfig::Cut cut) {
-  const double d = to_neighbor_m.norm();
-  return half_space(to_neighbor_m, d, offset_of(cut, d, Delta_m, eta));
+HalfSpace neighbor_cut(const Vector3& to_neighbor_local_m, double Delta_m, double eta, RblCellConfig::Cut cut) {
+  const double d = to_neighbor_local_m.norm();
+  return half_space(to_neighbor_local_m, d, offset_of(cut, d, Delta_m, eta));
 }
 
-HalfSpace obstacle_cut(const Vector3& to_point_m, double encumbrance_m, double eta) {
-  const double d = to_point_m.norm();
-  return half_space(to_point_m, d, obstacle_offset_m(d, encumbrance_m, eta));
+HalfSpace obstacle_cut(const Vector3& to_point_local_m, double encumbrance_m, double eta) {
+  const double d = to_point_local_m.norm();
+  return half_space(to_point_local_m, d, obstacle_offset_m(d, encumbrance_m, eta));
 }
 
 RblPlanner::RblPlanner(const RblCellConfig& config, const RblRules& rules, bool planar)
@@ -55,51 +55,53 @@ RblPlanner::RblPlanner(const RblCellConfig& config, const RblRules& rules, bool 
   cuts_.reserve(256);
 }
 
-void RblPlanner::partition(const Vector3& p_m, std::span<const Vector3> neighbors_m, double z_min_m, double z_max_m) {
-  p_m_ = p_m;
+void RblPlanner::partition(const Vector3& p_local_m, std::span<const Vector3> neighbors_local_m, double z_min_m,
+                           double z_max_m) {
+  p_local_m_ = p_local_m;
   // An agent outside of its limits keeps the layer next to them.
-  z_low_m_ = std::min(z_min_m - p_m.z(), config_.sensing_radius_m - config_.step_m);
-  z_high_m_ = std::max(z_max_m - p_m.z(), -config_.sensing_radius_m + config_.step_m);
-  cell_.reset(config_.lattice == RblCellConfig::Lattice::kWorld ? Vector3(-p_m) : Vector3(Vector3::Zero()), z_low_m_,
-              z_high_m_);
+  z_low_m_ = std::min(z_min_m - p_local_m.z(), config_.sensing_radius_m - config_.step_m);
+  z_high_m_ = std::max(z_max_m - p_local_m.z(), -config_.sensing_radius_m + config_.step_m);
+  cell_.reset(config_.lattice == RblCellConfig::Lattice::kWorld ? Vector3(-p_local_m) : Vector3(Vector3::Zero()),
+              z_low_m_, z_high_m_);
   cuts_.clear();
   const double Delta_m = 2.0 * config_.encumbrance_m;
-  for (const Vector3& neighbor_m : neighbors_m) {
-    Vector3 to_m = neighbor_m - p_m;
-    if (planar_) to_m.z() = 0.0;
-    if (to_m.norm() > config_.sensing_radius_m / config_.eta + Delta_m) continue;  // its cut lies beyond S
+  for (const Vector3& neighbor_local_m : neighbors_local_m) {
+    Vector3 to_local_m = neighbor_local_m - p_local_m;
+    if (planar_) to_local_m.z() = 0.0;
+    if (to_local_m.norm() > config_.sensing_radius_m / config_.eta + Delta_m) continue;  // its cut lies beyond S
     if (config_.cut == RblCellConfig::Cut::kPrinted) {
-      cut_as_printed(cell_, cuts_, to_m, Delta_m, config_.eta);
+      cut_as_printed(cell_, cuts_, to_local_m, Delta_m, config_.eta);
     } else {
-      cuts_.push_back(neighbor_cut(to_m, Delta_m, config_.eta, config_.cut));
+      cuts_.push_back(neighbor_cut(to_local_m, Delta_m, config_.eta, config_.cut));
       cell_.cut(cuts_.back());
     }
   }
 }
 
-RblPlanner::Step RblPlanner::update(const Vector3& goal_m, double dt_s) {
-  Vector3 to_goal_m = goal_m - p_m_;
-  if (planar_) to_goal_m.z() = 0.0;
-  const Vector3 destination_m = rbl_destination(rules_, to_goal_m, state_);
-  const CellCentroids centroids = cell_.centroids(destination_m, state_.beta_m);
+RblPlanner::Step RblPlanner::update(const Vector3& goal_local_m, double dt_s) {
+  Vector3 to_goal_local_m = goal_local_m - p_local_m_;
+  if (planar_) to_goal_local_m.z() = 0.0;
+  const Vector3 destination_agent_m = rbl_destination(rules_, to_goal_local_m, state_);
+  const CellCentroids centroids = cell_.centroids(destination_agent_m, state_.beta_m);
 
   RblSituation now;
-  now.goal_m = to_goal_m;
-  now.sensing_m = centroids.sensing_m;
+  now.goal_agent_m = to_goal_local_m;
+  now.sensing_agent_m = centroids.sensing_agent_m;
   Step step;
   step.empty_cell = cell_.is_empty();
   if (step.empty_cell) {
-    now.partitioned_m = now.unrotated_m = cell_.least_violating(cuts_);
+    now.partitioned_agent_m = now.unrotated_agent_m = cell_.least_violating(cuts_);
   } else {
     const bool turned = state_.theta_rad != 0.0 || state_.phi_rad != 0.0;
-    now.partitioned_m = centroids.partitioned_m;
-    now.unrotated_m = turned ? cell_.partitioned_centroid(to_goal_m, state_.beta_m) : centroids.partitioned_m;
+    now.partitioned_agent_m = centroids.partitioned_agent_m;
+    now.unrotated_agent_m =
+        turned ? cell_.partitioned_centroid(to_goal_local_m, state_.beta_m) : centroids.partitioned_agent_m;
   }
   state_ = apply_rules(rules_, now, state_, dt_s, planar_);
-  step.centroid_m = p_m_ + now.partitioned_m;
-  step.sensing_m = p_m_ + now.sensing_m;
-  step.unrotated_m = p_m_ + now.unrotated_m;
-  step.destination_m = p_m_ + rbl_destination(rules_, to_goal_m, state_);
+  step.centroid_local_m = p_local_m_ + now.partitioned_agent_m;
+  step.sensing_local_m = p_local_m_ + now.sensing_agent_m;
+  step.unrotated_local_m = p_local_m_ + now.unrotated_agent_m;
+  step.destination_local_m = p_local_m_ + rbl_destination(rules_, to_goal_local_m, state_);
   return step;
 }
 
@@ -109,12 +111,12 @@ void RblCellConfig::visit(ConfigVisitor& v) {
   v.choice("lattice", lattice, {"agent", "world"},
            "[-] samples centered at the agent (symmetric), or on multiples of the step in the local frame");
   v.field("encumbrance_m", encumbrance_m, "[m] delta: radius that each vehicle needs for itself", Range::positive());
-  v.field("eta", eta, "[-] scale of the cells: the part of the way to a neighbor that the agent takes",
+  v.field("eta", eta, "[-] scale of the cells: the part of the distance to a neighbor that the agent takes",
           Range{0.0, 1.0, true, false});
   v.choice(
       "cut", cut, {"program", "projected", "printed", "buffered"},
-      "[-] reading of (2.3): plane that leaves the encumbrances free (the authors' program), plane at eta times the "
-      "distance, ball as printed, or half of what the encumbrances leave (buffered Voronoi cell)");
+      "[-] interpretation of (2.3): plane that leaves the encumbrances free (authors' program), plane at eta times the "
+      "distance, printed ball, or half the gap (buffered Voronoi)");
   v.check(step_m <= sensing_radius_m, "step_m", "at most sensing_radius_m");
   v.check(sensing_radius_m / step_m <= 60.0, "step_m", "at least a sixtieth of sensing_radius_m");
 }

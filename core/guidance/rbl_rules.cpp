@@ -22,23 +22,23 @@ double toward_zero(double value, double step) {
 // (2.7). With the goal in reach, too: with a wide weight neighbors that rest at goals of their own move the centroid,
 // and with it the vehicle, off its goal or out of the gap between them for ever.
 double next_beta(const RblRules& rules, const RblSituation& now, double beta_m, double dt_s) {
-  const bool goal_in_reach = now.goal_m.norm() < rules.weight_goal_m;
-  const bool cut_off = (now.partitioned_m - now.sensing_m).norm() > rules.weight_gap_m;
-  const bool stuck = now.partitioned_m.norm() < rules.weight_near_m && (cut_off || goal_in_reach);
+  const bool goal_in_reach = now.goal_agent_m.norm() < rules.weight_goal_m;
+  const bool cut_off = (now.partitioned_agent_m - now.sensing_agent_m).norm() > rules.weight_gap_m;
+  const bool stuck = now.partitioned_agent_m.norm() < rules.weight_near_m && (cut_off || goal_in_reach);
   if (stuck) return std::max(rules.beta_min_m, beta_m - rules.weight_rate_mps * dt_s);
   return std::max(rules.beta_min_m, beta_m - (beta_m - rules.beta_desired_m) * std::min(dt_s, 1.0));
 }
 
 // (2.8), (2.11); then the reset (2.9), (2.12)
 double next_theta(const RblRules& rules, const RblSituation& now, double theta_rad, double dt_s) {
-  const double gap_m = length_xy(now.partitioned_m - now.sensing_m);
-  const double reach_m = length_xy(now.partitioned_m);
+  const double gap_m = length_xy(now.partitioned_agent_m - now.sensing_agent_m);
+  const double reach_m = length_xy(now.partitioned_agent_m);
   const bool near = rules.azimuth_condition == RblRules::AzimuthCondition::kNear ? reach_m < rules.azimuth_near_m
                                                                                  : reach_m > rules.azimuth_near_m;
   const bool turn = gap_m > rules.azimuth_gap_m && near;
   const double next = turn ? std::min(kMostAzimuth_rad, theta_rad + rules.azimuth_rate_radps * dt_s)
                            : std::max(0.0, theta_rad - rules.azimuth_return_radps * dt_s);
-  const double direct_m = length_xy(now.unrotated_m);
+  const double direct_m = length_xy(now.unrotated_agent_m);
   const bool clear = rules.azimuth_reset == RblRules::AzimuthReset::kDetour
                          ? direct_m > reach_m
                          : rules.azimuth_reset == RblRules::AzimuthReset::kNear && direct_m > rules.azimuth_near_m;
@@ -48,11 +48,11 @@ double next_theta(const RblRules& rules, const RblSituation& now, double theta_r
 // What stands for c_S,z - p_z in (2.18). c_S lies towards the destination, so that a destination that was turned up
 // (2.20) would go on turning up; "level" lets the own turn count backwards and keeps what the limits of height do.
 double centering(const RblRules& rules, const RblSituation& now, double phi_rad) {
-  if (rules.elevation_sense != RblRules::ElevationSense::kLevel) return now.sensing_m.z();
-  const double goal_rad = elementary::atan2(now.goal_m.z(), length_xy(now.goal_m));
-  const double reach_m = now.sensing_m.norm();
+  if (rules.elevation_sense != RblRules::ElevationSense::kLevel) return now.sensing_agent_m.z();
+  const double goal_rad = elementary::atan2(now.goal_agent_m.z(), length_xy(now.goal_agent_m));
+  const double reach_m = now.sensing_agent_m.norm();
   const double turned_m = reach_m * elementary::sin(std::clamp(goal_rad + phi_rad, -0.5 * kPi, 0.5 * kPi));
-  return (now.sensing_m.z() - turned_m) - (turned_m - reach_m * elementary::sin(goal_rad));
+  return (now.sensing_agent_m.z() - turned_m) - (turned_m - reach_m * elementary::sin(goal_rad));
 }
 
 // (2.19); then the reset that only the released program has
@@ -63,23 +63,23 @@ double next_phi(const RblRules& rules, const RblSituation& now, double phi_rad, 
     const double sense = vertical_influence(rules, now, phi_rad) > 0.0 ? 1.0 : -1.0;
     next = std::clamp(phi_rad + sense * step, -kMostElevation_rad, kMostElevation_rad);
   }
-  const bool useless = std::abs(now.partitioned_m.z()) > std::abs(now.unrotated_m.z());
+  const bool useless = std::abs(now.partitioned_agent_m.z()) > std::abs(now.unrotated_agent_m.z());
   return rules.elevation_reset && std::abs(next) >= kMostElevation_rad && useless ? 0.0 : next;
 }
 
 }  // namespace
 
 bool wants_elevation(const RblRules& rules, const RblSituation& now) {
-  const double gap_m = std::abs(now.partitioned_m.z() - now.sensing_m.z());
+  const double gap_m = std::abs(now.partitioned_agent_m.z() - now.sensing_agent_m.z());
   const bool apart = rules.elevation_condition == RblRules::ElevationCondition::kGap ? gap_m > rules.elevation_gap_m
                                                                                      : gap_m < rules.elevation_gap_m;
-  const double shrink_m = length_xy(now.sensing_m) - length_xy(now.partitioned_m);
+  const double shrink_m = length_xy(now.sensing_agent_m) - length_xy(now.partitioned_agent_m);
   const bool shrunk = (rules.elevation_shrink_absolute ? std::abs(shrink_m) : shrink_m) > rules.elevation_shrink_m;
-  return (apart && std::abs(now.partitioned_m.z()) < rules.elevation_near_m) || shrunk;
+  return (apart && std::abs(now.partitioned_agent_m.z()) < rules.elevation_near_m) || shrunk;
 }
 
 double vertical_influence(const RblRules& rules, const RblSituation& now, double phi_rad) {
-  const Vector3& goal = now.goal_m;
+  const Vector3& goal = now.goal_agent_m;
   const double horizontal_m = length_xy(goal);
   double direction = 0.0;
   if (horizontal_m > 0.0) {
@@ -104,12 +104,13 @@ RblState apply_rules(const RblRules& rules, const RblSituation& now, const RblSt
   return next;
 }
 
-Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_m, const RblState& state) {
-  const double distance_m = goal_m.norm();
-  if (distance_m <= 0.0) return goal_m;
+Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_agent_m, const RblState& state) {
+  const double distance_m = goal_agent_m.norm();
+  if (distance_m <= 0.0) return goal_agent_m;
   const double up = rules.elevation_sense == RblRules::ElevationSense::kPrinted ? state.phi_rad : -state.phi_rad;
-  const double polar = std::clamp(elementary::acos(std::clamp(goal_m.z() / distance_m, -1.0, 1.0)) + up, 0.0, kPi);
-  const double azimuth = elementary::atan2(goal_m.y(), goal_m.x()) - state.theta_rad;
+  const double polar =
+      std::clamp(elementary::acos(std::clamp(goal_agent_m.z() / distance_m, -1.0, 1.0)) + up, 0.0, kPi);
+  const double azimuth = elementary::atan2(goal_agent_m.y(), goal_agent_m.x()) - state.theta_rad;
   return distance_m * Vector3(elementary::sin(polar) * elementary::cos(azimuth),
                               elementary::sin(polar) * elementary::sin(azimuth), elementary::cos(polar));
 }
@@ -128,8 +129,8 @@ void RblRules::visit(ConfigVisitor& v) {
   v.field("azimuth_gap_m", azimuth_gap_m, "[m] d_4 of (2.8), (2.11)", non_negative);
   v.field("elevation_near_m", elevation_near_m, "[m] d_5 of (2.15), vertical", non_negative);
   v.field("elevation_gap_m", elevation_gap_m, "[m] d_6 of (2.15), vertical", non_negative);
-  v.field("elevation_shrink_m", elevation_shrink_m, "[m] d_7 of (2.15): horizontal way that the others leave less",
-          non_negative);
+  v.field("elevation_shrink_m", elevation_shrink_m,
+          "[m] d_7 of (2.15): by how much the neighbors shorten the horizontal path", non_negative);
   v.field("beta_desired_m", beta_desired_m, "[m] beta^D of (2.7): the smaller, the more direct", positive);
   v.field("beta_min_m", beta_min_m, "[m] beta_min of (2.7); not in the document, 0.1 in the authors' later program",
           positive);

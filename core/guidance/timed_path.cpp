@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/guidance/heading.hpp"
-#include "core/guidance/way_overlay.hpp"
+#include "core/guidance/path_overlay.hpp"
 #include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet {
@@ -38,7 +38,7 @@ class TimedPath : public Guidance {
   void append_overlays(std::vector<Overlay>& overlays) const override {
     std::vector<Vector3> points_m = config_.points_m;
     for (Vector3& p : points_m) p = to_local_.point(p);
-    overlays.push_back(way_overlay("path", points_m, 0.05F));
+    overlays.push_back(path_overlay("path", points_m, 0.05F));
   }
 
  private:

@@ -5,7 +5,7 @@
 
 #include "core/guidance/heading.hpp"
 #include "core/guidance/landing.hpp"
-#include "core/guidance/way_overlay.hpp"
+#include "core/guidance/path_overlay.hpp"
 
 namespace swiftlet {
 namespace {
@@ -43,7 +43,7 @@ class Waypoints : public Guidance {
   void append_overlays(std::vector<Overlay>& overlays) const override {
     std::vector<Vector3> points_m;
     for (std::size_t i = 0; i < config_.waypoints_m.size(); ++i) points_m.push_back(waypoint_m(i));
-    overlays.push_back(way_overlay("waypoints", points_m, 0.15F));
+    overlays.push_back(path_overlay("waypoints", points_m, 0.15F));
   }
 
  private:

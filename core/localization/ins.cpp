@@ -344,7 +344,7 @@ void InsConfig::visit(ConfigVisitor& v) {
   v.field("use_odometry", use_odometry, "[-] velocity in body axes");
   v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps, "[m/s] of the odometry's velocity", positive);
   v.field("ground_walk_m_sqrt_m", ground_walk_m_sqrt_m,
-          "[m/sqrt(m)] how much the ground's height changes along the way", not_negative);
+          "[m/sqrt(m)] how much the ground's height changes along the path", not_negative);
   v.field("gate_sigma", gate_sigma, "[-] measurements farther than this from what is expected are passed over",
           positive);
   v.field("imu_timeout_s", imu_timeout_s, "[s] without the IMU, after which the estimate is not valid", positive);

@@ -113,8 +113,8 @@ void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
   const auto keep_sq = static_cast<float>(config_.keep_radius_m * config_.keep_radius_m);
   // First all hits, so that no ray takes away what another one has just seen.
   for (const Ray& ray : rays) {
-    const Cell cell = cell_of(ray.end_m.cast<double>());
-    if (!ray.hit || (ray.end_m - ray.origin_m).squaredNorm() > keep_sq) {
+    const Cell cell = cell_of(ray.end_local_m.cast<double>());
+    if (!ray.hit || (ray.end_local_m - ray.origin_local_m).squaredNorm() > keep_sq) {
       if (first_in_sweep(cell)) passing_.push_back(&ray);
       continue;
     }
@@ -138,8 +138,8 @@ void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
 
 // From the origin to the end or to the clearing range; only voxels that are stored can lose.
 void SparseVoxelMap::pass(const Ray& ray) {
-  const Vector3 origin = ray.origin_m.cast<double>() * cells_per_m_;
-  const Vector3 way = (ray.end_m - ray.origin_m).cast<double>();
+  const Vector3 origin = ray.origin_local_m.cast<double>() * cells_per_m_;
+  const Vector3 way = (ray.end_local_m - ray.origin_local_m).cast<double>();
   const double length_m = way.norm();
   if (!(length_m > 0.0)) return;
   const Vector3 direction = way / length_m;
@@ -191,13 +191,13 @@ void SparseVoxelMap::pass(const Ray& ray) {
   }
 }
 
-void SparseVoxelMap::keep_around(const Vector3& center_m) {
+void SparseVoxelMap::keep_around(const Vector3& center_local_m) {
   const double block_m = kSide * config_.edge_m;
   bool forgets = false;
   for (Block& block : blocks_) {
     if (!block.used) continue;
-    const Vector3 middle_m = (block.at.cast<double>().array() + 0.5) * block_m;
-    if ((middle_m - center_m).norm() <= config_.keep_radius_m) continue;
+    const Vector3 middle_local_m = (block.at.cast<double>().array() + 0.5) * block_m;
+    if ((middle_local_m - center_local_m).norm() <= config_.keep_radius_m) continue;
     block.used = false;
     free_.push_back(std::exchange(places_[place_of(block.at)], 0U));
     if (!forgets) ++revision_;
@@ -207,8 +207,8 @@ void SparseVoxelMap::keep_around(const Vector3& center_m) {
 }
 
 template <class Fn>
-void SparseVoxelMap::for_occupied(const Vector3& min_m, const Vector3& max_m, Fn&& fn) const {
-  const Cell low = block_of(cell_of(min_m)), high = block_of(cell_of(max_m));
+void SparseVoxelMap::for_occupied(const Vector3& min_local_m, const Vector3& max_local_m, Fn&& fn) const {
+  const Cell low = block_of(cell_of(min_local_m)), high = block_of(cell_of(max_local_m));
   for (int z = low.z(); z <= high.z(); ++z) {
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int x = low.x(); x <= high.x(); ++x) {
@@ -226,40 +226,44 @@ void SparseVoxelMap::for_occupied(const Vector3& min_m, const Vector3& max_m, Fn
   }
 }
 
-void SparseVoxelMap::occupied_within(const Vector3& center_m, double radius_m, TimeNs since,
-                                     std::vector<Vector3>& centers_m) const {
-  centers_m.clear();
+void SparseVoxelMap::occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
+                                     std::vector<Vector3>& centers_local_m) const {
+  centers_local_m.clear();
   const double reach_m = radius_m + config_.edge_m, half_m = 0.5 * config_.edge_m;
-  for_occupied(center_m.array() - reach_m, center_m.array() + reach_m, [&](const Voxel& voxel, const Vector3& voxel_m) {
-    if (voxel.hit < since) return;
-    const Vector3 gap = ((voxel_m - center_m).array().abs() - half_m).cwiseMax(0.0);
-    if (gap.squaredNorm() <= radius_m * radius_m) centers_m.push_back(voxel_m);
-  });
+  for_occupied(center_local_m.array() - reach_m, center_local_m.array() + reach_m,
+               [&](const Voxel& voxel, const Vector3& voxel_local_m) {
+                 if (voxel.hit < since) return;
+                 const Vector3 gap = ((voxel_local_m - center_local_m).array().abs() - half_m).cwiseMax(0.0);
+                 if (gap.squaredNorm() <= radius_m * radius_m) centers_local_m.push_back(voxel_local_m);
+               });
 }
 
-void SparseVoxelMap::occupied_in(const Vector3& min_m, const Vector3& max_m, std::vector<Vector3>& centers_m) const {
-  centers_m.clear();
+void SparseVoxelMap::occupied_in(const Vector3& min_local_m, const Vector3& max_local_m,
+                                 std::vector<Vector3>& centers_local_m) const {
+  centers_local_m.clear();
   const double half_m = 0.5 * config_.edge_m;
-  for_occupied(min_m, max_m, [&](const Voxel&, const Vector3& voxel_m) {
-    const bool above = (voxel_m.array() + half_m >= min_m.array()).all();
-    if (above && (voxel_m.array() - half_m <= max_m.array()).all()) centers_m.push_back(voxel_m);
+  for_occupied(min_local_m, max_local_m, [&](const Voxel&, const Vector3& voxel_local_m) {
+    const bool above = (voxel_local_m.array() + half_m >= min_local_m.array()).all();
+    if (above && (voxel_local_m.array() - half_m <= max_local_m.array()).all())
+      centers_local_m.push_back(voxel_local_m);
   });
 }
 
 double SparseVoxelMap::distance_m(const Vector3& p_local_m, double max_m) const {
   double least_sq = max_m * max_m;
   const double half_m = 0.5 * config_.edge_m;
-  for_occupied(p_local_m.array() - max_m, p_local_m.array() + max_m, [&](const Voxel&, const Vector3& voxel_m) {
-    const Vector3 gap = ((voxel_m - p_local_m).array().abs() - half_m).cwiseMax(0.0);
+  for_occupied(p_local_m.array() - max_m, p_local_m.array() + max_m, [&](const Voxel&, const Vector3& voxel_local_m) {
+    const Vector3 gap = ((voxel_local_m - p_local_m).array().abs() - half_m).cwiseMax(0.0);
     least_sq = std::min(least_sq, gap.squaredNorm());
   });
   return std::sqrt(least_sq);
 }
 
-std::optional<SegmentHit> SparseVoxelMap::first_hit(const Vector3& from_m, const Vector3& to_m) const {
-  const double length_m = (to_m - from_m).norm();
-  const Vector3 direction = length_m > 0.0 ? Vector3((to_m - from_m) / length_m) : Vector3(Vector3::UnitX());
-  Walk walk(from_m * cells_per_m_, direction);
+std::optional<SegmentHit> SparseVoxelMap::first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const {
+  const double length_m = (to_local_m - from_local_m).norm();
+  const Vector3 direction =
+      length_m > 0.0 ? Vector3((to_local_m - from_local_m) / length_m) : Vector3(Vector3::UnitX());
+  Walk walk(from_local_m * cells_per_m_, direction);
   for (double traveled = 0.0; traveled <= length_m * cells_per_m_;) {
     if (state_of(walk.cell) == CellState::kOccupied) return SegmentHit{traveled / cells_per_m_, center_of(walk.cell)};
     const int axis = walk.next_axis();

@@ -152,8 +152,8 @@ void VoxelMap::set_prior(const PriorMap& prior) {
     std::sort(cells.begin(), cells.end(), before);
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   };
-  to_cells(prior.free_m, prior_free_);
-  to_cells(prior.occupied_m, prior_occupied_);
+  to_cells(prior.free_world_m, prior_free_);
+  to_cells(prior.occupied_world_m, prior_occupied_);
   stamp_prior();
 }
 

@@ -30,10 +30,10 @@ Pose pose_of(const Eigen::Matrix4f& matrix) {
 }
 
 template <class Method>
-PclRegistration align(Method& method, std::span<const Eigen::Vector3f> source_m,
-                      std::span<const Eigen::Vector3f> target_m, const Pose& T_target_source_guess,
+PclRegistration align(Method& method, std::span<const Eigen::Vector3f> p_source_m,
+                      std::span<const Eigen::Vector3f> p_target_m, const Pose& T_target_source_guess,
                       std::size_t least_points) {
-  const Cloud::Ptr source = finite_cloud(source_m), target = finite_cloud(target_m);
+  const Cloud::Ptr source = finite_cloud(p_source_m), target = finite_cloud(p_target_m);
   if (std::min(source->size(), target->size()) < least_points) return {.T_target_source = T_target_source_guess};
   method.setInputSource(source);
   method.setInputTarget(target);
@@ -44,7 +44,7 @@ PclRegistration align(Method& method, std::span<const Eigen::Vector3f> source_m,
 
 }  // namespace
 
-PclRegistration pcl_gicp(std::span<const Eigen::Vector3f> source_m, std::span<const Eigen::Vector3f> target_m,
+PclRegistration pcl_gicp(std::span<const Eigen::Vector3f> p_source_m, std::span<const Eigen::Vector3f> p_target_m,
                          const Pose& T_target_source_guess, const PclGicpSettings& settings) {
   pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> gicp;
   gicp.setMaxCorrespondenceDistance(settings.max_correspondence_m);
@@ -52,10 +52,10 @@ PclRegistration pcl_gicp(std::span<const Eigen::Vector3f> source_m, std::span<co
   gicp.setMaximumIterations(settings.max_iterations);
   gicp.setTransformationEpsilon(settings.transformation_epsilon);
   const auto neighbors = static_cast<std::size_t>(std::max(settings.num_neighbors, 0));
-  return align(gicp, source_m, target_m, T_target_source_guess, std::max(kLeastPoints, neighbors));
+  return align(gicp, p_source_m, p_target_m, T_target_source_guess, std::max(kLeastPoints, neighbors));
 }
 
-PclRegistration pcl_ndt(std::span<const Eigen::Vector3f> source_m, std::span<const Eigen::Vector3f> target_m,
+PclRegistration pcl_ndt(std::span<const Eigen::Vector3f> p_source_m, std::span<const Eigen::Vector3f> p_target_m,
                         const Pose& T_target_source_guess, const PclNdtSettings& settings) {
   pcl::NormalDistributionsTransform<pcl::PointXYZ, pcl::PointXYZ> ndt;
   ndt.setResolution(static_cast<float>(settings.resolution_m));
@@ -63,7 +63,7 @@ PclRegistration pcl_ndt(std::span<const Eigen::Vector3f> source_m, std::span<con
   ndt.setOulierRatio(settings.outlier_ratio);
   ndt.setMaximumIterations(settings.max_iterations);
   ndt.setTransformationEpsilon(settings.transformation_epsilon);
-  return align(ndt, source_m, target_m, T_target_source_guess, kLeastPoints);
+  return align(ndt, p_source_m, p_target_m, T_target_source_guess, kLeastPoints);
 }
 
 }  // namespace swiftlet

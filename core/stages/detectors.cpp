@@ -25,7 +25,7 @@ void need_for_vofod(const ModuleConfig& config, AgentNeeds& needs) {
 void need_neighbors_to_detect(const ModuleConfig&, AgentNeeds& needs) { needs.detects = needs.true_neighbors = true; }
 
 constexpr DetectorType kDetectorTypes[] = {
-    {{"none", "finds nobody", make_module_config<NoDetectorConfig>}, make_no_detector},
+    {{"none", "no detection", make_module_config<NoDetectorConfig>}, make_no_detector},
     {{"vofod", "flying objects by a multi-state occupancy map [Vrba 2025]", make_module_config<VofodConfig>},
      make_vofod_detector,
      need_for_vofod},

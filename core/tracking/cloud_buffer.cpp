@@ -20,18 +20,18 @@ void BufferedCloud::assign(const LocalCloud& cloud) {
     if (!p.allFinite()) continue;
     if (points_.size() % kRun == 0) boxes_.push_back({p, p});
     Box& box = boxes_.back();
-    box.min = box.min.cwiseMin(p);
-    box.max = box.max.cwiseMax(p);
+    box.min_local_m = box.min_local_m.cwiseMin(p);
+    box.max_local_m = box.max_local_m.cwiseMax(p);
     points_.push_back(p);
     beam_.push_back(cloud.beam[i]);
   }
 }
 
-void BufferedCloud::select(const Vector3& center_m, double radius_m, std::vector<std::uint32_t>& indices) const {
-  const Eigen::Vector3f center = center_m.cast<float>();
+void BufferedCloud::select(const Vector3& center_local_m, double radius_m, std::vector<std::uint32_t>& indices) const {
+  const Eigen::Vector3f center = center_local_m.cast<float>();
   const float radius_sq = static_cast<float>(radius_m * radius_m);
   for (std::size_t b = 0; b < boxes_.size(); ++b) {
-    const Eigen::Vector3f nearest = center.cwiseMax(boxes_[b].min).cwiseMin(boxes_[b].max);
+    const Eigen::Vector3f nearest = center.cwiseMax(boxes_[b].min_local_m).cwiseMin(boxes_[b].max_local_m);
     if (!((nearest - center).squaredNorm() <= radius_sq)) continue;
     const std::size_t end = std::min(points_.size(), (b + 1) * kRun);
     for (std::size_t i = b * kRun; i < end; ++i) {

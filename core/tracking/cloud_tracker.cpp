@@ -79,8 +79,8 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
           "[m] d_min: a cluster that is nearer to background is background", Range::non_negative());
   v.choice(
       "background", background, {"map", "cloud", "none"},
-      "[-] what d_min is measured to: occupied voxels of the detector's map (algorithm 2), other points of the cloud "
-      "beyond half the cluster's size (released code), or nothing");
+      "[-] what d_min is measured to: occupied voxels of the detector's map (algorithm 2), points of the cloud beyond "
+      "half the cluster's size (released code), or nothing");
   v.field("max_size_m", max_size_m, "[m] diagonal beyond which a cluster is no target; 0: no limit (algorithm 2)",
           Range::non_negative());
   v.choice(
@@ -89,11 +89,10 @@ void CloudTrackerConfig::visit(ConfigVisitor& v) {
   v.choice("assignment", assignment, {"exclusive", "nearest"},
            "[-] a cluster corrects one track at most, all tracks considered together; or each track takes the cluster "
            "nearest to its prediction (algorithm 2)");
-  v.field(
-      "association_radius_min_m", association_radius_min_m,
-      "[m] a detection is that of a track when they are nearer than the sum of their radii r_unc, which count as this "
-      "at least (algorithm 2: 0, released code: r_min)",
-      Range::non_negative());
+  v.field("association_radius_min_m", association_radius_min_m,
+          "[m] least radius r_unc; a detection joins a track when they are nearer than the sum of their radii "
+          "(algorithm 2: 0, released code: r_min)",
+          Range::non_negative());
   v.field(
       "merge_radius_max_m", merge_radius_max_m,
       "[m] two tracks nearer than the sum of their radii r_unc, which count as this at most, become one (algorithm 2: "
@@ -127,8 +126,8 @@ double CloudTracker::association_radius_m(const Target& target) const {
   return std::max(config_.association_radius_min_m, uncertainty_radius_m(target.state.belief.position_covariance()));
 }
 
-Matrix3 CloudTracker::position_covariance(const Vector3& position_m, const Pose& T_local_lidar) const {
-  const Vector3 ray_lidar = T_local_lidar.inverse() * position_m;
+Matrix3 CloudTracker::position_covariance(const Vector3& position_local_m, const Pose& T_local_lidar) const {
+  const Vector3 ray_lidar = T_local_lidar.inverse() * position_local_m;
   const double range_m = ray_lidar.norm();
   const double sampling_m = config_.measurement.sigma_sampling_m;
   const Matrix3 sampling = sampling_m * sampling_m * Matrix3::Identity();
@@ -231,7 +230,7 @@ void CloudTracker::update(std::span<Target> targets, const BufferedCloud& cloud,
     const TimeNs t = std::max(target.t, candidate.t);
     filter_->predict(target.state, to_seconds(t - target.t));
     target.t = t;
-    filter_->correct(target.state, candidate.position_m, candidate.covariance);
+    filter_->correct(target.state, candidate.position_local_m, candidate.covariance);
   }
 }
 
@@ -251,31 +250,31 @@ void CloudTracker::find_candidates(std::span<const Target> targets, const Buffer
     const auto members = clusters_.members(c);
     const Extent extent = extent_of(members, selected_points_);
     if (config_.max_size_m > 0.0 && extent.diagonal_m > config_.max_size_m) continue;
-    const Vector3& position_m =
+    const Vector3& position_local_m =
         config_.position == CloudTrackerConfig::Position::kCentroid ? extent.centroid_m : extent.box_center_m;
-    if (is_background(position_m, extent.diagonal_m, cloud, members, background)) continue;
+    if (is_background(position_local_m, extent.diagonal_m, cloud, members, background)) continue;
     std::int64_t sum_ns = 0;
     for (const std::uint32_t i : members) sum_ns += cloud.time_of(selected_[i]) - cloud.stamp();
     const TimeNs t = cloud.stamp() + sum_ns / static_cast<std::int64_t>(members.size());
-    candidates_.push_back({position_m, measurement_covariance(position_m, cloud), t, members});
+    candidates_.push_back({position_local_m, measurement_covariance(position_local_m, cloud), t, members});
   }
 }
 
 /// Z of eq. (32).
-Matrix3 CloudTracker::measurement_covariance(const Vector3& position_m, const BufferedCloud& cloud) const {
+Matrix3 CloudTracker::measurement_covariance(const Vector3& position_local_m, const BufferedCloud& cloud) const {
   if (config_.measurement.noise == TrackMeasurementConfig::Noise::kSigmaW)
-    return position_covariance(position_m, cloud.T_local_lidar());
+    return position_covariance(position_local_m, cloud.T_local_lidar());
   return config_.measurement.sigma_m * config_.measurement.sigma_m * Matrix3::Identity();
 }
 
-bool CloudTracker::is_background(const Vector3& position_m, double size_m, const BufferedCloud& cloud,
+bool CloudTracker::is_background(const Vector3& position_local_m, double size_m, const BufferedCloud& cloud,
                                  std::span<const std::uint32_t> members, const BackgroundQuery* background) {
   const double distance_m = config_.background_distance_m;
   if (config_.background == CloudTrackerConfig::Background::kMap)
-    return background != nullptr && background->occupied_within(position_m, distance_m);
+    return background != nullptr && background->occupied_within(position_local_m, distance_m);
   if (config_.background == CloudTrackerConfig::Background::kNone) return false;
   around_.clear();
-  cloud.select(position_m, 0.5 * size_m + distance_m, around_);
+  cloud.select(position_local_m, 0.5 * size_m + distance_m, around_);
   return around_.size() > members.size();  // all members are among them
 }
 
@@ -295,7 +294,7 @@ void CloudTracker::assign(std::span<const Target> targets) {
         return (selected_points_[m].cast<double>() - center).squaredNorm() <= radius_sq;
       });
       if (!in_reach) continue;
-      const Vector3 d = candidate.position_m - position_at(belief, target.t, candidate.t);
+      const Vector3 d = candidate.position_local_m - position_at(belief, target.t, candidate.t);
       const double cost =
           exclusive ? statistical_distance(d, belief.position_covariance() + candidate.covariance) : d.norm();
       if (std::isfinite(cost)) costs_[i * num + c] = cost;

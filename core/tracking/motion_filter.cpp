@@ -50,17 +50,17 @@ class KalmanFilter : public MotionFilter {
  public:
   explicit KalmanFilter(const KalmanConfig& config) : config_(config) {}
 
-  MotionState start(const Vector3& position_m, const Matrix3& position_covariance) const override {
+  MotionState start(const Vector3& position_local_m, const Matrix3& position_covariance) const override {
     MotionState state;
-    state.belief = config_.initial.at_rest(position_m, position_covariance);
+    state.belief = config_.initial.at_rest(position_local_m, position_covariance);
     return state;
   }
   void predict(MotionState& state, double dt_s) const override {
     predict_belief(state.belief, constant_acceleration_transition(dt_s),
                    config_.process.covariance(dt_s, config_.process_period_s));
   }
-  void correct(MotionState& state, const Vector3& z_m, const Matrix3& Z) const override {
-    correct_belief(state.belief, z_m, Z);
+  void correct(MotionState& state, const Vector3& z_local_m, const Matrix3& Z) const override {
+    correct_belief(state.belief, z_local_m, Z);
   }
 
  private:
@@ -71,9 +71,9 @@ class ImmFilter : public MotionFilter {
  public:
   explicit ImmFilter(const ImmConfig& config) : config_(config) {}
 
-  MotionState start(const Vector3& position_m, const Matrix3& position_covariance) const override {
+  MotionState start(const Vector3& position_local_m, const Matrix3& position_covariance) const override {
     MotionState state;
-    state.belief = config_.initial.at_rest(position_m, position_covariance);
+    state.belief = config_.initial.at_rest(position_local_m, position_covariance);
     state.modes.fill(state.belief);
     state.mode_probability.fill(1.0 / kModes);
     return state;
@@ -92,9 +92,9 @@ class ImmFilter : public MotionFilter {
     combine(state);
   }
 
-  void correct(MotionState& state, const Vector3& z_m, const Matrix3& Z) const override {
+  void correct(MotionState& state, const Vector3& z_local_m, const Matrix3& Z) const override {
     std::array<double, kModes> log_likelihood{};
-    for (int m = 0; m < kModes; ++m) log_likelihood[m] = correct_belief(state.modes[m], z_m, Z);
+    for (int m = 0; m < kModes; ++m) log_likelihood[m] = correct_belief(state.modes[m], z_local_m, Z);
     const double greatest = *std::max_element(log_likelihood.begin(), log_likelihood.end());
     double sum = 0.0;
     for (int m = 0; m < kModes; ++m) {
@@ -170,10 +170,10 @@ void InitialSpread::visit(ConfigVisitor& v) {
   v.field("sigma_acceleration_mps2", sigma_acceleration_mps2, "[m/s^2] P_0,a", Range::positive());
 }
 
-MotionBelief InitialSpread::at_rest(const Vector3& position_m, const Matrix3& position_covariance) const {
+MotionBelief InitialSpread::at_rest(const Vector3& position_local_m, const Matrix3& position_covariance) const {
   MotionBelief belief;
   belief.mean.setZero();
-  belief.mean.head<3>() = position_m;
+  belief.mean.head<3>() = position_local_m;
   belief.covariance.setZero();
   belief.covariance.topLeftCorner<3, 3>() = position_covariance;
   belief.covariance.diagonal().segment<3>(3).setConstant(sigma_velocity_mps * sigma_velocity_mps);
@@ -228,12 +228,12 @@ double turn_rate_radps(const Vector9& mean) {
   return std::min(v.cross(a).norm() / speed_sq, kGreatestRate_radps);
 }
 
-double correct_belief(MotionBelief& belief, const Vector3& z_m, const Matrix3& Z) {
+double correct_belief(MotionBelief& belief, const Vector3& z_local_m, const Matrix3& Z) {
   const Matrix3 S = belief.position_covariance() + Z;
   const Eigen::LLT<Matrix3> llt(S);
   if (llt.info() != Eigen::Success)
     return -std::numeric_limits<double>::max();  // a belief that is no Gaussian any more
-  const Vector3 innovation = z_m - belief.position();
+  const Vector3 innovation = z_local_m - belief.position();
   // K = P H^T S^-1, of the shape (9 x 3).
   const Eigen::Matrix<double, 9, 3> PHt = belief.covariance.leftCols<3>();
   const Eigen::Matrix<double, 9, 3> K = llt.solve(PHt.transpose()).transpose();

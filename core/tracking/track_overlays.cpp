@@ -68,7 +68,7 @@ void TrackOverlays::push(std::span<const Track> tracks) {
       trail->id = track.id;
     }
     trail->alive = true;
-    trail->points[(trail->first + trail->count) % Trail::kCapacity] = track.position_m.cast<float>();
+    trail->points_local_m[(trail->first + trail->count) % Trail::kCapacity] = track.position_m.cast<float>();
     if (trail->count < Trail::kCapacity)
       ++trail->count;
     else
@@ -86,7 +86,7 @@ void TrackOverlays::append(std::span<const Track> tracks, std::vector<Overlay>& 
   lines.kind = ellipses.kind = Overlay::Kind::kLines;
   lines.size_m = 3.0F;
   ellipses.size_m = 1.5F;
-  if (!tracks.empty()) lines.legend = {{"track: its way, and where it will be (dashed)", color_of(tracks.front().id)}};
+  if (!tracks.empty()) lines.legend = {{"track: its path, and where it will be (dashed)", color_of(tracks.front().id)}};
   for (const Track& track : tracks) {
     const Eigen::Vector4f color = color_of(track.id);
     balls.positions.push_back(track.position_m.cast<float>());
@@ -98,8 +98,8 @@ void TrackOverlays::append(std::span<const Track> tracks, std::vector<Overlay>& 
   }
   for (const Trail& trail : trails_) {
     for (std::size_t k = 0; k + 1 < trail.count; ++k) {
-      add_line(lines, trail.points[(trail.first + k) % Trail::kCapacity],
-               trail.points[(trail.first + k + 1) % Trail::kCapacity], color_of(trail.id));
+      add_line(lines, trail.points_local_m[(trail.first + k) % Trail::kCapacity],
+               trail.points_local_m[(trail.first + k + 1) % Trail::kCapacity], color_of(trail.id));
     }
   }
   overlays.push_back(std::move(balls));

@@ -25,7 +25,7 @@ Scene scene_of(const VehicleShape& shape, bool with_sensors) {
     scene.instances.push_back(instance);
     scene.meshes.push_back(mesh);
     scene.meshes.back().surface_class = SurfaceClass::kVehicle;
-    for (const auto& vertex : mesh.vertices_m) scene.bounds_m.extend(vertex.cast<double>());
+    for (const auto& vertex : mesh.vertices_mesh_m) scene.bounds_m.extend(vertex.cast<double>());
   }
   return scene;
 }
@@ -33,12 +33,12 @@ Scene scene_of(const VehicleShape& shape, bool with_sensors) {
 Eigen::AlignedBox3d box_of(const VehicleShape& shape) {
   Eigen::AlignedBox3d box;
   for (const Mesh& mesh : shape.meshes) {
-    for (const auto& vertex : mesh.vertices_m) box.extend(vertex.cast<double>());
+    for (const auto& vertex : mesh.vertices_mesh_m) box.extend(vertex.cast<double>());
   }
   for (const auto& rotor : shape.rotors) {
     const Vector3 reach(rotor.radius_m, rotor.radius_m, 0.0);
-    box.extend(rotor.hub_m.cast<double>() - reach);
-    box.extend(rotor.hub_m.cast<double>() + reach);
+    box.extend(rotor.hub_body_m.cast<double>() - reach);
+    box.extend(rotor.hub_body_m.cast<double>() + reach);
   }
   return box;
 }

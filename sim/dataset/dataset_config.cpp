@@ -100,7 +100,8 @@ void FlightConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("border_m", border_m, "[m] strip along the edge of the world where nobody flies", Range::non_negative());
   v.field("indoors", indoors, "[-] fly only where walls stand all around: for worlds that go on outside a building");
-  v.field("leg_min_m", leg_min_m, "[m] shortest way from one goal to the next, as the crow flies", Range::positive());
+  v.field("leg_min_m", leg_min_m, "[m] shortest distance from one goal to the next, in a straight line",
+          Range::positive());
   v.field("leg_max_m", leg_max_m, "[m] longest", Range::positive());
   v.field("revisit_share", revisit_share, "[-] share of goals that were visited before (closes loops)",
           Range::probability());
@@ -110,7 +111,7 @@ void FlightConfig::visit(ConfigVisitor& v) {
           "[m] the other vehicles choose goals at distances from the first one between this ...", Range::positive());
   v.field("partner_max_m", partner_max_m, "[m] ... and this, evenly over the logarithm", Range::positive());
   v.field("in_view_share", in_view_share, "[-] share of those goals that the first one can see", Range::probability());
-  v.field("cell_m", cell_m, "[m] grid in which ways are searched", Range::positive());
+  v.field("cell_m", cell_m, "[m] grid in which paths are searched", Range::positive());
   v.check(speed_min_mps <= speed_max_mps, "speed_max_mps", "a number that is not below speed_min_mps");
   v.check(height_min_m < height_max_m, "height_max_m", "a number above height_min_m");
   v.check(leg_min_m < leg_max_m, "leg_max_m", "a number above leg_min_m");
@@ -127,7 +128,7 @@ void FamilyConfig::visit(ConfigVisitor& v) {
   v.field("reflectivity_spread", reflectivity_spread,
           "[-] the world's materials: each reflectivity is multiplied by exp(spread * normal)",
           Range::between(0.0, 2.0));
-  v.object("flight", flight, "ways through the free space");
+  v.object("flight", flight, "paths through the free space");
   v.list("vary", vary, "what each flight draws anew");
   v.check(!scenario.empty(), "scenario", "a scenario file");
 }

@@ -5,7 +5,7 @@
 namespace swiftlet::sim {
 namespace {
 
-/// Position against the reference after the reference tracker, while flying with a valid estimate. `tracking_error`:
+/// Position against the reference after the reference governor, while flying with a valid estimate. `tracking_error`:
 /// the truth (what counts; meaningless when the vehicle's frame is a local one); `control_error`: the estimate, which
 /// shows the controller's own share.
 class TrackingErrorMetric final : public Metric {

@@ -48,10 +48,11 @@ class SurfaceNumbers {
 void append(const Mesh& mesh, const Eigen::Affine3f& T_world_mesh, std::uint32_t surface, TriangleScene& out) {
   const Eigen::Matrix3f linear = T_world_mesh.linear();
   const Eigen::Vector3f translation = T_world_mesh.translation();
-  std::vector<Eigen::Vector3f> vertices_m;
-  vertices_m.reserve(mesh.vertices_m.size());
-  for (const Eigen::Vector3f& v : mesh.vertices_m) vertices_m.push_back(linear * v + translation);
-  for (const auto& t : mesh.triangles) out.corners_m.push_back({vertices_m[t[0]], vertices_m[t[1]], vertices_m[t[2]]});
+  std::vector<Eigen::Vector3f> vertices_mesh_m;
+  vertices_mesh_m.reserve(mesh.vertices_mesh_m.size());
+  for (const Eigen::Vector3f& v : mesh.vertices_mesh_m) vertices_mesh_m.push_back(linear * v + translation);
+  for (const auto& t : mesh.triangles)
+    out.corners_m.push_back({vertices_mesh_m[t[0]], vertices_mesh_m[t[1]], vertices_mesh_m[t[2]]});
   Facet facet{};
   facet.surface = surface;
   out.facets.resize(out.size(), facet);

@@ -58,10 +58,10 @@ struct FiringTransform {
 double bounding_radius_m(const VehicleShape& shape) {
   double radius = 0.0;
   for (const Mesh& mesh : shape.meshes) {
-    for (const Eigen::Vector3f& v : mesh.vertices_m) radius = std::max(radius, static_cast<double>(v.norm()));
+    for (const Eigen::Vector3f& v : mesh.vertices_mesh_m) radius = std::max(radius, static_cast<double>(v.norm()));
   }
   for (const auto& rotor : shape.rotors) {
-    radius = std::max(radius, static_cast<double>(rotor.hub_m.norm() + rotor.radius_m));
+    radius = std::max(radius, static_cast<double>(rotor.hub_body_m.norm() + rotor.radius_m));
   }
   return radius + 1e-3;
 }
@@ -281,10 +281,10 @@ void SweepScene::Impl::meet_rotors(const Vehicle& vehicle, const BeamPacket& bea
   for (std::size_t r = 0; r < rotors.size(); ++r) {
     const auto& rotor = rotors[r];
     for (int i = 0; i < kPacketSize; ++i) {
-      const float t = (rotor.hub_m.z() - rays.origin_z[i]) / rays.direction_z[i];
+      const float t = (rotor.hub_body_m.z() - rays.origin_z[i]) / rays.direction_z[i];
       if (!(t > 0.0F && t < tfar[i])) continue;
-      const float x = rays.origin_x[i] + t * rays.direction_x[i] - rotor.hub_m.x();
-      const float y = rays.origin_y[i] + t * rays.direction_y[i] - rotor.hub_m.y();
+      const float x = rays.origin_x[i] + t * rays.direction_x[i] - rotor.hub_body_m.x();
+      const float y = rays.origin_y[i] + t * rays.direction_y[i] - rotor.hub_body_m.y();
       if (x * x + y * y > rotor.radius_m * rotor.radius_m) continue;
       const KnotPlace& place = places[beams.firing[i]];
       const Knot& a = vehicle.knots[place.before];
@@ -404,9 +404,9 @@ std::uint32_t SweepScene::reaches_self(const BeamPacket& beams) const {
   for (int i = 0; i < kPacketSize; ++i) {
     bool meets = query.met(i);
     for (const auto& rotor : self.shape->rotors) {
-      const float t = (rotor.hub_m.z() - rays.origin_z[i]) / rays.direction_z[i];
-      const float x = rays.origin_x[i] + t * rays.direction_x[i] - rotor.hub_m.x();
-      const float y = rays.origin_y[i] + t * rays.direction_y[i] - rotor.hub_m.y();
+      const float t = (rotor.hub_body_m.z() - rays.origin_z[i]) / rays.direction_z[i];
+      const float x = rays.origin_x[i] + t * rays.direction_x[i] - rotor.hub_body_m.x();
+      const float y = rays.origin_y[i] + t * rays.direction_y[i] - rotor.hub_body_m.y();
       meets |= t > 0.0F && t < s.range_max_m && x * x + y * y <= rotor.radius_m * rotor.radius_m;
     }
     met |= static_cast<std::uint32_t>(meets) << i;

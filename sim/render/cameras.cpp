@@ -64,11 +64,11 @@ double View::pixels_per_m(double depth_m) const {
   return orthographic ? scale : scale / std::max(depth_m, near_m);
 }
 
-View perspective_view(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& target_m, double fov_deg, int width_px,
-                      int height_px, const Eigen::Vector3d& up) {
+View perspective_view(const Eigen::Vector3d& eye_world_m, const Eigen::Vector3d& target_world_m, double fov_deg,
+                      int width_px, int height_px, const Eigen::Vector3d& up_world) {
   View view;
-  view.T_camera_world = look(eye_m, target_m, up);
-  view.eye_world_m = eye_m;
+  view.T_camera_world = look(eye_world_m, target_world_m, up_world);
+  view.eye_world_m = eye_world_m;
   view.width_px = width_px;
   view.height_px = height_px;
   view.near_m = 0.05;
@@ -77,10 +77,10 @@ View perspective_view(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& targe
   return view;
 }
 
-View top_view(const Eigen::Vector2d& center_m, double span_m, double bottom_m, double top_m, int width_px,
+View top_view(const Eigen::Vector2d& center_world_m, double span_m, double bottom_m, double top_m, int width_px,
               int height_px) {
   View view;
-  view.eye_world_m = {center_m.x(), center_m.y(), top_m + 1.0};
+  view.eye_world_m = {center_world_m.x(), center_world_m.y(), top_m + 1.0};
   view.T_camera_world = look(view.eye_world_m, view.eye_world_m - Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY());
   view.width_px = width_px;
   view.height_px = height_px;
@@ -119,15 +119,16 @@ Eigen::Vector3d Cameraman::center_of(std::span<const VehicleState> states) const
   return box.isEmpty() ? bounds_m_.center() : box.center();
 }
 
-double Cameraman::distance_for_all(const Eigen::Vector3d& target, const Eigen::Vector3d& direction,
+double Cameraman::distance_for_all(const Eigen::Vector3d& target_world_m, const Eigen::Vector3d& direction_world,
                                    std::span<const VehicleState> states) const {
-  const Eigen::Matrix3d R = look(target + direction, target, Eigen::Vector3d::UnitZ()).topLeftCorner<3, 3>();
+  const Eigen::Matrix3d R =
+      look(target_world_m + direction_world, target_world_m, Eigen::Vector3d::UnitZ()).topLeftCorner<3, 3>();
   const double half_y = radians(0.5 * config_.fov_deg);
   const double half_x = std::atan(std::tan(half_y) * config_.width_px / config_.height_px);
   double distance = 0.0;
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (!looks_at(i)) continue;
-    const Eigen::Vector3d p = R * (states[i].p_world_m - target);
+    const Eigen::Vector3d p = R * (states[i].p_world_m - target_world_m);
     // A sphere touches the plane of the frustum at half angle a when |x| cos a + r = (distance - z) sin a.
     const double r = kMargin * (i < radii_m_.size() ? radii_m_[i] : 0.5);
     distance = std::max(distance, p.z() + (kMargin * std::abs(p.x()) * std::cos(half_x) + r) / std::sin(half_x));
@@ -140,9 +141,9 @@ void Cameraman::update(TimeNs t, std::span<const VehicleState> states) {
   if (config_.type != CameraConfig::Type::kFollow) return;
   const double blend = started_ ? 1.0 - std::exp(-to_seconds(t - updated_) / kSmoothing_s) : 1.0;
   const Eigen::Vector3d center = center_of(states);
-  target_m_ = started_ ? Eigen::Vector3d(target_m_ + blend * (center - target_m_)) : center;
+  target_world_m_ = started_ ? Eigen::Vector3d(target_world_m_ + blend * (center - target_world_m_)) : center;
   const double needed =
-      std::max(config_.position_m.norm(), distance_for_all(target_m_, config_.position_m.normalized(), states));
+      std::max(config_.position_m.norm(), distance_for_all(target_world_m_, config_.position_m.normalized(), states));
   distance_m_ = started_ ? distance_m_ + blend * (needed - distance_m_) : needed;
   distance_m_ = std::max(distance_m_, needed);  // inertia never loses a vehicle
   updated_ = t;
@@ -161,8 +162,8 @@ View Cameraman::follow(const PictureScene& picture) const {
   Cameraman now = *this;
   if (!started_ || updated_ < picture.t) now.update(picture.t, picture.states);
   const Eigen::Vector3d direction = config_.position_m.normalized();
-  return perspective_view(now.target_m_ + now.distance_m_ * direction, now.target_m_, config_.fov_deg, config_.width_px,
-                          config_.height_px);
+  return perspective_view(now.target_world_m_ + now.distance_m_ * direction, now.target_world_m_, config_.fov_deg,
+                          config_.width_px, config_.height_px);
 }
 
 View Cameraman::top(const PictureScene& picture) const {

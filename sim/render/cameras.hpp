@@ -30,10 +30,10 @@ struct View {
   double pixels_per_m(double depth_m) const;
 };
 
-View perspective_view(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& target_m, double fov_deg, int width_px,
-                      int height_px, const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
+View perspective_view(const Eigen::Vector3d& eye_world_m, const Eigen::Vector3d& target_world_m, double fov_deg,
+                      int width_px, int height_px, const Eigen::Vector3d& up_world = Eigen::Vector3d::UnitZ());
 /// Straight down, north up; `span_m` is the height of the area shown; sees everything in [bottom, top] in z.
-View top_view(const Eigen::Vector2d& center_m, double span_m, double bottom_m, double top_m, int width_px,
+View top_view(const Eigen::Vector2d& center_world_m, double span_m, double bottom_m, double top_m, int width_px,
               int height_px);
 
 /// Frames the pictures of one camera. Follow cameras have inertia: call update() in steps of time, then view().
@@ -54,8 +54,8 @@ class Cameraman {
   View fixed() const;
   bool looks_at(std::size_t vehicle) const { return vehicle_ == kNoVehicle || static_cast<int>(vehicle) == vehicle_; }
   Eigen::Vector3d center_of(std::span<const VehicleState> states) const;
-  /// Least distance from `target` along `direction` at which every vehicle looked at is in the picture.
-  double distance_for_all(const Eigen::Vector3d& target, const Eigen::Vector3d& direction,
+  /// Least distance from the target along the direction at which every vehicle looked at is in the picture.
+  double distance_for_all(const Eigen::Vector3d& target_world_m, const Eigen::Vector3d& direction_world,
                           std::span<const VehicleState> states) const;
 
   CameraConfig config_;
@@ -64,8 +64,8 @@ class Cameraman {
   Eigen::AlignedBox3d bounds_m_;
   bool started_ = false;
   TimeNs updated_ = 0;
-  Eigen::Vector3d target_m_ = Eigen::Vector3d::Zero();  // smoothed
-  double distance_m_ = 0.0;                             // smoothed
+  Eigen::Vector3d target_world_m_ = Eigen::Vector3d::Zero();  // smoothed
+  double distance_m_ = 0.0;                                   // smoothed
 };
 
 }  // namespace swiftlet::sim

@@ -19,8 +19,8 @@ constexpr std::size_t kLeafTriangles = 4;  // loose pieces up to this size are l
 constexpr float kCrownSize_m = 25.0F;      // leaves spread wider than this are no single crown
 
 Vector3f scaled_normal(const Mesh& mesh, const Triangle& t) {
-  const Vector3f& a = mesh.vertices_m[t[0]];
-  return (mesh.vertices_m[t[1]] - a).cross(mesh.vertices_m[t[2]] - a);
+  const Vector3f& a = mesh.vertices_mesh_m[t[0]];
+  return (mesh.vertices_mesh_m[t[1]] - a).cross(mesh.vertices_mesh_m[t[2]] - a);
 }
 
 std::array<std::int8_t, 4> pack_normal(const Vector3f& normal, float openness) {
@@ -56,7 +56,7 @@ std::vector<std::uint32_t> weld(const std::vector<Vector3f>& vertices) {
 
 /// Pieces connected by shared vertices: number of the piece for every vertex (its least vertex).
 std::vector<std::uint32_t> pieces_of(const Mesh& mesh, const std::vector<std::uint32_t>& welded) {
-  std::vector<std::uint32_t> parent(mesh.vertices_m.size());
+  std::vector<std::uint32_t> parent(mesh.vertices_mesh_m.size());
   std::iota(parent.begin(), parent.end(), 0U);
   const auto root = [&](std::uint32_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
@@ -104,7 +104,7 @@ std::vector<float> lengths_of(const Mesh& mesh, const Groups& groups) {
   for (std::size_t g = 0; g < groups.size(); ++g) {
     Eigen::AlignedBox3f box;
     for (std::uint32_t k = groups.first[g]; k < groups.first[g + 1]; ++k) {
-      for (const std::uint32_t v : mesh.triangles[groups.triangles[k]]) box.extend(mesh.vertices_m[v]);
+      for (const std::uint32_t v : mesh.triangles[groups.triangles[k]]) box.extend(mesh.vertices_mesh_m[v]);
     }
     lengths_m[g] = box.diagonal().norm();
   }
@@ -158,13 +158,13 @@ void shuffle(std::vector<std::uint32_t>& values, std::size_t begin, std::size_t 
 /// Leaves: lit by the shape of the crown they belong to, darker inside.
 void make_leaf_vertices(const Mesh& mesh, const Groups& leaves, RenderMesh& out) {
   Eigen::AlignedBox3f crown;
-  for (const Vector3f& p : mesh.vertices_m) crown.extend(p);
+  for (const Vector3f& p : mesh.vertices_mesh_m) crown.extend(p);
   const bool is_crown = crown.sizes().head<2>().maxCoeff() < kCrownSize_m;
   const Vector3f center = crown.center() - Vector3f(0, 0, 0.15F * crown.sizes().z());
   const Vector3f half = (0.5F * crown.sizes()).cwiseMax(0.05F);
 
-  out.vertices.reserve(mesh.vertices_m.size());
-  std::vector<std::uint32_t> renumbered(mesh.vertices_m.size());
+  out.vertices.reserve(mesh.vertices_mesh_m.size());
+  std::vector<std::uint32_t> renumbered(mesh.vertices_mesh_m.size());
   for (std::size_t g = 0; g < leaves.size(); ++g) {
     // The middle of the leaf and the mean of its normals, upper side up.
     Vector3f middle = Vector3f::Zero();
@@ -173,7 +173,7 @@ void make_leaf_vertices(const Mesh& mesh, const Groups& leaves, RenderMesh& out)
     const std::uint32_t end = leaves.first[g + 1];
     for (std::uint32_t k = begin; k < end; ++k) {
       const Triangle& t = mesh.triangles[leaves.triangles[k]];
-      for (const std::uint32_t v : t) middle += mesh.vertices_m[v];
+      for (const std::uint32_t v : t) middle += mesh.vertices_mesh_m[v];
       const Vector3f n = scaled_normal(mesh, t);
       normal += n.z() < 0.0F ? Vector3f(-n) : n;
     }
@@ -189,7 +189,7 @@ void make_leaf_vertices(const Mesh& mesh, const Groups& leaves, RenderMesh& out)
       for (const std::uint32_t v : mesh.triangles[leaves.triangles[k]]) {
         if (renumbered[v] != 0) continue;
         RenderVertex vertex{};
-        const Vector3f& p = mesh.vertices_m[v];
+        const Vector3f& p = mesh.vertices_mesh_m[v];
         const Vector3f offset = (p - middle) / kLeafUnit_m;
         vertex.position_m = {p.x(), p.y(), p.z()};
         vertex.normal_open = normal_open;
@@ -207,7 +207,7 @@ void make_leaf_vertices(const Mesh& mesh, const Groups& leaves, RenderMesh& out)
 
 /// Anything else: at every corner the mean normal of the triangles around that are not beyond a crease.
 void make_solid_vertices(const Mesh& mesh, const std::vector<std::uint32_t>& welded, RenderMesh& out) {
-  const std::size_t num_vertices = mesh.vertices_m.size();
+  const std::size_t num_vertices = mesh.vertices_mesh_m.size();
   std::vector<Vector3f> face_normals(mesh.triangles.size());
   std::vector<std::uint32_t> first(num_vertices + 1, 0);
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
@@ -239,7 +239,7 @@ void make_solid_vertices(const Mesh& mesh, const std::vector<std::uint32_t>& wel
       std::uint32_t found = newest[v];
       while (found != kNone && out.vertices[found].normal_open != packed) found = next[found];
       if (found == kNone) {
-        const Vector3f& p = mesh.vertices_m[v];
+        const Vector3f& p = mesh.vertices_mesh_m[v];
         found = static_cast<std::uint32_t>(out.vertices.size());
         out.vertices.push_back({{p.x(), p.y(), p.z()}, packed, {}});
         next.push_back(newest[v]);
@@ -255,7 +255,7 @@ void make_solid_vertices(const Mesh& mesh, const std::vector<std::uint32_t>& wel
 RenderMesh prepare_mesh(const Mesh& mesh) {
   RenderMesh out;
   if (mesh.triangles.empty()) return out;
-  const std::vector<std::uint32_t> welded = weld(mesh.vertices_m);
+  const std::vector<std::uint32_t> welded = weld(mesh.vertices_mesh_m);
   const bool plant =
       mesh.surface_class == SurfaceClass::kVegetation || mesh.surface_class == SurfaceClass::kUndergrowth;
   Groups groups;
@@ -289,7 +289,7 @@ RenderMesh prepare_mesh(const Mesh& mesh) {
   std::vector<std::uint32_t> order(groups.size());
   std::iota(order.begin(), order.end(), 0U);
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    centers[g] = mesh.vertices_m[mesh.triangles[groups.triangles[groups.first[g]]][0]];
+    centers[g] = mesh.vertices_mesh_m[mesh.triangles[groups.triangles[groups.first[g]]][0]];
   }
   const std::size_t limit = std::max<std::size_t>(1, kChunkTriangles * groups.size() / mesh.triangles.size());
   std::vector<std::pair<std::size_t, std::size_t>> parts;

@@ -19,14 +19,14 @@ Mesh blades_of(const VehicleShape::RotorShape& rotor) {
   constexpr float kStations[][2] = {{0.04F, 0.45F}, {0.3F, 1.0F}, {0.7F, 0.8F}, {1.0F, 0.35F}};  // radius, chord
   for (int blade = 0; blade < rotor.blades; ++blade) {
     const Eigen::AngleAxisf turn(static_cast<float>(2.0 * M_PI * blade / rotor.blades), Eigen::Vector3f::UnitZ());
-    const auto base = static_cast<std::uint32_t>(mesh.vertices_m.size());
+    const auto base = static_cast<std::uint32_t>(mesh.vertices_mesh_m.size());
     for (const auto& [radius, chord] : kStations) {
       for (const float side : {-0.5F, 0.5F}) {
         // The leading edge is higher: pitch, by the sense of rotation.
         const float tilt = 0.12F * side * chord * rotor.chord_m * rotor.direction;
         for (const float z : {-half_thickness, half_thickness}) {
-          mesh.vertices_m.push_back(turn *
-                                    Eigen::Vector3f(radius * rotor.radius_m, side * chord * rotor.chord_m, z + tilt));
+          mesh.vertices_mesh_m.push_back(
+              turn * Eigen::Vector3f(radius * rotor.radius_m, side * chord * rotor.chord_m, z + tilt));
         }
       }
     }
@@ -119,7 +119,7 @@ void VehiclePainter::draw_one(std::size_t vehicle, const VehicleState& state, do
   for (std::size_t r = 0; r < vehicles_[vehicle].rotors.size(); ++r) {
     const PlacedRotor& rotor = vehicles_[vehicle].rotors[r];
     const double angle = r < kMaxRotors ? std::fmod(state.rotor_angle_rad[r], 2.0 * M_PI) : 0.0;
-    draw_part(rotor.blades, T_world_body * Eigen::Translation3f(rotor.shape.hub_m) *
+    draw_part(rotor.blades, T_world_body * Eigen::Translation3f(rotor.shape.hub_body_m) *
                                 Eigen::AngleAxisf(static_cast<float>(angle), Eigen::Vector3f::UnitZ()));
   }
 }
@@ -136,7 +136,7 @@ void VehiclePainter::append_discs(const View& view, std::span<const VehicleState
     if (static_cast<VehicleId>(v) == hidden) continue;
     for (std::size_t r = 0; r < std::min<std::size_t>(vehicles_[v].rotors.size(), kMaxRotors); ++r) {
       if (states[v].rotor_speed_radps[r] < kDiscSpeed_radps) continue;
-      const Eigen::Vector3f hub = pose_of(states[v], scale) * vehicles_[v].rotors[r].shape.hub_m;
+      const Eigen::Vector3f hub = pose_of(states[v], scale) * vehicles_[v].rotors[r].shape.hub_body_m;
       discs.push_back({(hub.cast<double>() - view.eye_world_m).norm(), v, r});
     }
   }
@@ -149,9 +149,9 @@ void VehiclePainter::append_discs(const View& view, std::span<const VehicleState
     const Eigen::Matrix4f clip_body = clip_world * pose_of(states[disc.vehicle], scale).matrix();
     const Rgb color = 0.35F * vehicle_color(static_cast<VehicleId>(disc.vehicle)) + Rgb::Constant(0.42F);
     const auto corner = [&](double angle, float radius_share, float alpha) {
-      const Eigen::Vector3f p = rotor.hub_m + radius_share * rotor.radius_m *
-                                                  Eigen::Vector3f(static_cast<float>(std::cos(angle)),
-                                                                  static_cast<float>(std::sin(angle)), 0.0F);
+      const Eigen::Vector3f p = rotor.hub_body_m + radius_share * rotor.radius_m *
+                                                       Eigen::Vector3f(static_cast<float>(std::cos(angle)),
+                                                                       static_cast<float>(std::sin(angle)), 0.0F);
       return ClipVertex{clip_body * p.homogeneous(), with_alpha(color, alpha)};
     };
     for (int i = 0; i < kDiscSegments; ++i) {

@@ -43,9 +43,9 @@ double num_surface_points(const Scene& scene, double spacing_m) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (const auto& triangle : mesh.triangles) {
-      const Eigen::Vector3f a = instance.T_world_mesh * mesh.vertices_m[triangle[0]];
-      const Eigen::Vector3f u = instance.T_world_mesh * mesh.vertices_m[triangle[1]] - a;
-      const Eigen::Vector3f v = instance.T_world_mesh * mesh.vertices_m[triangle[2]] - a;
+      const Eigen::Vector3f a = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[0]];
+      const Eigen::Vector3f u = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[1]] - a;
+      const Eigen::Vector3f v = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[2]] - a;
       const double n = samples_of(u, v, spacing_m);
       count += 0.5 * (n + 1.0) * (n + 2.0);
     }
@@ -63,9 +63,9 @@ void append_surface_points(const Scene& scene, double spacing_m, const std::stri
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (const auto& triangle : mesh.triangles) {
-      const Eigen::Vector3f a = instance.T_world_mesh * mesh.vertices_m[triangle[0]];
-      const Eigen::Vector3f u = instance.T_world_mesh * mesh.vertices_m[triangle[1]] - a;
-      const Eigen::Vector3f v = instance.T_world_mesh * mesh.vertices_m[triangle[2]] - a;
+      const Eigen::Vector3f a = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[0]];
+      const Eigen::Vector3f u = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[1]] - a;
+      const Eigen::Vector3f v = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[2]] - a;
       const int n = samples_of(u, v, spacing_m);
       for (int i = 0; i <= n; ++i) {
         for (int j = 0; i + j <= n; ++j) {
@@ -81,16 +81,16 @@ std::shared_ptr<const PriorMap> make_prior_map(const PriorConfig& config, double
                                                const std::string& key) {
   auto prior = std::make_shared<PriorMap>();
   const double spacing_m = voxel_m / kSamplesPerVoxel;
-  if (!config.occupied.empty()) append_cloud(config.occupied, prior->occupied_m);
-  if (!config.free.empty()) append_cloud(config.free, prior->free_m);
-  if (!config.recorded.empty()) append_recorded(config.recorded, prior->occupied_m);
+  if (!config.occupied.empty()) append_cloud(config.occupied, prior->occupied_world_m);
+  if (!config.free.empty()) append_cloud(config.free, prior->free_world_m);
+  if (!config.recorded.empty()) append_recorded(config.recorded, prior->occupied_world_m);
   if (!config.mesh.empty()) {
     MeshImportConfig mesh;
     mesh.file = config.mesh;
-    append_surface_points(make_mesh_import(mesh, 0), spacing_m, key + ".mesh", prior->occupied_m);
+    append_surface_points(make_mesh_import(mesh, 0), spacing_m, key + ".mesh", prior->occupied_world_m);
   }
-  if (config.world) append_surface_points(world, spacing_m, key + ".world", prior->occupied_m);
-  if (prior->occupied_m.empty() && prior->free_m.empty()) return nullptr;
+  if (config.world) append_surface_points(world, spacing_m, key + ".world", prior->occupied_world_m);
+  if (prior->occupied_world_m.empty() && prior->free_world_m.empty()) return nullptr;
   return prior;
 }
 

@@ -23,13 +23,13 @@ std::vector<Vector3> hull_points(const VehicleShape& shape) {
   std::vector<Vector3> points;
   for (const Mesh& mesh : shape.meshes) {
     if (mesh.part == VehiclePart::kSensor) continue;
-    for (const Eigen::Vector3f& vertex : mesh.vertices_m) points.push_back(vertex.cast<double>());
+    for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) points.push_back(vertex.cast<double>());
   }
   for (const VehicleShape::RotorShape& rotor : shape.rotors) {
     const double around_m = rotor.radius_m / elementary::cos(std::numbers::pi / kRimPoints);
     for (int i = 0; i < kRimPoints; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / kRimPoints;
-      points.push_back(rotor.hub_m.cast<double>() +
+      points.push_back(rotor.hub_body_m.cast<double>() +
                        around_m * Vector3(elementary::cos(angle), elementary::sin(angle), 0.0));
     }
   }

@@ -21,8 +21,8 @@ void NeighborsConfig::visit(ConfigVisitor& v) {
   visit_name(v);
   v.field("rate_hz", rate_hz, "[Hz] samples per second", Range::between(1e-3, 1e5));
   v.field("ideal", ideal, "[-] the truth of all other vehicles, without anything below but the latency");
-  v.field("range_max_m", range_max_m, "[m] nobody is seen beyond", Range::positive());
-  v.field("range_min_m", range_min_m, "[m] nobody is seen nearer", Range::non_negative());
+  v.field("range_max_m", range_max_m, "[m] vehicles farther than this are not seen", Range::positive());
+  v.field("range_min_m", range_min_m, "[m] vehicles nearer than this are not seen", Range::non_negative());
   v.field("sigma_bearing_deg", sigma_bearing_deg, "[deg] standard deviation of the bearing by tangential axis",
           Range::non_negative());
   v.field("sigma_range_m", sigma_range_m, "[m] standard deviation of the range, constant part", Range::non_negative());

@@ -245,7 +245,7 @@ void add_cars(SceneBuilder& scene, const CampusConfig& config, std::uint64_t see
   Mesh body, cabin, wheels;
   add_box(body, Vector3f(-2.15F, -0.88F, 0.25F), Vector3f(2.15F, 0.88F, 0.85F));
   add_box(cabin, Vector3f(-1.7F, -0.85F, 0.85F), Vector3f(1.2F, 0.85F, 1.45F));
-  for (Vector3f& vertex : cabin.vertices_m) {  // narrower towards the roof
+  for (Vector3f& vertex : cabin.vertices_mesh_m) {  // narrower towards the roof
     if (vertex.z() > 1.0F) vertex.head<2>() = Eigen::Vector2f(0.62F * vertex.x() - 0.1F, 0.8F * vertex.y());
   }
   for (const float x : {-1.35F, 1.35F}) {

@@ -32,7 +32,7 @@ std::uint8_t to_byte(float unit) {
 
 std::size_t num_vertices(const Scene& scene) {
   std::size_t count = 0;
-  for (const Instance& instance : scene.instances) count += scene.meshes[instance.mesh].vertices_m.size();
+  for (const Instance& instance : scene.instances) count += scene.meshes[instance.mesh].vertices_mesh_m.size();
   return count;
 }
 
@@ -52,7 +52,7 @@ void write_ply(const Scene& scene, OutputFile& file) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     const Material& material = scene.materials[mesh.material];
-    for (const Eigen::Vector3f& vertex : mesh.vertices_m) {
+    for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) {
       const Eigen::Vector3f p = instance.T_world_mesh * vertex;
       row.clear();
       for (int axis = 0; axis < 3; ++axis) row.put(p[axis]);
@@ -73,7 +73,7 @@ void write_ply(const Scene& scene, OutputFile& file) {
       for (const std::uint32_t corner : triangle) row.put(static_cast<std::int32_t>(first + corner));
       file.append(row.bytes());
     }
-    first += static_cast<std::int32_t>(mesh.vertices_m.size());
+    first += static_cast<std::int32_t>(mesh.vertices_mesh_m.size());
   }
 }
 
@@ -105,7 +105,7 @@ void write_obj(const Scene& scene, const std::string& mtl_name, OutputFile& file
     const Mesh& mesh = scene.meshes[instance.mesh];
     buffer += std::string("o ") + name_of(mesh.surface_class) + "_" + std::to_string(instance.instance) + "_" +
               std::to_string(i) + "\nusemtl " + scene.materials[mesh.material].name + "\n";
-    for (const Eigen::Vector3f& vertex : mesh.vertices_m) {
+    for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) {
       const Eigen::Vector3f p = instance.T_world_mesh * vertex;
       buffer += 'v';
       for (int axis = 0; axis < 3; ++axis) {
@@ -124,7 +124,7 @@ void write_obj(const Scene& scene, const std::string& mtl_name, OutputFile& file
       buffer += '\n';
       flush(file, buffer);
     }
-    first += mesh.vertices_m.size();
+    first += mesh.vertices_mesh_m.size();
   }
   file.append(buffer);
 }
@@ -142,7 +142,8 @@ void write_objects(const Scene& scene, OutputFile& file) {
   buffer += '\n';
   for (const WorldObject& object : scene.objects) {
     buffer += std::string(name_of(object.surface_class)) + ',' + std::to_string(object.instance) + ',' + object.kind;
-    for (const double value : {object.position_m.x(), object.position_m.y(), object.position_m.z(), object.yaw_rad}) {
+    for (const double value :
+         {object.position_world_m.x(), object.position_world_m.y(), object.position_world_m.z(), object.yaw_rad}) {
       buffer += ',';
       append_number(buffer, value);
     }

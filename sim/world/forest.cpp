@@ -186,7 +186,7 @@ void add_rocks(SceneBuilder& scene, const ForestConfig& config, std::uint64_t se
     Mesh mesh;
     add_icosphere(mesh, Vector3f::Zero(), 1.0F, 1);
     const Vector3d foot_m = on_ground(relief, place_m);
-    for (Vector3f& vertex : mesh.vertices_m) {
+    for (Vector3f& vertex : mesh.vertices_mesh_m) {
       vertex *= static_cast<float>(dice.uniform(0.85, 1.1));
       vertex = vertex.cwiseProduct(scale) + foot_m.cast<float>();
     }
@@ -221,7 +221,7 @@ void ForestConfig::visit(ConfigVisitor& v) {
           "[m^2/m^3] one-sided leaf area in a volume of crown; a ray passes a crown of depth s with probability "
           "exp(-density s / 2)",
           Range::between(0.0, 10.0));
-  v.field("variants", variants, "[-] different trees of a species; the others are scaled and turned copies",
+  v.field("variants", variants, "[-] different trees of a species; all further trees are scaled and turned copies",
           Range::between(1, 200));
   v.field("bushes_per_ha", bushes_per_ha, "[1/ha]", Range::non_negative());
   v.field("grass_per_ha", grass_per_ha, "[1/ha] clumps of grass", Range::non_negative());

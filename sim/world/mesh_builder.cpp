@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-std::uint32_t next_vertex(const Mesh& mesh) { return static_cast<std::uint32_t>(mesh.vertices_m.size()); }
+std::uint32_t next_vertex(const Mesh& mesh) { return static_cast<std::uint32_t>(mesh.vertices_mesh_m.size()); }
 
 void add_box_triangles(Mesh& mesh, std::uint32_t first) {
   // Corner i has x, y, z at its maximum where bits 0, 1, 2 are set.
@@ -33,17 +33,17 @@ float equal_area_circumradius(int sides) {
 Mesh make_unit_icosphere(int subdivisions) {
   Mesh mesh;
   const float phi = static_cast<float>((1.0 + std::sqrt(5.0)) / 2.0);
-  mesh.vertices_m = {{-1, phi, 0},  {1, phi, 0},  {-1, -phi, 0}, {1, -phi, 0}, {0, -1, phi},  {0, 1, phi},
-                     {0, -1, -phi}, {0, 1, -phi}, {phi, 0, -1},  {phi, 0, 1},  {-phi, 0, -1}, {-phi, 0, 1}};
+  mesh.vertices_mesh_m = {{-1, phi, 0},  {1, phi, 0},  {-1, -phi, 0}, {1, -phi, 0}, {0, -1, phi},  {0, 1, phi},
+                          {0, -1, -phi}, {0, 1, -phi}, {phi, 0, -1},  {phi, 0, 1},  {-phi, 0, -1}, {-phi, 0, 1}};
   mesh.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                     {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                     {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-  for (Vector3f& vertex : mesh.vertices_m) vertex.normalize();
+  for (Vector3f& vertex : mesh.vertices_mesh_m) vertex.normalize();
   for (int i = 0; i < subdivisions; ++i) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
       const auto [place, is_new] = middles.try_emplace(std::minmax(a, b), next_vertex(mesh));
-      if (is_new) mesh.vertices_m.push_back((mesh.vertices_m[a] + mesh.vertices_m[b]).normalized());
+      if (is_new) mesh.vertices_mesh_m.push_back((mesh.vertices_mesh_m[a] + mesh.vertices_mesh_m[b]).normalized());
       return place->second;
     };
     std::vector<std::array<std::uint32_t, 3>> finer;
@@ -57,7 +57,7 @@ Mesh make_unit_icosphere(int subdivisions) {
     mesh.triangles = std::move(finer);
   }
   const double to_unit_volume = elementary::cbrt(4.0 / 3.0 * std::numbers::pi / signed_volume_m3(mesh));
-  for (Vector3f& vertex : mesh.vertices_m) vertex *= static_cast<float>(to_unit_volume);
+  for (Vector3f& vertex : mesh.vertices_mesh_m) vertex *= static_cast<float>(to_unit_volume);
   return mesh;
 }
 
@@ -65,13 +65,13 @@ Mesh make_unit_icosphere(int subdivisions) {
 
 void add_triangle(Mesh& mesh, const Vector3f& a, const Vector3f& b, const Vector3f& c) {
   const std::uint32_t first = next_vertex(mesh);
-  mesh.vertices_m.insert(mesh.vertices_m.end(), {a, b, c});
+  mesh.vertices_mesh_m.insert(mesh.vertices_mesh_m.end(), {a, b, c});
   mesh.triangles.push_back({first, first + 1, first + 2});
 }
 
 void add_quad(Mesh& mesh, const Vector3f& a, const Vector3f& b, const Vector3f& c, const Vector3f& d) {
   const std::uint32_t first = next_vertex(mesh);
-  mesh.vertices_m.insert(mesh.vertices_m.end(), {a, b, c, d});
+  mesh.vertices_mesh_m.insert(mesh.vertices_mesh_m.end(), {a, b, c, d});
   mesh.triangles.push_back({first, first + 1, first + 2});
   mesh.triangles.push_back({first, first + 2, first + 3});
 }
@@ -79,8 +79,8 @@ void add_quad(Mesh& mesh, const Vector3f& a, const Vector3f& b, const Vector3f& 
 void add_box(Mesh& mesh, const Vector3f& min_m, const Vector3f& max_m) {
   const std::uint32_t first = next_vertex(mesh);
   for (int i = 0; i < 8; ++i) {
-    mesh.vertices_m.emplace_back(i & 1 ? max_m.x() : min_m.x(), i & 2 ? max_m.y() : min_m.y(),
-                                 i & 4 ? max_m.z() : min_m.z());
+    mesh.vertices_mesh_m.emplace_back(i & 1 ? max_m.x() : min_m.x(), i & 2 ? max_m.y() : min_m.y(),
+                                      i & 4 ? max_m.z() : min_m.z());
   }
   add_box_triangles(mesh, first);
 }
@@ -89,7 +89,7 @@ void add_box(Mesh& mesh, const Eigen::Affine3f& T, const Vector3f& size_m) {
   const std::uint32_t first = next_vertex(mesh);
   for (int i = 0; i < 8; ++i) {
     const Vector3f sign(i & 1 ? 0.5F : -0.5F, i & 2 ? 0.5F : -0.5F, i & 4 ? 0.5F : -0.5F);
-    mesh.vertices_m.push_back(T * sign.cwiseProduct(size_m));
+    mesh.vertices_mesh_m.push_back(T * sign.cwiseProduct(size_m));
   }
   add_box_triangles(mesh, first);
 }
@@ -112,7 +112,7 @@ void add_tube(Mesh& mesh, std::span<const Vector3f> points_m, std::span<const fl
     for (std::uint32_t k = 0; k < num_sides; ++k) {
       const float angle_rad = step_rad * static_cast<float>(k);
       const Vector3f radial = elementary::cos(angle_rad) * side + elementary::sin(angle_rad) * up;
-      mesh.vertices_m.push_back(points_m[ring] + circumradius * radii_m[ring] * radial);
+      mesh.vertices_mesh_m.push_back(points_m[ring] + circumradius * radii_m[ring] * radial);
     }
   }
   for (std::uint32_t ring = 0; ring + 1 < num_rings; ++ring) {
@@ -150,9 +150,9 @@ void add_heightfield(Mesh& mesh, const Eigen::Vector2f& origin_m, const Eigen::V
   const auto at = [&](int column, int row) { return first + static_cast<std::uint32_t>(row * columns + column); };
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      mesh.vertices_m.emplace_back(origin_m.x() + cell_m.x() * static_cast<float>(column),
-                                   origin_m.y() + cell_m.y() * static_cast<float>(row),
-                                   heights_m[static_cast<std::size_t>(row) * columns + column]);
+      mesh.vertices_mesh_m.emplace_back(origin_m.x() + cell_m.x() * static_cast<float>(column),
+                                        origin_m.y() + cell_m.y() * static_cast<float>(row),
+                                        heights_m[static_cast<std::size_t>(row) * columns + column]);
     }
   }
   for (int row = 0; row + 1 < rows; ++row) {
@@ -165,16 +165,16 @@ void add_heightfield(Mesh& mesh, const Eigen::Vector2f& origin_m, const Eigen::V
 
 void append(Mesh& mesh, const Mesh& other, const Eigen::Affine3f& T) {
   const std::uint32_t first = next_vertex(mesh);
-  for (const Vector3f& vertex : other.vertices_m) mesh.vertices_m.push_back(T * vertex);
+  for (const Vector3f& vertex : other.vertices_mesh_m) mesh.vertices_mesh_m.push_back(T * vertex);
   for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
 }
 
 double signed_volume_m3(const Mesh& mesh) {
   double volume_m3 = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
-    const Eigen::Vector3d p = mesh.vertices_m[a].cast<double>();
-    const Eigen::Vector3d q = mesh.vertices_m[b].cast<double>();
-    const Eigen::Vector3d r = mesh.vertices_m[c].cast<double>();
+    const Eigen::Vector3d p = mesh.vertices_mesh_m[a].cast<double>();
+    const Eigen::Vector3d q = mesh.vertices_mesh_m[b].cast<double>();
+    const Eigen::Vector3d r = mesh.vertices_mesh_m[c].cast<double>();
     volume_m3 += p.dot(q.cross(r)) / 6.0;
   }
   return volume_m3;
@@ -183,15 +183,15 @@ double signed_volume_m3(const Mesh& mesh) {
 double area_m2(const Mesh& mesh) {
   double area = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
-    const Vector3f& origin = mesh.vertices_m[a];
-    area += 0.5 * (mesh.vertices_m[b] - origin).cross(mesh.vertices_m[c] - origin).norm();
+    const Vector3f& origin = mesh.vertices_mesh_m[a];
+    area += 0.5 * (mesh.vertices_mesh_m[b] - origin).cross(mesh.vertices_mesh_m[c] - origin).norm();
   }
   return area;
 }
 
 Eigen::AlignedBox3f bounds_m(const Mesh& mesh) {
   Eigen::AlignedBox3f box;
-  for (const Vector3f& vertex : mesh.vertices_m) box.extend(vertex);
+  for (const Vector3f& vertex : mesh.vertices_mesh_m) box.extend(vertex);
   return box;
 }
 

@@ -127,11 +127,11 @@ Eigen::Affine3f placement(const MeshImportConfig& config) {
 
 Mesh convert(const fs::path& file, const aiMesh& source) {
   Mesh mesh;
-  mesh.vertices_m.reserve(source.mNumVertices);
+  mesh.vertices_mesh_m.reserve(source.mNumVertices);
   for (unsigned i = 0; i < source.mNumVertices; ++i) {
     const aiVector3D& p = source.mVertices[i];
-    mesh.vertices_m.emplace_back(p.x, p.y, p.z);
-    if (!mesh.vertices_m.back().allFinite())
+    mesh.vertices_mesh_m.emplace_back(p.x, p.y, p.z);
+    if (!mesh.vertices_mesh_m.back().allFinite())
       reject_file(file, "expected finite coordinates, vertex " + std::to_string(i) + " has others");
   }
   for (unsigned i = 0; i < source.mNumFaces; ++i) {

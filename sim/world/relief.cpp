@@ -55,9 +55,9 @@ double Relief::height_m(double x_m, double y_m) const {
   return config_.amplitude_m * sum / sum_of_weights;
 }
 
-Mesh make_ground(const Relief& relief, bool flat, const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m,
-                 double cell_m) {
-  const Eigen::Vector2d size_m = max_m - min_m;
+Mesh make_ground(const Relief& relief, bool flat, const Eigen::Vector2d& min_world_m,
+                 const Eigen::Vector2d& max_world_m, double cell_m) {
+  const Eigen::Vector2d size_m = max_world_m - min_world_m;
   const auto cells = [&](double length_m) {
     return flat ? 1 : std::max(1, static_cast<int>(std::ceil(length_m / cell_m)));
   };
@@ -68,11 +68,11 @@ Mesh make_ground(const Relief& relief, bool flat, const Eigen::Vector2d& min_m, 
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       heights_m[static_cast<std::size_t>(row) * columns + column] =
-          static_cast<float>(relief.height_m(min_m.x() + column * cell.x(), min_m.y() + row * cell.y()));
+          static_cast<float>(relief.height_m(min_world_m.x() + column * cell.x(), min_world_m.y() + row * cell.y()));
     }
   }
   Mesh mesh;
-  add_heightfield(mesh, min_m.cast<float>(), cell.cast<float>(), columns, rows, heights_m);
+  add_heightfield(mesh, min_world_m.cast<float>(), cell.cast<float>(), columns, rows, heights_m);
   return mesh;
 }
 

@@ -58,7 +58,7 @@ Scene SceneBuilder::finish() {
   scene_.meshes = std::move(used);
 
   for (const Instance& instance : scene_.instances) {
-    for (const Eigen::Vector3f& vertex : scene_.meshes[instance.mesh].vertices_m) {
+    for (const Eigen::Vector3f& vertex : scene_.meshes[instance.mesh].vertices_mesh_m) {
       scene_.bounds_m.extend((instance.T_world_mesh * vertex).cast<double>());
     }
   }
@@ -67,9 +67,9 @@ Scene SceneBuilder::finish() {
   return scene;
 }
 
-Eigen::Affine3f transform(const Eigen::Vector3f& position_m, float yaw_rad, const Eigen::Vector3f& scale) {
+Eigen::Affine3f transform(const Eigen::Vector3f& position_world_m, float yaw_rad, const Eigen::Vector3f& scale) {
   Eigen::Affine3f T = Eigen::Affine3f::Identity();
-  T.translate(position_m).rotate(Eigen::AngleAxisf(yaw_rad, Eigen::Vector3f::UnitZ())).scale(scale);
+  T.translate(position_world_m).rotate(Eigen::AngleAxisf(yaw_rad, Eigen::Vector3f::UnitZ())).scale(scale);
   return T;
 }
 

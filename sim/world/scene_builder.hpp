@@ -31,7 +31,7 @@ class SceneBuilder {
 };
 
 /// Turn about the vertical, then shift.
-Eigen::Affine3f transform(const Eigen::Vector3f& position_m, float yaw_rad = 0.0F,
+Eigen::Affine3f transform(const Eigen::Vector3f& position_world_m, float yaw_rad = 0.0F,
                           const Eigen::Vector3f& scale = Eigen::Vector3f::Ones());
 
 }  // namespace swiftlet::sim

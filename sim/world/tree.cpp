@@ -183,9 +183,9 @@ Mesh make_leaves(const Crown& crown, const TreeOptions& options, Dice& dice) {
     const double z_m = dice.uniform(crown.base_m, crown.top_m);
     const double x_m = dice.uniform(-crown.radius_m, crown.radius_m);
     const double y_m = dice.uniform(-crown.radius_m, crown.radius_m);
-    const Vector3d point_m = axis_point(crown, z_m) + Vector3d(x_m, y_m, 0);
-    if (!crown.contains(point_m)) continue;
-    add_leaf(mesh, point_m.cast<float>(), size_m, is_rhombus, dice);
+    const Vector3d point_tree_m = axis_point(crown, z_m) + Vector3d(x_m, y_m, 0);
+    if (!crown.contains(point_tree_m)) continue;
+    add_leaf(mesh, point_tree_m.cast<float>(), size_m, is_rhombus, dice);
     ++i;
   }
   return mesh;
@@ -223,10 +223,10 @@ double Crown::inner_radius_m(double z_m) const {
   return (species == Species::kBroadleaf ? 0.35 : 0.2) * outer_radius_m(z_m);
 }
 
-bool Crown::contains(const Vector3d& point_m) const {
-  if (point_m.z() < base_m || point_m.z() > top_m) return false;
-  const double radius = (point_m - axis_point(*this, point_m.z())).norm();
-  return radius <= outer_radius_m(point_m.z()) && radius >= inner_radius_m(point_m.z());
+bool Crown::contains(const Vector3d& point_tree_m) const {
+  if (point_tree_m.z() < base_m || point_tree_m.z() > top_m) return false;
+  const double radius = (point_tree_m - axis_point(*this, point_tree_m.z())).norm();
+  return radius <= outer_radius_m(point_tree_m.z()) && radius >= inner_radius_m(point_tree_m.z());
 }
 
 Tree make_tree(Species species, double dbh_m, const TreeOptions& options, Dice dice) {
@@ -262,7 +262,7 @@ TreeStock::TreeStock(SceneBuilder& scene, Species species, std::vector<double> d
     // Branches and leaf clusters stick out of the crown's body a little: the truth tells where they really end.
     kind.crown_base_m = std::min<double>(tree.crown.base_m, bounds_m(tree.leaves).min().z());
     for (const Mesh* mesh : {&tree.trunk, &tree.branches, &tree.leaves}) {
-      for (const Vector3f& vertex : mesh->vertices_m)
+      for (const Vector3f& vertex : mesh->vertices_mesh_m)
         kind.reach_m = std::max<double>(kind.reach_m, vertex.head<2>().norm());
     }
     kind.trunk = scene.add_mesh(std::move(tree.trunk), law.bark(), SurfaceClass::kTrunk);
@@ -290,20 +290,20 @@ TreeStock::Measures TreeStock::measures(double dbh_m, double height_factor) cons
   return {height_m, vertical * kind.crown_base_m, horizontal_scale(kind, dbh_m, vertical) * kind.reach_m};
 }
 
-void TreeStock::place(SceneBuilder& scene, const Vector3d& foot_m, double dbh_m, double height_factor,
+void TreeStock::place(SceneBuilder& scene, const Vector3d& foot_world_m, double dbh_m, double height_factor,
                       double yaw_rad) const {
   const Kind& kind = nearest(dbh_m);
   const double height_m = height_factor * height_by_diameter_m(species_, dbh_m);
   const double vertical = height_m / kind.height_m;
   const double horizontal = horizontal_scale(kind, dbh_m, vertical);
   const Vector3f scale = Vector3d(horizontal, horizontal, vertical).cast<float>();
-  const Eigen::Affine3f T_world_tree = transform(foot_m.cast<float>(), static_cast<float>(yaw_rad), scale);
+  const Eigen::Affine3f T_world_tree = transform(foot_world_m.cast<float>(), static_cast<float>(yaw_rad), scale);
   const std::uint16_t instance = scene.next_instance(SurfaceClass::kTrunk);
   for (const std::uint32_t mesh : {kind.trunk, kind.branches, kind.leaves}) scene.place(mesh, instance, T_world_tree);
   scene.add_object({instance,
                     SurfaceClass::kTrunk,
                     name_of(species_),
-                    foot_m,
+                    foot_world_m,
                     yaw_rad,
                     {{"dbh_m", dbh_m},
                      {"height_m", height_m},

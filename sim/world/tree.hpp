@@ -34,7 +34,7 @@ struct Crown {
 
   double outer_radius_m(double z_m) const;
   double inner_radius_m(double z_m) const;  ///< leafless heart
-  bool contains(const Eigen::Vector3d& point_m) const;
+  bool contains(const Eigen::Vector3d& point_tree_m) const;
 };
 
 /// One tree in meters, its foot at the origin.
@@ -65,7 +65,7 @@ class TreeStock {
   };
   Measures measures(double dbh_m, double height_factor) const;
   /// Adds trunk, branches and leaves as one instance, and the entry of the stem map.
-  void place(SceneBuilder& scene, const Eigen::Vector3d& foot_m, double dbh_m, double height_factor,
+  void place(SceneBuilder& scene, const Eigen::Vector3d& foot_world_m, double dbh_m, double height_factor,
              double yaw_rad) const;
 
  private:

@@ -19,12 +19,12 @@ void TwoRoomsGapConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("gap_height_m", gap_height_m, "[m] height of the gap; 0: up to the ceiling", Range::non_negative());
   v.field("gap_offset_m", gap_offset_m, "[m] the rooms are shifted by this along the wall with the gap");
-  v.field("room_size_m", room_size_m, "[m] inner size of each room: along the way through the gap, across it",
+  v.field("room_size_m", room_size_m, "[m] inner size of each room: along the path through the gap, and across it",
           Range::positive());
   v.field("height_m", height_m, "[m] inner height", Range::positive());
   v.field("wall_thickness_m", wall_thickness_m, "[m]", Range::positive());
   v.field("ceiling", ceiling, "[-] with a ceiling");
-  v.field("yaw_deg", yaw_deg, "[deg] direction of the way through the gap, in the world");
+  v.field("yaw_deg", yaw_deg, "[deg] direction of the path through the gap, in the world");
   v.field("random_yaw", random_yaw, "[-] a direction drawn from the seed is added to yaw_deg");
   v.field("position_m", position_m, "[m] center of the gap, x and y in the world");
   v.check(gap_width() + 2.0 * std::abs(gap_offset_m) < room_size_m.y(), "gap_width_m", "a gap that fits into its wall");

@@ -59,7 +59,7 @@ Mesh make_grass(double detail, Dice dice) {
 
 double horizontal_reach_m(const Mesh& mesh) {
   double reach = 0.0;
-  for (const Vector3f& vertex : mesh.vertices_m) reach = std::max<double>(reach, vertex.head<2>().norm());
+  for (const Vector3f& vertex : mesh.vertices_mesh_m) reach = std::max<double>(reach, vertex.head<2>().norm());
   return reach;
 }
 
@@ -80,18 +80,18 @@ double UndergrowthStock::reach_m(Kind kind, double scale) const {
   return scale * (kind == Kind::kBush ? bush_reach_m_ : grass_reach_m_);
 }
 
-void UndergrowthStock::place(SceneBuilder& scene, Kind kind, const Eigen::Vector3d& foot_m, double scale,
+void UndergrowthStock::place(SceneBuilder& scene, Kind kind, const Eigen::Vector3d& foot_world_m, double scale,
                              Dice& dice) const {
   const std::uint32_t mesh = (kind == Kind::kBush ? bushes_ : grass_)[dice.pick(kVariants)];
   const std::uint16_t instance = scene.next_instance(SurfaceClass::kUndergrowth);
   const double yaw_rad = dice.angle_rad();
-  scene.place(
-      mesh, instance,
-      transform(foot_m.cast<float>(), static_cast<float>(yaw_rad), Vector3f::Constant(static_cast<float>(scale))));
+  scene.place(mesh, instance,
+              transform(foot_world_m.cast<float>(), static_cast<float>(yaw_rad),
+                        Vector3f::Constant(static_cast<float>(scale))));
   scene.add_object({instance,
                     SurfaceClass::kUndergrowth,
                     kind == Kind::kBush ? "bush" : "grass",
-                    foot_m,
+                    foot_world_m,
                     yaw_rad,
                     {{"scale", scale}}});
 }

@@ -14,7 +14,7 @@ class UndergrowthStock {
   enum class Kind { kBush, kGrass };
   /// Farthest that a plant of this scale reaches from its foot [m].
   double reach_m(Kind kind, double scale) const;
-  void place(SceneBuilder& scene, Kind kind, const Eigen::Vector3d& foot_m, double scale, Dice& dice) const;
+  void place(SceneBuilder& scene, Kind kind, const Eigen::Vector3d& foot_world_m, double scale, Dice& dice) const;
 
  private:
   std::vector<std::uint32_t> bushes_, grass_;

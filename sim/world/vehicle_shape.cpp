@@ -105,10 +105,11 @@ void add_sensor(VehicleShape& shape, const Airframe& airframe, float arm_z_m) {
 float reach_m(const VehicleShape& shape) {
   float reach = 0.0F;
   for (const Mesh& mesh : shape.meshes) {
-    for (const Vector3f& vertex : mesh.vertices_m) reach = std::max(reach, vertex.norm());
+    for (const Vector3f& vertex : mesh.vertices_mesh_m) reach = std::max(reach, vertex.norm());
   }
   for (const VehicleShape::RotorShape& rotor : shape.rotors) {
-    reach = std::max(reach, elementary::hypot(rotor.hub_m.head<2>().norm() + rotor.radius_m, rotor.hub_m.z()));
+    reach =
+        std::max(reach, elementary::hypot(rotor.hub_body_m.head<2>().norm() + rotor.radius_m, rotor.hub_body_m.z()));
   }
   return reach;
 }

@@ -3,7 +3,7 @@
 
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/agent/stack.hpp"
-#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/control/reference_governor.hpp"
 #include "swiftlet/core/localization/ins.hpp"
 #include "swiftlet/core/stages/estimators.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
@@ -56,18 +56,18 @@ void stack(benchmark::State& state, const char* guidance) {
 BENCHMARK_CAPTURE(stack, hover, "hover");
 BENCHMARK_CAPTURE(stack, agile, "agile");
 
-void reference_tracker(benchmark::State& state) {
+void reference_governor(benchmark::State& state) {
   MotionLimitsConfig limits;
-  ReferenceTracker tracker(limits.resolve());
-  tracker.reset({});
+  ReferenceGovernor governor(limits.resolve());
+  governor.reset({});
   Reference goal;
   int i = 0;
   for (auto _ : state) {
     if (++i % 2000 == 0) goal.position_m = Vector3(i % 3, i % 5, i % 7) * 3.0;
-    benchmark::DoNotOptimize(tracker.step(goal, 0.004));
+    benchmark::DoNotOptimize(governor.step(goal, 0.004));
   }
 }
-BENCHMARK(reference_tracker);
+BENCHMARK(reference_governor);
 
 void controller(benchmark::State& state) {
   MultirotorController controller(testing::x500(), {}, 0.004);

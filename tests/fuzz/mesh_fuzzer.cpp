@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const sim::Mesh& mesh : scene.meshes) {
       for (const auto& triangle : mesh.triangles) {
         for (const auto corner : triangle) {
-          if (corner >= mesh.vertices_m.size()) std::abort();
+          if (corner >= mesh.vertices_mesh_m.size()) std::abort();
         }
       }
     }

@@ -74,12 +74,13 @@ class TestScene {
     add_mesh(v, triangles, surface_class, instance, material);
   }
 
-  void add_mesh(std::vector<Eigen::Vector3f> vertices_m, std::vector<std::array<std::uint32_t, 3>> triangles,
+  void add_mesh(std::vector<Eigen::Vector3f> vertices_mesh_m, std::vector<std::array<std::uint32_t, 3>> triangles,
                 SurfaceClass surface_class, std::uint16_t instance, std::uint32_t material) {
-    for (const Eigen::Vector3f& v : vertices_m) scene_.bounds_m.extend(v.cast<double>());
+    for (const Eigen::Vector3f& v : vertices_mesh_m) scene_.bounds_m.extend(v.cast<double>());
     scene_.instances.push_back(
         {static_cast<std::uint32_t>(scene_.meshes.size()), Eigen::Affine3f::Identity(), instance});
-    scene_.meshes.push_back({std::move(vertices_m), std::move(triangles), material, surface_class, VehiclePart::kNone});
+    scene_.meshes.push_back(
+        {std::move(vertices_mesh_m), std::move(triangles), material, surface_class, VehiclePart::kNone});
   }
 
   const Scene& scene() const { return scene_; }

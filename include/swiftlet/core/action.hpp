@@ -15,7 +15,8 @@ namespace swiftlet {
 
 inline constexpr int kMaxRotors = 8;
 
-/// Where guidance wants the vehicle to be; the reference tracker makes it flyable.
+/// Where guidance wants the vehicle to be; the reference governor makes it flyable. Local frame between stages, world
+/// in Action.
 struct Reference {
   Vector3 position_m = Vector3::Zero();
   Vector3 velocity_mps = Vector3::Zero();
@@ -41,7 +42,7 @@ struct Action {
   std::array<double, kMaxRotors>
       rotor_command{};  ///< 0..1 between least and greatest rotor speed, in the airframe's order
   StateEstimate estimate;
-  Reference reference;  ///< after the reference tracker
+  Reference reference;  ///< after the reference governor
   std::vector<Message> messages;
   bool has_detections = false;        ///< the detector finished a scan in this tick, even if it found nothing
   TimeNs detections_stamp = 0;        ///< start of that scan's sweep

@@ -31,6 +31,7 @@ struct StampedPose {
   }
 };
 
+/// Any frame, the same for all arguments.
 inline Pose make_pose(const Vector3& position, const Eigen::Quaterniond& rotation) {
   Pose pose = Pose::Identity();
   pose.linear() = rotation.toRotationMatrix();

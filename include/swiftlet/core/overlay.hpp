@@ -8,9 +8,9 @@
 
 namespace swiftlet {
 
-/// Something an agent wants drawn in a snapshot (voxels, tracks, cells, paths). A stage makes it in the local frame; in
-/// Action it is told in the world.
-/// Recorders and renderers pick overlays by name; agents make them only when `Observation::wants_overlays` is set.
+/// Something an agent wants drawn in a snapshot (voxels, tracks, cells, paths). Local frame between stages, world in
+/// Action. Recorders and renderers pick overlays by name; agents make them only when `Observation::wants_overlays` is
+/// set.
 struct Overlay {
   enum class Kind { kPoints, kLines, kPolyline, kCubes, kSpheres, kTriangles };
 

@@ -12,8 +12,8 @@ namespace swiftlet {
 /// What is known of the world before the start [Vrba 2025, sec. III-E]: points of occupied and of free voxels, world
 /// frame.
 struct PriorMap {
-  std::vector<Eigen::Vector3f> occupied_m;
-  std::vector<Eigen::Vector3f> free_m;
+  std::vector<Eigen::Vector3f> occupied_world_m;
+  std::vector<Eigen::Vector3f> free_world_m;
 };
 
 /// Where that knowledge comes from; by default there is none.

@@ -7,8 +7,8 @@
 
 namespace swiftlet {
 
-/// A flying object followed over time [Vrba 2025, sec. III-F]. State: position, velocity, acceleration: in
-/// the local frame between stages, in the world in Action.
+/// A flying object followed over time [Vrba 2025, sec. III-F]: its position, velocity and acceleration. Local frame
+/// between stages, world in Action.
 struct Track {
   static constexpr const char* kName = "tracks";
   std::uint32_t id = 0;

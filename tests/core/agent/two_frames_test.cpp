@@ -40,7 +40,7 @@ class LateEstimator : public StateEstimator {
   StateEstimate estimate_;
 };
 
-/// Asks for what no reference tracker would give: a step of ten meters, as a feasible reference or as a goal.
+/// Asks for what no reference governor would give: a step of ten meters, as a feasible reference or as a goal.
 class StepGuidance : public Guidance {
  public:
   explicit StepGuidance(bool feasible) : feasible_(feasible) {}

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/control/reference_governor.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/fine_plant.hpp"
@@ -99,17 +99,17 @@ struct Eight {
 TEST_P(EveryAirframe, FliesAgileTrajectoriesOfTableFourWithinThirtyCentimeters) {
   MotionLimitsConfig limits;
   limits.set = MotionLimitsConfig::Set::kAgile;
-  ReferenceTracker tracker(limits.resolve());
+  ReferenceGovernor governor(limits.resolve());
   MultirotorController controller(airframe, {}, kDt);
   FinePlant plant(airframe);
-  tracker.reset({});
+  governor.reset({});
   Eight eight;
   double sum_sq = 0.0, fastest = 0.0, hardest = 0.0;
   int n = 0;
   for (int i = 0; i < 12000; ++i) {
     const Reference goal = eight.at(i * kDt);
-    const Reference& r = tracker.step(goal, kDt);
-    plant.advance(controller.step(plant.truth(), r, tracker.jerk_mps3(), kDt), kDt);
+    const Reference& r = governor.step(goal, kDt);
+    plant.advance(controller.step(plant.truth(), r, governor.jerk_mps3(), kDt), kDt);
     if (i < 2000) continue;
     fastest = std::max(fastest, goal.velocity_mps.norm());
     hardest = std::max(hardest, goal.acceleration_mps2.norm());
@@ -154,21 +154,21 @@ TEST_P(EveryAirframe, GoalsThatJumpNeitherLiftNorLoseIt) {
   const MotionLimits limits;
   ASSERT_EQ(limits.horizontal_jerk_mps3, 40.0);
   for (const double jump_m : {0.05, 0.4}) {
-    ReferenceTracker tracker(limits);
+    ReferenceGovernor governor(limits);
     MultirotorController controller(airframe, {}, kDt);
     FinePlant plant(airframe);
-    tracker.reset({});
+    governor.reset({});
     const Random random(1, "test.jumps");
     Reference goal;
     double worst = 0.0;
     for (int i = 0; i < 5000; ++i) {
       if (i % 25 == 0) {
         const auto n = random.normal3(0, i);
-        goal.position_m = tracker.state().position_m + Vector3(2.0, 0.0, 0.0) + jump_m * Vector3(n[0], n[1], n[2]);
+        goal.position_m = governor.state().position_m + Vector3(2.0, 0.0, 0.0) + jump_m * Vector3(n[0], n[1], n[2]);
       }
-      const Reference& r = tracker.step(goal, kDt);
-      plant.advance(controller.step(plant.truth(), r, tracker.jerk_mps3(), kDt), kDt);
-      worst = std::max(worst, (plant.p - tracker.state().position_m).norm());
+      const Reference& r = governor.step(goal, kDt);
+      plant.advance(controller.step(plant.truth(), r, governor.jerk_mps3(), kDt), kDt);
+      worst = std::max(worst, (plant.p - governor.state().position_m).norm());
     }
     EXPECT_LT(worst, 1.5) << jump_m;
   }

@@ -26,7 +26,7 @@ TEST(Mixer, GivesBackTheWrenchThatWasAskedForWhenInReach) {
                                               0.05 * random.uniform(-1, 1, i, 2))};
       const Wrench got = mixer.wrench(mixer.forces(wanted));
       ASSERT_NEAR(got.thrust_N, wanted.thrust_N, 1e-9);
-      ASSERT_LT((got.torque_Nm - wanted.torque_Nm).norm(), 1e-9);
+      ASSERT_LT((got.torque_body_Nm - wanted.torque_body_Nm).norm(), 1e-9);
     }
   }
 }
@@ -56,22 +56,22 @@ TEST(Mixer, GivesUpYawFirstThenThrustThenShrinksRollAndPitchTogether) {
   // Too much yaw: thrust and tilt torques stay.
   Wrench got = mixer.wrench(mixer.forces({thrust, {0.5, -0.4, 5.0}}));
   EXPECT_NEAR(got.thrust_N, thrust, 1e-9);
-  EXPECT_NEAR(got.torque_Nm.x(), 0.5, 1e-9);
-  EXPECT_NEAR(got.torque_Nm.y(), -0.4, 1e-9);
-  EXPECT_GT(got.torque_Nm.z(), 0.05);
-  EXPECT_LT(got.torque_Nm.z(), 5.0);
+  EXPECT_NEAR(got.torque_body_Nm.x(), 0.5, 1e-9);
+  EXPECT_NEAR(got.torque_body_Nm.y(), -0.4, 1e-9);
+  EXPECT_GT(got.torque_body_Nm.z(), 0.05);
+  EXPECT_LT(got.torque_body_Nm.z(), 5.0);
 
   // No thrust wanted, or all of it: raised or lowered so that the tilt torques hold.
   for (const double extreme : {0.0, 1.5 * airframe.max_thrust_N()}) {
     got = mixer.wrench(mixer.forces({extreme, {1.0, 0.6, 0.0}}));
-    EXPECT_NEAR(got.torque_Nm.x(), 1.0, 1e-9) << extreme;
-    EXPECT_NEAR(got.torque_Nm.y(), 0.6, 1e-9) << extreme;
+    EXPECT_NEAR(got.torque_body_Nm.x(), 1.0, 1e-9) << extreme;
+    EXPECT_NEAR(got.torque_body_Nm.y(), 0.6, 1e-9) << extreme;
   }
 
   // More tilt torque than the rotors have: its direction stays.
   got = mixer.wrench(mixer.forces({thrust, {40.0, 20.0, 3.0}}));
-  EXPECT_GT(got.torque_Nm.x(), 3.0);
-  EXPECT_NEAR(got.torque_Nm.y() / got.torque_Nm.x(), 0.5, 1e-9);
+  EXPECT_GT(got.torque_body_Nm.x(), 3.0);
+  EXPECT_NEAR(got.torque_body_Nm.y() / got.torque_body_Nm.x(), 0.5, 1e-9);
 }
 
 TEST(Mixer, RollAndPitchRaiseTheThrustNoFurtherThanAllowed) {
@@ -82,12 +82,12 @@ TEST(Mixer, RollAndPitchRaiseTheThrustNoFurtherThanAllowed) {
     for (const double thrust : {0.0, 0.2 * weight, weight, 1.2 * weight}) {
       const Wrench got = mixer.wrench(mixer.forces({thrust, {30.0, -12.0, 0.0}}, weight));
       EXPECT_NEAR(got.thrust_N, std::max(thrust, weight), 1e-9 * weight) << name << " " << thrust;
-      EXPECT_NEAR(got.torque_Nm.y() / got.torque_Nm.x(), -0.4, 1e-9) << name;
-      EXPECT_GT(got.torque_Nm.x(), 0.1) << name;
+      EXPECT_NEAR(got.torque_body_Nm.y() / got.torque_body_Nm.x(), -0.4, 1e-9) << name;
+      EXPECT_GT(got.torque_body_Nm.x(), 0.1) << name;
     }
     // What fits is given in full.
     const Vector3 small(0.02 * weight * airframe.arm_length_m, 0.0, 0.0);
-    EXPECT_NEAR(mixer.wrench(mixer.forces({weight, small}, weight)).torque_Nm.x(), small.x(), 1e-9) << name;
+    EXPECT_NEAR(mixer.wrench(mixer.forces({weight, small}, weight)).torque_body_Nm.x(), small.x(), 1e-9) << name;
   }
 }
 

@@ -105,7 +105,7 @@ inline std::shared_ptr<const LocalCloud> cloud_of(const std::shared_ptr<const Sc
 inline PriorMap known_ground(float half_m = 15.0F) {
   PriorMap prior;
   for (float x = -half_m; x < half_m; x += 0.2F) {
-    for (float y = -half_m; y < half_m; y += 0.2F) prior.occupied_m.emplace_back(x, y, -0.01F);
+    for (float y = -half_m; y < half_m; y += 0.2F) prior.occupied_world_m.emplace_back(x, y, -0.01F);
   }
   return prior;
 }

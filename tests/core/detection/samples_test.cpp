@@ -11,11 +11,11 @@ namespace {
 // Two full voxels on a line along x and two with a point each beside it: the box lies along the line.
 TEST(ClusterShape, VoxelsCountByTheirPointsInMeanAndAxes) {
   Samples samples;
-  samples.at_m = {{-1.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {-1.0F, -1.0F, 0.0F}, {1.0F, 1.0F, 0.0F}};
+  samples.at_local_m = {{-1.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {-1.0F, -1.0F, 0.0F}, {1.0F, 1.0F, 0.0F}};
   samples.weight = {1000, 1000, 1, 1};
   const std::array<std::uint32_t, 4> all = {0, 1, 2, 3};
   const ClusterShape shape = shape_of(samples, all);
-  EXPECT_LT(shape.centroid_m.norm(), 1e-9);
+  EXPECT_LT(shape.centroid_local_m.norm(), 1e-9);
   EXPECT_NEAR(shape.extent_m.x(), 0.0, 1e-6);
   EXPECT_NEAR(shape.extent_m.y(), 2.0, 0.01);
   EXPECT_NEAR(shape.extent_m.z(), 2.0, 0.01);
@@ -40,7 +40,7 @@ TEST(Samples, VoxelsHoldThePointsOfTheScan) {
   EXPECT_EQ(samples.weight_of(2), 1);
   samples.thin_to_voxels(grid);
   ASSERT_EQ(samples.size(), 2u);
-  EXPECT_EQ(samples.at_m[0], Eigen::Vector3f(0.25F, 0.25F, 0.25F));
+  EXPECT_EQ(samples.at_local_m[0], Eigen::Vector3f(0.25F, 0.25F, 0.25F));
   EXPECT_EQ(samples.weight_of(0), 2);
   EXPECT_EQ(samples.weight_of(1), 1);
   EXPECT_EQ(samples.point[1], 1u);

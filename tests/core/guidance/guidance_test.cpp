@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/control/reference_governor.hpp"
 #include "swiftlet/core/guidance/agile.hpp"
 #include "swiftlet/core/guidance/takeoff_land.hpp"
 #include "swiftlet/core/guidance/trajectory.hpp"
@@ -22,22 +22,22 @@ AgentSetup starting_at(const Vector3& p_m, double yaw_rad = 0.0) {
   return setup;
 }
 
-/// A vehicle that is always exactly where the reference tracker says; a floor may hold it up.
+/// A vehicle that is always exactly where the reference governor says; a floor may hold it up.
 class IdealFlight {
  public:
   template <class Config>
   IdealFlight(const char* type, const Config& config, MotionLimitsConfig::Set limits = MotionLimitsConfig::Set::kMedium,
               Vector3 start = Vector3::Zero(), double start_yaw = 0.0)
-      : setup_(starting_at(start, start_yaw)), tracker_(limits_named(limits)) {
+      : setup_(starting_at(start, start_yaw)), governor_(limits_named(limits)) {
     Module module(guidance_module_types(), type);
     module.as<Config>() = config;
-    guidance_ = make_guidance(module, {setup_, tracker_.limits()});
+    guidance_ = make_guidance(module, {setup_, governor_.limits()});
     estimate_.valid = true;
     estimate_.T_local_body = setup_.T_local_body_start;
     Reference r;
     r.position_m = start;
     r.yaw_rad = start_yaw;
-    tracker_.reset(r);
+    governor_.reset(r);
   }
 
   static MotionLimits limits_named(MotionLimitsConfig::Set set) {
@@ -50,7 +50,7 @@ class IdealFlight {
     observation_.t += from_seconds(kDt);
     poses_.push(estimate_);
     guidance_->step({.dt_s = kDt, .estimate = estimate_, .observation = observation_, .poses = poses_}, out, outbox);
-    const Reference& r = tracker_.step(out.goal, kDt, out.speed_limit_mps);
+    const Reference& r = governor_.step(out.goal, kDt, out.speed_limit_mps);
     Vector3 p = r.position_m;
     Vector3 v = r.velocity_mps;
     if (p.z() < floor_z) {
@@ -72,7 +72,7 @@ class IdealFlight {
   Vector3 p() const { return estimate_.T_local_body.translation(); }
   Vector3 v() const { return estimate_.v_local_mps; }
   double yaw() const { return yaw_of(estimate_.T_local_body.linear()); }
-  const ReferenceTracker& tracker() const { return tracker_; }
+  const ReferenceGovernor& governor() const { return governor_; }
   Guidance& guidance() { return *guidance_; }
 
   GuidanceOutput out;
@@ -81,7 +81,7 @@ class IdealFlight {
 
  private:
   AgentSetup setup_;
-  ReferenceTracker tracker_;
+  ReferenceGovernor governor_;
   std::unique_ptr<Guidance> guidance_;
   StateEstimate estimate_;
   Observation observation_;
@@ -409,7 +409,7 @@ TEST(AgileSpline, VerticalLimitsHoldOnTheirOwn) {
   }
 }
 
-TEST(Agile, PassesThroughTheReferenceTrackerUnchanged) {
+TEST(Agile, PassesThroughTheReferenceGovernorUnchanged) {
   IdealFlight flight("agile", AgileConfig{}, MotionLimitsConfig::Set::kAgile, {0, 0, 6});
   for (int i = 0; i < 15000; ++i) {
     flight.step();

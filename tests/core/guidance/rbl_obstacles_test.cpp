@@ -84,7 +84,7 @@ TEST(ObstacleCutter, NearestVoxelOfTheGridIsTheNearestOfAll) {
       if ((p + q - voxel).norm() > least + 1e-6) continue;
       const Vector3 nearest = nearest_in_voxel(q, voxel - p, kEdge);
       const HalfSpace cut = obstacle_cut(nearest, kEncumbrance, kEta);
-      (cut.normal.dot(q) > cut.offset_m ? any : all) = cut.normal.dot(q) > cut.offset_m;
+      (cut.normal_local.dot(q) > cut.offset_m ? any : all) = cut.normal_local.dot(q) > cut.offset_m;
     }
     return any && all;
   });
@@ -107,7 +107,7 @@ TEST(FieldOfView, IsAWedgeAheadFromGammaBelowToAlphaMinusGammaAbove) {
   const auto sees = [&](double elevation_deg, double azimuth_deg) {
     const double e = elevation_deg * std::numbers::pi / 180.0, a = azimuth_deg * std::numbers::pi / 180.0;
     const Vector3 q(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
-    return planes[0].normal.dot(q) <= planes[0].offset_m && planes[1].normal.dot(q) <= planes[1].offset_m;
+    return planes[0].normal_local.dot(q) <= planes[0].offset_m && planes[1].normal_local.dot(q) <= planes[1].offset_m;
   };
   EXPECT_TRUE(sees(-19.5, 0));
   EXPECT_FALSE(sees(-20.5, 0));
@@ -118,8 +118,8 @@ TEST(FieldOfView, IsAWedgeAheadFromGammaBelowToAlphaMinusGammaAbove) {
   // It turns with the vehicle.
   const Matrix3 left = Eigen::AngleAxisd(std::numbers::pi / 2.0, Vector3::UnitZ()).toRotationMatrix();
   const auto turned = field_of_view(left, 20.0, 59.0);
-  EXPECT_LE(turned[0].normal.dot(Vector3(0, 1, 0)), 0.0);
-  EXPECT_GT(turned[0].normal.dot(Vector3(0, -1, 0)), 0.0);
+  EXPECT_LE(turned[0].normal_local.dot(Vector3(0, 1, 0)), 0.0);
+  EXPECT_GT(turned[0].normal_local.dot(Vector3(0, -1, 0)), 0.0);
 }
 
 /// The document's failure (sec. 3.4.3): leaves around the vehicle are mapped once and are gone in the next sweep.

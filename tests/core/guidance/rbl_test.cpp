@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/control/reference_governor.hpp"
 #include "swiftlet/core/guidance/rbl_cell.hpp"
 #include "swiftlet/core/guidance/rbl_planner.hpp"
 #include "swiftlet/core/guidance/rbl_rules.hpp"
@@ -70,7 +70,7 @@ TEST(RblCell, IntervalsOfRowsAgreeWithTestingEverySample) {
     ASSERT_GE(q.z(), -1.2 - 1e-5);
     ASSERT_LE(q.z(), 1.6 + 1e-5);
     bool expected = (q - ball_center).norm() <= ball_radius && !(q.x() > 0.3F && q.y() > 0.1F);
-    for (const HalfSpace& cut : cuts) expected = expected && cut.normal.dot(q) <= cut.offset_m;
+    for (const HalfSpace& cut : cuts) expected = expected && cut.normal_local.dot(q) <= cut.offset_m;
     ASSERT_EQ(cell.contains(i), expected) << q.transpose();
     inside += expected;
   }
@@ -95,8 +95,8 @@ TEST(RblCell, CentroidsAgreeWithTheSumsOfTheDefinition) {
     m_a += w * q;
   }
   const CellCentroids centroids = cell.centroids(destination, beta);
-  EXPECT_NEAR((centroids.sensing_m - m_s / w_s).norm(), 0.0, 1e-4);
-  EXPECT_NEAR((centroids.partitioned_m - m_a / w_a).norm(), 0.0, 1e-4);
+  EXPECT_NEAR((centroids.sensing_agent_m - m_s / w_s).norm(), 0.0, 1e-4);
+  EXPECT_NEAR((centroids.partitioned_agent_m - m_a / w_a).norm(), 0.0, 1e-4);
   EXPECT_NEAR((cell.partitioned_centroid(destination, beta) - m_a / w_a).norm(), 0.0, 1e-4);
 }
 
@@ -145,7 +145,7 @@ TEST(NeighborCut, LeavesTheEncumbrancesFreeAndIsContinuous) {
   const double Delta = 1.0;
   for (const double d : {2.0, 2.5, 3.0, 5.0}) {
     const HalfSpace cut = neighbor_cut({0, d, 0}, Delta, 0.9, Cut::kProgram);
-    EXPECT_NEAR(cut.normal.y(), 1.0, 1e-12);
+    EXPECT_NEAR(cut.normal_local.y(), 1.0, 1e-12);
     EXPECT_NEAR(cut.offset_m, 1.0 + 0.9 * (d - 2.0), 1e-12);
     EXPECT_LE(cut.offset_m, d - Delta + 1e-12);
   }
@@ -187,19 +187,19 @@ TEST(RblPlanner, OrderOfTheNeighborsDoesNotMatter) {
   std::vector<Vector3> others = {{2, 1, 0}, {-1, 2, 1}, {0.5, -2, -0.3}, {1.1, 1.9, -1.5}};
   RblPlanner a({}, {}, false), b({}, {}, false);
   a.partition(Vector3::Zero(), others, 1.0 - 5.0, 5.0);
-  const Vector3 c_a = a.update({20, 0, 0}, 0.1).centroid_m;
+  const Vector3 c_a = a.update({20, 0, 0}, 0.1).centroid_local_m;
   std::reverse(others.begin(), others.end());
   b.partition(Vector3::Zero(), others, 1.0 - 5.0, 5.0);
-  EXPECT_EQ(c_a, b.update({20, 0, 0}, 0.1).centroid_m);
+  EXPECT_EQ(c_a, b.update({20, 0, 0}, 0.1).centroid_local_m);
 }
 
 TEST(RblPlanner, GoesToTheGoalAndStaysThere) {
   RblPlanner planner({}, {}, false);
   const Vector3 goal(1, 2, 5);
   planner.partition(goal, {}, 1.0, 10.0);
-  EXPECT_NEAR((planner.update(goal, 0.1).centroid_m - goal).norm(), 0.0, 1e-3);
+  EXPECT_NEAR((planner.update(goal, 0.1).centroid_local_m - goal).norm(), 0.0, 1e-3);
   planner.partition({0, 2, 5}, {}, 1.0, 10.0);
-  const Vector3 c = planner.update(goal, 0.1).centroid_m;
+  const Vector3 c = planner.update(goal, 0.1).centroid_local_m;
   EXPECT_GT(c.x(), 0.3);
   EXPECT_LT(c.x(), 1.0);
 }
@@ -213,27 +213,27 @@ TEST(RblPlanner, ClippedCellStaysBetweenTheHeights) {
   }
   planner.partition({0, 0, -20.0}, {}, 1.0, 4.0);  // far below: the highest layer is left, so that it comes back
   EXPECT_GT(planner.cell().num_samples(), 0);
-  EXPECT_GT(planner.update({0, 0, 2}, 0.1).centroid_m.z(), -20.0);
+  EXPECT_GT(planner.update({0, 0, 2}, 0.1).centroid_local_m.z(), -20.0);
 }
 
 TEST(RblPlanner, AgentInsideAnothersSpaceMovesOutOfIt) {
   RblPlanner planner({}, {}, false);
   planner.partition(Vector3::Zero(), std::vector<Vector3>{{0.5, 0.0, 0.0}}, -10.0, 10.0);
-  EXPECT_LT(planner.update({20, 0, 0}, 0.1).centroid_m.x(), -0.4);
+  EXPECT_LT(planner.update({20, 0, 0}, 0.1).centroid_local_m.x(), -0.4);
   // Surrounded: the cell is empty, and the place with the least violation is taken.
   planner.partition(Vector3::Zero(), std::vector<Vector3>{{0.4, 0, 0}, {-0.4, 0, 0}, {0, 0.4, 0}, {0, -0.4, 0}}, -10.0,
                     10.0);
   const RblPlanner::Step step = planner.update({20, 0, 0}, 0.1);
   EXPECT_TRUE(step.empty_cell);
-  EXPECT_TRUE(step.centroid_m.allFinite());
+  EXPECT_TRUE(step.centroid_local_m.allFinite());
 }
 
 RblSituation stuck() {
   RblSituation now;
-  now.goal_m = {10, 0, 0};
-  now.partitioned_m = {0.2, 0, 0};
-  now.sensing_m = {1.7, 0, 0};
-  now.unrotated_m = {0.2, 0, 0};
+  now.goal_agent_m = {10, 0, 0};
+  now.partitioned_agent_m = {0.2, 0, 0};
+  now.sensing_agent_m = {1.7, 0, 0};
+  now.unrotated_agent_m = {0.2, 0, 0};
   return now;
 }
 
@@ -245,7 +245,7 @@ TEST(RblRules, BetaFallsWhileStuckAndComesBack) {
   for (int i = 0; i < 50; ++i) state = apply_rules(rules, stuck(), state, 0.1, false);
   EXPECT_NEAR(state.beta_m, rules.beta_min_m, 1e-9);
   RblSituation free = stuck();
-  free.partitioned_m = free.sensing_m;
+  free.partitioned_agent_m = free.sensing_agent_m;
   const double before = state.beta_m;
   state = apply_rules(rules, free, state, 0.1, false);
   EXPECT_NEAR(state.beta_m, before + 0.1 * (1.5 - before), 1e-9);  // third case of (2.7)
@@ -260,7 +260,7 @@ TEST(RblRules, AzimuthTurnsWhileStuckUpToARightAngleAndReturns) {
   for (int i = 0; i < 10; ++i) state = apply_rules(rules, stuck(), state, 0.1, false);
   EXPECT_NEAR(state.theta_rad, kPi / 2.0, 1e-9);
   RblSituation free = stuck();
-  free.partitioned_m = free.sensing_m;
+  free.partitioned_agent_m = free.sensing_agent_m;
   state = apply_rules(rules, free, state, 0.1, false);
   EXPECT_NEAR(state.theta_rad, kPi / 2.0 - 0.2, 1e-9);
 }
@@ -271,7 +271,7 @@ TEST(RblRules, AzimuthIsResetWhenTheDirectWayIsTheLongerOne) {
   state.theta_rad = kPi / 2.0;
   RblSituation now = stuck();
   EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).theta_rad, kPi / 2.0, 1e-9);
-  now.unrotated_m = {0.9, 0, 0};
+  now.unrotated_agent_m = {0.9, 0, 0};
   EXPECT_EQ(apply_rules(rules, now, state, 0.1, false).theta_rad, 0.0);
 }
 
@@ -280,21 +280,21 @@ TEST(RblRules, PrintedAzimuthConditionAsksForTheOpposite) {
   rules.azimuth_condition = RblRules::AzimuthCondition::kPrinted;
   EXPECT_EQ(apply_rules(rules, stuck(), {}, 0.1, false).theta_rad, 0.0);
   RblSituation now = stuck();
-  now.partitioned_m = {0.6, 0, 0};
+  now.partitioned_agent_m = {0.6, 0, 0};
   EXPECT_NEAR(apply_rules(rules, now, {}, 0.1, false).theta_rad, 0.1, 1e-9);
 }
 
 TEST(RblRules, NorthwardsGoesUpSouthwardsDownEastwardsStays) {
   const RblRules rules;
   RblSituation now = stuck();
-  now.sensing_m.z() = 0.0;
-  now.goal_m = {0, 10, 0};
+  now.sensing_agent_m.z() = 0.0;
+  now.goal_agent_m = {0, 10, 0};
   EXPECT_NEAR(vertical_influence(rules, now), 0.3, 1e-12);
-  now.goal_m = {0, -10, 0};
+  now.goal_agent_m = {0, -10, 0};
   EXPECT_NEAR(vertical_influence(rules, now), -0.3, 1e-12);
-  now.goal_m = {10, 0, 0};
+  now.goal_agent_m = {10, 0, 0};
   EXPECT_NEAR(vertical_influence(rules, now), 0.0, 1e-12);
-  now.sensing_m.z() = 1.0;  // clipped from below: up
+  now.sensing_agent_m.z() = 1.0;  // clipped from below: up
   EXPECT_NEAR(vertical_influence(rules, now), 0.7, 1e-12);
 }
 
@@ -303,12 +303,12 @@ TEST(RblRules, PhiRisesToAnEighthTurnAndReturns) {
   rules.elevation_reset = false;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = stuck();
-  now.goal_m = {1, 10, 0};
+  now.goal_agent_m = {1, 10, 0};
   ASSERT_TRUE(wants_elevation(rules, now));  // the others leave 1.5 m less of the way
   RblState state;
   for (int i = 0; i < 20; ++i) state = apply_rules(rules, now, state, 0.1, false);
   EXPECT_NEAR(state.phi_rad, kPi / 4.0, 1e-9);
-  now.partitioned_m = now.sensing_m;
+  now.partitioned_agent_m = now.sensing_agent_m;
   for (int i = 0; i < 3; ++i) state = apply_rules(rules, now, state, 0.1, false);
   EXPECT_NEAR(state.phi_rad, kPi / 4.0 - 0.3, 1e-9);
   EXPECT_EQ(apply_rules(rules, now, state, 0.1, true).phi_rad, 0.0);  // 2D
@@ -319,8 +319,8 @@ TEST(RblRules, OwnTurnCountsBackwardsSoThatPhiStaysSmall) {
   RblState state;
   for (int i = 0; i < 60; ++i) {  // c_S follows the destination
     RblSituation now = stuck();
-    now.goal_m = {0, 10, 0};
-    now.sensing_m = 2.0 * rbl_destination(rules, now.goal_m, state).normalized();
+    now.goal_agent_m = {0, 10, 0};
+    now.sensing_agent_m = 2.0 * rbl_destination(rules, now.goal_agent_m, state).normalized();
     state = apply_rules(rules, now, state, 0.1, false);
   }
   // Where centering and direction balance (2.18): w_1 * 2 m * sin(phi) = w_2, within a step of the rule.
@@ -330,9 +330,9 @@ TEST(RblRules, OwnTurnCountsBackwardsSoThatPhiStaysSmall) {
 TEST(RblRules, BetaFallsAtTheGoalWhereNeighborsPullTheCentroidAway) {
   RblRules rules;
   RblSituation now;
-  now.goal_m = {0.25, 0, 0};
-  now.partitioned_m = {0.02, 0, 0};
-  now.sensing_m = {0.2, 0, 0};
+  now.goal_agent_m = {0.25, 0, 0};
+  now.partitioned_agent_m = {0.02, 0, 0};
+  now.sensing_agent_m = {0.2, 0, 0};
   EXPECT_NEAR(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.4, 1e-9);
   rules.weight_goal_m = 0.0;  // as printed
   EXPECT_NEAR(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.5, 1e-9);
@@ -342,8 +342,8 @@ TEST(RblRules, ElevationIsResetWhereItIsOfNoUse) {
   RblRules rules;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = stuck();
-  now.goal_m = {1, 10, 0};
-  now.partitioned_m.z() = 0.1;
+  now.goal_agent_m = {1, 10, 0};
+  now.partitioned_agent_m.z() = 0.1;
   RblState state;
   state.phi_rad = kPi / 4.0;
   EXPECT_EQ(apply_rules(rules, now, state, 0.1, false).phi_rad, 0.0);
@@ -375,7 +375,7 @@ TEST(RblPlanner, LeftOutBesideTheGapBetweenTwoThatRestItStillComesIn) {
     Vector3 p(0, 0.2, 6.4);
     for (int i = 0; i < 300; ++i) {
       planner.partition(p, others, 1.0, 10.0);
-      p += 0.2 * (planner.update(goal, 0.1).centroid_m - p);
+      p += 0.2 * (planner.update(goal, 0.1).centroid_local_m - p);
     }
     return (p - goal).norm();
   };
@@ -402,7 +402,7 @@ CrossingResult cross(const Crossing& crossing, bool planar, double duration_s = 
   cells.step_m = 0.35;
   RblRules rules;
   std::vector<RblPlanner> planners;
-  std::vector<ReferenceTracker> bodies;
+  std::vector<ReferenceGovernor> bodies;
   for (int i = 0; i < n; ++i) {
     planners.emplace_back(cells, rules, planar);
     bodies.emplace_back(MotionLimits{});
@@ -421,7 +421,7 @@ CrossingResult cross(const Crossing& crossing, bool planar, double duration_s = 
         if (j != i) others.push_back(p(j));
       }
       planners[i].partition(p(i), others, crossing.z_min, crossing.z_max);
-      wanted[i].position_m = planners[i].update(crossing.goal[i], 0.1).centroid_m;
+      wanted[i].position_m = planners[i].update(crossing.goal[i], 0.1).centroid_local_m;
     }
     for (int i = 0; i < n; ++i) {
       bodies[i].step(wanted[i], 0.01);

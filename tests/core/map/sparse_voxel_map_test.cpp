@@ -83,7 +83,7 @@ TEST(SparseVoxelMap, CollectsExactlyTheVoxelsThatReachIntoTheBall) {
   map.occupied_within(center, radius, kEver, voxels);
   std::vector<std::array<int, 3>> expected;
   for (const Ray& ray : rays) {
-    const Eigen::Array3d cell = (ray.end_m.cast<double>().array() / 0.25).floor();
+    const Eigen::Array3d cell = (ray.end_local_m.cast<double>().array() / 0.25).floor();
     const Vector3 low = cell.matrix() * 0.25, high = low.array() + 0.25;
     if ((center - center.cwiseMax(low).cwiseMin(high)).norm() > radius) continue;
     expected.push_back({static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())});
@@ -106,7 +106,7 @@ TEST(SparseVoxelMap, TellsStatesDistancesAndWhatASegmentHits) {
   const auto hit = map.first_hit({0.1, 0.05, 0.05}, {8.0, 0.05, 0.05});
   ASSERT_TRUE(hit.has_value());
   EXPECT_NEAR(hit->distance_m, 2.9, 1e-9);
-  EXPECT_LT((hit->center_m - Vector3(3.1, 0.1, 0.1)).norm(), 1e-9);
+  EXPECT_LT((hit->center_local_m - Vector3(3.1, 0.1, 0.1)).norm(), 1e-9);
   EXPECT_FALSE(map.first_hit({0.1, 0.05, 0.05}, {2.9, 0.05, 0.05}).has_value());
   EXPECT_FALSE(map.first_hit({0.1, 0.05, 0.05}, {-8.0, 1.0, 0.5}).has_value());
   EXPECT_NEAR(map.first_hit({3.1, 0.1, 0.1}, {3.1, 0.1, 0.1})->distance_m, 0.0, 1e-9) << "its own cell";

@@ -113,8 +113,8 @@ TEST(VoxelMap, ThresholdsBelongToTheStateAbove) {  // eq. (7)
 
 TEST(VoxelMap, WhatIsKnownBeforehandNeverChanges) {
   PriorMap prior;
-  prior.occupied_m = {{0.1F, 0.1F, 0.1F}, {1e30F, 0.0F, 0.0F}};
-  prior.free_m = {{1.1F, 0.1F, 0.1F}, {0.1F, 0.1F, 0.1F}};
+  prior.occupied_world_m = {{0.1F, 0.1F, 0.1F}, {1e30F, 0.0F, 0.0F}};
+  prior.free_world_m = {{1.1F, 0.1F, 0.1F}, {0.1F, 0.1F, 0.1F}};
   VoxelMap map(small_box());
   map.set_prior(prior);
   const std::ptrdiff_t occupied = map.grid().index(map.grid().cell_of({0.1, 0.1, 0.1}));
@@ -178,7 +178,7 @@ TEST(VoxelMap, ScrollsWithTheVehicleAndForgetsWhatItLeaves) {
   VoxelMapConfig config = small_box({20.0, 20.0, 10.0});
   config.extent = VoxelMapConfig::Extent::kScrolling;
   PriorMap prior;
-  prior.occupied_m = {{14.1F, 0.1F, 0.1F}};  // outside at first
+  prior.occupied_world_m = {{14.1F, 0.1F, 0.1F}};  // outside at first
   VoxelMap map(config);
   map.set_prior(prior);
   const auto mark = [&](const Vector3& p) { map.update(map.grid().index(map.grid().cell_of(p)), 20.0, 0.0); };

@@ -59,8 +59,8 @@ Scene scene_of(Mesh mesh) {
 Mesh hard_mesh() {
   Mesh mesh;
   const auto add = [&mesh](const Vector3f& a, const Vector3f& b, const Vector3f& c) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices_m.size());
-    mesh.vertices_m.insert(mesh.vertices_m.end(), {a, b, c});
+    const auto first = static_cast<std::uint32_t>(mesh.vertices_mesh_m.size());
+    mesh.vertices_mesh_m.insert(mesh.vertices_mesh_m.end(), {a, b, c});
     mesh.triangles.push_back({first, first + 1, first + 2});
   };
   const auto add_face = [&](const Vector3f& corner, const Vector3f& u, const Vector3f& v) {
@@ -106,7 +106,7 @@ std::vector<Ray> hard_rays(const Mesh& mesh) {
                                        : Vector3d(6 * uniform(i, 0), 2 * uniform(i, 1), 2 + 2 * uniform(i, 2));
     const auto& t =
         mesh.triangles[static_cast<std::size_t>(random.uniform(9, i) * static_cast<double>(mesh.triangles.size()))];
-    const Vector3d a = mesh.vertices_m[t[0]].cast<double>(), b = mesh.vertices_m[t[1]].cast<double>();
+    const Vector3d a = mesh.vertices_mesh_m[t[0]].cast<double>(), b = mesh.vertices_mesh_m[t[1]].cast<double>();
     Vector3d aim = a;
     if (i % 5 == 1) aim = a + 0.5 * (1.0 + uniform(i, 3)) * (b - a);
     if (i % 5 == 2) aim = origin + Vector3d(uniform(i, 3), uniform(i, 4), uniform(i, 5));
@@ -232,7 +232,7 @@ TEST(ExactHits, NoRaySlipsThroughAClosedSurface) {
   for (int r = 0; r <= kRings; ++r) {
     for (int s = 0; s < kSides; ++s) {
       const double polar = std::numbers::pi * r / kRings, around = 2.0 * std::numbers::pi * s / kSides;
-      mesh.vertices_m.push_back(
+      mesh.vertices_mesh_m.push_back(
           (7.0 * Vector3d(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar)))
               .cast<float>());
     }
@@ -251,7 +251,7 @@ TEST(ExactHits, NoRaySlipsThroughAClosedSurface) {
   for (std::uint32_t i = 0; i < 40000; ++i) {
     const auto& t =
         mesh.triangles[static_cast<std::size_t>(random.uniform(0, i) * static_cast<double>(mesh.triangles.size()))];
-    const Vector3f a = mesh.vertices_m[t[0]], b = mesh.vertices_m[t[1]], c = mesh.vertices_m[t[2]];
+    const Vector3f a = mesh.vertices_mesh_m[t[0]], b = mesh.vertices_mesh_m[t[1]], c = mesh.vertices_mesh_m[t[2]];
     const auto u = static_cast<float>(random.uniform(0.0, 1.0, 1, i));
     const Vector3f aim = i % 3 == 0   ? a
                          : i % 3 == 1 ? Vector3f(a + u * (b - a))
@@ -266,7 +266,7 @@ TEST(ExactHits, NoRaySlipsThroughAClosedSurface) {
 
 TEST(ExactHits, ASurfaceSeenEdgeOnIsNotMet) {
   Mesh mesh;
-  mesh.vertices_m = {{1, -5, 0}, {21, -5, 0}, {21, 5, 0}, {1, 5, 0}};
+  mesh.vertices_mesh_m = {{1, -5, 0}, {21, -5, 0}, {21, 5, 0}, {1, 5, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   const StaticScene scene(scene_of(mesh));
   const auto range_m = [&](double cosine) {

@@ -25,7 +25,7 @@ Scene triangle_soup(int num_triangles) {
   for (int i = 0; i < num_triangles; ++i) {
     const Vector3 center = random_point(random, 4 * i, 10.0);
     for (int corner = 0; corner < 3; ++corner) {
-      mesh.vertices_m.push_back((center + random_point(random, 4 * i + 1 + corner, 0.5)).cast<float>());
+      mesh.vertices_mesh_m.push_back((center + random_point(random, 4 * i + 1 + corner, 0.5)).cast<float>());
     }
     const auto first = static_cast<std::uint32_t>(3 * i);
     mesh.triangles.push_back({first, first + 1, first + 2});
@@ -82,7 +82,7 @@ TEST(StaticScene, NearestSurfaceIsThatOfBruteForce) {
   const Scene soup = triangle_soup(500);
   const StaticScene scene(soup);
   const Random random(5, "test.query");
-  const auto& v = soup.meshes[0].vertices_m;
+  const auto& v = soup.meshes[0].vertices_mesh_m;
   for (std::uint32_t i = 0; i < 300; ++i) {
     const Vector3 p = random_point(random, i, 12.0);
     double expected = 1e9;
@@ -108,12 +108,12 @@ TEST(StaticScene, NoTriangleThatTouchesABoxIsMissed) {
   std::set<int> found;
   scene.triangles_near_box(box, [&](const Vector3& a, const Vector3&, const Vector3&, int index) {
     found.insert(index);
-    EXPECT_EQ(a.cast<float>(), mesh.vertices_m[mesh.triangles[index][0]]);
+    EXPECT_EQ(a.cast<float>(), mesh.vertices_mesh_m[mesh.triangles[index][0]]);
   });
   int num_inside = 0;
   for (int i = 0; i < static_cast<int>(mesh.triangles.size()); ++i) {
     for (const auto corner : mesh.triangles[i]) {
-      if (!box.contains(mesh.vertices_m[corner].cast<double>())) continue;
+      if (!box.contains(mesh.vertices_mesh_m[corner].cast<double>())) continue;
       ++num_inside;
       EXPECT_TRUE(found.contains(i));
     }

@@ -21,7 +21,7 @@ std::shared_ptr<const StaticScene> nothing() { return std::make_shared<const Sta
 std::shared_ptr<const VehicleShape> plate(float half_m = 0.5F) {
   auto shape = std::make_shared<VehicleShape>();
   Mesh mesh;
-  mesh.vertices_m = {{0, -half_m, -half_m}, {0, half_m, -half_m}, {0, half_m, half_m}, {0, -half_m, half_m}};
+  mesh.vertices_mesh_m = {{0, -half_m, -half_m}, {0, half_m, -half_m}, {0, half_m, half_m}, {0, -half_m, half_m}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   mesh.part = VehiclePart::kBody;
   shape->meshes.push_back(mesh);
@@ -33,7 +33,7 @@ std::shared_ptr<const VehicleShape> rotor_only() {
   auto shape = std::make_shared<VehicleShape>();
   shape->materials.resize(3);
   VehicleShape::RotorShape rotor;
-  rotor.hub_m = {0.2F, 0.1F, 0.05F};
+  rotor.hub_body_m = {0.2F, 0.1F, 0.05F};
   rotor.radius_m = 0.3F;
   rotor.chord_m = 0.05F;
   shape->rotors.push_back(rotor);
@@ -178,7 +178,7 @@ TEST(SweepScene, RotorsAreMetWhereABladeIsAtThatInstant) {
     for (int i = 0; i < kPacketSize; ++i) {
       const auto index = static_cast<std::uint32_t>(kPacketSize * k + i);
       firings[i].offset_s = static_cast<float>(random.uniform(0, 0.1, 0, index));
-      firings[i].origin_lidar_m = rotor.hub_m;
+      firings[i].origin_lidar_m = rotor.hub_body_m;
       firings[i].origin_lidar_m.x() += static_cast<float>(random.uniform(-0.3, 0.3, 1, index));
       firings[i].origin_lidar_m.y() += static_cast<float>(random.uniform(-0.3, 0.3, 2, index));
       firings[i].origin_lidar_m.z() = 0.0F;
@@ -188,7 +188,7 @@ TEST(SweepScene, RotorsAreMetWhereABladeIsAtThatInstant) {
     PacketHits hits;
     scene.trace(beams, false, hits);
     for (int i = 0; i < kPacketSize; ++i) {
-      const Eigen::Vector2f on_disc = (firings[i].origin_lidar_m - rotor.hub_m).head<2>();
+      const Eigen::Vector2f on_disc = (firings[i].origin_lidar_m - rotor.hub_body_m).head<2>();
       if (on_disc.norm() > rotor.radius_m) {
         EXPECT_EQ(hits.range_m[i], 0.0F);
         continue;

@@ -33,7 +33,7 @@ void expect_same_triangles(const Mesh& mesh, const RenderMesh& ready) {
   std::vector<std::array<Eigen::Vector3f, 3>> before;
   std::vector<std::array<Eigen::Vector3f, 3>> after;
   for (const auto& t : mesh.triangles)
-    before.push_back({mesh.vertices_m[t[0]], mesh.vertices_m[t[1]], mesh.vertices_m[t[2]]});
+    before.push_back({mesh.vertices_mesh_m[t[0]], mesh.vertices_mesh_m[t[1]], mesh.vertices_mesh_m[t[2]]});
   for (const RenderChunk& chunk : ready.chunks) {
     for (std::uint32_t i = chunk.first_index; i < chunk.first_index + chunk.num_indices; i += 3) {
       std::array<Eigen::Vector3f, 3> corners;

@@ -55,7 +55,7 @@ TEST_P(EveryVehicle, HoldsAHoverToTwoCentimetersAfterAFlight) {
 }
 
 // Vrba 2025, Table IV: at most 8.2 m/s and 4.5 m/s^2, 4 to 10 m high. The trajectory is followed by a second spline of
-// our own, so that neither guidance nor the reference tracker can make it easier.
+// our own, so that neither guidance nor the reference governor can make it easier.
 TEST_P(EveryVehicle, FliesTheAgileTrajectoriesWithLessThanThirtyCentimetersOfError) {
   for (const char* seed : {"1", "2", "3"}) {
     Simulation simulation(

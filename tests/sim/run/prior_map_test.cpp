@@ -19,7 +19,7 @@ namespace {
 Scene one_triangle() {
   Scene scene;
   Mesh mesh;
-  mesh.vertices_m = {{0.0F, 0.0F, 0.1F}, {4.0F, 0.0F, 0.1F}, {0.0F, 3.0F, 0.1F}};
+  mesh.vertices_mesh_m = {{0.0F, 0.0F, 0.1F}, {4.0F, 0.0F, 0.1F}, {0.0F, 3.0F, 0.1F}};
   mesh.triangles = {{0, 1, 2}};
   scene.meshes.push_back(mesh);
   Instance instance;
@@ -34,7 +34,7 @@ TEST(PriorMap, SurfacesAreSampledDensely) {
   const auto prior = make_prior_map(config, 0.25, one_triangle());
   ASSERT_NE(prior, nullptr);
   std::set<std::pair<int, int>> cells;
-  for (const Eigen::Vector3f& p : prior->occupied_m) {
+  for (const Eigen::Vector3f& p : prior->occupied_world_m) {
     EXPECT_FLOAT_EQ(p.z(), 0.1F);
     cells.emplace(static_cast<int>(std::floor((p.x() - 10.0F) / 0.25F)), static_cast<int>(std::floor(p.y() / 0.25F)));
   }
@@ -67,8 +67,8 @@ TEST(PriorMap, RecordedCloudsAreReadByTheirIndex) {
   config.free = write("free.pcd", header + "7 8 9\n");
   const auto prior = make_prior_map(config, 0.25, Scene{});
   ASSERT_NE(prior, nullptr);
-  EXPECT_EQ(prior->occupied_m, (std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 3.0F}, {4.0F, 5.0F, 6.0F}}));
-  EXPECT_EQ(prior->free_m, (std::vector<Eigen::Vector3f>{{7.0F, 8.0F, 9.0F}}));
+  EXPECT_EQ(prior->occupied_world_m, (std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 3.0F}, {4.0F, 5.0F, 6.0F}}));
+  EXPECT_EQ(prior->free_world_m, (std::vector<Eigen::Vector3f>{{7.0F, 8.0F, 9.0F}}));
   config.recorded = write("other.csv", "x,y,z\n1,2,3\n");
   EXPECT_THROW(make_prior_map(config, 0.25, Scene{}), InputError);
 }
@@ -85,14 +85,14 @@ TEST(PriorMap, ACloudIsTakenAndAMeshIsSampled) {
                           "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 2 3\n-4 5 6\n");
   const auto cloud = make_prior_map(config, 0.25, Scene{});
   ASSERT_NE(cloud, nullptr);
-  EXPECT_EQ(cloud->occupied_m, (std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 3.0F}, {-4.0F, 5.0F, 6.0F}}));
+  EXPECT_EQ(cloud->occupied_world_m, (std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 3.0F}, {-4.0F, 5.0F, 6.0F}}));
 
   config = {};
   config.mesh = write("wall.obj", "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0 2\nf 1 2 3\nf 1 3 4\n");
   const auto mesh = make_prior_map(config, 0.25, Scene{});
   ASSERT_NE(mesh, nullptr);
   std::set<std::pair<int, int>> cells;
-  for (const Eigen::Vector3f& p : mesh->occupied_m) {
+  for (const Eigen::Vector3f& p : mesh->occupied_world_m) {
     EXPECT_NEAR(p.y(), 0.0F, 1e-5F);
     cells.emplace(static_cast<int>(std::floor(p.x() / 0.25F)), static_cast<int>(std::floor(p.z() / 0.25F)));
   }

@@ -62,10 +62,10 @@ LidarConfig uniform(int rows, int columns, double fov_vertical_deg, double fov_h
 std::shared_ptr<const VehicleShape> plate(float half_width_m, float half_height_m) {
   auto shape = std::make_shared<VehicleShape>();
   Mesh mesh;
-  mesh.vertices_m = {{0, -half_width_m, -half_height_m},
-                     {0, half_width_m, -half_height_m},
-                     {0, half_width_m, half_height_m},
-                     {0, -half_width_m, half_height_m}};
+  mesh.vertices_mesh_m = {{0, -half_width_m, -half_height_m},
+                          {0, half_width_m, -half_height_m},
+                          {0, half_width_m, half_height_m},
+                          {0, -half_width_m, half_height_m}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   mesh.part = VehiclePart::kArm;
   shape->meshes.push_back(mesh);

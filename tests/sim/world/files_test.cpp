@@ -126,7 +126,7 @@ TEST_F(WorldFiles, PlyVerticesCarryTheTruth) {
   std::size_t row = begin;
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
-    for (std::size_t i = 0; i < mesh.vertices_m.size(); ++i, row += kStride) {
+    for (std::size_t i = 0; i < mesh.vertices_mesh_m.size(); ++i, row += kStride) {
       std::uint16_t label[2];
       float reflectivity = 0;
       std::memcpy(label, content.data() + row + 15, sizeof label);
@@ -159,8 +159,8 @@ TEST_F(WorldFiles, TableOfObjectsIsTheStemMap) {
     while (std::getline(fields, text, ',')) numbers.push_back(std::stod(text));
     const WorldObject& tree = scene.objects[rows];
     EXPECT_THAT(numbers,
-                testing::ElementsAre(tree.position_m.x(), tree.position_m.y(), tree.position_m.z(), 0.0,
-                                     test::attribute(tree, "dbh_m"), test::attribute(tree, "height_m"),
+                testing::ElementsAre(tree.position_world_m.x(), tree.position_world_m.y(), tree.position_world_m.z(),
+                                     0.0, test::attribute(tree, "dbh_m"), test::attribute(tree, "height_m"),
                                      test::attribute(tree, "crown_base_m"), test::attribute(tree, "crown_radius_m")));
   }
   EXPECT_EQ(rows, 7);
@@ -189,7 +189,7 @@ TEST_F(WorldFiles, RulesGiveClassAndReflectivityByName) {
   const auto material_at = [&](double y) {
     for (const Instance& instance : scene.instances) {
       const Mesh& mesh = scene.meshes[instance.mesh];
-      if (std::abs(mesh.vertices_m[0].y() - y) < 0.1)
+      if (std::abs(mesh.vertices_mesh_m[0].y() - y) < 0.1)
         return std::tuple(mesh.surface_class, scene.materials[mesh.material].reflectivity,
                           scene.materials[mesh.material].retroreflective);
     }
@@ -220,7 +220,7 @@ std::string binary_stl(const Mesh& mesh) {
   for (const auto& triangle : mesh.triangles) {
     content.append(12, '\0');
     for (const std::uint32_t corner : triangle)
-      content.append(reinterpret_cast<const char*>(mesh.vertices_m[corner].data()), 12);
+      content.append(reinterpret_cast<const char*>(mesh.vertices_mesh_m[corner].data()), 12);
     content.append(2, '\0');
   }
   return content;

@@ -39,7 +39,7 @@ TEST(Forest, StemsKeepTheirDistanceAndDensity) {
     EXPECT_EQ(trees.size(), 216U);  // 600 / ha on 0.36 ha
     for (std::size_t i = 0; i < trees.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        ASSERT_GE((trees[i].position_m - trees[j].position_m).head<2>().norm(), config.min_spacing_m);
+        ASSERT_GE((trees[i].position_world_m - trees[j].position_world_m).head<2>().norm(), config.min_spacing_m);
       }
     }
   }
@@ -98,7 +98,7 @@ TEST(Forest, TrunksHaveTheStemMapsDiameterAtBreastHeight) {
     const WorldObject& tree = trees.at(instance.instance);
     // Mean distance from the axis to the surface, all around, 1.3 m above the foot.
     const Eigen::Affine3d T = instance.T_world_mesh.cast<double>();
-    const Vector3d center = tree.position_m + Vector3d(0, 0, 1.3);
+    const Vector3d center = tree.position_world_m + Vector3d(0, 0, 1.3);
     double area_m2 = 0.0;
     constexpr int kDirections = 90;
     for (int i = 0; i < kDirections; ++i) {
@@ -106,8 +106,8 @@ TEST(Forest, TrunksHaveTheStemMapsDiameterAtBreastHeight) {
       const Vector3d direction(std::cos(angle_rad), std::sin(angle_rad), 0);
       for (const auto& [a, b, c] : mesh.triangles) {
         const auto range_m =
-            test::intersect(center, direction, T * mesh.vertices_m[a].cast<double>(),
-                            T * mesh.vertices_m[b].cast<double>(), T * mesh.vertices_m[c].cast<double>());
+            test::intersect(center, direction, T * mesh.vertices_mesh_m[a].cast<double>(),
+                            T * mesh.vertices_mesh_m[b].cast<double>(), T * mesh.vertices_mesh_m[c].cast<double>());
         if (!range_m) continue;
         area_m2 += 0.5 * *range_m * *range_m * 2.0 * std::numbers::pi / kDirections;
         break;
@@ -129,9 +129,9 @@ TEST(Forest, NothingReachesIntoTrailsAndClearings) {
       const Mesh& mesh = scene.meshes[instance.mesh];
       if (mesh.surface_class == SurfaceClass::kGround) continue;
       for (const auto& [a, b, c] : mesh.triangles) {
-        const Vector3d corners[] = {(instance.T_world_mesh * mesh.vertices_m[a]).cast<double>(),
-                                    (instance.T_world_mesh * mesh.vertices_m[b]).cast<double>(),
-                                    (instance.T_world_mesh * mesh.vertices_m[c]).cast<double>()};
+        const Vector3d corners[] = {(instance.T_world_mesh * mesh.vertices_mesh_m[a]).cast<double>(),
+                                    (instance.T_world_mesh * mesh.vertices_mesh_m[b]).cast<double>(),
+                                    (instance.T_world_mesh * mesh.vertices_mesh_m[c]).cast<double>()};
         // Corners and middles of the edges: the zones are wider than any triangle here.
         for (int i = 0; i < 3; ++i) {
           for (const Vector3d& point : {corners[i], Vector3d(0.5 * (corners[i] + corners[(i + 1) % 3]))}) {
@@ -155,7 +155,7 @@ TEST(Forest, ATrailTakesTreesAwayAndLeavesTheOthersAsTheyWere) {
   EXPECT_GT(cut.size(), whole.size() / 3);
   for (const WorldObject& tree : cut) {
     const bool was_there = std::any_of(whole.begin(), whole.end(), [&](const WorldObject& other) {
-      return other.position_m == tree.position_m && attribute(other, "dbh_m") == attribute(tree, "dbh_m");
+      return other.position_world_m == tree.position_world_m && attribute(other, "dbh_m") == attribute(tree, "dbh_m");
     });
     EXPECT_TRUE(was_there);
   }
@@ -208,8 +208,9 @@ TEST_P(CrownGaps, RaysPassWithTheProbabilityThatTheLeafAreaSets) {
       variance += p * (1 - p);
       bool is_blocked = false;
       for (const auto& [a, b, c] : tree.leaves.triangles) {
-        if (test::intersect(origin, direction, tree.leaves.vertices_m[a].cast<double>(),
-                            tree.leaves.vertices_m[b].cast<double>(), tree.leaves.vertices_m[c].cast<double>())) {
+        if (test::intersect(origin, direction, tree.leaves.vertices_mesh_m[a].cast<double>(),
+                            tree.leaves.vertices_mesh_m[b].cast<double>(),
+                            tree.leaves.vertices_mesh_m[c].cast<double>())) {
           is_blocked = true;
           break;
         }

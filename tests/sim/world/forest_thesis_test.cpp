@@ -19,9 +19,10 @@ TEST(ForestThesis, HasAHundredTreesInTheAreaAtLeastThreeMetersApart) {
     const auto trees = objects_of(make_forest_thesis({}, seed), SurfaceClass::kTrunk);
     ASSERT_EQ(trees.size(), 100U);
     for (std::size_t i = 0; i < trees.size(); ++i) {
-      EXPECT_LE(std::abs(trees[i].position_m.x()), 20.0);
-      EXPECT_LE(std::abs(trees[i].position_m.y()), 32.0);
-      for (std::size_t j = 0; j < i; ++j) EXPECT_GE((trees[i].position_m - trees[j].position_m).norm(), 3.0);
+      EXPECT_LE(std::abs(trees[i].position_world_m.x()), 20.0);
+      EXPECT_LE(std::abs(trees[i].position_world_m.y()), 32.0);
+      for (std::size_t j = 0; j < i; ++j)
+        EXPECT_GE((trees[i].position_world_m - trees[j].position_world_m).norm(), 3.0);
     }
   }
 }
@@ -71,17 +72,18 @@ TEST(ForestThesis, RaysMeetTrunkAndCrownWhereTheStemMapSays) {
   const WorldObject tree = objects_of(scene, SurfaceClass::kTrunk)[17];
   const double radius_m = 0.5 * attribute(tree, "dbh_m");
   // From 1.4 m before the axis: no other tree reaches in between (3 m apart, at most 0.7 m thick).
-  const auto trunk = test::trace(scene, tree.position_m + Eigen::Vector3d(-1.4, 0.001, 1.3), Eigen::Vector3d::UnitX());
+  const auto trunk =
+      test::trace(scene, tree.position_world_m + Eigen::Vector3d(-1.4, 0.001, 1.3), Eigen::Vector3d::UnitX());
   ASSERT_TRUE(trunk);
   EXPECT_EQ(trunk->surface_class, SurfaceClass::kTrunk);
   EXPECT_EQ(trunk->instance, tree.instance);
   EXPECT_NEAR(trunk->range_m, 1.4 - radius_m, 0.012 * radius_m + 1e-4);  // 24 sides: within 1.2 % of the circle
 
   // From above: the highest of the spheres over that point.
-  const Eigen::Vector3d eye_m = tree.position_m + Eigen::Vector3d(0.3, 0.2, 30.0);
+  const Eigen::Vector3d eye_m = tree.position_world_m + Eigen::Vector3d(0.3, 0.2, 30.0);
   double top_m = 0.0;
   for (const WorldObject& other : objects_of(scene, SurfaceClass::kTrunk)) {
-    const double from_axis_sq = (other.position_m - eye_m).head<2>().squaredNorm();
+    const double from_axis_sq = (other.position_world_m - eye_m).head<2>().squaredNorm();
     const double crown_radius_m = attribute(other, "crown_radius_m");
     if (from_axis_sq > crown_radius_m * crown_radius_m) continue;
     top_m = std::max(top_m, attribute(other, "height_m") + std::sqrt(crown_radius_m * crown_radius_m - from_axis_sq));
@@ -102,7 +104,7 @@ TEST(ForestThesis, TrailsStayFreeUpToTheClearHeight) {
   config.keep_clear.trails = {{{{-20, -32, 0}, {20, 32, 0}}, 4.0}};
   config.keep_clear.clear_height_m = 4.0;
   for (const WorldObject& tree : objects_of(make_forest_thesis(config, 3), SurfaceClass::kTrunk)) {
-    const double distance_m = distance_to_segment_m(tree.position_m.head<2>(), {-20, -32}, {20, 32});
+    const double distance_m = distance_to_segment_m(tree.position_world_m.head<2>(), {-20, -32}, {20, 32});
     EXPECT_GE(distance_m, 2.0 + 0.5 * attribute(tree, "dbh_m"));
     if (attribute(tree, "crown_base_m") < 4.0) {
       EXPECT_GE(distance_m, 2.0 + attribute(tree, "crown_radius_m"));

@@ -32,7 +32,7 @@ void expect_empty(const Scene& scene, const Vector3d& low, const Vector3d& high)
     for (const auto& triangle : mesh.triangles) {
       Eigen::AlignedBox3d own;
       for (const std::uint32_t corner : triangle)
-        own.extend((instance.T_world_mesh * mesh.vertices_m[corner]).cast<double>());
+        own.extend((instance.T_world_mesh * mesh.vertices_mesh_m[corner]).cast<double>());
       ASSERT_TRUE(box.intersection(own).isEmpty()) << name_of(mesh.surface_class) << " " << instance.instance;
     }
   }
@@ -194,7 +194,7 @@ TEST(Hall, CratesStayInTheirZoneForEverySeed) {
       const Mesh& mesh = scene.meshes[instance.mesh];
       if (mesh.surface_class != SurfaceClass::kObject) continue;
       Eigen::AlignedBox3d box;
-      for (const Eigen::Vector3f& vertex : mesh.vertices_m) box.extend(vertex.cast<double>());
+      for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) box.extend(vertex.cast<double>());
       const double from_wall_x = std::min(box.min().x() + 7.5, 7.5 - box.max().x());
       const double from_wall_y = std::min(box.min().y() + 5.0, 5.0 - box.max().y());
       EXPECT_NEAR(std::min(from_wall_x, from_wall_y), 0.0, 1e-4);

@@ -63,7 +63,7 @@ TEST(MeshBuilder, IcosphereHasTheSpheresVolumeAndNearlyItsArea) {
   EXPECT_TRUE(is_closed(mesh));
   EXPECT_NEAR(signed_volume_m3(mesh), 4.0 / 3.0 * kPi * std::pow(2.5, 3), 1e-3);
   EXPECT_NEAR(area_m2(mesh), 4.0 * kPi * 6.25, 0.005 * 4.0 * kPi * 6.25);
-  for (const Vector3f& vertex : mesh.vertices_m) EXPECT_NEAR((vertex - Vector3f(1, 1, 1)).norm(), 2.5F, 0.02F);
+  for (const Vector3f& vertex : mesh.vertices_mesh_m) EXPECT_NEAR((vertex - Vector3f(1, 1, 1)).norm(), 2.5F, 0.02F);
 }
 
 TEST(MeshBuilder, HeightfieldFacesUpAndPassesThroughItsHeights) {
@@ -71,9 +71,12 @@ TEST(MeshBuilder, HeightfieldFacesUpAndPassesThroughItsHeights) {
   const std::vector<float> heights = {0, 1, 0, 0, 2, 0};
   add_heightfield(mesh, {10, 20}, {1, 2}, 3, 2, heights);
   EXPECT_EQ(mesh.triangles.size(), 4U);
-  EXPECT_EQ(mesh.vertices_m[4], Vector3f(11, 22, 2));
+  EXPECT_EQ(mesh.vertices_mesh_m[4], Vector3f(11, 22, 2));
   for (const auto& [a, b, c] : mesh.triangles) {
-    EXPECT_GT((mesh.vertices_m[b] - mesh.vertices_m[a]).cross(mesh.vertices_m[c] - mesh.vertices_m[a]).z(), 0.0F);
+    EXPECT_GT((mesh.vertices_mesh_m[b] - mesh.vertices_mesh_m[a])
+                  .cross(mesh.vertices_mesh_m[c] - mesh.vertices_mesh_m[a])
+                  .z(),
+              0.0F);
   }
 }
 

@@ -18,7 +18,7 @@ template <class Check>
 void for_each_corner(const Scene& scene, const Check& check) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
-    for (const Eigen::Vector3f& vertex : mesh.vertices_m)
+    for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m)
       check((instance.T_world_mesh * vertex).cast<double>().eval(), mesh.surface_class);
   }
 }
@@ -53,7 +53,7 @@ TEST(Field, TreesStandOnTheHills) {
   const Scene scene = make_field(config, 2);
   const Relief relief(config.relief, 2);
   for (const WorldObject& tree : objects_of(scene, SurfaceClass::kTrunk)) {
-    EXPECT_NEAR(tree.position_m.z(), relief.height_m(tree.position_m.x(), tree.position_m.y()), 1e-9);
+    EXPECT_NEAR(tree.position_world_m.z(), relief.height_m(tree.position_world_m.x(), tree.position_world_m.y()), 1e-9);
   }
 }
 

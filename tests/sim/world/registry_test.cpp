@@ -103,14 +103,14 @@ TEST(Worlds, ScenesAreSoundWhateverTheSeed) {
       const Scene scene = make_world(module, seed);
       for (const Mesh& mesh : scene.meshes) {
         EXPECT_LT(mesh.material, scene.materials.size());
-        for (const Eigen::Vector3f& vertex : mesh.vertices_m) ASSERT_TRUE(vertex.allFinite()) << type.module.name;
+        for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) ASSERT_TRUE(vertex.allFinite()) << type.module.name;
         for (const auto& triangle : mesh.triangles) {
-          for (const std::uint32_t corner : triangle) ASSERT_LT(corner, mesh.vertices_m.size());
+          for (const std::uint32_t corner : triangle) ASSERT_LT(corner, mesh.vertices_mesh_m.size());
         }
       }
       for (const Instance& instance : scene.instances) {
         ASSERT_LT(instance.mesh, scene.meshes.size());
-        for (const Eigen::Vector3f& vertex : scene.meshes[instance.mesh].vertices_m) {
+        for (const Eigen::Vector3f& vertex : scene.meshes[instance.mesh].vertices_mesh_m) {
           ASSERT_LE(scene.bounds_m.exteriorDistance((instance.T_world_mesh * vertex).cast<double>()), 1e-4);
         }
       }

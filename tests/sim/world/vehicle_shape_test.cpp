@@ -52,7 +52,7 @@ TEST(VehicleShape, RotorsAreWhereTheAirframeSaysAndTurnItsWay) {
   const VehicleShape shape = make_vehicle_shape(airframe);
   ASSERT_EQ(shape.rotors.size(), 4U);
   for (int i = 0; i < 4; ++i) {
-    EXPECT_EQ(shape.rotors[i].hub_m, airframe.rotors[i].position_m.cast<float>());
+    EXPECT_EQ(shape.rotors[i].hub_body_m, airframe.rotors[i].position_m.cast<float>());
     EXPECT_EQ(shape.rotors[i].radius_m, static_cast<float>(airframe.propeller_radius_m));
     EXPECT_EQ(shape.rotors[i].direction, i % 2 == 0 ? 1.0F : -1.0F);
   }
@@ -62,13 +62,13 @@ TEST(VehicleShape, ArmsReachTheHubsAndNothingLeavesTheCircumscribedSphere) {
   const Airframe airframe = make_airframe(4, 0.325);
   const VehicleShape shape = make_vehicle_shape(airframe);
   for (const Mesh& mesh : shape.meshes) {
-    for (const Eigen::Vector3f& vertex : mesh.vertices_m)
+    for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m)
       EXPECT_LE(vertex.norm(), shape.circumscribed_radius_m + 1e-5F);
     if (mesh.part != VehiclePart::kArm && mesh.part != VehiclePart::kMotor) continue;
     for (const VehicleShape::RotorShape& rotor : shape.rotors) {
       float nearest = 1e9F;
-      for (const Eigen::Vector3f& vertex : mesh.vertices_m)
-        nearest = std::min(nearest, (vertex - rotor.hub_m).head<2>().norm());
+      for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m)
+        nearest = std::min(nearest, (vertex - rotor.hub_body_m).head<2>().norm());
       EXPECT_LT(nearest, 0.06F) << name_of(mesh.part);
     }
   }

@@ -22,7 +22,7 @@ inline std::uint64_t hash_of(const Scene& scene) {
     mix(&material.reflectivity, sizeof material.reflectivity);
   }
   for (const Mesh& mesh : scene.meshes) {
-    for (const Eigen::Vector3f& vertex : mesh.vertices_m) mix(vertex.data(), 3 * sizeof(float));
+    for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) mix(vertex.data(), 3 * sizeof(float));
     mix(mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
     mix(&mesh.material, sizeof mesh.material);
     mix(&mesh.surface_class, sizeof mesh.surface_class);
@@ -35,7 +35,7 @@ inline std::uint64_t hash_of(const Scene& scene) {
   for (const WorldObject& object : scene.objects) {
     mix(&object.instance, sizeof object.instance);
     mix(object.kind.data(), object.kind.size());
-    mix(object.position_m.data(), 3 * sizeof(double));
+    mix(object.position_world_m.data(), 3 * sizeof(double));
     for (const auto& [key, value] : object.attributes) mix(&value, sizeof value);
   }
   return hash;
@@ -87,8 +87,9 @@ inline std::optional<BruteHit> trace(const Scene& scene, const Eigen::Vector3d& 
     const Mesh& mesh = scene.meshes[instance.mesh];
     const Eigen::Affine3d T = instance.T_world_mesh.cast<double>();
     for (const auto& [i, j, k] : mesh.triangles) {
-      const auto range_m = intersect(origin, direction, T * mesh.vertices_m[i].cast<double>(),
-                                     T * mesh.vertices_m[j].cast<double>(), T * mesh.vertices_m[k].cast<double>());
+      const auto range_m =
+          intersect(origin, direction, T * mesh.vertices_mesh_m[i].cast<double>(),
+                    T * mesh.vertices_mesh_m[j].cast<double>(), T * mesh.vertices_mesh_m[k].cast<double>());
       if (range_m && (!nearest || *range_m < nearest->range_m))
         nearest = {*range_m, mesh.surface_class, instance.instance};
     }

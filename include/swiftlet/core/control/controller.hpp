@@ -34,8 +34,8 @@ struct ControlGainsConfig {
 /// The gains in use.
 struct ControlGains {
   double position = 0.0, velocity = 0.0, integral = 0.0;
-  Vector3 attitude = Vector3::Zero();  ///< about body axes
-  Vector3 rate = Vector3::Zero();
+  Vector3 attitude_body = Vector3::Zero();  ///< about the axes
+  Vector3 rate_body = Vector3::Zero();
 };
 
 /// Position -> acceleration -> attitude -> body rates -> torques -> rotors.
@@ -55,8 +55,8 @@ class MultirotorController {
   MultirotorController(const Airframe& airframe, const ControlGainsConfig& config, double tick_s);
 
   /// Rotor commands 0..1 for the next `dt_s`. All zero when the estimate is not valid or not finite.
-  /// @param jerk_mps3  of the reference
-  const Commands& step(const StateEstimate& estimate, const Reference& reference, const Vector3& jerk_mps3,
+  /// @param jerk_local_mps3  of the reference
+  const Commands& step(const StateEstimate& estimate, const Reference& reference, const Vector3& jerk_local_mps3,
                        double dt_s);
   /// Motors at idle; forgets the integral part.
   const Commands& idle(double dt_s);

@@ -12,7 +12,7 @@ namespace swiftlet {
 /// What the rotors together do to the body: thrust along +z [N] and torque in body axes [N m].
 struct Wrench {
   double thrust_N = 0.0;
-  Vector3 torque_Nm = Vector3::Zero();
+  Vector3 torque_body_Nm = Vector3::Zero();
 };
 
 /// From a wrench to the thrust of each rotor and back, for up to kMaxRotors rotors whose axes are parallel to body z.

@@ -15,7 +15,7 @@ namespace swiftlet {
 /// one to the other in steps of at most the tolerance [Vrba 2025, eqs. 13-15].
 ///
 /// Clusters are in the order of their first points, members in the order of the points, so results do not depend on who
-/// joins them.
+/// joins them. Any frame, the same for all arguments.
 class Clusterer {
  public:
   virtual ~Clusterer() = default;

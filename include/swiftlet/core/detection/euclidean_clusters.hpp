@@ -12,7 +12,7 @@ namespace swiftlet {
 
 /// Our own clusters. Points that are not finite, or farther than 500 000 tolerances from the origin, are left out.
 /// Exact to the rounding of single precision; about linear in the number of points, also for duplicates and dense
-/// heaps. Keeps its memory from call to call.
+/// heaps. Keeps its memory from call to call. Any frame, the same for all arguments.
 class EuclideanClusters : public Clusterer {
  public:
   void compute(std::span<const Eigen::Vector3f> points_m, double tolerance_m) override;

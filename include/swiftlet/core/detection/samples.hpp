@@ -13,15 +13,15 @@ namespace swiftlet {
 
 /// What the detector clusters: the points of a scan that lie in the map, or the voxels that hold them.
 struct Samples {
-  std::vector<Eigen::Vector3f> at_m;  ///< in the local frame
+  std::vector<Eigen::Vector3f> at_local_m;
   std::vector<std::ptrdiff_t> voxel;  ///< index in the map
   std::vector<std::uint32_t> point;   ///< of the cloud; of a voxel: its first
   std::vector<int> weight;            ///< points in the voxel; empty: 1 each
 
-  std::size_t size() const { return at_m.size(); }
+  std::size_t size() const { return at_local_m.size(); }
   int weight_of(std::size_t i) const { return weight.empty() ? 1 : weight[i]; }
   void clear();
-  void add(const Eigen::Vector3f& p_m, std::ptrdiff_t in_voxel, std::uint32_t of_point);
+  void add(const Eigen::Vector3f& p_local_m, std::ptrdiff_t in_voxel, std::uint32_t of_point);
   void add(const Samples& from, std::size_t i);
   void move(std::size_t from, std::size_t to);
   void resize(std::size_t count);
@@ -38,8 +38,8 @@ struct Samples {
 /// Mean of a cluster and the box around it along its principal axes. A voxel counts as often as it holds points, in
 /// the mean as in the scatter that the axes are those of.
 struct ClusterShape {
-  Vector3 centroid_m = Vector3::Zero();
-  Vector3 box_center_m = Vector3::Zero();
+  Vector3 centroid_local_m = Vector3::Zero();
+  Vector3 box_center_local_m = Vector3::Zero();
   Vector3 extent_m = Vector3::Zero();
   double diagonal_m() const { return extent_m.norm(); }
 };

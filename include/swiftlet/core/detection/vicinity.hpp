@@ -9,7 +9,7 @@
 namespace swiftlet {
 
 /// What may lie within a distance of one of some points: a bit for each cell of a grid of that edge. Says yes of
-/// everything that does, and of some that is up to four times as far.
+/// everything that does, and of some that is up to four times as far. Any frame, the same for all arguments.
 class Vicinity {
  public:
   /// Forgets all points. The box: where points can be; its voxels are the least cells that are worth it.

@@ -21,7 +21,7 @@ namespace swiftlet {
 enum class ClusterClass : std::uint8_t { kBackground, kUnknown, kFlying, kTooLarge };
 
 /// The stages of the VoFOD detector on one map, without a clock: what each does to a scan or to the map (Vrba 2025,
-/// sec. III-B to III-D). Not copyable in a cheap way: holds the map.
+/// sec. III-B to III-D). A copy is expensive: it holds the map.
 class VofodStages {
  public:
   explicit VofodStages(const VofodConfig& config);
@@ -50,7 +50,7 @@ class VofodStages {
   // Of the last classified scan.
   /// Without what is background all around, whose clusters nobody asks for.
   int num_clusters() const { return clusters_.size(); }
-  void append_cluster_points(ClusterClass of_class, std::vector<Eigen::Vector3f>& points_m) const;
+  void append_cluster_points(ClusterClass of_class, std::vector<Eigen::Vector3f>& points_local_m) const;
 
  private:
   using Members = std::span<const std::uint32_t>;
@@ -59,7 +59,7 @@ class VofodStages {
 
   // Rule A.
   void set_background_aside();
-  bool is_near_background(const Eigen::Vector3f& at_m) const;
+  bool is_near_background(const Eigen::Vector3f& at_local_m) const;
   bool is_background(Members members) const;
   void find_background();
 
@@ -81,7 +81,7 @@ class VofodStages {
 
   Detection make_detection(const LocalCloud& cloud, Members members, const ClusterShape& shape) const;
   double confidence() const;
-  Matrix3 covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_m) const;
+  Matrix3 covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_local_m) const;
   void append_spheres(std::span<const std::ptrdiff_t> centers, std::vector<Cell>& cells);
 
   VofodConfig config_;

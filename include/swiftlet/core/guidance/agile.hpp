@@ -28,6 +28,7 @@ struct AgileConfig : ModuleConfigOf<AgileConfig> {
 };
 
 /// A trajectory without end: a uniform quartic B-spline (C3), whose control points are drawn as it goes.
+/// Any frame, the same for all arguments.
 ///
 /// A B-spline's derivatives are B-splines of the differences of its control points, hence convex combinations of them
 /// (de Boor, A Practical Guide to Splines, ch. X): with the first differences at most v h, the second at most a h^2 and

@@ -6,7 +6,7 @@
 #include "swiftlet/core/guidance/guidance.hpp"
 #include "swiftlet/core/guidance/neighbor_memory.hpp"
 
-/// Two other ways of flocking without a word to each other, to compare the rule-based Lloyd algorithm with [Kamler
+/// Two other models of flocking without messages, to compare the rule-based Lloyd algorithm with [Kamler
 /// 2025, sec. 2.5].
 namespace swiftlet {
 
@@ -69,14 +69,14 @@ std::unique_ptr<Guidance> make_pacnav(const ModuleConfig& config, const Guidance
 std::unique_ptr<Guidance> make_mezey(const ModuleConfig& config, const GuidanceSetup& setup);
 
 /// Persistence of a path: 1 for a straight one, towards 0 for one that leads nowhere.
-double path_persistence(std::span<const Vector3> path_m);
+double path_persistence(std::span<const Vector3> path_local_m);
 
 /// What the retina says: change of speed and of heading. Bearings are counted from the heading, to the left.
 struct VisualResponse {
   double acceleration_mps2 = 0.0;
   double turn_radps = 0.0;
 };
-VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_m, double heading_rad,
+VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local_m, double heading_rad,
                                std::span<const Neighbor> neighbors, std::vector<char>& retina);
 
 }  // namespace swiftlet

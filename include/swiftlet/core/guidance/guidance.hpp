@@ -15,11 +15,11 @@ namespace swiftlet {
 /// What guidance is told before the start.
 struct GuidanceSetup {
   const AgentSetup& agent;
-  MotionLimits limits;  ///< of the reference tracker that follows
+  MotionLimits limits;  ///< of the reference governor that follows
 };
 
 /// What guidance knows in one tick: all values, nothing kept. Everything but what it was told before the start and what
-/// others say lies in the local frame.
+/// neighbors say lies in the local frame.
 struct GuidanceInput {
   double dt_s = 0.0;               ///< since the last tick
   const StateEstimate& estimate;   ///< valid
@@ -33,9 +33,9 @@ struct GuidanceInput {
 
 /// What guidance wants in one tick, in the local frame. Owned by the caller, reused.
 struct GuidanceOutput {
-  Reference goal;                 ///< the reference tracker makes it flyable
+  Reference goal;                 ///< the reference governor makes it flyable
   bool goal_is_feasible = false;  ///< it keeps the motion limits already and is flown as it is
-  double speed_limit_mps = std::numeric_limits<double>::infinity();  ///< lower than the tracker's, for now
+  double speed_limit_mps = std::numeric_limits<double>::infinity();  ///< lower than the governor's, for now
   bool motors_on = true;
   MissionStatus mission = MissionStatus::kRunning;
   const char* note = "";  ///< why it failed, or what it waits for
@@ -47,7 +47,7 @@ struct GuidanceNeeds {
   bool map = false;
 };
 
-/// Where should I go? One of the ways of answering that a scenario chooses by name. Goals of the world are carried into
+/// Where should I go? A scenario chooses by name who answers. Goals of the world are carried into
 /// the local frame anew in every tick: the correction may have changed.
 class Guidance {
  public:

@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// Where a vehicle learns about the others.
+/// Where a vehicle learns about its neighbors.
 struct NeighborSourceConfig {
   enum class Source { kSensor, kRadio, kTracks, kNone };
   Source source = Source::kSensor;
@@ -23,13 +23,13 @@ struct NeighborSourceConfig {
 /// Another vehicle as known now, in the own local frame.
 struct Neighbor {
   std::int64_t key = 0;  ///< identity at its source
-  Vector3 position_m = Vector3::Zero();
-  Vector3 velocity_mps = Vector3::Zero();
+  Vector3 position_local_m = Vector3::Zero();
+  Vector3 velocity_local_mps = Vector3::Zero();
   TimeNs seen = 0;  ///< time of validity of the last measurement
 };
 
-/// Keeps the others of a mutual-localization sensor, of radio messages, or of tracks: each through a Kalman filter of
-/// constant velocity, forgotten when it was not heard of for a while.
+/// Keeps the neighbors of a mutual-localization sensor, of radio messages, or of tracks: each through a Kalman filter
+/// of constant velocity, forgotten when it was not heard of for a while.
 class NeighborMemory {
  public:
   explicit NeighborMemory(const NeighborSourceConfig& config) : config_(config) {}
@@ -38,7 +38,7 @@ class NeighborMemory {
   /// Everybody not forgotten, in order of keys.
   std::span<const Neighbor> neighbors() const { return known_; }
 
-  /// What to say to the others when they listen to the radio (source: radio), once a call.
+  /// What to say to the neighbors when they listen to the radio (source: radio), once a call.
   void announce(const StateEstimate& estimate, Outbox& outbox) const;
 
  private:
@@ -51,7 +51,7 @@ class NeighborMemory {
     Matrix6 P = Matrix6::Identity();
   };
 
-  void measure(std::int64_t key, TimeNs t, const Vector3& position_m, const Matrix3& covariance);
+  void measure(std::int64_t key, TimeNs t, const Vector3& position_local_m, const Matrix3& covariance);
   void hear(const Message& message, const FrameChange& to_local);
   void predict(Filter& filter, TimeNs t) const;
 

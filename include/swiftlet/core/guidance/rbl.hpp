@@ -11,7 +11,7 @@
 namespace swiftlet {
 
 /// Rule-based Lloyd algorithm in 2D and 3D [Kamler 2025; Boldrer 2023]: each vehicle flies to the weighted
-/// centroid of its own cell, without a word to the others. Defaults: Table 2.2. Done when the goal was reached; the
+/// centroid of its own cell, without a word to its neighbors. Defaults: Table 2.2. Done when the goal was reached; the
 /// vehicle then goes on to keep its cell.
 struct RblConfig : ModuleConfigOf<RblConfig> {
   enum class Variant { k2d, k3d, k3dClipped, k3dZ };

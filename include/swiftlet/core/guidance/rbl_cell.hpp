@@ -11,18 +11,18 @@ namespace swiftlet {
 
 /// The points q with normal . q <= offset_m, q relative to the agent.
 struct HalfSpace {
-  Vector3 normal = Vector3::UnitX();  ///< unit length
+  Vector3 normal_local = Vector3::UnitX();  ///< unit length
   double offset_m = 0.0;
 };
 
-/// Weighted centroids, relative to the agent.
+/// Weighted centroids. Here as below, `agent` is the frame with its origin at the agent and local axes.
 struct CellCentroids {
-  Vector3 sensing_m = Vector3::Zero();      ///< c_S
-  Vector3 partitioned_m = Vector3::Zero();  ///< c_A; zero when A is empty
+  Vector3 sensing_agent_m = Vector3::Zero();      ///< c_S
+  Vector3 partitioned_agent_m = Vector3::Zero();  ///< c_A; zero when A is empty
 };
 
-/// The cells S and A of one agent, as samples on a cubic lattice [Kamler 2025, sec. 2.4.1]. Everything is relative to
-/// the agent, in local axes. The samples lie in rows along x; a convex cut leaves an interval of every row, so that a
+/// The cells S and A of one agent, as samples on a cubic lattice [Kamler 2025, sec. 2.4.1]. Everything is in the
+/// agent's frame. The samples lie in rows along x; a convex cut leaves an interval of every row, so that a
 /// cut costs one division a row, whatever the number of samples.
 class RblCell {
  public:
@@ -30,13 +30,13 @@ class RblCell {
   RblCell(double radius_m, double step_m, bool planar);
 
   /// S anew: the ball between two heights (2.4, 2.14), and A = S.
-  /// @param lattice_m  any point of the lattice; zero: the lattice is centered at the agent
-  void reset(const Vector3& lattice_m, double z_low_m, double z_high_m);
+  /// @param lattice_agent_m  any point of the lattice; zero: the lattice is centered at the agent
+  void reset(const Vector3& lattice_agent_m, double z_low_m, double z_high_m);
 
   /// Leaves of A only what lies in the half-space (2.3).
   void cut(const HalfSpace& keep);
   /// Leaves of A only what lies in the ball (2.3 as printed: an Apollonius ball).
-  void cut_ball(const Vector3& center_m, double radius_m);
+  void cut_ball(const Vector3& center_agent_m, double radius_m);
   /// Takes single samples out of A: those for which `excluded(q)` holds. Asked once for each sample in A, in order.
   template <class Excluded>
   void exclude(const Excluded& excluded) {
@@ -50,9 +50,9 @@ class RblCell {
   }
 
   /// Centroids with the weight exp(-|q - destination| / beta) (2.5, 2.10).
-  CellCentroids centroids(const Vector3& destination_m, double beta_m);
+  CellCentroids centroids(const Vector3& destination_agent_m, double beta_m);
   /// Of A alone; cheaper.
-  Vector3 partitioned_centroid(const Vector3& destination_m, double beta_m);
+  Vector3 partitioned_centroid(const Vector3& destination_agent_m, double beta_m);
 
   bool is_empty() const;                            ///< A
   int num_samples() const { return num_samples_; }  ///< of S
@@ -61,8 +61,8 @@ class RblCell {
   bool contains(int sample) const;  ///< is the sample in A?
   /// Lowest and highest coordinates of the samples of A, which is not empty.
   std::array<Vector3, 2> bounds() const;
-  /// Sample of A that is nearest to `to_m`; -1 when A is empty.
-  int nearest_partitioned(const Vector3& to_m) const;
+  /// Sample of A that is nearest to `wanted_agent_m`; -1 when A is empty.
+  int nearest_partitioned(const Vector3& wanted_agent_m) const;
   /// Sample of S for which the greatest violation of the half-spaces is least; where to go when A is empty.
   Vector3 least_violating(const std::vector<HalfSpace>& cuts) const;
   double step_m() const { return step_m_; }
@@ -77,14 +77,14 @@ class RblCell {
   };
   struct Sums {
     double weight = 0.0;
-    Vector3 moment = Vector3::Zero();
+    Vector3 moment_agent = Vector3::Zero();
   };
 
-  void sample_ball(const Vector3& origin_m);
+  void sample_ball(const Vector3& origin_agent_m);
   Vector3 at(int i) const { return {x_[i], y_[i], z_[i]}; }
   void prepare_mask();
   void trim();
-  Vector3 centroid(const Sums& sums, const Vector3& destination_m) const;
+  Vector3 centroid(const Sums& sums, const Vector3& destination_agent_m) const;
 
   double radius_m_, step_m_;
   bool planar_;

@@ -26,7 +26,7 @@ struct RblLidarConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Point of a voxel that is nearest to `p_m` (3.1).
+/// Point of a voxel that is nearest to `p_m` (3.1). Any frame, the same for all arguments.
 inline Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, double edge_m) {
   const auto along = [half_m = 0.5 * edge_m](double p, double center) {
     return std::min(std::max(p, center - half_m), center + half_m);
@@ -34,22 +34,22 @@ inline Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, dou
   return {along(p_m.x(), center_m.x()), along(p_m.y(), center_m.y()), along(p_m.z(), center_m.z())};
 }
 
-/// Cuts cells by voxels. Both ways keep the agent's encumbrance away from every voxel that faces it:
+/// Cuts cells by voxels. Both cuts keep the agent's encumbrance away from every voxel that faces it:
 /// convex: half-spaces at the nearest point of the nearest voxel, then of the nearest one that is not yet behind such a
 /// plane, and so on: the cell stays convex, as Kamler 2025, sec. 3.1.3 asks for;
 /// nearest: each sample by the voxel that is nearest to it [Kamler 2025, sec. 3.2.5, sign of the exclusion corrected].
 class ObstacleCutter {
  public:
-  /// @param p_m  the agent; the cell is relative to it
-  void cut_convex(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
+  /// @param p_local_m  the agent; the cell is relative to it
+  void cut_convex(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
                   double encumbrance_m, double eta, std::vector<HalfSpace>& cuts);
-  void cut_nearest(RblCell& cell, const Vector3& p_m, std::span<const Vector3> voxels_m, double edge_m,
+  void cut_nearest(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
                    double encumbrance_m, double eta);
 
  private:
   struct Candidate {
-    Eigen::Vector3f nearest_m;  // point of the voxel, relative to the agent
-    Eigen::Vector3f center_m;
+    Eigen::Vector3f nearest_agent_m;  // point of the voxel
+    Eigen::Vector3f center_agent_m;
     float distance_sq;
   };
 

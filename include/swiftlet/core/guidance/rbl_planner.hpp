@@ -16,7 +16,7 @@ struct RblCellConfig {
   double step_m = 0.2;
   enum class Lattice { kAgent, kWorld };
   Lattice lattice = Lattice::kAgent;
-  double encumbrance_m = 0.5;  ///< delta_i, and of the others
+  double encumbrance_m = 0.5;  ///< delta_i, and that of each neighbor
   double eta = 0.9;
   enum class Cut { kProgram, kProjected, kPrinted, kBuffered };
   Cut cut = Cut::kProgram;
@@ -24,11 +24,11 @@ struct RblCellConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What keeps agent and neighbor apart: the part of the cell on the agent's side (2.3). All readings of the document
+/// What keeps agent and neighbor apart: the part of the cell on the agent's side (2.3). All interpretations
 /// agree that a neighbor nearer than Delta leaves the agent outside of its own cell, so that it moves away.
-/// @param to_neighbor_m  from the agent
+/// @param to_neighbor_local_m  from the agent
 /// @param Delta_m        sum of the two encumbrances
-HalfSpace neighbor_cut(const Vector3& to_neighbor_m, double Delta_m, double eta, RblCellConfig::Cut cut);
+HalfSpace neighbor_cut(const Vector3& to_neighbor_local_m, double Delta_m, double eta, RblCellConfig::Cut cut);
 
 /// How far an agent may go towards a point of an obstacle at this distance: its own encumbrance is left free.
 inline double obstacle_offset_m(double distance_m, double encumbrance_m, double eta) {
@@ -36,7 +36,7 @@ inline double obstacle_offset_m(double distance_m, double encumbrance_m, double 
                                            : distance_m - encumbrance_m;
 }
 /// The same as a half-space.
-HalfSpace obstacle_cut(const Vector3& to_point_m, double encumbrance_m, double eta);
+HalfSpace obstacle_cut(const Vector3& to_point_local_m, double encumbrance_m, double eta);
 
 /// Cells, centroids and rules of one agent: the whole of (2.3) to (2.20). Pure: keeps only beta, theta and phi.
 class RblPlanner {
@@ -44,24 +44,24 @@ class RblPlanner {
   RblPlanner(const RblCellConfig& config, const RblRules& rules, bool planar);
 
   /// S (between the heights, local frame), cut by the neighbors. Obstacles may then cut cell() further.
-  void partition(const Vector3& p_m, std::span<const Vector3> neighbors_m, double z_min_m, double z_max_m);
+  void partition(const Vector3& p_local_m, std::span<const Vector3> neighbors_local_m, double z_min_m, double z_max_m);
 
   struct Step {
-    Vector3 centroid_m = Vector3::Zero();     ///< c_A, local frame: where to go
-    Vector3 sensing_m = Vector3::Zero();      ///< c_S
-    Vector3 unrotated_m = Vector3::Zero();    ///< c_A with the goal as destination
-    Vector3 destination_m = Vector3::Zero();  ///< d of the next update
+    Vector3 centroid_local_m = Vector3::Zero();     ///< c_A: where to go
+    Vector3 sensing_local_m = Vector3::Zero();      ///< c_S
+    Vector3 unrotated_local_m = Vector3::Zero();    ///< c_A with the goal as destination
+    Vector3 destination_local_m = Vector3::Zero();  ///< d of the next update
     bool empty_cell = false;
   };
   /// Centroids of the partitioned cell with the last destination, then the rules, then the next destination.
-  Step update(const Vector3& goal_m, double dt_s);
+  Step update(const Vector3& goal_local_m, double dt_s);
 
   RblCell& cell() { return cell_; }
   const RblCell& cell() const { return cell_; }
   std::vector<HalfSpace>& cuts() { return cuts_; }
   const std::vector<HalfSpace>& cuts() const { return cuts_; }
   const RblState& state() const { return state_; }
-  const Vector3& position_m() const { return p_m_; }
+  const Vector3& p_local_m() const { return p_local_m_; }
 
  private:
   RblCellConfig config_;
@@ -70,7 +70,7 @@ class RblPlanner {
   RblCell cell_;
   std::vector<HalfSpace> cuts_;
   RblState state_;
-  Vector3 p_m_ = Vector3::Zero();
+  Vector3 p_local_m_ = Vector3::Zero();
   double z_low_m_ = 0.0, z_high_m_ = 0.0;  // of the cell, relative
 };
 

@@ -7,7 +7,7 @@
 namespace swiftlet {
 
 /// The rules of the 3D rule-based Lloyd algorithm [Kamler 2025, eqs. 2.7 to 2.20]. Where the document is ambiguous or
-/// prints something else than its authors' program does, the reading is an option (docs/rbl.md).
+/// prints something else than its authors' program does, the interpretation is an option (docs/rbl.md).
 struct RblRules {
   double weight_near_m = 0.5;       ///< d_1
   double weight_gap_m = 1.0;        ///< d_2
@@ -50,12 +50,12 @@ struct RblState {
   double phi_rad = 0.0;    ///< and upwards by this
 };
 
-/// What the rules look at; relative to the agent, in local axes.
+/// What the rules look at, in the agent's frame.
 struct RblSituation {
-  Vector3 goal_m = Vector3::Zero();
-  Vector3 partitioned_m = Vector3::Zero();  ///< c_A with the present destination
-  Vector3 sensing_m = Vector3::Zero();      ///< c_S with the present destination
-  Vector3 unrotated_m = Vector3::Zero();    ///< c_A with the goal as destination
+  Vector3 goal_agent_m = Vector3::Zero();
+  Vector3 partitioned_agent_m = Vector3::Zero();  ///< c_A with the present destination
+  Vector3 sensing_agent_m = Vector3::Zero();      ///< c_S with the present destination
+  Vector3 unrotated_agent_m = Vector3::Zero();    ///< c_A with the goal as destination
 };
 
 /// One step of all rules.
@@ -63,7 +63,7 @@ struct RblSituation {
 RblState apply_rules(const RblRules& rules, const RblSituation& now, const RblState& state, double dt_s, bool planar);
 
 /// Destination (2.20) relative to the agent: the goal turned to the right by theta and up by phi, distance kept.
-Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_m, const RblState& state);
+Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_agent_m, const RblState& state);
 
 /// C_influence (2.16 to 2.18); positive: go up.
 /// @param phi_rad  of the present destination

@@ -8,7 +8,7 @@
 namespace swiftlet {
 
 /// A curve given by a formula, flown with its exact velocity and acceleration: first to its beginning, there a rest,
-/// then speeding up smoothly; slowing down the same way at the end of the last lap.
+/// then speeding up smoothly; slowing down as smoothly at the end of the last lap.
 struct TrajectoryConfig : ModuleConfigOf<TrajectoryConfig> {
   enum class Shape { kCircle, kLissajous, kLine };
   Shape shape = Shape::kCircle;

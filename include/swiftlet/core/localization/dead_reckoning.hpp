@@ -9,10 +9,10 @@ namespace swiftlet {
 
 inline constexpr double kStandardGravity_mps2 = 9.81;
 
-/// Rotation by the vector `angle` (axis times angle) [rad].
+/// Rotation by the vector `angle` (axis times angle) [rad]. Any frame, the same for all arguments.
 Eigen::Quaterniond rotation_by(const Vector3& angle_rad);
 
-/// Motion of the body in some frame with a vertical z axis.
+/// Motion of the body; z is vertical. Any frame, the same for all arguments.
 struct NavState {
   TimeNs t = 0;
   Vector3 p_m = Vector3::Zero();
@@ -26,7 +26,7 @@ struct NavState {
 };
 
 /// One strapdown step: specific force and body rate constant over dt; attitude exact, the force turned at mid-step.
-void strapdown(NavState& state, const Vector3& omega_body_radps, const Vector3& specific_force_mps2, double dt_s);
+void strapdown(NavState& state, const Vector3& omega_body_radps, const Vector3& specific_force_body_mps2, double dt_s);
 
 /// Carries a pose of the past, or one that comes rarely, to the present: by the IMU's samples, or at constant velocity
 /// and body rate when there is no IMU. Keeps the last 256 samples, so a pose may come late by that much.

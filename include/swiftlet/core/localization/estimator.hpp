@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// Where am I? One of the ways of answering that a scenario chooses by name. The local frame begins at the start
+/// Where am I? A scenario chooses by name who answers. The local frame begins at the start
 /// (AgentSetup::T_local_body_start) and stays smooth; what is learned of the world goes into the correction.
 class StateEstimator {
  public:

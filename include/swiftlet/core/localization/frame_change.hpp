@@ -13,11 +13,11 @@ class FrameChange {
   static FrameChange to_world(const StateEstimate& estimate);
   static FrameChange to_local(const StateEstimate& estimate);
 
-  Vector3 point(const Vector3& p_m) const { return same_ ? p_m : Vector3(T_to_from_ * p_m); }
-  Vector3 direction(const Vector3& v) const { return same_ ? v : Vector3(T_to_from_.linear() * v); }
+  Vector3 point(const Vector3& p_from_m) const { return same_ ? p_from_m : Vector3(T_to_from_ * p_from_m); }
+  Vector3 direction(const Vector3& v_from) const { return same_ ? v_from : Vector3(T_to_from_.linear() * v_from); }
   /// Both frames have z up, so that headings and heights change by a constant.
   double yaw(double yaw_rad) const;
-  double height(double z_m) const { return same_ ? z_m : z_m + T_to_from_.translation().z(); }
+  double height(double z_from_m) const { return same_ ? z_from_m : z_from_m + T_to_from_.translation().z(); }
   Pose pose(const Pose& T_from_body) const { return same_ ? T_from_body : T_to_from_ * T_from_body; }
   Matrix3 covariance(const Matrix3& C) const;
   Reference reference(const Reference& r) const;

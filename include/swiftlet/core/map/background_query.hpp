@@ -5,7 +5,7 @@
 
 namespace swiftlet {
 
-/// What others may ask the map of the static surroundings, O of algorithm 2 [Vrba 2025, sec. III-F]: the occupied
+/// What may be asked of the map of the static surroundings, O of algorithm 2 [Vrba 2025, sec. III-F]: the occupied
 /// voxels.
 class BackgroundQuery {
  public:

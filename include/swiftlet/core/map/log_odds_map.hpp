@@ -36,12 +36,13 @@ inline double log_odds_updated(double L, double l, const LogOddsConfig& config) 
   return std::min(std::max(L + l, config.L_min), config.L_max);
 }
 
+/// Any frame, the same for all arguments.
 class LogOddsMap {
  public:
   explicit LogOddsMap(const LogOddsConfig& config);
 
   /// One scan: cells that hold a point move by l_occupied, other cells that a ray passes by l_free, once each.
-  /// @param ends_m  of the rays; those marked in `is_point` are points, the others only passed through
+  /// @param ends_m  of the rays; those marked in `is_point` are points; the rays only pass through the rest
   void insert(const Vector3& origin_m, std::span<const Vector3> ends_m, std::span<const std::uint8_t> is_point);
 
   const VoxelGrid& grid() const { return grid_; }

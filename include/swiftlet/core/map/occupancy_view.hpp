@@ -17,7 +17,7 @@ enum class CellState : std::uint8_t { kUnknown, kFree, kOccupied };
 /// Where a segment meets the first occupied cell.
 struct SegmentHit {
   double distance_m = 0.0;  ///< from its beginning to the cell
-  Vector3 center_m = Vector3::Zero();
+  Vector3 center_local_m = Vector3::Zero();
 };
 
 inline constexpr TimeNs kEver = std::numeric_limits<TimeNs>::min();
@@ -30,14 +30,15 @@ class OccupancyView {
   virtual double edge_m() const = 0;
   virtual CellState state(const Vector3& p_local_m) const = 0;
   /// Centers of the occupied cells whose nearest point lies in the ball; those not hit since `since` left out.
-  virtual void occupied_within(const Vector3& center_m, double radius_m, TimeNs since,
-                               std::vector<Vector3>& centers_m) const = 0;
+  virtual void occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
+                               std::vector<Vector3>& centers_local_m) const = 0;
   /// Centers of the occupied cells that reach into the box.
-  virtual void occupied_in(const Vector3& min_m, const Vector3& max_m, std::vector<Vector3>& centers_m) const = 0;
+  virtual void occupied_in(const Vector3& min_local_m, const Vector3& max_local_m,
+                           std::vector<Vector3>& centers_local_m) const = 0;
   /// To the nearest point of an occupied cell; at most `max_m`.
   virtual double distance_m(const Vector3& p_local_m, double max_m) const = 0;
-  /// The first occupied cell on the way, its own included.
-  virtual std::optional<SegmentHit> first_hit(const Vector3& from_m, const Vector3& to_m) const = 0;
+  /// The first occupied cell on the segment, that of its beginning included.
+  virtual std::optional<SegmentHit> first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const = 0;
   /// Grows whenever the map may have changed.
   virtual std::uint64_t revision() const = 0;
   /// Boxes of cells outside of which every state is what it was at that revision; false when that is not known.

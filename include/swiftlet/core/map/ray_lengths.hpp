@@ -10,7 +10,7 @@
 namespace swiftlet {
 
 /// How far rays travel in each voxel [Vrba 2025, sec. III-C], summed over the rays of a sweep, in a dense window around
-/// the sensor that is no larger than the map.
+/// the sensor that is no larger than the map. Any frame, the same for all arguments.
 ///
 /// A ray is cut by the planes of its steepest axis. Between two of them it meets at most three voxels, and which ones,
 /// and how long, follows from the two ends alone: so the pieces are computed side by side instead of one after the

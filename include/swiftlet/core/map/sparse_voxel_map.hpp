@@ -37,8 +37,8 @@ class SparseVoxelMap : public OccupancyView {
 
   /// One beam of a sweep, in the local frame.
   struct Ray {
-    Eigen::Vector3f origin_m;
-    Eigen::Vector3f end_m;
+    Eigen::Vector3f origin_local_m;
+    Eigen::Vector3f end_local_m;
     bool hit = true;  ///< false: nothing was met up to the end
   };
 
@@ -47,7 +47,7 @@ class SparseVoxelMap : public OccupancyView {
   void insert(std::span<const Ray> rays, TimeNs now);
 
   /// Forgets what lies farther than keep_radius_m from here.
-  void keep_around(const Vector3& center_m);
+  void keep_around(const Vector3& center_local_m);
 
   /// For what is asked from now on: voxels not hit for memory_s are forgotten.
   void set_time(TimeNs now) { now_ = now; }
@@ -55,11 +55,12 @@ class SparseVoxelMap : public OccupancyView {
   double edge_m() const override { return config_.edge_m; }
   /// Free: it was hit at some time and lost it again.
   CellState state(const Vector3& p_local_m) const override;
-  void occupied_within(const Vector3& center_m, double radius_m, TimeNs since,
-                       std::vector<Vector3>& centers_m) const override;
-  void occupied_in(const Vector3& min_m, const Vector3& max_m, std::vector<Vector3>& centers_m) const override;
+  void occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
+                       std::vector<Vector3>& centers_local_m) const override;
+  void occupied_in(const Vector3& min_local_m, const Vector3& max_local_m,
+                   std::vector<Vector3>& centers_local_m) const override;
   double distance_m(const Vector3& p_local_m, double max_m) const override;
-  std::optional<SegmentHit> first_hit(const Vector3& from_m, const Vector3& to_m) const override;
+  std::optional<SegmentHit> first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const override;
   std::uint64_t revision() const override { return revision_; }
   /// By blocks. Not known of a map that forgets by time, and of what lies too many forgotten blocks back.
   bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
@@ -86,7 +87,7 @@ class SparseVoxelMap : public OccupancyView {
     bool knows(int i) const { return (known[static_cast<std::size_t>(i) >> 6U] >> (i & 63) & 1U) != 0; }
   };
 
-  Cell cell_of(const Vector3& p_m) const { return (p_m.array() * cells_per_m_).floor().cast<int>(); }
+  Cell cell_of(const Vector3& p_local_m) const { return (p_local_m.array() * cells_per_m_).floor().cast<int>(); }
   std::size_t place_of(const Cell& block) const {
     return static_cast<std::size_t>((block.x() & mask_) | ((block.y() & mask_) | (block.z() & mask_) << bits_)
                                                               << bits_);
@@ -98,7 +99,7 @@ class SparseVoxelMap : public OccupancyView {
   Vector3 center_of(const Cell& cell) const { return (cell.cast<double>().array() + 0.5) * config_.edge_m; }
   /// fn(voxel, its center) for every occupied one of the blocks that reach into the box.
   template <class Fn>
-  void for_occupied(const Vector3& min_m, const Vector3& max_m, Fn&& fn) const;
+  void for_occupied(const Vector3& min_local_m, const Vector3& max_local_m, Fn&& fn) const;
   bool first_in_sweep(const Cell& cell);
   void pass(const Ray& ray);
   void note_forgotten(const Cell& block);

@@ -36,7 +36,7 @@ struct VoxelMapConfig {
 };
 
 /// The map M: a value G for every voxel of a box, dense. Beside the values it keeps one bit for each voxel that is at
-/// least tentative, which makes the questions about what is occupied cheap.
+/// least tentative, which makes the questions about what is occupied cheap. Any frame, the same for all arguments.
 class VoxelMap : public BackgroundQuery {
  public:
   explicit VoxelMap(const VoxelMapConfig& config);

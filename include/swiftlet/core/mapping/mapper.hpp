@@ -19,7 +19,7 @@ struct MapperInput {
   std::span<const Track> tracks = {};                              ///< who flies there and is no obstacle
 };
 
-/// What is around? One of the ways of answering that a scenario chooses by name. A vehicle has one such map, which
+/// What is around? A scenario chooses by name who answers. A vehicle has one such map, which
 /// everybody asks.
 class Mapper {
  public:

@@ -30,7 +30,7 @@ pcl::PointCloud<pcl::PointXYZI> to_pcl_with_intensity(const Scan& scan, PclLayou
 /// The same with a label of each. @param labels  one a beam
 pcl::PointCloud<pcl::PointXYZL> to_pcl_with_labels(const Scan& scan, std::span<const std::uint32_t> labels,
                                                    PclLayout layout = PclLayout::kReturns);
-/// Points in whatever frame they are.
+/// Any frame, the same for all arguments.
 pcl::PointCloud<pcl::PointXYZ> to_pcl(std::span<const Eigen::Vector3f> points_m);
 
 /// Class and instance of each beam in one number, as SemanticKITTI has them: the class in the lower 16 bits.

@@ -7,6 +7,7 @@
 #include <vector>
 
 /// PCL's filters on points as the rest of core has them. What is not finite is left out.
+/// Any frame, the same for all arguments.
 namespace swiftlet {
 
 /// One point for each occupied cube of a grid: the centroid of its points.
@@ -17,7 +18,7 @@ std::vector<Eigen::Vector3f> pcl_voxel_grid(std::span<const Eigen::Vector3f> poi
 std::vector<std::uint32_t> pcl_statistical_inliers(std::span<const Eigen::Vector3f> points_m, int num_neighbors,
                                                    double sigmas);
 
-/// Indices of the points that have at least so many others within the radius.
+/// Indices of the points that have at least so many neighbors within the radius.
 std::vector<std::uint32_t> pcl_radius_inliers(std::span<const Eigen::Vector3f> points_m, double radius_m,
                                               int min_neighbors);
 

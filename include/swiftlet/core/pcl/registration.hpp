@@ -33,9 +33,9 @@ struct PclNdtSettings {
   double transformation_epsilon = 1e-4;
 };
 
-PclRegistration pcl_gicp(std::span<const Eigen::Vector3f> source_m, std::span<const Eigen::Vector3f> target_m,
+PclRegistration pcl_gicp(std::span<const Eigen::Vector3f> p_source_m, std::span<const Eigen::Vector3f> p_target_m,
                          const Pose& T_target_source_guess, const PclGicpSettings& settings = {});
-PclRegistration pcl_ndt(std::span<const Eigen::Vector3f> source_m, std::span<const Eigen::Vector3f> target_m,
+PclRegistration pcl_ndt(std::span<const Eigen::Vector3f> p_source_m, std::span<const Eigen::Vector3f> p_target_m,
                         const Pose& T_target_source_guess, const PclNdtSettings& settings = {});
 
 }  // namespace swiftlet

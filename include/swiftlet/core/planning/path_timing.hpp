@@ -17,7 +17,7 @@ struct PathLimits {
   double vertical_acceleration_mps2 = 1.0;
 };
 
-/// A path with its times.
+/// A path with its times. Any frame, the same for all arguments.
 struct SplineTrajectory {
   std::vector<Vector3> control_points_m;  ///< of a UniformSpline
   double interval_s = 0.2;
@@ -27,6 +27,7 @@ struct SplineTrajectory {
 };
 
 /// A polyline as a smooth path with speeds within the limits, from rest to rest.
+/// Any frame, the same for all arguments.
 /// @param corners_m  at least two
 /// @param is_free    asked along the smoothed path; nullopt when it is not free
 std::optional<SplineTrajectory> time_path(const std::vector<Vector3>& corners_m, const PathLimits& limits,

@@ -25,11 +25,11 @@ class BufferedCloud {
     return duration_ == 0 ? stamp_ : stamp_ + from_seconds(beams_->offset_s(static_cast<int>(beam_[i])));
   }
   /// Appends the indices of the points within the radius, in increasing order.
-  void select(const Vector3& center_m, double radius_m, std::vector<std::uint32_t>& indices) const;
+  void select(const Vector3& center_local_m, double radius_m, std::vector<std::uint32_t>& indices) const;
 
  private:
   struct Box {
-    Eigen::Vector3f min, max;
+    Eigen::Vector3f min_local_m, max_local_m;
   };
   static constexpr std::size_t kRun = 64;  // points to a box
 

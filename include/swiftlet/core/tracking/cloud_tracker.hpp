@@ -87,7 +87,7 @@ class CloudTracker {
   };
   /// A cluster that may be a target.
   struct Candidate {
-    Vector3 position_m;
+    Vector3 position_local_m;
     Matrix3 covariance;  // Z
     TimeNs t;
     std::span<const std::uint32_t> members;  // indices into selected_
@@ -95,7 +95,7 @@ class CloudTracker {
 
   void update(std::span<Target> targets, const BufferedCloud& cloud, const BackgroundQuery* background);
   void find_candidates(std::span<const Target> targets, const BufferedCloud& cloud, const BackgroundQuery* background);
-  bool is_background(const Vector3& position_m, double size_m, const BufferedCloud& cloud,
+  bool is_background(const Vector3& position_local_m, double size_m, const BufferedCloud& cloud,
                      std::span<const std::uint32_t> members, const BackgroundQuery* background);
   void assign(std::span<const Target> targets);
   Target start(const Detection& detection) const;
@@ -104,8 +104,8 @@ class CloudTracker {
   void forget();
   double search_radius_m(const Target& target) const;
   double association_radius_m(const Target& target) const;
-  Matrix3 measurement_covariance(const Vector3& position_m, const BufferedCloud& cloud) const;
-  Matrix3 position_covariance(const Vector3& position_m, const Pose& T_local_lidar) const;
+  Matrix3 measurement_covariance(const Vector3& position_local_m, const BufferedCloud& cloud) const;
+  Matrix3 position_covariance(const Vector3& position_local_m, const Pose& T_local_lidar) const;
 
   CloudTrackerConfig config_;
   std::unique_ptr<MotionFilter> filter_;

@@ -47,10 +47,10 @@ class MotionFilter {
  public:
   virtual ~MotionFilter() = default;
   /// At rest at a position, eqs. (35) and (36).
-  virtual MotionState start(const Vector3& position_m, const Matrix3& position_covariance) const = 0;
+  virtual MotionState start(const Vector3& position_local_m, const Matrix3& position_covariance) const = 0;
   virtual void predict(MotionState& state, double dt_s) const = 0;
   /// By a measured position z = H x + noise of covariance Z, eqs. (32) and (33).
-  virtual void correct(MotionState& state, const Vector3& z_m, const Matrix3& Z) const = 0;
+  virtual void correct(MotionState& state, const Vector3& z_local_m, const Matrix3& Z) const = 0;
 };
 
 /// Standard deviations of velocity and acceleration of a target about which nothing but its place is known, eq. (36).
@@ -59,7 +59,7 @@ struct InitialSpread {
   double sigma_acceleration_mps2 = 1.0;
 
   void visit(ConfigVisitor& v);
-  MotionBelief at_rest(const Vector3& position_m, const Matrix3& position_covariance) const;
+  MotionBelief at_rest(const Vector3& position_local_m, const Matrix3& position_covariance) const;
 };
 
 /// The document's Kalman filter with constant acceleration, eqs. (30)-(34).
@@ -87,12 +87,12 @@ struct ImmConfig {
 };
 std::unique_ptr<MotionFilter> make_imm_filter(const ImmConfig& config);
 
-// The parts, for tests and for filters of others.
+// The parts, for tests and for filters of your own.
 Matrix9 constant_velocity_transition(double dt_s);      ///< acceleration ends
 Matrix9 constant_acceleration_transition(double dt_s);  ///< A of eq. (30)
 Matrix9 coordinated_turn_transition(double dt_s, double rate_radps);
 double turn_rate_radps(const Vector9& mean);
 /// Kalman correction by a position; the log of the measurement's likelihood.
-double correct_belief(MotionBelief& belief, const Vector3& z_m, const Matrix3& Z);
+double correct_belief(MotionBelief& belief, const Vector3& z_local_m, const Matrix3& Z);
 
 }  // namespace swiftlet

@@ -26,7 +26,7 @@ class TrackOverlays {
     std::uint32_t id = 0;
     bool alive = false;
     std::size_t first = 0, count = 0;
-    std::array<Eigen::Vector3f, kCapacity> points;
+    std::array<Eigen::Vector3f, kCapacity> points_local_m;
   };
 
   std::vector<Trail> trails_;

@@ -23,7 +23,7 @@ struct TrackerInput {
   const BackgroundQuery* background = nullptr;  ///< occupied voxels of the detector's map; null: nothing is known
 };
 
-/// Where do the others fly? One of the ways of answering that a scenario chooses by name.
+/// Where do the targets fly? A scenario chooses by name who answers.
 class Tracker {
  public:
   virtual ~Tracker() = default;

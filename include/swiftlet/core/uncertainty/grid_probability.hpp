@@ -20,6 +20,7 @@ struct CellGrid {
 /// The integral along the axis of the least conditional deviation is closed, over the two others Gauss-Legendre in
 /// steps that resolve the distribution. Absolute error of a cell below 2e-7 for deviations of a thousandth of a cell
 /// and more.
+/// Any frame, the same for all arguments.
 /// @param mean   [m]
 /// @param Sigma  [m^2], positive definite
 std::vector<double> grid_probabilities(const Vector3& mean, const Matrix3& Sigma, const CellGrid& grid);

@@ -10,6 +10,7 @@ namespace swiftlet {
 /// Triangular factorisation makes the innermost integral closed (a difference of normal distribution functions, after
 /// A. Genz, J. Comput. Graph. Stat. 1, 1992); the two others are integrated adaptively. Absolute error below 1e-7, for
 /// degenerate covariances too (a variance of zero is a point mass along that direction).
+/// Any frame, the same for all arguments.
 /// @param mean   [m]
 /// @param Sigma  [m^2], positive semi-definite
 double box_probability(const Vector3& mean, const Matrix3& Sigma, const Eigen::AlignedBox3d& box);

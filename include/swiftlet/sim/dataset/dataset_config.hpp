@@ -27,7 +27,7 @@ struct VariationConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Ways through the free space of a world, for vehicles that cannot know it yet.
+/// Paths through the free space of a world, for vehicles that cannot know it yet.
 struct FlightConfig {
   double speed_min_mps = 1.0;
   double speed_max_mps = 3.0;

@@ -23,7 +23,7 @@ struct GenerateOptions {
 
 /// Where the wall time of flights went.
 struct FlightTiming {
-  double prepare_s = 0.0;   ///< worlds and ways, flights drawn anew
+  double prepare_s = 0.0;   ///< worlds and paths, flights drawn anew
   double simulate_s = 0.0;  ///< the simulation itself
   double record_s = 0.0;    ///< for which the simulation waited: everything that is written, and its hashes
   double beside_s = 0.0;    ///< processor time of what was written beside the simulation

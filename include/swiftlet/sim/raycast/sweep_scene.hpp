@@ -60,7 +60,8 @@ class SweepScene {
   SweepScene& operator=(const SweepScene&) = delete;
 
   /// Instants and origins of the beams, until told otherwise.
-  /// @param coherent  beams of one packet go nearly the same way: they are traced together, otherwise one by one
+  /// @param coherent  beams of one packet go in nearly the same direction: they are traced together, otherwise one by
+  /// one
   void set_firings(std::span<const Firing> firings, bool coherent = true);
   /// Looks up where everything is during [start, start + duration]. duration 0 freezes all in `start`.
   /// Allocates nothing.

@@ -60,8 +60,8 @@ class Sensor {
   /// any thread and in any order. Not calling it is fine: then measure() does all.
   virtual int begin_sweep(TimeNs /*now*/, const StateHistory& /*truth*/) { return 0; }
   virtual void trace_part(int /*part*/) {}
-  /// Which way a part looks, as a number: parts of all sensors in its order meet what is still in the processor's
-  /// caches.
+  /// In which direction a part looks, as a number: parts of all sensors in its order meet what is still in the
+  /// processor's caches.
   virtual int heading_of_part(int /*part*/) const { return 0; }
   /// How far back the sensor looks into the history [s].
   virtual double look_back_s() const { return 0.0; }

@@ -34,18 +34,19 @@ struct KeepClearConfig {
 
   void visit(ConfigVisitor& v);
   /// Horizontal distance from a point to the edge of the nearest zone, negative inside; +infinity without zones [m].
-  double distance_m(const Eigen::Vector2d& point_m) const;
+  double distance_m(const Eigen::Vector2d& point_world_m) const;
 };
 
 /// Horizontal distance from a point to a segment [m].
-double distance_to_segment_m(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
+double distance_to_segment_m(const Eigen::Vector2d& point_world_m, const Eigen::Vector2d& a_world_m,
+                             const Eigen::Vector2d& b_world_m);
 
 /// Keeps points at least `spacing_m` apart; a hash of cells makes the question cheap.
 class Spacing {
  public:
   explicit Spacing(double spacing_m) : spacing_m_(spacing_m) {}
   /// Adds the point and tells true if no earlier one is nearer than the spacing.
-  bool try_add(const Eigen::Vector2d& point_m);
+  bool try_add(const Eigen::Vector2d& point_world_m);
 
  private:
   std::int64_t cell_of(double x_m, double y_m) const;

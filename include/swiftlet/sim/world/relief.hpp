@@ -27,7 +27,7 @@ class Relief {
 };
 
 /// The rectangle of ground as a triangle mesh; a flat one has two triangles.
-Mesh make_ground(const Relief& relief, bool flat, const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m,
-                 double cell_m);
+Mesh make_ground(const Relief& relief, bool flat, const Eigen::Vector2d& min_world_m,
+                 const Eigen::Vector2d& max_world_m, double cell_m);
 
 }  // namespace swiftlet::sim

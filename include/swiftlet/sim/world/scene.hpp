@@ -54,7 +54,7 @@ struct Material {
 
 /// Triangles of one material. Counter-clockwise seen from outside; LiDAR and contacts treat them as two-sided.
 struct Mesh {
-  std::vector<Eigen::Vector3f> vertices_m;
+  std::vector<Eigen::Vector3f> vertices_mesh_m;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::uint32_t material = 0;  ///< index in Scene::materials
   SurfaceClass surface_class = SurfaceClass::kUnlabeled;
@@ -72,8 +72,8 @@ struct Instance {
 struct WorldObject {
   std::uint16_t instance = 0;
   SurfaceClass surface_class = SurfaceClass::kUnlabeled;
-  std::string kind;                                      ///< "pine", "rack", ...
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< foot of a stem, center of anything else
+  std::string kind;                                            ///< "pine", "rack", ...
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();  ///< foot of a stem, center of anything else
   double yaw_rad = 0.0;
   std::vector<std::pair<std::string, double>>
       attributes;  ///< such as {"dbh_m", 0.31}, {"height_m", 18.2}; same keys for the same kind

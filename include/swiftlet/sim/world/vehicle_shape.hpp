@@ -12,7 +12,7 @@ namespace swiftlet::sim {
 /// Rotors are kept apart because they spin.
 struct VehicleShape {
   struct RotorShape {
-    Eigen::Vector3f hub_m = Eigen::Vector3f::Zero();  ///< body frame
+    Eigen::Vector3f hub_body_m = Eigen::Vector3f::Zero();
     float radius_m = 0.1F;
     int blades = 2;
     float chord_m = 0.02F;   ///< width of a blade

@@ -31,7 +31,7 @@ struct WarehouseConfig : ModuleConfigOf<WarehouseConfig> {
 
   void visit(ConfigVisitor& v) override;
 
-  /// Where the racks and aisles lie, for generators and for those who plan ways through.
+  /// Where the racks and aisles lie, for generators and for those who plan paths through.
   int num_double_rows() const;
   double aisle_width() const;                ///< as built: at least aisle_width_m
   double aisle_center_y_m(int aisle) const;  ///< aisle = 0 ... num_double_rows()

@@ -9,13 +9,13 @@
 
 namespace swiftlet {
 
-/// The points of a way that was given, as spheres.
-inline Overlay way_overlay(const std::string& name, std::span<const Vector3> points_m, float size_m) {
+/// The points of a path that was given, as spheres.
+inline Overlay path_overlay(const std::string& name, std::span<const Vector3> points_local_m, float size_m) {
   Overlay overlay;
   overlay.name = name;
   overlay.kind = Overlay::Kind::kSpheres;
   overlay.size_m = size_m;
-  for (const Vector3& p_m : points_m) overlay.positions.push_back(p_m.cast<float>());
+  for (const Vector3& p_local_m : points_local_m) overlay.positions.push_back(p_local_m.cast<float>());
   overlay.colors = {{1.0F, 0.7F, 0.1F, 1.0F}};
   return overlay;
 }

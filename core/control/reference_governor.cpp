@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/control/reference_governor.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -124,7 +124,7 @@ Vec<N> wanted_acceleration(const Motion<N>& m, const Motion<N>& goal, const Axis
 template <int N>
 Vec<N> follow(Motion<N>& m, const Motion<N>& goal, const Vec<N>& goal_a_before, const AxisLimits& limits,
               double speed_limit, double dt) {
-  // A goal that can be reached within this step and is a state that the tracker may be in: take it as it is.
+  // A goal that can be reached within this step and is a state that the governor may be in: take it as it is.
   const Vec<N> jerk_to_goal = (goal.a - m.a) / dt;
   if (jerk_to_goal.norm() <= limits.jerk && goal.a.norm() <= limits.acceleration && is_viable(goal, limits, dt)) {
     const Motion<N> reached = m.after(jerk_to_goal, dt);
@@ -182,9 +182,9 @@ void follow_heading(double& yaw, double& rate, const Reference& goal, double goa
 
 }  // namespace
 
-ReferenceTracker::ReferenceTracker(const MotionLimits& limits) : limits_(limits) {}
+ReferenceGovernor::ReferenceGovernor(const MotionLimits& limits) : limits_(limits) {}
 
-void ReferenceTracker::reset(const Reference& start) {
+void ReferenceGovernor::reset(const Reference& start) {
   if (!is_finite(start)) return;
   state_ = Reference{};
   state_.position_m = start.position_m;
@@ -195,7 +195,7 @@ void ReferenceTracker::reset(const Reference& start) {
   jerk_mps3_.setZero();
 }
 
-const Reference& ReferenceTracker::step(const Reference& wanted_goal, double dt_s, double speed_limit_mps) {
+const Reference& ReferenceGovernor::step(const Reference& wanted_goal, double dt_s, double speed_limit_mps) {
   if (!(dt_s > 0.0)) return state_;
   const Reference goal = is_finite(wanted_goal) ? wanted_goal : last_goal_;
   const int parts = dt_s <= kLongestStep_s ? 1 : static_cast<int>(std::ceil(std::min(dt_s, 10.0) / kLongestStep_s));
@@ -203,7 +203,7 @@ const Reference& ReferenceTracker::step(const Reference& wanted_goal, double dt_
   return state_;
 }
 
-const Reference& ReferenceTracker::take(const Reference& feasible, double dt_s) {
+const Reference& ReferenceGovernor::take(const Reference& feasible, double dt_s) {
   if (!(dt_s > 0.0)) return state_;
   if (!is_finite(feasible)) return step(feasible, dt_s);
   jerk_mps3_ = (feasible.acceleration_mps2 - state_.acceleration_mps2) / dt_s;
@@ -212,7 +212,7 @@ const Reference& ReferenceTracker::take(const Reference& feasible, double dt_s) 
   return state_;
 }
 
-void ReferenceTracker::step_once(const Reference& goal, double dt_s, double speed_limit_mps) {
+void ReferenceGovernor::step_once(const Reference& goal, double dt_s, double speed_limit_mps) {
   const AxisLimits horizontal{limits_.horizontal_speed_mps, limits_.horizontal_acceleration_mps2,
                               limits_.horizontal_jerk_mps3};
   const AxisLimits vertical{limits_.vertical_speed_mps, limits_.vertical_acceleration_mps2, limits_.vertical_jerk_mps3};

@@ -16,9 +16,9 @@ namespace swiftlet {
 ///
 /// The limits hold by construction, whatever the goal: a step is only taken into states from which the acceleration
 /// can be brought to zero, at full jerk, before the speed limit is reached; that braking step is always at hand.
-class ReferenceTracker {
+class ReferenceGovernor {
  public:
-  explicit ReferenceTracker(const MotionLimits& limits);
+  explicit ReferenceGovernor(const MotionLimits& limits);
 
   /// Starts here; velocity is cut to the limits, acceleration and turning start from zero.
   void reset(const Reference& start);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/control/reference_tracker.hpp"
+#include "swiftlet/core/control/reference_governor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -50,36 +50,36 @@ struct Usage {
 /// both.
 double least_time(double distance, double v, double a, double j) { return distance / v + v / a + a / j; }
 
-TEST(ReferenceTracker, TakesAFeasibleReferenceAsItIsAndGoesOnFromThere) {
+TEST(ReferenceGovernor, TakesAFeasibleReferenceAsItIsAndGoesOnFromThere) {
   MotionLimitsConfig config;
-  ReferenceTracker tracker(config.resolve());
-  tracker.reset({});
+  ReferenceGovernor governor(config.resolve());
+  governor.reset({});
   Reference told;
   told.position_m = {1, 2, 3};
   told.velocity_mps = {0.5, 0, 0};
   told.acceleration_mps2 = {0.1, 0, 0};
   told.yaw_rad = 0.3;
-  const Reference& taken = tracker.take(told, 0.01);
+  const Reference& taken = governor.take(told, 0.01);
   EXPECT_EQ(taken.position_m, told.position_m);
   EXPECT_EQ(taken.velocity_mps, told.velocity_mps);
   EXPECT_EQ(taken.yaw_rad, told.yaw_rad);
-  EXPECT_LT((tracker.jerk_mps3() - Vector3(10, 0, 0)).norm(), 1e-9);
+  EXPECT_LT((governor.jerk_mps3() - Vector3(10, 0, 0)).norm(), 1e-9);
   Reference goal = told;
   goal.position_m = {9, 2, 3};
-  EXPECT_LT((tracker.step(goal, 0.01).position_m - told.position_m).norm(), 0.01);
+  EXPECT_LT((governor.step(goal, 0.01).position_m - told.position_m).norm(), 0.01);
   told.position_m.x() = std::nan("");
-  EXPECT_TRUE(tracker.take(told, 0.01).position_m.allFinite());
+  EXPECT_TRUE(governor.take(told, 0.01).position_m.allFinite());
 }
 
-TEST(ReferenceTracker, GoesToAFarPointInNearlyLeastTimeWithoutOvershoot) {
+TEST(ReferenceGovernor, GoesToAFarPointInNearlyLeastTimeWithoutOvershoot) {
   for (const Set set : {Set::kSlow, Set::kMedium, Set::kFast, Set::kAgile}) {
     const MotionLimits l = limits_named(set);
-    ReferenceTracker tracker(l);
-    tracker.reset(at(0, 0, 0));
+    ReferenceGovernor governor(l);
+    governor.reset(at(0, 0, 0));
     const Reference goal = at(60, 0, 0);
     double arrived = -1.0, farthest = 0.0;
     for (int i = 1; i < 30000; ++i) {
-      const Reference& r = tracker.step(goal, kStep_s);
+      const Reference& r = governor.step(goal, kStep_s);
       farthest = std::max(farthest, r.position_m.x());
       if (arrived < 0.0 && std::abs(r.position_m.x() - 60.0) < 0.05) arrived = i * kStep_s;
     }
@@ -88,18 +88,18 @@ TEST(ReferenceTracker, GoesToAFarPointInNearlyLeastTimeWithoutOvershoot) {
     EXPECT_GT(arrived, 0.95 * bound) << static_cast<int>(set);
     EXPECT_LT(arrived, 1.10 * bound + 0.3) << static_cast<int>(set);
     EXPECT_LT(farthest, 60.0 + 1e-3) << static_cast<int>(set);
-    EXPECT_NEAR(tracker.state().position_m.x(), 60.0, 1e-6) << static_cast<int>(set);
-    EXPECT_EQ(tracker.state().position_m.y(), 0.0) << static_cast<int>(set);
+    EXPECT_NEAR(governor.state().position_m.x(), 60.0, 1e-6) << static_cast<int>(set);
+    EXPECT_EQ(governor.state().position_m.y(), 0.0) << static_cast<int>(set);
   }
 }
 
-TEST(ReferenceTracker, NeverExceedsALimitWhateverTheGoal) {
+TEST(ReferenceGovernor, NeverExceedsALimitWhateverTheGoal) {
   for (const Set set : {Set::kSlow, Set::kMedium, Set::kFast, Set::kAgile}) {
     const MotionLimits l = limits_named(set);
     for (std::uint32_t trial = 0; trial < 6; ++trial) {
-      const Random random(trial, "test.tracker", std::to_string(static_cast<int>(set)));
-      ReferenceTracker tracker(l);
-      tracker.reset(at(0, 0, 0));
+      const Random random(trial, "test.governor", std::to_string(static_cast<int>(set)));
+      ReferenceGovernor governor(l);
+      governor.reset(at(0, 0, 0));
       Usage usage;
       Reference goal;
       for (std::uint32_t i = 0; i < 12000; ++i) {
@@ -114,8 +114,8 @@ TEST(ReferenceTracker, NeverExceedsALimitWhateverTheGoal) {
           goal.yaw_rate_radps = trial < 3 ? 0.0 : random.uniform(-5, 5, i, 11);
         }
         const double speed_limit = random.uniform(i / 500, 12) < 0.3 ? 0.7 : 1e9;
-        const Reference before = tracker.state();
-        usage.add(before, tracker.step(goal, kStep_s, speed_limit), l, kStep_s);
+        const Reference before = governor.state();
+        usage.add(before, governor.step(goal, kStep_s, speed_limit), l, kStep_s);
       }
       usage.expect_within(1e-6);
       if (trial != 0) continue;
@@ -125,17 +125,17 @@ TEST(ReferenceTracker, NeverExceedsALimitWhateverTheGoal) {
   }
 }
 
-TEST(ReferenceTracker, KeepsSpeedAndAccelerationLimitsWhenTheStepVaries) {
+TEST(ReferenceGovernor, KeepsSpeedAndAccelerationLimitsWhenTheStepVaries) {
   const MotionLimits l = limits_named(Set::kMedium);
-  const Random random(3, "test.tracker.dt");
-  ReferenceTracker tracker(l);
-  tracker.reset(at(0, 0, 0));
+  const Random random(3, "test.governor.dt");
+  ReferenceGovernor governor(l);
+  governor.reset(at(0, 0, 0));
   Reference goal;
   for (std::uint32_t i = 0; i < 5000; ++i) {
     if (i % 200 == 0)
       goal = at(random.uniform(-20, 20, i, 0), random.uniform(-20, 20, i, 1), random.uniform(-9, 9, i, 2));
     const double dt = i % 97 == 0 ? 0.7 : random.uniform(0.0005, 0.012, i, 3);
-    const Reference& r = tracker.step(goal, dt);
+    const Reference& r = governor.step(goal, dt);
     ASSERT_LE(r.velocity_mps.head<2>().norm(), l.horizontal_speed_mps + 2e-3);
     ASSERT_LE(std::abs(r.velocity_mps.z()), l.vertical_speed_mps + 2e-3);
     ASSERT_LE(r.acceleration_mps2.head<2>().norm(), l.horizontal_acceleration_mps2 * (1 + 1e-9));
@@ -154,14 +154,14 @@ Reference moving(double t) {
   return m;
 }
 
-TEST(ReferenceTracker, FollowsAFeasibleTrajectoryWithoutLagOnceItHasCaughtUp) {
-  ReferenceTracker tracker(limits_named(Set::kMedium));
-  tracker.reset(at(-4, 3, 1));
+TEST(ReferenceGovernor, FollowsAFeasibleTrajectoryWithoutLagOnceItHasCaughtUp) {
+  ReferenceGovernor governor(limits_named(Set::kMedium));
+  governor.reset(at(-4, 3, 1));
   Usage usage;
   for (int i = 1; i < 5000; ++i) {
-    const Reference before = tracker.state();
-    const Reference& r = tracker.step(moving(i * kStep_s), kStep_s);
-    usage.add(before, r, tracker.limits(), kStep_s);
+    const Reference before = governor.state();
+    const Reference& r = governor.step(moving(i * kStep_s), kStep_s);
+    usage.add(before, r, governor.limits(), kStep_s);
     if (i * kStep_s < 10.0) continue;
     const Reference m = moving(i * kStep_s);
     ASSERT_EQ(r.position_m, m.position_m) << "at " << i * kStep_s;
@@ -172,24 +172,24 @@ TEST(ReferenceTracker, FollowsAFeasibleTrajectoryWithoutLagOnceItHasCaughtUp) {
   usage.expect_within(1e-6);
 }
 
-TEST(ReferenceTracker, TurnsTheShortWayRound) {
-  ReferenceTracker tracker(limits_named(Set::kMedium));
+TEST(ReferenceGovernor, TurnsTheShortWayRound) {
+  ReferenceGovernor governor(limits_named(Set::kMedium));
   Reference start = at(0, 0, 0);
   start.yaw_rad = 3.0;
-  tracker.reset(start);
+  governor.reset(start);
   Reference goal = at(0, 0, 0);
   goal.yaw_rad = -3.0;  // 0.283 rad across the cut
   double turned = 0.0;
   for (int i = 0; i < 1000; ++i) {
-    const double before = tracker.state().yaw_rad;
-    turned += std::remainder(tracker.step(goal, kStep_s).yaw_rad - before, 2 * std::numbers::pi);
+    const double before = governor.state().yaw_rad;
+    turned += std::remainder(governor.step(goal, kStep_s).yaw_rad - before, 2 * std::numbers::pi);
   }
   EXPECT_NEAR(turned, 2 * std::numbers::pi - 6.0, 1e-6);
 }
 
-TEST(ReferenceTracker, RotatingTheGoalRotatesThePath) {
+TEST(ReferenceGovernor, RotatingTheGoalRotatesThePath) {
   const double c = std::cos(0.7), s = std::sin(0.7);
-  ReferenceTracker straight(limits_named(Set::kFast)), rotated(limits_named(Set::kFast));
+  ReferenceGovernor straight(limits_named(Set::kFast)), rotated(limits_named(Set::kFast));
   straight.reset(at(0, 0, 0));
   rotated.reset(at(0, 0, 0));
   for (int i = 0; i < 3000; ++i) {
@@ -202,25 +202,25 @@ TEST(ReferenceTracker, RotatingTheGoalRotatesThePath) {
   }
 }
 
-TEST(ReferenceTracker, SlowsDownToAWishedSpeed) {
-  ReferenceTracker tracker(limits_named(Set::kMedium));
-  tracker.reset(at(0, 0, 0));
-  for (int i = 0; i < 1500; ++i) tracker.step(at(100, 0, 0), kStep_s);
-  EXPECT_NEAR(tracker.state().velocity_mps.x(), 4.0, 0.01);
-  for (int i = 0; i < 1000; ++i) tracker.step(at(100, 0, 0), kStep_s, 1.5);
-  EXPECT_NEAR(tracker.state().velocity_mps.x(), 1.5, 0.01);
+TEST(ReferenceGovernor, SlowsDownToAWishedSpeed) {
+  ReferenceGovernor governor(limits_named(Set::kMedium));
+  governor.reset(at(0, 0, 0));
+  for (int i = 0; i < 1500; ++i) governor.step(at(100, 0, 0), kStep_s);
+  EXPECT_NEAR(governor.state().velocity_mps.x(), 4.0, 0.01);
+  for (int i = 0; i < 1000; ++i) governor.step(at(100, 0, 0), kStep_s, 1.5);
+  EXPECT_NEAR(governor.state().velocity_mps.x(), 1.5, 0.01);
 }
 
-TEST(ReferenceTracker, PassesOverGoalsThatAreNotNumbers) {
-  ReferenceTracker tracker(limits_named(Set::kMedium));
-  tracker.reset(at(1, 2, 3));
+TEST(ReferenceGovernor, PassesOverGoalsThatAreNotNumbers) {
+  ReferenceGovernor governor(limits_named(Set::kMedium));
+  governor.reset(at(1, 2, 3));
   Reference broken = at(std::nan(""), 0, 0);
-  for (int i = 0; i < 100; ++i) tracker.step(broken, kStep_s);
-  EXPECT_EQ(tracker.state().position_m, Vector3(1, 2, 3));
-  tracker.reset(broken);
-  tracker.step(at(1, 2, 3), std::nan(""));
-  tracker.step(at(1, 2, 3), 0.0);
-  EXPECT_EQ(tracker.state().position_m, Vector3(1, 2, 3));
+  for (int i = 0; i < 100; ++i) governor.step(broken, kStep_s);
+  EXPECT_EQ(governor.state().position_m, Vector3(1, 2, 3));
+  governor.reset(broken);
+  governor.step(at(1, 2, 3), std::nan(""));
+  governor.step(at(1, 2, 3), 0.0);
+  EXPECT_EQ(governor.state().position_m, Vector3(1, 2, 3));
 }
 
 TEST(MotionLimits, MediumIsTable21OfTheThesisAndNumbersReplaceTheSet) {
