@@ -105,6 +105,16 @@ TEST(PacnavFlight, RemembersAsLongAsItIsToldTo) {
   EXPECT_EQ(wanted_mps(config, {turned}, 8.0), Vector3::Zero());
 }
 
+// Points at 4.1, 4.6 and 5.1 s span the second that it remembers; with one more the turn would be among them.
+TEST(PacnavFlight, PathIsNoLongerThanTheMemory) {
+  const Way turned = [](double t_s) { return Vector3(9.0, t_s < 4.1 ? t_s : 8.2 - t_s, 2.0); };
+  PacnavConfig config = follower();
+  config.memory_s = 1.0;
+  config.least_persistence = 0.9;
+  EXPECT_GT(wanted_mps(config, {turned}, 5.1).norm(), 0.5);
+  EXPECT_EQ(wanted_mps(config, {turned}, 4.6), Vector3::Zero());
+}
+
 TEST(PacnavFlight, ALeaderThatIsGoneIsForgottenAfterTheMemory) {
   PacnavConfig config = follower();
   config.memory_s = 2.0;

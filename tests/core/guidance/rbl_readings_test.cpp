@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/guidance/rbl_cell.hpp"
+#include "swiftlet/core/guidance/rbl_planner.hpp"
 #include "swiftlet/core/guidance/rbl_rules.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
@@ -393,6 +395,102 @@ TEST(RblFlight, LimitsOfHeightAreThoseOfTheWorld) {
   driver.dt_s = 0.0999;
   const Vector3 goal_m = driver.step().goal.position_m;
   EXPECT_LT((goal_m + origin_m - first_goal_m(config, {3.0, 0.0, 9.9})).norm(), 1e-6);
+}
+
+const Overlay* named(const std::vector<Overlay>& overlays, const std::string& name) {
+  for (const Overlay& overlay : overlays) {
+    if (overlay.name == name) return &overlay;
+  }
+  return nullptr;
+}
+
+// One neighbor ahead cuts a straight side off the circle: every corner lies on the circle or on the plane.
+TEST(RblFlight, OutlineIsTheCircleCutByItsPlanes) {
+  RblConfig config = flying(Variant::k3d);
+  const Vector3 p_m(1.0, 2.0, 5.0);
+  GuidanceDriver driver("rbl", config, p_m);
+  driver.sees(1, p_m + Vector3(3.0, 0.0, 0.0));
+  driver.step();
+  std::vector<Overlay> overlays;
+  driver.guidance->append_overlays(overlays);
+  const Overlay* outline = named(overlays, "rbl.cell_outline");
+  ASSERT_NE(outline, nullptr);
+  const double plane_m = neighbor_cut({3.0, 0.0, 0.0}, 1.0, config.cells.eta, config.cells.cut).offset_m;
+  int on_plane = 0;
+  for (std::size_t i = 1; i < outline->positions.size(); ++i) {  // the last is the first
+    const Vector3 q = outline->positions[i].cast<double>() - p_m;
+    ASSERT_NEAR(q.z(), 0.0, 1e-5);
+    ASSERT_LE(q.x(), plane_m + 1e-5);
+    const bool on = std::abs(q.x() - plane_m) < 1e-5;
+    on_plane += on ? 1 : 0;
+    if (!on) {
+      ASSERT_NEAR(q.norm(), config.cells.sensing_radius_m, 1e-5);
+    }
+  }
+  EXPECT_EQ(on_plane, 2);
+  EXPECT_EQ(outline->positions.front(), outline->positions.back());
+  const Overlay* samples = named(overlays, "rbl.samples");
+  ASSERT_NE(samples, nullptr);
+  const double area_m2 = static_cast<double>(samples->positions.size()) * config.cells.step_m * config.cells.step_m;
+  const double r = config.cells.sensing_radius_m,
+               cut_off = r * r * std::acos(plane_m / r) - plane_m * std::sqrt(r * r - plane_m * plane_m);
+  EXPECT_NEAR(area_m2, kPi * r * r - cut_off, 0.05 * area_m2) << "one layer of samples inside";
+  const Overlay* triangles = named(overlays, "rbl.cell");
+  ASSERT_NE(triangles, nullptr);
+  double filled_m2 = 0.0;
+  for (std::size_t i = 0; i + 2 < triangles->positions.size(); i += 3) {
+    const auto& at = triangles->positions;
+    filled_m2 += 0.5 * (at[i + 1] - at[i]).cross(at[i + 2] - at[i]).norm();
+  }
+  EXPECT_NEAR(filled_m2, kPi * r * r - cut_off, 0.02 * filled_m2);
+}
+
+TEST(RblReadings, SamplesOfTheWorldsLatticeLieOnMultiplesOfTheStep) {
+  RblCellConfig config;
+  config.lattice = RblCellConfig::Lattice::kWorld;
+  RblPlanner planner(config, RblRules{}, false);
+  for (const Vector3& p_m : {Vector3(0.07, -3.33, 5.18), Vector3(-12.11, 0.05, 4.71)}) {
+    planner.partition(p_m, {}, -100.0, 100.0);
+    for (int i = 0; i < planner.cell().num_samples(); ++i) {
+      const Vector3 cells = (p_m + planner.cell().point(i)) / config.step_m;
+      ASSERT_LT((cells - cells.array().round().matrix()).norm(), 1e-4);
+      ASSERT_LE(planner.cell().point(i).norm(), config.sensing_radius_m + 1e-5);
+    }
+  }
+}
+
+TEST(RblReadings, LeastViolatingIsNoWorseThanAnySample) {
+  RblCell cell(2.0, 0.2, false);
+  const std::vector<HalfSpace> cuts = {{Vector3(1, 0.2, 0).normalized(), -0.7},
+                                       {Vector3(-1, 0.3, 0.1).normalized(), -0.4},
+                                       {Vector3(0, -1, 0.4).normalized(), -0.1}};
+  const auto violation = [&](const Vector3& q) {
+    double worst = 0.0;
+    for (const HalfSpace& cut : cuts) worst = std::max(worst, cut.normal.dot(q) - cut.offset_m);
+    return worst;
+  };
+  const double ours = violation(cell.least_violating(cuts));
+  for (int i = 0; i < cell.num_samples(); ++i) ASSERT_GE(violation(cell.point(i)) + 1e-5, ours);
+  // Of those that keep all of them the nearest is taken.
+  EXPECT_LT(cell.least_violating({{Vector3::UnitX(), 0.5}}).norm(), 1e-6);
+}
+
+TEST(RblReadings, BoundsThemselvesAreNotPassed) {
+  RblRules rules;
+  RblSituation now = held_up();
+  now.partitioned_m = {0.5, 0, 0};  // d_1, d_3: nearer than
+  EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.5);
+  EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).theta_rad, 0.0);
+  now.partitioned_m = {0.25, 0, 0};
+  now.sensing_m = {1.25, 0, 0};  // d_2, d_4: farther than
+  EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.5);
+  EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).theta_rad, 0.0);
+  now.partitioned_m = {1.25, 0, 0.5};
+  now.sensing_m = {1.25, 0, 2.0};
+  EXPECT_FALSE(wants_elevation(rules, now)) << "d_5";
+  now.partitioned_m.z() = 0.25;
+  now.sensing_m.z() = 1.25;
+  EXPECT_FALSE(wants_elevation(rules, now)) << "d_6";
 }
 
 }  // namespace
