@@ -113,7 +113,7 @@ TEST(VofodReadings, PositionIsTheCentroidOrTheBoxsCenter) {
   EXPECT_LT((FreeAir(config).see(points)[0].position_m - Vector3(3.4 / 3.0, 3.2 / 3.0, 9.2 / 3.0)).norm(), 1e-6);
   config.choices.position = VofodChoices::Position::kBoxCenter;
   EXPECT_LT((FreeAir(config).see(points)[0].position_m - Vector3(1.2, 1.1, 3.1)).norm(), 1e-6);
-  EXPECT_LT((FreeAir(config).see(points)[0].extent_m - Vector3(0.4, 0.2, 0.2)).norm(), 1e-6);
+  EXPECT_NEAR(FreeAir(config).see(points)[0].extent_m.norm(), std::sqrt(0.24), 1e-6) << "along its own axes";
 }
 
 TEST(VofodReadings, LimitsOfPointsSizeAndRange) {
@@ -128,10 +128,32 @@ TEST(VofodReadings, LimitsOfPointsSizeAndRange) {
   EXPECT_EQ(count(kInOneVoxel, near_m), 1u);
   EXPECT_EQ(count({kInOneVoxel[0], kInOneVoxel[1]}, near_m), 0u) << "two points";
   EXPECT_EQ(count(kInOneVoxel, far_m), 0u) << "2.2 m away";
-  EXPECT_EQ(count({{1.1F, 1.1F, 3.1F}, {1.3F, 1.3F, 3.1F}, {1.4F, 1.4F, 3.35F}}, near_m), 1u) << "0.49 m";
-  EXPECT_EQ(count({{1.1F, 1.1F, 3.1F}, {1.3F, 1.3F, 3.1F}, {1.4F, 1.4F, 3.4F}}, near_m), 0u) << "0.52 m";
+  EXPECT_EQ(count({{1.1F, 1.1F, 3.1F}, {1.3F, 1.1F, 3.1F}, {1.58F, 1.1F, 3.1F}}, near_m), 1u) << "0.48 m";
+  EXPECT_EQ(count({{1.1F, 1.1F, 3.1F}, {1.3F, 1.1F, 3.1F}, {1.62F, 1.1F, 3.1F}}, near_m), 0u) << "0.52 m";
   config.max_range_m = 0.0;
   EXPECT_EQ(count(kInOneVoxel, far_m), 1u) << "no limit";
+}
+
+// Unknown air leads out of a search when it reaches its border: 8 voxels away (the paper), or after about as many steps
+// (the released code). A staircase of 8 steps ends 5 voxels away.
+TEST(VofodReadings, SearchesASphereOrAnOctahedron) {
+  for (const auto search : {VofodChoices::Search::kSphere, VofodChoices::Search::kOctahedron}) {
+    VofodConfig config = small_box();
+    config.search_distance_m = 2.0;
+    config.choices.search = search;
+    FreeAir staircase(config), straight(config);
+    Cell cell = staircase.cell_of(kInOneVoxel[0]), along = cell;
+    staircase.set(cell, -740.0);
+    straight.set(cell, -740.0);
+    for (int step = 0; step < 8; ++step) {
+      cell[step % 3] -= 1;
+      along.x() -= 1;
+      staircase.set(cell, -740.0);
+      straight.set(along, -740.0);
+    }
+    EXPECT_EQ(staircase.see(kInOneVoxel).size(), search == VofodChoices::Search::kSphere ? 1u : 0u);
+    EXPECT_EQ(straight.see(kInOneVoxel).size(), 0u);
+  }
 }
 
 // A cluster of background with too little confidence is removed: its voxels alone (the paper), or all around them.
