@@ -12,7 +12,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kDt = 0.004, kG = 9.81, kRadPerDeg = std::numbers::pi / 180.0;
+constexpr double kTick_s = 0.004, kWeight_mps2 = 9.81, kRadPerDegree = std::numbers::pi / 180.0;
 
 /// What a controller asks of the rotors in its first tick, as force and torques. Its motors have no lead, so that the
 /// commands are the wanted speeds.
@@ -21,14 +21,14 @@ class FirstTick {
   explicit FirstTick(const Airframe& airframe_in, ControlGainsConfig config = {}) : airframe(airframe_in) {
     config.motor_lead = 0.0;
     config.integral_time_s = 0.0;
-    controller = std::make_unique<MultirotorController>(airframe, config, kDt);
+    controller = std::make_unique<MultirotorController>(airframe, config, kTick_s);
     estimate.valid = true;
   }
   void turn(double angle_rad, const Vector3& axis) {
     estimate.T_local_body = make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, axis)));
   }
   Wrench wrench(const Vector3& jerk_mps3 = Vector3::Zero()) {
-    const auto& commands = controller->step(estimate, reference, jerk_mps3, kDt);
+    const auto& commands = controller->step(estimate, reference, jerk_mps3, kTick_s);
     Mixer::Forces force_N{};
     for (int i = 0; i < airframe.num_rotors(); ++i) {
       const double least = airframe.rotor_speed_min_radps, most = airframe.rotor_speed_max_radps;
@@ -49,7 +49,7 @@ class FirstTick {
 class ControlLaw : public ::testing::TestWithParam<testing::NamedAirframe> {
  protected:
   const Airframe airframe = GetParam().airframe;
-  const double weight_N = airframe.mass_kg * kG;
+  const double weight_N = airframe.mass_kg * kWeight_mps2;
 };
 INSTANTIATE_TEST_SUITE_P(Vehicles, ControlLaw, ::testing::ValuesIn(testing::all_airframes()),
                          [](const auto& param_info) { return std::string(param_info.param.name); });
@@ -72,7 +72,8 @@ TEST_P(ControlLaw, YawRateThatIsAskedForIsBounded) {
   for (const double sign : {-1.0, 1.0}) {
     FirstTick tick(airframe, config);
     tick.reference.yaw_rad = 1.5 * sign;
-    EXPECT_NEAR(tick.wrench().torque_Nm.z(), sign * tick.torque_Nm(2, tick.gains().rate.z() * 1.0 * kRadPerDeg), 1e-9);
+    EXPECT_NEAR(tick.wrench().torque_Nm.z(), sign * tick.torque_Nm(2, tick.gains().rate.z() * 1.0 * kRadPerDegree),
+                1e-9);
   }
 }
 
@@ -96,8 +97,8 @@ TEST_P(ControlLaw, TiltRateThatIsAskedForIsBounded) {
   FirstTick tick(airframe, config);
   tick.turn(0.2, Vector3(0.6, 0.8, 0.0));
   const Wrench wrench = tick.wrench();
-  EXPECT_NEAR(wrench.torque_Nm.x(), -tick.torque_Nm(0, tick.gains().rate.x() * 0.6 * 10.0 * kRadPerDeg), 1e-9);
-  EXPECT_NEAR(wrench.torque_Nm.y(), -tick.torque_Nm(1, tick.gains().rate.y() * 0.8 * 10.0 * kRadPerDeg), 1e-9);
+  EXPECT_NEAR(wrench.torque_Nm.x(), -tick.torque_Nm(0, tick.gains().rate.x() * 0.6 * 10.0 * kRadPerDegree), 1e-9);
+  EXPECT_NEAR(wrench.torque_Nm.y(), -tick.torque_Nm(1, tick.gains().rate.y() * 0.8 * 10.0 * kRadPerDegree), 1e-9);
 }
 
 TEST_P(ControlLaw, BodyRatesAreBrakedAndTheGyroscopicTorqueIsAdded) {
@@ -114,8 +115,8 @@ TEST_P(ControlLaw, RatesOfTheReferenceComeFromItsJerkAndItsYawRate) {
   tick.reference.yaw_rate_radps = 0.03;
   // Thrust of g that turns by a jerk across it: at jerk / g.
   const Wrench wrench = tick.wrench({0.5, -0.3, 2.0});
-  EXPECT_NEAR(wrench.torque_Nm.x(), tick.torque_Nm(0, tick.gains().rate.x() * 0.3 / kG), 1e-9);
-  EXPECT_NEAR(wrench.torque_Nm.y(), tick.torque_Nm(1, tick.gains().rate.y() * 0.5 / kG), 1e-9);
+  EXPECT_NEAR(wrench.torque_Nm.x(), tick.torque_Nm(0, tick.gains().rate.x() * 0.3 / kWeight_mps2), 1e-9);
+  EXPECT_NEAR(wrench.torque_Nm.y(), tick.torque_Nm(1, tick.gains().rate.y() * 0.5 / kWeight_mps2), 1e-9);
   EXPECT_NEAR(wrench.torque_Nm.z(), tick.torque_Nm(2, tick.gains().rate.z() * 0.03), 1e-9);
 }
 
@@ -137,7 +138,7 @@ TEST_P(ControlLaw, ErrorsOfPositionAndVelocityTiltTheThrust) {
   tick.reference.acceleration_mps2 = {0.1, 0.0, 0.0};
   // a = w^2 e_p + 2 zeta w e_v + a_ref
   const Vector3 a(0.25 * 0.4 + 0.1, -0.8 * 0.3, 0.25 * 0.2);
-  const double level = std::hypot(a.x(), a.y()), tilt = std::atan2(level, kG + a.z());
+  const double level = std::hypot(a.x(), a.y()), tilt = std::atan2(level, kWeight_mps2 + a.z());
   const Eigen::Vector2d wanted = wanted_tilt_rad(tick);
   EXPECT_NEAR(wanted.x(), -tilt * a.y() / level, 1e-9);
   EXPECT_NEAR(wanted.y(), tilt * a.x() / level, 1e-9);
@@ -149,8 +150,8 @@ TEST_P(ControlLaw, TiltStaysWithinItsBoundWhateverIsAskedFor) {
   FirstTick tick(airframe, config);
   tick.reference.acceleration_mps2 = {3.0, 4.0, 0.0};
   const Eigen::Vector2d wanted = wanted_tilt_rad(tick);
-  EXPECT_NEAR(wanted.x(), -0.8 * kRadPerDeg, 1e-9);
-  EXPECT_NEAR(wanted.y(), 0.6 * kRadPerDeg, 1e-9);
+  EXPECT_NEAR(wanted.x(), -0.8 * kRadPerDegree, 1e-9);
+  EXPECT_NEAR(wanted.y(), 0.6 * kRadPerDegree, 1e-9);
 }
 
 TEST_P(ControlLaw, FeedbackIsBounded) {
@@ -159,7 +160,7 @@ TEST_P(ControlLaw, FeedbackIsBounded) {
   config.drag_compensation = false;
   FirstTick tick(airframe, config);
   tick.reference.position_m = {300.0, 0.0, 0.0};
-  EXPECT_NEAR(wanted_tilt_rad(tick).y(), std::atan2(0.2, kG), 1e-9);
+  EXPECT_NEAR(wanted_tilt_rad(tick).y(), std::atan2(0.2, kWeight_mps2), 1e-9);
 }
 
 // In still air the drag of flight at v is held against: half rho |v| v A, and of each turning rotor its own.
@@ -173,7 +174,7 @@ TEST_P(ControlLaw, DragOfTheWantedVelocityIsFedForward) {
   const double speeds_radps = draggy.num_rotors() * draggy.hover_rotor_speed_radps();
   const Vector3 drag_N = 0.5 * 1.225 * 1.0 * draggy.body_drag_area_m2.cwiseProduct(v) + 1e-4 * speeds_radps * v;
   const Vector3 a = drag_N / draggy.mass_kg;
-  const double level = std::hypot(a.x(), a.y()), tilt = std::atan2(level, kG);
+  const double level = std::hypot(a.x(), a.y()), tilt = std::atan2(level, kWeight_mps2);
   const Eigen::Vector2d wanted = wanted_tilt_rad(tick);
   EXPECT_NEAR(wanted.x(), -tilt * a.y() / level, 1e-6);
   EXPECT_NEAR(wanted.y(), tilt * a.x() / level, 1e-6);
@@ -216,13 +217,13 @@ TEST(ControlIntegral, GrowsWithTheErrorUpToItsBound) {
   ControlGainsConfig config;
   config.motor_lead = 0.0;
   config.integral_max_mps2 = 0.05;
-  MultirotorController controller(airframe, config, kDt);
+  MultirotorController controller(airframe, config, kTick_s);
   StateEstimate estimate;
   estimate.valid = true;
   Reference reference;
   reference.position_m.z() = 0.01;
   const auto thrust_N = [&] {
-    const auto& commands = controller.step(estimate, reference, Vector3::Zero(), kDt);
+    const auto& commands = controller.step(estimate, reference, Vector3::Zero(), kTick_s);
     double sum_N = 0.0;
     for (int i = 0; i < airframe.num_rotors(); ++i) {
       const double least = airframe.rotor_speed_min_radps, most = airframe.rotor_speed_max_radps;
@@ -232,10 +233,10 @@ TEST(ControlIntegral, GrowsWithTheErrorUpToItsBound) {
   };
   const ControlGains& gains = controller.gains();
   for (int i = 1; i <= 5000; ++i) {
-    const double integral = std::min(0.05, gains.integral * kDt * i * 0.01);
-    ASSERT_NEAR(thrust_N() / airframe.mass_kg, kG + gains.position * 0.01 + integral, 1e-6) << i;
+    const double integral = std::min(0.05, gains.integral * kTick_s * i * 0.01);
+    ASSERT_NEAR(thrust_N() / airframe.mass_kg, kWeight_mps2 + gains.position * 0.01 + integral, 1e-6) << i;
   }
-  EXPECT_GT(gains.integral * kDt * 5000 * 0.01, 0.05);
+  EXPECT_GT(gains.integral * kTick_s * 5000 * 0.01, 0.05);
 }
 
 }  // namespace

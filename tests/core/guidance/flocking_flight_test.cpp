@@ -294,7 +294,7 @@ TEST(MezeyFlight, KeepsOffWhatTheMapShows) {
   EXPECT_NEAR(driver.step().goal.position_m.y(), -0.5, 1e-9);
 }
 
-VisualResponse seen(const MezeyConfig& config, const std::vector<Vector3>& others_m, double heading_rad) {
+VisualResponse response_to(const MezeyConfig& config, const std::vector<Vector3>& others_m, double heading_rad) {
   std::vector<Neighbor> neighbors;
   for (const Vector3& other_m : others_m)
     neighbors.push_back({static_cast<std::int64_t>(neighbors.size()), other_m, Vector3::Zero(), 0});
@@ -312,7 +312,7 @@ TEST(MezeyFlight, ResponseIsTheIntegralOfTheDiscAtAnyBearing) {
   for (double b = -3.1; b < 3.2; b += 0.31) {
     const Vector3 other_m =
         Vector3(1.0, 2.0, 9.0) + 3.0 * Vector3(std::cos(heading_rad + b), std::sin(heading_rad + b), 0.0);
-    const VisualResponse response = seen(config, {other_m}, heading_rad);
+    const VisualResponse response = response_to(config, {other_m}, heading_rad);
     EXPECT_NEAR(response.acceleration_mps2, config.alpha0 * std::cos(b) * (-2.0 * std::sin(a) + 0.6 * std::cos(a)),
                 1e-3)
         << b;
@@ -323,8 +323,8 @@ TEST(MezeyFlight, ResponseIsTheIntegralOfTheDiscAtAnyBearing) {
 TEST(MezeyFlight, WhoIsHiddenBehindAnotherChangesNothing) {
   MezeyConfig config;
   config.retina_pixels = 3600;
-  const VisualResponse one = seen(config, {{3.0, 3.0, 3.0}}, 0.2);
-  const VisualResponse two = seen(config, {{3.0, 3.0, 3.0}, {5.0, 4.0, 3.0}}, 0.2);
+  const VisualResponse one = response_to(config, {{3.0, 3.0, 3.0}}, 0.2);
+  const VisualResponse two = response_to(config, {{3.0, 3.0, 3.0}, {5.0, 4.0, 3.0}}, 0.2);
   EXPECT_EQ(one.acceleration_mps2, two.acceleration_mps2);
   EXPECT_EQ(one.turn_radps, two.turn_radps);
 }
@@ -334,7 +334,7 @@ TEST(MezeyFlight, WhoTouchesFillsHalfOfTheView) {
   MezeyConfig config;
   config.retina_pixels = 36000;
   config.alpha1 = config.beta1 = 0.0;
-  EXPECT_NEAR(seen(config, {{1.3, 2.0, 3.0}}, 0.0).acceleration_mps2, -2.0 * config.alpha0, 1e-3);
+  EXPECT_NEAR(response_to(config, {{1.3, 2.0, 3.0}}, 0.0).acceleration_mps2, -2.0 * config.alpha0, 1e-3);
 }
 
 }  // namespace

@@ -6,10 +6,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kDt_s = 0.01;
+constexpr double kLandingTick_s = 0.01;
 
 /// A vehicle that keeps wherever the test says.
-StateEstimate at(double z_m, double vz_mps = 0.0) {
+StateEstimate standing_at(double z_m, double vz_mps = 0.0) {
   StateEstimate estimate;
   estimate.T_local_body.translation() = Vector3(1.0, 2.0, z_m);
   estimate.v_local_mps.z() = vz_mps;
@@ -24,9 +24,9 @@ TEST(Landing, GoalSinksStraightDownAtTheSpeedAndSaysSo) {
   Reference goal;
   double z_m = 3.0;
   for (int i = 1; i <= 400; ++i) {
-    EXPECT_FALSE(landing.step(at(z_m, -0.5), kDt_s, goal)) << "it still sinks";
+    EXPECT_FALSE(landing.step(standing_at(z_m, -0.5), kLandingTick_s, goal)) << "it still sinks";
     z_m = goal.position_m.z();
-    ASSERT_NEAR(z_m, 3.0 - 0.5 * kDt_s * i, 1e-9);
+    ASSERT_NEAR(z_m, 3.0 - 0.5 * kLandingTick_s * i, 1e-9);
     ASSERT_EQ(goal.velocity_mps, Vector3(0.0, 0.0, -0.5));
     ASSERT_EQ(goal.position_m.head<2>(), Vector3(1.0, 2.0, 0.0).head<2>());
     ASSERT_EQ(goal.yaw_rad, 0.7);
@@ -38,7 +38,7 @@ TEST(Landing, GoalPushesHalfAMeterIntoTheGroundAndNoFurther) {
   landing.start({1.0, 2.0, 0.2}, 0.0);
   Reference goal;
   for (int i = 0; i < 300; ++i) {
-    landing.step(at(0.2), kDt_s, goal);
+    landing.step(standing_at(0.2), kLandingTick_s, goal);
     ASSERT_GE(goal.position_m.z(), 0.2 - 0.5 - 1e-12);
   }
   EXPECT_NEAR(goal.position_m.z(), 0.2 - 0.5, 1e-12);
@@ -50,16 +50,16 @@ double touch_down_s(double speed_mps, double vz_mps, double longest_s = 10.0) {
   Landing landing(speed_mps);
   landing.start({0.0, 0.0, 0.2}, 0.0);
   Reference goal;
-  for (int i = 1; i * kDt_s <= longest_s; ++i) {
-    if (landing.step(at(0.2, vz_mps), kDt_s, goal)) return i * kDt_s;
+  for (int i = 1; i * kLandingTick_s <= longest_s; ++i) {
+    if (landing.step(standing_at(0.2, vz_mps), kLandingTick_s, goal)) return i * kLandingTick_s;
   }
   return -1.0;
 }
 
 // The goal is 0.3 m ahead after 0.3 m / speed; then the vehicle must be still for half a second.
 TEST(Landing, TouchDownIsHalfASecondOfStandingStillOnTheGround) {
-  EXPECT_NEAR(touch_down_s(0.5, 0.0), 0.6 + 0.5, 2.1 * kDt_s);
-  EXPECT_NEAR(touch_down_s(1.0, 0.0), 0.3 + 0.5, 2.1 * kDt_s);
+  EXPECT_NEAR(touch_down_s(0.5, 0.0), 0.6 + 0.5, 2.1 * kLandingTick_s);
+  EXPECT_NEAR(touch_down_s(1.0, 0.0), 0.3 + 0.5, 2.1 * kLandingTick_s);
 }
 
 TEST(Landing, WhatStillMovesHasNotTouchedDown) {
@@ -76,11 +76,12 @@ TEST(Landing, ABounceStartsTheHalfSecondAnew) {
   Landing landing(0.5);
   landing.start({0.0, 0.0, 0.2}, 0.0);
   Reference goal;
-  for (int i = 0; i < 100; ++i) ASSERT_FALSE(landing.step(at(0.2), kDt_s, goal));  // 0.4 s on the ground
-  ASSERT_FALSE(landing.step(at(0.2, 0.5), kDt_s, goal));
-  for (int i = 0; i < 45; ++i) ASSERT_FALSE(landing.step(at(0.2), kDt_s, goal));
+  for (int i = 0; i < 100; ++i)
+    ASSERT_FALSE(landing.step(standing_at(0.2), kLandingTick_s, goal));  // 0.4 s on the ground
+  ASSERT_FALSE(landing.step(standing_at(0.2, 0.5), kLandingTick_s, goal));
+  for (int i = 0; i < 45; ++i) ASSERT_FALSE(landing.step(standing_at(0.2), kLandingTick_s, goal));
   bool landed = false;
-  for (int i = 0; i < 10; ++i) landed = landed || landing.step(at(0.2), kDt_s, goal);
+  for (int i = 0; i < 10; ++i) landed = landed || landing.step(standing_at(0.2), kLandingTick_s, goal);
   EXPECT_TRUE(landed);
 }
 
@@ -88,9 +89,9 @@ TEST(Landing, StartedAgainItBeginsFromTheStart) {
   Landing landing(0.5);
   Reference goal;
   landing.start({0.0, 0.0, 0.2}, 0.0);
-  for (int i = 0; i < 105; ++i) ASSERT_FALSE(landing.step(at(0.2), kDt_s, goal));
+  for (int i = 0; i < 105; ++i) ASSERT_FALSE(landing.step(standing_at(0.2), kLandingTick_s, goal));
   landing.start({0.0, 0.0, 0.2}, 0.0);
-  for (int i = 0; i < 105; ++i) ASSERT_FALSE(landing.step(at(0.2), kDt_s, goal)) << i;
+  for (int i = 0; i < 105; ++i) ASSERT_FALSE(landing.step(standing_at(0.2), kLandingTick_s, goal)) << i;
 }
 
 }  // namespace

@@ -39,7 +39,8 @@ TEST(TimedPath, TellsPlaceVelocityAndAccelerationByTimeAndIsDoneAtTheEnd) {
 }
 
 /// What a path's goals are at every tick of its flight.
-std::vector<Reference> goals_along(const TimedPathConfig& config, double tick_s, const Pose& start = Pose::Identity()) {
+std::vector<Reference> goals_of_path(const TimedPathConfig& config, double tick_s,
+                                     const Pose& start = Pose::Identity()) {
   Module module(guidance_module_types(), "timed_path");
   module.as<TimedPathConfig>() = config;
   AgentSetup agent;
@@ -63,7 +64,7 @@ TEST(TimedPath, YawRateIsTheDerivativeOfTheYaw) {
   config.points_m = kBend;
   config.interval_s = 0.5;
   constexpr double kTick_s = 1e-3;
-  const std::vector<Reference> goals = goals_along(config, kTick_s);
+  const std::vector<Reference> goals = goals_of_path(config, kTick_s);
   int turning = 0;
   for (std::size_t i = 1; i + 1 < goals.size(); ++i) {
     const bool fast =
@@ -82,12 +83,12 @@ TEST(TimedPath, WhatIsSlowKeepsItsHeading) {
   config.points_m = {{0, 0, 0}, {0, 0.1, 0}, {0, 0.2, 0}, {0, 0.3, 0}, {0, 0.4, 0}};  // 0.1 m/s to the left
   config.interval_s = 1.0;
   const Pose start = make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vector3::UnitZ())));
-  for (const Reference& goal : goals_along(config, 0.01, start)) {
+  for (const Reference& goal : goals_of_path(config, 0.01, start)) {
     ASSERT_NEAR(goal.yaw_rad, 0.3, 1e-12);
     ASSERT_EQ(goal.yaw_rate_radps, 0.0);
   }
   config.interval_s = 0.4;  // 0.25 m/s
-  EXPECT_NEAR(goals_along(config, 0.01, start)[80].yaw_rad, 0.5 * M_PI, 1e-9);
+  EXPECT_NEAR(goals_of_path(config, 0.01, start)[80].yaw_rad, 0.5 * M_PI, 1e-9);
 }
 
 TEST(TimedPath, FixedHeadingIsThatOfTheConfiguration) {
@@ -95,7 +96,7 @@ TEST(TimedPath, FixedHeadingIsThatOfTheConfiguration) {
   config.points_m = kBend;
   config.yaw = TimedPathConfig::Yaw::kFixed;
   config.yaw_deg = -30.0;
-  for (const Reference& goal : goals_along(config, 0.05)) {
+  for (const Reference& goal : goals_of_path(config, 0.05)) {
     ASSERT_NEAR(goal.yaw_rad, -M_PI / 6.0, 1e-12);
     ASSERT_EQ(goal.yaw_rate_radps, 0.0);
   }
@@ -103,7 +104,7 @@ TEST(TimedPath, FixedHeadingIsThatOfTheConfiguration) {
 
 TEST(TimedPath, WithoutPointsItStaysAtTheStart) {
   const Pose start = make_pose({1, 2, 3}, Eigen::Quaterniond::Identity());
-  const std::vector<Reference> goals = goals_along({}, 0.01, start);
+  const std::vector<Reference> goals = goals_of_path({}, 0.01, start);
   ASSERT_FALSE(goals.empty());
   for (const Reference& goal : goals) {
     EXPECT_LT((goal.position_m - Vector3(1, 2, 3)).norm(), 1e-12);

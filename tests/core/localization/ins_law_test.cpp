@@ -9,7 +9,7 @@ namespace swiftlet {
 namespace {
 
 using Index = InsFilter;
-constexpr double kRadPerDeg = M_PI / 180.0;
+constexpr double kRadPerDegree = M_PI / 180.0;
 const Vector3 kHover(0.0, 0.0, kStandardGravity_mps2);
 
 /// Variance of a state and its two neighbors, as they are alike by symmetry or not.
@@ -33,7 +33,7 @@ InsConfig only_start() {
 // Without noise what was not known at the start spreads by the laws of motion: a tilt accelerates by g sideways.
 TEST(InsLaw, UncertaintyOfTheStartSpreadsByTheLawsOfMotion) {
   const InsConfig config = only_start();
-  const double dt = 0.05, g = kStandardGravity_mps2, tilt = config.start_tilt_sigma_deg * kRadPerDeg;
+  const double dt = 0.05, g = kStandardGravity_mps2, tilt = config.start_tilt_sigma_deg * kRadPerDegree;
   const InsFilter first = hovering_at(config, 1), next = hovering_at(config, 1 + from_seconds(dt));
   const double v0 = variance(first, Index::kV), a0 = variance(first, Index::kAccelBias),
                p0 = variance(first, Index::kP);
@@ -77,7 +77,7 @@ TEST(InsLaw, NoiseGrowsWithTheTime) {
 TEST(InsLaw, ALongGapCostsTrust) {
   const InsConfig config = only_start();
   const double below = 0.099, above = 0.101, g = kStandardGravity_mps2;
-  const double tilt = config.start_tilt_sigma_deg * kRadPerDeg;
+  const double tilt = config.start_tilt_sigma_deg * kRadPerDegree;
   const auto spread = [&](double dt_s) {
     const InsFilter first = hovering_at(config, 1), next = hovering_at(config, 1 + from_seconds(dt_s));
     const double a_var = g * g * tilt * tilt + variance(first, Index::kAccelBias);
@@ -109,7 +109,7 @@ TEST(InsLaw, AHeadingIsTakenByTheShareOfItsVarianceAcrossTheHalfTurn) {
   for (const double yaw : {0.0, 3.1}) {
     InsFilter filter(config, make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3::UnitZ()))));
     filter.predict({1, Vector3::Zero(), kHover});
-    const double own = std::pow(config.start_yaw_sigma_deg * kRadPerDeg, 2), told = 0.03 * 0.03;
+    const double own = std::pow(config.start_yaw_sigma_deg * kRadPerDegree, 2), told = 0.03 * 0.03;
     filter.update(CompassSample{1, std::remainder(yaw + 0.06, 2.0 * M_PI), 0.03});
     const double turned = std::remainder(yaw_of(filter.state().q.toRotationMatrix()) - yaw, 2.0 * M_PI);
     EXPECT_NEAR(turned, 0.06 * own / (own + told), 1e-4);

@@ -9,7 +9,7 @@
 namespace swiftlet {
 namespace {
 
-StateEstimate at(TimeNs t) {
+StateEstimate estimate_on_way(TimeNs t) {
   StateEstimate estimate;
   estimate.t = t;
   estimate.valid = true;
@@ -23,7 +23,7 @@ double angle_of(const Pose& T) { return yaw_of(T.linear()); }
 
 TEST(LocalPoses, BetweenTwoTicksPositionIsLinearAndRotationUniform) {
   LocalPoses poses;
-  for (int i = 1; i <= 20; ++i) poses.push(at(i * i * 10'000'000LL));
+  for (int i = 1; i <= 20; ++i) poses.push(estimate_on_way(i * i * 10'000'000LL));
   for (TimeNs t = poses[0].t; t <= poses[poses.size() - 1].t; t += 7'000'000) {
     ASSERT_NEAR(poses.at(t).translation().x(), 2.0 * to_seconds(t), 1e-9);
     ASSERT_NEAR(angle_of(poses.at(t)), 0.5 * to_seconds(t), 1e-9);
@@ -32,18 +32,18 @@ TEST(LocalPoses, BetweenTwoTicksPositionIsLinearAndRotationUniform) {
 
 TEST(LocalPoses, OutsideOfWhatItKnowsItTellsTheNearest) {
   LocalPoses poses;
-  for (const TimeNs t : {1'000'000'000LL, 2'000'000'000LL, 3'000'000'000LL}) poses.push(at(t));
-  EXPECT_EQ(poses.at(0).matrix(), at(1'000'000'000).T_local_body.matrix());
-  EXPECT_EQ(poses.at(9'000'000'000).matrix(), at(3'000'000'000).T_local_body.matrix());
+  for (const TimeNs t : {1'000'000'000LL, 2'000'000'000LL, 3'000'000'000LL}) poses.push(estimate_on_way(t));
+  EXPECT_EQ(poses.at(0).matrix(), estimate_on_way(1'000'000'000).T_local_body.matrix());
+  EXPECT_EQ(poses.at(9'000'000'000).matrix(), estimate_on_way(3'000'000'000).T_local_body.matrix());
   for (const TimeNs t : {1'000'000'000LL, 2'000'000'000LL, 3'000'000'000LL}) {
-    EXPECT_LT((poses.at(t).matrix() - at(t).T_local_body.matrix()).norm(), 1e-12);
+    EXPECT_LT((poses.at(t).matrix() - estimate_on_way(t).T_local_body.matrix()).norm(), 1e-12);
   }
 }
 
 TEST(LocalPoses, KeepsTheLast512InOrder) {
   LocalPoses poses;
   for (int i = 1; i <= 1300; ++i) {
-    poses.push(at(i * 4'000'000LL));
+    poses.push(estimate_on_way(i * 4'000'000LL));
     ASSERT_EQ(poses.size(), std::min(i, 512));
     ASSERT_EQ(poses[poses.size() - 1].t, i * 4'000'000LL);
   }
@@ -53,17 +53,17 @@ TEST(LocalPoses, KeepsTheLast512InOrder) {
 
 TEST(LocalPoses, WhatIsNotValidNotFiniteOrNotNewIsPassedOver) {
   LocalPoses poses;
-  poses.push(at(2'000'000'000));
-  StateEstimate bad = at(3'000'000'000);
+  poses.push(estimate_on_way(2'000'000'000));
+  StateEstimate bad = estimate_on_way(3'000'000'000);
   bad.valid = false;
   poses.push(bad);
-  bad = at(3'000'000'000);
+  bad = estimate_on_way(3'000'000'000);
   bad.T_local_body.translation().x() = std::numeric_limits<double>::quiet_NaN();
   poses.push(bad);
-  poses.push(at(2'000'000'000));
-  poses.push(at(1'000'000'000));
+  poses.push(estimate_on_way(2'000'000'000));
+  poses.push(estimate_on_way(1'000'000'000));
   EXPECT_EQ(poses.size(), 1);
-  poses.push(at(2'000'000'001));
+  poses.push(estimate_on_way(2'000'000'001));
   EXPECT_EQ(poses.size(), 2);
 }
 

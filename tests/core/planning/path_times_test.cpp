@@ -58,7 +58,7 @@ class Floor : public FreeSpaceView {
   CellGrid grid_;
 };
 
-double length_m(const std::vector<Vector3>& path) {
+double way_length_m(const std::vector<Vector3>& path) {
   double sum_m = 0.0;
   for (std::size_t i = 1; i < path.size(); ++i) sum_m += (path[i] - path[i - 1]).norm();
   return sum_m;
@@ -71,7 +71,7 @@ TEST(PathTimes, TheShorterOfTwoWaysAroundIsTaken) {
     const PathResult path = find_path(floor, {-6.25, 0.25, 0.25}, {6.25, 0.25, 0.25});
     ASSERT_EQ(path.status, PathStatus::kFound);
     const double side = shift_m > 0.0 ? -1.0 : 1.0, around_m = 2.0 * std::hypot(3.25, 2.0 + 0.25 * side) + 6.0;
-    EXPECT_LT(length_m(path.corners_world_m), 1.1 * around_m);
+    EXPECT_LT(way_length_m(path.corners_world_m), 1.1 * around_m);
     for (const Vector3& corner : path.corners_world_m) EXPECT_GE(corner.y() * side, -0.3);
   }
 }
