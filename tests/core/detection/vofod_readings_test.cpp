@@ -189,6 +189,22 @@ TEST(VofodReadings, SeparateBackgroundIsRemovedByTheClusterOrInTheSphere) {
   }
 }
 
+// At d_sep exactly, which here is three edges of a voxel.
+TEST(VofodReadings, SphereReachesToItsRadiusAndWithIt) {
+  VofodConfig config = small_box();
+  config.separate_distance_m = 0.75;
+  config.choices.separate_reach = VofodChoices::SeparateReach::kSphere;
+  for (const Cell& way : {Cell(1, 0, 0), Cell(0, -1, 0), Cell(0, 0, 1)}) {
+    FreeAir air(config);
+    const Cell middle = air.cell_of({1.1F, 1.1F, 3.1F});
+    air.set(middle, -200.0);
+    air.stages.find_separate();
+    air.stages.remove_separate(1);
+    EXPECT_GT(air.G(middle + 3 * way), -999.0);
+    EXPECT_EQ(air.G(middle + 4 * way), -1000.0);
+  }
+}
+
 TEST(VofodReadings, SphereEndsAtTheMapsBorder) {
   VofodConfig config = small_box();
   config.choices.separate_reach = VofodChoices::SeparateReach::kSphere;

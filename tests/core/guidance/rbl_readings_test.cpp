@@ -485,6 +485,11 @@ TEST(RblReadings, BoundsThemselvesAreNotPassed) {
   now.sensing_m = {1.25, 0, 0};  // d_2, d_4: farther than
   EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.5);
   EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).theta_rad, 0.0);
+  rules.azimuth_reset = RblRules::AzimuthReset::kNear;
+  now.partitioned_m = {0.25, 0, 0};
+  now.sensing_m = {2.0, 0, 0};
+  now.unrotated_m = {0.5, 0, 0};
+  EXPECT_GT(apply_rules(rules, now, at_right_angle(), 0.1, false).theta_rad, 1.0) << "no farther than d_3";
   now.partitioned_m = {1.25, 0, 0.5};
   now.sensing_m = {1.25, 0, 2.0};
   EXPECT_FALSE(wants_elevation(rules, now)) << "d_5";
