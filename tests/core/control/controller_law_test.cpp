@@ -59,9 +59,9 @@ TEST_P(ControlLaw, AHeadingErrorAsksForYawTorqueAlone) {
     FirstTick tick(airframe);
     tick.reference.yaw_rad = error_rad;
     const Wrench wrench = tick.wrench();
-    EXPECT_NEAR(wrench.torque_Nm.z(), tick.torque_Nm(2, tick.gains().rate.z() * tick.gains().attitude.z() * error_rad),
-                1e-9);
-    EXPECT_LT(wrench.torque_Nm.head<2>().norm(), 1e-9);
+    EXPECT_NEAR(wrench.torque_body_Nm.z(),
+                tick.torque_Nm(2, tick.gains().rate_body.z() * tick.gains().attitude_body.z() * error_rad), 1e-9);
+    EXPECT_LT(wrench.torque_body_Nm.head<2>().norm(), 1e-9);
     EXPECT_NEAR(wrench.thrust_N, weight_N, 1e-6);
   }
 }
@@ -72,8 +72,8 @@ TEST_P(ControlLaw, YawRateThatIsAskedForIsBounded) {
   for (const double sign : {-1.0, 1.0}) {
     FirstTick tick(airframe, config);
     tick.reference.yaw_rad = 1.5 * sign;
-    EXPECT_NEAR(tick.wrench().torque_Nm.z(), sign * tick.torque_Nm(2, tick.gains().rate.z() * 1.0 * kRadPerDegree),
-                1e-9);
+    EXPECT_NEAR(tick.wrench().torque_body_Nm.z(),
+                sign * tick.torque_Nm(2, tick.gains().rate_body.z() * 1.0 * kRadPerDegree), 1e-9);
   }
 }
 
@@ -83,9 +83,10 @@ TEST_P(ControlLaw, ATiltAsksForTorqueBackAndForThrustAsFarAsItPointsUp) {
       FirstTick tick(airframe);
       tick.turn(tilt_rad, Vector3::Unit(axis));
       const Wrench wrench = tick.wrench();
-      EXPECT_NEAR(wrench.torque_Nm[axis],
-                  -tick.torque_Nm(axis, tick.gains().rate[axis] * tick.gains().attitude[axis] * tilt_rad), 1e-9);
-      EXPECT_NEAR(wrench.torque_Nm[1 - axis], 0.0, 1e-9);
+      EXPECT_NEAR(wrench.torque_body_Nm[axis],
+                  -tick.torque_Nm(axis, tick.gains().rate_body[axis] * tick.gains().attitude_body[axis] * tilt_rad),
+                  1e-9);
+      EXPECT_NEAR(wrench.torque_body_Nm[1 - axis], 0.0, 1e-9);
       EXPECT_NEAR(wrench.thrust_N, weight_N * std::cos(tilt_rad), 1e-6);
     }
   }
@@ -97,8 +98,10 @@ TEST_P(ControlLaw, TiltRateThatIsAskedForIsBounded) {
   FirstTick tick(airframe, config);
   tick.turn(0.2, Vector3(0.6, 0.8, 0.0));
   const Wrench wrench = tick.wrench();
-  EXPECT_NEAR(wrench.torque_Nm.x(), -tick.torque_Nm(0, tick.gains().rate.x() * 0.6 * 10.0 * kRadPerDegree), 1e-9);
-  EXPECT_NEAR(wrench.torque_Nm.y(), -tick.torque_Nm(1, tick.gains().rate.y() * 0.8 * 10.0 * kRadPerDegree), 1e-9);
+  EXPECT_NEAR(wrench.torque_body_Nm.x(), -tick.torque_Nm(0, tick.gains().rate_body.x() * 0.6 * 10.0 * kRadPerDegree),
+              1e-9);
+  EXPECT_NEAR(wrench.torque_body_Nm.y(), -tick.torque_Nm(1, tick.gains().rate_body.y() * 0.8 * 10.0 * kRadPerDegree),
+              1e-9);
 }
 
 TEST_P(ControlLaw, BodyRatesAreBrakedAndTheGyroscopicTorqueIsAdded) {
@@ -106,8 +109,8 @@ TEST_P(ControlLaw, BodyRatesAreBrakedAndTheGyroscopicTorqueIsAdded) {
   const Vector3 omega(0.3, -0.2, 0.02), inertia = airframe.inertia_diagonal_kgm2;
   tick.estimate.omega_body_radps = omega;
   const Vector3 expected =
-      -inertia.cwiseProduct(tick.gains().rate.cwiseProduct(omega)) + omega.cross(inertia.cwiseProduct(omega));
-  EXPECT_LT((tick.wrench().torque_Nm - expected).norm(), 1e-9);
+      -inertia.cwiseProduct(tick.gains().rate_body.cwiseProduct(omega)) + omega.cross(inertia.cwiseProduct(omega));
+  EXPECT_LT((tick.wrench().torque_body_Nm - expected).norm(), 1e-9);
 }
 
 TEST_P(ControlLaw, RatesOfTheReferenceComeFromItsJerkAndItsYawRate) {
@@ -115,16 +118,16 @@ TEST_P(ControlLaw, RatesOfTheReferenceComeFromItsJerkAndItsYawRate) {
   tick.reference.yaw_rate_radps = 0.03;
   // Thrust of g that turns by a jerk across it: at jerk / g.
   const Wrench wrench = tick.wrench({0.5, -0.3, 2.0});
-  EXPECT_NEAR(wrench.torque_Nm.x(), tick.torque_Nm(0, tick.gains().rate.x() * 0.3 / kWeight_mps2), 1e-9);
-  EXPECT_NEAR(wrench.torque_Nm.y(), tick.torque_Nm(1, tick.gains().rate.y() * 0.5 / kWeight_mps2), 1e-9);
-  EXPECT_NEAR(wrench.torque_Nm.z(), tick.torque_Nm(2, tick.gains().rate.z() * 0.03), 1e-9);
+  EXPECT_NEAR(wrench.torque_body_Nm.x(), tick.torque_Nm(0, tick.gains().rate_body.x() * 0.3 / kWeight_mps2), 1e-9);
+  EXPECT_NEAR(wrench.torque_body_Nm.y(), tick.torque_Nm(1, tick.gains().rate_body.y() * 0.5 / kWeight_mps2), 1e-9);
+  EXPECT_NEAR(wrench.torque_body_Nm.z(), tick.torque_Nm(2, tick.gains().rate_body.z() * 0.03), 1e-9);
 }
 
 /// Tilt that the first tick asks for, about x and y; below its bound.
 Eigen::Vector2d wanted_tilt_rad(FirstTick& tick) {
   const Wrench wrench = tick.wrench();
-  return {wrench.torque_Nm.x() / tick.torque_Nm(0, tick.gains().rate.x() * tick.gains().attitude.x()),
-          wrench.torque_Nm.y() / tick.torque_Nm(1, tick.gains().rate.y() * tick.gains().attitude.y())};
+  return {wrench.torque_body_Nm.x() / tick.torque_Nm(0, tick.gains().rate_body.x() * tick.gains().attitude_body.x()),
+          wrench.torque_body_Nm.y() / tick.torque_Nm(1, tick.gains().rate_body.y() * tick.gains().attitude_body.y())};
 }
 
 TEST_P(ControlLaw, ErrorsOfPositionAndVelocityTiltTheThrust) {
@@ -190,11 +193,11 @@ TEST_P(ControlLaw, SinkingKeepsAFifthOfTheWeight) {
 
 TEST_P(ControlLaw, EachLoopIsSlowerThanTheOneWithinIt) {
   const ControlGains gains = FirstTick(airframe).gains();
-  EXPECT_NEAR(gains.attitude.x(), gains.rate.x() / 4.0, 1e-12) << "critically damped";
-  EXPECT_NEAR(gains.attitude.z(), gains.rate.z() / 4.0, 1e-12);
-  EXPECT_NEAR(gains.rate.z(), gains.rate.x() / 4.0, 1e-12) << "yaw torque is scarce";
+  EXPECT_NEAR(gains.attitude_body.x(), gains.rate_body.x() / 4.0, 1e-12) << "critically damped";
+  EXPECT_NEAR(gains.attitude_body.z(), gains.rate_body.z() / 4.0, 1e-12);
+  EXPECT_NEAR(gains.rate_body.z(), gains.rate_body.x() / 4.0, 1e-12) << "yaw torque is scarce";
   const double position = std::sqrt(gains.position);
-  EXPECT_NEAR(position, std::min(gains.attitude.x() / 2.5, 2.5), 1e-12);
+  EXPECT_NEAR(position, std::min(gains.attitude_body.x() / 2.5, 2.5), 1e-12);
   EXPECT_NEAR(gains.velocity, 2.0 * ControlGainsConfig{}.position_damping * position, 1e-12);
 }
 
@@ -204,7 +207,7 @@ TEST(ControlGains, RateLoopIsHalfTheInverseOfTheLagThatIsLeft) {
   airframe.motor_time_constant_down_s = 0.05;
   ControlGainsConfig config;
   config.motor_lead = 0.25;
-  const auto rate = [&](double tick_s) { return MultirotorController(airframe, config, tick_s).gains().rate.x(); };
+  const auto rate = [&](double tick_s) { return MultirotorController(airframe, config, tick_s).gains().rate_body.x(); };
   EXPECT_NEAR(rate(0.004), 0.5 / (0.75 * 0.04 + 1.5 * 0.004), 1e-9);
   EXPECT_NEAR(rate(1.0), 4.0, 1e-12) << "never slower";
   airframe.motor_time_constant_up_s = airframe.motor_time_constant_down_s = 1e-4;

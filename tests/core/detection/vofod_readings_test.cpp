@@ -33,7 +33,7 @@ LocalCloud cloud_from(const Vector3& sensor_m, const std::vector<Eigen::Vector3f
 
 VofodConfig small_box() {
   VofodConfig config;
-  config.map.extent = "bounded";
+  config.map.extent = VoxelMapConfig::Extent::kBounded;
   config.map.center_m = {0.0, 0.0, 4.0};
   config.map.size_m = {10.0, 10.0, 8.0};
   return config;

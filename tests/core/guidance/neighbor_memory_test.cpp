@@ -81,8 +81,8 @@ TEST(NeighborMemory, OfOneAxisIsTheKalmanFilterOfConstantVelocity) {
     listener.sees(1, {z, 0.0, 0.0}, t_s, r * Matrix3::Identity());
     const auto known = listener.update(t_s);
     ASSERT_EQ(known.size(), 1U);
-    ASSERT_NEAR(known[0].position_m.x(), p, 1e-6) << k;
-    ASSERT_NEAR(known[0].velocity_mps.x(), v, 1e-6) << k;
+    ASSERT_NEAR(known[0].position_local_m.x(), p, 1e-6) << k;
+    ASSERT_NEAR(known[0].velocity_local_mps.x(), v, 1e-6) << k;
     ASSERT_EQ(known[0].seen, from_seconds(t_s));
   }
 }
@@ -92,7 +92,7 @@ TEST(NeighborMemory, DirectionsThatAreMeasuredBetterCountMore) {
   listener.sees(1, Vector3::Zero(), 0.0, Matrix3::Identity());
   listener.update(0.0);
   listener.sees(1, {1.0, 1.0, 1.0}, 0.0, Vector3(0.01, 1.0, 100.0).asDiagonal());
-  const Vector3 p_m = listener.update(0.1)[0].position_m;
+  const Vector3 p_m = listener.update(0.1)[0].position_local_m;
   EXPECT_NEAR(p_m.x(), 1.0 / 1.01, 1e-9);
   EXPECT_NEAR(p_m.y(), 0.5, 1e-9);
   EXPECT_NEAR(p_m.z(), 1.0 / 101.0, 1e-9);
@@ -103,10 +103,10 @@ TEST(NeighborMemory, CovarianceTurnsWithTheBody) {
   listener.at(make_pose({5.0, 0.0, 0.0}, Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Vector3::UnitZ()))));
   listener.update(0.0);
   listener.sees(1, {2.0, 0.0, 0.0}, 0.0, Matrix3::Identity());
-  EXPECT_LT((listener.update(0.0)[0].position_m - Vector3(5.0, 2.0, 0.0)).norm(), 1e-9);
+  EXPECT_LT((listener.update(0.0)[0].position_local_m - Vector3(5.0, 2.0, 0.0)).norm(), 1e-9);
   // Sharp along the body's x, which is the world's y; blunt along the other.
   listener.sees(1, {3.0, 1.0, 0.0}, 0.0, Vector3(1e-6, 1e6, 1.0).asDiagonal());
-  const Vector3 p_m = listener.update(0.0)[0].position_m;
+  const Vector3 p_m = listener.update(0.0)[0].position_local_m;
   EXPECT_NEAR(p_m.x(), 5.0, 1e-3);
   EXPECT_NEAR(p_m.y(), 3.0, 1e-3);
 }
@@ -119,8 +119,8 @@ TEST(NeighborMemory, IsCarriedForwardToNowOrNot) {
     for (int i = 0; i <= 20; ++i) listener.sees(1, {0.2 * i, 0.0, 0.0}, 0.1 * i, 1e-8 * Matrix3::Identity());
     const auto known = listener.update(2.5);
     ASSERT_EQ(known.size(), 1U);
-    EXPECT_NEAR(known[0].velocity_mps.x(), 2.0, 1e-3);
-    EXPECT_NEAR(known[0].position_m.x(), predict ? 5.0 : 4.0, 2e-3);
+    EXPECT_NEAR(known[0].velocity_local_mps.x(), 2.0, 1e-3);
+    EXPECT_NEAR(known[0].position_local_m.x(), predict ? 5.0 : 4.0, 2e-3);
     EXPECT_EQ(known[0].seen, from_seconds(2.0));
   }
 }
@@ -140,7 +140,7 @@ TEST(NeighborMemory, WhatIsOlderThanWhatIsKnownChangesNothing) {
   listener.sees(1, {1.0, 0.0, 0.0}, 1.0);
   listener.sees(1, {9.0, 0.0, 0.0}, 0.9);
   const auto known = listener.update(1.0);
-  EXPECT_EQ(known[0].position_m, Vector3(1.0, 0.0, 0.0));
+  EXPECT_EQ(known[0].position_local_m, Vector3(1.0, 0.0, 0.0));
   EXPECT_EQ(known[0].seen, from_seconds(1.0));
 }
 
@@ -151,7 +151,7 @@ TEST(NeighborMemory, EachIsKeptApartAndTheyComeInOrder) {
   ASSERT_EQ(known.size(), 3U);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(known[i].key, (std::vector<std::int64_t>{2, 5, 7}[i]));
-    EXPECT_NEAR(known[i].position_m.x(), static_cast<double>(known[i].key), 1e-12);
+    EXPECT_NEAR(known[i].position_local_m.x(), static_cast<double>(known[i].key), 1e-12);
   }
 }
 
@@ -162,7 +162,7 @@ TEST(NeighborMemory, MessagesAreCarriedIntoTheLocalFrame) {
   const auto known = listener.update(0.0);
   ASSERT_EQ(known.size(), 1U);
   EXPECT_EQ(known[0].key, 3);
-  EXPECT_LT((known[0].position_m - Vector3(2.0, 1.0, 3.0)).norm(), 1e-12);
+  EXPECT_LT((known[0].position_local_m - Vector3(2.0, 1.0, 3.0)).norm(), 1e-12);
   listener.hears(4, {NAN, 1.0, 4.0}, 0.0);
   EXPECT_EQ(listener.update(0.0).size(), 1U) << "a place that is not finite";
 }
@@ -198,8 +198,8 @@ TEST(NeighborMemory, TracksAreTakenAsTheyAreCarriedForward) {
     const auto known = listener.update(1.5);
     ASSERT_EQ(known.size(), 1U);
     EXPECT_EQ(known[0].key, 11);
-    EXPECT_LT((known[0].position_m - Vector3(1.0, predict ? 1.0 : 0.0, 0.0)).norm(), 1e-12);
-    EXPECT_EQ(known[0].velocity_mps, track.velocity_mps);
+    EXPECT_LT((known[0].position_local_m - Vector3(1.0, predict ? 1.0 : 0.0, 0.0)).norm(), 1e-12);
+    EXPECT_EQ(known[0].velocity_local_mps, track.velocity_mps);
   }
 }
 

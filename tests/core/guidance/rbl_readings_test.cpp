@@ -19,10 +19,10 @@ using testing::ToldMap;
 /// Held up by others: c_A lies near the vehicle, c_S far ahead.
 RblSituation held_up() {
   RblSituation now;
-  now.goal_m = {10, 0, 0};
-  now.partitioned_m = {0.2, 0, 0};
-  now.sensing_m = {1.7, 0, 0};
-  now.unrotated_m = {0.2, 0, 0};
+  now.goal_agent_m = {10, 0, 0};
+  now.partitioned_agent_m = {0.2, 0, 0};
+  now.sensing_agent_m = {1.7, 0, 0};
+  now.unrotated_agent_m = {0.2, 0, 0};
   return now;
 }
 
@@ -37,8 +37,8 @@ TEST(RblReadings, AzimuthResetNearAsksWhetherTheDirectWayLeadsFarEnough) {
   rules.azimuth_reset = RblRules::AzimuthReset::kNear;
   const auto theta_rad = [&](double direct_m, double reach_m) {
     RblSituation now = held_up();
-    now.unrotated_m = {0.6 * direct_m, 0.8 * direct_m, 5.0};  // horizontal lengths count
-    now.partitioned_m = {reach_m, 0, 0};
+    now.unrotated_agent_m = {0.6 * direct_m, 0.8 * direct_m, 5.0};  // horizontal lengths count
+    now.partitioned_agent_m = {reach_m, 0, 0};
     return apply_rules(rules, now, at_right_angle(), 0.1, false).theta_rad;
   };
   EXPECT_EQ(theta_rad(0.51, 0.2), 0.0) << "farther than d_3";
@@ -54,7 +54,7 @@ TEST(RblReadings, AzimuthIsResetOnlyFromTheRightAngle) {
   RblState state;
   state.theta_rad = 1.0;
   RblSituation now = held_up();
-  now.unrotated_m = {0.9, 0, 0};
+  now.unrotated_agent_m = {0.9, 0, 0};
   EXPECT_NEAR(apply_rules({}, now, state, 0.1, false).theta_rad, 1.1, 1e-9);
 }
 
@@ -62,8 +62,8 @@ TEST(RblReadings, AzimuthTurnsWhereBothBoundsOfTheConditionHold) {
   const RblRules rules;
   const auto turns = [&](double gap_m, double reach_m) {
     RblSituation now = held_up();
-    now.partitioned_m = {reach_m, 0, 3.0};
-    now.sensing_m = {reach_m + gap_m, 0, -3.0};
+    now.partitioned_agent_m = {reach_m, 0, 3.0};
+    now.sensing_agent_m = {reach_m + gap_m, 0, -3.0};
     return apply_rules(rules, now, {}, 0.1, false).theta_rad > 0.0;
   };
   EXPECT_TRUE(turns(1.01, 0.49));
@@ -75,9 +75,9 @@ TEST(RblReadings, BetaFallsWhereBothBoundsOfTheConditionHold) {
   const RblRules rules;
   const auto falls = [&](double gap_m, double reach_m, double goal_m) {
     RblSituation now = held_up();
-    now.goal_m = {goal_m, 0, 0};
-    now.partitioned_m = {reach_m, 0, 0};
-    now.sensing_m = {reach_m + gap_m, 0, 0};
+    now.goal_agent_m = {goal_m, 0, 0};
+    now.partitioned_agent_m = {reach_m, 0, 0};
+    now.sensing_agent_m = {reach_m + gap_m, 0, 0};
     return apply_rules(rules, now, {}, 0.1, false).beta_m < 1.5;
   };
   EXPECT_TRUE(falls(1.01, 0.49, 10.0));
@@ -90,7 +90,7 @@ TEST(RblReadings, BetaFallsWhereBothBoundsOfTheConditionHold) {
 
 TEST(RblReadings, BetaComesBackInOneStepOfASecondAndNoFurther) {
   RblSituation free = held_up();
-  free.partitioned_m = free.sensing_m;
+  free.partitioned_agent_m = free.sensing_agent_m;
   RblState state;
   state.beta_m = 0.3;
   EXPECT_NEAR(apply_rules({}, free, state, 1.0, false).beta_m, 1.5, 1e-12);
@@ -111,30 +111,30 @@ TEST(RblReadings, RulesThatAreOffKeepTheirAnglesAtZero) {
 TEST(RblReadings, ElevationIsWantedForAVerticalGapOrALostWay) {
   RblRules rules;
   RblSituation now;
-  now.sensing_m = {1.0, 0, 1.2};
-  now.partitioned_m = {1.0, 0, 0.0};
+  now.sensing_agent_m = {1.0, 0, 1.2};
+  now.partitioned_agent_m = {1.0, 0, 0.0};
   EXPECT_TRUE(wants_elevation(rules, now)) << "gap";
-  now.sensing_m.z() = 0.9;
+  now.sensing_agent_m.z() = 0.9;
   EXPECT_FALSE(wants_elevation(rules, now)) << "d_6";
-  now.sensing_m.z() = 1.8;
-  now.partitioned_m.z() = 0.6;
+  now.sensing_agent_m.z() = 1.8;
+  now.partitioned_agent_m.z() = 0.6;
   EXPECT_FALSE(wants_elevation(rules, now)) << "d_5";
   rules.elevation_condition = RblRules::ElevationCondition::kPrinted;
-  now.partitioned_m.z() = now.sensing_m.z() = 0.1;
+  now.partitioned_agent_m.z() = now.sensing_agent_m.z() = 0.1;
   EXPECT_TRUE(wants_elevation(rules, now)) << "printed: without a gap";
-  now.sensing_m.z() = 1.2;
+  now.sensing_agent_m.z() = 1.2;
   EXPECT_FALSE(wants_elevation(rules, now));
 }
 
 TEST(RblReadings, ElevationIsWantedForALostWayInOneSenseOrInBoth) {
   RblRules rules;
   RblSituation now;
-  now.sensing_m = {0.6, 0.8, 0.0};
-  now.partitioned_m = {0.79, 0.0, 0.0};
+  now.sensing_agent_m = {0.6, 0.8, 0.0};
+  now.partitioned_agent_m = {0.79, 0.0, 0.0};
   EXPECT_TRUE(wants_elevation(rules, now)) << "0.21 m less";
-  now.partitioned_m.x() = 0.81;
+  now.partitioned_agent_m.x() = 0.81;
   EXPECT_FALSE(wants_elevation(rules, now));
-  now.partitioned_m.x() = 1.21;
+  now.partitioned_agent_m.x() = 1.21;
   EXPECT_FALSE(wants_elevation(rules, now)) << "more way is no loss";
   rules.elevation_shrink_absolute = true;
   EXPECT_TRUE(wants_elevation(rules, now));
@@ -150,22 +150,22 @@ TEST(RblReadings, OwnTurnCountsBackwardsByTheHeightOfTheTurnedDestination) {
     for (const double phi_rad : {-0.6, 0.0, 0.5}) {
       for (const double clipped_m : {-0.2, 0.0, 0.7}) {  // by limits of height
         RblSituation now;
-        now.goal_m = 20.0 * Vector3(0.6 * std::cos(goal_rad), -0.8 * std::cos(goal_rad), std::sin(goal_rad));
-        now.sensing_m = 2.0 * Vector3(std::cos(goal_rad + phi_rad), 0.0, std::sin(goal_rad + phi_rad));
-        now.sensing_m.z() += clipped_m;
-        const double reach_m = now.sensing_m.norm();
+        now.goal_agent_m = 20.0 * Vector3(0.6 * std::cos(goal_rad), -0.8 * std::cos(goal_rad), std::sin(goal_rad));
+        now.sensing_agent_m = 2.0 * Vector3(std::cos(goal_rad + phi_rad), 0.0, std::sin(goal_rad + phi_rad));
+        now.sensing_agent_m.z() += clipped_m;
+        const double reach_m = now.sensing_agent_m.norm();
         const double turned_m = reach_m * std::sin(goal_rad + phi_rad), level_m = reach_m * std::sin(goal_rad);
-        EXPECT_NEAR(vertical_influence(rules, now, phi_rad), now.sensing_m.z() - 2.0 * turned_m + level_m, 1e-12);
+        EXPECT_NEAR(vertical_influence(rules, now, phi_rad), now.sensing_agent_m.z() - 2.0 * turned_m + level_m, 1e-12);
       }
     }
   }
   // Beyond the zenith there is no more height.
   RblSituation now;
-  now.goal_m = {1.0, 0.0, 2.0};
-  now.sensing_m = {0.0, 0.0, 2.0};
+  now.goal_agent_m = {1.0, 0.0, 2.0};
+  now.sensing_agent_m = {0.0, 0.0, 2.0};
   EXPECT_NEAR(vertical_influence(rules, now, 1.2), 2.0 - 2.0 * 2.0 + 2.0 * std::sin(std::atan2(2.0, 1.0)), 1e-12);
-  now.goal_m.z() = -2.0;
-  now.sensing_m.z() = -2.0;
+  now.goal_agent_m.z() = -2.0;
+  now.sensing_agent_m.z() = -2.0;
   EXPECT_NEAR(vertical_influence(rules, now, -1.2), -2.0 + 2.0 * 2.0 - 2.0 * std::sin(std::atan2(2.0, 1.0)), 1e-12);
 }
 
@@ -174,7 +174,7 @@ TEST(RblReadings, HeightOfTheTurnDoesNotCountWhenUpIsUp) {
   rules.direction_weight = 0.0;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = held_up();
-  now.sensing_m.z() = 0.4;
+  now.sensing_agent_m.z() = 0.4;
   EXPECT_NEAR(vertical_influence(rules, now, 0.5), 0.4, 1e-12);
 }
 
@@ -183,7 +183,7 @@ TEST(RblReadings, DirectionsInfluenceByTheirReadings) {
   rules.centering_weight = 0.0;
   const auto influence = [&](double x, double y) {
     RblSituation now;
-    now.goal_m = {x, y, 3.0};
+    now.goal_agent_m = {x, y, 3.0};
     return vertical_influence(rules, now);
   };
   EXPECT_NEAR(influence(3.0, 4.0), 0.8, 1e-12);
@@ -201,19 +201,19 @@ TEST(RblReadings, PhiGoesWhereTheInfluencePointsAndItsResetAsksForUse) {
   RblRules rules;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = held_up();
-  now.goal_m = {0, -10, 0};
+  now.goal_agent_m = {0, -10, 0};
   RblState state;
   EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).phi_rad, -0.1, 1e-12);
   state.phi_rad = -kPi / 4.0;
-  now.partitioned_m.z() = -0.1;
-  now.unrotated_m.z() = -0.2;
+  now.partitioned_agent_m.z() = -0.1;
+  now.unrotated_agent_m.z() = -0.2;
   EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).phi_rad, -kPi / 4.0, 1e-12) << "of use";
-  now.unrotated_m.z() = -0.05;
+  now.unrotated_agent_m.z() = -0.05;
   EXPECT_EQ(apply_rules(rules, now, state, 0.1, false).phi_rad, 0.0);
   rules.elevation_reset = false;
   EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).phi_rad, -kPi / 4.0, 1e-12);
   state.phi_rad = -0.25;
-  now.partitioned_m = now.sensing_m;
+  now.partitioned_agent_m = now.sensing_agent_m;
   EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).phi_rad, -0.15, 1e-12) << "returns from below, too";
 }
 
@@ -466,7 +466,7 @@ TEST(RblReadings, LeastViolatingIsNoWorseThanAnySample) {
                                        {Vector3(0, -1, 0.4).normalized(), -0.1}};
   const auto violation = [&](const Vector3& q) {
     double worst = 0.0;
-    for (const HalfSpace& cut : cuts) worst = std::max(worst, cut.normal.dot(q) - cut.offset_m);
+    for (const HalfSpace& cut : cuts) worst = std::max(worst, cut.normal_local.dot(q) - cut.offset_m);
     return worst;
   };
   const double ours = violation(cell.least_violating(cuts));
@@ -478,23 +478,23 @@ TEST(RblReadings, LeastViolatingIsNoWorseThanAnySample) {
 TEST(RblReadings, BoundsThemselvesAreNotPassed) {
   RblRules rules;
   RblSituation now = held_up();
-  now.partitioned_m = {0.5, 0, 0};  // d_1, d_3: nearer than
+  now.partitioned_agent_m = {0.5, 0, 0};  // d_1, d_3: nearer than
   EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.5);
   EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).theta_rad, 0.0);
-  now.partitioned_m = {0.25, 0, 0};
-  now.sensing_m = {1.25, 0, 0};  // d_2, d_4: farther than
+  now.partitioned_agent_m = {0.25, 0, 0};
+  now.sensing_agent_m = {1.25, 0, 0};  // d_2, d_4: farther than
   EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.5);
   EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).theta_rad, 0.0);
   rules.azimuth_reset = RblRules::AzimuthReset::kNear;
-  now.partitioned_m = {0.25, 0, 0};
-  now.sensing_m = {2.0, 0, 0};
-  now.unrotated_m = {0.5, 0, 0};
+  now.partitioned_agent_m = {0.25, 0, 0};
+  now.sensing_agent_m = {2.0, 0, 0};
+  now.unrotated_agent_m = {0.5, 0, 0};
   EXPECT_GT(apply_rules(rules, now, at_right_angle(), 0.1, false).theta_rad, 1.0) << "no farther than d_3";
-  now.partitioned_m = {1.25, 0, 0.5};
-  now.sensing_m = {1.25, 0, 2.0};
+  now.partitioned_agent_m = {1.25, 0, 0.5};
+  now.sensing_agent_m = {1.25, 0, 2.0};
   EXPECT_FALSE(wants_elevation(rules, now)) << "d_5";
-  now.partitioned_m.z() = 0.25;
-  now.sensing_m.z() = 1.25;
+  now.partitioned_agent_m.z() = 0.25;
+  now.sensing_agent_m.z() = 1.25;
   EXPECT_FALSE(wants_elevation(rules, now)) << "d_6";
 }
 

@@ -85,7 +85,7 @@ TEST(LogOddsMap, OneRayIsEnough) {
 
 VoxelMap wide_map() {
   VoxelMapConfig config;
-  config.extent = "bounded";
+  config.extent = VoxelMapConfig::Extent::kBounded;
   config.size_m = {40.0, 2.0, 2.0};  // 160 voxels in a row: three words of bits
   return VoxelMap(config);
 }
@@ -118,7 +118,7 @@ TEST(VoxelMap, WhatIsKnownBeforehandIsOnePerVoxelHoweverOftenItIsTold) {
   const Random random(2, "prior");
   for (std::uint32_t i = 0; i < 200; ++i) {
     const auto x = static_cast<float>(static_cast<int>(random.uniform(0.0, 12.0, i, 0))) * 0.25F + 0.1F;
-    prior.occupied_m.emplace_back(x, 0.1F, 0.1F);
+    prior.occupied_world_m.emplace_back(x, 0.1F, 0.1F);
   }
   map.set_prior(prior);
   EXPECT_EQ(map.num_occupied(), 12);
