@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "swiftlet/core/detection/clusterer.hpp"
+
 namespace swiftlet {
 namespace {
 

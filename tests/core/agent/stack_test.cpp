@@ -315,6 +315,21 @@ TEST(Agents, TellWhatTheyNeedBesideTheirSensors) {
   EXPECT_EQ(guidance_of(none), nullptr);
 }
 
+TEST(Stack, CountersAndMapsAreNamedByTheirStages) {
+  StackConfig config = stack_with("hover", HoverConfig{});
+  config.detector = Module(detector_module_types(), "vofod");
+  ClosedLoop loop(testing::all_airframes()[0].airframe, config, {0, 0, 3});
+  loop.run(0.1);
+  std::vector<Counter> counters;
+  loop.agent().append_counters(counters);
+  ASSERT_FALSE(counters.empty());
+  for (const Counter& counter : counters) EXPECT_EQ(counter.setting.rfind("detector.", 0), 0U) << counter.setting;
+  std::vector<MapVoxels> maps;
+  loop.agent().append_maps(maps);
+  ASSERT_EQ(maps.size(), 1U);
+  EXPECT_EQ(maps[0].name, "detector");
+}
+
 TEST(NoneAgent, KeepsTheMotorsAtIdle) {
   const auto agent = make_agent(Module(agent_module_types(), "none"), {});
   Observation observation;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "swiftlet/core/stages/guidances.hpp"
 
 namespace swiftlet {
@@ -34,6 +36,80 @@ TEST(TimedPath, TellsPlaceVelocityAndAccelerationByTimeAndIsDoneAtTheEnd) {
     last_yaw_rad = out.goal.yaw_rad;
   }
   EXPECT_NEAR(last_yaw_rad, 1.5707963, 0.05);  // towards +y, as the last legs go
+}
+
+/// What a path's goals are at every tick of its flight.
+std::vector<Reference> goals_of_path(const TimedPathConfig& config, double tick_s,
+                                     const Pose& start = Pose::Identity()) {
+  Module module(guidance_module_types(), "timed_path");
+  module.as<TimedPathConfig>() = config;
+  AgentSetup agent;
+  agent.T_local_body_start = start;
+  const auto guidance = make_guidance(module, {agent, {}});
+  StateEstimate estimate;
+  Observation observation;
+  LocalPoses poses;
+  Outbox outbox;
+  GuidanceOutput out;
+  std::vector<Reference> goals;
+  while (out.mission != MissionStatus::kDone && goals.size() < 100000) {
+    guidance->step({.dt_s = tick_s, .estimate = estimate, .observation = observation, .poses = poses}, out, outbox);
+    goals.push_back(out.goal);
+  }
+  return goals;
+}
+
+TEST(TimedPath, YawRateIsTheDerivativeOfTheYaw) {
+  TimedPathConfig config;
+  config.points_m = kBend;
+  config.interval_s = 0.5;
+  constexpr double kTick_s = 1e-3;
+  const std::vector<Reference> goals = goals_of_path(config, kTick_s);
+  int turning = 0;
+  for (std::size_t i = 1; i + 1 < goals.size(); ++i) {
+    const bool fast =
+        goals[i - 1].velocity_mps.head<2>().norm() > 0.2 && goals[i + 1].velocity_mps.head<2>().norm() > 0.2;
+    if (!fast) continue;
+    const double rate_radps = std::remainder(goals[i + 1].yaw_rad - goals[i - 1].yaw_rad, 2.0 * M_PI) / (2.0 * kTick_s);
+    ASSERT_NEAR(goals[i].yaw_rate_radps, rate_radps, 5e-3) << i;
+    ASSERT_NEAR(goals[i].yaw_rad, std::atan2(goals[i].velocity_mps.y(), goals[i].velocity_mps.x()), 1e-9);
+    turning += std::abs(rate_radps) > 0.5 ? 1 : 0;
+  }
+  EXPECT_GT(turning, 300);
+}
+
+TEST(TimedPath, WhatIsSlowKeepsItsHeading) {
+  TimedPathConfig config;
+  config.points_m = {{0, 0, 0}, {0, 0.1, 0}, {0, 0.2, 0}, {0, 0.3, 0}, {0, 0.4, 0}};  // 0.1 m/s to the left
+  config.interval_s = 1.0;
+  const Pose start = make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vector3::UnitZ())));
+  for (const Reference& goal : goals_of_path(config, 0.01, start)) {
+    ASSERT_NEAR(goal.yaw_rad, 0.3, 1e-12);
+    ASSERT_EQ(goal.yaw_rate_radps, 0.0);
+  }
+  config.interval_s = 0.4;  // 0.25 m/s
+  EXPECT_NEAR(goals_of_path(config, 0.01, start)[80].yaw_rad, 0.5 * M_PI, 1e-9);
+}
+
+TEST(TimedPath, FixedHeadingIsThatOfTheConfiguration) {
+  TimedPathConfig config;
+  config.points_m = kBend;
+  config.yaw = TimedPathConfig::Yaw::kFixed;
+  config.yaw_deg = -30.0;
+  for (const Reference& goal : goals_of_path(config, 0.05)) {
+    ASSERT_NEAR(goal.yaw_rad, -M_PI / 6.0, 1e-12);
+    ASSERT_EQ(goal.yaw_rate_radps, 0.0);
+  }
+}
+
+TEST(TimedPath, WithoutPointsItStaysAtTheStart) {
+  const Pose start = make_pose({1, 2, 3}, Eigen::Quaterniond::Identity());
+  const std::vector<Reference> goals = goals_of_path({}, 0.01, start);
+  ASSERT_FALSE(goals.empty());
+  for (const Reference& goal : goals) {
+    EXPECT_LT((goal.position_m - Vector3(1, 2, 3)).norm(), 1e-12);
+    EXPECT_LT(goal.velocity_mps.norm(), 1e-12);
+  }
 }
 
 }  // namespace

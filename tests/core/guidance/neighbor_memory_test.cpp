@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/neighbor_memory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/neighbor_position.hpp"
+
+namespace swiftlet {
+namespace {
+
+using Source = NeighborSourceConfig::Source;
+
+/// What one vehicle hears and sees, tick by tick.
+class Listener {
+ public:
+  explicit Listener(const NeighborSourceConfig& config) : memory(config) { at(Pose::Identity()); }
+
+  void at(const Pose& T_local_body) { estimate.T_local_body = T_local_body; }
+  void sees(VehicleId id, const Vector3& p_body_m, double t_s, const Matrix3& covariance = 0.01 * Matrix3::Identity()) {
+    observation.neighbors.push_back({from_seconds(t_s), id, p_body_m, covariance});
+  }
+  void hears(VehicleId from, const Vector3& p_world_m, double t_s) {
+    Message& message = observation.messages.emplace_back();
+    write_message(NeighborPosition{from_seconds(t_s), p_world_m}, message);
+    message.from = from;
+  }
+  std::span<const Neighbor> update(double t_s) {
+    observation.t = estimate.t = from_seconds(t_s);
+    estimate.valid = true;
+    poses.push(estimate);
+    memory.update({.estimate = estimate, .observation = observation, .poses = poses, .tracks = tracks});
+    observation.neighbors.clear();
+    observation.messages.clear();
+    return memory.neighbors();
+  }
+
+  NeighborMemory memory;
+  StateEstimate estimate;
+  Observation observation;
+  LocalPoses poses;
+  std::vector<Track> tracks;
+};
+
+NeighborSourceConfig from(Source source) {
+  NeighborSourceConfig config;
+  config.source = source;
+  return config;
+}
+
+TEST(NeighborMemory, OfOneAxisIsTheKalmanFilterOfConstantVelocity) {
+  // The filter of one axis written out: position and speed, acceleration constant over a step.
+  double p = 3.0, v = 0.0;
+  double pp = 0.04, pv = 0.0, vv = 1.0;  // a vehicle that was seen once may have any speed, 1 m/s is usual
+  NeighborSourceConfig config = from(Source::kSensor);
+  config.acceleration_sigma_mps2 = 0.7;
+  Listener listener(config);
+  const Random random(4, "neighbor");
+  listener.sees(1, {p, 0.0, 0.0}, 0.0, 0.04 * Matrix3::Identity());
+  listener.update(0.0);
+  double t_s = 0.0;
+  for (std::uint32_t k = 1; k < 40; ++k) {
+    const double dt_s = 0.05 + 0.2 * random.uniform(k, 0), r = 0.01 + 0.05 * random.uniform(k, 1);
+    const double z = 3.0 + 0.8 * t_s + 0.2 * random.normal(k, 2);
+    t_s += dt_s;
+    const double q = 0.7 * 0.7;
+    p += dt_s * v;
+    pp += 2.0 * dt_s * pv + dt_s * dt_s * vv + 0.25 * q * std::pow(dt_s, 4);
+    pv += dt_s * vv + 0.5 * q * std::pow(dt_s, 3);
+    vv += q * dt_s * dt_s;
+    const double s = pp + r, kp = pp / s, kv = pv / s, innovation = z - p;
+    p += kp * innovation;
+    v += kv * innovation;
+    vv -= kv * pv;
+    pv *= 1.0 - kp;
+    pp *= 1.0 - kp;
+    listener.sees(1, {z, 0.0, 0.0}, t_s, r * Matrix3::Identity());
+    const auto known = listener.update(t_s);
+    ASSERT_EQ(known.size(), 1U);
+    ASSERT_NEAR(known[0].position_local_m.x(), p, 1e-6) << k;
+    ASSERT_NEAR(known[0].velocity_local_mps.x(), v, 1e-6) << k;
+    ASSERT_EQ(known[0].seen, from_seconds(t_s));
+  }
+}
+
+TEST(NeighborMemory, DirectionsThatAreMeasuredBetterCountMore) {
+  Listener listener(from(Source::kSensor));
+  listener.sees(1, Vector3::Zero(), 0.0, Matrix3::Identity());
+  listener.update(0.0);
+  listener.sees(1, {1.0, 1.0, 1.0}, 0.0, Vector3(0.01, 1.0, 100.0).asDiagonal());
+  const Vector3 p_m = listener.update(0.1)[0].position_local_m;
+  EXPECT_NEAR(p_m.x(), 1.0 / 1.01, 1e-9);
+  EXPECT_NEAR(p_m.y(), 0.5, 1e-9);
+  EXPECT_NEAR(p_m.z(), 1.0 / 101.0, 1e-9);
+}
+
+TEST(NeighborMemory, CovarianceTurnsWithTheBody) {
+  Listener listener(from(Source::kSensor));
+  listener.at(make_pose({5.0, 0.0, 0.0}, Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Vector3::UnitZ()))));
+  listener.update(0.0);
+  listener.sees(1, {2.0, 0.0, 0.0}, 0.0, Matrix3::Identity());
+  EXPECT_LT((listener.update(0.0)[0].position_local_m - Vector3(5.0, 2.0, 0.0)).norm(), 1e-9);
+  // Sharp along the body's x, which is the world's y; blunt along the other.
+  listener.sees(1, {3.0, 1.0, 0.0}, 0.0, Vector3(1e-6, 1e6, 1.0).asDiagonal());
+  const Vector3 p_m = listener.update(0.0)[0].position_local_m;
+  EXPECT_NEAR(p_m.x(), 5.0, 1e-3);
+  EXPECT_NEAR(p_m.y(), 3.0, 1e-3);
+}
+
+TEST(NeighborMemory, IsCarriedForwardToNowOrNot) {
+  for (const bool predict : {true, false}) {
+    NeighborSourceConfig config = from(Source::kSensor);
+    config.predict = predict;
+    Listener listener(config);
+    for (int i = 0; i <= 20; ++i) listener.sees(1, {0.2 * i, 0.0, 0.0}, 0.1 * i, 1e-8 * Matrix3::Identity());
+    const auto known = listener.update(2.5);
+    ASSERT_EQ(known.size(), 1U);
+    EXPECT_NEAR(known[0].velocity_local_mps.x(), 2.0, 1e-3);
+    EXPECT_NEAR(known[0].position_local_m.x(), predict ? 5.0 : 4.0, 2e-3);
+    EXPECT_EQ(known[0].seen, from_seconds(2.0));
+  }
+}
+
+TEST(NeighborMemory, IsForgottenAfterTheTimeoutAndNotBefore) {
+  NeighborSourceConfig config = from(Source::kSensor);
+  config.timeout_s = 0.5;
+  Listener listener(config);
+  listener.sees(1, Vector3::UnitX(), 1.0);
+  EXPECT_EQ(listener.update(1.0).size(), 1U);
+  EXPECT_EQ(listener.update(1.5).size(), 1U);
+  EXPECT_EQ(listener.update(1.51).size(), 0U);
+}
+
+TEST(NeighborMemory, WhatIsOlderThanWhatIsKnownChangesNothing) {
+  Listener listener(from(Source::kSensor));
+  listener.sees(1, {1.0, 0.0, 0.0}, 1.0);
+  listener.sees(1, {9.0, 0.0, 0.0}, 0.9);
+  const auto known = listener.update(1.0);
+  EXPECT_EQ(known[0].position_local_m, Vector3(1.0, 0.0, 0.0));
+  EXPECT_EQ(known[0].seen, from_seconds(1.0));
+}
+
+TEST(NeighborMemory, EachIsKeptApartAndTheyComeInOrder) {
+  Listener listener(from(Source::kSensor));
+  for (const VehicleId id : {7, 2, 5}) listener.sees(id, {1.0 * id, 0.0, 0.0}, 0.0);
+  const auto known = listener.update(0.0);
+  ASSERT_EQ(known.size(), 3U);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(known[i].key, (std::vector<std::int64_t>{2, 5, 7}[i]));
+    EXPECT_NEAR(known[i].position_local_m.x(), static_cast<double>(known[i].key), 1e-12);
+  }
+}
+
+TEST(NeighborMemory, MessagesAreCarriedIntoTheLocalFrame) {
+  Listener listener(from(Source::kRadio));
+  listener.estimate.correct(make_pose({10.0, 0.0, 1.0}, Eigen::Quaterniond::Identity()));
+  listener.hears(3, {12.0, 1.0, 4.0}, 0.0);
+  const auto known = listener.update(0.0);
+  ASSERT_EQ(known.size(), 1U);
+  EXPECT_EQ(known[0].key, 3);
+  EXPECT_LT((known[0].position_local_m - Vector3(2.0, 1.0, 3.0)).norm(), 1e-12);
+  listener.hears(4, {NAN, 1.0, 4.0}, 0.0);
+  EXPECT_EQ(listener.update(0.0).size(), 1U) << "a place that is not finite";
+}
+
+TEST(NeighborMemory, AnnouncesItsPlaceInTheWorldByRadioOnly) {
+  for (const Source source : {Source::kRadio, Source::kSensor, Source::kTracks, Source::kNone}) {
+    Listener listener(from(source));
+    listener.at(make_pose({1.0, 2.0, 3.0}, Eigen::Quaterniond::Identity()));
+    listener.estimate.correct(make_pose({10.0, 0.0, 1.0}, Eigen::Quaterniond::Identity()));
+    listener.update(0.2);
+    Outbox outbox;
+    listener.memory.announce(listener.estimate, outbox);
+    ASSERT_EQ(outbox.messages().size(), source == Source::kRadio ? 1U : 0U);
+    if (source != Source::kRadio) continue;
+    NeighborPosition said;
+    ASSERT_EQ(read_message(outbox.messages()[0], said), Reading::kDone);
+    EXPECT_LT((said.p_world_m - Vector3(11.0, 2.0, 4.0)).norm(), 1e-12);
+    EXPECT_EQ(said.t, from_seconds(0.2));
+  }
+}
+
+TEST(NeighborMemory, TracksAreTakenAsTheyAreCarriedForward) {
+  for (const bool predict : {true, false}) {
+    NeighborSourceConfig config = from(Source::kTracks);
+    config.predict = predict;
+    Listener listener(config);
+    Track track;
+    track.id = 11;
+    track.t = from_seconds(1.0);
+    track.position_m = {1.0, 0.0, 0.0};
+    track.velocity_mps = {0.0, 2.0, 0.0};
+    listener.tracks = {track};
+    const auto known = listener.update(1.5);
+    ASSERT_EQ(known.size(), 1U);
+    EXPECT_EQ(known[0].key, 11);
+    EXPECT_LT((known[0].position_local_m - Vector3(1.0, predict ? 1.0 : 0.0, 0.0)).norm(), 1e-12);
+    EXPECT_EQ(known[0].velocity_local_mps, track.velocity_mps);
+  }
+}
+
+TEST(NeighborMemory, NobodyIsKnownFromNoSource) {
+  Listener listener(from(Source::kNone));
+  listener.sees(1, Vector3::UnitX(), 0.0);
+  listener.hears(2, Vector3::UnitX(), 0.0);
+  EXPECT_TRUE(listener.update(0.0).empty());
+}
+
+}  // namespace
+}  // namespace swiftlet

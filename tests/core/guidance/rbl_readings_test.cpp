@@ -1,0 +1,502 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/guidance/rbl_cell.hpp"
+#include "swiftlet/core/guidance/rbl_planner.hpp"
+#include "swiftlet/core/guidance/rbl_rules.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "tests/core/guidance/guidance_driver.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::GuidanceDriver;
+using testing::ToldMap;
+
+/// Held up by others: c_A lies near the vehicle, c_S far ahead.
+RblSituation held_up() {
+  RblSituation now;
+  now.goal_agent_m = {10, 0, 0};
+  now.partitioned_agent_m = {0.2, 0, 0};
+  now.sensing_agent_m = {1.7, 0, 0};
+  now.unrotated_agent_m = {0.2, 0, 0};
+  return now;
+}
+
+RblState at_right_angle() {
+  RblState state;
+  state.theta_rad = kPi / 2.0;
+  return state;
+}
+
+TEST(RblReadings, AzimuthResetNearAsksWhetherTheDirectWayLeadsFarEnough) {
+  RblRules rules;
+  rules.azimuth_reset = RblRules::AzimuthReset::kNear;
+  const auto theta_rad = [&](double direct_m, double reach_m) {
+    RblSituation now = held_up();
+    now.unrotated_agent_m = {0.6 * direct_m, 0.8 * direct_m, 5.0};  // horizontal lengths count
+    now.partitioned_agent_m = {reach_m, 0, 0};
+    return apply_rules(rules, now, at_right_angle(), 0.1, false).theta_rad;
+  };
+  EXPECT_EQ(theta_rad(0.51, 0.2), 0.0) << "farther than d_3";
+  EXPECT_NEAR(theta_rad(0.49, 0.2), kPi / 2.0, 1e-9) << "longer than the detour, but no farther than d_3";
+  rules.azimuth_reset = RblRules::AzimuthReset::kDetour;
+  EXPECT_EQ(theta_rad(0.49, 0.2), 0.0);
+  EXPECT_NEAR(theta_rad(0.3, 0.4), kPi / 2.0, 1e-9);
+  rules.azimuth_reset = RblRules::AzimuthReset::kNone;
+  EXPECT_NEAR(theta_rad(5.0, 0.2), kPi / 2.0, 1e-9);
+}
+
+TEST(RblReadings, AzimuthIsResetOnlyFromTheRightAngle) {
+  RblState state;
+  state.theta_rad = 1.0;
+  RblSituation now = held_up();
+  now.unrotated_agent_m = {0.9, 0, 0};
+  EXPECT_NEAR(apply_rules({}, now, state, 0.1, false).theta_rad, 1.1, 1e-9);
+}
+
+TEST(RblReadings, AzimuthTurnsWhereBothBoundsOfTheConditionHold) {
+  const RblRules rules;
+  const auto turns = [&](double gap_m, double reach_m) {
+    RblSituation now = held_up();
+    now.partitioned_agent_m = {reach_m, 0, 3.0};
+    now.sensing_agent_m = {reach_m + gap_m, 0, -3.0};
+    return apply_rules(rules, now, {}, 0.1, false).theta_rad > 0.0;
+  };
+  EXPECT_TRUE(turns(1.01, 0.49));
+  EXPECT_FALSE(turns(0.99, 0.49)) << "d_4";
+  EXPECT_FALSE(turns(1.01, 0.51)) << "d_3";
+}
+
+TEST(RblReadings, BetaFallsWhereBothBoundsOfTheConditionHold) {
+  const RblRules rules;
+  const auto falls = [&](double gap_m, double reach_m, double goal_m) {
+    RblSituation now = held_up();
+    now.goal_agent_m = {goal_m, 0, 0};
+    now.partitioned_agent_m = {reach_m, 0, 0};
+    now.sensing_agent_m = {reach_m + gap_m, 0, 0};
+    return apply_rules(rules, now, {}, 0.1, false).beta_m < 1.5;
+  };
+  EXPECT_TRUE(falls(1.01, 0.49, 10.0));
+  EXPECT_FALSE(falls(0.99, 0.49, 10.0)) << "d_2";
+  EXPECT_FALSE(falls(1.01, 0.51, 10.0)) << "d_1";
+  EXPECT_TRUE(falls(0.2, 0.49, 3.4)) << "the goal lies in S";
+  EXPECT_FALSE(falls(0.2, 0.51, 3.4));
+  EXPECT_FALSE(falls(0.2, 0.49, 3.6));
+}
+
+TEST(RblReadings, BetaComesBackInOneStepOfASecondAndNoFurther) {
+  RblSituation free = held_up();
+  free.partitioned_agent_m = free.sensing_agent_m;
+  RblState state;
+  state.beta_m = 0.3;
+  EXPECT_NEAR(apply_rules({}, free, state, 1.0, false).beta_m, 1.5, 1e-12);
+  EXPECT_NEAR(apply_rules({}, free, state, 5.0, false).beta_m, 1.5, 1e-12);
+}
+
+TEST(RblReadings, RulesThatAreOffKeepTheirAnglesAtZero) {
+  RblRules rules;
+  rules.azimuth_rule = false;
+  EXPECT_EQ(apply_rules(rules, held_up(), at_right_angle(), 0.1, false).theta_rad, 0.0);
+  rules = {};
+  rules.elevation_rule = false;
+  RblState state;
+  state.phi_rad = 0.5;
+  EXPECT_EQ(apply_rules(rules, held_up(), state, 0.1, false).phi_rad, 0.0);
+}
+
+TEST(RblReadings, ElevationIsWantedForAVerticalGapOrALostWay) {
+  RblRules rules;
+  RblSituation now;
+  now.sensing_agent_m = {1.0, 0, 1.2};
+  now.partitioned_agent_m = {1.0, 0, 0.0};
+  EXPECT_TRUE(wants_elevation(rules, now)) << "gap";
+  now.sensing_agent_m.z() = 0.9;
+  EXPECT_FALSE(wants_elevation(rules, now)) << "d_6";
+  now.sensing_agent_m.z() = 1.8;
+  now.partitioned_agent_m.z() = 0.6;
+  EXPECT_FALSE(wants_elevation(rules, now)) << "d_5";
+  rules.elevation_condition = RblRules::ElevationCondition::kPrinted;
+  now.partitioned_agent_m.z() = now.sensing_agent_m.z() = 0.1;
+  EXPECT_TRUE(wants_elevation(rules, now)) << "printed: without a gap";
+  now.sensing_agent_m.z() = 1.2;
+  EXPECT_FALSE(wants_elevation(rules, now));
+}
+
+TEST(RblReadings, ElevationIsWantedForALostWayInOneSenseOrInBoth) {
+  RblRules rules;
+  RblSituation now;
+  now.sensing_agent_m = {0.6, 0.8, 0.0};
+  now.partitioned_agent_m = {0.79, 0.0, 0.0};
+  EXPECT_TRUE(wants_elevation(rules, now)) << "0.21 m less";
+  now.partitioned_agent_m.x() = 0.81;
+  EXPECT_FALSE(wants_elevation(rules, now));
+  now.partitioned_agent_m.x() = 1.21;
+  EXPECT_FALSE(wants_elevation(rules, now)) << "more way is no loss";
+  rules.elevation_shrink_absolute = true;
+  EXPECT_TRUE(wants_elevation(rules, now));
+}
+
+// c_S lies towards the turned destination: at the height reach * sin(goal + phi), which the rule has to take away
+// twice, once for the destination's own height and once more for the turn.
+TEST(RblReadings, OwnTurnCountsBackwardsByTheHeightOfTheTurnedDestination) {
+  RblRules rules;
+  rules.direction_weight = 0.0;
+  rules.centering_weight = 1.0;
+  for (const double goal_rad : {-0.4, 0.0, 0.3}) {
+    for (const double phi_rad : {-0.6, 0.0, 0.5}) {
+      for (const double clipped_m : {-0.2, 0.0, 0.7}) {  // by limits of height
+        RblSituation now;
+        now.goal_agent_m = 20.0 * Vector3(0.6 * std::cos(goal_rad), -0.8 * std::cos(goal_rad), std::sin(goal_rad));
+        now.sensing_agent_m = 2.0 * Vector3(std::cos(goal_rad + phi_rad), 0.0, std::sin(goal_rad + phi_rad));
+        now.sensing_agent_m.z() += clipped_m;
+        const double reach_m = now.sensing_agent_m.norm();
+        const double turned_m = reach_m * std::sin(goal_rad + phi_rad), level_m = reach_m * std::sin(goal_rad);
+        EXPECT_NEAR(vertical_influence(rules, now, phi_rad), now.sensing_agent_m.z() - 2.0 * turned_m + level_m, 1e-12);
+      }
+    }
+  }
+  // Beyond the zenith there is no more height.
+  RblSituation now;
+  now.goal_agent_m = {1.0, 0.0, 2.0};
+  now.sensing_agent_m = {0.0, 0.0, 2.0};
+  EXPECT_NEAR(vertical_influence(rules, now, 1.2), 2.0 - 2.0 * 2.0 + 2.0 * std::sin(std::atan2(2.0, 1.0)), 1e-12);
+  now.goal_agent_m.z() = -2.0;
+  now.sensing_agent_m.z() = -2.0;
+  EXPECT_NEAR(vertical_influence(rules, now, -1.2), -2.0 + 2.0 * 2.0 - 2.0 * std::sin(std::atan2(2.0, 1.0)), 1e-12);
+}
+
+TEST(RblReadings, HeightOfTheTurnDoesNotCountWhenUpIsUp) {
+  RblRules rules;
+  rules.direction_weight = 0.0;
+  rules.elevation_sense = RblRules::ElevationSense::kUp;
+  RblSituation now = held_up();
+  now.sensing_agent_m.z() = 0.4;
+  EXPECT_NEAR(vertical_influence(rules, now, 0.5), 0.4, 1e-12);
+}
+
+TEST(RblReadings, DirectionsInfluenceByTheirReadings) {
+  RblRules rules;
+  rules.centering_weight = 0.0;
+  const auto influence = [&](double x, double y) {
+    RblSituation now;
+    now.goal_agent_m = {x, y, 3.0};
+    return vertical_influence(rules, now);
+  };
+  EXPECT_NEAR(influence(3.0, 4.0), 0.8, 1e-12);
+  EXPECT_NEAR(influence(0.0, 0.0), 0.0, 1e-12) << "straight up";
+  rules.direction_influence = RblRules::DirectionInfluence::kPrinted;  // azimuth from east, in half turns
+  EXPECT_NEAR(influence(0.0, 4.0), 0.5, 1e-12);
+  EXPECT_NEAR(influence(1.0, -1.0), -0.25, 1e-12);
+  rules.direction_influence = RblRules::DirectionInfluence::kProgram;  // azimuth from north, from -1 to 1
+  EXPECT_NEAR(influence(1.0, 0.0), -0.5, 1e-12);
+  EXPECT_NEAR(influence(-1.0, 0.0), 0.5, 1e-12);
+  EXPECT_NEAR(influence(0.0, -1.0), 0.0, 1e-12);
+}
+
+TEST(RblReadings, PhiGoesWhereTheInfluencePointsAndItsResetAsksForUse) {
+  RblRules rules;
+  rules.elevation_sense = RblRules::ElevationSense::kUp;
+  RblSituation now = held_up();
+  now.goal_agent_m = {0, -10, 0};
+  RblState state;
+  EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).phi_rad, -0.1, 1e-12);
+  state.phi_rad = -kPi / 4.0;
+  now.partitioned_agent_m.z() = -0.1;
+  now.unrotated_agent_m.z() = -0.2;
+  EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).phi_rad, -kPi / 4.0, 1e-12) << "of use";
+  now.unrotated_agent_m.z() = -0.05;
+  EXPECT_EQ(apply_rules(rules, now, state, 0.1, false).phi_rad, 0.0);
+  rules.elevation_reset = false;
+  EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).phi_rad, -kPi / 4.0, 1e-12);
+  state.phi_rad = -0.25;
+  now.partitioned_agent_m = now.sensing_agent_m;
+  EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).phi_rad, -0.15, 1e-12) << "returns from below, too";
+}
+
+using Variant = RblConfig::Variant;
+
+RblConfig flying(Variant variant) {
+  RblConfig config;
+  config.variant = variant;
+  config.goal_m = {0.0, 0.0, 2.0};
+  return config;
+}
+
+/// Where the first update sends a vehicle.
+Vector3 first_goal_m(const RblConfig& config, const Vector3& from_m, const std::vector<Vector3>& others_m = {}) {
+  GuidanceDriver driver("rbl", config, from_m);
+  for (std::size_t i = 0; i < others_m.size(); ++i) driver.sees(static_cast<VehicleId>(i) + 1, others_m[i]);
+  driver.step();
+  driver.dt_s = 0.0999;  // the goal has glided all the way right before the next update
+  return driver.step().goal.position_m;
+}
+
+TEST(RblFlight, HeightsLimitTheClippedVariantsAndOnlyThese) {
+  for (const Variant variant : {Variant::k3d, Variant::k3dClipped, Variant::k3dZ}) {
+    RblConfig config = flying(variant);
+    config.goal_m = {0.0, 0.0, 30.0};
+    config.z_max_m = 10.0;
+    const double up_m = first_goal_m(config, {0.0, 0.0, 9.9}).z();
+    EXPECT_EQ(up_m > 10.5, variant == Variant::k3d) << static_cast<int>(variant) << ": " << up_m;
+    config.goal_m = {0.0, 0.0, -30.0};
+    config.z_min_m = 4.0;
+    const double down_m = first_goal_m(config, {0.0, 0.0, 4.1}).z();
+    EXPECT_EQ(down_m < 3.5, variant == Variant::k3d) << static_cast<int>(variant) << ": " << down_m;
+  }
+}
+
+TEST(RblFlight, WithoutLimitsTheGroundKeepsTheEncumbranceFree) {
+  RblConfig config = flying(Variant::k3d);
+  config.goal_m = {0.0, 0.0, -30.0};
+  config.ground_m = 5.0;
+  config.rules.beta_desired_m = 0.1;
+  const double down_m = first_goal_m(config, {0.0, 0.0, 6.5}).z();
+  EXPECT_GT(down_m, 5.5 - 1e-6);
+  EXPECT_LT(down_m, 6.0);
+}
+
+TEST(RblFlight, InTheDiscHeightIsThatOfTheGoal) {
+  RblConfig config = flying(Variant::k2d);
+  config.goal_m = {10.0, 0.0, 7.0};
+  GuidanceDriver driver("rbl", config, {0.0, 0.0, 2.0});
+  driver.step();
+  EXPECT_NEAR(first_goal_m(config, {0.0, 0.0, 2.0}).z(), 7.0, 0.01);
+  // Right below its goal it has arrived in two dimensions, but not in three.
+  EXPECT_EQ(GuidanceDriver("rbl", config, {10.0, 0.1, 2.0}).step().mission, MissionStatus::kDone);
+  config.variant = Variant::k3d;
+  EXPECT_EQ(GuidanceDriver("rbl", config, {10.0, 0.1, 2.0}).step().mission, MissionStatus::kRunning);
+}
+
+TEST(RblFlight, OnceArrivedIsArrived) {
+  const RblConfig config = flying(Variant::k3d);
+  GuidanceDriver driver("rbl", config, {0.0, 0.0, 2.3});
+  EXPECT_EQ(driver.step().mission, MissionStatus::kRunning);
+  driver.put({0.0, 0.0, 2.15});
+  EXPECT_EQ(driver.step().mission, MissionStatus::kDone);
+  driver.put({0.0, 3.0, 2.0});
+  EXPECT_EQ(driver.step().mission, MissionStatus::kDone);
+  EXPECT_EQ(driver.out.speed_limit_mps, config.speed_mps);
+}
+
+TEST(RblFlight, GoalGlidesFromOneCentroidToTheNextWithinAPeriod) {
+  RblConfig config = flying(Variant::k3d);
+  config.goal_m = {20.0, 0.0, 2.0};
+  config.update_rate_hz = 4.0;
+  GuidanceDriver driver("rbl", config, {0.0, 0.0, 2.0});
+  driver.dt_s = 0.05;
+  std::vector<double> x_m;
+  for (int i = 0; i < 5; ++i) x_m.push_back(driver.step().goal.position_m.x());
+  EXPECT_NEAR(x_m[0], 0.0, 1e-12) << "begins where it starts";
+  config.update_rate_hz = 10.0;
+  const double centroid_m = first_goal_m(config, {0.0, 0.0, 2.0}).x();
+  for (int i = 1; i < 5; ++i) EXPECT_NEAR(x_m[i], 0.2 * i * centroid_m, 0.002 * centroid_m);
+  EXPECT_GT(centroid_m, 1.0);
+}
+
+TEST(RblFlight, KeepsClearOfANeighborThatItsSensorSees) {
+  RblConfig config = flying(Variant::k3d);
+  config.goal_m = {20.0, 0.0, 2.0};
+  const double alone_m = first_goal_m(config, {0.0, 0.0, 2.0}).x();
+  const double behind_m = first_goal_m(config, {0.0, 0.0, 2.0}, {{1.5, 0.0, 2.0}}).x();
+  EXPECT_GT(alone_m, 1.0);
+  EXPECT_LT(behind_m, 0.5) << "an encumbrance of both, half a meter each, is left free";
+}
+
+TEST(RblFlight, AnnouncesItsPlaceOncePerUpdate) {
+  RblConfig config = flying(Variant::k3d);
+  config.neighbors.source = NeighborSourceConfig::Source::kRadio;
+  GuidanceDriver driver("rbl", config, {0.0, 0.0, 2.0});
+  driver.dt_s = 0.02;
+  for (int i = 0; i < 50; ++i) driver.step();
+  EXPECT_EQ(driver.outbox.messages().size(), 10U);
+}
+
+RblConfig with_lidar() {
+  RblConfig config = flying(Variant::k3dClipped);
+  config.lidar.enabled = true;
+  config.goal_m = {20.0, 0.0, 2.0};
+  return config;
+}
+
+/// Goal after some updates of a vehicle that stays where it is and looks in a direction.
+Vector3 goal_in_sight_m(const RblConfig& config, const std::vector<Vector3>& cells_m, double yaw_rad = 0.0,
+                        const Vector3& at_m = {0.0, 0.0, 2.0}) {
+  const ToldMap map(cells_m);
+  GuidanceDriver driver("rbl", config, at_m, yaw_rad);
+  driver.map = &map;
+  driver.dt_s = 0.02;
+  EXPECT_TRUE(driver.guidance->needs().map);
+  for (int i = 0; i < 5; ++i) driver.step();
+  return driver.out.goal.position_m;
+}
+
+TEST(RblFlight, AnObstacleAheadShortensTheWay) {
+  const double free_m = goal_in_sight_m(with_lidar(), {}).x();
+  EXPECT_GT(free_m, 1.0);
+  std::vector<Vector3> wall_m;
+  for (double y = -4.0; y <= 4.0; y += 0.2) {
+    for (double z = 0.1; z < 6.0; z += 0.2) wall_m.emplace_back(1.6, y, z);
+  }
+  for (const auto cut : {RblLidarConfig::Cut::kConvex, RblLidarConfig::Cut::kNearest}) {
+    RblConfig config = with_lidar();
+    config.lidar.cut = cut;
+    const double before_m = goal_in_sight_m(config, wall_m).x();
+    EXPECT_LT(before_m, 1.5 - 0.5) << "the encumbrance before the wall stays free";
+    EXPECT_LT(before_m, free_m - 0.3);
+  }
+}
+
+TEST(RblFlight, GroundFarBelowTheLowestLevelIsNoObstacle) {
+  RblConfig config = with_lidar();
+  config.z_min_m = 1.5;
+  std::vector<Vector3> ground_m, higher_m;
+  for (double x = -4.0; x <= 4.0; x += 0.2) {
+    for (double y = -4.0; y <= 4.0; y += 0.2) {
+      ground_m.emplace_back(x, y, 0.85);  // its top is 0.55 m below the level: deeper than the encumbrance
+      higher_m.emplace_back(x, y, 1.35);
+    }
+  }
+  EXPECT_EQ(goal_in_sight_m(config, ground_m), goal_in_sight_m(config, {}));
+  EXPECT_NE(goal_in_sight_m(config, higher_m), goal_in_sight_m(config, {}));
+}
+
+TEST(RblFlight, TurnsToTheCentroidBeforeItGoesThere) {
+  RblConfig config = with_lidar();
+  const ToldMap map({});
+  GuidanceDriver driver("rbl", config, {0.0, 0.0, 2.0}, 1.5);
+  driver.map = &map;
+  driver.dt_s = 0.02;
+  for (int i = 0; i < 8; ++i) driver.step();
+  EXPECT_NEAR(driver.out.goal.yaw_rad, 0.0, 0.05) << "along +x";
+  EXPECT_LT((driver.out.goal.position_m - driver.p_m()).norm(), 1e-9) << "it looks 86 degrees aside";
+  driver.put({0.0, 0.0, 2.0}, 1.0);  // 57 degrees: within facing_deg
+  for (int i = 0; i < 8; ++i) driver.step();
+  EXPECT_GT((driver.out.goal.position_m - driver.p_m()).norm(), 0.3);
+}
+
+TEST(RblFlight, AGoalWithinTheEncumbranceIsFlownToUnseen) {
+  RblConfig config = with_lidar();
+  config.goal_m = {0.0, 0.0, 2.45};  // right above, where the sensor never looks
+  EXPECT_GT(goal_in_sight_m(config, {}).z(), 2.1);
+}
+
+TEST(RblFlight, LimitsOfHeightAreThoseOfTheWorld) {
+  RblConfig config = flying(Variant::k3dClipped);
+  config.goal_m = {0.0, 0.0, 90.0};
+  config.z_max_m = 10.0;
+  const Vector3 origin_m(3.0, 0.0, 5.0);  // of the local frame
+  GuidanceDriver driver("rbl", config, {0.0, 0.0, 4.9});
+  driver.estimate.correct(make_pose(origin_m, Eigen::Quaterniond::Identity()));
+  driver.step();
+  driver.dt_s = 0.0999;
+  const Vector3 goal_m = driver.step().goal.position_m;
+  EXPECT_LT((goal_m + origin_m - first_goal_m(config, {3.0, 0.0, 9.9})).norm(), 1e-6);
+}
+
+const Overlay* named(const std::vector<Overlay>& overlays, const std::string& name) {
+  for (const Overlay& overlay : overlays) {
+    if (overlay.name == name) return &overlay;
+  }
+  return nullptr;
+}
+
+// One neighbor ahead cuts a straight side off the circle: every corner lies on the circle or on the plane.
+TEST(RblFlight, OutlineIsTheCircleCutByItsPlanes) {
+  RblConfig config = flying(Variant::k3d);
+  const Vector3 p_m(1.0, 2.0, 5.0);
+  GuidanceDriver driver("rbl", config, p_m);
+  driver.sees(1, p_m + Vector3(3.0, 0.0, 0.0));
+  driver.step();
+  std::vector<Overlay> overlays;
+  driver.guidance->append_overlays(overlays);
+  const Overlay* outline = named(overlays, "rbl.cell_outline");
+  ASSERT_NE(outline, nullptr);
+  const double plane_m = neighbor_cut({3.0, 0.0, 0.0}, 1.0, config.cells.eta, config.cells.cut).offset_m;
+  int on_plane = 0;
+  for (std::size_t i = 1; i < outline->positions.size(); ++i) {  // the last is the first
+    const Vector3 q = outline->positions[i].cast<double>() - p_m;
+    ASSERT_NEAR(q.z(), 0.0, 1e-5);
+    ASSERT_LE(q.x(), plane_m + 1e-5);
+    const bool on = std::abs(q.x() - plane_m) < 1e-5;
+    on_plane += on ? 1 : 0;
+    if (!on) {
+      ASSERT_NEAR(q.norm(), config.cells.sensing_radius_m, 1e-5);
+    }
+  }
+  EXPECT_EQ(on_plane, 2);
+  EXPECT_EQ(outline->positions.front(), outline->positions.back());
+  const Overlay* samples = named(overlays, "rbl.samples");
+  ASSERT_NE(samples, nullptr);
+  const double area_m2 = static_cast<double>(samples->positions.size()) * config.cells.step_m * config.cells.step_m;
+  const double r = config.cells.sensing_radius_m,
+               cut_off = r * r * std::acos(plane_m / r) - plane_m * std::sqrt(r * r - plane_m * plane_m);
+  EXPECT_NEAR(area_m2, kPi * r * r - cut_off, 0.05 * area_m2) << "one layer of samples inside";
+  const Overlay* triangles = named(overlays, "rbl.cell");
+  ASSERT_NE(triangles, nullptr);
+  double filled_m2 = 0.0;
+  for (std::size_t i = 0; i + 2 < triangles->positions.size(); i += 3) {
+    const auto& at = triangles->positions;
+    filled_m2 += 0.5 * (at[i + 1] - at[i]).cross(at[i + 2] - at[i]).norm();
+  }
+  EXPECT_NEAR(filled_m2, kPi * r * r - cut_off, 0.02 * filled_m2);
+}
+
+TEST(RblReadings, SamplesOfTheWorldsLatticeLieOnMultiplesOfTheStep) {
+  RblCellConfig config;
+  config.lattice = RblCellConfig::Lattice::kWorld;
+  RblPlanner planner(config, RblRules{}, false);
+  for (const Vector3& p_m : {Vector3(0.07, -3.33, 5.18), Vector3(-12.11, 0.05, 4.71)}) {
+    planner.partition(p_m, {}, -100.0, 100.0);
+    for (int i = 0; i < planner.cell().num_samples(); ++i) {
+      const Vector3 cells = (p_m + planner.cell().point(i)) / config.step_m;
+      ASSERT_LT((cells - cells.array().round().matrix()).norm(), 1e-4);
+      ASSERT_LE(planner.cell().point(i).norm(), config.sensing_radius_m + 1e-5);
+    }
+  }
+}
+
+TEST(RblReadings, LeastViolatingIsNoWorseThanAnySample) {
+  RblCell cell(2.0, 0.2, false);
+  const std::vector<HalfSpace> cuts = {{Vector3(1, 0.2, 0).normalized(), -0.7},
+                                       {Vector3(-1, 0.3, 0.1).normalized(), -0.4},
+                                       {Vector3(0, -1, 0.4).normalized(), -0.1}};
+  const auto violation = [&](const Vector3& q) {
+    double worst = 0.0;
+    for (const HalfSpace& cut : cuts) worst = std::max(worst, cut.normal_local.dot(q) - cut.offset_m);
+    return worst;
+  };
+  const double ours = violation(cell.least_violating(cuts));
+  for (int i = 0; i < cell.num_samples(); ++i) ASSERT_GE(violation(cell.point(i)) + 1e-5, ours);
+  // Of those that keep all of them the nearest is taken.
+  EXPECT_LT(cell.least_violating({{Vector3::UnitX(), 0.5}}).norm(), 1e-6);
+}
+
+TEST(RblReadings, BoundsThemselvesAreNotPassed) {
+  RblRules rules;
+  RblSituation now = held_up();
+  now.partitioned_agent_m = {0.5, 0, 0};  // d_1, d_3: nearer than
+  EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.5);
+  EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).theta_rad, 0.0);
+  now.partitioned_agent_m = {0.25, 0, 0};
+  now.sensing_agent_m = {1.25, 0, 0};  // d_2, d_4: farther than
+  EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).beta_m, 1.5);
+  EXPECT_EQ(apply_rules(rules, now, {}, 0.1, false).theta_rad, 0.0);
+  rules.azimuth_reset = RblRules::AzimuthReset::kNear;
+  now.partitioned_agent_m = {0.25, 0, 0};
+  now.sensing_agent_m = {2.0, 0, 0};
+  now.unrotated_agent_m = {0.5, 0, 0};
+  EXPECT_GT(apply_rules(rules, now, at_right_angle(), 0.1, false).theta_rad, 1.0) << "no farther than d_3";
+  now.partitioned_agent_m = {1.25, 0, 0.5};
+  now.sensing_agent_m = {1.25, 0, 2.0};
+  EXPECT_FALSE(wants_elevation(rules, now)) << "d_5";
+  now.partitioned_agent_m.z() = 0.25;
+  now.sensing_agent_m.z() = 1.25;
+  EXPECT_FALSE(wants_elevation(rules, now)) << "d_6";
+}
+
+}  // namespace
+}  // namespace swiftlet
