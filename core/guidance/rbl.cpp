@@ -56,7 +56,7 @@ class Rbl : public Guidance {
     Vector3 to_goal_local_m = goal_local_m_ - T_local_body.translation();
     if (planar_) to_goal_local_m.z() = 0.0;
     arrived_ = arrived_ || to_goal_local_m.norm() <= config_.arrival_radius_m;
-    glide(input.observation.t);
+    glide(input.observation.t, from_seconds(input.dt_s));
     output.goal = goal_;
     output.speed_limit_mps = config_.speed_mps;
     output.mission = arrived_ ? MissionStatus::kDone : MissionStatus::kRunning;
@@ -124,9 +124,10 @@ class Rbl : public Guidance {
   }
 
   // The centroid jumps at every update; the vehicle's goal glides there until the next one, or each jump would shake
-  // it.
-  void glide(TimeNs now) {
-    const double left = std::clamp(to_seconds(next_update_ - now) / to_seconds(period_), 0.0, 1.0);
+  // it. When every tick brings an update, there is no time to glide.
+  void glide(TimeNs now, TimeNs tick) {
+    const bool jumps = period_ <= tick;
+    const double left = jumps ? 0.0 : std::clamp(to_seconds(next_update_ - now) / to_seconds(period_), 0.0, 1.0);
     goal_.position_m = left * from_local_m_ + (1.0 - left) * to_local_m_;
   }
 

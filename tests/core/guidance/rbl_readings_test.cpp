@@ -249,6 +249,17 @@ TEST(RblFlight, HeightsLimitTheClippedVariantsAndOnlyThese) {
   }
 }
 
+TEST(RblFlight, GoesOnWhenEveryTickBringsAnUpdate) {
+  RblConfig config = flying(Variant::k3d);
+  config.goal_m = {30.0, 0.0, 10.0};
+  for (const double dt_s : {0.05, 0.1, 0.2}) {  // an update takes 0.1 s
+    GuidanceDriver driver("rbl", config, {0.0, 0.0, 10.0});
+    driver.dt_s = dt_s;
+    for (int k = 0; k < 4; ++k) driver.step();
+    EXPECT_GT(driver.out.goal.position_m.x(), 0.5) << dt_s;
+  }
+}
+
 TEST(RblFlight, WithoutLimitsTheGroundKeepsTheEncumbranceFree) {
   RblConfig config = flying(Variant::k3d);
   config.goal_m = {0.0, 0.0, -30.0};
