@@ -296,6 +296,7 @@ TEST(MezeyFlight, KeepsOffWhatTheMapShows) {
 
 VisualResponse response_to(const MezeyConfig& config, const std::vector<Vector3>& others_m, double heading_rad) {
   std::vector<Neighbor> neighbors;
+  neighbors.reserve(others_m.size());
   for (const Vector3& other_m : others_m)
     neighbors.push_back({static_cast<std::int64_t>(neighbors.size()), other_m, Vector3::Zero(), 0});
   std::vector<char> retina;
@@ -309,7 +310,8 @@ TEST(MezeyFlight, ResponseIsTheIntegralOfTheDiscAtAnyBearing) {
   config.alpha1 = 0.3;
   config.beta1 = 0.2;
   const double a = std::asin(0.5 / 3.0), heading_rad = 0.7;
-  for (double b = -3.1; b < 3.2; b += 0.31) {
+  for (int i_b = 0; 0.31 * i_b - 3.1 < 3.2; ++i_b) {
+    const double b = 0.31 * i_b - 3.1;
     const Vector3 other_m =
         Vector3(1.0, 2.0, 9.0) + 3.0 * Vector3(std::cos(heading_rad + b), std::sin(heading_rad + b), 0.0);
     const VisualResponse response = response_to(config, {other_m}, heading_rad);

@@ -300,6 +300,7 @@ TEST(RblFlight, GoalGlidesFromOneCentroidToTheNextWithinAPeriod) {
   GuidanceDriver driver("rbl", config, {0.0, 0.0, 2.0});
   driver.dt_s = 0.05;
   std::vector<double> x_m;
+  x_m.reserve(5);
   for (int i = 0; i < 5; ++i) x_m.push_back(driver.step().goal.position_m.x());
   EXPECT_NEAR(x_m[0], 0.0, 1e-12) << "begins where it starts";
   config.update_rate_hz = 10.0;
@@ -349,8 +350,12 @@ TEST(RblFlight, AnObstacleAheadShortensTheWay) {
   const double free_m = goal_in_sight_m(with_lidar(), {}).x();
   EXPECT_GT(free_m, 1.0);
   std::vector<Vector3> wall_m;
-  for (double y = -4.0; y <= 4.0; y += 0.2) {
-    for (double z = 0.1; z < 6.0; z += 0.2) wall_m.emplace_back(1.6, y, z);
+  for (int i_y = 0; 0.2 * i_y - 4.0 <= 4.0; ++i_y) {
+    const double y = 0.2 * i_y - 4.0;
+    for (int i_z = 0; 0.1 + 0.2 * i_z < 6.0; ++i_z) {
+      const double z = 0.1 + 0.2 * i_z;
+      wall_m.emplace_back(1.6, y, z);
+    }
   }
   for (const auto cut : {RblLidarConfig::Cut::kConvex, RblLidarConfig::Cut::kNearest}) {
     RblConfig config = with_lidar();
@@ -365,8 +370,10 @@ TEST(RblFlight, GroundFarBelowTheLowestLevelIsNoObstacle) {
   RblConfig config = with_lidar();
   config.z_min_m = 1.5;
   std::vector<Vector3> ground_m, higher_m;
-  for (double x = -4.0; x <= 4.0; x += 0.2) {
-    for (double y = -4.0; y <= 4.0; y += 0.2) {
+  for (int i_x = 0; 0.2 * i_x - 4.0 <= 4.0; ++i_x) {
+    const double x = 0.2 * i_x - 4.0;
+    for (int i_y = 0; 0.2 * i_y - 4.0 <= 4.0; ++i_y) {
+      const double y = 0.2 * i_y - 4.0;
       ground_m.emplace_back(x, y, 0.85);  // its top is 0.55 m below the level: deeper than the encumbrance
       higher_m.emplace_back(x, y, 1.35);
     }

@@ -18,7 +18,8 @@ std::vector<Reference> goals_along(const TrajectoryConfig& config, double durati
   driver.dt_s = tick_s;
   driver.put(driver.step().goal.position_m);
   std::vector<Reference> goals;
-  for (double t_s = 0.0; t_s < duration_s; t_s += tick_s) {
+  goals.reserve(static_cast<std::size_t>(duration_s / tick_s) + 1);
+  for (int i_t = 0; tick_s * i_t < duration_s; ++i_t) {
     goals.push_back(driver.step().goal);
     driver.put(goals.back().position_m);
   }
@@ -126,7 +127,8 @@ TEST(TrajectoryShapes, SpeedsUpWithHalfOfTheAccelerationThatIsAllowed) {
 TEST(RampedTravel, IsSymmetricInTime) {
   const RampedTravel travel(10.0, 2.0, 1.5);
   EXPECT_NEAR(travel.duration_s(), 10.0 / 2.0 + 1.5, 1e-12);
-  for (double t_s = 0.0; t_s < travel.duration_s(); t_s += 0.05) {
+  for (int i_t = 0; 0.05 * i_t < travel.duration_s(); ++i_t) {
+    const double t_s = 0.05 * i_t;
     const auto [s, ds, dds] = travel.at(t_s);
     const auto [s_back, ds_back, dds_back] = travel.at(travel.duration_s() - t_s);
     ASSERT_NEAR(s + s_back, 10.0, 1e-9);

@@ -23,7 +23,7 @@ double angle_of(const Pose& T) { return yaw_of(T.linear()); }
 
 TEST(LocalPoses, BetweenTwoTicksPositionIsLinearAndRotationUniform) {
   LocalPoses poses;
-  for (int i = 1; i <= 20; ++i) poses.push(estimate_on_way(i * i * 10'000'000LL));
+  for (TimeNs i = 1; i <= 20; ++i) poses.push(estimate_on_way(i * i * 10'000'000));
   for (TimeNs t = poses[0].t; t <= poses[poses.size() - 1].t; t += 7'000'000) {
     ASSERT_NEAR(poses.at(t).translation().x(), 2.0 * to_seconds(t), 1e-9);
     ASSERT_NEAR(angle_of(poses.at(t)), 0.5 * to_seconds(t), 1e-9);
