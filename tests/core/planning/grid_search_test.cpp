@@ -3,38 +3,18 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
+#include "tests/core/planning/box_space.hpp"
 
 namespace swiftlet {
 namespace {
 
-/// A box of 20 m x 20 m x 4 m in which everything is free but what a predicate takes away.
-class Box : public FreeSpaceView {
- public:
-  explicit Box(std::function<bool(const Vector3&)> occupied) : occupied_(std::move(occupied)) {
-    grid_.origin_world_m = {-10, -10, 0};
-    grid_.cell_m = 0.5;
-    grid_.size = {40, 40, 8};
-  }
-  const CellGrid& grid() const override { return grid_; }
-  bool is_free(const Vector3& p) const override { return !occupied_(p); }
-  bool is_free_cell(int index) const override { return is_free(grid_.center_of(index)); }
-
- private:
-  std::function<bool(const Vector3&)> occupied_;
-  CellGrid grid_;
-};
+using testing::BoxSpace;
+using testing::length_m;
 
 bool wall_with_gap(const Vector3& p) { return std::abs(p.x()) < 0.6 && p.y() < 6.0; }
 
-double length_m(const std::vector<Vector3>& path) {
-  double sum_m = 0.0;
-  for (std::size_t i = 1; i < path.size(); ++i) sum_m += (path[i] - path[i - 1]).norm();
-  return sum_m;
-}
-
 TEST(CellGrid, CountsAlongXThenYThenZ) {
-  const Box box(wall_with_gap);
+  const BoxSpace box(wall_with_gap);
   const CellGrid& grid = box.grid();
   EXPECT_EQ(grid.num_cells(), 40U * 40U * 8U);
   EXPECT_EQ(grid.cell_at({-9.9, -9.4, 0.6}), Eigen::Vector3i(0, 1, 1));
@@ -46,18 +26,18 @@ TEST(CellGrid, CountsAlongXThenYThenZ) {
 }
 
 TEST(GridSearch, FliesStraightWhereNothingIsInTheWay) {
-  const Box box([](const Vector3&) { return false; });
+  const BoxSpace box([](const Vector3&) { return false; });
   const PathResult path = find_path(box, {-8, -7, 1}, {8, 7, 3});
   EXPECT_EQ(path.status, PathStatus::kFound);
   EXPECT_EQ(path.corners_world_m, (std::vector<Vector3>{{-8, -7, 1}, {8, 7, 3}}));
 }
 
 TEST(GridSearch, GoesAroundAWallOnAFreeAndShortPath) {
-  const Box box(wall_with_gap);
+  const BoxSpace box(wall_with_gap);
   const PathResult path = find_path(box, {-8, -5, 1}, {8, -5, 1});
   ASSERT_EQ(path.status, PathStatus::kFound);
   // Between two free cells a path may touch what is occupied by half a cell.
-  const Box core([](const Vector3& p) { return std::abs(p.x()) < 0.3 && p.y() < 5.7; });
+  const BoxSpace core([](const Vector3& p) { return std::abs(p.x()) < 0.3 && p.y() < 5.7; });
   for (std::size_t i = 1; i < path.corners_world_m.size(); ++i) {
     EXPECT_TRUE(is_free_segment(core, path.corners_world_m[i - 1], path.corners_world_m[i]));
   }
@@ -68,7 +48,7 @@ TEST(GridSearch, GoesAroundAWallOnAFreeAndShortPath) {
 }
 
 TEST(GridSearch, TellsWhyThereIsNoPath) {
-  const Box gap(wall_with_gap), wall([](const Vector3&p) { return std::abs(p.x()) < 0.6; });
+  const BoxSpace gap(wall_with_gap), wall([](const Vector3&p) { return std::abs(p.x()) < 0.6; });
   EXPECT_EQ(find_path(gap, {0, 0, 1}, {8, 0, 1}).status, PathStatus::kStartNotFree);
   EXPECT_EQ(find_path(gap, {8, 0, 1}, {0, 0, 1}).status, PathStatus::kGoalNotFree);
   EXPECT_EQ(find_path(wall, {-8, 0, 1}, {8, 0, 1}).status, PathStatus::kNoPath);
@@ -77,7 +57,7 @@ TEST(GridSearch, TellsWhyThereIsNoPath) {
 }
 
 TEST(GridSearch, StaysWhereItIsWhenTheGoalIsInTheSameCell) {
-  const Box box(wall_with_gap);
+  const BoxSpace box(wall_with_gap);
   const PathResult path = find_path(box, {5.1, 5.1, 1.1}, {5.3, 5.2, 1.2});
   EXPECT_EQ(path.corners_world_m, (std::vector<Vector3>{{5.1, 5.1, 1.1}, {5.3, 5.2, 1.2}}));
 }

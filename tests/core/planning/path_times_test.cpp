@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "swiftlet/core/planning/grid_search.hpp"
 #include "swiftlet/core/planning/path_timing.hpp"
+#include "tests/core/planning/box_space.hpp"
 
 namespace swiftlet {
 namespace {
@@ -41,37 +41,15 @@ TEST(PathTimes, ThereAndBackTakeTheSameTime) {
   EXPECT_NEAR(std::abs(back->yaw_rad), 0.0, 1e-12);
 }
 
-/// Free but for what a predicate takes away: 20 m x 20 m, one layer of cells.
-class Floor : public FreeSpaceView {
- public:
-  explicit Floor(std::function<bool(const Vector3&)> occupied) : occupied_(std::move(occupied)) {
-    grid_.origin_world_m = {-10, -10, 0};
-    grid_.cell_m = 0.5;
-    grid_.size = {40, 40, 1};
-  }
-  const CellGrid& grid() const override { return grid_; }
-  bool is_free(const Vector3& p) const override { return !occupied_(p); }
-  bool is_free_cell(int index) const override { return is_free(grid_.center_of(index)); }
-
- private:
-  std::function<bool(const Vector3&)> occupied_;
-  CellGrid grid_;
-};
-
-double way_length_m(const std::vector<Vector3>& path) {
-  double sum_m = 0.0;
-  for (std::size_t i = 1; i < path.size(); ++i) sum_m += (path[i] - path[i - 1]).norm();
-  return sum_m;
-}
-
 // Around a square there are two ways; the shorter one is taken, whichever side it is on.
 TEST(PathTimes, TheShorterOfTwoWaysAroundIsTaken) {
   for (const double shift_m : {-2.0, 2.0}) {
-    const Floor floor([&](const Vector3& p) { return std::abs(p.x()) < 3.0 && std::abs(p.y() - shift_m) < 4.0; });
+    const testing::BoxSpace floor(
+        [&](const Vector3& p) { return std::abs(p.x()) < 3.0 && std::abs(p.y() - shift_m) < 4.0; }, 1);
     const PathResult path = find_path(floor, {-6.25, 0.25, 0.25}, {6.25, 0.25, 0.25});
     ASSERT_EQ(path.status, PathStatus::kFound);
     const double side = shift_m > 0.0 ? -1.0 : 1.0, around_m = 2.0 * std::hypot(3.25, 2.0 + 0.25 * side) + 6.0;
-    EXPECT_LT(way_length_m(path.corners_world_m), 1.1 * around_m);
+    EXPECT_LT(testing::length_m(path.corners_world_m), 1.1 * around_m);
     for (const Vector3& corner : path.corners_world_m) EXPECT_GE(corner.y() * side, -0.3);
   }
 }
