@@ -14,6 +14,12 @@ std::uint64_t hash_of(const Observation& observation) {
   return h.digest();
 }
 
+std::uint64_t hash_of(const Action& action) {
+  Hasher h;
+  Action::visit(action, h);
+  return h.digest();
+}
+
 std::uint64_t hash_of(const VehicleState& state) {
   Hasher h;
   VehicleState::visit(state, h);

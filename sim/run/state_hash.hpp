@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "swiftlet/core/action.hpp"
 #include "swiftlet/core/observation.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
 
@@ -10,6 +11,9 @@ namespace swiftlet::sim {
 
 /// Hash of everything that one vehicle was given to know in one tick (XXH3, 64 bits). Covers every sensor output.
 std::uint64_t hash_of(const Observation& observation);
+
+/// Hash of everything that one vehicle did in one tick, but for its overlays.
+std::uint64_t hash_of(const Action& action);
 
 /// Hash of one vehicle's true state.
 std::uint64_t hash_of(const VehicleState& state);

@@ -69,6 +69,7 @@ void Team::sense(VehicleId i, const Truth& truth) try {
 void Team::step(VehicleId i) try {
   actions[i] = &agents[i]->step(observations[i]);
   ensure_finite(*actions[i]);
+  hashes[i] = combine(hashes[i], hash_of(*actions[i]));
   commands[i] = actions[i]->rotor_command;
 } catch (const std::bad_alloc&) {
   throw OutOfMemory("at the agent of " + names[i] + " at " + std::to_string(to_seconds(now)) + " s");

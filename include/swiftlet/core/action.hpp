@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct Reference {
 
 /// What the mission says about itself. Endless: it has no end by design (a hover, a patrol) and all is well.
 enum class MissionStatus { kRunning, kEndless, kDone, kFailed };
+inline constexpr std::array<const char*, 4> kMissionStatusWords = {"running", "endless", "done", "failed"};
 
 /// Everything that one vehicle does in one tick. Owned by the agent, which reuses it: valid until its next step. All
 /// places are told in the world as the vehicle knows it (StateEstimate::T_world_local).
@@ -52,6 +54,21 @@ struct Action {
   std::vector<Overlay> overlays;
   MissionStatus mission = MissionStatus::kRunning;
   std::string mission_note;  ///< why it failed, or what it waits for; goes to the events when it changes
+
+  /// Overlays are left out: they are made only when somebody looks, and nothing hangs on them.
+  static void visit(auto& a, auto& v) {
+    v.array("rotor_command", a.rotor_command, "[-] 0 to 1 between least and greatest rotor speed");
+    StateEstimate::visit(a.estimate, v);
+    Reference::visit(a.reference, v);
+    v.list("messages", a.messages, "[-] what the vehicle says");
+    v.field("has_detections", a.has_detections, "[-] did the detector finish a scan?");
+    v.time("detections_stamp_s", a.detections_stamp, "[s] start of that scan's sweep");
+    v.list("detections", a.detections, "[-] what it found");
+    v.field("has_tracks", a.has_tracks, "[-] did the tracker take a cloud?");
+    v.list("tracks", a.tracks, "[-] what it follows");
+    v.choice("mission", a.mission, std::span<const char* const>(kMissionStatusWords), "[-] how the mission stands");
+    v.field("mission_note", a.mission_note, "[-] why it failed, or what it waits for");
+  }
 
   void clear_outputs() {
     messages.clear();

@@ -59,6 +59,19 @@ TEST(Determinism, AnotherSeedGivesAnotherRun) {
   EXPECT_NE(fly(load_scenario(kMixedTeam, {{"seed", "12"}}), 2), reference_hash());
 }
 
+// A detector that steers nothing leaves its mark in the hash all the same.
+TEST(Determinism, AnotherDetectorGivesAnotherRun) {
+  const auto hash_with = [](const char* latency_s) {
+    return fly(
+        load_scenario("forest_patrol", {{"duration_s", "0.6"},
+                                        {"snapshots", "[]"},
+                                        {"recorders", "[]"},
+                                        {"vehicles[0].agent.detector.timing.classification_latency_s", latency_s}}),
+        2);
+  };
+  EXPECT_NE(hash_with("0.05"), hash_with("0.1"));
+}
+
 TEST(Determinism, TheResolvedScenarioFliesTheSameRun) {
   const TemporaryDirectory folder;
   const std::string path = folder.path() / "resolved.yaml";

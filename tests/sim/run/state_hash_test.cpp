@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The state hash covers every field of everything that a vehicle was given to know, and its true state.
+// The state hash covers every field of a vehicle's true state, of what it was given to know, and of what it did.
 #include "sim/run/state_hash.hpp"
 
 #include <gtest/gtest.h>
@@ -112,6 +112,25 @@ TEST(StateHash, EveryValueOfTheTrueStateCounts) {
       values_that_count<VehicleState>([](const VehicleState& state) { return hash_of(state); });
   EXPECT_EQ(counting, all);
   EXPECT_EQ(all, 1 + 3 + 4 + 3 + 3 + 2 * kMaxRotors + 1);
+}
+
+TEST(StateHash, EveryValueOfAnActionCounts) {
+  const auto [of_action, in_action] = values_that_count<Action>([](const Action& action) { return hash_of(action); });
+  EXPECT_EQ(of_action, in_action - 2 * 4) << "the estimate has two poses";
+  EXPECT_EQ(num_bytes_forgotten<Action>(), sizeof(Action::overlays));
+  const auto of_list = [](auto member) {
+    return [member](const auto& value) {
+      Action action;
+      (action.*member).push_back(value);
+      return hash_of(action);
+    };
+  };
+  const auto [of_detection, in_detection] = values_that_count<Detection>(of_list(&Action::detections));
+  EXPECT_EQ(of_detection, in_detection);
+  const auto [of_track, in_track] = values_that_count<Track>(of_list(&Action::tracks));
+  EXPECT_EQ(of_track, in_track);
+  const auto [of_message, in_message] = values_that_count<Message>(of_list(&Action::messages));
+  EXPECT_EQ(of_message, in_message);
 }
 
 TEST(StateHash, ThePlaceOfAValueCounts) {
