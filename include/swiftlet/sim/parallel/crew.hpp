@@ -50,7 +50,7 @@ class Crew {
   static void share_out(int count, int at_a_time, Sharing sharing, void* loop, Work work);
 
  private:
-  struct Impl;
+  class Impl;
   int num_threads_;
   std::unique_ptr<Impl> impl_;
 };

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/planning/guiding_viewpoint.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "swiftlet/core/ensure.hpp"
+
+namespace swiftlet {
+namespace {
+
+/// A place of a region, at a distance from the watcher.
+struct Candidate {
+  Vector2 p_local_m;
+  double distance_m;
+};
+
+class ViewpointSearch {
+ public:
+  ViewpointSearch(const OccupancyView& map, const Vector3& watcher_local_m, std::span<const Vector3> path_local_m,
+                  const ViewpointRules& rules)
+      : map_(map), watcher_local_m_(watcher_local_m), path_local_m_(path_local_m), rules_(rules) {}
+
+  GuidingViewpoint run() {
+    see_waypoints();
+    GuidingViewpoint best;
+    double best_distance_m = 0.0;
+    for (const PlaneRegion& safe : safe_parts()) {
+      GuidingViewpoint found = overlap_from(safe);
+      if (found.num_visible == 0) continue;
+      const Candidate candidate = closest_pole(found.overlap);
+      if (found.num_visible < best.num_visible ||
+          (found.num_visible == best.num_visible && candidate.distance_m >= best_distance_m)) {
+        continue;
+      }
+      best = std::move(found);
+      best_distance_m = candidate.distance_m;
+      best.p_local_m = Vector3(candidate.p_local_m.x(), candidate.p_local_m.y(), watcher_local_m_.z());
+    }
+    best.visible = std::move(visible_);
+    return best;
+  }
+
+ private:
+  /// V_all and S: lines 1 to 14.
+  void see_waypoints() {
+    std::vector<Vector2> path_plane_local_m;
+    path_plane_local_m.reserve(path_local_m_.size());
+    for (const Vector3& p_local_m : path_local_m_) path_plane_local_m.push_back(p_local_m.head<2>());
+    const PlaneRegion buffer = around_path(path_plane_local_m, rules_.buffer_m);
+
+    safe_ = mask_around(path_plane_local_m);
+    visible_.reserve(path_local_m_.size());
+    if (rules_.sight == ViewpointRules::Sight::kAtWaypoint) {
+      for (const Vector3& p_local_m : path_local_m_) {
+        const Ring ring = visibility_ring(map_, p_local_m, rules_.ray_max_m, rules_.num_rays);
+        visible_.push_back(difference_of(inside_of(ring), buffer));
+        mark_inside(visible_.back(), safe_);
+      }
+      keep_safe(safe_);
+      return;
+    }
+    CellMask allowed = safe_;  // by place: within reach of a waypoint, not in the buffer, clear of obstacles
+    for (const Vector2& p_local_m : path_plane_local_m) {
+      mark_inside(difference_of(around_path(std::span(&p_local_m, 1), rules_.ray_max_m), buffer), allowed);
+    }
+    keep_safe(allowed);
+    for (const Vector3& p_local_m : path_local_m_) {
+      const CellMask seen = seen_in_space(p_local_m, allowed);
+      visible_.push_back(region_of(seen));
+      for (std::size_t i = 0; i < safe_.cells.size(); ++i) safe_.cells[i] |= seen.cells[i];
+    }
+  }
+
+  /// All cells from which a waypoint may be seen, on the map's lattice.
+  CellMask mask_around(const std::vector<Vector2>& path_local_m) const {
+    Eigen::AlignedBox2d box;
+    for (const Vector2& p_local_m : path_local_m) box.extend(p_local_m);
+    const double edge_m = map_.edge_m();
+    const auto lattice = [edge_m](const Vector2& p) { return Eigen::Array2d((p / edge_m).array().floor()); };
+    const Vector2 reach_m = Vector2::Constant(rules_.ray_max_m + edge_m);
+    const Eigen::Array2d first = lattice(box.min() - reach_m), last = lattice(box.max() + reach_m);
+    CellMask mask;
+    mask.edge_m = edge_m;
+    mask.origin_m = edge_m * first.matrix();
+    mask.columns = static_cast<int>(last.x() - first.x()) + 1;
+    mask.rows = static_cast<int>(last.y() - first.y()) + 1;
+    mask.cells.assign(static_cast<std::size_t>(mask.columns) * mask.rows, 0);
+    return mask;
+  }
+
+  Vector3 at_watchers_height(const CellMask& mask, int column, int row) const {
+    const Vector2 p_local_m = mask.center_m(column, row);
+    return {p_local_m.x(), p_local_m.y(), watcher_local_m_.z()};
+  }
+
+  /// Line 13: farther than the clearance from obstacles.
+  void keep_safe(CellMask& mask) const {
+    for (int row = 0; row < mask.rows; ++row) {
+      for (int column = 0; column < mask.columns; ++column) {
+        char& cell = mask.at(column, row);
+        if (!cell) continue;
+        const Vector3 p_local_m = at_watchers_height(mask, column, row);
+        const bool known = rules_.unknown_is_free || map_.state(p_local_m) != CellState::kUnknown;
+        cell = static_cast<char>(known && map_.distance_m(p_local_m, 2.0 * rules_.clearance_m) > rules_.clearance_m);
+      }
+    }
+  }
+
+  CellMask seen_in_space(const Vector3& waypoint_local_m, const CellMask& allowed) const {
+    CellMask seen = allowed;
+    for (int row = 0; row < seen.rows; ++row) {
+      for (int column = 0; column < seen.columns; ++column) {
+        char& cell = seen.at(column, row);
+        if (!cell) continue;
+        const Vector3 p_local_m = at_watchers_height(seen, column, row);
+        const double distance_m = (p_local_m - waypoint_local_m).head<2>().norm();
+        cell = static_cast<char>(distance_m <= rules_.ray_max_m && !map_.first_hit(p_local_m, waypoint_local_m));
+      }
+    }
+    return seen;
+  }
+
+  /// The connected parts of S that count: line 15 and its other interpretation.
+  std::vector<PlaneRegion> safe_parts() const {
+    std::vector<PlaneRegion> parts = parts_of(region_of(safe_));
+    if (rules_.safe_space == ViewpointRules::SafeSpace::kMostVisible || parts.size() < 2) return parts;
+    const auto distance_m = [&](const PlaneRegion& part) {
+      const Vector2 p_local_m = watcher_local_m_.head<2>();
+      return contains(part, p_local_m) ? 0.0 : distance_to_border_m(part, p_local_m);
+    };
+    const auto closest = std::min_element(parts.begin(), parts.end(),
+                                          [&](const auto& a, const auto& b) { return distance_m(a) < distance_m(b); });
+    return {std::move(*closest)};
+  }
+
+  /// Lines 16 to 24: as many visibility regions from the first on as have a point in common.
+  GuidingViewpoint overlap_from(const PlaneRegion& safe) const {
+    GuidingViewpoint found;
+    found.safe = found.overlap = safe;
+    for (const PlaneRegion& visible : visible_) {
+      PlaneRegion common = intersection_of(found.overlap, visible);
+      if (common.empty()) break;
+      found.overlap = std::move(common);
+      ++found.num_visible;
+    }
+    return found;
+  }
+
+  /// Line 26: of the poles of all polygons the one closest to the watcher.
+  Candidate closest_pole(const PlaneRegion& overlap) const {
+    Candidate closest{Vector2::Zero(), std::numeric_limits<double>::infinity()};
+    for (const PlaneRegion& part : parts_of(overlap)) {
+      const Pole pole = pole_of_inaccessibility(part, 0.25 * map_.edge_m());
+      const double distance_m = (pole.p_m - watcher_local_m_.head<2>()).norm();
+      if (distance_m < closest.distance_m) closest = {pole.p_m, distance_m};
+    }
+    return closest;
+  }
+
+  const OccupancyView& map_;
+  Vector3 watcher_local_m_;
+  std::span<const Vector3> path_local_m_;
+  const ViewpointRules& rules_;
+  std::vector<PlaneRegion> visible_;
+  CellMask safe_;
+};
+
+}  // namespace
+
+Ring visibility_ring(const OccupancyView& map, const Vector3& p_local_m, double ray_max_m, int num_rays) {
+  Ring ring;
+  ring.reserve(static_cast<std::size_t>(num_rays));
+  for (int k = 0; k < num_rays; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / num_rays;
+    const Vector3 direction(elementary::cos(angle), elementary::sin(angle), 0.0);
+    const std::optional<SegmentHit> hit = map.first_hit(p_local_m, p_local_m + ray_max_m * direction);
+    const double length_m = hit ? std::min(hit->distance_m, ray_max_m) : ray_max_m;
+    ring.push_back((p_local_m + length_m * direction).head<2>());
+  }
+  return ring;
+}
+
+GuidingViewpoint find_guiding_viewpoint(const OccupancyView& map, const Vector3& watcher_local_m,
+                                        std::span<const Vector3> path_local_m, const ViewpointRules& rules) {
+  ENSURE(!path_local_m.empty() && rules.num_rays >= 3, path_local_m.size(), rules.num_rays);
+  return ViewpointSearch(map, watcher_local_m, path_local_m, rules).run();
+}
+
+}  // namespace swiftlet

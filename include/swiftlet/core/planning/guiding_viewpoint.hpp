@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/map/occupancy_view.hpp"
+#include "swiftlet/core/planning/plane_region.hpp"
+
+/// From where can a path be watched? [Pritzl 2024, alg. 2]
+namespace swiftlet {
+
+/// What is asked of a viewpoint. The defaults are those of [Pritzl 2024, tab. I].
+struct ViewpointRules {
+  int num_rays = 500;        ///< n_samples: for the visibility region of a waypoint
+  double ray_max_m = 6.0;    ///< d_ray
+  double buffer_m = 2.0;     ///< d_buffer: from the watched path
+  double clearance_m = 0.9;  ///< d_P: from obstacles
+  bool unknown_is_free = false;
+
+  /// Where a waypoint is looked for. kAtWaypoint: in the plane at its own height [Pritzl 2024, alg. 2, line 6].
+  /// kInSpace: along the straight line from the viewpoint, which stays at the watcher's height.
+  enum class Sight { kAtWaypoint, kInSpace };
+  Sight sight = Sight::kInSpace;
+
+  /// Which connected safe space counts. kClosest: the one nearest to the watcher [Pritzl 2024, alg. 2, line 15].
+  /// kMostVisible: the one from which most waypoints are seen; among equal ones the nearest.
+  enum class SafeSpace { kClosest, kMostVisible };
+  SafeSpace safe_space = SafeSpace::kMostVisible;
+};
+
+/// A viewpoint and how it was found, for pictures.
+struct GuidingViewpoint {
+  std::optional<Vector3> p_local_m;  ///< none: nowhere safe can the first waypoint be seen
+  int num_visible = 0;               ///< waypoints from the first on without interruption
+  PlaneRegion safe;                  ///< S_closest
+  PlaneRegion overlap;               ///< I_all
+  std::vector<PlaneRegion> visible;  ///< V_i without B, one a waypoint
+};
+
+/// Ends of rays from a point in the horizontal plane through it, counter-clockwise: at the first occupied cell, or at
+/// the greatest length. What lies between them is seen from the point [Pritzl 2024, alg. 2, lines 4 to 8].
+Ring visibility_ring(const OccupancyView& map, const Vector3& p_local_m, double ray_max_m, int num_rays);
+
+/// The place at the watcher's height that sees as many waypoints as possible from the first on, keeps clear of
+/// obstacles and of the path, and of several is the nearest pole of inaccessibility.
+/// @param path_local_m  at least one waypoint
+GuidingViewpoint find_guiding_viewpoint(const OccupancyView& map, const Vector3& watcher_local_m,
+                                        std::span<const Vector3> path_local_m, const ViewpointRules& rules);
+
+}  // namespace swiftlet
