@@ -22,24 +22,25 @@ class ViewpointSearch {
                   const ViewpointRules& rules)
       : map_(map), watcher_local_m_(watcher_local_m), path_local_m_(path_local_m), rules_(rules) {}
 
-  GuidingViewpoint run() {
+  GuidingViewpoints run() {
     see_waypoints();
-    GuidingViewpoint best;
-    double best_distance_m = 0.0;
+    GuidingViewpoints found;
+    std::vector<std::pair<double, GuidingViewpoint>> by_distance;
     for (const PlaneRegion& safe : safe_parts()) {
-      GuidingViewpoint found = overlap_from(safe);
-      if (found.num_visible == 0) continue;
-      const Candidate candidate = closest_pole(found.overlap);
-      if (found.num_visible < best.num_visible ||
-          (found.num_visible == best.num_visible && candidate.distance_m >= best_distance_m)) {
-        continue;
-      }
-      best = std::move(found);
-      best_distance_m = candidate.distance_m;
-      best.p_local_m = Vector3(candidate.p_local_m.x(), candidate.p_local_m.y(), watcher_local_m_.z());
+      GuidingViewpoint viewpoint = overlap_from(safe);
+      if (viewpoint.num_visible == 0) continue;
+      const Candidate pole = closest_pole(viewpoint.overlap);
+      viewpoint.p_local_m = {pole.p_local_m.x(), pole.p_local_m.y(), watcher_local_m_.z()};
+      by_distance.emplace_back(pole.distance_m, std::move(viewpoint));
     }
-    best.visible = std::move(visible_);
-    return best;
+    std::stable_sort(by_distance.begin(), by_distance.end(), [](const auto& a, const auto& b) {
+      return a.second.num_visible != b.second.num_visible ? a.second.num_visible > b.second.num_visible
+                                                          : a.first < b.first;
+    });
+    found.best_first.reserve(by_distance.size());
+    for (auto& [distance_m, viewpoint] : by_distance) found.best_first.push_back(std::move(viewpoint));
+    found.visible = std::move(visible_);
+    return found;
   }
 
  private:
@@ -182,8 +183,8 @@ Ring visibility_ring(const OccupancyView& map, const Vector3& p_local_m, double 
   return ring;
 }
 
-GuidingViewpoint find_guiding_viewpoint(const OccupancyView& map, const Vector3& watcher_local_m,
-                                        std::span<const Vector3> path_local_m, const ViewpointRules& rules) {
+GuidingViewpoints find_guiding_viewpoints(const OccupancyView& map, const Vector3& watcher_local_m,
+                                          std::span<const Vector3> path_local_m, const ViewpointRules& rules) {
   ENSURE(!path_local_m.empty() && rules.num_rays >= 3, path_local_m.size(), rules.num_rays);
   return ViewpointSearch(map, watcher_local_m, path_local_m, rules).run();
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <optional>
 
 #include "tests/core/planning/cell_list_map.hpp"
 
@@ -28,6 +29,22 @@ ViewpointRules published() {
   rules.sight = Sight::kAtWaypoint;
   rules.safe_space = SafeSpace::kClosest;
   return rules;
+}
+
+struct Found {
+  std::optional<Vector3> p_local_m;
+  int num_visible = 0;
+  PlaneRegion overlap;
+};
+
+/// The best one.
+Found find_guiding_viewpoint(const OccupancyView& map, const Vector3& watcher_local_m, const std::vector<Vector3>& path,
+                             const ViewpointRules& rules) {
+  const GuidingViewpoints all = find_guiding_viewpoints(map, watcher_local_m, path, rules);
+  EXPECT_EQ(all.visible.size(), path.size());
+  if (all.best_first.empty()) return {};
+  const GuidingViewpoint& best = all.best_first.front();
+  return {best.p_local_m, best.num_visible, best.overlap};
 }
 
 TEST(VisibilityRing, IsADiscWhereNothingStands) {
@@ -61,7 +78,7 @@ TEST(GuidingViewpoint, KeepsItsDistances) {
   for (const Sight sight : {Sight::kAtWaypoint, Sight::kInSpace}) {
     ViewpointRules rules = published();
     rules.sight = sight;
-    const GuidingViewpoint found = find_guiding_viewpoint(map, {-3, -4, 1.05}, path, rules);
+    const Found found = find_guiding_viewpoint(map, {-3, -4, 1.05}, path, rules);
     ASSERT_TRUE(found.p_local_m);
     EXPECT_EQ(found.num_visible, 3);
     const Vector3 p = *found.p_local_m;
@@ -79,7 +96,7 @@ TEST(GuidingViewpoint, SeesAsFarBehindAGapAsGeometryAllows) {
   // A path straight through the gap to a point 1 m behind its edge: the line of sight to that point passes the gap.
   const CellListMap map = two_rooms(1.2);
   const std::vector<Vector3> path = {{-0.5, 0, 1}, {1, 0, 1}, {3, 0, 1}};
-  const GuidingViewpoint found = find_guiding_viewpoint(map, {-4, 0.3, 1}, path, published());
+  const Found found = find_guiding_viewpoint(map, {-4, 0.3, 1}, path, published());
   ASSERT_TRUE(found.p_local_m);
   EXPECT_EQ(found.num_visible, 3);
   const double y_in_gap_m = found.p_local_m->y() * (3.0 - 2.0) / (3.0 - found.p_local_m->x());
@@ -102,7 +119,7 @@ TEST(GuidingViewpoint, CountsWaypointsWithoutInterruption) {
   for (const Sight sight : {Sight::kAtWaypoint, Sight::kInSpace}) {
     ViewpointRules rules = published();
     rules.sight = sight;
-    const GuidingViewpoint found = find_guiding_viewpoint(map, {-4, 4, 1}, path, rules);
+    const Found found = find_guiding_viewpoint(map, {-4, 4, 1}, path, rules);
     ASSERT_TRUE(found.p_local_m);
     EXPECT_EQ(found.num_visible, 1);
     EXPECT_FALSE(map.first_hit(*found.p_local_m, path[0]));
@@ -117,7 +134,7 @@ TEST(GuidingViewpoint, TellsWhenThereIsNone) {
   ViewpointRules rules = published();
   rules.ray_max_m = 3.0;
   rules.clearance_m = 1.0;
-  const GuidingViewpoint found = find_guiding_viewpoint(map, {0, 0, 1}, std::vector<Vector3>{{0, 0, 1}}, rules);
+  const Found found = find_guiding_viewpoint(map, {0, 0, 1}, std::vector<Vector3>{{0, 0, 1}}, rules);
   EXPECT_FALSE(found.p_local_m);
   EXPECT_EQ(found.num_visible, 0);
 }
@@ -127,11 +144,11 @@ TEST(GuidingViewpoint, UnknownSpaceIsNoPlaceToStand) {
   map.known_within_m = 3.0;
   ViewpointRules rules = published();
   const std::vector<Vector3> path = {{0, 0, 1}};
-  const GuidingViewpoint known = find_guiding_viewpoint(map, {5, 0, 1}, path, rules);
+  const Found known = find_guiding_viewpoint(map, {5, 0, 1}, path, rules);
   ASSERT_TRUE(known.p_local_m);
   EXPECT_LT(known.p_local_m->cwiseAbs().maxCoeff(), 3.0);
   rules.unknown_is_free = true;
-  const GuidingViewpoint anywhere = find_guiding_viewpoint(map, {5, 0, 1}, path, rules);
+  const Found anywhere = find_guiding_viewpoint(map, {5, 0, 1}, path, rules);
   ASSERT_TRUE(anywhere.p_local_m);
   EXPECT_GT(area_m2(anywhere.overlap), area_m2(known.overlap));
 }
@@ -147,13 +164,30 @@ TEST(GuidingViewpoint, ItsInterpretationsDifferWhereTheClosestSpaceSeesLess) {
   rules.clearance_m = 0.9;
   rules.buffer_m = 1.0;
   const Vector3 watcher(-2.75, -3, 1);
-  const GuidingViewpoint closest = find_guiding_viewpoint(map, watcher, path, rules);
+  const Found closest = find_guiding_viewpoint(map, watcher, path, rules);
   rules.safe_space = SafeSpace::kMostVisible;
-  const GuidingViewpoint most = find_guiding_viewpoint(map, watcher, path, rules);
+  const Found most = find_guiding_viewpoint(map, watcher, path, rules);
   ASSERT_TRUE(closest.p_local_m && most.p_local_m);
   EXPECT_LT(closest.p_local_m->y(), 0.0);
   EXPECT_GT(most.p_local_m->y(), 0.0);
   EXPECT_GT(most.num_visible, closest.num_visible);
+}
+
+TEST(GuidingViewpoint, OffersEveryConnectedSpaceTheBestFirst) {
+  // Seen through the gap from either room: behind a wall that nobody larger passes there is a second space.
+  const CellListMap map = two_rooms(1.0);
+  ViewpointRules rules = published();
+  rules.safe_space = SafeSpace::kMostVisible;
+  rules.buffer_m = 1.0;
+  const std::vector<Vector3> path = {{0.5, 0, 1}, {2, 0, 1}, {3.5, 0, 1}};
+  const GuidingViewpoints all = find_guiding_viewpoints(map, {-2, 1, 1}, path, rules);
+  ASSERT_GE(all.best_first.size(), 2U);
+  for (std::size_t i = 1; i < all.best_first.size(); ++i) {
+    EXPECT_LE(all.best_first[i].num_visible, all.best_first[i - 1].num_visible);
+  }
+  const auto east = [](const GuidingViewpoint& v) { return v.p_local_m.x() > 2.0; };
+  EXPECT_TRUE(std::any_of(all.best_first.begin(), all.best_first.end(), east));
+  EXPECT_FALSE(std::all_of(all.best_first.begin(), all.best_first.end(), east));
 }
 
 TEST(GuidingViewpoint, InSpaceATableHidesWhatStandsBelow) {
@@ -165,11 +199,11 @@ TEST(GuidingViewpoint, InSpaceATableHidesWhatStandsBelow) {
   rules.buffer_m = 1.0;
   rules.clearance_m = 0.3;
   const Vector3 watcher(4, 0, 2);
-  const GuidingViewpoint flat = find_guiding_viewpoint(map, watcher, path, rules);
+  const Found flat = find_guiding_viewpoint(map, watcher, path, rules);
   ASSERT_TRUE(flat.p_local_m);
   EXPECT_TRUE(map.first_hit(*flat.p_local_m, path[0])) << "the paper's visibility lies in the plane of the waypoint";
   rules.sight = Sight::kInSpace;
-  const GuidingViewpoint in_space = find_guiding_viewpoint(map, watcher, path, rules);
+  const Found in_space = find_guiding_viewpoint(map, watcher, path, rules);
   EXPECT_FALSE(in_space.p_local_m && map.first_hit(*in_space.p_local_m, path[0]));
 }
 
@@ -182,7 +216,7 @@ TEST(GuidingViewpoint, SeesAsManyWaypointsAsASearchEverywhere) {
   ViewpointRules rules;
   rules.sight = Sight::kInSpace;
   const Vector3 watcher(-4, -3, 1);
-  const GuidingViewpoint found = find_guiding_viewpoint(map, watcher, path, rules);
+  const Found found = find_guiding_viewpoint(map, watcher, path, rules);
   int most = 0;
   for (int i = -90; i <= 100; ++i) {
     for (int j = -60; j <= 60; ++j) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,28 +24,33 @@ struct ViewpointRules {
   Sight sight = Sight::kInSpace;
 
   /// Which connected safe space counts. kClosest: the one nearest to the watcher [Pritzl 2024, alg. 2, line 15].
-  /// kMostVisible: the one from which most waypoints are seen; among equal ones the nearest.
+  /// kMostVisible: all, those first from which more waypoints are seen; among equal ones the nearest.
   enum class SafeSpace { kClosest, kMostVisible };
   SafeSpace safe_space = SafeSpace::kMostVisible;
 };
 
-/// A viewpoint and how it was found, for pictures.
+/// A place to watch from, and how it was found.
 struct GuidingViewpoint {
-  std::optional<Vector3> p_local_m;  ///< none: nowhere safe can the first waypoint be seen
-  int num_visible = 0;               ///< waypoints from the first on without interruption
-  PlaneRegion safe;                  ///< S_closest
-  PlaneRegion overlap;               ///< I_all
-  std::vector<PlaneRegion> visible;  ///< V_i without B, one a waypoint
+  Vector3 p_local_m = Vector3::Zero();
+  int num_visible = 0;  ///< waypoints from the first on without interruption
+  PlaneRegion safe;     ///< S_closest
+  PlaneRegion overlap;  ///< I_all
+};
+
+struct GuidingViewpoints {
+  std::vector<GuidingViewpoint> best_first;  ///< none: nowhere safe can the first waypoint be seen
+  std::vector<PlaneRegion> visible;          ///< V_i without B, one a waypoint
 };
 
 /// Ends of rays from a point in the horizontal plane through it, counter-clockwise: at the first occupied cell, or at
 /// the greatest length. What lies between them is seen from the point [Pritzl 2024, alg. 2, lines 4 to 8].
 Ring visibility_ring(const OccupancyView& map, const Vector3& p_local_m, double ray_max_m, int num_rays);
 
-/// The place at the watcher's height that sees as many waypoints as possible from the first on, keeps clear of
-/// obstacles and of the path, and of several is the nearest pole of inaccessibility.
+/// Places at the watcher's height that see as many waypoints as possible from the first on, and keep clear of obstacles
+/// and of the path. Each is the nearest pole of inaccessibility of what its connected safe space has in common with
+/// them.
 /// @param path_local_m  at least one waypoint
-GuidingViewpoint find_guiding_viewpoint(const OccupancyView& map, const Vector3& watcher_local_m,
-                                        std::span<const Vector3> path_local_m, const ViewpointRules& rules);
+GuidingViewpoints find_guiding_viewpoints(const OccupancyView& map, const Vector3& watcher_local_m,
+                                          std::span<const Vector3> path_local_m, const ViewpointRules& rules);
 
 }  // namespace swiftlet
