@@ -11,10 +11,10 @@ namespace swiftlet {
 /// The last 30 s of a path, for pictures.
 class Trail {
  public:
-  void push(TimeNs t, const Vector3& p_m) {
+  void push(TimeNs t, const Vector3& p_local_m) {
     if (count_ > 0 && t - last_ < kNsPerSecond / 20) return;
     last_ = t;
-    points_[(first_ + count_) % kCapacity] = p_m.cast<float>();
+    points_[(first_ + count_) % kCapacity] = p_local_m.cast<float>();
     if (count_ < kCapacity)
       ++count_;
     else

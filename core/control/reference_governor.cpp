@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/finite.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
@@ -14,11 +15,6 @@ constexpr double kBrakingShare = 0.85;   // of the acceleration limit planned fo
 constexpr double kFastestPole_radps = 6.0;  // of the position error close to the goal
 
 double wrap_angle(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
-
-bool is_finite(const Reference& r) {
-  return r.position_m.allFinite() && r.velocity_mps.allFinite() && r.acceleration_mps2.allFinite() &&
-         std::isfinite(r.yaw_rad) && std::isfinite(r.yaw_rate_radps);
-}
 
 template <int N>
 using Vec = Eigen::Matrix<double, N, 1>;

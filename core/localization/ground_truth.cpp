@@ -3,16 +3,13 @@
 
 #include <cmath>
 
+#include "swiftlet/core/finite.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 #include "swiftlet/core/localization/local_poses.hpp"
 
 namespace swiftlet {
 namespace {
-
-bool is_finite(const PoseSample& s) {
-  return s.T_world_body.matrix().allFinite() && s.v_world_mps.allFinite() && s.omega_body_radps.allFinite();
-}
 
 class GroundTruthEstimator : public StateEstimator {
  public:

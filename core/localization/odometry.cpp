@@ -4,15 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "swiftlet/core/finite.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 
 namespace swiftlet {
 namespace {
-
-bool is_finite(const OdometrySample& s) {
-  return s.T_local_body.matrix().allFinite() && s.v_local_body_mps.allFinite();
-}
 
 /// Body rate that turns one attitude into the next.
 Vector3 rate_between(const Eigen::Quaterniond& before, const Eigen::Quaterniond& after, double dt_s) {

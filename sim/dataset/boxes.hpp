@@ -20,8 +20,8 @@ struct VehicleBox {
   Vector3 size_m = Vector3::Zero();  ///< along the body's axes, propeller discs included
   double range_m = 0.0;              ///< from the sensor to the center
   int num_points = 0;                ///< returns from it
-  /// Share of the vehicle's silhouette (without its propellers) that the sensor has in its field of view and in reach
-  /// with nothing in front of it: neither the world, nor the others, nor the vehicle that carries the sensor.
+  /// Share of the vehicle's silhouette (without its propellers) that the sensor has in its field of view and in reach.
+  /// Nothing is in front of that share: neither the world nor a vehicle, be it the sensor's own.
   double visible_fraction = 0.0;
 };
 

@@ -13,8 +13,8 @@
 namespace swiftlet::sim {
 
 /// Paths for a team through a world, free of collisions with it and with each other. The first vehicle goes from goal
-/// to goal at random; the others choose goals at distances from it that cover [partner_min_m, partner_max_m] evenly
-/// over the logarithm, mostly where it can see them. A pure function of its arguments.
+/// to goal at random. The other vehicles choose goals mostly where the first can see them. Their distances from it
+/// cover [partner_min_m, partner_max_m] evenly over the logarithm. A pure function of its arguments.
 /// @param radii_m  of the spheres around the vehicles
 /// @return one path a vehicle, each of at least `duration_s`; nullopt when none was found
 std::optional<std::vector<SplineTrajectory>> plan_flight(const FlightConfig& config,

@@ -18,8 +18,9 @@
 
 namespace swiftlet::sim {
 
-/// Encodes and writes the scans, labels and images of one sequence beside the simulation, on a thread of its own, frame
-/// after frame: the files do not depend on when it gets to run. Not more than a few frames wait for it.
+/// Encodes and writes the scans, labels and images of one sequence beside the simulation, on a thread of its own. It
+/// goes frame after frame, so that the files do not depend on when it gets to run. Not more than a few frames wait for
+/// it.
 class FrameWriter {
  public:
   FrameWriter(ContentConfig content, std::filesystem::path directory);

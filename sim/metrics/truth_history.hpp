@@ -45,6 +45,7 @@ class RecentValues {
   std::size_t first_ = 0, count_ = 0;
 };
 
+/// Position and velocity. Any frame, the same for all arguments.
 struct PointMotion {
   Vector3 p_m = Vector3::Zero(), v_mps = Vector3::Zero();
 };

@@ -11,9 +11,9 @@ namespace swiftlet::sim {
 
 /// Extra thrust of a rotor near a surface, as a fraction of its thrust in free air:
 ///   gain = coefficient * (R / (4 h))^2, at most 4/15.
-/// The leading term of Cheeseman and Bennett (1955) has coefficient 1; gym-pybullet-drones fits 11.36859 to a whole
-/// quadrotor and clips the height where the gain of all rotors at full speed would exceed 4/15 (BaseAviary.py:715-760),
-/// which written without dimensions is the same limit for every vehicle.
+/// The leading term of Cheeseman and Bennett (1955) has coefficient 1. gym-pybullet-drones fits 11.36859 to a whole
+/// quadrotor. It clips the height where the gain of all rotors at full speed would exceed 4/15 (BaseAviary.py:715-760).
+/// Written without dimensions, that is the same limit for every vehicle.
 /// @param height_m  of the rotor's hub above the surface; anything below counts as touching
 double ground_effect_gain(double height_m, double propeller_radius_m, double coefficient);
 inline constexpr double kGroundEffectGainMax = 4.0 / 15.0;
@@ -22,11 +22,11 @@ inline constexpr double kGroundEffectReachRadii = 15.0;
 
 /// Air speed in the wake of a multirotor, all its rotors taken as one disc of the same area A.
 ///
-/// Momentum theory: v_i = sqrt(T / (2 rho A)) at the disc, growing to 2 v_i below as (1 + z / sqrt(z^2 + R^2))
-/// (McCormick, vortex cylinder) while the stream tube contracts to half the area; from there it spreads like a round
-/// turbulent jet (half-width growing by 0.094 per meter; Pope, Turbulent Flows, sec. 5.1), with a Gaussian profile that
-/// carries the same momentum T at every distance.
-/// The published fit of gym-pybullet-drones is not used: it gives newtons for a 27 g Crazyflie, and its footprint
+/// By momentum theory the speed is v_i = sqrt(T / (2 rho A)) at the disc. It grows to 2 v_i below as (1 + z / sqrt(z^2
+/// + R^2)) (McCormick, vortex cylinder), while the stream tube contracts to half the area. From there it spreads like a
+/// round turbulent jet, its half-width growing by 0.094 per meter (Pope, Turbulent Flows, sec. 5.1). Its Gaussian
+/// profile carries the same momentum T at every distance.
+/// The published fit of gym-pybullet-drones is not used. It gives newtons for a 27 g Crazyflie, and its footprint
 /// shrinks to a point 0.69 m below the rotor.
 struct Wake {
   Vector3 origin_world_m = Vector3::Zero();

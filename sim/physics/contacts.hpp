@@ -32,7 +32,7 @@ struct Touch {
 
 /// Narrow phase and contact impulses by Bullet; the only file with its headers is contacts.cpp.
 ///
-/// There is no broad phase and no second BVH: the caller knows from exact distances who can touch what, and hands over
+/// There is no broad phase and no second BVH. The caller knows from exact distances who can touch what, and hands over
 /// the triangles that StaticScene (Embree) has near a vehicle. A vehicle's shape is a compound of the body (cylinder),
 /// arms (boxes), legs (capsules) and propeller discs (cylinders).
 class Contacts {

@@ -18,10 +18,10 @@ struct AirAtVehicle {
 
 /// Free flight of one multirotor: motors, rotors, air and gravity on a rigid body. Contacts are not its business.
 ///
-/// A step is exact for the motors (the command is held, so a first-order lag has a closed form) and classical
-/// Runge-Kutta 4 for the body, whose forces see the rotor speeds at the beginning, middle and end of the step. That is
-/// fourth order at about a quarter of a microsecond, where a semi-implicit Euler step of the physics engine is first
-/// order: at 1 kHz the integration error of an agile flight stays below a micrometer a second.
+/// A step is exact for the motors: the command is held, so a first-order lag has a closed form. For the body it is
+/// classical Runge-Kutta 4, whose forces see the rotor speeds at the beginning, middle and end of the step. That is
+/// fourth order at about a quarter of a microsecond. A semi-implicit Euler step of the physics engine is first order.
+/// At 1 kHz the integration error of an agile flight stays below a micrometer a second.
 class MultirotorModel {
  public:
   MultirotorModel(const Airframe& airframe, const PhysicsConfig& config);

@@ -44,9 +44,9 @@ const Vector3& Gusts::advance(std::uint32_t step, double dt_s, double height_m, 
   const DrydenScales scales = dryden_scales(height_m, config_.wind_at_6m_mps);
   const double crossed_m = std::max({airspeed_mps, mean_speed_mps_, kLeastCrossingSpeed_mps}) * dt_s;
   if (step > 0) {
-    const Vector3 memory = {elementary::exp(-crossed_m / scales.length_m.x()),
-                            elementary::exp(-2.0 * crossed_m / scales.length_m.y()),
-                            elementary::exp(-2.0 * crossed_m / scales.length_m.z())};
+    const Vector3 memory = {elementary::exp(-crossed_m / scales.scale_length_m.x()),
+                            elementary::exp(-2.0 * crossed_m / scales.scale_length_m.y()),
+                            elementary::exp(-2.0 * crossed_m / scales.scale_length_m.z())};
     const auto noise = random_.normal3(step, 0);
     for (int i = 0; i < 3; ++i) {
       unit_gust_[i] = memory[i] * unit_gust_[i] + std::sqrt(1.0 - memory[i] * memory[i]) * noise[i];

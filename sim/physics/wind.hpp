@@ -12,7 +12,7 @@ namespace swiftlet::sim {
 
 /// Of the three components of turbulence: u along the mean wind's heading, v to its left, w up.
 struct DrydenScales {
-  Vector3 length_m;
+  Vector3 scale_length_m;
   Vector3 sigma_mps;
 };
 
@@ -20,18 +20,19 @@ struct DrydenScales {
 /// sigma_u = sigma_v = sigma_w / (0.177 + 0.000823 h)^0.4. The height is clamped to 10..1000 ft (3..305 m).
 DrydenScales dryden_scales(double height_m, double wind_at_6m_mps);
 
-/// Turbulence at one vehicle: each component a first-order process in the distance flown through the air,
-///   x' = a x + sqrt(1 - a^2) nu,  a = exp(-V dt / L_u) for u and exp(-2 V dt / L) for v and w,
-/// which is the exact discretization (stable for any step) of the usual forward-difference form. Kept at unit variance
-/// and scaled by sigma on the way out, so that climbing changes the strength without a transient. Starts stationary.
+/// Turbulence at one vehicle. Each component is a first-order process in the distance flown through the air:
+///   x' = a x + sqrt(1 - a^2) nu,  a = exp(-V dt / L_u) for u and exp(-2 V dt / L) for v and w.
+/// This is the exact discretization (stable for any step) of the usual forward-difference form. It is kept at unit
+/// variance and scaled by sigma on the way out, so that climbing changes the strength without a transient. Starts
+/// stationary.
 class Gusts {
  public:
   Gusts(const WindConfig& config, std::uint64_t seed, std::string_view vehicle);
 
   /// The gust of step number `step` (1, 2, ...; 0 is the start), world frame [m/s].
   /// @param height_m      above the world's z = 0
-  /// @param airspeed_mps  of the vehicle; the frozen field is crossed at max(airspeed, mean wind, 1 m/s), so that a
-  ///                      vehicle hovering in still air feels changing gusts, too
+  /// @param airspeed_mps  of the vehicle. The frozen field is crossed at max(airspeed, mean wind, 1 m/s), so that a
+  ///                      vehicle hovering in still air feels changing gusts, too.
   const Vector3& advance(std::uint32_t step, double dt_s, double height_m, double airspeed_mps);
 
  private:

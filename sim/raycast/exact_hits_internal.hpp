@@ -17,8 +17,8 @@
 ///
 /// 1. The ray passes the three edges on the same side, by the signs of the volumes that it spans with them. Two
 ///    triangles with a common edge see the same volume with opposite signs, so no ray slips through between them.
-/// 2. The surface is visible: not so nearly edge-on that the margin, seen along the ray, is less than Embree may err at
-///    that range; the origin is at least kLeastHeight_m off the plane.
+/// 2. The surface is visible: the origin is at least kLeastHeight_m off the plane, and the surface is not nearly
+///    edge-on. Seen along the ray, the margin is more than Embree may err at that range.
 /// 3. The nearest triangle within the range of the query counts; of equally near ones the first in the scene.
 ///
 /// Nearly all rays get one proposal well before all others and far from its edges. The rest (5 % in a forest) are

@@ -14,7 +14,8 @@ namespace swiftlet::sim {
 enum class RosDialect { kRos1, kRos2 };
 
 /// Serializes one ROS message, field after field. ROS 1: packed. ROS 2: little-endian CDR (OMG RTPS 2.3, 10: four
-/// bytes of encapsulation header, then every number aligned to its own size, strings with their final zero).
+/// bytes of encapsulation header, then every number aligned to its own size, strings with their final zero). Any frame,
+/// the same for all arguments: the header of a message names it.
 class RosEncoder {
  public:
   explicit RosEncoder(RosDialect dialect) : dialect_(dialect) {}

@@ -14,8 +14,8 @@ namespace swiftlet::sim {
 /// the newest message is all there is to see.
 /// A red box for each detection, `ns` "detections".
 void encode_detection_markers(std::span<const Detection> detections, TimeNs t, std::uint32_t sequence, RosEncoder& out);
-/// For each track, with its identity as `id`: its place ("tracks"), three standard deviations ("covariance"), the way
-/// of the next second ("velocity") and its number ("names").
+/// For each track, with its identity as `id`: place ("tracks"), three standard deviations ("covariance"), motion of the
+/// next second ("velocity"), number ("names").
 void encode_track_markers(std::span<const Track> tracks, TimeNs t, std::uint32_t sequence, RosEncoder& out);
 
 }  // namespace swiftlet::sim

@@ -13,8 +13,8 @@ namespace swiftlet::sim {
 void encode_points(const Scan& scan, PointsLayout layout, std::uint32_t sequence, const std::string& frame,
                    RosEncoder& out);
 
-/// Reflectivity as the sensors give it in a byte: diffuse targets linear up to `diffuse_max` (1 = white Lambertian),
-/// brighter (retro-reflective) ones on a logarithmic scale from there to 255 at 1000 times that.
+/// Reflectivity as the sensors give it in a byte. Diffuse targets are linear up to `diffuse_max` (1 = white
+/// Lambertian). Brighter (retro-reflective) ones are logarithmic from there to 255 at 1000 times that.
 std::uint8_t reflectivity_byte(float reflectivity, int diffuse_max);
 
 }  // namespace swiftlet::sim

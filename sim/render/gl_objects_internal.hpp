@@ -21,10 +21,14 @@ class Program {
   // For the program in use.
   void set(const char* name, float value) const { gl_->Uniform1f(location(name), value); }
   void set(const char* name, int value) const { gl_->Uniform1i(location(name), value); }
-  void set(const char* name, const Eigen::Vector2f& v) const { gl_->Uniform2f(location(name), v.x(), v.y()); }
-  void set(const char* name, const Eigen::Vector3f& v) const { gl_->Uniform3f(location(name), v.x(), v.y(), v.z()); }
-  void set(const char* name, const Eigen::Vector4f& v) const {
-    gl_->Uniform4f(location(name), v.x(), v.y(), v.z(), v.w());
+  void set(const char* name, const Eigen::Vector2f& value) const {
+    gl_->Uniform2f(location(name), value.x(), value.y());
+  }
+  void set(const char* name, const Eigen::Vector3f& value) const {
+    gl_->Uniform3f(location(name), value.x(), value.y(), value.z());
+  }
+  void set(const char* name, const Eigen::Vector4f& value) const {
+    gl_->Uniform4f(location(name), value.x(), value.y(), value.z(), value.w());
   }
   void set(const char* name, const Eigen::Matrix4f& m) const {
     gl_->UniformMatrix4fv(location(name), 1, GL_FALSE, m.data());

@@ -76,14 +76,14 @@ MarkPainter::MarkPainter(const GlFunctions& gl)
       solid_program_(gl, "solid", embedded::solid_vert, embedded::solid_frag),
       clip_program_(gl, "clip", embedded::clip_vert, embedded::clip_frag) {
   points_ = make_vertex_buffer(gl_);
-  float_attribute(gl_, 0, 3, sizeof(PointVertex), offsetof(PointVertex, position_m));
+  float_attribute(gl_, 0, 3, sizeof(PointVertex), offsetof(PointVertex, p_world_m));
   float_attribute(gl_, 1, 4, sizeof(PointVertex), offsetof(PointVertex, color));
   clip_ = make_vertex_buffer(gl_);
   float_attribute(gl_, 0, 4, sizeof(ClipVertex), offsetof(ClipVertex, clip));
   float_attribute(gl_, 1, 4, sizeof(ClipVertex), offsetof(ClipVertex, color));
   // Triangles are solids of size 1 at the origin without normals.
   triangles_ = make_vertex_buffer(gl_);
-  float_attribute(gl_, 0, 3, sizeof(PointVertex), offsetof(PointVertex, position_m));
+  float_attribute(gl_, 0, 3, sizeof(PointVertex), offsetof(PointVertex, p_world_m));
   float_attribute(gl_, 3, 4, sizeof(PointVertex), offsetof(PointVertex, color));
 
   gl_.GenBuffers(1, &solid_instances_);
@@ -116,32 +116,33 @@ void MarkPainter::draw_points(const View& view, std::span<const PointVertex> poi
   gl_.DrawArrays(GL_POINTS, 0, static_cast<GLsizei>(points.size()));
 }
 
-void MarkPainter::use_solid_program(const View& view, const Eigen::Vector3f& sun, float cut_m) {
+void MarkPainter::use_solid_program(const View& view, const Eigen::Vector3f& sun_world, float cut_m) {
   solid_program_.use();
   solid_program_.set("u_clip_world", Eigen::Matrix4f(view.clip_world().cast<float>()));
   solid_program_.set("u_eye_m", Eigen::Vector3f(view.eye_world_m.cast<float>()));
-  solid_program_.set("u_sun", sun);
+  solid_program_.set("u_sun", sun_world);
   solid_program_.set("u_cut_m", cut_m);
 }
 
 void MarkPainter::draw_solids(const View& view, Solid solid, std::span<const Eigen::Vector4f> center_size_m,
-                              std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun, float cut_m) {
+                              std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun_world, float cut_m) {
   if (center_size_m.empty()) return;
   std::vector<SolidInstance> instances(center_size_m.size());
   for (std::size_t i = 0; i < instances.size(); ++i) instances[i] = {center_size_m[i], colors[i]};
-  use_solid_program(view, sun, cut_m);
+  use_solid_program(view, sun_world, cut_m);
   const UnitSolid& unit = solid == Solid::kCube ? cube_ : sphere_;
   gl_.BindVertexArray(unit.array);
   stream(gl_, solid_instances_, std::span<const SolidInstance>(instances));
   gl_.DrawArraysInstanced(GL_TRIANGLES, 0, unit.num_vertices, static_cast<GLsizei>(instances.size()));
 }
 
-void MarkPainter::draw_triangles(const View& view, std::span<const Eigen::Vector3f> corners_m,
-                                 std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun, float cut_m) {
-  if (corners_m.size() < 3) return;
-  std::vector<PointVertex> vertices(corners_m.size() / 3 * 3);
-  for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = {corners_m[i], colors[i]};
-  use_solid_program(view, sun, cut_m);
+void MarkPainter::draw_triangles(const View& view, std::span<const Eigen::Vector3f> corners_world_m,
+                                 std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun_world,
+                                 float cut_m) {
+  if (corners_world_m.size() < 3) return;
+  std::vector<PointVertex> vertices(corners_world_m.size() / 3 * 3);
+  for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = {corners_world_m[i], colors[i]};
+  use_solid_program(view, sun_world, cut_m);
   gl_.BindVertexArray(triangles_.array);
   gl_.VertexAttrib4f(1, 0.0F, 0.0F, 0.0F, 0.0F);
   gl_.VertexAttrib4f(2, 0.0F, 0.0F, 0.0F, 1.0F);

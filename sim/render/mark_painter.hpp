@@ -11,7 +11,7 @@
 namespace swiftlet::sim {
 
 struct PointVertex {
-  Eigen::Vector3f position_m;
+  Eigen::Vector3f p_world_m;
   Eigen::Vector4f color;  ///< sRGB and opacity
 };
 
@@ -26,13 +26,13 @@ class MarkPainter {
   void draw_points(const View& view, std::span<const PointVertex> points, float size_m, float cut_m);
   /// Center and size of each solid come as (x, y, z, size).
   void draw_solids(const View& view, Solid solid, std::span<const Eigen::Vector4f> center_size_m,
-                   std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun, float cut_m);
-  void draw_triangles(const View& view, std::span<const Eigen::Vector3f> corners_m,
-                      std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun, float cut_m);
+                   std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun_world, float cut_m);
+  void draw_triangles(const View& view, std::span<const Eigen::Vector3f> corners_world_m,
+                      std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun_world, float cut_m);
   void draw_clip(std::span<const ClipVertex> triangles, float opacity);
 
  private:
-  void use_solid_program(const View& view, const Eigen::Vector3f& sun, float cut_m);
+  void use_solid_program(const View& view, const Eigen::Vector3f& sun_world, float cut_m);
 
   const GlFunctions& gl_;
   Program point_program_;

@@ -38,17 +38,17 @@ PictureCloud cloud_of(const LabeledScan& labeled, VehicleId vehicle) {
   return cloud;
 }
 
-void extend_trail(std::vector<Eigen::Vector3f>& trail, const Eigen::Vector3f& p_world_m) {
-  if (!trail.empty() && (trail.back() - p_world_m).norm() < kTrailStep_m) return;
-  trail.push_back(p_world_m);
-  if (trail.size() < kTrailMaxPoints) return;
+void extend_trail(std::vector<Eigen::Vector3f>& trail_world_m, const Eigen::Vector3f& p_world_m) {
+  if (!trail_world_m.empty() && (trail_world_m.back() - p_world_m).norm() < kTrailStep_m) return;
+  trail_world_m.push_back(p_world_m);
+  if (trail_world_m.size() < kTrailMaxPoints) return;
   // Keep the newer half as it is and every other point of the older half.
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < trail.size(); ++i) {
-    if (i < trail.size() / 2 && i % 2 == 1) continue;
-    trail[kept++] = trail[i];
+  for (std::size_t i = 0; i < trail_world_m.size(); ++i) {
+    if (i < trail_world_m.size() / 2 && i % 2 == 1) continue;
+    trail_world_m[kept++] = trail_world_m[i];
   }
-  trail.resize(kept);
+  trail_world_m.resize(kept);
 }
 
 }  // namespace swiftlet::sim

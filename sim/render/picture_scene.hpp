@@ -36,6 +36,6 @@ bool is_chosen(const Overlay& overlay, const std::vector<std::string>& names);
 PictureCloud cloud_of(const LabeledScan& scan, VehicleId vehicle);
 
 /// Grows by one position where the vehicle has moved; keeps its memory bounded by thinning out.
-void extend_trail(std::vector<Eigen::Vector3f>& trail, const Eigen::Vector3f& p_world_m);
+void extend_trail(std::vector<Eigen::Vector3f>& trail_world_m, const Eigen::Vector3f& p_world_m);
 
 }  // namespace swiftlet::sim

@@ -30,8 +30,8 @@ struct RenderMesh {
   std::vector<RenderVertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<RenderChunk> chunks;
-  /// Typical edge of a leaf [m]; 0: no leaves. In a leafy chunk leaves are shuffled, so that any first part of it is
-  /// a fair sample of the crown: far away fewer and larger leaves look the same.
+  /// Typical edge of a leaf [m]; 0: no leaves. In a leafy chunk leaves are shuffled, so that any first part of it is a
+  /// fair sample of the crown. Far away, fewer and larger leaves look the same.
   float leaf_size_m = 0.0F;
   /// Typical thickness of branches [m]; 0: none. In a chunk of branches the longest come first, so that far away its
   /// first part is enough.

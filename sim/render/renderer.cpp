@@ -196,7 +196,7 @@ DrawSelection Renderer::Impl::select(const View& view, const PictureStyle& style
                                      const Eigen::Matrix4f& clip_world) const {
   DrawSelection selection;
   selection.frustum = frustum_of(clip_world);
-  selection.eye_m = view.eye_world_m.cast<float>();
+  selection.eye_world_m = view.eye_world_m.cast<float>();
   selection.pixels_at_1m = static_cast<float>(view.pixels_per_m(1.0));
   selection.parallel = view.orthographic;
   selection.cull = style.cull;

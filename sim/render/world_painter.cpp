@@ -119,7 +119,7 @@ std::vector<WorldPainter::Batch> WorldPainter::select(const DrawSelection& selec
         if (selection.cull && !may_be_seen(selection.frustum, chunk.box_m, mesh.T_world_mesh[i])) continue;
         const Eigen::AlignedBox3f box = chunk.box_m.transformed(mesh.T_world_mesh[i]);
         if (selection.cull && box.min().z() > selection.cut_m) continue;
-        batches.push_back({&mesh, &chunk, mesh.first_instance + i, box.exteriorDistance(selection.eye_m)});
+        batches.push_back({&mesh, &chunk, mesh.first_instance + i, box.exteriorDistance(selection.eye_world_m)});
       }
     }
   }

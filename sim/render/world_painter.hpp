@@ -23,7 +23,7 @@ void mesh_attributes(const GlFunctions& gl);
 
 struct DrawSelection {
   Frustum frustum;
-  Eigen::Vector3f eye_m = Eigen::Vector3f::Zero();
+  Eigen::Vector3f eye_world_m = Eigen::Vector3f::Zero();
   float pixels_at_1m = 1000.0F;
   bool parallel = false;
   bool cull = true;

@@ -7,8 +7,8 @@
 
 namespace swiftlet::sim {
 
-/// What a run directory tells of one vehicle over time; a quantity that was not recorded is empty, one that was not
-/// known at an instant NaN there.
+/// What a run directory tells of one vehicle over time. A quantity that was not recorded is empty. One that was not
+/// known at an instant is NaN there.
 struct VehicleSeries {
   std::string name;
   std::vector<double> t_s, x_m, y_m, z_m, speed_mps;

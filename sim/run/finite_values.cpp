@@ -5,23 +5,12 @@
 #include "swiftlet/core/finite.hpp"
 
 namespace swiftlet::sim {
-namespace {
-
-template <class Sample>
-void ensure_samples_finite(const char* sensor, const std::vector<Sample>& samples) {
-  for (const Sample& sample : samples) ENSURE(is_finite(sample), sensor, to_seconds(sample.t));
-}
-
-}  // namespace
 
 void ensure_finite(const Observation& observation) {
-  ensure_samples_finite("imu", observation.imu);
-  ensure_samples_finite("odometry", observation.odometry);
-  ensure_samples_finite("gnss", observation.gnss);
-  ensure_samples_finite("altimeter", observation.altimeter);
-  ensure_samples_finite("compass", observation.compass);
-  ensure_samples_finite("pose", observation.pose);
-  ensure_samples_finite("neighbors", observation.neighbors);
+  Observation::each_samples(observation, []<class Sample>(const std::vector<Sample>& samples) {
+    const char* const sensor = Sample::kName;
+    for (const Sample& sample : samples) ENSURE(is_finite(sample), sensor, to_seconds(sample.t));
+  });
   for (const auto& scan : observation.scans) ENSURE(is_finite(*scan), scan->sensor, to_seconds(scan->stamp));
 }
 

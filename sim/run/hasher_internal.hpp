@@ -19,7 +19,7 @@ namespace swiftlet::sim {
 
 /// The visitor that hashes a kind of data: every field that its `visit` names; texts and lists with their length. It is
 /// fed values, never whole structs, because padding bytes have no defined content. What fits into the buffer (anything
-/// but scans) is hashed at once, which gives the same value as bit by bit and costs half as much.
+/// but scans) is hashed at once. That gives the same value as bit by bit and costs half as much.
 class Hasher {
  public:
   void time(const char*, TimeNs t, const char*) { add(t); }
@@ -60,7 +60,7 @@ class Hasher {
   requires std::is_arithmetic_v<Number>
   void add(Number value) { bytes(&value, sizeof value); }
   void add(bool value) { add(std::int32_t{value}); }
-  void add(const Vector3& v) { bytes(v.data(), 3 * sizeof(double)); }
+  void add(const Vector3& value) { bytes(value.data(), 3 * sizeof(double)); }
   void add(const Eigen::Quaterniond& q) { bytes(q.coeffs().data(), 4 * sizeof(double)); }
   void add(const Pose& pose) {
     const Matrix3 rotation = pose.linear();

@@ -56,10 +56,10 @@ double num_surface_points(const Scene& scene, double spacing_m) {
 }  // namespace
 
 void append_surface_points(const Scene& scene, double spacing_m, const std::string& key,
-                           std::vector<Eigen::Vector3f>& points_m) {
+                           std::vector<Eigen::Vector3f>& points_world_m) {
   const double count = num_surface_points(scene, spacing_m);
   require_memory(key, count * sizeof(Eigen::Vector3f));
-  points_m.reserve(points_m.size() + static_cast<std::size_t>(count));
+  points_world_m.reserve(points_world_m.size() + static_cast<std::size_t>(count));
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (const auto& triangle : mesh.triangles) {
@@ -69,8 +69,8 @@ void append_surface_points(const Scene& scene, double spacing_m, const std::stri
       const int n = samples_of(u, v, spacing_m);
       for (int i = 0; i <= n; ++i) {
         for (int j = 0; i + j <= n; ++j) {
-          points_m.push_back(a + u * (static_cast<float>(i) / static_cast<float>(n)) +
-                             v * (static_cast<float>(j) / static_cast<float>(n)));
+          points_world_m.push_back(a + u * (static_cast<float>(i) / static_cast<float>(n)) +
+                                   v * (static_cast<float>(j) / static_cast<float>(n)));
         }
       }
     }

@@ -18,6 +18,7 @@ struct LidarTile {
 };
 
 /// Number of the cell of directions that a beam goes to, about 5 deg wide; neighboring numbers are neighboring cells.
+/// Any frame, the same for all arguments.
 int direction_cell(const Eigen::Vector3f& direction);
 
 /// Groups the beams of a sweep by direction: blocks of the image where rows and columns form one, otherwise in cells

@@ -19,7 +19,7 @@ inline Vector3 normal3(const Random& random, std::uint32_t index) {
 }
 
 /// First-order Gauss-Markov process in three axes, dx = -x/tau dt + sigma_walk dW, in its exact discrete form (no
-/// matter how long the step). tau = 0 means a random walk without limit.
+/// matter how long the step). tau = 0 means a random walk without limit. Any frame, the same for all arguments.
 class GaussMarkov {
  public:
   /// Starts at zero. @param walk_density  sigma_walk [unit/sqrt(s)]  @param time_s  tau
@@ -56,7 +56,7 @@ class GaussMarkov {
   double decay_ = 1.0, spread_ = 0.0;
 };
 
-/// Rotation by the rotation vector.
+/// Rotation by the rotation vector. Any frame, the same for all arguments.
 inline Eigen::Quaterniond rotation_exp(const Vector3& rotation_vector) {
   const double angle = rotation_vector.norm();
   if (angle < 1e-12) {

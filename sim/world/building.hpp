@@ -5,6 +5,7 @@
 
 #include "swiftlet/sim/world/scene.hpp"
 
+/// Parts of buildings, which are appended to a mesh. Any frame, the same for all arguments.
 namespace swiftlet::sim {
 
 /// A rectangular hole in a wall.

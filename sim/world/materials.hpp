@@ -3,9 +3,9 @@
 
 #include "swiftlet/sim/world/scene.hpp"
 
-/// Materials of the generated worlds. Reflectivities are diffuse, at 865..905 nm; the comments say where they come
-/// from: (R) LiDAR makers' table of natural surfaces at 0.9 um (RIEGL: deciduous trees 60 %, conifers 30 %, newspaper
-/// 69 %, rough pallet wood 25 %, smooth concrete 24 %, asphalt 17 %), otherwise the reason is given.
+/// Materials of the generated worlds. Reflectivities are diffuse, at 865..905 nm, and the comments say where they come
+/// from. (R) is a LiDAR makers' table of natural surfaces at 0.9 um: RIEGL has deciduous trees 60 %, conifers 30 %,
+/// newspaper 69 %, rough pallet wood 25 %, smooth concrete 24 %, asphalt 17 %. Otherwise the reason is given.
 namespace swiftlet::sim::materials {
 
 inline Material soil() { return {"soil", 0.25F, false, {0.38F, 0.30F, 0.21F}}; }                  // dry loam 0.2..0.35

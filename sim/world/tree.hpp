@@ -21,9 +21,9 @@ struct TreeOptions {
   double lean_max_deg = 3.0;
 };
 
-/// The crown is the space between two bodies of revolution about the tree's axis: leaves fill it evenly, with every
-/// orientation equally likely, so that the probability that a ray meets no leaf along a path s through it is
-/// exp(-G LAD s) with G = 1/2 (Beer-Lambert law; Monsi and Saeki 1953, Nilson 1971).
+/// The crown is the space between two bodies of revolution about the tree's axis. Leaves fill it evenly, with every
+/// orientation equally likely. So a ray meets no leaf along a path s through it with probability exp(-G LAD s), G = 1/2
+/// (Beer-Lambert law; Monsi and Saeki 1953, Nilson 1971).
 struct Crown {
   Species species = Species::kPine;
   double base_m = 0.0;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Vectors name their frame: every vector that crosses a function of a public header. Usage: frames_test.py SOURCE_DIR
+"""Vectors name their frame: every vector that crosses a function of a header. Usage: frames_test.py SOURCE_DIR
 
 What counts is a parameter, or a member of a class that is not private by its name (`x_`), whose type is a vector of two or
 three numbers, or a list of them: its name has a word of FRAMES (`p_world_m`), or a frame of a transform in the same file
@@ -12,8 +12,9 @@ import pathlib
 import re
 import sys
 
-FRAMES = {"world", "local", "body", "lidar", "sensor", "mesh", "start", "agent", "ecef"}
-NO_FRAME = {"sigma", "size", "extent", "datum", "rgb", "color", "rpy", "value"}
+FRAMES = {"world", "local", "body", "lidar", "sensor", "mesh", "tree", "start", "agent", "ecef"}
+NO_FRAME = {"sigma", "size", "scale", "extent", "datum", "rgb", "color", "rpy", "value"}
+TOPS = ("include", "core", "sim")
 PHRASES = ("any frame, the same for all arguments", "local frame between stages, world in Action")
 
 ONE = r"(?:(?:Eigen::)?Vector[23][df]?)"
@@ -72,7 +73,7 @@ def agnostic(text):
 
 
 def violations(root):
-    for path in sorted((root / "include").rglob("*.hpp")):
+    for path in sorted(path for top in TOPS for path in (root / top).rglob("*.hpp")):
         text = path.read_text()
         free, code = list(agnostic(text)), declarations(text)
         frames = FRAMES | {frame for pair in TRANSFORM.findall(text) for frame in pair}
@@ -96,8 +97,10 @@ def violations(root):
 
 
 def source(root, header):
-    """The room's sources beside a public header, in which its configurations are visited."""
-    room = root.joinpath(*header.parent.relative_to(root / "include" / "swiftlet").parts)
+    """The sources of a header's room, in which its configurations are visited."""
+    room = header.parent
+    if room.is_relative_to(root / "include"):
+        room = root / room.relative_to(root / "include" / "swiftlet")
     room = room / "base" if room == root / "core" else room
     return "".join(path.read_text() for path in sorted(room.glob("*.cpp")))
 

@@ -81,8 +81,6 @@ inline Observation drive(Sensor& sensor, const std::vector<Motion>& motions, con
       history.push(static_cast<VehicleId>(i), state);
     }
   };
-  const auto append = [](auto& all, const auto& some) { all.insert(all.end(), some.begin(), some.end()); };
-
   Observation all, delivered;
   push(0);
   for (TimeNs now = options.tick; now <= from_seconds(options.duration_s); now += options.tick) {
@@ -90,13 +88,10 @@ inline Observation drive(Sensor& sensor, const std::vector<Motion>& motions, con
     delivered.clear();
     sensor.measure(now, history, delivered);
     if (on_tick) on_tick(now, delivered);
-    append(all.imu, delivered.imu);
-    append(all.gnss, delivered.gnss);
-    append(all.altimeter, delivered.altimeter);
-    append(all.compass, delivered.compass);
-    append(all.odometry, delivered.odometry);
-    append(all.pose, delivered.pose);
-    append(all.neighbors, delivered.neighbors);
+    Observation::each_samples(all, [&]<class Sample>(std::vector<Sample>& samples) {
+      const auto& some = samples_of<Sample>(delivered);
+      samples.insert(samples.end(), some.begin(), some.end());
+    });
   }
   return all;
 }

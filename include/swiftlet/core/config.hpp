@@ -19,8 +19,10 @@
 /// The strict YAML reader, the writer of resolved scenarios and the generated reference page are visitors
 /// (sim/scenario).
 ///
-/// Rules: defaults stand in the struct and nowhere else; a default-constructed config is valid; a key carries its
-/// unit as a suffix (`_m`, `_s`, `_hz`, `_deg`, `_mps`, `_kg`, ...) and the value is stored in that unit.
+/// Rules:
+/// - Defaults stand in the struct and nowhere else, and a default-constructed config is valid.
+/// - A key carries its unit as a suffix (`_m`, `_s`, `_hz`, `_deg`, `_mps`, `_kg`, ...). The value is stored in that
+///   unit.
 namespace swiftlet {
 
 /// Closed interval by default; the ends can be excluded.
@@ -135,8 +137,8 @@ class ConfigVisitor {
   void choice(const char* key, auto& value, std::initializer_list<const char*> words, const char* doc) {
     choice(key, value, std::span<const char* const>(words.begin(), words.size()), doc);
   }
-  /// A path of an input file; the reader resolves it against the file that names it and checks that it exists
-  /// (an empty value means: none).
+  /// A path of an input file; empty means none. The reader resolves it against the file that names it and checks that
+  /// it exists.
   virtual void file(const char* key, std::string& path, const char* doc) = 0;
   /// Names an asset (`assets/<folder>/<value>.yaml`, or a path) whose content lies under the keys of this object,
   /// which override it. Must be the first call of a visit. Empty: none.

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <span>
+#include <vector>
 
-#include "swiftlet/core/action.hpp"
-#include "swiftlet/core/observation.hpp"
+#include "swiftlet/core/frames.hpp"
 
 /// Is every number of a value finite? Asked wherever a value passes from one stage to the next.
 namespace swiftlet {
@@ -32,43 +31,37 @@ inline bool is_finite(std::span<const float> values) {
   return count == 0;
 }
 
-inline bool is_finite(const StateEstimate& e) {
-  return is_finite(e.T_local_body) && is_finite(e.v_local_mps) && is_finite(e.omega_body_radps) &&
-         is_finite(e.T_world_local) && is_finite(e.covariance);
-}
+/// The visitor that asks every number of a kind of data (swiftlet/core/fields.hpp).
+class FiniteNumbers {
+ public:
+  bool all() const { return all_; }
 
-inline bool is_finite(const Reference& r) {
-  return is_finite(r.position_m) && is_finite(r.velocity_mps) && is_finite(r.acceleration_mps2) &&
-         is_finite(r.yaw_rad) && is_finite(r.yaw_rate_radps);
-}
+  void time(const char*, TimeNs, const char*) {}
+  void valid(const char*, bool, const char*) {}
+  void vehicle(const char*, VehicleId, const char*) {}
+  void choice(const char*, const auto&, std::span<const char* const>, const char*) {}
+  void field(const char*, const auto& value, const char*) {
+    if constexpr (requires { is_finite(value); }) all_ = all_ && is_finite(value);
+  }
+  void covariance(const char*, const auto& matrix, const char*) { all_ = all_ && is_finite(matrix); }
+  void array(const char*, const auto& values, const char*) {
+    for (const auto& value : values) all_ = all_ && is_finite(value);
+  }
+  template <class T>
+  void list(const char*, const std::vector<T>& values, const char*) {
+    for (const T& value : values) T::visit(value, *this);
+  }
 
-inline bool is_finite(const Detection& d) {
-  return is_finite(d.position_m) && is_finite(d.covariance) && is_finite(d.extent_m) && is_finite(d.confidence);
-}
+ private:
+  bool all_ = true;
+};
 
-inline bool is_finite(const Track& t) {
-  return is_finite(t.position_m) && is_finite(t.velocity_mps) && is_finite(t.acceleration_mps2) &&
-         is_finite(t.covariance);
-}
-
-inline bool is_finite(const ImuSample& s) {
-  return is_finite(s.omega_body_radps) && is_finite(s.specific_force_body_mps2);
-}
-inline bool is_finite(const OdometrySample& s) { return is_finite(s.T_local_body) && is_finite(s.v_local_body_mps); }
-inline bool is_finite(const GnssSample& s) {
-  return is_finite(s.p_world_m) && is_finite(s.v_world_mps) && is_finite(s.sigma_p_m) && is_finite(s.sigma_v_mps);
-}
-inline bool is_finite(const AltimeterSample& s) { return is_finite(s.height_m) && is_finite(s.sigma_m); }
-inline bool is_finite(const CompassSample& s) { return is_finite(s.yaw_rad) && is_finite(s.sigma_rad); }
-inline bool is_finite(const PoseSample& s) {
-  return is_finite(s.T_world_body) && is_finite(s.v_world_mps) && is_finite(s.omega_body_radps);
-}
-inline bool is_finite(const NeighborSample& s) { return is_finite(s.p_body_m) && is_finite(s.covariance_body); }
-inline bool is_finite(const Scan& s) {
-  return is_finite(s.T_body_lidar) && is_finite(std::span<const float>(s.range_m)) &&
-         is_finite(std::span<const float>(s.intensity)) && is_finite(std::span<const float>(s.reflectivity)) &&
-         std::all_of(s.external_poses.begin(), s.external_poses.end(),
-                     [](const StampedPose& pose) { return is_finite(pose.T_world_body); });
+template <class Kind>
+requires requires(const Kind& kind, FiniteNumbers& numbers) { Kind::visit(kind, numbers); }
+bool is_finite(const Kind& kind) {
+  FiniteNumbers numbers;
+  Kind::visit(kind, numbers);
+  return numbers.all();
 }
 
 }  // namespace swiftlet

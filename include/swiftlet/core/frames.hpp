@@ -7,8 +7,12 @@
 #include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/time.hpp"
 
-/// Frames (docs/conventions.md): world = east, north, up; body = forward, left, up, origin in the center of mass;
-/// lidar = as the driver of the sensor gives it; local = a vehicle's odometry frame, which drifts.
+/// Frames (docs/conventions.md):
+/// - world: east, north, up;
+/// - body: forward, left, up, with the origin in the center of mass;
+/// - lidar: as the driver of the sensor gives it;
+/// - local: smooth and drifting, from a vehicle's start; its control, clouds and maps live in it.
+///
 /// A transform names both frames, destination first: point_world = T_world_body * point_body.
 namespace swiftlet {
 

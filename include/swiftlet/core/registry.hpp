@@ -11,9 +11,9 @@
 
 namespace swiftlet {
 
-/// What a scenario may choose by name: the rows that come with Swiftlet, in one .cpp of a room above everything that it
-/// names, then those that a program plugs in. A row is a struct that begins with `ModuleType module` and has a `make`.
-/// Rows are added before configurations are read, and not beside other threads.
+/// What a scenario may choose by name. First come the rows of Swiftlet, in one .cpp of a room above everything that it
+/// names. Then come those that a program plugs in. A row is a struct that begins with `ModuleType module` and has a
+/// `make`. Rows are added before configurations are read, and not beside other threads.
 template <class Row>
 class Registry {
  public:

@@ -10,9 +10,9 @@
 
 namespace swiftlet {
 
-/// Where and when the beams of one sweep are fired. Row-major (rows x cols); for a spinning sensor row 0 is the top
-/// beam and a column is one firing; for a sensor without rows, rows = number of beams fired at once.
-/// Constant for a spinning sensor, hence shared between its scans.
+/// Where and when the beams of one sweep are fired. Row-major (rows x cols). Of a spinning sensor row 0 is the top beam
+/// and a column is one firing. Of a sensor without rows, rows is the number of beams fired at once. Constant for a
+/// spinning sensor, hence shared between its scans.
 struct BeamTable {
   int rows = 0;
   int cols = 0;
@@ -42,8 +42,8 @@ struct Scan {
   std::vector<float> range_m;    ///< along the beam from its origin; 0: no return      (rows x cols)
   std::vector<float> intensity;  ///< received power, 1 = white Lambertian wall at 10 m, normal incidence (rows x cols)
   std::vector<float> reflectivity;  ///< range-corrected intensity, 1 = white Lambertian (rows x cols)
-  /// Poses of the body during the sweep as told by an outside localization with the noise of Sigma_w [Vrba 2025, eq.
-  /// 66]: one for a frozen scan, several over the sweep otherwise. Empty when the vehicle localizes itself.
+  /// Poses of the body as told by an outside localization with the noise of Sigma_w [Vrba 2025, eq. 66]. A frozen scan
+  /// has one, another several over the sweep, and none when the vehicle localizes itself.
   std::vector<StampedPose> external_poses;
 
   /// Everything that differs between scans; `beams` is a property of the sensor.

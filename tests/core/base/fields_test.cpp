@@ -5,7 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "swiftlet/core/action.hpp"
+#include "swiftlet/core/finite.hpp"
 #include "swiftlet/core/observation.hpp"
 #include "tests/support/field_coverage.hpp"
 
@@ -140,6 +143,19 @@ TEST(Fields, AScanVisitsEverythingButTheTableOfItsBeams) {
 }
 
 TEST(Fields, AFieldThatIsForgottenIsNoticed) { EXPECT_EQ(num_bytes_forgotten<Forgetful>(), 1); }
+
+TEST(Fields, OneNumberThatIsNotFiniteIsFoundWhereverItStands) {
+  const auto is_found = [](const auto& spoil) {
+    Gust gust;
+    spoil(gust);
+    return !is_finite(gust);
+  };
+  EXPECT_FALSE(is_found([](Gust& g) { g.count = 7; }));
+  EXPECT_TRUE(is_found([](Gust& g) { g.v_world_mps.z() = std::nan(""); }));
+  EXPECT_TRUE(is_found([](Gust& g) { g.T_world_gust.translation().x() = HUGE_VAL; }));
+  EXPECT_TRUE(is_found([](Gust& g) { g.T_world_gust.linear()(2, 1) = std::nan(""); }));
+  EXPECT_TRUE(is_found([](Gust& g) { g.covariance(5, 4) = -HUGE_VAL; }));
+}
 
 TEST(Observation, EveryListOfSamplesIsEmptiedByClear) {
   Observation observation;

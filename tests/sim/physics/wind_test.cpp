@@ -18,9 +18,9 @@ WindConfig gusty(const Vector3& mean_mps = Vector3::Zero()) {
 TEST(Dryden, ScalesAtTenMetersAreThoseOfTheStandard) {
   // 32.8 ft: L_u = h / (0.177 + 0.000823 h)^1.2 = 221 ft, sigma_u / sigma_w = 1.89.
   const DrydenScales scales = dryden_scales(10.0, 7.7);
-  EXPECT_NEAR(scales.length_m.x(), 67.0, 1.0);
-  EXPECT_EQ(scales.length_m.x(), scales.length_m.y());
-  EXPECT_NEAR(scales.length_m.z(), 10.0, 1e-9);
+  EXPECT_NEAR(scales.scale_length_m.x(), 67.0, 1.0);
+  EXPECT_EQ(scales.scale_length_m.x(), scales.scale_length_m.y());
+  EXPECT_NEAR(scales.scale_length_m.z(), 10.0, 1e-9);
   EXPECT_NEAR(scales.sigma_mps.z(), 0.77, 1e-9);
   EXPECT_NEAR(scales.sigma_mps.x() / scales.sigma_mps.z(), 1.89, 0.01);
   // Clamped to 10 ft and 1000 ft.
@@ -43,7 +43,7 @@ TEST(Dryden, GustsHaveTheStandardDeviationAndCorrelationLength) {
     for (const Vector3& g : series) mean += g / count;
     for (int axis = 0; axis < 3; ++axis) {
       // exp(-1) after L_u for u, after half of the length for v and w.
-      const double length = scales.length_m[axis] * (axis == 0 ? 1.0 : 0.5);
+      const double length = scales.scale_length_m[axis] * (axis == 0 ? 1.0 : 0.5);
       const int lag = static_cast<int>(std::lround(length / meters_a_step));
       double variance = 0.0;
       double covariance = 0.0;

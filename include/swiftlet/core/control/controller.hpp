@@ -10,7 +10,7 @@
 
 namespace swiftlet {
 
-/// Gains of the cascade. A gain of 0 is derived from the airframe: how fast its motors are bounds the rate loop, which
+/// Gains of the cascade. A gain of 0 is derived from the airframe: the speed of its motors bounds the rate loop. That
 /// bounds the attitude loop, which bounds the position loop. Gains act on accelerations, so mass and inertia drop out.
 struct ControlGainsConfig {
   double position_radps = 0.0;  ///< natural frequency of the position loop
@@ -40,13 +40,16 @@ struct ControlGains {
 
 /// Position -> acceleration -> attitude -> body rates -> torques -> rotors.
 ///
-/// Structure and feed-forward terms of T. Lee, M. Leok, N. H. McClamroch, "Geometric tracking control of a quadrotor
-/// UAV on SE(3)", CDC 2010 (thrust along the body axis and moment, eq. (10), (11), (16)). Deviations: the attitude
-/// error is the rotation angle instead of its sine, so that it also brings back a vehicle that is upside down, and tilt
-/// is split from heading so that weak yaw torque never disturbs the thrust direction (D. Brescianini, R. D'Andrea,
-/// "Tilt-prioritized quadrocopter attitude control", TCST 2020); body rates of the reference from its jerk as in
-/// D. Mellinger, V. Kumar, "Minimum snap trajectory generation and control for quadrotors", ICRA 2011.
-/// Knows the rotors' speeds from a model of the motors, which gives the lead that makes up for part of their lag.
+/// Structure and feed-forward terms are those of T. Lee, M. Leok, N. H. McClamroch, "Geometric tracking control of a
+/// quadrotor UAV on SE(3)", CDC 2010: thrust along the body axis, and moment, eqs. (10), (11), (16). Deviations:
+/// - The attitude error is the rotation angle instead of its sine, so that it also brings back a vehicle that is upside
+///   down.
+/// - Tilt is split from heading, so that weak yaw torque never disturbs the thrust direction (D. Brescianini, R.
+///   D'Andrea, "Tilt-prioritized quadrocopter attitude control", TCST 2020).
+/// - Body rates of the reference come from its jerk (D. Mellinger, V. Kumar, "Minimum snap trajectory generation and
+///   control for quadrotors", ICRA 2011).
+///
+/// The rotors' speeds are known from a model of the motors. It gives the lead that makes up for part of their lag.
 class MultirotorController {
  public:
   using Commands = std::array<double, kMaxRotors>;

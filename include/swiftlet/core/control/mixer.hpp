@@ -28,8 +28,8 @@ class Mixer {
   Wrench wrench(const Forces& force_N) const;
   /// Least-norm thrusts (pseudo-inverse of B) for the wrench, each between what the rotor can do. When the wrench is
   /// out of reach, yaw torque is given up first, then the thrust is moved, then roll and pitch shrink together.
-  /// @param lift_N  roll and pitch may raise a lower thrust to this and no further: where a controller asks for more
-  ///     torque than there is again and again, half of all thrust would carry the vehicle away
+  /// @param lift_N  roll and pitch may raise a lower thrust to this and no further. Where a controller asks for
+  ///     too much torque again and again, half of all thrust would carry the vehicle away.
   Forces forces(const Wrench& wanted, double lift_N = std::numeric_limits<double>::infinity()) const;
 
   double min_force_N() const { return min_force_N_; }

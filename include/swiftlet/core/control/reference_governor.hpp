@@ -8,14 +8,14 @@
 
 namespace swiftlet {
 
-/// Makes whatever guidance asks for flyable: a point that follows the goal and never exceeds the limits of velocity,
-/// acceleration and jerk (heading: rate and acceleration).
+/// Makes whatever guidance asks for flyable. Its point follows the goal within the limits of velocity, acceleration and
+/// jerk, and its heading within those of rate and acceleration.
 ///
-/// A goal far away is approached in nearly least time along straight lines; a moving goal that keeps the limits itself
+/// A goal far away is approached in nearly least time along straight lines. A moving goal that keeps the limits itself
 /// is followed without lag, sample by sample.
 ///
-/// The limits hold by construction, whatever the goal: a step is only taken into states from which the acceleration
-/// can be brought to zero, at full jerk, before the speed limit is reached; that braking step is always at hand.
+/// The limits hold by construction, whatever the goal. From every state that it enters, braking at full jerk ends the
+/// acceleration before the speed limit is reached. That braking step is always at hand.
 class ReferenceGovernor {
  public:
   explicit ReferenceGovernor(const MotionLimits& limits);

@@ -11,8 +11,8 @@
 
 namespace swiftlet {
 
-/// Joins points by their mutual distance: two points are in the same cluster exactly if a chain of points leads from
-/// one to the other in steps of at most the tolerance [Vrba 2025, eqs. 13-15].
+/// Joins points by their mutual distance [Vrba 2025, eqs. 13-15]. Two points are in the same cluster exactly if a chain
+/// of points joins them in steps of at most the tolerance.
 ///
 /// Clusters are in the order of their first points, members in the order of the points, so results do not depend on who
 /// joins them. Any frame, the same for all arguments.

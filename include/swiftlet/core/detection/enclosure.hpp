@@ -17,8 +17,8 @@ struct SearchShape {
 };
 
 /// Rule B [Vrba 2025, sec. III-B, algorithm 1]: is a set of voxels totally separated by confident free ones from
-/// everything that is at least tentative? A flood over the 6-neighborhood through what is not free; reaching something
-/// tentative, the border of the search or the border of the map ends it. Its answer does not depend on the order of the
+/// everything that is at least tentative? The search floods the 6-neighborhood through what is not free. It ends at
+/// something tentative, at its own border or at the border of the map. The answer does not depend on the order of the
 /// search, which goes depth first because that meets the border soonest.
 class EnclosureSearch {
  public:

@@ -13,8 +13,8 @@ namespace swiftlet {
 /// Rays are followed so far beyond a scrolling map, which may have moved when they take effect.
 inline constexpr int kRayScroll_voxels = 32;
 
-/// How the parts of the method that the paper leaves open, or that the authors' released code does otherwise, are read
-/// (docs/detection.md has the numbers behind the defaults).
+/// How the method is read where the paper leaves it open or the authors' released code does otherwise. The numbers
+/// behind the defaults are in docs/detection.md.
 struct VofodChoices {
   enum class Clustering { kPoints, kVoxels } clustering = Clustering::kPoints;
   enum class Position { kCentroid, kBoxCenter } position = Position::kCentroid;

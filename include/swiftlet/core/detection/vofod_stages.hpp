@@ -20,8 +20,8 @@ namespace swiftlet {
 /// Result of rules A to C. Too large: no flying object by its size, the seed of the background.
 enum class ClusterClass : std::uint8_t { kBackground, kUnknown, kFlying, kTooLarge };
 
-/// The stages of the VoFOD detector on one map, without a clock: what each does to a scan or to the map (Vrba 2025,
-/// sec. III-B to III-D). A copy is expensive: it holds the map.
+/// The stages of the VoFOD detector on one map, without a clock [Vrba 2025, sec. III-B to III-D]. Each does its work on
+/// a scan or on the map. A copy is expensive: it holds the map.
 class VofodStages {
  public:
   explicit VofodStages(const VofodConfig& config);

@@ -30,10 +30,11 @@ struct AgileConfig : ModuleConfigOf<AgileConfig> {
 /// A trajectory without end: a uniform quartic B-spline (C3), whose control points are drawn as it goes.
 /// Any frame, the same for all arguments.
 ///
-/// A B-spline's derivatives are B-splines of the differences of its control points, hence convex combinations of them
-/// (de Boor, A Practical Guide to Splines, ch. X): with the first differences at most v h, the second at most a h^2 and
-/// the points in the box, speed, acceleration and place keep their bounds at every instant, and jerk is at most 2 a /
-/// h. The control points head for random targets in the area, at least `leg_min_m` apart, and can always brake in time.
+/// The derivatives of a B-spline are B-splines of the differences of its control points (de Boor, A Practical Guide to
+/// Splines, ch. X). So they are convex combinations of these. The first differences are at most v h, the second at most
+/// a h^2, and the points lie in the box. Hence speed, acceleration and position keep their bounds at every instant, and
+/// jerk is at most 2 a / h. The control points head for random targets in the area, at least `leg_min_m` apart, and can
+/// always brake in time.
 class AgileSpline {
  public:
   /// Rests at `start` first; the area is extended to hold it. Limits of the vertical may be lower than those of the

@@ -10,8 +10,8 @@
 /// 2025, sec. 2.5].
 namespace swiftlet {
 
-/// What both share beyond their models, neither of which says how to keep off trees: a push away from the nearest thing
-/// that the map shows at the height of flight.
+/// What both models share. Neither says how to keep off trees: here the nearest thing that the map shows at the height
+/// of flight pushes the vehicle away.
 struct FlockObstacleConfig {
   bool enabled = false;
   double avoid_distance_m = 2.0;
@@ -20,11 +20,13 @@ struct FlockObstacleConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// PACNav (Ahmad, Bonilla Licea, Silano, Baca and Saska, 2022): informed vehicles fly to the goal; uninformed ones
-/// follow the neighbor whose path is the most persistent and the most similar to the others', and all avoid
-/// collisions. The standard form of its two measures is used: persistence is the distance between the ends of the
-/// remembered path over its length; similarity is the mean cosine between its direction of motion and those of the
-/// other paths. Horizontal.
+/// PACNav (Ahmad, Bonilla Licea, Silano, Baca and Saska, 2022). Informed vehicles fly to the goal. Uninformed ones
+/// follow the neighbor whose path is the most persistent and the most similar to the others'. All avoid collisions. The
+/// standard forms of both measures are used:
+/// - Persistence is the distance between the ends of the remembered path over its length.
+/// - Similarity is the mean cosine between its direction of motion and those of the other paths.
+///
+/// All of it is horizontal.
 struct PacnavConfig : ModuleConfigOf<PacnavConfig> {
   bool informed = true;
   Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
@@ -42,8 +44,8 @@ struct PacnavConfig : ModuleConfigOf<PacnavConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// Purely vision-based model (Bastien and Romanczuk, 2020; Mezey et al., 2024): speed and turning follow from the
-/// 1D projection field V of the neighbors on the retina and its edges,
+/// Purely vision-based model (Bastien and Romanczuk, 2020; Mezey et al., 2024). Speed and turning follow from V, the 1D
+/// projection field of the neighbors on the retina, and from its edges:
 ///   dv/dt = gamma (v0 - v) + int cos(phi) alpha0 (-V + alpha1 |dV/dphi|) dphi,
 ///   dpsi/dt = int sin(phi) beta0 (-V + beta1 |dV/dphi|) dphi.
 /// The model has no goal; `goal_weight_radps` adds a turn towards one (0: as published). Horizontal.

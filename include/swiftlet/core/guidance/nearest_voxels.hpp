@@ -10,10 +10,10 @@
 
 namespace swiftlet {
 
-/// The nearest of some voxels for every cell of a box on the same lattice, by the distance of centers: an exact feature
-/// transform, one axis after the other (A. Meijster, J. Roerdink, W. Hesselink, "A general algorithm for computing
-/// distance transforms in linear time", 2000; P. Felzenszwalb, D. Huttenlocher, 2012), of which only what the box asks
-/// for is computed. Any frame, the same for all arguments.
+/// The nearest of some voxels for every cell of a box on the same lattice, by the distance of centers. It is an exact
+/// feature transform, one axis after the other, of which only what the box asks for is computed. (A. Meijster, J.
+/// Roerdink, W. Hesselink, "A general algorithm for computing distance transforms in linear time", 2000; P.
+/// Felzenszwalb, D. Huttenlocher, 2012.) Any frame, the same for all arguments.
 class NearestVoxels {
  public:
   /// @param around  voxels in these cells count; at most 1023 by axis

@@ -28,8 +28,8 @@ struct Neighbor {
   TimeNs seen = 0;  ///< time of validity of the last measurement
 };
 
-/// Keeps the neighbors of a mutual-localization sensor, of radio messages, or of tracks: each through a Kalman filter
-/// of constant velocity, forgotten when it was not heard of for a while.
+/// Keeps the neighbors of a mutual-localization sensor, of radio messages, or of tracks. Each has a Kalman filter of
+/// constant velocity, and is forgotten when it was not heard of for a while.
 class NeighborMemory {
  public:
   explicit NeighborMemory(const NeighborSourceConfig& config) : config_(config) {}

@@ -22,8 +22,8 @@ struct CellCentroids {
 };
 
 /// The cells S and A of one agent, as samples on a cubic lattice [Kamler 2025, sec. 2.4.1]. Everything is in the
-/// agent's frame. The samples lie in rows along x; a convex cut leaves an interval of every row, so that a
-/// cut costs one division a row, whatever the number of samples.
+/// agent's frame. The samples lie in rows along x, and a convex cut leaves an interval of every row. So a cut costs one
+/// division a row, whatever the number of samples.
 class RblCell {
  public:
   /// @param planar  a disc in the agent's horizontal plane instead of a ball

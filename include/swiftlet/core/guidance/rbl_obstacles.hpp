@@ -35,9 +35,10 @@ inline Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, dou
 }
 
 /// Cuts cells by voxels. Both cuts keep the agent's encumbrance away from every voxel that faces it:
-/// convex: half-spaces at the nearest point of the nearest voxel, then of the nearest one that is not yet behind such a
-/// plane, and so on: the cell stays convex, as Kamler 2025, sec. 3.1.3 asks for;
-/// nearest: each sample by the voxel that is nearest to it [Kamler 2025, sec. 3.2.5, sign of the exclusion corrected].
+/// - convex [Kamler 2025, sec. 3.1.3]: the cell stays convex, by half-spaces. The first touches the nearest point of
+///   the nearest voxel. Each further one touches the nearest voxel that is not yet behind one of them.
+/// - nearest [Kamler 2025, sec. 3.2.5, sign of the exclusion corrected]: each sample is judged by the voxel nearest to
+///   it.
 class ObstacleCutter {
  public:
   /// @param p_local_m  the agent; the cell is relative to it

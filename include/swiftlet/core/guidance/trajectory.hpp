@@ -7,8 +7,8 @@
 
 namespace swiftlet {
 
-/// A curve given by a formula, flown with its exact velocity and acceleration: first to its beginning, there a rest,
-/// then speeding up smoothly; slowing down as smoothly at the end of the last lap.
+/// A curve given by a formula, flown with its exact velocity and acceleration. The vehicle first flies to its
+/// beginning, rests there, and then speeds up smoothly. It slows down as smoothly at the end of the last lap.
 struct TrajectoryConfig : ModuleConfigOf<TrajectoryConfig> {
   enum class Shape { kCircle, kLissajous, kLine };
   Shape shape = Shape::kCircle;

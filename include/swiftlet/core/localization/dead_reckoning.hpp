@@ -28,8 +28,8 @@ struct NavState {
 /// One strapdown step: specific force and body rate constant over dt; attitude exact, the force turned at mid-step.
 void strapdown(NavState& state, const Vector3& omega_body_radps, const Vector3& specific_force_body_mps2, double dt_s);
 
-/// Carries a pose of the past, or one that comes rarely, to the present: by the IMU's samples, or at constant velocity
-/// and body rate when there is no IMU. Keeps the last 256 samples, so a pose may come late by that much.
+/// Carries a pose of the past, or one that comes rarely, to the present. It uses the IMU's samples, or constant
+/// velocity and body rate when there is no IMU. It keeps the last 256 samples, so a pose may come late by that much.
 class DeadReckoning {
  public:
   void push(const ImuSample& sample);

@@ -5,8 +5,8 @@
 
 namespace swiftlet {
 
-/// Carries what was told in one frame into another: goals of the world into the vehicle's local frame, and what the
-/// vehicle says of itself back into the world. Without a correction it changes no bit.
+/// Carries goals of the world into the vehicle's local frame, and what the vehicle says of itself back into the world.
+/// Without a correction it changes no bit.
 class FrameChange {
  public:
   FrameChange() = default;  ///< to the same frame

@@ -12,8 +12,8 @@
 namespace swiftlet {
 
 /// Inertial navigation aided by whatever the vehicle carries: GNSS, altimeter, compass, velocity from odometry. A
-/// vehicle that was not told its heading needs a compass before it can use its GNSS; one that was told nothing takes
-/// its place from the first fix after that.
+/// vehicle that was not told its heading needs a compass before it can use its GNSS. One that was told nothing takes
+/// its position from the first fix after that.
 struct InsConfig : ModuleConfigOf<InsConfig> {
   // Noise of the IMU; defaults: ADIS16448 as in RotorS and PX4.
   double gyro_noise_radps_sqrt_hz = 3.39e-4;

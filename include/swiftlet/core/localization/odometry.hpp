@@ -9,9 +9,9 @@
 
 namespace swiftlet {
 
-/// Odometry alone (visual-inertial or any other): its frame is laid onto the vehicle's local frame once, at the first
-/// sample, by the start (position and heading; both frames have z up). From there its drift is the vehicle's drift. A
-/// vehicle that was not told its heading learns it from the first sample of a compass, if it carries one; otherwise its
+/// Odometry alone, visual-inertial or any other. At the first sample its frame is laid onto the vehicle's local frame,
+/// once, by position and heading at the start. Both frames have z up. From there its drift is the vehicle's drift. A
+/// vehicle that was not told its heading learns it from the first sample of a compass, if it carries one. Otherwise its
 /// world stays its local frame. The IMU fills the time between samples.
 struct OdometryEstimatorConfig : ModuleConfigOf<OdometryEstimatorConfig> {
   double timeout_s = 0.5;

@@ -9,12 +9,12 @@
 
 namespace swiftlet {
 
-/// How far rays travel in each voxel [Vrba 2025, sec. III-C], summed over the rays of a sweep, in a dense window around
-/// the sensor that is no larger than the map. Any frame, the same for all arguments.
+/// How far rays travel in each voxel, summed over the rays of a sweep [Vrba 2025, sec. III-C]. The sums lie in a dense
+/// window around the sensor that is no larger than the map. Any frame, the same for all arguments.
 ///
-/// A ray is cut by the planes of its steepest axis. Between two of them it meets at most three voxels, and which ones,
-/// and how long, follows from the two ends alone: so the pieces are computed side by side instead of one after the
-/// other as in Amanatides and Woo's walk, with the same lengths to the rounding of single precision.
+/// A ray is cut by the planes of its steepest axis. Between two of them it meets at most three voxels, and its two ends
+/// alone tell which, and how long. So the pieces are computed side by side, not one after the other as in the walk of
+/// Amanatides and Woo. The lengths are the same to the rounding of single precision.
 class RayLengths {
  public:
   /// Starts a sweep whose rays begin in the box and are no longer than the reach. Lengths start from 0.

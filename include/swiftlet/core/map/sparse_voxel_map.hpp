@@ -28,9 +28,9 @@ struct SparseVoxelMapConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What was seen around a vehicle, as occupied voxels in blocks (the role of Bonxai in Kamler 2025, sec. 3.2.4). Only
-/// voxels that were hit at some time are stored. A table of block places that repeats itself beyond twice keep_radius_m
-/// finds a block without searching; what is farther from the vehicle than that radius is not stored.
+/// What was seen around a vehicle, as occupied voxels in blocks (the role of Bonxai in [Kamler 2025, sec. 3.2.4]). Only
+/// voxels that were hit at some time are stored, and only within keep_radius_m of the vehicle. A block is found without
+/// searching, in a table of places that repeats itself beyond twice that radius.
 class SparseVoxelMap : public OccupancyView {
  public:
   explicit SparseVoxelMap(const SparseVoxelMapConfig& config);

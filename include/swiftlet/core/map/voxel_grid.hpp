@@ -11,9 +11,9 @@ namespace swiftlet {
 
 using Cell = Eigen::Vector3i;
 
-/// A box of cubic voxels. Any frame, the same for all arguments. Cells are counted on that frame's lattice: cell (i, j,
-/// k) spans [i, i + 1) * edge and so on, whatever the box; so two grids of one edge agree on their cells. Indices run
-/// along x first, then y, then z.
+/// A box of cubic voxels. Any frame, the same for all arguments. Cells are counted on that frame's lattice, whatever
+/// the box: cell (i, j, k) spans [i, i + 1) * edge and so on. So two grids of one edge agree on their cells. Indices
+/// run along x first, then y, then z.
 struct VoxelGrid {
   double edge_m = 0.25;
   Cell min_cell = Cell::Zero();

@@ -7,9 +7,9 @@
 
 namespace swiftlet {
 
-/// Which row goes to which column, so that as many as possible are paired and, among those pairings, the sum of costs
-/// is the least: shortest augmenting paths (Jonker and Volgenant, Computing 38, 1987). Keeps its memory from call to
-/// call.
+/// Which row goes to which column. As many as possible are paired, and among those pairings the sum of costs is the
+/// least. The method is shortest augmenting paths (Jonker and Volgenant, Computing 38, 1987). Keeps its memory from
+/// call to call.
 class Assignment {
  public:
   static constexpr double kForbidden = std::numeric_limits<double>::infinity();

@@ -11,8 +11,8 @@
 
 namespace swiftlet {
 
-// Elementary functions for random numbers, two at a time: without a branch, in SIMD lanes, a fraction of libm's time,
-// and the same bits on every processor, where libm has versions for some. Errors are below 1e-15.
+// Elementary functions for random numbers, two at a time, without a branch, in SIMD lanes. They take a fraction of
+// libm's time and give the same bits on every processor, where libm has versions for some. Errors are below 1e-15.
 using Lanes2d = Eigen::Array2d;
 
 /// Natural logarithm of numbers in (0, 1], not below 1e-307.

@@ -7,10 +7,10 @@
 #include "swiftlet/core/fields.hpp"
 #include "swiftlet/core/messages/wire.hpp"
 
-/// A kind of message is a struct with `kTopic`, `kVersion`, `kDoc` and a `visit` (swiftlet/core/fields.hpp), in a file
-/// of its own, with one line in registry.cpp. Its bytes, its size on the air, its page of the reference, its table and
-/// its topic in recordings follow. Change kVersion with the fields: who has other ones does not read what they do not
-/// mean.
+/// A kind of message is a struct with `kTopic`, `kVersion`, `kDoc` and a `visit` (swiftlet/core/fields.hpp). It stands
+/// in a file of its own, with one line in registry.cpp. Its bytes, its size on the air, its page of the reference, its
+/// table and its topic in recordings follow. Change kVersion with the fields: who has other ones does not read what
+/// they do not mean.
 namespace swiftlet {
 
 /// How reading a message ended.

@@ -14,7 +14,7 @@
 
 /// The bytes of a message's content as they go on the air: field after field in the order of its `visit`,
 /// little-endian, without padding. A time has 8 bytes, a vehicle and an `int` 4, a flag and a choice 1, a pose 56
-/// (position, quaternion); texts and lists are preceded by their length in 2 bytes; of a covariance the upper triangle
+/// (position, quaternion). Texts and lists are preceded by their length in 2 bytes. Of a covariance the upper triangle
 /// is sent.
 namespace swiftlet {
 

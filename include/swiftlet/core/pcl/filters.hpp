@@ -13,8 +13,8 @@ namespace swiftlet {
 /// One point for each occupied cube of a grid: the centroid of its points.
 std::vector<Eigen::Vector3f> pcl_voxel_grid(std::span<const Eigen::Vector3f> points_m, double leaf_m);
 
-/// Indices of the points that stay when those are taken away whose mean distance to their neighbors is more than
-/// `sigmas` standard deviations above the mean of all.
+/// Indices of the points that stay. Those are taken away whose mean distance to their neighbors is more than `sigmas`
+/// standard deviations above the mean of all.
 std::vector<std::uint32_t> pcl_statistical_inliers(std::span<const Eigen::Vector3f> points_m, int num_neighbors,
                                                    double sigmas);
 

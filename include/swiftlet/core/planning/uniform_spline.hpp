@@ -7,9 +7,9 @@
 
 namespace swiftlet {
 
-/// A smooth curve by time: the uniform cubic B-spline of its control points, at rest in the first one at t = 0 and in
-/// the last one at the end. Velocity and acceleration are continuous; the curve stays in the convex hull of any four
-/// neighbors. Any frame, the same for all arguments.
+/// A smooth curve by time: the uniform cubic B-spline of its control points. It is at rest in the first one at t = 0
+/// and in the last one at the end. Velocity and acceleration are continuous; the curve stays in the convex hull of any
+/// four neighbors. Any frame, the same for all arguments.
 class UniformSpline {
  public:
   UniformSpline() = default;

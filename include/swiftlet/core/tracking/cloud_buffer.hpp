@@ -10,8 +10,8 @@
 
 namespace swiftlet {
 
-/// A cloud as the tracker keeps it: its points, when each was measured, and boxes around runs of neighboring points,
-/// with which a search around a place looks at few of them.
+/// A cloud as the tracker keeps it: its points, when each was measured, and boxes around runs of neighboring points. By
+/// these a search around a place looks at few of them.
 class BufferedCloud {
  public:
   void assign(const LocalCloud& cloud);

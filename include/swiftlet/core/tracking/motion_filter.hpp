@@ -72,9 +72,11 @@ struct KalmanConfig {
 };
 std::unique_ptr<MotionFilter> make_kalman_filter(const KalmanConfig& config);
 
-/// Interacting multiple models (Blom and Bar-Shalom, IEEE TAC 33(8), 1988): constant velocity, constant acceleration
-/// (eq. 30) and coordinated turn in the plane of velocity and acceleration (Li and Jilkov, IEEE TAES 39(4), 2003,
-/// sec. V-B), whose rate |v x a| / |v|^2 is that of the estimate.
+/// Interacting multiple models (Blom and Bar-Shalom, IEEE TAC 33(8), 1988):
+/// - constant velocity;
+/// - constant acceleration (eq. 30);
+/// - coordinated turn in the plane of velocity and acceleration, at the estimate's rate |v x a| / |v|^2 (Li and Jilkov,
+///   IEEE TAES 39(4), 2003, sec. V-B).
 struct ImmConfig {
   ProcessNoise constant_velocity{0.01, 0.05, 0.05};
   ProcessNoise constant_acceleration{0.01, 0.2, 0.6};

@@ -11,8 +11,8 @@
 
 namespace swiftlet {
 
-/// Tracks for pictures, in a color for each identity: "tracks" (where they are and have been, and where they will be
-/// in two seconds) and "tracks.covariance" (ellipses of three standard deviations in the coordinate planes).
+/// Tracks for pictures, in a color for each identity. "tracks" shows where they are, have been, and will be in two
+/// seconds. "tracks.covariance" shows ellipses of three standard deviations in the coordinate planes.
 class TrackOverlays {
  public:
   /// After every update of the tracks.

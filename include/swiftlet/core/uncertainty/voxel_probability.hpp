@@ -15,7 +15,7 @@ namespace swiftlet {
 /// @param Sigma  [m^2], positive semi-definite
 double box_probability(const Vector3& mean, const Matrix3& Sigma, const Eigen::AlignedBox3d& box);
 
-/// Probability that the true point lies in the voxel in which it was measured, eqs. (64) and (65); voxels are aligned
+/// Probability that the true point lies in the voxel in which it was measured, eqs. (64) and (65). Voxels are aligned
 /// with the world and have their corners at multiples of the edge.
 double correct_voxel_probability(const Vector3& p_measured_world_m, const Matrix3& Sigma, double voxel_edge_m);
 

@@ -40,8 +40,8 @@ class BatchPlan {
   std::uint64_t group_of(const Episode& episode) const;
   /// The episodes of one shard: a contiguous part of all of them in the order of their groups.
   std::vector<std::uint64_t> episodes_of(const Shard& shard) const;
-  /// Changes with anything that could change a result (scenarios with all their defaults, models, files that they name,
-  /// points, seeds), and with nothing else (comments, order of keys, time-outs, recorders).
+  /// Changes with anything that could change a result: scenarios with all their defaults, models, files that they name,
+  /// points, seeds. It changes with nothing else, such as comments, order of keys, time-outs or recorders.
   const std::string& fingerprint() const { return fingerprint_; }
 
  private:

@@ -21,9 +21,9 @@ struct MergeOutcome {
 /// Throws InputError.
 std::vector<std::filesystem::path> find_databases(const std::vector<std::filesystem::path>& sources);
 
-/// Unites databases of one batch in OUT/results.sqlite, which appears when it is complete, with its CSV files; what an
+/// Unites databases of one batch in OUT/results.sqlite, which appears with its CSV files when it is complete. What an
 /// earlier merge or a run left there takes part. The result does not depend on the order of the sources. Where several
-/// have the same episode, one that is done wins over one that is not, and two that are done must agree in every number.
+/// have the same episode, one that is done wins over one that is not. Two that are done must agree in every number.
 /// Throws InputError when they do not, when the sources belong to different batches, or while a batch writes there.
 MergeOutcome merge_batches(const std::vector<std::filesystem::path>& databases, const std::filesystem::path& out);
 

@@ -23,9 +23,9 @@ Environment system_environment();
 /// "2/8": the second of eight. Throws InputError.
 Shard parse_shard(const std::string& text);
 
-/// The part that a cluster gives this process: an element of a Slurm array (SLURM_ARRAY_TASK_ID) or of an indexed
-/// Kubernetes job (JOB_COMPLETION_INDEX, of SWIFTLET_NUM_SHARDS), and in it a rank (OMPI_COMM_WORLD_RANK, PMI_RANK,
-/// SLURM_PROCID). The whole when nothing tells of one. Throws InputError when what is told makes no sense.
+/// The part that a cluster gives this process; the whole when nothing tells of one. It is an element of a Slurm array
+/// (SLURM_ARRAY_TASK_ID) or of an indexed Kubernetes job (JOB_COMPLETION_INDEX, of SWIFTLET_NUM_SHARDS). In it, it is a
+/// rank (OMPI_COMM_WORLD_RANK, PMI_RANK, SLURM_PROCID). Throws InputError when what is told makes no sense.
 Shard shard_of_environment(const Environment& environment);
 
 }  // namespace swiftlet::sim

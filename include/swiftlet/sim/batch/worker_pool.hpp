@@ -7,14 +7,14 @@
 #include <string>
 #include <vector>
 
-/// Jobs in worker processes. A job is a number, its result a string of bytes; a job that crashes, runs out of time or
+/// Jobs in worker processes. A job is a number, its result a string of bytes. A job that crashes, runs out of time or
 /// of memory is a result like any other and takes nothing else down.
 namespace swiftlet::sim {
 
 struct Job {
   std::uint64_t id = 0;
-  /// Jobs of one group share something dear (a world) that a worker keeps between jobs: a worker stays with its group
-  /// as long as there are jobs of it, and takes a group that nobody works on before it joins another worker's.
+  /// Jobs of one group share something dear (a world) that a worker keeps between jobs. A worker stays with its group
+  /// as long as there are jobs of it. Then it prefers a group that nobody works on to another worker's.
   std::uint64_t group = 0;
 };
 
@@ -48,13 +48,13 @@ struct WorkerPoolEvents {
 
 /// Calls `work(job)` for every job in worker processes and hands over the results. A worker keeps whatever `work` holds
 /// from one job to the next (a cache in the closure). What the work throws makes the job kFailed (std::bad_alloc:
-/// kOutOfMemory). A job that crashes or runs out of memory in a worker that had done others before is tried once more
+/// kOutOfMemory). A job may crash or run out of memory in a worker that had done others before. It is tried once more
 /// in a fresh one, so that only its own doing counts.
 ///
-/// Workers are forks of this process, which therefore must have no thread but this one, from here until the return:
-/// anything else throws std::logic_error (OpenMP's threads stay once started). Workers ignore SIGINT and SIGTERM, which
-/// are this process's to answer through `canceled`, and die with it. What they print on stdout or stderr is kept and
-/// its last line is part of the message when they crash.
+/// Workers are forks of this process. It must have no thread but this one, from here until the return. Anything else
+/// throws std::logic_error (OpenMP's threads stay once started). Workers ignore SIGINT and SIGTERM, which are this
+/// process's to answer through `canceled`, and die with it. What they print on stdout or stderr is kept, and its last
+/// line is part of the message when they crash.
 /// @return false when canceled; jobs that were running then have no result
 bool run_jobs(const std::vector<Job>& jobs, const std::function<std::string(std::uint64_t job)>& work,
               const WorkerPoolOptions& options, const WorkerPoolEvents& events);

@@ -44,8 +44,7 @@ struct SequenceStatistics {
   void add(const SequenceStatistics& other);
 };
 
-/// Writes the scans of one LiDAR as a sequence, the frames on a thread of their own: velodyne/, labels/, point_truth/,
-/// images/, poses.txt, times.txt, calib.txt, told.tum, boxes.csv (docs/datasets.md).
+/// Writes the scans of one LiDAR as a sequence (docs/datasets.md), the frames on a thread of their own.
 /// @param world       of the run, for what is visible
 /// @param statistics  complete when the recorder has finished; shared, for it outlives the recorder
 std::unique_ptr<Recorder> make_sequence_recorder(const ContentConfig& content, VehicleId vehicle,

@@ -25,9 +25,12 @@ struct VerifyReport {
   bool ok() const { return problems.empty(); }
 };
 
-/// Checks a dataset: that it is complete, every file's size and hash, that nothing is there that should not be, the
-/// layout of every sequence (as many poses, times, scans and labels as frames; labels that the class table knows; boxes
-/// of frames that exist), and that random frames come out the same, bit for bit, when their flight is simulated again.
+/// Checks a dataset:
+/// - It is complete, every file has its size and hash, and nothing is there that should not be.
+/// - Every sequence has as many poses, times, scans and labels as frames, labels of the class table, and boxes of its
+///   frames.
+/// - Random frames come out the same, bit for bit, when their flight is simulated again.
+///
 /// Throws InputError when the directory holds no dataset.
 VerifyReport verify_dataset(const std::filesystem::path& directory, const VerifyOptions& options);
 

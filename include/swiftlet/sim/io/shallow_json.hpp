@@ -5,8 +5,8 @@
 
 namespace swiftlet::sim {
 
-/// Parses what somebody else may have written: what is no JSON, or is nested deeper than any file of ours (libraries
-/// walk a document by calling themselves), becomes a discarded value.
+/// Parses what somebody else may have written. What is no JSON becomes a discarded value. So does what is nested deeper
+/// than any file of ours, because libraries walk a document by calling themselves.
 template <class Json, class Input>
 Json parse_shallow(Input&& input) {
   constexpr int kMaxDepth = 64;

@@ -17,7 +17,7 @@ enum class Sharing {
 };
 
 /// Threads that share the loops of a run. Whoever runs takes the next few iterations that nobody has taken. So a loop
-/// waits for work that somebody has begun, and never for a thread that the system lets wait: beside other programs the
+/// waits for work that somebody has begun, and never for a thread that the system lets wait. Beside other programs the
 /// caller does alone what nobody helps with. A parallel region of OpenMP waits at both of its ends until every thread
 /// of it has run, however little there was to do.
 ///

@@ -34,8 +34,8 @@ struct Crash {
 };
 
 /// Rigid bodies of all vehicles in one Bullet world with the static scene. Hides Bullet. A step of a vehicle costs
-/// about a microsecond; many vehicles are shared out to the crew on duty as long as they cannot touch
-/// anything, which gives the same bits for any number.
+/// about a microsecond. Many vehicles are shared out to the crew on duty as long as they cannot touch anything. That
+/// gives the same bits for any number of threads.
 class PhysicsWorld {
  public:
   /// `seed` drives gusts. The static scene may be null (empty space).

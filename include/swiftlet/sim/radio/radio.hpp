@@ -16,9 +16,10 @@
 namespace swiftlet::sim {
 
 /// Carries messages in lockstep: what is posted in a tick arrives in a later one. Each sender transmits one message
-/// after the other, in the order of posting. A message posted at t while the sender is free starts at t, ends
-/// size / rate later, and arrives after the delay; range, line of sight and loss are decided for each receiver with the
-/// vehicles' positions in the tick in which it starts (at most one tick old). Jitter may change the order of arrival.
+/// after the other, in the order of posting. A message posted at t while the sender is free starts at t, ends size /
+/// rate later, and arrives after the delay. Range, line of sight and loss are decided for each receiver. They follow
+/// from the vehicles' positions in the tick in which it starts, at most one tick old. Jitter may change the order of
+/// arrival.
 class Radio {
  public:
   Radio(const RadioConfig& config, std::uint64_t seed, std::vector<std::string> vehicle_names,

@@ -9,8 +9,8 @@
 
 namespace swiftlet::sim {
 
-/// Makes 16-bit gray PNG files in memory, several times as fast as a general compressor and no larger: measured ranges
-/// are noise in their low bits, where there is nothing to be found but the statistics of the bytes and runs of equal
+/// Makes 16-bit gray PNG files in memory, several times as fast as a general compressor and no larger. Measured ranges
+/// are noise in their low bits. There is nothing to be found there but the statistics of the bytes and runs of equal
 /// ones. (PNG, ISO/IEC 15948: filter Sub; RFC 1951: one dynamic Huffman block a file.) Keeps its memory between images.
 class GrayPng {
  public:

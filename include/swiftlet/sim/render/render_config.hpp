@@ -22,9 +22,11 @@ struct CameraConfig {
   Type type = Type::kTop;
   std::string vehicle;  ///< follow, onboard, depth, lidar_*: whose; empty: the first (follow: all of them)
   std::string sensor;   ///< lidar_*: which LiDAR of the vehicle; empty: the first
-  /// Where it is and what it looks at. Both zero: chosen by the type. fixed: world; follow: position is the offset
-  /// from the vehicle(s), heading-free, and its length the least distance; onboard, depth: body frame;
-  /// top: target is the center, when span_m is given.
+  /// Where it is and what it looks at. Both zero: chosen by the type.
+  /// - fixed: world;
+  /// - follow: position is the offset from the vehicle(s), heading-free, and its length the least distance;
+  /// - onboard, depth: body frame;
+  /// - top: target is the center, when span_m is given.
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();
   double fov_deg = 60.0;     ///< vertical

@@ -9,12 +9,13 @@
 
 namespace swiftlet::sim {
 
-/// The page about a batch: outcomes with Wilson's intervals, the telling metrics with box plots, sweeps and paired
-/// differences, every metric, the worst episodes and the failures with the commands that repeat them.
+/// The page about a batch. It shows outcomes with Wilson's intervals, the telling metrics with box plots, sweeps and
+/// paired differences, and every metric. The worst episodes and the failures follow with the commands that repeat them.
 std::string batch_report_html(const BatchTable& table);
 
-/// A row for every group and quantity (n, mean, sd, 95 % interval, order statistics, paired difference to the first
-/// variant) and for every group and outcome (rate, Wilson's interval, paired difference of the rates).
+/// The numbers of that page, a row for every group with each of:
+/// - a quantity: n, mean, sd, 95 % interval, order statistics, paired difference to the first variant;
+/// - an outcome: rate, Wilson's interval, paired difference of the rates.
 std::string batch_report_csv(const BatchTable& table);
 
 /// Writes report.html and report.csv into a batch directory; their paths. Throws InputError when it is none.

@@ -64,8 +64,8 @@ PairedCounts paired_outcomes(const BatchTable& table, const std::string& outcome
                              const EpisodeGroup& second);
 std::uint64_t count_outcome(const BatchTable& table, const std::string& outcome, const EpisodeGroup& group);
 
-/// Quantities worth a plot: those that the batch file names, otherwise the six that its groups explain best (the share
-/// of the variance that lies between them), or vary most when there is one group.
+/// Quantities worth a plot: those that the batch file names, otherwise six. These are the six that its groups explain
+/// best, by the share of the variance that lies between them. With one group they are those that vary most.
 std::vector<const Quantity*> telling_quantities(const BatchTable& table);
 
 }  // namespace swiftlet::sim

@@ -23,8 +23,11 @@ class ConfigFiles {
   virtual std::vector<std::filesystem::path> scenario_roots() const = 0;
 };
 
-/// The file system. Assets: the folders in the environment variable SWIFTLET_ASSETS (separated by colons), the source
-/// tree, share/swiftlet/assets beside the folder of the running program, and where the library was installed.
+/// The file system. Assets are looked for in this order:
+/// - the folders in the environment variable SWIFTLET_ASSETS, separated by colons;
+/// - the source tree;
+/// - share/swiftlet/assets beside the folder of the running program;
+/// - where the library was installed.
 const ConfigFiles& system_files();
 
 }  // namespace swiftlet::sim

@@ -12,7 +12,7 @@
 #include "swiftlet/sim/scenario/config_files.hpp"
 
 /// The strict reader: fills any configuration through its `visit`. Whatever is wrong with the input ends in an
-/// InputError whose lines (20 at most, in the order of the text) are
+/// InputError. It has at most 20 lines, in the order of the text, of this form:
 ///   file:line:column: key.path[0].x: expected <what>, found <what>; did you mean "<what>"?
 namespace swiftlet::sim {
 

@@ -13,9 +13,14 @@ struct GnssOutage {
   void visit(ConfigVisitor& v);
 };
 
-/// Satellite navigation. Error of position = white noise + stationary Gauss-Markov drift + random walk of the altitude
-/// (what a receiver's filter hides: Orsulic 2021 saw 0.8 m between take-off and landing) + multipath where the sky is
-/// blocked. Defaults: the receiver of Orsulic 2021 (u-blox M8P), whose sigma was above 1.5 m.
+/// Satellite navigation. The error of position is a sum:
+/// - white noise;
+/// - stationary Gauss-Markov drift;
+/// - random walk of the altitude, which a receiver's filter hides (0.8 m between take-off and landing in [Orsulic
+///   2021]);
+/// - multipath where the sky is blocked.
+///
+/// Defaults are those of the receiver of [Orsulic 2021] (u-blox M8P), whose sigma was above 1.5 m.
 struct GnssConfig : SensorConfigOf<GnssConfig> {
   std::string model;
   double rate_hz = 5.0;
@@ -40,9 +45,9 @@ struct GnssConfig : SensorConfigOf<GnssConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// With `sky_view` a ray goes to each of the satellites (a fixed constellation, spread evenly over the sky, turned by a
-/// random azimuth); blocked ones are lost, noise and drift grow with sqrt(satellites / visible), multipath with the
-/// blocked share, and fewer than four visible ones give no fix. The sample's sigmas are the standard deviations of the
+/// With `sky_view` a ray goes to each of the satellites: a fixed constellation, spread evenly over the sky, turned by a
+/// random azimuth. Blocked ones are lost. Noise and drift grow with sqrt(satellites / visible), multipath with the
+/// blocked share. Fewer than four visible ones give no fix. The sample's sigmas are the standard deviations of the
 /// whole error but for the altitude's walk, which no receiver knows.
 std::unique_ptr<Sensor> make_gnss_sensor(const ModuleConfig& config, SensorSetup setup);
 

@@ -10,9 +10,10 @@
 
 namespace swiftlet::sim {
 
-/// The pose that the agent is told with each scan, with the noise of Sigma_w [Vrba 2025, sec. IV-A and eq. 66]. With
-/// the noise on the way from measurement to truth (eqs. 40, 41), the external pose is t_m = t_gt - t_n, R_m = R_gt
-/// R_n^T with R_n = Rz Ry Rx. White: one draw for each sweep. Correlated: a stationary Gauss-Markov process.
+/// The pose that the agent is told with each scan, with the noise of Sigma_w [Vrba 2025, sec. IV-A and eq. 66]. The
+/// noise is on the way from measurement to truth (eqs. 40, 41):
+///   t_m = t_gt - t_n,  R_m = R_gt R_n^T  with  R_n = Rz Ry Rx.
+/// White: one draw for each sweep. Correlated: a stationary Gauss-Markov process.
 struct ExternalPoseConfig {
   bool enabled = false;
   double sigma_position_m = 0.05;

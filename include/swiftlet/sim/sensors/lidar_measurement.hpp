@@ -30,10 +30,11 @@ struct RangeNoiseConfig {
 };
 
 /// Which returns the receiver notices. The received signal, in standard deviations of the receiver's noise, is
-/// S = G * reflectivity * cos(incidence) * range^-n (a surface larger than the beam); a return is noticed when
-/// S + noise > threshold. G and n follow from the two ranges at which a maker's data sheet promises a detection
-/// probability of 0.9: a Lambertian target of 10 % and of 80 % reflectivity, hit at right angles. n is 2 in vacuum
-/// (range_80 = 2.83 range_10); makers' figures give 1.9 (OS1) or, where firmware cuts the range, more.
+///   S = G * reflectivity * cos(incidence) * range^-n
+/// for a surface larger than the beam. A return is noticed when S + noise > threshold. G and n follow from two ranges
+/// in a maker's data sheet. There it promises a detection probability of 0.9 for a Lambertian target, hit at right
+/// angles, of 10 % and of 80 % reflectivity. n is 2 in vacuum (range_80 = 2.83 range_10). Makers' figures give 1.9
+/// (OS1) or, where firmware cuts the range, more.
 struct DetectionConfig {
   bool always = false;
   double range_10_percent_m = 40.0;

@@ -20,8 +20,8 @@ class LidarPattern {
   virtual void fill(std::uint32_t sweep, BeamTable& beams) const = 0;
   /// The same beams in every sweep?
   virtual bool repeats() const { return true; }
-  /// Columns by which row `row` runs ahead of row 0 in direction: beams that look in the same direction lie in one
-  /// column after this shift (staggering of an Ouster). Only for the order of tracing.
+  /// Columns by which row `row` runs ahead of row 0 in direction (staggering of an Ouster). Beams that look in the same
+  /// direction lie in one column after this shift. Only for the order of tracing.
   virtual int column_shift(int /*row*/) const { return 0; }
   /// Do rows and columns form an image? Else beams are traced in the order of their directions.
   virtual bool is_image() const { return true; }

@@ -14,9 +14,9 @@ struct NeighborCamera {
   void visit(ConfigVisitor& v);
 };
 
-/// Other vehicles as UVDAR (blinking markers seen by fisheye cameras; Kamler 2025) and the like give them: good
-/// bearings, ranges that get worse with distance, nothing beyond a range, behind an obstacle or another vehicle, or out
-/// of view.
+/// Other vehicles as UVDAR (blinking markers seen by fisheye cameras; [Kamler 2025]) and the like give them. Bearings
+/// are good, ranges get worse with distance. Nothing is seen beyond a range, out of view, or behind an obstacle or
+/// another vehicle.
 struct NeighborsConfig : SensorConfigOf<NeighborsConfig> {
   std::string model;
   double rate_hz = 10.0;

@@ -6,9 +6,9 @@
 
 namespace swiftlet::sim {
 
-/// Two rooms joined by a gap, Pritzl 2024 sec. III-A. The gap's center lies at `position_m`, the path through it along
-/// the building's x axis; the building can be turned against the world and hence against map grids. The paper gives the
-/// gap's width (eq. 1: w_G = 2 d_S + 1.5 resolution) but no other size of the rooms.
+/// Two rooms joined by a gap [Pritzl 2024, sec. III-A]. The gap's center lies at `position_m`, and the path through it
+/// runs along the building's x axis. The building can be turned against the world and hence against map grids. The
+/// paper gives the gap's width (eq. 1: w_G = 2 d_S + 1.5 resolution) but no other size of the rooms.
 struct TwoRoomsGapConfig : ModuleConfigOf<TwoRoomsGapConfig> {
   double gap_width_m = 0.0;
   double safe_distance_m = 0.8;

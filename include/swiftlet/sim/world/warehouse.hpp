@@ -6,9 +6,9 @@
 
 namespace swiftlet::sim {
 
-/// A hall with pallet racks in double rows along x, aisles between them, a cross aisle at either end, pillars at the
-/// ends of the rows, retro-reflective tape on the floor and on the uprights, and a gate in the east wall (+x) whose
-/// leaves leave a door of any width open, as in Pritzl 2024 sec. III-C (1.2 m down to 0.9 m). What fills the racks is
+/// A hall with pallet racks in double rows along x, aisles between them, and a cross aisle at either end. Pillars stand
+/// at the ends of the rows. Retro-reflective tape marks the floor and the uprights. The leaves of a gate in the east
+/// wall (+x) leave a door of any width open [Pritzl 2024, sec. III-C] (1.2 m down to 0.9 m). What fills the racks is
 /// drawn from the seed; walls, aisles, pillars and door are the same for every seed.
 struct WarehouseConfig : ModuleConfigOf<WarehouseConfig> {
   Eigen::Vector3d size_m = {40.0, 26.0, 9.0};
