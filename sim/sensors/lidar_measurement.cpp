@@ -37,6 +37,10 @@ void RangeNoiseConfig::visit(ConfigVisitor& v) {
   v.field("sigma_range_m", sigma_range_m, "[m] standard deviation of the range if constant; what the agent is told",
           Range::non_negative());
   v.field("floor_m", floor_m, "[m] signal: standard deviation that no signal undercuts", Range::non_negative());
+  v.field("floor_rise_m", floor_rise_m, "[m] signal: the floor is higher by this for a tenth of floor_snr",
+          Range::non_negative());
+  v.field("floor_snr", floor_snr, "[-] signal: over the receiver's noise, from which on the floor is floor_m",
+          Range::positive());
   v.field("sigma_at_reference_m", sigma_at_reference_m, "[m] signal: what is added to it in squares at reference_snr",
           Range::non_negative());
   v.field("reference_snr", reference_snr, "[-] signal: over the receiver's noise, where sigma_at_reference_m is added",
@@ -100,8 +104,9 @@ LidarMeasurement::LidarMeasurement(const RangeNoiseConfig& noise, const Detectio
   }
   for (int i = 0; i <= kSignalEntries && noise.law == RangeNoiseConfig::Law::kSignal && !ideal; ++i) {
     const double inverse_snr = elementary::pow(static_cast<double>(i) / kSignalEntries, 2);
+    const double decades_below = elementary::log(std::max(noise.floor_snr * inverse_snr, 1.0)) / std::numbers::ln10;
     signal_sigmas_m_.push_back(static_cast<float>(elementary::hypot(
-        noise.floor_m,
+        noise.floor_m + noise.floor_rise_m * decades_below,
         noise.sigma_at_reference_m * elementary::pow(noise.reference_snr * inverse_snr, noise.exponent))));
   }
   flat_incidence_ = noise.table_incidence_deg.empty();

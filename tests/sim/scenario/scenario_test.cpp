@@ -171,21 +171,6 @@ TEST(LidarPresets, OustersHaveTheMakersTableOfEveryRow) {
   EXPECT_NEAR(narrow.elevations_deg[63], 0.05, 1e-9);
 }
 
-TEST(LidarPresets, NoiseOfOustersIsThatOfRecordedFrames) {
-  // Mean over surfaces of reflectivity * cos(incidence) = 0.3.
-  const auto sigma_mm = [](const char* preset, float range_m) {
-    const LidarConfig lidar = lidar_preset(preset);
-    const LidarMeasurement measurement(lidar.noise, lidar.detection, lidar.range_max_m, false);
-    return 1000.0 * measurement.sigma_m(range_m, 1.0F, 0.3F);
-  };
-  for (const float range_m : {4.0F, 6.0F, 8.0F}) {
-    EXPECT_NEAR(sigma_mm("os1_128", range_m), 9.0, 1.0) << range_m;
-    EXPECT_NEAR(sigma_mm("os0_128", range_m), 7.5, 2.5) << range_m;
-  }
-  for (const float range_m : {15.0F, 20.0F, 25.0F}) EXPECT_NEAR(sigma_mm("os1_128", range_m), 13.0, 3.0) << range_m;
-  EXPECT_NEAR((sigma_mm("os1_128", 15.0F) + sigma_mm("os1_128", 22.5F) + sigma_mm("os1_128", 30.0F)) / 3, 13.0, 1.0);
-}
-
 TEST(LidarPresets, NoBeamOfTheDatasetsMid360MeetsTheOwnHullOnAnyAirframe) {
   for (const char* world : {"forest_team.yaml", "warehouse_team.yaml"}) {
     const Scenario scenario = load_scenario(fs::path(SWIFTLET_SOURCE_DIR "/scenarios/dataset/worlds") / world);

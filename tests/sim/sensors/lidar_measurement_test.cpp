@@ -63,7 +63,9 @@ TEST(LidarMeasurement, SigmaBySignalFollowsTheMakersLaw) {
   RangeNoiseConfig noise;
   noise.law = RangeNoiseConfig::Law::kSignal;
   noise.floor_m = 0.0085;
+  noise.floor_rise_m = 0.0;
   noise.reference_snr = 12.0;
+  noise.exponent = 0.62;
   const LidarMeasurement by_signal(noise, {}, 120.0, false);
   const auto sigma_at = [&](double snr) {
     const float brightness = static_cast<float>(snr) / by_signal.snr(10.0F, 1.0F);
@@ -82,6 +84,23 @@ TEST(LidarMeasurement, SigmaBySignalFollowsTheMakersLaw) {
   EXPECT_GT(by_signal.sigma_m(10.0F, 1.0F, 0.0F), 0.4F) << "without a signal it stays finite";
   EXPECT_EQ(LidarMeasurement(noise, {}, 120.0, true).sigma_m(50.0F, 0.2F, 0.1F), 0.0F)
       << "an ideal sensor has no noise";
+}
+
+TEST(LidarMeasurement, TheFloorRisesByItsStepForEachTenthOfTheSignal) {
+  RangeNoiseConfig noise;
+  noise.law = RangeNoiseConfig::Law::kSignal;
+  noise.floor_m = 0.008;
+  noise.floor_rise_m = 0.003;
+  noise.floor_snr = 1000.0;
+  noise.sigma_at_reference_m = 0.0;
+  const LidarMeasurement by_signal(noise, {}, 120.0, false);
+  const auto sigma_at = [&](double snr) {
+    return by_signal.sigma_m(10.0F, 1.0F, static_cast<float>(snr) / by_signal.snr(10.0F, 1.0F));
+  };
+  EXPECT_NEAR(sigma_at(1e5), 0.008, 1e-6);
+  EXPECT_NEAR(sigma_at(1000.0), 0.008, 1e-4);
+  EXPECT_NEAR(sigma_at(100.0), 0.011, 1e-5);
+  EXPECT_NEAR(sigma_at(10.0), 0.014, 1e-5);
 }
 
 TEST(LidarMeasurement, AnIdealSensorSeesAllWithoutNoise) {

@@ -11,16 +11,20 @@ namespace swiftlet::sim {
 
 /// Noise of the measured range, by one of two laws.
 /// `constant`: sigma_range_m [Vrba 2025, eq. 66], or a table by range; linear between its points, constant outside.
-/// `signal`: sigma^2 = floor^2 + (sigma_at_reference * (reference_snr / S)^exponent)^2 with the S of DetectionConfig.
+/// `signal`: sigma^2 = floor^2 + (sigma_at_reference * (reference_snr / S)^exponent)^2 with the S of DetectionConfig;
+/// floor = floor_m + floor_rise_m * log10(floor_snr / S), not below floor_m. The defaults are fitted to an OS1-128's
+/// data sheet and to recorded frames (tests/sim/scenario/lidar_noise_fit_test.cpp).
 /// Either is multiplied by factor(incidence), if there is such a table.
 struct RangeNoiseConfig {
   enum class Law { kConstant, kSignal };
   Law law = Law::kConstant;
   double sigma_range_m = 0.03;
-  double floor_m = 0.0085;
+  double floor_m = 0.0079;
+  double floor_rise_m = 0.0033;
+  double floor_snr = 2000.0;
   double sigma_at_reference_m = 0.1;
-  double reference_snr = 1.5;
-  double exponent = 0.62;
+  double reference_snr = 0.54;
+  double exponent = 0.76;
   std::vector<double> table_range_m;
   std::vector<double> table_sigma_m;
   std::vector<double> table_incidence_deg;
