@@ -28,7 +28,8 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(CLI/|spdlog/)": [],
     r"^boost/": ["core/*", "sim/batch", "sim/report"],
     r"^pcl/": ["core/pcl"],
-    r"^(ceres|ompl|octomap)/": ["core/*"],
+    r"^(ceres|ompl)/": ["core/*"],
+    r"^octomap/": ["sim/octomap"],
     r"^(fstream|filesystem|iostream|cstdio|chrono|thread|random)$": ["sim/*"],
 }
 # Headers never show a type of another package than Eigen and the standard library, unless they are a room's own.
