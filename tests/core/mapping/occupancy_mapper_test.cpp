@@ -5,9 +5,7 @@
 #include <octomap/octomap.h>
 
 #include "swiftlet/core/stages/mappers.hpp"
-#include "swiftlet/sim/run/simulation.hpp"
-#include "swiftlet/sim/scenario/scenario.hpp"
-#include "swiftlet/sim/sensors/lidar.hpp"
+#include "tests/support/flown_scans.hpp"
 
 namespace swiftlet {
 namespace {
@@ -101,30 +99,6 @@ TEST(OccupancyMapper, TrackedVehiclesAreNoObstacles) {
   EXPECT_EQ(without.state({15.05, 0.05, 2.05}), CellState::kOccupied);
 }
 
-/// Scans of a scenario's first vehicle, each from one place, where that stood.
-struct SeenScan {
-  std::shared_ptr<const Scan> scan;
-  Pose T_world_body;
-};
-
-std::vector<SeenScan> fly(const char* scenario_file, int count) {
-  sim::Scenario scenario = sim::load_scenario(std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/" + scenario_file);
-  scenario.recorders.clear();
-  scenario.snapshots.clear();
-  scenario.vehicles.resize(1);
-  scenario.vehicles[0].sensors[0].as<sim::LidarConfig>().rolling = false;
-  sim::Simulation simulation(sim::validated(scenario), 2);
-  std::vector<SeenScan> seen;
-  while (static_cast<int>(seen.size()) < count) {
-    simulation.tick();
-    for (const auto& labeled : simulation.view().scans[0]) {
-      const std::shared_ptr<const Scan> scan(labeled, &labeled->scan);
-      seen.push_back({scan, labeled->truth.T_world_lidar.front() * scan->T_body_lidar.inverse()});
-    }
-  }
-  return seen;
-}
-
 // What a vehicle with an OS0-128 sees, with its noise, thinned by four: a map of some million cells.
 TEST(OccupancyMapper, EveryCellIsThatOfTheLibraryOnScansOfTheSimulator) {
   for (const char* scenario : {"warehouse.yaml", "forest.yaml"}) {
@@ -133,7 +107,7 @@ TEST(OccupancyMapper, EveryCellIsThatOfTheLibraryOnScansOfTheSimulator) {
     config.clear_range_m = 0.0;  // of beams without return the library knows nothing
     OccupancyMapping mapping(config);
     octomap::OcTree tree(config.map.edge_m);
-    for (const SeenScan& seen : fly(scenario, 2)) {
+    for (const testing::FlownScan& seen : testing::fly_scans(scenario, 2, 5)) {
       mapping.put(seen.T_world_body);
       mapping.see(seen.scan);
       const LocalCloud& cloud = *mapping.cloud;
@@ -144,7 +118,7 @@ TEST(OccupancyMapper, EveryCellIsThatOfTheLibraryOnScansOfTheSimulator) {
         const bool chosen = static_cast<int>(cloud.beam[i]) % seen.scan->cols() % 4 == 0;
         if (chosen && (p - origin).norm() >= config.range_min_m) points.push_back(p.x(), p.y(), p.z());
       }
-      EXPECT_GT(points.size(), 15000U);
+      EXPECT_GT(points.size(), 5000U);
       tree.insertPointCloud(points, {origin.x(), origin.y(), origin.z()}, config.map.range_max_m);
     }
     const auto& map = dynamic_cast<const OccupancyMap&>(mapping.mapper->map());
