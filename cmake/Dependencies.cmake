@@ -14,6 +14,7 @@ find_package(CLI11 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
+pkg_check_modules(octomap REQUIRED IMPORTED_TARGET octomap)
 pkg_check_modules(polyclipping REQUIRED IMPORTED_TARGET polyclipping)
 
 # Bullet in double precision: Debian's libraries with the suffix -float64. The headers are the same; the macro chooses.

@@ -257,6 +257,7 @@ AgentNeeds stack_needs(const ModuleConfig& config) {
   add(estimator_registry(), stack.localization);
   add(detector_registry(), stack.detector);
   add(tracker_registry(), stack.tracker);
+  add(mapper_registry(), stack.mapping);
   return needs;
 }
 

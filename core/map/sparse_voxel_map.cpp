@@ -7,11 +7,12 @@
 #include <limits>
 #include <utility>
 
+#include "core/map/cell_walk.hpp"
+
 namespace swiftlet {
 namespace {
 
 constexpr int kMostPlaceBits = 7;  // a table of 8 MB
-constexpr std::size_t kMostForgotten = 1024;
 constexpr std::uint64_t kNobody = std::numeric_limits<std::uint64_t>::max();
 
 std::uint64_t key_of(const Cell& cell) {
@@ -19,29 +20,6 @@ std::uint64_t key_of(const Cell& cell) {
   const auto part = [](int c) { return static_cast<std::uint64_t>(c + (1 << 20)) & kMask; };
   return part(cell.x()) | part(cell.y()) << 21U | part(cell.z()) << 42U;
 }
-
-// Blocks are 8 voxels wide.
-Cell block_of(const Cell& cell) { return {cell.x() >> 3, cell.y() >> 3, cell.z() >> 3}; }
-
-int index_in_block(const Cell& cell) { return (cell.x() & 7) | (cell.y() & 7) << 3 | (cell.z() & 7) << 6; }
-
-/// From cell to cell along a line [Amanatides and Woo, 1987]; lengths in cells.
-struct Walk {
-  Cell cell;
-  int step[3];
-  double next[3], per_cell[3];  // way to the next wall, and from wall to wall
-
-  Walk(const Vector3& origin, const Vector3& direction) : cell(origin.array().floor().cast<int>()) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double d = direction[axis];
-      step[axis] = d > 0.0 ? 1 : -1;
-      per_cell[axis] = d == 0.0 ? std::numeric_limits<double>::infinity() : std::abs(1.0 / d);
-      const double to_wall = d > 0.0 ? cell[axis] + 1.0 - origin[axis] : origin[axis] - cell[axis];
-      next[axis] = d == 0.0 ? per_cell[axis] : to_wall * per_cell[axis];
-    }
-  }
-  int next_axis() const { return next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2); }
-};
 
 }  // namespace
 
@@ -65,7 +43,7 @@ SparseVoxelMap::Block& SparseVoxelMap::block_for(const Cell& block) {
   std::uint32_t& place = places_[place_of(block)];
   if (place != 0 && blocks_[place - 1].at == block) return blocks_[place - 1];
   // Another one in its place lies farther away than anything that is kept.
-  if (place != 0) note_forgotten(blocks_[place - 1].at);
+  if (place != 0) forgotten_.note(revision_, blocks_[place - 1].at);
   if (place == 0 && !free_.empty()) {
     place = free_.back();
     free_.pop_back();
@@ -85,11 +63,6 @@ SparseVoxelMap::Block& SparseVoxelMap::block_for(const Cell& block) {
 bool SparseVoxelMap::occupied(const Voxel& voxel) const {
   return voxel.log_odds >= static_cast<float>(config_.occupied_log_odds) &&
          (config_.memory_s <= 0.0 || now_ - voxel.hit <= from_seconds(config_.memory_s));
-}
-
-void SparseVoxelMap::note_forgotten(const Cell& block) {
-  if (forgotten_.empty()) forgotten_.resize(kMostForgotten);
-  forgotten_[num_forgotten_++ % kMostForgotten] = {revision_, block};
 }
 
 bool SparseVoxelMap::first_in_sweep(const Cell& cell) {
@@ -146,7 +119,7 @@ void SparseVoxelMap::pass(const Ray& ray) {
   // The last half voxel before a surface is its own roughness.
   const double end =
       (std::min(length_m, config_.clear_range_m) - (ray.hit ? 0.5 * config_.edge_m : 0.0)) * cells_per_m_;
-  Walk walk(origin, direction);
+  CellWalk walk(origin, direction);
   auto& [cell, step, next, per_cell] = walk;
   const auto threshold = static_cast<float>(config_.occupied_log_odds);
   const auto loss = static_cast<float>(config_.miss_log_odds), least = static_cast<float>(config_.min_log_odds);
@@ -202,7 +175,7 @@ void SparseVoxelMap::keep_around(const Vector3& center_local_m) {
     free_.push_back(std::exchange(places_[place_of(block.at)], 0U));
     if (!forgets) ++revision_;
     forgets = true;
-    note_forgotten(block.at);
+    forgotten_.note(revision_, block.at);
   }
 }
 
@@ -260,31 +233,22 @@ double SparseVoxelMap::distance_m(const Vector3& p_local_m, double max_m) const 
 }
 
 std::optional<SegmentHit> SparseVoxelMap::first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const {
-  const double length_m = (to_local_m - from_local_m).norm();
-  const Vector3 direction =
-      length_m > 0.0 ? Vector3((to_local_m - from_local_m) / length_m) : Vector3(Vector3::UnitX());
-  Walk walk(from_local_m * cells_per_m_, direction);
-  for (double traveled = 0.0; traveled <= length_m * cells_per_m_;) {
-    if (state_of(walk.cell) == CellState::kOccupied) return SegmentHit{traveled / cells_per_m_, center_of(walk.cell)};
-    const int axis = walk.next_axis();
-    traveled = walk.next[axis];
-    walk.next[axis] += walk.per_cell[axis];
-    walk.cell[axis] += walk.step[axis];
-  }
-  return std::nullopt;
+  Cell cell;
+  const double way_m = way_to_first_m(from_local_m, to_local_m, cells_per_m_, cell,
+                                      [&](const Cell& at) { return state_of(at) == CellState::kOccupied; });
+  if (way_m < 0.0) return std::nullopt;
+  return SegmentHit{way_m, center_of(cell)};
 }
 
 bool SparseVoxelMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const {
   boxes.clear();
   if (config_.memory_s > 0.0) return false;
-  if (num_forgotten_ > kMostForgotten && forgotten_[num_forgotten_ % kMostForgotten].revision > revision) return false;
+  if (!forgotten_.knows_since(revision)) return false;
   const auto add = [&](const Cell& block) { boxes.push_back({config_.edge_m, block * kSide, Cell::Constant(kSide)}); };
   for (const Block& block : blocks_) {
     if (block.used && block.changed > revision) add(block.at);
   }
-  for (std::size_t i = 0; i < std::min(num_forgotten_, kMostForgotten); ++i) {
-    if (forgotten_[i].revision > revision) add(forgotten_[i].block);
-  }
+  forgotten_.for_each_since(revision, add);
   return true;
 }
 

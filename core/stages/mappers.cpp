@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/stages/mappers.hpp"
 
+#include "swiftlet/core/mapping/occupancy_mapper.hpp"
 #include "swiftlet/core/mapping/sparse_mapper.hpp"
 
 namespace swiftlet {
@@ -12,11 +13,19 @@ struct NoMapperConfig : ModuleConfigOf<NoMapperConfig> {
 
 std::unique_ptr<Mapper> make_no_mapper(const ModuleConfig&, const AgentSetup&) { return nullptr; }
 
+void need_for_occupancy(const ModuleConfig& config, AgentNeeds& needs) {
+  needs.memory.push_back({"mapping.keep_radius_m", dynamic_cast<const OccupancyMapperConfig&>(config).map.bytes()});
+}
+
 constexpr MapperType kMapperTypes[] = {
     {{"none", "no map of what is around", make_module_config<NoMapperConfig>}, make_no_mapper},
     {{"sparse", "voxels that the own LiDARs hit, near the vehicle [Kamler 2025, sec. 3.2]",
       make_module_config<SparseMapperConfig>},
      make_sparse_mapper},
+    {{"occupancy", "occupied, free and unknown cells, as OctoMap has them [Hornung 2013]",
+      make_module_config<OccupancyMapperConfig>},
+     make_occupancy_mapper,
+     need_for_occupancy},
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "sim/recorders/selection.hpp"
 #include "swiftlet/sim/io/byte_buffer.hpp"
 #include "swiftlet/sim/io/output_file.hpp"
+#include "swiftlet/sim/octomap/octomap_file.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -89,21 +90,41 @@ class MapRecorder : public Recorder {
   }
 
   void write_map(const MapVoxels& map, const MapLabel& label, std::filesystem::path path) {
-    body_.clear();
-    std::size_t count = 0;
+    path += std::string(".") + config_.format_name();
+    OutputFile file(directory_ / path, 0);
+    if (config_.format == MapConfig::Format::kOt || config_.format == MapConfig::Format::kBt) {
+      const auto format = config_.format == MapConfig::Format::kOt ? OctomapFormat::kOt : OctomapFormat::kBt;
+      file.append(octomap_content(selected(map), format, comments(map, label)));
+    } else {
+      append_points(selected(map), comments(map, label), file);
+    }
+    file.finish();
+    paths_.push_back(std::move(path));
+  }
+
+  const MapVoxels& selected(const MapVoxels& map) {
+    if (config_.voxels == MapConfig::Voxels::kAll) return map;
+    occupied_ = {};
+    occupied_.edge_m = map.edge_m;
+    occupied_.occupied_from = map.occupied_from;
+    occupied_.log_odds = map.log_odds;
     for (std::size_t i = 0; i < map.size(); ++i) {
-      if (config_.voxels == MapConfig::Voxels::kOccupied && map.state[i] < map.occupied_from) continue;
+      if (map.state[i] >= map.occupied_from) {
+        occupied_.add(map.centers_local_m[i].cast<double>(), map.state[i], map.value[i]);
+      }
+    }
+    return occupied_;
+  }
+
+  void append_points(const MapVoxels& map, const std::vector<std::string>& lines, OutputFile& file) {
+    body_.clear();
+    for (std::size_t i = 0; i < map.size(); ++i) {
       for (const float coordinate : map.centers_local_m[i]) body_.put(coordinate);
       body_.put(map.state[i]);
       body_.put(map.value[i]);
-      ++count;
     }
-    path += std::string(".") + config_.format_name();
-    OutputFile file(directory_ / path, 0);
-    file.append((config_.format == MapConfig::Format::kPly ? ply_header : pcd_header)(count, comments(map, label)));
+    file.append((config_.format == MapConfig::Format::kPly ? ply_header : pcd_header)(map.size(), lines));
     file.append(body_.bytes());
-    file.finish();
-    paths_.push_back(std::move(path));
   }
 
   MapConfig config_;
@@ -113,6 +134,7 @@ class MapRecorder : public Recorder {
   TickView last_;         // its agents and actions stay
   std::size_t next_ = 0;  // of the instants
   std::vector<MapVoxels> maps_;
+  MapVoxels occupied_;  // of one of them
   ByteBuffer body_;
   std::vector<std::filesystem::path> paths_;
 };
@@ -125,7 +147,10 @@ void MapConfig::visit(ConfigVisitor& v) {
   v.field("times_s", times_s, "[s] instants", Range::non_negative());
   v.field("at_end", at_end, "[-] also when the run ends");
   v.choice("voxels", voxels, {"all", "occupied"}, "[-] every voxel that was ever seen, or only occupied ones");
-  v.choice("format", format, kFormats, "[-] of the files, both binary with x, y, z, state and value");
+  v.choice(
+      "format", format, kFormats,
+      "[-] of the files: points with x, y, z, state and value (ply, pcd), or octrees of OctoMap (ot with log-odds, bt "
+      "with states only)");
   v.field("folder", folder, "[-] folder in the run directory; two recorders of the same format need two");
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/octomap/octomap_file.hpp"
 #include "swiftlet/sim/run/memory.hpp"
 #include "swiftlet/sim/world/mesh_import.hpp"
 #include "swiftlet/sim/world/point_cloud_file.hpp"
@@ -18,19 +19,33 @@ namespace {
 // Samples to an edge of a voxel.
 constexpr double kSamplesPerVoxel = 3.0;
 
-void append_cloud(const std::filesystem::path& file, std::vector<Eigen::Vector3f>& points_m) {
+enum class What { kOccupied, kFree };
+
+void append_cells(const std::filesystem::path& file, What what, const std::string& key,
+                  std::vector<Eigen::Vector3f>& points_m) {
+  const OctomapCells cells = read_octomap(file, [&](double bytes) { require_memory(key, bytes); });
+  const auto& chosen_m = what == What::kOccupied ? cells.occupied_m : cells.free_m;
+  points_m.insert(points_m.end(), chosen_m.begin(), chosen_m.end());
+}
+
+void append_cloud(const std::filesystem::path& file, What what, const std::string& key,
+                  std::vector<Eigen::Vector3f>& points_m) {
+  if (is_octomap_file(file)) return append_cells(file, what, key, points_m);
   for (const Eigen::Vector3d& p : read_point_cloud(file)) points_m.push_back(p.cast<float>());
 }
 
 // The clouds of a finished run, by the index that its recorder wrote beside them.
-void append_recorded(const std::filesystem::path& index, std::vector<Eigen::Vector3f>& points_m) {
+void append_recorded(const std::filesystem::path& index, const std::string& key,
+                     std::vector<Eigen::Vector3f>& points_m) {
   std::ifstream in(index);
   std::string line;
   std::getline(in, line);
   if (line.rfind("file,", 0) != 0) {
     throw InputError(index.string() + ": expected the index of recorded clouds, whose first column is 'file'");
   }
-  while (std::getline(in, line)) append_cloud(index.parent_path() / line.substr(0, line.find(',')), points_m);
+  while (std::getline(in, line)) {
+    append_cloud(index.parent_path() / line.substr(0, line.find(',')), What::kOccupied, key, points_m);
+  }
 }
 
 int samples_of(const Eigen::Vector3f& u, const Eigen::Vector3f& v, double spacing_m) {
@@ -81,9 +96,10 @@ std::shared_ptr<const PriorMap> make_prior_map(const PriorConfig& config, double
                                                const std::string& key) {
   auto prior = std::make_shared<PriorMap>();
   const double spacing_m = voxel_m / kSamplesPerVoxel;
-  if (!config.occupied.empty()) append_cloud(config.occupied, prior->occupied_world_m);
-  if (!config.free.empty()) append_cloud(config.free, prior->free_world_m);
-  if (!config.recorded.empty()) append_recorded(config.recorded, prior->occupied_world_m);
+  if (!config.occupied.empty())
+    append_cloud(config.occupied, What::kOccupied, key + ".occupied", prior->occupied_world_m);
+  if (!config.free.empty()) append_cloud(config.free, What::kFree, key + ".free", prior->free_world_m);
+  if (!config.recorded.empty()) append_recorded(config.recorded, key + ".recorded", prior->occupied_world_m);
   if (!config.mesh.empty()) {
     MeshImportConfig mesh;
     mesh.file = config.mesh;

@@ -28,11 +28,13 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(CLI/|spdlog/)": [],
     r"^boost/": ["core/*", "sim/batch", "sim/report"],
     r"^pcl/": ["core/pcl"],
-    r"^(ceres|ompl|octomap)/": ["core/*"],
+    r"^(ceres|ompl)/": ["core/*"],
+    r"^octomap/": ["sim/octomap"],
+    r"^polyclipping/": ["core/planning"],
     r"^(fstream|filesystem|iostream|cstdio|chrono|thread|random)$": ["sim/*"],
 }
 # Headers never show a type of another package than Eigen and the standard library, unless they are a room's own.
-HEADER_ONLY_IN_CPP = re.compile(r"^(bt[A-Z]|embree|GL/|png\.h|yaml-cpp|assimp|zstd|zlib|lz4|nlohmann|xxhash|sqlite3|Random123|pcl/|ceres/|ompl/|octomap/|boost/)")
+HEADER_ONLY_IN_CPP = re.compile(r"^(bt[A-Z]|embree|GL/|png\.h|yaml-cpp|assimp|zstd|zlib|lz4|nlohmann|xxhash|sqlite3|Random123|pcl/|ceres/|ompl/|octomap/|polyclipping/|boost/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 PROBES = [  # target, header, may it include that?

@@ -18,6 +18,7 @@ struct MapVoxels {
   std::vector<Eigen::Vector3f> centers_local_m;
   std::vector<std::uint8_t> state;  ///< of each voxel
   std::vector<float> value;         ///< from which its state follows: G, log-odds
+  bool log_odds = false;            ///< values are OctoMap's, and cells stand for what its library has
 
   std::size_t size() const { return centers_local_m.size(); }
   void add(const Vector3& center_local_m, std::uint8_t its_state, float its_value) {

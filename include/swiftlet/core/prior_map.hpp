@@ -25,8 +25,9 @@ struct PriorConfig {
   bool world = false;
 
   void visit(ConfigVisitor& v) {
-    v.file("occupied", occupied, "point cloud (PCD, PLY) of occupied voxels, world frame");
-    v.file("free", free, "point cloud of free voxels, one point in each");
+    v.file("occupied", occupied,
+           "point cloud (PCD, PLY) of occupied voxels, or those of an octree (OctoMap's .bt, .ot), world frame");
+    v.file("free", free, "point cloud of free voxels, one point in each, or those of an octree");
     v.file(
         "recorded", recorded,
         "finished run: pcd_index.csv or ply_index.csv of a recorder with `frame: world`; all its points are occupied");

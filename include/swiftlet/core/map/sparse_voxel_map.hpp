@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/core/map/block_log.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/time.hpp"
 
@@ -102,7 +103,6 @@ class SparseVoxelMap : public OccupancyView {
   void for_occupied(const Vector3& min_local_m, const Vector3& max_local_m, Fn&& fn) const;
   bool first_in_sweep(const Cell& cell);
   void pass(const Ray& ray);
-  void note_forgotten(const Cell& block);
 
   SparseVoxelMapConfig config_;
   double cells_per_m_;
@@ -115,12 +115,7 @@ class SparseVoxelMap : public OccupancyView {
   std::uint32_t sweep_ = 0;
   TimeNs now_ = 0;
   std::uint64_t revision_ = 0;
-  struct Forgotten {
-    std::uint64_t revision = 0;
-    Cell block = Cell::Zero();
-  };
-  std::vector<Forgotten> forgotten_;  // the last blocks, in a ring
-  std::size_t num_forgotten_ = 0;     // ever
+  BlockLog forgotten_;
 };
 
 }  // namespace swiftlet

@@ -13,6 +13,7 @@ namespace swiftlet {
 struct MapperType {
   ModuleType module;
   std::unique_ptr<Mapper> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+  void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
 };
 
 Registry<MapperType>& mapper_registry();

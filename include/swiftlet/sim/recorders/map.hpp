@@ -16,8 +16,8 @@ struct MapConfig : ModuleConfigOf<MapConfig>, TellsOutput {
   bool at_end = true;
   enum class Voxels { kAll, kOccupied };
   Voxels voxels = Voxels::kAll;
-  enum class Format { kPly, kPcd };
-  static constexpr const char* kFormats[] = {"ply", "pcd"};
+  enum class Format { kPly, kPcd, kOt, kBt };
+  static constexpr const char* kFormats[] = {"ply", "pcd", "ot", "bt"};
   Format format = Format::kPly;
   const char* format_name() const { return kFormats[static_cast<std::size_t>(format)]; }
   std::string folder = "maps";
@@ -27,8 +27,8 @@ struct MapConfig : ModuleConfigOf<MapConfig>, TellsOutput {
 };
 
 /// The maps that vehicles keep, voxel by voxel with state and value, at instants and at the end:
-/// FOLDER/VEHICLE_MAP_SECONDS.ply and FOLDER/VEHICLE_MAP_end.ply, or .pcd. Positions are in the vehicle's local frame;
-/// the header tells where that frame is.
+/// FOLDER/VEHICLE_MAP_SECONDS.ply and FOLDER/VEHICLE_MAP_end.ply, or .pcd, .ot, .bt. Positions are in the vehicle's
+/// local frame; the header tells where that frame is.
 std::unique_ptr<Recorder> make_map_recorder(const ModuleConfig& config);
 
 }  // namespace swiftlet::sim

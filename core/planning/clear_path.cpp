@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/planning/clear_path.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <queue>
+
+namespace swiftlet {
+namespace {
+
+constexpr double kRelaxedMargin_m = 0.5;      // beyond the clearance, around a start that is not clear
+constexpr double kLeastGain = 1e-3;           // of the length, for which a further shortening is worth it
+constexpr double kShorteningSpacing_m = 0.5;  // between the points from which corners are cut
+
+Vector3 center_of(const Cell& cell, double edge_m) { return (cell.cast<double>().array() + 0.5) * edge_m; }
+Cell cell_at(const Vector3& p_local_m, double edge_m) { return (p_local_m.array() / edge_m).floor().cast<int>(); }
+
+/// The shortest way on an empty grid, in cells.
+double rest_of(const Cell& way) {
+  std::array<int, 3> d = {std::abs(way.x()), std::abs(way.y()), std::abs(way.z())};
+  std::sort(d.begin(), d.end());
+  constexpr double kSqrt2 = 1.4142135623730951, kSqrt3 = 1.7320508075688772;
+  return (kSqrt3 - kSqrt2) * d[0] + (kSqrt2 - 1.0) * d[1] + d[2];
+}
+
+/// Cells that the search has met, found by their coordinates.
+class MetCells {
+ public:
+  struct Node {
+    Cell cell;
+    double cost = std::numeric_limits<double>::infinity();
+    int parent = -1;
+    bool clear = false, closed = false;
+  };
+
+  MetCells() : slots_(1U << 14U, -1) {}
+  /// Index of the node; a new one calls is_clear(cell).
+  template <class IsClear>
+  int meet(const Cell& cell, IsClear&& is_clear) {
+    std::size_t slot = slot_of(cell);
+    if (slots_[slot] < 0) {
+      if (2 * (nodes_.size() + 1) > slots_.size()) {
+        grow();
+        slot = slot_of(cell);
+      }
+      slots_[slot] = static_cast<int>(nodes_.size());
+      nodes_.push_back({.cell = cell});
+      nodes_.back().clear = is_clear(cell);
+    }
+    return slots_[slot];
+  }
+  Node& operator[](int i) { return nodes_[static_cast<std::size_t>(i)]; }
+  const Node& operator[](int i) const { return nodes_[static_cast<std::size_t>(i)]; }
+
+ private:
+  std::size_t slot_of(const Cell& cell) const {
+    const auto part = [](int c) { return static_cast<std::uint64_t>(c) & 0x1FFFFFU; };
+    const std::uint64_t key = part(cell.x()) | part(cell.y()) << 21U | part(cell.z()) << 42U;
+    std::size_t slot = (key * 0x9E3779B97F4A7C15ULL >> 32U) & (slots_.size() - 1);
+    while (slots_[slot] >= 0 && nodes_[static_cast<std::size_t>(slots_[slot])].cell != cell) {
+      slot = (slot + 1) & (slots_.size() - 1);
+    }
+    return slot;
+  }
+  void grow() {
+    slots_.assign(2 * slots_.size(), -1);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) slots_[slot_of(nodes_[i].cell)] = static_cast<int>(i);
+  }
+
+  std::vector<int> slots_;
+  std::vector<Node> nodes_;
+};
+
+struct OpenCell {
+  double cost;  // so far and the rest, in cells
+  int node;
+  // Of equal costs the cell that was met last goes first: deeper, and always the same.
+  bool operator<(const OpenCell& other) const { return cost != other.cost ? cost > other.cost : node < other.node; }
+};
+
+class ClearSearch {
+ public:
+  ClearSearch(const ClearSpace& space, double edge_m, const Cell& start, const Cell& goal, double greed)
+      : space_(space), edge_m_(edge_m), goal_(goal), greed_(greed) {
+    start_ = meet(start);
+    met_[start_].clear = true;  // where it stands, it stands
+    met_[start_].cost = 0.0;
+    open_.push({rest(start_), start_});
+  }
+
+  ClearPathStatus run(int max_expansions) {
+    while (!open_.empty()) {
+      const int next = open_.top().node;
+      open_.pop();
+      if (met_[next].closed) continue;
+      if (met_[next].cell == goal_) {
+        end_ = next;
+        return ClearPathStatus::kFound;
+      }
+      if (static_cast<int>(expansions_) == max_expansions) return ClearPathStatus::kBudgetSpent;
+      expand(next);
+    }
+    return left_start_ ? ClearPathStatus::kNoPath : ClearPathStatus::kStartEnclosed;
+  }
+
+  std::vector<Cell> cells() const {
+    std::vector<Cell> path;
+    for (int i = end_; i >= 0; i = met_[i].parent) path.push_back(met_[i].cell);
+    std::reverse(path.begin(), path.end());
+    return path;
+  }
+  std::size_t expansions() const { return expansions_; }
+
+ private:
+  int meet(const Cell& cell) {
+    return met_.meet(cell, [&](const Cell& fresh) { return space_.is_clear(center_of(fresh, edge_m_)); });
+  }
+  double rest(int node) const { return greed_ * rest_of(met_[node].cell - goal_); }
+
+  void expand(int from) {
+    ++expansions_;
+    met_[from].closed = true;
+    left_start_ = left_start_ || !space_.near_start(center_of(met_[from].cell, edge_m_));
+    for (int dz = -1; dz <= 1; ++dz) {
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          if (dx == 0 && dy == 0 && dz == 0) continue;
+          const int to = meet(met_[from].cell + Cell(dx, dy, dz));
+          const double cost = met_[from].cost + kStep[static_cast<std::size_t>(dx * dx + dy * dy + dz * dz)];
+          if (!met_[to].clear || met_[to].closed || cost >= met_[to].cost) continue;
+          met_[to].cost = cost;
+          met_[to].parent = from;
+          open_.push({cost + rest(to), to});
+        }
+      }
+    }
+  }
+
+  static constexpr std::array<double, 4> kStep = {0.0, 1.0, 1.4142135623730951, 1.7320508075688772};
+  const ClearSpace& space_;
+  double edge_m_;
+  Cell goal_;
+  double greed_;
+  MetCells met_;
+  std::priority_queue<OpenCell> open_;
+  int start_ = -1, end_ = -1;
+  std::size_t expansions_ = 0;
+  bool left_start_ = false;
+};
+
+/// Straight on from each corner to the farthest point that is in sight, with points in between to cut from.
+std::vector<Vector3> cut_corners(const ClearSpace& space, const std::vector<Vector3>& path_local_m) {
+  std::vector<Vector3> corners_local_m = {path_local_m.front()};
+  for (std::size_t i = 0; i + 1 < path_local_m.size();) {
+    // The farthest, looked for by doubling.
+    std::size_t reach = i + 1;
+    for (std::size_t step = 1;
+         reach + step < path_local_m.size() && space.is_clear_segment(path_local_m[i], path_local_m[reach + step]);
+         step *= 2) {
+      reach += step;
+    }
+    while (reach + 1 < path_local_m.size() && space.is_clear_segment(path_local_m[i], path_local_m[reach + 1])) ++reach;
+    corners_local_m.push_back(path_local_m[reach]);
+    i = reach;
+  }
+  return corners_local_m;
+}
+
+std::vector<Vector3> with_points_between(const std::vector<Vector3>& corners_local_m, double spacing_m) {
+  std::vector<Vector3> points_local_m = {corners_local_m.front()};
+  for (std::size_t i = 1; i < corners_local_m.size(); ++i) {
+    const Vector3 leg = corners_local_m[i] - corners_local_m[i - 1];
+    const int parts = std::max(1, static_cast<int>(std::ceil(leg.norm() / spacing_m)));
+    for (int k = 1; k < parts; ++k)
+      points_local_m.push_back(corners_local_m[i - 1] + leg * (static_cast<double>(k) / parts));
+    points_local_m.push_back(corners_local_m[i]);
+  }
+  return points_local_m;
+}
+
+/// From the beginning, then from the end, and so on, as long as it becomes shorter.
+std::vector<Vector3> shortened(const ClearSpace& space, std::vector<Vector3> path_local_m, int times) {
+  for (int i = 0; i < times; ++i) {
+    std::vector<Vector3> shorter_local_m =
+        cut_corners(space, i == 0 ? path_local_m : with_points_between(path_local_m, kShorteningSpacing_m));
+    const double gained_m = length_m(path_local_m) - length_m(shorter_local_m);
+    std::reverse(shorter_local_m.begin(), shorter_local_m.end());
+    const bool enough = i > 1 && gained_m < kLeastGain * length_m(shorter_local_m);
+    path_local_m = std::move(shorter_local_m);
+    if (enough) {
+      if (i % 2 == 0) std::reverse(path_local_m.begin(), path_local_m.end());
+      return path_local_m;
+    }
+  }
+  if (times % 2 == 1) std::reverse(path_local_m.begin(), path_local_m.end());
+  return path_local_m;
+}
+
+}  // namespace
+
+double length_m(const std::vector<Vector3>& corners_local_m) {
+  double sum_m = 0.0;
+  for (std::size_t i = 1; i < corners_local_m.size(); ++i) {
+    sum_m += (corners_local_m[i] - corners_local_m[i - 1]).norm();
+  }
+  return sum_m;
+}
+
+const char* text_of(ClearPathStatus status) {
+  switch (status) {
+    case ClearPathStatus::kFound:
+      return "a path was found";
+    case ClearPathStatus::kStartEnclosed:
+      return "no clear space around the start";
+    case ClearPathStatus::kGoalBlocked:
+      return "the goal is too near to an obstacle";
+    case ClearPathStatus::kGoalUnknown:
+      return "the goal lies in unknown space";
+    case ClearPathStatus::kNoPath:
+      return "no clear path to the goal";
+    case ClearPathStatus::kBudgetSpent:
+      return "the search for a path was given up";
+  }
+  return "";
+}
+
+ClearSpace::ClearSpace(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_local_m)
+    : view_(view),
+      clearance_m_(config.clearance_m),
+      z_min_m_(config.z_min_m),
+      z_max_m_(config.z_max_m),
+      unknown_is_free_(config.unknown_is_free),
+      start_local_m_(start_local_m),
+      start_clearance_m_(0.0),
+      relaxed_m_(0.0) {
+  start_clearance_m_ = view.clearance_m(start_local_m, clearance_m_ + view.edge_m());
+  if (!is_clear(start_local_m)) relaxed_m_ = clearance_m_ + kRelaxedMargin_m;
+}
+
+bool ClearSpace::is_clear(const Vector3& p_local_m) const {
+  if (relaxed_m_ > 0.0 && near_start(p_local_m)) {
+    return view_.state(p_local_m) != CellState::kOccupied &&
+           view_.clearance_m(p_local_m, clearance_m_ + view_.edge_m()) >= std::min(start_clearance_m_, clearance_m_);
+  }
+  if (p_local_m.z() < z_min_m_ || p_local_m.z() > z_max_m_) return false;
+  if (!(view_.clearance_m(p_local_m, clearance_m_ + view_.edge_m()) > clearance_m_)) return false;
+  return unknown_is_free_ || view_.state(p_local_m) != CellState::kUnknown;
+}
+
+bool ClearSpace::is_clear_segment(const Vector3& from_local_m, const Vector3& to_local_m) const {
+  const double step_m = 0.25 * view_.edge_m();
+  const int steps = std::max(1, static_cast<int>(std::ceil((to_local_m - from_local_m).norm() / step_m)));
+  Cell last = Cell::Constant(std::numeric_limits<int>::max());
+  for (int i = 0; i <= steps; ++i) {
+    const Vector3 p_local_m = from_local_m + (to_local_m - from_local_m) * (static_cast<double>(i) / steps);
+    const Cell cell = cell_at(p_local_m, view_.edge_m());
+    if (cell == last) continue;
+    last = cell;
+    if (!is_clear(center_of(cell, view_.edge_m()))) return false;
+  }
+  return true;
+}
+
+ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_local_m,
+                          const Vector3& goal_local_m) {
+  const double edge_m = view.edge_m();
+  const ClearSpace space(view, config, start_local_m);
+  const Cell start = cell_at(start_local_m, edge_m), goal = cell_at(goal_local_m, edge_m);
+  if (!space.is_clear(center_of(goal, edge_m))) {
+    const bool unknown = !config.unknown_is_free && view.state(goal_local_m) == CellState::kUnknown;
+    return {unknown ? ClearPathStatus::kGoalUnknown : ClearPathStatus::kGoalBlocked, {}, 0};
+  }
+  ClearSearch search(space, edge_m, start, goal, config.greed);
+  const ClearPathStatus status = search.run(config.max_expansions);
+  if (status != ClearPathStatus::kFound) return {status, {}, search.expansions()};
+  const std::vector<Cell> cells = search.cells();
+  std::vector<Vector3> path_local_m = {start_local_m};
+  for (std::size_t i = 1; i + 1 < cells.size(); ++i) path_local_m.push_back(center_of(cells[i], edge_m));
+  path_local_m.push_back(goal_local_m);
+  return {status, shortened(space, std::move(path_local_m), config.max_shortenings), search.expansions()};
+}
+
+void ClearPathConfig::visit(ConfigVisitor& v) {
+  v.field("clearance_m", clearance_m, "[m] from the path to the nearest occupied cell, center to center",
+          Range::positive());
+  v.field("unknown_is_free", unknown_is_free, "[-] may a path lead through space that nobody has seen?");
+  v.field("z_min_m", z_min_m, "[m] lowest height, local frame");
+  v.field("z_max_m", z_max_m, "[m] greatest height, local frame");
+  v.field("greed", greed, "[-] weight of the rest of the way: above 1 sooner found, longer by at most that factor",
+          Range::between(1.0, 100.0));
+  v.field("max_expansions", max_expansions, "[-] cells that a search may look at in depth", Range::between(1, 1e9));
+  v.field("max_shortenings", max_shortenings, "[-] how often corners are cut", Range::between(0, 1000));
+  v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
+}
+
+}  // namespace swiftlet

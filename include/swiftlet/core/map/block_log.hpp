@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "swiftlet/core/map/voxel_grid.hpp"
+
+namespace swiftlet {
+
+/// The blocks that a map forgot last, and in which revision.
+class BlockLog {
+ public:
+  void note(std::uint64_t revision, const Cell& block) {
+    if (entries_.empty()) entries_.resize(kMost);
+    entries_[count_++ % kMost] = {revision, block};
+  }
+  /// Are all that were forgotten after this revision still here?
+  bool knows_since(std::uint64_t revision) const {
+    return count_ <= kMost || entries_[count_ % kMost].revision <= revision;
+  }
+  template <class Fn>
+  void for_each_since(std::uint64_t revision, Fn&& fn) const {
+    for (std::size_t i = 0; i < std::min(count_, kMost); ++i) {
+      if (entries_[i].revision > revision) fn(entries_[i].block);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMost = 1024;
+  struct Entry {
+    std::uint64_t revision = 0;
+    Cell block = Cell::Zero();
+  };
+  std::vector<Entry> entries_;  // a ring
+  std::size_t count_ = 0;       // ever
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "swiftlet/core/map/occupancy_view.hpp"
+
+namespace swiftlet {
+
+/// A place to keep clear of that no map shows: another vehicle with the air below its rotors, a fence.
+struct KeepOut {
+  enum class Shape { kBox, kColumn };
+  Shape shape = Shape::kBox;
+  Vector3 center_local_m = Vector3::Zero();
+  Vector3 size_m = Vector3::Zero();  ///< edges of the box; diameter (x) and height (z) of an upright column
+
+  static KeepOut box(const Vector3& center_local_m, const Vector3& size_m) {
+    return {Shape::kBox, center_local_m, size_m};
+  }
+  static KeepOut column(const Vector3& center_local_m, double diameter_m, double height_m) {
+    return {Shape::kColumn, center_local_m, {diameter_m, diameter_m, height_m}};
+  }
+
+  /// To its surface; 0 inside.
+  double distance_m(const Vector3& p_local_m) const;
+  bool contains(const Vector3& p_local_m) const { return distance_m(p_local_m) <= 0.0; }
+  /// From the beginning of a segment to where it enters; 0 when it begins inside.
+  std::optional<double> entered_after_m(const Vector3& from_local_m, const Vector3& to_local_m) const;
+};
+
+/// A map with places to keep clear of laid over it: nothing is copied. A cell is occupied, too, when its center lies in
+/// such a place. Distances are those to the place itself. The map below must outlive it.
+class OverlaidOccupancy : public OccupancyView {
+ public:
+  OverlaidOccupancy(const OccupancyView& below, std::vector<KeepOut> keep_outs)
+      : below_(below), keep_outs_(std::move(keep_outs)) {}
+
+  double edge_m() const override { return below_.edge_m(); }
+  CellState state(const Vector3& p_local_m) const override;
+  void occupied_within(const Vector3& center_local_m, double radius_m, TimeNs since,
+                       std::vector<Vector3>& centers_local_m) const override;
+  void occupied_in(const Vector3& min_local_m, const Vector3& max_local_m,
+                   std::vector<Vector3>& centers_local_m) const override;
+  double distance_m(const Vector3& p_local_m, double max_m) const override;
+  double clearance_m(const Vector3& p_local_m, double max_m) const override;
+  std::optional<SegmentHit> first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const override;
+  std::uint64_t revision() const override { return below_.revision(); }
+  bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override {
+    return below_.changed_since(revision, boxes);
+  }
+  void append_voxels(MapVoxels& copy) const override { below_.append_voxels(copy); }
+
+ private:
+  Vector3 center_of_cell(const Vector3& p_local_m) const {
+    return ((p_local_m.array() / edge_m()).floor() + 0.5) * edge_m();
+  }
+  /// Centers of cells of the places that reach into the box and are not occupied below.
+  template <class Accept>
+  void append_cells(const Vector3& min_local_m, const Vector3& max_local_m, std::vector<Vector3>& centers_local_m,
+                    Accept&& accept) const;
+
+  const OccupancyView& below_;
+  std::vector<KeepOut> keep_outs_;
+};
+
+}  // namespace swiftlet

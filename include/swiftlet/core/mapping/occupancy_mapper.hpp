@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/map/occupancy_map.hpp"
+#include "swiftlet/core/mapping/mapper.hpp"
+
+namespace swiftlet {
+
+/// What is occupied, free and unknown around the vehicle, by the own LiDARs [Pritzl 2024, sec. III].
+struct OccupancyMapperConfig : ModuleConfigOf<OccupancyMapperConfig> {
+  int every_column = 4;
+  int every_row = 1;
+  double range_min_m = 0.6;
+  double clear_range_m = 8.0;
+  double tracked_radius_m = 1.0;
+  OccupancyMapConfig map;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+std::unique_ptr<Mapper> make_occupancy_mapper(const ModuleConfig& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/sim/octomap/octomap_file.hpp"
+
+#include <octomap/OcTree.h>
+
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <sstream>
+
+#include "swiftlet/sim/errors.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr int kMiddle = 32768;  // key of the cell at the origin
+constexpr int kDepth = 16;      // of the tree
+
+/// Log-odds of a cell, or nothing when nobody knows.
+std::optional<float> log_odds_of(const MapVoxels& map, std::size_t i, const octomap::OcTree& usual) {
+  if (map.log_odds) return map.value[i];
+  if (map.state[i] >= map.occupied_from) return usual.getClampingThresMaxLog();
+  if (map.state[i] == 0) return usual.getClampingThresMinLog();
+  return std::nullopt;
+}
+
+bool key_of(const Eigen::Vector3f& center_local_m, double edge_m, octomap::OcTreeKey& key) {
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const double cell = std::floor(center_local_m[axis] / edge_m) + kMiddle;
+    if (!(cell >= 0.0 && cell < 2.0 * kMiddle)) return false;
+    key[axis] = static_cast<octomap::key_type>(cell);
+  }
+  return true;
+}
+
+[[noreturn]] void reject(const std::filesystem::path& file, const char* why) {
+  throw InputError(file.string() + ": " + why);
+}
+
+double cells_across(unsigned depth) { return std::ldexp(1.0, kDepth - static_cast<int>(depth)); }
+
+}  // namespace
+
+std::string octomap_content(const MapVoxels& map, OctomapFormat format, const std::vector<std::string>& comments) {
+  const octomap::OcTree usual(map.edge_m);
+  octomap::OcTree tree(map.edge_m);
+  tree.setClampingThresMin(1e-9);  // a map may have other limits than the library's: values stay as they are
+  tree.setClampingThresMax(1.0 - 1e-9);
+  octomap::OcTreeKey key;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const std::optional<float> log_odds = log_odds_of(map, i, usual);
+    if (log_odds && key_of(map.centers_local_m[i], map.edge_m, key)) tree.setNodeValue(key, *log_odds, true);
+  }
+  tree.updateInnerOccupancy();
+  tree.prune();
+  std::ostringstream out;
+  format == OctomapFormat::kOt ? tree.write(out) : tree.writeBinary(out);
+  std::string content = std::move(out).str(), header;
+  for (const std::string& comment : comments) header += "# " + comment + "\n";
+  return content.insert(content.find('\n') + 1, header);
+}
+
+bool is_octomap_file(const std::filesystem::path& file) {
+  return file.extension() == ".bt" || file.extension() == ".ot";
+}
+
+OctomapCells read_octomap(const std::filesystem::path& file, const std::function<void(double)>& require_bytes) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) reject(file, "cannot be read");
+  std::unique_ptr<octomap::AbstractOcTree> read;
+  if (file.extension() == ".bt") {
+    auto binary = std::make_unique<octomap::OcTree>(0.1);
+    if (binary->readBinary(in)) read = std::move(binary);
+  } else {
+    read.reset(octomap::AbstractOcTree::read(in));
+  }
+  const auto* tree = dynamic_cast<const octomap::OcTree*>(read.get());
+  if (tree == nullptr) reject(file, "expected an octree of OctoMap (.bt, or .ot with the id OcTree)");
+  OctomapCells cells;
+  cells.edge_m = tree->getResolution();
+  if (!(cells.edge_m > 0.0 && std::isfinite(cells.edge_m))) reject(file, "expected a resolution above 0");
+  double count = 0.0;
+  for (auto leaf = tree->begin_leafs(); leaf != tree->end_leafs(); ++leaf) {
+    count += std::pow(cells_across(leaf.getDepth()), 3);
+  }
+  if (require_bytes) require_bytes(count * sizeof(Eigen::Vector3f));
+  for (auto leaf = tree->begin_leafs(); leaf != tree->end_leafs(); ++leaf) {
+    auto& centers_m = tree->isNodeOccupied(*leaf) ? cells.occupied_m : cells.free_m;
+    const int across = static_cast<int>(cells_across(leaf.getDepth()));
+    const octomap::OcTreeKey first = leaf.getIndexKey();
+    for (int z = 0; z < across; ++z) {
+      for (int y = 0; y < across; ++y) {
+        for (int x = 0; x < across; ++x) {
+          const auto center = [&](unsigned axis, int cell) {
+            return static_cast<float>((first[axis] - kMiddle + cell + 0.5) * cells.edge_m);
+          };
+          centers_m.emplace_back(center(0, x), center(1, y), center(2, z));
+        }
+      }
+    }
+  }
+  return cells;
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Occupancy mapping at 0.1 m with rays of 20 m, against OctoMap's library in the same program: scans of 24 064 returns
+// that are 20 m long, and those of an OS0-128 thinned by four that flies through a forest. Then the distances of what
+// lies around, after every scan, and paths through the map. One thread, processor time.
+#include <benchmark/benchmark.h>
+#include <octomap/octomap.h>
+#include <omp.h>
+
+#include <cmath>
+#include <ctime>
+#include <vector>
+
+#include "swiftlet/core/localization/local_cloud.hpp"
+#include "swiftlet/core/map/occupancy_map.hpp"
+#include "swiftlet/core/planning/clear_path.hpp"
+#include "tests/support/flown_scans.hpp"
+
+namespace swiftlet {
+namespace {
+
+using Rays = std::vector<OccupancyMap::Ray>;
+
+constexpr int kScans = 40;        // 4 s of flight
+constexpr int kLibraryScans = 5;  // that takes seconds for each
+constexpr double kRangeMax_m = 20.0;
+
+/// A sensor that flies at 2 m/s; nothing is nearer than 20 m.
+const std::vector<Rays>& far_scans() {
+  static const std::vector<Rays> scans = [] {
+    std::vector<Rays> made;
+    for (int s = 0; s < kScans; ++s) {
+      const Eigen::Vector3f origin(0.05F + 0.2F * static_cast<float>(s), 0.03F, 1.5F);
+      Rays& rays = made.emplace_back();
+      for (int row = 0; row < 94; ++row) {
+        for (int column = 0; column < 256; ++column) {
+          const double elevation = (-45.0 + 90.0 * row / 93.0) * M_PI / 180.0, azimuth = 2.0 * M_PI * column / 256.0;
+          const Vector3 direction(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                                  std::sin(elevation));
+          rays.push_back({origin, origin + 19.99F * direction.cast<float>(), true});
+        }
+      }
+    }
+    return made;
+  }();
+  return scans;
+}
+
+const std::vector<Rays>& forest_scans() {
+  static const std::vector<Rays> scans = [] {
+    std::vector<Rays> made;
+    for (const testing::FlownScan& flown : testing::fly_scans("forest.yaml", kScans)) {
+      CloudRegistrar registrar(0.3);
+      StateEstimate estimate;
+      estimate.valid = true;
+      estimate.T_local_body = flown.T_world_body;
+      registrar.push(estimate);
+      LocalCloud cloud;
+      registrar.make(flown.scan, cloud);
+      const Eigen::Vector3f origin = cloud.T_local_lidar.front().translation().cast<float>();
+      Rays& rays = made.emplace_back();
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        if (static_cast<int>(cloud.beam[i]) % flown.scan->cols() % 4 == 0) {
+          rays.push_back({origin, cloud.points_local_m[i], true});
+        }
+      }
+    }
+    return made;
+  }();
+  return scans;
+}
+
+double processor_time_s() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+template <class Work>
+double time_of_s(Work&& work) {
+  const double start = processor_time_s();
+  work();
+  return processor_time_s() - start;
+}
+
+void insertion(benchmark::State& state, const std::vector<Rays>& scans) {
+  double first_s = 0.0, sum_s = 0.0, most_s = 0.0;
+  std::size_t cells = 0;
+  for (auto _ : state) {
+    OccupancyMap map({});
+    sum_s = most_s = 0.0;
+    for (int i = 0; i < kScans; ++i) {
+      const double took_s = time_of_s([&] { map.insert(scans[static_cast<std::size_t>(i)], i); });
+      if (i == 0) {
+        first_s = took_s;
+        continue;
+      }
+      sum_s += took_s;
+      most_s = std::max(most_s, took_s);
+    }
+    state.SetIterationTime(sum_s / (kScans - 1));
+    cells = map.num_blocks();
+  }
+  state.counters["rays"] = static_cast<double>(scans.front().size());
+  state.counters["first_ms"] = 1e3 * first_s;
+  state.counters["most_ms"] = 1e3 * most_s;
+  state.counters["blocks"] = static_cast<double>(cells);
+}
+
+void octomap_insertion(benchmark::State& state, const std::vector<Rays>& scans) {
+  omp_set_num_threads(1);
+  for (auto _ : state) {
+    octomap::OcTree tree(0.1);
+    double sum_s = 0.0;
+    for (int i = 0; i < kLibraryScans; ++i) {
+      octomap::Pointcloud cloud;
+      const Rays& rays = scans[static_cast<std::size_t>(i)];
+      for (const auto& ray : rays) cloud.push_back(ray.end_local_m.x(), ray.end_local_m.y(), ray.end_local_m.z());
+      const Eigen::Vector3f& o = rays.front().origin_local_m;
+      const double took_s = time_of_s([&] { tree.insertPointCloud(cloud, {o.x(), o.y(), o.z()}, kRangeMax_m); });
+      if (i > 0) sum_s += took_s;
+    }
+    state.SetIterationTime(sum_s / (kLibraryScans - 1));
+  }
+}
+
+// Every cell of 30 m x 30 m x 6 m around the vehicle is asked for after every scan: many times what a planner asks for.
+void distances(benchmark::State& state) {
+  const std::vector<Rays>& scans = forest_scans();
+  for (auto _ : state) {
+    OccupancyMapConfig config;
+    config.distance_max_m = 2.0;
+    OccupancyMap map(config);
+    double sum_s = 0.0, first_s = 0.0, sum_m = 0.0;
+    for (int i = 0; i < kScans; ++i) {
+      const Rays& rays = scans[static_cast<std::size_t>(i)];
+      map.insert(rays, i);
+      const Vector3 p_m = rays.front().origin_local_m.cast<double>();
+      const double took_s = time_of_s([&] {
+        for (int z = -4; z < 4; ++z) {  // one cell of each tile makes it work out all of them
+          for (int y = -19; y < 19; ++y) {
+            for (int x = -19; x < 19; ++x) sum_m += map.clearance_m(p_m + 0.8 * Vector3(x, y, z), 2.0);
+          }
+        }
+      });
+      (i == 0 ? first_s : sum_s) += took_s;
+    }
+    benchmark::DoNotOptimize(sum_m);
+    state.SetIterationTime(sum_s / (kScans - 1));
+    state.counters["first_ms"] = 1e3 * first_s;
+  }
+}
+
+BENCHMARK_CAPTURE(insertion, far_24064_returns, far_scans())->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(octomap_insertion, far_24064_returns, far_scans())
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(insertion, forest_os0, forest_scans())->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(octomap_insertion, forest_os0, forest_scans())
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(distances)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/map/distance_tiles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+#include <vector>
+
+#include "swiftlet/core/map/occupancy_map.hpp"
+#include "swiftlet/core/math/random.hpp"
+
+namespace swiftlet {
+namespace {
+
+using Place = std::tuple<int, int, int>;
+
+/// Occupied cells that come and go.
+class ToldBlocks : public OccupiedBlocks {
+ public:
+  void set(const Cell& cell, bool occupied) {
+    ++revision;
+    auto& [bits, changed] = blocks_[place(block_of(cell))];
+    const std::uint64_t bit = std::uint64_t{1} << ((cell.y() & 7) * 8 + (cell.x() & 7));
+    std::uint64_t& word = bits[static_cast<std::size_t>(cell.z() & 7)];
+    word = occupied ? word | bit : word & ~bit;
+    changed = revision;
+    occupied ? (void)cells.insert(place(cell)) : (void)cells.erase(place(cell));
+  }
+  const RayCells::Bits* occupied_of(const Cell& block) const override {
+    const auto found = blocks_.find(place(block));
+    if (found == blocks_.end()) return nullptr;
+    const RayCells::Bits& bits = found->second.first;
+    return std::any_of(bits.begin(), bits.end(), [](std::uint64_t word) { return word != 0; }) ? &bits : nullptr;
+  }
+  std::uint64_t occupied_changed(const Cell& block) const override {
+    const auto found = blocks_.find(place(block));
+    return found == blocks_.end() ? 0 : found->second.second;
+  }
+  /// By looking at every occupied cell.
+  std::int16_t squared(const Cell& cell, int reach) const {
+    int least = reach * reach + 1;
+    for (const auto& [x, y, z] : cells) least = std::min(least, (Cell(x, y, z) - cell).squaredNorm());
+    return least > reach * reach ? DistanceTiles::kFar : static_cast<std::int16_t>(least);
+  }
+
+  std::uint64_t revision = 0;
+  std::set<Place> cells;
+
+ private:
+  static Place place(const Cell& cell) { return {cell.x(), cell.y(), cell.z()}; }
+  static Cell block_of(const Cell& cell) { return {cell.x() >> 3, cell.y() >> 3, cell.z() >> 3}; }
+  std::map<Place, std::pair<RayCells::Bits, std::uint64_t>> blocks_;
+};
+
+Cell random_cell(const Random& random, std::uint32_t k, std::uint32_t channel, int half) {
+  const auto part = [&](std::uint32_t axis) {
+    return static_cast<int>(std::floor(random.uniform(-half, half, k, 3 * channel + axis)));
+  };
+  return {part(0), part(1), part(2)};
+}
+
+// Cells come and go at random; few cells at first, so that distances reach to the bound and beyond.
+TEST(DistanceTiles, AreExactAfterAnySequenceOfChanges) {
+  for (const int reach : {5, 8, 17, 30}) {
+    const Random random(static_cast<std::uint64_t>(reach), "cells");
+    ToldBlocks map;
+    DistanceTiles tiles(reach);
+    int far = 0, near = 0;
+    for (std::uint32_t round = 0; round < 120; ++round) {
+      for (std::uint32_t i = 0; i <= round % 7; ++i) map.set(random_cell(random, round, i, 30), true);
+      if (round % 3 == 2) {
+        const auto [x, y, z] = *std::next(map.cells.begin(), round % static_cast<std::uint32_t>(map.cells.size()));
+        map.set({x, y, z}, false);
+      }
+      for (std::uint32_t i = 0; i < 60; ++i) {
+        const Cell cell = random_cell(random, round, 100 + i, 40);
+        const std::int16_t expected = map.squared(cell, reach);
+        ASSERT_EQ(tiles.squared(cell, map, map.revision), expected) << "reach " << reach << ", round " << round;
+        (expected == DistanceTiles::kFar ? far : near) += 1;
+      }
+    }
+    EXPECT_GT(std::min(far, near), 100) << reach;
+  }
+}
+
+TEST(DistanceTiles, OnlyWhatChangedIsWorkedOutAgain) {
+  ToldBlocks map;
+  DistanceTiles tiles(20);
+  for (int x = -40; x < 40; ++x) {
+    for (int y = -40; y < 40; ++y) map.set({x, y, 0}, true);  // a floor
+  }
+  const auto ask_all = [&] {
+    const std::uint64_t before = tiles.num_computed();
+    for (int z = 4; z < 20; z += 8) {
+      for (int y = -36; y < 40; y += 8) {
+        for (int x = -36; x < 40; x += 8)
+          EXPECT_EQ(tiles.squared({x, y, z}, map, map.revision), map.squared({x, y, z}, 20));
+      }
+    }
+    return tiles.num_computed() - before;
+  };
+  EXPECT_EQ(ask_all(), 200U);
+  EXPECT_EQ(ask_all(), 0U);
+  map.set({100, 0, 0}, true);
+  EXPECT_EQ(ask_all(), 0U) << "too far away to matter";
+  map.set({0, 0, 30}, true);
+  const std::uint64_t again = ask_all();
+  EXPECT_GT(again, 0U);
+  EXPECT_LT(again, 60U);
+}
+
+TEST(DistanceTiles, ForgetAndAreWorkedOutAgain) {
+  ToldBlocks map;
+  map.set({3, 4, 0}, true);
+  DistanceTiles tiles(10);
+  for (int x = -100; x < 100; x += 4) tiles.squared({x, 0, 0}, map, map.revision);
+  const std::size_t before = tiles.num_tiles();
+  tiles.forget_if([](const Cell& block) { return block.x() >= 0; });
+  EXPECT_LT(tiles.num_tiles(), before);
+  EXPECT_EQ(tiles.squared({0, 0, 0}, map, map.revision), 25);
+}
+
+// What a map forgets, and what flickers, is followed as well.
+TEST(DistanceTiles, OfAMapAreThoseOfItsOccupiedCells) {
+  OccupancyMapConfig config;
+  config.keep_radius_m = config.range_max_m = 8.0;
+  config.distance_max_m = 1.5;
+  OccupancyMap map(config);
+  const Random random(4, "flight");
+  for (std::uint32_t scan = 0; scan < 30; ++scan) {
+    const Eigen::Vector3f origin_m(0.4F * static_cast<float>(scan) - 6.0F, 0.05F, 0.03F);
+    std::vector<OccupancyMap::Ray> rays;
+    for (std::uint32_t i = 0; i < 400; ++i) {
+      const auto n = random.normal3(scan, i);
+      const Vector3 direction = Vector3(n[0], n[1], 0.3 * n[2]).normalized();
+      const auto range_m = static_cast<float>(random.uniform(1.0, 4.0, scan, 5000 + i));
+      rays.push_back({origin_m, origin_m + range_m * direction.cast<float>(), true});
+    }
+    map.keep_around(origin_m.cast<double>());
+    map.insert(rays, scan);
+    std::vector<Vector3> occupied;
+    map.occupied_in(Vector3::Constant(-30.0), Vector3::Constant(30.0), occupied);
+    for (std::uint32_t i = 0; i < 200; ++i) {
+      const auto n = random.normal3(1000 + scan, i);
+      const Vector3 p_m = origin_m.cast<double>() + 3.0 * Vector3(n[0], n[1], n[2]);
+      const Vector3 center_m = ((p_m.array() * 10.0).floor() + 0.5) * 0.1;
+      double expected = 1.5;
+      for (const Vector3& cell_m : occupied) expected = std::min(expected, (cell_m - center_m).norm());
+      ASSERT_NEAR(map.clearance_m(p_m, 1.5), expected, 1e-9);
+      ASSERT_NEAR(map.OccupancyView::clearance_m(p_m, 1.5), expected, 1e-9) << "as any view works it out";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/map/occupancy_map.hpp"
+
+#include <gtest/gtest.h>
+#include <octomap/octomap.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <vector>
+
+#include "swiftlet/core/math/random.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace swiftlet {
+namespace {
+
+using Beam = OccupancyMap::Ray;
+
+constexpr TimeNs kScan = kNsPerSecond / 10;
+const Eigen::Vector3f kOrigin(0.05F, 0.05F, 0.05F);
+
+Beam beam_to(float x, float y, float z) { return {kOrigin, {x, y, z}, true}; }
+
+/// A wall at x = 3 m seen from the origin.
+std::vector<Beam> near_wall() {
+  std::vector<Beam> rays;
+  for (int i = -40; i <= 40; ++i) {
+    for (int j = -40; j <= 40; ++j) {
+      rays.push_back(beam_to(3.05F, 0.025F * static_cast<float>(i), 0.025F * static_cast<float>(j)));
+    }
+  }
+  return rays;
+}
+
+/// A scan of beams in all directions with returns at random.
+std::vector<Beam> random_scan(std::uint32_t seed, const Eigen::Vector3f& origin_m, std::uint32_t beams, double far_m) {
+  const Random random(seed, "scan");
+  std::vector<Beam> rays;
+  for (std::uint32_t i = 0; i < beams; ++i) {
+    const auto n = random.normal3(0, i);
+    const Eigen::Vector3f direction = Vector3(n[0], n[1], 0.5 * n[2]).normalized().cast<float>();
+    rays.push_back({origin_m, origin_m + static_cast<float>(random.uniform(0.2, far_m, 1, i)) * direction, true});
+  }
+  return rays;
+}
+
+Cell cell_of(const octomap::OcTreeKey& key) { return Cell(key[0], key[1], key[2]) - Cell::Constant(32768); }
+
+void insert(const std::vector<Beam>& rays, double range_max_m, octomap::OcTree& tree) {
+  octomap::Pointcloud cloud;
+  for (const Beam& ray : rays) cloud.push_back(ray.end_local_m.x(), ray.end_local_m.y(), ray.end_local_m.z());
+  const Eigen::Vector3f& origin = rays.front().origin_local_m;
+  tree.insertPointCloud(cloud, {origin.x(), origin.y(), origin.z()}, range_max_m);
+}
+
+/// Every cell of both has the same bits.
+void expect_equal(const OccupancyMap& map, octomap::OcTree& tree) {
+  tree.expand();
+  std::size_t count = 0, differ = 0;
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf, ++count) {
+    const Cell cell = cell_of(leaf.getKey());
+    const bool occupied = map.state((cell.cast<double>().array() + 0.5) * map.edge_m()) == CellState::kOccupied;
+    if (!map.known(cell) || map.log_odds(cell) != leaf->getLogOdds() || occupied != tree.isNodeOccupied(*leaf)) {
+      ++differ;
+    }
+  }
+  MapVoxels copy;
+  map.append_voxels(copy);
+  EXPECT_EQ(differ, 0U);
+  EXPECT_EQ(copy.size(), count);
+  EXPECT_GT(count, 1000U);
+}
+
+// Some rays lie exactly in the planes between cells, some along an axis: there ties and rounding decide.
+TEST(OccupancyMap, EveryCellIsThatOfTheLibrary) {
+  OccupancyMap map({});
+  octomap::OcTree tree(0.1);
+  for (std::uint32_t scan = 0; scan < 12; ++scan) {
+    const auto s = static_cast<float>(scan);
+    const Eigen::Vector3f origin_m = scan % 4 == 3 ? Eigen::Vector3f(0.1F * s, -0.2F * s, 0.5F)
+                                                   : Eigen::Vector3f(0.13F * s, -0.07F * s, 0.4F + 0.011F * s);
+    std::vector<Beam> rays = random_scan(scan, origin_m, 3000, 24.0);
+    for (const float way : {2.0F, -3.0F, 4.5F}) {
+      for (int axis = 0; axis < 3; ++axis)
+        rays.push_back({origin_m, origin_m + way * Eigen::Vector3f::Unit(axis), true});
+      rays.push_back({origin_m, origin_m + Eigen::Vector3f(way, way, way), true});
+      rays.push_back({origin_m, origin_m + Eigen::Vector3f(way, way, 0.0F), true});
+    }
+    rays.push_back({origin_m, origin_m, true});
+    map.insert(rays, scan * kScan);
+    insert(rays, 20.0, tree);
+  }
+  expect_equal(map, tree);
+}
+
+// A miss that weighs little must be counted beyond what the bits hold; one that weighs much saturates at once.
+TEST(OccupancyMap, EveryCellIsThatOfTheLibraryWithOtherProbabilities) {
+  for (const double p_miss : {0.49, 0.46, 0.2}) {
+    OccupancyMapConfig config;
+    config.edge_m = 0.2;
+    config.p_hit = 0.6;
+    config.p_miss = p_miss;
+    config.p_occupied = 0.7;
+    config.p_min = 0.25;
+    config.p_max = 0.9;
+    OccupancyMap map(config);
+    octomap::OcTree tree(config.edge_m);
+    tree.setProbHit(config.p_hit);
+    tree.setProbMiss(config.p_miss);
+    tree.setOccupancyThres(config.p_occupied);
+    tree.setClampingThresMin(config.p_min);
+    tree.setClampingThresMax(config.p_max);
+    for (std::uint32_t scan = 0; scan < 40; ++scan) {
+      const std::vector<Beam> rays = random_scan(scan, kOrigin, 400, 8.0);
+      map.insert(rays, scan * kScan);
+      insert(rays, 20.0, tree);
+    }
+    SCOPED_TRACE(p_miss);
+    expect_equal(map, tree);
+  }
+}
+
+TEST(OccupancyMap, ItsLogOddsAreThoseOfTheLibrary) {
+  const octomap::OcTree tree(0.1);
+  OccupancyMap map({});
+  const Cell hit(30, 0, 0), passed(10, 0, 0);
+  map.insert(std::vector{beam_to(3.05F, 0.05F, 0.05F)}, kScan);
+  EXPECT_EQ(map.log_odds(hit), tree.getProbHitLog());
+  EXPECT_EQ(map.log_odds(passed), tree.getProbMissLog());
+  for (int i = 2; i < 20; ++i) map.insert(std::vector{beam_to(3.05F, 0.05F, 0.05F)}, i * kScan);
+  EXPECT_EQ(map.log_odds(hit), tree.getClampingThresMaxLog());
+  EXPECT_EQ(map.log_odds(passed), tree.getClampingThresMinLog());
+}
+
+TEST(OccupancyMap, ACellIsHitOnceOrMissedOnceInAScan) {
+  OccupancyMap map({});
+  // Two rays end in the same cell, a third one passes it, and all pass the cells before it.
+  map.insert(std::vector{beam_to(3.05F, 0.05F, 0.05F), beam_to(3.08F, 0.05F, 0.05F), beam_to(5.05F, 0.05F, 0.05F)},
+             kScan);
+  OccupancyMap once({});
+  once.insert(std::vector{beam_to(3.05F, 0.05F, 0.05F)}, kScan);
+  for (int x = 0; x <= 30; ++x) EXPECT_EQ(map.log_odds({x, 0, 0}), once.log_odds({x, 0, 0})) << x;
+}
+
+TEST(OccupancyMap, ARayIntoTheDistanceOnlyClears) {
+  OccupancyMapConfig config;
+  config.range_max_m = 5.0;
+  OccupancyMap map(config);
+  map.insert(std::vector{beam_to(30.0F, 0.05F, 0.05F), Beam{kOrigin, {0.05F, 3.0F, 0.05F}, false}}, kScan);
+  EXPECT_EQ(map.state({4.9, 0.05, 0.05}), CellState::kFree);
+  EXPECT_EQ(map.state({5.2, 0.05, 0.05}), CellState::kUnknown);
+  EXPECT_EQ(map.state({0.05, 2.9, 0.05}), CellState::kFree);
+  EXPECT_EQ(map.state({0.05, 3.1, 0.05}), CellState::kUnknown);
+  std::vector<Vector3> occupied;
+  map.occupied_in(Vector3::Constant(-40.0), Vector3::Constant(40.0), occupied);
+  EXPECT_TRUE(occupied.empty());
+}
+
+TEST(OccupancyMap, EachRayBeginsWhereItWasMeasured) {
+  OccupancyMap map({});
+  map.insert(std::vector<Beam>{{{0.05F, 0.05F, 0.05F}, {3.05F, 0.05F, 0.05F}, true},
+                               {{0.05F, 1.05F, 0.05F}, {3.05F, 1.05F, 0.05F}, true}},
+             kScan);
+  for (int x = 0; x < 30; ++x) {
+    EXPECT_LT(map.log_odds({x, 0, 0}), 0.0F);
+    EXPECT_LT(map.log_odds({x, 10, 0}), 0.0F);
+    EXPECT_FALSE(map.known({x, 5, 0}));
+  }
+}
+
+TEST(OccupancyMap, WhatIsNotFiniteIsNoRay) {
+  OccupancyMap map({});
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  map.insert(std::vector<Beam>{beam_to(nan, 0.0F, 0.0F),
+                               beam_to(inf, 0.0F, 0.0F),
+                               {{nan, 0.0F, 0.0F}, kOrigin, true},
+                               beam_to(3.05F, 0.05F, 0.05F)},
+             kScan);
+  MapVoxels copy;
+  map.append_voxels(copy);
+  EXPECT_EQ(copy.size(), 31U) << "the one ray's";
+}
+
+TEST(OccupancyMap, TellsStatesDistancesAndWhatASegmentHits) {
+  OccupancyMap map({});
+  map.insert(near_wall(), kScan);
+  EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kOccupied);
+  EXPECT_EQ(map.state({1.55, 0.05, 0.05}), CellState::kFree);
+  EXPECT_EQ(map.state({3.55, 0.05, 0.05}), CellState::kUnknown);
+  // The wall's cells span x from 3.0 to 3.1.
+  EXPECT_NEAR(map.distance_m({1.0, 0.05, 0.05}, 5.0), 2.0, 1e-9);
+  EXPECT_NEAR(map.distance_m({1.0, 0.05, 0.05}, 1.5), 1.5, 1e-9) << "bounded";
+  EXPECT_NEAR(map.clearance_m({1.05, 0.05, 0.05}, 3.0), 2.0, 1e-9) << "from center to center";
+  EXPECT_NEAR(map.clearance_m({1.09, 0.01, 0.05}, 3.0), 2.0, 1e-9) << "of the point's cell";
+  EXPECT_NEAR(map.clearance_m({1.05, 0.05, 0.05}, 1.5), 1.5, 1e-9) << "bounded";
+  EXPECT_NEAR(map.clearance_m({3.05, 0.05, 0.05}, 3.0), 0.0, 1e-9);
+  const auto hit = map.first_hit({0.05, 0.05, 0.05}, {8.0, 0.05, 0.05});
+  ASSERT_TRUE(hit.has_value());
+  EXPECT_NEAR(hit->distance_m, 2.95, 1e-9);
+  EXPECT_LT((hit->center_local_m - Vector3(3.05, 0.05, 0.05)).norm(), 1e-9);
+  EXPECT_FALSE(map.first_hit({0.05, 0.05, 0.05}, {2.95, 0.05, 0.05}).has_value());
+  std::vector<Vector3> cells;
+  map.occupied_in({2.0, 0.02, 0.02}, {4.0, 0.08, 0.08}, cells);
+  ASSERT_EQ(cells.size(), 1U);
+  EXPECT_LT((cells[0] - Vector3(3.05, 0.05, 0.05)).norm(), 1e-9);
+}
+
+TEST(OccupancyMap, RemembersWhenACellWasHit) {
+  OccupancyMap map({});
+  std::vector<Vector3> cells;
+  const auto hit_since = [&](TimeNs since) {
+    map.occupied_within(Vector3::Zero(), 10.0, since, cells);
+    return cells.size();
+  };
+  map.insert(std::vector{beam_to(3.05F, 0.05F, 0.05F)}, 1 * kScan);
+  map.insert(std::vector{beam_to(0.05F, 3.05F, 0.05F)}, 2 * kScan);
+  map.insert(std::vector{beam_to(0.05F, 0.05F, 3.05F)}, 3 * kScan);
+  EXPECT_EQ(hit_since(kEver), 3U);
+  EXPECT_EQ(hit_since(2 * kScan), 2U);
+  EXPECT_EQ(hit_since(2 * kScan + 1), 1U);
+  EXPECT_EQ(hit_since(4 * kScan), 0U);
+  for (int i = 4; i < 6000; ++i) map.insert({}, i * kScan);
+  EXPECT_EQ(hit_since(kEver), 3U);
+  EXPECT_EQ(hit_since(5000 * kScan), 0U) << "hit so long ago that nobody knows when";
+}
+
+TEST(OccupancyMap, TellsWhatChangedSinceARevision) {
+  OccupancyMapConfig config;
+  config.keep_radius_m = config.range_max_m = 5.0;
+  OccupancyMap map(config);
+  std::vector<VoxelGrid> boxes;
+  const auto covers = [&](const Vector3& p_m) {
+    return std::any_of(boxes.begin(), boxes.end(), [&](const VoxelGrid& box) { return box.contains(p_m); });
+  };
+  const std::uint64_t before = map.revision();
+  map.insert(near_wall(), kScan);
+  EXPECT_GT(map.revision(), before);
+  ASSERT_TRUE(map.changed_since(before, boxes));
+  EXPECT_TRUE(covers({3.05, 0.05, 0.05}) && covers({1.55, 0.05, 0.05}));
+  EXPECT_FALSE(covers({-3.05, 0.05, 0.05}));
+
+  const std::uint64_t seen = map.revision();
+  map.insert(near_wall(), 2 * kScan);
+  ASSERT_TRUE(map.changed_since(seen, boxes));
+  EXPECT_TRUE(boxes.empty()) << "more certain, but no other state";
+
+  for (int i = 3; i < 9; ++i) map.insert(std::vector{beam_to(4.55F, 0.05F, 0.05F)}, i * kScan);
+  ASSERT_TRUE(map.changed_since(seen, boxes));
+  EXPECT_TRUE(covers({3.05, 0.05, 0.05})) << "cleared by rays that pass";
+  EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kFree);
+
+  map.keep_around({50.0, 0.0, 0.0});
+  ASSERT_TRUE(map.changed_since(seen, boxes));
+  EXPECT_TRUE(covers({3.05, 0.05, 0.05})) << "forgotten";
+  EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kUnknown);
+}
+
+TEST(OccupancyMap, ForgetsWhatIsFarAwayAndUsesItsMemoryAgain) {
+  OccupancyMapConfig config;
+  config.keep_radius_m = config.range_max_m = 5.0;
+  OccupancyMap map(config);
+  for (int i = 1; i <= 400; ++i) {
+    const auto x = static_cast<float>(0.5 * i);
+    map.keep_around({x, 0.0, 0.0});
+    map.insert(std::vector<Beam>{{{x, 0.0F, 0.0F}, {x + 2.0F, 0.15F, 0.15F}, true}}, i * kScan);
+  }
+  EXPECT_LE(map.num_blocks(), 60U);
+  EXPECT_EQ(map.state({202.0, 0.15, 0.15}), CellState::kOccupied);
+  EXPECT_EQ(map.state({40.0, 0.15, 0.15}), CellState::kUnknown);
+}
+
+TEST(OccupancyMap, AScanAllocatesNothingOnceTheMapIsWarm) {
+  OccupancyMap map({});
+  const std::vector<Beam> rays = random_scan(1, kOrigin, 5000, 15.0);
+  map.insert(rays, kScan);
+  const std::uint64_t before = test::num_allocations();
+  for (int i = 2; i < 20; ++i) {
+    map.keep_around(kOrigin.cast<double>());
+    map.insert(rays, i * kScan);
+  }
+  EXPECT_EQ(test::num_allocations(), before);
+}
+
+}  // namespace
+}  // namespace swiftlet
