@@ -189,4 +189,15 @@ GuidingViewpoints find_guiding_viewpoints(const OccupancyView& map, const Vector
   return ViewpointSearch(map, watcher_local_m, path_local_m, rules).run();
 }
 
+void ViewpointRules::visit(ConfigVisitor& v) {
+  v.field("num_rays", num_rays, "[-] for the visibility region of a waypoint", Range::between(3, 100'000));
+  v.field("ray_max_m", ray_max_m, "[m] greatest horizontal distance from which a waypoint is watched",
+          Range{0.0, 200.0, true});
+  v.field("buffer_m", buffer_m, "[m] horizontal distance that the guide keeps from the path", Range{0.0, 100.0, true});
+  v.choice("sight", sight, {"at_waypoint", "in_space"},
+           "[-] where a waypoint is looked for: in the plane at its own height, or along the straight line");
+  v.choice("safe_space", safe_space, {"closest", "most_visible"},
+           "[-] which connected safe space counts: the closest, or the one that sees most and can be reached");
+}
+
 }  // namespace swiftlet

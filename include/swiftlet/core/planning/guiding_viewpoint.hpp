@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "swiftlet/core/config.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/planning/plane_region.hpp"
 
@@ -27,6 +28,8 @@ struct ViewpointRules {
   /// kMostVisible: all, those first from which more waypoints are seen; among equal ones the nearest.
   enum class SafeSpace { kClosest, kMostVisible };
   SafeSpace safe_space = SafeSpace::kMostVisible;
+
+  void visit(ConfigVisitor& v);
 };
 
 /// A place to watch from, and how it was found.

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/planning/team_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "swiftlet/core/map/overlaid_occupancy.hpp"
+
+namespace swiftlet {
+namespace {
+
+/// A map with the column of air of a vehicle laid over it: COPY_MAP_AND_ADD_OBSTACLE, without the copy.
+OverlaidOccupancy with_column(const OccupancyView& map, const Vector3& p_local_m, double width_m, double height_m) {
+  return {map, {KeepOut::box(p_local_m, {width_m, width_m, height_m})}};
+}
+
+/// The nearest place to the goal, in its plane first, that is clear.
+std::optional<Vector3> clear_place_near(const ClearSpace& space, const Vector3& goal_local_m, double edge_m,
+                                        double radius_m) {
+  if (space.is_clear(goal_local_m)) return goal_local_m;
+  const int reach = static_cast<int>(radius_m / edge_m);
+  std::optional<Vector3> nearest;
+  double least_m = radius_m;
+  for (int z = -reach; z <= reach; ++z) {
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
+        const Vector3 offset_m = edge_m * Vector3(x, y, z);
+        const double distance_m = offset_m.head<2>().norm() + 2.0 * std::abs(offset_m.z());
+        if (distance_m >= least_m || !space.is_clear(goal_local_m + offset_m)) continue;
+        least_m = distance_m;
+        nearest = goal_local_m + offset_m;
+      }
+    }
+  }
+  return nearest;
+}
+
+/// Points at most so far apart; the heading turns evenly from the start to the goal.
+std::vector<PlannedPose> with_headings(const std::vector<Vector3>& corners_local_m, double spacing_m, double yaw_rad,
+                                       double goal_yaw_rad) {
+  const double whole_m = length_m(corners_local_m);
+  const double turn_rad = std::remainder(goal_yaw_rad - yaw_rad, 2.0 * std::numbers::pi);
+  std::vector<PlannedPose> path = {{corners_local_m.front(), yaw_rad}};
+  double flown_m = 0.0;
+  for (std::size_t i = 1; i < corners_local_m.size(); ++i) {
+    const Vector3 leg_m = corners_local_m[i] - corners_local_m[i - 1];
+    const int parts = std::max(1, static_cast<int>(std::ceil(leg_m.norm() / spacing_m)));
+    for (int k = 1; k <= parts; ++k) {
+      const double share = static_cast<double>(k) / parts;
+      const double flown_share = whole_m > 0.0 ? (flown_m + share * leg_m.norm()) / whole_m : 1.0;
+      path.push_back({corners_local_m[i - 1] + share * leg_m, yaw_rad + flown_share * turn_rad});
+    }
+    flown_m += leg_m.norm();
+  }
+  return path;
+}
+
+std::vector<Vector3> places_of(const std::vector<PlannedPose>& path) {
+  std::vector<Vector3> places_local_m;
+  places_local_m.reserve(path.size());
+  for (const PlannedPose& pose : path) places_local_m.push_back(pose.p_local_m);
+  return places_local_m;
+}
+
+TeamPlan& fail(TeamPlan& plan, const char* who, const char* why) {
+  plan.next = TeamPlan::Next::kFail;
+  plan.reason = std::string(who) + ": " + why;
+  return plan;
+}
+
+}  // namespace
+
+TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, const Vector3& primary_local_m,
+                   const PlannedPose& secondary, const PlannedPose& goal) {
+  TeamPlan plan;
+  plan.goal_local_m = goal.p_local_m;
+  const double edge_m = map.edge_m();
+
+  // The goal, and lines 4 to 8: the secondary's path.
+  const OverlaidOccupancy map_secondary =
+      with_column(map, primary_local_m, config.primary_width_m, config.primary_height_m);
+  const ClearSpace space(map_secondary, config.secondary, secondary.p_local_m);
+  if (const auto place = clear_place_near(space, goal.p_local_m, edge_m, config.goal_search_m)) {
+    plan.goal_local_m = *place;
+  }
+  // Lines 1 to 3.
+  if ((secondary.p_local_m - plan.goal_local_m).norm() < config.tolerance_m) {
+    plan.next = TeamPlan::Next::kGoalReached;
+    return plan;
+  }
+  const ClearPath path_secondary =
+      find_clear_path(map_secondary, config.secondary, secondary.p_local_m, plan.goal_local_m);
+  if (path_secondary.status != ClearPathStatus::kFound) {
+    return fail(plan, "the guided vehicle's path", text_of(path_secondary.status));
+  }
+  plan.secondary_path =
+      with_headings(path_secondary.corners_local_m, config.waypoint_spacing_m, secondary.yaw_rad, goal.yaw_rad);
+
+  // Lines 9 to 12: from where to watch it.
+  ViewpointRules rules = config.viewpoint;
+  rules.clearance_m = config.primary.clearance_m;
+  rules.unknown_is_free = config.primary.unknown_is_free;
+  GuidingViewpoints viewpoints = find_guiding_viewpoints(map, primary_local_m, places_of(plan.secondary_path), rules);
+  plan.visible = std::move(viewpoints.visible);
+  if (viewpoints.best_first.empty()) return fail(plan, "the viewpoint", "nowhere safe is the path in sight");
+
+  // Lines 13 to 20: the primary's path there. A viewpoint behind a gap that is too narrow gives way to the next one.
+  const OverlaidOccupancy map_primary =
+      with_column(map, secondary.p_local_m, config.secondary_width_m, config.secondary_height_m);
+  ClearPath path_primary;
+  for (GuidingViewpoint& viewpoint : viewpoints.best_first) {
+    plan.viewpoint = std::move(viewpoint);
+    if ((primary_local_m - plan.viewpoint.p_local_m).norm() < config.tolerance_m) {
+      plan.next = TeamPlan::Next::kMoveSecondary;
+      return plan;
+    }
+    path_primary = find_clear_path(map_primary, config.primary, primary_local_m, plan.viewpoint.p_local_m);
+    if (path_primary.status != ClearPathStatus::kFound) continue;
+    plan.primary_local_m = path_primary.corners_local_m;
+    plan.next = TeamPlan::Next::kMovePrimary;
+    return plan;
+  }
+  return fail(plan, "the guide's path to the viewpoint", text_of(path_primary.status));
+}
+
+void TeamPlannerConfig::visit(ConfigVisitor& v) {
+  v.field("tolerance_m", tolerance_m, "[m] nearer than this, a goal or a viewpoint is reached", Range::positive());
+  v.field("waypoint_spacing_m", waypoint_spacing_m, "[m] between waypoints of the guided vehicle, at most",
+          Range{0.01, 100.0});
+  v.field("goal_search_m", goal_search_m,
+          "[m] around a goal without the clearance, in which the nearest clear place is the goal instead",
+          Range::between(0.0, 10.0));
+  v.field("primary_width_m", primary_width_m, "[m] of the air around the guide that is kept free", Range::positive());
+  v.field("primary_height_m", primary_height_m, "[m] of the same, half of it above", Range::positive());
+  v.field("secondary_width_m", secondary_width_m, "[m] of the air around the guided vehicle that is kept free",
+          Range::positive());
+  v.field("secondary_height_m", secondary_height_m, "[m] of the same, half of it above", Range::positive());
+  v.object("primary", primary, "how the guide's own path is searched");
+  v.object("secondary", secondary, "how the guided vehicle's path is searched");
+  v.object("viewpoint", viewpoint, "from where the path is watched");
+}
+
+}  // namespace swiftlet
