@@ -44,24 +44,16 @@ class Agile : public Guidance {
     const FrameChange to_local = FrameChange::to_local(input.estimate);
     output.goal = to_local.reference(spline_->reference());
     if (config_.yaw == AgileConfig::Yaw::kAlongPath)
-      face_along(output.goal);
+      turn_along_velocity(kSlowestAgile_mps, yaw_rad_, output.goal);
     else
       yaw_rad_ = to_local.yaw(config_.yaw_deg * kPi / 180.0);
+    double& rate_radps = output.goal.yaw_rate_radps;
+    rate_radps = std::clamp(rate_radps, -limits_.heading_rate_radps, limits_.heading_rate_radps);
     output.goal.yaw_rad = yaw_rad_;
     output.mission = MissionStatus::kEndless;
   }
 
  private:
-  void face_along(Reference& goal) {
-    const Vector3& v = goal.velocity_mps;
-    const Vector3& a = goal.acceleration_mps2;
-    const double speed_sq = v.head<2>().squaredNorm();
-    if (speed_sq < kSlowestAgile_mps * kSlowestAgile_mps) return;
-    yaw_rad_ = heading_along(v, 0.0, yaw_rad_);
-    goal.yaw_rate_radps =
-        std::clamp((v.x() * a.y() - v.y() * a.x()) / speed_sq, -limits_.heading_rate_radps, limits_.heading_rate_radps);
-  }
-
   AgileConfig config_;
   MotionLimits limits_;
   Vector3 start_local_m_;

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "swiftlet/core/action.hpp"
 #include "swiftlet/core/elementary.hpp"
-#include "swiftlet/core/frames.hpp"
 
 namespace swiftlet {
 
@@ -13,6 +13,16 @@ namespace swiftlet {
 inline double heading_along(const Vector3& direction, double shortest, double otherwise_rad) {
   if (elementary::hypot(direction.x(), direction.y()) < shortest) return otherwise_rad;
   return elementary::atan2(direction.y(), direction.x());
+}
+
+/// Turns a heading along the horizontal velocity of a reference, which is told the rate. Slower than `slowest_mps` it
+/// keeps both.
+inline void turn_along_velocity(double slowest_mps, double& yaw_rad, Reference& r) {
+  const Vector3 &v = r.velocity_mps, &a = r.acceleration_mps2;
+  const double speed_sq = v.head<2>().squaredNorm();
+  if (speed_sq < slowest_mps * slowest_mps) return;
+  yaw_rad = heading_along(v, 0.0, yaw_rad);
+  r.yaw_rate_radps = (v.x() * a.y() - v.y() * a.x()) / speed_sq;
 }
 
 }  // namespace swiftlet

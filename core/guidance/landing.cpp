@@ -38,4 +38,15 @@ bool Landing::step(const StateEstimate& estimate, double dt_s, Reference& goal) 
   return still_s_ >= kStillTime_s;
 }
 
+bool Landing::finish(const Reference& from, const GuidanceInput& input, GuidanceOutput& output) {
+  if (!started_) start(from.position_m, from.yaw_rad);
+  const bool landed = step(input.estimate, input.dt_s, output.goal);
+  output.note = landed ? "landed" : "landing";
+  if (landed) {
+    output.motors_on = false;
+    output.mission = MissionStatus::kDone;
+  }
+  return landed;
+}
+
 }  // namespace swiftlet

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "swiftlet/core/action.hpp"
+#include "swiftlet/core/guidance/guidance.hpp"
 
 namespace swiftlet {
 
@@ -15,6 +15,8 @@ class Landing {
   bool started() const { return started_; }
   /// Writes the goal for this tick; true once on the ground.
   bool step(const StateEstimate& estimate, double dt_s, Reference& goal);
+  /// Ends a mission: goes down from there, and stops the motors once on the ground, which is then true.
+  bool finish(const Reference& from, const GuidanceInput& input, GuidanceOutput& output);
 
  private:
   double speed_mps_;

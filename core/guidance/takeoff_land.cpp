@@ -30,20 +30,10 @@ class TakeoffLand : public Guidance {
     output.note = "hovering";
     hovered_s_ += input.dt_s;
     if (hovered_s_ < config_.hover_s) return;
-    land(input, output);
+    landed_ = landing_.finish(top_, input, output);
   }
 
  private:
-  void land(const GuidanceInput& input, GuidanceOutput& output) {
-    output.note = "landing";
-    if (!landing_.started()) landing_.start(top_.position_m, top_.yaw_rad);
-    landed_ = landing_.step(input.estimate, input.dt_s, output.goal);
-    if (!landed_) return;
-    output.motors_on = false;
-    output.mission = MissionStatus::kDone;
-    output.note = "landed";
-  }
-
   TakeoffLandConfig config_;
   Reference top_;
   Landing landing_;

@@ -28,7 +28,7 @@ class TimedPath : public Guidance {
     to_local_ = stays_ ? FrameChange() : FrameChange::to_local(input.estimate);
     output.goal = to_local_.reference({.position_m = p_m, .velocity_mps = v_mps, .acceleration_mps2 = a_mps2});
     if (config_.yaw == TimedPathConfig::Yaw::kAlongPath)
-      face_along(output.goal);
+      turn_along_velocity(kSlowestTimed_mps, yaw_rad_, output.goal);
     else
       yaw_rad_ = to_local_.yaw(config_.yaw_deg * std::numbers::pi / 180.0);
     output.goal.yaw_rad = yaw_rad_;
@@ -42,15 +42,6 @@ class TimedPath : public Guidance {
   }
 
  private:
-  void face_along(Reference& r) {
-    const Vector3& v = r.velocity_mps;
-    const Vector3& a = r.acceleration_mps2;
-    const double speed_sq = v.head<2>().squaredNorm();
-    if (speed_sq < kSlowestTimed_mps * kSlowestTimed_mps) return;
-    yaw_rad_ = heading_along(v, 0.0, yaw_rad_);
-    r.yaw_rate_radps = (v.x() * a.y() - v.y() * a.x()) / speed_sq;
-  }
-
   TimedPathConfig config_;
   bool stays_;  // where it starts: no path was given
   UniformSpline path_;

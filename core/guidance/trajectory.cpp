@@ -135,20 +135,11 @@ class Trajectory : public Guidance {
     }
     r = to_local.reference(r);
     if (config_.yaw == TrajectoryConfig::Yaw::kAlongPath)
-      face_along(r);
+      turn_along_velocity(kSlowestLeg_mps, yaw_rad_, r);
     else
       yaw_rad_ = to_local.yaw(config_.yaw_deg * kPi / 180.0);
     r.yaw_rad = yaw_rad_;
     return r;
-  }
-
-  void face_along(Reference& r) {
-    const Vector3& v = r.velocity_mps;
-    const Vector3& a = r.acceleration_mps2;
-    const double speed_sq = v.head<2>().squaredNorm();
-    if (speed_sq < kSlowestLeg_mps * kSlowestLeg_mps) return;
-    yaw_rad_ = heading_along(v, 0.0, yaw_rad_);
-    r.yaw_rate_radps = (v.x() * a.y() - v.y() * a.x()) / speed_sq;
   }
 
   TrajectoryConfig config_;

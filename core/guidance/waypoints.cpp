@@ -86,13 +86,7 @@ class Waypoints : public Guidance {
       output.mission = MissionStatus::kDone;
       return;
     }
-    if (!landing_.started()) landing_.start(goal_.position_m, goal_.yaw_rad);
-    landed_ = landing_.step(input.estimate, input.dt_s, output.goal);
-    output.note = "landing";
-    if (!landed_) return;
-    output.motors_on = false;
-    output.mission = MissionStatus::kDone;
-    output.note = "landed";
+    landed_ = landing_.finish(goal_, input, output);
   }
 
   WaypointsConfig config_;

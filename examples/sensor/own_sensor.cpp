@@ -36,8 +36,8 @@ class Barometer : public sim::Sensor {
       : Sensor(std::move(setup)),
         config_(config),
         schedule_(config.rate_hz),
-        noise_(setup_.seed, "barometer.noise", setup_.entity),
-        walk_(setup_.seed, "barometer.drift", setup_.entity),
+        noise_(stream("barometer.noise")),
+        walk_(stream("barometer.drift")),
         memory_(elementary::exp(-1.0 / (config.rate_hz * config.drift_time_s))) {}
 
   void measure(TimeNs now, const sim::StateHistory& truth, Observation& out) override {

@@ -159,6 +159,7 @@ struct Renderer::Impl {
   DrawSelection select(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) const;
   void set_watched(const PictureScene& picture, const PictureStyle& style) const;
   void set_mesh_uniforms(const Program& program, const Eigen::Matrix4f& clip_world, float cut_m) const;
+  void begin_shadow(int texels, const Eigen::Matrix4f& clip_world, float cut_m);
   const Shadow& world_shadow(const PictureStyle& style);
   void draw_vehicle_shadow(const PictureScene& picture, const PictureStyle& style);
   void draw_surfaces(const View& view, const PictureScene& picture, const PictureStyle& style);
@@ -225,6 +226,18 @@ void Renderer::Impl::set_watched(const PictureScene& picture, const PictureStyle
   mesh_program.set("u_num_watched", count);
 }
 
+void Renderer::Impl::begin_shadow(int texels, const Eigen::Matrix4f& clip_world, float cut_m) {
+  gl.Viewport(0, 0, texels, texels);
+  gl.ClearDepth(1.0);
+  gl.DepthMask(GL_TRUE);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LESS);
+  gl.Enable(GL_POLYGON_OFFSET_FILL);
+  gl.PolygonOffset(1.5F, 2.0F);
+  set_mesh_uniforms(depth_program, clip_world, cut_m);
+}
+
 const Renderer::Impl::Shadow& Renderer::Impl::world_shadow(const PictureStyle& style) {
   const float cut_m = cut_of(style);
   if (const auto found = world_shadows.find(cut_m); found != world_shadows.end()) return found->second;
@@ -243,16 +256,8 @@ const Renderer::Impl::Shadow& Renderer::Impl::world_shadow(const PictureStyle& s
   shadow.texture_world = texture_of_clip() * clip_world;
   shadow.texel_m = width_m / kShadowTexels;
 
-  gl.Viewport(0, 0, kShadowTexels, kShadowTexels);
-  gl.ClearDepth(1.0);
-  gl.DepthMask(GL_TRUE);
-  gl.Clear(GL_DEPTH_BUFFER_BIT);
-  gl.Enable(GL_DEPTH_TEST);
-  gl.DepthFunc(GL_LESS);
+  begin_shadow(kShadowTexels, clip_world, cut_m);
   gl.Enable(GL_CLIP_DISTANCE0);
-  gl.Enable(GL_POLYGON_OFFSET_FILL);
-  gl.PolygonOffset(1.5F, 2.0F);
-  set_mesh_uniforms(depth_program, clip_world, cut_m);
   DrawSelection selection;
   selection.frustum = frustum_of(clip_world);
   selection.parallel = true;
@@ -283,15 +288,7 @@ void Renderer::Impl::draw_vehicle_shadow(const PictureScene& picture, const Pict
   vehicle_shadow.texel_m = width_m / kVehicleShadowTexels;
 
   gl.BindFramebuffer(GL_FRAMEBUFFER, vehicle_shadow.target.framebuffer);
-  gl.Viewport(0, 0, kVehicleShadowTexels, kVehicleShadowTexels);
-  gl.ClearDepth(1.0);
-  gl.DepthMask(GL_TRUE);
-  gl.Clear(GL_DEPTH_BUFFER_BIT);
-  gl.Enable(GL_DEPTH_TEST);
-  gl.DepthFunc(GL_LESS);
-  gl.Enable(GL_POLYGON_OFFSET_FILL);
-  gl.PolygonOffset(1.5F, 2.0F);
-  set_mesh_uniforms(depth_program, clip_world, kNoCut_m);
+  begin_shadow(kVehicleShadowTexels, clip_world, kNoCut_m);
   vehicles.draw(picture.states, style.vehicle_scale, kNoVehicle);
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }

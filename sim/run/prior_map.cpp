@@ -53,43 +53,40 @@ int samples_of(const Eigen::Vector3f& u, const Eigen::Vector3f& v, double spacin
   return std::max(1, static_cast<int>(std::min(std::ceil(longest_m / spacing_m), 1e6)));
 }
 
-double num_surface_points(const Scene& scene, double spacing_m) {
-  double count = 0.0;
+/// Calls visit(corner, edge, edge) for every triangle.
+template <class Visit>
+void for_each_triangle(const Scene& scene, const Visit& visit) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (const auto& triangle : mesh.triangles) {
       const Eigen::Vector3f a = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[0]];
       const Eigen::Vector3f u = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[1]] - a;
       const Eigen::Vector3f v = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[2]] - a;
-      const double n = samples_of(u, v, spacing_m);
-      count += 0.5 * (n + 1.0) * (n + 2.0);
+      visit(a, u, v);
     }
   }
-  return count;
 }
 
 }  // namespace
 
 void append_surface_points(const Scene& scene, double spacing_m, const std::string& key,
                            std::vector<Eigen::Vector3f>& points_world_m) {
-  const double count = num_surface_points(scene, spacing_m);
+  double count = 0.0;
+  for_each_triangle(scene, [&](const auto& /*a*/, const auto& u, const auto& v) {
+    const double n = samples_of(u, v, spacing_m);
+    count += 0.5 * (n + 1.0) * (n + 2.0);
+  });
   require_memory(key, count * sizeof(Eigen::Vector3f));
   points_world_m.reserve(points_world_m.size() + static_cast<std::size_t>(count));
-  for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    for (const auto& triangle : mesh.triangles) {
-      const Eigen::Vector3f a = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[0]];
-      const Eigen::Vector3f u = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[1]] - a;
-      const Eigen::Vector3f v = instance.T_world_mesh * mesh.vertices_mesh_m[triangle[2]] - a;
-      const int n = samples_of(u, v, spacing_m);
-      for (int i = 0; i <= n; ++i) {
-        for (int j = 0; i + j <= n; ++j) {
-          points_world_m.push_back(a + u * (static_cast<float>(i) / static_cast<float>(n)) +
-                                   v * (static_cast<float>(j) / static_cast<float>(n)));
-        }
+  for_each_triangle(scene, [&](const auto& a, const auto& u, const auto& v) {
+    const int n = samples_of(u, v, spacing_m);
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; i + j <= n; ++j) {
+        points_world_m.push_back(a + u * (static_cast<float>(i) / static_cast<float>(n)) +
+                                 v * (static_cast<float>(j) / static_cast<float>(n)));
       }
     }
-  }
+  });
 }
 
 std::shared_ptr<const PriorMap> make_prior_map(const PriorConfig& config, double voxel_m, const Scene& world,

@@ -24,10 +24,7 @@ namespace {
 class AltimeterSensor final : public Sensor {
  public:
   AltimeterSensor(const AltimeterConfig& config, SensorSetup setup)
-      : Sensor(std::move(setup)),
-        config_(config),
-        schedule_(config.rate_hz),
-        noise_(setup_.seed, "altimeter.range", setup_.entity) {}
+      : Sensor(std::move(setup)), config_(config), schedule_(config.rate_hz), noise_(stream("altimeter.range")) {}
 
   void measure(TimeNs now, const StateHistory& truth, Observation& out) override {
     if (!setup_.world) return;

@@ -45,8 +45,6 @@ class CompassSensor final : public Sensor {
   }
 
  private:
-  Random stream(const char* purpose) const { return Random(setup_.seed, purpose, setup_.entity); }
-
   Schedule schedule_;
   Random white_, disturbance_noise_;
   double sigma_rad_, bias_rad_;

@@ -126,7 +126,6 @@ class GnssSensor final : public Sensor {
   }
 
  private:
-  Random stream(const char* purpose) const { return Random(setup_.seed, purpose, setup_.entity); }
   Vector3 white_sigma() const { return {config_.sigma_xy_m, config_.sigma_xy_m, config_.sigma_z_m}; }
   Vector3 drift_sigma() const { return {config_.drift_sigma_xy_m, config_.drift_sigma_xy_m, config_.drift_sigma_z_m}; }
 

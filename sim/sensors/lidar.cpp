@@ -185,8 +185,8 @@ Lidar::Lidar(const LidarConfig& config, SensorSetup setup)
       sub_ray_sigma_rad_(static_cast<float>(config.beam.divergence_deg * kRadPerDeg / 2.354820045)),
       scene_(world_or_nothing(setup_), setup_.vehicle_shapes, setup_.vehicle, T_body_lidar_, config.range_max_m),
       external_poses_(config.external_pose, config.ideal, setup_.seed, setup_.entity),
-      range_random_(setup_.seed, "lidar.range", setup_.entity),
-      detection_random_(setup_.seed, "lidar.detection", setup_.entity),
+      range_random_(stream("lidar.range")),
+      detection_random_(stream("lidar.detection")),
       beams_(std::make_shared<BeamTable>()) {
   look_up_surfaces();
   pattern_->fill(0, *beams_);

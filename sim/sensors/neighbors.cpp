@@ -74,7 +74,7 @@ class NeighborsSensor final : public Sensor {
         config_(config),
         schedule_(config.rate_hz),
         latency_(from_seconds(config.latency_s)),
-        swap_(setup_.seed, "neighbors.swap", setup_.entity),
+        swap_(stream("neighbors.swap")),
         p_world_m_(setup_.vehicle_names.size(), Vector3::Zero()) {
     for (const NeighborCamera& camera : config.cameras) cones_.push_back(view_cone(camera));
     // A stream for each pair: another vehicle changes nothing between these two.

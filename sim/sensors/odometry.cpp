@@ -87,8 +87,6 @@ class OdometrySensor final : public Sensor {
   }
 
  private:
-  Random stream(const char* purpose) const { return Random(setup_.seed, purpose, setup_.entity); }
-
   void start(const VehicleState& state) {
     if (config_.frame == OdometryConfig::Frame::kStart) {
       yaw_local_world_rad_ = -yaw_of(state.q_world_body.toRotationMatrix());

@@ -71,8 +71,6 @@ class PoseSensor final : public Sensor {
   }
 
  private:
-  Random stream(const char* purpose) const { return Random(setup_.seed, purpose, setup_.entity); }
-
   PoseSample sample(TimeNs t, std::uint32_t index, const StateHistory& truth) {
     const VehicleState state = truth.at(setup_.vehicle, t);
     PoseSample sample;

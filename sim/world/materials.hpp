@@ -8,11 +8,9 @@
 /// newspaper 69 %, rough pallet wood 25 %, smooth concrete 24 %, asphalt 17 %. Otherwise the reason is given.
 namespace swiftlet::sim::materials {
 
-inline Material soil() { return {"soil", 0.25F, false, {0.38F, 0.30F, 0.21F}}; }                  // dry loam 0.2..0.35
 inline Material forest_floor() { return {"forest_floor", 0.30F, false, {0.34F, 0.29F, 0.18F}}; }  // litter over soil
 inline Material grass() { return {"grass", 0.50F, false, {0.36F, 0.52F, 0.22F}}; }  // red edge: 0.45..0.55 when green
 inline Material asphalt() { return {"asphalt", 0.17F, false, {0.27F, 0.27F, 0.28F}}; }  // (R)
-inline Material gravel() { return {"gravel", 0.35F, false, {0.56F, 0.53F, 0.47F}}; }    // mixed limestone and sand
 inline Material rock() { return {"rock", 0.30F, false, {0.47F, 0.46F, 0.44F}}; }        // granite with lichen
 inline Material bark_pine() {
   return {"bark_pine", 0.40F, false, {0.51F, 0.34F, 0.22F}};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/observation.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"
@@ -67,6 +68,9 @@ class Sensor {
   virtual double look_back_s() const { return 0.0; }
 
  protected:
+  /// The sensor's own random numbers for a purpose ("gnss.drift"), whatever else the team carries.
+  Random stream(const char* purpose) const { return Random(setup_.seed, purpose, setup_.entity); }
+
   SensorSetup setup_;
 };
 
