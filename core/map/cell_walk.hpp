@@ -12,7 +12,7 @@ namespace swiftlet {
 inline Cell block_of(const Cell& cell) { return {cell.x() >> 3, cell.y() >> 3, cell.z() >> 3}; }
 inline int index_in_block(const Cell& cell) { return (cell.x() & 7) | (cell.y() & 7) << 3 | (cell.z() & 7) << 6; }
 
-/// From cell to cell along a line [Amanatides and Woo, 1987]; lengths in cells.
+/// From cell to cell along a line [Amanatides and Woo, 1987]; lengths in cells. Any frame, the same for all arguments.
 struct CellWalk {
   Cell cell;
   int step[3];
@@ -31,6 +31,7 @@ struct CellWalk {
 };
 
 /// From the beginning of a segment to the first cell on it of which this is true, in m; negative when there is none.
+/// Any frame, the same for all arguments.
 template <class Predicate>
 double way_to_first_m(const Vector3& from_m, const Vector3& to_m, double cells_per_m, Cell& cell, Predicate&& is_it) {
   const double length_m = (to_m - from_m).norm();

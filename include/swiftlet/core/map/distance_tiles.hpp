@@ -23,8 +23,8 @@ class OccupiedBlocks {
 
 /// Distance from the center of a cell to that of the nearest occupied cell: exact (Euclidean), up to a greatest
 /// distance. It is worked out for a block of 8 x 8 x 8 cells when one of them is asked for, by three passes along the
-/// axes [Felzenszwalb 2012], and again only when an occupied cell came or went that may be near enough to matter. So
-/// what nobody asks for costs nothing, and the answer does not depend on when it is asked for.
+/// axes [Felzenszwalb 2012]. It is worked out again only when an occupied cell came or went that may be near enough to
+/// matter. So what nobody asks for costs nothing, and the answer does not depend on when it is asked for.
 class DistanceTiles {
  public:
   static constexpr int kMostReach = 64;  ///< cells

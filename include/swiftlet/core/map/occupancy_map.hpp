@@ -33,10 +33,10 @@ struct OccupancyMapConfig {
   double bytes() const;
 };
 
-/// What is around a vehicle, cell for cell as OctoMap's library would have it after the same scans: log-odds in single
-/// precision, the library's way from cell to cell, each cell once a scan. Cells that were never hit are counted by
-/// bits, 64 at a time: how often they were missed says all about them. Only cells that were hit at some time have a
-/// number of their own. So a block of 512 cells of free space takes 320 bytes.
+/// What is around a vehicle, cell for cell as OctoMap's library would have it after the same scans. Log-odds are in
+/// single precision, the way from cell to cell is the library's, and each cell counts once a scan. Cells that were
+/// never hit are counted by bits, 64 at a time: how often they were missed says all about them. Only cells that were
+/// hit at some time have a number of their own. So a block of 512 cells of free space takes 320 bytes.
 class OccupancyMap : public OccupancyView, private OccupiedBlocks {
  public:
   explicit OccupancyMap(const OccupancyMapConfig& config);

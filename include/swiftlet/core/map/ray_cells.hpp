@@ -11,10 +11,10 @@
 
 namespace swiftlet {
 
-/// Which cells the rays of one sweep pass, each cell once, and in which they end: the traversal of OctoMap's library to
-/// the last bit [Hornung 2013; Amanatides and Woo, 1987]. Rays are followed four at a time, in lanes. Cells are bits of
-/// a window around the origins. It is made of blocks of 8 x 8 x 8 cells, 64 bytes each. Any frame, the same for all
-/// arguments.
+/// Which cells the rays of one sweep pass, each cell once, and in which they end. It is the traversal of OctoMap's
+/// library to the last bit [Hornung 2013; Amanatides and Woo, 1987]. Rays are followed four at a time, in lanes. Cells
+/// are bits of a window around the origins. It is made of blocks of 8 x 8 x 8 cells, 64 bytes each. Any frame, the same
+/// for all arguments.
 class RayCells {
  public:
   static constexpr int kSide = 8;                 ///< cells along the edge of a block
@@ -56,7 +56,7 @@ class RayCells {
   static constexpr int kLanes = 4;
   static constexpr int kMargin = 4;  // rounding leads no ray farther out
   /// Rays on their way, side by side. Places are coordinates spread over the bits of an index into the window, all
-  /// other bits set: adding to one carries over the bits between, and the index is what all three have in common.
+  /// other bits set. Adding to one carries over the bits between, and the index is what all three have in common.
   struct alignas(32) Lanes {
     double next[3][kLanes], per_cell[3][kLanes], length[kLanes];
     std::int64_t place[3][kLanes], step[3][kLanes], end[kLanes];

@@ -36,8 +36,8 @@ struct ClearPath {
   std::size_t expansions = 0;            ///< cells that were looked at in depth
 };
 
-/// Where a vehicle may be: in cells whose center has more than the clearance, within the limits of height, and in known
-/// space when that is asked for. A start that lies nearer to an obstacle than that, or in unknown space, is left
+/// Where a vehicle may be: in cells whose center has more than the clearance, within the limits of height. When that is
+/// asked for, they must be known. A start that lies nearer to an obstacle than that, or in unknown space, is left
 /// through a ball around it. There every cell counts that is not occupied and no nearer to obstacles than the start is.
 class ClearSpace {
  public:
@@ -59,9 +59,9 @@ class ClearSpace {
   double relaxed_m_;  // radius of the ball; 0: the start is clear
 };
 
-/// A short path with clearance: A* over the 26 neighbors of a cell, then corners are cut where the straight way is
-/// clear, again and again from both ends [Kratky 2021, the planner that Pritzl 2024 uses]. A pure function: the same
-/// view gives the same path.
+/// A short path with clearance [Kratky 2021, the planner that Pritzl 2024 uses]. A* searches the 26 neighbors of a
+/// cell. Then corners are cut where the straight way is clear, again and again from both ends. A pure function: the
+/// same view gives the same path.
 ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_local_m,
                           const Vector3& goal_local_m);
 

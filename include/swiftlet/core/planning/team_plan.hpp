@@ -46,7 +46,7 @@ struct TeamPlan {
 };
 
 /// Plans once, from a map in which neither vehicle is. The air above and below either is kept free of the other,
-/// because of the wind of its rotors; it is laid over the map, which is not copied. A pure function.
+/// because of the wind of its rotors. It is laid over the map, which is not copied. A pure function.
 ///
 /// The goal may lie too near to an obstacle. Then the nearest clear place within goal_search_m takes its stead.
 TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, const Vector3& primary_local_m,

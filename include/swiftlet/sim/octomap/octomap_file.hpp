@@ -16,7 +16,7 @@ namespace swiftlet::sim {
 enum class OctomapFormat { kOt, kBt };
 
 /// The content of such a file, written by the library. Maps whose values are no log-odds of OctoMap's
-/// (MapVoxels::log_odds) tell by states: the first is free, those from `occupied_from` on are occupied, and the rest is
+/// (MapVoxels::log_odds) tell by states. The first is free, those from `occupied_from` on are occupied, and the rest is
 /// left out.
 /// @param comments  lines of its header
 std::string octomap_content(const MapVoxels& map, OctomapFormat format, const std::vector<std::string>& comments);
