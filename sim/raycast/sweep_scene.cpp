@@ -34,6 +34,11 @@ struct KnotPlace {
 /// Rays of a packet in one frame.
 struct alignas(64) Rays {
   std::array<float, kPacketSize> origin_x, origin_y, origin_z, direction_x, direction_y, direction_z;
+
+  void set(int i, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) {
+    origin_x[i] = origin.x(), origin_y[i] = origin.y(), origin_z[i] = origin.z();
+    direction_x[i] = direction.x(), direction_y[i] = direction.y(), direction_z[i] = direction.z();
+  }
 };
 
 struct Vehicle {
@@ -207,12 +212,7 @@ Rays SweepScene::Impl::rays_body(const BeamPacket& beams) const {
     const Eigen::Vector3f direction =
         R_body_lidar * Eigen::Vector3f(beams.direction_x[i], beams.direction_y[i], beams.direction_z[i]);
     const Eigen::Vector3f& origin = origins_body[beams.firing[i]];
-    rays.direction_x[i] = direction.x();
-    rays.direction_y[i] = direction.y();
-    rays.direction_z[i] = direction.z();
-    rays.origin_x[i] = origin.x();
-    rays.origin_y[i] = origin.y();
-    rays.origin_z[i] = origin.z();
+    rays.set(i, origin, direction);
   }
   return rays;
 }
@@ -231,12 +231,7 @@ Rays SweepScene::Impl::rays_of(const Vehicle& vehicle, const BeamPacket& beams, 
     const Eigen::Vector3f direction =
         R_body_world.cast<float>() *
         Eigen::Vector3f(world_rays.direction_x[i], world_rays.direction_y[i], world_rays.direction_z[i]);
-    rays.direction_x[i] = direction.x();
-    rays.direction_y[i] = direction.y();
-    rays.direction_z[i] = direction.z();
-    rays.origin_x[i] = origin.x();
-    rays.origin_y[i] = origin.y();
-    rays.origin_z[i] = origin.z();
+    rays.set(i, origin, direction);
   }
   return rays;
 }

@@ -35,12 +35,6 @@ void ImuConfig::visit(ConfigVisitor& v) {
 
 namespace {
 
-Eigen::Quaterniond from_rpy_deg(const Vector3& rpy_deg) {
-  const Vector3 rpy = rpy_deg * kRadPerDeg;
-  return Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
-         Eigen::AngleAxisd(rpy.x(), Vector3::UnitX());
-}
-
 /// White noise, wandering bias and saturation of three axes.
 class NoisyTriad {
  public:
@@ -73,7 +67,7 @@ class ImuSensor final : public Sensor {
         schedule_(config.rate_hz,
                   Schedule(config.rate_hz).period()),  // the first interval ends one period after the start
         p_body_imu_(config.position_m),
-        R_body_imu_(from_rpy_deg(config.rotation_rpy_deg)),
+        R_body_imu_(rotation_of_rpy(config.rotation_rpy_deg * kRadPerDeg)),
         gravity_world_(0.0, 0.0, -config.gravity_mps2),
         gyro_(setup_, "gyro", config.gyro_noise_density_radps_psqrthz, config.gyro_bias_walk_radps2_psqrthz,
               config.gyro_bias_time_s, config.gyro_turn_on_bias_radps, config.gyro_max_radps),

@@ -70,10 +70,7 @@ void ExternalPoses::tell(const StateHistory& truth, VehicleId vehicle, const Pos
     advance(t, sweep, static_cast<std::uint32_t>(k));
     // Vrba 2025, eqs. (40), (41), solved for what is measured.
     const Pose T_world_lidar = truth.at(vehicle, t).T_world_body() * T_body_lidar;
-    const Eigen::Matrix3d R_n = (Eigen::AngleAxisd(rotation_noise_.z(), Vector3::UnitZ()) *
-                                 Eigen::AngleAxisd(rotation_noise_.y(), Vector3::UnitY()) *
-                                 Eigen::AngleAxisd(rotation_noise_.x(), Vector3::UnitX()))
-                                    .toRotationMatrix();
+    const Eigen::Matrix3d R_n = rotation_of_rpy(rotation_noise_).toRotationMatrix();
     Pose told = Pose::Identity();
     told.linear() = T_world_lidar.linear() * R_n.transpose();
     told.translation() = T_world_lidar.translation() - position_noise_;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "sim/sensors/noise.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/sim/sensors/lidar_pattern.hpp"
 
@@ -53,12 +54,7 @@ void MountConfig::visit(ConfigVisitor& v) {
   v.field("clear_of_hull", clear_of_hull, "[-] raised on its airframe until no beam can meet the own vehicle");
 }
 
-Pose MountConfig::T_body_lidar() const {
-  const Vector3 rpy = rpy_deg * kRadPerDeg;
-  return make_pose(position_m, Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) *
-                                   Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
-                                   Eigen::AngleAxisd(rpy.x(), Vector3::UnitX()));
-}
+Pose MountConfig::T_body_lidar() const { return make_pose(position_m, rotation_of_rpy(rpy_deg * kRadPerDeg)); }
 
 // What lies below the lowest beams of a turn is a hanging cone. It is convex: with its points the whole hull is in it.
 Pose MountConfig::place_on(const VehicleShape& shape, const Module& pattern) const {

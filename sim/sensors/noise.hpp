@@ -56,6 +56,12 @@ class GaussMarkov {
   double decay_ = 1.0, spread_ = 0.0;
 };
 
+/// R = Rz(yaw) Ry(pitch) Rx(roll).
+inline Eigen::Quaterniond rotation_of_rpy(const Vector3& rpy_rad) {
+  return Eigen::AngleAxisd(rpy_rad.z(), Vector3::UnitZ()) * Eigen::AngleAxisd(rpy_rad.y(), Vector3::UnitY()) *
+         Eigen::AngleAxisd(rpy_rad.x(), Vector3::UnitX());
+}
+
 /// Rotation by the rotation vector. Any frame, the same for all arguments.
 inline Eigen::Quaterniond rotation_exp(const Vector3& rotation_vector) {
   const double angle = rotation_vector.norm();
