@@ -8,9 +8,11 @@
 #include "commands.hpp"
 #include "progress.hpp"
 #include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/core/stages/detectors.hpp"
 #include "swiftlet/core/stages/estimators.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
 #include "swiftlet/core/stages/mappers.hpp"
+#include "swiftlet/core/stages/trackers.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
@@ -44,6 +46,8 @@ constexpr Kind kKinds[] = {
     {"sensor_models", "vehicles[].sensors[].model", [] { print_assets("sensors"); }},
     {"agents", "vehicles[].agent.type", [] { print_types(agent_module_types()); }},
     {"localization", "vehicles[].agent.localization.type", [] { print_types(estimator_module_types()); }},
+    {"detectors", "vehicles[].agent.detector.type", [] { print_types(detector_module_types()); }},
+    {"trackers", "vehicles[].agent.tracker.type", [] { print_types(tracker_module_types()); }},
     {"mapping", "vehicles[].agent.mapping.type", [] { print_types(mapper_module_types()); }},
     {"guidance", "vehicles[].agent.guidance.type", [] { print_types(guidance_module_types()); }},
     {"recorders", "recorders[].type", [] { print_types(sim::recorder_module_types()); }},

@@ -51,6 +51,7 @@ class StackAgent : public Agent {
     if (started_ && dt_s <= 0.0) return action_;  // the same instant again: nothing new to do
     last_t_ = observation.t;
     started_ = true;
+    outbox_.take_back(action_.messages);
     action_.clear_outputs();
 
     action_.estimate = stages_.localization->update(observation, outbox_);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "swiftlet/core/frames.hpp"
@@ -44,6 +45,11 @@ class Outbox {
   /// A new message, which the caller fills (core/messages). @param to  kNoVehicle: to everybody
   Message& say(VehicleId to = kNoVehicle) {
     Message& message = messages_.emplace_back();
+    if (!spare_.empty()) {
+      message.payload = std::move(spare_.back());
+      message.payload.clear();
+      spare_.pop_back();
+    }
     message.from = self_;
     message.to = to;
     return message;
@@ -54,10 +60,16 @@ class Outbox {
     messages.clear();
     messages.swap(messages_);
   }
+  /// Takes back what was handed over and is of no more use: its memory is used again.
+  void take_back(std::vector<Message>& messages) {
+    for (Message& message : messages) spare_.push_back(std::move(message.payload));
+    messages.clear();
+  }
 
  private:
   VehicleId self_;
   std::vector<Message> messages_;
+  std::vector<std::vector<std::byte>> spare_;  // payloads
 };
 
 }  // namespace swiftlet

@@ -9,6 +9,7 @@
 #include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/guidance/agile.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
+#include "swiftlet/core/guidance/rbl.hpp"
 #include "swiftlet/core/guidance/takeoff_land.hpp"
 #include "swiftlet/core/guidance/waypoints.hpp"
 #include "swiftlet/core/math/random.hpp"
@@ -265,6 +266,18 @@ TEST(Stack, NothingIsAllocatedOnceItFlies) {
       EXPECT_EQ(test::num_allocations(), before) << guidance.module.name << " on " << estimator.module.name;
     }
   }
+}
+
+TEST(Stack, WhatItSaysIsWrittenIntoTheMemoryOfWhatItSaidBefore) {
+  RblConfig config;
+  config.neighbors.source = NeighborSourceConfig::Source::kRadio;
+  ClosedLoop loop(testing::x500(), stack_with("rbl", config), {0, 0, 6});
+  loop.run(2.0);
+  std::size_t said = 0;
+  const std::uint64_t before = test::num_allocations();
+  for (int i = 0; i < 500; ++i) said += loop.tick().messages.size();
+  EXPECT_EQ(test::num_allocations(), before);
+  EXPECT_GT(said, 5U);
 }
 
 TEST(Stack, SameObservationsGiveTheSameBits) {
