@@ -237,12 +237,12 @@ std::string write_reference() {
          "docs/reference.md`.\n\n"
          "A key's suffix is its unit (`_m`, `_s`, `_hz`, `_deg` ...). A value may be written in another unit of the "
          "same\n"
-         "kind: `range_max_m: 20 cm`, `delay_s: 300 ms`. `base: FILE` lays a scenario on another one: maps merge, "
-         "anything\nelse is replaced, and a map whose `type` changes starts afresh; `vehicles[0]: {...}`, "
-         "`vehicles[uav1]: {...}` and\n`vehicles[*]: {...}` change elements of a list. `--set "
-         "vehicles[0].start.yaw_deg=90` "
-         "does the same from the command\nline. A module without keys may be written by its name alone: "
-         "`localization: ground_truth`.\n\n" +
+         "kind: `range_max_m: 20 cm`, `delay_s: 300 ms`. A module without keys may be written by its name alone:\n"
+         "`localization: ground_truth`.\n\n"
+         "`base: FILE` lays a scenario on another one. Maps merge, anything else is replaced, and a map whose `type`\n"
+         "changes starts afresh. `vehicles[0]: {...}`, `vehicles[uav1]: {...}` and `vehicles[*]: {...}` change "
+         "elements\n"
+         "of a list. `--set vehicles[0].start.yaw_deg=90` does the same from the command line.\n\n" +
          reference_tables([&](ConfigVisitor& v) { scenario.visit(v); }, "Scenario") + data_tables();
 }
 

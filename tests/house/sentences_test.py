@@ -47,8 +47,10 @@ def paragraphs(text):
 
 
 def cells(text):
+    """Paragraphs, and each cell of a table."""
+    yield from paragraphs(text)
     for number, line in enumerate(text.splitlines(), 1):
-        for cell in line.split("|")[1:]:
+        for cell in line.split("|")[1:-1]:
             yield number, cell
 
 
