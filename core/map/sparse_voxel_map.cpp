@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "core/map/cell_walk.hpp"
@@ -13,6 +14,15 @@ namespace swiftlet {
 namespace {
 
 constexpr int kMostPlaceBits = 7;  // a table of 8 MB
+
+/// Of a coordinate in the table, for the blocks within the radius of a vehicle between two blocks, and those that reach
+/// out of it.
+int place_bits(double keep_radius_m, double block_m) {
+  const double across = 2.0 * keep_radius_m / block_m + 4.0;
+  int bits = 0;
+  while (bits < kMostPlaceBits && (1 << bits) < across) ++bits;
+  return bits;
+}
 constexpr std::uint64_t kNobody = std::numeric_limits<std::uint64_t>::max();
 
 std::uint64_t key_of(const Cell& cell) {
@@ -25,11 +35,18 @@ std::uint64_t key_of(const Cell& cell) {
 
 SparseVoxelMap::SparseVoxelMap(const SparseVoxelMapConfig& config)
     : config_(config), cells_per_m_(1.0 / config.edge_m) {
-  // Blocks within the radius of a vehicle between two blocks, and those that reach out of it.
-  const double across = 2.0 * config.keep_radius_m / (kSide * config.edge_m) + 4.0;
-  while (bits_ < kMostPlaceBits && (1 << bits_) < across) ++bits_;
+  bits_ = place_bits(config.keep_radius_m, kSide * config.edge_m);
   mask_ = (1 << bits_) - 1;
   places_.assign(std::size_t{1} << 3 * bits_, 0U);
+}
+
+double SparseVoxelMap::most_bytes(const SparseVoxelMapConfig& config, double radius_m) {
+  const double block_m = kSide * config.edge_m;
+  const auto places = static_cast<double>(std::size_t{1} << 3 * place_bits(config.keep_radius_m, block_m));
+  // A block stays while its middle is within the radius; in one step the vehicle may move by a block.
+  const double radius_blocks = std::min(radius_m, config.keep_radius_m) / block_m + 1.0;
+  const double blocks = std::min(places, 4.0 / 3.0 * std::numbers::pi * radius_blocks * radius_blocks * radius_blocks);
+  return places * sizeof(std::uint32_t) + blocks * sizeof(Block);
 }
 
 const SparseVoxelMap::Block* SparseVoxelMap::block_at(const Cell& block) const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/stages/mappers.hpp"
 
+#include <algorithm>
+
 #include "swiftlet/core/mapping/occupancy_mapper.hpp"
 #include "swiftlet/core/mapping/sparse_mapper.hpp"
 
@@ -17,11 +19,18 @@ void need_for_occupancy(const ModuleConfig& config, AgentNeeds& needs) {
   needs.memory.push_back({"mapping.keep_radius_m", dynamic_cast<const OccupancyMapperConfig&>(config).map.bytes()});
 }
 
+void need_for_sparse(const ModuleConfig& config, AgentNeeds& needs) {
+  const auto& sparse = dynamic_cast<const SparseMapperConfig&>(config);
+  needs.memory.push_back({"mapping.keep_radius_m",
+                          SparseVoxelMap::most_bytes(sparse.map, std::max(sparse.range_max_m, sparse.map.edge_m))});
+}
+
 constexpr MapperType kMapperTypes[] = {
     {{"none", "no map of what is around", make_module_config<NoMapperConfig>}, make_no_mapper},
     {{"sparse", "voxels that the own LiDARs hit, near the vehicle [Kamler 2025, sec. 3.2]",
       make_module_config<SparseMapperConfig>},
-     make_sparse_mapper},
+     make_sparse_mapper,
+     need_for_sparse},
     {{"occupancy", "occupied, free and unknown cells, as OctoMap has them [Hornung 2013]",
       make_module_config<OccupancyMapperConfig>},
      make_occupancy_mapper,

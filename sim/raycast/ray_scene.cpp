@@ -232,9 +232,9 @@ StaticScene::StaticScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   for (const auto& corners_m : impl_->world.corners_m) {
     for (const Eigen::Vector3f& corner : corners_m) {
       if (!corner.allFinite()) throw std::invalid_argument("world: a vertex is not a finite number");
-      impl_->bounds_m.extend(corner.cast<double>());
     }
   }
+  impl_->bounds_m = scene.bounds_m;
   impl_->world.commit(impl_->device.get());
 }
 

@@ -21,6 +21,8 @@ using Eigen::Vector3f;
 
 constexpr int kTriesPerStem = 1000;
 constexpr double kHeightScatter = 0.07;
+constexpr int kNumSpecies = 3;
+const double kLeafCluster_m = 0.28 / std::sqrt(2.0);
 
 struct Stem {
   Vector2d place_m;
@@ -56,6 +58,16 @@ Species draw_species(const ForestConfig& config, Dice& dice) {
   return draw < config.pine_share + config.spruce_share ? Species::kSpruce : Species::kBroadleaf;
 }
 
+/// All but its place.
+Stem draw_stem(const ForestConfig& config, Dice& dice) {
+  Stem stem;
+  stem.species = draw_species(config, dice);
+  stem.dbh_m = weibull_quantile(config, dice.uniform());
+  stem.height_factor = 1.0 + kHeightScatter * std::clamp(dice.normal(), -2.5, 2.5);
+  stem.yaw_rad = dice.angle_rad();
+  return stem;
+}
+
 std::vector<Stem> draw_stems(const ForestConfig& config, std::uint64_t seed) {
   const Random random(seed, "world.forest.stems");
   Spacing spacing(config.min_spacing_m);
@@ -63,10 +75,7 @@ std::vector<Stem> draw_stems(const ForestConfig& config, std::uint64_t seed) {
   for (std::size_t i = 0; i < stems.size(); ++i) {
     Dice dice(random, static_cast<std::uint32_t>(i));
     Stem& stem = stems[i];
-    stem.species = draw_species(config, dice);
-    stem.dbh_m = weibull_quantile(config, dice.uniform());
-    stem.height_factor = 1.0 + kHeightScatter * std::clamp(dice.normal(), -2.5, 2.5);
-    stem.yaw_rad = dice.angle_rad();
+    stem = draw_stem(config, dice);
     int tries = 0;
     do {
       if (++tries > kTriesPerStem) {
@@ -79,20 +88,25 @@ std::vector<Stem> draw_stems(const ForestConfig& config, std::uint64_t seed) {
   return stems;
 }
 
+TreeOptions tree_options(const ForestConfig& config) {
+  return {.leaf_area_density_per_m = config.leaf_area_density_per_m,
+          .leaf_cluster_m = kLeafCluster_m / std::sqrt(config.detail),
+          .lean_max_deg = config.lean_max_deg};
+}
+
 // Each species has its trees at even quantiles of the diameters.
-TreeStock make_stock(SceneBuilder& scene, const ForestConfig& config, Species species, std::uint64_t seed) {
-  const TreeOptions options{.leaf_area_density_per_m = config.leaf_area_density_per_m,
-                            .leaf_cluster_m = 0.28 / std::sqrt(config.detail),
-                            .lean_max_deg = config.lean_max_deg};
+TreeStock make_stock(SceneBuilder& scene, const ForestConfig& config, Species species, const TreeOptions& options,
+                     std::uint64_t seed, const char* purpose) {
   std::vector<double> dbh_m(config.variants);
   for (int i = 0; i < config.variants; ++i) dbh_m[i] = weibull_quantile(config, (i + 0.5) / config.variants);
-  return {scene, species, dbh_m, options, Random(seed, "world.forest.stock", name_of(species))};
+  return {scene, species, dbh_m, options, Random(seed, purpose, name_of(species))};
 }
 
 void add_trees(SceneBuilder& scene, const ForestConfig& config, std::uint64_t seed, const Relief& relief) {
-  const TreeStock stocks[] = {make_stock(scene, config, Species::kPine, seed),
-                              make_stock(scene, config, Species::kSpruce, seed),
-                              make_stock(scene, config, Species::kBroadleaf, seed)};
+  const auto stock_of = [&](Species species) {
+    return make_stock(scene, config, species, tree_options(config), seed, "world.forest.stock");
+  };
+  const TreeStock stocks[] = {stock_of(Species::kPine), stock_of(Species::kSpruce), stock_of(Species::kBroadleaf)};
   // Nothing may hang into a free zone below this, however high or low the ground is there.
   const double clear_top_m = config.relief.amplitude_m + config.keep_clear.clear_height_m;
   for (const Stem& stem : draw_stems(config, seed)) {
@@ -197,6 +211,53 @@ void add_rocks(SceneBuilder& scene, const ForestConfig& config, std::uint64_t se
   }
 }
 
+/// Trees as they look from a distance; two stocks, because leaves of a meter are seen as such from near.
+void add_far_trees(SceneBuilder& scene, const ForestConfig& config, std::uint64_t seed, const Relief& relief) {
+  constexpr double kNear_m = 12.0;  // beyond the edge
+  constexpr double kLeaves_m[] = {0.9, 2.0};
+  std::vector<TreeStock> stocks;
+  stocks.reserve(2 * kNumSpecies);
+  for (const double leaves_m : kLeaves_m) {
+    for (const Species species : {Species::kPine, Species::kSpruce, Species::kBroadleaf}) {
+      TreeOptions options = tree_options(config);
+      options.leaf_cluster_m = std::max(leaves_m, options.leaf_cluster_m);
+      options.is_far = true;
+      stocks.push_back(make_stock(scene, config, species, options, seed, "world.forest.far"));
+    }
+  }
+  const Vector2d half_m = 0.5 * config.size_m, outer_m = half_m.array() + config.surroundings_m;
+  const double area_ha = 4.0 * (outer_m.prod() - half_m.prod()) / 1e4;
+  const Random random(seed, "world.forest.far.stems");
+  Spacing spacing(config.min_spacing_m);
+  for (int i = 0; i < static_cast<int>(std::lround(config.stems_per_ha * area_ha)); ++i) {
+    Dice dice(random, static_cast<std::uint32_t>(i));
+    Stem stem = draw_stem(config, dice);
+    double beyond_m = 0.0;
+    bool has_room = false;
+    for (int tries = 0; tries < kTriesPerStem && !has_room; ++tries) {
+      const double x_m = dice.uniform(-1.0, 1.0) * outer_m.x();
+      stem.place_m = {x_m, dice.uniform(-1.0, 1.0) * outer_m.y()};
+      beyond_m = (stem.place_m.cwiseAbs() - half_m).maxCoeff();
+      // No trunk of the place itself is nearer than the spacing.
+      has_room = beyond_m >= config.min_spacing_m && spacing.try_add(stem.place_m);
+    }
+    if (!has_room) break;
+    const TreeStock& stock = stocks[static_cast<int>(stem.species) + (beyond_m < kNear_m ? 0 : kNumSpecies)];
+    const TreeStock::Measures tree = stock.measures(stem.dbh_m, stem.height_factor);
+    if (config.keep_clear.distance_m(stem.place_m) < tree.crown_radius_m) continue;
+    stock.place_nameless(scene, on_ground(relief, stem.place_m), stem.dbh_m, stem.height_factor, stem.yaw_rad);
+  }
+}
+
+void add_surroundings(SceneBuilder& scene, const ForestConfig& config, std::uint64_t seed, const Relief& relief,
+                      bool is_flat) {
+  scene.begin_surroundings();
+  scene.add(make_ground_around(relief, is_flat, -0.5 * config.size_m, 0.5 * config.size_m, config.ground_cell_m,
+                               2.0 * config.surroundings_m),
+            materials::forest_floor(), SurfaceClass::kGround);
+  add_far_trees(scene, config, seed, relief);
+}
+
 }  // namespace
 
 void ForestConfig::visit(ConfigVisitor& v) {
@@ -229,6 +290,10 @@ void ForestConfig::visit(ConfigVisitor& v) {
   v.field("rocks_per_ha", rocks_per_ha, "[1/ha]", Range::non_negative());
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default; the leaf area stays",
           Range::between(0.05, 20.0));
+  v.field(
+      "surroundings_m", surroundings_m,
+      "[m] the forest goes on this far beyond size_m with trees of few triangles, its ground twice as far; 0: it ends",
+      Range::between(0.0, 200.0));
   v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
   v.check(pine_share + spruce_share + broadleaf_share > 0.0, "pine_share", "at least one share above 0");
 }
@@ -243,6 +308,7 @@ Scene make_forest(const ForestConfig& config, std::uint64_t seed) {
   add_undergrowth(scene, config, seed, relief);
   add_fallen_trunks(scene, config, seed, relief);
   add_rocks(scene, config, seed, relief);
+  if (config.surroundings_m > 0.0) add_surroundings(scene, config, seed, relief, is_flat);
   return scene.finish();
 }
 

@@ -57,11 +57,17 @@ Scene SceneBuilder::finish() {
   }
   scene_.meshes = std::move(used);
 
-  for (const Instance& instance : scene_.instances) {
+  Eigen::AlignedBox3d everything_m;
+  for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+    const Instance& instance = scene_.instances[i];
     for (const Eigen::Vector3f& vertex : scene_.meshes[instance.mesh].vertices_mesh_m) {
-      scene_.bounds_m.extend((instance.T_world_mesh * vertex).cast<double>());
+      everything_m.extend((instance.T_world_mesh * vertex).cast<double>());
     }
+    if (i + 1 == num_within_) scene_.bounds_m = everything_m;
   }
+  if (scene_.bounds_m.isEmpty()) scene_.bounds_m = everything_m;
+  scene_.bounds_m.min().z() = everything_m.min().z();
+  scene_.bounds_m.max().z() = everything_m.max().z();
   Scene scene = std::move(scene_);
   *this = {};
   return scene;

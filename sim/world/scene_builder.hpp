@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 
 #include "swiftlet/sim/world/scene.hpp"
 
@@ -20,6 +21,9 @@ class SceneBuilder {
   std::uint16_t next_instance(SurfaceClass surface_class);
   void add_object(WorldObject object);
 
+  /// What is placed from now on surrounds the place: it counts for the height of the bounds only.
+  void begin_surroundings() { num_within_ = scene_.instances.size(); }
+
   /// The scene with its bounds. The builder is empty afterwards.
   Scene finish();
 
@@ -27,6 +31,7 @@ class SceneBuilder {
   std::uint32_t index_of(const Material& material);
 
   Scene scene_;
+  std::optional<std::size_t> num_within_;  // instances of the place itself
   std::map<SurfaceClass, std::uint16_t> last_instance_;
 };
 

@@ -47,7 +47,9 @@ const SpeciesLaw& law_of(Species species) {
 
 Vector3d axis_point(const Crown& crown, double z_m) { return {crown.lean_x * z_m, crown.lean_y * z_m, z_m}; }
 
-Mesh make_trunk(const Tree& tree) {
+Mesh make_trunk(const Tree& tree, bool is_far) {
+  const int sides = is_far ? 5 : kTrunkSides;
+  const int rings = is_far ? 6 : kTrunkRings;
   std::vector<Vector3f> points_m;
   std::vector<float> radii_m;
   const auto add_ring = [&](double z_m, double radius_m) {
@@ -57,12 +59,12 @@ Mesh make_trunk(const Tree& tree) {
   add_ring(-kRootDepth_m, 1.25 * trunk_radius_m(tree.dbh_m, tree.height_m, 0.0));
   // A ring at breast height, so that the diameter there is the one that the stem map tells.
   for (const double z_m : {0.0, 0.35, kBreastHeight_m}) add_ring(z_m, trunk_radius_m(tree.dbh_m, tree.height_m, z_m));
-  for (int i = 1; i <= kTrunkRings - 4; ++i) {
-    const double z_m = kBreastHeight_m + (tree.height_m - kBreastHeight_m) * i / (kTrunkRings - 4.0);
+  for (int i = 1; i <= rings - 4; ++i) {
+    const double z_m = kBreastHeight_m + (tree.height_m - kBreastHeight_m) * i / (rings - 4.0);
     add_ring(z_m, trunk_radius_m(tree.dbh_m, tree.height_m, z_m));
   }
   Mesh mesh;
-  add_tube(mesh, points_m, radii_m, kTrunkSides, Caps::kBoth);
+  add_tube(mesh, points_m, radii_m, sides, Caps::kBoth);
   return mesh;
 }
 
@@ -243,8 +245,9 @@ Tree make_tree(Species species, double dbh_m, const TreeOptions& options, Dice d
   tree.crown.radius_m = (law.crown_radius_m + law.crown_radius_per_dbh * dbh_m) * dice.uniform(0.9, 1.1);
   tree.crown.lean_x = lean * elementary::cos(lean_direction_rad);
   tree.crown.lean_y = lean * elementary::sin(lean_direction_rad);
-  tree.trunk = make_trunk(tree);
-  tree.branches = species == Species::kBroadleaf ? make_boughs(tree, dice) : make_whorls(tree, dice);
+  tree.trunk = make_trunk(tree, options.is_far);
+  if (!options.is_far)
+    tree.branches = species == Species::kBroadleaf ? make_boughs(tree, dice) : make_whorls(tree, dice);
   tree.leaves = make_leaves(tree.crown, options, dice);
   return tree;
 }
@@ -290,16 +293,29 @@ TreeStock::Measures TreeStock::measures(double dbh_m, double height_factor) cons
   return {height_m, vertical * kind.crown_base_m, horizontal_scale(kind, dbh_m, vertical) * kind.reach_m};
 }
 
+void TreeStock::place_meshes(SceneBuilder& scene, std::uint16_t instance, const Vector3d& foot_world_m, double dbh_m,
+                             double height_factor, double yaw_rad) const {
+  const Kind& kind = nearest(dbh_m);
+  const double vertical = height_factor * height_by_diameter_m(species_, dbh_m) / kind.height_m;
+  const double horizontal = horizontal_scale(kind, dbh_m, vertical);
+  const Vector3f scale = Vector3d(horizontal, horizontal, vertical).cast<float>();
+  const Eigen::Affine3f T_world_tree = transform(foot_world_m.cast<float>(), static_cast<float>(yaw_rad), scale);
+  for (const std::uint32_t mesh : {kind.trunk, kind.branches, kind.leaves}) scene.place(mesh, instance, T_world_tree);
+}
+
+void TreeStock::place_nameless(SceneBuilder& scene, const Vector3d& foot_world_m, double dbh_m, double height_factor,
+                               double yaw_rad) const {
+  place_meshes(scene, 0, foot_world_m, dbh_m, height_factor, yaw_rad);
+}
+
 void TreeStock::place(SceneBuilder& scene, const Vector3d& foot_world_m, double dbh_m, double height_factor,
                       double yaw_rad) const {
+  const std::uint16_t instance = scene.next_instance(SurfaceClass::kTrunk);
+  place_meshes(scene, instance, foot_world_m, dbh_m, height_factor, yaw_rad);
   const Kind& kind = nearest(dbh_m);
   const double height_m = height_factor * height_by_diameter_m(species_, dbh_m);
   const double vertical = height_m / kind.height_m;
   const double horizontal = horizontal_scale(kind, dbh_m, vertical);
-  const Vector3f scale = Vector3d(horizontal, horizontal, vertical).cast<float>();
-  const Eigen::Affine3f T_world_tree = transform(foot_world_m.cast<float>(), static_cast<float>(yaw_rad), scale);
-  const std::uint16_t instance = scene.next_instance(SurfaceClass::kTrunk);
-  for (const std::uint32_t mesh : {kind.trunk, kind.branches, kind.leaves}) scene.place(mesh, instance, T_world_tree);
   scene.add_object({instance,
                     SurfaceClass::kTrunk,
                     name_of(species_),

@@ -19,6 +19,7 @@ struct TreeOptions {
   double leaf_area_density_per_m = 0.6;  ///< one-sided leaf area in a volume of crown [m^2/m^3]
   double leaf_cluster_m = 0.3;           ///< size of a leaf cluster
   double lean_max_deg = 3.0;
+  bool is_far = false;  ///< a trunk of few triangles and no branches
 };
 
 /// The crown is the space between two bodies of revolution about the tree's axis. Leaves fill it evenly, with every
@@ -67,6 +68,9 @@ class TreeStock {
   /// Adds trunk, branches and leaves as one instance, and the entry of the stem map.
   void place(SceneBuilder& scene, const Eigen::Vector3d& foot_world_m, double dbh_m, double height_factor,
              double yaw_rad) const;
+  /// The same as instance 0, without an entry.
+  void place_nameless(SceneBuilder& scene, const Eigen::Vector3d& foot_world_m, double dbh_m, double height_factor,
+                      double yaw_rad) const;
 
  private:
   struct Kind {
@@ -78,6 +82,8 @@ class TreeStock {
     std::uint32_t trunk = 0, branches = 0, leaves = 0;
   };
   const Kind& nearest(double dbh_m) const;
+  void place_meshes(SceneBuilder& scene, std::uint16_t instance, const Eigen::Vector3d& foot_world_m, double dbh_m,
+                    double height_factor, double yaw_rad) const;
   double horizontal_scale(const Kind& kind, double dbh_m, double vertical_scale) const;
 
   Species species_;

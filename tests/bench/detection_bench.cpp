@@ -52,6 +52,8 @@ class Flight {
     static const auto scene = [] {
       ForestConfig forest;
       forest.size_m = {70.0, 70.0};
+      forest.surroundings_m = 0.0;
+      forest.detail = 0.5;
       forest.keep_clear.clearings.push_back({{0.0, 0.0}, 14.0});
       return std::make_shared<const Scene>(make_forest(forest, 1));
     }();

@@ -60,6 +60,8 @@ struct Stage {
   Stage() {
     ForestConfig forest;
     forest.size_m = {70.0, 70.0};
+    forest.surroundings_m = 0.0;
+    forest.detail = 0.5;
     const auto start = std::chrono::steady_clock::now();
     scene = std::make_shared<const Scene>(make_forest(forest, 1));
     const auto made = std::chrono::steady_clock::now();

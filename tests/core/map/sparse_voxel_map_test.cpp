@@ -210,5 +210,34 @@ TEST(SparseVoxelMap, ForgetsWhatIsFarAwayAndUsesItsMemoryAgain) {
   EXPECT_FALSE(is_occupied(map, {20.0, 0.1, 0.1}, 200 * kSweep));
 }
 
+TEST(SparseVoxelMap, NeverHoldsMoreBlocksThanItsBoundCounts) {
+  SparseVoxelMapConfig config;
+  config.edge_m = 0.2;
+  config.keep_radius_m = 7.0;
+  config.miss_log_odds = 0.0;
+  SparseVoxelMap map(config);
+  // A return in every block of a cube around a vehicle that moves.
+  std::size_t most_blocks = 0;
+  for (int step = 0; step < 5; ++step) {
+    const Eigen::Vector3f at(0.4F * static_cast<float>(step), 0.1F, 0.0F);
+    std::vector<SparseVoxelMap::Ray> rays;
+    rays.reserve(1000);
+    for (int i = 0; i < 10 * 10 * 10; ++i) {
+      const Eigen::Vector3f place(static_cast<float>(i % 10), static_cast<float>(i / 10 % 10),
+                                  static_cast<float>(i / 100));
+      rays.push_back({at, at + 1.6F * (place.array() - 4.7F).matrix(), true});
+    }
+    map.insert(rays, step);
+    map.keep_around(at.cast<double>());
+    most_blocks = std::max(most_blocks, map.num_blocks());
+  }
+  EXPECT_GT(most_blocks, 250U);
+  constexpr double kBytesOfABlock = 512 * 24;
+  const double bound = SparseVoxelMap::most_bytes(config, 100.0);
+  EXPECT_GE(bound, static_cast<double>(most_blocks) * kBytesOfABlock);
+  EXPECT_LE(bound, 4.0 * static_cast<double>(most_blocks) * kBytesOfABlock) << "and not much more";
+  EXPECT_LT(SparseVoxelMap::most_bytes(config, 3.0), 0.5 * bound) << "shorter rays reach less";
+}
+
 }  // namespace
 }  // namespace swiftlet

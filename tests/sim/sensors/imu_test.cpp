@@ -110,6 +110,48 @@ TEST(Imu, WhiteNoiseHasTheVarianceOfItsDensity) {
   EXPECT_NEAR(product.mean(), 0.0, mean_bound(gyro_variance, product.size()));
 }
 
+/// Allan variance of samples at intervals of tau = `cluster` samples.
+double allan_variance(const std::vector<double>& samples, std::size_t cluster) {
+  SampleStatistics halves;
+  double before = 0.0;
+  for (std::size_t k = 0; k < samples.size() / cluster; ++k) {
+    double mean = 0.0;
+    for (std::size_t i = 0; i < cluster; ++i) mean += samples[k * cluster + i] / static_cast<double>(cluster);
+    if (k > 0) halves.add(0.5 * (mean - before) * (mean - before));
+    before = mean;
+  }
+  return halves.mean();
+}
+
+// IEEE Std 952: N / sqrt(tau) of white noise, K sqrt(tau / 3) of a random walk.
+TEST(Imu, AllanDeviationsAreThoseOfTheDataSheetWithinTwoPercent) {
+  const auto deviation = [](const ImuConfig& config, double duration_s, double tau_s) {
+    const auto sensor = make_imu_sensor(config, sensor_setup("imu"));
+    const auto period = static_cast<TimeNs>(1e9 / config.rate_hz);
+    const Observation seen = drive(*sensor, {resting(Vector3::Zero())},
+                                   {.duration_s = duration_s, .tick = period, .step = period, .capacity = 8});
+    const auto cluster = static_cast<std::size_t>(std::lround(tau_s * config.rate_hz));
+    double variance = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> samples;
+      samples.reserve(seen.imu.size());
+      for (const ImuSample& sample : seen.imu) samples.push_back(sample.omega_body_radps[axis]);
+      variance += allan_variance(samples, cluster) / 3.0;
+    }
+    return std::sqrt(variance);
+  };
+  ImuConfig white = perfect_imu();
+  white.gyro_noise_density_radps_psqrthz = 3.39e-4;
+  for (const double tau_s : {0.02, 0.1, 0.4})
+    EXPECT_NEAR(deviation(white, 1600.0, tau_s) / (3.39e-4 / std::sqrt(tau_s)), 1.0, 0.02) << tau_s;
+  ImuConfig walk = perfect_imu();
+  walk.rate_hz = 50.0;
+  walk.gyro_bias_walk_radps2_psqrthz = 3.88e-5;
+  walk.gyro_bias_time_s = 1e6;
+  for (const double tau_s : {1.0, 2.0})
+    EXPECT_NEAR(deviation(walk, 8000.0, tau_s) / (3.88e-5 * std::sqrt(tau_s / 3.0)), 1.0, 0.02) << tau_s;
+}
+
 TEST(Imu, BiasGrowsAsAGaussMarkovProcess) {
   ImuConfig config = perfect_imu();
   config.rate_hz = 10.0;

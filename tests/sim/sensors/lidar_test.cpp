@@ -287,6 +287,39 @@ TEST(Lidar, TruthPosesPutTheReturnsOfAMovingSensorOnTheWall) {
   EXPECT_LT((s.truth.T_world_lidar[700].matrix() - expected.matrix()).norm(), 2e-4);
 }
 
+// 7 m/s and 167 deg/s: what independent checks flew.
+TEST(Lidar, PointsOfAFastTurningSensorLieOnTheSurfacesAndThoseOfAFrozenSweepWouldNot) {
+  Rig rig;
+  const Vector3 half_room_m(12, 9, 4);
+  rig.world.add_box((-half_room_m).cast<float>(), half_room_m.cast<float>());
+  rig.config.ideal = true;
+  rig.motions = {[](double t) {
+    VehicleState state = state_at({7.0 * (t - 0.25), 2.0, 0.5}, 0.0);
+    state.v_world_mps = {7.0, 0.0, 0.0};
+    state.q_world_body = Eigen::AngleAxisd(167.0 / kDegPerRad * t, Vector3(0.2, 0.1, 1).normalized());
+    return state;
+  }};
+  const auto scans = rig.run(3);
+  const LabeledScan& s = *scans[2];
+  const auto off_m = [&](const Vector3& p_world_m) {
+    const Vector3 outside = p_world_m.cwiseAbs() - half_room_m;
+    return outside.maxCoeff() > 0.0 ? outside.cwiseMax(0.0).norm() : -outside.maxCoeff();
+  };
+  double worst_m = 0.0, frozen_sum_m = 0.0;
+  int points = 0;
+  for (int i = 0; i < s.scan.size(); ++i) {
+    if (!s.scan.hit(i)) continue;
+    const Vector3 p_lidar_m = s.scan.point_lidar(i).cast<double>();
+    worst_m = std::max(worst_m, off_m(s.truth.T_world_lidar[i % s.scan.cols()] * p_lidar_m));
+    frozen_sum_m += off_m(s.truth.T_world_lidar[0] * p_lidar_m);
+    ++points;
+  }
+  ASSERT_GT(points, 100000);
+  EXPECT_LT(worst_m, 3e-4);
+  EXPECT_GT(frozen_sum_m / points, 0.2) << "if the sweep were an instant";
+  EXPECT_LT(frozen_sum_m / points, 0.75);
+}
+
 // ---- measurement
 // ------------------------------------------------------------------------------------------------------
 

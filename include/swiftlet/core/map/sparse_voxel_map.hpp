@@ -68,6 +68,9 @@ class SparseVoxelMap : public OccupancyView {
   /// Values are log-odds.
   void append_voxels(MapVoxels& copy) const override;
 
+  /// What a map takes that has seen something in every block within a radius.
+  static double most_bytes(const SparseVoxelMapConfig& config, double radius_m);
+
   std::size_t num_blocks() const { return blocks_.size() - free_.size(); }
 
  private:

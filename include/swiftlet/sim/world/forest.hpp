@@ -11,7 +11,8 @@ namespace swiftlet::sim {
 /// A managed mixed forest. Stems: Poisson disks (dart throwing, at least min_spacing_m between axes). Diameters at
 /// breast height: Weibull (Bailey and Dell 1973). Heights: Michailow's curve by species with a scatter of 7 %. Crowns:
 /// leaf clusters that rays pass through in part. Trails and clearings remove what would stand in them and change
-/// nothing else, so that the same forest can be flown with and without.
+/// nothing else, so that the same forest can be flown with and without. Around it stands a belt of the same forest in
+/// few triangles, so that beams end where they would in a forest that goes on: trees without instance and entry.
 struct ForestConfig : ModuleConfigOf<ForestConfig> {
   Eigen::Vector2d size_m = {60.0, 60.0};
   ReliefConfig relief{.amplitude_m = 1.5, .wavelength_m = 30.0, .octaves = 4};
@@ -32,6 +33,7 @@ struct ForestConfig : ModuleConfigOf<ForestConfig> {
   double fallen_per_ha = 30.0;
   double rocks_per_ha = 40.0;
   double detail = 1.0;
+  double surroundings_m = 30.0;
   KeepClearConfig keep_clear;
 
   void visit(ConfigVisitor& v) override;

@@ -30,4 +30,8 @@ class Relief {
 Mesh make_ground(const Relief& relief, bool flat, const Eigen::Vector2d& min_world_m,
                  const Eigen::Vector2d& max_world_m, double cell_m);
 
+/// The ground around that rectangle, out to `width_m`, with triangles that grow outward. Both meshes share their edge.
+Mesh make_ground_around(const Relief& relief, bool flat, const Eigen::Vector2d& min_world_m,
+                        const Eigen::Vector2d& max_world_m, double cell_m, double width_m);
+
 }  // namespace swiftlet::sim

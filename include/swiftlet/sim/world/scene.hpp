@@ -85,7 +85,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   std::vector<WorldObject> objects;
-  Eigen::AlignedBox3d bounds_m;  ///< of everything
+  Eigen::AlignedBox3d bounds_m;  ///< of the place: surroundings that only fill the view count for the height alone
 
   std::size_t num_triangles() const;  ///< with instancing unrolled
 };
