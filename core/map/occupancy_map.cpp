@@ -41,9 +41,7 @@ OccupancyMap::OccupancyMap(const OccupancyMapConfig& config)
     after_misses_[n] = moved(after_misses_[n - 1], miss_, min_, max_);
     if (after_misses_[n] != after_misses_[n - 1]) most_misses_ = n;
   }
-  // What is kept around a vehicle between two blocks, and what a scan reaches beyond before it is forgotten.
-  const double across = 2.0 * config.keep_radius_m / (kSide * config.edge_m) + 6.0;
-  while (1 << bits_ < across) ++bits_;
+  while (1 << bits_ < config.places_across()) ++bits_;
   mask_ = (1 << bits_) - 1;
   places_.assign(std::size_t{1} << 3 * bits_, -1);
   occupied_changed_.assign(places_.size(), 0);
@@ -390,11 +388,17 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.check(distance_max_m <= DistanceTiles::kMostReach * edge_m, "distance_max_m", "at most 64 times edge_m");
 }
 
+// What is kept around a vehicle between two blocks, and what a scan reaches beyond before it is forgotten.
+double OccupancyMapConfig::places_across() const { return 2.0 * keep_radius_m / (RayCells::kSide * edge_m) + 6.0; }
+
 double OccupancyMapConfig::bytes() const {
   const double radius_cells = keep_radius_m / edge_m;
   const double blocks = 4.19 * radius_cells * radius_cells * radius_cells / 512.0;
-  constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1;
-  return blocks * (kBlock + kNearSurfaces * kPage) + RayCells::bytes(range_max_m, edge_m);
+  constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1, kPlace = 12.0;
+  double across = 1.0;  // of the table
+  while (across < places_across()) across *= 2.0;
+  return blocks * (kBlock + kNearSurfaces * kPage) + across * across * across * kPlace +
+         RayCells::bytes(range_max_m, edge_m);
 }
 
 }  // namespace swiftlet

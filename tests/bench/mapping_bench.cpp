@@ -161,7 +161,8 @@ void path(benchmark::State& state, bool distances_are_known) {
   const Vector3 start_m = scans.back().front().origin_local_m.cast<double>();
   int scan = kScans;
   for (auto _ : state) {
-    if (!distances_are_known) map.insert(scans[static_cast<std::size_t>(scan++ % kScans)], scan);
+    if (!distances_are_known) map.insert(scans[static_cast<std::size_t>(scan % kScans)], scan);
+    ++scan;
     const double took_s = time_of_s([&] {
       const ClearPath path = find_clear_path(map, config, start_m, start_m + Vector3(7.0, 5.5, 0.0));
       expansions = path.expansions;

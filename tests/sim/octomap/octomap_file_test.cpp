@@ -87,18 +87,26 @@ TEST(OctomapFile, OfAnotherMapTellsItsStates) {
   EXPECT_EQ(occupied(0.875), 1);
 }
 
-TEST(OctomapFile, ThatIsNoneIsRefusedByName) {
-  TemporaryDirectory directory;
-  for (const char* name : {"map.bt", "map.ot"}) {
-    const auto file = directory.path() / name;
-    std::ofstream(file) << "# Octomap OcTree file\nid OcTree\n";
+TEST(OctomapFile, ThatIsNoneIsRefusedByNameAndReason) {
+  const TemporaryDirectory directory;
+  const auto refusal = [&](const char* name, const std::string& content) -> std::string {
+    std::ofstream(directory.path() / name, std::ios::binary) << content;
     try {
-      read_octomap(file);
-      ADD_FAILURE() << name;
+      read_octomap(directory.path() / name);
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+      return error.what();
     }
-  }
+    return "";
+  };
+  const std::string whole = octomap_content(some_map(), OctomapFormat::kOt, {});
+  EXPECT_NE(refusal("a.bt", whole).find("title"), std::string::npos) << "the other format";
+  EXPECT_NE(refusal("b.ot", "ply\n").find("title"), std::string::npos);
+  EXPECT_NE(refusal("c.ot", whole.substr(0, whole.size() - 40)).find("data"), std::string::npos) << "cut off";
+  EXPECT_NE(refusal("d.ot", whole.substr(0, whole.find("res"))).find("header"), std::string::npos);
+  std::string flat = whole;
+  flat.replace(flat.find("res 0.1"), 7, "res 0.0");
+  EXPECT_NE(refusal("e.ot", flat).find("resolution"), std::string::npos);
   EXPECT_THROW(read_octomap(directory.path() / "missing.bt"), InputError);
 }
 

@@ -31,6 +31,8 @@ struct OccupancyMapConfig {
   void visit(ConfigVisitor& v);
   /// What the map may need, about: all of its ball seen, a tenth of it near surfaces.
   double bytes() const;
+  /// Blocks that may be kept side by side.
+  double places_across() const;
 };
 
 /// What is around a vehicle, cell for cell as OctoMap's library would have it after the same scans: log-odds in single
