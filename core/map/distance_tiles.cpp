@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "core/map/lanes.hpp"
 #include "swiftlet/core/ensure.hpp"
@@ -22,32 +23,68 @@ int most_gap(int offset) { return RayCells::kSide * (std::abs(offset) + 1) - 1; 
 
 int squared_norm(int x, int y, int z) { return x * x + y * y + z * z; }
 
-/// Squares of the distances of eight cells to the nearest of a row whose first cell lies so far from them.
-std::array<std::int16_t, RayCells::kSide> squares_along_x(unsigned row, int offset) {
+/// Squares of the distances of a row's eight cells to the nearest occupied one of them.
+std::array<std::int16_t, RayCells::kSide> squares_within(unsigned row) {
   std::array<std::int16_t, RayCells::kSide> squares{};
   for (int x = 0; x < RayCells::kSide; ++x) {
-    // The nearest one at or after x, and the nearest one before it.
-    const int at = x - offset;
-    const unsigned after = at <= 0 ? row : at > 7 ? 0U : row >> at << at, before = row & ~after;
-    int gap = 1 << 7;
-    if (after != 0) gap = std::min(gap, std::countr_zero(after) - at);
-    if (before != 0) gap = std::min(gap, at + 1 - static_cast<int>(std::bit_width(before)));
+    int gap = RayCells::kSide;
+    for (int other = 0; other < RayCells::kSide; ++other) {
+      if ((row >> other & 1U) != 0) gap = std::min(gap, std::abs(other - x));
+    }
     squares[static_cast<std::size_t>(x)] = static_cast<std::int16_t>(gap * gap);
   }
   return squares;
 }
 
-/// The same from a table, for rows of the tile's own blocks and of those beside it.
+/// The same for every row.
 struct RowTable {
   RowTable() {
-    for (unsigned row = 1; row < 256; ++row) {
-      for (int offset = -1; offset <= 1; ++offset) of[offset + 1][row] = squares_along_x(row, 8 * offset);
-    }
+    for (unsigned row = 0; row < of.size(); ++row) of[row] = squares_within(row);
   }
-  std::array<std::array<std::int16_t, 8>, 256> of[3];
+  std::array<std::array<std::int16_t, RayCells::kSide>, 256> of;
 };
 
+/// Eight times the square of each number, for gaps in cells.
+struct SquareTable {
+  static constexpr int kMost = DistanceTiles::kMostReach + 2 * RayCells::kSide;
+  SquareTable() {
+    for (int gap = -kMost; gap <= kMost; ++gap) of[gap + kMost] = Squares{} + static_cast<std::int16_t>(gap * gap);
+  }
+  const Squares& operator[](int gap) const { return of[gap + kMost]; }
+  Squares of[2 * kMost + 1];
+};
+
+std::int16_t most_of(std::span<const std::int16_t> squares) {
+  std::int16_t most = 0;
+  for (const std::int16_t square : squares) most = std::max(most, square);
+  return most;
+}
+
+/// And to the nearest cell of a row that lies so many blocks farther along x.
+[[gnu::always_inline]] inline Squares squares_to(unsigned row, int blocks, const RowTable& table) {
+  if (blocks == 0) return lanes::load<Squares>(table.of[row].data());
+  const int nearest =
+      RayCells::kSide * blocks + (blocks > 0 ? std::countr_zero(row) : static_cast<int>(std::bit_width(row)) - 1);
+  const Squares gap = static_cast<std::int16_t>(nearest) - Squares{0, 1, 2, 3, 4, 5, 6, 7};
+  return gap * gap;
+}
+
 }  // namespace
+
+DistanceTiles::DistanceTiles(int reach) : reach_(reach) {
+  const int blocks = (reach + kSide - 1) / kSide;
+  for (int z = -blocks; z <= blocks; ++z) {
+    for (int y = -blocks; y <= blocks; ++y) {
+      for (int x = -blocks; x <= blocks; ++x) {
+        const int least_sq = squared_norm(least_gap(x), least_gap(y), least_gap(z));
+        if (least_sq > reach * reach) continue;
+        offsets_.push_back({Cell(x, y, z), least_sq, squared_norm(most_gap(x), most_gap(y), most_gap(z))});
+      }
+    }
+  }
+  std::stable_sort(offsets_.begin(), offsets_.end(),
+                   [](const Offset& a, const Offset& b) { return a.least_sq < b.least_sq; });
+}
 
 std::int16_t DistanceTiles::squared(const Cell& cell, const OccupiedBlocks& map, std::uint64_t revision) {
   const Cell block(cell.x() >> 3, cell.y() >> 3, cell.z() >> 3);
@@ -65,60 +102,60 @@ std::int16_t DistanceTiles::squared(const Cell& cell, const OccupiedBlocks& map,
 }
 
 bool DistanceTiles::holds(const Tile& tile, const OccupiedBlocks& map) const {
-  const int blocks = (tile.reach + kSide - 1) / kSide, reach_sq = tile.reach * tile.reach;
-  for (int z = -blocks; z <= blocks; ++z) {
-    for (int y = -blocks; y <= blocks; ++y) {
-      for (int x = -blocks; x <= blocks; ++x) {
-        if (squared_norm(least_gap(x), least_gap(y), least_gap(z)) > reach_sq) continue;
-        if (map.occupied_changed(tile.at + Cell(x, y, z)) > tile.computed) return false;
-      }
-    }
+  for (const Offset& offset : offsets_) {
+    if (offset.least_sq > tile.reach * tile.reach) return true;
+    if (map.occupied_changed(tile.at + offset.blocks) > tile.computed) return false;
   }
   return true;
 }
 
+// What is near is looked at first: when no cell of the tile is farther from an occupied one than that reaches, the rest
+// does not matter.
 void DistanceTiles::compute(Tile& tile, const OccupiedBlocks& map) {
-  static const RowTable table;
   ++num_computed_;
-  const int blocks = (reach_ + kSide - 1) / kSide, reach_sq = reach_ * reach_;
   near_.clear();
-  int bound_sq = reach_sq;  // no cell of the tile is farther from an occupied one
-  for (int z = -blocks; z <= blocks; ++z) {
-    for (int y = -blocks; y <= blocks; ++y) {
-      for (int x = -blocks; x <= blocks; ++x) {
-        const int least_sq = squared_norm(least_gap(x), least_gap(y), least_gap(z));
-        if (least_sq > bound_sq) continue;
-        const RayCells::Bits* bits = map.occupied_of(tile.at + Cell(x, y, z));
-        if (bits == nullptr) continue;
-        const int most_sq = squared_norm(most_gap(x), most_gap(y), most_gap(z));
-        bound_sq = std::min(bound_sq, most_sq);
-        near_.push_back({bits, Cell(x, y, z), least_sq});
-      }
-    }
-  }
-  std::erase_if(near_, [&](const Near& near) { return near.least_sq > bound_sq; });
   tile.squared.fill(kFar);
   tile.reach = reach_;
-  if (near_.empty()) return;
+  auto offset = offsets_.begin();
+  int bound_sq = reach_ * reach_;
+  for (int seen = kSide;; seen += kSide) {
+    const std::size_t before = near_.size();
+    for (; offset != offsets_.end() && offset->least_sq <= std::min(seen * seen, bound_sq); ++offset) {
+      const RayCells::Bits* bits = map.occupied_of(tile.at + offset->blocks);
+      if (bits == nullptr) continue;
+      bound_sq = std::min(bound_sq, offset->most_sq);
+      near_.push_back({bits, offset->blocks});
+    }
+    if (near_.size() > before) measure(tile);
+    const std::int16_t most = most_of(tile.squared);
+    if (most < kFar) bound_sq = std::min<int>(bound_sq, most);
+    if (offset == offsets_.end() || offset->least_sq > bound_sq) break;
+  }
+  const auto reach_sq = static_cast<std::int16_t>(reach_ * reach_);
+  for (std::int16_t& square : tile.squared) square = square > reach_sq ? kFar : square;
+  const std::int16_t most = most_of(tile.squared);
+  if (most < kFar) tile.reach = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(most))));
+}
 
-  Cell low = Cell::Constant(blocks), high = Cell::Constant(-blocks);
-  for (const Near& near : near_) low = low.cwiseMin(near.offset), high = high.cwiseMax(near.offset);
+// Distances to the occupied cells of the blocks in near_.
+void DistanceTiles::measure(Tile& tile) {
+  static const RowTable table;
+  static const SquareTable square_of;
+  Cell low = near_.front().blocks, high = low;
+  for (const Near& near : near_) low = low.cwiseMin(near.blocks), high = high.cwiseMax(near.blocks);
   const int num_y = kSide * (high.y() - low.y() + 1), num_z = kSide * (high.z() - low.z() + 1);
   // Along x: the nearest occupied cell of every row.
   rows_.resize(static_cast<std::size_t>(num_y) * num_z);
   row_used_.assign(rows_.size(), 0);
   for (const Near& near : near_) {
+    const int first_y = (near.blocks.y() - low.y()) * kSide, first_z = (near.blocks.z() - low.z()) * kSide;
     for (int z = 0; z < kSide; ++z) {
-      std::uint64_t word = (*near.bits)[static_cast<std::size_t>(z)];
-      for (; word != 0;) {
+      const std::size_t first = static_cast<std::size_t>(first_z + z) * num_y + static_cast<std::size_t>(first_y);
+      for (std::uint64_t word = (*near.bits)[static_cast<std::size_t>(z)]; word != 0;) {
         const int y = std::countr_zero(word) >> 3;
-        const unsigned row = static_cast<unsigned>(word >> (8 * y)) & 0xFFU;
+        const Squares here = squares_to(static_cast<unsigned>(word >> (8 * y)) & 0xFFU, near.blocks.x(), table);
         word &= ~(std::uint64_t{0xFF} << (8 * y));
-        const std::size_t at = static_cast<std::size_t>((near.offset.z() - low.z()) * kSide + z) * num_y +
-                               static_cast<std::size_t>((near.offset.y() - low.y()) * kSide + y);
-        const int offset = near.offset.x();
-        const auto squares = std::abs(offset) <= 1 ? table.of[offset + 1][row] : squares_along_x(row, kSide * offset);
-        const Squares here = lanes::load<Squares>(squares.data());
+        const std::size_t at = first + static_cast<std::size_t>(y);
         lanes::store(row_used_[at] != 0 ? least_of(lanes::load<Squares>(rows_[at].data()), here) : here,
                      rows_[at].data());
         row_used_[at] = 1;
@@ -126,37 +163,26 @@ void DistanceTiles::compute(Tile& tile, const OccupiedBlocks& map) {
     }
   }
   // Along y, then along z.
-  const Squares far = Squares{} + kFar;
   Squares distances[kSide][kSide];
-  for (auto& layer : distances) std::fill_n(layer, kSide, far);
+  for (auto& layer : distances) std::fill_n(layer, kSide, Squares{} + kFar);
   for (int z = 0; z < num_z; ++z) {
     Squares layer[kSide];
-    std::fill_n(layer, kSide, far);
+    std::fill_n(layer, kSide, Squares{} + kFar);
     bool any = false;
     for (int y = 0; y < num_y; ++y) {
       const std::size_t at = static_cast<std::size_t>(z) * num_y + static_cast<std::size_t>(y);
       if (row_used_[at] == 0) continue;
       any = true;
       const Squares row = lanes::load<Squares>(rows_[at].data());
-      for (int to = 0; to < kSide; ++to) {
-        const int gap = low.y() * kSide + y - to;
-        layer[to] = least_of(layer[to], row + static_cast<std::int16_t>(gap * gap));
-      }
+      for (int to = 0; to < kSide; ++to) layer[to] = least_of(layer[to], row + square_of[low.y() * kSide + y - to]);
     }
     if (!any) continue;
     for (int to = 0; to < kSide; ++to) {
-      const int gap = low.z() * kSide + z - to;
-      const auto square = static_cast<std::int16_t>(gap * gap);
+      const Squares square = square_of[low.z() * kSide + z - to];
       for (int y = 0; y < kSide; ++y) distances[to][y] = least_of(distances[to][y], layer[y] + square);
     }
   }
   std::memcpy(tile.squared.data(), distances, sizeof distances);
-  std::int16_t most = 0;
-  for (std::int16_t& square : tile.squared) {
-    if (square > reach_sq) square = kFar;
-    most = std::max(most, square);
-  }
-  if (most < kFar) tile.reach = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(most))));
 }
 
 std::size_t DistanceTiles::slot_of(const Cell& block) const {

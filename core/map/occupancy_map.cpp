@@ -41,12 +41,11 @@ OccupancyMap::OccupancyMap(const OccupancyMapConfig& config)
     after_misses_[n] = moved(after_misses_[n - 1], miss_, min_, max_);
     if (after_misses_[n] != after_misses_[n - 1]) most_misses_ = n;
   }
-  // What is kept around a vehicle between two blocks, and what a scan reaches beyond before it is forgotten.
-  const double across = 2.0 * config.keep_radius_m / (kSide * config.edge_m) + 6.0;
-  while (1 << bits_ < across) ++bits_;
+  while (1 << bits_ < config.places_across()) ++bits_;
   mask_ = (1 << bits_) - 1;
   places_.assign(std::size_t{1} << 3 * bits_, -1);
-  emptied_.assign(places_.size(), 0);
+  occupied_changed_.assign(places_.size(), 0);
+  occupied_places_.assign((places_.size() + 63) / 64, 0);
 }
 
 // Blocks
@@ -82,11 +81,11 @@ int OccupancyMap::find_or_make(const Cell& block) {
 void OccupancyMap::forget(int i) {
   About& about = blocks_[i];
   forgotten_.note(revision_, about.at);
-  emptied_[place_of(about.at)] = revision_;
   if (about.page != 0) free_pages_.push_back(about.page);
+  block(i) = {};
+  note_occupied(i);
   places_[place_of(about.at)] = -1;
   about = {};
-  block(i) = {};
   free_blocks_.push_back(i);
 }
 
@@ -107,6 +106,15 @@ void OccupancyMap::keep_around(const Vector3& center_local_m) {
     forget(i);
   }
   if (forgets) distances_.forget_if(far_away);
+}
+
+void OccupancyMap::note_occupied(int i) {
+  const std::size_t place = place_of(blocks_[i].at);
+  const Bits& bits = block(i).occupied;
+  const bool any = std::any_of(bits.begin(), bits.end(), [](std::uint64_t word) { return word != 0; });
+  const std::uint64_t bit = std::uint64_t{1} << (place & 63);
+  if (any || (occupied_places_[place >> 6] & bit) != 0) occupied_changed_[place] = revision_;
+  occupied_places_[place >> 6] = any ? occupied_places_[place >> 6] | bit : occupied_places_[place >> 6] & ~bit;
 }
 
 void OccupancyMap::give_page(int i) {
@@ -181,7 +189,9 @@ void OccupancyMap::miss_valued(int i, int z, std::uint64_t cells) {
     log_odds = moved(log_odds, miss_, min_, max_);
     if (log_odds < occupied_) occupied &= ~(std::uint64_t{1} << bit);
   }
-  if (occupied != before) blocks_[i].changed = blocks_[i].occupied_changed = revision_;
+  if (occupied == before) return;
+  blocks_[i].changed = revision_;
+  note_occupied(i);
 }
 
 int OccupancyMap::misses_of(const Block& b, int z, int bit) const {
@@ -220,7 +230,8 @@ void OccupancyMap::hit(const Cell& cell) {
   log_odds = moved(log_odds, hit_, min_, max_);
   if (log_odds < occupied_ || (b.occupied[z] & bit) != 0) return;
   b.occupied[z] |= bit;
-  blocks_[i].changed = blocks_[i].occupied_changed = revision_;
+  blocks_[i].changed = revision_;
+  note_occupied(i);
 }
 
 // Questions
@@ -314,17 +325,14 @@ double OccupancyMap::clearance_m(const Vector3& p_local_m, double max_m) const {
 }
 
 const RayCells::Bits* OccupancyMap::occupied_of(const Cell& at) const {
+  const std::size_t place = place_of(at);
+  if ((occupied_places_[place >> 6] >> (place & 63) & 1U) == 0) return nullptr;
   const int i = find(at);
-  if (i < 0 || blocks_[i].page == 0) return nullptr;
-  const Bits& bits = block(i).occupied;
-  return std::any_of(bits.begin(), bits.end(), [](std::uint64_t word) { return word != 0; }) ? &bits : nullptr;
+  return i < 0 ? nullptr : &block(i).occupied;
 }
 
-std::uint64_t OccupancyMap::occupied_changed(const Cell& at) const {
-  const int i = find(at);
-  const std::uint64_t emptied = emptied_[place_of(at)];
-  return i < 0 ? emptied : std::max(emptied, blocks_[i].occupied_changed);
-}
+// Another block with the same place lies far away: what changed there makes one look again, no more.
+std::uint64_t OccupancyMap::occupied_changed(const Cell& at) const { return occupied_changed_[place_of(at)]; }
 
 std::optional<SegmentHit> OccupancyMap::first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const {
   Cell cell;
@@ -380,11 +388,17 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.check(distance_max_m <= DistanceTiles::kMostReach * edge_m, "distance_max_m", "at most 64 times edge_m");
 }
 
+// What is kept around a vehicle between two blocks, and what a scan reaches beyond before it is forgotten.
+double OccupancyMapConfig::places_across() const { return 2.0 * keep_radius_m / (RayCells::kSide * edge_m) + 6.0; }
+
 double OccupancyMapConfig::bytes() const {
   const double radius_cells = keep_radius_m / edge_m;
   const double blocks = 4.19 * radius_cells * radius_cells * radius_cells / 512.0;
-  constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1;
-  return blocks * (kBlock + kNearSurfaces * kPage) + RayCells::bytes(range_max_m, edge_m);
+  constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1, kPlace = 12.0;
+  double across = 1.0;  // of the table
+  while (across < places_across()) across *= 2.0;
+  return blocks * (kBlock + kNearSurfaces * kPage) + across * across * across * kPlace +
+         RayCells::bytes(range_max_m, edge_m);
 }
 
 }  // namespace swiftlet

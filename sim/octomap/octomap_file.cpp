@@ -5,9 +5,9 @@
 
 #include <cmath>
 #include <fstream>
-#include <memory>
 #include <optional>
 #include <sstream>
+#include <string>
 
 #include "swiftlet/sim/errors.hpp"
 
@@ -36,6 +36,32 @@ bool key_of(const Eigen::Vector3f& center_local_m, double edge_m, octomap::OcTre
 
 [[noreturn]] void reject(const std::filesystem::path& file, const char* why) {
   throw InputError(file.string() + ": " + why);
+}
+
+struct Header {
+  std::size_t num_nodes = 0;
+  double edge_m = 0.0;
+};
+
+// The library's own reader tells its progress on the terminal, and little of what is wrong.
+Header read_header(std::istream& in, bool binary, const std::filesystem::path& file) {
+  const std::string title = binary ? "# Octomap OcTree binary file" : "# Octomap OcTree file";
+  std::string line, id;
+  std::getline(in, line);
+  if (line.rfind(title, 0) != 0) reject(file, "expected an octree of OctoMap, which begins with its title");
+  Header header;
+  while (std::getline(in, line) && line != "data") {
+    std::istringstream words(line);
+    std::string key;
+    words >> key;
+    if (key == "id") words >> id;
+    if (key == "size") words >> header.num_nodes;
+    if (key == "res") words >> header.edge_m;
+    if (words.fail() && !key.empty()) reject(file, "expected a header with id, size and res");
+  }
+  if (!in || id != "OcTree") reject(file, "expected a header with the id OcTree, which ends with the line 'data'");
+  if (!(header.edge_m > 0.0 && std::isfinite(header.edge_m))) reject(file, "expected a resolution above 0");
+  return header;
 }
 
 double cells_across(unsigned depth) { return std::ldexp(1.0, kDepth - static_cast<int>(depth)); }
@@ -68,25 +94,21 @@ bool is_octomap_file(const std::filesystem::path& file) {
 OctomapCells read_octomap(const std::filesystem::path& file, const std::function<void(double)>& require_bytes) {
   std::ifstream in(file, std::ios::binary);
   if (!in) reject(file, "cannot be read");
-  std::unique_ptr<octomap::AbstractOcTree> read;
-  if (file.extension() == ".bt") {
-    auto binary = std::make_unique<octomap::OcTree>(0.1);
-    if (binary->readBinary(in)) read = std::move(binary);
-  } else {
-    read.reset(octomap::AbstractOcTree::read(in));
-  }
-  const auto* tree = dynamic_cast<const octomap::OcTree*>(read.get());
-  if (tree == nullptr) reject(file, "expected an octree of OctoMap (.bt, or .ot with the id OcTree)");
+  const bool binary = file.extension() == ".bt";
+  const Header header = read_header(in, binary, file);
+  octomap::OcTree tree(header.edge_m);
+  if (header.num_nodes > 0) binary ? tree.readBinaryData(in) : tree.readData(in);
+  if (!in) reject(file, "ends before its data does");
+  if (tree.size() != header.num_nodes) reject(file, "expected as many nodes as its header says");
   OctomapCells cells;
-  cells.edge_m = tree->getResolution();
-  if (!(cells.edge_m > 0.0 && std::isfinite(cells.edge_m))) reject(file, "expected a resolution above 0");
+  cells.edge_m = header.edge_m;
   double count = 0.0;
-  for (auto leaf = tree->begin_leafs(); leaf != tree->end_leafs(); ++leaf) {
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
     count += std::pow(cells_across(leaf.getDepth()), 3);
   }
   if (require_bytes) require_bytes(count * sizeof(Eigen::Vector3f));
-  for (auto leaf = tree->begin_leafs(); leaf != tree->end_leafs(); ++leaf) {
-    auto& centers_m = tree->isNodeOccupied(*leaf) ? cells.occupied_m : cells.free_m;
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
+    auto& centers_m = tree.isNodeOccupied(*leaf) ? cells.occupied_m : cells.free_m;
     const int across = static_cast<int>(cells_across(leaf.getDepth()));
     const octomap::OcTreeKey first = leaf.getIndexKey();
     for (int z = 0; z < across; ++z) {

@@ -123,31 +123,55 @@ void octomap_insertion(benchmark::State& state, const std::vector<Rays>& scans) 
   }
 }
 
-// Every cell of 30 m x 30 m x 6 m around the vehicle is asked for after every scan: many times what a planner asks for.
-void distances(benchmark::State& state) {
+// Distances of all cells of a box around the vehicle, after every scan. A planner asks for those near its paths.
+void distances(benchmark::State& state, const Cell& half_blocks) {
   const std::vector<Rays>& scans = forest_scans();
   for (auto _ : state) {
-    OccupancyMapConfig config;
-    config.distance_max_m = 2.0;
-    OccupancyMap map(config);
-    double sum_s = 0.0, first_s = 0.0, sum_m = 0.0;
+    OccupancyMap map({});
+    double sum_s = 0.0, sum_m = 0.0;
     for (int i = 0; i < kScans; ++i) {
       const Rays& rays = scans[static_cast<std::size_t>(i)];
       map.insert(rays, i);
       const Vector3 p_m = rays.front().origin_local_m.cast<double>();
       const double took_s = time_of_s([&] {
-        for (int z = -4; z < 4; ++z) {  // one cell of each tile makes it work out all of them
-          for (int y = -19; y < 19; ++y) {
-            for (int x = -19; x < 19; ++x) sum_m += map.clearance_m(p_m + 0.8 * Vector3(x, y, z), 2.0);
+        // One cell of a block makes it work out all of them.
+        for (int z = -half_blocks.z(); z < half_blocks.z(); ++z) {
+          for (int y = -half_blocks.y(); y < half_blocks.y(); ++y) {
+            for (int x = -half_blocks.x(); x < half_blocks.x(); ++x) {
+              sum_m += map.clearance_m(p_m + 0.8 * Vector3(x, y, z), 1.5);
+            }
           }
         }
       });
-      (i == 0 ? first_s : sum_s) += took_s;
+      if (i > 0) sum_s += took_s;
     }
     benchmark::DoNotOptimize(sum_m);
     state.SetIterationTime(sum_s / (kScans - 1));
-    state.counters["first_ms"] = 1e3 * first_s;
   }
+}
+
+// 9 m ahead through the forest, from where the vehicle is.
+void path(benchmark::State& state, bool distances_are_known) {
+  const std::vector<Rays>& scans = forest_scans();
+  ClearPathConfig config;
+  config.unknown_is_free = true;
+  std::size_t expansions = 0, found = 0;
+  OccupancyMap map({});
+  for (int i = 0; i < kScans; ++i) map.insert(scans[static_cast<std::size_t>(i)], i);
+  const Vector3 start_m = scans.back().front().origin_local_m.cast<double>();
+  int scan = kScans;
+  for (auto _ : state) {
+    if (!distances_are_known) map.insert(scans[static_cast<std::size_t>(scan % kScans)], scan);
+    ++scan;
+    const double took_s = time_of_s([&] {
+      const ClearPath path = find_clear_path(map, config, start_m, start_m + Vector3(7.0, 5.5, 0.0));
+      expansions = path.expansions;
+      found = path.corners_local_m.size();
+    });
+    state.SetIterationTime(took_s);
+  }
+  state.counters["expansions"] = static_cast<double>(expansions);
+  state.counters["corners"] = static_cast<double>(found);
 }
 
 BENCHMARK_CAPTURE(insertion, far_24064_returns, far_scans())->UseManualTime()->Unit(benchmark::kMillisecond);
@@ -160,7 +184,10 @@ BENCHMARK_CAPTURE(octomap_insertion, forest_os0, forest_scans())
     ->UseManualTime()
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK(distances)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(distances, of_30_m_30_m_6_4_m, Cell(19, 19, 4))->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(distances, of_10_m_10_m_3_2_m, Cell(6, 6, 2))->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(path, after_a_scan, false)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(path, again, true)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace swiftlet

@@ -151,6 +151,10 @@ std::vector<Module> every_recorder() {
   occupied_map.maps = {"detector"};
   occupied_map.voxels = MapConfig::Voxels::kOccupied;
   occupied_map.format = MapConfig::Format::kPcd;
+  MapConfig octree;
+  octree.format = MapConfig::Format::kOt;
+  MapConfig binary_octree;
+  binary_octree.format = MapConfig::Format::kBt;
   CsvConfig csv;
   csv.rate_hz = 0;
   csv.topics = {"state",     "imu",        "gnss",   "odometry", "altimeter",        "compass",
@@ -188,6 +192,8 @@ std::vector<Module> every_recorder() {
           module_of("ply", ply),
           module_of("map", map),
           module_of("map", occupied_map),
+          module_of("map", octree),
+          module_of("map", binary_octree),
           module_of("mcap", mcap),
           module_of("mcap", plain_mcap),
           module_of("rosbag", bag),

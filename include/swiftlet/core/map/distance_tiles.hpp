@@ -30,7 +30,7 @@ class DistanceTiles {
   static constexpr int kMostReach = 64;  ///< cells
 
   /// @param reach  greatest distance in cells; beyond, cells count as that far
-  explicit DistanceTiles(int reach) : reach_(reach) {}
+  explicit DistanceTiles(int reach);
 
   static constexpr std::int16_t kFar = 20000;  ///< farther than the reach
   /// Square of the distance in cells, or kFar.
@@ -59,10 +59,14 @@ class DistanceTiles {
     std::uint64_t computed = 0, checked = 0;  // revisions
     int reach = 0;                            // occupied cells within so many cells of the tile may matter
   };
+  /// A block near a tile: its place from there in blocks, and between any of their cells at least and at most.
+  struct Offset {
+    Cell blocks;
+    int least_sq, most_sq;
+  };
   struct Near {
     const RayCells::Bits* bits;
-    Cell offset;  // from the tile, in blocks
-    int least_sq;
+    Cell blocks;  // from the tile
   };
 
   Tile& tile_for(const Cell& block);
@@ -70,8 +74,10 @@ class DistanceTiles {
   std::size_t slot_of(const Cell& block) const;
   bool holds(const Tile& tile, const OccupiedBlocks& map) const;
   void compute(Tile& tile, const OccupiedBlocks& map);
+  void measure(Tile& tile);
 
   int reach_;
+  std::vector<Offset> offsets_;       // the nearest first
   std::vector<std::uint32_t> slots_;  // tile, counted from 1: open addressing
   std::vector<std::unique_ptr<Tile>> tiles_;
   std::vector<std::uint32_t> free_;

@@ -26,11 +26,13 @@ struct OccupancyMapConfig {
   double p_max = 0.971;
   double range_max_m = 20.0;
   double keep_radius_m = 30.0;
-  double distance_max_m = 3.0;
+  double distance_max_m = 1.5;
 
   void visit(ConfigVisitor& v);
   /// What the map may need, about: all of its ball seen, a tenth of it near surfaces.
   double bytes() const;
+  /// Blocks that may be kept side by side.
+  double places_across() const;
 };
 
 /// What is around a vehicle, cell for cell as OctoMap's library would have it after the same scans. Log-odds are in
@@ -71,6 +73,7 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   /// Of the cell with these coordinates; 0 when nothing is known of it.
   float log_odds(const Cell& cell) const;
   bool known(const Cell& cell) const;
+  std::uint64_t num_distance_tiles_computed() const { return distances_.num_computed(); }
   std::size_t num_blocks() const { return blocks_.size() - free_blocks_.size(); }
   std::size_t num_pages() const { return pages_.size() - free_pages_.size(); }
 
@@ -94,7 +97,7 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
     Cell at = Cell::Zero();
     std::uint32_t page = 0;  // counted from 1; 0: none
     bool used = false;
-    std::uint64_t changed = 0, occupied_changed = 0;  // revisions in which states changed last
+    std::uint64_t changed = 0;  // the revision in which a state changed last
   };
   static constexpr std::size_t kChunk = 1024;  // blocks or pages that are allocated at once
 
@@ -110,6 +113,7 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   }
   Page& page(std::uint32_t i) { return *pages_[i - 1]; }
   const Page& page(std::uint32_t i) const { return *pages_[i - 1]; }
+  void note_occupied(int i);
   void give_page(int i);
   void miss(int i, const Bits& passed);
   void miss_valued(int i, int z, std::uint64_t cells);
@@ -129,9 +133,10 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   std::array<float, kMostMisses + 1> after_misses_{};  // log-odds of a cell that was never hit
   int most_misses_ = 0;                                // more change nothing, or need a number
   RayCells rays_;
-  int bits_ = 0, mask_ = 0;             // of a block's coordinates in the table
-  std::vector<std::int32_t> places_;    // block; -1: none
-  std::vector<std::uint64_t> emptied_;  // in which revision the block of a place was forgotten
+  int bits_ = 0, mask_ = 0;                      // of a block's coordinates in the table
+  std::vector<std::int32_t> places_;             // block; -1: none
+  std::vector<std::uint64_t> occupied_changed_;  // of a place: the revision in which occupied cells came or went last
+  std::vector<std::uint64_t> occupied_places_;   // a bit for each place whose block has an occupied cell
   std::vector<std::unique_ptr<Block[]>> chunks_;
   std::vector<About> blocks_;
   std::vector<int> free_blocks_;
