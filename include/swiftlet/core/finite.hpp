@@ -51,6 +51,11 @@ inline bool is_finite(const Track& t) {
          is_finite(t.covariance);
 }
 
+inline bool is_finite(const RelativeEstimate& r) {
+  return is_finite(r.position_m) && is_finite(r.velocity_mps) && is_finite(r.yaw_rad) && is_finite(r.covariance) &&
+         is_finite(r.heard_position_m) && is_finite(r.heard_yaw_rad);
+}
+
 inline bool is_finite(const ImuSample& s) {
   return is_finite(s.omega_body_radps) && is_finite(s.specific_force_body_mps2);
 }

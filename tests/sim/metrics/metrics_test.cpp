@@ -232,7 +232,7 @@ TEST(Metrics, AMetricOfOnesOwnHasASeriesByTick) {
 
 TEST(Metrics, TheSeriesOfAllMetricsAreKnownBeforeARun) {
   const std::vector<TableType> types = series_types();
-  ASSERT_EQ(types.size(), 1U);
+  ASSERT_EQ(types.size(), 2U);
   EXPECT_EQ(types[0].name, "scores");
   EXPECT_EQ(types[0].columns.front().name, "t_s");
 }
