@@ -234,6 +234,7 @@ TEST(Metrics, TheSeriesOfAllMetricsAreKnownBeforeARun) {
   const std::vector<TableType> types = series_types();
   ASSERT_EQ(types.size(), 2U);
   EXPECT_EQ(types[0].name, "scores");
+  EXPECT_EQ(types[1].name, "relative_scores");
   EXPECT_EQ(types[0].columns.front().name, "t_s");
 }
 
