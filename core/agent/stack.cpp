@@ -13,6 +13,7 @@
 #include "swiftlet/core/stages/estimators.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
 #include "swiftlet/core/stages/mappers.hpp"
+#include "swiftlet/core/stages/relative_localizers.hpp"
 #include "swiftlet/core/stages/trackers.hpp"
 #include "swiftlet/core/tracking/track_overlays.hpp"
 
@@ -62,6 +63,7 @@ class StackAgent : public Agent {
       place_scans(observation);
       detect(observation);
       track(observation);
+      find_team(observation);
       map(observation);
       guide(observation, dt_s);
       fly(dt_s);
@@ -81,6 +83,7 @@ class StackAgent : public Agent {
     };
     append(stages_.detector, "detector.");
     append(stages_.tracker, "tracker.");
+    append(stages_.relative_localization, "relative_localization.");
   }
 
   void append_maps(std::vector<MapVoxels>& maps) const override {
@@ -128,6 +131,20 @@ class StackAgent : public Agent {
     for (const Track& t : tracks_) action_.tracks.push_back(to_world_.track(t));
   }
 
+  void find_team(const Observation& observation) {
+    relatives_.clear();
+    if (!stages_.relative_localization) return;
+    stages_.relative_localization->step({.observation = observation,
+                                         .estimate = action_.estimate,
+                                         .poses = registrar_.poses(),
+                                         .detections = found_.detections,
+                                         .has_tracks = action_.has_tracks,
+                                         .tracks = tracks_},
+                                        relatives_, outbox_);
+    for (const RelativeEstimate& r : relatives_) ENSURE(is_finite(r), r.other, r.position_m, r.velocity_mps, r.yaw_rad);
+    for (const RelativeEstimate& r : relatives_) action_.relatives.push_back(to_world_.relative(r));
+  }
+
   void map(const Observation& observation) {
     if (stages_.mapping) stages_.mapping->step({observation, action_.estimate, clouds_, tracks_}, outbox_);
   }
@@ -140,6 +157,7 @@ class StackAgent : public Agent {
                             .poses = registrar_.poses(),
                             .detections = found_.detections,
                             .tracks = tracks_,
+                            .relatives = relatives_,
                             .clouds = clouds_,
                             .map = stages_.mapping ? &stages_.mapping->map() : nullptr},
                            wanted_, outbox_);
@@ -184,6 +202,7 @@ class StackAgent : public Agent {
     action_.overlays.push_back(trail_.overlay("reference"));
     if (stages_.detector) stages_.detector->append_overlays(action_.overlays);
     if (stages_.tracker) track_overlays_.append(tracks_, action_.overlays);
+    if (stages_.relative_localization) stages_.relative_localization->append_overlays(action_.overlays);
     if (stages_.mapping) stages_.mapping->append_overlays(action_.overlays);
     stages_.guidance->append_overlays(action_.overlays);
     for (Overlay& overlay : action_.overlays) to_world_.carry(overlay);
@@ -205,6 +224,7 @@ class StackAgent : public Agent {
   std::vector<std::shared_ptr<const LocalCloud>> clouds_;
   DetectorOutput found_;
   std::vector<Track> tracks_;  // the newest
+  std::vector<RelativeEstimate> relatives_;
   GuidanceOutput wanted_;
 
   TrackOverlays track_overlays_;
@@ -221,6 +241,7 @@ StackConfig::StackConfig()
     : localization(estimator_module_types(), "ground_truth"),
       detector(detector_module_types(), "none"),
       tracker(tracker_module_types(), "none"),
+      relative_localization(relative_localizer_module_types(), "none"),
       mapping(mapper_module_types(), "none"),
       guidance(guidance_module_types(), "hover") {}
 
@@ -228,6 +249,8 @@ void StackConfig::visit(ConfigVisitor& v) {
   v.module("localization", localization, estimator_module_types(), "where am I");
   v.module("detector", detector, detector_module_types(), "who flies near me");
   v.module("tracker", tracker, tracker_module_types(), "where they fly and will fly");
+  v.module("relative_localization", relative_localization, relative_localizer_module_types(),
+           "where the other members of the team are");
   v.module("mapping", mapping, mapper_module_types(), "what is around me");
   v.module("guidance", guidance, guidance_module_types(), "where to go");
   v.object("control", control, "how to fly there");
@@ -243,6 +266,7 @@ std::unique_ptr<Agent> make_stack(const ModuleConfig& config, const AgentSetup& 
   stages.localization = make_estimator(stack.localization, setup);
   stages.detector = make_detector(stack.detector, setup);
   stages.tracker = make_tracker(stack.tracker, setup);
+  stages.relative_localization = make_relative_localizer(stack.relative_localization, setup);
   stages.mapping = make_mapper(stack.mapping, setup);
   stages.guidance = make_guidance(stack.guidance, {setup, stack.control.limits.resolve()});
   return make_stack(std::move(stages), stack.control, setup);

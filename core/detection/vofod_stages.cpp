@@ -215,7 +215,23 @@ Detection VofodStages::make_detection(const LocalCloud& cloud, Members members, 
   d.extent_m = shape.extent_m;
   d.covariance = covariance(cloud, samples_.point[members.front()], d.position_m);
   d.confidence = confidence();
+  d.reflectivity = reflectivity(cloud, members);
   return d;
+}
+
+// A voxel stands for all of its points.
+double VofodStages::reflectivity(const LocalCloud& cloud, Members members) const {
+  float greatest = 0.0F;
+  if (config_.choices.clustering == VofodChoices::Clustering::kPoints) {
+    for (const std::uint32_t i : members) greatest = std::max(greatest, cloud.reflectivity_of(samples_.point[i]));
+    return greatest;
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::ptrdiff_t voxel = map_.grid().index_of(cloud.points_local_m[i].cast<double>());
+    if (!std::binary_search(starts_index_.begin(), starts_index_.end(), voxel)) continue;
+    greatest = std::max(greatest, cloud.reflectivity_of(i));
+  }
+  return greatest;
 }
 
 // How free the surroundings of the cluster that rule B was asked of are: exp(-sum(1 - G / g_free) / voxels) over its

@@ -43,6 +43,22 @@ Track FrameChange::track(const Track& t) const {
   Eigen::Matrix<double, 9, 9> R = Eigen::Matrix<double, 9, 9>::Zero();
   for (int i = 0; i < 9; i += 3) R.block<3, 3>(i, i) = T_to_from_.linear();
   out.covariance = R * t.covariance * R.transpose();
+  out.measured_m = point(t.measured_m);
+  out.measured_covariance = covariance(t.measured_covariance);
+  return out;
+}
+
+RelativeEstimate FrameChange::relative(const RelativeEstimate& r) const {
+  RelativeEstimate out = r;
+  if (same_) return out;
+  out.position_m = point(r.position_m);
+  out.velocity_mps = direction(r.velocity_mps);
+  out.yaw_rad = yaw(r.yaw_rad);
+  out.heard_position_m = point(r.heard_position_m);
+  out.heard_yaw_rad = yaw(r.heard_yaw_rad);
+  RelativeEstimate::Covariance R = RelativeEstimate::Covariance::Identity();
+  for (int i = 0; i < 6; i += 3) R.block<3, 3>(i, i) = T_to_from_.linear();
+  out.covariance = R.lazyProduct(RelativeEstimate::Covariance(r.covariance.lazyProduct(R.transpose())));
   return out;
 }
 

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <iterator>
 
+#include "swiftlet/core/messages/guiding_path.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/core/messages/neighbor_position.hpp"
+#include "swiftlet/core/messages/odometry_report.hpp"
 
 namespace swiftlet {
 namespace {
@@ -11,6 +13,8 @@ namespace {
 // What vehicles can say to each other: a new kind is one line here.
 constexpr MessageKind kKinds[] = {
     message_kind<NeighborPosition>(),
+    message_kind<OdometryReport>(),
+    message_kind<GuidingPath>(),
 };
 
 /// What recordings add to the content of a message.

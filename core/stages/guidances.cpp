@@ -3,6 +3,7 @@
 
 #include "swiftlet/core/guidance/agile.hpp"
 #include "swiftlet/core/guidance/flocking.hpp"
+#include "swiftlet/core/guidance/follow_guide.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
 #include "swiftlet/core/guidance/takeoff_land.hpp"
@@ -26,6 +27,9 @@ constexpr GuidanceType kGuidanceTypes[] = {
     {{"pacnav", "informed vehicles fly to the goal, uninformed ones follow persistent paths",
       make_module_config<PacnavConfig>},
      make_pacnav},
+    {{"follow_guide", "follows paths that another vehicle tells it in its own body frame [Pritzl 2024]",
+      make_module_config<FollowGuideConfig>},
+     make_follow_guide},
     {{"mezey", "flocking by what is seen on a 1D retina", make_module_config<MezeyConfig>}, make_mezey},
 };
 

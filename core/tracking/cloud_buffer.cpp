@@ -12,8 +12,10 @@ void BufferedCloud::assign(const LocalCloud& cloud) {
   if (!cloud.T_local_lidar.empty()) T_local_lidar_ = cloud.T_local_lidar[cloud.T_local_lidar.size() / 2];
   points_.clear();
   beam_.clear();
+  reflectivity_.clear();
   points_.reserve(cloud.size());
   beam_.reserve(cloud.size());
+  reflectivity_.reserve(cloud.size());
   boxes_.clear();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f& p = cloud.points_local_m[i];
@@ -24,6 +26,7 @@ void BufferedCloud::assign(const LocalCloud& cloud) {
     box.max_local_m = box.max_local_m.cwiseMax(p);
     points_.push_back(p);
     beam_.push_back(cloud.beam[i]);
+    reflectivity_.push_back(cloud.reflectivity_of(i));
   }
 }
 

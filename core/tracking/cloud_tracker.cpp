@@ -183,6 +183,9 @@ CloudTracker::Target CloudTracker::start(const Detection& detection) const {
     covariance = position_covariance(detection.position_m, buffer_[i].T_local_lidar());
   }
   target.state = filter_->start(detection.position_m, covariance);
+  target.measured_local_m = detection.position_m;
+  target.measured_covariance = covariance;
+  target.reflectivity = static_cast<float>(detection.reflectivity);
   return target;
 }
 
@@ -231,6 +234,9 @@ void CloudTracker::update(std::span<Target> targets, const BufferedCloud& cloud,
     filter_->predict(target.state, to_seconds(t - target.t));
     target.t = t;
     filter_->correct(target.state, candidate.position_local_m, candidate.covariance);
+    target.measured_local_m = candidate.position_local_m;
+    target.measured_covariance = candidate.covariance;
+    target.reflectivity = candidate.reflectivity;
   }
 }
 
@@ -254,9 +260,14 @@ void CloudTracker::find_candidates(std::span<const Target> targets, const Buffer
         config_.position == CloudTrackerConfig::Position::kCentroid ? extent.centroid_m : extent.box_center_m;
     if (is_background(position_local_m, extent.diagonal_m, cloud, members, background)) continue;
     std::int64_t sum_ns = 0;
-    for (const std::uint32_t i : members) sum_ns += cloud.time_of(selected_[i]) - cloud.stamp();
+    float reflectivity = 0.0F;
+    for (const std::uint32_t i : members) {
+      sum_ns += cloud.time_of(selected_[i]) - cloud.stamp();
+      reflectivity = std::max(reflectivity, cloud.reflectivity(selected_[i]));
+    }
     const TimeNs t = cloud.stamp() + sum_ns / static_cast<std::int64_t>(members.size());
-    candidates_.push_back({position_local_m, measurement_covariance(position_local_m, cloud), t, members});
+    candidates_.push_back(
+        {position_local_m, measurement_covariance(position_local_m, cloud), t, reflectivity, members});
   }
 }
 
@@ -357,6 +368,9 @@ void CloudTracker::publish(std::vector<Track>& tracks) const {
     track.covariance = target.state.belief.covariance;
     track.num_detections = target.num_detections;
     track.corrected = target.corrected;
+    track.measured_m = target.measured_local_m;
+    track.measured_covariance = target.measured_covariance;
+    track.reflectivity = target.reflectivity;
     tracks.push_back(track);
   }
   std::sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.id < b.id; });

@@ -61,6 +61,8 @@ class GroundTruthTracker : public Tracker {
     TimeNs t = 0;
     MotionState state;
     int num_samples = 0;
+    Vector3 measured_m = Vector3::Zero();  // the newest sample
+    Matrix3 measured_covariance = Matrix3::Identity();
   };
   // An ideal sensor's covariance is none; the filter needs one.
   static constexpr double kLeastSigma_m = 1e-3;
@@ -72,7 +74,7 @@ class GroundTruthTracker : public Tracker {
     auto target = std::lower_bound(targets_.begin(), targets_.end(), sample.id,
                                    [](const Target& t, VehicleId id) { return t.id < id; });
     if (target == targets_.end() || target->id != sample.id) {
-      targets_.insert(target, {sample.id, sample.t, filter_->start(position_m, Z), 1});
+      targets_.insert(target, {sample.id, sample.t, filter_->start(position_m, Z), 1, position_m, Z});
       return;
     }
     if (sample.t < target->t) return;
@@ -80,6 +82,8 @@ class GroundTruthTracker : public Tracker {
     filter_->correct(target->state, position_m, Z);
     target->t = sample.t;
     ++target->num_samples;
+    target->measured_m = position_m;
+    target->measured_covariance = Z;
   }
 
   static Track track_of(const Target& target) {
@@ -92,6 +96,8 @@ class GroundTruthTracker : public Tracker {
     track.covariance = target.state.belief.covariance;
     track.num_detections = target.num_samples;
     track.corrected = true;
+    track.measured_m = target.measured_m;
+    track.measured_covariance = target.measured_covariance;
     return track;
   }
 

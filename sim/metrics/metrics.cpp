@@ -15,6 +15,7 @@ constexpr MetricType kMetricTypes[] = {
     {"clearance", "least distances to surfaces and to other vehicles", make_clearance_metric},
     {"detection", "detections and tracks against the vehicles that are there [Vrba 2025, eqs. 67-71]",
      make_detection_metric},
+    {"relative_error", "relative localization against where the other vehicle is", make_relative_error_metric},
 };
 
 // A vehicle at rest nearer to a surface than its own radius stands on it.

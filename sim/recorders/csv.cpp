@@ -177,6 +177,8 @@ std::vector<Topic> vehicle_topics(int num_rotors) {
     const Action& action = source.action();
     return action.has_tracks ? std::span(action.tracks) : std::span<const Track>();
   }));
+  topics.push_back(
+      topic_of<RelativeEstimate>([](const Source& source) { return std::span(source.action().relatives); }));
   topics.push_back(topic_of<Message>([](const Source& source) { return std::span(source.observation().messages); }));
   for (const MessageKind& kind : message_kinds()) topics.push_back(message_topic(kind));
   return topics;

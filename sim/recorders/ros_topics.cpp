@@ -17,8 +17,8 @@ namespace {
 
 /// What can be asked for.
 std::vector<std::string> ros_topic_names() {
-  std::vector<std::string> names = {"points",     "truth",  "estimate", "tf",    "clock",
-                                    "detections", "tracks", "messages", "events"};
+  std::vector<std::string> names = {"points",     "truth",  "estimate",  "tf",       "clock",
+                                    "detections", "tracks", "relatives", "messages", "events"};
   const Observation nothing;
   Observation::each_samples(nothing, [&]<class Sample>(const std::vector<Sample>&) { names.push_back(Sample::kName); });
   for (TableType& series : series_types()) names.push_back(std::move(series.name));
@@ -319,6 +319,16 @@ void RosTopics::write_markers(const TickView& tick, VehicleId vehicle) {
     Channel& detections = channel("/" + names_[vehicle] + "/detections", kMarkerArray);
     encode_detection_markers(action->detections, tick.t, detections.sequence, message_);
     send(detections, tick.t);
+  }
+  if (!action->relatives.empty() && wants(RelativeEstimate::kName)) {
+    Channel& relatives = channel("/" + names_[vehicle] + "/relatives",
+                                 [] { return row_type(RelativeEstimate::kName, columns_of<RelativeEstimate>()); });
+    RosRow row(message_, names_);
+    for (const RelativeEstimate& relative : action->relatives) {
+      row.begin(relatives.sequence, relative.t, "world");
+      put_columns(relative, row);
+      send(relatives, tick.t);
+    }
   }
   if (action->has_tracks && wants("tracks")) {
     Channel& tracks = channel("/" + names_[vehicle] + "/tracks", kMarkerArray);

@@ -125,7 +125,8 @@ RunInfo make_run_info(const Scenario& scenario, const World& world) {
   info.vehicle_names = vehicle_names(scenario);
   for (const VehicleConfig& vehicle : scenario.vehicles) {
     info.airframes.push_back(&vehicle.airframe);
-    info.vehicle_shapes.push_back(std::make_shared<const VehicleShape>(make_vehicle_shape(vehicle.airframe)));
+    info.vehicle_shapes.push_back(
+        std::make_shared<const VehicleShape>(make_vehicle_shape(vehicle.airframe, vehicle.markers)));
   }
   return info;
 }

@@ -26,6 +26,7 @@ void ensure_finite(const Action& action) {
     ENSURE(is_finite(detection), detection.position_m, detection.extent_m, detection.confidence);
   }
   for (const Track& track : action.tracks) ENSURE(is_finite(track), track.id, track.position_m, track.velocity_mps);
+  for (const RelativeEstimate& r : action.relatives) ENSURE(is_finite(r), r.other, r.position_m, r.velocity_mps);
 }
 
 }  // namespace swiftlet::sim

@@ -148,6 +148,7 @@ void VehicleConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "vehicles", "[-] airframe and controller gains");
   v.field("name", name, "[-] unique; empty: uav1, uav2, ...");
   v.object("airframe", airframe, "physical data, normally from the model");
+  v.object("markers", markers, "what other vehicles' LiDARs know it by");
   v.object("start", start, "state at time 0");
   v.modules("sensors", sensors, sensor_module_types(), "[-] what it carries");
   v.module("agent", agent, agent_module_types(), "[-] its software");

@@ -81,6 +81,8 @@ const char* name_of(VehiclePart part) {
       return "leg";
     case VehiclePart::kSensor:
       return "sensor";
+    case VehiclePart::kMarker:
+      return "marker";
   }
   return "none";
 }

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-enum MaterialIndex : std::uint32_t { kFrame = 0, kRotorBlade = 1, kSensorHousing = 2 };
+enum MaterialIndex : std::uint32_t { kFrame = 0, kRotorBlade = 1, kSensorHousing = 2, kMarker = 3 };
 
 constexpr int kRoundSides = 16;
 constexpr float kRootCutout = 0.12F;  // the blade begins here, as a part of the radius
@@ -74,8 +74,17 @@ void add_arm(VehicleShape& shape, const Airframe& airframe, const Vector3f& hub_
   add_upright(motor, hub_m, 0.25F * motor_radius_m, 0.35F * motor_radius_m);  // shaft and propeller nut
 }
 
-// Two skids on four struts.
-void add_legs(VehicleShape& shape, const Airframe& airframe, float arm_z_m) {
+// Around the middle of a strut, at most four fifths of it.
+void add_sleeve(VehicleShape& shape, const MarkersConfig& markers, const Vector3f& top_m, const Vector3f& foot_m) {
+  const Vector3f middle_m = 0.5F * (top_m + foot_m), along_m = foot_m - top_m;
+  const float half = 0.5F * std::min(static_cast<float>(markers.length_m) / along_m.norm(), 0.8F);
+  const float radius_m = 0.5F * static_cast<float>(markers.width_m);
+  add_frustum(part_of(shape, VehiclePart::kMarker, kMarker), middle_m - half * along_m, radius_m,
+              middle_m + half * along_m, radius_m, 12);
+}
+
+// Two skids on four struts, and a sleeve in the middle of each strut.
+void add_legs(VehicleShape& shape, const Airframe& airframe, const MarkersConfig& markers, float arm_z_m) {
   const auto radius_m = static_cast<float>(airframe.body_radius_m);
   const auto height_m = static_cast<float>(airframe.body_height_m);
   const float tube_m = std::clamp(0.02F * static_cast<float>(airframe.arm_length_m), 0.004F, 0.012F);
@@ -88,6 +97,13 @@ void add_legs(VehicleShape& shape, const Airframe& airframe, float arm_z_m) {
     }
     add_frustum(legs, {-1.5F * radius_m, 1.3F * side * radius_m, foot_z_m}, tube_m,
                 {1.5F * radius_m, 1.3F * side * radius_m, foot_z_m}, tube_m, 8);
+  }
+  if (markers.place == MarkersConfig::Place::kNone) return;
+  for (const float side : {-1.0F, 1.0F}) {
+    for (const float end : {-0.7F, 0.7F}) {
+      add_sleeve(shape, markers, {end * radius_m, 0.5F * side * radius_m, arm_z_m - 0.25F * height_m},
+                 {end * radius_m, 1.3F * side * radius_m, foot_z_m});
+    }
   }
 }
 
@@ -133,12 +149,25 @@ bool VehicleShape::blade_covers(const RotorShape& rotor, float x, float y, doubl
   return std::abs(across) <= 0.5F * chord_m;
 }
 
-VehicleShape make_vehicle_shape(const Airframe& airframe) {
+void MarkersConfig::visit(ConfigVisitor& v) {
+  v.choice("place", place, {"none", "legs"}, "[-] where there are retro-reflective sleeves: nowhere, or on each leg");
+  v.field("length_m", length_m, "[m] of a sleeve along its leg, four fifths of the leg at most",
+          Range::between(0.001, 1.0));
+  v.field("width_m", width_m, "[m] of a sleeve across", Range::between(0.001, 0.1));
+  v.field("reflectivity", reflectivity,
+          "[-] of the foil at the LiDAR's wavelength; the LiDAR's detection.retro_gain is how much brighter it looks",
+          Range::probability());
+}
+
+VehicleShape make_vehicle_shape(const Airframe& airframe, const MarkersConfig& markers) {
   VehicleShape shape;
   const auto reflectivity = static_cast<float>(airframe.reflectivity);
   shape.materials = {{"frame", reflectivity, false, {0.13F, 0.13F, 0.15F}},
                      {"rotor", 0.10F, false, {0.22F, 0.22F, 0.24F}},    // black plastic or carbon fiber
                      {"sensor", 0.25F, false, {0.55F, 0.57F, 0.60F}}};  // anodized aluminum
+  if (markers.place != MarkersConfig::Place::kNone) {
+    shape.materials.push_back({"marker", static_cast<float>(markers.reflectivity), true, {0.95F, 0.93F, 0.35F}});
+  }
 
   // The arms lie below the hubs; the plates are at their height.
   float hub_z_m = 0.0F;
@@ -149,7 +178,7 @@ VehicleShape make_vehicle_shape(const Airframe& airframe) {
 
   add_body(shape, airframe, arm_z_m);
   for (const Rotor& rotor : airframe.rotors) add_arm(shape, airframe, rotor.position_m.cast<float>(), arm_z_m);
-  add_legs(shape, airframe, arm_z_m);
+  add_legs(shape, airframe, markers, arm_z_m);
   add_sensor(shape, airframe, arm_z_m);
   for (const Rotor& rotor : airframe.rotors) {
     const auto radius_m = static_cast<float>(airframe.propeller_radius_m);

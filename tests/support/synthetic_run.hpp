@@ -249,6 +249,12 @@ class SyntheticRun {
     detection.extent_m = vector().cwiseAbs();
     detection.num_points = 17;
     detection.confidence = 0.75;
+    RelativeEstimate& relative = action.relatives.emplace_back();
+    relative.t = view_.t;
+    relative.other = v;
+    relative.position_m = vector();
+    relative.velocity_mps = vector();
+    relative.yaw_rad = number();
     action.has_tracks = view_.t % (2 * kTick) == 0;
     action.tracks.resize(1);
     Track& track = action.tracks[0];

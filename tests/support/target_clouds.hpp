@@ -16,8 +16,9 @@ class CloudMaker {
  public:
   explicit CloudMaker(TimeNs stamp, TimeNs duration = 0) : stamp_(stamp), duration_(duration) {}
 
-  CloudMaker& add(const Vector3& p_m, double offset_s = 0.0) {
+  CloudMaker& add(const Vector3& p_m, double offset_s = 0.0, double reflectivity = 0.0) {
     points_.push_back(p_m.cast<float>());
+    reflectivity_.push_back(static_cast<float>(reflectivity));
     offsets_s_.push_back(static_cast<float>(offset_s));
     return *this;
   }
@@ -45,6 +46,7 @@ class CloudMaker {
     scan->stamp = stamp_;
     scan->duration = duration_;
     scan->beams = beams;
+    scan->reflectivity = reflectivity_;
     LocalCloud cloud;
     cloud.scan = scan;
     cloud.T_local_lidar = {Pose::Identity()};
@@ -56,7 +58,7 @@ class CloudMaker {
  private:
   TimeNs stamp_, duration_;
   std::vector<Eigen::Vector3f> points_;
-  std::vector<float> offsets_s_;
+  std::vector<float> offsets_s_, reflectivity_;
 };
 
 inline Detection detection_at(const Vector3& p_m, TimeNs t) {

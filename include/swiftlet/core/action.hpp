@@ -9,6 +9,7 @@
 #include "swiftlet/core/detection.hpp"
 #include "swiftlet/core/message.hpp"
 #include "swiftlet/core/overlay.hpp"
+#include "swiftlet/core/relative_estimate.hpp"
 #include "swiftlet/core/state_estimate.hpp"
 #include "swiftlet/core/track.hpp"
 
@@ -51,6 +52,7 @@ struct Action {
   std::vector<Detection> detections;  ///< made in this tick
   bool has_tracks = false;            ///< `tracks` was updated in this tick
   std::vector<Track> tracks;
+  std::vector<RelativeEstimate> relatives;  ///< members of the team, as of this tick
   std::vector<Overlay> overlays;
   MissionStatus mission = MissionStatus::kRunning;
   std::string mission_note;  ///< why it failed, or what it waits for; goes to the events when it changes
@@ -75,6 +77,7 @@ struct Action {
     has_detections = false;
     detections.clear();
     has_tracks = false;
+    relatives.clear();
     overlays.clear();
   }
 };

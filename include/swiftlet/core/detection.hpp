@@ -13,7 +13,8 @@ struct Detection {
   Matrix3 covariance = Matrix3::Identity();
   Vector3 extent_m = Vector3::Zero();  ///< edges of its bounding box
   int num_points = 0;
-  double confidence = 0.0;  ///< 0..1
+  double confidence = 0.0;    ///< 0..1
+  double reflectivity = 0.0;  ///< greatest among its returns; 1 = white Lambertian, markers are far brighter
 
   static void visit(auto& d, auto& v) {
     v.time("t_s", d.t, "[s] mean firing time of its points");
@@ -22,6 +23,7 @@ struct Detection {
     v.field("extent_*_m", d.extent_m, "[m] edges of its box");
     v.field("num_points", d.num_points, "[-] points of the scan");
     v.field("confidence", d.confidence, "[-] 0 to 1");
+    v.field("reflectivity", d.reflectivity, "[-] greatest among its returns; 1: white Lambertian");
   }
 };
 

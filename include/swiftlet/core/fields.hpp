@@ -83,6 +83,11 @@ class Columns {
   void field(const char* name, const std::vector<std::byte>& value, const char* doc) {
     integer(name, static_cast<std::int64_t>(value.size()), doc);
   }
+  /// And of a list, of how many it is.
+  template <class List>
+  void list(const char* name, const List& values, const char* doc) {
+    integer(name, static_cast<std::int64_t>(values.size()), doc);
+  }
   void valid(const char*, bool value, const char*) { missing_ = !value; }
   void vehicle(const char* name, VehicleId id, const char* doc);
   template <class Enum>

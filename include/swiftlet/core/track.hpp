@@ -17,8 +17,11 @@ struct Track {
   Vector3 velocity_mps = Vector3::Zero();
   Vector3 acceleration_mps2 = Vector3::Zero();
   Eigen::Matrix<double, 9, 9> covariance = Eigen::Matrix<double, 9, 9>::Identity();
-  int num_detections = 0;  ///< detections associated so far
-  bool corrected = false;  ///< a measurement was found in the newest cloud
+  int num_detections = 0;                             ///< detections associated so far
+  bool corrected = false;                             ///< a measurement was found in the newest cloud
+  Vector3 measured_m = Vector3::Zero();               ///< the newest measured position
+  Matrix3 measured_covariance = Matrix3::Identity();  ///< of that
+  double reflectivity = 0.0;                          ///< greatest among the returns of that measurement; 0: not known
 
   static void visit(auto& t, auto& v) {
     v.time("t_s", t.t, "[s] when its target was seen in the newest cloud");
@@ -29,6 +32,10 @@ struct Track {
     v.covariance("cov_*_m2", t.covariance, "[m^2] covariance of the position");
     v.field("num_detections", t.num_detections, "[-] detections associated so far");
     v.field("corrected", t.corrected, "[-] 1: a measurement was found in the newest cloud");
+    v.field("measured_*_m", t.measured_m, "[m] the newest measured position");
+    v.covariance("measured_cov_*_m2", t.measured_covariance, "[m^2] covariance of that");
+    v.field("reflectivity", t.reflectivity,
+            "[-] greatest among the returns of that; 1: white Lambertian, 0: not known");
   }
 };
 

@@ -131,6 +131,7 @@ TEST(Fields, EveryByteOfAKindOfDataThatIsNotPaddingIsVisited) {
   });
   EXPECT_EQ(num_bytes_forgotten<Detection>(), 0);
   EXPECT_EQ(num_bytes_forgotten<Track>(), 0);
+  EXPECT_EQ(num_bytes_forgotten<RelativeEstimate>(), 0);
   EXPECT_EQ(num_bytes_forgotten<StateEstimate>(), 0);
   EXPECT_EQ(num_bytes_forgotten<Reference>(), 0);
   EXPECT_EQ(num_bytes_forgotten<Message>(), 0);

@@ -74,6 +74,32 @@ TEST(VofodStages, AFlyingObjectInExploredAirIsFoundWhereItIs) {
   }
 }
 
+TEST(VofodStages, ADetectionTellsTheBrightestReturnOfItsCluster) {
+  for (const auto clustering : {VofodChoices::Clustering::kPoints, VofodChoices::Clustering::kVoxels}) {
+    VofodConfig config = small_config();
+    config.choices.clustering = clustering;
+    Flight flight(config);
+    flight.look_around(ground(), 10);
+    const Vector3 marked(5.0, 2.0, 2.5), plain(5.0, -2.0, 2.5);
+    const World world = all_of({ground(), sphere(marked, 0.3), sphere(plain, 0.3)});
+    const Pose T_local_lidar = pose_at({0.0, 0.0, 2.0}, 0.1);
+    const auto scan =
+        std::make_shared<Scan>(*scan_world(world, T_local_lidar, make_beams(64, 384, 30.0, -30.0), 20 * kPeriod));
+    int bright = 0;
+    scan->reflectivity.assign(scan->range_m.size(), 0.3F);
+    for (int i = 0; i < scan->size(); ++i) {
+      const Vector3 p = T_local_lidar * scan->point_lidar(i).cast<double>();
+      if (!scan->hit(i) || (p - marked).norm() > 0.31 || bright > 0) continue;
+      scan->reflectivity[i] = 18.0F;
+      ++bright;
+    }
+    std::vector<Detection> found;
+    flight.stages.classify(*cloud_of(scan), found);
+    ASSERT_EQ(found.size(), 2U);
+    for (const Detection& d : found) EXPECT_EQ(d.reflectivity, d.position_m.y() > 0.0 ? 18.0 : 0.3F);
+  }
+}
+
 /// Detections in a world where nothing flies, or of what does in it, after the air around has been seen.
 int found_in(const World& world, double cluster_distance_m, int scans, const VofodConfig& base = small_config()) {
   VofodConfig config = base;

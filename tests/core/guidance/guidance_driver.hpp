@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "swiftlet/core/map/occupancy_view.hpp"
@@ -56,6 +57,7 @@ class GuidanceDriver {
   GuidanceDriver(const char* type, const Config& config, const Vector3& start_m, double yaw_rad = 0.0) {
     setup.T_local_body_start = pose(start_m, yaw_rad);
     setup.num_vehicles = 8;
+    for (int i = 1; i <= setup.num_vehicles; ++i) setup.vehicle_names.push_back("uav" + std::to_string(i));
     Module module(guidance_module_types(), type);
     module.as<Config>() = config;
     guidance = make_guidance(module, {setup, MotionLimits{}});

@@ -76,6 +76,31 @@ TEST(CloudTracker, FollowsATargetFromOneDetectionOn) {
   EXPECT_LT((tracks[0].velocity_mps - v).norm(), 0.15);
 }
 
+// Of two targets beside each other, the one with a marker is known by its track, and where it was measured.
+TEST(CloudTracker, ATrackTellsTheBrightestReturnOfItsTargetAndWhereItWasMeasured) {
+  CloudTracker tracker = make(told_at_once());
+  const auto marked = [](TimeNs t) { return Vector3(8.0, 0.5 * to_seconds(t), 5.0); };
+  const auto plain = [](TimeNs t) { return Vector3(8.0, 1.5 + 0.5 * to_seconds(t), 5.0); };
+  for (TimeNs t = kScan; t <= 10 * kScan; t += kScan) {
+    CloudMaker maker(t);
+    maker.add_target(marked(t), 0.2, 12).add_target(plain(t), 0.2, 12).add(marked(t), 0.0, 18.0);
+    if (t < 10 * kScan) maker.add(plain(t), 0.0, 0.3);
+    tracker.new_cloud(maker.make(), nullptr);
+    if (t > kScan) continue;
+    const Detection detections[] = {detection_at(marked(t), t), detection_at(plain(t), t)};
+    tracker.new_detections(detections, nullptr);
+  }
+  const auto tracks = tracks_of(tracker);
+  ASSERT_EQ(tracks.size(), 2U);
+  for (const Track& track : tracks) {
+    const bool is_marked = (track.position_m - marked(10 * kScan)).norm() < 0.5;
+    EXPECT_EQ(track.reflectivity, is_marked ? 18.0 : 0.0) << "of the newest measurement";
+    const Vector3 truth = is_marked ? marked(10 * kScan) : plain(10 * kScan);
+    EXPECT_LT((track.measured_m - truth).norm(), 0.2);
+    EXPECT_NEAR(track.measured_covariance(0, 0), 0.09, 1e-12);
+  }
+}
+
 // Two parts 0.4 m apart: with d_cluster of Table II the track sits on one of them.
 TEST(CloudTracker, ATargetOfPartsIsFollowedAtItsMiddle) {
   for (const double cluster_distance_m : {CloudTrackerConfig{}.cluster_distance_m, 0.25}) {

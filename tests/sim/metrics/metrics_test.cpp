@@ -233,9 +233,12 @@ TEST(Metrics, AMetricOfOnesOwnHasASeriesByTick) {
 
 TEST(Metrics, TheSeriesOfAllMetricsAreKnownBeforeARun) {
   const std::vector<TableType> types = series_types();
-  const auto scores = std::find_if(types.begin(), types.end(), [](const auto& t) { return t.name == "scores"; });
-  ASSERT_NE(scores, types.end());
-  EXPECT_EQ(scores->columns.front().name, "t_s");
+  const auto first_column_of = [&types](const char* name) {
+    const auto found = std::find_if(types.begin(), types.end(), [name](const auto& type) { return type.name == name; });
+    return found == types.end() ? "" : found->columns.front().name;
+  };
+  EXPECT_EQ(first_column_of("scores"), "t_s");
+  EXPECT_EQ(first_column_of("relative_scores"), "t_s");
 }
 
 TEST(Metrics, TheTableHasTheSameRowsForEveryVehicle) {

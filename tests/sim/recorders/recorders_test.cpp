@@ -166,12 +166,21 @@ TEST(Csv, ColumnsAreNamedByFieldAndUnit) {
       {"compass", "t_s,yaw_rad,sigma_rad"},
       {"pose", "t_s," + pose + "," + velocity + "," + rate},
       {"neighbors", "t_s,neighbor,x_body_m,y_body_m,z_body_m," + covariance},
-      {"detections", "t_s,x_m,y_m,z_m," + covariance + ",extent_x_m,extent_y_m,extent_z_m,num_points,confidence"},
+      {"detections",
+       "t_s,x_m,y_m,z_m," + covariance + ",extent_x_m,extent_y_m,extent_z_m,num_points,confidence,reflectivity"},
       {"tracks",
-       "t_s,id,x_m,y_m,z_m," + velocity + ",ax_mps2,ay_mps2,az_mps2," + covariance + ",num_detections,corrected"},
+       "t_s,id,x_m,y_m,z_m," + velocity + ",ax_mps2,ay_mps2,az_mps2," + covariance +
+           ",num_detections,corrected,measured_x_m,measured_y_m,measured_z_m,measured_cov_xx_m2,measured_cov_xy_m2,"
+           "measured_cov_xz_m2,measured_cov_yy_m2,measured_cov_yz_m2,measured_cov_zz_m2,reflectivity"},
+      {"relatives", "t_s,other,x_m,y_m,z_m," + velocity + ",yaw_rad," + covariance +
+                        ",seen_s,heard_s,heard_stamp_s,heard_x_m,heard_y_m,heard_z_m,heard_yaw_rad"},
       {"scores",
        "t_s,stage,target,distance_m,visible_points,found,id,position_error_m,speed_error_mps,direction_error_rad,nees,"
        "latency_s"},
+      {"relative_scores",
+       "t_s,other,distance_m,error_x_m,error_y_m,error_z_m,yaw_error_rad,sigma_m,sigma_yaw_rad,nees,unseen_s"},
+      {"message_odometry", "t_s," + pose + "," + velocity + ",yaw_rate_radps,path,num_visited,sender,received_s"},
+      {"message_guiding_path", "path,has_instant,t_s,num_waypoints,sender,received_s"},
       {"message_neighbor", "t_s,x_m,y_m,z_m,sender,received_s"}};
   const TemporaryDirectory directory;
   SyntheticRun run(directory.path());

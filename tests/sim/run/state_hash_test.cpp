@@ -8,6 +8,7 @@
 
 #include "sim/run/hasher_internal.hpp"
 #include "swiftlet/sim/metrics/detection_score.hpp"
+#include "swiftlet/sim/metrics/relative_score.hpp"
 #include "swiftlet/sim/view/recorder.hpp"
 #include "tests/support/field_coverage.hpp"
 
@@ -147,6 +148,7 @@ TEST(StateHash, EveryKindOfDataOfTheSimulatorNamesAllItsFields) {
   EXPECT_EQ(num_bytes_forgotten<VehicleState>(), 0);
   EXPECT_EQ(num_bytes_forgotten<Event>(), 0);
   EXPECT_EQ(num_bytes_forgotten<DetectionScore>(), 0);
+  EXPECT_EQ(num_bytes_forgotten<RelativeScore>(), 0);
 }
 
 struct TwoFields {

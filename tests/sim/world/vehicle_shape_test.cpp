@@ -75,6 +75,24 @@ TEST(VehicleShape, ArmsReachTheHubsAndNothingLeavesTheCircumscribedSphere) {
   EXPECT_GE(shape.circumscribed_radius_m, static_cast<float>(airframe.circumscribed_radius_m()) - 1e-5F);
 }
 
+TEST(VehicleShape, MarkersAreRetroReflectiveSleevesOnTheLegsAndNothingElseChanges) {
+  const Airframe airframe = make_airframe(4, 0.25);
+  const VehicleShape plain = make_vehicle_shape(airframe);
+  const MarkersConfig markers{.place = MarkersConfig::Place::kLegs, .reflectivity = 0.8};
+  const VehicleShape marked = make_vehicle_shape(airframe, markers);
+  ASSERT_EQ(marked.materials.size(), plain.materials.size() + 1);
+  ASSERT_EQ(marked.meshes.size(), plain.meshes.size() + 1);
+  EXPECT_EQ(marked.circumscribed_radius_m, plain.circumscribed_radius_m);
+  for (const Mesh& mesh : marked.meshes) {
+    const Material& material = marked.materials[mesh.material];
+    EXPECT_EQ(material.retroreflective, mesh.part == VehiclePart::kMarker);
+    if (mesh.part != VehiclePart::kMarker) continue;
+    EXPECT_EQ(material.reflectivity, 0.8F);
+    EXPECT_NEAR(signed_volume_m3(mesh), 4 * 0.08 * kPi * 0.015 * 0.015, 1e-6);
+    EXPECT_GT(bounds_m(mesh).min().z(), -airframe.leg_height_m);
+  }
+}
+
 TEST(VehicleShape, StandsOnItsLegsAtTheHeightThatTheAirframeSays) {
   Airframe airframe = make_airframe(4, 0.25);
   airframe.leg_height_m = 0.23;

@@ -8,17 +8,19 @@
 #include "swiftlet/core/detection/detector.hpp"
 #include "swiftlet/core/guidance/guidance.hpp"
 #include "swiftlet/core/localization/estimator.hpp"
+#include "swiftlet/core/localization/relative_localizer.hpp"
 #include "swiftlet/core/mapping/mapper.hpp"
 #include "swiftlet/core/tracking/tracker.hpp"
 
 namespace swiftlet {
 
-/// The software of one vehicle: localization -> clouds -> detection -> tracking -> mapping -> guidance -> reference
-/// tracker -> controller.
+/// The software of one vehicle: localization -> clouds -> detection -> tracking -> relative localization -> mapping ->
+/// guidance -> reference tracker -> controller.
 struct StackConfig : ModuleConfigOf<StackConfig> {
   Module localization;
   Module detector;
   Module tracker;
+  Module relative_localization;
   Module mapping;
   Module guidance;
   ControlConfig control;
@@ -30,9 +32,10 @@ struct StackConfig : ModuleConfigOf<StackConfig> {
 /// The stages of a stack, ready made: from its configuration, or one's own.
 struct StackStages {
   std::unique_ptr<StateEstimator> localization;
-  std::unique_ptr<Detector> detector;  ///< null: none
-  std::unique_ptr<Tracker> tracker;    ///< null: none
-  std::unique_ptr<Mapper> mapping;     ///< null: none
+  std::unique_ptr<Detector> detector;                        ///< null: none
+  std::unique_ptr<Tracker> tracker;                          ///< null: none
+  std::unique_ptr<RelativeLocalizer> relative_localization;  ///< null: none
+  std::unique_ptr<Mapper> mapping;                           ///< null: none
   std::unique_ptr<Guidance> guidance;
 };
 

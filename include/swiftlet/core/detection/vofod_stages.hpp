@@ -81,6 +81,7 @@ class VofodStages {
 
   Detection make_detection(const LocalCloud& cloud, Members members, const ClusterShape& shape) const;
   double confidence() const;
+  double reflectivity(const LocalCloud& cloud, Members members) const;
   Matrix3 covariance(const LocalCloud& cloud, std::uint32_t point, const Vector3& position_local_m) const;
   void append_spheres(std::span<const std::ptrdiff_t> centers, std::vector<Cell>& cells);
 

@@ -27,6 +27,7 @@ struct GuidanceInput {
   const LocalPoses& poses;         ///< where the vehicle was in the last seconds
   std::span<const Detection> detections = {};
   std::span<const Track> tracks = {};
+  std::span<const RelativeEstimate> relatives = {};                ///< members of the team
   std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick, when it needs them
   const OccupancyView* map = nullptr;                              ///< null: there is none
 };

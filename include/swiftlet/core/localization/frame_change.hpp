@@ -23,6 +23,7 @@ class FrameChange {
   Reference reference(const Reference& r) const;
   Detection detection(const Detection& d) const;
   Track track(const Track& t) const;
+  RelativeEstimate relative(const RelativeEstimate& r) const;
   void carry(Overlay& overlay) const;
 
  private:

@@ -23,6 +23,10 @@ struct LocalCloud {
   TimeNs stamp() const { return scan->stamp; }  ///< start of the sweep
   TimeNs end() const { return scan->stamp + scan->duration; }
   TimeNs time_of(std::size_t point) const { return scan->time_of(static_cast<int>(beam[point])); }
+  /// 1 = white Lambertian; 0 when the scan does not tell.
+  float reflectivity_of(std::size_t point) const {
+    return scan->reflectivity.empty() ? 0.0F : scan->reflectivity[beam[point]];
+  }
   const Pose& T_local_lidar_of_beam(int i) const { return T_local_lidar[i % scan->cols()]; }
 };
 

@@ -24,6 +24,7 @@ class BufferedCloud {
   TimeNs time_of(std::uint32_t i) const {
     return duration_ == 0 ? stamp_ : stamp_ + from_seconds(beams_->offset_s(static_cast<int>(beam_[i])));
   }
+  float reflectivity(std::uint32_t i) const { return reflectivity_[i]; }  ///< 0: not known
   /// Appends the indices of the points within the radius, in increasing order.
   void select(const Vector3& center_local_m, double radius_m, std::vector<std::uint32_t>& indices) const;
 
@@ -39,6 +40,7 @@ class BufferedCloud {
   std::shared_ptr<const BeamTable> beams_;
   std::vector<Eigen::Vector3f> points_;
   std::vector<std::uint32_t> beam_;
+  std::vector<float> reflectivity_;
   std::vector<Box> boxes_;
 };
 

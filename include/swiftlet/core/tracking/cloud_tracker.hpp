@@ -84,12 +84,16 @@ class CloudTracker {
     MotionState state;
     int num_detections = 0;
     bool corrected = false;
+    Vector3 measured_local_m = Vector3::Zero();  // the newest measurement
+    Matrix3 measured_covariance = Matrix3::Identity();
+    float reflectivity = 0.0F;
   };
   /// A cluster that may be a target.
   struct Candidate {
     Vector3 position_local_m;
     Matrix3 covariance;  // Z
     TimeNs t;
+    float reflectivity;                      // the greatest
     std::span<const std::uint32_t> members;  // indices into selected_
   };
 

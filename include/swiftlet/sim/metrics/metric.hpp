@@ -77,5 +77,6 @@ std::unique_ptr<Metric> make_estimate_error_metric(const MetricSetup& setup);
 std::unique_ptr<Metric> make_tracking_error_metric(const MetricSetup& setup);
 std::unique_ptr<Metric> make_clearance_metric(const MetricSetup& setup);
 std::unique_ptr<Metric> make_detection_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_relative_error_metric(const MetricSetup& setup);
 
 }  // namespace swiftlet::sim

@@ -14,6 +14,7 @@
 #include "swiftlet/sim/physics/physics_config.hpp"
 #include "swiftlet/sim/radio/radio_config.hpp"
 #include "swiftlet/sim/render/render_config.hpp"
+#include "swiftlet/sim/world/markers.hpp"
 
 namespace swiftlet::sim {
 
@@ -33,6 +34,7 @@ struct VehicleConfig {
   std::string name;            ///< unique; empty: uav1, uav2, ...
   std::string model = "x500";  ///< assets/vehicles/<model>.yaml: airframe and controller gains
   Airframe airframe;
+  MarkersConfig markers;
   StartConfig start;
   std::vector<Module> sensors;
   Module agent;

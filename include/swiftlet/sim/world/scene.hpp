@@ -42,7 +42,7 @@ std::optional<SurfaceClass> surface_class_of(std::string_view name);
 std::span<const char* const> static_class_names();
 
 /// Which part of a vehicle a triangle belongs to; kNone for the static world.
-enum class VehiclePart : std::uint8_t { kNone = 0, kBody, kArm, kMotor, kRotor, kLeg, kSensor };
+enum class VehiclePart : std::uint8_t { kNone = 0, kBody, kArm, kMotor, kRotor, kLeg, kSensor, kMarker };
 const char* name_of(VehiclePart part);
 
 struct Material {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "swiftlet/core/airframe.hpp"
+#include "swiftlet/sim/world/markers.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
@@ -19,7 +20,7 @@ struct VehicleShape {
     float direction = 1.0F;  ///< +1 ccw seen from above
   };
 
-  std::vector<Material> materials;  ///< index 0: frame, 1: rotor, 2: sensor
+  std::vector<Material> materials;  ///< index 0: frame, 1: rotor, 2: sensor, 3: markers, if it has any
   std::vector<Mesh> meshes;         ///< everything but the rotors; `part` set
   std::vector<RotorShape> rotors;
   std::uint32_t rotor_material = 1;
@@ -29,6 +30,6 @@ struct VehicleShape {
   static bool blade_covers(const RotorShape& rotor, float x, float y, double angle_rad);
 };
 
-VehicleShape make_vehicle_shape(const Airframe& airframe);
+VehicleShape make_vehicle_shape(const Airframe& airframe, const MarkersConfig& markers = {});
 
 }  // namespace swiftlet::sim

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/follow_guide.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/guidance/path_overlay.hpp"
+#include "swiftlet/core/messages/guiding_path.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/odometry_report.hpp"
+#include "swiftlet/core/vehicle_named.hpp"
+
+namespace swiftlet {
+namespace {
+
+/// Without roll and pitch.
+Pose level(const Pose& T_local_body) {
+  Pose T = Pose::Identity();
+  const double yaw_rad = yaw_of(T_local_body.linear());
+  const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
+  T.linear() << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
+  T.translation() = T_local_body.translation();
+  return T;
+}
+
+class FollowGuide : public Guidance {
+ public:
+  FollowGuide(const FollowGuideConfig& config, const GuidanceSetup& setup)
+      : config_(config),
+        primary_(vehicle_named(config.primary, setup.agent, "guidance.primary")),
+        limits_(setup.limits),
+        report_period_(from_seconds(1.0 / config.odometry_rate_hz)) {}
+
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
+    if (!started_) hold(input.estimate.T_local_body);
+    started_ = true;
+    const bool heard = listen(input);
+    watch_link(input, heard);
+    drop_visited(input.estimate.T_local_body.translation());
+    choose_goal(input, output);
+    report(input, outbox);
+  }
+
+  void append_overlays(std::vector<Overlay>& overlays) const override {
+    std::vector<Vector3> points_m = {goal_.position_m};
+    for (const Reference& waypoint : path_) points_m.push_back(waypoint.position_m);
+    overlays.push_back(path_overlay("guided_path", points_m, 0.1F));
+  }
+
+ private:
+  /// By this vehicle's own clock.
+  TimeNs own_time(TimeNs t) const {
+    return t + from_seconds(config_.clock.offset_s + 1e-6 * config_.clock.drift_ppm * to_seconds(t));
+  }
+  TimeNs from_own_time(TimeNs own) const {
+    const double rate = 1e-6 * config_.clock.drift_ppm;
+    return own - from_seconds((config_.clock.offset_s + rate * to_seconds(own)) / (1.0 + rate));
+  }
+
+  /// True when something came that can be followed.
+  bool listen(const GuidanceInput& input) {
+    bool heard = false;
+    for (const Message& message : input.observation.messages) {
+      GuidingPath told;
+      if (message.from != primary_ || read_message(message, told) != Reading::kDone) continue;
+      if (linked_ && told.path <= newest_path_) continue;  // overtaken by a later one
+      const TimeNs t = told.has_instant ? from_own_time(told.t) : input.estimate.t;
+      if (t < input.poses[0].t || t > input.estimate.t) continue;  // of a time when it was who knows where
+      take(told, level(told.has_instant ? input.poses.at(t) : input.estimate.T_local_body), input.estimate);
+      heard = true;
+    }
+    return heard;
+  }
+
+  void take(const GuidingPath& told, const Pose& T_local_body, const StateEstimate& estimate) {
+    newest_path_ = told.path;
+    num_visited_ = 0;
+    const bool flew = !path_.empty();
+    path_.clear();
+    const double yaw_rad = yaw_of(T_local_body.linear());
+    for (const GuidingWaypoint& waypoint : told.waypoints) {
+      Reference& place = path_.emplace_back();
+      place.position_m = T_local_body * waypoint.p_body_m.cast<double>();
+      place.yaw_rad = std::remainder(yaw_rad + static_cast<double>(waypoint.yaw_rad), 2.0 * std::numbers::pi);
+    }
+    was_guided_ = was_guided_ || !path_.empty();
+    if (flew && path_.empty()) stop(estimate);
+  }
+
+  void watch_link(const GuidanceInput& input, bool heard) {
+    if (heard) {
+      linked_ = true;
+      last_heard_ = input.observation.t;
+    } else if (linked_ && input.observation.t - last_heard_ > from_seconds(config_.link_timeout_s)) {
+      linked_ = false;
+      lost_ = true;
+      path_.clear();
+      stop(input.estimate);
+    }
+    lost_ = lost_ && !linked_;
+  }
+
+  void hold(const Pose& T_local_body) {
+    goal_ = {};
+    goal_.position_m = T_local_body.translation();
+    goal_.yaw_rad = yaw_of(T_local_body.linear());
+  }
+
+  /// Holds the place where it comes to rest.
+  void stop(const StateEstimate& estimate) {
+    hold(estimate.T_local_body);
+    const Vector3& v = estimate.v_local_mps;
+    const double speed_mps = elementary::hypot(v.x(), v.y());
+    goal_.position_m.head<2>() += v.head<2>() * (0.5 * speed_mps / limits_.horizontal_acceleration_mps2);
+    goal_.position_m.z() += v.z() * (0.5 * std::abs(v.z()) / limits_.vertical_acceleration_mps2);
+  }
+
+  void drop_visited(const Vector3& p_local_m) {
+    while (!path_.empty() && (path_.front().position_m - p_local_m).norm() < config_.visited_m) {
+      goal_ = path_.front();  // the last one is held
+      path_.erase(path_.begin());
+      ++num_visited_;
+    }
+  }
+
+  void choose_goal(const GuidanceInput& input, GuidanceOutput& output) {
+    output.mission = MissionStatus::kEndless;
+    output.speed_limit_mps = config_.speed_mps;
+    output.goal = path_.empty() ? goal_ : path_.front();
+    output.note = lost_            ? "hovers: the link to its guide is lost"
+                  : !path_.empty() ? "follows its guide"
+                  : was_guided_    ? "hovers at the end of its path"
+                                   : "waits for its guide";
+    if (!was_guided_ && !lost_ && config_.excitation.radius_m > 0.0) excite(input.dt_s, output.goal);
+  }
+
+  /// A lying eight through the place where it waits.
+  void excite(double dt_s, Reference& goal) {
+    const double radius_m = config_.excitation.radius_m;
+    phase_rad_ = std::remainder(phase_rad_ + dt_s * config_.excitation.speed_mps / (std::numbers::sqrt2 * radius_m),
+                                2.0 * std::numbers::pi);
+    goal.position_m.x() += radius_m * elementary::sin(phase_rad_);
+    goal.position_m.y() += radius_m * elementary::sin(phase_rad_) * elementary::cos(phase_rad_);
+  }
+
+  void report(const GuidanceInput& input, Outbox& outbox) {
+    const TimeNs t = input.observation.t;
+    if (t < next_report_) return;
+    next_report_ = std::max(next_report_ + report_period_, t);
+    const StateEstimate& e = input.estimate;
+    OdometryReport report;
+    report.t = own_time(e.t);
+    report.T_local_body = e.T_local_body;
+    report.v_local_mps = e.v_local_mps;
+    report.yaw_rate_radps = (e.T_local_body.linear() * e.omega_body_radps).z();
+    report.path = newest_path_;
+    report.num_visited = num_visited_;
+    write_message(report, outbox.say(primary_));
+  }
+
+  FollowGuideConfig config_;
+  VehicleId primary_;
+  MotionLimits limits_;
+  TimeNs report_period_;
+  bool started_ = false;
+  bool linked_ = false, lost_ = false, was_guided_ = false;
+  TimeNs last_heard_ = 0, next_report_ = 0;
+  std::uint32_t newest_path_ = 0;
+  std::uint16_t num_visited_ = 0;
+  std::vector<Reference> path_;  // what is left of it, in the local frame
+  Reference goal_;               // where it is held without a path
+  double phase_rad_ = 0.0;
+};
+
+}  // namespace
+
+void OwnClockConfig::visit(ConfigVisitor& v) {
+  v.field("offset_s", offset_s, "[s] that it is ahead at the start", Range::between(-1e6, 1e6));
+  v.field("drift_ppm", drift_ppm, "[1e-6] that it is too fast", Range::between(-1e4, 1e4));
+}
+
+void ExcitationConfig::visit(ConfigVisitor& v) {
+  v.field("radius_m", radius_m, "[m] half the length of the lying eight; 0: it hovers instead",
+          Range::between(0.0, 100.0));
+  v.field("speed_mps", speed_mps, "[m/s] in its middle", Range{0.0, 10.0, true});
+}
+
+void FollowGuideConfig::visit(ConfigVisitor& v) {
+  v.field("primary", primary, "[-] name of the vehicle that guides it; empty: the first other one");
+  v.field("odometry_rate_hz", odometry_rate_hz, "[Hz] at which it tells its odometry to its guide",
+          Range::between(0.01, 1000.0));
+  v.field("speed_mps", speed_mps, "[m/s] at most, horizontal and vertical each", Range::positive());
+  v.field("visited_m", visited_m, "[m] nearer than this, a waypoint was visited and is dropped", Range::positive());
+  v.field("link_timeout_s", link_timeout_s, "[s] without a path of its guide, after which it hovers",
+          Range::positive());
+  v.object("excitation", excitation, "what it flies until its guide first tells it a path");
+  v.object("clock", clock, "how far its clock is off");
+}
+
+std::unique_ptr<Guidance> make_follow_guide(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<FollowGuide>(dynamic_cast<const FollowGuideConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/localization/relative_filter.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/math/angles.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr std::size_t kMaxHistory = 128;
+
+Matrix3 turn_about_vertical(double yaw_rad) {
+  const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
+  return (Matrix3() << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0).finished();
+}
+
+Vector3 vertical_cross(const Vector3& v) { return {-v.y(), v.x(), 0.0}; }
+
+/// A P A^T, coefficient by coefficient (core/tracking/motion_filter.cpp says why).
+template <class Transition, class Matrix>
+Matrix carried(const Transition& A, const Matrix& P) {
+  const Matrix AP = A.lazyProduct(P);
+  return AP.lazyProduct(A.transpose());
+}
+
+}  // namespace
+
+void RelativeFilterConfig::visit(ConfigVisitor& v) {
+  v.field("acceleration_mps2_psqrthz", acceleration_mps2_psqrthz,
+          "[m/s^2/sqrt(Hz)] how much the other vehicle maneuvers between its samples: white acceleration",
+          Range::positive());
+  v.field("odometry_sigma_m", odometry_sigma_m, "[m] white noise of its odometry's position, by axis",
+          Range::positive());
+  v.field("odometry_velocity_sigma_mps", odometry_velocity_sigma_mps, "[m/s] and of its velocity", Range::positive());
+  v.field("odometry_yaw_sigma_deg", odometry_yaw_sigma_deg, "[deg] and of its heading", Range::non_negative());
+  v.field("yaw_rate_sigma_degps", yaw_rate_sigma_degps,
+          "[deg/s] how much its heading may turn against what it told, from its newest odometry on",
+          Range::non_negative());
+  v.field(
+      "bias_sigma_m", bias_sigma_m,
+      "[m] standard deviation, by axis, of what all sightings have in common: it is in the covariance, whatever the "
+      "number of sightings",
+      Range::non_negative());
+  v.field("gate_sigma", gate_sigma, "[-] a sighting more standard deviations off is another thing's",
+          Range::positive());
+  v.field("history_s", history_s, "[s] how late a sighting or a sample may come", Range::between(0.1, 60.0));
+}
+
+RelativeFilter::RelativeFilter(const RelativeFilterConfig& config, const OdometryDriftConfig& drift)
+    : config_(config), drift_(drift) {
+  history_.reserve(kMaxHistory + 1);
+}
+
+void RelativeFilter::stop() {
+  started_ = false;
+  history_.clear();
+}
+
+void RelativeFilter::start(const FrameAlignment& alignment, const OtherMotion& anchor) {
+  history_.clear();
+  started_ = true;
+  base_ = {};
+  base_.t = base_.seen = anchor.t;
+  base_.odometry = anchor;
+  const Vector3 v_local_mps = turn_about_vertical(alignment.yaw_rad) * anchor.v_other_local_mps;
+  base_.x << alignment.anchor_local_m, v_local_mps, alignment.anchor_local_m, alignment.yaw_rad;
+  // Position and velocity follow from the alignment, each with a noise of its own.
+  Eigen::Matrix<double, kStates, 4> J = Eigen::Matrix<double, kStates, 4>::Zero();
+  J.block<3, 3>(kP, 0).setIdentity();
+  J.block<3, 1>(kV, 3) = vertical_cross(v_local_mps);
+  J.block<4, 4>(kAnchor, 0).setIdentity();
+  const Eigen::Matrix<double, kStates, 4> JC = J.lazyProduct(alignment.covariance);
+  base_.P = JC.lazyProduct(J.transpose());
+  base_.P.diagonal().segment<3>(kP).array() += config_.odometry_sigma_m * config_.odometry_sigma_m;
+  base_.P.diagonal().segment<3>(kV).array() +=
+      config_.odometry_velocity_sigma_mps * config_.odometry_velocity_sigma_mps;
+}
+
+bool RelativeFilter::push(const OtherMotion& odometry) {
+  Entry entry;
+  entry.t = odometry.t;
+  entry.is_odometry = true;
+  entry.odometry = odometry;
+  return insert(entry);
+}
+
+double RelativeFilter::squared_sigmas(const Sighting& sighting) const {
+  State state = before(sighting.t);
+  predict(state, std::max(sighting.t, state.t));
+  const Matrix3 S = state.P.topLeftCorner<3, 3>() + sighting.covariance;
+  const Vector3 innovation = sighting.p_local_m - state.x.segment<3>(kP);
+  return innovation.dot(S.llt().solve(innovation));
+}
+
+bool RelativeFilter::push(const Sighting& sighting) {
+  if (sighting.t < base_.t || !(squared_sigmas(sighting) <= config_.gate_sigma * config_.gate_sigma)) return false;
+  Entry entry;
+  entry.t = sighting.t;
+  entry.sighting = sighting;
+  return insert(entry);
+}
+
+/// In its place; what is later is done again.
+bool RelativeFilter::insert(Entry entry) {
+  ENSURE(started_);
+  if (entry.t < base_.t) return false;
+  const auto place = std::upper_bound(history_.begin(), history_.end(), entry.t,
+                                      [](TimeNs t, const Entry& other) { return t < other.t; });
+  const auto first = static_cast<std::size_t>(place - history_.begin());
+  history_.insert(place, entry);
+  for (std::size_t i = first; i < history_.size(); ++i) {
+    State state = i == 0 ? base_ : history_[i - 1].after;
+    predict(state, history_[i].t);
+    history_[i].is_odometry ? correct(state, history_[i].odometry) : correct(state, history_[i].sighting);
+    history_[i].after = state;
+  }
+  // The history is as long as something may come late.
+  const TimeNs oldest = history_.back().t - from_seconds(config_.history_s);
+  std::size_t num_old = 0;
+  while (num_old + 1 < history_.size() && (history_[num_old].t < oldest || history_.size() - num_old > kMaxHistory)) {
+    ++num_old;
+  }
+  if (num_old > 0) {
+    base_ = history_[num_old - 1].after;
+    history_.erase(history_.begin(), history_.begin() + static_cast<std::ptrdiff_t>(num_old));
+  }
+  return true;
+}
+
+/// The newest state that is not later, or the oldest.
+const RelativeFilter::State& RelativeFilter::before(TimeNs t) const {
+  for (auto entry = history_.rbegin(); entry != history_.rend(); ++entry) {
+    if (entry->t <= t) return entry->after;
+  }
+  return base_;
+}
+
+void RelativeFilter::predict(State& state, TimeNs t) const {
+  const double dt = to_seconds(t - state.t);
+  if (dt <= 0.0) return;
+  state.t = t;
+  state.x.segment<3>(kP) += dt * state.x.segment<3>(kV);
+  Covariance A = Covariance::Identity();
+  A.block<3, 3>(kP, kV).diagonal().setConstant(dt);
+  state.P = carried(A, state.P);
+  const double q = config_.acceleration_mps2_psqrthz * config_.acceleration_mps2_psqrthz;
+  for (int axis = 0; axis < 3; ++axis) {
+    state.P(kP + axis, kP + axis) += q * dt * dt * dt / 3.0;
+    state.P(kP + axis, kV + axis) += q * dt * dt / 2.0;
+    state.P(kV + axis, kP + axis) += q * dt * dt / 2.0;
+    state.P(kV + axis, kV + axis) += q * dt;
+  }
+}
+
+template <int M>
+void RelativeFilter::correct(State& state, const Eigen::Matrix<double, M, 1>& innovation,
+                             const Eigen::Matrix<double, M, kStates>& H, const Eigen::Matrix<double, M, M>& R) const {
+  const Eigen::Matrix<double, kStates, M> PHt = state.P.lazyProduct(H.transpose());
+  const Eigen::Matrix<double, M, M> S = H.lazyProduct(PHt) + R;
+  const Eigen::Matrix<double, kStates, M> K = S.llt().solve(PHt.transpose()).transpose();
+  state.x += K.lazyProduct(innovation);
+  // Joseph's form stays positive whatever the rounding.
+  Covariance I_KH = Covariance::Identity();
+  I_KH -= K.lazyProduct(H);
+  const Eigen::Matrix<double, kStates, M> KR = K.lazyProduct(R);
+  const Covariance P = carried(I_KH, state.P) + Covariance(KR.lazyProduct(K.transpose()));
+  state.P = 0.5 * (P + P.transpose());
+}
+
+void RelativeFilter::correct(State& state, const Sighting& sighting) const {
+  Eigen::Matrix<double, 3, kStates> H = Eigen::Matrix<double, 3, kStates>::Zero();
+  H.block<3, 3>(0, kP).setIdentity();
+  correct<3>(state, sighting.p_local_m - state.x.segment<3>(kP), H, sighting.covariance);
+  state.seen = std::max(state.seen, sighting.t);
+}
+
+void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
+  // The alignment walks by what was flown since its anchor. A turn of the odometry's frame on the way moves what comes
+  // after it: as if it were half-way.
+  const Flown flown = odometry.flown - state.odometry.flown;
+  const Vector3 step_other_m = odometry.p_other_local_m - state.odometry.p_other_local_m;
+  const Matrix3 R = turn_about_vertical(state.x(kYaw));
+  const Vector3 half_turned_m = vertical_cross(R * (-0.5 * step_other_m));
+  Eigen::Matrix<double, 4, 1> walk;
+  walk << half_turned_m, 1.0;
+  state.P.block<4, 4>(kAnchor, kAnchor) += drift_.yaw_variance_rad2(flown) * (walk * walk.transpose());
+  state.P.diagonal().segment<3>(kAnchor).array() += drift_.position_variance_m2(flown);
+
+  const Vector3 step_m = R * step_other_m, v_local_mps = R * odometry.v_other_local_mps;
+  Eigen::Matrix<double, 6, 1> innovation;
+  innovation << state.x.segment<3>(kAnchor) + step_m - state.x.segment<3>(kP), v_local_mps - state.x.segment<3>(kV);
+  Eigen::Matrix<double, 6, kStates> H = Eigen::Matrix<double, 6, kStates>::Zero();
+  H.block<3, 3>(0, kP).setIdentity();
+  H.block<3, 3>(0, kAnchor) = -Matrix3::Identity();
+  H.block<3, 1>(0, kYaw) = -vertical_cross(step_m);
+  H.block<3, 3>(3, kV).setIdentity();
+  H.block<3, 1>(3, kYaw) = -vertical_cross(v_local_mps);
+  Matrix6 noise = Matrix6::Zero();
+  noise.diagonal().head<3>().setConstant(config_.odometry_sigma_m * config_.odometry_sigma_m);
+  noise.diagonal().tail<3>().setConstant(config_.odometry_velocity_sigma_mps * config_.odometry_velocity_sigma_mps);
+  correct<6>(state, innovation, H, noise);
+
+  // The anchor goes on to this sample.
+  const Vector3 onward_m = turn_about_vertical(state.x(kYaw)) * step_other_m;
+  state.x.segment<3>(kAnchor) += onward_m;
+  Covariance A = Covariance::Identity();
+  A.block<3, 1>(kAnchor, kYaw) = vertical_cross(onward_m);
+  state.P = carried(A, state.P);
+  state.odometry = odometry;
+}
+
+RelativeEstimate RelativeFilter::at(TimeNs t) const {
+  ENSURE(started_);
+  State state = before(t);
+  predict(state, t);
+  RelativeEstimate out;
+  out.t = t;
+  out.position_m = state.x.segment<3>(kP);
+  out.velocity_mps = state.x.segment<3>(kV);
+  const double since_s = std::max(0.0, to_seconds(t - state.odometry.t));
+  out.yaw_rad =
+      std::remainder(state.x(kYaw) + state.odometry.yaw_rad + since_s * state.odometry.yaw_rate_radps, 2.0 * kPi);
+  out.covariance.topLeftCorner<6, 6>() = state.P.topLeftCorner<6, 6>();
+  out.covariance.diagonal().head<3>().array() += config_.bias_sigma_m * config_.bias_sigma_m;
+  out.covariance.topRightCorner<6, 1>() = state.P.block<6, 1>(0, kYaw);
+  out.covariance.bottomLeftCorner<1, 6>() = state.P.block<1, 6>(kYaw, 0);
+  const double sigma_rad = config_.odometry_yaw_sigma_deg * kRadPerDeg;
+  const double turned_rad = config_.yaw_rate_sigma_degps * kRadPerDeg * since_s;
+  out.covariance(6, 6) = state.P(kYaw, kYaw) + sigma_rad * sigma_rad + turned_rad * turned_rad;
+  out.seen = state.seen;
+  out.heard = state.odometry.t;
+  out.heard_stamp = state.odometry.stamp;
+  out.heard_position_m = state.x.segment<3>(kAnchor);
+  out.heard_yaw_rad = std::remainder(state.x(kYaw) + state.odometry.yaw_rad, 2.0 * kPi);
+  return out;
+}
+
+FrameAlignment RelativeFilter::alignment() const {
+  const State& state = history_.empty() ? base_ : history_.back().after;
+  FrameAlignment out;
+  out.anchor_other_m = state.odometry.p_other_local_m;
+  out.anchor_local_m = state.x.segment<3>(kAnchor);
+  out.yaw_rad = std::remainder(state.x(kYaw), 2.0 * kPi);
+  out.covariance = state.P.block<4, 4>(kAnchor, kAnchor);
+  return out;
+}
+
+}  // namespace swiftlet

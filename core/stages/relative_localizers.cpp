@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/stages/relative_localizers.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr RelativeLocalizerType kRelativeLocalizerTypes[] = {
+    {{"none", "nobody is localized", make_module_config<NoRelativeConfig>}, make_no_relative_localizer},
+    {{"sliding_window",
+      "one vehicle with markers, by sightings and the odometry that it tells [Pritzl 2024, sec. II-B]",
+      make_module_config<SlidingWindowConfig>},
+     make_sliding_window_localizer},
+    {{"shared_world", "one vehicle that tells its place in the world that both know",
+      make_module_config<SharedWorldConfig>},
+     make_shared_world_localizer},
+};
+
+}  // namespace
+
+Registry<RelativeLocalizerType>& relative_localizer_registry() {
+  static Registry<RelativeLocalizerType> table("relative_localization", kRelativeLocalizerTypes);
+  return table;
+}
+
+std::unique_ptr<RelativeLocalizer> make_relative_localizer(const Module& config, const AgentSetup& setup) {
+  return relative_localizer_registry().named(config.type).make(*config.config, setup);
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/localization/relative_odometry.hpp"
+
+/// Where another vehicle's local frame ("other") lies in one's own ("local"). It is found from places at which the
+/// other was seen and from what its odometry told of the same instants. Both frames have z up. So four numbers are
+/// unknown: three of the position, and the heading [Pritzl, Fusion of Visual-Inertial Odometry with LiDAR Relative
+/// Localization, 2023].
+namespace swiftlet {
+
+/// One place of the other vehicle in both frames.
+struct AlignmentPair {
+  TimeNs t = 0;
+  Vector3 p_local_m = Vector3::Zero();  ///< where it was seen
+  Matrix3 covariance = Matrix3::Identity();
+  Vector3 p_other_m = Vector3::Zero();  ///< where it said to be, with its clock taken to be `clock_s` behind
+  Vector3 v_other_mps = Vector3::Zero();
+  double clock_s = 0.0;
+  Flown flown;  ///< by the other vehicle until then
+};
+
+/// Carries points of the other frame into the own one. The heading turns about an anchor, a place of the other vehicle
+/// near the data. About its far origin, errors of heading and position would be nearly the same thing.
+struct FrameAlignment {
+  using Covariance = Eigen::Matrix<double, 4, 4>;
+
+  Vector3 anchor_other_m = Vector3::Zero();
+  Vector3 anchor_local_m = Vector3::Zero();
+  double yaw_rad = 0.0;
+  Covariance covariance = Covariance::Identity();  ///< anchor_local_m [m], yaw [rad]
+  double clock_s = 0.0;                            ///< the other clock is so much behind the own one
+  double clock_sigma_s = 0.0;
+
+  Pose T_local_other() const;
+  Vector3 point(const Vector3& p_other_m) const;
+};
+
+/// The alignment with the least sum of weighted squares in closed form: S. Umeyama, "Least-squares estimation of
+/// transformation parameters between two point patterns", IEEE PAMI 13(4), 1991, restricted to turns about the
+/// vertical. Nothing when the horizontal places of either do not spread at all. Anchor: the weighted mean.
+std::optional<FrameAlignment> align_in_closed_form(std::span<const Vector3> p_local_m,
+                                                   std::span<const Vector3> p_other_m, std::span<const double> weights);
+
+struct RelativeAlignmentConfig {
+  enum class Loss { kSquared, kHuber, kCauchy, kGemanMcclure };
+  int window_size = 60;
+  double window_step_m = 0.1;
+  Loss loss = Loss::kCauchy;
+  double loss_scale = 2.0;
+  double gate_sigma = 3.5;
+  int min_pairs = 8;
+  double min_inlier_share = 0.65;
+  double residual_sigma_max = 1.25;
+  double min_spread_m = 0.25;
+  double heading_sigma_max_deg = 5.0;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// What the clock of the other vehicle is known to be before any motion tells more.
+struct ClockPrior {
+  double clock_s = 0.0;
+  double sigma_s = 0.0;  ///< 0: known exactly
+};
+
+/// Why there is no alignment yet.
+enum class AlignmentFault { kNone, kFewPairs, kFewInliers, kNoSpread, kHeadingUnsure };
+constexpr const char* reason_of(AlignmentFault fault) {
+  constexpr const char* kReasons[] = {"", "too few sightings", "sightings that do not fit what it told",
+                                      "it has not moved enough", "its heading is not sure enough"};
+  return kReasons[static_cast<std::size_t>(fault)];
+}
+
+/// Sliding window of pairs and the robust non-linear least squares over it.
+///
+/// Gauss-Newton with Levenberg's damping. Its normal equations are 5 x 5 (anchor, heading, clock) and are solved here,
+/// because the bits of a library for larger problems depend on its build. It starts from the last result. Without one,
+/// it starts from the best of the alignments by two pairs each, in a fixed order. False sightings do not reach that
+/// one.
+class RelativeAlignment {
+ public:
+  RelativeAlignment(const RelativeAlignmentConfig& config, const OdometryDriftConfig& drift);
+
+  /// In order of time. The window goes by motion: while the other vehicle rests, its newest pair replaces the one
+  /// before.
+  void push(const AlignmentPair& pair);
+  void clear();
+  int num_pairs() const { return static_cast<int>(pairs_.size()); }
+  std::span<const AlignmentPair> pairs() const { return pairs_; }  ///< the window, oldest first
+
+  /// The alignment as of now, when the other vehicle was at `anchor`; nothing, and a fault, when it is not observable.
+  const std::optional<FrameAlignment>& fit(const OtherMotion& anchor, const ClockPrior& clock);
+  AlignmentFault fault() const { return fault_; }
+  int num_inliers() const { return num_inliers_; }
+
+ private:
+  using Vector5 = Eigen::Matrix<double, 5, 1>;
+  using Matrix5 = Eigen::Matrix<double, 5, 5>;
+  using Matrix35 = Eigen::Matrix<double, 3, 5>;
+  struct Guess {
+    Vector3 anchor_local_m = Vector3::Zero();
+    double yaw_rad = 0.0, clock_s = 0.0;
+  };
+
+  Vector3 residual(const AlignmentPair& pair, const Guess& guess) const;
+  Matrix35 jacobian(const AlignmentPair& pair, const Guess& guess) const;
+  double squared_sigmas(std::size_t i, const Guess& guess) const;
+  void weigh(const OtherMotion& anchor);
+  std::optional<Guess> global_start() const;
+  Guess refine(Guess guess, bool robust) const;
+  double cost(const Guess& guess, bool robust) const;
+  void take_inliers(const Guess& guess);
+  double inlier_share() const;
+  double spread_m() const;
+  double residual_sigma(const Guess& guess) const;
+  Matrix5 covariance(const Guess& guess, const OtherMotion& now) const;
+  AlignmentFault judge(const FrameAlignment& found, const Guess& guess) const;
+
+  RelativeAlignmentConfig config_;
+  OdometryDrift drift_;
+  std::vector<AlignmentPair> pairs_;  // oldest first
+  std::optional<FrameAlignment> result_;
+  AlignmentFault fault_ = AlignmentFault::kFewPairs;
+  int num_inliers_ = 0;
+  // Of one fit.
+  Vector3 anchor_other_m_ = Vector3::Zero();
+  ClockPrior clock_;
+  std::vector<Matrix3> information_;
+  std::vector<char> inlier_;
+  mutable std::vector<Vector3> local_, other_;
+  mutable std::vector<double> weights_;
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// A place on the path of a guided vehicle.
+struct GuidingWaypoint {
+  Eigen::Vector3f p_body_m = Eigen::Vector3f::Zero();
+  float yaw_rad = 0.0F;
+
+  static void visit(auto& w, auto& v) {
+    v.field("*_m", w.p_body_m, "[m] position");
+    v.field("yaw_rad", w.yaw_rad, "[rad] heading");
+  }
+};
+
+/// Where a guided vehicle is to go, told relatively to itself [Pritzl 2024, sec. II-A]. The frame is its level body
+/// frame: origin in the body, heading of the body, z up. It is that of an instant that the vehicle told of, or that of
+/// reception. It needs no other frame. An empty path says: hover.
+struct GuidingPath {
+  static constexpr const char* kTopic = "guiding_path";
+  static constexpr int kVersion = 1;
+  static constexpr const char* kDoc = "waypoints for its receiver, in the receiver's own level body frame";
+
+  std::uint32_t path = 0;
+  bool has_instant = false;
+  TimeNs t = 0;
+  std::vector<GuidingWaypoint> waypoints;
+
+  static void visit(auto& m, auto& v) {
+    v.field("path", m.path, "[-] number of the path; grows with every message");
+    v.field("has_instant", m.has_instant, "[-] 1: the body frame is that of an instant, 0: that of reception");
+    v.time("t_s", m.t, "[s] that instant, by the receiver's clock");
+    v.list("num_waypoints", m.waypoints, "[-] waypoints: position [m] and heading [rad] in that body frame");
+  }
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// What a guided vehicle says of itself: its odometry, and how far it came on the path that it was sent.
+struct OdometryReport {
+  static constexpr const char* kTopic = "odometry";
+  static constexpr int kVersion = 1;
+  static constexpr const char* kDoc = "where its sender is in its own local frame, and which waypoints it visited";
+
+  TimeNs t = 0;
+  Pose T_local_body = Pose::Identity();
+  Vector3 v_local_mps = Vector3::Zero();
+  double yaw_rate_radps = 0.0;
+  std::uint32_t path = 0;
+  std::uint16_t num_visited = 0;
+
+  static void visit(auto& m, auto& v) {
+    v.time("t_s", m.t, "[s] when it holds, by the sender's clock");
+    v.field("*", m.T_local_body, "[m, -] pose of the body in the sender's local frame");
+    v.field("v*_mps", m.v_local_mps, "[m/s] velocity, in the axes of that frame");
+    v.field("yaw_rate_radps", m.yaw_rate_radps, "[rad/s] rate of the heading");
+    v.field("path", m.path, "[-] the newest path that it got; 0: none");
+    v.field("num_visited", m.num_visited, "[-] waypoints of that path that it visited");
+  }
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// Another member of the team, as its observer believes it to be now. Local frame between stages, world in Action.
+struct RelativeEstimate {
+  static constexpr const char* kName = "relatives";
+  using Covariance = Eigen::Matrix<double, 7, 7>;
+
+  TimeNs t = 0;  ///< now
+  VehicleId other = kNoVehicle;
+  Vector3 position_m = Vector3::Zero();
+  Vector3 velocity_mps = Vector3::Zero();
+  double yaw_rad = 0.0;
+  Covariance covariance = Covariance::Identity();  ///< position [m], velocity [m/s], heading [rad]
+  TimeNs seen = 0;                                 ///< when it was last seen; earlier than now: it is coasting
+  TimeNs heard = 0;                                ///< when its newest odometry held
+  TimeNs heard_stamp = 0;                          ///< the same instant by the other's clock
+  Vector3 heard_position_m = Vector3::Zero();      ///< where it was then: the frame of a GuidingPath for that instant
+  double heard_yaw_rad = 0.0;
+
+  static void visit(auto& r, auto& v) {
+    v.time("t_s", r.t, "[s] when it holds");
+    v.vehicle("other", r.other, "[-] who was localized");
+    v.field("*_m", r.position_m, "[m] in the world of the estimate");
+    v.field("v*_mps", r.velocity_mps, "[m/s] velocity, in the same axes");
+    v.field("yaw_rad", r.yaw_rad, "[rad] heading, counter-clockwise from the x axis of that world");
+    v.covariance("cov_*_m2", r.covariance, "[m^2] covariance of the position");
+    v.time("seen_s", r.seen, "[s] when it was last seen");
+    v.time("heard_s", r.heard, "[s] when its newest odometry held");
+    v.time("heard_stamp_s", r.heard_stamp, "[s] the same instant by its own clock");
+    v.field("heard_*_m", r.heard_position_m, "[m] position at that instant, in the same world");
+    v.field("heard_yaw_rad", r.heard_yaw_rad, "[rad] heading at that instant");
+  }
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/localization/relative_localizer.hpp"
+#include "swiftlet/core/registry.hpp"
+
+namespace swiftlet {
+
+/// One row of core/stages/relative_localizers.cpp.
+struct RelativeLocalizerType {
+  ModuleType module;
+  std::unique_ptr<RelativeLocalizer> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+};
+
+Registry<RelativeLocalizerType>& relative_localizer_registry();
+inline std::span<const ModuleType> relative_localizer_module_types() { return relative_localizer_registry().modules(); }
+/// Null for `none`. Throws std::invalid_argument on an unknown type or vehicle.
+std::unique_ptr<RelativeLocalizer> make_relative_localizer(const Module& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The guided vehicle: what it makes of paths in its own body frame, what it tells, and what it does when it hears
+// nothing.
+#include "swiftlet/core/guidance/follow_guide.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "swiftlet/core/messages/guiding_path.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/odometry_report.hpp"
+#include "tests/core/guidance/guidance_driver.hpp"
+#include "tests/support/field_coverage.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::GuidanceDriver;
+
+constexpr VehicleId kPrimary = 1;
+
+FollowGuideConfig guided_by_uav2() {
+  FollowGuideConfig config;
+  config.primary = "uav2";
+  return config;
+}
+
+/// A guided vehicle that is where the test puts it.
+struct Guided : GuidanceDriver {
+  explicit Guided(const FollowGuideConfig& config = guided_by_uav2(), const Vector3& start_m = {10, 20, 3},
+                  double yaw_rad = 0.5 * kPi)
+      : GuidanceDriver("follow_guide", config, start_m, yaw_rad), yaw_rad_(yaw_rad) {}
+  static constexpr double kPi = 3.14159265358979323846;
+
+  void hears(std::vector<GuidingWaypoint> waypoints, VehicleId from = kPrimary, std::optional<TimeNs> instant = {}) {
+    GuidingPath path;
+    path.path = ++path_;
+    path.has_instant = instant.has_value();
+    path.t = instant.value_or(0);
+    path.waypoints = std::move(waypoints);
+    Message message;
+    write_message(path, message);
+    message.from = from;
+    observation.messages.push_back(message);
+  }
+  void rest(double seconds) {
+    for (int i = 0; i < static_cast<int>(std::lround(seconds / dt_s)); ++i) step();
+  }
+  std::vector<OdometryReport> told() {
+    std::vector<OdometryReport> all;
+    for (const Message& message : outbox.messages()) {
+      EXPECT_EQ(message.to, kPrimary);
+      OdometryReport report;
+      EXPECT_EQ(read_message(message, report), Reading::kDone);
+      all.push_back(report);
+    }
+    return all;
+  }
+  double yaw_rad_;
+  std::uint32_t path_ = 0;
+};
+
+TEST(FollowGuide, AWaypointAheadOfTheBodyLiesWhereItsHeadingPoints) {
+  Guided guided;
+  guided.step();
+  guided.hears({{{2.0F, 1.0F, 0.5F}, 0.3F}});
+  const GuidanceOutput& out = guided.step();
+  // Heading north: ahead is +y, left is -x.
+  EXPECT_LT((out.goal.position_m - Vector3(9, 22, 3.5)).norm(), 1e-6);
+  EXPECT_NEAR(out.goal.yaw_rad, 0.5 * Guided::kPi + 0.3, 1e-6);
+  EXPECT_EQ(out.mission, MissionStatus::kEndless);
+}
+
+TEST(FollowGuide, ThePathIsLevelWhateverTheTiltOfTheBody) {
+  Guided guided;
+  guided.estimate.T_local_body.linear() =
+      (Eigen::AngleAxisd(0.5 * Guided::kPi, Vector3::UnitZ()) * Eigen::AngleAxisd(0.3, Vector3::UnitY()))
+          .toRotationMatrix();
+  guided.step();
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}});
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
+}
+
+TEST(FollowGuide, APathToldForAnInstantCountsFromWhereTheVehicleWasThen) {
+  Guided guided;
+  guided.step();
+  guided.step();
+  const TimeNs then = guided.observation.t;
+  guided.put({10, 20.5, 3}, 0.5 * Guided::kPi);
+  guided.step();
+  guided.put({10, 21, 3}, 0.5 * Guided::kPi);
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}}, kPrimary, then);
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}});
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 23, 3)).norm(), 1e-6) << "otherwise from where it is";
+}
+
+TEST(FollowGuide, InstantsAreByItsOwnClock) {
+  FollowGuideConfig config = guided_by_uav2();
+  config.clock = {100.0, 50.0};
+  Guided guided(config);
+  guided.rest(2.0);
+  ASSERT_FALSE(guided.told().empty());
+  const OdometryReport told = guided.told().back();
+  const double stamp_s = to_seconds(told.t);
+  EXPECT_NEAR(stamp_s, 100.0 + to_seconds(guided.observation.t), 0.6);
+  guided.put({10, 20.5, 3}, 0.5 * Guided::kPi);
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}}, kPrimary, told.t);
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
+}
+
+TEST(FollowGuide, AnInstantThatItDoesNotRememberIsNotFollowed) {
+  Guided guided;
+  guided.step();
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}}, kPrimary, from_seconds(1e5));
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 20, 3)).norm(), 1e-6);
+}
+
+TEST(FollowGuide, VisitedWaypointsAreDroppedAndTold) {
+  Guided guided;
+  guided.step();
+  guided.hears({{{1.0F, 0.0F, 0.0F}, 0.0F}, {{2.0F, 0.0F, 0.0F}, 0.0F}, {{2.0F, 2.0F, 0.0F}, 0.0F}});
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 21, 3)).norm(), 1e-6);
+  guided.put({10, 20.8, 3}, 0.5 * Guided::kPi);
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
+  guided.put({10, 22, 3}, 0.5 * Guided::kPi);
+  guided.rest(1.0);
+  EXPECT_EQ(guided.told().back().num_visited, 2);
+  EXPECT_EQ(guided.told().back().path, 1U);
+  guided.put({8, 22, 3}, 0.5 * Guided::kPi);
+  EXPECT_STREQ(guided.step().note, "hovers at the end of its path");
+  EXPECT_LT((guided.step().goal.position_m - Vector3(8, 22, 3)).norm(), 1e-6) << "the last waypoint is held";
+}
+
+TEST(FollowGuide, OnlyItsGuideIsListenedTo) {
+  Guided guided;
+  guided.step();
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}}, 2);
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 20, 3)).norm(), 1e-6);
+  EXPECT_STREQ(guided.step().note, "waits for its guide");
+}
+
+TEST(FollowGuide, APathThatIsOvertakenByALaterOneIsNotFollowed) {
+  Guided guided;
+  guided.step();
+  guided.path_ = 5;
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}});
+  guided.step();
+  guided.path_ = 3;
+  guided.hears({{{-2.0F, 0.0F, 0.0F}, 0.0F}});
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
+}
+
+TEST(FollowGuide, WithoutALinkItHoversWhereItComesToRestAndGoesOnWhenItIsBack) {
+  Guided guided;
+  guided.step();
+  guided.hears({{{9.0F, 0.0F, 0.0F}, 0.0F}});
+  guided.step();
+  EXPECT_STREQ(guided.out.note, "follows its guide");
+  guided.put({10, 21, 3}, 0.5 * Guided::kPi);
+  guided.estimate.v_local_mps = {0, 1.0, 0};
+  guided.rest(2.0);
+  EXPECT_STREQ(guided.out.note, "hovers: the link to its guide is lost");
+  EXPECT_EQ(guided.out.mission, MissionStatus::kEndless);
+  // With 2 m/s^2, it needs a quarter of a meter to stop from 1 m/s.
+  EXPECT_LT((guided.out.goal.position_m - Vector3(10, 21.25, 3)).norm(), 1e-6);
+  guided.put({10, 21.2, 3}, 0.5 * Guided::kPi);
+  guided.rest(5.0);
+  EXPECT_LT((guided.out.goal.position_m - Vector3(10, 21.25, 3)).norm(), 1e-6) << "and stays there";
+  guided.estimate.v_local_mps.setZero();
+  guided.hears({{{1.0F, 0.0F, 0.0F}, 0.0F}});
+  guided.step();
+  EXPECT_STREQ(guided.out.note, "follows its guide");
+  EXPECT_LT((guided.out.goal.position_m - Vector3(10, 22.2, 3)).norm(), 1e-6);
+}
+
+TEST(FollowGuide, AGuideThatBeganAnewIsFollowedAfterTheLinkWasLost) {
+  Guided guided;
+  guided.path_ = 1000;
+  guided.step();
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}});
+  guided.rest(3.0);
+  guided.path_ = 0;
+  guided.hears({{{0.0F, 2.0F, 0.0F}, 0.0F}});
+  EXPECT_LT((guided.step().goal.position_m - Vector3(8, 20, 3)).norm(), 1e-6);
+}
+
+TEST(FollowGuide, AnEmptyPathStopsIt) {
+  Guided guided;
+  guided.step();
+  guided.hears({{{9.0F, 0.0F, 0.0F}, 0.0F}});
+  guided.step();
+  guided.put({10, 23, 3}, 0.5 * Guided::kPi);
+  guided.hears({});
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 23, 3)).norm(), 1e-6);
+  EXPECT_STREQ(guided.out.note, "hovers at the end of its path");
+}
+
+TEST(FollowGuide, TellsItsOdometryTwiceASecond) {
+  Guided guided;
+  guided.estimate.v_local_mps = {0.1, 0.2, 0.3};
+  guided.rest(10.0);
+  const auto told = guided.told();
+  EXPECT_NEAR(static_cast<double>(told.size()), 20.0, 1.0);
+  EXPECT_TRUE(told.back().T_local_body.isApprox(guided.estimate.T_local_body, 1e-12));
+  EXPECT_EQ(told.back().v_local_mps, Vector3(0.1, 0.2, 0.3));
+  EXPECT_EQ(told.back().path, 0U);
+}
+
+TEST(FollowGuide, ItMovesToAndFroUntilItsGuideTellsItWhereToGo) {
+  FollowGuideConfig config = guided_by_uav2();
+  config.excitation = {1.0, 0.7};
+  Guided guided(config);
+  double spread_m = 0.0;
+  Vector3 mean_m = Vector3::Zero();
+  for (int i = 0; i < 126; ++i) {  // one round
+    guided.hears({});              // its guide is there, but does not know yet where to send it
+    const Vector3 goal_m = guided.step().goal.position_m;
+    spread_m = std::max(spread_m, (goal_m - Vector3(10, 20, 3)).norm());
+    mean_m += goal_m / 126.0;
+  }
+  EXPECT_NEAR(spread_m, 1.0, 0.07);
+  EXPECT_LT((mean_m - Vector3(10, 20, 3)).norm(), 0.05);
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}});
+  guided.step();
+  guided.put({10, 22, 3}, 0.5 * Guided::kPi);
+  guided.step();
+  for (int i = 0; i < 30; ++i) {
+    guided.hears({});
+    EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6) << "never again";
+  }
+}
+
+TEST(FollowGuide, AGuideThatDoesNotExistIsNamed) {
+  for (const char* name : {"uav1", "uav99"}) {
+    FollowGuideConfig config;
+    config.primary = name;
+    try {
+      const Guided guided(config);
+      FAIL() << name;
+    } catch (const std::invalid_argument& problem) {
+      EXPECT_NE(std::string(problem.what()).find("guidance.primary: expected the name of another vehicle (uav2, uav3"),
+                std::string::npos)
+          << problem.what();
+    }
+  }
+}
+
+// ---- sizes [Pritzl 2024, Table IV]: odometry 725 bytes at 2 Hz, paths of 132 to 484 bytes at 5 Hz
+
+TEST(GuidingMessages, AreNoLargerThanThePublishedOnes) {
+  Message message;
+  write_message(OdometryReport{}, message);
+  EXPECT_LE(message.size_bytes(), 725U);
+  EXPECT_EQ(message.size_bytes(), 134U);
+  GuidingPath path;
+  path.waypoints.resize(1);
+  write_message(path, message);
+  EXPECT_EQ(message.size_bytes(), 67U);
+  EXPECT_LE(message.size_bytes(), 132U);
+  path.waypoints.resize(26);
+  write_message(path, message);
+  EXPECT_LE(message.size_bytes(), 484U) << "26 waypoints in the bytes of their largest path";
+}
+
+TEST(GuidingMessages, NameEveryFieldAndComeBackAsTheyWereSent) {
+  EXPECT_EQ(num_bytes_forgotten<OdometryReport>(), 0);
+  EXPECT_EQ(num_bytes_forgotten<GuidingPath>(), 0);
+  EXPECT_EQ(num_bytes_forgotten<GuidingWaypoint>(), 0);
+  GuidingPath path, read;
+  path.path = 7;
+  path.has_instant = true;
+  path.t = -3;
+  path.waypoints = {{{1.5F, -2.0F, 0.25F}, 0.5F}, {{3.0F, 0.0F, 1.0F}, -0.5F}};
+  Message message;
+  write_message(path, message);
+  ASSERT_EQ(read_message(message, read), Reading::kDone);
+  EXPECT_EQ(read.path, 7U);
+  EXPECT_EQ(read.t, -3);
+  ASSERT_EQ(read.waypoints.size(), 2U);
+  EXPECT_EQ(read.waypoints[1].p_body_m, path.waypoints[1].p_body_m);
+  EXPECT_EQ(read.waypoints[1].yaw_rad, -0.5F);
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where another vehicle is now: what comes late, what stays away, and whether the covariance tells the truth.
+#include "swiftlet/core/localization/relative_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/core/localization/relative_support.hpp"
+
+namespace swiftlet {
+namespace {
+
+/// A path whose velocity is driven by white acceleration, as the filter takes it to be.
+Path random_flight(double acceleration_mps2_psqrthz, std::uint64_t seed) {
+  constexpr double kStep_s = 0.01;
+  const Random random(seed, "test.path", "other");
+  auto places = std::make_shared<std::vector<Vector3>>();
+  Vector3 p(5.0, 1.0, 0.5), v(0.4, 0.1, 0.0);
+  for (int k = 0; k < 6000; ++k) {
+    places->push_back(p);
+    const Vector3 a(random.normal(k, 0), random.normal(k, 1), random.normal(k, 2));
+    p += kStep_s * v;
+    v += acceleration_mps2_psqrthz * std::sqrt(kStep_s) * a;
+  }
+  return [places](double t) {
+    const double k = std::clamp((t + 1.0) / kStep_s, 0.0, 5998.0);
+    const auto i = static_cast<std::size_t>(k);
+    return Vector3((*places)[i] + (k - static_cast<double>(i)) * ((*places)[i + 1] - (*places)[i]));
+  };
+}
+
+struct Measurement {
+  double at_s;  // when it comes
+  bool is_odometry;
+  double t_s;
+};
+
+struct FilterTrial {
+  RelativeFilterConfig config;
+  OdometryDriftConfig drift;
+  double start_s = 1.0;
+  double end_s = 21.0;
+  double sightings_end_s = 1e9, odometry_end_s = 1e9;
+  double sighting_latency_s = 0.15, odometry_latency_s = 0.1;
+
+  std::vector<Measurement> measurements() const {
+    std::vector<Measurement> all;
+    for (int k = 0; start_s + 0.1 * k + 0.05 < end_s; ++k) {
+      const double t_s = start_s + 0.1 * k + 0.05;
+      if (t_s < sightings_end_s) all.push_back({t_s + sighting_latency_s, false, t_s});
+    }
+    for (int k = 1; start_s + 0.5 * k < end_s; ++k) {
+      const double t_s = start_s + 0.5 * k;
+      if (t_s < odometry_end_s) all.push_back({t_s + odometry_latency_s, true, t_s});
+    }
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Measurement& a, const Measurement& b) { return a.at_s < b.at_s; });
+    return all;
+  }
+};
+
+class FilterRun {
+ public:
+  FilterRun(const FilterTrial& trial, const Path& path, std::uint64_t seed)
+      : trial_(trial),
+        flight_(path, trial.end_s + 2.0, trial.drift, seed),
+        random_(seed, "test.filter", "noise"),
+        filter_(trial.config, trial.drift) {
+    // Started by an alignment whose error is drawn from its covariance.
+    FrameAlignment start;
+    start.covariance.setZero();
+    start.covariance.diagonal() << 0.0025, 0.0025, 0.0025, 0.0009;
+    const OtherMotion anchor = odometry(trial.start_s);
+    const OtherFlight::Sample& truth = flight_.at(trial.start_s);
+    start.anchor_other_m = anchor.p_other_local_m;
+    start.anchor_local_m =
+        truth.p_local_m + 0.05 * Vector3(random_.normal(0, 30), random_.normal(0, 31), random_.normal(0, 32));
+    start.yaw_rad = truth.yaw_local_other_rad + 0.03 * random_.normal(0, 33);
+    filter_.start(start, anchor);
+  }
+
+  void take(const std::vector<Measurement>& measurements) {
+    for (const Measurement& m : measurements) {
+      if (m.at_s > trial_.end_s) continue;
+      m.is_odometry ? filter_.push(odometry(m.t_s)) : filter_.push(sighting(m.t_s));
+    }
+  }
+
+  OtherMotion odometry(double t_s) const {
+    OtherMotion motion = flight_.at(t_s).motion;
+    const auto k = static_cast<std::uint32_t>(std::lround(t_s * 1000));
+    motion.p_other_local_m +=
+        trial_.config.odometry_sigma_m * Vector3(random_.normal(k, 1), random_.normal(k, 2), random_.normal(k, 3));
+    motion.v_other_local_mps += trial_.config.odometry_velocity_sigma_mps *
+                                Vector3(random_.normal(k, 4), random_.normal(k, 5), random_.normal(k, 6));
+    motion.yaw_rad += trial_.config.odometry_yaw_sigma_deg * kRadPerDeg * random_.normal(k, 7);
+    return motion;
+  }
+  Sighting sighting(double t_s) const {
+    const Matrix3 C = sighting_covariance();
+    return {from_seconds(t_s), sighting_of(flight_, t_s, C, random_), C};
+  }
+
+  Vector3 error_m(double t_s) const { return filter_.at(from_seconds(t_s)).position_m - flight_.at(t_s).p_local_m; }
+  double nees(double t_s) const {
+    const Matrix3 C = filter_.at(from_seconds(t_s)).covariance.topLeftCorner<3, 3>();
+    return error_m(t_s).dot(C.ldlt().solve(error_m(t_s)));
+  }
+  double yaw_nees(double t_s) const {
+    const RelativeEstimate e = filter_.at(from_seconds(t_s));
+    const double error = std::remainder(e.yaw_rad - OtherFlight::kHeading_rad, 2 * kPi);
+    return error * error / e.covariance(6, 6);
+  }
+  double velocity_nees(double t_s) const {
+    const RelativeEstimate e = filter_.at(from_seconds(t_s));
+    const Vector3 error = e.velocity_mps - flight_.at(t_s).v_local_mps;
+    const Matrix3 C = e.covariance.block<3, 3>(3, 3);
+    return error.dot(C.ldlt().solve(error));
+  }
+  RelativeFilter& filter() { return filter_; }
+
+ private:
+  FilterTrial trial_;
+  OtherFlight flight_;
+  Random random_;
+  RelativeFilter filter_;
+};
+
+struct MeanNees {
+  double position = 0.0, velocity = 0.0, yaw = 0.0, sigma_m = 0.0;
+};
+
+MeanNees mean_nees(FilterTrial trial, int num, double at_s) {
+  trial.config.bias_sigma_m = 0.0;
+  trial.config.gate_sigma = 6.0;
+  trial.config.yaw_rate_sigma_degps = 0.0;
+  MeanNees mean;
+  for (int seed = 1; seed <= num; ++seed) {
+    FilterRun run(trial, random_flight(trial.config.acceleration_mps2_psqrthz, seed), seed);
+    run.take(trial.measurements());
+    mean.position += run.nees(at_s) / num;
+    mean.velocity += run.velocity_nees(at_s) / num;
+    mean.yaw += run.yaw_nees(at_s) / num;
+    mean.sigma_m += std::sqrt(run.filter().at(from_seconds(at_s)).covariance.topLeftCorner<3, 3>().trace()) / num;
+  }
+  return mean;
+}
+
+// With k degrees of freedom and n runs, by 999 of 1000 chances.
+double mean_bound(int degrees, int num) { return 3.3 * std::sqrt(2.0 * degrees / num); }
+
+TEST(RelativeFilter, ItsCovarianceIsTrueWithDelaysAndDrift) {
+  const MeanNees mean = mean_nees({}, 300, 21.0);
+  EXPECT_NEAR(mean.position, 3.0, mean_bound(3, 300));
+  EXPECT_NEAR(mean.velocity, 3.0, mean_bound(3, 300));
+  EXPECT_NEAR(mean.yaw, 1.0, mean_bound(1, 300));
+}
+
+TEST(RelativeFilter, ItsCovarianceIsTrueWhileItCoastsOnOdometry) {
+  FilterTrial trial;
+  trial.sightings_end_s = 6.0;
+  trial.drift.position_m_psqrtm = 0.1;
+  trial.drift.yaw_deg_psqrtm = 0.3;
+  const MeanNees mean = mean_nees(trial, 300, 21.0);
+  EXPECT_NEAR(mean.position, 3.0, mean_bound(3, 300));
+  trial.sightings_end_s = 1e9;
+  EXPECT_GT(mean.sigma_m, 1.5 * mean_nees(trial, 20, 21.0).sigma_m) << "not being seen makes it less sure";
+}
+
+TEST(RelativeFilter, ItsCovarianceIsTrueWhenNothingComesAnyMore) {
+  FilterTrial trial;
+  trial.sightings_end_s = trial.odometry_end_s = 18.0;
+  const MeanNees mean = mean_nees(trial, 300, 21.0);
+  EXPECT_NEAR(mean.position, 3.0, mean_bound(3, 300));
+  EXPECT_NEAR(mean.velocity, 3.0, mean_bound(3, 300));
+}
+
+TEST(RelativeFilter, SightingsAloneKeepThePlace) {
+  FilterTrial trial;
+  trial.odometry_end_s = 6.0;
+  const MeanNees mean = mean_nees(trial, 300, 21.0);
+  EXPECT_NEAR(mean.position, 3.0, mean_bound(3, 300));
+  EXPECT_LT(mean.sigma_m, 0.5);
+}
+
+TEST(RelativeFilter, TheOrderOfArrivalDoesNotMatter) {
+  FilterTrial trial;
+  trial.config.gate_sigma = 100.0;
+  const Path path = random_flight(0.5, 3);
+  FilterRun in_order(trial, path, 3), late(trial, path, 3);
+  std::vector<Measurement> measurements = trial.measurements();
+  std::stable_sort(measurements.begin(), measurements.end(),
+                   [](const Measurement& a, const Measurement& b) { return a.t_s < b.t_s; });
+  in_order.take(measurements);
+  // Every sighting up to 1.5 s late.
+  const Random random(7, "test.jitter", "late");
+  std::stable_sort(measurements.begin(), measurements.end(), [&](const Measurement& a, const Measurement& b) {
+    const auto when = [&](const Measurement& m) {
+      return m.is_odometry ? m.t_s
+                           : m.t_s + random.uniform(0.0, 1.5, static_cast<std::uint32_t>(std::lround(m.t_s * 100)), 0);
+    };
+    return when(a) < when(b);
+  });
+  late.take(measurements);
+  const RelativeEstimate a = in_order.filter().at(from_seconds(21.0)), b = late.filter().at(from_seconds(21.0));
+  EXPECT_LT((a.position_m - b.position_m).norm(), 1e-9);
+  EXPECT_LT((a.velocity_mps - b.velocity_mps).norm(), 1e-9);
+  EXPECT_LT((a.covariance - b.covariance).norm(), 1e-9);
+}
+
+TEST(RelativeFilter, WhatIsOlderThanTheHistoryIsRefused) {
+  const FilterTrial trial;
+  FilterRun run(trial, random_flight(0.5, 3), 3);
+  run.take(trial.measurements());
+  EXPECT_FALSE(run.filter().push(run.sighting(15.05)));
+  EXPECT_FALSE(run.filter().push(run.odometry(15.5)));
+}
+
+TEST(RelativeFilter, AFalseSightingIsNotTakenIn) {
+  const FilterTrial trial;
+  FilterRun run(trial, random_flight(0.5, 3), 3);
+  run.take(trial.measurements());
+  const RelativeEstimate before = run.filter().at(from_seconds(21.0));
+  Sighting other = run.sighting(20.95);
+  other.p_local_m += Vector3(2.0, 0.0, 0.0);
+  EXPECT_GT(run.filter().squared_sigmas(other), 16.0);
+  EXPECT_FALSE(run.filter().push(other));
+  EXPECT_EQ(run.filter().at(from_seconds(21.0)).position_m, before.position_m);
+}
+
+TEST(RelativeFilter, TellsThePastOfItsHistoryAsWell) {
+  const FilterTrial trial;
+  FilterRun run(trial, random_flight(0.5, 3), 3);
+  run.take(trial.measurements());
+  EXPECT_LT(run.error_m(19.0).norm(), 0.3);
+}
+
+TEST(RelativeFilter, WhatAllSightingsHaveInCommonStaysInTheCovariance) {
+  FilterTrial trial;
+  trial.config.bias_sigma_m = 0.1;
+  FilterRun run(trial, random_flight(0.5, 3), 3);
+  run.take(trial.measurements());
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_GT(run.filter().at(from_seconds(21.0)).covariance(axis, axis), 0.01);
+  }
+}
+
+TEST(RelativeOdometry, TellsWhatLiesBetweenItsSamples) {
+  const OtherFlight flight(eight(), 10.0, no_drift(), 1);
+  RelativeOdometry odometry;
+  for (int k = 0; k <= 16; ++k) ASSERT_TRUE(odometry.push(flight.at(0.5 * k).motion));
+  for (int k = 0; k <= 160; ++k) {
+    const auto told = odometry.at(from_seconds(0.05 * k), 2.0);
+    ASSERT_TRUE(told);
+    EXPECT_LT((told->p_other_local_m - flight.at(0.05 * k).motion.p_other_local_m).norm(), 1e-3);
+    EXPECT_LT((told->v_other_local_mps - flight.at(0.05 * k).motion.v_other_local_mps).norm(), 2e-2);
+  }
+  EXPECT_FALSE(odometry.at(from_seconds(8.01), 2.0)) << "beyond the newest nothing is known";
+  EXPECT_FALSE(odometry.at(from_seconds(7.9), 0.4)) << "nor in a gap";
+  EXPECT_FALSE(odometry.push(flight.at(7.0).motion)) << "what is older comes too late";
+}
+
+}  // namespace
+}  // namespace swiftlet
