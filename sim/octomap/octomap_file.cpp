@@ -38,17 +38,20 @@ bool key_of(const Eigen::Vector3f& center_local_m, double edge_m, octomap::OcTre
   throw InputError(file.string() + ": " + why);
 }
 
+const char* title_of(OctomapFormat format) {
+  return format == OctomapFormat::kBt ? "# Octomap OcTree binary file" : "# Octomap OcTree file";
+}
+
 struct Header {
   std::size_t num_nodes = 0;
   double edge_m = 0.0;
 };
 
 // The library's own reader tells its progress on the terminal, and little of what is wrong.
-Header read_header(std::istream& in, bool binary, const std::filesystem::path& file) {
-  const std::string title = binary ? "# Octomap OcTree binary file" : "# Octomap OcTree file";
+Header read_header(std::istream& in, OctomapFormat format, const std::filesystem::path& file) {
   std::string line, id;
   std::getline(in, line);
-  if (line.rfind(title, 0) != 0) reject(file, "expected an octree of OctoMap, which begins with its title");
+  if (line.rfind(title_of(format), 0) != 0) reject(file, "expected an octree of OctoMap, which begins with its title");
   Header header;
   while (std::getline(in, line) && line != "data") {
     std::istringstream words(line);
@@ -79,12 +82,16 @@ std::string octomap_content(const MapVoxels& map, OctomapFormat format, const st
     if (log_odds && key_of(map.centers_local_m[i], map.edge_m, key)) tree.setNodeValue(key, *log_odds, true);
   }
   tree.updateInnerOccupancy();
+  if (format == OctomapFormat::kBt) tree.toMaxLikelihood();
   tree.prune();
+  // The header is written here, because the library's own function tells its progress on the terminal.
   std::ostringstream out;
-  format == OctomapFormat::kOt ? tree.write(out) : tree.writeBinary(out);
-  std::string content = std::move(out).str(), header;
-  for (const std::string& comment : comments) header += "# " + comment + "\n";
-  return content.insert(content.find('\n') + 1, header);
+  out.precision(10);
+  out << title_of(format) << "\n";
+  for (const std::string& comment : comments) out << "# " << comment << "\n";
+  out << "id OcTree\nsize " << tree.size() << "\nres " << map.edge_m << "\ndata\n";
+  if (tree.size() > 0) format == OctomapFormat::kOt ? tree.writeData(out) : tree.writeBinaryData(out);
+  return std::move(out).str();
 }
 
 bool is_octomap_file(const std::filesystem::path& file) {
@@ -94,10 +101,10 @@ bool is_octomap_file(const std::filesystem::path& file) {
 OctomapCells read_octomap(const std::filesystem::path& file, const std::function<void(double)>& require_bytes) {
   std::ifstream in(file, std::ios::binary);
   if (!in) reject(file, "cannot be read");
-  const bool binary = file.extension() == ".bt";
-  const Header header = read_header(in, binary, file);
+  const OctomapFormat format = file.extension() == ".bt" ? OctomapFormat::kBt : OctomapFormat::kOt;
+  const Header header = read_header(in, format, file);
   octomap::OcTree tree(header.edge_m);
-  if (header.num_nodes > 0) binary ? tree.readBinaryData(in) : tree.readData(in);
+  if (header.num_nodes > 0) format == OctomapFormat::kBt ? tree.readBinaryData(in) : tree.readData(in);
   if (!in) reject(file, "ends before its data does");
   if (tree.size() != header.num_nodes) reject(file, "expected as many nodes as its header says");
   OctomapCells cells;
