@@ -319,9 +319,8 @@ double OccupancyMap::distance_m(const Vector3& p_local_m, double max_m) const {
 
 double OccupancyMap::clearance_m(const Vector3& p_local_m, double max_m) const {
   const std::int16_t squared = distances_.squared(cell_of(p_local_m), *this, revision_);
-  const double most_m = std::min(max_m, config_.distance_max_m);
-  if (squared == DistanceTiles::kFar) return most_m;
-  return std::min(most_m, std::sqrt(static_cast<double>(squared)) * config_.edge_m);
+  if (squared != DistanceTiles::kFar) return std::min(max_m, std::sqrt(static_cast<double>(squared)) * config_.edge_m);
+  return max_m <= config_.distance_max_m ? max_m : OccupancyView::clearance_m(p_local_m, max_m);
 }
 
 const RayCells::Bits* OccupancyMap::occupied_of(const Cell& at) const {
@@ -379,7 +378,8 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.field("p_max", p_max, "[-] no cell rises above", Range{0.5, 1.0, true, true});
   v.field("range_max_m", range_max_m, "[m] rays hit and clear up to here", Range{0.0, 1000.0, true});
   v.field("keep_radius_m", keep_radius_m, "[m] what is farther from the vehicle is forgotten", Range{0.0, 1e5, true});
-  v.field("distance_max_m", distance_max_m, "[m] up to here the distance to the nearest occupied cell is worked out",
+  v.field("distance_max_m", distance_max_m,
+          "[m] up to here distances to the nearest occupied cell are kept; others are searched for",
           Range{0.0, 1000.0, true});
   v.check(p_occupied > p_miss && p_occupied < p_max, "p_occupied", "more than p_miss and less than p_max");
   v.check(range_max_m <= 480.0 * edge_m, "range_max_m", "at most 480 times edge_m");

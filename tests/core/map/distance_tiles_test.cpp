@@ -152,6 +152,9 @@ TEST(DistanceTiles, OfAMapAreThoseOfItsOccupiedCells) {
       for (const Vector3& cell_m : occupied) expected = std::min(expected, (cell_m - center_m).norm());
       ASSERT_NEAR(map.clearance_m(p_m, 1.5), expected, 1e-9);
       ASSERT_NEAR(map.OccupancyView::clearance_m(p_m, 1.5), expected, 1e-9) << "as any view works it out";
+      double farther = 4.0;
+      for (const Vector3& cell_m : occupied) farther = std::min(farther, (cell_m - center_m).norm());
+      ASSERT_NEAR(map.clearance_m(p_m, 4.0), farther, 1e-9) << "farther than distances are kept";
     }
   }
 }

@@ -37,8 +37,7 @@ class OccupancyView {
                            std::vector<Vector3>& centers_local_m) const = 0;
   /// To the nearest point of an occupied cell; at most `max_m`.
   virtual double distance_m(const Vector3& p_local_m, double max_m) const = 0;
-  /// From the center of the point's cell to the nearest center of an occupied cell, exact. It is at most `max_m`, and
-  /// at most what a map works out.
+  /// From the center of the point's cell to the nearest center of an occupied cell, exact; at most `max_m`.
   virtual double clearance_m(const Vector3& p_local_m, double max_m) const;
   /// The first occupied cell on the segment, that of its beginning included.
   virtual std::optional<SegmentHit> first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const = 0;
