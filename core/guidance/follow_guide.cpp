@@ -146,7 +146,7 @@ class FollowGuide : public Guidance {
 
   void report(const GuidanceInput& input, Outbox& outbox) {
     const TimeNs t = input.observation.t;
-    if (t < next_report_) return;
+    if (primary_ == kNoVehicle || t < next_report_) return;  // alone, it has nobody to tell
     next_report_ = std::max(next_report_ + report_period_, t);
     const StateEstimate& e = input.estimate;
     OdometryReport report;

@@ -177,8 +177,6 @@ TEST(Csv, ColumnsAreNamedByFieldAndUnit) {
       {"scores",
        "t_s,stage,target,distance_m,visible_points,found,id,position_error_m,speed_error_mps,direction_error_rad,nees,"
        "latency_s"},
-      {"relative_scores",
-       "t_s,other,distance_m,error_x_m,error_y_m,error_z_m,yaw_error_rad,sigma_m,sigma_yaw_rad,nees,unseen_s"},
       {"message_odometry", "t_s," + pose + "," + velocity + ",yaw_rate_radps,path,num_visited,sender,received_s"},
       {"message_guiding_path", "path,has_instant,t_s,num_waypoints,sender,received_s"},
       {"message_neighbor", "t_s,x_m,y_m,z_m,sender,received_s"}};
