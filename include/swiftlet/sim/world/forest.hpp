@@ -12,7 +12,7 @@ namespace swiftlet::sim {
 /// breast height: Weibull (Bailey and Dell 1973). Heights: Michailow's curve by species with a scatter of 7 %. Crowns:
 /// leaf clusters that rays pass through in part. Trails and clearings remove what would stand in them and change
 /// nothing else, so that the same forest can be flown with and without. Around it stands a belt of the same forest in
-/// few triangles, so that beams end where they would in a forest that goes on: trees without instance and entry.
+/// few triangles, trees without instance and entry. So beams end where they would in a forest that goes on.
 struct ForestConfig : ModuleConfigOf<ForestConfig> {
   Eigen::Vector2d size_m = {60.0, 60.0};
   ReliefConfig relief{.amplitude_m = 1.5, .wavelength_m = 30.0, .octaves = 4};
