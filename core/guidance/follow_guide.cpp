@@ -84,8 +84,8 @@ class FollowGuide : public Guidance {
       place.position_m = T_local_body * waypoint.p_body_m.cast<double>();
       place.yaw_rad = std::remainder(yaw_rad + static_cast<double>(waypoint.yaw_rad), 2.0 * std::numbers::pi);
     }
-    was_guided_ = was_guided_ || !path_.empty();
-    if (flew && path_.empty()) stop(estimate);
+    if (path_.empty() && (flew || !was_guided_)) stop(estimate);
+    was_guided_ = true;
   }
 
   void watch_link(const GuidanceInput& input, bool heard) {
@@ -130,7 +130,7 @@ class FollowGuide : public Guidance {
     output.goal = path_.empty() ? goal_ : path_.front();
     output.note = lost_            ? "hovers: the link to its guide is lost"
                   : !path_.empty() ? "follows its guide"
-                  : was_guided_    ? "hovers at the end of its path"
+                  : was_guided_    ? "hovers as its guide says"
                                    : "waits for its guide";
     if (!was_guided_ && !lost_ && config_.excitation.radius_m > 0.0) excite(input.dt_s, output.goal);
   }
@@ -194,7 +194,7 @@ void FollowGuideConfig::visit(ConfigVisitor& v) {
   v.field("visited_m", visited_m, "[m] nearer than this, a waypoint was visited and is dropped", Range::positive());
   v.field("link_timeout_s", link_timeout_s, "[s] without a path of its guide, after which it hovers",
           Range::positive());
-  v.object("excitation", excitation, "what it flies until its guide first tells it a path");
+  v.object("excitation", excitation, "what it flies until its guide first speaks to it");
   v.object("clock", clock, "how far its clock is off");
 }
 

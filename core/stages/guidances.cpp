@@ -4,6 +4,7 @@
 #include "swiftlet/core/guidance/agile.hpp"
 #include "swiftlet/core/guidance/flocking.hpp"
 #include "swiftlet/core/guidance/follow_guide.hpp"
+#include "swiftlet/core/guidance/guide.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
 #include "swiftlet/core/guidance/takeoff_land.hpp"
@@ -30,6 +31,9 @@ constexpr GuidanceType kGuidanceTypes[] = {
     {{"follow_guide", "follows paths that another vehicle tells it in its own body frame [Pritzl 2024]",
       make_module_config<FollowGuideConfig>},
      make_follow_guide},
+    {{"guide", "plans for another vehicle and itself, and guides it by radio [Pritzl 2024]",
+      make_module_config<GuideConfig>},
+     make_guide},
     {{"mezey", "flocking by what is seen on a 1D retina", make_module_config<MezeyConfig>}, make_mezey},
 };
 

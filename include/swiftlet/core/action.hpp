@@ -68,6 +68,7 @@ struct Action {
     v.list("detections", a.detections, "[-] what it found");
     v.field("has_tracks", a.has_tracks, "[-] did the tracker take a cloud?");
     v.list("tracks", a.tracks, "[-] what it follows");
+    v.list("relatives", a.relatives, "[-] members of the team");
     v.choice("mission", a.mission, std::span<const char* const>(kMissionStatusWords), "[-] how the mission stands");
     v.field("mission_note", a.mission_note, "[-] why it failed, or what it waits for");
   }

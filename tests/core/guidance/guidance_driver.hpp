@@ -85,8 +85,13 @@ class GuidanceDriver {
     observation.t += from_seconds(dt_s);
     estimate.t = observation.t;
     poses.push(estimate);
-    guidance->step({.dt_s = dt_s, .estimate = estimate, .observation = observation, .poses = poses, .map = map}, out,
-                   outbox);
+    guidance->step({.dt_s = dt_s,
+                    .estimate = estimate,
+                    .observation = observation,
+                    .poses = poses,
+                    .relatives = relatives,
+                    .map = map},
+                   out, outbox);
     observation.neighbors.clear();
     observation.messages.clear();
     return out;
@@ -98,6 +103,7 @@ class GuidanceDriver {
   StateEstimate estimate;
   Observation observation;
   LocalPoses poses;
+  std::vector<RelativeEstimate> relatives;
   const OccupancyView* map = nullptr;
   GuidanceOutput out;
   Outbox outbox;

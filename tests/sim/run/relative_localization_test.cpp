@@ -47,6 +47,7 @@ class SquareGuide : public Guidance {
     output.mission = MissionStatus::kEndless;
     const double t_s = to_seconds(input.observation.t);
     if (input.observation.t < next_ || (t_s > kSilentFrom_s && t_s < kSilentTo_s)) return;
+    if (number_ == 0 && input.relatives.empty()) return;  // the other moves to and fro until it is spoken to
     next_ = input.observation.t + kNsPerSecond / 5;
     GuidingPath path;
     path.path = ++number_;

@@ -16,7 +16,7 @@ struct OwnClockConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A small flight to and fro, by which the guide finds out the heading of a vehicle that was not told where to go yet.
+/// A small flight to and fro, by which the guide finds out its heading. It ends when the guide speaks.
 struct ExcitationConfig {
   double radius_m = 0.0;
   double speed_mps = 0.5;

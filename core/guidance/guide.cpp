@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/guide.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "core/guidance/guide_overlays.hpp"
+#include "swiftlet/core/math/latency.hpp"
+#include "swiftlet/core/messages/guiding_path.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/vehicle_named.hpp"
+
+namespace swiftlet {
+namespace {
+
+/// The states of [Pritzl 2024, sec. II-A].
+enum class GuideState { kIdle, kPlanning, kPrimaryMoving, kSecondaryMoving, kGoalReached, kFailure };
+
+class Guide : public Guidance {
+ public:
+  Guide(const GuideConfig& config, const GuidanceSetup& setup)
+      : config_(config),
+        secondary_(vehicle_named(config.secondary, setup.agent, "guidance.secondary")),
+        guiding_period_(from_seconds(1.0 / config.guiding_rate_hz)),
+        planner_(config.planning_latency_s) {
+    hold_.position_m = setup.agent.T_local_body_start.translation();
+    hold_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
+  }
+
+  GuidanceNeeds needs() const override { return {.map = true}; }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
+    now_ = input.observation.t;
+    if (entered_ == kNever) enter(GuideState::kIdle);
+    find_secondary(input);
+    advance_state(input);
+    speak(outbox);
+    output.goal = hold_;
+    output.speed_limit_mps = config_.speed_mps;
+    tell(output);
+  }
+
+  void append_overlays(std::vector<Overlay>& overlays) const override {
+    if (!plan_) return;
+    append_guide_overlays(*plan_, hold_.position_m.z(), overlays);
+  }
+
+ private:
+  static constexpr TimeNs kNever = std::numeric_limits<TimeNs>::min();
+
+  void enter(GuideState state) {
+    state_ = state;
+    entered_ = now_;
+  }
+  bool waited(double seconds) const { return now_ - entered_ >= from_seconds(seconds); }
+
+  /// Where the other vehicle is, when that is known well enough to guide it.
+  void find_secondary(const GuidanceInput& input) {
+    guided_.reset();
+    for (const RelativeEstimate& relative : input.relatives) {
+      if (relative.other == secondary_) guided_ = relative;
+    }
+    known_well_ =
+        guided_ && std::sqrt(guided_->covariance.topLeftCorner<3, 3>().diagonal().maxCoeff()) < config_.sigma_max_m;
+    linked_ = guided_ && now_ - guided_->heard < from_seconds(config_.link_timeout_s);
+    was_known_ = was_known_ || (known_well_ && linked_);
+  }
+
+  void advance_state(const GuidanceInput& input) {
+    switch (state_) {
+      case GuideState::kIdle:
+        if (!known_well_ || !linked_) return;
+        next_goal(input);
+        return;
+      case GuideState::kPlanning:
+        plan(input);
+        return;
+      case GuideState::kPrimaryMoving:
+        move_primary(input);
+        return;
+      case GuideState::kSecondaryMoving:
+        move_secondary();
+        return;
+      case GuideState::kGoalReached:
+        if (has_more_goals()) next_goal(input);
+        return;
+      case GuideState::kFailure:
+        if (failures_ <= config_.retries && waited(config_.retry_after_s)) start_planning();
+        return;
+    }
+  }
+
+  // Goals.
+
+  bool advances() const { return config_.advance.step_m.squaredNorm() > 0.0; }
+  bool has_more_goals() const {
+    if (advances()) return advanced_m_ < config_.advance.distance_m;
+    return config_.loop || num_reached_ < config_.goals_m.size();
+  }
+
+  void next_goal(const GuidanceInput& input) {
+    const FrameChange to_local = FrameChange::to_local(input.estimate);
+    failures_ = 0;
+    if (advances()) {
+      if (!began_local_m_) began_local_m_ = guided_->position_m;
+      goal_.p_local_m = guided_->position_m + to_local.direction(config_.advance.step_m);
+      goal_.p_local_m.z() = began_local_m_->z() + to_local.direction(config_.advance.step_m).z();
+      goal_.yaw_rad = guided_->yaw_rad;
+    } else if (!config_.goals_m.empty()) {
+      const std::size_t i = num_reached_ % config_.goals_m.size();
+      goal_.p_local_m = to_local.point(config_.goals_m[i]);
+      goal_.yaw_rad = i < config_.goal_yaws_deg.size()
+                          ? to_local.yaw(config_.goal_yaws_deg[i] * std::numbers::pi / 180.0)
+                          : guided_->yaw_rad;
+    } else {
+      return;  // nothing to do: it only tells the other one to hover
+    }
+    start_planning();
+  }
+
+  // Planning, while both hover.
+
+  void start_planning() {
+    path_.clear();
+    settled_since_.reset();
+    planner_.stop();
+    enter(GuideState::kPlanning);
+  }
+
+  void plan(const GuidanceInput& input) {
+    if (!planner_.idle()) {
+      if (planner_.due(now_)) take_plan();
+      return;
+    }
+    if (!settled(input)) {
+      if (waited(config_.stage_timeout_s)) fail("the guided vehicle is not localized, or does not come to rest");
+      return;
+    }
+    plan_ = plan_team(*input.map, config_.planner, input.estimate.T_local_body.translation(),
+                      {guided_->position_m, guided_->yaw_rad}, goal_);
+    planner_.start(now_);
+  }
+
+  /// Both hover, and the other one's place is known.
+  bool settled(const GuidanceInput& input) {
+    constexpr double kSlow_mps = 0.25;
+    const bool still = known_well_ && linked_ && guided_->velocity_mps.norm() < kSlow_mps &&
+                       input.estimate.v_local_mps.norm() < kSlow_mps;
+    if (!still) settled_since_.reset();
+    if (still && !settled_since_) settled_since_ = now_;
+    return settled_since_ && now_ - *settled_since_ >= from_seconds(config_.settle_s);
+  }
+
+  void take_plan() {
+    planner_.stop();
+    switch (plan_->next) {
+      case TeamPlan::Next::kFail:
+        fail(plan_->reason);
+        return;
+      case TeamPlan::Next::kGoalReached:
+        reach();
+        return;
+      case TeamPlan::Next::kMovePrimary:
+        next_corner_ = 1;
+        enter(GuideState::kPrimaryMoving);
+        return;
+      case TeamPlan::Next::kMoveSecondary:
+        start_guiding();
+        return;
+    }
+  }
+
+  void fail(const std::string& reason) {
+    reason_ = reason;
+    ++failures_;
+    path_.clear();
+    enter(GuideState::kFailure);
+  }
+
+  void reach() {
+    ++num_reached_;
+    if (began_local_m_ && guided_) advanced_m_ = (guided_->position_m - *began_local_m_).head<2>().norm();
+    path_.clear();
+    enter(GuideState::kGoalReached);
+  }
+
+  // Motion.
+
+  void move_primary(const GuidanceInput& input) {
+    const Vector3 p_local_m = input.estimate.T_local_body.translation();
+    const std::vector<Vector3>& corners_local_m = plan_->primary_local_m;
+    const bool last = next_corner_ + 1 >= corners_local_m.size();
+    hold_.position_m = corners_local_m[std::min(next_corner_, corners_local_m.size() - 1)];
+    const double distance_m = (p_local_m - hold_.position_m).norm();
+    if (!last && distance_m < config_.planner.tolerance_m) ++next_corner_;
+    if (last && distance_m < config_.planner.tolerance_m && input.estimate.v_local_mps.norm() < 0.25) {
+      start_guiding();
+    } else if (waited(config_.stage_timeout_s)) {
+      fail("the guide does not reach its viewpoint");
+    }
+  }
+
+  void start_guiding() {
+    path_.assign(plan_->secondary_path.begin() + 1, plan_->secondary_path.end());
+    was_told_ = false;
+    enter(GuideState::kSecondaryMoving);
+  }
+
+  void move_secondary() {
+    if (waited(config_.stage_timeout_s)) {
+      fail(linked_ && known_well_ ? "the guided vehicle does not reach its goal"
+                                  : "the guided vehicle was lost on its way");
+      return;
+    }
+    if (!linked_ || !known_well_) return;  // it hovers, and so does this vehicle
+    const Vector3& p_local_m = guided_->position_m;
+    while (path_.size() > 1 && (path_.front().p_local_m - p_local_m).norm() < config_.visited_m) {
+      path_.erase(path_.begin());
+    }
+    if (path_.size() > 1 || (path_.back().p_local_m - p_local_m).norm() >= config_.planner.tolerance_m) return;
+    constexpr double kSlow_mps = 0.25;
+    if (guided_->velocity_mps.norm() < kSlow_mps) reach();
+  }
+
+  // What the other vehicle is told: the rest of its path in its level body frame, or an empty path, on which it hovers.
+
+  void speak(Outbox& outbox) {
+    if (!was_known_ || now_ < next_word_) return;
+    next_word_ = now_ + guiding_period_;
+    GuidingPath told;
+    told.path = ++num_words_;
+    const bool guides = state_ == GuideState::kSecondaryMoving && known_well_ && linked_;
+    if (guides && !config_.periodic && was_told_) return;
+    if (guides) append_path(told);
+    was_told_ = guides;
+    write_message(told, outbox.say(secondary_));
+  }
+
+  /// In the level body frame of the instant of its newest odometry, so that no delay of the radio shifts the path.
+  void append_path(GuidingPath& told) const {
+    told.has_instant = true;
+    told.t = guided_->heard_stamp;
+    const double yaw_rad = guided_->heard_yaw_rad;
+    const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
+    told.waypoints.reserve(path_.size());
+    for (const PlannedPose& pose : path_) {
+      const Vector3 d_m = pose.p_local_m - guided_->heard_position_m;
+      GuidingWaypoint& waypoint = told.waypoints.emplace_back();
+      waypoint.p_body_m = Vector3(c * d_m.x() + s * d_m.y(), c * d_m.y() - s * d_m.x(), d_m.z()).cast<float>();
+      waypoint.yaw_rad = static_cast<float>(std::remainder(pose.yaw_rad - yaw_rad, 2.0 * std::numbers::pi));
+    }
+  }
+
+  void tell(GuidanceOutput& output) const {
+    output.mission = MissionStatus::kRunning;
+    switch (state_) {
+      case GuideState::kIdle:
+        output.note = was_known_ ? "idle: no goal" : "idle: the guided vehicle is not localized yet";
+        if (config_.goals_m.empty() && !advances()) output.mission = MissionStatus::kEndless;
+        return;
+      case GuideState::kPlanning:
+        output.note = linked_ && known_well_ ? "planning" : "hovers: the guided vehicle is lost";
+        return;
+      case GuideState::kPrimaryMoving:
+        output.note = "primary moving";
+        return;
+      case GuideState::kSecondaryMoving:
+        output.note = !linked_       ? "hovers: the link to the guided vehicle is lost"
+                      : !known_well_ ? "hovers: the place of the guided vehicle is not sure enough"
+                                     : "secondary moving";
+        return;
+      case GuideState::kGoalReached:
+        output.note = "goal reached";
+        if (!has_more_goals()) output.mission = MissionStatus::kDone;
+        return;
+      case GuideState::kFailure:
+        output.note = reason_.c_str();
+        if (failures_ > config_.retries) output.mission = MissionStatus::kFailed;
+        return;
+    }
+  }
+
+  GuideConfig config_;
+  VehicleId secondary_;
+  TimeNs guiding_period_;
+  TimeNs now_ = 0;
+
+  GuideState state_ = GuideState::kIdle;
+  TimeNs entered_ = kNever;
+  int failures_ = 0;
+  std::string reason_;
+
+  std::optional<RelativeEstimate> guided_;  // in this tick
+  bool known_well_ = false, linked_ = false, was_known_ = false;
+
+  PlannedPose goal_;
+  std::size_t num_reached_ = 0;
+  std::optional<Vector3> began_local_m_;
+  double advanced_m_ = 0.0;
+
+  Worker planner_;
+  std::optional<TimeNs> settled_since_;
+  std::optional<TeamPlan> plan_;
+  std::size_t next_corner_ = 1;
+  Reference hold_;
+  std::vector<PlannedPose> path_;  // what is left of the other one's
+
+  TimeNs next_word_ = 0;
+  std::uint32_t num_words_ = 0;
+  bool was_told_ = false;
+};
+
+}  // namespace
+
+void GuideAdvanceConfig::visit(ConfigVisitor& v) {
+  v.field("step_m", step_m, "[m] from where the guided vehicle is to its next goal, axes of the world; 0: goals_m",
+          Range::between(-1000.0, 1000.0));
+  v.field("distance_m", distance_m, "[m] from the first place, horizontally, after which the mission is done",
+          Range::positive());
+}
+
+void GuideConfig::visit(ConfigVisitor& v) {
+  v.field("secondary", secondary, "[-] name of the vehicle that is guided");
+  v.field("goals_m", goals_m, "[m] where it is to go, one after the other, world frame");
+  v.field("goal_yaws_deg", goal_yaws_deg, "[deg] its heading there; it keeps the one it has where none is given");
+  v.object("advance", advance, "goals that follow from where it is, instead of goals_m");
+  v.field("loop", loop, "[-] go on with the first goal after the last");
+  v.field("periodic", periodic, "[-] tell the rest of the path again and again; otherwise the path once");
+  v.field("guiding_rate_hz", guiding_rate_hz, "[Hz] at which it is told its path", Range::between(0.01, 1000.0));
+  v.field("visited_m", visited_m, "[m] nearer than this, a waypoint was visited and is dropped", Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] of the guide, at most, horizontal and vertical each", Range::positive());
+  v.field("planning_latency_s", planning_latency_s, "[s] that planning takes on board", Range::between(0.0, 1000.0));
+  v.field("settle_s", settle_s, "[s] for which both have hovered before it plans", Range::between(0.0, 1000.0));
+  v.field("link_timeout_s", link_timeout_s, "[s] without odometry of the guided vehicle, after which both hover",
+          Range::positive());
+  v.field("sigma_max_m", sigma_max_m,
+          "[m] standard deviation of the guided vehicle's place, along the worst axis, above which both hover",
+          Range::positive());
+  v.field("stage_timeout_s", stage_timeout_s, "[s] after which planning or a motion has failed", Range::positive());
+  v.field("retries", retries, "[-] plans that may follow a failure before the mission fails", Range::between(0, 1e6));
+  v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
+  v.object("planner", planner, "paths of both vehicles and the viewpoint");
+  v.check(goal_yaws_deg.empty() || goal_yaws_deg.size() == goals_m.size(), "goal_yaws_deg",
+          "as many as goals_m, or none");
+  v.check(!loop || !goals_m.empty(), "loop", "false without goals_m");
+}
+
+std::unique_ptr<Guidance> make_guide(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Guide>(dynamic_cast<const GuideConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/guidance/guidance.hpp"
+#include "swiftlet/core/planning/team_plan.hpp"
+
+namespace swiftlet {
+
+/// Goals one after the other, each so far from where the guided vehicle is then.
+struct GuideAdvanceConfig {
+  Eigen::Vector3d step_m = Eigen::Vector3d::Zero();
+  double distance_m = 30.0;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Guides another vehicle, which sees nothing, along a path that is clear in one's own map [Pritzl 2024]. It plans for
+/// both while both hover, flies to a viewpoint from which it sees the path, then tells the other its path in the
+/// other's own body frame, again and again, until the goal is reached.
+struct GuideConfig : ModuleConfigOf<GuideConfig> {
+  std::string secondary;
+  std::vector<Eigen::Vector3d> goals_m;
+  std::vector<double> goal_yaws_deg;
+  GuideAdvanceConfig advance;
+  bool loop = false;
+  bool periodic = true;
+  double guiding_rate_hz = 5.0;
+  double visited_m = 0.2;
+  double speed_mps = 1.0;
+  double planning_latency_s = 0.5;
+  double settle_s = 1.0;
+  double link_timeout_s = 1.5;
+  double sigma_max_m = 0.4;
+  double stage_timeout_s = 60.0;
+  int retries = 5;
+  double retry_after_s = 2.0;
+  TeamPlannerConfig planner;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+std::unique_ptr<Guidance> make_guide(const ModuleConfig& config, const GuidanceSetup& setup);
+
+}  // namespace swiftlet

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Cooperative guidance in the full simulation [Pritzl 2024]: OS0-128, map, detector, tracker, relative localization,
+// plans and radio take a UAV with nothing but visual-inertial odometry through a gap and back.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "swiftlet/sim/metrics/relative_score.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+struct GuidedFlight {
+  RunSummary summary;
+  std::set<std::string> notes;  ///< of the guide
+  int passes = 0;               ///< of the wall, by the guided vehicle
+  bool guide_passed = false;
+  double error_in_gap_m = 0.0;  ///< mean, within 1 m of the gap's center
+};
+
+/// Along the way through the gap, from its center.
+double along_gap_m(const Vector3& p_world_m) {
+  constexpr double kYaw = 25.0 * 3.14159265358979323846 / 180.0;
+  return p_world_m.x() * std::cos(kYaw) + p_world_m.y() * std::sin(kYaw);
+}
+
+GuidedFlight fly(std::vector<std::pair<std::string, std::string>> changes) {
+  changes.emplace_back("recorders", "[]");
+  changes.emplace_back("snapshots", "[]");
+  Simulation simulation(load_scenario("guided_gap", changes));
+  GuidedFlight flight;
+  double sum_m = 0.0, before_m = -1.0;
+  int num = 0;
+  while (!simulation.finished()) {
+    simulation.tick();
+    const TickView& view = simulation.view();
+    const double at_m = along_gap_m(view.states[1].p_world_m);
+    flight.passes += (at_m > 0.0) != (before_m > 0.0);
+    before_m = at_m;
+    flight.guide_passed = flight.guide_passed || along_gap_m(view.states[0].p_world_m) > 0.0;
+    for (const Event& event : view.events) {
+      if (event.vehicle == 0) flight.notes.insert(event.note);
+    }
+    for (const RelativeScore& score : rows_of<RelativeScore>(simulation.info().series)) {
+      if (view.states[1].p_world_m.head<2>().norm() > 1.0) continue;
+      sum_m += score.error_world_m.norm();
+      ++num;
+    }
+  }
+  flight.error_in_gap_m = sum_m / num;
+  flight.summary = simulation.summary();
+  return flight;
+}
+
+TEST(GuidedGap, TheSmallOnePassesTwiceAndTheLargeOneStays) {
+  const GuidedFlight flight = fly({{"duration_s", "60"}});
+  EXPECT_EQ(flight.summary.outcome, "done");
+  EXPECT_EQ(flight.passes, 2);
+  EXPECT_FALSE(flight.guide_passed);
+  for (const char* note : {"planning", "primary moving", "secondary moving", "goal reached"}) {
+    EXPECT_TRUE(flight.notes.count(note)) << note;
+  }
+  std::printf("error within 1 m of the gap: %.3f m\n", flight.error_in_gap_m);
+  EXPECT_LT(flight.error_in_gap_m, 0.10) << "[Pritzl 2024, sec. III-A]";
+}
+
+TEST(GuidedGap, ALinkThatIsLostEndsTheMissionWithoutContact) {
+  const GuidedFlight flight = fly({{"duration_s", "60"}, {"radio.loss_probability", "1"}});
+  EXPECT_NE(flight.summary.outcome, "crashed");
+  EXPECT_EQ(flight.passes, 0);
+  EXPECT_TRUE(flight.notes.count("idle: the guided vehicle is not localized yet"));
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
