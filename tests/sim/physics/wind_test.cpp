@@ -24,9 +24,9 @@ TEST(Dryden, ScalesAtTenMetersAreThoseOfTheStandard) {
   EXPECT_NEAR(scales.sigma_mps.z(), 0.77, 1e-9);
   EXPECT_NEAR(scales.sigma_mps.x() / scales.sigma_mps.z(), 1.89, 0.01);
   // Clamped to 10 ft and 1000 ft.
-  EXPECT_EQ(dryden_scales(0.0, 7.7).length_m.x(), dryden_scales(3.0, 7.7).length_m.x());
-  EXPECT_NEAR(dryden_scales(1e4, 7.7).length_m.z(), 304.8, 1e-9);
-  EXPECT_NEAR(dryden_scales(1e4, 7.7).length_m.x(), 304.8, 0.1);  // isotropic there
+  EXPECT_EQ(dryden_scales(0.0, 7.7).scale_length_m.x(), dryden_scales(3.0, 7.7).scale_length_m.x());
+  EXPECT_NEAR(dryden_scales(1e4, 7.7).scale_length_m.z(), 304.8, 1e-9);
+  EXPECT_NEAR(dryden_scales(1e4, 7.7).scale_length_m.x(), 304.8, 0.1);  // isotropic there
 }
 
 TEST(Dryden, GustsHaveTheStandardDeviationAndCorrelationLength) {
