@@ -19,7 +19,7 @@ struct GuideAdvanceConfig {
 };
 
 /// Guides another vehicle, which sees nothing, along a path that is clear in one's own map [Pritzl 2024]. It plans for
-/// both while both hover, flies to a viewpoint from which it sees the path, then tells the other its path in the
+/// both while both hover, and flies to a viewpoint from which it sees the path. Then it tells the other its path in the
 /// other's own body frame, again and again, until the goal is reached.
 struct GuideConfig : ModuleConfigOf<GuideConfig> {
   std::string secondary;
