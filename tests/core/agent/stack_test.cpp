@@ -16,6 +16,7 @@
 #include "swiftlet/core/stages/detectors.hpp"
 #include "swiftlet/core/stages/estimators.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stages/mappers.hpp"
 #include "swiftlet/core/stages/trackers.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/allocation_counter.hpp"
@@ -255,6 +256,7 @@ TEST(Stack, NothingIsAllocatedOnceItFlies) {
       StackConfig config;
       config.localization = Module(estimator_module_types(), estimator.module.name);
       config.guidance = Module(guidance_module_types(), guidance.module.name);
+      config.mapping = Module(mapper_module_types(), "sparse");  // which some guidance asks
       config.control.limits.set = MotionLimitsConfig::Set::kAgile;
       ClosedLoop loop(testing::x500(), config, {0, 0, 6});
       loop.imu = true;
