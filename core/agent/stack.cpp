@@ -44,6 +44,10 @@ class StackAgent : public Agent {
     if (needs_.map && stages_.mapping == nullptr) {
       throw std::invalid_argument("mapping: expected a type other than none, because guidance asks the map");
     }
+    if (needs_.relatives && stages_.relative_localization == nullptr) {
+      throw std::invalid_argument(
+          "relative_localization: expected a type other than none, because guidance asks where the other vehicle is");
+    }
   }
 
   const Action& step(const Observation& observation) override {

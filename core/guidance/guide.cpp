@@ -29,7 +29,7 @@ class Guide : public Guidance {
     hold_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
   }
 
-  GuidanceNeeds needs() const override { return {.map = true}; }
+  GuidanceNeeds needs() const override { return {.map = true, .relatives = true}; }
 
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
     now_ = input.observation.t;

@@ -142,6 +142,15 @@ class Cli(unittest.TestCase):
                               tells=["vehicles[0].agent.detector.map.size_m: expected a setting that fits into 500 MiB"])
         self.assertEqual(stderr.count("\n"), 1)
 
+    def test_a_guide_that_cannot_work_is_refused(self):
+        guide = "vehicles[0].agent."
+        for key, value, tells in (
+                ("guidance.secondary", "nobody", 'guidance.secondary: expected the name of another vehicle (secondary), found "nobody"'),
+                ("mapping", "{type: none}", "mapping: expected a type other than none"),
+                ("relative_localization", "{type: none}", "relative_localization: expected a type other than none"),
+                ("guidance.goal_yaws_deg", "[1, 2, 3]", "goal_yaws_deg: expected as many as goals_m, or none")):
+            self.refused("check", "guided_gap", "--set", "%s%s=%s" % (guide, key, value), tells=[tells])
+
     def test_recorders_write_nowhere_else(self):
         for command in (("check", self.scenario), ("run", self.scenario, "--out", "out")):
             for place in ("../x.mcap", "/tmp/x.mcap", "summary.json"):

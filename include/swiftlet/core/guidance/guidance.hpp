@@ -46,6 +46,7 @@ struct GuidanceOutput {
 struct GuidanceNeeds {
   bool clouds = false;
   bool map = false;
+  bool relatives = false;  ///< where the other members of the team are
 };
 
 /// Where should I go? A scenario chooses by name who answers. Goals of the world are carried into
