@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cstddef>
 #include <cstring>
@@ -39,6 +41,15 @@ class BytesVisited {
   std::vector<bool> visited_;
 };
 
+/// Does the compiler tell which bytes are padding? GCC does; clang 14 does not, and then nothing is compared.
+#if __has_builtin(__builtin_clear_padding)
+#define SWIFTLET_CLEAR_PADDING(pointer) __builtin_clear_padding(pointer)
+inline constexpr bool kPaddingIsKnown = true;
+#else
+#define SWIFTLET_CLEAR_PADDING(pointer) static_cast<void>(pointer)
+inline constexpr bool kPaddingIsKnown = false;
+#endif
+
 /// 1 for the bytes of a type that are not padding.
 template <class Kind>
 std::array<unsigned char, sizeof(Kind)> bytes_of_fields() {
@@ -46,7 +57,7 @@ std::array<unsigned char, sizeof(Kind)> bytes_of_fields() {
   Kind value{};
   std::destroy_at(&value);
   std::memset(static_cast<void*>(&value), 1, sizeof value);
-  __builtin_clear_padding(&value);
+  SWIFTLET_CLEAR_PADDING(&value);
   std::memcpy(bytes.data(), static_cast<const void*>(&value), sizeof value);
   new (&value) Kind{};
   return bytes;
@@ -62,6 +73,14 @@ int num_bytes_forgotten() {
   int num = 0;
   for (std::size_t i = 0; i < sizeof value; ++i) num += fields[i] != 0 && !visited[i];
   return num;
+}
+
+/// Does `visit` name all fields but so many bytes?
+template <class Kind>
+::testing::AssertionResult forgets(int num_bytes) {
+  const int found = num_bytes_forgotten<Kind>();
+  if (!kPaddingIsKnown || found == num_bytes) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << "visit forgets " << found << " bytes";
 }
 
 }  // namespace swiftlet

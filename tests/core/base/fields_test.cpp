@@ -126,24 +126,23 @@ TEST(Fields, TheTextOfEveryColumnBeginsWithItsUnit) {
 // Hash, tables, bytes: all come from `visit`, so nothing may be missing there.
 TEST(Fields, EveryByteOfAKindOfDataThatIsNotPaddingIsVisited) {
   const Observation nothing;
-  Observation::each_samples(nothing, []<class Sample>(const std::vector<Sample>&) {
-    EXPECT_EQ(num_bytes_forgotten<Sample>(), 0) << Sample::kName;
-  });
-  EXPECT_EQ(num_bytes_forgotten<Detection>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<Track>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<RelativeEstimate>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<StateEstimate>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<Reference>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<Message>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<StampedPose>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<Gust>(), 0);
+  Observation::each_samples(
+      nothing, []<class Sample>(const std::vector<Sample>&) { EXPECT_TRUE(forgets<Sample>(0)) << Sample::kName; });
+  EXPECT_TRUE(forgets<Detection>(0));
+  EXPECT_TRUE(forgets<Track>(0));
+  EXPECT_TRUE(forgets<RelativeEstimate>(0));
+  EXPECT_TRUE(forgets<StateEstimate>(0));
+  EXPECT_TRUE(forgets<Reference>(0));
+  EXPECT_TRUE(forgets<Message>(0));
+  EXPECT_TRUE(forgets<StampedPose>(0));
+  EXPECT_TRUE(forgets<Gust>(0));
 }
 
 TEST(Fields, AScanVisitsEverythingButTheTableOfItsBeams) {
-  EXPECT_EQ(num_bytes_forgotten<Scan>(), static_cast<int>(sizeof(Scan::beams)));
+  EXPECT_TRUE(forgets<Scan>(static_cast<int>(sizeof(Scan::beams))));
 }
 
-TEST(Fields, AFieldThatIsForgottenIsNoticed) { EXPECT_EQ(num_bytes_forgotten<Forgetful>(), 1); }
+TEST(Fields, AFieldThatIsForgottenIsNoticed) { EXPECT_TRUE(forgets<Forgetful>(1)); }
 
 TEST(Fields, OneNumberThatIsNotFiniteIsFoundWhereverItStands) {
   const auto is_found = [](const auto& spoil) {

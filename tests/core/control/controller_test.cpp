@@ -135,7 +135,6 @@ TEST_P(EveryAirframe, ComesBackFromUpsideDown) {
 }
 
 TEST_P(EveryAirframe, SurvivesHugeErrorsAndFliesBack) {
-  MotionLimitsConfig limits;
   MultirotorController controller(airframe, {}, kDt);
   FinePlant plant(airframe);
   plant.p = {300.0, -200.0, 50.0};  // the reference stays far away: as after a jump of the estimate

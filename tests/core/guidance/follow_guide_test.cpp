@@ -262,9 +262,9 @@ TEST(GuidingMessages, AreNoLargerThanThePublishedOnes) {
 }
 
 TEST(GuidingMessages, NameEveryFieldAndComeBackAsTheyWereSent) {
-  EXPECT_EQ(num_bytes_forgotten<OdometryReport>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<GuidingPath>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<GuidingWaypoint>(), 0);
+  EXPECT_TRUE(forgets<OdometryReport>(0));
+  EXPECT_TRUE(forgets<GuidingPath>(0));
+  EXPECT_TRUE(forgets<GuidingWaypoint>(0));
   GuidingPath path, read;
   path.path = 7;
   path.has_instant = true;

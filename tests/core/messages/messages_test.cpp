@@ -237,7 +237,7 @@ TEST(MessageKinds, ARecordedMessageHasItsContentItsSenderAndItsArrival) {
 
 TEST(NeighborPosition, TakesSixtyFourBytesOnTheAir) { EXPECT_EQ(find_message_kind("neighbor")->size_bytes(), 64U); }
 
-TEST(NeighborPosition, NamesEveryField) { EXPECT_EQ(num_bytes_forgotten<NeighborPosition>(), 0); }
+TEST(NeighborPosition, NamesEveryField) { EXPECT_TRUE(forgets<NeighborPosition>(0)); }
 
 }  // namespace
 }  // namespace swiftlet

@@ -103,7 +103,8 @@ TEST(Recorders, AFullDiskIsAnErrorThatNamesTheFile) {
     fs::create_directories((directory.path() / file).parent_path());
     fs::create_symlink("/dev/full", directory.path() / (std::string(file) + ".part"));
     SyntheticRun run(directory.path());
-    EXPECT_THAT([&] { record(run, Module(recorder_module_types(), type)); },
+    const Module recorder(recorder_module_types(), type);
+    EXPECT_THAT([&] { record(run, recorder); },
                 ThrowsMessage<std::runtime_error>(::testing::AllOf(HasSubstr(file), HasSubstr("No space left"))))
         << type;
     EXPECT_FALSE(fs::exists(directory.path() / file)) << type;

@@ -114,7 +114,7 @@ TEST(StateHash, EveryValueOfTheTrueStateCounts) {
 TEST(StateHash, EveryValueOfAnActionCounts) {
   const auto [of_action, in_action] = values_that_count<Action>([](const Action& action) { return hash_of(action); });
   EXPECT_EQ(of_action, in_action);
-  EXPECT_EQ(num_bytes_forgotten<Action>(), sizeof(Action::overlays));
+  EXPECT_TRUE(forgets<Action>(sizeof(Action::overlays)));
   const auto of_list = [](auto member) {
     return [member](const auto& value) {
       Action action;
@@ -145,10 +145,10 @@ TEST(StateHash, ThePlaceOfAValueCounts) {
 }
 
 TEST(StateHash, EveryKindOfDataOfTheSimulatorNamesAllItsFields) {
-  EXPECT_EQ(num_bytes_forgotten<VehicleState>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<Event>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<DetectionScore>(), 0);
-  EXPECT_EQ(num_bytes_forgotten<RelativeScore>(), 0);
+  EXPECT_TRUE(forgets<VehicleState>(0));
+  EXPECT_TRUE(forgets<Event>(0));
+  EXPECT_TRUE(forgets<DetectionScore>(0));
+  EXPECT_TRUE(forgets<RelativeScore>(0));
 }
 
 struct TwoFields {
