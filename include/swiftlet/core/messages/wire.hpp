@@ -124,7 +124,7 @@ class Wire {
     } else if constexpr (requires { value.colwise(); }) {
       for (int i = 0; i < value.size(); ++i) number(value(i));
     } else {
-      exchange_length(value, [this](auto& element) { number(element); });  // texts, lists of numbers
+      exchange_length(value, [this](auto& element) { this->number(element); });  // texts, lists of numbers
     }
   }
 
