@@ -216,8 +216,8 @@ TEST(TimeSeries, CsvStatesGiveErrorsAndAreThinned) {
 }
 
 TEST(RunReport, DamagedTablesAreRefusedByTheirName) {
-  for (const std::string content :
-       {"", "# t_s\n1\n2\n", "# t_s x_m y_m\n1 2 3\n", std::string("\0\0\n\xff 1", 6).c_str()}) {
+  for (const std::string& content : {std::string(), std::string("# t_s\n1\n2\n"), std::string("# t_s x_m y_m\n1 2 3\n"),
+                                     std::string("\0\0\n\xff 1", 6)}) {
     const TemporaryDirectory folder;
     write_file(folder.path() / "summary.json", "{}");
     std::filesystem::create_directories(folder.path() / "trajectories");
