@@ -17,6 +17,7 @@
 #include "swiftlet/core/stages/estimators.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
 #include "swiftlet/core/stages/mappers.hpp"
+#include "swiftlet/core/stages/relative_localizers.hpp"
 #include "swiftlet/core/stages/trackers.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/allocation_counter.hpp"
@@ -257,6 +258,7 @@ TEST(Stack, NothingIsAllocatedOnceItFlies) {
       config.localization = Module(estimator_module_types(), estimator.module.name);
       config.guidance = Module(guidance_module_types(), guidance.module.name);
       config.mapping = Module(mapper_module_types(), "sparse");  // which some guidance asks
+      config.relative_localization = Module(relative_localizer_module_types(), "shared_world");  // the same
       config.control.limits.set = MotionLimitsConfig::Set::kAgile;
       ClosedLoop loop(testing::x500(), config, {0, 0, 6});
       loop.imu = true;
