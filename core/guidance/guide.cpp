@@ -15,6 +15,8 @@
 namespace swiftlet {
 namespace {
 
+constexpr double kAtRest_mps = 0.25;  // slower than this, a vehicle hovers
+
 /// The states of [Pritzl 2024, sec. II-A].
 enum class GuideState { kIdle, kPlanning, kPrimaryMoving, kSecondaryMoving, kGoalReached, kFailure };
 
@@ -145,9 +147,8 @@ class Guide : public Guidance {
 
   /// Both hover, and the other one's place is known.
   bool settled(const GuidanceInput& input) {
-    constexpr double kSlow_mps = 0.25;
-    const bool still = known_well_ && linked_ && guided_->velocity_mps.norm() < kSlow_mps &&
-                       input.estimate.v_local_mps.norm() < kSlow_mps;
+    const bool still = known_well_ && linked_ && guided_->velocity_mps.norm() < kAtRest_mps &&
+                       input.estimate.v_local_mps.norm() < kAtRest_mps;
     if (!still) settled_since_.reset();
     if (still && !settled_since_) settled_since_ = now_;
     return settled_since_ && now_ - *settled_since_ >= from_seconds(config_.settle_s);
@@ -195,7 +196,7 @@ class Guide : public Guidance {
     hold_.position_m = corners_local_m[std::min(next_corner_, corners_local_m.size() - 1)];
     const double distance_m = (p_local_m - hold_.position_m).norm();
     if (!last && distance_m < config_.planner.tolerance_m) ++next_corner_;
-    if (last && distance_m < config_.planner.tolerance_m && input.estimate.v_local_mps.norm() < 0.25) {
+    if (last && distance_m < config_.planner.tolerance_m && input.estimate.v_local_mps.norm() < kAtRest_mps) {
       start_guiding();
     } else if (waited(config_.stage_timeout_s)) {
       fail("the guide does not reach its viewpoint");
@@ -220,8 +221,7 @@ class Guide : public Guidance {
       path_.erase(path_.begin());
     }
     if (path_.size() > 1 || (path_.back().p_local_m - p_local_m).norm() >= config_.planner.tolerance_m) return;
-    constexpr double kSlow_mps = 0.25;
-    if (guided_->velocity_mps.norm() < kSlow_mps) reach();
+    if (guided_->velocity_mps.norm() < kAtRest_mps) reach();
   }
 
   // What the other vehicle is told: the rest of its path in its level body frame, or an empty path, on which it hovers.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <queue>
 
+#include "core/planning/polyline.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -150,41 +152,14 @@ class ClearSearch {
   bool left_start_ = false;
 };
 
-/// Straight on from each corner to the farthest point that is in sight, with points in between to cut from.
-std::vector<Vector3> cut_corners(const ClearSpace& space, const std::vector<Vector3>& path_local_m) {
-  std::vector<Vector3> corners_local_m = {path_local_m.front()};
-  for (std::size_t i = 0; i + 1 < path_local_m.size();) {
-    // The farthest, looked for by doubling.
-    std::size_t reach = i + 1;
-    for (std::size_t step = 1;
-         reach + step < path_local_m.size() && space.is_clear_segment(path_local_m[i], path_local_m[reach + step]);
-         step *= 2) {
-      reach += step;
-    }
-    while (reach + 1 < path_local_m.size() && space.is_clear_segment(path_local_m[i], path_local_m[reach + 1])) ++reach;
-    corners_local_m.push_back(path_local_m[reach]);
-    i = reach;
-  }
-  return corners_local_m;
-}
-
-std::vector<Vector3> with_points_between(const std::vector<Vector3>& corners_local_m, double spacing_m) {
-  std::vector<Vector3> points_local_m = {corners_local_m.front()};
-  for (std::size_t i = 1; i < corners_local_m.size(); ++i) {
-    const Vector3 leg = corners_local_m[i] - corners_local_m[i - 1];
-    const int parts = std::max(1, static_cast<int>(std::ceil(leg.norm() / spacing_m)));
-    for (int k = 1; k < parts; ++k)
-      points_local_m.push_back(corners_local_m[i - 1] + leg * (static_cast<double>(k) / parts));
-    points_local_m.push_back(corners_local_m[i]);
-  }
-  return points_local_m;
-}
-
 /// From the beginning, then from the end, and so on, as long as it becomes shorter.
 std::vector<Vector3> shortened(const ClearSpace& space, std::vector<Vector3> path_local_m, int times) {
+  const auto is_clear = [&space](const Vector3& from_local_m, const Vector3& to_local_m) {
+    return space.is_clear_segment(from_local_m, to_local_m);
+  };
   for (int i = 0; i < times; ++i) {
     std::vector<Vector3> shorter_local_m =
-        cut_corners(space, i == 0 ? path_local_m : with_points_between(path_local_m, kShorteningSpacing_m));
+        cut_corners(i == 0 ? path_local_m : with_points_between(path_local_m, kShorteningSpacing_m), is_clear);
     const double gained_m = length_m(path_local_m) - length_m(shorter_local_m);
     std::reverse(shorter_local_m.begin(), shorter_local_m.end());
     const bool enough = i > 1 && gained_m < kLeastGain * length_m(shorter_local_m);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <queue>
 
+#include "core/planning/polyline.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -82,22 +84,6 @@ class GridSearch {
   std::priority_queue<Open> open_;
 };
 
-std::vector<Vector3> without_needless_corners(const FreeSpaceView& space, const std::vector<Vector3>& path) {
-  std::vector<Vector3> corners = {path.front()};
-  for (std::size_t i = 0; i + 1 < path.size();) {
-    // The farthest corner that can be reached straight, looked for by doubling.
-    std::size_t reach = i + 1;
-    for (std::size_t step = 1; reach + step < path.size() && is_free_segment(space, path[i], path[reach + step]);
-         step *= 2) {
-      reach += step;
-    }
-    while (reach + 1 < path.size() && is_free_segment(space, path[i], path[reach + 1])) ++reach;
-    corners.push_back(path[reach]);
-    i = reach;
-  }
-  return corners;
-}
-
 }  // namespace
 
 PathResult find_path(const FreeSpaceView& space, const Vector3& start_world_m, const Vector3& goal_world_m,
@@ -112,7 +98,10 @@ PathResult find_path(const FreeSpaceView& space, const Vector3& start_world_m, c
   std::vector<Vector3> path = {start_world_m};
   for (std::size_t i = 1; i + 1 < cells.size(); ++i) path.push_back(grid.center_of(cells[i]));
   path.push_back(goal_world_m);
-  return {PathStatus::kFound, without_needless_corners(space, path)};
+  const auto is_free = [&space](const Vector3& a_world_m, const Vector3& b_world_m) {
+    return is_free_segment(space, a_world_m, b_world_m);
+  };
+  return {PathStatus::kFound, cut_corners(path, is_free)};
 }
 
 }  // namespace swiftlet

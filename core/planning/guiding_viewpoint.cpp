@@ -104,7 +104,8 @@ class ViewpointSearch {
         if (!cell) continue;
         const Vector3 p_local_m = at_watchers_height(mask, column, row);
         const bool known = rules_.unknown_is_free || map_.state(p_local_m) != CellState::kUnknown;
-        cell = static_cast<char>(known && map_.distance_m(p_local_m, 2.0 * rules_.clearance_m) > rules_.clearance_m);
+        cell = static_cast<char>(known &&
+                                 map_.clearance_m(p_local_m, rules_.clearance_m + map_.edge_m()) > rules_.clearance_m);
       }
     }
   }

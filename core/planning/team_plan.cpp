@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/planning/polyline.hpp"
 #include "swiftlet/core/map/overlaid_occupancy.hpp"
 
 namespace swiftlet {
@@ -41,17 +42,11 @@ std::vector<PlannedPose> with_headings(const std::vector<Vector3>& corners_local
                                        double goal_yaw_rad) {
   const double whole_m = length_m(corners_local_m);
   const double turn_rad = std::remainder(goal_yaw_rad - yaw_rad, 2.0 * std::numbers::pi);
-  std::vector<PlannedPose> path = {{corners_local_m.front(), yaw_rad}};
+  std::vector<PlannedPose> path;
   double flown_m = 0.0;
-  for (std::size_t i = 1; i < corners_local_m.size(); ++i) {
-    const Vector3 leg_m = corners_local_m[i] - corners_local_m[i - 1];
-    const int parts = std::max(1, static_cast<int>(std::ceil(leg_m.norm() / spacing_m)));
-    for (int k = 1; k <= parts; ++k) {
-      const double share = static_cast<double>(k) / parts;
-      const double flown_share = whole_m > 0.0 ? (flown_m + share * leg_m.norm()) / whole_m : 1.0;
-      path.push_back({corners_local_m[i - 1] + share * leg_m, yaw_rad + flown_share * turn_rad});
-    }
-    flown_m += leg_m.norm();
+  for (const Vector3& p_local_m : with_points_between(corners_local_m, spacing_m)) {
+    if (!path.empty()) flown_m += (p_local_m - path.back().p_local_m).norm();
+    path.push_back({p_local_m, yaw_rad + (whole_m > 0.0 ? flown_m / whole_m : 1.0) * turn_rad});
   }
   return path;
 }

@@ -83,7 +83,7 @@ TEST(GuidingViewpoint, KeepsItsDistances) {
     EXPECT_EQ(found.num_visible, 3);
     const Vector3 p = *found.p_local_m;
     EXPECT_EQ(p.z(), 1.05);
-    EXPECT_GT(map.distance_m(p, 5.0), rules.clearance_m);
+    EXPECT_GT(map.distance_m(p, 5.0), rules.clearance_m - map.edge_m());
     EXPECT_FALSE(contains(around_path(std::vector<Vector2>{{-2, 0}, {1.5, 0}}, 1.99), p.head<2>()));
     for (const Vector3& waypoint : path) {
       EXPECT_FALSE(map.first_hit(p, waypoint));
@@ -222,7 +222,7 @@ TEST(GuidingViewpoint, SeesAsManyWaypointsAsASearchEverywhere) {
     for (int j = -60; j <= 60; ++j) {
       const Vector3 p(0.1 * i + 0.05, 0.1 * j + 0.05, 1);
       if (contains(around_path(std::vector<Vector2>{{-3, 0}, {4, 0}}, rules.buffer_m), p.head<2>())) continue;
-      if (map.distance_m(p, 2.0) <= rules.clearance_m) continue;
+      if (map.clearance_m(p, 2.0) <= rules.clearance_m) continue;
       int seen = 0;
       for (const Vector3& waypoint : path) {
         if ((p - waypoint).norm() > rules.ray_max_m || map.first_hit(p, waypoint)) break;
