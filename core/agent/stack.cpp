@@ -167,7 +167,8 @@ class StackAgent : public Agent {
                            wanted_, outbox_);
     if (lost_) return;  // a mission that failed stays failed
     action_.mission = wanted_.mission;
-    set_note(wanted_.note);
+    const char* warning = stages_.localization->warning();
+    set_note(warning[0] == '\0' ? wanted_.note : warning);
   }
 
   void fly(double dt_s) {

@@ -4,11 +4,15 @@
 #include "swiftlet/core/localization/ground_truth.hpp"
 #include "swiftlet/core/localization/ins.hpp"
 #include "swiftlet/core/localization/odometry.hpp"
+#include "swiftlet/core/slam/slam.hpp"
 
 namespace swiftlet {
 namespace {
 
 void need_pose(const ModuleConfig&, AgentNeeds& needs) { needs.true_pose = true; }
+void need_lidar_and_imu(const ModuleConfig&, AgentNeeds& needs) {
+  for (const char* type : {"lidar", "imu"}) needs.sensors.push_back({type, "localization.type: slam"});
+}
 
 constexpr EstimatorType kEstimatorTypes[] = {
     {{"ground_truth", "pose from outside: the simulator's truth, motion capture, RTK",
@@ -20,6 +24,9 @@ constexpr EstimatorType kEstimatorTypes[] = {
      make_odometry_estimator},
     {{"ins", "inertial navigation aided by GNSS, altimeter, compass and odometry", make_module_config<InsConfig>},
      make_ins_estimator},
+    {{"slam", "LiDAR and IMU: matches scans to the map that it makes of them", make_module_config<SlamConfig>},
+     make_slam_estimator,
+     need_lidar_and_imu},
 };
 
 }  // namespace

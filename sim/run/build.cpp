@@ -105,6 +105,16 @@ std::shared_ptr<const PriorMap> prior_map(const VehicleConfig& vehicle, std::siz
   return prior;
 }
 
+void require_sensors(const VehicleConfig& vehicle) {
+  for (const SensorNeed& need : needs_of(vehicle.agent).sensors) {
+    const bool carried = std::any_of(vehicle.sensors.begin(), vehicle.sensors.end(),
+                                     [&](const Module& sensor) { return sensor.type == need.type; });
+    if (carried) continue;
+    throw std::invalid_argument(need.why + ": expected a sensor of type " + need.type + " on " + vehicle.name +
+                                ", found none");
+  }
+}
+
 }  // namespace
 
 World build_world(const Module& config, std::uint64_t seed) {
@@ -186,6 +196,7 @@ std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const 
     setup.tick_s = scenario.tick_s;
     setup.prior_map = prior_map(scenario.vehicles[i], i, world);
     try {
+      require_sensors(scenario.vehicles[i]);
       agents.push_back(make_agent(scenario.vehicles[i].agent, setup));
     } catch (const std::invalid_argument& problem) {
       const VehicleConfig& vehicle = scenario.vehicles[i];

@@ -33,15 +33,22 @@ struct MemoryNeed {
   double bytes = 0.0;
 };
 
+/// A kind of sensor without which an agent cannot work.
+struct SensorNeed {
+  std::string type;  ///< as scenarios name it
+  std::string why;   ///< the setting that asks for it, below the agent's own
+};
+
 /// What an agent needs of whoever puts it into a world, beside the sensors that its vehicle carries.
 struct AgentNeeds {
-  bool true_pose = false;          ///< truth by name: an ideal `pose` sensor where the vehicle carries none
-  bool true_neighbors = false;     ///< truth by name: an ideal `neighbors` sensor where the vehicle carries none
-  PriorConfig prior;               ///< the map that it wants to be told
-  double prior_voxel_m = 0.25;     ///< for which that map must be dense enough
-  bool detects = false;            ///< its detections are to be scored
-  bool tracks = false;             ///< its tracks are to be scored
-  std::vector<MemoryNeed> memory;  ///< what is large
+  bool true_pose = false;           ///< truth by name: an ideal `pose` sensor where the vehicle carries none
+  bool true_neighbors = false;      ///< truth by name: an ideal `neighbors` sensor where the vehicle carries none
+  std::vector<SensorNeed> sensors;  ///< that its vehicle must carry
+  PriorConfig prior;                ///< the map that it wants to be told
+  double prior_voxel_m = 0.25;      ///< for which that map must be dense enough
+  bool detects = false;             ///< its detections are to be scored
+  bool tracks = false;              ///< its tracks are to be scored
+  std::vector<MemoryNeed> memory;   ///< what is large
 };
 
 /// One vehicle's software. Knows nothing but its setup and its observations; has no clock, no files, no random numbers.

@@ -34,6 +34,7 @@ class LateEstimator : public StateEstimator {
     return estimate_;
   }
   const char* fault() const override { return ""; }
+  const char* warning() const override { return estimate_.t < learns_at_ ? "" : "half lost"; }
 
  private:
   TimeNs learns_at_;
@@ -179,6 +180,14 @@ TEST(Stack, EveryStageMaySaySomethingAndTheOutboxTellsWho) {
   EXPECT_EQ(action.messages[0].to, kNoVehicle);
   EXPECT_EQ(action.messages[1].topic, "guidance");
   EXPECT_EQ(action.messages[1].to, 3);
+}
+
+TEST(Stack, TellsWhatIsWrongWithAnEstimateThatIsStillValid) {
+  Flight flight(kNsPerSecond, std::make_unique<StepGuidance>(false));
+  while (flight.plant.t < kNsPerSecond - kStep) EXPECT_EQ(flight.tick().mission_note, "");
+  const Action& action = flight.tick();
+  EXPECT_EQ(action.mission_note, "half lost");
+  EXPECT_EQ(action.mission, MissionStatus::kRunning) << "it flies on";
 }
 
 TEST(Stack, ScansArePlacedForGuidanceOnlyWhenItNeedsThem) {

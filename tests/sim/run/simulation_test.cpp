@@ -96,6 +96,20 @@ TEST(Simulation, AMapOfTheWorldIsOfNoUseToAVehicleThatDoesNotKnowItsPose) {
               testing::ThrowsMessage<InputError>(testing::HasSubstr("start.known: expected pose")));
 }
 
+TEST(Simulation, AVehicleThatLacksWhatItsLocalizationNeedsIsRefused) {
+  const auto scenario = [](const std::string& sensors) {
+    return scenario_of("world: {type: empty}\nvehicles: [{name: uav1, start: {position_m: [0, 0, 5]}, sensors: [" +
+                       sensors + "], agent: {localization: {type: slam}}}]\n");
+  };
+  EXPECT_THAT([&] { Simulation simulation(scenario("{type: imu}")); },
+              testing::ThrowsMessage<InputError>(
+                  testing::HasSubstr("localization.type: slam: expected a sensor of type lidar on uav1, found none")));
+  EXPECT_THAT(
+      [&] { Simulation simulation(scenario("{type: lidar, model: puck_lite}")); },
+      testing::ThrowsMessage<InputError>(testing::HasSubstr("expected a sensor of type imu on uav1, found none")));
+  Simulation complete(scenario("{type: lidar, model: puck_lite}, {type: imu}"));
+}
+
 TEST(Simulation, ACrashIsAnEventWithTimePlaceAndPartnerAndTheOutcome) {
   // Through the wall of a hall, at full speed.
   Scenario scenario = scenario_of("duration_s: 20\nworld: {type: hall}\nvehicles:\n" +

@@ -17,6 +17,8 @@ class StateEstimator {
   virtual const StateEstimate& update(const Observation& observation, Outbox& outbox) = 0;
   /// Why the estimate is not valid, in a few words; empty while it is.
   virtual const char* fault() const = 0;
+  /// What is wrong with an estimate that is still valid, in a few words; empty when all is well.
+  virtual const char* warning() const { return ""; }
 };
 
 }  // namespace swiftlet

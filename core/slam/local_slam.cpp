@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/local_slam.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/slam/rotation.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kUnknownVelocity_mps = 0.3;  // a scan of a vehicle whose speed is less sure than this is smeared
+constexpr double kCropEvery_m = 10.0;
+constexpr int kEveryScanFirst = 10;              // go into the map: one alone has few planes
+constexpr std::size_t kMostStartSamples = 4096;  // of the IMU; when scans come later than that, they count once
+constexpr int kLeastReturns = 50;                // that a scan needs to say something
+
+double squared_of(double x) { return x * x; }
+
+double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return rotation_vector_rad(a.conjugate() * b).norm();
+}
+
+/// Every so-manieth of the points, if there are more than enough.
+void thin_to(std::size_t most, std::vector<Eigen::Vector3f>& points_body_m) {
+  const std::size_t num = points_body_m.size();
+  if (num <= most) return;
+  for (std::size_t i = 0; i < most; ++i) points_body_m[i] = points_body_m[i * num / most];
+  points_body_m.resize(most);
+}
+
+}  // namespace
+
+LocalSlam::LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_start, double own_radius_m)
+    : config_(config),
+      T_local_body_start_(T_local_body_start),
+      own_radius_m_(own_radius_m),
+      filter_(config.imu, T_local_body_start),
+      map_(config.map),
+      drift_(config.drift, T_local_body_start.translation()) {
+  start_.over = config.start_scans == 0;
+  if (!start_.over) start_.imu.reserve(kMostStartSamples);
+}
+
+void LocalSlam::add(const ImuSample& sample) {
+  const bool finite = sample.omega_body_radps.allFinite() && sample.specific_force_body_mps2.allFinite();
+  if (!start_.over && finite && start_.imu.size() < kMostStartSamples) start_.imu.push_back(sample);
+  filter_.predict(sample);
+  const NavState& nav = filter_.state().nav;
+  motion_.push(nav.t, nav.p_m, nav.q);
+}
+
+ScanOutcome LocalSlam::add(std::shared_ptr<const Scan> scan) {
+  const ScanOutcome outcome = match(*scan);
+  if (start_.over) return outcome;
+  start_.scans.push_back({start_.imu.size(), std::move(scan)});
+  if (static_cast<int>(start_.scans.size()) >= config_.start_scans) begin_again();
+  return outcome;
+}
+
+/// The first scans were carried by a gyroscope whose bias was not known, and the first of them is what all later ones
+/// refer to. So they are matched once more with the biases that they gave.
+void LocalSlam::begin_again() {
+  start_.over = true;
+  if (start_.imu.size() < kMostStartSamples) {
+    const InertialFilter learned = filter_;
+    filter_ = InertialFilter(config_.imu, T_local_body_start_);
+    filter_.begin_with(learned, learned.state().nav.v_mps - velocity_gained(learned));
+    motion_ = {};
+    map_.clear();
+    inserted_ = {};
+    num_inserted_ = 0;
+    std::size_t next = 0;
+    for (const Start::Swept& swept : start_.scans) {
+      for (; next < swept.after_sample; ++next) add(start_.imu[next]);
+      match(*swept.scan);
+    }
+  }
+  start_.imu = {};
+  start_.scans = {};
+}
+
+/// Since the start, by the IMU alone.
+Vector3 LocalSlam::velocity_gained(const InertialFilter& learned) const {
+  InertialFilter::State state = learned.state();
+  state.nav = {};
+  state.nav.q = Eigen::Quaterniond(T_local_body_start_.linear());
+  for (std::size_t i = 1; i < start_.imu.size(); ++i) {
+    const ImuSample& sample = start_.imu[i];
+    const double dt_s = to_seconds(sample.t - start_.imu[i - 1].t);
+    state = InertialFilter::advanced(state, sample.omega_body_radps - state.gyro_bias_body_radps,
+                                     sample.specific_force_body_mps2 - state.accel_bias_body_mps2, std::max(dt_s, 0.0));
+  }
+  return state.nav.v_mps;
+}
+
+ScanOutcome LocalSlam::match(const Scan& scan) {
+  ScanOutcome outcome;
+  if (motion_.empty()) return outcome;
+  gather(scan);
+  if (static_cast<int>(sparse_body_m_.size()) < kLeastReturns) {
+    outcome.fit.num_points = static_cast<int>(sparse_body_m_.size());
+    outcome.fit.num_degenerate = 6;
+    return outcome;
+  }
+  const double sigma_mps = std::sqrt(filter_.covariance().diagonal().segment<3>(InertialFilter::kV).maxCoeff());
+  const bool smeared = sigma_mps > kUnknownVelocity_mps;
+  const double smear_m = smeared ? 0.5 * sigma_mps * to_seconds(scan.duration) : 0.0;
+  if (map_.num_cells() > 0) {
+    const Pose T_before = filter_.T_local_body();
+    const Vector3 v_before_mps = filter_.state().nav.v_mps;
+    outcome.num_iterations = filter_.update(
+        [&](const Pose& T_local_body) {
+          outcome.fit = fit_scan(map_, sparse_body_m_, T_local_body, config_.matching, smear_m);
+          if (outcome.fit.num_known < config_.known_share_min * outcome.fit.num_points) outcome.fit.evidence = {};
+          return outcome.fit.evidence;
+        },
+        config_.iterations);
+    motion_.move(filter_.T_local_body() * T_before.inverse());
+    if (smeared) {
+      motion_.change_velocity(filter_.state().nav.t, filter_.state().nav.v_mps - v_before_mps);
+      gather(scan);
+    }
+    outcome.used = outcome.fit.num_known >= config_.known_share_min * outcome.fit.num_points;
+  } else {
+    outcome.used = true;
+  }
+  const int num_known = std::max(outcome.fit.num_known, 1);
+  drift_.move_to(filter_.state().nav.p_m, outcome.fit.num_fresh / static_cast<double>(num_known));
+  if (map_.num_cells() == 0 || due_for_map()) {
+    if (smeared) map_.clear();  // made of a scan whose motion was not known
+    if (map_.num_cells() == 0) filter_.anchor_pose();
+    insert();
+    outcome.inserted = true;
+  }
+  return outcome;
+}
+
+void LocalSlam::gather(const Scan& scan) {
+  undistort(scan, motion_, filter_.state().nav.t, own_radius_m_, config_.range_max_m, returns_body_m_);
+  const auto thin = [this](const std::vector<Eigen::Vector3f>& from, double edge_m, std::vector<Eigen::Vector3f>& to) {
+    kept_.clear();
+    kept_.reserve(from.size());
+    thinner_.thin(from, static_cast<float>(edge_m), kept_);
+    to.resize(kept_.size());
+    for (std::size_t i = 0; i < kept_.size(); ++i) to[i] = from[kept_[i]];
+  };
+  thin(returns_body_m_, config_.map_voxel_m, dense_body_m_);
+  thin(dense_body_m_, config_.match_voxel_m, sparse_body_m_);
+  if (num_inserted_ >= kEveryScanFirst) thin_to(config_.map_points, dense_body_m_);
+  thin_to(config_.match_points, sparse_body_m_);
+}
+
+bool LocalSlam::due_for_map() const {
+  const NavState& nav = filter_.state().nav;
+  return num_inserted_ < kEveryScanFirst || to_seconds(nav.t - inserted_.t) >= config_.insert_after_s ||
+         (nav.p_m - inserted_.T.translation()).norm() >= config_.insert_after_m ||
+         angle_between_rad(Eigen::Quaterniond(inserted_.T.linear()), nav.q) >= config_.insert_after_deg * kRadPerDeg;
+}
+
+void LocalSlam::insert() {
+  const Pose T_local_body = filter_.T_local_body();
+  inserted_ = {filter_.state().nav.t, T_local_body};
+  points_local_m_.resize(dense_body_m_.size());
+  for (std::size_t i = 0; i < dense_body_m_.size(); ++i)
+    points_local_m_[i] = T_local_body * dense_body_m_[i].cast<double>();
+  map_.insert(points_local_m_, T_local_body.translation());
+  ++num_inserted_;
+  if ((T_local_body.translation() - cropped_m_).norm() < kCropEvery_m) return;
+  cropped_m_ = T_local_body.translation();
+  map_.keep_around(cropped_m_);
+}
+
+Matrix6 LocalSlam::pose_covariance() const {
+  return filter_.pose_covariance() + drift_.covariance(filter_.state().nav.q.toRotationMatrix());
+}
+
+MapDrift::MapDrift(const MapDriftConfig& config, const Vector3& p_local_m) : config_(config), p_local_m_(p_local_m) {
+  C_.diagonal() << Vector3::Constant(squared_of(config.start_position_m)),
+      Vector3::Constant(squared_of(config.start_attitude_deg * kRadPerDeg));
+}
+
+void MapDrift::move_to(const Vector3& p_local_m, double fresh) {
+  const Vector3 step_m = p_local_m - p_local_m_;
+  p_local_m_ = p_local_m;
+  // A turn of the map by phi moves what lies by d away by phi x d.
+  Matrix6 A = Matrix6::Identity();
+  A.topRightCorner<3, 3>() = -skew_of(step_m);
+  C_ = (A * C_ * A.transpose()).eval();
+  const double way_m = fresh * step_m.norm();
+  C_.diagonal().head<3>().array() += squared_of(config_.position_m_sqrt_m) * way_m;
+  C_.diagonal().tail<3>().array() += squared_of(config_.attitude_deg_sqrt_m * kRadPerDeg) * way_m;
+}
+
+Matrix6 MapDrift::covariance(const Matrix3& R_local_body) const {
+  Matrix6 J = Matrix6::Identity();
+  J.bottomRightCorner<3, 3>() = R_local_body.transpose();
+  return J * C_ * J.transpose();
+}
+
+void MapDriftConfig::visit(ConfigVisitor& v) {
+  const Range not_negative = Range::non_negative();
+  v.field("start_position_m", start_position_m, "[m] sigma of where the map begins", not_negative);
+  v.field("start_attitude_deg", start_attitude_deg, "[deg] sigma of how it is turned there", not_negative);
+  v.field("position_m_sqrt_m", position_m_sqrt_m, "[m/sqrt(m)] sigma of its position by the way into the unknown",
+          not_negative);
+  v.field("attitude_deg_sqrt_m", attitude_deg_sqrt_m, "[deg/sqrt(m)] the same of its attitude", not_negative);
+}
+
+void LocalSlamConfig::visit(ConfigVisitor& v) {
+  v.object("imu", imu, "noise of the IMU and what is known at the start");
+  v.field("range_max_m", range_max_m, "[m] returns farther away are left out", Range::between(1.0, 1000.0));
+  v.field("map_voxel_m", map_voxel_m, "[m] one return in a cube of this edge goes into the map",
+          Range::between(0.01, 5.0));
+  v.field("map_points", map_points, "[-] no more of them go into the map with one scan", Range::between(100, 1000000));
+  v.field("match_voxel_m", match_voxel_m, "[m] one return in a cube of this edge is matched",
+          Range::between(0.01, 10.0));
+  v.field("match_points", match_points, "[-] no more of them are matched", Range::between(100, 100000));
+  v.field("start_scans", start_scans,
+          "[-] the first scans are matched twice, with the biases that they gave; 0: only once",
+          Range::between(0, 100));
+  v.field("iterations", iterations, "[-] of the update by a scan, at most", Range::between(1, 50));
+  v.field("insert_after_m", insert_after_m, "[m] of motion, after which a scan goes into the map",
+          Range::non_negative());
+  v.field("insert_after_deg", insert_after_deg, "[deg] of turning, after which it does", Range::non_negative());
+  v.field("insert_after_s", insert_after_s, "[s] after which it does without motion", Range::non_negative());
+  v.field("known_share_min", known_share_min,
+          "[-] a scan of which a smaller share lies where the map has surfaces is not used", Range::probability());
+  v.object("drift", drift, "of the map, as the covariance tells it");
+  v.object("matching", matching, "of a scan to the map");
+  v.object("map", map, "of surfaces");
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/slam.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "swiftlet/core/finite.hpp"
+#include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/math/latency.hpp"
+
+namespace swiftlet {
+namespace {
+
+class SlamEstimator : public StateEstimator {
+ public:
+  SlamEstimator(const SlamConfig& config, const AgentSetup& setup)
+      : config_(config),
+        latency_(config.latency_s),
+        slam_(config.local, setup.T_local_body_start, setup.airframe.circumscribed_radius_m()),
+        start_m_(setup.T_local_body_start.translation()),
+        heading_known_(setup.start_known == StartKnown::kPose),
+        place_known_(setup.start_known != StartKnown::kNothing) {
+    estimate_.valid = true;
+    estimate_.T_local_body = setup.T_local_body_start;
+  }
+
+  const StateEstimate& update(const Observation& observation, Outbox&) override {
+    if (!started_) last_imu_ = last_used_ = last_sure_ = observation.t;
+    started_ = true;
+    for (const ImuSample& sample : observation.imu) {
+      slam_.add(sample);
+      if (is_finite(sample)) last_imu_ = std::max(last_imu_, sample.t);
+    }
+    for (const auto& scan : observation.scans) {
+      if (listens_to(*scan)) waiting_.push_back({observation.t, scan});
+    }
+    while (!waiting_.empty() && latency_.is_over(waiting_.front().t, observation.t)) {
+      match(std::move(waiting_.front()));
+      waiting_.erase(waiting_.begin());
+    }
+    tell(observation.t);
+    learn_world(observation);
+    judge(observation.t);
+    return estimate_;
+  }
+
+  const char* fault() const override { return fault_; }
+  const char* warning() const override { return warning_; }
+
+ private:
+  struct Arrival {
+    TimeNs t = 0;
+    std::shared_ptr<const Scan> scan;
+  };
+
+  bool listens_to(const Scan& scan) const {
+    return config_.lidars.empty() ||
+           std::find(config_.lidars.begin(), config_.lidars.end(), scan.sensor) != config_.lidars.end();
+  }
+
+  void match(Arrival arrival) {
+    const ScanOutcome outcome = slam_.add(std::move(arrival.scan));
+    if (!outcome.used) return;
+    last_used_ = arrival.t;
+    if (outcome.fit.num_degenerate == 0) last_sure_ = arrival.t;
+  }
+
+  /// The filter's state, carried from its last IMU sample to now.
+  void tell(TimeNs t) {
+    const NavState& nav = slam_.filter().state().nav;
+    const double ahead_s = std::clamp(to_seconds(t - nav.t), 0.0, config_.imu_timeout_s);
+    estimate_.t = t;
+    estimate_.T_local_body =
+        make_pose(nav.p_m + ahead_s * nav.v_mps, (nav.q * rotation_by(ahead_s * nav.omega_body_radps)).normalized());
+    estimate_.v_local_mps = nav.v_mps;
+    estimate_.omega_body_radps = nav.omega_body_radps;
+    estimate_.covariance = slam_.pose_covariance();
+  }
+
+  void learn_world(const Observation& observation) {
+    for (const CompassSample& sample : observation.compass) {
+      if (heading_known_ || !std::isfinite(sample.yaw_rad)) continue;
+      heading_known_ = true;
+      const double yaw_rad = sample.yaw_rad - yaw_of(estimate_.T_local_body.linear());
+      estimate_.correct(level_alignment(yaw_rad, start_m_, start_m_));
+    }
+    for (const GnssSample& sample : observation.gnss) {
+      if (!heading_known_ || place_known_ || !sample.p_world_m.allFinite()) continue;
+      place_known_ = true;
+      estimate_.correct(level_alignment(yaw_of(estimate_.T_world_local.linear()), sample.p_world_m,
+                                        estimate_.T_local_body.translation()));
+    }
+  }
+
+  void judge(TimeNs t) {
+    const double sigma_m = std::sqrt(estimate_.covariance.diagonal().head<3>().maxCoeff());
+    fault_ = "";
+    if (!slam_.filter().is_sound())
+      fault_ = "SLAM broke down";
+    else if (to_seconds(t - last_imu_) > config_.imu_timeout_s)
+      fault_ = "no IMU";
+    else if (to_seconds(t - last_used_) > config_.lidar_timeout_s)
+      fault_ = "SLAM is lost: no scan fits";
+    else if (sigma_m > config_.position_sigma_max_m)
+      fault_ = "position too uncertain";
+    estimate_.valid = fault_[0] == '\0';
+    warning_ = "";
+    if (to_seconds(t - last_used_) > config_.warn_after_s)
+      warning_ = "SLAM flies by the IMU alone";
+    else if (to_seconds(t - last_sure_) > config_.warn_after_s)
+      warning_ = "SLAM is degenerate: the scans leave a direction open";
+  }
+
+  SlamConfig config_;
+  Latency latency_;
+  LocalSlam slam_;
+  Vector3 start_m_;
+  bool heading_known_, place_known_;  // of the local frame in the world
+  std::vector<Arrival> waiting_;      // few
+  bool started_ = false;
+  TimeNs last_imu_ = 0, last_used_ = 0, last_sure_ = 0;
+  StateEstimate estimate_;
+  const char* fault_ = "";
+  const char* warning_ = "";
+};
+
+}  // namespace
+
+void SlamConfig::visit(ConfigVisitor& v) {
+  v.field("lidars", lidars, "[-] names of the LiDARs that it listens to; none: all");
+  v.field("latency_s", latency_s, "[s] a scan takes on board until it moves the estimate", Range::between(0.0, 1.0));
+  v.object("local", local, "motion from scan to scan");
+  v.field("warn_after_s", warn_after_s, "[s] without a scan that fits, or with degenerate ones, after which it warns",
+          Range::positive());
+  v.field("lidar_timeout_s", lidar_timeout_s, "[s] without a scan that fits, after which the estimate is not valid",
+          Range::positive());
+  v.field("imu_timeout_s", imu_timeout_s, "[s] without the IMU, after which the estimate is not valid",
+          Range::positive());
+  v.field("position_sigma_max_m", position_sigma_max_m, "[m] more uncertain than this, the estimate is not valid",
+          Range::positive());
+}
+
+std::unique_ptr<StateEstimator> make_slam_estimator(const ModuleConfig& config, const AgentSetup& setup) {
+  return std::make_unique<SlamEstimator>(dynamic_cast<const SlamConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/localization/local_poses.hpp"
+#include "swiftlet/core/scan.hpp"
+#include "swiftlet/core/slam/inertial_filter.hpp"
+#include "swiftlet/core/slam/scan_to_map.hpp"
+#include "swiftlet/core/slam/surface_map.hpp"
+#include "swiftlet/core/slam/sweep.hpp"
+
+namespace swiftlet {
+
+/// How far the map may be off: at its beginning, and by the square root of the way into the unknown.
+struct MapDriftConfig {
+  double start_position_m = 0.003;
+  double start_attitude_deg = 0.02;
+  double position_m_sqrt_m = 0.0007;
+  double attitude_deg_sqrt_m = 0.002;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Covariance of what is wrong with the map where the vehicle is. The vehicle's own filter knows its pose in the map.
+class MapDrift {
+ public:
+  MapDrift(const MapDriftConfig& config, const Vector3& p_local_m);
+  /// The vehicle has moved. `fresh` is the share of its surroundings that the map does not know well yet.
+  void move_to(const Vector3& p_local_m, double fresh);
+  /// Of position (local frame) and attitude (body axes).
+  Matrix6 covariance(const Matrix3& R_local_body) const;
+
+ private:
+  MapDriftConfig config_;
+  Vector3 p_local_m_;
+  Matrix6 C_ = Matrix6::Zero();  // of position and rotation vector, both in local axes
+};
+
+struct LocalSlamConfig {
+  InertialConfig imu;
+  double range_max_m = 100.0;
+  double map_voxel_m = 0.2;
+  int map_points = 20000;
+  double match_voxel_m = 0.5;
+  int match_points = 4000;
+  int start_scans = 10;
+  int iterations = 5;
+  double insert_after_m = 0.3;
+  double insert_after_deg = 8.0;
+  double insert_after_s = 1.0;
+  double known_share_min = 0.3;
+  MapDriftConfig drift;
+  ScanToMapConfig matching;
+  SurfaceMapConfig map;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// What one scan did.
+struct ScanOutcome {
+  bool used = false;  ///< it moved the estimate, or began the map
+  ScanFit fit;        ///< at the last iterate
+  int num_iterations = 0;
+  bool inserted = false;
+};
+
+/// Motion from scan to scan and the map nearby. Scans are carried to one instant by the IMU's motion and matched to the
+/// map, together with what the IMU says. Then they go into it. It closes no loops, so it drifts, slowly and smoothly.
+class LocalSlam {
+ public:
+  LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_start, double own_radius_m);
+
+  void add(const ImuSample& sample);
+  /// A scan that ended not after the last IMU sample.
+  ScanOutcome add(std::shared_ptr<const Scan> scan);
+
+  const InertialFilter& filter() const { return filter_; }
+  const SurfaceMap& map() const { return map_; }
+  /// Of the pose in the local frame: the filter's, relative to the map, and what the map has drifted.
+  Matrix6 pose_covariance() const;
+
+ private:
+  /// What the vehicle learns of its biases in the first scans makes them anew.
+  struct Start {
+    std::vector<ImuSample> imu;
+    struct Swept {
+      std::size_t after_sample = 0;
+      std::shared_ptr<const Scan> scan;
+    };
+    std::vector<Swept> scans;
+    bool over = false;
+  };
+  void begin_again();
+  Vector3 velocity_gained(const InertialFilter& learned) const;
+  ScanOutcome match(const Scan& scan);
+  void gather(const Scan& scan);
+  bool due_for_map() const;
+  void insert();
+
+  LocalSlamConfig config_;
+  Pose T_local_body_start_;
+  double own_radius_m_;
+  Start start_;
+  InertialFilter filter_;
+  MotionHistory motion_;
+  SurfaceMap map_;
+  MapDrift drift_;
+
+  TimedPose inserted_;  // the last scan that went into the map
+  int num_inserted_ = 0;
+  Vector3 cropped_m_ = Vector3::Zero();
+  // Of one scan.
+  VoxelThinner thinner_;
+  std::vector<Eigen::Vector3f> returns_body_m_, dense_body_m_, sparse_body_m_;
+  std::vector<std::uint32_t> kept_;
+  std::vector<Vector3> points_local_m_;
+};
+
+}  // namespace swiftlet

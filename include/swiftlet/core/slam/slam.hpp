@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/localization/estimator.hpp"
+#include "swiftlet/core/slam/local_slam.hpp"
+
+namespace swiftlet {
+
+/// Where am I, by nothing but LiDAR and IMU. The compass gives the heading at the start to a vehicle that was not told
+/// it, and the first GNSS fix after that its place [Orsulic 2021, sec. III-C].
+struct SlamConfig : ModuleConfigOf<SlamConfig> {
+  std::vector<std::string> lidars;
+  double latency_s = 0.03;
+  LocalSlamConfig local;
+  double warn_after_s = 0.35;
+  double lidar_timeout_s = 3.0;
+  double imu_timeout_s = 0.1;
+  double position_sigma_max_m = 2.0;
+
+  void visit(ConfigVisitor& v) override;
+};
+
+std::unique_ptr<StateEstimator> make_slam_estimator(const ModuleConfig& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/scan_to_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "swiftlet/core/slam/rotation.hpp"
+#include "tests/core/slam/synthetic_room.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::SyntheticRoom;
+
+/// Points on the walls of a room as seen from a pose, in the world (which is the local frame here).
+std::vector<Vector3> seen_from(const SyntheticRoom& room, const Pose& T_world_body, double sigma_m, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::vector<Vector3> points;
+  points.reserve(8000);
+  for (int i = 0; i < 8000; ++i) {
+    const Vector3 d = Vector3(normal(random), normal(random), normal(random)).normalized();
+    const double range_m = room.range_m(T_world_body.translation(), d);
+    if (range_m < 40.0) points.push_back(T_world_body.translation() + (range_m + sigma_m * normal(random)) * d);
+  }
+  return points;
+}
+
+std::vector<Eigen::Vector3f> in_body(const std::vector<Vector3>& points_world_m, const Pose& T_world_body) {
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(points_world_m.size());
+  for (const Vector3& p : points_world_m) points.push_back((T_world_body.inverse() * p).cast<float>());
+  return points;
+}
+
+const SyntheticRoom kRoom = SyntheticRoom::box({-5.3, -4.1, -0.2}, {6.4, 5.2, 3.7});
+
+TEST(SurfaceMap, KnowsThePlaneOfAWallAndItsScatter) {
+  SurfaceMap map({});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-4.0, 4.0);
+  std::normal_distribution<double> normal(0.0, 0.02);
+  const Vector3 n = Vector3(1.0, 0.5, -0.2).normalized();
+  const Vector3 u = n.unitOrthogonal(), w = n.cross(u);
+  std::vector<Vector3> points;
+  points.reserve(4000);
+  for (int i = 0; i < 4000; ++i)
+    points.push_back((3.0 + normal(random)) * n + uniform(random) * u + uniform(random) * w);
+  map.insert(points, Vector3::Zero());
+  int planar = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Vector3 at = 3.0 * n + uniform(random) * u + uniform(random) * w;
+    const SurfaceCell* cell = map.find(at);
+    ASSERT_NE(cell, nullptr);
+    if (!cell->planar || cell->count_fitted < 30.0F) continue;
+    ++planar;
+    EXPECT_GT(std::abs(cell->normal.cast<double>().dot(n)), std::cos(0.05));
+    EXPECT_NEAR(cell->normal.cast<double>().dot(at - cell->mean_m.cast<double>()), 0.0, 0.04);
+    EXPECT_NEAR(std::sqrt(cell->variance_m2), 0.02, 0.008);
+  }
+  EXPECT_GT(planar, 400);
+  EXPECT_EQ(map.find(Vector3(50.0, 0.0, 0.0)), nullptr);
+}
+
+TEST(SurfaceMap, GoesDownToSmallCellsOnlyWhereThereIsNoPlane) {
+  SurfaceMap map({});
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> uniform(0.0, 10.0);
+  const auto insert_wall = [&] {
+    std::vector<Vector3> points;
+    points.reserve(5000);
+    for (int i = 0; i < 5000; ++i) points.emplace_back(0.5, uniform(random), uniform(random));
+    map.insert(points, Vector3::Zero());
+  };
+  for (int i = 0; i < 4; ++i) insert_wall();
+  const std::size_t known = map.num_cells();
+  for (int i = 0; i < 10; ++i) insert_wall();
+  EXPECT_LT(map.num_cells(), known + known / 50) << "a plane makes nothing new";
+  // A bush in front of it has none.
+  std::vector<Vector3> bush;
+  bush.reserve(5000);
+  for (int i = 0; i < 5000; ++i) bush.emplace_back(1.0 + 0.2 * uniform(random), 0.2 * uniform(random), uniform(random));
+  for (int i = 0; i < 3; ++i) map.insert(bush, Vector3::Zero());
+  EXPECT_GT(map.num_cells(), known + 500);
+}
+
+TEST(SurfaceMap, ForgetsWhatIsFarAndKeepsWhatIsNear) {
+  SurfaceMapConfig config;
+  config.keep_radius_m = 10.0;
+  SurfaceMap map(config);
+  std::vector<Vector3> points;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(0.0, 60.0);
+  points.reserve(30000);
+  for (int i = 0; i < 30000; ++i) points.emplace_back(uniform(random), 0.3, 0.05 * uniform(random));
+  map.insert(points, {30.0, 5.0, 1.0});
+  const std::size_t before = map.num_cells();
+  const SurfaceCell cell = *map.find({52.0, 0.3, 1.0});
+  map.keep_around({55.0, 0.0, 0.0});
+  EXPECT_LT(map.num_cells(), before / 2);
+  ASSERT_NE(map.find({52.0, 0.3, 1.0}), nullptr);
+  EXPECT_EQ(map.find({52.0, 0.3, 1.0})->mean_m, cell.mean_m);
+  EXPECT_EQ(map.find({10.0, 0.3, 1.0}), nullptr);
+  map.clear();
+  EXPECT_EQ(map.find({52.0, 0.3, 1.0}), nullptr);
+}
+
+/// The cost whose gradient fit_scan() tells, with weights that do not change: planes only, no kernel.
+double cost(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& points_body_m, const Pose& T_local_body,
+            const Pose& T_weights, const ScanToMapConfig& config) {
+  double sum = 0.0;
+  for (const Eigen::Vector3f& point : points_body_m) {
+    const Vector3 at = T_weights * point.cast<double>();
+    const SurfaceCell* cell = map.find(at);
+    if (cell == nullptr || !cell->planar) continue;
+    const Vector3 n = cell->normal.cast<double>(), mean = cell->mean_m.cast<double>();
+    const double r0 = n.dot(at - mean), r = n.dot(T_local_body * point.cast<double>() - mean);
+    const double variance = config.surface_sigma_m * config.surface_sigma_m + cell->variance_m2 +
+                            cell->variance_m2 / cell->count_fitted *
+                                (1.0 + ((at - mean).squaredNorm() - r0 * r0) / cell->narrow_variance_m2);
+    sum += 0.5 * r * r / variance;
+  }
+  return sum;
+}
+
+TEST(ScanToMap, GradientAndInformationAreTheDerivativesOfTheCost) {
+  SurfaceMap map({});
+  map.insert(seen_from(kRoom, Pose::Identity(), 0.0, 1), Vector3::Zero());
+  const Pose T_true = make_pose({0.4, -0.3, 0.2}, rotation_by({0.1, -0.05, 0.7}));
+  const auto points = in_body(seen_from(kRoom, T_true, 0.0, 2), T_true);
+  ScanToMapConfig config;
+  config.kernel_sigma = 1e6;
+  config.point_weight = 0.0;
+  config.degenerate_share = 0.0;
+  config.floor_position_m = 1e-9;
+  config.floor_attitude_deg = 1e-7;
+  const Pose T = T_true * make_pose({0.02, -0.01, 0.015}, rotation_by({0.004, 0.003, -0.002}));
+  const ScanFit fit = fit_scan(map, points, T, config);
+  const auto moved = [&](const Eigen::Matrix<double, 6, 1>& d) {
+    return make_pose(T.translation() + d.head<3>(), Eigen::Quaterniond(T.linear()) * rotation_by(d.tail<3>()));
+  };
+  constexpr double kStep = 1e-4;
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Matrix<double, 6, 1> d = kStep * Eigen::Matrix<double, 6, 1>::Unit(i);
+    const double ahead = cost(map, points, moved(d), T, config), behind = cost(map, points, moved(-d), T, config);
+    const double here = cost(map, points, T, T, config);
+    const double slope = (ahead - behind) / (2.0 * kStep), bend = (ahead - 2.0 * here + behind) / (kStep * kStep);
+    // The kernel is not quite flat, nor is a turn a straight line.
+    EXPECT_NEAR(fit.evidence.gradient(i), slope, 2e-3 * std::abs(slope) + 2.0) << i;
+    EXPECT_NEAR(fit.evidence.information(i, i), bend, 2e-2 * bend) << i;
+  }
+}
+
+TEST(ScanToMap, RecoversAKnownMotion) {
+  SurfaceMap map({});
+  for (unsigned seed = 1; seed <= 4; ++seed)
+    map.insert(seen_from(kRoom, Pose::Identity(), 0.02, seed), Vector3::Zero());
+  const Pose T_true = make_pose({0.15, -0.1, 0.08}, rotation_by({0.02, -0.03, 0.06}));
+  const auto points = in_body(seen_from(kRoom, T_true, 0.02, 9), T_true);
+  InertialConfig wide;
+  wide.start_velocity_sigma_mps = 50.0;  // so that a prediction over 4 ms says nothing
+  wide.gyro_noise_radps_sqrt_hz = 20.0;
+  InertialFilter filter(wide, Pose::Identity());
+  filter.predict({4'000'000, Vector3::Zero(), {0, 0, 9.81}});
+  filter.predict({8'000'000, Vector3::Zero(), {0, 0, 9.81}});
+  filter.update([&](const Pose& T) { return fit_scan(map, points, T, {}).evidence; }, 20);
+  EXPECT_LT((filter.T_local_body().translation() - T_true.translation()).norm(), 0.004);
+  EXPECT_LT(
+      rotation_vector_rad(Eigen::Quaterniond(filter.T_local_body().linear().transpose() * T_true.linear())).norm(),
+      0.0015);
+}
+
+TEST(ScanToMap, CountsTheDirectionsThatAScanLeavesOpen) {
+  const auto degenerate = [](const SyntheticRoom& room) {
+    SurfaceMap map({});
+    for (unsigned seed = 1; seed <= 4; ++seed)
+      map.insert(seen_from(room, Pose::Identity(), 0.02, seed), Vector3::Zero());
+    const ScanFit fit =
+        fit_scan(map, in_body(seen_from(room, Pose::Identity(), 0.02, 9), Pose::Identity()), Pose::Identity(), {});
+    return fit.num_degenerate;
+  };
+  EXPECT_EQ(degenerate(kRoom), 0);
+  SyntheticRoom aisle = kRoom;
+  aisle.walls.erase(aisle.walls.begin(), aisle.walls.begin() + 2);
+  EXPECT_EQ(degenerate(aisle), 1) << "along an aisle nothing holds";
+  SyntheticRoom plane;
+  plane.walls.push_back({Vector3::UnitZ(), -2.0});
+  EXPECT_EQ(degenerate(plane), 3) << "above a plane: to the sides, and the heading";
+}
+
+TEST(ScanToMap, TellsNothingOfDirectionsThatAreOpen) {
+  SyntheticRoom aisle = kRoom;
+  aisle.walls.erase(aisle.walls.begin(), aisle.walls.begin() + 2);
+  SurfaceMap map({});
+  for (unsigned seed = 1; seed <= 4; ++seed)
+    map.insert(seen_from(aisle, Pose::Identity(), 0.02, seed), Vector3::Zero());
+  const ScanFit fit = fit_scan(map, in_body(seen_from(aisle, Pose::Identity(), 0.02, 9), Pose::Identity()),
+                               make_pose({0.1, 0.0, 0.0}, Eigen::Quaterniond::Identity()), {});
+  const Vector3 along = fit.evidence.information.col(0).head<3>();
+  EXPECT_LT(along.norm(), 0.05 * fit.evidence.information.col(1).head<3>().norm());
+}
+
+TEST(ScanToMap, APointFarOffEverySurfaceHardlyCounts) {
+  SurfaceMap map({});
+  for (unsigned seed = 1; seed <= 4; ++seed)
+    map.insert(seen_from(kRoom, Pose::Identity(), 0.01, seed), Vector3::Zero());
+  auto points = in_body(seen_from(kRoom, Pose::Identity(), 0.01, 9), Pose::Identity());
+  const ScanFit clean = fit_scan(map, points, Pose::Identity(), {});
+  // Somebody stands before the wall: 300 points, 0.4 m off.
+  for (int i = 0; i < 300; ++i) points.emplace_back(6.0F, -1.0F + 0.005F * static_cast<float>(i), 1.0F);
+  const ScanFit disturbed = fit_scan(map, points, Pose::Identity(), {});
+  const Eigen::Matrix<double, 6, 1> shift_clean = clean.evidence.information.ldlt().solve(clean.evidence.gradient);
+  const Eigen::Matrix<double, 6, 1> shift = disturbed.evidence.information.ldlt().solve(disturbed.evidence.gradient);
+  EXPECT_LT((shift - shift_clean).head<3>().norm(), 0.001);
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/slam.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "swiftlet/core/slam/rotation.hpp"
+#include "tests/core/slam/synthetic_room.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::SyntheticFlight;
+using testing::SyntheticRoom;
+
+constexpr TimeNs kTick = 4'000'000, kScanPeriod = 100'000'000;
+
+const SyntheticRoom kHall = SyntheticRoom::box({-8.3, -7.1, -0.2}, {9.4, 8.2, 5.7});
+
+/// From rest: around an ellipse with bobbing, nose along a heading that turns.
+Pose loop_at(double t_s) {
+  const double ramp = t_s < 0.0 ? 0.0 : t_s - (1.0 - std::exp(-t_s));  // speed rises from 0 to 1
+  const double angle = 0.4 * ramp;
+  const Vector3 p(4.0 * std::cos(angle) - 4.0, 3.0 * std::sin(angle), 2.0 + 0.5 * std::sin(0.9 * ramp));
+  return make_pose(
+      p, rotation_by({0.0, 0.0, 0.5 * ramp}) * rotation_by({0.1 * std::sin(ramp), 0.1 * std::sin(0.7 * ramp), 0.0}));
+}
+
+struct Result {
+  double worst_m = 0.0, worst_rad = 0.0, worst_mps = 0.0, final_m = 0.0, largest_step_m = 0.0;
+  double mean_nees = 0.0;
+  bool always_valid = true;
+  std::string warnings, fault;
+  StateEstimate last;
+};
+
+struct Course {
+  double duration_s = 20.0;
+  double from_s = 2.0;  // errors count from here
+  double blind_from_s = 1e9, blind_for_s = 1.0;
+  SlamConfig config;
+  AgentSetup setup;
+};
+
+Result fly(SyntheticFlight& flight, Course course) {
+  course.setup.T_local_body_start = flight.at(0);
+  const auto estimator = make_slam_estimator(course.config, course.setup);
+  Outbox outbox(0);
+  Result result;
+  int num_nees = 0;
+  Vector3 last_off_m = Vector3::Zero();
+  for (TimeNs t = kTick; to_seconds(t) <= course.duration_s; t += kTick) {
+    Observation observation;
+    observation.t = t;
+    observation.imu.push_back(flight.imu(t));
+    const double s = to_seconds(t);
+    const bool blind = s > course.blind_from_s && s <= course.blind_from_s + course.blind_for_s;
+    if (t % kScanPeriod == 0 && !blind) observation.scans.push_back(flight.scan(t));
+    const StateEstimate& e = estimator->update(observation, outbox);
+    const std::string warning = estimator->warning();
+    if (!warning.empty() && result.warnings.find(warning) == std::string::npos) result.warnings += warning + ";";
+    result.fault = estimator->fault();
+    result.always_valid = result.always_valid && e.valid;
+    if (!e.valid) break;
+    const Pose T = flight.at(t);
+    const Vector3 off_m = e.T_local_body.translation() - T.translation();
+    const Vector3 turn = rotation_vector_rad(Eigen::Quaterniond(T.linear().transpose() * e.T_local_body.linear()));
+    result.final_m = off_m.norm();
+    result.last = e;
+    if (s < course.from_s) {
+      last_off_m = off_m;
+      continue;
+    }
+    result.worst_m = std::max(result.worst_m, off_m.norm());
+    result.worst_rad = std::max(result.worst_rad, turn.norm());
+    result.worst_mps = std::max(result.worst_mps, (e.v_local_mps - flight.velocity_mps(t)).norm());
+    result.largest_step_m = std::max(result.largest_step_m, (off_m - last_off_m).norm());
+    last_off_m = off_m;
+    Eigen::Matrix<double, 6, 1> error;
+    error << off_m, turn;
+    result.mean_nees += error.dot(e.covariance.ldlt().solve(error));
+    ++num_nees;
+  }
+  if (num_nees > 0) result.mean_nees /= num_nees;
+  return result;
+}
+
+SyntheticFlight biased_flight(SyntheticFlight::PoseAt at, unsigned seed = 1) {
+  SyntheticFlight flight(kHall, std::move(at), seed);
+  flight.gyro_bias_radps = {0.008, -0.006, 0.009};
+  flight.accel_bias_mps2 = {0.15, -0.2, 0.1};
+  return flight;
+}
+
+TEST(Slam, FollowsAFlightToACentimeterThoughTheImuIsBiased) {
+  SyntheticFlight flight = biased_flight(loop_at);
+  const Result result = fly(flight, {});
+  EXPECT_TRUE(result.always_valid) << result.fault;
+  EXPECT_EQ(result.warnings, "");
+  EXPECT_LT(result.worst_m, 0.015);
+  EXPECT_LT(result.worst_rad, 0.003);
+  EXPECT_LT(result.worst_mps, 0.06);
+  EXPECT_LT(result.largest_step_m, 0.004) << "a scan moves the pose by millimeters: control sees no jump";
+}
+
+TEST(Slam, ItsCovarianceIsHonest) {
+  double nees = 0.0;
+  constexpr int kFlights = 4;
+  for (unsigned seed = 1; seed <= kFlights; ++seed) {
+    SyntheticFlight flight = biased_flight(loop_at, seed);
+    Course course;
+    course.duration_s = 12.0;
+    nees += fly(flight, course).mean_nees / kFlights;
+  }
+  // Six degrees of freedom. A smooth room is kinder than the worlds that the numbers were found in.
+  EXPECT_GT(nees, 0.3);
+  EXPECT_LT(nees, 9.0);
+}
+
+TEST(Slam, SurvivesASecondWithoutLidarAndSaysSo) {
+  SyntheticFlight flight = biased_flight(loop_at);
+  Course course;
+  course.blind_from_s = 8.0;
+  const Result result = fly(flight, course);
+  EXPECT_TRUE(result.always_valid) << result.fault;
+  EXPECT_LT(result.worst_m, 0.08);
+  EXPECT_LT(result.final_m, 0.015);
+  EXPECT_EQ(result.warnings, "SLAM flies by the IMU alone;");
+}
+
+TEST(Slam, WithoutLidarForLongItIsLost) {
+  SyntheticFlight flight = biased_flight(loop_at);
+  Course course;
+  course.blind_from_s = 4.0;
+  course.blind_for_s = 100.0;
+  const Result result = fly(flight, course);
+  EXPECT_FALSE(result.always_valid);
+  EXPECT_EQ(result.fault, "SLAM is lost: no scan fits");
+}
+
+TEST(Slam, FollowsATurnOfThreeRadiansPerSecond) {
+  SyntheticFlight flight = biased_flight([](double t_s) {
+    const double turn = t_s < 1.0 ? 0.0 : 3.0 * (t_s - 1.0 - 0.5 * (1.0 - std::exp(-2.0 * (t_s - 1.0))));
+    return make_pose({0.0, 0.0, 2.0}, rotation_by({0.0, 0.0, turn}));
+  });
+  Course course;
+  course.duration_s = 10.0;
+  const Result result = fly(flight, course);
+  EXPECT_TRUE(result.always_valid) << result.fault;
+  EXPECT_LT(result.worst_m, 0.02);
+  EXPECT_LT(result.worst_rad, 0.006);
+}
+
+TEST(Slam, BeginsInFlightAtASpeedThatNobodyTold) {
+  SyntheticFlight flight = biased_flight([](double t_s) {
+    return make_pose({-5.0 + 2.0 * t_s, 1.0 - 0.5 * t_s, 2.0}, rotation_by({0.0, 0.0, 0.2 * t_s}));
+  });
+  Course course;
+  course.duration_s = 6.0;
+  course.config.local.imu.start_velocity_sigma_mps = 3.0;
+  const Result result = fly(flight, course);
+  EXPECT_TRUE(result.always_valid) << result.fault;
+  EXPECT_LT(result.worst_mps, 0.06);
+  EXPECT_LT(result.worst_m, 0.03);
+}
+
+TEST(Slam, InAnAisleItSaysThatOneDirectionIsOpen) {
+  SyntheticRoom aisle = kHall;
+  aisle.walls.erase(aisle.walls.begin(), aisle.walls.begin() + 2);
+  SyntheticFlight flight(aisle, [](double t_s) {
+    const double way = t_s < 1.0 ? 0.0 : 0.8 * (t_s - 1.0 - (1.0 - std::exp(-(t_s - 1.0))));
+    return make_pose({way, 0.2, 2.0}, Eigen::Quaterniond::Identity());
+  });
+  Course course;
+  course.duration_s = 8.0;
+  course.config.position_sigma_max_m = 50.0;
+  const Result result = fly(flight, course);
+  EXPECT_EQ(result.warnings, "SLAM is degenerate: the scans leave a direction open;");
+  const StateEstimate& e = result.last;
+  EXPECT_GT(e.covariance(0, 0), 25.0 * e.covariance(1, 1)) << "it knows along which";
+  const double along_m = std::abs(e.T_local_body.translation().x() - flight.at(e.t).translation().x());
+  EXPECT_LT(along_m, 4.0 * std::sqrt(e.covariance(0, 0)));
+}
+
+TEST(Slam, WithNothingInRangeItFliesByTheImuAndThenGivesUp) {
+  SyntheticFlight flight(SyntheticRoom{}, [](double) { return make_pose({0, 0, 2}, Eigen::Quaterniond::Identity()); });
+  Course course;
+  course.duration_s = 6.0;
+  const Result result = fly(flight, course);
+  EXPECT_FALSE(result.always_valid);
+  EXPECT_EQ(result.warnings, "SLAM flies by the IMU alone;");
+}
+
+TEST(Slam, WithoutImuItIsNotValid) {
+  const auto estimator = make_slam_estimator(SlamConfig{}, AgentSetup{});
+  Outbox outbox(0);
+  Observation observation;
+  observation.t = kTick;
+  EXPECT_TRUE(estimator->update(observation, outbox).valid);
+  observation.t = 200'000'000;
+  EXPECT_FALSE(estimator->update(observation, outbox).valid);
+  EXPECT_STREQ(estimator->fault(), "no IMU");
+}
+
+TEST(Slam, GivesTheSameBitsTwice) {
+  Course course;
+  course.duration_s = 4.0;
+  SyntheticFlight first = biased_flight(loop_at), second = biased_flight(loop_at);
+  const StateEstimate a = fly(first, course).last, b = fly(second, course).last;
+  EXPECT_EQ(a.T_local_body.matrix(), b.T_local_body.matrix());
+  EXPECT_EQ(a.covariance, b.covariance);
+}
+
+TEST(Slam, AVehicleThatWasToldNothingLearnsItsHeadingByCompassAndItsPlaceByGnss) {
+  AgentSetup setup;
+  setup.start_known = StartKnown::kNothing;
+  const auto estimator = make_slam_estimator(SlamConfig{}, setup);
+  Outbox outbox(0);
+  Observation observation;
+  observation.t = kTick;
+  observation.imu.push_back({kTick, Vector3::Zero(), {0, 0, 9.81}});
+  observation.gnss.push_back({kTick, {1, 1, 1}});
+  EXPECT_EQ(estimator->update(observation, outbox).correction_revision, 0U) << "a place without a heading is of no use";
+  observation.t = 2 * kTick;
+  observation.imu[0].t = 2 * kTick;
+  observation.gnss[0] = {2 * kTick, {30, -20, 5}};
+  observation.compass.push_back({2 * kTick, 1.0, 0.01});
+  const StateEstimate& e = estimator->update(observation, outbox);
+  EXPECT_EQ(e.correction_revision, 2U);
+  EXPECT_LT((e.T_world_body().translation() - Vector3(30, -20, 5)).norm(), 1e-3);
+  EXPECT_NEAR(yaw_of(e.T_world_body().linear()), 1.0, 1e-9);
+}
+
+TEST(Slam, ListensToTheLidarsThatAreNamed) {
+  SyntheticFlight flight = biased_flight(loop_at);
+  Course course;
+  course.duration_s = 1.0;
+  course.config.lidars = {"another"};
+  EXPECT_EQ(fly(flight, course).warnings, "SLAM flies by the IMU alone;");
+  course.config.lidars = {"another", "lidar"};
+  SyntheticFlight again = biased_flight(loop_at);
+  EXPECT_EQ(fly(again, course).warnings, "");
+}
+
+}  // namespace
+}  // namespace swiftlet
