@@ -14,6 +14,8 @@
 namespace swiftlet {
 namespace {
 
+constexpr double kFigure_m = 1.0;  // a larger one shows no more of the heading
+
 /// Without roll and pitch.
 Pose level(const Pose& T_local_body) {
   Pose T = Pose::Identity();
@@ -76,6 +78,8 @@ class FollowGuide : public Guidance {
   void take(const GuidingPath& told, const Pose& T_local_body, const StateEstimate& estimate) {
     newest_path_ = told.path;
     num_visited_ = 0;
+    word_ = told.word;
+    moves_within_m_ = told.word == GuidingPath::Word::kMove ? std::min(told.radius_m, kFigure_m) : 0.0;
     const bool flew = !path_.empty();
     path_.clear();
     const double yaw_rad = yaw_of(T_local_body.linear());
@@ -125,19 +129,23 @@ class FollowGuide : public Guidance {
   }
 
   void choose_goal(const GuidanceInput& input, GuidanceOutput& output) {
-    output.mission = MissionStatus::kEndless;
+    output.mission = word_ == GuidingPath::Word::kDone     ? MissionStatus::kDone
+                     : word_ == GuidingPath::Word::kFailed ? MissionStatus::kFailed
+                                                           : MissionStatus::kEndless;
     output.speed_limit_mps = config_.speed_mps;
     output.goal = path_.empty() ? goal_ : path_.front();
-    output.note = lost_            ? "hovers: the link to its guide is lost"
-                  : !path_.empty() ? "follows its guide"
-                  : was_guided_    ? "hovers as its guide says"
-                                   : "waits for its guide";
-    if (!was_guided_ && !lost_ && config_.excitation.radius_m > 0.0) excite(input.dt_s, output.goal);
+    output.note = lost_                   ? "hovers: the link to its guide is lost"
+                  : !path_.empty()        ? "follows its guide"
+                  : moves_within_m_ > 0.0 ? "moves, so that its guide finds it"
+                  : was_guided_           ? "hovers as its guide says"
+                                          : "waits for its guide";
+    if (lost_) return;
+    const double radius_m = was_guided_ ? moves_within_m_ : config_.excitation.radius_m;
+    if (radius_m > 0.0) excite(radius_m, input.dt_s, output.goal);
   }
 
   /// A lying eight through the place where it waits.
-  void excite(double dt_s, Reference& goal) {
-    const double radius_m = config_.excitation.radius_m;
+  void excite(double radius_m, double dt_s, Reference& goal) {
     phase_rad_ = std::remainder(phase_rad_ + dt_s * config_.excitation.speed_mps / (std::numbers::sqrt2 * radius_m),
                                 2.0 * std::numbers::pi);
     goal.position_m.x() += radius_m * elementary::sin(phase_rad_);
@@ -166,6 +174,8 @@ class FollowGuide : public Guidance {
   bool started_ = false;
   bool linked_ = false, lost_ = false, was_guided_ = false;
   TimeNs last_heard_ = 0, next_report_ = 0;
+  GuidingPath::Word word_ = GuidingPath::Word::kGuide;
+  double moves_within_m_ = 0.0;  // 0: it was not asked to
   std::uint32_t newest_path_ = 0;
   std::uint16_t num_visited_ = 0;
   std::vector<Reference> path_;  // what is left of it, in the local frame

@@ -16,6 +16,8 @@ namespace swiftlet {
 namespace {
 
 constexpr double kAtRest_mps = 0.25;  // slower than this, a vehicle hovers
+constexpr double kClearBody_m = 0.6;  // around the figure that a lost vehicle flies
+constexpr double kLeastFigure_m = 0.3;
 
 /// The states of [Pritzl 2024, sec. II-A].
 enum class GuideState { kIdle, kPlanning, kPrimaryMoving, kSecondaryMoving, kGoalReached, kFailure };
@@ -37,6 +39,7 @@ class Guide : public Guidance {
     now_ = input.observation.t;
     if (entered_ == kNever) enter(GuideState::kIdle);
     find_secondary(input);
+    search(input);
     advance_state(input);
     speak(outbox);
     output.goal = hold_;
@@ -70,11 +73,28 @@ class Guide : public Guidance {
     was_known_ = was_known_ || (known_well_ && linked_);
   }
 
+  /// A vehicle that hovers shows no heading. When nothing is known of it any more, it is asked to move where its
+  /// surroundings are clear, as it did before it was first found.
+  void search(const GuidanceInput& input) {
+    if (guided_) {
+      last_place_local_m_ = guided_->position_m;
+      last_known_ = now_;
+    }
+    figure_m_ = 0.0;
+    if (guided_ || !was_known_ || now_ - last_known_ < from_seconds(config_.search_after_s)) return;
+    const double room_m = input.map->distance_m(last_place_local_m_, 2.0) - kClearBody_m;
+    if (room_m >= kLeastFigure_m) figure_m_ = room_m;
+  }
+
   void advance_state(const GuidanceInput& input) {
     switch (state_) {
       case GuideState::kIdle:
-        if (!known_well_ || !linked_) return;
-        next_goal(input);
+        if (known_well_ && linked_) {
+          next_goal(input);
+        } else if (has_more_goals() && waited(config_.stage_timeout_s)) {
+          failures_ = config_.retries;  // what was never there is not waited for again
+          fail("the guided vehicle was not found");
+        }
         return;
       case GuideState::kPlanning:
         plan(input);
@@ -235,6 +255,11 @@ class Guide : public Guidance {
     if (guides && !config_.periodic && was_told_) return;
     if (guides) append_path(told);
     was_told_ = guides;
+    told.word = is_done()         ? GuidingPath::Word::kDone
+                : has_failed()    ? GuidingPath::Word::kFailed
+                : figure_m_ > 0.0 ? GuidingPath::Word::kMove
+                                  : GuidingPath::Word::kGuide;
+    told.radius_m = figure_m_;
     write_message(told, outbox.say(secondary_));
   }
 
@@ -253,6 +278,9 @@ class Guide : public Guidance {
     }
   }
 
+  bool is_done() const { return state_ == GuideState::kGoalReached && !has_more_goals(); }
+  bool has_failed() const { return state_ == GuideState::kFailure && failures_ > config_.retries; }
+
   void tell(GuidanceOutput& output) const {
     output.mission = MissionStatus::kRunning;
     switch (state_) {
@@ -261,7 +289,9 @@ class Guide : public Guidance {
         if (config_.goals_m.empty() && !advances()) output.mission = MissionStatus::kEndless;
         return;
       case GuideState::kPlanning:
-        output.note = linked_ && known_well_ ? "planning" : "hovers: the guided vehicle is lost";
+        output.note = linked_ && known_well_ ? "planning"
+                      : figure_m_ > 0.0      ? "hovers: the guided vehicle is to move, to be found again"
+                                             : "hovers: the guided vehicle is lost";
         return;
       case GuideState::kPrimaryMoving:
         output.note = "primary moving";
@@ -273,11 +303,11 @@ class Guide : public Guidance {
         return;
       case GuideState::kGoalReached:
         output.note = "goal reached";
-        if (!has_more_goals()) output.mission = MissionStatus::kDone;
+        if (is_done()) output.mission = MissionStatus::kDone;
         return;
       case GuideState::kFailure:
         output.note = reason_.c_str();
-        if (failures_ > config_.retries) output.mission = MissionStatus::kFailed;
+        if (has_failed()) output.mission = MissionStatus::kFailed;
         return;
     }
   }
@@ -294,6 +324,9 @@ class Guide : public Guidance {
 
   std::optional<RelativeEstimate> guided_;  // in this tick
   bool known_well_ = false, linked_ = false, was_known_ = false;
+  Vector3 last_place_local_m_ = Vector3::Zero();
+  TimeNs last_known_ = 0;
+  double figure_m_ = 0.0;  // 0: it is not asked to move
 
   PlannedPose goal_;
   std::size_t num_reached_ = 0;
@@ -338,7 +371,11 @@ void GuideConfig::visit(ConfigVisitor& v) {
   v.field("sigma_max_m", sigma_max_m,
           "[m] standard deviation of the guided vehicle's place, along the worst axis, above which both hover",
           Range::positive());
-  v.field("stage_timeout_s", stage_timeout_s, "[s] after which planning or a motion has failed", Range::positive());
+  v.field("search_after_s", search_after_s,
+          "[s] without any estimate of its place, after which the guided vehicle is asked to move, to be found again",
+          Range::positive());
+  v.field("stage_timeout_s", stage_timeout_s, "[s] after which the search, planning or a motion has failed",
+          Range::positive());
   v.field("retries", retries, "[-] plans that may follow a failure before the mission fails", Range::between(0, 1e6));
   v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
   v.object("planner", planner, "paths of both vehicles and the viewpoint");

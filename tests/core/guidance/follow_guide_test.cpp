@@ -244,6 +244,50 @@ TEST(FollowGuide, AGuideThatDoesNotExistIsNamed) {
   }
 }
 
+// ---- what else its guide says
+
+Message saying(GuidingPath::Word word, double radius_m = 0.0) {
+  GuidingPath path;
+  path.path = 1;
+  path.word = word;
+  path.radius_m = radius_m;
+  Message message;
+  write_message(path, message);
+  message.from = kPrimary;
+  return message;
+}
+
+TEST(FollowGuide, ItsMissionEndsAsThatOfItsGuide) {
+  for (const auto& [word, mission] : {std::pair(GuidingPath::Word::kDone, MissionStatus::kDone),
+                                      std::pair(GuidingPath::Word::kFailed, MissionStatus::kFailed)}) {
+    Guided guided;
+    guided.step();
+    guided.observation.messages.push_back(saying(word));
+    EXPECT_EQ(guided.step().mission, mission);
+  }
+}
+
+TEST(FollowGuide, MovesWithinTheRadiusThatItsGuideTellsUntilItIsFound) {
+  Guided guided;
+  guided.hears({});
+  guided.step();
+  double farthest_m = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    guided.hears({});
+    Message message = saying(GuidingPath::Word::kMove, 0.5);
+    GuidingPath path;
+    ASSERT_EQ(read_message(message, path), Reading::kDone);
+    path.path = guided.path_;
+    write_message(path, message);
+    guided.observation.messages.back() = message;
+    farthest_m = std::max(farthest_m, (guided.step().goal.position_m - Vector3(10, 20, 3)).norm());
+  }
+  EXPECT_GT(farthest_m, 0.45);
+  EXPECT_LT(farthest_m, 0.56);
+  guided.hears({});
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 20, 3)).norm(), 1e-9);
+}
+
 // ---- sizes [Pritzl 2024, Table IV]: odometry 725 bytes at 2 Hz, paths of 132 to 484 bytes at 5 Hz
 
 TEST(GuidingMessages, AreNoLargerThanThePublishedOnes) {
@@ -254,7 +298,7 @@ TEST(GuidingMessages, AreNoLargerThanThePublishedOnes) {
   GuidingPath path;
   path.waypoints.resize(1);
   write_message(path, message);
-  EXPECT_EQ(message.size_bytes(), 67U);
+  EXPECT_EQ(message.size_bytes(), 76U);
   EXPECT_LE(message.size_bytes(), 132U);
   path.waypoints.resize(26);
   write_message(path, message);
