@@ -356,7 +356,7 @@ void GuideAdvanceConfig::visit(ConfigVisitor& v) {
 
 void GuideConfig::visit(ConfigVisitor& v) {
   v.field("secondary", secondary, "[-] name of the vehicle that is guided");
-  v.field("goals_m", goals_m, "[m] where it is to go, one after the other, world frame");
+  v.field("goals_m", goals_m, "[m] where it is to go, one after the other, world frame", Range::between(-1e5, 1e5));
   v.field("goal_yaws_deg", goal_yaws_deg, "[deg] its heading there; it keeps the one it has where none is given");
   v.object("advance", advance, "goals that follow from where it is, instead of goals_m");
   v.field("loop", loop, "[-] go on with the first goal after the last");

@@ -10,6 +10,9 @@
 namespace swiftlet {
 namespace {
 
+// In edges of a cell.
+constexpr double kDiagonal = 1.7321, kShortest = 2.0, kWalked = 4.0;
+
 /// A place of a region, at a distance from the watcher.
 struct Candidate {
   Vector2 p_local_m;
@@ -118,10 +121,32 @@ class ViewpointSearch {
         if (!cell) continue;
         const Vector3 p_local_m = at_watchers_height(seen, column, row);
         const double distance_m = (p_local_m - waypoint_local_m).head<2>().norm();
-        cell = static_cast<char>(distance_m <= rules_.ray_max_m && !map_.first_hit(p_local_m, waypoint_local_m));
+        cell = static_cast<char>(distance_m <= rules_.ray_max_m && is_in_sight(p_local_m, waypoint_local_m));
       }
     }
     return seen;
+  }
+
+  /// No occupied cell on the straight line. Where nothing is near, it goes by the distance to what is nearest; a point
+  /// and an occupied cell are farther from each other's centers than that by a cell's diagonal at most.
+  bool is_in_sight(const Vector3& from_local_m, const Vector3& to_local_m) const {
+    const double edge_m = map_.edge_m(), far_m = rules_.clearance_m + edge_m;
+    const Vector3 way_m = to_local_m - from_local_m;
+    const double length_m = way_m.norm();
+    const Vector3 direction = way_m / std::max(length_m, 1e-9);
+    double at_m = 0.0;
+    while (at_m < length_m) {
+      const Vector3 p_local_m = from_local_m + at_m * direction;
+      const double free_m = map_.clearance_m(p_local_m, far_m) - kDiagonal * edge_m;
+      if (free_m > kShortest * edge_m) {
+        at_m += free_m;
+        continue;
+      }
+      const double next_m = std::min(length_m, at_m + kWalked * edge_m);
+      if (map_.first_hit(p_local_m, from_local_m + next_m * direction)) return false;
+      at_m = next_m;
+    }
+    return true;
   }
 
   /// The connected parts of S that count: line 15 and its other interpretation.

@@ -67,10 +67,18 @@ TeamPlan& fail(TeamPlan& plan, const char* who, const char* why) {
 }  // namespace
 
 TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, const Vector3& primary_local_m,
-                   const PlannedPose& secondary, const PlannedPose& goal) {
+                   const PlannedPose& secondary, const PlannedPose& goal,
+                   const std::function<void(PlanningStage)>& begins) {
+  const auto begin = [&begins](PlanningStage stage) {
+    if (begins) begins(stage);
+  };
+  begin(PlanningStage::kSecondaryPath);
   TeamPlan plan;
   plan.goal_local_m = goal.p_local_m;
   const double edge_m = map.edge_m();
+  if (!is_on_map(goal.p_local_m, edge_m)) {
+    return fail(plan, "the guided vehicle's path", text_of(ClearPathStatus::kGoalTooFar));
+  }
 
   // The goal, and lines 4 to 8: the secondary's path.
   const OverlaidOccupancy map_secondary =
@@ -93,6 +101,7 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
       with_headings(path_secondary.corners_local_m, config.waypoint_spacing_m, secondary.yaw_rad, goal.yaw_rad);
 
   // Lines 9 to 12: from where to watch it.
+  begin(PlanningStage::kViewpoint);
   ViewpointRules rules = config.viewpoint;
   rules.clearance_m = config.primary.clearance_m;
   rules.unknown_is_free = config.primary.unknown_is_free;
@@ -101,6 +110,7 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
   if (viewpoints.best_first.empty()) return fail(plan, "the viewpoint", "nowhere safe is the path in sight");
 
   // Lines 13 to 20: the primary's path there. A viewpoint behind a gap that is too narrow gives way to the next one.
+  begin(PlanningStage::kPrimaryPath);
   const OverlaidOccupancy map_primary =
       with_column(map, secondary.p_local_m, config.secondary_width_m, config.secondary_height_m);
   ClearPath path_primary;

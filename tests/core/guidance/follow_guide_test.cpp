@@ -257,6 +257,31 @@ Message saying(GuidingPath::Word word, double radius_m = 0.0) {
   return message;
 }
 
+TEST(FollowGuide, AnAnswerToAReportIsUnderstoodSecondsLater) {
+  Guided guided;
+  guided.step();
+  const OdometryReport report = guided.told().front();
+  for (int i = 0; i < 60; ++i) {  // 6 s on the way
+    guided.put({10.0 + 0.1 * i, 20, 3}, 0.5 * Guided::kPi);
+    guided.step();
+  }
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}}, kPrimary, report.t);
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
+}
+
+TEST(FollowGuide, AWaypointThatItHasPassedMeanwhileIsNotFlownBackTo) {
+  Guided guided(guided_by_uav2(), {10, 20, 3}, 0.0);
+  guided.step();
+  const OdometryReport report = guided.told().front();
+  guided.put({11.2, 20.1, 3});
+  guided.step();
+  guided.hears({{{0.5F, 0, 0}, 0}, {{1.0F, 0, 0}, 0}, {{1.5F, 0, 0}, 0}, {{1.5F, 2, 0}, 0}}, kPrimary, report.t);
+  EXPECT_LT((guided.step().goal.position_m - Vector3(11.5, 20, 3)).norm(), 1e-6);
+  guided.put({11.2, 21.0, 3});  // off the path: back to its beginning
+  guided.hears({{{0.5F, 0, 0}, 0}, {{1.0F, 0, 0}, 0}, {{1.5F, 0, 0}, 0}}, kPrimary, report.t);
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10.5, 20, 3)).norm(), 1e-6);
+}
+
 TEST(FollowGuide, ItsMissionEndsAsThatOfItsGuide) {
   for (const auto& [word, mission] : {std::pair(GuidingPath::Word::kDone, MissionStatus::kDone),
                                       std::pair(GuidingPath::Word::kFailed, MissionStatus::kFailed)}) {
