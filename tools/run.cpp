@@ -109,6 +109,7 @@ void run(const RunOptions& options) {
   if (options.quiet) return;
   fmt::print("{}", sim::to_text(summary));
   print_paths(out, written);
+  if (has_replay(scenario)) fmt::print("\nto look at it, open {}\n", fs::absolute(out / "replay.html").string());
 }
 
 }  // namespace

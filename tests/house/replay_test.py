@@ -59,7 +59,7 @@ class Made(unittest.TestCase):
         (cls.path / "yard.yaml").write_text(SCENARIO)
         result = swiftlet(cls.path, "run", "yard.yaml", "--out", "run", "--replay", "--threads", 1)
         assert result.returncode == 0, result.stderr
-        assert "replay.html" in result.stdout, result.stdout
+        assert f"to look at it, open {cls.path.resolve() / 'run/replay.html'}" in result.stdout, result.stdout
         cls.page = cls.path / "run/replay.html"
 
     @classmethod
@@ -107,6 +107,13 @@ class Command(Made):
         swiftlet(self.path, "run", "yard.yaml", "--out", "plain", "-q", "--threads", 1)
         hashes = {json.loads((self.path / d / "summary.json").read_text())["state_hash"] for d in ("run", "plain")}
         self.assertEqual(len(hashes), 1)
+
+    def test_a_report_shows_the_replay_or_tells_how_to_make_one(self):
+        self.assertEqual(swiftlet(self.path, "report", "run").returncode, 0)
+        self.assertIn('<iframe src="replay.html"', (self.path / "run/report.html").read_text())
+        swiftlet(self.path, "run", "yard.yaml", "--out", "bare", "-q", "--duration", 1)
+        self.assertEqual(swiftlet(self.path, "report", "bare").returncode, 0)
+        self.assertIn("swiftlet replay bare", (self.path / "bare/report.html").read_text())
 
     def test_the_page_asks_for_nothing_and_allows_its_own_scripts_only(self):
         text = self.page.read_text()
