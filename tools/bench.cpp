@@ -77,8 +77,11 @@ const Case kCases[] = {
     {"one_os1", "one OS1-128 at 10 Hz in a forest", [] { return read("bench_os1"); }, 5.0},
     {"ten_mid360", "10 X500 with a Mid-360 each in a forest", [] { return with_copies(read("bench_mid360"), 10, 4.0); },
      5.0},
-    {"forest_patrol", "the quickstart without recorders", [] { return unrecorded("forest_patrol"); }, 5.0},
-    {"guidance", "a UAV with an OS0-128 maps a forest, finds another UAV, plans for both and guides it",
+    {"forest_patrol", "a patrol of four, one of which looks for the others, without recorders",
+     [] { return unrecorded("forest_patrol"); }, 5.0},
+    {"guidance",
+     "the quickstart without recorders: a UAV with an OS0-128 maps a forest, finds another UAV, plans for both and "
+     "guides it",
      [] { return unrecorded("forest_guidance"); }, 30.0},
     {"guided_gap", "the same through a gap between two rooms", [] { return unrecorded("guided_gap"); }, 30.0},
 };

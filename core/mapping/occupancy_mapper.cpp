@@ -11,7 +11,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kShown_m = 15.0;  // cells of an overlay
+constexpr double kShown_m = 15.0;      // cells of an overlay
+constexpr double kShownBelow_m = 1.0;  // the vehicle; what is lower is mostly the ground, and would hide the picture
 
 class OccupancyMapper : public Mapper {
  public:
@@ -47,7 +48,9 @@ class OccupancyMapper : public Mapper {
     std::vector<Vector3> centers_local_m;
     map_.occupied_within(p_local_m_, kShown_m, kEver, centers_local_m);
     cells.positions.reserve(centers_local_m.size());
-    for (const Vector3& center_local_m : centers_local_m) cells.positions.push_back(center_local_m.cast<float>());
+    for (const Vector3& center_local_m : centers_local_m) {
+      if (center_local_m.z() > p_local_m_.z() - kShownBelow_m) cells.positions.push_back(center_local_m.cast<float>());
+    }
     overlays.push_back(std::move(cells));
   }
 

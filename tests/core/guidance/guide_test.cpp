@@ -285,6 +285,41 @@ TEST(Guide, ShowsItsPlan) {
   for (const Overlay& overlay : overlays) EXPECT_FALSE(overlay.positions.empty()) << overlay.name;
 }
 
+double seconds_to_the_end(GuideConfig::Motion motion, double& least_m, int& stops) {
+  GuideConfig config = guides_uav2({});
+  config.advance.step_m = {4, 0, 0};
+  config.advance.distance_m = 15.0;
+  config.motion = motion;
+  Team team(config);
+  least_m = 100.0;
+  stops = 0;
+  bool flew = false;
+  while (team.out.mission == MissionStatus::kRunning && to_seconds(team.observation.t) < 200.0) {
+    team.tick();
+    least_m = std::min(least_m, (team.p_m() - team.guided.position_m).head<2>().norm());
+    const bool flies = team.guided.velocity_mps.norm() > 0.1;
+    stops += flew && !flies;
+    flew = flies;
+  }
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone);
+  EXPECT_GT(team.guided.position_m.x(), 14.9);
+  return to_seconds(team.observation.t);
+}
+
+TEST(Guide, PlanningAheadArrivesSoonerAndFlyingTogetherSoonestWithFewerStops) {
+  double least_m = 0.0;
+  int stops = 0;
+  const double alternate_s = seconds_to_the_end(GuideConfig::Motion::kAlternate, least_m, stops);
+  EXPECT_EQ(stops, 4);
+  const double ahead_s = seconds_to_the_end(GuideConfig::Motion::kAhead, least_m, stops);
+  EXPECT_EQ(stops, 4);
+  EXPECT_LT(ahead_s, alternate_s - 3.0);
+  const double together_s = seconds_to_the_end(GuideConfig::Motion::kTogether, least_m, stops);
+  EXPECT_LE(stops, 2) << "one of them at the end";
+  EXPECT_LT(together_s, ahead_s - 3.0);
+  EXPECT_GT(least_m, 1.5) << "they keep out of each other's air";
+}
+
 TEST(Guide, AVehicleThatIsNotThereIsRefused) {
   GuideConfig config = guides_uav2({{4, 0, 0.7}});
   config.secondary = "uav99";

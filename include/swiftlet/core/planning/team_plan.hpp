@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,8 +55,10 @@ enum class PlanningStage { kSecondaryPath, kViewpoint, kPrimaryPath };
 ///
 /// The goal may lie too near to an obstacle. Then the nearest clear place within goal_search_m takes its stead.
 /// @param begins  told when a stage begins, for those who time them
+/// @param flying  what the secondary vehicle still has to fly to the place from which this plan begins. When it is not
+///                empty, both vehicles fly at once: the guide's path keeps out of the air of the whole path, too.
 TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, const Vector3& primary_local_m,
                    const PlannedPose& secondary, const PlannedPose& goal,
-                   const std::function<void(PlanningStage)>& begins = {});
+                   const std::function<void(PlanningStage)>& begins = {}, std::span<const PlannedPose> flying = {});
 
 }  // namespace swiftlet
