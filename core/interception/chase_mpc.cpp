@@ -39,7 +39,7 @@ void project_to_unit(auto&& row) {
 Vector3 projected_to_walls(Vector3 p_m, const ChaseAim& aim) {
   for (int round = 0; round < kWallRounds; ++round) {
     for (int i = 0; i < aim.num_walls; ++i) {
-      const HalfSpace& wall = aim.walls[static_cast<std::size_t>(i)];
+      const Wall& wall = aim.walls[static_cast<std::size_t>(i)];
       p_m -= std::max(wall.excess_m(p_m), 0.0) * wall.normal;
     }
     if (aim.num_walls < 2) break;

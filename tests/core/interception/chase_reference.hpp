@@ -153,7 +153,7 @@ class DenseChase {
       Matrix3 C = aim.weight * Matrix3::Identity();
       Vector3 d = aim.weight * (s.p_m - aim.p_m);
       for (int w = 0; w < aim.num_walls; ++w) {
-        const HalfSpace& wall = aim.walls[static_cast<std::size_t>(w)];
+        const Wall& wall = aim.walls[static_cast<std::size_t>(w)];
         if (wall.excess_m(s.p_m) <= 0.0) continue;
         C += config_.wall_weight * wall.normal * wall.normal.transpose();
         d += config_.wall_weight * wall.excess_m(s.p_m) * wall.normal;

@@ -11,7 +11,7 @@
 namespace swiftlet {
 
 /// One side of a plane: n^T p <= offset. Any frame, the same for all arguments.
-struct HalfSpace {
+struct Wall {
   Vector3 normal = Vector3::UnitX();  ///< unit length, points outward
   double offset_m = 0.0;
 
@@ -39,7 +39,7 @@ struct ChaseAim {
   double weight = 1.0;           ///< of the squared distance [1/m^2]
   double velocity_weight = 0.0;  ///< of the squared difference of velocities [s^2/m^2]
   int num_walls = 0;
-  std::array<HalfSpace, kMaxWalls> walls;  ///< where the point may be then
+  std::array<Wall, kMaxWalls> walls;  ///< where the point may be then
 };
 
 struct ChaseMpcConfig {
