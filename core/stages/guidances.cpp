@@ -12,9 +12,15 @@
 #include "swiftlet/core/guidance/timed_path.hpp"
 #include "swiftlet/core/guidance/trajectory.hpp"
 #include "swiftlet/core/guidance/waypoints.hpp"
+#include "swiftlet/core/interception/intercept.hpp"
+#include "swiftlet/core/interception/target.hpp"
 
 namespace swiftlet {
 namespace {
+
+void need_net(const ModuleConfig& config, AgentNeeds& needs) {
+  needs.net = dynamic_cast<const InterceptConfig&>(config).net;
+}
 
 constexpr GuidanceType kGuidanceTypes[] = {
     {{"hover", "stay at the start or at a point", make_module_config<HoverConfig>}, make_hover},
@@ -38,6 +44,13 @@ constexpr GuidanceType kGuidanceTypes[] = {
     {{"guide", "plans for another vehicle and itself, and guides it by radio [Pritzl 2024]",
       make_module_config<GuideConfig>},
      make_guide},
+    {{"intercept", "catches a flying target with a net, by model predictive control or a pursuit law [Vrba 2025]",
+      make_module_config<InterceptConfig>},
+     make_intercept,
+     need_net},
+    {{"target", "an intruder: hovers, flies lines, curves or at random, or flees from what it sees",
+      make_module_config<TargetConfig>},
+     make_target},
     {{"mezey", "flocking by what is seen on a 1D retina", make_module_config<MezeyConfig>}, make_mezey},
 };
 

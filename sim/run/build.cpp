@@ -167,7 +167,7 @@ std::vector<Perception> perception_of(const Scenario& scenario) {
   std::vector<Perception> perception;
   for (const VehicleConfig& vehicle : scenario.vehicles) {
     const AgentNeeds needs = needs_of(vehicle.agent);
-    perception.push_back({needs.detects, needs.tracks});
+    perception.push_back({needs.detects, needs.tracks, needs.net});
   }
   return perception;
 }
