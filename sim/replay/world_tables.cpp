@@ -58,7 +58,7 @@ std::vector<std::vector<std::uint32_t>> pieces_of(const Mesh& mesh) {
 
 /// A share of the pieces, evenly over the mesh: leaves grow to cover as much as all did; branches stay as they are.
 Mesh thinned(const Mesh& mesh, double share) {
-  constexpr double kFewest = 12.0;  // pieces of a mesh: no tree is left bare
+  constexpr double kFewest = 6.0;  // pieces of a mesh: no tree is left bare
   const auto pieces = pieces_of(mesh);
   share = std::min(1.0, std::max(share, kFewest / static_cast<double>(pieces.size())));
   Mesh out = mesh;

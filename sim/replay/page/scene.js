@@ -22,7 +22,7 @@ const kLayers = [
 ];
 
 /** Overlays that hide more than they show. */
-const kOffAtFirst = /^(voxels|map)\.|clusters|samples|sensing|window/;
+const kOffAtFirst = /^(voxels|map)\.|^reference$|clusters|samples|sensing|window/;
 
 class Scene {
   constructor(painter, run) {
@@ -49,9 +49,8 @@ class Scene {
     const bounds = head.bounds_m || [[-10, -10, 0], [10, 10, 10]];
     this.size_m = Math.hypot(bounds[1][0] - bounds[0][0], bounds[1][1] - bounds[0][1]);
     for (const mesh of world) {
-      const made = painter.mesh(mesh.positions, mesh.indices);
-      painter.place(made, this.placesOf(mesh));
-      this.world.push({mesh: made, kind: mesh.about.kind});
+      const places = this.placesOf(mesh);
+      this.world.push({mesh: painter.mesh(mesh.positions, mesh.indices), kind: mesh.about.kind, places, balls: Scene.ballsOf(mesh, places), seen: new Float32Array(places.length)});
     }
     for (const vehicle of vehicles) {
       const meshes = vehicle.meshes.map((m) => ({mesh: painter.mesh(m.positions, m.indices), color: m.about.color.map((c) => c / 255)}));
@@ -86,6 +85,33 @@ class Scene {
       out[16 * i + 15] = 1;
     }
     return out;
+  }
+
+  /** Around what stands at each place: center and radius. */
+  static ballsOf({positions: p}, places) {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 0; i < p.length; ++i) { low[i % 3] = Math.min(low[i % 3], p[i]); high[i % 3] = Math.max(high[i % 3], p[i]); }
+    const middle = low.map((x, c) => (x + high[c]) / 2), radius = Math.hypot(...sub(high, low)) / 2, out = new Float32Array(places.length / 4);
+    for (let k = 0; k < places.length / 16; ++k) {
+      const T = places.subarray(16 * k, 16 * k + 12);
+      for (let row = 0; row < 3; ++row) out[4 * k + row] = T[4 * row] * middle[0] + T[4 * row + 1] * middle[1] + T[4 * row + 2] * middle[2] + T[4 * row + 3];
+      out[4 * k + 3] = radius * Math.max(...[0, 1, 2].map((c) => Math.hypot(T[c], T[c + 4], T[c + 8])));
+    }
+    return out;
+  }
+
+  /** The places that the view may see, gathered in `seen`. */
+  static inSight(view, places, balls, seen) {
+    const {eye, forward: f} = view, sides = [];
+    for (const [axis, half] of [[view.right, view.half_width], [view.up, view.half_height]]) for (const s of [-1, 1]) sides.push(unit(along(f.map((x) => half * x), s, axis)));
+    sides.push(f);
+    let count = 0;
+    for (let k = 0; k < places.length / 16; ++k) {
+      const x = balls[4 * k] - eye[0], y = balls[4 * k + 1] - eye[1], z = balls[4 * k + 2] - eye[2], r = balls[4 * k + 3];
+      if (sides.some((n) => n[0] * x + n[1] * y + n[2] * z < -r)) continue;
+      seen.set(places.subarray(16 * k, 16 * k + 16), 16 * count++);
+    }
+    return seen.subarray(0, 16 * count);
   }
 
   // --- Cameras ---------------------------------------------------------------------------------------------------------
@@ -150,8 +176,9 @@ class Scene {
     gl.uniform1f(at.u_dim, sky.dim);
     gl.uniform1f(at.u_cut, choices.cut === 'none' || view.close ? 1e9 : Number(choices.cut));
     if (layers.world) {
-      for (const {mesh, kind} of this.world) {
+      for (const {mesh, kind, places, balls, seen} of this.world) {
         if (kind === 'plant' && this.hurried) continue;
+        painter.place(mesh, Scene.inSight(view, places, balls, seen), true);
         gl.uniform1f(at.u_grid, kind === 'ground' ? 10 : 0);
         painter.drawMesh(mesh);
       }

@@ -14,7 +14,7 @@ struct ReplayConfig : ModuleConfigOf<ReplayConfig>, TellsOutput {
   double scan_budget_kBps = 60.0;
   double overlay_rate_hz = 2.0;
   double map_period_s = 5.0;
-  int world_triangles = 120000;
+  int world_triangles = 100000;
 
   void visit(ConfigVisitor& v) override;
   RecorderOutput output() const override { return {"type", "replay.html", true, "", {}, {}}; }
