@@ -5,6 +5,7 @@
 #include "swiftlet/core/airframe.hpp"
 #include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/map_voxels.hpp"
+#include "swiftlet/core/neighbor_view.hpp"
 #include "swiftlet/core/observation.hpp"
 #include "swiftlet/core/prior_map.hpp"
 
@@ -24,6 +25,7 @@ struct AgentSetup {
   /// There its local frame begins.
   Pose T_local_body_start = Pose::Identity();
   double tick_s = 0.004;
+  std::vector<NeighborView> neighbor_views;   ///< of its mutual-localization sensors
   std::shared_ptr<const PriorMap> prior_map;  ///< null: nothing is known
 };
 
