@@ -38,5 +38,6 @@ void rbl_real(Experiment& experiment);
 void rbl_baselines(Experiment& experiment);
 void rbl_limits(Experiment& experiment);
 void rbl_ghosts(Experiment& experiment);
+void rbl_safety(Experiment& experiment);
 
 }  // namespace swiftlet::tools
