@@ -129,6 +129,7 @@ class StackAgent : public Agent {
     input.background = stages_.detector ? stages_.detector->map() : nullptr;
     action_.has_tracks = stages_.tracker->step(input, tracks_, outbox_);
     if (!action_.has_tracks) return;
+    if (needs_.track_modes) stages_.tracker->modes(track_modes_);
     track_overlays_.push(tracks_);
     action_.tracks.clear();
     for (const Track& t : tracks_) ENSURE(is_finite(t), t.id, t.position_m, t.velocity_mps);
@@ -150,7 +151,7 @@ class StackAgent : public Agent {
   }
 
   void map(const Observation& observation) {
-    if (stages_.mapping) stages_.mapping->step({observation, action_.estimate, clouds_, tracks_}, outbox_);
+    if (stages_.mapping) stages_.mapping->step({observation, action_.estimate, clouds_, tracks_, relatives_}, outbox_);
   }
 
   void guide(const Observation& observation, double dt_s) {
@@ -161,6 +162,7 @@ class StackAgent : public Agent {
                             .poses = registrar_.poses(),
                             .detections = found_.detections,
                             .tracks = tracks_,
+                            .track_modes = track_modes_,
                             .relatives = relatives_,
                             .clouds = clouds_,
                             .map = stages_.mapping ? &stages_.mapping->map() : nullptr},
@@ -227,7 +229,8 @@ class StackAgent : public Agent {
   LocalCloudPool cloud_pool_;
   std::vector<std::shared_ptr<const LocalCloud>> clouds_;
   DetectorOutput found_;
-  std::vector<Track> tracks_;  // the newest
+  std::vector<Track> tracks_;            // the newest
+  std::vector<TrackModes> track_modes_;  // theirs, when guidance asks for them
   std::vector<RelativeEstimate> relatives_;
   GuidanceOutput wanted_;
 
@@ -287,6 +290,7 @@ AgentNeeds stack_needs(const ModuleConfig& config) {
   add(detector_registry(), stack.detector);
   add(tracker_registry(), stack.tracker);
   add(mapper_registry(), stack.mapping);
+  add(guidance_registry(), stack.guidance);
   return needs;
 }
 

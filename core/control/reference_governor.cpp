@@ -146,6 +146,20 @@ Vec<N> follow(Motion<N>& m, const Motion<N>& goal, const Vec<N>& goal_a_before, 
   return jerk;
 }
 
+/// One step with the wanted acceleration. What would lead beyond the speed limit turns the velocity instead.
+template <int N>
+Vec<N> push(Motion<N>& m, const Vec<N>& wanted, const AxisLimits& limits, double dt) {
+  Vec<N> a = cut<N>(wanted, limits.acceleration);
+  const double ahead_s = std::max(2.0 * limits.acceleration / limits.jerk, 5.0 * dt);
+  const Vec<N> v_next = m.v + ahead_s * a;
+  if (v_next.norm() > limits.speed) a = cut<N>((cut<N>(v_next, limits.speed) - m.v) / ahead_s, limits.acceleration);
+  Vec<N> jerk = cut<N>((a - m.a) / dt, limits.jerk);
+  jerk = (cut<N>(m.a + dt * jerk, limits.acceleration) - m.a) / dt;
+  jerk = viable_jerk<N>(m, jerk, limits, dt);
+  m = m.after(jerk, dt);
+  return jerk;
+}
+
 /// Second order: heading, rate; limits of rate and acceleration.
 void follow_heading(double& yaw, double& rate, const Reference& goal, double goal_rate_before,
                     const MotionLimits& limits, double dt) {
@@ -205,6 +219,28 @@ const Reference& ReferenceGovernor::take(const Reference& feasible, double dt_s)
   jerk_mps3_ = (feasible.acceleration_mps2 - state_.acceleration_mps2) / dt_s;
   state_ = last_goal_ = feasible;
   state_.yaw_rad = wrap_angle(state_.yaw_rad);
+  return state_;
+}
+
+const Reference& ReferenceGovernor::accelerate(const Vector3& a_local_mps2, double yaw_rad, double dt_s) {
+  if (!(dt_s > 0.0)) return state_;
+  const Vector3 wanted = a_local_mps2.allFinite() ? a_local_mps2 : Vector3(Vector3::Zero());
+  const AxisLimits horizontal{limits_.horizontal_speed_mps, limits_.horizontal_acceleration_mps2,
+                              limits_.horizontal_jerk_mps3};
+  const AxisLimits vertical{limits_.vertical_speed_mps, limits_.vertical_acceleration_mps2, limits_.vertical_jerk_mps3};
+  Motion<2> xy{state_.position_m.head<2>(), state_.velocity_mps.head<2>(), state_.acceleration_mps2.head<2>()};
+  Motion<1> z{state_.position_m.tail<1>(), state_.velocity_mps.tail<1>(), state_.acceleration_mps2.tail<1>()};
+  jerk_mps3_.head<2>() = push<2>(xy, wanted.head<2>(), horizontal, dt_s);
+  jerk_mps3_.tail<1>() = push<1>(z, wanted.tail<1>(), vertical, dt_s);
+  state_.position_m << xy.p, z.p;
+  state_.velocity_mps << xy.v, z.v;
+  state_.acceleration_mps2 << xy.a, z.a;
+  Reference turned = state_;
+  turned.yaw_rad = yaw_rad;
+  turned.yaw_rate_radps = 0.0;
+  follow_heading(state_.yaw_rad, state_.yaw_rate_radps, turned, last_goal_.yaw_rate_radps, limits_, dt_s);
+  state_.yaw_rad = wrap_angle(state_.yaw_rad);
+  last_goal_ = state_;
   return state_;
 }
 

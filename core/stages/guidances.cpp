@@ -6,14 +6,21 @@
 #include "swiftlet/core/guidance/follow_guide.hpp"
 #include "swiftlet/core/guidance/guide.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
+#include "swiftlet/core/guidance/planned_path.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
 #include "swiftlet/core/guidance/takeoff_land.hpp"
 #include "swiftlet/core/guidance/timed_path.hpp"
 #include "swiftlet/core/guidance/trajectory.hpp"
 #include "swiftlet/core/guidance/waypoints.hpp"
+#include "swiftlet/core/interception/intercept.hpp"
+#include "swiftlet/core/interception/target.hpp"
 
 namespace swiftlet {
 namespace {
+
+void need_net(const ModuleConfig& config, AgentNeeds& needs) {
+  needs.net = dynamic_cast<const InterceptConfig&>(config).net;
+}
 
 constexpr GuidanceType kGuidanceTypes[] = {
     {{"hover", "stay at the start or at a point", make_module_config<HoverConfig>}, make_hover},
@@ -21,6 +28,9 @@ constexpr GuidanceType kGuidanceTypes[] = {
     {{"trajectory", "circle, lissajous curve or line", make_module_config<TrajectoryConfig>}, make_trajectory},
     {{"timed_path", "a planned path with its times, as a spline", make_module_config<TimedPathConfig>},
      make_timed_path},
+    {{"planned_path", "from goal to goal along paths that are clear in the own map",
+      make_module_config<PlannedPathConfig>},
+     make_planned_path},
     {{"agile", "random smooth flight at high speed in a box", make_module_config<AgileConfig>}, make_agile},
     {{"takeoff_land", "up from the ground, hover, down", make_module_config<TakeoffLandConfig>}, make_takeoff_land},
     {{"rbl", "rule-based Lloyd: to the centroid of the own cell, in 2D or 3D", make_module_config<RblConfig>},
@@ -34,6 +44,13 @@ constexpr GuidanceType kGuidanceTypes[] = {
     {{"guide", "plans for another vehicle and itself, and guides it by radio [Pritzl 2024]",
       make_module_config<GuideConfig>},
      make_guide},
+    {{"intercept", "catches a flying target with a net, by model predictive control or a pursuit law [Vrba 2025]",
+      make_module_config<InterceptConfig>},
+     make_intercept,
+     need_net},
+    {{"target", "an intruder: hovers, flies lines, curves or at random, or flees from what it sees",
+      make_module_config<TargetConfig>},
+     make_target},
     {{"mezey", "flocking by what is seen on a 1D retina", make_module_config<MezeyConfig>}, make_mezey},
 };
 

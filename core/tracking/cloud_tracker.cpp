@@ -376,4 +376,19 @@ void CloudTracker::publish(std::vector<Track>& tracks) const {
   std::sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.id < b.id; });
 }
 
+void CloudTracker::publish_modes(std::vector<TrackModes>& modes) const {
+  modes.clear();
+  if (!filter_->has_modes()) return;
+  for (const Target& target : targets_) {
+    if (target.num_detections < config_.min_detections) continue;
+    TrackModes& told = modes.emplace_back();
+    told.id = target.id;
+    for (std::size_t m = 0; m < TrackModes::kModels; ++m) {
+      told.probability[m] = target.state.mode_probability[m];
+      told.mean_local_m[m] = target.state.modes[m].mean;
+    }
+  }
+  std::sort(modes.begin(), modes.end(), [](const TrackModes& a, const TrackModes& b) { return a.id < b.id; });
+}
+
 }  // namespace swiftlet

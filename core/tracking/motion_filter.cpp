@@ -70,6 +70,7 @@ class KalmanFilter : public MotionFilter {
 class ImmFilter : public MotionFilter {
  public:
   explicit ImmFilter(const ImmConfig& config) : config_(config) {}
+  bool has_modes() const override { return true; }
 
   MotionState start(const Vector3& position_local_m, const Matrix3& position_covariance) const override {
     MotionState state;

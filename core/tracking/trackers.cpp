@@ -25,6 +25,7 @@ class CloudTrackerModule : public Tracker {
     return true;
   }
 
+  void modes(std::vector<TrackModes>& modes) const override { tracker_.publish_modes(modes); }
   void append_counters(std::vector<Counter>& counters) const override { tracker_.append_counters(counters); }
 
  private:

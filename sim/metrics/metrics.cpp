@@ -16,6 +16,7 @@ constexpr MetricType kMetricTypes[] = {
     {"detection", "detections and tracks against the vehicles that are there [Vrba 2025, eqs. 67-71]",
      make_detection_metric},
     {"relative_error", "relative localization against where the other vehicle is", make_relative_error_metric},
+    {"capture", "who was caught in whose net, and when", make_capture_metric},
 };
 
 // A vehicle at rest nearer to a surface than its own radius stands on it.

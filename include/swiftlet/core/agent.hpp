@@ -3,8 +3,10 @@
 
 #include "swiftlet/core/action.hpp"
 #include "swiftlet/core/airframe.hpp"
+#include "swiftlet/core/capture_volume.hpp"
 #include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/map_voxels.hpp"
+#include "swiftlet/core/neighbor_view.hpp"
 #include "swiftlet/core/observation.hpp"
 #include "swiftlet/core/prior_map.hpp"
 
@@ -24,6 +26,7 @@ struct AgentSetup {
   /// There its local frame begins.
   Pose T_local_body_start = Pose::Identity();
   double tick_s = 0.004;
+  std::vector<NeighborView> neighbor_views;   ///< of its mutual-localization sensors
   std::shared_ptr<const PriorMap> prior_map;  ///< null: nothing is known
 };
 
@@ -35,13 +38,14 @@ struct MemoryNeed {
 
 /// What an agent needs of whoever puts it into a world, beside the sensors that its vehicle carries.
 struct AgentNeeds {
-  bool true_pose = false;          ///< truth by name: an ideal `pose` sensor where the vehicle carries none
-  bool true_neighbors = false;     ///< truth by name: an ideal `neighbors` sensor where the vehicle carries none
-  PriorConfig prior;               ///< the map that it wants to be told
-  double prior_voxel_m = 0.25;     ///< for which that map must be dense enough
-  bool detects = false;            ///< its detections are to be scored
-  bool tracks = false;             ///< its tracks are to be scored
-  std::vector<MemoryNeed> memory;  ///< what is large
+  bool true_pose = false;            ///< truth by name: an ideal `pose` sensor where the vehicle carries none
+  bool true_neighbors = false;       ///< truth by name: an ideal `neighbors` sensor where the vehicle carries none
+  PriorConfig prior;                 ///< the map that it wants to be told
+  double prior_voxel_m = 0.25;       ///< for which that map must be dense enough
+  bool detects = false;              ///< its detections are to be scored
+  bool tracks = false;               ///< its tracks are to be scored
+  std::optional<CaptureVolume> net;  ///< whom it catches is to be noted
+  std::vector<MemoryNeed> memory;    ///< what is large
 };
 
 /// One vehicle's software. Knows nothing but its setup and its observations; has no clock, no files, no random numbers.

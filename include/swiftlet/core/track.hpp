@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "swiftlet/core/frames.hpp"
@@ -37,6 +38,14 @@ struct Track {
     v.field("reflectivity", t.reflectivity,
             "[-] greatest among the returns of that; 1: white Lambertian, 0: not known");
   }
+};
+
+/// What a tracker with several motion models believes of one track, beside their mixture. Local frame.
+struct TrackModes {
+  enum Model { kConstantVelocity, kConstantAcceleration, kCoordinatedTurn, kModels };
+  std::uint32_t id = 0;                                             ///< of the track
+  std::array<double, kModels> probability{};                        ///< of each model; they sum to 1
+  std::array<Eigen::Matrix<double, 9, 1>, kModels> mean_local_m{};  ///< position, velocity, acceleration by each
 };
 
 }  // namespace swiftlet

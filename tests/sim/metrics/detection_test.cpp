@@ -22,7 +22,7 @@ struct SightRun : MetricsRun {
   }
   static std::vector<Perception> perceived(int n) {
     std::vector<Perception> out(n);
-    out[0] = {true, true};
+    out[0] = {true, true, {}};
     return out;
   }
 

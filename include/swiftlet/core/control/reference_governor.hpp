@@ -31,6 +31,9 @@ class ReferenceGovernor {
   /// A reference that keeps the limits by itself is taken as it is; step() goes on from there. Not-finite ones are not.
   const Reference& take(const Reference& feasible, double dt_s);
 
+  /// One step with the acceleration that is wanted, as far as the limits allow. At the speed limit it still turns.
+  const Reference& accelerate(const Vector3& a_local_mps2, double yaw_rad, double dt_s);
+
   const Reference& state() const { return state_; }
   const Vector3& jerk_mps3() const { return jerk_mps3_; }
   const MotionLimits& limits() const { return limits_; }

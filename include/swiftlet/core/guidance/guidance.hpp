@@ -27,6 +27,7 @@ struct GuidanceInput {
   const LocalPoses& poses;         ///< where the vehicle was in the last seconds
   std::span<const Detection> detections = {};
   std::span<const Track> tracks = {};
+  std::span<const TrackModes> track_modes = {};                    ///< of the tracks, when it needs them; may be none
   std::span<const RelativeEstimate> relatives = {};                ///< members of the team
   std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick, when it needs them
   const OccupancyView* map = nullptr;                              ///< null: there is none
@@ -47,6 +48,7 @@ struct GuidanceNeeds {
   bool clouds = false;
   bool map = false;
   bool relatives = false;  ///< where the other members of the team are
+  bool track_modes = false;
 };
 
 /// Where should I go? A scenario chooses by name who answers. Goals of the world are carried into

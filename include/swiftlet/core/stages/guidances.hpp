@@ -12,6 +12,7 @@ namespace swiftlet {
 struct GuidanceType {
   ModuleType module;
   std::unique_ptr<Guidance> (*make)(const ModuleConfig& config, const GuidanceSetup& setup);
+  void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
 };
 
 Registry<GuidanceType>& guidance_registry();

@@ -71,6 +71,8 @@ class CloudTracker {
 
   /// Tracks with enough detections, in order of their identity.
   void publish(std::vector<Track>& tracks) const;
+  /// What their motion models believe, in the same order; none where the filter has one model.
+  void publish_modes(std::vector<TrackModes>& modes) const;
   int num_tracks() const { return static_cast<int>(targets_.size()); }  ///< published or not
   void append_counters(std::vector<Counter>& counters) const;
 

@@ -46,6 +46,8 @@ struct ProcessNoise {
 class MotionFilter {
  public:
   virtual ~MotionFilter() = default;
+  /// Does it keep the beliefs of several models, in the order of TrackModes::Model?
+  virtual bool has_modes() const { return false; }
   /// At rest at a position, eqs. (35) and (36).
   virtual MotionState start(const Vector3& position_local_m, const Matrix3& position_covariance) const = 0;
   virtual void predict(MotionState& state, double dt_s) const = 0;

@@ -29,6 +29,8 @@ class Tracker {
   virtual ~Tracker() = default;
   /// True when `tracks` was updated; it is left alone otherwise.
   virtual bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox& outbox) = 0;
+  /// What its motion models believe of the tracks that it told last, in their order. None where it has one model.
+  virtual void modes(std::vector<TrackModes>& modes) const { modes.clear(); }
   /// What did not fit its settings so far.
   virtual void append_counters(std::vector<Counter>& /*counters*/) const {}
 };

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "swiftlet/core/capture_volume.hpp"
 #include "swiftlet/sim/metrics/metric_table.hpp"
 #include "swiftlet/sim/metrics/metrics_config.hpp"
 #include "swiftlet/sim/view/tick_view.hpp"
@@ -16,6 +18,7 @@ namespace swiftlet::sim {
 /// What of a vehicle's perception there is to measure.
 struct Perception {
   bool detects = false, tracks = false;
+  std::optional<CaptureVolume> net;  ///< with which it catches others
 };
 
 /// What stays the same during a run.
@@ -78,5 +81,6 @@ std::unique_ptr<Metric> make_tracking_error_metric(const MetricSetup& setup);
 std::unique_ptr<Metric> make_clearance_metric(const MetricSetup& setup);
 std::unique_ptr<Metric> make_detection_metric(const MetricSetup& setup);
 std::unique_ptr<Metric> make_relative_error_metric(const MetricSetup& setup);
+std::unique_ptr<Metric> make_capture_metric(const MetricSetup& setup);
 
 }  // namespace swiftlet::sim

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/capture_volume.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "swiftlet/core/elementary.hpp"
+
+namespace swiftlet {
+
+void CaptureVolume::visit(ConfigVisitor& v) {
+  v.field("offset_m", offset_m, "[m] its middle from the vehicle's center: ahead, left, up; level whatever the tilt");
+  v.field("radius_m", radius_m, "[m] of the opening", Range::positive());
+  v.field("height_m", height_m, "[m] of the volume; 0: a disc", Range::non_negative());
+  v.field("rearm_m", rearm_m,
+          "[m] a target that was captured counts again once it has been farther than this from the middle",
+          Range::non_negative());
+}
+
+Vector3 CaptureVolume::center(const Vector3& p_m, double yaw_rad) const {
+  const double c = elementary::cos(yaw_rad), s = elementary::sin(yaw_rad);
+  return p_m + Vector3(c * offset_m.x() - s * offset_m.y(), s * offset_m.x() + c * offset_m.y(), offset_m.z());
+}
+
+std::optional<double> CaptureVolume::met_m(const Vector3& from_net_m, const Vector3& to_net_m) const {
+  const Vector3 way_m = to_net_m - from_net_m;
+  // The part of the way that lies between bottom and top.
+  double first = 0.0, last = 1.0;
+  const double low = -0.5 * height_m - from_net_m.z(), high = 0.5 * height_m - from_net_m.z();
+  if (way_m.z() == 0.0) {
+    if (low > 0.0 || high < 0.0) return std::nullopt;
+  } else {
+    double a = low / way_m.z(), b = high / way_m.z();
+    if (a > b) std::swap(a, b);
+    first = std::max(first, a);
+    last = std::min(last, b);
+    if (first > last) return std::nullopt;
+  }
+  // On it, the place nearest to the axis.
+  const double length_sq = way_m.head<2>().squaredNorm();
+  const double nearest = length_sq > 0.0 ? -from_net_m.head<2>().dot(way_m.head<2>()) / length_sq : first;
+  const double at = std::clamp(nearest, first, last);
+  const double miss_m = (from_net_m.head<2>() + at * way_m.head<2>()).norm();
+  if (miss_m > radius_m) return std::nullopt;
+  return miss_m;
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/interception/chase_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace swiftlet {
+namespace {
+
+// A plan that is a little slower than the limits is one that the reference governor follows as it is.
+constexpr double kShareOfLimits = 0.985;
+constexpr double kStepGrain_s = 0.0125;   // so that successive plans have steps of one length, mostly
+constexpr double kBeyondMeeting = 1.3;    // the horizon, by the time to go
+constexpr double kMeetingGrain_s = 0.05;  // of the time to go
+
+MotionLimits slower(MotionLimits limits) {
+  for (double* limit :
+       {&limits.horizontal_speed_mps, &limits.horizontal_acceleration_mps2, &limits.horizontal_jerk_mps3,
+        &limits.vertical_speed_mps, &limits.vertical_acceleration_mps2, &limits.vertical_jerk_mps3}) {
+    *limit *= kShareOfLimits;
+  }
+  return limits;
+}
+
+/// How far a velocity can be left behind within a time: full acceleration, once full jerk has built it up.
+double way_by_m(double t_s, double acceleration, double jerk) {
+  const double pushed_s = std::max(0.0, t_s - 0.5 * acceleration / jerk);
+  return 0.5 * acceleration * pushed_s * pushed_s;
+}
+
+}  // namespace
+
+ChasePlanner::ChasePlanner(const ChasePlanConfig& config, const MotionLimits& limits, double reach_m)
+    : config_(config), limits_(slower(limits)), reach_m_(reach_m), mpc_(config.solver, limits_, config.steps) {}
+
+void ChasePlanner::forget() {
+  planned_ = false;
+  mpc_.forget();
+}
+
+void ChasePlanner::plan(const PointState& self, const TargetPrediction& target, const Vector3& to_target_local_m,
+                        double side, const Surroundings& surroundings) {
+  time_to_go_s_ = least_time_s(self, target, to_target_local_m);
+  const int n = mpc_.num_steps();
+  const double horizon_s = std::clamp(kBeyondMeeting * time_to_go_s_, config_.horizon_min_s, config_.horizon_max_s);
+  const double step_s = std::ceil(horizon_s / n / kStepGrain_s - 1e-9) * kStepGrain_s;
+  const double meeting_s = std::min(time_to_go_s_, (n - 1) * step_s);
+  const double last_step_s = mpc_.step_s();
+  for (int k = 0; k < n; ++k) {
+    const double t_s = (k + 1) * step_s;
+    const PointState then = target.at(t_s);
+    ChaseAim& aim = aims_[static_cast<std::size_t>(k)];
+    aim.p_m = then.p_m - to_target_local_m;
+    // A disc catches what goes through it: it stays on its side until they meet.
+    aim.p_m.z() += side * (t_s < meeting_s ? config_.hold_m : -config_.through_m);
+    aim.v_mps = then.v_mps;
+    const bool meets = t_s >= meeting_s && t_s < meeting_s + std::max(config_.meeting_s, 1.01 * step_s);
+    aim.weight = t_s < meeting_s ? config_.weight_before : meets ? 1.0 : config_.weight_after;
+    aim.velocity_weight = meets ? config_.velocity_weight : 0.0;
+    // Walls matter where the vehicle will be: on its last plan, else on the straight way.
+    const Vector3 there =
+        planned_ && t_s < n * last_step_s
+            ? mpc_.at(t_s).p_m
+            : Vector3(self.p_m + std::min(1.0, t_s / std::max(meeting_s, step_s)) * (aim.p_m - self.p_m));
+    surroundings.walls(there, t_s, aim);
+  }
+  mpc_.solve(self, std::span(aims_.data(), static_cast<std::size_t>(n)), step_s);
+  planned_ = true;
+}
+
+/// A bound: speed along the whole way and acceleration from the present velocity must both suffice.
+double ChasePlanner::least_time_s(const PointState& self, const TargetPrediction& target,
+                                  const Vector3& to_target_m) const {
+  const int steps = static_cast<int>(config_.horizon_max_s / kMeetingGrain_s);
+  for (int i = 1; i < steps; ++i) {
+    const double t_s = i * kMeetingGrain_s;
+    const Vector3 way_m = target.at(t_s).p_m - to_target_m - self.p_m;
+    const Vector3 missing_m = way_m - t_s * self.v_mps;
+    if (way_m.head<2>().norm() - reach_m_ > t_s * limits_.horizontal_speed_mps) continue;
+    if (std::abs(way_m.z()) > t_s * limits_.vertical_speed_mps) continue;
+    if (missing_m.head<2>().norm() - reach_m_ >
+        way_by_m(t_s, limits_.horizontal_acceleration_mps2, limits_.horizontal_jerk_mps3))
+      continue;
+    if (std::abs(missing_m.z()) > way_by_m(t_s, limits_.vertical_acceleration_mps2, limits_.vertical_jerk_mps3))
+      continue;
+    return t_s;
+  }
+  return config_.horizon_max_s;
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,426 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/interception/intercept.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "core/interception/chase_planner.hpp"
+#include "core/interception/intercept_overlays.hpp"
+#include "core/interception/surroundings.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kCheckStep_s = 0.01;              // of what is tried before it is flown
+constexpr double kLook_s = 0.2;                    // a search looks this often
+constexpr double kThink_s = 1.0;                   // and goes elsewhere this often
+constexpr double kGreatestBias_m = 0.5;            // between reference and estimate
+constexpr double kShortestToFace_m = 1.0;          // nearer than this, a direction is noise
+constexpr double kSameTarget_m = 3.0;              // a new track near the prediction is the old target
+constexpr double kSameTarget_mps = 3.0;            // and farther for each second that it was not seen
+constexpr double kSecondTrack_m = 2.5;             // a track this near to the target's is of the same target
+constexpr double kAboveBy = 0.8, kBesideBy = 1.7;  // of the distance that it keeps to the target
+constexpr double kHighAbove_m = 1000.0;            // as high as the fence allows
+constexpr double kReachShare = 0.8;                // of the radius within which a target is believed to be caught
+constexpr double kSameHeight_m = 0.05;
+constexpr double kNoSide_m = 0.05;
+constexpr double kSureFor_s = 0.5;    // a target not seen for longer is not believed to be in the net
+constexpr double kSlowest_mps = 0.5;  // slower than this, a velocity tells no direction
+
+class Intercept : public Guidance {
+ public:
+  Intercept(const InterceptConfig& config, const GuidanceSetup& setup)
+      : config_(config),
+        limits_(setup.limits),
+        governor_(setup.limits),
+        planner_(config.plan, setup.limits, kReachShare * config.sure_share * config.net.radius_m),
+        search_(config.search),
+        watch_local_m_(setup.agent.T_local_body_start.translation()),
+        yaw_rad_(yaw_of(setup.agent.T_local_body_start.linear())) {
+    sure_net_ = config.net;
+    sure_net_.radius_m *= config.sure_share;
+    sure_net_.height_m *= config.sure_share;
+    surroundings_.clearance_m = config.clearance_m;
+    surroundings_.bystanders.reserve(64);
+    surroundings_.cells_local_m.reserve(4096);
+    if (!config.target.empty()) target_id_ = id_of(config.target, setup.agent.vehicle_names);
+  }
+
+  GuidanceNeeds needs() const override {
+    return {.map = config_.walls == InterceptConfig::Walls::kMap, .track_modes = true};
+  }
+
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
+    if (!started_) start(input.estimate);
+    p_local_m_ = input.estimate.T_local_body.translation();
+    look_around(input);
+    const bool sees = find_target(input);
+    if (sees) note_capture();
+    decide(sees, input.dt_s, output);
+    if (since_check_s_ >= config_.period_s) plan();
+    fly(governor_, since_check_s_, input.dt_s);
+    since_check_s_ += input.dt_s;
+    output.goal = governor_.state();
+    output.goal_is_feasible = true;
+  }
+
+  void append_overlays(std::vector<Overlay>& overlays) const override {
+    append_fence(surroundings_.fence, overlays);
+    append_net(config_.net, p_local_m_, governor_.state().yaw_rad, overlays);
+    if (mode_ == Mode::kSearching) search_.append_overlay(overlays);
+    if (mode_ != Mode::kChasing) return;
+    append_curve(
+        "intercept.prediction", "where the target will be", {0.84F, 0.37F, 0.0F, 1.0F}, planner_.horizon_s(),
+        [&](double t_s) { return target_.at(t_s).p_m; }, overlays);
+    if (config_.method != InterceptConfig::Method::kMpc) return;
+    append_curve(
+        "intercept.plan", "plan of the interceptor", {0.0F, 0.45F, 0.70F, 1.0F}, planner_.horizon_s(),
+        [&](double t_s) { return planner_.at(t_s).p_m; }, overlays);
+  }
+
+ private:
+  enum class Mode { kWaiting, kChasing, kLeaving, kSearching, kGaveUp, kDone };
+
+  static std::uint32_t id_of(const std::string& name, const std::vector<std::string>& names) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end())
+      throw std::invalid_argument("guidance intercept: target: expected the name of a vehicle, found '" + name + "'");
+    return static_cast<std::uint32_t>(found - names.begin()) + 1;  // as the tracker `ground_truth` numbers them
+  }
+
+  void start(const StateEstimate& estimate) {
+    started_ = true;
+    Reference reference;
+    reference.position_m = estimate.T_local_body.translation();
+    reference.velocity_mps = estimate.v_local_mps;
+    reference.yaw_rad = yaw_of(estimate.T_local_body.linear());
+    governor_.reset(reference);
+    since_check_s_ = config_.period_s;
+  }
+
+  void look_around(const GuidanceInput& input) {
+    surroundings_.fence = Geofence(config_.fence, FrameChange::to_local(input.estimate));
+    surroundings_.map = config_.walls == InterceptConfig::Walls::kMap ? input.map : nullptr;
+    const Vector3 bias_m = p_local_m_ - governor_.state().position_m;
+    bias_local_m_ = bias_m.cwiseMax(-kGreatestBias_m).cwiseMin(kGreatestBias_m);
+  }
+
+  /// The track of the target and its prediction; everybody else is a bystander.
+  bool find_target(const GuidanceInput& input) {
+    const TimeNs now = input.observation.t;
+    const Track* best = nullptr;
+    double least_m = std::numeric_limits<double>::infinity();
+    for (const Track& track : input.tracks) {
+      if (to_seconds(now - track.t) > config_.track_timeout_s) continue;
+      if (!config_.target.empty() && track.id != target_id_) continue;
+      double distance_m = (track.position_m - p_local_m_).norm();
+      if (config_.target.empty() && had_target_) {
+        const double gone_s = to_seconds(now - seen_);
+        const double off_m = (track.position_m - expected_m(gone_s)).norm();
+        const bool same = track.id == target_id_;
+        if (!same && mode_ == Mode::kChasing && off_m > kSameTarget_m + kSameTarget_mps * gone_s) continue;
+        distance_m = same ? -1.0 : off_m;
+      }
+      if (distance_m >= least_m) continue;
+      least_m = distance_m;
+      best = &track;
+    }
+    if (best != nullptr) {
+      const auto modes = std::find_if(input.track_modes.begin(), input.track_modes.end(),
+                                      [&](const TrackModes& m) { return m.id == best->id; });
+      target_ = TargetPrediction(config_.prediction, *best, modes == input.track_modes.end() ? nullptr : &*modes, now);
+      if (best->id != target_id_ || !had_target_) last_net_m_.reset();
+      target_id_ = best->id;
+      target_age_s_ = to_seconds(now - best->t);
+      had_target_ = true;
+      seen_ = now;
+    }
+    meet_bystanders(input, best);
+    return best != nullptr;
+  }
+
+  Vector3 expected_m(double gone_s) const { return target_.at(gone_s).p_m; }
+
+  void meet_bystanders(const GuidanceInput& input, const Track* target) {
+    surroundings_.bystanders.clear();
+    for (const Track& track : input.tracks) {
+      if (&track == target || surroundings_.bystanders.size() == surroundings_.bystanders.capacity()) continue;
+      if (target != nullptr && config_.target.empty() &&
+          (track.position_m - target->position_m).norm() < kSecondTrack_m)
+        continue;
+      const double age_s = to_seconds(input.observation.t - track.t);
+      surroundings_.bystanders.push_back(
+          {track.position_m + age_s * track.velocity_mps, track.velocity_mps, config_.bystander_clearance_m});
+    }
+    if (target == nullptr || config_.target_clearance_m <= 0.0) return;
+    const PointState now = target_.at(0.0);
+    surroundings_.bystanders.push_back(
+        {now.p_m, now.v_mps, config_.target_clearance_m, config_.net.offset_m.z() < 0.0});
+  }
+
+  Vector3 net_m() const { return config_.net.center(p_local_m_, governor_.state().yaw_rad); }
+
+  void note_capture() {
+    const Vector3 target_net_m = target_.at(0.0).p_m - net_m();
+    if (target_net_m.norm() > config_.net.rearm_m) armed_ = true;
+    captured_now_ = armed_ && last_net_m_ && target_age_s_ < kSureFor_s && sure_net_.met_m(*last_net_m_, target_net_m);
+    last_net_m_ = target_net_m;
+    if (!captured_now_) return;
+    armed_ = false;
+    ++captures_;
+  }
+
+  void decide(bool sees, double dt_s, GuidanceOutput& output) {
+    in_mode_s_ += dt_s;
+    switch (mode_) {
+      case Mode::kWaiting:
+        output.note = "waiting for a target";
+        if (sees) enter(Mode::kChasing);
+        break;
+      case Mode::kSearching:
+        search(dt_s);
+        output.note = "the target is lost: searching";
+        if (sees)
+          enter(Mode::kChasing);
+        else if (in_mode_s_ > config_.search.timeout_s)
+          give_up("gave up: the target was not found again");
+        break;
+      case Mode::kLeaving:
+        output.note = "captured";
+        if (armed_ || in_mode_s_ > config_.after_capture_s) enter(Mode::kChasing);
+        break;
+      case Mode::kChasing:
+        output.note = "chasing";
+        outside_s_ = surroundings_.fence.excess_m(target_.at(0.0).p_m) > 0.0 ? outside_s_ + dt_s : 0.0;
+        if (!sees)
+          lose();
+        else if (outside_s_ > config_.fence.patience_s)
+          give_up("gave up: the target left the fence");
+        break;
+      case Mode::kGaveUp:
+        output.note = why_;
+        break;
+      case Mode::kDone:
+        break;
+    }
+    if (captured_now_ && mode_ != Mode::kGaveUp && mode_ != Mode::kDone) {
+      captured_now_ = false;
+      output.note = "captured";
+      const bool enough = config_.captures > 0 && captures_ >= config_.captures;
+      if (enough)
+        enter(Mode::kDone);
+      else if (config_.method == InterceptConfig::Method::kMpc)
+        enter(Mode::kLeaving);
+    }
+    output.mission = mode_ == Mode::kDone     ? MissionStatus::kDone
+                     : mode_ == Mode::kGaveUp ? MissionStatus::kFailed
+                                              : MissionStatus::kRunning;
+  }
+
+  void enter(Mode mode) {
+    if (mode == Mode::kChasing && mode_ != Mode::kLeaving) outside_s_ = 0.0;
+    planner_.forget();
+    mode_ = mode;
+    in_mode_s_ = 0.0;
+    since_check_s_ = config_.period_s;  // think at once
+  }
+
+  void lose() {
+    // Where it was when it was last seen, and how well that was known.
+    last_net_m_.reset();
+    search_.begin(target_.at(0.0), std::max(0.5, target_.sigma_m(0.0)), 1.0);
+    since_look_s_ = since_think_s_ = 0.0;
+    goal_local_m_ = target_.at(config_.track_timeout_s).p_m;
+    enter(Mode::kSearching);
+  }
+
+  void give_up(const char* why) {
+    why_ = why;
+    enter(Mode::kGaveUp);
+  }
+
+  void search(double dt_s) {
+    since_look_s_ += dt_s;
+    since_think_s_ += dt_s;
+    if (since_look_s_ < kLook_s) return;
+    search_.advance(since_look_s_, surroundings_.fence);
+    search_.look(p_local_m_, since_look_s_, surroundings_.map);
+    since_look_s_ = 0.0;
+    if (since_think_s_ < kThink_s) return;
+    since_think_s_ = 0.0;
+    goal_local_m_ = search_.most_probable();
+  }
+
+  /// Tries what it would do until it thinks again, and brakes instead when it could not stop in time after that.
+  void plan() {
+    since_check_s_ = 0.0;
+    if (mode_ == Mode::kChasing && config_.method == InterceptConfig::Method::kMpc) {
+      const Reference& r = governor_.state();
+      planner_.plan({r.position_m, r.velocity_mps, r.acceleration_mps2}, target_, to_target_m(), side(), surroundings_);
+    }
+    brakes_ = false;
+    ReferenceGovernor tried = governor_;
+    const int steps = std::max(1, static_cast<int>(std::ceil(config_.period_s / kCheckStep_s)));
+    for (int i = 0; i < steps; ++i) fly(tried, i * kCheckStep_s, kCheckStep_s);
+    const double allowed_m = std::max(0.0, surroundings_.intrusion_m(governor_.state().position_m, 0.0));
+    brakes_ = !can_stop(tried, surroundings_, config_.period_s, allowed_m);
+  }
+
+  /// From where the reference shall be to the target, so that the vehicle's net meets it.
+  Vector3 to_target_m() const {
+    const Vector3 offset_m = config_.net.center(Vector3::Zero(), governor_.state().yaw_rad);
+    const PointState target = target_.at(0.0);
+    return offset_m + bias_local_m_ - beside_m(target, offset_m);
+  }
+
+  /// On which side of the target the net is; a volume catches from any.
+  double side() {
+    const double above_m = net_m().z() - target_.at(0.0).p_m.z();
+    if (std::abs(above_m) > kSameHeight_m) side_ = above_m > 0.0 ? 1.0 : -1.0;
+    return config_.net.height_m > 0.0 ? 0.0 : side_;
+  }
+
+  /// Who comes from below with a net below flies past the target first, not through it.
+  Vector3 beside_m(const PointState& target, const Vector3& offset_m) const {
+    const Vector3 from_target = p_local_m_ - target.p_m;
+    const double clear_m = config_.target_clearance_m;
+    if (offset_m.z() >= 0.0 || clear_m <= 0.0 || from_target.z() > kAboveBy * clear_m) return Vector3::Zero();
+    Vector3 side(from_target.x(), from_target.y(), 0.0);
+    if (side.norm() < kNoSide_m) side = Vector3(-target.v_mps.y(), target.v_mps.x(), 0.0);
+    if (side.norm() < kNoSide_m) side = Vector3::UnitX();
+    return kBesideBy * clear_m * side.normalized();
+  }
+
+  /// Moves the reference by one step of what is flown now, `since_s` after it was decided.
+  void fly(ReferenceGovernor& governor, double since_s, double dt_s) {
+    if (brakes_) {
+      governor.accelerate(braking_mps2(governor.state(), surroundings_, since_s, limits_), yaw_rad_, dt_s);
+    } else if (mode_ == Mode::kChasing && config_.method == InterceptConfig::Method::kMpc) {
+      const PointState planned = planner_.at(since_s + dt_s);
+      Reference goal;
+      goal.position_m = planned.p_m;
+      goal.velocity_mps = planned.v_mps;
+      goal.acceleration_mps2 = planned.a_mps2;
+      goal.yaw_rad = face(target_.at(since_s).p_m);
+      governor.step(goal, dt_s);
+    } else if (mode_ == Mode::kChasing) {
+      governor.accelerate(law_mps2(governor.state(), since_s), face(target_.at(since_s).p_m), dt_s);
+    } else if (mode_ == Mode::kLeaving) {
+      governor.accelerate(leaving_mps2(governor.state()), face(target_.at(since_s).p_m), dt_s);
+    } else {
+      Reference goal;
+      goal.position_m = mode_ == Mode::kSearching ? goal_local_m_ : watch_local_m_;
+      if (mode_ == Mode::kDone) goal.position_m.z() += kHighAbove_m;  // with its catch, above all that still flies
+      goal.position_m = surroundings_.fence.inside(goal.position_m);
+      goal.yaw_rad = face(goal.position_m);
+      governor.step(goal, dt_s);
+    }
+  }
+
+  Vector3 law_mps2(const Reference& self, double since_s) const {
+    const PointState target = target_.at(since_s);
+    const Vector3 net = config_.net.center(self.position_m + bias_local_m_, self.yaw_rad);
+    const RelativeMotion relative{target.p_m - net, target.v_mps - self.velocity_mps};
+    const Vector3 a_mps2 = config_.method == InterceptConfig::Method::kFrpn ? frpn_mps2(config_.gains, relative)
+                           : config_.method == InterceptConfig::Method::kProportionalNavigation
+                               ? proportional_navigation_mps2(config_.gains, relative)
+                               : pure_pursuit_mps2(config_.gains, relative);
+    return within_acceleration(a_mps2, limits_);
+  }
+
+  /// Away from a target that was caught, until the net can catch again: on the way on which it flies past.
+  Vector3 leaving_mps2(const Reference& self) const {
+    const PointState target = target_.at(0.0);
+    Vector3 away = self.velocity_mps - target.v_mps;
+    if (away.head<2>().norm() < kSlowest_mps) away = -target.v_mps;
+    away.z() = 0.0;
+    if (away.norm() < kSlowest_mps) away = Vector3::UnitX();
+    return away.normalized() * limits_.horizontal_acceleration_mps2;
+  }
+
+  double face(const Vector3& place_local_m) {
+    const Vector3 to = place_local_m - p_local_m_;
+    if (to.head<2>().norm() > kShortestToFace_m) yaw_rad_ = elementary::atan2(to.y(), to.x());
+    return yaw_rad_;
+  }
+
+  InterceptConfig config_;
+  MotionLimits limits_;
+  ReferenceGovernor governor_;  // what is flown, in the local frame
+  ChasePlanner planner_;
+  TargetSearch search_;
+  Surroundings surroundings_;
+  TargetPrediction target_;
+  std::uint32_t target_id_ = 0;
+  CaptureVolume sure_net_;  // in which the target must be believed to be
+  double target_age_s_ = 0.0;
+  TimeNs seen_ = 0;
+  bool had_target_ = false;
+  Vector3 watch_local_m_;
+  Vector3 goal_local_m_ = Vector3::Zero();  // of a search
+  Vector3 p_local_m_ = Vector3::Zero();
+  Vector3 bias_local_m_ = Vector3::Zero();  // of the estimate from the reference
+  double yaw_rad_;
+  Mode mode_ = Mode::kWaiting;
+  const char* why_ = "";
+  double in_mode_s_ = 0.0, outside_s_ = 0.0, since_check_s_ = 0.0, since_look_s_ = 0.0, since_think_s_ = 0.0;
+  double side_ = 1.0;
+  bool started_ = false, brakes_ = false;
+  std::optional<Vector3> last_net_m_;  // where the target was, seen from the net
+  bool armed_ = true, captured_now_ = false;
+  int captures_ = 0;
+};
+
+}  // namespace
+
+void ChasePlanConfig::visit(ConfigVisitor& v) {
+  v.field("steps", steps, "[-] of the plan", Range::between(2, ChaseMpc::kMaxSteps));
+  v.field("horizon_min_s", horizon_min_s, "[s] the plan is no shorter", Range{0.1, 60.0});
+  v.field("horizon_max_s", horizon_max_s, "[s] and no longer; otherwise 1.3 times the time to go", Range{0.1, 60.0});
+  v.field("weight_before", weight_before, "[-] of squared distances before the meeting, against 1 at it",
+          Range::probability());
+  v.field("weight_after", weight_after, "[-] and after it; 1: it stays with the target, and comes later for that",
+          Range::probability());
+  v.field("meeting_s", meeting_s, "[s] how long the meeting lasts", Range::positive());
+  v.field("velocity_weight", velocity_weight, "[s^2] of the squared difference of velocities at the meeting",
+          Range::non_negative());
+  v.field("hold_m", hold_m, "[m] a disc stays above or below the target by this until they meet",
+          Range::non_negative());
+  v.field("through_m", through_m, "[m] and then goes through it by this", Range::non_negative());
+  v.object("solver", solver, "of the condensed problem");
+  v.check(horizon_max_s >= horizon_min_s, "horizon_max_s", "at least horizon_min_s");
+}
+
+void InterceptConfig::visit(ConfigVisitor& v) {
+  v.choice("method", method, {"mpc", "frpn", "proportional_navigation", "pure_pursuit"},
+           "[-] plan by model predictive control, or one of the laws with which that is compared");
+  v.field("target", target, "[-] vehicle to catch, with tracker ground_truth only; empty: the nearest track");
+  v.field("captures", captures, "[-] then it is done; 0: goes on for ever", Range::non_negative());
+  v.object("net", net, "what catches");
+  v.field("sure_share", sure_share, "[-] of the net's size: a target believed to be that near its middle is caught",
+          Range{0.0, 1.0, true, false});
+  v.object("fence", fence, "where it may fly");
+  v.choice("walls", walls, {"none", "map"},
+           "[-] what it keeps clear of beside the fence: what the mapping stage knows");
+  v.field("clearance_m", clearance_m, "[m] from its center to what the map knows", Range::positive());
+  v.field("target_clearance_m", target_clearance_m, "[m] from its center to that of the target; 0: any",
+          Range::non_negative());
+  v.field("bystander_clearance_m", bystander_clearance_m, "[m] from its center to that of any other track",
+          Range::non_negative());
+  v.field("period_s", period_s, "[s] from plan to plan", Range{0.004, 1.0});
+  v.field("track_timeout_s", track_timeout_s, "[s] a track that is older is lost", Range::positive());
+  v.field("after_capture_s", after_capture_s, "[s] it leaves a target that it caught for this at most, if it goes on",
+          Range::non_negative());
+  v.object("plan", plan, "of method mpc");
+  v.object("prediction", prediction, "of the target");
+  v.object("gains", gains, "of the other methods");
+  v.object("search", search, "for a target that was lost");
+}
+
+std::unique_ptr<Guidance> make_intercept(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Intercept>(dynamic_cast<const InterceptConfig&>(config), setup);
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/interception/surroundings.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "swiftlet/core/interception/pursuit_laws.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kWallReach_m = 3.0;                // walls farther than this from a place do not matter there
+constexpr double kAbove = 0.5, kOverReach_m = 0.5;  // by radius; beside it
+constexpr double kBrakeStep_s = 0.02, kBrakeLook_s = 0.1, kLongestBrake_s = 6.0;
+constexpr double kBrakeGain_per_s = 6.0;
+constexpr double kEvade_s = 1.5, kEvadeRoom_m = 0.3;  // who comes nearer within this is evaded
+constexpr double kNoDirection_m = 0.1;
+constexpr double kAtRest_mps = 0.05;
+constexpr double kRoom_m = 1.0;  // more room than this is not told
+
+}  // namespace
+
+double Surroundings::intrusion_m(const Vector3& p_local_m, double ahead_s) const {
+  double worst_m = std::max(-kRoom_m, fence.excess_m(p_local_m));
+  if (map != nullptr) worst_m = std::max(worst_m, clearance_m - map->distance_m(p_local_m, clearance_m + kRoom_m));
+  for (const Bystander& bystander : bystanders)
+    worst_m = std::max(worst_m, bystander.radius_m - (p_local_m - bystander.at(ahead_s)).norm());
+  return worst_m;
+}
+
+void Surroundings::walls(const Vector3& p_local_m, double ahead_s, ChaseAim& aim) const {
+  aim.num_walls = 0;
+  const auto add = [&](const Wall& wall) {
+    if (aim.num_walls < ChaseAim::kMaxWalls) aim.walls[static_cast<std::size_t>(aim.num_walls++)] = wall;
+  };
+  const auto keep_from = [&](const Vector3& center_m, double radius_m) {
+    const Vector3 away = p_local_m - center_m;
+    const double distance_m = away.norm();
+    if (distance_m > radius_m + kWallReach_m || distance_m < 1e-6) return;
+    const Vector3 normal = -away / distance_m;
+    add({normal, normal.dot(center_m) - radius_m});
+  };
+  if (map != nullptr) {
+    map->occupied_within(p_local_m, clearance_m + kWallReach_m, kEver, cells_local_m);
+    const auto nearest =
+        std::min_element(cells_local_m.begin(), cells_local_m.end(), [&](const Vector3& a, const Vector3& b) {
+          return (a - p_local_m).squaredNorm() < (b - p_local_m).squaredNorm();
+        });
+    if (nearest != cells_local_m.end())
+      keep_from(*nearest, clearance_m + 0.87 * map->edge_m());  // half a cell's diagonal
+  }
+  for (const Bystander& bystander : bystanders) {
+    const Vector3 center_m = bystander.at(ahead_s), above = p_local_m - center_m;
+    if (!bystander.flown_over || above.z() < kAbove * bystander.radius_m)
+      keep_from(center_m, bystander.radius_m);
+    else if (above.head<2>().norm() < bystander.radius_m + kOverReach_m)
+      add({-Vector3::UnitZ(), -(center_m.z() + bystander.radius_m)});
+  }
+  for (const Wall& side : fence.sides()) {
+    if (side.excess_m(p_local_m) > -kWallReach_m) add(side);
+  }
+}
+
+Vector3 braking_mps2(const Reference& state, const Surroundings& surroundings, double ahead_s,
+                     const MotionLimits& limits) {
+  Vector3 a_mps2 = -kBrakeGain_per_s * state.velocity_mps;
+  for (const Bystander& bystander : surroundings.bystanders) {
+    const Vector3 p_m = state.position_m - bystander.at(ahead_s), v_mps = state.velocity_mps - bystander.v_local_mps;
+    // Where both are nearest, if both fly straight on.
+    const double nearest_s = std::clamp(-p_m.dot(v_mps) / std::max(v_mps.squaredNorm(), 1e-6), 0.0, kEvade_s);
+    const Vector3 then_m = p_m + nearest_s * v_mps;
+    if (then_m.norm() > bystander.radius_m + kEvadeRoom_m) continue;
+    const Vector3 away = then_m.norm() > kNoDirection_m ? Vector3(then_m.normalized()) : Vector3(Vector3::UnitZ());
+    a_mps2 += 2.0 * limits.horizontal_acceleration_mps2 * away;
+  }
+  return within_acceleration(a_mps2, limits);
+}
+
+bool can_stop(ReferenceGovernor governor, const Surroundings& surroundings, double ahead_s, double allowed_m) {
+  if (surroundings.intrusion_m(governor.state().position_m, ahead_s) > allowed_m) return false;
+  double looked_s = 0.0;
+  const int steps = static_cast<int>(kLongestBrake_s / kBrakeStep_s);
+  for (int i = 1; i <= steps; ++i) {
+    const double t_s = i * kBrakeStep_s;
+    governor.accelerate(braking_mps2(governor.state(), surroundings, ahead_s + t_s, governor.limits()),
+                        governor.state().yaw_rad, kBrakeStep_s);
+    const bool rests = governor.state().velocity_mps.norm() < kAtRest_mps;
+    if (!rests && t_s - looked_s < kBrakeLook_s) continue;
+    looked_s = t_s;
+    if (surroundings.intrusion_m(governor.state().position_m, ahead_s + t_s) > allowed_m) return false;
+    if (rests) return true;
+  }
+  return true;
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "swiftlet/core/control/reference_governor.hpp"
+#include "swiftlet/core/interception/geofence.hpp"
+#include "swiftlet/core/map/occupancy_view.hpp"
+
+namespace swiftlet {
+
+/// Somebody in the air to whom a distance is kept. Local frame.
+struct Bystander {
+  Vector3 p_local_m = Vector3::Zero(), v_local_mps = Vector3::Zero();
+  double radius_m = 0.0;
+  bool flown_over = false;  ///< who is above stays above
+
+  Vector3 at(double ahead_s) const { return p_local_m + ahead_s * v_local_mps; }
+};
+
+/// All that an interceptor must not fly into, as of now.
+struct Surroundings {
+  Geofence fence;
+  const OccupancyView* map = nullptr;  ///< null: nothing is known
+  double clearance_m = 1.0;            ///< from the vehicle's center to what is occupied
+  std::vector<Bystander> bystanders;
+
+  /// By how much a place is too near to something, some time ahead; negative: the room that is left, at most 1 m.
+  double intrusion_m(const Vector3& p_local_m, double ahead_s) const;
+  /// The half-spaces to keep to near a place: those that matter there, the worst first.
+  void walls(const Vector3& p_local_m, double ahead_s, ChaseAim& aim) const;
+
+  mutable std::vector<Vector3> cells_local_m = {};  ///< memory of a query
+};
+
+/// Braking as hard as the limits allow, and out of the way of whoever comes too near.
+Vector3 braking_mps2(const Reference& state, const Surroundings& surroundings, double ahead_s,
+                     const MotionLimits& limits);
+
+/// Does braking from here keep clear of everything?
+/// @param allowed_m  intrusion that was there already and may stay
+bool can_stop(ReferenceGovernor governor, const Surroundings& surroundings, double ahead_s, double allowed_m);
+
+}  // namespace swiftlet

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet::sim {
+
+/// A vehicle met another one's net.
+struct CaptureRecord {
+  static constexpr const char* kName = "captures";
+  TimeNs t = 0;
+  VehicleId target = kNoVehicle;
+  int number = 0;       ///< of the interceptor's captures, from 1
+  double miss_m = 0.0;  ///< from the middle of the net to where it was met
+  double relative_speed_mps = 0.0;
+  Vector3 p_world_m = Vector3::Zero();  ///< of the target
+
+  static void visit(auto& c, auto& v) {
+    v.time("t_s", c.t, "[s] when");
+    v.vehicle("target", c.target, "[-] who was caught");
+    v.field("number", c.number, "[-] of the interceptor's captures, from 1");
+    v.field("miss_m", c.miss_m, "[m] from the middle of the net to where it was met");
+    v.field("relative_speed_mps", c.relative_speed_mps, "[m/s] of target and net");
+    v.field("position_*_m", c.p_world_m, "[m] true position of the target in the world");
+  }
+};
+
+}  // namespace swiftlet::sim

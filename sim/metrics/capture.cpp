@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "sim/metrics/statistics.hpp"
+#include "swiftlet/core/capture_volume.hpp"
+#include "swiftlet/sim/metrics/capture_record.hpp"
+#include "swiftlet/sim/metrics/metric.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+/// True places only. Between ticks, target and net move along straight lines, so what is counted does not depend on the
+/// tick. A target counts again once it has been farther from the net than `rearm_m`.
+class CaptureMetric final : public Metric {
+ public:
+  explicit CaptureMetric(const MetricSetup& setup)
+      : Metric(setup), captures_(add_series<CaptureRecord>()), vehicles_(num_vehicles()) {
+    for (std::size_t i = 0; i < num_vehicles() && i < setup.perception.size(); ++i) {
+      vehicles_[i].net = setup.perception[i].net;
+      if (vehicles_[i].net) vehicles_[i].targets.resize(num_vehicles());
+    }
+  }
+
+  void update(const TickView& tick, const MetricContext& context) override {
+    for (std::size_t i = 0; i < num_vehicles(); ++i) {
+      if (vehicles_[i].net && !tick.states[i].crashed) cast(i, tick, context.dt_s);
+    }
+  }
+
+  void report(MetricTable& table) const override {
+    for (std::size_t i = 0; i < num_vehicles(); ++i) {
+      const Vehicle& vehicle = vehicles_[i];
+      if (!vehicle.net) continue;
+      const auto count = static_cast<double>(vehicle.count);
+      table.add("captures", name_of(i), count, "");
+      table.add("time_to_first_capture_s", name_of(i), vehicle.first_s, "s");
+      table.add("captures_per_min", name_of(i), vehicle.flown_s > 0.0 ? 60.0 * count / vehicle.flown_s : kNotMeasured,
+                "1/min");
+      table.add("capture_miss_mean_m", name_of(i), vehicle.count > 0 ? vehicle.miss_sum_m / count : kNotMeasured, "m");
+      table.add("least_net_distance_m", name_of(i), vehicle.flown_s > 0.0 ? vehicle.least_m : kNotMeasured, "m");
+    }
+  }
+
+ private:
+  struct Target {
+    bool known = false, armed = true;
+    Vector3 p_net_m = Vector3::Zero();  // in the last tick, from the net's middle
+  };
+  struct Vehicle {
+    std::optional<CaptureVolume> net;
+    std::vector<Target> targets;  // by VehicleId
+    int count = 0;
+    double first_s = kNotMeasured, flown_s = 0.0, miss_sum_m = 0.0;
+    double least_m = std::numeric_limits<double>::infinity();
+  };
+
+  void cast(std::size_t i, const TickView& tick, double dt_s) {
+    Vehicle& vehicle = vehicles_[i];
+    vehicle.flown_s += dt_s;
+    const VehicleState& self = tick.states[i];
+    const Vector3 net_m = vehicle.net->center(self.p_world_m, yaw_of(self.q_world_body.toRotationMatrix()));
+    for (std::size_t j = 0; j < num_vehicles(); ++j) {
+      Target& target = vehicle.targets[j];
+      if (j == i || tick.states[j].crashed) continue;
+      const Vector3 p_net_m = tick.states[j].p_world_m - net_m;
+      const Vector3 before_m = target.known ? target.p_net_m : p_net_m;
+      const bool new_way = target.known;
+      target.known = true;
+      target.p_net_m = p_net_m;
+      vehicle.least_m = std::min(vehicle.least_m, p_net_m.norm());
+      if (p_net_m.norm() > vehicle.net->rearm_m) target.armed = true;
+      if (!new_way || !target.armed) continue;
+      const std::optional<double> miss_m = vehicle.net->met_m(before_m, p_net_m);
+      if (!miss_m) continue;
+      target.armed = false;
+      ++vehicle.count;
+      vehicle.miss_sum_m += *miss_m;
+      if (std::isnan(vehicle.first_s)) vehicle.first_s = to_seconds(tick.t);
+      captures_.push(static_cast<VehicleId>(i),
+                     {tick.t, static_cast<VehicleId>(j), vehicle.count, *miss_m,
+                      (p_net_m - before_m).norm() / std::max(dt_s, 1e-9), tick.states[j].p_world_m});
+    }
+  }
+
+  SeriesOf<CaptureRecord>& captures_;
+  std::vector<Vehicle> vehicles_;
+};
+
+}  // namespace
+
+std::unique_ptr<Metric> make_capture_metric(const MetricSetup& setup) { return std::make_unique<CaptureMetric>(setup); }
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/capture_volume.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace swiftlet {
+namespace {
+
+TEST(CaptureVolume, ADiscIsMetWhereTheWayGoesThroughIt) {
+  const CaptureVolume net;  // of 2 m radius
+  EXPECT_NEAR(net.met_m({1.0, 0.0, 0.5}, {2.0, 0.0, -0.5}).value_or(-1.0), 1.5, 1e-12);
+  EXPECT_FALSE(net.met_m({1.0, 0.0, 0.5}, {1.0, 0.0, 0.1})) << "it stays above";
+  EXPECT_FALSE(net.met_m({2.0, 0.0, 0.5}, {3.0, 0.0, -0.5})) << "it passes beside the rim";
+}
+
+// However long the step: what is tested is the way, not its ends.
+TEST(CaptureVolume, AFastTargetIsNotMissedBetweenTwoTicks) {
+  CaptureVolume net;
+  EXPECT_TRUE(net.met_m({0.0, 0.0, 100.0}, {0.0, 0.0, -100.0}));
+  net.height_m = 1.0;
+  EXPECT_NEAR(net.met_m({-50.0, 1.0, 0.2}, {50.0, 1.0, 0.2}).value_or(-1.0), 1.0, 1e-12);
+  EXPECT_FALSE(net.met_m({-50.0, 1.0, 0.6}, {50.0, 1.0, 0.6})) << "it flies over the volume";
+}
+
+TEST(CaptureVolume, HangsBelowAndTurnsWithTheHeading) {
+  CaptureVolume net;
+  net.offset_m = {1.0, 0.0, -2.0};
+  EXPECT_LT((net.center({5, 5, 5}, 0.5 * std::numbers::pi) - Vector3(5, 6, 3)).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/interception/intercept.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/interception/target.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
+#include "tests/core/guidance/guidance_driver.hpp"
+
+namespace swiftlet {
+namespace {
+
+const MotionLimits kFast{8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
+
+/// A vehicle that is exactly where its reference is, and tracks that tests tell by a function of time.
+class Hunt {
+ public:
+  explicit Hunt(const InterceptConfig& config, const Vector3& start_m) {
+    setup_.T_local_body_start = make_pose(start_m, Eigen::Quaterniond::Identity());
+    setup_.vehicle_names = {"interceptor", "target"};
+    setup_.num_vehicles = 2;
+    Module module(guidance_module_types(), "intercept");
+    module.as<InterceptConfig>() = config;
+    guidance = make_guidance(module, {setup_, kFast});
+    estimate_.valid = true;
+    estimate_.T_local_body = setup_.T_local_body_start;
+  }
+
+  void run(double duration_s, const std::function<void(double t_s, Hunt&)>& before_tick) {
+    const TimeNs end = observation_.t + from_seconds(duration_s);
+    while (observation_.t < end) {
+      observation_.t += kTick;
+      estimate_.t = observation_.t;
+      poses_.push(estimate_);
+      before_tick(to_seconds(observation_.t), *this);
+      guidance->step({.dt_s = to_seconds(kTick),
+                      .estimate = estimate_,
+                      .observation = observation_,
+                      .poses = poses_,
+                      .tracks = tracks,
+                      .map = map},
+                     out, outbox_);
+      EXPECT_TRUE(out.goal_is_feasible);
+      EXPECT_LE(out.goal.velocity_mps.head<2>().norm(), kFast.horizontal_speed_mps * (1 + 1e-9));
+      EXPECT_LE(out.goal.acceleration_mps2.head<2>().norm(), kFast.horizontal_acceleration_mps2 * (1 + 1e-9));
+      EXPECT_LE(std::abs(out.goal.acceleration_mps2.z()), kFast.vertical_acceleration_mps2 * (1 + 1e-9));
+      estimate_.T_local_body =
+          make_pose(out.goal.position_m, Eigen::Quaterniond(Eigen::AngleAxisd(out.goal.yaw_rad, Vector3::UnitZ())));
+      estimate_.v_local_mps = out.goal.velocity_mps;
+      if (notes.empty() || notes.back() != out.note) notes.emplace_back(out.note);
+    }
+  }
+  void run(double duration_s) {
+    run(duration_s, [](double, Hunt&) {});
+  }
+
+  /// The only track, as of now.
+  void sees(const Vector3& p_m, const Vector3& v_mps, std::uint32_t id = 7) {
+    tracks.resize(1);
+    tracks[0].id = id;
+    tracks[0].t = observation_.t;
+    tracks[0].position_m = p_m;
+    tracks[0].velocity_mps = v_mps;
+    tracks[0].covariance = 1e-4 * Eigen::Matrix<double, 9, 9>::Identity();
+  }
+  Vector3 p_m() const { return estimate_.T_local_body.translation(); }
+  double now_s() const { return to_seconds(observation_.t); }
+
+  std::unique_ptr<Guidance> guidance;
+  std::vector<Track> tracks;
+  const OccupancyView* map = nullptr;
+  GuidanceOutput out;
+  std::vector<std::string> notes;
+
+ private:
+  static constexpr TimeNs kTick = 4'000'000;
+  AgentSetup setup_;
+  StateEstimate estimate_;
+  Observation observation_;
+  LocalPoses poses_;
+  Outbox outbox_;
+};
+
+/// On a circle of 10 m at 4 m/s, 15 m high.
+void circling(double t_s, Hunt& hunt) {
+  const double angle = 0.4 * t_s;
+  const Vector3 out(std::cos(angle), std::sin(angle), 0.0), along(-std::sin(angle), std::cos(angle), 0.0);
+  hunt.sees(10.0 * out + 15.0 * Vector3::UnitZ(), 4.0 * along);
+  hunt.tracks[0].acceleration_mps2 = -1.6 * out;
+}
+
+TEST(Intercept, CatchesATargetOnAKnownPath) {
+  for (const auto method : {InterceptConfig::Method::kMpc, InterceptConfig::Method::kFrpn,
+                            InterceptConfig::Method::kProportionalNavigation}) {
+    InterceptConfig config;
+    config.method = method;
+    config.sure_share = 1.0;
+    Hunt hunt(config, {-20.0, 0.0, 12.0});
+    hunt.run(25.0, circling);
+    EXPECT_EQ(hunt.out.mission, MissionStatus::kDone) << static_cast<int>(method);
+    EXPECT_EQ(hunt.notes.back(), "captured");
+  }
+}
+
+/// When it believes to have caught the circling target; 60 s: not at all.
+double time_to_capture_s(InterceptConfig::Method method) {
+  InterceptConfig config;
+  config.method = method;
+  config.sure_share = 1.0;
+  Hunt hunt(config, {-25.0, 0.0, 16.2});
+  while (hunt.out.mission == MissionStatus::kRunning && hunt.now_s() < 60.0) {
+    hunt.run(0.1, circling);
+  }
+  return hunt.now_s();
+}
+
+TEST(Intercept, ThePlannerIsFasterThanPursuitAndProportionalNavigation) {
+  const double mpc_s = time_to_capture_s(InterceptConfig::Method::kMpc);
+  EXPECT_LT(mpc_s, time_to_capture_s(InterceptConfig::Method::kProportionalNavigation));
+  EXPECT_LT(mpc_s, time_to_capture_s(InterceptConfig::Method::kPurePursuit));
+}
+
+TEST(Intercept, WaitsUntilThereIsATarget) {
+  Hunt hunt({}, {0.0, 0.0, 10.0});
+  hunt.run(2.0);
+  EXPECT_LT((hunt.p_m() - Vector3(0, 0, 10)).norm(), 1e-6);
+  EXPECT_EQ(hunt.notes, std::vector<std::string>{"waiting for a target"});
+}
+
+TEST(Intercept, GivesUpATargetThatLeavesTheFence) {
+  InterceptConfig config;
+  config.fence.max_m.x() = 20.0;
+  config.fence.patience_s = 1.0;
+  Hunt hunt(config, {0.0, 0.0, 10.0});
+  double farthest_m = 0.0;
+  hunt.run(20.0, [&](double t_s, Hunt& h) {
+    h.sees({12.0 + 7.5 * t_s, 0.0, 10.0}, {7.5, 0.0, 0.0});
+    farthest_m = std::max(farthest_m, h.p_m().x());
+  });
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kFailed);
+  EXPECT_EQ(hunt.notes.back(), "gave up: the target left the fence");
+  EXPECT_LT(farthest_m, 20.1) << "it never left the fence itself";
+  EXPECT_LT((hunt.p_m() - Vector3(0, 0, 10)).norm(), 0.5) << "and went back to where it waited";
+}
+
+TEST(Intercept, SearchesWhereTheTargetWasLostAndGoesOnWhenItIsFound) {
+  Hunt hunt({}, {-30.0, 0.0, 14.0});
+  hunt.run(2.0, circling);
+  hunt.tracks.clear();
+  hunt.run(1.0);
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kRunning);
+  EXPECT_EQ(hunt.notes.back(), "the target is lost: searching");
+  hunt.run(20.0, [](double t_s, Hunt& h) {
+    circling(t_s, h);
+    h.tracks[0].id = 8;  // another track by now
+  });
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kDone);
+}
+
+TEST(Intercept, GivesUpATargetThatIsNotFoundAgain) {
+  InterceptConfig config;
+  config.search.timeout_s = 5.0;
+  Hunt hunt(config, {-30.0, 0.0, 14.0});
+  hunt.run(2.0, circling);
+  const Vector3 there_m = hunt.p_m();
+  hunt.tracks.clear();
+  hunt.run(4.0);
+  EXPECT_LT((hunt.p_m() - Vector3(0, 0, 15)).norm(), (there_m - Vector3(0, 0, 15)).norm()) << "it looks over there";
+  hunt.run(3.0);
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kFailed);
+  EXPECT_EQ(hunt.notes.back(), "gave up: the target was not found again");
+}
+
+// A wall of cells stands between interceptor and target; the ground is the fence's.
+TEST(Intercept, FliesIntoNothingThatTheMapKnows) {
+  std::vector<Vector3> cells_m;
+  for (int y = -25; y <= 25; ++y) {
+    for (int z = 0; z < 60; ++z) cells_m.emplace_back(-6.0, 0.2 * y, 0.2 * z);
+  }
+  const testing::ToldMap wall(cells_m);
+  for (const auto method : {InterceptConfig::Method::kMpc, InterceptConfig::Method::kPurePursuit}) {
+    InterceptConfig config;
+    config.method = method;
+    config.walls = InterceptConfig::Walls::kMap;
+    config.clearance_m = 1.5;
+    Hunt hunt(config, {-14.0, 0.0, 6.0});
+    hunt.map = &wall;
+    double least_m = 10.0, lowest_m = 10.0;
+    hunt.run(8.0, [&](double, Hunt& h) {
+      h.sees({4.0, 0.0, 3.0}, Vector3::Zero());
+      least_m = std::min(least_m, wall.distance_m(h.p_m(), 10.0));
+      lowest_m = std::min(lowest_m, h.p_m().z());
+    });
+    EXPECT_GT(least_m, 1.4) << static_cast<int>(method);
+    EXPECT_GT(lowest_m, config.fence.min_m.z() - 0.1);
+  }
+}
+
+TEST(Intercept, KeepsClearOfABystander) {
+  Hunt hunt({}, {-20.0, 0.3, 10.0});
+  double least_m = 100.0;
+  hunt.run(12.0, [&](double, Hunt& h) {
+    const Vector3 bystander_m(-8.0, 0.0, 10.2);
+    if (h.out.mission == MissionStatus::kRunning) least_m = std::min(least_m, (h.p_m() - bystander_m).norm());
+    h.sees({6.0, 0.0, 9.0}, Vector3::Zero());
+    h.tracks.push_back(h.tracks[0]);
+    h.tracks[1].id = 9;
+    h.tracks[1].position_m = bystander_m;
+    // The target is the track that it chose first.
+    if (h.now_s() < 0.1) h.tracks.pop_back();
+  });
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kDone);
+  EXPECT_GT(least_m, 2.7);
+}
+
+TEST(Intercept, ATargetByNameMustBeAVehicle) {
+  InterceptConfig config;
+  config.target = "nobody";
+  try {
+    Hunt hunt(config, {0, 0, 10});
+    FAIL() << "it flies";
+  } catch (const std::invalid_argument& problem) {
+    EXPECT_STREQ(problem.what(), "guidance intercept: target: expected the name of a vehicle, found 'nobody'");
+  }
+}
+
+std::vector<Vector3> flight_of(const TargetConfig& config, double duration_s, Vector3* greatest = nullptr) {
+  AgentSetup setup;
+  setup.T_local_body_start.translation() = Vector3(5.0, -3.0, 10.0);
+  Module module(guidance_module_types(), "target");
+  module.as<TargetConfig>() = config;
+  const auto guidance = make_guidance(module, {setup, kFast});
+  StateEstimate estimate;
+  estimate.valid = true;
+  Observation observation;
+  LocalPoses poses;
+  GuidanceOutput out;
+  Outbox outbox;
+  std::vector<Vector3> places;
+  const int ticks = static_cast<int>(duration_s / 0.02);
+  places.reserve(static_cast<std::size_t>(ticks));
+  for (int i = 0; i < ticks; ++i) {
+    observation.t += 20'000'000;
+    guidance->step({.dt_s = 0.02, .estimate = estimate, .observation = observation, .poses = poses}, out, outbox);
+    places.push_back(out.goal.position_m);
+    if (greatest != nullptr) {
+      greatest->x() = std::max(greatest->x(), out.goal.velocity_mps.norm());
+      greatest->y() = std::max(greatest->y(), out.goal.acceleration_mps2.norm());
+    }
+  }
+  return places;
+}
+
+TEST(Target, KeepsItsSpeedAndBeginsWhereItStands) {
+  for (const auto motion :
+       {TargetConfig::Motion::kHover, TargetConfig::Motion::kLine, TargetConfig::Motion::kCircle,
+        TargetConfig::Motion::kFigureEight, TargetConfig::Motion::kRandom, TargetConfig::Motion::kEvasive}) {
+    TargetConfig config;
+    config.motion = motion;
+    config.area_min_m.z() = 8.0;
+    Vector3 greatest = Vector3::Zero();
+    const std::vector<Vector3> places = flight_of(config, 40.0, &greatest);
+    EXPECT_LT((places.front() - Vector3(5, -3, 10)).norm(), 0.2) << static_cast<int>(motion);
+    EXPECT_LE(greatest.x(), config.speed_mps * 1.01) << static_cast<int>(motion);
+    EXPECT_LE(greatest.y(), config.acceleration_mps2 * 1.01) << static_cast<int>(motion);
+    const double way_m = (places.back() - places[places.size() / 2]).norm();
+    EXPECT_EQ(way_m < 0.01, motion == TargetConfig::Motion::kHover)
+        << "all but hover fly: " << static_cast<int>(motion);
+    for (const Vector3& p : places) {
+      ASSERT_TRUE(p.allFinite());
+      EXPECT_LT((p - Vector3(0, 0, 10)).cwiseAbs().maxCoeff(), 45.0) << static_cast<int>(motion);
+    }
+  }
+}
+
+TEST(Target, TheSeedIsTheTrajectory) {
+  TargetConfig config;
+  const std::vector<Vector3> a = flight_of(config, 10.0), b = flight_of(config, 10.0);
+  EXPECT_EQ(a.back(), b.back());
+  config.seed = 2;
+  EXPECT_GT((flight_of(config, 10.0).back() - a.back()).norm(), 1.0);
+}
+
+TEST(Target, RefusesWhatItsLimitsForbid) {
+  TargetConfig config;
+  config.speed_mps = 9.0;
+  EXPECT_THROW(flight_of(config, 1.0), std::invalid_argument);
+}
+
+TEST(TargetSearch, LooksWhereTheTargetCanBeAndHasNotBeenLookedFor) {
+  GeofenceConfig fence_config;
+  const Geofence fence(fence_config, FrameChange());
+  TargetSearchConfig config;
+  config.range_m = 10.0;
+  TargetSearch search(config);
+  search.begin({{20.0, 0.0, 15.0}, {4.0, 0.0, 0.0}, {}}, 1.0, 0.5);
+  for (int i = 0; i < 5; ++i) search.advance(0.2, fence);
+  EXPECT_LT((search.most_probable() - Vector3(24.0, 0.0, 15.0)).norm(), 2.5) << "it flew on";
+  const double before = search.remaining();
+  for (int i = 0; i < 20; ++i) search.look({20.0, 0.0, 15.0}, 0.2, nullptr);
+  EXPECT_LT(search.remaining(), 0.3 * before) << "nothing is there";
+}
+
+}  // namespace
+}  // namespace swiftlet

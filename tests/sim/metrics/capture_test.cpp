@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "tests/sim/metrics/metrics_run.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+/// uav1 hovers with a net of 2 m radius 1 m below it; uav2 is wherever the test puts it.
+struct Chase : MetricsRun {
+  Chase() : MetricsRun(2, {}, with_net()) { states[0].p_world_m = {0.0, 0.0, 10.0}; }
+  static std::vector<Perception> with_net() {
+    std::vector<Perception> perception(2);
+    perception[0].net = CaptureVolume{{0.0, 0.0, -1.0}, 2.0, 0.0, 4.0};
+    return perception;
+  }
+  void put_target(const Vector3& p_world_m) {
+    states[1].p_world_m = p_world_m;
+    tick();
+  }
+};
+
+TEST(CaptureMetric, CountsATargetThatGoesThroughTheNet) {
+  Chase run;
+  run.put_target({1.0, 0.0, 9.5});
+  run.put_target({1.0, 0.0, 9.1});
+  EXPECT_EQ(run.value("captures"), 0.0);
+  EXPECT_TRUE(std::isnan(run.value("time_to_first_capture_s")));
+  run.put_target({1.0, 0.0, 8.9});
+  EXPECT_EQ(run.value("captures"), 1.0);
+  EXPECT_DOUBLE_EQ(run.value("time_to_first_capture_s"), 3.0 * to_seconds(kTick));
+  EXPECT_NEAR(run.value("capture_miss_mean_m"), 1.0, 1e-9);
+  EXPECT_NEAR(run.value("least_net_distance_m"), std::hypot(1.0, 0.1), 1e-9);
+}
+
+TEST(CaptureMetric, CountsItAgainOnlyAfterItWasAway) {
+  Chase run;
+  for (const double z_m : {9.5, 8.5, 9.5, 8.5}) run.put_target({0.0, 0.0, z_m});
+  EXPECT_EQ(run.value("captures"), 1.0) << "it never left";
+  run.put_target({0.0, 0.0, 14.0});
+  run.put_target({0.0, 0.0, 8.0});
+  EXPECT_EQ(run.value("captures"), 2.0);
+}
+
+TEST(CaptureMetric, WhatIsMissedOrCrashedIsNotCaught) {
+  Chase run;
+  run.put_target({2.5, 0.0, 9.5});
+  run.put_target({2.5, 0.0, 8.5});
+  EXPECT_EQ(run.value("captures"), 0.0) << "beside the rim";
+  run.states[1].crashed = true;
+  run.put_target({0.0, 0.0, 9.5});
+  run.put_target({0.0, 0.0, 8.5});
+  EXPECT_EQ(run.value("captures"), 0.0);
+}
+
+TEST(CaptureMetric, VehiclesWithoutANetHaveNoSuchMetric) {
+  Chase run;
+  run.put_target({0.0, 0.0, 9.5});
+  EXPECT_THROW(run.value("captures", "uav2"), std::out_of_range);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
