@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <memory>
 
 #include "commands.hpp"
@@ -11,6 +12,7 @@
 #include "scenario_options.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/replay/live_server.hpp"
 #include "swiftlet/sim/run/memory.hpp"
 #include "swiftlet/sim/run/run_directory.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
@@ -27,6 +29,7 @@ struct RunOptions {
   int threads = 0;
   double memory_limit_mb = 0.0;
   bool replay = false;
+  bool view = false;
   bool quiet = false;
 };
 
@@ -94,6 +97,13 @@ void run(const RunOptions& options) {
   sim::Simulation simulation(scenario, options.threads);
   stop_if_asked();
   simulation.attach_recorders(directory.path());
+  std::unique_ptr<sim::LiveServer> server;
+  if (options.view) {
+    server = std::make_unique<sim::LiveServer>();
+    simulation.attach(sim::make_live_recorder({}, *server), directory.path());
+    fmt::print("view the run at {}\n", server->address());
+    std::fflush(stdout);
+  }
   const auto ready = std::chrono::steady_clock::now();
   fly(simulation, options.quiet);
   std::vector<fs::path> written = simulation.finish();
@@ -106,6 +116,7 @@ void run(const RunOptions& options) {
   sim::write_file(directory.path() / "scenario.yaml", sim::write_scenario(scenario));
   sim::write_file(directory.path() / "summary.json", sim::to_json(summary));
   directory.commit();
+  if (server) server->finish();
   if (options.quiet) return;
   fmt::print("{}", sim::to_text(summary));
   print_paths(out, written);
@@ -125,6 +136,7 @@ void add_run(CLI::App& app) {
   command.option("--memory-limit", options->memory_limit_mb,
                  "MiB that the run may take, 0: what the machine has; what would take more is refused", {.min = 0});
   command.flag("--replay", options->replay, "Write the run as a page for a browser as well (replay.html)");
+  command.flag("--view", options->view, "Serve that page while the run goes on, to this machine only");
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { run(*options); });
 }

@@ -42,10 +42,11 @@ void replace(std::string& text, std::string_view mark, std::string_view by) {
 
 }  // namespace
 
-std::string page_head() {
+std::string page_head(PageUse use) {
   std::string policy = "default-src 'none'; base-uri 'none'; form-action 'none'; img-src blob: data:; style-src " +
                        source_of(embedded::replay_css_sha256) + "; script-src";
   for (const auto& [text, digest] : scripts()) policy += " " + source_of(digest);
+  if (use == PageUse::kLive) policy += "; connect-src 'self'";
   std::string page(embedded::replay_html);
   replace(page, "{policy}", policy);
   replace(page, "{style}", embedded::replay_css);

@@ -8,9 +8,12 @@
 /// blocks, and the page shows them as text.
 namespace swiftlet::sim {
 
+/// Where a page gets its blocks from: its own text, or whoever serves it.
+enum class PageUse { kFile, kLive };
+
 /// Everything before the first block. Its policy lets the browser run the page's own scripts, by their digests, and
 /// nothing else.
-std::string page_head();
+std::string page_head(PageUse use = PageUse::kFile);
 /// One block as a text that no script can be.
 std::string page_block(std::string_view packed);
 /// Everything behind the last block.

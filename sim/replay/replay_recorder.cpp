@@ -15,6 +15,7 @@
 #include "swiftlet/sim/io/output_file.hpp"
 #include "swiftlet/sim/recorders/state_row.hpp"
 #include "swiftlet/sim/render/colors.hpp"
+#include "swiftlet/sim/replay/live_server.hpp"
 #include "swiftlet/sim/replay/replay.hpp"
 
 namespace swiftlet::sim {
@@ -22,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr TimeNs kChunk = 2'000'000'000;    // what the page decodes at a time
+constexpr TimeNs kChunk = 2'000'000'000, kLiveChunk = 200'000'000;
 constexpr TimeNs kRadioBin = 200'000'000;   // messages of a pair of vehicles are counted over this
 constexpr std::size_t kFirstPoints = 2500;  // of a scan, before it is known what they cost
 constexpr std::size_t kFewestPoints = 200, kMostPoints = 60000;
@@ -77,7 +78,7 @@ TimeNs period_of(double rate_hz) { return rate_hz > 0.0 ? from_seconds(1.0 / rat
 /// How many points a scan may have so that all of them take what was asked for; learned from chunk to chunk.
 class PointBudget {
  public:
-  explicit PointBudget(double kBps) : bytes_per_chunk_(1e3 * kBps * to_seconds(kChunk)) {}
+  PointBudget(double kBps, TimeNs chunk) : bytes_per_chunk_(1e3 * kBps * to_seconds(chunk)) {}
   std::size_t points_per_scan() const { return points_per_scan_; }
   void count(std::size_t points) {
     points_ += points;
@@ -98,14 +99,56 @@ class PointBudget {
   std::size_t points_per_scan_ = kFirstPoints, points_ = 0, scans_ = 0;
 };
 
+/// Where blocks go, packed and in order.
+class BlockSink {
+ public:
+  virtual ~BlockSink() = default;
+  virtual void begin(const RunInfo& info) = 0;
+  virtual void put(std::string packed) = 0;
+  virtual std::vector<std::filesystem::path> finish() = 0;
+};
+
+class PageFile : public BlockSink {
+ public:
+  explicit PageFile(std::filesystem::path path) : path_(std::move(path)) {}
+  void begin(const RunInfo& info) override {
+    directory_ = info.directory;
+    file_ = OutputFile(path_.empty() ? directory_ / "replay.html" : path_);
+    file_.append(page_head());
+  }
+  void put(std::string packed) override { file_.append(page_block(packed)); }
+  std::vector<std::filesystem::path> finish() override {
+    file_.append(page_tail());
+    file_.finish();
+    return {file_.path().lexically_proximate(directory_)};
+  }
+
+ private:
+  std::filesystem::path path_, directory_;
+  OutputFile file_;
+};
+
+class LivePage : public BlockSink {
+ public:
+  explicit LivePage(LiveServer& server) : server_(server) {}
+  void begin(const RunInfo&) override {}
+  void put(std::string packed) override { server_.put(std::move(packed)); }
+  std::vector<std::filesystem::path> finish() override { return {}; }
+
+ private:
+  LiveServer& server_;
+};
+
 class ReplayRecorder : public Recorder {
  public:
-  ReplayRecorder(ReplayConfig config, std::filesystem::path file)
+  /// @param chunk  what the page decodes at a time
+  ReplayRecorder(ReplayConfig config, std::unique_ptr<BlockSink> sink, TimeNs chunk)
       : config_(config),
-        path_(std::move(file)),
+        sink_(std::move(sink)),
+        chunk_length_(chunk),
         state_gate_(period_of(config.rate_hz)),
         overlay_gate_(period_of(config.overlay_rate_hz)),
-        budget_(config.scan_budget_kBps),
+        budget_(config.scan_budget_kBps, chunk),
         overlays_(from_seconds(config.map_period_s)) {}
 
   void begin(const RunInfo& info) override;
@@ -114,7 +157,7 @@ class ReplayRecorder : public Recorder {
   std::vector<std::filesystem::path> finish() override;
 
  private:
-  void put(const ReplayBlock& block) { file_.append(page_block(gzip(block.bytes()))); }
+  void put(const ReplayBlock& block) { sink_->put(gzip(block.bytes())); }
   Json head() const;
   void write_states(const TickView& tick);
   void write_series(const TickView& tick);
@@ -130,9 +173,9 @@ class ReplayRecorder : public Recorder {
   };
 
   ReplayConfig config_;
-  std::filesystem::path path_;
+  std::unique_ptr<BlockSink> sink_;
+  TimeNs chunk_length_;
   RunInfo info_;
-  OutputFile file_;
   Gate state_gate_, overlay_gate_;
   PointBudget budget_;
   OverlayTables overlays_;
@@ -194,8 +237,7 @@ Json ReplayRecorder::head() const {
 
 void ReplayRecorder::begin(const RunInfo& info) {
   info_ = info;
-  file_ = OutputFile(path_.empty() ? info.directory / "replay.html" : path_);
-  file_.append(page_head());
+  sink_->begin(info);
   ReplayBlock vehicles(text_of(head()));
   for (std::size_t v = 0; v < info.vehicle_names.size(); ++v) {
     if (info.vehicle_shapes[v]) append_vehicle(*info.vehicle_shapes[v], static_cast<VehicleId>(v), vehicles);
@@ -211,7 +253,7 @@ void ReplayRecorder::begin(const RunInfo& info) {
 void ReplayRecorder::write(const TickView& tick) {
   now_ = tick.t;
   if (tick.t >= bin_ + kRadioBin) end_radio_bin();
-  if (tick.t >= chunk_ + kChunk) end_chunk();
+  if (tick.t >= chunk_ + chunk_length_) end_chunk();
   if (state_gate_.pass(tick.t)) write_states(tick);
   write_series(tick);
   write_scans(tick);
@@ -322,19 +364,17 @@ void ReplayRecorder::end_chunk() {
   put(chunk);
   std::string scans = scans_.empty() ? "" : gzip(scans_.bytes());
   budget_.end_chunk(scans.size());
-  if (!scans.empty()) file_.append(page_block(scans));
+  if (!scans.empty()) sink_->put(std::move(scans));
   scans_ = ReplayBlock(R"({"kind":"scans"})");
   events_ = Json::array();
-  chunk_ = now_ / kChunk * kChunk;
+  chunk_ = now_ / chunk_length_ * chunk_length_;
 }
 
 std::vector<std::filesystem::path> ReplayRecorder::finish() {
   end_radio_bin();
   end_chunk();
   put(ReplayBlock(text_of({{"kind", "end"}, {"t_s", to_seconds(now_)}})));
-  file_.append(page_tail());
-  file_.finish();
-  return {file_.path().lexically_proximate(info_.directory)};
+  return sink_->finish();
 }
 
 }  // namespace
@@ -357,7 +397,11 @@ std::unique_ptr<Recorder> make_replay_recorder(const ModuleConfig& config) {
 }
 
 std::unique_ptr<Recorder> make_replay_recorder(const ReplayConfig& config, const std::filesystem::path& file) {
-  return std::make_unique<ReplayRecorder>(config, file);
+  return std::make_unique<ReplayRecorder>(config, std::make_unique<PageFile>(file), kChunk);
+}
+
+std::unique_ptr<Recorder> make_live_recorder(const ReplayConfig& config, LiveServer& server) {
+  return std::make_unique<ReplayRecorder>(config, std::make_unique<LivePage>(server), kLiveChunk);
 }
 
 }  // namespace swiftlet::sim

@@ -5,12 +5,17 @@ Where Chromium or its driver is not installed, the page is not looked at, and th
 """
 import base64
 import gzip
+import http.client
 import json
 import pathlib
 import re
+import shutil
+import signal
+import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import browser
@@ -123,6 +128,85 @@ class Command(Made):
         self.assertEqual(policy.count("sha256-"), 6)
         self.assertIn("BSD 3-Clause", text)
         self.assertIsNone(re.search(r'(src|href)="?https?:', text))
+
+
+class View(Made):
+    """`run --view`: the same page while the run goes on."""
+
+    def setUp(self):
+        self.fly(400)
+
+    def fly(self, duration_s):
+        self.run_ = subprocess.Popen([str(SWIFTLET), "run", "yard.yaml", "--view", "--out", "live", "--duration", str(duration_s),
+                                      "-q", "--threads", "1"], cwd=self.path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.addCleanup(self.stop)
+        line = self.run_.stdout.readline()
+        self.host, self.port, self.token = re.fullmatch(r"view the run at http://(127\.0\.0\.1):(\d+)/([0-9a-f]{32})/\n", line).groups()
+
+    def test_a_run_that_ends_waits_until_an_open_page_has_everything(self):
+        self.stop()
+        self.fly(5)
+        kinds = []
+        while not kinds or kinds[-1] != "end":
+            status, block = self.ask(f"/{self.token}/blocks/{len(kinds)}")
+            if status == 204:
+                time.sleep(0.05)
+                continue
+            raw = gzip.decompress(block)
+            kinds.append(json.loads(raw[4:4 + int.from_bytes(raw[:4], "little")])["about"]["kind"])
+        self.assertEqual(self.run_.wait(60), 0)
+        self.assertEqual(kinds[:2], ["head", "world"])
+        self.assertTrue((self.path / "live/summary.json").is_file())
+
+    def stop(self):
+        self.run_.send_signal(signal.SIGINT)
+        self.run_.wait(60)
+        self.run_.stdout.close()
+        shutil.rmtree(self.path / "live", ignore_errors=True)
+
+    def ask(self, path, method="GET", host=None):
+        connection = http.client.HTTPConnection(self.host, int(self.port), timeout=20)
+        connection.request(method, path, headers={"Host": host} if host else {})
+        answer = connection.getresponse()
+        return answer.status, answer.read()
+
+    def test_only_this_machine_with_the_address_can_read_and_nobody_can_write(self):
+        page = f"/{self.token}/"
+        status, text = self.ask(page)
+        self.assertEqual(status, 200)
+        self.assertIn(b"connect-src 'self'", text)
+        self.assertEqual(self.ask("/")[0], 404)
+        self.assertEqual(self.ask("/" + "0" * 32 + "/")[0], 404)
+        self.assertEqual(self.ask(page + "../summary.json")[0], 404)
+        self.assertEqual(self.ask(page + "blocks/x")[0], 404)
+        self.assertEqual(self.ask(page + "blocks/99999999")[0], 204)
+        self.assertEqual(self.ask(page, method="POST")[0], 405)
+        self.assertEqual(self.ask(page, host="evil.example")[0], 403)
+        status, block = self.ask(page + "blocks/0")
+        self.assertEqual(status, 200)
+        self.assertIn(b'"kind":"head"', gzip.decompress(block))
+        with self.assertRaises(OSError):  # not on the other addresses of this machine
+            socket.create_connection(("127.0.0.2", int(self.port)), timeout=2).close()
+
+    def test_an_interrupted_run_ends_and_leaves_nothing(self):
+        self.ask(f"/{self.token}/")
+        self.stop()
+        self.assertNotEqual(self.run_.returncode, 0)
+        self.assertFalse((self.path / "live").exists())
+
+    @unittest.skipIf(browser.missing(), f"{browser.missing()} is not installed")
+    def test_the_page_follows_the_run_and_tells_when_it_stops(self):
+        with browser.Browser() as window:
+            window.open(f"http://{self.host}:{self.port}/{self.token}/")
+            window.wait("window.swiftlet && swiftlet.begun && swiftlet.t > 0.5 && swiftlet.run.scans.length > 3")
+            before = window.run("return swiftlet.t")
+            window.wait(f"swiftlet.t > {before} + 0.5")
+            self.assertFalse(window.run("return swiftlet.run.complete"))
+            window.run("swiftlet.seek(0.25)")
+            self.assertEqual(window.run("return swiftlet.t"), 0.25)
+            self.stop()
+            window.wait("swiftlet.ready")
+            self.assertEqual(window.run("return swiftlet.t"), 0.25)
 
 
 @unittest.skipIf(browser.missing(), f"{browser.missing()} is not installed")

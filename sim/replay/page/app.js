@@ -34,12 +34,32 @@ class App {
     this.scene = new Scene(this.painter, this.run);
     this.plot = new Plot(byId('plot'), this.run);
     const blocks = [...document.querySelectorAll('script.block')];
+    if (!blocks.length) return this.follow();
     for (let i = 0; i < blocks.length; ++i) {
       const text = blocks[i].textContent;
       blocks[i].remove();  // its memory is of use elsewhere
       this.take(readBlock(await unpack(fromBase64(text))));
       byId('progress').textContent = `reading the run: ${Math.round(100 * (i + 1) / blocks.length)} %`;
     }
+    this.fill();
+  }
+
+  /** A run that goes on: block after block from whoever serves the page. */
+  async follow() {
+    this.following = true;
+    for (let k = 0; !this.run.complete;) {
+      const answer = await fetch('blocks/' + k, {cache: 'no-store'}).catch(() => null);
+      if (!answer || answer.status > 204) break;  // the run has ended, or was stopped
+      if (answer.status === 204) {
+        await new Promise((resolve) => setTimeout(resolve, 150));
+        continue;
+      }
+      this.take(readBlock(await unpack(new Uint8Array(await answer.arrayBuffer()))));
+      ++k;
+      const parts = [this.run.overlays.size, this.scene.sensors().length, this.run.tables.tracks.rows > 0, this.run.events.length].join();
+      if (this.begun && parts !== this.parts) { this.parts = parts; this.buildPanel(); this.buildSignals(); }
+    }
+    byId('notice').textContent = this.run.complete ? '' : 'the run was stopped';
     this.fill();
   }
 
@@ -80,7 +100,7 @@ class App {
     byId('notice').textContent = thinned.join(' · ');
     this.buildPanel();
     this.buildSignals();
-    this.readAddress();
+    if (this.following === undefined) this.readAddress();
     this.ready = true;
     this.dirty = true;
   }
@@ -167,7 +187,8 @@ class App {
   // --- Time and camera -------------------------------------------------------------------------------------------------
 
   play(on) {
-    if (on && this.t >= this.run.end_s - 1e-6) this.t = 0;
+    if (this.following !== undefined && !this.run.complete) this.following = on && this.t > this.run.end_s - 1;
+    if (on && this.t >= this.run.end_s - 1e-6 && (this.run.complete || this.following === undefined)) this.t = 0;
     this.playing = on;
     this.playButton.textContent = on ? 'Pause' : 'Play';
     if (!on) this.writeAddress();
@@ -175,6 +196,7 @@ class App {
   }
 
   seek(t) {
+    if (this.following) this.following = false;  // until play is asked for at the end
     this.t = Math.max(0, Math.min(this.run.end_s, t));
     if (!this.playing) this.writeAddress();
     this.dirty = true;
@@ -211,6 +233,7 @@ class App {
   }
 
   readAddress() {
+    if (!location.hash) return;
     const asked = new URLSearchParams(location.hash.slice(1));
     if (asked.has('cam')) this.setCamera(asked.get('cam'));
     const t = parseFloat(asked.get('t'));
@@ -322,7 +345,10 @@ class App {
   frame(now) {
     const passed_s = Math.min(0.25, (now - (this.last_frame ?? now)) / 1000);
     this.last_frame = now;
-    if (this.playing) {
+    if (this.following && this.begun && this.t < this.run.end_s) {
+      this.t += (this.run.end_s - this.t) * Math.min(1, 3 * passed_s);
+      this.dirty = true;
+    } else if (this.playing) {
       this.t = Math.min(this.run.end_s, this.t + passed_s * this.speed);
       this.dirty = true;
       if (this.t >= this.run.end_s && this.ready) this.play(false);
