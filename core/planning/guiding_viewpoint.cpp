@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "swiftlet/core/ensure.hpp"
 
@@ -35,15 +36,19 @@ class ViewpointSearch {
     GuidingViewpoints found;
     std::vector<std::pair<double, GuidingViewpoint>> by_distance;
     for (const PlaneRegion& safe : safe_parts()) {
-      GuidingViewpoint viewpoint = overlap_from(safe);
+      GuidingViewpoint viewpoint = overlap_from(safe, 0);
+      for (std::size_t first = 1; viewpoint.num_visible == 0 && rules_.unseen_start && first < visible_.size();
+           ++first) {
+        viewpoint = overlap_from(safe, first);
+      }
       if (viewpoint.num_visible == 0) continue;
       const Candidate pole = closest_pole(viewpoint.overlap);
       viewpoint.p_local_m = {pole.p_local_m.x(), pole.p_local_m.y(), watcher_local_m_.z()};
       by_distance.emplace_back(pole.distance_m, std::move(viewpoint));
     }
     std::stable_sort(by_distance.begin(), by_distance.end(), [](const auto& a, const auto& b) {
-      return a.second.num_visible != b.second.num_visible ? a.second.num_visible > b.second.num_visible
-                                                          : a.first < b.first;
+      return std::tuple(a.second.first_visible, -a.second.num_visible, a.first) <
+             std::tuple(b.second.first_visible, -b.second.num_visible, b.first);
     });
     found.best_first.reserve(by_distance.size());
     for (auto& [distance_m, viewpoint] : by_distance) found.best_first.push_back(std::move(viewpoint));
@@ -156,9 +161,20 @@ class ViewpointSearch {
       }
       const double next_m = std::min(length_m, at_m + kWalked * edge_m);
       if (map_.first_hit(p_local_m, from_local_m + next_m * direction)) return false;
+      if (!rules_.unknown_is_free && passes_unknown(p_local_m, direction, next_m - at_m)) return false;
       at_m = next_m;
     }
     return true;
+  }
+
+  /// A wall seen at a grazing angle has holes in the map. What is inside of it nobody has seen.
+  bool passes_unknown(const Vector3& from_local_m, const Vector3& direction, double length_m) const {
+    const int steps = static_cast<int>(2.0 * length_m / map_.edge_m());
+    for (int i = 0; i <= steps; ++i) {
+      const Vector3 p_local_m = from_local_m + (0.5 * map_.edge_m() * i) * direction;
+      if (map_.state(p_local_m) == CellState::kUnknown) return true;
+    }
+    return false;
   }
 
   /// The connected parts of S that count: line 15 and its other interpretation.
@@ -184,17 +200,23 @@ class ViewpointSearch {
     return {first_local_m - more * way_m, last_local_m + more * way_m};
   }
 
-  /// Lines 16 to 24: as many visibility regions from the first on as have a point in common.
-  GuidingViewpoint overlap_from(const PlaneRegion& safe) const {
+  /// Lines 16 to 24: as many visibility regions from that one on as have a point in common.
+  GuidingViewpoint overlap_from(const PlaneRegion& safe, std::size_t first) const {
     GuidingViewpoint found;
     found.safe = found.overlap = safe;
-    for (const PlaneRegion& visible : visible_) {
+    found.first_visible = static_cast<int>(first);
+    for (const PlaneRegion& visible : std::span(visible_).subspan(first)) {
       PlaneRegion common = intersection_of(found.overlap, visible);
-      if (common.empty()) break;
+      if (common.empty() || is_narrow(common)) break;
       found.overlap = std::move(common);
       ++found.num_visible;
     }
     return found;
+  }
+
+  /// Nowhere so far from the borders that a guide who stands a little beside its viewpoint sees the same.
+  bool is_narrow(const PlaneRegion& region) const {
+    return rules_.margin_m > 0.0 && pole_of_inaccessibility(region, 0.25 * map_.edge_m()).distance_m < rules_.margin_m;
   }
 
   /// Line 26: of the poles of all polygons the one closest to the watcher.
@@ -203,7 +225,7 @@ class ViewpointSearch {
     for (const PlaneRegion& part : parts_of(overlap)) {
       const Pole pole = pole_of_inaccessibility(part, 0.25 * map_.edge_m());
       const double distance_m = (pole.p_m - watcher_local_m_.head<2>()).norm();
-      if (distance_m < closest.distance_m) closest = {pole.p_m, distance_m};
+      if (pole.distance_m >= rules_.margin_m && distance_m < closest.distance_m) closest = {pole.p_m, distance_m};
     }
     return closest;
   }
@@ -242,6 +264,10 @@ void ViewpointRules::visit(ConfigVisitor& v) {
   v.field("num_rays", num_rays, "[-] for the visibility region of a waypoint", Range::between(3, 100'000));
   v.field("ray_max_m", ray_max_m, "[m] greatest horizontal distance from which a waypoint is watched",
           Range{0.0, 200.0, true});
+  v.field("margin_m", margin_m, "[m] around a viewpoint from where as much is seen; 0: as in the document",
+          Range::between(0.0, 10.0));
+  v.field("unseen_start", unseen_start,
+          "[-] when the beginning of the path is in sight from nowhere, the rest is watched; otherwise planning fails");
   v.field("buffer_m", buffer_m, "[m] horizontal distance that the guide keeps from the path", Range{0.0, 100.0, true});
   v.choice("sight", sight, {"at_waypoint", "in_space"},
            "[-] where a waypoint is looked for: in the plane at its own height, or along the straight line");

@@ -17,7 +17,9 @@ struct ViewpointRules {
   double ray_max_m = 6.0;    ///< d_ray
   double buffer_m = 2.0;     ///< d_buffer: from the watched path
   double clearance_m = 0.9;  ///< d_P: from obstacles
+  double margin_m = 0.15;    ///< around a viewpoint, from where as much is seen; the document has none
   bool unknown_is_free = false;
+  bool unseen_start = true;  ///< a path whose beginning is seen from nowhere is watched from the first waypoint that is
 
   /// Where a waypoint is looked for. kAtWaypoint: in the plane at its own height [Pritzl 2024, alg. 2, line 6].
   /// kInSpace: along the straight line from the viewpoint, which stays at the watcher's height.
@@ -35,9 +37,10 @@ struct ViewpointRules {
 /// A place to watch from, and how it was found.
 struct GuidingViewpoint {
   Vector3 p_local_m = Vector3::Zero();
-  int num_visible = 0;  ///< waypoints from the first on without interruption
-  PlaneRegion safe;     ///< S_closest
-  PlaneRegion overlap;  ///< I_all
+  int first_visible = 0;  ///< waypoint; 0 unless the beginning of the path is in sight from nowhere
+  int num_visible = 0;    ///< waypoints from that one on without interruption
+  PlaneRegion safe;       ///< S_closest
+  PlaneRegion overlap;    ///< I_all
 };
 
 struct GuidingViewpoints {
