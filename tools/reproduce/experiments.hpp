@@ -22,6 +22,8 @@ void detection_choices(Experiment& experiment);    // detection_choices.cpp
 void detection_latencies(Experiment& experiment);  // detection_latencies.cpp
 void detection_beyond(Experiment& experiment);     // detection_beyond.cpp
 
+void interception(Experiment& experiment);  // interception.cpp
+
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);
 void rbl_circle_printed(Experiment& experiment);
