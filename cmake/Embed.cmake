@@ -2,13 +2,15 @@
 # program:
 #   swiftlet_embed(sim/render shaders/mesh.vert shaders/mesh.frag)
 # gives the room's sources <embedded/sim_render.hpp> with swiftlet::sim::embedded::mesh_vert and mesh_frag, a
-# std::string_view each that ends with a zero. An edit of a file compiles that file alone again. TARGET names a target that
+# std::string_view each that ends with a zero, and mesh_vert_sha256 with its digest, in hexadecimal digits. An edit of a file compiles that file alone again. TARGET names a target that
 # is not called after its room.
 if(CMAKE_SCRIPT_MODE_FILE)
   # cmake -DINPUT=file -DNAME=name -DSPACE=namespace -DOUTPUT=file.cpp -P Embed.cmake
   file(READ ${INPUT} text)
+  file(SHA256 ${INPUT} sha256)
   file(WRITE ${OUTPUT} "#include <string_view>\n\nnamespace ${SPACE} {\n\nextern const std::string_view ${NAME};\n"
-    "constinit const std::string_view ${NAME} = R\"embedded(${text})embedded\";\n\n}  // namespace ${SPACE}\n")
+    "constinit const std::string_view ${NAME} = R\"embedded(${text})embedded\";\n"
+    "extern const std::string_view ${NAME}_sha256;\nconstinit const std::string_view ${NAME}_sha256 = \"${sha256}\";\n\n}  // namespace ${SPACE}\n")
   return()
 endif()
 
@@ -32,7 +34,7 @@ function(swiftlet_embed room)
       COMMAND ${CMAKE_COMMAND} -DINPUT=${PROJECT_SOURCE_DIR}/${room}/${file} -DNAME=${name} -DSPACE=${space}
               -DOUTPUT=${output} -P ${SWIFTLET_EMBED_SCRIPT})
     target_sources(${ARG_TARGET} PRIVATE ${output})
-    string(APPEND header "extern const std::string_view ${name};  // ${file}\n")
+    string(APPEND header "extern const std::string_view ${name}, ${name}_sha256;  // ${file}\n")
   endforeach()
   file(CONFIGURE OUTPUT ${folder}/${prefix}.hpp CONTENT "${header}\n}  // namespace ${space}\n" @ONLY)
   target_include_directories(${ARG_TARGET} PRIVATE ${PROJECT_BINARY_DIR}/generated)

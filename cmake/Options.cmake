@@ -1,6 +1,6 @@
 # Compiler options for every target of the project, not for those who link it.
 add_library(swiftlet_options INTERFACE)
-# The same bits every time: no fused multiply-add where the source has none.
+# The same bits from every compiler: no fused multiply-add where the source has none.
 target_compile_options(swiftlet_options INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra)
 # GCC 12 sees overlaps, overflows and unset temporaries that are not there (-Wrestrict, -Wstringop-overflow, -Warray-bounds,
 # -Wmaybe-uninitialized in Eigen).
@@ -21,10 +21,11 @@ target_compile_features(swiftlet_options INTERFACE cxx_std_20)
 if(SWIFTLET_WERROR)
   target_compile_options(swiftlet_options INTERFACE -Werror)
 endif()
-# Every x86 processor since 2015 has AVX2, and all that have it give the same bits (docs/testing.md). Eigen's alignment stays
-# that of programs built without it.
+# Every x86 processor since 2015 has AVX2, and all that have it give the same bits (docs/testing.md). GCC 12 fuses alternating
+# sums and differences even where -ffp-contract=off forbids it (vfmaddsub), here or there as it inlines; so it gets no such
+# instructions. Eigen's alignment stays that of programs built without AVX.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT SWIFTLET_NATIVE)
-  target_compile_options(swiftlet_options INTERFACE -march=x86-64-v3)
+  target_compile_options(swiftlet_options INTERFACE -march=x86-64-v3 -mno-fma)
 endif()
 target_compile_definitions(swiftlet_options INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
 if(SWIFTLET_NATIVE)

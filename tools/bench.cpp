@@ -34,6 +34,13 @@ constexpr double kWarmUp_s = 0.5;
 
 sim::Scenario read(const char* name) { return sim::load_scenario(std::string(name)); }
 
+sim::Scenario unrecorded(const char* name) {
+  sim::Scenario scenario = read(name);
+  scenario.recorders.clear();
+  scenario.snapshots.clear();
+  return scenario;
+}
+
 // A square block of hovering copies of the scenario's first vehicle, `spacing_m` apart.
 sim::Scenario with_copies(sim::Scenario scenario, int count, double spacing_m) {
   const sim::VehicleConfig model = scenario.vehicles.front();
@@ -70,14 +77,13 @@ const Case kCases[] = {
     {"one_os1", "one OS1-128 at 10 Hz in a forest", [] { return read("bench_os1"); }, 5.0},
     {"ten_mid360", "10 X500 with a Mid-360 each in a forest", [] { return with_copies(read("bench_mid360"), 10, 4.0); },
      5.0},
-    {"forest_patrol", "the quickstart without recorders",
-     [] {
-       sim::Scenario scenario = read("forest_patrol");
-       scenario.recorders.clear();
-       scenario.snapshots.clear();
-       return scenario;
-     },
-     5.0},
+    {"forest_patrol", "a patrol of four, one of which looks for the others, without recorders",
+     [] { return unrecorded("forest_patrol"); }, 5.0},
+    {"guidance",
+     "the quickstart without recorders: a UAV with an OS0-128 maps a forest, finds another UAV, plans for both and "
+     "guides it",
+     [] { return unrecorded("forest_guidance"); }, 30.0},
+    {"guided_gap", "the same through a gap between two rooms", [] { return unrecorded("guided_gap"); }, 30.0},
 };
 
 // Beside as many busy processes as there are threads.

@@ -11,6 +11,7 @@ void add_run(CLI::App& app);
 void add_batch(CLI::App& app);
 void add_report(CLI::App& app);
 void add_render(CLI::App& app);
+void add_replay(CLI::App& app);
 void add_world(CLI::App& app);
 void add_check(CLI::App& app);
 void add_list(CLI::App& app);

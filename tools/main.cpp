@@ -64,6 +64,7 @@ int run_program(int argc, char** argv) {
   swiftlet::tools::add_batch(app);
   swiftlet::tools::add_report(app);
   swiftlet::tools::add_render(app);
+  swiftlet::tools::add_replay(app);
   swiftlet::tools::add_world(app);
   swiftlet::tools::add_check(app);
   swiftlet::tools::add_list(app);

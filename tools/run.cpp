@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -9,6 +10,7 @@
 #include "progress.hpp"
 #include "scenario_options.hpp"
 #include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/run/memory.hpp"
 #include "swiftlet/sim/run/run_directory.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
@@ -24,6 +26,7 @@ struct RunOptions {
   std::string out;
   int threads = 0;
   double memory_limit_mb = 0.0;
+  bool replay = false;
   bool quiet = false;
 };
 
@@ -72,9 +75,16 @@ void print_paths(const fs::path& directory, const std::vector<fs::path>& written
   }
 }
 
+bool has_replay(const sim::Scenario& scenario) {
+  return std::ranges::any_of(scenario.recorders, [](const Module& recorder) { return recorder.type == "replay"; });
+}
+
 void run(const RunOptions& options) {
   sim::limit_memory(options.memory_limit_mb);
-  const sim::Scenario scenario = options.scenario.load();
+  sim::Scenario scenario = options.scenario.load();
+  if (options.replay && !has_replay(scenario)) {
+    scenario.recorders.emplace_back(sim::recorder_module_types(), "replay");
+  }
   const fs::path out = options.out.empty() ? fs::path("runs") / fmt::format("{}-{}", scenario.name, scenario.seed)
                                            : fs::path(options.out);
   const StopSignals guard;
@@ -99,6 +109,7 @@ void run(const RunOptions& options) {
   if (options.quiet) return;
   fmt::print("{}", sim::to_text(summary));
   print_paths(out, written);
+  if (has_replay(scenario)) fmt::print("\nto look at it, open {}\n", fs::absolute(out / "replay.html").string());
 }
 
 }  // namespace
@@ -113,6 +124,7 @@ void add_run(CLI::App& app) {
                  {.min = 0, .max = 1024});
   command.option("--memory-limit", options->memory_limit_mb,
                  "MiB that the run may take, 0: what the machine has; what would take more is refused", {.min = 0});
+  command.flag("--replay", options->replay, "Write the run as a page for a browser as well (replay.html)");
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { run(*options); });
 }

@@ -151,7 +151,7 @@ class StackAgent : public Agent {
   }
 
   void map(const Observation& observation) {
-    if (stages_.mapping) stages_.mapping->step({observation, action_.estimate, clouds_, tracks_}, outbox_);
+    if (stages_.mapping) stages_.mapping->step({observation, action_.estimate, clouds_, tracks_, relatives_}, outbox_);
   }
 
   void guide(const Observation& observation, double dt_s) {

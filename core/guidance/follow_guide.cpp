@@ -2,7 +2,9 @@
 #include "swiftlet/core/guidance/follow_guide.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/guidance/path_overlay.hpp"
@@ -13,6 +15,8 @@
 
 namespace swiftlet {
 namespace {
+
+constexpr double kFigure_m = 1.0;  // a larger one shows no more of the heading
 
 /// Without roll and pitch.
 Pose level(const Pose& T_local_body) {
@@ -66,16 +70,26 @@ class FollowGuide : public Guidance {
       if (message.from != primary_ || read_message(message, told) != Reading::kDone) continue;
       if (linked_ && told.path <= newest_path_) continue;  // overtaken by a later one
       const TimeNs t = told.has_instant ? from_own_time(told.t) : input.estimate.t;
-      if (t < input.poses[0].t || t > input.estimate.t) continue;  // of a time when it was who knows where
-      take(told, level(told.has_instant ? input.poses.at(t) : input.estimate.T_local_body), input.estimate);
+      const Pose* T_local_body = told.has_instant ? pose_at(told.t) : &input.estimate.T_local_body;
+      const bool remembered = t >= input.poses[0].t && t <= input.estimate.t;
+      if (T_local_body == nullptr && !remembered) continue;  // of a time when it was who knows where
+      take(told, level(T_local_body != nullptr ? *T_local_body : input.poses.at(t)), input.estimate);
       heard = true;
     }
     return heard;
   }
 
+  /// Of a report that it sent, by its own clock: over a slow radio, the answer comes seconds later.
+  const Pose* pose_at(TimeNs t) const {
+    const auto sent = std::find_if(reported_.begin(), reported_.end(), [t](const Reported& r) { return r.t == t; });
+    return sent == reported_.end() ? nullptr : &sent->T_local_body;
+  }
+
   void take(const GuidingPath& told, const Pose& T_local_body, const StateEstimate& estimate) {
     newest_path_ = told.path;
     num_visited_ = 0;
+    word_ = told.word;
+    moves_within_m_ = told.word == GuidingPath::Word::kMove ? std::min(told.radius_m, kFigure_m) : 0.0;
     const bool flew = !path_.empty();
     path_.clear();
     const double yaw_rad = yaw_of(T_local_body.linear());
@@ -84,8 +98,29 @@ class FollowGuide : public Guidance {
       place.position_m = T_local_body * waypoint.p_body_m.cast<double>();
       place.yaw_rad = std::remainder(yaw_rad + static_cast<double>(waypoint.yaw_rad), 2.0 * std::numbers::pi);
     }
+    skip_passed(estimate.T_local_body.translation(), T_local_body.translation());
     if (path_.empty() && (flew || !was_guided_)) stop(estimate);
     was_guided_ = true;
+  }
+
+  /// What its guide told when it was farther behind: a vehicle that is on a later leg does not turn back to the one
+  /// before. So a path that took seconds on its way is followed, too. It passed no more than it flew since then.
+  void skip_passed(const Vector3& p_local_m, const Vector3& then_local_m) {
+    if (path_.empty()) return;
+    const double flown_m = (p_local_m - then_local_m).norm();
+    double least_m = config_.visited_m, ahead_m = (path_.front().position_m - then_local_m).norm();
+    std::size_t passed = 0;
+    for (std::size_t i = 0; i + 1 < path_.size() && ahead_m < flown_m; ++i) {
+      const Vector3& from_m = path_[i].position_m;
+      const Vector3 leg_m = path_[i + 1].position_m - from_m;
+      const double share = std::clamp(leg_m.dot(p_local_m - from_m) / std::max(leg_m.squaredNorm(), 1e-12), 0.0, 1.0);
+      const double distance_m = (from_m + share * leg_m - p_local_m).norm();
+      if (distance_m < least_m) passed = i + 1;
+      least_m = std::min(least_m, distance_m);
+      ahead_m += leg_m.norm();
+    }
+    num_visited_ = static_cast<std::uint16_t>(passed);
+    path_.erase(path_.begin(), path_.begin() + static_cast<std::ptrdiff_t>(passed));
   }
 
   void watch_link(const GuidanceInput& input, bool heard) {
@@ -125,19 +160,23 @@ class FollowGuide : public Guidance {
   }
 
   void choose_goal(const GuidanceInput& input, GuidanceOutput& output) {
-    output.mission = MissionStatus::kEndless;
+    output.mission = word_ == GuidingPath::Word::kDone     ? MissionStatus::kDone
+                     : word_ == GuidingPath::Word::kFailed ? MissionStatus::kFailed
+                                                           : MissionStatus::kEndless;
     output.speed_limit_mps = config_.speed_mps;
     output.goal = path_.empty() ? goal_ : path_.front();
-    output.note = lost_            ? "hovers: the link to its guide is lost"
-                  : !path_.empty() ? "follows its guide"
-                  : was_guided_    ? "hovers as its guide says"
-                                   : "waits for its guide";
-    if (!was_guided_ && !lost_ && config_.excitation.radius_m > 0.0) excite(input.dt_s, output.goal);
+    output.note = lost_                   ? "hovers: the link to its guide is lost"
+                  : !path_.empty()        ? "follows its guide"
+                  : moves_within_m_ > 0.0 ? "moves, so that its guide finds it"
+                  : was_guided_           ? "hovers as its guide says"
+                                          : "waits for its guide";
+    if (lost_) return;
+    const double radius_m = was_guided_ ? moves_within_m_ : config_.excitation.radius_m;
+    if (radius_m > 0.0) excite(radius_m, input.dt_s, output.goal);
   }
 
   /// A lying eight through the place where it waits.
-  void excite(double dt_s, Reference& goal) {
-    const double radius_m = config_.excitation.radius_m;
+  void excite(double radius_m, double dt_s, Reference& goal) {
     phase_rad_ = std::remainder(phase_rad_ + dt_s * config_.excitation.speed_mps / (std::numbers::sqrt2 * radius_m),
                                 2.0 * std::numbers::pi);
     goal.position_m.x() += radius_m * elementary::sin(phase_rad_);
@@ -157,7 +196,14 @@ class FollowGuide : public Guidance {
     report.path = newest_path_;
     report.num_visited = num_visited_;
     write_message(report, outbox.say(primary_));
+    reported_[next_reported_] = {report.t, report.T_local_body};
+    next_reported_ = (next_reported_ + 1) % reported_.size();
   }
+
+  struct Reported {
+    TimeNs t = std::numeric_limits<TimeNs>::min();
+    Pose T_local_body = Pose::Identity();
+  };
 
   FollowGuideConfig config_;
   VehicleId primary_;
@@ -166,8 +212,12 @@ class FollowGuide : public Guidance {
   bool started_ = false;
   bool linked_ = false, lost_ = false, was_guided_ = false;
   TimeNs last_heard_ = 0, next_report_ = 0;
+  GuidingPath::Word word_ = GuidingPath::Word::kGuide;
+  double moves_within_m_ = 0.0;  // 0: it was not asked to
   std::uint32_t newest_path_ = 0;
   std::uint16_t num_visited_ = 0;
+  std::array<Reported, 64> reported_;
+  std::size_t next_reported_ = 0;
   std::vector<Reference> path_;  // what is left of it, in the local frame
   Reference goal_;               // where it is held without a path
   double phase_rad_ = 0.0;

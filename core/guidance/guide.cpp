@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "core/guidance/guide_overlays.hpp"
 #include "swiftlet/core/math/latency.hpp"
@@ -16,6 +17,10 @@ namespace swiftlet {
 namespace {
 
 constexpr double kAtRest_mps = 0.25;  // slower than this, a vehicle hovers
+constexpr double kClearBody_m = 0.6;  // around the figure that a lost vehicle flies
+constexpr double kLeastFigure_m = 0.3;
+constexpr double kSeenFarther = 1.5;  // than a viewpoint may be away: it is on its way to the next one
+constexpr double kPlanAhead_m = 1.5;  // left of the guided vehicle's path when the next one is planned
 
 /// The states of [Pritzl 2024, sec. II-A].
 enum class GuideState { kIdle, kPlanning, kPrimaryMoving, kSecondaryMoving, kGoalReached, kFailure };
@@ -37,8 +42,9 @@ class Guide : public Guidance {
     now_ = input.observation.t;
     if (entered_ == kNever) enter(GuideState::kIdle);
     find_secondary(input);
+    search(input);
     advance_state(input);
-    speak(outbox);
+    speak(input, outbox);
     output.goal = hold_;
     output.speed_limit_mps = config_.speed_mps;
     tell(output);
@@ -70,11 +76,28 @@ class Guide : public Guidance {
     was_known_ = was_known_ || (known_well_ && linked_);
   }
 
+  /// A vehicle that hovers shows no heading. When nothing is known of it any more, it is asked to move where its
+  /// surroundings are clear, as it did before it was first found.
+  void search(const GuidanceInput& input) {
+    if (guided_) {
+      last_place_local_m_ = guided_->position_m;
+      last_known_ = now_;
+    }
+    figure_m_ = 0.0;
+    if (guided_ || !was_known_ || now_ - last_known_ < from_seconds(config_.search_after_s)) return;
+    const double room_m = input.map->distance_m(last_place_local_m_, 2.0) - kClearBody_m;
+    if (room_m >= kLeastFigure_m) figure_m_ = room_m;
+  }
+
   void advance_state(const GuidanceInput& input) {
     switch (state_) {
       case GuideState::kIdle:
-        if (!known_well_ || !linked_) return;
-        next_goal(input);
+        if (known_well_ && linked_) {
+          next_goal(input);
+        } else if (has_more_goals() && waited(config_.stage_timeout_s)) {
+          failures_ = config_.retries;  // what was never there is not waited for again
+          fail("the guided vehicle was not found");
+        }
         return;
       case GuideState::kPlanning:
         plan(input);
@@ -83,10 +106,10 @@ class Guide : public Guidance {
         move_primary(input);
         return;
       case GuideState::kSecondaryMoving:
-        move_secondary();
+        move_secondary(input);
         return;
       case GuideState::kGoalReached:
-        if (has_more_goals()) next_goal(input);
+        if (has_more_goals() && (planner_.idle() || planner_.due(now_))) next_goal(input);
         return;
       case GuideState::kFailure:
         if (failures_ <= config_.retries && waited(config_.retry_after_s)) start_planning();
@@ -103,29 +126,42 @@ class Guide : public Guidance {
   }
 
   void next_goal(const GuidanceInput& input) {
-    const FrameChange to_local = FrameChange::to_local(input.estimate);
     failures_ = 0;
-    if (advances()) {
-      if (!began_local_m_) began_local_m_ = guided_->position_m;
-      goal_.p_local_m = guided_->position_m + to_local.direction(config_.advance.step_m);
-      goal_.p_local_m.z() = began_local_m_->z() + to_local.direction(config_.advance.step_m).z();
-      goal_.yaw_rad = guided_->yaw_rad;
-    } else if (!config_.goals_m.empty()) {
-      const std::size_t i = num_reached_ % config_.goals_m.size();
-      goal_.p_local_m = to_local.point(config_.goals_m[i]);
-      goal_.yaw_rad = i < config_.goal_yaws_deg.size()
-                          ? to_local.yaw(config_.goal_yaws_deg[i] * std::numbers::pi / 180.0)
-                          : guided_->yaw_rad;
-    } else {
-      return;  // nothing to do: it only tells the other one to hover
+    if (!advances() && config_.goals_m.empty()) return;  // nothing to do: it only tells the other one to hover
+    const PlannedPose here{guided_->position_m, guided_->yaw_rad};
+    if (!began_local_m_) began_local_m_ = here.p_local_m;
+    goal_ = goal_after(num_reached_, here, FrameChange::to_local(input.estimate));
+    if (plan_ahead_ && (plan_ahead_->goal_local_m - goal_.p_local_m).norm() < 2.0 * config_.planner.tolerance_m) {
+      plan_ = std::move(plan_ahead_);
+      plan_ahead_.reset();
+      take_plan();
+      return;
     }
     start_planning();
+  }
+
+  /// Where it is to go from there.
+  PlannedPose goal_after(std::size_t num_reached, const PlannedPose& from, const FrameChange& to_local) const {
+    PlannedPose goal = from;
+    if (advances()) {
+      const Vector3 step_local_m = to_local.direction(config_.advance.step_m);
+      goal.p_local_m += step_local_m;
+      goal.p_local_m.z() = began_local_m_->z() + step_local_m.z();
+      return goal;
+    }
+    const std::size_t i = num_reached % config_.goals_m.size();
+    goal.p_local_m = to_local.point(config_.goals_m[i]);
+    if (i < config_.goal_yaws_deg.size()) {
+      goal.yaw_rad = to_local.yaw(config_.goal_yaws_deg[i] * std::numbers::pi / 180.0);
+    }
+    return goal;
   }
 
   // Planning, while both hover.
 
   void start_planning() {
     path_.clear();
+    plan_ahead_.reset();
     settled_since_.reset();
     planner_.stop();
     enter(GuideState::kPlanning);
@@ -190,32 +226,43 @@ class Guide : public Guidance {
   // Motion.
 
   void move_primary(const GuidanceInput& input) {
-    const Vector3 p_local_m = input.estimate.T_local_body.translation();
-    const std::vector<Vector3>& corners_local_m = plan_->primary_local_m;
-    const bool last = next_corner_ + 1 >= corners_local_m.size();
-    hold_.position_m = corners_local_m[std::min(next_corner_, corners_local_m.size() - 1)];
-    const double distance_m = (p_local_m - hold_.position_m).norm();
-    if (!last && distance_m < config_.planner.tolerance_m) ++next_corner_;
-    if (last && distance_m < config_.planner.tolerance_m && input.estimate.v_local_mps.norm() < kAtRest_mps) {
+    if (follow_own_path(input)) {
       start_guiding();
     } else if (waited(config_.stage_timeout_s)) {
       fail("the guide does not reach its viewpoint");
     }
   }
 
+  /// True when it hovers at the end of its path.
+  bool follow_own_path(const GuidanceInput& input) {
+    const std::vector<Vector3>& corners_local_m = plan_->primary_local_m;
+    if (corners_local_m.empty()) return true;  // it stands at its viewpoint
+    const bool last = next_corner_ + 1 >= corners_local_m.size();
+    hold_.position_m = corners_local_m[std::min(next_corner_, corners_local_m.size() - 1)];
+    const double distance_m = (input.estimate.T_local_body.translation() - hold_.position_m).norm();
+    if (distance_m >= config_.planner.tolerance_m) return false;
+    if (!last) ++next_corner_;
+    return last && input.estimate.v_local_mps.norm() < kAtRest_mps;
+  }
+
   void start_guiding() {
     path_.assign(plan_->secondary_path.begin() + 1, plan_->secondary_path.end());
-    was_told_ = false;
+    was_told_ = tried_ahead_ = false;
     enter(GuideState::kSecondaryMoving);
   }
 
-  void move_secondary() {
+  void move_secondary(const GuidanceInput& input) {
     if (waited(config_.stage_timeout_s)) {
       fail(linked_ && known_well_ ? "the guided vehicle does not reach its goal"
                                   : "the guided vehicle was lost on its way");
       return;
     }
-    if (!linked_ || !known_well_) return;  // it hovers, and so does this vehicle
+    if (!linked_ || !known_well_) {  // it hovers, and so does this vehicle
+      if (config_.motion == GuideConfig::Motion::kTogether) hold_.position_m = rest_place_m(input);
+      return;
+    }
+    hovers_.reset();
+    if (config_.motion != GuideConfig::Motion::kAlternate) plan_next_leg(input);
     const Vector3& p_local_m = guided_->position_m;
     while (path_.size() > 1 && (path_.front().p_local_m - p_local_m).norm() < config_.visited_m) {
       path_.erase(path_.begin());
@@ -224,34 +271,108 @@ class Guide : public Guidance {
     if (guided_->velocity_mps.norm() < kAtRest_mps) reach();
   }
 
+  // The next leg, while the guided vehicle flies.
+
+  /// Where the guide stays while the other one is lost.
+  Vector3 rest_place_m(const GuidanceInput& input) {
+    if (!hovers_) hovers_ = input.estimate.T_local_body.translation();
+    return *hovers_;
+  }
+
+  void plan_next_leg(const GuidanceInput& input) {
+    const bool together = config_.motion == GuideConfig::Motion::kTogether;
+    const bool arrived = !together || follow_own_path(input);
+    if (planner_.due(now_)) {
+      planner_.stop();
+      if (together) fly_on();
+      return;
+    }
+    if (!planner_.idle() || tried_ahead_ || !arrived || !has_goal_after_this()) return;
+    if (!together && length_left_m() > kPlanAhead_m) return;
+    tried_ahead_ = true;
+    const PlannedPose from{plan_->goal_local_m, goal_.yaw_rad};
+    next_goal_ = goal_after(num_reached_ + 1, from, FrameChange::to_local(input.estimate));
+    TeamPlan ahead = plan_team(*input.map, config_.planner, input.estimate.T_local_body.translation(), from, next_goal_,
+                               {}, together ? std::span<const PlannedPose>(path_) : std::span<const PlannedPose>());
+    const bool usable = ahead.next == TeamPlan::Next::kMovePrimary || ahead.next == TeamPlan::Next::kMoveSecondary;
+    if (!usable) return;  // it is planned again when both hover, and tells its reason then
+    plan_ahead_ = std::move(ahead);
+    planner_.start(now_);
+  }
+
+  bool has_goal_after_this() const {
+    if (advances()) return (goal_.p_local_m - *began_local_m_).head<2>().norm() < config_.advance.distance_m;
+    return config_.loop || num_reached_ + 1 < config_.goals_m.size();
+  }
+
+  double length_left_m() const {
+    double left_m = (path_.front().p_local_m - guided_->position_m).norm();
+    for (std::size_t i = 1; i < path_.size(); ++i) left_m += (path_[i].p_local_m - path_[i - 1].p_local_m).norm();
+    return left_m;
+  }
+
+  /// The goal becomes a waypoint, and the way goes on.
+  void fly_on() {
+    plan_ = std::move(plan_ahead_);
+    plan_ahead_.reset();
+    path_.insert(path_.end(), plan_->secondary_path.begin() + 1, plan_->secondary_path.end());
+    goal_ = next_goal_;
+    ++num_reached_;
+    next_corner_ = 1;
+    tried_ahead_ = false;
+    entered_ = now_;
+  }
+
+  /// How many of the waypoints that are left the guide sees, from the first one on.
+  std::size_t num_in_sight(const OccupancyView& map, const Vector3& p_local_m) const {
+    std::size_t seen = 0;
+    const double far_m = kSeenFarther * config_.planner.viewpoint.ray_max_m;
+    while (seen < path_.size() && (path_[seen].p_local_m - p_local_m).head<2>().norm() <= far_m &&
+           !map.first_hit(p_local_m, path_[seen].p_local_m)) {
+      ++seen;
+    }
+    return seen;
+  }
+
   // What the other vehicle is told: the rest of its path in its level body frame, or an empty path, on which it hovers.
 
-  void speak(Outbox& outbox) {
+  void speak(const GuidanceInput& input, Outbox& outbox) {
     if (!was_known_ || now_ < next_word_) return;
     next_word_ = now_ + guiding_period_;
     GuidingPath told;
     told.path = ++num_words_;
     const bool guides = state_ == GuideState::kSecondaryMoving && known_well_ && linked_;
     if (guides && !config_.periodic && was_told_) return;
-    if (guides) append_path(told);
+    if (guides) append_path(input, told);
     was_told_ = guides;
+    told.word = is_done()         ? GuidingPath::Word::kDone
+                : has_failed()    ? GuidingPath::Word::kFailed
+                : figure_m_ > 0.0 ? GuidingPath::Word::kMove
+                                  : GuidingPath::Word::kGuide;
+    told.radius_m = figure_m_;
     write_message(told, outbox.say(secondary_));
   }
 
   /// In the level body frame of the instant of its newest odometry, so that no delay of the radio shifts the path.
-  void append_path(GuidingPath& told) const {
+  void append_path(const GuidanceInput& input, GuidingPath& told) const {
     told.has_instant = true;
     told.t = guided_->heard_stamp;
     const double yaw_rad = guided_->heard_yaw_rad;
     const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
-    told.waypoints.reserve(path_.size());
-    for (const PlannedPose& pose : path_) {
+    const std::size_t num_told = config_.motion == GuideConfig::Motion::kTogether
+                                     ? num_in_sight(*input.map, input.estimate.T_local_body.translation())
+                                     : path_.size();
+    told.waypoints.reserve(num_told);
+    for (const PlannedPose& pose : std::span(path_).first(num_told)) {
       const Vector3 d_m = pose.p_local_m - guided_->heard_position_m;
       GuidingWaypoint& waypoint = told.waypoints.emplace_back();
       waypoint.p_body_m = Vector3(c * d_m.x() + s * d_m.y(), c * d_m.y() - s * d_m.x(), d_m.z()).cast<float>();
       waypoint.yaw_rad = static_cast<float>(std::remainder(pose.yaw_rad - yaw_rad, 2.0 * std::numbers::pi));
     }
   }
+
+  bool is_done() const { return state_ == GuideState::kGoalReached && !has_more_goals(); }
+  bool has_failed() const { return state_ == GuideState::kFailure && failures_ > config_.retries; }
 
   void tell(GuidanceOutput& output) const {
     output.mission = MissionStatus::kRunning;
@@ -261,7 +382,9 @@ class Guide : public Guidance {
         if (config_.goals_m.empty() && !advances()) output.mission = MissionStatus::kEndless;
         return;
       case GuideState::kPlanning:
-        output.note = linked_ && known_well_ ? "planning" : "hovers: the guided vehicle is lost";
+        output.note = linked_ && known_well_ ? "planning"
+                      : figure_m_ > 0.0      ? "hovers: the guided vehicle is to move, to be found again"
+                                             : "hovers: the guided vehicle is lost";
         return;
       case GuideState::kPrimaryMoving:
         output.note = "primary moving";
@@ -273,11 +396,11 @@ class Guide : public Guidance {
         return;
       case GuideState::kGoalReached:
         output.note = "goal reached";
-        if (!has_more_goals()) output.mission = MissionStatus::kDone;
+        if (is_done()) output.mission = MissionStatus::kDone;
         return;
       case GuideState::kFailure:
         output.note = reason_.c_str();
-        if (failures_ > config_.retries) output.mission = MissionStatus::kFailed;
+        if (has_failed()) output.mission = MissionStatus::kFailed;
         return;
     }
   }
@@ -294,6 +417,9 @@ class Guide : public Guidance {
 
   std::optional<RelativeEstimate> guided_;  // in this tick
   bool known_well_ = false, linked_ = false, was_known_ = false;
+  Vector3 last_place_local_m_ = Vector3::Zero();
+  TimeNs last_known_ = 0;
+  double figure_m_ = 0.0;  // 0: it is not asked to move
 
   PlannedPose goal_;
   std::size_t num_reached_ = 0;
@@ -302,7 +428,10 @@ class Guide : public Guidance {
 
   Worker planner_;
   std::optional<TimeNs> settled_since_;
-  std::optional<TeamPlan> plan_;
+  std::optional<TeamPlan> plan_, plan_ahead_;
+  PlannedPose next_goal_;
+  bool tried_ahead_ = false;       // on this leg
+  std::optional<Vector3> hovers_;  // where, while the other one is lost
   std::size_t next_corner_ = 1;
   Reference hold_;
   std::vector<PlannedPose> path_;  // what is left of the other one's
@@ -323,11 +452,13 @@ void GuideAdvanceConfig::visit(ConfigVisitor& v) {
 
 void GuideConfig::visit(ConfigVisitor& v) {
   v.field("secondary", secondary, "[-] name of the vehicle that is guided");
-  v.field("goals_m", goals_m, "[m] where it is to go, one after the other, world frame");
+  v.field("goals_m", goals_m, "[m] where it is to go, one after the other, world frame", Range::between(-1e5, 1e5));
   v.field("goal_yaws_deg", goal_yaws_deg, "[deg] its heading there; it keeps the one it has where none is given");
   v.object("advance", advance, "goals that follow from where it is, instead of goals_m");
   v.field("loop", loop, "[-] go on with the first goal after the last");
   v.field("periodic", periodic, "[-] tell the rest of the path again and again; otherwise the path once");
+  v.choice("motion", motion, {"alternate", "ahead", "together"},
+           "[-] the next leg is planned while both hover, while the guided vehicle flies, or so that both fly at once");
   v.field("guiding_rate_hz", guiding_rate_hz, "[Hz] at which it is told its path", Range::between(0.01, 1000.0));
   v.field("visited_m", visited_m, "[m] nearer than this, a waypoint was visited and is dropped", Range::positive());
   v.field("speed_mps", speed_mps, "[m/s] of the guide, at most, horizontal and vertical each", Range::positive());
@@ -338,7 +469,11 @@ void GuideConfig::visit(ConfigVisitor& v) {
   v.field("sigma_max_m", sigma_max_m,
           "[m] standard deviation of the guided vehicle's place, along the worst axis, above which both hover",
           Range::positive());
-  v.field("stage_timeout_s", stage_timeout_s, "[s] after which planning or a motion has failed", Range::positive());
+  v.field("search_after_s", search_after_s,
+          "[s] without any estimate of its place, after which the guided vehicle is asked to move, to be found again",
+          Range::positive());
+  v.field("stage_timeout_s", stage_timeout_s, "[s] after which the search, planning or a motion has failed",
+          Range::positive());
   v.field("retries", retries, "[-] plans that may follow a failure before the mission fails", Range::between(0, 1e6));
   v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
   v.object("planner", planner, "paths of both vehicles and the viewpoint");

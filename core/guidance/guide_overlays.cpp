@@ -6,8 +6,8 @@
 namespace swiftlet {
 namespace {
 
-const Eigen::Vector4f kSecondaryColor{0.95F, 0.35F, 0.1F, 1.0F};
-const Eigen::Vector4f kPrimaryColor{0.1F, 0.45F, 0.95F, 1.0F};
+const Eigen::Vector4f kSecondaryColor{0.35F, 0.8F, 1.0F, 1.0F};
+const Eigen::Vector4f kPrimaryColor{1.0F, 0.55F, 0.4F, 1.0F};
 const Eigen::Vector4f kVisibleColor{0.2F, 0.75F, 0.35F, 0.8F};
 const Eigen::Vector4f kOverlapColor{0.95F, 0.85F, 0.1F, 1.0F};
 
@@ -37,6 +37,7 @@ void append_border(const PlaneRegion& region, double height_local_m, Overlay& ov
 }  // namespace
 
 void append_guide_overlays(const TeamPlan& plan, double height_local_m, std::vector<Overlay>& overlays) {
+  // Each path in the color of trails and names of the vehicle that flies it, when the guide is the first vehicle.
   Overlay secondary = line("guide.secondary_path", kSecondaryColor, "path of the guided vehicle");
   for (std::size_t i = 1; i < plan.secondary_path.size(); ++i) {
     append_segment(plan.secondary_path[i - 1].p_local_m, plan.secondary_path[i].p_local_m, secondary);
@@ -46,14 +47,13 @@ void append_guide_overlays(const TeamPlan& plan, double height_local_m, std::vec
     append_segment(plan.primary_local_m[i - 1], plan.primary_local_m[i], primary);
   }
   Overlay visible = line("guide.visible", kVisibleColor, "from where a waypoint is seen");
-  visible.size_m = 1.5F;
-  for (const PlaneRegion& region : plan.visible) append_border(region, height_local_m, visible);
+  append_border(union_of(plan.visible), height_local_m, visible);
   Overlay overlap = line("guide.overlap", kOverlapColor, "from where most of the path is seen");
   append_border(plan.viewpoint.overlap, height_local_m, overlap);
 
   std::vector<Vector3> viewpoint_local_m;
   if (plan.viewpoint.num_visible > 0) viewpoint_local_m.push_back(plan.viewpoint.p_local_m);
-  Overlay place = path_overlay("guide.viewpoint", viewpoint_local_m, 0.2F);
+  Overlay place = path_overlay("guide.viewpoint", viewpoint_local_m, 0.12F);
   place.colors = {kOverlapColor};
   for (Overlay* overlay : {&secondary, &primary, &visible, &overlap, &place}) overlays.push_back(std::move(*overlay));
 }

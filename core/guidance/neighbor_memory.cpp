@@ -10,17 +10,32 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kFirstSpeedSigma_mps = 1.0;  // of a vehicle that was seen once
-constexpr double kRadioVariance_m2 = 1e-4;    // of what a neighbor says of itself
+constexpr double kRadioVariance_m2 = 1e-4;  // of what a neighbor says of itself
+constexpr TimeNs kLongestAhead = 1'000'000'000;
 
 }  // namespace
+
+NeighborSourceConfig NeighborSourceConfig::forgetful() {
+  NeighborSourceConfig config;
+  config.timeout_s = config.acceleration_sigma_mps2 = config.first_speed_sigma_mps = 1.0;
+  config.remember_hidden = false;
+  return config;
+}
 
 void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.choice("source", source, {"sensor", "radio", "tracks", "none"},
            "[-] neighbors from a `neighbors` sensor (ideal: the truth), from their messages, or from the own tracks");
-  v.field("timeout_s", timeout_s, "[s] a neighbor that was not measured for this long is forgotten", Range::positive());
+  v.field("timeout_s", timeout_s, "[s] a neighbor that was in view for so long without being measured is forgotten",
+          Range::positive());
   v.field("acceleration_sigma_mps2", acceleration_sigma_mps2,
           "[m/s^2] how much a neighbor may maneuver (process noise of its filter)", Range::positive());
+  v.field("first_speed_sigma_mps", first_speed_sigma_mps,
+          "[m/s] how fast one that was measured once may fly (standard deviation by axis)", Range::positive());
+  v.field("unseen_speed_mps", unseen_speed_mps,
+          "[m/s] by how much the place of one that is not measured becomes uncertain after the first second",
+          Range::non_negative());
+  v.field("remember_hidden", remember_hidden,
+          "[-] the timeout counts only while the neighbor should be in view: one in the blind sector is not forgotten");
   v.field("predict", predict, "[-] positions are carried forward to now with the filtered velocity");
 }
 
@@ -40,18 +55,60 @@ void NeighborMemory::update(const GuidanceInput& input) {
   if (config_.source == NeighborSourceConfig::Source::kTracks) {
     for (const Track& track : input.tracks) {
       const double ahead_s = config_.predict ? to_seconds(now - track.t) : 0.0;
-      known_.push_back({track.id, track.position_m + ahead_s * track.velocity_mps, track.velocity_mps, track.t});
+      known_.push_back({track.id, track.position_m + ahead_s * track.velocity_mps, track.velocity_mps, track.t,
+                        track.covariance.topLeftCorner<3, 3>(), track.covariance.block<3, 3>(3, 3)});
     }
   } else {
-    const TimeNs timeout = from_seconds(config_.timeout_s);
-    std::erase_if(filters_, [&](const Filter& filter) { return now - filter.seen > timeout; });
     for (const Filter& filter : filters_) {
-      const double ahead_s = config_.predict ? std::max(0.0, to_seconds(now - filter.t)) : 0.0;
-      known_.push_back(
-          {filter.key, filter.x.head<3>() + ahead_s * filter.x.tail<3>(), filter.x.tail<3>(), filter.seen});
+      known_.push_back(now_of(filter, now));
+      known_.back().in_view = in_view(known_.back().position_local_m, input.estimate.T_local_body);
     }
+    forget(now);
   }
   std::sort(known_.begin(), known_.end(), [](const Neighbor& a, const Neighbor& b) { return a.key < b.key; });
+}
+
+// Farther ahead the velocity says nothing any more; then the neighbor has flown on for about a second.
+Neighbor NeighborMemory::now_of(const Filter& filter, TimeNs now) const {
+  Neighbor neighbor{filter.key,
+                    filter.x.head<3>(),
+                    filter.x.tail<3>(),
+                    filter.seen,
+                    filter.P.topLeftCorner<3, 3>(),
+                    filter.P.bottomRightCorner<3, 3>()};
+  if (!config_.predict) return neighbor;
+  Filter ahead = filter;
+  predict(ahead, std::min(now, filter.t + kLongestAhead));
+  neighbor.position_local_m = ahead.x.head<3>();
+  neighbor.covariance_local_m2 = ahead.P.topLeftCorner<3, 3>();
+  neighbor.velocity_covariance_local_m2ps2 = ahead.P.bottomRightCorner<3, 3>();
+  if (now > ahead.t) {
+    neighbor.velocity_local_mps.setZero();
+    const double beyond_m = config_.unseen_speed_mps * to_seconds(now - ahead.t);
+    neighbor.covariance_local_m2 += beyond_m * beyond_m * Matrix3::Identity();
+  }
+  return neighbor;
+}
+
+bool NeighborMemory::in_view(const Vector3& p_local_m, const Pose& T_local_body) const {
+  const Vector3 p_body_m = T_local_body.inverse() * p_local_m;
+  return views_.empty() ||
+         std::any_of(views_.begin(), views_.end(), [&](const NeighborView& view) { return view.contains(p_body_m); });
+}
+
+void NeighborMemory::forget(TimeNs now) {
+  const TimeNs passed = last_ < 0 ? 0 : now - last_, timeout = from_seconds(config_.timeout_s);
+  last_ = now;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < filters_.size(); ++i) {
+    if (known_[i].in_view) filters_[i].missed += passed;
+    if ((config_.remember_hidden ? filters_[i].missed : now - filters_[i].seen) > timeout) continue;
+    filters_[kept] = filters_[i];
+    known_[kept] = known_[i];
+    ++kept;
+  }
+  filters_.resize(kept);
+  known_.resize(kept);
 }
 
 void NeighborMemory::hear(const Message& message, const FrameChange& to_local) {
@@ -87,13 +144,14 @@ void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position
     filter.t = filter.seen = t;
     filter.x.head<3>() = position_local_m;
     filter.P.topLeftCorner<3, 3>() = covariance;
-    filter.P.bottomRightCorner<3, 3>() *= kFirstSpeedSigma_mps * kFirstSpeedSigma_mps;
+    filter.P.bottomRightCorner<3, 3>() *= config_.first_speed_sigma_mps * config_.first_speed_sigma_mps;
     return;
   }
   Filter& filter = *known;
   if (t < filter.t) return;  // older than what is known
   predict(filter, t);
   filter.seen = t;
+  filter.missed = 0;
   const Matrix3 S = filter.P.topLeftCorner<3, 3>() + covariance;
   const Eigen::Matrix<double, 6, 3> K = filter.P.leftCols<3>() * S.inverse();
   filter.x += K * (position_local_m - filter.x.head<3>());

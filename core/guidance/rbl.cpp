@@ -31,7 +31,9 @@ class Rbl : public Guidance {
         planar_(config.variant == RblConfig::Variant::k2d),
         clipped_(config.variant == RblConfig::Variant::k3dClipped || config.variant == RblConfig::Variant::k3dZ),
         period_(from_seconds(1.0 / config.update_rate_hz)),
-        neighbors_(config.neighbors),
+        limits_(setup.limits),
+        views_(setup.agent.neighbor_views),
+        neighbors_(config.neighbors, setup.agent.neighbor_views),
         sensed_(config.cells.sensing_radius_m,
                 config.lidar.enabled ? config.cells.step_m : config.cells.sensing_radius_m, planar_),
         planner_(config.cells, rules_of(config), planar_) {
@@ -47,10 +49,11 @@ class Rbl : public Guidance {
     to_local_ = FrameChange::to_local(input.estimate);
     goal_local_m_ = to_local_.point(config_.goal_m);
     map_ = input.map;
+    now_ = input.observation.t;
     neighbors_.update(input);
     if (input.observation.t >= next_update_) {
       next_update_ = next_update_ == 0 ? input.observation.t + period_ : next_update_ + period_;
-      plan(T_local_body, input.observation.t);
+      plan(input.estimate, input.observation.t);
       neighbors_.announce(input.estimate, outbox);
     }
     Vector3 to_goal_local_m = goal_local_m_ - T_local_body.translation();
@@ -65,16 +68,73 @@ class Rbl : public Guidance {
   void append_overlays(std::vector<Overlay>& overlays) const override;
 
  private:
-  void plan(const Pose& T_local_body, TimeNs now) {
+  void plan(const StateEstimate& estimate, TimeNs now) {
+    const Pose& T_local_body = estimate.T_local_body;
     const Vector3 p_local_m = T_local_body.translation();
     neighbors_local_m_.clear();
     for (const Neighbor& neighbor : neighbors_.neighbors()) neighbors_local_m_.push_back(neighbor.position_local_m);
     planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
+    if (config_.separation.enabled) cut_by_braking(p_local_m, estimate.v_local_mps);
     if (config_.lidar.enabled) cut_by(planner_.cell(), planner_.cuts(), p_local_m, kEver);
     step_ = planner_.update(goal_local_m_, 1.0 / config_.update_rate_hz);
     from_local_m_ = goal_.position_m;
     to_local_m_ = config_.lidar.enabled ? within_sight(T_local_body, now) : step_.centroid_local_m;
     if (planar_) to_local_m_.z() = goal_local_m_.z();
+    if (config_.separation.enabled && !config_.lidar.enabled) goal_.yaw_rad = heading_to_see(p_local_m);
+  }
+
+  /// Cells of vehicles that can stop: neither crosses the plane between their braking ways.
+  void cut_by_braking(const Vector3& p_local_m, const Vector3& v_local_mps) {
+    const RblSeparationConfig& separation = config_.separation;
+    const double distance_m = 2.0 * config_.cells.encumbrance_m + separation.margin_m;
+    const double reaction_s = separation.reaction_s + to_seconds(period_);
+    const Braking self = braking_of(level(p_local_m), level(v_local_mps), reaction_s, limits_);
+    for (const Neighbor& neighbor : neighbors_.neighbors()) {
+      const Vector3 other_local_m = planar_ ? Vector3(neighbor.position_local_m.x(), neighbor.position_local_m.y(), 0.0)
+                                            : neighbor.position_local_m;
+      const Braking other = braking_of(other_local_m, level(neighbor.velocity_local_mps), reaction_s, limits_);
+      const Vector3 to_other_local_m = other_local_m - self.p_local_m;
+      const double d = to_other_local_m.norm();
+      const auto sigma = [&](const Matrix3& covariance) {
+        return d > 0.0 ? std::sqrt(to_other_local_m.dot(covariance * to_other_local_m)) / d : 0.0;
+      };
+      const double sigma_m =
+          sigma(neighbor.covariance_local_m2) + reaction_s * sigma(neighbor.velocity_covariance_local_m2ps2);
+      const HalfSpace cut = braking_cut(self, other, distance_m, planar_ ? distance_m : separation.vertical_m,
+                                        separation.sigmas * sigma_m);
+      if (cut.offset_m >= config_.cells.sensing_radius_m) continue;
+      planner_.cuts().push_back(cut);
+      planner_.cell().cut(cut);
+    }
+  }
+  Vector3 level(const Vector3& v) const { return planar_ ? Vector3(v.x(), v.y(), 0.0) : v; }
+
+  /// The heading that keeps neighbors out of the blind sector, longest unseen first, and then looks where it flies.
+  double heading_to_see(const Vector3& p_local_m) const {
+    if (views_.empty()) return goal_.yaw_rad;
+    constexpr int kHeadings = 24;
+    const Vector3 ahead_local_m = to_local_m_ - p_local_m;
+    double best_rad = goal_.yaw_rad, least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < kHeadings; ++i) {
+      const double turn_rad = std::remainder(2.0 * kPi * i / kHeadings, 2.0 * kPi);
+      const Matrix3 R_body_local = Eigen::AngleAxisd(-(goal_.yaw_rad + turn_rad), Vector3::UnitZ()).toRotationMatrix();
+      const auto sees = [&](const Vector3& q_local_m) {
+        const Vector3 q_body_m = R_body_local * q_local_m;
+        return std::any_of(views_.begin(), views_.end(),
+                           [&](const NeighborView& view) { return view.contains(q_body_m); });
+      };
+      double cost = 0.01 * std::abs(turn_rad);
+      for (const Neighbor& neighbor : neighbors_.neighbors()) {
+        const Vector3 to_local_m = neighbor.position_local_m - p_local_m;
+        if (!sees(to_local_m)) cost += (1.0 + to_seconds(now_ - neighbor.seen)) / std::max(1.0, to_local_m.norm());
+      }
+      if (ahead_local_m.norm() > kShortestToFace_m && !sees(ahead_local_m)) cost += 0.5;
+      if (cost < least) {
+        least = cost;
+        best_rad = std::remainder(goal_.yaw_rad + turn_rad, 2.0 * kPi);
+      }
+    }
+    return best_rad;
   }
 
   /// Without the limits of (2.14) the ground is one.
@@ -134,7 +194,10 @@ class Rbl : public Guidance {
   RblConfig config_;
   bool planar_, clipped_;
   TimeNs period_, next_update_ = 0;
+  MotionLimits limits_;
+  std::vector<NeighborView> views_;
   NeighborMemory neighbors_;
+  TimeNs now_ = 0;
   const OccupancyView* map_ = nullptr;  // of this tick
   FrameChange to_local_;                // of this tick
   Vector3 goal_local_m_ = Vector3::Zero();
@@ -232,6 +295,7 @@ void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
 }  // namespace
 
 void RblConfig::visit(ConfigVisitor& v) {
+  v.model("model", model, "guidance", "preset: rbl_thesis (the document's own settings)");
   v.choice("variant", variant, kVariants,
            "[-] disc at one height; ball; ball between z_min_m and z_max_m (2.14); that with the z-rule (2.15-2.19)");
   v.field("goal_m", goal_m, "[m] world");
@@ -245,6 +309,8 @@ void RblConfig::visit(ConfigVisitor& v) {
   v.field("z_max_m", z_max_m, "[m] highest flight level (2.14)");
   v.object("cells", cells, "cells S and A");
   v.object("rules", rules, "weighting, azimuth and elevation rules");
+  v.object("separation", separation,
+           "what keeps vehicles apart whatever the weighting and the knowledge of each other");
   v.object("neighbors", neighbors, "where the neighbors are known from");
   v.object("lidar", lidar, "obstacles");
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");

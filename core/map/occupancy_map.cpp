@@ -394,10 +394,10 @@ double OccupancyMapConfig::places_across() const { return 2.0 * keep_radius_m / 
 double OccupancyMapConfig::bytes() const {
   const double radius_cells = keep_radius_m / edge_m;
   const double blocks = 4.19 * radius_cells * radius_cells * radius_cells / 512.0;
-  constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1, kPlace = 12.0;
+  constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1, kPlace = 12.0, kTile = 1100.0, kAskedFor = 0.25;
   double across = 1.0;  // of the table
   while (across < places_across()) across *= 2.0;
-  return blocks * (kBlock + kNearSurfaces * kPage) + across * across * across * kPlace +
+  return blocks * (kBlock + kNearSurfaces * kPage + kAskedFor * kTile) + across * across * across * kPlace +
          RayCells::bytes(range_max_m, edge_m);
 }
 

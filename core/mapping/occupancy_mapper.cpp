@@ -3,21 +3,37 @@
 
 #include <algorithm>
 
+#include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/map_rays.hpp"
+#include "swiftlet/core/vehicle_named.hpp"
+
 namespace swiftlet {
 namespace {
 
-constexpr double kShown_m = 15.0;  // cells of an overlay
+constexpr double kShown_m = 15.0;      // cells of an overlay
+constexpr double kShownBelow_m = 1.0;  // the vehicle; what is lower is mostly the ground, and would hide the picture
 
 class OccupancyMapper : public Mapper {
  public:
-  explicit OccupancyMapper(const OccupancyMapperConfig& config) : config_(config), map_(config.map) {}
+  OccupancyMapper(const OccupancyMapperConfig& config, const AgentSetup& setup) : config_(config), map_(config.map) {
+    if (!config.rays_of.empty()) rays_of_ = vehicle_named(config.rays_of, setup, "mapping.rays_of");
+    if (!config.tell_rays_to.empty()) tell_to_ = vehicle_named(config.tell_rays_to, setup, "mapping.tell_rays_to");
+  }
 
-  void step(const MapperInput& input, Outbox&) override {
+  void step(const MapperInput& input, Outbox& outbox) override {
+    p_local_m_ = input.estimate.T_local_body.translation();
+    if (rays_of_ != kNoVehicle) {
+      for (const Message& message : input.observation.messages) {
+        if (message.from == rays_of_ && read_message(message, told_) == Reading::kDone) insert_told(input);
+      }
+      return;
+    }
     for (const auto& cloud : input.clouds) {
-      take_rays(*cloud, input.tracks);
-      p_local_m_ = input.estimate.T_local_body.translation();
+      take_rays(*cloud, input);
       map_.keep_around(p_local_m_);
       map_.insert(rays_, cloud->end());
+      if (tell_to_ != kNoVehicle) tell(cloud->end(), FrameChange::to_world(input.estimate), outbox);
     }
   }
 
@@ -32,7 +48,9 @@ class OccupancyMapper : public Mapper {
     std::vector<Vector3> centers_local_m;
     map_.occupied_within(p_local_m_, kShown_m, kEver, centers_local_m);
     cells.positions.reserve(centers_local_m.size());
-    for (const Vector3& center_local_m : centers_local_m) cells.positions.push_back(center_local_m.cast<float>());
+    for (const Vector3& center_local_m : centers_local_m) {
+      if (center_local_m.z() > p_local_m_.z() - kShownBelow_m) cells.positions.push_back(center_local_m.cast<float>());
+    }
     overlays.push_back(std::move(cells));
   }
 
@@ -41,14 +59,14 @@ class OccupancyMapper : public Mapper {
     return beam % cols % config_.every_column == 0 && beam / cols % config_.every_row == 0;
   }
 
-  void take_rays(const LocalCloud& cloud, std::span<const Track> tracks) {
+  void take_rays(const LocalCloud& cloud, const MapperInput& input) {
     const Scan& scan = *cloud.scan;
     rays_.clear();
     returned_.assign(static_cast<std::size_t>(scan.size()), false);
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const int beam = static_cast<int>(cloud.beam[i]);
       returned_[beam] = true;
-      if (!chosen(beam, scan.cols()) || is_tracked(cloud, i, tracks)) continue;
+      if (!chosen(beam, scan.cols()) || is_vehicle(cloud, i, input)) continue;
       const Eigen::Vector3f origin_local_m = cloud.T_local_lidar_of_beam(beam).translation().cast<float>();
       if ((cloud.points_local_m[i] - origin_local_m).norm() < config_.range_min_m) continue;
       rays_.push_back({origin_local_m, cloud.points_local_m[i], true});
@@ -70,15 +88,40 @@ class OccupancyMapper : public Mapper {
     }
   }
 
-  /// Does the point lie near where a tracked vehicle was when it was measured?
-  bool is_tracked(const LocalCloud& cloud, std::size_t point, std::span<const Track> tracks) const {
-    if (tracks.empty()) return false;
+  // Of somebody else, who may see this vehicle.
+  void insert_told(const MapperInput& input) {
+    const FrameChange to_local = FrameChange::to_local(input.estimate);
+    rays_.clear();
+    for (const ToldRay& ray : told_.rays) {
+      const Eigen::Vector3f end_local_m = to_local.point(ray.end_world_m.cast<double>()).cast<float>();
+      const bool is_self = ray.hit && (end_local_m.cast<double>() - p_local_m_).norm() < config_.tracked_radius_m;
+      if (is_self) continue;
+      rays_.push_back({to_local.point(ray.origin_world_m.cast<double>()).cast<float>(), end_local_m, ray.hit});
+    }
+    map_.keep_around(p_local_m_);
+    map_.insert(rays_, told_.t);
+  }
+
+  void tell(TimeNs t, const FrameChange& to_world, Outbox& outbox) {
+    told_.t = t;
+    told_.rays.clear();
+    for (const OccupancyMap::Ray& ray : rays_) {
+      told_.rays.push_back({to_world.point(ray.origin_local_m.cast<double>()).cast<float>(),
+                            to_world.point(ray.end_local_m.cast<double>()).cast<float>(), ray.hit});
+    }
+    write_message(told_, outbox.say(tell_to_));
+  }
+
+  /// Does the point lie near where a tracked vehicle, or a member of the team, was when it was measured?
+  bool is_vehicle(const LocalCloud& cloud, std::size_t point, const MapperInput& input) const {
+    if (input.tracks.empty() && input.relatives.empty()) return false;
     const TimeNs t = cloud.time_of(point);
     const Vector3 p_local_m = cloud.points_local_m[point].cast<double>();
-    return std::any_of(tracks.begin(), tracks.end(), [&](const Track& track) {
-      const Vector3 then_local_m = track.position_m + to_seconds(t - track.t) * track.velocity_mps;
+    const auto is_near = [&](const auto& vehicle) {
+      const Vector3 then_local_m = vehicle.position_m + to_seconds(t - vehicle.t) * vehicle.velocity_mps;
       return (p_local_m - then_local_m).squaredNorm() < config_.tracked_radius_m * config_.tracked_radius_m;
-    });
+    };
+    return std::ranges::any_of(input.tracks, is_near) || std::ranges::any_of(input.relatives, is_near);
   }
 
   OccupancyMapperConfig config_;
@@ -86,6 +129,8 @@ class OccupancyMapper : public Mapper {
   Vector3 p_local_m_ = Vector3::Zero();
   std::vector<OccupancyMap::Ray> rays_;
   std::vector<bool> returned_;  // by beam
+  VehicleId rays_of_ = kNoVehicle, tell_to_ = kNoVehicle;
+  MapRays told_;
 };
 
 }  // namespace
@@ -99,12 +144,15 @@ void OccupancyMapperConfig::visit(ConfigVisitor& v) {
           Range::between(0.0, 1000.0));
   v.field("tracked_radius_m", tracked_radius_m, "[m] returns nearer than this to a tracked vehicle are left out",
           Range::non_negative());
+  v.field("rays_of", rays_of, "[-] name of the vehicle that tells the rays of its scans; empty: the own LiDARs map");
+  v.field("tell_rays_to", tell_rays_to, "[-] name of a vehicle that is told the rays of each scan, in the world");
   map.visit(v);
+  v.check(rays_of.empty() || tell_rays_to.empty(), "tell_rays_to", "empty where rays_of names who tells");
   v.check(clear_range_m <= map.range_max_m, "clear_range_m", "at most range_max_m");
 }
 
-std::unique_ptr<Mapper> make_occupancy_mapper(const ModuleConfig& config, const AgentSetup&) {
-  return std::make_unique<OccupancyMapper>(dynamic_cast<const OccupancyMapperConfig&>(config));
+std::unique_ptr<Mapper> make_occupancy_mapper(const ModuleConfig& config, const AgentSetup& setup) {
+  return std::make_unique<OccupancyMapper>(dynamic_cast<const OccupancyMapperConfig&>(config), setup);
 }
 
 }  // namespace swiftlet

@@ -4,6 +4,7 @@
 
 #include "swiftlet/core/messages/guiding_path.hpp"
 #include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/map_rays.hpp"
 #include "swiftlet/core/messages/neighbor_position.hpp"
 #include "swiftlet/core/messages/odometry_report.hpp"
 
@@ -15,6 +16,7 @@ constexpr MessageKind kKinds[] = {
     message_kind<NeighborPosition>(),
     message_kind<OdometryReport>(),
     message_kind<GuidingPath>(),
+    message_kind<MapRays>(),
 };
 
 /// What recordings add to the content of a message.

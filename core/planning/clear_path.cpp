@@ -183,6 +183,10 @@ double length_m(const std::vector<Vector3>& corners_local_m) {
   return sum_m;
 }
 
+bool is_on_map(const Vector3& p_local_m, double edge_m) {
+  return p_local_m.allFinite() && p_local_m.cwiseAbs().maxCoeff() < 1e6 * edge_m;
+}
+
 const char* text_of(ClearPathStatus status) {
   switch (status) {
     case ClearPathStatus::kFound:
@@ -193,6 +197,8 @@ const char* text_of(ClearPathStatus status) {
       return "the goal is too near to an obstacle";
     case ClearPathStatus::kGoalUnknown:
       return "the goal lies in unknown space";
+    case ClearPathStatus::kGoalTooFar:
+      return "the goal is farther away than a map can reach";
     case ClearPathStatus::kNoPath:
       return "no clear path to the goal";
     case ClearPathStatus::kBudgetSpent:
@@ -241,6 +247,8 @@ bool ClearSpace::is_clear_segment(const Vector3& from_local_m, const Vector3& to
 ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_local_m,
                           const Vector3& goal_local_m) {
   const double edge_m = view.edge_m();
+  if (!is_on_map(start_local_m, edge_m) || !is_on_map(goal_local_m, edge_m))
+    return {ClearPathStatus::kGoalTooFar, {}, 0};
   const ClearSpace space(view, config, start_local_m);
   const Cell start = cell_at(start_local_m, edge_m), goal = cell_at(goal_local_m, edge_m);
   if (!space.is_clear(center_of(goal, edge_m))) {
@@ -259,7 +267,7 @@ ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& conf
 
 void ClearPathConfig::visit(ConfigVisitor& v) {
   v.field("clearance_m", clearance_m, "[m] from the path to the nearest occupied cell, center to center",
-          Range::positive());
+          Range{0.0, 20.0, true});
   v.field("unknown_is_free", unknown_is_free, "[-] may a path lead through space that nobody has seen?");
   v.field("z_min_m", z_min_m, "[m] lowest height, local frame");
   v.field("z_max_m", z_max_m, "[m] greatest height, local frame");

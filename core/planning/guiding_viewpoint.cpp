@@ -2,6 +2,7 @@
 #include "swiftlet/core/planning/guiding_viewpoint.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -9,6 +10,9 @@
 
 namespace swiftlet {
 namespace {
+
+// In edges of a cell.
+constexpr double kDiagonal = 1.7321, kShortest = 2.0, kWalked = 4.0;
 
 /// A place of a region, at a distance from the watcher.
 struct Candidate {
@@ -19,8 +23,12 @@ struct Candidate {
 class ViewpointSearch {
  public:
   ViewpointSearch(const OccupancyView& map, const Vector3& watcher_local_m, std::span<const Vector3> path_local_m,
-                  const ViewpointRules& rules)
-      : map_(map), watcher_local_m_(watcher_local_m), path_local_m_(path_local_m), rules_(rules) {}
+                  const ViewpointRules& rules, std::span<const Vector3> before_local_m)
+      : map_(map),
+        watcher_local_m_(watcher_local_m),
+        path_local_m_(path_local_m),
+        before_local_m_(before_local_m),
+        rules_(rules) {}
 
   GuidingViewpoints run() {
     see_waypoints();
@@ -49,7 +57,14 @@ class ViewpointSearch {
     std::vector<Vector2> path_plane_local_m;
     path_plane_local_m.reserve(path_local_m_.size());
     for (const Vector3& p_local_m : path_local_m_) path_plane_local_m.push_back(p_local_m.head<2>());
-    const PlaneRegion buffer = around_path(path_plane_local_m, rules_.buffer_m);
+    PlaneRegion buffer = around_path(path_plane_local_m, rules_.buffer_m);
+    if (!before_local_m_.empty()) {
+      std::vector<Vector2> before_plane_local_m;
+      before_plane_local_m.reserve(before_local_m_.size());
+      for (const Vector3& p_local_m : before_local_m_) before_plane_local_m.push_back(p_local_m.head<2>());
+      const PlaneRegion both[] = {std::move(buffer), around_path(before_plane_local_m, rules_.buffer_m)};
+      buffer = union_of(both);
+    }
 
     safe_ = mask_around(path_plane_local_m);
     visible_.reserve(path_local_m_.size());
@@ -118,15 +133,39 @@ class ViewpointSearch {
         if (!cell) continue;
         const Vector3 p_local_m = at_watchers_height(seen, column, row);
         const double distance_m = (p_local_m - waypoint_local_m).head<2>().norm();
-        cell = static_cast<char>(distance_m <= rules_.ray_max_m && !map_.first_hit(p_local_m, waypoint_local_m));
+        cell = static_cast<char>(distance_m <= rules_.ray_max_m && is_in_sight(p_local_m, waypoint_local_m));
       }
     }
     return seen;
   }
 
+  /// No occupied cell on the straight line. Where nothing is near, it goes by the distance to what is nearest; a point
+  /// and an occupied cell are farther from each other's centers than that by a cell's diagonal at most.
+  bool is_in_sight(const Vector3& from_local_m, const Vector3& to_local_m) const {
+    const double edge_m = map_.edge_m(), far_m = rules_.clearance_m + edge_m;
+    const Vector3 way_m = to_local_m - from_local_m;
+    const double length_m = way_m.norm();
+    const Vector3 direction = way_m / std::max(length_m, 1e-9);
+    double at_m = 0.0;
+    while (at_m < length_m) {
+      const Vector3 p_local_m = from_local_m + at_m * direction;
+      const double free_m = map_.clearance_m(p_local_m, far_m) - kDiagonal * edge_m;
+      if (free_m > kShortest * edge_m) {
+        at_m += free_m;
+        continue;
+      }
+      const double next_m = std::min(length_m, at_m + kWalked * edge_m);
+      if (map_.first_hit(p_local_m, from_local_m + next_m * direction)) return false;
+      at_m = next_m;
+    }
+    return true;
+  }
+
   /// The connected parts of S that count: line 15 and its other interpretation.
   std::vector<PlaneRegion> safe_parts() const {
-    std::vector<PlaneRegion> parts = parts_of(region_of(safe_));
+    PlaneRegion safe = region_of(safe_);
+    if (!before_local_m_.empty()) safe = difference_of(safe, around_path(long_chord(), 0.5 * map_.edge_m()));
+    std::vector<PlaneRegion> parts = parts_of(safe);
     if (rules_.safe_space == ViewpointRules::SafeSpace::kMostVisible || parts.size() < 2) return parts;
     const auto distance_m = [&](const PlaneRegion& part) {
       const Vector2 p_local_m = watcher_local_m_.head<2>();
@@ -135,6 +174,14 @@ class ViewpointSearch {
     const auto closest = std::min_element(parts.begin(), parts.end(),
                                           [&](const auto& a, const auto& b) { return distance_m(a) < distance_m(b); });
     return {std::move(*closest)};
+  }
+
+  /// The straight line from the path's beginning to its end, and on in both directions past all that counts.
+  std::array<Vector2, 2> long_chord() const {
+    const Vector2 first_local_m = path_local_m_.front().head<2>(), last_local_m = path_local_m_.back().head<2>();
+    const Vector2 way_m = last_local_m - first_local_m;
+    const double more = 3.0 * rules_.ray_max_m / std::max(way_m.norm(), 1e-3);
+    return {first_local_m - more * way_m, last_local_m + more * way_m};
   }
 
   /// Lines 16 to 24: as many visibility regions from the first on as have a point in common.
@@ -163,7 +210,7 @@ class ViewpointSearch {
 
   const OccupancyView& map_;
   Vector3 watcher_local_m_;
-  std::span<const Vector3> path_local_m_;
+  std::span<const Vector3> path_local_m_, before_local_m_;
   const ViewpointRules& rules_;
   std::vector<PlaneRegion> visible_;
   CellMask safe_;
@@ -185,9 +232,10 @@ Ring visibility_ring(const OccupancyView& map, const Vector3& p_local_m, double 
 }
 
 GuidingViewpoints find_guiding_viewpoints(const OccupancyView& map, const Vector3& watcher_local_m,
-                                          std::span<const Vector3> path_local_m, const ViewpointRules& rules) {
+                                          std::span<const Vector3> path_local_m, const ViewpointRules& rules,
+                                          std::span<const Vector3> before_local_m) {
   ENSURE(!path_local_m.empty() && rules.num_rays >= 3, path_local_m.size(), rules.num_rays);
-  return ViewpointSearch(map, watcher_local_m, path_local_m, rules).run();
+  return ViewpointSearch(map, watcher_local_m, path_local_m, rules, before_local_m).run();
 }
 
 void ViewpointRules::visit(ConfigVisitor& v) {

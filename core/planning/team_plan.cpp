@@ -16,6 +16,25 @@ OverlaidOccupancy with_column(const OccupancyView& map, const Vector3& p_local_m
   return {map, {KeepOut::box(p_local_m, {width_m, width_m, height_m})}};
 }
 
+/// Places above and below which the guide may not fly: where the other one is, or all of its way when both fly at once.
+std::vector<Vector3> columns_of(const TeamPlan& plan, std::span<const PlannedPose> flying) {
+  if (flying.empty()) return {plan.secondary_path.front().p_local_m};
+  std::vector<Vector3> places_local_m;
+  places_local_m.reserve(flying.size() + plan.secondary_path.size());
+  for (const PlannedPose& pose : flying) places_local_m.push_back(pose.p_local_m);
+  for (const PlannedPose& pose : plan.secondary_path) places_local_m.push_back(pose.p_local_m);
+  return places_local_m;
+}
+
+OverlaidOccupancy with_columns(const OccupancyView& map, const std::vector<Vector3>& places_local_m,
+                               const TeamPlannerConfig& config) {
+  const Vector3 size_m(config.secondary_width_m, config.secondary_width_m, config.secondary_height_m);
+  std::vector<KeepOut> columns;
+  columns.reserve(places_local_m.size());
+  for (const Vector3& p_local_m : places_local_m) columns.push_back(KeepOut::box(p_local_m, size_m));
+  return {map, std::move(columns)};
+}
+
 /// The nearest place to the goal, in its plane first, that is clear.
 std::optional<Vector3> clear_place_near(const ClearSpace& space, const Vector3& goal_local_m, double edge_m,
                                         double radius_m) {
@@ -51,7 +70,7 @@ std::vector<PlannedPose> with_headings(const std::vector<Vector3>& corners_local
   return path;
 }
 
-std::vector<Vector3> places_of(const std::vector<PlannedPose>& path) {
+std::vector<Vector3> places_of(std::span<const PlannedPose> path) {
   std::vector<Vector3> places_local_m;
   places_local_m.reserve(path.size());
   for (const PlannedPose& pose : path) places_local_m.push_back(pose.p_local_m);
@@ -67,10 +86,18 @@ TeamPlan& fail(TeamPlan& plan, const char* who, const char* why) {
 }  // namespace
 
 TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, const Vector3& primary_local_m,
-                   const PlannedPose& secondary, const PlannedPose& goal) {
+                   const PlannedPose& secondary, const PlannedPose& goal,
+                   const std::function<void(PlanningStage)>& begins, std::span<const PlannedPose> flying) {
+  const auto begin = [&begins](PlanningStage stage) {
+    if (begins) begins(stage);
+  };
+  begin(PlanningStage::kSecondaryPath);
   TeamPlan plan;
   plan.goal_local_m = goal.p_local_m;
   const double edge_m = map.edge_m();
+  if (!is_on_map(goal.p_local_m, edge_m)) {
+    return fail(plan, "the guided vehicle's path", text_of(ClearPathStatus::kGoalTooFar));
+  }
 
   // The goal, and lines 4 to 8: the secondary's path.
   const OverlaidOccupancy map_secondary =
@@ -93,16 +120,18 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
       with_headings(path_secondary.corners_local_m, config.waypoint_spacing_m, secondary.yaw_rad, goal.yaw_rad);
 
   // Lines 9 to 12: from where to watch it.
+  begin(PlanningStage::kViewpoint);
   ViewpointRules rules = config.viewpoint;
   rules.clearance_m = config.primary.clearance_m;
   rules.unknown_is_free = config.primary.unknown_is_free;
-  GuidingViewpoints viewpoints = find_guiding_viewpoints(map, primary_local_m, places_of(plan.secondary_path), rules);
+  GuidingViewpoints viewpoints =
+      find_guiding_viewpoints(map, primary_local_m, places_of(plan.secondary_path), rules, places_of(flying));
   plan.visible = std::move(viewpoints.visible);
   if (viewpoints.best_first.empty()) return fail(plan, "the viewpoint", "nowhere safe is the path in sight");
 
   // Lines 13 to 20: the primary's path there. A viewpoint behind a gap that is too narrow gives way to the next one.
-  const OverlaidOccupancy map_primary =
-      with_column(map, secondary.p_local_m, config.secondary_width_m, config.secondary_height_m);
+  begin(PlanningStage::kPrimaryPath);
+  const OverlaidOccupancy map_primary = with_columns(map, columns_of(plan, flying), config);
   ClearPath path_primary;
   for (GuidingViewpoint& viewpoint : viewpoints.best_first) {
     plan.viewpoint = std::move(viewpoint);

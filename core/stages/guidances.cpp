@@ -6,6 +6,7 @@
 #include "swiftlet/core/guidance/follow_guide.hpp"
 #include "swiftlet/core/guidance/guide.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
+#include "swiftlet/core/guidance/planned_path.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
 #include "swiftlet/core/guidance/takeoff_land.hpp"
 #include "swiftlet/core/guidance/timed_path.hpp"
@@ -27,6 +28,9 @@ constexpr GuidanceType kGuidanceTypes[] = {
     {{"trajectory", "circle, lissajous curve or line", make_module_config<TrajectoryConfig>}, make_trajectory},
     {{"timed_path", "a planned path with its times, as a spline", make_module_config<TimedPathConfig>},
      make_timed_path},
+    {{"planned_path", "from goal to goal along paths that are clear in the own map",
+      make_module_config<PlannedPathConfig>},
+     make_planned_path},
     {{"agile", "random smooth flight at high speed in a box", make_module_config<AgileConfig>}, make_agile},
     {{"takeoff_land", "up from the ground, hover, down", make_module_config<TakeoffLandConfig>}, make_takeoff_land},
     {{"rbl", "rule-based Lloyd: to the centroid of the own cell, in 2D or 3D", make_module_config<RblConfig>},

@@ -13,6 +13,7 @@
 #include "swiftlet/sim/io/output_file.hpp"
 #include "swiftlet/sim/io/text_row.hpp"
 #include "swiftlet/sim/metrics/metrics.hpp"
+#include "swiftlet/sim/recorders/state_row.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -97,34 +98,11 @@ struct Topic {
   bool sampled = false;                      ///< written at rate_hz; the others as they come
 };
 
-/// The table of states has rotors of its own, last, and no covariance.
-struct StateColumns : Columns {
-  using Columns::Columns;
-  void array(const char*, const auto&, const char*) {}
-  void covariance(const char*, const auto&, const char*) {}
-};
-
-void put_state(const VehicleState& state, double clearance_m, const Action& action, int num_rotors, ColumnSink& sink) {
-  StateColumns truth(sink), estimate(sink, "est_");
-  VehicleState::visit(state, truth);
-  Columns(sink).field("clearance_m", clearance_m, "[m] to the nearest surface or vehicle");
-  const WorldEstimate told = in_world(action.estimate);
-  WorldEstimate::visit(told, estimate);
-  put_columns(action.reference, sink, "ref_");
-  for (int i = 0; i < num_rotors; ++i) {
-    sink.number({{}, "rotor*_radps", std::to_string(i).c_str(), "[rad/s] true speed of each rotor"},
-                state.rotor_speed_radps[i]);
-  }
-}
-
 Topic state_topic(int num_rotors) {
   ColumnList columns;
   put_state({}, 0.0, {}, num_rotors, columns);
   const auto write = [num_rotors](const Source& source) {
-    const std::span<const double> clearance_m = source.tick.clearance_m;
-    put_state(source.tick.states[source.vehicle],
-              clearance_m.empty() ? std::numeric_limits<double>::quiet_NaN() : clearance_m[source.vehicle],
-              source.action(), num_rotors, source.begin_row());
+    put_state(source.tick, source.vehicle, num_rotors, source.begin_row());
     source.end_row();
   };
   return {"state", columns.columns(), write, true};

@@ -9,6 +9,7 @@
 #include "swiftlet/sim/recorders/ply.hpp"
 #include "swiftlet/sim/recorders/rosbag.hpp"
 #include "swiftlet/sim/recorders/tum.hpp"
+#include "swiftlet/sim/replay/replay.hpp"
 #include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
@@ -24,6 +25,7 @@ const RecorderType kRecorderTypes[] = {
     {{"map", "the maps that vehicles keep, as PLY or PCD files", make_module_config<MapConfig>}, make_map_recorder},
     {{"mcap", "ROS 2 messages in one MCAP file", make_module_config<McapConfig>}, make_mcap_recorder},
     {{"rosbag", "ROS 1 messages in one bag", make_module_config<RosbagConfig>}, make_rosbag_recorder},
+    {{"replay", "the run as one page for a browser", make_module_config<ReplayConfig>}, make_replay_recorder},
 };
 
 }  // namespace

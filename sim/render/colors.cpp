@@ -93,6 +93,22 @@ Rgb class_color(std::uint16_t surface_class) {
   return rgb_of({160, 160, 160});
 }
 
+Rgb part_color(const VehicleShape& shape, const Mesh& mesh, VehicleId vehicle) {
+  const Rgb material =
+      mesh.material < shape.materials.size() ? shape.materials[mesh.material].color_rgb : Rgb::Constant(0.3F);
+  const Rgb own = vehicle_color(vehicle);
+  switch (mesh.part) {
+    case VehiclePart::kBody:
+      return own;
+    case VehiclePart::kArm:
+      return 0.75F * own + 0.25F * material;
+    case VehiclePart::kMotor:
+      return Rgb(0.16F, 0.16F, 0.18F);
+    default:
+      return material;
+  }
+}
+
 Rgb to_linear(const Rgb& srgb) {
   return srgb.unaryExpr([](float s) { return s <= 0.04045F ? s / 12.92F : std::pow((s + 0.055F) / 1.055F, 2.4F); });
 }

@@ -47,14 +47,7 @@ Mesh blades_of(const VehicleShape::RotorShape& rotor) {
 }
 
 Eigen::Vector4f color_of(const VehicleShape& shape, const Mesh& mesh, VehicleId vehicle) {
-  const Rgb material =
-      mesh.material < shape.materials.size() ? shape.materials[mesh.material].color_rgb : Rgb::Constant(0.3F);
-  const Rgb own = vehicle_color(vehicle);
-  Rgb color = material;
-  if (mesh.part == VehiclePart::kBody) color = own;
-  if (mesh.part == VehiclePart::kArm) color = 0.75F * own + 0.25F * material;
-  if (mesh.part == VehiclePart::kMotor) color = Rgb(0.16F, 0.16F, 0.18F);
-  return with_alpha(to_linear(color), static_cast<float>(SurfaceKind::kShiny));
+  return with_alpha(to_linear(part_color(shape, mesh, vehicle)), static_cast<float>(SurfaceKind::kShiny));
 }
 
 Eigen::Affine3f pose_of(const VehicleState& state, double scale) {

@@ -309,10 +309,12 @@ std::string worst_section(const BatchTable& table, const Quantity& quantity) {
   for (std::size_t i = 0; i < std::min(order.size(), kWorst); ++i) {
     const EpisodeRow& row = table.episodes[order[i]];
     rows.add({std::to_string(row.id), escape_markup(row.variant), std::to_string(row.seed), escape_markup(row.outcome),
-              html::number(quantity.values[order[i]]), html::code(row.command)});
+              html::number(quantity.values[order[i]]), html::code(row.command + " --replay")});
   }
   return html::section(std::string("Worst episodes: ") + (high ? "greatest " : "least ") + quantity.label(),
-                       rows.str());
+                       rows.str() +
+                           "<p class=\"note\">Each leaves a page in its run directory on which it plays in the "
+                           "browser (replay.html).</p>\n");
 }
 
 std::string failure_section(const BatchTable& table) {

@@ -173,6 +173,19 @@ std::string pictures_section(const fs::path& directory) {
   return html::section("Pictures", text);
 }
 
+/// The page that the run or `swiftlet replay` left beside this one.
+std::string replay_section(const fs::path& directory) {
+  if (!fs::is_regular_file(directory / "replay.html")) {
+    return html::section("Replay", "<p class=\"note\">" + html::code("swiftlet replay " + directory.string()) +
+                                       " makes a page on which the run plays in the browser.</p>\n");
+  }
+  return html::section("Replay",
+                       "<p><a href=\"replay.html\">The run in three dimensions</a>, with signals over time.</p>\n" +
+                           html::folded("Show it here",
+                                        "<iframe src=\"replay.html\" loading=\"lazy\" title=\"replay\">"
+                                        "</iframe>\n"));
+}
+
 std::string stages_section(const Json& summary) {
   const Json stages = summary.value("stage_wall_s", Json::object());
   if (stages.empty()) return "";
@@ -224,8 +237,9 @@ std::vector<fs::path> write_run_report(const fs::path& directory) {
   const Json summary = read_json(summary_file);
   std::string body;
   try {
-    body = heading(summary) + metrics_section(summary) + series_section(directory) + events_section(directory) +
-           pictures_section(directory) + radio_section(summary) + stages_section(summary) + scenario_section(directory);
+    body = heading(summary) + replay_section(directory) + metrics_section(summary) + series_section(directory) +
+           events_section(directory) + pictures_section(directory) + radio_section(summary) + stages_section(summary) +
+           scenario_section(directory);
   } catch (const Json::exception& error) {
     throw InputError(summary_file.string() + ": expected the summary of a run, found something else (" + error.what() +
                      ")");

@@ -185,6 +185,9 @@ std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const 
     setup.T_local_body_start = told_start(scenario.vehicles[i].start, vehicles[i].start);
     setup.tick_s = scenario.tick_s;
     setup.prior_map = prior_map(scenario.vehicles[i], i, world);
+    for (const Module& sensor : scenario.vehicles[i].sensors) {
+      dynamic_cast<const SensorConfig&>(*sensor.config).describe(setup);
+    }
     try {
       agents.push_back(make_agent(scenario.vehicles[i].agent, setup));
     } catch (const std::invalid_argument& problem) {

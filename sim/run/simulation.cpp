@@ -80,7 +80,9 @@ void Simulation::Impl::tick() {
   // 2. Sensors that are due measure the truth; the radio hands over what has arrived.
   {
     const auto timed = clock.measure(Stage::kSensors);
-    team.begin_tick(now, wants_picture(scenario.snapshots, previous, now), radio);
+    const bool wants_overlays = wants_picture(scenario.snapshots, previous, now) ||
+                                std::ranges::any_of(recorders, [&](const auto& r) { return r->wants_overlays(now); });
+    team.begin_tick(now, wants_overlays, radio);
   }
   // 3. Every agent steps on its own observation, as soon as its sensors have measured.
   schedule.sense_and_step(team, {physics, history}, clock);

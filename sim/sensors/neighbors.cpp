@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "sim/sensors/noise.hpp"
+#include "swiftlet/core/agent.hpp"
 #include "swiftlet/core/elementary.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 
@@ -48,12 +49,7 @@ namespace {
 
 constexpr double kIdealVariance_m2 = 1e-6;  // a filter must be able to invert it
 
-struct ViewCone {
-  Vector3 axis_body;
-  double cos_half_angle;
-};
-
-ViewCone view_cone(const NeighborCamera& camera) {
+NeighborView::Cone view_cone(const NeighborCamera& camera) {
   const double yaw = camera.yaw_deg * kRadPerDeg;
   const double pitch = camera.pitch_deg * kRadPerDeg;
   return {{elementary::cos(pitch) * elementary::cos(yaw), elementary::cos(pitch) * elementary::sin(yaw),
@@ -75,8 +71,8 @@ class NeighborsSensor final : public Sensor {
         schedule_(config.rate_hz),
         latency_(from_seconds(config.latency_s)),
         swap_(stream("neighbors.swap")),
+        view_(config.view()),
         p_world_m_(setup_.vehicle_names.size(), Vector3::Zero()) {
-    for (const NeighborCamera& camera : config.cameras) cones_.push_back(view_cone(camera));
     // A stream for each pair: another vehicle changes nothing between these two.
     for (const std::string& other : setup_.vehicle_names) {
       noise_.emplace_back(setup_.seed, "neighbors.noise", setup_.entity + "/" + other);
@@ -98,7 +94,7 @@ class NeighborsSensor final : public Sensor {
         const Vector3 p_body = self.q_world_body.conjugate() * (p_world_m_[other] - self.p_world_m);
         if (config_.ideal) {
           out.neighbors.push_back({due, other, p_body, kIdealVariance_m2 * Matrix3::Identity()});
-        } else if (in_view(p_body) && dropout_[other].uniform(index, 0) >= config_.dropout_probability &&
+        } else if (view_.contains(p_body) && dropout_[other].uniform(index, 0) >= config_.dropout_probability &&
                    !(config_.occlusion && hidden(other))) {
           out.neighbors.push_back(seen(due, index, other, p_body));
         }
@@ -108,18 +104,6 @@ class NeighborsSensor final : public Sensor {
   }
 
  private:
-  bool in_view(const Vector3& p_body) const {
-    const double range_m = p_body.norm();
-    if (range_m > config_.range_max_m || range_m < config_.range_min_m || range_m <= 0.0) return false;
-    if (cones_.empty()) {
-      const double elevation_deg = elementary::asin(std::clamp(p_body.z() / range_m, -1.0, 1.0)) / kRadPerDeg;
-      return elevation_deg >= config_.elevation_min_deg && elevation_deg <= config_.elevation_max_deg;
-    }
-    return std::any_of(cones_.begin(), cones_.end(), [&](const ViewCone& cone) {
-      return cone.axis_body.dot(p_body) >= cone.cos_half_angle * range_m;
-    });
-  }
-
   bool hidden(VehicleId other) const {
     const Vector3& from = p_world_m_[setup_.vehicle];
     const Vector3& to = p_world_m_[other];
@@ -164,13 +148,26 @@ class NeighborsSensor final : public Sensor {
   NeighborsConfig config_;
   Schedule schedule_;
   TimeNs latency_;
-  std::vector<ViewCone> cones_;
   std::vector<Random> noise_, dropout_;  // by VehicleId of the other
   Random swap_;
+  NeighborView view_;
   std::vector<Vector3> p_world_m_;  // of all vehicles at the instant of the sample, by VehicleId
 };
 
 }  // namespace
+
+NeighborView NeighborsConfig::view() const {
+  NeighborView view;
+  if (ideal) return view;
+  for (const NeighborCamera& camera : cameras) view.cones.push_back(view_cone(camera));
+  view.sin_elevation_min = elementary::sin(elevation_min_deg * kRadPerDeg);
+  view.sin_elevation_max = elementary::sin(elevation_max_deg * kRadPerDeg);
+  view.range_min_m = range_min_m;
+  view.range_max_m = range_max_m;
+  return view;
+}
+
+void NeighborsConfig::describe(AgentSetup& setup) const { setup.neighbor_views.push_back(view()); }
 
 std::unique_ptr<Sensor> make_neighbors_sensor(const ModuleConfig& config, SensorSetup setup) {
   return std::make_unique<NeighborsSensor>(dynamic_cast<const NeighborsConfig&>(config), std::move(setup));

@@ -194,9 +194,11 @@ void add_rocks(SceneBuilder& scene, const ForestConfig& config, std::uint64_t se
     Dice dice(random, i);
     const Vector2d place_m = draw_place(config, dice);
     const double radius_m = dice.uniform(0.15, 0.6);
-    const Vector3f scale(static_cast<float>(radius_m * dice.uniform(0.8, 1.2)),
-                         static_cast<float>(radius_m * dice.uniform(0.8, 1.2)),
-                         static_cast<float>(radius_m * dice.uniform(0.5, 0.9)));
+    // One number after the other: the order of a function's arguments is the compiler's choice.
+    const auto height_m = static_cast<float>(radius_m * dice.uniform(0.5, 0.9));
+    const auto depth_m = static_cast<float>(radius_m * dice.uniform(0.8, 1.2));
+    const auto width_m = static_cast<float>(radius_m * dice.uniform(0.8, 1.2));
+    const Vector3f scale(width_m, depth_m, height_m);
     Mesh mesh;
     add_icosphere(mesh, Vector3f::Zero(), 1.0F, 1);
     const Vector3d foot_m = on_ground(relief, place_m);

@@ -209,7 +209,8 @@ void fill_racks(SceneBuilder& scene, const WarehouseConfig& config, std::uint64_
                            side * 0.25 * config.bay_width_m + dice.uniform(-0.05, 0.05);
           const double y = low_y + 0.5 * config.rack_depth_m + dice.uniform(-1.0, 1.0) * std::min(play_m, 0.05);
           const Vector3d foot_m(x, y, level * config.level_height_m + 0.001);
-          const double yaw_rad = dice.uniform(-0.03, 0.03) + (dice.chance(0.5) ? std::numbers::pi : 0.0);
+          const double skew_rad = dice.uniform(-0.03, 0.03);
+          const double yaw_rad = skew_rad + (dice.chance(0.5) ? std::numbers::pi : 0.0);
           const Eigen::Affine3f T = transform(foot_m.cast<float>(), static_cast<float>(yaw_rad));
           const std::uint16_t instance = scene.next_instance(SurfaceClass::kPallet);
           scene.place(pallet, instance, T);

@@ -175,6 +175,13 @@ TEST(ClaimsInFull, UncertaintyTable) { expect_reproduced("uncertainty-table", fa
 TEST(ClaimsInFull, ExpectedError) { expect_reproduced("expected-error", false); }
 TEST(ClaimsInFull, VoxelProbability) { expect_reproduced("voxel-probability", false); }
 
+TEST(Claims, Communication) { expect_reproduced("communication", true); }
+TEST(ClaimsInFull, Communication) { expect_reproduced("communication", false); }
+TEST(ClaimsInFull, GapSuccess) { expect_reproduced("gap-success", false); }
+TEST(ClaimsInFull, ForestGuidance) { expect_reproduced("forest-guidance", false); }
+TEST(ClaimsInFull, NarrowGap) { expect_reproduced("narrow-gap", false); }
+TEST(ClaimsInFull, GuidanceTiming) { expect_reproduced("guidance-timing", false); }
+
 TEST(ClaimsInFull, RblCirclePrinted) { expect_reproduced("rbl-circle-printed", false); }
 TEST(ClaimsInFull, RblSphere) { expect_reproduced("rbl-sphere", false); }
 TEST(ClaimsInFull, RblForest) { expect_reproduced("rbl-forest", false); }

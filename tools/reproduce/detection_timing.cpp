@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <deque>
 #include <vector>
 
 #include "detection_flights.hpp"
 #include "experiments.hpp"
+#include "stopwatch.hpp"
 #include "swiftlet/core/detection/vofod_stages.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/tracking/cloud_tracker.hpp"
@@ -17,28 +17,6 @@
 
 namespace swiftlet::tools {
 namespace {
-
-double thread_time_s() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-/// Processor time of each call.
-class Stopwatch {
- public:
-  template <class Work>
-  void time(Work&& work) {
-    const double start = thread_time_s();
-    work();
-    add(thread_time_s() - start);
-  }
-  void add(double took_s) { times_ms_.push_back(1e3 * took_s); }
-  const std::vector<double>& times_ms() const { return times_ms_; }
-
- private:
-  std::vector<double> times_ms_;
-};
 
 /// Detector and tracker beside a flight, stage by stage and not at the pace of a vehicle.
 class StageTimer {

@@ -24,6 +24,13 @@ void detection_beyond(Experiment& experiment);     // detection_beyond.cpp
 
 void interception(Experiment& experiment);  // interception.cpp
 
+// Cooperative guidance
+void gap_success(Experiment& experiment);      // gap_success.cpp
+void forest_guidance(Experiment& experiment);  // forest_guidance.cpp
+void narrow_gap(Experiment& experiment);       // narrow_gap.cpp
+void guidance_timing(Experiment& experiment);  // guidance_timing.cpp
+void communication(Experiment& experiment);    // guidance_timing.cpp
+
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);
 void rbl_circle_printed(Experiment& experiment);
@@ -33,5 +40,6 @@ void rbl_real(Experiment& experiment);
 void rbl_baselines(Experiment& experiment);
 void rbl_limits(Experiment& experiment);
 void rbl_ghosts(Experiment& experiment);
+void rbl_safety(Experiment& experiment);
 
 }  // namespace swiftlet::tools

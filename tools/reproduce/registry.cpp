@@ -42,6 +42,16 @@ std::span<const ExperimentType> experiment_types() {
       ExperimentType{"interception",
                      "MPC, FRPN, proportional navigation and pursuit after random targets [Vrba 2025, sec. VI-B]",
                      2400.0, interception},
+      ExperimentType{"gap-success", "Success by the width of a gap, five configurations [Pritzl 2024, Fig. 6]", 6000.0,
+                     gap_success},
+      ExperimentType{"forest-guidance", "A UAV guides a small one through 20 forests [Pritzl 2024, Table II]", 1500.0,
+                     forest_guidance},
+      ExperimentType{"narrow-gap", "A door of a warehouse, from 1.2 m down to 0.9 m [Pritzl 2024, Table III]", 900.0,
+                     narrow_gap},
+      ExperimentType{"guidance-timing", "What each stage of planning costs [Pritzl 2024, sec. III-B]", 400.0,
+                     guidance_timing},
+      ExperimentType{"communication", "Rates and sizes of messages while guiding [Pritzl 2024, Table IV and Fig. 9]",
+                     300.0, communication},
       ExperimentType{"rbl-circle",
                      "Five to fifteen vehicles cross a circle of 10 m, in 2D and 3D [Kamler 2025, sec. 2.4]", 600.0,
                      rbl_circle},
@@ -57,6 +67,8 @@ std::span<const ExperimentType> experiment_types() {
                      500.0, rbl_limits},
       ExperimentType{"rbl-ghosts", "A map that never clears locks the vehicle in [Kamler 2025, sec. 3.4]", 200.0,
                      rbl_ghosts},
+      ExperimentType{"rbl-safety", "Whatever the neighbors do and however badly they are known (beyond Kamler 2025)",
+                     5000.0, rbl_safety},
   };
   return kTypes;
 }

@@ -6,6 +6,7 @@
 #include "swiftlet/core/capture_volume.hpp"
 #include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/map_voxels.hpp"
+#include "swiftlet/core/neighbor_view.hpp"
 #include "swiftlet/core/observation.hpp"
 #include "swiftlet/core/prior_map.hpp"
 
@@ -25,6 +26,7 @@ struct AgentSetup {
   /// There its local frame begins.
   Pose T_local_body_start = Pose::Identity();
   double tick_s = 0.004;
+  std::vector<NeighborView> neighbor_views;   ///< of its mutual-localization sensors
   std::shared_ptr<const PriorMap> prior_map;  ///< null: nothing is known
 };
 

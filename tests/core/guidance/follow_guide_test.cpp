@@ -244,6 +244,75 @@ TEST(FollowGuide, AGuideThatDoesNotExistIsNamed) {
   }
 }
 
+// ---- what else its guide says
+
+Message saying(GuidingPath::Word word, double radius_m = 0.0) {
+  GuidingPath path;
+  path.path = 1;
+  path.word = word;
+  path.radius_m = radius_m;
+  Message message;
+  write_message(path, message);
+  message.from = kPrimary;
+  return message;
+}
+
+TEST(FollowGuide, AnAnswerToAReportIsUnderstoodSecondsLater) {
+  Guided guided;
+  guided.step();
+  const OdometryReport report = guided.told().front();
+  for (int i = 0; i < 60; ++i) {  // 6 s on the way
+    guided.put({10.0 + 0.1 * i, 20, 3}, 0.5 * Guided::kPi);
+    guided.step();
+  }
+  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}}, kPrimary, report.t);
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 22, 3)).norm(), 1e-6);
+}
+
+TEST(FollowGuide, AWaypointThatItHasPassedMeanwhileIsNotFlownBackTo) {
+  Guided guided(guided_by_uav2(), {10, 20, 3}, 0.0);
+  guided.step();
+  const OdometryReport report = guided.told().front();
+  guided.put({11.2, 20.1, 3});
+  guided.step();
+  guided.hears({{{0.5F, 0, 0}, 0}, {{1.0F, 0, 0}, 0}, {{1.5F, 0, 0}, 0}, {{1.5F, 2, 0}, 0}}, kPrimary, report.t);
+  EXPECT_LT((guided.step().goal.position_m - Vector3(11.5, 20, 3)).norm(), 1e-6);
+  guided.put({11.2, 21.0, 3});  // off the path: back to its beginning
+  guided.hears({{{0.5F, 0, 0}, 0}, {{1.0F, 0, 0}, 0}, {{1.5F, 0, 0}, 0}}, kPrimary, report.t);
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10.5, 20, 3)).norm(), 1e-6);
+}
+
+TEST(FollowGuide, ItsMissionEndsAsThatOfItsGuide) {
+  for (const auto& [word, mission] : {std::pair(GuidingPath::Word::kDone, MissionStatus::kDone),
+                                      std::pair(GuidingPath::Word::kFailed, MissionStatus::kFailed)}) {
+    Guided guided;
+    guided.step();
+    guided.observation.messages.push_back(saying(word));
+    EXPECT_EQ(guided.step().mission, mission);
+  }
+}
+
+TEST(FollowGuide, MovesWithinTheRadiusThatItsGuideTellsUntilItIsFound) {
+  Guided guided;
+  guided.hears({});
+  guided.step();
+  double farthest_m = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    guided.hears({});
+    Message message = saying(GuidingPath::Word::kMove, 0.5);
+    GuidingPath path;
+    ASSERT_EQ(read_message(message, path), Reading::kDone);
+    path.path = guided.path_;
+    write_message(path, message);
+    guided.observation.messages.back() = message;
+    farthest_m = std::max(farthest_m, (guided.step().goal.position_m - Vector3(10, 20, 3)).norm());
+  }
+  EXPECT_GT(farthest_m, 0.45);
+  EXPECT_LT(farthest_m, 0.56);
+  guided.hears({});
+  EXPECT_LT((guided.step().goal.position_m - Vector3(10, 20, 3)).norm(), 1e-9);
+}
+
 // ---- sizes [Pritzl 2024, Table IV]: odometry 725 bytes at 2 Hz, paths of 132 to 484 bytes at 5 Hz
 
 TEST(GuidingMessages, AreNoLargerThanThePublishedOnes) {
@@ -254,7 +323,7 @@ TEST(GuidingMessages, AreNoLargerThanThePublishedOnes) {
   GuidingPath path;
   path.waypoints.resize(1);
   write_message(path, message);
-  EXPECT_EQ(message.size_bytes(), 67U);
+  EXPECT_EQ(message.size_bytes(), 76U);
   EXPECT_LE(message.size_bytes(), 132U);
   path.waypoints.resize(26);
   write_message(path, message);

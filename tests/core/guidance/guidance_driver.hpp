@@ -58,11 +58,17 @@ class GuidanceDriver {
     setup.T_local_body_start = pose(start_m, yaw_rad);
     setup.num_vehicles = 8;
     for (int i = 1; i <= setup.num_vehicles; ++i) setup.vehicle_names.push_back("uav" + std::to_string(i));
+    make(type, config);
+    estimate.valid = true;
+    put(start_m, yaw_rad);
+  }
+
+  /// Anew, with what `setup` says by now.
+  template <class Config>
+  void make(const char* type, const Config& config) {
     Module module(guidance_module_types(), type);
     module.as<Config>() = config;
     guidance = make_guidance(module, {setup, MotionLimits{}});
-    estimate.valid = true;
-    put(start_m, yaw_rad);
   }
 
   static Pose pose(const Vector3& p_m, double yaw_rad) {

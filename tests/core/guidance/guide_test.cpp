@@ -81,6 +81,8 @@ struct Team : GuidanceDriver {
   bool hears = true, localized = true, stuck = false;
   std::vector<Vector3> told_local_m, flown_local_m;
   std::vector<std::size_t> told_sizes;
+  GuidingPath::Word word = GuidingPath::Word::kGuide;  // the newest
+  double radius_m = 0.0;
   std::map<std::string, double> notes;  // when each was said last
 
  private:
@@ -93,6 +95,8 @@ struct Team : GuidanceDriver {
     GuidingPath path;
     ASSERT_EQ(read_message(message, path), Reading::kDone);
     told_sizes.push_back(message.size_bytes());
+    word = path.word;
+    radius_m = path.radius_m;
     told_local_m.clear();
     EXPECT_TRUE(path.waypoints.empty() || path.t == guided.heard_stamp);
     const Eigen::AngleAxisd turn(guided.heard_yaw_rad, Vector3::UnitZ());
@@ -194,6 +198,35 @@ TEST(Guide, HoversWhileThePlaceOfTheOtherIsUnsureAndGoesOn) {
   EXPECT_EQ(team.out.mission, MissionStatus::kDone);
 }
 
+TEST(Guide, AVehicleThatIsNeverFoundEndsTheMissionWithItsReason) {
+  Team team(guides_uav2({{4, 0, 0.7}}));
+  team.localized = false;
+  team.run(100.0);
+  EXPECT_EQ(team.out.mission, MissionStatus::kFailed);
+  EXPECT_STREQ(team.out.note, "the guided vehicle was not found");
+  EXPECT_NEAR(to_seconds(team.observation.t), 30.0, 0.2) << "stage_timeout_s";
+}
+
+TEST(Guide, AVehicleOfWhichNothingIsKnownAnyMoreIsAskedToMoveWhereItIsClear) {
+  CellListMap world(0.25);
+  world.occupy_box({1.25, -1, 0}, {1.5, 1, 1.5});
+  for (const bool cramped : {false, true}) {
+    Team team(guides_uav2({{6, 0, 0.7}}), world, {-4, -3, 0.7}, cramped ? Vector3(0.6, 0, 0.7) : Vector3(0, 0, 0.7));
+    while (!team.said("planning")) team.tick();
+    team.localized = false;
+    team.run(2.0);
+    EXPECT_EQ(team.word, GuidingPath::Word::kGuide) << "it may be found again by itself";
+    team.run(3.0);
+    EXPECT_EQ(team.word, cramped ? GuidingPath::Word::kGuide : GuidingPath::Word::kMove);
+    EXPECT_NEAR(team.radius_m, cramped ? 0.0 : 1.25 - 0.6, 1e-9) << "the body needs room, too";
+    team.localized = true;
+    team.run(60.0);
+    EXPECT_EQ(team.out.mission, MissionStatus::kDone);
+    for (int i = 0; i < 3; ++i) team.tick();
+    EXPECT_EQ(team.word, GuidingPath::Word::kDone);
+  }
+}
+
 TEST(Guide, AVehicleThatCrashedEndsTheMissionWithItsReason) {
   GuideConfig config = guides_uav2({{6, 0, 0.7}});
   config.retries = 1;
@@ -216,6 +249,9 @@ TEST(Guide, AVehicleThatDoesNotMoveEndsTheMissionWithItsReason) {
   team.run(100.0);
   EXPECT_EQ(team.out.mission, MissionStatus::kFailed);
   EXPECT_STREQ(team.out.note, "the guided vehicle does not reach its goal");
+  team.tick();
+  team.tick();
+  EXPECT_EQ(team.word, GuidingPath::Word::kFailed);
 }
 
 TEST(Guide, AGoalInAnObstacleEndsTheMissionWithItsReason) {
@@ -247,6 +283,41 @@ TEST(Guide, ShowsItsPlan) {
   team.guidance->append_overlays(overlays);
   ASSERT_EQ(overlays.size(), 5U);
   for (const Overlay& overlay : overlays) EXPECT_FALSE(overlay.positions.empty()) << overlay.name;
+}
+
+double seconds_to_the_end(GuideConfig::Motion motion, double& least_m, int& stops) {
+  GuideConfig config = guides_uav2({});
+  config.advance.step_m = {4, 0, 0};
+  config.advance.distance_m = 15.0;
+  config.motion = motion;
+  Team team(config);
+  least_m = 100.0;
+  stops = 0;
+  bool flew = false;
+  while (team.out.mission == MissionStatus::kRunning && to_seconds(team.observation.t) < 200.0) {
+    team.tick();
+    least_m = std::min(least_m, (team.p_m() - team.guided.position_m).head<2>().norm());
+    const bool flies = team.guided.velocity_mps.norm() > 0.1;
+    stops += flew && !flies;
+    flew = flies;
+  }
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone);
+  EXPECT_GT(team.guided.position_m.x(), 14.9);
+  return to_seconds(team.observation.t);
+}
+
+TEST(Guide, PlanningAheadArrivesSoonerAndFlyingTogetherSoonestWithFewerStops) {
+  double least_m = 0.0;
+  int stops = 0;
+  const double alternate_s = seconds_to_the_end(GuideConfig::Motion::kAlternate, least_m, stops);
+  EXPECT_EQ(stops, 4);
+  const double ahead_s = seconds_to_the_end(GuideConfig::Motion::kAhead, least_m, stops);
+  EXPECT_EQ(stops, 4);
+  EXPECT_LT(ahead_s, alternate_s - 3.0);
+  const double together_s = seconds_to_the_end(GuideConfig::Motion::kTogether, least_m, stops);
+  EXPECT_LE(stops, 2) << "one of them at the end";
+  EXPECT_LT(together_s, ahead_s - 3.0);
+  EXPECT_GT(least_m, 1.5) << "they keep out of each other's air";
 }
 
 TEST(Guide, AVehicleThatIsNotThereIsRefused) {

@@ -18,7 +18,10 @@ using Source = NeighborSourceConfig::Source;
 /// What one vehicle hears and sees, tick by tick.
 class Listener {
  public:
-  explicit Listener(const NeighborSourceConfig& config) : memory(config) { at(Pose::Identity()); }
+  explicit Listener(const NeighborSourceConfig& config, std::vector<NeighborView> views = {})
+      : memory(config, std::move(views)) {
+    at(Pose::Identity());
+  }
 
   void at(const Pose& T_local_body) { estimate.T_local_body = T_local_body; }
   void sees(VehicleId id, const Vector3& p_body_m, double t_s, const Matrix3& covariance = 0.01 * Matrix3::Identity()) {
@@ -55,7 +58,7 @@ NeighborSourceConfig from(Source source) {
 TEST(NeighborMemory, OfOneAxisIsTheKalmanFilterOfConstantVelocity) {
   // The filter of one axis written out: position and speed, acceleration constant over a step.
   double p = 3.0, v = 0.0;
-  double pp = 0.04, pv = 0.0, vv = 1.0;  // a vehicle that was seen once may have any speed, 1 m/s is usual
+  double pp = 0.04, pv = 0.0, vv = 4.0;  // a vehicle that was seen once may have any speed, 2 m/s is usual
   NeighborSourceConfig config = from(Source::kSensor);
   config.acceleration_sigma_mps2 = 0.7;
   Listener listener(config);
@@ -133,6 +136,49 @@ TEST(NeighborMemory, IsForgottenAfterTheTimeoutAndNotBefore) {
   EXPECT_EQ(listener.update(1.0).size(), 1U);
   EXPECT_EQ(listener.update(1.5).size(), 1U);
   EXPECT_EQ(listener.update(1.51).size(), 0U);
+}
+
+NeighborView ahead_only() {
+  NeighborView view;
+  view.cones.push_back({Vector3::UnitX(), 0.0});
+  return view;
+}
+
+TEST(NeighborMemory, OneInTheBlindSectorIsNotForgotten) {
+  NeighborSourceConfig config = from(Source::kSensor);
+  config.timeout_s = 0.5;
+  for (const bool remember : {true, false}) {
+    config.remember_hidden = remember;
+    Listener listener(config, {ahead_only()});
+    listener.sees(1, {-2.0, 0.0, 0.0}, 1.0);
+    for (int i = 0; i <= 100; ++i) listener.update(1.0 + 0.1 * i);
+    ASSERT_EQ(listener.memory.neighbors().size(), remember ? 1U : 0U);
+    if (!remember) continue;
+    EXPECT_FALSE(listener.memory.neighbors()[0].in_view);
+    // Whoever turns round and finds nobody there forgets it then.
+    listener.at(Pose(Eigen::AngleAxisd(3.14159, Vector3::UnitZ())));
+    for (int i = 0; i <= 6; ++i) listener.update(11.1 + 0.1 * i);
+    EXPECT_TRUE(listener.memory.neighbors().empty());
+  }
+}
+
+TEST(NeighborMemory, ThePlaceOfOneUnseenGrowsUncertainButStaysNear) {
+  NeighborSourceConfig config = from(Source::kSensor);
+  config.timeout_s = 100.0;
+  Listener listener(config);
+  for (int i = 0; i <= 20; ++i) {
+    listener.sees(1, {3.0 + 0.1 * i, 0.0, 0.0}, 0.1 * i);
+    listener.update(0.1 * i);
+  }
+  double last_m = 0.0;
+  for (const double t_s : {2.5, 3.0, 4.0, 8.0}) {
+    const Neighbor known = listener.update(t_s)[0];
+    const double sigma_m = std::sqrt(known.covariance_local_m2(0, 0));
+    EXPECT_GT(sigma_m, last_m);
+    last_m = sigma_m;
+    EXPECT_NEAR(known.position_local_m.x(), 5.0 + std::min(1.0, t_s - 2.0), 0.1) << "flies on for a second at most";
+  }
+  EXPECT_NEAR(listener.update(8.0)[0].velocity_local_mps.norm(), 0.0, 1e-12);
 }
 
 TEST(NeighborMemory, WhatIsOlderThanWhatIsKnownChangesNothing) {

@@ -270,6 +270,44 @@ TEST(RblFlight, WithoutLimitsTheGroundKeepsTheEncumbranceFree) {
   EXPECT_LT(down_m, 6.0);
 }
 
+TEST(RblFlight, TurnsToSeeWhoSlippedIntoItsBlindSector) {
+  RblConfig config = flying(Variant::k3d);
+  config.goal_m = {20.0, 0.0, 5.0};
+  for (const bool separation : {true, false}) {
+    config.separation.enabled = separation;
+    GuidanceDriver driver("rbl", config, {0.0, 0.0, 5.0});
+    NeighborView ahead;
+    ahead.cones.push_back({Vector3::UnitX(), 0.0});
+    driver.setup.neighbor_views = {ahead};
+    driver.make("rbl", config);
+    driver.sees(1, {-2.0, 0.5, 5.0});  // behind, as told by a turn before
+    bool looks_back = false;
+    for (int i = 0; i < 20; ++i) {
+      const double yaw_rad = driver.step().goal.yaw_rad;
+      looks_back = looks_back || std::cos(yaw_rad) * -2.0 + std::sin(yaw_rad) * 0.5 > 0.0;
+    }
+    EXPECT_EQ(looks_back, separation);
+  }
+}
+
+TEST(RblFlight, NeverTakesMoreThanHalfTheRoomToANeighbor) {
+  RblConfig config = flying(Variant::k3d);
+  config.goal_m = {20.0, 0.0, 5.0};
+  for (const double beta_m : {0.1, 0.4, 1.5}) {
+    for (const double radius_m : {3.5, 7.0}) {
+      config.rules.beta_desired_m = beta_m;
+      config.rules.beta_min_m = 0.1;
+      config.cells.sensing_radius_m = radius_m;
+      GuidanceDriver driver("rbl", config, {0.0, 0.0, 5.0});
+      for (int k = 0; k < 3; ++k) {
+        driver.sees(1, {3.0, 0.0, 5.0});
+        driver.step();
+      }
+      EXPECT_LE(driver.out.goal.position_m.x(), 0.5 * (3.0 - 1.0)) << beta_m << " " << radius_m;
+    }
+  }
+}
+
 TEST(RblFlight, InTheDiscHeightIsThatOfTheGoal) {
   RblConfig config = flying(Variant::k2d);
   config.goal_m = {10.0, 0.0, 7.0};
@@ -425,6 +463,7 @@ const Overlay* named(const std::vector<Overlay>& overlays, const std::string& na
 // One neighbor ahead cuts a straight side off the circle: every corner lies on the circle or on the plane.
 TEST(RblFlight, OutlineIsTheCircleCutByItsPlanes) {
   RblConfig config = flying(Variant::k3d);
+  config.separation.enabled = false;
   const Vector3 p_m(1.0, 2.0, 5.0);
   GuidanceDriver driver("rbl", config, p_m);
   driver.sees(1, p_m + Vector3(3.0, 0.0, 0.0));

@@ -44,7 +44,7 @@ struct OccupancyMapping {
     ASSERT_TRUE(registrar.make(std::move(scan), *cloud));
     const std::shared_ptr<const LocalCloud> clouds[] = {cloud};
     observation.t += kNsPerSecond / 10;
-    mapper->step({observation, estimate, clouds, tracks}, outbox);
+    mapper->step({observation, estimate, clouds, tracks, relatives}, outbox);
   }
   CellState state(const Vector3& p_local_m) const { return mapper->map().state(p_local_m); }
 
@@ -53,8 +53,64 @@ struct OccupancyMapping {
   StateEstimate estimate;
   Observation observation;
   Outbox outbox;
+  std::vector<RelativeEstimate> relatives;
   std::shared_ptr<LocalCloud> cloud;
 };
+
+TEST(OccupancyMapper, AMemberOfTheTeamIsNoObstacleEvenWhenItRests) {
+  OccupancyMapping mapping{OccupancyMapperConfig{}};
+  RelativeEstimate resting;
+  resting.position_m = {14.05, 0.05, 2.05};
+  mapping.relatives = {resting};
+  mapping.see(row_of({4.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F}));
+  EXPECT_NE(mapping.state({14.05, 0.05, 2.05}), CellState::kOccupied);
+  mapping.relatives.clear();
+  mapping.see(row_of({4.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F}));
+  EXPECT_EQ(mapping.state({14.05, 0.05, 2.05}), CellState::kOccupied);
+}
+
+/// Two mappers of a team; what one says, the other hears.
+TEST(OccupancyMapper, AMapOfToldRaysIsThatOfTheTeller) {
+  AgentSetup setup;
+  setup.num_vehicles = 2;
+  setup.vehicle_names = {"listener", "teller"};
+  const auto mapper_of = [&](VehicleId self, const char* rays_of, const char* tell_to) {
+    setup.self = self;
+    Module module(mapper_module_types(), "occupancy");
+    module.as<OccupancyMapperConfig>().rays_of = rays_of;
+    module.as<OccupancyMapperConfig>().tell_rays_to = tell_to;
+    return make_mapper(module, setup);
+  };
+  const auto teller = mapper_of(1, "", "listener"), listener = mapper_of(0, "teller", "");
+  StateEstimate estimate;
+  estimate.valid = true;
+  estimate.T_local_body = make_pose({10.05, 0.05, 2.05}, Eigen::Quaterniond::Identity());
+  CloudRegistrar registrar(0.3);
+  registrar.push(estimate);
+  auto cloud = std::make_shared<LocalCloud>();
+  ASSERT_TRUE(registrar.make(row_of({4.0F, 0.0F, 0.0F, 0.0F, 6.0F, 0.0F, 0.0F, 0.0F}), *cloud));
+  const std::shared_ptr<const LocalCloud> clouds[] = {cloud};
+  Outbox says(1), nothing(0);
+  teller->step({{}, estimate, clouds, {}}, says);
+  ASSERT_EQ(says.messages().size(), 1U);
+
+  // The listener's world is its local frame, moved: it carries the rays over. It hovers where the second ray ended.
+  StateEstimate own = estimate;
+  own.T_world_local.translation() = Vector3(3, 0, 0);
+  own.correction_revision = 1;
+  own.T_local_body.translation() = Vector3(12.6, 2.3, 2.05);
+  Observation observation;
+  observation.messages = says.messages();
+  listener->step({observation, own, {}, {}}, nothing);
+  EXPECT_EQ(teller->map().state({14.05, 0.05, 2.05}), CellState::kOccupied);
+  EXPECT_EQ(listener->map().state({11.05, 0.05, 2.05}), CellState::kOccupied);
+  EXPECT_EQ(listener->map().state({9.05, 0.05, 2.05}), CellState::kFree);
+  EXPECT_EQ(listener->map().state({14.05, 0.05, 2.05}), CellState::kUnknown);
+  const Vector3 second_m = Vector3(10.05, 0.05, 2.05) + 6.0 * Vector3(1.0, 0.4, 0.0).normalized();
+  EXPECT_EQ(teller->map().state(second_m), CellState::kOccupied);
+  EXPECT_NE(listener->map().state(second_m - Vector3(3, 0, 0)), CellState::kOccupied) << "the listener itself";
+  EXPECT_TRUE(nothing.messages().empty());
+}
 
 TEST(OccupancyMapper, TakesOneColumnInSoMany) {
   OccupancyMapperConfig config;

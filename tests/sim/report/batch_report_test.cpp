@@ -135,7 +135,7 @@ TEST_F(BatchReport, ThePageTellsItAll) {
   EXPECT_THAT(page, HasSubstr("killed by signal 11"));
   EXPECT_THAT(page, HasSubstr("Worst episodes: greatest error_m (a)"));
   EXPECT_LT(page.find("<td class=\"w\">22</td>"), page.find("<td class=\"w\">10</td>"));  // 51 m before 50 m
-  EXPECT_THAT(page, HasSubstr("swiftlet run x --seed 5"));
+  EXPECT_THAT(page, HasSubstr("swiftlet run x --seed 5 --replay"));
   EXPECT_THAT(page, Not(HasSubstr("<1>")));
   EXPECT_THAT(page, Not(HasSubstr("nan")));
 }

@@ -22,12 +22,17 @@ struct GuideAdvanceConfig {
 /// both while both hover, and flies to a viewpoint from which it sees the path. Then it tells the other its path in the
 /// other's own body frame, again and again, until the goal is reached.
 struct GuideConfig : ModuleConfigOf<GuideConfig> {
+  /// When the next leg is planned. kAlternate: while both hover [Pritzl 2024]. kAhead: while the guided vehicle flies.
+  /// kTogether: so, too, and then both fly at once; the guided vehicle is told what the guide sees of its path.
+  enum class Motion { kAlternate, kAhead, kTogether };
+
   std::string secondary;
   std::vector<Eigen::Vector3d> goals_m;
   std::vector<double> goal_yaws_deg;
   GuideAdvanceConfig advance;
   bool loop = false;
   bool periodic = true;
+  Motion motion = Motion::kAlternate;
   double guiding_rate_hz = 5.0;
   double visited_m = 0.2;
   double speed_mps = 1.0;
@@ -35,6 +40,7 @@ struct GuideConfig : ModuleConfigOf<GuideConfig> {
   double settle_s = 1.0;
   double link_timeout_s = 1.5;
   double sigma_max_m = 0.4;
+  double search_after_s = 3.0;
   double stage_timeout_s = 60.0;
   int retries = 5;
   double retry_after_s = 2.0;

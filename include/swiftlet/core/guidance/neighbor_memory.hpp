@@ -13,10 +13,15 @@ namespace swiftlet {
 struct NeighborSourceConfig {
   enum class Source { kSensor, kRadio, kTracks, kNone };
   Source source = Source::kSensor;
-  double timeout_s = 1.0;
-  double acceleration_sigma_mps2 = 1.0;
+  double timeout_s = 10.0;
+  double acceleration_sigma_mps2 = 2.0;
+  double first_speed_sigma_mps = 2.0;
+  double unseen_speed_mps = 0.5;
+  bool remember_hidden = true;
   bool predict = true;
 
+  /// Who was not measured for a second is gone, as flocking models have it.
+  static NeighborSourceConfig forgetful();
   void visit(ConfigVisitor& v);
 };
 
@@ -25,14 +30,20 @@ struct Neighbor {
   std::int64_t key = 0;  ///< identity at its source
   Vector3 position_local_m = Vector3::Zero();
   Vector3 velocity_local_mps = Vector3::Zero();
-  TimeNs seen = 0;  ///< time of validity of the last measurement
+  TimeNs seen = 0;                                            ///< time of validity of the last measurement
+  Matrix3 covariance_local_m2 = Matrix3::Zero();              ///< of the position
+  Matrix3 velocity_covariance_local_m2ps2 = Matrix3::Zero();  ///< of the velocity
+  bool in_view = true;                                        ///< could be seen from here
 };
 
 /// Keeps the neighbors of a mutual-localization sensor, of radio messages, or of tracks. Each has a Kalman filter of
-/// constant velocity, and is forgotten when it was not heard of for a while.
+/// constant velocity. It is forgotten when it was not measured for a while although it was in view: one in the blind
+/// sector is still there.
 class NeighborMemory {
  public:
-  explicit NeighborMemory(const NeighborSourceConfig& config) : config_(config) {}
+  /// @param views  of the sensors; none: all around
+  explicit NeighborMemory(const NeighborSourceConfig& config, std::vector<NeighborView> views = {})
+      : config_(config), views_(std::move(views)) {}
 
   void update(const GuidanceInput& input);
   /// Everybody not forgotten, in order of keys.
@@ -47,6 +58,7 @@ class NeighborMemory {
     std::int64_t key = 0;
     TimeNs t = 0;  // of the state
     TimeNs seen = 0;
+    TimeNs missed = 0;  ///< for how long it was in view since then, unseen
     Vector6 x = Vector6::Zero();
     Matrix6 P = Matrix6::Identity();
   };
@@ -55,7 +67,13 @@ class NeighborMemory {
   void hear(const Message& message, const FrameChange& to_local);
   void predict(Filter& filter, TimeNs t) const;
 
+  Neighbor now_of(const Filter& filter, TimeNs now) const;
+  void forget(TimeNs now);
+  bool in_view(const Vector3& p_local_m, const Pose& T_local_body) const;
+
   NeighborSourceConfig config_;
+  std::vector<NeighborView> views_;
+  TimeNs last_ = -1;  ///< update; negative: there was none
   std::vector<Filter> filters_;
   std::vector<Neighbor> known_;
 };

@@ -7,6 +7,7 @@
 #include "swiftlet/core/guidance/neighbor_memory.hpp"
 #include "swiftlet/core/guidance/rbl_obstacles.hpp"
 #include "swiftlet/core/guidance/rbl_planner.hpp"
+#include "swiftlet/core/guidance/rbl_separation.hpp"
 
 namespace swiftlet {
 
@@ -15,6 +16,7 @@ namespace swiftlet {
 /// vehicle then goes on to keep its cell.
 struct RblConfig : ModuleConfigOf<RblConfig> {
   enum class Variant { k2d, k3d, k3dClipped, k3dZ };
+  std::string model;
   static constexpr const char* kVariants[] = {"2d", "3d", "3d_clipped", "3d_z"};
   Variant variant = Variant::k3dZ;
   Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
@@ -26,9 +28,12 @@ struct RblConfig : ModuleConfigOf<RblConfig> {
   double z_max_m = 10.0;
   RblCellConfig cells;
   RblRules rules;
+  RblSeparationConfig separation;
   NeighborSourceConfig neighbors;
   RblLidarConfig lidar;
 
+  /// Kept apart by more than their cells, vehicles fly well with a narrower weighting than the document's.
+  RblConfig() { rules.beta_desired_m = 0.4; }
   void visit(ConfigVisitor& v) override;
 };
 

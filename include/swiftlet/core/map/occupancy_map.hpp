@@ -29,7 +29,7 @@ struct OccupancyMapConfig {
   double distance_max_m = 1.5;
 
   void visit(ConfigVisitor& v);
-  /// What the map may need, about: all of its ball seen, a tenth of it near surfaces.
+  /// What the map may need, about: all of its ball seen, a tenth of it near surfaces, distances asked for in a quarter.
   double bytes() const;
   /// Blocks that may be kept side by side.
   double places_across() const;

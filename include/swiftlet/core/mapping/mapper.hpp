@@ -17,6 +17,7 @@ struct MapperInput {
   const StateEstimate& estimate;                                   ///< valid
   std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick
   std::span<const Track> tracks = {};                              ///< who flies there and is no obstacle
+  std::span<const RelativeEstimate> relatives = {};                ///< members of the team, who are none either
 };
 
 /// What is around? A scenario chooses by name who answers. A vehicle has one such map, which

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "swiftlet/core/agent.hpp"
 #include "swiftlet/core/map/occupancy_map.hpp"
@@ -9,13 +10,16 @@
 
 namespace swiftlet {
 
-/// What is occupied, free and unknown around the vehicle, by the own LiDARs [Pritzl 2024, sec. III].
+/// What is occupied, free and unknown around the vehicle, by the own LiDARs [Pritzl 2024, sec. III]. They may be those
+/// of another vehicle instead, which knows its place in the same world.
 struct OccupancyMapperConfig : ModuleConfigOf<OccupancyMapperConfig> {
   int every_column = 4;
   int every_row = 1;
   double range_min_m = 0.6;
   double clear_range_m = 8.0;
   double tracked_radius_m = 1.0;
+  std::string rays_of;
+  std::string tell_rays_to;
   OccupancyMapConfig map;
 
   void visit(ConfigVisitor& v) override;

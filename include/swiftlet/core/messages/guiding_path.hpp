@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "swiftlet/core/frames.hpp"
@@ -20,19 +21,27 @@ struct GuidingWaypoint {
 
 /// Where a guided vehicle is to go, told relatively to itself [Pritzl 2024, sec. II-A]. The frame is its level body
 /// frame: origin in the body, heading of the body, z up. It is that of an instant that the vehicle told of, or that of
-/// reception. It needs no other frame. An empty path says: hover.
+/// reception. It needs no other frame. An empty path says: hover. The word says what else there is to it.
 struct GuidingPath {
   static constexpr const char* kTopic = "guiding_path";
-  static constexpr int kVersion = 1;
+  static constexpr int kVersion = 2;
   static constexpr const char* kDoc = "waypoints for its receiver, in the receiver's own level body frame";
 
+  /// kMove: the guide has lost sight of the receiver, which may fly a small figure to be found again.
+  enum class Word { kGuide, kMove, kDone, kFailed };
+  static constexpr std::array<const char*, 4> kWords = {"guide", "move", "done", "failed"};
+
   std::uint32_t path = 0;
+  Word word = Word::kGuide;
+  double radius_m = 0.0;
   bool has_instant = false;
   TimeNs t = 0;
   std::vector<GuidingWaypoint> waypoints;
 
   static void visit(auto& m, auto& v) {
     v.field("path", m.path, "[-] number of the path; grows with every message");
+    v.choice("word", m.word, kWords, "[-] guide: follow the path; move: to be found again; else the mission is over");
+    v.field("radius_m", m.radius_m, "[m] around where it is that is clear, when it is to move");
     v.field("has_instant", m.has_instant, "[-] 1: the body frame is that of an instant, 0: that of reception");
     v.time("t_s", m.t, "[s] that instant, by the receiver's clock");
     v.list("num_waypoints", m.waypoints, "[-] waypoints: position [m] and heading [rad] in that body frame");

@@ -25,7 +25,9 @@ struct ClearPathConfig {
   void visit(ConfigVisitor& v);
 };
 
-enum class ClearPathStatus { kFound, kStartEnclosed, kGoalBlocked, kGoalUnknown, kNoPath, kBudgetSpent };
+enum class ClearPathStatus { kFound, kStartEnclosed, kGoalBlocked, kGoalUnknown, kGoalTooFar, kNoPath, kBudgetSpent };
+/// Can a map have a cell there? It counts cells up to a million along each axis.
+bool is_on_map(const Vector3& p_local_m, double edge_m);
 /// Why there is no path, for an event.
 const char* text_of(ClearPathStatus status);
 

@@ -52,8 +52,11 @@ Ring visibility_ring(const OccupancyView& map, const Vector3& p_local_m, double 
 /// Places at the watcher's height that see as many waypoints as possible from the first on, and keep clear of obstacles
 /// and of the path. Each is the nearest pole of inaccessibility of what its connected safe space has in common with
 /// them.
-/// @param path_local_m  at least one waypoint
+/// @param path_local_m    at least one waypoint
+/// @param before_local_m  what is flown before that path, while the watcher flies. Its places keep clear of that, too.
+///                        The space on either side of the path then counts by itself, because nobody may cross it.
 GuidingViewpoints find_guiding_viewpoints(const OccupancyView& map, const Vector3& watcher_local_m,
-                                          std::span<const Vector3> path_local_m, const ViewpointRules& rules);
+                                          std::span<const Vector3> path_local_m, const ViewpointRules& rules,
+                                          std::span<const Vector3> before_local_m = {});
 
 }  // namespace swiftlet

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,11 +47,18 @@ struct TeamPlan {
   std::vector<PlaneRegion> visible;  ///< from where the waypoints of the secondary's path are seen
 };
 
+/// What planning does one after the other.
+enum class PlanningStage { kSecondaryPath, kViewpoint, kPrimaryPath };
+
 /// Plans once, from a map in which neither vehicle is. The air above and below either is kept free of the other,
 /// because of the wind of its rotors. It is laid over the map, which is not copied. A pure function.
 ///
 /// The goal may lie too near to an obstacle. Then the nearest clear place within goal_search_m takes its stead.
+/// @param begins  told when a stage begins, for those who time them
+/// @param flying  what the secondary vehicle still has to fly to the place from which this plan begins. When it is not
+///                empty, both vehicles fly at once: the guide's path keeps out of the air of the whole path, too.
 TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, const Vector3& primary_local_m,
-                   const PlannedPose& secondary, const PlannedPose& goal);
+                   const PlannedPose& secondary, const PlannedPose& goal,
+                   const std::function<void(PlanningStage)>& begins = {}, std::span<const PlannedPose> flying = {});
 
 }  // namespace swiftlet

@@ -5,6 +5,7 @@
 
 #include "swiftlet/core/frames.hpp"
 #include "swiftlet/sim/render/image.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 
@@ -18,6 +19,9 @@ Rgb height_color(float s);
 Rgb vehicle_color(VehicleId vehicle);
 /// Color of a truth class (SurfaceClass) or of a vehicle.
 Rgb class_color(std::uint16_t surface_class);
+
+/// Color of a part of a vehicle: the body and the arms show whose it is.
+Rgb part_color(const VehicleShape& shape, const Mesh& mesh, VehicleId vehicle);
 
 /// sRGB transfer function, both ways, per channel.
 Rgb to_linear(const Rgb& srgb);

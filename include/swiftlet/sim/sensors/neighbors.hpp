@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "swiftlet/core/neighbor_view.hpp"
 #include "swiftlet/sim/sensors/sensor.hpp"
 
 namespace swiftlet::sim {
@@ -36,6 +37,8 @@ struct NeighborsConfig : SensorConfigOf<NeighborsConfig> {
   double latency_s = 0.0;
 
   void visit(ConfigVisitor& v) override;
+  NeighborView view() const;
+  void describe(AgentSetup& setup) const override;
 };
 
 /// `ideal` gives every other vehicle exactly, whatever the range or the world (the truth bypass; the rate and the

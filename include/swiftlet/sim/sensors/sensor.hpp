@@ -15,6 +15,10 @@
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
 
+namespace swiftlet {
+struct AgentSetup;
+}
+
 namespace swiftlet::sim {
 
 /// What the configuration of every sensor has. A `visit` starts with `model` (if it has presets), then `visit_name`.
@@ -22,6 +26,8 @@ struct SensorConfig : ModuleConfig {
   std::string name;  ///< unique on its vehicle; empty: named by its type
 
   void visit_name(ConfigVisitor& v) { v.field("name", name, "[-] unique on its vehicle; empty: named by its type"); }
+  /// Notes what the vehicle's software is told of the sensor before the start.
+  virtual void describe(AgentSetup&) const {}
 };
 
 template <class Derived>

@@ -14,6 +14,8 @@ class Recorder {
  public:
   virtual ~Recorder() = default;
   virtual void begin(const RunInfo& info) = 0;
+  /// Asked before each tick: are the agents to tell what they want drawn (Action::overlays)? No result hangs on it.
+  virtual bool wants_overlays(TimeNs /*now*/) const { return false; }
   virtual void write(const TickView& tick) = 0;
   /// Flushes and closes; returns the paths written, relative to the run directory. Throws std::runtime_error when
   /// anything could not be written (disk full).

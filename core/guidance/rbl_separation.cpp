@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/rbl_separation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace swiftlet {
+namespace {
+
+constexpr double kTouching_m = 1e-6;
+
+/// What the vector's length allows when its level and its vertical part have limits of their own.
+double along(const Vector3& direction, double level, double vertical) {
+  const double level_share = std::hypot(direction.x(), direction.y()), vertical_share = std::abs(direction.z());
+  return 1.0 / std::max(level_share / level, vertical_share / vertical);
+}
+
+/// Nearest points of the segments a + s A and b + t B, with s and t between 0 and 1.
+std::pair<Vector3, Vector3> nearest_points(const Vector3& a, const Vector3& A, const Vector3& b, const Vector3& B) {
+  const Vector3 r = a - b;
+  const double AA = A.squaredNorm(), BB = B.squaredNorm(), AB = A.dot(B), Ar = A.dot(r), Br = B.dot(r);
+  constexpr double kPoint_m2 = 1e-12;
+  double s = 0.0, t = 0.0;
+  if (AA > kPoint_m2) {
+    const double parallel = AA * BB - AB * AB;
+    s = parallel > 1e-9 * AA * BB ? std::clamp((AB * Br - Ar * BB) / parallel, 0.0, 1.0) : 0.0;
+    if (BB <= kPoint_m2) s = std::clamp(-Ar / AA, 0.0, 1.0);
+  }
+  if (BB > kPoint_m2) {
+    t = (AB * s + Br) / BB;
+    if (t < 0.0 || t > 1.0) {
+      t = std::clamp(t, 0.0, 1.0);
+      if (AA > kPoint_m2) s = std::clamp((AB * t - Ar) / AA, 0.0, 1.0);
+    }
+  }
+  return {a + s * A, b + t * B};
+}
+
+}  // namespace
+
+Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double reaction_s,
+                   const MotionLimits& limits) {
+  const double speed_mps = v_local_mps.norm();
+  if (speed_mps < 1e-9) return {p_local_m, p_local_m};
+  const Vector3 direction = v_local_mps / speed_mps;
+  const double braking_mps2 = along(direction, limits.horizontal_acceleration_mps2, limits.vertical_acceleration_mps2);
+  return {p_local_m, p_local_m + (reaction_s + 0.5 * speed_mps / braking_mps2) * v_local_mps};
+}
+
+HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m,
+                      double unsure_m) {
+  // In a space that is compressed vertically the ellipsoid of the distances is a ball.
+  const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
+  const auto scaled = [&](const Vector3& v) -> Vector3 { return scale.cwiseProduct(v); };
+  const Vector3 a = scaled(self.p_local_m), b = scaled(other.p_local_m);
+  const auto [mine, theirs] = nearest_points(a, scaled(self.stop_local_m) - a, b, scaled(other.stop_local_m) - b);
+  Vector3 gap = theirs - mine;
+  if (gap.norm() < kTouching_m) gap = b - a;  // ways that cross: back from where the other is now
+  const double d = (theirs - mine).norm();
+  const double length = gap.norm();
+  const Vector3 normal = length > kTouching_m ? Vector3(gap / length) : Vector3(Vector3::UnitX());
+  const double share_m = 0.5 * (d - distance_m);
+  const double offset_m = normal.dot(mine - a) + std::max(share_m - 0.5 * unsure_m, std::min(share_m, 0.0));
+  const Vector3 unscaled = scaled(normal);  // n' . (S q) = (S n') . q
+  const double stretch = unscaled.norm();
+  return {unscaled / stretch, offset_m / stretch};
+}
+
+void RblSeparationConfig::visit(ConfigVisitor& v) {
+  v.field("enabled", enabled,
+          "[-] planes between the ways that vehicles need to brake bound the cells; false: the document's cells alone");
+  v.field("margin_m", margin_m, "[m] beside the sum of the encumbrances, for what control adds", Range::non_negative());
+  v.field("sigmas", sigmas, "[-] standard deviations by which a neighbor may be nearer than it seems",
+          Range::non_negative());
+  v.field("vertical_m", vertical_m, "[m] least distance of two vehicles one above the other: wakes push down",
+          Range::positive());
+  v.field("reaction_s", reaction_s, "[s] beside the period of the updates: what a vehicle needs before it brakes",
+          Range::non_negative());
+}
+
+}  // namespace swiftlet

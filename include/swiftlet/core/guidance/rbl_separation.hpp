@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/control/motion_limits.hpp"
+#include "swiftlet/core/guidance/neighbor_memory.hpp"
+#include "swiftlet/core/guidance/rbl_cell.hpp"
+
+namespace swiftlet {
+
+/// What keeps vehicles apart under any weighting, radius, delay and quality of their positions. Not in the document.
+struct RblSeparationConfig {
+  bool enabled = true;
+  double margin_m = 0.1;
+  double sigmas = 2.0;
+  double vertical_m = 1.5;
+  double reaction_s = 0.2;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// A vehicle on the way that it flies if it brakes from now on.
+struct Braking {
+  Vector3 p_local_m = Vector3::Zero();
+  Vector3 stop_local_m = Vector3::Zero();  ///< where it comes to rest
+};
+
+/// @param reaction_s  before the braking begins
+Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double reaction_s, const MotionLimits& limits);
+
+/// The nearest points of two braking ways, and the plane halfway between them.
+///
+/// Each of two vehicles that keep their way on their own side of such planes can still stop there at any time, so the
+/// distance never falls below `distance_m`, whatever the cells ask for. Heights count `distance_m / vertical_m` times:
+/// above and below a vehicle lies the column of air that its rotors move.
+/// @param unsure_m  by how much the other may be nearer; it takes room to advance, but never pushes back
+/// @return relative to the place of `self`
+HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m, double unsure_m);
+
+}  // namespace swiftlet

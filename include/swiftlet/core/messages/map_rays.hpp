@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// A beam of a scan: from the sensor to what it met, or to where the air is clear.
+struct ToldRay {
+  Eigen::Vector3f origin_world_m = Eigen::Vector3f::Zero();
+  Eigen::Vector3f end_world_m = Eigen::Vector3f::Zero();
+  bool hit = true;
+
+  static void visit(auto& r, auto& v) {
+    v.field("origin_*_m", r.origin_world_m, "[m] of the sensor, world frame");
+    v.field("end_*_m", r.end_world_m, "[m] what was met, world frame");
+    v.field("hit", r.hit, "[-] false: nothing was met up to the end");
+  }
+};
+
+/// The beams of a scan for the map of somebody else. A scan of 30 000 beams takes 800 kB, so only few links carry it.
+struct MapRays {
+  static constexpr const char* kTopic = "map_rays";
+  static constexpr int kVersion = 1;
+  static constexpr const char* kDoc = "the beams of a scan, for the map of its receiver";
+
+  TimeNs t = 0;
+  std::vector<ToldRay> rays;
+
+  static void visit(auto& m, auto& v) {
+    v.time("t_s", m.t, "[s] end of the sweep");
+    v.list("num_rays", m.rays,
+           "[-] beams: origin and end [m] in the world as the sender knows it, and whether they hit");
+  }
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "swiftlet/core/elementary.hpp"
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// Where a vehicle's mutual-localization sensor looks.
+struct NeighborView {
+  struct Cone {
+    Vector3 axis_body = Vector3::UnitX();  ///< unit length
+    double cos_half_angle = 0.0;
+  };
+  std::vector<Cone> cones;  ///< of its cameras; none: all around between the elevations
+  double sin_elevation_min = -1.0, sin_elevation_max = 1.0;
+  double range_min_m = 0.0, range_max_m = std::numeric_limits<double>::infinity();
+
+  /// Could it see a vehicle there, if nothing hides it?
+  bool contains(const Vector3& p_body_m) const {
+    const double range_m = p_body_m.norm();
+    if (range_m > range_max_m || range_m < range_min_m || range_m <= 0.0) return false;
+    if (cones.empty()) {
+      return p_body_m.z() >= sin_elevation_min * range_m && p_body_m.z() <= sin_elevation_max * range_m;
+    }
+    return std::any_of(cones.begin(), cones.end(),
+                       [&](const Cone& cone) { return cone.axis_body.dot(p_body_m) >= cone.cos_half_angle * range_m; });
+  }
+};
+
+}  // namespace swiftlet

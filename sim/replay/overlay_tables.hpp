@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/replay/block.hpp"
+#include "swiftlet/sim/view/tick_view.hpp"
+
+namespace swiftlet::sim {
+
+/// What agents want drawn, and their maps, as tables. Each holds until the next of the same name and vehicle. What did
+/// not change is not written again; what is gone is written as an empty one. Large ones come at a period of their
+/// own.
+class OverlayTables {
+ public:
+  /// @param map_period  of what is large; 0: never
+  explicit OverlayTables(TimeNs map_period) : map_period_(map_period) {}
+
+  void write(const TickView& tick);
+  void move_to(ReplayBlock& block);
+
+ private:
+  struct Kept {
+    std::string content;
+    bool seen = false;
+  };
+
+  void take(const Overlay& overlay, VehicleId vehicle, TimeNs t);
+
+  TimeNs map_period_, next_maps_ = 0;
+  bool maps_due_ = false;
+  std::map<std::pair<VehicleId, std::string>, Kept> kept_;
+  std::vector<ReplayTable> tables_;
+};
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One vehicle on paths through its own map, moved by the test along what it wants.
+#include "swiftlet/core/guidance/planned_path.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "tests/core/guidance/guidance_driver.hpp"
+#include "tests/core/planning/cell_list_map.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::CellListMap;
+using testing::GuidanceDriver;
+
+/// A map that changes by another one.
+class ChangingMap : public CellListMap {
+ public:
+  using CellListMap::CellListMap;
+  std::uint64_t revision() const override { return now; }
+  std::uint64_t now = 1;
+};
+
+PlannedPathConfig flies_to(std::vector<Eigen::Vector3d> goals_m) {
+  PlannedPathConfig config;
+  config.goals_m = std::move(goals_m);
+  config.planner.clearance_m = 0.5;
+  config.planner.z_min_m = 0.6;
+  config.planner.z_max_m = 0.9;
+  config.planner.max_expansions = 4000;
+  config.retries = 1;
+  return config;
+}
+
+struct Pilot : GuidanceDriver {
+  explicit Pilot(const PlannedPathConfig& config) : GuidanceDriver("planned_path", config, {0, 0, 0.7}) {
+    map = &world;
+  }
+  void tick() {
+    step();
+    notes.insert(out.note);
+    const Vector3 way_m = out.goal.position_m - p_m();
+    estimate.v_local_mps = way_m.norm() < dt_s ? Vector3(way_m / dt_s) : Vector3(way_m.normalized());
+    put(p_m() + dt_s * estimate.v_local_mps);
+    least_m = std::min(least_m, world.distance_m(p_m(), 10.0));
+  }
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds / dt_s) && out.mission == MissionStatus::kRunning; ++i) tick();
+  }
+  ChangingMap world{0.25};
+  std::set<std::string> notes;
+  double least_m = 10.0;
+};
+
+TEST(PlannedPath, GoesAroundAWallFromGoalToGoal) {
+  Pilot pilot(flies_to({{4, 0, 0.7}, {0, 0, 0.7}}));
+  pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
+  pilot.run(60.0);
+  EXPECT_EQ(pilot.out.mission, MissionStatus::kDone);
+  EXPECT_STREQ(pilot.out.note, "all goals reached");
+  EXPECT_LT((pilot.p_m() - Vector3(0, 0, 0.7)).norm(), 0.3);
+  EXPECT_GT(pilot.least_m, 0.3);
+}
+
+TEST(PlannedPath, PlansAnewWhenSomethingAppearsOnTheRestOfThePath) {
+  Pilot pilot(flies_to({{6, 0, 0.7}}));
+  while (pilot.p_m().x() < 1.0) pilot.tick();
+  pilot.world.occupy_box({4.0, -2.0, 0.0}, {4.25, 2.0, 1.5});
+  pilot.world.now = 2;
+  pilot.run(60.0);
+  EXPECT_EQ(pilot.out.mission, MissionStatus::kDone);
+  EXPECT_GT(pilot.least_m, 0.3);
+}
+
+TEST(PlannedPath, AGoalInAnObstacleEndsTheMissionWithItsReason) {
+  Pilot pilot(flies_to({{4, 0, 0.7}}));
+  pilot.world.occupy_box({3, -1, 0}, {5, 1, 1.5});
+  pilot.run(60.0);
+  EXPECT_EQ(pilot.out.mission, MissionStatus::kFailed);
+  EXPECT_STREQ(pilot.out.note, "the goal is too near to an obstacle");
+}
+
+TEST(PlannedPath, WithoutGoalsItHovers) {
+  Pilot pilot(flies_to({}));
+  pilot.run(3.0);
+  EXPECT_EQ(pilot.out.mission, MissionStatus::kEndless);
+  EXPECT_LT(pilot.p_m().x(), 1e-9);
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/rbl_separation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "swiftlet/core/math/random.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kDistance_m = 1.1;
+
+/// Places and ways of many pairs.
+class Draws {
+ public:
+  Vector3 vector(double half) {
+    const double x = next(half), y = next(half);
+    return {x, y, next(half)};
+  }
+  Braking braking(double place_m, double way_m) {
+    const Vector3 p_m = vector(place_m);
+    return {p_m, p_m + vector(way_m)};
+  }
+
+ private:
+  double next(double half) { return random_.uniform(-half, half, 0, index_++); }
+  Random random_{7, "rbl-separation"};
+  std::uint32_t index_ = 0;
+};
+
+double least_between(const Braking& a, const Braking& b) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= 200; ++i) {
+    const Vector3 p_m = a.p_local_m + i / 200.0 * (a.stop_local_m - a.p_local_m);
+    const Vector3 way_m = b.stop_local_m - b.p_local_m;
+    const double along = std::clamp((p_m - b.p_local_m).dot(way_m) / std::max(1e-12, way_m.squaredNorm()), 0.0, 1.0);
+    least_m = std::min(least_m, (b.p_local_m + along * way_m - p_m).norm());
+  }
+  return least_m;
+}
+
+/// How far beyond the plane of `self` a point lies.
+double beyond_m(const HalfSpace& cut, const Braking& self, const Vector3& q_m) {
+  return cut.normal_local.dot(q_m - self.p_local_m) - cut.offset_m;
+}
+
+TEST(RblSeparation, AVehicleStopsAsFarAheadAsItsLimitsSay) {
+  const MotionLimits limits;  // 2 m/s^2 level, 1 m/s^2 vertical
+  const Braking level = braking_of({1.0, 2.0, 3.0}, {4.0, 0.0, 0.0}, 0.3, limits);
+  EXPECT_NEAR((level.stop_local_m - Vector3(1.0 + 0.3 * 4.0 + 16.0 / 4.0, 2.0, 3.0)).norm(), 0.0, 1e-12);
+  const Braking down = braking_of({0.0, 0.0, 9.0}, {0.0, 0.0, -2.0}, 0.3, limits);
+  EXPECT_NEAR((down.stop_local_m - Vector3(0.0, 0.0, 9.0 - 0.6 - 2.0)).norm(), 0.0, 1e-12);
+  const Braking at_rest = braking_of({5.0, 5.0, 5.0}, Vector3::Zero(), 0.3, limits);
+  EXPECT_EQ(at_rest.stop_local_m, at_rest.p_local_m);
+}
+
+TEST(RblSeparation, BothPlanesLeaveTheDistanceFreeBetweenThem) {
+  Draws draws;
+  for (int i = 0; i < 2000; ++i) {
+    const Braking a = draws.braking(5.0, 2.0), b = draws.braking(5.0, 2.0);
+    const HalfSpace of_a = braking_cut(a, b, kDistance_m, kDistance_m, 0.0);
+    const HalfSpace of_b = braking_cut(b, a, kDistance_m, kDistance_m, 0.0);
+    if (least_between(a, b) < 0.01) continue;  // the ways cross: the direction is where the other one is now
+    ASSERT_NEAR((of_a.normal_local + of_b.normal_local).norm(), 0.0, 1e-9);
+    const Vector3 last_of_a = a.p_local_m + of_a.offset_m * of_a.normal_local;
+    ASSERT_NEAR(-beyond_m(of_b, b, last_of_a), -kDistance_m, 1e-9) << i;
+  }
+}
+
+TEST(RblSeparation, TheWholeWayLiesOnTheOwnSideWhileThereIsRoom) {
+  Draws draws;
+  int num_with_room = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Braking a = draws.braking(5.0, 2.0), b = draws.braking(5.0, 2.0);
+    const double least_m = least_between(a, b);
+    if (least_m < kDistance_m + 0.02) continue;
+    ++num_with_room;
+    const HalfSpace cut = braking_cut(a, b, kDistance_m, kDistance_m, 0.0);
+    // Half the room is left before the way, by brute force.
+    const double farthest_m = std::max(beyond_m(cut, a, a.p_local_m), beyond_m(cut, a, a.stop_local_m));
+    ASSERT_NEAR(farthest_m, -0.5 * (least_m - kDistance_m), 0.01) << i;
+  }
+  EXPECT_GT(num_with_room, 1000);
+}
+
+TEST(RblSeparation, DoubtTakesRoomToAdvanceButNeverPushesBack) {
+  const Braking self{Vector3::Zero(), {0.5, 0.0, 0.0}};
+  const Braking other{{4.0, 0.0, 0.0}, {4.0, 0.0, 0.0}};
+  const auto offset_m = [&](double unsure_m) {
+    return braking_cut(self, other, kDistance_m, kDistance_m, unsure_m).offset_m;
+  };
+  EXPECT_NEAR(offset_m(0.0), 0.5 + 0.5 * (3.5 - kDistance_m), 1e-12);
+  EXPECT_NEAR(offset_m(1.0), offset_m(0.0) - 0.5, 1e-12);
+  EXPECT_NEAR(offset_m(100.0), 0.5, 1e-12);  // it may still stop where it would stop anyway
+  const Braking too_near{{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}};
+  EXPECT_LT(braking_cut(self, too_near, kDistance_m, kDistance_m, 0.0).offset_m, 0.5);
+}
+
+TEST(RblSeparation, MoreRoomIsKeptAboveAndBelow) {
+  const Braking self{Vector3::Zero(), Vector3::Zero()};
+  const auto offset_m = [&](const Vector3& other_m) {
+    return braking_cut(self, {other_m, other_m}, 1.0, 2.0, 0.0).offset_m;
+  };
+  EXPECT_NEAR(offset_m({3.0, 0.0, 0.0}), 1.0, 1e-12);  // half of 3 m less 1 m
+  EXPECT_NEAR(offset_m({0.0, 0.0, 4.0}), 1.0, 1e-12);  // half of 4 m less 2 m
+  EXPECT_NEAR(offset_m({0.0, 0.0, 2.0}), 0.0, 1e-12);
+}
+
+TEST(RblSeparation, TwoInOnePlaceStillGetADirection) {
+  const Braking self{{1.0, 1.0, 1.0}, {1.0, 1.0, 1.0}};
+  const HalfSpace cut = braking_cut(self, self, 1.0, 1.5, 0.0);
+  EXPECT_NEAR(cut.normal_local.norm(), 1.0, 1e-12);
+  EXPECT_LT(cut.offset_m, 0.0);
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,309 @@
+#!/usr/bin/env python3
+"""A replay as a user meets it: the commands, and the page in a headless Chromium. Usage: replay_test.py SWIFTLET
+
+Where Chromium or its driver is not installed, the page is not looked at, and the exit status is 77.
+"""
+import base64
+import gzip
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import browser
+
+SWIFTLET = pathlib.Path(sys.argv[1]).resolve()
+HOSTILE = "</script><script>window.injected=1</script><img src=x onerror='window.injected=2'>"
+SCENARIO = """name: yard
+duration_s: 3
+world: {type: hall}
+radio: {}
+vehicles:
+  - name: uav1
+    model: x500
+    start: {position_m: [0, 0, 2.5]}
+    sensors: [{type: lidar, name: mid, model: mid360}]
+    agent:
+      localization: {type: ground_truth}
+      tracker: {type: ground_truth}
+      guidance: {type: waypoints, waypoints_m: [[2, 0, 2.5]]}
+  - name: uav2
+    model: x500
+    start: {position_m: [-3, 4, 2.5]}
+    agent: {localization: {type: ground_truth}, guidance: {type: hover}}
+recorders: []
+"""
+
+
+def swiftlet(folder, *arguments):
+    return subprocess.run([str(SWIFTLET), *map(str, arguments)], cwd=folder, capture_output=True, text=True, timeout=300)
+
+
+def blocks(page):
+    """The heads of the blocks of a page."""
+    for text in re.findall(r'class="block">([^<]*)<', page.read_text()):
+        raw = gzip.decompress(base64.b64decode(text))
+        yield json.loads(raw[4:4 + int.from_bytes(raw[:4], "little")])
+
+
+class Made(unittest.TestCase):
+    """A run and its replay, made once."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = pathlib.Path(cls.folder.name)
+        (cls.path / "yard.yaml").write_text(SCENARIO)
+        result = swiftlet(cls.path, "run", "yard.yaml", "--out", "run", "--replay", "--threads", 1)
+        assert result.returncode == 0, result.stderr
+        assert f"to look at it, open {cls.path.resolve() / 'run/replay.html'}" in result.stdout, result.stdout
+        cls.page = cls.path / "run/replay.html"
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+
+class Command(Made):
+    def refused(self, *arguments, tells):
+        result = swiftlet(self.path, *arguments)
+        self.assertEqual((result.returncode, result.stdout), (2, ""), result.stderr)
+        for text in tells:
+            self.assertIn(text, result.stderr)
+
+    def test_a_finished_run_is_flown_again_into_the_same_page(self):
+        result = swiftlet(self.path, "replay", "run", "-o", "again.html")
+        self.assertEqual((result.returncode, result.stdout), (0, "again.html\n"), result.stderr)
+        self.assertEqual((self.path / "again.html").read_bytes(), self.page.read_bytes())
+
+    def test_what_is_no_run_is_refused(self):
+        self.refused("replay", tells=["run"])
+        self.refused("replay", "nowhere", tells=["nowhere: expected the directory of a finished run"])
+        self.refused("replay", "run", "-o", "no/such/folder/a.html", tells=["no/such/folder/a.html", "directory"])
+        self.refused("replay", "run", "-o", "run", tells=["found a directory"])
+        self.refused("replay", "run", "--scan-rate", "-1", tells=["--scan-rate"])
+        self.assertFalse((self.path / "no").exists())
+
+    def test_a_run_that_this_program_flies_otherwise_is_refused_and_no_page_is_left(self):
+        other = self.path / "other"
+        other.mkdir()
+        summary = json.loads((self.path / "run/summary.json").read_text())
+        summary["state_hash"] = "0123456789abcdef"
+        (other / "summary.json").write_text(json.dumps(summary))
+        (other / "scenario.yaml").write_text((self.path / "run/scenario.yaml").read_text())
+        self.refused("replay", "other", tells=["other:", "state hash"])
+        self.assertEqual(sorted(p.name for p in other.iterdir()), ["scenario.yaml", "summary.json"])
+
+    def test_a_wrong_key_of_the_recorder_is_told_with_its_place(self):
+        self.refused("run", "yard.yaml", "--out", "b", "--set", "recorders=[{type: replay, rate_hz: 0}]",
+                     tells=["recorders[0].rate_hz"])
+        self.refused("run", "yard.yaml", "--out", "b", "--set", "recorders=[{type: replay, ratehz: 10}]",
+                     tells=["rate_hz"])
+
+    def test_the_run_is_the_same_with_and_without_a_replay(self):
+        swiftlet(self.path, "run", "yard.yaml", "--out", "plain", "-q", "--threads", 1)
+        hashes = {json.loads((self.path / d / "summary.json").read_text())["state_hash"] for d in ("run", "plain")}
+        self.assertEqual(len(hashes), 1)
+
+    def test_a_report_shows_the_replay_or_tells_how_to_make_one(self):
+        self.assertEqual(swiftlet(self.path, "report", "run").returncode, 0)
+        self.assertIn('<iframe src="replay.html"', (self.path / "run/report.html").read_text())
+        swiftlet(self.path, "run", "yard.yaml", "--out", "bare", "-q", "--duration", 1)
+        self.assertEqual(swiftlet(self.path, "report", "bare").returncode, 0)
+        self.assertIn("swiftlet replay bare", (self.path / "bare/report.html").read_text())
+
+    def test_the_page_asks_for_nothing_and_allows_its_own_scripts_only(self):
+        text = self.page.read_text()
+        policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text).group(1)
+        self.assertTrue(policy.startswith("default-src 'none'"))
+        self.assertNotIn("unsafe", policy)
+        self.assertEqual(policy.count("sha256-"), 6)
+        self.assertIn("BSD 3-Clause", text)
+        self.assertIsNone(re.search(r'(src|href)="?https?:', text))
+
+
+@unittest.skipIf(browser.missing(), f"{browser.missing()} is not installed")
+class Page(Made):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.browser = browser.Browser()
+        cls.open("")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.__exit__()
+        super().tearDownClass()
+
+    @classmethod
+    def open(cls, address, page=None):
+        cls.browser.open("about:blank")
+        cls.browser.open((page or cls.page).as_uri() + address)
+        cls.browser.wait("window.swiftlet && window.swiftlet.ready")
+
+    def setUp(self):
+        self.open("#t=1&cam=orbit")
+
+    def tearDown(self):
+        self.assertEqual([line for line in self.browser.console() if "SEVERE" in line or "rror" in line], [])
+
+    def value(self, expression):
+        return self.browser.run("return " + expression)
+
+    def pixels(self, change):
+        """How many pixels differ from those of the picture without that change."""
+        return self.browser.run("""
+            const take = () => { swiftlet.draw(); const {gl, canvas: c} = swiftlet.painter, p = new Uint8Array(4 * c.width * c.height);
+              gl.readPixels(0, 0, c.width, c.height, gl.RGBA, gl.UNSIGNED_BYTE, p); return p; };
+            const before = take(); eval_change(); const after = take();
+            let n = 0; for (let i = 0; i < after.length; i += 4) n += before[i] !== after[i] || before[i + 1] !== after[i + 1] || before[i + 2] !== after[i + 2];
+            return n;""".replace("eval_change()", change))
+
+    def test_a_followed_vehicle_is_seen_in_its_color(self):
+        count = """
+            swiftlet.setCamera('follow:' + arguments[0]); for (const layer of ['world', 'sweeps', 'trails']) swiftlet.scene.layers[layer] = false;
+            swiftlet.draw(); const {gl, canvas: c} = swiftlet.painter, p = new Uint8Array(4 * c.width * c.height);
+            gl.readPixels(0, 0, c.width, c.height, gl.RGBA, gl.UNSIGNED_BYTE, p); let red = 0, blue = 0;
+            for (let i = 0; i < p.length; i += 4) { red += p[i] > 1.8 * p[i + 2] + 20; blue += p[i + 2] > 1.8 * p[i] + 20; }
+            return [red, blue];"""
+        red, blue = self.browser.run(count, "uav1")  # the first color of the palette is red, the second blue
+        self.assertGreater(red, 60)
+        self.assertGreater(red, blue)
+        red, blue = self.browser.run(count, "uav2")
+        self.assertGreater(blue, 60)
+        self.assertGreater(blue, red)
+
+    def test_every_layer_changes_the_picture(self):
+        self.browser.run("swiftlet.setCamera('follow:uav1')")
+        for layer in ("world", "vehicles", "trails", "sweeps", "tracks", "covariances", "references", "estimates"):
+            self.browser.run("swiftlet.seek(2.2)")
+            self.assertGreater(self.pixels(f"document.getElementById('layer-{layer}').click()"), 10 if layer != "covariances" else 0, layer)  # that of the truth is small
+        labels = "[...document.querySelectorAll('#labels span')].filter(s => !s.hidden).map(s => s.textContent)"
+        self.assertIn("uav2", self.value(labels))
+        self.browser.run("document.getElementById('layer-names').click(); swiftlet.draw()")
+        self.assertNotIn("uav2", self.value(labels))
+
+    def test_every_coloring_of_points_differs(self):
+        self.browser.run("swiftlet.setCamera('follow:uav1'); swiftlet.seek(2)")
+        for color in ("range", "intensity", "label", "vehicle", "sensor", "height"):
+            change = f"{{const s = document.getElementById('color'); s.value = '{color}'; s.dispatchEvent(new Event('change'));}}"
+            self.assertGreater(self.pixels(change), 10, color)
+
+    def test_every_camera_sees_something_else(self):
+        for camera in ("follow:uav2", "onboard:uav1", "top", "orbit"):
+            change = f"{{const s = document.getElementById('camera'); s.value = '{camera}'; s.dispatchEvent(new Event('change'));}}"
+            self.assertGreater(self.pixels(change), 1000, camera)
+            self.assertEqual(self.value("swiftlet.cameraText()"), camera)
+
+    def test_it_plays_at_the_chosen_speed_and_stops_at_the_end(self):
+        self.browser.run("swiftlet.seek(0); const s = document.getElementById('speed'); s.value = '50'; s.dispatchEvent(new Event('change'));")
+        self.browser.press(" ")
+        self.browser.wait("swiftlet.t === swiftlet.run.end_s && !swiftlet.playing")
+        self.browser.press("-")
+        self.assertEqual(self.value("swiftlet.speed"), 20)
+        self.assertEqual(self.value("swiftlet.run.end_s"), 3)
+
+    def test_steps_go_from_scan_to_scan(self):
+        self.browser.run("swiftlet.seek(0.2)")
+        first = self.browser.run("document.getElementById('next').click(); return swiftlet.t")
+        second = self.browser.run("document.getElementById('next').click(); return swiftlet.t")
+        ends = self.value("swiftlet.run.scans.map(s => s.end_s)")
+        self.assertIn(first, ends)
+        self.assertIn(second, ends)
+        self.assertGreater(second, first)
+        self.assertEqual(self.browser.run("document.getElementById('back').click(); return swiftlet.t"), first)
+
+    def test_the_time_line_and_the_plots_seek(self):
+        for element, share in (("track", 0.5), ("plot", 0.25)):
+            box = self.value(f"(b => [b.left, b.top, b.width, b.height])(document.getElementById('{element}').getBoundingClientRect())")
+            self.browser.run("swiftlet.seek(0)")
+            self.browser.click(box[0] + share * box[2], box[1] + box[3] / 2)
+            self.assertGreater(self.value("swiftlet.t"), 0.2, element)
+            self.assertLess(self.value("swiftlet.t"), 3.0, element)
+
+    def test_an_address_names_an_instant_and_a_camera(self):
+        self.open("#t=1.5&cam=follow:uav2")
+        self.assertEqual(self.value("[swiftlet.t, swiftlet.cameraText()]"), [1.5, "follow:uav2"])
+        self.browser.run("swiftlet.seek(2.25); swiftlet.setCamera('onboard:uav1')")
+        self.assertEqual(self.value("location.hash"), "#t=2.25&cam=onboard:uav1")
+        self.open("#t=never&cam=nobody:uav9")
+        self.assertEqual(self.value("swiftlet.t"), 0)
+
+    def test_a_click_tells_of_a_vehicle_and_of_a_point(self):
+        self.browser.run("swiftlet.seek(2)")
+        place = "(a => { const b = document.getElementById('view').getBoundingClientRect(); return [a[0] + b.left, a[1] + b.top]; })"
+        self.browser.run("swiftlet.setCamera('follow:uav2'); swiftlet.draw()")
+        self.browser.click(*self.value(place + "(swiftlet.scene.project(swiftlet.run.vehicleAt(1, swiftlet.t).p, swiftlet.scene.last_view))"))
+        self.assertIn("uav2", self.value("document.getElementById('card').textContent"))
+        self.assertIn("speed", self.value("document.getElementById('card').textContent"))
+        # A point that is on the screen and not behind a vehicle.
+        at = self.browser.run("""swiftlet.setCamera('top'); swiftlet.scene.camera.distance = 25; swiftlet.draw();
+            const scan = swiftlet.scene.scansAt(swiftlet.t)[0], c = document.getElementById('view'), b = c.getBoundingClientRect();
+            for (let i = 0; i < scan.count; ++i) {
+              const a = swiftlet.scene.project([...scan.p_world_m.slice(3 * i, 3 * i + 3)], swiftlet.scene.last_view);
+              if (!a || a[0] < 100 || a[1] < 100 || a[0] > c.clientWidth - 100 || a[1] > c.clientHeight - 100) continue;
+              const hit = swiftlet.scene.pick(a[0], a[1], swiftlet.t);
+              if (hit && hit.scan) return [a[0] + b.left, a[1] + b.top];
+            }""")
+        self.browser.click(*at)
+        card = self.value("document.getElementById('card').textContent")
+        for word in ("class", "instance", "range", "beam", "uav1/mid"):
+            self.assertIn(word, card)
+
+    def test_a_point_lies_where_its_surface_is(self):
+        # The hall has walls, floor and ceiling: no point lies outside of its bounds.
+        outside = self.browser.run("""const [low, high] = swiftlet.run.head.bounds_m; let n = 0;
+            for (const s of swiftlet.run.scans) for (let i = 0; i < s.count; ++i) for (let c = 0; c < 3; ++c) {
+              const x = s.p_world_m[3 * i + c]; n += x < low[c] - 0.5 || x > high[c] + 0.5 ? 1 : 0; }
+            return n;""")
+        points = self.value("swiftlet.run.scans.reduce((n, s) => n + s.count, 0)")
+        self.assertGreater(points, 2000)
+        self.assertLess(outside, 0.001 * points)
+
+    def test_signals_can_be_chosen_and_a_picture_is_a_png(self):
+        self.assertIn("est_x_m", self.value("swiftlet.run.signals()"))
+        self.browser.run("const s = document.getElementById('signal0'); s.value = 'tilt_deg'; s.dispatchEvent(new Event('change'));")
+        self.assertEqual(self.value("swiftlet.plot.signals[0]"), "tilt_deg")
+        png = self.value("swiftlet.picture().toDataURL('image/png')")
+        self.assertTrue(base64.b64decode(png.split(",")[1]).startswith(b"\x89PNG"))
+
+    def test_names_of_a_scenario_are_shown_and_never_run(self):
+        (self.path / "hostile.yaml").write_text(SCENARIO.replace("name: yard", "name: " + json.dumps(HOSTILE)))
+        result = swiftlet(self.path, "run", "hostile.yaml", "--out", "hostile", "--replay", "-q", "--duration", 1)
+        if result.returncode == 2:  # such a name is refused before it gets anywhere
+            self.assertIn("name", result.stderr)
+            page = self.path / "hostile.html"
+            text = self.page.read_text()
+            head = re.search(r'class="block">([^<]*)<', text)
+            raw = gzip.decompress(base64.b64decode(head.group(1)))
+            length = int.from_bytes(raw[:4], "little")
+            about = json.loads(raw[4:4 + length])
+            about["about"]["scenario"] = HOSTILE
+            about["about"]["vehicles"][0] = HOSTILE
+            told = json.dumps(about).encode()
+            packed = base64.b64encode(gzip.compress(len(told).to_bytes(4, "little") + told + raw[4 + length:])).decode()
+            page.write_text(text.replace(head.group(1), packed, 1))
+        else:
+            page = self.path / "hostile/replay.html"
+        self.open("", page)
+        self.assertEqual(self.value("document.getElementById('scenario').textContent"), HOSTILE)
+        self.browser.run("swiftlet.picked = {vehicle: 0}; swiftlet.showCard(); swiftlet.draw()")
+        self.assertIsNone(self.value("window.injected"))
+        self.assertEqual(self.value("document.querySelectorAll('img').length"), 0)
+
+    def test_the_policy_stops_a_script_that_got_in(self):
+        self.browser.run("const s = document.createElement('script'); s.textContent = 'window.injected = 3'; document.body.append(s)")
+        self.assertIsNone(self.value("window.injected"))
+        self.assertTrue(any("Content Security Policy" in line for line in self.browser.console()))
+
+
+if __name__ == "__main__":
+    program = unittest.main(argv=sys.argv[:1], exit=False)
+    if not program.result.wasSuccessful():
+        sys.exit(1)
+    if browser.missing():
+        print(f"the page was not looked at: {browser.missing()} is not installed")
+        sys.exit(77)
