@@ -22,6 +22,8 @@ void detection_choices(Experiment& experiment);    // detection_choices.cpp
 void detection_latencies(Experiment& experiment);  // detection_latencies.cpp
 void detection_beyond(Experiment& experiment);     // detection_beyond.cpp
 
+void interception(Experiment& experiment);  // interception.cpp
+
 // Cooperative guidance
 void gap_success(Experiment& experiment);      // gap_success.cpp
 void forest_guidance(Experiment& experiment);  // forest_guidance.cpp
