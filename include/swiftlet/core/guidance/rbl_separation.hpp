@@ -16,7 +16,7 @@ struct RblSeparationConfig {
   double margin_m = 0.1;
   double sigmas = 2.0;
   double vertical_m = 1.5;
-  double reaction_s = 0.2;
+  double reaction_s = 0.35;
 
   void visit(ConfigVisitor& v);
 };
@@ -32,9 +32,9 @@ Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double 
 
 /// The nearest points of two braking ways, and the plane halfway between them.
 ///
-/// Each of two vehicles that keep their way on their own side of such planes can still stop there at any time, so the
-/// distance never falls below `distance_m`, whatever the cells ask for. Heights count `distance_m / vertical_m` times:
-/// above and below a vehicle lies the column of air that its rotors move.
+/// Each of two vehicles that keep their way on their own side of such planes can still stop there. So the distance
+/// never falls below `distance_m`, whatever the cells ask for. Heights count `distance_m / vertical_m` times, because
+/// the rotors move the air above and below a vehicle.
 /// @param unsure_m  by how much the other may be nearer; it takes room to advance, but never pushes back
 /// @return relative to the place of `self`
 HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m, double unsure_m);
