@@ -309,8 +309,7 @@ void RblConfig::visit(ConfigVisitor& v) {
   v.field("z_max_m", z_max_m, "[m] highest flight level (2.14)");
   v.object("cells", cells, "cells S and A");
   v.object("rules", rules, "weighting, azimuth and elevation rules");
-  v.object("separation", separation,
-           "what keeps vehicles apart whatever the weighting and the knowledge of each other");
+  v.object("separation", separation, "what keeps vehicles apart where their cells alone do not");
   v.object("neighbors", neighbors, "where the neighbors are known from");
   v.object("lidar", lidar, "obstacles");
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");

@@ -9,7 +9,6 @@ namespace swiftlet {
 namespace {
 
 constexpr double kTouching_m = 1e-6;
-constexpr double kShare = 0.7;  // of the acceleration is there for braking when a vehicle turns aside as well
 
 /// What the vector's length allows when its level and its vertical part have limits of their own.
 double along(const Vector3& direction, double level, double vertical) {
@@ -45,8 +44,7 @@ Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double 
   const double speed_mps = v_local_mps.norm();
   if (speed_mps < 1e-9) return {p_local_m, p_local_m};
   const Vector3 direction = v_local_mps / speed_mps;
-  const double braking_mps2 =
-      kShare * along(direction, limits.horizontal_acceleration_mps2, limits.vertical_acceleration_mps2);
+  const double braking_mps2 = along(direction, limits.horizontal_acceleration_mps2, limits.vertical_acceleration_mps2);
   return {p_local_m, p_local_m + (reaction_s + 0.5 * speed_mps / braking_mps2) * v_local_mps};
 }
 

@@ -67,8 +67,9 @@ std::span<const ExperimentType> experiment_types() {
                      500.0, rbl_limits},
       ExperimentType{"rbl-ghosts", "A map that never clears locks the vehicle in [Kamler 2025, sec. 3.4]", 200.0,
                      rbl_ghosts},
-      ExperimentType{"rbl-safety", "Whatever the neighbors do and however badly they are known (beyond Kamler 2025)",
-                     5000.0, rbl_safety},
+      ExperimentType{"rbl-safety",
+                     "Conditions that break the cells, with and without braking planes (beyond Kamler 2025)", 5000.0,
+                     rbl_safety},
   };
   return kTypes;
 }

@@ -49,11 +49,11 @@ double beyond_m(const HalfSpace& cut, const Braking& self, const Vector3& q_m) {
 }
 
 TEST(RblSeparation, AVehicleStopsAsFarAheadAsItsLimitsSay) {
-  const MotionLimits limits;  // 2 m/s^2 level, 1 m/s^2 vertical, of which 0.7 are counted on
+  const MotionLimits limits;  // 2 m/s^2 level, 1 m/s^2 vertical
   const Braking level = braking_of({1.0, 2.0, 3.0}, {4.0, 0.0, 0.0}, 0.3, limits);
-  EXPECT_NEAR((level.stop_local_m - Vector3(1.0 + 0.3 * 4.0 + 16.0 / 4.0 / 0.7, 2.0, 3.0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((level.stop_local_m - Vector3(1.0 + 0.3 * 4.0 + 16.0 / 4.0, 2.0, 3.0)).norm(), 0.0, 1e-12);
   const Braking down = braking_of({0.0, 0.0, 9.0}, {0.0, 0.0, -2.0}, 0.3, limits);
-  EXPECT_NEAR((down.stop_local_m - Vector3(0.0, 0.0, 9.0 - 0.6 - 2.0 / 0.7)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((down.stop_local_m - Vector3(0.0, 0.0, 9.0 - 0.6 - 2.0)).norm(), 0.0, 1e-12);
   const Braking at_rest = braking_of({5.0, 5.0, 5.0}, Vector3::Zero(), 0.3, limits);
   EXPECT_EQ(at_rest.stop_local_m, at_rest.p_local_m);
 }

@@ -10,13 +10,13 @@
 
 namespace swiftlet {
 
-/// What keeps vehicles apart under any weighting, radius, delay and quality of their positions. Not in the document.
+/// What keeps vehicles apart where their cells alone do not. Not in the document.
 struct RblSeparationConfig {
   bool enabled = true;
   double margin_m = 0.1;
   double sigmas = 2.0;
   double vertical_m = 1.5;
-  double reaction_s = 0.35;
+  double reaction_s = 0.2;
 
   void visit(ConfigVisitor& v);
 };
@@ -33,7 +33,7 @@ Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double 
 /// The nearest points of two braking ways, and the plane halfway between them.
 ///
 /// Each of two vehicles that keep their way on their own side of such planes can still stop there. So the distance
-/// never falls below `distance_m`, whatever the cells ask for. Heights count `distance_m / vertical_m` times, because
+/// stays above `distance_m` as far as the ways are right. Heights count `distance_m / vertical_m` times, because
 /// the rotors move the air above and below a vehicle.
 /// @param unsure_m  by how much the other may be nearer; it takes room to advance, but never pushes back
 /// @return relative to the place of `self`
