@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "swiftlet/core/elementary.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr double kTouching_m = 1e-6;
 
 /// What the vector's length allows when its level and its vertical part have limits of their own.
 double along(const Vector3& direction, double level, double vertical) {
-  const double level_share = std::hypot(direction.x(), direction.y()), vertical_share = std::abs(direction.z());
+  const double level_share = elementary::hypot(direction.x(), direction.y()), vertical_share = std::abs(direction.z());
   return 1.0 / std::max(level_share / level, vertical_share / vertical);
 }
 

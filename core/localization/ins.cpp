@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
@@ -16,12 +17,6 @@ constexpr int kRejectedMost = 20;       // in a row; then the measurement is rig
 constexpr double kLongestStep_s = 0.1;  // a gap in the IMU's samples longer than this is not bridged by one of them
 
 enum Source { kGnssPosition, kGnssVelocity, kAltimeter, kCompass, kOdometry };
-
-Matrix3 skew(const Vector3& v) {
-  Matrix3 m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
 
 Vector3 cwise_square(const Vector3& v) { return v.cwiseProduct(v); }
 
@@ -171,7 +166,7 @@ void InsFilter::predict(const ImuSample& sample) {
 
   // Error dynamics (Solà, eq. 270 and 271, first order in dt; second order where position depends on acceleration).
   Covariance F = Covariance::Identity();
-  const Matrix3 a_by_theta = -R * skew(force);
+  const Matrix3 a_by_theta = -R * skew_of(force);
   F.block<3, 3>(kP, kV) = Matrix3::Identity() * dt;
   F.block<3, 3>(kP, kTheta) = 0.5 * dt * dt * a_by_theta;
   F.block<3, 3>(kP, kAccelBias) = -0.5 * dt * dt * R;
@@ -234,7 +229,7 @@ void InsFilter::update(const CompassSample& sample) {
   const double level_sq = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0);
   if (level_sq < 0.01) return;  // nose up or down: no heading
   Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
-  const Matrix3 d_column = -R * skew(Vector3::UnitX());
+  const Matrix3 d_column = -R * skew_of(Vector3::UnitX());
   H.block<1, 3>(0, kTheta) = (R(0, 0) * d_column.row(1) - R(1, 0) * d_column.row(0)) / level_sq;
   const double innovation = std::remainder(sample.yaw_rad - yaw_of(R), 2.0 * std::numbers::pi);
   correct<1>(Eigen::Matrix<double, 1, 1>(innovation), H, Eigen::Matrix<double, 1, 1>(square(sample.sigma_rad)),
@@ -250,7 +245,7 @@ void InsFilter::update(const OdometrySample& sample) {
   const Vector3 measured = sample.T_local_body.linear().transpose() * sample.v_local_body_mps;
   Eigen::Matrix<double, 3, kStates> H = Eigen::Matrix<double, 3, kStates>::Zero();
   H.block<3, 3>(0, kV) = R_body_world;
-  H.block<3, 3>(0, kTheta) = skew(v_body);
+  H.block<3, 3>(0, kTheta) = skew_of(v_body);
   correct<3>(measured - v_body, H, Matrix3::Identity() * square(config_.odometry_velocity_sigma_mps), kOdometry);
 }
 
@@ -322,21 +317,11 @@ void InsFilter::remember() {
 void InsConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
   const Range not_negative = Range::non_negative();
-  v.field("gyro_noise_radps_sqrt_hz", gyro_noise_radps_sqrt_hz,
-          "[rad/s/sqrt(Hz)] density of the gyroscope's white noise", positive);
-  v.field("gyro_walk_radps2_sqrt_hz", gyro_walk_radps2_sqrt_hz, "[rad/s^2/sqrt(Hz)] random walk of its bias",
-          not_negative);
-  v.field("accel_noise_mps2_sqrt_hz", accel_noise_mps2_sqrt_hz,
-          "[m/s^2/sqrt(Hz)] density of the accelerometer's white noise", positive);
-  v.field("accel_walk_mps3_sqrt_hz", accel_walk_mps3_sqrt_hz, "[m/s^3/sqrt(Hz)] random walk of its bias", not_negative);
+  visit_noise(v);
   v.field("start_position_sigma_m", start_position_sigma_m, "[m] of the start pose that was told", positive);
   v.field("start_velocity_sigma_mps", start_velocity_sigma_mps, "[m/s] the vehicle is taken to be at rest", positive);
   v.field("start_tilt_sigma_deg", start_tilt_sigma_deg, "[deg] of the start pose that was told", positive);
   v.field("start_yaw_sigma_deg", start_yaw_sigma_deg, "[deg] of the start pose that was told", positive);
-  v.field("start_gyro_bias_sigma_radps", start_gyro_bias_sigma_radps, "[rad/s] turn-on bias of the gyroscope",
-          positive);
-  v.field("start_accel_bias_sigma_mps2", start_accel_bias_sigma_mps2, "[m/s^2] turn-on bias of the accelerometer",
-          positive);
   v.field("start_ground_sigma_m", start_ground_sigma_m, "[m] of the height of the ground below the start", positive);
   v.field("use_gnss", use_gnss, "[-] position and velocity");
   v.field("use_altimeter", use_altimeter, "[-] height above the surface below");

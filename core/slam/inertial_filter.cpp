@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/core/slam/rotation.hpp"
 
 namespace swiftlet {
 namespace {
@@ -177,18 +177,7 @@ void InertialFilter::settle(const PoseEvidence& evidence) {
 
 void InertialConfig::visit(ConfigVisitor& v) {
   const Range positive = Range::positive();
-  const Range not_negative = Range::non_negative();
-  v.field("gyro_noise_radps_sqrt_hz", gyro_noise_radps_sqrt_hz,
-          "[rad/s/sqrt(Hz)] density of the gyroscope's white noise", positive);
-  v.field("gyro_walk_radps2_sqrt_hz", gyro_walk_radps2_sqrt_hz, "[rad/s^2/sqrt(Hz)] random walk of its bias",
-          not_negative);
-  v.field("accel_noise_mps2_sqrt_hz", accel_noise_mps2_sqrt_hz,
-          "[m/s^2/sqrt(Hz)] density of the accelerometer's white noise", positive);
-  v.field("accel_walk_mps3_sqrt_hz", accel_walk_mps3_sqrt_hz, "[m/s^3/sqrt(Hz)] random walk of its bias", not_negative);
-  v.field("start_gyro_bias_sigma_radps", start_gyro_bias_sigma_radps, "[rad/s] turn-on bias of the gyroscope",
-          positive);
-  v.field("start_accel_bias_sigma_mps2", start_accel_bias_sigma_mps2, "[m/s^2] turn-on bias of the accelerometer",
-          positive);
+  visit_noise(v);
   v.field("start_velocity_sigma_mps", start_velocity_sigma_mps,
           "[m/s] of the velocity at the start; a vehicle that is turned on in flight needs its speed", positive);
   v.field("start_tilt_sigma_deg", start_tilt_sigma_deg, "[deg] of the start pose that was told, against the vertical",

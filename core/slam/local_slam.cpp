@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/core/slam/rotation.hpp"
 
 namespace swiftlet {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/core/slam/rotation.hpp"
 #include "swiftlet/core/slam/symmetric_eigen.hpp"
 
 namespace swiftlet {

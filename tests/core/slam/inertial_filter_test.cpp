@@ -5,7 +5,7 @@
 
 #include <Eigen/LU>
 
-#include "swiftlet/core/slam/rotation.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
 
 namespace swiftlet {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
-#include "swiftlet/core/slam/rotation.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/slam/sweep.hpp"
 #include "swiftlet/core/slam/symmetric_eigen.hpp"
 

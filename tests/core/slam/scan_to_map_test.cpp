@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "swiftlet/core/slam/rotation.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
 #include "tests/core/slam/synthetic_room.hpp"
 
 namespace swiftlet {

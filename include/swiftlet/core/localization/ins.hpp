@@ -8,25 +8,19 @@
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/estimator.hpp"
+#include "swiftlet/core/localization/imu_noise.hpp"
 
 namespace swiftlet {
 
 /// Inertial navigation aided by whatever the vehicle carries: GNSS, altimeter, compass, velocity from odometry. A
 /// vehicle that was not told its heading needs a compass before it can use its GNSS. One that was told nothing takes
 /// its position from the first fix after that.
-struct InsConfig : ModuleConfigOf<InsConfig> {
-  // Noise of the IMU; defaults: ADIS16448 as in RotorS and PX4.
-  double gyro_noise_radps_sqrt_hz = 3.39e-4;
-  double gyro_walk_radps2_sqrt_hz = 3.88e-5;
-  double accel_noise_mps2_sqrt_hz = 4e-3;
-  double accel_walk_mps3_sqrt_hz = 6e-3;
-  // Uncertainty of what the operator told and of the turn-on biases.
+struct InsConfig : ModuleConfigOf<InsConfig>, ImuNoise {
+  // Uncertainty of what the operator told.
   double start_position_sigma_m = 0.1;
   double start_velocity_sigma_mps = 0.1;
   double start_tilt_sigma_deg = 1.0;
   double start_yaw_sigma_deg = 3.0;
-  double start_gyro_bias_sigma_radps = 0.0087;
-  double start_accel_bias_sigma_mps2 = 0.196;
   double start_ground_sigma_m = 2.0;
   // What is used, and how.
   bool use_gnss = true;

@@ -3,17 +3,12 @@
 
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/imu_noise.hpp"
 
 namespace swiftlet {
 
-/// Noise of the IMU and what is known at the start; defaults: ADIS16448 as in RotorS and PX4.
-struct InertialConfig {
-  double gyro_noise_radps_sqrt_hz = 3.39e-4;
-  double gyro_walk_radps2_sqrt_hz = 3.88e-5;
-  double accel_noise_mps2_sqrt_hz = 4e-3;
-  double accel_walk_mps3_sqrt_hz = 6e-3;
-  double start_gyro_bias_sigma_radps = 0.0087;
-  double start_accel_bias_sigma_mps2 = 0.196;
+/// Noise of the IMU and what is known at the start.
+struct InertialConfig : ImuNoise {
   double start_velocity_sigma_mps = 0.1;
   double start_tilt_sigma_deg = 0.5;
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
-
+#include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/frames.hpp"
 
 namespace swiftlet {
