@@ -16,9 +16,9 @@ std::vector<std::string> names_of(const std::vector<Field>& fields) {
   return names;
 }
 
-[[noreturn]] void fail_unknown(const std::vector<Field>& fields, const std::string& name) {
+std::string unknown(const std::vector<Field>& fields, const std::string& name) {
   const std::vector<std::string> names = names_of(fields);
-  throw py::key_error("expected " + sim::one_of(names) + ", found \"" + name + "\"" + sim::did_you_mean(name, names));
+  return "expected " + sim::one_of(names) + ", found \"" + name + "\"" + sim::did_you_mean(name, names);
 }
 
 std::string shape_text(const Table& table, const Field& field) {
@@ -33,6 +33,21 @@ std::string describe(const Table& table) {
   for (const Field& field : table.fields())
     text += "  " + field.name + "  " + shape_text(table, field) + "  " + field.doc + "\n";
   return text;
+}
+
+// Columns first: Python's own search would raise and drop an exception before it asks for them.
+PyObject* attribute_of(PyObject* self, PyObject* name) try {
+  auto& table = py::cast<Table&>(py::handle(self));
+  const char* text = PyUnicode_AsUTF8(name);
+  if (text == nullptr) return nullptr;
+  if (auto found = table.find(text)) return found->release().ptr();
+  PyObject* other = PyObject_GenericGetAttr(self, name);
+  if (other == nullptr && PyErr_ExceptionMatches(PyExc_AttributeError) && text[0] != '_')
+    PyErr_SetString(PyExc_AttributeError, unknown(table.fields(), text).c_str());
+  return other;
+} catch (py::error_already_set& error) {
+  error.restore();
+  return nullptr;
 }
 
 }  // namespace
@@ -74,7 +89,7 @@ py::object Table::make(const Field& field) const {
   return values;
 }
 
-py::object Table::column(const std::string& name) {
+std::optional<py::object> Table::find(std::string_view name) {
   for (std::size_t i = 0; i < fields_->size(); ++i) {
     const Field& field = (*fields_)[i];
     if (field.name != name) continue;
@@ -82,28 +97,27 @@ py::object Table::column(const std::string& name) {
     if (!arrays_[i]) arrays_[i] = make(field);
     return arrays_[i];
   }
-  fail_unknown(*fields_, name);
+  return std::nullopt;
+}
+
+py::object Table::column(std::string_view name) {
+  if (auto found = find(name)) return *found;
+  throw py::key_error(unknown(*fields_, std::string(name)));
 }
 
 void bind_table(py::module_& module) {
-  py::class_<Table>(
-      module, "Table",
-      "Rows of one kind of data. Columns are read-only arrays by name, as item or attribute; `print` tells "
-      "their shapes and units.")
-      .def("__len__", &Table::size)
+  py::class_<Table> tables(module, "Table",
+                           "Rows of one kind of data. Columns are read-only arrays by name, as item or attribute; "
+                           "`print` tells their shapes and units.");
+  tables.def("__len__", &Table::size)
       .def("__getitem__", &Table::column, py::arg("name"))
-      .def("__getattr__",
-           [](Table& table, const std::string& name) {
-             try {
-               return table.column(name);
-             } catch (const py::key_error& error) {
-               throw py::attribute_error(error.what());
-             }
-           })
       .def("__dir__", [](const Table& table) { return py::cast(names_of(table.fields())); })
       .def(
           "keys", [](const Table& table) { return py::cast(names_of(table.fields())); }, "Names of the columns.")
       .def("__repr__", &describe);
+  auto* type = reinterpret_cast<PyTypeObject*>(tables.ptr());
+  type->tp_getattro = attribute_of;
+  PyType_Modified(type);
 }
 
 }  // namespace swiftlet::python

@@ -8,8 +8,10 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "swiftlet/core/fields.hpp"
@@ -34,6 +36,12 @@ struct Field {
 /// A pattern of fields.hpp as the name of an array: "v*_mps" -> "v_mps", "*_m" -> "position_m", "t_s" -> "t_ns".
 std::string array_name(const std::string& pattern, const char* whole);
 
+/// Instants are nanoseconds: "seen_s" -> "seen_ns".
+inline std::string name_of_time(std::string name) {
+  if (name.ends_with("_s")) name.replace(name.size() - 2, 2, "_ns");
+  return name;
+}
+
 /// The visitor that notes the fields of a struct.
 class FieldNotes {
  public:
@@ -41,9 +49,7 @@ class FieldNotes {
   std::vector<Field> take() { return std::move(fields_); }
 
   void time(const char* name, const TimeNs& t, const char* doc) {
-    std::string ns(name);
-    if (ns.ends_with("_s")) ns.replace(ns.size() - 2, 2, "_ns");
-    numbers(ns, &t, "q", {}, {}, "[ns]" + std::string(doc).substr(std::string(doc).find(']') + 1));
+    numbers(name_of_time(name), &t, "q", {}, {}, "[ns]" + std::string(doc).substr(std::string(doc).find(']') + 1));
   }
   void field(const char* name, const bool& value, const char* doc) { numbers(name, &value, "?", {}, {}, doc); }
   void field(const char* name, const int& value, const char* doc) { numbers(name, &value, "i", {}, {}, doc); }
@@ -149,7 +155,8 @@ class Table {
 
   std::size_t size() const { return single_ ? 1 : static_cast<std::size_t>(count_); }
   /// Throws KeyError with the names that there are.
-  py::object column(const std::string& name);
+  py::object column(std::string_view name);
+  std::optional<py::object> find(std::string_view name);
   const std::vector<Field>& fields() const { return *fields_; }
   bool single() const { return single_; }
 

@@ -90,7 +90,8 @@ void bind_scan(py::module_& module) {
           },
           "(cols,) float32, [s] firing time of each column after `t_s`.")
       .def_property_readonly(
-          "T_body_lidar", [](const HeldScan& h) { return poses_of(&h.scan->T_body_lidar, 1, h.scan)[py::int_(0)]; },
+          "T_body_lidar",
+          [](const HeldScan& h) { return py::object(poses_of(&h.scan->T_body_lidar, 1, h.scan)[py::int_(0)]); },
           "(4, 4), mounting as calibrated.")
       .def("points_lidar_m", &points_lidar,
            "(n, 3) float32, [m] the returns in the frame of the LiDAR, in the order of `range_m[range_m > 0]`. A new "

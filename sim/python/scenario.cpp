@@ -5,19 +5,27 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "sim/python/bindings.hpp"
-#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/scenario/yaml_reader.hpp"
 
 namespace swiftlet::python {
 namespace {
 
 ReadScenario load(const std::filesystem::path& file, const ConfigChanges& changes) {
-  return {file, changes, sim::load_scenario(file, changes)};
+  return {file, changes, sim::load_scenario(file, changes), std::nullopt};
+}
+
+/// A text instead of a file, which `name` stands for in messages.
+ReadScenario load_text(const std::string& text, const std::string& name, const ConfigChanges& changes) {
+  ReadScenario read{name, changes, {}, text};
+  sim::read_config_text(
+      text, name, [&](ConfigVisitor& v) { read.scenario.visit(v); }, changes);
+  return read;
 }
 
 ReadScenario changed(const ReadScenario& before, const ConfigChanges& further) {
   ConfigChanges changes = before.changes;
   changes.insert(changes.end(), further.begin(), further.end());
-  return load(before.file, changes);
+  return before.text ? load_text(*before.text, before.file.string(), changes) : load(before.file, changes);
 }
 
 std::vector<std::string> names_of(const sim::Scenario& scenario) {
@@ -44,9 +52,7 @@ void bind_scenario(py::module_& module) {
           "The complete scenario with every default, as a run writes it to scenario.yaml.")
       .def("_changed", &changed, py::arg("changes"));
   module.def("_load", &load, py::arg("file"), py::arg("changes"));
-  module.def(
-      "_require_flyable", [](const ReadScenario& s) { sim::Simulation simulation(s.scenario); }, py::arg("scenario"),
-      py::call_guard<py::gil_scoped_release>());
+  module.def("_load_text", &load_text, py::arg("text"), py::arg("name"), py::arg("changes"));
 }
 
 }  // namespace swiftlet::python

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
@@ -13,6 +15,7 @@ struct ReadScenario {
   std::filesystem::path file;
   ConfigChanges changes;
   sim::Scenario scenario;
+  std::optional<std::string> text;  ///< instead of the file
 };
 
 }  // namespace swiftlet::python

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "sim/python/bindings.hpp"
+#include "sim/python/maps.hpp"
 #include "sim/python/scan.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/text.hpp"
@@ -24,6 +25,20 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 Table states_of(const std::shared_ptr<sim::Simulation>& simulation) {
   const auto states = simulation->view().states;
   return Table::of(states.data(), states.size(), simulation);
+}
+
+sim::Scenario connected(sim::Scenario scenario, const std::shared_ptr<Commands>& commands) {
+  connect_commands(scenario, commands);
+  return scenario;
+}
+
+// As (vehicles, 8), which Python may write.
+py::array commands_of(const Simulator& simulator) {
+  const auto& commands = simulator.commands();
+  auto* kept = new std::shared_ptr<Commands>(commands);
+  const py::capsule base(kept, [](void* pointer) { delete static_cast<std::shared_ptr<Commands>*>(pointer); });
+  return py::array_t<double>({static_cast<py::ssize_t>(commands->size()), static_cast<py::ssize_t>(kMaxRotors)},
+                             commands->empty() ? nullptr : commands->front().data(), base);
 }
 
 /// One vehicle of a run: what its software was told and did in the last tick.
@@ -55,28 +70,6 @@ Table samples_named(const Observation& observation, const std::string& kind) {
   if (!found)
     throw py::key_error("expected " + sim::one_of(names) + ", found \"" + kind + "\"" + sim::did_you_mean(kind, names));
   return *found;
-}
-
-/// Copies of the maps that a vehicle's software keeps; numpy looks into them.
-py::dict maps_of(const Vehicle& vehicle) {
-  auto copies = std::make_shared<std::vector<MapVoxels>>();
-  {
-    const py::gil_scoped_release parallel;
-    vehicle.simulation->view().agents[vehicle.id]->append_maps(*copies);
-  }
-  py::dict maps;
-  for (const MapVoxels& map : *copies) {
-    const auto count = static_cast<py::ssize_t>(map.size());
-    py::dict one;
-    one["edge_m"] = map.edge_m;
-    one["states"] = map.states;
-    one["occupied_from"] = static_cast<int>(map.occupied_from);
-    one["centers_local_m"] = view_of(reinterpret_cast<const float*>(map.centers_local_m.data()), {count, 3}, copies);
-    one["state"] = view_of(map.state.data(), {count}, copies);
-    one["value"] = view_of(map.value.data(), {count}, copies);
-    maps[py::str(map.name)] = one;
-  }
-  return maps;
 }
 
 std::vector<HeldScan> scans_of(const Vehicle& vehicle) {
@@ -125,9 +118,10 @@ void bind_vehicle(py::module_& module) {
       .def(
           "samples", [](const Vehicle& v, const std::string& kind) { return samples_named(v.observation(), kind); },
           py::arg("kind"), "Samples of this tick: imu, odometry, gnss, altimeter, compass, pose, neighbors.")
-      .def("maps", &maps_of,
-           "The maps of its software by stage, as of now: edge_m, states, centers_local_m (n, 3), state (n,), value "
-           "(n,).")
+      .def(
+          "maps", [](const Vehicle& v) { return maps_of(*v.simulation->view().agents[v.id]); },
+          "The maps of its software by stage, as of now: edge_m, states, centers_local_m (n, 3), state (n,), value "
+          "(n,).")
       .def_property_readonly(
           "rotor_command",
           [](const Vehicle& v) {
@@ -163,7 +157,8 @@ class Simulator::Use {
 Simulator::Simulator(const ReadScenario& scenario, int threads, std::optional<sim::World> world,
                      const std::optional<std::filesystem::path>& out)
     : world_(world ? *world : sim::build_world(scenario.scenario.world, scenario.scenario.seed_of_world())),
-      simulation_(std::make_shared<sim::Simulation>(scenario.scenario, threads, world_)),
+      commands_(std::make_shared<Commands>(scenario.scenario.vehicles.size())),
+      simulation_(std::make_shared<sim::Simulation>(connected(scenario.scenario, commands_), threads, world_)),
       directory_(out ? std::make_unique<sim::RunDirectory>(*out) : nullptr),
       states_(states_of(simulation_)) {
   if (directory_) simulation_->attach_recorders(directory_->path());
@@ -223,6 +218,7 @@ std::string Simulator::summary_json() const {
 }
 
 void bind_simulator(py::module_& module) {
+  add_commanded_modules();
   py::class_<sim::World>(module, "World", "The static part of a run, ready to trace; runs may share it.");
   bind_vehicle(module);
   using World = std::optional<sim::World>;
@@ -260,6 +256,10 @@ void bind_simulator(py::module_& module) {
           "True state of every vehicle (n rows): position_m, q_xyzw, v_mps, omega_radps, rotor_radps, crashed ... The "
           "arrays "
           "look into the simulator and always show the present; copy what is to stay.")
+      .def_property_readonly(
+          "commands", &commands_of,
+          "(n, 8), written by whoever steers vehicles with `guidance: {type: commanded}` or `agent: {type: "
+          "rotors}`; holds until it is written again.")
       .def_property_readonly("events", &Simulator::events, "What happened so far: crashes, missions that ended.")
       .def_property_readonly("world", [](const Simulator& s) { return s.world(); })
       .def_property_readonly(

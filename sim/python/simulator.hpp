@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/python/commanded.hpp"
 #include "sim/python/fields.hpp"
 #include "sim/python/scenario.hpp"
 #include "swiftlet/sim/run/run_directory.hpp"
@@ -35,6 +36,7 @@ class Simulator {
   const std::shared_ptr<sim::Simulation>& simulation() const { return simulation_; }
   const sim::World& world() const { return world_; }
   Table& states() { return states_; }
+  const std::shared_ptr<Commands>& commands() const { return commands_; }
   Table events() const { return Table::copy_of(std::span<const sim::Event>(events_)); }
 
  private:
@@ -42,12 +44,13 @@ class Simulator {
   class Use;
   void advance();
 
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   sim::World world_;
+  std::shared_ptr<Commands> commands_;
   std::shared_ptr<sim::Simulation> simulation_;
   std::unique_ptr<sim::RunDirectory> directory_;
   Table states_;
   std::vector<sim::Event> events_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   double setup_wall_s_ = 0.0;
   double wall_s_ = 0.0;
   std::atomic<bool> in_use_ = false;

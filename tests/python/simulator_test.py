@@ -16,7 +16,7 @@ import swiftlet
 
 class Scenarios(support.InFolder):
     def test_mistakes_are_exceptions_with_the_message_of_the_program(self):
-        for wrong in ("vehicels: []", "duration_s: long", "vehicles:\n  - {name: a, agent: {guidance: {type: hoover}}}",
+        for wrong in ("vehicels: []", "duration_s: long", "vehicles:\n  - {name: a, agent: {localization: {type: inss}}}",
                       "world: {type: forest, stems_per_ha: -1}", "base: nowhere.yaml", "seed: [1"):
             file = self.path / "wrong.yaml"
             file.write_text(f"name: wrong\n{wrong}\n")

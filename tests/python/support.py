@@ -21,7 +21,7 @@ vehicles:
   - name: other
     model: x500
     start: {position_m: [6, 1, 4]}
-    agent: {localization: {type: ground_truth}, guidance: {type: trajectory}}
+    agent: {type: stack, localization: {type: ground_truth}, guidance: {type: trajectory}}
 recorders: [{type: tum}, {type: events}]
 """
 

@@ -17,11 +17,13 @@ import re as _re
 import tempfile as _tempfile
 
 from . import _core
-from ._core import (InputError, InternalError, Scan, Scenario, Simulator, Table, Vehicle, World, git_revision)
+from ._core import (InputError, InternalError, Onboard, Scan, Scenario, Simulator, Table, Vehicle, World, git_revision, make_scan)
+from .modules import Cloud, Command, Detection, Goal, StepInput, agent, detector, guidance, key
 
 __version__ = _core.version
-__all__ = ["InputError", "InternalError", "Scan", "Scenario", "Simulator", "Table", "Vehicle", "World", "check", "fly",
-           "git_revision", "load"]
+__all__ = ["Cloud", "Command", "Detection", "Goal", "InputError", "InternalError", "Onboard", "Scan", "Scenario", "Simulator",
+           "StepInput", "Table", "Vehicle", "World", "agent", "check", "detector", "fly", "git_revision", "guidance", "key",
+           "load", "make_scan"]
 
 _PLAIN = _re.compile(r"[A-Za-z][\w./-]*")
 _MEANS_MORE = {"true", "false", "yes", "no", "on", "off", "null", "nan", "inf"}
@@ -43,11 +45,14 @@ def _changes(changes, keys):
 def load(source, changes=None, **keys):
     """Reads and checks a scenario.
 
-    source: a path, the name of a scenario that comes with Swiftlet, or a Scenario to be changed further.
+    source: a path, the name of a scenario that comes with Swiftlet, a dict with the keys of a scenario, or a Scenario to be
+    changed further.
     changes: by key path, such as {"vehicles[0].start.yaw_deg": 90}; keys: of the top level, such as seed=3.
     Raises InputError with file, line and key, as `swiftlet check` prints it.
     """
     laid_on = _changes(changes, keys)
+    if isinstance(source, dict):
+        return _core._load_text(_json.dumps(source), "scenario", laid_on)
     return source._changed(laid_on) if isinstance(source, Scenario) else _core._load(source, laid_on)
 
 
@@ -97,5 +102,10 @@ def fly(source, changes=None, *, out=None, threads=0, watch=None, **keys):
     return simulator.summary()
 
 
-for _name in ("InputError", "InternalError", "Scan", "Scenario", "Simulator", "Table", "Vehicle", "World"):
-    globals()[_name].__module__ = __name__
+for _name in __all__:
+    if isinstance(globals()[_name], type):
+        globals()[_name].__module__ = __name__
+from . import datasets, functions, results  # noqa: E402
+from .results import fly_many, read_batch  # noqa: E402
+
+__all__ += ["datasets", "fly_many", "functions", "read_batch", "results"]
