@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/agent/stack.hpp"
 
+#include <iterator>
+#include <sstream>
 #include <stdexcept>
 
 #include "core/agent/trail.hpp"
@@ -293,6 +295,26 @@ AgentNeeds stack_needs(const ModuleConfig& config) {
   add(mapper_registry(), stack.mapping);
   add(guidance_registry(), stack.guidance);
   return needs;
+}
+
+std::optional<std::vector<std::string>> stack_overlays(const ModuleConfig& config) {
+  const auto& stack = dynamic_cast<const StackConfig&>(config);
+  std::vector<std::string> names = {"reference", "tracks", "tracks.covariance"};
+  bool all_told = true;
+  // Of every type, so that a camera need not change with the stages that are chosen.
+  const auto add = [&](const auto& registry, const Module& chosen) {
+    for (const auto& row : registry.rows()) {
+      std::istringstream drawn(row.overlays != nullptr ? row.overlays : "");
+      std::copy(std::istream_iterator<std::string>(drawn), {}, std::back_inserter(names));
+    }
+    all_told = all_told && registry.named(chosen.type).overlays != nullptr;
+  };
+  add(detector_registry(), stack.detector);
+  add(relative_localizer_registry(), stack.relative_localization);
+  add(mapper_registry(), stack.mapping);
+  add(guidance_registry(), stack.guidance);
+  if (!all_told) return std::nullopt;
+  return names;
 }
 
 Module* stack_guidance(ModuleConfig& config) { return &dynamic_cast<StackConfig&>(config).guidance; }
