@@ -129,7 +129,10 @@ class StackAgent : public Agent {
     TrackerInput input{.observation = observation, .estimate = action_.estimate, .clouds = clouds_};
     input.has_detections = found_.has_detections;
     input.detections = found_.detections;
-    input.background = stages_.detector ? stages_.detector->map() : nullptr;
+    if (stages_.detector) {
+      input.detector_tracks = stages_.detector->tracks();
+      input.background = stages_.detector->map();
+    }
     action_.has_tracks = stages_.tracker->step(input, tracks_, outbox_);
     if (!action_.has_tracks) return;
     if (needs_.track_modes) stages_.tracker->modes(track_modes_);
