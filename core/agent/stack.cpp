@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/agent/stack.hpp"
 
+#include <iterator>
+#include <sstream>
 #include <stdexcept>
 
 #include "core/agent/trail.hpp"
@@ -104,7 +106,8 @@ class StackAgent : public Agent {
   void place_scans(const Observation& observation) {
     registrar_.push(action_.estimate);
     clouds_.clear();
-    if (!stages_.detector && !stages_.tracker && !stages_.mapping && !needs_.clouds) return;
+    const bool relative = stages_.relative_localization && stages_.relative_localization->needs_clouds();
+    if (!stages_.detector && !stages_.tracker && !stages_.mapping && !relative && !needs_.clouds) return;
     for (const auto& scan : observation.scans) {
       if (auto cloud = cloud_pool_.make(scan, registrar_)) clouds_.push_back(std::move(cloud));
     }
@@ -147,7 +150,8 @@ class StackAgent : public Agent {
                                          .poses = registrar_.poses(),
                                          .detections = found_.detections,
                                          .has_tracks = action_.has_tracks,
-                                         .tracks = tracks_},
+                                         .tracks = tracks_,
+                                         .clouds = clouds_},
                                         relatives_, outbox_);
     for (const RelativeEstimate& r : relatives_) ENSURE(is_finite(r), r.other, r.position_m, r.velocity_mps, r.yaw_rad);
     for (const RelativeEstimate& r : relatives_) action_.relatives.push_back(to_world_.relative(r));
@@ -296,6 +300,26 @@ AgentNeeds stack_needs(const ModuleConfig& config) {
   add(mapper_registry(), stack.mapping);
   add(guidance_registry(), stack.guidance);
   return needs;
+}
+
+std::optional<std::vector<std::string>> stack_overlays(const ModuleConfig& config) {
+  const auto& stack = dynamic_cast<const StackConfig&>(config);
+  std::vector<std::string> names = {"reference", "tracks", "tracks.covariance"};
+  bool all_told = true;
+  // Of every type, so that a camera need not change with the stages that are chosen.
+  const auto add = [&](const auto& registry, const Module& chosen) {
+    for (const auto& row : registry.rows()) {
+      std::istringstream drawn(row.overlays != nullptr ? row.overlays : "");
+      std::copy(std::istream_iterator<std::string>(drawn), {}, std::back_inserter(names));
+    }
+    all_told = all_told && registry.named(chosen.type).overlays != nullptr;
+  };
+  add(detector_registry(), stack.detector);
+  add(relative_localizer_registry(), stack.relative_localization);
+  add(mapper_registry(), stack.mapping);
+  add(guidance_registry(), stack.guidance);
+  if (!all_told) return std::nullopt;
+  return names;
 }
 
 Module* stack_guidance(ModuleConfig& config) { return &dynamic_cast<StackConfig&>(config).guidance; }
