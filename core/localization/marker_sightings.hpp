@@ -8,8 +8,8 @@
 
 namespace swiftlet {
 
-/// Vehicles with retro-reflective markers, straight from the returns of a scan. No free air around them is asked for. So
-/// they are seen in a doorway, too, where a detector takes them for parts of the wall.
+/// Vehicles with retro-reflective markers, straight from the returns of a scan. No free air around them is asked for.
+/// So they are seen in a doorway, too, where a detector takes them for parts of the wall.
 class MarkerSightings {
  public:
   /// @param reflectivity  that a return of a marker has at least
