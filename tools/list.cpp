@@ -12,13 +12,16 @@
 #include "swiftlet/core/stages/estimators.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
 #include "swiftlet/core/stages/mappers.hpp"
+#include "swiftlet/core/stages/relative_localizers.hpp"
 #include "swiftlet/core/stages/trackers.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/metrics/metric.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/scenario/assets.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
+#include "swiftlet/sim/sensors/lidar_pattern.hpp"
 #include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::tools {
@@ -30,27 +33,54 @@ struct Kind {
   void (*print)();
 };
 
+void print_line(std::string_view name, std::string_view doc) { fmt::print("  {:<18} {}\n", name, doc); }
+
 void print_types(std::span<const ModuleType> types) {
-  for (const ModuleType& type : types) fmt::print("  {:<18} {}\n", type.name, type.doc);
+  for (const ModuleType& type : types) print_line(type.name, type.doc);
+}
+
+void print_metrics() {
+  for (const sim::MetricType& type : sim::metric_registry()) {
+    for (const sim::MetricDefinition& metric : type.definitions) print_line(metric.name, metric.definition);
+  }
+}
+
+void print_outcomes() {
+  for (const sim::OutcomeWord& word : sim::outcome_words()) print_line(word.name, word.definition);
+}
+
+void print_overlays() {
+  const auto names = overlays_of(Module(agent_module_types(), "stack"));
+  for (const std::string& name : names.value()) print_line(name, "");
 }
 
 void print_assets(const char* folder) {
-  for (const sim::Asset& asset : sim::list_assets(folder)) fmt::print("  {:<18} {}\n", asset.name, asset.doc);
+  for (const sim::Asset& asset : sim::list_assets(folder)) print_line(asset.name, asset.doc);
 }
 
 constexpr Kind kKinds[] = {
     {"scenarios", "scenarios that come with Swiftlet", [] { print_assets("scenarios"); }},
+    {"batches", "batch files that come with Swiftlet: swiftlet batch batch/NAME",
+     [] { print_assets("scenarios/batch"); }},
+    {"datasets", "dataset files that come with Swiftlet: swiftlet dataset dataset/NAME",
+     [] { print_assets("scenarios/dataset"); }},
     {"worlds", "world.type", [] { print_types(sim::world_module_types()); }},
     {"vehicles", "vehicles[].model", [] { print_assets("vehicles"); }},
     {"sensors", "vehicles[].sensors[].type", [] { print_types(sim::sensor_module_types()); }},
     {"sensor_models", "vehicles[].sensors[].model", [] { print_assets("sensors"); }},
+    {"patterns", "vehicles[].sensors[].pattern.type of a LiDAR", [] { print_types(sim::lidar_pattern_types()); }},
     {"agents", "vehicles[].agent.type", [] { print_types(agent_module_types()); }},
     {"localization", "vehicles[].agent.localization.type", [] { print_types(estimator_module_types()); }},
     {"detectors", "vehicles[].agent.detector.type", [] { print_types(detector_module_types()); }},
     {"trackers", "vehicles[].agent.tracker.type", [] { print_types(tracker_module_types()); }},
+    {"relative_localization", "vehicles[].agent.relative_localization.type",
+     [] { print_types(relative_localizer_module_types()); }},
     {"mapping", "vehicles[].agent.mapping.type", [] { print_types(mapper_module_types()); }},
     {"guidance", "vehicles[].agent.guidance.type", [] { print_types(guidance_module_types()); }},
     {"recorders", "recorders[].type", [] { print_types(sim::recorder_module_types()); }},
+    {"overlays", "snapshots[].overlays, of one vehicle as uav1/NAME", print_overlays},
+    {"metrics", "summary.json, report.metrics of a batch (docs/metrics.md)", print_metrics},
+    {"outcomes", "how a run and each of its vehicles ended", print_outcomes},
 };
 
 void list(const std::string& wanted) {

@@ -6,19 +6,24 @@
 #include "commands.hpp"
 #include "swiftlet/sim/dataset/dataset_config.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/metrics/metrics.hpp"
 #include "swiftlet/sim/scenario/reference.hpp"
 
 namespace swiftlet::tools {
 
 void add_reference(CLI::App& app) {
-  Subcommand command(app, "reference", "Print the reference of every configuration key (docs/reference.md)");
+  Subcommand command(
+      app, "reference",
+      "Print the reference of every configuration key (docs/reference.md), or of every metric (docs/metrics.md)");
   auto what = std::make_shared<std::string>("scenario");
-  command.option("what", *what, "scenario or dataset");
+  command.option("what", *what, "scenario, dataset or metrics");
   command.action([what] {
-    if (*what != "scenario" && *what != "dataset") {
-      throw sim::InputError("reference " + *what + ": expected scenario or dataset");
+    if (*what != "scenario" && *what != "dataset" && *what != "metrics") {
+      throw sim::InputError("reference " + *what + ": expected scenario, dataset or metrics");
     }
-    const std::string text = *what == "dataset" ? sim::dataset_reference() : sim::write_reference();
+    const std::string text = *what == "dataset"   ? sim::dataset_reference()
+                             : *what == "metrics" ? sim::metrics_reference()
+                                                  : sim::write_reference();
     std::fwrite(text.data(), 1, text.size(), stdout);
   });
 }

@@ -7,12 +7,15 @@
 namespace swiftlet {
 namespace {
 
+OverlayNames draws_nothing(const ModuleConfig&) { return std::vector<std::string>(); }
+
 constexpr AgentType kAgentTypes[] = {
     {{"stack", "localization, guidance, reference governor and controller", make_module_config<StackConfig>},
      make_stack,
      stack_needs,
-     stack_guidance},
-    {{"none", "motors at idle: a dummy", make_module_config<NoneConfig>}, make_none},
+     stack_guidance,
+     stack_overlays},
+    {{"none", "motors at idle: a dummy", make_module_config<NoneConfig>}, make_none, nullptr, nullptr, draws_nothing},
 };
 
 }  // namespace
@@ -34,6 +37,11 @@ AgentNeeds needs_of(const Module& agent) {
 Module* guidance_of(Module& agent) {
   const AgentType& row = agent_registry().named(agent.type);
   return row.guidance == nullptr ? nullptr : row.guidance(*agent.config);
+}
+
+OverlayNames overlays_of(const Module& agent) {
+  const AgentType& row = agent_registry().named(agent.type);
+  return row.overlays == nullptr ? std::nullopt : row.overlays(*agent.config);
 }
 
 }  // namespace swiftlet

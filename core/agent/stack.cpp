@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/agent/stack.hpp"
 
+#include <iterator>
+#include <sstream>
 #include <stdexcept>
 
 #include "core/agent/trail.hpp"
@@ -127,7 +129,10 @@ class StackAgent : public Agent {
     TrackerInput input{.observation = observation, .estimate = action_.estimate, .clouds = clouds_};
     input.has_detections = found_.has_detections;
     input.detections = found_.detections;
-    input.background = stages_.detector ? stages_.detector->map() : nullptr;
+    if (stages_.detector) {
+      input.detector_tracks = stages_.detector->tracks();
+      input.background = stages_.detector->map();
+    }
     action_.has_tracks = stages_.tracker->step(input, tracks_, outbox_);
     if (!action_.has_tracks) return;
     if (needs_.track_modes) stages_.tracker->modes(track_modes_);
@@ -295,6 +300,26 @@ AgentNeeds stack_needs(const ModuleConfig& config) {
   add(mapper_registry(), stack.mapping);
   add(guidance_registry(), stack.guidance);
   return needs;
+}
+
+std::optional<std::vector<std::string>> stack_overlays(const ModuleConfig& config) {
+  const auto& stack = dynamic_cast<const StackConfig&>(config);
+  std::vector<std::string> names = {"reference", "tracks", "tracks.covariance"};
+  bool all_told = true;
+  // Of every type, so that a camera need not change with the stages that are chosen.
+  const auto add = [&](const auto& registry, const Module& chosen) {
+    for (const auto& row : registry.rows()) {
+      std::istringstream drawn(row.overlays != nullptr ? row.overlays : "");
+      std::copy(std::istream_iterator<std::string>(drawn), {}, std::back_inserter(names));
+    }
+    all_told = all_told && registry.named(chosen.type).overlays != nullptr;
+  };
+  add(detector_registry(), stack.detector);
+  add(relative_localizer_registry(), stack.relative_localization);
+  add(mapper_registry(), stack.mapping);
+  add(guidance_registry(), stack.guidance);
+  if (!all_told) return std::nullopt;
+  return names;
 }
 
 Module* stack_guidance(ModuleConfig& config) { return &dynamic_cast<StackConfig&>(config).guidance; }

@@ -103,6 +103,7 @@ class Waypoints : public Guidance {
 
 void WaypointsConfig::visit(ConfigVisitor& v) {
   v.field("waypoints_m", waypoints_m, "[m] where to go, in order");
+  v.check(!waypoints_m.empty(), "waypoints_m", "at least one waypoint");
   v.choice("frame", frame, {"world", "start"},
            "[-] of the waypoints; start: origin and heading of the vehicle's start");
   v.field("speed_mps", speed_mps, "[m/s] at most, horizontal and vertical each", Range::positive());

@@ -10,6 +10,10 @@ namespace swiftlet {
 namespace {
 
 void need_pose(const ModuleConfig&, AgentNeeds& needs) { needs.true_pose = true; }
+void need_odometry(const ModuleConfig&, AgentNeeds& needs) {
+  needs.sensors.push_back({"odometry", "localization.type: odometry"});
+}
+void need_imu(const ModuleConfig&, AgentNeeds& needs) { needs.sensors.push_back({"imu", "localization.type: ins"}); }
 void need_lidar_and_imu(const ModuleConfig&, AgentNeeds& needs) {
   for (const char* type : {"lidar", "imu"}) needs.sensors.push_back({type, "localization.type: slam"});
 }
@@ -21,9 +25,11 @@ constexpr EstimatorType kEstimatorTypes[] = {
      need_pose},
     {{"odometry", "visual-inertial odometry in its drifting local frame, and the IMU",
       make_module_config<OdometryEstimatorConfig>},
-     make_odometry_estimator},
+     make_odometry_estimator,
+     need_odometry},
     {{"ins", "inertial navigation aided by GNSS, altimeter, compass and odometry", make_module_config<InsConfig>},
-     make_ins_estimator},
+     make_ins_estimator,
+     need_imu},
     {{"slam", "LiDAR and IMU: matches scans to the map that it makes of them", make_module_config<SlamConfig>},
      make_slam_estimator,
      need_lidar_and_imu},

@@ -26,15 +26,17 @@ void need_for_sparse(const ModuleConfig& config, AgentNeeds& needs) {
 }
 
 constexpr MapperType kMapperTypes[] = {
-    {{"none", "no map of what is around", make_module_config<NoMapperConfig>}, make_no_mapper},
+    {{"none", "no map of what is around", make_module_config<NoMapperConfig>}, make_no_mapper, nullptr, ""},
     {{"sparse", "voxels that the own LiDARs hit, near the vehicle [Kamler 2025, sec. 3.2]",
       make_module_config<SparseMapperConfig>},
      make_sparse_mapper,
-     need_for_sparse},
+     need_for_sparse,
+     ""},
     {{"occupancy", "occupied, free and unknown cells, as OctoMap has them [Hornung 2013]",
       make_module_config<OccupancyMapperConfig>},
      make_occupancy_mapper,
-     need_for_occupancy},
+     need_for_occupancy,
+     "mapping.cells"},
 };
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "swiftlet/sim/metrics/metrics.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
 #include "swiftlet/sim/scenario/yaml_reader.hpp"
 
 namespace swiftlet::sim {
@@ -163,10 +165,36 @@ void BatchConfig::visit(ConfigVisitor& v) {
   }
 }
 
+namespace {
+
+/// A metric, or the metric of one vehicle: "min_separation_m", "uav1.min_separation_m".
+void check_metric(ConfigVisitor& v, const std::string& name, const std::vector<std::string>& known,
+                  const std::string& key) {
+  const std::string metric = name.substr(name.rfind('.') + 1);
+  if (name.empty() || std::find(known.begin(), known.end(), metric) != known.end()) return;
+  v.check(false, key.c_str(), "a metric (swiftlet list metrics)" + did_you_mean(metric, known));
+}
+
+// Not when a finished batch is read: a program with metrics of its own may have flown it.
+void check_metrics(ConfigVisitor& v, const ReportConfig& report) {
+  const std::optional<std::vector<std::string>> known = metric_names();
+  if (!known) return;
+  for (std::size_t i = 0; i < report.metrics.size(); ++i)
+    check_metric(v, report.metrics[i], *known, "report.metrics[" + std::to_string(i) + "]");
+  check_metric(v, report.worst_by, *known, "report.worst_by");
+}
+
+}  // namespace
+
 BatchConfig load_batch_config(const std::filesystem::path& file, const ConfigChanges& overrides) {
   BatchConfig config;
   read_config(
-      file, [&](ConfigVisitor& v) { config.visit(v); }, overrides);
+      file,
+      [&](ConfigVisitor& v) {
+        config.visit(v);
+        check_metrics(v, config.report);
+      },
+      overrides);
   return config;
 }
 

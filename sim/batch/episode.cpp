@@ -25,13 +25,13 @@ double number(const Json& value) {
 }
 
 void add_radio(std::vector<MetricRow>& rows, const RadioStatistics& radio) {
-  const auto add = [&](const char* name, double value, const char* unit) {
-    rows.push_back({name, "", value, unit, ""});
+  const auto add = [&](const MetricDefinition& what, double value) {
+    rows.push_back({what.name, "", value, what.unit, ""});
   };
-  add("radio_sent", static_cast<double>(radio.sent), "");
-  add("radio_delivered", static_cast<double>(radio.delivered), "");
-  add("radio_bytes", static_cast<double>(radio.bytes_sent), "B");
-  add("radio_mean_delay_s", radio.delivered > 0 ? radio.mean_delay_s : std::numeric_limits<double>::quiet_NaN(), "s");
+  add(kRadioMetrics.sent, static_cast<double>(radio.sent));
+  add(kRadioMetrics.delivered, static_cast<double>(radio.delivered));
+  add(kRadioMetrics.bytes, static_cast<double>(radio.bytes_sent));
+  add(kRadioMetrics.mean_delay, radio.delivered > 0 ? radio.mean_delay_s : std::numeric_limits<double>::quiet_NaN());
 }
 
 }  // namespace

@@ -12,6 +12,20 @@
 namespace swiftlet::sim {
 namespace {
 
+// What it reports.
+constexpr MetricDefinition kCaptures = {
+    "captures", "",
+    "how often another vehicle flew into the net; the same one counts again once it has "
+    "been farther than the net's rearm_m"};
+constexpr MetricDefinition kTimeToFirstCapture = {"time_to_first_capture_s", "s", "when the first one did"};
+constexpr MetricDefinition kCapturesPerMin = {"captures_per_min", "1/min", "captures / time until the own crash"};
+constexpr MetricDefinition kCaptureMiss = {"capture_miss_mean_m", "m",
+                                           "mean distance from the middle of the net to where a target met it"};
+constexpr MetricDefinition kLeastNetDistance = {
+    "least_net_distance_m", "m", "least distance from the middle of the net to another vehicle in any tick"};
+constexpr MetricDefinition kCaptureDefinitions[] = {kCaptures, kTimeToFirstCapture, kCapturesPerMin, kCaptureMiss,
+                                                    kLeastNetDistance};
+
 /// True places only. Between ticks, target and net move along straight lines, so what is counted does not depend on the
 /// tick. A target counts again once it has been farther from the net than `rearm_m`.
 class CaptureMetric final : public Metric {
@@ -35,12 +49,11 @@ class CaptureMetric final : public Metric {
       const Vehicle& vehicle = vehicles_[i];
       if (!vehicle.net) continue;
       const auto count = static_cast<double>(vehicle.count);
-      table.add("captures", name_of(i), count, "");
-      table.add("time_to_first_capture_s", name_of(i), vehicle.first_s, "s");
-      table.add("captures_per_min", name_of(i), vehicle.flown_s > 0.0 ? 60.0 * count / vehicle.flown_s : kNotMeasured,
-                "1/min");
-      table.add("capture_miss_mean_m", name_of(i), vehicle.count > 0 ? vehicle.miss_sum_m / count : kNotMeasured, "m");
-      table.add("least_net_distance_m", name_of(i), vehicle.flown_s > 0.0 ? vehicle.least_m : kNotMeasured, "m");
+      table.add(kCaptures, name_of(i), count);
+      table.add(kTimeToFirstCapture, name_of(i), vehicle.first_s);
+      table.add(kCapturesPerMin, name_of(i), vehicle.flown_s > 0.0 ? 60.0 * count / vehicle.flown_s : kNotMeasured);
+      table.add(kCaptureMiss, name_of(i), vehicle.count > 0 ? vehicle.miss_sum_m / count : kNotMeasured);
+      table.add(kLeastNetDistance, name_of(i), vehicle.flown_s > 0.0 ? vehicle.least_m : kNotMeasured);
     }
   }
 
@@ -91,6 +104,8 @@ class CaptureMetric final : public Metric {
 
 }  // namespace
 
-std::unique_ptr<Metric> make_capture_metric(const MetricSetup& setup) { return std::make_unique<CaptureMetric>(setup); }
+MetricType capture_metric() {
+  return {"capture", "who was caught in whose net, and when", make_metric<CaptureMetric>, kCaptureDefinitions};
+}
 
 }  // namespace swiftlet::sim

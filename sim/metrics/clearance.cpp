@@ -9,6 +9,32 @@
 namespace swiftlet::sim {
 namespace {
 
+// What it reports.
+constexpr MetricDefinition kSeparation = {
+    "min_separation_m", "m",
+    "least distance between the centers of two vehicles in any tick; of a vehicle: from "
+    "it to any other, until it crashes"};
+constexpr MetricDefinition kSeparationTime = {"min_separation_time_s", "s",
+                                              "when the least separation of the run was reached first"};
+constexpr MetricDefinition kSeparationPair = {"min_separation_pair", "",
+                                              "the two vehicles of the least separation of the run, or none"};
+constexpr MetricDefinition kSurface = {
+    "min_clearance_surface_m", "m",
+    "least distance from the circumscribed sphere of the vehicle to a surface of the world, "
+    "once it has been clear of all; at most metrics.clearance_max_m"};
+constexpr MetricDefinition kSurfaceTime = {"min_clearance_surface_time_s", "s", "when that was reached first"};
+constexpr MetricDefinition kOther = {
+    "min_clearance_vehicle_m", "m",
+    "least distance between the circumscribed spheres of the vehicle and another one; negative: they overlap"};
+constexpr MetricDefinition kOtherTime = {"min_clearance_vehicle_time_s", "s", "when that was reached first"};
+constexpr MetricDefinition kOtherPartner = {"min_clearance_vehicle_partner", "",
+                                            "the other vehicle of that moment, or none"};
+constexpr MetricDefinition kSeparationPartner = {"min_separation_partner", "",
+                                                 "the other vehicle of the least separation, or none"};
+constexpr MetricDefinition kClearanceDefinitions[] = {kSeparation, kSeparationTime, kSeparationPair,
+                                                      kSurface,    kSurfaceTime,    kOther,
+                                                      kOtherTime,  kOtherPartner,   kSeparationPartner};
+
 /// Least value so far with its time and partner.
 struct Minimum {
   double value = std::numeric_limits<double>::infinity();
@@ -37,18 +63,18 @@ class ClearanceMetric final : public Metric {
   }
 
   void report(MetricTable& table) const override {
-    table.add("min_separation_m", "", pair_.measured() ? pair_.distance_m : kNotMeasured, "m");
-    table.add("min_separation_time_s", "", pair_.measured() ? to_seconds(t_pair_) : kNotMeasured, "s");
-    table.add_text("min_separation_pair", "", pair_.measured() ? name_of(pair_.a) + " " + name_of(pair_.b) : "none");
+    table.add(kSeparation, "", pair_.measured() ? pair_.distance_m : kNotMeasured);
+    table.add(kSeparationTime, "", pair_.measured() ? to_seconds(t_pair_) : kNotMeasured);
+    table.add_text(kSeparationPair, "", pair_.measured() ? name_of(pair_.a) + " " + name_of(pair_.b) : "none");
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       const Vehicle& vehicle = vehicles_[i];
-      table.add("min_clearance_surface_m", name_of(i), value_of(vehicle.surface), "m");
-      table.add("min_clearance_surface_time_s", name_of(i), time_of(vehicle.surface), "s");
-      table.add("min_clearance_vehicle_m", name_of(i), value_of(vehicle.other), "m");
-      table.add("min_clearance_vehicle_time_s", name_of(i), time_of(vehicle.other), "s");
-      table.add_text("min_clearance_vehicle_partner", name_of(i), partner_of(vehicle.other));
-      table.add("min_separation_m", name_of(i), value_of(vehicle.separation), "m");
-      table.add_text("min_separation_partner", name_of(i), partner_of(vehicle.separation));
+      table.add(kSurface, name_of(i), value_of(vehicle.surface));
+      table.add(kSurfaceTime, name_of(i), time_of(vehicle.surface));
+      table.add(kOther, name_of(i), value_of(vehicle.other));
+      table.add(kOtherTime, name_of(i), time_of(vehicle.other));
+      table.add_text(kOtherPartner, name_of(i), partner_of(vehicle.other));
+      table.add(kSeparation, name_of(i), value_of(vehicle.separation));
+      table.add_text(kSeparationPartner, name_of(i), partner_of(vehicle.separation));
     }
   }
 
@@ -116,8 +142,9 @@ class ClearanceMetric final : public Metric {
 
 }  // namespace
 
-std::unique_ptr<Metric> make_clearance_metric(const MetricSetup& setup) {
-  return std::make_unique<ClearanceMetric>(setup);
+MetricType clearance_metric() {
+  return {"clearance", "least distances to surfaces and to other vehicles", make_metric<ClearanceMetric>,
+          kClearanceDefinitions};
 }
 
 }  // namespace swiftlet::sim

@@ -11,6 +11,92 @@
 namespace swiftlet::sim {
 namespace {
 
+// What it reports.
+constexpr MetricDefinition kDetectionRecall = {
+    "detection_recall", "",
+    "share of flying vehicles within metrics.detection_range_m for which there is a "
+    "detection, counted for each scan [Vrba 2025, eq. 71]"};
+constexpr MetricDefinition kDetectionRecallVisible = {"detection_recall_visible", "",
+                                                      "the same, of the vehicles that have a return in the scan"};
+constexpr MetricDefinition kDetectionPrecision = {
+    "detection_precision", "",
+    "share of detections that are a flying vehicle's; those of vehicles on the ground do not count"};
+constexpr MetricDefinition kDetectionErrorMean = {
+    "detection_error_mean_m", "m",
+    "mean of |estimated - true position| of what was found; truth at the instant of the detection, in the frame that "
+    "the observer believes in [Vrba 2025, eq. 68]"};
+constexpr MetricDefinition kDetectionErrorStd = {"detection_error_std_m", "m", "standard deviation of that error"};
+constexpr MetricDefinition kDetectionLatency = {
+    "detection_latency_s", "s",
+    "mean time from the instant of which a detection tells to the tick in which it is there"};
+constexpr MetricDefinition kFalseDetections = {
+    "false_detections_per_min", "1/min",
+    "detections a minute that are nobody's: farther than metrics.true_positive_m "
+    "from every vehicle, or a second one of it [Vrba 2025, eq. 67]"};
+constexpr MetricDefinition kTimeToFirstDetection = {
+    "time_to_first_detection_s", "s",
+    "mean time from the first scan that shows a vehicle within metrics.detection_range_m to its first detection, of "
+    "those that were found"};
+constexpr MetricDefinition kTrackRecall = {
+    "track_recall", "",
+    "share of flying vehicles within metrics.detection_range_m for which there is a "
+    "track, counted for each scan [Vrba 2025, eq. 71]"};
+constexpr MetricDefinition kTrackRecallVisible = {"track_recall_visible", "",
+                                                  "the same, of the vehicles that have a return in the scan"};
+constexpr MetricDefinition kTrackPrecision = {
+    "track_precision", "", "share of tracks that are a flying vehicle's; those of vehicles on the ground do not count"};
+constexpr MetricDefinition kTrackErrorMean = {
+    "track_error_mean_m", "m",
+    "mean of |estimated - true position| of what was found; truth at the instant of "
+    "the track, in the frame that the observer believes in [Vrba 2025, eq. 68]"};
+constexpr MetricDefinition kTrackErrorStd = {"track_error_std_m", "m", "standard deviation of that error"};
+constexpr MetricDefinition kTrackLatency = {
+    "track_latency_s", "s", "mean time from the instant of which a track tells to the tick in which it is there"};
+constexpr MetricDefinition kTrackSpeedError = {"track_speed_error_mean_mps", "m/s",
+                                               "mean of |estimated speed - true speed| [Vrba 2025, eq. 69]"};
+constexpr MetricDefinition kTrackDirectionError = {
+    "track_direction_error_mean_rad", "rad",
+    "mean angle between estimated and true velocity, of vehicles that move [Vrba 2025, eq. 70]"};
+constexpr MetricDefinition kFalseTracks = {"false_tracks_per_min", "1/min",
+                                           "tracks a minute that never were a vehicle's"};
+constexpr MetricDefinition kTimeToFirstTrack = {
+    "time_to_first_track_s", "s",
+    "mean time from the first scan that shows a vehicle to its first track, of those that were found"};
+constexpr MetricDefinition kIdentitySwitches = {"track_identity_switches", "",
+                                                "how often a vehicle's track had another number than its last one"};
+constexpr MetricDefinition kCrossAssociations = {"track_cross_associations", "",
+                                                 "how often a track went from one vehicle to another"};
+constexpr MetricDefinition kTrackOspa = {
+    "track_ospa_m", "m",
+    "mean optimal subpattern assignment of order 1 between vehicles in range and tracks, "
+    "cut off at metrics.true_positive_m (Schuhmacher et al. 2008)"};
+constexpr MetricDefinition kTrackNees = {
+    "track_nees", "", "mean normalized error squared of tracked positions; 3 when the covariances are right"};
+constexpr MetricDefinition kTrackNeesWithin95 = {
+    "track_nees_within_95", "",
+    "share of these within 95 % of chi-square with 3 degrees of freedom; 0.95 when the covariances are right"};
+constexpr MetricDefinition kDetectionDefinitions[] = {kDetectionRecall,    kDetectionRecallVisible,
+                                                      kDetectionPrecision, kDetectionErrorMean,
+                                                      kDetectionErrorStd,  kDetectionLatency,
+                                                      kFalseDetections,    kTimeToFirstDetection,
+                                                      kTrackRecall,        kTrackRecallVisible,
+                                                      kTrackPrecision,     kTrackErrorMean,
+                                                      kTrackErrorStd,      kTrackLatency,
+                                                      kTrackSpeedError,    kTrackDirectionError,
+                                                      kFalseTracks,        kTimeToFirstTrack,
+                                                      kIdentitySwitches,   kCrossAssociations,
+                                                      kTrackOspa,          kTrackNees,
+                                                      kTrackNeesWithin95};
+
+/// Of detections, and of tracks.
+struct CommonDefinitions {
+  MetricDefinition recall, recall_visible, precision, error_mean, error_std, latency;
+};
+constexpr CommonDefinitions kOfDetections = {kDetectionRecall,    kDetectionRecallVisible, kDetectionPrecision,
+                                             kDetectionErrorMean, kDetectionErrorStd,      kDetectionLatency};
+constexpr CommonDefinitions kOfTracks = {kTrackRecall,    kTrackRecallVisible, kTrackPrecision,
+                                         kTrackErrorMean, kTrackErrorStd,      kTrackLatency};
+
 constexpr double kMoving_mps = 0.5;     // slower than this a velocity has no direction
 constexpr double kChiSquare95 = 7.815;  // of three degrees of freedom
 constexpr int kBins = 20;
@@ -389,36 +475,36 @@ class DetectionMetric final : public Metric {
   // ---- the end
   void report_detector(std::size_t i, MetricTable& table) const {
     const StageResult& r = observers_[i].detector;
-    report_common("detection", i, r, table);
-    table.add("false_detections_per_min", name_of(i), per_minute(r, r.false_detections), "1/min");
-    table.add("time_to_first_detection_s", name_of(i), time_to_first_s(r), "s");
+    report_common(kOfDetections, i, r, table);
+    table.add(kFalseDetections, name_of(i), per_minute(r, r.false_detections));
+    table.add(kTimeToFirstDetection, name_of(i), time_to_first_s(r));
     report_bins("detector", i, r, table);
   }
 
   void report_tracker(std::size_t i, MetricTable& table) const {
     const StageResult& r = observers_[i].tracker;
-    report_common("track", i, r, table);
-    table.add("track_speed_error_mean_mps", name_of(i), r.errors.speed.mean(), "m/s");
-    table.add("track_direction_error_mean_rad", name_of(i), r.errors.direction.mean(), "rad");
+    report_common(kOfTracks, i, r, table);
+    table.add(kTrackSpeedError, name_of(i), r.errors.speed.mean());
+    table.add(kTrackDirectionError, name_of(i), r.errors.direction.mean());
     int false_tracks = r.false_tracks;
     for (const KnownTrack& track : r.tracks) false_tracks += track.target == kNoVehicle;
-    table.add("false_tracks_per_min", name_of(i), per_minute(r, false_tracks), "1/min");
-    table.add("time_to_first_track_s", name_of(i), time_to_first_s(r), "s");
-    table.add("track_identity_switches", name_of(i), r.identity_switches, "");
-    table.add("track_cross_associations", name_of(i), r.cross_associations, "");
-    table.add("track_ospa_m", name_of(i), r.ospa.mean(), "m");
-    table.add("track_nees", name_of(i), r.nees.mean(), "");
-    table.add("track_nees_within_95", name_of(i), ratio(r.consistent, r.nees.count()), "");
+    table.add(kFalseTracks, name_of(i), per_minute(r, false_tracks));
+    table.add(kTimeToFirstTrack, name_of(i), time_to_first_s(r));
+    table.add(kIdentitySwitches, name_of(i), r.identity_switches);
+    table.add(kCrossAssociations, name_of(i), r.cross_associations);
+    table.add(kTrackOspa, name_of(i), r.ospa.mean());
+    table.add(kTrackNees, name_of(i), r.nees.mean());
+    table.add(kTrackNeesWithin95, name_of(i), ratio(r.consistent, r.nees.count()));
     report_bins("tracker", i, r, table);
   }
 
-  void report_common(const std::string& what, std::size_t i, const StageResult& r, MetricTable& table) const {
-    table.add(what + "_recall", name_of(i), r.recall.all(), "");
-    table.add(what + "_recall_visible", name_of(i), r.recall.of_visible(), "");
-    table.add(what + "_precision", name_of(i), ratio(r.right, r.estimates), "");
-    table.add(what + "_error_mean_m", name_of(i), r.errors.position.mean(), "m");
-    table.add(what + "_error_std_m", name_of(i), r.errors.position.std(), "m");
-    table.add(what + "_latency_s", name_of(i), r.latency.mean(), "s");
+  void report_common(const CommonDefinitions& what, std::size_t i, const StageResult& r, MetricTable& table) const {
+    table.add(what.recall, name_of(i), r.recall.all());
+    table.add(what.recall_visible, name_of(i), r.recall.of_visible());
+    table.add(what.precision, name_of(i), ratio(r.right, r.estimates));
+    table.add(what.error_mean, name_of(i), r.errors.position.mean());
+    table.add(what.error_std, name_of(i), r.errors.position.std());
+    table.add(what.latency, name_of(i), r.latency.mean());
   }
 
   void report_bins(const char* stage, std::size_t i, const StageResult& r, MetricTable& table) const {
@@ -471,8 +557,9 @@ class DetectionMetric final : public Metric {
 
 }  // namespace
 
-std::unique_ptr<Metric> make_detection_metric(const MetricSetup& setup) {
-  return std::make_unique<DetectionMetric>(setup);
+MetricType detection_metric() {
+  return {"detection", "detections and tracks against the vehicles that are there [Vrba 2025, eqs. 67-71]",
+          make_metric<DetectionMetric>, kDetectionDefinitions};
 }
 
 }  // namespace swiftlet::sim

@@ -7,6 +7,25 @@
 namespace swiftlet::sim {
 namespace {
 
+// What it reports.
+constexpr MetricDefinition kPositionRmse = {
+    "estimate_position_rmse_m", "m",
+    "root mean square of |estimated - true position|, world frame, over all ticks with "
+    "a valid estimate before a crash"};
+constexpr MetricDefinition kPositionMax = {"estimate_position_max_m", "m",
+                                           "greatest |estimated - true position| of these ticks"};
+constexpr MetricDefinition kAteRmse = {
+    "ate_position_rmse_m", "m",
+    "absolute trajectory error: root mean square after the best alignment in position and "
+    "yaw (Zhang and Scaramuzza 2018, sec. III)"};
+constexpr MetricDefinition kYawRmse = {"estimate_yaw_rmse_rad", "rad",
+                                       "root mean square of the estimated less the true heading, within half a turn"};
+constexpr MetricDefinition kYawMax = {"estimate_yaw_max_rad", "rad", "greatest error of the heading"};
+constexpr MetricDefinition kVelocityRmse = {"estimate_velocity_rmse_mps", "m/s",
+                                            "root mean square of |estimated - true velocity|, world frame"};
+constexpr MetricDefinition kEstimateErrorDefinitions[] = {kPositionRmse, kPositionMax, kAteRmse,
+                                                          kYawRmse,      kYawMax,      kVelocityRmse};
+
 /// Absolute trajectory error after the best alignment in position and yaw, the four unobservable directions of
 /// visual-inertial odometry (Zhang and Scaramuzza, IROS 2018, sec. III): minimizes sum |p_i - R_z(psi) q_i - t|^2 in
 /// closed form from running sums, so that no trajectory is kept. p: truth, q: estimate, both from their first
@@ -70,12 +89,12 @@ class EstimateErrorMetric final : public Metric {
   void report(MetricTable& table) const override {
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       const Vehicle& vehicle = vehicles_[i];
-      table.add("estimate_position_rmse_m", name_of(i), vehicle.position.rms(), "m");
-      table.add("estimate_position_max_m", name_of(i), vehicle.position.max(), "m");
-      table.add("ate_position_rmse_m", name_of(i), vehicle.aligned.rmse(), "m");
-      table.add("estimate_yaw_rmse_rad", name_of(i), vehicle.yaw.rms(), "rad");
-      table.add("estimate_yaw_max_rad", name_of(i), vehicle.yaw.max(), "rad");
-      table.add("estimate_velocity_rmse_mps", name_of(i), vehicle.velocity.rms(), "m/s");
+      table.add(kPositionRmse, name_of(i), vehicle.position.rms());
+      table.add(kPositionMax, name_of(i), vehicle.position.max());
+      table.add(kAteRmse, name_of(i), vehicle.aligned.rmse());
+      table.add(kYawRmse, name_of(i), vehicle.yaw.rms());
+      table.add(kYawMax, name_of(i), vehicle.yaw.max());
+      table.add(kVelocityRmse, name_of(i), vehicle.velocity.rms());
     }
   }
 
@@ -90,8 +109,8 @@ class EstimateErrorMetric final : public Metric {
 
 }  // namespace
 
-std::unique_ptr<Metric> make_estimate_error_metric(const MetricSetup& setup) {
-  return std::make_unique<EstimateErrorMetric>(setup);
+MetricType estimate_error_metric() {
+  return {"estimate_error", "estimated against true pose", make_metric<EstimateErrorMetric>, kEstimateErrorDefinitions};
 }
 
 }  // namespace swiftlet::sim

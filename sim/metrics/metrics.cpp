@@ -6,19 +6,6 @@
 namespace swiftlet::sim {
 namespace {
 
-// What is measured: adding a metric is one line here.
-constexpr MetricType kMetricTypes[] = {
-    {"outcome", "how the mission of each vehicle ended, and when", make_outcome_metric},
-    {"motion", "path length, speeds, accelerations, time of flight", make_motion_metric},
-    {"estimate_error", "estimated against true pose", make_estimate_error_metric},
-    {"tracking_error", "true and estimated position against the reference", make_tracking_error_metric},
-    {"clearance", "least distances to surfaces and to other vehicles", make_clearance_metric},
-    {"detection", "detections and tracks against the vehicles that are there [Vrba 2025, eqs. 67-71]",
-     make_detection_metric},
-    {"relative_error", "relative localization against where the other vehicle is", make_relative_error_metric},
-    {"capture", "who was caught in whose net, and when", make_capture_metric},
-};
-
 // A vehicle at rest nearer to a surface than its own radius stands on it.
 constexpr double kRestSpeed_mps = 0.1;
 
@@ -40,7 +27,11 @@ void MetricsConfig::visit(ConfigVisitor& v) {
 }
 
 std::vector<MetricType>& metric_registry() {
-  static std::vector<MetricType> types(std::begin(kMetricTypes), std::end(kMetricTypes));
+  // What is measured: adding a metric is one line here.
+  static std::vector<MetricType> types = {
+      outcome_metric(),   motion_metric(),    estimate_error_metric(), tracking_error_metric(),
+      clearance_metric(), detection_metric(), relative_error_metric(), capture_metric(),
+  };
   return types;
 }
 
@@ -49,6 +40,16 @@ std::vector<TableType> series_types() {
   std::vector<TableType> types;
   for (const Series* table : metrics.series()) types.push_back({table->name(), table->columns()});
   return types;
+}
+
+std::optional<std::vector<std::string>> metric_names() {
+  std::vector<std::string> names = {kRadioMetrics.sent.name, kRadioMetrics.delivered.name, kRadioMetrics.bytes.name,
+                                    kRadioMetrics.mean_delay.name};
+  for (const MetricType& type : metric_registry()) {
+    if (type.definitions.empty()) return std::nullopt;
+    for (const MetricDefinition& metric : type.definitions) names.emplace_back(metric.name);
+  }
+  return names;
 }
 
 const MetricRow* MetricTable::find(std::string_view name, std::string_view vehicle) const {

@@ -5,6 +5,22 @@
 namespace swiftlet::sim {
 namespace {
 
+// What it reports.
+constexpr MetricDefinition kFlightTime = {
+    "flight_time_s", "s",
+    "time off the ground and not crashed: a vehicle at rest nearer to a surface than its own radius stands on it"};
+constexpr MetricDefinition kPathLength = {
+    "path_length_m", "m", "length of the true path while it flies, summed from tick to tick; world frame"};
+constexpr MetricDefinition kMeanSpeed = {"mean_speed_mps", "m/s",
+                                         "path_length_m / flight_time_s; 0 when it never flew"};
+constexpr MetricDefinition kMaxSpeed = {"max_speed_mps", "m/s",
+                                        "greatest true speed in any tick while it flies; world frame"};
+constexpr MetricDefinition kMaxAcceleration = {
+    "max_acceleration_mps2", "m/s^2",
+    "greatest change of the true velocity over a tick, divided by the tick, while "
+    "it flies; world frame, without gravity"};
+constexpr MetricDefinition kMotionDefinitions[] = {kFlightTime, kPathLength, kMeanSpeed, kMaxSpeed, kMaxAcceleration};
+
 /// True motion while flying. Accelerations are means over a tick.
 class MotionMetric final : public Metric {
  public:
@@ -33,11 +49,11 @@ class MotionMetric final : public Metric {
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       const Vehicle& vehicle = vehicles_[i];
       const bool flew = vehicle.flight_time_s > 0.0;
-      table.add("flight_time_s", name_of(i), vehicle.flight_time_s, "s");
-      table.add("path_length_m", name_of(i), vehicle.path_length_m, "m");
-      table.add("mean_speed_mps", name_of(i), flew ? vehicle.path_length_m / vehicle.flight_time_s : 0.0, "m/s");
-      table.add("max_speed_mps", name_of(i), vehicle.max_speed_mps, "m/s");
-      table.add("max_acceleration_mps2", name_of(i), vehicle.max_acceleration_mps2, "m/s^2");
+      table.add(kFlightTime, name_of(i), vehicle.flight_time_s);
+      table.add(kPathLength, name_of(i), vehicle.path_length_m);
+      table.add(kMeanSpeed, name_of(i), flew ? vehicle.path_length_m / vehicle.flight_time_s : 0.0);
+      table.add(kMaxSpeed, name_of(i), vehicle.max_speed_mps);
+      table.add(kMaxAcceleration, name_of(i), vehicle.max_acceleration_mps2);
     }
   }
 
@@ -57,6 +73,9 @@ class MotionMetric final : public Metric {
 
 }  // namespace
 
-std::unique_ptr<Metric> make_motion_metric(const MetricSetup& setup) { return std::make_unique<MotionMetric>(setup); }
+MetricType motion_metric() {
+  return {"motion", "path length, speeds, accelerations, time of flight", make_metric<MotionMetric>,
+          kMotionDefinitions};
+}
 
 }  // namespace swiftlet::sim

@@ -7,11 +7,27 @@
 namespace swiftlet::sim {
 namespace {
 
+// What it reports.
+constexpr MetricDefinition kOutcome = {"outcome", "",
+                                       "how the run ended for a vehicle; for the run: the worst of its vehicles"};
+constexpr MetricDefinition kTimeToDone = {
+    "time_to_done_s", "s", "when the agent first said that its mission is done; the time from the start of the run"};
+constexpr MetricDefinition kCrashTime = {"crash_time_s", "s",
+                                         "the first contact that counts as a crash, exact within the tick"};
+constexpr MetricDefinition kCrashPartner = {"crash_partner", "",
+                                            "what it touched: a vehicle, a class of surfaces, or none"};
+constexpr MetricDefinition kOutcomeDefinitions[] = {kOutcome, kTimeToDone, kCrashTime, kCrashPartner};
+
 // From best to worst: a run is as good as its worst vehicle.
 enum class Outcome { kDone, kTimeout, kFailed, kCrashed };
-constexpr std::array<const char*, 4> kOutcomeNames = {"done", "timeout", "failed", "crashed"};
+constexpr std::array<OutcomeWord, 4> kOutcomes = {{
+    {"done", "the agent said that its mission is done"},
+    {"timeout", "the run ended before the agent said that its mission is done or has failed"},
+    {"failed", "the agent gave up; its last mission event in events.jsonl tells why"},
+    {"crashed", "the vehicle touched something; that outweighs whatever its mission says, also after it was done"},
+}};
 
-const char* word_for(Outcome outcome) { return kOutcomeNames[static_cast<std::size_t>(outcome)]; }
+const char* word_for(Outcome outcome) { return kOutcomes[static_cast<std::size_t>(outcome)].name; }
 
 /// A crash outweighs whatever the mission says of itself, also when it comes after the mission was done.
 class OutcomeMetric final : public Metric {
@@ -37,13 +53,13 @@ class OutcomeMetric final : public Metric {
   void report(MetricTable& table) const override {
     Outcome worst = Outcome::kDone;
     for (const Vehicle& vehicle : vehicles_) worst = std::max(worst, outcome_of(vehicle));
-    table.add_text("outcome", "", word_for(worst));
+    table.add_text(kOutcome, "", word_for(worst));
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       const Vehicle& vehicle = vehicles_[i];
-      table.add_text("outcome", name_of(i), word_for(outcome_of(vehicle)));
-      table.add("time_to_done_s", name_of(i), vehicle.done_s, "s");
-      table.add("crash_time_s", name_of(i), vehicle.crash_s, "s");
-      table.add_text("crash_partner", name_of(i), vehicle.partner.empty() ? "none" : vehicle.partner);
+      table.add_text(kOutcome, name_of(i), word_for(outcome_of(vehicle)));
+      table.add(kTimeToDone, name_of(i), vehicle.done_s);
+      table.add(kCrashTime, name_of(i), vehicle.crash_s);
+      table.add_text(kCrashPartner, name_of(i), vehicle.partner.empty() ? "none" : vehicle.partner);
     }
   }
 
@@ -66,6 +82,11 @@ class OutcomeMetric final : public Metric {
 
 }  // namespace
 
-std::unique_ptr<Metric> make_outcome_metric(const MetricSetup& setup) { return std::make_unique<OutcomeMetric>(setup); }
+std::span<const OutcomeWord> outcome_words() { return kOutcomes; }
+
+MetricType outcome_metric() {
+  return {"outcome", "how the mission of each vehicle ended, and when", make_metric<OutcomeMetric>,
+          kOutcomeDefinitions};
+}
 
 }  // namespace swiftlet::sim

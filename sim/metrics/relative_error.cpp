@@ -10,6 +10,22 @@
 namespace swiftlet::sim {
 namespace {
 
+// What it reports.
+constexpr MetricDefinition kRelativeMae = {
+    "relative_position_mae_m", "m",
+    "mean of |believed - true place of the other vehicle|, both seen from the own body, "
+    "over the ticks with an estimate"};
+constexpr MetricDefinition kRelativeRmse = {"relative_position_rmse_m", "m", "root mean square of the same"};
+constexpr MetricDefinition kRelativeMax = {"relative_position_max_m", "m", "greatest of the same"};
+constexpr MetricDefinition kRelativeYawRmse = {
+    "relative_yaw_rmse_rad", "rad",
+    "root mean square of the error of the other vehicle's heading, seen from the own one"};
+constexpr MetricDefinition kRelativeNees = {
+    "relative_nees", "", "mean normalized error squared of that place; 3 when the covariances are right"};
+constexpr MetricDefinition kRelativeKnown = {"relative_known_s", "s", "how long there was an estimate"};
+constexpr MetricDefinition kRelativeErrorDefinitions[] = {kRelativeMae,     kRelativeRmse, kRelativeMax,
+                                                          kRelativeYawRmse, kRelativeNees, kRelativeKnown};
+
 /// Where a vehicle believes another one to be, against where it is, both as seen from the vehicle: what it does not
 /// know of its own place is no error of relative localization.
 class RelativeErrorMetric final : public Metric {
@@ -40,12 +56,12 @@ class RelativeErrorMetric final : public Metric {
       const Vehicle& vehicle = vehicles_[i];
       if (vehicle.count == 0) continue;
       const auto count = static_cast<double>(vehicle.count);
-      table.add("relative_position_mae_m", name_of(i), vehicle.absolute_sum_m / count, "m");
-      table.add("relative_position_rmse_m", name_of(i), vehicle.position.rms(), "m");
-      table.add("relative_position_max_m", name_of(i), vehicle.position.max(), "m");
-      table.add("relative_yaw_rmse_rad", name_of(i), vehicle.yaw.rms(), "rad");
-      table.add("relative_nees", name_of(i), vehicle.nees_sum / count, "");
-      table.add("relative_known_s", name_of(i), vehicle.known_s, "s");
+      table.add(kRelativeMae, name_of(i), vehicle.absolute_sum_m / count);
+      table.add(kRelativeRmse, name_of(i), vehicle.position.rms());
+      table.add(kRelativeMax, name_of(i), vehicle.position.max());
+      table.add(kRelativeYawRmse, name_of(i), vehicle.yaw.rms());
+      table.add(kRelativeNees, name_of(i), vehicle.nees_sum / count);
+      table.add(kRelativeKnown, name_of(i), vehicle.known_s);
     }
   }
 
@@ -86,8 +102,9 @@ class RelativeErrorMetric final : public Metric {
 
 }  // namespace
 
-std::unique_ptr<Metric> make_relative_error_metric(const MetricSetup& setup) {
-  return std::make_unique<RelativeErrorMetric>(setup);
+MetricType relative_error_metric() {
+  return {"relative_error", "relative localization against where the other vehicle is",
+          make_metric<RelativeErrorMetric>, kRelativeErrorDefinitions};
 }
 
 }  // namespace swiftlet::sim

@@ -5,6 +5,20 @@
 namespace swiftlet::sim {
 namespace {
 
+// What it reports.
+constexpr MetricDefinition kTrackingRms = {
+    "tracking_error_rms_m", "m",
+    "root mean square of |true position - reference|, behind the reference governor, "
+    "while it flies with a valid estimate; world frame"};
+constexpr MetricDefinition kTrackingMax = {"tracking_error_max_m", "m",
+                                           "greatest |true position - reference| of these ticks"};
+constexpr MetricDefinition kControlRms = {
+    "control_error_rms_m", "m",
+    "root mean square of |estimated position - reference|: the share of the controller alone"};
+constexpr MetricDefinition kControlMax = {"control_error_max_m", "m",
+                                          "greatest |estimated position - reference| of these ticks"};
+constexpr MetricDefinition kTrackingErrorDefinitions[] = {kTrackingRms, kTrackingMax, kControlRms, kControlMax};
+
 /// Position against the reference after the reference governor, while flying with a valid estimate. `tracking_error`:
 /// the truth (what counts; meaningless when the vehicle's frame is a local one); `control_error`: the estimate, which
 /// shows the controller's own share.
@@ -24,10 +38,10 @@ class TrackingErrorMetric final : public Metric {
 
   void report(MetricTable& table) const override {
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
-      table.add("tracking_error_rms_m", name_of(i), vehicles_[i].truth.rms(), "m");
-      table.add("tracking_error_max_m", name_of(i), vehicles_[i].truth.max(), "m");
-      table.add("control_error_rms_m", name_of(i), vehicles_[i].estimate.rms(), "m");
-      table.add("control_error_max_m", name_of(i), vehicles_[i].estimate.max(), "m");
+      table.add(kTrackingRms, name_of(i), vehicles_[i].truth.rms());
+      table.add(kTrackingMax, name_of(i), vehicles_[i].truth.max());
+      table.add(kControlRms, name_of(i), vehicles_[i].estimate.rms());
+      table.add(kControlMax, name_of(i), vehicles_[i].estimate.max());
     }
   }
 
@@ -41,8 +55,9 @@ class TrackingErrorMetric final : public Metric {
 
 }  // namespace
 
-std::unique_ptr<Metric> make_tracking_error_metric(const MetricSetup& setup) {
-  return std::make_unique<TrackingErrorMetric>(setup);
+MetricType tracking_error_metric() {
+  return {"tracking_error", "true and estimated position against the reference", make_metric<TrackingErrorMetric>,
+          kTrackingErrorDefinitions};
 }
 
 }  // namespace swiftlet::sim

@@ -3,11 +3,14 @@
 
 #include <octomap/OcTree.h>
 
+#include <bit>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "swiftlet/sim/errors.hpp"
 
@@ -67,6 +70,35 @@ Header read_header(std::istream& in, OctomapFormat format, const std::filesystem
   return header;
 }
 
+/// The library's readers go on behind the end of the data and below the leaves, until the stack is full. So the nodes
+/// are counted first: each is a value and a byte of children (.ot), or two bits for each of its children (.bt).
+std::size_t count_nodes(const std::string& data, OctomapFormat format, const std::filesystem::path& file) {
+  const std::size_t node_bytes = format == OctomapFormat::kBt ? 2 : sizeof(float) + 1;
+  std::vector<int> depths = {0};  // of the nodes that come
+  std::size_t count = 1, at = 0;
+  while (!depths.empty()) {
+    const int depth = depths.back();
+    depths.pop_back();
+    if (at + node_bytes > data.size()) reject(file, "ends before its data does");
+    std::size_t children = 0, nodes_to_come = 0;
+    if (format == OctomapFormat::kOt) {
+      nodes_to_come = children = static_cast<std::size_t>(std::popcount(static_cast<unsigned char>(data[at + 4])));
+    } else {
+      const unsigned bits = static_cast<unsigned char>(data[at]) | static_cast<unsigned char>(data[at + 1]) << 8;
+      for (int i = 0; i < 8; ++i) {
+        const unsigned child = bits >> (2 * i) & 3U;  // 0 unknown, 1 and 2 leaves, 3 a node with children
+        children += child != 0;
+        nodes_to_come += child == 3;
+      }
+    }
+    if (children > 0 && depth == kDepth) reject(file, "expected a tree of 16 levels, found a deeper one");
+    count += children;
+    at += node_bytes;
+    depths.insert(depths.end(), nodes_to_come, depth + 1);
+  }
+  return count;
+}
+
 double cells_across(unsigned depth) { return std::ldexp(1.0, kDepth - static_cast<int>(depth)); }
 
 }  // namespace
@@ -104,9 +136,12 @@ OctomapCells read_octomap(const std::filesystem::path& file, const std::function
   const OctomapFormat format = file.extension() == ".bt" ? OctomapFormat::kBt : OctomapFormat::kOt;
   const Header header = read_header(in, format, file);
   octomap::OcTree tree(header.edge_m);
-  if (header.num_nodes > 0) format == OctomapFormat::kBt ? tree.readBinaryData(in) : tree.readData(in);
-  if (!in) reject(file, "ends before its data does");
-  if (tree.size() != header.num_nodes) reject(file, "expected as many nodes as its header says");
+  if (header.num_nodes > 0) {
+    const std::string data((std::istreambuf_iterator<char>(in)), {});
+    if (count_nodes(data, format, file) != header.num_nodes) reject(file, "expected as many nodes as its header says");
+    std::istringstream nodes(data);
+    format == OctomapFormat::kBt ? tree.readBinaryData(nodes) : tree.readData(nodes);
+  }
   OctomapCells cells;
   cells.edge_m = header.edge_m;
   double count = 0.0;

@@ -33,6 +33,7 @@ void CameraConfig::visit(ConfigVisitor& v) {
           Range{0.0, 1000.0, true, false});
   v.field("cut_above", cut_above, "hide what is higher than cut_height_m, to look under crowns and roofs");
   v.field("cut_height_m", cut_height_m, "[m] height of the cut, world frame");
+  v.check(!times_s.empty() || every_s > 0.0, "times_s", "when it takes pictures, here or as every_s");
   v.check(!name.empty() && name.find('/') == std::string::npos && name != "." && name != "..", "name",
           "a name that can be part of a file's name");
 }

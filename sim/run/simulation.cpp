@@ -39,6 +39,7 @@ struct Simulation::Impl {
         tick_length(from_seconds(scenario.tick_s)) {
     info.series = metrics.series();
     for (int i = 0; i < team.size(); ++i) history.push(i, physics.state(i));
+    view = {now, physics.states(), team.observations, team.actions, team.scans, {}, {}, team.agents};
   }
 
   void tick();

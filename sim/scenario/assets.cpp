@@ -7,6 +7,16 @@
 namespace swiftlet::sim {
 namespace {
 
+/// Where the first sentence ends: at a period or colon before a space, outside of brackets.
+std::size_t sentence_end(const std::string& text) {
+  int depth = 0;
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    depth += (text[i] == '[' || text[i] == '(') - (text[i] == ']' || text[i] == ')');
+    if (depth == 0 && (text[i] == '.' || text[i] == ':') && text[i + 1] == ' ') return i;
+  }
+  return text.size();
+}
+
 /// First sentence of the comment that a text begins with.
 std::string head_comment(const std::string& text) {
   std::istringstream lines(text);
@@ -16,8 +26,7 @@ std::string head_comment(const std::string& text) {
     if (line.empty() && !comment.empty()) break;
     comment += (comment.empty() ? "" : " ") + line;
   }
-  const std::size_t end = std::min(comment.find(". "), comment.find(": "));
-  if (end != std::string::npos) comment.resize(end);
+  comment.resize(sentence_end(comment));
   if (comment.ends_with('.')) comment.pop_back();
   return comment;
 }
@@ -26,7 +35,9 @@ std::string head_comment(const std::string& text) {
 
 std::vector<Asset> list_assets(const std::string& folder, const ConfigFiles& files) {
   std::vector<std::filesystem::path> folders = files.scenario_roots();
-  if (folder != "scenarios") {
+  if (folder.starts_with("scenarios/")) {
+    for (std::filesystem::path& root : folders) root /= folder.substr(folder.find('/') + 1);
+  } else if (folder != "scenarios") {
     folders = files.asset_roots();
     for (std::filesystem::path& root : folders) root /= folder;
   }

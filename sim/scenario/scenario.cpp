@@ -106,14 +106,39 @@ std::vector<std::string> lidars_of(const CameraConfig& camera, const std::vector
   return names;
 }
 
+/// What the agents may draw, by itself and as "uav1/NAME"; nothing when one of them does not tell.
+OverlayNames drawn_by(const std::vector<VehicleConfig>& vehicles) {
+  std::vector<std::string> names = {"*"};
+  for (const VehicleConfig& vehicle : vehicles) {
+    const OverlayNames drawn = overlays_of(vehicle.agent);
+    if (!drawn) return std::nullopt;
+    for (const std::string& name : *drawn) {
+      if (!contains(names, name)) names.push_back(name);
+      names.push_back(vehicle.name + "/" + name);
+    }
+  }
+  return names;
+}
+
+void check_overlays(ConfigVisitor& v, const std::vector<std::string>& overlays, const std::vector<std::string>& drawn,
+                    const std::string& key) {
+  for (std::size_t i = 0; i < overlays.size(); ++i) {
+    if (contains(drawn, overlays[i])) continue;
+    v.check(false, (key + "[" + std::to_string(i) + "]").c_str(),
+            "what an agent draws (swiftlet list overlays)" + did_you_mean(overlays[i], drawn));
+  }
+}
+
 void check_cameras(ConfigVisitor& v, const Scenario& scenario, const std::vector<std::string>& vehicle_names) {
   std::vector<std::string> names;
+  const OverlayNames drawn = drawn_by(scenario.vehicles);
   for (std::size_t i = 0; i < scenario.snapshots.size(); ++i) {
     const CameraConfig& camera = scenario.snapshots[i];
     check_name(v, camera.name, names, element("snapshots", i, "name"));
     check_exists(v, camera.vehicle, vehicle_names, element("snapshots", i, "vehicle"));
     if (camera.looks_through_lidar())
       check_exists(v, camera.sensor, lidars_of(camera, scenario.vehicles), element("snapshots", i, "sensor"));
+    if (drawn) check_overlays(v, camera.overlays, *drawn, element("snapshots", i, "overlays"));
     names.push_back(camera.name);
   }
 }

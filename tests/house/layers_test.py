@@ -22,6 +22,7 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^nlohmann": ["sim/recorders", "sim/replay", "sim/run", "sim/batch", "sim/dataset", "sim/report"],
     r"^xxhash": ["sim/run", "sim/batch", "sim/dataset"],
     r"^sqlite3": ["sim/batch"],
+    r"^pybind11/": ["sim/python"],
     r"^omp\.h": ["sim/run", "sim/raycast"],
     r"^Random123": ["core/math"],
     r"^fmt/": ["sim/*"],

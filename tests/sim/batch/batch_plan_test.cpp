@@ -98,9 +98,11 @@ TEST(BatchPlan, MistakesAreFoundBeforeAnythingIsFlown) {
 TEST(BatchPlan, TheFingerprintFollowsTheMeaningAndNothingElse) {
   const BatchFolder folder;
   const std::string original = folder.plan(kTwoByThree).fingerprint();
-  EXPECT_EQ(folder.plan(std::string("# a comment\ntimeout_s: 5\nthreads: 2\nreport: {worst_by: x}\n") + kTwoByThree)
-                .fingerprint(),
-            original);
+  EXPECT_EQ(
+      folder
+          .plan(std::string("# a comment\ntimeout_s: 5\nthreads: 2\nreport: {worst_by: path_length_m}\n") + kTwoByThree)
+          .fingerprint(),
+      original);
   const auto changed = [&](const std::string& from, const std::string& to) {
     std::string text = kTwoByThree;
     text.replace(text.find(from), from.size(), to);

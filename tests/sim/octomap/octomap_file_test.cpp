@@ -108,6 +108,16 @@ TEST(OctomapFile, ThatIsNoneIsRefusedByNameAndReason) {
   flat.replace(flat.find("res 0.1"), 7, "res 0.0");
   EXPECT_NE(refusal("e.ot", flat).find("resolution"), std::string::npos);
   EXPECT_THROW(read_octomap(directory.path() / "missing.bt"), InputError);
+  // Each of these sends the library's readers down a tree without end.
+  const std::string head = whole.substr(0, whole.find("data\n") + 5);
+  EXPECT_NE(refusal("f.ot", head + std::string(100, '\xff')).find("deeper"), std::string::npos);
+  const std::string binary = octomap_content(some_map(), OctomapFormat::kBt, {});
+  EXPECT_NE(refusal("g.bt", binary.substr(0, binary.find("data\n") + 5) + std::string(100, '\xff')).find("deeper"),
+            std::string::npos);
+  for (std::size_t cut = 1; cut < 60; ++cut) {
+    EXPECT_NE(refusal("h.ot", whole.substr(0, whole.size() - cut)).find("data"), std::string::npos) << cut;
+    EXPECT_NE(refusal("i.bt", binary.substr(0, binary.size() - cut)).find("data"), std::string::npos) << cut;
+  }
 }
 
 TEST(OctomapFile, AsksBeforeItTakesMemory) {

@@ -147,6 +147,7 @@ TEST(Counters, WhatDidNotFitIsInTheSummaryWithTheSettingToChange) {
 TEST(Counters, TheSettingOfAnAgentIsNamedByItsPathInTheScenario) {
   Scenario scenario = row_of(2);
   scenario.vehicles[1].agent.as<StackConfig>().detector = Module(detector_module_types(), "vofod");
+  scenario.vehicles[1].sensors.emplace_back(sensor_module_types(), "lidar");
   std::vector<std::string> settings;
   for (const Counter& counter : Simulation(scenario, 1).summary().counters) settings.push_back(counter.setting);
   EXPECT_THAT(settings,

@@ -117,12 +117,10 @@ TEST(GuidanceFaults, AVehicleThatTellsNoOdometryIsNotWaitedForForEver) {
   expect_failure({{"vehicles[1].agent.guidance", "{type: hover}"}}, "the guided vehicle was not found");
 }
 
-TEST(GuidanceFaults, AVehicleWithoutAnOdometerDoesNotFlyAndItsGuideGivesUp) {
-  const Outcome outcome = fly_with({{"vehicles[1].agent.localization", "{type: odometry}"},
-                                    {"vehicles[1].sensors", "[{type: imu, name: imu, model: imu_mrs}]"}});
-  EXPECT_THAT(outcome.guided_says, Contains(HasSubstr("odometry")));
-  EXPECT_EQ(outcome.mission, MissionStatus::kFailed);
-  EXPECT_FALSE(outcome.guide_crashed);
+TEST(GuidanceFaults, AVehicleWithoutAnOdometerIsRefused) {
+  expect_refused({{"vehicles[1].agent.localization", "{type: odometry}"},
+                  {"vehicles[1].sensors", "[{type: imu, name: imu, model: imu_mrs}]"}},
+                 "localization.type: odometry: expected a sensor of type odometry on secondary, found none");
 }
 
 TEST(GuidanceFaults, ARadioThatDeliversNothingEndsTheMission) {

@@ -282,20 +282,31 @@ TEST(Scenario, NamesAreUniqueAndFitForFiles) {
               HasSubstr("vehicles[0].sensors[1].name: expected a name that is not taken yet, found \"a\""));
   EXPECT_EQ(scenario_error("vehicles: [{sensors: [{type: imu, name: a}]}, {sensors: [{type: imu, name: a}]}]"),
             "no error");
-  EXPECT_THAT(scenario_error("snapshots: [{name: a}, {name: a}]"),
+  EXPECT_THAT(scenario_error("snapshots: [{name: a, times_s: [1]}, {name: a, times_s: [1]}]"),
               HasSubstr("snapshots[1].name: expected a name that is not taken yet"));
   EXPECT_THAT(scenario_error("name: a/b"), HasSubstr("name: expected a name of letters"));
   EXPECT_THAT(scenario_error("name: .."), HasSubstr("name: expected a name of letters"));
 }
 
+TEST(Scenario, CamerasTakePicturesAndDrawWhatAgentsDraw) {
+  EXPECT_EQ(scenario_error("snapshots: [{name: a}]"),
+            "flight.yaml:1:13: snapshots[0].times_s: expected when it takes pictures, here or as every_s");
+  EXPECT_EQ(scenario_error("snapshots: [{times_s: [1], overlays: [tracks, trackz]}]"),
+            "flight.yaml:1:47: snapshots[0].overlays[1]: expected what an agent draws (swiftlet list overlays), found "
+            "\"trackz\"; did you mean \"tracks\"?");
+  EXPECT_EQ(scenario_error("snapshots: [{times_s: [1], overlays: ['*', uav1/rbl.cell, guide.visible]}]"), "no error")
+      << "an overlay of another type of stage is no mistake: stages change more often than cameras";
+  EXPECT_THAT(scenario_error("snapshots: [{times_s: [1], overlays: [uav7/rbl.cell]}]"), HasSubstr("\"uav1/rbl.cell\""));
+}
+
 TEST(Scenario, CamerasLookAtVehiclesAndSensorsThatExist) {
-  EXPECT_EQ(scenario_error("vehicles: [{name: alpha}]\nsnapshots: [{type: follow, vehicle: alhpa}]"),
+  EXPECT_EQ(scenario_error("vehicles: [{name: alpha}]\nsnapshots: [{type: follow, vehicle: alhpa, times_s: [1]}]"),
             "flight.yaml:2:37: snapshots[0].vehicle: expected \"alpha\", found \"alhpa\"; did you mean \"alpha\"?");
-  EXPECT_THAT(scenario_error(
-                  "vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, sensor: os2}]"),
+  EXPECT_THAT(scenario_error("vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, "
+                             "sensor: os2, every_s: 1}]"),
               HasSubstr("snapshots[0].sensor: expected \"os1\", found \"os2\"; did you mean \"os1\"?"));
-  EXPECT_EQ(scenario_error(
-                "vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, sensor: os1}]"),
+  EXPECT_EQ(scenario_error("vehicles: [{sensors: [{type: lidar, name: os1}]}]\nsnapshots: [{type: lidar_range, sensor: "
+                           "os1, every_s: 1}]"),
             "no error");
 }
 

@@ -2,11 +2,16 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "swiftlet/core/agent.hpp"
 #include "swiftlet/core/registry.hpp"
 
 namespace swiftlet {
+
+using OverlayNames = std::optional<std::vector<std::string>>;
 
 /// One row of core/agent/registry.cpp.
 struct AgentType {
@@ -14,6 +19,8 @@ struct AgentType {
   std::unique_ptr<Agent> (*make)(const ModuleConfig& config, const AgentSetup& setup);
   AgentNeeds (*needs)(const ModuleConfig& config) = nullptr;  ///< null: nothing
   Module* (*guidance)(ModuleConfig& config) = nullptr;        ///< where its guidance is chosen; null: nowhere
+  /// The names of all that agents of this kind may draw; nothing: one of its stages does not tell. Null: not told.
+  OverlayNames (*overlays)(const ModuleConfig& config) = nullptr;
 };
 
 Registry<AgentType>& agent_registry();
@@ -22,5 +29,6 @@ std::unique_ptr<Agent> make_agent(const Module& config, const AgentSetup& setup)
 AgentNeeds needs_of(const Module& agent);
 /// Null when guidance of this agent cannot be chosen.
 Module* guidance_of(Module& agent);
+OverlayNames overlays_of(const Module& agent);
 
 }  // namespace swiftlet

@@ -46,5 +46,6 @@ std::unique_ptr<Agent> make_stack(StackStages stages, const ControlConfig& contr
 std::unique_ptr<Agent> make_stack(const ModuleConfig& config, const AgentSetup& setup);
 AgentNeeds stack_needs(const ModuleConfig& config);
 Module* stack_guidance(ModuleConfig& config);
+std::optional<std::vector<std::string>> stack_overlays(const ModuleConfig& config);
 
 }  // namespace swiftlet

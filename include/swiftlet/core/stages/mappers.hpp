@@ -14,6 +14,7 @@ struct MapperType {
   ModuleType module;
   std::unique_ptr<Mapper> (*make)(const ModuleConfig& config, const AgentSetup& setup);
   void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
+  const char* overlays = nullptr;  ///< names of what it draws, with spaces between; null: not told
 };
 
 Registry<MapperType>& mapper_registry();

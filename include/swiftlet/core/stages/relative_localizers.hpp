@@ -13,6 +13,7 @@ namespace swiftlet {
 struct RelativeLocalizerType {
   ModuleType module;
   std::unique_ptr<RelativeLocalizer> (*make)(const ModuleConfig& config, const AgentSetup& setup);
+  const char* overlays = nullptr;  ///< names of what it draws, with spaces between; null: not told
 };
 
 Registry<RelativeLocalizerType>& relative_localizer_registry();

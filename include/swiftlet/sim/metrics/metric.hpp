@@ -68,19 +68,45 @@ struct MetricType {
   const char* name;
   const char* doc;
   std::unique_ptr<Metric> (*make)(const MetricSetup& setup);
+  std::span<const MetricDefinition> definitions;  ///< that it may report; empty: not told
 };
+
+/// For rows of the table.
+template <class M>
+std::unique_ptr<Metric> make_metric(const MetricSetup& setup) {
+  return std::make_unique<M>(setup);
+}
 
 /// What every simulation that is made later measures; a program may add its own.
 std::vector<MetricType>& metric_registry();
 
+/// A word for how a run or a vehicle ended, and what it means.
+struct OutcomeWord {
+  const char* name;
+  const char* definition;
+};
+
+/// From best to worst: a run is as good as its worst vehicle.
+std::span<const OutcomeWord> outcome_words();
+
+/// What tables of batches tell of the radio.
+struct RadioMetrics {
+  MetricDefinition sent = {"radio_sent", "", "messages that vehicles handed to their radios"};
+  MetricDefinition delivered = {"radio_delivered", "",
+                                "receptions: a message that three vehicles receive counts three times"};
+  MetricDefinition bytes = {"radio_bytes", "B", "of the messages sent, headers included"};
+  MetricDefinition mean_delay = {"radio_mean_delay_s", "s", "mean time from sending to reception"};
+};
+inline constexpr RadioMetrics kRadioMetrics;
+
 // The metrics of this room; each in the file of its name.
-std::unique_ptr<Metric> make_outcome_metric(const MetricSetup& setup);
-std::unique_ptr<Metric> make_motion_metric(const MetricSetup& setup);
-std::unique_ptr<Metric> make_estimate_error_metric(const MetricSetup& setup);
-std::unique_ptr<Metric> make_tracking_error_metric(const MetricSetup& setup);
-std::unique_ptr<Metric> make_clearance_metric(const MetricSetup& setup);
-std::unique_ptr<Metric> make_detection_metric(const MetricSetup& setup);
-std::unique_ptr<Metric> make_relative_error_metric(const MetricSetup& setup);
-std::unique_ptr<Metric> make_capture_metric(const MetricSetup& setup);
+MetricType outcome_metric();
+MetricType motion_metric();
+MetricType estimate_error_metric();
+MetricType tracking_error_metric();
+MetricType clearance_metric();
+MetricType detection_metric();
+MetricType relative_error_metric();
+MetricType capture_metric();
 
 }  // namespace swiftlet::sim

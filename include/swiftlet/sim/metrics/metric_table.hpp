@@ -8,6 +8,13 @@
 
 namespace swiftlet::sim {
 
+/// What a result means: its line in docs/metrics.md.
+struct MetricDefinition {
+  const char* name;        ///< with its unit as suffix: "path_length_m"
+  const char* unit;        ///< "m", "s", "m/s" ...; empty: a plain number or a word
+  const char* definition;  ///< what is measured, when, and against what
+};
+
 /// One result: a number, or a word when `text` is not empty.
 struct MetricRow {
   std::string name;     ///< with its unit as suffix: "path_length_m"
@@ -33,6 +40,12 @@ struct DistanceBin {
 /// Results in the order in which they were added; the same names for every run of a scenario.
 class MetricTable {
  public:
+  void add(const MetricDefinition& what, std::string vehicle, double value) {
+    add(what.name, std::move(vehicle), value, what.unit);
+  }
+  void add_text(const MetricDefinition& what, std::string vehicle, std::string text) {
+    add_text(std::string(what.name), std::move(vehicle), std::move(text));
+  }
   void add(std::string name, std::string vehicle, double value, std::string unit) {
     rows_.push_back({std::move(name), std::move(vehicle), value, std::move(unit), {}});
   }

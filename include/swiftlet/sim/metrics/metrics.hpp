@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,5 +35,10 @@ class Metrics {
   TimeNs t_last_ = 0;
   std::vector<char> flying_;  // by VehicleId
 };
+
+/// Names of all that may be measured; nothing when a row of the registry does not tell its own.
+std::optional<std::vector<std::string>> metric_names();
+/// docs/metrics.md: what the results of a run mean.
+std::string metrics_reference();
 
 }  // namespace swiftlet::sim

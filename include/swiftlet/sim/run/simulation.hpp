@@ -37,7 +37,7 @@ class Simulation {
   bool finished() const;
   TimeNs now() const;
   const Scenario& scenario() const;
-  const TickView& view() const;  ///< the last tick
+  const TickView& view() const;  ///< the last tick; before the first one, the start
   const RunInfo& info() const;
   /// Hash of every vehicle's true state and every sensor output so far, in tick order.
   std::uint64_t state_hash() const;

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/sim/errors.hpp"
+
+#include <exception>
+#include <stdexcept>
+
+#include "sim/python/bindings.hpp"
+#include "swiftlet/core/ensure.hpp"
+
+namespace swiftlet::python {
+
+void bind_errors(py::module_& module) {
+  static py::exception<sim::InputError> input_error(module, "InputError", PyExc_ValueError);
+  static py::exception<ContractViolation> internal_error(module, "InternalError", PyExc_RuntimeError);
+  input_error.attr("__doc__") =
+      "What was asked for is wrong. The message names file, line and key, as the program's does.";
+  internal_error.attr("__doc__") = "The library is wrong, not its input.";
+  py::register_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer) std::rethrow_exception(pointer);
+    } catch (const sim::InputError& error) {
+      input_error(error.what());
+    } catch (const ContractViolation& error) {
+      internal_error(error.what());
+    } catch (const sim::OutOfMemory& error) {
+      PyErr_SetString(PyExc_MemoryError, error.what());
+    }
+  });
+}
+
+}  // namespace swiftlet::python

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <memory>
+
+#include "swiftlet/core/scan.hpp"
+#include "swiftlet/sim/world/labeled_scan.hpp"
+
+namespace swiftlet::python {
+
+/// A scan that Python holds on to; the truth beside it where whoever asks may know it.
+struct HeldScan {
+  std::shared_ptr<const Scan> scan;
+  std::shared_ptr<const sim::LabeledScan> labeled;  ///< null: no truth
+
+  explicit HeldScan(std::shared_ptr<const Scan> of) : scan(std::move(of)) {}
+  explicit HeldScan(std::shared_ptr<const sim::LabeledScan> of) : scan(of, &of->scan), labeled(std::move(of)) {}
+};
+
+}  // namespace swiftlet::python

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/python/simulator.hpp"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "sim/python/bindings.hpp"
+#include "sim/python/maps.hpp"
+#include "sim/python/scan.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/text.hpp"
+#include "swiftlet/sim/run/summary.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
+
+namespace swiftlet::python {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+Table states_of(const std::shared_ptr<sim::Simulation>& simulation) {
+  const auto states = simulation->view().states;
+  return Table::of(states.data(), states.size(), simulation);
+}
+
+sim::Scenario connected(sim::Scenario scenario, const std::shared_ptr<Commands>& commands) {
+  connect_commands(scenario, commands);
+  return scenario;
+}
+
+// As (vehicles, 8), which Python may write.
+py::array commands_of(const Simulator& simulator) {
+  const auto& commands = simulator.commands();
+  auto* kept = new std::shared_ptr<Commands>(commands);
+  const py::capsule base(kept, [](void* pointer) { delete static_cast<std::shared_ptr<Commands>*>(pointer); });
+  return py::array_t<double>({static_cast<py::ssize_t>(commands->size()), static_cast<py::ssize_t>(kMaxRotors)},
+                             commands->empty() ? nullptr : commands->front().data(), base);
+}
+
+/// One vehicle of a run: what its software was told and did in the last tick.
+struct Vehicle {
+  std::shared_ptr<sim::Simulation> simulation;
+  VehicleId id = 0;
+
+  const Observation& observation() const { return simulation->view().observations[id]; }
+  const Action& action() const { return *simulation->view().actions[id]; }
+  const std::string& name() const { return simulation->info().vehicle_names[id]; }
+};
+
+VehicleId id_of(const sim::Simulation& simulation, const std::string& name) {
+  const std::vector<std::string>& names = simulation.info().vehicle_names;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == name) return static_cast<VehicleId>(i);
+  }
+  throw py::key_error("expected " + sim::one_of(names) + ", found \"" + name + "\"" + sim::did_you_mean(name, names));
+}
+
+Table samples_named(const Observation& observation, const std::string& kind) {
+  std::optional<Table> found;
+  std::vector<std::string> names;
+  Observation::each_samples(observation, [&](const auto& samples) {
+    using Sample = typename std::decay_t<decltype(samples)>::value_type;
+    names.emplace_back(Sample::kName);
+    if (kind == Sample::kName) found = Table::copy_of(std::span<const Sample>(samples));
+  });
+  if (!found)
+    throw py::key_error("expected " + sim::one_of(names) + ", found \"" + kind + "\"" + sim::did_you_mean(kind, names));
+  return *found;
+}
+
+std::vector<HeldScan> scans_of(const Vehicle& vehicle) {
+  const auto& scans = vehicle.simulation->view().scans[vehicle.id];
+  return {scans.begin(), scans.end()};
+}
+
+template <class Row>
+Table copy_of(const std::vector<Row>& rows) {
+  return Table::copy_of(std::span<const Row>(rows));
+}
+
+void bind_vehicle(py::module_& module) {
+  py::class_<Vehicle>(
+      module, "Vehicle",
+      "One vehicle of a run: what its software was told, knew and did in the last tick. Places are told in "
+      "the world as the vehicle knows it. Tables are copies, which stay as they are.")
+      .def_property_readonly("id", [](const Vehicle& v) { return v.id; })
+      .def_property_readonly("name", [](const Vehicle& v) { return v.name(); })
+      .def_property_readonly(
+          "estimate", [](const Vehicle& v) { return Table::row(v.action().estimate); },
+          "Where the vehicle believes to be.")
+      .def_property_readonly(
+          "reference", [](const Vehicle& v) { return Table::row(v.action().reference); },
+          "Where it wants to be, after the reference governor.")
+      .def_property_readonly(
+          "detections",
+          [](const Vehicle& v) -> std::optional<Table> {
+            if (!v.action().has_detections) return std::nullopt;
+            return copy_of(v.action().detections);
+          },
+          "What its detector found; None in a tick in which it finished no scan.")
+      .def_property_readonly(
+          "has_tracks", [](const Vehicle& v) { return v.action().has_tracks; },
+          "Did the tracker update its tracks in this tick?")
+      .def_property_readonly(
+          "tracks", [](const Vehicle& v) { return copy_of(v.action().tracks); },
+          "What it follows, as of the last update.")
+      .def_property_readonly(
+          "relatives", [](const Vehicle& v) { return copy_of(v.action().relatives); },
+          "Where it believes the others of its team to be.")
+      .def_property_readonly(
+          "messages", [](const Vehicle& v) { return copy_of(v.observation().messages); },
+          "What its radio received in this tick.")
+      .def_property_readonly("scans", &scans_of, "Scans that its LiDARs completed in this tick, with their truth.")
+      .def(
+          "samples", [](const Vehicle& v, const std::string& kind) { return samples_named(v.observation(), kind); },
+          py::arg("kind"), "Samples of this tick: imu, odometry, gnss, altimeter, compass, pose, neighbors.")
+      .def(
+          "maps", [](const Vehicle& v) { return maps_of(*v.simulation->view().agents[v.id]); },
+          "The maps of its software by stage, as of now: edge_m, states, centers_local_m (n, 3), state (n,), value "
+          "(n,).")
+      .def_property_readonly(
+          "rotor_command",
+          [](const Vehicle& v) {
+            return py::array_t<double>(static_cast<py::ssize_t>(kMaxRotors), v.action().rotor_command.data());
+          },
+          "(8,), 0 to 1 between least and greatest rotor speed.")
+      .def_property_readonly(
+          "mission", [](const Vehicle& v) { return kMissionStatusWords[static_cast<std::size_t>(v.action().mission)]; },
+          "running, endless, done or failed.")
+      .def_property_readonly("mission_note", [](const Vehicle& v) { return v.action().mission_note; })
+      .def("__repr__", [](const Vehicle& v) { return "<Vehicle " + v.name() + ">"; });
+}
+
+}  // namespace
+
+class Simulator::Use {
+ public:
+  explicit Use(Simulator& simulator) : simulator_(simulator) {
+    if (simulator.in_use_.exchange(true)) throw std::runtime_error("this simulator is at work in another call");
+    if (simulator.broken_) {
+      simulator.in_use_ = false;
+      throw std::runtime_error("this run ended with an error");
+    }
+  }
+  ~Use() { simulator_.in_use_ = false; }
+  Use(const Use&) = delete;
+  Use& operator=(const Use&) = delete;
+
+ private:
+  Simulator& simulator_;
+};
+
+Simulator::Simulator(const ReadScenario& scenario, int threads, std::optional<sim::World> world,
+                     const std::optional<std::filesystem::path>& out)
+    : world_(world ? *world : sim::build_world(scenario.scenario.world, scenario.scenario.seed_of_world())),
+      commands_(std::make_shared<Commands>(scenario.scenario.vehicles.size())),
+      simulation_(std::make_shared<sim::Simulation>(connected(scenario.scenario, commands_), threads, world_)),
+      directory_(out ? std::make_unique<sim::RunDirectory>(*out) : nullptr),
+      states_(states_of(simulation_)) {
+  if (directory_) simulation_->attach_recorders(directory_->path());
+  setup_wall_s_ = seconds_since(start_);
+}
+
+void Simulator::advance() try {
+  simulation_->tick();
+  const auto events = simulation_->view().events;
+  events_.insert(events_.end(), events.begin(), events.end());
+} catch (...) {
+  broken_ = true;
+  directory_.reset();  // nothing that looks finished is left behind
+  throw;
+}
+
+int Simulator::tick(int count) {
+  const Use use(*this);
+  const py::gil_scoped_release parallel;
+  int done = 0;
+  for (; done < count && !simulation_->finished(); ++done) advance();
+  return done;
+}
+
+void Simulator::run(double until_s) {
+  const Use use(*this);
+  const TimeNs until = until_s < 1e9 ? from_seconds(until_s) : std::numeric_limits<TimeNs>::max();
+  const auto start = Clock::now();
+  auto looked = start;
+  const py::gil_scoped_release parallel;
+  while (!simulation_->finished() && simulation_->now() < until) {
+    advance();
+    if (Clock::now() - looked < std::chrono::milliseconds(50)) continue;
+    looked = Clock::now();
+    const py::gil_scoped_acquire python;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+  wall_s_ += seconds_since(start);
+}
+
+void Simulator::finish() {
+  const Use use(*this);
+  const py::gil_scoped_release parallel;
+  simulation_->finish();
+  if (!directory_) return;
+  sim::write_file(directory_->path() / "scenario.yaml", sim::write_scenario(simulation_->scenario()));
+  sim::write_file(directory_->path() / "summary.json", summary_json());
+  directory_->commit();
+  directory_.reset();
+}
+
+std::string Simulator::summary_json() const {
+  sim::RunSummary summary = simulation_->summary();
+  summary.setup_wall_s = setup_wall_s_;
+  summary.wall_s = wall_s_;
+  return sim::to_json(summary);
+}
+
+void bind_simulator(py::module_& module) {
+  add_commanded_modules();
+  py::class_<sim::World>(module, "World", "The static part of a run, ready to trace; runs may share it.");
+  bind_vehicle(module);
+  using World = std::optional<sim::World>;
+  using Out = std::optional<std::filesystem::path>;
+  py::class_<Simulator>(
+      module, "Simulator",
+      "One run in lockstep. The same scenario gives the same bits as the program `swiftlet run`, for any "
+      "number of threads.")
+      .def(py::init([](const ReadScenario& scenario, int threads, World world, const Out& out) {
+             const py::gil_scoped_release parallel;
+             return std::make_unique<Simulator>(scenario, threads, std::move(world), out);
+           }),
+           py::arg("scenario"), py::arg("threads") = 0, py::arg("world") = py::none(), py::arg("out") = py::none(),
+           "threads: 0 takes all processors, and changes no result. world: of an earlier simulator with the same world "
+           "and seed. out: run directory, which appears at `finish`.")
+      .def("tick", &Simulator::tick, py::arg("count") = 1,
+           "Flies so many ticks, at most until the run is over; tells how many there were.")
+      .def(
+          "run",
+          [](Simulator& s, std::optional<double> until_s) {
+            s.run(until_s.value_or(std::numeric_limits<double>::infinity()));
+          },
+          py::arg("until_s") = py::none(), "Flies until that simulated instant, or until the run is over.")
+      .def("finish", &Simulator::finish, "Ends recording; the run directory appears under its name.")
+      .def_property_readonly("finished", &Simulator::finished, "Is the run over?")
+      .def_property_readonly(
+          "t_s", [](const Simulator& s) { return to_seconds(s.simulation()->now()); }, "[s] simulated time.")
+      .def_property_readonly(
+          "t_ns", [](const Simulator& s) { return s.simulation()->now(); }, "[ns] simulated time.")
+      .def_property_readonly(
+          "state_hash", [](const Simulator& s) { return sim::hex64(s.simulation()->state_hash()); },
+          "Of all that was, was sensed and was done so far, as in summary.json.")
+      .def_property_readonly(
+          "states", [](Simulator& s) -> Table& { return s.states(); }, py::return_value_policy::reference_internal,
+          "True state of every vehicle (n rows): position_m, q_xyzw, v_mps, omega_radps, rotor_radps, crashed ... The "
+          "arrays "
+          "look into the simulator and always show the present; copy what is to stay.")
+      .def_property_readonly(
+          "commands", &commands_of,
+          "(n, 8), written by whoever steers vehicles with `guidance: {type: commanded}` or `agent: {type: "
+          "rotors}`; holds until it is written again.")
+      .def_property_readonly("events", &Simulator::events, "What happened so far: crashes, missions that ended.")
+      .def_property_readonly("world", [](const Simulator& s) { return s.world(); })
+      .def_property_readonly(
+          "vehicle_names", [](const Simulator& s) { return s.simulation()->info().vehicle_names; },
+          "In the order of their numbers.")
+      .def(
+          "vehicle",
+          [](const Simulator& s, const py::object& which) {
+            const auto& names = s.simulation()->info().vehicle_names;
+            const VehicleId id =
+                py::isinstance<py::str>(which) ? id_of(*s.simulation(), which.cast<std::string>()) : which.cast<int>();
+            if (id < 0 || id >= static_cast<VehicleId>(names.size()))
+              throw py::index_error("expected a vehicle from 0 to " + std::to_string(names.size() - 1) + ", found " +
+                                    std::to_string(id));
+            return Vehicle{s.simulation(), id};
+          },
+          py::arg("which"), "One vehicle, by name or number.")
+      .def("_summary_json", &Simulator::summary_json);
+}
+
+}  // namespace swiftlet::python

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Swiftlet: a simulator of teams of UAVs that see with LiDAR.
+
+    import swiftlet
+
+    scenario = swiftlet.load("forest_patrol", {"vehicles[0].start.yaw_deg": 90}, seed=3)
+    simulator = swiftlet.Simulator(scenario)
+    while not simulator.finished:
+        simulator.tick()
+        print(simulator.t_s, simulator.states.position_m[0])
+    print(simulator.summary()["metrics"])
+
+docs/python.md explains it. Positions are in meters, world axes are east, north, up, times in seconds or integer nanoseconds.
+"""
+import json as _json
+import re as _re
+import tempfile as _tempfile
+
+from . import _core
+from ._core import (InputError, InternalError, Onboard, Scan, Scenario, Simulator, Table, Vehicle, World, git_revision, make_scan)
+from .modules import Cloud, Command, Detection, Goal, StepInput, agent, detector, guidance, key
+
+__version__ = _core.version
+__all__ = ["Cloud", "Command", "Detection", "Goal", "InputError", "InternalError", "Onboard", "Scan", "Scenario", "Simulator",
+           "StepInput", "Table", "Vehicle", "World", "agent", "check", "detector", "fly", "git_revision", "guidance", "key",
+           "load", "make_scan"]
+
+_PLAIN = _re.compile(r"[A-Za-z][\w./-]*")
+_MEANS_MORE = {"true", "false", "yes", "no", "on", "off", "null", "nan", "inf"}
+
+
+def _yaml(value):
+    """A value as a scenario would have it."""
+    if isinstance(value, str):
+        return value if _PLAIN.fullmatch(value) and value.lower() not in _MEANS_MORE else _json.dumps(value)
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return _json.dumps(value)
+
+
+def _changes(changes, keys):
+    return [(key, _yaml(value)) for key, value in {**(changes or {}), **keys}.items()]
+
+
+def load(source, changes=None, **keys):
+    """Reads and checks a scenario.
+
+    source: a path, the name of a scenario that comes with Swiftlet, a dict with the keys of a scenario, or a Scenario to be
+    changed further.
+    changes: by key path, such as {"vehicles[0].start.yaw_deg": 90}; keys: of the top level, such as seed=3.
+    Raises InputError with file, line and key, as `swiftlet check` prints it.
+    """
+    laid_on = _changes(changes, keys)
+    if isinstance(source, dict):
+        return _core._load_text(_json.dumps(source), "scenario", laid_on)
+    return source._changed(laid_on) if isinstance(source, Scenario) else _core._load(source, laid_on)
+
+
+def check(source, changes=None, **keys):
+    """Does all that a run does before its first tick, and leaves nothing behind. Raises InputError as `load` does."""
+    with _tempfile.TemporaryDirectory() as folder:
+        Simulator(load(source, changes, **keys), out=f"{folder}/run")
+
+
+def _summary(self):
+    """What the run came to so far: the content of summary.json."""
+    return _json.loads(self._summary_json())
+
+
+def _to_frame(self):
+    """The rows as a pandas data frame; a vector has a column for each component, such as position_m_0."""
+    import pandas
+    columns = {}
+    for name in self.keys():
+        values = self[name]
+        if getattr(values, "ndim", 1) > 1:
+            flat = values.reshape(len(values), -1)
+            columns.update({f"{name}_{i}": flat[:, i].copy() for i in range(flat.shape[1])})
+        else:
+            columns[name] = values.copy() if hasattr(values, "copy") else values
+    return pandas.DataFrame(columns)
+
+
+Simulator.summary = _summary
+Table.to_frame = _to_frame
+
+
+def fly(source, changes=None, *, out=None, threads=0, watch=None, **keys):
+    """Flies one run to its end and tells its summary.
+
+    out: run directory, as of `swiftlet run --out`; None: nothing is written.
+    watch: called as watch(simulator) after every tick.
+    """
+    simulator = Simulator(load(source, changes, **keys), threads=threads, out=out)
+    if watch is None:
+        simulator.run()
+    else:
+        while not simulator.finished:
+            simulator.tick()
+            watch(simulator)
+    simulator.finish()
+    return simulator.summary()
+
+
+for _name in __all__:
+    if isinstance(globals()[_name], type):
+        globals()[_name].__module__ = __name__
+from . import datasets, functions, results  # noqa: E402
+from .results import fly_many, read_batch  # noqa: E402
+
+__all__ += ["datasets", "fly_many", "functions", "read_batch", "results"]

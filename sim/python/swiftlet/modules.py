@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Agents, guidance and detectors written in Python, which scenarios choose by name.
+
+    @swiftlet.guidance("orbit", doc="circles around a point")
+    class Orbit:
+        center_m = swiftlet.key((0.0, 0.0, 3.0), "[m] of the circle, world")
+        radius_m = swiftlet.key(5.0, "[m] of the circle", min=0.1)
+
+        def __init__(self, setup):       # what a vehicle is told before the start
+            self.angle_rad = 0.0
+
+        def step(self, now):             # once a tick
+            ...
+            return swiftlet.Goal(position_m, velocity_mps=v, yaw_rad=yaw)
+
+Then `guidance: {type: orbit, radius_m: 4}` in a scenario means it, and a misspelt key is refused as any other. Every vehicle has
+an object of its own. An exception ends the run: its traceback comes out of `Simulator.tick` or `run`.
+"""
+import types as _types
+
+from . import _core
+from ._core import Command, Detection, Goal, StepInput, Cloud
+
+__all__ = ["Cloud", "Command", "Detection", "Goal", "StepInput", "agent", "detector", "guidance", "key"]
+
+
+class _Key:
+    def __init__(self, default, doc, low, high, words):
+        self.default, self.doc, self.low, self.high, self.words = default, doc, low, high, words
+
+
+def key(default, doc, *, min=None, max=None, words=()):
+    """A key that scenarios may set, as an attribute of a class.
+
+    default: bool, int, float, str, a tuple of 3 numbers, or a list of numbers; its type is that of the key.
+    doc: one line that begins with the unit in brackets, such as "[m] of the circle".
+    words: of a text, the only ones that are allowed.
+    """
+    if not doc.startswith("["):
+        raise ValueError(f'a key is told with its unit in brackets first, such as "[m] of the circle"; found "{doc}"')
+    return _Key(default, doc, min, max, list(words))
+
+
+def _register(kind, name, doc, clouds=False, map=False, relatives=False, true_pose=False, true_neighbors=False, detects=False):
+    needs = dict(clouds=clouds, map=map, relatives=relatives, true_pose=true_pose, true_neighbors=true_neighbors,
+                 detects=detects)
+
+    def add(cls):
+        if not callable(getattr(cls, "step", None)):
+            raise TypeError(f"{cls.__name__}: expected a method step")
+        keys = {}
+        for base in reversed(cls.__mro__):
+            keys.update((word, value) for word, value in vars(base).items() if isinstance(value, _Key))
+        told = [(word, k.doc, k.default, k.low, k.high, k.words) for word, k in keys.items()]
+        _core._add_class(kind, name, doc or (cls.__doc__ or name).strip().split("\n")[0], cls, told, needs)
+        return cls
+
+    return add
+
+
+def guidance(name, *, doc="", clouds=False, map=False, relatives=False, true_pose=False, true_neighbors=False):
+    """Makes a class the guidance `name`. Its step(now) returns a Goal, 3 numbers (a place in the world), or None: the last goal
+    holds. clouds, map, relatives: what it asks of the stages before it. true_pose, true_neighbors: truth, by name."""
+    return _register("guidance", name, doc, clouds=clouds, map=map, relatives=relatives, true_pose=true_pose,
+                     true_neighbors=true_neighbors)
+
+
+def detector(name, *, doc="", true_neighbors=False):
+    """Makes a class the detector `name`, which the simulator scores. Its step(now) returns a list of Detection when it has
+    finished a scan, also an empty one, and None otherwise."""
+    return _register("detector", name, doc, clouds=True, true_neighbors=true_neighbors)
+
+
+def agent(name, *, doc="", true_pose=False, true_neighbors=False, detects=False):
+    """Makes a class the agent `name`: all software of a vehicle. Its step(now) returns rotor commands from 0 to 1 in the order of
+    the airframe, a Command, or None: the last commands hold."""
+    return _register("agent", name, doc, true_pose=true_pose, true_neighbors=true_neighbors, detects=detects)
+
+
+def _make(cls, values, setup):
+    """Called by C++ for every vehicle."""
+    made = cls.__new__(cls)
+    for word, value in values.items():
+        setattr(made, word, value)
+    setup["airframe"] = _types.SimpleNamespace(**setup["airframe"])
+    if cls.__init__ is not object.__init__:
+        made.__init__(_types.SimpleNamespace(**setup))
+    return made

@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+"""Guidance, detectors and agents written in Python. Usage: support.py tells."""
+import math
+import traceback
+
+import numpy as np
+
+import support
+import swiftlet
+
+
+@swiftlet.guidance("orbit", doc="circles around a point")
+class Orbit:
+    center_m = swiftlet.key((0.0, 0.0, 4.0), "[m] of the circle, world")
+    radius_m = swiftlet.key(3.0, "[m] of the circle", min=0.5)
+    speed_mps = swiftlet.key(1.5, "[m/s] along it", min=0.0)
+    sense = swiftlet.key("left", "[-] which way round", words=("left", "right"))
+
+    def __init__(self, setup):
+        self.angle_rad = 0.0
+        self.start_m = setup.T_local_body_start[:3, 3]
+
+    def step(self, now):
+        self.angle_rad += (1 if self.sense == "left" else -1) * self.speed_mps / self.radius_m * now.dt_s
+        outward = np.array([math.cos(self.angle_rad), math.sin(self.angle_rad), 0.0])
+        return swiftlet.Goal(self.center_m + self.radius_m * outward, yaw_rad=0.5, mission="endless")
+
+
+@swiftlet.guidance("fails_late")
+class FailsLate:
+    """Hovers, then divides by zero."""
+
+    def step(self, now):
+        if now.t_s > 0.2:
+            return 1 / 0
+
+
+@swiftlet.guidance("talks")
+class Talks:
+    def step(self, now):
+        now.say("hello", f"{now.id}".encode())
+        HEARD.extend((now.id, bytes(b)) for b in now.messages.payload_bytes)
+
+
+@swiftlet.guidance("keeps")
+class Keeps:
+    def step(self, now):
+        KEPT.append(now)
+
+
+@swiftlet.detector("small_and_high", doc="what is small and hangs in the air")
+class SmallAndHigh:
+    height_m = swiftlet.key(1.5, "[m] what is lower stands on the ground", min=0.0)
+
+    def step(self, now):
+        for cloud in now.clouds:
+            points = cloud.points_local_m[cloud.points_local_m[:, 2] > self.height_m]
+            if len(points) == 0:
+                return []
+            box = points.max(axis=0) - points.min(axis=0)
+            return [swiftlet.Detection((points.max(axis=0) + points.min(axis=0)) / 2, extent_m=box, num_points=len(points))]
+        return None
+
+
+@swiftlet.agent("keeper", doc="holds a place with two loops", true_pose=True)
+class Keeper:
+    place_m = swiftlet.key((0.0, 0.0, 4.0), "[m] to hold, world")
+
+    def __init__(self, setup):
+        frame = self.frame = setup.airframe
+        hubs, turns = np.array(frame.rotor_positions_body_m), np.array(frame.rotor_directions)
+        rows = [np.ones(len(hubs)), hubs[:, 1], -hubs[:, 0], -turns * frame.torque_to_thrust_m]
+        self.forces_of = np.linalg.pinv(np.array(rows))
+
+    def step(self, now):
+        pose = now.samples("pose")
+        if len(pose) == 0:
+            return None
+        T, v, omega = pose.pose[-1], pose.v_mps[-1], pose.omega_radps[-1]
+        R, k, a = T[:3, :3], 1.5, 8.0
+        thrust = k * k * (self.place_m - T[:3, 3]) - 2 * k * v + np.array([0, 0, 9.81])
+        tilt = R.T @ np.cross(R[:, 2], thrust / np.linalg.norm(thrust))
+        torque = self.frame.inertia_diagonal_kgm2 * (a * a * tilt - 2 * a * omega)
+        force = self.forces_of @ np.array([self.frame.mass_kg * thrust @ R[:, 2], *torque])
+        speed = np.sqrt(np.maximum(force, 0) / self.frame.thrust_constant_N_per_radps2)
+        low, high = self.frame.rotor_speed_min_radps, self.frame.rotor_speed_max_radps
+        return swiftlet.Command(np.clip((speed - low) / (high - low), 0, 1), T_world_body=T, v_world_mps=v,
+                                reference_m=self.place_m)
+
+
+HEARD, KEPT = [], []
+GUIDANCE = "vehicles[eye].agent.guidance"
+
+
+class Modules(support.InFolder):
+    def test_guidance_of_python_flies_by_its_name_and_the_same_for_any_threads(self):
+        changes = {GUIDANCE: {"type": "orbit", "radius_m": 2.0}, "vehicles[other].agent.guidance": {"type": "orbit", "sense": "right"},
+                   "vehicles[other].start.position_m": [3, 0, 4], "duration_s": 2}
+        hashes = set()
+        for threads in (1, 2, 1):
+            simulator = swiftlet.Simulator(swiftlet.load(self.team, changes), threads=threads)
+            simulator.run()
+            hashes.add(simulator.state_hash)
+        self.assertEqual(len(hashes), 1)
+        x, y, _ = simulator.states.position_m[0]
+        self.assertGreater(math.hypot(x, y), 0.7)
+        self.assertIn("radius_m: 2", swiftlet.load(self.team, changes).yaml)
+
+    def test_keys_of_python_are_read_as_strictly_as_any_other(self):
+        for guidance, message in (({"type": "orbit", "radus_m": 2}, 'did you mean "radius_m"'),
+                                  ({"type": "orbit", "radius_m": -1}, "radius_m"),
+                                  ({"type": "orbit", "sense": "up"}, 'one of "left", "right"'),
+                                  ({"type": "orbitt"}, 'did you mean "orbit"')):
+            with self.assertRaisesRegex(swiftlet.InputError, message):
+                swiftlet.load(self.team, {GUIDANCE: guidance})
+
+    def test_an_error_is_a_traceback_of_python_and_ends_the_run(self):
+        for threads in (1, 2):
+            simulator = swiftlet.Simulator(swiftlet.load(self.team, {GUIDANCE: {"type": "fails_late"}}), threads=threads,
+                                           out=self.path / "out")
+            text = ""
+            try:
+                simulator.run()
+            except ZeroDivisionError:
+                text = traceback.format_exc()
+            self.assertIn("return 1 / 0", text)
+            self.assertAlmostEqual(simulator.t_s, 0.204)
+            with self.assertRaisesRegex(RuntimeError, "this run ended with an error"):
+                simulator.tick()
+            with self.assertRaises(RuntimeError):
+                simulator.finish()
+            self.assertEqual(sorted(p.name for p in self.path.iterdir()), ["team.yaml"])
+
+    def test_what_a_step_returns_is_checked(self):
+        class Wrong:
+            def step(self, now):
+                return "north"
+        swiftlet.guidance("wrong")(Wrong)
+        with self.assertRaisesRegex(TypeError, "a goal: expected 3 numbers, found 'north'"):
+            swiftlet.fly(self.team, {GUIDANCE: {"type": "wrong"}})
+
+    def test_what_a_step_is_told_is_gone_after_it(self):
+        simulator = swiftlet.Simulator(swiftlet.load(self.team, {GUIDANCE: {"type": "keeps"}}))
+        simulator.tick()
+        with self.assertRaisesRegex(RuntimeError, "copy what is to stay"):
+            KEPT[-1].estimate
+
+    def test_a_detector_of_python_is_scored(self):
+        summary = swiftlet.fly(self.team, {"vehicles[eye].agent.detector": {"type": "small_and_high"}, "duration_s": 1.2})
+        self.assertGreater(summary["metrics"]["vehicles"]["eye"]["detection_recall"], 0.7)
+        simulator = swiftlet.Simulator(swiftlet.load(self.team, {"vehicles[eye].agent.detector": {"type": "small_and_high"}}))
+        errors = []
+        while not simulator.finished:
+            simulator.tick()
+            found = simulator.vehicle("eye").detections
+            if found is not None and len(found):
+                errors.append(np.linalg.norm(found.position_m[0] - simulator.states.position_m[1]))
+        self.assertGreater(len(errors), 2)
+        self.assertLess(np.median(errors), 0.5)
+
+    def test_an_agent_of_python_flies_a_vehicle(self):
+        simulator = swiftlet.Simulator(swiftlet.load(self.team, {
+            "vehicles[other].agent": {"type": "keeper", "place_m": [6, 0, 4.5]}, "duration_s": 5}))
+        simulator.run()
+        self.assertLess(np.linalg.norm(simulator.states.position_m[1] - [6, 0, 4.5]), 0.4)
+        self.assertFalse(simulator.states.crashed.any())
+
+    def test_messages_pass_by_radio(self):
+        HEARD.clear()
+        swiftlet.fly(self.team, {GUIDANCE: {"type": "talks"}, "vehicles[other].agent.guidance": {"type": "talks"}}, threads=1)
+        self.assertIn((0, b"1"), HEARD)
+        self.assertIn((1, b"0"), HEARD)
+
+    def test_a_class_may_be_told_again_but_takes_no_name_of_the_library(self):
+        class Other:
+            def step(self, now):
+                return (0.0, 0.0, 9.0)
+        swiftlet.guidance("again")(Orbit)
+        swiftlet.guidance("again")(Other)
+        swiftlet.load(self.team, {GUIDANCE: {"type": "again"}})
+        with self.assertRaisesRegex(ValueError, "'hover' already"):
+            swiftlet.guidance("hover")(Other)
+
+
+class Commands(support.InFolder):
+    def test_vehicles_fly_what_is_written_into_an_array(self):
+        simulator = swiftlet.Simulator(swiftlet.load(self.team, {
+            GUIDANCE: {"type": "commanded"}, "vehicles[other].agent.guidance": {"type": "commanded", "by": "position"},
+            "wind.mean_mps": [0, 0, 0], "wind.gusts": False, "duration_s": 4}))
+        simulator.tick()
+        simulator.commands[0, :4] = (0.0, 1.0, 0.0, 0.0)
+        simulator.commands[1, :4] = (6.0, 2.0, 5.0, 0.0)
+        simulator.run()
+        np.testing.assert_allclose(simulator.states.v_mps[0], (0, 1, 0), atol=0.1)
+        np.testing.assert_allclose(simulator.states.position_m[1], (6, 2, 5), atol=0.2)
+
+    def test_a_command_that_is_no_number_is_refused(self):
+        simulator = swiftlet.Simulator(swiftlet.load(self.team, {GUIDANCE: {"type": "commanded"}}))
+        simulator.commands[0, 1] = np.nan
+        with self.assertRaisesRegex(ValueError, "commands of eye: expected finite numbers, found nan"):
+            simulator.tick()
+
+
+if __name__ == "__main__":
+    support.main()
