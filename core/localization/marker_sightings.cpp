@@ -6,9 +6,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kMaxBodies = 32;  // more things that shine are no vehicles
-constexpr int kLeastBright = 2;         // returns; one alone may be a glint
-constexpr int kRecenterings = 2;        // markers lie below and before the middle
+constexpr std::size_t kMaxBodies = 256;  // racks and signs shine, too
+constexpr int kLeastBright = 2;          // returns; one alone may be a glint
+constexpr int kRecenterings = 2;         // markers lie below and before the middle
 
 }  // namespace
 

@@ -13,7 +13,7 @@ constexpr TimeNs kSpacing = kNsPerSecond / 5;
 constexpr std::size_t kMaxSightings = 64;  // of a chain: 13 s
 constexpr double kReach_m = 0.5;           // from one sighting to the next, and
 constexpr double kReach_mps = 2.0;         // so much more by the time between them
-constexpr std::size_t kMaxChains = 32;     // more things that shine are no vehicles
+constexpr std::size_t kMaxChains = 256;    // racks and signs shine, too
 
 }  // namespace
 

@@ -175,7 +175,8 @@ class SlidingWindow : public RelativeLocalizer {
 
   // ---- who is missing
   void find_missing(TimeNs now) {
-    if (mates_.size() == 1) {
+    const bool much_else_shines = config_.source == SlidingWindowConfig::Source::kMarkers;
+    if (mates_.size() == 1 && !much_else_shines) {
       for (const Sighting& sighting : left_) mates_.front().wait(sighting);
       return;
     }
