@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "plugin_options.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
 #include "swiftlet/sim/batch/merge.hpp"
@@ -22,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BatchArguments {
+  bool allow_plugins = false;
   std::string file;
   std::string out;
   std::vector<std::string> set;
@@ -198,8 +200,12 @@ void add_batch(CLI::App& app) {
   command.flag("--plan", options->plan, "Print every episode as a command of its own, and fly nothing");
   command.flag("--slurm", options->slurm, "Write a Slurm job array with a merge job instead of flying");
   command.flag("--submit", options->submit, "Write and submit them");
+  add_allow_plugins(command, options->allow_plugins);
   command.flag("-q,--quiet", options->quiet, "Print errors only");
-  command.action([options] { batch(*options); });
+  command.action([options] {
+    if (options->allow_plugins) allow_plugins();
+    batch(*options);
+  });
 
   auto merging = std::make_shared<MergeArguments>();
   Subcommand merge_command = command.subcommand("merge", "Unite the databases of shards");

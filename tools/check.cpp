@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "commands.hpp"
+#include "plugin_options.hpp"
 #include "scenario_options.hpp"
 #include "scratch_folder.hpp"
 #include "swiftlet/sim/batch/batch_plan.hpp"
@@ -52,6 +53,7 @@ void add_check(CLI::App& app) {
   Subcommand command(app, "check", "Validate a scenario, a batch or a dataset file; prints nothing when all is well");
   options->add_to(command);
   command.action([options] {
+    if (options->allow_plugins) allow_plugins();  // batches and datasets too
     const sim::Node document = sim::Loader(sim::system_files()).load(options->file);
     if (is_batch_file(document)) {
       require_flyable(sim::BatchPlan(options->file, parse_assignments(options->set)));

@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "plugin_options.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
 #include "swiftlet/sim/batch/worker_pool.hpp"
@@ -16,6 +17,7 @@ namespace swiftlet::tools {
 namespace {
 
 struct DatasetOptions {
+  bool allow_plugins = false;
   std::string file, out;
   std::vector<std::string> set;
   int jobs = 0;
@@ -102,10 +104,12 @@ void add_dataset(CLI::App& app) {
   command.flag("--resume", options->resume, "Go on with a generation that was ended before it was done");
   command.option("--set", options->set, "Override any key: --set splits[0].flights=2 (may be repeated)",
                  {.value_name = "KEY=VALUE", .repeated = true});
+  add_allow_plugins(command, options->allow_plugins);
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] {
     if (options->file.empty()) throw sim::InputError("dataset: expected a dataset file, found none");
     if (options->out.empty()) throw sim::InputError("dataset: expected --out DIR, found none");
+    if (options->allow_plugins) allow_plugins();
     generate(*options);
   });
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "plugin_options.hpp"
 #include "progress.hpp"
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/stages/detectors.hpp"
@@ -104,7 +105,12 @@ void add_list(CLI::App& app) {
   auto wanted = std::make_shared<std::string>();
   Subcommand command(app, "list", "What can be named in a scenario");
   command.option("kind", *wanted, "Only this kind: sensors, vehicles, worlds, agents, recorders ...");
-  command.action([wanted] { list(*wanted); });
+  auto plugins = std::make_shared<PluginOptions>();
+  plugins->add_to(command);
+  command.action([wanted, plugins] {
+    plugins->load();
+    list(*wanted);
+  });
 }
 
 }  // namespace swiftlet::tools

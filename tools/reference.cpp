@@ -4,6 +4,7 @@
 #include <string>
 
 #include "commands.hpp"
+#include "plugin_options.hpp"
 #include "swiftlet/sim/dataset/dataset_config.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/metrics/metrics.hpp"
@@ -17,7 +18,10 @@ void add_reference(CLI::App& app) {
       "Print the reference of every configuration key (docs/reference.md), or of every metric (docs/metrics.md)");
   auto what = std::make_shared<std::string>("scenario");
   command.option("what", *what, "scenario, dataset or metrics");
-  command.action([what] {
+  auto plugins = std::make_shared<PluginOptions>();
+  plugins->add_to(command);
+  command.action([what, plugins] {
+    plugins->load();
     if (*what != "scenario" && *what != "dataset" && *what != "metrics") {
       throw sim::InputError("reference " + *what + ": expected scenario, dataset or metrics");
     }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "plugin_options.hpp"
 #include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::tools {
@@ -15,6 +16,7 @@ void ScenarioOptions::add_to(Subcommand& command) {
                  {.value_name = "SECONDS", .min = 0.0, .max = 1e7});
   command.option("--set", set, "Override any key: --set vehicles[0].start.yaw_deg=90 (may be repeated)",
                  {.value_name = "KEY=VALUE", .repeated = true});
+  add_allow_plugins(command, allow_plugins);
 }
 
 ConfigChanges parse_assignments(const std::vector<std::string>& set) {
@@ -31,6 +33,7 @@ ConfigChanges parse_assignments(const std::vector<std::string>& set) {
 }
 
 sim::Scenario ScenarioOptions::load() const {
+  if (allow_plugins) tools::allow_plugins();
   ConfigChanges overrides = parse_assignments(set);
   if (seed) overrides.emplace_back("seed", std::to_string(*seed));
   if (duration_s) overrides.emplace_back("duration_s", fmt::format("{}", *duration_s));

@@ -17,6 +17,7 @@ struct ScenarioOptions {
   std::optional<std::uint64_t> seed;
   std::optional<double> duration_s;
   std::vector<std::string> set;
+  bool allow_plugins = false;
 
   void add_to(Subcommand& command);
   /// Reads the scenario with all overrides. Throws InputError.

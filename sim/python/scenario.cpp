@@ -5,6 +5,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "sim/python/bindings.hpp"
+#include "swiftlet/sim/plugin/plugin.hpp"
 #include "swiftlet/sim/scenario/yaml_reader.hpp"
 
 namespace swiftlet::python {
@@ -52,6 +53,9 @@ void bind_scenario(py::module_& module) {
           "The complete scenario with every default, as a run writes it to scenario.yaml.")
       .def("_changed", &changed, py::arg("changes"));
   module.def("_load", &load, py::arg("file"), py::arg("changes"));
+  module.def(
+      "allow_plugins", [] { sim::allow_plugins(std::string(sim::version()) + " (" + sim::git_revision() + ")"); },
+      "From now on the shared libraries that scenarios name by `plugins` are loaded: they run code of their own.");
   module.def("_load_text", &load_text, py::arg("text"), py::arg("name"), py::arg("changes"));
 }
 

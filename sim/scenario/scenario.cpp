@@ -6,6 +6,7 @@
 
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/time.hpp"
+#include "swiftlet/sim/plugin/plugin.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
@@ -143,6 +144,28 @@ void check_cameras(ConfigVisitor& v, const Scenario& scenario, const std::vector
   }
 }
 
+/// The folder of the file in "folder/a.yaml:3:9: plugins: "; none for what is no file.
+std::filesystem::path folder_of(const std::string& place) {
+  std::string file = place.substr(0, place.find(": plugins"));
+  for (int numbers = 0; numbers < 2; ++numbers) {
+    const std::size_t colon = file.rfind(':');
+    if (colon == std::string::npos) return {};
+    file.resize(colon);
+  }
+  return std::filesystem::path(file).parent_path();
+}
+
+void read_plugins(ConfigVisitor& v) {
+  std::vector<std::string> plugins = loaded_plugins();
+  v.field("plugins", plugins, "[-] shared libraries with modules of one's own; --allow-plugins loads them");
+  const auto* teller = dynamic_cast<const PlaceTeller*>(&v);
+  if (teller == nullptr) return;
+  for (const std::string& plugin : plugins) {
+    const std::string expected = load_plugin(plugin, folder_of(teller->place_of("plugins")));
+    v.check(expected.empty(), "plugins", expected);
+  }
+}
+
 void check_time(ConfigVisitor& v, const Scenario& scenario) {
   const TimeNs step = from_seconds(scenario.physics.step_s);
   const TimeNs tick = from_seconds(scenario.tick_s);
@@ -187,6 +210,7 @@ Scenario::Scenario() : world(world_module_types(), "field"), vehicles(1) { vehic
 void Scenario::visit(ConfigVisitor& v) {
   v.field("name", name, "[-] of the run, and of its directory");
   v.field("description", description, "[-] one sentence about it");
+  read_plugins(v);  // what follows may name their modules
   v.field("seed", seed, "[-] of every random number");
   v.field("world_seed", world_seed, "[-] of the world alone, so that runs with other seeds share it; 0: the seed");
   v.field("duration_s", duration_s, "[s] simulated time at which the run ends at the latest", Range{0.0, 1e7, true});

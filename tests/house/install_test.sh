@@ -40,6 +40,36 @@ sensor/own_sensor
 recorder/own_recorder "$examples/recorder/plan.yaml" "$work/recorded"
 [ "$(grep -c '<polyline' "$work/recorded/plan.svg")" = 3 ]
 batch/batch
+# A module of one's own by a plugin, and in a program of one's own: the same flight.
+swiftlet=$work/prefix/bin/swiftlet
+spiral=$examples/plugin/spiral.yaml
+plugin=(--set "plugins=[$work/examples/plugin/libspiral.so]")
+"$swiftlet" run "$spiral" "${plugin[@]}" --allow-plugins -q --out by_plugin
+plugin/my_swiftlet run "$spiral" -q --out by_program
+[ "$(grep state_hash by_plugin/summary.json)" = "$(grep state_hash by_program/summary.json)" ]
+cmp by_plugin/trajectories/uav1.tum by_program/trajectories/uav1.tum
+refused() {  # message command...: exit status 2, and the message
+  local message=$1 status=0
+  shift
+  "$@" >/dev/null 2>refused || status=$?
+  [ "$status" = 2 ] && grep -q "$message" refused || { echo "$*: $status"; cat refused; exit 1; }
+}
+# It is code: nobody but the command line may allow it. Its keys are read as strictly as any other.
+refused 'plugins: expected --allow-plugins' "$swiftlet" check "$spiral" "${plugin[@]}"
+refused 'did you mean "radius_m"' "$swiftlet" check "$spiral" "${plugin[@]}" --allow-plugins --set vehicles[0].agent.guidance.radus_m=1
+refused 'guidance.type: expected one of .*found "spiral"' "$swiftlet" check "$spiral"
+refused 'a shared library, found "nowhere.so"' "$swiftlet" check "$spiral" --set 'plugins=[nowhere.so]' --allow-plugins
+"$swiftlet" reference --plugin plugin/libspiral.so | grep '`climb_mps`' >/dev/null
+"$swiftlet" list guidance --plugin plugin/libspiral.so | grep 'climbs around its start' >/dev/null
+# One for another version, and a library that is none.
+echo 'const char* swiftlet_plugin_version(void) { return "0.0.1 (old)"; } void swiftlet_plugin_register(void) {}' >old.c
+echo 'int nothing;' >none.c
+cc -shared -fPIC -o libold.so old.c
+cc -shared -fPIC -o libnone.so none.c
+refused 'a plugin that was built for swiftlet .*, found "libold.so" for 0.0.1 (old); build it again' "$swiftlet" check "$spiral" \
+  --set 'plugins=[libold.so]' --allow-plugins
+refused 'which has no SWIFTLET_PLUGIN' "$swiftlet" check "$spiral" --set 'plugins=[libnone.so]' --allow-plugins
+
 # What a program did not plug in, it refuses by name.
 if recorder/own_recorder "$examples/guidance/orbit.yaml" "$work/recorded" 2>refused; then exit 1; fi
 grep -q 'guidance.type: expected one of .*, found .orbit' refused

@@ -54,8 +54,8 @@ PROBES = [  # target, header, may it include that?
     ("test_core_map", "core/map/lanes.hpp", True),  # tests see all of their room
     ("test_core_map", "swiftlet/core/guidance/rbl.hpp", False),
     ("test_sim_sensors", "sim/raycast/embree_scene.hpp", False),
-    ("swiftlet", "swiftlet/sim/batch/run_batch.hpp", True),
-    ("swiftlet", "sim/batch/episode.hpp", False),
+    ("swiftlet_program", "swiftlet/sim/batch/run_batch.hpp", True),
+    ("swiftlet_program", "sim/batch/episode.hpp", False),
 ]
 
 

@@ -17,12 +17,13 @@ import re as _re
 import tempfile as _tempfile
 
 from . import _core
-from ._core import (InputError, InternalError, Onboard, Scan, Scenario, Simulator, Table, Vehicle, World, git_revision, make_scan)
+from ._core import (InputError, InternalError, Onboard, Scan, Scenario, Simulator, Table, Vehicle, World, allow_plugins, git_revision,
+                    make_scan)
 from .modules import Cloud, Command, Detection, Goal, StepInput, agent, detector, guidance, key
 
 __version__ = _core.version
 __all__ = ["Cloud", "Command", "Detection", "Goal", "InputError", "InternalError", "Onboard", "Scan", "Scenario", "Simulator",
-           "StepInput", "Table", "Vehicle", "World", "agent", "check", "detector", "fly", "git_revision", "guidance", "key",
+           "StepInput", "Table", "Vehicle", "World", "agent", "allow_plugins", "check", "detector", "fly", "git_revision", "guidance", "key",
            "load", "make_scan"]
 
 _PLAIN = _re.compile(r"[A-Za-z][\w./-]*")

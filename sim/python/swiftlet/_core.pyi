@@ -341,6 +341,9 @@ def _load(file: pathlib.Path, changes: typing.List[typing.Tuple[str, str]]) -> S
 def _load_text(text: str, name: str, changes: typing.List[typing.Tuple[str, str]]) -> Scenario:
     ...
 
+def allow_plugins() -> None:
+    """From now on the shared libraries that scenarios name by `plugins` are loaded: they run code of their own."""
+
 def box_probability(mean_m: object, covariance_m2: object, min_m: object, max_m: object) -> float:
     """Probability that a normal variable lies in an axis-aligned box [Vrba 2025, eq. 65]."""
 

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The program swiftlet with one guidance more: my_swiftlet run SCENARIO.yaml
+#include "spiral.hpp"
+#include "swiftlet/program.hpp"
+
+int main(int argc, char** argv) {
+  swiftlet::guidance_registry().add(spiral());
+  return swiftlet::main(argc, argv);
+}

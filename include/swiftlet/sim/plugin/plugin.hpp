@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/core/stages/detectors.hpp"
+#include "swiftlet/core/stages/estimators.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/core/stages/mappers.hpp"
+#include "swiftlet/core/stages/relative_localizers.hpp"
+#include "swiftlet/core/stages/trackers.hpp"
+#include "swiftlet/sim/metrics/metric.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+
+/// Modules from a shared library that a scenario names by `plugins: [libmine.so]`. The library has, once:
+///
+///   SWIFTLET_PLUGIN(registries) {
+///     registries.guidances.add({{"orbit", "circles around a point", make_module_config<OrbitConfig>}, make_orbit});
+///   }
+namespace swiftlet::sim {
+
+/// The tables of the program that loads a plugin. Those of the functions such as guidance_registry() are other ones in
+/// a shared library.
+struct Registries {
+  Registry<AgentType>& agents;
+  Registry<EstimatorType>& estimators;
+  Registry<DetectorType>& detectors;
+  Registry<TrackerType>& trackers;
+  Registry<RelativeLocalizerType>& relative_localizers;
+  Registry<MapperType>& mappers;
+  Registry<GuidanceType>& guidances;
+  Registry<SensorType>& sensors;
+  Registry<WorldType>& worlds;
+  Registry<RecorderType>& recorders;
+  std::vector<MetricType>& metrics;
+};
+
+/// From now on this process loads plugins that were built for exactly this version. They run code of their own: only
+/// whoever started the program may allow that, never a scenario.
+void allow_plugins(std::string version);
+
+/// Loads it, unless it is there already. A name without a folder that does not lie in `folder` is searched as the
+/// system searches libraries.
+/// @return what was expected, for the reader's message; empty when all is well
+std::string load_plugin(const std::string& file, const std::filesystem::path& folder);
+
+/// Their paths, in the order in which they were loaded.
+const std::vector<std::string>& loaded_plugins();
+
+// Defined in sim/run, and in the plugin as it was built.
+const char* version();
+const char* git_revision();
+
+}  // namespace swiftlet::sim
+
+#define SWIFTLET_PLUGIN(registries)                                                             \
+  extern "C" const char* swiftlet_plugin_version() {                                            \
+    static const std::string version =                                                          \
+        std::string(::swiftlet::sim::version()) + " (" + ::swiftlet::sim::git_revision() + ")"; \
+    return version.c_str();                                                                     \
+  }                                                                                             \
+  extern "C" void swiftlet_plugin_register(const ::swiftlet::sim::Registries& registries)

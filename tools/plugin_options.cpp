@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugin_options.hpp"
+
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/plugin/plugin.hpp"
+
+namespace swiftlet::tools {
+
+void add_allow_plugins(Subcommand& command, bool& allowed) {
+  command.flag("--allow-plugins", allowed, "Load the shared libraries that the scenario names: they run code");
+}
+
+void allow_plugins() { sim::allow_plugins(std::string(sim::version()) + " (" + sim::git_revision() + ")"); }
+
+void PluginOptions::add_to(Subcommand& command) {
+  command.option("--plugin", files, "Know the modules of this shared library as well (may be repeated)",
+                 {.value_name = "FILE", .repeated = true});
+}
+
+void PluginOptions::load() const {
+  if (files.empty()) return;
+  allow_plugins();
+  for (const std::string& file : files) {
+    const std::string expected = sim::load_plugin(file, ".");
+    if (!expected.empty()) throw sim::InputError("--plugin " + file + ": expected " + expected);
+  }
+}
+
+}  // namespace swiftlet::tools

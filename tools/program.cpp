@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/program.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "interrupt.hpp"
+#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/parallel/time_slices.hpp"
+#include "swiftlet/sim/run/version.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
+
+namespace {
+
+constexpr int kBroke = 1;
+constexpr int kWrongInput = 2;
+
+// The library would only say that a subcommand is missing.
+void require_known_command(const CLI::App& app, const std::string& word) {
+  if (word.empty() || word.front() == '-') return;
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  if (std::find(known.begin(), known.end(), word) != known.end()) return;
+  throw swiftlet::sim::InputError("expected " + swiftlet::sim::one_of(known) + ", found \"" + word + "\"" +
+                                  swiftlet::sim::did_you_mean(word, known));
+}
+
+// The program is built for processors with AVX2; on others it would end in the middle with an illegal instruction.
+bool processor_is_known() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) return true;
+  std::fputs("swiftlet: expected a processor with AVX2, found one without\n", stderr);
+  return false;
+#else
+  return true;
+#endif
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App app{"Swiftlet: simulator of teams of UAVs that see with LiDAR", "swiftlet"};
+  app.set_version_flag("--version", std::string(swiftlet::sim::version()) + " (" + swiftlet::sim::git_revision() + ")");
+  app.require_subcommand(1);
+  app.failure_message([](const CLI::App* program, const CLI::Error& error) {
+    std::string command = program->get_name();
+    for (const CLI::App* chosen = program; !chosen->get_subcommands().empty();) {
+      chosen = chosen->get_subcommands().back();
+      command += " " + chosen->get_name();
+    }
+    return "swiftlet: " + std::string(error.what()) + "\nTry '" + command + " --help'.\n";
+  });
+  swiftlet::tools::add_run(app);
+  swiftlet::tools::add_batch(app);
+  swiftlet::tools::add_report(app);
+  swiftlet::tools::add_render(app);
+  swiftlet::tools::add_replay(app);
+  swiftlet::tools::add_world(app);
+  swiftlet::tools::add_check(app);
+  swiftlet::tools::add_list(app);
+  swiftlet::tools::add_reference(app);
+  swiftlet::tools::add_bench(app);
+  swiftlet::tools::add_dataset(app);
+  swiftlet::tools::add_reproduce(app);
+  swiftlet::tools::add_uncertainty(app);
+  try {
+    require_known_command(app, argc > 1 ? argv[1] : "");
+    app.parse(argc, argv);
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
+    std::fprintf(stderr, "swiftlet: cannot write to the standard output: %s\n", std::strerror(errno));
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kWrongInput;
+  } catch (const swiftlet::tools::Interrupted& stop) {
+    std::fprintf(stderr, "swiftlet: %s\n", stop.what());
+    return stop.exit_status();
+  } catch (const swiftlet::sim::InputError& error) {
+    std::fprintf(stderr, "swiftlet: %s\n", error.what());
+    return kWrongInput;
+  } catch (const std::invalid_argument& error) {
+    std::fprintf(stderr, "swiftlet: %s\n", error.what());
+    return kWrongInput;
+  } catch (const swiftlet::ContractViolation& violation) {
+    std::fprintf(stderr, "swiftlet: internal error: %s\n", violation.what());
+  } catch (const swiftlet::sim::OutOfMemory& problem) {
+    std::fprintf(stderr, "swiftlet: %s\n", problem.what());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "swiftlet: out of memory\n");
+  } catch (const std::filesystem::filesystem_error& error) {
+    const std::string path = error.path2().empty() ? error.path1().string() : error.path2().string();
+    std::fprintf(stderr, "swiftlet: %s: %s\n", path.c_str(), error.code().message().c_str());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "swiftlet: %s\n", error.what());
+  }
+  return kBroke;
+}
+
+}  // namespace
+
+int swiftlet::main(int argc, char** argv) {
+  swiftlet::sim::ask_for_short_time_slices();
+  // A closed pipe or a file at its limit is an error of the write, not the end of the run.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  return processor_is_known() ? run_program(argc, argv) : kBroke;
+}
