@@ -58,7 +58,7 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
                            const ClosureConfig& config);
 
 /// Of a cloud whose frame has z up: one point in each cell of columns in which something stands at least a meter high.
-/// Floors fit anywhere and are left out.
+/// Floors fit anywhere and are left out. Any frame, the same for all arguments.
 std::vector<Eigen::Vector3f> upright_points_m(std::span<const Eigen::Vector3f> points_cloud_m, double cell_m,
                                               double range_max_m);
 
