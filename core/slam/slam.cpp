@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "swiftlet/core/finite.hpp"
@@ -20,7 +21,9 @@ class SlamEstimator : public StateEstimator {
         slam_(config.local, setup.T_local_body_start, setup.airframe.circumscribed_radius_m()),
         start_m_(setup.T_local_body_start.translation()),
         heading_known_(setup.start_known == StartKnown::kPose),
-        place_known_(setup.start_known != StartKnown::kNothing) {
+        place_known_(setup.start_known != StartKnown::kNothing),
+        blend_(config.global.blend) {
+    if (config.global.enabled) global_.emplace(config.global, setup.start_known == StartKnown::kPose);
     estimate_.valid = true;
     estimate_.T_local_body = setup.T_local_body_start;
   }
@@ -41,6 +44,7 @@ class SlamEstimator : public StateEstimator {
     }
     tell(observation.t);
     learn_world(observation);
+    if (global_) correct(observation);
     judge(observation.t);
     return estimate_;
   }
@@ -63,6 +67,10 @@ class SlamEstimator : public StateEstimator {
     const ScanOutcome outcome = slam_.add(std::move(arrival.scan));
     if (!outcome.used) return;
     last_used_ = arrival.t;
+    if (global_ && outcome.inserted && slam_.started() && heading_known_ && place_known_) {
+      global_->add_scan(slam_.filter().state().nav.t, slam_.filter().T_local_body(), slam_.points_body_m(),
+                        estimate_.T_world_local);
+    }
     if (outcome.fit.num_degenerate == 0) last_sure_ = arrival.t;
   }
 
@@ -93,6 +101,18 @@ class SlamEstimator : public StateEstimator {
     }
   }
 
+  /// The correction of the pose graph, shown little by little. Its revision tells when a new one begins to be shown,
+  /// and when it holds in full.
+  void correct(const Observation& observation) {
+    for (const GnssSample& sample : observation.gnss) global_->add_gnss(sample);
+    const std::optional<Pose> learned = global_->correction(observation.t);
+    if (blend_.is_done() && !learned) return;
+    if (blend_.is_done()) blend_.reset(estimate_.T_world_local);
+    if (learned) blend_.head_for(observation.t, *learned, estimate_.T_local_body.translation());
+    estimate_.T_world_local = blend_.advance(observation.t);
+    if (learned || blend_.is_done()) ++estimate_.correction_revision;
+  }
+
   void judge(TimeNs t) {
     const double sigma_m = std::sqrt(estimate_.covariance.diagonal().head<3>().maxCoeff());
     fault_ = "";
@@ -117,7 +137,9 @@ class SlamEstimator : public StateEstimator {
   LocalSlam slam_;
   Vector3 start_m_;
   bool heading_known_, place_known_;  // of the local frame in the world
-  std::vector<Arrival> waiting_;      // few
+  std::optional<GlobalSlam> global_;
+  CorrectionBlend blend_;
+  std::vector<Arrival> waiting_;  // few
   bool started_ = false;
   TimeNs last_imu_ = 0, last_used_ = 0, last_sure_ = 0;
   StateEstimate estimate_;
@@ -131,6 +153,7 @@ void SlamConfig::visit(ConfigVisitor& v) {
   v.field("lidars", lidars, "[-] names of the LiDARs that it listens to; none: all");
   v.field("latency_s", latency_s, "[s] a scan takes on board until it moves the estimate", Range::between(0.0, 1.0));
   v.object("local", local, "motion from scan to scan");
+  v.object("global", global, "closures and GNSS: where the local frame lies in the world");
   v.field("warn_after_s", warn_after_s, "[s] without a scan that fits, or with degenerate ones, after which it warns",
           Range::positive());
   v.field("lidar_timeout_s", lidar_timeout_s, "[s] without a scan that fits, after which the estimate is not valid",

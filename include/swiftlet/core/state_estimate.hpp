@@ -17,7 +17,7 @@ struct StateEstimate {
   Vector3 v_local_mps = Vector3::Zero();
   Vector3 omega_body_radps = Vector3::Zero();
   Matrix6 covariance = Matrix6::Zero();   ///< position in the local frame [m], rotation vector in body axes [rad]
-  Pose T_world_local = Pose::Identity();  ///< the correction, as far as the vehicle knows; changed by correct() only
+  Pose T_world_local = Pose::Identity();  ///< the correction, as far as the vehicle knows; it may move slowly
   std::uint32_t correction_revision = 0;  ///< how often it changed; 0: it is the identity
 
   /// A new correction; one that is equal to the present one changes nothing.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
@@ -79,6 +80,10 @@ class LocalSlam {
 
   const InertialFilter& filter() const { return filter_; }
   const SurfaceMap& map() const { return map_; }
+  /// Is the start over, so that what is in the map stays as it is?
+  bool started() const { return start_.over; }
+  /// Of the scan that was added last, thinned for the map.
+  std::span<const Eigen::Vector3f> points_body_m() const { return dense_body_m_; }
   /// Of the pose in the local frame: the filter's, relative to the map, and what the map has drifted.
   Matrix6 pose_covariance() const;
 

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/closure.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/slam/branch_and_bound.hpp"
+#include "swiftlet/core/slam/pose_graph.hpp"
+#include "swiftlet/core/slam/scan_to_map.hpp"
+#include "swiftlet/core/slam/surface_map.hpp"
+#include "swiftlet/core/slam/sweep.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kUpright_m = 1.0;
+constexpr int kLeastUpright = 40;
+constexpr int kRefinements = 8;
+constexpr double kStill = 1e-4;                             // m and rad: refined
+constexpr double kMovedMost_m = 1.0, kMovedMost_deg = 4.0;  // by the refinement: a cell of the grid and some
+
+void keep_at_most(std::size_t most, std::vector<Eigen::Vector3f>& points_m) {
+  const std::size_t num = points_m.size();
+  if (num <= most) return;
+  for (std::size_t i = 0; i < most; ++i) points_m[i] = points_m[i * num / most];
+  points_m.resize(most);
+}
+
+/// So small that the farthest point moves by less than a cell [Hess et al., ICRA 2016, eq. 7].
+double yaw_step_rad(double cell_m, double range_m) {
+  const double share = cell_m / std::max(range_m, cell_m);
+  return 0.99 * elementary::acos(1.0 - 0.5 * share * share);
+}
+
+/// Walls hardly tell the height: the one at which most points lie on surfaces, floors among them.
+void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, double cell_m, Pose& T) {
+  ScanToMapConfig matching;
+  matching.surface_sigma_m = 0.1;
+  const double z_m = T.translation().z();
+  double best_m = z_m;
+  int most = -1;
+  for (const int halves : {0, 1, -1, 2, -2}) {
+    T.translation().z() = z_m + 0.5 * cell_m * halves;
+    const int near = fit_scan(map, points_m, T, matching).num_near;
+    if (near <= most) continue;
+    most = near;
+    best_m = T.translation().z();
+  }
+  T.translation().z() = best_m;
+}
+
+/// Gauss and Newton on the distances of the points from the surfaces. The first steps count points as far off as a cell
+/// of the grid is wide, the last ones only those that lie close.
+ScanFit refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, Pose& T) {
+  ScanToMapConfig matching;
+  const double finest_m = matching.surface_sigma_m;
+  for (const double sigma_m : {0.3, 0.1, 0.03, finest_m}) {
+    matching.surface_sigma_m = sigma_m;
+    for (int i = 0; i < kRefinements; ++i) {
+      ScanFit fit = fit_scan(map, points_m, T, matching);
+      const Vector6 step = fit.evidence.information.ldlt().solve(fit.evidence.gradient);
+      if (fit.num_degenerate > 0 || !step.allFinite()) {
+        fit.num_degenerate = std::max(fit.num_degenerate, 1);
+        return fit;
+      }
+      T = moved(T, -step);
+      if (step.cwiseAbs().maxCoeff() < kStill) break;
+    }
+  }
+  return fit_scan(map, points_m, T, matching);
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3f> upright_points_m(std::span<const Eigen::Vector3f> points_m, double cell_m,
+                                              double range_max_m) {
+  const auto column_of = [&](const Eigen::Vector3f& p) {
+    return std::pair(static_cast<int>(std::floor(p.x() / cell_m)), static_cast<int>(std::floor(p.y() / cell_m)));
+  };
+  const auto is_near = [&](const Eigen::Vector3f& p) { return p.head<2>().norm() <= range_max_m; };
+  std::map<std::pair<int, int>, std::pair<float, float>> heights;
+  for (const Eigen::Vector3f& p : points_m) {
+    if (!is_near(p)) continue;
+    const auto [it, fresh] = heights.try_emplace(column_of(p), p.z(), p.z());
+    if (!fresh) it->second = {std::min(it->second.first, p.z()), std::max(it->second.second, p.z())};
+  }
+  std::vector<Eigen::Vector3f> upright_m;
+  upright_m.reserve(points_m.size());
+  for (const Eigen::Vector3f& p : points_m) {
+    if (!is_near(p)) continue;
+    const auto& [low_m, high_m] = heights.at(column_of(p));
+    if (high_m - low_m >= kUpright_m) upright_m.push_back(p);
+  }
+  std::vector<std::uint32_t> kept;
+  kept.reserve(upright_m.size());
+  VoxelThinner().thin(upright_m, static_cast<float>(cell_m), kept);
+  for (std::size_t i = 0; i < kept.size(); ++i) upright_m[i] = upright_m[kept[i]];
+  upright_m.resize(kept.size());
+  return upright_m;
+}
+
+ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
+                           std::span<const Eigen::Vector3f> points_newer_m, const Pose& T_older_newer_guess,
+                           const ClosureConfig& config) {
+  ClosureResult result;
+  const auto refused = [&](ClosureVerdict why) {
+    result.verdict = why;
+    return result;
+  };
+  const std::vector<Eigen::Vector3f> older_m = upright_points_m(points_older_m, config.cell_m, config.range_max_m);
+  std::vector<Eigen::Vector3f> newer_m = upright_points_m(points_newer_m, config.cell_m, config.range_max_m);
+  if (std::min(older_m.size(), newer_m.size()) < kLeastUpright) return refused(ClosureVerdict::kTooFlat);
+  const RotationalHistogram of_older(points_older_m), of_newer(points_newer_m);
+  keep_at_most(config.points, newer_m);
+
+  SearchWindow window;
+  window.xy_cells = static_cast<int>(std::ceil(config.window_xy_m / config.cell_m));
+  window.z_cells = static_cast<int>(std::ceil(config.window_z_m / config.cell_m));
+  window.yaw_rad = config.window_yaw_deg * kRadPerDeg;
+  window.yaw_step_rad = yaw_step_rad(config.cell_m, config.range_max_m);
+  std::vector<std::uint8_t> allowed(num_yaws(window));
+  for (int i = 0; i < num_yaws(window); ++i) {
+    const double yaw_rad = yaw_of(T_older_newer_guess.linear()) + yaw_offset_rad(window, i);
+    allowed[i] = of_newer.similarity(of_older, yaw_rad) >= config.histogram_min ? 1 : 0;
+  }
+  const OccupancyPyramid pyramid(older_m, config.cell_m, config.levels);
+  SearchResult found =
+      search_best_pose(pyramid, newer_m, T_older_newer_guess, window, config.score_min, config.budget, allowed);
+  result.num_expanded = found.num_expanded;
+  if (!found.complete) return refused(ClosureVerdict::kNotSearched);
+  if (!found.best) return refused(ClosureVerdict::kNoMatch);
+  const GridMatch best = *found.best;
+  result.score = best.score;
+  const Excluded excluded{best.T_map_cloud, config.rival_distance_m};
+  found = search_best_pose(pyramid, newer_m, T_older_newer_guess, window, config.rival_share * best.score,
+                           config.budget, allowed, &excluded);
+  result.num_expanded += found.num_expanded;
+  if (!found.complete) return refused(ClosureVerdict::kNotSearched);
+  if (found.best) return refused(ClosureVerdict::kRival);
+
+  SurfaceMap surfaces{SurfaceMapConfig{}};
+  std::vector<Vector3> points_m(points_older_m.size());
+  for (std::size_t i = 0; i < points_m.size(); ++i) points_m[i] = points_older_m[i].cast<double>();
+  surfaces.insert(points_m, Vector3::Zero());
+  Pose T = best.T_map_cloud;
+  settle_height(surfaces, points_newer_m, config.cell_m, T);
+  const ScanFit fit = refine(surfaces, points_newer_m, T);
+  if (fit.num_degenerate > 0) return refused(ClosureVerdict::kOpen);
+  const Pose by = best.T_map_cloud.inverse() * T;
+  if (by.translation().norm() > kMovedMost_m ||
+      rotation_vector_rad(Eigen::Quaterniond(Matrix3(by.linear()))).norm() > kMovedMost_deg * kRadPerDeg) {
+    return refused(ClosureVerdict::kMoved);
+  }
+  result.overlap = static_cast<double>(fit.num_known) / std::max(fit.num_points, 1);
+  result.near_share = static_cast<double>(fit.num_near) / std::max(fit.num_known, 1);
+  if (result.overlap < config.overlap_min) return refused(ClosureVerdict::kNoOverlap);
+  if (result.near_share < config.near_min) return refused(ClosureVerdict::kDoesNotFit);
+  result.T_older_newer = T;
+  return refused(ClosureVerdict::kClosed);
+}
+
+void ClosureConfig::visit(ConfigVisitor& v) {
+  v.field("window_xy_m", window_xy_m, "[m] from the estimate, in which a closure is sought", Range::between(0.0, 50.0));
+  v.field("window_z_m", window_z_m, "[m] the same for the height", Range::between(0.0, 20.0));
+  v.field("window_yaw_deg", window_yaw_deg, "[deg] the same for the heading", Range::between(0.0, 180.0));
+  v.field("cell_m", cell_m, "[m] of the grid that is searched", Range::between(0.1, 5.0));
+  v.field("levels", levels, "[-] of that grid, each twice as coarse", Range::between(1, 8));
+  v.field("points", points, "[-] of the newer submap that are sought in the older one", Range::between(50, 5000));
+  v.field("range_max_m", range_max_m, "[m] points farther from the submap's middle are left out",
+          Range::between(2.0, 200.0));
+  v.field("budget", budget, "[-] nodes of one search, at most", Range::between(100, 100000000));
+  v.field("histogram_min", histogram_min, "[-] headings whose rotational histograms agree less are not searched",
+          Range::probability());
+  v.field("score_min", score_min, "[-] share of the points that must lie in occupied cells", Range::probability());
+  v.field("rival_share", rival_share, "[-] of the best score: another place that has it makes the closure doubtful",
+          Range::probability());
+  v.field("rival_distance_m", rival_distance_m, "[m] another place is one at least this far away",
+          Range::between(0.0, 50.0));
+  v.field("overlap_min", overlap_min, "[-] share of the newer submap that must be known in the older one",
+          Range::probability());
+  v.field("near_min", near_min, "[-] share of that which must lie on its surfaces", Range::probability());
+}
+
+}  // namespace swiftlet

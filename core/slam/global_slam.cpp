@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/global_slam.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/math/angles.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kLeastStep_m = 0.05;  // of odometry: below it errors do not get smaller
+constexpr double kInSubmap_m = 0.005;  // how exactly a node lies in its own submap
+constexpr double kInSubmap_deg = 0.02;
+constexpr double kTold_m = 0.01, kTold_deg = 0.1;         // a start pose that was told
+constexpr double kGuessed_m = 10.0, kGuessed_deg = 10.0;  // one that was not
+constexpr double kTilt_rad = 0.5 * kRadPerDeg;            // of any start: gravity is known
+
+Matrix6 information_of(double position_m, double attitude_rad) {
+  Matrix6 information = Matrix6::Zero();
+  information.diagonal().head<3>().setConstant(1.0 / (position_m * position_m));
+  information.diagonal().tail<3>().setConstant(1.0 / (attitude_rad * attitude_rad));
+  return information;
+}
+
+/// With z up, as the local frame has it: heading and place of a body.
+Pose level(const Pose& T) { return make_pose(T.translation(), rotation_by({0.0, 0.0, yaw_of(T.linear())})); }
+
+}  // namespace
+
+GlobalSlam::GlobalSlam(const GlobalSlamConfig& config, bool pose_known) : config_(config), pose_known_(pose_known) {}
+
+void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Eigen::Vector3f> points_body_m,
+                          const Pose& T_world_local) {
+  double step_m = 0.0;
+  if (!nodes_.empty()) {
+    step_m = (T_local_body.translation() - nodes_.back().T_local_body.translation()).norm();
+    if (t <= nodes_.back().t || step_m < config_.node_every_m) return;
+  } else {
+    last_optimized_ = t;
+  }
+  Node node{t, 0, T_local_body, step_m};
+  if (nodes_.empty()) {
+    node.pose = graph_.add_pose(T_world_local * T_local_body);
+    Matrix6 information = pose_known_ ? information_of(kTold_m, kTold_deg * kRadPerDeg)
+                                      : information_of(kGuessed_m, kGuessed_deg * kRadPerDeg);
+    if (!pose_known_) information.diagonal().segment<2>(3).setConstant(1.0 / (kTilt_rad * kTilt_rad));
+    graph_.add(PriorFactor{node.pose, graph_.pose(node.pose), information});
+  } else {
+    const Node& last = nodes_.back();
+    node.way_m = last.way_m + step_m;
+    const Pose T_last_node = last.T_local_body.inverse() * T_local_body;
+    node.pose = graph_.add_pose(graph_.pose(last.pose) * T_last_node);
+    graph_.add(RelativeFactor{last.pose, node.pose, T_last_node, odometry_information(step_m), kNoHuber});
+  }
+  graph_.add(GravityFactor{node.pose, T_local_body.linear().transpose() * Vector3::UnitZ(),
+                           config_.gravity_sigma_deg * kRadPerDeg});
+  nodes_.push_back(node);
+  if (submaps_.empty() || node.way_m - submaps_.back().begin_m > config_.submap_m) {
+    if (!submaps_.empty()) finish_submap();
+    begin_submap(node);
+  }
+  Submap& submap = submaps_.back();
+  submap.end_m = node.way_m;
+  const Pose T_submap_body = submap.T_local_submap.inverse() * T_local_body;
+  submap.points_submap_m.reserve(submap.points_submap_m.size() + points_body_m.size());
+  for (const Eigen::Vector3f& p : points_body_m) {
+    submap.points_submap_m.push_back((T_submap_body * p.cast<double>()).cast<float>());
+  }
+  graph_.add(RelativeFactor{submap.pose, node.pose, T_submap_body,
+                            information_of(kInSubmap_m, kInSubmap_deg * kRadPerDeg), kNoHuber});
+  place_fixes();
+  fit_start();
+  const bool due = to_seconds(t - last_optimized_) >= config_.optimize_every_s;
+  if (news_ || (fixes_ && due)) optimize(t);
+}
+
+void GlobalSlam::begin_submap(const Node& node) {
+  Submap submap;
+  submap.T_local_submap = level(node.T_local_body);
+  submap.begin_m = submap.end_m = node.way_m;
+  submap.pose = graph_.add_pose(graph_.pose(node.pose) * node.T_local_body.inverse() * submap.T_local_submap);
+  submaps_.push_back(std::move(submap));
+}
+
+/// It takes no further scans: it keeps a point in a cube and is compared with older ones.
+void GlobalSlam::finish_submap() {
+  std::vector<Eigen::Vector3f>& points_m = submaps_.back().points_submap_m;
+  std::vector<std::uint32_t> kept;
+  kept.reserve(points_m.size());
+  thinner_.thin(points_m, static_cast<float>(config_.submap_voxel_m), kept);
+  std::vector<Eigen::Vector3f> thinned_m(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) thinned_m[i] = points_m[kept[i]];
+  points_m = std::move(thinned_m);
+  seek_closures();
+}
+
+/// With the nearest older submaps that the vehicle left long ago.
+void GlobalSlam::seek_closures() {
+  const Submap& newer = submaps_.back();
+  const Pose& T_world_newer = graph_.pose(newer.pose);
+  struct Candidate {
+    double distance_m = 0.0;
+    std::size_t i = 0;
+  };
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i + 1 < submaps_.size(); ++i) {
+    const double distance_m = (graph_.pose(submaps_[i].pose).translation() - T_world_newer.translation()).norm();
+    if (newer.begin_m - submaps_[i].end_m < config_.closure_gap_m || distance_m > config_.closure_distance_m) continue;
+    candidates.push_back({distance_m, i});
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.distance_m < b.distance_m; });
+  candidates.resize(std::min<std::size_t>(candidates.size(), config_.searches));
+  for (const Candidate& candidate : candidates) {
+    const Submap& older = submaps_[candidate.i];
+    const ClosureResult result =
+        find_closure(older.points_submap_m, newer.points_submap_m,
+                     level(graph_.pose(older.pose)).inverse() * level(T_world_newer), config_.closures);
+    if (result.verdict != ClosureVerdict::kClosed) continue;
+    graph_.add(RelativeFactor{older.pose, newer.pose, result.T_older_newer,
+                              information_of(config_.closure_position_m, config_.closure_attitude_deg * kRadPerDeg),
+                              config_.closure_huber});
+    ++num_closures_;
+    news_ = true;
+  }
+}
+
+void GlobalSlam::add_gnss(const GnssSample& sample) {
+  if (!config_.use_gnss || !sample.p_world_m.allFinite() || !sample.sigma_p_m.allFinite()) return;
+  if (!nodes_.empty() && sample.t >= nodes_.back().t) waiting_.push_back(sample);
+}
+
+/// Fixes between the last two nodes; while the vehicle hovers the last one stands for all.
+void GlobalSlam::place_fixes() {
+  if (waiting_.empty() || nodes_.size() < 2) return;
+  const Node &before = nodes_[nodes_.size() - 2], &after = nodes_.back();
+  const GnssSample& fix = waiting_.back();
+  if (fix.t <= after.t) {
+    const double beta = std::max(0.0, to_seconds(fix.t - before.t) / to_seconds(after.t - before.t));
+    graph_.add(PositionFactor{before.pose, after.pose, beta, fix.p_world_m,
+                              gnss_weight_1_m(config_.gnss, fix.sigma_p_m), config_.gnss.huber});
+    const Vector3 p_local_m =
+        (1.0 - beta) * before.T_local_body.translation() + beta * after.T_local_body.translation();
+    if (!pose_known_ && !fitted_) matched_.push_back({p_local_m, fix.p_world_m, 1.0});
+    fixes_ = true;
+  }
+  waiting_.clear();
+}
+
+/// A start that nobody told is fitted to east, north and up as soon as the way is long enough to tell a heading.
+void GlobalSlam::fit_start() {
+  if (pose_known_ || fitted_ || matched_.size() < 5) return;
+  const Node& first = nodes_.front();
+  const Pose T_world_local = level(graph_.pose(first.pose) * first.T_local_body.inverse());
+  const double yaw_rad = yaw_of(T_world_local.linear());
+  const Pose fitted = fit_to_world(matched_, yaw_rad, config_.fit_spread_m);
+  if (yaw_of(fitted.linear()) == yaw_of(level_alignment(yaw_rad, Vector3::Zero(), Vector3::Zero()).linear()))
+    return;  // too near to each other
+  fitted_ = true;
+  matched_ = {};
+  const Pose by = fitted * T_world_local.inverse();
+  for (int i = 0; i < graph_.num_poses(); ++i) graph_.set_pose(i, by * graph_.pose(i));
+  graph_.clear_priors();
+  Matrix6 information = information_of(kGuessed_m, kGuessed_deg * kRadPerDeg);
+  information.diagonal().segment<2>(3).setConstant(1.0 / (kTilt_rad * kTilt_rad));
+  graph_.add(PriorFactor{first.pose, graph_.pose(first.pose), information});
+}
+
+void GlobalSlam::optimize(TimeNs t) {
+  graph_.optimize(config_.graph);
+  news_ = fixes_ = false;
+  last_optimized_ = t;
+  const Node& last = nodes_.back();
+  // Both frames have z up: the tilt of the local frame is local SLAM's own.
+  const Pose T_world_local = graph_.pose(last.pose) * last.T_local_body.inverse();
+  learned_.push_back({t + from_seconds(config_.latency_s),
+                      level_alignment(yaw_of(T_world_local.linear()), graph_.pose(last.pose).translation(),
+                                      last.T_local_body.translation())});
+}
+
+std::optional<Pose> GlobalSlam::correction(TimeNs t) {
+  std::optional<Pose> newest;
+  while (!learned_.empty() && learned_.front().ready <= t) {
+    newest = learned_.front().T_world_local;
+    learned_.erase(learned_.begin());
+  }
+  return newest;
+}
+
+Matrix6 GlobalSlam::odometry_information(double way_m) const {
+  const double root = std::sqrt(std::max(way_m, kLeastStep_m));
+  return information_of(config_.odometry_position_m_sqrt_m * root,
+                        config_.odometry_attitude_deg_sqrt_m * kRadPerDeg * root);
+}
+
+void GlobalSlamConfig::visit(ConfigVisitor& v) {
+  const Range positive = Range::positive();
+  v.field("enabled", enabled, "[-] are loops closed and GNSS fixes used?");
+  v.field("latency_s", latency_s, "[s] search and optimization take on board", Range::between(0.0, 60.0));
+  v.field("node_every_m", node_every_m, "[m] of motion, after which a scan becomes a node", Range::between(0.05, 20.0));
+  v.field("submap_m", submap_m, "[m] of the way make a submap", Range::between(0.5, 200.0));
+  v.field("submap_voxel_m", submap_voxel_m, "[m] a submap keeps one point in a cube of this edge",
+          Range::between(0.05, 2.0));
+  v.field("closure_distance_m", closure_distance_m, "[m] submaps as near to each other may be joined", positive);
+  v.field("closure_gap_m", closure_gap_m, "[m] of the way must lie between them", Range::non_negative());
+  v.field("searches", searches, "[-] for a finished submap, at most", Range::between(0, 100));
+  v.field("odometry_position_m_sqrt_m", odometry_position_m_sqrt_m,
+          "[m/sqrt(m)] how much the graph distrusts local SLAM, by the way", positive);
+  v.field("odometry_attitude_deg_sqrt_m", odometry_attitude_deg_sqrt_m, "[deg/sqrt(m)] the same of its attitude",
+          positive);
+  v.field("closure_position_m", closure_position_m, "[m] standard deviation of a closure", positive);
+  v.field("closure_attitude_deg", closure_attitude_deg, "[deg] the same of its attitude", positive);
+  v.field("closure_huber", closure_huber, "[-] closures that are off by more deviations count less", positive);
+  v.field("gravity_sigma_deg", gravity_sigma_deg, "[deg] of the tilt that local SLAM tells", positive);
+  v.field("use_gnss", use_gnss, "[-] fixes pull the trajectory");
+  v.field("optimize_every_s", optimize_every_s, "[s] with new fixes; a closure does not wait", positive);
+  v.field("fit_spread_m", fit_spread_m, "[m] of the way, from which a start that nobody told is fitted to GNSS",
+          positive);
+  v.object("gnss", gnss, "weight of a fix");
+  v.object("closures", closures, "how they are sought and checked");
+  v.object("graph", graph, "its optimization");
+  v.object("blend", blend, "how a new correction is shown");
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/pose_graph.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kFirstDamping = 1e-9, kLeastDamping = 1e-12, kMostDamping = 1e6;
+
+/// Derivative of the rotation vector of Exp(r) Exp(turn) by a small turn (inverse of the right Jacobian).
+Matrix3 right_jacobian_inverse(const Vector3& r_rad) {
+  const Matrix3 K = skew_of(r_rad);
+  const double angle = r_rad.norm();
+  if (angle < 1e-3) return Matrix3::Identity() + 0.5 * K + (1.0 / 12.0) * (K * K);
+  const double sine = elementary::sin(angle), cosine = elementary::cos(angle);
+  return Matrix3::Identity() + 0.5 * K + (1.0 / (angle * angle) - (1.0 + cosine) / (2.0 * angle * sine)) * (K * K);
+}
+
+/// By which a quadratic cost is multiplied, so that its derivative is that of Huber's.
+double huber_weight(double length, double scale) { return length <= scale ? 1.0 : scale / length; }
+
+double huber_cost(double length_sq, double scale) {
+  if (length_sq <= scale * scale) return 0.5 * length_sq;
+  return scale * (std::sqrt(length_sq) - 0.5 * scale);
+}
+
+Vector3 turn_to(const Pose& T_a, const Pose& T_b) {
+  return rotation_vector_rad(Eigen::Quaterniond(Matrix3(T_a.linear().transpose() * T_b.linear())));
+}
+
+Vector6 relative_residual(const RelativeFactor& f, const Pose& T_from, const Pose& T_to) {
+  const Pose T_from_to = T_from.inverse() * T_to;
+  Vector6 r;
+  r << T_from_to.translation() - f.T_from_to.translation(), turn_to(f.T_from_to, T_from_to);
+  return r;
+}
+
+Vector6 prior_residual(const PriorFactor& f, const Pose& T) {
+  Vector6 r;
+  r << T.translation() - f.T_world_pose.translation(), turn_to(f.T_world_pose, T);
+  return r;
+}
+
+Vector3 gravity_residual(const GravityFactor& f, const Pose& T) { return T.linear().row(2).transpose() - f.up_body; }
+
+}  // namespace
+
+Pose moved(const Pose& T_world_pose, const Vector6& step) {
+  Pose T;
+  const Eigen::Quaterniond q = Eigen::Quaterniond(Matrix3(T_world_pose.linear())) * rotation_by(step.tail<3>());
+  return make_pose(T_world_pose.translation() + step.head<3>(), q.normalized());
+}
+
+RelativeResidual residual_of(const RelativeFactor& f, const Pose& T_from, const Pose& T_to) {
+  RelativeResidual out;
+  out.r = relative_residual(f, T_from, T_to);
+  const Matrix3 R_from_world = T_from.linear().transpose();
+  const Matrix3 of_turn = right_jacobian_inverse(out.r.tail<3>());
+  out.J_from.topLeftCorner<3, 3>() = -R_from_world;
+  out.J_from.topRightCorner<3, 3>() = skew_of(R_from_world * (T_to.translation() - T_from.translation()));
+  out.J_from.bottomRightCorner<3, 3>() = -of_turn * T_to.linear().transpose() * T_from.linear();
+  out.J_to.topLeftCorner<3, 3>() = R_from_world;
+  out.J_to.bottomRightCorner<3, 3>() = of_turn;
+  return out;
+}
+
+PriorResidual residual_of(const PriorFactor& f, const Pose& T) {
+  PriorResidual out;
+  out.r = prior_residual(f, T);
+  out.J.topLeftCorner<3, 3>().setIdentity();
+  out.J.bottomRightCorner<3, 3>() = right_jacobian_inverse(out.r.tail<3>());
+  return out;
+}
+
+GravityResidual residual_of(const GravityFactor& f, const Pose& T) {
+  return {gravity_residual(f, T), skew_of(T.linear().row(2).transpose())};
+}
+
+Vector3 residual_of(const PositionFactor& f, const Pose& T_before, const Pose& T_after) {
+  const Vector3 p_m = (1.0 - f.beta) * T_before.translation() + f.beta * T_after.translation();
+  return f.weight_world_1_m.cwiseProduct(p_m - f.p_world_m);
+}
+
+int PoseGraph::add_pose(const Pose& T_world_pose) {
+  poses_.push_back(T_world_pose);
+  return num_poses() - 1;
+}
+
+void PoseGraph::add(const RelativeFactor& f) {
+  ENSURE(f.from != f.to && f.from >= 0 && f.to >= 0 && f.from < num_poses() && f.to < num_poses(), f.from, f.to);
+  relatives_.push_back(f);
+}
+
+void PoseGraph::add(const PriorFactor& f) {
+  ENSURE(f.pose >= 0 && f.pose < num_poses(), f.pose);
+  priors_.push_back(f);
+}
+
+void PoseGraph::add(const GravityFactor& f) {
+  ENSURE(f.pose >= 0 && f.pose < num_poses() && f.sigma_rad > 0.0, f.pose, f.sigma_rad);
+  gravities_.push_back(f);
+}
+
+void PoseGraph::add(const PositionFactor& f) {
+  ENSURE(f.before >= 0 && f.after >= 0 && f.before < num_poses() && f.after < num_poses(), f.before, f.after);
+  positions_.push_back(f);
+}
+
+double PoseGraph::cost_of(std::span<const Pose> poses) const {
+  double cost = 0.0;
+  for (const RelativeFactor& f : relatives_) {
+    const Vector6 r = relative_residual(f, poses[f.from], poses[f.to]);
+    cost += huber_cost(r.dot(f.information * r), f.huber);
+  }
+  for (const PriorFactor& f : priors_) {
+    const Vector6 r = prior_residual(f, poses[f.pose]);
+    cost += 0.5 * r.dot(f.information * r);
+  }
+  for (const GravityFactor& f : gravities_) {
+    cost += 0.5 * gravity_residual(f, poses[f.pose]).squaredNorm() / (f.sigma_rad * f.sigma_rad);
+  }
+  for (const PositionFactor& f : positions_) {
+    cost += huber_cost(residual_of(f, poses[f.before], poses[f.after]).squaredNorm(), f.huber);
+  }
+  return cost;
+}
+
+void PoseGraph::linearize(BlockCholesky& H, std::vector<Vector6>& gradient) const {
+  H.set_zero();
+  gradient.assign(poses_.size(), Vector6::Zero());
+  for (const RelativeFactor& f : relatives_) {
+    const RelativeResidual e = residual_of(f, poses_[f.from], poses_[f.to]);
+    const Vector6 weighted = f.information * e.r;
+    const double w = huber_weight(std::sqrt(e.r.dot(weighted)), f.huber);
+    const Matrix6 of_from = w * (f.information * e.J_from), of_to = w * (f.information * e.J_to);
+    H.diagonal(f.from).noalias() += e.J_from.transpose() * of_from;
+    H.diagonal(f.to).noalias() += e.J_to.transpose() * of_to;
+    H.add(f.from, f.to, e.J_from.transpose() * of_to);
+    gradient[f.from].noalias() += w * (e.J_from.transpose() * weighted);
+    gradient[f.to].noalias() += w * (e.J_to.transpose() * weighted);
+  }
+  for (const PriorFactor& f : priors_) {
+    const PriorResidual e = residual_of(f, poses_[f.pose]);
+    H.diagonal(f.pose).noalias() += e.J.transpose() * f.information * e.J;
+    gradient[f.pose].noalias() += e.J.transpose() * (f.information * e.r);
+  }
+  for (const GravityFactor& f : gravities_) {
+    const GravityResidual e = residual_of(f, poses_[f.pose]);
+    const double w = 1.0 / (f.sigma_rad * f.sigma_rad);
+    H.diagonal(f.pose).bottomRightCorner<3, 3>() += w * (e.J_turn.transpose() * e.J_turn);
+    gradient[f.pose].tail<3>() += w * (e.J_turn.transpose() * e.r_body);
+  }
+  for (const PositionFactor& f : positions_) {
+    const Vector3 r = residual_of(f, poses_[f.before], poses_[f.after]);
+    const double w = huber_weight(r.norm(), f.huber);
+    const Vector3 information = w * f.weight_world_1_m.cwiseAbs2(), g = w * f.weight_world_1_m.cwiseProduct(r);
+    const double one = 1.0 - f.beta, other = f.beta;
+    H.diagonal(f.before).diagonal().head<3>() += one * one * information;
+    H.diagonal(f.after).diagonal().head<3>() += other * other * information;
+    gradient[f.before].head<3>() += one * g;
+    gradient[f.after].head<3>() += other * g;
+    if (f.before == f.after) {
+      H.diagonal(f.before).diagonal().head<3>() += 2.0 * one * other * information;
+      continue;
+    }
+    Matrix6 both = Matrix6::Zero();
+    both.diagonal().head<3>() = one * other * information;
+    H.add(f.before, f.after, both);
+  }
+}
+
+GraphReport PoseGraph::optimize(const GraphSolverConfig& config) {
+  std::vector<std::pair<int, int>> pairs;
+  pairs.reserve(relatives_.size() + positions_.size());
+  for (const RelativeFactor& f : relatives_) pairs.emplace_back(f.from, f.to);
+  for (const PositionFactor& f : positions_) {
+    if (f.before != f.after) pairs.emplace_back(f.before, f.after);
+  }
+  BlockCholesky H(num_poses(), pairs);
+  GraphReport report;
+  report.cost_before = report.cost_after = cost();
+  std::vector<Vector6> gradient, step;
+  std::vector<Pose> tried(poses_.size());
+  double damping = kFirstDamping;
+  bool stale = true;
+  while (report.num_iterations < config.iterations && damping <= kMostDamping) {
+    if (stale) linearize(H, gradient);
+    stale = false;
+    ++report.num_iterations;
+    if (!H.solve(damping, gradient, step)) {
+      damping = std::max(damping * 100.0, 1e-6);
+      continue;
+    }
+    double largest = 0.0;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      tried[i] = moved(poses_[i], -step[i]);
+      largest = std::max(largest, step[i].cwiseAbs().maxCoeff());
+    }
+    const double cost = cost_of(tried);
+    if (cost > report.cost_after && largest >= config.step_min) {
+      damping = std::max(damping * 100.0, 1e-6);
+      continue;
+    }
+    if (cost <= report.cost_after) {
+      poses_.swap(tried);
+      report.cost_after = cost;
+    }
+    stale = true;
+    damping = std::max(damping * 0.1, kLeastDamping);
+    report.converged = largest < config.step_min;
+    if (report.converged) break;
+  }
+  return report;
+}
+
+Vector3 gnss_weight_1_m(const GnssFactorConfig& config, const Vector3& sigma_world_m) {
+  constexpr double kLeast_m = 0.003;  // released code: what claims to be better is not believed
+  Vector3 sigma_m = sigma_world_m.cwiseMax(kLeast_m);
+  if (config.weighting == GnssWeighting::kIsotropic) sigma_m.setConstant(sigma_m.maxCoeff());
+  const Vector3 inverse_1_m = config.weighting == GnssWeighting::kReleased ? Vector3(sigma_m.cwiseAbs2().cwiseInverse())
+                                                                           : Vector3(sigma_m.cwiseInverse());
+  return config.a * inverse_1_m + Vector3::Constant(config.b_1_m);
+}
+
+Pose fit_to_world(std::span<const MatchedPosition> points, double yaw_rad, double least_spread_m) {
+  double weight = 0.0;
+  Vector3 mean_local_m = Vector3::Zero(), mean_world_m = Vector3::Zero();
+  for (const MatchedPosition& m : points) {
+    weight += m.weight;
+    mean_local_m += m.weight * m.p_local_m;
+    mean_world_m += m.weight * m.p_world_m;
+  }
+  ENSURE(weight > 0.0, points.size());
+  mean_local_m /= weight;
+  mean_world_m /= weight;
+  double along = 0.0, across = 0.0, spread_m2 = 0.0;
+  for (const MatchedPosition& m : points) {
+    const Vector3 l = m.p_local_m - mean_local_m, w = m.p_world_m - mean_world_m;
+    along += m.weight * (l.x() * w.x() + l.y() * w.y());
+    across += m.weight * (l.x() * w.y() - l.y() * w.x());
+    spread_m2 += m.weight * l.head<2>().squaredNorm();
+  }
+  const bool tells = spread_m2 >= weight * least_spread_m * least_spread_m;
+  return level_alignment(tells ? elementary::atan2(across, along) : yaw_rad, mean_world_m, mean_local_m);
+}
+
+void GnssFactorConfig::visit(ConfigVisitor& v) {
+  v.choice("weighting", weighting, {"isotropic", "per_axis", "released"},
+           "of a fix: all axes by the worst, each by its own deviation, or by its square");
+  v.field("a", a, "[-] of the inverse deviation [Orsulic 2021, eq. 7]", Range::non_negative());
+  v.field("b_1_m", b_1_m, "[1/m] of every fix alike", Range::non_negative());
+  v.field("huber", huber, "[-] weighted residuals longer than this count less", Range::positive());
+}
+
+void GraphSolverConfig::visit(ConfigVisitor& v) {
+  v.field("iterations", iterations, "[-] of one optimization, at most", Range::between(1, 1000));
+  v.field("step_min", step_min, "[m, rad] a smaller step is the last one", Range::positive());
+}
+
+}  // namespace swiftlet

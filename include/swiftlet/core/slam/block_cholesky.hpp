@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// Solves H x = b for a symmetric, positive definite H of sparse blocks of 6 x 6, by L D L^T (T. Davis, "Algorithm 849:
+/// a concise sparse Cholesky factorization package", ACM TOMS 2005, by blocks). Minimum degree orders the blocks. One
+/// thread and a fixed order of sums: same bits everywhere.
+class BlockCholesky {
+ public:
+  /// The pattern: `pairs` of blocks off the diagonal, in any order and with repetitions.
+  BlockCholesky(int num_blocks, std::span<const std::pair<int, int>> pairs);
+
+  int num_blocks() const { return static_cast<int>(diagonal_.size()); }
+  void set_zero();
+  /// The block (i, i).
+  Matrix6& diagonal(int i) { return diagonal_[place_[i]]; }
+  const Matrix6& diagonal(int i) const { return diagonal_[place_[i]]; }
+  /// H_ij += block, and H_ji with it.
+  void add(int i, int j, const Matrix6& block);
+  /// (H + damping diag(H)) x = b. False when that is not positive definite.
+  bool solve(double damping, std::span<const Vector6> b, std::vector<Vector6>& x);
+
+ private:
+  bool factorize(double damping);
+
+  // Blocks in the order of elimination: `place_[i]` is where block i stands in it.
+  std::vector<int> place_;
+  std::vector<Matrix6> diagonal_;
+  // Upper part of H by columns: rows above the diagonal, rising.
+  std::vector<int> first_, row_;
+  std::vector<Matrix6> value_;
+  // L by columns.
+  std::vector<int> parent_, first_of_L_, num_in_L_, row_of_L_;
+  std::vector<Matrix6> L_, D_inverse_;
+  // Of the factorization.
+  std::vector<Matrix6> column_;
+  std::vector<int> flag_, pattern_, path_;
+};
+
+}  // namespace swiftlet

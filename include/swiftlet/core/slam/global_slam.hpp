@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/localization/local_poses.hpp"
+#include "swiftlet/core/samples.hpp"
+#include "swiftlet/core/slam/closure.hpp"
+#include "swiftlet/core/slam/correction_blend.hpp"
+#include "swiftlet/core/slam/pose_graph.hpp"
+#include "swiftlet/core/slam/sweep.hpp"
+
+namespace swiftlet {
+
+struct GlobalSlamConfig {
+  bool enabled = false;
+  double latency_s = 0.3;
+  double node_every_m = 0.5;
+  double submap_m = 8.0;
+  double submap_voxel_m = 0.2;
+  double closure_distance_m = 8.0;
+  double closure_gap_m = 30.0;
+  int searches = 2;
+  double odometry_position_m_sqrt_m = 0.02;
+  double odometry_attitude_deg_sqrt_m = 0.1;
+  double closure_position_m = 0.02;
+  double closure_attitude_deg = 0.1;
+  double closure_huber = 3.0;
+  double gravity_sigma_deg = 0.2;
+  bool use_gnss = true;
+  double optimize_every_s = 10.0;
+  double fit_spread_m = 5.0;
+  GnssFactorConfig gnss;
+  ClosureConfig closures;
+  GraphSolverConfig graph;
+  CorrectionBlendConfig blend;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Where the local frame lies in the world. Key frames (nodes) and submaps of the local trajectory are poses of a
+/// graph. Closures join them when the vehicle comes by again, and GNSS fixes pull them where there are any.
+class GlobalSlam {
+ public:
+  /// @param pose_known  was the start pose told? Else it is a guess that GNSS may overrule.
+  GlobalSlam(const GlobalSlamConfig& config, bool pose_known);
+
+  /// A scan that local SLAM has placed, in order of time.
+  /// @param T_world_local  the correction so far: where the first node is taken to lie
+  void add_scan(TimeNs t, const Pose& T_local_body, std::span<const Eigen::Vector3f> points_body_m,
+                const Pose& T_world_local);
+  void add_gnss(const GnssSample& sample);
+  /// A correction that has become known by t, if there is one.
+  std::optional<Pose> correction(TimeNs t);
+
+  int num_nodes() const { return static_cast<int>(nodes_.size()); }
+  int num_submaps() const { return static_cast<int>(submaps_.size()); }
+  int num_closures() const { return num_closures_; }
+  const PoseGraph& graph() const { return graph_; }
+
+ private:
+  struct Node {
+    TimeNs t = 0;
+    int pose = 0;  // in the graph
+    Pose T_local_body = Pose::Identity();
+    double way_m = 0.0;
+  };
+  struct Submap {
+    int pose = 0;  // in the graph
+    Pose T_local_submap = Pose::Identity();
+    double begin_m = 0.0, end_m = 0.0;  // of the way
+    std::vector<Eigen::Vector3f> points_submap_m;
+  };
+  void begin_submap(const Node& node);
+  void finish_submap();
+  void seek_closures();
+  void place_fixes();
+  void fit_start();
+  void optimize(TimeNs t);
+  Matrix6 odometry_information(double way_m) const;
+
+  GlobalSlamConfig config_;
+  bool pose_known_;
+  PoseGraph graph_;
+  std::vector<Node> nodes_;
+  std::vector<Submap> submaps_;  // the last one grows
+  VoxelThinner thinner_;
+  std::vector<GnssSample> waiting_;  // fixes that no node follows yet
+  std::vector<MatchedPosition> matched_;
+  bool fitted_ = false;
+  int num_closures_ = 0;
+  bool news_ = false, fixes_ = false;  // since the last optimization: a closure, a fix
+  TimeNs last_optimized_ = 0;
+  struct Learned {
+    TimeNs ready = 0;
+    Pose T_world_local = Pose::Identity();
+  };
+  std::vector<Learned> learned_;  // few
+};
+
+}  // namespace swiftlet

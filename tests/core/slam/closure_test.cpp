@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/closure.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
+#include "swiftlet/core/slam/branch_and_bound.hpp"
+
+namespace swiftlet {
+namespace {
+
+using Points = std::vector<Eigen::Vector3f>;
+
+/// Points of an upright rectangle, 0.15 m apart and 1 cm off.
+void add_wall(Points& points, double x0, double y0, double x1, double y1, double height_m, std::mt19937& random) {
+  std::normal_distribution<float> off(0.0F, 0.01F);
+  const int n = static_cast<int>(std::hypot(x1 - x0, y1 - y0) / 0.15), m = static_cast<int>(height_m / 0.15);
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= m; ++j) {
+      const float f = static_cast<float>(i) / static_cast<float>(n), z = 0.15F * static_cast<float>(j);
+      const float dx = off(random), dy = off(random);
+      points.emplace_back(static_cast<float>(x0 + f * (x1 - x0)) + dx, static_cast<float>(y0 + f * (y1 - y0)) + dy, z);
+    }
+  }
+}
+
+void add_floor(Points& points, double half_m, std::mt19937& random) {
+  std::normal_distribution<float> off(0.0F, 0.01F);
+  const int n = static_cast<int>(half_m / 0.25);
+  for (int i = -n; i <= n; ++i) {
+    for (int j = -n; j <= n; ++j) {
+      points.emplace_back(0.25F * static_cast<float>(i), 0.25F * static_cast<float>(j), off(random));
+    }
+  }
+}
+
+/// A yard of walls that stand in no regular way.
+Points yard(unsigned seed) {
+  std::mt19937 random(seed);
+  Points points;
+  add_floor(points, 12.0, random);
+  add_wall(points, -10, -8, 9, -8, 4.0, random);
+  add_wall(points, 9, -8, 9, 5, 3.0, random);
+  add_wall(points, -10, -8, -10, 3, 5.0, random);
+  add_wall(points, -4, 4, 1, 6, 3.0, random);
+  add_wall(points, 3, 0, 5, 2.5, 2.5, random);
+  return points;
+}
+
+/// Racks that look alike every 2.5 m.
+Points aisles(unsigned seed) {
+  std::mt19937 random(seed);
+  Points points;
+  add_floor(points, 12.0, random);
+  for (int i = -4; i <= 4; ++i) add_wall(points, 2.5 * i, -9, 2.5 * i, 9, 4.0, random);
+  for (int i = -4; i <= 4; ++i) add_wall(points, 2.5 * i, -9, 2.5 * i + 0.8, -9, 4.0, random);
+  return points;
+}
+
+Points seen_from(const Points& points, const Pose& T_map_cloud) {
+  Points out;
+  out.reserve(points.size());
+  const Pose T = T_map_cloud.inverse();
+  for (const Eigen::Vector3f& p : points) out.push_back((T * p.cast<double>()).cast<float>());
+  return out;
+}
+
+TEST(OccupancyPyramid, EveryLevelIsTheMaximumOverItsCells) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> uniform(-4.0F, 4.0F);
+  Points points(60);
+  for (Eigen::Vector3f& p : points) {
+    for (int axis = 0; axis < 3; ++axis) p(axis) = uniform(random);
+  }
+  const OccupancyPyramid pyramid(points, 0.5, 4);
+  for (int level = 1; level < 4; ++level) {
+    for (int x = -18; x < 12; ++x) {
+      for (int y = -18; y < 12; ++y) {
+        for (int z = -18; z < 12; z += 3) {
+          bool any = false;
+          for (int i = 0; i < 1 << level; ++i) {
+            for (int j = 0; j < 1 << level; ++j) {
+              for (int k = 0; k < 1 << level; ++k) any = any || pyramid.at(0, x + i, y + j, z + k);
+            }
+          }
+          ASSERT_EQ(pyramid.at(level, x, y, z), any) << level << ": " << x << " " << y << " " << z;
+        }
+      }
+    }
+  }
+}
+
+/// Every displacement and heading, one by one.
+double best_by_force(const OccupancyPyramid& map, const Points& points, const Pose& guess, const SearchWindow& window,
+                     const Excluded* excluded) {
+  int best = 0;
+  for (int i = 0; i < num_yaws(window); ++i) {
+    Pose T = guess;
+    T.linear() = rotation_by({0, 0, yaw_offset_rad(window, i)}).toRotationMatrix() * guess.linear();
+    for (int x = -window.xy_cells; x <= window.xy_cells; ++x) {
+      for (int y = -window.xy_cells; y <= window.xy_cells; ++y) {
+        for (int z = -window.z_cells; z <= window.z_cells; ++z) {
+          const Vector3 by = map.cell_m() * Vector3(x, y, z);
+          if (excluded != nullptr &&
+              (T.translation() + by - excluded->T_map_cloud.translation()).norm() < excluded->distance_m) {
+            continue;
+          }
+          int score = 0;
+          for (const Eigen::Vector3f& p : points) {
+            const Eigen::Vector3i c = ((T * p.cast<double>()) / map.cell_m()).array().floor().cast<int>();
+            score += map.at(0, c.x() + x, c.y() + y, c.z() + z) ? 1 : 0;
+          }
+          best = std::max(best, score);
+        }
+      }
+    }
+  }
+  return static_cast<double>(best) / static_cast<double>(points.size());
+}
+
+TEST(BranchAndBound, NeverMissesTheBestPoseInTheWindow) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> uniform(-5.0F, 5.0F);
+  std::int64_t expanded = 0, leaves = 0;
+  for (int trial = 0; trial < 8; ++trial) {
+    Points points(40);
+    for (Eigen::Vector3f& p : points) {
+      for (int axis = 0; axis < 3; ++axis) p(axis) = uniform(random);
+    }
+    const Pose T = make_pose({0.7, -1.1, 0.4}, rotation_by({0, 0, 0.11}));
+    Points moved_points = seen_from(points, T);
+    for (Eigen::Vector3f& p : moved_points) p += 0.1F * Eigen::Vector3f(uniform(random), 0.0F, 0.0F);
+    const OccupancyPyramid map(points, 0.5, 1 + trial % 4);
+    const SearchWindow window{5, 2, 0.1, 0.05};
+    const Excluded excluded{T, 1.0};
+    for (const Excluded* without : {static_cast<const Excluded*>(nullptr), &excluded}) {
+      const SearchResult found =
+          search_best_pose(map, moved_points, Pose::Identity(), window, 0.0, 1'000'000'000, {}, without);
+      ASSERT_TRUE(found.complete);
+      ASSERT_TRUE(found.best);
+      EXPECT_DOUBLE_EQ(found.best->score, best_by_force(map, moved_points, Pose::Identity(), window, without));
+      if (trial % 4 == 3 && without == nullptr) {
+        expanded += found.num_expanded;
+        leaves += 11 * 11 * 5 * num_yaws(window);
+      }
+    }
+  }
+  EXPECT_LT(expanded, leaves) << "bounds save work";
+}
+
+TEST(BranchAndBound, TellsWhenItsBudgetEnds) {
+  const Points points = upright_points_m(yard(1), 0.5, 25.0);
+  const OccupancyPyramid map(points, 0.5, 4);
+  const SearchResult found = search_best_pose(map, points, Pose::Identity(), {10, 2, 0.2, 0.02}, 0.1, 50);
+  EXPECT_FALSE(found.complete);
+  EXPECT_LT(found.num_expanded, 400);
+}
+
+TEST(RotationalHistogram, AgreesAtTheRightHeadingAndNotAtAnother) {
+  const Points points = yard(1);
+  const RotationalHistogram map(points);
+  const RotationalHistogram turned(seen_from(points, make_pose({0, 0, 0}, rotation_by({0, 0, 0.4}))));
+  EXPECT_GT(turned.similarity(map, 0.4), 0.85);
+  EXPECT_LT(turned.similarity(map, 0.0), 0.6);
+}
+
+TEST(Closure, FindsAKnownRelativePoseToACentimeter) {
+  const Points older = yard(1);
+  for (const double yaw_rad : {0.3, -2.0}) {
+    const Pose T = make_pose({1.5, -0.8, 0.3}, rotation_by({0, 0, yaw_rad}));
+    const Points newer = seen_from(yard(2), T);
+    const Pose guess = make_pose(T.translation() + Vector3(-1.6, 1.2, -0.4), rotation_by({0, 0, yaw_rad + 0.08}));
+    const ClosureResult result = find_closure(older, newer, guess, {});
+    ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict) << " " << result.score;
+    const Pose off = T.inverse() * result.T_older_newer;
+    EXPECT_LT(off.translation().norm(), 0.01);
+    EXPECT_LT(rotation_vector_rad(Eigen::Quaterniond(Matrix3(off.linear()))).norm(), 0.002);
+    EXPECT_GT(result.near_share, 0.9);
+  }
+}
+
+TEST(Closure, RefusesAislesThatLookAlike) {
+  const Pose T = make_pose({0.2, 0.3, 0.1}, rotation_by({0, 0, 0.02}));
+  const ClosureResult result = find_closure(aisles(1), seen_from(aisles(2), T), Pose::Identity(), {});
+  EXPECT_EQ(result.verdict, ClosureVerdict::kRival);
+}
+
+TEST(Closure, RefusesAnotherPlace) {
+  std::mt19937 random(5);
+  Points other;
+  add_floor(other, 12.0, random);
+  add_wall(other, -9, 7, 6, 9, 4.0, random);
+  add_wall(other, -3, -6, -1, 2, 3.0, random);
+  add_wall(other, 5, -9, 8, -4, 3.0, random);
+  EXPECT_NE(find_closure(yard(1), other, Pose::Identity(), {}).verdict, ClosureVerdict::kClosed);
+}
+
+TEST(Closure, RefusesABareFloorAndASingleWall) {
+  std::mt19937 random(6);
+  Points floor;
+  add_floor(floor, 12.0, random);
+  EXPECT_EQ(find_closure(floor, floor, Pose::Identity(), {}).verdict, ClosureVerdict::kTooFlat);
+  Points wall = floor;
+  add_wall(wall, -12, 4, 12, 4, 4.0, random);
+  const ClosureVerdict verdict = find_closure(wall, wall, Pose::Identity(), {}).verdict;
+  EXPECT_TRUE(verdict == ClosureVerdict::kRival || verdict == ClosureVerdict::kOpen) << static_cast<int>(verdict);
+}
+
+}  // namespace
+}  // namespace swiftlet

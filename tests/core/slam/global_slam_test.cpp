@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/global_slam.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kSide_m = 8.0;  // of the square that is flown
+
+/// Around a square at constant height, nose ahead along x.
+Vector3 on_square_m(double way_m) {
+  const double w = std::fmod(way_m, 4.0 * kSide_m);
+  if (w < kSide_m) return {w, 0, 2};
+  if (w < 2.0 * kSide_m) return {kSide_m, w - kSide_m, 2};
+  if (w < 3.0 * kSide_m) return {3.0 * kSide_m - w, kSide_m, 2};
+  return {0, 4.0 * kSide_m - w, 2};
+}
+
+/// Walls of a yard around the square, and boxes in it.
+std::vector<Vector3> yard_world_m() {
+  std::vector<Vector3> points;
+  std::mt19937 random(1);
+  std::normal_distribution<double> off(0.0, 0.005);
+  const auto add_wall = [&](double x0, double y0, double x1, double y1, double height_m) {
+    const int n = static_cast<int>(std::hypot(x1 - x0, y1 - y0) / 0.2), m = static_cast<int>(height_m / 0.2);
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; j <= m; ++j) {
+        const double f = static_cast<double>(i) / n, dx = off(random), dy = off(random);
+        points.emplace_back(x0 + f * (x1 - x0) + dx, y0 + f * (y1 - y0) + dy, 0.2 * j);
+      }
+    }
+  };
+  for (int i = -25; i <= 65; ++i) {
+    for (int j = -25; j <= 65; ++j) points.emplace_back(0.2 * i, 0.2 * j, off(random));
+  }
+  add_wall(-5, -5, 13, -4, 4);
+  add_wall(13, -4, 12, 13, 4);
+  add_wall(-5, -5, -4, 12, 4);
+  add_wall(3, 2.5, 5, 3, 3);
+  add_wall(2.5, 6, 3.5, 4.5, 3);
+  return points;
+}
+
+struct Flight {
+  GlobalSlam slam;
+  std::optional<Pose> correction;
+  TimeNs t = 0, learned = 0;
+
+  /// Local SLAM drifts along `drift_per_m`.
+  void fly(double way_m, const Vector3& drift_per_m, double gnss_every_m = 0.0,
+           const Pose& T_world_true = Pose::Identity()) {
+    static const std::vector<Vector3> kYard = yard_world_m();
+    for (int i = 0; 0.5 * i <= way_m; ++i) {
+      t += 250'000'000;
+      const Vector3 p_world_m = on_square_m(0.5 * i), p_local_m = p_world_m + 0.5 * i * drift_per_m;
+      std::vector<Eigen::Vector3f> points;
+      for (const Vector3& p : kYard) {
+        if ((p - p_world_m).norm() < 9.0) points.push_back((p - p_world_m).cast<float>());
+      }
+      if (gnss_every_m > 0.0)
+        slam.add_gnss({t, T_world_true * p_world_m, Vector3::Zero(), Vector3::Constant(0.02), Vector3::Ones()});
+      slam.add_scan(t, make_pose(p_local_m, Eigen::Quaterniond::Identity()), points, Pose::Identity());
+      if (const std::optional<Pose> c = slam.correction(t)) {
+        correction = c;
+        learned = t;
+      }
+    }
+  }
+};
+
+TEST(GlobalSlam, ClosesALoopAndTellsWhereTheDriftedFrameLies) {
+  GlobalSlamConfig config;
+  config.closure_gap_m = 20.0;
+  Flight flight{GlobalSlam(config, true), {}, 0, 0};
+  const Vector3 drift_per_m(0.006, -0.004, 0.002);
+  flight.fly(60.0, drift_per_m);
+  EXPECT_GE(flight.slam.num_closures(), 1);
+  ASSERT_TRUE(flight.correction);
+  const Vector3 p_world_m = on_square_m(60.0), p_local_m = p_world_m + 60.0 * drift_per_m;
+  const double before_m = (p_local_m - p_world_m).norm();
+  EXPECT_GT(before_m, 0.4);
+  EXPECT_LT((*flight.correction * p_local_m - p_world_m).norm(), 0.5 * before_m);
+  EXPECT_EQ((*flight.correction).linear()(2, 2), 1.0) << "both frames have z up";
+}
+
+TEST(GlobalSlam, WithoutARevisitItSaysNothing) {
+  Flight flight{GlobalSlam({}, true), {}, 0, 0};
+  flight.fly(25.0, Vector3(0.01, 0, 0));
+  EXPECT_EQ(flight.slam.num_closures(), 0);
+  EXPECT_FALSE(flight.correction);
+  EXPECT_GE(flight.slam.num_submaps(), 3);
+}
+
+TEST(GlobalSlam, AStartThatNobodyToldIsFittedToEastNorthUp) {
+  GlobalSlamConfig config;
+  config.optimize_every_s = 2.0;
+  Flight flight{GlobalSlam(config, false), {}, 0, 0};
+  const Pose T = make_pose({200, -100, 30}, rotation_by({0, 0, 1.2}));
+  flight.fly(30.0, Vector3::Zero(), 0.5, T);
+  ASSERT_TRUE(flight.correction);
+  EXPECT_LT((*flight.correction * on_square_m(30.0) - T * on_square_m(30.0)).norm(), 0.1);
+  EXPECT_NEAR(yaw_of(flight.correction->linear()), 1.2, 0.02);
+}
+
+TEST(GlobalSlam, ACorrectionIsKnownOnlyAfterItsLatency) {
+  GlobalSlamConfig config;
+  config.optimize_every_s = 2.0;
+  TimeNs learned[2] = {};
+  for (const double latency_s : {0.0, 3.0}) {
+    config.latency_s = latency_s;
+    Flight flight{GlobalSlam(config, true), {}, 0, 0};
+    flight.fly(6.0, Vector3::Zero(), 0.5);
+    if (flight.correction) learned[latency_s > 0.0] = flight.learned;
+  }
+  EXPECT_GT(learned[0], 0);
+  EXPECT_EQ(learned[1], 0) << "the flight is over before";
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/pose_graph.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
+
+namespace swiftlet {
+namespace {
+
+Pose random_pose(std::mt19937& random, double spread_m = 5.0, double spread_rad = 1.0) {
+  std::normal_distribution<double> normal;
+  Vector6 x;
+  for (int i = 0; i < 6; ++i) x(i) = normal(random);
+  return make_pose(spread_m * x.head<3>(), rotation_by(spread_rad * x.tail<3>()));
+}
+
+double distance(const Pose& a, const Pose& b) { return (a.matrix() - b.matrix()).norm(); }
+
+/// The derivative of f(T) by changes of T, by central differences.
+template <int Rows, class F>
+Eigen::Matrix<double, Rows, 6> differences(const F& f, const Pose& T) {
+  constexpr double kStep = 1e-6;
+  Eigen::Matrix<double, Rows, 6> J;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6 step = kStep * Vector6::Unit(i);
+    J.col(i) = (f(moved(T, step)) - f(moved(T, -step))) / (2.0 * kStep);
+  }
+  return J;
+}
+
+TEST(BlockCholesky, SolvesAsADenseSolverDoes) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  constexpr int kBlocks = 40;
+  std::vector<std::pair<int, int>> pairs;
+  for (int i = 0; i + 1 < kBlocks; ++i) pairs.emplace_back(i + 1, i);
+  for (int i = 0; i < 25; ++i) {
+    const int a = static_cast<int>(random() % kBlocks), b = static_cast<int>(random() % kBlocks);
+    if (a != b) pairs.emplace_back(a, b);
+  }
+  BlockCholesky H(kBlocks, pairs);
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(6 * kBlocks, 6 * kBlocks);
+  for (const auto& [i, j] : pairs) {
+    Matrix6 Ji, Jj;
+    for (int k = 0; k < 36; ++k) Ji(k) = normal(random);
+    for (int k = 0; k < 36; ++k) Jj(k) = normal(random);
+    H.diagonal(i) += Ji.transpose() * Ji;
+    H.diagonal(j) += Jj.transpose() * Jj;
+    H.add(i, j, Ji.transpose() * Jj);
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, 6 * kBlocks);
+    J.middleCols<6>(6 * i) += Ji;
+    J.middleCols<6>(6 * j) += Jj;
+    dense += J.transpose() * J;
+  }
+  for (int i = 0; i < kBlocks; ++i) H.diagonal(i) += Matrix6::Identity();
+  dense += Eigen::MatrixXd::Identity(6 * kBlocks, 6 * kBlocks);
+  std::vector<Vector6> b(kBlocks), x;
+  Eigen::VectorXd b_dense(6 * kBlocks);
+  for (int i = 0; i < 6 * kBlocks; ++i) b[i / 6](i % 6) = b_dense(i) = normal(random);
+  ASSERT_TRUE(H.solve(0.0, b, x));
+  const Eigen::VectorXd expected = dense.ldlt().solve(b_dense);
+  for (int i = 0; i < 6 * kBlocks; ++i) EXPECT_NEAR(x[i / 6](i % 6), expected(i), 1e-10);
+  ASSERT_TRUE(H.solve(0.5, b, x));
+  dense.diagonal() *= 1.5;
+  const Eigen::VectorXd damped = dense.ldlt().solve(b_dense);
+  for (int i = 0; i < 6 * kBlocks; ++i) EXPECT_NEAR(x[i / 6](i % 6), damped(i), 1e-10);
+}
+
+TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
+  const std::vector<std::pair<int, int>> pairs = {{0, 1}};
+  BlockCholesky H(2, pairs);
+  H.diagonal(0) = Matrix6::Identity();
+  H.diagonal(1) = Matrix6::Identity();
+  H.add(0, 1, 2.0 * Matrix6::Identity());
+  std::vector<Vector6> b(2, Vector6::Ones()), x;
+  EXPECT_FALSE(H.solve(0.0, b, x));
+  EXPECT_TRUE(H.solve(2.0, b, x)) << "and is as new afterwards";
+}
+
+TEST(PoseGraph, DerivativesAreThoseOfTheResiduals) {
+  std::mt19937 random(2);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Pose A = random_pose(random), B = random_pose(random);
+    RelativeFactor relative;
+    relative.T_from_to = random_pose(random);
+    const RelativeResidual e = residual_of(relative, A, B);
+    if (e.r.tail<3>().norm() > 3.0) continue;  // half a turn: the rotation vector jumps
+    const auto by_from = differences<6>([&](const Pose& T) { return residual_of(relative, T, B).r; }, A);
+    const auto by_to = differences<6>([&](const Pose& T) { return residual_of(relative, A, T).r; }, B);
+    EXPECT_LT((e.J_from - by_from).norm(), 1e-7 * (1.0 + by_from.norm()));
+    EXPECT_LT((e.J_to - by_to).norm(), 1e-7 * (1.0 + by_to.norm()));
+    const PriorFactor prior{0, moved(A, 0.3 * Vector6::Ones()), Matrix6::Identity()};
+    const auto of_prior = differences<6>([&](const Pose& T) { return residual_of(prior, T).r; }, A);
+    EXPECT_LT((residual_of(prior, A).J - of_prior).norm(), 1e-7);
+    const GravityFactor gravity{0, Vector3(0.1, 0.2, 0.97), 1.0};
+    const auto of_gravity = differences<3>([&](const Pose& T) { return residual_of(gravity, T).r_body; }, A);
+    EXPECT_LT((residual_of(gravity, A).J_turn - of_gravity.rightCols<3>()).norm(), 1e-7);
+    EXPECT_EQ(of_gravity.leftCols<3>().norm(), 0.0);
+    const PositionFactor gnss{0, 1, 0.3, Vector3(1, 2, 3), Vector3(2, 3, 4), kNoHuber};
+    const auto of_before = differences<3>([&](const Pose& T) { return residual_of(gnss, T, B); }, A);
+    Eigen::Matrix<double, 3, 6> expected = Eigen::Matrix<double, 3, 6>::Zero();
+    expected.leftCols<3>().diagonal() = 0.7 * gnss.weight_world_1_m;
+    EXPECT_LT((of_before - expected).norm(), 1e-7);
+  }
+}
+
+/// A square of poses that was measured exactly, with an estimate that is off.
+struct Loop {
+  PoseGraph graph;
+  std::vector<Pose> truth;
+
+  explicit Loop(int num, unsigned seed = 3, double off = 0.2) {
+    std::mt19937 random(seed);
+    for (int i = 0; i < num; ++i) {
+      const double a = 2.0 * M_PI * i / num;
+      truth.push_back(make_pose({10.0 * std::cos(a), 10.0 * std::sin(a), std::sin(2.0 * a)}, rotation_by({0.1, 0, a})));
+      graph.add_pose(i == 0 ? truth[0] : truth[i] * random_pose(random, off, 0.3 * off));
+    }
+    graph.add(PriorFactor{0, truth[0], 1e6 * Matrix6::Identity()});
+    for (int i = 1; i < num; ++i) graph.add(edge(i - 1, i));
+  }
+  RelativeFactor edge(int i, int j) const {
+    return {i, j, truth[i].inverse() * truth[j], 1e4 * Matrix6::Identity(), kNoHuber};
+  }
+  double worst() const {
+    double worst = 0.0;
+    for (int i = 0; i < graph.num_poses(); ++i) worst = std::max(worst, distance(graph.pose(i), truth[i]));
+    return worst;
+  }
+};
+
+TEST(PoseGraph, FindsTheKnownOptimum) {
+  Loop loop(60);
+  loop.graph.add(loop.edge(59, 0));
+  loop.graph.add(loop.edge(12, 40));
+  const GraphReport report = loop.graph.optimize({});
+  EXPECT_TRUE(report.converged);
+  EXPECT_LT(report.num_iterations, 12);
+  EXPECT_LT(report.cost_after, 1e-12 * report.cost_before);
+  EXPECT_LT(loop.worst(), 1e-6);
+}
+
+TEST(PoseGraph, SharesAnErrorAmongEqualEdgesOfALine) {
+  // Four edges of 1 m in a row, and one that says that the whole is 4.5 m: each takes its fifth of the half meter.
+  PoseGraph graph;
+  for (int i = 0; i <= 4; ++i) graph.add_pose(make_pose({1.0 * i, 0, 0}, Eigen::Quaterniond::Identity()));
+  graph.add(PriorFactor{0, Pose::Identity(), 1e9 * Matrix6::Identity()});
+  for (int i = 0; i < 4; ++i) {
+    graph.add(RelativeFactor{i, i + 1, make_pose({1, 0, 0}, Eigen::Quaterniond::Identity()), Matrix6::Identity()});
+  }
+  graph.add(RelativeFactor{0, 4, make_pose({4.5, 0, 0}, Eigen::Quaterniond::Identity()), Matrix6::Identity()});
+  EXPECT_TRUE(graph.optimize({}).converged);
+  for (int i = 0; i <= 4; ++i) EXPECT_NEAR(graph.pose(i).translation().x(), 1.1 * i, 1e-7);
+}
+
+TEST(PoseGraph, OneGrossOutlierDoesNotBendARobustGraph) {
+  for (const bool robust : {false, true}) {
+    Loop loop(60, 4, 0.02);
+    for (int i = 0; i < 60; i += 3) loop.graph.add(loop.edge(i, (i + 20) % 60));
+    RelativeFactor wrong = loop.edge(10, 35);
+    wrong.T_from_to.translation() += Vector3(8, -5, 3);
+    if (robust) wrong.huber = 1.0;
+    loop.graph.add(wrong);
+    GraphSolverConfig config;
+    config.iterations = 50;
+    loop.graph.optimize(config);
+    if (robust)
+      EXPECT_LT(loop.worst(), 0.1);
+    else
+      EXPECT_GT(loop.worst(), 0.3);
+  }
+}
+
+TEST(PoseGraph, GravityTakesOutATiltThatEdgesLeaveOpen) {
+  Loop loop(20, 5, 0.01);
+  loop.graph.clear_priors();
+  Matrix6 weak = 1e6 * Matrix6::Identity();
+  weak(3, 3) = weak(4, 4) = 1e-3;  // of the tilt the start tells next to nothing
+  const Pose tilted = loop.truth[0] * make_pose(Vector3::Zero(), rotation_by({0.05, -0.04, 0}));
+  loop.graph.add(PriorFactor{0, tilted, weak});
+  for (int i = 0; i < 20; ++i) {
+    loop.graph.add(GravityFactor{i, loop.truth[i].linear().transpose() * Vector3::UnitZ(), 0.01});
+  }
+  EXPECT_TRUE(loop.graph.optimize({}).converged);
+  for (int i = 0; i < 20; ++i) {
+    const Vector3 up = loop.graph.pose(i).linear().transpose() * Vector3::UnitZ();
+    EXPECT_LT((up - loop.truth[i].linear().transpose() * Vector3::UnitZ()).norm(), 1e-4);
+  }
+}
+
+TEST(PoseGraph, GnssPullsTheTrajectoryBetweenItsKeyFrames) {
+  Loop loop(40, 6, 0.0);
+  loop.graph.clear_priors();
+  const Pose shift = make_pose({30, -20, 4}, rotation_by({0, 0, 0.3}));
+  for (int i = 0; i + 1 < 40; ++i) {
+    PositionFactor fix{i, i + 1, 0.25, Vector3::Zero(), Vector3::Constant(1.0 / 1.5), kNoHuber};
+    fix.p_world_m = shift * Vector3(0.75 * loop.truth[i].translation() + 0.25 * loop.truth[i + 1].translation());
+    loop.graph.add(fix);
+  }
+  GraphSolverConfig config;
+  config.iterations = 50;
+  EXPECT_TRUE(loop.graph.optimize(config).converged);
+  for (int i = 0; i < 40; ++i) EXPECT_LT(distance(loop.graph.pose(i), shift * loop.truth[i]), 1e-4);
+}
+
+TEST(PoseGraph, WeightsOfGnssAreThoseOfTheDocument) {
+  GnssFactorConfig config;
+  const Vector3 sigma_m(1.0, 2.0, 4.0);
+  config.a = 3.0;
+  config.b_1_m = 0.5;
+  config.weighting = GnssWeighting::kPerAxis;  // eq. 5 and 7
+  EXPECT_LT((gnss_weight_1_m(config, sigma_m) - Vector3(3.5, 2.0, 1.25)).norm(), 1e-12);
+  config.weighting = GnssWeighting::kIsotropic;  // eq. 6
+  EXPECT_LT((gnss_weight_1_m(config, sigma_m) - Vector3::Constant(1.25)).norm(), 1e-12);
+  config.weighting = GnssWeighting::kReleased;
+  EXPECT_LT((gnss_weight_1_m(config, sigma_m) - Vector3(3.5, 1.25, 0.6875)).norm(), 1e-12);
+  EXPECT_TRUE(gnss_weight_1_m(config, Vector3::Zero()).allFinite());
+}
+
+TEST(PoseGraph, AFixThatIsFarOffPullsLessWithHubersLoss) {
+  double pulled_m[2];
+  for (const bool robust : {false, true}) {
+    Loop loop(10, 7, 0.0);
+    PositionFactor fix{9, 9, 0.0, loop.truth[9].translation() + Vector3(0, 0, 50), Vector3::Constant(10.0), kNoHuber};
+    if (robust) fix.huber = 1.0;
+    loop.graph.add(fix);
+    loop.graph.optimize({});
+    pulled_m[robust] = loop.worst();
+  }
+  EXPECT_GT(pulled_m[0], 1.0);
+  EXPECT_LT(pulled_m[1], 0.2 * pulled_m[0]);
+}
+
+TEST(PoseGraph, TheLocalFrameIsFittedToEastNorthUpByHeadingAndPlace) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal(0.0, 0.5);
+  const Pose T = make_pose({100, -50, 7}, rotation_by({0, 0, 2.0}));
+  std::vector<MatchedPosition> points;
+  for (int i = 0; i < 400; ++i) {
+    const Vector3 p(20.0 * std::cos(0.05 * i), 30.0 * std::sin(0.04 * i), 3.0 + std::sin(0.1 * i));
+    const double dx = normal(random), dy = normal(random), dz = normal(random);
+    points.push_back({p, T * p + Vector3(dx, dy, dz), 1.0});
+  }
+  const Pose fitted = fit_to_world(points, 0.0, 2.0);
+  EXPECT_NEAR(yaw_of(fitted.linear()), 2.0, 0.005);
+  EXPECT_LT((fitted.translation() - T.translation()).norm(), 0.1);
+  EXPECT_NEAR(yaw_of(fit_to_world(points, 0.7, 1000.0).linear()), 0.7, 1e-12) << "too near to each other to tell";
+}
+
+TEST(PoseGraph, GivesTheSameBitsTwice) {
+  Loop a(80), b(80);
+  a.graph.add(a.edge(79, 0));
+  b.graph.add(b.edge(79, 0));
+  a.graph.optimize({});
+  b.graph.optimize({});
+  for (int i = 0; i < 80; ++i) EXPECT_EQ(a.graph.pose(i).matrix(), b.graph.pose(i).matrix());
+}
+
+}  // namespace
+}  // namespace swiftlet
