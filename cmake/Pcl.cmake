@@ -19,4 +19,7 @@ if(SWIFTLET_PCL)
   set_target_properties(swiftlet_libpcl PROPERTIES EXPORT_NAME libpcl)
   target_include_directories(swiftlet_libpcl SYSTEM INTERFACE ${PCL_INCLUDE_DIR})
   target_link_libraries(swiftlet_libpcl INTERFACE ${pcl_libraries} Eigen3::Eigen)
+  # With AVX, Eigen takes memory in a way of its own. Debian's PCL is compiled without, and takes and frees it by malloc and
+  # free. What one side takes and the other frees would end the program.
+  target_compile_options(swiftlet_libpcl INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-mno-avx>)
 endif()

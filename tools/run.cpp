@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <stdexcept>
 
 #include "commands.hpp"
 #include "interrupt.hpp"
@@ -30,8 +31,18 @@ struct RunOptions {
   double memory_limit_mb = 0.0;
   bool replay = false;
   bool view = false;
+  bool fail_on_crash = false;
   bool quiet = false;
 };
+
+std::string crashed_vehicles(const sim::RunSummary& summary) {
+  std::string names;
+  for (const sim::MetricRow& row : summary.metrics.rows()) {
+    if (row.name == "outcome" && row.text == "crashed" && !row.vehicle.empty())
+      names += (names.empty() ? "" : ", ") + row.vehicle;
+  }
+  return names;
+}
 
 // Ctrl-C ends the run after the present tick; nothing that looks finished is left behind.
 void stop_if_asked() {
@@ -117,10 +128,16 @@ void run(const RunOptions& options) {
   sim::write_file(directory.path() / "summary.json", sim::to_json(summary));
   directory.commit();
   if (server) server->finish();
-  if (options.quiet) return;
-  fmt::print("{}", sim::to_text(summary));
-  print_paths(out, written);
-  if (has_replay(scenario)) fmt::print("\nto look at it, open {}\n", fs::absolute(out / "replay.html").string());
+  if (!options.quiet) {
+    fmt::print("{}", sim::to_text(summary));
+    print_paths(out, written);
+    if (has_replay(scenario)) fmt::print("\nto look at it, open {}\n", fs::absolute(out / "replay.html").string());
+  }
+  const std::string crashed = crashed_vehicles(summary);
+  if (options.fail_on_crash && !crashed.empty()) {
+    std::fflush(stdout);
+    throw std::runtime_error("crashed: " + crashed + "; the run is in " + out.string());
+  }
 }
 
 }  // namespace
@@ -137,6 +154,8 @@ void add_run(CLI::App& app) {
                  "MiB that the run may take, 0: what the machine has; what would take more is refused", {.min = 0});
   command.flag("--replay", options->replay, "Write the run as a page for a browser as well (replay.html)");
   command.flag("--view", options->view, "Serve that page while the run goes on, to this machine only");
+  command.flag("--fail-on-crash", options->fail_on_crash,
+               "Exit with status 1 when a vehicle has crashed; without it a finished run exits with 0");
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { run(*options); });
 }

@@ -106,7 +106,8 @@ class StackAgent : public Agent {
   void place_scans(const Observation& observation) {
     registrar_.push(action_.estimate);
     clouds_.clear();
-    if (!stages_.detector && !stages_.tracker && !stages_.mapping && !needs_.clouds) return;
+    const bool relative = stages_.relative_localization && stages_.relative_localization->needs_clouds();
+    if (!stages_.detector && !stages_.tracker && !stages_.mapping && !relative && !needs_.clouds) return;
     for (const auto& scan : observation.scans) {
       if (auto cloud = cloud_pool_.make(scan, registrar_)) clouds_.push_back(std::move(cloud));
     }
@@ -128,7 +129,10 @@ class StackAgent : public Agent {
     TrackerInput input{.observation = observation, .estimate = action_.estimate, .clouds = clouds_};
     input.has_detections = found_.has_detections;
     input.detections = found_.detections;
-    input.background = stages_.detector ? stages_.detector->map() : nullptr;
+    if (stages_.detector) {
+      input.detector_tracks = stages_.detector->tracks();
+      input.background = stages_.detector->map();
+    }
     action_.has_tracks = stages_.tracker->step(input, tracks_, outbox_);
     if (!action_.has_tracks) return;
     if (needs_.track_modes) stages_.tracker->modes(track_modes_);
@@ -146,7 +150,8 @@ class StackAgent : public Agent {
                                          .poses = registrar_.poses(),
                                          .detections = found_.detections,
                                          .has_tracks = action_.has_tracks,
-                                         .tracks = tracks_},
+                                         .tracks = tracks_,
+                                         .clouds = clouds_},
                                         relatives_, outbox_);
     for (const RelativeEstimate& r : relatives_) ENSURE(is_finite(r), r.other, r.position_m, r.velocity_mps, r.yaw_rad);
     for (const RelativeEstimate& r : relatives_) action_.relatives.push_back(to_world_.relative(r));

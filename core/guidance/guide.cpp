@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 #include <span>
+#include <stdexcept>
 
 #include "core/guidance/guide_overlays.hpp"
 #include "swiftlet/core/math/latency.hpp"
@@ -29,7 +30,7 @@ class Guide : public Guidance {
  public:
   Guide(const GuideConfig& config, const GuidanceSetup& setup)
       : config_(config),
-        secondary_(vehicle_named(config.secondary, setup.agent, "guidance.secondary")),
+        team_(team_of(config, setup.agent)),
         guiding_period_(from_seconds(1.0 / config.guiding_rate_hz)),
         planner_(config.planning_latency_s) {
     hold_.position_m = setup.agent.T_local_body_start.translation();
@@ -41,7 +42,7 @@ class Guide : public Guidance {
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
     now_ = input.observation.t;
     if (entered_ == kNever) enter(GuideState::kIdle);
-    find_secondary(input);
+    find_team(input);
     search(input);
     advance_state(input);
     speak(input, outbox);
@@ -64,37 +65,94 @@ class Guide : public Guidance {
   }
   bool waited(double seconds) const { return now_ - entered_ >= from_seconds(seconds); }
 
-  /// Where the other vehicle is, when that is known well enough to guide it.
-  void find_secondary(const GuidanceInput& input) {
-    guided_.reset();
-    for (const RelativeEstimate& relative : input.relatives) {
-      if (relative.other == secondary_) guided_ = relative;
+  /// What is known of a guided vehicle, and how far it came. One of them moves, the others hover.
+  struct Guided {
+    VehicleId id = kNoVehicle;
+    std::vector<Eigen::Vector3d> goals_m;
+    std::vector<double> goal_yaws_deg;
+    std::optional<RelativeEstimate> estimate;  // in this tick
+    bool known_well = false, linked = false, was_known = false;
+    Vector3 last_place_local_m = Vector3::Zero();
+    TimeNs last_known = 0;
+    std::size_t num_reached = 0;
+    std::optional<Vector3> began_local_m;
+    double advanced_m = 0.0;
+
+    bool ready() const { return known_well && linked; }
+  };
+
+  static std::vector<Guided> team_of(const GuideConfig& config, const AgentSetup& setup) {
+    std::vector<Guided> team;
+    const auto add = [&](const std::string& name, const char* key, const auto& goals_m, const auto& goal_yaws_deg) {
+      Guided guided;
+      guided.id = vehicle_named(name, setup, key);
+      guided.goals_m = goals_m;
+      guided.goal_yaws_deg = goal_yaws_deg;
+      const bool twice = std::ranges::any_of(team, [&](const Guided& other) { return other.id == guided.id; });
+      if (twice) throw std::invalid_argument(std::string(key) + ": expected each vehicle once, found it twice");
+      team.push_back(std::move(guided));
+    };
+    if (config.secondaries.empty()) {
+      add(config.secondary, "guidance.secondary", config.goals_m, config.goal_yaws_deg);
     }
-    known_well_ =
-        guided_ && std::sqrt(guided_->covariance.topLeftCorner<3, 3>().diagonal().maxCoeff()) < config_.sigma_max_m;
-    linked_ = guided_ && now_ - guided_->heard < from_seconds(config_.link_timeout_s);
-    was_known_ = was_known_ || (known_well_ && linked_);
+    for (const GuidedVehicleConfig& one : config.secondaries) {
+      add(one.name, "guidance.secondaries.name", one.goals_m, one.goal_yaws_deg);
+    }
+    return team;
   }
 
-  /// A vehicle that hovers shows no heading. When nothing is known of it any more, it is asked to move where its
-  /// surroundings are clear, as it did before it was first found.
-  void search(const GuidanceInput& input) {
-    if (guided_) {
-      last_place_local_m_ = guided_->position_m;
-      last_known_ = now_;
+  Guided& moving() { return team_[moving_]; }
+  const Guided& moving() const { return team_[moving_]; }
+  /// Where the one that moves is; it must be known.
+  const RelativeEstimate& there() const { return *team_[moving_].estimate; }
+
+  /// Where the others are, when that is known well enough to guide them.
+  void find_team(const GuidanceInput& input) {
+    for (Guided& guided : team_) {
+      guided.estimate.reset();
+      for (const RelativeEstimate& relative : input.relatives) {
+        if (relative.other == guided.id) guided.estimate = relative;
+      }
+      guided.known_well =
+          guided.estimate &&
+          std::sqrt(guided.estimate->covariance.topLeftCorner<3, 3>().diagonal().maxCoeff()) < config_.sigma_max_m;
+      guided.linked = guided.estimate && now_ - guided.estimate->heard < from_seconds(config_.link_timeout_s);
+      guided.was_known = guided.was_known || guided.ready();
+      if (!guided.estimate) continue;
+      guided.last_place_local_m = guided.estimate->position_m;
+      guided.last_known = now_;
     }
+  }
+
+  /// A vehicle that hovers shows no heading. When nothing is known any more of the one whose turn it is, it is asked to
+  /// move where its surroundings are clear, as it did before it was first found.
+  void search(const GuidanceInput& input) {
     figure_m_ = 0.0;
-    if (guided_ || !was_known_ || now_ - last_known_ < from_seconds(config_.search_after_s)) return;
-    const double room_m = input.map->distance_m(last_place_local_m_, 2.0) - kClearBody_m;
+    const Guided& lost = moving();
+    if (lost.estimate || !lost.was_known || now_ - lost.last_known < from_seconds(config_.search_after_s)) return;
+    double room_m = input.map->distance_m(lost.last_place_local_m, 2.0) - kClearBody_m;
+    for (const Vector3& p_local_m : hovering_local_m()) {
+      room_m = std::min(room_m, (p_local_m - lost.last_place_local_m).head<2>().norm() - 2.0 * kClearBody_m);
+    }
     if (room_m >= kLeastFigure_m) figure_m_ = room_m;
+  }
+
+  /// Where the others are while one moves, or were when they were last known: unguided, they hover.
+  std::vector<Vector3> hovering_local_m() const {
+    std::vector<Vector3> places_local_m;
+    places_local_m.reserve(team_.size());
+    for (const Guided& guided : team_) {
+      if (guided.id != moving().id) places_local_m.push_back(guided.last_place_local_m);
+    }
+    return places_local_m;
   }
 
   void advance_state(const GuidanceInput& input) {
     switch (state_) {
       case GuideState::kIdle:
-        if (known_well_ && linked_) {
-          next_goal(input);
-        } else if (has_more_goals() && waited(config_.stage_timeout_s)) {
+        if (std::ranges::all_of(team_, &Guided::ready)) {
+          if (anybody_has_more_goals() && (has_more_goals(moving()) || choose_next())) next_goal(input);
+        } else if (anybody_has_more_goals() && waited(config_.stage_timeout_s)) {
           failures_ = config_.retries;  // what was never there is not waited for again
           fail("the guided vehicle was not found");
         }
@@ -109,10 +167,15 @@ class Guide : public Guidance {
         move_secondary(input);
         return;
       case GuideState::kGoalReached:
-        if (has_more_goals() && (planner_.idle() || planner_.due(now_))) next_goal(input);
+        if (!anybody_has_more_goals() || !(planner_.idle() || planner_.due(now_))) return;
+        if (choose_next()) {
+          next_goal(input);
+        } else if (waited(config_.stage_timeout_s)) {
+          fail("the guided vehicle was lost");
+        }
         return;
       case GuideState::kFailure:
-        if (failures_ <= config_.retries && waited(config_.retry_after_s)) start_planning();
+        if (failures_ <= config_.retries && waited(config_.retry_after_s)) try_again(input);
         return;
     }
   }
@@ -120,17 +183,44 @@ class Guide : public Guidance {
   // Goals.
 
   bool advances() const { return config_.advance.step_m.squaredNorm() > 0.0; }
-  bool has_more_goals() const {
-    if (advances()) return advanced_m_ < config_.advance.distance_m;
-    return config_.loop || num_reached_ < config_.goals_m.size();
+  bool has_more_goals(const Guided& guided) const {
+    if (advances()) return guided.advanced_m < config_.advance.distance_m;
+    return config_.loop || guided.num_reached < guided.goals_m.size();
+  }
+  bool anybody_has_more_goals() const {
+    return std::ranges::any_of(team_, [this](const Guided& guided) { return has_more_goals(guided); });
+  }
+
+  /// In turn: goal by goal they stay together, where the guide sees them. False when nobody who has more to do is
+  /// known.
+  bool choose_next() {
+    for (std::size_t i = 1; i <= team_.size(); ++i) {
+      const std::size_t next = (moving_ + i) % team_.size();
+      if (!has_more_goals(team_[next]) || !team_[next].estimate) continue;
+      moving_ = next;
+      return true;
+    }
+    return false;
   }
 
   void next_goal(const GuidanceInput& input) {
     failures_ = 0;
-    if (!advances() && config_.goals_m.empty()) return;  // nothing to do: it only tells the other one to hover
-    const PlannedPose here{guided_->position_m, guided_->yaw_rad};
-    if (!began_local_m_) began_local_m_ = here.p_local_m;
-    goal_ = goal_after(num_reached_, here, FrameChange::to_local(input.estimate));
+    take_goal(input);
+  }
+
+  /// What stood in one's way may have been another one, whose turn it is now.
+  void try_again(const GuidanceInput& input) {
+    if (team_.size() > 1 && choose_next()) {
+      take_goal(input);
+    } else {
+      start_planning();
+    }
+  }
+
+  void take_goal(const GuidanceInput& input) {
+    const PlannedPose here{there().position_m, there().yaw_rad};
+    if (!moving().began_local_m) moving().began_local_m = here.p_local_m;
+    goal_ = goal_after(moving().num_reached, here, FrameChange::to_local(input.estimate));
     if (plan_ahead_ && (plan_ahead_->goal_local_m - goal_.p_local_m).norm() < 2.0 * config_.planner.tolerance_m) {
       plan_ = std::move(plan_ahead_);
       plan_ahead_.reset();
@@ -146,13 +236,14 @@ class Guide : public Guidance {
     if (advances()) {
       const Vector3 step_local_m = to_local.direction(config_.advance.step_m);
       goal.p_local_m += step_local_m;
-      goal.p_local_m.z() = began_local_m_->z() + step_local_m.z();
+      goal.p_local_m.z() = moving().began_local_m->z() + step_local_m.z();
       return goal;
     }
-    const std::size_t i = num_reached % config_.goals_m.size();
-    goal.p_local_m = to_local.point(config_.goals_m[i]);
-    if (i < config_.goal_yaws_deg.size()) {
-      goal.yaw_rad = to_local.yaw(config_.goal_yaws_deg[i] * std::numbers::pi / 180.0);
+    const Guided& guided = moving();
+    const std::size_t i = num_reached % guided.goals_m.size();
+    goal.p_local_m = to_local.point(guided.goals_m[i]);
+    if (i < guided.goal_yaws_deg.size()) {
+      goal.yaw_rad = to_local.yaw(guided.goal_yaws_deg[i] * std::numbers::pi / 180.0);
     }
     return goal;
   }
@@ -177,13 +268,13 @@ class Guide : public Guidance {
       return;
     }
     plan_ = plan_team(*input.map, config_.planner, input.estimate.T_local_body.translation(),
-                      {guided_->position_m, guided_->yaw_rad}, goal_);
+                      {there().position_m, there().yaw_rad}, goal_, {.hovering_local_m = hovering_local_m()});
     planner_.start(now_);
   }
 
   /// Both hover, and the other one's place is known.
   bool settled(const GuidanceInput& input) {
-    const bool still = known_well_ && linked_ && guided_->velocity_mps.norm() < kAtRest_mps &&
+    const bool still = moving().ready() && there().velocity_mps.norm() < kAtRest_mps &&
                        input.estimate.v_local_mps.norm() < kAtRest_mps;
     if (!still) settled_since_.reset();
     if (still && !settled_since_) settled_since_ = now_;
@@ -217,8 +308,11 @@ class Guide : public Guidance {
   }
 
   void reach() {
-    ++num_reached_;
-    if (began_local_m_ && guided_) advanced_m_ = (guided_->position_m - *began_local_m_).head<2>().norm();
+    Guided& guided = moving();
+    ++guided.num_reached;
+    if (guided.began_local_m && guided.estimate) {
+      guided.advanced_m = (guided.estimate->position_m - *guided.began_local_m).head<2>().norm();
+    }
     path_.clear();
     enter(GuideState::kGoalReached);
   }
@@ -253,22 +347,21 @@ class Guide : public Guidance {
 
   void move_secondary(const GuidanceInput& input) {
     if (waited(config_.stage_timeout_s)) {
-      fail(linked_ && known_well_ ? "the guided vehicle does not reach its goal"
-                                  : "the guided vehicle was lost on its way");
+      fail(moving().ready() ? "the guided vehicle does not reach its goal" : "the guided vehicle was lost on its way");
       return;
     }
-    if (!linked_ || !known_well_) {  // it hovers, and so does this vehicle
+    if (!moving().ready()) {  // it hovers, and so does this vehicle
       if (config_.motion == GuideConfig::Motion::kTogether) hold_.position_m = rest_place_m(input);
       return;
     }
     hovers_.reset();
     if (config_.motion != GuideConfig::Motion::kAlternate) plan_next_leg(input);
-    const Vector3& p_local_m = guided_->position_m;
+    const Vector3& p_local_m = there().position_m;
     while (path_.size() > 1 && (path_.front().p_local_m - p_local_m).norm() < config_.visited_m) {
       path_.erase(path_.begin());
     }
     if (path_.size() > 1 || (path_.back().p_local_m - p_local_m).norm() >= config_.planner.tolerance_m) return;
-    if (guided_->velocity_mps.norm() < kAtRest_mps) reach();
+    if (there().velocity_mps.norm() < kAtRest_mps) reach();
   }
 
   // The next leg, while the guided vehicle flies.
@@ -291,9 +384,10 @@ class Guide : public Guidance {
     if (!together && length_left_m() > kPlanAhead_m) return;
     tried_ahead_ = true;
     const PlannedPose from{plan_->goal_local_m, goal_.yaw_rad};
-    next_goal_ = goal_after(num_reached_ + 1, from, FrameChange::to_local(input.estimate));
-    TeamPlan ahead = plan_team(*input.map, config_.planner, input.estimate.T_local_body.translation(), from, next_goal_,
-                               {}, together ? std::span<const PlannedPose>(path_) : std::span<const PlannedPose>());
+    next_goal_ = goal_after(moving().num_reached + 1, from, FrameChange::to_local(input.estimate));
+    TeamPlan ahead =
+        plan_team(*input.map, config_.planner, input.estimate.T_local_body.translation(), from, next_goal_,
+                  {.flying = together ? std::span<const PlannedPose>(path_) : std::span<const PlannedPose>()});
     const bool usable = ahead.next == TeamPlan::Next::kMovePrimary || ahead.next == TeamPlan::Next::kMoveSecondary;
     if (!usable) return;  // it is planned again when both hover, and tells its reason then
     plan_ahead_ = std::move(ahead);
@@ -301,12 +395,12 @@ class Guide : public Guidance {
   }
 
   bool has_goal_after_this() const {
-    if (advances()) return (goal_.p_local_m - *began_local_m_).head<2>().norm() < config_.advance.distance_m;
-    return config_.loop || num_reached_ + 1 < config_.goals_m.size();
+    if (advances()) return (goal_.p_local_m - *moving().began_local_m).head<2>().norm() < config_.advance.distance_m;
+    return config_.loop || moving().num_reached + 1 < moving().goals_m.size();
   }
 
   double length_left_m() const {
-    double left_m = (path_.front().p_local_m - guided_->position_m).norm();
+    double left_m = (path_.front().p_local_m - there().position_m).norm();
     for (std::size_t i = 1; i < path_.size(); ++i) left_m += (path_[i].p_local_m - path_[i - 1].p_local_m).norm();
     return left_m;
   }
@@ -317,7 +411,7 @@ class Guide : public Guidance {
     plan_ahead_.reset();
     path_.insert(path_.end(), plan_->secondary_path.begin() + 1, plan_->secondary_path.end());
     goal_ = next_goal_;
-    ++num_reached_;
+    ++moving().num_reached;
     next_corner_ = 1;
     tried_ahead_ = false;
     entered_ = now_;
@@ -334,65 +428,76 @@ class Guide : public Guidance {
     return seen;
   }
 
-  // What the other vehicle is told: the rest of its path in its level body frame, or an empty path, on which it hovers.
+  // What the others are told: the rest of their path in their level body frame, or an empty path, on which they hover.
 
   void speak(const GuidanceInput& input, Outbox& outbox) {
-    if (!was_known_ || now_ < next_word_) return;
+    if (now_ < next_word_ || std::ranges::none_of(team_, &Guided::was_known)) return;
     next_word_ = now_ + guiding_period_;
+    ++num_words_;
+    for (std::size_t i = 0; i < team_.size(); ++i) {
+      if (team_[i].was_known) speak_to(i, input, outbox);
+    }
+  }
+
+  void speak_to(std::size_t i, const GuidanceInput& input, Outbox& outbox) {
     GuidingPath told;
-    told.path = ++num_words_;
-    const bool guides = state_ == GuideState::kSecondaryMoving && known_well_ && linked_;
-    if (guides && !config_.periodic && was_told_) return;
-    if (guides) append_path(input, told);
-    was_told_ = guides;
-    told.word = is_done()         ? GuidingPath::Word::kDone
-                : has_failed()    ? GuidingPath::Word::kFailed
-                : figure_m_ > 0.0 ? GuidingPath::Word::kMove
-                                  : GuidingPath::Word::kGuide;
-    told.radius_m = figure_m_;
-    write_message(told, outbox.say(secondary_));
+    told.path = num_words_;
+    const bool its_turn = i == moving_;
+    if (its_turn) {
+      const bool guides = state_ == GuideState::kSecondaryMoving && moving().ready();
+      if (guides && !config_.periodic && was_told_) return;
+      if (guides) append_path(input, told);
+      was_told_ = guides;
+    }
+    told.word = is_done()                     ? GuidingPath::Word::kDone
+                : has_failed()                ? GuidingPath::Word::kFailed
+                : its_turn && figure_m_ > 0.0 ? GuidingPath::Word::kMove
+                                              : GuidingPath::Word::kGuide;
+    told.radius_m = its_turn ? figure_m_ : 0.0;
+    write_message(told, outbox.say(team_[i].id));
   }
 
   /// In the level body frame of the instant of its newest odometry, so that no delay of the radio shifts the path.
   void append_path(const GuidanceInput& input, GuidingPath& told) const {
     told.has_instant = true;
-    told.t = guided_->heard_stamp;
-    const double yaw_rad = guided_->heard_yaw_rad;
+    told.t = there().heard_stamp;
+    const double yaw_rad = there().heard_yaw_rad;
     const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
     const std::size_t num_told = config_.motion == GuideConfig::Motion::kTogether
                                      ? num_in_sight(*input.map, input.estimate.T_local_body.translation())
                                      : path_.size();
     told.waypoints.reserve(num_told);
     for (const PlannedPose& pose : std::span(path_).first(num_told)) {
-      const Vector3 d_m = pose.p_local_m - guided_->heard_position_m;
+      const Vector3 d_m = pose.p_local_m - there().heard_position_m;
       GuidingWaypoint& waypoint = told.waypoints.emplace_back();
       waypoint.p_body_m = Vector3(c * d_m.x() + s * d_m.y(), c * d_m.y() - s * d_m.x(), d_m.z()).cast<float>();
       waypoint.yaw_rad = static_cast<float>(std::remainder(pose.yaw_rad - yaw_rad, 2.0 * std::numbers::pi));
     }
   }
 
-  bool is_done() const { return state_ == GuideState::kGoalReached && !has_more_goals(); }
+  bool is_done() const { return state_ == GuideState::kGoalReached && !anybody_has_more_goals(); }
   bool has_failed() const { return state_ == GuideState::kFailure && failures_ > config_.retries; }
 
   void tell(GuidanceOutput& output) const {
     output.mission = MissionStatus::kRunning;
     switch (state_) {
       case GuideState::kIdle:
-        output.note = was_known_ ? "idle: no goal" : "idle: the guided vehicle is not localized yet";
-        if (config_.goals_m.empty() && !advances()) output.mission = MissionStatus::kEndless;
+        output.note = std::ranges::all_of(team_, &Guided::was_known) ? "idle: no goal"
+                                                                     : "idle: the guided vehicle is not localized yet";
+        if (!anybody_has_more_goals()) output.mission = MissionStatus::kEndless;
         return;
       case GuideState::kPlanning:
-        output.note = linked_ && known_well_ ? "planning"
-                      : figure_m_ > 0.0      ? "hovers: the guided vehicle is to move, to be found again"
-                                             : "hovers: the guided vehicle is lost";
+        output.note = moving().ready()  ? "planning"
+                      : figure_m_ > 0.0 ? "hovers: the guided vehicle is to move, to be found again"
+                                        : "hovers: the guided vehicle is lost";
         return;
       case GuideState::kPrimaryMoving:
         output.note = "primary moving";
         return;
       case GuideState::kSecondaryMoving:
-        output.note = !linked_       ? "hovers: the link to the guided vehicle is lost"
-                      : !known_well_ ? "hovers: the place of the guided vehicle is not sure enough"
-                                     : "secondary moving";
+        output.note = !moving().linked       ? "hovers: the link to the guided vehicle is lost"
+                      : !moving().known_well ? "hovers: the place of the guided vehicle is not sure enough"
+                                             : "secondary moving";
         return;
       case GuideState::kGoalReached:
         output.note = "goal reached";
@@ -406,7 +511,8 @@ class Guide : public Guidance {
   }
 
   GuideConfig config_;
-  VehicleId secondary_;
+  std::vector<Guided> team_;  // in the order of their turns
+  std::size_t moving_ = 0;    // whose turn it is
   TimeNs guiding_period_;
   TimeNs now_ = 0;
 
@@ -415,16 +521,9 @@ class Guide : public Guidance {
   int failures_ = 0;
   std::string reason_;
 
-  std::optional<RelativeEstimate> guided_;  // in this tick
-  bool known_well_ = false, linked_ = false, was_known_ = false;
-  Vector3 last_place_local_m_ = Vector3::Zero();
-  TimeNs last_known_ = 0;
-  double figure_m_ = 0.0;  // 0: it is not asked to move
+  double figure_m_ = 0.0;  // 0: the lost one is not asked to move
 
   PlannedPose goal_;
-  std::size_t num_reached_ = 0;
-  std::optional<Vector3> began_local_m_;
-  double advanced_m_ = 0.0;
 
   Worker planner_;
   std::optional<TimeNs> settled_since_;
@@ -450,8 +549,19 @@ void GuideAdvanceConfig::visit(ConfigVisitor& v) {
           Range::positive());
 }
 
+void GuidedVehicleConfig::visit(ConfigVisitor& v) {
+  v.field("name", name, "[-] of the vehicle");
+  v.field("goals_m", goals_m, "[m] where it is to go, one after the other, world frame", Range::between(-1e5, 1e5));
+  v.field("goal_yaws_deg", goal_yaws_deg, "[deg] its heading there; it keeps the one it has where none is given");
+  v.check(goal_yaws_deg.empty() || goal_yaws_deg.size() == goals_m.size(), "goal_yaws_deg",
+          "as many as goals_m, or none");
+}
+
 void GuideConfig::visit(ConfigVisitor& v) {
   v.field("secondary", secondary, "[-] name of the vehicle that is guided");
+  v.list("secondaries", secondaries,
+         "several that are guided, goal by goal in turn: one moves, the others hover; then secondary and goals_m stay "
+         "empty");
   v.field("goals_m", goals_m, "[m] where it is to go, one after the other, world frame", Range::between(-1e5, 1e5));
   v.field("goal_yaws_deg", goal_yaws_deg, "[deg] its heading there; it keeps the one it has where none is given");
   v.object("advance", advance, "goals that follow from where it is, instead of goals_m");
@@ -479,7 +589,13 @@ void GuideConfig::visit(ConfigVisitor& v) {
   v.object("planner", planner, "paths of both vehicles and the viewpoint");
   v.check(goal_yaws_deg.empty() || goal_yaws_deg.size() == goals_m.size(), "goal_yaws_deg",
           "as many as goals_m, or none");
-  v.check(!loop || !goals_m.empty(), "loop", "false without goals_m");
+  v.check(secondaries.empty() || secondary.empty(), "secondary", "none beside secondaries");
+  v.check(secondaries.empty() || goals_m.empty(), "goals_m", "none beside secondaries, which have their own");
+  v.check(secondaries.empty() || motion == Motion::kAlternate, "motion", "alternate with secondaries");
+  const bool all_have_goals =
+      secondaries.empty() ? !goals_m.empty()
+                          : std::ranges::none_of(secondaries, [](const auto& one) { return one.goals_m.empty(); });
+  v.check(!loop || all_have_goals, "loop", "false without goals_m");
 }
 
 std::unique_ptr<Guidance> make_guide(const ModuleConfig& config, const GuidanceSetup& setup) {

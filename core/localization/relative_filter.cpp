@@ -88,12 +88,20 @@ bool RelativeFilter::push(const OtherMotion& odometry) {
   return insert(entry);
 }
 
-double RelativeFilter::squared_sigmas(const Sighting& sighting) const {
+RelativeFilter::Expected RelativeFilter::expected(const Sighting& sighting) const {
   State state = before(sighting.t);
   predict(state, std::max(sighting.t, state.t));
-  const Matrix3 S = state.P.topLeftCorner<3, 3>() + sighting.covariance;
-  const Vector3 innovation = sighting.p_local_m - state.x.segment<3>(kP);
-  return innovation.dot(S.llt().solve(innovation));
+  return {state.x.segment<3>(kP), state.P.topLeftCorner<3, 3>() + sighting.covariance};
+}
+
+double RelativeFilter::squared_sigmas(const Sighting& sighting) const {
+  const Expected there = expected(sighting);
+  const Vector3 innovation = sighting.p_local_m - there.p_local_m;
+  return innovation.dot(there.covariance.llt().solve(innovation));
+}
+
+double RelativeFilter::unlikelihood(const Sighting& sighting) const {
+  return squared_sigmas(sighting) + elementary::log(expected(sighting).covariance.determinant());
 }
 
 bool RelativeFilter::push(const Sighting& sighting) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/localization/relative_localizer.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
+#include "core/localization/marker_sightings.hpp"
+#include "core/localization/teammate.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/messages/kind.hpp"
@@ -16,124 +17,52 @@
 namespace swiftlet {
 namespace {
 
-constexpr TimeNs kClockJump = 5 * kNsPerSecond;  // nobody's clock drifts so much from message to message
-constexpr std::size_t kMaxWaiting = 128;
-constexpr int kMaxDisagreements = 4;
-constexpr double kDisagreement_sigma_sq = 30.0;  // 1 in 200 000 by chance, with four degrees of freedom
-
-OtherMotion motion_of(const OdometryReport& report) {
-  OtherMotion motion;
-  motion.t = motion.stamp = report.t;
-  motion.p_other_local_m = report.T_local_body.translation();
-  motion.v_other_local_mps = report.v_local_mps;
-  motion.yaw_rad = yaw_of(report.T_local_body.linear());
-  motion.yaw_rate_radps = report.yaw_rate_radps;
-  return motion;
-}
-
-Overlay overlay_of(const char* name, Overlay::Kind kind, float size_m, const char* meaning,
-                   const Eigen::Vector4f& color) {
-  Overlay overlay;
-  overlay.name = name;
-  overlay.kind = kind;
-  overlay.size_m = size_m;
-  overlay.colors = {color};
-  overlay.legend = {{meaning, color}};
-  return overlay;
-}
-
-/// How far another clock is behind, from what came: a message takes some time, the quickest one nearly none.
-class OtherClock {
- public:
-  OtherClock(SlidingWindowConfig::Clock mode, double sigma_s, double least_delay_s)
-      : one_way_(mode == SlidingWindowConfig::Clock::kOneWay), sigma_s_(sigma_s), least_delay_s_(least_delay_s) {}
-
-  /// The stamp in a time that is the own one but for a little. False: the clock has jumped since the last one.
-  bool take(TimeNs& stamp, TimeNs received) {
-    if (one_way_ && count_ == 0) epoch_ = received - stamp;
-    stamp += epoch_;
-    const TimeNs took = received - stamp;
-    if (count_ > 0 && std::abs(took - last_) > kClockJump) {
-      count_ = 0;
-      epoch_ = 0;
-      return false;
-    }
-    last_ = took;
-    took_s_[next_] = to_seconds(took);
-    next_ = (next_ + 1) % kRemembered;
-    count_ = std::min(count_ + 1, kRemembered);
-    return true;
-  }
-  ClockPrior prior() const {
-    if (!one_way_ || count_ == 0) return {0.0, sigma_s_};
-    return {*std::min_element(took_s_.begin(), took_s_.begin() + count_) - least_delay_s_, sigma_s_};
-  }
-
- private:
-  static constexpr int kRemembered = 64;  // half a minute: a clock that drifts moves little
-  bool one_way_;
-  double sigma_s_, least_delay_s_;
-  TimeNs epoch_ = 0, last_ = 0;
-  std::array<double, kRemembered> took_s_{};
-  int next_ = 0, count_ = 0;
-};
+// Among several that are missing, a chain of sightings is that of the one whose odometry explains it, when it explains
+// none of the others' as well.
+constexpr int kLeastMatched = 20;       // sightings, five a second
+constexpr double kRefuted_sigma = 2.0;  // residual from which on an odometry does not explain a chain
+constexpr double kChainGap_s = 1.5;     // without a sighting, after which a chain has ended
+constexpr double kBody_m = 0.8;         // around a known vehicle: what shines there is it
 
 class SlidingWindow : public RelativeLocalizer {
  public:
   SlidingWindow(const SlidingWindowConfig& config, const AgentSetup& setup)
-      : config_(config),
-        other_(vehicle_named(config.other, setup, "relative_localization.other")),
-        clock_(config.clock, config.clock_sigma_s, config.least_delay_s),
-        alignment_(config.alignment, config.drift),
-        filter_(config.filter, config.drift) {}
-
-  void step(const RelativeInput& input, std::vector<RelativeEstimate>& relatives, Outbox&) override {
-    const bool heard = hear(input.observation.messages);
-    see(input);
-    pair();
-    if (heard) align();
-    if (!filter_.started()) return;
-    const RelativeEstimate estimate = filter_.at(input.observation.t);
-    if (!is_sure(estimate)) {
-      filter_.stop();
-      ++num_lost_;
-      return;
-    }
-    last_ = estimate;
-    last_.other = other_;
-    relatives.push_back(last_);
+      : config_(config), markers_(config.marker_reflectivity, config.body_radius_m, config.marker_sigma_m) {
+    const std::vector<VehicleId> ids = vehicles_named(config.other, config.others, setup, "relative_localization");
+    mates_.reserve(ids.size());
+    for (const VehicleId id : ids) mates_.emplace_back(id, config);
+    heard_.resize(mates_.size());
   }
 
-  /// Where it is and heads, with three standard deviations, and the sightings of the window beside the aligned
-  /// odometry.
-  void append_overlays(std::vector<Overlay>& overlays) const override {
-    const Eigen::Vector4f kGreen = {0.2F, 0.9F, 0.3F, 0.35F}, kWhite = {0.95F, 0.95F, 0.95F, 1.0F};
-    Overlay place =
-        overlay_of("relative", Overlay::Kind::kSpheres, 0.0F, "teammate: three standard deviations", kGreen);
-    Overlay heading = overlay_of("relative", Overlay::Kind::kLines, 3.0F, "teammate: heading", kGreen);
-    Overlay seen = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "sightings in the window", kGreen);
-    Overlay told = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "odometry, aligned", kWhite);
-    for (const AlignmentPair& pair : alignment_.pairs()) seen.positions.push_back(pair.p_local_m.cast<float>());
-    if (filter_.started()) {
-      const Matrix3 C = last_.covariance.topLeftCorner<3, 3>();
-      place.size_m = 3.0F * static_cast<float>(std::sqrt(C.trace() / 3.0));
-      place.positions.push_back(last_.position_m.cast<float>());
-      const Vector3 ahead(elementary::cos(last_.yaw_rad), elementary::sin(last_.yaw_rad), 0.0);
-      heading.positions = {last_.position_m.cast<float>(), (last_.position_m + 0.5 * ahead).cast<float>()};
-      const FrameAlignment alignment = filter_.alignment();
-      for (const AlignmentPair& pair : alignment_.pairs()) {
-        told.positions.push_back(alignment.point(pair.p_other_m).cast<float>());
-      }
+  bool needs_clouds() const override { return config_.source == SlidingWindowConfig::Source::kMarkers; }
+
+  void step(const RelativeInput& input, std::vector<RelativeEstimate>& relatives, Outbox&) override {
+    for (std::size_t i = 0; i < mates_.size(); ++i) heard_[i] = mates_[i].hear(input.observation.messages);
+    see(input);
+    share_out();
+    find_missing(input.observation.t);
+    for (std::size_t i = 0; i < mates_.size(); ++i) mates_[i].update(heard_[i]);
+    for (Teammate& mate : mates_) {
+      if (const auto estimate = mate.estimate(input.observation.t)) relatives.push_back(*estimate);
     }
-    for (Overlay* overlay : {&place, &heading, &seen, &told}) overlays.push_back(std::move(*overlay));
+  }
+
+  void append_overlays(std::vector<Overlay>& overlays) const override {
+    for (const Teammate& mate : mates_) mate.append_overlays(overlays);
   }
 
   void append_counters(std::vector<Counter>& counters) const override {
+    std::uint64_t num_reports = 0, num_late = 0, num_starts = 0, num_lost = 0;
+    for (const Teammate& mate : mates_) {
+      num_reports += mate.num_reports();
+      num_late += mate.num_late();
+      num_starts += mate.num_starts();
+      num_lost += mate.num_lost();
+    }
     counters.push_back(
         {"sightings that were not the guided vehicle's", num_rejected_, num_sightings_, "marker_reflectivity"});
-    counters.push_back(
-        {"sightings or odometry too late", num_late_, num_sightings_ + num_reports_, "filter.history_s"});
-    counters.push_back({"losses of the guided vehicle", num_lost_, std::max<std::uint64_t>(num_starts_, num_lost_),
+    counters.push_back({"sightings or odometry too late", num_late, num_sightings_ + num_reports, "filter.history_s"});
+    counters.push_back({"losses of the guided vehicle", num_lost, std::max<std::uint64_t>(num_starts, num_lost),
                         "position_sigma_max_m"});
   }
 
@@ -143,43 +72,14 @@ class SlidingWindow : public RelativeLocalizer {
     TimeNs bright;  // when it was last
   };
 
-  // ---- what it tells
-  bool hear(std::span<const Message> messages) {
-    bool heard = false;
-    for (const Message& message : messages) {
-      OdometryReport report;
-      if (message.from != other_ || read_message(message, report) != Reading::kDone) continue;
-      ++num_reports_;
-      OtherMotion motion = motion_of(report);
-      if (!clock_.take(motion.t, message.received)) {
-        start_over();
-        continue;
-      }
-      if (!odometry_.push(motion)) continue;
-      heard = true;
-      if (filter_.started()) num_late_ += !filter_.push(in_own_time(odometry_.newest()));
-    }
-    return heard;
-  }
-
-  void start_over() {
-    odometry_ = {};
-    alignment_.clear();
-    filter_.stop();
-    waiting_.clear();
-    clock_s_.reset();
-  }
-
-  double clock_s() const { return clock_s_ ? *clock_s_ : clock_.prior().clock_s; }
-  OtherMotion in_own_time(OtherMotion motion) const {
-    motion.t += from_seconds(clock_s());
-    return motion;
-  }
-
-  // ---- where it is seen
+  // ---- where something is seen
   void see(const RelativeInput& input) {
     seen_.clear();
-    if (config_.source == SlidingWindowConfig::Source::kDetections) {
+    if (config_.source == SlidingWindowConfig::Source::kMarkers) {
+      bright_.clear();
+      for (const auto& cloud : input.clouds) markers_.append(*cloud, bright_);
+      for (const Sighting& s : bright_) take_in(s.t, s.p_local_m, s.covariance, input.poses);
+    } else if (config_.source == SlidingWindowConfig::Source::kDetections) {
       for (const Detection& d : input.detections) {
         if (d.reflectivity >= config_.marker_reflectivity) take_in(d.t, d.position_m, d.covariance, input.poses);
       }
@@ -190,27 +90,6 @@ class SlidingWindow : public RelativeLocalizer {
         }
       }
     }
-    if (!filter_.started()) {
-      for (const Sighting& sighting : seen_) wait(sighting);
-      return;
-    }
-    // Of those that are no other thing's, the nearest.
-    const auto nearest = std::min_element(seen_.begin(), seen_.end(), [this](const Sighting& a, const Sighting& b) {
-      return filter_.squared_sigmas(a) < filter_.squared_sigmas(b);
-    });
-    if (nearest == seen_.end()) return;
-    num_rejected_ += seen_.size();
-    if (!filter_.push(*nearest)) {
-      // Whatever it is that is seen instead for so long may be it.
-      if (nearest->t - last_accepted_ > from_seconds(config_.reacquire_s)) {
-        filter_.stop();
-        ++num_lost_;
-      }
-      return;
-    }
-    --num_rejected_;
-    last_accepted_ = nearest->t;
-    wait(*nearest);
   }
 
   /// A track that was bright a moment ago: far away, few beams meet a marker.
@@ -235,123 +114,185 @@ class SlidingWindow : public RelativeLocalizer {
     seen_.push_back({t, p_local_m + behind_m + config_.center_above_m * Vector3::UnitZ(), covariance});
   }
 
-  void wait(const Sighting& sighting) {
-    if (waiting_.size() == kMaxWaiting) waiting_.erase(waiting_.begin());
-    waiting_.push_back(sighting);
+  // ---- whose it is
+  /// A sighting is that of the known vehicle under which it is most likely; of those, each takes the nearest. What is
+  /// left is of somebody who is missing.
+  void share_out() {
+    left_.clear();
+    num_missing_ = static_cast<std::size_t>(
+        std::count_if(mates_.begin(), mates_.end(), [](const Teammate& mate) { return !mate.known(); }));
+    if (num_missing_ == mates_.size()) {
+      left_ = seen_;
+      return;
+    }
+    choose_owners();
+    for (std::size_t m = 0; m < mates_.size(); ++m) {
+      if (mates_[m].known()) take_nearest(m);
+    }
+    for (std::size_t s = 0; s < seen_.size(); ++s) {
+      if (owners_[s] != kTaken && num_missing_ == 0) ++num_rejected_;
+      if (owners_[s] != kTaken && num_missing_ > 0 && !is_known_body(seen_[s])) left_.push_back(seen_[s]);
+    }
   }
 
-  // ---- both together
-  /// Sightings that the odometry has come up to.
-  void pair() {
-    if (odometry_.empty()) return;
-    const double clock_s_now = clock_s();
-    const TimeNs clock = from_seconds(clock_s_now);
-    std::erase_if(waiting_, [&](const Sighting& sighting) {
-      if (sighting.t - clock > odometry_.newest().t) return false;
-      const auto told = odometry_.at(sighting.t - clock, config_.odometry_gap_max_s);
-      if (!told || sighting.t < last_pair_) return true;
-      last_pair_ = sighting.t;
-      const double sigma_m = config_.filter.odometry_sigma_m;
-      alignment_.push({sighting.t, sighting.p_local_m, sighting.covariance + sigma_m * sigma_m * Matrix3::Identity(),
-                       told->p_other_local_m, told->v_other_local_mps, clock_s_now, told->flown});
-      return true;
+  void choose_owners() {
+    owners_.assign(seen_.size(), kTaken);
+    for (std::size_t s = 0; s < seen_.size(); ++s) {
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t m = 0; m < mates_.size(); ++m) {
+        if (!mates_[m].known()) continue;
+        const double unlikely = mates_[m].unlikelihood(seen_[s]);
+        if (owners_[s] != kTaken && unlikely >= least) continue;
+        owners_[s] = m;
+        least = unlikely;
+      }
+    }
+  }
+
+  void take_nearest(std::size_t m) {
+    std::optional<std::size_t> nearest;
+    double least = 0.0;
+    for (std::size_t s = 0; s < seen_.size(); ++s) {
+      if (owners_[s] != m) continue;
+      const double squared = mates_[m].squared_sigmas(seen_[s]);
+      if (nearest && squared >= least) continue;
+      nearest = s;
+      least = squared;
+    }
+    if (!nearest) return;
+    if (mates_[m].take(seen_[*nearest])) {
+      owners_[*nearest] = kTaken;
+    } else if (num_missing_ == 0) {
+      mates_[m].doubt(seen_[*nearest].t);  // whatever it is that is seen instead for so long may be it
+    }
+  }
+
+  bool is_known_body(const Sighting& sighting) const {
+    return std::ranges::any_of(mates_, [&](const Teammate& mate) {
+      return mate.known() && (mate.place_local_m() - sighting.p_local_m).norm() < kBody_m;
     });
   }
 
-  void align() {
-    const auto& found = alignment_.fit(odometry_.newest(), clock_.prior());
-    if (!found) return;
-    clock_s_ = found->clock_s;
-    if (filter_.started() && agrees(*found)) return;
-    filter_.start(*found, in_own_time(odometry_.newest()));
-    ++num_starts_;
-    num_disagreements_ = 0;
-    last_accepted_ = in_own_time(odometry_.newest()).t;
-    for (const Sighting& sighting : waiting_) filter_.push(sighting);
+  // ---- who is missing
+  void find_missing(TimeNs now) {
+    if (mates_.size() == 1) {
+      for (const Sighting& sighting : left_) mates_.front().wait(sighting);
+      return;
+    }
+    for (const Sighting& sighting : left_) chains_.push(sighting);
+    chains_.forget_before(now - from_seconds(kChainGap_s));
+    if (std::ranges::none_of(heard_, [](char heard) { return heard != 0; })) return;
+    for (const SightingChains::Chain& chain : chains_.chains()) {
+      if (Teammate* mate = explained_by(chain.sightings)) mate->wait_for_new_of(chain.sightings);
+    }
   }
 
-  /// The filter is what the window says, or off by chance for a moment.
-  bool agrees(const FrameAlignment& found) {
-    const FrameAlignment own = filter_.alignment();
-    Eigen::Matrix<double, 4, 1> difference;
-    difference << found.point(own.anchor_other_m) - own.anchor_local_m,
-        std::remainder(found.yaw_rad - own.yaw_rad, 2.0 * kPi);
-    const FrameAlignment::Covariance S = own.covariance + found.covariance;
-    const bool near = difference.dot(S.ldlt().solve(difference)) <= kDisagreement_sigma_sq;
-    num_disagreements_ = near ? 0 : num_disagreements_ + 1;
-    return num_disagreements_ < kMaxDisagreements;
+  /// The one whose motion it is, when that of nobody else who is missing would do. Who has told nothing of these
+  /// seconds can't be told apart, and is left out.
+  Teammate* explained_by(std::span<const Sighting> chain) {
+    Teammate* found = nullptr;
+    for (Teammate& mate : mates_) {
+      if (mate.known()) continue;
+      const MotionMatch match = mate.match(chain);
+      if (2 * match.count < kLeastMatched || match.residual_sigma > kRefuted_sigma) continue;
+      const bool fits = match.count >= kLeastMatched && match.residual_sigma <= config_.alignment.residual_sigma_max &&
+                        match.spread_m >= config_.alignment.min_spread_m;
+      if (!fits || found != nullptr) return nullptr;
+      found = &mate;
+    }
+    return found;
   }
 
-  bool is_sure(const RelativeEstimate& estimate) const {
-    const Matrix3 C = estimate.covariance.topLeftCorner<3, 3>();
-    const double greatest = Eigen::SelfAdjointEigenSolver<Matrix3>(C, Eigen::EigenvaluesOnly).eigenvalues()(2);
-    return greatest <= config_.position_sigma_max_m * config_.position_sigma_max_m;
-  }
+  static constexpr std::size_t kTaken = std::numeric_limits<std::size_t>::max();
 
   SlidingWindowConfig config_;
-  VehicleId other_;
-  OtherClock clock_;
-  std::optional<double> clock_s_;  // found with the alignment
-  RelativeOdometry odometry_;      // by the other clock, near the own one
-  RelativeAlignment alignment_;
-  RelativeFilter filter_;
-  RelativeEstimate last_;  // for pictures
+  std::vector<Teammate> mates_;
+  std::vector<char> heard_;  // in this tick
+  MarkerSightings markers_;
   std::vector<MarkedTrack> marked_;
-  std::vector<Sighting> seen_;     // in this tick
-  std::vector<Sighting> waiting_;  // for odometry that is newer
-  TimeNs last_pair_ = 0, last_accepted_ = 0;
-  int num_disagreements_ = 0;
-  std::uint64_t num_reports_ = 0, num_sightings_ = 0, num_rejected_ = 0, num_late_ = 0;
-  std::uint64_t num_starts_ = 0, num_lost_ = 0;
+  std::vector<Sighting> bright_, seen_, left_;  // in this tick
+  std::vector<std::size_t> owners_;             // of those that are seen: a teammate, or taken by it
+  std::size_t num_missing_ = 0;
+  SightingChains chains_;
+  std::uint64_t num_sightings_ = 0, num_rejected_ = 0;
 };
 
 class SharedWorld : public RelativeLocalizer {
  public:
-  SharedWorld(const SharedWorldConfig& config, const AgentSetup& setup)
-      : config_(config), other_(vehicle_named(config.other, setup, "relative_localization.other")) {}
+  SharedWorld(const SharedWorldConfig& config, const AgentSetup& setup) : config_(config) {
+    for (const VehicleId id : vehicles_named(config.other, config.others, setup, "relative_localization")) {
+      told_.push_back({id, std::nullopt});
+    }
+  }
 
   void step(const RelativeInput& input, std::vector<RelativeEstimate>& relatives, Outbox&) override {
     for (const Message& message : input.observation.messages) {
       OdometryReport report;
-      if (message.from == other_ && read_message(message, report) == Reading::kDone) newest_ = motion_of(report);
+      for (Told& other : told_) {
+        if (message.from == other.id && read_message(message, report) == Reading::kDone)
+          other.newest = motion_of(report);
+      }
     }
     const TimeNs t = input.observation.t;
-    if (!newest_ || t - newest_->t > from_seconds(config_.timeout_s)) return;
-    const double since_s = to_seconds(t - newest_->t);
+    for (const Told& other : told_) {
+      if (!other.newest || t - other.newest->t > from_seconds(config_.timeout_s)) continue;
+      relatives.push_back(FrameChange::to_local(input.estimate).relative(estimate_of(other, t)));
+    }
+  }
+
+ private:
+  struct Told {
+    VehicleId id;
+    std::optional<OtherMotion> newest;  // in the world
+  };
+
+  RelativeEstimate estimate_of(const Told& other, TimeNs t) const {
+    const OtherMotion& newest = *other.newest;
+    const double since_s = to_seconds(t - newest.t);
     RelativeEstimate told;
     told.t = t;
-    told.other = other_;
-    told.position_m = newest_->p_other_local_m + since_s * newest_->v_other_local_mps;
-    told.velocity_mps = newest_->v_other_local_mps;
-    told.yaw_rad = std::remainder(newest_->yaw_rad + since_s * newest_->yaw_rate_radps, 2.0 * kPi);
+    told.other = other.id;
+    told.position_m = newest.p_other_local_m + since_s * newest.v_other_local_mps;
+    told.velocity_mps = newest.v_other_local_mps;
+    told.yaw_rad = std::remainder(newest.yaw_rad + since_s * newest.yaw_rate_radps, 2.0 * kPi);
     const double sigma_rad = config_.yaw_sigma_deg * kRadPerDeg;
     told.covariance.setZero();
     told.covariance.diagonal() << Vector3::Constant(config_.sigma_m * config_.sigma_m),
         Vector3::Constant(config_.sigma_m * config_.sigma_m), sigma_rad * sigma_rad;
-    told.seen = told.heard = newest_->t;
-    told.heard_stamp = newest_->stamp;
-    told.heard_position_m = newest_->p_other_local_m;
-    told.heard_yaw_rad = newest_->yaw_rad;
-    relatives.push_back(FrameChange::to_local(input.estimate).relative(told));
+    told.seen = told.heard = newest.t;
+    told.heard_stamp = newest.stamp;
+    told.heard_position_m = newest.p_other_local_m;
+    told.heard_yaw_rad = newest.yaw_rad;
+    return told;
   }
 
- private:
   SharedWorldConfig config_;
-  VehicleId other_;
-  std::optional<OtherMotion> newest_;  // in the world
+  std::vector<Told> told_;
 };
+
+void check_names(ConfigVisitor& v, const std::string& other, const std::vector<std::string>& others) {
+  v.check(other.empty() || others.empty(), "others", "none where other names one");
+}
 
 }  // namespace
 
 void SlidingWindowConfig::visit(ConfigVisitor& v) {
   v.field("other", other,
           "[-] name of the vehicle to localize, which tells its odometry (follow_guide); empty: the first other one");
-  v.choice("source", source, {"detections", "tracks"},
-           "[-] what is taken as sightings: detections, or the clusters on which tracks were corrected");
+  v.field("others", others,
+          "[-] names, when there are several; they are told apart by how they move, so let them move differently");
+  v.choice(
+      "source", source, {"detections", "tracks", "markers"},
+      "[-] what is taken as sightings: detections, the clusters on which tracks were corrected, or all that shines "
+      "in a scan");
   v.field("marker_reflectivity", marker_reflectivity,
           "[-] a sighting is of the other's markers when its brightest return reflects this much (1: white Lambertian, "
           "retro-reflectors 10 and more); 0: it has none, all sightings count",
           Range::non_negative());
+  v.field("body_radius_m", body_radius_m, "[m] with markers: returns so near to the middle of a vehicle are its own",
+          Range{0.0, 2.0, true});
+  v.field("marker_sigma_m", marker_sigma_m, "[m] with markers: standard deviation of that middle, by axis",
+          Range::positive());
   v.field("marker_memory_s", marker_memory_s,
           "[s] with tracks: so long after its last bright return a track is still taken for the other's",
           Range::non_negative());
@@ -376,15 +317,19 @@ void SlidingWindowConfig::visit(ConfigVisitor& v) {
   v.object("alignment", alignment, "sliding window that finds where its local frame lies");
   v.object("filter", filter, "Kalman filter of its position, velocity and alignment");
   v.object("drift", drift, "what its odometry may drift");
+  v.check(source != Source::kMarkers || marker_reflectivity > 0.0, "marker_reflectivity", "more than 0 with markers");
+  check_names(v, other, others);
 }
 
 void SharedWorldConfig::visit(ConfigVisitor& v) {
   v.field("other", other,
           "[-] name of the vehicle to localize, which tells its odometry and started from a known pose; empty: the "
           "first other one");
+  v.field("others", others, "[-] names, when there are several");
   v.field("sigma_m", sigma_m, "[m] standard deviation of its position, by axis", Range::positive());
   v.field("yaw_sigma_deg", yaw_sigma_deg, "[deg] and of its heading", Range::positive());
   v.field("timeout_s", timeout_s, "[s] without a message, after which it is not known where it is", Range::positive());
+  check_names(v, other, others);
 }
 
 std::unique_ptr<RelativeLocalizer> make_no_relative_localizer(const ModuleConfig&, const AgentSetup&) {

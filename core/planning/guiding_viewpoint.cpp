@@ -24,8 +24,10 @@ struct Candidate {
 class ViewpointSearch {
  public:
   ViewpointSearch(const OccupancyView& map, const Vector3& watcher_local_m, std::span<const Vector3> path_local_m,
-                  const ViewpointRules& rules, std::span<const Vector3> before_local_m)
+                  const ViewpointRules& rules, std::span<const Vector3> before_local_m,
+                  std::span<const KeepOut> keep_outs)
       : map_(map),
+        safe_map_(map, {keep_outs.begin(), keep_outs.end()}),
         watcher_local_m_(watcher_local_m),
         path_local_m_(path_local_m),
         before_local_m_(before_local_m),
@@ -124,8 +126,8 @@ class ViewpointSearch {
         if (!cell) continue;
         const Vector3 p_local_m = at_watchers_height(mask, column, row);
         const bool known = rules_.unknown_is_free || map_.state(p_local_m) != CellState::kUnknown;
-        cell = static_cast<char>(known &&
-                                 map_.clearance_m(p_local_m, rules_.clearance_m + map_.edge_m()) > rules_.clearance_m);
+        cell = static_cast<char>(known && safe_map_.clearance_m(p_local_m, rules_.clearance_m + map_.edge_m()) >
+                                              rules_.clearance_m);
       }
     }
   }
@@ -231,6 +233,7 @@ class ViewpointSearch {
   }
 
   const OccupancyView& map_;
+  OverlaidOccupancy safe_map_;  // nobody's sight ends at another vehicle
   Vector3 watcher_local_m_;
   std::span<const Vector3> path_local_m_, before_local_m_;
   const ViewpointRules& rules_;
@@ -255,9 +258,9 @@ Ring visibility_ring(const OccupancyView& map, const Vector3& p_local_m, double 
 
 GuidingViewpoints find_guiding_viewpoints(const OccupancyView& map, const Vector3& watcher_local_m,
                                           std::span<const Vector3> path_local_m, const ViewpointRules& rules,
-                                          std::span<const Vector3> before_local_m) {
+                                          std::span<const Vector3> before_local_m, std::span<const KeepOut> keep_outs) {
   ENSURE(!path_local_m.empty() && rules.num_rays >= 3, path_local_m.size(), rules.num_rays);
-  return ViewpointSearch(map, watcher_local_m, path_local_m, rules, before_local_m).run();
+  return ViewpointSearch(map, watcher_local_m, path_local_m, rules, before_local_m, keep_outs).run();
 }
 
 void ViewpointRules::visit(ConfigVisitor& v) {

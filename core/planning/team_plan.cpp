@@ -11,9 +11,13 @@
 namespace swiftlet {
 namespace {
 
-/// A map with the column of air of a vehicle laid over it: COPY_MAP_AND_ADD_OBSTACLE, without the copy.
-OverlaidOccupancy with_column(const OccupancyView& map, const Vector3& p_local_m, double width_m, double height_m) {
-  return {map, {KeepOut::box(p_local_m, {width_m, width_m, height_m})}};
+/// Columns of air of vehicles: what COPY_MAP_AND_ADD_OBSTACLE lays over a map, without the copy.
+void append_columns(std::span<const Vector3> places_local_m, double width_m, double height_m,
+                    std::vector<KeepOut>& columns) {
+  columns.reserve(columns.size() + places_local_m.size());
+  for (const Vector3& p_local_m : places_local_m) {
+    columns.push_back(KeepOut::box(p_local_m, {width_m, width_m, height_m}));
+  }
 }
 
 /// Places above and below which the guide may not fly: where the other one is, or all of its way when both fly at once.
@@ -24,15 +28,6 @@ std::vector<Vector3> columns_of(const TeamPlan& plan, std::span<const PlannedPos
   for (const PlannedPose& pose : flying) places_local_m.push_back(pose.p_local_m);
   for (const PlannedPose& pose : plan.secondary_path) places_local_m.push_back(pose.p_local_m);
   return places_local_m;
-}
-
-OverlaidOccupancy with_columns(const OccupancyView& map, const std::vector<Vector3>& places_local_m,
-                               const TeamPlannerConfig& config) {
-  const Vector3 size_m(config.secondary_width_m, config.secondary_width_m, config.secondary_height_m);
-  std::vector<KeepOut> columns;
-  columns.reserve(places_local_m.size());
-  for (const Vector3& p_local_m : places_local_m) columns.push_back(KeepOut::box(p_local_m, size_m));
-  return {map, std::move(columns)};
 }
 
 /// The nearest place to the goal, in its plane first, that is clear.
@@ -86,8 +81,8 @@ TeamPlan& fail(TeamPlan& plan, const char* who, const char* why) {
 }  // namespace
 
 TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, const Vector3& primary_local_m,
-                   const PlannedPose& secondary, const PlannedPose& goal,
-                   const std::function<void(PlanningStage)>& begins, std::span<const PlannedPose> flying) {
+                   const PlannedPose& secondary, const PlannedPose& goal, const TeamTraffic& traffic,
+                   const std::function<void(PlanningStage)>& begins) {
   const auto begin = [&begins](PlanningStage stage) {
     if (begins) begins(stage);
   };
@@ -100,8 +95,11 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
   }
 
   // The goal, and lines 4 to 8: the secondary's path.
-  const OverlaidOccupancy map_secondary =
-      with_column(map, primary_local_m, config.primary_width_m, config.primary_height_m);
+  std::vector<KeepOut> hovering;
+  append_columns(traffic.hovering_local_m, config.secondary_width_m, config.secondary_height_m, hovering);
+  std::vector<KeepOut> in_its_way = hovering;
+  append_columns({&primary_local_m, 1}, config.primary_width_m, config.primary_height_m, in_its_way);
+  const OverlaidOccupancy map_secondary(map, std::move(in_its_way));
   const ClearSpace space(map_secondary, config.secondary, secondary.p_local_m);
   if (const auto place = clear_place_near(space, goal.p_local_m, edge_m, config.goal_search_m)) {
     plan.goal_local_m = *place;
@@ -124,14 +122,17 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
   ViewpointRules rules = config.viewpoint;
   rules.clearance_m = config.primary.clearance_m;
   rules.unknown_is_free = config.primary.unknown_is_free;
-  GuidingViewpoints viewpoints =
-      find_guiding_viewpoints(map, primary_local_m, places_of(plan.secondary_path), rules, places_of(flying));
+  GuidingViewpoints viewpoints = find_guiding_viewpoints(map, primary_local_m, places_of(plan.secondary_path), rules,
+                                                         places_of(traffic.flying), hovering);
   plan.visible = std::move(viewpoints.visible);
   if (viewpoints.best_first.empty()) return fail(plan, "the viewpoint", "nowhere safe is the path in sight");
 
   // Lines 13 to 20: the primary's path there. A viewpoint behind a gap that is too narrow gives way to the next one.
   begin(PlanningStage::kPrimaryPath);
-  const OverlaidOccupancy map_primary = with_columns(map, columns_of(plan, flying), config);
+  std::vector<KeepOut> in_the_guides_way = std::move(hovering);
+  append_columns(columns_of(plan, traffic.flying), config.secondary_width_m, config.secondary_height_m,
+                 in_the_guides_way);
+  const OverlaidOccupancy map_primary(map, std::move(in_the_guides_way));
   ClearPath path_primary;
   for (GuidingViewpoint& viewpoint : viewpoints.best_first) {
     plan.viewpoint = std::move(viewpoint);

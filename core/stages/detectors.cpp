@@ -2,6 +2,7 @@
 #include "swiftlet/core/stages/detectors.hpp"
 
 #include "swiftlet/core/detection/ground_truth.hpp"
+#include "swiftlet/core/detection/track_before_detect.hpp"
 #include "swiftlet/core/detection/vofod.hpp"
 
 namespace swiftlet {
@@ -23,6 +24,12 @@ void need_for_vofod(const ModuleConfig& config, AgentNeeds& needs) {
   needs.memory.push_back({"detector.ray_max_m", vofod.ray_window_bytes()});
 }
 
+void need_for_track_before_detect(const ModuleConfig& config, AgentNeeds& needs) {
+  needs.detects = true;
+  needs.sensors.push_back({"lidar", "detector.type: track_before_detect"});
+  needs.memory.push_back({"detector.air.size_m", dynamic_cast<const TrackBeforeDetectConfig&>(config).air.bytes()});
+}
+
 void need_neighbors_to_detect(const ModuleConfig&, AgentNeeds& needs) { needs.detects = needs.true_neighbors = true; }
 
 constexpr DetectorType kDetectorTypes[] = {
@@ -31,6 +38,11 @@ constexpr DetectorType kDetectorTypes[] = {
      make_vofod_detector,
      need_for_vofod,
      "voxels.tentative voxels.confident voxels.around clusters detections"},
+    {{"track_before_detect", "flying objects by the existence of hypotheses over many sweeps, for sparse returns",
+      make_module_config<TrackBeforeDetectConfig>},
+     make_track_before_detect,
+     need_for_track_before_detect,
+     "detections"},
     {{"ground_truth", "what a mutual-localization sensor says; an ideal one is added where there is none",
       make_module_config<GroundTruthDetectorConfig>},
      make_ground_truth_detector,

@@ -33,6 +33,15 @@ class CloudTrackerModule : public Tracker {
   CloudTracker tracker_;
 };
 
+class DetectorTracks : public Tracker {
+ public:
+  bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox&) override {
+    if (!input.has_detections) return false;
+    tracks.assign(input.detector_tracks.begin(), input.detector_tracks.end());
+    return true;
+  }
+};
+
 /// A filter for each neighbor whose sensor tells its place.
 class GroundTruthTracker : public Tracker {
  public:
@@ -137,6 +146,10 @@ std::unique_ptr<Tracker> make_vofod_tracker(const ModuleConfig& config, const Ag
 std::unique_ptr<Tracker> make_imm_tracker(const ModuleConfig& config, const AgentSetup&) {
   const auto& c = dynamic_cast<const ImmTrackerConfig&>(config);
   return std::make_unique<CloudTrackerModule>(c.sensor, c.tracker, make_imm_filter(c.filter));
+}
+
+std::unique_ptr<Tracker> make_detector_tracks(const ModuleConfig&, const AgentSetup&) {
+  return std::make_unique<DetectorTracks>();
 }
 
 std::unique_ptr<Tracker> make_ground_truth_tracker(const ModuleConfig& config, const AgentSetup&) {

@@ -121,11 +121,32 @@ class Cli(unittest.TestCase):
             "recorders[0]={type: csv, vehicles: [uav7]}": "uav7",
             "vehicles[0].airframe.rotors=[{position_m: [0.1, 0, 0]}]": "rotors",
             "world={type: mesh, file: nowhere.obj}": "nowhere.obj",
+            "vehicles[0].agent.detector={type: vofod}": "detector.type: vofod: expected a sensor of type lidar on uav1",
+            "vehicles[0].agent.localization={type: ins}": "localization.type: ins: expected a sensor of type imu on uav1",
+            "vehicles[0].agent.guidance={type: waypoints}": "waypoints_m: expected at least one waypoint",
+            "snapshots=[{type: top}]": "snapshots[0].times_s: expected when it takes pictures",
+            "snapshots=[{type: top, times_s: [1], overlays: [trakcs]}]": 'did you mean "tracks"?',
         }
         for setting, word in wrong.items():
             with self.subTest(setting):
                 run = self.refused("run", self.scenario, "--out", "out", "--set", setting, tells=[word])
                 self.assertEqual(run, self.refused("check", self.scenario, "--set", setting))
+
+    def test_a_crash_is_an_error_for_scripts_that_ask(self):
+        self.scenario.write_text(HOVER.format(duration=3).replace("type: empty", "type: field")
+                                 .replace("{localization: {type: ground_truth}, guidance: {type: hover}}", "{type: none}"))
+        fall = ["run", self.scenario, "-q"]
+        self.assertEqual(self.run_swiftlet(*fall, "--out", "a").returncode, 0)
+        result = self.run_swiftlet(*fall, "--out", "b", "--fail-on-crash")
+        self.assertEqual((result.returncode, result.stderr), (1, "swiftlet: crashed: uav1; the run is in b\n"))
+        self.assertTrue((self.path / "b/summary.json").is_file(), "the run is kept all the same")
+
+    def test_everything_that_can_be_named_is_listed(self):
+        for kind, word in {"metrics": "path_length_m", "outcomes": "crashed", "overlays": "rbl.cell", "patterns": "ouster",
+                           "detectors": "vofod", "trackers": "imm", "mapping": "occupancy", "batches": "square_gusts",
+                           "relative_localization": "sliding_window", "datasets": "forest_flight"}.items():
+            self.assertIn(word, self.run_swiftlet("list", kind).stdout, kind)
+        self.assertIn("sec. III-A]", self.run_swiftlet("list", "scenarios").stdout, "sentences do not end at 'sec.'")
 
     def test_a_directory_that_cannot_be_made_is_told_by_its_path(self):
         (self.path / "file").write_text("in the way")

@@ -5,6 +5,7 @@ build=$1
 here=$(cd "$(dirname "$0")" && pwd)
 examples=$here/../../examples
 work=$build/install_test
+compiler=$(sed -n 's/^CMAKE_CXX_COMPILER:[A-Z]*=//p' "$build/CMakeCache.txt")
 rm -rf "$work"
 cmake --install "$build" --prefix "$work/prefix" >/dev/null
 
@@ -22,7 +23,7 @@ echo "$(echo "$headers" | wc -l) headers stand alone"
 
 # A project of somebody else's that knows the installed package only.
 in_project() {  # source binary
-  cmake -S "$1" -B "$work/$2" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
+  cmake -S "$1" -B "$work/$2" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
   cmake --build "$work/$2"
 }
 in_project "$here/consumer" consumer

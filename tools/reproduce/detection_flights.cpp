@@ -26,10 +26,11 @@ sim::Scenario agile_flight(const std::string& name, std::uint64_t seed, double d
 }
 
 Flights fly_and_log(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios, double fov_bottom_deg,
-                    double fov_top_deg, double ignored_s, double bin_m) {
+                    double fov_top_deg, double ignored_s, double bin_m, double least_confidence) {
   Flights flights;
   for (const sim::Scenario& scenario : scenarios) {
     flights.logs.push_back(std::make_unique<DetectionLog>(scenario, fov_bottom_deg, fov_top_deg, ignored_s));
+    flights.logs.back()->count_from(least_confidence);
   }
   fly(experiment, scenarios,
       {.after_tick = [&](std::size_t run, const sim::Simulation& simulation) { flights.logs[run]->add(simulation); },

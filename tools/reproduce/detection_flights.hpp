@@ -32,8 +32,9 @@ struct Flights {
   double observed_s = 0.0;
   int false_detections = 0, false_tracks = 0;
 };
+/// @param least_confidence  what is told with less counts neither as found nor as false
 Flights fly_and_log(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios, double fov_bottom_deg,
-                    double fov_top_deg, double ignored_s, double bin_m = kBin_m);
+                    double fov_top_deg, double ignored_s, double bin_m = kBin_m, double least_confidence = 0.0);
 
 /// All bins up to a distance in one.
 DistanceBin joined(const std::vector<DistanceBin>& bins, double up_to_m);

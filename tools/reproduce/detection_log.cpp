@@ -89,6 +89,7 @@ void DetectionLog::add(const sim::Simulation& simulation) {
   for (const auto& labeled : view.scans[observer_]) remember(*labeled);
   if (view.t < ignored_) return;
   observed_s_ = to_seconds(view.t - ignored_);
+  if (action.has_detections && least_confidence_ > 0.0) find_unsure(action);
   if (action.has_detections && action.detections_stamp >= ignored_) add_detections(action);
   if (action.has_tracks && !view.scans[observer_].empty()) add_tracks(action);
 }
@@ -159,6 +160,14 @@ bool DetectionLog::take(Sighting& sighting, TimeNs t, const Vector3& estimate_m)
   return true;
 }
 
+// Track i of a detector that tracks before it detects is that of its detection i.
+void DetectionLog::find_unsure(const Action& action) {
+  unsure_.clear();
+  for (std::size_t i = 0; i < std::min(action.tracks.size(), action.detections.size()); ++i) {
+    if (action.detections[i].confidence < least_confidence_) unsure_.insert(action.tracks[i].id);
+  }
+}
+
 void DetectionLog::add_detections(const Action& action) {
   const SeenScan* scan = scan_of(action.detections_stamp);
   if (scan == nullptr) return;
@@ -169,17 +178,24 @@ void DetectionLog::add_detections(const Action& action) {
     for (std::size_t i = 0; i < action.detections.size(); ++i) {
       const Detection& detection = action.detections[i];
       if (error_m(target, detection.t, detection.position_m) < kTruePositive_m) is_true[i] = 1;
+      if (detection.confidence < least_confidence_) continue;
       take(sighting, detection.t, detection.position_m);
     }
     detections_.push_back(sighting);
   }
-  num_false_detections_ += static_cast<int>(std::count(is_true.begin(), is_true.end(), 0));
+  for (std::size_t i = 0; i < action.detections.size(); ++i) {
+    const double confidence = action.detections[i].confidence;
+    if (least_confidence_ > 0.0) told_.push_back({confidence, is_true[i] != 0});
+    if (confidence >= least_confidence_ && !is_true[i]) ++num_false_detections_;
+  }
 }
 
 void DetectionLog::add_tracks(const Action& action) {
   const SeenScan& scan = scans_.back();
   const int num_targets = static_cast<int>(scan.points.size());
-  for (const Track& track : action.tracks) track_ids_.insert(track.id);
+  for (const Track& track : action.tracks) {
+    if (!unsure_.contains(track.id)) track_ids_.insert(track.id);
+  }
   in_view_since_.resize(static_cast<std::size_t>(num_targets), -1);
   for (int target = 0; target < num_targets; ++target) {
     Sighting sighting = sighting_of(scan, target);
@@ -189,7 +205,7 @@ void DetectionLog::add_tracks(const Action& action) {
     sighting.in_view_s = sighting.visible ? to_seconds(sighting.t - since) : 0.0;
     const Track* nearest = nullptr;
     for (const Track& track : action.tracks) {
-      if (take(sighting, track.t, track.position_m)) nearest = &track;
+      if (!unsure_.contains(track.id) && take(sighting, track.t, track.position_m)) nearest = &track;
     }
     if (sighting.found) {
       sighting.track = nearest->id;
@@ -224,6 +240,11 @@ void DetectionLog::exchange(Stream& stream) {
     stream.list(track.second, number);
   });
   targets_of_track_ = {followed.begin(), followed.end()};
+  if (least_confidence_ == 0.0) return;
+  stream.list(told_, [&](Told& told) {
+    stream.number(told.confidence);
+    stream.number(told.is_target);
+  });
 }
 
 std::vector<double> DetectionLog::numbers() {

@@ -50,6 +50,13 @@ class DetectionLog {
   int num_false_detections() const { return num_false_detections_; }
   int num_false_tracks() const;
   double observed_s() const { return observed_s_; }
+  /// From now on what is told with less confidence counts neither as found nor as false, and all of it is in told().
+  void count_from(double least_confidence) { least_confidence_ = least_confidence; }
+  struct Told {
+    double confidence = 0.0;
+    bool is_target = false;
+  };
+  const std::vector<Told>& told() const { return told_; }
   /// Identities that followed one target and then another, closer than 1 m each.
   int num_cross_associations() const;
 
@@ -77,6 +84,7 @@ class DetectionLog {
   Sighting sighting_of(const SeenScan& scan, int target) const;
   double error_m(int target, TimeNs t, const Vector3& estimate_m) const;
   bool take(Sighting& sighting, TimeNs t, const Vector3& estimate_m) const;
+  void find_unsure(const Action& action);
   void add_detections(const Action& action);
   void add_tracks(const Action& action);
 
@@ -88,6 +96,9 @@ class DetectionLog {
   std::vector<Truth> truth_;     // by tick
   std::vector<SeenScan> scans_;  // by time
   std::vector<Sighting> detections_, tracks_;
+  double least_confidence_ = 0.0;   // 0: all counts
+  std::set<std::uint32_t> unsure_;  // tracks that are told with less
+  std::vector<Told> told_;
   int num_false_detections_ = 0;
   double observed_s_ = 0.0;
   std::map<std::uint32_t, std::vector<int>> targets_of_track_;  // in the order in which it followed them

@@ -21,6 +21,7 @@ void detection_timing(Experiment& experiment);     // detection_timing.cpp
 void detection_choices(Experiment& experiment);    // detection_choices.cpp
 void detection_latencies(Experiment& experiment);  // detection_latencies.cpp
 void detection_beyond(Experiment& experiment);     // detection_beyond.cpp
+void detection_sparse(Experiment& experiment);     // detection_sparse.cpp
 
 void interception(Experiment& experiment);  // interception.cpp
 

@@ -54,7 +54,7 @@ class PlanTimer {
   void plan(const Vector3& primary_world_m, const Vector3& secondary_world_m) {
     std::vector<double> began_s;
     const TeamPlan plan = plan_team(mapper_->map(), config_, primary_world_m, {secondary_world_m, 0.0},
-                                    {secondary_world_m + Vector3(kStep_m, 0.0, 0.0), 0.0},
+                                    {secondary_world_m + Vector3(kStep_m, 0.0, 0.0), 0.0}, {},
                                     [&](PlanningStage) { began_s.push_back(thread_time_s()); });
     began_s.push_back(thread_time_s());
     for (std::size_t i = 0; i + 1 < began_s.size(); ++i) stages[i].add(began_s[i + 1] - began_s[i]);

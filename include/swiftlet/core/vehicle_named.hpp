@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "swiftlet/core/agent.hpp"
 
@@ -20,6 +22,22 @@ inline VehicleId vehicle_named(const std::string& name, const AgentSetup& setup,
   }
   throw std::invalid_argument(std::string(key) + ": expected the name of another vehicle (" +
                               (others.empty() ? "there is none" : others) + "), found \"" + name + "\"");
+}
+
+/// Those of a list, or, when it is empty, the one of that name. `key` is that of the object that holds `other` and
+/// `others`. Throws std::invalid_argument.
+inline std::vector<VehicleId> vehicles_named(const std::string& other, const std::vector<std::string>& others,
+                                             const AgentSetup& setup, const std::string& key) {
+  if (others.empty()) return {vehicle_named(other, setup, (key + ".other").c_str())};
+  std::vector<VehicleId> ids;
+  ids.reserve(others.size());
+  for (const std::string& name : others) {
+    ids.push_back(vehicle_named(name, setup, (key + ".others").c_str()));
+    if (std::count(ids.begin(), ids.end(), ids.back()) > 1) {
+      throw std::invalid_argument(key + ".others: expected each name once, found \"" + name + "\" twice");
+    }
+  }
+  return ids;
 }
 
 }  // namespace swiftlet

@@ -98,6 +98,13 @@ TEST(GuidanceFaults, AGoalInAWallOrOutsideOfTheWorldEndsTheMission) {
   expect_failure({{kGuide + "goals_m", "[[300, -200, 1.5]]"}}, "unknown space");
 }
 
+TEST(GuidanceFaults, AStartInUnknownSpaceEndsTheMission) {
+  // Behind the wall, where the guide has never seen anything.
+  expect_failure(
+      {{"vehicles[1].start.position_m", "[1.451, 3.987, 1.5]"}, {kGuide + "goals_m", "[[-3.625, -1.690, 1.5]]"}},
+      "no clear space around the start");
+}
+
 TEST(GuidanceFaults, NumbersThatNoMapCanHoldAreRefused) {
   expect_refused({{kGuide + "goals_m", "[[1e18, 0, 1.5]]"}}, "goals_m");
   expect_refused({{kGuide + "planner.secondary.clearance_m", "1e18"}}, "clearance_m");

@@ -8,6 +8,7 @@
 #include "swiftlet/core/agent.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/map/voxel_map.hpp"
+#include "swiftlet/core/track.hpp"
 
 namespace swiftlet {
 
@@ -41,6 +42,9 @@ class Detector {
   virtual void step(const DetectorInput& input, DetectorOutput& output, Outbox& outbox) = 0;
   /// The map that it keeps, as of now; null when it keeps none.
   virtual const VoxelMap* map() const { return nullptr; }
+  /// What a detector that tracks before it detects follows, as of the last scan that it finished; none otherwise. Local
+  /// frame. Track i is that of detection i of that scan.
+  virtual std::span<const Track> tracks() const { return {}; }
   virtual void append_overlays(std::vector<Overlay>&) const {}
   /// What did not fit its settings so far.
   virtual void append_counters(std::vector<Counter>&) const {}

@@ -18,15 +18,25 @@ struct GuideAdvanceConfig {
   void visit(ConfigVisitor& v);
 };
 
+/// One of several vehicles that are guided.
+struct GuidedVehicleConfig {
+  std::string name = {};
+  std::vector<Eigen::Vector3d> goals_m = {};
+  std::vector<double> goal_yaws_deg = {};
+
+  void visit(ConfigVisitor& v);
+};
+
 /// Guides another vehicle, which sees nothing, along a path that is clear in one's own map [Pritzl 2024]. It plans for
 /// both while both hover, and flies to a viewpoint from which it sees the path. Then it tells the other its path in the
-/// other's own body frame, again and again, until the goal is reached.
+/// other's own body frame, again and again, until the goal is reached. Of several, one moves and the others hover.
 struct GuideConfig : ModuleConfigOf<GuideConfig> {
   /// When the next leg is planned. kAlternate: while both hover [Pritzl 2024]. kAhead: while the guided vehicle flies.
   /// kTogether: so, too, and then both fly at once; the guided vehicle is told what the guide sees of its path.
   enum class Motion { kAlternate, kAhead, kTogether };
 
   std::string secondary;
+  std::vector<GuidedVehicleConfig> secondaries;
   std::vector<Eigen::Vector3d> goals_m;
   std::vector<double> goal_yaws_deg;
   GuideAdvanceConfig advance;

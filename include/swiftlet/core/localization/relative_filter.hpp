@@ -55,6 +55,8 @@ class RelativeFilter {
   bool push(const OtherMotion& odometry);
   /// Squared distance in standard deviations from where it is expected.
   double squared_sigmas(const Sighting& sighting) const;
+  /// Twice its negative logarithm of the likelihood, but for a constant.
+  double unlikelihood(const Sighting& sighting) const;
   /// False when it is older than the history, or no sighting of this vehicle by gate_sigma.
   bool push(const Sighting& sighting);
 
@@ -85,6 +87,11 @@ class RelativeFilter {
   };
 
   bool insert(Entry entry);
+  struct Expected {
+    Vector3 p_local_m;
+    Matrix3 covariance;  // of how far the sighting may be off
+  };
+  Expected expected(const Sighting& sighting) const;
   const State& before(TimeNs t) const;
   void predict(State& state, TimeNs t) const;
   void correct(State& state, const OtherMotion& odometry) const;

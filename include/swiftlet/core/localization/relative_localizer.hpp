@@ -8,6 +8,7 @@
 
 #include "swiftlet/core/agent.hpp"
 #include "swiftlet/core/counter.hpp"
+#include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/localization/local_poses.hpp"
 #include "swiftlet/core/localization/relative_alignment.hpp"
 #include "swiftlet/core/localization/relative_filter.hpp"
@@ -22,12 +23,15 @@ struct RelativeInput {
   std::span<const Detection> detections = {};
   bool has_tracks = false;  ///< they were updated in this tick
   std::span<const Track> tracks = {};
+  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick, when it needs them
 };
 
 /// Where are the other members of the team? A scenario chooses by name who answers.
 class RelativeLocalizer {
  public:
   virtual ~RelativeLocalizer() = default;
+  /// Does it look at clouds itself?
+  virtual bool needs_clouds() const { return false; }
   /// Appends an estimate, as of now and in the own local frame, for everybody whose place and heading are known.
   virtual void step(const RelativeInput& input, std::vector<RelativeEstimate>& relatives, Outbox& outbox) = 0;
   /// What may help to understand it in a picture; called only when one is taken.
@@ -42,16 +46,19 @@ struct NoRelativeConfig : ModuleConfigOf<NoRelativeConfig> {
 };
 std::unique_ptr<RelativeLocalizer> make_no_relative_localizer(const ModuleConfig& config, const AgentSetup& setup);
 
-/// One vehicle with markers that tells its odometry. Bright sightings of the own detector or tracker are aligned with
-/// what it tells over a sliding window, and filtered [Pritzl 2024, sec. II-B]. Nothing is known before of where it is
-/// or heads.
+/// Vehicles with markers that tell their odometry. Bright sightings of the own detector or tracker are aligned with
+/// what one tells over a sliding window, and filtered [Pritzl 2024, sec. II-B]. Nothing is known before of where it is
+/// or heads. Several are told apart by how they move.
 struct SlidingWindowConfig : ModuleConfigOf<SlidingWindowConfig> {
-  enum class Source { kDetections, kTracks };
+  enum class Source { kDetections, kTracks, kMarkers };
   enum class Clock { kSynchronized, kOneWay };
 
   std::string other;
+  std::vector<std::string> others;
   Source source = Source::kTracks;
   double marker_reflectivity = 3.0;
+  double body_radius_m = 0.3;
+  double marker_sigma_m = 0.05;
   double marker_memory_s = 2.0;
   double center_behind_m = 0.0;
   double center_above_m = 0.0;
@@ -73,6 +80,7 @@ std::unique_ptr<RelativeLocalizer> make_sliding_window_localizer(const ModuleCon
 /// with ground truth, to see what relative localization costs.
 struct SharedWorldConfig : ModuleConfigOf<SharedWorldConfig> {
   std::string other;
+  std::vector<std::string> others;
   double sigma_m = 0.05;
   double yaw_sigma_deg = 1.0;
   double timeout_s = 2.0;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
-#include "swiftlet/core/map/occupancy_view.hpp"
+#include "swiftlet/core/map/overlaid_occupancy.hpp"
 #include "swiftlet/core/planning/plane_region.hpp"
 
 /// From where can a path be watched? [Pritzl 2024, alg. 2]
@@ -52,14 +52,16 @@ struct GuidingViewpoints {
 /// the greatest length. What lies between them is seen from the point [Pritzl 2024, alg. 2, lines 4 to 8].
 Ring visibility_ring(const OccupancyView& map, const Vector3& p_local_m, double ray_max_m, int num_rays);
 
-/// Places at the watcher's height that see as many waypoints as possible from the first on, and keep clear of obstacles
-/// and of the path. Each is the nearest pole of inaccessibility of what its connected safe space has in common with
-/// them.
+/// Places at the watcher's height that see as many waypoints as possible from the first on. They keep clear of
+/// obstacles, of the path and of other vehicles. Each is the nearest pole of inaccessibility of what its connected safe
+/// space has in common with them.
 /// @param path_local_m    at least one waypoint
 /// @param before_local_m  what is flown before that path, while the watcher flies. Its places keep clear of that, too.
 ///                        The space on either side of the path then counts by itself, because nobody may cross it.
+/// @param keep_outs       where other vehicles are: nobody's place, but they hide nothing
 GuidingViewpoints find_guiding_viewpoints(const OccupancyView& map, const Vector3& watcher_local_m,
                                           std::span<const Vector3> path_local_m, const ViewpointRules& rules,
-                                          std::span<const Vector3> before_local_m = {});
+                                          std::span<const Vector3> before_local_m = {},
+                                          std::span<const KeepOut> keep_outs = {});
 
 }  // namespace swiftlet

@@ -50,15 +50,21 @@ struct TeamPlan {
 /// What planning does one after the other.
 enum class PlanningStage { kSecondaryPath, kViewpoint, kPrimaryPath };
 
-/// Plans once, from a map in which neither vehicle is. The air above and below either is kept free of the other,
+/// Who else is in the air beside the primary vehicle and the secondary one that is to move.
+struct TeamTraffic {
+  /// What the secondary vehicle still has to fly to the place from which this plan begins. When it is not empty, both
+  /// vehicles fly at once: the guide's path keeps out of the air of the whole path, too.
+  std::span<const PlannedPose> flying = {};
+  std::vector<Vector3> hovering_local_m = {};  ///< other secondary vehicles
+};
+
+/// Plans once, from a map in which no vehicle is. The air above and below each is kept free of the others,
 /// because of the wind of its rotors. It is laid over the map, which is not copied. A pure function.
 ///
 /// The goal may lie too near to an obstacle. Then the nearest clear place within goal_search_m takes its stead.
 /// @param begins  told when a stage begins, for those who time them
-/// @param flying  what the secondary vehicle still has to fly to the place from which this plan begins. When it is not
-///                empty, both vehicles fly at once: the guide's path keeps out of the air of the whole path, too.
 TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, const Vector3& primary_local_m,
-                   const PlannedPose& secondary, const PlannedPose& goal,
-                   const std::function<void(PlanningStage)>& begins = {}, std::span<const PlannedPose> flying = {});
+                   const PlannedPose& secondary, const PlannedPose& goal, const TeamTraffic& traffic = {},
+                   const std::function<void(PlanningStage)>& begins = {});
 
 }  // namespace swiftlet

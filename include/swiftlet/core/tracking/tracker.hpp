@@ -20,6 +20,7 @@ struct TrackerInput {
   std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick
   bool has_detections = false;                                     ///< the detector finished a scan in this tick
   std::span<const Detection> detections = {};                      ///< what it found, which may be nothing
+  std::span<const Track> detector_tracks = {};  ///< of a detector that tracks before it detects, as of its last scan
   const BackgroundQuery* background = nullptr;  ///< occupied voxels of the detector's map; null: nothing is known
 };
 

@@ -35,6 +35,12 @@ struct ImmTrackerConfig : ModuleConfigOf<ImmTrackerConfig> {
 };
 std::unique_ptr<Tracker> make_imm_tracker(const ModuleConfig& config, const AgentSetup& setup);
 
+/// The tracks of a detector that tracks before it detects, as of the last scan that it finished; none of another's.
+struct DetectorTracksConfig : ModuleConfigOf<DetectorTracksConfig> {
+  void visit(ConfigVisitor&) override {}
+};
+std::unique_ptr<Tracker> make_detector_tracks(const ModuleConfig& config, const AgentSetup& setup);
+
 /// The named bypass: tracks from the mutual-localization sensor (Observation::neighbors), with the identity of the
 /// vehicle + 1. A vehicle without such a sensor gets an ideal one.
 struct GroundTruthTrackerConfig : ModuleConfigOf<GroundTruthTrackerConfig> {

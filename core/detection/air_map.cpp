@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/detection/air_map.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace swiftlet {
+namespace {
+
+constexpr int kBeam = 16;             // units of a count
+constexpr int kMostMemory = 1000;     // beams; counts are 16 bits
+constexpr double kMostCells = 1e9;    // of a map
+constexpr double kMostAxis = 4096.0;  // cells along an axis
+
+int bits_of_axis(double size_m, double edge_m) {
+  const auto cells = static_cast<unsigned>(std::clamp(std::ceil(size_m / edge_m), 1.0, kMostAxis));
+  return std::bit_width(cells - 1);
+}
+
+}  // namespace
+
+void AirMapConfig::visit(ConfigVisitor& v) {
+  v.field("voxel_m", voxel_m, "[m] edge of a voxel", Range{0.0, 100.0, true});
+  v.field("size_m", size_m, "[m] of the box around the sensor; rounded up to a power of two of voxels",
+          Range::positive());
+  v.field("memory_beams", memory_beams, "[-] beams that a voxel remembers", Range::between(8, kMostMemory));
+  v.field("prior_hits", prior_hits, "[-] beams that end in a voxel of which nothing is known", Range::positive());
+  v.field("prior_passes", prior_passes, "[-] and beams that pass it", Range::positive());
+  v.check((size_m / voxel_m).maxCoeff() <= kMostAxis, "size_m", "at most 4096 edges of voxel_m by axis");
+  v.check(bytes() <= kMostCells * 4.0, "size_m", "at most 1e9 voxels of voxel_m");
+}
+
+double AirMapConfig::bytes() const {
+  double bytes = 4.0;
+  for (int axis = 0; axis < 3; ++axis) bytes *= static_cast<double>(1U << bits_of_axis(size_m[axis], voxel_m));
+  return bytes;
+}
+
+AirMap::AirMap(const AirMapConfig& config)
+    : edge_m_(config.voxel_m),
+      cells_per_m_(1.0 / config.voxel_m),
+      prior_hits_(kBeam * config.prior_hits),
+      prior_sum_(kBeam * (config.prior_hits + config.prior_passes)),
+      prior_share_(prior_hits_ / prior_sum_),
+      most_(kBeam * config.memory_beams) {
+  bits_x_ = bits_of_axis(config.size_m.x(), edge_m_);
+  const int bits_y = bits_of_axis(config.size_m.y(), edge_m_), bits_z = bits_of_axis(config.size_m.z(), edge_m_);
+  bits_xy_ = bits_x_ + bits_y;
+  mask_ = Cell((1 << bits_x_) - 1, (1 << bits_y) - 1, (1 << bits_z) - 1);
+  counts_.resize(std::size_t{1} << (bits_xy_ + bits_z));
+}
+
+void AirMap::follow(const Vector3& center_m) {
+  const Cell min_cell = cell_of(center_m) - (mask_ + Cell::Ones()) / 2;
+  if (!centered_) min_cell_ = min_cell;
+  centered_ = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int shift = min_cell[axis] - min_cell_[axis], size = mask_[axis] + 1;
+    if (shift > 0) forget_layers(axis, min_cell_[axis], std::min(shift, size));
+    if (shift < 0) forget_layers(axis, min_cell[axis], std::min(-shift, size));
+  }
+  min_cell_ = min_cell;
+}
+
+// Layers that leave lie, by their indices, where those that enter will.
+void AirMap::forget_layers(int axis, int first, int count) {
+  for (int layer = first; layer < first + count; ++layer) {
+    Cell low = Cell::Zero(), high = mask_;
+    low[axis] = high[axis] = layer & mask_[axis];
+    for (int z = low.z(); z <= high.z(); ++z) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        const auto row = counts_.begin() + static_cast<std::ptrdiff_t>(index({0, y, z}));
+        std::fill(row + low.x(), row + high.x() + 1, Counts{});
+      }
+    }
+  }
+}
+
+// Amanatides and Woo 1987, from where the ray enters the box to where it leaves it.
+void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
+  const Eigen::Array3d from = from_m.array() * cells_per_m_, way = to_m.array() * cells_per_m_ - from;
+  const Eigen::Array3d low = min_cell_.array().cast<double>(), high = low + mask_.array().cast<double>() + 1.0;
+  if (!from.allFinite() || !way.allFinite()) return;
+  constexpr double kInside = 1e-6;  // of a voxel: rounding leads no step out of the box
+  double enter = 0.0, leave = 1.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low_at = low[axis] + kInside - from[axis], high_at = high[axis] - kInside - from[axis];
+    if (way[axis] == 0.0) {
+      if (low_at > 0.0 || high_at < 0.0) return;
+      continue;
+    }
+    const double a = low_at / way[axis], b = high_at / way[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  if (!(enter < leave)) return;
+
+  // The index is what its fields of the three axes have in common; each wraps within its own bits.
+  std::size_t field[3], field_step[3];
+  const std::size_t field_mask[3] = {static_cast<std::size_t>(mask_.x()),
+                                     static_cast<std::size_t>(mask_.y()) << bits_x_,
+                                     static_cast<std::size_t>(mask_.z()) << bits_xy_};
+  const int shift[3] = {0, bits_x_, bits_xy_};
+  double next[3], per_cell[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double cell = std::floor(from[axis] + enter * way[axis]);
+    const bool forward = way[axis] > 0.0, still = way[axis] == 0.0;
+    field[axis] = static_cast<std::size_t>(static_cast<int>(cell) & mask_[axis]) << shift[axis];
+    field_step[axis] = forward ? std::size_t{1} << shift[axis] : field_mask[axis];  // one on, or all but one
+    per_cell[axis] = still ? std::numeric_limits<double>::infinity() : 1.0 / std::abs(way[axis]);
+    next[axis] = still ? per_cell[axis] : ((forward ? cell + 1.0 : cell) - from[axis]) / way[axis];
+  }
+  while (true) {
+    add(counts_[field[0] | field[1] | field[2]], kBeam, 0);
+    const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
+    if (next[axis] >= leave) return;
+    field[axis] = (field[axis] + field_step[axis]) & field_mask[axis];
+    next[axis] += per_cell[axis];
+  }
+}
+
+void AirMap::hit(const Vector3& p_m, double weight) {
+  const Cell cell = cell_of(p_m);
+  if (contains(cell)) add(counts_[index(cell)], 0, static_cast<int>(std::lround(kBeam * std::clamp(weight, 0.0, 1.0))));
+}
+
+// What is too much to remember is halved, so that older beams fade.
+void AirMap::add(Counts& counts, int passes, int hits) const {
+  int all_passes = counts.passes + passes, all_hits = counts.hits + hits;
+  if (all_passes + all_hits > most_) {
+    all_passes >>= 1;
+    all_hits >>= 1;
+  }
+  counts.passes = static_cast<std::uint16_t>(all_passes);
+  counts.hits = static_cast<std::uint16_t>(all_hits);
+}
+
+double AirMap::share_of(const Counts& counts) const {
+  return (counts.hits + prior_hits_) / (counts.hits + counts.passes + prior_sum_);
+}
+
+double AirMap::clutter_share(const Vector3& p_m) const {
+  const Cell cell = cell_of(p_m);
+  return contains(cell) ? share_of(counts_[index(cell)]) : prior_share_;
+}
+
+template <class Test>
+bool AirMap::any_around(const Vector3& p_m, int reach_voxels, Test&& test) const {
+  const Cell center = cell_of(p_m);
+  for (int z = -reach_voxels; z <= reach_voxels; ++z) {
+    for (int y = -reach_voxels; y <= reach_voxels; ++y) {
+      for (int x = -reach_voxels; x <= reach_voxels; ++x) {
+        const Cell cell = center + Cell(x, y, z);
+        if (test(contains(cell) ? counts_[index(cell)] : Counts{})) return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool AirMap::is_free_around(const Vector3& p_m, int reach_voxels, double share) const {
+  return !any_around(p_m, reach_voxels, [&](const Counts& counts) { return share_of(counts) > share; });
+}
+
+bool AirMap::is_hit_around(const Vector3& p_m, int reach_voxels, double share) const {
+  return any_around(p_m, reach_voxels,
+                    [&](const Counts& counts) { return counts.hits > share * (counts.hits + counts.passes); });
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/detection/beam_index.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "swiftlet/core/elementary.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kReach_sigma = 2.5;   // beams farther from a target's place than this do not meet it
+constexpr double kAround_rad = 0.1;    // the density of beams is counted so far around
+constexpr double kEnoughShots = 50.0;  // more say nothing more
+constexpr double kNearest_m = 0.2;     // no target is nearer to the sensor
+
+// Grows with the azimuth like an angle, from 0 to 4, and costs no arc tangent.
+double turn_of(double x, double y) {
+  const double sum = std::abs(x) + std::abs(y);
+  if (sum == 0.0) return 0.0;
+  const double part = y / sum;
+  return x < 0.0 ? 2.0 - part : (y < 0.0 ? 4.0 + part : part);
+}
+
+int bin_in(double value, double whole, int count) {
+  return std::clamp(static_cast<int>(value / whole * count), 0, count - 1);
+}
+
+}  // namespace
+
+void BeamIndex::assign(const LocalCloud& cloud) {
+  const Scan& scan = *cloud.scan;
+  const BeamTable& table = *scan.beams;
+  stamp_ = cloud.stamp();
+  middle_ = cloud.stamp() + scan.duration / 2;
+  half_sweep_s_ = 0.5 * to_seconds(scan.duration);
+  const Pose& T_middle = cloud.T_local_lidar[static_cast<std::size_t>(scan.cols() / 2)];
+  p_local_lidar_m_ = T_middle.translation();
+  R_local_lidar_ = T_middle.linear();
+  origins_local_m_.clear();
+  offset_s_.clear();
+  moved_m_ = 0.0;
+  for (int column = 0; column < scan.cols(); ++column) {
+    const auto at = static_cast<std::size_t>(column);
+    origins_local_m_.push_back(cloud.T_local_lidar[at].translation());
+    offset_s_.push_back(scan.duration == 0 ? 0.0 : table.column_offset_s[at] - half_sweep_s_);
+    moved_m_ = std::max(moved_m_, (origins_local_m_.back() - p_local_lidar_m_).norm());
+  }
+
+  rotations_.clear();
+  for (const Pose& T : cloud.T_local_lidar) rotations_.push_back(T.linear().cast<float>());
+  unsorted_.clear();
+  bin_of_.clear();
+  starts_.assign(kTurn * kRows + 1, 0);
+  const bool masks = !table.masked.empty();
+  for (int row = 0; row < scan.rows(); ++row) {
+    for (int column = 0; column < scan.cols(); ++column) {
+      const auto i = static_cast<std::size_t>(row * scan.cols() + column);
+      if (masks && table.masked[i]) continue;
+      const Eigen::Vector3f d = rotations_[static_cast<std::size_t>(column)] * table.directions_lidar[i];
+      if (!d.allFinite() || !(scan.range_m[i] >= 0.0F)) continue;
+      const int bin = bin_in(d.z() + 1.0, 2.0, kRows) * kTurn + bin_in(turn_of(d.x(), d.y()), 4.0, kTurn);
+      unsorted_.push_back({d, scan.range_m[i], column});
+      bin_of_.push_back(static_cast<std::uint16_t>(bin));
+      ++starts_[static_cast<std::size_t>(bin) + 1];
+    }
+  }
+  for (std::size_t b = 1; b < starts_.size(); ++b) starts_[b] += starts_[b - 1];
+  beams_.resize(unsorted_.size());
+  for (std::size_t i = 0; i < unsorted_.size(); ++i) beams_[starts_[bin_of_[i]]++] = unsorted_[i];
+  for (std::size_t b = starts_.size() - 1; b > 0; --b) starts_[b] = starts_[b - 1];  // back to where bins begin
+  starts_[0] = 0;
+}
+
+BeamExposure BeamIndex::exposure(const RoundTarget& target) const {
+  BeamExposure result;
+  const Vector3 p_m = target.p_local_m + to_seconds(middle_ - target.t) * target.v_local_mps;
+  const Vector3 way_m = p_m - p_local_lidar_m_;
+  const double range_m = way_m.norm();
+  if (!(range_m > kNearest_m) || beams_.empty()) return result;
+  const Vector3 d = way_m / range_m;
+  const double width_sq = target.radius_m * target.radius_m + 2.0 * target.sigma_m * target.sigma_m;
+  const double moves_m = moved_m_ + half_sweep_s_ * target.v_local_mps.norm();
+  const double reach = std::min(1.0, (kReach_sigma * std::sqrt(0.5 * width_sq) + target.radius_m + moves_m) / range_m);
+  const double reach_rad = std::max(elementary::asin(reach), kAround_rad);
+
+  // The bins of a cone: rows by height, columns by azimuth.
+  const double elevation = elementary::asin(std::clamp(d.z(), -1.0, 1.0)), pole = 0.5 * std::numbers::pi;
+  const double low_z = elevation - reach_rad <= -pole ? -1.0 : elementary::sin(elevation - reach_rad);
+  const double high_z = elevation + reach_rad >= pole ? 1.0 : elementary::sin(elevation + reach_rad);
+  const int first_row = bin_in(low_z + 1.0, 2.0, kRows), last_row = bin_in(high_z + 1.0, 2.0, kRows);
+  const double flat = std::sqrt(d.x() * d.x() + d.y() * d.y()), sine = elementary::sin(std::min(reach_rad, pole));
+  int first_turn = 0, num_turn = kTurn;
+  if (std::abs(elevation) + reach_rad < pole && sine < 0.7 * flat) {
+    const double s = sine / flat, c = std::sqrt(1.0 - s * s);
+    const int last_turn = bin_in(turn_of(c * d.x() - s * d.y(), c * d.y() + s * d.x()), 4.0, kTurn);
+    first_turn = bin_in(turn_of(c * d.x() + s * d.y(), c * d.y() - s * d.x()), 4.0, kTurn);
+    num_turn = (last_turn - first_turn + kTurn) % kTurn + 1;
+  }
+
+  double num_beams = 0.0;
+  for (int row = first_row; row <= last_row; ++row) {
+    for (int k = 0; k < num_turn; ++k) {
+      const auto bin = static_cast<std::size_t>(row * kTurn + (first_turn + k) % kTurn);
+      num_beams += starts_[bin + 1] - starts_[bin];
+      if (result.shots > kEnoughShots) continue;
+      for (std::uint32_t i = starts_[bin]; i < starts_[bin + 1]; ++i) {
+        const Beam& beam = beams_[i];
+        const auto column = static_cast<std::size_t>(beam.column);
+        const Vector3 to_m = p_m + offset_s_[column] * target.v_local_mps - origins_local_m_[column];
+        const Vector3 direction = beam.direction_local.cast<double>();
+        const double along_m = to_m.dot(direction);
+        if (along_m <= 0.0) continue;
+        if (beam.range_m > 0.0F && beam.range_m < along_m - target.radius_m - kReach_sigma * target.sigma_m) continue;
+        const double across_sq = to_m.squaredNorm() - along_m * along_m;
+        const double exponent = across_sq / width_sq;
+        if (exponent > kReach_sigma * kReach_sigma) continue;
+        result.shots += target.radius_m * target.radius_m / width_sq * elementary::exp(-exponent);
+      }
+    }
+  }
+  const double num_bins = static_cast<double>(num_turn) * (last_row - first_row + 1);
+  result.beams_per_sr = num_beams / (num_bins * 4.0 * std::numbers::pi / (kTurn * kRows));
+  return result;
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/detection/hypotheses.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "swiftlet/core/uncertainty/point_covariance.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kTarget = 0.5;           // what exists with this probability is taken for a target
+constexpr double kLeastExistence = 1e-7;  // what exists with less is forgotten
+constexpr double kGate = 16.0;            // squared statistical distance: 0.999 of three dimensions
+constexpr double kGateMost_m = 8.0;       // no gate is wider
+constexpr double kReach_sigma = 2.5;      // of Sigma_w: background so near may have returned a beam
+constexpr double kRateMemory = 0.95;      // of what is known of a target's returns, from sweep to sweep
+constexpr double kPriorShots = 20.0;      // beams that the expected share of returns is worth
+constexpr double kLeastDetection = 0.02;  // what returned a beam can be seen
+constexpr double kSameSide = 0.1;         // of the variance of a single return: all see the same side of a target
+constexpr double kUnlikelyLost = 2.0;     // times sigma_lost_m of what is no target yet
+constexpr std::size_t kMostCandidates = 4096;
+constexpr std::size_t kMostPending = 16384;
+
+Matrix7 Sigma_w_of(const ExpectedNoise& config) {
+  MeasurementNoise noise;
+  noise.sigma_range_m = config.sigma_range_m;
+  noise.sigma_position_m.setConstant(config.sigma_position_m);
+  noise.sigma_attitude_rad.setConstant(config.sigma_attitude_rad);
+  return noise.Sigma_w();
+}
+
+// White acceleration of a spectral density q.
+void predict_state(Hypothesis& h, double dt_s, double q) {
+  h.mean.head<3>() += dt_s * h.mean.tail<3>();
+  Matrix6 F = Matrix6::Identity();
+  F.topRightCorner<3, 3>() = dt_s * Matrix3::Identity();
+  h.covariance = F * h.covariance * F.transpose();
+  h.covariance.topLeftCorner<3, 3>() += q * dt_s * dt_s * dt_s / 3.0 * Matrix3::Identity();
+  h.covariance.topRightCorner<3, 3>() += q * dt_s * dt_s / 2.0 * Matrix3::Identity();
+  h.covariance.bottomLeftCorner<3, 3>() += q * dt_s * dt_s / 2.0 * Matrix3::Identity();
+  h.covariance.bottomRightCorner<3, 3>() += q * dt_s * Matrix3::Identity();
+}
+
+Eigen::Matrix<double, 3, 6> position_at(double dt_s) {
+  Eigen::Matrix<double, 3, 6> H;
+  H << Matrix3::Identity(), dt_s * Matrix3::Identity();
+  return H;
+}
+
+double normal_density(double distance_sq, const Matrix3& S) {
+  const double two_pi = 2.0 * std::numbers::pi;
+  return elementary::exp(-0.5 * distance_sq) / std::sqrt(two_pi * two_pi * two_pi * S.determinant());
+}
+
+}  // namespace
+
+Hypotheses::Hypotheses(const TrackBeforeDetectConfig& config)
+    : config_(config), Sigma_w_(Sigma_w_of(config.noise)), air_(config.air) {
+  const auto most = static_cast<std::size_t>(config.max_hypotheses);
+  hypotheses_.reserve(2 * most);
+  born_.reserve(most);
+  returns_of_.resize(most);
+  candidates_.reserve(kMostCandidates);
+  pending_.resize(kMostPending);
+}
+
+void Hypotheses::take(const LocalCloud& cloud) {
+  beams_.assign(cloud);
+  ray_stride_ = std::max(1, (cloud.scan->size() + config_.rays_per_sweep - 1) / config_.rays_per_sweep);
+  air_.follow(beams_.p_local_lidar_m());
+  predict();
+  find_candidates(cloud);
+  take_returns_of_targets(cloud);
+  take_clusters(cloud);
+  correct(cloud);
+  begin(cloud);
+  merge();
+  forget();
+  learn(beams_.middle());
+  clear_air(cloud);
+}
+
+void Hypotheses::predict() {
+  for (Hypothesis& h : hypotheses_) {
+    const double dt_s = to_seconds(beams_.middle() - h.t);
+    predict_state(h, dt_s, config_.target.acceleration_density);
+    h.t = beams_.middle();
+    h.existence *= elementary::exp(-dt_s / config_.target.lifetime_s);
+    h.num_returns = 0;
+  }
+  exposures_.clear();
+  for (const Hypothesis& h : hypotheses_) exposures_.push_back(exposure_of(h));
+}
+
+// What lies where the background returns beams is background, and goes there at once.
+void Hypotheses::find_candidates(const LocalCloud& cloud) {
+  candidates_.clear();
+  const double limit = config_.background_share;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Vector3 p_m = cloud.points_local_m[i].cast<double>();
+    const double range_m = (p_m - beams_.p_local_lidar_m()).norm();
+    if (air_.clutter_share(p_m) > limit || range_m > config_.max_range_m || candidates_.size() == kMostCandidates) {
+      learn_hit(p_m, 1.0);
+      continue;
+    }
+    const double blur_m = kReach_sigma * config_.noise.sigma_attitude_rad * range_m;
+    const int near = std::max(1, static_cast<int>(std::ceil(blur_m / air_.voxel_m())));
+    const int far = static_cast<int>(std::ceil((config_.free_reach_m + blur_m) / air_.voxel_m()));
+    const bool in_free_air = air_.is_free_around(p_m, near, config_.free_share) &&
+                             !air_.is_hit_around(p_m, std::max(near, far), config_.hit_share);
+    candidates_.push_back({cloud.points_local_m[i], static_cast<std::uint32_t>(i), in_free_air, false});
+  }
+}
+
+// Each return goes to the nearest target, so that two that fly side by side stay two.
+void Hypotheses::take_returns_of_targets(const LocalCloud& cloud) {
+  gate_information_.clear();
+  const double sampling_sq = config_.target.sigma_sampling_m * config_.target.sigma_sampling_m;
+  for (std::size_t k = 0; k < hypotheses_.size(); ++k) {
+    returns_of_[k].clear();
+    const Hypothesis& h = hypotheses_[k];
+    const Matrix3 S = h.position_covariance() + pose_covariance(h.p_local_m()) + sampling_sq * Matrix3::Identity();
+    gate_information_.push_back(S.inverse());
+  }
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    double least = kGate;
+    int nearest = -1;
+    const Vector3 p_m = candidates_[c].p_local_m.cast<double>();
+    const double dt_s = to_seconds(cloud.time_of(candidates_[c].point) - beams_.middle());
+    for (std::size_t k = 0; k < hypotheses_.size(); ++k) {
+      const Hypothesis& h = hypotheses_[k];
+      if (h.existence < kTarget) break;  // the likeliest come first
+      const Vector3 d_m = p_m - h.p_local_m() - dt_s * h.v_local_mps();
+      if (d_m.squaredNorm() > kGateMost_m * kGateMost_m) continue;
+      const double distance_sq = d_m.dot(gate_information_[k] * d_m);
+      if (distance_sq >= least) continue;
+      least = distance_sq;
+      nearest = static_cast<int>(k);
+    }
+    if (nearest < 0) continue;
+    returns_of_[static_cast<std::size_t>(nearest)].push_back(static_cast<std::uint32_t>(c));
+    candidates_[c].taken = true;
+  }
+}
+
+// What is left is clustered. Each hypothesis takes the cluster that is likeliest its own, the likelier one first.
+void Hypotheses::take_clusters(const LocalCloud& cloud) {
+  loose_m_.clear();
+  loose_.clear();
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    if (candidates_[c].taken) continue;
+    loose_m_.push_back(candidates_[c].p_local_m);
+    loose_.push_back(static_cast<std::uint32_t>(c));
+  }
+  clusters_.compute(loose_m_, config_.cluster_distance_m);
+  cluster_taken_.assign(static_cast<std::size_t>(clusters_.size()), 0);
+  for (std::size_t k = 0; k < hypotheses_.size(); ++k) {
+    const Hypothesis& h = hypotheses_[k];
+    if (h.existence >= kTarget) continue;
+    double least = kGate;
+    int nearest = -1;
+    for (int cluster = 0; cluster < clusters_.size(); ++cluster) {
+      if (cluster_taken_[static_cast<std::size_t>(cluster)]) continue;
+      const std::uint32_t first = clusters_.members(cluster).front();
+      const double dt_s = to_seconds(cloud.time_of(candidates_[loose_[first]].point) - beams_.middle());
+      const Vector3 d_m = loose_m_[first].cast<double>() - h.p_local_m() - dt_s * h.v_local_mps();
+      const double distance_sq = d_m.dot(gate_information_[k] * d_m);
+      if (d_m.squaredNorm() > kGateMost_m * kGateMost_m || distance_sq >= least) continue;
+      least = distance_sq;
+      nearest = cluster;
+    }
+    if (nearest < 0) continue;
+    cluster_taken_[static_cast<std::size_t>(nearest)] = 1;
+    for (const std::uint32_t member : clusters_.members(nearest)) returns_of_[k].push_back(loose_[member]);
+  }
+}
+
+void Hypotheses::correct(const LocalCloud& cloud) {
+  for (std::size_t k = 0; k < hypotheses_.size(); ++k) {
+    Hypothesis& h = hypotheses_[k];
+    bool corrected = false;
+    if (!returns_of_[k].empty()) {
+      const Measurement measurement = measurement_of(cloud, returns_of_[k]);
+      if (measurement.extent_m.norm() <= config_.target.max_size_m) {
+        corrected = correct_by(h, measurement, exposures_[k]);
+      }
+    }
+    if (!corrected) miss(h, exposures_[k]);
+    for (const std::uint32_t c : returns_of_[k]) {
+      candidates_[c].taken = true;
+      if (h.existence >= kTarget) continue;
+      wait(candidates_[c], h.id);
+    }
+  }
+}
+
+// Integrated probabilistic data association with one measurement.
+bool Hypotheses::correct_by(Hypothesis& h, const Measurement& measurement, const BeamExposure& exposure) {
+  const Eigen::Matrix<double, 3, 6> H = position_at(to_seconds(measurement.t - h.t));
+  const Vector3 innovation_m = measurement.p_local_m - H * h.mean;
+  const Matrix3 S = H * h.covariance * H.transpose() + measurement.covariance;
+  const double distance_sq = innovation_m.dot(S.llt().solve(innovation_m));
+  if (!(distance_sq < kGate)) return false;
+  const double none = h.rate.none(exposure.shots), some = std::max(1.0 - none, kLeastDetection);
+  const double clutter = clutter_density_per_m3(measurement.p_local_m, exposure.beams_per_sr);
+  const double of_target = some * normal_density(distance_sq, S) / clutter;
+  const double likelihood_ratio = none + of_target;
+  h.existence = existence_after(h.existence, likelihood_ratio);
+
+  const double weight = of_target / likelihood_ratio;
+  const Eigen::Matrix<double, 6, 3> K = h.covariance * H.transpose() * S.inverse();
+  const Vector6 way = K * innovation_m;
+  h.mean += weight * way;
+  h.covariance -= weight * K * S * K.transpose();
+  h.covariance += weight * (1.0 - weight) * way * way.transpose();
+  h.covariance = 0.5 * (h.covariance + h.covariance.transpose()).eval();
+  h.num_returns = measurement.num_returns;
+  ++h.num_sweeps;
+  h.extent_m = measurement.extent_m;
+  h.measured_local_m = measurement.p_local_m;
+  h.measured_covariance = measurement.covariance;
+  h.reflectivity = measurement.reflectivity;
+  if (h.existence >= kTarget) h.rate.update(measurement.num_returns, exposure.shots, kRateMemory);
+  return true;
+}
+
+void Hypotheses::miss(Hypothesis& h, const BeamExposure& exposure) {
+  h.existence = existence_after(h.existence, h.rate.none(exposure.shots));
+}
+
+// A cluster in free air that is nobody's may be a new target. All other candidates become background.
+void Hypotheses::begin(const LocalCloud& cloud) {
+  born_.clear();
+  for (int cluster = 0; cluster < clusters_.size(); ++cluster) {
+    if (cluster_taken_[static_cast<std::size_t>(cluster)]) continue;
+    members_.clear();
+    bool in_free_air = true;
+    for (const std::uint32_t member : clusters_.members(cluster)) {
+      members_.push_back(loose_[member]);
+      in_free_air = in_free_air && candidates_[loose_[member]].in_free_air;
+    }
+    const Measurement m = measurement_of(cloud, members_);
+    const bool small = m.extent_m.norm() <= config_.target.max_size_m;
+    if (!in_free_air || !small) {
+      for (const std::uint32_t c : members_) wait(candidates_[c], 0);
+      continue;
+    }
+    const bool beside_a_target = std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& h) {
+      return h.existence >= kTarget && (h.p_local_m() - m.p_local_m).norm() < config_.cluster_distance_m;
+    });
+    if (beside_a_target || born_.size() == static_cast<std::size_t>(config_.max_hypotheses)) continue;
+
+    Hypothesis h;
+    h.id = next_id_++;
+    h.t = m.t;
+    h.rate = {kPriorShots * config_.target.return_share, kPriorShots, config_.target.return_variation};
+    h.mean.head<3>() = m.p_local_m;
+    h.covariance.setZero();
+    h.covariance.topLeftCorner<3, 3>() = m.covariance;
+    h.covariance.bottomRightCorner<3, 3>() =
+        config_.target.sigma_velocity_mps * config_.target.sigma_velocity_mps * Matrix3::Identity();
+    const BeamExposure exposure = exposure_of(h);
+    const double some = std::max(1.0 - h.rate.none(exposure.shots), kLeastDetection);
+    const double of_target = config_.target.birth_per_m3 * some;
+    h.existence = of_target / (of_target + clutter_density_per_m3(m.p_local_m, exposure.beams_per_sr));
+    h.num_returns = m.num_returns;
+    h.num_sweeps = 1;
+    h.extent_m = m.extent_m;
+    h.measured_local_m = m.p_local_m;
+    h.measured_covariance = m.covariance;
+    h.reflectivity = m.reflectivity;
+    predict_state(h, to_seconds(beams_.middle() - h.t), config_.target.acceleration_density);
+    h.t = beams_.middle();
+    born_.push_back(h);
+    for (const std::uint32_t c : members_) {
+      wait(candidates_[c], h.id);
+    }
+  }
+  num_born_ += born_.size();
+  hypotheses_.insert(hypotheses_.end(), born_.begin(), born_.end());
+}
+
+// Of two that have become the same, the likelier one stays.
+void Hypotheses::merge() {
+  std::sort(hypotheses_.begin(), hypotheses_.end(), [](const Hypothesis& a, const Hypothesis& b) {
+    return a.existence != b.existence ? a.existence > b.existence : a.id < b.id;
+  });
+  for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
+    for (std::size_t j = i + 1; j < hypotheses_.size(); ++j) {
+      Hypothesis& other = hypotheses_[j];
+      const double same_m = (other.existence >= kTarget ? 0.25 : 0.75) * config_.cluster_distance_m;
+      const Vector3 apart_m = other.p_local_m() - hypotheses_[i].p_local_m();
+      if (apart_m.squaredNorm() < same_m * same_m) other.existence = 0.0;
+    }
+  }
+}
+
+void Hypotheses::forget() {
+  std::erase_if(hypotheses_, [&](const Hypothesis& h) {
+    const double lost_m = (h.existence >= kTarget ? 1.0 : kUnlikelyLost) * config_.sigma_lost_m;
+    return !(h.existence >= kLeastExistence) || !h.mean.allFinite() ||
+           !(h.position_covariance().diagonal().maxCoeff() <= lost_m * lost_m);
+  });
+  const auto most = static_cast<std::size_t>(config_.max_hypotheses);
+  if (hypotheses_.size() <= most) return;
+  num_dropped_ += hypotheses_.size() - most;
+  hypotheses_.erase(hypotheses_.begin() + static_cast<std::ptrdiff_t>(most), hypotheses_.end());
+}
+
+// A target must not be taken for background because its own returns of the sweeps before lie beside it.
+void Hypotheses::wait(const Candidate& candidate, std::uint32_t hypothesis) {
+  if (num_pending_ == kMostPending) learn_oldest();
+  pending_[(first_pending_ + num_pending_++) % kMostPending] = {beams_.middle(), candidate.p_local_m, hypothesis};
+}
+
+void Hypotheses::learn(TimeNs t) {
+  const TimeNs before = t - from_seconds(config_.learning_delay_s);
+  while (num_pending_ > 0 && pending_[first_pending_].t <= before) learn_oldest();
+}
+
+// What turned out to be no target is background, by the probability that it is none.
+void Hypotheses::learn_oldest() {
+  const Pending& p = pending_[first_pending_];
+  const auto h = std::find_if(hypotheses_.begin(), hypotheses_.end(),
+                              [&](const Hypothesis& other) { return other.id == p.hypothesis; });
+  learn_hit(p.p_local_m.cast<double>(), h == hypotheses_.end() ? 1.0 : 1.0 - h->existence);
+  first_pending_ = (first_pending_ + 1) % kMostPending;
+  --num_pending_;
+}
+
+// Every n-th beam, other ones in the next sweep. A return may lie nearer by the noise of its pose.
+void Hypotheses::clear_air(const LocalCloud& cloud) {
+  const Scan& scan = *cloud.scan;
+  const BeamTable& table = *scan.beams;
+  ray_offset_ = (ray_offset_ + 1) % ray_stride_;
+  for (int i = ray_offset_; i < scan.size(); i += ray_stride_) {
+    if (!table.masked.empty() && table.masked[static_cast<std::size_t>(i)]) continue;
+    const auto at = static_cast<std::size_t>(i);
+    const double range_m = scan.range_m[at];
+    const double length_m = range_m > 0.0 ? std::min(range_m - air_.voxel_m(), config_.ray_max_m) : config_.empty_ray_m;
+    if (!(length_m > 0.0)) continue;
+    const Pose& T = cloud.T_local_lidar_of_beam(i);
+    const Vector3 from_m = T * table.origins_lidar[at].cast<double>();
+    air_.pass(from_m, from_m + length_m * (T.linear() * table.directions_lidar[at].cast<double>()));
+  }
+}
+
+Hypotheses::Measurement Hypotheses::measurement_of(const LocalCloud& cloud,
+                                                   std::span<const std::uint32_t> candidates) const {
+  Measurement m;
+  Vector3 sum_m = Vector3::Zero();
+  Eigen::AlignedBox3d box;
+  std::int64_t sum_ns = 0;
+  for (const std::uint32_t c : candidates) {
+    const Vector3 p_m = candidates_[c].p_local_m.cast<double>();
+    sum_m += p_m;
+    box.extend(p_m);
+    sum_ns += cloud.time_of(candidates_[c].point) - cloud.stamp();
+    m.reflectivity = std::max(m.reflectivity, static_cast<double>(cloud.reflectivity_of(candidates_[c].point)));
+  }
+  const auto count = static_cast<double>(candidates.size());
+  m.num_returns = static_cast<int>(candidates.size());
+  m.t = cloud.stamp() + sum_ns / static_cast<std::int64_t>(candidates.size());
+  m.extent_m = box.sizes();
+  const Vector3 centroid_m = sum_m / count;
+  const Vector3 way_m = centroid_m - beams_.p_local_lidar_m();
+  m.p_local_m = centroid_m + config_.target.seen_side_m / std::max(way_m.norm(), 1e-3) * way_m;
+  const double sampling_sq = config_.target.sigma_sampling_m * config_.target.sigma_sampling_m;
+  m.covariance = pose_covariance(centroid_m) + sampling_sq * (1.0 / count + kSameSide) * Matrix3::Identity();
+  return m;
+}
+
+/// J Sigma_w J^T [Vrba 2025, eq. 44].
+Matrix3 Hypotheses::pose_covariance(const Vector3& p_local_m) const {
+  const Vector3 p_lidar_m = beams_.R_local_lidar().transpose() * (p_local_m - beams_.p_local_lidar_m());
+  const double range_m = std::max(p_lidar_m.norm(), 1e-3);
+  return point_covariance(p_lidar_m / range_m, range_m, beams_.R_local_lidar(), Sigma_w_);
+}
+
+/// Voxels that the background returns a beam in, by volume.
+double Hypotheses::clutter_density_per_m3(const Vector3& p_local_m, double beams_per_sr) const {
+  const double edge_m = air_.voxel_m();
+  const double range_sq = std::max((p_local_m - beams_.p_local_lidar_m()).squaredNorm(), edge_m * edge_m);
+  const double beams = std::max(beams_per_sr * edge_m * edge_m / range_sq, 0.01);
+  const double share = air_.clutter_share(p_local_m);
+  return (1.0 - elementary::exp(-share * beams)) / (edge_m * edge_m * edge_m);
+}
+
+BeamExposure Hypotheses::exposure_of(const Hypothesis& h) const {
+  const double sigma_m = std::sqrt((h.position_covariance() + pose_covariance(h.p_local_m())).trace() / 3.0);
+  return beams_.exposure({h.t, h.p_local_m(), h.v_local_mps(), sigma_m, config_.target.radius_m});
+}
+
+void Hypotheses::append_told(std::vector<Detection>& detections) const {
+  for (const Hypothesis& h : hypotheses_) {
+    if (!is_told(h)) continue;
+    Detection d;
+    d.t = h.t;
+    d.position_m = h.p_local_m();
+    d.covariance = h.position_covariance();
+    d.extent_m = h.extent_m;
+    d.num_points = h.num_returns;
+    d.confidence = h.existence;
+    d.reflectivity = h.reflectivity;
+    detections.push_back(d);
+  }
+}
+
+void Hypotheses::append_told(std::vector<Track>& tracks) const {
+  for (const Hypothesis& h : hypotheses_) {
+    if (!is_told(h)) continue;
+    Track track;
+    track.id = h.id;
+    track.t = h.t;
+    track.position_m = h.p_local_m();
+    track.velocity_mps = h.v_local_mps();
+    track.covariance.topLeftCorner<6, 6>() = h.covariance;
+    track.num_detections = h.num_sweeps;
+    track.corrected = h.num_returns > 0;
+    track.measured_m = h.measured_local_m;
+    track.measured_covariance = h.measured_covariance;
+    track.reflectivity = h.reflectivity;
+    tracks.push_back(track);
+  }
+}
+
+void Hypotheses::append_counters(std::vector<Counter>& counters) const {
+  counters.push_back({"hypotheses dropped because there were too many", num_dropped_, num_born_, "max_hypotheses"});
+}
+
+}  // namespace swiftlet

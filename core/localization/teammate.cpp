@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/localization/teammate.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr TimeNs kClockJump = 5 * kNsPerSecond;  // nobody's clock drifts so much from message to message
+constexpr std::size_t kMaxWaiting = 128;
+constexpr int kMaxDisagreements = 4;
+constexpr double kDisagreement_sigma_sq = 30.0;  // 1 in 200 000 by chance, with four degrees of freedom
+
+Overlay overlay_of(const char* name, Overlay::Kind kind, float size_m, const char* meaning,
+                   const Eigen::Vector4f& color) {
+  Overlay overlay;
+  overlay.name = name;
+  overlay.kind = kind;
+  overlay.size_m = size_m;
+  overlay.colors = {color};
+  overlay.legend = {{meaning, color}};
+  return overlay;
+}
+
+}  // namespace
+
+OtherMotion motion_of(const OdometryReport& report) {
+  OtherMotion motion;
+  motion.t = motion.stamp = report.t;
+  motion.p_other_local_m = report.T_local_body.translation();
+  motion.v_other_local_mps = report.v_local_mps;
+  motion.yaw_rad = yaw_of(report.T_local_body.linear());
+  motion.yaw_rate_radps = report.yaw_rate_radps;
+  return motion;
+}
+
+bool OtherClock::take(TimeNs& stamp, TimeNs received) {
+  if (one_way_ && count_ == 0) epoch_ = received - stamp;
+  stamp += epoch_;
+  const TimeNs took = received - stamp;
+  if (count_ > 0 && std::abs(took - last_) > kClockJump) {
+    count_ = 0;
+    epoch_ = 0;
+    return false;
+  }
+  last_ = took;
+  took_s_[next_] = to_seconds(took);
+  next_ = (next_ + 1) % kRemembered;
+  count_ = std::min(count_ + 1, kRemembered);
+  return true;
+}
+
+ClockPrior OtherClock::prior() const {
+  if (!one_way_ || count_ == 0) return {0.0, sigma_s_};
+  return {*std::min_element(took_s_.begin(), took_s_.begin() + count_) - least_delay_s_, sigma_s_};
+}
+
+Teammate::Teammate(VehicleId id, const SlidingWindowConfig& config)
+    : config_(config),
+      id_(id),
+      drift_(config.drift),
+      clock_(config.clock, config.clock_sigma_s, config.least_delay_s),
+      alignment_(config.alignment, config.drift),
+      filter_(config.filter, config.drift) {}
+
+bool Teammate::hear(std::span<const Message> messages) {
+  bool heard = false;
+  for (const Message& message : messages) {
+    OdometryReport report;
+    if (message.from != id_ || read_message(message, report) != Reading::kDone) continue;
+    ++num_reports_;
+    OtherMotion motion = motion_of(report);
+    if (!clock_.take(motion.t, message.received)) {
+      start_over();
+      continue;
+    }
+    if (!odometry_.push(motion)) continue;
+    heard = true;
+    if (filter_.started()) num_late_ += !filter_.push(in_own_time(odometry_.newest()));
+  }
+  return heard;
+}
+
+void Teammate::start_over() {
+  odometry_ = {};
+  alignment_.clear();
+  filter_.stop();
+  waiting_.clear();
+  clock_s_.reset();
+}
+
+OtherMotion Teammate::in_own_time(OtherMotion motion) const {
+  motion.t += from_seconds(clock_s());
+  return motion;
+}
+
+bool Teammate::take(const Sighting& sighting) {
+  if (!filter_.push(sighting)) return false;
+  last_accepted_ = sighting.t;
+  wait(sighting);
+  return true;
+}
+
+void Teammate::doubt(TimeNs t) {
+  if (t - last_accepted_ <= from_seconds(config_.reacquire_s)) return;
+  filter_.stop();
+  ++num_lost_;
+}
+
+void Teammate::wait(const Sighting& sighting) {
+  if (waiting_.size() == kMaxWaiting) waiting_.erase(waiting_.begin());
+  waiting_.push_back(sighting);
+  last_waiting_ = sighting.t;
+}
+
+void Teammate::wait_for_new_of(std::span<const Sighting> chain) {
+  for (const Sighting& sighting : chain) {
+    if (sighting.t > last_waiting_) wait(sighting);
+  }
+}
+
+MotionMatch Teammate::match(std::span<const Sighting> chain) const {
+  return match_motion(chain, odometry_, drift_, clock_s(), config_.odometry_gap_max_s);
+}
+
+void Teammate::update(bool heard) {
+  pair();
+  if (heard) align();
+}
+
+/// Sightings that the odometry has come up to.
+void Teammate::pair() {
+  if (odometry_.empty()) return;
+  const double clock_s_now = clock_s();
+  const TimeNs clock = from_seconds(clock_s_now);
+  std::erase_if(waiting_, [&](const Sighting& sighting) {
+    if (sighting.t - clock > odometry_.newest().t) return false;
+    const auto told = odometry_.at(sighting.t - clock, config_.odometry_gap_max_s);
+    if (!told || sighting.t < last_pair_) return true;
+    last_pair_ = sighting.t;
+    const double sigma_m = config_.filter.odometry_sigma_m;
+    alignment_.push({sighting.t, sighting.p_local_m, sighting.covariance + sigma_m * sigma_m * Matrix3::Identity(),
+                     told->p_other_local_m, told->v_other_local_mps, clock_s_now, told->flown});
+    return true;
+  });
+}
+
+void Teammate::align() {
+  const auto& found = alignment_.fit(odometry_.newest(), clock_.prior());
+  if (!found) return;
+  clock_s_ = found->clock_s;
+  if (filter_.started() && agrees(*found)) return;
+  filter_.start(*found, in_own_time(odometry_.newest()));
+  ++num_starts_;
+  num_disagreements_ = 0;
+  last_accepted_ = in_own_time(odometry_.newest()).t;
+  for (const Sighting& sighting : waiting_) filter_.push(sighting);
+}
+
+/// The filter is what the window says, or off by chance for a moment.
+bool Teammate::agrees(const FrameAlignment& found) {
+  const FrameAlignment own = filter_.alignment();
+  Eigen::Matrix<double, 4, 1> difference;
+  difference << found.point(own.anchor_other_m) - own.anchor_local_m,
+      std::remainder(found.yaw_rad - own.yaw_rad, 2.0 * kPi);
+  const FrameAlignment::Covariance S = own.covariance + found.covariance;
+  const bool near = difference.dot(S.ldlt().solve(difference)) <= kDisagreement_sigma_sq;
+  num_disagreements_ = near ? 0 : num_disagreements_ + 1;
+  return num_disagreements_ < kMaxDisagreements;
+}
+
+std::optional<RelativeEstimate> Teammate::estimate(TimeNs t) {
+  if (!filter_.started()) return std::nullopt;
+  const RelativeEstimate estimate = filter_.at(t);
+  if (!is_sure(estimate)) {
+    filter_.stop();
+    ++num_lost_;
+    return std::nullopt;
+  }
+  last_ = estimate;
+  last_.other = id_;
+  return last_;
+}
+
+bool Teammate::is_sure(const RelativeEstimate& estimate) const {
+  const Matrix3 C = estimate.covariance.topLeftCorner<3, 3>();
+  const double greatest = Eigen::SelfAdjointEigenSolver<Matrix3>(C, Eigen::EigenvaluesOnly).eigenvalues()(2);
+  return greatest <= config_.position_sigma_max_m * config_.position_sigma_max_m;
+}
+
+/// Where it is and heads, with three standard deviations, and the sightings of the window beside the aligned odometry.
+void Teammate::append_overlays(std::vector<Overlay>& overlays) const {
+  const Eigen::Vector4f kGreen = {0.2F, 0.9F, 0.3F, 0.35F}, kWhite = {0.95F, 0.95F, 0.95F, 1.0F};
+  Overlay place = overlay_of("relative", Overlay::Kind::kSpheres, 0.0F, "teammate: three standard deviations", kGreen);
+  Overlay heading = overlay_of("relative", Overlay::Kind::kLines, 3.0F, "teammate: heading", kGreen);
+  Overlay seen = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "sightings in the window", kGreen);
+  Overlay told = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "odometry, aligned", kWhite);
+  for (const AlignmentPair& pair : alignment_.pairs()) seen.positions.push_back(pair.p_local_m.cast<float>());
+  if (filter_.started()) {
+    const Matrix3 C = last_.covariance.topLeftCorner<3, 3>();
+    place.size_m = 3.0F * static_cast<float>(std::sqrt(C.trace() / 3.0));
+    place.positions.push_back(last_.position_m.cast<float>());
+    const Vector3 ahead(elementary::cos(last_.yaw_rad), elementary::sin(last_.yaw_rad), 0.0);
+    heading.positions = {last_.position_m.cast<float>(), (last_.position_m + 0.5 * ahead).cast<float>()};
+    const FrameAlignment alignment = filter_.alignment();
+    for (const AlignmentPair& pair : alignment_.pairs()) {
+      told.positions.push_back(alignment.point(pair.p_other_m).cast<float>());
+    }
+  }
+  for (Overlay* overlay : {&place, &heading, &seen, &told}) overlays.push_back(std::move(*overlay));
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/counter.hpp"
+#include "swiftlet/core/detection.hpp"
+#include "swiftlet/core/detection/air_map.hpp"
+#include "swiftlet/core/detection/beam_index.hpp"
+#include "swiftlet/core/detection/euclidean_clusters.hpp"
+#include "swiftlet/core/detection/existence.hpp"
+#include "swiftlet/core/detection/track_before_detect_config.hpp"
+#include "swiftlet/core/track.hpp"
+
+namespace swiftlet {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Something that may fly: a Bernoulli component with a Gaussian state. Local frame.
+struct Hypothesis {
+  std::uint32_t id = 0;
+  TimeNs t = 0;
+  double existence = 0.0;
+  Vector6 mean = Vector6::Zero();  ///< position, velocity
+  Matrix6 covariance = Matrix6::Identity();
+  ReturnRate rate;
+  int num_sweeps = 0;   ///< that returned something of it
+  int num_returns = 0;  ///< in the newest sweep
+  Vector3 extent_m = Vector3::Zero();
+  Vector3 measured_local_m = Vector3::Zero();
+  Matrix3 measured_covariance = Matrix3::Identity();
+  double reflectivity = 0.0;
+
+  Vector3 p_local_m() const { return mean.head<3>(); }
+  Vector3 v_local_mps() const { return mean.tail<3>(); }
+  Matrix3 position_covariance() const { return covariance.topLeftCorner<3, 3>(); }
+};
+
+/// Track before detect: a bank of Bernoulli hypotheses, each followed from its first return on. All sweeps together
+/// decide whether it exists. Its returns count against what the background returns there. Beams that should have met it
+/// and did not count as well. Works on one sweep at a time, without a clock. Work and memory are bounded.
+class Hypotheses {
+ public:
+  explicit Hypotheses(const TrackBeforeDetectConfig& config);
+
+  /// One sweep: hypotheses, then background, then air.
+  void take(const LocalCloud& cloud);
+
+  /// All of them, the likeliest first.
+  std::span<const Hypothesis> all() const { return hypotheses_; }
+  /// Those that are likely enough to be told; detections and tracks in the same order.
+  void append_told(std::vector<Detection>& detections) const;
+  void append_told(std::vector<Track>& tracks) const;
+  const AirMap& air() const { return air_; }
+  void append_counters(std::vector<Counter>& counters) const;
+
+ private:
+  /// A return where the background returns few.
+  struct Candidate {
+    Eigen::Vector3f p_local_m;
+    std::uint32_t point;  // of the cloud
+    bool in_free_air;     // and so does everything around it
+    bool taken;
+  };
+  /// Returns that may be one target's.
+  struct Measurement {
+    Vector3 p_local_m = Vector3::Zero();
+    Vector3 extent_m = Vector3::Zero();
+    Matrix3 covariance = Matrix3::Identity();
+    TimeNs t = 0;
+    int num_returns = 0;
+    double reflectivity = 0.0;
+  };
+  /// A candidate that becomes background after a while, unless its hypothesis turns out to be a target.
+  struct Pending {
+    TimeNs t = 0;
+    Eigen::Vector3f p_local_m;
+    std::uint32_t hypothesis = 0;  // 0: none
+  };
+
+  void find_candidates(const LocalCloud& cloud);
+  void predict();
+  void take_returns_of_targets(const LocalCloud& cloud);
+  void take_clusters(const LocalCloud& cloud);
+  void correct(const LocalCloud& cloud);
+  bool correct_by(Hypothesis& hypothesis, const Measurement& measurement, const BeamExposure& exposure);
+  void miss(Hypothesis& hypothesis, const BeamExposure& exposure);
+  void begin(const LocalCloud& cloud);
+  void merge();
+  void forget();
+  void wait(const Candidate& candidate, std::uint32_t hypothesis);
+  void learn(TimeNs t);
+  void learn_oldest();
+  /// All returns count, but only as much as the share of beams that clear air.
+  void learn_hit(const Vector3& p_local_m, double weight) { air_.hit(p_local_m, weight / ray_stride_); }
+  void clear_air(const LocalCloud& cloud);
+
+  Measurement measurement_of(const LocalCloud& cloud, std::span<const std::uint32_t> candidates) const;
+  Matrix3 pose_covariance(const Vector3& p_local_m) const;
+  double clutter_density_per_m3(const Vector3& p_local_m, double beams_per_sr) const;
+  BeamExposure exposure_of(const Hypothesis& hypothesis) const;
+  bool is_told(const Hypothesis& hypothesis) const { return hypothesis.existence >= config_.told_existence; }
+
+  TrackBeforeDetectConfig config_;
+  Eigen::Matrix<double, 7, 7> Sigma_w_;
+  AirMap air_;
+  BeamIndex beams_;
+  std::vector<Hypothesis> hypotheses_, born_;
+  std::uint32_t next_id_ = 1;
+  std::vector<Pending> pending_;  // a ring
+  std::size_t first_pending_ = 0, num_pending_ = 0;
+  int ray_stride_ = 1, ray_offset_ = 0;  // every n-th beam of a sweep clears air
+  std::uint64_t num_born_ = 0, num_dropped_ = 0;
+
+  // Memory of one sweep, kept for the next.
+  std::vector<Candidate> candidates_;
+  std::vector<std::vector<std::uint32_t>> returns_of_;  // candidates, by hypothesis
+  std::vector<Eigen::Vector3f> loose_m_;
+  std::vector<std::uint32_t> loose_, members_;
+  std::vector<Vector3> gate_center_m_;
+  std::vector<Matrix3> gate_information_;
+  EuclideanClusters clusters_;
+  std::vector<char> cluster_taken_;
+  std::vector<BeamExposure> exposures_;
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/detection/track_before_detect.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "swiftlet/core/detection/air_map.hpp"
+#include "swiftlet/core/detection/beam_index.hpp"
+#include "swiftlet/core/detection/existence.hpp"
+#include "swiftlet/core/detection/hypotheses.hpp"
+#include "swiftlet/core/stages/detectors.hpp"
+#include "tests/core/detection/detection_support.hpp"
+
+namespace swiftlet {
+namespace {
+
+using namespace testing;
+constexpr TimeNs kTick = 4'000'000;
+constexpr TimeNs kSweep = 100'000'000;
+
+// Of 100 things, 20 are targets. 9 of 10 targets and 1 of 10 others give the measurement: 18 of 26 that gave it.
+TEST(Existence, IsBayesRule) {
+  EXPECT_NEAR(existence_after(0.2, 0.9 / 0.1), 18.0 / 26.0, 1e-12);
+  EXPECT_NEAR(existence_after(0.2, 0.1 / 0.9), 2.0 / 74.0, 1e-12);
+  EXPECT_DOUBLE_EQ(existence_after(0.3, 1.0), 0.3);
+  EXPECT_DOUBLE_EQ(existence_after(0.0, 100.0), 0.0);
+  EXPECT_DOUBLE_EQ(existence_after(1.0, 0.01), 1.0);
+}
+
+// The integral of exp(-rate n) over the gamma distribution of shape a and mean m is (a / (a + m n))^a.
+TEST(Existence, SilenceIsPoissonAveragedOverTheGammaDistribution) {
+  const ReturnRate rate{.returns = 3.0, .shots = 10.0, .variation = 2.0};
+  constexpr int kSteps = 200000;
+  constexpr double kStep = 1e-4, kShots = 7.0;
+  const double theta = rate.mean() / rate.variation;  // scale
+  double integral = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double x = (i + 0.5) * kStep;
+    integral += kStep * x * std::exp(-x / theta) / (theta * theta) * std::exp(-x * kShots);
+  }
+  EXPECT_NEAR(rate.none(kShots), integral, 1e-6);
+  EXPECT_DOUBLE_EQ(rate.none(0.0), 1.0);
+}
+
+TEST(Existence, TheRateOfReturnsIsLearned) {
+  ReturnRate rate{.returns = 2.0, .shots = 8.0};
+  for (int i = 0; i < 200; ++i) rate.update(3, 6.0, 0.95);
+  EXPECT_NEAR(rate.mean(), 0.5, 1e-4);
+}
+
+TEST(AirMap, TheClutterShareIsTheMeanOfTheBetaDistribution) {
+  AirMapConfig config;
+  config.size_m = {8.0, 8.0, 8.0};
+  config.prior_hits = 0.125;
+  config.prior_passes = 0.375;
+  AirMap map(config);
+  map.follow(Vector3::Zero());
+  const Vector3 p_m(1.25, 0.25, 0.25);
+  EXPECT_DOUBLE_EQ(map.clutter_share(p_m), 0.25);
+  for (int i = 0; i < 6; ++i) map.pass({-3.0, 0.25, 0.25}, {3.0, 0.25, 0.25});
+  map.hit(p_m, 1.0);
+  map.hit(p_m, 0.5);
+  EXPECT_DOUBLE_EQ(map.clutter_share(p_m), (0.125 + 1.5) / (0.125 + 1.5 + 0.375 + 6.0));
+  EXPECT_DOUBLE_EQ(map.clutter_share({1.25, 0.75, 0.25}), 0.25) << "no beam came there";
+}
+
+// A voxel by the number of times that a dense sampling of the ray meets it: all of them and no other.
+TEST(AirMap, ARayPassesTheVoxelsOnItsWay) {
+  AirMapConfig config;
+  config.size_m = {8.0, 8.0, 8.0};
+  AirMap map(config);
+  const Vector3 from_m(-3.3, 2.1, -1.7), to_m(2.9, -3.4, 3.1);
+  map.follow(Vector3::Zero());
+  map.pass(from_m, to_m);
+  const double unknown = map.prior_share();
+  int passed = 0;
+  for (double x = -3.75; x < 4.0; x += 0.5) {
+    for (double y = -3.75; y < 4.0; y += 0.5) {
+      for (double z = -3.75; z < 4.0; z += 0.5) passed += map.clutter_share({x, y, z}) < unknown;
+    }
+  }
+  for (int i = 0; i <= 10000; ++i) {
+    EXPECT_LT(map.clutter_share(from_m + i / 10000.0 * (to_m - from_m)), unknown) << i;
+  }
+  const Cell apart = ((to_m / 0.5).array().floor() - (from_m / 0.5).array().floor()).abs().matrix().cast<int>();
+  EXPECT_EQ(passed, apart.sum() + 1) << "one more for each border that is crossed";
+}
+
+TEST(AirMap, WhatEntersTheBoxIsUnknown) {
+  AirMapConfig config;
+  config.size_m = {8.0, 8.0, 8.0};
+  AirMap map(config);
+  map.follow(Vector3::Zero());
+  map.pass({-3.9, 0.25, 0.25}, {3.9, 0.25, 0.25});
+  map.follow({2.0, 0.0, 0.0});
+  EXPECT_LT(map.clutter_share({3.75, 0.25, 0.25}), map.prior_share()) << "still there";
+  EXPECT_DOUBLE_EQ(map.clutter_share({5.75, 0.25, 0.25}), map.prior_share()) << "new, where -2.25 was";
+  EXPECT_DOUBLE_EQ(map.clutter_share({-3.75, 0.25, 0.25}), map.prior_share()) << "gone";
+}
+
+/// A frozen sweep of one beam along x.
+std::shared_ptr<const LocalCloud> one_beam(float range_m) {
+  auto beams = std::make_shared<BeamTable>();
+  beams->rows = beams->cols = 1;
+  beams->directions_lidar = {Eigen::Vector3f::UnitX()};
+  beams->origins_lidar = {Eigen::Vector3f::Zero()};
+  beams->column_offset_s = {0.0F};
+  auto scan = std::make_shared<Scan>();
+  scan->beams = beams;
+  scan->range_m = {range_m};
+  scan->external_poses = {{0, Pose::Identity()}};
+  return cloud_of(scan);
+}
+
+TEST(BeamIndex, OneBeamMeetsATargetByHowSureItsPlaceIs) {
+  BeamIndex index;
+  index.assign(*one_beam(0.0F));
+  RoundTarget target{.p_local_m = {20.0, 0.0, 0.0}, .sigma_m = 0.0, .radius_m = 0.3};
+  EXPECT_NEAR(index.exposure(target).shots, 1.0, 1e-9) << "the beam goes through its middle";
+  target.sigma_m = 0.4;
+  const double width_sq = 0.3 * 0.3 + 2.0 * 0.4 * 0.4;
+  EXPECT_NEAR(index.exposure(target).shots, 0.09 / width_sq, 1e-9);
+  target.p_local_m = {20.0, 0.5, 0.2};
+  EXPECT_NEAR(index.exposure(target).shots, 0.09 / width_sq * std::exp(-0.29 / width_sq), 1e-9);
+  target.p_local_m = {-20.0, 0.0, 0.0};
+  EXPECT_EQ(index.exposure(target).shots, 0.0) << "behind the sensor";
+}
+
+TEST(BeamIndex, ABeamThatEndedBeforeTheTargetSaysNothingOfIt) {
+  BeamIndex index;
+  const RoundTarget target{.p_local_m = {20.0, 0.0, 0.0}, .sigma_m = 0.0, .radius_m = 0.3};
+  index.assign(*one_beam(12.0F));
+  EXPECT_EQ(index.exposure(target).shots, 0.0);
+  index.assign(*one_beam(35.0F));
+  EXPECT_NEAR(index.exposure(target).shots, 1.0, 1e-9) << "it passed the target's place";
+  index.assign(*one_beam(19.9F));
+  EXPECT_NEAR(index.exposure(target).shots, 1.0, 1e-9) << "it ended on the target";
+}
+
+// In every direction, the poles and the seam of the azimuth included, the index finds what a walk over all beams does.
+TEST(BeamIndex, FindsTheBeamsThatAWalkOverAllFinds) {
+  const auto beams = make_beams(48, 192, 89.0, -89.0);
+  const auto cloud = cloud_of(scan_world(ground(-1000.0), Pose::Identity(), beams, 0));
+  BeamIndex index;
+  index.assign(*cloud);
+  for (int k = 0; k < 200; ++k) {
+    const double z = -0.995 + 1.99 * k / 199.0, azimuth = 2.4 * k, flat = std::sqrt(1.0 - z * z);
+    const RoundTarget target{.p_local_m = 8.0 * Vector3(flat * std::cos(azimuth), flat * std::sin(azimuth), z),
+                             .sigma_m = 0.2,
+                             .radius_m = 0.3};
+    const double width_sq = 0.09 + 2.0 * 0.04;
+    double shots = 0.0;
+    for (const Eigen::Vector3f& d : beams->directions_lidar) {
+      const double along_m = target.p_local_m.dot(d.cast<double>());
+      const double exponent = (target.p_local_m.squaredNorm() - along_m * along_m) / width_sq;
+      if (along_m > 0.0 && exponent <= 6.25) shots += 0.09 / width_sq * std::exp(-exponent);
+    }
+    EXPECT_NEAR(index.exposure(target).shots, shots, 1e-3 * shots) << k;
+  }
+}
+
+/// Sweeps of a coarse LiDAR that stands at 4 m height, of which few beams meet a target.
+class Watcher {
+ public:
+  explicit Watcher(TrackBeforeDetectConfig config = {}) {
+    config.air.size_m = {40.0, 40.0, 20.0};
+    config.latency_s = 0.0;
+    Module module(detector_module_types(), "track_before_detect");
+    module.as<TrackBeforeDetectConfig>() = config;
+    detector = make_detector(module, {});
+    estimate_.T_local_body = pose_at({0.0, 0.0, 4.0});
+    estimate_.valid = true;
+  }
+
+  /// One sweep of the world as it is then. Sweeps turn the sensor a little, so that their beams do not repeat.
+  const DetectorOutput& look(const World& world) {
+    const Pose T_local_lidar = pose_at({0.0, 0.0, 4.0}, 0.37 * static_cast<double>(t / kSweep));
+    const auto cloud = cloud_of(scan_world(world, T_local_lidar, beams_, t, 40.0));
+    Observation observation;
+    observation.t = t;
+    LocalPoses poses;
+    estimate_.t = t;
+    poses.push(estimate_);
+    const std::vector<std::shared_ptr<const LocalCloud>> clouds = {cloud};
+    output.clear();
+    detector->step({t, estimate_, poses, clouds, observation}, output, outbox_);
+    t += kSweep;
+    return output;
+  }
+
+  std::unique_ptr<Detector> detector;
+  DetectorOutput output;
+  TimeNs t = 0;
+
+ private:
+  std::shared_ptr<const BeamTable> beams_ = make_beams(60, 200);
+  StateEstimate estimate_;
+  Outbox outbox_;
+};
+
+// 12 m away the sphere is met by one of these beams, by two, or by none.
+TEST(TrackBeforeDetect, FollowsATargetOfFewReturnsOnItsKnownPath) {
+  Watcher watcher;
+  for (int i = 0; i < 40; ++i) EXPECT_TRUE(watcher.look(ground()).detections.empty()) << i;
+  int found = 0, with_returns = 0;
+  std::uint32_t id = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Vector3 p_m(12.0, -6.0 + 0.2 * i, 5.0);
+    const DetectorOutput& output = watcher.look(all_of({ground(), sphere(p_m, 0.15)}));
+    ASSERT_TRUE(output.has_detections);
+    if (i < 25) continue;
+    ASSERT_LE(output.detections.size(), 1U) << i;
+    if (output.detections.empty()) continue;
+    const Detection& d = output.detections.front();
+    EXPECT_LT((d.position_m - p_m).norm(), 0.5) << i;
+    EXPECT_GE(d.confidence, 0.5);
+    ++found;
+    with_returns += d.num_points > 0;
+    ASSERT_EQ(watcher.detector->tracks().size(), 1U);
+    const Track& track = watcher.detector->tracks().front();
+    if (id == 0) id = track.id;
+    EXPECT_EQ(track.id, id);
+    if (i < 40) continue;
+    EXPECT_LT((track.velocity_mps - Vector3(0.0, 2.0, 0.0)).norm(), 0.7) << i;
+  }
+  EXPECT_GE(found, 28) << "of 35";
+  EXPECT_LT(with_returns, found) << "it is told in sweeps that show nothing of it";
+}
+
+TEST(TrackBeforeDetect, ForgetsATargetThatBeamsSeeThrough) {
+  Watcher watcher;
+  for (int i = 0; i < 40; ++i) watcher.look(ground());
+  for (int i = 0; i < 30; ++i) watcher.look(all_of({ground(), sphere({10.0, 0.0, 5.0}, 0.3)}));
+  ASSERT_EQ(watcher.output.detections.size(), 1U);
+  int told = 0;
+  for (int i = 0; i < 15; ++i) told += static_cast<int>(watcher.look(ground()).detections.size());
+  EXPECT_LT(told, 8);
+  EXPECT_TRUE(watcher.output.detections.empty());
+}
+
+TEST(TrackBeforeDetect, ATargetBehindAWallIsNotDeniedByTheWall) {
+  Watcher watcher;
+  const World wall = bar({6.0, -0.2, -2.0}, {6.0, -0.2, 9.0}, 1.2);
+  const auto target = [](double y) { return sphere({12.0, y, 5.0}, 0.3); };
+  for (int i = 0; i < 40; ++i) watcher.look(all_of({ground(), wall}));
+  for (int i = 0; i < 25; ++i) watcher.look(all_of({ground(), wall, target(-6.0 + 0.15 * i)}));
+  ASSERT_EQ(watcher.output.detections.size(), 1U);
+  const double before = watcher.output.detections.front().confidence;
+  watcher.look(all_of({ground(), wall, sphere({12.0, 0.0, -50.0}, 0.1)}));  // gone where beams look
+  ASSERT_EQ(watcher.output.detections.size(), 1U) << "one sweep alone decides nothing";
+  EXPECT_LT(watcher.output.detections.front().confidence, before);
+}
+
+// What stands where nobody looked before is background, and so is what is beside it.
+TEST(TrackBeforeDetect, WhatStandsStillIsNoTarget) {
+  Watcher watcher;
+  const World scene = all_of({ground(), bar({9.0, 0.0, 0.0}, {9.0, 0.0, 7.0}, 0.05), sphere({-8.0, 3.0, 6.0}, 0.4)});
+  for (int i = 0; i < 80; ++i) EXPECT_TRUE(watcher.look(scene).detections.empty()) << i;
+}
+
+TEST(TrackBeforeDetect, TellsWhenItsLatencyIsOver) {
+  TrackBeforeDetectConfig config;
+  config.latency_s = 0.05;
+  Module module(detector_module_types(), "track_before_detect");
+  module.as<TrackBeforeDetectConfig>() = config;
+  const auto detector = make_detector(module, {});
+  const auto cloud = one_beam(5.0F);
+  StateEstimate estimate;
+  estimate.valid = true;
+  LocalPoses poses;
+  poses.push(estimate);
+  Observation observation;
+  Outbox outbox;
+  DetectorOutput output;
+  for (TimeNs t = 0; t <= 48'000'000; t += kTick) {
+    std::vector<std::shared_ptr<const LocalCloud>> clouds;
+    if (t == 0) clouds.push_back(cloud);
+    detector->step({t, estimate, poses, clouds, observation}, output, outbox);
+    EXPECT_FALSE(output.has_detections) << t;
+  }
+  detector->step({52'000'000, estimate, poses, {}, observation}, output, outbox);
+  EXPECT_TRUE(output.has_detections);
+  EXPECT_EQ(output.stamp, cloud->stamp());
+}
+
+TEST(TrackBeforeDetect, ItsWorkIsBounded) {
+  TrackBeforeDetectConfig config;
+  config.air.size_m = {40.0, 40.0, 20.0};
+  config.max_hypotheses = 3;
+  Hypotheses hypotheses(config);
+  const auto beams = make_beams(60, 200);
+  for (int i = 0; i < 60; ++i) {
+    std::vector<World> worlds = {ground()};
+    if (i >= 40) {
+      for (int k = 0; k < 8; ++k) {
+        const double azimuth = 0.25 * std::numbers::pi * k + 0.02 * i;
+        worlds.push_back(sphere({9.0 * std::cos(azimuth), 9.0 * std::sin(azimuth), 5.0}, 0.3));
+      }
+    }
+    hypotheses.take(*cloud_of(scan_world(all_of(worlds), pose_at({0.0, 0.0, 4.0}), beams, i * kSweep, 40.0)));
+    EXPECT_LE(hypotheses.all().size(), 3U);
+  }
+  std::vector<Counter> counters;
+  hypotheses.append_counters(counters);
+  ASSERT_EQ(counters.size(), 1U);
+  EXPECT_GT(counters.front().count, 0U);
+}
+
+}  // namespace
+}  // namespace swiftlet

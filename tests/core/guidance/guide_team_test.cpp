@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A guide of several vehicles, which the test moves along what they are told.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "swiftlet/core/guidance/guide.hpp"
+#include "swiftlet/core/messages/guiding_path.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "tests/core/guidance/guidance_driver.hpp"
+#include "tests/core/planning/cell_list_map.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::CellListMap;
+using testing::GuidanceDriver;
+
+GuideConfig guides_several(std::vector<GuidedVehicleConfig> secondaries) {
+  GuideConfig config;
+  config.secondaries = std::move(secondaries);
+  config.planner.primary.z_min_m = config.planner.secondary.z_min_m = 0.6;
+  config.planner.primary.z_max_m = config.planner.secondary.z_max_m = 0.9;
+  config.planner.primary.max_expansions = config.planner.secondary.max_expansions = 4000;
+  config.planner.goal_search_m = 0.25;
+  config.stage_timeout_s = 30.0;
+  return config;
+}
+
+/// uav2, uav3 and so on, that fly at 1 m/s without inertia, and so does their guide.
+struct TeamOfSeveral : GuidanceDriver {
+  struct Guided {
+    RelativeEstimate estimate;
+    std::vector<Vector3> told_local_m;
+    GuidingPath::Word word = GuidingPath::Word::kGuide;
+    bool localized = true;
+  };
+
+  TeamOfSeveral(const GuideConfig& config, const std::vector<Vector3>& starts_m, CellListMap world = CellListMap(0.25))
+      : GuidanceDriver("guide", config, {-4, -3, 0.7}), world_(std::move(world)) {
+    map = &world_;
+    for (const Vector3& start_m : starts_m) {
+      Guided& guided = team.emplace_back();
+      guided.estimate.other = static_cast<VehicleId>(team.size());
+      guided.estimate.position_m = start_m;
+      guided.estimate.covariance.setIdentity();
+      guided.estimate.covariance *= 1e-4;
+    }
+  }
+
+  void tick() {
+    relatives.clear();
+    for (Guided& guided : team) {
+      RelativeEstimate& e = guided.estimate;
+      e.t = e.seen = e.heard = e.heard_stamp = observation.t + from_seconds(dt_s);
+      e.heard_position_m = e.position_m;
+      if (guided.localized) relatives.push_back(e);
+    }
+    step();
+    std::vector<Message> sent;
+    outbox.empty_into(sent);
+    for (const Message& message : sent) hear(message);
+    const Vector3 v_mps = toward(out.goal.position_m, p_m());
+    estimate.v_local_mps = v_mps;
+    put(p_m() + dt_s * v_mps);
+    int num_moving = 0;
+    for (Guided& guided : team) num_moving += fly(guided);
+    most_moving = std::max(most_moving, num_moving);
+    watch_distances();
+  }
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds / dt_s) && out.mission == MissionStatus::kRunning; ++i) tick();
+  }
+  double far_m(std::size_t i, const Vector3& goal_m) const { return (team[i].estimate.position_m - goal_m).norm(); }
+
+  std::vector<Guided> team;
+  int most_moving = 0;
+  double least_m = 100.0;  // horizontally, between any two
+
+ private:
+  Vector3 toward(const Vector3& goal_m, const Vector3& from_m) const {
+    const Vector3 way_m = goal_m - from_m;
+    return way_m.norm() < 1.0 * dt_s ? Vector3(way_m / dt_s) : Vector3(way_m.normalized());
+  }
+  void hear(const Message& message) {
+    ASSERT_GE(message.to, 1);
+    Guided& guided = team.at(static_cast<std::size_t>(message.to) - 1);
+    GuidingPath path;
+    ASSERT_EQ(read_message(message, path), Reading::kDone);
+    guided.word = path.word;
+    guided.told_local_m.clear();
+    for (const GuidingWaypoint& waypoint : path.waypoints) {
+      guided.told_local_m.push_back(guided.estimate.position_m + waypoint.p_body_m.cast<double>());
+    }
+  }
+  bool fly(Guided& guided) {
+    RelativeEstimate& e = guided.estimate;
+    e.velocity_mps.setZero();
+    while (guided.told_local_m.size() > 1 && (guided.told_local_m.front() - e.position_m).norm() < 0.2) {
+      guided.told_local_m.erase(guided.told_local_m.begin());
+    }
+    if (guided.told_local_m.empty()) return false;
+    e.velocity_mps = toward(guided.told_local_m.front(), e.position_m);
+    e.position_m += dt_s * e.velocity_mps;
+    return true;
+  }
+  void watch_distances() {
+    std::vector<Vector3> all_m = {p_m()};
+    for (const Guided& guided : team) all_m.push_back(guided.estimate.position_m);
+    for (std::size_t a = 0; a < all_m.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) least_m = std::min(least_m, (all_m[a] - all_m[b]).head<2>().norm());
+    }
+  }
+
+  CellListMap world_;
+};
+
+TEST(GuideOfSeveral, AllReachTheirGoalsOneAtATimeOutOfEachOthersAir) {
+  // The goal of the first one lies behind the second one.
+  TeamOfSeveral team(guides_several({{.name = "uav2", .goals_m = {{4, -2, 0.7}, {4, 2, 0.7}}},
+                                     {.name = "uav3", .goals_m = {{0, 3, 0.7}}},
+                                     {.name = "uav4", .goals_m = {{-1, 5, 0.7}, {3, 6, 0.7}}}}),
+                     {{0, -2, 0.7}, {2, -2, 0.7}, {0, 1.5, 0.7}});
+  team.run(200.0);
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone);
+  EXPECT_LT(team.far_m(0, {4, 2, 0.7}), 0.3);
+  EXPECT_LT(team.far_m(1, {0, 3, 0.7}), 0.3);
+  EXPECT_LT(team.far_m(2, {3, 6, 0.7}), 0.3);
+  EXPECT_EQ(team.most_moving, 1);
+  EXPECT_GT(team.least_m, 1.2) << "columns are 1.3 m wide, and the guide's 1.5 m";
+  for (int i = 0; i < 3; ++i) team.tick();
+  for (const TeamOfSeveral::Guided& guided : team.team) EXPECT_EQ(guided.word, GuidingPath::Word::kDone);
+}
+
+TEST(GuideOfSeveral, NobodyMovesBeforeEverybodyIsLocalized) {
+  TeamOfSeveral team(
+      guides_several({{.name = "uav2", .goals_m = {{4, -2, 0.7}}}, {.name = "uav3", .goals_m = {{4, 2, 0.7}}}}),
+      {{0, -2, 0.7}, {0, 2, 0.7}});
+  team.team[1].localized = false;
+  team.run(15.0);
+  EXPECT_STREQ(team.out.note, "idle: the guided vehicle is not localized yet");
+  EXPECT_EQ(team.most_moving, 0);
+  team.team[1].localized = true;
+  team.run(100.0);
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone);
+}
+
+TEST(GuideOfSeveral, WhoCannotGoWaitsForTheOthersAndTriesAgain) {
+  // A corridor: the second one stands in the way of the first one.
+  CellListMap world(0.25);
+  world.occupy_box({-2, 1.25, 0}, {8, 1.5, 1.5});
+  world.occupy_box({-2, -1.5, 0}, {8, -1.25, 1.5});
+  GuideConfig config =
+      guides_several({{.name = "uav2", .goals_m = {{3, 0, 0.7}}}, {.name = "uav3", .goals_m = {{6, 0, 0.7}}}});
+  config.planner.secondary.clearance_m = 0.6;
+  config.planner.viewpoint.buffer_m = 1.0;
+  TeamOfSeveral team(config, {{0, 0, 0.7}, {2, 0, 0.7}}, world);
+  team.run(200.0);
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone) << team.out.note;
+  EXPECT_LT(team.far_m(0, {3, 0, 0.7}), 0.3);
+  EXPECT_LT(team.far_m(1, {6, 0, 0.7}), 0.3);
+}
+
+TEST(GuideOfSeveral, EachAdvancesStepByStep) {
+  GuideConfig config = guides_several({{.name = "uav2"}, {.name = "uav3"}});
+  config.advance.step_m = {3, 0, 0};
+  config.advance.distance_m = 8.0;
+  TeamOfSeveral team(config, {{0, -2, 0.7}, {0, 2, 0.7}});
+  team.run(300.0);
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone) << team.out.note;
+  for (const TeamOfSeveral::Guided& guided : team.team) EXPECT_GT(guided.estimate.position_m.x(), 7.9);
+}
+
+TEST(GuideOfSeveral, AVehicleThatStandsTwiceIsRefused) {
+  const GuideConfig config = guides_several({{.name = "uav2"}, {.name = "uav2"}});
+  EXPECT_THROW(TeamOfSeveral(config, {{0, 0, 0.7}}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "detection_flights.hpp"
+#include "experiments.hpp"
+#include "swiftlet/core/uncertainty/error_distribution.hpp"
+#include "swiftlet/core/uncertainty/point_covariance.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+constexpr double kFarthestSighting_m = 40.0;
+constexpr double kExists = 0.5;                               // what is told with less counts as not told
+constexpr double kLeastTold = 0.02;                           // and from here on for the reliability
+constexpr std::uint64_t kFirstSeed = 401;                     // of flights on which nothing was tuned
+constexpr std::array<int, 4> kWindows_scans = {1, 3, 5, 10};  // at 10 Hz
+constexpr int kReliabilityBins = 10;
+
+struct Sensor {
+  const char* name;
+  Overrides overrides;
+  double fov_bottom_deg, fov_top_deg;
+};
+
+std::vector<Sensor> sensors() {
+  return {{"Mid-360",
+           {{"vehicles[0].sensors[0]",
+             "{type: lidar, name: mid360, model: mid360, mount: {position_m: [0, 0, 0.15]}, "
+             "external_pose: {enabled: true, sigma_position_m: 0.05, sigma_rotation_rad: 0.005}}"}},
+           -7.0,
+           52.0},
+          {"OS1-128", {}, -kOs1Fov_deg, kOs1Fov_deg}};
+}
+
+/// Whether a target returned anything in the last 1, 3, 5 and 10 scans, this one included.
+using Ceiling = std::array<bool, kWindows_scans.size()>;
+
+struct Judged {
+  double range_m = 0.0;
+  Ceiling returned{};
+  bool found = false;
+  double error_m = 0.0;
+};
+
+/// The sightings of one target that could be seen, in order of time.
+std::vector<Judged> judged(const std::vector<Sighting>& sightings) {
+  std::vector<Judged> all;
+  int since_return = kWindows_scans.back();
+  for (const Sighting& s : sightings) {
+    since_return = s.points > 0 ? 0 : since_return + 1;
+    if (!s.visible || s.range_m >= kFarthestSighting_m) continue;
+    Judged& j = all.emplace_back();
+    j.range_m = s.range_m;
+    for (std::size_t w = 0; w < kWindows_scans.size(); ++w) j.returned[w] = since_return < kWindows_scans[w];
+    j.found = s.found;
+    j.error_m = s.error_m;
+  }
+  return all;
+}
+
+double expected_error_m(double range_m) {
+  const Matrix3 Sigma = point_covariance(Vector3::UnitX(), range_m, Matrix3::Identity(), MeasurementNoise{}.Sigma_w());
+  return ErrorDistribution(Sigma).mean_m();
+}
+
+/// Of those at a distance.
+struct Summary {
+  int count = 0, found = 0, found_of_ceiling = 0;
+  std::array<int, kWindows_scans.size()> returned{};
+  double error_m = 0.0, beyond_noise_m = 0.0;  // means of what was found
+
+  double share(int of) const { return count > 0 ? static_cast<double>(of) / count : std::nan(""); }
+  double recall() const { return share(found); }
+  /// Of the sightings with a return in the last second.
+  double recall_of_ceiling() const {
+    return returned.back() > 0 ? static_cast<double>(found_of_ceiling) / returned.back() : std::nan("");
+  }
+};
+
+Summary summary_of(const std::vector<Judged>& all, double from_m, double to_m) {
+  Summary s;
+  for (const Judged& j : all) {
+    if (j.range_m < from_m || j.range_m >= to_m) continue;
+    ++s.count;
+    for (std::size_t w = 0; w < kWindows_scans.size(); ++w) s.returned[w] += j.returned[w];
+    if (!j.found) continue;
+    ++s.found;
+    s.found_of_ceiling += j.returned.back();
+    s.error_m += j.error_m;
+    s.beyond_noise_m += j.error_m - expected_error_m(j.range_m);
+  }
+  s.error_m /= std::max(s.found, 1);
+  s.beyond_noise_m /= std::max(s.found, 1);
+  return s;
+}
+
+/// Detector or tracker in all flights of one sensor.
+struct FlownMethod {
+  std::string name;
+  std::vector<Judged> sightings;
+  int told = 0, false_told = 0, false_tracks = 0, switches = 0;
+  double observed_s = 0.0;
+  double until_found_s = 0.0;  // mean, from coming into view
+  int stretches = 0;
+
+  double precision() const { return told > 0 ? 1.0 - static_cast<double>(false_told) / told : std::nan(""); }
+  double false_tracks_per_min() const { return 60.0 * false_tracks / observed_s; }
+};
+
+/// How long it takes after a target has come into view, and how often another identity goes on.
+void add_histories(const std::vector<Sighting>& sightings, FlownMethod& method) {
+  std::uint32_t last = 0;
+  bool waiting = false;
+  for (const Sighting& s : sightings) {
+    if (!s.visible) waiting = false;
+    if (s.visible && s.in_view_s == 0.0) waiting = true;
+    if (waiting && s.found) {
+      method.until_found_s += s.in_view_s;
+      ++method.stretches;
+      waiting = false;
+    }
+    if (!s.found || s.track == 0) continue;
+    if (last != 0 && last != s.track) ++method.switches;
+    last = s.track;
+  }
+}
+
+enum class Part { kDetections, kTracks };
+
+FlownMethod method_of(const std::string& name, const Flights& flights, Part part) {
+  FlownMethod method;
+  method.name = name;
+  method.observed_s = flights.observed_s;
+  method.false_tracks = flights.false_tracks;
+  method.false_told = flights.false_detections;
+  for (const auto& log : flights.logs) {
+    const std::vector<Sighting>& sightings = part == Part::kTracks ? log->tracks() : log->detections();
+    const std::vector<Judged> of_flight = judged(sightings);
+    method.sightings.insert(method.sightings.end(), of_flight.begin(), of_flight.end());
+    for (const Sighting& s : sightings) method.told += s.found;
+    add_histories(log->tracks(), method);
+  }
+  method.told += method.false_told;  // one target: what is not false is found
+  method.until_found_s /= std::max(method.stretches, 1);
+  return method;
+}
+
+/// Does what is told with some probability exist as often?
+void tell_reliability(Experiment& experiment, const std::string& sensor, const Flights& flights, CsvTable& csv,
+                      sim::plot::Panel& panel, int color) {
+  std::array<double, kReliabilityBins> count{}, told{}, real{};
+  for (const auto& log : flights.logs) {
+    for (const DetectionLog::Told& t : log->told()) {
+      const int bin = std::min(static_cast<int>(t.confidence * kReliabilityBins), kReliabilityBins - 1);
+      count[bin] += 1.0;
+      told[bin] += t.confidence;
+      real[bin] += t.is_target;
+    }
+  }
+  std::vector<double> x, y;
+  double difference = 0.0, all = 0.0;
+  for (int bin = 0; bin < kReliabilityBins; ++bin) {
+    if (count[bin] == 0.0) continue;
+    x.push_back(told[bin] / count[bin]);
+    y.push_back(real[bin] / count[bin]);
+    difference += std::abs(told[bin] - real[bin]);
+    all += count[bin];
+    csv.row(sensor, {x.back(), y.back(), count[bin]});
+  }
+  panel.line(sensor, x, y, {.color = color, .marker = sim::plot::Marker::kCircle});
+  plain_row(experiment, sensor + ": mean difference between told and true existence", difference / std::max(all, 1.0),
+            2, fmt::format("of {:.0f} told", all));
+}
+
+void tell_method(Experiment& experiment, const std::string& sensor, const FlownMethod& method) {
+  const Summary near = summary_of(method.sightings, 0.0, 25.0), middle = summary_of(method.sightings, 10.0, 25.0);
+  experiment.row(
+      {fmt::format("{}, {}: recall at 10 to 25 m", sensor, method.name),
+       fmt::format("{:.3f}, {:.3f} of what returned something in 1 s", middle.recall(), middle.recall_of_ceiling()),
+       Verdict::kNotComparable,
+       fmt::format("{} sightings; up to 25 m {:.3f}; error {:.3f} m, {:.3f} m beyond the pose's noise; "
+                   "precision {:.3f}; {:.2f} false tracks a minute; {} switches; found after {:.2f} s",
+                   middle.count, near.recall(), middle.error_m, middle.beyond_noise_m, method.precision(),
+                   method.false_tracks_per_min(), method.switches, method.until_found_s),
+       middle.recall()});
+}
+
+void compare_on(Experiment& experiment, const Sensor& sensor, CsvTable& csv, sim::plot::Panel& recall,
+                CsvTable& reliability_csv, sim::plot::Panel& reliability, int color) {
+  std::vector<sim::Scenario> document, fused;
+  const int flights = experiment.repetitions(4, 1);
+  const double duration_s = experiment.quick() ? 20.0 : 60.0;
+  for (int k = 0; k < flights; ++k) {
+    const std::uint64_t seed = kFirstSeed + static_cast<std::uint64_t>(k);
+    document.push_back(agile_flight("detection_real", seed, duration_s, sensor.overrides));
+    Overrides overrides = sensor.overrides;
+    overrides.emplace_back("vehicles[0].agent.detector",
+                           fmt::format("{{type: track_before_detect, told_existence: {}}}", kLeastTold));
+    overrides.emplace_back("vehicles[0].agent.tracker", "{type: detector}");
+    fused.push_back(agile_flight("detection_real", seed, duration_s, overrides));
+  }
+  const Flights by_document = fly_and_log(experiment, document, sensor.fov_bottom_deg, sensor.fov_top_deg, kIgnored_s);
+  const Flights by_fusion =
+      fly_and_log(experiment, fused, sensor.fov_bottom_deg, sensor.fov_top_deg, kIgnored_s, kBin_m, kExists);
+  const std::array<FlownMethod, 3> methods = {method_of("vofod", by_document, Part::kDetections),
+                                              method_of("tracker of vofod", by_document, Part::kTracks),
+                                              method_of("track_before_detect", by_fusion, Part::kDetections)};
+  for (const FlownMethod& method : methods) tell_method(experiment, sensor.name, method);
+
+  std::array<std::vector<double>, 4> curves;  // a return in the last second, and the methods
+  std::vector<double> range_m;
+  for (double from_m = 0.0; from_m < kFarthestSighting_m; from_m += kBin_m) {
+    const Summary ceiling = summary_of(methods[1].sightings, from_m, from_m + kBin_m);
+    if (ceiling.count < 5) continue;
+    std::array<Summary, 3> of_method;
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      of_method[m] = summary_of(methods[m].sightings, from_m, from_m + kBin_m);
+      curves[m + 1].push_back(of_method[m].recall());
+    }
+    range_m.push_back(from_m + 0.5 * kBin_m);
+    curves[0].push_back(ceiling.share(ceiling.returned.back()));
+    csv.row(sensor.name,
+            {from_m, from_m + kBin_m, static_cast<double>(ceiling.count), ceiling.share(ceiling.returned[0]),
+             ceiling.share(ceiling.returned[1]), ceiling.share(ceiling.returned[2]), ceiling.share(ceiling.returned[3]),
+             of_method[0].recall(), of_method[1].recall(), of_method[2].recall(), of_method[2].recall_of_ceiling(),
+             of_method[2].error_m, of_method[2].beyond_noise_m});
+  }
+  recall.x.label = "distance [m]";
+  recall.y.label = "share of sightings [-]";
+  recall.y.min = 0.0;
+  recall.y.max = 1.05;
+  recall.line("a return in the last second", range_m, curves[0], {.color = 0});
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    recall.line(methods[m].name, range_m, curves[m + 1],
+                {.color = static_cast<int>(m) + 1, .marker = sim::plot::Marker::kCircle});
+  }
+  tell_reliability(experiment, sensor.name, by_fusion, reliability_csv, reliability, color);
+}
+
+}  // namespace
+
+void detection_sparse(Experiment& experiment) {
+  CsvTable csv({"sensor", "from_m", "to_m", "sightings", "return_in_scan", "in_0.3_s", "in_0.5_s", "in_1_s", "vofod",
+                "tracker_of_vofod", "track_before_detect", "of_those_with_return_in_1_s", "error_m", "beyond_noise_m"});
+  CsvTable reliability_csv({"sensor", "told_existence", "share_of_targets", "told"});
+  sim::plot::Figure figure("Sparse returns", 3);
+  figure.set_panel_size(420, 340);
+  const std::vector<Sensor> all = sensors();
+  std::vector<sim::plot::Panel*> panels;
+  for (const Sensor& sensor : all) panels.push_back(&figure.add_panel(std::string("Recall, ") + sensor.name));
+  sim::plot::Panel& reliability = figure.add_panel("Reliability of the existence");
+  reliability.x.label = "told probability [-]";
+  reliability.y.label = "share of targets [-]";
+  const std::array<double, 2> ends = {0.0, 1.0};
+  reliability.line("perfect", ends, ends, {.color = 0});
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    compare_on(experiment, all[i], csv, *panels[i], reliability_csv, reliability, static_cast<int>(i) + 1);
+  }
+  experiment.write("detection-sparse.csv", csv);
+  experiment.write("detection-sparse-reliability.csv", reliability_csv);
+  experiment.write("detection-sparse.svg", figure);
+}
+
+}  // namespace swiftlet::tools
