@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/batch/difference.hpp"
 #include "sim/batch/episode.hpp"
 #include "sim/batch/writer_lock.hpp"
 #include "swiftlet/sim/batch/worker_pool.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/run/version.hpp"
+#include "swiftlet/sim/scenario/document.hpp"
 #include "swiftlet/sim/scenario/yaml_writer.hpp"
 
 namespace swiftlet::sim {
@@ -75,6 +77,18 @@ WorkerPoolOptions pool_options(const BatchPlan& plan, const BatchOptions& option
   return pool;
 }
 
+/// The key of the batch file that makes other episodes; empty when none differs.
+std::string what_changed(const std::string& then_text, const std::string& now_text) {
+  const Node then = parse_document(then_text, {"then", "."}), now = parse_document(now_text, {"now", "."});
+  for (const char* key : {"scenario", "set", "variants", "sweep", "seeds"}) {
+    const Node *before = then.find(key), *after = now.find(key);
+    const Node none;
+    std::string found = first_difference(before != nullptr ? *before : none, after != nullptr ? *after : none, key);
+    if (!found.empty()) return found;
+  }
+  return {};
+}
+
 }  // namespace
 
 fs::path database_path(const fs::path& out, const Shard& shard) {
@@ -106,14 +120,8 @@ void require_same_batch(const BatchInfo& stored, const BatchInfo& wanted, const 
                      "; results of two versions do not mix: choose another --out");
   }
   if (stored.fingerprint == wanted.fingerprint) return;
-  std::string what = "the scenario, or a model or file that it names";
-  if (stored.variants != wanted.variants) what = "the variants";
-  if (stored.parameters != wanted.parameters) what = "the swept parameters";
-  if (stored.num_episodes != wanted.num_episodes) {
-    what = std::to_string(stored.num_episodes) + " episodes then, " + std::to_string(wanted.num_episodes) + " now";
-  } else if (stored.text != wanted.text) {
-    what = "the batch file";
-  }
+  std::string what = what_changed(stored.text, wanted.text);
+  if (what.empty()) what = "the scenario, or a model or file that it names";
   throw InputError(place + "expected results of the same batch, found those of one with another meaning (" + what +
                    "); finish it with the files as they were, or choose another --out");
 }

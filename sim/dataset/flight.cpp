@@ -123,6 +123,10 @@ DatasetPlan plan_dataset(const DatasetConfig& config) {
     }
     // A key that no scenario has is found out now, not after an hour.
     const int all = static_cast<int>(scenarios.back().vehicles.size());
+    if (family.vehicles_min > all) {
+      throw InputError("families[" + std::to_string(i) + "].vehicles_min: expected at most " + std::to_string(all) +
+                       ", the vehicles of " + family.scenario + ", found " + std::to_string(family.vehicles_min));
+    }
     try {
       (void)load_scenario(family.scenario, draw_overrides(family, all, 0, 0));
     } catch (const InputError& error) {

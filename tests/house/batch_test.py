@@ -202,7 +202,7 @@ class Batch(unittest.TestCase):
         (self.path / "hover.yaml").write_text(SCENARIO.format(duration=1.5))
         result = self.run_swiftlet("batch", "batch.yaml", "--out", "out", "--resume", "--set", "seeds.count=1")
         self.assertEqual(result.returncode, 2)
-        self.assertIn("another meaning", result.stderr)
+        self.assertIn("another meaning (the scenario, or a model or file that it names)", result.stderr)
 
     def test_episodes_that_fail_are_told_with_their_command_and_the_status_says_so(self):
         (self.path / "batch.yaml").write_text(

@@ -184,7 +184,12 @@ TEST(RunBatch, ResultsAreNeitherOverwrittenNorMixedWithThoseOfAnotherBatch) {
   run_plan(plan, folder.path("out"));
   EXPECT_THAT(refusal([&] { run_plan(plan, folder.path("out")); }), HasSubstr("--resume"));
   const BatchPlan other = folder.plan(std::string(kBatch) + "set: {duration_s: 0.1}\n");
-  EXPECT_THAT(refusal([&] { run_plan(other, folder.path("out"), resuming()); }), HasSubstr("another meaning"));
+  EXPECT_THAT(refusal([&] { run_plan(other, folder.path("out"), resuming()); }),
+              HasSubstr("another meaning (set.duration_s: nothing then, \"0.1\" now)"));
+  const BatchPlan more = folder.plan(std::string(kBatch) + "set: {duration_s: 0.2}\n");
+  run_plan(other, folder.path("other"));
+  EXPECT_THAT(refusal([&] { run_plan(more, folder.path("other"), resuming()); }),
+              HasSubstr("another meaning (set.duration_s: \"0.1\" then, \"0.2\" now)"));
   const BatchPlan same = folder.plan(std::string("# a comment\ntimeout_s: 50\n") + kBatch);
   EXPECT_EQ(run_plan(same, folder.path("out"), resuming()).progress.flown, 0U);
 }

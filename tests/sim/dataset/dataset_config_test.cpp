@@ -103,6 +103,12 @@ TEST(DatasetConfig, AVariationOfAnUnknownKeyIsRefusedBeforeAnythingIsSimulated) 
   EXPECT_THAT([&] { plan_dataset(config); }, ThrowsMessage<InputError>(HasSubstr("num_treees")));
 }
 
+TEST(DatasetConfig, ATeamThatIsLargerThanTheScenariosIsRefused) {
+  const DatasetConfig config = load_dataset(kSmallDataset, {{"families[0].vehicles_min", "99"}});
+  EXPECT_THAT([&] { plan_dataset(config); },
+              ThrowsMessage<InputError>(HasSubstr("families[0].vehicles_min: expected at most ")));
+}
+
 TEST(DatasetPlan, NumbersSequencesByFlightAndLidarAndTellsConfigurationsApart) {
   const DatasetConfig config = load_dataset(kSmallDataset);
   const DatasetPlan plan = plan_dataset(config);

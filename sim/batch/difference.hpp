@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "swiftlet/sim/scenario/document.hpp"
+
+namespace swiftlet::sim {
+
+/// The first value that differs, in the order of `then`: "set.duration_s: "20" then, "30" now". Empty when none does.
+std::string first_difference(const Node& then, const Node& now, const std::string& path = "");
+
+}  // namespace swiftlet::sim
