@@ -4,8 +4,10 @@
 Where Chromium or its driver is not installed, the page is not looked at, and the exit status is 77.
 """
 import base64
+import functools
 import gzip
 import http.client
+import http.server
 import json
 import pathlib
 import re
@@ -15,6 +17,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
@@ -134,7 +137,7 @@ class View(Made):
     """`run --view`: the same page while the run goes on."""
 
     def setUp(self):
-        self.fly(400)
+        self.fly(20000)  # a browser may take its time to start; the run is stopped at the end
 
     def fly(self, duration_s):
         self.run_ = subprocess.Popen([str(SWIFTLET), "run", "yard.yaml", "--view", "--out", "live", "--duration", str(duration_s),
@@ -193,6 +196,23 @@ class View(Made):
         self.stop()
         self.assertNotEqual(self.run_.returncode, 0)
         self.assertFalse((self.path / "live").exists())
+
+    @unittest.skipIf(browser.missing(), f"{browser.missing()} is not installed")
+    def test_a_page_that_comes_too_late_says_so(self):
+        (self.path / "late").mkdir()
+        (self.path / "late/index.html").write_bytes(self.ask(f"/{self.token}/")[1])
+        class Quiet(http.server.SimpleHTTPRequestHandler):
+            def log_message(self, *_):
+                pass
+
+        handler = functools.partial(Quiet, directory=self.path / "late")
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server, browser.Browser() as window:
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            self.addCleanup(shutil.rmtree, self.path / "late")
+            window.open(f"http://127.0.0.1:{server.server_port}/")
+            window.wait("document.getElementById('loading').textContent.includes('ended before')")
+            self.assertFalse([line for line in window.console() if "TypeError" in line])
+            server.shutdown()
 
     @unittest.skipIf(browser.missing(), f"{browser.missing()} is not installed")
     def test_the_page_follows_the_run_and_tells_when_it_stops(self):

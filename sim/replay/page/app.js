@@ -59,6 +59,10 @@ class App {
       const parts = [this.run.overlays.size, this.scene.sensors().length, this.run.tables.tracks.rows > 0, this.run.events.length].join();
       if (this.begun && parts !== this.parts) { this.parts = parts; this.buildPanel(); this.buildSignals(); }
     }
+    if (!this.begun) {
+      byId('progress').textContent = 'the run ended before this page had anything of it; swiftlet run --replay keeps it';
+      return;
+    }
     byId('notice').textContent = this.run.complete ? '' : 'the run was stopped';
     this.fill();
   }
