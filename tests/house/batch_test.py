@@ -145,7 +145,8 @@ class Batch(unittest.TestCase):
         self.run_swiftlet("batch", "merge", "--out", "parts", check=True)
         self.assertEqual(rows(self.path / "parts/results.sqlite"), expected)
 
-    @unittest.skipIf(b"__asan_init" in pathlib.Path(SWIFTLET).read_bytes(), "the address sanitizer lives on more memory than that")
+    @unittest.skipIf(any(init in pathlib.Path(SWIFTLET).read_bytes() for init in (b"__asan_init", b"__tsan_init")),
+                     "sanitizers live on more memory than that")
     def test_too_little_memory_is_told_as_that(self):
         result = self.run_swiftlet("batch", "batch.yaml", "--out", "out", "--memory-limit", 5, "--set", "seeds.count=1")
         self.assertEqual(result.returncode, 1)
