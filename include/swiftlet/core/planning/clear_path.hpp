@@ -67,6 +67,9 @@ class ClearSpace {
 ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_local_m,
                           const Vector3& goal_local_m);
 
+/// A clear path with its corners cut: from the beginning, then from the end, and so on, as long as it gets shorter.
+std::vector<Vector3> shortened_path(const ClearSpace& space, std::vector<Vector3> path_local_m, int times);
+
 double length_m(const std::vector<Vector3>& corners_local_m);
 
 }  // namespace swiftlet
