@@ -67,7 +67,7 @@ class Explore : public Guidance {
   bool waited(double seconds) const { return now_ - entered_ >= from_seconds(seconds); }
 
   WorldBox box(const StateEstimate& estimate) const {
-    return {config_.box_min_m, config_.box_max_m, estimate.T_world_local};
+    return {config_.box_min_world_m, config_.box_max_world_m, estimate.T_world_local};
   }
 
   /// What is still unknown after some scans from here will not be seen from here, and hardly from elsewhere.
@@ -182,8 +182,10 @@ class Explore : public Guidance {
 }  // namespace
 
 void ExploreConfig::visit(ConfigVisitor& v) {
-  v.field("box_min_m", box_min_m, "[m] lowest corner of what is explored, world frame", Range::between(-1e5, 1e5));
-  v.field("box_max_m", box_max_m, "[m] highest corner of what is explored, world frame", Range::between(-1e5, 1e5));
+  v.field("box_min_m", box_min_world_m, "[m] lowest corner of what is explored, world frame",
+          Range::between(-1e5, 1e5));
+  v.field("box_max_m", box_max_world_m, "[m] highest corner of what is explored, world frame",
+          Range::between(-1e5, 1e5));
   v.field("speed_mps", speed_mps, "[m/s] at most, horizontal and vertical each", Range::positive());
   v.field("visited_m", visited_m, "[m] nearer than this, a corner of the path was visited", Range::positive());
   v.field("look_s", look_s, "[s] to hover at a view, so that scans come in", Range::between(0.0, 1000.0));
@@ -192,7 +194,8 @@ void ExploreConfig::visit(ConfigVisitor& v) {
   v.field("retries", retries, "[-] plans that may follow a failure before the mission fails", Range::between(0, 1e6));
   v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
   v.object("view", view, "how views are judged and searched");
-  v.check((box_max_m.array() > box_min_m.array()).all(), "box_max_m", "more than box_min_m along each axis");
+  v.check((box_max_world_m.array() > box_min_world_m.array()).all(), "box_max_m",
+          "more than box_min_m along each axis");
 }
 
 std::unique_ptr<Guidance> make_explore(const ModuleConfig& config, const GuidanceSetup& setup) {

@@ -89,8 +89,8 @@ struct Explorer : GuidanceDriver {
 
 ExploreConfig explores(const Vector3& box_max_m) {
   ExploreConfig config;
-  config.box_min_m = Vector3(0, 0, 0);
-  config.box_max_m = box_max_m;
+  config.box_min_world_m = Vector3(0, 0, 0);
+  config.box_max_world_m = box_max_m;
   config.view.path.clearance_m = 0.4;
   config.view.range_m = 4.0;
   config.retries = 1;

@@ -11,8 +11,8 @@ namespace swiftlet {
 /// One vehicle flies from view to view until nothing in a box of the world that it can reach shows it anything unknown.
 /// It looks around while it hovers, plans, and flies on paths that are clear in its own map.
 struct ExploreConfig : ModuleConfigOf<ExploreConfig> {
-  Vector3 box_min_m = Vector3(-20, -20, 0);
-  Vector3 box_max_m = Vector3(20, 20, 10);
+  Vector3 box_min_world_m{-20, -20, 0};
+  Vector3 box_max_world_m{20, 20, 10};
   double speed_mps = 1.5;
   double visited_m = 0.2;
   double look_s = 0.5;
