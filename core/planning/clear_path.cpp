@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <queue>
 
 #include "core/planning/met_cells.hpp"
@@ -214,8 +215,8 @@ void ClearPathConfig::visit(ConfigVisitor& v) {
   v.field("clearance_m", clearance_m, "[m] from the path to the nearest occupied cell, center to center",
           Range{0.0, 20.0, true});
   v.field("unknown_is_free", unknown_is_free, "[-] may a path lead through space that nobody has seen?");
-  v.field("z_min_m", z_min_m, "[m] lowest height, local frame");
-  v.field("z_max_m", z_max_m, "[m] greatest height, local frame");
+  v.field("z_min_m", z_min_m, "[m] lowest height, local frame", Range::between(-1e5, 1e5));
+  v.field("z_max_m", z_max_m, "[m] greatest height, local frame", Range::between(-1e5, 1e5));
   v.field("greed", greed, "[-] weight of the rest of the way: above 1 sooner found, longer by at most that factor",
           Range::between(1.0, 100.0));
   v.field("max_expansions", max_expansions, "[-] cells that a search may look at in depth", Range::between(1, 1e9));

@@ -278,6 +278,14 @@ class Cli(unittest.TestCase):
         self.assertTrue((self.path / "w.ply").read_bytes().startswith(b"ply\n"))
         self.assertGreaterEqual(len(list(self.path.glob("w*.csv"))), 1)
 
+    def test_a_map_of_the_world_is_drawn_without_a_flight(self):
+        self.refused("world", self.scenario, "--map", "world.jpg", tells=["--map world.jpg", ".png"])
+        self.refused("world", self.scenario, tells=["--out", "--map"])
+        result = self.run_swiftlet("world", self.scenario, "--map", "maps/world.png", "--cut", "2")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("maps/world.png", result.stdout)
+        self.assertTrue((self.path / "maps/world.png").read_bytes().startswith(b"\x89PNG"))
+
     def test_a_finished_run_can_be_rendered(self):
         self.run_swiftlet("run", self.scenario, "--out", "out", "-q", check=True)
         result = self.run_swiftlet("render", "out", "--camera", "follow:uav1", "--time", "0.5")

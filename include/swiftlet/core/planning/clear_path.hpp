@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
@@ -16,8 +15,8 @@ namespace swiftlet {
 struct ClearPathConfig {
   double clearance_m = 0.8;
   bool unknown_is_free = false;
-  double z_min_m = -std::numeric_limits<double>::infinity();
-  double z_max_m = std::numeric_limits<double>::infinity();
+  double z_min_m = -1e5;
+  double z_max_m = 1e5;
   double greed = 1.0;
   int max_expansions = 300'000;
   int max_shortenings = 5;
