@@ -125,4 +125,18 @@ void Subcommand::action(std::function<void()> run) {
   });
 }
 
+CommandShape shape_of(const CLI::App& app) {
+  CommandShape shape{app.get_name(), app.get_description(), {}, {}};
+  for (const CLI::Option* option : app.get_options({})) {
+    CommandShape::Option one;
+    for (const std::string& name : option->get_snames()) one.names.push_back("-" + name);
+    for (const std::string& name : option->get_lnames()) one.names.push_back("--" + name);
+    one.value_name = option->get_items_expected_max() == 0 ? "" : option->get_type_name();
+    one.doc = option->get_description();
+    shape.options.push_back(std::move(one));
+  }
+  for (const CLI::App* command : app.get_subcommands({})) shape.commands.push_back(shape_of(*command));
+  return shape;
+}
+
 }  // namespace swiftlet::tools

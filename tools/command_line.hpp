@@ -53,4 +53,17 @@ class Subcommand {
   CLI::App* command_;
 };
 
+/// A command as its help tells it: for manual pages and completion in shells.
+struct CommandShape {
+  struct Option {
+    std::vector<std::string> names;  ///< with their dashes; none: a positional argument
+    std::string value_name;          ///< empty: a flag
+    std::string doc;
+  };
+  std::string name, doc;
+  std::vector<Option> options;
+  std::vector<CommandShape> commands;
+};
+CommandShape shape_of(const CLI::App& app);
+
 }  // namespace swiftlet::tools

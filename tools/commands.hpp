@@ -20,5 +20,6 @@ void add_bench(CLI::App& app);
 void add_dataset(CLI::App& app);
 void add_reproduce(CLI::App& app);
 void add_uncertainty(CLI::App& app);
+void add_manual(CLI::App& app);
 
 }  // namespace swiftlet::tools

@@ -73,6 +73,7 @@ int run_program(int argc, char** argv) {
   swiftlet::tools::add_dataset(app);
   swiftlet::tools::add_reproduce(app);
   swiftlet::tools::add_uncertainty(app);
+  swiftlet::tools::add_manual(app);
   try {
     require_known_command(app, argc > 1 ? argv[1] : "");
     app.parse(argc, argv);

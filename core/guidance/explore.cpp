@@ -70,16 +70,19 @@ class Explore : public Guidance {
     return {config_.box_min_world_m, config_.box_max_world_m, estimate.T_world_local};
   }
 
+  /// What is unknown in the sight of a place.
+  void see(const GuidanceInput& input, const Vector3& p_local_m, int num_rays) {
+    unknown_in_sight(*input.map, config_.view, box(input.estimate), given_up_, p_local_m, num_rays, dark_local_m_);
+  }
+
   /// What is still unknown after some scans from here will not be seen from here, and hardly from elsewhere.
   void look(const GuidanceInput& input) {
     const bool hovers = input.estimate.v_local_mps.norm() < PathFollower::kHovers_mps;
     if (!hovers && waited(config_.stage_timeout_s)) return fail("the vehicle does not come to rest");
     if (!hovers || !waited(config_.look_s)) return;
     if (at_view_) {
-      const std::vector<Vector3> dark_local_m =
-          unknown_in_sight(*input.map, config_.view, box(input.estimate), given_up_,
-                           input.estimate.T_local_body.translation(), kMoreRays * config_.view.num_rays);
-      for (const Vector3& p_local_m : dark_local_m) given_up_.add(p_local_m);
+      see(input, input.estimate.T_local_body.translation(), kMoreRays * config_.view.num_rays);
+      for (const Vector3& p_local_m : dark_local_m_) given_up_.add(p_local_m);
     }
     enter(State::kPlanning);
   }
@@ -128,10 +131,8 @@ class Explore : public Guidance {
   bool shows_enough(const GuidanceInput& input) {
     if (judged_ == input.map->revision()) return false;
     judged_ = input.map->revision();
-    const auto left = unknown_in_sight(*input.map, config_.view, box(input.estimate), given_up_,
-                                       follower_.corners_local_m().back(), config_.view.num_rays)
-                          .size();
-    return static_cast<double>(left) < (1.0 - kSeenEnough) * promised_ * config_.view.num_rays;
+    see(input, follower_.corners_local_m().back(), config_.view.num_rays);
+    return static_cast<double>(dark_local_m_.size()) < (1.0 - kSeenEnough) * promised_ * config_.view.num_rays;
   }
 
   void fail(const char* reason) {
@@ -171,6 +172,7 @@ class Explore : public Guidance {
   int failures_ = 0;
   const char* reason_ = "";
   GivenUp given_up_;
+  std::vector<Vector3> dark_local_m_;
   Worker planner_;
   NextView found_;
   PathFollower follower_;

@@ -78,8 +78,8 @@ class ViewSearch {
   void consider(int node, double way_m) {
     const Cell& cell = met_[node].cell;
     if (((cell.x() | cell.y() | cell.z()) & 1) != 0 || node == 0) return;
-    const auto in_sight = unknown_in_sight(view_, config_, box_, given_up_, place_of(cell), config_.num_rays).size();
-    const double share = static_cast<double>(in_sight) / config_.num_rays;
+    unknown_in_sight(view_, config_, box_, given_up_, place_of(cell), config_.num_rays, in_sight_local_m_);
+    const double share = static_cast<double>(in_sight_local_m_.size()) / config_.num_rays;
     if (share < config_.share_min || worth(share, way_m) <= best_) return;
     best_ = worth(share, way_m);
     share_ = share;
@@ -127,6 +127,7 @@ class ViewSearch {
   ClearSpace space_;
   MetCells met_;
   std::priority_queue<OpenCell> open_;
+  std::vector<Vector3> in_sight_local_m_;
   std::size_t expansions_ = 0;
   double best_ = 0.0, share_ = 0.0;
   int end_ = -1;
@@ -144,11 +145,12 @@ std::uint64_t GivenUp::key_of(const Vector3& p_local_m) const {
   return key;
 }
 
-std::vector<Vector3> unknown_in_sight(const OccupancyView& view, const NextViewConfig& config, const WorldBox& box,
-                                      const GivenUp& given_up, const Vector3& p_local_m, int num_rays) {
+void unknown_in_sight(const OccupancyView& view, const NextViewConfig& config, const WorldBox& box,
+                      const GivenUp& given_up, const Vector3& p_local_m, int num_rays,
+                      std::vector<Vector3>& found_local_m) {
+  found_local_m.clear();
   constexpr double kGoldenAngle_rad = 2.399963229728653;  // turns between neighbors on a sphere [Vogel 1979]
   const double low = -elementary::sin(kRadPerDeg * config.down_deg), high = elementary::sin(kRadPerDeg * config.up_deg);
-  std::vector<Vector3> found_local_m;
   for (int i = 0; i < num_rays; ++i) {
     const double rises = low + (high - low) * (i + 0.5) / num_rays, level = std::sqrt(1.0 - rises * rises);
     const double azimuth_rad = i * kGoldenAngle_rad;
@@ -157,7 +159,6 @@ std::vector<Vector3> unknown_in_sight(const OccupancyView& view, const NextViewC
     if (end.state == CellState::kUnknown && box.holds(end.p_local_m) && !given_up.has(end.p_local_m))
       found_local_m.push_back(end.p_local_m);
   }
-  return found_local_m;
 }
 
 NextView find_next_view(const OccupancyView& view, const NextViewConfig& config, const WorldBox& box,

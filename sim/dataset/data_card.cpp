@@ -79,6 +79,14 @@ std::string split_table(const DatasetPlan& plan, const std::vector<SequenceInfo>
   return text;
 }
 
+/// Points on other vehicles, and on the vehicle that carries the LiDAR.
+std::string whose_points(const Totals& all, std::int64_t on_vehicles) {
+  std::int64_t on_others = 0;
+  for (const SequenceStatistics::RangeBin& bin : all.statistics.vehicles_by_range) on_others += bin.points;
+  return "| - other vehicles | | " + grouped(on_others) + " | |\n| - the LiDAR's own carrier | | " +
+         grouped(on_vehicles - on_others) + " | |\n";
+}
+
 std::string class_histogram(const Totals& all) {
   std::vector<std::pair<std::int64_t, std::uint16_t>> counts;
   for (const auto& [label, count] : all.statistics.points_by_class) counts.emplace_back(-count, label);
@@ -89,6 +97,7 @@ std::string class_histogram(const Totals& all) {
         static_cast<double>(-negative) / static_cast<double>(std::max<std::int64_t>(all.statistics.points, 1));
     text += "| " + name_of_label(label) + " | " + std::to_string(label) + " | " + grouped(-negative) + " | " +
             (share >= 1e-3 ? fmt::format("{:.2f} %", 100.0 * share) : fmt::format("{:.4f} %", 100.0 * share)) + " |\n";
+    if (label == static_cast<std::uint16_t>(SurfaceClass::kVehicle)) text += whose_points(all, -negative);
   }
   return text;
 }

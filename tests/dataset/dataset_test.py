@@ -213,6 +213,17 @@ class Dataset(unittest.TestCase):
         card = (self.out / "README.md").read_text()
         points = sum(json.loads((s / "sequence.json").read_text())["statistics"]["points"] for s in self.sequences())
         self.assertIn(f"{points:,}".replace(",", " "), card)
+        own = others = 0
+        for sequence in self.sequences():
+            carrier = json.loads((sequence / "sequence.json").read_text())["instance"]
+            for file in sequence.glob("labels/*.label"):
+                label = np.fromfile(file, np.uint32)
+                of_vehicles = (label >> 16)[(label & 0xFFFF) == VEHICLE]
+                own += int(np.sum(of_vehicles == carrier))
+                others += int(np.sum(of_vehicles != carrier))
+        self.assertGreater(others, 0)
+        self.assertIn(f"| - other vehicles | | {others:,} | |".replace(",", " "), card)
+        self.assertIn(f"| - the LiDAR's own carrier | | {own:,} | |".replace(",", " "), card)
         for chart in ("classes", "ranges", "distances"):
             self.assertIn(f"charts/{chart}.svg", card)
             self.assertIn("<svg", (self.out / f"charts/{chart}.svg").read_text())

@@ -278,6 +278,30 @@ class Cli(unittest.TestCase):
         self.assertTrue((self.path / "w.ply").read_bytes().startswith(b"ply\n"))
         self.assertGreaterEqual(len(list(self.path.glob("w*.csv"))), 1)
 
+    def test_a_shell_completes_commands_options_and_names(self):
+        script = self.path / "completion.bash"
+        script.write_text(self.run_swiftlet("completion", check=True).stdout)
+
+        def completed(*words):
+            line = " ".join(f"'{word}'" for word in ("swiftlet", *words))
+            command = (f"source {script}; COMP_WORDS=({line}); COMP_WORDS[0]={SWIFTLET}; COMP_CWORD={len(words)}; "
+                       "_swiftlet; printf '%s\\n' \"${COMPREPLY[@]}\"")
+            return subprocess.run(["bash", "-c", command], capture_output=True, text=True, cwd=self.path, check=True).stdout.split()
+
+        self.assertEqual(completed("reno"), [])
+        self.assertEqual(completed("ren"), ["render"])
+        self.assertIn("--duration", completed("run", "--du"))
+        self.assertEqual(completed("run", "forest_pat"), ["forest_patrol"])
+        self.assertEqual(completed("reproduce", "occup"), ["occupancy-filters"])
+        self.assertIn("hover.yaml", completed("check", "hov"))
+
+    def test_the_manual_page_has_every_command(self):
+        page = self.run_swiftlet("man", check=True).stdout
+        self.assertTrue(page.startswith(".TH SWIFTLET 1"))
+        for command in ("run", "batch", "world", "reproduce"):
+            self.assertIn(f".SS swiftlet {command}\n", page)
+        self.assertIn("\\fB\\-\\-map\\fR", page)
+
     def test_a_map_of_the_world_is_drawn_without_a_flight(self):
         self.refused("world", self.scenario, "--map", "world.jpg", tells=["--map world.jpg", ".png"])
         self.refused("world", self.scenario, tells=["--out", "--map"])

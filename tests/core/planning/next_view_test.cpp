@@ -37,6 +37,13 @@ BoxMap hall() {
   return map;
 }
 
+std::vector<Vector3> seen_from(const BoxMap& map, const NextViewConfig& config, const GivenUp& given_up,
+                               const Vector3& p_m, int num_rays) {
+  std::vector<Vector3> found_m;
+  unknown_in_sight(map, config, {}, given_up, p_m, num_rays, found_m);
+  return found_m;
+}
+
 NextViewConfig rules() {
   NextViewConfig config;
   config.range_m = 4.0;
@@ -88,7 +95,7 @@ double best_of_all(const BoxMap& map, const NextViewConfig& config, const Vector
   double best = 0.0;
   for (const auto& [key, cost_m] : way_m) {
     if (std::get<0>(key) % 2 != 0 || std::get<1>(key) % 2 != 0 || std::get<2>(key) % 2 != 0 || cost_m == 0.0) continue;
-    const auto seen = unknown_in_sight(map, config, {}, GivenUp(0.4), place(key), config.num_rays).size();
+    const auto seen = seen_from(map, config, GivenUp(0.4), place(key), config.num_rays).size();
     const double share = static_cast<double>(seen) / config.num_rays;
     if (share >= config.share_min) best = std::max(best, share * std::exp(-config.way_weight_per_m * cost_m));
   }
@@ -129,9 +136,9 @@ TEST(NextView, CountsOnlyWhatLiesInTheBoxAndWasNotGivenUp) {
   const Vector3 start_m(1.1, 3.0, 1.5), view_m(7.1, 3.0, 1.5);
   EXPECT_EQ(find_next_view(map, rules(), box, GivenUp(0.4), start_m).status, NextViewStatus::kNothingLeft);
   GivenUp given_up(0.4);
-  EXPECT_GT(unknown_in_sight(map, rules(), {}, given_up, view_m, 200).size(), 30U);
-  for (const Vector3& p_m : unknown_in_sight(map, rules(), {}, given_up, view_m, 200)) given_up.add(p_m);
-  EXPECT_TRUE(unknown_in_sight(map, rules(), {}, given_up, view_m, 200).empty());
+  EXPECT_GT(seen_from(map, rules(), given_up, view_m, 200).size(), 30U);
+  for (const Vector3& p_m : seen_from(map, rules(), given_up, view_m, 200)) given_up.add(p_m);
+  EXPECT_TRUE(seen_from(map, rules(), given_up, view_m, 200).empty());
 }
 
 TEST(NextView, ABoxTurnsWithTheWorld) {
@@ -147,14 +154,14 @@ TEST(NextView, SightEndsAtWallsAtItsRangeAndAtItsEdges) {
   fill(map, {9, kEdge_m, kEdge_m}, {12 - kEdge_m, 6 - kEdge_m, 3 - kEdge_m}, CellState::kUnknown);
   const GivenUp none(0.4);
   NextViewConfig config = rules();
-  EXPECT_TRUE(unknown_in_sight(map, config, {}, none, {4.0, 3.0, 1.5}, 400).empty()) << "5 m away";
-  for (const Vector3& p_m : unknown_in_sight(map, config, {}, none, {7.0, 3.0, 1.5}, 400)) EXPECT_GE(p_m.x(), 9.0);
+  EXPECT_TRUE(seen_from(map, config, none, {4.0, 3.0, 1.5}, 400).empty()) << "5 m away";
+  for (const Vector3& p_m : seen_from(map, config, none, {7.0, 3.0, 1.5}, 400)) EXPECT_GE(p_m.x(), 9.0);
   fill(map, {8, kEdge_m, kEdge_m}, {8.25, 6 - kEdge_m, 3 - kEdge_m}, CellState::kOccupied);
-  EXPECT_TRUE(unknown_in_sight(map, config, {}, none, {7.0, 3.0, 1.5}, 400).empty()) << "behind a wall";
+  EXPECT_TRUE(seen_from(map, config, none, {7.0, 3.0, 1.5}, 400).empty()) << "behind a wall";
   fill(map, {3, 1, kEdge_m}, {6, 5, 0.75}, CellState::kUnknown);  // on the floor
-  EXPECT_FALSE(unknown_in_sight(map, config, {}, none, {4.5, 3.0, 1.9}, 400).empty());
+  EXPECT_FALSE(seen_from(map, config, none, {4.5, 3.0, 1.9}, 400).empty());
   config.down_deg = 10.0;
-  EXPECT_TRUE(unknown_in_sight(map, config, {}, none, {4.5, 3.0, 1.9}, 400).empty()) << "below what it sees";
+  EXPECT_TRUE(seen_from(map, config, none, {4.5, 3.0, 1.9}, 400).empty()) << "below what it sees";
 }
 
 TEST(NextView, SaysWhyThereIsNone) {

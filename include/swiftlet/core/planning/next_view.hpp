@@ -57,8 +57,10 @@ class GivenUp {
 
 /// Rays from a point, spread evenly over what a LiDAR that turns sees from there. Each gives the first unknown place
 /// in the box that it meets, unless something occupied comes first or that place was given up.
-std::vector<Vector3> unknown_in_sight(const OccupancyView& view, const NextViewConfig& config, const WorldBox& box,
-                                      const GivenUp& given_up, const Vector3& p_local_m, int num_rays);
+/// @param found_local_m  what was there is replaced
+void unknown_in_sight(const OccupancyView& view, const NextViewConfig& config, const WorldBox& box,
+                      const GivenUp& given_up, const Vector3& p_local_m, int num_rays,
+                      std::vector<Vector3>& found_local_m);
 
 enum class NextViewStatus { kFound, kNothingLeft, kStartEnclosed, kBudgetSpent };
 
