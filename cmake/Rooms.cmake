@@ -26,11 +26,12 @@ function(swiftlet_compile_together target)
 endfunction()
 
 # The law of the house stands in the lines swiftlet_room(...) of CMakeLists.txt, and nowhere else:
-#   swiftlet_room(core/math USES core/x INSIDE core/y LIBS Eigen3::Eigen PRIVATE_LIBS foo [COMPONENT pcl])
+#   swiftlet_room(core/math USES core/x INSIDE core/y LIBS Eigen3::Eigen PRIVATE_LIBS foo [LISTED_BY core/z] [COMPONENT pcl])
 # A room is the folder core/math with what is its own, the folder include/swiftlet/core/math with what others may use, and
 # one static library swiftlet_core_math. Its public headers may use what USES names, its other files what INSIDE names as
 # well. No other header is on a target's include path: each room has two folders of links, ${PROJECT_BINARY_DIR}/rooms.
 # USES hands on, so whoever uses a room finds what that room's headers name.
+# LISTED_BY names a room further down whose tables have a row of it: that room uses it inside.
 # A room comes after those that it uses, so there are no circles. core/base and sim/base are what every room may use.
 # Sources are every .cpp of the folder: adding a module means adding its file and a line in a registry.
 # A room with a component is not part of swiftlet::core or swiftlet::sim: it is swiftlet::<component>.
@@ -64,7 +65,7 @@ function(swiftlet_targets_of out)
 endfunction()
 
 function(swiftlet_room room)
-  cmake_parse_arguments(ARG "" "COMPONENT" "USES;INSIDE;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "" "COMPONENT;LISTED_BY" "USES;INSIDE;LIBS;PRIVATE_LIBS" ${ARGN})
   string(REPLACE "/" "_" name ${room})
   set(target swiftlet_${name})
   if(room MATCHES "^sim/")
@@ -73,7 +74,11 @@ function(swiftlet_room room)
   list(PREPEND ARG_USES core/base)
   list(REMOVE_ITEM ARG_USES ${room})
   swiftlet_targets_of(uses ${ARG_USES})
-  swiftlet_targets_of(inside ${ARG_INSIDE})
+  get_property(listed GLOBAL PROPERTY SWIFTLET_LISTED_BY_${room})
+  if(ARG_LISTED_BY)
+    set_property(GLOBAL APPEND PROPERTY SWIFTLET_LISTED_BY_${ARG_LISTED_BY} ${room})
+  endif()
+  swiftlet_targets_of(inside ${ARG_INSIDE} ${listed})
   set(folder ${PROJECT_BINARY_DIR}/rooms/${room})
   swiftlet_link_headers(${room} ${folder})
   if(ARG_COMPONENT)

@@ -87,6 +87,7 @@ class StackAgent : public Agent {
       if (stage != nullptr) stage->append_counters(counters);
       for (std::size_t i = first; i < counters.size(); ++i) counters[i].setting.insert(0, key);
     };
+    append(stages_.localization, "localization.");
     append(stages_.detector, "detector.");
     append(stages_.tracker, "tracker.");
     append(stages_.relative_localization, "relative_localization.");

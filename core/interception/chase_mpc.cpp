@@ -87,14 +87,13 @@ void ChaseMpc::solve(const PointState& start, std::span<const ChaseAim> aims, do
   set_up(start, aims, step_s);
   factor();
   int next_change = kCheckEvery;
-  for (iterations_used_ = 0; iterations_used_ < config_.iterations;) {
+  for (int used = 1; used <= config_.iterations; ++used) {
     update_jerks();
     project(aims);
-    ++iterations_used_;
-    if (iterations_used_ % kCheckEvery != 0) continue;
+    if (used % kCheckEvery != 0) continue;
     if (primal_ < config_.tolerance && dual_ < config_.tolerance) break;
     // Ever more rarely: only with a rho that stays does the method converge.
-    if (iterations_used_ < next_change) continue;
+    if (used < next_change) continue;
     next_change *= 2;
     if (change_rho()) factor();
   }

@@ -272,21 +272,6 @@ void VoxelMap::visit_box(const Vector3& p_m, double radius_m, Visit&& visit) con
   }
 }
 
-std::optional<Vector3> VoxelMap::nearest_occupied(const Vector3& p_m, double radius_m) const {
-  double best_sq = std::nextafter(radius_m * radius_m, std::numeric_limits<double>::infinity());
-  std::optional<Vector3> best;
-  visit_box(p_m, radius_m, [&](int x, int y, int z) {
-    const Vector3 center = grid_.center_m(grid_.min_cell + Cell(x, y, z));
-    const double distance_sq = (center - p_m).squaredNorm();
-    if (distance_sq < best_sq) {
-      best_sq = distance_sq;
-      best = center;
-    }
-    return true;
-  });
-  return best;
-}
-
 bool VoxelMap::any_within(const Vector3& p_m, double radius_m, VoxelState at_least) const {
   const double radius_sq = radius_m * radius_m;
   const auto counts = [&](const Cell& cell) {

@@ -30,7 +30,8 @@ Pose level(const Pose& T) { return make_pose(T.translation(), rotation_by({0.0, 
 
 }  // namespace
 
-GlobalSlam::GlobalSlam(const GlobalSlamConfig& config, bool pose_known) : config_(config), pose_known_(pose_known) {}
+GlobalSlam::GlobalSlam(const GlobalSlamConfig& config, bool pose_known)
+    : config_(config), latency_(config.latency_s), pose_known_(pose_known) {}
 
 void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Eigen::Vector3f> points_body_m,
                           const Pose& T_world_local) {
@@ -176,14 +177,13 @@ void GlobalSlam::optimize(TimeNs t) {
   const Node& last = nodes_.back();
   // Both frames have z up: the tilt of the local frame is local SLAM's own.
   const Pose T_world_local = graph_.pose(last.pose) * last.T_local_body.inverse();
-  learned_.push_back({t + from_seconds(config_.latency_s),
-                      level_alignment(yaw_of(T_world_local.linear()), graph_.pose(last.pose).translation(),
-                                      last.T_local_body.translation())});
+  learned_.push_back({t, level_alignment(yaw_of(T_world_local.linear()), graph_.pose(last.pose).translation(),
+                                         last.T_local_body.translation())});
 }
 
 std::optional<Pose> GlobalSlam::correction(TimeNs t) {
   std::optional<Pose> newest;
-  while (!learned_.empty() && learned_.front().ready <= t) {
+  while (!learned_.empty() && latency_.is_over(learned_.front().begun, t)) {
     newest = learned_.front().T_world_local;
     learned_.erase(learned_.begin());
   }

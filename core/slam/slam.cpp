@@ -51,6 +51,10 @@ class SlamEstimator : public StateEstimator {
 
   const char* fault() const override { return fault_; }
   const char* warning() const override { return warning_; }
+  void append_counters(std::vector<Counter>& counters) const override {
+    counters.push_back({"scans of which too little lay where the map has surfaces", num_strange_, num_scans_,
+                        "local.known_share_min"});
+  }
 
  private:
   struct Arrival {
@@ -65,6 +69,8 @@ class SlamEstimator : public StateEstimator {
 
   void match(Arrival arrival) {
     const ScanOutcome outcome = slam_.add(std::move(arrival.scan));
+    ++num_scans_;
+    num_strange_ += outcome.num_iterations > 0 && !outcome.used;
     if (!outcome.used) return;
     last_used_ = arrival.t;
     if (global_ && outcome.inserted && slam_.started() && heading_known_ && place_known_) {
@@ -142,6 +148,7 @@ class SlamEstimator : public StateEstimator {
   std::vector<Arrival> waiting_;  // few
   bool started_ = false;
   TimeNs last_imu_ = 0, last_used_ = 0, last_sure_ = 0;
+  std::uint64_t num_scans_ = 0, num_strange_ = 0;
   StateEstimate estimate_;
   const char* fault_ = "";
   const char* warning_ = "";

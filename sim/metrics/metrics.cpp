@@ -4,6 +4,17 @@
 #include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet::sim {
+
+// What is measured, each in the file of its name: adding a metric is a line here and one in metric_registry().
+MetricType outcome_metric();
+MetricType motion_metric();
+MetricType estimate_error_metric();
+MetricType tracking_error_metric();
+MetricType clearance_metric();
+MetricType detection_metric();
+MetricType relative_error_metric();
+MetricType capture_metric();
+
 namespace {
 
 // A vehicle at rest nearer to a surface than its own radius stands on it.
@@ -27,7 +38,6 @@ void MetricsConfig::visit(ConfigVisitor& v) {
 }
 
 std::vector<MetricType>& metric_registry() {
-  // What is measured: adding a metric is one line here.
   static std::vector<MetricType> types = {
       outcome_metric(),   motion_metric(),    estimate_error_metric(), tracking_error_metric(),
       clearance_metric(), detection_metric(), relative_error_metric(), capture_metric(),

@@ -153,6 +153,14 @@ class Table {
     return table;
   }
 
+  /// Rows whose fields are cells of eight bytes; `owner` keeps both.
+  static Table of_cells(const std::vector<Field>& fields, std::span<const std::uint64_t> cells,
+                        std::shared_ptr<const void> owner) {
+    const auto width = static_cast<py::ssize_t>(fields.size());
+    return Table(fields, reinterpret_cast<const std::byte*>(cells.data()),
+                 static_cast<py::ssize_t>(cells.size()) / width, 8 * width, std::move(owner));
+  }
+
   std::size_t size() const { return single_ ? 1 : static_cast<std::size_t>(count_); }
   /// Throws KeyError with the names that there are.
   py::object column(std::string_view name);

@@ -8,6 +8,7 @@
 #include "sim/python/field_values.hpp"
 #include "sim/python/fields.hpp"
 #include "sim/python/maps.hpp"
+#include "sim/python/samples.hpp"
 #include "sim/python/scan.hpp"
 #include "sim/python/scenario.hpp"
 #include "swiftlet/core/agent/registry.hpp"
@@ -49,9 +50,7 @@ class Onboard {
       found = true;
       samples.push_back(filled<Sample>(values));
     });
-    if (!found)
-      throw py::key_error("expected imu, odometry, gnss, altimeter, compass, pose or neighbors, found \"" + kind +
-                          "\"");
+    if (!found) reject_kind(observation_, kind);
   }
   void add_scan(const HeldScan& held) { observation_.scans.push_back(held.scan); }
 

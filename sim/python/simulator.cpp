@@ -9,6 +9,7 @@
 
 #include "sim/python/bindings.hpp"
 #include "sim/python/maps.hpp"
+#include "sim/python/samples.hpp"
 #include "sim/python/scan.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/text.hpp"
@@ -57,19 +58,6 @@ VehicleId id_of(const sim::Simulation& simulation, const std::string& name) {
     if (names[i] == name) return static_cast<VehicleId>(i);
   }
   throw py::key_error("expected " + sim::one_of(names) + ", found \"" + name + "\"" + sim::did_you_mean(name, names));
-}
-
-Table samples_named(const Observation& observation, const std::string& kind) {
-  std::optional<Table> found;
-  std::vector<std::string> names;
-  Observation::each_samples(observation, [&](const auto& samples) {
-    using Sample = typename std::decay_t<decltype(samples)>::value_type;
-    names.emplace_back(Sample::kName);
-    if (kind == Sample::kName) found = Table::copy_of(std::span<const Sample>(samples));
-  });
-  if (!found)
-    throw py::key_error("expected " + sim::one_of(names) + ", found \"" + kind + "\"" + sim::did_you_mean(kind, names));
-  return *found;
 }
 
 std::vector<HeldScan> scans_of(const Vehicle& vehicle) {

@@ -10,6 +10,7 @@
 
 #include "sim/python/fields.hpp"
 #include "sim/python/modules.hpp"
+#include "sim/python/samples.hpp"
 #include "sim/python/scan.hpp"
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/stages/detectors.hpp"
@@ -251,17 +252,6 @@ Table table_of(const Lent& lent, std::span<const Row> Lent::*rows) {
   return Table::copy_of(lent.*rows);
 }
 
-Table samples_of_kind(const Lent& lent, const std::string& kind) {
-  std::optional<Table> found;
-  Observation::each_samples(lent.sensed(), [&](const auto& samples) {
-    using Sample = typename std::decay_t<decltype(samples)>::value_type;
-    if (kind == Sample::kName) found = Table::copy_of(std::span<const Sample>(samples));
-  });
-  if (!found)
-    throw py::key_error("expected imu, odometry, gnss, altimeter, compass, pose or neighbors, found \"" + kind + "\"");
-  return *found;
-}
-
 std::vector<HeldScan> scans_of(const Lent& lent) { return {lent.sensed().scans.begin(), lent.sensed().scans.end()}; }
 
 void say(Lent& lent, const std::string& topic, const py::bytes& payload, VehicleId to) {
@@ -345,8 +335,9 @@ void bind_input(py::module_& module) {
       .def_property_readonly(
           "messages", [](const Lent& l) { return Table::copy_of(std::span<const Message>(l.sensed().messages)); },
           "What the radio received in this tick.")
-      .def("samples", &samples_of_kind, py::arg("kind"),
-           "Samples of this tick: imu, gnss, altimeter, compass, pose ...")
+      .def(
+          "samples", [](const Lent& l, const std::string& kind) { return samples_named(l.sensed(), kind); },
+          py::arg("kind"), "Samples of this tick: imu, gnss, altimeter, compass, pose ...")
       .def("say", &say, py::arg("topic"), py::arg("payload"), py::arg("to") = kNoVehicle,
            "Hands a message to the radio; `to` is a number of a vehicle, -1: to all.")
       .def(

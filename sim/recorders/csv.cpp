@@ -131,6 +131,19 @@ Topic topic_of(ValuesOf values_of) {
   return {Kind::kName, columns_of<Kind>(), write};
 }
 
+/// Samples of a kind that has no list of its own.
+Topic samples_topic(TableType table) {
+  const auto write = [name = table.name](const Source& source) {
+    for (const auto& samples : source.observation().others) {
+      for (std::size_t i = 0; samples->name() == name && i < samples->size(); ++i) {
+        samples->put(i, source.begin_row());
+        source.end_row();
+      }
+    }
+  };
+  return {std::move(table.name), std::move(table.columns), write};
+}
+
 /// What was heard of one kind of message.
 Topic message_topic(const MessageKind& kind) {
   const auto write = [&kind](const Source& source) {
@@ -150,6 +163,7 @@ std::vector<Topic> vehicle_topics(int num_rotors) {
   Observation::each_samples(nothing, [&]<class Sample>(const std::vector<Sample>&) {
     topics.push_back(topic_of<Sample>([](const Source& source) { return samples_of<Sample>(source.observation()); }));
   });
+  for (const TableType& table : sample_tables()) topics.push_back(samples_topic(table));
   topics.push_back(topic_of<Detection>([](const Source& source) { return std::span(source.action().detections); }));
   topics.push_back(topic_of<Track>([](const Source& source) {
     const Action& action = source.action();

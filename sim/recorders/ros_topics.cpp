@@ -21,6 +21,7 @@ std::vector<std::string> ros_topic_names() {
                                     "detections", "tracks", "relatives", "messages", "events"};
   const Observation nothing;
   Observation::each_samples(nothing, [&]<class Sample>(const std::vector<Sample>&) { names.push_back(Sample::kName); });
+  for (const TableType& table : sample_tables()) names.push_back(table.name);
   for (TableType& series : series_types()) names.push_back(std::move(series.name));
   return names;
 }
@@ -269,6 +270,17 @@ void RosTopics::write_samples(const TickView& tick, VehicleId vehicle) {
       send(topic, tick.t);
     }
   });
+  RosRow row(message_, names_);
+  for (const auto& samples : tick.observations[vehicle].others) {
+    if (samples->size() == 0 || !wants(samples->name())) continue;
+    Channel& topic = channel("/" + name + "/" + ros_name(samples->name()),
+                             [&] { return row_type(samples->name(), samples->columns()); });
+    for (std::size_t i = 0; i < samples->size(); ++i) {
+      row.begin(topic.sequence, samples->time_of(i), context.body);
+      samples->put(i, row);
+      send(topic, tick.t);
+    }
+  }
 }
 
 void RosTopics::write_messages(const TickView& tick, VehicleId vehicle) {

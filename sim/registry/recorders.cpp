@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/registry/recorders.hpp"
+
 #include "swiftlet/core/registry.hpp"
 #include "swiftlet/sim/recorders/csv.hpp"
 #include "swiftlet/sim/recorders/events.hpp"
@@ -9,6 +10,7 @@
 #include "swiftlet/sim/recorders/ply.hpp"
 #include "swiftlet/sim/recorders/rosbag.hpp"
 #include "swiftlet/sim/recorders/tum.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/replay/replay.hpp"
 #include "swiftlet/sim/view/recorder.hpp"
 
@@ -31,6 +33,7 @@ const RecorderType kRecorderTypes[] = {
 }  // namespace
 
 Registry<RecorderType>& recorder_registry() {
+  sensor_registry();  // recorders ask what its sensors measure
   static Registry<RecorderType> table("recorder", kRecorderTypes);
   return table;
 }

@@ -30,10 +30,14 @@ constexpr SensorType kSensorTypes[] = {
      make_lidar},
 };
 
+void note_samples(const SensorType& row) {
+  if (row.samples != nullptr) sample_tables().push_back(row.samples());
+}
+
 }  // namespace
 
 Registry<SensorType>& sensor_registry() {
-  static Registry<SensorType> table("sensor", kSensorTypes);
+  static Registry<SensorType> table("sensor", kSensorTypes, note_samples);
   return table;
 }
 

@@ -54,26 +54,6 @@ std::vector<std::uint32_t> weld(const std::vector<Vector3f>& vertices) {
   return welded;
 }
 
-/// Pieces connected by shared vertices: number of the piece for every vertex (its least vertex).
-std::vector<std::uint32_t> pieces_of(const Mesh& mesh, const std::vector<std::uint32_t>& welded) {
-  std::vector<std::uint32_t> parent(mesh.vertices_mesh_m.size());
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const Triangle& t : mesh.triangles) {
-    for (int k = 1; k < 3; ++k) {
-      const std::uint32_t a = root(welded[t[0]]);
-      const std::uint32_t b = root(welded[t[k]]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  }
-  std::vector<std::uint32_t> pieces(parent.size());
-  for (std::uint32_t i = 0; i < parent.size(); ++i) pieces[i] = root(welded[i]);
-  return pieces;
-}
-
 /// Groups of triangles that stay together (a leaf, or one triangle), as lists of triangle numbers.
 struct Groups {
   std::vector<std::uint32_t> first;  // (num_groups + 1), into triangles

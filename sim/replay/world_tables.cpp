@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "swiftlet/sim/render/colors.hpp"
 
@@ -29,24 +28,13 @@ bool has_pieces(const Mesh& mesh) {
          mesh.surface_class == SurfaceClass::kBranch;
 }
 
-/// Triangles that hang together by their vertices, piece by piece.
-std::vector<std::vector<std::uint32_t>> pieces_of(const Mesh& mesh) {
-  std::vector<std::uint32_t> parent(mesh.vertices_mesh_m.size());
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const Triangle& t : mesh.triangles) {
-    for (int k = 1; k < 3; ++k) {
-      const std::uint32_t a = root(t[0]), b = root(t[k]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  }
-  std::vector<std::uint32_t> piece_at(parent.size(), 0);
+/// Its triangles, piece by piece.
+std::vector<std::vector<std::uint32_t>> triangles_by_piece(const Mesh& mesh) {
+  const std::vector<std::uint32_t> piece_of_vertex = pieces_of(mesh);
+  std::vector<std::uint32_t> piece_at(piece_of_vertex.size(), 0);
   std::vector<std::vector<std::uint32_t>> pieces;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    std::uint32_t& number = piece_at[root(mesh.triangles[i][0])];  // from 1
+    std::uint32_t& number = piece_at[piece_of_vertex[mesh.triangles[i][0]]];  // from 1
     if (number == 0) {
       pieces.emplace_back();
       number = static_cast<std::uint32_t>(pieces.size());
@@ -59,7 +47,7 @@ std::vector<std::vector<std::uint32_t>> pieces_of(const Mesh& mesh) {
 /// A share of the pieces, evenly over the mesh: leaves grow to cover as much as all did; branches stay as they are.
 Mesh thinned(const Mesh& mesh, double share) {
   constexpr double kFewest = 6.0;  // pieces of a mesh: no tree is left bare
-  const auto pieces = pieces_of(mesh);
+  const auto pieces = triangles_by_piece(mesh);
   share = std::min(1.0, std::max(share, kFewest / static_cast<double>(pieces.size())));
   Mesh out = mesh;
   out.triangles.clear();

@@ -11,6 +11,11 @@ void ensure_finite(const Observation& observation) {
     const char* const sensor = Sample::kName;
     for (const Sample& sample : samples) ENSURE(is_finite(sample), sensor, to_seconds(sample.t));
   });
+  for (const auto& samples : observation.others) {
+    const char* const sensor = samples->name();
+    for (std::size_t i = 0; i < samples->size(); ++i)
+      ENSURE(samples->finite(i), sensor, to_seconds(samples->time_of(i)));
+  }
   for (const auto& scan : observation.scans) ENSURE(is_finite(*scan), scan->sensor, to_seconds(scan->stamp));
 }
 

@@ -8,6 +8,12 @@ namespace swiftlet::sim {
 std::uint64_t hash_of(const Observation& observation) {
   Hasher h;
   Observation::each_samples(observation, [&h](const auto& samples) { h.list("", samples, ""); });
+  std::vector<std::byte> bytes;
+  for (const auto& samples : observation.others) {
+    bytes.clear();
+    samples->append_bytes(bytes);
+    h.field("", bytes, "");
+  }
   h.field("", observation.scans.size(), "");
   for (const auto& scan : observation.scans) Scan::visit(*scan, h);
   h.list("", observation.messages, "");

@@ -1,90 +1,82 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/world/scene.hpp"
 
+#include <algorithm>
+#include <numeric>
+
 namespace swiftlet::sim {
+namespace {
+
+struct ClassName {
+  SurfaceClass surface_class;
+  const char* name;
+};
+
+constexpr ClassName kClassNames[] = {
+    {SurfaceClass::kUnlabeled, "unlabeled"},
+    {SurfaceClass::kGround, "ground"},
+    {SurfaceClass::kKerb, "kerb"},
+    {SurfaceClass::kBuilding, "building"},
+    {SurfaceClass::kWall, "wall"},
+    {SurfaceClass::kDoor, "door"},
+    {SurfaceClass::kPillar, "pillar"},
+    {SurfaceClass::kCeiling, "ceiling"},
+    {SurfaceClass::kVegetation, "vegetation"},
+    {SurfaceClass::kTrunk, "trunk"},
+    {SurfaceClass::kBranch, "branch"},
+    {SurfaceClass::kUndergrowth, "undergrowth"},
+    {SurfaceClass::kFallenTrunk, "fallen_trunk"},
+    {SurfaceClass::kRack, "rack"},
+    {SurfaceClass::kPallet, "pallet"},
+    {SurfaceClass::kMarking, "marking"},
+    {SurfaceClass::kObject, "object"},
+};
+
+}  // namespace
 
 const char* name_of(SurfaceClass surface_class) {
-  switch (surface_class) {
-    case SurfaceClass::kUnlabeled:
-      return "unlabeled";
-    case SurfaceClass::kGround:
-      return "ground";
-    case SurfaceClass::kKerb:
-      return "kerb";
-    case SurfaceClass::kBuilding:
-      return "building";
-    case SurfaceClass::kWall:
-      return "wall";
-    case SurfaceClass::kDoor:
-      return "door";
-    case SurfaceClass::kPillar:
-      return "pillar";
-    case SurfaceClass::kCeiling:
-      return "ceiling";
-    case SurfaceClass::kVegetation:
-      return "vegetation";
-    case SurfaceClass::kTrunk:
-      return "trunk";
-    case SurfaceClass::kBranch:
-      return "branch";
-    case SurfaceClass::kUndergrowth:
-      return "undergrowth";
-    case SurfaceClass::kFallenTrunk:
-      return "fallen_trunk";
-    case SurfaceClass::kRack:
-      return "rack";
-    case SurfaceClass::kPallet:
-      return "pallet";
-    case SurfaceClass::kMarking:
-      return "marking";
-    case SurfaceClass::kObject:
-      return "object";
-    case SurfaceClass::kVehicle:
-      return "vehicle";
-  }
-  return "unlabeled";
+  if (surface_class == SurfaceClass::kVehicle) return "vehicle";
+  const auto* found = std::ranges::find(kClassNames, surface_class, &ClassName::surface_class);
+  return found == std::end(kClassNames) ? "unlabeled" : found->name;
 }
 
 std::span<const char* const> static_class_names() {
-  using enum SurfaceClass;
-  static const std::array kNames = {name_of(kUnlabeled),   name_of(kGround), name_of(kKerb),   name_of(kBuilding),
-                                    name_of(kWall),        name_of(kDoor),   name_of(kPillar), name_of(kCeiling),
-                                    name_of(kVegetation),  name_of(kTrunk),  name_of(kBranch), name_of(kUndergrowth),
-                                    name_of(kFallenTrunk), name_of(kRack),   name_of(kPallet), name_of(kMarking),
-                                    name_of(kObject)};
-  return kNames;
+  static const std::array names = [] {
+    std::array<const char*, std::size(kClassNames)> all{};
+    std::ranges::transform(kClassNames, all.begin(), &ClassName::name);
+    return all;
+  }();
+  return names;
 }
 
 std::optional<SurfaceClass> surface_class_of(std::string_view name) {
-  using enum SurfaceClass;
-  for (const SurfaceClass candidate :
-       {kUnlabeled, kGround, kKerb, kBuilding, kWall, kDoor, kPillar, kCeiling, kVegetation, kTrunk, kBranch,
-        kUndergrowth, kFallenTrunk, kRack, kPallet, kMarking, kObject}) {
-    if (name == name_of(candidate)) return candidate;
-  }
-  return std::nullopt;
+  const auto* found = std::ranges::find(kClassNames, name, &ClassName::name);
+  if (found == std::end(kClassNames)) return std::nullopt;
+  return found->surface_class;
 }
 
 const char* name_of(VehiclePart part) {
-  switch (part) {
-    case VehiclePart::kNone:
-      return "none";
-    case VehiclePart::kBody:
-      return "body";
-    case VehiclePart::kArm:
-      return "arm";
-    case VehiclePart::kMotor:
-      return "motor";
-    case VehiclePart::kRotor:
-      return "rotor";
-    case VehiclePart::kLeg:
-      return "leg";
-    case VehiclePart::kSensor:
-      return "sensor";
-    case VehiclePart::kMarker:
-      return "marker";
+  constexpr const char* kNames[] = {"none", "body", "arm", "motor", "rotor", "leg", "sensor", "marker"};
+  return kNames[static_cast<std::size_t>(part)];
+}
+
+std::vector<std::uint32_t> pieces_of(const Mesh& mesh, std::span<const std::uint32_t> welded) {
+  std::vector<std::uint32_t> parent(mesh.vertices_mesh_m.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto root = [&](std::uint32_t vertex) {
+    std::uint32_t i = welded.empty() ? vertex : welded[vertex];
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const auto& t : mesh.triangles) {
+    for (int k = 1; k < 3; ++k) {
+      const std::uint32_t a = root(t[0]), b = root(t[k]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
   }
-  return "none";
+  std::vector<std::uint32_t> pieces(parent.size());
+  for (std::uint32_t i = 0; i < parent.size(); ++i) pieces[i] = root(i);
+  return pieces;
 }
 
 std::size_t Scene::num_triangles() const {

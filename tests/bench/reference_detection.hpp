@@ -14,9 +14,9 @@
 #include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 
-/// The detector of Vrba 2025 written straight from the paper (Table II, the paper's reading of every choice), in double
-/// precision and without any of core/detection or of the map's and the rays' code: what those are measured against, in
-/// result and in speed.
+/// The detector of Vrba 2025 written straight from the paper (Table II, the paper's interpretation of every choice), in
+/// double precision and without any of core/detection or of the map's and the rays' code: what those are measured
+/// against, in result and in speed.
 namespace swiftlet::reference {
 
 /// Amanatides and Woo: visit(cell, length) for every voxel on the way.

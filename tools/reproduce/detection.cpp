@@ -27,8 +27,7 @@ double published_bias_m() {
 }
 
 // The document flew each case once; a quick version flies a part of it.
-Flights fly_agile(const Experiment& experiment, const std::string& name, double full_s,
-                  const Overrides& overrides = {}) {
+Flights fly_agile(Experiment& experiment, const std::string& name, double full_s, const Overrides& overrides = {}) {
   std::vector<sim::Scenario> scenarios;
   for (int seed = 1; seed <= experiment.repetitions(3, 1); ++seed) {
     scenarios.push_back(
@@ -410,7 +409,7 @@ struct Ascent {
   }
 };
 
-std::vector<Ascent> ascents_with(const Experiment& experiment, const Overrides& overrides) {
+std::vector<Ascent> ascents_with(Experiment& experiment, const Overrides& overrides) {
   std::vector<sim::Scenario> scenarios;
   for (int seed = 1; seed <= experiment.repetitions(5, 1); ++seed) {
     scenarios.push_back(scenario_with("reproduce/detection_takeoff.yaml", static_cast<std::uint64_t>(seed), overrides));
@@ -426,19 +425,19 @@ std::vector<Ascent> ascents_with(const Experiment& experiment, const Overrides& 
 // What becomes of separate background, the document says in two ways: unknown (the overview of sec. III) or free
 // (eq. 9). Here, where a target leaves a column of it, they differ most.
 void detection_takeoff(Experiment& experiment) {
-  struct Reading {
+  struct Interpretation {
     const char* name;
     Overrides overrides;
   };
-  const std::array<Reading, 2> readings = {
+  const std::array<Interpretation, 2> interpretations = {
       {{"unknown (default)", {}}, {"free (eq. 9)", {{"vehicles[0].agent.detector.choices.separate_becomes", "free"}}}}};
   sim::plot::Figure figure("Take-off, hover and landing (seed 1)", 1);
   figure.set_panel_size(800, 280);
   CsvTable csv(
-      {"reading", "seed", "found_after_s", "up_scans", "followed_scans", "up_scans_since_found", "kept_scans"});
-  for (const Reading& reading : readings) {
-    const std::vector<Ascent> ascents = ascents_with(experiment, reading.overrides);
-    sim::plot::Panel& panel = figure.add_panel(fmt::format("separate background becomes {}", reading.name));
+      {"interpretation", "seed", "found_after_s", "up_scans", "followed_scans", "up_scans_since_found", "kept_scans"});
+  for (const Interpretation& interpretation : interpretations) {
+    const std::vector<Ascent> ascents = ascents_with(experiment, interpretation.overrides);
+    sim::plot::Panel& panel = figure.add_panel(fmt::format("separate background becomes {}", interpretation.name));
     panel.x.label = "time [s]";
     panel.y.label = "height [m]";
     panel.line("target", ascents.front().t_s, ascents.front().height_m, {.color = 6})
@@ -447,7 +446,7 @@ void detection_takeoff(Experiment& experiment) {
     int up = 0, followed = 0, up_since_found = 0, kept = 0;
     for (std::size_t i = 0; i < ascents.size(); ++i) {
       const Ascent& one = ascents[i];
-      csv.row(reading.name,
+      csv.row(interpretation.name,
               {static_cast<double>(i + 1), one.found_s, static_cast<double>(one.up), static_cast<double>(one.followed),
                static_cast<double>(one.up_since_found), static_cast<double>(one.kept)});
       if (one.found_s >= 0.0) delays_s.push_back(one.found_s);
@@ -456,14 +455,14 @@ void detection_takeoff(Experiment& experiment) {
       up_since_found += one.up_since_found;
       kept += one.kept;
     }
-    experiment.claim(fmt::format("{}: targets that took off beside the ground and were found", reading.name),
+    experiment.claim(fmt::format("{}: targets that took off beside the ground and were found", interpretation.name),
                      fmt::format("{} of {}", delays_s.size(), ascents.size()), delays_s.size() == ascents.size());
     experiment.at_least(
-        fmt::format("{}: followed from then on, while {:g} m up or more [share]", reading.name, kClear_m),
+        fmt::format("{}: followed from then on, while {:g} m up or more [share]", interpretation.name, kClear_m),
         up_since_found == 0 ? 0.0 : static_cast<double>(kept) / up_since_found, 0.95, 3);
-    plain_row(experiment, fmt::format("{}: found after it was {:g} m up [s]", reading.name, kClear_m),
+    plain_row(experiment, fmt::format("{}: found after it was {:g} m up [s]", interpretation.name, kClear_m),
               mean_and_deviation(delays_s).mean, 3);
-    plain_row(experiment, fmt::format("{}: followed of all the time that it is up [share]", reading.name),
+    plain_row(experiment, fmt::format("{}: followed of all the time that it is up [share]", interpretation.name),
               up == 0 ? 0.0 : static_cast<double>(followed) / up, 3);
   }
   experiment.write("detection-takeoff.csv", csv);

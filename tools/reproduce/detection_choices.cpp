@@ -10,14 +10,14 @@
 namespace swiftlet::tools {
 namespace {
 
-struct Reading {
+struct Interpretation {
   const char* name;
   const char* key;    // of the detector
   const char* value;  // null: the defaults
 };
 
 // One key away from the defaults each.
-constexpr Reading kReadings[] = {
+constexpr Interpretation kInterpretations[] = {
     {"defaults", nullptr, nullptr},
     {"clustering: voxels", "choices.clustering", "voxels"},
     {"position: box_center", "choices.position", "box_center"},
@@ -38,10 +38,10 @@ constexpr Reading kReadings[] = {
 
 void detection_choices(Experiment& experiment) {
   std::vector<sim::Scenario> scenarios;
-  for (const Reading& reading : kReadings) {
+  for (const Interpretation& interpretation : kInterpretations) {
     Overrides overrides = {{"duration_s", experiment.quick() ? "12" : "30"}};
-    if (reading.key != nullptr)
-      overrides.emplace_back("vehicles[0].agent.detector." + std::string(reading.key), reading.value);
+    if (interpretation.key != nullptr)
+      overrides.emplace_back("vehicles[0].agent.detector." + std::string(interpretation.key), interpretation.value);
     scenarios.push_back(scenario_with("reproduce/detection_choices.yaml", 1, overrides));
   }
   const std::vector<sim::RunSummary> runs = fly(experiment, scenarios);
@@ -51,20 +51,21 @@ void detection_choices(Experiment& experiment) {
                             false_per_min = metric("false_detections_per_min"),
                             error = metric("detection_error_mean_m"), track_recall = metric("track_recall_visible"),
                             false_tracks = metric("false_tracks_per_min");
-  CsvTable csv({"reading", "recall_visible", "precision", "false_detections_per_min", "error_m", "track_recall_visible",
-                "false_tracks_per_min"});
-  sim::plot::Figure figure("One reading changed at a time", 1);
+  CsvTable csv({"interpretation", "recall_visible", "precision", "false_detections_per_min", "error_m",
+                "track_recall_visible", "false_tracks_per_min"});
+  sim::plot::Figure figure("One interpretation changed at a time", 1);
   figure.set_panel_size(900, 300);
   sim::plot::Panel& panel = figure.add_panel();
   panel.y.label = "share [-]";
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    csv.row(kReadings[i].name, {recall[i], precision[i], false_per_min[i], error[i], track_recall[i], false_tracks[i]});
-    panel.x.categories.emplace_back(kReadings[i].name);
+    csv.row(kInterpretations[i].name,
+            {recall[i], precision[i], false_per_min[i], error[i], track_recall[i], false_tracks[i]});
+    panel.x.categories.emplace_back(kInterpretations[i].name);
     experiment.row(
-        {kReadings[i].name,
+        {kInterpretations[i].name,
          fmt::format("recall {:.3f}, precision {:.3f}, {:.0f} false a minute, error {:.3f} m", recall[i], precision[i],
                      false_per_min[i], error[i]),
-         Verdict::kNotComparable,
+         Verdict::kNotJudged,
          fmt::format("tracker: recall {:.3f}, {:.0f} false tracks a minute", track_recall[i], false_tracks[i]),
          recall[i]});
   }

@@ -15,7 +15,7 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr double kTruePositive_m = 3.0;  // Vrba 2025, sec. V-A
+constexpr double kTruePositive_m = 3.0;  // [Vrba 2025, sec. V-A]
 constexpr double kFollowed_m = 1.0;      // nearer than this, a track is this target's
 constexpr double kSlow_mps = 0.3;        // below, a velocity has no direction
 const double kNan = std::numeric_limits<double>::quiet_NaN();

@@ -9,7 +9,7 @@
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/uncertainty/point_covariance.hpp"
 
-/// The noise parameters of Vrba 2025, section IV: eqs. (50) to (53).
+/// The noise parameters of [Vrba 2025, eqs. 50 to 53].
 namespace swiftlet::tools {
 
 inline constexpr std::array<double, 3> kSigma_m{0.01, 0.1, 1.0};

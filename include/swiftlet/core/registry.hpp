@@ -17,8 +17,10 @@ namespace swiftlet {
 template <class Row>
 class Registry {
  public:
-  /// `what` names the kind of module in messages; `rows` is the table that comes with Swiftlet.
-  Registry(const char* what, std::span<const Row> rows) : what_(what) {
+  /// `what` names the kind of module in messages; `rows` is the table that comes with Swiftlet. `added` is told of
+  /// every row.
+  Registry(const char* what, std::span<const Row> rows, void (*added)(const Row&) = nullptr)
+      : what_(what), added_(added) {
     for (const Row& row : rows) add(row);
   }
 
@@ -28,6 +30,7 @@ class Registry {
       throw std::invalid_argument("there is a " + what_ + " named '" + row.module.name + "' already");
     rows_.push_back(row);
     modules_.push_back(row.module);
+    if (added_ != nullptr) added_(row);
   }
 
   std::span<const Row> rows() const { return rows_; }
@@ -49,6 +52,7 @@ class Registry {
   }
 
   std::string what_;
+  void (*added_)(const Row&);
   std::vector<Row> rows_;
   std::vector<ModuleType> modules_;
 };

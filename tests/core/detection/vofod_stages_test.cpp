@@ -269,7 +269,7 @@ TEST(VofodStages, EveryReadingFindsTheObject) {
     VofodConfig config = small_config();
     change(config.choices);
     Flight flight(config);
-    flight.stages.map().set_prior(known_ground());  // some readings ask for confident background
+    flight.stages.map().set_prior(known_ground());  // some interpretations ask for confident background
     flight.look_around(ground(), 12);
     std::size_t found = 0;
     for (int i = 0; i < 8; ++i) {

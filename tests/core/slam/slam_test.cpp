@@ -32,6 +32,7 @@ struct Result {
   double mean_nees = 0.0;
   bool always_valid = true;
   std::string warnings, fault;
+  std::vector<Counter> counters;
   StateEstimate last;
 };
 
@@ -83,6 +84,7 @@ Result fly(SyntheticFlight& flight, Course course) {
     ++num_nees;
   }
   if (num_nees > 0) result.mean_nees /= num_nees;
+  estimator->append_counters(result.counters);
   return result;
 }
 
@@ -137,6 +139,18 @@ TEST(Slam, WithoutLidarForLongItIsLost) {
   const Result result = fly(flight, course);
   EXPECT_FALSE(result.always_valid);
   EXPECT_EQ(result.fault, "SLAM is lost: no scan fits");
+}
+
+TEST(Slam, CountsScansThatItDoesNotRecognizeAndNamesTheSetting) {
+  SyntheticFlight flight = biased_flight(loop_at);
+  Course course;
+  course.duration_s = 4.0;
+  EXPECT_EQ(fly(flight, course).counters.at(0).count, 0U);
+  course.config.local.known_share_min = 1.0;
+  const Counter counter = fly(flight, course).counters.at(0);
+  EXPECT_EQ(counter.setting, "local.known_share_min");
+  EXPECT_GT(counter.count, 10U);
+  EXPECT_LE(counter.count, counter.of);
 }
 
 TEST(Slam, FollowsATurnOfThreeRadiansPerSecond) {

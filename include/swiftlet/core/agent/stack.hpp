@@ -15,7 +15,7 @@
 namespace swiftlet {
 
 /// The software of one vehicle: localization -> clouds -> detection -> tracking -> relative localization -> mapping ->
-/// guidance -> reference tracker -> controller.
+/// guidance -> reference governor -> controller.
 struct StackConfig : ModuleConfigOf<StackConfig> {
   Module localization;
   Module detector;

@@ -80,7 +80,6 @@ class ChaseMpc {
   /// State of the plan some time after its beginning; at rest relative to its last velocity after its end.
   PointState at(double t_s) const;
   double step_s() const { return step_s_; }
-  int iterations_used() const { return iterations_used_; }
   /// Greatest difference between a state and its projection, as a share of its limit.
   double residual() const { return residual_; }
 
@@ -120,7 +119,6 @@ class ChaseMpc {
   Columns gradient_, u_;
   double rho_ = 1.0, primal_ = 0.0, dual_ = 0.0;
   double residual_ = 0.0;
-  int iterations_used_ = 0;
   bool warm_ = false;
   std::array<Vector3, kMaxSteps> jerks_;
   std::array<PointState, kMaxSteps + 1> states_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/message.hpp"
 #include "swiftlet/core/observation.hpp"
 #include "swiftlet/core/state_estimate.hpp"
@@ -19,6 +20,7 @@ class StateEstimator {
   virtual const char* fault() const = 0;
   /// What is wrong with an estimate that is still valid, in a few words; empty when all is well.
   virtual const char* warning() const { return ""; }
+  virtual void append_counters(std::vector<Counter>&) const {}
 };
 
 }  // namespace swiftlet

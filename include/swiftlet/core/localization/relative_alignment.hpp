@@ -97,7 +97,6 @@ class RelativeAlignment {
   /// The alignment as of now, when the other vehicle was at `anchor`; nothing, and a fault, when it is not observable.
   const std::optional<FrameAlignment>& fit(const OtherMotion& anchor, const ClockPrior& clock);
   AlignmentFault fault() const { return fault_; }
-  int num_inliers() const { return num_inliers_; }
 
  private:
   using Vector5 = Eigen::Matrix<double, 5, 1>;

@@ -73,9 +73,7 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   /// Of the cell with these coordinates; 0 when nothing is known of it.
   float log_odds(const Cell& cell) const;
   bool known(const Cell& cell) const;
-  std::uint64_t num_distance_tiles_computed() const { return distances_.num_computed(); }
   std::size_t num_blocks() const { return blocks_.size() - free_blocks_.size(); }
-  std::size_t num_pages() const { return pages_.size() - free_pages_.size(); }
 
  private:
   static constexpr int kSide = RayCells::kSide;

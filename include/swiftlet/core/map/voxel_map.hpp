@@ -74,8 +74,7 @@ class VoxelMap : public BackgroundQuery {
   void append_centers(VoxelState at_least, std::vector<Vector3>& centers) const;
   /// A copy of all voxels but those that are exactly unknown, by their indices. Values are G.
   void append_voxels(MapVoxels& copy) const;
-  /// Center of the nearest one within the radius of a point; of several as near, the first by index.
-  std::optional<Vector3> nearest_occupied(const Vector3& p_m, double radius_m) const;
+  /// Is the center of one within the radius of a point?
   bool occupied_within(const Vector3& p_m, double radius_m) const override {
     return any_within(p_m, radius_m, VoxelState::kTentative);
   }

@@ -8,6 +8,7 @@
 
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/localization/local_poses.hpp"
+#include "swiftlet/core/math/latency.hpp"
 #include "swiftlet/core/samples.hpp"
 #include "swiftlet/core/slam/closure.hpp"
 #include "swiftlet/core/slam/correction_blend.hpp"
@@ -84,6 +85,7 @@ class GlobalSlam {
   Matrix6 odometry_information(double way_m) const;
 
   GlobalSlamConfig config_;
+  Latency latency_;
   bool pose_known_;
   PoseGraph graph_;
   std::vector<Node> nodes_;
@@ -96,7 +98,7 @@ class GlobalSlam {
   bool news_ = false, fixes_ = false;  // since the last optimization: a closure, a fix
   TimeNs last_optimized_ = 0;
   struct Learned {
-    TimeNs ready = 0;
+    TimeNs begun = 0;
     Pose T_world_local = Pose::Identity();
   };
   std::vector<Learned> learned_;  // few

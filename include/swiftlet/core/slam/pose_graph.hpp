@@ -92,7 +92,6 @@ class PoseGraph {
   const Pose& pose(int i) const { return poses_[i]; }
   void set_pose(int i, const Pose& T_world_pose) { poses_[i] = T_world_pose; }
   std::span<const RelativeFactor> relative_factors() const { return relatives_; }
-  std::span<const PositionFactor> position_factors() const { return positions_; }
   void clear_priors() { priors_.clear(); }
 
   double cost() const { return cost_of(poses_); }

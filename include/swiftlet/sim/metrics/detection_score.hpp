@@ -5,8 +5,8 @@
 
 namespace swiftlet::sim {
 
-/// How a detector or a tracker did on one target in one scan, or one of its estimates that belongs to none (Vrba 2025,
-/// eqs. 67-71). What is not measured is NaN.
+/// How a detector or a tracker did on one target in one scan, or one of its estimates that belongs to none [Vrba 2025,
+/// eqs. 67-71]. What is not measured is NaN.
 struct DetectionScore {
   static constexpr const char* kName = "scores";
   enum class Stage { kDetector, kTracker };
@@ -33,7 +33,7 @@ struct DetectionScore {
     v.field("visible_points", s.visible_points, "[-] returns of the scan on the target; -1: there was no scan");
     v.field("found", s.found, "[-] 1: an estimate lies near enough");
     v.field("id", s.track_id, "[-] identity of the track");
-    v.field("position_error_m", s.position_error_m, "[m] eq. 68 of Vrba 2025");
+    v.field("position_error_m", s.position_error_m, "[m] of the position [Vrba 2025, eq. 68]");
     v.field("speed_error_mps", s.speed_error_mps, "[m/s] eq. 69");
     v.field("direction_error_rad", s.direction_error_rad, "[rad] eq. 70, of targets that move");
     v.field("nees", s.nees, "[-] squared error of the position over its covariance");

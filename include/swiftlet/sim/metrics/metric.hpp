@@ -99,14 +99,4 @@ struct RadioMetrics {
 };
 inline constexpr RadioMetrics kRadioMetrics;
 
-// The metrics of this room; each in the file of its name.
-MetricType outcome_metric();
-MetricType motion_metric();
-MetricType estimate_error_metric();
-MetricType tracking_error_metric();
-MetricType clearance_metric();
-MetricType detection_metric();
-MetricType relative_error_metric();
-MetricType capture_metric();
-
 }  // namespace swiftlet::sim

@@ -5,6 +5,7 @@
 
 #include "swiftlet/core/registry.hpp"
 #include "swiftlet/sim/sensors/sensor.hpp"
+#include "swiftlet/sim/view/series.hpp"
 
 namespace swiftlet::sim {
 
@@ -12,7 +13,14 @@ namespace swiftlet::sim {
 struct SensorType {
   ModuleType module;
   std::unique_ptr<Sensor> (*make)(const ModuleConfig& config, SensorSetup setup);
+  TableType (*samples)() = nullptr;  ///< sample_table<Sample>, when it fills a list that has no name in Observation
 };
+
+/// The table of a kind of sample.
+template <class Sample>
+TableType sample_table() {
+  return {Sample::kName, columns_of<Sample>()};
+}
 
 Registry<SensorType>& sensor_registry();
 inline std::span<const ModuleType> sensor_module_types() { return sensor_registry().modules(); }

@@ -71,4 +71,10 @@ struct TableType {
   std::vector<Column> columns;
 };
 
+/// Tables of samples that have no list of their own in Observation. Rows of the registry of sensors add them.
+inline std::vector<TableType>& sample_tables() {
+  static std::vector<TableType> tables;
+  return tables;
+}
+
 }  // namespace swiftlet::sim

@@ -68,6 +68,10 @@ struct Instance {
   std::uint16_t instance = 0;  ///< truth instance within its class; 0: none (ground)
 };
 
+/// Triangles that hang together by their vertices: the number of the piece for each vertex, which is its least vertex.
+/// @param welded  for each vertex the one that stands for it; empty: itself
+std::vector<std::uint32_t> pieces_of(const Mesh& mesh, std::span<const std::uint32_t> welded = {});
+
 /// Truth about one thing, for `swiftlet world` tables and metrics (for forests: the stem map).
 struct WorldObject {
   std::uint16_t instance = 0;

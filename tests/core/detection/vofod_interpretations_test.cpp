@@ -107,7 +107,7 @@ TEST(VofodConfidence, AtTheEdgeOfTheMapWhatLiesInsideCounts) {
   }
 }
 
-TEST(VofodReadings, PositionIsTheCentroidOrTheBoxsCenter) {
+TEST(VofodInterpretations, PositionIsTheCentroidOrTheBoxsCenter) {
   const std::vector<Eigen::Vector3f> points = {{1.0F, 1.0F, 3.0F}, {1.0F, 1.0F, 3.0F}, {1.4F, 1.2F, 3.2F}};
   VofodConfig config = small_box();
   EXPECT_LT((FreeAir(config).see(points)[0].position_m - Vector3(3.4 / 3.0, 3.2 / 3.0, 9.2 / 3.0)).norm(), 1e-6);
@@ -116,7 +116,7 @@ TEST(VofodReadings, PositionIsTheCentroidOrTheBoxsCenter) {
   EXPECT_NEAR(FreeAir(config).see(points)[0].extent_m.norm(), std::sqrt(0.24), 1e-6) << "along its own axes";
 }
 
-TEST(VofodReadings, LimitsOfPointsSizeAndRange) {
+TEST(VofodInterpretations, LimitsOfPointsSizeAndRange) {
   VofodConfig config = small_box();
   config.min_points = 3;
   config.max_size_m = 0.5;
@@ -136,7 +136,7 @@ TEST(VofodReadings, LimitsOfPointsSizeAndRange) {
 
 // Unknown air leads out of a search when it reaches its border: 8 voxels away (the paper), or after about as many steps
 // (the released code). A staircase of 8 steps ends 5 voxels away.
-TEST(VofodReadings, SearchesASphereOrAnOctahedron) {
+TEST(VofodInterpretations, SearchesASphereOrAnOctahedron) {
   for (const auto search : {VofodChoices::Search::kSphere, VofodChoices::Search::kOctahedron}) {
     VofodConfig config = small_box();
     config.search_distance_m = 2.0;
@@ -157,7 +157,7 @@ TEST(VofodReadings, SearchesASphereOrAnOctahedron) {
 }
 
 // A cluster of background with too little confidence is removed: its voxels alone (the paper), or all around them.
-TEST(VofodReadings, SeparateBackgroundIsRemovedByTheClusterOrInTheSphere) {
+TEST(VofodInterpretations, SeparateBackgroundIsRemovedByTheClusterOrInTheSphere) {
   VofodConfig config = small_box();
   for (const auto reach : {VofodChoices::SeparateReach::kCluster, VofodChoices::SeparateReach::kSphere}) {
     for (const auto becomes : {VofodChoices::SeparateBecomes::kUnknown, VofodChoices::SeparateBecomes::kFree}) {
@@ -190,7 +190,7 @@ TEST(VofodReadings, SeparateBackgroundIsRemovedByTheClusterOrInTheSphere) {
 }
 
 // At d_sep exactly, which here is three edges of a voxel.
-TEST(VofodReadings, SphereReachesToItsRadiusAndWithIt) {
+TEST(VofodInterpretations, SphereReachesToItsRadiusAndWithIt) {
   VofodConfig config = small_box();
   config.separate_distance_m = 0.75;
   config.choices.separate_reach = VofodChoices::SeparateReach::kSphere;
@@ -205,7 +205,7 @@ TEST(VofodReadings, SphereReachesToItsRadiusAndWithIt) {
   }
 }
 
-TEST(VofodReadings, SphereEndsAtTheMapsBorder) {
+TEST(VofodInterpretations, SphereEndsAtTheMapsBorder) {
   VofodConfig config = small_box();
   config.choices.separate_reach = VofodChoices::SeparateReach::kSphere;
   FreeAir air(config);
@@ -219,7 +219,7 @@ TEST(VofodReadings, SphereEndsAtTheMapsBorder) {
   EXPECT_EQ(air.G(grid.min_cell + Cell(3, 0, 0)), -1000.0);
 }
 
-TEST(VofodReadings, RaysMayEndAVoxelBeforeTheirPoint) {
+TEST(VofodInterpretations, RaysMayEndAVoxelBeforeTheirPoint) {
   for (const auto end : {VofodChoices::RayEnd::kPoint, VofodChoices::RayEnd::kVoxelBefore}) {
     VofodConfig config = small_box();
     config.choices.ray_end = end;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The readings of what Vrba 2025 leaves open (VofodChoices), each alone against the defaults, on the same scans: an
-// OS1-128 flies over a field with scattered trees, three UAVs fly past it between 4 and 45 m away and one takes off
+// The interpretations of what Vrba 2025 leaves open (VofodChoices), each alone against the defaults, on the same scans:
+// an OS1-128 flies over a field with scattered trees, three UAVs fly past it between 4 and 45 m away and one takes off
 // beside it. Counters: recall by distance among targets that at least two points hit, detections that are no target,
 // mean distance of the right ones to the target's center, mean processor time of the three stages. docs/detection.md
 // has the table.
@@ -128,7 +128,7 @@ double now_s() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-void reading(benchmark::State& state, bool noisy, const std::function<void(VofodConfig&)>& change) {
+void interpretation(benchmark::State& state, bool noisy, const std::function<void(VofodConfig&)>& change) {
   VofodConfig config;
   config.map.extent = VoxelMapConfig::Extent::kBounded;
   config.map.size_m = {96.0, 96.0, 24.0};
@@ -162,7 +162,7 @@ void reading(benchmark::State& state, bool noisy, const std::function<void(Vofod
 void add_all(bool noisy) {
   const auto add = [noisy](const std::string& name, std::function<void(VofodConfig&)> change) {
     benchmark::RegisterBenchmark(((noisy ? "noisy/" : "ideal/") + name).c_str(),
-                                 [=](benchmark::State& state) { reading(state, noisy, change); })
+                                 [=](benchmark::State& state) { interpretation(state, noisy, change); })
         ->Iterations(1)
         ->Unit(benchmark::kSecond);
   };
@@ -181,8 +181,8 @@ void add_all(bool noisy) {
       [](VofodConfig& c) { c.choices.separate_becomes = VofodChoices::SeparateBecomes::kFree; });
   add("separate_reach=sphere", [](VofodConfig& c) { c.choices.separate_reach = VofodChoices::SeparateReach::kSphere; });
   add("min_points=1", [](VofodConfig& c) { c.min_points = 1; });
-  // All of its readings but the removal of separate background, which it does in another way.
-  add("readings of the released code", [](VofodConfig& c) {
+  // All of its interpretations but the removal of separate background, which it does in another way.
+  add("interpretations of the released code", [](VofodConfig& c) {
     c.cluster_distance_m = c.close_distance_m;
     c.choices = {.clustering = VofodChoices::Clustering::kVoxels,
                  .position = VofodChoices::Position::kBoxCenter,

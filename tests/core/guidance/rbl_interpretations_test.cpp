@@ -32,7 +32,7 @@ RblState at_right_angle() {
   return state;
 }
 
-TEST(RblReadings, AzimuthResetNearAsksWhetherTheDirectWayLeadsFarEnough) {
+TEST(RblInterpretations, AzimuthResetNearAsksWhetherTheDirectWayLeadsFarEnough) {
   RblRules rules;
   rules.azimuth_reset = RblRules::AzimuthReset::kNear;
   const auto theta_rad = [&](double direct_m, double reach_m) {
@@ -50,7 +50,7 @@ TEST(RblReadings, AzimuthResetNearAsksWhetherTheDirectWayLeadsFarEnough) {
   EXPECT_NEAR(theta_rad(5.0, 0.2), kPi / 2.0, 1e-9);
 }
 
-TEST(RblReadings, AzimuthIsResetOnlyFromTheRightAngle) {
+TEST(RblInterpretations, AzimuthIsResetOnlyFromTheRightAngle) {
   RblState state;
   state.theta_rad = 1.0;
   RblSituation now = held_up();
@@ -58,7 +58,7 @@ TEST(RblReadings, AzimuthIsResetOnlyFromTheRightAngle) {
   EXPECT_NEAR(apply_rules({}, now, state, 0.1, false).theta_rad, 1.1, 1e-9);
 }
 
-TEST(RblReadings, AzimuthTurnsWhereBothBoundsOfTheConditionHold) {
+TEST(RblInterpretations, AzimuthTurnsWhereBothBoundsOfTheConditionHold) {
   const RblRules rules;
   const auto turns = [&](double gap_m, double reach_m) {
     RblSituation now = held_up();
@@ -71,7 +71,7 @@ TEST(RblReadings, AzimuthTurnsWhereBothBoundsOfTheConditionHold) {
   EXPECT_FALSE(turns(1.01, 0.51)) << "d_3";
 }
 
-TEST(RblReadings, BetaFallsWhereBothBoundsOfTheConditionHold) {
+TEST(RblInterpretations, BetaFallsWhereBothBoundsOfTheConditionHold) {
   const RblRules rules;
   const auto falls = [&](double gap_m, double reach_m, double goal_m) {
     RblSituation now = held_up();
@@ -88,7 +88,7 @@ TEST(RblReadings, BetaFallsWhereBothBoundsOfTheConditionHold) {
   EXPECT_FALSE(falls(0.2, 0.49, 3.6));
 }
 
-TEST(RblReadings, BetaComesBackInOneStepOfASecondAndNoFurther) {
+TEST(RblInterpretations, BetaComesBackInOneStepOfASecondAndNoFurther) {
   RblSituation free = held_up();
   free.partitioned_agent_m = free.sensing_agent_m;
   RblState state;
@@ -97,7 +97,7 @@ TEST(RblReadings, BetaComesBackInOneStepOfASecondAndNoFurther) {
   EXPECT_NEAR(apply_rules({}, free, state, 5.0, false).beta_m, 1.5, 1e-12);
 }
 
-TEST(RblReadings, RulesThatAreOffKeepTheirAnglesAtZero) {
+TEST(RblInterpretations, RulesThatAreOffKeepTheirAnglesAtZero) {
   RblRules rules;
   rules.azimuth_rule = false;
   EXPECT_EQ(apply_rules(rules, held_up(), at_right_angle(), 0.1, false).theta_rad, 0.0);
@@ -108,7 +108,7 @@ TEST(RblReadings, RulesThatAreOffKeepTheirAnglesAtZero) {
   EXPECT_EQ(apply_rules(rules, held_up(), state, 0.1, false).phi_rad, 0.0);
 }
 
-TEST(RblReadings, ElevationIsWantedForAVerticalGapOrALostWay) {
+TEST(RblInterpretations, ElevationIsWantedForAVerticalGapOrALostWay) {
   RblRules rules;
   RblSituation now;
   now.sensing_agent_m = {1.0, 0, 1.2};
@@ -126,7 +126,7 @@ TEST(RblReadings, ElevationIsWantedForAVerticalGapOrALostWay) {
   EXPECT_FALSE(wants_elevation(rules, now));
 }
 
-TEST(RblReadings, ElevationIsWantedForALostWayInOneSenseOrInBoth) {
+TEST(RblInterpretations, ElevationIsWantedForALostWayInOneSenseOrInBoth) {
   RblRules rules;
   RblSituation now;
   now.sensing_agent_m = {0.6, 0.8, 0.0};
@@ -142,7 +142,7 @@ TEST(RblReadings, ElevationIsWantedForALostWayInOneSenseOrInBoth) {
 
 // c_S lies towards the turned destination: at the height reach * sin(goal + phi), which the rule has to take away
 // twice, once for the destination's own height and once more for the turn.
-TEST(RblReadings, OwnTurnCountsBackwardsByTheHeightOfTheTurnedDestination) {
+TEST(RblInterpretations, OwnTurnCountsBackwardsByTheHeightOfTheTurnedDestination) {
   RblRules rules;
   rules.direction_weight = 0.0;
   rules.centering_weight = 1.0;
@@ -169,7 +169,7 @@ TEST(RblReadings, OwnTurnCountsBackwardsByTheHeightOfTheTurnedDestination) {
   EXPECT_NEAR(vertical_influence(rules, now, -1.2), -2.0 + 2.0 * 2.0 - 2.0 * std::sin(std::atan2(2.0, 1.0)), 1e-12);
 }
 
-TEST(RblReadings, HeightOfTheTurnDoesNotCountWhenUpIsUp) {
+TEST(RblInterpretations, HeightOfTheTurnDoesNotCountWhenUpIsUp) {
   RblRules rules;
   rules.direction_weight = 0.0;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
@@ -178,7 +178,7 @@ TEST(RblReadings, HeightOfTheTurnDoesNotCountWhenUpIsUp) {
   EXPECT_NEAR(vertical_influence(rules, now, 0.5), 0.4, 1e-12);
 }
 
-TEST(RblReadings, DirectionsInfluenceByTheirReadings) {
+TEST(RblInterpretations, DirectionsInfluenceByTheirInterpretations) {
   RblRules rules;
   rules.centering_weight = 0.0;
   const auto influence = [&](double x, double y) {
@@ -197,7 +197,7 @@ TEST(RblReadings, DirectionsInfluenceByTheirReadings) {
   EXPECT_NEAR(influence(0.0, -1.0), 0.0, 1e-12);
 }
 
-TEST(RblReadings, PhiGoesWhereTheInfluencePointsAndItsResetAsksForUse) {
+TEST(RblInterpretations, PhiGoesWhereTheInfluencePointsAndItsResetAsksForUse) {
   RblRules rules;
   rules.elevation_sense = RblRules::ElevationSense::kUp;
   RblSituation now = held_up();
@@ -502,7 +502,7 @@ TEST(RblFlight, OutlineIsTheCircleCutByItsPlanes) {
   EXPECT_NEAR(filled_m2, kPi * r * r - cut_off, 0.02 * filled_m2);
 }
 
-TEST(RblReadings, SamplesOfTheWorldsLatticeLieOnMultiplesOfTheStep) {
+TEST(RblInterpretations, SamplesOfTheWorldsLatticeLieOnMultiplesOfTheStep) {
   RblCellConfig config;
   config.lattice = RblCellConfig::Lattice::kWorld;
   RblPlanner planner(config, RblRules{}, false);
@@ -516,7 +516,7 @@ TEST(RblReadings, SamplesOfTheWorldsLatticeLieOnMultiplesOfTheStep) {
   }
 }
 
-TEST(RblReadings, LeastViolatingIsNoWorseThanAnySample) {
+TEST(RblInterpretations, LeastViolatingIsNoWorseThanAnySample) {
   RblCell cell(2.0, 0.2, false);
   const std::vector<HalfSpace> cuts = {{Vector3(1, 0.2, 0).normalized(), -0.7},
                                        {Vector3(-1, 0.3, 0.1).normalized(), -0.4},
@@ -532,7 +532,7 @@ TEST(RblReadings, LeastViolatingIsNoWorseThanAnySample) {
   EXPECT_LT(cell.least_violating({{Vector3::UnitX(), 0.5}}).norm(), 1e-6);
 }
 
-TEST(RblReadings, BoundsThemselvesAreNotPassed) {
+TEST(RblInterpretations, BoundsThemselvesAreNotPassed) {
   RblRules rules;
   RblSituation now = held_up();
   now.partitioned_agent_m = {0.5, 0, 0};  // d_1, d_3: nearer than
