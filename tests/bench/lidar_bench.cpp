@@ -267,8 +267,11 @@ class EqualBits {
     rtcAttachGeometry(plain_.get(), geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(plain_.get());
+    surfaces_.reserve(world_->size());
     for (const Facet& facet : world_->facets) surfaces_.push_back(facet.surface);
-    for (const auto& tile : rays_of(config)) {
+    const auto tiles = rays_of(config);
+    rays_.reserve(tiles.size());
+    for (const auto& tile : tiles) {
       Rays rays;
       for (int i = 0; i < kPacketSize; ++i) {
         rays.set(i, {tile[i][0], tile[i][1], tile[i][2]}, {tile[i][3], tile[i][4], tile[i][5]});
