@@ -41,7 +41,7 @@ struct alignas(32) Facet {
   Eigen::Vector3f normal;            ///< unit vector; zero where the triangle has no area
   float least_cosine_per_m = 0.0F;   ///< visible from the range r where |cos| >= this * (r + 1 m)
   std::uint32_t surface : 24 = 0;    ///< index in TriangleScene::surfaces
-  std::uint32_t firm_steps : 8 = 0;  ///< barycentric distance from the enlarged edges that is inside for sure, in 1/512
+  std::uint32_t firm_steps : 8 = 0;  ///< twice the margin as a barycentric distance, in 1/512; 255: never sure
 };
 static_assert(sizeof(Facet) == 32);
 

@@ -322,8 +322,8 @@ template <int kHalf>
 }
 
 }  // namespace
-// Rule 2 for eight lanes, and rule 1 where a ray is inside for sure. triangle_ becomes kSeveral where that is not
-// enough.
+
+// Rule 2 for eight lanes, and rule 1 where a ray is inside for sure. triangle_ becomes kSeveral where that does not do.
 void ExactQuery::judge_proposals(int first_lane) {
   static const Facet kNowhere{};
   Eight::Floats facet[8];  // then: corner, normal, least_cosine_per_m, surface and firm_steps of all lanes

@@ -346,6 +346,8 @@ void Lidar::prepare(TimeNs stamp, std::uint32_t index, const StateHistory& truth
 // ---------------------------------------------------------------------------------------------------------
 
 void Lidar::measure_tile(const LidarTile& tile, std::uint32_t index, LabeledScan& out) const {
+  // They lie a row apart from each other. Asked for now, they are there after the tracing.
+  for (const int beam : tile.beam) __builtin_prefetch(&range_normals_[std::max(beam, 0)]);
   Echoes echoes;
   sub_rays_.size() == 1 ? trace_thin(tile, echoes) : trace_wide(tile, echoes);
   std::array<float, kPacketSize> incidence_rad;

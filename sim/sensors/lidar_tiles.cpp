@@ -11,6 +11,7 @@ namespace {
 // Cells of about equal solid angle; 16 to 20 shots of a Mid-360 frame fall in each that it covers.
 constexpr int kBands = 28;
 constexpr int kSectors = 72;
+constexpr int kStripCols = 16;  // a cache line of ranges; a whole number of blocks
 
 /// Height of the blocks of the image, so that they are as square in angle as 16 beams can be.
 int block_rows(const LidarPattern& pattern, const BeamTable& beams) {
@@ -32,21 +33,24 @@ int block_rows(const LidarPattern& pattern, const BeamTable& beams) {
   return best;
 }
 
-// Strip by strip, each from top to bottom: what a strip meets stays in the cache for the strip beside it. Rings would
-// come back to it after a whole turn.
+// Strip by strip, each from top to bottom: what one meets stays in the cache for the next. A ring around the sensor
+// would meet it again only after a whole turn.
 std::vector<std::int32_t> image_blocks(const LidarPattern& pattern, const BeamTable& beams) {
   std::vector<std::int32_t> order;
   const int rows = block_rows(pattern, beams);
   const int cols = kPacketSize / rows;
-  for (int c0 = 0; c0 < beams.cols; c0 += cols) {
-    for (int r0 = 0; r0 < beams.rows; r0 += rows) {
-      for (int r = r0; r < r0 + rows; ++r) {
-        for (int c = c0; c < c0 + cols; ++c) {
-          const bool inside = r < beams.rows && c < beams.cols;
-          const int column = inside ? ((c - pattern.column_shift(r)) % beams.cols + beams.cols) % beams.cols : 0;
-          order.push_back(inside ? r * beams.cols + column : -1);
-        }
+  const auto add_block = [&](int r0, int c0) {
+    for (int r = r0; r < r0 + rows; ++r) {
+      for (int c = c0; c < c0 + cols; ++c) {
+        const bool inside = r < beams.rows && c < beams.cols;
+        const int column = inside ? ((c - pattern.column_shift(r)) % beams.cols + beams.cols) % beams.cols : 0;
+        order.push_back(inside ? r * beams.cols + column : -1);
       }
+    }
+  };
+  for (int strip = 0; strip < beams.cols; strip += kStripCols) {
+    for (int r0 = 0; r0 < beams.rows; r0 += rows) {
+      for (int c0 = strip; c0 < std::min(strip + kStripCols, beams.cols); c0 += cols) add_block(r0, c0);
     }
   }
   return order;

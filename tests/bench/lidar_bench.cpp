@@ -20,7 +20,7 @@
 #include <numeric>
 #include <vector>
 
-#include "sim/raycast/embree_scene.hpp"
+#include "sim/raycast/exact_hits_internal.hpp"
 #include "sim/sensors/lidar_tiles.hpp"
 #include "swiftlet/sim/raycast/sweep_scene.hpp"
 #include "swiftlet/sim/sensors/lidar.hpp"
@@ -245,6 +245,98 @@ class BareEmbree {
   bool coherent_ = true;
 };
 
+/// What equal bits cost: the static world by the rule, and by Embree alone, with the triangles as they are. Both tell
+/// range, incidence and surface.
+class EqualBits {
+ public:
+  explicit EqualBits(const LidarConfig& config) : range_max_m_(static_cast<float>(config.range_max_m)) {
+    const auto& impl = stage().world->impl();
+    world_ = &impl.world;
+    RTCDevice device = impl.device.get();
+    plain_.reset(rtcNewScene(device));
+    rtcSetSceneFlags(plain_.get(), RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    const std::size_t num_corners = 3 * world_->size();
+    auto* corners = static_cast<Eigen::Vector3f*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Eigen::Vector3f), num_corners));
+    for (std::size_t i = 0; i < num_corners; ++i) corners[i] = world_->corners_m[i / 3][i % 3];
+    auto* numbers = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), world_->size()));
+    std::iota(numbers, numbers + num_corners, 0U);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(plain_.get(), geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(plain_.get());
+    surfaces_.reserve(world_->size());
+    for (const Facet& facet : world_->facets) surfaces_.push_back(facet.surface);
+    const auto tiles = rays_of(config);
+    rays_.reserve(tiles.size());
+    for (const auto& tile : tiles) {
+      Rays rays;
+      for (int i = 0; i < kPacketSize; ++i) {
+        rays.set(i, {tile[i][0], tile[i][1], tile[i][2]}, {tile[i][3], tile[i][4], tile[i][5]});
+      }
+      rays_.push_back(rays);
+    }
+  }
+
+  float by_rule() const {
+    std::array<float, kPacketSize> range_max_m;
+    range_max_m.fill(range_max_m_);
+    float sum = 0.0F;
+    for (const Rays& rays : rays_) {
+      ExactQuery query(*world_);
+      query.set_rays(rays, range_max_m);
+      query.trace_together();
+      for (int i = 0; i < kPacketSize; ++i) {
+        if (query.met(i)) sum += query.range_m(i) + query.cos_incidence(i) + static_cast<float>(query.surface(i));
+      }
+    }
+    return sum;
+  }
+
+  float plain() const {
+    alignas(64) static constexpr std::array<int, kPacketSize> kAll = {-1, -1, -1, -1, -1, -1, -1, -1,
+                                                                      -1, -1, -1, -1, -1, -1, -1, -1};
+    float sum = 0.0F;
+    for (const Rays& rays : rays_) {
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+      RTCRayHit16 query;
+      std::copy_n(rays.origin_x.data(), kPacketSize, query.ray.org_x);
+      std::copy_n(rays.origin_y.data(), kPacketSize, query.ray.org_y);
+      std::copy_n(rays.origin_z.data(), kPacketSize, query.ray.org_z);
+      std::copy_n(rays.direction_x.data(), kPacketSize, query.ray.dir_x);
+      std::copy_n(rays.direction_y.data(), kPacketSize, query.ray.dir_y);
+      std::copy_n(rays.direction_z.data(), kPacketSize, query.ray.dir_z);
+      for (int i = 0; i < kPacketSize; ++i) {
+        query.ray.tnear[i] = query.ray.time[i] = 0.0F;
+        query.ray.tfar[i] = range_max_m_;
+        query.ray.mask[i] = ~0U;
+        query.ray.id[i] = query.ray.flags[i] = 0;
+        query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+      }
+      rtcIntersect16(kAll.data(), plain_.get(), &context, &query);
+      for (int i = 0; i < kPacketSize; ++i) {
+        if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        const Eigen::Vector3f normal(query.hit.Ng_x[i], query.hit.Ng_y[i], query.hit.Ng_z[i]);
+        const Eigen::Vector3f direction(query.ray.dir_x[i], query.ray.dir_y[i], query.ray.dir_z[i]);
+        sum += query.ray.tfar[i] + std::abs(normal.dot(direction)) / normal.norm() +
+               static_cast<float>(surfaces_[query.hit.primID[i]]);
+      }
+    }
+    return sum;
+  }
+
+ private:
+  const TriangleScene* world_;
+  EmbreeScene plain_;
+  std::vector<std::uint32_t> surfaces_;
+  std::vector<Rays> rays_;
+  float range_max_m_;
+};
+
 /// The static world in Bullet: a BVH of the same triangles, quantized as Bullet does by default.
 class BareBullet {
  public:
@@ -393,6 +485,27 @@ void ratios_mid360(benchmark::State& state) {
   state.counters["complete/embree"] = median(complete_s) / median(embree_s);
 }
 
+// The share of a scan that equal bits cost, against the same scan by Embree alone.
+void equal_bits_os1(benchmark::State& state) {
+  CompleteScan complete(os1_config());
+  const EqualBits world(os1_config());
+  std::vector<double> complete_s, by_rule_s, plain_s;
+  for (auto _ : state) {
+    for (int i = 0; i < 25; ++i) {
+      plain_s.push_back(seconds([&] { benchmark::DoNotOptimize(world.plain()); }));
+      by_rule_s.push_back(seconds([&] { benchmark::DoNotOptimize(world.by_rule()); }));
+      complete.fly();
+      complete_s.push_back(seconds([&] { complete.scan(); }));
+    }
+  }
+  const double price_s = median(by_rule_s) - median(plain_s);
+  state.counters["complete_ms"] = 1e3 * median(complete_s);
+  state.counters["by_rule_ms"] = 1e3 * median(by_rule_s);
+  state.counters["plain_ms"] = 1e3 * median(plain_s);
+  state.counters["price/plain scan"] = price_s / (median(complete_s) - price_s);
+}
+
+BENCHMARK(equal_bits_os1)->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK(ratios_mid360)->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK(ratios_os1)->Unit(benchmark::kMillisecond)->Iterations(1);
 

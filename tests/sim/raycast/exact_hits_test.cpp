@@ -11,7 +11,9 @@
 
 #include "sim/raycast/exact_hits_internal.hpp"
 #include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/raycast/sweep_scene.hpp"
 #include "swiftlet/sim/world/forest.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -165,9 +167,7 @@ Met searched(const TriangleScene& scene, const Ray& ray) {
   return nearest;
 }
 
-TEST(ExactHits, AreThoseOfASearchThroughAllTrianglesWhateverEmbreeRoundsLike) {
-  const Mesh mesh = hard_mesh();
-  const std::vector<Ray> rays = hard_rays(mesh);
+void expect_what_a_search_finds(const Mesh& mesh, const std::vector<Ray>& rays) {
   const Scene description = scene_of(mesh);
   std::vector<Met> expected;
   for (const std::string& setting : kSettings) {
@@ -193,6 +193,170 @@ TEST(ExactHits, AreThoseOfASearchThroughAllTrianglesWhateverEmbreeRoundsLike) {
         }
       }
       EXPECT_EQ(different, 0) << "of " << rays.size();
+    }
+  }
+}
+
+TEST(ExactHits, AreThoseOfASearchThroughAllTrianglesWhateverEmbreeRoundsLike) {
+  const Mesh mesh = hard_mesh();
+  expect_what_a_search_finds(mesh, hard_rays(mesh));
+}
+
+// Surfaces that cross, touch or cover each other without a common edge, and folds so sharp that both sides are near.
+Mesh meeting_surfaces() {
+  Mesh mesh;
+  const auto add = [&mesh](const Vector3f& a, const Vector3f& b, const Vector3f& c) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices_mesh_m.size());
+    mesh.vertices_mesh_m.insert(mesh.vertices_mesh_m.end(), {a, b, c});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  };
+  const auto add_face = [&](const Vector3f& corner, const Vector3f& u, const Vector3f& v) {
+    add(corner, corner + u, corner + u + v);
+    add(corner, corner + u + v, corner + v);
+  };
+  add_face({-4, 0, 0}, {8, 0, 0}, {0, 0, 3});   // a wall,
+  add_face({-1, -2, 0}, {2, 4, 0}, {0, 0, 2});  // one through it, and one that ends on it
+  add_face({3, 0, 0}, {0.1F, 3, 0}, {0, 0, 2.5F});
+  add_face({-3, 0, 1}, {1, 0, 0}, {0, 0, 1});  // pictures in the plane of the wall, and in front of and behind it
+  add_face({-2.5F, 0, 0.5F}, {2, 0, 0}, {0, 0, 1.2F});
+  add_face({1.2F, -3e-4F, 0.5F}, {1, 0, 0}, {0, 0, 1});
+  add_face({1.7F, 1e-5F, 0.7F}, {1, 0, 0}, {0, 0, 1});
+  add({-6, -6, -0.2F}, {7, -5, 0.1F}, {0, 8, 0.3F});  // the ground, through the feet of all
+  add({0, 0, 3}, {4, 0, 3}, {0, 3, 4});  // a roof with a T junction: one long edge, two short ones along it
+  add({0, 0, 3}, {1.3F, 0, 3}, {0, -2, 3.5F});
+  add({1.3F, 0, 3}, {4, 0, 3}, {0, -2, 3.5F});
+  for (int i = 1; i <= 4; ++i) {  // folds of 6, 0.6, 0.06 and 0.006 degrees
+    const auto gap_m = static_cast<float>(std::pow(0.1, i));
+    const Vector3f foot(static_cast<float>(i) - 3.0F, 4, 0.5F), top = foot + Vector3f(0, 0, 1);
+    add(foot, top, foot + Vector3f(0.3F, 1, 0.5F));
+    add(foot, top, foot + Vector3f(0.3F + gap_m, 1, 0.5F));
+  }
+  const Random random(11, "test.meeting_surfaces");
+  const auto point = [&](std::uint32_t i, double half_m) {
+    return Vector3f(static_cast<float>(random.uniform(-half_m, half_m, 0, i)),
+                    static_cast<float>(random.uniform(-half_m, half_m, 1, i)),
+                    static_cast<float>(random.uniform(-half_m, half_m, 2, i)));
+  };
+  for (std::uint32_t i = 0; i < 40; ++i) {  // needles through the wall, and leaves through all
+    const Vector3f foot = Vector3f(0, 0, 1.5F) + point(3 * i, 1.5);
+    const float width_m = i % 2 == 0 ? 1e-4F : 0.2F;
+    add(foot, foot + point(3 * i + 1, 1.0), foot + width_m * point(3 * i + 2, 1.0));
+  }
+  return mesh;
+}
+
+// Where the edges of a triangle go through another one: ends of what the two have in common.
+void add_crossings(const Mesh& mesh, std::size_t i, std::size_t j, std::vector<Vector3d>& ends) {
+  const auto corner = [&](std::size_t t, int k) -> Vector3d {
+    return mesh.vertices_mesh_m[mesh.triangles[t][k % 3]].cast<double>();
+  };
+  const Vector3d a = corner(j, 0), ab = corner(j, 1) - a, ac = corner(j, 2) - a, normal = ab.cross(ac);
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d p = corner(i, k), along = corner(i, k + 1) - p;
+    const double s = normal.dot(a - p) / normal.dot(along);
+    if (!(s >= 0.0 && s <= 1.0)) continue;
+    const Vector3d at = p + s * along - a;
+    const double u = at.cross(ac).dot(normal) / normal.squaredNorm(),
+                 v = ab.cross(at).dot(normal) / normal.squaredNorm();
+    if (u >= 0.0 && v >= 0.0 && u + v <= 1.0) ends.emplace_back(a + at);
+  }
+}
+
+// At common lines and at edges, up to 3 mm beside them, from 0.3 to 55 m away, also nearly along a surface.
+std::vector<Ray> rays_at_meetings(const Mesh& mesh) {
+  std::vector<std::pair<Vector3d, Vector3d>> lines;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      lines.emplace_back(mesh.vertices_mesh_m[mesh.triangles[i][k]].cast<double>(),
+                         mesh.vertices_mesh_m[mesh.triangles[i][(k + 1) % 3]].cast<double>());
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      std::vector<Vector3d> ends;
+      add_crossings(mesh, i, j, ends);
+      add_crossings(mesh, j, i, ends);
+      if (ends.size() >= 2) lines.emplace_back(ends[0], ends[1]);
+    }
+  }
+  const Random random(12, "test.rays_at_meetings");
+  const auto uniform = [&](std::uint32_t i, std::uint32_t k) { return random.uniform(-1.0, 1.0, k, i); };
+  std::vector<Ray> rays;
+  for (std::uint32_t i = 0; i < 48000; ++i) {
+    const auto& [from, to] = lines[i % lines.size()];
+    const Vector3d on_line = from + 0.5 * (1.0 + uniform(i, 0)) * (to - from);
+    const double beside_m = i % 3 == 0 ? 0.0 : 3e-3 * std::pow(10.0, -2.0 * (1.0 + uniform(i, 1)));
+    const Vector3d aim = on_line + beside_m * Vector3d(uniform(i, 2), uniform(i, 3), uniform(i, 4));
+    Vector3d away(uniform(i, 5), uniform(i, 6), uniform(i, 7));
+    const auto& t = mesh.triangles[i / 7 % mesh.triangles.size()];
+    const Vector3d a = mesh.vertices_mesh_m[t[0]].cast<double>();
+    const Vector3d normal = (mesh.vertices_mesh_m[t[1]].cast<double>() - a)
+                                .cross(mesh.vertices_mesh_m[t[2]].cast<double>() - a)
+                                .normalized();
+    if (i % 4 == 1) away += (0.03 * uniform(i, 8) - away.dot(normal)) * normal;
+    const double distance_m = 0.3 * std::pow(180.0, 0.5 * (1.0 + uniform(i, 9)));
+    const Vector3f origin = (aim + distance_m * away.normalized()).cast<float>();
+    rays.push_back({origin, (aim - origin.cast<double>()).normalized().cast<float>()});
+  }
+  rays.resize(rays.size() / kPacketSize * kPacketSize);
+  return rays;
+}
+
+TEST(ExactHits, WhereSurfacesCrossTouchOrCoverEachOtherAreThoseOfASearch) {
+  const Mesh mesh = meeting_surfaces();
+  expect_what_a_search_finds(mesh, rays_at_meetings(mesh));
+}
+
+TEST(ExactHits, OfAVehicleWithinAWallHaveTheSameBitsUnderEveryInstructionSet) {
+  Mesh wall;
+  wall.vertices_mesh_m = {{3, -5, -5}, {3.2F, 5, -5}, {3.2F, 5, 5}, {3, -5, 5}};
+  wall.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const Scene description = scene_of(wall);
+  Airframe airframe;
+  for (const double x_m : {-0.2, 0.2}) {
+    airframe.rotors.push_back({Vector3(x_m, 0.2, 0.03), Rotor::Spin::kCcw});
+    airframe.rotors.push_back({Vector3(x_m, -0.2, 0.03), Rotor::Spin::kCw});
+  }
+  const auto shape = std::make_shared<const VehicleShape>(make_vehicle_shape(airframe));
+  StateHistory history(2, 8);
+  for (TimeNs t = 0; t <= 8'000'000; t += 2'000'000) {
+    VehicleState own, other;
+    own.t = other.t = t;
+    other.p_world_m = {3.1 + 5.0 * to_seconds(t), 0.02, 0.03};
+    other.q_world_body = Eigen::AngleAxisd(0.4 + 9.0 * to_seconds(t), Vector3::UnitY());
+    history.push(0, own);
+    history.push(1, other);
+  }
+  std::vector<Firing> firings(kPacketSize);
+  for (int i = 0; i < kPacketSize; ++i) firings[i].offset_s = 5e-4F * static_cast<float>(i);
+  std::vector<PacketHits> expected;
+  for (const std::string& setting : kSettings) {
+    const EmbreeSetting as_told(setting);
+    SweepScene scene(std::make_shared<const StaticScene>(description), {shape, shape}, 0, Pose::Identity(), 100.0);
+    scene.set_firings(firings);
+    scene.begin(history, 0, 8'000'000);
+    std::vector<PacketHits> hits(2000);
+    int on_vehicle = 0, on_wall = 0;
+    for (std::size_t k = 0; k < hits.size(); ++k) {
+      BeamPacket beams;
+      for (int i = 0; i < kPacketSize; ++i) {
+        const double azimuth_rad = 0.15 * (static_cast<double>(k % 50) / 25.0 - 1.0) + 4e-4 * i;
+        const double elevation_rad = 0.12 * (static_cast<double>(k) / 1000.0 - 1.0);
+        beams.direction_x[i] = static_cast<float>(std::cos(elevation_rad) * std::cos(azimuth_rad));
+        beams.direction_y[i] = static_cast<float>(std::cos(elevation_rad) * std::sin(azimuth_rad));
+        beams.direction_z[i] = static_cast<float>(std::sin(elevation_rad));
+        beams.firing[i] = i;
+      }
+      scene.trace(beams, false, hits[k]);
+      for (const std::uint32_t surface : hits[k].surface) {
+        (scene.surfaces()[surface].vehicle == 1 ? on_vehicle : on_wall) += 1;
+      }
+    }
+    EXPECT_GT(on_vehicle, 1000);
+    EXPECT_GT(on_wall, 1000);
+    if (expected.empty()) expected = hits;
+    for (std::size_t k = 0; k < hits.size(); ++k) {
+      ASSERT_EQ(hits[k].range_m, expected[k].range_m) << setting << ", packet " << k;
+      ASSERT_EQ(hits[k].cos_incidence, expected[k].cos_incidence) << setting << ", packet " << k;
+      ASSERT_EQ(hits[k].surface, expected[k].surface) << setting << ", packet " << k;
     }
   }
 }
