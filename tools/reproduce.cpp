@@ -37,8 +37,8 @@ void print_list() {
 
 void print_rows(const Experiment& experiment) {
   for (const ResultRow& row : experiment.rows()) {
-    fmt::print("  {:<58} {:>14} {:>14}  {}{}\n", row.what, row.published, row.ours, name_of(row.verdict),
-               row.note.empty() ? "" : ": " + row.note);
+    fmt::print("  {:<58} {:>14} {:>14} {:>16}  {}{}\n", row.what, row.published, row.ours, tolerance_of(row),
+               verdict_of(row), row.note.empty() ? "" : ": " + row.note);
   }
 }
 
@@ -66,8 +66,9 @@ int run_one(const ExperimentType& type, const ReproduceOptions& options) {
   sim::write_file(directory / "result.md", to_markdown(type, experiment));
   sim::write_file(directory / "result.json", to_json(type, experiment));
   if (!options.quiet) {
-    fmt::print("{} in {}, written to {}\n", bold(type.name), duration_text(wall_s), directory.string());
-    fmt::print("  {:<58} {:>14} {:>14}  {}\n", "", "published", "ours", "verdict");
+    fmt::print("{}{} in {}, written to {}\n", bold(type.name), options.quick ? ", quick version" : "",
+               duration_text(wall_s), directory.string());
+    fmt::print("  {:<58} {:>14} {:>14} {:>16}  {}\n", "", "published", "ours", "tolerance", "verdict");
     print_rows(experiment);
   }
   int differing = 0;

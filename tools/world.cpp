@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <optional>
+#include <sstream>
+#include <vector>
 
 #include "commands.hpp"
 #include "scenario_options.hpp"
+#include "scratch_folder.hpp"
+#include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/world/export.hpp"
 
 namespace swiftlet::tools {
@@ -16,15 +24,64 @@ namespace {
 struct WorldOptions {
   ScenarioOptions scenario;
   std::string out;
+  std::string map;
+  std::optional<double> cut_height_m;
   bool quiet = false;
 };
 
+/// From above, all of the world.
+sim::CameraConfig camera_above(const Eigen::AlignedBox3d& bounds_world_m) {
+  constexpr double kMargin = 1.05;
+  sim::CameraConfig camera;
+  camera.name = "map";
+  camera.times_s = {0.0};
+  camera.vehicle_scale = 3.0;
+  if (bounds_world_m.isEmpty()) return camera;  // the vehicles are all there is
+  camera.target_m = bounds_world_m.center();
+  const Vector3 size_m = bounds_world_m.sizes();
+  camera.width_px = camera.height_px = 1600;
+  (size_m.x() > size_m.y() ? camera.height_px : camera.width_px) =
+      std::max(400, static_cast<int>(1600.0 * size_m.head<2>().minCoeff() / size_m.head<2>().maxCoeff()));
+  camera.span_m = kMargin * std::max(size_m.y(), size_m.x() * camera.height_px / camera.width_px);
+  return camera;
+}
+
+/// The world and where the vehicles start, without a flight.
+std::filesystem::path draw_map(const WorldOptions& options, sim::Scenario scenario, const sim::Scene& scene) {
+  const std::filesystem::path file(options.map);
+  if (file.extension() != ".png")
+    throw sim::InputError(fmt::format("--map {}: expected a name that ends in .png", options.map));
+  if (file.has_parent_path()) sim::make_directory(file.parent_path());
+  scenario.recorders.clear();
+  scenario.snapshots = {camera_above(scene.bounds_m)};
+  if (options.cut_height_m) {
+    scenario.snapshots[0].cut_above = true;
+    scenario.snapshots[0].cut_height_m = *options.cut_height_m;
+  }
+  const ScratchFolder scratch;
+  sim::Simulation simulation(sim::validated(scenario));
+  simulation.attach_recorders(scratch.path());
+  simulation.tick();
+  for (const auto& picture : simulation.finish()) {
+    std::ostringstream content;
+    content << std::ifstream(scratch / picture.string(), std::ios::binary).rdbuf();
+    sim::write_file(file, content.str());
+  }
+  return file;
+}
+
 void export_scenario_world(const WorldOptions& options) {
+  if (options.out.empty() && options.map.empty())
+    throw sim::InputError("world: expected --out FILE.ply or --map FILE.png, found neither");
   const sim::Scenario scenario = options.scenario.load();
-  const std::filesystem::path out(options.out);
-  if (out.has_parent_path()) sim::make_directory(out.parent_path());
   const sim::Scene scene = sim::make_world(scenario.world, scenario.seed_of_world());
-  const auto written = sim::export_world(scene, out);
+  std::vector<std::filesystem::path> written;
+  if (!options.out.empty()) {
+    const std::filesystem::path out(options.out);
+    if (out.has_parent_path()) sim::make_directory(out.parent_path());
+    written = sim::export_world(scene, out);
+  }
+  if (!options.map.empty()) written.push_back(draw_map(options, scenario, scene));
   if (options.quiet) return;
   fmt::print("{} with seed {}: {} triangles, {} objects\n", scenario.world.type, scenario.seed_of_world(),
              scene.num_triangles(), scene.objects.size());
@@ -35,10 +92,14 @@ void export_scenario_world(const WorldOptions& options) {
 
 void add_world(CLI::App& app) {
   auto options = std::make_shared<WorldOptions>();
-  Subcommand command(app, "world", "Export the generated world of a scenario with its truth table");
+  Subcommand command(app, "world", "Export the world of a scenario with its truth table, or draw a map of it");
   options->scenario.add_to(command);
   command.option("--out", options->out, "File to write: .ply or .obj; the table lies beside it",
-                 {.value_name = "FILE", .required = true});
+                 {.value_name = "FILE"});
+  command.option("--map", options->map, "Picture to draw: the world from above, with the vehicles where they start",
+                 {.value_name = "FILE.png"});
+  command.option("--cut", options->cut_height_m, "On the map, leave out what is higher: crowns, roofs",
+                 {.value_name = "METERS"});
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { export_scenario_world(*options); });
 }

@@ -1,28 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/guidance/planned_path.hpp"
 
-#include <algorithm>
-
+#include "core/guidance/path_follower.hpp"
 #include "core/guidance/path_overlay.hpp"
 #include "swiftlet/core/math/latency.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kHovers_mps = 0.25;  // slower than this, it hovers
-constexpr double kArrived_m = 0.3;
-
-/// Of the segment from a to b.
-Vector3 nearest_on(const Vector3& a_m, const Vector3& b_m, const Vector3& p_m) {
-  const Vector3 way_m = b_m - a_m;
-  const double share = way_m.dot(p_m - a_m) / std::max(way_m.squaredNorm(), 1e-12);
-  return a_m + std::clamp(share, 0.0, 1.0) * way_m;
-}
-
 class PlannedPath : public Guidance {
  public:
   PlannedPath(const PlannedPathConfig& config, const GuidanceSetup& setup)
-      : config_(config), planner_(config.planning_latency_s) {
+      : config_(config), planner_(config.planning_latency_s), follower_(config.planner, config.visited_m) {
     hold_.position_m = setup.agent.T_local_body_start.translation();
     hold_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
   }
@@ -50,7 +39,8 @@ class PlannedPath : public Guidance {
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    if (!path_.corners_local_m.empty()) overlays.push_back(path_overlay("planned_path", path_.corners_local_m, 0.1F));
+    const std::vector<Vector3>& corners_local_m = follower_.corners_local_m();
+    if (!corners_local_m.empty()) overlays.push_back(path_overlay("planned_path", corners_local_m, 0.1F));
   }
 
  private:
@@ -68,7 +58,7 @@ class PlannedPath : public Guidance {
       enter(State::kDone);
     } else if (planner_.due(now_)) {
       take_plan();
-    } else if (planner_.idle() && input.estimate.v_local_mps.norm() < kHovers_mps) {
+    } else if (planner_.idle() && input.estimate.v_local_mps.norm() < PathFollower::kHovers_mps) {
       const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goals_m[next_goal_]);
       path_ = find_clear_path(*input.map, config_.planner, input.estimate.T_local_body.translation(), goal_local_m);
       planner_.start(now_);
@@ -82,47 +72,22 @@ class PlannedPath : public Guidance {
       fail(text_of(path_.status));
       return;
     }
-    next_corner_ = 1;
-    checked_ = 0;
+    follower_.start(std::move(path_.corners_local_m));
     enter(State::kFlying);
   }
 
   void follow(const GuidanceInput& input) {
-    const Vector3 p_local_m = input.estimate.T_local_body.translation();
-    if (is_blocked(*input.map, p_local_m)) {
-      hold_.position_m = p_local_m;
-      enter(State::kPlanning);
-      return;
-    }
-    const std::vector<Vector3>& corners_local_m = path_.corners_local_m;
-    hold_.position_m = corners_local_m[next_corner_];
-    const double distance_m = (p_local_m - hold_.position_m).norm();
-    const bool last = next_corner_ + 1 == corners_local_m.size();
-    if (!last && distance_m < config_.visited_m) ++next_corner_;
-    if (last && distance_m < kArrived_m && input.estimate.v_local_mps.norm() < kHovers_mps) {
+    const PathFollower::Outcome outcome = follower_.step(input);
+    hold_.position_m = follower_.target_local_m();
+    if (outcome == PathFollower::Outcome::kArrived) {
       failures_ = 0;
       ++next_goal_;
+    }
+    if (outcome != PathFollower::Outcome::kFlying) {
       enter(State::kPlanning);
     } else if (waited(config_.stage_timeout_s)) {
       fail("the vehicle does not reach its goal");
     }
-  }
-
-  /// Has the map changed so that the rest of the path is not clear any more?
-  bool is_blocked(const OccupancyView& map, const Vector3& p_local_m) {
-    if (checked_ == map.revision()) return false;
-    checked_ = map.revision();
-    // A cell's edge less than it was planned with: an obstacle whose cells flicker makes no other path.
-    ClearPathConfig rules = config_.planner;
-    rules.clearance_m = std::max(rules.clearance_m - map.edge_m(), 0.5 * map.edge_m());
-    const ClearSpace space(map, rules, p_local_m);
-    const std::vector<Vector3>& corners_local_m = path_.corners_local_m;
-    Vector3 from_local_m = nearest_on(corners_local_m[next_corner_ - 1], corners_local_m[next_corner_], p_local_m);
-    for (std::size_t i = next_corner_; i < corners_local_m.size(); ++i) {
-      if (!space.is_clear_segment(from_local_m, corners_local_m[i])) return true;
-      from_local_m = corners_local_m[i];
-    }
-    return false;
   }
 
   void fail(const char* reason) {
@@ -158,8 +123,8 @@ class PlannedPath : public Guidance {
   const char* reason_ = "";
   Worker planner_;
   ClearPath path_;
-  std::size_t next_goal_ = 0, next_corner_ = 1;
-  std::uint64_t checked_ = 0;  // revision of the map for which the path was found clear
+  PathFollower follower_;
+  std::size_t next_goal_ = 0;
   Reference hold_;
 };
 

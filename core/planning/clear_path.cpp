@@ -5,8 +5,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <queue>
 
+#include "core/planning/met_cells.hpp"
 #include "core/planning/polyline.hpp"
 
 namespace swiftlet {
@@ -26,61 +28,6 @@ double rest_of(const Cell& way) {
   constexpr double kSqrt2 = 1.4142135623730951, kSqrt3 = 1.7320508075688772;
   return (kSqrt3 - kSqrt2) * d[0] + (kSqrt2 - 1.0) * d[1] + d[2];
 }
-
-/// Cells that the search has met, found by their coordinates.
-class MetCells {
- public:
-  struct Node {
-    Cell cell;
-    double cost = std::numeric_limits<double>::infinity();
-    int parent = -1;
-    bool clear = false, closed = false;
-  };
-
-  MetCells() : slots_(1U << 14U, -1) {}
-  /// Index of the node; a new one calls is_clear(cell).
-  template <class IsClear>
-  int meet(const Cell& cell, IsClear&& is_clear) {
-    std::size_t slot = slot_of(cell);
-    if (slots_[slot] < 0) {
-      if (2 * (nodes_.size() + 1) > slots_.size()) {
-        grow();
-        slot = slot_of(cell);
-      }
-      slots_[slot] = static_cast<int>(nodes_.size());
-      nodes_.push_back({.cell = cell});
-      nodes_.back().clear = is_clear(cell);
-    }
-    return slots_[slot];
-  }
-  Node& operator[](int i) { return nodes_[static_cast<std::size_t>(i)]; }
-  const Node& operator[](int i) const { return nodes_[static_cast<std::size_t>(i)]; }
-
- private:
-  std::size_t slot_of(const Cell& cell) const {
-    const auto part = [](int c) { return static_cast<std::uint64_t>(c) & 0x1FFFFFU; };
-    const std::uint64_t key = part(cell.x()) | part(cell.y()) << 21U | part(cell.z()) << 42U;
-    std::size_t slot = (key * 0x9E3779B97F4A7C15ULL >> 32U) & (slots_.size() - 1);
-    while (slots_[slot] >= 0 && nodes_[static_cast<std::size_t>(slots_[slot])].cell != cell) {
-      slot = (slot + 1) & (slots_.size() - 1);
-    }
-    return slot;
-  }
-  void grow() {
-    slots_.assign(2 * slots_.size(), -1);
-    for (std::size_t i = 0; i < nodes_.size(); ++i) slots_[slot_of(nodes_[i].cell)] = static_cast<int>(i);
-  }
-
-  std::vector<int> slots_;
-  std::vector<Node> nodes_;
-};
-
-struct OpenCell {
-  double cost;  // so far and the rest, in cells
-  int node;
-  // Of equal costs the cell that was met last goes first: deeper, and always the same.
-  bool operator<(const OpenCell& other) const { return cost != other.cost ? cost > other.cost : node < other.node; }
-};
 
 class ClearSearch {
  public:
@@ -151,27 +98,6 @@ class ClearSearch {
   std::size_t expansions_ = 0;
   bool left_start_ = false;
 };
-
-/// From the beginning, then from the end, and so on, as long as it becomes shorter.
-std::vector<Vector3> shortened(const ClearSpace& space, std::vector<Vector3> path_local_m, int times) {
-  const auto is_clear = [&space](const Vector3& from_local_m, const Vector3& to_local_m) {
-    return space.is_clear_segment(from_local_m, to_local_m);
-  };
-  for (int i = 0; i < times; ++i) {
-    std::vector<Vector3> shorter_local_m =
-        cut_corners(i == 0 ? path_local_m : with_points_between(path_local_m, kShorteningSpacing_m), is_clear);
-    const double gained_m = length_m(path_local_m) - length_m(shorter_local_m);
-    std::reverse(shorter_local_m.begin(), shorter_local_m.end());
-    const bool enough = i > 1 && gained_m < kLeastGain * length_m(shorter_local_m);
-    path_local_m = std::move(shorter_local_m);
-    if (enough) {
-      if (i % 2 == 0) std::reverse(path_local_m.begin(), path_local_m.end());
-      return path_local_m;
-    }
-  }
-  if (times % 2 == 1) std::reverse(path_local_m.begin(), path_local_m.end());
-  return path_local_m;
-}
 
 }  // namespace
 
@@ -262,15 +188,35 @@ ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& conf
   std::vector<Vector3> path_local_m = {start_local_m};
   for (std::size_t i = 1; i + 1 < cells.size(); ++i) path_local_m.push_back(center_of(cells[i], edge_m));
   path_local_m.push_back(goal_local_m);
-  return {status, shortened(space, std::move(path_local_m), config.max_shortenings), search.expansions()};
+  return {status, shortened_path(space, std::move(path_local_m), config.max_shortenings), search.expansions()};
+}
+
+std::vector<Vector3> shortened_path(const ClearSpace& space, std::vector<Vector3> path_local_m, int times) {
+  const auto is_clear = [&space](const Vector3& from_local_m, const Vector3& to_local_m) {
+    return space.is_clear_segment(from_local_m, to_local_m);
+  };
+  for (int i = 0; i < times; ++i) {
+    std::vector<Vector3> shorter_local_m =
+        cut_corners(i == 0 ? path_local_m : with_points_between(path_local_m, kShorteningSpacing_m), is_clear);
+    const double gained_m = length_m(path_local_m) - length_m(shorter_local_m);
+    std::reverse(shorter_local_m.begin(), shorter_local_m.end());
+    const bool enough = i > 1 && gained_m < kLeastGain * length_m(shorter_local_m);
+    path_local_m = std::move(shorter_local_m);
+    if (enough) {
+      if (i % 2 == 0) std::reverse(path_local_m.begin(), path_local_m.end());
+      return path_local_m;
+    }
+  }
+  if (times % 2 == 1) std::reverse(path_local_m.begin(), path_local_m.end());
+  return path_local_m;
 }
 
 void ClearPathConfig::visit(ConfigVisitor& v) {
   v.field("clearance_m", clearance_m, "[m] from the path to the nearest occupied cell, center to center",
           Range{0.0, 20.0, true});
   v.field("unknown_is_free", unknown_is_free, "[-] may a path lead through space that nobody has seen?");
-  v.field("z_min_m", z_min_m, "[m] lowest height, local frame");
-  v.field("z_max_m", z_max_m, "[m] greatest height, local frame");
+  v.field("z_min_m", z_min_m, "[m] lowest height, local frame", Range::between(-1e5, 1e5));
+  v.field("z_max_m", z_max_m, "[m] greatest height, local frame", Range::between(-1e5, 1e5));
   v.field("greed", greed, "[-] weight of the rest of the way: above 1 sooner found, longer by at most that factor",
           Range::between(1.0, 100.0));
   v.field("max_expansions", max_expansions, "[-] cells that a search may look at in depth", Range::between(1, 1e9));

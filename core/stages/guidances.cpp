@@ -2,6 +2,7 @@
 #include "swiftlet/core/stages/guidances.hpp"
 
 #include "swiftlet/core/guidance/agile.hpp"
+#include "swiftlet/core/guidance/explore.hpp"
 #include "swiftlet/core/guidance/flocking.hpp"
 #include "swiftlet/core/guidance/follow_guide.hpp"
 #include "swiftlet/core/guidance/guide.hpp"
@@ -41,6 +42,11 @@ constexpr GuidanceType kGuidanceTypes[] = {
      make_planned_path,
      nullptr,
      "planned_path"},
+    {{"explore", "from view to view until nothing reachable in a box shows anything unknown",
+      make_module_config<ExploreConfig>},
+     make_explore,
+     nullptr,
+     "explore.path explore.view"},
     {{"agile", "random smooth flight at high speed in a box", make_module_config<AgileConfig>},
      make_agile,
      nullptr,

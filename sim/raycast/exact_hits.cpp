@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 namespace swiftlet::sim {
 
@@ -13,6 +15,8 @@ using Eigen::Vector3f;
 struct ExactQuery::Context {
   RTCIntersectContext embree;
   ExactQuery* query;
+  const void* packet = nullptr;  // of rays in neighboring lanes
+  int packet_size = 0, first_lane = 0;
 
   Context(ExactQuery* query_in, RTCFilterFunctionN callback) : query(query_in) {
     rtcInitIntersectContext(&embree);
@@ -33,15 +37,37 @@ constexpr double kLargeTriangle_m = 1.0;
 constexpr int kNeverFirm = 255;
 constexpr double kFirmStep = 1.0 / 512.0;
 
+/// Vector registers of GCC and clang.
+typedef double Doubles __attribute__((vector_size(32)));
+typedef long long Masks __attribute__((vector_size(32)));
+struct Eight {
+  static constexpr unsigned int kLanes = 8;
+  typedef float Floats __attribute__((vector_size(32)));
+  typedef int Ints __attribute__((vector_size(32)));
+};
+struct Sixteen {
+  static constexpr unsigned int kLanes = 16;
+  typedef float Floats __attribute__((vector_size(64)));
+  typedef int Ints __attribute__((vector_size(64)));
+};
+
+template <typename Register>
+[[gnu::always_inline]] inline void load(const void* lanes, Register& to) {
+  __builtin_memcpy(&to, lanes, sizeof to);
+}
+template <typename Register>
+[[gnu::always_inline]] inline void store(const Register& from, void* lanes) {
+  __builtin_memcpy(lanes, &from, sizeof from);
+}
+
 /// Where a ray meets the plane of a facet.
 struct PlaneHit {
   double range_m, cosine;
   bool visible;
 };
 
-// Rule 2. Without branches, for several rays at a time.
-[[gnu::always_inline]] inline PlaneHit meet_plane(double ox, double oy, double oz, double dx, double dy, double dz,
-                                                  const Facet& facet) {
+// Rule 2. judge_proposals() has the same for several rays at a time.
+PlaneHit meet_plane(double ox, double oy, double oz, double dx, double dy, double dz, const Facet& facet) {
   const double nx = facet.normal.x(), ny = facet.normal.y(), nz = facet.normal.z();
   const double height =
       (nx * (facet.corner_m.x() - ox) + ny * (facet.corner_m.y() - oy)) + nz * (facet.corner_m.z() - oz);
@@ -60,67 +86,92 @@ struct PlaneHit {
 // -------------------------------------------------------------------------------------------------------------
 
 void ExactQuery::set_ray(int lane, const Vector3f& origin, const Vector3f& direction, double range_max_m) {
-  origin_x_[lane] = origin.x(), origin_y_[lane] = origin.y(), origin_z_[lane] = origin.z();
-  direction_x_[lane] = direction.x(), direction_y_[lane] = direction.y(), direction_z_[lane] = direction.z();
+  RTCRay16& rays = packet_.ray;
+  rays.org_x[lane] = origin.x(), rays.org_y[lane] = origin.y(), rays.org_z[lane] = origin.z();
+  rays.dir_x[lane] = direction.x(), rays.dir_y[lane] = direction.y(), rays.dir_z[lane] = direction.z();
   range_max_m_[lane] = range_max_m;
-  num_proposals_[lane] = 0;
-  nearest_proposal_m_[lane] = static_cast<float>(range_max_m);
+}
+
+void ExactQuery::set_rays(const Rays& rays, const std::array<float, kPacketSize>& range_max_m) {
+  const auto copy = [](const std::array<float, kPacketSize>& from, float* to) {
+    std::copy_n(from.data(), kPacketSize, to);
+  };
+  copy(rays.origin_x, packet_.ray.org_x);
+  copy(rays.origin_y, packet_.ray.org_y);
+  copy(rays.origin_z, packet_.ray.org_z);
+  copy(rays.direction_x, packet_.ray.dir_x);
+  copy(rays.direction_y, packet_.ray.dir_y);
+  copy(rays.direction_z, packet_.ray.dir_z);
+  std::copy_n(range_max_m.data(), kPacketSize, range_max_m_.data());
 }
 
 void ExactQuery::trace_singly(int count) {
-  Context context(this, take_proposals);
-  Coordinates u, v;
   for (int lane = 0; lane < count; ++lane) {
-    RTCRayHit one;
-    one.ray = single_ray(lane);
-    one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(tree_, &context.embree, &one);
-    u[lane] = one.hit.u;
-    v[lane] = one.hit.v;
+    nearest_proposal_m_[lane] = 0.0F;
+    trace_again(lane);
   }
-  conclude(count, u.data(), v.data());
 }
 
 void ExactQuery::trace_together() {
+  begin();
   Context context(this, take_proposals);
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  auto packet = packet_from<RTCRayHit16>(0);
-  rtcIntersect16(kAllLanes.data(), tree_, &context.embree, &packet);
-  conclude(kPacketSize, packet.hit.u, packet.hit.v);
+  context.packet = &packet_;
+  context.packet_size = kPacketSize;
+  rtcIntersect16(kAllLanes.data(), tree_, &context.embree, &packet_);
+  conclude();
 }
 
 void ExactQuery::trace_scattered() {
+  begin();
   if (scene_->for_scattered_rays) tree_ = scene_->for_scattered_rays.get();
   Context context(this, take_proposals);
-  Coordinates u, v;
   for (int first = 0; first < kPacketSize; first += 8) {
     auto packet = packet_from<RTCRayHit8>(first);
+    context.packet = &packet;
+    context.packet_size = 8;
+    context.first_lane = first;
     rtcIntersect8(kAllLanes.data(), tree_, &context.embree, &packet);
-    std::copy_n(packet.hit.u, 8, &u[first]);
-    std::copy_n(packet.hit.v, 8, &v[first]);
+    std::copy_n(packet.hit.u, 8, &packet_.hit.u[first]);
+    std::copy_n(packet.hit.v, 8, &packet_.hit.v[first]);
   }
-  conclude(kPacketSize, u.data(), v.data());
+  conclude();
+}
+
+// Nothing is proposed yet.
+void ExactQuery::begin() {
+  for (int i = 0; i < kPacketSize; ++i) {
+    packet_.ray.tnear[i] = 0.0F;
+    packet_.ray.tfar[i] = with_slack_m(static_cast<float>(range_max_m_[i]));
+    packet_.ray.time[i] = 0.0F;
+    packet_.ray.mask[i] = ~0U;
+    packet_.ray.id[i] = static_cast<unsigned int>(i);
+    packet_.ray.flags[i] = 0;
+    packet_.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    packet_.hit.u[i] = packet_.hit.v[i] = 0.0F;
+    nearest_proposal_m_[i] = std::numeric_limits<float>::infinity();
+    first_proposal_[i] = second_proposal_[i] = kNone;
+  }
 }
 
 // Of the rays of as many lanes as it holds.
 template <typename Packet>
 Packet ExactQuery::packet_from(int lane) const {
   Packet packet;
-  for (int i = 0; i < static_cast<int>(std::size(packet.ray.id)); ++i) {
-    packet.ray.org_x[i] = origin_x_[lane + i];
-    packet.ray.org_y[i] = origin_y_[lane + i];
-    packet.ray.org_z[i] = origin_z_[lane + i];
-    packet.ray.dir_x[i] = direction_x_[lane + i];
-    packet.ray.dir_y[i] = direction_y_[lane + i];
-    packet.ray.dir_z[i] = direction_z_[lane + i];
-    packet.ray.tnear[i] = 0.0F;
-    packet.ray.tfar[i] = with_slack_m(nearest_proposal_m_[lane + i]);
-    packet.ray.time[i] = 0.0F;
-    packet.ray.mask[i] = ~0U;
-    packet.ray.id[i] = static_cast<unsigned int>(lane + i);
-    packet.ray.flags[i] = 0;
-    packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-  }
+  const auto copy = [lane](const auto& from, auto& to) { std::copy_n(&from[lane], std::size(to), to); };
+  copy(packet_.ray.org_x, packet.ray.org_x);
+  copy(packet_.ray.org_y, packet.ray.org_y);
+  copy(packet_.ray.org_z, packet.ray.org_z);
+  copy(packet_.ray.dir_x, packet.ray.dir_x);
+  copy(packet_.ray.dir_y, packet.ray.dir_y);
+  copy(packet_.ray.dir_z, packet.ray.dir_z);
+  copy(packet_.ray.tnear, packet.ray.tnear);
+  copy(packet_.ray.tfar, packet.ray.tfar);
+  copy(packet_.ray.time, packet.ray.time);
+  copy(packet_.ray.mask, packet.ray.mask);
+  copy(packet_.ray.id, packet.ray.id);
+  copy(packet_.ray.flags, packet.ray.flags);
+  copy(packet_.hit.geomID, packet.hit.geomID);
   return packet;
 }
 
@@ -135,12 +186,12 @@ bool ExactQuery::is_blocked() {
 
 RTCRay ExactQuery::single_ray(int lane) const {
   RTCRay ray{};
-  ray.org_x = origin_x_[lane];
-  ray.org_y = origin_y_[lane];
-  ray.org_z = origin_z_[lane];
-  ray.dir_x = direction_x_[lane];
-  ray.dir_y = direction_y_[lane];
-  ray.dir_z = direction_z_[lane];
+  ray.org_x = packet_.ray.org_x[lane];
+  ray.org_y = packet_.ray.org_y[lane];
+  ray.org_z = packet_.ray.org_z[lane];
+  ray.dir_x = packet_.ray.dir_x[lane];
+  ray.dir_y = packet_.ray.dir_y[lane];
+  ray.dir_z = packet_.ray.dir_z[lane];
   ray.tfar = with_slack_m(static_cast<float>(range_max_m_[lane]));
   ray.mask = ~0U;
   ray.id = static_cast<unsigned int>(lane);
@@ -153,84 +204,43 @@ inline float ExactQuery::error_m(float range_m) const { return 0.5F * (slack_m_ 
 // ---- first pass: Embree proposes, the rule judges afterwards
 // ------------------------------------------------------------------
 
-namespace {
-
-/// Vector registers of GCC and clang.
-struct Sixteen {
-  static constexpr unsigned int kLanes = 16;
-  typedef float Floats __attribute__((vector_size(64)));
-  typedef int Ints __attribute__((vector_size(64)));
-};
-struct Eight {
-  static constexpr unsigned int kLanes = 8;
-  typedef float Floats __attribute__((vector_size(32)));
-  typedef int Ints __attribute__((vector_size(32)));
-};
-
-template <typename Register>
-[[gnu::always_inline]] inline void load(const void* lanes, Register& to) {
-  __builtin_memcpy(&to, lanes, sizeof to);
-}
-template <typename Register>
-[[gnu::always_inline]] inline void store(const Register& from, void* lanes) {
-  __builtin_memcpy(lanes, &from, sizeof from);
-}
-
-}  // namespace
-
 // For neighboring lanes at once, in registers as wide as those that Embree has written the packet from: to read it lane
 // by lane would wait for each of those stores.
 template <typename Registers>
-[[gnu::always_inline]] inline void ExactQuery::propose_at_once(const RTCFilterFunctionNArguments* args) {
-  const auto lane = RTCRayN_id(args->ray, Registers::kLanes, 0);
+[[gnu::always_inline]] inline void ExactQuery::propose_at_once(int lane, const RTCFilterFunctionNArguments* args) {
   typename Registers::Floats tfar_m, nearest_m;
-  typename Registers::Ints valid, triangle, count, first, second;
+  typename Registers::Ints valid, triangle, first, second;
   load(&RTCRayN_tfar(args->ray, Registers::kLanes, 0), tfar_m);
   load(args->valid, valid);
   load(&RTCHitN_primID(args->hit, Registers::kLanes, 0), triangle);
   load(&nearest_proposal_m_[lane], nearest_m);
-  load(&num_proposals_[lane], count);
   load(&first_proposal_[lane], first);
   load(&second_proposal_[lane], second);
+  // What the rule is going to read. Embree proposes one triangle to all lanes.
+  __builtin_prefetch(&scene_->facets[RTCHitN_primID(args->hit, Registers::kLanes, 0)]);
 
   const typename Registers::Ints is_alone =  // those before are behind it for sure
-      valid & ((tfar_m * slack_factor_ + slack_m_ < nearest_m) | (count == 0));
-  const typename Registers::Ints is_second = valid & ~is_alone & (count == 1);
-  const typename Registers::Ints is_nearest = valid & (tfar_m < nearest_m);
-  nearest_m = is_nearest ? tfar_m : nearest_m;
-  tfar_m = valid ? nearest_m * slack_factor_ + slack_m_ : tfar_m;
-
-  store((is_second & triangle) | (~is_second & second), &second_proposal_[lane]);
+      valid & (tfar_m * slack_factor_ + slack_m_ < nearest_m);
+  const typename Registers::Ints joins = valid & ~is_alone;
+  const typename Registers::Ints next = second == static_cast<int>(kNone) ? triangle : static_cast<int>(kSeveral);
+  nearest_m = (valid & (tfar_m < nearest_m)) ? tfar_m : nearest_m;
+  store(is_alone | (joins & next) | (~valid & second), &second_proposal_[lane]);
   store((is_alone & triangle) | (~is_alone & first), &first_proposal_[lane]);
-  store((is_alone & 1) | (~is_alone & (count - valid)), &num_proposals_[lane]);
   store(nearest_m, &nearest_proposal_m_[lane]);
-  store(tfar_m, &RTCRayN_tfar(args->ray, Registers::kLanes, 0));
+  store(valid ? nearest_m * slack_factor_ + slack_m_ : tfar_m, &RTCRayN_tfar(args->ray, Registers::kLanes, 0));
 }
 
 // The ray goes on a little way behind, because a proposal from there may be the nearer one.
 inline void ExactQuery::propose(int lane, std::uint32_t triangle, float& tfar) {
-  const float with_slack_m = tfar * slack_factor_ + slack_m_;
-  if (num_proposals_[lane] == 0 || with_slack_m < nearest_proposal_m_[lane]) {
-    num_proposals_[lane] = 1;
+  if (with_slack_m(tfar) < nearest_proposal_m_[lane]) {
     first_proposal_[lane] = triangle;
-  } else if (++num_proposals_[lane] == 2) {
-    second_proposal_[lane] = triangle;
+    second_proposal_[lane] = kNone;
+  } else {
+    second_proposal_[lane] = second_proposal_[lane] == kNone ? triangle : kSeveral;
   }
   nearest_proposal_m_[lane] = std::min(nearest_proposal_m_[lane], tfar);
-  tfar = nearest_proposal_m_[lane] * slack_factor_ + slack_m_;
+  tfar = with_slack_m(nearest_proposal_m_[lane]);
 }
-
-namespace {
-
-// Do the rays of a packet lie in neighboring lanes?
-bool in_order(const RTCFilterFunctionNArguments* args) {
-  const unsigned int* const lane = &RTCRayN_id(args->ray, args->N, 0);
-  unsigned int differ = 0;
-  for (unsigned int i = 1; i < args->N; ++i) differ |= lane[i] ^ (lane[0] + i);
-  return differ == 0;
-}
-
-}  // namespace
 
 #if defined(__GNUC__) && !defined(__clang__)
 #define SWIFTLET_TARGET(name) [[gnu::target(name)]]
@@ -239,22 +249,25 @@ bool in_order(const RTCFilterFunctionNArguments* args) {
 #endif
 
 SWIFTLET_TARGET("avx512f,avx512vl,avx512dq")
-void ExactQuery::take_sixteen(ExactQuery& query, const RTCFilterFunctionNArguments* args) {
-  query.propose_at_once<Sixteen>(args);
+void ExactQuery::take_sixteen(ExactQuery& query, int lane, const RTCFilterFunctionNArguments* args) {
+  query.propose_at_once<Sixteen>(lane, args);
 }
 
 SWIFTLET_TARGET("avx2")
-void ExactQuery::take_eight(ExactQuery& query, const RTCFilterFunctionNArguments* args) {
-  query.propose_at_once<Eight>(args);
+void ExactQuery::take_eight(ExactQuery& query, int lane, const RTCFilterFunctionNArguments* args) {
+  query.propose_at_once<Eight>(lane, args);
 }
 
-// Embree's callback for every enlarged triangle that rays meet before their `tfar`. A packet is as wide as the
-// registers that Embree has found on this processor.
+// Embree's callback for every enlarged triangle that rays meet before their `tfar`. A packet as wide as the registers
+// that Embree has found on this processor comes as it was given; others come in parts.
 void ExactQuery::take_proposals(const RTCFilterFunctionNArguments* args) {
-  ExactQuery& query = *reinterpret_cast<const Context*>(args->context)->query;
+  const Context& context = *reinterpret_cast<const Context*>(args->context);
+  ExactQuery& query = *context.query;
   const unsigned int count = args->N;
-  if (count == 16 && in_order(args)) return take_sixteen(query, args);
-  if (count == 8 && in_order(args)) return take_eight(query, args);
+  if (args->ray == context.packet && static_cast<int>(count) == context.packet_size) {
+    if (count == 16) return take_sixteen(query, context.first_lane, args);
+    if (count == 8) return take_eight(query, context.first_lane, args);
+  }
   for (unsigned int i = 0; i < count; ++i) {
     if (args->valid[i] == 0) continue;
     query.propose(static_cast<int>(RTCRayN_id(args->ray, count, i)), RTCHitN_primID(args->hit, count, i),
@@ -262,67 +275,117 @@ void ExactQuery::take_proposals(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-void ExactQuery::conclude(int count, const float* u, const float* v) {
-  fetch(count);
-  std::array<bool, kPacketSize> visible;
-  if (count == kPacketSize) {
-    judge_planes(range_m_, cos_incidence_, visible);
-  } else {
-    visible.fill(false);
-  }
-  std::array<bool, kPacketSize> in_full;
-  for (int lane = 0; lane < count; ++lane) {
-    triangle_[lane] = kNone;
-    in_full[lane] = false;
-    if (num_proposals_[lane] == 0) continue;  // whoever meets no enlarged triangle meets none
-    const std::uint32_t triangle = first_proposal_[lane];
-    const int steps = scene_->facets[triangle].firm_steps;
-    const float firm = steps == kNeverFirm ? 2.0F : static_cast<float>(kFirmStep) * static_cast<float>(steps);
-    const bool inside = std::min(std::min(u[lane], v[lane]), 1.0F - u[lane] - v[lane]) >= firm;
-    if (num_proposals_[lane] == 1 && visible[lane] && inside && range_m_[lane] <= range_max_m_[lane]) {
-      triangle_[lane] = triangle;
-    } else {
-      in_full[lane] = true;
-      __builtin_prefetch(&scene_->corners_m[triangle]);
-    }
-  }
-  for (int lane = 0; lane < count; ++lane) {
-    if (in_full[lane]) judge_in_full(lane);
-  }
-}
-
-// Asks the memory for what the rule is going to read of the proposals.
-void ExactQuery::fetch(int count) const {
-  for (int lane = 0; lane < count; ++lane) {
-    if (num_proposals_[lane] == 0) continue;
-    __builtin_prefetch(&scene_->facets[first_proposal_[lane]]);
-    if (num_proposals_[lane] != 2) continue;
+// Most rays have one proposal, far from its edges. The others are judged in full.
+void ExactQuery::conclude() {
+  for (int lane = 0; lane < kPacketSize; lane += 8) judge_proposals(lane);
+  int in_full[kPacketSize];
+  int num_in_full = 0;
+  for (int lane = 0; lane < kPacketSize; ++lane) {
+    if (triangle_[lane] != kSeveral) continue;
+    in_full[num_in_full++] = lane;
+    // What the rule is going to read.
     __builtin_prefetch(&scene_->corners_m[first_proposal_[lane]]);
+    if (second_proposal_[lane] >= kSeveral) continue;
     __builtin_prefetch(&scene_->facets[second_proposal_[lane]]);
     __builtin_prefetch(&scene_->corners_m[second_proposal_[lane]]);
   }
+  for (int i = 0; i < num_in_full; ++i) judge_in_full(in_full[i]);
 }
 
-// Where the rays meet the planes of their first proposals.
-void ExactQuery::judge_planes(Lanes& range_m, Lanes& cosine, std::array<bool, kPacketSize>& visible) const {
-  static const Facet kNowhere{};
-  for (int i = 0; i < kPacketSize; ++i) {
-    const Facet& facet = num_proposals_[i] > 0 ? scene_->facets[first_proposal_[i]] : kNowhere;
-    const PlaneHit hit =
-        meet_plane(origin_x_[i], origin_y_[i], origin_z_[i], direction_x_[i], direction_y_[i], direction_z_[i], facet);
-    range_m[i] = hit.range_m;
-    cosine[i] = hit.cosine;
-    visible[i] = hit.visible;
+namespace {
+
+typedef int Four __attribute__((vector_size(16)));
+
+// Columns of the matrix of eight rows.
+[[gnu::always_inline]] inline void transpose(Eight::Floats (&row)[8]) {
+  Eight::Floats pair[8], four[8];
+  for (int i = 0; i < 8; i += 2) {
+    pair[i] = __builtin_shufflevector(row[i], row[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+    pair[i + 1] = __builtin_shufflevector(row[i], row[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
   }
+  for (int i = 0; i < 8; i += 4) {
+    for (int k = 0; k < 2; ++k) {
+      four[i + 2 * k] = __builtin_shufflevector(pair[i + k], pair[i + 2 + k], 0, 1, 8, 9, 4, 5, 12, 13);
+      four[i + 2 * k + 1] = __builtin_shufflevector(pair[i + k], pair[i + 2 + k], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  }
+  for (int i = 0; i < 4; ++i) {
+    row[i] = __builtin_shufflevector(four[i], four[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    row[i + 4] = __builtin_shufflevector(four[i], four[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+
+template <int kHalf>
+[[gnu::always_inline]] inline Doubles half_of(const Eight::Floats& lanes) {
+  constexpr int k = 4 * kHalf;
+  return __builtin_convertvector(__builtin_shufflevector(lanes, lanes, k, k + 1, k + 2, k + 3), Doubles);
+}
+
+}  // namespace
+// Rule 2 for eight lanes, and rule 1 where a ray is inside for sure. triangle_ becomes kSeveral where that is not
+// enough.
+void ExactQuery::judge_proposals(int first_lane) {
+  static const Facet kNowhere{};
+  Eight::Floats facet[8];  // then: corner, normal, least_cosine_per_m, surface and firm_steps of all lanes
+  for (int i = 0; i < 8; ++i) {
+    const std::uint32_t triangle = first_proposal_[first_lane + i];
+    load(triangle == kNone ? &kNowhere : &scene_->facets[triangle], facet[i]);
+  }
+  transpose(facet);
+  Eight::Ints steps, first, second;
+  Eight::Floats u, v;
+  load(&facet[7], steps);
+  load(&first_proposal_[first_lane], first);
+  load(&second_proposal_[first_lane], second);
+  load(&packet_.hit.u[first_lane], u);
+  load(&packet_.hit.v[first_lane], v);
+  steps = (steps >> 24) & 0xFF;
+  const Eight::Floats margin = steps == kNeverFirm ? 2.0F : __builtin_convertvector(steps, Eight::Floats) * 0x1p-9F;
+  const Eight::Floats w = 1.0F - u - v, uv = u < v ? u : v, inner = uv < w ? uv : w;
+
+  const auto judge_four = [&](auto half, int lane) __attribute__((always_inline)) {
+    constexpr int kHalf = decltype(half)::value;
+    Eight::Floats of_eight;
+    const auto rays = [&](const float* lanes) __attribute__((always_inline)) {
+      load(&lanes[first_lane], of_eight);
+      return half_of<kHalf>(of_eight);
+    };
+    const RTCRay16& ray = packet_.ray;
+    const Doubles nx = half_of<kHalf>(facet[3]), ny = half_of<kHalf>(facet[4]), nz = half_of<kHalf>(facet[5]);
+    const Doubles height =
+        (nx * (half_of<kHalf>(facet[0]) - rays(ray.org_x)) + ny * (half_of<kHalf>(facet[1]) - rays(ray.org_y))) +
+        nz * (half_of<kHalf>(facet[2]) - rays(ray.org_z));
+    const Doubles approach = (nx * rays(ray.dir_x) + ny * rays(ray.dir_y)) + nz * rays(ray.dir_z);
+    const Doubles range_m = height / approach;
+    const Doubles cosine = approach < 0.0 ? -approach : approach;
+    const Doubles least_cosine = half_of<kHalf>(facet[6]) * (range_m + kLargeTriangle_m);
+    Doubles range_max_m;
+    load(&range_max_m_[lane], range_max_m);
+    const Masks visible = (range_m > 0.0) & (cosine >= least_cosine) & (cosine >= kLeastCosine) &
+                          ((height >= kLeastHeight_m) | (height <= -kLeastHeight_m)) & (range_m <= range_max_m);
+    // The edges lie half of `margin` within the enlarged ones, the corners of which are rounded by at most an eighth.
+    // Embree is wrong by less than half, and that only of rays that barely see the surface.
+    const Masks inside =
+        half_of<kHalf>(inner) * cosine >= half_of<kHalf>(margin) * (0.625 * cosine + 0.5 * least_cosine);
+    store(range_m, &range_m_[lane]);
+    store(cosine < 1.0 ? cosine : Doubles{} + 1.0, &cos_incidence_[lane]);
+    return __builtin_convertvector(visible & inside, Four);
+  };
+  const Four low = judge_four(std::integral_constant<int, 0>(), first_lane);
+  const Four high = judge_four(std::integral_constant<int, 1>(), first_lane + 4);
+  const Eight::Ints sure =
+      __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7) & (second == static_cast<int>(kNone));
+  const Eight::Ints none = first == static_cast<int>(kNone);
+  store((sure & first) | (~sure & (none | static_cast<int>(kSeveral))), &triangle_[first_lane]);
 }
 
 // Several proposals, or one near an edge.
 void ExactQuery::judge_in_full(int lane) {
   triangle_[lane] = kNone;
   range_m_[lane] = range_max_m_[lane];
-  const int num_proposals = num_proposals_[lane];
-  if (num_proposals <= 2) judge(lane, first_proposal_[lane]);
-  if (num_proposals == 2) judge(lane, second_proposal_[lane]);
+  const std::uint32_t second = second_proposal_[lane];
+  if (second != kSeveral) judge(lane, first_proposal_[lane]);
+  if (second < kSeveral) judge(lane, second);
   // Embree has looked farther than that behind the nearest proposal.
   const double certain_m = nearest_proposal_m_[lane] + error_m(nearest_proposal_m_[lane]);
   if (!met(lane) || range_m_[lane] > certain_m) trace_again(lane);
@@ -330,8 +393,9 @@ void ExactQuery::judge_in_full(int lane) {
 
 // True: the nearest so far.
 bool ExactQuery::judge(int lane, std::uint32_t triangle) {
-  const PlaneHit hit = meet_plane(origin_x_[lane], origin_y_[lane], origin_z_[lane], direction_x_[lane],
-                                  direction_y_[lane], direction_z_[lane], scene_->facets[triangle]);
+  const RTCRay16& ray = packet_.ray;
+  const PlaneHit hit = meet_plane(ray.org_x[lane], ray.org_y[lane], ray.org_z[lane], ray.dir_x[lane], ray.dir_y[lane],
+                                  ray.dir_z[lane], scene_->facets[triangle]);
   if (!hit.visible || hit.range_m > range_m_[lane]) return false;
   if (hit.range_m == range_m_[lane] && triangle > triangle_[lane]) return false;
   if (!passes_inside(lane, triangle)) return false;
@@ -344,8 +408,9 @@ bool ExactQuery::judge(int lane, std::uint32_t triangle) {
 // Rule 1. Corners are taken relative to the origin first: the same numbers for all triangles that have the corner.
 bool ExactQuery::passes_inside(int lane, std::uint32_t triangle) const {
   const auto& corners_m = scene_->corners_m[triangle];
-  const Vector3d origin(origin_x_[lane], origin_y_[lane], origin_z_[lane]);
-  const Vector3d direction(direction_x_[lane], direction_y_[lane], direction_z_[lane]);
+  const RTCRay16& ray = packet_.ray;
+  const Vector3d origin(ray.org_x[lane], ray.org_y[lane], ray.org_z[lane]);
+  const Vector3d direction(ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]);
   const Vector3d a = corners_m[0].cast<double>() - origin, b = corners_m[1].cast<double>() - origin,
                  c = corners_m[2].cast<double>() - origin;
   const double ab = direction.dot(a.cross(b)), bc = direction.dot(b.cross(c)), ca = direction.dot(c.cross(a));

@@ -28,8 +28,19 @@ namespace swiftlet::sim {
 inline constexpr double kLeastCosine = 0.01;
 inline constexpr double kLeastHeight_m = 1e-4;
 
-/// Up to kPacketSize rays through one scene, and the triangle that each one meets.
-class alignas(64) ExactQuery {
+/// Rays of a packet in any frame, the same for all arguments.
+struct alignas(64) Rays {
+  std::array<float, kPacketSize> origin_x, origin_y, origin_z, direction_x, direction_y, direction_z;
+
+  void set(int i, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) {
+    origin_x[i] = origin.x(), origin_y[i] = origin.y(), origin_z[i] = origin.z();
+    direction_x[i] = direction.x(), direction_y[i] = direction.y(), direction_z[i] = direction.z();
+  }
+};
+
+/// Up to kPacketSize rays through one scene, and the triangle that each one meets. The frame of the scene is
+/// any frame, the same for all arguments.
+class ExactQuery {
  public:
   explicit ExactQuery(const TriangleScene& scene)
       : scene_(&scene),
@@ -39,6 +50,8 @@ class alignas(64) ExactQuery {
 
   /// Lanes are filled from 0 on.
   void set_ray(int lane, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, double range_max_m);
+  /// All lanes.
+  void set_rays(const Rays& rays, const std::array<float, kPacketSize>& range_max_m);
 
   /// The nearest triangle of each of the first `count` rays, each traced alone.
   void trace_singly(int count);
@@ -58,23 +71,24 @@ class alignas(64) ExactQuery {
 
  private:
   struct Context;
-  using Lanes = std::array<double, kPacketSize>;
-  using Coordinates = std::array<float, kPacketSize>;
+  template <typename T>
+  using Lanes = std::array<T, kPacketSize>;
   static constexpr std::uint32_t kNone = RTC_INVALID_GEOMETRY_ID;
+  static constexpr std::uint32_t kSeveral = kNone - 1;
   static constexpr float kErrorPerRange = 5e-7F / static_cast<float>(kLeastCosine);
 
   static void take_proposals(const RTCFilterFunctionNArguments* args);
-  static void take_sixteen(ExactQuery& query, const RTCFilterFunctionNArguments* args);
-  static void take_eight(ExactQuery& query, const RTCFilterFunctionNArguments* args);
+  static void take_sixteen(ExactQuery& query, int lane, const RTCFilterFunctionNArguments* args);
+  static void take_eight(ExactQuery& query, int lane, const RTCFilterFunctionNArguments* args);
   static void judge_at_once(const RTCFilterFunctionNArguments* args);
+  void begin();
   template <typename Packet>
   Packet packet_from(int lane) const;
   template <typename Registers>
-  void propose_at_once(const RTCFilterFunctionNArguments* args);
+  void propose_at_once(int lane, const RTCFilterFunctionNArguments* args);
   void propose(int lane, std::uint32_t triangle, float& tfar);
-  void fetch(int count) const;
-  void conclude(int count, const float* u, const float* v);
-  void judge_planes(Lanes& range_m, Lanes& cosine, std::array<bool, kPacketSize>& visible) const;
+  void conclude();
+  void judge_proposals(int first_lane);
   void judge_in_full(int lane);
   bool judge(int lane, std::uint32_t triangle);
   bool passes_inside(int lane, std::uint32_t triangle) const;
@@ -83,18 +97,19 @@ class alignas(64) ExactQuery {
   float error_m(float range_m) const;
   float with_slack_m(float range_m) const { return slack_factor_ * range_m + slack_m_; }
 
+  // Callbacks read and write whole registers of these, just as Embree does with the packet.
+  RTCRayHit16 packet_;
+  alignas(64) Lanes<float> nearest_proposal_m_;
+  alignas(64) Lanes<std::uint32_t> first_proposal_;   // kNone: none
+  alignas(64) Lanes<std::uint32_t> second_proposal_;  // within the slack of the nearest
+  // The hits.
+  alignas(64) Lanes<double> range_m_, cos_incidence_;
+  alignas(64) Lanes<std::uint32_t> triangle_;
+
+  Lanes<double> range_max_m_;
   const TriangleScene* scene_;
   RTCScene tree_;
   float slack_factor_, slack_m_;  // a ray goes on behind a proposal, to factor * range + slack
-  Coordinates origin_x_, origin_y_, origin_z_, direction_x_, direction_y_, direction_z_;
-  Lanes range_max_m_;
-  // The hits.
-  Lanes range_m_, cos_incidence_;
-  std::array<std::uint32_t, kPacketSize> triangle_;
-  // What Embree has proposed.
-  Coordinates nearest_proposal_m_;
-  std::array<std::int32_t, kPacketSize> num_proposals_;  // within the slack of the nearest
-  std::array<std::uint32_t, kPacketSize> first_proposal_, second_proposal_;
 };
 
 /// Fills in the facets, the enlarged corners and the slack of a scene that has its corners.

@@ -31,16 +31,6 @@ struct KnotPlace {
   float fraction = 0.0F;  // of the way to the next knot
 };
 
-/// Rays of a packet in one frame.
-struct alignas(64) Rays {
-  std::array<float, kPacketSize> origin_x, origin_y, origin_z, direction_x, direction_y, direction_z;
-
-  void set(int i, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) {
-    origin_x[i] = origin.x(), origin_y[i] = origin.y(), origin_z[i] = origin.z();
-    direction_x[i] = direction.x(), direction_y[i] = direction.y(), direction_z[i] = direction.z();
-  }
-};
-
 struct Vehicle {
   std::shared_ptr<const VehicleShape> shape;
   std::shared_ptr<const VehicleBody> body;
@@ -82,13 +72,6 @@ double rotor_angle(const Knot& a, const Knot& b, int rotor, double s, double h) 
   const double s2 = s * s, s3 = s2 * s;
   return (2 * s3 - 3 * s2 + 1) * a.rotor_angle_rad[rotor] + (s3 - 2 * s2 + s) * h * a.rotor_rate_radps[rotor] +
          (3 * s2 - 2 * s3) * b.rotor_angle_rad[rotor] + (s3 - s2) * h * b.rotor_rate_radps[rotor];
-}
-
-void set_rays(const Rays& rays, const std::array<float, kPacketSize>& range_max_m, ExactQuery& query) {
-  for (int i = 0; i < kPacketSize; ++i) {
-    query.set_ray(i, {rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]},
-                  {rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]}, range_max_m[i]);
-  }
 }
 
 }  // namespace
@@ -258,7 +241,7 @@ void SweepScene::Impl::meet(const Vehicle& vehicle, const BeamPacket& beams, con
                             std::array<float, kPacketSize>& tfar, PacketHits& hits) const {
   const TriangleScene& body = vehicle.body->triangles;
   ExactQuery query(body);
-  set_rays(rays, tfar, query);
+  query.set_rays(rays, tfar);
   query.trace_together();
   for (int i = 0; i < kPacketSize; ++i) {
     if (!query.met(i)) continue;
@@ -369,7 +352,7 @@ void SweepScene::trace(const BeamPacket& beams, bool meets_self, PacketHits& hit
 
   const TriangleScene& world = s.world->impl().world;
   ExactQuery query(world);
-  set_rays(rays, tfar, query);
+  query.set_rays(rays, tfar);
   s.coherent ? query.trace_together() : query.trace_scattered();
   for (int i = 0; i < kPacketSize; ++i) {
     const bool met = query.met(i);
@@ -393,7 +376,7 @@ std::uint32_t SweepScene::reaches_self(const BeamPacket& beams) const {
   std::array<float, kPacketSize> tfar;
   tfar.fill(s.range_max_m);
   ExactQuery query(self.body->triangles);
-  set_rays(rays, tfar, query);
+  query.set_rays(rays, tfar);
   query.trace_together();
   std::uint32_t met = 0;
   for (int i = 0; i < kPacketSize; ++i) {

@@ -32,12 +32,14 @@ int block_rows(const LidarPattern& pattern, const BeamTable& beams) {
   return best;
 }
 
+// Strip by strip, each from top to bottom: what a strip meets stays in the cache for the strip beside it. Rings would
+// come back to it after a whole turn.
 std::vector<std::int32_t> image_blocks(const LidarPattern& pattern, const BeamTable& beams) {
   std::vector<std::int32_t> order;
   const int rows = block_rows(pattern, beams);
   const int cols = kPacketSize / rows;
-  for (int r0 = 0; r0 < beams.rows; r0 += rows) {
-    for (int c0 = 0; c0 < beams.cols; c0 += cols) {
+  for (int c0 = 0; c0 < beams.cols; c0 += cols) {
+    for (int r0 = 0; r0 < beams.rows; r0 += rows) {
       for (int r = r0; r < r0 + rows; ++r) {
         for (int c = c0; c < c0 + cols; ++c) {
           const bool inside = r < beams.rows && c < beams.cols;

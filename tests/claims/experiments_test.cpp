@@ -51,7 +51,24 @@ TEST(Experiments, VerdictsFollowTheTolerance) {
   EXPECT_EQ(rows[4].verdict, Verdict::kReproduced);
   EXPECT_EQ(rows[0].published, "35.56");
   EXPECT_EQ(rows[2].published, "-");
+  EXPECT_EQ(verdict_of(rows[0]), "reproduced");
+  EXPECT_EQ(verdict_of(rows[1]), "differs");
+  EXPECT_EQ(verdict_of(rows[2]), "no published figure");
+  EXPECT_EQ(tolerance_of(rows[0]), "± 25 %");
+  EXPECT_EQ(tolerance_of(rows[2]), "<= 1.9: missed") << "a limit of our own";
+  EXPECT_EQ(tolerance_of(rows[3]), ">= 1.9: kept");
+  EXPECT_EQ(tolerance_of(rows[4]), "it holds: kept");
   EXPECT_THROW(experiment.within("c", 2.0, 0.1, 2), std::logic_error) << "nothing to compare with";
+}
+
+TEST(Experiments, AQuickVersionSaysSoAndWithHowManyRuns) {
+  Experiment experiment({.name = "rbl-real", .quick = true});
+  EXPECT_EQ(experiment.repetitions(100, 2), 2);
+  const ExperimentType type{"rbl-real", "doc", 1.0, nullptr};
+  const std::string text = to_markdown(type, experiment);
+  EXPECT_THAT(text, HasSubstr("# rbl-real, quick version\n"));
+  EXPECT_THAT(text, HasSubstr(", 2 runs a case; fewer and shorter than the full version."));
+  EXPECT_THAT(to_json(type, experiment), HasSubstr("\"repetitions\": 2"));
 }
 
 TEST(Experiments, NumbersAreShort) {
@@ -63,7 +80,7 @@ TEST(Experiments, NumbersAreShort) {
 
 TEST(Experiments, TablesEscapeBarsAndKeepTheNumber) {
   Experiment experiment({});
-  experiment.row({"P(x | y)", "2", Verdict::kNotComparable, "", 2.0});
+  experiment.row({"P(x | y)", "2", Verdict::kNotJudged, "", 2.0});
   const ExperimentType type{"name", "doc", 1.0, nullptr};
   EXPECT_THAT(to_markdown(type, experiment), HasSubstr("P(x \\| y)"));
   EXPECT_THAT(to_json(type, experiment), HasSubstr("\"value\": 2.0"));

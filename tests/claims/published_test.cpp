@@ -73,6 +73,12 @@ TEST(Published, ResultTablesInTheDocumentsShowTheSame) {
     const PublishedFigure* figure = find_published(experiment, cells[0]);
     EXPECT_EQ(cells[1], figure != nullptr ? figure->text : "-") << experiment << ": " << cells[0];
     compared += figure != nullptr ? 1 : 0;
+    ASSERT_GE(cells.size(), 5U) << line;
+    const std::string& verdict = cells[4];
+    EXPECT_EQ(verdict == "no published figure", figure == nullptr) << experiment << ": " << cells[0];
+    const bool judged = verdict == "reproduced" || verdict == "better" || verdict == "differs";
+    EXPECT_TRUE(judged || verdict == "no published figure" || verdict == "other conditions") << line;
+    EXPECT_FALSE(judged && cells[2].empty()) << "no tolerance: " << line;
   }
   EXPECT_GT(compared, 100);
 }

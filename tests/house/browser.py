@@ -30,6 +30,7 @@ class Browser:
                  "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
                  "--hide-scrollbars", f"--window-size={width},{height}", f"--user-data-dir={self.profile.name}"]
         wanted = {"browserName": "chrome", "goog:loggingPrefs": {"browser": "ALL"}, "pageLoadStrategy": "none",
+                  "timeouts": {"script": 110000},  # [ms] a busy machine makes the browser's own 30 s too few
                   "goog:chromeOptions": {"args": flags, "binary": shutil.which("chromium") or shutil.which("chromium-browser")}}
         for attempt in range(100):
             try:

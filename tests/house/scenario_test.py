@@ -32,6 +32,8 @@ def fly(swiftlet, scenario, out):
     printed = (result.stdout + result.stderr).strip()
     expect(result.returncode == 0, f"exit status {result.returncode}: {printed}")
     expect(printed == "", f"a quiet run printed: {printed}")
+    again = subprocess.run([str(swiftlet), "check", str(out / "scenario.yaml")], capture_output=True, text=True)
+    expect(again.returncode == 0, f"the resolved scenario cannot be flown again: {again.stderr.strip()}")
 
 
 def numbers_of(value, path=""):

@@ -27,8 +27,7 @@ double published_bias_m() {
 }
 
 // The document flew each case once; a quick version flies a part of it.
-Flights fly_agile(const Experiment& experiment, const std::string& name, double full_s,
-                  const Overrides& overrides = {}) {
+Flights fly_agile(Experiment& experiment, const std::string& name, double full_s, const Overrides& overrides = {}) {
   std::vector<sim::Scenario> scenarios;
   for (int seed = 1; seed <= experiment.repetitions(3, 1); ++seed) {
     scenarios.push_back(
@@ -410,7 +409,7 @@ struct Ascent {
   }
 };
 
-std::vector<Ascent> ascents_with(const Experiment& experiment, const Overrides& overrides) {
+std::vector<Ascent> ascents_with(Experiment& experiment, const Overrides& overrides) {
   std::vector<sim::Scenario> scenarios;
   for (int seed = 1; seed <= experiment.repetitions(5, 1); ++seed) {
     scenarios.push_back(scenario_with("reproduce/detection_takeoff.yaml", static_cast<std::uint64_t>(seed), overrides));

@@ -94,7 +94,7 @@ void fly_variations(Experiment& experiment, double duration_s) {
         fly_and_log(experiment, scenarios, variation.fov_bottom_deg, variation.fov_top_deg, kIgnored_s);
     const DistanceBin all = joined(flights.detections, kNear_m);
     experiment.row({variation.name, fmt::format("recall {:.3f}, error {:.3f} m", all.recall(), all.mean_error_m()),
-                    Verdict::kNotComparable,
+                    Verdict::kNotJudged,
                     fmt::format("up to {:g} m, {} sightings; tracker {:.3f}", kNear_m, all.count,
                                 joined(flights.told_tracks, kNear_m).recall()),
                     all.recall()});
@@ -129,7 +129,7 @@ void fly_two_observers(Experiment& experiment, double duration_s) {
     for (const auto& log : logs) log->add(simulation);
   });
   const std::array<double, 3> found = shares_found(logs, target_of_log);
-  experiment.row({"two observers: found by either", fmt::format("recall {:.3f}", found[2]), Verdict::kNotComparable,
+  experiment.row({"two observers: found by either", fmt::format("recall {:.3f}", found[2]), Verdict::kNotJudged,
                   fmt::format("by the first {:.3f}, by the second {:.3f}, of the scans in which any could see it",
                               found[0], found[1]),
                   found[2]});

@@ -65,7 +65,7 @@ void detection_choices(Experiment& experiment) {
         {kInterpretations[i].name,
          fmt::format("recall {:.3f}, precision {:.3f}, {:.0f} false a minute, error {:.3f} m", recall[i], precision[i],
                      false_per_min[i], error[i]),
-         Verdict::kNotComparable,
+         Verdict::kNotJudged,
          fmt::format("tracker: recall {:.3f}, {:.0f} false tracks a minute", track_recall[i], false_tracks[i]),
          recall[i]});
   }

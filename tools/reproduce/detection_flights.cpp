@@ -96,7 +96,7 @@ DistanceBin joined(const std::vector<DistanceBin>& bins, double up_to_m) {
 }
 
 void plain_row(Experiment& experiment, const std::string& what, double value, int digits, const std::string& note) {
-  experiment.row({what, short_number(value, digits), Verdict::kNotComparable, note, value});
+  experiment.row({what, short_number(value, digits), Verdict::kNotJudged, note, value});
 }
 
 }  // namespace swiftlet::tools

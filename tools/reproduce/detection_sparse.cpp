@@ -183,7 +183,7 @@ void tell_method(Experiment& experiment, const std::string& sensor, const FlownM
   experiment.row(
       {fmt::format("{}, {}: recall at 10 to 25 m", sensor, method.name),
        fmt::format("{:.3f}, {:.3f} of what returned something in 1 s", middle.recall(), middle.recall_of_ceiling()),
-       Verdict::kNotComparable,
+       Verdict::kNotJudged,
        fmt::format("{} sightings; up to 25 m {:.3f}; error {:.3f} m, {:.3f} m beyond the pose's noise; "
                    "precision {:.3f}; {:.2f} false tracks a minute; {} switches; found after {:.2f} s",
                    middle.count, near.recall(), middle.error_m, middle.beyond_noise_m, method.precision(),

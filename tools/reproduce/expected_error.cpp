@@ -120,7 +120,7 @@ void expected_error(Experiment& experiment) {
     if (small) {
       experiment.at_most(what, linearization[i_rad], 0.01, 2);
     } else {
-      experiment.row({what, short_number(linearization[i_rad], 2), Verdict::kNotComparable,
+      experiment.row({what, short_number(linearization[i_rad], 2), Verdict::kNotJudged,
                       "half a radian is no small angle: the linearized error is too large by this",
                       linearization[i_rad]});
     }

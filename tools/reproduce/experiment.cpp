@@ -20,8 +20,10 @@ namespace {
 
 std::string field(double value) { return std::isnan(value) ? std::string() : fmt::format("{}", value); }
 
-ResultRow number_row(const std::string& what, double ours, int digits, bool holds, const std::string& note) {
-  return {what, short_number(ours, digits), holds ? Verdict::kReproduced : Verdict::kDiffers, note, ours};
+ResultRow number_row(const std::string& what, double ours, int digits, bool holds, const std::string& note,
+                     std::string tolerance) {
+  return {what, short_number(ours, digits), holds ? Verdict::kReproduced : Verdict::kDiffers, note,
+          ours, std::move(tolerance)};
 }
 
 // A bar would end the cell.
@@ -34,20 +36,36 @@ std::string cell(const std::string& text) {
   return out.empty() ? "-" : out;
 }
 
+/// By which version, and with how many runs a case where a case has several.
+std::string made_by(const Experiment& experiment) {
+  std::string text = fmt::format("Swiftlet {} ({})", sim::version(), sim::git_revision());
+  if (experiment.most_repetitions() > 0)
+    text +=
+        fmt::format(", {} run{} a case", experiment.most_repetitions(), experiment.most_repetitions() == 1 ? "" : "s");
+  return text + (experiment.quick() ? "; fewer and shorter than the full version." : ".");
+}
+
 }  // namespace
 
-const char* name_of(Verdict verdict) {
-  switch (verdict) {
+std::string verdict_of(const ResultRow& row) {
+  if (row.published == "-") return "no published figure";
+  switch (row.verdict) {
     case Verdict::kReproduced:
       return "reproduced";
     case Verdict::kBetter:
       return "better";
     case Verdict::kDiffers:
       return "differs";
-    case Verdict::kNotComparable:
-      return "not comparable";
+    case Verdict::kOtherConditions:
+    case Verdict::kNotJudged:
+      return "other conditions";
   }
   return "";
+}
+
+std::string tolerance_of(const ResultRow& row) {
+  if (row.tolerance.empty() || row.published != "-") return row.tolerance;
+  return row.tolerance + (row.verdict == Verdict::kDiffers ? ": missed" : ": kept");
 }
 
 CsvTable& CsvTable::row(std::span<const double> values) {
@@ -86,8 +104,10 @@ FlightLog* Experiment::flight_log() const {
   return flight_log_.get();
 }
 
-int Experiment::repetitions(int full, int quick_version) const {
-  return options_.repetitions ? *options_.repetitions : options_.quick ? quick_version : full;
+int Experiment::repetitions(int full, int quick_version) {
+  const int count = options_.repetitions ? *options_.repetitions : options_.quick ? quick_version : full;
+  most_repetitions_ = std::max(most_repetitions_, count);
+  return count;
 }
 
 void Experiment::progress(double done, const std::string& note) const {
@@ -107,19 +127,21 @@ void Experiment::row(ResultRow row) {
 
 void Experiment::within(const std::string& what, double ours, double tolerance, int digits, const std::string& note) {
   const double wanted = published(what).value;
-  row(number_row(what, ours, digits, std::abs(ours - wanted) <= tolerance * std::abs(wanted), note));
+  row(number_row(what, ours, digits, std::abs(ours - wanted) <= tolerance * std::abs(wanted), note,
+                 fmt::format("± {:.3g} %", 100.0 * tolerance)));
 }
 
 void Experiment::at_most(const std::string& what, double ours, double limit, int digits, const std::string& note) {
-  row(number_row(what, ours, digits, ours <= limit, note));
+  row(number_row(what, ours, digits, ours <= limit, note, fmt::format("<= {:g}", limit)));
 }
 
 void Experiment::at_least(const std::string& what, double ours, double limit, int digits, const std::string& note) {
-  row(number_row(what, ours, digits, ours >= limit, note));
+  row(number_row(what, ours, digits, ours >= limit, note, fmt::format(">= {:g}", limit)));
 }
 
 void Experiment::claim(const std::string& what, const std::string& ours, bool holds, const std::string& note) {
-  row({what, ours, holds ? Verdict::kReproduced : Verdict::kDiffers, note, std::numeric_limits<double>::quiet_NaN()});
+  row({what, ours, holds ? Verdict::kReproduced : Verdict::kDiffers, note, std::numeric_limits<double>::quiet_NaN(),
+       "it holds"});
 }
 
 void Experiment::write(const std::string& file, const CsvTable& table) { write(file, table.text()); }
@@ -151,11 +173,12 @@ std::string short_number(double value, int digits) {
 }
 
 std::string to_markdown(const ExperimentType& type, const Experiment& experiment) {
-  std::string text = fmt::format("# {}\n\n{}\n\n", type.name, type.doc);
-  text += "| what | published | ours | verdict | note |\n| --- | --- | --- | --- | --- |\n";
+  std::string text = fmt::format("# {}{}\n\n{}\n\n", type.name, experiment.quick() ? ", quick version" : "", type.doc);
+  text += made_by(experiment) + "\n\n";
+  text += "| what | published | tolerance | ours | verdict | note |\n| --- | --- | --- | --- | --- | --- |\n";
   for (const ResultRow& row : experiment.rows()) {
-    text += fmt::format("| {} | {} | {} | {} | {} |\n", cell(row.what), cell(row.published), cell(row.ours),
-                        name_of(row.verdict), row.note.empty() ? "" : cell(row.note));
+    text += fmt::format("| {} | {} | {} | {} | {} | {} |\n", cell(row.what), cell(row.published), tolerance_of(row),
+                        cell(row.ours), verdict_of(row), row.note.empty() ? "" : cell(row.note));
   }
   for (const std::string& file : experiment.files()) {
     if (file.ends_with(".svg")) text += fmt::format("\n![{}]({})\n", file, file);
@@ -170,13 +193,11 @@ std::string to_json(const ExperimentType& type, const Experiment& experiment) {
   json["version"] = sim::version();
   json["revision"] = sim::git_revision();
   json["quick"] = experiment.quick();
+  json["repetitions"] = experiment.most_repetitions();
   json["rows"] = nlohmann::ordered_json::array();
   for (const ResultRow& row : experiment.rows()) {
-    nlohmann::ordered_json one{{"what", row.what},
-                               {"published", row.published},
-                               {"ours", row.ours},
-                               {"verdict", name_of(row.verdict)},
-                               {"note", row.note}};
+    nlohmann::ordered_json one{{"what", row.what}, {"published", row.published}, {"tolerance", tolerance_of(row)},
+                               {"ours", row.ours}, {"verdict", verdict_of(row)}, {"note", row.note}};
     if (std::isfinite(row.value)) one["value"] = row.value;
     json["rows"].push_back(std::move(one));
   }

@@ -16,22 +16,27 @@
 namespace swiftlet::tools {
 
 enum class Verdict {
-  kReproduced,     ///< within the tolerance
-  kBetter,         ///< beyond what was published, under the same conditions or harder ones
-  kDiffers,        ///< outside the tolerance: the row's note says why
-  kNotComparable,  ///< no figure was published or the conditions are not the same: the row's note says so
+  kReproduced,       ///< within the tolerance
+  kBetter,           ///< beyond what was published, under the same conditions or harder ones
+  kDiffers,          ///< outside the tolerance: the row's note says why
+  kOtherConditions,  ///< the conditions are not the same, so the two figures say little about each other
+  kNotJudged,        ///< a figure of our own
 };
-const char* name_of(Verdict verdict);
 
 /// One line of the table published | ours | verdict.
 struct ResultRow {
   std::string what;  ///< with its unit: "mean position error at 10 m [m]"
   std::string ours;
-  Verdict verdict = Verdict::kNotComparable;
+  Verdict verdict = Verdict::kNotJudged;
   std::string note;
   double value = 0.0;           ///< ours as a number, for programs; NaN: none
+  std::string tolerance = {};   ///< within which it counts as reproduced, or a limit of our own: "± 10 %", ">= 0.95"
   std::string published = "-";  ///< as printed; the experiment fills it in from published.csv
 };
+/// The words of the table. A row without a published figure says so, whatever it was judged by.
+std::string verdict_of(const ResultRow& row);
+/// The tolerance, and whether a limit of our own is kept.
+std::string tolerance_of(const ResultRow& row);
 
 struct ExperimentOptions {
   std::string name = {};                 ///< under which published.csv knows the experiment
@@ -70,7 +75,9 @@ class Experiment {
   bool quick() const { return options_.quick; }
   int jobs() const { return options_.jobs; }
   /// How many runs a case: what the user asked for, else the experiment's number for this version.
-  int repetitions(int full, int quick_version) const;
+  int repetitions(int full, int quick_version);
+  /// The largest number that was asked for so; 0: none was.
+  int most_repetitions() const { return most_repetitions_; }
   void progress(double done, const std::string& note) const;
   /// nullptr: nothing is to be kept (no directory). Throws std::runtime_error when it cannot be written.
   FlightLog* flight_log() const;
@@ -98,6 +105,7 @@ class Experiment {
  private:
   ExperimentOptions options_;
   mutable std::unique_ptr<FlightLog> flight_log_;  // made when the first flights are
+  int most_repetitions_ = 0;
   std::vector<ResultRow> rows_;
   std::vector<std::string> files_;
 };

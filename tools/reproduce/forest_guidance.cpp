@@ -62,11 +62,11 @@ void forest_guidance(Experiment& experiment) {
   experiment.at_least("flights that reach the border [%]", 100.0 * done / count, 100.0, 3,
                       fmt::format("{} of {}, each in another forest", done, flights.size()));
   experiment.at_most("contacts", contacts, 0.0, 1, fmt::format("least clearance {:.2f} m", least_m));
-  experiment.row({"distance of a flight [m]", fmt::format("{:.1f}", flown_m / count), Verdict::kNotComparable,
+  experiment.row({"distance of a flight [m]", fmt::format("{:.1f}", flown_m / count), Verdict::kNotJudged,
                   fmt::format("mean, in {:.0f} s; the borders are the published distances", time_s / count),
                   flown_m / count});
   experiment.row({"share of the guided time with the secondary in sight [%]",
-                  fmt::format("{:.1f}", 100.0 * seen_s / std::max(guided_s, 1e-9)), Verdict::kNotComparable, "",
+                  fmt::format("{:.1f}", 100.0 * seen_s / std::max(guided_s, 1e-9)), Verdict::kNotJudged, "",
                   100.0 * seen_s / std::max(guided_s, 1e-9)});
   experiment.write("flights.csv", csv);
   sim::plot::Figure figure("Distance flown in each forest", 1);

@@ -265,7 +265,7 @@ void gap_success(Experiment& experiment) {
       crashes += point.crashes;
     }
     experiment.row({fmt::format("{}: safe distance of 90 % success [m]", name_of(team)), in_meters(of_90_m[team]),
-                    Verdict::kNotComparable, fmt::format("{}; {} contacts", shares, crashes),
+                    Verdict::kNotJudged, fmt::format("{}; {} contacts", shares, crashes),
                     of_90_m[team].value_or(std::nan(""))});
   }
   const auto &best_m = of_90_m[Team::kTruthOwnMap], &full_m = of_90_m[Team::kFull], &single_m = of_90_m[Team::kSingle];

@@ -95,7 +95,7 @@ void interception(Experiment& experiment) {
       const ProtocolResult result = fly_protocol(experiment, method, limits, trajectories, starts, csv);
       const std::string name = fmt::format("{} {}: ", limits.name, method);
       const auto row = [&](const char* what, double value, int digits, const std::string& note) {
-        experiment.row({name + what, short_number(value, digits), Verdict::kNotComparable, note, value});
+        experiment.row({name + what, short_number(value, digits), Verdict::kNotJudged, note, value});
       };
       row("trajectories captured [-]", result.captured, 3,
           fmt::format("{:.3f} of all flights; {}", result.every_start, flights));

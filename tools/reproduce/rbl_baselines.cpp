@@ -107,14 +107,14 @@ void rbl_baselines(Experiment& experiment) {
       csv.row(place + " " + std::string(method.guidance) + std::to_string(method.informed_every),
               {static_cast<double>(n), table.success, table.arrived, table.crashed, table.length_m.mean,
                table.time_s.mean, table.min_separation_m});
-      experiment.row({what + "success [-]", fmt::format("{:.2f}", table.success), Verdict::kNotComparable,
+      experiment.row({what + "success [-]", fmt::format("{:.2f}", table.success), Verdict::kNotJudged,
                       fmt::format("{:.0f} % of the vehicles arrive, contact in {:.0f} % of the flights, least distance "
                                   "{:.2f} m",
                                   100.0 * table.arrived, 100.0 * table.crashed, table.min_separation_m),
                       table.success});
       if (table.success == 0.0) continue;
       experiment.row({what + "L [m], t [s]", fmt::format("{:.2f}, {:.2f}", table.length_m.mean, table.time_s.mean),
-                      Verdict::kNotComparable, "of the flights that succeeded", table.time_s.mean});
+                      Verdict::kNotJudged, "of the flights that succeeded", table.time_s.mean});
     }
   };
   const int seeds = experiment.repetitions(100, 1);

@@ -50,6 +50,7 @@ void add_row(Experiment& experiment, const std::string& what, const MeanAndDevia
   row.what = what;
   row.ours = fmt::format("{:.2f} ± {:.2f}", ours.mean, ours.deviation);
   row.value = ours.mean;
+  row.tolerance = "+ 10 %";
   row.verdict = ours.mean < 0.9 * published   ? Verdict::kBetter
                 : ours.mean < 1.1 * published ? Verdict::kReproduced
                                               : Verdict::kDiffers;
@@ -105,8 +106,8 @@ void compare(Experiment& experiment, const CrossingCase& c, int seeds, const Cro
 void tell(Experiment& experiment, const CrossingCase& c, const CrossingTable& table, const std::string& note) {
   std::string ours = fmt::format("{:.2f}", table.success);
   if (table.success > 0.0) ours += fmt::format("; {:.2f}, {:.2f}", table.length_m.mean, table.time_s.mean);
-  experiment.row({case_name(c) + ": success [-]; L [m], t [s]", ours, Verdict::kNotComparable,
-                  note + least_distance(table), table.success});
+  experiment.row({case_name(c) + ": success [-]; L [m], t [s]", ours, Verdict::kNotJudged, note + least_distance(table),
+                  table.success});
 }
 
 /// With perfect neighbors nobody enters another's space, whatever the seed.

@@ -49,7 +49,7 @@ void draw(Experiment& experiment, const std::string& file, const std::string& ti
 }
 
 void add(Experiment& experiment, const std::string& what, double success, double least_m) {
-  experiment.row({what + ": success [-]", fmt::format("{:.2f}", success), Verdict::kNotComparable,
+  experiment.row({what + ": success [-]", fmt::format("{:.2f}", success), Verdict::kNotJudged,
                   fmt::format("least distance {:.2f} m", least_m), success});
 }
 

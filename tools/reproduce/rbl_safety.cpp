@@ -238,7 +238,7 @@ void rbl_safety(Experiment& experiment) {
           summarize(fly_crossings(experiment, scenarios), static_cast<int>(scenarios.front().vehicles.size()));
       csv.row(c.name, {document ? 1.0 : 0.0, table.success, table.crashed, table.min_separation_m, table.time_s.mean});
       const std::string what = fmt::format("{}{}: flights with contact [-]", c.name, document ? ", document" : "");
-      experiment.row({what, fmt::format("{:.2f}", table.crashed), Verdict::kNotComparable,
+      experiment.row({what, fmt::format("{:.2f}", table.crashed), Verdict::kNotJudged,
                       fmt::format("least distance {:.2f} m, {:.1f} s", table.min_separation_m, table.time_s.mean),
                       table.crashed});
     }

@@ -67,6 +67,32 @@ TEST(GuidedGap, TheSmallOnePassesTwiceAndTheLargeOneStays) {
   EXPECT_LT(flight.error_in_gap_m, 0.10) << "[Pritzl 2024, sec. III-A]";
 }
 
+constexpr const char* kLidarAndImu =
+    "{type: lidar, name: os0, model: os0_128, mount: {position_m: [0, 0, 0.15]}}, "
+    "{type: imu, name: imu, model: imu_adis16448}";
+
+/// Outcome of a flight whose guide localizes itself in a way of its own.
+void expect_two_passes(const std::string& localization, const std::string& more_sensors) {
+  const GuidedFlight flight = fly({{"duration_s", "60"},
+                                   {"vehicles[primary].sensors", std::string("[") + kLidarAndImu + more_sensors + "]"},
+                                   {"vehicles[primary].agent.localization", "{type: " + localization + "}"}});
+  EXPECT_EQ(flight.summary.outcome, "done");
+  EXPECT_EQ(flight.passes, 2);
+  EXPECT_FALSE(flight.guide_passed);
+}
+
+TEST(GuidedGap, TheGuideMayLocalizeItselfBySlam) { expect_two_passes("slam", ""); }
+
+TEST(GuidedGap, TheGuideMayLocalizeItselfByOdometryThatDrifts) {
+  expect_two_passes("odometry", ", {type: odometry, name: vio, model: odometry_vio}");
+}
+
+TEST(GuidedGap, TheGuideMayLocalizeItselfByGnss) {
+  expect_two_passes("ins",
+                    ", {type: gnss, name: gnss, model: gnss_rtk}, {type: compass, name: compass}, "
+                    "{type: altimeter, name: altimeter}");
+}
+
 TEST(GuidedGap, ALinkThatIsLostEndsTheMissionWithoutContact) {
   const GuidedFlight flight = fly({{"duration_s", "60"}, {"radio.loss_probability", "1"}});
   EXPECT_NE(flight.summary.outcome, "crashed");

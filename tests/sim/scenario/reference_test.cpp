@@ -45,6 +45,12 @@ TEST(Reference, NamesEveryModuleOfEveryRegistry) {
   }
 }
 
+// A resolved scenario holds every default, and must fly again.
+TEST(Reference, EveryDefaultCanBeRead) {
+  const std::string text = write_reference();
+  for (const char* unreadable : {".inf`", ".nan`"}) EXPECT_THAT(text, Not(HasSubstr(unreadable)));
+}
+
 TEST(Reference, TheDocumentIsUpToDate) {
   std::ifstream file(SWIFTLET_SOURCE_DIR "/docs/reference.md");
   const std::string document((std::istreambuf_iterator<char>(file)), {});

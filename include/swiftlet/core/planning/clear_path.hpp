@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
@@ -16,8 +15,8 @@ namespace swiftlet {
 struct ClearPathConfig {
   double clearance_m = 0.8;
   bool unknown_is_free = false;
-  double z_min_m = -std::numeric_limits<double>::infinity();
-  double z_max_m = std::numeric_limits<double>::infinity();
+  double z_min_m = -1e5;
+  double z_max_m = 1e5;
   double greed = 1.0;
   int max_expansions = 300'000;
   int max_shortenings = 5;
@@ -66,6 +65,9 @@ class ClearSpace {
 /// same view gives the same path.
 ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_local_m,
                           const Vector3& goal_local_m);
+
+/// A clear path with its corners cut: from the beginning, then from the end, and so on, as long as it gets shorter.
+std::vector<Vector3> shortened_path(const ClearSpace& space, std::vector<Vector3> path_local_m, int times);
 
 double length_m(const std::vector<Vector3>& corners_local_m);
 

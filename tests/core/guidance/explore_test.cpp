@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A vehicle that explores rooms which the test knows, and shows it what lies in sight.
+#include "swiftlet/core/guidance/explore.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "tests/core/guidance/guidance_driver.hpp"
+#include "tests/core/planning/box_map.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::BoxMap;
+using testing::GuidanceDriver;
+
+constexpr double kEdge_m = 0.25;
+const Cell kSize(56, 24, 10);
+
+/// Two rooms of 6 m, 6 m x 5.5 m x 2 m each, with an opening of 1.5 m; the second has a pillar. A third one is closed.
+BoxMap rooms() {
+  BoxMap map(kSize, kEdge_m);
+  for (int z = 0; z < kSize.z(); ++z) {
+    for (int y = 0; y < kSize.y(); ++y) {
+      for (int x = 0; x < kSize.x(); ++x) {
+        const bool border =
+            x == 0 || y == 0 || z == 0 || x + 1 == kSize.x() || y + 1 == kSize.y() || z + 1 == kSize.z();
+        const bool wall = x == 24 && (y < 9 || y >= 15), pillar = x >= 34 && x < 36 && y >= 10 && y < 14, far = x == 48;
+        if (border || wall || pillar || far) map.at({x, y, z}) = CellState::kOccupied;
+      }
+    }
+  }
+  return map;
+}
+
+struct Explorer : GuidanceDriver {
+  Explorer(const BoxMap& truth, const ExploreConfig& config, const Vector3& start_m)
+      : GuidanceDriver("explore", config, start_m), truth(truth), known(kSize, kEdge_m) {
+    for (std::ptrdiff_t i = 0; i < known.grid().num_cells(); ++i) known.at(known.grid().cell(i)) = CellState::kUnknown;
+    map = &known;
+  }
+  void see() {
+    constexpr int kRays = 2000;
+    for (int i = 0; i < kRays; ++i) {
+      const double up = -0.9 + 1.8 * (i + 0.5) / kRays, level = std::sqrt(1.0 - up * up);
+      const Vector3 along(level * std::cos(2.39996323 * i), level * std::sin(2.39996323 * i), up);
+      for (double way_m = 0.0; way_m < 8.0; way_m += 0.1) {
+        const Vector3 at_m = p_m() + way_m * along;
+        const Cell cell = (at_m / kEdge_m).array().floor().cast<int>();
+        if (!known.grid().contains(cell)) break;
+        known.at(cell) = truth.at(cell);
+        if (truth.at(cell) == CellState::kOccupied) break;
+      }
+    }
+    ++known.now;
+  }
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds / dt_s) && out.mission == MissionStatus::kRunning; ++i) {
+      if (i % 3 == 0) see();
+      step();
+      notes.insert(out.note);
+      const Vector3 way_m = out.goal.position_m - p_m();
+      estimate.v_local_mps = way_m.norm() < 1e-3 ? Vector3(Vector3::Zero()) : Vector3(way_m.normalized());
+      put(p_m() + std::min(dt_s, way_m.norm()) * estimate.v_local_mps);
+      if (truth.state(p_m()) == CellState::kOccupied) ++contacts;
+      farthest_x_m = std::max(farthest_x_m, p_m().x());
+    }
+  }
+  /// Of the free cells with these columns.
+  double known_share(int from_x, int to_x) const {
+    int num = 0, seen = 0;
+    for (std::ptrdiff_t i = 0; i < truth.grid().num_cells(); ++i) {
+      const Cell cell = truth.grid().cell(i);
+      if (cell.x() < from_x || cell.x() >= to_x || truth.at(cell) != CellState::kFree) continue;
+      ++num;
+      seen += known.at(cell) == CellState::kFree;
+    }
+    return static_cast<double>(seen) / num;
+  }
+
+  BoxMap truth, known;
+  std::set<std::string> notes;
+  int contacts = 0;
+  double farthest_x_m = 0.0;
+};
+
+ExploreConfig explores(const Vector3& box_max_m) {
+  ExploreConfig config;
+  config.box_min_world_m = Vector3(0, 0, 0);
+  config.box_max_world_m = box_max_m;
+  config.view.path.clearance_m = 0.4;
+  config.view.range_m = 4.0;
+  config.retries = 1;
+  return config;
+}
+
+TEST(Explore, BothRoomsAreKnownInTheEndAndTheClosedOneIsNot) {
+  Explorer explorer(rooms(), explores({14, 6, 2.5}), {1.5, 1.5, 1.1});
+  explorer.run(300.0);
+  EXPECT_EQ(explorer.out.mission, MissionStatus::kDone);
+  EXPECT_STREQ(explorer.out.note, "nothing unknown is left that it can see");
+  EXPECT_GT(explorer.known_share(1, 48), 0.98);
+  EXPECT_EQ(explorer.known_share(49, 55), 0.0);
+  EXPECT_EQ(explorer.contacts, 0);
+  for (const char* note : {"looks around", "looks for a view", "flies to a view"}) {
+    EXPECT_TRUE(explorer.notes.count(note)) << note;
+  }
+}
+
+TEST(Explore, ItStaysInItsBox) {
+  Explorer explorer(rooms(), explores({6.0, 6, 2.5}), {1.5, 1.5, 1.1});
+  explorer.run(300.0);
+  EXPECT_EQ(explorer.out.mission, MissionStatus::kDone);
+  EXPECT_LT(explorer.farthest_x_m, 6.0);
+  EXPECT_GT(explorer.known_share(1, 24), 0.98);
+  EXPECT_LT(explorer.known_share(36, 48), 0.8) << "the second room is only seen through the opening";
+}
+
+TEST(Explore, WithoutRoomToFlyTheMissionFailsWithItsReason) {
+  ExploreConfig config = explores({14, 6, 2.5});
+  config.view.path.clearance_m = 3.0;
+  Explorer explorer(rooms(), config, {1.5, 1.5, 1.1});
+  explorer.run(60.0);
+  EXPECT_EQ(explorer.out.mission, MissionStatus::kFailed);
+  EXPECT_STREQ(explorer.out.note, "no clear space around the start");
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/interception/target_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "swiftlet/core/overlay.hpp"
+#include "tests/core/guidance/guidance_driver.hpp"
+
+namespace swiftlet {
+namespace {
+
+Geofence fence_of(const Vector3& min_m, const Vector3& max_m) {
+  GeofenceConfig config;
+  config.min_m = min_m;
+  config.max_m = max_m;
+  return Geofence(config, FrameChange());
+}
+
+/// Where the particles are now.
+std::vector<Vector3> places_of(const TargetSearch& search) {
+  std::vector<Overlay> overlays;
+  search.append_overlay(overlays);
+  std::vector<Vector3> places;
+  for (const Eigen::Vector3f& p : overlays.at(0).positions) places.emplace_back(p.cast<double>());
+  return places;
+}
+
+struct Spread {
+  Vector3 mean = Vector3::Zero(), sigma = Vector3::Zero();
+};
+
+Spread spread_of(const std::vector<Vector3>& places) {
+  Spread s;
+  for (const Vector3& p : places) s.mean += p / static_cast<double>(places.size());
+  for (const Vector3& p : places) s.sigma += (p - s.mean).cwiseAbs2() / static_cast<double>(places.size());
+  s.sigma = s.sigma.cwiseSqrt();
+  return s;
+}
+
+TargetSearch begun(const TargetSearchConfig& config, const PointState& target, double sigma_m, double sigma_mps) {
+  TargetSearch search(config);
+  search.begin(target, sigma_m, sigma_mps);
+  return search;
+}
+
+TEST(TargetSearch, BeginsWithTheSpreadThatItIsTold) {
+  const TargetSearch search = begun({}, {{20, -5, 15}, {4, 0, 0}, {}}, 2.0, 1.0);
+  const Spread s = spread_of(places_of(search));
+  EXPECT_LT((s.mean - Vector3(20, -5, 15)).cwiseAbs().maxCoeff(), 0.5);
+  EXPECT_LT((s.sigma - Vector3(2, 2, 2)).cwiseAbs().maxCoeff(), 0.35);
+  EXPECT_EQ(search.remaining(), 1.0);
+  EXPECT_LT((search.most_probable() - Vector3(20, -5, 15)).norm(), 1.0);
+}
+
+TEST(TargetSearch, UnknownVelocitySpreadsThePlaces) {
+  TargetSearchConfig config;
+  config.acceleration_mps2 = 1e-6;
+  TargetSearch search = begun(config, {{0, 0, 50}, {3, 0, 0}, {}}, 1e-9, 1.5);
+  const Geofence fence = fence_of({-500, -500, 0}, {500, 500, 500});
+  for (int i = 0; i < 8; ++i) search.advance(0.5, fence);
+  const Spread s = spread_of(places_of(search));
+  EXPECT_LT((s.mean - Vector3(12, 0, 50)).cwiseAbs().maxCoeff(), 1.5);
+  EXPECT_LT((s.sigma - Vector3(6, 6, 6)).cwiseAbs().maxCoeff(), 1.0) << "1.5 m/s for 4 s";
+}
+
+// Steps of white noise: velocities spread as the square root of time, in the vertical by 0.4 of it.
+TEST(TargetSearch, AccelerationsSpreadThePlacesWhateverTheStep) {
+  TargetSearchConfig config;
+  config.acceleration_mps2 = 2.0;
+  config.speed_max_mps = 1e6;
+  const Geofence fence = fence_of({-5000, -5000, 0}, {5000, 5000, 5000});
+  for (const double dt_s : {0.05, 0.25}) {
+    TargetSearch search = begun(config, {{0, 0, 2000}, {0, 0, 0}, {}}, 1e-9, 1e-9);
+    const double duration_s = 4.0;
+    for (int i = 0; i < std::lround(duration_s / dt_s); ++i) search.advance(dt_s, fence);
+    // Integrated white noise of strength q: the variance of the place is q t^3 / 3.
+    const double sigma_m = std::sqrt(2.0 * 2.0 / 0.7 * duration_s * duration_s * duration_s / 3.0);
+    const Spread s = spread_of(places_of(search));
+    EXPECT_NEAR(s.sigma.x(), sigma_m, 0.2 * sigma_m) << dt_s;
+    EXPECT_NEAR(s.sigma.y(), sigma_m, 0.2 * sigma_m) << dt_s;
+    EXPECT_NEAR(s.sigma.z(), 0.4 * sigma_m, 0.2 * 0.4 * sigma_m) << dt_s;
+  }
+}
+
+TEST(TargetSearch, NoParticleIsFasterThanATarget) {
+  TargetSearchConfig config;
+  config.speed_max_mps = 3.0;
+  TargetSearch search = begun(config, {{0, 0, 50}, {30, 0, 0}, {}}, 1e-9, 1e-9);
+  const Geofence fence = fence_of({-500, -500, 0}, {500, 500, 500});
+  search.advance(0.5, fence);
+  for (const Vector3& p : places_of(search)) {
+    EXPECT_LE((p - Vector3(0, 0, 50)).norm(), 1.5 + 1e-4);
+    EXPECT_GT(p.x(), 1.4) << "on the way that it flew";
+  }
+  search.advance(50.0, fence);
+  for (const Vector3& p : places_of(search))
+    EXPECT_LE((p - Vector3(0, 0, 50)).norm(), 1.5 + 3.0 + 1e-4) << "a step is a second";
+}
+
+TEST(TargetSearch, TargetsTurnBackAtTheFence) {
+  TargetSearchConfig config;
+  config.acceleration_mps2 = 1e-6;
+  TargetSearch search = begun(config, {{8, 0, 10}, {4, 1, 0}, {}}, 1e-9, 1e-9);
+  const Geofence fence = fence_of({-10, -10, 2}, {10, 10, 20});
+  search.advance(1.0, fence);
+  for (const Vector3& p : places_of(search)) EXPECT_LT((p - Vector3(10, 1, 10)).norm(), 1e-3) << "at the side";
+  search.advance(1.0, fence);
+  for (const Vector3& p : places_of(search)) EXPECT_LT((p - Vector3(6, 2, 10)).norm(), 1e-3) << "and back";
+}
+
+/// The share of places that stay possible after a long look at a single place.
+double left_of(const TargetSearchConfig& config, const Vector3& target_local_m, const Vector3& eye_local_m) {
+  TargetSearch search = begun(config, {target_local_m, {0, 0, 0}, {}}, 1e-9, 1e-9);
+  search.look(eye_local_m, 100.0, nullptr);
+  return search.remaining();
+}
+
+TEST(TargetSearch, WhatLiesOutOfSightStaysPossible) {
+  TargetSearchConfig config;
+  config.range_m = 20.0;
+  config.fov_bottom_deg = -10.0;
+  config.fov_top_deg = 30.0;
+  const auto at = [](double range_m, double elevation_deg) {
+    const double e = elevation_deg * std::acos(-1.0) / 180.0;
+    return Vector3(5.0 + 0.6 * range_m * std::cos(e), 0.8 * range_m * std::cos(e), 9.0 + range_m * std::sin(e));
+  };
+  const Vector3 eye(5, 0, 9);
+  EXPECT_LT(left_of(config, at(19.9, 0.0), eye), 0.01);
+  EXPECT_EQ(left_of(config, at(20.1, 0.0), eye), 1.0);
+  EXPECT_LT(left_of(config, at(10.0, 29.5), eye), 0.01);
+  EXPECT_EQ(left_of(config, at(10.0, 30.5), eye), 1.0);
+  EXPECT_LT(left_of(config, at(10.0, -9.5), eye), 0.01);
+  EXPECT_EQ(left_of(config, at(10.0, -10.5), eye), 1.0);
+}
+
+TEST(TargetSearch, EachLookLeavesWhatItsRateSays) {
+  TargetSearchConfig config;
+  config.detection_rate_per_s = 3.0;
+  TargetSearch search = begun(config, {{5, 0, 10}, {0, 0, 0}, {}}, 1e-9, 1e-9);
+  search.look({0, 0, 10}, 0.1, nullptr);
+  EXPECT_NEAR(search.remaining(), std::exp(-0.3), 1e-9);
+  search.look({0, 0, 10}, 0.2, nullptr);
+  EXPECT_NEAR(search.remaining(), std::exp(-0.9), 1e-9);
+  search.look({0, 0, 10}, 1e3, nullptr);
+  EXPECT_GT(search.remaining(), 0.0) << "a place may become possible again";
+  EXPECT_LT(search.remaining(), 1e-5);
+}
+
+TEST(TargetSearch, WhatIsHiddenBehindAnObstacleStaysPossible) {
+  struct Hides : testing::ToldMap {
+    Hides() : testing::ToldMap({}) {}
+    std::optional<SegmentHit> first_hit(const Vector3& from, const Vector3& to) const override {
+      return from.x() < 2.0 && to.x() > 2.0 ? std::optional<SegmentHit>(SegmentHit{}) : std::nullopt;
+    }
+  } wall;
+  TargetSearch search = begun({}, {{5, 0, 10}, {0, 0, 0}, {}}, 1e-9, 1e-9);
+  search.look({0, 0, 10}, 10.0, &wall);
+  EXPECT_EQ(search.remaining(), 1.0);
+  search.look({3, 0, 10}, 10.0, &wall);
+  EXPECT_LT(search.remaining(), 1e-5);
+}
+
+// Most particles start around one place; after a look there, the others' place is the better one.
+TEST(TargetSearch, TheMostProbablePlaceIsTheMiddleOfTheHeaviestCrowd) {
+  TargetSearchConfig config;
+  config.range_m = 6.0;
+  TargetSearch search = begun(config, {{0, 0, 15}, {0, 0, 0}, {}}, 8.0, 1e-9);
+  for (int i = 0; i < 20; ++i) search.look({0, 0, 15}, 0.5, nullptr);
+  const Vector3 best = search.most_probable();
+  // No crowd of 4 m around any other particle weighs more. Brute force, by the weights that the picture shows.
+  std::vector<Overlay> overlays;
+  search.append_overlay(overlays);
+  const auto unseen_near = [&](const Vector3& center) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < overlays[0].positions.size(); ++i) {
+      const bool seen = overlays[0].colors[i].w() < 0.5F;
+      if (!seen && (overlays[0].positions[i].cast<double>() - center).norm() <= 4.0) sum += 1.0;
+    }
+    return sum;
+  };
+  double most = 0.0;
+  Vector3 middle = Vector3::Zero();
+  for (const Eigen::Vector3f& center : overlays[0].positions) {
+    if (unseen_near(center.cast<double>()) <= most) continue;
+    most = unseen_near(center.cast<double>());
+    middle.setZero();
+    for (std::size_t i = 0; i < overlays[0].positions.size(); ++i) {
+      if (overlays[0].colors[i].w() > 0.5F && (overlays[0].positions[i] - center).norm() <= 4.0F)
+        middle += overlays[0].positions[i].cast<double>() / most;
+    }
+  }
+  EXPECT_LT((best - middle).norm(), 1e-3);
+  EXPECT_GT(most, 3.0);
+}
+
+TEST(TargetSearch, PlacesThatWereSeenEmptyFadeInThePicture) {
+  TargetSearch search = begun({}, {{5, 0, 10}, {0, 0, 0}, {}}, 1e-9, 1e-9);
+  std::vector<Overlay> overlays;
+  search.append_overlay(overlays);
+  search.look({0, 0, 10}, 0.2, nullptr);
+  search.append_overlay(overlays);
+  search.look({0, 0, 10}, 10.0, nullptr);
+  search.append_overlay(overlays);
+  ASSERT_EQ(overlays.size(), 3U);
+  EXPECT_EQ(overlays[0].kind, Overlay::Kind::kPoints);
+  EXPECT_EQ(overlays[0].colors[0].w(), 1.0F);
+  EXPECT_NEAR(overlays[1].colors[0].w(), std::exp(-0.6), 1e-6);
+  EXPECT_NEAR(overlays[2].colors[0].w(), 0.15, 1e-6) << "but are still there";
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/planning/free_space.hpp"
+
+#include <gtest/gtest.h>
+
+namespace swiftlet {
+namespace {
+
+CellGrid small_grid() {
+  CellGrid grid;
+  grid.origin_world_m = {-1.0, 2.0, 0.5};
+  grid.cell_m = 0.5;
+  grid.size = {4, 3, 5};
+  return grid;
+}
+
+TEST(CellGrid, CellsAreCountedAlongXThenYThenZ) {
+  const CellGrid grid = small_grid();
+  EXPECT_EQ(grid.num_cells(), 60U);
+  int index = 0;
+  for (int z = 0; z < 5; ++z) {
+    for (int y = 0; y < 3; ++y) {
+      for (int x = 0; x < 4; ++x, ++index) {
+        const Eigen::Vector3i cell(x, y, z);
+        ASSERT_EQ(grid.index_of(cell), index);
+        ASSERT_EQ(grid.cell_of(index), cell);
+        const Vector3 center(-1.0 + 0.5 * x + 0.25, 2.0 + 0.5 * y + 0.25, 0.5 + 0.5 * z + 0.25);
+        ASSERT_LT((grid.center_of(index) - center).norm(), 1e-12);
+        ASSERT_EQ(grid.cell_at(center + Vector3::Constant(0.24)), cell);
+        ASSERT_EQ(grid.cell_at(center - Vector3::Constant(0.24)), cell);
+      }
+    }
+  }
+}
+
+TEST(CellGrid, PlacesOutsideBelongToTheNearestCell) {
+  const CellGrid grid = small_grid();
+  EXPECT_EQ(grid.cell_at({-9.0, 2.6, 99.0}), Eigen::Vector3i(0, 1, 4));
+  EXPECT_EQ(grid.cell_at({9.0, 99.0, -9.0}), Eigen::Vector3i(3, 2, 0));
+}
+
+/// Free but for a slab, and it counts its questions.
+class Slab : public FreeSpaceView {
+ public:
+  Slab(double from_m, double to_m) : from_m_(from_m), to_m_(to_m) {}
+  const CellGrid& grid() const override { return grid_; }
+  bool is_free(const Vector3& p_world_m) const override {
+    asked_at_m.push_back(p_world_m);
+    return p_world_m.x() < from_m_ || p_world_m.x() > to_m_;
+  }
+  bool is_free_cell(int) const override { return true; }
+  mutable std::vector<Vector3> asked_at_m;
+
+ private:
+  CellGrid grid_ = small_grid();
+  double from_m_, to_m_;
+};
+
+TEST(FreeSegment, IsAskedFromEndToEndAtMostHalfACellApart) {
+  const Slab space(50.0, 51.0);
+  const Vector3 a(0.1, 0.2, 0.3), b(2.0, -1.0, 0.8);
+  EXPECT_TRUE(is_free_segment(space, a, b));
+  EXPECT_EQ(space.asked_at_m.front(), a);
+  EXPECT_LT((space.asked_at_m.back() - b).norm(), 1e-12);
+  for (std::size_t i = 1; i < space.asked_at_m.size(); ++i) {
+    const double apart_m = (space.asked_at_m[i] - space.asked_at_m[i - 1]).norm();
+    EXPECT_LE(apart_m, 0.25 + 1e-12);
+    EXPECT_GT(apart_m, 0.2) << "and not much closer";
+  }
+}
+
+TEST(FreeSegment, IsNotFreeIfEitherEndOrItsMiddleIsNot) {
+  EXPECT_FALSE(is_free_segment(Slab(-0.1, 0.1), {0, 0, 0}, {3, 0, 0}));
+  EXPECT_FALSE(is_free_segment(Slab(2.9, 3.1), {0, 0, 0}, {3, 0, 0}));
+  EXPECT_FALSE(is_free_segment(Slab(1.4, 1.7), {0, 0, 0}, {3, 0, 0}));
+  EXPECT_FALSE(is_free_segment(Slab(-0.1, 0.1), {0, 0, 0}, {0, 0, 0})) << "a point";
+  EXPECT_TRUE(is_free_segment(Slab(3.1, 4.0), {0, 0, 0}, {3, 0, 0}));
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/tracking/track_overlays.hpp"
+
+#include <gtest/gtest.h>
+
+namespace swiftlet {
+namespace {
+
+Track track_at(std::uint32_t id, const Vector3& p_m, const Vector3& v_mps, const Vector3& a_mps2) {
+  Track track;
+  track.id = id;
+  track.position_m = p_m;
+  track.velocity_mps = v_mps;
+  track.acceleration_mps2 = a_mps2;
+  return track;
+}
+
+struct Drawn {
+  Overlay balls, lines, ellipses;
+};
+
+Drawn drawn(const TrackOverlays& pictures, const std::vector<Track>& tracks) {
+  std::vector<Overlay> overlays;
+  pictures.append(tracks, overlays);
+  EXPECT_EQ(overlays.size(), 3U);
+  return {overlays.at(0), overlays.at(1), overlays.at(2)};
+}
+
+TEST(TrackOverlays, ATrackIsABallAndDashesOfAQuarterSecondForTwoSecondsAhead) {
+  const std::vector<Track> tracks = {track_at(1, {1, 2, 3}, {4, 0, 0}, {0, 2, 0})};
+  const Drawn d = drawn({}, tracks);
+  ASSERT_EQ(d.balls.positions.size(), 1U);
+  EXPECT_EQ(d.balls.positions[0], Eigen::Vector3f(1, 2, 3));
+  ASSERT_EQ(d.lines.positions.size(), 8U);  // four dashes
+  ASSERT_EQ(d.lines.colors.size(), 8U);
+  for (std::size_t i = 0; i < 8; ++i) {
+    const double t_s = 0.25 * static_cast<double>(i);
+    // The acceleration counts for half a second.
+    const double y_m = t_s < 0.5 ? t_s * t_s : 0.25 + (t_s - 0.5);
+    EXPECT_LT((d.lines.positions[i].cast<double>() - Vector3(1 + 4 * t_s, 2 + y_m, 3)).norm(), 1e-5) << t_s;
+  }
+}
+
+TEST(TrackOverlays, TheEllipsesAreThreeStandardDeviationsFarFromTheTrack) {
+  std::vector<Track> tracks = {track_at(1, {10, 20, 30}, {0, 0, 0}, {0, 0, 0})};
+  // Axes that are none of the frame's.
+  const Matrix3 R = Eigen::AngleAxisd(0.6, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+  const Matrix3 C = R * Vector3(0.04, 0.09, 0.16).asDiagonal() * R.transpose();
+  tracks[0].covariance.setZero();
+  tracks[0].covariance.topLeftCorner<3, 3>() = C;
+  const Drawn d = drawn({}, tracks);
+  ASSERT_EQ(d.ellipses.positions.size(), 3U * 36 * 2);
+  Vector3 reach_m = Vector3::Zero();
+  for (std::size_t i = 0; i < d.ellipses.positions.size(); ++i) {
+    const Vector3 off_m = d.ellipses.positions[i].cast<double>() - tracks[0].position_m;
+    EXPECT_NEAR(std::sqrt(off_m.dot(C.inverse() * off_m)), 3.0, 1e-3);
+    reach_m = reach_m.cwiseMax((R.transpose() * off_m).cwiseAbs());
+    // Around in small steps.
+    if (i % 2 == 0) continue;
+    EXPECT_LT((d.ellipses.positions[i] - d.ellipses.positions[i - 1]).norm(), 0.22F);
+  }
+  EXPECT_LT((reach_m - Vector3(0.6, 0.9, 1.2)).norm(), 1e-3);
+  // Each of the three is closed: every end is a beginning.
+  for (std::size_t i = 1; i < d.ellipses.positions.size(); i += 2) {
+    const auto& end = d.ellipses.positions[i];
+    bool goes_on = false;
+    for (std::size_t k = 0; k < d.ellipses.positions.size(); k += 2)
+      goes_on = goes_on || (d.ellipses.positions[k] - end).norm() < 1e-5F;
+    EXPECT_TRUE(goes_on) << i;
+  }
+}
+
+TEST(TrackOverlays, ThePathIsTheLastHundredPlacesInTheirOrder) {
+  TrackOverlays pictures;
+  std::vector<Track> tracks = {track_at(1, {0, 0, 0}, {0, 0, 0}, {0, 0, 0})};
+  const auto path = [&] {
+    const Drawn d = drawn(pictures, tracks);
+    return std::vector<Eigen::Vector3f>(d.lines.positions.begin() + 8, d.lines.positions.end());
+  };
+  for (int i = 0; i < 100; ++i) {
+    tracks[0].position_m.x() = i;
+    pictures.push(tracks);
+    ASSERT_EQ(path().size(), 2U * i);
+  }
+  for (int i = 100; i < 250; ++i) {
+    tracks[0].position_m.x() = i;
+    pictures.push(tracks);
+    const auto lines = path();
+    ASSERT_EQ(lines.size(), 2U * 99);
+    for (std::size_t k = 0; k < 99; ++k) {
+      ASSERT_EQ(lines[2 * k].x(), static_cast<float>(i - 99 + static_cast<int>(k)));
+      ASSERT_EQ(lines[2 * k + 1].x(), lines[2 * k].x() + 1.0F);
+    }
+  }
+}
+
+TEST(TrackOverlays, PathsAreApartAndEndWithTheirTracks) {
+  TrackOverlays pictures;
+  std::vector<Track> tracks = {track_at(1, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}),
+                               track_at(2, {0, 50, 0}, {0, 0, 0}, {0, 0, 0})};
+  pictures.push(tracks);
+  tracks[0].position_m.x() = tracks[1].position_m.x() = 1.0;
+  pictures.push(tracks);
+  const Drawn both = drawn(pictures, tracks);
+  ASSERT_EQ(both.lines.positions.size(), 2U * 8 + 2U * 2);
+  EXPECT_EQ(both.lines.positions[17], Eigen::Vector3f(1, 0, 0));
+  EXPECT_EQ(both.lines.positions[19], Eigen::Vector3f(1, 50, 0));
+  EXPECT_NE(both.lines.colors[17], both.lines.colors[19]);
+  EXPECT_EQ(both.lines.colors[17], both.balls.colors[0]);
+  tracks.erase(tracks.begin());
+  pictures.push(tracks);
+  EXPECT_EQ(drawn(pictures, tracks).lines.positions.size(), 8U + 2U * 2);
+  EXPECT_TRUE(drawn(pictures, {}).balls.positions.empty());
+}
+
+}  // namespace
+}  // namespace swiftlet
