@@ -43,6 +43,7 @@ Table table_of(const SampleList& samples) {
     Field field{column.name, column.doc, static_cast<std::ptrdiff_t>(8 * rows->fields.size()), "d", {}, {}, nullptr};
     if (column.type == Column::Type::kTime) {
       field.name = name_of_time(column.name);
+      field.doc = "[ns]" + column.doc.substr(column.doc.find(']') + 1);
       field.format = "q";
     } else if (column.type == Column::Type::kText) {
       field.format = nullptr;

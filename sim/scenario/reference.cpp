@@ -7,6 +7,7 @@
 
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/sim/recorders/csv.hpp"
+#include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/scenario/scenario.hpp"
 #include "swiftlet/sim/scenario/units.hpp"
 
@@ -188,6 +189,7 @@ std::string columns_table(std::span<const Column> columns) {
 }
 
 std::string data_tables() {
+  sensor_registry();  // whose rows tell tables
   std::string text =
       "\n## Tables\n\nThe tables of the recorder `csv`. ROS messages of what ROS has no type for have a "
       "field for each column.\n";
