@@ -502,6 +502,41 @@ TEST(RblFlight, OutlineIsTheCircleCutByItsPlanes) {
   EXPECT_NEAR(filled_m2, kPi * r * r - cut_off, 0.02 * filled_m2);
 }
 
+/// How far ahead the cell reaches when a neighbor stays 3 m ahead.
+double reach_to_neighbor_m(const RblConfig& config, const Vector3& variance_m2) {
+  const Vector3 p_m(1.0, 2.0, 5.0);
+  GuidanceDriver driver("rbl", config, p_m);
+  for (int i = 0; i < 40; ++i) {
+    driver.sees(1, p_m + Vector3(3.0, 0.0, 0.0));
+    driver.observation.neighbors.back().covariance_body = variance_m2.asDiagonal();
+    driver.step();
+  }
+  std::vector<Overlay> overlays;
+  driver.guidance->append_overlays(overlays);
+  double reach_m = 0.0;
+  for (const Eigen::Vector3f& q : named(overlays, "rbl.cell_outline")->positions)
+    reach_m = std::max(reach_m, static_cast<double>(q.x()) - p_m.x());
+  return reach_m;
+}
+
+// Two that rest share the room between them, less both encumbrances and the margin.
+TEST(RblFlight, TheMarginIsKeptBesideTheEncumbrances) {
+  RblConfig config = flying(Variant::k3d);
+  config.separation.sigmas = 0.0;
+  for (const double margin_m : {0.0, 0.1, 0.6}) {
+    config.separation.margin_m = margin_m;
+    EXPECT_NEAR(reach_to_neighbor_m(config, Vector3::Constant(1e-8)),
+                0.5 * (3.0 - 2.0 * config.cells.encumbrance_m - margin_m), 1e-3);
+  }
+}
+
+TEST(RblFlight, OnlyDoubtAlongTheWayToANeighborTakesRoom) {
+  const RblConfig config = flying(Variant::k3d);
+  const double sure_m = reach_to_neighbor_m(config, Vector3::Constant(1e-6));
+  EXPECT_NEAR(reach_to_neighbor_m(config, {1e-6, 0.09, 0.09}), sure_m, 1e-3);
+  EXPECT_LT(reach_to_neighbor_m(config, {0.09, 1e-6, 1e-6}), sure_m - 0.03);
+}
+
 TEST(RblInterpretations, SamplesOfTheWorldsLatticeLieOnMultiplesOfTheStep) {
   RblCellConfig config;
   config.lattice = RblCellConfig::Lattice::kWorld;

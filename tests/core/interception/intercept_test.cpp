@@ -11,88 +11,14 @@
 #include "swiftlet/core/interception/target.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
+#include "tests/core/interception/hunt.hpp"
 
 namespace swiftlet {
 namespace {
 
-const MotionLimits kFast{8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
-
-/// A vehicle that is exactly where its reference is, and tracks that tests tell by a function of time.
-class Hunt {
- public:
-  explicit Hunt(const InterceptConfig& config, const Vector3& start_m) {
-    setup_.T_local_body_start = make_pose(start_m, Eigen::Quaterniond::Identity());
-    setup_.vehicle_names = {"interceptor", "target"};
-    setup_.num_vehicles = 2;
-    Module module(guidance_module_types(), "intercept");
-    module.as<InterceptConfig>() = config;
-    guidance = make_guidance(module, {setup_, kFast});
-    estimate_.valid = true;
-    estimate_.T_local_body = setup_.T_local_body_start;
-  }
-
-  void run(double duration_s, const std::function<void(double t_s, Hunt&)>& before_tick) {
-    const TimeNs end = observation_.t + from_seconds(duration_s);
-    while (observation_.t < end) {
-      observation_.t += kTick;
-      estimate_.t = observation_.t;
-      poses_.push(estimate_);
-      before_tick(to_seconds(observation_.t), *this);
-      guidance->step({.dt_s = to_seconds(kTick),
-                      .estimate = estimate_,
-                      .observation = observation_,
-                      .poses = poses_,
-                      .tracks = tracks,
-                      .map = map},
-                     out, outbox_);
-      EXPECT_TRUE(out.goal_is_feasible);
-      EXPECT_LE(out.goal.velocity_mps.head<2>().norm(), kFast.horizontal_speed_mps * (1 + 1e-9));
-      EXPECT_LE(out.goal.acceleration_mps2.head<2>().norm(), kFast.horizontal_acceleration_mps2 * (1 + 1e-9));
-      EXPECT_LE(std::abs(out.goal.acceleration_mps2.z()), kFast.vertical_acceleration_mps2 * (1 + 1e-9));
-      estimate_.T_local_body =
-          make_pose(out.goal.position_m, Eigen::Quaterniond(Eigen::AngleAxisd(out.goal.yaw_rad, Vector3::UnitZ())));
-      estimate_.v_local_mps = out.goal.velocity_mps;
-      if (notes.empty() || notes.back() != out.note) notes.emplace_back(out.note);
-    }
-  }
-  void run(double duration_s) {
-    run(duration_s, [](double, Hunt&) {});
-  }
-
-  /// The only track, as of now.
-  void sees(const Vector3& p_m, const Vector3& v_mps, std::uint32_t id = 7) {
-    tracks.resize(1);
-    tracks[0].id = id;
-    tracks[0].t = observation_.t;
-    tracks[0].position_m = p_m;
-    tracks[0].velocity_mps = v_mps;
-    tracks[0].covariance = 1e-4 * Eigen::Matrix<double, 9, 9>::Identity();
-  }
-  Vector3 p_m() const { return estimate_.T_local_body.translation(); }
-  double now_s() const { return to_seconds(observation_.t); }
-
-  std::unique_ptr<Guidance> guidance;
-  std::vector<Track> tracks;
-  const OccupancyView* map = nullptr;
-  GuidanceOutput out;
-  std::vector<std::string> notes;
-
- private:
-  static constexpr TimeNs kTick = 4'000'000;
-  AgentSetup setup_;
-  StateEstimate estimate_;
-  Observation observation_;
-  LocalPoses poses_;
-  Outbox outbox_;
-};
-
-/// On a circle of 10 m at 4 m/s, 15 m high.
-void circling(double t_s, Hunt& hunt) {
-  const double angle = 0.4 * t_s;
-  const Vector3 out(std::cos(angle), std::sin(angle), 0.0), along(-std::sin(angle), std::cos(angle), 0.0);
-  hunt.sees(10.0 * out + 15.0 * Vector3::UnitZ(), 4.0 * along);
-  hunt.tracks[0].acceleration_mps2 = -1.6 * out;
-}
+using testing::circling;
+using testing::Hunt;
+using testing::kFast;
 
 TEST(Intercept, CatchesATargetOnAKnownPath) {
   for (const auto method : {InterceptConfig::Method::kMpc, InterceptConfig::Method::kFrpn,

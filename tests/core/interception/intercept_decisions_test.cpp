@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/core/interception/intercept.hpp"
+#include "tests/core/interception/hunt.hpp"
+
+namespace swiftlet {
+namespace {
+
+using Prey = testing::Hunt;
+
+bool noted(const Prey& hunt, const char* note) {
+  return std::find(hunt.notes.begin(), hunt.notes.end(), note) != hunt.notes.end();
+}
+
+constexpr const char* kLost = "the target is lost: searching";
+
+TEST(InterceptDecisions, TheNearestTrackIsTheTarget) {
+  for (const double sign : {-1.0, 1.0}) {
+    Prey hunt({}, {0.0, 0.0, 12.0});
+    hunt.run(1.5, [&](double, Prey& h) {
+      h.sees({sign * 15.0, 0.0, 12.0}, Vector3::Zero(), 7);
+      h.tracks.push_back(h.tracks[0]);
+      h.tracks[1].id = 8;
+      h.tracks[1].position_m.x() = -sign * 25.0;
+      if (sign > 0.0) std::swap(h.tracks[0], h.tracks[1]);
+    });
+    EXPECT_GT(sign * hunt.p_m().x(), 1.0);
+  }
+}
+
+TEST(InterceptDecisions, AnotherTrackWhereTheTargetIsExpectedIsTheTarget) {
+  Prey hunt({}, {-25.0, 0.0, 12.0});
+  hunt.run(2.0, [](double t_s, Prey& h) {
+    h.sees({10.0, 5.0 * t_s, 12.0}, {0.0, 5.0, 0.0}, t_s < 1.0 ? 7 : 8);
+    if (t_s >= 1.0) h.tracks[0].position_m.x() += 2.5;
+  });
+  EXPECT_FALSE(noted(hunt, kLost));
+}
+
+TEST(InterceptDecisions, AnotherTrackFarFromThereIsNot) {
+  Prey hunt({}, {-25.0, 0.0, 12.0});
+  hunt.run(1.0, [](double, Prey& h) { h.sees({10.0, 0.0, 12.0}, Vector3::Zero(), 7); });
+  hunt.run(0.01, [](double, Prey& h) { h.sees({10.0, 3.5, 12.0}, Vector3::Zero(), 8); });
+  EXPECT_TRUE(noted(hunt, kLost));
+}
+
+TEST(InterceptDecisions, ATrackIsLostOnceItIsOlderThanItsTimeout) {
+  InterceptConfig config;
+  config.track_timeout_s = 0.8;
+  Prey hunt(config, {-25.0, 0.0, 12.0});
+  hunt.run(1.0, [](double, Prey& h) { h.sees({10.0, 0.0, 12.0}, Vector3::Zero()); });
+  hunt.run(0.75);
+  EXPECT_FALSE(noted(hunt, kLost));
+  hunt.run(0.1);
+  EXPECT_TRUE(noted(hunt, kLost));
+}
+
+TEST(InterceptDecisions, FacesItsTarget) {
+  Prey hunt({}, {0.0, 0.0, 12.0});
+  hunt.run(3.0, [](double, Prey& h) { h.sees({-20.0, -30.0, 12.0}, Vector3::Zero()); });
+  const Vector3 to_m = Vector3(-20.0, -30.0, 12.0) - hunt.p_m();
+  EXPECT_NEAR(std::remainder(hunt.out.goal.yaw_rad - std::atan2(to_m.y(), to_m.x()), 2.0 * std::acos(-1.0)), 0.0, 0.1);
+}
+
+// Least distances from a hovering target on the way to its capture.
+struct Approach {
+  bool caught = false;
+  double least_m = 1e9;
+};
+
+Approach approach(const InterceptConfig& config, const Vector3& start_m) {
+  Prey hunt(config, start_m);
+  const Vector3 target_m(0.0, 0.0, 15.0);
+  Approach result;
+  for (int i = 0; i < 200 && hunt.out.mission == MissionStatus::kRunning; ++i) {
+    hunt.run(0.1, [&](double, Prey& h) {
+      h.sees(target_m, Vector3::Zero());
+      if (h.out.mission == MissionStatus::kRunning)
+        result.least_m = std::min(result.least_m, (h.p_m() - target_m).norm());
+    });
+  }
+  result.caught = hunt.out.mission == MissionStatus::kDone;
+  return result;
+}
+
+TEST(InterceptDecisions, WhoComesFromBelowFliesAroundTheTargetNotThroughIt) {
+  for (const Vector3& start_m : {Vector3(-12, 0, 8), Vector3(0, 0, 6), Vector3(9, -9, 15), Vector3(3, 20, 25)}) {
+    InterceptConfig config;
+    const Approach result = approach(config, start_m);
+    EXPECT_TRUE(result.caught) << start_m.transpose();
+    EXPECT_GT(result.least_m, 0.9 * config.target_clearance_m) << start_m.transpose();
+  }
+}
+
+TEST(InterceptDecisions, TheNetIsMetWhateverItsOffset) {
+  for (const Vector3& offset_m : {Vector3(0, 0, -1.2), Vector3(1.0, 0.5, -1.5), Vector3(-0.8, 0, -1.2)}) {
+    InterceptConfig config;
+    config.net.offset_m = offset_m;
+    EXPECT_TRUE(approach(config, {-14.0, 6.0, 17.0}).caught) << offset_m.transpose();
+  }
+}
+
+TEST(InterceptDecisions, OnceDoneItRisesWithItsCatchToTheTopOfTheFence) {
+  InterceptConfig config;
+  config.fence.max_m.z() = 30.0;
+  Prey hunt(config, {-14.0, 0.0, 17.0});
+  const auto hovering = [](double, Prey& h) { h.sees({0.0, 0.0, 15.0}, Vector3::Zero()); };
+  hunt.run(12.0, hovering);
+  ASSERT_EQ(hunt.out.mission, MissionStatus::kDone);
+  hunt.run(10.0, hovering);
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kDone);
+  EXPECT_NEAR(hunt.p_m().z(), 30.0, 0.1);
+  EXPECT_LT((hunt.p_m().head<2>() - Vector3(-14.0, 0.0, 0.0).head<2>()).norm(), 0.2) << "where it waited";
+}
+
+TEST(InterceptDecisions, WithoutANumberOfCapturesItLeavesTheTargetAndCatchesItAgain) {
+  InterceptConfig config;
+  config.captures = 0;
+  Prey hunt(config, {-14.0, 0.0, 17.0});
+  double farthest_m = 0.0;
+  hunt.run(30.0, [&](double, Prey& h) {
+    h.sees({0.0, 0.0, 15.0}, Vector3::Zero());
+    if (noted(h, "captured")) farthest_m = std::max(farthest_m, (h.p_m() - Vector3(0.0, 0.0, 16.2)).norm());
+  });
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kRunning);
+  EXPECT_GE(std::count(hunt.notes.begin(), hunt.notes.end(), "captured"), 2);
+  EXPECT_GT(farthest_m, config.net.rearm_m) << "the net is ready again";
+  EXPECT_LT(farthest_m, 25.0);
+}
+
+TEST(InterceptDecisions, TwoCapturesAreTwo) {
+  InterceptConfig config;
+  config.captures = 2;
+  Prey hunt(config, {-14.0, 0.0, 17.0});
+  double first_s = 0.0;
+  const auto hovering = [&](double t_s, Prey& h) {
+    h.sees({0.0, 0.0, 15.0}, Vector3::Zero());
+    if (first_s == 0.0 && noted(h, "captured")) first_s = t_s;
+  };
+  while (hunt.out.mission == MissionStatus::kRunning && hunt.now_s() < 60.0) hunt.run(0.2, hovering);
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kDone);
+  EXPECT_GT(hunt.now_s(), first_s + 1.0);
+}
+
+TEST(InterceptDecisions, ATargetNotSeenForAWhileIsNotBelievedToBeInTheNet) {
+  InterceptConfig config;
+  config.track_timeout_s = 5.0;
+  Prey hunt(config, {-8.0, 0.0, 16.5});
+  const TimeNs old = from_seconds(0.6);
+  hunt.run(8.0, [&](double, Prey& h) {
+    h.sees({0.0, 0.0, 15.0}, Vector3::Zero());
+    h.tracks[0].t -= old;
+  });
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kRunning);
+}
+
+}  // namespace
+}  // namespace swiftlet
