@@ -59,6 +59,22 @@ TEST(InterceptDecisions, ATrackIsLostOnceItIsOlderThanItsTimeout) {
   EXPECT_TRUE(noted(hunt, kLost));
 }
 
+TEST(InterceptDecisions, PatienceWithATargetOutsideBeginsAnewWhenItIsFoundAgain) {
+  InterceptConfig config;
+  config.fence.max_m.x() = 20.0;
+  config.fence.patience_s = 1.0;
+  Prey hunt(config, {0.0, 0.0, 12.0});
+  const auto outside = [](double, Prey& h) { h.sees({22.0, 0.0, 12.0}, Vector3::Zero()); };
+  hunt.run(0.9, outside);
+  hunt.tracks.clear();
+  hunt.run(0.1);
+  ASSERT_TRUE(noted(hunt, kLost));
+  hunt.run(0.9, outside);
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kRunning);
+  hunt.run(0.3, outside);
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kFailed);
+}
+
 TEST(InterceptDecisions, FacesItsTarget) {
   Prey hunt({}, {0.0, 0.0, 12.0});
   hunt.run(3.0, [](double, Prey& h) { h.sees({-20.0, -30.0, 12.0}, Vector3::Zero()); });

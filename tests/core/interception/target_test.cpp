@@ -82,6 +82,19 @@ TEST(TargetMotion, ACircleGoesThroughTheStartTowardTheMiddleOfTheBox) {
   EXPECT_LT(left_turns, 8) << "the sense is drawn";
 }
 
+TEST(TargetMotion, FromTheMiddleOfTheBoxACircleIsLevelToo) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Intruder intruder(moving(TargetConfig::Motion::kCircle, seed), {0.3, 0.2, 10.0});
+    double widest_m = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vector3 p_m = intruder.step().position_m;
+      ASSERT_NEAR(p_m.z(), 10.0, 1e-9);
+      widest_m = std::max(widest_m, (p_m - Vector3(0.3, 0.2, 10.0)).norm());
+    }
+    EXPECT_NEAR(widest_m, 16.0, 0.01) << "its diameter";
+  }
+}
+
 TEST(TargetMotion, ACircleIsAsWideAsItsAccelerationAsks) {
   TargetConfig config = moving(TargetConfig::Motion::kCircle);
   config.radius_m = 2.0;
