@@ -158,7 +158,7 @@ class SlamEstimator : public StateEstimator {
 
 void SlamConfig::visit(ConfigVisitor& v) {
   v.field("lidars", lidars, "[-] names of the LiDARs that it listens to; none: all");
-  v.field("latency_s", latency_s, "[s] a scan takes on board until it moves the estimate", Range::between(0.0, 1.0));
+  v.field("latency_s", latency_s, "[s] a scan takes on board until it moves the estimate", Range::between(0.0, 0.15));
   v.object("local", local, "motion from scan to scan");
   v.object("global", global, "closures and GNSS: where the local frame lies in the world");
   v.field("warn_after_s", warn_after_s, "[s] without a scan that fits, or with degenerate ones, after which it warns",

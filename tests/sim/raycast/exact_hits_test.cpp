@@ -57,17 +57,23 @@ Scene scene_of(Mesh mesh) {
   return scene;
 }
 
+void add_triangle(Mesh& mesh, const Vector3f& a, const Vector3f& b, const Vector3f& c) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices_mesh_m.size());
+  mesh.vertices_mesh_m.insert(mesh.vertices_mesh_m.end(), {a, b, c});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+}
+
+void add_parallelogram(Mesh& mesh, const Vector3f& corner, const Vector3f& u, const Vector3f& v) {
+  add_triangle(mesh, corner, corner + u, corner + u + v);
+  add_triangle(mesh, corner, corner + u + v, corner + v);
+}
+
 // Boxes on round numbers that touch and overlap in whole faces, leaves, needles, and triangles without area.
 Mesh hard_mesh() {
   Mesh mesh;
-  const auto add = [&mesh](const Vector3f& a, const Vector3f& b, const Vector3f& c) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices_mesh_m.size());
-    mesh.vertices_mesh_m.insert(mesh.vertices_mesh_m.end(), {a, b, c});
-    mesh.triangles.push_back({first, first + 1, first + 2});
-  };
-  const auto add_face = [&](const Vector3f& corner, const Vector3f& u, const Vector3f& v) {
-    add(corner, corner + u, corner + u + v);
-    add(corner, corner + u + v, corner + v);
+  const auto add = [&mesh](const Vector3f& a, const Vector3f& b, const Vector3f& c) { add_triangle(mesh, a, b, c); };
+  const auto add_face = [&mesh](const Vector3f& corner, const Vector3f& u, const Vector3f& v) {
+    add_parallelogram(mesh, corner, u, v);
   };
   for (int i = 0; i < 4; ++i) {
     const Vector3f low(static_cast<float>(2 * i - 4), 3.0F, -1.0F);  // next to each other, faces in common
@@ -205,14 +211,9 @@ TEST(ExactHits, AreThoseOfASearchThroughAllTrianglesWhateverEmbreeRoundsLike) {
 // Surfaces that cross, touch or cover each other without a common edge, and folds so sharp that both sides are near.
 Mesh meeting_surfaces() {
   Mesh mesh;
-  const auto add = [&mesh](const Vector3f& a, const Vector3f& b, const Vector3f& c) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices_mesh_m.size());
-    mesh.vertices_mesh_m.insert(mesh.vertices_mesh_m.end(), {a, b, c});
-    mesh.triangles.push_back({first, first + 1, first + 2});
-  };
-  const auto add_face = [&](const Vector3f& corner, const Vector3f& u, const Vector3f& v) {
-    add(corner, corner + u, corner + u + v);
-    add(corner, corner + u + v, corner + v);
+  const auto add = [&mesh](const Vector3f& a, const Vector3f& b, const Vector3f& c) { add_triangle(mesh, a, b, c); };
+  const auto add_face = [&mesh](const Vector3f& corner, const Vector3f& u, const Vector3f& v) {
+    add_parallelogram(mesh, corner, u, v);
   };
   add_face({-4, 0, 0}, {8, 0, 0}, {0, 0, 3});   // a wall,
   add_face({-1, -2, 0}, {2, 4, 0}, {0, 0, 2});  // one through it, and one that ends on it
