@@ -91,6 +91,8 @@ class StackAgent : public Agent {
     append(stages_.detector, "detector.");
     append(stages_.tracker, "tracker.");
     append(stages_.relative_localization, "relative_localization.");
+    append(stages_.mapping, "mapping.");
+    append(stages_.guidance, "guidance.");
   }
 
   void append_maps(std::vector<MapVoxels>& maps) const override {

@@ -56,6 +56,10 @@ class Explore : public Guidance {
     overlays.push_back(path_overlay("explore.view", {&corners_local_m.back(), 1}, 0.3F));
   }
 
+  void append_counters(std::vector<Counter>& counters) const override {
+    counters.push_back({"searches for a view that were given up", num_given_up_, num_plans_, "view.max_expansions"});
+  }
+
  private:
   enum class State { kLooking, kPlanning, kFlying, kFailure, kDone };
 
@@ -91,6 +95,8 @@ class Explore : public Guidance {
     if (planner_.idle()) {
       found_ = find_next_view(*input.map, config_.view, box(input.estimate), given_up_,
                               input.estimate.T_local_body.translation());
+      ++num_plans_;
+      if (found_.status == NextViewStatus::kBudgetSpent) ++num_given_up_;
       planner_.start(now_);
     } else if (planner_.due(now_)) {
       take_plan();
@@ -179,6 +185,7 @@ class Explore : public Guidance {
   double promised_ = 0.0;     // share of the rays that end in unknown space at the view
   std::uint64_t judged_ = 0;  // revision of the map
   Reference hold_;
+  std::uint64_t num_plans_ = 0, num_given_up_ = 0;
 };
 
 }  // namespace

@@ -56,6 +56,12 @@ class Guide : public Guidance {
     append_guide_overlays(*plan_, hold_.position_m.z(), overlays);
   }
 
+  void append_counters(std::vector<Counter>& counters) const override {
+    const char* what = "searches for a path that were given up";
+    counters.push_back({what, num_given_up_primary_, num_plans_, "planner.primary.max_expansions"});
+    counters.push_back({what, num_given_up_secondary_, num_plans_, "planner.secondary.max_expansions"});
+  }
+
  private:
   static constexpr TimeNs kNever = std::numeric_limits<TimeNs>::min();
 
@@ -269,7 +275,14 @@ class Guide : public Guidance {
     }
     plan_ = plan_team(*input.map, config_.planner, input.estimate.T_local_body.translation(),
                       {there().position_m, there().yaw_rad}, goal_, {.hovering_local_m = hovering_local_m()});
+    count(*plan_);
     planner_.start(now_);
+  }
+
+  void count(const TeamPlan& plan) {
+    ++num_plans_;
+    if (plan.primary_search == ClearPathStatus::kBudgetSpent) ++num_given_up_primary_;
+    if (plan.secondary_search == ClearPathStatus::kBudgetSpent) ++num_given_up_secondary_;
   }
 
   /// Both hover, and the other one's place is known.
@@ -388,6 +401,7 @@ class Guide : public Guidance {
     TeamPlan ahead =
         plan_team(*input.map, config_.planner, input.estimate.T_local_body.translation(), from, next_goal_,
                   {.flying = together ? std::span<const PlannedPose>(path_) : std::span<const PlannedPose>()});
+    count(ahead);
     const bool usable = ahead.next == TeamPlan::Next::kMovePrimary || ahead.next == TeamPlan::Next::kMoveSecondary;
     if (!usable) return;  // it is planned again when both hover, and tells its reason then
     plan_ahead_ = std::move(ahead);
@@ -538,6 +552,8 @@ class Guide : public Guidance {
   TimeNs next_word_ = 0;
   std::uint32_t num_words_ = 0;
   bool was_told_ = false;
+
+  std::uint64_t num_plans_ = 0, num_given_up_primary_ = 0, num_given_up_secondary_ = 0;
 };
 
 }  // namespace

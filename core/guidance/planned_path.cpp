@@ -43,6 +43,10 @@ class PlannedPath : public Guidance {
     if (!corners_local_m.empty()) overlays.push_back(path_overlay("planned_path", corners_local_m, 0.1F));
   }
 
+  void append_counters(std::vector<Counter>& counters) const override {
+    counters.push_back({"searches for a path that were given up", num_given_up_, num_plans_, "planner.max_expansions"});
+  }
+
  private:
   enum class State { kPlanning, kFlying, kFailure, kDone };
 
@@ -61,6 +65,8 @@ class PlannedPath : public Guidance {
     } else if (planner_.idle() && input.estimate.v_local_mps.norm() < PathFollower::kHovers_mps) {
       const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goals_m[next_goal_]);
       path_ = find_clear_path(*input.map, config_.planner, input.estimate.T_local_body.translation(), goal_local_m);
+      ++num_plans_;
+      if (path_.status == ClearPathStatus::kBudgetSpent) ++num_given_up_;
       planner_.start(now_);
     } else if (waited(config_.stage_timeout_s)) {
       fail("the vehicle does not come to rest");
@@ -126,6 +132,7 @@ class PlannedPath : public Guidance {
   PathFollower follower_;
   std::size_t next_goal_ = 0;
   Reference hold_;
+  std::uint64_t num_plans_ = 0, num_given_up_ = 0;
 };
 
 }  // namespace

@@ -39,6 +39,10 @@ class OccupancyMapper : public Mapper {
 
   const OccupancyView& map() const override { return map_; }
 
+  void append_counters(std::vector<Counter>& counters) const override {
+    counters.push_back({"returns farther than the map takes them", num_far_, num_returns_, "range_max_m"});
+  }
+
   void append_overlays(std::vector<Overlay>& overlays) const override {
     Overlay cells;
     cells.name = "mapping.cells";
@@ -68,7 +72,10 @@ class OccupancyMapper : public Mapper {
       returned_[beam] = true;
       if (!chosen(beam, scan.cols()) || is_vehicle(cloud, i, input)) continue;
       const Eigen::Vector3f origin_local_m = cloud.T_local_lidar_of_beam(beam).translation().cast<float>();
-      if ((cloud.points_local_m[i] - origin_local_m).norm() < config_.range_min_m) continue;
+      const float range_m = (cloud.points_local_m[i] - origin_local_m).norm();
+      if (range_m < config_.range_min_m) continue;
+      ++num_returns_;
+      if (range_m > config_.map.range_max_m) ++num_far_;  // the map is cleared on the way, but not hit
       rays_.push_back({origin_local_m, cloud.points_local_m[i], true});
     }
     if (config_.clear_range_m > 0.0) take_rays_without_return(cloud);
@@ -131,6 +138,7 @@ class OccupancyMapper : public Mapper {
   std::vector<bool> returned_;  // by beam
   VehicleId rays_of_ = kNoVehicle, tell_to_ = kNoVehicle;
   MapRays told_;
+  std::uint64_t num_returns_ = 0, num_far_ = 0;
 };
 
 }  // namespace

@@ -19,6 +19,10 @@ class SparseMapper : public Mapper {
 
   const OccupancyView& map() const override { return map_; }
 
+  void append_counters(std::vector<Counter>& counters) const override {
+    counters.push_back({"returns farther than the map takes them", num_far_, num_returns_, "range_max_m"});
+  }
+
  private:
   void take_rays(const LocalCloud& cloud) {
     const Scan& scan = *cloud.scan;
@@ -29,7 +33,12 @@ class SparseMapper : public Mapper {
       returned_[beam] = true;
       const Eigen::Vector3f origin = cloud.T_local_lidar_of_beam(beam).translation().cast<float>();
       const float range_m = (cloud.points_local_m[i] - origin).norm();
-      if (range_m < config_.range_min_m || range_m > config_.range_max_m) continue;
+      if (range_m < config_.range_min_m) continue;
+      ++num_returns_;
+      if (range_m > config_.range_max_m) {
+        ++num_far_;
+        continue;
+      }
       rays_.push_back({origin, cloud.points_local_m[i], true});
     }
     // Beams without return tell that nothing is near; the own body's beams have a return or a mask.
@@ -48,6 +57,7 @@ class SparseMapper : public Mapper {
   SparseVoxelMap map_;
   std::vector<SparseVoxelMap::Ray> rays_;
   std::vector<bool> returned_;  // by beam
+  std::uint64_t num_returns_ = 0, num_far_ = 0;
 };
 
 }  // namespace

@@ -111,6 +111,7 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
   }
   const ClearPath path_secondary =
       find_clear_path(map_secondary, config.secondary, secondary.p_local_m, plan.goal_local_m);
+  plan.secondary_search = path_secondary.status;
   if (path_secondary.status != ClearPathStatus::kFound) {
     return fail(plan, "the guided vehicle's path", text_of(path_secondary.status));
   }
@@ -146,6 +147,7 @@ TeamPlan plan_team(const OccupancyView& map, const TeamPlannerConfig& config, co
     plan.next = TeamPlan::Next::kMovePrimary;
     return plan;
   }
+  plan.primary_search = path_primary.status;
   return fail(plan, "the guide's path to the viewpoint", text_of(path_primary.status));
 }
 

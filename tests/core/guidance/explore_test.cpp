@@ -128,5 +128,17 @@ TEST(Explore, WithoutRoomToFlyTheMissionFailsWithItsReason) {
   EXPECT_STREQ(explorer.out.note, "no clear space around the start");
 }
 
+TEST(Explore, ASearchThatIsGivenUpIsCountedAndNamesItsBudget) {
+  const BoxMap truth = rooms();
+  ExploreConfig config = explores({14, 6, 2.5});
+  config.view.max_expansions = 1;
+  Explorer explorer(truth, config, {3.1, 3.0, 1.1});
+  explorer.run(120.0);
+  const Counter given_up = explorer.counter();
+  EXPECT_GT(given_up.count, 0U);
+  EXPECT_EQ(given_up.count, given_up.of);
+  EXPECT_EQ(given_up.setting, "view.max_expansions");
+}
+
 }  // namespace
 }  // namespace swiftlet

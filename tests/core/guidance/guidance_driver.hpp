@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -101,6 +103,17 @@ class GuidanceDriver {
     observation.neighbors.clear();
     observation.messages.clear();
     return out;
+  }
+
+  /// What it counted for a setting; of its first one when none is named.
+  Counter counter(const std::string& setting = {}) const {
+    std::vector<Counter> counters;
+    guidance->append_counters(counters);
+    for (const Counter& counter : counters) {
+      if (setting.empty() || counter.setting == setting) return counter;
+    }
+    ADD_FAILURE() << "nothing is counted for \"" << setting << '"';
+    return {};
   }
 
   double dt_s = 0.1;

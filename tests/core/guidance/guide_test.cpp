@@ -326,5 +326,17 @@ TEST(Guide, AVehicleThatIsNotThereIsRefused) {
   EXPECT_THROW(Team{config}, std::invalid_argument);
 }
 
+TEST(Guide, SearchesThatAreGivenUpAreCountedByTheVehicleTheyAreFor) {
+  GuideConfig config = guides_uav2({{6, 0, 0.7}});
+  config.planner.secondary.max_expansions = 5;
+  config.retries = 1;
+  Team team(config);
+  team.run(60.0);
+  EXPECT_EQ(team.counter("planner.primary.max_expansions").count, 0U);
+  const Counter given_up = team.counter("planner.secondary.max_expansions");
+  EXPECT_EQ(given_up.count, 2U) << "once, and one retry";
+  EXPECT_EQ(given_up.of, 2U);
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -83,6 +83,22 @@ TEST(PlannedPath, AGoalInAnObstacleEndsTheMissionWithItsReason) {
   EXPECT_STREQ(pilot.out.note, "the goal is too near to an obstacle");
 }
 
+TEST(PlannedPath, ASearchThatIsGivenUpIsCountedAndNamesItsBudget) {
+  PlannedPathConfig config = flies_to({{6, 0, 0.7}});
+  const auto counted = [](const PlannedPathConfig& flown) {
+    Pilot pilot(flown);
+    pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
+    pilot.run(60.0);
+    return pilot.counter();
+  };
+  EXPECT_EQ(counted(config).count, 0U);
+  config.planner.max_expansions = 10;
+  const Counter given_up = counted(config);
+  EXPECT_EQ(given_up.count, 2U) << "once, and one retry";
+  EXPECT_EQ(given_up.of, 2U);
+  EXPECT_EQ(given_up.setting, "planner.max_expansions");
+}
+
 TEST(PlannedPath, WithoutGoalsItHovers) {
   Pilot pilot(flies_to({}));
   pilot.run(3.0);

@@ -192,5 +192,19 @@ TEST(OccupancyMapper, EveryCellIsThatOfTheLibraryOnScansOfTheSimulator) {
   }
 }
 
+TEST(OccupancyMapper, CountsReturnsThatLieBeyondItsReach) {
+  OccupancyMapperConfig config;
+  config.every_column = 1;
+  config.map.range_max_m = 10.0;
+  OccupancyMapping mapping(config);
+  mapping.see(row_of({9.0F, 11.0F, 12.0F, 0.5F, 0.0F, 0.0F, 0.0F, 0.0F}));
+  std::vector<Counter> counters;
+  mapping.mapper->append_counters(counters);
+  ASSERT_EQ(counters.size(), 1U);
+  EXPECT_EQ(counters[0].count, 2U);
+  EXPECT_EQ(counters[0].of, 3U) << "the own body is no return of the world";
+  EXPECT_EQ(counters[0].setting, "range_max_m");
+}
+
 }  // namespace
 }  // namespace swiftlet

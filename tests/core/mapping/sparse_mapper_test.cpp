@@ -68,5 +68,18 @@ TEST(Mappers, NoneMakesNothing) {
   EXPECT_THROW(make_mapper(unknown, {}), std::invalid_argument);
 }
 
+TEST(SparseMapper, CountsReturnsThatLieBeyondItsReach) {
+  Module module(mapper_module_types(), "sparse");
+  module.as<SparseMapperConfig>().range_max_m = 10.0;
+  Mapping mapping(module);
+  mapping.see(scan({9.0F, 11.0F, 0.5F}));
+  std::vector<Counter> counters;
+  mapping.mapper->append_counters(counters);
+  ASSERT_EQ(counters.size(), 1U);
+  EXPECT_EQ(counters[0].count, 1U);
+  EXPECT_EQ(counters[0].of, 2U) << "the own body is no return of the world";
+  EXPECT_EQ(counters[0].setting, "range_max_m");
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -60,6 +60,7 @@ class Guidance {
   virtual void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) = 0;
   /// What may help to understand it in a picture; called only when one is taken.
   virtual void append_overlays(std::vector<Overlay>&) const {}
+  virtual void append_counters(std::vector<Counter>&) const {}
 };
 
 }  // namespace swiftlet

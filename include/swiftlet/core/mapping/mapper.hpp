@@ -29,6 +29,7 @@ class Mapper {
   /// The map as of the last step; stays the mapper's.
   virtual const OccupancyView& map() const = 0;
   virtual void append_overlays(std::vector<Overlay>&) const {}
+  virtual void append_counters(std::vector<Counter>&) const {}
 };
 
 }  // namespace swiftlet

@@ -40,6 +40,8 @@ struct TeamPlan {
   enum class Next { kGoalReached, kMovePrimary, kMoveSecondary, kFail };
   Next next = Next::kFail;
   std::string reason;  ///< why it failed
+  ClearPathStatus primary_search = ClearPathStatus::kFound;
+  ClearPathStatus secondary_search = ClearPathStatus::kFound;
   Vector3 goal_local_m = Vector3::Zero();
   std::vector<PlannedPose> secondary_path;  ///< from where it stands to the goal
   std::vector<Vector3> primary_local_m;     ///< from where it stands to the viewpoint
