@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "sim/batch/change_places.hpp"
 #include "sim/batch/sweep.hpp"
 #include "swiftlet/sim/batch/shell.hpp"
 #include "swiftlet/sim/io/text.hpp"
@@ -94,7 +95,8 @@ BatchPlan::BatchPlan(const fs::path& file, const ConfigChanges& overrides) {
   try {
     fingerprint_ = make_fingerprint();
   } catch (const InputError& error) {  // a change made by `set` or the sweep that a scenario does not take
-    throw InputError(file_.string() + ": " + error.what());
+    const std::string message = with_places_of_changes(error.what(), Loader(system_files()).load(file));
+    throw InputError(message == error.what() ? file_.string() + ": " + message : message);
   }
   for (std::size_t v = 0; v < scenarios_.size(); ++v) {
     const bool is_swept = std::any_of(config_.sweep.parameters.begin(), config_.sweep.parameters.end(),

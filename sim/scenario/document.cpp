@@ -486,6 +486,17 @@ Node parse_override(const std::string& path, const std::string& value) {
   return node;
 }
 
+const Place* place_of_key(const Node& changes, const std::string& key) {
+  for (const Entry& entry : changes.entries) {
+    if (entry.key == key) return &entry.place;
+    if (!key.starts_with(entry.key)) continue;
+    std::string rest = key.substr(entry.key.size());
+    if (rest.front() == '.') rest.erase(0, 1);
+    if (const Place* place = place_of_key(entry.value, rest)) return place;
+  }
+  return nullptr;
+}
+
 std::string quote(std::string_view text) {
   constexpr std::size_t kMaxShown = 60;
   std::string shown = "\"";

@@ -31,6 +31,7 @@ void forest_guidance(Experiment& experiment);  // forest_guidance.cpp
 void narrow_gap(Experiment& experiment);       // narrow_gap.cpp
 void guidance_timing(Experiment& experiment);  // guidance_timing.cpp
 void communication(Experiment& experiment);    // guidance_timing.cpp
+void guidance_sight(Experiment& experiment);   // guidance_sight.cpp
 
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);

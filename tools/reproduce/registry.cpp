@@ -55,6 +55,8 @@ std::span<const ExperimentType> experiment_types() {
                      guidance_timing},
       ExperimentType{"communication", "Rates and sizes of messages while guiding [Pritzl 2024, Table IV and Fig. 9]",
                      300.0, communication},
+      ExperimentType{"guidance-sight", "Is what is called visible in sight, from higher up? (beyond Pritzl 2024)",
+                     200.0, guidance_sight},
       ExperimentType{"rbl-circle",
                      "Five to fifteen vehicles cross a circle of 10 m, in 2D and 3D [Kamler 2025, sec. 2.4]", 600.0,
                      rbl_circle},

@@ -72,6 +72,27 @@ TEST(BatchPlan, ZippedSeedsGiveEveryPointItsOwn) {
       InputError);
 }
 
+TEST(BatchPlan, AChangeThatTheScenarioDoesNotTakeIsNamedByItsPlaceInTheBatchFile) {
+  const BatchFolder folder;
+  const auto refused = [&](const std::string& text, const ConfigChanges& overrides = {}) -> std::string {
+    folder.write("batch.yaml", "name: test\nscenario: hover\n" + text);
+    try {
+      const BatchPlan plan(folder.path("batch.yaml"), overrides);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    ADD_FAILURE() << "accepted: " << text;
+    return "";
+  };
+  EXPECT_THAT(refused("set:\n  wind:\n    meen_mps: 3\n"), HasSubstr("batch.yaml:5:5: set.wind.meen_mps: "));
+  EXPECT_THAT(refused("set:\n  duration_s: 2\n  wnd.x: 3\n"), HasSubstr("batch.yaml:5:3: set.wnd.x: "));
+  EXPECT_THAT(refused("variants:\n  - name: a\n  - {name: b, set: {'vehicles[0].start.yaw': 1}}\n"),
+              HasSubstr("batch.yaml:5:21: variants[1].set.vehicles[0].start.yaw: "));
+  EXPECT_THAT(refused("sweep:\n  parameters:\n    - {key: duration_s, values: [1]}\n    - {key: wnd, values: [1]}\n"),
+              HasSubstr("batch.yaml:6:13: sweep.parameters[1].key: wnd: "));
+  EXPECT_THAT(refused("", {{"set.wnd", "3"}}), HasSubstr("wnd"));
+}
+
 TEST(BatchPlan, MistakesAreFoundBeforeAnythingIsFlown) {
   const BatchFolder folder;
   const auto refused = [&](const std::string& text) -> std::string {

@@ -72,6 +72,9 @@ void merge(Node& base, const Node& over, const std::string& path = "");
 /// The document that one override asks for: ("vehicles[0].start.yaw_deg", "90") -> {vehicles: {[0]: {start: ...}}}.
 Node parse_override(const std::string& path, const std::string& value);
 
+/// Where a map of changes names the key "vehicles[0].start.yaw_deg", whether nested or in one word; null: nowhere.
+const Place* place_of_key(const Node& changes, const std::string& key);
+
 /// Values in the tree, the root included.
 std::size_t num_nodes(const Node& node);
 
