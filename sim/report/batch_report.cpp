@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kWorst = 10;
 constexpr std::size_t kFailures = 20;
 constexpr std::size_t kMostBoxes = 12;       // points side by side in one box plot
+constexpr std::size_t kMostIntervals = 40;   // rows of a figure of intervals
 constexpr std::size_t kMostLevels = 20;      // values of a parameter that are averaged over; more are a cloud
 constexpr std::size_t kMostGroupRows = 200;  // of a table in the page; the CSV has them all
 
@@ -45,6 +46,16 @@ std::uint64_t count_done(const BatchTable& table, const EpisodeGroup& group) {
                                                   [&](std::size_t i) { return table.episodes[i].done(); }));
 }
 
+SampleSummary summary_of(const BatchTable& table, const Quantity& quantity, const EpisodeGroup& group) {
+  return summarize(values_of(quantity, group), seeds_of(table, group));
+}
+
+Interval rate_interval(const BatchTable& table, const std::string& outcome, const EpisodeGroup& group) {
+  const std::vector<double> outcomes = outcomes_of(table, outcome, group);
+  return wilson(count_outcome(table, outcome, group), count_done(table, group),
+                independent_share(outcomes, seeds_of(table, group)));
+}
+
 // --- the head ---
 
 std::string heading(const BatchTable& table) {
@@ -55,10 +66,12 @@ std::string heading(const BatchTable& table) {
   for (const auto& [status, count] : by_status) statuses += ", " + std::to_string(count) + " " + status;
   std::string text = "<h1>" + escape_markup(info.name) + "</h1>\n";
   if (!info.description.empty()) text += "<p>" + escape_markup(info.description) + "</p>\n";
-  text += "<p class=\"note\">" + plural(table.episodes.size(), "episode") + " of " + std::to_string(info.num_episodes) +
-          escape_markup(statuses) + ". Swiftlet " + escape_markup(info.version) + " (" +
-          escape_markup(info.git_revision) + "), fingerprint " + html::code(info.fingerprint) +
-          ". Intervals are of 95 %: Student's t for means, Wilson's for rates.";
+  text +=
+      "<p class=\"note\">" + plural(table.episodes.size(), "episode") + " of " + std::to_string(info.num_episodes) +
+      escape_markup(statuses) + ". Swiftlet " + escape_markup(info.version) + " (" + escape_markup(info.git_revision) +
+      "), fingerprint " + html::code(info.fingerprint) +
+      ". Intervals are of 95 %: Student's t for means, Wilson's for rates. Over several points they count a seed once, "
+      "since it met the same random numbers at each.";
   if (info.variants.size() > 1) {
     text += " Differences are to <b>" + escape_markup(info.variants.front()) +
             "</b>, seed by seed: both variants met the same random numbers.";
@@ -75,6 +88,82 @@ std::vector<const EpisodeGroup*> groups_shown(const BatchTable& table) {
   if (single && !shown.empty()) return shown;
   for (std::size_t i = 0; i < std::min(table.groups.size(), kMostGroupRows); ++i) shown.push_back(&table.groups[i]);
   return shown;
+}
+
+// --- intervals, one below the other ---
+
+struct IntervalRow {
+  std::string name;
+  double center = 0.0;
+  Interval ci;
+};
+
+/// A row for each group, the first at the top: a mark and its interval.
+std::string interval_plot(const std::string& label, const std::vector<IntervalRow>& rows, bool is_difference,
+                          bool is_rate) {
+  if (rows.empty()) return "";
+  plot::Figure figure;
+  figure.set_panel_size(620.0, 70.0 + 22.0 * static_cast<double>(rows.size()));
+  plot::Panel& panel = figure.add_panel();
+  panel.x.label = label;
+  panel.legend = plot::Legend::kNone;
+  if (is_rate && !is_difference) {
+    panel.x.min = 0.0;
+    panel.x.max = 100.0;
+  }
+  plot::Style mark;
+  mark.color = 0;
+  mark.marker = plot::Marker::kSquare;
+  mark.marker_px = 4.0;
+  plot::Style bar;
+  bar.color = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const IntervalRow& row = rows[rows.size() - 1 - i];
+    panel.y.categories.push_back(row.name);
+    const double at[] = {static_cast<double>(i), static_cast<double>(i)}, ends[] = {row.ci.low, row.ci.high};
+    if (std::isfinite(row.ci.low) && std::isfinite(row.ci.high)) panel.line("", ends, at, bar);
+    if (std::isfinite(row.center)) panel.scatter("", {&row.center, 1}, {at, 1}, mark);
+  }
+  if (is_difference) panel.vertical("", 0.0, {.color = 7, .width_px = 1.0, .dash = plot::Dash::kDashed});
+  return "<figure>" + figure.svg() + "</figure>\n";
+}
+
+/// The groups of the tables, as many as fit a figure.
+std::vector<const EpisodeGroup*> groups_plotted(const BatchTable& table) {
+  std::vector<const EpisodeGroup*> shown = groups_shown(table);
+  shown.resize(std::min(shown.size(), kMostIntervals));
+  return shown;
+}
+
+std::string outcome_plots(const BatchTable& table) {
+  std::string text;
+  const std::vector<const EpisodeGroup*> groups = groups_plotted(table);
+  if (groups.size() < 2) return text;
+  for (const std::string& outcome : table.outcomes) {
+    std::vector<IntervalRow> rows;
+    for (const EpisodeGroup* group : groups) {
+      const std::uint64_t done = count_done(table, *group);
+      if (done == 0) continue;
+      const Interval ci = rate_interval(table, outcome, *group);
+      const double rate = static_cast<double>(count_outcome(table, outcome, *group)) / static_cast<double>(done);
+      rows.push_back({table.name_of(*group), 100.0 * rate, {100.0 * ci.low, 100.0 * ci.high}});
+    }
+    text += interval_plot(outcome + " [% of episodes]", rows, false, true);
+  }
+  return text;
+}
+
+/// What a batch of variants is flown for: how each differs from the reference, seed by seed.
+std::string difference_plot(const BatchTable& table, const Quantity& quantity) {
+  std::vector<IntervalRow> rows;
+  for (const EpisodeGroup* group : groups_plotted(table)) {
+    const EpisodeGroup* reference = table.reference_of(*group);
+    if (reference == nullptr) continue;
+    const PairedValues pairs = paired_values(table, quantity, *reference, *group);
+    const SampleSummary d = paired_difference(pairs.first, pairs.second, pairs.seeds);
+    if (d.n > 0) rows.push_back({table.name_of(*group), d.mean, d.mean_ci});
+  }
+  return interval_plot("difference of " + quantity.label() + " to " + table.info.variants.front(), rows, true, false);
 }
 
 // --- outcomes ---
@@ -96,7 +185,7 @@ std::string outcome_section(const BatchTable& table) {
     for (const std::string& outcome : table.outcomes) {
       const std::uint64_t count = count_outcome(table, outcome, group);
       cells.push_back(percent(done > 0 ? static_cast<double>(count) / static_cast<double>(done) : std::nan("")));
-      cells.push_back(percent(wilson(count, done)));
+      cells.push_back(percent(rate_interval(table, outcome, group)));
       if (table.info.variants.size() < 2) continue;
       const EpisodeGroup* reference = table.reference_of(group);
       const RateDifference d =
@@ -108,7 +197,7 @@ std::string outcome_section(const BatchTable& table) {
   }
   std::string text = rows.str();
   if (table.groups.size() > kMostGroupRows) text += "<p class=\"note\">The rest is in report.csv.</p>\n";
-  return html::section("Outcomes", text);
+  return html::section("Outcomes", outcome_plots(table) + text);
 }
 
 // --- one quantity ---
@@ -174,10 +263,15 @@ std::string box_plot(const BatchTable& table, const Quantity& quantity) {
 void add_sweep(plot::Panel& panel, const BatchTable& table, const Quantity& quantity, std::size_t parameter,
                const std::string& variant) {
   std::map<double, std::vector<double>> levels;
+  std::map<double, std::vector<std::uint64_t>> seeds;
   for (const EpisodeGroup& group : table.groups) {
     const auto x = as_number(group.parameters[parameter]);
     if (group.variant != variant || !x) continue;
-    for (const double y : numbers_only(values_of(quantity, group))) levels[*x].push_back(y);
+    for (const std::size_t i : group.episodes) {
+      if (!std::isfinite(quantity.values[i])) continue;
+      levels[*x].push_back(quantity.values[i]);
+      seeds[*x].push_back(table.episodes[i].seed);
+    }
   }
   const std::string label = table.info.variants.size() > 1 ? variant : "";
   std::vector<double> x, y, low, high;
@@ -195,11 +289,11 @@ void add_sweep(plot::Panel& panel, const BatchTable& table, const Quantity& quan
     return;
   }
   for (const auto& [level, values] : levels) {
-    const SampleSummary s = summarize(values);
+    const SampleSummary s = summarize(values, seeds[level]);
     x.push_back(level);
     y.push_back(s.mean);
-    low.push_back(s.n > 1 ? s.mean_ci.low : s.mean);
-    high.push_back(s.n > 1 ? s.mean_ci.high : s.mean);
+    low.push_back(std::isfinite(s.mean_ci.low) ? s.mean_ci.low : s.mean);
+    high.push_back(std::isfinite(s.mean_ci.high) ? s.mean_ci.high : s.mean);
   }
   plot::Style style;
   style.marker = plot::Marker::kCircle;
@@ -243,10 +337,10 @@ std::string quantity_table(const BatchTable& table, const Quantity& quantity) {
   for (const EpisodeGroup* shown : groups_shown(table)) {
     const EpisodeGroup& group = *shown;
     std::vector<std::string> cells = {escape_markup(table.name_of(group))};
-    for (std::string& cell : summary_cells(summarize(values_of(quantity, group)))) cells.push_back(std::move(cell));
+    for (std::string& cell : summary_cells(summary_of(table, quantity, group))) cells.push_back(std::move(cell));
     if (const EpisodeGroup* reference = table.reference_of(group)) {
       const PairedValues pairs = paired_values(table, quantity, *reference, group);
-      const SampleSummary d = paired_difference(pairs.first, pairs.second);
+      const SampleSummary d = paired_difference(pairs.first, pairs.second, pairs.seeds);
       cells.insert(cells.end(), {std::to_string(d.n), html::number(d.mean), html::number(d.sd),
                                  html::interval(d.mean_ci.low, d.mean_ci.high)});
     } else if (paired) {
@@ -258,8 +352,8 @@ std::string quantity_table(const BatchTable& table, const Quantity& quantity) {
 }
 
 std::string quantity_section(const BatchTable& table, const Quantity& quantity) {
-  return html::section(quantity.label(),
-                       box_plot(table, quantity) + sweep_plots(table, quantity) + quantity_table(table, quantity));
+  return html::section(quantity.label(), box_plot(table, quantity) + difference_plot(table, quantity) +
+                                             sweep_plots(table, quantity) + quantity_table(table, quantity));
 }
 
 /// Every quantity in brief, over all groups.
@@ -275,7 +369,7 @@ std::string all_quantities(const BatchTable& table) {
     html::Table rows({"", "n", "mean", "sd", "95 % interval", "least", "median", "greatest"});
     for (const Quantity& quantity : table.quantities) {
       std::vector<std::string> cells = {escape_markup(quantity.label())};
-      for (std::string& cell : summary_cells(summarize(values_of(quantity, group)))) cells.push_back(std::move(cell));
+      for (std::string& cell : summary_cells(summary_of(table, quantity, group))) cells.push_back(std::move(cell));
       rows.add(std::move(cells));
     }
     text += html::folded("Every metric: " + table.name_of(group), rows.str());
@@ -396,7 +490,7 @@ std::string batch_report_csv(const BatchTable& table) {
     const std::uint64_t done = count_done(table, group);
     for (const std::string& outcome : table.outcomes) {
       const std::uint64_t count = count_outcome(table, outcome, group);
-      const Interval ci = wilson(count, done);
+      const Interval ci = rate_interval(table, outcome, group);
       text += head + "," + csv_cell("outcome = " + outcome) + ",," + std::to_string(done) + "," +
               csv_cell(done > 0 ? static_cast<double>(count) / static_cast<double>(done) : std::nan("")) + ",," +
               csv_cell(ci.low) + "," + csv_cell(ci.high) + ",,,,,";
@@ -410,13 +504,13 @@ std::string batch_report_csv(const BatchTable& table) {
       }
     }
     for (const Quantity& quantity : table.quantities) {
-      const SampleSummary s = summarize(values_of(quantity, group));
+      const SampleSummary s = summary_of(table, quantity, group);
       text += head + "," + csv_cell(quantity.metric) + "," + csv_cell(quantity.vehicle) + "," + std::to_string(s.n);
       for (const double x : {s.mean, s.sd, s.mean_ci.low, s.mean_ci.high, s.min, s.q1, s.median, s.q3, s.max})
         text += "," + csv_cell(x);
       if (reference != nullptr) {
         const PairedValues pairs = paired_values(table, quantity, *reference, group);
-        const SampleSummary d = paired_difference(pairs.first, pairs.second);
+        const SampleSummary d = paired_difference(pairs.first, pairs.second, pairs.seeds);
         text += "," + std::to_string(d.n);
         for (const double x : {d.mean, d.sd, d.mean_ci.low, d.mean_ci.high}) text += "," + csv_cell(x);
         text += "\n";

@@ -222,12 +222,28 @@ std::vector<double> values_of(const Quantity& quantity, const EpisodeGroup& grou
   return values;
 }
 
+std::vector<std::uint64_t> seeds_of(const BatchTable& table, const EpisodeGroup& group) {
+  std::vector<std::uint64_t> seeds;
+  for (const std::size_t i : group.episodes) seeds.push_back(table.episodes[i].seed);
+  return seeds;
+}
+
+std::vector<double> outcomes_of(const BatchTable& table, const std::string& outcome, const EpisodeGroup& group) {
+  std::vector<double> values;
+  for (const std::size_t i : group.episodes) {
+    const EpisodeRow& row = table.episodes[i];
+    values.push_back(!row.done() ? kNaN : row.outcome == outcome ? 1.0 : 0.0);
+  }
+  return values;
+}
+
 PairedValues paired_values(const BatchTable& table, const Quantity& quantity, const EpisodeGroup& first,
                            const EpisodeGroup& second) {
   PairedValues values;
   for_each_pair(table, first, second, [&](std::size_t a, std::size_t b) {
     values.first.push_back(quantity.values[a]);
     values.second.push_back(quantity.values[b]);
+    values.seeds.push_back(table.episodes[a].seed);
   });
   return values;
 }
@@ -235,12 +251,17 @@ PairedValues paired_values(const BatchTable& table, const Quantity& quantity, co
 PairedCounts paired_outcomes(const BatchTable& table, const std::string& outcome, const EpisodeGroup& first,
                              const EpisodeGroup& second) {
   PairedCounts counts;
+  std::vector<double> differences;
+  std::vector<std::uint64_t> seeds;
   for_each_pair(table, first, second, [&](std::size_t a, std::size_t b) {
     const EpisodeRow &x = table.episodes[a], &y = table.episodes[b];
     if (!x.done() || !y.done()) return;
     const bool in_first = x.outcome == outcome, in_second = y.outcome == outcome;
     ++(in_first ? (in_second ? counts.both : counts.first_only) : (in_second ? counts.second_only : counts.neither));
+    differences.push_back(static_cast<double>(in_second) - static_cast<double>(in_first));
+    seeds.push_back(x.seed);
   });
+  counts.independent = independent_share(differences, seeds);
   return counts;
 }
 

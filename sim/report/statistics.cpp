@@ -5,6 +5,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <vector>
 
@@ -23,9 +24,42 @@ double quantile_of_sorted(const std::vector<double>& sorted, double p) {
   return i + 1 < sorted.size() ? sorted[i] + part * (sorted[i + 1] - sorted[i]) : sorted[i];
 }
 
+struct ClusteredError {
+  double variance = std::numeric_limits<double>::quiet_NaN();  // of the mean
+  std::size_t num_clusters = 0;
+};
+
+/// Of the mean of samples of which those of a cluster hang together; with clusters of one sample it is s^2 / n.
+ClusteredError error_of_mean(std::span<const double> samples, Clusters clusters, double mean) {
+  if (!clusters.empty() && clusters.size() != samples.size()) {
+    throw std::invalid_argument("clusters: expected one for each sample");
+  }
+  std::map<std::uint64_t, std::vector<double>> by_cluster;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (std::isnan(samples[i])) continue;
+    by_cluster[clusters.empty() ? i : clusters[i]].push_back(samples[i] - mean);
+    ++count;
+  }
+  std::vector<double> squares;
+  squares.reserve(by_cluster.size());
+  for (auto& [cluster, deviations] : by_cluster) {
+    std::sort(deviations.begin(), deviations.end());
+    double sum = 0.0;
+    for (const double deviation : deviations) sum += deviation;
+    squares.push_back(sum * sum);
+  }
+  std::sort(squares.begin(), squares.end());  // a sum in this order does not depend on that of the samples
+  double sum = 0.0;
+  for (const double square : squares) sum += square;
+  const auto n = static_cast<double>(count), g = static_cast<double>(by_cluster.size());
+  if (by_cluster.size() < 2) return {std::numeric_limits<double>::quiet_NaN(), by_cluster.size()};
+  return {g / (g - 1.0) * sum / (n * n), by_cluster.size()};
+}
+
 }  // namespace
 
-SampleSummary summarize(std::span<const double> samples, double confidence) {
+SampleSummary summarize(std::span<const double> samples, Clusters clusters, double confidence) {
   std::vector<double> numbers;
   for (const double x : samples) {
     if (!std::isnan(x)) numbers.push_back(x);
@@ -47,16 +81,29 @@ SampleSummary summarize(std::span<const double> samples, double confidence) {
   double squares = 0.0;
   for (const double x : numbers) squares += (x - summary.mean) * (x - summary.mean);
   summary.sd = std::sqrt(squares / (n - 1.0));
-  const double t = boost::math::quantile(boost::math::students_t(n - 1.0), 0.5 + 0.5 * confidence);
-  const double half = t * summary.sd / std::sqrt(n);
+  const ClusteredError error = error_of_mean(samples, clusters, summary.mean);
+  if (error.num_clusters < 2) return summary;
+  const auto freedom = static_cast<double>(error.num_clusters - 1);
+  const double t = boost::math::quantile(boost::math::students_t(freedom), 0.5 + 0.5 * confidence);
+  const double half = t * std::sqrt(error.variance);
   summary.mean_ci = {summary.mean - half, summary.mean + half};
   return summary;
 }
 
-Interval wilson(std::uint64_t successes, std::uint64_t trials, double confidence) {
+double independent_share(std::span<const double> samples, Clusters clusters) {
+  const SampleSummary summary = summarize(samples);
+  if (clusters.empty() || summary.n < 2) return 1.0;
+  const auto n = static_cast<double>(summary.n);
+  const ClusteredError error = error_of_mean(samples, clusters, summary.mean);
+  const double least = static_cast<double>(error.num_clusters) / n;
+  if (error.num_clusters < 2 || summary.sd == 0.0) return least;
+  return std::min(1.0, summary.sd * summary.sd / n / error.variance);
+}
+
+Interval wilson(std::uint64_t successes, std::uint64_t trials, double independent, double confidence) {
   if (trials == 0) return {};
-  const auto n = static_cast<double>(trials);
-  const double p = static_cast<double>(successes) / n;
+  const double n = independent * static_cast<double>(trials);
+  const double p = static_cast<double>(successes) / static_cast<double>(trials);
   const double z = normal_quantile(confidence);
   const double scale = 1.0 + z * z / n;
   const double center = (p + z * z / (2.0 * n)) / scale;
@@ -66,11 +113,12 @@ Interval wilson(std::uint64_t successes, std::uint64_t trials, double confidence
           successes == trials ? 1.0 : std::min(1.0, center + half)};
 }
 
-SampleSummary paired_difference(std::span<const double> first, std::span<const double> second, double confidence) {
+SampleSummary paired_difference(std::span<const double> first, std::span<const double> second, Clusters clusters,
+                                double confidence) {
   if (first.size() != second.size()) throw std::invalid_argument("paired_difference: expected as many of either");
   std::vector<double> differences(first.size());
   for (std::size_t i = 0; i < first.size(); ++i) differences[i] = second[i] - first[i];
-  return summarize(differences, confidence);
+  return summarize(differences, clusters, confidence);
 }
 
 RateDifference paired_rate_difference(const PairedCounts& counts, double confidence) {
@@ -79,11 +127,10 @@ RateDifference paired_rate_difference(const PairedCounts& counts, double confide
   const double n = a + b + c + d;
   RateDifference result;
   if (n == 0.0) return result;
+  const std::uint64_t trials = counts.both + counts.second_only + counts.first_only + counts.neither;
   const double p_second = (a + b) / n, p_first = (a + c) / n;
-  const Interval second = wilson(counts.both + counts.second_only,
-                                 counts.both + counts.second_only + counts.first_only + counts.neither, confidence);
-  const Interval first = wilson(counts.both + counts.first_only,
-                                counts.both + counts.second_only + counts.first_only + counts.neither, confidence);
+  const Interval second = wilson(counts.both + counts.second_only, trials, counts.independent, confidence);
+  const Interval first = wilson(counts.both + counts.first_only, trials, counts.independent, confidence);
   // Correlation of the two, its numerator corrected for continuity.
   const double margins = (a + b) * (c + d) * (a + c) * (b + d);
   double numerator = a * d - b * c;

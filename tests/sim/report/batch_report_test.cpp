@@ -128,6 +128,8 @@ TEST_F(BatchReport, AllPointsTogetherArePairedByPointAndSeed) {
 TEST_F(BatchReport, ThePageTellsItAll) {
   const std::string page = batch_report_html(table());
   EXPECT_THAT(page, HasSubstr("winds &amp; gains"));
+  EXPECT_THAT(page, HasSubstr("crashed [% of episodes]"));
+  EXPECT_THAT(page, HasSubstr("difference of error_m (mean) to old"));
   EXPECT_THAT(page, HasSubstr("23 done"));
   EXPECT_THAT(page, HasSubstr("<svg"));
   EXPECT_THAT(page, HasSubstr("wind_mps 5, new"));

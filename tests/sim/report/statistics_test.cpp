@@ -106,5 +106,61 @@ TEST(Statistics, IntervalsCoverAsOftenAsTheySay) {
   EXPECT_NEAR(static_cast<double>(difference_covered) / kTrials, 0.95, 0.03);
 }
 
+TEST(Statistics, TheSameFlightCountedFiveTimesSaysNoMore) {
+  const Random random(3, "clusters");
+  std::vector<double> once, often;
+  std::vector<std::uint64_t> seeds;
+  for (std::uint32_t seed = 0; seed < 8; ++seed) {
+    once.push_back(random.normal(seed, 0));
+    for (int point = 0; point < 5; ++point) {
+      often.push_back(once.back());
+      seeds.push_back(seed);
+    }
+  }
+  const Interval alone = summarize(once).mean_ci, together = summarize(often, seeds).mean_ci;
+  EXPECT_NEAR(together.low, alone.low, 1e-12);
+  EXPECT_NEAR(together.high, alone.high, 1e-12);
+  EXPECT_LT(summarize(often).mean_ci.high - summarize(often).mean_ci.low, 0.5 * (alone.high - alone.low));
+  EXPECT_NEAR(independent_share(often, seeds), 0.2, 0.03);
+  EXPECT_NEAR(independent_share(std::vector<double>(40, 1.0), seeds), 0.2, 1e-12) << "all succeeded";
+  EXPECT_NEAR(wilson(40, 40, 0.2).low, wilson(8, 8).low, 1e-12);
+  EXPECT_TRUE(std::isnan(summarize(often, std::vector<std::uint64_t>(40, 7)).mean_ci.low)) << "one seed says nothing";
+  EXPECT_THROW(summarize(often, {seeds.data(), 3}), std::invalid_argument);
+}
+
+TEST(Statistics, IntervalsOfSeedsThatComeUpAgainCoverAsOftenAsTheySay) {
+  const Random random(8, "coverage");
+  int mean_covered = 0, rate_covered = 0, difference_covered = 0;
+  constexpr int kTrials = 2000, kSeeds = 25, kPoints = 4;
+  const auto covers = [](const Interval& ci, double truth) { return ci.low <= truth && truth <= ci.high ? 1 : 0; };
+  for (std::uint32_t trial = 0; trial < kTrials; ++trial) {
+    std::vector<double> samples, outcomes, differences;
+    std::vector<std::uint64_t> seeds;
+    PairedCounts counts;
+    std::uint64_t successes = 0;
+    for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+      const double luck = random.normal(trial, seed);
+      for (std::uint32_t point = 0; point < kPoints; ++point) {
+        const std::uint32_t index = 1000 + kPoints * seed + point;
+        samples.push_back(5.0 + 2.0 * luck + 0.5 * random.normal(trial, index));
+        const bool yes = luck + 0.5 * random.normal(trial, 1000 + index) > 0.0;    // half of all
+        const bool other = luck + 0.5 * random.normal(trial, 2000 + index) > 0.0;  // as often
+        successes += yes ? 1 : 0;
+        ++(yes ? (other ? counts.both : counts.first_only) : (other ? counts.second_only : counts.neither));
+        outcomes.push_back(yes ? 1.0 : 0.0);
+        differences.push_back(static_cast<double>(other) - static_cast<double>(yes));
+        seeds.push_back(seed);
+      }
+    }
+    counts.independent = independent_share(differences, seeds);
+    mean_covered += covers(summarize(samples, seeds).mean_ci, 5.0);
+    rate_covered += covers(wilson(successes, kSeeds * kPoints, independent_share(outcomes, seeds)), 0.5);
+    difference_covered += covers(paired_rate_difference(counts).ci, 0.0);
+  }
+  EXPECT_NEAR(static_cast<double>(mean_covered) / kTrials, 0.95, 0.02);
+  EXPECT_NEAR(static_cast<double>(rate_covered) / kTrials, 0.95, 0.03);
+  EXPECT_GT(static_cast<double>(difference_covered) / kTrials, 0.93);
+}
+
 }  // namespace
 }  // namespace swiftlet::sim

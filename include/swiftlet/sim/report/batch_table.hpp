@@ -52,10 +52,15 @@ struct BatchTable {
 BatchTable read_batch_table(const ResultStore& store);
 
 std::vector<double> values_of(const Quantity& quantity, const EpisodeGroup& group);
+/// The seed of each of its episodes. Over several points a seed comes up again.
+std::vector<std::uint64_t> seeds_of(const BatchTable& table, const EpisodeGroup& group);
+/// 1 for each episode that ended so, 0 for the others that are done, NaN for those that are not.
+std::vector<double> outcomes_of(const BatchTable& table, const std::string& outcome, const EpisodeGroup& group);
 
 /// Values of both groups for the points and seeds that both have, side by side.
 struct PairedValues {
   std::vector<double> first, second;
+  std::vector<std::uint64_t> seeds;
 };
 PairedValues paired_values(const BatchTable& table, const Quantity& quantity, const EpisodeGroup& first,
                            const EpisodeGroup& second);
