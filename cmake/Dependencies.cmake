@@ -1,5 +1,10 @@
 # Debian packages only; tools/packages.txt lists them.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(polyclipping REQUIRED IMPORTED_TARGET polyclipping)
+if(NOT SWIFTLET_SIM)
+  return()
+endif()
 find_package(embree 3 REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(assimp REQUIRED)
@@ -11,11 +16,9 @@ find_package(Threads REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)
-find_package(PkgConfig REQUIRED)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(octomap REQUIRED IMPORTED_TARGET octomap)
-pkg_check_modules(polyclipping REQUIRED IMPORTED_TARGET polyclipping)
 
 # Bullet in double precision: Debian's libraries with the suffix -float64. The headers are the same; the macro chooses.
 find_path(BULLET_INCLUDE_DIR btBulletDynamicsCommon.h PATH_SUFFIXES bullet REQUIRED)

@@ -22,13 +22,26 @@ echo "$headers" | xargs -P "$(nproc)" -I HEADER sh -c "$alone" sh HEADER
 echo "$(echo "$headers" | wc -l) headers stand alone"
 
 # A project of somebody else's that knows the installed package only.
-in_project() {  # source binary
-  cmake -S "$1" -B "$work/$2" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
-  cmake --build "$work/$2"
+in_project() {  # source binary option...
+  local source=$1 binary=$work/$2
+  shift 2
+  cmake -S "$source" -B "$binary" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$compiler" \
+    -DCMAKE_PREFIX_PATH="$work/prefix" "$@" >/dev/null
+  cmake --build "$binary"
 }
 in_project "$here/consumer" consumer
 "$work/consumer/robot"
 "$work/consumer/flight"
+
+# A robot has Eigen and Clipper, and nothing of what the simulator needs.
+without=()
+for package in embree yaml-cpp assimp OpenMP fmt nlohmann_json PNG ZLIB Threads SQLite3 CLI11 PCL; do
+  without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
+done
+in_project "$here/consumer" on_board -DON_BOARD=ON "${without[@]}"
+"$work/on_board/robot"
+cmake -S "$here/../.." -B "$work/core" -G Ninja -DSWIFTLET_SIM=OFF -DCMAKE_CXX_COMPILER="$compiler" "${without[@]}" >/dev/null
+cmake --build "$work/core" --target swiftlet_core_math >/dev/null
 
 # The examples: each judges its own result, and says it.
 in_project "$examples" examples
