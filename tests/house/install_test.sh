@@ -53,6 +53,14 @@ sensor/own_sensor
 recorder/own_recorder "$examples/recorder/plan.yaml" "$work/recorded"
 [ "$(grep -c '<polyline' "$work/recorded/plan.svg")" = 3 ]
 batch/batch
+# SLAM of recorded data ends where the vehicle was, from where it began, to 0.1 m.
+records=$work/examples/records
+"$work/prefix/bin/swiftlet" run "$examples/robot/records.yaml" --threads 1 -q --out "$records"
+robot/recorded_slam "$records/scans/uav1_puck" "$records/csv/uav1/imu.csv" 0 0 0.25 >"$records/slam.tum"
+awk 'NR == FNR { if (!/^#/) { if (!n++) { x0 = $2; y0 = $3; z0 = $4 } x = $2 - x0; y = $3 - y0; z = $4 - z0 }; next }
+  { u = $2; v = $3; w = $4 }
+  END { off = sqrt((u - x)^2 + (v - y)^2 + (w - z)^2); print "SLAM of records is " off " m off after " sqrt(x^2 + y^2) " m"
+        exit !(off < 0.1 && x > 5) }' "$records/trajectories/uav1.tum" "$records/slam.tum"
 # A module of one's own by a plugin, and in a program of one's own: the same flight.
 swiftlet=$work/prefix/bin/swiftlet
 spiral=$examples/plugin/spiral.yaml
