@@ -218,11 +218,11 @@ void guidance_sight(Experiment& experiment) {
   for (std::size_t world = 0; world < kWorlds.size(); ++world) {
     sim::plot::Panel& panel = figure.add_panel(kWorlds[world]);
     panel.x.label = "primary above secondary [m]";
-    panel.y.label = "waypoints in sight of those called visible";
-    panel.y.min = 0.0;
-    panel.y.max = 1.02;
+    panel.y.label = "plans of which all is in sight";
+    panel.y.min = 0.8;
+    panel.y.max = 1.01;
     for (std::size_t sight = 0; sight < kSights.size(); ++sight) {
-      std::vector<double> higher_m, in_sight;
+      std::vector<double> higher_m, all_in_sight;
       Tally whole;
       for (std::size_t higher = 0; higher < kHigher_m.size(); ++higher) {
         Tally tally;
@@ -231,13 +231,13 @@ void guidance_sight(Experiment& experiment) {
         }
         whole += tally;
         higher_m.push_back(kHigher_m[higher]);
-        in_sight.push_back(share(tally.in_sight, tally.told));
+        all_in_sight.push_back(share(tally.whole, tally.found));
         csv.row(
             fmt::format("{}/{}", kWorlds[world], kSightNames[sight]),
             {kHigher_m[higher], static_cast<double>(tally.plans), static_cast<double>(tally.found),
              static_cast<double>(tally.told), static_cast<double>(tally.in_sight), static_cast<double>(tally.whole)});
       }
-      panel.line(kSightNames[sight], higher_m, in_sight);
+      panel.line(kSightNames[sight], higher_m, all_in_sight, {.marker = sim::plot::Marker::kCircle});
       const std::string of = fmt::format("{}, sight: {}", kWorlds[world], kSightNames[sight]);
       const double seen = share(whole.in_sight, whole.told);
       experiment.row({of + ": waypoints in sight of those called visible [-]", short_number(seen, 3),
