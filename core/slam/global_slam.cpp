@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
@@ -134,21 +135,22 @@ void GlobalSlam::add_gnss(const GnssSample& sample) {
   if (!nodes_.empty() && sample.t >= nodes_.back().t) waiting_.push_back(sample);
 }
 
-/// Fixes between the last two nodes; while the vehicle hovers the last one stands for all.
+/// Fixes between the last two nodes; while the vehicle hovers the last one stands for all. Fixes may be newer than the
+/// nodes, whose scans take a while.
 void GlobalSlam::place_fixes() {
   if (waiting_.empty() || nodes_.size() < 2) return;
   const Node &before = nodes_[nodes_.size() - 2], &after = nodes_.back();
-  const GnssSample& fix = waiting_.back();
-  if (fix.t <= after.t) {
-    const double beta = std::max(0.0, to_seconds(fix.t - before.t) / to_seconds(after.t - before.t));
-    graph_.add(PositionFactor{before.pose, after.pose, beta, fix.p_world_m,
-                              gnss_weight_1_m(config_.gnss, fix.sigma_p_m), config_.gnss.huber});
-    const Vector3 p_local_m =
-        (1.0 - beta) * before.T_local_body.translation() + beta * after.T_local_body.translation();
-    if (!pose_known_ && !fitted_) matched_.push_back({p_local_m, fix.p_world_m, 1.0});
-    fixes_ = true;
-  }
-  waiting_.clear();
+  const auto newer =
+      std::find_if(waiting_.begin(), waiting_.end(), [&](const GnssSample& fix) { return fix.t > after.t; });
+  if (newer == waiting_.begin()) return;
+  const GnssSample fix = *std::prev(newer);
+  waiting_.erase(waiting_.begin(), newer);
+  const double beta = std::max(0.0, to_seconds(fix.t - before.t) / to_seconds(after.t - before.t));
+  graph_.add(PositionFactor{before.pose, after.pose, beta, fix.p_world_m, gnss_weight_1_m(config_.gnss, fix.sigma_p_m),
+                            config_.gnss.huber});
+  const Vector3 p_local_m = (1.0 - beta) * before.T_local_body.translation() + beta * after.T_local_body.translation();
+  if (!pose_known_ && !fitted_) matched_.push_back({p_local_m, fix.p_world_m, 1.0});
+  fixes_ = true;
 }
 
 /// A start that nobody told is fitted to east, north and up as soon as the way is long enough to tell a heading.

@@ -172,8 +172,8 @@ void LocalSlam::insert() {
   map_.keep_around(cropped_m_);
 }
 
-Matrix6 LocalSlam::pose_covariance() const {
-  return filter_.pose_covariance() + drift_.covariance(filter_.state().nav.q.toRotationMatrix());
+Matrix6 LocalSlam::pose_covariance(const InertialFilter& filter) const {
+  return filter.pose_covariance() + drift_.covariance(filter.state().nav.q.toRotationMatrix());
 }
 
 MapDrift::MapDrift(const MapDriftConfig& config, const Vector3& p_local_m) : config_(config), p_local_m_(p_local_m) {

@@ -8,7 +8,7 @@
 
 #include "swiftlet/core/finite.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
-#include "swiftlet/core/math/latency.hpp"
+#include "swiftlet/core/slam/slam_to_now.hpp"
 
 namespace swiftlet {
 namespace {
@@ -17,8 +17,8 @@ class SlamEstimator : public StateEstimator {
  public:
   SlamEstimator(const SlamConfig& config, const AgentSetup& setup)
       : config_(config),
-        latency_(config.latency_s),
-        slam_(config.local, setup.T_local_body_start, setup.airframe.circumscribed_radius_m()),
+        latency_(from_seconds(config.latency_s)),
+        slam_(config.local, config.latency_s, setup.T_local_body_start, setup.airframe.circumscribed_radius_m()),
         start_m_(setup.T_local_body_start.translation()),
         heading_known_(setup.start_known == StartKnown::kPose),
         place_known_(setup.start_known != StartKnown::kNothing),
@@ -36,12 +36,9 @@ class SlamEstimator : public StateEstimator {
       if (is_finite(sample)) last_imu_ = std::max(last_imu_, sample.t);
     }
     for (const auto& scan : observation.scans) {
-      if (listens_to(*scan)) waiting_.push_back({observation.t, scan});
+      if (listens_to(*scan)) slam_.add(observation.t, scan);
     }
-    while (!waiting_.empty() && latency_.is_over(waiting_.front().t, observation.t)) {
-      match(std::move(waiting_.front()));
-      waiting_.erase(waiting_.begin());
-    }
+    while (const std::optional<SlamToNow::Matched> matched = slam_.match_next(observation.t)) take(*matched);
     tell(observation.t);
     learn_world(observation);
     if (global_) correct(observation);
@@ -57,32 +54,27 @@ class SlamEstimator : public StateEstimator {
   }
 
  private:
-  struct Arrival {
-    TimeNs t = 0;
-    std::shared_ptr<const Scan> scan;
-  };
-
   bool listens_to(const Scan& scan) const {
     return config_.lidars.empty() ||
            std::find(config_.lidars.begin(), config_.lidars.end(), scan.sensor) != config_.lidars.end();
   }
 
-  void match(Arrival arrival) {
-    const ScanOutcome outcome = slam_.add(std::move(arrival.scan));
+  void take(const SlamToNow::Matched& matched) {
+    const ScanOutcome& outcome = matched.outcome;
     ++num_scans_;
     num_strange_ += outcome.num_iterations > 0 && !outcome.used;
     if (!outcome.used) return;
-    last_used_ = arrival.t;
-    if (global_ && outcome.inserted && slam_.started() && heading_known_ && place_known_) {
-      global_->add_scan(slam_.filter().state().nav.t, slam_.filter().T_local_body(), slam_.points_body_m(),
-                        estimate_.T_world_local);
+    last_used_ = matched.arrived;
+    const LocalSlam& slam = slam_.at_scan();
+    if (global_ && outcome.inserted && slam.started() && heading_known_ && place_known_) {
+      global_->add_scan(slam.inserted_at().t, slam.inserted_at().T, slam.points_body_m(), estimate_.T_world_local);
     }
-    if (outcome.fit.num_degenerate == 0) last_sure_ = arrival.t;
+    if (outcome.fit.num_degenerate == 0) last_sure_ = matched.arrived;
   }
 
   /// The filter's state, carried from its last IMU sample to now.
   void tell(TimeNs t) {
-    const NavState& nav = slam_.filter().state().nav;
+    const NavState& nav = slam_.now().state().nav;
     const double ahead_s = std::clamp(to_seconds(t - nav.t), 0.0, config_.imu_timeout_s);
     estimate_.t = t;
     estimate_.T_local_body =
@@ -120,32 +112,32 @@ class SlamEstimator : public StateEstimator {
   }
 
   void judge(TimeNs t) {
+    const TimeNs due = t - latency_;  // later scans cannot have been matched yet
     const double sigma_m = std::sqrt(estimate_.covariance.diagonal().head<3>().maxCoeff());
     fault_ = "";
-    if (!slam_.filter().is_sound())
+    if (!slam_.now().is_sound())
       fault_ = "SLAM broke down";
     else if (to_seconds(t - last_imu_) > config_.imu_timeout_s)
       fault_ = "no IMU";
-    else if (to_seconds(t - last_used_) > config_.lidar_timeout_s)
+    else if (to_seconds(due - last_used_) > config_.lidar_timeout_s)
       fault_ = "SLAM is lost: no scan fits";
     else if (sigma_m > config_.position_sigma_max_m)
       fault_ = "position too uncertain";
     estimate_.valid = fault_[0] == '\0';
     warning_ = "";
-    if (to_seconds(t - last_used_) > config_.warn_after_s)
+    if (to_seconds(due - last_used_) > config_.warn_after_s)
       warning_ = "SLAM flies by the IMU alone";
-    else if (to_seconds(t - last_sure_) > config_.warn_after_s)
+    else if (to_seconds(due - last_sure_) > config_.warn_after_s)
       warning_ = "SLAM is degenerate: the scans leave a direction open";
   }
 
   SlamConfig config_;
-  Latency latency_;
-  LocalSlam slam_;
+  TimeNs latency_;
+  SlamToNow slam_;
   Vector3 start_m_;
   bool heading_known_, place_known_;  // of the local frame in the world
   std::optional<GlobalSlam> global_;
   CorrectionBlend blend_;
-  std::vector<Arrival> waiting_;  // few
   bool started_ = false;
   TimeNs last_imu_ = 0, last_used_ = 0, last_sure_ = 0;
   std::uint64_t num_scans_ = 0, num_strange_ = 0;
@@ -158,7 +150,7 @@ class SlamEstimator : public StateEstimator {
 
 void SlamConfig::visit(ConfigVisitor& v) {
   v.field("lidars", lidars, "[-] names of the LiDARs that it listens to; none: all");
-  v.field("latency_s", latency_s, "[s] a scan takes on board until it moves the estimate", Range::between(0.0, 0.15));
+  v.field("latency_s", latency_s, "[s] a scan takes on board until it moves the estimate", Range::between(0.0, 0.5));
   v.object("local", local, "motion from scan to scan");
   v.object("global", global, "closures and GNSS: where the local frame lies in the world");
   v.field("warn_after_s", warn_after_s, "[s] without a scan that fits, or with degenerate ones, after which it warns",

@@ -52,9 +52,9 @@ struct Flight {
   std::optional<Pose> correction;
   TimeNs t = 0, learned = 0;
 
-  /// Local SLAM drifts along `drift_per_m`.
+  /// Local SLAM drifts along `drift_per_m`. Its scans take a while: fixes of `gnss_ahead` later are there already.
   void fly(double way_m, const Vector3& drift_per_m, double gnss_every_m = 0.0,
-           const Pose& T_world_true = Pose::Identity()) {
+           const Pose& T_world_true = Pose::Identity(), int gnss_ahead = 0) {
     static const std::vector<Vector3> kYard = yard_world_m();
     for (int i = 0; 0.5 * i <= way_m; ++i) {
       t += 250'000'000;
@@ -64,7 +64,8 @@ struct Flight {
         if ((p - p_world_m).norm() < 9.0) points.push_back((p - p_world_m).cast<float>());
       }
       if (gnss_every_m > 0.0)
-        slam.add_gnss({t, T_world_true * p_world_m, Vector3::Zero(), Vector3::Constant(0.02), Vector3::Ones()});
+        slam.add_gnss({t + gnss_ahead * 250'000'000, T_world_true * on_square_m(0.5 * (i + gnss_ahead)),
+                       Vector3::Zero(), Vector3::Constant(0.02), Vector3::Ones()});
       slam.add_scan(t, make_pose(p_local_m, Eigen::Quaterniond::Identity()), points, Pose::Identity());
       if (const std::optional<Pose> c = slam.correction(t)) {
         correction = c;
@@ -106,6 +107,16 @@ TEST(GlobalSlam, AStartThatNobodyToldIsFittedToEastNorthUp) {
   ASSERT_TRUE(flight.correction);
   EXPECT_LT((*flight.correction * on_square_m(30.0) - T * on_square_m(30.0)).norm(), 0.1);
   EXPECT_NEAR(yaw_of(flight.correction->linear()), 1.2, 0.02);
+}
+
+TEST(GlobalSlam, FixesThatAreNewerThanTheScansWaitForTheirNode) {
+  GlobalSlamConfig config;
+  config.optimize_every_s = 2.0;
+  Flight flight{GlobalSlam(config, false), {}, 0, 0};
+  const Pose T = make_pose({200, -100, 30}, rotation_by({0, 0, 1.2}));
+  flight.fly(30.0, Vector3::Zero(), 0.5, T, 2);
+  ASSERT_TRUE(flight.correction) << "each was dropped because the newest one was too new";
+  EXPECT_LT((*flight.correction * on_square_m(30.0) - T * on_square_m(30.0)).norm(), 0.1);
 }
 
 TEST(GlobalSlam, ACorrectionIsKnownOnlyAfterItsLatency) {

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "swiftlet/core/localization/rotation.hpp"
+#include "swiftlet/core/slam/slam_to_now.hpp"
 #include "tests/core/slam/synthetic_room.hpp"
 
 namespace swiftlet {
@@ -104,6 +106,53 @@ TEST(Slam, FollowsAFlightToACentimeterThoughTheImuIsBiased) {
   EXPECT_LT(result.worst_rad, 0.003);
   EXPECT_LT(result.worst_mps, 0.06);
   EXPECT_LT(result.largest_step_m, 0.004) << "a scan moves the pose by millimeters: control sees no jump";
+}
+
+TEST(Slam, AScanThatTakesHalfASecondOnBoardIsMatchedAsOfItsOwnInstant) {
+  for (const double latency_s : {0.15, 0.5}) {
+    SyntheticFlight flight = biased_flight(loop_at);
+    Course course;
+    course.from_s = 4.0;
+    course.config.latency_s = latency_s;
+    const Result result = fly(flight, course);
+    EXPECT_TRUE(result.always_valid) << result.fault;
+    EXPECT_EQ(result.warnings, "") << "a scan that is still worked on is not missing";
+    EXPECT_LT(result.worst_m, 0.025) << latency_s;
+    EXPECT_LT(result.worst_rad, 0.005) << latency_s;
+    EXPECT_LT(result.worst_mps, 0.08) << latency_s;
+  }
+}
+
+TEST(Slam, TheLatencyChangesWhenAScanCountsAndNotWhatItSays) {
+  // The same scans and samples of the IMU, so the same map and the same states, told later.
+  constexpr TimeNs kLate = 200'000'000;
+  LocalSlamConfig config;
+  SyntheticFlight flight = biased_flight(loop_at);
+  SlamToNow prompt(config, 0.0, flight.at(0), 0.3), late(config, to_seconds(kLate), flight.at(0), 0.3);
+  std::vector<Pose> prompt_poses, late_poses;
+  for (TimeNs t = kTick; to_seconds(t) <= 3.0; t += kTick) {
+    const ImuSample sample = flight.imu(t);
+    const auto scan = t % kScanPeriod == 0 ? flight.scan(t) : nullptr;
+    for (SlamToNow* slam : {&prompt, &late}) {
+      slam->add(sample);
+      if (scan != nullptr) slam->add(t, scan);
+      while (slam->match_next(t))
+        (slam == &prompt ? prompt_poses : late_poses).push_back(slam->at_scan().inserted_at().T);
+    }
+  }
+  ASSERT_EQ(prompt_poses.size(), late_poses.size() + 2);
+  for (std::size_t i = 0; i < late_poses.size(); ++i) EXPECT_EQ(prompt_poses[i].matrix(), late_poses[i].matrix()) << i;
+}
+
+TEST(Slam, MoreSamplesThanItKeepsMakeAScanOldNotWrong) {
+  SyntheticFlight flight = biased_flight(loop_at);
+  SlamToNow slam(LocalSlamConfig{}, 1e6, flight.at(0), 0.3);
+  constexpr auto kSamples = static_cast<TimeNs>(SlamToNow::kMostSamples);
+  slam.add(0, flight.scan(kScanPeriod));
+  for (TimeNs i = 1; i <= 2 * kSamples; ++i) slam.add({i * 1'000'000, Vector3::Zero(), {0, 0, 9.80665}});
+  EXPECT_EQ(slam.now().state().nav.t, 2 * kSamples * 1'000'000);
+  EXPECT_EQ(slam.at_scan().filter().state().nav.t, kSamples * 1'000'000) << "the oldest ones were told";
+  EXPECT_FALSE(slam.match_next(2 * kSamples * 1'000'000));
 }
 
 TEST(Slam, ItsCovarianceIsHonest) {

@@ -38,6 +38,19 @@ TEST(SlamFlight, AroundABuildingItIsOffByCentimetersAndTouchesNothing) {
   EXPECT_LT(largest_step_m, 0.02) << "no scan makes control jump";
 }
 
+TEST(SlamFlight, WithScansThatTakeHalfASecondItStillFlies) {
+  Scenario scenario =
+      load_scenario(std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/campus_slam.yaml",
+                    {{"recorders", "[]"}, {"snapshots", "[]"}, {"vehicles[0].agent.localization.latency_s", "0.5"}});
+  scenario.duration_s = 15.0;
+  Simulation simulation(validated(scenario), 2);
+  while (!simulation.finished()) simulation.tick();
+  const RunSummary summary = simulation.summary();
+  EXPECT_NE(summary.outcome, "crashed");
+  EXPECT_GT(summary.metrics.find("path_length_m", "uav1")->value, 20.0);
+  EXPECT_LT(summary.metrics.find("estimate_position_max_m", "uav1")->value, 0.2);
+}
+
 TEST(SlamFlight, HasTheSameBitsOnAnyNumberOfThreads) {
   std::uint64_t hashes[2] = {};
   for (int threads : {1, 2}) {

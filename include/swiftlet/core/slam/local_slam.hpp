@@ -82,10 +82,13 @@ class LocalSlam {
   const SurfaceMap& map() const { return map_; }
   /// Is the start over, so that what is in the map stays as it is?
   bool started() const { return start_.over; }
+  /// When and where the last scan went into the map.
+  const TimedPose& inserted_at() const { return inserted_; }
   /// Of the scan that was added last, thinned for the map.
   std::span<const Eigen::Vector3f> points_body_m() const { return dense_body_m_; }
-  /// Of the pose in the local frame: the filter's, relative to the map, and what the map has drifted.
-  Matrix6 pose_covariance() const;
+  /// Of the pose in the local frame: that of a filter, relative to the map, and what the map has drifted. The filter is
+  /// this one, or this one carried on.
+  Matrix6 pose_covariance(const InertialFilter& filter) const;
 
  private:
   /// What the vehicle learns of its biases in the first scans makes them anew.

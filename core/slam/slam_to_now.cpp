@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/slam_to_now.hpp"
+
+#include <utility>
+
+namespace swiftlet {
+
+SlamToNow::SlamToNow(const LocalSlamConfig& config, double latency_s, const Pose& T_local_body_start,
+                     double own_radius_m)
+    : latency_(latency_s),
+      slam_(config, T_local_body_start, own_radius_m),
+      now_(slam_.filter()),
+      ring_(latency_s > 0.0 ? kMostSamples : 0) {}
+
+void SlamToNow::add(const ImuSample& sample) {
+  if (waiting_.empty() || ring_.empty()) {
+    slam_.add(sample);
+    num_told_ = ++num_samples_;
+    return;
+  }
+  if (num_ahead() == kMostSamples) tell_until(num_told_ + 1);
+  if (num_ahead() == 0) now_ = slam_.filter();
+  ring_[num_samples_++ % kMostSamples] = sample;
+  now_.predict(sample);
+}
+
+void SlamToNow::add(TimeNs t, std::shared_ptr<const Scan> scan) {
+  waiting_.push_back({t, std::move(scan), num_samples_});
+}
+
+std::optional<SlamToNow::Matched> SlamToNow::match_next(TimeNs t) {
+  if (!is_due(t)) return std::nullopt;
+  Arrival arrival = std::move(waiting_.front());
+  waiting_.erase(waiting_.begin());
+  tell_until(arrival.samples_before);
+  Matched matched{arrival.t, slam_.add(std::move(arrival.scan))};
+  if (!is_due(t)) catch_up();
+  return matched;
+}
+
+void SlamToNow::tell_until(std::uint64_t num_samples) {
+  for (; num_told_ < num_samples; ++num_told_) slam_.add(sample(num_told_));
+}
+
+/// Local SLAM itself goes on until the next scan, what is after it is carried on ahead of it.
+void SlamToNow::catch_up() {
+  tell_until(waiting_.empty() ? num_samples_ : waiting_.front().samples_before);
+  if (num_ahead() == 0) return;
+  now_ = slam_.filter();
+  for (std::uint64_t i = num_told_; i < num_samples_; ++i) now_.predict(sample(i));
+}
+
+}  // namespace swiftlet
