@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 #include <sys/vfs.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -12,6 +13,7 @@
 
 #include "embedded/sim_batch.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/shallow_json.hpp"
 #include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
@@ -21,11 +23,25 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr int kFormat = 1;
+constexpr int kStepsAtOnce = 10'000;
+
+/// More steps of SQLite's machine than any statement of ours takes with a database of this size. A damaged tree may
+/// name one page many times on each of its levels, and would be read for ever.
+std::uint64_t most_steps(const fs::path& database) {
+  std::uint64_t bytes = 0;
+  for (const char* journal : {"", "-wal"}) {
+    std::error_code absent;
+    const std::uintmax_t size = fs::file_size(database.string() + journal, absent);
+    if (!absent) bytes += size;
+  }
+  return 1'000'000 + 100 * bytes;
+}
 
 class Statement {
  public:
-  Statement(sqlite3* database, const char* sql) : database_(database) {
-    if (sqlite3_prepare_v2(database, sql, -1, &statement_, nullptr) != SQLITE_OK) fail();
+  Statement(sqlite3* database, const char* sql)
+      : database_(database), steps_left_(most_steps(sqlite3_db_filename(database, "main"))) {
+    if (limited([&] { return sqlite3_prepare_v2(database, sql, -1, &statement_, nullptr); }) != SQLITE_OK) fail();
   }
   ~Statement() { sqlite3_finalize(statement_); }
   Statement(const Statement&) = delete;
@@ -46,7 +62,7 @@ class Statement {
 
   /// True as long as there is a row.
   bool step() {
-    const int result = sqlite3_step(statement_);
+    const int result = limited([&] { return sqlite3_step(statement_); });
     if (result == SQLITE_ROW) return true;
     if (result != SQLITE_DONE) fail();
     return false;
@@ -69,9 +85,24 @@ class Statement {
   }
 
  private:
+  /// What SQLite answers, which is SQLITE_INTERRUPT once this statement has taken its steps.
+  template <class Action>
+  int limited(const Action& action) {
+    const auto spend = [](void* self) {
+      std::uint64_t& left = static_cast<Statement*>(self)->steps_left_;
+      left -= std::min<std::uint64_t>(left, kStepsAtOnce);
+      return left == 0 ? 1 : 0;
+    };
+    sqlite3_progress_handler(database_, kStepsAtOnce, spend, this);
+    const int result = action();
+    sqlite3_progress_handler(database_, 0, nullptr, nullptr);
+    return result;
+  }
+
   [[noreturn]] void fail() const {
     const std::string place = std::string(sqlite3_db_filename(database_, "main")) + ": ";
-    if (sqlite3_errcode(database_) == SQLITE_CORRUPT) {
+    const int error = sqlite3_errcode(database_);
+    if (error == SQLITE_CORRUPT || error == SQLITE_INTERRUPT) {
       throw InputError(place + "expected results of a batch, found a damaged file (" + sqlite3_errmsg(database_) + ")");
     }
     throw std::runtime_error(place + sqlite3_errmsg(database_));
@@ -80,6 +111,7 @@ class Statement {
   sqlite3* database_;
   sqlite3_stmt* statement_ = nullptr;
   int bound_ = 0;
+  std::uint64_t steps_left_;
 };
 
 /// File systems of clusters, on which the shared memory of write-ahead logging does not work (SQLite's manual, "WAL").
@@ -96,9 +128,6 @@ bool is_network_file_system(const fs::path& directory) {
 }
 
 std::string joined(const std::vector<std::string>& words) { return Json(words).dump(); }
-std::vector<std::string> split(const std::string& text) {
-  return text.empty() ? std::vector<std::string>{} : Json::parse(text).get<std::vector<std::string>>();
-}
 
 bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
@@ -167,9 +196,7 @@ struct ResultStore::Impl {
 
   bool is_empty() const {
     try {
-      Statement query(database, "SELECT count(*) FROM sqlite_schema");
-      query.step();
-      return query.whole(0) == 0;
+      return !Statement(database, "SELECT 1 FROM sqlite_schema LIMIT 1").step();
     } catch (const InputError&) {
       throw;
     } catch (const std::runtime_error& error) {
@@ -183,6 +210,16 @@ struct ResultStore::Impl {
     return query.step() ? query.text(0) : "";
   }
 
+  std::vector<std::string> words(const char* key) const {
+    const std::string text = value(key);
+    if (text.empty()) return {};
+    const Json list = parse_shallow<Json>(text);
+    if (!list.is_array() || !std::all_of(list.begin(), list.end(), [](const Json& word) { return word.is_string(); })) {
+      throw InputError(file.string() + ": batch." + key + ": expected a list of words, found \"" + text + "\"");
+    }
+    return list.get<std::vector<std::string>>();
+  }
+
   void add_metrics(EpisodeRow& row) const {
     Statement query(database,
                     "SELECT name, vehicle, value, unit, text FROM metrics WHERE episode = ? ORDER BY position");
@@ -193,8 +230,7 @@ struct ResultStore::Impl {
   }
 
   std::vector<EpisodeRow> rows(const char* where, std::optional<std::uint64_t> id, bool with_metrics) const {
-    const auto names = split(value("parameters"));
-    Statement parameter(database, "SELECT name, value FROM parameters WHERE episode = ?");
+    const auto names = words("parameters");
     Statement query(database,
                     (std::string("SELECT e.episode, variant, point, seed, status, outcome, state_hash, simulated_s, "
                                  "message, command, host, setup_wall_s, flight_wall_s, wall_s, built_world FROM "
@@ -250,6 +286,9 @@ ResultStore::ResultStore(fs::path file, Mode mode) : impl_(std::make_unique<Impl
   if (result != SQLITE_OK)
     throw std::runtime_error(impl_->file.string() + ": cannot be opened: " + sqlite3_errmsg(impl_->database));
   sqlite3_busy_timeout(impl_->database, 10'000);
+  // A stranger's database runs nothing of its own (SQLite's page "Defense Against The Dark Arts").
+  for (const int power : {SQLITE_DBCONFIG_ENABLE_VIEW, SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_TRUSTED_SCHEMA})
+    sqlite3_db_config(impl_->database, power, 0, nullptr);
   if (mode == Mode::kRead) {
     impl_->check_format();
     return;
@@ -284,8 +323,8 @@ std::optional<BatchInfo> ResultStore::info() const {
     throw InputError(impl_->file.string() + ": batch.num_episodes: expected a whole number, found \"" + episodes +
                      "\"");
   info.num_episodes = *num_episodes;
-  info.variants = split(impl_->value("variants"));
-  info.parameters = split(impl_->value("parameters"));
+  info.variants = impl_->words("variants");
+  info.parameters = impl_->words("parameters");
   return info;
 }
 
@@ -323,7 +362,7 @@ std::map<std::string, std::uint64_t> ResultStore::count_by_status() const {
 }
 
 void ResultStore::add(const EpisodeRow& row) {
-  const auto names = split(impl_->value("parameters"));
+  const auto names = impl_->words("parameters");
   impl_->transaction([&] {
     for (const char* table : {"episodes", "parameters", "metrics", "timing"}) {
       Statement(impl_->database, (std::string("DELETE FROM ") + table + " WHERE episode = ?").c_str())

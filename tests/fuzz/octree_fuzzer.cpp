@@ -8,7 +8,7 @@
 
 namespace {
 
-constexpr double kMostBytes = 1e6;  // one leaf near the root stands for 2^48 cells
+constexpr double kMostBytes = 1e5;  // one leaf near the root stands for 2^48 cells
 
 void refuse_large(double bytes) {
   if (bytes > kMostBytes) throw swiftlet::sim::InputError("octree: too large");

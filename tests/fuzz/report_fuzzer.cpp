@@ -3,7 +3,6 @@
 // file.
 #include <iterator>
 #include <stdexcept>
-#include <vector>
 
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/report/run_report.hpp"
@@ -11,30 +10,43 @@
 
 namespace {
 
-constexpr const char* kNames[] = {"summary.json",          "scenario.yaml", "csv/uav1/state.csv",
-                                  "trajectories/uav1.tum", "events.jsonl",  "trajectories/uav1.estimate.tum"};
+constexpr const char* kSummary = R"({"scenario": "hover", "seed": 1, "outcome": "done"})";
+constexpr const char* kPath = "# t_s x_m y_m z_m qx qy qz qw\n1 0 0 5 0 0 0 1\n2 3 0 5 0 0 0 1\n";
 
-/// A finished run, in memory.
-class Run {
+struct File {
+  const char* run;
+  const char* name;
+  const char* content;
+};
+
+/// Each run has only the recorders that are read: states win over trajectories, and figures take most of the time.
+constexpr File kFiles[] = {{"told", "summary.json", kSummary},
+                           {"told", "scenario.yaml", "duration_s: 1\n"},
+                           {"states", "csv/uav1/state.csv", "t_s,x_m,y_m,z_m\n1,0,0,5\n"},
+                           {"paths", "trajectories/uav1.tum", kPath},
+                           {"told", "events.jsonl", ""},
+                           {"paths", "trajectories/uav1.estimate.tum", kPath}};
+
+/// Finished runs, in memory.
+class Runs {
  public:
-  Run() {
-    std::filesystem::copy(SWIFTLET_SOURCE_DIR "/tests/fuzz/run", folder_.path(),
-                          std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
-    for (const char* name : kNames) {
-      std::ifstream in(folder_.path() / name, std::ios::binary);
-      contents_.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-    }
+  Runs() {
+    for (const char* run : {"told", "states", "paths"}) folder_.write(std::string(run) + "/summary.json", kSummary);
+    for (const File& file : kFiles) write(file, file.content);
   }
-  const std::filesystem::path& damaged(std::size_t which, std::string_view content) {
-    folder_.write(kNames[last_], contents_[last_]);
-    last_ = which % std::size(kNames);
-    folder_.write(kNames[last_], content);
-    return folder_.path();
+  std::filesystem::path damaged(std::size_t which, std::string_view content) {
+    if (last_ != which) write(kFiles[last_], kFiles[last_].content);
+    last_ = which;
+    write(kFiles[which], content);
+    return folder_.path() / kFiles[which].run;
   }
 
  private:
+  void write(const File& file, std::string_view content) const {
+    folder_.write(std::string(file.run) + "/" + file.name, content);
+  }
+
   swiftlet::fuzz::Folder folder_;
-  std::vector<std::string> contents_;
   std::size_t last_ = 0;
 };
 
@@ -42,10 +54,10 @@ class Run {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace swiftlet;
-  static Run run;
+  static Runs runs;
   if (size == 0) return 0;
   try {
-    (void)sim::write_run_report(run.damaged(data[0], fuzz::text_of({data + 1, size - 1})));
+    (void)sim::write_run_report(runs.damaged(data[0] % std::size(kFiles), fuzz::text_of({data + 1, size - 1})));
   } catch (const std::runtime_error& problem) {
     fuzz::require_message(problem);
   }

@@ -14,6 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     (void)store.info();
     (void)store.count_by_status();
     (void)store.dump();
+    (void)store.episodes(true);
   } catch (const std::runtime_error& problem) {
     fuzz::require_message(problem);
   }

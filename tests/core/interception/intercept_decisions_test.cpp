@@ -75,6 +75,25 @@ TEST(InterceptDecisions, PatienceWithATargetOutsideBeginsAnewWhenItIsFoundAgain)
   EXPECT_EQ(hunt.out.mission, MissionStatus::kFailed);
 }
 
+// A target drifts toward the fence from outside, so that the chase leads straight at it.
+TEST(InterceptDecisions, WhoThinksRarelyLooksAheadAllTheLonger) {
+  for (const double period_s : {0.02, 0.3, 1.0}) {
+    InterceptConfig config;
+    config.method = InterceptConfig::Method::kPurePursuit;
+    config.period_s = period_s;
+    config.fence.max_m.x() = 0.0;
+    config.fence.patience_s = 100.0;
+    double farthest_m = -20.0;
+    Prey hunt(config, {farthest_m, 0.0, 12.0});
+    hunt.run(15.0, [&](double, Prey& h) {
+      h.sees({5.0 - 0.3 * h.now_s(), 0.0, 12.0}, {-0.3, 0.0, 0.0});
+      farthest_m = std::max(farthest_m, h.p_m().x());
+    });
+    EXPECT_LT(farthest_m, 0.1) << "it leaves the fence when it thinks every " << period_s << " s";
+    EXPECT_GT(farthest_m, -8.0) << "it does not chase when it thinks every " << period_s << " s";
+  }
+}
+
 TEST(InterceptDecisions, FacesItsTarget) {
   Prey hunt({}, {0.0, 0.0, 12.0});
   hunt.run(3.0, [](double, Prey& h) { h.sees({-20.0, -30.0, 12.0}, Vector3::Zero()); });
