@@ -31,6 +31,15 @@ std::string head_comment(const std::string& text) {
   return comment;
 }
 
+/// What it says of itself: its `description`, where it has one in a line of its own.
+std::string about(const std::string& text) {
+  constexpr std::string_view kKey = "\ndescription: ";
+  const std::size_t at = text.find(kKey);
+  if (at == std::string::npos) return head_comment(text);
+  const std::size_t begin = at + kKey.size();
+  return text.substr(begin, text.find('\n', begin) - begin);
+}
+
 }  // namespace
 
 std::vector<Asset> list_assets(const std::string& folder, const ConfigFiles& files) {
@@ -47,7 +56,7 @@ std::vector<Asset> list_assets(const std::string& folder, const ConfigFiles& fil
       if (!file.ends_with(".yaml") || !files.is_file(where / file)) continue;
       const std::string name = file.substr(0, file.size() - 5);
       // The first folder wins, as it does for the reader.
-      if (!docs.contains(name)) docs[name] = head_comment(files.read(where / file));
+      if (!docs.contains(name)) docs[name] = about(files.read(where / file));
     }
   }
   std::vector<Asset> assets;
