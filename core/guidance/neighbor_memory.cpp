@@ -83,7 +83,7 @@ Neighbor NeighborMemory::now_of(const Filter& filter, TimeNs now) const {
   neighbor.covariance_local_m2 = ahead.P.topLeftCorner<3, 3>();
   neighbor.velocity_covariance_local_m2ps2 = ahead.P.bottomRightCorner<3, 3>();
   if (now > ahead.t) {
-    neighbor.velocity_local_mps.setZero();
+    neighbor.unpredicted_s = to_seconds(now - ahead.t);
     const double beyond_m = config_.unseen_speed_mps * to_seconds(now - ahead.t);
     neighbor.covariance_local_m2 += beyond_m * beyond_m * Matrix3::Identity();
   }

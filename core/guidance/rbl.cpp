@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/guidance/heading.hpp"
+#include "core/guidance/rbl_sight.hpp"
 #include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
@@ -16,6 +17,8 @@ namespace swiftlet {
 namespace {
 
 constexpr double kShortestToFace_m = 0.3;  // nearer than this, a direction is noise
+constexpr double kPressed_m = 0.01;        // farther behind a plane, there is no time to look around
+constexpr double kHurry = 3.0;
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 RblRules rules_of(const RblConfig& config) {
@@ -32,14 +35,17 @@ class Rbl : public Guidance {
         clipped_(config.variant == RblConfig::Variant::k3dClipped || config.variant == RblConfig::Variant::k3dZ),
         period_(from_seconds(1.0 / config.update_rate_hz)),
         limits_(setup.limits),
-        views_(setup.agent.neighbor_views),
         neighbors_(config.neighbors, setup.agent.neighbor_views),
         sensed_(config.cells.sensing_radius_m,
                 config.lidar.enabled ? config.cells.step_m : config.cells.sensing_radius_m, planar_),
-        planner_(config.cells, rules_of(config), planar_) {
+        planner_(config.cells, rules_of(config), planar_),
+        reference_(setup.limits),
+        settling_(config.settle_s),
+        sight_(setup.agent.neighbor_views) {
     goal_.position_m = setup.agent.T_local_body_start.translation();
     goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
     neighbors_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
+    braking_cuts_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
   }
 
   GuidanceNeeds needs() const override { return {.map = config_.lidar.enabled}; }
@@ -49,8 +55,8 @@ class Rbl : public Guidance {
     to_local_ = FrameChange::to_local(input.estimate);
     goal_local_m_ = to_local_.point(config_.goal_m);
     map_ = input.map;
-    now_ = input.observation.t;
     neighbors_.update(input);
+    if (next_update_ == 0) start(input.estimate);
     if (input.observation.t >= next_update_) {
       next_update_ = next_update_ == 0 ? input.observation.t + period_ : next_update_ + period_;
       plan(input.estimate, input.observation.t);
@@ -60,82 +66,94 @@ class Rbl : public Guidance {
     if (planar_) to_goal_local_m.z() = 0.0;
     arrived_ = arrived_ || to_goal_local_m.norm() <= config_.arrival_radius_m;
     glide(input.observation.t, from_seconds(input.dt_s));
-    output.goal = goal_;
+    output.goal_is_feasible = config_.separation.enabled;
+    output.goal = output.goal_is_feasible ? reference_.step(goal_, input.dt_s, config_.speed_mps) : goal_;
     output.speed_limit_mps = config_.speed_mps;
-    output.mission = arrived_ ? MissionStatus::kDone : MissionStatus::kRunning;
+    output.mission = arrived_ ? MissionStatus::kDone : status_.mission;
+    output.note = arrived_ ? "" : status_.note;
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override;
 
  private:
+  void start(const StateEstimate& estimate) {
+    Reference here;
+    here.position_m = estimate.T_local_body.translation();
+    here.velocity_mps = estimate.v_local_mps;
+    here.yaw_rad = yaw_of(estimate.T_local_body.linear());
+    reference_.reset(here);
+  }
+
   void plan(const StateEstimate& estimate, TimeNs now) {
     const Pose& T_local_body = estimate.T_local_body;
     const Vector3 p_local_m = T_local_body.translation();
     neighbors_local_m_.clear();
     for (const Neighbor& neighbor : neighbors_.neighbors()) neighbors_local_m_.push_back(neighbor.position_local_m);
     planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
-    if (config_.separation.enabled) cut_by_braking(p_local_m, estimate.v_local_mps);
+    if (config_.separation.enabled) cut_by_braking(p_local_m, config_.separation.sigmas);
+    if (config_.separation.enabled && planner_.cell().is_empty()) {
+      // Who has to make way for somebody is not held by what may be where it goes.
+      planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
+      cut_by_braking(p_local_m, 0.0);
+    }
     if (config_.lidar.enabled) cut_by(planner_.cell(), planner_.cuts(), p_local_m, kEver);
     step_ = planner_.update(goal_local_m_, 1.0 / config_.update_rate_hz);
     from_local_m_ = goal_.position_m;
     to_local_m_ = config_.lidar.enabled ? within_sight(T_local_body, now) : step_.centroid_local_m;
+    if (config_.separation.enabled) keep_apart(T_local_body, now);
     if (planar_) to_local_m_.z() = goal_local_m_.z();
-    if (config_.separation.enabled && !config_.lidar.enabled) goal_.yaw_rad = heading_to_see(p_local_m);
+    const RblGoal goal{goal_local_m_, z_min_m(), z_max_m(), config_.cells.sensing_radius_m, config_.cells.encumbrance_m,
+                       planar_};
+    status_ = settling_.update(goal, p_local_m, neighbors_.neighbors(), config_.lidar.enabled ? map_ : nullptr, now);
+  }
+
+  /// Looks where it flies, waits until it sees, and flies no faster than it can stop.
+  void keep_apart(const Pose& T_local_body, TimeNs now) {
+    const Vector3 p_local_m = T_local_body.translation();
+    if (!config_.lidar.enabled) {
+      goal_.yaw_rad = sight_.heading(T_local_body, to_local_m_, neighbors_.neighbors(), goal_.yaw_rad, now);
+      if (!pressed_ && !sight_.sees_ahead(T_local_body, to_local_m_)) to_local_m_ = reference_.rest_local_m();
+    }
+    // The governor goes slowly to what is near. Whoever gives way aims farther, as far as it is admitted.
+    if (pressed_) to_local_m_ = p_local_m + kHurry * (to_local_m_ - p_local_m);
+    to_local_m_ =
+        reference_.admit(from_local_m_, to_local_m_, braking_cuts_, p_local_m, to_seconds(period_), config_.speed_mps);
   }
 
   /// Cells of vehicles that can stop: neither crosses the plane between their braking ways.
-  void cut_by_braking(const Vector3& p_local_m, const Vector3& v_local_mps) {
+  void cut_by_braking(const Vector3& p_local_m, double sigmas) {
     const RblSeparationConfig& separation = config_.separation;
     const double distance_m = 2.0 * config_.cells.encumbrance_m + separation.margin_m;
     const double reaction_s = separation.reaction_s + to_seconds(period_);
-    const Braking self = braking_of(level(p_local_m), level(v_local_mps), reaction_s, limits_);
+    const Vector3 here_local_m = level(p_local_m);
+    const Braking self{here_local_m, level(reference_.rest_local_m())};
+    braking_cuts_.clear();
+    pressed_ = false;
     for (const Neighbor& neighbor : neighbors_.neighbors()) {
       const Vector3 other_local_m = planar_ ? Vector3(neighbor.position_local_m.x(), neighbor.position_local_m.y(), 0.0)
                                             : neighbor.position_local_m;
-      const Braking other = braking_of(other_local_m, level(neighbor.velocity_local_mps), reaction_s, limits_);
+      const Vector3 v_local_mps = level(neighbor.velocity_local_mps);
+      const Braking other = braking_of(other_local_m, v_local_mps, reaction_s + neighbor.unpredicted_s, limits_);
       const Vector3 to_other_local_m = other_local_m - self.p_local_m;
       const double d = to_other_local_m.norm();
       const auto sigma = [&](const Matrix3& covariance) {
         return d > 0.0 ? std::sqrt(to_other_local_m.dot(covariance * to_other_local_m)) / d : 0.0;
       };
+      // What the other's way v t + v^2 / 2a would be if it came faster.
+      const double closing_mps = d > 0.0 ? std::max(0.0, -v_local_mps.dot(to_other_local_m) / d) : 0.0;
+      const double way_s = reaction_s + closing_mps / limits_.horizontal_acceleration_mps2;
       const double sigma_m =
-          sigma(neighbor.covariance_local_m2) + reaction_s * sigma(neighbor.velocity_covariance_local_m2ps2);
-      const HalfSpace cut = braking_cut(self, other, distance_m, planar_ ? distance_m : separation.vertical_m,
-                                        separation.sigmas * sigma_m);
+          sigma(neighbor.covariance_local_m2) + way_s * sigma(neighbor.velocity_covariance_local_m2ps2);
+      const HalfSpace cut =
+          braking_cut(self, other, distance_m, planar_ ? distance_m : separation.vertical_m, sigmas * sigma_m);
+      pressed_ = pressed_ || cut.offset_m < -kPressed_m;
+      braking_cuts_.push_back(cut);
       if (cut.offset_m >= config_.cells.sensing_radius_m) continue;
       planner_.cuts().push_back(cut);
       planner_.cell().cut(cut);
     }
   }
   Vector3 level(const Vector3& v) const { return planar_ ? Vector3(v.x(), v.y(), 0.0) : v; }
-
-  /// The heading that keeps neighbors out of the blind sector, longest unseen first, and then looks where it flies.
-  double heading_to_see(const Vector3& p_local_m) const {
-    if (views_.empty()) return goal_.yaw_rad;
-    constexpr int kHeadings = 24;
-    const Vector3 ahead_local_m = to_local_m_ - p_local_m;
-    double best_rad = goal_.yaw_rad, least = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < kHeadings; ++i) {
-      const double turn_rad = std::remainder(2.0 * kPi * i / kHeadings, 2.0 * kPi);
-      const Matrix3 R_body_local = Eigen::AngleAxisd(-(goal_.yaw_rad + turn_rad), Vector3::UnitZ()).toRotationMatrix();
-      const auto sees = [&](const Vector3& q_local_m) {
-        const Vector3 q_body_m = R_body_local * q_local_m;
-        return std::any_of(views_.begin(), views_.end(),
-                           [&](const NeighborView& view) { return view.contains(q_body_m); });
-      };
-      double cost = 0.01 * std::abs(turn_rad);
-      for (const Neighbor& neighbor : neighbors_.neighbors()) {
-        const Vector3 to_local_m = neighbor.position_local_m - p_local_m;
-        if (!sees(to_local_m)) cost += (1.0 + to_seconds(now_ - neighbor.seen)) / std::max(1.0, to_local_m.norm());
-      }
-      if (ahead_local_m.norm() > kShortestToFace_m && !sees(ahead_local_m)) cost += 0.5;
-      if (cost < least) {
-        least = cost;
-        best_rad = std::remainder(goal_.yaw_rad + turn_rad, 2.0 * kPi);
-      }
-    }
-    return best_rad;
-  }
 
   /// Without the limits of (2.14) the ground is one.
   double z_min_m() const {
@@ -195,9 +213,7 @@ class Rbl : public Guidance {
   bool planar_, clipped_;
   TimeNs period_, next_update_ = 0;
   MotionLimits limits_;
-  std::vector<NeighborView> views_;
   NeighborMemory neighbors_;
-  TimeNs now_ = 0;
   const OccupancyView* map_ = nullptr;  // of this tick
   FrameChange to_local_;                // of this tick
   Vector3 goal_local_m_ = Vector3::Zero();
@@ -207,10 +223,16 @@ class Rbl : public Guidance {
   ObstacleCutter cutter_;
   RblPlanner planner_;
   RblPlanner::Step step_;
+  GuardedReference reference_;           // while vehicles keep apart by braking
+  std::vector<HalfSpace> braking_cuts_;  // relative to the vehicle
+  bool pressed_ = false;                 // somebody comes too near: no time to look where it goes
   std::vector<Vector3> neighbors_local_m_;
   Vector3 from_local_m_ = Vector3::Zero(), to_local_m_ = Vector3::Zero();  // the goal on its way between two updates
   Reference goal_;
   bool arrived_ = false;
+  RblSettling settling_;
+  RblStatus status_;
+  RblSight sight_;
 };
 
 Overlay marks(const char* name, Overlay::Kind kind, float size_m, std::vector<Eigen::Vector4f> colors = {}) {
@@ -300,6 +322,10 @@ void RblConfig::visit(ConfigVisitor& v) {
            "[-] disc at one height; ball; ball between z_min_m and z_max_m (2.14); that with the z-rule (2.15-2.19)");
   v.field("goal_m", goal_m, "[m] world");
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (r_g)", Range::positive());
+  v.field("settle_s", settle_s,
+          "[s] no nearer to the goal for so long, the vehicle says what is there, or that it lies out of the limits; "
+          "0: never",
+          Range::non_negative());
   v.field("update_rate_hz", update_rate_hz, "[Hz] of cells, rules and the centroid to fly to",
           Range::between(1e-3, 1e5));
   v.field("speed_mps", speed_mps, "[m/s] at most, below the motion limits", Range::positive());

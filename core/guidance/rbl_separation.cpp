@@ -62,7 +62,8 @@ HalfSpace braking_cut(const Braking& self, const Braking& other, double distance
   const double d = (theirs - mine).norm();
   const double length = gap.norm();
   const Vector3 normal = length > kTouching_m ? Vector3(gap / length) : Vector3(Vector3::UnitX());
-  const double share_m = 0.5 * (d - distance_m);
+  // Who is too near already makes all of the room, whatever the other does.
+  const double room_m = d - distance_m, share_m = room_m > 0.0 ? 0.5 * room_m : room_m;
   const double offset_m = normal.dot(mine - a) + std::max(share_m - 0.5 * unsure_m, std::min(share_m, 0.0));
   const Vector3 unscaled = scaled(normal);  // n' . (S q) = (S n') . q
   const double stretch = unscaled.norm();

@@ -108,8 +108,8 @@ const std::vector<Case>& cases() {
       {"90 % dropout", [](sim::VehicleConfig& v) { sight(v).dropout_probability = 0.9; }, leave},
       {"delay of 0.4 s", [](sim::VehicleConfig& v) { sight(v).latency_s = 0.4; }, leave},
       {"noise of 0.2 of the range", [](sim::VehicleConfig& v) { sight(v).sigma_range_relative = 0.2; }, leave},
-      {"in a plane, beta 0.5 m", kPlanarAndPerfect, leave},
-      {"in a plane, beta 0.5 m, radius 7 m",
+      {"in a plane with beta 0.5 m", kPlanarAndPerfect, leave},
+      {"in a plane with beta 0.5 m and radius 7 m",
        [](sim::VehicleConfig& v) {
          kPlanarAndPerfect(v);
          rbl_of(v).cells.sensing_radius_m = 7.0;
@@ -217,7 +217,7 @@ sim::Scenario random_scene(std::uint64_t seed) {
   if (draws.chance(0.3)) {
     const double azimuth_rad = draws.uniform(0.0, 2.0 * kPi), speed_mps = draws.uniform(1.0, 4.0);
     const Vector3 ahead(std::cos(azimuth_rad), std::sin(azimuth_rad), 0.0);
-    const Vector3 middle(0.5, 0.5, kHeight_m);
+    const Vector3 middle(-3.0 * ahead.y(), 3.0 * ahead.x(), kHeight_m);  // it does not hit the stopped vehicle itself
     scenario.vehicles.push_back(
         stranger(vehicle, "intruder", middle - (reach_m + 15.0) * ahead, middle + (reach_m + 15.0) * ahead, speed_mps));
   }

@@ -219,8 +219,10 @@ TEST(RblInterpretations, PhiGoesWhereTheInfluencePointsAndItsResetAsksForUse) {
 
 using Variant = RblConfig::Variant;
 
+/// The goal is where the cell sends the vehicle, not yet a reference that can stop.
 RblConfig flying(Variant variant) {
   RblConfig config;
+  config.separation.enabled = false;
   config.variant = variant;
   config.goal_m = {0.0, 0.0, 2.0};
   return config;
@@ -282,28 +284,33 @@ TEST(RblFlight, TurnsToSeeWhoSlippedIntoItsBlindSector) {
     driver.make("rbl", config);
     driver.sees(1, {-2.0, 0.5, 5.0});  // behind, as told by a turn before
     bool looks_back = false;
-    for (int i = 0; i < 20; ++i) {
-      const double yaw_rad = driver.step().goal.yaw_rad;
-      looks_back = looks_back || std::cos(yaw_rad) * -2.0 + std::sin(yaw_rad) * 0.5 > 0.0;
+    for (int i = 0; i < 80; ++i) {
+      const Reference& reference = driver.step().goal;
+      looks_back = looks_back || std::cos(reference.yaw_rad) * -2.0 + std::sin(reference.yaw_rad) * 0.5 > 0.0;
+      if (separation) driver.put(reference.position_m, reference.yaw_rad);
     }
     EXPECT_EQ(looks_back, separation);
   }
 }
 
-TEST(RblFlight, NeverTakesMoreThanHalfTheRoomToANeighbor) {
+TEST(RblFlight, PassesOneThatStandsInTheWayWithoutComingTooNear) {
   RblConfig config = flying(Variant::k3d);
+  config.separation.enabled = true;
   config.goal_m = {20.0, 0.0, 5.0};
+  config.rules.beta_min_m = 0.1;
+  const Vector3 other_m(3.0, 0.0, 5.0);
   for (const double beta_m : {0.1, 0.4, 1.5}) {
     for (const double radius_m : {3.5, 7.0}) {
       config.rules.beta_desired_m = beta_m;
-      config.rules.beta_min_m = 0.1;
       config.cells.sensing_radius_m = radius_m;
       GuidanceDriver driver("rbl", config, {0.0, 0.0, 5.0});
-      for (int k = 0; k < 3; ++k) {
-        driver.sees(1, {3.0, 0.0, 5.0});
-        driver.step();
+      for (int k = 0; k < 100; ++k) {
+        driver.sees(1, other_m);
+        driver.put(driver.step().goal.position_m);
+        ASSERT_TRUE(driver.out.goal_is_feasible);
+        ASSERT_GE((driver.p_m() - other_m).norm(), 1.0) << beta_m << " " << radius_m << " " << k;
       }
-      EXPECT_LE(driver.out.goal.position_m.x(), 0.5 * (3.0 - 1.0)) << beta_m << " " << radius_m;
+      EXPECT_GT(driver.p_m().x(), 3.0) << beta_m << " " << radius_m;
     }
   }
 }
@@ -503,8 +510,10 @@ TEST(RblFlight, OutlineIsTheCircleCutByItsPlanes) {
 }
 
 /// How far ahead the cell reaches when a neighbor stays 3 m ahead.
-double reach_to_neighbor_m(const RblConfig& config, const Vector3& variance_m2) {
+double reach_to_neighbor_m(RblConfig config, const Vector3& variance_m2) {
   const Vector3 p_m(1.0, 2.0, 5.0);
+  config.separation.enabled = true;
+  config.goal_m = p_m;  // it rests
   GuidanceDriver driver("rbl", config, p_m);
   for (int i = 0; i < 40; ++i) {
     driver.sees(1, p_m + Vector3(3.0, 0.0, 0.0));

@@ -33,6 +33,7 @@ struct Neighbor {
   TimeNs seen = 0;                                            ///< time of validity of the last measurement
   Matrix3 covariance_local_m2 = Matrix3::Zero();              ///< of the position
   Matrix3 velocity_covariance_local_m2ps2 = Matrix3::Zero();  ///< of the velocity
+  double unpredicted_s = 0.0;                                 ///< since the time up to which it was carried forward
   bool in_view = true;                                        ///< could be seen from here
 };
 

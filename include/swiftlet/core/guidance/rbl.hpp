@@ -3,17 +3,19 @@
 
 #include <memory>
 
+#include "swiftlet/core/guidance/guarded_reference.hpp"
 #include "swiftlet/core/guidance/guidance.hpp"
 #include "swiftlet/core/guidance/neighbor_memory.hpp"
 #include "swiftlet/core/guidance/rbl_obstacles.hpp"
 #include "swiftlet/core/guidance/rbl_planner.hpp"
 #include "swiftlet/core/guidance/rbl_separation.hpp"
+#include "swiftlet/core/guidance/rbl_settling.hpp"
 
 namespace swiftlet {
 
 /// Rule-based Lloyd algorithm in 2D and 3D [Kamler 2025; Boldrer 2023]: each vehicle flies to the weighted
 /// centroid of its own cell, without a word to its neighbors. Defaults: Table 2.2. Done when the goal was reached; the
-/// vehicle then goes on to keep its cell.
+/// vehicle then goes on to keep its cell. It is done as well, with a note, when others are at its goal.
 struct RblConfig : ModuleConfigOf<RblConfig> {
   enum class Variant { k2d, k3d, k3dClipped, k3dZ };
   std::string model;
@@ -21,6 +23,7 @@ struct RblConfig : ModuleConfigOf<RblConfig> {
   Variant variant = Variant::k3dZ;
   Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
   double arrival_radius_m = 0.2;
+  double settle_s = 8.0;
   double update_rate_hz = 10.0;
   double speed_mps = 4.0;
   double ground_m = 0.0;

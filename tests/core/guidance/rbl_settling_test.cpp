@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/rbl_settling.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/core/guidance/guidance_driver.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kPatience_s = 5.0;
+
+RblGoal goal_at(const Vector3& p_m) {
+  RblGoal goal;
+  goal.p_local_m = p_m;
+  goal.z_min_m = 1.0;
+  goal.z_max_m = 10.0;
+  goal.reach_m = 3.5;
+  goal.encumbrance_m = 0.5;
+  return goal;
+}
+
+Neighbor neighbor_at(const Vector3& p_m) {
+  Neighbor neighbor;
+  neighbor.position_local_m = p_m;
+  return neighbor;
+}
+
+/// What a vehicle says that waits there for a while.
+RblStatus after_waiting(const RblGoal& goal, const Vector3& p_m, const std::vector<Neighbor>& neighbors = {},
+                        const OccupancyView* map = nullptr, double patience_s = kPatience_s) {
+  RblSettling settling(patience_s);
+  RblStatus status;
+  for (int i = 0; i <= 60; ++i) {
+    status = settling.update(goal, p_m, neighbors, map, from_seconds(0.1 * i));
+    if (i < 49) {
+      EXPECT_EQ(status.mission, MissionStatus::kRunning) << "too early";
+    }
+  }
+  return status;
+}
+
+TEST(RblSettling, BesideAGoalWhereAnotherVehicleIsItIsDoneAndSaysSo) {
+  const RblGoal goal = goal_at({0.0, 0.0, 5.0});
+  const RblStatus status = after_waiting(goal, {1.5, 0.0, 5.0}, {neighbor_at({0.1, 0.0, 5.0})});
+  EXPECT_EQ(status.mission, MissionStatus::kDone);
+  EXPECT_NE(std::string(status.note).find("another vehicle"), std::string::npos);
+  // Alone, or the nearest of all, it is still on its way.
+  EXPECT_EQ(after_waiting(goal, {1.5, 0.0, 5.0}).mission, MissionStatus::kRunning);
+  EXPECT_EQ(after_waiting(goal, {1.5, 0.0, 5.0}, {neighbor_at({-3.0, 0.0, 5.0})}).mission, MissionStatus::kRunning);
+  // So it is far away, where it only waits for others to pass.
+  EXPECT_EQ(after_waiting(goal, {9.0, 0.0, 5.0}, {neighbor_at({7.5, 0.0, 5.0})}).mission, MissionStatus::kRunning);
+}
+
+TEST(RblSettling, AGoalOutOfTheLimitsOrInAnObstacleFails) {
+  EXPECT_EQ(after_waiting(goal_at({0.0, 0.0, -2.0}), {0.0, 0.0, 1.2}).mission, MissionStatus::kFailed);
+  EXPECT_EQ(after_waiting(goal_at({0.0, 0.0, 12.0}), {0.0, 0.0, 9.0}).mission, MissionStatus::kFailed);
+  const testing::ToldMap map({{0.0, 0.0, 5.0}});
+  const RblStatus status = after_waiting(goal_at({0.0, 0.0, 5.0}), {1.0, 0.0, 5.0}, {}, &map);
+  EXPECT_EQ(status.mission, MissionStatus::kFailed);
+  EXPECT_NE(std::string(status.note).find("obstacle"), std::string::npos);
+}
+
+TEST(RblSettling, InThePlaneHeightsDoNotCount) {
+  RblGoal goal = goal_at({0.0, 0.0, -2.0});
+  goal.planar = true;
+  EXPECT_EQ(after_waiting(goal, {2.0, 0.0, 5.0}).mission, MissionStatus::kRunning);
+}
+
+TEST(RblSettling, WhoStillComesNearerIsOnItsWay) {
+  RblSettling settling(kPatience_s);
+  const RblGoal goal = goal_at({0.0, 0.0, 5.0});
+  const std::vector<Neighbor> others{neighbor_at({0.1, 0.0, 5.0})};
+  for (int i = 0; i <= 100; ++i) {
+    const Vector3 p_m(3.0 - 0.025 * i, 0.0, 5.0);
+    EXPECT_EQ(settling.update(goal, p_m, others, nullptr, from_seconds(0.1 * i)).mission, MissionStatus::kRunning) << i;
+  }
+}
+
+TEST(RblSettling, WithoutPatienceNothingIsSaid) {
+  const RblStatus status =
+      after_waiting(goal_at({0.0, 0.0, 5.0}), {1.5, 0.0, 5.0}, {neighbor_at({0.1, 0.0, 5.0})}, nullptr, 0.0);
+  EXPECT_EQ(status.mission, MissionStatus::kRunning);
+}
+
+}  // namespace
+}  // namespace swiftlet
