@@ -101,15 +101,16 @@ TEST(InterceptDecisions, FacesItsTarget) {
   EXPECT_NEAR(std::remainder(hunt.out.goal.yaw_rad - std::atan2(to_m.y(), to_m.x()), 2.0 * std::acos(-1.0)), 0.0, 0.1);
 }
 
-// Least distances from a hovering target on the way to its capture.
+// Least distances from a hovering target on the way to its capture. It hovers far from the origin, where places and
+// differences of places are not the same.
 struct Approach {
   bool caught = false;
   double least_m = 1e9;
 };
 
-Approach approach(const InterceptConfig& config, const Vector3& start_m) {
-  Prey hunt(config, start_m);
-  const Vector3 target_m(0.0, 0.0, 15.0);
+Approach approach(const InterceptConfig& config, const Vector3& start_by_target_m) {
+  const Vector3 target_m(30.0, -20.0, 15.0);
+  Prey hunt(config, target_m + start_by_target_m);
   Approach result;
   for (int i = 0; i < 200 && hunt.out.mission == MissionStatus::kRunning; ++i) {
     hunt.run(0.1, [&](double, Prey& h) {
@@ -123,7 +124,7 @@ Approach approach(const InterceptConfig& config, const Vector3& start_m) {
 }
 
 TEST(InterceptDecisions, WhoComesFromBelowFliesAroundTheTargetNotThroughIt) {
-  for (const Vector3& start_m : {Vector3(-12, 0, 8), Vector3(0, 0, 6), Vector3(9, -9, 15), Vector3(3, 20, 25)}) {
+  for (const Vector3& start_m : {Vector3(-12, 0, -7), Vector3(0, 0, -9), Vector3(9, -9, 0), Vector3(3, 20, 10)}) {
     InterceptConfig config;
     const Approach result = approach(config, start_m);
     EXPECT_TRUE(result.caught) << start_m.transpose();
@@ -135,7 +136,7 @@ TEST(InterceptDecisions, TheNetIsMetWhateverItsOffset) {
   for (const Vector3& offset_m : {Vector3(0, 0, -1.2), Vector3(1.0, 0.5, -1.5), Vector3(-0.8, 0, -1.2)}) {
     InterceptConfig config;
     config.net.offset_m = offset_m;
-    EXPECT_TRUE(approach(config, {-14.0, 6.0, 17.0}).caught) << offset_m.transpose();
+    EXPECT_TRUE(approach(config, {-14.0, 6.0, 2.0}).caught) << offset_m.transpose();
   }
 }
 

@@ -26,22 +26,90 @@ TEST(Random, EveryPartOfTheKeyMatters) {
   EXPECT_NE(base.uniform(1, 1), base.uniform(1, 2));
 }
 
-TEST(Random, NormalHasTheMomentsOfAStandardNormal) {
-  const Random random(1, "test");
-  constexpr int kSamples = 200000;
-  double sum = 0, sum2 = 0, sum4 = 0, cross = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const auto n = random.normal3(0, i);
-    sum += n[0];
-    sum2 += n[1] * n[1];
-    sum4 += std::pow(n[2], 4);
-    cross += n[0] * n[1];
+constexpr int kSamples = 100000;
+
+/// Bounds: 5 standard errors of each estimate.
+void expect_standard_normal(const std::vector<double>& x, const char* whose) {
+  const auto n = static_cast<double>(x.size());
+  double sum = 0, sum2 = 0, sum3 = 0, sum4 = 0, lagged = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double v = x[i];
+    ASSERT_TRUE(std::isfinite(v)) << whose;
+    sum += v;
+    sum2 += v * v;
+    sum3 += v * v * v;
+    sum4 += v * v * v * v;
+    lagged += i > 0 ? v * x[i - 1] : 0.0;
   }
-  // Bounds: 5 standard errors of each estimate.
-  EXPECT_NEAR(sum / kSamples, 0.0, 5.0 / std::sqrt(kSamples));
-  EXPECT_NEAR(sum2 / kSamples, 1.0, 5.0 * std::sqrt(2.0 / kSamples));
-  EXPECT_NEAR(sum4 / kSamples, 3.0, 5.0 * std::sqrt(96.0 / kSamples));
-  EXPECT_NEAR(cross / kSamples, 0.0, 5.0 / std::sqrt(kSamples));
+  EXPECT_NEAR(sum / n, 0.0, 5.0 / std::sqrt(n)) << whose;
+  EXPECT_NEAR(sum2 / n, 1.0, 5.0 * std::sqrt(2.0 / n)) << whose;
+  EXPECT_NEAR(sum3 / n, 0.0, 5.0 * std::sqrt(15.0 / n)) << whose;
+  EXPECT_NEAR(sum4 / n, 3.0, 5.0 * std::sqrt(96.0 / n)) << whose;
+  EXPECT_NEAR(lagged / n, 0.0, 5.0 / std::sqrt(n)) << whose;
+  // Shares in the tails and the middle.
+  for (const double limit : {0.5, 1.0, 2.0, 3.0, 4.0}) {
+    double inside = 0;
+    for (const double v : x) inside += std::abs(v) < limit ? 1.0 : 0.0;
+    const double p = std::erf(limit / std::sqrt(2.0));
+    EXPECT_NEAR(inside / n, p, 5.0 * std::sqrt(p * (1.0 - p) / n)) << whose << ": within " << limit;
+  }
+}
+
+void expect_uniform(const std::vector<double>& x, const char* whose) {
+  const auto n = static_cast<double>(x.size());
+  double lagged = 0;
+  std::vector<double> share(10, 0.0);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    ASSERT_TRUE(x[i] >= 0.0 && x[i] < 1.0) << whose;
+    share[static_cast<std::size_t>(10.0 * x[i])] += 1.0 / n;
+    lagged += i > 0 ? 12.0 * (x[i] - 0.5) * (x[i - 1] - 0.5) : 0.0;
+  }
+  for (const double tenth : share) EXPECT_NEAR(tenth, 0.1, 5.0 * std::sqrt(0.09 / n)) << whose;
+  EXPECT_NEAR(lagged / n, 0.0, 5.0 / std::sqrt(n)) << whose;
+}
+
+TEST(Random, NormalsOfEveryKindHaveTheDistributionOfAStandardNormal) {
+  const Random random(9, "test");
+  std::vector<double> single(kSamples), first(kSamples), second(kSamples), third(kSamples);
+  for (std::size_t i = 0; i < single.size(); ++i) {
+    const auto index = static_cast<std::uint32_t>(i);
+    single[i] = random.normal(3, index);
+    const auto n = random.normal3(3, index);
+    first[i] = n[0];
+    second[i] = n[1];
+    third[i] = n[2];
+  }
+  expect_standard_normal(single, "normal");
+  expect_standard_normal(first, "first of three");
+  expect_standard_normal(second, "second of three");
+  expect_standard_normal(third, "third of three");
+  std::vector<float> filled(4 * kSamples);
+  random.fill_normal(3, 0, filled);
+  expect_standard_normal({filled.begin(), filled.end()}, "filled");
+}
+
+TEST(Random, TheThreeOfADrawAreIndependent) {
+  const Random random(1, "test");
+  double xy = 0, yz = 0, zx = 0, of_squares = 0;
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    const auto n = random.normal3(0, i);
+    xy += n[0] * n[1] / kSamples;
+    yz += n[1] * n[2] / kSamples;
+    zx += n[2] * n[0] / kSamples;
+    of_squares += (n[0] * n[0] - 1.0) * (n[1] * n[1] - 1.0) / kSamples;
+  }
+  for (const double correlation : {xy, yz, zx}) EXPECT_NEAR(correlation, 0.0, 5.0 / std::sqrt(kSamples));
+  EXPECT_NEAR(of_squares, 0.0, 5.0 * 2.0 / std::sqrt(kSamples));
+}
+
+TEST(Random, UniformsOfEveryKindFillTheirInterval) {
+  const Random random(9, "test");
+  std::vector<double> single(kSamples);
+  for (std::size_t i = 0; i < single.size(); ++i) single[i] = random.uniform(3, static_cast<std::uint32_t>(i));
+  expect_uniform(single, "uniform");
+  std::vector<float> filled(kSamples);
+  random.fill_uniform(3, 0, filled);
+  expect_uniform({filled.begin(), filled.end()}, "filled");
 }
 
 TEST(Random, FilledNumbersDoNotDependOnTheSplit) {
@@ -58,36 +126,6 @@ TEST(Random, FilledNumbersDoNotDependOnTheSplit) {
   for (const float u : whole) {
     EXPECT_GE(u, 0.0F);
     EXPECT_LT(u, 1.0F);
-  }
-}
-
-TEST(Random, FilledNormalsHaveTheDistributionOfAStandardNormal) {
-  const Random random(9, "test.fill");
-  constexpr int kSamples = 400000;
-  std::vector<float> x(kSamples);
-  random.fill_normal(3, 0, x);
-  double sum = 0, sum2 = 0, sum3 = 0, sum4 = 0, lagged = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const double v = x[i];
-    ASSERT_TRUE(std::isfinite(v));
-    sum += v;
-    sum2 += v * v;
-    sum3 += v * v * v;
-    sum4 += v * v * v * v;
-    lagged += i > 0 ? v * x[i - 1] : 0.0;
-  }
-  // Bounds: 5 standard errors of each estimate.
-  EXPECT_NEAR(sum / kSamples, 0.0, 5.0 / std::sqrt(kSamples));
-  EXPECT_NEAR(sum2 / kSamples, 1.0, 5.0 * std::sqrt(2.0 / kSamples));
-  EXPECT_NEAR(sum3 / kSamples, 0.0, 5.0 * std::sqrt(15.0 / kSamples));
-  EXPECT_NEAR(sum4 / kSamples, 3.0, 5.0 * std::sqrt(96.0 / kSamples));
-  EXPECT_NEAR(lagged / kSamples, 0.0, 5.0 / std::sqrt(kSamples));
-  // Shares in the tails and the middle against the normal distribution.
-  for (const double limit : {0.5, 1.0, 2.0, 3.0, 4.0}) {
-    int inside = 0;
-    for (const float v : x) inside += std::abs(v) < limit ? 1 : 0;
-    const double p = std::erf(limit / std::sqrt(2.0));
-    EXPECT_NEAR(static_cast<double>(inside) / kSamples, p, 5.0 * std::sqrt(p * (1.0 - p) / kSamples)) << limit;
   }
 }
 
