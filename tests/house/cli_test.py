@@ -146,7 +146,13 @@ class Cli(unittest.TestCase):
                            "detectors": "vofod", "trackers": "imm", "mapping": "occupancy", "batches": "square_gusts",
                            "relative_localization": "sliding_window", "datasets": "forest_flight"}.items():
             self.assertIn(word, self.run_swiftlet("list", kind).stdout, kind)
-        self.assertIn("sec. III-A]", self.run_swiftlet("list", "scenarios").stdout, "sentences do not end at 'sec.'")
+        self.assertIn("A UAV guides a smaller one through a gap of 1.15 m and back\n", self.run_swiftlet("list", "scenarios").stdout)
+        # What has no description tells the first sentence of its comment.
+        vehicles = self.path / "vehicles"
+        vehicles.mkdir()
+        (vehicles / "mine.yaml").write_text("# As flown [Pritzl 2024, sec. III-A]. And more.\nmass_kg: 1\n")
+        listed = self.run_swiftlet("list", "vehicles", env={**os.environ, "SWIFTLET_ASSETS": str(self.path)}).stdout
+        self.assertIn("As flown [Pritzl 2024, sec. III-A]\n", listed, "sentences do not end at 'sec.'")
 
     def test_a_directory_that_cannot_be_made_is_told_by_its_path(self):
         (self.path / "file").write_text("in the way")
