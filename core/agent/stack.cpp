@@ -11,6 +11,7 @@
 #include "swiftlet/core/ensure.hpp"
 #include "swiftlet/core/finite.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/slam/saved_map.hpp"
 #include "swiftlet/core/stages/detectors.hpp"
 #include "swiftlet/core/stages/estimators.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
@@ -32,7 +33,7 @@ Reference at_rest_with(const StateEstimate& estimate) {
 }
 
 /// All stages work in the local frame; what leaves the vehicle (`action_`) is told in the world.
-class StackAgent : public Agent {
+class StackAgent : public Agent, public KeepsMap {
  public:
   StackAgent(StackStages stages, const ControlConfig& control, const AgentSetup& setup)
       : self_(setup.self),
@@ -102,6 +103,15 @@ class StackAgent : public Agent {
     };
     if (stages_.detector && stages_.detector->map() != nullptr) append(*stages_.detector->map(), "detector");
     if (stages_.mapping) append(stages_.mapping->map(), "mapping");
+    if (const auto saved = saved_map()) {
+      maps.emplace_back().name = "localization";
+      append_voxels(*saved, action_.estimate.T_world_local.inverse(), maps.back());
+    }
+  }
+
+  std::shared_ptr<const SavedMap> saved_map() const override {
+    const auto* keeper = dynamic_cast<const KeepsMap*>(stages_.localization.get());
+    return keeper != nullptr ? keeper->saved_map() : nullptr;
   }
 
  private:

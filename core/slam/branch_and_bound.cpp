@@ -104,6 +104,10 @@ Pose turned(const Pose& T_map_cloud, double yaw_rad) {
   return T;
 }
 
+double heading_apart_rad(const Pose& a, const Pose& b) {
+  return std::abs(yaw_of(Matrix3(a.linear().transpose() * b.linear())));
+}
+
 }  // namespace
 
 OccupancyPyramid::OccupancyPyramid(std::span<const Eigen::Vector3f> points_map_m, double cell_m, int levels)
@@ -176,9 +180,9 @@ SearchResult search_best_pose(const OccupancyPyramid& map, std::span<const Eigen
     const Pose T = turned(T_map_cloud_guess, yaw_offset_rad(window, i));
     for (int j = 0; j < num; ++j) cells[j] = cell_of(T * points_cloud_m[j].cast<double>(), map.cell_m());
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
-    if (excluded != nullptr) center = (excluded->T_map_cloud.translation() - T.translation()) / map.cell_m();
-    search.run(i, cells, excluded != nullptr ? &center : nullptr,
-               excluded != nullptr ? excluded->distance_m / map.cell_m() : 0.0);
+    const bool excludes = excluded != nullptr && heading_apart_rad(T, excluded->T_map_cloud) <= excluded->angle_rad;
+    if (excludes) center = (excluded->T_map_cloud.translation() - T.translation()) / map.cell_m();
+    search.run(i, cells, excludes ? &center : nullptr, excludes ? excluded->distance_m / map.cell_m() : 0.0);
   }
   if (search.best_yaw < 0) return result;
   GridMatch match;

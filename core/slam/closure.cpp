@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
@@ -20,7 +21,8 @@ namespace swiftlet {
 namespace {
 
 constexpr double kUpright_m = 1.0;
-constexpr int kLeastUpright = 40;
+constexpr std::size_t kLeastUpright = 40;
+constexpr double kRivalHeading_rad = 20.0 * kRadPerDeg;  // another heading at the same place is one at least so far off
 constexpr int kRefinements = 8;
 constexpr double kStill = 1e-4;                             // m and rad: refined
 constexpr double kMovedMost_m = 1.0, kMovedMost_deg = 4.0;  // by the refinement: a cell of the grid and some
@@ -76,6 +78,54 @@ ScanFit refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m,
   return fit_scan(map, points_m, T, matching);
 }
 
+SearchWindow window_of(const ClosureConfig& config) {
+  SearchWindow window;
+  window.xy_cells = static_cast<int>(std::ceil(config.window_xy_m / config.cell_m));
+  window.z_cells = static_cast<int>(std::ceil(config.window_z_m / config.cell_m));
+  window.yaw_rad = config.window_yaw_deg * kRadPerDeg;
+  window.yaw_step_rad = yaw_step_rad(config.cell_m, config.range_max_m);
+  return window;
+}
+
+/// A flag for each heading of the window: do the histograms agree there?
+std::vector<std::uint8_t> likely_headings(const RotationalHistogram& of_older, const RotationalHistogram& of_newer,
+                                          double yaw_guess_rad, const SearchWindow& window, double least) {
+  std::vector<std::uint8_t> allowed(num_yaws(window));
+  for (int i = 0; i < num_yaws(window); ++i) {
+    const double yaw_rad = yaw_guess_rad + yaw_offset_rad(window, i);
+    allowed[i] = of_newer.similarity(of_older, yaw_rad) >= least ? 1 : 0;
+  }
+  return allowed;
+}
+
+/// From the grid's best place to the surfaces of the older submap, and the last checks.
+void settle(std::span<const Eigen::Vector3f> points_older_m, std::span<const Eigen::Vector3f> points_newer_m,
+            const Pose& T_older_newer_grid, const ClosureConfig& config, ClosureResult& result) {
+  SurfaceMap surfaces{SurfaceMapConfig{}};
+  std::vector<Vector3> points_m(points_older_m.size());
+  for (std::size_t i = 0; i < points_m.size(); ++i) points_m[i] = points_older_m[i].cast<double>();
+  surfaces.insert(points_m, Vector3::Zero());
+  Pose T = T_older_newer_grid;
+  settle_height(surfaces, points_newer_m, config.cell_m, T);
+  const ScanFit fit = refine(surfaces, points_newer_m, T);
+  const Pose by = T_older_newer_grid.inverse() * T;
+  const double turned_rad = rotation_vector_rad(Eigen::Quaterniond(Matrix3(by.linear()))).norm();
+  if (fit.num_degenerate > 0) {
+    result.verdict = ClosureVerdict::kOpen;
+    return;
+  }
+  if (by.translation().norm() > kMovedMost_m || turned_rad > kMovedMost_deg * kRadPerDeg) {
+    result.verdict = ClosureVerdict::kMoved;
+    return;
+  }
+  result.overlap = static_cast<double>(fit.num_known) / std::max(fit.num_points, 1);
+  result.near_share = static_cast<double>(fit.num_near) / std::max(fit.num_known, 1);
+  result.verdict = result.overlap < config.overlap_min   ? ClosureVerdict::kNoOverlap
+                   : result.near_share < config.near_min ? ClosureVerdict::kDoesNotFit
+                                                         : ClosureVerdict::kClosed;
+  if (result.verdict == ClosureVerdict::kClosed) result.T_older_newer = T;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3f> upright_points_m(std::span<const Eigen::Vector3f> points_m, double cell_m,
@@ -116,19 +166,11 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
   const std::vector<Eigen::Vector3f> older_m = upright_points_m(points_older_m, config.cell_m, config.range_max_m);
   std::vector<Eigen::Vector3f> newer_m = upright_points_m(points_newer_m, config.cell_m, config.range_max_m);
   if (std::min(older_m.size(), newer_m.size()) < kLeastUpright) return refused(ClosureVerdict::kTooFlat);
-  const RotationalHistogram of_older(points_older_m), of_newer(points_newer_m);
   keep_at_most(config.points, newer_m);
-
-  SearchWindow window;
-  window.xy_cells = static_cast<int>(std::ceil(config.window_xy_m / config.cell_m));
-  window.z_cells = static_cast<int>(std::ceil(config.window_z_m / config.cell_m));
-  window.yaw_rad = config.window_yaw_deg * kRadPerDeg;
-  window.yaw_step_rad = yaw_step_rad(config.cell_m, config.range_max_m);
-  std::vector<std::uint8_t> allowed(num_yaws(window));
-  for (int i = 0; i < num_yaws(window); ++i) {
-    const double yaw_rad = yaw_of(T_older_newer_guess.linear()) + yaw_offset_rad(window, i);
-    allowed[i] = of_newer.similarity(of_older, yaw_rad) >= config.histogram_min ? 1 : 0;
-  }
+  const SearchWindow window = window_of(config);
+  const std::vector<std::uint8_t> allowed =
+      likely_headings(RotationalHistogram(points_older_m), RotationalHistogram(points_newer_m),
+                      yaw_of(T_older_newer_guess.linear()), window, config.histogram_min);
   const OccupancyPyramid pyramid(older_m, config.cell_m, config.levels);
   SearchResult found =
       search_best_pose(pyramid, newer_m, T_older_newer_guess, window, config.score_min, config.budget, allowed);
@@ -143,26 +185,72 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
   result.num_expanded += found.num_expanded;
   if (!found.complete) return refused(ClosureVerdict::kNotSearched);
   if (found.best) return refused(ClosureVerdict::kRival);
+  settle(points_older_m, points_newer_m, best.T_map_cloud, config, result);
+  return result;
+}
 
-  SurfaceMap surfaces{SurfaceMapConfig{}};
-  std::vector<Vector3> points_m(points_older_m.size());
-  for (std::size_t i = 0; i < points_m.size(); ++i) points_m[i] = points_older_m[i].cast<double>();
-  surfaces.insert(points_m, Vector3::Zero());
-  Pose T = best.T_map_cloud;
-  settle_height(surfaces, points_newer_m, config.cell_m, T);
-  const ScanFit fit = refine(surfaces, points_newer_m, T);
-  if (fit.num_degenerate > 0) return refused(ClosureVerdict::kOpen);
-  const Pose by = best.T_map_cloud.inverse() * T;
-  if (by.translation().norm() > kMovedMost_m ||
-      rotation_vector_rad(Eigen::Quaterniond(Matrix3(by.linear()))).norm() > kMovedMost_deg * kRadPerDeg) {
-    return refused(ClosureVerdict::kMoved);
+MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vector3f> points_newer_m,
+                     const ClosureConfig& config) {
+  MapMatch match;
+  ClosureResult& result = match.result;
+  const auto refused = [&](ClosureVerdict why) {
+    result.verdict = why;
+    return match;
+  };
+  std::vector<Eigen::Vector3f> cloud_m = upright_points_m(points_newer_m, config.cell_m, config.range_max_m);
+  if (cloud_m.size() < kLeastUpright) return refused(ClosureVerdict::kTooFlat);
+  keep_at_most(config.points, cloud_m);
+  const RotationalHistogram of_cloud(points_newer_m);
+  const SearchWindow window = window_of(config);
+
+  struct Place {
+    std::vector<Eigen::Vector3f> upright_m;
+    std::vector<std::uint8_t> headings;
+  };
+  std::vector<Place> places(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    places[i].upright_m = upright_points_m(parts[i].points_part_m, config.cell_m, config.range_max_m);
+    places[i].headings =
+        likely_headings(RotationalHistogram(parts[i].points_part_m), of_cloud, 0.0, window, config.histogram_min);
   }
-  result.overlap = static_cast<double>(fit.num_known) / std::max(fit.num_points, 1);
-  result.near_share = static_cast<double>(fit.num_near) / std::max(fit.num_known, 1);
-  if (result.overlap < config.overlap_min) return refused(ClosureVerdict::kNoOverlap);
-  if (result.near_share < config.near_min) return refused(ClosureVerdict::kDoesNotFit);
-  result.T_older_newer = T;
-  return refused(ClosureVerdict::kClosed);
+  // Every place is looked at twice: for the best one, and for others that are about as good.
+  std::optional<GridMatch> best;
+  Pose T_map_cloud = Pose::Identity();
+  for (const bool for_rivals : {false, true}) {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (places[i].upright_m.size() < kLeastUpright) continue;
+      const Excluded excluded{parts[i].T_map_part.inverse() * T_map_cloud, config.rival_distance_m, kRivalHeading_rad};
+      double least = best ? std::max(config.score_min, best->score) : config.score_min;
+      if (for_rivals) least = config.rival_share * best->score;
+      const SearchResult found = search_best_pose(
+          OccupancyPyramid(places[i].upright_m, config.cell_m, config.levels), cloud_m, Pose::Identity(), window, least,
+          config.budget - result.num_expanded, places[i].headings, for_rivals ? &excluded : nullptr);
+      result.num_expanded += found.num_expanded;
+      if (!found.complete) return refused(ClosureVerdict::kNotSearched);
+      if (!found.best) continue;
+      if (for_rivals) return refused(ClosureVerdict::kRival);
+      if (best && found.best->score <= best->score) continue;
+      best = found.best;
+      match.part = i;
+      T_map_cloud = parts[i].T_map_part * best->T_map_cloud;
+    }
+    if (!best) return refused(ClosureVerdict::kNoMatch);
+    result.score = best->score;
+  }
+  settle(parts[match.part].points_part_m, points_newer_m, best->T_map_cloud, config, result);
+  return match;
+}
+
+ClosureConfig global_closure_config() {
+  ClosureConfig config;
+  config.window_xy_m = 8.0;
+  config.window_z_m = 3.0;
+  config.window_yaw_deg = 180.0;
+  config.budget = 3000000;
+  config.score_min = 0.6;
+  config.overlap_min = 0.6;
+  config.near_min = 0.8;
+  return config;
 }
 
 void ClosureConfig::visit(ConfigVisitor& v) {

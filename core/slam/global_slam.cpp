@@ -8,6 +8,7 @@
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 #include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/slam/sweep.hpp"
 
 namespace swiftlet {
 namespace {
@@ -32,7 +33,11 @@ Pose level(const Pose& T) { return make_pose(T.translation(), rotation_by({0.0, 
 }  // namespace
 
 GlobalSlam::GlobalSlam(const GlobalSlamConfig& config, bool pose_known)
-    : config_(config), latency_(config.latency_s), pose_known_(pose_known) {}
+    : config_(config), latency_(config.latency_s), pose_known_(pose_known), located_(pose_known) {
+  if (config.loaded_map == nullptr) return;
+  graph_ = config.loaded_map->graph;
+  num_given_poses_ = graph_.num_poses();
+}
 
 void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Eigen::Vector3f> points_body_m,
                           const Pose& T_world_local) {
@@ -75,7 +80,9 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
                             information_of(kInSubmap_m, kInSubmap_deg * kRadPerDeg), kNoHuber});
   place_fixes();
   fit_start();
-  const bool due = to_seconds(t - last_optimized_) >= config_.optimize_every_s;
+  locate();
+  const bool placed = located_ || num_given_poses_ == 0;
+  const bool due = placed && to_seconds(t - last_optimized_) >= config_.optimize_every_s;
   if (news_ || (fixes_ && due)) optimize(t);
 }
 
@@ -90,44 +97,100 @@ void GlobalSlam::begin_submap(const Node& node) {
 /// It takes no further scans: it keeps a point in a cube and is compared with older ones.
 void GlobalSlam::finish_submap() {
   std::vector<Eigen::Vector3f>& points_m = submaps_.back().points_submap_m;
-  std::vector<std::uint32_t> kept;
-  kept.reserve(points_m.size());
-  thinner_.thin(points_m, static_cast<float>(config_.submap_voxel_m), kept);
-  std::vector<Eigen::Vector3f> thinned_m(kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) thinned_m[i] = points_m[kept[i]];
-  points_m = std::move(thinned_m);
+  points_m = thinned_m(points_m);
   seek_closures();
 }
 
-/// With the nearest older submaps that the vehicle left long ago.
+std::vector<Eigen::Vector3f> GlobalSlam::thinned_m(std::span<const Eigen::Vector3f> points_submap_m) const {
+  std::vector<std::uint32_t> kept;
+  kept.reserve(points_submap_m.size());
+  VoxelThinner().thin(points_submap_m, static_cast<float>(config_.submap_voxel_m), kept);
+  std::vector<Eigen::Vector3f> thinned_m(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) thinned_m[i] = points_submap_m[kept[i]];
+  return thinned_m;
+}
+
+/// With the nearest older submaps that the vehicle left long ago, or an earlier flight made.
 void GlobalSlam::seek_closures() {
+  if (num_given_poses_ > 0 && !located_) return;
   const Submap& newer = submaps_.back();
   const Pose& T_world_newer = graph_.pose(newer.pose);
   struct Candidate {
     double distance_m = 0.0;
-    std::size_t i = 0;
+    int pose = 0;
+    std::span<const Eigen::Vector3f> points_submap_m;
   };
   std::vector<Candidate> candidates;
+  const auto consider = [&](int pose, std::span<const Eigen::Vector3f> points_submap_m) {
+    const double distance_m = (graph_.pose(pose).translation() - T_world_newer.translation()).norm();
+    if (distance_m <= config_.closure_distance_m) candidates.push_back({distance_m, pose, points_submap_m});
+  };
+  if (config_.loaded_map != nullptr) {
+    for (const SavedMap::Submap& given : config_.loaded_map->submaps) consider(given.pose, given.points_submap_m);
+  }
   for (std::size_t i = 0; i + 1 < submaps_.size(); ++i) {
-    const double distance_m = (graph_.pose(submaps_[i].pose).translation() - T_world_newer.translation()).norm();
-    if (newer.begin_m - submaps_[i].end_m < config_.closure_gap_m || distance_m > config_.closure_distance_m) continue;
-    candidates.push_back({distance_m, i});
+    if (newer.begin_m - submaps_[i].end_m < config_.closure_gap_m) continue;
+    consider(submaps_[i].pose, submaps_[i].points_submap_m);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.distance_m < b.distance_m; });
   candidates.resize(std::min<std::size_t>(candidates.size(), config_.searches));
   for (const Candidate& candidate : candidates) {
-    const Submap& older = submaps_[candidate.i];
     const ClosureResult result =
-        find_closure(older.points_submap_m, newer.points_submap_m,
-                     level(graph_.pose(older.pose)).inverse() * level(T_world_newer), config_.closures);
-    if (result.verdict != ClosureVerdict::kClosed) continue;
-    graph_.add(RelativeFactor{older.pose, newer.pose, result.T_older_newer,
-                              information_of(config_.closure_position_m, config_.closure_attitude_deg * kRadPerDeg),
-                              config_.closure_huber});
-    ++num_closures_;
-    news_ = true;
+        find_closure(candidate.points_submap_m, newer.points_submap_m,
+                     level(graph_.pose(candidate.pose)).inverse() * level(T_world_newer), config_.closures);
+    if (result.verdict == ClosureVerdict::kClosed) join(candidate.pose, newer.pose, result.T_older_newer);
   }
+}
+
+void GlobalSlam::join(int older_pose, int newer_pose, const Pose& T_older_newer) {
+  graph_.add(RelativeFactor{older_pose, newer_pose, T_older_newer,
+                            information_of(config_.closure_position_m, config_.closure_attitude_deg * kRadPerDeg),
+                            config_.closure_huber});
+  ++num_closures_;
+  news_ = true;
+}
+
+/// A vehicle that was told nothing of its start looks for itself in the map of an earlier flight: with what it has seen
+/// of its present submap, now and then on its way.
+void GlobalSlam::locate() {
+  if (located_ || num_given_poses_ == 0) return;
+  const double way_m = nodes_.back().way_m;
+  if (nodes_.size() > 1 && way_m - sought_at_m_ < config_.locate_every_m) return;
+  sought_at_m_ = way_m;
+  const SavedMap& given = *config_.loaded_map;
+  std::vector<MapPart> parts;
+  parts.reserve(given.submaps.size());
+  for (const SavedMap::Submap& submap : given.submaps) {
+    parts.push_back({level(graph_.pose(submap.pose)), submap.points_submap_m});
+  }
+  const Submap& own = submaps_.back();
+  const MapMatch match = find_in_map(parts, thinned_m(own.points_submap_m), config_.locate);
+  if (match.result.verdict != ClosureVerdict::kClosed) return;
+  located_ = true;
+  const int older_pose = given.submaps[match.part].pose;
+  const Pose T_older_own = match.result.T_older_newer;
+  const Pose by = level(graph_.pose(older_pose) * T_older_own) * level(graph_.pose(own.pose)).inverse();
+  for (int i = num_given_poses_; i < graph_.num_poses(); ++i) graph_.set_pose(i, by * graph_.pose(i));
+  graph_.clear_priors(num_given_poses_);  // what was guessed of the start
+  join(older_pose, own.pose, T_older_own);
+}
+
+std::shared_ptr<const SavedMap> GlobalSlam::saved_map() const {
+  if (num_given_poses_ > 0 && !located_) return config_.loaded_map;
+  auto map = std::make_shared<SavedMap>();
+  if (config_.loaded_map != nullptr) {
+    map->nodes = config_.loaded_map->nodes;
+    map->submaps = config_.loaded_map->submaps;
+  }
+  map->voxel_m = config_.submap_voxel_m;
+  map->graph = graph_;
+  map->nodes.reserve(map->nodes.size() + nodes_.size());
+  for (const Node& node : nodes_) map->nodes.push_back({node.t, node.pose});
+  map->submaps.reserve(map->submaps.size() + submaps_.size());
+  for (const Submap& submap : submaps_) map->submaps.push_back({submap.pose, submap.points_submap_m});
+  if (!submaps_.empty()) map->submaps.back().points_submap_m = thinned_m(submaps_.back().points_submap_m);
+  return map;
 }
 
 void GlobalSlam::add_gnss(const GnssSample& sample) {
@@ -155,7 +218,7 @@ void GlobalSlam::place_fixes() {
 
 /// A start that nobody told is fitted to east, north and up as soon as the way is long enough to tell a heading.
 void GlobalSlam::fit_start() {
-  if (pose_known_ || fitted_ || matched_.size() < 5) return;
+  if (pose_known_ || fitted_ || num_given_poses_ > 0 || matched_.size() < 5) return;
   const Node& first = nodes_.front();
   const Pose T_world_local = level(graph_.pose(first.pose) * first.T_local_body.inverse());
   const double yaw_rad = yaw_of(T_world_local.linear());
@@ -221,6 +284,12 @@ void GlobalSlamConfig::visit(ConfigVisitor& v) {
   v.field("optimize_every_s", optimize_every_s, "[s] with new fixes; a closure does not wait", positive);
   v.field("fit_spread_m", fit_spread_m, "[m] of the way, from which a start that nobody told is fitted to GNSS",
           positive);
+  v.file("map", map,
+         "map of an earlier flight, as the recorder `slam_map` writes it: the vehicle localizes itself in it");
+  v.field("locate_every_m", locate_every_m,
+          "[m] of the way, after which a vehicle that was told nothing of its start looks for itself in that map again",
+          positive);
+  v.object("locate", locate, "how it looks for itself there, from each submap's middle on");
   v.object("gnss", gnss, "weight of a fix");
   v.object("closures", closures, "how they are sought and checked");
   v.object("graph", graph, "its optimization");

@@ -13,7 +13,7 @@
 namespace swiftlet {
 namespace {
 
-class SlamEstimator : public StateEstimator {
+class SlamEstimator : public StateEstimator, public KeepsMap {
  public:
   SlamEstimator(const SlamConfig& config, const AgentSetup& setup)
       : config_(config),
@@ -46,6 +46,7 @@ class SlamEstimator : public StateEstimator {
     return estimate_;
   }
 
+  std::shared_ptr<const SavedMap> saved_map() const override { return global_ ? global_->saved_map() : nullptr; }
   const char* fault() const override { return fault_; }
   const char* warning() const override { return warning_; }
   void append_counters(std::vector<Counter>& counters) const override {
@@ -66,7 +67,8 @@ class SlamEstimator : public StateEstimator {
     if (!outcome.used) return;
     last_used_ = matched.arrived;
     const LocalSlam& slam = slam_.at_scan();
-    if (global_ && outcome.inserted && slam.started() && heading_known_ && place_known_) {
+    const bool placed = (heading_known_ && place_known_) || config_.global.loaded_map != nullptr;
+    if (global_ && outcome.inserted && slam.started() && placed) {
       global_->add_scan(slam.inserted_at().t, slam.inserted_at().T, slam.points_body_m(), estimate_.T_world_local);
     }
     if (outcome.fit.num_degenerate == 0) last_sure_ = matched.arrived;
@@ -105,6 +107,11 @@ class SlamEstimator : public StateEstimator {
     for (const GnssSample& sample : observation.gnss) global_->add_gnss(sample);
     const std::optional<Pose> learned = global_->correction(observation.t);
     if (blend_.is_done() && !learned) return;
+    if (learned && !(heading_known_ && place_known_)) {  // it has found itself: goals of the world mean something now
+      heading_known_ = place_known_ = true;
+      estimate_.correct(*learned);
+      return;
+    }
     if (blend_.is_done()) blend_.reset(estimate_.T_world_local);
     if (learned) blend_.head_for(observation.t, *learned, estimate_.T_local_body.translation());
     estimate_.T_world_local = blend_.advance(observation.t);

@@ -12,6 +12,7 @@
 #include "swiftlet/sim/recorders/tum.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/replay/replay.hpp"
+#include "swiftlet/sim/slam_map/slam_map_recorder.hpp"
 #include "swiftlet/sim/view/recorder.hpp"
 
 namespace swiftlet::sim {
@@ -25,6 +26,8 @@ const RecorderType kRecorderTypes[] = {
     {{"pcd", "scans with their truth as PCD files", make_module_config<PcdConfig>}, make_pcd_recorder},
     {{"ply", "scans with their truth as PLY files", make_module_config<PlyConfig>}, make_ply_recorder},
     {{"map", "the maps that vehicles keep, as PLY or PCD files", make_module_config<MapConfig>}, make_map_recorder},
+    {{"slam_map", "maps of SLAM with their pose graphs, for later flights", make_module_config<SlamMapConfig>},
+     make_slam_map_recorder},
     {{"mcap", "ROS 2 messages in one MCAP file", make_module_config<McapConfig>}, make_mcap_recorder},
     {{"rosbag", "ROS 1 messages in one bag", make_module_config<RosbagConfig>}, make_rosbag_recorder},
     {{"replay", "the run as one page for a browser", make_module_config<ReplayConfig>}, make_replay_recorder},

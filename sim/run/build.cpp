@@ -9,12 +9,15 @@
 
 #include "sim/run/prior_map.hpp"
 #include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/core/agent/stack.hpp"
 #include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/slam/slam.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/physics/start_place.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/slam_map/slam_map_file.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -103,6 +106,27 @@ std::shared_ptr<const PriorMap> prior_map(const VehicleConfig& vehicle, std::siz
                      std::string(vehicle.start.known == StartKnown::kPosition ? "position" : "nothing"));
   }
   return prior;
+}
+
+/// The agent's configuration with the map that its estimator localizes itself in, read from its file.
+Module with_loaded_map(const Module& agent) {
+  Module loaded = agent;
+  auto* stack = dynamic_cast<StackConfig*>(loaded.config.get());
+  auto* slam = stack != nullptr ? dynamic_cast<SlamConfig*>(stack->localization.config.get()) : nullptr;
+  if (slam == nullptr || slam->global.map.empty()) return loaded;
+  if (!slam->global.enabled) {
+    throw InputError("localization.global.enabled: expected true, because a map is to be localized in, found false");
+  }
+  try {
+    slam->global.loaded_map = std::make_shared<const SavedMap>(read_slam_map(slam->global.map));
+  } catch (const InputError& problem) {
+    throw InputError(std::string("localization.global.map: ") + problem.what());
+  }
+  return loaded;
+}
+
+std::string agent_place(const VehicleConfig& vehicle) {
+  return vehicle.agent_place.empty() ? "vehicles: " + vehicle.name + ": agent: " : vehicle.agent_place;
 }
 
 void require_sensors(const VehicleConfig& vehicle) {
@@ -200,11 +224,11 @@ std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const 
     }
     try {
       require_sensors(scenario.vehicles[i]);
-      agents.push_back(make_agent(scenario.vehicles[i].agent, setup));
+      agents.push_back(make_agent(with_loaded_map(scenario.vehicles[i].agent), setup));
     } catch (const std::invalid_argument& problem) {
-      const VehicleConfig& vehicle = scenario.vehicles[i];
-      throw InputError((vehicle.agent_place.empty() ? "vehicles: " + vehicle.name + ": agent: " : vehicle.agent_place) +
-                       problem.what());
+      throw InputError(agent_place(scenario.vehicles[i]) + problem.what());
+    } catch (const InputError& problem) {
+      throw InputError(agent_place(scenario.vehicles[i]) + problem.what());
     }
   }
   return agents;

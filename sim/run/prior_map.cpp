@@ -10,6 +10,7 @@
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/octomap/octomap_file.hpp"
 #include "swiftlet/sim/run/memory.hpp"
+#include "swiftlet/sim/slam_map/slam_map_file.hpp"
 #include "swiftlet/sim/world/mesh_import.hpp"
 #include "swiftlet/sim/world/point_cloud_file.hpp"
 
@@ -31,6 +32,13 @@ void append_cells(const std::filesystem::path& file, What what, const std::strin
 void append_cloud(const std::filesystem::path& file, What what, const std::string& key,
                   std::vector<Eigen::Vector3f>& points_m) {
   if (is_octomap_file(file)) return append_cells(file, what, key, points_m);
+  if (is_slam_map_file(file)) {
+    if (what == What::kFree)
+      throw InputError(key + ": expected a map with free voxels, found one of SLAM, which has none");
+    const std::vector<Eigen::Vector3f> of_map_m = points_world_m(read_slam_map(file));
+    points_m.insert(points_m.end(), of_map_m.begin(), of_map_m.end());
+    return;
+  }
   for (const Eigen::Vector3d& p : read_point_cloud(file)) points_m.push_back(p.cast<float>());
 }
 

@@ -210,5 +210,47 @@ TEST(Closure, RefusesABareFloorAndASingleWall) {
   EXPECT_TRUE(verdict == ClosureVerdict::kRival || verdict == ClosureVerdict::kOpen) << static_cast<int>(verdict);
 }
 
+TEST(FindInMap, FindsTheSubmapTheHeadingAndThePlaceWithoutAnyGuess) {
+  const Points first = yard(1), second = seen_from(yard(2), make_pose({4, -3, 0.5}, rotation_by({0, 0, 0.7})));
+  Points far(first.size(), Eigen::Vector3f::Zero());
+  for (std::size_t i = 0; i < far.size(); ++i) far[i] = {first[i].y() * 0.6F, first[i].x() * 0.8F, first[i].z()};
+  const std::vector<MapPart> parts = {
+      {make_pose({100, 0, 0}, Eigen::Quaterniond::Identity()), far},
+      {make_pose({4, -3, 0.5}, rotation_by({0, 0, 0.7})), second},
+  };
+  const Pose T_map_cloud = make_pose({1.5, -1.0, 0.9}, rotation_by({0, 0, -2.2}));
+  const MapMatch match = find_in_map(parts, seen_from(yard(3), T_map_cloud), global_closure_config());
+  ASSERT_EQ(match.result.verdict, ClosureVerdict::kClosed);
+  EXPECT_EQ(match.part, 1U);
+  const Pose off = T_map_cloud.inverse() * parts[1].T_map_part * match.result.T_older_newer;
+  EXPECT_LT(off.translation().norm(), 0.02);
+  EXPECT_LT(rotation_vector_rad(Eigen::Quaterniond(Matrix3(off.linear()))).norm(), 0.003);
+}
+
+TEST(FindInMap, TakesNothingWhereTwoPlacesLookAlike) {
+  const Points there = yard(1);
+  const std::vector<MapPart> twice = {
+      {Pose::Identity(), there},
+      {make_pose({100, 0, 0}, Eigen::Quaterniond::Identity()), there},
+  };
+  EXPECT_EQ(find_in_map(twice, yard(3), global_closure_config()).result.verdict, ClosureVerdict::kRival);
+  // The same submap twice at the same place is one place.
+  const std::vector<MapPart> same = {twice[0], twice[0]};
+  EXPECT_EQ(find_in_map(same, yard(3), global_closure_config()).result.verdict, ClosureVerdict::kClosed);
+}
+
+TEST(FindInMap, TakesNothingInAHallThatLooksTheSameTurnedAround) {
+  std::mt19937 random(1);
+  Points hall;
+  add_floor(hall, 9.0, random);
+  for (const double sign : {1.0, -1.0}) {
+    add_wall(hall, -8 * sign, -6 * sign, 8 * sign, -6 * sign, 4.0, random);
+    add_wall(hall, 8 * sign, -6 * sign, 8 * sign, 6 * sign, 4.0, random);
+    add_wall(hall, 3 * sign, -2 * sign, 5 * sign, 1 * sign, 3.0, random);
+  }
+  const std::vector<MapPart> parts = {{Pose::Identity(), hall}};
+  EXPECT_EQ(find_in_map(parts, hall, global_closure_config()).result.verdict, ClosureVerdict::kRival);
+}
+
 }  // namespace
 }  // namespace swiftlet

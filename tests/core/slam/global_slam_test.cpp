@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 
@@ -47,26 +48,48 @@ std::vector<Vector3> yard_world_m() {
   return points;
 }
 
+/// Another place: a round hut, and fences that stand in other directions.
+std::vector<Vector3> other_place_world_m() {
+  std::vector<Vector3> points;
+  for (int i = -25; i <= 65; ++i) {
+    for (int j = -25; j <= 65; ++j) points.emplace_back(0.2 * i, 0.2 * j, 0.0);
+  }
+  for (int i = 0; i <= 60; ++i) {
+    for (int j = 0; j <= 15; ++j) {
+      const double along_m = 0.2 * i, z_m = 0.2 * j, angle = 0.1 * i;
+      points.emplace_back(-3.0 + 0.6 * along_m, 11.0 - 0.3 * along_m, z_m);
+      points.emplace_back(4.0 + 1.7 * std::cos(angle), 4.5 + 1.7 * std::sin(angle), z_m);
+      points.emplace_back(10.5 + 0.2 * along_m, -4.0 + 0.5 * along_m, 0.5 * z_m);
+    }
+  }
+  return points;
+}
+
 struct Flight {
+  explicit Flight(GlobalSlam its_slam) : slam(std::move(its_slam)) {}
+
   GlobalSlam slam;
   std::optional<Pose> correction;
   TimeNs t = 0, learned = 0;
+  std::vector<Vector3> place_world_m = yard_world_m();
+  Pose T_local_world = Pose::Identity();  // before any drift
+  double from_m = 0.0;
 
   /// Local SLAM drifts along `drift_per_m`. Its scans take a while: fixes of `gnss_ahead` later are there already.
   void fly(double way_m, const Vector3& drift_per_m, double gnss_every_m = 0.0,
            const Pose& T_world_true = Pose::Identity(), int gnss_ahead = 0) {
-    static const std::vector<Vector3> kYard = yard_world_m();
     for (int i = 0; 0.5 * i <= way_m; ++i) {
       t += 250'000'000;
-      const Vector3 p_world_m = on_square_m(0.5 * i), p_local_m = p_world_m + 0.5 * i * drift_per_m;
+      const Vector3 p_world_m = on_square_m(from_m + 0.5 * i);
+      const Vector3 p_local_m = T_local_world * p_world_m + 0.5 * i * drift_per_m;
       std::vector<Eigen::Vector3f> points;
-      for (const Vector3& p : kYard) {
+      for (const Vector3& p : place_world_m) {
         if ((p - p_world_m).norm() < 9.0) points.push_back((p - p_world_m).cast<float>());
       }
       if (gnss_every_m > 0.0)
         slam.add_gnss({t + gnss_ahead * 250'000'000, T_world_true * on_square_m(0.5 * (i + gnss_ahead)),
                        Vector3::Zero(), Vector3::Constant(0.02), Vector3::Ones()});
-      slam.add_scan(t, make_pose(p_local_m, Eigen::Quaterniond::Identity()), points, Pose::Identity());
+      slam.add_scan(t, make_pose(p_local_m, Eigen::Quaterniond(T_local_world.linear())), points, Pose::Identity());
       if (const std::optional<Pose> c = slam.correction(t)) {
         correction = c;
         learned = t;
@@ -78,7 +101,7 @@ struct Flight {
 TEST(GlobalSlam, ClosesALoopAndTellsWhereTheDriftedFrameLies) {
   GlobalSlamConfig config;
   config.closure_gap_m = 20.0;
-  Flight flight{GlobalSlam(config, true), {}, 0, 0};
+  Flight flight(GlobalSlam(config, true));
   const Vector3 drift_per_m(0.006, -0.004, 0.002);
   flight.fly(60.0, drift_per_m);
   EXPECT_GE(flight.slam.num_closures(), 1);
@@ -91,7 +114,7 @@ TEST(GlobalSlam, ClosesALoopAndTellsWhereTheDriftedFrameLies) {
 }
 
 TEST(GlobalSlam, WithoutARevisitItSaysNothing) {
-  Flight flight{GlobalSlam({}, true), {}, 0, 0};
+  Flight flight(GlobalSlam({}, true));
   flight.fly(25.0, Vector3(0.01, 0, 0));
   EXPECT_EQ(flight.slam.num_closures(), 0);
   EXPECT_FALSE(flight.correction);
@@ -101,7 +124,7 @@ TEST(GlobalSlam, WithoutARevisitItSaysNothing) {
 TEST(GlobalSlam, AStartThatNobodyToldIsFittedToEastNorthUp) {
   GlobalSlamConfig config;
   config.optimize_every_s = 2.0;
-  Flight flight{GlobalSlam(config, false), {}, 0, 0};
+  Flight flight(GlobalSlam(config, false));
   const Pose T = make_pose({200, -100, 30}, rotation_by({0, 0, 1.2}));
   flight.fly(30.0, Vector3::Zero(), 0.5, T);
   ASSERT_TRUE(flight.correction);
@@ -112,7 +135,7 @@ TEST(GlobalSlam, AStartThatNobodyToldIsFittedToEastNorthUp) {
 TEST(GlobalSlam, FixesThatAreNewerThanTheScansWaitForTheirNode) {
   GlobalSlamConfig config;
   config.optimize_every_s = 2.0;
-  Flight flight{GlobalSlam(config, false), {}, 0, 0};
+  Flight flight(GlobalSlam(config, false));
   const Pose T = make_pose({200, -100, 30}, rotation_by({0, 0, 1.2}));
   flight.fly(30.0, Vector3::Zero(), 0.5, T, 2);
   ASSERT_TRUE(flight.correction) << "each was dropped because the newest one was too new";
@@ -125,12 +148,77 @@ TEST(GlobalSlam, ACorrectionIsKnownOnlyAfterItsLatency) {
   TimeNs learned[2] = {};
   for (const double latency_s : {0.0, 3.0}) {
     config.latency_s = latency_s;
-    Flight flight{GlobalSlam(config, true), {}, 0, 0};
+    Flight flight(GlobalSlam(config, true));
     flight.fly(6.0, Vector3::Zero(), 0.5);
     if (flight.correction) learned[latency_s > 0.0] = flight.learned;
   }
   EXPECT_GT(learned[0], 0);
   EXPECT_EQ(learned[1], 0) << "the flight is over before";
+}
+
+std::shared_ptr<const SavedMap> map_of_the_yard() {
+  Flight flight(GlobalSlam({}, true));
+  flight.fly(30.0, Vector3::Zero());
+  return flight.slam.saved_map();
+}
+
+TEST(GlobalSlam, KeepsItsGraphAndItsCloudsForLaterFlights) {
+  const auto map = map_of_the_yard();
+  EXPECT_EQ(fault_of(*map), "");
+  EXPECT_EQ(map->nodes.size(), 61U);
+  EXPECT_GE(map->submaps.size(), 3U);
+  for (const Eigen::Vector3f& p : points_world_m(*map)) {
+    EXPECT_GT(p.x(), -5.2F);
+    EXPECT_LT(p.x(), 13.2F);
+  }
+  for (const SavedMap::Node& node : map->nodes) {
+    const Vector3 p_world_m = map->graph.pose(node.pose).translation();
+    EXPECT_LT((p_world_m - on_square_m(2.0 * (to_seconds(node.t) - 0.25))).norm(), 0.02);
+  }
+}
+
+TEST(GlobalSlam, ALaterFlightThatWasToldNothingFindsItselfInThatMap) {
+  GlobalSlamConfig config;
+  config.loaded_map = map_of_the_yard();
+  for (const double yaw_rad : {0.3, 2.0, -2.6}) {
+    Flight flight(GlobalSlam(config, false));
+    const Pose T_world_local = make_pose({40, -70, 5}, rotation_by({0, 0, yaw_rad}));
+    flight.T_local_world = T_world_local.inverse();
+    flight.from_m = 13.0;
+    flight.fly(12.0, Vector3::Zero());
+    ASSERT_TRUE(flight.slam.located()) << yaw_rad;
+    ASSERT_TRUE(flight.correction);
+    const Vector3 p_world_m = on_square_m(25.0), p_local_m = flight.T_local_world * p_world_m;
+    EXPECT_LT((*flight.correction * p_local_m - p_world_m).norm(), 0.05) << yaw_rad;
+    EXPECT_LT(std::abs(yaw_of(Matrix3(flight.correction->linear() * flight.T_local_world.linear()))), 0.005);
+    const auto both = flight.slam.saved_map();
+    EXPECT_GT(both->submaps.size(), config.loaded_map->submaps.size()) << "it goes on with the map";
+    EXPECT_EQ(fault_of(*both), "");
+  }
+}
+
+TEST(GlobalSlam, ElsewhereItDoesNotFindItselfAndLeavesTheMapAsItIs) {
+  GlobalSlamConfig config;
+  config.loaded_map = map_of_the_yard();
+  Flight flight(GlobalSlam(config, false));
+  flight.place_world_m = other_place_world_m();
+  flight.fly(30.0, Vector3::Zero());
+  EXPECT_FALSE(flight.slam.located());
+  EXPECT_FALSE(flight.correction);
+  EXPECT_EQ(flight.slam.num_closures(), 0);
+  EXPECT_EQ(flight.slam.saved_map(), config.loaded_map);
+}
+
+TEST(GlobalSlam, AFlightWhoseStartWasToldClosesLoopsWithAnEarlierOne) {
+  GlobalSlamConfig config;
+  config.loaded_map = map_of_the_yard();
+  Flight flight(GlobalSlam(config, true));
+  const Vector3 drift_per_m(0.006, -0.004, 0.002);
+  flight.fly(28.0, drift_per_m);
+  EXPECT_GE(flight.slam.num_closures(), 2) << "on the first lap, where it has none of its own to close";
+  ASSERT_TRUE(flight.correction);
+  const Vector3 p_world_m = on_square_m(28.0), p_local_m = p_world_m + 28.0 * drift_per_m;
+  EXPECT_LT((*flight.correction * p_local_m - p_world_m).norm(), 0.7 * (p_local_m - p_world_m).norm());
 }
 
 }  // namespace

@@ -44,10 +44,11 @@ struct SearchResult {
   bool complete = true;  ///< false: the budget ended it; the best one may have been missed
 };
 
-/// What is not to be found: poses near to this one.
+/// What is not to be found: poses near to this one, whose headings are.
 struct Excluded {
   Pose T_map_cloud = Pose::Identity();
   double distance_m = 0.0;
+  double angle_rad = 7.0;  ///< more than any two headings differ: all count as near
 };
 
 /// The displacement and heading in the window with the highest score; of equal ones the first. Branch and bound:

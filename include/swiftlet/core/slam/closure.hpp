@@ -57,6 +57,24 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
                            std::span<const Eigen::Vector3f> points_newer_m, const Pose& T_older_newer_guess,
                            const ClosureConfig& config);
 
+/// A submap of a map in whose frame all poses are told.
+struct MapPart {
+  Pose T_map_part = Pose::Identity();
+  std::span<const Eigen::Vector3f> points_part_m;
+};
+
+struct MapMatch {
+  ClosureResult result;  ///< its pose is in the part
+  std::size_t part = 0;  ///< in which the cloud lies, when closed
+};
+
+/// In which part of a map does a cloud lie, and where? Each is searched from its middle on, as far as the windows go.
+/// Nothing is taken when another place anywhere in the map scores about as well, or another heading at the same place.
+MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vector3f> points_newer_m,
+                     const ClosureConfig& config);
+/// Defaults for that: any heading, and stricter checks than where an estimate says where to look.
+ClosureConfig global_closure_config();
+
 /// Of a cloud whose frame has z up: one point in each cell of columns in which something stands at least a meter high.
 /// Floors fit anywhere and are left out. Any frame, the same for all arguments.
 std::vector<Eigen::Vector3f> upright_points_m(std::span<const Eigen::Vector3f> points_cloud_m, double cell_m,

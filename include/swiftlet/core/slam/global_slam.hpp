@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
@@ -13,7 +15,7 @@
 #include "swiftlet/core/slam/closure.hpp"
 #include "swiftlet/core/slam/correction_blend.hpp"
 #include "swiftlet/core/slam/pose_graph.hpp"
-#include "swiftlet/core/slam/sweep.hpp"
+#include "swiftlet/core/slam/saved_map.hpp"
 
 namespace swiftlet {
 
@@ -35,6 +37,10 @@ struct GlobalSlamConfig {
   bool use_gnss = true;
   double optimize_every_s = 10.0;
   double fit_spread_m = 5.0;
+  std::string map;
+  std::shared_ptr<const SavedMap> loaded_map;  ///< the content of that file; whoever makes a vehicle reads it
+  double locate_every_m = 4.0;
+  ClosureConfig locate = global_closure_config();
   GnssFactorConfig gnss;
   ClosureConfig closures;
   GraphSolverConfig graph;
@@ -45,6 +51,9 @@ struct GlobalSlamConfig {
 
 /// Where the local frame lies in the world. Key frames (nodes) and submaps of the local trajectory are poses of a
 /// graph. Closures join them when the vehicle comes by again, and GNSS fixes pull them where there are any.
+///
+/// With the map of an earlier flight the graph begins with that flight's. A vehicle whose start was told looks for
+/// closures with its submaps as with its own. One that was told nothing looks for itself in all of them.
 class GlobalSlam {
  public:
   /// @param pose_known  was the start pose told? Else it is a guess that GNSS may overrule.
@@ -57,10 +66,14 @@ class GlobalSlam {
   void add_gnss(const GnssSample& sample);
   /// A correction that has become known by t, if there is one.
   std::optional<Pose> correction(TimeNs t);
+  /// This flight and those before it. One that has not found itself in the map that it was given adds nothing to it.
+  std::shared_ptr<const SavedMap> saved_map() const;
 
   int num_nodes() const { return static_cast<int>(nodes_.size()); }
   int num_submaps() const { return static_cast<int>(submaps_.size()); }
   int num_closures() const { return num_closures_; }
+  /// Is it known where this flight lies in the map that it was given?
+  bool located() const { return located_; }
   const PoseGraph& graph() const { return graph_; }
 
  private:
@@ -78,7 +91,10 @@ class GlobalSlam {
   };
   void begin_submap(const Node& node);
   void finish_submap();
+  std::vector<Eigen::Vector3f> thinned_m(std::span<const Eigen::Vector3f> points_submap_m) const;
   void seek_closures();
+  void locate();
+  void join(int older_pose, int newer_pose, const Pose& T_older_newer);
   void place_fixes();
   void fit_start();
   void optimize(TimeNs t);
@@ -89,11 +105,13 @@ class GlobalSlam {
   bool pose_known_;
   PoseGraph graph_;
   std::vector<Node> nodes_;
-  std::vector<Submap> submaps_;  // the last one grows
-  VoxelThinner thinner_;
+  std::vector<Submap> submaps_;      // the last one grows
   std::vector<GnssSample> waiting_;  // fixes that no node follows yet
   std::vector<MatchedPosition> matched_;
   bool fitted_ = false;
+  int num_given_poses_ = 0;  // the first ones of the graph are those of the map that was given
+  bool located_ = false;
+  double sought_at_m_ = 0.0;  // of the way, when it last looked for itself
   int num_closures_ = 0;
   bool news_ = false, fixes_ = false;  // since the last optimization: a closure, a fix
   TimeNs last_optimized_ = 0;

@@ -92,7 +92,13 @@ class PoseGraph {
   const Pose& pose(int i) const { return poses_[i]; }
   void set_pose(int i, const Pose& T_world_pose) { poses_[i] = T_world_pose; }
   std::span<const RelativeFactor> relative_factors() const { return relatives_; }
-  void clear_priors() { priors_.clear(); }
+  std::span<const PriorFactor> prior_factors() const { return priors_; }
+  std::span<const GravityFactor> gravity_factors() const { return gravities_; }
+  std::span<const PositionFactor> position_factors() const { return positions_; }
+  /// Of all poses from this one on.
+  void clear_priors(int from = 0) {
+    std::erase_if(priors_, [from](const PriorFactor& f) { return f.pose >= from; });
+  }
 
   double cost() const { return cost_of(poses_); }
   GraphReport optimize(const GraphSolverConfig& config);

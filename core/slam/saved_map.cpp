@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/saved_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/core/slam/sweep.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kRigid = 1e-6;  // a rotation may be off by this
+
+bool is_pose(const Pose& T) {
+  return T.matrix().allFinite() && (T.linear() * T.linear().transpose() - Matrix3::Identity()).norm() < kRigid &&
+         T.linear().determinant() > 0.0;
+}
+
+bool is_scale(double huber) { return huber > 0.0; }  // infinite: none
+
+}  // namespace
+
+std::string fault_of(const SavedMap& map) {
+  if (!(map.voxel_m > 0.0 && std::isfinite(map.voxel_m))) return "its voxels have no edge";
+  const PoseGraph& graph = map.graph;
+  const auto known = [&](int pose) { return pose >= 0 && pose < graph.num_poses(); };
+  for (int i = 0; i < graph.num_poses(); ++i) {
+    if (!is_pose(graph.pose(i))) return "pose " + std::to_string(i) + " is none";
+  }
+  const auto relatives = graph.relative_factors();
+  if (!std::all_of(relatives.begin(), relatives.end(), [&](const RelativeFactor& f) {
+        return known(f.from) && known(f.to) && f.from != f.to && is_pose(f.T_from_to) && f.information.allFinite() &&
+               is_scale(f.huber);
+      })) {
+    return "a constraint between poses makes no sense";
+  }
+  const auto priors = graph.prior_factors();
+  if (!std::all_of(priors.begin(), priors.end(), [&](const PriorFactor& f) {
+        return known(f.pose) && is_pose(f.T_world_pose) && f.information.allFinite();
+      })) {
+    return "what was known of a pose makes no sense";
+  }
+  const auto gravities = graph.gravity_factors();
+  if (!std::all_of(gravities.begin(), gravities.end(), [&](const GravityFactor& f) {
+        return known(f.pose) && f.up_body.allFinite() && f.sigma_rad > 0.0 && std::isfinite(f.sigma_rad);
+      })) {
+    return "a direction of gravity makes no sense";
+  }
+  const auto positions = graph.position_factors();
+  if (!std::all_of(positions.begin(), positions.end(), [&](const PositionFactor& f) {
+        return known(f.before) && known(f.after) && std::isfinite(f.beta) && f.p_world_m.allFinite() &&
+               f.weight_world_1_m.allFinite() && is_scale(f.huber);
+      })) {
+    return "a measured position makes no sense";
+  }
+  if (!std::all_of(map.nodes.begin(), map.nodes.end(), [&](const SavedMap::Node& n) { return known(n.pose); })) {
+    return "a node has no pose";
+  }
+  for (const SavedMap::Submap& submap : map.submaps) {
+    if (!known(submap.pose)) return "a submap has no pose";
+    if (!std::all_of(submap.points_submap_m.begin(), submap.points_submap_m.end(),
+                     [](const Eigen::Vector3f& p) { return p.allFinite(); })) {
+      return "a point is not finite";
+    }
+  }
+  return "";
+}
+
+std::vector<Eigen::Vector3f> points_world_m(const SavedMap& map) {
+  std::size_t size = 0;
+  for (const SavedMap::Submap& submap : map.submaps) size += submap.points_submap_m.size();
+  std::vector<Eigen::Vector3f> points_m;
+  points_m.reserve(size);
+  for (const SavedMap::Submap& submap : map.submaps) {
+    const Pose& T_world_submap = map.T_world_submap(submap);
+    for (const Eigen::Vector3f& p : submap.points_submap_m) {
+      points_m.push_back((T_world_submap * p.cast<double>()).cast<float>());
+    }
+  }
+  return points_m;
+}
+
+void append_voxels(const SavedMap& map, const Pose& T_local_world, MapVoxels& copy) {
+  copy.edge_m = map.voxel_m;
+  copy.states = {"free", "occupied"};
+  copy.occupied_from = 1;
+  std::vector<Eigen::Vector3f> points_local_m = points_world_m(map);
+  for (Eigen::Vector3f& p : points_local_m) p = (T_local_world * p.cast<double>()).cast<float>();
+  std::vector<std::uint32_t> kept;
+  kept.reserve(points_local_m.size());
+  VoxelThinner().thin(points_local_m, static_cast<float>(map.voxel_m), kept);
+  copy.centers_local_m.reserve(kept.size());
+  copy.state.reserve(kept.size());
+  copy.value.reserve(kept.size());
+  for (const std::uint32_t i : kept) {
+    const Vector3 cell = (points_local_m[i].cast<double>() / map.voxel_m).array().floor();
+    copy.add(map.voxel_m * (cell.array() + 0.5).matrix(), 1, 1.0F);
+  }
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "swiftlet/sim/view/recorder.hpp"
+
+namespace swiftlet::sim {
+
+struct SlamMapConfig : ModuleConfigOf<SlamMapConfig>, TellsOutput {
+  std::vector<std::string> vehicles;
+  std::string folder = "maps";
+
+  void visit(ConfigVisitor& v) override;
+  RecorderOutput output() const override { return {"folder", folder, false, "slam", vehicles, {}}; }
+};
+
+/// The maps that vehicles localize themselves in, with their pose graphs, at the end: FOLDER/VEHICLE.slam.
+std::unique_ptr<Recorder> make_slam_map_recorder(const ModuleConfig& config);
+
+}  // namespace swiftlet::sim

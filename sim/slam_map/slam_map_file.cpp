@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/sim/slam_map/slam_map_file.hpp"
+
+#include <cstring>
+#include <vector>
+
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/byte_buffer.hpp"
+#include "swiftlet/sim/io/files.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr std::string_view kTitle = "Swiftlet map of SLAM\n";
+constexpr std::size_t kHeaderBytes = kTitle.size() + sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t);
+
+/// Fowler, Noll and Vo: to notice damage, not malice.
+std::uint64_t checksum_of(std::string_view bytes) {
+  std::uint64_t hash = 0xCBF29CE484222325ULL;
+  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL;
+  return hash;
+}
+
+/// Appends to a file's bytes. `Reader` has the same calls, so that one `visit` below serves both.
+class Writer {
+ public:
+  explicit Writer(ByteBuffer& bytes) : bytes_(bytes) {}
+
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void operator()(const Number& number) { bytes_.put(number); }
+  template <class Scalar, int kRows, int kCols>
+  void operator()(const Eigen::Matrix<Scalar, kRows, kCols>& matrix) {
+    for (int i = 0; i < matrix.size(); ++i) bytes_.put(matrix.data()[i]);
+  }
+  void operator()(const Pose& T) {
+    (*this)(Matrix3(T.linear()));
+    (*this)(Vector3(T.translation()));
+  }
+  void count(std::size_t size, std::size_t /*bytes_each*/) { bytes_.put(static_cast<std::uint64_t>(size)); }
+
+ private:
+  ByteBuffer& bytes_;
+};
+
+class Reader {
+ public:
+  Reader(std::string_view bytes, const std::filesystem::path& file) : bytes_(bytes), file_(file) {}
+
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void operator()(Number& number) {
+    if (bytes_.size() < sizeof number) reject();
+    std::memcpy(&number, bytes_.data(), sizeof number);
+    bytes_.remove_prefix(sizeof number);
+  }
+  template <class Scalar, int kRows, int kCols>
+  void operator()(Eigen::Matrix<Scalar, kRows, kCols>& matrix) {
+    for (int i = 0; i < matrix.size(); ++i) (*this)(matrix.data()[i]);
+  }
+  void operator()(Pose& T) {
+    Matrix3 R;
+    Vector3 p;
+    (*this)(R);
+    (*this)(p);
+    T.linear() = R;
+    T.translation() = p;
+  }
+  /// How many elements follow. Asked before memory is taken for them: a file cannot have more than it has bytes.
+  std::size_t count(std::size_t bytes_each) {
+    std::uint64_t size = 0;
+    (*this)(size);
+    if (size > bytes_.size() / bytes_each) reject();
+    return static_cast<std::size_t>(size);
+  }
+  bool at_end() const { return bytes_.empty(); }
+  [[noreturn]] void reject() const {
+    throw InputError(file_.string() + ": is damaged: its counts do not fit its size");
+  }
+
+ private:
+  std::string_view bytes_;
+  const std::filesystem::path& file_;
+};
+
+// The fields of every record, once for both directions.
+void visit(auto& f, auto& v, const RelativeFactor*) {
+  v(f.from), v(f.to), v(f.T_from_to), v(f.information), v(f.huber);
+}
+void visit(auto& f, auto& v, const PriorFactor*) { v(f.pose), v(f.T_world_pose), v(f.information); }
+void visit(auto& f, auto& v, const GravityFactor*) { v(f.pose), v(f.up_body), v(f.sigma_rad); }
+void visit(auto& f, auto& v, const PositionFactor*) {
+  v(f.before), v(f.after), v(f.beta), v(f.p_world_m), v(f.weight_world_1_m), v(f.huber);
+}
+void visit(auto& n, auto& v, const SavedMap::Node*) { v(n.t), v(n.pose); }
+
+template <class Record>
+void write_all(std::span<const Record> records, Writer& write) {
+  write.count(records.size(), 1);
+  for (const Record& record : records) visit(record, write, static_cast<const Record*>(nullptr));
+}
+
+template <class Record>
+Record read_one(Reader& read) {
+  Record record;
+  visit(record, read, static_cast<const Record*>(nullptr));
+  return record;
+}
+
+constexpr std::size_t kLeastRecord = 12;  // bytes of the smallest one
+
+template <class Factor>
+void read_factors(Reader& read, PoseGraph& graph, std::vector<Factor>& factors) {
+  factors.resize(read.count(kLeastRecord));
+  for (Factor& factor : factors) factor = read_one<Factor>(read);
+  const auto known = [&](int pose) { return pose >= 0 && pose < graph.num_poses(); };
+  for (const Factor& f : factors) {
+    if constexpr (requires { f.from; }) {
+      if (!known(f.from) || !known(f.to) || f.from == f.to) read.reject();
+    } else if constexpr (requires { f.before; }) {
+      if (!known(f.before) || !known(f.after)) read.reject();
+    } else {
+      if (!known(f.pose)) read.reject();
+      if constexpr (requires { f.sigma_rad; }) {
+        if (!(f.sigma_rad > 0.0)) read.reject();
+      }
+    }
+    graph.add(f);
+  }
+}
+
+SavedMap read_payload(Reader& read) {
+  SavedMap map;
+  read(map.voxel_m);
+  const std::size_t num_poses = read.count(sizeof(double) * 12);
+  for (std::size_t i = 0; i < num_poses; ++i) {
+    Pose T = Pose::Identity();
+    read(T);
+    map.graph.add_pose(T);
+  }
+  std::vector<RelativeFactor> relatives;
+  std::vector<PriorFactor> priors;
+  std::vector<GravityFactor> gravities;
+  std::vector<PositionFactor> positions;
+  read_factors(read, map.graph, relatives);
+  read_factors(read, map.graph, priors);
+  read_factors(read, map.graph, gravities);
+  read_factors(read, map.graph, positions);
+  map.nodes.resize(read.count(kLeastRecord));
+  for (SavedMap::Node& node : map.nodes) node = read_one<SavedMap::Node>(read);
+  map.submaps.resize(read.count(kLeastRecord));
+  for (SavedMap::Submap& submap : map.submaps) {
+    read(submap.pose);
+    submap.points_submap_m.resize(read.count(sizeof(float) * 3));
+    for (Eigen::Vector3f& p : submap.points_submap_m) read(p);
+  }
+  if (!read.at_end()) read.reject();
+  return map;
+}
+
+}  // namespace
+
+std::string slam_map_content(const SavedMap& map) {
+  ByteBuffer payload;
+  Writer write(payload);
+  write(map.voxel_m);
+  write.count(static_cast<std::size_t>(map.graph.num_poses()), 1);
+  for (int i = 0; i < map.graph.num_poses(); ++i) write(map.graph.pose(i));
+  write_all(map.graph.relative_factors(), write);
+  write_all(map.graph.prior_factors(), write);
+  write_all(map.graph.gravity_factors(), write);
+  write_all(map.graph.position_factors(), write);
+  write_all(std::span<const SavedMap::Node>(map.nodes), write);
+  write.count(map.submaps.size(), 1);
+  for (const SavedMap::Submap& submap : map.submaps) {
+    write(submap.pose);
+    write.count(submap.points_submap_m.size(), 1);
+    for (const Eigen::Vector3f& p : submap.points_submap_m) write(p);
+  }
+  const auto text_of = [](const ByteBuffer& buffer) {
+    return std::string_view(reinterpret_cast<const char*>(buffer.bytes().data()), buffer.size());
+  };
+  ByteBuffer header;
+  header.put_text(kTitle);
+  header.put(kSlamMapVersion);
+  header.put(static_cast<std::uint64_t>(payload.size()));
+  header.put(checksum_of(text_of(payload)));
+  return std::string(text_of(header)).append(text_of(payload));
+}
+
+SavedMap read_slam_map(const std::filesystem::path& file) {
+  const std::string content = read_whole_file(file);
+  const auto reject = [&](const std::string& why) { throw InputError(file.string() + ": " + why); };
+  if (!content.starts_with(kTitle) || content.size() < kHeaderBytes) {
+    reject("expected a map of Swiftlet's SLAM, which begins with its title");
+  }
+  Reader header(std::string_view(content).substr(kTitle.size()), file);
+  std::uint32_t version = 0;
+  std::uint64_t size = 0, checksum = 0;
+  header(version);
+  header(size);
+  header(checksum);
+  if (version != kSlamMapVersion) {
+    reject("expected version " + std::to_string(kSlamMapVersion) + " of such maps, found version " +
+           std::to_string(version));
+  }
+  const std::string_view payload = std::string_view(content).substr(kHeaderBytes);
+  if (payload.size() != size) {
+    reject("is damaged: expected " + std::to_string(size) + " bytes of data, found " + std::to_string(payload.size()));
+  }
+  if (checksum_of(payload) != checksum) reject("is damaged: its checksum does not fit its data");
+  Reader read(payload, file);
+  SavedMap map = read_payload(read);
+  if (const std::string fault = fault_of(map); !fault.empty()) reject("is damaged: " + fault);
+  return map;
+}
+
+bool is_slam_map_file(const std::filesystem::path& file) { return file.extension() == kSlamMapExtension; }
+
+}  // namespace swiftlet::sim

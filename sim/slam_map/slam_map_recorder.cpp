@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/sim/slam_map/slam_map_recorder.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/slam_map/slam_map_file.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+class SlamMapRecorder : public Recorder {
+ public:
+  explicit SlamMapRecorder(SlamMapConfig config) : config_(std::move(config)) {}
+
+  void begin(const RunInfo& info) override {
+    directory_ = info.directory;
+    names_ = info.vehicle_names;
+    for (const std::string& wanted : config_.vehicles) {
+      if (std::find(names_.begin(), names_.end(), wanted) != names_.end()) continue;
+      throw InputError("recorder slam_map: vehicles: expected the name of a vehicle, found '" + wanted + "'");
+    }
+  }
+
+  void write(const TickView& tick) override {
+    const bool first = keepers_.empty();
+    keepers_.assign(tick.agents.size(), nullptr);
+    for (std::size_t i = 0; i < tick.agents.size(); ++i)
+      keepers_[i] = dynamic_cast<const KeepsMap*>(tick.agents[i].get());
+    if (first) require_keepers();
+  }
+
+  std::vector<std::filesystem::path> finish() override {
+    std::vector<std::filesystem::path> paths;
+    for (std::size_t i = 0; i < keepers_.size(); ++i) {
+      if (!is_selected(i) || keepers_[i] == nullptr) continue;
+      const std::shared_ptr<const SavedMap> map = keepers_[i]->saved_map();
+      if (map == nullptr) continue;
+      paths.push_back(std::filesystem::path(config_.folder) / (names_[i] + std::string(kSlamMapExtension)));
+      write_file(directory_ / paths.back(), slam_map_content(*map), MissingFolders::kMade);
+    }
+    return paths;
+  }
+
+ private:
+  bool is_selected(std::size_t i) const {
+    return config_.vehicles.empty() ||
+           std::find(config_.vehicles.begin(), config_.vehicles.end(), names_[i]) != config_.vehicles.end();
+  }
+  bool keeps_one(std::size_t i) const { return keepers_[i] != nullptr && keepers_[i]->saved_map() != nullptr; }
+
+  /// Vehicles that are named must keep a map; where none is named, one of them must.
+  void require_keepers() const {
+    bool any = false;
+    for (std::size_t i = 0; i < keepers_.size(); ++i) {
+      any = any || keeps_one(i);
+      if (config_.vehicles.empty() || !is_selected(i) || keeps_one(i)) continue;
+      throw InputError("recorder slam_map: vehicles: expected localization: {type: slam, global: {enabled: true}} on " +
+                       names_[i] + ", found another");
+    }
+    if (any) return;
+    throw InputError(
+        "recorder slam_map: expected a vehicle with localization: {type: slam, global: {enabled: true}}, found none");
+  }
+
+  SlamMapConfig config_;
+  std::filesystem::path directory_;
+  std::vector<std::string> names_;
+  std::vector<const KeepsMap*> keepers_;  // by VehicleId; null: keeps none
+};
+
+}  // namespace
+
+void SlamMapConfig::visit(ConfigVisitor& v) {
+  v.field("vehicles", vehicles, "[-] names of the vehicles whose maps are written; empty: all that keep one");
+  v.field("folder", folder, "[-] folder in the run directory");
+}
+
+std::unique_ptr<Recorder> make_slam_map_recorder(const ModuleConfig& config) {
+  return std::make_unique<SlamMapRecorder>(dynamic_cast<const SlamMapConfig&>(config));
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/slam_map/slam_map_file.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+/// Tests run beside each other.
+std::filesystem::path temporary(const std::string& name) {
+  const std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  return std::filesystem::path(::testing::TempDir()) / ("swiftlet_" + test + "_" + name + ".slam");
+}
+
+/// A little of everything.
+SavedMap small_map() {
+  SavedMap map;
+  map.voxel_m = 0.1;
+  map.graph.add_pose(make_pose({1, 2, 3}, Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5)));
+  map.graph.add_pose(make_pose({-1.0 / 3.0, 2e-9, 3e7}, Eigen::Quaterniond::Identity()));
+  map.graph.add_pose(make_pose({4, 5, 6}, Eigen::Quaterniond::Identity()));
+  Matrix6 information = Matrix6::Identity();
+  information(2, 4) = 0.1;
+  map.graph.add(RelativeFactor{0, 1, make_pose({0, 0, 1}, Eigen::Quaterniond::Identity()), information, kNoHuber});
+  map.graph.add(RelativeFactor{2, 0, Pose::Identity(), information, 3.0});
+  map.graph.add(PriorFactor{0, map.graph.pose(0), information});
+  map.graph.add(GravityFactor{1, Vector3::UnitZ(), 0.01});
+  map.graph.add(PositionFactor{0, 1, 0.25, {7, 8, 9}, {1, 1, 0.1}, 1.0});
+  map.nodes = {{-5, 0}, {1'000'000'000, 1}};
+  map.submaps = {{2, {{1.5F, 0.1F, -2.0F}, {3.0F, 4.0F, 5.0F}}}, {1, {}}};
+  return map;
+}
+
+std::string refusal_of(const std::string& content, const std::string& name) {
+  write_file(temporary(name), content);
+  try {
+    read_slam_map(temporary(name));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SlamMapFile, WhatIsReadIsWhatWasWrittenToTheLastBit) {
+  const SavedMap map = small_map();
+  const std::string content = slam_map_content(map);
+  write_file(temporary("round"), content);
+  const SavedMap again = read_slam_map(temporary("round"));
+  EXPECT_EQ(slam_map_content(again), content);
+  ASSERT_EQ(again.graph.num_poses(), 3);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(again.graph.pose(i).matrix(), map.graph.pose(i).matrix());
+  EXPECT_EQ(again.graph.cost(), map.graph.cost());
+  ASSERT_EQ(again.graph.relative_factors().size(), 2U);
+  EXPECT_EQ(again.graph.relative_factors()[0].huber, kNoHuber);
+  EXPECT_EQ(again.graph.relative_factors()[1].information, map.graph.relative_factors()[1].information);
+  EXPECT_EQ(again.nodes[0].t, -5);
+  EXPECT_EQ(again.submaps[0].points_submap_m, map.submaps[0].points_submap_m);
+  EXPECT_EQ(again.submaps[1].pose, 1);
+}
+
+TEST(SlamMapFile, DamageAnywhereIsNoticed) {
+  const std::string content = slam_map_content(small_map());
+  for (std::size_t i = 0; i < content.size(); i += i < 48 ? 1 : 11) {
+    std::string damaged = content;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
+    EXPECT_NE(refusal_of(damaged, "damaged"), "") << "byte " << i;
+  }
+  for (const std::size_t size : {std::size_t{0}, std::size_t{10}, content.size() / 2, content.size() - 1}) {
+    EXPECT_NE(refusal_of(content.substr(0, size), "cut"), "") << size << " bytes";
+  }
+  EXPECT_NE(refusal_of(content + "x", "longer"), "");
+  EXPECT_NE(refusal_of(content.substr(0, content.size() - 4), "cut").find("is damaged: expected"), std::string::npos);
+}
+
+TEST(SlamMapFile, AnotherVersionIsRefusedByItsNumber) {
+  std::string content = slam_map_content(small_map());
+  content[content.find('\n') + 1] = 2;
+  const std::string refusal = refusal_of(content, "version");
+  EXPECT_NE(refusal.find("expected version 1 of such maps, found version 2"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find(temporary("version").string()), std::string::npos) << refusal;
+}
+
+TEST(SlamMapFile, WhatIsNoMapIsRefused) {
+  EXPECT_NE(refusal_of("ply\nformat ascii 1.0\n", "ply").find("begins with its title"), std::string::npos);
+  SavedMap map = small_map();
+  map.submaps[0].pose = 17;
+  EXPECT_NE(refusal_of(slam_map_content(map), "pose").find("is damaged: a submap has no pose"), std::string::npos);
+}
+
+Scenario campus(const std::string& file, const ConfigChanges& changes) {
+  ConfigChanges all = {{"recorders", "[]"}, {"snapshots", "[]"}};
+  all.insert(all.end(), changes.begin(), changes.end());
+  return load_scenario(std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/" + file, all);
+}
+
+constexpr const char* kGlobal = "vehicles[0].agent.localization.global";
+
+/// What half a lap around the building leaves.
+std::filesystem::path map_of_the_campus() {
+  Scenario scenario = campus("campus_slam.yaml", {{std::string(kGlobal) + ".enabled", "true"}});
+  scenario.duration_s = 30.0;
+  Simulation simulation(validated(scenario), 2);
+  while (!simulation.finished()) simulation.tick();
+  const auto* keeper = dynamic_cast<const KeepsMap*>(simulation.view().agents[0].get());
+  if (keeper == nullptr) throw std::logic_error("expected a vehicle that keeps a map");
+  write_file(temporary("campus"), slam_map_content(*keeper->saved_map()));
+  return temporary("campus");
+}
+
+TEST(SlamMap, ALaterFlightFindsItselfInTheMapOfAnEarlierOne) {
+  Scenario scenario = campus("campus_slam.yaml", {{"vehicles[0].start.known", "nothing"},
+                                                  {"vehicles[0].start.position_m", "[9.0, -10.0, 3.5]"},
+                                                  {"vehicles[0].start.yaw_deg", "130"},
+                                                  {"vehicles[0].agent.guidance", "{type: hover}"},
+                                                  {std::string(kGlobal) + ".enabled", "true"},
+                                                  {std::string(kGlobal) + ".map", map_of_the_campus().string()}});
+  scenario.duration_s = 4.0;
+  Simulation simulation(validated(scenario), 2);
+  while (!simulation.finished()) simulation.tick();
+  const StateEstimate& e = simulation.view().actions[0]->estimate;
+  const VehicleState& truth = simulation.view().states[0];
+  EXPECT_GE(e.correction_revision, 1U) << "it has found itself";
+  EXPECT_LT((e.T_world_body().translation() - truth.p_world_m).norm(), 0.1);
+  const double yaw_off_rad = yaw_of(Matrix3(truth.T_world_body().linear().transpose() * e.T_world_body().linear()));
+  EXPECT_LT(std::abs(yaw_off_rad), 0.01);
+}
+
+TEST(SlamMap, AFlightElsewhereDoesNotFindItselfInIt) {
+  Scenario scenario = campus("warehouse_explore.yaml", {{"vehicles[0].start.known", "nothing"},
+                                                        {"vehicles[0].agent.mapping", "{type: none}"},
+                                                        {"vehicles[0].agent.guidance", "{type: hover}"},
+                                                        {std::string(kGlobal) + ".enabled", "true"},
+                                                        {std::string(kGlobal) + ".map", map_of_the_campus().string()}});
+  scenario.duration_s = 4.0;
+  Simulation simulation(validated(scenario), 2);
+  while (!simulation.finished()) simulation.tick();
+  EXPECT_EQ(simulation.view().actions[0]->estimate.correction_revision, 0U);
+}
+
+TEST(SlamMap, AMapThatCannotBeReadIsRefusedWithItsKey) {
+  write_file(temporary("bad"), "no map");
+  const Scenario scenario = campus("campus_slam.yaml", {{std::string(kGlobal) + ".enabled", "true"},
+                                                        {std::string(kGlobal) + ".map", temporary("bad").string()}});
+  try {
+    Simulation simulation(validated(scenario), 1);
+    FAIL() << "it took a file that is no map";
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("localization.global.map: " + temporary("bad").string()), std::string::npos) << what;
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
