@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kRadioVariance_m2 = 1e-4;  // of what a neighbor says of itself
 constexpr TimeNs kLongestAhead = 1'000'000'000;
+constexpr TimeNs kLongestOnItsWay = 2'000'000'000;  // beyond that; later nobody knows where it flies
 
 }  // namespace
 
@@ -84,6 +85,10 @@ Neighbor NeighborMemory::now_of(const Filter& filter, TimeNs now) const {
   neighbor.velocity_covariance_local_m2ps2 = ahead.P.bottomRightCorner<3, 3>();
   if (now > ahead.t) {
     neighbor.unpredicted_s = to_seconds(now - ahead.t);
+    if (now - ahead.t > kLongestOnItsWay) {
+      neighbor.unpredicted_s = 0.0;
+      neighbor.velocity_local_mps.setZero();
+    }
     const double beyond_m = config_.unseen_speed_mps * to_seconds(now - ahead.t);
     neighbor.covariance_local_m2 += beyond_m * beyond_m * Matrix3::Identity();
   }

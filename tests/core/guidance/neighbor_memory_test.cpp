@@ -178,9 +178,23 @@ TEST(NeighborMemory, ThePlaceOfOneUnseenGrowsUncertainButStaysNear) {
     last_m = sigma_m;
     EXPECT_NEAR(known.position_local_m.x(), 5.0 + std::min(1.0, t_s - 2.0), 0.1) << "flies on for a second at most";
   }
-  const Neighbor known = listener.update(8.0)[0];
-  EXPECT_NEAR(known.velocity_local_mps.x(), 1.0, 0.1) << "it may have flown on";
-  EXPECT_NEAR(known.unpredicted_s, 5.0, 1e-9);
+  EXPECT_NEAR(listener.update(8.0)[0].velocity_local_mps.norm(), 0.0, 1e-12);
+}
+
+TEST(NeighborMemory, OneUnseenMayHaveFlownOnForAWhileAndNotForEver) {
+  NeighborSourceConfig config = from(Source::kSensor);
+  config.timeout_s = 100.0;
+  Listener listener(config);
+  for (int i = 0; i <= 20; ++i) {
+    listener.sees(1, {3.0 + 0.1 * i, 0.0, 0.0}, 0.1 * i);
+    listener.update(0.1 * i);
+  }
+  const Neighbor lately = listener.update(4.5)[0];
+  EXPECT_NEAR(lately.velocity_local_mps.x(), 1.0, 0.1);
+  EXPECT_NEAR(lately.unpredicted_s, 1.5, 1e-9) << "beyond the second that it is carried forward";
+  const Neighbor later = listener.update(5.5)[0];
+  EXPECT_EQ(later.unpredicted_s, 0.0) << "or it would push others away from far beyond";
+  EXPECT_EQ(later.velocity_local_mps.norm(), 0.0);
 }
 
 TEST(NeighborMemory, WhatIsOlderThanWhatIsKnownChangesNothing) {
