@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 namespace swiftlet {
@@ -51,6 +52,9 @@ TEST(CaptureVolume, HangsBelowAndTurnsWithTheHeading) {
   CaptureVolume net;
   net.offset_m = {1.0, 0.0, -2.0};
   EXPECT_LT((net.center({5, 5, 5}, 0.5 * std::numbers::pi) - Vector3(5, 6, 3)).norm(), 1e-9);
+  // A quarter of a turn would hide what the cosine does. With 3-4-5 the sums are whole.
+  net.offset_m = {5.0, 10.0, -2.0};
+  EXPECT_LT((net.center({0, 0, 5}, std::atan2(3.0, 4.0)) - Vector3(4 - 6, 3 + 8, 3)).norm(), 1e-9);
 }
 
 }  // namespace

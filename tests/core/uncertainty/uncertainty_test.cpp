@@ -82,6 +82,12 @@ TEST(ErrorDistribution, CdfIsTheIntegralOfThePdfAndQuantileItsInverse) {
   for (const double p : {0.01, 0.5, 0.95}) EXPECT_NEAR(error.cdf(error.quantile_m(p)), p, 1e-12);
 }
 
+TEST(ErrorDistribution, NoErrorIsNegative) {
+  const ErrorDistribution error(random_covariance(3, 0.1));
+  EXPECT_EQ(error.pdf(-0.1), 0.0);
+  EXPECT_EQ(error.cdf(-0.1), 0.0);
+}
+
 TEST(ErrorDistribution, MeanIsNearMonteCarloForAnyCovariance) {
   // The Nakagami form matches two moments; its mean is within a few per cent for any shape of ellipsoid.
   for (int k = 0; k < 5; ++k) {
