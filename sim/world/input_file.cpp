@@ -79,6 +79,8 @@ class PlyData {
       : format_(header.format), at_(content.data() + header.data_begin), end_(content.data() + content.size()) {}
 
   bool is_over() const { return at_ == end_; }
+  bool is_text() const { return format_ == PlyHeader::Format::kAscii; }
+  bool has_bytes(int bytes) const { return is_text() || end_ - at_ >= bytes; }
   /// What the rest of the file can hold of values of this size.
   std::uint64_t room_for(int value_bytes) const {
     const auto left = static_cast<std::uint64_t>(end_ - at_);
@@ -112,7 +114,6 @@ class PlyData {
   }
 
  private:
-  bool is_text() const { return format_ == PlyHeader::Format::kAscii; }
   std::string_view word() {
     const auto is_space = [](unsigned char c) { return std::isspace(c) != 0; };
     const char* const begin = std::find_if_not(at_, end_, is_space);
@@ -204,8 +205,13 @@ PlyHeader parse_ply_header(const fs::path& file, const std::string& content) {
 void check_ply_lists(const fs::path& file, const PlyHeader& header, const std::string& content) {
   PlyData data(header, content);
   for (const PlyHeader::Element& element : header.elements) {
-    for (std::uint64_t i = 0; i < element.count && !data.is_over(); ++i) {
+    if (element.properties.empty()) continue;
+    for (std::uint64_t i = 0; i < element.count && !(data.is_text() && data.is_over()); ++i) {
       for (const PlyHeader::Property& property : element.properties) {
+        // The library reads on behind the end, and takes what lies there for a length.
+        if (!data.has_bytes(property.is_list ? property.count_size : property.size))
+          reject_file(file,
+                      "truncated: it ends before '" + property.name + "' of " + element.name + " " + std::to_string(i));
         const std::uint64_t length = property.is_list ? data.list_length(property.count_size) : 1;
         if (property.is_list && length > data.room_for(property.size)) {
           reject_file(file, element.name + " " + std::to_string(i) + ": expected a list '" + property.name +

@@ -270,6 +270,16 @@ TEST_F(WorldFiles, MeshesThatAreNoneAreRejectedWithTheReason) {
 }
 
 // A file that ends anywhere is read as far as it makes sense or rejected; never anything else.
+// The library would take what lies behind the end of the file for the length of a face.
+TEST_F(WorldFiles, APlyMeshThatEndsBeforeItsFacesDoIsRefused) {
+  const std::string head =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 2\nproperty list uint int vertex_indices\nend_header\n";
+  const std::string vertices(48, '\0'), face("\4\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\3\0\0\0", 20);
+  EXPECT_THAT(rejection([&] { import_mesh(write("one.ply", head + vertices + face)); }),
+              HasSubstr("truncated: it ends before 'vertex_indices' of face 1"));
+}
+
 TEST_F(WorldFiles, TruncatedFilesNeverCrash) {
   Mesh ball;
   add_icosphere(ball, {1, 2, 3}, 0.5F, 1);
