@@ -46,7 +46,7 @@ class Software(support.InFolder):
             "name": "recorded", "duration_s": 1.6, "world": {"type": "hall"},
             "vehicles": [{"start": {"position_m": [0, 0, 2]}, "sensors": [{"type": "lidar", "model": "puck_lite"}, {"type": "imu"}],
                           "agent": {"localization": {"type": "ground_truth"}, "guidance": {
-                              "type": "waypoints", "waypoints_m": [[3, 0, 2]]}}}]}))
+                              "type": "waypoints", "waypoints_m": [[-3, 0, 2]]}}}]}))
         alone = swiftlet.Onboard(swiftlet.load({
             "name": "slam", "vehicles": [{"start": {"position_m": [0, 0, 2]}, "sensors": [{"type": "lidar", "model": "puck_lite"},
                                                                                           {"type": "imu"}],

@@ -16,6 +16,7 @@
 #include "swiftlet/sim/recorders/tum.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "tests/sim/world/config_support.hpp"
+#include "tests/support/recorder_types.hpp"
 #include "tests/support/synthetic_run.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -51,22 +52,22 @@ std::vector<fs::path> record(SyntheticRun& run, const Module& module, int num_ti
 }
 
 TEST(Recorders, EveryTypeRecordsWithItsDefaults) {
-  for (const ModuleType& type : recorder_module_types()) {
+  for (const char* type : recorders_of_any_run()) {
     const TemporaryDirectory directory;
     SyntheticRun run(directory.path());
-    const auto paths = record(run, Module(recorder_module_types(), type.name));
-    EXPECT_FALSE(paths.empty()) << type.name;
-    for (const fs::path& path : paths) EXPECT_TRUE(fs::exists(directory.path() / path)) << type.name << " " << path;
+    const auto paths = record(run, Module(recorder_module_types(), type));
+    EXPECT_FALSE(paths.empty()) << type;
+    for (const fs::path& path : paths) EXPECT_TRUE(fs::exists(directory.path() / path)) << type << " " << path;
   }
 }
 
 TEST(Recorders, TheSameRunGivesTheSameBytes) {
-  for (const ModuleType& type : recorder_module_types()) {
+  for (const char* type : recorders_of_any_run()) {
     std::vector<std::string> contents[2];
     for (auto& content : contents) {
       const TemporaryDirectory directory;
       SyntheticRun run(directory.path());
-      record(run, Module(recorder_module_types(), type.name));
+      record(run, Module(recorder_module_types(), type));
       std::set<fs::path> files;
       for (const auto& entry : fs::recursive_directory_iterator(directory.path())) {
         if (entry.is_regular_file()) files.insert(entry.path());
@@ -77,15 +78,15 @@ TEST(Recorders, TheSameRunGivesTheSameBytes) {
         content.push_back(text.str());
       }
     }
-    EXPECT_EQ(contents[0], contents[1]) << type.name;
+    EXPECT_EQ(contents[0], contents[1]) << type;
   }
 }
 
 TEST(Recorders, EveryTypeWorksWhenNothingHappens) {
-  for (const ModuleType& type : recorder_module_types()) {
+  for (const char* type : recorders_of_any_run()) {
     const TemporaryDirectory directory;
     SyntheticRun run(directory.path());
-    EXPECT_NO_THROW(record(run, Module(recorder_module_types(), type.name), 0)) << type.name;
+    EXPECT_NO_THROW(record(run, Module(recorder_module_types(), type), 0)) << type;
   }
 }
 

@@ -7,6 +7,7 @@
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/run/summary.hpp"
+#include "tests/support/recorder_types.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
@@ -83,8 +84,8 @@ TEST(Determinism, TheResolvedScenarioFliesTheSameRun) {
 
 TEST(Determinism, RecordersAndPicturesDoNotChangeTheBits) {
   Scenario scenario = load_scenario(kMixedTeam);
-  for (const ModuleType& type : recorder_module_types())
-    scenario.recorders.emplace_back(recorder_module_types(), type.name);
+  for (const char* type : recorders_of_any_run())
+    scenario.recorders.emplace_back(recorder_module_types(), type);
   CameraConfig camera;
   camera.times_s = {0.5};
   camera.width_px = 160;

@@ -13,6 +13,7 @@
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/recorder_types.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
@@ -87,9 +88,9 @@ std::int64_t bytes_in(const std::filesystem::path& folder) {
 // buffer grows now and then; what is kept for good grows in every span of time.
 TEST(LongRun, RecordersKeepAtMostAnIndexOfWhatTheyWrote) {
   constexpr double kSpan_s = 10.0;
-  for (const ModuleType& type : recorder_module_types()) {
+  for (const char* type : recorders_of_any_run()) {
     Scenario scenario = small_scenario();
-    scenario.recorders.emplace_back(recorder_module_types(), type.name);
+    scenario.recorders.emplace_back(recorder_module_types(), type);
     const TemporaryDirectory folder;
     Simulation simulation(scenario, 1);
     simulation.attach_recorders(folder.path());
@@ -99,7 +100,7 @@ TEST(LongRun, RecordersKeepAtMostAnIndexOfWhatTheyWrote) {
       fly_until(simulation, (span + 1) * kSpan_s);
       least_growth = std::min(least_growth, test::num_live_bytes() - before);
     }
-    EXPECT_LT(least_growth, 10'000) << "bytes more in every " << kSpan_s << " s with the recorder " << type.name
+    EXPECT_LT(least_growth, 10'000) << "bytes more in every " << kSpan_s << " s with the recorder " << type
                                     << ", which has written " << bytes_in(folder.path());
   }
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/observation.hpp"

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "swiftlet/sim/registry/recorders.hpp"
+
+namespace swiftlet::sim {
+
+/// Recorders that any run may have. `slam_map` refuses one in which nobody keeps such a map; test_sim_slam_map has its
+/// own.
+inline std::vector<const char*> recorders_of_any_run() {
+  std::vector<const char*> names;
+  for (const ModuleType& type : recorder_module_types()) {
+    if (std::string_view(type.name) != "slam_map") names.push_back(type.name);
+  }
+  return names;
+}
+
+}  // namespace swiftlet::sim
