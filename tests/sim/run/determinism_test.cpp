@@ -84,8 +84,7 @@ TEST(Determinism, TheResolvedScenarioFliesTheSameRun) {
 
 TEST(Determinism, RecordersAndPicturesDoNotChangeTheBits) {
   Scenario scenario = load_scenario(kMixedTeam);
-  for (const char* type : recorders_of_any_run())
-    scenario.recorders.emplace_back(recorder_module_types(), type);
+  for (const char* type : recorders_of_any_run()) scenario.recorders.emplace_back(recorder_module_types(), type);
   CameraConfig camera;
   camera.times_s = {0.5};
   camera.width_px = 160;
