@@ -9,6 +9,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kArrived_m = 0.3;
+constexpr double kBehind_m = 0.5;  // a vehicle so far behind is waited for
 
 /// Of the segment from a to b.
 Vector3 nearest_on(const Vector3& a_m, const Vector3& b_m, const Vector3& p_m) {
@@ -22,22 +23,47 @@ Vector3 nearest_on(const Vector3& a_m, const Vector3& b_m, const Vector3& p_m) {
 void PathFollower::start(std::vector<Vector3> corners_local_m) {
   ENSURE(corners_local_m.size() >= 2, corners_local_m.size());
   corners_local_m_ = std::move(corners_local_m);
+  legs_local_m_ = corners_local_m_;
   next_ = 1;
   checked_ = 0;
+  timed_ = false;
+}
+
+void PathFollower::start(std::vector<Vector3> corners_local_m, SplineTrajectory path_local) {
+  start(std::move(corners_local_m));
+  spline_local_ = path_local.spline();
+  interval_s_ = path_local.interval_s;
+  legs_local_m_ = std::move(path_local.control_points_m);
+  t_s_ = 0.0;
+  timed_ = true;
 }
 
 PathFollower::Outcome PathFollower::step(const GuidanceInput& input) {
   const Vector3 p_local_m = input.estimate.T_local_body.translation();
+  target_local_ = {};
   if (is_blocked(*input.map, p_local_m)) {
-    target_local_m_ = p_local_m;
+    target_local_.position_m = p_local_m;
     return Outcome::kBlocked;
   }
-  target_local_m_ = corners_local_m_[next_];
-  const double distance_m = (p_local_m - target_local_m_).norm();
-  const bool last = next_ + 1 == corners_local_m_.size();
+  const double speed_mps = input.estimate.v_local_mps.norm();
+  return timed_ ? step_by_time(p_local_m, speed_mps, input.dt_s) : step_by_corners(p_local_m, speed_mps);
+}
+
+PathFollower::Outcome PathFollower::step_by_corners(const Vector3& p_local_m, double speed_mps) {
+  target_local_.position_m = legs_local_m_[next_];
+  const double distance_m = (p_local_m - target_local_.position_m).norm();
+  const bool last = next_ + 1 == legs_local_m_.size();
   if (!last && distance_m < visited_m_) ++next_;
-  const bool arrived = last && distance_m < kArrived_m && input.estimate.v_local_mps.norm() < kHovers_mps;
-  return arrived ? Outcome::kArrived : Outcome::kFlying;
+  return last && distance_m < kArrived_m && speed_mps < kHovers_mps ? Outcome::kArrived : Outcome::kFlying;
+}
+
+PathFollower::Outcome PathFollower::step_by_time(const Vector3& p_local_m, double speed_mps, double dt_s) {
+  if ((p_local_m - spline_local_.at(t_s_).p_m).norm() < kBehind_m) t_s_ += dt_s;
+  const auto [p_m, v_mps, a_mps2] = spline_local_.at(t_s_);
+  target_local_ = {.position_m = p_m, .velocity_mps = v_mps, .acceleration_mps2 = a_mps2};
+  next_ = std::clamp<std::size_t>(static_cast<std::size_t>(t_s_ / interval_s_), 1, legs_local_m_.size() - 1);
+  const bool arrived = t_s_ >= spline_local_.duration_s() && (p_local_m - p_m).norm() < kArrived_m;
+  return arrived && speed_mps < kHovers_mps ? Outcome::kArrived : Outcome::kFlying;
 }
 
 /// Has the map changed so that the rest of the path is not clear any more?
@@ -48,10 +74,10 @@ bool PathFollower::is_blocked(const OccupancyView& map, const Vector3& p_local_m
   ClearPathConfig rules = rules_;
   rules.clearance_m = std::max(rules.clearance_m - map.edge_m(), 0.5 * map.edge_m());
   const ClearSpace space(map, rules, p_local_m);
-  Vector3 from_local_m = nearest_on(corners_local_m_[next_ - 1], corners_local_m_[next_], p_local_m);
-  for (std::size_t i = next_; i < corners_local_m_.size(); ++i) {
-    if (!space.is_clear_segment(from_local_m, corners_local_m_[i])) return true;
-    from_local_m = corners_local_m_[i];
+  Vector3 from_local_m = nearest_on(legs_local_m_[next_ - 1], legs_local_m_[next_], p_local_m);
+  for (std::size_t i = next_; i < legs_local_m_.size(); ++i) {
+    if (!space.is_clear_segment(from_local_m, legs_local_m_[i])) return true;
+    from_local_m = legs_local_m_[i];
   }
   return false;
 }

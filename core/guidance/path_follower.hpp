@@ -6,10 +6,12 @@
 
 #include "swiftlet/core/guidance/guidance.hpp"
 #include "swiftlet/core/planning/clear_path.hpp"
+#include "swiftlet/core/planning/path_timing.hpp"
 
 namespace swiftlet {
 
-/// Flies a path from corner to corner. Whenever the map has changed, it asks whether the rest is still clear.
+/// Flies a path, from corner to corner or by its times. Whenever the map has changed, it asks whether the rest is still
+/// clear.
 class PathFollower {
  public:
   enum class Outcome { kFlying, kBlocked, kArrived };
@@ -20,20 +22,30 @@ class PathFollower {
 
   /// @param corners_local_m  at least two: where it starts, and where it ends
   void start(std::vector<Vector3> corners_local_m);
-  /// Where to fly next is in `target_local_m` then; when blocked, where the vehicle is.
+  /// By time: the path's clock waits for a vehicle that stays behind.
+  /// @param path_local  in the local frame
+  void start(std::vector<Vector3> corners_local_m, SplineTrajectory path_local);
+  /// Where to fly next is in `target_local_m` then, or in `target_local`; when blocked, where the vehicle is.
   Outcome step(const GuidanceInput& input);
-  const Vector3& target_local_m() const { return target_local_m_; }
+  const Vector3& target_local_m() const { return target_local_.position_m; }
+  const Reference& target_local() const { return target_local_; }
   const std::vector<Vector3>& corners_local_m() const { return corners_local_m_; }
 
  private:
   bool is_blocked(const OccupancyView& map, const Vector3& p_local_m);
+  Outcome step_by_corners(const Vector3& p_local_m, double speed_mps);
+  Outcome step_by_time(const Vector3& p_local_m, double speed_mps, double dt_s);
 
   ClearPathConfig rules_;
   double visited_m_;
   std::vector<Vector3> corners_local_m_;
-  std::size_t next_ = 1;
+  std::vector<Vector3> legs_local_m_;  // what is flown: the corners, or the control points of the spline
+  std::size_t next_ = 1;               // of the legs
+  bool timed_ = false;
+  UniformSpline spline_local_;
+  double interval_s_ = 0.0, t_s_ = 0.0;
   std::uint64_t checked_ = 0;  // revision of the map for which the path was found clear
-  Vector3 target_local_m_ = Vector3::Zero();
+  Reference target_local_;
 };
 
 }  // namespace swiftlet

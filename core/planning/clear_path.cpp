@@ -142,6 +142,7 @@ ClearSpace::ClearSpace(const OccupancyView& view, const ClearPathConfig& config,
       start_local_m_(start_local_m),
       start_clearance_m_(0.0),
       relaxed_m_(0.0) {
+  if (!is_on_map(start_local_m, view.edge_m())) return;
   start_clearance_m_ = view.clearance_m(start_local_m, clearance_m_ + view.edge_m());
   if (!is_clear(start_local_m)) relaxed_m_ = clearance_m_ + kRelaxedMargin_m;
 }
@@ -170,17 +171,22 @@ bool ClearSpace::is_clear_segment(const Vector3& from_local_m, const Vector3& to
   return true;
 }
 
+ClearPathStatus why_refused(const OccupancyView& view, const ClearSpace& space, const ClearPathConfig& config,
+                            const Vector3& start_local_m, const Vector3& goal_local_m) {
+  const double edge_m = view.edge_m();
+  if (!is_on_map(start_local_m, edge_m) || !is_on_map(goal_local_m, edge_m)) return ClearPathStatus::kGoalTooFar;
+  if (space.is_clear(center_of(cell_at(goal_local_m, edge_m), edge_m))) return ClearPathStatus::kFound;
+  const bool unknown = !config.unknown_is_free && view.state(goal_local_m) == CellState::kUnknown;
+  return unknown ? ClearPathStatus::kGoalUnknown : ClearPathStatus::kGoalBlocked;
+}
+
 ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& config, const Vector3& start_local_m,
                           const Vector3& goal_local_m) {
   const double edge_m = view.edge_m();
-  if (!is_on_map(start_local_m, edge_m) || !is_on_map(goal_local_m, edge_m))
-    return {ClearPathStatus::kGoalTooFar, {}, 0};
   const ClearSpace space(view, config, start_local_m);
+  const ClearPathStatus refused = why_refused(view, space, config, start_local_m, goal_local_m);
+  if (refused != ClearPathStatus::kFound) return {refused, {}, 0};
   const Cell start = cell_at(start_local_m, edge_m), goal = cell_at(goal_local_m, edge_m);
-  if (!space.is_clear(center_of(goal, edge_m))) {
-    const bool unknown = !config.unknown_is_free && view.state(goal_local_m) == CellState::kUnknown;
-    return {unknown ? ClearPathStatus::kGoalUnknown : ClearPathStatus::kGoalBlocked, {}, 0};
-  }
   ClearSearch search(space, edge_m, start, goal, config.greed);
   const ClearPathStatus status = search.run(config.max_expansions);
   if (status != ClearPathStatus::kFound) return {status, {}, search.expansions()};

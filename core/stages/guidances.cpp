@@ -7,7 +7,7 @@
 #include "swiftlet/core/guidance/follow_guide.hpp"
 #include "swiftlet/core/guidance/guide.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
-#include "swiftlet/core/guidance/planned_path.hpp"
+#include "swiftlet/core/guidance/navigate.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
 #include "swiftlet/core/guidance/takeoff_land.hpp"
 #include "swiftlet/core/guidance/timed_path.hpp"
@@ -37,11 +37,11 @@ constexpr GuidanceType kGuidanceTypes[] = {
      make_timed_path,
      nullptr,
      "path"},
-    {{"planned_path", "from goal to goal along paths that are clear in the own map",
-      make_module_config<PlannedPathConfig>},
-     make_planned_path,
+    {{"navigate", "from goal to goal along paths that are clear in the own map",
+      make_module_config<NavigateConfig>},
+     make_navigate,
      nullptr,
-     "planned_path"},
+     "navigate.path"},
     {{"explore", "from view to view until nothing reachable in a box shows anything unknown",
       make_module_config<ExploreConfig>},
      make_explore,

@@ -30,8 +30,8 @@ std::vector<fs::path> roots(const char* environment, const char* folder) {
     if (colon > 0) paths.emplace_back(rest.substr(0, colon));
     rest.remove_prefix(std::min(colon + 1, rest.size()));
   }
-  paths.push_back(fs::path(SWIFTLET_SOURCE_DIR) / folder);
   if (const fs::path share = installed_share(); !share.empty()) paths.push_back(share / folder);
+  paths.push_back(fs::path(SWIFTLET_SOURCE_DIR) / folder);
   paths.push_back(fs::path(SWIFTLET_INSTALLED_SHARE) / folder);
   return paths;
 }

@@ -39,7 +39,7 @@ std::vector<std::string> told_of(const char* scenario) {
 
 TEST(OverlayNames, AreToldByTheRegistriesForAllThatIsDrawn) {
   for (const auto& [scenario, duration_s] : {std::pair("guided_gap", 6.0),
-                                             {"planned_path", 3.0},
+                                             {"navigate", 3.0},
                                              {"warehouse_explore", 2.0},
                                              {"interception", 2.0},
                                              {"field_detection", 1.0},

@@ -60,6 +60,10 @@ class ClearSpace {
   double relaxed_m_;  // radius of the ball; 0: the start is clear
 };
 
+/// Why there can be no path, told without a search; kFound when there may be one.
+ClearPathStatus why_refused(const OccupancyView& view, const ClearSpace& space, const ClearPathConfig& config,
+                            const Vector3& start_local_m, const Vector3& goal_local_m);
+
 /// A short path with clearance [Kratky 2021, the planner that Pritzl 2024 uses]. A* searches the 26 neighbors of a
 /// cell. Then corners are cut where the straight way is clear, again and again from both ends. A pure function: the
 /// same view gives the same path.

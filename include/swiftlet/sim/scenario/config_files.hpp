@@ -25,8 +25,8 @@ class ConfigFiles {
 
 /// The file system. Assets are looked for in this order:
 /// - the folders in the environment variable SWIFTLET_ASSETS, separated by colons;
+/// - share/swiftlet/assets beside the folder of the running program, when it is installed;
 /// - the source tree;
-/// - share/swiftlet/assets beside the folder of the running program;
 /// - where the library was installed.
 const ConfigFiles& system_files();
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/core/guidance/planned_path.hpp"
+#include "swiftlet/core/guidance/navigate.hpp"
+
+#include <algorithm>
+#include <optional>
 
 #include "core/guidance/path_follower.hpp"
 #include "core/guidance/path_overlay.hpp"
@@ -8,10 +11,23 @@
 namespace swiftlet {
 namespace {
 
-class PlannedPath : public Guidance {
+constexpr double kReserve = 0.8;  // of the acceleration: the rest brings back who is off the path
+
+/// What a path may ask for, so that the reference governor can follow.
+PathLimits path_limits(double speed_mps, const MotionLimits& limits) {
+  return {.speed_mps = std::min(speed_mps, limits.horizontal_speed_mps),
+          .vertical_speed_mps = std::min(speed_mps, limits.vertical_speed_mps),
+          .acceleration_mps2 = kReserve * limits.horizontal_acceleration_mps2,
+          .vertical_acceleration_mps2 = kReserve * limits.vertical_acceleration_mps2};
+}
+
+class Navigate : public Guidance {
  public:
-  PlannedPath(const PlannedPathConfig& config, const GuidanceSetup& setup)
-      : config_(config), planner_(config.planning_latency_s), follower_(config.planner, config.visited_m) {
+  Navigate(const NavigateConfig& config, const GuidanceSetup& setup)
+      : config_(config),
+        limits_(path_limits(config.speed_mps, setup.limits)),
+        planner_(config.planning_latency_s),
+        follower_(config.planner, config.visited_m) {
     hold_.position_m = setup.agent.T_local_body_start.translation();
     hold_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
   }
@@ -40,11 +56,13 @@ class PlannedPath : public Guidance {
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
     const std::vector<Vector3>& corners_local_m = follower_.corners_local_m();
-    if (!corners_local_m.empty()) overlays.push_back(path_overlay("planned_path", corners_local_m, 0.1F));
+    if (!corners_local_m.empty()) overlays.push_back(path_overlay("navigate.path", corners_local_m, 0.1F));
   }
 
   void append_counters(std::vector<Counter>& counters) const override {
-    counters.push_back({"searches for a path that were given up", num_given_up_, num_plans_, "planner.max_expansions"});
+    const bool cells = config_.search == NavigateConfig::Search::kAStar;
+    counters.push_back({"searches for a path that were given up", num_given_up_, num_plans_,
+                        cells ? "planner.max_expansions" : "sampling.max_samples"});
   }
 
  private:
@@ -61,10 +79,10 @@ class PlannedPath : public Guidance {
     if (next_goal_ == config_.goals_m.size()) {
       enter(State::kDone);
     } else if (planner_.due(now_)) {
-      take_plan();
+      take_plan(input);
     } else if (planner_.idle() && input.estimate.v_local_mps.norm() < PathFollower::kHovers_mps) {
       const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goals_m[next_goal_]);
-      path_ = find_clear_path(*input.map, config_.planner, input.estimate.T_local_body.translation(), goal_local_m);
+      path_ = search(*input.map, input.estimate.T_local_body.translation(), goal_local_m);
       ++num_plans_;
       if (path_.status == ClearPathStatus::kBudgetSpent) ++num_given_up_;
       planner_.start(now_);
@@ -73,23 +91,45 @@ class PlannedPath : public Guidance {
     }
   }
 
-  void take_plan() {
+  ClearPath search(const OccupancyView& map, const Vector3& p_local_m, const Vector3& goal_local_m) const {
+    if (config_.search == NavigateConfig::Search::kAStar) {
+      return find_clear_path(map, config_.planner, p_local_m, goal_local_m);
+    }
+    const SampledSearch way =
+        config_.search == NavigateConfig::Search::kRrt ? SampledSearch::kRrt : SampledSearch::kInformedRrtStar;
+    return find_sampled_path(map, config_.planner, config_.sampling, way, p_local_m, goal_local_m,
+                             static_cast<std::uint32_t>(num_plans_));
+  }
+
+  void take_plan(const GuidanceInput& input) {
     if (path_.status != ClearPathStatus::kFound) {
       fail(text_of(path_.status));
       return;
     }
-    follower_.start(std::move(path_.corners_local_m));
+    std::optional<SplineTrajectory> timed;
+    if (config_.follow == NavigateConfig::Follow::kTimed) {
+      const ClearSpace space(*input.map, config_.planner, path_.corners_local_m.front());
+      timed = time_path(path_.corners_local_m, limits_, [&space](const Vector3& p_m) { return space.is_clear(p_m); });
+    }
+    if (timed) {
+      follower_.start(std::move(path_.corners_local_m), std::move(*timed));
+    } else {  // no room to round its corners
+      follower_.start(std::move(path_.corners_local_m));
+    }
     enter(State::kFlying);
   }
 
   void follow(const GuidanceInput& input) {
     const PathFollower::Outcome outcome = follower_.step(input);
-    hold_.position_m = follower_.target_local_m();
+    const double yaw_rad = hold_.yaw_rad;
+    hold_ = follower_.target_local();
+    hold_.yaw_rad = yaw_rad;
     if (outcome == PathFollower::Outcome::kArrived) {
       failures_ = 0;
       ++next_goal_;
     }
     if (outcome != PathFollower::Outcome::kFlying) {
+      hold_ = {.position_m = hold_.position_m, .yaw_rad = yaw_rad};
       enter(State::kPlanning);
     } else if (waited(config_.stage_timeout_s)) {
       fail("the vehicle does not reach its goal");
@@ -122,7 +162,8 @@ class PlannedPath : public Guidance {
     }
   }
 
-  PlannedPathConfig config_;
+  NavigateConfig config_;
+  PathLimits limits_;
   TimeNs now_ = 0, entered_ = 0;
   State state_ = State::kPlanning;
   int failures_ = 0;
@@ -137,19 +178,24 @@ class PlannedPath : public Guidance {
 
 }  // namespace
 
-void PlannedPathConfig::visit(ConfigVisitor& v) {
+void NavigateConfig::visit(ConfigVisitor& v) {
   v.field("goals_m", goals_m, "[m] where to go, one after the other, world frame", Range::between(-1e5, 1e5));
+  v.choice("search", search, {"a_star", "rrt", "informed_rrt_star"},
+           "[-] cell by cell (a_star), or by random samples: the first path (rrt), or one that gets ever shorter");
+  v.choice("follow", follow, {"corners", "timed"},
+           "[-] from corner to corner, or along a smooth path with its times; where that has no room, by corners");
   v.field("speed_mps", speed_mps, "[m/s] at most, horizontal and vertical each", Range::positive());
   v.field("visited_m", visited_m, "[m] nearer than this, a corner of the path was visited", Range::positive());
   v.field("planning_latency_s", planning_latency_s, "[s] that planning takes on board", Range::between(0.0, 1000.0));
   v.field("stage_timeout_s", stage_timeout_s, "[s] after which planning or a flight has failed", Range::positive());
   v.field("retries", retries, "[-] plans that may follow a failure before the mission fails", Range::between(0, 1e6));
   v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
-  v.object("planner", planner, "how the path is searched");
+  v.object("planner", planner, "where a path may lead, and how a_star searches it");
+  v.object("sampling", sampling, "of rrt and informed_rrt_star");
 }
 
-std::unique_ptr<Guidance> make_planned_path(const ModuleConfig& config, const GuidanceSetup& setup) {
-  return std::make_unique<PlannedPath>(dynamic_cast<const PlannedPathConfig&>(config), setup);
+std::unique_ptr<Guidance> make_navigate(const ModuleConfig& config, const GuidanceSetup& setup) {
+  return std::make_unique<Navigate>(dynamic_cast<const NavigateConfig&>(config), setup);
 }
 
 }  // namespace swiftlet

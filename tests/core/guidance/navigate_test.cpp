@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One vehicle on paths through its own map, moved by the test along what it wants.
-#include "swiftlet/core/guidance/planned_path.hpp"
+#include "swiftlet/core/guidance/navigate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,8 +24,8 @@ class ChangingMap : public CellListMap {
   std::uint64_t now = 1;
 };
 
-PlannedPathConfig flies_to(std::vector<Eigen::Vector3d> goals_m) {
-  PlannedPathConfig config;
+NavigateConfig flies_to(std::vector<Eigen::Vector3d> goals_m) {
+  NavigateConfig config;
   config.goals_m = std::move(goals_m);
   config.planner.clearance_m = 0.5;
   config.planner.z_min_m = 0.6;
@@ -36,7 +36,7 @@ PlannedPathConfig flies_to(std::vector<Eigen::Vector3d> goals_m) {
 }
 
 struct Pilot : GuidanceDriver {
-  explicit Pilot(const PlannedPathConfig& config) : GuidanceDriver("planned_path", config, {0, 0, 0.7}) {
+  explicit Pilot(const NavigateConfig& config) : GuidanceDriver("navigate", config, {0, 0, 0.7}) {
     map = &world;
   }
   void tick() {
@@ -55,7 +55,7 @@ struct Pilot : GuidanceDriver {
   double least_m = 10.0;
 };
 
-TEST(PlannedPath, GoesAroundAWallFromGoalToGoal) {
+TEST(Navigate, GoesAroundAWallFromGoalToGoal) {
   Pilot pilot(flies_to({{4, 0, 0.7}, {0, 0, 0.7}}));
   pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
   pilot.run(60.0);
@@ -65,7 +65,7 @@ TEST(PlannedPath, GoesAroundAWallFromGoalToGoal) {
   EXPECT_GT(pilot.least_m, 0.3);
 }
 
-TEST(PlannedPath, PlansAnewWhenSomethingAppearsOnTheRestOfThePath) {
+TEST(Navigate, PlansAnewWhenSomethingAppearsOnTheRestOfThePath) {
   Pilot pilot(flies_to({{6, 0, 0.7}}));
   while (pilot.p_m().x() < 1.0) pilot.tick();
   pilot.world.occupy_box({4.0, -2.0, 0.0}, {4.25, 2.0, 1.5});
@@ -75,7 +75,7 @@ TEST(PlannedPath, PlansAnewWhenSomethingAppearsOnTheRestOfThePath) {
   EXPECT_GT(pilot.least_m, 0.3);
 }
 
-TEST(PlannedPath, AGoalInAnObstacleEndsTheMissionWithItsReason) {
+TEST(Navigate, AGoalInAnObstacleEndsTheMissionWithItsReason) {
   Pilot pilot(flies_to({{4, 0, 0.7}}));
   pilot.world.occupy_box({3, -1, 0}, {5, 1, 1.5});
   pilot.run(60.0);
@@ -83,9 +83,9 @@ TEST(PlannedPath, AGoalInAnObstacleEndsTheMissionWithItsReason) {
   EXPECT_STREQ(pilot.out.note, "the goal is too near to an obstacle");
 }
 
-TEST(PlannedPath, ASearchThatIsGivenUpIsCountedAndNamesItsBudget) {
-  PlannedPathConfig config = flies_to({{6, 0, 0.7}});
-  const auto counted = [](const PlannedPathConfig& flown) {
+TEST(Navigate, ASearchThatIsGivenUpIsCountedAndNamesItsBudget) {
+  NavigateConfig config = flies_to({{6, 0, 0.7}});
+  const auto counted = [](const NavigateConfig& flown) {
     Pilot pilot(flown);
     pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
     pilot.run(60.0);
@@ -99,7 +99,7 @@ TEST(PlannedPath, ASearchThatIsGivenUpIsCountedAndNamesItsBudget) {
   EXPECT_EQ(given_up.setting, "planner.max_expansions");
 }
 
-TEST(PlannedPath, WithoutGoalsItHovers) {
+TEST(Navigate, WithoutGoalsItHovers) {
   Pilot pilot(flies_to({}));
   pilot.run(3.0);
   EXPECT_EQ(pilot.out.mission, MissionStatus::kEndless);
