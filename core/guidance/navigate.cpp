@@ -11,7 +11,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kReserve = 0.8;  // of the acceleration: the rest brings back who is off the path
+constexpr double kLeastRounding_m = 0.0;  // where there is no room it takes corners slowly
+constexpr double kReserve = 0.8;          // of the acceleration: the rest brings back who is off the path
 
 /// What a path may ask for, so that the reference governor can follow.
 PathLimits path_limits(double speed_mps, const MotionLimits& limits) {
@@ -109,7 +110,9 @@ class Navigate : public Guidance {
     std::optional<SplineTrajectory> timed;
     if (config_.follow == NavigateConfig::Follow::kTimed) {
       const ClearSpace space(*input.map, config_.planner, path_.corners_local_m.front());
-      timed = time_path(path_.corners_local_m, limits_, [&space](const Vector3& p_m) { return space.is_clear(p_m); });
+      timed = time_path(
+          path_.corners_local_m, limits_, [&space](const Vector3& p_m) { return space.is_clear(p_m); },
+          kLeastRounding_m);
     }
     if (timed) {
       follower_.start(std::move(path_.corners_local_m), std::move(*timed));

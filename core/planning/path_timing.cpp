@@ -9,9 +9,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSpacing_m = 0.1;    // of the points of a path on which speeds are worked out
-constexpr double kSmoothing_m = 0.6;  // standard deviation with which corners are rounded
-constexpr double kInterval_s = 0.2;   // between control points of the spline
+constexpr double kSpacing_m = 0.1;                  // of the points of a path on which speeds are worked out
+constexpr double kRoundings_m[] = {0.6, 0.3, 0.0};  // standard deviations with which corners are rounded
+constexpr double kInterval_s = 0.2;                 // between control points of the spline
 
 std::vector<Vector3> dense(const std::vector<Vector3>& corners) {
   std::vector<Vector3> points = {corners.front()};
@@ -89,11 +89,12 @@ std::vector<Vector3> at_equal_times(const std::vector<Vector3>& points, const st
 }  // namespace
 
 std::optional<SplineTrajectory> time_path(const std::vector<Vector3>& corners_m, const PathLimits& limits,
-                                          const std::function<bool(const Vector3&)>& is_free) {
+                                          const std::function<bool(const Vector3&)>& is_free, double least_rounding_m) {
   const std::vector<Vector3> points = dense(corners_m);
-  for (const double sigma_m : {kSmoothing_m, 0.5 * kSmoothing_m}) {
+  for (const double sigma_m : kRoundings_m) {
+    if (sigma_m < least_rounding_m) break;
     const std::vector<Vector3> smoothed = smooth(points, sigma_m);
-    if (!std::all_of(smoothed.begin(), smoothed.end(), is_free)) continue;
+    if (sigma_m > 0.0 && !std::all_of(smoothed.begin(), smoothed.end(), is_free)) continue;
     SplineTrajectory path;
     path.interval_s = kInterval_s;
     path.control_points_m = at_equal_times(smoothed, speeds_along(smoothed, limits));

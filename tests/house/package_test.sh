@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The Debian package of the program holds all that it needs. Usage: package_test.sh BUILD_DIR
 set -euo pipefail
-build=$1
+build=$(cd "$1" && pwd)
 command -v dpkg-shlibdeps >/dev/null || { echo "skipped: dpkg-dev is not installed"; exit 77; }
 work=$build/package_test
 rm -rf "$work"

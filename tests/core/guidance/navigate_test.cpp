@@ -36,9 +36,7 @@ NavigateConfig flies_to(std::vector<Eigen::Vector3d> goals_m) {
 }
 
 struct Pilot : GuidanceDriver {
-  explicit Pilot(const NavigateConfig& config) : GuidanceDriver("navigate", config, {0, 0, 0.7}) {
-    map = &world;
-  }
+  explicit Pilot(const NavigateConfig& config) : GuidanceDriver("navigate", config, {0, 0, 0.7}) { map = &world; }
   void tick() {
     step();
     notes.insert(out.note);
@@ -97,6 +95,62 @@ TEST(Navigate, ASearchThatIsGivenUpIsCountedAndNamesItsBudget) {
   EXPECT_EQ(given_up.count, 2U) << "once, and one retry";
   EXPECT_EQ(given_up.of, 2U);
   EXPECT_EQ(given_up.setting, "planner.max_expansions");
+}
+
+TEST(Navigate, EverySearchAndEveryWayToFollowGoesAroundTheWall) {
+  using Search = NavigateConfig::Search;
+  using Follow = NavigateConfig::Follow;
+  for (const Search search : {Search::kAStar, Search::kRrt, Search::kInformedRrtStar}) {
+    for (const Follow follow : {Follow::kCorners, Follow::kTimed}) {
+      NavigateConfig config = flies_to({{4, 0, 0.7}, {0, 0, 0.7}});
+      config.search = search;
+      config.follow = follow;
+      Pilot pilot(config);
+      pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
+      pilot.run(90.0);
+      EXPECT_EQ(pilot.out.mission, MissionStatus::kDone) << static_cast<int>(search) << static_cast<int>(follow);
+      EXPECT_GT(pilot.least_m, 0.3);
+    }
+  }
+}
+
+TEST(Navigate, ATimedPathIsFlownWithinTheLimitsAndWithoutAStopAtItsCorners) {
+  NavigateConfig config = flies_to({{5, 0, 0.7}});
+  Pilot pilot(config);
+  pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
+  double fastest_mps = 0.0, slowest_between_mps = 10.0;
+  while (pilot.out.mission == MissionStatus::kRunning) {
+    pilot.tick();
+    const double speed_mps = pilot.out.goal.velocity_mps.norm();
+    fastest_mps = std::max(fastest_mps, speed_mps);
+    const bool between = pilot.p_m().x() > 1.0 && pilot.p_m().x() < 4.0;
+    if (between) slowest_between_mps = std::min(slowest_between_mps, speed_mps);
+  }
+  EXPECT_EQ(pilot.out.mission, MissionStatus::kDone);
+  EXPECT_LE(fastest_mps, config.speed_mps + 0.01);
+  EXPECT_GT(slowest_between_mps, 0.3);
+}
+
+TEST(Navigate, TheClockOfATimedPathWaitsForAVehicleThatStaysBehind) {
+  Pilot pilot(flies_to({{6, 0, 0.7}}));
+  while (pilot.p_m().x() < 1.0) pilot.tick();
+  const Vector3 held_m = pilot.p_m();
+  for (int i = 0; i < 1000; ++i) {
+    pilot.step();
+    pilot.put(held_m);
+  }
+  EXPECT_LT((pilot.out.goal.position_m - held_m).norm(), 0.8);
+}
+
+TEST(Navigate, ASampledSearchThatIsGivenUpNamesItsOwnBudget) {
+  NavigateConfig config = flies_to({{6, 0, 0.7}});
+  config.search = NavigateConfig::Search::kRrt;
+  config.sampling.max_samples = 1;
+  Pilot pilot(config);
+  pilot.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 6.0, 1.5});
+  pilot.run(60.0);
+  EXPECT_STREQ(pilot.out.note, "the search for a path was given up");
+  EXPECT_EQ(pilot.counter().setting, "sampling.max_samples");
 }
 
 TEST(Navigate, WithoutGoalsItHovers) {

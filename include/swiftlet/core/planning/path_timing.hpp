@@ -30,7 +30,9 @@ struct SplineTrajectory {
 /// Any frame, the same for all arguments.
 /// @param corners_m  at least two
 /// @param is_free    asked along the smoothed path; nullopt when it is not free
+/// @param least_rounding_m  standard deviation; 0: corners stay as they are, unasked, when none is free
 std::optional<SplineTrajectory> time_path(const std::vector<Vector3>& corners_m, const PathLimits& limits,
-                                          const std::function<bool(const Vector3&)>& is_free);
+                                          const std::function<bool(const Vector3&)>& is_free,
+                                          double least_rounding_m = 0.3);
 
 }  // namespace swiftlet
