@@ -56,8 +56,11 @@ class Navigate : public Guidance {
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
-    const std::vector<Vector3>& corners_local_m = follower_.corners_local_m();
-    if (!corners_local_m.empty()) overlays.push_back(path_overlay("navigate.path", corners_local_m, 0.1F));
+    if (follower_.corners_local_m().empty()) return;
+    Overlay path = path_overlay("navigate.path", follower_.corners_local_m(), 4.0F);
+    path.kind = Overlay::Kind::kPolyline;
+    path.legend = {{"planned path", path.colors.front()}};
+    overlays.push_back(std::move(path));
   }
 
   void append_counters(std::vector<Counter>& counters) const override {
@@ -77,6 +80,9 @@ class Navigate : public Guidance {
   bool waited(double seconds) const { return now_ - entered_ >= from_seconds(seconds); }
 
   void plan(const GuidanceInput& input) {
+    if (next_goal_ == config_.goals_m.size() && !config_.goals_m.empty() && ++rounds_flown_ != config_.rounds) {
+      next_goal_ = 0;
+    }
     if (next_goal_ == config_.goals_m.size()) {
       enter(State::kDone);
     } else if (planner_.due(now_)) {
@@ -175,6 +181,7 @@ class Navigate : public Guidance {
   ClearPath path_;
   PathFollower follower_;
   std::size_t next_goal_ = 0;
+  int rounds_flown_ = 0;
   Reference hold_;
   std::uint64_t num_plans_ = 0, num_given_up_ = 0;
 };
@@ -183,6 +190,7 @@ class Navigate : public Guidance {
 
 void NavigateConfig::visit(ConfigVisitor& v) {
   v.field("goals_m", goals_m, "[m] where to go, one after the other, world frame", Range::between(-1e5, 1e5));
+  v.field("rounds", rounds, "[-] how often it goes to all of them; 0: for ever", Range::between(0, 1e6));
   v.choice("search", search, {"a_star", "rrt", "informed_rrt_star"},
            "[-] cell by cell (a_star), or by random samples: the first path (rrt), or one that gets ever shorter");
   v.choice("follow", follow, {"corners", "timed"},

@@ -12,7 +12,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kRewiringFactor = 1.1;  // above 1 the tree becomes as good as can be [Karaman and Frazzoli 2011]
+constexpr double kRewiringFactor = 1.1;  // above 1 the tree becomes as good as can be [Karaman 2011]
 
 /// Two axes across a direction.
 void axes_across(const Vector3& direction, Vector3& side, Vector3& other) {
@@ -106,7 +106,7 @@ class SampledPath {
     max_m_ = start_m.cwiseMax(goal_m).array() + sampling.margin_m;
     min_m_.z() = std::max(min_m_.z(), std::min(config.z_min_m, start_m.z()));
     max_m_.z() = std::min(max_m_.z(), std::max(config.z_max_m, start_m.z()));
-    // Karaman and Frazzoli, theorem 38: (2 (1 + 1/d))^(1/d) (volume / volume of the unit ball)^(1/d), d = 3.
+    // Karaman 2011, theorem 38: (2 (1 + 1/d))^(1/d) (volume / volume of the unit ball)^(1/d), d = 3.
     const double volume_m3 = (max_m_ - min_m_).cwiseMax(sampling.step_m).prod();
     constexpr double kUnitBall = 4.18879020478639098;
     rewiring_m_ = kRewiringFactor * elementary::cbrt(8.0 / 3.0 * volume_m3 / kUnitBall);

@@ -3,9 +3,11 @@
 
 #include "sim/recorders/ros_topics.hpp"
 
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "sim/recorders/mcap_writer.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -20,6 +22,36 @@ std::string offered_qos_profiles(bool latched) {
          "  avoid_ros_namespace_conventions: false";
 }
 
+using Json = nlohmann::ordered_json;
+
+/// How Foxglove and Lichtblick show a topic in space; null: not there.
+Json shown(const std::string& topic, const std::string& type) {
+  if (type == "sensor_msgs/msg/PointCloud2") {
+    return {{"visible", true}, {"pointSize", 2}, {"colorMode", "colormap"}, {"colorField", "z"}, {"colorMap", "turbo"}};
+  }
+  if (type == "visualization_msgs/msg/MarkerArray") {
+    return {{"visible", true}, {"namespaces", {{"names", {{"visible", topic.ends_with("/tracks")}}}}}};
+  }
+  return {};
+}
+
+/// A layout with one view of the scene, for the command "Import layout".
+Json layout_of(const Json& topics) {
+  const Json camera = {
+      {"perspective", true}, {"distance", 40}, {"phi", 55},   {"thetaOffset", 45}, {"targetOffset", {0, 0, 0}},
+      {"target", {0, 0, 0}}, {"fovy", 45},     {"near", 0.1}, {"far", 5000}};
+  const Json scene = {
+      {"cameraState", camera},        {"followMode", "follow-none"},
+      {"followTf", "world"},          {"scene", {{"meshUpAxis", "z_up"}, {"transforms", {{"axisScale", 0.5}}}}},
+      {"transforms", Json::object()}, {"topics", topics},
+      {"layers", Json::object()}};
+  return {{"configById", {{"3D!scene", scene}}},
+          {"globalVariables", Json::object()},
+          {"userNodes", Json::object()},
+          {"playbackConfig", {{"speed", 1}}},
+          {"layout", "3D!scene"}};
+}
+
 class McapRecorder : public Recorder, public RosSink {
  public:
   explicit McapRecorder(McapConfig config) : config_(std::move(config)) {}
@@ -31,15 +63,19 @@ class McapRecorder : public Recorder, public RosSink {
     options.library = "swiftlet";
     options.compress = config_.compression == McapConfig::Compression::kZstd;
     writer_.emplace(info.directory / config_.file, options);
+    directory_ = info.directory;
   }
   void write(const TickView& tick) override { topics_->write(tick); }
   std::vector<std::filesystem::path> finish() override {
     writer_->finish();
-    return {config_.file};
+    const std::filesystem::path layout = std::filesystem::path(config_.file).replace_extension(".layout.json");
+    write_file(directory_ / layout, layout_of(shown_).dump(2) + "\n");
+    return {config_.file, layout};
   }
 
  private:
   int add_channel(const std::string& topic, const RosType& type, bool latched) override {
+    if (Json how = shown(topic, full_name(type, RosDialect::kRos2)); !how.is_null()) shown_[topic] = std::move(how);
     return writer_->add_channel({topic,
                                  "cdr",
                                  {{"offered_qos_profiles", offered_qos_profiles(latched)}},
@@ -52,6 +88,8 @@ class McapRecorder : public Recorder, public RosSink {
   }
 
   McapConfig config_;
+  std::filesystem::path directory_;
+  Json shown_ = Json::object();  // by topic
   std::optional<RosTopics> topics_;
   std::optional<McapWriter> writer_;
 };

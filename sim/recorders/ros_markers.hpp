@@ -3,10 +3,13 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "sim/recorders/ros_encoder.hpp"
 #include "swiftlet/core/detection.hpp"
 #include "swiftlet/core/track.hpp"
+#include "swiftlet/sim/world/scene.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
 
@@ -17,5 +20,10 @@ void encode_detection_markers(std::span<const Detection> detections, TimeNs t, s
 /// For each track, with its identity as `id`: place ("tracks"), three standard deviations ("covariance"), motion of the
 /// next second ("velocity"), number ("names").
 void encode_track_markers(std::span<const Track> tracks, TimeNs t, std::uint32_t sequence, RosEncoder& out);
+/// The world as triangles, a marker for each material, `ns` "world".
+void encode_world_markers(const Scene& scene, TimeNs t, std::uint32_t sequence, RosEncoder& out);
+/// A vehicle as triangles that move with its frame, `ns` "model"; a rotor is the disc that it sweeps.
+void encode_vehicle_markers(const VehicleShape& shape, const std::string& frame, TimeNs t, std::uint32_t sequence,
+                            RosEncoder& out);
 
 }  // namespace swiftlet::sim

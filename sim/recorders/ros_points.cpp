@@ -32,15 +32,19 @@ constexpr std::uint32_t kLivoxStep = 26;
 constexpr Field kVelodyneFields[] = {{"x", 0, kFloat32},          {"y", 4, kFloat32},    {"z", 8, kFloat32},
                                      {"intensity", 12, kFloat32}, {"ring", 16, kUint16}, {"time", 18, kFloat32}};
 constexpr std::uint32_t kVelodyneStep = 22;
+constexpr Field kSmallFields[] = {
+    {"x", 0, kFloat32}, {"y", 4, kFloat32}, {"z", 8, kFloat32}, {"intensity", 12, kFloat32}};
+constexpr std::uint32_t kSmallStep = 16;
 
 template <class Number>
 void store(std::byte* at, Number value) {
   std::memcpy(at, &value, sizeof value);
 }
 
-void store_xyz(std::byte* at, const Scan& scan, int i) {
+void store_xyz(std::byte* at, const Scan& scan, int i, float step_m) {
   if (!scan.hit(i)) return;  // the drivers give zeros for an empty return, and the memory is zero
-  const Eigen::Vector3f point = scan.point_lidar(i);
+  Eigen::Vector3f point = scan.point_lidar(i);
+  if (step_m > 0.0F) point = (point / step_m).array().round() * step_m;
   std::memcpy(at, point.data(), 3 * sizeof(float));
 }
 
@@ -77,11 +81,11 @@ void encode_description(std::uint32_t sequence, const Scan& scan, const std::str
 }
 
 /// Organized, rows by rows; empty returns are zeros.
-void encode_ouster(const Scan& scan, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
+void encode_ouster(const Scan& scan, float step_m, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
   encode_description(sequence, scan, frame, scan.cols(), scan.rows(), kOusterFields, kOusterStep, out);
   std::byte* at = out.blob(static_cast<std::size_t>(scan.size()) * kOusterStep);
   for (int i = 0; i < scan.size(); ++i, at += kOusterStep) {
-    store_xyz(at, scan, i);
+    store_xyz(at, scan, i, step_m);
     store(at + 20, offset_ns(scan, i));
     store(at + 26, static_cast<std::uint16_t>(i / scan.cols()));
     if (!scan.hit(i)) continue;
@@ -92,14 +96,14 @@ void encode_ouster(const Scan& scan, std::uint32_t sequence, const std::string& 
 }
 
 /// One row in order of time; empty returns are zeros.
-void encode_livox(const Scan& scan, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
+void encode_livox(const Scan& scan, float step_m, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
   encode_description(sequence, scan, frame, scan.size(), 1, kLivoxFields, kLivoxStep, out);
   std::byte* at = out.blob(static_cast<std::size_t>(scan.size()) * kLivoxStep);
   const std::vector<int> rows = firing_order(*scan.beams);
   for (int column = 0; column < scan.cols(); ++column) {
     for (const int row : rows) {
       const int i = row * scan.cols() + column;
-      store_xyz(at, scan, i);
+      store_xyz(at, scan, i, step_m);
       if (scan.hit(i)) store(at + 12, static_cast<float>(reflectivity_byte(scan.reflectivity[i], 150)));
       store(at + 17, static_cast<std::uint8_t>(row));
       store(at + 18, static_cast<double>(scan.time_of(i)));
@@ -109,7 +113,8 @@ void encode_livox(const Scan& scan, std::uint32_t sequence, const std::string& f
 }
 
 /// One row in order of time, without empty returns.
-void encode_velodyne(const Scan& scan, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
+void encode_velodyne(const Scan& scan, float step_m, std::uint32_t sequence, const std::string& frame,
+                     RosEncoder& out) {
   int num_points = 0;
   for (int i = 0; i < scan.size(); ++i) num_points += scan.hit(i) ? 1 : 0;
   encode_description(sequence, scan, frame, num_points, 1, kVelodyneFields, kVelodyneStep, out);
@@ -119,12 +124,26 @@ void encode_velodyne(const Scan& scan, std::uint32_t sequence, const std::string
     for (const int row : rows) {
       const int i = row * scan.cols() + column;
       if (!scan.hit(i)) continue;
-      store_xyz(at, scan, i);
+      store_xyz(at, scan, i, step_m);
       store(at + 12, static_cast<float>(reflectivity_byte(scan.reflectivity[i], 100)));
       store(at + 16, static_cast<std::uint16_t>(scan.rows() - 1 - row));  // the driver counts rings from below
       store(at + 18, static_cast<float>(to_seconds(scan.time_of(i) - scan.stamp)));
       at += kVelodyneStep;
     }
+  }
+}
+
+/// One row in the order of the scan, without empty returns.
+void encode_small(const Scan& scan, float step_m, std::uint32_t sequence, const std::string& frame, RosEncoder& out) {
+  int num_points = 0;
+  for (int i = 0; i < scan.size(); ++i) num_points += scan.hit(i) ? 1 : 0;
+  encode_description(sequence, scan, frame, num_points, 1, kSmallFields, kSmallStep, out);
+  std::byte* at = out.blob(static_cast<std::size_t>(num_points) * kSmallStep);
+  for (int i = 0; i < scan.size(); ++i) {
+    if (!scan.hit(i)) continue;
+    store_xyz(at, scan, i, step_m);
+    store(at + 12, static_cast<float>(reflectivity_byte(scan.reflectivity[i], 100)));
+    at += kSmallStep;
   }
 }
 
@@ -136,18 +155,21 @@ PointsLayout layout_for(PointsLayout layout, const Scan& scan) {
 
 }  // namespace
 
-void encode_points(const Scan& scan, PointsLayout layout, std::uint32_t sequence, const std::string& frame,
-                   RosEncoder& out) {
+void encode_points(const Scan& scan, PointsLayout layout, float step_m, std::uint32_t sequence,
+                   const std::string& frame, RosEncoder& out) {
   switch (layout_for(layout, scan)) {
     case PointsLayout::kAuto:
     case PointsLayout::kOuster:
-      encode_ouster(scan, sequence, frame, out);
+      encode_ouster(scan, step_m, sequence, frame, out);
       break;
     case PointsLayout::kLivox:
-      encode_livox(scan, sequence, frame, out);
+      encode_livox(scan, step_m, sequence, frame, out);
       break;
     case PointsLayout::kVelodyne:
-      encode_velodyne(scan, sequence, frame, out);
+      encode_velodyne(scan, step_m, sequence, frame, out);
+      break;
+    case PointsLayout::kSmall:
+      encode_small(scan, step_m, sequence, frame, out);
       break;
   }
   out.put(true);  // dense: no NaN

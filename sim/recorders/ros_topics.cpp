@@ -11,14 +11,15 @@
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/sim/io/text_row.hpp"
 #include "swiftlet/sim/metrics/metrics.hpp"
+#include "swiftlet/sim/world/thinned_scene.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 /// What can be asked for.
 std::vector<std::string> ros_topic_names() {
-  std::vector<std::string> names = {"points",     "truth",  "estimate",  "tf",       "clock",
-                                    "detections", "tracks", "relatives", "messages", "events"};
+  std::vector<std::string> names = {"points", "world",      "models", "truth",     "estimate", "tf",
+                                    "clock",  "detections", "tracks", "relatives", "messages", "events"};
   const Observation nothing;
   Observation::each_samples(nothing, [&]<class Sample>(const std::vector<Sample>&) { names.push_back(Sample::kName); });
   for (const TableType& table : sample_tables()) names.push_back(table.name);
@@ -152,8 +153,14 @@ void RosConfig::visit_common(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] of truth, estimate, tf and clock; 0: every tick", Range::between(0.0, 1e5));
   v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
   v.field("every", every, "[-] write every n-th scan of each LiDAR", Range{1, 1e9, false, false});
-  v.choice("points_layout", points_layout, {"auto", "ouster", "livox", "velodyne"},
-           "[-] fields of a point as that maker's driver has them; auto goes by the number of rows");
+  v.choice(
+      "points_layout", points_layout, {"auto", "ouster", "livox", "velodyne", "small"},
+      "[-] fields of a point as that maker's driver has them; auto goes by the number of rows; small: returns alone, "
+      "with x, y, z and intensity");
+  v.field("points_step_m", points_step_m,
+          "[m] coordinates are rounded to multiples of this, so that they compress; 0: not", Range::between(0.0, 1.0));
+  v.field("world_triangles", world_triangles, "[-] of the world; where it has more, it gets coarser",
+          Range{1000, 1e7, false, false});
   v.field("datum_deg", datum_deg, "[deg] latitude and longitude of the world's origin (WGS 84)",
           Range::between(-180, 180));
   v.check(datum_deg.x() >= -90.0 && datum_deg.x() <= 90.0, "datum_deg", "a latitude within -90..90");
@@ -167,11 +174,14 @@ RosTopics::RosTopics(const RosConfig& config, const RunInfo& info, RosDialect di
       gate_(config.rate_hz),
       selected_(select_vehicles(config.vehicles, info.vehicle_names)),
       last_estimate_(info.vehicle_names.size(), -1),
-      series_(info.series) {
+      series_(info.series),
+      scene_(info.scene),
+      vehicle_shapes_(info.vehicle_shapes) {
   for (const std::string& name : info.vehicle_names) names_.push_back(ros_name(name));
 }
 
 void RosTopics::write(const TickView& tick) {
+  write_solids(tick.t);
   const bool sample = gate_.due(tick.t);
   if (sample && wants("clock")) write_clock(tick.t);
   if (sample && wants("tf")) write_tf(tick);
@@ -206,6 +216,24 @@ requires std::is_invocable_v<TypeOf> RosTopics::Channel& RosTopics::channel(cons
 }
 
 void RosTopics::send(Channel& channel, TimeNs t) { sink_.write(channel.id, channel.sequence++, t, message_.bytes()); }
+
+/// World and vehicles, once: latched topics keep them for whoever comes later.
+void RosTopics::write_solids(TimeNs t) {
+  if (solids_written_) return;
+  solids_written_ = true;
+  if (wants("world") && scene_ != nullptr && !scene_->instances.empty()) {
+    Channel& world = channel("/world", kMarkerArray, true);
+    encode_world_markers(thinned_scene(*scene_, static_cast<std::size_t>(config_.world_triangles)), t, world.sequence,
+                         message_);
+    send(world, t);
+  }
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (!selected_[i] || !wants("models") || vehicle_shapes_[i] == nullptr) continue;
+    Channel& model = channel("/" + names_[i] + "/model", kMarkerArray, true);
+    encode_vehicle_markers(*vehicle_shapes_[i], names_[i] + "/body", t, model.sequence, message_);
+    send(model, t);
+  }
+}
 
 void RosTopics::write_clock(TimeNs t) {
   Channel& clock = channel("/clock", kClock);
@@ -359,7 +387,8 @@ void RosTopics::write_scans(const TickView& tick, VehicleId vehicle) {
     if (num_scans_[topic]++ % config_.every != 0) continue;
     announce_sensor(names_[vehicle] + "/body", frame, scan.T_body_lidar, tick.t);
     Channel& points = channel(topic, kPointCloud2);
-    encode_points(scan, config_.points_layout, points.sequence, frame, message_);
+    encode_points(scan, config_.points_layout, static_cast<float>(config_.points_step_m), points.sequence, frame,
+                  message_);
     send(points, tick.t);
   }
 }

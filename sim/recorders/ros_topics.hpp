@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -47,6 +48,7 @@ class RosTopics {
   requires std::is_invocable_v<TypeOf> Channel& channel(const std::string& topic, const TypeOf& type_of,
                                                         bool latched = false);
   void send(Channel& channel, TimeNs t);
+  void write_solids(TimeNs t);
   void write_clock(TimeNs t);
   void write_tf(const TickView& tick);
   void write_truth(const TickView& tick, VehicleId vehicle);
@@ -70,6 +72,9 @@ class RosTopics {
   std::vector<const Series*> series_;
   std::map<std::string, int> num_scans_;  // by topic
   std::vector<StaticTransform> static_transforms_;
+  const Scene* scene_;
+  std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes_;
+  bool solids_written_ = false;
 };
 
 }  // namespace swiftlet::sim

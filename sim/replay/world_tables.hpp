@@ -10,9 +10,8 @@
 
 namespace swiftlet::sim {
 
-/// The world as meshes and the places where they stand. Where it has more triangles than that, plants lose leaves, the
-/// others growing instead, and all else gets coarser.
-void append_world(const Scene& scene, std::size_t most_triangles, ReplayBlock& block);
+/// The world as meshes and the places where they stand, thinned to about so many triangles.
+void append_world(const Scene& whole, std::size_t most_triangles, ReplayBlock& block);
 /// The meshes of a vehicle, its rotors apart.
 void append_vehicle(const VehicleShape& shape, VehicleId vehicle, ReplayBlock& block);
 

@@ -153,6 +153,28 @@ TEST(Navigate, ASampledSearchThatIsGivenUpNamesItsOwnBudget) {
   EXPECT_EQ(pilot.counter().setting, "sampling.max_samples");
 }
 
+TEST(Navigate, ATourIsFlownAsOftenAsToldAndForEverWithoutANumber) {
+  const auto visits_in = [](int rounds, double seconds) {
+    NavigateConfig config = flies_to({{2, 0, 0.7}, {0, 0, 0.7}});
+    config.rounds = rounds;
+    Pilot pilot(config);
+    int visits = 0;
+    bool was_there = false;
+    for (int i = 0; i < static_cast<int>(seconds / pilot.dt_s) && pilot.out.mission == MissionStatus::kRunning; ++i) {
+      pilot.tick();
+      const bool there = (pilot.p_m() - Vector3(2, 0, 0.7)).norm() < 0.3;
+      visits += there && !was_there;
+      was_there = there;
+    }
+    return std::pair(visits, pilot.out.mission);
+  };
+  EXPECT_EQ(visits_in(1, 300.0), std::pair(1, MissionStatus::kDone));
+  EXPECT_EQ(visits_in(3, 300.0), std::pair(3, MissionStatus::kDone));
+  const auto [visits, mission] = visits_in(0, 300.0);
+  EXPECT_GT(visits, 20);
+  EXPECT_EQ(mission, MissionStatus::kRunning);
+}
+
 TEST(Navigate, WithoutGoalsItHovers) {
   Pilot pilot(flies_to({}));
   pilot.run(3.0);

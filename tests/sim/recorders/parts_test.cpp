@@ -11,6 +11,7 @@
 #include "sim/recorders/geodesy.hpp"
 #include "sim/recorders/md5.hpp"
 #include "sim/recorders/ros_encoder.hpp"
+#include "sim/recorders/ros_markers.hpp"
 #include "sim/recorders/ros_points.hpp"
 #include "sim/recorders/ros_rows.hpp"
 #include "sim/recorders/ros_types.hpp"
@@ -195,7 +196,7 @@ TEST(RosPoints, TheRangeOfAnOusterCountsFromItsAxisAsTheMakersDoes) {
   scan.range_m = {10.0F, 0.0F};
   scan.intensity = scan.reflectivity = {0.5F, 0.0F};
   RosEncoder out(RosDialect::kRos1);
-  encode_points(scan, PointsLayout::kOuster, 0, "lidar", out);
+  encode_points(scan, PointsLayout::kOuster, 0.0F, 0, "lidar", out);
   const auto points = out.bytes().last(2 * 48 + 1);  // and a byte that says that no point is missing
   const auto uint32_at = [&](std::size_t at) {
     std::uint32_t value = 0;
@@ -204,6 +205,91 @@ TEST(RosPoints, TheRangeOfAnOusterCountsFromItsAxisAsTheMakersDoes) {
   };
   EXPECT_EQ(uint32_at(32), 10028U);
   EXPECT_EQ(uint32_at(48 + 32), 0U) << "an empty return stays empty";
+}
+
+/// The last bytes of a message as numbers.
+template <class Number>
+Number number_at(std::span<const std::byte> bytes, std::size_t at) {
+  Number value{};
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+TEST(RosPoints, TheSmallLayoutHasReturnsAloneAndRoundsThemToItsStep) {
+  auto beams = std::make_shared<BeamTable>();
+  beams->rows = 1;
+  beams->cols = 3;
+  beams->directions_lidar = {Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitY(), Eigen::Vector3f(0.6F, 0.0F, 0.8F)};
+  beams->origins_lidar.assign(3, Eigen::Vector3f::Zero());
+  beams->column_offset_s = {0.0F, 0.01F, 0.02F};
+  Scan scan;
+  scan.beams = beams;
+  scan.range_m = {10.0012F, 0.0F, 5.0F};
+  scan.intensity = scan.reflectivity = {0.5F, 0.0F, 1.0F};
+  const auto points_of = [&](float step_m) {
+    RosEncoder out(RosDialect::kRos1);
+    encode_points(scan, PointsLayout::kSmall, step_m, 0, "lidar", out);
+    const auto bytes = out.bytes();
+    EXPECT_EQ(number_at<std::uint32_t>(bytes, bytes.size() - 2 * 16 - 1 - 4), 2U * 16U) << "two of three returned";
+    return std::vector<std::byte>(bytes.end() - 2 * 16 - 1, bytes.end());
+  };
+  const auto exact = points_of(0.0F), rounded = points_of(0.25F);
+  EXPECT_FLOAT_EQ(number_at<float>(exact, 0), 10.0012F);
+  EXPECT_FLOAT_EQ(number_at<float>(rounded, 0), 10.0F);
+  EXPECT_FLOAT_EQ(number_at<float>(exact, 12), 50.0F) << "half of white";
+  EXPECT_FLOAT_EQ(number_at<float>(rounded, 16), 3.0F);
+  EXPECT_FLOAT_EQ(number_at<float>(rounded, 24), 4.0F);
+}
+
+TEST(RosMarkers, AWorldIsTrianglesByMaterialWhereItsInstancesStand) {
+  Scene scene;
+  scene.materials = {{.name = "nothing"}, {.name = "wall", .color_rgb = {0.25F, 0.5F, 0.75F}}};
+  Mesh mesh;
+  mesh.vertices_mesh_m = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  mesh.material = 1;
+  scene.meshes = {mesh};
+  for (const float x_m : {0.0F, 10.0F}) {
+    Instance instance;
+    instance.T_world_mesh = Eigen::Affine3f(Eigen::Translation3f(x_m, 0.0F, 2.0F));
+    scene.instances.push_back(instance);
+  }
+  RosEncoder out(RosDialect::kRos1);
+  encode_world_markers(scene, 0, 0, out);
+  const auto bytes = out.bytes();
+  EXPECT_EQ(number_at<std::uint32_t>(bytes, 0), 1U) << "the material of nothing has no marker";
+  const std::size_t type = 4 + 4 + 8 + (4 + 5) + (4 + 5) + 4;  // count, header with "world", space "world", id
+  EXPECT_EQ(number_at<std::int32_t>(bytes, type), 11);         // TRIANGLE_LIST
+  const std::size_t color = type + 4 + 4 + 7 * 8 + 3 * 8;      // after action, pose, scale
+  EXPECT_EQ(number_at<double>(bytes, color - 8), 1.0) << "in meters";
+  EXPECT_EQ(number_at<float>(bytes, color + 4), 0.5F);
+  EXPECT_EQ(number_at<float>(bytes, color + 12), 1.0F);
+  const std::size_t points = color + 4 * 4 + 8 + 1;  // after lifetime and frame_locked
+  ASSERT_EQ(number_at<std::uint32_t>(bytes, points), 6U);
+  EXPECT_EQ(number_at<double>(bytes, points + 4 + 16), 2.0);
+  EXPECT_EQ(number_at<double>(bytes, points + 4 + 4 * 24), 11.0) << "the second corner of the second one";
+}
+
+TEST(RosMarkers, AVehicleMovesWithItsFrameAndARotorIsADisc) {
+  VehicleShape shape;
+  shape.materials = {{.name = "frame"}};
+  VehicleShape::RotorShape rotor;
+  rotor.hub_body_m = {0.2F, 0.0F, 0.1F};
+  rotor.radius_m = 0.15F;
+  shape.rotors = {rotor};
+  RosEncoder out(RosDialect::kRos1);
+  encode_vehicle_markers(shape, "uav1/body", 0, 0, out);
+  const auto bytes = out.bytes();
+  const std::size_t locked = 4 + 4 + 8 + (4 + 9) + (4 + 5) + 12 + 7 * 8 + 3 * 8 + 4 * 4 + 8;
+  EXPECT_EQ(number_at<std::uint8_t>(bytes, locked), 1);
+  const auto count = number_at<std::uint32_t>(bytes, locked + 1);
+  EXPECT_EQ(count % 6, 0U);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::size_t at = locked + 5 + 24 * i;
+    const double x_m = number_at<double>(bytes, at) - 0.2F, y_m = number_at<double>(bytes, at + 8);
+    EXPECT_NEAR(std::hypot(x_m, y_m), i % 3 == 0 ? 0.0 : 0.15, 1e-6);
+    EXPECT_EQ(number_at<double>(bytes, at + 16), static_cast<double>(0.1F));
+  }
 }
 
 TEST(RosPoints, ReflectivityIsLinearUpToWhiteAndLogarithmicBeyond) {

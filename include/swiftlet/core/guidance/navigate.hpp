@@ -13,6 +13,7 @@ namespace swiftlet {
 /// while it hovers, and again when the map shows something on the rest of its path.
 struct NavigateConfig : ModuleConfigOf<NavigateConfig> {
   std::vector<Eigen::Vector3d> goals_m;
+  int rounds = 1;
   enum class Search { kAStar, kRrt, kInformedRrtStar };
   Search search = Search::kAStar;
   enum class Follow { kCorners, kTimed };

@@ -21,7 +21,7 @@ struct SamplingConfig {
 enum class SampledSearch { kRrt, kInformedRrtStar };
 
 /// A clear path by a tree that grows toward random samples.
-/// - kRrt [LaValle and Kuffner 2001, the planner of Orsulic 2021]: the first path that is found.
+/// - kRrt [LaValle 2001, the planner of Orsulic 2021]: the first path that is found.
 /// - kInformedRrtStar [Gammell 2014]: the tree is rewired as it grows. Once there is a path, samples come only from
 ///   where a shorter one may lead. It spends all its samples, and more of them never make the path longer.
 ///
