@@ -155,8 +155,8 @@ void RosConfig::visit_common(ConfigVisitor& v) {
   v.field("every", every, "[-] write every n-th scan of each LiDAR", Range{1, 1e9, false, false});
   v.choice(
       "points_layout", points_layout, {"auto", "ouster", "livox", "velodyne", "small"},
-      "[-] fields of a point as that maker's driver has them; auto goes by the number of rows; small: returns alone, "
-      "with x, y, z and intensity");
+      "[-] fields of a point as that maker's driver has them; auto goes by the rows; small: returns alone, as "
+      "x, y, z, intensity");
   v.field("points_step_m", points_step_m,
           "[m] coordinates are rounded to multiples of this, so that they compress; 0: not", Range::between(0.0, 1.0));
   v.field("world_triangles", world_triangles, "[-] of the world; where it has more, it gets coarser",
