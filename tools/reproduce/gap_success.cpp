@@ -89,6 +89,7 @@ Run make_run(Team team, double safe_distance_m, std::uint64_t seed) {
   if (team == Team::kSingle) {
     changes.emplace_back("vehicles[0].start.position_m", text_of(small_m));
     changes.emplace_back("vehicles[0].agent.guidance.planner.clearance_m", fmt::format("{}", safe_distance_m));
+    changes.emplace_back("vehicles[0].agent.guidance.follow", "corners");  // as the secondary follows its path
     return {scenario_with("navigate.yaml", seed, std::move(changes)), passage};
   }
   changes.emplace_back("vehicles[0].start.position_m", text_of(large_m));

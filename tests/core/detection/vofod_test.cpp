@@ -223,6 +223,9 @@ TEST(GroundTruthDetector, TellsWhatTheNeighborSensorSays) {
   ASSERT_EQ(output.detections.size(), 1u);
   EXPECT_EQ(output.stamp, kTick);
   EXPECT_LT((output.detections[0].position_m - Vector3(1.0, 12.0, 3.0)).norm(), 1e-9);
+  EXPECT_EQ(output.detections[0].confidence, 1.0) << "it is certain";
+  const double sigma_m = module.as<GroundTruthDetectorConfig>().sigma_m;
+  EXPECT_NEAR(output.detections[0].covariance(0, 0), 1e-6 + sigma_m * sigma_m, 1e-12);
 }
 
 TEST(DetectorRegistry, MakesWhatItNames) {

@@ -110,6 +110,15 @@ TEST(Explore, BothRoomsAreKnownInTheEndAndTheClosedOneIsNot) {
   }
 }
 
+TEST(Explore, ItAsksForAMap) {
+  const AgentSetup agent;
+  const auto needs_map = [&](const char* type) {
+    return make_guidance(Module(guidance_module_types(), type), {agent, {}})->needs().map;
+  };
+  EXPECT_TRUE(needs_map("explore"));
+  EXPECT_FALSE(needs_map("hover"));
+}
+
 TEST(Explore, ItStaysInItsBox) {
   Explorer explorer(rooms(), explores({6.0, 6, 2.5}), {1.5, 1.5, 1.1});
   explorer.run(300.0);

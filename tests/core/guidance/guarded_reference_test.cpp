@@ -90,5 +90,17 @@ TEST(GuardedReference, ComesToRestWhereItSaid) {
   EXPECT_NEAR(p_m.x(), rest_m.x(), 0.1);
 }
 
+TEST(GuardedReference, AVehicleAtAPlaneMayStayThere) {
+  // It stands on the plane, but for what rounding and a governor that never quite arrives leave over.
+  GuardedReference reference{MotionLimits{}};
+  for (const double beyond_m : {0.0, 1e-4, -1e-4}) {
+    reference.reset(at(Vector3(beyond_m, 0.0, 0.0)));
+    const std::array<HalfSpace, 1> here{{{Vector3::UnitX(), 0.0}}};
+    const Vector3 along_m(0.0, 1.0, 0.0);
+    EXPECT_EQ(reference.admit(Vector3::Zero(), along_m, here, Vector3::Zero(), kPeriod_s, kSpeed_mps), along_m)
+        << beyond_m;
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -69,6 +69,12 @@ TEST(FreeSegment, IsAskedFromEndToEndAtMostHalfACellApart) {
   }
 }
 
+TEST(FreeSegment, OneShorterThanHalfACellIsAskedAtItsEndsOnly) {
+  const Slab space(50.0, 51.0);
+  EXPECT_TRUE(is_free_segment(space, {0, 0, 0}, {0.1, 0, 0}));
+  EXPECT_EQ(space.asked_at_m.size(), 2U);
+}
+
 TEST(FreeSegment, IsNotFreeIfEitherEndOrItsMiddleIsNot) {
   EXPECT_FALSE(is_free_segment(Slab(-0.1, 0.1), {0, 0, 0}, {3, 0, 0}));
   EXPECT_FALSE(is_free_segment(Slab(2.9, 3.1), {0, 0, 0}, {3, 0, 0}));

@@ -126,6 +126,24 @@ TEST(GuidingViewpoint, CountsWaypointsWithoutInterruption) {
   }
 }
 
+TEST(GuidingViewpoint, WhereTheStartIsHiddenTheFirstWaypointInSightIsTheStart) {
+  // The first waypoint lies in a box; from outside one sees the others.
+  CellListMap map;
+  map.occupy_box({-4.5, -0.5, 0.8}, {-3.5, -0.4, 1.2});
+  map.occupy_box({-4.5, 0.4, 0.8}, {-3.5, 0.5, 1.2});
+  map.occupy_box({-4.5, -0.5, 0.8}, {-4.4, 0.5, 1.2});
+  map.occupy_box({-3.6, -0.5, 0.8}, {-3.5, 0.5, 1.2});
+  const std::vector<Vector3> path = {{-4, 0, 1}, {-1, 0, 1}, {2, 0, 1}};
+  ViewpointRules rules;
+  rules.unseen_start = true;
+  const GuidingViewpoints found = find_guiding_viewpoints(map, {-1, 4, 1}, path, rules);
+  ASSERT_FALSE(found.best_first.empty());
+  EXPECT_EQ(found.best_first.front().first_visible, 1);
+  EXPECT_EQ(found.best_first.front().num_visible, 2);
+  rules.unseen_start = false;
+  EXPECT_TRUE(find_guiding_viewpoints(map, {-1, 4, 1}, path, rules).best_first.empty());
+}
+
 TEST(GuidingViewpoint, TellsWhenThereIsNone) {
   CellListMap map;
   for (const double y : {-3.0, -2.0, -1.0, 1.0, 2.0, 3.0}) {

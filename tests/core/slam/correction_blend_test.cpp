@@ -169,5 +169,34 @@ TEST(CorrectionBlend, ManyClosuresAtAnyTimeNeverBreakTheLimits) {
   EXPECT_LE(peaks.acceleration_mps2, 0.1002);
 }
 
+/// Of differences, of the attitude that is shown.
+double peak_turn_radps2(CorrectionBlend& blend, TimeNs from, TimeNs to, Matrix3& R_shown, Vector3& omega_radps) {
+  double peak_radps2 = 0.0;
+  const double dt_s = to_seconds(kBlendTick);
+  for (TimeNs t = from + kBlendTick; t <= to; t += kBlendTick) {
+    const Matrix3 R = blend.advance(t).linear();
+    const Vector3 now_radps = rotation_vector_rad(Eigen::Quaterniond(Matrix3(R * R_shown.transpose()))) / dt_s;
+    peak_radps2 = std::max(peak_radps2, (now_radps - omega_radps).norm() / dt_s);
+    R_shown = R;
+    omega_radps = now_radps;
+  }
+  return peak_radps2;
+}
+
+TEST(CorrectionBlend, AmidALargeTurnAnotherOneAboutAnotherAxisShowsNoStepOfTheRate) {
+  CorrectionBlendConfig config;
+  config.lever_m = 1.0;
+  CorrectionBlend blend(config);
+  Matrix3 R = Matrix3::Identity();
+  Vector3 omega_radps = Vector3::Zero();
+  blend.head_for(0, make_pose(Vector3::Zero(), rotation_by({0.3, 0, 1.6})), Vector3::Zero());
+  double peak_radps2 = peak_turn_radps2(blend, 0, 4 * kNsPerSecond, R, omega_radps);
+  EXPECT_GT(omega_radps.norm(), 0.15);
+  blend.head_for(4 * kNsPerSecond, make_pose(Vector3::Zero(), rotation_by({-0.9, 0.9, 0.4})), Vector3::Zero());
+  peak_radps2 = std::max(peak_radps2, peak_turn_radps2(blend, 4 * kNsPerSecond, 60 * kNsPerSecond, R, omega_radps));
+  EXPECT_TRUE(blend.is_done());
+  EXPECT_LT(peak_radps2, 0.2) << "a step of a tenth of the rate would be 4 rad/s^2";
+}
+
 }  // namespace
 }  // namespace swiftlet

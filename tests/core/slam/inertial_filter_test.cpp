@@ -121,6 +121,21 @@ TEST(InertialFilter, WithoutScansItSaysHowFastItsPoseGetsWorse) {
   EXPECT_TRUE(filter.is_sound());
 }
 
+TEST(InertialFilter, AfterAGapItNoLongerKnowsWhereItFlewNorWhereItTurned) {
+  const auto spread_after = [](TimeNs gap) {
+    Filter filter = flown_filter();
+    filter.predict({400'000'000 + gap, {0, 0, 0}, {0, 0, 9.81}});
+    return Eigen::Vector2d(std::sqrt(filter.covariance()(Filter::kP, Filter::kP)),
+                           std::sqrt(filter.covariance()(Filter::kTheta, Filter::kTheta)));
+  };
+  const Eigen::Vector2d bridged = spread_after(100'000'000), gap = spread_after(400'000'000);
+  EXPECT_LT(bridged.y(), 0.05);
+  // In 0.4 s it may have turned by 0.4 rad and flown 0.16 m off its way.
+  EXPECT_GT(gap.x(), 0.16);
+  EXPECT_GT(gap.y(), 0.4);
+  EXPECT_LT(gap.y(), 0.5);
+}
+
 TEST(InertialFilter, SamplesThatAreNotFiniteOrNotNewAreNone) {
   Filter filter = flown_filter();
   const Vector3 p_m = filter.state().nav.p_m;

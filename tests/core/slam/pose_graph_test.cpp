@@ -210,6 +210,23 @@ TEST(PoseGraph, GnssPullsTheTrajectoryBetweenItsKeyFrames) {
   for (int i = 0; i < 40; ++i) EXPECT_LT(distance(loop.graph.pose(i), shift * loop.truth[i]), 1e-4);
 }
 
+TEST(PoseGraph, AFixAtAKeyFrameCountsOnceWhateverItsShare) {
+  // With a prior of equal weight the pose comes to rest halfway, and since all is linear, in one step.
+  for (const double beta : {0.0, 0.3, 0.5, 1.0}) {
+    PoseGraph graph;
+    graph.add_pose(Pose::Identity());
+    PriorFactor prior;
+    prior.information = Matrix6::Identity();
+    graph.add(prior);
+    PositionFactor fix{0, 0, beta, Vector3(2, -4, 6), Vector3::Ones(), kNoHuber};
+    graph.add(fix);
+    GraphSolverConfig config;
+    config.iterations = 1;
+    graph.optimize(config);
+    EXPECT_LT((graph.pose(0).translation() - Vector3(1, -2, 3)).norm(), 1e-3) << beta;
+  }
+}
+
 TEST(PoseGraph, WeightsOfGnssAreThoseOfTheDocument) {
   GnssFactorConfig config;
   const Vector3 sigma_m(1.0, 2.0, 4.0);
