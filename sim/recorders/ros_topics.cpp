@@ -153,10 +153,9 @@ void RosConfig::visit_common(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] of truth, estimate, tf and clock; 0: every tick", Range::between(0.0, 1e5));
   v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
   v.field("every", every, "[-] write every n-th scan of each LiDAR", Range{1, 1e9, false, false});
-  v.choice(
-      "points_layout", points_layout, {"auto", "ouster", "livox", "velodyne", "small"},
-      "[-] fields of a point as that maker's driver has them; auto goes by the rows; small: returns alone, as "
-      "x, y, z, intensity");
+  v.choice("points_layout", points_layout, {"auto", "ouster", "livox", "velodyne", "small"},
+           "[-] fields of a point as that maker's driver has them; auto goes by the rows; small: returns alone, as "
+           "x, y, z, intensity");
   v.field("points_step_m", points_step_m,
           "[m] coordinates are rounded to multiples of this, so that they compress; 0: not", Range::between(0.0, 1.0));
   v.field("world_triangles", world_triangles, "[-] of the world; where it has more, it gets coarser",

@@ -33,7 +33,8 @@ ClearPath find_sampled_path(const OccupancyView& view, const ClearPathConfig& co
                             std::uint32_t draw = 0);
 
 /// A point of the ellipsoid of all places from which a way between the foci is at most so long [Gammell 2014,
-/// sec. III]. Any frame, the same for all arguments. Uniform in the ellipsoid when `in_ball` is uniform in the unit ball.
+/// sec. III]. Any frame, the same for all arguments. Uniform in the ellipsoid when `in_ball` is uniform in the unit
+/// ball.
 /// @param length_m  at least from focus to focus
 Vector3 point_in_spheroid(const Vector3& focus_m, const Vector3& other_focus_m, double length_m,
                           const Vector3& in_ball);
