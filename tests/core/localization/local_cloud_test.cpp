@@ -97,5 +97,23 @@ TEST(LocalCloud, HoldsNeitherEmptyNorMaskedNorOwnReturns) {
   EXPECT_EQ(cloud.beam, (std::vector<std::uint32_t>{0, 5}));
 }
 
+TEST(LocalCloud, EveryReturnComesOnceRowByRow) {
+  CloudRegistrar registrar(0.4);
+  for (TimeNs t = 0; t <= 1000 * kMs; t += 4 * kMs) registrar.push(estimate_at(t));
+  auto scan = scan_of({12.0, 5.0, 4.0}, 900 * kMs, 0, 8);
+  auto beams = std::make_shared<BeamTable>(*scan->beams);
+  beams->rows = 2;
+  for (int column = 0; column < 8; ++column) {
+    beams->directions_lidar.push_back(beams->directions_lidar[column]);
+    beams->origins_lidar.push_back(beams->origins_lidar[column]);
+    scan->range_m.push_back(2.0F * scan->range_m[column]);
+  }
+  scan->beams = beams;
+  LocalCloud cloud;
+  ASSERT_TRUE(registrar.make(scan, cloud));
+  ASSERT_EQ(cloud.size(), 16U);
+  for (std::uint32_t i = 0; i < 16; ++i) EXPECT_EQ(cloud.beam[i], i);
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -246,6 +246,21 @@ TEST(RelativeFilter, WhatAllSightingsHaveInCommonStaysInTheCovariance) {
   }
 }
 
+TEST(RelativeFilter, ASightingOfItsVeryStartCountsAndAnEarlierOneDoesNot) {
+  RelativeFilter filter({}, no_drift());
+  OtherMotion anchor;
+  anchor.t = anchor.stamp = kNsPerSecond;
+  FrameAlignment start;
+  start.covariance = FrameAlignment::Covariance(0.01 * FrameAlignment::Covariance::Identity());
+  filter.start(start, anchor);
+  Sighting sighting;
+  sighting.covariance = 0.01 * Matrix3::Identity();
+  sighting.t = anchor.t;
+  EXPECT_TRUE(filter.push(sighting));
+  sighting.t = anchor.t - 1;
+  EXPECT_FALSE(filter.push(sighting));
+}
+
 TEST(RelativeOdometry, TellsWhatLiesBetweenItsSamples) {
   const OtherFlight flight(eight(), 10.0, no_drift(), 1);
   RelativeOdometry odometry;

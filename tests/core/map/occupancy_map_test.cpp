@@ -257,6 +257,43 @@ TEST(OccupancyMap, TellsWhatChangedSinceARevision) {
   EXPECT_EQ(map.state({3.05, 0.05, 0.05}), CellState::kUnknown);
 }
 
+TEST(OccupancyMap, AHitThatDoesNotYetMakeACellOccupiedMakesItKnown) {
+  OccupancyMapConfig config;
+  config.p_hit = 0.55;
+  config.p_occupied = 0.7;
+  OccupancyMap map(config);
+  const Vector3 end_m(3.25, 0.05, 0.05);  // the first cell of its block: no ray passes through another one
+  ASSERT_EQ(map.state(end_m), CellState::kUnknown);
+  const std::uint64_t before = map.revision();
+  map.insert(std::vector{beam_to(3.25F, 0.05F, 0.05F)}, kScan);
+  ASSERT_EQ(map.state(end_m), CellState::kFree);
+  std::vector<VoxelGrid> boxes;
+  ASSERT_TRUE(map.changed_since(before, boxes));
+  EXPECT_TRUE(std::any_of(boxes.begin(), boxes.end(), [&](const VoxelGrid& box) { return box.contains(end_m); }));
+}
+
+TEST(OccupancyMap, DistancesFollowWhereverSomethingWasTakenAway) {
+  // Posts in many blocks, asked for from beside them; then rays pass where each stood.
+  OccupancyMap map({});
+  std::vector<Vector3> posts_m;
+  for (int i = 0; i < 40; ++i) {
+    const double angle_rad = 0.155 * i, range_m = 3.0 + 0.2 * i;
+    posts_m.emplace_back(range_m * std::cos(angle_rad), range_m * std::sin(angle_rad), 0.05);
+  }
+  const auto beams = [&](float share) {
+    std::vector<Beam> rays;
+    for (const Vector3& p_m : posts_m) rays.push_back({kOrigin, share * p_m.cast<float>(), true});
+    return rays;
+  };
+  map.insert(beams(1.0F), kScan);
+  for (const Vector3& p_m : posts_m) EXPECT_LT(map.distance_m(p_m + Vector3(0, 0, 0.3), 1.0), 0.5);
+  for (int i = 2; i < 10; ++i) map.insert(beams(1.3F), i * kScan);
+  for (const Vector3& p_m : posts_m) {
+    ASSERT_EQ(map.state(p_m), CellState::kFree);
+    EXPECT_GT(map.distance_m(p_m + Vector3(0, 0, 0.3), 0.5), 0.45) << p_m.transpose();
+  }
+}
+
 TEST(OccupancyMap, ForgetsWhatIsFarAwayAndUsesItsMemoryAgain) {
   OccupancyMapConfig config;
   config.keep_radius_m = config.range_max_m = 5.0;

@@ -164,6 +164,12 @@ TEST(CorrectionBlend, ManyClosuresAtAnyTimeNeverBreakTheLimits) {
     for (const Vector3& p : shown(blend, t + kBlendTick, until, Vector3::Zero())) places.push_back(p);
     t += kBlendTick * static_cast<TimeNs>(40 + (i * 379) % 1700);
   }
+  // Each waited until it could begin within the limits; none was lost.
+  for (const Vector3& p : shown(blend, t + kBlendTick, t + 60 * kNsPerSecond, Vector3::Zero())) places.push_back(p);
+  EXPECT_TRUE(blend.is_done());
+  const double last = 1.7 * 60 * 60;
+  const Vector3 target_m(0.8 * std::cos(last), 0.8 * std::sin(last), 0.3 * std::cos(2.0 * last));
+  EXPECT_LT((places.back() - target_m).norm(), 1e-12);
   const Peaks peaks = peaks_of(places);
   EXPECT_LE(peaks.speed_mps, 0.2501);
   EXPECT_LE(peaks.acceleration_mps2, 0.1002);
