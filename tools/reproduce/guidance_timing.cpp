@@ -169,7 +169,7 @@ void guidance_timing(Experiment& experiment) {
                   1e-3 * insertion.median_ms()});
   panel.y.label = "median time [ms]";
   panel.y.log = true;
-  panel.y.min = 0.1;
+  panel.y.min = 0.01;
   panel.bars("published", published_ms).bars("ours", ours_ms);
   experiment.write("guidance-timing.csv", csv);
   experiment.write("guidance-timing.svg", figure);
