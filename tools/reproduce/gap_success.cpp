@@ -61,8 +61,9 @@ void localize_by_sensors(Overrides& changes) {
                        "{type: odometry, name: lio, model: odometry_lio}, "
                        "{type: imu, name: imu, model: imu_adis16448}]");
   changes.emplace_back("vehicles[0].agent.localization", "{type: odometry}");
-  changes.emplace_back("vehicles[0].agent.relative_localization",
-                       "{type: sliding_window, other: secondary, center_behind_m: 0.025, center_above_m: 0.025}");
+  changes.emplace_back(
+      "vehicles[0].agent.relative_localization",
+      "{type: sliding_window, other: secondary, source: markers, center_behind_m: 0.025, center_above_m: 0.025}");
 }
 
 /// Where the building stands and how it is turned, where everybody starts, and where the goals lie: all by the seed.
