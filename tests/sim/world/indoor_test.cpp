@@ -15,14 +15,8 @@ namespace swiftlet::sim {
 namespace {
 
 using Eigen::Vector3d;
+using test::free_width_m;
 using test::objects_of;
-
-// Free width at a point: ranges to both sides along a direction.
-double free_width_m(const Scene& scene, const Vector3d& point, const Vector3d& direction) {
-  const auto ahead = test::trace(scene, point, direction);
-  const auto behind = test::trace(scene, point, -direction);
-  return ahead && behind ? ahead->range_m + behind->range_m : std::numeric_limits<double>::infinity();
-}
 
 // No triangle's corner or edge middle lies in the box.
 void expect_empty(const Scene& scene, const Vector3d& low, const Vector3d& high) {
