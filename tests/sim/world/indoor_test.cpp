@@ -153,6 +153,18 @@ TEST(TwoRoomsGap, RoomsAreClosedAllAround) {
   }
 }
 
+TEST(TwoRoomsGap, TheFloorReachesAsFarBeyondTheRoomsOnEverySide) {
+  TwoRoomsGapConfig config;
+  config.gap_offset_m = 0.7;
+  const Scene scene = make_two_rooms_gap(config, 1);
+  const auto walls = test::bounds_of(scene, SurfaceClass::kWall), floor = test::bounds_of(scene, SurfaceClass::kGround);
+  const Vector3d below = walls.min() - floor.min(), above = floor.max() - walls.max();
+  EXPECT_GT(below.x(), 1.0);
+  EXPECT_NEAR(below.y(), below.x(), 1e-4);
+  EXPECT_NEAR(above.x(), below.x(), 1e-4);
+  EXPECT_NEAR(above.y(), below.x(), 1e-4);
+}
+
 TEST(TwoRoomsGap, RandomYawComesFromTheSeed) {
   TwoRoomsGapConfig config;
   config.random_yaw = true;
