@@ -18,7 +18,7 @@ float caption_height_px(const Image& image);
 void draw_caption(Image& image, std::string_view left, std::string_view right);
 /// A bar of round length in the lower left corner, above the caption. For parallel projections.
 void draw_scale_bar(Image& image, const View& view);
-/// Each vehicle's name in its color, above it.
+/// Each vehicle's name in its color, above it. Teams of more than 24 have none: they would cover the picture.
 void draw_names(Image& image, const View& view, const PictureScene& picture, std::span<const std::string> names,
                 double vehicle_scale);
 

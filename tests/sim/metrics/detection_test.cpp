@@ -14,15 +14,15 @@ namespace {
 
 constexpr TimeNs kScan = 100'000'000;
 
-/// An observer (vehicle 0) that detects and tracks the others; a test says what it sees.
+/// An observer (vehicle 0 unless told otherwise) that detects and tracks the others; a test says what it sees.
 struct SightRun : MetricsRun {
-  explicit SightRun(int num_vehicles, MetricsConfig config = {})
-      : MetricsRun(num_vehicles, config, perceived(num_vehicles)) {
+  explicit SightRun(int num_vehicles, MetricsConfig config = {}, std::size_t looks = 0)
+      : MetricsRun(num_vehicles, config, perceived(num_vehicles, looks)), observer(looks) {
     for (Action& action : actions) action.estimate.valid = true;
   }
-  static std::vector<Perception> perceived(int n) {
+  static std::vector<Perception> perceived(int n, std::size_t looks) {
     std::vector<Perception> out(n);
-    out[0] = {true, true, {}};
+    out[looks] = {true, true, {}};
     return out;
   }
 
@@ -37,40 +37,41 @@ struct SightRun : MetricsRun {
         labeled->truth.instance.push_back(static_cast<std::uint16_t>(vehicle + 1));
       }
     }
-    scans[0] = {labeled};
+    scans[observer] = {labeled};
   }
   void detect(const std::vector<Vector3>& positions, TimeNs t, TimeNs stamp) {
-    actions[0].has_detections = true;
-    actions[0].detections_stamp = stamp;
+    actions[observer].has_detections = true;
+    actions[observer].detections_stamp = stamp;
     for (const Vector3& p : positions) {
-      actions[0].detections.emplace_back();
-      actions[0].detections.back().t = t;
-      actions[0].detections.back().position_m = p;
+      actions[observer].detections.emplace_back();
+      actions[observer].detections.back().t = t;
+      actions[observer].detections.back().position_m = p;
     }
   }
   void track(std::uint32_t id, const Vector3& p, const Vector3& v, TimeNs t, double sigma_m = 0.1) {
-    actions[0].has_tracks = true;
+    actions[observer].has_tracks = true;
     Track track;
     track.id = id;
     track.t = t;
     track.position_m = p;
     track.velocity_mps = v;
     track.covariance *= sigma_m * sigma_m;
-    actions[0].tracks.push_back(track);
+    actions[observer].tracks.push_back(track);
   }
   void tick() {
     for (std::size_t i = 0; i < states.size(); ++i) {
       actions[i].estimate.t = now + kTick;
-      if (i > 0 || !own_estimate) actions[i].estimate.T_local_body = states[i].T_world_body();
+      if (i != observer || !own_estimate) actions[i].estimate.T_local_body = states[i].T_world_body();
     }
     MetricsRun::tick();
     for (Action& action : actions) {
       action.clear_outputs();
       action.tracks.clear();
     }
-    scans[0].clear();
+    scans[observer].clear();
   }
 
+  std::size_t observer = 0;
   bool own_estimate = false;  // the test sets the observer's estimate itself
 };
 
@@ -99,6 +100,39 @@ TEST(DetectionMetric, RecallPrecisionAndErrorOfDetections) {
   EXPECT_EQ(table.bins()[1].from_m, 10.0);
   EXPECT_EQ(table.bins()[1].recall, 0.25);
   EXPECT_NEAR(table.bins()[1].error_mean_m, 1.0, 1e-9);
+}
+
+TEST(DetectionMetric, AnyVehicleMayBeTheObserverAndAnyOtherTheTarget) {
+  SightRun run(3, {}, 1);
+  run.states[0].p_world_m = {8, 0, 0};
+  run.states[2].p_world_m = {0, 9, 0};
+  for (int k = 0; k < 5; ++k) {
+    for (int i = 1; i < 10; ++i) run.tick();
+    run.scan({20, 0, 20});
+    run.detect({{8, 0.5, 0}, {0, 9.5, 0}}, run.now + kTick, run.now + kTick);
+    run.tick();
+  }
+  EXPECT_EQ(run.value("detection_recall", "uav2"), 1.0);
+  EXPECT_EQ(run.value("detection_precision", "uav2"), 1.0);
+  EXPECT_NEAR(run.value("detection_error_mean_m", "uav2"), 0.5, 1e-9);
+}
+
+TEST(DetectionMetric, VelocitiesAreJudgedBySpeedAndDirection) {
+  SightRun run(2);
+  for (int i = 1; i < 10; ++i) {
+    run.states[1].p_world_m = {8.0 + 2.0 * run.next_s(), 0, 0};
+    run.states[1].v_world_mps = {2, 0, 0};
+    run.tick();
+  }
+  run.states[1].p_world_m.x() = 8.0 + 2.0 * run.next_s();
+  run.scan({0, 20});
+  run.track(1, run.states[1].p_world_m, 5.0 * Vector3(std::cos(0.3), std::sin(0.3), 0), run.now + kTick);
+  run.tick();
+  const auto series = run.metrics.series();
+  const auto rows = rows_of<DetectionScore>(series);
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_NEAR(rows[0].speed_error_mps, 3.0, 1e-9);
+  EXPECT_NEAR(rows[0].direction_error_rad, 0.3, 1e-9);
 }
 
 TEST(DetectionMetric, AnEstimateIsComparedWithTheTruthOfItsTime) {

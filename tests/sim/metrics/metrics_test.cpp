@@ -39,6 +39,7 @@ TEST(Metrics, StandingOnTheGroundIsNoFlight) {
   for (int i = 0; i < 100; ++i) run.tick();
   EXPECT_NEAR(run.value("flight_time_s"), 1.0, 1e-9);
   EXPECT_EQ(run.value("min_clearance_surface_m"), 1.5);
+  for (const char* name : {"path_length_m", "max_speed_mps", "max_acceleration_mps2"}) EXPECT_EQ(run.value(name), 0.0);
 }
 
 TEST(Metrics, EstimateErrorsAreMeasuredAgainstTheTruth) {

@@ -114,5 +114,34 @@ TEST(Cameraman, OnBoardTurnsWithTheVehicle) {
   EXPECT_TRUE(ahead.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6));
 }
 
+TEST(Cameraman, WithoutAPlaceAFixedCameraShowsTheWholeWorldFromTheSouthWest) {
+  CameraConfig config;
+  config.type = CameraConfig::Type::kFixed;
+  Cameraman cameraman(config, kNoVehicle, {}, kBounds);
+  const View view = cameraman.view(PictureScene());
+  EXPECT_LT(view.eye_world_m.x(), 0.0);
+  EXPECT_LT(view.eye_world_m.y(), 0.0);
+  EXPECT_GT(view.eye_world_m.z(), kBounds.max().z());
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto at = view.project(kBounds.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+    ASSERT_TRUE(at);
+    EXPECT_TRUE(at->x() > 0 && at->x() < config.width_px && at->y() > 0 && at->y() < config.height_px);
+  }
+}
+
+TEST(Cameraman, WithoutAPlaceTheOthersStayWithTheirVehicle) {
+  PictureScene picture;
+  picture.states = team_at(0.0);
+  for (const auto type : {CameraConfig::Type::kFollow, CameraConfig::Type::kOnboard, CameraConfig::Type::kDepth}) {
+    CameraConfig config;
+    config.type = type;
+    Cameraman cameraman(config, 1, std::vector<float>(4, 0.5F), kBounds);
+    cameraman.update(picture.t, picture.states);
+    const double away_m = (cameraman.view(picture).eye_world_m - picture.states[1].p_world_m).norm();
+    EXPECT_GT(away_m, 0.1);
+    EXPECT_LT(away_m, type == CameraConfig::Type::kFollow ? 20.0 : 0.5);
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet::sim

@@ -40,5 +40,40 @@ TEST(Legend, IsNotThereWithoutKeys) {
   EXPECT_EQ(image.rgb, before.rgb);
 }
 
+TEST(ScaleBar, IsAsLongAsItsRoundNumberOfMeters) {
+  for (const double span_m : {30.0, 70.0, 400.0}) {
+    const View view = top_view({0, 0}, span_m, 0.0, 10.0, 640, 360);
+    Image image(640, 360, Rgb::Constant(0.5F));
+    draw_scale_bar(image, view);
+    // The first half is gray, the second white.
+    int white = 0, gray = 0;
+    for (int y = 0; y < image.height; ++y) {
+      int white_here = 0, gray_here = 0;
+      for (int x = 0; x < image.width; ++x) {
+        const int shade = image.pixel(x, y)[0];
+        white_here += shade == 255;
+        gray_here += std::abs(shade - 64) <= 1;
+      }
+      if (gray_here > gray) gray = gray_here, white = white_here;
+    }
+    const double length_m = (white + gray) / view.pixels_per_m(1.0);
+    EXPECT_NEAR(length_m, round_down_nicely(0.2 * 640 / view.pixels_per_m(1.0)), 1.0 / view.pixels_per_m(1.0));
+    EXPECT_NEAR(white, gray, 1);
+  }
+}
+
+TEST(Names, OfATeamAreWrittenAboveItsVehiclesAndOfASwarmNot) {
+  const View view = top_view({0, 0}, 40.0, 0.0, 10.0, 640, 360);
+  for (const int count : {1, 10, 24, 100}) {
+    PictureScene picture;
+    picture.states.resize(static_cast<std::size_t>(count));
+    const std::vector<std::string> names(static_cast<std::size_t>(count), "uav");
+    Image image(640, 360, Rgb::Constant(0.5F));
+    const Image before = image;
+    draw_names(image, view, picture, names, 1.0);
+    EXPECT_EQ(image.rgb != before.rgb, count <= 24) << count;
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet::sim

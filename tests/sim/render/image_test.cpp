@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <set>
 
 #include "sim/render/captions.hpp"
 #include "sim/render/png.hpp"
@@ -167,6 +168,47 @@ TEST(DepthPicture, ColorsNearBlueAndFarRedAndNothingGray) {
   EXPECT_GT(image.pixel(20, 100)[2], image.pixel(20, 100)[0]);
   EXPECT_GT(image.pixel(80, 100)[0], image.pixel(80, 100)[2]);
   EXPECT_EQ(image.pixel(150, 100)[0], image.pixel(150, 100)[2]);
+}
+
+TEST(DepthPicture, ShowsEveryPixelThatTheColorBarLeaves) {
+  DepthImage depth{120, 90, std::vector<float>(120 * 90, 7.0F)};
+  const Image image = draw_depth_image(depth, 20.0);
+  const Rgb expected = turbo_like(7.0F / 20.0F);
+  for (int y = 0; y < 90; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(image.pixel(x, y)[c], 255.0F * expected[c], 1.0F) << x << " " << y;
+    }
+  }
+}
+
+TEST(Text, EndsAtItsPlaceOrLiesAroundItAsAligned) {
+  const float width = text_width_px("left", 20.0F);
+  for (const Align align : {Align::kLeft, Align::kCenter, Align::kRight}) {
+    Image image(300, 60, Rgb::Constant(0.5F));
+    draw_text(image, 150.0F, 40.0F, "left", {.height_px = 20.0F, .align = align, .halo_alpha = 0.0F});
+    int left = 300, right = 0;
+    for (int y = 0; y < 60; ++y) {
+      for (int x = 0; x < 300; ++x) {
+        if (image.pixel(x, y)[0] > 200) left = std::min(left, x), right = std::max(right, x);
+      }
+    }
+    const float begin = 150.0F - (align == Align::kLeft ? 0.0F : align == Align::kCenter ? 0.5F * width : width);
+    EXPECT_NEAR(left, begin, 3);
+    EXPECT_NEAR(right, begin + width, 3);
+  }
+}
+
+// Of colors of the wheel each has a strongest and a weakest channel: all six pairs occur.
+TEST(Colors, OfManyVehiclesGoAroundTheWheel) {
+  std::set<std::pair<int, int>> pairs;
+  for (VehicleId vehicle = 10; vehicle < 80; ++vehicle) {
+    const Rgb color = vehicle_color(vehicle);
+    Eigen::Index most = 0, least = 0;
+    EXPECT_NEAR(color.maxCoeff(&most), 0.92F, 1e-5F);
+    EXPECT_NEAR(color.minCoeff(&least), 0.20F, 1e-5F);
+    pairs.insert({static_cast<int>(most), static_cast<int>(least)});
+  }
+  EXPECT_EQ(pairs.size(), 6U);
 }
 
 }  // namespace

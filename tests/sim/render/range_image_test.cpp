@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "swiftlet/core/math/random.hpp"
 
@@ -107,6 +108,30 @@ TEST(RangeImage, CanBeMadeOfAnEmptyScan) {
   const Scan scan = scan_of(spinning(16, 64));
   for (const auto quantity : {ScanQuantity::kRange, ScanQuantity::kIntensity}) {
     EXPECT_EQ(draw_range_image(scan, quantity, 320, 180).rgb.size(), 320U * 180 * 3);
+  }
+}
+
+TEST(BeamLookup, OfNoBeamsFindsNone) { EXPECT_EQ(BeamLookup(BeamTable()).beam_at(0.0, 0.0), -1); }
+
+// So that weak and strong returns can be told apart whatever their power.
+TEST(RangeImage, OfIntensitiesUsesAllShadesFromTheWeakestToTheStrongest) {
+  const BeamTable beams = spinning(64, 512);
+  for (const float weak : {1e-4F, 0.1F}) {
+    Scan scan = scan_of(beams);
+    for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
+      scan.range_m[i] = 10.0F;
+      scan.intensity[i] = weak * (i % 512 < 256 ? 1.0F : 10.0F);
+    }
+    const Image image = draw_range_image(scan, ScanQuantity::kIntensity, 800, 450);
+    std::map<int, int> shades;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < 640; ++x) {
+        const std::uint8_t* p = image.pixel(x, y);
+        if (p[0] == p[1] && p[1] == p[2]) ++shades[p[0]];
+      }
+    }
+    EXPECT_GT(shades[255], 5000);
+    EXPECT_GT(shades[31], 5000);  // 0.12 of white
   }
 }
 

@@ -22,6 +22,7 @@ TEST(DidYouMean, AWordOneOfTheUsualMistakesAway) {
   EXPECT_EQ(meant("gudiance", words), "guidance") << "two that changed places";
   EXPECT_EQ(meant("GUIDANCE", words), "guidance") << "in capitals";
   EXPECT_EQ(meant("detecotr", words), "detector");
+  EXPECT_EQ(meant("mpas", {"maps"}), "maps") << "changed places are one mistake, of which four letters may have one";
   EXPECT_EQ(meant("sky", words), "");
   EXPECT_EQ(meant("", words), "");
   EXPECT_EQ(meant("guidance", {}), "");

@@ -219,6 +219,9 @@ TEST(YamlReader, AnythingThatIsNotOneMapInUtf8IsRefused) {
   EXPECT_THAT(fleet_error("\xFF\xFE" + std::string("s\0e\0", 4)), HasSubstr("expected UTF-8"));
   EXPECT_THAT(fleet_error("title: \xC0\x80"), HasSubstr("expected UTF-8"));
   EXPECT_THAT(fleet_error("title: \xED\xA0\x80"), HasSubstr("expected UTF-8"));
+  EXPECT_THAT(fleet_error("title: \xF4\x90\x80\x80"), HasSubstr("expected UTF-8")) << "beyond U+10FFFF";
+  for (const char* text : {"\xC3\xBF", "\xE2\x82\xAC", "\xED\x9F\xBF", "\xF0\x90\x80\x80", "\xF4\x8F\xBF\xBF"})
+    EXPECT_EQ(fleet_error(std::string("title: ") + text), "no error") << text;
   EXPECT_THAT(fleet_error("title: \"\\N\""), HasSubstr("expected UTF-8 text, found an escape sequence"));
   EXPECT_THAT(fleet_error("title: [1, 2\n"), StartsWith("fleet.yaml:2:1: expected YAML, found a mistake"));
   EXPECT_THAT(fleet_error("title: !!str x"), HasSubstr("found the tag"));

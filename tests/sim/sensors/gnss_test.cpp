@@ -148,5 +148,34 @@ TEST(Gnss, ErrorsGrowInACanyonAndARoofTakesTheFix) {
   EXPECT_TRUE(fixes(roof).empty());
 }
 
+// The satellites are spread over the sky above the mask, so a wall all around that ends below the mask hides none.
+TEST(Gnss, AWallBelowTheElevationMaskHidesNoSatellite) {
+  GnssConfig config;
+  config.sky_view = true;
+  config.num_satellites = 30;
+  config.elevation_mask_deg = 20.0;
+  const auto sigma_m = [&](double wall_top_deg) {
+    TestScene world;
+    const auto top_m = static_cast<float>(1.5 + 40.0 * std::tan(wall_top_deg * std::numbers::pi / 180.0));
+    constexpr int kSides = 24;
+    for (int i = 0; i < kSides; ++i) {
+      const auto corner = [&](int k, float z) {
+        const double angle = 2.0 * std::numbers::pi * k / kSides;
+        return Eigen::Vector3f(static_cast<float>(40.0 * std::cos(angle)), static_cast<float>(40.0 * std::sin(angle)),
+                               z);
+      };
+      world.add_wall(corner(i, 0.0F), corner(i + 1, 0.0F), corner(i + 1, top_m), corner(i, top_m));
+    }
+    const auto sensor =
+        make_gnss_sensor(config, sensor_setup("gnss", 1, 1, std::make_shared<const StaticScene>(world.scene())));
+    const auto fixes = drive(*sensor, {resting({0.0, 0.0, 1.5})}, {}).gnss;
+    EXPECT_FALSE(fixes.empty());
+    return fixes.empty() ? 0.0 : fixes[0].sigma_p_m.x();
+  };
+  const double open_m = sigma_m(1.0);
+  EXPECT_EQ(sigma_m(19.5), open_m);
+  EXPECT_GT(sigma_m(30.0), open_m);
+}
+
 }  // namespace
 }  // namespace swiftlet::sim

@@ -198,6 +198,19 @@ TEST(LidarPattern, UniformStepsAreEqualAndItsColumnsDistinct) {
   EXPECT_NEAR(elevation_deg(three.directions_lidar[1]), -10.0, 1e-4);
 }
 
+TEST(LidarPattern, TwoUniformRowsAreTheEdgesOfTheField) {
+  UniformConfig edges;
+  edges.rows = 2;
+  edges.columns = 4;
+  edges.fov_vertical_deg = 30.0;
+  edges.elevation_center_deg = 5.0;
+  const BeamTable beams = beams_of(module_of("uniform", edges));
+  for (int c = 0; c < 4; ++c) {
+    EXPECT_NEAR(elevation_deg(beams.directions_lidar[static_cast<std::size_t>(c)]), 20.0, 1e-4);
+    EXPECT_NEAR(elevation_deg(beams.directions_lidar[static_cast<std::size_t>(4 + c)]), -10.0, 1e-4);
+  }
+}
+
 CsvPatternConfig csv_config(const std::string& file) {
   CsvPatternConfig config;
   config.file = file;
@@ -218,6 +231,7 @@ TEST(LidarPattern, CsvIsReadShotByShot) {
   const CsvFile file("azimuth_deg,elevation_deg,time_s\n0,0,0\n90,0,0.01\n# comment\n\n-45,30,0.02\r\n");
   const BeamTable beams = beams_of(file.module());
   ASSERT_EQ(beams.size(), 3);
+  EXPECT_EQ(beams.rows, 1);
   EXPECT_NEAR(azimuth_deg(beams.directions_lidar[1]), 90.0, 1e-4);
   EXPECT_NEAR(elevation_deg(beams.directions_lidar[2]), 30.0, 1e-4);
   EXPECT_NEAR(beams.offset_s(2), 0.02, 1e-8);

@@ -602,6 +602,58 @@ TEST(Lidar, ARollingScanTellsPosesOverTheSweepAndAnIdealOneTheTruth) {
   EXPECT_TRUE(rig.run()[0]->scan.external_poses.empty());
 }
 
+// White noise is drawn once a sweep: its poses are wrong by the same.
+TEST(Lidar, TheErrorOfWhitePosesIsOneForTheWholeSweep) {
+  Rig rig;
+  rig.config = uniform(1, 4, 0.0);
+  rig.config.external_pose.enabled = true;
+  rig.config.external_pose.correlation_time_s = 0.0;
+  rig.motions = {straight({0, 0, 0}, {5, 0, 0})};
+  const auto scans = rig.run(2);
+  ASSERT_EQ(scans.size(), 2U);
+  std::vector<Vector3> errors;
+  for (const auto& s : scans) {
+    const auto error_of = [](const StampedPose& pose) -> Vector3 {
+      return pose.T_world_body.translation() - Vector3(5.0 * to_seconds(pose.t), 0, 0);
+    };
+    errors.push_back(error_of(s->scan.external_poses.front()));
+    EXPECT_GT(errors.back().norm(), 1e-6);
+    for (const StampedPose& pose : s->scan.external_poses) EXPECT_TRUE(error_of(pose).isApprox(errors.back(), 1e-9));
+  }
+  EXPECT_GT((errors[0] - errors[1]).norm(), 1e-6);
+}
+
+// No higher than it must be, and nothing of the vehicle, whose rotors turn, rises above the cone of the lowest beams.
+TEST(LidarMount, ClearOfTheHullStandsJustHighEnoughThatNoBeamMeetsIt) {
+  const auto shape = quadrotor_shape();
+  for (const double down_deg : {15.0, 30.0, 45.0}) {
+    for (const double aside_m : {0.0, 0.07}) {
+      const LidarConfig config = uniform(16, 64, 2.0 * down_deg);
+      MountConfig mount;
+      mount.position_m = {aside_m, 0.0, 0.0};
+      mount.clear_of_hull = true;
+      const Vector3 place = mount.place_on(*shape, config.pattern).translation();
+      double highest_deg = -90.0;
+      const auto look_at = [&](const Vector3& p) {
+        const Vector3 way = p - place;
+        highest_deg = std::max(highest_deg, std::atan2(way.z(), way.head<2>().norm()) * kDegPerRad);
+      };
+      for (const Mesh& mesh : shape->meshes) {
+        if (mesh.part == VehiclePart::kSensor) continue;
+        for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) look_at(vertex.cast<double>());
+      }
+      for (const auto& rotor : shape->rotors) {
+        for (int i = 0; i < 720; ++i) {
+          const double angle = i * kPi / 360.0;
+          look_at(rotor.hub_body_m.cast<double>() + rotor.radius_m * Vector3(std::cos(angle), std::sin(angle), 0.0));
+        }
+      }
+      EXPECT_LT(highest_deg, -down_deg);
+      EXPECT_GT(highest_deg, -down_deg - 3.0);
+    }
+  }
+}
+
 // ---- determinism, memory
 // ----------------------------------------------------------------------------------------------
 

@@ -234,6 +234,27 @@ TEST_F(WorldFiles, StlIsRead) {
   EXPECT_TRUE(scene.bounds_m.center().isApprox(Vector3d(1, 2, 3), 1e-4));
 }
 
+TEST_F(WorldFiles, StlOfWordsIsRead) {
+  const Scene scene = import_mesh(write("one.stl",
+                                        "solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 2\nvertex 3 0 2\n"
+                                        "vertex 0 4 2\nendloop\nendfacet\nendsolid one\n"));
+  EXPECT_EQ(scene.num_triangles(), 1U);
+  EXPECT_TRUE(scene.bounds_m.max().isApprox(Vector3d(3, 4, 2), 1e-6));
+}
+
+// "fence_3" is as long as "trunk_3", and no class of ours.
+TEST_F(WorldFiles, NamesThatAreNoClassGetTheClassOfTheConfiguration) {
+  MeshImportConfig config;
+  config.surface_class = "wall";
+  config.file = write("names.obj",
+                      "o fence_3\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\no trunks\nv 0 5 0\nv 1 5 0\nv 0 5 1\nf 4 5 6\n"
+                      "o trunk\nv 0 9 0\nv 1 9 0\nv 0 9 1\nf 7 8 9\n")
+                    .string();
+  const Scene scene = make_mesh_import(config, 1);
+  ASSERT_EQ(scene.instances.size(), 3U);
+  for (const Mesh& mesh : scene.meshes) EXPECT_EQ(mesh.surface_class, SurfaceClass::kWall);
+}
+
 TEST_F(WorldFiles, MeshesThatAreNoneAreRejectedWithTheReason) {
   EXPECT_THAT(rejection([&] { import_mesh(write("a.obj", "")); }), AllOf(HasSubstr("a.obj"), HasSubstr("empty")));
   EXPECT_THAT(rejection([&] { import_mesh(write("b.obj", "this is no mesh\n")); }), HasSubstr("b.obj"));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <set>
 
 #include "sim/world/tree.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -301,6 +302,149 @@ TEST(Relief, StaysWithinItsAmplitudeAndIsSmooth) {
   // An octave of height a and wavelength w rises by at most 2 a 15/8 / w; four octaves of halves add up to 4 times that
   // over the sum of their weights, 15/8.
   EXPECT_LE(steepest, 4 * 2.0 * 2.0 * (15.0 / 8.0) / 20.0 / (15.0 / 8.0) + 1e-3);
+}
+
+double bell(Species species, double t) {
+  switch (species) {
+    case Species::kSpruce:
+      return t < 0.08 ? t / 0.08 : (1.0 - t) / 0.92;
+    case Species::kPine:
+      return std::pow(std::sin(std::numbers::pi * std::pow(t, 0.8)), 0.6);
+    case Species::kBroadleaf:
+      return 2.0 * std::sqrt(t * (1.0 - t));
+  }
+  return 0.0;
+}
+
+// Spruce: a cone. Pine: a dome. Broadleaf: an ellipsoid.
+TEST(Crown, HasTheOutlineOfItsSpeciesAndEndsInAPoint) {
+  for (const Species species : {Species::kPine, Species::kSpruce, Species::kBroadleaf}) {
+    const Crown crown{.species = species, .base_m = 4.0, .top_m = 14.0, .radius_m = 2.5};
+    double widest_m = 0.0;
+    for (int i = 0; i <= 100; ++i) {
+      const double t = i / 100.0, outer_m = crown.outer_radius_m(4.0 + 10.0 * t);
+      EXPECT_NEAR(outer_m, 2.5 * bell(species, t), 1e-6) << name_of(species) << " at " << t;
+      EXPECT_LT(crown.inner_radius_m(4.0 + 10.0 * t), outer_m + 1e-12);
+      widest_m = std::max(widest_m, outer_m);
+    }
+    EXPECT_NEAR(widest_m, 2.5, 0.01);
+    EXPECT_FALSE(crown.contains({1.5, 0.0, 14.01}));
+    EXPECT_FALSE(crown.contains({1.5, 0.0, 3.99}));
+  }
+}
+
+class TreesOf : public testing::TestWithParam<Species> {};
+INSTANTIATE_TEST_SUITE_P(Species, TreesOf, testing::Values(Species::kPine, Species::kSpruce, Species::kBroadleaf),
+                         [](const auto& species) { return std::string(name_of(species.param)); });
+
+TEST_P(TreesOf, LeafAreaIsItsDensityTimesTheVolumeOfTheCrown) {
+  const Tree tree = make_tree(GetParam(), 0.35, {.leaf_area_density_per_m = 0.7}, Dice(Random(1, "test"), 0));
+  const Crown& crown = tree.crown;
+  Dice dice(Random(2, "test"), 0);
+  constexpr int kDraws = 20000;
+  int inside = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const double z_m = dice.uniform(crown.base_m, crown.top_m);
+    const double x_m = dice.uniform(-crown.radius_m, crown.radius_m);
+    const double y_m = dice.uniform(-crown.radius_m, crown.radius_m);
+    inside += crown.contains({x_m + crown.lean_x * z_m, y_m + crown.lean_y * z_m, z_m});
+  }
+  const double box_m3 = (crown.top_m - crown.base_m) * 4.0 * crown.radius_m * crown.radius_m,
+               share = 1.0 * inside / kDraws;
+  EXPECT_NEAR(area_m2(tree.leaves), 0.7 * box_m3 * share,
+              0.7 * box_m3 * 4 * std::sqrt(share * (1 - share) / kDraws) + 0.1);
+}
+
+TEST_P(TreesOf, BranchesFillTheCrownAndDoNotLeaveIt) {
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    const Tree tree = make_tree(GetParam(), 0.35, {.lean_max_deg = 3.0}, Dice(Random(3, "test"), i));
+    const Crown& crown = tree.crown;
+    double farthest_m = 0.0;
+    for (const Eigen::Vector3f& vertex : tree.branches.vertices_mesh_m) {
+      const Vector3d p = vertex.cast<double>();
+      ASSERT_TRUE(p.allFinite());
+      EXPECT_LT(p.z(), tree.height_m);
+      const double from_axis_m = std::hypot(p.x() - crown.lean_x * p.z(), p.y() - crown.lean_y * p.z());
+      farthest_m = std::max(farthest_m, from_axis_m);
+    }
+    EXPECT_LT(farthest_m, 1.05 * crown.radius_m);
+    EXPECT_GT(farthest_m, 0.6 * crown.radius_m);
+  }
+}
+
+TEST_P(TreesOf, StandAsHighAsTheStemMapSays) {
+  SceneBuilder builder;
+  const TreeStock stock(builder, GetParam(), {0.25, 0.4}, {.lean_max_deg = 0.0}, Random(4, "test"));
+  stock.place(builder, {5.0, -3.0, 1.5}, 0.33, 0.8, 0.7);
+  const Scene scene = builder.finish();
+  ASSERT_EQ(scene.objects.size(), 1U);
+  const double height_m = attribute(scene.objects[0], "height_m");
+  EXPECT_NEAR(height_m, 0.8 * height_by_diameter_m(GetParam(), 0.33), 1e-9);
+  EXPECT_NEAR(test::bounds_of(scene, SurfaceClass::kTrunk).max().z(), 1.5 + height_m, 1e-3);
+  EXPECT_NEAR(test::bounds_of(scene, SurfaceClass::kVegetation).min().z(),
+              1.5 + attribute(scene.objects[0], "crown_base_m"), 0.3);
+}
+
+TEST(Relief, GroundCoversItsRectangleAndTheSurroundingsARingAroundIt) {
+  const Relief flat_relief({.amplitude_m = 0.0}, 1), hills({.amplitude_m = 2.0}, 1);
+  const Eigen::Vector2d low(-10.0, -6.5), high(10.0, 6.5);
+  constexpr double kWidth_m = 40.0;
+  for (const bool flat : {true, false}) {
+    const Mesh ground = make_ground(flat ? flat_relief : hills, flat, low, high, 1.3);
+    const Mesh around = make_ground_around(flat ? flat_relief : hills, flat, low, high, 1.3, kWidth_m);
+    // Seen from above.
+    const auto covered_m2 = [](const Mesh& mesh) {
+      double sum_m2 = 0.0;
+      for (const auto& [a, b, c] : mesh.triangles) {
+        const float twice_m2 = (mesh.vertices_mesh_m[b] - mesh.vertices_mesh_m[a])
+                                   .cross(mesh.vertices_mesh_m[c] - mesh.vertices_mesh_m[a])
+                                   .z();
+        EXPECT_GT(twice_m2, 0.0F);
+        sum_m2 += 0.5 * twice_m2;
+      }
+      return sum_m2;
+    };
+    const double inner_m2 = 20.0 * 13.0, outer_m2 = (20.0 + 2 * kWidth_m) * (13.0 + 2 * kWidth_m);
+    EXPECT_NEAR(covered_m2(ground), inner_m2, 1e-2);
+    EXPECT_NEAR(covered_m2(around), outer_m2 - inner_m2, 0.1);
+    EXPECT_TRUE(bounds_m(ground).min().head<2>().isApprox(low.cast<float>()));
+    EXPECT_TRUE(bounds_m(ground).max().head<2>().isApprox(high.cast<float>()));
+    EXPECT_TRUE(bounds_m(around).min().head<2>().isApprox((low.array() - kWidth_m).matrix().cast<float>()));
+    EXPECT_TRUE(bounds_m(around).max().head<2>().isApprox((high.array() + kWidth_m).matrix().cast<float>()));
+    std::vector<bool> is_used(around.vertices_mesh_m.size());
+    for (const auto& triangle : around.triangles) {
+      for (const std::uint32_t corner : triangle) is_used.at(corner) = true;
+    }
+    EXPECT_EQ(std::count(is_used.begin(), is_used.end(), false), 0);
+  }
+}
+
+// So that the eye sees no seam: a row of triangles is at most a third wider than the one before it.
+TEST(Relief, TrianglesOfTheSurroundingsGrowOutwardLittleByLittle) {
+  const Relief hills({.amplitude_m = 2.0}, 1);
+  const Mesh around = make_ground_around(hills, false, {-10.0, -10.0}, {10.0, 10.0}, 1.0, 60.0);
+  std::set<float> lines;
+  for (const Eigen::Vector3f& vertex : around.vertices_mesh_m) {
+    if (vertex.x() >= 10.0F) lines.insert(vertex.x());
+  }
+  std::vector<float> steps_m;
+  for (auto line = lines.begin(); std::next(line) != lines.end(); ++line) steps_m.push_back(*std::next(line) - *line);
+  ASSERT_GT(steps_m.size(), 5U);
+  EXPECT_NEAR(steps_m[0], 1.0F, 0.3F);
+  for (std::size_t i = 1; i + 1 < steps_m.size(); ++i) {  // the last one ends where the ground does
+    EXPECT_GE(steps_m[i], steps_m[i - 1] - 1e-3F);
+    EXPECT_LE(steps_m[i], 1.34F * steps_m[i - 1]);
+  }
+  EXPECT_GT(*std::max_element(steps_m.begin(), steps_m.end()), 4.0F);
+}
+
+TEST(Forest, GroundCoversExactlyItsRectangle) {
+  ForestConfig config = bare_stems();
+  config.stems_per_ha = config.surroundings_m = 0.0;
+  config.size_m = {31.0, 22.0};
+  const auto ground = test::bounds_of(make_forest(config, 1), SurfaceClass::kGround);
+  EXPECT_TRUE(ground.min().head<2>().isApprox(-0.5 * config.size_m, 1e-5));
+  EXPECT_TRUE(ground.max().head<2>().isApprox(0.5 * config.size_m, 1e-5));
 }
 
 }  // namespace

@@ -15,14 +15,8 @@ namespace swiftlet::sim {
 namespace {
 
 using Eigen::Vector3d;
+using test::free_width_m;
 using test::objects_of;
-
-// Free width at a point: ranges to both sides along a direction.
-double free_width_m(const Scene& scene, const Vector3d& point, const Vector3d& direction) {
-  const auto ahead = test::trace(scene, point, direction);
-  const auto behind = test::trace(scene, point, -direction);
-  return ahead && behind ? ahead->range_m + behind->range_m : std::numeric_limits<double>::infinity();
-}
 
 // No triangle's corner or edge middle lies in the box.
 void expect_empty(const Scene& scene, const Vector3d& low, const Vector3d& high) {
@@ -157,6 +151,18 @@ TEST(TwoRoomsGap, RoomsAreClosedAllAround) {
     ASSERT_TRUE(hit);
     ASSERT_LT(hit->range_m, 20.0);
   }
+}
+
+TEST(TwoRoomsGap, TheFloorReachesAsFarBeyondTheRoomsOnEverySide) {
+  TwoRoomsGapConfig config;
+  config.gap_offset_m = 0.7;
+  const Scene scene = make_two_rooms_gap(config, 1);
+  const auto walls = test::bounds_of(scene, SurfaceClass::kWall), floor = test::bounds_of(scene, SurfaceClass::kGround);
+  const Vector3d below = walls.min() - floor.min(), above = floor.max() - walls.max();
+  EXPECT_GT(below.x(), 1.0);
+  EXPECT_NEAR(below.y(), below.x(), 1e-4);
+  EXPECT_NEAR(above.x(), below.x(), 1e-4);
+  EXPECT_NEAR(above.y(), below.x(), 1e-4);
 }
 
 TEST(TwoRoomsGap, RandomYawComesFromTheSeed) {

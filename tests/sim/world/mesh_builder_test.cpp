@@ -80,5 +80,32 @@ TEST(MeshBuilder, HeightfieldFacesUpAndPassesThroughItsHeights) {
   }
 }
 
+TEST(MeshBuilder, HeightfieldCoversItsRectangleOnceWithoutHoles) {
+  Mesh mesh;
+  constexpr int kColumns = 5, kRows = 4;
+  std::vector<float> heights;
+  for (int i = 0; i < kColumns * kRows; ++i) heights.push_back(static_cast<float>(i % 7));
+  add_box(mesh, Vector3f(-9, -9, -9), Vector3f(-8, -8, -8));  // it is appended to what was there
+  const std::size_t first = mesh.triangles.size();
+  add_heightfield(mesh, {1, 2}, {0.5F, 0.25F}, kColumns, kRows, heights);
+  ASSERT_EQ(mesh.triangles.size() - first, 2U * (kColumns - 1) * (kRows - 1));
+  double covered_m2 = 0.0;
+  for (std::size_t i = first; i < mesh.triangles.size(); ++i) {
+    Eigen::AlignedBox3f box;
+    for (const std::uint32_t corner : mesh.triangles[i]) {
+      ASSERT_LT(corner, mesh.vertices_mesh_m.size());
+      box.extend(mesh.vertices_mesh_m[corner]);
+    }
+    EXPECT_TRUE(box.sizes().head<2>().isApprox(Eigen::Vector2f(0.5F, 0.25F)));  // half of one cell
+    const auto& [a, b, c] = mesh.triangles[i];
+    const float twice_m2 = (mesh.vertices_mesh_m[b] - mesh.vertices_mesh_m[a])
+                               .cross(mesh.vertices_mesh_m[c] - mesh.vertices_mesh_m[a])
+                               .z();
+    EXPECT_GT(twice_m2, 0.0F);
+    covered_m2 += 0.5 * twice_m2;
+  }
+  EXPECT_NEAR(covered_m2, 4 * 0.5 * 3 * 0.25, 1e-5);
+}
+
 }  // namespace
 }  // namespace swiftlet::sim

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
@@ -110,7 +111,7 @@ TEST(VehicleShape, BladesCoverTheAreaOfTheirTrapezoids) {
     rotor.blades = blades;
     rotor.chord_m = 0.024F;
     for (const double angle_rad : {0.0, 0.4, -7.3}) {
-      constexpr int kCells = 1500;
+      constexpr int kCells = 500;
       const double cell_m = 2.0 * rotor.radius_m / kCells;
       double area_m2 = 0.0;
       for (int i = 0; i < kCells; ++i) {
@@ -137,6 +138,44 @@ TEST(VehicleShape, BladesTurnWithTheAngle) {
   EXPECT_TRUE(VehicleShape::blade_covers(rotor, 0.0F, 0.1F, kPi / 2 - 2000 * kPi));
   EXPECT_FALSE(VehicleShape::blade_covers(rotor, 0.21F, 0.0F, 0.0));  // beyond the tip
   EXPECT_FALSE(VehicleShape::blade_covers(rotor, 0.01F, 0.0F, 0.0));  // at the hub
+}
+
+// Rotors in front, behind, left and right: so it looks the same in a mirror.
+TEST(VehicleShape, IsAsWideToTheLeftAsToTheRightAndNoTriangleIsThereTwice) {
+  for (const int num_rotors : {4, 6, 8}) {
+    const VehicleShape shape =
+        make_vehicle_shape(make_airframe(num_rotors, 0.3), {.place = MarkersConfig::Place::kLegs});
+    for (const Mesh& mesh : shape.meshes) {
+      const auto box = bounds_m(mesh);
+      EXPECT_NEAR(box.min().y(), -box.max().y(), 1e-4F) << name_of(mesh.part);
+      EXPECT_NEAR(box.min().x(), -box.max().x(), 1e-4F) << name_of(mesh.part);
+      std::set<std::array<long, 9>> seen;
+      for (const auto& triangle : mesh.triangles) {
+        std::array<long, 9> key{};
+        for (std::size_t i = 0; i < 9; ++i) {
+          const float value_m = mesh.vertices_mesh_m[triangle[i / 3]][static_cast<Eigen::Index>(i % 3)];
+          ASSERT_TRUE(std::isfinite(value_m)) << name_of(mesh.part);
+          key[i] = std::lround(value_m / 1e-5F);
+        }
+        EXPECT_TRUE(seen.insert(key).second) << name_of(mesh.part);
+      }
+    }
+  }
+}
+
+TEST(VehicleShape, BodyHasTheRadiusAndAboutTheHeightOfTheAirframe) {
+  for (const double height_m : {0.05, 0.1, 0.3}) {
+    Airframe airframe = make_airframe(4, 0.4);
+    airframe.body_height_m = height_m;
+    airframe.body_radius_m = 0.17;
+    for (const Mesh& mesh : make_vehicle_shape(airframe).meshes) {
+      if (mesh.part != VehiclePart::kBody) continue;
+      float radius_m = 0.0F;
+      for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) radius_m = std::max(radius_m, vertex.head<2>().norm());
+      EXPECT_NEAR(radius_m, 0.17F, 0.03F * 0.17F);
+      EXPECT_NEAR(bounds_m(mesh).sizes().z(), height_m, 0.2 * height_m);
+    }
+  }
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -95,6 +97,32 @@ inline std::optional<BruteHit> trace(const Scene& scene, const Eigen::Vector3d& 
     }
   }
   return nearest;
+}
+
+/// Free width at a point: ranges to both sides along a direction.
+inline double free_width_m(const Scene& scene, const Eigen::Vector3d& point, const Eigen::Vector3d& direction) {
+  const auto ahead = trace(scene, point, direction);
+  const auto behind = trace(scene, point, -direction);
+  return ahead && behind ? ahead->range_m + behind->range_m : std::numeric_limits<double>::infinity();
+}
+
+/// Bounding box in the world of everything of a class, one for each number of an instance.
+inline std::map<std::uint16_t, Eigen::AlignedBox3d> bounds_of_each(const Scene& scene, SurfaceClass surface_class) {
+  std::map<std::uint16_t, Eigen::AlignedBox3d> bounds;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    if (mesh.surface_class != surface_class) continue;
+    for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m)
+      bounds[instance.instance].extend((instance.T_world_mesh * vertex).cast<double>());
+  }
+  return bounds;
+}
+
+/// The same box around all of them.
+inline Eigen::AlignedBox3d bounds_of(const Scene& scene, SurfaceClass surface_class) {
+  Eigen::AlignedBox3d all;
+  for (const auto& [instance, bounds] : bounds_of_each(scene, surface_class)) all.extend(bounds);
+  return all;
 }
 
 }  // namespace swiftlet::sim::test
