@@ -8,7 +8,7 @@
 namespace swiftlet {
 
 Pose interpolate(const TimedPose& before, const TimedPose& after, TimeNs t) {
-  if (t <= before.t || after.t <= before.t) return before.T;
+  if (t <= before.t) return before.T;
   if (t >= after.t) return after.T;
   const double f = static_cast<double>(t - before.t) / static_cast<double>(after.t - before.t);
   const Eigen::Quaterniond q0(before.T.linear()), q1(after.T.linear());

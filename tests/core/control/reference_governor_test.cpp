@@ -93,6 +93,28 @@ TEST(ReferenceGovernor, GoesToAFarPointInNearlyLeastTimeWithoutOvershoot) {
   }
 }
 
+// Full jerk up to the greatest acceleration, and full jerk down to none at the greatest speed.
+TEST(ReferenceGovernor, GainsSpeedAsFastAsItsLimitsAllow) {
+  for (const Set set : {Set::kSlow, Set::kMedium, Set::kFast, Set::kAgile}) {
+    const MotionLimits l = limits_named(set);
+    const double v_mps = l.horizontal_speed_mps, a_mps2 = l.horizontal_acceleration_mps2,
+                 j_mps3 = l.horizontal_jerk_mps3;
+    ReferenceGovernor governor(l);
+    for (const double missing_mps : {0.5 * v_mps, 0.2 * a_mps2 * a_mps2 / j_mps3}) {
+      governor.reset(at(0, 0, 0));
+      double reached_s = kStep_s;
+      while (governor.step(at(1000, 0, 0), kStep_s).velocity_mps.x() < v_mps - missing_mps) {
+        reached_s += kStep_s;
+        ASSERT_LT(reached_s, 60.0);
+      }
+      const double whole_s = v_mps / a_mps2 + a_mps2 / j_mps3, ramp_s = a_mps2 / j_mps3;
+      const double left_s = missing_mps < 0.5 * a_mps2 * ramp_s ? std::sqrt(2.0 * missing_mps / j_mps3)
+                                                                : 0.5 * ramp_s + missing_mps / a_mps2;
+      EXPECT_NEAR(reached_s, whole_s - left_s, 6.0 * kStep_s) << missing_mps << " of " << v_mps;
+    }
+  }
+}
+
 TEST(ReferenceGovernor, NeverExceedsALimitWhateverTheGoal) {
   for (const Set set : {Set::kSlow, Set::kMedium, Set::kFast, Set::kAgile}) {
     const MotionLimits l = limits_named(set);

@@ -306,6 +306,7 @@ TEST(TrackBeforeDetect, ItsWorkIsBounded) {
   hypotheses.append_counters(counters);
   ASSERT_EQ(counters.size(), 1U);
   EXPECT_GT(counters.front().count, 0U);
+  EXPECT_LE(counters.front().count, counters.front().of) << "each was born before";
 }
 
 }  // namespace

@@ -63,13 +63,15 @@ TEST(RblCell, IntervalsOfRowsAgreeWithTestingEverySample) {
   const double ball_radius = 1.5;
   cell.cut_ball(ball_center, ball_radius);
   cell.exclude([](const Eigen::Vector3f& q) { return q.x() > 0.3F && q.y() > 0.1F; });
+  cell.exclude([](const Eigen::Vector3f& q) { return q.x() < -0.7F && q.z() > 0.2F; });
   int inside = 0;
   for (int i = 0; i < cell.num_samples(); ++i) {
     const Vector3 q = cell.point(i);
     ASSERT_LE(q.norm(), 2.0 + 1e-5);
     ASSERT_GE(q.z(), -1.2 - 1e-5);
     ASSERT_LE(q.z(), 1.6 + 1e-5);
-    bool expected = (q - ball_center).norm() <= ball_radius && !(q.x() > 0.3F && q.y() > 0.1F);
+    bool expected =
+        (q - ball_center).norm() <= ball_radius && !(q.x() > 0.3F && q.y() > 0.1F) && !(q.x() < -0.7F && q.z() > 0.2F);
     for (const HalfSpace& cut : cuts) expected = expected && cut.normal_local.dot(q) <= cut.offset_m;
     ASSERT_EQ(cell.contains(i), expected) << q.transpose();
     inside += expected;

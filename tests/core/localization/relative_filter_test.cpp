@@ -276,5 +276,20 @@ TEST(RelativeOdometry, TellsWhatLiesBetweenItsSamples) {
   EXPECT_FALSE(odometry.push(flight.at(7.0).motion)) << "what is older comes too late";
 }
 
+TEST(RelativeFilter, WhileNothingIsHeardItsHeadingIsUnsureByTheTurnRate) {
+  const auto variance = [](double yaw_rate_sigma_degps, double since_s) {
+    FilterTrial trial;
+    trial.config.yaw_rate_sigma_degps = yaw_rate_sigma_degps;
+    FilterRun run(trial, random_flight(0.5, 3), 3);
+    run.take(trial.measurements());
+    const RelativeEstimate last = run.filter().at(from_seconds(trial.end_s));
+    return run.filter().at(last.heard + from_seconds(since_s)).covariance(6, 6);
+  };
+  for (const double since_s : {0.5, 2.0}) {
+    const double turned_rad = 3.0 * kRadPerDeg * since_s;
+    EXPECT_NEAR(variance(3.0, since_s) - variance(0.0, since_s), turned_rad * turned_rad, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "swiftlet/core/map/occupancy_map.hpp"
 #include "swiftlet/core/math/random.hpp"
@@ -87,6 +88,28 @@ TEST(KeepOut, IsEnteredWhereItsDistanceBecomesZero) {
     EXPECT_NEAR(*found, expected, 2e-3) << k;
   }
   EXPECT_GT(entered, 50);
+}
+
+// A fine walk through the box meets the same cells.
+TEST(OverlaidOccupancy, CollectsCellsThatReachIntoABoxWithAnyPart) {
+  const OverlaidOccupancy view(one_ray(), {kBox});
+  const Vector3 low(2.72, -0.37, 0.93), high(3.22, 0.38, 1.47);
+  for (const auto& [min, max] : {std::pair(low, high), std::pair(Vector3(low.array() + 0.06), high)}) {
+    std::vector<Vector3> cells;
+    view.occupied_in(min, max, cells);
+    std::size_t expected = 0;
+    for (double z = 0.05; z < 4.0; z += 0.1) {
+      for (double y = -1.95; y < 2.0; y += 0.1) {
+        for (double x = 0.05; x < 6.0; x += 0.1) {
+          const Vector3 center(x, y, z);
+          const Eigen::AlignedBox3d cell(Vector3(center.array() - 0.05), Vector3(center.array() + 0.05));
+          expected += kBox.contains(center) && cell.intersects(Eigen::AlignedBox3d(min, max)) ? 1 : 0;
+        }
+      }
+    }
+    EXPECT_EQ(cells.size(), expected);
+    EXPECT_GT(expected, 50U);
+  }
 }
 
 TEST(OverlaidOccupancy, CollectsItsCellsOnce) {

@@ -56,5 +56,20 @@ TEST(PathTiming, CutsACornerLessWhereThereIsLittleRoomAndNotWhereThereIsNone) {
   EXPECT_TRUE(std::isnan(cut_m(0.01)));
 }
 
+TEST(PathTiming, AWayToldInManyShortLegsIsTheSameAsInLongOnes) {
+  const std::vector<Vector3> corners = {{0, 0, 3}, {6, 0, 3}, {6, 6, 3}};
+  std::vector<Vector3> short_legs = {corners[0]};
+  for (int leg = 0; leg < 2; ++leg) {
+    for (int i = 1; i <= 61; ++i) short_legs.push_back(corners[leg] + i / 61.0 * (corners[leg + 1] - corners[leg]));
+  }
+  const auto is_free = [](const Vector3&) { return true; };
+  const auto path = time_path(corners, kLimits, is_free), same = time_path(short_legs, kLimits, is_free);
+  ASSERT_TRUE(path && same);
+  EXPECT_NEAR(same->spline().duration_s(), path->spline().duration_s(), 0.2);
+  for (double t_s = 0.0; t_s < path->spline().duration_s(); t_s += 0.1) {
+    EXPECT_LT((same->spline().at(t_s).p_m - path->spline().at(t_s).p_m).norm(), 0.03) << t_s;
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet

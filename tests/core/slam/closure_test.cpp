@@ -152,6 +152,28 @@ TEST(BranchAndBound, NeverMissesTheBestPoseInTheWindow) {
   EXPECT_LT(expanded, leaves) << "bounds save work";
 }
 
+TEST(BranchAndBound, TheEdgesOfTheWindowBelongToIt) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(-5.0F, 5.0F);
+  Points points(40);
+  for (Eigen::Vector3f& p : points) {
+    for (int axis = 0; axis < 3; ++axis) p(axis) = uniform(random);
+  }
+  const OccupancyPyramid map(points, 0.5, 3);
+  const SearchWindow window{5, 2, 0.0, 0.05};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int side : {-1, 1}) {
+      const Vector3 off_m = 0.5 * side * (axis == 2 ? 2 : 5) * Vector3::Unit(axis);
+      Points moved_points = points;
+      for (Eigen::Vector3f& p : moved_points) p -= off_m.cast<float>();
+      const SearchResult found = search_best_pose(map, moved_points, Pose::Identity(), window, 0.0, 1'000'000'000);
+      ASSERT_TRUE(found.best);
+      EXPECT_EQ(found.best->score, 1.0) << axis << " " << side;
+      EXPECT_EQ(found.best->T_map_cloud.translation(), off_m);
+    }
+  }
+}
+
 TEST(BranchAndBound, TellsWhenItsBudgetEnds) {
   const Points points = upright_points_m(yard(1), 0.5, 25.0);
   const OccupancyPyramid map(points, 0.5, 4);

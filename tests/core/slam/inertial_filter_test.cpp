@@ -144,5 +144,26 @@ TEST(InertialFilter, SamplesThatAreNotFiniteOrNotNewAreNone) {
   EXPECT_EQ(filter.state().nav.p_m, p_m);
 }
 
+// Of two filters that differ in one noise alone, the difference of the covariances is what that noise adds: white
+// noise of the accelerometer, integrated once and twice.
+TEST(InertialFilter, NoiseOfTheAccelerometerGrowsAsItsIntegrals) {
+  constexpr double kNoise = 0.5, kDuration_s = 2.0;
+  const auto after_flight = [](double accel_noise_mps2_sqrt_hz) {
+    InertialConfig config;
+    config.accel_noise_mps2_sqrt_hz = accel_noise_mps2_sqrt_hz;
+    Filter filter(config, Pose::Identity());
+    for (int i = 0; i <= 20; ++i) filter.predict({i * 100'000'000, {0, 0, 0}, {0, 0, 9.81}});
+    return filter.covariance();
+  };
+  const Filter::Covariance added = after_flight(kNoise) - after_flight(0.0);
+  const double q = kNoise * kNoise;
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(added(Filter::kP + axis, Filter::kP + axis) / (q * std::pow(kDuration_s, 3) / 3.0), 1.0, 5e-3);
+    EXPECT_NEAR(added(Filter::kP + axis, Filter::kV + axis) / (q * std::pow(kDuration_s, 2) / 2.0), 1.0, 1e-9);
+    EXPECT_NEAR(added(Filter::kV + axis, Filter::kP + axis) / (q * std::pow(kDuration_s, 2) / 2.0), 1.0, 1e-9);
+    EXPECT_NEAR(added(Filter::kV + axis, Filter::kV + axis) / (q * kDuration_s), 1.0, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -306,5 +306,23 @@ TEST(Slam, ListensToTheLidarsThatAreNamed) {
   EXPECT_EQ(fly(again, course).warnings, "");
 }
 
+TEST(Slam, ItsPlaceIsThatOfTheFirstFixThatIsANumber) {
+  AgentSetup setup;
+  setup.start_known = StartKnown::kNothing;
+  const auto estimator = make_slam_estimator(SlamConfig{}, setup);
+  Outbox outbox(0);
+  auto place_after_fix_m = [&, i = 0](const Vector3& fix_m) mutable {
+    Observation observation;
+    observation.t = ++i * kTick;
+    observation.imu.push_back({observation.t, Vector3::Zero(), {0, 0, 9.81}});
+    observation.compass.push_back({observation.t, 1.0, 0.01});
+    observation.gnss.push_back({observation.t, fix_m});
+    return Vector3(estimator->update(observation, outbox).T_world_body().translation());
+  };
+  EXPECT_TRUE(place_after_fix_m({std::nan(""), 0, 0}).allFinite());
+  EXPECT_LT((place_after_fix_m({30, -20, 5}) - Vector3(30, -20, 5)).norm(), 1e-3);
+  EXPECT_LT((place_after_fix_m({31, -20, 5}) - Vector3(30, -20, 5)).norm(), 1e-3) << "later ones do not move the frame";
+}
+
 }  // namespace
 }  // namespace swiftlet
