@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/render/mark_painter.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "embedded/sim_render.hpp"
@@ -102,13 +103,15 @@ MarkPainter::MarkPainter(const GlFunctions& gl)
   sphere_ = upload(unit_sphere());
 }
 
-void MarkPainter::draw_points(const View& view, std::span<const PointVertex> points, float size_m, float cut_m) {
+void MarkPainter::draw_points(const View& view, std::span<const PointVertex> points, const PointSize& size,
+                              float cut_m) {
   if (points.empty()) return;
   point_program_.use();
   point_program_.set("u_clip_world", Eigen::Matrix4f(view.clip_world().cast<float>()));
   point_program_.set("u_pixels_at_1m", static_cast<float>(view.pixels_per_m(1.0)));
-  point_program_.set("u_size_m", size_m);
-  point_program_.set("u_min_px", 2.2F);
+  point_program_.set("u_size_m", size.diameter_m);
+  point_program_.set("u_min_px", size.least_px);
+  point_program_.set("u_max_px", std::max(14.0F, size.least_px));
   point_program_.set("u_cut_m", cut_m);
   gl_.Enable(GL_PROGRAM_POINT_SIZE);
   gl_.BindVertexArray(points_.array);

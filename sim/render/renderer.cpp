@@ -29,6 +29,7 @@ constexpr float kCloudPoint_m = 0.07F;
 constexpr float kTrailWidth_px = 3.2F;
 const Eigen::Vector3f kSun = Eigen::Vector3f(-0.62F, 0.28F, 0.80F).normalized();
 const Eigen::Vector3f kHaze(0.83F, 0.88F, 0.92F);
+const Eigen::Vector3f kWhite = Eigen::Vector3f::Ones();
 
 /// Parallel projection along the sun's rays around a box: x, y to [-1, 1], depth to [0, 1] from the sun.
 Eigen::Matrix4f clip_of_sun(const Eigen::AlignedBox3f& box, float& width_m) {
@@ -71,9 +72,11 @@ bool is_opaque(const Overlay& overlay) {
   return std::all_of(overlay.colors.begin(), overlay.colors.end(), [](const auto& c) { return c.w() >= 0.995F; });
 }
 
-std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, CloudColors by) {
+std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, const PictureStyle& style) {
+  const CloudColors by = style.cloud;
   std::vector<PointVertex> points;
-  const HeightScale scale = by == CloudColors::kHeight ? height_scale_of(clouds) : HeightScale{};
+  HeightScale scale;
+  if (by == CloudColors::kHeight) scale = style.heights ? *style.heights : height_scale_of(clouds);
   for (const PictureCloud& cloud : clouds) {
     for (std::size_t i = 0; i < cloud.points_world_m.size(); ++i) {
       const Eigen::Vector3f& p = cloud.points_world_m[i];
@@ -95,11 +98,13 @@ std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, Cl
 PictureStyle style_of(const CameraConfig& camera) {
   PictureStyle style;
   style.cloud = camera.cloud;
-  style.trails = camera.trails;
+  style.point_px = static_cast<float>(camera.point_px);
+  style.trails = camera.trails && camera.type != CameraConfig::Type::kOnboard;
   style.overlays = camera.overlays;
   style.vehicle_scale = camera.vehicle_scale;
   style.cut_above = camera.cut_above;
   style.cut_height_m = camera.cut_height_m;
+  style.white = camera.on_paper();
   return style;
 }
 
@@ -117,6 +122,26 @@ HeightScale height_scale_of(std::span<const PictureCloud> clouds) {
   };
   const float low = quantile(0.01);
   return {low, std::max(low + 0.5F, quantile(0.99))};
+}
+
+std::vector<PictureCloud> shown_of(std::span<const PictureCloud> clouds, const View& view, const PictureStyle& style) {
+  const float cut_m = style.cut_above ? static_cast<float>(style.cut_height_m) : kNoCut_m;
+  const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
+  std::vector<PictureCloud> shown;
+  for (const PictureCloud& cloud : clouds) {
+    PictureCloud& kept = shown.emplace_back();
+    kept.vehicle = cloud.vehicle;
+    for (std::size_t i = 0; i < cloud.points_world_m.size(); ++i) {
+      const Eigen::Vector3f& p = cloud.points_world_m[i];
+      const Eigen::Vector4f clip = clip_world * p.homogeneous();
+      if (p.z() > cut_m || clip.head<2>().cwiseAbs().maxCoeff() > clip.w() || clip.z() < 0.0F || clip.z() > clip.w())
+        continue;
+      kept.points_world_m.push_back(p);
+      if (i < cloud.intensity.size()) kept.intensity.push_back(cloud.intensity[i]);
+      if (i < cloud.surface_class.size()) kept.surface_class.push_back(cloud.surface_class[i]);
+    }
+  }
+  return shown;
 }
 
 struct Renderer::Impl {
@@ -168,9 +193,9 @@ struct Renderer::Impl {
   void find_occlusion(const View& view);
   void light(const View& view, const PictureStyle& style);
   void draw_marks(const View& view, const PictureScene& picture, const PictureStyle& style);
-  void draw_overlay(const View& view, const Overlay& overlay, float cut_m);
+  void draw_overlay(const View& view, const Overlay& overlay, const PictureStyle& style);
   void draw_solid_overlay(const View& view, const Overlay& overlay, float cut_m);
-  void append_trails(const View& view, const PictureScene& picture, std::vector<ClipVertex>& outline,
+  void append_trails(const View& view, const PictureScene& picture, float line_scale, std::vector<ClipVertex>& outline,
                      std::vector<ClipVertex>& ribbon) const;
   Image read_picture();
 };
@@ -389,7 +414,8 @@ void Renderer::Impl::light(const View& view, const PictureStyle& style) {
   light_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
   light_program.set("u_sun", kSun);
   light_program.set("u_haze_per_m", haze_per_m);
-  light_program.set("u_haze_color", kHaze);
+  light_program.set("u_haze_color", style.white ? kWhite : kHaze);
+  light_program.set("u_white", style.white ? 1.0F : 0.0F);
   light_program.set("u_shadow_world", shadow.texture_world);
   light_program.set("u_vehicle_shadow_world", vehicle_shadow.texture_world);
   light_program.set("u_shadow_texel_m", shadow.texel_m);
@@ -398,8 +424,8 @@ void Renderer::Impl::light(const View& view, const PictureStyle& style) {
   gl.Enable(GL_DEPTH_TEST);
 }
 
-void Renderer::Impl::append_trails(const View& view, const PictureScene& picture, std::vector<ClipVertex>& outline,
-                                   std::vector<ClipVertex>& ribbon) const {
+void Renderer::Impl::append_trails(const View& view, const PictureScene& picture, float line_scale,
+                                   std::vector<ClipVertex>& outline, std::vector<ClipVertex>& ribbon) const {
   for (std::size_t v = 0; v < std::min(picture.trails_m.size(), picture.states.size()); ++v) {
     std::vector<Eigen::Vector3f> points = picture.trails_m[v];
     points.push_back(picture.states[v].p_world_m.cast<float>());
@@ -413,8 +439,8 @@ void Renderer::Impl::append_trails(const View& view, const PictureScene& picture
       colors[i] = with_alpha(color, alpha);
       dark[i] = with_alpha(0.18F * color, 0.75F * alpha);
     }
-    append_polyline(view, points, dark, kTrailWidth_px + 2.4F, outline);
-    append_polyline(view, points, colors, kTrailWidth_px, ribbon);
+    append_polyline(view, points, dark, line_scale * (kTrailWidth_px + 2.4F), outline);
+    append_polyline(view, points, colors, line_scale * kTrailWidth_px, ribbon);
   }
 }
 
@@ -455,7 +481,8 @@ void Renderer::Impl::draw_solid_overlay(const View& view, const Overlay& overlay
   gl.DepthMask(GL_FALSE);
 }
 
-void Renderer::Impl::draw_overlay(const View& view, const Overlay& overlay, float cut_m) {
+void Renderer::Impl::draw_overlay(const View& view, const Overlay& overlay, const PictureStyle& style) {
+  const float width_px = overlay.size_m * style.line_scale;
   std::vector<ClipVertex> lines;
   switch (overlay.kind) {
     case Overlay::Kind::kPoints: {
@@ -463,26 +490,26 @@ void Renderer::Impl::draw_overlay(const View& view, const Overlay& overlay, floa
       for (std::size_t i = 0; i < overlay.positions.size(); ++i)
         points.push_back({overlay.positions[i], color_at(overlay, i)});
       gl.DepthMask(is_opaque(overlay) ? GL_TRUE : GL_FALSE);
-      marks.draw_points(view, points, overlay.size_m, cut_m);
+      marks.draw_points(view, points, {overlay.size_m}, cut_of(style));
       gl.DepthMask(GL_FALSE);
       return;
     }
     case Overlay::Kind::kLines:
       for (std::size_t i = 0; i + 1 < overlay.positions.size(); i += 2) {
         const Eigen::Vector4f colors[] = {color_at(overlay, i), color_at(overlay, i + 1)};
-        append_polyline(view, std::span(overlay.positions).subspan(i, 2), colors, overlay.size_m, lines);
+        append_polyline(view, std::span(overlay.positions).subspan(i, 2), colors, width_px, lines);
       }
       break;
     case Overlay::Kind::kPolyline: {
       std::vector<Eigen::Vector4f> colors;
       for (std::size_t i = 0; i < overlay.positions.size(); ++i) colors.push_back(color_at(overlay, i));
-      append_polyline(view, overlay.positions, colors, overlay.size_m, lines);
+      append_polyline(view, overlay.positions, colors, width_px, lines);
       break;
     }
     case Overlay::Kind::kCubes:
     case Overlay::Kind::kSpheres:
     case Overlay::Kind::kTriangles:
-      draw_solid_overlay(view, overlay, cut_m);
+      draw_solid_overlay(view, overlay, cut_of(style));
       return;
   }
   marks.draw_clip(lines, 1.0F);
@@ -493,7 +520,8 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   gl.Enable(GL_CLIP_DISTANCE0);
   if (style.cloud != CloudColors::kNone) {
     gl.DepthMask(GL_TRUE);
-    marks.draw_points(view, colored_points(picture.clouds, style.cloud), kCloudPoint_m, cut_of(style));
+    const PointSize size = style.point_px > 0.0F ? PointSize{0.0F, style.point_px} : PointSize{kCloudPoint_m};
+    marks.draw_points(view, colored_points(picture.clouds, style), size, cut_of(style));
   }
 
   gl.Enable(GL_BLEND);
@@ -501,8 +529,7 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   // Opaque overlays first, so that translucent ones lie over them.
   for (const bool opaque : {true, false}) {
     for (const Overlay& overlay : picture.overlays) {
-      if (is_chosen(overlay, style.overlays) && is_opaque(overlay) == opaque)
-        draw_overlay(view, overlay, cut_of(style));
+      if (is_chosen(overlay, style.overlays) && is_opaque(overlay) == opaque) draw_overlay(view, overlay, style);
     }
   }
   gl.Disable(GL_CLIP_DISTANCE0);
@@ -510,7 +537,7 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   if (style.trails) {
     std::vector<ClipVertex> outline;
     std::vector<ClipVertex> ribbon;
-    append_trails(view, picture, outline, ribbon);
+    append_trails(view, picture, style.line_scale, outline, ribbon);
     gl.DepthFunc(GL_LESS);  // hidden parts, faintly
     marks.draw_clip(ribbon, 0.4F);
     gl.DepthFunc(GL_GEQUAL);

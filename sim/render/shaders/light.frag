@@ -13,6 +13,7 @@ uniform float u_parallel;
 uniform vec3 u_sun;                   // unit vector towards the sun
 uniform float u_haze_per_m;
 uniform vec3 u_haze_color;            // sRGB
+uniform float u_white;                // 1: on paper, nothing behind the world
 uniform mat4 u_shadow_world;
 uniform mat4 u_vehicle_shadow_world;
 uniform float u_shadow_texel_m;
@@ -27,7 +28,7 @@ vec3 sky() {
   vec3 color = mix(u_haze_color, vec3(0.36, 0.56, 0.82), 1.0 - pow(1.0 - clamp(d.z, 0.0, 1.0), 2.6));
   color += vec3(0.14, 0.10, 0.04) * pow(max(0.0, dot(d, u_sun)), 10.0);
   color = mix(color, u_haze_color * vec3(0.955, 0.955, 0.94), smoothstep(0.0, -0.25, d.z));
-  return mix(color, vec3(0.945, 0.95, 0.955), u_parallel);
+  return mix(mix(color, vec3(0.945, 0.95, 0.955), u_parallel), vec3(1.0), u_white);
 }
 
 float lit(vec3 world_m) {
