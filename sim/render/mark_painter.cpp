@@ -34,7 +34,11 @@ std::vector<SolidVertex> unit_cube() {
       };
       const SolidVertex a = corner(-0.5F, -0.5F), b = corner(0.5F, -0.5F), c = corner(0.5F, 0.5F),
                         d = corner(-0.5F, 0.5F);
-      vertices.insert(vertices.end(), {a, b, c, a, c, d});
+      // Counter-clockwise seen from outside.
+      if (side > 0.0F)
+        vertices.insert(vertices.end(), {a, b, c, a, c, d});
+      else
+        vertices.insert(vertices.end(), {a, c, b, a, d, c});
     }
   }
   return vertices;
@@ -136,7 +140,9 @@ void MarkPainter::draw_solids(const View& view, Solid solid, std::span<const Eig
   const UnitSolid& unit = solid == Solid::kCube ? cube_ : sphere_;
   gl_.BindVertexArray(unit.array);
   stream(gl_, solid_instances_, std::span<const SolidInstance>(instances));
+  gl_.Enable(GL_CULL_FACE);  // their backs are hidden, or seen twice
   gl_.DrawArraysInstanced(GL_TRIANGLES, 0, unit.num_vertices, static_cast<GLsizei>(instances.size()));
+  gl_.Disable(GL_CULL_FACE);
 }
 
 void MarkPainter::draw_triangles(const View& view, std::span<const Eigen::Vector3f> corners_world_m,

@@ -20,9 +20,12 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr int kSamples = 4;
-constexpr int kShadowTexels = 4096;
+constexpr int kMostShadowTexels = 4096;
+constexpr float kShadowTexel_m = 0.045F;  // where the world is small enough
 constexpr int kVehicleShadowTexels = 1024;
 constexpr std::size_t kShadowsKept = 3;
+constexpr std::size_t kSightsSeen = 4;
+constexpr std::size_t kSurfacesKept = 2;
 constexpr int kMostWatched = 16;  // length of u_watched
 constexpr float kNoCut_m = 1e9F;
 constexpr float kCloudPoint_m = 0.07F;
@@ -157,6 +160,8 @@ struct Renderer::Impl {
   Program depth_program{gl, "depth", embedded::mesh_vert, embedded::depth_frag};
   Program ghost_program{gl, "ghost", embedded::mesh_vert, embedded::ghost_frag};
   Program occlusion_program{gl, "occlusion", embedded::screen_vert, embedded::occlusion_frag};
+  Program soften_program{gl, "soften", embedded::screen_vert, embedded::soften_frag};
+  Program smooth_program{gl, "smooth", embedded::screen_vert, embedded::smooth_frag};
   Program light_program{gl, "light", embedded::screen_vert, embedded::light_frag};
   WorldPainter world;
   VehiclePainter vehicles;
@@ -164,9 +169,11 @@ struct Renderer::Impl {
   std::vector<float> vehicle_radii_m;
   GLuint empty_array = 0;
   float haze_per_m = 0.001F;
-  Target sampled;                         // where pictures are drawn, several samples a pixel
+  int samples = 0;                        // a pixel of `sampled`
+  Target sampled;                         // where pictures are drawn
   Target resolved;                        // one sample a pixel
   Target openness;                        // ambient occlusion, half as many pixels a side
+  Target softened;                        // the same without its pattern
   std::map<float, Shadow> world_shadows;  // by height of the cut: the world and the sun stand still
   Shadow vehicle_shadow;
 
@@ -180,7 +187,25 @@ struct Renderer::Impl {
     haze_per_m = static_cast<float>(0.35 / std::clamp(size_m, 60.0, 1500.0));
   }
 
-  void prepare_targets(const View& view);
+  /// What decides how the world without vehicles looks.
+  struct Sight {
+    Eigen::Matrix4d clip_world = Eigen::Matrix4d::Zero();
+    int width_px = 0, height_px = 0, samples = 0;
+    float cut_m = 0.0F;
+    bool cull = true, reduce = true, watching = false;
+    bool operator==(const Sight&) const = default;
+  };
+  struct KeptSurfaces {
+    Sight sight;
+    Target surfaces;
+  };
+  std::vector<Sight> seen;         // the last ones, latest last
+  std::vector<KeptSurfaces> kept;  // of cameras that stand still, latest last
+
+  void prepare_targets(const View& view, int wanted_samples);
+  void copy(const Target& from, const Target& to) const;
+  Target make_surfaces(int width, int height) const;
+  void draw_world(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world);
   DrawSelection select(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) const;
   void set_watched(const PictureScene& picture, const PictureStyle& style) const;
   void set_mesh_uniforms(const Program& program, const Eigen::Matrix4f& clip_world, float cut_m) const;
@@ -198,6 +223,7 @@ struct Renderer::Impl {
   void append_trails(const View& view, const PictureScene& picture, float line_scale, std::vector<ClipVertex>& outline,
                      std::vector<ClipVertex>& ribbon) const;
   Image read_picture();
+  void smooth_edges();
 };
 
 namespace {
@@ -206,16 +232,35 @@ Eigen::Vector3f forward_of(const View& view) {
   return -view.T_camera_world.block<1, 3>(2, 0).transpose().cast<float>();
 }
 
+Eigen::Vector3f axis_of(const View& view, int axis) {
+  return view.T_camera_world.block<1, 3>(axis, 0).transpose().cast<float>();
+}
+
+/// How a pixel and its depth in the buffer become a point.
+void set_depth_uniforms(const Program& program, const View& view) {
+  const Eigen::Matrix4d camera_clip = view.clip_camera.inverse();
+  const Eigen::Vector4d depth_m(-camera_clip(2, 2), -camera_clip(2, 3), camera_clip(3, 2), camera_clip(3, 3));
+  program.set("u_depth_m", Eigen::Vector4f(depth_m.cast<float>()));
+  program.set("u_spread", Eigen::Vector2f(1.0F / static_cast<float>(view.clip_camera(0, 0)),
+                                          1.0F / static_cast<float>(view.clip_camera(1, 1))));
+}
+
 float cut_of(const PictureStyle& style) { return style.cut_above ? static_cast<float>(style.cut_height_m) : kNoCut_m; }
 
 }  // namespace
 
-void Renderer::Impl::prepare_targets(const View& view) {
-  if (sampled.width == view.width_px && sampled.height == view.height_px) return;
-  for (Target* target : {&sampled, &resolved, &openness}) delete_target(gl, *target);
-  sampled = make_target(gl, view.width_px, view.height_px, {GL_RGBA8, GL_DEPTH_COMPONENT32F, kSamples, true});
+Target Renderer::Impl::make_surfaces(int width, int height) const {
+  return make_target(gl, width, height, {GL_RGBA8, GL_DEPTH_COMPONENT32F, samples, true});
+}
+
+void Renderer::Impl::prepare_targets(const View& view, int wanted_samples) {
+  if (sampled.width == view.width_px && sampled.height == view.height_px && samples == wanted_samples) return;
+  for (Target* target : {&sampled, &resolved, &openness, &softened}) delete_target(gl, *target);
+  samples = wanted_samples;
+  sampled = make_surfaces(view.width_px, view.height_px);
   resolved = make_target(gl, view.width_px, view.height_px, {GL_RGBA8, GL_DEPTH_COMPONENT32F, 1, true});
   openness = make_target(gl, (view.width_px + 1) / 2, (view.height_px + 1) / 2, {GL_RG32F, 0});
+  softened = make_target(gl, openness.width, openness.height, {GL_RG32F, 0});
 }
 
 DrawSelection Renderer::Impl::select(const View& view, const PictureStyle& style,
@@ -277,11 +322,12 @@ const Renderer::Impl::Shadow& Renderer::Impl::world_shadow(const PictureStyle& s
   casters.max().z() = std::max(casters.min().z(), std::min(casters.max().z(), cut_m));
   float width_m = 1.0F;
   const Eigen::Matrix4f clip_world = clip_of_sun(casters, width_m);
-  shadow.target = make_target(gl, kShadowTexels, kShadowTexels, {0, GL_DEPTH_COMPONENT16, 1, false, true});
+  const int texels = std::clamp(static_cast<int>(width_m / kShadowTexel_m), 256, kMostShadowTexels);
+  shadow.target = make_target(gl, texels, texels, {0, GL_DEPTH_COMPONENT16, 1, false, true});
   shadow.texture_world = texture_of_clip() * clip_world;
-  shadow.texel_m = width_m / kShadowTexels;
+  shadow.texel_m = width_m / static_cast<float>(texels);
 
-  begin_shadow(kShadowTexels, clip_world, cut_m);
+  begin_shadow(texels, clip_world, cut_m);
   gl.Enable(GL_CLIP_DISTANCE0);
   DrawSelection selection;
   selection.frustum = frustum_of(clip_world);
@@ -318,6 +364,37 @@ void Renderer::Impl::draw_vehicle_shadow(const PictureScene& picture, const Pict
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
+/// A camera that stands still sees the same world again: then its surfaces are kept from picture to picture.
+void Renderer::Impl::draw_world(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) {
+  constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  const Sight sight{view.clip_world(), view.width_px, view.height_px, samples,
+                    cut_of(style),     style.cull,    style.reduce,   !style.watched.empty()};
+  const auto found = std::find_if(kept.begin(), kept.end(), [&](const KeptSurfaces& k) { return k.sight == sight; });
+  if (found != kept.end()) {
+    copy(found->surfaces, sampled);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
+    gl.DrawBuffers(2, kBoth);
+    return;
+  }
+  world.draw(mesh_program, select(view, style, clip_world));
+  if (sight.watching) return;  // leaves come and go
+  const bool again = std::find(seen.begin(), seen.end(), sight) != seen.end();
+  if (!again) {
+    if (seen.size() >= kSightsSeen) seen.erase(seen.begin());
+    seen.push_back(sight);
+    return;
+  }
+  if (kept.size() >= kSurfacesKept) {
+    delete_target(gl, kept.front().surfaces);
+    kept.erase(kept.begin());
+  }
+  kept.push_back({sight, make_surfaces(sampled.width, sampled.height)});
+  copy(sampled, kept.back().surfaces);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
+  gl.DrawBuffers(2, kBoth);
+  mesh_program.use();
+}
+
 void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture, const PictureStyle& style) {
   const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
   set_mesh_uniforms(mesh_program, clip_world, cut_of(style));
@@ -328,7 +405,7 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   set_watched(picture, style);
   if (!style.watched.empty()) gl.Enable(GL_CLIP_DISTANCE1);
   if (style.cut_above) gl.Enable(GL_CLIP_DISTANCE0);
-  world.draw(mesh_program, select(view, style, clip_world));
+  draw_world(view, style, clip_world);
   gl.Disable(GL_CLIP_DISTANCE0);
   gl.Disable(GL_CLIP_DISTANCE1);
 
@@ -354,19 +431,20 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   vehicles.draw(picture.states, style.vehicle_scale, style.hidden_vehicle);
 }
 
-/// From several samples a pixel to one. Colors and normals are averaged, so edges stay smooth.
-void Renderer::Impl::resolve_surfaces() {
-  const int width = sampled.width;
-  const int height = sampled.height;
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, sampled.framebuffer);
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
+/// Colors, normals and depth. From several samples a pixel to one, colors and normals are averaged.
+void Renderer::Impl::copy(const Target& from, const Target& to) const {
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, from.framebuffer);
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, to.framebuffer);
   for (const GLenum color : {GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT0}) {
     gl.ReadBuffer(color);
     gl.DrawBuffer(color);
-    gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    gl.BlitFramebuffer(0, 0, from.width, from.height, 0, 0, to.width, to.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   }
-  gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  gl.BlitFramebuffer(0, 0, from.width, from.height, 0, 0, to.width, to.height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
 }
+
+/// So edges stay smooth.
+void Renderer::Impl::resolve_surfaces() { copy(sampled, resolved); }
 
 void Renderer::Impl::bind_textures(std::initializer_list<GLuint> textures) {
   GLenum unit = GL_TEXTURE0;
@@ -385,12 +463,18 @@ void Renderer::Impl::find_occlusion(const View& view) {
   occlusion_program.set("u_depth", 0);
   occlusion_program.set("u_base", 1);
   occlusion_program.set("u_normal", 2);
-  occlusion_program.set("u_camera_clip", Eigen::Matrix4f(view.clip_camera.inverse().cast<float>()));
+  set_depth_uniforms(occlusion_program, view);
   occlusion_program.set("u_camera_world", Eigen::Matrix4f(view.T_camera_world.cast<float>()));
   occlusion_program.set("u_radius_m", 0.9F);
   occlusion_program.set("u_pixels_at_1m", static_cast<float>(view.pixels_per_m(1.0)));
   occlusion_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
   gl.BindVertexArray(empty_array);
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+
+  gl.BindFramebuffer(GL_FRAMEBUFFER, softened.framebuffer);
+  bind_textures({openness.color});
+  soften_program.use();
+  soften_program.set("u_open", 0);
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -400,15 +484,16 @@ void Renderer::Impl::light(const View& view, const PictureStyle& style) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
   gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
   gl.Viewport(0, 0, view.width_px, view.height_px);
-  bind_textures({resolved.color, resolved.color2, resolved.depth, openness.color, shadow.target.depth,
+  bind_textures({resolved.color, resolved.color2, resolved.depth, softened.color, shadow.target.depth,
                  vehicle_shadow.target.depth});
   light_program.use();
   int unit = 0;
   for (const char* name : {"u_base", "u_normal", "u_depth", "u_open", "u_shadow", "u_vehicle_shadow"}) {
     light_program.set(name, unit++);
   }
-  light_program.set("u_world_clip", Eigen::Matrix4f(view.clip_world().inverse().cast<float>()));
-  light_program.set("u_camera_clip", Eigen::Matrix4f(view.clip_camera.inverse().cast<float>()));
+  set_depth_uniforms(light_program, view);
+  light_program.set("u_right", axis_of(view, 0));
+  light_program.set("u_up", axis_of(view, 1));
   light_program.set("u_eye_m", Eigen::Vector3f(view.eye_world_m.cast<float>()));
   light_program.set("u_forward", forward_of(view));
   light_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
@@ -550,14 +635,32 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   gl.Disable(GL_BLEND);
 }
 
+/// From the one sample a pixel to the picture.
+void Renderer::Impl::smooth_edges() {
+  gl.BindFramebuffer(GL_FRAMEBUFFER, resolved.framebuffer);
+  gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
+  gl.Disable(GL_DEPTH_TEST);
+  bind_textures({sampled.color});
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  smooth_program.use();
+  smooth_program.set("u_picture", 0);
+  gl.BindVertexArray(empty_array);
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
 Image Renderer::Impl::read_picture() {
   const int width = sampled.width;
   const int height = sampled.height;
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, sampled.framebuffer);
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
-  gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  if (samples > 1) {
+    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, sampled.framebuffer);
+    gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
+    gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
+    gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
+    gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  } else {
+    smooth_edges();
+  }
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved.framebuffer);
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
   std::vector<std::uint8_t> rgba_bottom_up(static_cast<std::size_t>(width) * height * 4);
@@ -582,7 +685,7 @@ Renderer::~Renderer() = default;
 Image Renderer::draw(const View& view, const PictureScene& picture, const PictureStyle& style) {
   Impl& r = *impl_;
   r.context.make_current();
-  r.prepare_targets(view);
+  r.prepare_targets(view, style.quick ? 1 : kSamples);
   r.gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   r.gl.Disable(GL_BLEND);
   r.world_shadow(style);
@@ -609,7 +712,7 @@ Image Renderer::draw(const View& view, const PictureScene& picture, const Pictur
 DepthImage Renderer::draw_depth(const View& view, const PictureScene& picture, const PictureStyle& style) {
   Impl& r = *impl_;
   r.context.make_current();
-  r.prepare_targets(view);
+  r.prepare_targets(view, r.samples > 0 ? r.samples : kSamples);
   const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
   r.gl.Disable(GL_BLEND);
   r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.resolved.framebuffer);

@@ -35,6 +35,7 @@ struct PictureStyle {
   bool cut_above = false;
   double cut_height_m = 3.0;
   bool white = false;       ///< neither sky nor haze
+  bool quick = false;       ///< one sample a pixel and edges smoothed after, for videos: half the time
   float line_scale = 1.0F;  ///< trails and lines are wider by this
   // For tests: neither changes what is seen near the camera.
   bool cull = true;

@@ -302,6 +302,7 @@ Figure SnapshotRecorder::take_of_world(Station& station) {
   const CameraConfig& camera = station.config;
   PictureStyle style = style_of(camera);
   style.line_scale = station.look.line_scale;
+  style.quick = video_frames_per_s_ > 0.0;
   if (camera.type == CameraConfig::Type::kOnboard) style.hidden_vehicle = station.vehicle;
   if (camera.type == CameraConfig::Type::kFollow) {
     for (VehicleId v = 0; v < std::ssize(picture_.states); ++v) {

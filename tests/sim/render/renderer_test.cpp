@@ -231,6 +231,54 @@ TEST(Renderer, DrawsTrailsCloudsAndChosenOverlaysWhereTheyAre) {
   EXPECT_TRUE(is_dominated_by(color(renderer.draw(view, picture, style), 8, 0), 2));
 }
 
+TEST(Renderer, DrawsTheSameWhetherOrNotItKeptTheWorldOfACameraThatStandsStill) {
+  BoxWorld world;
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray).add({4, -3, 0}, {5, -1, 2}, {0.8F, 0.1F, 0.1F});
+  const auto shape = make_test_shape();
+  for (const bool quick : {false, true}) {
+    PictureStyle style;
+    style.quick = quick;
+    Renderer kept(world.scene(), std::vector{shape});
+    for (int k = 0; k < 5; ++k) {
+      PictureScene picture;
+      picture.states.resize(1);
+      picture.states[0].p_world_m = {6.0, -2.0 + k, 1.0};
+      picture.trails_m = {{{6.0F, -4.0F, 1.0F}}};
+      // Two cameras by turns, one of which is new each time.
+      for (const View& view : {view_along_x(), view_along_x({0.1 * k, 0, 2})}) {
+        Renderer fresh(world.scene(), std::vector{shape});
+        EXPECT_EQ(kept.draw(view, picture, style).rgb, fresh.draw(view, picture, style).rgb) << k << quick;
+      }
+    }
+    // What else decides how the world looks makes it look otherwise.
+    style.cut_above = true;
+    style.cut_height_m = 1.0;
+    Renderer fresh(world.scene(), std::vector{shape});
+    EXPECT_EQ(kept.draw(view_along_x(), {}, style).rgb, fresh.draw(view_along_x(), {}, style).rgb);
+  }
+}
+
+TEST(Renderer, SmoothsTheEdgesOfQuickPicturesAndLeavesTheRest) {
+  BoxWorld world;
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray).add({4, -1, -1}, {4.2F, 1, 3}, {0.05F, 0.05F, 0.05F});
+  const View view = perspective_view({0, 0, 1}, {1, 0, 1}, 60.0, kWidth, kHeight, {0.0, 0.25, 1.0});  // tilted
+  PictureStyle style;
+  Renderer renderer(world.scene(), {});
+  const Image fine = renderer.draw(view, {}, style);
+  style.quick = true;
+  const Image quick = renderer.draw(view, {}, style);
+  double difference = 0.0;
+  int between = 0;  // neither wall nor sky
+  for (int y = 5; y < kHeight / 3; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      difference += (color_at(fine, x, y) - color_at(quick, x, y)).cwiseAbs().maxCoeff();
+      between += std::abs(brightness(color_at(quick, x, y)) - 0.5F) < 0.15F ? 1 : 0;
+    }
+  }
+  EXPECT_LT(difference / (kWidth * (kHeight / 3 - 5)), 0.02);
+  EXPECT_GT(between, kHeight / 6) << "about one a row at each edge";
+}
+
 int columns_unlike(const Image& image, const Image& plain, int y) {
   int count = 0;
   for (int x = 0; x < image.width; ++x)
