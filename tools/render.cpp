@@ -27,6 +27,7 @@ struct RenderOptions {
   bool video = false;
   double frames_per_s = 25.0;
   double to_s = -1.0;
+  double paper_mm = 0.0;
   int threads = 0;
   bool quiet = false;
 };
@@ -91,6 +92,11 @@ void render(const RenderOptions& options) {
   const double end_s = options.to_s >= 0.0 ? std::min(options.to_s, scenario.duration_s) : scenario.duration_s;
   double last_s = end_s;
   for (sim::CameraConfig& camera : scenario.snapshots) {
+    if (options.paper_mm > 0.0) {
+      camera.style = sim::PictureMedium::kPaper;
+      camera.width_mm = options.paper_mm;
+      camera.height_mm = 0.0;
+    }
     if (options.video) {
       camera.times_s.clear();
       camera.every_s = 1.0 / options.frames_per_s;
@@ -137,6 +143,8 @@ void add_render(CLI::App& app) {
   command.option("--time", options->times_s, "Picture at this time; may be repeated",
                  {.value_name = "SECONDS", .min = 0.0});
   command.flag("--video", options->video, "A video of each camera (needs ffmpeg)");
+  command.option("--paper", options->paper_mm, "For a paper: this wide, white, without captions, as PNG and SVG",
+                 {.value_name = "MILLIMETERS", .min = 10.0, .max = 1000.0});
   command.option("--fps", options->frames_per_s, "Frames per simulated second of a video", {.min = 1.0, .max = 120.0});
   command.option("--until", options->to_s, "End of the video or the last picture",
                  {.value_name = "SECONDS", .min = 0.0});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "swiftlet/core/elementary.hpp"
 
@@ -86,9 +87,9 @@ void TrackOverlays::append(std::span<const Track> tracks, std::vector<Overlay>& 
   lines.kind = ellipses.kind = Overlay::Kind::kLines;
   lines.size_m = 3.0F;
   ellipses.size_m = 1.5F;
-  if (!tracks.empty()) lines.legend = {{"track: its path, and where it will be (dashed)", color_of(tracks.front().id)}};
   for (const Track& track : tracks) {
     const Eigen::Vector4f color = color_of(track.id);
+    lines.legend.push_back({"track " + std::to_string(track.id), color});
     balls.positions.push_back(track.position_m.cast<float>());
     balls.colors.push_back(color);
     // Ahead in dashes.
@@ -96,6 +97,7 @@ void TrackOverlays::append(std::span<const Track> tracks, std::vector<Overlay>& 
       add_line(lines, ahead(track, t).cast<float>(), ahead(track, t + kAheadStep_s).cast<float>(), color);
     add_ellipsoid(ellipses, track);
   }
+  if (!tracks.empty()) lines.legend.push_back({"dashed: predicted", color_of(tracks.front().id)});
   for (const Trail& trail : trails_) {
     for (std::size_t k = 0; k + 1 < trail.count; ++k) {
       add_line(lines, trail.points_local_m[(trail.first + k) % Trail::kCapacity],

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/plot/svg_writer.hpp"
 #include "swiftlet/sim/plot/plot.hpp"
+#include "swiftlet/sim/plot/svg_writer.hpp"
 
 namespace swiftlet::sim::plot {
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/plot/svg_writer.hpp"
+#include "swiftlet/sim/plot/svg_writer.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "sim/plot/ticks.hpp"
+#include "swiftlet/sim/io/base64.hpp"
 #include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim::plot {
@@ -54,9 +55,12 @@ std::string coordinates(const std::vector<PointPx>& points) {
 
 }  // namespace
 
-SvgWriter::SvgWriter(double width_px, double height_px, std::string_view title) {
+SvgWriter::SvgWriter(double width_px, double height_px, std::string_view title, double width_mm) {
   const std::string size = px(width_px) + " " + px(height_px);
-  out_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + px(width_px) + "\" height=\"" + px(height_px) +
+  const auto length = [&](double of_px) {
+    return width_mm > 0.0 ? number_text(of_px * width_mm / width_px, 3) + "mm" : px(of_px);
+  };
+  out_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + length(width_px) + "\" height=\"" + length(height_px) +
          "\" viewBox=\"0 0 " + size + "\" font-family=\"DejaVu Sans, Verdana, Arial, sans-serif\" role=\"img\">\n";
   if (!title.empty()) out_ += "<title>" + escape_markup(title) + "</title>\n";
   rect(0.0, 0.0, width_px, height_px, "fill=\"#fff\"");
@@ -97,16 +101,44 @@ void SvgWriter::polygon(const std::vector<PointPx>& points, std::string_view att
 void SvgWriter::text(PointPx at, std::string_view content, double size_px, Anchor anchor, std::string_view color,
                      double turn_deg, bool bold) {
   if (content.empty()) return;
-  out_ += "<text x=\"" + px(at.x) + "\" y=\"" + px(at.y) + "\" font-size=\"" + px(size_px) + "\" fill=\"";
+  begin_text(at, size_px);
+  out_ += " fill=\"";
   out_ += color;
   out_ += "\"";
-  if (anchor == Anchor::kMiddle) out_ += " text-anchor=\"middle\"";
-  if (anchor == Anchor::kEnd) out_ += " text-anchor=\"end\"";
+  add_anchor(anchor);
   if (bold) out_ += " font-weight=\"bold\"";
   if (turn_deg != 0.0) out_ += " transform=\"rotate(" + px(turn_deg) + " " + px(at.x) + " " + px(at.y) + ")\"";
+  end_text(content);
+}
+
+void SvgWriter::text_with(PointPx at, std::string_view content, double size_px, Anchor anchor,
+                          std::string_view attributes) {
+  if (content.empty()) return;
+  begin_text(at, size_px);
+  add_anchor(anchor);
+  out_ += ' ';
+  out_ += attributes;
+  end_text(content);
+}
+
+void SvgWriter::begin_text(PointPx at, double size_px) {
+  out_ += "<text x=\"" + px(at.x) + "\" y=\"" + px(at.y) + "\" font-size=\"" + px(size_px) + "\"";
+}
+
+void SvgWriter::add_anchor(Anchor anchor) {
+  if (anchor == Anchor::kMiddle) out_ += " text-anchor=\"middle\"";
+  if (anchor == Anchor::kEnd) out_ += " text-anchor=\"end\"";
+}
+
+void SvgWriter::end_text(std::string_view content) {
   out_ += '>';
   out_ += escape_markup(content);
   out_ += "</text>\n";
+}
+
+void SvgWriter::picture(double x, double y, double width, double height, std::string_view png) {
+  out_ += "<image x=\"" + px(x) + "\" y=\"" + px(y) + "\" width=\"" + px(width) + "\" height=\"" + px(height) +
+          "\" preserveAspectRatio=\"none\" href=\"data:image/png;base64," + base64(png) + "\"/>\n";
 }
 
 void SvgWriter::begin_clip(double x, double y, double width, double height) {

@@ -9,6 +9,13 @@ namespace {
 
 constexpr double kSmoothing_s = 1.2;  // of follow cameras
 constexpr double kMargin = 1.25;      // free space around what must be seen
+constexpr double kTurning_s = 0.7;    // of follow cameras that go round something
+constexpr TimeNs kJudgeEvery = 200'000'000;
+constexpr TimeNs kFreeLongEnough = 2'000'000'000;
+constexpr double kSeenEnough = 0.6;     // share at which a follow camera stays
+constexpr double kSeenWell = 0.8;       // share at which it goes there
+constexpr std::size_t kMostJudged = 8;  // vehicles: of large teams the first
+constexpr double kHighest_rad = 80.0 * M_PI / 180.0;
 const Eigen::Vector3d kFollowOffset_m(-7.0, -7.0, 5.0);
 
 double radians(double degrees) { return degrees * M_PI / 180.0; }
@@ -92,12 +99,23 @@ View top_view(const Eigen::Vector2d& center_world_m, double span_m, double botto
 }
 
 Cameraman::Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<float> radii_m,
-                     const Eigen::AlignedBox3d& bounds_m)
-    : config_(config), vehicle_(vehicle), radii_m_(std::move(radii_m)), bounds_m_(bounds_m) {
+                     const Eigen::AlignedBox3d& bounds_m, BlocksSight blocks_sight)
+    : config_(config),
+      vehicle_(vehicle),
+      radii_m_(std::move(radii_m)),
+      bounds_m_(bounds_m),
+      blocks_sight_(std::move(blocks_sight)) {
+  set_size(config_.size_px().x(), config_.size_px().y());
+  if (config_.type == CameraConfig::Type::kFollow && config_.position_m == config_.target_m)
+    config_.position_m = kFollowOffset_m;
+  if (config_.position_m.norm() > 0.0) {
+    const Eigen::Vector3d from = config_.position_m.normalized();
+    configured_ = {std::atan2(from.y(), from.x()), std::asin(std::clamp(from.z(), -1.0, 1.0)), 1.0};
+  }
+  goal_ = stand_ = configured_;
   if (bounds_m_.isEmpty()) bounds_m_ = Eigen::AlignedBox3d(Eigen::Vector3d(-10, -10, 0), Eigen::Vector3d(10, 10, 5));
   // Both zero: the type decides.
   if (config_.position_m != config_.target_m) return;
-  if (config_.type == CameraConfig::Type::kFollow) config_.position_m = kFollowOffset_m;
   if (config_.type == CameraConfig::Type::kOnboard || config_.type == CameraConfig::Type::kDepth) {
     const double front = vehicle_ >= 0 && vehicle_ < static_cast<int>(radii_m_.size()) ? 0.5 * radii_m_[vehicle_] : 0.1;
     config_.position_m = {front, 0.0, 0.05};
@@ -109,6 +127,11 @@ Cameraman::Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<
     config_.position_m = bounds_m_.center() + 0.6 * size * Eigen::Vector3d(-0.75, -0.9, 0.7).normalized() /
                                                   std::tan(radians(0.5 * config_.fov_deg));
   }
+}
+
+void Cameraman::set_size(int width_px, int height_px) {
+  width_px_ = width_px;
+  height_px_ = height_px;
 }
 
 Eigen::Vector3d Cameraman::center_of(std::span<const VehicleState> states) const {
@@ -124,7 +147,7 @@ double Cameraman::distance_for_all(const Eigen::Vector3d& target_world_m, const 
   const Eigen::Matrix3d R =
       look(target_world_m + direction_world, target_world_m, Eigen::Vector3d::UnitZ()).topLeftCorner<3, 3>();
   const double half_y = radians(0.5 * config_.fov_deg);
-  const double half_x = std::atan(std::tan(half_y) * config_.width_px / config_.height_px);
+  const double half_x = std::atan(std::tan(half_y) * width_px_ / height_px_);
   double distance = 0.0;
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (!looks_at(i)) continue;
@@ -137,13 +160,102 @@ double Cameraman::distance_for_all(const Eigen::Vector3d& target_world_m, const 
   return distance;
 }
 
+Eigen::Vector3d Cameraman::Stand::direction_world() const {
+  return {std::cos(elevation_rad) * std::cos(azimuth_rad), std::cos(elevation_rad) * std::sin(azimuth_rad),
+          std::sin(elevation_rad)};
+}
+
+double Cameraman::distance_for(const Eigen::Vector3d& target_world_m, const Stand& stand,
+                               std::span<const VehicleState> states) const {
+  return std::max(stand.reach * config_.position_m.norm(),
+                  distance_for_all(target_world_m, stand.direction_world(), states));
+}
+
+double Cameraman::seen_share(const Eigen::Vector3d& target_world_m, const Stand& stand,
+                             std::span<const VehicleState> states) const {
+  const Eigen::Vector3d direction = stand.direction_world();
+  const Eigen::Vector3d eye = target_world_m + distance_for(target_world_m, stand, states) * direction;
+  const Eigen::Matrix3d R = look(eye, target_world_m, Eigen::Vector3d::UnitZ()).topLeftCorner<3, 3>();
+  const Eigen::Vector3d right = R.row(0), up = R.row(1);
+  int seen = 0, asked = 0;
+  std::size_t judged = 0;
+  for (std::size_t i = 0; i < states.size() && judged < kMostJudged; ++i) {
+    if (!looks_at(i)) continue;
+    ++judged;
+    const double r = 0.8 * (i < radii_m_.size() ? radii_m_[i] : 0.5);
+    for (const Eigen::Vector3d& beside :
+         {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(r * right), Eigen::Vector3d(-r * right),
+          Eigen::Vector3d(r * up), Eigen::Vector3d(-r * up)}) {
+      ++asked;
+      seen += blocks_sight_(states[i].p_world_m + beside, eye) ? 0 : 1;
+    }
+  }
+  return asked > 0 ? static_cast<double>(seen) / asked : 1.0;
+}
+
+Cameraman::Stand Cameraman::freest_stand(const Eigen::Vector3d& target_world_m,
+                                         std::span<const VehicleState> states) const {
+  struct Candidate {
+    Stand stand;
+    double cost;
+  };
+  std::vector<Candidate> candidates;
+  for (int turn = -9; turn <= 9; ++turn) {
+    for (const double raised_deg : {0.0, 15.0, -15.0, 30.0, 45.0, 60.0}) {
+      for (const double reach : {1.0, 0.6, 0.35}) {
+        Stand stand{configured_.azimuth_rad + radians(20.0 * turn), configured_.elevation_rad + radians(raised_deg),
+                    reach};
+        if (stand.elevation_rad > kHighest_rad && raised_deg > 0.0) continue;
+        if (raised_deg < 0.0 && stand.elevation_rad < radians(5.0)) continue;
+        const double turned = std::abs(std::remainder(stand.azimuth_rad - goal_.azimuth_rad, 2.0 * M_PI));
+        candidates.push_back(
+            {stand, std::abs(turn) / 4.5 + std::abs(raised_deg) / 50.0 + 1.5 * (1.0 - reach) + 0.4 * turned});
+      }
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+  Stand best = configured_;
+  double most = -1.0;
+  for (const Candidate& candidate : candidates) {
+    const double seen = seen_share(target_world_m, candidate.stand, states);
+    if (seen > most) {
+      most = seen;
+      best = candidate.stand;
+    }
+    if (seen >= kSeenWell) break;
+  }
+  return best;
+}
+
+void Cameraman::choose_stand(TimeNs t, const Eigen::Vector3d& target_world_m, std::span<const VehicleState> states) {
+  if (!blocks_sight_ || (started_ && t - judged_ < kJudgeEvery)) return;
+  judged_ = t;
+  const bool at_home = goal_.azimuth_rad == configured_.azimuth_rad &&
+                       goal_.elevation_rad == configured_.elevation_rad && goal_.reach == configured_.reach;
+  const bool home_is_free = seen_share(target_world_m, configured_, states) >= kSeenEnough;
+  if (!home_is_free) free_since_.reset();
+  if (home_is_free && !free_since_) free_since_ = t;
+  if (at_home && home_is_free) return;
+  if (home_is_free && (!started_ || t - *free_since_ >= kFreeLongEnough)) {
+    goal_ = configured_;
+  } else if (at_home || seen_share(target_world_m, goal_, states) < kSeenEnough) {
+    goal_ = freest_stand(target_world_m, states);
+  }
+  if (!started_) stand_ = goal_;
+}
+
 void Cameraman::update(TimeNs t, std::span<const VehicleState> states) {
   if (config_.type != CameraConfig::Type::kFollow) return;
   const double blend = started_ ? 1.0 - std::exp(-to_seconds(t - updated_) / kSmoothing_s) : 1.0;
   const Eigen::Vector3d center = center_of(states);
   target_world_m_ = started_ ? Eigen::Vector3d(target_world_m_ + blend * (center - target_world_m_)) : center;
-  const double needed =
-      std::max(config_.position_m.norm(), distance_for_all(target_world_m_, config_.position_m.normalized(), states));
+  choose_stand(t, target_world_m_, states);
+  const double turn = started_ ? 1.0 - std::exp(-to_seconds(t - updated_) / kTurning_s) : 1.0;
+  stand_.azimuth_rad += turn * std::remainder(goal_.azimuth_rad - stand_.azimuth_rad, 2.0 * M_PI);
+  stand_.elevation_rad += turn * (goal_.elevation_rad - stand_.elevation_rad);
+  stand_.reach += turn * (goal_.reach - stand_.reach);
+  const double needed = distance_for(target_world_m_, stand_, states);
   distance_m_ = started_ ? distance_m_ + blend * (needed - distance_m_) : needed;
   distance_m_ = std::max(distance_m_, needed);  // inertia never loses a vehicle
   updated_ = t;
@@ -161,13 +273,15 @@ View Cameraman::view(const PictureScene& picture) const {
 View Cameraman::follow(const PictureScene& picture) const {
   Cameraman now = *this;
   if (!started_ || updated_ < picture.t) now.update(picture.t, picture.states);
-  const Eigen::Vector3d direction = config_.position_m.normalized();
-  return perspective_view(now.target_world_m_ + now.distance_m_ * direction, now.target_world_m_, config_.fov_deg,
-                          config_.width_px, config_.height_px);
+  const Eigen::Vector3d direction = now.stand_.direction_world();
+  // The picture may have become narrower since.
+  const double distance_m = std::max(now.distance_m_, distance_for_all(now.target_world_m_, direction, picture.states));
+  return perspective_view(now.target_world_m_ + distance_m * direction, now.target_world_m_, config_.fov_deg, width_px_,
+                          height_px_);
 }
 
 View Cameraman::top(const PictureScene& picture) const {
-  const double aspect = static_cast<double>(config_.width_px) / config_.height_px;
+  const double aspect = static_cast<double>(width_px_) / height_px_;
   Eigen::AlignedBox2d area;
   for (std::size_t i = 0; i < picture.states.size(); ++i) {
     if (!looks_at(i)) continue;
@@ -189,11 +303,11 @@ View Cameraman::top(const PictureScene& picture) const {
     top_m = std::max(top_m, state.p_world_m.z() + 2.0);
     bottom_m = std::min(bottom_m, state.p_world_m.z() - 2.0);
   }
-  if (!config_.perspective) return top_view(center, span, bottom_m, top_m, config_.width_px, config_.height_px);
+  if (!config_.perspective) return top_view(center, span, bottom_m, top_m, width_px_, height_px_);
   const double height = 0.5 * span / std::tan(radians(0.5 * config_.fov_deg));
   const double ground_m = std::max(bottom_m, 0.0);
   return perspective_view({center.x(), center.y(), ground_m + height}, {center.x(), center.y(), ground_m},
-                          config_.fov_deg, config_.width_px, config_.height_px, Eigen::Vector3d::UnitY());
+                          config_.fov_deg, width_px_, height_px_, Eigen::Vector3d::UnitY());
 }
 
 View Cameraman::on_vehicle(const PictureScene& picture) const {
@@ -201,11 +315,11 @@ View Cameraman::on_vehicle(const PictureScene& picture) const {
                                 ? picture.states[vehicle_].T_world_body()
                                 : Pose::Identity();
   return perspective_view(T_world_body * config_.position_m, T_world_body * config_.target_m, config_.fov_deg,
-                          config_.width_px, config_.height_px, T_world_body.linear().col(2));
+                          width_px_, height_px_, T_world_body.linear().col(2));
 }
 
 View Cameraman::fixed() const {
-  return perspective_view(config_.position_m, config_.target_m, config_.fov_deg, config_.width_px, config_.height_px);
+  return perspective_view(config_.position_m, config_.target_m, config_.fov_deg, width_px_, height_px_);
 }
 
 }  // namespace swiftlet::sim

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -36,18 +37,35 @@ View perspective_view(const Eigen::Vector3d& eye_world_m, const Eigen::Vector3d&
 View top_view(const Eigen::Vector2d& center_world_m, double span_m, double bottom_m, double top_m, int width_px,
               int height_px);
 
+/// Does the world stand between two points [m]?
+using BlocksSight = std::function<bool(const Eigen::Vector3d& a_world_m, const Eigen::Vector3d& b_world_m)>;
+
 /// Frames the pictures of one camera. Follow cameras have inertia: call update() in steps of time, then view().
+/// A follow camera stands at its offset. Where the world blocks the sight from there, it goes round, higher or nearer,
+/// as little as it must. It comes back when the sight has been free for a while.
 class Cameraman {
  public:
   /// @param vehicle  index of the camera's vehicle; kNoVehicle: all of them
-  /// @param radii_m  circumscribed radius of each vehicle as drawn
+  /// @param radii_m       circumscribed radius of each vehicle as drawn
+  /// @param blocks_sight  empty: nothing does
   Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<float> radii_m,
-            const Eigen::AlignedBox3d& bounds_m);
+            const Eigen::AlignedBox3d& bounds_m, BlocksSight blocks_sight = {});
 
+  /// Of the pictures from now on, when it is not the one configured [px].
+  void set_size(int width_px, int height_px);
   void update(TimeNs t, std::span<const VehicleState> states);
   View view(const PictureScene& picture) const;
 
  private:
+  /// Where a follow camera stands, seen from what it follows, along the axes of the world.
+  struct Stand {
+    double azimuth_rad = 0.0;
+    double elevation_rad = 0.0;
+    double reach = 1.0;  // share of the configured distance
+
+    Eigen::Vector3d direction_world() const;
+  };
+
   View follow(const PictureScene& picture) const;
   View top(const PictureScene& picture) const;
   View on_vehicle(const PictureScene& picture) const;
@@ -58,10 +76,26 @@ class Cameraman {
   double distance_for_all(const Eigen::Vector3d& target_world_m, const Eigen::Vector3d& direction_world,
                           std::span<const VehicleState> states) const;
 
+  double distance_for(const Eigen::Vector3d& target_world_m, const Stand& stand,
+                      std::span<const VehicleState> states) const;
+  /// Share of the vehicles looked at, and of what is around them, that is seen from there.
+  double seen_share(const Eigen::Vector3d& target_world_m, const Stand& stand,
+                    std::span<const VehicleState> states) const;
+  void choose_stand(TimeNs t, const Eigen::Vector3d& target_world_m, std::span<const VehicleState> states);
+  Stand freest_stand(const Eigen::Vector3d& target_world_m, std::span<const VehicleState> states) const;
+
   CameraConfig config_;
+  int width_px_ = 0;
+  int height_px_ = 0;
   VehicleId vehicle_;
   std::vector<float> radii_m_;
   Eigen::AlignedBox3d bounds_m_;
+  BlocksSight blocks_sight_;
+  Stand configured_;
+  Stand goal_;   // where it is to stand
+  Stand stand_;  // where it stands: smoothed
+  TimeNs judged_ = 0;
+  std::optional<TimeNs> free_since_;  // the sight from the configured place
   bool started_ = false;
   TimeNs updated_ = 0;
   Eigen::Vector3d target_world_m_ = Eigen::Vector3d::Zero();  // smoothed

@@ -11,37 +11,90 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::size_t kMostNames = 24;  // more would cover the picture
+constexpr std::size_t kMostNames = 24;   // more would cover the picture
+constexpr float kSidebarText = 0.85F;    // of the text on the picture
+constexpr float kWidestMeaning = 14.0F;  // times the text: longer ones are broken into lines
+constexpr float kMeaningLeft = 2.9F;     // times the text, from the left of the margin
+constexpr float kBarWidth = 1.3F;        // times the text
+constexpr float kTickLeft = 0.9F;        // times the text, from the bar
+constexpr float kClosestTicks = 2.2F;    // times the text
+constexpr double kPointsPerInch = 72.0;
+constexpr double kCapitalOfLetters = 0.7;  // height of a capital, of the size of the letters
 
-/// Where a color bar, its ticks and its panel lie [px].
-struct BarLayout {
-  float h = 0.0F;  // height of capitals
-  double step = 1.0;
-  std::vector<double> ticks;
-  int left = 0, top = 0, panel_width = 0, panel_height = 0;
-  int bar_width = 0, bar_height = 0;
+/// In the widest font.
+float room_for(std::string_view text, float text_px) { return kWidestFont * text_width_px(text, text_px); }
 
-  BarLayout(const Image& image, const ColorBar& bar) : h(0.85F * caption_height_px(image)) {
-    step = round_down_nicely(std::max(1e-6, (bar.high - bar.low) / 4.0));
-    float text_width = 0.0F;
-    for (int k = static_cast<int>(std::ceil(bar.low / step - 1e-9)); k * step <= bar.high + 1e-9 * step; ++k) {
-      ticks.push_back(k * step);
-      text_width = std::max(text_width, text_width_px(tick_text(k * step, step), h));
+/// Breaks at blanks, so that no line but a single long word is wider.
+std::vector<std::string> broken(std::string_view text, float text_px, float widest_px) {
+  std::vector<std::string> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(' '), text.size());
+    const std::string_view word = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (!lines.empty()) {
+      const std::string longer = lines.back() + " " + std::string(word);
+      if (room_for(longer, text_px) <= widest_px) {
+        lines.back() = longer;
+        continue;
+      }
     }
-    bar_width = static_cast<int>(1.3F * h);
-    bar_height = image.height * 45 / 100;
-    panel_width = static_cast<int>(
-        std::max(static_cast<float>(bar_width) + text_width + 2.5F * h, text_width_px(bar.unit, h) + 1.6F * h));
-    panel_height = bar_height + static_cast<int>(4.9F * h);
-    left = image.width - panel_width - static_cast<int>(h);
-    top = (image.height - panel_height) / 2;
+    lines.emplace_back(word);
   }
-};
+  return lines;
+}
+
+std::vector<Overlay::Key> each_once(std::span<const Overlay::Key> keys) {
+  std::vector<Overlay::Key> shown;
+  for (const Overlay::Key& key : keys) {
+    const auto same = [&](const Overlay::Key& other) { return other.meaning == key.meaning; };
+    if (std::none_of(shown.begin(), shown.end(), same)) shown.push_back(key);
+  }
+  return shown;
+}
+
+double tick_step_of(const ColorBar& bar) { return round_down_nicely(std::max(1e-6, (bar.high - bar.low) / 4.0)); }
+
+std::vector<double> ticks_of(const ColorBar& bar, double step) {
+  std::vector<double> ticks;
+  for (int k = static_cast<int>(std::ceil(bar.low / step - 1e-9)); k * step <= bar.high + 1e-9 * step; ++k)
+    ticks.push_back(k * step);
+  return ticks;
+}
+
+float bar_width_px(const ColorBar& bar, float h) {
+  const double step = tick_step_of(bar);
+  float digits = room_for("-88.8", h);
+  for (const double tick : ticks_of(bar, step)) digits = std::max(digits, room_for(tick_text(tick, step), h));
+  return std::max((kBarWidth + kTickLeft) * h + digits, room_for(bar.unit, h));
+}
 
 }  // namespace
 
-float caption_height_px(const Image& image) {
-  return std::clamp(static_cast<float>(std::min(image.height, image.width)) / 56.0F, 8.0F, 40.0F);
+TextStyle Look::text(float share, Align align) const {
+  TextStyle style;
+  style.height_px = share * text_px;
+  style.color = ink;
+  style.align = align;
+  style.halo_alpha = halo_alpha;
+  style.halo = halo;
+  return style;
+}
+
+Look look_of(const CameraConfig& camera) {
+  Look look;
+  const Eigen::Vector2i size = camera.size_px();
+  if (!camera.on_paper()) {
+    look.text_px = std::clamp(static_cast<float>(size.minCoeff()) / 56.0F, 8.0F, 40.0F);
+    return look;
+  }
+  look.text_px = static_cast<float>(kCapitalOfLetters * camera.text_pt * camera.dpi / kPointsPerInch);
+  look.ink = Rgb::Constant(0.08F);
+  look.halo = look.page = Rgb::Ones();
+  look.halo_alpha = 0.8F;
+  look.nothing = Rgb(0.82F, 0.88F, 0.95F);  // no gray
+  look.captions = false;
+  look.line_scale = std::max(1.0F, static_cast<float>(camera.dpi) / 200.0F);
+  return look;
 }
 
 double round_down_nicely(double x) {
@@ -57,116 +110,200 @@ std::string tick_text(double value, double step) {
   return fmt::format("{:.{}f}", value + 0.0, decimals);
 }
 
-void draw_caption(Image& image, std::string_view left, std::string_view right) {
-  const float h = caption_height_px(image);
-  const float baseline = static_cast<float>(image.height) - 1.1F * h;
-  draw_text(image, 1.2F * h, baseline, left, {.height_px = h});
-  draw_text(image, static_cast<float>(image.width) - 1.2F * h, baseline, right,
-            {.height_px = h, .align = Align::kRight});
+void draw_caption(Canvas& canvas, const Look& look, int width_px, std::string_view left, std::string_view right) {
+  const float h = look.text_px;
+  const float baseline = static_cast<float>(canvas.height_px()) - 1.1F * h;
+  const float width = static_cast<float>(width_px) - 2.4F * h;
+  if (text_width_px(left, h) + text_width_px(right, h) + 2.0F * h <= width)
+    canvas.text({1.2F * h, baseline}, left, look.text());
+  canvas.text({1.2F * h + width, baseline}, right, look.text(1.0F, Align::kRight));
 }
 
-void draw_scale_bar(Image& image, const View& view) {
-  const float h = caption_height_px(image);
+void draw_scale_bar(Canvas& canvas, const Look& look, const View& view) {
+  const float h = look.text_px;
   const double pixels_per_m = view.pixels_per_m(1.0);
-  const double length_m = round_down_nicely(0.2 * image.width / pixels_per_m);
-  const int length = static_cast<int>(std::lround(length_m * pixels_per_m));
-  const int thick = std::max(2, static_cast<int>(h / 4.0F));
-  const int x = static_cast<int>(1.2F * h);
-  const int y = image.height - static_cast<int>(3.6F * h);
-  blend_rectangle(image, x - 2, y - 2, length + 4, thick + 4, Rgb::Constant(0.04F), 0.7F);
-  blend_rectangle(image, x, y, length, thick, Rgb::Ones(), 1.0F);
-  blend_rectangle(image, x, y, length / 2, thick, Rgb::Constant(0.25F), 1.0F);
-  draw_text(image, static_cast<float>(x) + 0.5F * static_cast<float>(length), static_cast<float>(y) - 0.7F * h,
-            tick_text(length_m, length_m) + " m", {.height_px = 0.9F * h, .align = Align::kCenter});
+  const double length_m = round_down_nicely(0.2 * view.width_px / pixels_per_m);
+  const auto length = static_cast<float>(length_m * pixels_per_m);
+  const Box bar{1.2F * h, static_cast<float>(view.height_px) - (look.captions ? 3.6F : 1.6F) * h, length,
+                std::max(2.0F, 0.25F * h)};
+  const float rim = std::max(2.0F, 0.12F * h);
+  canvas.rectangle({bar.left - rim, bar.top - rim, bar.width + 2.0F * rim, bar.height + 2.0F * rim}, look.halo, 0.7F);
+  canvas.rectangle(bar, look.ink);
+  canvas.rectangle({bar.left, bar.top, 0.5F * length, bar.height}, Rgb::Constant(look.captions ? 0.25F : 0.6F));
+  canvas.text({bar.left + 0.5F * length, bar.top - 0.7F * h}, tick_text(length_m, length_m) + " m",
+              look.text(0.9F, Align::kCenter));
 }
 
-void draw_names(Image& image, const View& view, const PictureScene& picture, std::span<const std::string> names,
-                double vehicle_scale) {
-  const std::size_t count = std::min(names.size(), picture.states.size());
-  if (count > kMostNames) return;
-  const float h = 0.9F * caption_height_px(image);
-  for (std::size_t v = 0; v < count; ++v) {
+void draw_axes(Canvas& canvas, const Look& look, const View& view) {
+  const float h = look.text_px;
+  const float length = 2.6F * h;
+  const Eigen::Vector2f origin(static_cast<float>(view.width_px) - 5.0F * h,
+                               static_cast<float>(view.height_px) - (look.captions ? 6.4F : 4.4F) * h);
+  struct Axis {
+    const char* name;
+    Rgb color;
+    Eigen::Vector3f camera;  // direction: right, up, towards who looks
+  };
+  std::vector<Axis> axes;
+  const Rgb colors[] = {{0.86F, 0.18F, 0.16F}, {0.10F, 0.60F, 0.22F}, {0.16F, 0.38F, 0.90F}};
+  for (int i = 0; i < 3; ++i) {
+    const char* const names[] = {"x", "y", "z"};
+    axes.push_back({names[i], colors[i], view.T_camera_world.block<3, 1>(0, i).cast<float>()});
+  }
+  std::stable_sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.camera.z() < b.camera.z(); });
+  for (const Axis& axis : axes) {
+    const Eigen::Vector2f along(axis.camera.x(), -axis.camera.y());
+    if (along.norm() < 0.1F) continue;  // straight at who looks
+    const Eigen::Vector2f tip = origin + length * along;
+    canvas.line(origin, tip, 0.32F * h, look.halo);
+    canvas.line(origin, tip, 0.18F * h, axis.color);
+    TextStyle style = look.text(0.9F, Align::kCenter);
+    const Eigen::Vector2f at = tip + 0.9F * h * along.normalized();
+    canvas.text({at.x(), at.y() + 0.35F * h}, axis.name, style);
+  }
+}
+
+void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, const PictureScene& picture,
+                        const VehicleMarks& marks) {
+  const float h = 0.9F * look.text_px;
+  const bool named = !marks.names.empty() && picture.states.size() <= kMostNames;
+  for (std::size_t v = 0; v < picture.states.size(); ++v) {
+    if (static_cast<VehicleId>(v) == marks.hidden_vehicle) continue;
     const auto at = view.project(picture.states[v].p_world_m);
-    if (!at || at->x() < 0 || at->y() < 0 || at->x() > image.width || at->y() > image.height) continue;
-    const double lift = 0.35 * vehicle_scale * view.pixels_per_m(at->z()) + 1.0 * h;
-    const Rgb color = 0.75F * vehicle_color(static_cast<VehicleId>(v)) + Rgb::Constant(0.25F);
-    draw_text(image, static_cast<float>(at->x()), static_cast<float>(at->y() - std::min(lift, 0.2 * image.height)),
-              names[v], {.height_px = h, .color = color, .align = Align::kCenter});
+    if (!at || at->x() < 0 || at->y() < 0 || at->x() > view.width_px || at->y() > view.height_px) continue;
+    const Eigen::Vector2f center = at->head<2>().cast<float>();
+    const Rgb color = vehicle_color(static_cast<VehicleId>(v));
+    const float radius_m = v < marks.radii_m.size() ? marks.radii_m[v] : 0.35F;
+    float radius_px = radius_m * static_cast<float>(view.pixels_per_m(at->z()));
+    if (2.0F * radius_px < marks.min_px) {
+      radius_px = 0.5F * marks.min_px;
+      const float width = std::min(std::max(2.0F, 0.17F * h) * look.line_scale, 0.3F * radius_px);
+      canvas.ring(center, radius_px, 2.2F * width, look.halo);
+      canvas.ring(center, radius_px, width, color);
+    }
+    if (!named || v >= marks.names.size()) continue;
+    TextStyle style = look.text(0.9F, Align::kCenter);
+    // Lighter on a dark rim, darker on a white one.
+    style.color = look.captions ? Rgb(0.75F * color + Rgb::Constant(0.25F)) : Rgb(0.7F * color);
+    const float lift = std::min(0.9F * radius_px + h, 0.2F * static_cast<float>(view.height_px));
+    canvas.text({center.x(), center.y() - lift}, marks.names[v], style);
   }
 }
 
-void draw_legend(Image& image, std::span<const Overlay::Key> keys) {
-  std::vector<Overlay::Key> shown;
-  for (const Overlay::Key& key : keys) {
-    const auto same = [&](const Overlay::Key& other) { return other.meaning == key.meaning; };
-    if (std::none_of(shown.begin(), shown.end(), same)) shown.push_back(key);
+int sidebar_width_px(const Sidebar& sidebar, const Look& look) {
+  if (sidebar.empty()) return 0;
+  const float h = kSidebarText * look.text_px;
+  float width = sidebar.bar ? bar_width_px(*sidebar.bar, h) + 2.0F * h : 0.0F;
+  for (const Overlay::Key& key : sidebar.keys) {
+    for (const std::string& line : broken(key.meaning, h, kWidestMeaning * h))
+      width = std::max(width, room_for(line, h) + (kMeaningLeft + 0.8F) * h);
   }
-  if (shown.empty()) return;
-  const float h = 0.85F * caption_height_px(image);
-  const int line = static_cast<int>(2.0F * h), margin = static_cast<int>(h);
-  float width = 0.0F;
-  for (const Overlay::Key& key : shown) width = std::max(width, text_width_px(key.meaning, h));
-  blend_rectangle(image, margin, margin, static_cast<int>(width + 4.0F * h),
-                  line * static_cast<int>(shown.size()) + static_cast<int>(0.8F * h), Rgb::Constant(0.04F), 0.6F);
-  for (std::size_t i = 0; i < shown.size(); ++i) {
-    const int top = margin + static_cast<int>(0.7F * h) + static_cast<int>(i) * line;
-    blend_rectangle(image, margin + static_cast<int>(0.8F * h), top, static_cast<int>(1.2F * h),
-                    static_cast<int>(1.2F * h), shown[i].color.head<3>(), 1.0F);
-    draw_text(image, static_cast<float>(margin) + 2.9F * h, static_cast<float>(top) + 1.1F * h, shown[i].meaning,
-              {.height_px = h, .halo_alpha = 0.0F});
-  }
+  return static_cast<int>(std::ceil(width));
 }
 
-int color_bar_width_px(const Image& image, const ColorBar& bar) {
-  const BarLayout layout(image, bar);
-  return image.width - layout.left;
+SidebarLayout lay_out(const Sidebar& sidebar, const Look& look, const Box& margin) {
+  SidebarLayout layout;
+  const float h = layout.text_px = kSidebarText * look.text_px;
+  layout.line_px = 1.6F * h;
+  layout.text_left_px = margin.left + kMeaningLeft * h;
+  const float least_bar = sidebar.bar ? 11.0F * h : 0.0F;  // with its unit
+  float top = margin.top + h;
+  const std::vector<Overlay::Key> keys = each_once(sidebar.keys);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    SidebarLayout::Row row;
+    row.lines = broken(keys[i].meaning, h, kWidestMeaning * h);
+    row.color = keys[i].color.head<3>();
+    row.swatch = {margin.left + h, top, 1.2F * h, 1.2F * h};
+    row.first_baseline_px = top + 1.1F * h;
+    const float height = layout.line_px * static_cast<float>(std::max<std::size_t>(1, row.lines.size()));
+    const float for_the_rest = i + 1 < keys.size() ? layout.line_px : 0.0F;  // a line that counts them
+    if (top + height + for_the_rest + least_bar > margin.bottom() - 0.6F * h) {
+      layout.left_out = keys.size() - i;
+      break;
+    }
+    top += height + 0.4F * h;
+    layout.rows.push_back(std::move(row));
+  }
+  if (layout.left_out > 0) {
+    layout.left_out_baseline_px = top + 1.1F * h;
+    top += layout.line_px;
+  }
+  if (!sidebar.bar) return layout;
+
+  const float below = margin.bottom() - 1.2F * h;
+  const float height = std::clamp(0.45F * margin.height, 4.0F * h, std::max(4.0F * h, below - top - 4.2F * h));
+  if (keys.empty()) top = std::max(top, margin.top + 0.5F * (margin.height - height - 3.6F * h));
+  layout.unit_baseline_px = top + 1.6F * h;
+  layout.bar = {margin.left + h, layout.unit_baseline_px + 1.6F * h, kBarWidth * h, height};
+  layout.tick_step = tick_step_of(*sidebar.bar);
+  const double px_per_unit = height / std::max(1e-9, sidebar.bar->high - sidebar.bar->low);
+  while (layout.tick_step * px_per_unit < kClosestTicks * h)
+    layout.tick_step = round_down_nicely(2.5 * layout.tick_step);
+  layout.ticks = ticks_of(*sidebar.bar, layout.tick_step);
+  return layout;
 }
 
-void draw_color_bar(Image& image, const ColorBar& bar) {
-  const BarLayout layout(image, bar);
-  const float h = layout.h;
-  blend_rectangle(image, layout.left, layout.top, layout.panel_width, layout.panel_height, Rgb::Constant(0.04F), 0.6F);
-  draw_text(image, static_cast<float>(layout.left) + 0.8F * h, static_cast<float>(layout.top) + 1.8F * h, bar.unit,
-            {.height_px = h, .halo_alpha = 0.0F});
+void draw_sidebar(Canvas& canvas, const Look& look, const Sidebar& sidebar, int left_px) {
+  const auto left = static_cast<float>(left_px);
+  const Box margin{left, 0.0F, static_cast<float>(canvas.width_px()) - left, static_cast<float>(canvas.height_px())};
+  if (margin.width <= 0.0F) return;
+  canvas.rectangle(margin, look.page);
+  const SidebarLayout layout = lay_out(sidebar, look, margin);
+  const float h = layout.text_px;
+  TextStyle style = look.text(kSidebarText);
+  style.halo_alpha = 0.0F;
+  for (const SidebarLayout::Row& row : layout.rows) {
+    canvas.rectangle(row.swatch, row.color);
+    for (std::size_t i = 0; i < row.lines.size(); ++i) {
+      canvas.text({layout.text_left_px, row.first_baseline_px + static_cast<float>(i) * layout.line_px}, row.lines[i],
+                  style);
+    }
+  }
+  if (layout.left_out > 0) {
+    canvas.text({layout.text_left_px, layout.left_out_baseline_px}, fmt::format("and {} more", layout.left_out), style);
+  }
+  if (!sidebar.bar) return;
 
-  const int bar_left = layout.left + static_cast<int>(0.8F * h);
-  const int bar_top = layout.top + static_cast<int>(3.6F * h);
-  for (int y = 0; y < layout.bar_height; ++y) {
-    const float s = 1.0F - (static_cast<float>(y) + 0.5F) / static_cast<float>(layout.bar_height);
-    blend_rectangle(image, bar_left, bar_top + y, layout.bar_width, 1, bar.color(s), 1.0F);
+  const ColorBar& bar = *sidebar.bar;
+  canvas.text({layout.bar.left, layout.unit_baseline_px}, bar.unit, style);
+  const int steps = std::clamp(static_cast<int>(layout.bar.height), 16, 128);
+  const float step_px = layout.bar.height / static_cast<float>(steps);
+  for (int i = 0; i < steps; ++i) {  // each reaches a little under the next, so that no seam shows
+    const float s = 1.0F - (static_cast<float>(i) + 0.5F) / static_cast<float>(steps);
+    const float step_top = layout.bar.top + static_cast<float>(i) * step_px;
+    canvas.rectangle(
+        {layout.bar.left, step_top, layout.bar.width, std::min(step_px + 0.5F, layout.bar.bottom() - step_top)},
+        bar.color(s));
   }
   for (const double tick : layout.ticks) {
     const double s = (tick - bar.low) / (bar.high - bar.low);
-    const int y = bar_top + static_cast<int>(std::lround((1.0 - s) * (layout.bar_height - 1)));
-    const int bar_right = bar_left + layout.bar_width;
-    blend_rectangle(image, bar_right, y, static_cast<int>(0.5F * h), 1, Rgb::Ones(), 1.0F);
-    draw_text(image, static_cast<float>(bar_right) + 0.9F * h, static_cast<float>(y) + 0.5F * h,
-              tick_text(tick, layout.step), {.height_px = h, .halo_alpha = 0.0F});
+    const float y = layout.bar.top + static_cast<float>(1.0 - s) * layout.bar.height;
+    const float thick = std::max(1.0F, 0.09F * h);
+    canvas.rectangle({layout.bar.right(), y - 0.5F * thick, 0.5F * h, thick}, look.ink);
+    canvas.text({layout.bar.right() + kTickLeft * h, y + 0.5F * h}, tick_text(tick, layout.tick_step), style);
   }
 }
 
-Image draw_depth_image(const DepthImage& depth, double max_range_m) {
-  if (max_range_m <= 0.0) {  // most of what is seen, up to a round number
-    std::vector<float> seen;
-    for (const float d : depth.depth_m) {
-      if (d > 0.0F) seen.push_back(d);
-    }
-    max_range_m = 10.0;
-    if (!seen.empty()) {
-      const auto nth = seen.begin() + static_cast<std::ptrdiff_t>(0.92 * static_cast<double>(seen.size() - 1));
-      std::nth_element(seen.begin(), nth, seen.end());
-      const double step = round_down_nicely(std::max(0.5, static_cast<double>(*nth)) / 4.0);
-      max_range_m = step * std::ceil(*nth / step);
-    }
+double depth_scale_end_m(const DepthImage& depth) {
+  std::vector<float> seen;
+  for (const float d : depth.depth_m) {
+    if (d > 0.0F) seen.push_back(d);
   }
+  if (seen.empty()) return 10.0;
+  const auto nth = seen.begin() + static_cast<std::ptrdiff_t>(0.92 * static_cast<double>(seen.size() - 1));
+  std::nth_element(seen.begin(), nth, seen.end());
+  const double step = round_down_nicely(std::max(0.5, static_cast<double>(*nth)) / 4.0);
+  return step * std::ceil(*nth / step);
+}
+
+Image depth_colors(const DepthImage& depth, double max_range_m, const Rgb& nothing) {
   Image image(depth.width, depth.height);
   for (int y = 0; y < depth.height; ++y) {
     for (int x = 0; x < depth.width; ++x) {
       const float d = depth.at(x, y);
-      set_pixel(image, x, y, d > 0.0F ? turbo_like(d / static_cast<float>(max_range_m)) : Rgb::Constant(0.16F));
+      set_pixel(image, x, y, d > 0.0F ? turbo_like(d / static_cast<float>(max_range_m)) : nothing);
     }
   }
-  draw_color_bar(image, {turbo_like, 0.0, max_range_m, "depth [m]"});
   return image;
 }
 

@@ -2,28 +2,58 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sim/render/cameras.hpp"
-#include "swiftlet/sim/render/image.hpp"
+#include "sim/render/canvas.hpp"
+#include "sim/render/picture_scene.hpp"
 
 namespace swiftlet::sim {
 
-/// Height of capitals that suits a picture [px].
-float caption_height_px(const Image& image);
+/// How the writing on a picture looks.
+struct Look {
+  float text_px = 12.0F;  ///< height of capitals
+  Rgb ink = Rgb::Ones();
+  Rgb halo = Rgb::Constant(0.04F);
+  float halo_alpha = 0.65F;
+  Rgb page = Rgb::Constant(0.10F);     ///< beside the picture
+  Rgb nothing = Rgb::Constant(0.16F);  ///< where a depth or a range was not measured
+  bool captions = true;                ///< scenario, camera and time at the lower edge
+  float line_scale = 1.0F;             ///< lines are wider by this on paper of many pixels
 
-/// Two lines of text at the lower edge: at the left what it is, at the right when.
-void draw_caption(Image& image, std::string_view left, std::string_view right);
+  TextStyle text(float share = 1.0F, Align align = Align::kLeft) const;
+};
+Look look_of(const CameraConfig& camera);
+
+/// Two lines of text at the lower edge of an area as wide as this: at the left what it is, at the right when. Where
+/// both do not fit, the left one is left out.
+void draw_caption(Canvas& canvas, const Look& look, int width_px, std::string_view left, std::string_view right);
 /// A bar of round length in the lower left corner, above the caption. For parallel projections.
+<<<<<<< HEAD
 void draw_scale_bar(Image& image, const View& view);
 /// Each vehicle's name in its color, above it. Teams of more than 24 have none: they would cover the picture.
 void draw_names(Image& image, const View& view, const PictureScene& picture, std::span<const std::string> names,
                 double vehicle_scale);
+=======
+void draw_scale_bar(Canvas& canvas, const Look& look, const View& view);
+/// How the axes of the world lie, in the lower right corner, above the caption.
+void draw_axes(Canvas& canvas, const Look& look, const View& view);
+>>>>>>> 4c44a8d6718ab083511343ed06763cd65e2e2b14
 
-/// What colors mean, on a dark panel in the upper left corner; each meaning once.
-void draw_legend(Image& image, std::span<const Overlay::Key> keys);
+/// How vehicles are told on a picture.
+struct VehicleMarks {
+  std::span<const std::string> names;  ///< empty: none
+  std::span<const float> radii_m;      ///< circumscribed, as drawn
+  float min_px = 0.0F;                 ///< smaller ones get a ring of this diameter
+  VehicleId hidden_vehicle = kNoVehicle;
+};
+/// Each vehicle's name in its color, above it, and rings around those that are too small to be seen.
+void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, const PictureScene& picture,
+                        const VehicleMarks& marks);
 
 /// A bar that explains colors.
 struct ColorBar {
@@ -32,17 +62,48 @@ struct ColorBar {
   double high = 1.0;
   std::string unit;
 };
-/// Width at the right edge of the picture that the bar with its panel takes [px].
-int color_bar_width_px(const Image& image, const ColorBar& bar);
-/// On a dark panel at the right edge of the picture.
-void draw_color_bar(Image& image, const ColorBar& bar);
+
+/// What stands in the margin at the right of a picture: what colors mean, each meaning once, and a bar below.
+struct Sidebar {
+  std::vector<Overlay::Key> keys;
+  std::optional<ColorBar> bar;
+
+  bool empty() const { return keys.empty() && !bar; }
+};
+/// 0: nothing to show. Hangs on the words, not on the values along the bar as long as they have few digits.
+int sidebar_width_px(const Sidebar& sidebar, const Look& look);
+/// Fills the canvas from `left_px` to its right edge. Keys that find no room are counted in the last line.
+void draw_sidebar(Canvas& canvas, const Look& look, const Sidebar& sidebar, int left_px);
+
+/// Where everything of a sidebar lies.
+struct SidebarLayout {
+  struct Row {
+    Box swatch;
+    Rgb color = Rgb::Zero();
+    std::vector<std::string> lines;
+    float first_baseline_px = 0.0F;
+  };
+  float text_px = 0.0F;
+  float line_px = 0.0F;  ///< from a baseline to the next
+  float text_left_px = 0.0F;
+  std::vector<Row> rows;
+  std::size_t left_out = 0;  ///< keys without a row
+  float left_out_baseline_px = 0.0F;
+  Box bar;  ///< empty: none
+  float unit_baseline_px = 0.0F;
+  double tick_step = 1.0;
+  std::vector<double> ticks;
+};
+SidebarLayout lay_out(const Sidebar& sidebar, const Look& look, const Box& margin);
 
 /// 1, 2 or 5 times a power of ten, the largest not above x (x > 0).
 double round_down_nicely(double x);
 /// Shortest decimal of a tick at steps of `step`.
 std::string tick_text(double value, double step);
 
-/// The picture of a depth image: colors of turbo_like, with a color bar; nothing there is gray.
-Image draw_depth_image(const DepthImage& depth, double max_range_m);
+/// End of the color scale of a depth image [m]: most of what is seen, up to a round number.
+double depth_scale_end_m(const DepthImage& depth);
+/// Colors of turbo_like from 0 to max_range_m.
+Image depth_colors(const DepthImage& depth, double max_range_m, const Rgb& nothing);
 
 }  // namespace swiftlet::sim

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/render/mark_painter.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "embedded/sim_render.hpp"
@@ -33,7 +34,11 @@ std::vector<SolidVertex> unit_cube() {
       };
       const SolidVertex a = corner(-0.5F, -0.5F), b = corner(0.5F, -0.5F), c = corner(0.5F, 0.5F),
                         d = corner(-0.5F, 0.5F);
-      vertices.insert(vertices.end(), {a, b, c, a, c, d});
+      // Counter-clockwise seen from outside.
+      if (side > 0.0F)
+        vertices.insert(vertices.end(), {a, b, c, a, c, d});
+      else
+        vertices.insert(vertices.end(), {a, c, b, a, d, c});
     }
   }
   return vertices;
@@ -102,13 +107,15 @@ MarkPainter::MarkPainter(const GlFunctions& gl)
   sphere_ = upload(unit_sphere());
 }
 
-void MarkPainter::draw_points(const View& view, std::span<const PointVertex> points, float size_m, float cut_m) {
+void MarkPainter::draw_points(const View& view, std::span<const PointVertex> points, const PointSize& size,
+                              float cut_m) {
   if (points.empty()) return;
   point_program_.use();
   point_program_.set("u_clip_world", Eigen::Matrix4f(view.clip_world().cast<float>()));
   point_program_.set("u_pixels_at_1m", static_cast<float>(view.pixels_per_m(1.0)));
-  point_program_.set("u_size_m", size_m);
-  point_program_.set("u_min_px", 2.2F);
+  point_program_.set("u_size_m", size.diameter_m);
+  point_program_.set("u_min_px", size.least_px);
+  point_program_.set("u_max_px", std::max(14.0F, size.least_px));
   point_program_.set("u_cut_m", cut_m);
   gl_.Enable(GL_PROGRAM_POINT_SIZE);
   gl_.BindVertexArray(points_.array);
@@ -133,7 +140,9 @@ void MarkPainter::draw_solids(const View& view, Solid solid, std::span<const Eig
   const UnitSolid& unit = solid == Solid::kCube ? cube_ : sphere_;
   gl_.BindVertexArray(unit.array);
   stream(gl_, solid_instances_, std::span<const SolidInstance>(instances));
+  gl_.Enable(GL_CULL_FACE);  // their backs are hidden, or seen twice
   gl_.DrawArraysInstanced(GL_TRIANGLES, 0, unit.num_vertices, static_cast<GLsizei>(instances.size()));
+  gl_.Disable(GL_CULL_FACE);
 }
 
 void MarkPainter::draw_triangles(const View& view, std::span<const Eigen::Vector3f> corners_world_m,

@@ -15,6 +15,12 @@ struct PointVertex {
   Eigen::Vector4f color;  ///< sRGB and opacity
 };
 
+/// Smaller the farther away, but not below `least_px`.
+struct PointSize {
+  float diameter_m = 0.0F;
+  float least_px = 2.2F;
+};
+
 /// What lies over the world without being of it: points, wide lines, cubes, spheres, triangles.
 /// Blending and depth test are set by the caller.
 class MarkPainter {
@@ -23,7 +29,7 @@ class MarkPainter {
 
   explicit MarkPainter(const GlFunctions& gl);
 
-  void draw_points(const View& view, std::span<const PointVertex> points, float size_m, float cut_m);
+  void draw_points(const View& view, std::span<const PointVertex> points, const PointSize& size, float cut_m);
   /// Center and size of each solid come as (x, y, z, size).
   void draw_solids(const View& view, Solid solid, std::span<const Eigen::Vector4f> center_size_m,
                    std::span<const Eigen::Vector4f> colors, const Eigen::Vector3f& sun_world, float cut_m);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "swiftlet/core/ensure.hpp"
 #include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {
@@ -17,9 +18,17 @@ void put(png_structp png, png_bytep bytes, std::size_t count) {
 
 void flush(png_structp) {}
 
+struct Form {
+  int width = 0, height = 0;
+  int bits = 8;
+  int color_type = PNG_COLOR_TYPE_RGB;
+  double dpi = 0.0;
+  int compression = 1;  // fast
+};
+
 /// libpng reports errors by a callback that must not return; an exception passes its C frames only if they were
 /// built for it, hence setjmp here, with nothing to destroy between it and the jump.
-bool encode(std::string& file, int width, int height, int bits, int color_type, png_bytepp rows) {
+bool encode(std::string& file, const Form& form, png_bytepp rows) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
   if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
@@ -27,39 +36,54 @@ bool encode(std::string& file, int width, int height, int bits, int color_type, 
     return false;
   }
   png_set_write_fn(png, &file, put, flush);
-  png_set_compression_level(png, 1);
+  png_set_compression_level(png, form.compression);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
-  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), bits, color_type,
-               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(form.width), static_cast<png_uint_32>(form.height), form.bits,
+               form.color_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (form.dpi > 0.0) {
+    const auto per_m = static_cast<png_uint_32>(form.dpi / 0.0254 + 0.5);
+    png_set_pHYs(png, info, per_m, per_m, PNG_RESOLUTION_METER);
+  }
   png_write_info(png, info);
-  if (bits == 16) png_set_swap(png);  // the file is big-endian
+  if (form.bits == 16) png_set_swap(png);  // the file is big-endian
   png_write_image(png, rows);
   png_write_end(png, nullptr);
   png_destroy_write_struct(&png, &info);
   return true;
 }
 
-void write(const std::filesystem::path& path, int width, int height, int bits, int color_type, const void* data) {
-  if (width <= 0 || height <= 0) fail_to_write(path, "the picture has no pixels");
-  const std::size_t row_bytes = static_cast<std::size_t>(width) * (color_type == PNG_COLOR_TYPE_RGB ? 3 : 1) * bits / 8;
-  std::vector<png_bytep> rows(static_cast<std::size_t>(height));
+bool encode(std::string& file, const Form& form, const void* data) {
+  const std::size_t row_bytes =
+      static_cast<std::size_t>(form.width) * (form.color_type == PNG_COLOR_TYPE_RGB ? 3 : 1) * form.bits / 8;
+  std::vector<png_bytep> rows(static_cast<std::size_t>(form.height));
   auto* bytes = static_cast<png_bytep>(const_cast<void*>(data));  // libpng only reads
   for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = bytes + y * row_bytes;
 
+  return encode(file, form, rows.data());
+}
+
+void write(const std::filesystem::path& path, const Form& form, const void* data) {
+  if (form.width <= 0 || form.height <= 0) fail_to_write(path, "the picture has no pixels");
   std::string file;
-  if (!encode(file, width, height, bits, color_type, rows.data())) fail_to_write(path, "libpng refuses the picture");
+  if (!encode(file, form, data)) fail_to_write(path, "libpng refuses the picture");
   write_file(path, file);
 }
 
 }  // namespace
 
-void write_png(const std::filesystem::path& path, const Image& image) {
-  write(path, image.width, image.height, 8, PNG_COLOR_TYPE_RGB, image.rgb.data());
+void write_png(const std::filesystem::path& path, const Image& image, double dpi) {
+  write(path, {image.width, image.height, 8, PNG_COLOR_TYPE_RGB, dpi, 1}, image.rgb.data());
+}
+
+std::string png_of(const Image& image) {
+  std::string file;
+  ENSURE(encode(file, {image.width, image.height, 8, PNG_COLOR_TYPE_RGB, 0.0, 6}, image.rgb.data()), image.width);
+  return file;
 }
 
 void write_png16(const std::filesystem::path& path, int width, int height, std::span<const std::uint16_t> gray) {
   if (gray.size() != static_cast<std::size_t>(width) * height) fail_to_write(path, "size and data do not agree");
-  write(path, width, height, 16, PNG_COLOR_TYPE_GRAY, gray.data());
+  write(path, {width, height, 16, PNG_COLOR_TYPE_GRAY, 0.0, 1}, gray.data());
 }
 
 }  // namespace swiftlet::sim

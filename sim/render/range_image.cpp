@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "sim/render/captions.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/sim/render/colors.hpp"
 
@@ -32,21 +31,23 @@ struct Shading {
   ColorBar bar;
   const std::vector<float>* values = nullptr;
   bool decibel = false;
+  Rgb nothing = Rgb::Zero();  // where no echo came back
 
   Rgb color(const Scan& scan, int beam) const {
-    if (!scan.hit(beam)) return Rgb::Constant(0.10F);
+    if (!scan.hit(beam)) return nothing;
     double value = (*values)[static_cast<std::size_t>(beam)];
     if (decibel) value = 10.0 * std::log10(std::max(value, 1e-9));
     return bar.color(static_cast<float>((value - bar.low) / (bar.high - bar.low)));
   }
 };
 
-Shading shading_of(const Scan& scan, ScanQuantity quantity, double max_range_m) {
+Shading shading_of(const Scan& scan, ScanQuantity quantity, double max_range_m, const Rgb& nothing) {
   std::vector<float> hits;
   const bool range = quantity == ScanQuantity::kRange;
   Shading shading;
   shading.values = range ? &scan.range_m : &scan.intensity;
   shading.decibel = !range;
+  shading.nothing = nothing;
   for (int i = 0; i < scan.size(); ++i) {
     if (scan.hit(i)) hits.push_back((*shading.values)[static_cast<std::size_t>(i)]);
   }
@@ -183,18 +184,20 @@ int BeamLookup::nearest(double azimuth_rad, double elevation_rad) const {
   return best;
 }
 
-Image draw_range_image(const Scan& scan, ScanQuantity quantity, int width_px, int height_px, double max_range_m) {
-  Image image(width_px, height_px, Rgb::Constant(0.05F));
+int draw_range_image(Canvas& canvas, const Look& look, const Scan& scan, ScanQuantity quantity, double max_range_m) {
   const BeamLookup lookup(*scan.beams);
-  const Shading shading = shading_of(scan, quantity, max_range_m);
-  const float h = caption_height_px(image);
+  const Shading shading = shading_of(scan, quantity, max_range_m, look.nothing);
+  const Sidebar sidebar{{}, shading.bar};
+  const int area_width = canvas.width_px() - sidebar_width_px(sidebar, look);
+  draw_sidebar(canvas, look, sidebar, area_width);
+  const float h = look.text_px;
 
   // As many strips as make it largest, between a margin on top and the caption.
   const double height_rad = lookup.elevation_max_rad() - lookup.elevation_min_rad();
   const int gap = static_cast<int>(2.4F * h);
-  const int free_height = height_px - static_cast<int>(3.0F * h);
+  const int free_height = canvas.height_px() - static_cast<int>((look.captions ? 3.0F : 1.0F) * h);
   const int margin = static_cast<int>(3.2F * h);  // half of a label
-  const int free_width = width_px - color_bar_width_px(image, shading.bar) - 2 * margin;
+  const int free_width = area_width - 2 * margin;
   int strips = 1;
   double pixels_per_rad = 0.0;
   for (int n = 1; n <= 4; ++n) {
@@ -205,6 +208,7 @@ Image draw_range_image(const Scan& scan, ScanQuantity quantity, int width_px, in
       strips = n;
     }
   }
+  if (pixels_per_rad <= 0.0) return area_width;  // no room but for the bar
 
   const int strip_width = static_cast<int>(kTwoPi / strips * pixels_per_rad);
   const int strip_height = std::max(1, static_cast<int>(height_rad * pixels_per_rad));
@@ -213,26 +217,26 @@ Image draw_range_image(const Scan& scan, ScanQuantity quantity, int width_px, in
   for (int strip = 0; strip < strips; ++strip) {
     const int top = (free_height - used_height) / 2 + strip * (strip_height + gap) + static_cast<int>(h);
     const double azimuth_left = -strip * kTwoPi / strips + M_PI / strips;
+    Image pixels(strip_width, strip_height, look.page);
     for (int y = 0; y < strip_height; ++y) {
       const double elevation = lookup.elevation_max_rad() - (y + 0.5) / pixels_per_rad;
       for (int x = 0; x < strip_width; ++x) {
         const int beam = lookup.beam_at(azimuth_left - (x + 0.5) / pixels_per_rad, elevation);
-        if (beam >= 0) set_pixel(image, left + x, top + y, shading.color(scan, beam));
+        if (beam >= 0) set_pixel(pixels, x, y, shading.color(scan, beam));
       }
     }
+    canvas.picture(left, top, pixels);
     // Azimuths below the strip.
+    const auto bottom = static_cast<float>(top + strip_height);
     const double left_deg = azimuth_left / kRadPerDeg;
     for (double deg = std::floor(left_deg / 45.0) * 45.0; deg >= left_deg - 360.0 / strips - 1e-6; deg -= 45.0) {
       const auto x = static_cast<float>(left + (left_deg - deg) * kRadPerDeg * pixels_per_rad);
-      blend_rectangle(image, static_cast<int>(x), top + strip_height, 1, static_cast<int>(0.4F * h),
-                      Rgb::Constant(0.8F), 1.0F);
+      canvas.rectangle({x, bottom, std::max(1.0F, 0.09F * h), 0.4F * h}, look.ink);
       const double shown = deg < -180.0 + 1e-6 ? deg + 360.0 : deg;
-      draw_text(image, x, static_cast<float>(top + strip_height) + 1.5F * h, tick_text(shown, 1.0) + " deg",
-                {.height_px = 0.75F * h, .color = Rgb::Constant(0.8F), .align = Align::kCenter});
+      canvas.text({x, bottom + 1.5F * h}, tick_text(shown, 1.0) + " deg", look.text(0.75F, Align::kCenter));
     }
   }
-  draw_color_bar(image, shading.bar);
-  return image;
+  return area_width;
 }
 
 }  // namespace swiftlet::sim

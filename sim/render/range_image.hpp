@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "sim/render/captions.hpp"
 #include "swiftlet/core/scan.hpp"
-#include "swiftlet/sim/render/image.hpp"
 
 namespace swiftlet::sim {
 
@@ -50,8 +50,11 @@ class BeamLookup {
 
 enum class ScanQuantity { kRange, kIntensity };
 
-/// The scan as a picture with a color bar: strips of azimuth, the sensor's x axis in the middle of the first.
+/// The scan over the whole canvas, with a color bar beside it: strips of azimuth, the sensor's x axis in the middle of
+/// the first.
 /// @param max_range_m  end of the color scale of ranges; 0: from the scan
-Image draw_range_image(const Scan& scan, ScanQuantity quantity, int width_px, int height_px, double max_range_m = 0.0);
+/// @return  width left of the color bar [px]
+int draw_range_image(Canvas& canvas, const Look& look, const Scan& scan, ScanQuantity quantity,
+                     double max_range_m = 0.0);
 
 }  // namespace swiftlet::sim

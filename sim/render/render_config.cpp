@@ -2,6 +2,7 @@
 #include "swiftlet/sim/render/render_config.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace swiftlet::sim {
 
@@ -10,8 +11,10 @@ void CameraConfig::visit(ConfigVisitor& v) {
   v.choice("type", type, kTypes, "what it is: a view of the world, metric depth, or what a LiDAR measures");
   v.field("vehicle", vehicle, "follow, top, onboard, depth, lidar_*: whose; empty: the first (follow, top: all)");
   v.field("sensor", sensor, "lidar_*: which LiDAR of the vehicle; empty: the first");
-  v.field("position_m", position_m,
-          "[m] fixed: world; follow: offset from the vehicles; onboard, depth: body frame; zero as target_m: by type");
+  v.field(
+      "position_m", position_m,
+      "[m] fixed: world; follow: offset from the vehicles along the world's axes; onboard, depth: body frame; zero as "
+      "target_m: by type");
   v.field("target_m", target_m,
           "[m] point looked at. fixed: world; onboard, depth: body frame; top: center, when span_m is given");
   v.field("fov_deg", fov_deg, "[deg] vertical field of view", Range::between(5.0, 150.0));
@@ -20,22 +23,48 @@ void CameraConfig::visit(ConfigVisitor& v) {
   v.field("perspective", perspective, "top: seen from high above instead of a parallel projection");
   v.field("width_px", width_px, "[px] width of the picture", Range::between(64, 8192));
   v.field("height_px", height_px, "[px] height of the picture", Range::between(64, 8192));
+  v.choice("style", style, {"screen", "paper"}, "paper: white, without captions, as PNG and as SVG with text as text");
+  v.field("width_mm", width_mm, "[mm] paper: width as printed; 0: width_px at dpi", Range::non_negative());
+  v.field("height_mm", height_mm, "[mm] paper: height as printed; 0: in proportion to the width",
+          Range::non_negative());
+  v.field("dpi", dpi, "paper: pixels per 25.4 mm", Range::between(30.0, 2400.0));
+  v.field("text_pt", text_pt, "[pt] paper: size of the letters as printed", Range::between(3.0, 40.0));
   v.field("max_range_m", max_range_m, "[m] depth, lidar_range: end of the color scale; 0: from the picture",
           Range::non_negative());
   v.field("times_s", times_s, "[s] pictures at these times", Range::non_negative());
   v.field("every_s", every_s, "[s] and at every multiple of this; 0: none", Range::non_negative());
   v.choice("cloud", cloud, {"none", "height", "label", "intensity", "vehicle"},
            "latest scans drawn in the world, and what their colors mean");
-  v.field("trails", trails, "draw the path of each vehicle so far");
+  v.field("point_px", point_px, "[px] diameter of the points of clouds; 0: smaller the farther they are",
+          Range::between(0.0, 64.0));
+  v.field("trails", trails, "draw the path of each vehicle so far; an onboard camera shows none");
   v.field("names", names, "write the vehicles' names beside them");
   v.field("overlays", overlays, "overlays of the agents to draw, by name, of one vehicle as \"uav1/NAME\"; \"*\": all");
+  v.field("axes", axes, "follow, fixed, top: show in a corner how the axes of the world lie");
   v.field("vehicle_scale", vehicle_scale, "vehicles are drawn this many times their size",
           Range{0.0, 1000.0, true, false});
+  v.field("vehicle_min_px", vehicle_min_px,
+          "[px] a vehicle that looks smaller gets a ring of this diameter in its color; 0: none",
+          Range::non_negative());
   v.field("cut_above", cut_above, "hide what is higher than cut_height_m, to look under crowns and roofs");
   v.field("cut_height_m", cut_height_m, "[m] height of the cut, world frame");
   v.check(!times_s.empty() || every_s > 0.0, "times_s", "when it takes pictures, here or as every_s");
+  v.check(on_paper() || width_mm <= 0.0, "width_mm", "style paper with it: a screen has no millimeters");
+  v.check(on_paper() || height_mm <= 0.0, "height_mm", "style paper with it: a screen has no millimeters");
+  const Eigen::Vector2i size = size_px();
+  v.check((width_mm <= 0.0 && height_mm <= 0.0) || (size.minCoeff() >= 64 && size.maxCoeff() <= 8192),
+          width_mm > 0.0 ? "width_mm" : "height_mm", "a picture of 64 to 8192 px a side at the dpi given");
   v.check(!name.empty() && name.find('/') == std::string::npos && name != "." && name != "..", "name",
           "a name that can be part of a file's name");
+}
+
+Eigen::Vector2i CameraConfig::size_px() const {
+  if (!on_paper() || (width_mm <= 0.0 && height_mm <= 0.0)) return {width_px, height_px};
+  const double ratio = static_cast<double>(height_px) / std::max(1, width_px);
+  const double wide_mm = width_mm > 0.0 ? width_mm : height_mm / ratio;
+  const double high_mm = height_mm > 0.0 ? height_mm : width_mm * ratio;
+  const auto pixels = [&](double mm) { return static_cast<int>(std::lround(std::min(mm / 25.4 * dpi, 1e6))); };
+  return {pixels(wide_mm), pixels(high_mm)};
 }
 
 bool CameraConfig::is_due(TimeNs previous, TimeNs now) const {

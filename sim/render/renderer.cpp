@@ -20,15 +20,19 @@ namespace swiftlet::sim {
 namespace {
 
 constexpr int kSamples = 4;
-constexpr int kShadowTexels = 4096;
+constexpr int kMostShadowTexels = 4096;
+constexpr float kShadowTexel_m = 0.045F;  // where the world is small enough
 constexpr int kVehicleShadowTexels = 1024;
 constexpr std::size_t kShadowsKept = 3;
+constexpr std::size_t kSightsSeen = 4;
+constexpr std::size_t kSurfacesKept = 2;
 constexpr int kMostWatched = 16;  // length of u_watched
 constexpr float kNoCut_m = 1e9F;
 constexpr float kCloudPoint_m = 0.07F;
 constexpr float kTrailWidth_px = 3.2F;
 const Eigen::Vector3f kSun = Eigen::Vector3f(-0.62F, 0.28F, 0.80F).normalized();
 const Eigen::Vector3f kHaze(0.83F, 0.88F, 0.92F);
+const Eigen::Vector3f kWhite = Eigen::Vector3f::Ones();
 
 /// Parallel projection along the sun's rays around a box: x, y to [-1, 1], depth to [0, 1] from the sun.
 Eigen::Matrix4f clip_of_sun(const Eigen::AlignedBox3f& box, float& width_m) {
@@ -71,9 +75,11 @@ bool is_opaque(const Overlay& overlay) {
   return std::all_of(overlay.colors.begin(), overlay.colors.end(), [](const auto& c) { return c.w() >= 0.995F; });
 }
 
-std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, CloudColors by) {
+std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, const PictureStyle& style) {
+  const CloudColors by = style.cloud;
   std::vector<PointVertex> points;
-  const HeightScale scale = by == CloudColors::kHeight ? height_scale_of(clouds) : HeightScale{};
+  HeightScale scale;
+  if (by == CloudColors::kHeight) scale = style.heights ? *style.heights : height_scale_of(clouds);
   for (const PictureCloud& cloud : clouds) {
     for (std::size_t i = 0; i < cloud.points_world_m.size(); ++i) {
       const Eigen::Vector3f& p = cloud.points_world_m[i];
@@ -95,11 +101,13 @@ std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, Cl
 PictureStyle style_of(const CameraConfig& camera) {
   PictureStyle style;
   style.cloud = camera.cloud;
-  style.trails = camera.trails;
+  style.point_px = static_cast<float>(camera.point_px);
+  style.trails = camera.trails && camera.type != CameraConfig::Type::kOnboard;
   style.overlays = camera.overlays;
   style.vehicle_scale = camera.vehicle_scale;
   style.cut_above = camera.cut_above;
   style.cut_height_m = camera.cut_height_m;
+  style.white = camera.on_paper();
   return style;
 }
 
@@ -119,6 +127,26 @@ HeightScale height_scale_of(std::span<const PictureCloud> clouds) {
   return {low, std::max(low + 0.5F, quantile(0.99))};
 }
 
+std::vector<PictureCloud> shown_of(std::span<const PictureCloud> clouds, const View& view, const PictureStyle& style) {
+  const float cut_m = style.cut_above ? static_cast<float>(style.cut_height_m) : kNoCut_m;
+  const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
+  std::vector<PictureCloud> shown;
+  for (const PictureCloud& cloud : clouds) {
+    PictureCloud& kept = shown.emplace_back();
+    kept.vehicle = cloud.vehicle;
+    for (std::size_t i = 0; i < cloud.points_world_m.size(); ++i) {
+      const Eigen::Vector3f& p = cloud.points_world_m[i];
+      const Eigen::Vector4f clip = clip_world * p.homogeneous();
+      if (p.z() > cut_m || clip.head<2>().cwiseAbs().maxCoeff() > clip.w() || clip.z() < 0.0F || clip.z() > clip.w())
+        continue;
+      kept.points_world_m.push_back(p);
+      if (i < cloud.intensity.size()) kept.intensity.push_back(cloud.intensity[i]);
+      if (i < cloud.surface_class.size()) kept.surface_class.push_back(cloud.surface_class[i]);
+    }
+  }
+  return shown;
+}
+
 struct Renderer::Impl {
   struct Shadow {
     Target target;
@@ -132,6 +160,8 @@ struct Renderer::Impl {
   Program depth_program{gl, "depth", embedded::mesh_vert, embedded::depth_frag};
   Program ghost_program{gl, "ghost", embedded::mesh_vert, embedded::ghost_frag};
   Program occlusion_program{gl, "occlusion", embedded::screen_vert, embedded::occlusion_frag};
+  Program soften_program{gl, "soften", embedded::screen_vert, embedded::soften_frag};
+  Program smooth_program{gl, "smooth", embedded::screen_vert, embedded::smooth_frag};
   Program light_program{gl, "light", embedded::screen_vert, embedded::light_frag};
   WorldPainter world;
   VehiclePainter vehicles;
@@ -139,9 +169,11 @@ struct Renderer::Impl {
   std::vector<float> vehicle_radii_m;
   GLuint empty_array = 0;
   float haze_per_m = 0.001F;
-  Target sampled;                         // where pictures are drawn, several samples a pixel
+  int samples = 0;                        // a pixel of `sampled`
+  Target sampled;                         // where pictures are drawn
   Target resolved;                        // one sample a pixel
   Target openness;                        // ambient occlusion, half as many pixels a side
+  Target softened;                        // the same without its pattern
   std::map<float, Shadow> world_shadows;  // by height of the cut: the world and the sun stand still
   Shadow vehicle_shadow;
 
@@ -155,7 +187,25 @@ struct Renderer::Impl {
     haze_per_m = static_cast<float>(0.35 / std::clamp(size_m, 60.0, 1500.0));
   }
 
-  void prepare_targets(const View& view);
+  /// What decides how the world without vehicles looks.
+  struct Sight {
+    Eigen::Matrix4d clip_world = Eigen::Matrix4d::Zero();
+    int width_px = 0, height_px = 0, samples = 0;
+    float cut_m = 0.0F;
+    bool cull = true, reduce = true, watching = false;
+    bool operator==(const Sight&) const = default;
+  };
+  struct KeptSurfaces {
+    Sight sight;
+    Target surfaces;
+  };
+  std::vector<Sight> seen;         // the last ones, latest last
+  std::vector<KeptSurfaces> kept;  // of cameras that stand still, latest last
+
+  void prepare_targets(const View& view, int wanted_samples);
+  void copy(const Target& from, const Target& to) const;
+  Target make_surfaces(int width, int height) const;
+  void draw_world(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world);
   DrawSelection select(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) const;
   void set_watched(const PictureScene& picture, const PictureStyle& style) const;
   void set_mesh_uniforms(const Program& program, const Eigen::Matrix4f& clip_world, float cut_m) const;
@@ -168,11 +218,12 @@ struct Renderer::Impl {
   void find_occlusion(const View& view);
   void light(const View& view, const PictureStyle& style);
   void draw_marks(const View& view, const PictureScene& picture, const PictureStyle& style);
-  void draw_overlay(const View& view, const Overlay& overlay, float cut_m);
+  void draw_overlay(const View& view, const Overlay& overlay, const PictureStyle& style);
   void draw_solid_overlay(const View& view, const Overlay& overlay, float cut_m);
-  void append_trails(const View& view, const PictureScene& picture, std::vector<ClipVertex>& outline,
+  void append_trails(const View& view, const PictureScene& picture, float line_scale, std::vector<ClipVertex>& outline,
                      std::vector<ClipVertex>& ribbon) const;
   Image read_picture();
+  void smooth_edges();
 };
 
 namespace {
@@ -181,16 +232,35 @@ Eigen::Vector3f forward_of(const View& view) {
   return -view.T_camera_world.block<1, 3>(2, 0).transpose().cast<float>();
 }
 
+Eigen::Vector3f axis_of(const View& view, int axis) {
+  return view.T_camera_world.block<1, 3>(axis, 0).transpose().cast<float>();
+}
+
+/// How a pixel and its depth in the buffer become a point.
+void set_depth_uniforms(const Program& program, const View& view) {
+  const Eigen::Matrix4d camera_clip = view.clip_camera.inverse();
+  const Eigen::Vector4d depth_m(-camera_clip(2, 2), -camera_clip(2, 3), camera_clip(3, 2), camera_clip(3, 3));
+  program.set("u_depth_m", Eigen::Vector4f(depth_m.cast<float>()));
+  program.set("u_spread", Eigen::Vector2f(1.0F / static_cast<float>(view.clip_camera(0, 0)),
+                                          1.0F / static_cast<float>(view.clip_camera(1, 1))));
+}
+
 float cut_of(const PictureStyle& style) { return style.cut_above ? static_cast<float>(style.cut_height_m) : kNoCut_m; }
 
 }  // namespace
 
-void Renderer::Impl::prepare_targets(const View& view) {
-  if (sampled.width == view.width_px && sampled.height == view.height_px) return;
-  for (Target* target : {&sampled, &resolved, &openness}) delete_target(gl, *target);
-  sampled = make_target(gl, view.width_px, view.height_px, {GL_RGBA8, GL_DEPTH_COMPONENT32F, kSamples, true});
+Target Renderer::Impl::make_surfaces(int width, int height) const {
+  return make_target(gl, width, height, {GL_RGBA8, GL_DEPTH_COMPONENT32F, samples, true});
+}
+
+void Renderer::Impl::prepare_targets(const View& view, int wanted_samples) {
+  if (sampled.width == view.width_px && sampled.height == view.height_px && samples == wanted_samples) return;
+  for (Target* target : {&sampled, &resolved, &openness, &softened}) delete_target(gl, *target);
+  samples = wanted_samples;
+  sampled = make_surfaces(view.width_px, view.height_px);
   resolved = make_target(gl, view.width_px, view.height_px, {GL_RGBA8, GL_DEPTH_COMPONENT32F, 1, true});
   openness = make_target(gl, (view.width_px + 1) / 2, (view.height_px + 1) / 2, {GL_RG32F, 0});
+  softened = make_target(gl, openness.width, openness.height, {GL_RG32F, 0});
 }
 
 DrawSelection Renderer::Impl::select(const View& view, const PictureStyle& style,
@@ -252,11 +322,12 @@ const Renderer::Impl::Shadow& Renderer::Impl::world_shadow(const PictureStyle& s
   casters.max().z() = std::max(casters.min().z(), std::min(casters.max().z(), cut_m));
   float width_m = 1.0F;
   const Eigen::Matrix4f clip_world = clip_of_sun(casters, width_m);
-  shadow.target = make_target(gl, kShadowTexels, kShadowTexels, {0, GL_DEPTH_COMPONENT16, 1, false, true});
+  const int texels = std::clamp(static_cast<int>(width_m / kShadowTexel_m), 256, kMostShadowTexels);
+  shadow.target = make_target(gl, texels, texels, {0, GL_DEPTH_COMPONENT16, 1, false, true});
   shadow.texture_world = texture_of_clip() * clip_world;
-  shadow.texel_m = width_m / kShadowTexels;
+  shadow.texel_m = width_m / static_cast<float>(texels);
 
-  begin_shadow(kShadowTexels, clip_world, cut_m);
+  begin_shadow(texels, clip_world, cut_m);
   gl.Enable(GL_CLIP_DISTANCE0);
   DrawSelection selection;
   selection.frustum = frustum_of(clip_world);
@@ -293,6 +364,37 @@ void Renderer::Impl::draw_vehicle_shadow(const PictureScene& picture, const Pict
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
+/// A camera that stands still sees the same world again: then its surfaces are kept from picture to picture.
+void Renderer::Impl::draw_world(const View& view, const PictureStyle& style, const Eigen::Matrix4f& clip_world) {
+  constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  const Sight sight{view.clip_world(), view.width_px, view.height_px, samples,
+                    cut_of(style),     style.cull,    style.reduce,   !style.watched.empty()};
+  const auto found = std::find_if(kept.begin(), kept.end(), [&](const KeptSurfaces& k) { return k.sight == sight; });
+  if (found != kept.end()) {
+    copy(found->surfaces, sampled);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
+    gl.DrawBuffers(2, kBoth);
+    return;
+  }
+  world.draw(mesh_program, select(view, style, clip_world));
+  if (sight.watching) return;  // leaves come and go
+  const bool again = std::find(seen.begin(), seen.end(), sight) != seen.end();
+  if (!again) {
+    if (seen.size() >= kSightsSeen) seen.erase(seen.begin());
+    seen.push_back(sight);
+    return;
+  }
+  if (kept.size() >= kSurfacesKept) {
+    delete_target(gl, kept.front().surfaces);
+    kept.erase(kept.begin());
+  }
+  kept.push_back({sight, make_surfaces(sampled.width, sampled.height)});
+  copy(sampled, kept.back().surfaces);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
+  gl.DrawBuffers(2, kBoth);
+  mesh_program.use();
+}
+
 void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture, const PictureStyle& style) {
   const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
   set_mesh_uniforms(mesh_program, clip_world, cut_of(style));
@@ -303,7 +405,7 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   set_watched(picture, style);
   if (!style.watched.empty()) gl.Enable(GL_CLIP_DISTANCE1);
   if (style.cut_above) gl.Enable(GL_CLIP_DISTANCE0);
-  world.draw(mesh_program, select(view, style, clip_world));
+  draw_world(view, style, clip_world);
   gl.Disable(GL_CLIP_DISTANCE0);
   gl.Disable(GL_CLIP_DISTANCE1);
 
@@ -329,19 +431,20 @@ void Renderer::Impl::draw_surfaces(const View& view, const PictureScene& picture
   vehicles.draw(picture.states, style.vehicle_scale, style.hidden_vehicle);
 }
 
-/// From several samples a pixel to one. Colors and normals are averaged, so edges stay smooth.
-void Renderer::Impl::resolve_surfaces() {
-  const int width = sampled.width;
-  const int height = sampled.height;
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, sampled.framebuffer);
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
+/// Colors, normals and depth. From several samples a pixel to one, colors and normals are averaged.
+void Renderer::Impl::copy(const Target& from, const Target& to) const {
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, from.framebuffer);
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, to.framebuffer);
   for (const GLenum color : {GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT0}) {
     gl.ReadBuffer(color);
     gl.DrawBuffer(color);
-    gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    gl.BlitFramebuffer(0, 0, from.width, from.height, 0, 0, to.width, to.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   }
-  gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  gl.BlitFramebuffer(0, 0, from.width, from.height, 0, 0, to.width, to.height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
 }
+
+/// So edges stay smooth.
+void Renderer::Impl::resolve_surfaces() { copy(sampled, resolved); }
 
 void Renderer::Impl::bind_textures(std::initializer_list<GLuint> textures) {
   GLenum unit = GL_TEXTURE0;
@@ -360,12 +463,18 @@ void Renderer::Impl::find_occlusion(const View& view) {
   occlusion_program.set("u_depth", 0);
   occlusion_program.set("u_base", 1);
   occlusion_program.set("u_normal", 2);
-  occlusion_program.set("u_camera_clip", Eigen::Matrix4f(view.clip_camera.inverse().cast<float>()));
+  set_depth_uniforms(occlusion_program, view);
   occlusion_program.set("u_camera_world", Eigen::Matrix4f(view.T_camera_world.cast<float>()));
   occlusion_program.set("u_radius_m", 0.9F);
   occlusion_program.set("u_pixels_at_1m", static_cast<float>(view.pixels_per_m(1.0)));
   occlusion_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
   gl.BindVertexArray(empty_array);
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+
+  gl.BindFramebuffer(GL_FRAMEBUFFER, softened.framebuffer);
+  bind_textures({openness.color});
+  soften_program.use();
+  soften_program.set("u_open", 0);
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -375,21 +484,23 @@ void Renderer::Impl::light(const View& view, const PictureStyle& style) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, sampled.framebuffer);
   gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
   gl.Viewport(0, 0, view.width_px, view.height_px);
-  bind_textures({resolved.color, resolved.color2, resolved.depth, openness.color, shadow.target.depth,
+  bind_textures({resolved.color, resolved.color2, resolved.depth, softened.color, shadow.target.depth,
                  vehicle_shadow.target.depth});
   light_program.use();
   int unit = 0;
   for (const char* name : {"u_base", "u_normal", "u_depth", "u_open", "u_shadow", "u_vehicle_shadow"}) {
     light_program.set(name, unit++);
   }
-  light_program.set("u_world_clip", Eigen::Matrix4f(view.clip_world().inverse().cast<float>()));
-  light_program.set("u_camera_clip", Eigen::Matrix4f(view.clip_camera.inverse().cast<float>()));
+  set_depth_uniforms(light_program, view);
+  light_program.set("u_right", axis_of(view, 0));
+  light_program.set("u_up", axis_of(view, 1));
   light_program.set("u_eye_m", Eigen::Vector3f(view.eye_world_m.cast<float>()));
   light_program.set("u_forward", forward_of(view));
   light_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
   light_program.set("u_sun", kSun);
   light_program.set("u_haze_per_m", haze_per_m);
-  light_program.set("u_haze_color", kHaze);
+  light_program.set("u_haze_color", style.white ? kWhite : kHaze);
+  light_program.set("u_white", style.white ? 1.0F : 0.0F);
   light_program.set("u_shadow_world", shadow.texture_world);
   light_program.set("u_vehicle_shadow_world", vehicle_shadow.texture_world);
   light_program.set("u_shadow_texel_m", shadow.texel_m);
@@ -398,8 +509,8 @@ void Renderer::Impl::light(const View& view, const PictureStyle& style) {
   gl.Enable(GL_DEPTH_TEST);
 }
 
-void Renderer::Impl::append_trails(const View& view, const PictureScene& picture, std::vector<ClipVertex>& outline,
-                                   std::vector<ClipVertex>& ribbon) const {
+void Renderer::Impl::append_trails(const View& view, const PictureScene& picture, float line_scale,
+                                   std::vector<ClipVertex>& outline, std::vector<ClipVertex>& ribbon) const {
   for (std::size_t v = 0; v < std::min(picture.trails_m.size(), picture.states.size()); ++v) {
     std::vector<Eigen::Vector3f> points = picture.trails_m[v];
     points.push_back(picture.states[v].p_world_m.cast<float>());
@@ -413,8 +524,8 @@ void Renderer::Impl::append_trails(const View& view, const PictureScene& picture
       colors[i] = with_alpha(color, alpha);
       dark[i] = with_alpha(0.18F * color, 0.75F * alpha);
     }
-    append_polyline(view, points, dark, kTrailWidth_px + 2.4F, outline);
-    append_polyline(view, points, colors, kTrailWidth_px, ribbon);
+    append_polyline(view, points, dark, line_scale * (kTrailWidth_px + 2.4F), outline);
+    append_polyline(view, points, colors, line_scale * kTrailWidth_px, ribbon);
   }
 }
 
@@ -455,7 +566,8 @@ void Renderer::Impl::draw_solid_overlay(const View& view, const Overlay& overlay
   gl.DepthMask(GL_FALSE);
 }
 
-void Renderer::Impl::draw_overlay(const View& view, const Overlay& overlay, float cut_m) {
+void Renderer::Impl::draw_overlay(const View& view, const Overlay& overlay, const PictureStyle& style) {
+  const float width_px = overlay.size_m * style.line_scale;
   std::vector<ClipVertex> lines;
   switch (overlay.kind) {
     case Overlay::Kind::kPoints: {
@@ -463,26 +575,26 @@ void Renderer::Impl::draw_overlay(const View& view, const Overlay& overlay, floa
       for (std::size_t i = 0; i < overlay.positions.size(); ++i)
         points.push_back({overlay.positions[i], color_at(overlay, i)});
       gl.DepthMask(is_opaque(overlay) ? GL_TRUE : GL_FALSE);
-      marks.draw_points(view, points, overlay.size_m, cut_m);
+      marks.draw_points(view, points, {overlay.size_m}, cut_of(style));
       gl.DepthMask(GL_FALSE);
       return;
     }
     case Overlay::Kind::kLines:
       for (std::size_t i = 0; i + 1 < overlay.positions.size(); i += 2) {
         const Eigen::Vector4f colors[] = {color_at(overlay, i), color_at(overlay, i + 1)};
-        append_polyline(view, std::span(overlay.positions).subspan(i, 2), colors, overlay.size_m, lines);
+        append_polyline(view, std::span(overlay.positions).subspan(i, 2), colors, width_px, lines);
       }
       break;
     case Overlay::Kind::kPolyline: {
       std::vector<Eigen::Vector4f> colors;
       for (std::size_t i = 0; i < overlay.positions.size(); ++i) colors.push_back(color_at(overlay, i));
-      append_polyline(view, overlay.positions, colors, overlay.size_m, lines);
+      append_polyline(view, overlay.positions, colors, width_px, lines);
       break;
     }
     case Overlay::Kind::kCubes:
     case Overlay::Kind::kSpheres:
     case Overlay::Kind::kTriangles:
-      draw_solid_overlay(view, overlay, cut_m);
+      draw_solid_overlay(view, overlay, cut_of(style));
       return;
   }
   marks.draw_clip(lines, 1.0F);
@@ -493,7 +605,8 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   gl.Enable(GL_CLIP_DISTANCE0);
   if (style.cloud != CloudColors::kNone) {
     gl.DepthMask(GL_TRUE);
-    marks.draw_points(view, colored_points(picture.clouds, style.cloud), kCloudPoint_m, cut_of(style));
+    const PointSize size = style.point_px > 0.0F ? PointSize{0.0F, style.point_px} : PointSize{kCloudPoint_m};
+    marks.draw_points(view, colored_points(picture.clouds, style), size, cut_of(style));
   }
 
   gl.Enable(GL_BLEND);
@@ -501,8 +614,7 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   // Opaque overlays first, so that translucent ones lie over them.
   for (const bool opaque : {true, false}) {
     for (const Overlay& overlay : picture.overlays) {
-      if (is_chosen(overlay, style.overlays) && is_opaque(overlay) == opaque)
-        draw_overlay(view, overlay, cut_of(style));
+      if (is_chosen(overlay, style.overlays) && is_opaque(overlay) == opaque) draw_overlay(view, overlay, style);
     }
   }
   gl.Disable(GL_CLIP_DISTANCE0);
@@ -510,7 +622,7 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   if (style.trails) {
     std::vector<ClipVertex> outline;
     std::vector<ClipVertex> ribbon;
-    append_trails(view, picture, outline, ribbon);
+    append_trails(view, picture, style.line_scale, outline, ribbon);
     gl.DepthFunc(GL_LESS);  // hidden parts, faintly
     marks.draw_clip(ribbon, 0.4F);
     gl.DepthFunc(GL_GEQUAL);
@@ -523,14 +635,32 @@ void Renderer::Impl::draw_marks(const View& view, const PictureScene& picture, c
   gl.Disable(GL_BLEND);
 }
 
+/// From the one sample a pixel to the picture.
+void Renderer::Impl::smooth_edges() {
+  gl.BindFramebuffer(GL_FRAMEBUFFER, resolved.framebuffer);
+  gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
+  gl.Disable(GL_DEPTH_TEST);
+  bind_textures({sampled.color});
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  smooth_program.use();
+  smooth_program.set("u_picture", 0);
+  gl.BindVertexArray(empty_array);
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
 Image Renderer::Impl::read_picture() {
   const int width = sampled.width;
   const int height = sampled.height;
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, sampled.framebuffer);
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
-  gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  if (samples > 1) {
+    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, sampled.framebuffer);
+    gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
+    gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
+    gl.DrawBuffer(GL_COLOR_ATTACHMENT0);
+    gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  } else {
+    smooth_edges();
+  }
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved.framebuffer);
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
   std::vector<std::uint8_t> rgba_bottom_up(static_cast<std::size_t>(width) * height * 4);
@@ -555,7 +685,7 @@ Renderer::~Renderer() = default;
 Image Renderer::draw(const View& view, const PictureScene& picture, const PictureStyle& style) {
   Impl& r = *impl_;
   r.context.make_current();
-  r.prepare_targets(view);
+  r.prepare_targets(view, style.quick ? 1 : kSamples);
   r.gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   r.gl.Disable(GL_BLEND);
   r.world_shadow(style);
@@ -582,7 +712,7 @@ Image Renderer::draw(const View& view, const PictureScene& picture, const Pictur
 DepthImage Renderer::draw_depth(const View& view, const PictureScene& picture, const PictureStyle& style) {
   Impl& r = *impl_;
   r.context.make_current();
-  r.prepare_targets(view);
+  r.prepare_targets(view, r.samples > 0 ? r.samples : kSamples);
   const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
   r.gl.Disable(GL_BLEND);
   r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.resolved.framebuffer);

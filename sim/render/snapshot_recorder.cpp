@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "sim/render/cameras.hpp"
@@ -15,14 +16,17 @@
 #include "sim/render/png.hpp"
 #include "sim/render/range_image.hpp"
 #include "sim/render/renderer.hpp"
+#include "sim/render/sight.hpp"
 #include "sim/render/video.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/render/colors.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 constexpr float kAreaOpacity = 0.3F;         // of areas in the vehicle's color
+constexpr int kLeastWidth_px = 32;           // of a picture beside its legend
 constexpr TimeNs kHistoryStep = 20'000'000;  // trails and follow cameras look at the vehicles this often
 
 bool of_all_vehicles(const CameraConfig& camera) {
@@ -34,8 +38,35 @@ bool of_all_vehicles(const CameraConfig& camera) {
 struct Station {
   CameraConfig config;
   VehicleId vehicle = kNoVehicle;
+  Look look;
+  std::vector<float> radii_m;  // of the vehicles as it draws them
   Cameraman cameraman;
+  int sidebar_px = 0;  // grows only: the frames of a video keep their place
 };
+
+/// What the colors of a cloud mean.
+void explain_cloud(std::span<const PictureCloud> shown, CloudColors by, std::span<const std::string> names,
+                   const std::optional<HeightScale>& heights, Sidebar& sidebar) {
+  if (shown.empty()) return;
+  if (by == CloudColors::kHeight && heights) sidebar.bar = {height_color, heights->low_m, heights->high_m, "z [m]"};
+  if (by == CloudColors::kIntensity) {
+    // The eye judges ratios of reflectivity: so do the colors.
+    sidebar.bar = {[](float s) { return viridis_like(std::sqrt(std::max(0.0F, s))); }, 0.0, 1.0, "reflectivity [-]"};
+  }
+  if (by == CloudColors::kLabel) {
+    std::set<std::uint16_t> classes;
+    for (const PictureCloud& cloud : shown) classes.insert(cloud.surface_class.begin(), cloud.surface_class.end());
+    for (const std::uint16_t c : classes)
+      sidebar.keys.push_back({name_of(static_cast<SurfaceClass>(c)), with_alpha(class_color(c), 1.0F)});
+  }
+  if (by == CloudColors::kVehicle) {
+    for (const PictureCloud& cloud : shown) {
+      if (!cloud.points_world_m.empty())
+        sidebar.keys.push_back({"scan of " + names[static_cast<std::size_t>(cloud.vehicle)],
+                                with_alpha(vehicle_color(cloud.vehicle), 1.0F)});
+    }
+  }
+}
 
 class SnapshotRecorder : public Recorder {
  public:
@@ -54,10 +85,12 @@ class SnapshotRecorder : public Recorder {
   void remember(const TickView& tick);
   void fill_clouds(const TickView& tick);
   void keep_frame(const Station& station, const Image& frame);
-  Image take(const Station& station, const std::filesystem::path& stem);
-  Image take_of_scan(const Station& station) const;
-  Image take_of_depth(const Station& station, const std::filesystem::path& stem);
-  Image take_of_world(const Station& station);
+  void save(const Station& station, const Figure& figure, const std::filesystem::path& stem);
+  Figure take(Station& station, const std::filesystem::path& stem);
+  Figure take_of_scan(const Station& station) const;
+  Figure take_of_depth(Station& station, const std::filesystem::path& stem);
+  Figure take_of_world(Station& station);
+  void caption(Canvas& canvas, const Station& station, int width_px) const;
   std::string caption_of(const Station& station) const;
   Renderer& renderer();
   bool needs_scans() const {
@@ -87,7 +120,10 @@ void SnapshotRecorder::begin(const RunInfo& info) {
     for (const auto& shape : info_.vehicle_shapes) {
       radii_m.push_back(shape->circumscribed_radius_m * static_cast<float>(camera.vehicle_scale));
     }
-    stations_.push_back({camera, vehicle, Cameraman(camera, vehicle, radii_m, info_.scene->bounds_m)});
+    const BlocksSight blocks =
+        camera.type == CameraConfig::Type::kFollow ? sight_in(info_.static_scene) : BlocksSight{};
+    stations_.push_back({camera, vehicle, look_of(camera), radii_m,
+                         Cameraman(camera, vehicle, radii_m, info_.scene->bounds_m, blocks)});
   }
   picture_.trails_m.resize(info_.vehicle_names.size());
 }
@@ -115,16 +151,14 @@ void SnapshotRecorder::write(const TickView& tick) {
     fill_clouds(tick);
     const std::filesystem::path folder = info_.directory / "snapshots";
     std::filesystem::create_directories(folder);
-    for (const Station& station : stations_) {
+    for (Station& station : stations_) {
       if (!station.config.is_due(previous_, tick.t)) continue;
       const std::filesystem::path stem = folder / fmt::format("{}_{:08.3f}s", station.config.name, to_seconds(tick.t));
-      if (video_frames_per_s_ > 0.0) {
-        keep_frame(station, take(station, stem));
-        continue;
-      }
-      const std::filesystem::path path = stem.string() + ".png";
-      write_png(path, take(station, stem));
-      written_.push_back(path.lexically_relative(info_.directory));
+      const Figure figure = take(station, stem);
+      if (video_frames_per_s_ > 0.0)
+        keep_frame(station, figure.pixels(station.look.page));
+      else
+        save(station, figure, stem);
     }
   }
   previous_ = tick.t;
@@ -138,6 +172,23 @@ void SnapshotRecorder::keep_frame(const Station& station, const Image& frame) {
     written_.push_back(path.lexically_relative(info_.directory));
   }
   video->add(frame);
+}
+
+void SnapshotRecorder::save(const Station& station, const Figure& figure, const std::filesystem::path& stem) {
+  const bool on_paper = station.config.on_paper();
+  const auto keep = [&](const char* extension, const auto& write) {
+    const std::filesystem::path path = stem.string() + extension;
+    write(path);
+    written_.push_back(path.lexically_relative(info_.directory));
+  };
+  keep(".png", [&](const std::filesystem::path& path) {
+    write_png(path, figure.pixels(station.look.page), on_paper ? station.config.dpi : 0.0);
+  });
+  if (!on_paper) return;
+  keep(".svg", [&](const std::filesystem::path& path) {
+    write_file(path, figure.svg(station.config.dpi,
+                                fmt::format("{}, t = {:.3f} s", caption_of(station), to_seconds(picture_.t))));
+  });
 }
 
 std::vector<std::filesystem::path> SnapshotRecorder::finish() {
@@ -181,12 +232,16 @@ Renderer& SnapshotRecorder::renderer() {
   return *renderer_;
 }
 
-Image SnapshotRecorder::take(const Station& station, const std::filesystem::path& stem) {
-  Image image = station.config.looks_through_lidar()                ? take_of_scan(station)
-                : station.config.type == CameraConfig::Type::kDepth ? take_of_depth(station, stem)
-                                                                    : take_of_world(station);
-  draw_caption(image, caption_of(station), fmt::format("t = {:.3f} s", to_seconds(picture_.t)));
-  return image;
+Figure SnapshotRecorder::take(Station& station, const std::filesystem::path& stem) {
+  if (station.config.looks_through_lidar()) return take_of_scan(station);
+  if (station.config.type == CameraConfig::Type::kDepth) return take_of_depth(station, stem);
+  return take_of_world(station);
+}
+
+void SnapshotRecorder::caption(Canvas& canvas, const Station& station, int width_px) const {
+  if (!station.look.captions) return;
+  draw_caption(canvas, station.look, width_px, caption_of(station),
+               fmt::format("t = {:.3f} s", to_seconds(picture_.t)));
 }
 
 std::string SnapshotRecorder::caption_of(const Station& station) const {
@@ -196,59 +251,98 @@ std::string SnapshotRecorder::caption_of(const Station& station) const {
   return text;
 }
 
-Image SnapshotRecorder::take_of_scan(const Station& station) const {
+Figure SnapshotRecorder::take_of_scan(const Station& station) const {
   const CameraConfig& camera = station.config;
   const auto quantity =
       camera.type == CameraConfig::Type::kLidarRange ? ScanQuantity::kRange : ScanQuantity::kIntensity;
+  std::shared_ptr<const LabeledScan> latest;
   for (const auto& [key, scan] : latest_scans_) {
-    if (key.first != station.vehicle || (!camera.sensor.empty() && camera.sensor != key.second)) continue;
-    return draw_range_image(scan->scan, quantity, camera.width_px, camera.height_px, camera.max_range_m);
+    if (latest || key.first != station.vehicle || (!camera.sensor.empty() && camera.sensor != key.second)) continue;
+    latest = scan;
   }
-  Image image(camera.width_px, camera.height_px, Rgb::Constant(0.05F));
-  draw_text(image, 0.5F * static_cast<float>(image.width), 0.5F * static_cast<float>(image.height), "no scan yet",
-            {.height_px = 1.5F * caption_height_px(image), .align = Align::kCenter});
-  return image;
+  const Eigen::Vector2i size = camera.size_px();
+  return {size.x(), size.y(), [this, &station, latest, quantity](Canvas& canvas) {
+            const Eigen::Vector2f corner(static_cast<float>(canvas.width_px()), static_cast<float>(canvas.height_px()));
+            canvas.rectangle({0.0F, 0.0F, corner.x(), corner.y()}, station.look.page);
+            int width_px = canvas.width_px();
+            if (latest) {
+              width_px = draw_range_image(canvas, station.look, latest->scan, quantity, station.config.max_range_m);
+            } else {
+              canvas.text(0.5F * corner, "no scan yet", station.look.text(1.5F, Align::kCenter));
+            }
+            caption(canvas, station, width_px);
+          }};
 }
 
-Image SnapshotRecorder::take_of_depth(const Station& station, const std::filesystem::path& stem) {
+/// As many pixels as were asked for, with the scale beside them.
+Figure SnapshotRecorder::take_of_depth(Station& station, const std::filesystem::path& stem) {
   PictureStyle style = style_of(station.config);
   style.hidden_vehicle = station.vehicle;
   const DepthImage depth = renderer().draw_depth(station.cameraman.view(picture_), picture_, style);
-  if (video_frames_per_s_ > 0.0) return draw_depth_image(depth, station.config.max_range_m);
-  std::vector<std::uint16_t> millimeters(depth.depth_m.size());
-  std::transform(depth.depth_m.begin(), depth.depth_m.end(), millimeters.begin(),
-                 [](float d) { return static_cast<std::uint16_t>(std::min(65535.0F, std::round(1000.0F * d))); });
-  const std::filesystem::path path = stem.string() + ".mm.png";
-  write_png16(path, depth.width, depth.height, millimeters);
-  written_.push_back(path.lexically_relative(info_.directory));
-  return draw_depth_image(depth, station.config.max_range_m);
+  if (video_frames_per_s_ <= 0.0) {
+    std::vector<std::uint16_t> millimeters(depth.depth_m.size());
+    std::transform(depth.depth_m.begin(), depth.depth_m.end(), millimeters.begin(),
+                   [](float d) { return static_cast<std::uint16_t>(std::min(65535.0F, std::round(1000.0F * d))); });
+    const std::filesystem::path path = stem.string() + ".mm.png";
+    write_png16(path, depth.width, depth.height, millimeters);
+    written_.push_back(path.lexically_relative(info_.directory));
+  }
+  const double end_m = station.config.max_range_m > 0.0 ? station.config.max_range_m : depth_scale_end_m(depth);
+  const Sidebar sidebar{{}, ColorBar{turbo_like, 0.0, end_m, "depth [m]"}};
+  station.sidebar_px = std::max(station.sidebar_px, sidebar_width_px(sidebar, station.look));
+  return {depth.width + station.sidebar_px, depth.height,
+          [this, &station, sidebar, image = depth_colors(depth, end_m, station.look.nothing)](Canvas& canvas) {
+            canvas.picture(0, 0, image);
+            draw_sidebar(canvas, station.look, sidebar, image.width);
+            caption(canvas, station, image.width);
+          }};
 }
 
-Image SnapshotRecorder::take_of_world(const Station& station) {
+Figure SnapshotRecorder::take_of_world(Station& station) {
   const CameraConfig& camera = station.config;
   PictureStyle style = style_of(camera);
+  style.line_scale = station.look.line_scale;
+  style.quick = video_frames_per_s_ > 0.0;
   if (camera.type == CameraConfig::Type::kOnboard) style.hidden_vehicle = station.vehicle;
   if (camera.type == CameraConfig::Type::kFollow) {
     for (VehicleId v = 0; v < std::ssize(picture_.states); ++v) {
       if (station.vehicle == kNoVehicle || station.vehicle == v) style.watched.push_back(v);
     }
   }
-  const View view = station.cameraman.view(picture_);
-  Image image = renderer().draw(view, picture_, style);
-  if (camera.names && camera.type != CameraConfig::Type::kOnboard) {
-    draw_names(image, view, picture_, info_.vehicle_names, camera.vehicle_scale);
-  }
-  if (view.orthographic) draw_scale_bar(image, view);
-  std::vector<Overlay::Key> keys;
+
+  // What stands beside the picture decides how wide it is.
+  const Eigen::Vector2i size = camera.size_px();
+  Sidebar sidebar;
   for (const Overlay& overlay : picture_.overlays) {
-    if (is_chosen(overlay, camera.overlays)) keys.insert(keys.end(), overlay.legend.begin(), overlay.legend.end());
+    if (!overlay.positions.empty() && is_chosen(overlay, camera.overlays))
+      sidebar.keys.insert(sidebar.keys.end(), overlay.legend.begin(), overlay.legend.end());
   }
-  draw_legend(image, keys);
-  if (camera.cloud == CloudColors::kHeight && !picture_.clouds.empty()) {
-    const HeightScale scale = height_scale_of(picture_.clouds);
-    draw_color_bar(image, {height_color, scale.low_m, scale.high_m, "z [m]"});
+  if (camera.cloud != CloudColors::kNone) {
+    station.cameraman.set_size(size.x(), size.y());
+    const std::vector<PictureCloud> shown = shown_of(picture_.clouds, station.cameraman.view(picture_), style);
+    style.heights = height_scale_of(shown);
+    explain_cloud(shown, camera.cloud, info_.vehicle_names, style.heights, sidebar);
   }
-  return image;
+  station.sidebar_px =
+      std::min(std::max(station.sidebar_px, sidebar_width_px(sidebar, station.look)), size.x() - kLeastWidth_px);
+  station.cameraman.set_size(size.x() - station.sidebar_px, size.y());
+
+  const View view = station.cameraman.view(picture_);
+  return {size.x(), size.y(),
+          [this, &station, style, sidebar, view, image = renderer().draw(view, picture_, style)](Canvas& canvas) {
+            canvas.picture(0, 0, image);
+            VehicleMarks marks;
+            const bool onboard = station.config.type == CameraConfig::Type::kOnboard;
+            if (station.config.names && !onboard) marks.names = info_.vehicle_names;
+            marks.radii_m = station.radii_m;
+            marks.min_px = onboard ? 0.0F : static_cast<float>(station.config.vehicle_min_px);
+            marks.hidden_vehicle = style.hidden_vehicle;
+            draw_vehicle_marks(canvas, station.look, view, picture_, marks);
+            if (view.orthographic) draw_scale_bar(canvas, station.look, view);
+            if (station.config.axes && !onboard) draw_axes(canvas, station.look, view);
+            caption(canvas, station, image.width);
+            draw_sidebar(canvas, station.look, sidebar, image.width);
+          }};
 }
 
 }  // namespace

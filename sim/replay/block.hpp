@@ -58,6 +58,5 @@ class ReplayBlock {
 
 /// As gzip writes it, without name and time: the same bytes give the same bytes.
 std::string gzip(std::string_view bytes);
-std::string base64(std::string_view bytes);
 
 }  // namespace swiftlet::sim

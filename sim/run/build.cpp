@@ -156,6 +156,7 @@ RunInfo make_run_info(const Scenario& scenario, const World& world) {
   RunInfo info;
   info.scenario = scenario.name;
   info.scene = world.scene.get();
+  info.static_scene = world.static_scene;
   info.vehicle_names = vehicle_names(scenario);
   for (const VehicleConfig& vehicle : scenario.vehicles) {
     info.airframes.push_back(&vehicle.airframe);

@@ -5,14 +5,17 @@ uniform sampler2D u_base;
 uniform sampler2D u_normal;
 uniform sampler2D u_depth;
 uniform sampler2D u_open;
-uniform mat4 u_world_clip;
-uniform mat4 u_camera_clip;
+uniform vec4 u_depth_m;               // depth in meters of a depth z of the buffer: (x z + y) / (z z + w)
+uniform vec2 u_spread;                // half width and height of what is seen, 1 m away
+uniform vec3 u_right;                 // of the camera, in the world
+uniform vec3 u_up;
 uniform vec3 u_eye_m;
 uniform vec3 u_forward;
 uniform float u_parallel;
 uniform vec3 u_sun;                   // unit vector towards the sun
 uniform float u_haze_per_m;
 uniform vec3 u_haze_color;            // sRGB
+uniform float u_white;                // 1: on paper, nothing behind the world
 uniform mat4 u_shadow_world;
 uniform mat4 u_vehicle_shadow_world;
 uniform float u_shadow_texel_m;
@@ -20,38 +23,36 @@ uniform sampler2DShadow u_shadow;
 uniform sampler2DShadow u_vehicle_shadow;
 out vec4 o_color;
 
-vec3 sky() {
-  vec4 near = u_world_clip * vec4(v_clip, 1.0, 1.0);
-  vec4 far = u_world_clip * vec4(v_clip, 0.01, 1.0);
-  vec3 d = normalize(far.xyz / far.w - near.xyz / near.w);
-  vec3 color = mix(u_haze_color, vec3(0.36, 0.56, 0.82), 1.0 - pow(1.0 - clamp(d.z, 0.0, 1.0), 2.6));
-  color += vec3(0.14, 0.10, 0.04) * pow(max(0.0, dot(d, u_sun)), 10.0);
+vec3 sky(vec3 d) {
+  float low = 1.0 - clamp(d.z, 0.0, 1.0);
+  vec3 color = mix(u_haze_color, vec3(0.36, 0.56, 0.82), 1.0 - low * low * sqrt(low));
+  float towards_sun = max(0.0, dot(d, u_sun));
+  towards_sun *= towards_sun;
+  float fourth = towards_sun * towards_sun;
+  color += vec3(0.14, 0.10, 0.04) * (fourth * fourth * towards_sun);
   color = mix(color, u_haze_color * vec3(0.955, 0.955, 0.94), smoothstep(0.0, -0.25, d.z));
-  return mix(color, vec3(0.945, 0.95, 0.955), u_parallel);
+  return mix(mix(color, vec3(0.945, 0.95, 0.955), u_parallel), vec3(1.0), u_white);
 }
 
 float lit(vec3 world_m) {
-  // Four bilinear taps on a small cross: a penumbra of about two texels. Behind the map's last caster all is lit.
-  vec3 at = (u_shadow_world * vec4(world_m, 1.0)).xyz;
+  // Two bilinear taps: a penumbra of about two texels. Behind the map's last caster all is lit.
+  vec3 at = mat4x3(u_shadow_world) * vec4(world_m, 1.0);
   at.z = min(at.z, 1.0);
   vec2 texel = 1.0 / vec2(textureSize(u_shadow, 0));
-  float sum = texture(u_shadow, vec3(at.xy + texel * vec2(-0.4, -1.1), at.z));
-  sum += texture(u_shadow, vec3(at.xy + texel * vec2(1.1, -0.4), at.z));
-  sum += texture(u_shadow, vec3(at.xy + texel * vec2(0.4, 1.1), at.z));
-  sum += texture(u_shadow, vec3(at.xy + texel * vec2(-1.1, 0.4), at.z));
-  return 0.25 * sum;
+  return 0.5 * (texture(u_shadow, vec3(at.xy + texel * vec2(-0.7, -0.4), at.z)) +
+                texture(u_shadow, vec3(at.xy + texel * vec2(0.7, 0.4), at.z)));
 }
 
-// Averages the 4 x 4 pattern of the occlusion pass over pixels of like depth.
+// From half as many pixels a side: those around of like depth.
 float openness(ivec2 at, float here_m) {
   ivec2 last = textureSize(u_open, 0) - 1;
-  ivec2 corner = at / 2 - 2 + (at & 1);
+  ivec2 corner = at / 2;
   float tolerance = 1.0 / (0.02 * here_m + 0.1);
   float sum = 0.0;
   float weights = 0.0;
-  for (int y = 0; y < 4; ++y) {
-    for (int x = 0; x < 4; ++x) {
-      vec2 open_depth = texelFetch(u_open, clamp(corner + ivec2(x, y), ivec2(0), last), 0).rg;
+  for (int y = 0; y < 2; ++y) {
+    for (int x = 0; x < 2; ++x) {
+      vec2 open_depth = texelFetch(u_open, min(corner + ivec2(x, y), last), 0).rg;
       float w = 1.0 / (0.02 + abs(open_depth.y - here_m) * tolerance);
       sum += w * open_depth.x;
       weights += w;
@@ -62,8 +63,10 @@ float openness(ivec2 at, float here_m) {
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
+  vec3 beside = v_clip.x * u_spread.x * u_right + v_clip.y * u_spread.y * u_up;
+  vec3 ray = mix(normalize(u_forward + beside), u_forward, u_parallel);
   vec4 covered = texelFetch(u_base, at, 0);
-  if (covered.a <= 0.0) { o_color = vec4(sky(), 1.0); return; }
+  if (covered.a <= 0.0) { o_color = vec4(sky(ray), 1.0); return; }
   vec4 normal_kind = texelFetch(u_normal, at, 0) / covered.a;
   vec3 base = covered.rgb / covered.a;
   base *= base;
@@ -71,26 +74,24 @@ void main() {
   float plant = smoothstep(0.6, 0.9, normal_kind.w);
   float shiny = 1.0 - abs(2.0 * normal_kind.w - 1.0);
 
-  // The resolved depth is that of one sample; at an edge it may have missed the surface.
-  float depth = texelFetch(u_depth, at, 0).r;
-  if (depth <= 0.0) {
-    depth = max(max(texelFetch(u_depth, at + ivec2(1, 0), 0).r, texelFetch(u_depth, at - ivec2(1, 0), 0).r),
-                max(texelFetch(u_depth, at + ivec2(0, 1), 0).r, texelFetch(u_depth, at - ivec2(0, 1), 0).r));
-    depth = max(depth, 1e-5);
+  // The resolved depth is that of one sample; at an edge it may have missed the surface. A loop is left early, a branch
+  // never in software.
+  float z = texelFetch(u_depth, at, 0).r;
+  int around = z <= 0.0 ? 4 : 0;
+  for (int i = 0; i < around; ++i) {
+    ivec2 step = i < 2 ? ivec2(2 * i - 1, 0) : ivec2(0, 2 * i - 5);
+    z = max(z, max(texelFetch(u_depth, at + step, 0).r, 1e-5));
   }
-  vec4 p = u_world_clip * vec4(v_clip, depth, 1.0);
-  vec3 world_m = p.xyz / p.w;
-  vec4 c = u_camera_clip * vec4(v_clip, depth, 1.0);
-  float depth_m = -c.z / c.w;
-  vec3 to_eye = u_eye_m - world_m;
-  float distance_m = length(to_eye);
-  vec3 V = mix(to_eye / distance_m, -u_forward, u_parallel);
+  float depth_m = (u_depth_m.x * z + u_depth_m.y) / (u_depth_m.z * z + u_depth_m.w);
+  vec3 world_m = u_eye_m + depth_m * u_forward + beside * mix(depth_m, 1.0, u_parallel);
+  float distance_m = length(world_m - u_eye_m);
+  vec3 V = -ray;
 
   // The sun, with the shadows of the world and of the vehicles; looked up a little above the surface.
   float facing = dot(N, u_sun);
   float sun = max(0.0, mix(facing, 0.65 * facing + 0.35, plant));
   sun *= lit(world_m + N * (1.5 * u_shadow_texel_m) + u_sun * (0.25 * plant));
-  vec3 of_vehicles = (u_vehicle_shadow_world * vec4(world_m + N * 0.01, 1.0)).xyz;
+  vec3 of_vehicles = mat4x3(u_vehicle_shadow_world) * vec4(world_m + N * 0.01, 1.0);
   sun *= texture(u_vehicle_shadow, vec3(of_vehicles.xy, min(of_vehicles.z, 1.0)));
 
   // Ambient light: blue from above, warm from below, and a little from the camera so that no side is flat.
@@ -98,12 +99,19 @@ void main() {
   ambient += 0.12 * max(0.0, dot(N, V));
   float open = openness(at, depth_m);
   vec3 color = base * (vec3(1.36, 1.26, 1.07) * sun * mix(1.0, open, 0.35) + ambient * open);
-  color += shiny * 0.14 * pow(max(0.0, dot(N, normalize(V + u_sun))), 40.0) * step(0.001, sun);
+  float mirrored = max(0.0, dot(N, normalize(V + u_sun)));
+  mirrored *= mirrored;
+  mirrored *= mirrored;
+  mirrored *= mirrored;  // to the 8th
+  float gloss = mirrored * mirrored;
+  color += shiny * 0.14 * gloss * gloss * mirrored * step(0.001, sun);
 
   color = color * (1.0 + color * 0.12) / (1.0 + 0.45 * color);  // highlights saturate softly
-  color = pow(color, vec3(1.0 / 2.2));
-  float haze = (1.0 - exp(-pow(distance_m * u_haze_per_m, 1.5))) * (1.0 - u_parallel);
+  vec3 root = sqrt(color);
+  color = 0.85 * root + 0.15 * sqrt(root);  // to the power of 1 / 2.2, within a hundredth
+  float thick = distance_m * u_haze_per_m;
+  float haze = (1.0 - exp(-thick * sqrt(thick))) * (1.0 - u_parallel);
   color = mix(color, u_haze_color, haze);
-  if (covered.a < 1.0) color = mix(sky(), color, covered.a);
+  color = mix(sky(ray), color, min(covered.a, 1.0));
   o_color = vec4(color, 1.0);
 }

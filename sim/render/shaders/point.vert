@@ -6,6 +6,7 @@ uniform mat4 u_clip_world;
 uniform float u_pixels_at_1m;  // pixels per meter, times the clip w
 uniform float u_size_m;
 uniform float u_min_px;
+uniform float u_max_px;
 uniform float u_cut_m;
 out vec4 v_color;
 out float gl_ClipDistance[1];
@@ -13,5 +14,5 @@ void main() {
   v_color = a_color;
   gl_Position = u_clip_world * vec4(a_position_m, 1.0);
   gl_ClipDistance[0] = u_cut_m - a_position_m.z;
-  gl_PointSize = clamp(u_size_m * u_pixels_at_1m / max(gl_Position.w, 1e-3), u_min_px, 14.0);
+  gl_PointSize = clamp(u_size_m * u_pixels_at_1m / max(gl_Position.w, 1e-3), u_min_px, u_max_px);
 }

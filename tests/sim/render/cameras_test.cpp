@@ -85,6 +85,66 @@ TEST(Cameraman, FollowingOneVehicleKeepsItsOffset) {
   EXPECT_TRUE((view.eye_world_m - picture.states[2].p_world_m).isApprox(Eigen::Vector3d(-6, -3, 4), 1e-9));
 }
 
+/// A wall of any length at x = -3, from the ground to 6 m, with a gap for y above `gap_m`.
+bool behind_wall(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double gap_m) {
+  if ((a.x() + 3.0) * (b.x() + 3.0) >= 0.0) return false;
+  const Eigen::Vector3d at = a + (-3.0 - a.x()) / (b.x() - a.x()) * (b - a);
+  return at.z() < 6.0 && at.y() < gap_m;
+}
+
+TEST(Cameraman, GoesRoundWhatBlocksItsSightWhenItBegins) {
+  CameraConfig config;
+  config.type = CameraConfig::Type::kFollow;
+  config.position_m = {-8, 0, 3};
+  const auto blocks = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return behind_wall(a, b, 1e9); };
+  PictureScene picture;
+  picture.states.resize(1);
+  picture.states[0].p_world_m = {0, 0, 2};
+  const View blind = Cameraman(config, 0, {0.5F}, kBounds).view(picture);
+  ASSERT_TRUE(blocks(picture.states[0].p_world_m, blind.eye_world_m)) << "the test itself";
+  const View view = Cameraman(config, 0, {0.5F}, kBounds, blocks).view(picture);
+  EXPECT_FALSE(blocks(picture.states[0].p_world_m, view.eye_world_m));
+  const Eigen::Vector3d at = *view.project(picture.states[0].p_world_m);
+  EXPECT_TRUE(at.head<2>().isApprox(Eigen::Vector2d(640, 360), 1e-6)) << "it still looks at the vehicle";
+}
+
+TEST(Cameraman, KeepsAVehicleInSightAlongAWallSmoothlyAndComesBackToItsPlace) {
+  // The wall ends: from y = 12 on the configured place is free again.
+  CameraConfig config;
+  config.type = CameraConfig::Type::kFollow;
+  config.position_m = {-8, 0, 3};
+  const auto blocks = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return behind_wall(a, b, 12.0); };
+  Cameraman cameraman(config, 0, {0.4F}, kBounds, blocks);
+  Eigen::Vector3d last_eye = Eigen::Vector3d::Zero();
+  int blocked = 0;
+  PictureScene picture;
+  picture.states.resize(1);
+  for (int k = 0; k <= 1500; ++k) {
+    picture.t = from_seconds(0.02 * k);
+    picture.states[0].t = picture.t;
+    picture.states[0].p_world_m = {0.0, -10.0 + 1.5 * 0.02 * k, 2.0};
+    cameraman.update(picture.t, picture.states);
+    const Eigen::Vector3d eye = cameraman.view(picture).eye_world_m;
+    blocked += blocks(picture.states[0].p_world_m, eye) ? 1 : 0;
+    ASSERT_TRUE(k == 0 || (eye - last_eye).norm() < 0.4) << "a jump at " << k;
+    last_eye = eye;
+  }
+  EXPECT_LT(blocked, 30) << "of 1501";
+  // 1.2 s of inertia at 1.5 m/s leave it behind a little.
+  EXPECT_TRUE((last_eye - picture.states[0].p_world_m).isApprox(Eigen::Vector3d(-8, 0, 3), 0.3))
+      << (last_eye - picture.states[0].p_world_m).transpose();
+}
+
+TEST(Cameraman, TakesTheBestPlaceWhenNoneIsFree) {
+  CameraConfig config;
+  config.type = CameraConfig::Type::kFollow;
+  PictureScene picture;
+  picture.states.resize(1);
+  Cameraman cameraman(config, 0, {0.5F}, kBounds, [](const auto&, const auto&) { return true; });
+  const View view = cameraman.view(picture);
+  EXPECT_TRUE(view.project(picture.states[0].p_world_m));
+}
+
 TEST(Cameraman, FromTheTopShowsEveryTrail) {
   CameraConfig config;
   Cameraman cameraman(config, kNoVehicle, std::vector<float>(4, 0.5F), kBounds);

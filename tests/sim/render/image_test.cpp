@@ -41,6 +41,22 @@ TEST(Png, HoldsExactlyThePixelsGiven) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.png.part"));
 }
 
+TEST(Png, TellsHowLargeItIsWhenPrinted) {
+  const TemporaryDirectory folder;
+  write_png(folder.path() / "plain.png", test_picture(8, 8));
+  write_png(folder.path() / "paper.png", test_picture(8, 8), 300.0);
+  const auto content = [&](const char* name) {
+    std::ifstream stream(folder.path() / name, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  };
+  EXPECT_EQ(content("plain.png").find("pHYs"), std::string::npos);
+  const std::string paper = content("paper.png");
+  const std::size_t at = paper.find("pHYs");
+  ASSERT_NE(at, std::string::npos);
+  // Pixels per meter, big-endian, in x and y; then 1: the unit is the meter. 11811 = 300 / 0.0254.
+  EXPECT_EQ(paper.substr(at + 4, 9), std::string("\x00\x00\x2e\x23\x00\x00\x2e\x23\x01", 9));
+}
+
 TEST(Png, HoldsSixteenBitsOfGray) {
   const TemporaryDirectory folder;
   const std::vector<std::uint16_t> gray = {0, 1, 255, 256, 12345, 65535};
@@ -113,6 +129,38 @@ TEST(Font, HasAGlyphOfItsOwnForEveryPrintableCharacter) {
   }
 }
 
+// How far the left and the right half of a glyph are from mirror images: share of its pixels.
+double lopsidedness(char c) {
+  Image image(60, 60, Rgb::Zero());
+  draw_text(image, 20.0F, 45.0F, std::string(1, c), {.height_px = 30.0F, .halo_alpha = 0.0F});
+  int ink = 0, odd = 0;
+  const int right = 40 + static_cast<int>(text_width_px(std::string(1, c), 30.0F));
+  for (int y = 0; y < 60; ++y) {
+    for (int x = 0; x < 60; ++x) {
+      const bool here = image.pixel(x, y)[0] > 127;
+      const int mirrored = right - 1 - x;
+      const bool there = mirrored >= 0 && mirrored < 60 && image.pixel(mirrored, y)[0] > 127;
+      ink += here, odd += here && !there;
+    }
+  }
+  return static_cast<double>(odd) / ink;
+}
+
+TEST(Font, TellsAnAFromAnO) {
+  EXPECT_LT(lopsidedness('o'), 0.1);
+  EXPECT_GT(lopsidedness('a'), 0.18) << "a stem and a bow at the left: nothing that is closed all around";
+  // Between its bow and its bowl an a is open to the left, where an o has ink.
+  Image image(60, 60, Rgb::Zero());
+  draw_text(image, 20.0F, 45.0F, "a", {.height_px = 30.0F, .halo_alpha = 0.0F});
+  int open_rows = 0;
+  for (int y = 45 - 20; y < 45; ++y) {
+    bool ink_at_left = false;
+    for (int x = 17; x < 24; ++x) ink_at_left = ink_at_left || image.pixel(x, y)[0] > 127;
+    open_rows += ink_at_left ? 0 : 1;
+  }
+  EXPECT_GE(open_rows, 2);
+}
+
 TEST(Text, StaysInItsPlaceAndIsClippedAtTheEdges) {
   Image image(200, 60, Rgb::Constant(0.5F));
   draw_text(image, 20.0F, 40.0F, "Hg 0.25", {.height_px = 20.0F, .halo_alpha = 0.0F});
@@ -164,10 +212,11 @@ TEST(DepthPicture, ColorsNearBlueAndFarRedAndNothingGray) {
   for (int y = 0; y < 200; ++y) {
     for (int x = 0; x < 100; ++x) depth.depth_m[y * 300 + x] = x < 50 ? 2.0F : 19.0F;
   }
-  const Image image = draw_depth_image(depth, 20.0);
+  const Image image = depth_colors(depth, 20.0, Rgb::Constant(0.5F));
   EXPECT_GT(image.pixel(20, 100)[2], image.pixel(20, 100)[0]);
   EXPECT_GT(image.pixel(80, 100)[0], image.pixel(80, 100)[2]);
   EXPECT_EQ(image.pixel(150, 100)[0], image.pixel(150, 100)[2]);
+  EXPECT_DOUBLE_EQ(depth_scale_end_m(depth), 20.0);
 }
 
 TEST(DepthPicture, ShowsEveryPixelThatTheColorBarLeaves) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "render_support.hpp"
 #include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::sim {
@@ -89,7 +90,8 @@ TEST(RangeImage, ShowsWhatIsAheadInTheMiddleOfTheFirstStrip) {
     if (std::abs(azimuth) < 0.1) scan.range_m[static_cast<std::size_t>(i)] = 38.0F;
     if (std::abs(azimuth - M_PI / 4) < 0.1) scan.range_m[static_cast<std::size_t>(i)] = 8.0F;
   }
-  const Image image = draw_range_image(scan, ScanQuantity::kRange, 800, 450, 40.0);
+  const Image image = painted(800, 450, Rgb::Zero(),
+                              [&](Canvas& canvas) { draw_range_image(canvas, {}, scan, ScanQuantity::kRange, 40.0); });
   double ahead_x = 0.0, left_x = 0.0;
   int ahead = 0, left = 0;
   for (int y = 0; y < image.height; ++y) {
@@ -107,7 +109,11 @@ TEST(RangeImage, ShowsWhatIsAheadInTheMiddleOfTheFirstStrip) {
 TEST(RangeImage, CanBeMadeOfAnEmptyScan) {
   const Scan scan = scan_of(spinning(16, 64));
   for (const auto quantity : {ScanQuantity::kRange, ScanQuantity::kIntensity}) {
-    EXPECT_EQ(draw_range_image(scan, quantity, 320, 180).rgb.size(), 320U * 180 * 3);
+    int left_px = 0;
+    const Image image =
+        painted(320, 180, Rgb::Zero(), [&](Canvas& canvas) { left_px = draw_range_image(canvas, {}, scan, quantity); });
+    EXPECT_GT(left_px, 100);
+    EXPECT_LT(left_px, 320) << "the bar has its own place";
   }
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
+#include "sim/render/canvas.hpp"
 #include "sim/render/renderer.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 
@@ -42,6 +45,11 @@ inline std::shared_ptr<const VehicleShape> make_test_shape() {
   shape->rotors.push_back({{0.0F, 0.0F, 0.4F}, 1.0F, 2, 0.05F, 1.0F});
   shape->circumscribed_radius_m = 1.1F;
   return shape;
+}
+
+/// What a figure of one painter shows.
+inline Image painted(int width_px, int height_px, const Rgb& page, std::function<void(Canvas&)> paint) {
+  return Figure{width_px, height_px, std::move(paint)}.pixels(page);
 }
 
 /// Channel values 0..1 of a pixel.

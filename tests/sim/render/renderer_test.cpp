@@ -231,6 +231,111 @@ TEST(Renderer, DrawsTrailsCloudsAndChosenOverlaysWhereTheyAre) {
   EXPECT_TRUE(is_dominated_by(color(renderer.draw(view, picture, style), 8, 0), 2));
 }
 
+TEST(Renderer, DrawsTheSameWhetherOrNotItKeptTheWorldOfACameraThatStandsStill) {
+  BoxWorld world;
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray).add({4, -3, 0}, {5, -1, 2}, {0.8F, 0.1F, 0.1F});
+  const auto shape = make_test_shape();
+  for (const bool quick : {false, true}) {
+    PictureStyle style;
+    style.quick = quick;
+    Renderer kept(world.scene(), std::vector{shape});
+    for (int k = 0; k < 5; ++k) {
+      PictureScene picture;
+      picture.states.resize(1);
+      picture.states[0].p_world_m = {6.0, -2.0 + k, 1.0};
+      picture.trails_m = {{{6.0F, -4.0F, 1.0F}}};
+      // Two cameras by turns, one of which is new each time.
+      for (const View& view : {view_along_x(), view_along_x({0.1 * k, 0, 2})}) {
+        Renderer fresh(world.scene(), std::vector{shape});
+        EXPECT_EQ(kept.draw(view, picture, style).rgb, fresh.draw(view, picture, style).rgb) << k << quick;
+      }
+    }
+    // What else decides how the world looks makes it look otherwise.
+    style.cut_above = true;
+    style.cut_height_m = 1.0;
+    Renderer fresh(world.scene(), std::vector{shape});
+    EXPECT_EQ(kept.draw(view_along_x(), {}, style).rgb, fresh.draw(view_along_x(), {}, style).rgb);
+  }
+}
+
+TEST(Renderer, SmoothsTheEdgesOfQuickPicturesAndLeavesTheRest) {
+  BoxWorld world;
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray).add({4, -1, -1}, {4.2F, 1, 3}, {0.05F, 0.05F, 0.05F});
+  const View view = perspective_view({0, 0, 1}, {1, 0, 1}, 60.0, kWidth, kHeight, {0.0, 0.25, 1.0});  // tilted
+  PictureStyle style;
+  Renderer renderer(world.scene(), {});
+  const Image fine = renderer.draw(view, {}, style);
+  style.quick = true;
+  const Image quick = renderer.draw(view, {}, style);
+  double difference = 0.0;
+  int between = 0;  // neither wall nor sky
+  for (int y = 5; y < kHeight / 3; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      difference += (color_at(fine, x, y) - color_at(quick, x, y)).cwiseAbs().maxCoeff();
+      between += std::abs(brightness(color_at(quick, x, y)) - 0.5F) < 0.15F ? 1 : 0;
+    }
+  }
+  EXPECT_LT(difference / (kWidth * (kHeight / 3 - 5)), 0.02);
+  EXPECT_GT(between, kHeight / 6) << "about one a row at each edge";
+}
+
+int columns_unlike(const Image& image, const Image& plain, int y) {
+  int count = 0;
+  for (int x = 0; x < image.width; ++x)
+    count += (color_at(image, x, y) - color_at(plain, x, y)).cwiseAbs().maxCoeff() > 0.2F ? 1 : 0;
+  return count;
+}
+
+TEST(Renderer, DrawsPointsOfAsManyPixelsAsAskedWhateverTheirDistance) {
+  BoxWorld world;
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray);
+  Renderer renderer(world.scene(), {});
+  PictureStyle style;
+  style.cloud = CloudColors::kLabel;
+  for (const float distance_m : {2.0F, 60.0F}) {
+    PictureScene picture;
+    const Image plain = renderer.draw(view_along_x(), picture, style);
+    PictureCloud cloud;
+    cloud.points_world_m = {{distance_m, 0.0F, 1.0F}};
+    cloud.surface_class = {static_cast<std::uint16_t>(SurfaceClass::kVehicle)};
+    picture.clouds = {cloud};
+    const auto at = view_along_x().project(cloud.points_world_m[0].cast<double>());
+    for (const float wanted_px : {5.0F, 20.0F}) {
+      style.point_px = wanted_px;
+      const Image image = renderer.draw(view_along_x(), picture, style);
+      EXPECT_NEAR(columns_unlike(image, plain, static_cast<int>(at->y())), wanted_px, 1.6F) << distance_m;
+    }
+  }
+}
+
+TEST(Renderer, LeavesPaperWhiteWhereThereIsNothing) {
+  BoxWorld world;
+  world.add({3, -1, 0}, {5, 1, 2}, kGray);
+  Renderer renderer(world.scene(), {});
+  PictureStyle style;
+  const auto corner = [&] { return color_at(renderer.draw(view_along_x(), {}, style), 2, 2); };
+  EXPECT_LT(corner().minCoeff(), 0.97F) << "the sky";
+  style.white = true;
+  EXPECT_EQ(corner(), Rgb::Ones());
+}
+
+TEST(ShownPoints, AreThoseInTheViewBelowTheCut) {
+  PictureCloud cloud;
+  cloud.vehicle = 3;
+  cloud.points_world_m = {{5, 0, 1}, {-5, 0, 1}, {5, 0, 4}, {5, 40, 1}, {8, 0, 2}};
+  cloud.surface_class = {1, 2, 3, 4, 5};
+  cloud.intensity = {0.1F, 0.2F, 0.3F, 0.4F, 0.5F};
+  PictureStyle style;
+  style.cut_above = true;
+  style.cut_height_m = 3.0;
+  const std::vector<PictureCloud> shown = shown_of(std::vector{cloud}, view_along_x(), style);
+  ASSERT_EQ(shown.size(), 1U);
+  EXPECT_EQ(shown[0].vehicle, 3);
+  EXPECT_EQ(shown[0].surface_class, (std::vector<std::uint16_t>{1, 5}));
+  EXPECT_EQ(shown[0].intensity, (std::vector<float>{0.1F, 0.5F}));
+  EXPECT_EQ(shown[0].points_world_m, (std::vector<Eigen::Vector3f>{{5, 0, 1}, {8, 0, 2}}));
+}
+
 TEST(Renderer, SeesAVehicleThroughLeavesWhenFollowingIt) {
   // A wall of loose leaves between camera and vehicle.
   Scene scene;

@@ -7,6 +7,7 @@
 #include "render_support.hpp"
 #include "sim/render/picture_scene.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -126,6 +127,37 @@ TEST_F(SnapshotRecorderTest, WritesEachCamerasPicturesAtItsTimes) {
     ++files;
   }
   EXPECT_EQ(files, written.size());
+}
+
+TEST_F(SnapshotRecorderTest, WritesPaperAsPngAndAsSvgOfTheSizeAsked) {
+  CameraConfig camera = small_camera("figure", CameraConfig::Type::kTop);
+  camera.times_s = {0.1};
+  camera.style = PictureMedium::kPaper;
+  camera.width_mm = 40.0;
+  camera.height_mm = 30.0;
+  camera.dpi = 254.0;
+  EXPECT_THAT(fly({camera}, 0.1),
+              testing::UnorderedElementsAre("snapshots/figure_0000.100s.png", "snapshots/figure_0000.100s.svg"));
+  const std::string svg = read_whole_file(folder_.path() / "snapshots/figure_0000.100s.svg");
+  EXPECT_THAT(svg, testing::HasSubstr("width=\"40mm\" height=\"30mm\" viewBox=\"0 0 400 300\""));
+  for (const char* text : {">uav1</text>", ">uav2</text>", " m</text>", ">x</text>", "<image "}) {
+    EXPECT_THAT(svg, testing::HasSubstr(text));
+  }
+  EXPECT_THAT(svg, testing::Not(testing::HasSubstr("t = 0.100 s</text>"))) << "captions are off";
+  EXPECT_THAT(svg, testing::HasSubstr("figure, t = 0.100 s</title>"));
+}
+
+TEST_F(SnapshotRecorderTest, DrawsNoTrailAndNoMarksOnBoard) {
+  // Flying backwards, uav1 would look along its own trail, as wide as the picture.
+  CameraConfig camera = small_camera("onboard", CameraConfig::Type::kOnboard);
+  camera.position_m = {0.0, 0.0, 0.6};
+  camera.target_m = {-1.0, 0.0, 0.6};
+  camera.times_s = {1.0};
+  fly({camera}, 1.0);
+  const std::string with = read_whole_file(folder_.path() / "snapshots/onboard_0001.000s.png");
+  camera.trails = false;
+  fly({camera}, 1.0);
+  EXPECT_EQ(read_whole_file(folder_.path() / "snapshots/onboard_0001.000s.png"), with);
 }
 
 TEST_F(SnapshotRecorderTest, NamesAVehicleThatIsNotThere) {

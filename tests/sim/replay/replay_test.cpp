@@ -54,15 +54,9 @@ TEST(ReplayBlock, WhatIsNoNumberIsMissingAndWhatIsTooLargeIsTheLargest) {
   EXPECT_EQ(read[6], 3.0);
 }
 
-TEST(ReplayBlock, BytesAndTextsOfAnyLengthSurviveBase64) {
+TEST(ReplayBlock, BytesSurviveGzip) {
   std::string bytes;
-  for (int i = 0; i < 40; ++i) {
-    EXPECT_EQ(from_base64(base64(bytes)), bytes);
-    bytes.push_back(static_cast<char>(37 * i));
-  }
-  EXPECT_EQ(base64("Man"), "TWFu");
-  EXPECT_EQ(base64("Ma"), "TWE=");
-  EXPECT_EQ(base64("M"), "TQ==");
+  for (int i = 0; i < 40; ++i) bytes.push_back(static_cast<char>(37 * i));
   EXPECT_EQ(gunzip(gzip(bytes)), bytes);
 }
 

@@ -38,12 +38,15 @@ struct Event {
   }
 };
 
+class StaticScene;
+
 /// What stays the same during a run.
 struct RunInfo {
   std::string scenario;  ///< its name
   const Scene* scene = nullptr;
-  std::vector<std::string> vehicle_names;                           ///< by VehicleId
-  std::vector<const Airframe*> airframes;                           ///< by VehicleId
+  std::shared_ptr<const StaticScene> static_scene = nullptr;  ///< the same ready to trace; none: nobody has made it
+  std::vector<std::string> vehicle_names;                     ///< by VehicleId
+  std::vector<const Airframe*> airframes;                     ///< by VehicleId
   std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< by VehicleId
   std::vector<const Series*> series;                                ///< what metrics tell by tick
   std::filesystem::path directory;                                  ///< where to write; exists

@@ -16,7 +16,8 @@ enum class Anchor { kStart, kMiddle, kEnd };
 /// Elements of one SVG picture; coordinates in pixels, y down, written to a tenth of a pixel.
 class SvgWriter {
  public:
-  SvgWriter(double width_px, double height_px, std::string_view title);
+  /// @param width_mm  as printed; 0: left to who prints it
+  SvgWriter(double width_px, double height_px, std::string_view title, double width_mm = 0.0);
 
   void rect(double x, double y, double width, double height, std::string_view attributes);
   void segment(PointPx a, PointPx b, std::string_view attributes);
@@ -27,12 +28,20 @@ class SvgWriter {
   /// @param turn_deg  clockwise about the anchor
   void text(PointPx at, std::string_view content, double size_px, Anchor anchor, std::string_view color = "#222",
             double turn_deg = 0.0, bool bold = false);
+  /// The same with attributes of one's own instead of a color.
+  void text_with(PointPx at, std::string_view content, double size_px, Anchor anchor, std::string_view attributes);
+  /// A PNG file, stretched over the rectangle.
+  void picture(double x, double y, double width, double height, std::string_view png);
   /// Everything until end_clip() shows only inside this rectangle.
   void begin_clip(double x, double y, double width, double height);
   void end_clip();
   std::string finish();
 
  private:
+  void begin_text(PointPx at, double size_px);
+  void add_anchor(Anchor anchor);
+  void end_text(std::string_view content);
+
   std::string out_;
 };
 

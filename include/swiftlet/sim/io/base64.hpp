@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace swiftlet::sim {
+
+/// Any bytes as text, padded, in one line (RFC 4648, section 4).
+std::string base64(std::string_view bytes);
+
+}  // namespace swiftlet::sim

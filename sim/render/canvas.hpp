@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "swiftlet/sim/plot/svg_writer.hpp"
+#include "swiftlet/sim/render/image.hpp"
+
+namespace swiftlet::sim {
+
+/// Fonts of readers of SVG files are up to this much wider than our own.
+inline constexpr float kWidestFont = 1.16F;
+
+using PixelPoint = Eigen::Vector2f;  ///< x right, y down
+
+/// Upright rectangle [px], y down.
+struct Box {
+  float left = 0.0F, top = 0.0F, width = 0.0F, height = 0.0F;
+  float right() const { return left + width; }
+  float bottom() const { return top + height; }
+};
+
+/// A sheet to lay pictures, lines and text on. Coordinates in pixels, y down, of any fraction. What is laid out for one
+/// kind fits on all of them, where each text has room for kWidestFont times text_width_px().
+class Canvas {
+ public:
+  Canvas(int width_px, int height_px) : width_px_(width_px), height_px_(height_px) {}
+  virtual ~Canvas() = default;
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
+
+  int width_px() const { return width_px_; }
+  int height_px() const { return height_px_; }
+
+  /// Its pixels become those of the canvas, from the upper left corner at (left, top).
+  virtual void picture(int left, int top, const Image& image) = 0;
+  virtual void rectangle(const Box& box, const Rgb& color, float alpha = 1.0F) = 0;
+  /// From a_px to b_px, with round ends.
+  virtual void line(const PixelPoint& a_px, const PixelPoint& b_px, float width_px, const Rgb& color) = 0;
+  /// @param radius_px  of the middle of the stroke
+  virtual void ring(const PixelPoint& center_px, float radius_px, float width_px, const Rgb& color) = 0;
+  /// One line, its baseline at the left (center, right) end `at_px`.
+  virtual void text(const PixelPoint& at_px, std::string_view content, const TextStyle& style) = 0;
+
+ private:
+  int width_px_ = 0;
+  int height_px_ = 0;
+};
+
+/// Draws into an image, which stays the caller's.
+class PixelCanvas : public Canvas {
+ public:
+  explicit PixelCanvas(Image& image) : Canvas(image.width, image.height), image_(image) {}
+
+  void picture(int left, int top, const Image& image) override;
+  void rectangle(const Box& box, const Rgb& color, float alpha) override;
+  void line(const PixelPoint& a_px, const PixelPoint& b_px, float width_px, const Rgb& color) override;
+  void ring(const PixelPoint& center_px, float radius_px, float width_px, const Rgb& color) override;
+  void text(const PixelPoint& at_px, std::string_view content, const TextStyle& style) override;
+
+ private:
+  Image& image_;
+};
+
+/// Writes an SVG file: text stays text, pictures are embedded as PNG.
+class SvgCanvas : public Canvas {
+ public:
+  /// @param dpi    pixels per 25.4 mm: the size of the file as printed
+  /// @param title  what readers of the screen tell
+  SvgCanvas(int width_px, int height_px, double dpi, std::string_view title);
+
+  void picture(int left, int top, const Image& image) override;
+  void rectangle(const Box& box, const Rgb& color, float alpha) override;
+  void line(const PixelPoint& a_px, const PixelPoint& b_px, float width_px, const Rgb& color) override;
+  void ring(const PixelPoint& center_px, float radius_px, float width_px, const Rgb& color) override;
+  void text(const PixelPoint& at_px, std::string_view content, const TextStyle& style) override;
+  /// The whole file; the canvas is empty then.
+  std::string finish() { return svg_.finish(); }
+
+ private:
+  plot::SvgWriter svg_;
+};
+
+/// What is drawn in the same way on every kind of canvas.
+struct Figure {
+  int width_px = 0;
+  int height_px = 0;
+  std::function<void(Canvas&)> paint;
+
+  /// @param page  color of what nothing covers
+  Image pixels(const Rgb& page) const;
+  std::string svg(double dpi, std::string_view title) const;
+};
+
+}  // namespace swiftlet::sim
