@@ -33,16 +33,9 @@ Look look_of(const CameraConfig& camera);
 /// both do not fit, the left one is left out.
 void draw_caption(Canvas& canvas, const Look& look, int width_px, std::string_view left, std::string_view right);
 /// A bar of round length in the lower left corner, above the caption. For parallel projections.
-<<<<<<< HEAD
-void draw_scale_bar(Image& image, const View& view);
-/// Each vehicle's name in its color, above it. Teams of more than 24 have none: they would cover the picture.
-void draw_names(Image& image, const View& view, const PictureScene& picture, std::span<const std::string> names,
-                double vehicle_scale);
-=======
 void draw_scale_bar(Canvas& canvas, const Look& look, const View& view);
 /// How the axes of the world lie, in the lower right corner, above the caption.
 void draw_axes(Canvas& canvas, const Look& look, const View& view);
->>>>>>> 4c44a8d6718ab083511343ed06763cd65e2e2b14
 
 /// How vehicles are told on a picture.
 struct VehicleMarks {

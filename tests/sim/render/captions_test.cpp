@@ -215,35 +215,29 @@ TEST(VehicleMarks, AreInTheColorOfTheVehicle) {
 TEST(ScaleBar, IsAsLongAsItsRoundNumberOfMeters) {
   for (const double span_m : {30.0, 70.0, 400.0}) {
     const View view = top_view({0, 0}, span_m, 0.0, 10.0, 640, 360);
-    Image image(640, 360, Rgb::Constant(0.5F));
-    draw_scale_bar(image, view);
-    // The first half is gray, the second white.
-    int white = 0, gray = 0;
-    for (int y = 0; y < image.height; ++y) {
-      int white_here = 0, gray_here = 0;
-      for (int x = 0; x < image.width; ++x) {
-        const int shade = image.pixel(x, y)[0];
-        white_here += shade == 255;
-        gray_here += std::abs(shade - 64) <= 1;
-      }
-      if (gray_here > gray) gray = gray_here, white = white_here;
-    }
-    const double length_m = (white + gray) / view.pixels_per_m(1.0);
-    EXPECT_NEAR(length_m, round_down_nicely(0.2 * 640 / view.pixels_per_m(1.0)), 1.0 / view.pixels_per_m(1.0));
-    EXPECT_NEAR(white, gray, 1);
+    NotedCanvas canvas(640, 360);
+    draw_scale_bar(canvas, {}, view);
+    const double length_m = round_down_nicely(0.2 * 640 / view.pixels_per_m(1.0));
+    EXPECT_TRUE(canvas.says(tick_text(length_m, length_m) + " m"));
+    // Its rim, the bar, and the dark half.
+    ASSERT_EQ(canvas.rectangles.size(), 3U);
+    EXPECT_NEAR(canvas.rectangles[1].width, length_m * view.pixels_per_m(1.0), 0.01);
+    EXPECT_NEAR(canvas.rectangles[2].width, 0.5 * length_m * view.pixels_per_m(1.0), 0.01);
+    EXPECT_LT(canvas.rectangles[0].left, canvas.rectangles[1].left);
+    EXPECT_GT(canvas.rectangles[0].right(), canvas.rectangles[1].right());
   }
 }
 
-TEST(Names, OfATeamAreWrittenAboveItsVehiclesAndOfASwarmNot) {
+TEST(VehicleMarks, OfATeamAreNamesAboveItsVehiclesAndOfASwarmNot) {
   const View view = top_view({0, 0}, 40.0, 0.0, 10.0, 640, 360);
-  for (const int count : {1, 10, 24, 100}) {
+  for (const std::size_t count : {1U, 10U, 24U, 100U}) {
     PictureScene picture;
-    picture.states.resize(static_cast<std::size_t>(count));
-    const std::vector<std::string> names(static_cast<std::size_t>(count), "uav");
-    Image image(640, 360, Rgb::Constant(0.5F));
-    const Image before = image;
-    draw_names(image, view, picture, names, 1.0);
-    EXPECT_EQ(image.rgb != before.rgb, count <= 24) << count;
+    picture.states.resize(count);
+    const std::vector<std::string> names(count, "uav");
+    const std::vector<float> radii_m(count, 0.4F);
+    NotedCanvas canvas(640, 360);
+    draw_vehicle_marks(canvas, {}, view, picture, {names, radii_m, 0.0F});
+    EXPECT_EQ(canvas.texts.size(), count <= 24 ? count : 0) << count;
   }
 }
 

@@ -219,12 +219,12 @@ TEST(DepthPicture, ColorsNearBlueAndFarRedAndNothingGray) {
   EXPECT_DOUBLE_EQ(depth_scale_end_m(depth), 20.0);
 }
 
-TEST(DepthPicture, ShowsEveryPixelThatTheColorBarLeaves) {
+TEST(DepthPicture, ShowsEveryPixel) {
   DepthImage depth{120, 90, std::vector<float>(120 * 90, 7.0F)};
-  const Image image = draw_depth_image(depth, 20.0);
+  const Image image = depth_colors(depth, 20.0, Rgb::Zero());
   const Rgb expected = turbo_like(7.0F / 20.0F);
   for (int y = 0; y < 90; ++y) {
-    for (int x = 0; x < 40; ++x) {
+    for (int x = 0; x < 120; ++x) {
       for (int c = 0; c < 3; ++c) ASSERT_NEAR(image.pixel(x, y)[c], 255.0F * expected[c], 1.0F) << x << " " << y;
     }
   }

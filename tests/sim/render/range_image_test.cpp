@@ -128,10 +128,13 @@ TEST(RangeImage, OfIntensitiesUsesAllShadesFromTheWeakestToTheStrongest) {
       scan.range_m[i] = 10.0F;
       scan.intensity[i] = weak * (i % 512 < 256 ? 1.0F : 10.0F);
     }
-    const Image image = draw_range_image(scan, ScanQuantity::kIntensity, 800, 450);
+    int left_px = 0;  // of the margin
+    const Image image = painted(800, 450, Rgb::Zero(), [&](Canvas& canvas) {
+      left_px = draw_range_image(canvas, {}, scan, ScanQuantity::kIntensity);
+    });
     std::map<int, int> shades;
     for (int y = 0; y < image.height; ++y) {
-      for (int x = 0; x < 640; ++x) {
+      for (int x = 0; x < left_px; ++x) {
         const std::uint8_t* p = image.pixel(x, y);
         if (p[0] == p[1] && p[1] == p[2]) ++shades[p[0]];
       }
