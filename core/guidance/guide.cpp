@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "core/guidance/guide_overlays.hpp"
 #include "swiftlet/core/math/latency.hpp"
@@ -256,7 +257,8 @@ class Guide : public Guidance {
 
   // Planning, while both hover.
 
-  void start_planning() {
+  void start_planning(const char* why = "planning") {
+    why_planning_ = why;
     path_.clear();
     plan_ahead_.reset();
     settled_since_.reset();
@@ -333,7 +335,10 @@ class Guide : public Guidance {
   // Motion.
 
   void move_primary(const GuidanceInput& input) {
-    if (follow_own_path(input)) {
+    if (own_path_is_blocked(input)) {
+      hold_.position_m = input.estimate.T_local_body.translation();
+      start_planning("planning anew: the way to the viewpoint is not clear any more");
+    } else if (follow_own_path(input)) {
       start_guiding();
     } else if (waited(config_.stage_timeout_s)) {
       fail("the guide does not reach its viewpoint");
@@ -352,7 +357,23 @@ class Guide : public Guidance {
     return last && input.estimate.v_local_mps.norm() < kAtRest_mps;
   }
 
+  /// A path may have led through what nobody had seen.
+  bool own_path_is_blocked(const GuidanceInput& input) {
+    const std::vector<Vector3>& corners_local_m = plan_->primary_local_m;
+    if (corners_local_m.size() < 2 || !map_has_changed(*input.map)) return false;
+    return is_blocked(*input.map, config_.planner.primary, input.estimate.T_local_body.translation(), corners_local_m,
+                      std::min(next_corner_, corners_local_m.size() - 1));
+  }
+  bool path_is_blocked(const GuidanceInput& input) {
+    if (!map_has_changed(*input.map)) return false;
+    std::vector<Vector3> corners_local_m = {passed_local_m_};
+    for (const PlannedPose& pose : path_) corners_local_m.push_back(pose.p_local_m);
+    return is_blocked(*input.map, config_.planner.secondary, there().position_m, corners_local_m);
+  }
+  bool map_has_changed(const OccupancyView& map) { return std::exchange(checked_, map.revision()) != map.revision(); }
+
   void start_guiding() {
+    passed_local_m_ = plan_->secondary_path.front().p_local_m;
     path_.assign(plan_->secondary_path.begin() + 1, plan_->secondary_path.end());
     was_told_ = tried_ahead_ = false;
     enter(GuideState::kSecondaryMoving);
@@ -371,7 +392,12 @@ class Guide : public Guidance {
     if (config_.motion != GuideConfig::Motion::kAlternate) plan_next_leg(input);
     const Vector3& p_local_m = there().position_m;
     while (path_.size() > 1 && (path_.front().p_local_m - p_local_m).norm() < config_.visited_m) {
+      passed_local_m_ = path_.front().p_local_m;
       path_.erase(path_.begin());
+    }
+    if (path_is_blocked(input)) {
+      start_planning("planning anew: the guided vehicle's path is not clear any more");
+      return;
     }
     if (path_.size() > 1 || (path_.back().p_local_m - p_local_m).norm() >= config_.planner.tolerance_m) return;
     if (there().velocity_mps.norm() < kAtRest_mps) reach();
@@ -501,7 +527,7 @@ class Guide : public Guidance {
         if (!anybody_has_more_goals()) output.mission = MissionStatus::kEndless;
         return;
       case GuideState::kPlanning:
-        output.note = moving().ready()  ? "planning"
+        output.note = moving().ready()  ? why_planning_
                       : figure_m_ > 0.0 ? "hovers: the guided vehicle is to move, to be found again"
                                         : "hovers: the guided vehicle is lost";
         return;
@@ -547,7 +573,10 @@ class Guide : public Guidance {
   std::optional<Vector3> hovers_;  // where, while the other one is lost
   std::size_t next_corner_ = 1;
   Reference hold_;
-  std::vector<PlannedPose> path_;  // what is left of the other one's
+  std::vector<PlannedPose> path_;             // what is left of the other one's
+  Vector3 passed_local_m_ = Vector3::Zero();  // its waypoint before that
+  std::uint64_t checked_ = 0;                 // revision of the map for which what is left was found clear
+  const char* why_planning_ = "planning";
 
   TimeNs next_word_ = 0;
   std::uint32_t num_words_ = 0;

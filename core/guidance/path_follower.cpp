@@ -11,13 +11,6 @@ namespace {
 constexpr double kArrived_m = 0.3;
 constexpr double kBehind_m = 0.5;  // a vehicle so far behind is waited for
 
-/// Of the segment from a to b.
-Vector3 nearest_on(const Vector3& a_m, const Vector3& b_m, const Vector3& p_m) {
-  const Vector3 way_m = b_m - a_m;
-  const double share = way_m.dot(p_m - a_m) / std::max(way_m.squaredNorm(), 1e-12);
-  return a_m + std::clamp(share, 0.0, 1.0) * way_m;
-}
-
 }  // namespace
 
 void PathFollower::start(std::vector<Vector3> corners_local_m) {
@@ -70,16 +63,7 @@ PathFollower::Outcome PathFollower::step_by_time(const Vector3& p_local_m, doubl
 bool PathFollower::is_blocked(const OccupancyView& map, const Vector3& p_local_m) {
   if (checked_ == map.revision()) return false;
   checked_ = map.revision();
-  // A cell's edge less than it was planned with: an obstacle whose cells flicker makes no other path.
-  ClearPathConfig rules = rules_;
-  rules.clearance_m = std::max(rules.clearance_m - map.edge_m(), 0.5 * map.edge_m());
-  const ClearSpace space(map, rules, p_local_m);
-  Vector3 from_local_m = nearest_on(legs_local_m_[next_ - 1], legs_local_m_[next_], p_local_m);
-  for (std::size_t i = next_; i < legs_local_m_.size(); ++i) {
-    if (!space.is_clear_segment(from_local_m, legs_local_m_[i])) return true;
-    from_local_m = legs_local_m_[i];
-  }
-  return false;
+  return swiftlet::is_blocked(map, rules_, p_local_m, legs_local_m_, next_);
 }
 
 }  // namespace swiftlet

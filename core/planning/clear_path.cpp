@@ -10,6 +10,7 @@
 
 #include "core/planning/met_cells.hpp"
 #include "core/planning/polyline.hpp"
+#include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet {
 namespace {
@@ -20,6 +21,13 @@ constexpr double kShorteningSpacing_m = 0.5;  // between the points from which c
 
 Vector3 center_of(const Cell& cell, double edge_m) { return (cell.cast<double>().array() + 0.5) * edge_m; }
 Cell cell_at(const Vector3& p_local_m, double edge_m) { return (p_local_m.array() / edge_m).floor().cast<int>(); }
+
+/// Of the segment from a to b.
+Vector3 nearest_on(const Vector3& a_m, const Vector3& b_m, const Vector3& p_m) {
+  const Vector3 way_m = b_m - a_m;
+  const double share = way_m.dot(p_m - a_m) / std::max(way_m.squaredNorm(), 1e-12);
+  return a_m + std::clamp(share, 0.0, 1.0) * way_m;
+}
 
 /// The shortest way on an empty grid, in cells.
 double rest_of(const Cell& way) {
@@ -215,6 +223,20 @@ std::vector<Vector3> shortened_path(const ClearSpace& space, std::vector<Vector3
   }
   if (times % 2 == 1) std::reverse(path_local_m.begin(), path_local_m.end());
   return path_local_m;
+}
+
+bool is_blocked(const OccupancyView& view, const ClearPathConfig& config, const Vector3& p_local_m,
+                std::span<const Vector3> corners_local_m, std::size_t next) {
+  ENSURE(next > 0 && next < corners_local_m.size(), next, corners_local_m.size());
+  ClearPathConfig rules = config;
+  rules.clearance_m = std::max(config.clearance_m - view.edge_m(), 0.5 * view.edge_m());
+  const ClearSpace space(view, rules, p_local_m);
+  Vector3 from_local_m = nearest_on(corners_local_m[next - 1], corners_local_m[next], p_local_m);
+  for (const Vector3& to_local_m : corners_local_m.subspan(next)) {
+    if (!space.is_clear_segment(from_local_m, to_local_m)) return true;
+    from_local_m = to_local_m;
+  }
+  return false;
 }
 
 void ClearPathConfig::visit(ConfigVisitor& v) {

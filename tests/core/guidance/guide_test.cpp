@@ -75,6 +75,11 @@ struct Team : GuidanceDriver {
       tick();
     }
   }
+  /// A scan shows what nobody had seen.
+  void discover(const Vector3& min_local_m, const Vector3& max_local_m) { world_.occupy_box(min_local_m, max_local_m); }
+  void run_until(const std::string& note, double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds / dt_s) && out.note != note; ++i) tick();
+  }
   bool said(const std::string& note) const { return notes.count(note) > 0; }
 
   RelativeEstimate guided;
@@ -318,6 +323,35 @@ TEST(Guide, PlanningAheadArrivesSoonerAndFlyingTogetherSoonestWithFewerStops) {
   EXPECT_LE(stops, 2) << "one of them at the end";
   EXPECT_LT(together_s, ahead_s - 3.0);
   EXPECT_GT(least_m, 1.5) << "they keep out of each other's air";
+}
+
+TEST(Guide, AWallThatComesIntoSightOnTheWayIsFlownAround) {
+  for (const bool in_the_guides_way : {false, true}) {
+    Team team(guides_uav2({{4, 0, 0.7}}));
+    team.run_until(in_the_guides_way ? "primary moving" : "secondary moving", 20.0);
+    for (int i = 0; i < 10; ++i) team.tick();
+    if (in_the_guides_way) {
+      const Vector3 middle_m = 0.5 * (team.p_m() + team.out.goal.position_m);
+      team.discover(middle_m - Vector3(0.25, 0.25, 0.75), middle_m + Vector3(0.25, 0.25, 0.75));
+    } else {
+      team.discover({2.0, -1.0, 0.0}, {2.25, 1.0, 1.5});
+    }
+    team.run(60.0);
+    EXPECT_EQ(team.out.mission, MissionStatus::kDone);
+    EXPECT_TRUE(team.said(in_the_guides_way ? "planning anew: the way to the viewpoint is not clear any more"
+                                            : "planning anew: the guided vehicle's path is not clear any more"));
+    for (const Vector3& p_m : team.flown_local_m) EXPECT_GT(team.map->distance_m(p_m, 1.0), 0.4) << p_m.transpose();
+  }
+}
+
+TEST(Guide, WhatAppearsBehindTheGuidedVehicleDisturbsNobody) {
+  Team team(guides_uav2({{4, 0, 0.7}}));
+  team.run_until("secondary moving", 20.0);
+  while (team.guided.position_m.x() < 2.5) team.tick();
+  team.discover({0.5, -1.0, 0.0}, {0.75, 1.0, 1.5});
+  team.run(30.0);
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone);
+  EXPECT_FALSE(team.said("planning anew: the guided vehicle's path is not clear any more"));
 }
 
 TEST(Guide, AVehicleThatIsNotThereIsRefused) {

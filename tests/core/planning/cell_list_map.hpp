@@ -16,6 +16,7 @@ class CellListMap : public OccupancyView {
   explicit CellListMap(double edge_m = 0.1) : edge_m_(edge_m) {}
 
   void occupy_box(const Vector3& min_local_m, const Vector3& max_local_m) {
+    ++revision_;
     const auto cell = [&](double m) { return static_cast<int>(std::floor(m / edge_m_ + 1e-9)); };
     for (int x = cell(min_local_m.x()); x < cell(max_local_m.x()); ++x) {
       for (int y = cell(min_local_m.y()); y < cell(max_local_m.y()); ++y) {
@@ -62,7 +63,7 @@ class CellListMap : public OccupancyView {
     }
     return first;
   }
-  std::uint64_t revision() const override { return 1; }
+  std::uint64_t revision() const override { return revision_; }
   bool changed_since(std::uint64_t, std::vector<VoxelGrid>&) const override { return false; }
 
  private:
@@ -86,6 +87,7 @@ class CellListMap : public OccupancyView {
   }
 
   double edge_m_;
+  std::uint64_t revision_ = 1;
   std::vector<Vector3> centers_local_m_;
 };
 

@@ -10,6 +10,7 @@
 
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/planning/path_timing.hpp"
+#include "tests/core/planning/cell_list_map.hpp"
 #include "tests/core/planning/box_map.hpp"
 
 namespace swiftlet {
@@ -226,6 +227,27 @@ TEST(ClearPath, IsFlownInTimeAndStaysClear) {
   for (int i = 0; i <= 200; ++i) {
     EXPECT_GE(map.clearance_m(spline.at(spline.duration_s() * i / 200.0).p_m, 1.0), 0.2);
   }
+}
+
+TEST(BlockedPath, IsOneWhoseRestCameTooNearToSomething) {
+  const std::vector<Vector3> corners = {{0.05, 0.05, 1.05}, {4.05, 0.05, 1.05}, {4.05, 4.05, 1.05}};
+  ClearPathConfig config;
+  config.clearance_m = 0.5;
+  const auto blocked = [&](const Vector3& obstacle_m, const Vector3& p_m, std::size_t next) {
+    testing::CellListMap map;
+    map.occupy_box(obstacle_m, obstacle_m + Vector3::Constant(0.1));
+    return is_blocked(map, config, p_m, corners, next);
+  };
+  // Center to center; a cell's edge less than planned is enough.
+  EXPECT_TRUE(blocked({2.0, 0.3, 1.0}, corners[0], 1));
+  EXPECT_FALSE(blocked({2.0, 0.6, 1.0}, corners[0], 1));
+  EXPECT_TRUE(blocked({4.0, 3.0, 1.0}, corners[0], 1)) << "on a later leg";
+  // What lies behind counts no more, on this leg and on the one before.
+  EXPECT_FALSE(blocked({1.0, 0.0, 1.0}, {2.05, 0.05, 1.05}, 1));
+  EXPECT_TRUE(blocked({3.0, 0.0, 1.0}, {2.05, 0.05, 1.05}, 1));
+  EXPECT_FALSE(blocked({3.0, 0.0, 1.0}, {4.05, 1.05, 1.05}, 2));
+  // A vehicle beside its path is judged by the path.
+  EXPECT_FALSE(blocked({2.0, 0.6, 1.0}, {1.05, 0.25, 1.05}, 1));
 }
 
 }  // namespace

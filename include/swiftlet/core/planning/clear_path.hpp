@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
@@ -72,6 +73,13 @@ ClearPath find_clear_path(const OccupancyView& view, const ClearPathConfig& conf
 
 /// A clear path with its corners cut: from the beginning, then from the end, and so on, as long as it gets shorter.
 std::vector<Vector3> shortened_path(const ClearSpace& space, std::vector<Vector3> path_local_m, int times);
+
+/// Has the map changed so that what is left of a path is not clear any more? Asked with a cell's edge less of clearance
+/// than it was planned with: an obstacle whose cells flicker makes no other path.
+/// @param p_local_m     where the vehicle is
+/// @param next          of the corners, the next one; from the one before the vehicle is on its way
+bool is_blocked(const OccupancyView& view, const ClearPathConfig& config, const Vector3& p_local_m,
+                std::span<const Vector3> corners_local_m, std::size_t next = 1);
 
 double length_m(const std::vector<Vector3>& corners_local_m);
 
