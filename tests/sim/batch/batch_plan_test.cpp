@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "swiftlet/sim/batch/shell.hpp"
 #include "swiftlet/sim/batch/slurm.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "tests/sim/batch/batch_support.hpp"
@@ -199,6 +200,27 @@ TEST(BatchPlan, NothingOfAFileBecomesACommandOfTheJobScript) {
   EXPECT_NE(make_slurm_scripts(plan, "out", "/bin/swiftlet").array.find("#SBATCH --partition=cpu,gpu\n"),
             std::string::npos);
   EXPECT_THROW(make_slurm_scripts(plan, "out\nid", "/bin/swiftlet"), InputError);
+}
+
+// So that a worker is told that it takes too much before Slurm kills the whole task.
+TEST(BatchPlan, WorkersOfAClusterGetLessMemoryThanSlurmGivesThem) {
+  const BatchFolder folder;
+  const BatchPlan plan = folder.plan("slurm: {memory_per_cpu_mb: 2000}\n");
+  const std::string script = make_slurm_scripts(plan, "out", "/bin/swiftlet").array;
+  EXPECT_NE(script.find("#SBATCH --mem-per-cpu=2000M\n"), std::string::npos);
+  const std::size_t at = script.find("--memory-limit ");
+  ASSERT_NE(at, std::string::npos);
+  const int limit_mb = std::stoi(script.substr(at + 15));
+  EXPECT_LE(limit_mb, 1800);  // 90 %
+  EXPECT_GT(limit_mb, 1500);
+}
+
+TEST(Shell, QuotesWhatAShellWouldTakeForSomethingElse) {
+  for (const char* plain : {"run-09.yaml", "/a_b/Az.Z0", "x=1,2:3@4%5+6"}) EXPECT_EQ(in_shell_quotes(plain), plain);
+  EXPECT_EQ(in_shell_quotes("a b"), "'a b'");
+  EXPECT_EQ(in_shell_quotes(""), "''");
+  EXPECT_EQ(in_shell_quotes("it's"), "'it'\\''s'");
+  EXPECT_EQ(in_shell_quotes("$(id)"), "'$(id)'");
 }
 
 }  // namespace

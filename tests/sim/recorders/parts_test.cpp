@@ -241,6 +241,48 @@ TEST(RosPoints, TheSmallLayoutHasReturnsAloneAndRoundsThemToItsStep) {
   EXPECT_FLOAT_EQ(number_at<float>(rounded, 24), 4.0F);
 }
 
+// Offsets of the fields as the makers' drivers publish them.
+TEST(RosPoints, TheLayoutsOfTheMakersHaveEveryPointWithItsRowAndTime) {
+  auto beams = std::make_shared<BeamTable>();
+  beams->rows = 2;
+  beams->cols = 3;
+  for (int i = 0; i < 6; ++i)
+    beams->directions_lidar.push_back(Eigen::Vector3f(1.0F, 0.1F * static_cast<float>(i), 0.2F).normalized());
+  beams->origins_lidar.assign(6, Eigen::Vector3f::Zero());
+  beams->column_offset_s = {0.0F, 0.01F, 0.02F};
+  Scan scan;
+  scan.beams = beams;
+  scan.duration = 30'000'000;
+  scan.range_m = {1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F};
+  scan.intensity = {0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F};
+  scan.reflectivity.assign(6, 0.5F);
+  constexpr std::size_t kOuster = 48, kLivox = 26;
+  RosEncoder ouster(RosDialect::kRos1), livox(RosDialect::kRos1);
+  encode_points(scan, PointsLayout::kOuster, 0.0F, 0, "lidar", ouster);
+  encode_points(scan, PointsLayout::kLivox, 0.0F, 0, "lidar", livox);
+  const auto of_ouster = ouster.bytes().last(6 * kOuster + 1), of_livox = livox.bytes().last(6 * kLivox + 1);
+  std::vector<int> lines;
+  for (int i = 0; i < 6; ++i) {
+    const auto point = of_ouster.subspan(static_cast<std::size_t>(i) * kOuster);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(number_at<float>(point, 4 * axis), scan.point_lidar(i)[static_cast<Eigen::Index>(axis)]);
+    EXPECT_EQ(number_at<float>(point, 16), scan.intensity[static_cast<std::size_t>(i)]);
+    EXPECT_NEAR(number_at<std::uint32_t>(point, 20), i % 3 * 10'000'000.0, 1.0);
+    EXPECT_EQ(number_at<std::uint16_t>(point, 26), i / 3);
+    EXPECT_EQ(number_at<std::uint32_t>(point, 32), 1000U * static_cast<std::uint32_t>(i + 1));
+    // The other maker's points come in order of time.
+    const auto shot = of_livox.subspan(static_cast<std::size_t>(i) * kLivox);
+    const auto line = static_cast<int>(number_at<std::uint8_t>(shot, 17));
+    const int beam = line * 3 + i / 2;
+    ASSERT_LT(beam, 6);
+    lines.push_back(line);
+    EXPECT_EQ(number_at<float>(shot, 0), scan.point_lidar(beam).x());
+    EXPECT_EQ(number_at<std::uint8_t>(shot, 16), 0);  // tag: a certain return
+    EXPECT_NEAR(number_at<double>(shot, 18), i / 2 * 1e7, 1.0);
+  }
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), 1), 3);
+}
+
 TEST(RosMarkers, AWorldIsTrianglesByMaterialWhereItsInstancesStand) {
   Scene scene;
   scene.materials = {{.name = "nothing"}, {.name = "wall", .color_rgb = {0.25F, 0.5F, 0.75F}}};

@@ -308,6 +308,36 @@ TEST(Renderer, DrawsPointsOfAsManyPixelsAsAskedWhateverTheirDistance) {
   }
 }
 
+TEST(Renderer, LinesArePairsOfEndsEachInItsColor) {
+  BoxWorld world;
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray);
+  Renderer renderer(world.scene(), {});
+  const Eigen::Vector4f blue(0.1F, 0.2F, 1.0F, 1.0F), red(1.0F, 0.1F, 0.1F, 1.0F);
+  PictureScene picture;
+  picture.overlays.push_back({"rungs",
+                              Overlay::Kind::kLines,
+                              {{-8, -6, 1}, {8, -6, 1}, {-8, 0, 1}, {8, 0, 1}, {-8, 6, 1}, {8, 6, 1}},
+                              {blue, blue, red, red, blue, blue},
+                              5.0F,
+                              {}});
+  const View view = top_view({0, 0}, 20.0, -1.0, 6.0, 400, 400);
+  PictureStyle style;
+  style.overlays = {"*"};
+  const Image drawn = renderer.draw(view, picture, style);
+  const auto color = [&](double x, double y) {
+    return color_at(drawn, static_cast<int>(200 + 20 * x), static_cast<int>(200 - 20 * y));
+  };
+  for (const double x : {-7.0, 0.0, 7.0}) {
+    EXPECT_TRUE(is_dominated_by(color(x, -6), 2));
+    EXPECT_TRUE(is_dominated_by(color(x, 0), 0));
+    EXPECT_TRUE(is_dominated_by(color(x, 6), 2));
+    for (const double between : {-3.0, 3.0}) {
+      EXPECT_FALSE(is_dominated_by(color(x, between), 2));
+      EXPECT_FALSE(is_dominated_by(color(x, between), 0));
+    }
+  }
+}
+
 TEST(Renderer, LeavesPaperWhiteWhereThereIsNothing) {
   BoxWorld world;
   world.add({3, -1, 0}, {5, 1, 2}, kGray);

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "sim/replay/block.hpp"
+#include "sim/replay/overlay_tables.hpp"
 #include "sim/replay/scan_tables.hpp"
 #include "sim/replay/world_tables.hpp"
 #include "swiftlet/sim/io/files.hpp"
@@ -258,6 +259,70 @@ TEST(ReplayWorld, IsCompleteWhereItIsSmallAndCoarserWhereItIsLarge) {
   EXPECT_LE(coarse[0] + coarse[1], 1010U);
   EXPECT_GT(coarse[0], 50U);
   EXPECT_GT(coarse[1], 50U);
+}
+
+/// What is written of these overlays of the first vehicle, tick after tick.
+class OverlaysOfOneVehicle : public ::testing::Test {
+ protected:
+  std::vector<ReadTable> write(const std::vector<Overlay>& overlays, int tick) {
+    TickView view = run_.tick(tick);
+    Action action = *view.actions[0];
+    action.overlays = overlays;
+    const Action* const actions[] = {&action};
+    view.actions = actions;
+    tables_.write(view);
+    ReplayBlock block("{}");
+    tables_.move_to(block);
+    return read_block(block.bytes()).tables;
+  }
+  static Overlay row_of(const std::string& name, Overlay::Kind kind, int count) {
+    Overlay overlay;
+    overlay.name = name;
+    overlay.kind = kind;
+    for (int i = 0; i < count; ++i) overlay.positions.emplace_back(0.01F * static_cast<float>(i), 1.0F, 2.0F);
+    return overlay;
+  }
+  static std::vector<ReadTable> named(const std::vector<ReadTable>& tables, const std::string& name) {
+    std::vector<ReadTable> found;
+    for (const ReadTable& table : tables) {
+      if (table.about["name"] == name) found.push_back(table);
+    }
+    return found;
+  }
+
+  TemporaryDirectory folder_;
+  SyntheticRun run_{folder_.path()};
+  OverlayTables tables_{10 * SyntheticRun::kTick};
+};
+
+// A line without some of its corners would be another line; of points there are enough.
+TEST_F(OverlaysOfOneVehicle, LinesAreWholeAndManyPointsAreThinned) {
+  const auto tables =
+      write({row_of("path", Overlay::Kind::kPolyline, 700), row_of("cloud", Overlay::Kind::kPoints, 700),
+             row_of("long", Overlay::Kind::kPolyline, 20000), row_of("large", Overlay::Kind::kPoints, 20000)},
+            10);
+  for (const char* name : {"path", "cloud", "long"}) {
+    const auto found = named(tables, name);
+    ASSERT_EQ(found.size(), 1U) << name;
+    EXPECT_EQ(found[0].rows(), found[0].about["of"].get<std::size_t>()) << name;
+    EXPECT_NEAR(found[0]["x_m"].back(), 0.01 * (static_cast<double>(found[0].rows()) - 1), 0.006);
+  }
+  const ReadTable large = named(tables, "large").at(0);
+  EXPECT_EQ(large.about["of"], 20000);
+  EXPECT_LE(large.rows(), 12000U);
+  EXPECT_GE(large.rows(), 6000U);
+  EXPECT_GT(large["x_m"].back(), 199.0);  // evenly, up to the end
+}
+
+TEST_F(OverlaysOfOneVehicle, WhatIsGoneIsWrittenOnceAsEmptyAndMapsStayUntilTheirNextTime) {
+  const Overlay path = row_of("path", Overlay::Kind::kPolyline, 5);
+  EXPECT_EQ(named(write({path}, 10), "path").size(), 1U);
+  EXPECT_EQ(named(write({path}, 11), "path").size(), 0U);  // as it was
+  const auto gone = named(write({}, 12), "path");
+  ASSERT_EQ(gone.size(), 1U);
+  EXPECT_EQ(gone[0].rows(), 0U);
+  EXPECT_TRUE(write({}, 13).empty());  // the map is not due, and what is empty stays so
+  EXPECT_EQ(named(write({path}, 14), "path").size(), 1U);
 }
 
 }  // namespace

@@ -142,6 +142,72 @@ TEST_F(BatchReport, ThePageTellsItAll) {
   EXPECT_THAT(page, Not(HasSubstr("nan")));
 }
 
+TEST_F(BatchReport, TheTenWorstEpisodesComeFirstToLast) {
+  const std::string page = batch_report_html(table());
+  const std::size_t begin = page.find("Worst episodes");
+  std::string section = page.substr(begin, page.find("</table>", begin) - begin);
+  std::vector<int> episodes;
+  // The first cell of a row is the episode's number.
+  for (std::size_t at = 0; (at = section.find("<tr><td", at)) != std::string::npos; ++at) {
+    episodes.push_back(std::stoi(section.substr(section.find('>', at + 4) + 1)));
+  }
+  // 23 was not done. The seed counts 10 m, the wind 1 m, the old variant 0.5 m.
+  EXPECT_EQ(episodes, (std::vector<int>{22, 10, 11, 20, 21, 8, 9, 18, 19, 6}));
+}
+
+TEST_F(BatchReport, APictureOfPointsNamesEachOfThem) {
+  const std::string page = batch_report_html(table());
+  int figures = 0;
+  for (std::size_t at = 0; (at = page.find("<figure>", at)) != std::string::npos; ++at) {
+    const std::string figure = page.substr(at, page.find("</figure>", at) - at);
+    ++figures;
+    EXPECT_EQ(figure.find("wind_mps 0") != std::string::npos, figure.find("wind_mps 5") != std::string::npos);
+  }
+  EXPECT_GE(figures, 2);
+}
+
+// Points of one episode each are a cloud that only the totals sum up; points of two are told one by one.
+TEST(BatchReportOfFew, PointsOfTwoEpisodesAreShownOneByOneAndPointsOfOneTogether) {
+  for (const std::uint64_t seeds : {1U, 2U}) {
+    const TemporaryDirectory folder;
+    {
+      ResultStore store(folder.path() / "results.sqlite", ResultStore::Mode::kCreate);
+      BatchInfo info;
+      info.name = "few";
+      info.text =
+          "name: few\nscenario: x\nsweep: {parameters: [{key: wind, name: wind_mps, values: [0.1234567, 5]}]}\n";
+      info.file = "batch.yaml";
+      info.fingerprint = "f00d";
+      info.version = "0.1.0";
+      info.num_episodes = 2 * seeds;
+      info.variants = {"base"};
+      info.parameters = {"wind_mps"};
+      store.set_info(info);
+      for (std::uint64_t id = 0; id < 2 * seeds; ++id) {
+        EpisodeRow row;
+        row.id = id;
+        row.variant = "base";
+        row.point = id / seeds;
+        row.seed = id % seeds;
+        row.parameters = {row.point == 0 ? "0.1234567" : "5"};
+        row.status = "done";
+        row.outcome = "done";
+        row.metrics = {{"error_m", "", static_cast<double>(id), "m", ""}};
+        store.add(row);
+      }
+    }
+    const BatchTable table = read_batch_table(ResultStore(folder.path() / "results.sqlite", ResultStore::Mode::kRead));
+    const std::string page = batch_report_html(table);
+    const std::size_t begin = page.find("Outcomes");
+    ASSERT_NE(begin, std::string::npos);
+    const std::string outcomes = page.substr(begin, page.find("</table>", begin) - begin);
+    EXPECT_THAT(outcomes, HasSubstr("all points"));
+    EXPECT_EQ(outcomes.find("wind_mps 5") != std::string::npos, seeds == 2);
+    // Swept values are shown with four digits.
+    EXPECT_EQ(table.point_name(table.groups[0]), "wind_mps 0.1235");
+  }
+}
+
 TEST_F(BatchReport, TheCsvHasEveryGroupAndQuantity) {
   const auto written = write_batch_report(folder_.path());
   ASSERT_EQ(written.size(), 2U);
