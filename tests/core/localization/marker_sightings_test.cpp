@@ -6,13 +6,14 @@
 namespace swiftlet {
 namespace {
 
-/// Returns of an observer at the origin, all of one instant.
+/// Returns of an observer at the origin, each in its own column: at 5 s, and so many seconds later.
 struct Returns {
   static constexpr float kMarker = 18.0F, kHull = 0.3F, kWall = 0.8F;
 
   void add(const Vector3& p_m, float reflectivity) {
     points_m.push_back(p_m.cast<float>());
     reflectivities.push_back(reflectivity);
+    offsets_s.push_back(now_s);
   }
   /// Legs with sleeves below a hull, as seen from the observer.
   void add_vehicle(const Vector3& middle_m) {
@@ -28,9 +29,10 @@ struct Returns {
     auto beams = std::make_shared<BeamTable>();
     beams->rows = 1;
     beams->cols = static_cast<int>(points_m.size());
-    beams->column_offset_s.assign(points_m.size(), 0.0F);
+    beams->column_offset_s = offsets_s;
     auto scan = std::make_shared<Scan>();
     scan->stamp = 5 * kNsPerSecond;
+    scan->duration = kNsPerSecond / 10;
     scan->beams = beams;
     scan->reflectivity = reflectivities;
     LocalCloud cloud;
@@ -44,7 +46,8 @@ struct Returns {
   }
 
   std::vector<Eigen::Vector3f> points_m;
-  std::vector<float> reflectivities;
+  std::vector<float> reflectivities, offsets_s;
+  float now_s = 0.0F;
 };
 
 TEST(MarkerSightings, AVehicleInADoorwayIsSeenAndThePostsAreNotItsOwn) {
@@ -76,6 +79,20 @@ TEST(MarkerSightings, WhatDoesNotShineAndASingleGlintAreNothing) {
   EXPECT_TRUE(returns.sightings().empty());
   returns.reflectivities.clear();
   EXPECT_TRUE(returns.sightings().empty()) << "a sensor that does not tell how bright things are";
+}
+
+TEST(MarkerSightings, AVehicleWasSeenInTheMiddleBetweenItsFirstReturnAndItsLast) {
+  Returns returns;
+  returns.add({9.0, 3.0, 0.0}, Returns::kWall);
+  for (const float offset_s : {0.02F, 0.03F, 0.06F}) {
+    returns.now_s = offset_s;
+    returns.add({5.0, 0.0, 0.1 * offset_s}, Returns::kMarker);
+  }
+  returns.now_s = 0.09F;
+  returns.add({9.0, -3.0, 0.0}, Returns::kWall);
+  const std::vector<Sighting> found = returns.sightings();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(to_seconds(found[0].t), 5.04, 1e-6);
 }
 
 }  // namespace

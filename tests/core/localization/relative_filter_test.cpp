@@ -270,6 +270,7 @@ TEST(RelativeOdometry, TellsWhatLiesBetweenItsSamples) {
     ASSERT_TRUE(told);
     EXPECT_LT((told->p_other_local_m - flight.at(0.05 * k).motion.p_other_local_m).norm(), 1e-3);
     EXPECT_LT((told->v_other_local_mps - flight.at(0.05 * k).motion.v_other_local_mps).norm(), 2e-2);
+    EXPECT_NEAR(told->flown.time_s, 0.05 * k, 1e-9) << "since the first one";
   }
   EXPECT_FALSE(odometry.at(from_seconds(8.01), 2.0)) << "beyond the newest nothing is known";
   EXPECT_FALSE(odometry.at(from_seconds(7.9), 0.4)) << "nor in a gap";
@@ -288,6 +289,32 @@ TEST(RelativeFilter, WhileNothingIsHeardItsHeadingIsUnsureByTheTurnRate) {
   for (const double since_s : {0.5, 2.0}) {
     const double turned_rad = 3.0 * kRadPerDeg * since_s;
     EXPECT_NEAR(variance(3.0, since_s) - variance(0.0, since_s), turned_rad * turned_rad, 1e-12);
+  }
+}
+
+// Of two filters that differ in how the other one may accelerate, the difference is white noise, integrated once and
+// twice.
+TEST(RelativeFilter, WhileNothingComesItIsUnsureByTheIntegralsOfTheAcceleration) {
+  const auto covariance = [](double acceleration_mps2_psqrthz, double since_s) {
+    RelativeFilterConfig config;
+    config.acceleration_mps2_psqrthz = acceleration_mps2_psqrthz;
+    RelativeFilter filter(config, no_drift());
+    OtherMotion anchor;
+    anchor.t = anchor.stamp = kNsPerSecond;
+    FrameAlignment start;
+    start.covariance = FrameAlignment::Covariance(0.01 * FrameAlignment::Covariance::Identity());
+    filter.start(start, anchor);
+    return filter.at(anchor.t + from_seconds(since_s)).covariance;
+  };
+  for (const double t_s : {0.5, 2.0}) {
+    const double q = 0.7 * 0.7;
+    const auto added = (covariance(0.7, t_s) - covariance(0.0, t_s)).eval();
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(added(axis, axis), q * t_s * t_s * t_s / 3.0, 1e-12);
+      EXPECT_NEAR(added(axis, 3 + axis), q * t_s * t_s / 2.0, 1e-12);
+      EXPECT_NEAR(added(3 + axis, axis), q * t_s * t_s / 2.0, 1e-12);
+      EXPECT_NEAR(added(3 + axis, 3 + axis), q * t_s, 1e-12);
+    }
   }
 }
 

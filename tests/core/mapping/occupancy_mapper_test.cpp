@@ -150,6 +150,13 @@ TEST(OccupancyMapper, TrackedVehiclesAreNoObstacles) {
   EXPECT_NE(mapping.state({15.05, 0.05, 2.05}), CellState::kOccupied);
   const Vector3 beside = mapping.cloud->points_local_m[6].cast<double>();
   EXPECT_EQ(mapping.state(beside), CellState::kOccupied) << "an obstacle beside it stays";
+  const double apart_m = (beside - Vector3(15.05, 0.05, 2.05)).norm();
+  for (const double share : {0.9, 1.1}) {
+    config.tracked_radius_m = share * apart_m;
+    OccupancyMapping near(config);
+    near.see(row_of({5.0F, 8.0F, 5.0F, 5.2F, 5.2F, 5.2F, 5.3F}), {track});
+    EXPECT_EQ(near.state(beside) == CellState::kOccupied, share < 1.0) << apart_m;
+  }
   OccupancyMapping without(config);
   without.see(row_of({5.0F}));
   EXPECT_EQ(without.state({15.05, 0.05, 2.05}), CellState::kOccupied);

@@ -54,6 +54,8 @@ TEST(UniformSpline, LeastDistanceIsThatOfTheClosestApproach) {
   EXPECT_NEAR(least_distance_m({a, 0.2}, {b, 0.2}), 1.5, 1e-6);
   // The second one waits at its start; the first comes by.
   EXPECT_NEAR(least_distance_m({a, 0.2}, {{{7.3, 0, 4.5}}, 0.2}), 2.5, 1e-3);
+  // In the middle between two of the instants that are looked at.
+  EXPECT_NEAR(least_distance_m({a, 0.2}, {{{7.35, 0, 4.5}}, 0.2}), 2.5, 1e-6);
 }
 
 }  // namespace

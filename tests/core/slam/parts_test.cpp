@@ -127,5 +127,28 @@ TEST(MotionHistory, ACorrectionMovesThePastAsAWhole) {
   EXPECT_GT(motion.at(0).translation().norm(), 5.0);
 }
 
+TEST(MotionHistory, TellsEveryInstantThatItKnowsInWhateverOrderTheyAreAsked) {
+  constexpr TimeNs kTick = 4'000'000;
+  constexpr int kPushed = 3000, kKept = 1024;
+  const auto pose_at = [](TimeNs t) {
+    return make_pose({2.0 * to_seconds(t), 1.0, 0.0}, rotation_by({0, 0, 0.1 * to_seconds(t)}));
+  };
+  const auto off_m = [&](const MotionHistory& motion, TimeNs t, TimeNs as_of) {
+    return (motion.at(t).matrix() - pose_at(as_of).matrix()).norm();
+  };
+  MotionHistory motion;
+  for (TimeNs i = 0; i < kPushed; ++i) {
+    const Pose T = pose_at(i * kTick);
+    motion.push(i * kTick, T.translation(), Eigen::Quaterniond(T.linear()));
+    if (i % 7 == 0) motion.at(i * kTick);  // somewhere, while old ones are dropped
+  }
+  const TimeNs first = (kPushed - kKept) * kTick, last = (kPushed - 1) * kTick;
+  for (const TimeNs t : {last, first, last - kTick / 3, first + kTick / 2, first + 100 * kTick, last - 5 * kTick}) {
+    EXPECT_LT(off_m(motion, t, t), 1e-9) << t;
+  }
+  EXPECT_LT(off_m(motion, 0, first), 1e-9) << "before the first: the first";
+  EXPECT_LT(off_m(motion, last + kTick, last), 1e-9) << "after the last: the last";
+}
+
 }  // namespace
 }  // namespace swiftlet
