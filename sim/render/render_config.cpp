@@ -62,7 +62,7 @@ Eigen::Vector2i CameraConfig::size_px() const {
   if (!on_paper() || (width_mm <= 0.0 && height_mm <= 0.0)) return {width_px, height_px};
   const double ratio = static_cast<double>(height_px) / std::max(1, width_px);
   const double wide_mm = width_mm > 0.0 ? width_mm : height_mm / ratio;
-  const double high_mm = height_mm > 0.0 ? height_mm : width_mm * ratio;
+  const double high_mm = height_mm > 0.0 ? height_mm : wide_mm * ratio;
   const auto pixels = [&](double mm) { return static_cast<int>(std::lround(std::min(mm / 25.4 * dpi, 1e6))); };
   return {pixels(wide_mm), pixels(high_mm)};
 }

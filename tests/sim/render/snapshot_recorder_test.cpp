@@ -8,6 +8,7 @@
 #include "sim/render/picture_scene.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/world/labeled_scan.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -158,6 +159,35 @@ TEST_F(SnapshotRecorderTest, DrawsNoTrailAndNoMarksOnBoard) {
   camera.trails = false;
   fly({camera}, 1.0);
   EXPECT_EQ(read_whole_file(folder_.path() / "snapshots/onboard_0001.000s.png"), with);
+}
+
+TEST_F(SnapshotRecorderTest, LetsAFollowCameraGoRoundWhatTheWorldBlocks) {
+  CameraConfig camera = small_camera("chase", CameraConfig::Type::kFollow);
+  camera.vehicle = "uav1";
+  camera.position_m = {-8, 0, 3};
+  camera.times_s = {0.1};
+  const auto picture_with = [&](bool traced) {
+    info_.static_scene = traced ? std::make_shared<const StaticScene>(world_.scene()) : nullptr;
+    fly({camera}, 0.1);
+    return read_whole_file(folder_.path() / "snapshots/chase_0000.100s.png");
+  };
+  EXPECT_EQ(picture_with(true), picture_with(false)) << "nothing is in the way";
+  world_.add({-3.5F, -15, 0}, {-3, 15, 6}, {0.5F, 0.5F, 0.5F}, SurfaceClass::kWall);
+  EXPECT_NE(picture_with(true), picture_with(false));
+}
+
+TEST(CameraConfig, TellsItsSizeInPixels) {
+  CameraConfig camera;
+  EXPECT_EQ(camera.size_px(), Eigen::Vector2i(1280, 720));
+  camera.width_mm = 127.0;
+  camera.dpi = 100.0;
+  EXPECT_EQ(camera.size_px(), Eigen::Vector2i(1280, 720)) << "a screen has no millimeters";
+  camera.style = PictureMedium::kPaper;
+  EXPECT_EQ(camera.size_px(), Eigen::Vector2i(500, 281));
+  camera.height_mm = 50.8;
+  EXPECT_EQ(camera.size_px(), Eigen::Vector2i(500, 200));
+  camera.width_mm = 0.0;
+  EXPECT_EQ(camera.size_px(), Eigen::Vector2i(356, 200)) << "as wide as 1280 is to 720";
 }
 
 TEST_F(SnapshotRecorderTest, NamesAVehicleThatIsNotThere) {

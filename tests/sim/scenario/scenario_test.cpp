@@ -291,6 +291,12 @@ TEST(Scenario, NamesAreUniqueAndFitForFiles) {
 TEST(Scenario, CamerasTakePicturesAndDrawWhatAgentsDraw) {
   EXPECT_EQ(scenario_error("snapshots: [{name: a}]"),
             "flight.yaml:1:13: snapshots[0].times_s: expected when it takes pictures, here or as every_s");
+  EXPECT_EQ(scenario_error("snapshots: [{times_s: [1], style: paper, width_mm: 85, height_mm: 60}]"), "no error");
+  EXPECT_EQ(scenario_error("snapshots: [{times_s: [1], width_mm: 85}]"),
+            "flight.yaml:1:38: snapshots[0].width_mm: expected style paper with it: a screen has no millimeters, found "
+            "\"85\"");
+  EXPECT_THAT(scenario_error("snapshots: [{times_s: [1], style: paper, height_mm: 600, dpi: 600}]"),
+              HasSubstr("snapshots[0].height_mm: expected a picture of 64 to 8192 px a side at the dpi given"));
   EXPECT_EQ(scenario_error("snapshots: [{times_s: [1], overlays: [tracks, trackz]}]"),
             "flight.yaml:1:47: snapshots[0].overlays[1]: expected what an agent draws (swiftlet list overlays), found "
             "\"trackz\"; did you mean \"tracks\"?");
