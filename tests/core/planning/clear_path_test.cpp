@@ -10,8 +10,8 @@
 
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/planning/path_timing.hpp"
-#include "tests/core/planning/cell_list_map.hpp"
 #include "tests/core/planning/box_map.hpp"
+#include "tests/core/planning/cell_list_map.hpp"
 
 namespace swiftlet {
 namespace {
