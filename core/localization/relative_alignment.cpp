@@ -235,7 +235,7 @@ std::optional<RelativeAlignment::Guess> RelativeAlignment::global_start() const 
   for (const AlignmentPair& pair : pairs_) {
     widest_sq = std::max(widest_sq, (pair.p_other_m - pairs_.front().p_other_m).head<2>().squaredNorm());
   }
-  const double apart_m = std::max(0.5 * std::sqrt(widest_sq), 1e-6);
+  const double apart_m = 0.5 * std::sqrt(widest_sq);
   const double gate_sq = config_.gate_sigma * config_.gate_sigma;
   std::optional<Guess> best;
   double least = std::numeric_limits<double>::infinity();
@@ -246,7 +246,7 @@ std::optional<RelativeAlignment::Guess> RelativeAlignment::global_start() const 
       const AlignmentPair &a = pairs_[i], &b = pairs_[i + offset];
       const Vector3 told_m = b.p_other_m - a.p_other_m, seen_m = b.p_local_m - a.p_local_m;
       const double told = told_m.head<2>().norm(), seen = seen_m.head<2>().norm();
-      if (!(told >= apart_m) || !(seen > 0.0)) continue;
+      if (!(told >= apart_m && told > 0.0 && seen > 0.0)) continue;
       const double sigma_m = std::sqrt(3.0 / information_[i].trace() + 3.0 / information_[i + offset].trace());
       if (std::abs(told - seen) > config_.gate_sigma * sigma_m) continue;  // one of them is false
       ++num_hypotheses;

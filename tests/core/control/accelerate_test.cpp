@@ -37,6 +37,20 @@ TEST(ReferenceGovernor, AWantedAccelerationWithinTheLimitsIsFlown) {
   EXPECT_NEAR(governor.state().velocity_mps.z(), -1.0, 0.05);
 }
 
+TEST(ReferenceGovernor, WhileItAcceleratesItTurnsToTheHeadingAndStaysThere) {
+  for (const double yaw_rad : {1.2, -2.9}) {
+    ReferenceGovernor governor(kLimits);
+    governor.reset({});
+    for (int i = 0; i < 1500; ++i) {
+      governor.accelerate({2.0 * std::cos(0.01 * i), 0.0, 0.0}, yaw_rad, kDt_s);
+      ASSERT_LE(std::abs(governor.state().yaw_rate_radps), kLimits.heading_rate_radps * (1 + 1e-9));
+      if (i < 1000) continue;
+      ASSERT_NEAR(governor.state().yaw_rad, yaw_rad, 1e-3) << i;
+      ASSERT_NEAR(governor.state().yaw_rate_radps, 0.0, 1e-2) << i;
+    }
+  }
+}
+
 TEST(ReferenceGovernor, AtTheSpeedLimitItStillTurns) {
   ReferenceGovernor governor(kLimits);
   governor.reset({});

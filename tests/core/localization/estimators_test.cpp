@@ -160,6 +160,24 @@ TEST(OdometryEstimator, AVehicleThatKnowsItsPlaceOnlyTakesItsHeadingFromACompass
   }
 }
 
+TEST(InsEstimator, TheHeadingOfTheStartFollowsFromACompassThatComesAfterATurn) {
+  AgentSetup setup;
+  setup.start_known = StartKnown::kNothing;
+  const auto estimator = make_estimator(Module(estimator_module_types(), "ins"), setup);
+  constexpr double kTurnRate_radps = 0.8, kCompass_rad = 2.0;
+  const StateEstimate* e = nullptr;
+  Observation observation;
+  for (TimeNs t = kTick; t <= kNsPerSecond; t += kTick) {
+    observation.clear();
+    observation.t = t;
+    observation.imu = {{t, kTurnRate_radps * Vector3::UnitZ(), kStandardGravity_mps2 * Vector3::UnitZ()}};
+    if (t == kNsPerSecond) observation.compass = {{t, kCompass_rad, 0.02}};
+    e = &estimator->update(observation, outbox);
+  }
+  EXPECT_NEAR(yaw_of(e->T_world_body().linear()), kCompass_rad, 1e-6);
+  EXPECT_NEAR(yaw_of(e->T_local_body.linear()), kTurnRate_radps, 0.01) << "local headings count from the start";
+}
+
 TEST(InsEstimator, AVehicleThatWasToldNothingTakesHeadingAndPlaceFromCompassAndGnss) {
   const Circling circling;
   const auto estimator = make_estimator(Module(estimator_module_types(), "ins"), told(circling, StartKnown::kNothing));

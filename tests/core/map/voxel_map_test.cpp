@@ -27,6 +27,14 @@ Vector3 random_point(const Random& random, std::uint32_t i, const Vector3& size_
   return p;
 }
 
+TEST(VoxelMap, PartsOfAnUpdateCountByEquation12) {
+  for (const double n : {0.25, 0.5, 1.0, 1.5, 2.5, 7.75}) {
+    VoxelMap map(small_box());
+    map.update(7, n, 0.0);
+    EXPECT_NEAR(map.value(7), std::exp2(-n) * -740.0, 1e-3) << n;
+  }
+}
+
 TEST(VoxelMap, NUpdatesAreOneUpdateOfWeightN) {
   for (const double g : {0.0, -740.0, -1000.0}) {
     for (const int n : {1, 2, 5, 13, 40}) {
