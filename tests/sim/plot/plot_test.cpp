@@ -225,6 +225,51 @@ TEST(Plot, TheLegendNamesOnlyLabeledSeriesAndAvoidsTheData) {
   EXPECT_EQ(count_of(svg, "stroke=\"#ccc\""), 1);  // inside, framed
 }
 
+// Left edge of a text [px]; negative: it is not there.
+double left_of_text(const std::string& svg, const std::string& text) {
+  const std::size_t end = svg.find(">" + text + "</text>");
+  if (end == std::string::npos) return -1.0;
+  return std::stod(svg.substr(svg.find("x=\"", svg.rfind("<text", end)) + 3));
+}
+
+TEST(Plot, TheLegendKeepsAwayFromALineThatOnlyPassesThroughItsCorner) {
+  Figure figure;
+  figure.set_panel_size(500, 400);
+  Panel& panel = figure.add_panel();
+  panel.x.min = panel.y.min = 0.0;
+  panel.x.max = panel.y.max = 1.0;
+  const std::vector<double> x{0.7, 1.0}, y{1.0, 0.7};  // both ends lie beside the legend's corner
+  panel.line("a name that is rather long", x, y);
+  const double left_px = left_of_text(figure.svg(), "a name that is rather long");
+  EXPECT_GT(left_px, 0.0);
+  EXPECT_LT(left_px, 250.0);  // the upper left corner is the next
+}
+
+TEST(Plot, TheLegendKeepsAwayFromAVerticalAndFromEveryBox) {
+  Figure marked;
+  marked.set_panel_size(500, 400);
+  Panel& panel = marked.add_panel();
+  panel.x.min = panel.y.min = 0.0;
+  panel.x.max = panel.y.max = 1.0;
+  panel.vertical("event", 0.95);
+  EXPECT_LT(left_of_text(marked.svg(), "event"), 250.0);
+  // Boxes from the bottom to the top at both sides leave no corner, so that the legend stands outside of the frame.
+  Figure boxes;
+  boxes.set_panel_size(500, 400);
+  Panel& boxed = boxes.add_panel();
+  boxed.x.categories = {"a", "b", "c"};
+  const Box tall = box_of(std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}),
+            low = box_of(std::vector<double>{4, 5, 6});
+  boxed.boxes("samples", {tall, low, tall});
+  EXPECT_EQ(count_of(boxes.svg(), "stroke=\"#ccc\""), 0);
+  Figure free;
+  free.set_panel_size(500, 400);
+  Panel& half = free.add_panel();
+  half.x.categories = {"a", "b", "c"};
+  half.boxes("samples", {low, low, tall});
+  EXPECT_EQ(count_of(free.svg(), "stroke=\"#ccc\""), 1);
+}
+
 TEST(Plot, EqualAxesGiveAMeterOneLength) {
   Figure figure;
   figure.set_panel_size(700, 300);
@@ -235,12 +280,14 @@ TEST(Plot, EqualAxesGiveAMeterOneLength) {
   const auto points = polyline_of(figure.svg());
   ASSERT_EQ(points.size(), 3u);
   EXPECT_NEAR(points[1].first - points[0].first, points[1].second - points[2].second, 0.21);
+  EXPECT_GT(points[1].first - points[0].first, 150.0);  // as large as the frame of 300 px lets it be
 }
 
 TEST(Plot, BoxOfSamplesHasQuartilesAndTukeysWhiskers) {
   const std::vector<double> samples{5, 1, 2, 3, 4, 100};
   const Box box = box_of(samples);
   EXPECT_DOUBLE_EQ(box.median, 3.5);
+  EXPECT_DOUBLE_EQ(box.mean, 115.0 / 6.0);
   EXPECT_DOUBLE_EQ(box.q1, 2.25);
   EXPECT_DOUBLE_EQ(box.q3, 4.75);
   EXPECT_DOUBLE_EQ(box.low, 1.0);

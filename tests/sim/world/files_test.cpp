@@ -435,6 +435,54 @@ TEST_F(WorldFiles, PlyCloudsAreReadInEitherByteOrder) {
       expected);
 }
 
+TEST_F(WorldFiles, WhatStandsBeforeTheVerticesOfAPlyCloudIsSkipped) {
+  const std::string elements =
+      "element camera 2\nproperty float focal\nproperty uchar id\nelement vertex 2\nproperty float x\nproperty float "
+      "y\nproperty float z\nend_header\n";
+  const std::vector<Vector3d> expected = {{1, 2, 3}, {4, 5, 6}};
+  EXPECT_EQ(read_point_cloud(write("a.ply", "ply\nformat ascii 1.0\n" + elements + "9 8\n7 6\n1 2 3\n4 5 6\n")),
+            expected);
+  std::string bytes(10, '\x55');
+  for (const float value : {1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F}) bytes.append(reinterpret_cast<const char*>(&value), 4);
+  EXPECT_EQ(read_point_cloud(write("b.ply", "ply\nformat binary_little_endian 1.0\n" + elements + bytes)), expected);
+}
+
+template <class Value>
+void append_bytes(std::string& bytes, Value value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+// x without sign, y with one, z a real number, whatever their sizes; a field of two values lies between.
+TEST_F(WorldFiles, PcdCloudsHaveNumbersOfAnySize) {
+  for (const int size : {1, 2, 4, 8}) {
+    const int real_size = size < 4 ? 4 : size;
+    const std::string text = std::to_string(size);
+    std::string content =
+        "VERSION .7\nFIELDS x y extra z\nSIZE " + text + " " + text + " 1 " + std::to_string(real_size) +
+        "\nTYPE U I U F\nCOUNT 1 1 2 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA binary\n";
+    const std::int64_t whole = size == 8 ? 5'000'000'000 : size == 4 ? 3'000'000'000 : size == 2 ? 60'000 : 200;
+    for (const int point : {0, 1}) {
+      for (const std::int64_t value : {whole + point, -whole / 2 - point}) {  // the lowest bytes first
+        content.append(reinterpret_cast<const char*>(&value), static_cast<std::size_t>(size));
+      }
+      content += "ab";
+      real_size == 4 ? append_bytes(content, 0.5F + static_cast<float>(point)) : append_bytes(content, 0.5 + point);
+    }
+    const auto x = static_cast<double>(whole);
+    const std::vector<Vector3d> expected = {{x, -0.5 * x, 0.5}, {x + 1, -0.5 * x - 1, 1.5}};
+    EXPECT_EQ(read_point_cloud(write("n.pcd", content)), expected) << size;
+    EXPECT_THAT(rejection([&] { read_point_cloud(write("cut.pcd", content.substr(0, content.size() - 1))); }),
+                HasSubstr("truncated"));
+  }
+}
+
+TEST_F(WorldFiles, AnEmptyCompressedCloudHasNoPoints) {
+  const std::string head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 0\nDATA binary_compressed\n";
+  EXPECT_TRUE(read_point_cloud(write("empty.pcd", head + std::string(8, '\0'))).empty());
+  EXPECT_THAT(rejection([&] { read_point_cloud(write("cut.pcd", head + std::string(7, '\0'))); }),
+              HasSubstr("truncated"));
+}
+
 TEST_F(WorldFiles, CloudsThatAreNoneAreRejectedWithTheReason) {
   EXPECT_THAT(rejection([&] { read_point_cloud(write("a.xyz", "1 2 3\n")); }), HasSubstr(".pcd or .ply"));
   EXPECT_THAT(rejection([&] { read_point_cloud(write("b.pcd", "hello\nDATA ascii\n")); }),
@@ -457,6 +505,11 @@ TEST_F(WorldFiles, CloudsThatAreNoneAreRejectedWithTheReason) {
               AllOf(HasSubstr("e.pcd"), HasSubstr("point 0"), HasSubstr("'z'")));
   EXPECT_THAT(rejection([&] { read_point_cloud(write("f.pcd", "FIELDS x y z\nSIZE 4 4 3\n")); }),
               HasSubstr("SIZE 4 4 3"));
+  EXPECT_THAT(
+      rejection([&] {
+        read_point_cloud(write("i.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1\nPOINTS 0\nDATA ascii\n"));
+      }),
+      HasSubstr("COUNT 1 1"));
   EXPECT_THAT(
       rejection([&] { read_point_cloud(write("g.ply", "ply\nformat ascii 1.0\nelement face 0\nend_header\n")); }),
       HasSubstr("vertex"));
