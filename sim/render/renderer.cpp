@@ -26,7 +26,8 @@ constexpr int kVehicleShadowTexels = 1024;
 constexpr std::size_t kShadowsKept = 3;
 constexpr std::size_t kSightsSeen = 4;
 constexpr std::size_t kSurfacesKept = 2;
-constexpr int kMostWatched = 16;  // length of u_watched
+constexpr std::int64_t kMostSamplesKept = 16'000'000;  // of a picture: 12 bytes each
+constexpr int kMostWatched = 16;                       // length of u_watched
 constexpr float kNoCut_m = 1e9F;
 constexpr float kCloudPoint_m = 0.07F;
 constexpr float kTrailWidth_px = 3.2F;
@@ -378,6 +379,7 @@ void Renderer::Impl::draw_world(const View& view, const PictureStyle& style, con
   }
   world.draw(mesh_program, select(view, style, clip_world));
   if (sight.watching) return;  // leaves come and go
+  if (std::int64_t{samples} * view.width_px * view.height_px > kMostSamplesKept) return;
   const bool again = std::find(seen.begin(), seen.end(), sight) != seen.end();
   if (!again) {
     if (seen.size() >= kSightsSeen) seen.erase(seen.begin());
