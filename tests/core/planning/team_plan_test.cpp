@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "swiftlet/core/map/overlaid_occupancy.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 
@@ -42,14 +44,22 @@ double nearest_obstacle_m(const OccupancyView& map, const std::vector<PlannedPos
 
 TEST(TeamPlan, TheSmallOneIsSentThroughTheGapAndTheLargeOneToWhereItSeesThat) {
   const CellListMap map = two_rooms(1.5);
-  const TeamPlan plan = plan_team(map, flat(), kPrimary, {{0, 0, 0.7}, 0.0}, {{4, 0.5, 0.7}, 1.0});
+  const TeamPlan plan = plan_team(map, flat(), kPrimary, {{0, 0, 0.7}, 3.0}, {{4, 0.5, 0.7}, -3.0});
   ASSERT_EQ(plan.next, Next::kMovePrimary) << plan.reason;
   EXPECT_GT(nearest_obstacle_m(map, plan.secondary_path), 0.3);
   EXPECT_LT((plan.secondary_path.front().p_local_m - Vector3(0, 0, 0.7)).norm(), 1e-9);
   EXPECT_LT((plan.secondary_path.back().p_local_m - Vector3(4, 0.5, 0.7)).norm(), 1e-9);
-  EXPECT_NEAR(plan.secondary_path.back().yaw_rad, 1.0, 1e-9);
+  double whole_m = 0.0, flown_m = 0.0;
   for (std::size_t i = 1; i < plan.secondary_path.size(); ++i) {
-    EXPECT_LT((plan.secondary_path[i].p_local_m - plan.secondary_path[i - 1].p_local_m).norm(), 0.5 + 1e-9);
+    const double leg_m = (plan.secondary_path[i].p_local_m - plan.secondary_path[i - 1].p_local_m).norm();
+    EXPECT_LT(leg_m, 0.5 + 1e-9);
+    whole_m += leg_m;
+  }
+  // Evenly along the way, and the short way around.
+  const double turn_rad = 2.0 * std::numbers::pi - 6.0;
+  for (std::size_t i = 0; i < plan.secondary_path.size(); ++i) {
+    if (i > 0) flown_m += (plan.secondary_path[i].p_local_m - plan.secondary_path[i - 1].p_local_m).norm();
+    EXPECT_NEAR(plan.secondary_path[i].yaw_rad, 3.0 + turn_rad * flown_m / whole_m, 1e-9) << i;
   }
   EXPECT_GE(plan.viewpoint.num_visible, 3);
   EXPECT_LT(plan.viewpoint.p_local_m.x(), 2.0) << "it can't pass the gap itself";
