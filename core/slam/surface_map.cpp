@@ -9,9 +9,11 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kLeastPoints = 6;     // for a fit
-constexpr int kSettledPoints = 30;  // a plane of so many is one for good
-constexpr float kGrowth = 1.25F;    // cells are fitted anew when they have grown by this
+constexpr int kLeastPoints = 6;        // for a fit
+constexpr int kSettledPoints = 30;     // a plane of so many is one for good
+constexpr double kPoleSigma_m = 0.15;  // the thickest pole, across: half a stem of half a meter
+constexpr double kPoleUpright = 0.9;   // cosine of its axis against the vertical
+constexpr float kGrowth = 1.25F;       // cells are fitted anew when they have grown by this
 // Floors and walls like to lie at round coordinates, where half of their points would fall on either side of a face.
 constexpr double kShift_m = 0.11;
 constexpr std::size_t kFirstTable = 1U << 12;
@@ -131,6 +133,11 @@ void SurfaceMap::fit(const Level& level, std::uint64_t key, SurfaceCell& cell) c
   // Thin, and wide in two directions: at least a tenth of the cell, as of points that fill a third of its width.
   const double narrow_m2 = std::max(0.01 * level.edge_m * level.edge_m, 9.0 * eigen.values(0));
   cell.planar = eigen.values(0) < config_.plane_sigma_m * config_.plane_sigma_m && eigen.values(1) > narrow_m2;
+  // A line, at least three times as long as thick: as of points that fill half of the cell's height.
+  const double long_m2 = std::max(0.02 * level.edge_m * level.edge_m, 9.0 * eigen.values(1));
+  cell.axis = eigen.vectors.col(2).cast<float>();
+  cell.pole = !cell.planar && eigen.values(1) < kPoleSigma_m * kPoleSigma_m && eigen.values(2) > long_m2 &&
+              std::abs(eigen.vectors(2, 2)) > kPoleUpright;
   cell.settled = cell.planar && cell.count >= kSettledPoints;
 }
 
@@ -144,6 +151,15 @@ const SurfaceCell* SurfaceMap::find(const Vector3& p_m) const {
     if (cell->planar) break;
   }
   return best;
+}
+
+const SurfaceCell* SurfaceMap::find_pole(const Vector3& p_m) const {
+  for (const Level& level : levels_) {
+    const SurfaceCell* cell = level.find(level.key_of(p_m));
+    if (cell == nullptr || cell->count_fitted < kLeastPoints) break;
+    if (cell->pole) return cell;
+  }
+  return nullptr;
 }
 
 void SurfaceMap::keep_around(const Vector3& center_m) {

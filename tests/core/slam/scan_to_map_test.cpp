@@ -14,12 +14,13 @@ namespace {
 using testing::SyntheticRoom;
 
 /// Points on the walls of a room as seen from a pose, in the world (which is the local frame here).
-std::vector<Vector3> seen_from(const SyntheticRoom& room, const Pose& T_world_body, double sigma_m, unsigned seed) {
+std::vector<Vector3> seen_from(const SyntheticRoom& room, const Pose& T_world_body, double sigma_m, unsigned seed,
+                               int num = 8000) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, 1.0);
   std::vector<Vector3> points;
-  points.reserve(8000);
-  for (int i = 0; i < 8000; ++i) {
+  points.reserve(num);
+  for (int i = 0; i < num; ++i) {
     const Vector3 d = Vector3(normal(random), normal(random), normal(random)).normalized();
     const double range_m = room.range_m(T_world_body.translation(), d);
     if (range_m < 40.0) points.push_back(T_world_body.translation() + (range_m + sigma_m * normal(random)) * d);
@@ -106,6 +107,29 @@ TEST(SurfaceMap, ForgetsWhatIsFarAndKeepsWhatIsNear) {
   EXPECT_EQ(map.find({52.0, 0.3, 1.0}), nullptr);
 }
 
+TEST(SurfaceMap, TellsAStemFromAWallAndFromATrunkThatLies) {
+  SurfaceMap map({});
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  std::normal_distribution<double> normal(0.0, 0.02);
+  std::vector<Vector3> points;
+  points.reserve(3000);
+  for (int i = 0; i < 1000; ++i) {
+    points.emplace_back(5.0 + 3.0 * normal(random), 5.0 + normal(random), 6.0 * uniform(random));
+    points.emplace_back(15.0 + 6.0 * uniform(random), 5.0 + 3.0 * normal(random), 1.0 + normal(random));
+    points.emplace_back(25.0 + normal(random), 6.0 * uniform(random), 6.0 * uniform(random));
+  }
+  map.insert(points, Vector3::Zero());
+  const SurfaceCell* stem = map.find_pole({5.0, 5.0, 3.0});
+  ASSERT_NE(stem, nullptr);
+  EXPECT_GT(std::abs(stem->axis.z()), 0.99F);
+  EXPECT_GT(std::abs(stem->normal.y()), 0.95F) << "across it is thinnest along y";
+  EXPECT_GT(std::abs(stem->aside().x()), 0.95F);
+  EXPECT_EQ(map.find_pole({18.0, 5.0, 1.0}), nullptr) << "lies";
+  EXPECT_EQ(map.find_pole({25.0, 3.0, 3.0}), nullptr) << "is a plane";
+  EXPECT_EQ(map.find_pole({5.0, 50.0, 3.0}), nullptr) << "not seen";
+}
+
 /// The cost whose gradient fit_scan() tells, with weights that do not change: planes only, no kernel.
 double cost(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& points_body_m, const Pose& T_local_body,
             const Pose& T_weights, const ScanToMapConfig& config) {
@@ -178,6 +202,7 @@ TEST(ScanToMap, CountsTheDirectionsThatAScanLeavesOpen) {
       map.insert(seen_from(room, Pose::Identity(), 0.02, seed), Vector3::Zero());
     const ScanFit fit =
         fit_scan(map, in_body(seen_from(room, Pose::Identity(), 0.02, 9), Pose::Identity()), Pose::Identity(), {});
+    EXPECT_EQ(fit.num_held, 0) << "nothing stands free in it";
     return fit.num_degenerate;
   };
   EXPECT_EQ(degenerate(kRoom), 0);
@@ -187,6 +212,62 @@ TEST(ScanToMap, CountsTheDirectionsThatAScanLeavesOpen) {
   SyntheticRoom plane;
   plane.walls.push_back({Vector3::UnitZ(), -2.0});
   EXPECT_EQ(degenerate(plane), 3) << "above a plane: to the sides, and the heading";
+}
+
+/// Ground 4 m below the origin, with stems that are thin and far between.
+SyntheticRoom open_ground(const std::vector<Vector3>& stems_m) {
+  SyntheticRoom room;
+  room.walls.push_back({Vector3::UnitZ(), -4.0});
+  for (const Vector3& at_m : stems_m) room.stems.push_back({at_m.x(), at_m.y(), 0.12, 4.0});
+  return room;
+}
+
+constexpr int kManyBeams = 30000;
+
+SurfaceMap map_of(const SyntheticRoom& room) {
+  SurfaceMap map({});
+  for (unsigned seed = 1; seed <= 6; ++seed)
+    map.insert(seen_from(room, Pose::Identity(), 0.02, seed, kManyBeams), Vector3::Zero());
+  return map;
+}
+
+const std::vector<Vector3> kFewStems = {{9, 2, 0}, {-3, 10, 0}, {-8, -6, 0}, {4, -9, 0}, {-11, 3, 0}};
+
+TEST(ScanToMap, OverOpenGroundAFewStemsHoldWhatTheGroundLeavesOpen) {
+  const SyntheticRoom room = open_ground(kFewStems);
+  const SurfaceMap map = map_of(room);
+  const auto points = in_body(seen_from(room, Pose::Identity(), 0.02, 9, kManyBeams), Pose::Identity());
+  const ScanFit fit = fit_scan(map, points, Pose::Identity(), {});
+  EXPECT_EQ(fit.num_degenerate, 0);
+  EXPECT_GE(fit.num_held, 1) << "planes alone tell too little here";
+  ScanToMapConfig planes_alone;
+  planes_alone.standing_points = 1000000;
+  EXPECT_EQ(fit_scan(map, points, Pose::Identity(), planes_alone).num_degenerate, fit.num_held);
+  // What they tell is right: from a few centimeters off, to the sides and in heading, back to the truth.
+  Pose T = make_pose({0.06, -0.05, 0.0}, rotation_by({0.0, 0.0, 0.004}));
+  for (int i = 0; i < 20; ++i) {
+    const PoseEvidence evidence = fit_scan(map, points, T, {}).evidence;
+    const Eigen::Matrix<double, 6, 1> step = evidence.information.ldlt().solve(evidence.gradient);
+    T = make_pose(T.translation() - step.head<3>(), Eigen::Quaterniond(T.linear()) * rotation_by(-step.tail<3>()));
+  }
+  EXPECT_LT(T.translation().norm(), 0.012);
+  EXPECT_LT(rotation_vector_rad(Eigen::Quaterniond(T.linear())).norm(), 0.0015);
+}
+
+TEST(ScanToMap, OneStemAloneLeavesTheTurnAroundItOpen) {
+  const Vector3 stem_m(6.0, 2.0, 0.0);
+  const SyntheticRoom room = open_ground({stem_m});
+  const SurfaceMap map = map_of(room);
+  const ScanFit fit = fit_scan(map, in_body(seen_from(room, Pose::Identity(), 0.02, 9, kManyBeams), Pose::Identity()),
+                               Pose::Identity(), {});
+  EXPECT_EQ(fit.num_degenerate, 1);
+  EXPECT_EQ(fit.num_held, 2) << "toward it and aside";
+  // A turn about the stem moves the vehicle by z x (0 - stem) and turns it by z.
+  Eigen::Matrix<double, 6, 1> around, toward;
+  around << Vector3::UnitZ().cross(-stem_m), Vector3::UnitZ();
+  toward << stem_m.normalized(), Vector3::Zero();
+  const double around_it = around.dot(fit.evidence.information * around) / around.head<3>().squaredNorm();
+  EXPECT_LT(around_it, 0.05 * toward.dot(fit.evidence.information * toward));
 }
 
 TEST(ScanToMap, TellsNothingOfDirectionsThatAreOpen) {

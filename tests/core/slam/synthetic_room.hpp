@@ -16,13 +16,17 @@
 namespace swiftlet::testing {
 
 /// A room of flat walls, seen from inside: half-spaces. What is far away is not seen, so a missing wall leaves a room
-/// open.
+/// open. Round stems may stand in it.
 struct SyntheticRoom {
   struct Wall {
     Vector3 normal;   ///< toward the inside
     double offset_m;  ///< points inside: normal . p > offset
   };
+  struct Stem {
+    double x_m, y_m, radius_m, top_m;
+  };
   std::vector<Wall> walls;
+  std::vector<Stem> stems;
 
   static SyntheticRoom box(const Vector3& min_m, const Vector3& max_m) {
     SyntheticRoom room;
@@ -39,6 +43,15 @@ struct SyntheticRoom {
       const double toward = wall.normal.dot(direction_world);
       if (toward >= 0.0) continue;
       nearest_m = std::min(nearest_m, (wall.offset_m - wall.normal.dot(p_world_m)) / toward);
+    }
+    for (const Stem& stem : stems) {
+      const Eigen::Vector2d d = direction_world.head<2>(),
+                            to = Eigen::Vector2d(stem.x_m, stem.y_m) - p_world_m.head<2>();
+      const double a = d.squaredNorm(), b = d.dot(to);
+      const double root = b * b - a * (to.squaredNorm() - stem.radius_m * stem.radius_m);
+      if (b <= 0.0 || root < 0.0) continue;
+      const double range_m = (b - std::sqrt(root)) / a;
+      if (p_world_m.z() + range_m * direction_world.z() < stem.top_m) nearest_m = std::min(nearest_m, range_m);
     }
     return nearest_m;
   }

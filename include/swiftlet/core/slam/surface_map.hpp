@@ -37,6 +37,11 @@ struct SurfaceCell {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< of least variance
   float variance_m2 = 0.0F;                          ///< along the normal
   float narrow_variance_m2 = 0.0F;                   ///< the smaller one within the plane
+  Eigen::Vector3f axis = Eigen::Vector3f::Zero();    ///< of largest variance
+  bool pole = false;  ///< no plane, but thin across a direction near the z axis, as a stem is
+
+  /// The third direction, within the plane and across the axis.
+  Eigen::Vector3f aside() const { return axis.cross(normal); }
 };
 
 /// Where surfaces are: cells of several sizes, each of which knows the plane through its points (adaptive voxels as in
@@ -44,7 +49,8 @@ struct SurfaceCell {
 /// A point goes down from the largest cell to smaller ones until a cell is a plane. Cells keep their first points, so
 /// that what was seen early stays the reference and does not creep along with the estimate.
 ///
-/// Any frame, the same for all arguments. Results hang on the order of the points only.
+/// Any frame, the same for all arguments, its z axis up (only poles ask for that). Results hang on the order of the
+/// points only.
 class SurfaceMap {
  public:
   explicit SurfaceMap(const SurfaceMapConfig& config);
@@ -53,6 +59,8 @@ class SurfaceMap {
   void insert(std::span<const Vector3> points_m, const Vector3& origin_m);
   /// The largest cell around a point that is a plane; else the smallest that has enough points; null: nothing known.
   const SurfaceCell* find(const Vector3& p_m) const;
+  /// The largest cell around a point that is a pole; null: none is.
+  const SurfaceCell* find_pole(const Vector3& p_m) const;
   /// Does it take no further points?
   bool is_full(const SurfaceCell& cell) const { return cell.count >= static_cast<float>(config_.points_per_cell); }
   /// Forgets what lies farther than the configured radius.
