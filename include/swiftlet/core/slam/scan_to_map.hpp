@@ -40,7 +40,8 @@ struct ScanFit {
 /// Directions of which the planes tell little are taken out of the evidence (Zhang, Kaess and Singh, ICRA 2016). So
 /// noise of the normals cannot hold the vehicle in an aisle. Such a direction comes back with the evidence of the
 /// points that stand free along it, when there are enough. A point stands free when it lies on a plane across the
-/// direction or on a pole, and 0.7 m ahead and behind nothing is where it would be. Stems do, floors and walls do not.
+/// direction or on a pole, but on nothing 0.7 m ahead and behind. Beside some of them a beam has to go by,
+/// where a wall would have gone on. Stems stand free, floors and walls do not.
 ///
 /// The local frame's z axis is up: poles are upright.
 /// @param smear_m  how far the points may be off because the motion during the sweep was not known
