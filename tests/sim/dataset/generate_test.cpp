@@ -42,8 +42,9 @@ std::vector<std::vector<double>> rows_of(const fs::path& file) {
   return rows;
 }
 
-/// Two UAVs above a plane, one with a LiDAR of 8 x 32 beams; two flights, of one split each.
-class SmallDataset : public ::testing::Test {
+/// Two UAVs above a plane, one with a LiDAR of 8 x 32 beams; two flights, of one split each. Named so that it runs
+/// before the others: flights are made by forked processes, and a process with threads cannot be forked.
+class SmallDatasetDeathTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     made_ = new TemporaryDirectory();
@@ -94,7 +95,7 @@ pictures: {flights_per_split: 0}
   fs::path out = copies.path() / "out";
 };
 
-TEST_F(SmallDataset, HasASequenceForEachFlightWithItsSplitAndSeed) {
+TEST_F(SmallDatasetDeathTest, HasASequenceForEachFlightWithItsSplitAndSeed) {
   EXPECT_EQ(report_.flights_done, 2);
   ASSERT_EQ(report_.sequences.size(), 2U);
   const auto manifest = nlohmann::json::parse(text_of(out / "manifest.json"));
@@ -112,7 +113,7 @@ TEST_F(SmallDataset, HasASequenceForEachFlightWithItsSplitAndSeed) {
 }
 
 // As KITTI has them: the upper three rows of a matrix. There is no camera, so that nothing lies between the two frames.
-TEST_F(SmallDataset, PosesAndCalibrationAreWholeMatrices) {
+TEST_F(SmallDatasetDeathTest, PosesAndCalibrationAreWholeMatrices) {
   const fs::path sequence = out / "sequences/00";
   const std::vector<double> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   const auto calibration = rows_of(sequence / "calib.txt");
@@ -139,7 +140,7 @@ TEST_F(SmallDataset, PosesAndCalibrationAreWholeMatrices) {
   }
 }
 
-TEST_F(SmallDataset, CountsOfItsStatisticsAreThoseOfItsFiles) {
+TEST_F(SmallDatasetDeathTest, CountsOfItsStatisticsAreThoseOfItsFiles) {
   SequenceStatistics both;
   std::int64_t boxes = 0, points = 0;
   for (const SequenceInfo& info : report_.sequences) {
@@ -165,14 +166,14 @@ TEST_F(SmallDataset, CountsOfItsStatisticsAreThoseOfItsFiles) {
   EXPECT_EQ(vehicles, boxes);
 }
 
-TEST_F(SmallDataset, IsVerifiedAndItsFramesComeOutTheSameAgain) {
+TEST_F(SmallDatasetDeathTest, IsVerifiedAndItsFramesComeOutTheSameAgain) {
   const VerifyReport report = verify(2);
   EXPECT_THAT(report.problems, IsEmpty());
   EXPECT_EQ(report.resimulated, 2);
   EXPECT_EQ(report.frames, report_.sequences[0].statistics.frames + report_.sequences[1].statistics.frames);
 }
 
-TEST_F(SmallDataset, VerificationTellsWhichFileIsNotWhatItWas) {
+TEST_F(SmallDatasetDeathTest, VerificationTellsWhichFileIsNotWhatItWas) {
   fs::remove(out / "sequences/00/labels/000000.label");
   append("sequences/00/times.txt", "1 2\n");
   append("sequences/00/poses.txt", "1 2 3\n");
@@ -189,7 +190,7 @@ TEST_F(SmallDataset, VerificationTellsWhichFileIsNotWhatItWas) {
   for (const std::string& problem : found) EXPECT_THAT(problem, ::testing::Not(HasSubstr("sequences/01/velodyne")));
 }
 
-TEST_F(SmallDataset, AManifestThatIsNoneIsRefused) {
+TEST_F(SmallDatasetDeathTest, AManifestThatIsNoneIsRefused) {
   const auto whole = nlohmann::json::parse(text_of(out / "manifest.json"));
   auto no_files = whole, no_sequences = whole, no_hash = whole, words = whole;
   no_files.erase("files");
@@ -204,7 +205,7 @@ TEST_F(SmallDataset, AManifestThatIsNoneIsRefused) {
   EXPECT_THROW(problems(), InputError);
 }
 
-TEST_F(SmallDataset, ADirectoryWithSomethingElseIsLeftAsItIs) {
+TEST_F(SmallDatasetDeathTest, ADirectoryWithSomethingElseIsLeftAsItIs) {
   GenerateOptions options;
   options.directory = copies.path() / "mine";
   fs::create_directories(options.directory);
