@@ -22,6 +22,7 @@ constexpr double kAtRest_mps = 0.25;  // slower than this, a vehicle hovers
 constexpr double kClearBody_m = 0.6;  // around the figure that a lost vehicle flies
 constexpr double kLeastFigure_m = 0.3;
 constexpr double kSeenFarther = 1.5;  // than a viewpoint may be away: it is on its way to the next one
+constexpr double kOwnRadius_m = 0.3;  // returns of a guided vehicle lie around where it is
 constexpr double kPlanAhead_m = 1.5;  // left of the guided vehicle's path when the next one is planned
 
 /// The states of [Pritzl 2024, sec. II-A].
@@ -364,16 +365,27 @@ class Guide : public Guidance {
     return is_blocked(*input.map, config_.planner.primary, input.estimate.T_local_body.translation(), corners_local_m,
                       std::min(next_corner_, corners_local_m.size() - 1));
   }
+  /// What is near ahead of the guided vehicle may be itself: it has flown on since it told where it is.
   bool path_is_blocked(const GuidanceInput& input) {
     if (!map_has_changed(*input.map)) return false;
-    std::vector<Vector3> corners_local_m = {passed_local_m_};
-    for (const PlannedPose& pose : path_) corners_local_m.push_back(pose.p_local_m);
-    return is_blocked(*input.map, config_.planner.secondary, there().position_m, corners_local_m);
+    const ClearPathConfig& rules = config_.planner.secondary;
+    double skipped_m =
+        rules.clearance_m + kOwnRadius_m + there().velocity_mps.norm() * to_seconds(now_ - there().heard);
+    std::vector<Vector3> corners_local_m = {there().position_m};
+    for (const PlannedPose& pose : path_) {
+      const Vector3 leg_m = pose.p_local_m - corners_local_m.back();
+      if (skipped_m > 0.0) {
+        const double share = std::min(1.0, skipped_m / std::max(leg_m.norm(), 1e-9));
+        corners_local_m.back() += share * leg_m;
+        skipped_m -= leg_m.norm();
+      }
+      if (skipped_m <= 0.0) corners_local_m.push_back(pose.p_local_m);
+    }
+    return corners_local_m.size() > 1 && is_blocked(*input.map, rules, there().position_m, corners_local_m);
   }
   bool map_has_changed(const OccupancyView& map) { return std::exchange(checked_, map.revision()) != map.revision(); }
 
   void start_guiding() {
-    passed_local_m_ = plan_->secondary_path.front().p_local_m;
     path_.assign(plan_->secondary_path.begin() + 1, plan_->secondary_path.end());
     was_told_ = tried_ahead_ = false;
     enter(GuideState::kSecondaryMoving);
@@ -392,7 +404,6 @@ class Guide : public Guidance {
     if (config_.motion != GuideConfig::Motion::kAlternate) plan_next_leg(input);
     const Vector3& p_local_m = there().position_m;
     while (path_.size() > 1 && (path_.front().p_local_m - p_local_m).norm() < config_.visited_m) {
-      passed_local_m_ = path_.front().p_local_m;
       path_.erase(path_.begin());
     }
     if (path_is_blocked(input)) {
@@ -573,9 +584,8 @@ class Guide : public Guidance {
   std::optional<Vector3> hovers_;  // where, while the other one is lost
   std::size_t next_corner_ = 1;
   Reference hold_;
-  std::vector<PlannedPose> path_;             // what is left of the other one's
-  Vector3 passed_local_m_ = Vector3::Zero();  // its waypoint before that
-  std::uint64_t checked_ = 0;                 // revision of the map for which what is left was found clear
+  std::vector<PlannedPose> path_;  // what is left of the other one's
+  std::uint64_t checked_ = 0;      // revision of the map for which what is left was found clear
   const char* why_planning_ = "planning";
 
   TimeNs next_word_ = 0;
