@@ -48,7 +48,8 @@ class OccupancyMapper : public Mapper {
     cells.name = "mapping.cells";
     cells.kind = Overlay::Kind::kCubes;
     cells.size_m = static_cast<float>(config_.map.edge_m);
-    cells.colors = {{0.45F, 0.32F, 0.2F, 1.0F}};
+    cells.colors = {{0.95F, 0.60F, 0.25F, 1.0F}};
+    cells.legend = {{"occupied cells of the map", cells.colors.front()}};
     std::vector<Vector3> centers_local_m;
     map_.occupied_within(p_local_m_, kShown_m, kEver, centers_local_m);
     cells.positions.reserve(centers_local_m.size());
