@@ -336,9 +336,8 @@ class Guide : public Guidance {
   // Motion.
 
   void move_primary(const GuidanceInput& input) {
-    if (own_path_is_blocked(input)) {
-      hold_.position_m = input.estimate.T_local_body.translation();
-      start_planning("planning anew: the way to the viewpoint is not clear any more");
+    if (map_has_changed(*input.map) && own_path_is_blocked(input)) {
+      stop_and_plan(input);
     } else if (follow_own_path(input)) {
       start_guiding();
     } else if (waited(config_.stage_timeout_s)) {
@@ -361,13 +360,12 @@ class Guide : public Guidance {
   /// A path may have led through what nobody had seen.
   bool own_path_is_blocked(const GuidanceInput& input) {
     const std::vector<Vector3>& corners_local_m = plan_->primary_local_m;
-    if (corners_local_m.size() < 2 || !map_has_changed(*input.map)) return false;
-    return is_blocked(*input.map, config_.planner.primary, input.estimate.T_local_body.translation(), corners_local_m,
+    return corners_local_m.size() > 1 &&
+           is_blocked(*input.map, config_.planner.primary, input.estimate.T_local_body.translation(), corners_local_m,
                       std::min(next_corner_, corners_local_m.size() - 1));
   }
   /// What is near ahead of the guided vehicle may be itself: it has flown on since it told where it is.
   bool path_is_blocked(const GuidanceInput& input) {
-    if (!map_has_changed(*input.map)) return false;
     const ClearPathConfig& rules = config_.planner.secondary;
     double skipped_m =
         rules.clearance_m + kOwnRadius_m + there().velocity_mps.norm() * to_seconds(now_ - there().heard);
@@ -382,6 +380,16 @@ class Guide : public Guidance {
       if (skipped_m <= 0.0) corners_local_m.push_back(pose.p_local_m);
     }
     return corners_local_m.size() > 1 && is_blocked(*input.map, rules, there().position_m, corners_local_m);
+  }
+  /// Is the guide on its way to a viewpoint while the guided vehicle flies?
+  bool flies_along(const GuidanceInput& input) const {
+    if (config_.motion != GuideConfig::Motion::kTogether || plan_->primary_local_m.empty()) return false;
+    const Vector3 left_m = plan_->primary_local_m.back() - input.estimate.T_local_body.translation();
+    return left_m.norm() >= config_.planner.tolerance_m;
+  }
+  void stop_and_plan(const GuidanceInput& input) {
+    hold_.position_m = input.estimate.T_local_body.translation();
+    start_planning("planning anew: the way to the viewpoint is not clear any more");
   }
   bool map_has_changed(const OccupancyView& map) { return std::exchange(checked_, map.revision()) != map.revision(); }
 
@@ -406,9 +414,15 @@ class Guide : public Guidance {
     while (path_.size() > 1 && (path_.front().p_local_m - p_local_m).norm() < config_.visited_m) {
       path_.erase(path_.begin());
     }
-    if (path_is_blocked(input)) {
-      start_planning("planning anew: the guided vehicle's path is not clear any more");
-      return;
+    if (map_has_changed(*input.map)) {
+      if (path_is_blocked(input)) {
+        start_planning("planning anew: the guided vehicle's path is not clear any more");
+        return;
+      }
+      if (flies_along(input) && own_path_is_blocked(input)) {
+        stop_and_plan(input);
+        return;
+      }
     }
     if (path_.size() > 1 || (path_.back().p_local_m - p_local_m).norm() >= config_.planner.tolerance_m) return;
     if (there().velocity_mps.norm() < kAtRest_mps) reach();

@@ -344,6 +344,26 @@ TEST(Guide, AWallThatComesIntoSightOnTheWayIsFlownAround) {
   }
 }
 
+TEST(Guide, FlyingAlongItHoldsItsOwnPathAgainstTheMapToo) {
+  GuideConfig config = guides_uav2({});
+  config.advance.step_m = {4, 0, 0};
+  config.advance.distance_m = 11.0;
+  config.motion = GuideConfig::Motion::kTogether;
+  Team team(config);
+  bool appeared = false;
+  for (int i = 0; i < static_cast<int>(120.0 / team.dt_s) && team.out.mission == MissionStatus::kRunning; ++i) {
+    team.tick();
+    const Vector3 way_m = team.out.goal.position_m - team.p_m();
+    if (appeared || std::string("secondary moving") != team.out.note || way_m.norm() < 2.0) continue;
+    appeared = true;
+    const Vector3 ahead_m = team.p_m() + 1.8 * way_m.normalized();
+    team.discover(ahead_m - Vector3(0.25, 0.25, 0.75), ahead_m + Vector3(0.25, 0.25, 0.75));
+  }
+  EXPECT_TRUE(appeared);
+  EXPECT_TRUE(team.said("planning anew: the way to the viewpoint is not clear any more"));
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone);
+}
+
 TEST(Guide, WhatAppearsBehindTheGuidedVehicleDisturbsNobody) {
   Team team(guides_uav2({{4, 0, 0.7}}));
   team.run_until("secondary moving", 20.0);
