@@ -6,7 +6,7 @@
 namespace swiftlet::sim {
 
 /// Does it pay to share small loops with other threads? Alone on a machine it does. Beside other programs a second
-/// thread may cost the first one more of its processor than it helps: the system shares out processors by threads, and
+/// thread may cost the first one more of its processor than it helps. The system shares out processors by threads, and
 /// a loop of some ten microseconds gains only while both run. So both ways are tried in turns, by spans of time, and
 /// the faster one is kept. Nobody tries while nobody else wants the processors.
 class SharingJudge {
