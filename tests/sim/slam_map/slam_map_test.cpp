@@ -3,12 +3,16 @@
 
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/slam_map/slam_map_file.hpp"
+#include "swiftlet/sim/slam_map/slam_map_recorder.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -92,6 +96,209 @@ TEST(SlamMapFile, WhatIsNoMapIsRefused) {
   SavedMap map = small_map();
   map.submaps[0].pose = 17;
   EXPECT_NE(refusal_of(slam_map_content(map), "pose").find("is damaged: a submap has no pose"), std::string::npos);
+}
+
+/// As version 1 has it: title, version, size, checksum; then numbers as they stand in memory.
+class Bytes {
+ public:
+  template <class Number>
+  Bytes& put(Number number) {
+    bytes_.append(reinterpret_cast<const char*>(&number), sizeof number);
+    return *this;
+  }
+  Bytes& put_all(std::initializer_list<double> numbers) {
+    for (const double number : numbers) put(number);
+    return *this;
+  }
+  Bytes& pose() { return put_all({1, 0, 0, 0, 1, 0, 0, 0, 1, 4, 5, 6}); }
+  Bytes& identity() {
+    for (int i = 0; i < 36; ++i) put(i % 7 == 0 ? 1.0 : 0.0);
+    return *this;
+  }
+  const std::string& text() const { return bytes_; }
+  std::string file() const {
+    std::uint64_t hash = 0xCBF29CE484222325ULL;
+    for (const char byte : bytes_) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL;
+    Bytes head;
+    head.put(std::uint32_t{1}).put(static_cast<std::uint64_t>(bytes_.size())).put(hash);
+    return "Swiftlet map of SLAM\n" + head.text() + bytes_;
+  }
+
+ private:
+  std::string bytes_;
+};
+
+using Count = std::uint64_t;
+
+/// Two poses; then what a test adds of each kind of factor, two nodes and a submap.
+std::string file_of(const Bytes& factors) {
+  Bytes bytes;
+  bytes.put(0.1).put(Count{2}).pose().pose();
+  std::string payload = bytes.text() + factors.text();
+  Bytes rest;
+  rest.put(Count{1}).put(std::int64_t{7}).put(std::int32_t{1});
+  rest.put(Count{1}).put(std::int32_t{0}).put(Count{1}).put(1.0F).put(2.0F).put(3.0F);
+  payload += rest.text();
+  Bytes all;
+  for (const char c : payload) all.put(c);
+  return all.file();
+}
+
+TEST(SlamMapFile, IsReadByteForByteAsItsVersionSays) {
+  Bytes none;
+  none.put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0});
+  write_file(temporary("own"), file_of(none));
+  const SavedMap map = read_slam_map(temporary("own"));
+  EXPECT_EQ(map.voxel_m, 0.1);
+  ASSERT_EQ(map.graph.num_poses(), 2);
+  EXPECT_EQ(map.graph.pose(1).translation(), Vector3(4, 5, 6));
+  ASSERT_EQ(map.nodes.size(), 1U);
+  EXPECT_EQ(map.nodes[0].t, 7);
+  EXPECT_EQ(map.nodes[0].pose, 1);
+  ASSERT_EQ(map.submaps.size(), 1U);
+  EXPECT_EQ(map.submaps[0].points_submap_m, (std::vector<Eigen::Vector3f>{{1, 2, 3}}));
+  EXPECT_EQ(slam_map_content(map), file_of(none));
+}
+
+// With the right checksum, so that it is not damage but nonsense.
+TEST(SlamMapFile, FactorsNameTwoPosesThatThereAre) {
+  const auto relative = [](int from, int to) {
+    Bytes bytes;
+    bytes.put(Count{1}).put(from).put(to).pose().identity().put(1.0).put(Count{0}).put(Count{0}).put(Count{0});
+    return refusal_of(file_of(bytes), "relative");
+  };
+  EXPECT_EQ(relative(0, 1), "");
+  EXPECT_EQ(relative(1, 0), "");
+  for (const auto& [from, to] : {std::pair(0, 0), {1, 1}, {-1, 1}, {0, 2}, {2, 0}, {0, -1}})
+    EXPECT_NE(relative(from, to).find("counts do not fit"), std::string::npos) << from << " " << to;
+
+  const auto prior = [](int pose) {
+    Bytes bytes;
+    bytes.put(Count{0}).put(Count{1}).put(pose).pose().identity().put(Count{0}).put(Count{0});
+    return refusal_of(file_of(bytes), "prior");
+  };
+  EXPECT_EQ(prior(1), "");
+  EXPECT_NE(prior(2), "");
+  EXPECT_NE(prior(-1), "");
+
+  const auto gravity = [](int pose, double sigma_rad) {
+    Bytes bytes;
+    bytes.put(Count{0}).put(Count{0}).put(Count{1}).put(pose).put_all({0, 0, 1, sigma_rad}).put(Count{0});
+    return refusal_of(file_of(bytes), "gravity");
+  };
+  EXPECT_EQ(gravity(0, 0.5), "");
+  EXPECT_NE(gravity(2, 0.5), "");
+  EXPECT_NE(gravity(0, 0.0), "");
+  EXPECT_NE(gravity(0, -0.1), "");
+  EXPECT_NE(gravity(0, std::nan("")), "");
+
+  const auto position = [](int before, int after) {
+    Bytes bytes;
+    bytes.put(Count{0}).put(Count{0}).put(Count{0}).put(Count{1}).put(before).put(after);
+    bytes.put_all({0.5, 1, 2, 3, 1, 1, 1, 9});
+    return refusal_of(file_of(bytes), "position");
+  };
+  EXPECT_EQ(position(0, 1), "");
+  EXPECT_EQ(position(1, 1), "") << "on a pose itself";
+  for (const auto& [before, after] : {std::pair(-1, 1), {0, 2}, {2, 0}, {0, -1}})
+    EXPECT_NE(position(before, after), "");
+}
+
+// Before memory is taken for them.
+TEST(SlamMapFile, CountsOfMoreThanTheFileHoldsAreRefused) {
+  for (const Count count : {Count{1} << 60, Count{1000}}) {
+    Bytes poses;
+    poses.put(0.1).put(count);
+    EXPECT_NE(refusal_of(poses.file(), "poses").find("counts do not fit"), std::string::npos);
+    Bytes relatives;
+    relatives.put(count);
+    EXPECT_NE(refusal_of(file_of(relatives), "relatives").find("counts do not fit"), std::string::npos);
+  }
+  Bytes left_over;
+  left_over.put(0.1).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0});
+  EXPECT_EQ(refusal_of(left_over.file(), "empty").find("counts"), std::string::npos);
+  left_over.put('x');
+  EXPECT_NE(refusal_of(left_over.file(), "longer").find("counts do not fit"), std::string::npos);
+  // A submap of points that reach beyond the end.
+  Bytes points;
+  points.put(0.1).put(Count{1}).pose().put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0});
+  points.put(Count{1}).put(std::int32_t{0}).put(Count{2}).put(1.0F).put(2.0F).put(3.0F).put(4.0F).put(5.0F);
+  EXPECT_NE(refusal_of(points.file(), "points").find("counts do not fit"), std::string::npos);
+  points.put(6.0F);
+  EXPECT_EQ(refusal_of(points.file(), "points"), "");
+}
+
+TEST(SlamMapFile, IsKnownByTheEndOfItsName) {
+  EXPECT_TRUE(is_slam_map_file("a/b.slam"));
+  EXPECT_FALSE(is_slam_map_file("a/slam"));
+  EXPECT_FALSE(is_slam_map_file("b.ot"));
+}
+
+/// Keeps a map, or none.
+class Keeper : public Agent, public KeepsMap {
+ public:
+  explicit Keeper(bool keeps) : map_(keeps ? std::make_shared<const SavedMap>(small_map()) : nullptr) {}
+  const Action& step(const Observation&) override { return action_; }
+  std::shared_ptr<const SavedMap> saved_map() const override { return map_; }
+
+ private:
+  std::shared_ptr<const SavedMap> map_;
+  Action action_;
+};
+
+class Stranger : public Agent {
+ public:
+  const Action& step(const Observation&) override { return action_; }
+
+ private:
+  Action action_;
+};
+
+class SlamMapRecords : public ::testing::Test {
+ protected:
+  /// Of four vehicles: a and c keep a map, b could, d is of another kind.
+  std::vector<std::filesystem::path> record(const std::vector<std::string>& vehicles, bool any = true) {
+    SlamMapConfig config;
+    config.vehicles = vehicles;
+    config.folder = "kept";
+    const auto recorder = make_slam_map_recorder(config);
+    RunInfo info;
+    info.directory = folder_.path();
+    info.vehicle_names = {"a", "b", "c", "d"};
+    recorder->begin(info);
+    std::vector<std::unique_ptr<Agent>> agents;
+    for (const bool keeps : {any, false, any}) agents.push_back(std::make_unique<Keeper>(keeps));
+    agents.push_back(std::make_unique<Stranger>());
+    TickView tick;
+    tick.agents = agents;
+    recorder->write(tick);
+    recorder->write(tick);
+    return recorder->finish();
+  }
+  std::string refusal(const std::vector<std::string>& vehicles, bool any = true) {
+    try {
+      record(vehicles, any);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  TemporaryDirectory folder_;
+};
+
+TEST_F(SlamMapRecords, AreTheMapsOfAllWhoKeepOneOrOfThoseThatAreNamed) {
+  using Paths = std::vector<std::filesystem::path>;
+  EXPECT_EQ(record({}), (Paths{"kept/a.slam", "kept/c.slam"}));
+  EXPECT_EQ(read_slam_map(folder_.path() / "kept/c.slam").graph.num_poses(), 3);
+  EXPECT_EQ(record({"c"}), (Paths{"kept/c.slam"}));
+}
+
+TEST_F(SlamMapRecords, OfWhomeverKeepsNoneAreRefusedByName) {
+  EXPECT_NE(refusal({"a", "b"}).find("on b, found another"), std::string::npos);
+  EXPECT_NE(refusal({"d"}).find("on d, found another"), std::string::npos);
+  EXPECT_NE(refusal({"x"}).find("found 'x'"), std::string::npos);
+  EXPECT_NE(refusal({}, false).find("found none"), std::string::npos);
+  EXPECT_EQ(refusal({"a", "c"}), "");
 }
 
 Scenario campus(const std::string& file, const ConfigChanges& changes) {
