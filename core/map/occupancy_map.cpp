@@ -352,6 +352,35 @@ bool OccupancyMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>&
   return true;
 }
 
+bool OccupancyMap::look_at(const Cell& at, CellBlock& states) const {
+  const int i = find(at);
+  if (i < 0) return false;
+  const Block& b = block(i);
+  states.at = at;
+  states.occupied = b.occupied;
+  for (int z = 0; z < kSide; ++z) {
+    states.free[z] = (b.valued[z] | b.misses_1[z] | b.misses_2[z] | b.misses_4[z]) & ~b.occupied[z];
+  }
+  return true;
+}
+
+std::vector<CellBlock> OccupancyMap::blocks_surer_than(double p) const {
+  const float least = log_odds_of(p);
+  std::vector<CellBlock> blocks;
+  for (const About& about : blocks_) {
+    CellBlock states;
+    if (!about.used || !look_at(about.at, states)) continue;
+    for (int z = 0; z < kSide; ++z) {
+      for (std::uint64_t left = states.occupied[z]; left != 0; left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        if (!(page(about.page).log_odds[z << 6 | bit] > least)) states.occupied[z] &= ~(std::uint64_t{1} << bit);
+      }
+    }
+    blocks.push_back(states);
+  }
+  return blocks;
+}
+
 void OccupancyMap::append_voxels(MapVoxels& copy) const {
   copy.edge_m = config_.edge_m;
   copy.states = {"free", "occupied"};

@@ -39,6 +39,13 @@ SavedMap small_map() {
   map.graph.add(PositionFactor{0, 1, 0.25, {7, 8, 9}, {1, 1, 0.1}, 1.0});
   map.nodes = {{-5, 0}, {1'000'000'000, 1}};
   map.submaps = {{2, {{1.5F, 0.1F, -2.0F}, {3.0F, 4.0F, 5.0F}}}, {1, {}}};
+  CellBlock both{{-3, 4, 5}, {}, {}}, free{{7, -8, 9}, {}, {}};
+  both.occupied[2] = 0x8000000000000001ULL;
+  both.free[2] = 0x0F0ULL;
+  free.free[7] = 1;
+  const CellBlock blocks[] = {both, free};
+  map.pieces = {{0, make_pose({0.5, 0, 0}, Eigen::Quaterniond(0.5, 0.5, 0.5, -0.5)),
+                 std::make_shared<const SubmapCells>(0.25, blocks)}};
   return map;
 }
 
@@ -67,6 +74,17 @@ TEST(SlamMapFile, WhatIsReadIsWhatWasWrittenToTheLastBit) {
   EXPECT_EQ(again.nodes[0].t, -5);
   EXPECT_EQ(again.submaps[0].points_submap_m, map.submaps[0].points_submap_m);
   EXPECT_EQ(again.submaps[1].pose, 1);
+  ASSERT_EQ(again.pieces.size(), 1U);
+  EXPECT_EQ(again.pieces[0].T_submap_cells.matrix(), map.pieces[0].T_submap_cells.matrix());
+  const SubmapCells& cells = *again.pieces[0].cells;
+  EXPECT_EQ(cells.edge_m(), 0.25);
+  ASSERT_EQ(cells.num_blocks(), 2U);
+  const int i = cells.find({-3, 4, 5});
+  ASSERT_GE(i, 0);
+  ASSERT_NE(cells.occupied_of(i), nullptr);
+  EXPECT_EQ((*cells.occupied_of(i))[2], 0x8000000000000001ULL);
+  EXPECT_EQ(cells.free_of(i)[2], 0x0F0ULL);
+  EXPECT_EQ(cells.occupied_of(cells.find({7, -8, 9})), nullptr);
 }
 
 TEST(SlamMapFile, DamageAnywhereIsNoticed) {
@@ -85,9 +103,9 @@ TEST(SlamMapFile, DamageAnywhereIsNoticed) {
 
 TEST(SlamMapFile, AnotherVersionIsRefusedByItsNumber) {
   std::string content = slam_map_content(small_map());
-  content[content.find('\n') + 1] = 2;
+  content[content.find('\n') + 1] = 1;
   const std::string refusal = refusal_of(content, "version");
-  EXPECT_NE(refusal.find("expected version 1 of such maps, found version 2"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("expected version 2 of such maps, found version 1"), std::string::npos) << refusal;
   EXPECT_NE(refusal.find(temporary("version").string()), std::string::npos) << refusal;
 }
 
@@ -96,6 +114,10 @@ TEST(SlamMapFile, WhatIsNoMapIsRefused) {
   SavedMap map = small_map();
   map.submaps[0].pose = 17;
   EXPECT_NE(refusal_of(slam_map_content(map), "pose").find("is damaged: a submap has no pose"), std::string::npos);
+  map = small_map();
+  map.pieces[0].submap = 2;
+  EXPECT_NE(refusal_of(slam_map_content(map), "piece").find("is damaged: cells belong to no submap"),
+            std::string::npos);
 }
 
 /// As version 1 has it: title, version, size, checksum; then numbers as they stand in memory.

@@ -12,6 +12,7 @@
 #include "swiftlet/core/map/distance_tiles.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/map/ray_cells.hpp"
+#include "swiftlet/core/map/submap_cells.hpp"
 #include "swiftlet/core/time.hpp"
 
 namespace swiftlet {
@@ -69,6 +70,12 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   std::uint64_t revision() const override { return revision_; }
   bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
   void append_voxels(MapVoxels& copy) const override;
+
+  /// What is known of a block, as `state` tells it; false: nothing.
+  bool look_at(const Cell& block, CellBlock& states) const;
+  /// All blocks. Cells count as occupied that are so with more than this probability, and as free below p_occupied.
+  /// Those between are left out.
+  std::vector<CellBlock> blocks_surer_than(double p) const;
 
   /// Of the cell with these coordinates; 0 when nothing is known of it.
   float log_odds(const Cell& cell) const;
