@@ -394,9 +394,20 @@ const RayCells::Bits* SubmapMap::occupied_of(const Cell& block) const {
   return made != nullptr && group->slots[slot_in_group(block)].any_occupied ? &made->occupied : nullptr;
 }
 
-std::uint64_t SubmapMap::occupied_changed(const Cell& block) const {
-  const Group* group = find_group(group_of(block));
-  return group == nullptr ? 0 : std::max(group->moved, group->slots[slot_in_group(block)].changed);
+// Which cells of a block came or went is not known before the block is made anew.
+void SubmapMap::append_changes(const Cell& low, const Cell& high, std::uint64_t since,
+                               std::vector<Change>& changes) const {
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) {
+        const Cell block(x, y, z);
+        const Group* group = find_group(group_of(block));
+        if (group == nullptr) continue;
+        if (std::max(group->moved, group->slots[slot_in_group(block)].changed) <= since) continue;
+        changes.push_back({block, nullptr, nullptr});
+      }
+    }
+  }
 }
 
 template <class Fn>

@@ -140,7 +140,8 @@ class SubmapMap : public OccupancyView, private OccupiedBlocks {
   const Composed* composed(Group& group, const Cell& block) const;
   CellState state_of(const Cell& cell) const;
   const Bits* occupied_of(const Cell& block) const override;
-  std::uint64_t occupied_changed(const Cell& block) const override;
+  void append_changes(const Cell& low, const Cell& high, std::uint64_t since,
+                      std::vector<Change>& changes) const override;
   template <class Fn>
   void for_occupied_blocks(const Vector3& min_local_m, const Vector3& max_local_m, Fn&& fn) const;
   template <class Fn>
