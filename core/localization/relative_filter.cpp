@@ -240,11 +240,11 @@ void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
 /// With the factor f, the innovation of the position has the covariance S = expected + f of_drift. Its squared length
 /// in standard deviations is 3 in the mean when f is right, and s = tr(S^-1 f of_drift) / 3 is what share of it tells
 /// of f.
-void RelativeFilter::learn_drift(State& state, const Vector3& innovation_m, const Matrix3& expected,
+void RelativeFilter::learn_drift(State& state, const Vector3& innovation_local_m, const Matrix3& expected,
                                  const Matrix3& of_drift) const {
   const Matrix3 drifted = elementary::exp(state.log_factor) * of_drift;
   const Eigen::LLT<Matrix3> S = Matrix3(expected + drifted).llt();
-  const double squared_sigmas = std::min(innovation_m.dot(S.solve(innovation_m)), kMostSurprise_sq);
+  const double squared_sigmas = std::min(innovation_local_m.dot(S.solve(innovation_local_m)), kMostSurprise_sq);
   const double share = S.solve(drifted).trace() / 3.0;
   const double gradient = 0.5 * share * (squared_sigmas - 3.0), information = 1.5 * share * share;
   state.log_factor_variance += kLogFactorWalk;

@@ -245,8 +245,9 @@ void DistanceTiles::compute(Tile& tile, const OccupiedBlocks& map, const Part& p
         const Pair squares = lanes::load<Pair>(&tile.squared[i]);
         most = most > squares ? most : squares;
       }
-      for (int lane = 0; lane < 8; ++lane) most[lane] = std::max(most[lane], most[lane + 8]);
-      bound_sq = std::min<int>(bound_sq, *std::max_element(&most[0], &most[0] + 8));
+      std::array<std::int16_t, 16> by_lane{};
+      lanes::store(most, by_lane.data());
+      bound_sq = std::min<int>(bound_sq, *std::max_element(by_lane.begin(), by_lane.end()));
     }
     if (offset == offsets_.end() || offset->least_sq > bound_sq) break;
   }

@@ -45,8 +45,8 @@ struct Sighting {
 /// far. The window's alignment starts it and is no measurement of it, because it is made of the same sightings.
 ///
 /// An odometry may drift more than it is said to. Then its samples lie farther from where sightings expect them than
-/// the covariance allows. What factor on the drift's variance makes that likely is estimated on the way, from 1 on, by
-/// steps along the gradient of the logarithm of the likelihood over Fisher's information.
+/// the covariance allows. By what factor its variance is greater, from 1 on, is estimated on the way. A step goes along
+/// the gradient of the logarithm of the likelihood, over Fisher's information.
 class RelativeFilter {
  public:
   RelativeFilter(const RelativeFilterConfig& config, const OdometryDriftConfig& drift);
@@ -105,7 +105,8 @@ class RelativeFilter {
   const State& newest() const { return history_.empty() ? base_ : history_.back().after; }
   void predict(State& state, TimeNs t) const;
   void correct(State& state, const OtherMotion& odometry) const;
-  void learn_drift(State& state, const Vector3& innovation_m, const Matrix3& expected, const Matrix3& of_drift) const;
+  void learn_drift(State& state, const Vector3& innovation_local_m, const Matrix3& expected,
+                   const Matrix3& of_drift) const;
   void correct(State& state, const Sighting& sighting) const;
   template <int M>
   void correct(State& state, const Eigen::Matrix<double, M, 1>& innovation, const Eigen::Matrix<double, M, kStates>& H,
