@@ -301,18 +301,18 @@ TEST(RangeImage, NumbersAndTicksStandAtTheirAzimuths) {
 
 TEST(RangeImage, EveryPixelShowsTheBeamThatLooksThere) {
   Pattern p;
-  p.rows = 16, p.cols = 40, p.sweep_deg = 200.0;
+  p.rows = 8, p.cols = 16, p.sweep_deg = 200.0;
   const BeamTable beams = beams_of(p);
   Scan scan = scan_with(beams);
   for (std::size_t i = 0; i < scan.range_m.size(); ++i)
     scan.range_m[i] = i % 7 == 0 ? 0.0F : 1.0F + 0.06F * static_cast<float>(i);
   Look look;
   look.text_px = 8.0F;
-  NotedCanvas noted(300, 200);
+  NotedCanvas noted(640, 420);
   const int left_px = draw_range_image(noted, look, scan, ScanQuantity::kRange, 40.0);
   ASSERT_GE(noted.pictures.size(), 1U);
   const Image image = painted(
-      300, 200, look.page, [&](Canvas& canvas) { draw_range_image(canvas, look, scan, ScanQuantity::kRange, 40.0); });
+      640, 420, look.page, [&](Canvas& canvas) { draw_range_image(canvas, look, scan, ScanQuantity::kRange, 40.0); });
   const BeamLookup lookup(beams);
   const double strips = static_cast<double>(noted.pictures.size());
   int nothing = 0, beside = 0, shown = 0;
@@ -344,7 +344,7 @@ TEST(RangeImage, EveryPixelShowsTheBeamThatLooksThere) {
   EXPECT_GT(shown, 1000);
   EXPECT_GT(nothing, 50);
   EXPECT_GT(beside, 500);
-  EXPECT_LT(left_px, 300);
+  EXPECT_LT(left_px, 640);
 }
 
 /// The ends of the scale, as its bar tells them.
@@ -415,7 +415,7 @@ TEST(RangeImage, ScaleOfPowersLeavesOutTheWeakestAndTheStrongestFew) {
 TEST(RangeImage, WithoutRoomThereIsOnlyTheBar) {
   Look look;
   look.text_px = 10.0F;
-  NotedCanvas canvas(160, 120);
+  NotedCanvas canvas(120, 120);
   const int left_px = draw_range_image(canvas, look, scan_with(beams_of({})), ScanQuantity::kRange, 40.0);
   EXPECT_LT(left_px, 80);
   EXPECT_TRUE(canvas.pictures.empty());

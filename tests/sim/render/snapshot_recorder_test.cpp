@@ -3,6 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <png.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 #include "render_support.hpp"
 #include "sim/render/picture_scene.hpp"
@@ -206,6 +211,211 @@ TEST_F(SnapshotRecorderTest, TouchesNothingWhenNoPictureIsDue) {
   camera.times_s = {100.0};
   EXPECT_TRUE(fly({camera}, 0.1).empty());
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+/// The texts of an SVG file.
+std::vector<std::string> texts_of(const std::string& svg) {
+  std::vector<std::string> texts;
+  for (std::size_t at = svg.find("<text"); at != std::string::npos; at = svg.find("<text", at + 1)) {
+    const std::size_t begin = svg.find('>', at) + 1;
+    texts.push_back(svg.substr(begin, svg.find('<', begin) - begin));
+  }
+  return texts;
+}
+
+class PaperTest : public SnapshotRecorderTest {
+ protected:
+  static CameraConfig paper(const char* name, CameraConfig::Type type) {
+    CameraConfig camera = small_camera(name, type);
+    camera.style = PictureMedium::kPaper;
+    camera.width_mm = 40.0;
+    camera.height_mm = 30.0;
+    camera.dpi = 130.0;
+    camera.text_pt = 4.0;
+    camera.times_s = {0.1};
+    return camera;
+  }
+  std::string svg_of(const CameraConfig& camera) {
+    fly({camera}, 0.1);
+    return read_whole_file(folder_.path() / "snapshots" / (camera.name + "_0000.100s.svg"));
+  }
+  std::shared_ptr<const LabeledScan> scan(const std::string& sensor, float range_m) {
+    auto labeled = std::make_shared<LabeledScan>();
+    auto beams = std::make_shared<BeamTable>();
+    beams->rows = 1;
+    beams->cols = 4;
+    beams->directions_lidar = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
+    beams->origins_lidar.assign(4, Eigen::Vector3f::Zero());
+    labeled->scan.beams = beams;
+    labeled->scan.sensor = sensor;
+    labeled->scan.range_m.assign(4, range_m);
+    labeled->scan.intensity.assign(4, 0.5F);
+    labeled->scan.reflectivity.assign(4, 0.5F);
+    labeled->truth.surface_class = {71, 71, 71, 351};
+    labeled->truth.instance.assign(4, 1);
+    labeled->truth.T_world_lidar = {make_pose({0, 0, 2}, Eigen::Quaterniond::Identity())};
+    return labeled;
+  }
+};
+
+TEST_F(PaperTest, TellsScenarioCameraAndVehicleInItsTitle) {
+  info_.scenario = "forest";
+  EXPECT_THAT(svg_of(paper("top", CameraConfig::Type::kTop)), testing::HasSubstr("<title>forest  /  top, t = 0.100 s"));
+  CameraConfig chase = paper("chase", CameraConfig::Type::kFollow);
+  EXPECT_THAT(svg_of(chase), testing::HasSubstr("<title>forest  /  chase, t"));
+  chase.vehicle = "uav2";
+  EXPECT_THAT(svg_of(chase), testing::HasSubstr("<title>forest  /  chase  /  uav2, t"));
+  EXPECT_THAT(svg_of(paper("eye", CameraConfig::Type::kOnboard)),
+              testing::HasSubstr("<title>forest  /  eye  /  uav1, t"));
+  EXPECT_THAT(svg_of(paper("pole", CameraConfig::Type::kFixed)), testing::HasSubstr("<title>forest  /  pole, t"));
+  info_.scenario.clear();
+  EXPECT_THAT(svg_of(paper("top", CameraConfig::Type::kTop)), testing::HasSubstr("<title>top, t = 0.100 s"));
+}
+
+TEST_F(PaperTest, NamesAxesAndScaleAreWhereTheyBelong) {
+  const auto has = [&](const CameraConfig& camera, const std::string& text) {
+    const std::vector<std::string> texts = texts_of(svg_of(camera));
+    return std::find(texts.begin(), texts.end(), text) != texts.end();
+  };
+  const auto has_scale = [&](const CameraConfig& camera) {
+    const std::vector<std::string> texts = texts_of(svg_of(camera));
+    return std::any_of(texts.begin(), texts.end(), [](const std::string& text) { return text.ends_with(" m"); });
+  };
+  for (const auto type : {CameraConfig::Type::kTop, CameraConfig::Type::kFollow}) {
+    CameraConfig camera = paper("a", type);
+    EXPECT_TRUE(has(camera, "uav1") && has(camera, "uav2"));
+    EXPECT_TRUE(has(camera, "x"));
+    EXPECT_EQ(has_scale(camera), type == CameraConfig::Type::kTop) << "a parallel projection";
+    camera.names = false;
+    EXPECT_FALSE(has(camera, "uav1"));
+    EXPECT_TRUE(has(camera, "x"));
+    camera.names = true;
+    camera.axes = false;
+    EXPECT_FALSE(has(camera, "x"));
+    EXPECT_TRUE(has(camera, "uav1"));
+  }
+  CameraConfig onboard = paper("b", CameraConfig::Type::kOnboard);
+  onboard.position_m = {-3, 0, 1};
+  onboard.target_m = {0, 1, 0};
+  EXPECT_TRUE(texts_of(svg_of(onboard)).empty());
+}
+
+TEST_F(PaperTest, RingsAreDrawnAroundVehiclesThatLookSmallerThanAsked) {
+  CameraConfig camera = paper("a", CameraConfig::Type::kTop);
+  camera.span_m = 200.0;  // a meter is less than a pixel
+  const auto rings = [&] {
+    const std::string svg = svg_of(camera);
+    std::size_t count = 0;
+    for (std::size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(rings(), 4U) << "each with its rim";
+  camera.vehicle_scale = 30.0;
+  EXPECT_EQ(rings(), 0U);
+  camera.vehicle_scale = 1.0;
+  camera.vehicle_min_px = 0.0;
+  EXPECT_EQ(rings(), 0U);
+}
+
+TEST_F(PaperTest, ExplainsTheColorsOfAClouds) {
+  scans_[0] = {scan("os1", 3.0F)};
+  scans_[1] = {scan("os2", 5.0F)};
+  const auto texts = [&](CloudColors by) {
+    CameraConfig camera = paper("a", CameraConfig::Type::kTop);
+    camera.cloud = by;
+    camera.span_m = 30.0;
+    return texts_of(svg_of(camera));
+  };
+  using testing::Contains;
+  using testing::Not;
+  EXPECT_THAT(texts(CloudColors::kNone), Not(Contains("z [m]")));
+  EXPECT_THAT(texts(CloudColors::kHeight), Contains("z [m]"));
+  EXPECT_THAT(texts(CloudColors::kIntensity), Contains("reflectivity [-]"));
+  const auto labels = texts(CloudColors::kLabel);
+  EXPECT_THAT(labels, Contains("trunk"));
+  EXPECT_THAT(labels, Contains("wall"));
+  EXPECT_THAT(labels, Not(Contains("z [m]")));
+  const auto vehicles = texts(CloudColors::kVehicle);
+  EXPECT_THAT(vehicles, Contains("scan of uav1"));
+  EXPECT_THAT(vehicles, Contains("scan of uav2"));
+  scans_[1].clear();
+  EXPECT_THAT(texts(CloudColors::kVehicle), Not(Contains("scan of uav2")));
+  scans_[0].clear();
+  EXPECT_THAT(texts(CloudColors::kIntensity), Not(Contains("reflectivity [-]"))) << "no scan, nothing to explain";
+}
+
+TEST_F(PaperTest, ShowsTheScanOfItsVehicleAndSensor) {
+  CameraConfig camera = paper("lidar", CameraConfig::Type::kLidarRange);
+  EXPECT_THAT(texts_of(svg_of(camera)), ElementsAre("no scan yet"));
+  scans_[0] = {scan("os1", 3.0F), scan("puck", 90.0F)};
+  scans_[1] = {scan("os2", 700.0F)};
+  const auto end_of_scale = [&](const std::string& vehicle, const std::string& sensor) {
+    camera.vehicle = vehicle;
+    camera.sensor = sensor;
+    double most = 0.0;
+    for (const std::string& text : texts_of(svg_of(camera))) {
+      if (text.find_first_not_of("0123456789.") == std::string::npos) most = std::max(most, std::stod(text));
+    }
+    return most;
+  };
+  EXPECT_NEAR(end_of_scale("", ""), 3.0, 1.0) << "the first one of the first";
+  EXPECT_NEAR(end_of_scale("uav1", "puck"), 100.0, 20.0);
+  EXPECT_NEAR(end_of_scale("uav2", ""), 800.0, 200.0);
+  EXPECT_THAT(texts_of(svg_of(camera)), testing::Contains("range [m]"));
+  camera.vehicle = "uav2";
+  camera.sensor = "puck";
+  EXPECT_THAT(texts_of(svg_of(camera)), ElementsAre("no scan yet"));
+  camera.type = CameraConfig::Type::kLidarIntensity;
+  camera.sensor.clear();
+  EXPECT_THAT(texts_of(svg_of(camera)), testing::Contains("power [dB]"));
+  camera.type = CameraConfig::Type::kLidarRange;
+  camera.max_range_m = 50.0;
+  EXPECT_NEAR(end_of_scale("uav1", "os1"), 50.0, 10.0);
+}
+
+TEST_F(PaperTest, OfDepthIsAsWideAsAskedWithItsScaleBeside) {
+  CameraConfig camera = paper("depth", CameraConfig::Type::kDepth);
+  camera.position_m = {0, 0, 0.6};
+  camera.target_m = {1, 0, -0.4};
+  const std::string svg = svg_of(camera);
+  const Eigen::Vector2i size = camera.size_px();
+  EXPECT_THAT(svg, testing::HasSubstr("<image x=\"0\" y=\"0\" width=\"" + std::to_string(size.x()) + "\" height=\"" +
+                                      std::to_string(size.y()) + "\""));
+  EXPECT_THAT(texts_of(svg), testing::Contains("depth [m]"));
+  EXPECT_THAT(texts_of(svg), testing::Contains("0"));
+  const double width = std::stod(svg.substr(svg.find("viewBox=\"0 0 ") + 13));
+  EXPECT_GT(width, size.x() + 20.0);
+  // Millimeters beside it: straight ahead the floor is 2.6 sqrt(2) m away, along the axis.
+  std::FILE* file = std::fopen((folder_.path() / "snapshots/depth_0000.100s.mm.png").c_str(), "rb");
+  ASSERT_NE(file, nullptr);
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_init_io(png, file);
+  png_read_info(png, info);
+  ASSERT_EQ(static_cast<int>(png_get_image_width(png, info)), size.x());
+  std::vector<std::uint8_t> row(2 * static_cast<std::size_t>(size.x()));
+  for (int y = 0; y <= size.y() / 2; ++y) png_read_row(png, row.data(), nullptr);
+  png_destroy_read_struct(&png, &info, nullptr);
+  std::fclose(file);
+  const int middle = 2 * (size.x() / 2);
+  EXPECT_NEAR(256 * row[middle] + row[middle + 1], 1000.0 * 2.6 * std::sqrt(2.0), 60.0);
+}
+
+TEST_F(PaperTest, LegendsOfChosenOverlaysStandBesideThePicture) {
+  // A legend takes its room from the picture, whose size stays.
+  CameraConfig camera = paper("a", CameraConfig::Type::kTop);
+  const auto picture_px = [](const std::string& svg) {
+    const std::size_t at = svg.find("<image ");
+    return std::stod(svg.substr(svg.find("width=\"", at) + 7));
+  };
+  EXPECT_EQ(picture_px(svg_of(camera)), camera.size_px().x());
+  scans_[0] = {scan("os1", 3.0F)};
+  camera.cloud = CloudColors::kHeight;
+  camera.span_m = 30.0;
+  const std::string svg = svg_of(camera);
+  EXPECT_LT(picture_px(svg), camera.size_px().x() - 10.0);
+  EXPECT_GE(picture_px(svg), 32.0);
+  EXPECT_THAT(svg, testing::HasSubstr("viewBox=\"0 0 " + std::to_string(camera.size_px().x()) + " "));
 }
 
 }  // namespace
