@@ -114,11 +114,10 @@ void RblCellConfig::visit(ConfigVisitor& v) {
   v.field("encumbrance_m", encumbrance_m, "[m] delta: radius that each vehicle needs for itself", Range::positive());
   v.field("eta", eta, "[-] scale of the cells: the part of the distance to a neighbor that the agent takes",
           Range{0.0, 1.0, true, false});
-  v.choice("cut", cut, {"program", "projected", "printed", "buffered", "continued"},
-           "[-] interpretation of (2.3): plane that leaves the encumbrances free (authors' later program), plane at "
-           "eta times "
-           "the distance, printed ball, half the gap (buffered Voronoi), or the first one's far plane at any distance "
-           "(authors' experiment files)");
+  v.choice(
+      "cut", cut, {"program", "projected", "printed", "buffered", "continued"},
+      "[-] interpretation of (2.3): plane that leaves the encumbrances free, at eta times the distance, printed ball, "
+      "half the gap, or the first plane at any distance");
   v.check(step_m <= sensing_radius_m, "step_m", "at most sensing_radius_m");
   v.check(sensing_radius_m / step_m <= 60.0, "step_m", "at least a sixtieth of sensing_radius_m");
 }
