@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kRadioVariance_m2 = 1e-4;  // of what a neighbor says of itself
 constexpr TimeNs kLongestAhead = 1'000'000'000;
+constexpr double kFade_s = 20.0;                    // in which the longest interval between samples is forgotten
+constexpr double kLongestInterval_s = 4.0;          // whoever was not seen for longer is gone rather than seen seldom
 constexpr TimeNs kLongestOnItsWay = 2'000'000'000;  // beyond that; later nobody knows where it flies
 
 }  // namespace
@@ -42,15 +44,16 @@ void NeighborSourceConfig::visit(ConfigVisitor& v) {
 
 void NeighborMemory::update(const GuidanceInput& input) {
   const TimeNs now = input.observation.t;
+  now_ = now;
   if (config_.source == NeighborSourceConfig::Source::kSensor) {
     for (const NeighborSample& sample : input.observation.neighbors) {
       const Pose T_local_body = input.poses.at(sample.t);
       const Matrix3& R = T_local_body.linear();
-      measure(sample.id, sample.t, T_local_body * sample.p_body_m, R * sample.covariance_body * R.transpose());
+      measure(sample.id, sample.t, T_local_body * sample.p_body_m, R * sample.covariance_body * R.transpose(),
+              T_local_body.translation());
     }
   } else if (config_.source == NeighborSourceConfig::Source::kRadio) {
-    const FrameChange to_local = FrameChange::to_local(input.estimate);
-    for (const Message& message : input.observation.messages) hear(message, to_local);
+    for (const Message& message : input.observation.messages) hear(message, input);
   }
   known_.clear();
   if (config_.source == NeighborSourceConfig::Source::kTracks) {
@@ -58,6 +61,9 @@ void NeighborMemory::update(const GuidanceInput& input) {
       const double ahead_s = config_.predict ? to_seconds(now - track.t) : 0.0;
       known_.push_back({track.id, track.position_m + ahead_s * track.velocity_mps, track.velocity_mps, track.t,
                         track.covariance.topLeftCorner<3, 3>(), track.covariance.block<3, 3>(3, 3)});
+      known_.back().seen_local_m = track.position_m;
+      known_.back().seen_covariance_local_m2 = track.covariance.topLeftCorner<3, 3>();
+      known_.back().own_seen_local_m = input.poses.at(track.t).translation();
     }
   } else {
     for (const Filter& filter : filters_) {
@@ -77,6 +83,9 @@ Neighbor NeighborMemory::now_of(const Filter& filter, TimeNs now) const {
                     filter.seen,
                     filter.P.topLeftCorner<3, 3>(),
                     filter.P.bottomRightCorner<3, 3>()};
+  neighbor.seen_local_m = filter.x.head<3>();
+  neighbor.seen_covariance_local_m2 = filter.P.topLeftCorner<3, 3>();
+  neighbor.own_seen_local_m = filter.own_local_m;
   if (!config_.predict) return neighbor;
   Filter ahead = filter;
   predict(ahead, std::min(now, filter.t + kLongestAhead));
@@ -104,9 +113,11 @@ bool NeighborMemory::in_view(const Vector3& p_local_m, const Pose& T_local_body)
 void NeighborMemory::forget(TimeNs now) {
   const TimeNs passed = last_ < 0 ? 0 : now - last_, timeout = from_seconds(config_.timeout_s);
   last_ = now;
+  longest_s_ *= 1.0 - std::min(1.0, to_seconds(passed) / kFade_s);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < filters_.size(); ++i) {
     if (known_[i].in_view) filters_[i].missed += passed;
+    longest_s_ = std::max(longest_s_, std::min(to_seconds(filters_[i].missed), kLongestInterval_s));
     if ((config_.remember_hidden ? filters_[i].missed : now - filters_[i].seen) > timeout) continue;
     filters_[kept] = filters_[i];
     known_[kept] = known_[i];
@@ -116,10 +127,11 @@ void NeighborMemory::forget(TimeNs now) {
   known_.resize(kept);
 }
 
-void NeighborMemory::hear(const Message& message, const FrameChange& to_local) {
+void NeighborMemory::hear(const Message& message, const GuidanceInput& input) {
   NeighborPosition said;
   if (read_message(message, said) != Reading::kDone || !said.p_world_m.allFinite()) return;
-  measure(message.from, said.t, to_local.point(said.p_world_m), kRadioVariance_m2 * Matrix3::Identity());
+  measure(message.from, said.t, FrameChange::to_local(input.estimate).point(said.p_world_m),
+          kRadioVariance_m2 * Matrix3::Identity(), input.poses.at(said.t).translation());
 }
 
 void NeighborMemory::announce(const StateEstimate& estimate, Outbox& outbox) const {
@@ -141,12 +153,15 @@ void NeighborMemory::predict(Filter& filter, TimeNs t) const {
   filter.t = t;
 }
 
-void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position_local_m, const Matrix3& covariance) {
+void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position_local_m, const Matrix3& covariance,
+                             const Vector3& own_local_m) {
+  latency_s_ = std::max(latency_s_, to_seconds(now_ - t));
   const auto known = std::find_if(filters_.begin(), filters_.end(), [&](const Filter& f) { return f.key == key; });
   if (known == filters_.end()) {
     Filter& filter = filters_.emplace_back();
     filter.key = key;
     filter.t = filter.seen = t;
+    filter.own_local_m = own_local_m;
     filter.x.head<3>() = position_local_m;
     filter.P.topLeftCorner<3, 3>() = covariance;
     filter.P.bottomRightCorner<3, 3>() *= config_.first_speed_sigma_mps * config_.first_speed_sigma_mps;
@@ -154,8 +169,11 @@ void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position
   }
   Filter& filter = *known;
   if (t < filter.t) return;  // older than what is known
+  const double interval_s = to_seconds(t - filter.seen);
+  if (interval_s > 0.0) shortest_s_ = shortest_s_ > 0.0 ? std::min(shortest_s_, interval_s) : interval_s;
   predict(filter, t);
   filter.seen = t;
+  filter.own_local_m = own_local_m;
   filter.missed = 0;
   const Matrix3 S = filter.P.topLeftCorner<3, 3>() + covariance;
   const Eigen::Matrix<double, 6, 3> K = filter.P.leftCols<3>() * S.inverse();

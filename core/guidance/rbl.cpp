@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/guidance/heading.hpp"
+#include "core/guidance/path_overlay.hpp"
 #include "core/guidance/rbl_sight.hpp"
 #include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/math/angles.hpp"
@@ -19,7 +20,15 @@ namespace {
 constexpr double kShortestToFace_m = 0.3;  // nearer than this, a direction is noise
 constexpr double kPressed_m = 0.01;        // farther behind a plane, there is no time to look around
 constexpr double kHurry = 3.0;
+constexpr double kPledged_s = 1.0;  // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
+
+/// Of the sensors of neighbors; infinite when they have no limit, or there is none.
+double range_of(const AgentSetup& setup) {
+  double range_m = kFar_m;
+  for (const NeighborView& view : setup.neighbor_views) range_m = std::min(range_m, view.range_max_m);
+  return range_m;
+}
 
 RblRules rules_of(const RblConfig& config) {
   RblRules rules = config.rules;
@@ -40,12 +49,14 @@ class Rbl : public Guidance {
                 config.lidar.enabled ? config.cells.step_m : config.cells.sensing_radius_m, planar_),
         planner_(config.cells, rules_of(config), planar_),
         reference_(setup.limits),
+        range_m_(range_of(setup.agent)),
         settling_(config.settle_s),
+        detour_(config.detour, config.cells.sensing_radius_m),
         sight_(setup.agent.neighbor_views) {
     goal_.position_m = setup.agent.T_local_body_start.translation();
     goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
     neighbors_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
-    braking_cuts_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
+    braking_cuts_.reserve(2 * static_cast<std::size_t>(setup.agent.num_vehicles));
   }
 
   GuidanceNeeds needs() const override { return {.map = config_.lidar.enabled}; }
@@ -55,6 +66,9 @@ class Rbl : public Guidance {
     to_local_ = FrameChange::to_local(input.estimate);
     goal_local_m_ = to_local_.point(config_.goal_m);
     map_ = input.map;
+    if (!input.observation.scans.empty()) {
+      p_lidar_body_m_ = input.observation.scans.front()->T_body_lidar.translation();
+    }
     neighbors_.update(input);
     if (next_update_ == 0) start(input.estimate);
     if (input.observation.t >= next_update_) {
@@ -67,13 +81,19 @@ class Rbl : public Guidance {
     arrived_ = arrived_ || to_goal_local_m.norm() <= config_.arrival_radius_m;
     glide(input.observation.t, from_seconds(input.dt_s));
     output.goal_is_feasible = config_.separation.enabled;
-    output.goal = output.goal_is_feasible ? reference_.step(goal_, input.dt_s, config_.speed_mps) : goal_;
-    output.speed_limit_mps = config_.speed_mps;
+    output.goal = output.goal_is_feasible ? reference_.step(goal_, input.dt_s, speed_mps()) : goal_;
+    output.speed_limit_mps = speed_mps();
     output.mission = arrived_ ? MissionStatus::kDone : status_.mission;
     output.note = arrived_ ? "" : status_.note;
   }
 
   void append_overlays(std::vector<Overlay>& overlays) const override;
+
+  void append_counters(std::vector<Counter>& counters) const override {
+    if (!config_.lidar.enabled || !config_.detour.enabled) return;
+    counters.push_back({"searches for a path that were given up", detour_.num_given_up(), detour_.num_plans(),
+                        "detour.planner.max_expansions"});
+  }
 
  private:
   void start(const StateEstimate& estimate) {
@@ -90,14 +110,14 @@ class Rbl : public Guidance {
     neighbors_local_m_.clear();
     for (const Neighbor& neighbor : neighbors_.neighbors()) neighbors_local_m_.push_back(neighbor.position_local_m);
     planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
-    if (config_.separation.enabled) cut_by_braking(p_local_m, config_.separation.sigmas);
+    if (config_.separation.enabled) cut_by_braking(p_local_m, config_.separation.sigmas, now);
     if (config_.separation.enabled && planner_.cell().is_empty()) {
       // Who has to make way for somebody is not held by what may be where it goes.
       planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
-      cut_by_braking(p_local_m, 0.0);
+      cut_by_braking(p_local_m, 0.0, now);
     }
     if (config_.lidar.enabled) cut_by(planner_.cell(), planner_.cuts(), p_local_m, kEver);
-    step_ = planner_.update(goal_local_m_, 1.0 / config_.update_rate_hz);
+    step_ = planner_.update(next_goal_local_m(p_local_m, now), 1.0 / config_.update_rate_hz);
     from_local_m_ = goal_.position_m;
     to_local_m_ = config_.lidar.enabled ? within_sight(T_local_body, now) : step_.centroid_local_m;
     if (config_.separation.enabled) keep_apart(T_local_body, now);
@@ -105,6 +125,21 @@ class Rbl : public Guidance {
     const RblGoal goal{goal_local_m_, z_min_m(), z_max_m(), config_.cells.sensing_radius_m, config_.cells.encumbrance_m,
                        planar_};
     status_ = settling_.update(goal, p_local_m, neighbors_.neighbors(), config_.lidar.enabled ? map_ : nullptr, now);
+    if (status_.mission != MissionStatus::kRunning) return;
+    status_ = {detour_.gave_up() ? MissionStatus::kFailed : MissionStatus::kRunning, detour_.note()};
+  }
+
+  /// The goal, or the next point of a path around what keeps the vehicle from it.
+  Vector3 next_goal_local_m(const Vector3& p_local_m, TimeNs now) {
+    return detour_.next_goal_local_m({.goal_local_m = goal_local_m_,
+                                      .p_local_m = p_local_m,
+                                      .z_min_m = z_min_m(),
+                                      .z_max_m = z_max_m(),
+                                      .encumbrance_m = config_.cells.encumbrance_m,
+                                      .planar = planar_,
+                                      .neighbors = neighbors_.neighbors(),
+                                      .map = config_.lidar.enabled ? map_ : nullptr,
+                                      .now = now});
   }
 
   /// Looks where it flies, waits until it sees, and flies no faster than it can stop.
@@ -117,11 +152,11 @@ class Rbl : public Guidance {
     // The governor goes slowly to what is near. Whoever gives way aims farther, as far as it is admitted.
     if (pressed_) to_local_m_ = p_local_m + kHurry * (to_local_m_ - p_local_m);
     to_local_m_ =
-        reference_.admit(from_local_m_, to_local_m_, braking_cuts_, p_local_m, to_seconds(period_), config_.speed_mps);
+        reference_.admit(from_local_m_, to_local_m_, braking_cuts_, p_local_m, to_seconds(period_), speed_mps());
   }
 
   /// Cells of vehicles that can stop: neither crosses the plane between their braking ways.
-  void cut_by_braking(const Vector3& p_local_m, double sigmas) {
+  void cut_by_braking(const Vector3& p_local_m, double sigmas, TimeNs now) {
     const RblSeparationConfig& separation = config_.separation;
     const double distance_m = 2.0 * config_.cells.encumbrance_m + separation.margin_m;
     const double reaction_s = separation.reaction_s + to_seconds(period_);
@@ -130,8 +165,7 @@ class Rbl : public Guidance {
     braking_cuts_.clear();
     pressed_ = false;
     for (const Neighbor& neighbor : neighbors_.neighbors()) {
-      const Vector3 other_local_m = planar_ ? Vector3(neighbor.position_local_m.x(), neighbor.position_local_m.y(), 0.0)
-                                            : neighbor.position_local_m;
+      const Vector3 other_local_m = level(neighbor.position_local_m);
       const Vector3 v_local_mps = level(neighbor.velocity_local_mps);
       const Braking other = braking_of(other_local_m, v_local_mps, reaction_s + neighbor.unpredicted_s, limits_);
       const Vector3 to_other_local_m = other_local_m - self.p_local_m;
@@ -144,14 +178,43 @@ class Rbl : public Guidance {
       const double way_s = reaction_s + closing_mps / limits_.horizontal_acceleration_mps2;
       const double sigma_m =
           sigma(neighbor.covariance_local_m2) + way_s * sigma(neighbor.velocity_covariance_local_m2ps2);
-      const HalfSpace cut =
-          braking_cut(self, other, distance_m, planar_ ? distance_m : separation.vertical_m, sigmas * sigma_m);
+      const double vertical_m = planar_ ? distance_m : separation.vertical_m;
+      // Whoever keeps to what it pledged is not feared beyond that, but for how badly its place is known.
+      const double seen_m = sigmas * sigma(neighbor.seen_covariance_local_m2);
+      const double unsure_m = is_pledged(neighbor, now) ? std::min(seen_m, sigmas * sigma_m) : sigmas * sigma_m;
+      const HalfSpace cut = braking_cut(self, other, distance_m, vertical_m, unsure_m);
       pressed_ = pressed_ || cut.offset_m < -kPressed_m;
-      braking_cuts_.push_back(cut);
-      if (cut.offset_m >= config_.cells.sensing_radius_m) continue;
-      planner_.cuts().push_back(cut);
-      planner_.cell().cut(cut);
+      keep_behind(cut);
+      if (separation.pledge_share <= 0.0 || to_seconds(now - neighbor.seen) > 2.0 * pledged_for_s() + kPledged_s)
+        continue;
+      HalfSpace pledged = pledged_cut(level(neighbor.own_seen_local_m), level(neighbor.seen_local_m), self.p_local_m,
+                                      distance_m, vertical_m, seen_m, separation.pledge_share);
+      // It may stop where it would stop anyway.
+      const double least_m = std::max(0.0, pledged.normal_local.dot(self.stop_local_m - self.p_local_m));
+      pledged.offset_m = std::max(pledged.offset_m, least_m);
+      keep_behind(pledged);
     }
+  }
+  void keep_behind(const HalfSpace& cut) {
+    braking_cuts_.push_back(cut);
+    if (cut.offset_m >= config_.cells.sensing_radius_m) return;
+    planner_.cuts().push_back(cut);
+    planner_.cell().cut(cut);
+  }
+  /// Nobody flies faster than it could stop before whom it does not see yet.
+  double speed_mps() const {
+    if (!config_.separation.enabled || range_m_ == kFar_m) return config_.speed_mps;
+    const double unknown_s =
+        neighbors_.longest_s() + neighbors_.latency_s() + config_.separation.reaction_s + to_seconds(period_);
+    const double distance_m = 2.0 * config_.cells.encumbrance_m + config_.separation.margin_m;
+    return std::min(config_.speed_mps,
+                    speed_into_unknown_mps(range_m_, unknown_s, distance_m, limits_.horizontal_acceleration_mps2));
+  }
+  /// Until the next sample of a neighbor should have come, it may count on what was pledged.
+  double pledged_for_s() const { return neighbors_.shortest_s() + neighbors_.latency_s() + to_seconds(period_); }
+  bool is_pledged(const Neighbor& neighbor, TimeNs now) const {
+    return config_.separation.pledge_share > 0.0 && neighbors_.shortest_s() > 0.0 &&
+           to_seconds(now - neighbor.seen) <= pledged_for_s();
   }
   Vector3 level(const Vector3& v) const { return planar_ ? Vector3(v.x(), v.y(), 0.0) : v; }
 
@@ -184,13 +247,18 @@ class Rbl : public Guidance {
     const Vector3 to_centroid_local_m = step_.centroid_local_m - p_local_m;
     goal_.yaw_rad = heading_along(to_centroid_local_m, kShortestToFace_m, goal_.yaw_rad);
     if ((goal_local_m_ - p_local_m).norm() <= config_.cells.encumbrance_m) return step_.centroid_local_m;
-    sensed_.reset(Vector3::Zero(), z_min_m() - p_local_m.z(), z_max_m() - p_local_m.z());
-    sensed_cuts_.clear();
+    const bool whole_cell = config_.lidar.legal == RblLidarConfig::Legal::kCell;
+    if (whole_cell) {
+      sensed_ = planner_.cell();
+    } else {
+      sensed_.reset(Vector3::Zero(), z_min_m() - p_local_m.z(), z_max_m() - p_local_m.z());
+    }
     for (const HalfSpace& cut :
-         field_of_view(T_local_body.linear(), config_.lidar.fov_lower_deg, config_.lidar.fov_deg)) {
+         field_of_view(T_local_body.linear(), config_.lidar.fov_lower_deg, config_.lidar.fov_deg, p_lidar_body_m_)) {
       sensed_.cut(cut);
     }
-    cut_by(sensed_, sensed_cuts_, p_local_m, now - from_seconds(config_.lidar.sensed_s));
+    sensed_cuts_.clear();
+    if (!whole_cell) cut_by(sensed_, sensed_cuts_, p_local_m, now - from_seconds(config_.lidar.sensed_s));
     const int sample = sensed_.nearest_partitioned(to_centroid_local_m);
     if (sample < 0) return p_local_m;
     const double off_rad = std::remainder(goal_.yaw_rad - yaw_of(T_local_body.linear()), 2.0 * kPi);
@@ -217,13 +285,15 @@ class Rbl : public Guidance {
   const OccupancyView* map_ = nullptr;  // of this tick
   FrameChange to_local_;                // of this tick
   Vector3 goal_local_m_ = Vector3::Zero();
-  RblCell sensed_;  // A'
+  RblCell sensed_;                            // A'
+  Vector3 p_lidar_body_m_ = Vector3::Zero();  // of the first LiDAR, as its scans tell it
   std::vector<HalfSpace> sensed_cuts_;
   std::vector<Vector3> voxels_local_m_;
   ObstacleCutter cutter_;
   RblPlanner planner_;
   RblPlanner::Step step_;
   GuardedReference reference_;           // while vehicles keep apart by braking
+  double range_m_;                       // of the sensor of neighbors
   std::vector<HalfSpace> braking_cuts_;  // relative to the vehicle
   bool pressed_ = false;                 // somebody comes too near: no time to look where it goes
   std::vector<Vector3> neighbors_local_m_;
@@ -232,6 +302,7 @@ class Rbl : public Guidance {
   bool arrived_ = false;
   RblSettling settling_;
   RblStatus status_;
+  RblDetour detour_;
   RblSight sight_;
 };
 
@@ -309,6 +380,11 @@ void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
     for (const Vector3& center_local_m : centers_local_m) voxels.positions.push_back(center_local_m.cast<float>());
     overlays.push_back(std::move(voxels));
   }
+  if (detour_.on_path()) {
+    Overlay path = path_overlay("rbl.path", detour_.corners_local_m(), 3.0F);
+    path.kind = Overlay::Kind::kPolyline;
+    overlays.push_back(std::move(path));
+  }
   for (Overlay* overlay : {&area, &outline, &sensing, &samples, &centroid, &sensing_centroid, &destination, &goal}) {
     overlays.push_back(std::move(*overlay));
   }
@@ -317,7 +393,8 @@ void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
 }  // namespace
 
 void RblConfig::visit(ConfigVisitor& v) {
-  v.model("model", model, "guidance", "preset: rbl_thesis (the document's own settings)");
+  v.model("model", model, "guidance",
+          "preset: rbl_thesis (the document's own settings) or rbl_thesis_files (its authors' experiment files)");
   v.choice("variant", variant, kVariants,
            "[-] disc at one height; ball; ball between z_min_m and z_max_m (2.14); that with the z-rule (2.15-2.19)");
   v.field("goal_m", goal_m, "[m] world");
@@ -338,6 +415,7 @@ void RblConfig::visit(ConfigVisitor& v) {
   v.object("separation", separation, "what keeps vehicles apart where their cells alone do not");
   v.object("neighbors", neighbors, "where the neighbors are known from");
   v.object("lidar", lidar, "obstacles");
+  v.object("detour", detour, "the way out of a pocket between obstacles");
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }
 

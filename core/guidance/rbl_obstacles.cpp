@@ -107,16 +107,21 @@ void ObstacleCutter::cut_nearest(RblCell& cell, const Vector3& p_local_m, std::s
   });
 }
 
-std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_lower_deg, double fov_deg) {
+std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_lower_deg, double fov_deg,
+                                       const Vector3& p_lidar_body_m) {
+  const Vector3 lidar_agent_m = R_local_body * p_lidar_body_m;
   const Vector3 n1 = R_local_body * turn_y(fov_lower_deg * kRadPerDeg) * Vector3::UnitZ();
   const Vector3 n2 = R_local_body * turn_y((fov_lower_deg - fov_deg) * kRadPerDeg) * Vector3::UnitZ();
-  return {HalfSpace{-n1, 0.0}, HalfSpace{n2, 0.0}};
+  return {HalfSpace{-n1, -n1.dot(lidar_agent_m)}, HalfSpace{n2, n2.dot(lidar_agent_m)}};
 }
 
 void RblLidarConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled, "[-] keep clear of what the map shows (mapping) [Kamler 2025, chapter 3]");
   v.choice("cut", cut, {"convex", "nearest"},
            "[-] half-spaces at one voxel after the other, or each sample by the voxel nearest to it (3.1)");
+  v.choice("legal", legal, {"sensed", "cell"},
+           "[-] where it may fly to (A'): what is sensed now, or the whole cell A (authors' experiment files), each in "
+           "view");
   v.field("fov_lower_deg", fov_lower_deg, "[deg] gamma of (3.2): the sensor sees down to this below the horizon ahead",
           Range::between(-90.0, 90.0));
   v.field("fov_deg", fov_deg, "[deg] alpha of (3.3): vertical field of view", Range::between(1.0, 180.0));

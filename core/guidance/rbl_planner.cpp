@@ -12,6 +12,7 @@ constexpr double kSamePlace_m = 1e-6;  // two agents in one place: any direction
 double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
   if (cut == RblCellConfig::Cut::kProjected) return d >= 2.0 * Delta ? eta * d : 2.0 * eta * (d - Delta);
   if (cut == RblCellConfig::Cut::kBuffered) return 0.5 * (d - Delta);
+  if (cut == RblCellConfig::Cut::kContinued) return Delta + eta * (d - 2.0 * Delta);
   return obstacle_offset_m(d, Delta, eta);  // the program's plane: Delta stays free (irbl 594-634)
 }
 
@@ -114,9 +115,9 @@ void RblCellConfig::visit(ConfigVisitor& v) {
   v.field("eta", eta, "[-] scale of the cells: the part of the distance to a neighbor that the agent takes",
           Range{0.0, 1.0, true, false});
   v.choice(
-      "cut", cut, {"program", "projected", "printed", "buffered"},
-      "[-] interpretation of (2.3): plane that leaves the encumbrances free (authors' program), plane at eta times the "
-      "distance, printed ball, or half the gap (buffered Voronoi)");
+      "cut", cut, {"program", "projected", "printed", "buffered", "continued"},
+      "[-] interpretation of (2.3): plane that leaves the encumbrances free, at eta times the distance, printed ball, "
+      "half the gap, or the first plane at any distance");
   v.check(step_m <= sensing_radius_m, "step_m", "at most sensing_radius_m");
   v.check(sensing_radius_m / step_m <= 60.0, "step_m", "at least a sixtieth of sensing_radius_m");
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "swiftlet/core/elementary.hpp"
@@ -70,6 +71,26 @@ HalfSpace braking_cut(const Braking& self, const Braking& other, double distance
   return {unscaled / stretch, offset_m / stretch};
 }
 
+HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
+                      double distance_m, double vertical_m, double unsure_m, double share) {
+  const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
+  const Vector3 gap = scale.cwiseProduct(other_seen_local_m - own_seen_local_m);
+  const double d = gap.norm();
+  const Vector3 normal = d > kTouching_m ? Vector3(gap / d) : Vector3(Vector3::UnitX());
+  const double used_m = normal.dot(scale.cwiseProduct(p_local_m - own_seen_local_m));
+  const double offset_m = share * std::max(0.0, d - distance_m - unsure_m) - used_m;
+  const Vector3 unscaled = scale.cwiseProduct(normal);
+  const double stretch = unscaled.norm();
+  return {unscaled / stretch, offset_m / stretch};
+}
+
+// Two ways of v t + v^2 / 2a and the distance fill the range.
+double speed_into_unknown_mps(double range_m, double unknown_s, double distance_m, double braking_mps2) {
+  const double way_m = std::max(0.0, 0.5 * (range_m - distance_m));
+  if (way_m == std::numeric_limits<double>::infinity()) return way_m;
+  return braking_mps2 * (std::sqrt(unknown_s * unknown_s + 2.0 * way_m / braking_mps2) - unknown_s);
+}
+
 void RblSeparationConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled,
           "[-] planes between the ways that vehicles need to brake bound the cells; false: the document's cells alone");
@@ -80,6 +101,9 @@ void RblSeparationConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("reaction_s", reaction_s, "[s] beside the period of the updates: what a vehicle needs before it brakes",
           Range::non_negative());
+  v.field("pledge_share", pledge_share,
+          "[-] share of the room to a neighbor that may be used until it is seen again; the same for all, 0: nothing",
+          Range::between(0.0, 0.49));
 }
 
 }  // namespace swiftlet

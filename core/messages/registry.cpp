@@ -7,16 +7,15 @@
 #include "swiftlet/core/messages/map_rays.hpp"
 #include "swiftlet/core/messages/neighbor_position.hpp"
 #include "swiftlet/core/messages/odometry_report.hpp"
+#include "swiftlet/core/messages/shared_path.hpp"
 
 namespace swiftlet {
 namespace {
 
 // What vehicles can say to each other: a new kind is one line here.
 constexpr MessageKind kKinds[] = {
-    message_kind<NeighborPosition>(),
-    message_kind<OdometryReport>(),
-    message_kind<GuidingPath>(),
-    message_kind<MapRays>(),
+    message_kind<NeighborPosition>(), message_kind<OdometryReport>(), message_kind<GuidingPath>(),
+    message_kind<MapRays>(),          message_kind<SharedPath>(),
 };
 
 /// What recordings add to the content of a message.

@@ -8,7 +8,9 @@
 #include "swiftlet/core/guidance/guide.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
 #include "swiftlet/core/guidance/navigate.hpp"
+#include "swiftlet/core/guidance/orca.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/guidance/share_paths.hpp"
 #include "swiftlet/core/guidance/takeoff_land.hpp"
 #include "swiftlet/core/guidance/timed_path.hpp"
 #include "swiftlet/core/guidance/trajectory.hpp"
@@ -58,10 +60,19 @@ constexpr GuidanceType kGuidanceTypes[] = {
      make_rbl,
      nullptr,
      "rbl.cell rbl.cell_outline rbl.sensing rbl.samples rbl.centroid rbl.sensing_centroid rbl.destination rbl.goal "
-     "rbl.voxels"},
+     "rbl.voxels rbl.path"},
     {{"pacnav", "informed vehicles fly to the goal, uninformed ones follow persistent paths",
       make_module_config<PacnavConfig>},
      make_pacnav,
+     nullptr,
+     ""},
+    {{"orca", "reciprocal avoidance by velocities, to compare with", make_module_config<OrcaConfig>},
+     make_orca,
+     nullptr,
+     ""},
+    {{"share_paths", "tells by radio where it will be, and plans around what it hears",
+      make_module_config<SharePathsConfig>},
+     make_share_paths,
      nullptr,
      ""},
     {{"follow_guide", "follows paths that another vehicle tells it in its own body frame [Pritzl 2024]",

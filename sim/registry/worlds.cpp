@@ -9,6 +9,7 @@
 #include "swiftlet/sim/world/hall.hpp"
 #include "swiftlet/sim/world/mesh_import.hpp"
 #include "swiftlet/sim/world/two_rooms_gap.hpp"
+#include "swiftlet/sim/world/walls.hpp"
 #include "swiftlet/sim/world/warehouse.hpp"
 
 namespace swiftlet::sim {
@@ -38,6 +39,7 @@ const WorldType kWorldTypes[] = {
     row<HallConfig, make_hall>("hall", "an indoor area with a wall to hide behind [Vrba 2025, sec. V-B]"),
     row<CampusConfig, make_campus>("campus",
                                    "a small building to circle, trees, paths with kerbs, lamp posts [Orsulic 2021]"),
+    row<WallsConfig, make_walls>("walls", "straight walls on a flat ground, and a maze"),
     row<MeshImportConfig, make_mesh_import>("mesh", "an OBJ, PLY or STL file"),
     row<CloudConfig, make_cloud>("cloud", "a PCD or PLY point cloud as solid voxels"),
 };

@@ -8,7 +8,9 @@
 
 #include "swiftlet/core/agent/stack.hpp"
 #include "swiftlet/core/guidance/flocking.hpp"
+#include "swiftlet/core/guidance/orca.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/guidance/share_paths.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
@@ -25,8 +27,8 @@ Vector3 direction(const Formation& formation, int i) {
     const double angle = 2.0 * kPi * i / n;
     return {std::cos(angle), std::sin(angle), 0.0};
   }
-  const double z = 1.0 - (2.0 * i + 1.0) / n;
-  const double rho = std::sqrt(1.0 - z * z);
+  const double z = formation.poles ? 1.0 - 2.0 * i / std::max(1, n - 1) : 1.0 - (2.0 * i + 1.0) / n;
+  const double rho = std::sqrt(std::max(0.0, 1.0 - z * z));
   const double angle = kPi * (3.0 - std::sqrt(5.0)) * i;
   return {rho * std::cos(angle), rho * std::sin(angle), z};
 }
@@ -41,6 +43,10 @@ void set_goal(sim::VehicleConfig& vehicle, const Eigen::Vector3d& goal_m) {
     guidance.as<PacnavConfig>().goal_m = goal_m;
   } else if (guidance.type == "mezey") {
     guidance.as<MezeyConfig>().goal_m = goal_m;
+  } else if (guidance.type == "orca") {
+    guidance.as<OrcaConfig>().goal_m = goal_m;
+  } else if (guidance.type == "share_paths") {
+    guidance.as<SharePathsConfig>().goal_m = goal_m;
   } else {
     throw std::invalid_argument("crossing: guidance '" + guidance.type + "' has no goal");
   }

@@ -14,6 +14,7 @@ struct Formation {
   bool sphere = false;
   int num_vehicles = 10;
   double radius_m = 10.0;
+  bool poles = false;  ///< of a sphere: the first and the last vehicle start at the poles
 };
 
 /// Everybody to the opposite side. The first vehicle of the scenario is the pattern; starts are moved by up to 0.1 m by

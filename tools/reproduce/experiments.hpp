@@ -36,12 +36,16 @@ void guidance_sight(Experiment& experiment);   // guidance_sight.cpp
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);
 void rbl_circle_printed(Experiment& experiment);
+void rbl_circle_files(Experiment& experiment);
 void rbl_sphere(Experiment& experiment);
+void rbl_sphere_files(Experiment& experiment);
 void rbl_forest(Experiment& experiment);
+void rbl_forest_files(Experiment& experiment);
 void rbl_real(Experiment& experiment);
 void rbl_baselines(Experiment& experiment);
 void rbl_limits(Experiment& experiment);
 void rbl_ghosts(Experiment& experiment);
 void rbl_safety(Experiment& experiment);
+void rbl_peers(Experiment& experiment);
 
 }  // namespace swiftlet::tools

@@ -62,7 +62,13 @@ std::span<const ExperimentType> experiment_types() {
                      rbl_circle},
       ExperimentType{"rbl-circle-printed", "The same on the radius of 5 m that the text prints [Kamler 2025, sec. 2.4]",
                      500.0, rbl_circle_printed},
+      ExperimentType{"rbl-circle-files", "rbl-circle with the settings of its authors' experiment files", 300.0,
+                     rbl_circle_files},
       ExperimentType{"rbl-sphere", "Ten and more vehicles cross a sphere [Kamler 2025, sec. 2.4]", 250.0, rbl_sphere},
+      ExperimentType{"rbl-sphere-files", "rbl-sphere with the settings of its authors' experiment files", 50.0,
+                     rbl_sphere_files},
+      ExperimentType{"rbl-forest-files", "rbl-forest with the settings of its authors' experiment files", 800.0,
+                     rbl_forest_files},
       ExperimentType{"rbl-forest", "A Mid-360 through a forest on the map that it builds [Kamler 2025, sec. 3.4]",
                      800.0, rbl_forest},
       ExperimentType{"rbl-real", "The two real flights in a forest [Kamler 2025, Table 3.2]", 300.0, rbl_real},
@@ -75,6 +81,8 @@ std::span<const ExperimentType> experiment_types() {
       ExperimentType{"rbl-safety",
                      "Conditions that break the cells, with and without braking planes (beyond Kamler 2025)", 5000.0,
                      rbl_safety},
+      ExperimentType{"rbl-peers", "Buffered cells, ORCA and paths told by radio beside RBL (beyond Kamler 2025)",
+                     1500.0, rbl_peers},
   };
   return kTypes;
 }

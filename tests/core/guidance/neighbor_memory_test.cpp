@@ -91,6 +91,36 @@ TEST(NeighborMemory, OfOneAxisIsTheKalmanFilterOfConstantVelocity) {
   }
 }
 
+TEST(NeighborMemory, TellsWhereBothWereWhenItWasSeenLast) {
+  Listener listener(from(Source::kSensor));
+  listener.at(make_pose({1.0, 0.0, 0.0}, Eigen::Quaterniond::Identity()));
+  listener.sees(2, {5.0, 0.0, 0.0}, 0.1, 0.04 * Matrix3::Identity());
+  listener.update(0.1);
+  listener.at(make_pose({3.0, 0.0, 0.0}, Eigen::Quaterniond::Identity()));
+  const Neighbor neighbor = listener.update(0.9).front();
+  EXPECT_NEAR((neighbor.seen_local_m - Vector3(6.0, 0.0, 0.0)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((neighbor.own_seen_local_m - Vector3(1.0, 0.0, 0.0)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(neighbor.seen_covariance_local_m2(0, 0), 0.04, 1e-9);
+  EXPECT_GT(neighbor.covariance_local_m2(0, 0), 0.5) << "now it may be elsewhere";
+}
+
+TEST(NeighborMemory, LearnsHowLateAndHowOftenSamplesCome) {
+  Listener listener(from(Source::kSensor));
+  EXPECT_EQ(listener.memory.shortest_s(), 0.0);
+  for (int i = 1; i <= 40; ++i) {  // every half second, 0.2 s late; one is lost
+    if (i % 5 == 2 && i != 22) listener.sees(2, {5.0, 0.0, 0.0}, 0.1 * i - 0.2);
+    listener.update(0.1 * i);
+  }
+  EXPECT_NEAR(listener.memory.latency_s(), 0.2, 1e-6);
+  EXPECT_NEAR(listener.memory.shortest_s(), 0.5, 1e-6);
+  EXPECT_NEAR(listener.memory.longest_s(), 0.95, 0.11);
+  for (int i = 41; i <= 600; ++i) {
+    if (i % 5 == 2) listener.sees(2, {5.0, 0.0, 0.0}, 0.1 * i - 0.2);
+    listener.update(0.1 * i);
+  }
+  EXPECT_NEAR(listener.memory.longest_s(), 0.5, 0.11) << "what was long ago is forgotten";
+}
+
 TEST(NeighborMemory, DirectionsThatAreMeasuredBetterCountMore) {
   Listener listener(from(Source::kSensor));
   listener.sees(1, Vector3::Zero(), 0.0, Matrix3::Identity());

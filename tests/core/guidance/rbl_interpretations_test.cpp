@@ -441,6 +441,29 @@ TEST(RblFlight, TurnsToTheCentroidBeforeItGoesThere) {
   EXPECT_GT((driver.out.goal.position_m - driver.p_m()).norm(), 0.3);
 }
 
+// The centroid lies above what the sensor sees. The nearest place in view would be beyond a neighbor's plane.
+TEST(RblFlight, WithTheWholeCellAsLegalSetNeighborsCutWhereItMayFly) {
+  const Vector3 other_m(1.8, 0.0, 3.0), from_m(0.0, 0.0, 2.0);
+  const auto beyond_m = [&](RblLidarConfig::Legal legal) {
+    RblConfig config = with_lidar();
+    config.goal_m = {3.0, 0.0, 9.0};
+    config.lidar.legal = legal;
+    const ToldMap map({});
+    GuidanceDriver driver("rbl", config, from_m);
+    driver.map = &map;
+    driver.dt_s = 0.02;
+    for (int i = 0; i < 5; ++i) {
+      driver.sees(1, other_m);
+      driver.step();
+    }
+    const HalfSpace cut =
+        neighbor_cut(other_m - from_m, 2.0 * config.cells.encumbrance_m, config.cells.eta, config.cells.cut);
+    return cut.normal_local.dot(driver.out.goal.position_m - from_m) - cut.offset_m;
+  };
+  EXPECT_LT(beyond_m(RblLidarConfig::Legal::kCell), 0.01);
+  EXPECT_GT(beyond_m(RblLidarConfig::Legal::kSensed), 0.05);
+}
+
 TEST(RblFlight, AGoalWithinTheEncumbranceIsFlownToUnseen) {
   RblConfig config = with_lidar();
   config.goal_m = {0.0, 0.0, 2.45};  // right above, where the sensor never looks

@@ -122,6 +122,15 @@ TEST(FieldOfView, IsAWedgeAheadFromGammaBelowToAlphaMinusGammaAbove) {
   EXPECT_GT(turned[0].normal_local.dot(Vector3(0, -1, 0)), 0.0);
 }
 
+TEST(FieldOfView, ItsPlanesGoThroughTheLidarWhereverItIsMounted) {
+  const Vector3 lidar_body_m(0.1, 0.0, 0.3);
+  const Matrix3 left = Eigen::AngleAxisd(std::numbers::pi / 2.0, Vector3::UnitZ()).toRotationMatrix();
+  for (const HalfSpace& plane : field_of_view(left, 20.0, 59.0, lidar_body_m)) {
+    EXPECT_NEAR(plane.normal_local.dot(left * lidar_body_m), plane.offset_m, 1e-12);
+    EXPECT_GT(std::abs(plane.offset_m), 0.1);
+  }
+}
+
 /// The document's failure (sec. 3.4.3): leaves around the vehicle are mapped once and are gone in the next sweep.
 double progress_after_leaves(double miss_log_odds) {
   SparseVoxelMapConfig config;

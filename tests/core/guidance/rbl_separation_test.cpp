@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "swiftlet/core/math/random.hpp"
 
@@ -119,6 +120,65 @@ TEST(RblSeparation, TwoInOnePlaceStillGetADirection) {
   const HalfSpace cut = braking_cut(self, self, 1.0, 1.5, 0.0);
   EXPECT_NEAR(cut.normal_local.norm(), 1.0, 1e-12);
   EXPECT_LT(cut.offset_m, 0.0);
+}
+
+/// Two on a line fly at each other as fast as what they pledged allows. Each sees the other now and then, late, as it
+/// was. They stop and go at once, so that nothing but the pledge holds them. The least room between them.
+double least_room_m(double period_s, double latency_s, double share, double noise_m, double* last_room_m = nullptr) {
+  const Random random(3, "rbl-separation.pledge");
+  constexpr double kTick_s = 0.01, kSpeed_mps = 4.0;
+  const int period = static_cast<int>(period_s / kTick_s), late = static_cast<int>(latency_s / kTick_s);
+  std::vector<double> x_m[2] = {{0.0}, {30.0}};
+  double own_seen_m[2] = {0.0, 30.0}, other_seen_m[2] = {30.0, 0.0}, least_m = 30.0;
+  for (int k = 1; k < 6000; ++k) {
+    const int then = k - 1 - late;
+    for (int i = 0; i < 2 && then >= 0 && then % period == 0; ++i) {
+      own_seen_m[i] = x_m[i][static_cast<std::size_t>(then)];
+      other_seen_m[i] =
+          x_m[1 - i][static_cast<std::size_t>(then)] +
+          noise_m * random.uniform(-1.0, 1.0, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k));
+    }
+    for (int i = 0; i < 2; ++i) {
+      const double now_m = x_m[i].back();
+      const HalfSpace cut =
+          pledged_cut({own_seen_m[i], 0, 0}, {other_seen_m[i], 0, 0}, {now_m, 0, 0}, kDistance_m, 1.5, noise_m, share);
+      const double ahead_m = std::clamp(cut.offset_m, 0.0, kSpeed_mps * kTick_s);
+      x_m[i].push_back(now_m + cut.normal_local.x() * ahead_m);
+    }
+    least_m = std::min(least_m, x_m[1].back() - x_m[0].back() - kDistance_m);
+  }
+  if (last_room_m != nullptr) *last_room_m = x_m[1].back() - x_m[0].back() - kDistance_m;
+  return least_m;
+}
+
+TEST(RblSeparation, TwoWhoUseWhatTheyPledgedNeverComeTooNearHoweverSeldomTheySeeEachOther) {
+  for (const double period_s : {0.1, 0.5, 2.0}) {
+    for (const double latency_s : {0.0, 0.05, 0.4}) {
+      for (const double noise_m : {0.0, 0.5}) {
+        double last_m = 0.0;
+        EXPECT_GE(least_room_m(period_s, latency_s, 0.45, noise_m, &last_m), -1e-9) << period_s << ' ' << latency_s;
+        EXPECT_LT(last_m, 0.1 + 3.0 * noise_m) << "they come together, though";
+      }
+    }
+  }
+  EXPECT_LT(least_room_m(2.0, 0.4, 0.9, 0.0), 0.0) << "with more than half they meet";
+}
+
+TEST(RblSeparation, HeightsCountLessInAPledgeToo) {
+  const HalfSpace level = pledged_cut(Vector3::Zero(), {3.0, 0.0, 0.0}, {0.5, 0.0, 0.0}, 1.0, 2.0, 0.0, 0.4);
+  EXPECT_NEAR(level.offset_m, 0.4 * 2.0 - 0.5, 1e-12);
+  const HalfSpace above = pledged_cut(Vector3::Zero(), {0.0, 0.0, 4.0}, Vector3::Zero(), 1.0, 2.0, 0.0, 0.4);
+  EXPECT_NEAR((above.normal_local - Vector3::UnitZ()).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(above.offset_m, 0.4 * 2.0, 1e-12);
+}
+
+TEST(RblSeparation, IntoTheUnknownTwoFlyAsFastAsBothCanStop) {
+  const double v_mps = speed_into_unknown_mps(15.0, 2.7, kDistance_m, 2.0);
+  const double way_m = v_mps * 2.7 + v_mps * v_mps / (2.0 * 2.0);
+  EXPECT_NEAR(2.0 * way_m + kDistance_m, 15.0, 1e-9);
+  EXPECT_GT(speed_into_unknown_mps(15.0, 0.45, kDistance_m, 2.0), 4.0);
+  EXPECT_EQ(speed_into_unknown_mps(1.0, 0.45, kDistance_m, 2.0), 0.0);
+  EXPECT_GT(speed_into_unknown_mps(std::numeric_limits<double>::infinity(), 2.7, kDistance_m, 2.0), 1e9);
 }
 
 }  // namespace

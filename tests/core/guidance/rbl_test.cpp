@@ -161,6 +161,14 @@ TEST(NeighborCut, LeavesTheEncumbrancesFreeAndIsContinuous) {
   EXPECT_NEAR(neighbor_cut({4, 0, 0}, Delta, 0.5, Cut::kProgram).offset_m, 2.0, 1e-12);
 }
 
+TEST(NeighborCut, TheFarPlaneContinuedLeavesTheEncumbrancesFreeOnlyWhenFar) {
+  for (const double d : {0.7, 1.5, 2.0, 4.0}) {
+    const double offset_m = neighbor_cut({d, 0, 0}, 1.0, 0.9, Cut::kContinued).offset_m;
+    EXPECT_NEAR(offset_m, 1.0 + 0.9 * (d - 2.0), 1e-12);
+    EXPECT_EQ(d - offset_m >= 1.0 - 1e-12, d >= 2.0) << d;
+  }
+}
+
 TEST(NeighborCut, NeighborThatIsTooNearPutsTheAgentOutsideOfItsOwnCell) {
   for (const Cut cut : {Cut::kProgram, Cut::kProjected, Cut::kBuffered}) {
     EXPECT_LT(neighbor_cut({0.8, 0, 0}, 1.0, 0.9, cut).offset_m, 0.0) << static_cast<int>(cut);

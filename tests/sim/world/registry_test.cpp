@@ -76,7 +76,7 @@ TEST(Worlds, EveryGeneratorIsListedOnceWithAValidDefault) {
     EXPECT_THAT(test::problems_of(*config), testing::IsEmpty()) << type.module.name;
   }
   EXPECT_THAT(names, testing::IsSupersetOf({"forest_thesis", "forest", "warehouse", "two_rooms_gap", "hall", "campus",
-                                            "field", "empty", "mesh", "cloud"}));
+                                            "field", "empty", "walls", "mesh", "cloud"}));
   EXPECT_EQ(world_module_types().size(), world_registry().rows().size());
 }
 

@@ -35,6 +35,9 @@ struct Neighbor {
   Matrix3 velocity_covariance_local_m2ps2 = Matrix3::Zero();  ///< of the velocity
   double unpredicted_s = 0.0;                                 ///< since the time up to which it was carried forward
   bool in_view = true;                                        ///< could be seen from here
+  Vector3 seen_local_m = Vector3::Zero();                     ///< where it was at the last measurement
+  Matrix3 seen_covariance_local_m2 = Matrix3::Zero();         ///< of that place
+  Vector3 own_seen_local_m = Vector3::Zero();                 ///< where the own vehicle was then
 };
 
 /// Keeps the neighbors of a mutual-localization sensor, of radio messages, or of tracks. Each has a Kalman filter of
@@ -50,6 +53,12 @@ class NeighborMemory {
   /// Everybody not forgotten, in order of keys.
   std::span<const Neighbor> neighbors() const { return known_; }
 
+  /// How late samples come, and how far apart those of one neighbor are: at least, and at most of late. As seen so far;
+  /// 0: not yet. A neighbor that should be in view and is not measured counts as it is.
+  double latency_s() const { return latency_s_; }
+  double shortest_s() const { return shortest_s_; }
+  double longest_s() const { return longest_s_; }
+
   /// What to say to the neighbors when they listen to the radio (source: radio), once a call.
   void announce(const StateEstimate& estimate, Outbox& outbox) const;
 
@@ -59,13 +68,15 @@ class NeighborMemory {
     std::int64_t key = 0;
     TimeNs t = 0;  // of the state
     TimeNs seen = 0;
-    TimeNs missed = 0;  ///< for how long it was in view since then, unseen
+    TimeNs missed = 0;                      ///< for how long it was in view since then, unseen
+    Vector3 own_local_m = Vector3::Zero();  ///< of the own vehicle when it was seen
     Vector6 x = Vector6::Zero();
     Matrix6 P = Matrix6::Identity();
   };
 
-  void measure(std::int64_t key, TimeNs t, const Vector3& position_local_m, const Matrix3& covariance);
-  void hear(const Message& message, const FrameChange& to_local);
+  void measure(std::int64_t key, TimeNs t, const Vector3& position_local_m, const Matrix3& covariance,
+               const Vector3& own_local_m);
+  void hear(const Message& message, const GuidanceInput& input);
   void predict(Filter& filter, TimeNs t) const;
 
   Neighbor now_of(const Filter& filter, TimeNs now) const;
@@ -75,6 +86,8 @@ class NeighborMemory {
   NeighborSourceConfig config_;
   std::vector<NeighborView> views_;
   TimeNs last_ = -1;  ///< update; negative: there was none
+  TimeNs now_ = 0;
+  double latency_s_ = 0.0, shortest_s_ = 0.0, longest_s_ = 0.0;
   std::vector<Filter> filters_;
   std::vector<Neighbor> known_;
 };

@@ -6,6 +6,7 @@
 #include "swiftlet/core/guidance/guarded_reference.hpp"
 #include "swiftlet/core/guidance/guidance.hpp"
 #include "swiftlet/core/guidance/neighbor_memory.hpp"
+#include "swiftlet/core/guidance/rbl_detour.hpp"
 #include "swiftlet/core/guidance/rbl_obstacles.hpp"
 #include "swiftlet/core/guidance/rbl_planner.hpp"
 #include "swiftlet/core/guidance/rbl_separation.hpp"
@@ -34,6 +35,7 @@ struct RblConfig : ModuleConfigOf<RblConfig> {
   RblSeparationConfig separation;
   NeighborSourceConfig neighbors;
   RblLidarConfig lidar;
+  RblDetourConfig detour;
 
   /// Kept apart by more than their cells, vehicles fly well with a narrower weighting than the document's.
   RblConfig() { rules.beta_desired_m = 0.4; }

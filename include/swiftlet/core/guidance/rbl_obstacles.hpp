@@ -18,6 +18,8 @@ struct RblLidarConfig {
   bool enabled = false;
   enum class Cut { kConvex, kNearest };
   Cut cut = Cut::kConvex;
+  enum class Legal { kSensed, kCell };
+  Legal legal = Legal::kSensed;
   double fov_lower_deg = 20.0;
   double fov_deg = 59.0;
   double facing_deg = 60.0;
@@ -58,8 +60,10 @@ class ObstacleCutter {
   NearestVoxels nearest_;
 };
 
-/// The part of space between the two planes of the tilted sensor (3.2-3.4): ahead of the vehicle, from fov_lower_deg
+/// The part of space between the two planes of the tilted sensor (3.2-3.4): ahead of the sensor, from fov_lower_deg
 /// below its horizontal plane. Half-spaces relative to the vehicle.
-std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_lower_deg, double fov_deg);
+/// @param p_lidar_body_m  through which both planes go
+std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_lower_deg, double fov_deg,
+                                       const Vector3& p_lidar_body_m = Vector3::Zero());
 
 }  // namespace swiftlet

@@ -18,7 +18,7 @@ struct RblCellConfig {
   Lattice lattice = Lattice::kAgent;
   double encumbrance_m = 0.5;  ///< delta_i, and that of each neighbor
   double eta = 0.9;
-  enum class Cut { kProgram, kProjected, kPrinted, kBuffered };
+  enum class Cut { kProgram, kProjected, kPrinted, kBuffered, kContinued };
   Cut cut = Cut::kProgram;
 
   void visit(ConfigVisitor& v);

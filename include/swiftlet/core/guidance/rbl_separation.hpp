@@ -17,6 +17,7 @@ struct RblSeparationConfig {
   double sigmas = 2.0;
   double vertical_m = 1.5;
   double reaction_s = 0.2;
+  double pledge_share = 0.45;
 
   void visit(ConfigVisitor& v);
 };
@@ -38,5 +39,19 @@ Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double 
 /// @param unsure_m  by how much the other may be nearer; it takes room to advance, but never pushes back
 /// @return relative to the place of `self`
 HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m, double unsure_m);
+
+/// What a vehicle may use, until it knows more, of the room that was between it and another one when it saw it last.
+///
+/// When both use less than half, they stay apart whatever they do with it, and however seldom they see each other.
+/// Nothing need be known of their speeds.
+/// @param unsure_m  by how much the other may have been nearer
+/// @return relative to `p_local_m`, where the vehicle is now
+HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
+                      double distance_m, double vertical_m, double unsure_m, double share);
+
+/// How fast a vehicle may fly that knows nobody ahead. One that flies towards it as fast may be just beyond the range
+/// of its sensor. Both can still stop when they have seen each other.
+/// @param unknown_s  from coming into range until the vehicle brakes: period and latency of the sensor, and reaction
+double speed_into_unknown_mps(double range_m, double unknown_s, double distance_m, double braking_mps2);
 
 }  // namespace swiftlet

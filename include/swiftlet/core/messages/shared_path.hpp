@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// Says where its sender will be. Beyond the last place it stays there.
+struct SharedPath {
+  static constexpr const char* kTopic = "shared_path";
+  static constexpr int kVersion = 1;
+  static constexpr const char* kDoc = "where its sender will be in the next seconds";
+
+  /// kPlan: it will be flown unless somebody objects.
+  enum class Word { kPlan, kFlown };
+  static constexpr std::array<const char*, 2> kWords = {"plan", "flown"};
+
+  struct Place {
+    Eigen::Vector3f p_world_m = Eigen::Vector3f::Zero();
+    static void visit(auto& p, auto& v) { v.field("*_m", p.p_world_m, "[m] position"); }
+  };
+
+  Word word = Word::kFlown;
+  TimeNs t = 0;
+  double interval_s = 0.0;
+  std::vector<Place> places;
+
+  static void visit(auto& m, auto& v) {
+    v.choice("word", m.word, kWords, "[-] plan: will be flown unless somebody objects; flown: is being flown");
+    v.time("t_s", m.t, "[s] of the first place");
+    v.field("interval_s", m.interval_s, "[s] from place to place");
+    v.list("num_places", m.places, "[-] places [m] in the world as the sender knows it");
+  }
+};
+
+}  // namespace swiftlet

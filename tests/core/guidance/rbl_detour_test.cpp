@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/guidance/rbl_detour.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "swiftlet/core/guidance/rbl.hpp"
+#include "tests/core/guidance/guidance_driver.hpp"
+#include "tests/core/planning/cell_list_map.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::CellListMap;
+using testing::GuidanceDriver;
+
+RblDetourConfig quick() {
+  RblDetourConfig config;
+  config.patience_s = 1.0;
+  config.climb_m = 0.1;
+  config.planning_latency_s = 0.3;
+  config.retry_after_s = 0.5;
+  config.retries = 1;
+  config.planner.clearance_m = 0.6;
+  config.planner.max_expansions = 5000;
+  return config;
+}
+
+/// A point that flies straight towards the next goal, and stops where it would come too near to something.
+struct Flight {
+  explicit Flight(const RblDetourConfig& config) : detour(config, 3.5) {
+    now.goal_local_m = {8, 0, 1};
+    now.p_local_m = {0, 0, 1};
+    now.z_min_m = 0.0;
+    now.z_max_m = 2.0;
+    now.encumbrance_m = 0.5;
+    now.map = &world;
+  }
+  void tick() {
+    now.neighbors = neighbors;
+    next_m = detour.next_goal_local_m(now);
+    now.now += from_seconds(0.1);
+    const Vector3 way_m = next_m - now.p_local_m;
+    const Vector3 step_m = way_m.norm() > 0.1 ? Vector3(0.1 * way_m.normalized()) : way_m;
+    const Vector3 p_m = now.p_local_m + step_m;
+    const double before_m = world.distance_m(now.p_local_m, 5.0), after_m = world.distance_m(p_m, 5.0);
+    if (!held && (after_m >= 0.05 || after_m > before_m)) now.p_local_m = p_m;
+    least_m = std::min(least_m, world.distance_m(now.p_local_m, 5.0));
+  }
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(10.0 * seconds) && left_m() > 0.1; ++i) tick();
+  }
+  double left_m() const { return (now.goal_local_m - now.p_local_m).norm(); }
+
+  CellListMap world{0.25};
+  std::vector<Neighbor> neighbors;
+  RblDetour detour;
+  RblDetour::Situation now;
+  Vector3 next_m = Vector3::Zero();
+  double least_m = 5.0;
+  bool held = false;
+};
+
+void add_u(CellListMap& world) {
+  world.occupy_box({4.0, -2.5, 0.0}, {4.25, 2.5, 2.0});
+  world.occupy_box({1.0, -2.75, 0.0}, {4.25, -2.5, 2.0});
+  world.occupy_box({1.0, 2.5, 0.0}, {4.25, 2.75, 2.0});
+}
+
+TEST(RblDetour, WhoGetsNearerFliesToTheGoalItself) {
+  Flight flight(quick());
+  flight.world.occupy_box({4.0, 3.0, 0.0}, {4.25, 6.0, 2.0});
+  while (flight.left_m() > 0.1) {
+    flight.tick();
+    ASSERT_EQ(flight.next_m, flight.now.goal_local_m);
+  }
+  EXPECT_EQ(flight.detour.num_plans(), 0U);
+  EXPECT_STREQ(flight.detour.note(), "");
+}
+
+TEST(RblDetour, OutOfAUItFliesBackwardsAndArrives) {
+  Flight flight(quick());
+  add_u(flight.world);
+  flight.run(60.0);
+  EXPECT_LT(flight.left_m(), 0.1);
+  EXPECT_GE(flight.least_m, 0.04);
+  RblDetourConfig off = quick();
+  off.enabled = false;
+  Flight caught(off);
+  add_u(caught.world);
+  caught.run(60.0);
+  EXPECT_GT(caught.left_m(), 4.0);
+}
+
+TEST(RblDetour, ItWaitsForItsPatienceAndForThePlannersLatency) {
+  Flight flight(quick());
+  flight.held = true;
+  flight.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 2.0, 2.0});
+  while (flight.next_m == Vector3::Zero() || flight.next_m == flight.now.goal_local_m) flight.tick();
+  const double waited_s = to_seconds(flight.now.now) - 0.1;
+  EXPECT_NEAR(waited_s, 1.0 + 0.3, 0.11);
+  EXPECT_TRUE(flight.detour.on_path());
+  EXPECT_NE(std::string(flight.detour.note()).find("path"), std::string::npos);
+}
+
+TEST(RblDetour, WhatComesIntoSightOnThePathMakesAnotherOne) {
+  Flight flight(quick());
+  flight.world.occupy_box({3.0, -1.5, 0.0}, {3.25, 4.0, 2.0});
+  for (int i = 0; i < 300 && !flight.detour.on_path(); ++i) flight.tick();
+  ASSERT_TRUE(flight.detour.on_path());
+  EXPECT_LT(flight.next_m.y(), 0.0);
+  const std::uint64_t plans = flight.detour.num_plans();
+  flight.world.occupy_box({3.0, -6.0, 0.0}, {3.25, -1.5, 2.0});
+  flight.run(60.0);
+  EXPECT_LT(flight.left_m(), 0.1);
+  EXPECT_GT(flight.detour.num_plans(), plans);
+}
+
+TEST(RblDetour, ThePathKeepsTheHeightOfAPlaneAndElseStaysNearItsHeights) {
+  RblDetourConfig config = quick();
+  config.climb_m = 5.0;
+  Flight over(config);
+  over.now.z_max_m = 6.0;
+  over.world.occupy_box({3.0, -5.0, 0.0}, {3.25, 5.0, 2.0});
+  over.held = true;
+  for (int i = 0; i < 20; ++i) over.tick();
+  const auto highest = [](const Flight& flight) {
+    double z_m = 0.0;
+    for (const Vector3& corner_m : flight.detour.corners_local_m()) z_m = std::max(z_m, corner_m.z());
+    return z_m;
+  };
+  EXPECT_GT(highest(over), 2.1) << "over the wall";
+  Flight planar(config);
+  planar.now = over.now;
+  planar.now.p_local_m = {0, 0, 1};
+  planar.now.planar = true;
+  planar.now.map = &over.world;
+  planar.world = over.world;
+  planar.held = true;
+  for (int i = 0; i < 20; ++i) planar.tick();
+  ASSERT_TRUE(planar.detour.on_path());
+  EXPECT_NEAR(highest(planar), 1.0, 0.3);
+}
+
+TEST(RblDetour, AroundAVehicleThatStandsInTheWayButThroughItWhenThereIsNoOther) {
+  Neighbor other;
+  other.position_local_m = {4.0, 0.0, 1.0};
+  Flight flight(quick());
+  flight.held = true;
+  flight.neighbors = {other};
+  for (int i = 0; i < 20; ++i) flight.tick();
+  ASSERT_GT(flight.detour.corners_local_m().size(), 2U);
+  flight.neighbors.front().velocity_local_mps = {0.0, 1.0, 0.0};  // it flies on
+  Flight open(quick());
+  open.held = true;
+  open.neighbors = flight.neighbors;
+  for (int i = 0; i < 20; ++i) open.tick();
+  EXPECT_EQ(open.detour.corners_local_m().size(), 2U);
+  Flight only(quick());
+  only.held = true;
+  only.neighbors = {other};
+  only.world.occupy_box({3.0, 1.0, 0.0}, {5.0, 9.0, 2.0});
+  only.world.occupy_box({3.0, -9.0, 0.0}, {5.0, -1.0, 2.0});
+  only.world.occupy_box({-9.0, 9.0, 0.0}, {10.0, 9.25, 2.0});
+  only.world.occupy_box({-9.0, -9.25, 0.0}, {10.0, -9.0, 2.0});
+  only.world.occupy_box({-9.25, -9.25, 0.0}, {-9.0, 9.25, 2.0});
+  only.world.occupy_box({10.0, -9.25, 0.0}, {10.25, 9.25, 2.0});
+  for (int i = 0; i < 20; ++i) only.tick();
+  EXPECT_EQ(only.detour.corners_local_m().size(), 2U);
+}
+
+TEST(RblDetour, WithoutAWayItSaysWhyFailsAndGoesOnWhenThereIsOne) {
+  Flight flight(quick());
+  flight.held = true;
+  CellListMap closed(0.25);
+  closed.occupy_box({-1.5, -1.5, 0.0}, {1.5, -1.25, 2.0});
+  closed.occupy_box({-1.5, 1.25, 0.0}, {1.5, 1.5, 2.0});
+  closed.occupy_box({-1.5, -1.5, 0.0}, {-1.25, 1.5, 2.0});
+  closed.occupy_box({1.25, -1.5, 0.0}, {1.5, 1.5, 2.0});
+  flight.now.map = &closed;
+  while (flight.detour.num_plans() < 2) flight.tick();
+  EXPECT_FALSE(flight.detour.gave_up()) << "it tries again";
+  for (int i = 0; i < 50; ++i) flight.tick();
+  EXPECT_TRUE(flight.detour.gave_up());
+  EXPECT_FALSE(flight.detour.on_path());
+  EXPECT_NE(std::string(flight.detour.note()), "");
+  EXPECT_EQ(flight.next_m, flight.now.goal_local_m);
+  flight.now.map = &flight.world;
+  for (int i = 0; i < 30; ++i) flight.tick();
+  EXPECT_FALSE(flight.detour.gave_up());
+  EXPECT_TRUE(flight.detour.on_path());
+}
+
+TEST(RblDetour, ASearchThatIsGivenUpIsCountedAndIsNoFailure) {
+  RblDetourConfig config = quick();
+  config.planner.max_expansions = 3;
+  Flight flight(config);
+  flight.held = true;
+  add_u(flight.world);
+  for (int i = 0; i < 100; ++i) flight.tick();
+  EXPECT_GT(flight.detour.num_given_up(), 1U);
+  EXPECT_EQ(flight.detour.num_given_up(), flight.detour.num_plans());
+  EXPECT_FALSE(flight.detour.gave_up());
+}
+
+/// A vehicle that is wherever its goal was a tick ago, as far as it can fly in a tick.
+double left_by_rbl_m(bool detour, double* least_m) {
+  RblConfig config;
+  config.variant = RblConfig::Variant::k3dClipped;
+  config.goal_m = {8, 0, 1};
+  config.z_min_m = 0.5;
+  config.z_max_m = 1.5;
+  config.cells.step_m = 0.35;
+  config.neighbors.source = NeighborSourceConfig::Source::kNone;
+  config.separation.enabled = false;
+  config.lidar.enabled = true;
+  config.detour = quick();
+  config.detour.enabled = detour;
+  GuidanceDriver driver("rbl", config, {0, 0, 1});
+  CellListMap world(0.25);
+  add_u(world);
+  driver.map = &world;
+  for (int i = 0; i < 600 && driver.out.mission != MissionStatus::kDone; ++i) {
+    driver.step();
+    const Vector3 way_m = driver.out.goal.position_m - driver.p_m();
+    const Vector3 step_m = way_m.norm() > 0.15 ? Vector3(0.15 * way_m.normalized()) : way_m;
+    driver.put(driver.p_m() + step_m, driver.out.goal.yaw_rad);
+    *least_m = std::min(*least_m, world.distance_m(driver.p_m(), 5.0));
+  }
+  return (config.goal_m - driver.p_m()).norm();
+}
+
+TEST(RblDetour, AVehicleByRblLeavesTheUThatHoldsItWithout) {
+  double least_m = 5.0;
+  EXPECT_LT(left_by_rbl_m(true, &least_m), 0.3);
+  EXPECT_GT(left_by_rbl_m(false, &least_m), 3.5);
+  EXPECT_GT(least_m, 0.4);
+}
+
+}  // namespace
+}  // namespace swiftlet
