@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/sim/plugin/plugin.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// Libraries of a few lines. They are loaded by what they export, so that none of our headers is needed.
+class Plugins : public ::testing::Test {
+ protected:
+  void SetUp() override { allow_plugins("1.2"); }
+  void TearDown() override { allow_plugins(""); }
+
+  void build(const std::string& name, const std::string& content) const {
+    const fs::path source = folder.path() / (name + ".cpp");
+    std::ofstream(source) << content;
+    const std::string command =
+        "c++ -shared -fPIC -o " + (folder.path() / (name + ".so")).string() + " " + source.string();
+    ASSERT_EQ(std::system(command.c_str()), 0);
+  }
+  static std::string plugin_for(const std::string& version, const std::string& body = "") {
+    return "#include <stdexcept>\nextern \"C\" const char* swiftlet_plugin_version() { return \"" + version +
+           "\"; }\nextern \"C\" void swiftlet_plugin_register(const void*) {" + body + "}\n";
+  }
+  static bool is_loaded(const fs::path& path) {
+    return std::ranges::count(loaded_plugins(), path.lexically_normal().string()) == 1;
+  }
+
+  TemporaryDirectory folder;
+};
+
+TEST_F(Plugins, AreLoadedOnceFromBesideTheFileThatNamesThem) {
+  build("fine", plugin_for("1.2"));
+  const std::size_t before = loaded_plugins().size();
+  EXPECT_EQ(load_plugin("fine.so", folder.path()), "");
+  EXPECT_TRUE(is_loaded(folder.path() / "fine.so"));
+  EXPECT_EQ(load_plugin("./fine.so", folder.path()), "");
+  EXPECT_EQ(load_plugin((folder.path() / "fine.so").string(), ""), "");
+  EXPECT_EQ(loaded_plugins().size(), before + 1);
+  allow_plugins("");
+  EXPECT_EQ(load_plugin("fine.so", folder.path()), "") << "what is loaded needs no leave any more";
+}
+
+TEST_F(Plugins, RunNothingUnlessTheyAreAllowed) {
+  build("fine", plugin_for("1.2"));
+  allow_plugins("");
+  EXPECT_THAT(load_plugin("fine.so", folder.path()),
+              HasSubstr("--allow-plugins on the command line, because \"fine.so\""));
+  EXPECT_FALSE(is_loaded(folder.path() / "fine.so"));
+}
+
+TEST_F(Plugins, AreOfThisVersion) {
+  build("old", plugin_for("1.1"));
+  EXPECT_EQ(load_plugin("old.so", folder.path()),
+            "a plugin that was built for swiftlet 1.2, found \"old.so\" for 1.1; build it again");
+  EXPECT_FALSE(is_loaded(folder.path() / "old.so"));
+}
+
+TEST_F(Plugins, AreLibrariesThatSayWhatTheyAre) {
+  std::ofstream(folder.path() / "text.so") << "no library";
+  EXPECT_THAT(load_plugin("text.so", folder.path()), HasSubstr("a shared library, found \"text.so\": "));
+  EXPECT_THAT(load_plugin("none.so", folder.path()), HasSubstr("a shared library, found \"none.so\": "));
+  const std::string expected = "which has no SWIFTLET_PLUGIN";
+  build("other", "int x;\n");
+  EXPECT_THAT(load_plugin("other.so", folder.path()), HasSubstr(expected));
+  build("half", "extern \"C\" const char* swiftlet_plugin_version() { return \"1.2\"; }\n");
+  EXPECT_THAT(load_plugin("half.so", folder.path()), HasSubstr(expected));
+  build("rest", "extern \"C\" void swiftlet_plugin_register(const void*) {}\n");
+  EXPECT_THAT(load_plugin("rest.so", folder.path()), HasSubstr(expected));
+  EXPECT_FALSE(is_loaded(folder.path() / "half.so"));
+}
+
+TEST_F(Plugins, TellWhenTheirNamesAreTaken) {
+  build("taken", plugin_for("1.2", "throw std::runtime_error(\"hover is there\");"));
+  EXPECT_EQ(load_plugin("taken.so", folder.path()),
+            "a plugin whose names are free, found \"taken.so\": hover is there");
+  EXPECT_FALSE(is_loaded(folder.path() / "taken.so"));
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
