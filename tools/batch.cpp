@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "fly_run.hpp"
 #include "interrupt.hpp"
 #include "plugin_options.hpp"
 #include "progress.hpp"
@@ -16,6 +17,8 @@
 #include "swiftlet/sim/batch/slurm.hpp"
 #include "swiftlet/sim/batch/worker_pool.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/registry/recorders.hpp"
+#include "swiftlet/sim/report/batch_report.hpp"
 
 namespace swiftlet::tools {
 namespace {
@@ -35,6 +38,7 @@ struct BatchArguments {
   bool plan = false;
   bool slurm = false;
   bool submit = false;
+  int replays = 0;
   bool quiet = false;
 };
 
@@ -46,6 +50,11 @@ struct MergeArguments {
 
 fs::path out_of(const BatchArguments& arguments, const sim::BatchPlan& plan) {
   return arguments.out.empty() ? fs::path("batches") / plan.config().name : fs::path(arguments.out);
+}
+
+sim::Shard shard_of(const BatchArguments& arguments) {
+  return arguments.shard.empty() ? sim::shard_of_environment(sim::system_environment())
+                                 : sim::parse_shard(arguments.shard);
 }
 
 void show_plan(const sim::BatchPlan& plan) {
@@ -109,12 +118,27 @@ void tell_failures(const fs::path& database) {
                                        count == 1 ? "" : "s", count == 1 ? "it" : "they", database.string()));
 }
 
+// The worst episodes once more, each with its replay, for the report.
+void write_replays(const BatchArguments& arguments, const sim::BatchPlan& plan, const fs::path& out, int threads) {
+  const sim::BatchTable table = sim::read_batch_table({out / "results.sqlite", sim::ResultStore::Mode::kRead});
+  for (const sim::EpisodeRow& row : sim::worst_episodes(table, static_cast<std::size_t>(arguments.replays))) {
+    const fs::path directory = out / sim::replay_of_episode(row.id);
+    if (!sim::has_replay(out, row)) {
+      sim::Scenario scenario = plan.scenario_of(plan.episode(row.id));
+      scenario.snapshots.clear();
+      scenario.recorders.clear();
+      scenario.recorders.emplace_back(sim::recorder_module_types(), "replay");
+      fly_run(scenario, directory, threads, arguments.quiet);
+    }
+    if (!arguments.quiet) fmt::print("  {:<40} episode {} plays there\n", (directory / "replay.html").string(), row.id);
+  }
+}
+
 void fly(const BatchArguments& arguments, const sim::BatchPlan& plan) {
   sim::BatchOptions options;
   options.out = out_of(arguments, plan);
   options.jobs = arguments.jobs > 0 ? arguments.jobs : sim::available_processors();
-  options.shard = arguments.shard.empty() ? sim::shard_of_environment(sim::system_environment())
-                                          : sim::parse_shard(arguments.shard);
+  options.shard = shard_of(arguments);
   options.resume = arguments.resume || arguments.retry;
   options.retry = arguments.retry;
   options.memory_limit_mb = arguments.memory_limit_mb;
@@ -141,6 +165,7 @@ void fly(const BatchArguments& arguments, const sim::BatchPlan& plan) {
                     sim::in_shell_quotes(options.out.string())));
   }
   if (!arguments.quiet) tell(outcome, options.out, elapsed_s());
+  if (arguments.replays > 0) write_replays(arguments, plan, options.out, options.jobs);
   tell_failures(outcome.database);
 }
 
@@ -149,6 +174,9 @@ void batch(const BatchArguments& arguments) {
     throw sim::InputError("batch: expected a batch file, or merge; try 'swiftlet batch --help'");
   const sim::BatchPlan plan(arguments.file, parse_assignments(arguments.set));
   if (arguments.plan) return show_plan(plan);
+  if (arguments.replays > 0 && !shard_of(arguments).whole())
+    throw sim::InputError(
+        "batch: --replays: expected a whole batch, found a part of one; its worst are known when all are merged");
   if (arguments.slurm || arguments.submit) return make_cluster_job(arguments, plan);
   fly(arguments, plan);
 }
@@ -195,6 +223,8 @@ void add_batch(CLI::App& app) {
                  {.value_name = "MiB", .min = 0});
   command.flag("--resume", options->resume, "Fly what is missing in the batch directory");
   command.flag("--retry", options->retry, "Resume, and fly again what failed, crashed or ran out of time or memory");
+  command.option("--replays", options->replays, "Fly the N worst episodes again, with replays for the report",
+                 {.value_name = "N", .min = 0, .max = 20});
   command.option("--set", options->set, "Override any key of the batch file (may be repeated)",
                  {.value_name = "KEY=VALUE", .repeated = true});
   command.flag("--plan", options->plan, "Print every episode as a command of its own, and fly nothing");

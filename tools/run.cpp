@@ -2,20 +2,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
 
 #include "commands.hpp"
-#include "interrupt.hpp"
-#include "progress.hpp"
+#include "fly_run.hpp"
 #include "scenario_options.hpp"
-#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/replay/live_server.hpp"
 #include "swiftlet/sim/run/memory.hpp"
-#include "swiftlet/sim/run/run_directory.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/run/summary.hpp"
 
@@ -42,26 +38,6 @@ std::string crashed_vehicles(const sim::RunSummary& summary) {
       names += (names.empty() ? "" : ", ") + row.vehicle;
   }
   return names;
-}
-
-// Ctrl-C ends the run after the present tick; nothing that looks finished is left behind.
-void stop_if_asked() {
-  if (StopSignals::requested()) throw Interrupted("interrupted; the unfinished run was removed");
-}
-
-void fly(sim::Simulation& simulation, bool quiet) {
-  Progress progress(simulation.scenario().name, quiet);
-  const auto start = std::chrono::steady_clock::now();
-  while (!simulation.finished()) {
-    simulation.tick();
-    stop_if_asked();
-    if (!progress.due()) continue;
-    const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double simulated_s = to_seconds(simulation.now());
-    progress.update(simulated_s / simulation.scenario().duration_s,
-                    fmt::format("{:.1f} of {:g} s, {:.1f} x real time", simulated_s, simulation.scenario().duration_s,
-                                simulated_s / wall_s));
-  }
 }
 
 // One line for a whole folder: a run may write thousands of scans.
@@ -101,39 +77,22 @@ void run(const RunOptions& options) {
   }
   const fs::path out = options.out.empty() ? fs::path("runs") / fmt::format("{}-{}", scenario.name, scenario.seed)
                                            : fs::path(options.out);
-  const StopSignals guard;
-  sim::RunDirectory directory(out);
-
-  const auto start = std::chrono::steady_clock::now();
-  sim::Simulation simulation(scenario, options.threads);
-  stop_if_asked();
-  simulation.attach_recorders(directory.path());
   std::unique_ptr<sim::LiveServer> server;
-  if (options.view) {
-    server = std::make_unique<sim::LiveServer>();
-    simulation.attach(sim::make_live_recorder({}, *server), directory.path());
-    fmt::print("view the run at {}\n", server->address());
-    std::fflush(stdout);
-  }
-  const auto ready = std::chrono::steady_clock::now();
-  fly(simulation, options.quiet);
-  std::vector<fs::path> written = simulation.finish();
-  const auto done = std::chrono::steady_clock::now();
-  std::sort(written.begin(), written.end());
-
-  sim::RunSummary summary = simulation.summary();
-  summary.setup_wall_s = std::chrono::duration<double>(ready - start).count();
-  summary.wall_s = std::chrono::duration<double>(done - ready).count();
-  sim::write_file(directory.path() / "scenario.yaml", sim::write_scenario(scenario));
-  sim::write_file(directory.path() / "summary.json", sim::to_json(summary));
-  directory.commit();
+  const FlownRun flown = fly_run(scenario, out, options.threads, options.quiet,
+                                 [&](sim::Simulation& simulation, const fs::path& directory) {
+                                   if (!options.view) return;
+                                   server = std::make_unique<sim::LiveServer>();
+                                   simulation.attach(sim::make_live_recorder({}, *server), directory);
+                                   fmt::print("view the run at {}\n", server->address());
+                                   std::fflush(stdout);
+                                 });
   if (server) server->finish();
   if (!options.quiet) {
-    fmt::print("{}", sim::to_text(summary));
-    print_paths(out, written);
+    fmt::print("{}", sim::to_text(flown.summary));
+    print_paths(out, flown.written);
     if (has_replay(scenario)) fmt::print("\nto look at it, open {}\n", fs::absolute(out / "replay.html").string());
   }
-  const std::string crashed = crashed_vehicles(summary);
+  const std::string crashed = crashed_vehicles(flown.summary);
   if (options.fail_on_crash && !crashed.empty()) {
     std::fflush(stdout);
     throw std::runtime_error("crashed: " + crashed + "; the run is in " + out.string());

@@ -47,6 +47,12 @@ class StackAgent : public Agent, public KeepsMap {
     if (needs_.map && stages_.mapping == nullptr) {
       throw std::invalid_argument("mapping: expected a type other than none, because guidance asks the map");
     }
+    if (stages_.mapping != nullptr && stages_.mapping->needs_submaps() &&
+        stages_.localization->submap_poses() == nullptr) {
+      throw std::invalid_argument(
+          "localization: expected {type: slam, global: {enabled: true}}, because mapping hangs on the submaps of its "
+          "pose graph");
+    }
     if (needs_.relatives && stages_.relative_localization == nullptr) {
       throw std::invalid_argument(
           "relative_localization: expected a type other than none, because guidance asks where the other vehicle is");
@@ -111,7 +117,12 @@ class StackAgent : public Agent, public KeepsMap {
 
   std::shared_ptr<const SavedMap> saved_map() const override {
     const auto* keeper = dynamic_cast<const KeepsMap*>(stages_.localization.get());
-    return keeper != nullptr ? keeper->saved_map() : nullptr;
+    std::shared_ptr<const SavedMap> saved = keeper != nullptr ? keeper->saved_map() : nullptr;
+    const SubmapPoses* poses = stages_.localization->submap_poses();
+    if (saved == nullptr || poses == nullptr || stages_.mapping == nullptr) return saved;
+    std::vector<MapPiece> pieces;
+    stages_.mapping->append_pieces(pieces);
+    return with_pieces(std::move(saved), *poses, pieces);
   }
 
  private:
@@ -171,7 +182,9 @@ class StackAgent : public Agent, public KeepsMap {
   }
 
   void map(const Observation& observation) {
-    if (stages_.mapping) stages_.mapping->step({observation, action_.estimate, clouds_, tracks_, relatives_}, outbox_);
+    if (!stages_.mapping) return;
+    stages_.mapping->step(
+        {observation, action_.estimate, clouds_, tracks_, relatives_, stages_.localization->submap_poses()}, outbox_);
   }
 
   void guide(const Observation& observation, double dt_s) {
@@ -227,6 +240,7 @@ class StackAgent : public Agent, public KeepsMap {
 
   void append_overlays() {
     action_.overlays.push_back(trail_.overlay("reference"));
+    stages_.localization->append_overlays(action_.overlays);
     if (stages_.detector) stages_.detector->append_overlays(action_.overlays);
     if (stages_.tracker) track_overlays_.append(tracks_, action_.overlays);
     if (stages_.relative_localization) stages_.relative_localization->append_overlays(action_.overlays);
@@ -327,6 +341,7 @@ std::optional<std::vector<std::string>> stack_overlays(const ModuleConfig& confi
     }
     all_told = all_told && registry.named(chosen.type).overlays != nullptr;
   };
+  add(estimator_registry(), stack.localization);
   add(detector_registry(), stack.detector);
   add(relative_localizer_registry(), stack.relative_localization);
   add(mapper_registry(), stack.mapping);

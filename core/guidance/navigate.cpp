@@ -135,7 +135,9 @@ class Navigate : public Guidance {
     hold_.yaw_rad = yaw_rad;
     if (outcome == PathFollower::Outcome::kArrived) {
       failures_ = 0;
-      ++next_goal_;
+      // A correction may have moved the goal since the path was planned. Then there is a rest to fly.
+      const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goals_m[next_goal_]);
+      if ((goal_local_m - follower_.corners_local_m().back()).norm() < config_.visited_m) ++next_goal_;
     }
     if (outcome != PathFollower::Outcome::kFlying) {
       hold_ = {.position_m = hold_.position_m, .yaw_rad = yaw_rad};

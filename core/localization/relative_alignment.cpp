@@ -223,7 +223,8 @@ void RelativeAlignment::weigh(const OtherMotion& anchor) {
   for (const AlignmentPair& pair : pairs_) {
     const Flown since = anchor.flown - pair.flown;
     const double lever_sq = (pair.p_other_m - anchor_other_m_).head<2>().squaredNorm();
-    const double drift = drift_.position_variance_m2(since) + drift_.yaw_variance_rad2(since) * lever_sq / 3.0;
+    const double drift =
+        drift_factor_ * (drift_.position_variance_m2(since) + drift_.yaw_variance_rad2(since) * lever_sq / 3.0);
     information_.push_back((pair.covariance + drift * Matrix3::Identity()).inverse());
   }
 }
@@ -386,8 +387,8 @@ RelativeAlignment::Matrix5 RelativeAlignment::covariance(const Guess& guess, con
     const Vector3 next_m = last ? now.p_other_local_m : pairs_[i + 1].p_other_m;
     const Vector3 middle_m = 0.5 * (pairs_[i].p_other_m + next_m) - anchor_other_m_;
     const Vector5 turned = turned_before - A_before * z_cross(R * middle_m);
-    C += drift_.position_variance_m2(step) * A_before * A_before.transpose();
-    C += drift_.yaw_variance_rad2(step) * turned * turned.transpose();
+    C += drift_factor_ * drift_.position_variance_m2(step) * A_before * A_before.transpose();
+    C += drift_factor_ * drift_.yaw_variance_rad2(step) * turned * turned.transpose();
   }
   return 0.5 * (C + C.transpose());
 }

@@ -12,6 +12,8 @@ namespace swiftlet {
 namespace {
 
 constexpr std::size_t kMaxHistory = 128;
+constexpr double kLogFactorWalk = 0.003;   // variance by sample: what was learned of the drift is forgotten in a minute
+constexpr double kMostSurprise_sq = 25.0;  // of one sample, in standard deviations: one of them proves nothing
 
 Matrix3 turn_about_vertical(double yaw_rad) {
   const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
@@ -47,6 +49,11 @@ void RelativeFilterConfig::visit(ConfigVisitor& v) {
       Range::non_negative());
   v.field("gate_sigma", gate_sigma, "[-] a sighting more standard deviations off is another thing's",
           Range::positive());
+  v.field(
+      "drift_factor_max", drift_factor_max,
+      "[-] so many times what it is said to, its odometry may drift and be followed by what is seen; 1: it is taken "
+      "at its word",
+      Range::between(1.0, 1000.0));
   v.field("history_s", history_s, "[s] how late a sighting or a sample may come", Range::between(0.1, 60.0));
 }
 
@@ -57,13 +64,17 @@ RelativeFilter::RelativeFilter(const RelativeFilterConfig& config, const Odometr
 
 void RelativeFilter::stop() {
   started_ = false;
+  base_ = newest();
   history_.clear();
 }
 
 void RelativeFilter::start(const FrameAlignment& alignment, const OtherMotion& anchor) {
+  const State before = newest();
   history_.clear();
   started_ = true;
   base_ = {};
+  base_.log_factor = before.log_factor;
+  base_.log_factor_variance = before.log_factor_variance;
   base_.t = base_.seen = anchor.t;
   base_.odometry = anchor;
   const Vector3 v_local_mps = turn_about_vertical(alignment.yaw_rad) * anchor.v_other_local_mps;
@@ -195,8 +206,8 @@ void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
   const Vector3 half_turned_m = vertical_cross(R * (-0.5 * step_other_m));
   Eigen::Matrix<double, 4, 1> walk;
   walk << half_turned_m, 1.0;
-  state.P.block<4, 4>(kAnchor, kAnchor) += drift_.yaw_variance_rad2(flown) * (walk * walk.transpose());
-  state.P.diagonal().segment<3>(kAnchor).array() += drift_.position_variance_m2(flown);
+  FrameAlignment::Covariance drift = drift_.yaw_variance_rad2(flown) * (walk * walk.transpose());
+  drift.diagonal().head<3>().array() += drift_.position_variance_m2(flown);
 
   const Vector3 step_m = R * step_other_m, v_local_mps = R * odometry.v_other_local_mps;
   Eigen::Matrix<double, 6, 1> innovation;
@@ -210,6 +221,11 @@ void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
   Matrix6 noise = Matrix6::Zero();
   noise.diagonal().head<3>().setConstant(config_.odometry_sigma_m * config_.odometry_sigma_m);
   noise.diagonal().tail<3>().setConstant(config_.odometry_velocity_sigma_mps * config_.odometry_velocity_sigma_mps);
+  const Eigen::Matrix<double, 3, kStates> H_place = H.topRows<3>(), HP = H_place.lazyProduct(state.P);
+  const Eigen::Matrix<double, 3, 4> H_anchor = H_place.rightCols<4>(), HD = H_anchor.lazyProduct(drift);
+  const Matrix3 expected = HP.lazyProduct(H_place.transpose()) + Matrix3(noise.topLeftCorner<3, 3>());
+  learn_drift(state, innovation.head<3>(), expected, HD.lazyProduct(H_anchor.transpose()));
+  state.P.block<4, 4>(kAnchor, kAnchor) += elementary::exp(state.log_factor) * drift;
   correct<6>(state, innovation, H, noise);
 
   // The anchor goes on to this sample.
@@ -220,6 +236,24 @@ void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
   state.P = carried(A, state.P);
   state.odometry = odometry;
 }
+
+/// With the factor f, the innovation of the position has the covariance S = expected + f of_drift. Its squared length
+/// in standard deviations is 3 in the mean when f is right, and s = tr(S^-1 f of_drift) / 3 is what share of it tells
+/// of f.
+void RelativeFilter::learn_drift(State& state, const Vector3& innovation_local_m, const Matrix3& expected,
+                                 const Matrix3& of_drift) const {
+  const Matrix3 drifted = elementary::exp(state.log_factor) * of_drift;
+  const Eigen::LLT<Matrix3> S = Matrix3(expected + drifted).llt();
+  const double squared_sigmas = std::min(innovation_local_m.dot(S.solve(innovation_local_m)), kMostSurprise_sq);
+  const double share = S.solve(drifted).trace() / 3.0;
+  const double gradient = 0.5 * share * (squared_sigmas - 3.0), information = 1.5 * share * share;
+  state.log_factor_variance += kLogFactorWalk;
+  state.log_factor_variance /= 1.0 + state.log_factor_variance * information;
+  state.log_factor = std::clamp(state.log_factor + state.log_factor_variance * gradient, 0.0,
+                                2.0 * elementary::log(config_.drift_factor_max));
+}
+
+double RelativeFilter::drift_variance_factor() const { return elementary::exp(newest().log_factor); }
 
 RelativeEstimate RelativeFilter::at(TimeNs t) const {
   ENSURE(started_);
@@ -248,7 +282,7 @@ RelativeEstimate RelativeFilter::at(TimeNs t) const {
 }
 
 FrameAlignment RelativeFilter::alignment() const {
-  const State& state = history_.empty() ? base_ : history_.back().after;
+  const State& state = newest();
   FrameAlignment out;
   out.anchor_other_m = state.odometry.p_other_local_m;
   out.anchor_local_m = state.x.segment<3>(kAnchor);

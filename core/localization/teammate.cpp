@@ -151,6 +151,7 @@ void Teammate::pair() {
 }
 
 void Teammate::align() {
+  alignment_.set_drift_variance_factor(filter_.drift_variance_factor());
   const auto& found = alignment_.fit(odometry_.newest(), clock_.prior());
   if (!found) return;
   clock_s_ = found->clock_s;

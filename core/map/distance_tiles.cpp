@@ -14,12 +14,29 @@ namespace swiftlet {
 namespace {
 
 using Squares = std::int16_t __attribute__((vector_size(16)));  // of a row of eight cells
+using Pair = std::int16_t __attribute__((vector_size(32)));     // of two rows, one after the other
 
-[[gnu::always_inline]] inline Squares least_of(const Squares& a, const Squares& b) { return a < b ? a : b; }
+template <class Vector>
+[[gnu::always_inline]] inline Vector least_of(const Vector& a, const Vector& b) {
+  return a < b ? a : b;
+}
+[[gnu::always_inline]] inline Pair twice(const Squares& row) {
+  return __builtin_shufflevector(row, row, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+/// Of a comparison, whose lanes are all ones or all zeros.
+template <class Vector>
+[[gnu::always_inline]] inline bool any(const Vector& lanes) {
+  std::uint64_t words[sizeof(Vector) / sizeof(std::uint64_t)], all = 0;
+  std::memcpy(words, &lanes, sizeof lanes);
+  for (const std::uint64_t word : words) all |= word;
+  return all != 0;
+}
 
 /// Cells between two blocks, along one axis: at least, and at most.
 int least_gap(int offset) { return offset == 0 ? 0 : RayCells::kSide * (std::abs(offset) - 1) + 1; }
 int most_gap(int offset) { return RayCells::kSide * (std::abs(offset) + 1) - 1; }
+/// Cells from a place to the nearest from first to last.
+int gap_to(int place, int first, int last) { return std::max({0, first - place, place - last}); }
 
 int squared_norm(int x, int y, int z) { return x * x + y * y + z * z; }
 
@@ -44,29 +61,83 @@ struct RowTable {
   std::array<std::array<std::int16_t, RayCells::kSide>, 256> of;
 };
 
-/// Eight times the square of each number, for gaps in cells.
+constexpr int kMostGap = DistanceTiles::kMostReach + 2 * RayCells::kSide;
+
+/// Of a gap in cells: its square eight times, then eight times that of the gap one smaller, to the next row.
 struct SquareTable {
-  static constexpr int kMost = DistanceTiles::kMostReach + 2 * RayCells::kSide;
   SquareTable() {
-    for (int gap = -kMost; gap <= kMost; ++gap) of[gap + kMost] = Squares{} + static_cast<std::int16_t>(gap * gap);
+    for (int gap = -kMostGap; gap <= kMostGap; ++gap) {
+      for (int lane = 0; lane < 16; ++lane) {
+        const int to = gap - lane / 8;
+        of[gap + kMostGap][lane] = static_cast<std::int16_t>(to * to);
+      }
+    }
   }
-  const Squares& operator[](int gap) const { return of[gap + kMost]; }
-  Squares of[2 * kMost + 1];
+  const Pair& operator[](int gap) const { return of[gap + kMostGap]; }
+  Pair of[2 * kMostGap + 1];
 };
 
-std::int16_t most_of(std::span<const std::int16_t> squares) {
-  std::int16_t most = 0;
-  for (const std::int16_t square : squares) most = std::max(most, square);
-  return most;
-}
+/// Squared gaps to the eight cubes of half a block's side, by one axis: from a cell, or from a block so many blocks
+/// away.
+struct OctantTable {
+  static constexpr int kHalf = RayCells::kSide / 2, kMostBlocks = kMostGap / RayCells::kSide;
+  OctantTable() {
+    for (int place = -kMostGap; place <= kMostGap; ++place) {
+      fill(of_cell, place + kMostGap, gap_to(place, 0, kHalf - 1), gap_to(place, kHalf, RayCells::kSide - 1));
+    }
+    for (int offset = -kMostBlocks; offset <= kMostBlocks; ++offset) {
+      const int first = offset * RayCells::kSide, last = first + RayCells::kSide - 1;
+      fill(of_block, offset + kMostBlocks, std::max({0, first - (kHalf - 1), -last}),
+           std::max({0, first - (RayCells::kSide - 1), kHalf - last}));
+    }
+  }
+  template <std::size_t N>
+  static void fill(Squares (&of)[3][N], int at, int to_lower, int to_upper) {
+    for (int octant = 0; octant < 8; ++octant) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const int gap = (octant >> axis & 1) != 0 ? to_upper : to_lower;
+        of[axis][at][octant] = static_cast<std::int16_t>(gap * gap);
+      }
+    }
+  }
+  Squares from_cell(const Cell& place) const {
+    return of_cell[0][place.x() + kMostGap] + of_cell[1][place.y() + kMostGap] + of_cell[2][place.z() + kMostGap];
+  }
+  Squares from_block(const Cell& blocks) const {
+    return of_block[0][blocks.x() + kMostBlocks] + of_block[1][blocks.y() + kMostBlocks] +
+           of_block[2][blocks.z() + kMostBlocks];
+  }
+  Squares of_cell[3][2 * kMostGap + 1];
+  Squares of_block[3][2 * kMostBlocks + 1];
+};
+
+const RowTable kRows;
+const SquareTable kSquares;
+const OctantTable kOctants;
 
 /// And to the nearest cell of a row that lies so many blocks farther along x.
-[[gnu::always_inline]] inline Squares squares_to(unsigned row, int blocks, const RowTable& table) {
-  if (blocks == 0) return lanes::load<Squares>(table.of[row].data());
+[[gnu::always_inline]] inline Squares squares_to(unsigned row, int blocks) {
+  if (blocks == 0) return lanes::load<Squares>(kRows.of[row].data());
   const int nearest =
       RayCells::kSide * blocks + (blocks > 0 ? std::countr_zero(row) : static_cast<int>(std::bit_width(row)) - 1);
   const Squares gap = static_cast<std::int16_t>(nearest) - Squares{0, 1, 2, 3, 4, 5, 6, 7};
   return gap * gap;
+}
+
+/// Calls fn(squares of the distances from a place to the cells of a pair of rows, which pair, in which layer, where
+/// these cells stand) for the layers of a block that are not farther from the place than the bound.
+template <class Fn>
+[[gnu::always_inline]] inline void for_pairs(const Cell& place, int bound_sq, Fn&& fn, std::int16_t* squared) {
+  const Squares gap = static_cast<std::int16_t>(place.x()) - Squares{0, 1, 2, 3, 4, 5, 6, 7};
+  const Pair along_x = twice(gap * gap);
+  for (int z = 0; z < RayCells::kSide; ++z) {
+    const int gap_z = place.z() - z;
+    if (gap_z * gap_z > bound_sq) continue;
+    const Pair along_xz = along_x + static_cast<std::int16_t>(gap_z * gap_z);
+    for (int pair = 0; pair < RayCells::kSide / 2; ++pair) {
+      fn(Pair(along_xz + kSquares[place.y() - 2 * pair]), pair, z, squared + 16 * (4 * z + pair));
+    }
+  }
 }
 
 }  // namespace
@@ -91,98 +162,186 @@ std::int16_t DistanceTiles::squared(const Cell& cell, const OccupiedBlocks& map,
   Tile& tile = last_ != nullptr && last_->at == block ? *last_ : tile_for(block);
   last_ = &tile;
   if (!tile.ready || tile.checked != revision) {
-    if (!tile.ready || !holds(tile, map)) {
-      compute(tile, map);
-      tile.computed = revision;
-      tile.ready = true;
+    if (!tile.ready || !follow(tile, map)) {
+      tile.squared.fill(kFar);
+      compute(tile, map, Part());
     }
+    tile.ready = true;
     tile.checked = revision;
   }
   return tile.squared[static_cast<std::size_t>((cell.x() & 7) | (cell.y() & 7) << 3 | (cell.z() & 7) << 6)];
 }
 
-bool DistanceTiles::holds(const Tile& tile, const OccupiedBlocks& map) const {
-  for (const Offset& offset : offsets_) {
-    if (offset.least_sq > tile.reach * tile.reach) return true;
-    if (map.occupied_changed(tile.at + offset.blocks) > tile.computed) return false;
+// What came lowers distances. What went leaves cells of which it was the nearest to be worked out again. False when the
+// map has forgotten what changed.
+bool DistanceTiles::follow(Tile& tile, const OccupiedBlocks& map) {
+  const Cell blocks = Cell::Constant((tile.reach + kSide - 1) / kSide);
+  changes_.clear();
+  map.append_changes(tile.at - blocks, tile.at + blocks, tile.checked, changes_);
+  const int reach_sq = reach_ * reach_;
+  const Squares most = lanes::load<Squares>(tile.octant_most.data());
+  bool changed = false;
+  Part lost{kSide, -1, kSide, -1};
+  for (const OccupiedBlocks::Change& change : changes_) {
+    const Cell offset = change.block - tile.at;
+    if (!any(kOctants.from_block(offset) <= most)) continue;
+    if (change.touched == nullptr) return false;
+    for (int z = 0; z < kSide; ++z) {
+      for (std::uint64_t left = (*change.touched)[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        const Cell place = kSide * offset + Cell(bit & 7, bit >> 3, z);
+        if (!any(kOctants.from_cell(place) <= most)) continue;
+        changed = true;
+        if (((*change.occupied)[static_cast<std::size_t>(z)] >> bit & 1U) != 0) {
+          for_pairs(
+              place, reach_sq,
+              [&](const Pair& squares, int, int, std::int16_t* at) {
+                const Pair within = squares <= static_cast<std::int16_t>(reach_sq) ? squares : Pair{} + kFar;
+                lanes::store(least_of(lanes::load<Pair>(at), within), at);
+              },
+              tile.squared.data());
+        } else {
+          for_pairs(
+              place, reach_sq,
+              [&](const Pair& squares, int pair, int layer, std::int16_t* at) {
+                const Pair before = lanes::load<Pair>(at);
+                const Pair was_nearest = squares == before;
+                if (!any(was_nearest)) return;
+                lanes::store(Pair(was_nearest ? Pair{} + kFar : before), at);
+                lost = {std::min(lost.first_pair, pair), std::max(lost.last_pair, pair),
+                        std::min(lost.first_layer, layer), std::max(lost.last_layer, layer)};
+              },
+              tile.squared.data());
+        }
+      }
+    }
+  }
+  if (lost.first_pair <= lost.last_pair) {
+    compute(tile, map, lost);
+  } else if (changed) {
+    finish(tile);
   }
   return true;
 }
 
 // What is near is looked at first: when no cell of the tile is farther from an occupied one than that reaches, the rest
 // does not matter.
-void DistanceTiles::compute(Tile& tile, const OccupiedBlocks& map) {
+void DistanceTiles::compute(Tile& tile, const OccupiedBlocks& map, const Part& part) {
   ++num_computed_;
-  near_.clear();
-  tile.squared.fill(kFar);
-  tile.reach = reach_;
   auto offset = offsets_.begin();
   int bound_sq = reach_ * reach_;
-  for (int seen = kSide;; seen += kSide) {
-    const std::size_t before = near_.size();
+  for (int seen = 0;; seen += kSide) {
+    near_.clear();
     for (; offset != offsets_.end() && offset->least_sq <= std::min(seen * seen, bound_sq); ++offset) {
       const RayCells::Bits* bits = map.occupied_of(tile.at + offset->blocks);
       if (bits == nullptr) continue;
       bound_sq = std::min(bound_sq, offset->most_sq);
       near_.push_back({bits, offset->blocks});
     }
-    if (near_.size() > before) measure(tile);
-    const std::int16_t most = most_of(tile.squared);
-    if (most < kFar) bound_sq = std::min<int>(bound_sq, most);
+    if (!near_.empty()) {
+      measure(tile, bound_sq, part);
+      Pair most{};
+      for (std::size_t i = 0; i < tile.squared.size(); i += 16) {
+        const Pair squares = lanes::load<Pair>(&tile.squared[i]);
+        most = most > squares ? most : squares;
+      }
+      std::array<std::int16_t, 16> by_lane{};
+      lanes::store(most, by_lane.data());
+      bound_sq = std::min<int>(bound_sq, *std::max_element(by_lane.begin(), by_lane.end()));
+    }
     if (offset == offsets_.end() || offset->least_sq > bound_sq) break;
   }
-  const auto reach_sq = static_cast<std::int16_t>(reach_ * reach_);
-  for (std::int16_t& square : tile.squared) square = square > reach_sq ? kFar : square;
-  const std::int16_t most = most_of(tile.squared);
-  if (most < kFar) tile.reach = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(most))));
+  finish(tile);
 }
 
-// Distances to the occupied cells of the blocks in near_.
-void DistanceTiles::measure(Tile& tile) {
-  static const RowTable table;
-  static const SquareTable square_of;
+// Distances to the occupied cells of the blocks in near_, as far as the bound.
+void DistanceTiles::measure(Tile& tile, int bound_sq, const Part& part) {
   Cell low = near_.front().blocks, high = low;
   for (const Near& near : near_) low = low.cwiseMin(near.blocks), high = high.cwiseMax(near.blocks);
   const int num_y = kSide * (high.y() - low.y() + 1), num_z = kSide * (high.z() - low.z() + 1);
+  const int words = (num_y + 63) / 64;
   // Along x: the nearest occupied cell of every row.
   rows_.resize(static_cast<std::size_t>(num_y) * num_z);
-  row_used_.assign(rows_.size(), 0);
+  rows_used_.assign(static_cast<std::size_t>(words) * num_z, 0);
   for (const Near& near : near_) {
     const int first_y = (near.blocks.y() - low.y()) * kSide, first_z = (near.blocks.z() - low.z()) * kSide;
     for (int z = 0; z < kSide; ++z) {
-      const std::size_t first = static_cast<std::size_t>(first_z + z) * num_y + static_cast<std::size_t>(first_y);
-      for (std::uint64_t word = (*near.bits)[static_cast<std::size_t>(z)]; word != 0;) {
-        const int y = std::countr_zero(word) >> 3;
-        const Squares here = squares_to(static_cast<unsigned>(word >> (8 * y)) & 0xFFU, near.blocks.x(), table);
+      std::uint64_t word = (*near.bits)[static_cast<std::size_t>(z)];
+      if (word == 0) continue;
+      const int gap_z = gap_to(near.blocks.z() * kSide + z, part.first_layer, part.last_layer);
+      const std::size_t first = static_cast<std::size_t>(first_z + z) * num_y;
+      std::uint64_t* const used = &rows_used_[static_cast<std::size_t>(first_z + z) * words];
+      while (word != 0) {
+        const int y = std::countr_zero(word) >> 3, row = first_y + y;
+        const auto bits = static_cast<unsigned>(word >> (8 * y)) & 0xFFU;
         word &= ~(std::uint64_t{0xFF} << (8 * y));
-        const std::size_t at = first + static_cast<std::size_t>(y);
-        lanes::store(row_used_[at] != 0 ? least_of(lanes::load<Squares>(rows_[at].data()), here) : here,
-                     rows_[at].data());
-        row_used_[at] = 1;
+        const int gap_y = gap_to(near.blocks.y() * kSide + y, 2 * part.first_pair, 2 * part.last_pair + 1);
+        if (gap_y * gap_y + gap_z * gap_z > bound_sq) continue;
+        Squares here = squares_to(bits, near.blocks.x());
+        std::int16_t* const squares = rows_[first + static_cast<std::size_t>(row)].data();
+        const std::uint64_t bit = std::uint64_t{1} << (row & 63);
+        if ((used[row >> 6] & bit) != 0) here = least_of(here, lanes::load<Squares>(squares));
+        used[row >> 6] |= bit;
+        lanes::store(here, squares);
       }
     }
   }
   // Along y, then along z.
-  Squares distances[kSide][kSide];
-  for (auto& layer : distances) std::fill_n(layer, kSide, Squares{} + kFar);
+  constexpr int kPairs = kSide / 2;
   for (int z = 0; z < num_z; ++z) {
-    Squares layer[kSide];
-    std::fill_n(layer, kSide, Squares{} + kFar);
-    bool any = false;
-    for (int y = 0; y < num_y; ++y) {
-      const std::size_t at = static_cast<std::size_t>(z) * num_y + static_cast<std::size_t>(y);
-      if (row_used_[at] == 0) continue;
-      any = true;
-      const Squares row = lanes::load<Squares>(rows_[at].data());
-      for (int to = 0; to < kSide; ++to) layer[to] = least_of(layer[to], row + square_of[low.y() * kSide + y - to]);
+    Pair layer[kPairs];
+    std::fill_n(layer, kPairs, Pair{} + kFar);
+    bool used = false;
+    for (int i = 0; i < words; ++i) {
+      for (std::uint64_t left = rows_used_[static_cast<std::size_t>(z) * words + i]; left != 0; left &= left - 1) {
+        const int y = 64 * i + std::countr_zero(left);
+        const Pair row = twice(lanes::load<Squares>(rows_[static_cast<std::size_t>(z) * num_y + y].data()));
+        const int gap = low.y() * kSide + y;
+        for (int p = part.first_pair; p <= part.last_pair; ++p) {
+          layer[p] = least_of(layer[p], Pair(row + kSquares[gap - 2 * p]));
+        }
+        used = true;
+      }
     }
-    if (!any) continue;
-    for (int to = 0; to < kSide; ++to) {
-      const Squares square = square_of[low.z() * kSide + z - to];
-      for (int y = 0; y < kSide; ++y) distances[to][y] = least_of(distances[to][y], layer[y] + square);
+    if (!used) continue;
+    for (int to = part.first_layer; to <= part.last_layer; ++to) {
+      const int gap = low.z() * kSide + z - to;
+      if (gap * gap > bound_sq) continue;
+      std::int16_t* const squares = &tile.squared[static_cast<std::size_t>(to) * kSide * kSide];
+      for (int p = part.first_pair; p <= part.last_pair; ++p) {
+        const Pair here = layer[p] + static_cast<std::int16_t>(gap * gap);
+        lanes::store(least_of(lanes::load<Pair>(squares + 16 * p), here), squares + 16 * p);
+      }
     }
   }
-  std::memcpy(tile.squared.data(), distances, sizeof distances);
+}
+
+// What lies beyond the reach is far, and what may matter from now on.
+void DistanceTiles::finish(Tile& tile) const {
+  const auto reach_sq = static_cast<std::int16_t>(reach_ * reach_);
+  Pair most[2][2] = {};  // of four rows, by the halves of y and z
+  for (int z = 0; z < kSide; ++z) {
+    for (int y = 0; y < kSide; y += 2) {
+      std::int16_t* const at = &tile.squared[static_cast<std::size_t>(z * kSide + y) * kSide];
+      const Pair squares = lanes::load<Pair>(at);
+      const Pair far = squares > reach_sq;
+      lanes::store(Pair(far ? Pair{} + kFar : squares), at);
+      const Pair bounded = far ? Pair{} + reach_sq : squares;
+      Pair& of = most[z / 4][y / 4];
+      of = of > bounded ? of : bounded;
+    }
+  }
+  std::int16_t greatest = 0;
+  for (int octant = 0; octant < 8; ++octant) {
+    const Pair& of = most[octant >> 2][octant >> 1 & 1];
+    std::int16_t here = 0;
+    for (int lane = 0; lane < 16; ++lane) {
+      if ((lane >> 2 & 1) == (octant & 1)) here = std::max(here, of[lane]);
+    }
+    tile.octant_most[static_cast<std::size_t>(octant)] = here;
+    greatest = std::max(greatest, here);
+  }
+  tile.reach = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(greatest))));
 }
 
 std::size_t DistanceTiles::slot_of(const Cell& block) const {

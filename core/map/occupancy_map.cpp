@@ -13,7 +13,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kScanTimes = 4096;  // of which the instants are remembered
+constexpr std::size_t kScanTimes = 4096;      // of which the instants are remembered
+constexpr std::size_t kTouchedBlocks = 4096;  // in a scan, for which there is memory from the start
 
 float log_odds_of(double p) { return static_cast<float>(elementary::log(p / (1.0 - p))); }
 
@@ -44,8 +45,9 @@ OccupancyMap::OccupancyMap(const OccupancyMapConfig& config)
   while (1 << bits_ < config.places_across()) ++bits_;
   mask_ = (1 << bits_) - 1;
   places_.assign(std::size_t{1} << 3 * bits_, -1);
-  occupied_changed_.assign(places_.size(), 0);
+  occupied_changes_.assign(places_.size(), {});
   occupied_places_.assign((places_.size() + 63) / 64, 0);
+  touched_.reserve(kTouchedBlocks);
 }
 
 // Blocks
@@ -84,6 +86,7 @@ void OccupancyMap::forget(int i) {
   if (about.page != 0) free_pages_.push_back(about.page);
   block(i) = {};
   note_occupied(i);
+  occupied_changes_[place_of(about.at)].touched = 0;
   places_[place_of(about.at)] = -1;
   about = {};
   free_blocks_.push_back(i);
@@ -113,8 +116,20 @@ void OccupancyMap::note_occupied(int i) {
   const Bits& bits = block(i).occupied;
   const bool any = std::any_of(bits.begin(), bits.end(), [](std::uint64_t word) { return word != 0; });
   const std::uint64_t bit = std::uint64_t{1} << (place & 63);
-  if (any || (occupied_places_[place >> 6] & bit) != 0) occupied_changed_[place] = revision_;
+  if (any || (occupied_places_[place >> 6] & bit) != 0)
+    occupied_changes_[place].revision = static_cast<std::uint32_t>(revision_);
   occupied_places_[place >> 6] = any ? occupied_places_[place >> 6] | bit : occupied_places_[place >> 6] & ~bit;
+}
+
+void OccupancyMap::note_touched(int i, int z, std::uint64_t cells) {
+  std::uint32_t& touched = occupied_changes_[place_of(blocks_[i].at)].touched;
+  if (touched == 0) {
+    touched_.push_back({blocks_[i].at});
+    touched = static_cast<std::uint32_t>(touched_.size());
+  }
+  Touched& entry = touched_[touched - 1];
+  entry.cells[z] |= cells;
+  entry.occupied[z] = block(i).occupied[z];
 }
 
 void OccupancyMap::give_page(int i) {
@@ -130,6 +145,9 @@ void OccupancyMap::give_page(int i) {
 // Updates
 
 void OccupancyMap::insert(std::span<const Ray> rays, TimeNs now) {
+  for (const Touched& touched : touched_) occupied_changes_[place_of(touched.at)].touched = 0;
+  touched_.clear();
+  touched_after_ = revision_;
   ++scan_;
   ++revision_;
   scan_times_[scan_ % kScanTimes] = now;
@@ -191,6 +209,7 @@ void OccupancyMap::miss_valued(int i, int z, std::uint64_t cells) {
   }
   if (occupied == before) return;
   blocks_[i].changed = revision_;
+  note_touched(i, z, occupied ^ before);
   note_occupied(i);
 }
 
@@ -231,6 +250,7 @@ void OccupancyMap::hit(const Cell& cell) {
   if (log_odds < occupied_ || (b.occupied[z] & bit) != 0) return;
   b.occupied[z] |= bit;
   blocks_[i].changed = revision_;
+  note_touched(i, z, bit);
   note_occupied(i);
 }
 
@@ -331,7 +351,23 @@ const RayCells::Bits* OccupancyMap::occupied_of(const Cell& at) const {
 }
 
 // Another block with the same place lies far away: what changed there makes one look again, no more.
-std::uint64_t OccupancyMap::occupied_changed(const Cell& at) const { return occupied_changed_[place_of(at)]; }
+void OccupancyMap::append_changes(const Cell& low, const Cell& high, std::uint64_t since,
+                                  std::vector<Change>& changes) const {
+  const bool remembered = since >= touched_after_;
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      const OccupiedChange* const row = occupied_changes_.data() + place_of({0, y, z});
+      for (int x = low.x(); x <= high.x(); ++x) {
+        const OccupiedChange& change = row[x & mask_];
+        if (change.revision <= since) continue;
+        const Cell block(x, y, z);
+        const bool known = remembered && change.touched != 0 && touched_[change.touched - 1].at == block;
+        const Touched* touched = known ? &touched_[change.touched - 1] : nullptr;
+        changes.push_back({block, known ? &touched->cells : nullptr, known ? &touched->occupied : nullptr});
+      }
+    }
+  }
+}
 
 std::optional<SegmentHit> OccupancyMap::first_hit(const Vector3& from_local_m, const Vector3& to_local_m) const {
   Cell cell;
@@ -350,6 +386,35 @@ bool OccupancyMap::changed_since(std::uint64_t revision, std::vector<VoxelGrid>&
   }
   forgotten_.for_each_since(revision, add);
   return true;
+}
+
+bool OccupancyMap::look_at(const Cell& at, CellBlock& states) const {
+  const int i = find(at);
+  if (i < 0) return false;
+  const Block& b = block(i);
+  states.at = at;
+  states.occupied = b.occupied;
+  for (int z = 0; z < kSide; ++z) {
+    states.free[z] = (b.valued[z] | b.misses_1[z] | b.misses_2[z] | b.misses_4[z]) & ~b.occupied[z];
+  }
+  return true;
+}
+
+std::vector<CellBlock> OccupancyMap::blocks_surer_than(double p) const {
+  const float least = log_odds_of(p);
+  std::vector<CellBlock> blocks;
+  for (const About& about : blocks_) {
+    CellBlock states;
+    if (!about.used || !look_at(about.at, states)) continue;
+    for (int z = 0; z < kSide; ++z) {
+      for (std::uint64_t left = states.occupied[z]; left != 0; left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        if (!(page(about.page).log_odds[z << 6 | bit] > least)) states.occupied[z] &= ~(std::uint64_t{1} << bit);
+      }
+    }
+    blocks.push_back(states);
+  }
+  return blocks;
 }
 
 void OccupancyMap::append_voxels(MapVoxels& copy) const {

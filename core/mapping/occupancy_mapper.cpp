@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/mapping/occupancy_mapper.hpp"
 
-#include <algorithm>
-
+#include "core/mapping/scan_rays.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/core/messages/map_rays.hpp"
@@ -16,7 +15,11 @@ constexpr double kShownBelow_m = 1.0;  // the vehicle; what is lower is mostly t
 
 class OccupancyMapper : public Mapper {
  public:
-  OccupancyMapper(const OccupancyMapperConfig& config, const AgentSetup& setup) : config_(config), map_(config.map) {
+  OccupancyMapper(const OccupancyMapperConfig& config, const AgentSetup& setup)
+      : config_(config),
+        map_(config.map),
+        scan_rays_({config.every_column, config.every_row, config.range_min_m, config.map.range_max_m,
+                    config.clear_range_m, config.tracked_radius_m}) {
     if (!config.rays_of.empty()) rays_of_ = vehicle_named(config.rays_of, setup, "mapping.rays_of");
     if (!config.tell_rays_to.empty()) tell_to_ = vehicle_named(config.tell_rays_to, setup, "mapping.tell_rays_to");
   }
@@ -30,18 +33,16 @@ class OccupancyMapper : public Mapper {
       return;
     }
     for (const auto& cloud : input.clouds) {
-      take_rays(*cloud, input);
+      const std::span<const OccupancyMap::Ray> rays = scan_rays_.take(*cloud, input);
       map_.keep_around(p_local_m_);
-      map_.insert(rays_, cloud->end());
-      if (tell_to_ != kNoVehicle) tell(cloud->end(), FrameChange::to_world(input.estimate), outbox);
+      map_.insert(rays, cloud->end());
+      if (tell_to_ != kNoVehicle) tell(rays, cloud->end(), FrameChange::to_world(input.estimate), outbox);
     }
   }
 
   const OccupancyView& map() const override { return map_; }
 
-  void append_counters(std::vector<Counter>& counters) const override {
-    counters.push_back({"returns farther than the map takes them", num_far_, num_returns_, "range_max_m"});
-  }
+  void append_counters(std::vector<Counter>& counters) const override { scan_rays_.append_counters(counters); }
 
   void append_overlays(std::vector<Overlay>& overlays) const override {
     Overlay cells;
@@ -60,42 +61,6 @@ class OccupancyMapper : public Mapper {
   }
 
  private:
-  bool chosen(int beam, int cols) const {
-    return beam % cols % config_.every_column == 0 && beam / cols % config_.every_row == 0;
-  }
-
-  void take_rays(const LocalCloud& cloud, const MapperInput& input) {
-    const Scan& scan = *cloud.scan;
-    rays_.clear();
-    returned_.assign(static_cast<std::size_t>(scan.size()), false);
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const int beam = static_cast<int>(cloud.beam[i]);
-      returned_[beam] = true;
-      if (!chosen(beam, scan.cols()) || is_vehicle(cloud, i, input)) continue;
-      const Eigen::Vector3f origin_local_m = cloud.T_local_lidar_of_beam(beam).translation().cast<float>();
-      const float range_m = (cloud.points_local_m[i] - origin_local_m).norm();
-      if (range_m < config_.range_min_m) continue;
-      ++num_returns_;
-      if (range_m > config_.map.range_max_m) ++num_far_;  // the map is cleared on the way, but not hit
-      rays_.push_back({origin_local_m, cloud.points_local_m[i], true});
-    }
-    if (config_.clear_range_m > 0.0) take_rays_without_return(cloud);
-  }
-
-  // Beams without return tell that nothing is near; the own body's beams have a return or a mask.
-  void take_rays_without_return(const LocalCloud& cloud) {
-    const Scan& scan = *cloud.scan;
-    const auto far_m = static_cast<float>(config_.clear_range_m);
-    for (int beam = 0; beam < scan.size(); ++beam) {
-      if (!chosen(beam, scan.cols()) || returned_[beam] || scan.hit(beam)) continue;
-      if (!scan.beams->masked.empty() && scan.beams->masked[beam] != 0) continue;
-      const Pose& T = cloud.T_local_lidar_of_beam(beam);
-      const Vector3 direction = T.linear() * scan.beams->directions_lidar[beam].cast<double>();
-      const Eigen::Vector3f origin_local_m = T.translation().cast<float>();
-      rays_.push_back({origin_local_m, origin_local_m + far_m * direction.cast<float>(), false});
-    }
-  }
-
   // Of somebody else, who may see this vehicle.
   void insert_told(const MapperInput& input) {
     const FrameChange to_local = FrameChange::to_local(input.estimate);
@@ -110,36 +75,23 @@ class OccupancyMapper : public Mapper {
     map_.insert(rays_, told_.t);
   }
 
-  void tell(TimeNs t, const FrameChange& to_world, Outbox& outbox) {
+  void tell(std::span<const OccupancyMap::Ray> rays, TimeNs t, const FrameChange& to_world, Outbox& outbox) {
     told_.t = t;
     told_.rays.clear();
-    for (const OccupancyMap::Ray& ray : rays_) {
+    for (const OccupancyMap::Ray& ray : rays) {
       told_.rays.push_back({to_world.point(ray.origin_local_m.cast<double>()).cast<float>(),
                             to_world.point(ray.end_local_m.cast<double>()).cast<float>(), ray.hit});
     }
     write_message(told_, outbox.say(tell_to_));
   }
 
-  /// Does the point lie near where a tracked vehicle, or a member of the team, was when it was measured?
-  bool is_vehicle(const LocalCloud& cloud, std::size_t point, const MapperInput& input) const {
-    if (input.tracks.empty() && input.relatives.empty()) return false;
-    const TimeNs t = cloud.time_of(point);
-    const Vector3 p_local_m = cloud.points_local_m[point].cast<double>();
-    const auto is_near = [&](const auto& vehicle) {
-      const Vector3 then_local_m = vehicle.position_m + to_seconds(t - vehicle.t) * vehicle.velocity_mps;
-      return (p_local_m - then_local_m).squaredNorm() < config_.tracked_radius_m * config_.tracked_radius_m;
-    };
-    return std::ranges::any_of(input.tracks, is_near) || std::ranges::any_of(input.relatives, is_near);
-  }
-
   OccupancyMapperConfig config_;
   OccupancyMap map_;
   Vector3 p_local_m_ = Vector3::Zero();
-  std::vector<OccupancyMap::Ray> rays_;
-  std::vector<bool> returned_;  // by beam
+  ScanRays scan_rays_;
+  std::vector<OccupancyMap::Ray> rays_;  // that somebody else told
   VehicleId rays_of_ = kNoVehicle, tell_to_ = kNoVehicle;
   MapRays told_;
-  std::uint64_t num_returns_ = 0, num_far_ = 0;
 };
 
 }  // namespace

@@ -37,6 +37,7 @@ GlobalSlam::GlobalSlam(const GlobalSlamConfig& config, bool pose_known)
   if (config.loaded_map == nullptr) return;
   graph_ = config.loaded_map->graph;
   num_given_poses_ = graph_.num_poses();
+  told_.num_given = config.loaded_map->submaps.size();
 }
 
 void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Eigen::Vector3f> points_body_m,
@@ -92,6 +93,11 @@ void GlobalSlam::begin_submap(const Node& node) {
   submap.begin_m = submap.end_m = node.way_m;
   submap.pose = graph_.add_pose(graph_.pose(node.pose) * node.T_local_body.inverse() * submap.T_local_submap);
   submaps_.push_back(std::move(submap));
+  told_.T_local_own.push_back(submaps_.back().T_local_submap);
+  ++told_.revision;
+  if (told_.num_given == 0 || !located_ || !told_.T_local_given.empty() || submaps_.size() > 1) return;
+  told_.T_local_given = given_poses_local();
+  told_.given = pieces_of(*config_.loaded_map);
 }
 
 /// It takes no further scans: it keeps a point in a cube and is compared with older ones.
@@ -242,17 +248,82 @@ void GlobalSlam::optimize(TimeNs t) {
   const Node& last = nodes_.back();
   // Both frames have z up: the tilt of the local frame is local SLAM's own.
   const Pose T_world_local = graph_.pose(last.pose) * last.T_local_body.inverse();
-  learned_.push_back({t, level_alignment(yaw_of(T_world_local.linear()), graph_.pose(last.pose).translation(),
-                                         last.T_local_body.translation())});
+  Learned learned;
+  learned.begun = t;
+  learned.T_world_local = level_alignment(yaw_of(T_world_local.linear()), graph_.pose(last.pose).translation(),
+                                          last.T_local_body.translation());
+  learned.T_local_own.reserve(submaps_.size());
+  const Pose T_local_from_world = this->T_local_world();
+  for (const Submap& submap : submaps_) learned.T_local_own.push_back(T_local_from_world * graph_.pose(submap.pose));
+  learned.T_local_own.back() = submaps_.back().T_local_submap;
+  if (located_) learned.T_local_given = given_poses_local();
+  learned_.push_back(std::move(learned));
+}
+
+/// By the submap that grows: what the vehicle sees now stands still in the local frame.
+Pose GlobalSlam::T_local_world() const {
+  return submaps_.back().T_local_submap * graph_.pose(submaps_.back().pose).inverse();
+}
+
+std::vector<Pose> GlobalSlam::given_poses_local() const {
+  std::vector<Pose> T_local_given;
+  if (config_.loaded_map == nullptr) return T_local_given;
+  const Pose T_local_from_world = T_local_world();
+  for (const SavedMap::Submap& submap : config_.loaded_map->submaps) {
+    T_local_given.push_back(T_local_from_world * graph_.pose(submap.pose));
+  }
+  return T_local_given;
 }
 
 std::optional<Pose> GlobalSlam::correction(TimeNs t) {
   std::optional<Pose> newest;
   while (!learned_.empty() && latency_.is_over(learned_.front().begun, t)) {
-    newest = learned_.front().T_world_local;
+    Learned& learned = learned_.front();
+    newest = learned.T_world_local;
+    // Submaps that began since then lie where they began.
+    std::copy(learned.T_local_own.begin(), learned.T_local_own.end(), told_.T_local_own.begin());
+    if (!learned.T_local_given.empty()) {
+      if (told_.given.empty()) told_.given = pieces_of(*config_.loaded_map);
+      told_.T_local_given = std::move(learned.T_local_given);
+    }
+    ++told_.revision;
     learned_.erase(learned_.begin());
   }
   return newest;
+}
+
+void GlobalSlam::append_overlays(std::vector<Overlay>& overlays) const {
+  if (submaps_.empty()) return;
+  const Pose T_local_from_world = T_local_world();
+  const auto place_local_m = [&](int pose) {
+    return Eigen::Vector3f((T_local_from_world * graph_.pose(pose).translation()).cast<float>());
+  };
+  Overlay way, submaps, closures;
+  way.name = "slam.trajectory";
+  way.kind = Overlay::Kind::kPolyline;
+  way.size_m = 3.0F;
+  way.colors = {{0.10F, 0.55F, 0.85F, 1.0F}};
+  way.legend = {{"trajectory by the pose graph", way.colors.front()}};
+  for (const Node& node : nodes_) way.positions.push_back(place_local_m(node.pose));
+  submaps.name = "slam.submaps";
+  submaps.kind = Overlay::Kind::kSpheres;
+  submaps.size_m = 0.3F;
+  submaps.colors = {{0.95F, 0.80F, 0.15F, 1.0F}};
+  submaps.legend = {{"where submaps began", submaps.colors.front()}};
+  for (const Submap& submap : submaps_) submaps.positions.push_back(place_local_m(submap.pose));
+  closures.name = "slam.closures";
+  closures.kind = Overlay::Kind::kLines;
+  closures.size_m = 4.0F;
+  closures.colors = {{0.85F, 0.15F, 0.55F, 1.0F}};
+  closures.legend = {{"closures between submaps", closures.colors.front()}};
+  for (const RelativeFactor& factor : graph_.relative_factors()) {
+    if (factor.huber == kNoHuber) continue;
+    closures.positions.push_back(place_local_m(factor.from));
+    closures.positions.push_back(place_local_m(factor.to));
+  }
+  overlays.push_back(std::move(way));
+  overlays.push_back(std::move(submaps));
+  overlays.push_back(std::move(closures));
 }
 
 Matrix6 GlobalSlam::odometry_information(double way_m) const {

@@ -63,7 +63,38 @@ std::string fault_of(const SavedMap& map) {
       return "a point is not finite";
     }
   }
+  const auto num_submaps = static_cast<int>(map.submaps.size());
+  for (const MapPiece& piece : map.pieces) {
+    if (piece.submap < 0 || piece.submap >= num_submaps || !is_pose(piece.T_submap_cells) || piece.cells == nullptr) {
+      return "cells belong to no submap";
+    }
+  }
   return "";
+}
+
+std::vector<MapPiece> pieces_of(const SavedMap& map) {
+  std::vector<MapPiece> pieces = map.pieces;
+  std::vector<bool> seen(map.submaps.size(), false);
+  for (const MapPiece& piece : map.pieces) seen[static_cast<std::size_t>(piece.submap)] = true;
+  for (std::size_t i = 0; i < map.submaps.size(); ++i) {
+    const std::vector<Eigen::Vector3f>& points_m = map.submaps[i].points_submap_m;
+    if (seen[i] || points_m.empty()) continue;
+    pieces.push_back({static_cast<int>(i), Pose::Identity(),
+                      std::make_shared<const SubmapCells>(SubmapCells::of_points(map.voxel_m, points_m))});
+  }
+  return pieces;
+}
+
+std::shared_ptr<const SavedMap> with_pieces(std::shared_ptr<const SavedMap> map, const SubmapPoses& poses,
+                                            std::span<const MapPiece> own) {
+  const std::size_t num_own = poses.T_local_own.size(), num_given = poses.num_given;
+  if (map == nullptr || own.empty() || map->submaps.size() != num_given + num_own) return map;
+  auto whole = std::make_shared<SavedMap>(*map);
+  for (MapPiece piece : own) {
+    piece.submap += static_cast<int>(num_given);
+    whole->pieces.push_back(std::move(piece));
+  }
+  return whole;
 }
 
 std::vector<Eigen::Vector3f> points_world_m(const SavedMap& map) {

@@ -47,6 +47,10 @@ class SlamEstimator : public StateEstimator, public KeepsMap {
   }
 
   std::shared_ptr<const SavedMap> saved_map() const override { return global_ ? global_->saved_map() : nullptr; }
+  const SubmapPoses* submap_poses() const override { return global_ ? &global_->submap_poses() : nullptr; }
+  void append_overlays(std::vector<Overlay>& overlays) const override {
+    if (global_) global_->append_overlays(overlays);
+  }
   const char* fault() const override { return fault_; }
   const char* warning() const override { return warning_; }
   void append_counters(std::vector<Counter>& counters) const override {

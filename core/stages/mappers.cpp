@@ -5,6 +5,7 @@
 
 #include "swiftlet/core/mapping/occupancy_mapper.hpp"
 #include "swiftlet/core/mapping/sparse_mapper.hpp"
+#include "swiftlet/core/mapping/submap_mapper.hpp"
 
 namespace swiftlet {
 namespace {
@@ -25,6 +26,10 @@ void need_for_sparse(const ModuleConfig& config, AgentNeeds& needs) {
                           SparseVoxelMap::most_bytes(sparse.map, std::max(sparse.range_max_m, sparse.map.edge_m))});
 }
 
+void need_for_submaps(const ModuleConfig& config, AgentNeeds& needs) {
+  needs.memory.push_back({"mapping.pieces_max", dynamic_cast<const SubmapMapperConfig&>(config).bytes()});
+}
+
 constexpr MapperType kMapperTypes[] = {
     {{"none", "no map of what is around", make_module_config<NoMapperConfig>}, make_no_mapper, nullptr, ""},
     {{"sparse", "voxels that the own LiDARs hit, near the vehicle [Kamler 2025, sec. 3.2]",
@@ -37,6 +42,11 @@ constexpr MapperType kMapperTypes[] = {
      make_occupancy_mapper,
      need_for_occupancy,
      "mapping.cells"},
+    {{"submaps", "cells of the submaps of SLAM's pose graph, which move with it [Orsulic 2021]",
+      make_module_config<SubmapMapperConfig>},
+     make_submap_mapper,
+     need_for_submaps,
+     "mapping.cells mapping.map"},
 };
 
 }  // namespace

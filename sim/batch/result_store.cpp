@@ -445,8 +445,8 @@ std::string ResultStore::dump() const {
       "ORDER BY episode",
       10);
   add("SELECT episode, name, value FROM parameters ORDER BY episode, name", 3);
-  add("SELECT episode, position, name, vehicle, printf('%!.17g', value), unit, text FROM metrics ORDER BY episode, "
-      "position",
+  add("SELECT episode, position, name, vehicle, CASE WHEN value IS NULL THEN '' ELSE printf('%!.17g', value) END, "
+      "unit, text FROM metrics ORDER BY episode, position",
       7);
   return text;
 }

@@ -63,7 +63,7 @@ std::array<std::uint8_t, kNumSymbols> code_lengths(std::array<std::uint32_t, kNu
       if (counts[static_cast<std::size_t>(i)] == 0) continue;
       int length = 0;
       for (int node = i; node != root; node = parent[static_cast<std::size_t>(node)]) ++length;
-      lengths[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::max(length, 1));
+      lengths[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(length);
       longest = std::max(longest, length);
     }
     if (longest <= kMaxCodeBits) return lengths;

@@ -18,6 +18,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -114,7 +115,8 @@ struct LiveServer::Impl {
     std::size_t number = 0;
     if (!path.starts_with(kBlocks)) return answer("404 Not Found", "text/plain", "there is nothing here\n");
     const char* end = path.data() + path.size();
-    if (std::from_chars(path.data() + kBlocks.size(), end, number).ptr != end)
+    const auto parsed = std::from_chars(path.data() + kBlocks.size(), end, number);
+    if (parsed.ec != std::errc() || parsed.ptr != end)
       return answer("404 Not Found", "text/plain", "there is nothing here\n");
     return block(number);
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -13,6 +14,7 @@
 #include "sim/report/html.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/shallow_json.hpp"
 #include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/plot/plot.hpp"
 
@@ -389,7 +391,8 @@ const Quantity* worst_by(const BatchTable& table, const std::vector<const Quanti
   return telling.empty() ? nullptr : telling.front();
 }
 
-std::string worst_section(const BatchTable& table, const Quantity& quantity) {
+/// Rows of the table, the worst first.
+std::vector<std::size_t> worst_first(const BatchTable& table, const Quantity& quantity) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < table.episodes.size(); ++i) {
     if (std::isfinite(quantity.values[i])) order.push_back(i);
@@ -398,17 +401,38 @@ std::string worst_section(const BatchTable& table, const Quantity& quantity) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return high ? quantity.values[a] > quantity.values[b] : quantity.values[a] < quantity.values[b];
   });
+  return order;
+}
+
+/// Those of these episodes whose replay lies in the batch directory, to be opened here.
+std::string replays_of(const BatchTable& table, const std::vector<std::size_t>& order, const fs::path& directory) {
+  std::string text;
+  for (const std::size_t i : order) {
+    const EpisodeRow& row = table.episodes[i];
+    if (!has_replay(directory, row)) continue;
+    const fs::path page = replay_of_episode(row.id) / "replay.html";
+    text +=
+        html::folded("Episode " + std::to_string(row.id) + ", " + row.variant + ", seed " + std::to_string(row.seed),
+                     html::replay_frame(page.generic_string()));
+  }
+  return text.empty() ? "<p class=\"note\">" + html::code("swiftlet batch ... --resume --replays 3") +
+                            " puts the first of them here, to play in the browser.</p>\n"
+                      : text;
+}
+
+std::string worst_section(const BatchTable& table, const Quantity& quantity, const fs::path& directory) {
+  std::vector<std::size_t> order = worst_first(table, quantity);
+  if (order.size() > kWorst) order.resize(kWorst);
   html::Table rows({"episode", "variant", "seed", "outcome", escape_markup(quantity.label()), "flown again by"},
                    {0, 1, 3, 5});
-  for (std::size_t i = 0; i < std::min(order.size(), kWorst); ++i) {
-    const EpisodeRow& row = table.episodes[order[i]];
+  for (const std::size_t i : order) {
+    const EpisodeRow& row = table.episodes[i];
     rows.add({std::to_string(row.id), escape_markup(row.variant), std::to_string(row.seed), escape_markup(row.outcome),
-              html::number(quantity.values[order[i]]), html::code(row.command + " --replay")});
+              html::number(quantity.values[i]), html::code(row.command + " --replay")});
   }
+  const bool high = table.config.report.worst_is == ReportConfig::WorstIs::kHigh;
   return html::section(std::string("Worst episodes: ") + (high ? "greatest " : "least ") + quantity.label(),
-                       rows.str() +
-                           "<p class=\"note\">Each leaves a page in its run directory on which it plays in the "
-                           "browser (replay.html).</p>\n");
+                       rows.str() + replays_of(table, order, directory));
 }
 
 std::string failure_section(const BatchTable& table) {
@@ -461,12 +485,32 @@ std::string csv_head(const EpisodeGroup& group, std::size_t num_parameters) {
 
 }  // namespace
 
-std::string batch_report_html(const BatchTable& table) {
+fs::path replay_of_episode(std::uint64_t id) { return fs::path("replays") / std::to_string(id); }
+
+bool has_replay(const fs::path& directory, const EpisodeRow& row) {
+  const fs::path run = directory / replay_of_episode(row.id);
+  if (!fs::is_regular_file(run / "replay.html") || !fs::is_regular_file(run / "summary.json")) return false;
+  const auto summary = parse_shallow<nlohmann::json>(read_whole_file(run / "summary.json"));
+  return summary.is_object() && summary.value("state_hash", nlohmann::json()) == row.state_hash;
+}
+
+std::vector<EpisodeRow> worst_episodes(const BatchTable& table, std::size_t count) {
+  const Quantity* quantity = worst_by(table, telling_quantities(table));
+  std::vector<EpisodeRow> rows;
+  if (quantity == nullptr) return rows;
+  for (const std::size_t i : worst_first(table, *quantity)) {
+    if (rows.size() == count) break;
+    rows.push_back(table.episodes[i]);
+  }
+  return rows;
+}
+
+std::string batch_report_html(const BatchTable& table, const fs::path& directory) {
   const auto telling = telling_quantities(table);
   std::string body = heading(table) + outcome_section(table);
   for (const Quantity* quantity : telling) body += quantity_section(table, *quantity);
   body += html::section("All metrics", all_quantities(table));
-  if (const Quantity* quantity = worst_by(table, telling)) body += worst_section(table, *quantity);
+  if (const Quantity* quantity = worst_by(table, telling)) body += worst_section(table, *quantity, directory);
   body += failure_section(table) + timing_section(table);
   body += html::section("Batch file, with every default",
                         html::folded(table.info.file, "<pre>" + escape_markup(table.info.text) + "</pre>"));
@@ -530,7 +574,7 @@ std::vector<fs::path> write_batch_report(const fs::path& directory) {
                      (shards ? "; unite its shards first: swiftlet batch merge --out " + directory.string() : ""));
   }
   const BatchTable table = read_batch_table(ResultStore(database, ResultStore::Mode::kRead));
-  write_file(directory / "report.html", batch_report_html(table));
+  write_file(directory / "report.html", batch_report_html(table, directory));
   write_file(directory / "report.csv", batch_report_csv(table));
   return {directory / "report.html", directory / "report.csv"};
 }

@@ -52,6 +52,12 @@ std::string folded(const std::string& title, const std::string& body) {
   return "<details><summary>" + escape_markup(title) + "</summary>\n" + body + "</details>\n";
 }
 
+std::string replay_frame(const std::string& address) {
+  const std::string escaped = escape_markup(address);
+  return "<p><a href=\"" + escaped + "\">Open it alone</a></p>\n<iframe src=\"" + escaped +
+         "\" loading=\"lazy\" title=\"replay\"></iframe>\n";
+}
+
 std::string page(const std::string& title, const std::string& body) {
   return fmt::format(fmt::runtime(embedded::page_html), fmt::arg("title", escape_markup(title)),
                      fmt::arg("style", embedded::page_css), fmt::arg("body", body));

@@ -181,9 +181,7 @@ std::string replay_section(const fs::path& directory) {
   }
   return html::section("Replay",
                        "<p><a href=\"replay.html\">The run in three dimensions</a>, with signals over time.</p>\n" +
-                           html::folded("Show it here",
-                                        "<iframe src=\"replay.html\" loading=\"lazy\" title=\"replay\">"
-                                        "</iframe>\n"));
+                           html::folded("Show it here", html::replay_frame("replay.html")));
 }
 
 std::string stages_section(const Json& summary) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/slam_map/slam_map_file.hpp"
 
+#include <array>
+#include <cmath>
 #include <cstring>
+#include <set>
 #include <vector>
 
 #include "swiftlet/sim/errors.hpp"
@@ -108,6 +111,7 @@ Record read_one(Reader& read) {
 }
 
 constexpr std::size_t kLeastRecord = 12;  // bytes of the smallest one
+constexpr std::size_t kLeastBlock = 77;   // bytes of a block of cells: its place, a flag and its free cells
 
 template <class Factor>
 void read_factors(Reader& read, PoseGraph& graph, std::vector<Factor>& factors) {
@@ -126,6 +130,50 @@ void read_factors(Reader& read, PoseGraph& graph, std::vector<Factor>& factors) 
       }
     }
     graph.add(f);
+  }
+}
+
+void write_pieces(std::span<const MapPiece> pieces, Writer& write) {
+  write.count(pieces.size(), 1);
+  for (const MapPiece& piece : pieces) {
+    const SubmapCells& cells = *piece.cells;
+    write(piece.submap), write(piece.T_submap_cells), write(cells.edge_m());
+    write.count(cells.num_blocks(), 1);
+    for (int i = 0; i < static_cast<int>(cells.num_blocks()); ++i) {
+      const SubmapCells::Bits* occupied = cells.occupied_of(i);
+      write(cells.at(i));
+      write(static_cast<std::uint8_t>(occupied != nullptr));
+      for (const std::uint64_t word : cells.free_of(i)) write(word);
+      if (occupied == nullptr) continue;
+      for (const std::uint64_t word : *occupied) write(word);
+    }
+  }
+}
+
+void read_pieces(Reader& read, std::vector<MapPiece>& pieces) {
+  constexpr int kFarthest = 1 << 19;  // blocks from the origin
+  pieces.resize(read.count(kLeastRecord));
+  for (MapPiece& piece : pieces) {
+    double edge_m = 0.0;
+    read(piece.submap), read(piece.T_submap_cells), read(edge_m);
+    if (!(edge_m > 0.0 && std::isfinite(edge_m))) read.reject();
+    std::vector<CellBlock> blocks(read.count(kLeastBlock));
+    std::set<std::array<int, 3>> places;
+    for (CellBlock& block : blocks) {
+      std::uint8_t any_occupied = 0;
+      read(block.at);
+      read(any_occupied);
+      for (std::uint64_t& word : block.free) read(word);
+      if (any_occupied != 0) {
+        for (std::uint64_t& word : block.occupied) read(word);
+      }
+      for (std::size_t z = 0; z < block.free.size(); ++z) {
+        if ((block.free[z] & block.occupied[z]) != 0) read.reject();
+      }
+      if ((block.at.array().abs() > kFarthest).any()) read.reject();
+      if (!places.insert({block.at.x(), block.at.y(), block.at.z()}).second) read.reject();
+    }
+    piece.cells = std::make_shared<const SubmapCells>(edge_m, blocks);
   }
 }
 
@@ -154,6 +202,7 @@ SavedMap read_payload(Reader& read) {
     submap.points_submap_m.resize(read.count(sizeof(float) * 3));
     for (Eigen::Vector3f& p : submap.points_submap_m) read(p);
   }
+  read_pieces(read, map.pieces);
   if (!read.at_end()) read.reject();
   return map;
 }
@@ -177,6 +226,7 @@ std::string slam_map_content(const SavedMap& map) {
     write.count(submap.points_submap_m.size(), 1);
     for (const Eigen::Vector3f& p : submap.points_submap_m) write(p);
   }
+  write_pieces(map.pieces, write);
   const auto text_of = [](const ByteBuffer& buffer) {
     return std::string_view(reinterpret_cast<const char*>(buffer.bytes().data()), buffer.size());
   };

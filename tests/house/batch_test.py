@@ -132,6 +132,33 @@ class Batch(unittest.TestCase):
         self.run_swiftlet(*words[1:], "--out", "again", "-q", check=True)
         self.assertEqual(json.loads((self.path / "again/summary.json").read_text())["state_hash"], expected)
 
+    def test_the_worst_episodes_play_in_the_report(self):
+        worst = ("--set", "report.worst_by=path_length_m", "--set", "seeds.count=2", "--replays", 2, "--out", "out")
+        self.run_swiftlet("batch", "batch.yaml", *worst, "-q", check=True)
+        with contextlib.closing(sqlite3.connect(self.path / "out/results.sqlite")) as connection:
+            query = ("SELECT e.episode, e.state_hash FROM episodes e JOIN metrics m ON m.episode = e.episode "
+                     "WHERE m.name = 'path_length_m' ORDER BY m.value DESC LIMIT 2")
+            expected = connection.execute(query).fetchall()
+        for episode, state_hash in expected:
+            run = self.path / "out/replays" / str(episode)
+            self.assertEqual(json.loads((run / "summary.json").read_text())["state_hash"], state_hash)
+            self.assertIn("<html", (run / "replay.html").read_text()[:1000])
+        self.run_swiftlet("report", "out", "-q", check=True)
+        page = (self.path / "out/report.html").read_text()
+        for episode, _ in expected:
+            self.assertIn(f'<iframe src="replays/{episode}/replay.html"', page)
+        # One of another flight is not shown, and is flown anew.
+        summary = self.path / f"out/replays/{expected[0][0]}/summary.json"
+        summary.write_text(summary.read_text().replace(expected[0][1], "0123456789abcdef"))
+        self.run_swiftlet("report", "out", "-q", check=True)
+        self.assertNotIn(f'"replays/{expected[0][0]}/replay.html"', (self.path / "out/report.html").read_text())
+        self.run_swiftlet("batch", "batch.yaml", *worst, "--resume", "-q", check=True)
+        self.assertEqual(json.loads(summary.read_text())["state_hash"], expected[0][1])
+        part = self.run_swiftlet("batch", "batch.yaml", "--out", "part", "--replays", 1, "--shard", "1/2")
+        self.assertEqual(part.returncode, 2)
+        self.assertIn("--replays", part.stderr)
+        self.assertFalse((self.path / "part").exists())
+
     def test_shards_told_by_hand_and_by_the_environment_merge_to_the_whole(self):
         expected = self.undisturbed()
         self.run_swiftlet("batch", "batch.yaml", "--out", "parts", "--shard", "1/3", "--jobs", 1, "-q", check=True)

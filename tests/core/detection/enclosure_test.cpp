@@ -59,7 +59,9 @@ TEST(EnclosureSearch, AgreesWithASlowFloodInRandomMaps) {
       else if (u > 0.999)
         map.set(i, 0.0F);
     }
-    SearchShape shape{.octahedron = trial % 3 == 0, .radius_m = 0.5 + random.uniform(trial, 1), .radius_steps = 6};
+    SearchShape shape{.octahedron = trial % 3 == 0,
+                      .radius_m = 0.5 + random.uniform(trial, 1),
+                      .radius_steps = static_cast<int>(trial / 3 % 8)};
     std::vector<Cell> starts;
     for (std::uint32_t k = 0; k < 1 + trial % 5; ++k) {
       starts.emplace_back(static_cast<int>(6.0 * random.uniform(trial, 2 + k)) - 3, static_cast<int>(k % 2), 0);

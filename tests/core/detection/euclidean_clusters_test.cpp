@@ -59,6 +59,44 @@ TEST(EuclideanClusters, AreThoseOfBruteForce) {
   }
 }
 
+// Tolerances of more than a meter, and cells whose numbers differ in their leading digits only. Points of one place
+// stand far from each other in the list.
+TEST(EuclideanClusters, OfGreatDistancesAreThoseOfBruteForce) {
+  EuclideanClusters clusters;
+  for (std::uint32_t trial = 0; trial < 40; ++trial) {
+    const Random random(trial, "test.far");
+    const double tolerance_m = 0.2 * std::pow(30.0, random.uniform(0, 0)), edge_m = 0.577 * tolerance_m;
+    Points points;
+    for (std::uint32_t i = 0; i < 240; ++i) {
+      const auto r = random.normal3(1, i);
+      Eigen::Vector3f p;
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        const double u = random.uniform(2 + i % 60, axis),
+                     far = std::exp2(std::floor(20.0 * random.uniform(2 + i % 60, 3 + axis)));
+        p[axis] = static_cast<float>(edge_m * ((u < 0.3 ? -far : u < 0.6 ? 0.0 : far - 4.0) + 0.9 * r[axis]));
+      }
+      points.push_back(p);
+    }
+    EXPECT_EQ(by_us(clusters, points, tolerance_m), by_brute_force(points, static_cast<float>(tolerance_m))) << trial;
+  }
+}
+
+// Cells are numbered in 21 bits by axis, less two at either end for their neighbors.
+TEST(EuclideanClusters, LeaveOutWhatIsAMillionCellsAway) {
+  EuclideanClusters clusters;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float sign : {-1.0F, 1.0F}) {
+      Eigen::Vector3f at = Eigen::Vector3f::Constant(0.5F);
+      at[axis] = sign > 0.0F ? 1'048'573.5F : -1'048'572.5F;
+      clusters.compute(Points{at}, 1.0 / 0.577);
+      EXPECT_EQ(clusters.size(), 1) << at.transpose();
+      at[axis] += sign;
+      clusters.compute(Points{at}, 1.0 / 0.577);
+      EXPECT_EQ(clusters.size(), 0) << at.transpose();
+    }
+  }
+}
+
 TEST(EuclideanClusters, ReachExactlyAsFarAsTheTolerance) {
   EuclideanClusters clusters;
   for (const Eigen::Vector3f& direction :

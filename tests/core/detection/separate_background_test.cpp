@@ -18,7 +18,8 @@ VoxelMapConfig box(const Vector3& size_m) {
 }
 
 /// By labels that spread until nothing changes.
-std::vector<std::ptrdiff_t> separate_slowly(const VoxelMap& map, double distance_m, int least_confident) {
+std::vector<std::ptrdiff_t> separate_slowly(const VoxelMap& map, double distance_m, int least_confident,
+                                            int& num_kept) {
   std::vector<std::ptrdiff_t> voxels;
   map.for_each_occupied([&](std::ptrdiff_t i) { voxels.push_back(i); });
   std::vector<std::size_t> label(voxels.size());
@@ -41,6 +42,8 @@ std::vector<std::ptrdiff_t> separate_slowly(const VoxelMap& map, double distance
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     if (confident[label[i]] < least_confident) out.push_back(voxels[i]);
   }
+  num_kept = 0;
+  for (std::size_t i = 0; i < voxels.size(); ++i) num_kept += label[i] == i && confident[i] >= least_confident;
   return out;
 }
 
@@ -49,20 +52,63 @@ TEST(SeparateBackground, AgreesWithLabelsThatSpread) {
   SeparateBackground separator;
   std::size_t removed = 0, kept = 0;
   for (std::uint32_t trial = 0; trial < 24; ++trial) {
-    VoxelMap map(box({18.0, 6.0, 3.0}));  // rows of more than one word
+    // Rows of more than one word; sizes that blocks of two fill or do not.
+    VoxelMap map(box(trial % 3 == 0   ? Vector3(18.0, 6.0, 3.0)
+                     : trial % 3 == 1 ? Vector3(17.75, 5.25, 2.75)
+                                      : Vector3(8.0, 7.25, 5.0)));
+    const int least = trial % 5 == 0 ? 1 : trial % 5 == 1 ? 2 : 3;
     const double share = 0.002 + 0.02 * random.uniform(trial, 0);
     for (std::ptrdiff_t i = 0; i < map.grid().num_cells(); ++i) {
       const double u = random.uniform(trial, 10 + static_cast<std::uint32_t>(i));
       if (u < share) map.set(i, u < 0.3 * share ? 0.0F : -200.0F);
     }
     const double distance_m = trial % 4 == 0 ? 0.25 : trial % 4 == 1 ? 0.5 : trial % 4 == 2 ? 0.7 : 1.3;
-    const auto found = separator.find(map, distance_m, 3);
-    ASSERT_EQ(found, separate_slowly(map, distance_m, 3)) << "distance " << distance_m;
+    const auto found = separator.find(map, distance_m, least);
+    int num_kept = 0;
+    ASSERT_EQ(found, separate_slowly(map, distance_m, least, num_kept)) << "distance " << distance_m;
+    EXPECT_EQ(separator.num_kept(), num_kept);
     removed += found.size();
     kept += map.num_occupied() - found.size();
   }
   EXPECT_GT(removed, 100u);
   EXPECT_GT(kept, 100u);
+}
+
+// Every pair of voxels, whatever their places in blocks and words: near or not by the distance of their centers.
+TEST(SeparateBackground, TwoVoxelsHangTogetherUpToTheDistanceAndWithIt) {
+  SeparateBackground separator;
+  for (const double distance : {1.0, 1.4, 1.75, 2.0, 3.0, 3.2}) {  // in edges
+    VoxelMap map(box({17.0, 2.25, 2.25}));
+    const VoxelGrid& grid = map.grid();
+    for (int x = 58; x < 68; ++x) {
+      const Cell a = grid.min_cell + Cell(x, 4, 4);
+      map.set(grid.index(a), 0.0F);
+      for (int k = 0; k < 9 * 9 * 9; ++k) {
+        const Cell away(k % 9 - 4, k / 9 % 9 - 4, k / 81 - 4);
+        const Cell b = a + away;
+        if (away == Cell::Zero() || !grid.contains(b)) continue;
+        map.set(grid.index(b), -200.0F);  // tentative
+        const bool together = away.cast<double>().norm() <= distance;
+        const auto& found = separator.find(map, distance * grid.edge_m, 1);
+        ASSERT_EQ(found.size(), together ? 0U : 1U) << distance << ": " << away.transpose() << " at " << x;
+        EXPECT_EQ(separator.num_kept(), 1);
+        map.set(grid.index(b), -1000.0F);
+      }
+      map.set(grid.index(a), -1000.0F);
+    }
+  }
+}
+
+TEST(SeparateBackground, WithoutALeastNumberAllAreKept) {
+  SeparateBackground separator;
+  VoxelMap map(box({3.0, 3.0, 3.0}));
+  map.set(0, -200.0F);
+  map.set(100, -200.0F);
+  EXPECT_EQ(separator.find(map, 0.7, 1).size(), 2U);
+  for (const int least : {0, -1}) {
+    EXPECT_TRUE(separator.find(map, 0.7, least).empty());
+    EXPECT_EQ(separator.num_kept(), 2);
+  }
 }
 
 TEST(SeparateBackground, AnEmptyMapHasNone) {

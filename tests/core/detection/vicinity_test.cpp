@@ -29,14 +29,18 @@ TEST(Vicinity, HoldsWhateverIsNearAPointAndNothingFar) {
     int near = 0, held = 0;
     for (std::uint32_t i = 100; i < 20'000; ++i) {
       const Eigen::Vector3f p = i % 2 == 0 ? point(i) : (points[i % 60] + 0.05F * Eigen::Vector3f(i % 7, i % 5, i % 3));
-      float nearest_m = 1e9F;
-      for (const Eigen::Vector3f& q : points) nearest_m = std::min(nearest_m, (p - q).norm());
+      float nearest_m = 1e9F, nearest_by_axis_m = 1e9F;
+      for (const Eigen::Vector3f& q : points) {
+        nearest_m = std::min(nearest_m, (p - q).norm());
+        nearest_by_axis_m = std::min(nearest_by_axis_m, (p - q).cwiseAbs().maxCoeff());
+      }
       if (box.index_of(p.cast<double>()) < 0) continue;
       const bool inside = vicinity.contains(p);
       near += nearest_m <= distance_m;
       held += inside;
       ASSERT_TRUE(inside || nearest_m > distance_m) << nearest_m;
       ASSERT_TRUE(!inside || nearest_m < 4.0 * std::max(distance_m, 0.25)) << nearest_m;
+      ASSERT_TRUE(!inside || nearest_by_axis_m < 2.01 * std::max(distance_m, 0.25)) << "two cells away";
     }
     EXPECT_GT(near, 100);
     EXPECT_LT(held, 19'000);

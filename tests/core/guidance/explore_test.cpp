@@ -149,5 +149,56 @@ TEST(Explore, ASearchThatIsGivenUpIsCountedAndNamesItsBudget) {
   EXPECT_EQ(given_up.setting, "view.max_expansions");
 }
 
+TEST(Explore, ShowsItsPathAndItsView) {
+  Explorer explorer(rooms(), explores({14, 6, 2.5}), {1.5, 1.5, 1.1});
+  std::vector<Overlay> overlays;
+  explorer.guidance->append_overlays(overlays);
+  EXPECT_TRUE(overlays.empty());
+  while (explorer.out.note != std::string("flies to a view") && explorer.observation.t < 60 * kNsPerSecond)
+    explorer.run(0.15);
+  explorer.guidance->append_overlays(overlays);
+  ASSERT_EQ(overlays.size(), 2U);
+  EXPECT_EQ(overlays[1].positions.size(), 1U);
+  EXPECT_EQ(overlays[1].positions[0], overlays[0].positions.back());
+  EXPECT_NEAR(overlays[0].size_m, 0.1, 0.04);
+  EXPECT_NEAR(overlays[1].size_m, 0.3, 0.12) << "larger than the path";
+}
+
+TEST(Explore, LooksAroundForItsTimeWhereItHoversAndFailsWhereItNeverDoes) {
+  ExploreConfig config = explores({14, 6, 2.5});
+  config.look_s = 0.65;
+  config.stage_timeout_s = 2.0;
+  config.retry_after_s = 1.0;
+  config.retries = 1;
+  for (const double speed_mps : {0.24, 0.26}) {
+    Explorer explorer(rooms(), config, {1.5, 1.5, 1.1});
+    explorer.see();
+    std::vector<std::pair<double, std::string>> changes;
+    for (int i = 0; i < 60; ++i) {
+      explorer.estimate.v_local_mps = {0.0, speed_mps, 0.0};
+      explorer.step();
+      EXPECT_EQ(explorer.out.speed_limit_mps, config.speed_mps);
+      if (changes.empty() || changes.back().second != explorer.out.note)
+        changes.emplace_back(to_seconds(explorer.observation.t), explorer.out.note);
+    }
+    ASSERT_GT(changes.size(), 3U);
+    EXPECT_EQ(changes[0].second, "looks around");
+    if (speed_mps < 0.25) {
+      EXPECT_EQ(changes[1].second, "looks for a view");
+      EXPECT_NEAR(changes[1].first, 0.8, 1e-6) << "0.65 s after the first tick";
+      EXPECT_EQ(changes[2].second, "flies to a view");
+      EXPECT_NEAR(changes[2].first, 0.8 + 0.1 + 0.3, 1e-6);
+      EXPECT_EQ(changes[3].second, "the vehicle does not reach its view");
+      EXPECT_NEAR(changes[3].first, 1.2 + 2.0, 1e-6);
+    } else {
+      EXPECT_EQ(changes[1].second, "the vehicle does not come to rest");
+      EXPECT_NEAR(changes[1].first, 2.1, 1e-6);
+      EXPECT_NEAR(changes[2].first, 3.1, 1e-6) << "it looks around again";
+      EXPECT_NEAR(changes[3].first, 5.1, 1e-6);
+      EXPECT_EQ(explorer.out.mission, MissionStatus::kFailed);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet

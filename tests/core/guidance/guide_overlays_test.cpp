@@ -33,6 +33,12 @@ TEST(GuideOverlays, PathsAreLinesFromPointToPoint) {
   plan.primary_local_m = {{0, 0, 2}, {0, 0, 4}};
   auto overlays = overlays_of(plan, 1.5);
   ASSERT_EQ(overlays.size(), 5U);
+  for (const char* name : {"guide.secondary_path", "guide.primary_path", "guide.visible", "guide.overlap"}) {
+    EXPECT_EQ(overlays[name].kind, Overlay::Kind::kLines);
+    EXPECT_NEAR(overlays[name].size_m, 3.0, 1.0) << "lines that are seen";
+    EXPECT_EQ(overlays[name].colors.size(), 1U);
+  }
+  EXPECT_NEAR(overlays["guide.viewpoint"].size_m, 0.12, 0.05) << "smaller than a vehicle";
   EXPECT_EQ(overlays["guide.secondary_path"].positions.size(), 4U);
   EXPECT_NEAR(drawn_length_m(overlays["guide.secondary_path"]), 7.0, 1e-6);
   EXPECT_EQ(overlays["guide.secondary_path"].positions.back(), Eigen::Vector3f(3, 4, 1));

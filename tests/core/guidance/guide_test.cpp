@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -390,6 +392,306 @@ TEST(Guide, SearchesThatAreGivenUpAreCountedByTheVehicleTheyAreFor) {
   const Counter given_up = team.counter("planner.secondary.max_expansions");
   EXPECT_EQ(given_up.count, 2U) << "once, and one retry";
   EXPECT_EQ(given_up.of, 2U);
+}
+
+// ---- the bounds of each decision, of vehicles that stay where they are and say how fast they are
+
+/// One tick in which nobody moves, whatever was said.
+void hold(Team& team, double own_mps = 0.0, double its_mps = 0.0) {
+  team.guided.t = team.guided.seen = team.observation.t + from_seconds(team.dt_s);
+  if (team.hears) team.guided.heard = team.guided.heard_stamp = team.guided.t;
+  team.guided.heard_position_m = team.guided.position_m;
+  team.guided.heard_yaw_rad = team.guided.yaw_rad;
+  team.guided.velocity_mps = {its_mps, 0, 0};
+  team.estimate.v_local_mps = {0, own_mps, 0};
+  team.relatives.clear();
+  if (team.localized) team.relatives.push_back(team.guided);
+  team.step();
+}
+void hold_for(Team& team, double seconds, double own_mps = 0.0, double its_mps = 0.0) {
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / team.dt_s)); ++i) hold(team, own_mps, its_mps);
+}
+/// Until it says so.
+double hold_until(Team& team, const std::string& note, double longest_s) {
+  const TimeNs from = team.observation.t;
+  while (team.out.note != note && team.observation.t < from + from_seconds(longest_s)) hold(team);
+  EXPECT_EQ(team.out.note, note);
+  return to_seconds(team.observation.t - from);
+}
+/// All that was said since the last time.
+std::vector<GuidingPath> heard(Team& team) {
+  std::vector<Message> sent;
+  team.outbox.empty_into(sent);
+  std::vector<GuidingPath> paths(sent.size());
+  for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(read_message(sent[i], paths[i]), Reading::kDone);
+  return paths;
+}
+
+GuidingPath newest(Team& team) {
+  const std::vector<GuidingPath> paths = heard(team);
+  EXPECT_FALSE(paths.empty());
+  return paths.empty() ? GuidingPath() : paths.back();
+}
+
+TEST(GuideDecisions, ItPlansOnceBothHaveRestedForItsTimeWithoutAPause) {
+  Team team(guides_uav2({{4, 0, 0.7}}));
+  hold(team);
+  EXPECT_STREQ(team.out.note, "planning");
+  hold_for(team, 1.0, 0.24, 0.24);
+  hold(team, 0.26, 0.0);  // a breath
+  hold_for(team, 1.0, 0.0, 0.0);
+  hold(team, 0.0, 0.26);
+  // A second at rest from now on, and half a second of planning.
+  EXPECT_NEAR(hold_until(team, "primary moving", 5.0), 0.1 + 1.0 + 0.5, 0.05);
+  EXPECT_EQ(team.counter().of, 1U);
+  for (const auto& [own_mps, its_mps] : {std::pair(0.26, 0.0), std::pair(0.0, 0.26)}) {
+    Team restless(guides_uav2({{4, 0, 0.7}}));
+    hold_for(restless, 3.0, own_mps, its_mps);
+    EXPECT_EQ(restless.counter().of, 0U);
+    EXPECT_STREQ(restless.out.note, "planning");
+  }
+}
+
+TEST(GuideDecisions, WhoNeverRestsFailsAsOftenAsItMayBeTriedAgain) {
+  GuideConfig config = guides_uav2({{4, 0, 0.7}});
+  config.stage_timeout_s = 4.0;
+  config.retries = 2;
+  config.retry_after_s = 1.5;
+  Team team(config);
+  std::vector<std::pair<double, std::string>> changes;
+  std::string before;
+  for (int i = 0; i < 250; ++i) {
+    hold(team, 0.0, 1.0);
+    if (team.out.note != before) changes.emplace_back(to_seconds(team.observation.t), team.out.note);
+    before = team.out.note;
+    const bool over = to_seconds(team.observation.t) > 0.1 + 3 * 4.0 + 2 * 1.5 - 0.05;
+    ASSERT_EQ(team.out.mission, over ? MissionStatus::kFailed : MissionStatus::kRunning) << i;
+  }
+  const std::string why = "the guided vehicle is not localized, or does not come to rest";
+  ASSERT_EQ(changes.size(), 6U);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(changes[i].second, i % 2 == 0 ? "planning" : why);
+    EXPECT_NEAR(changes[i].first, 0.1 + 4.0 * static_cast<double>((i + 1) / 2) + 1.5 * static_cast<double>(i / 2),
+                1e-6);
+  }
+}
+
+TEST(GuideDecisions, ItGuidesWhoIsSureEnoughAlongEveryAxisAndWasHeardLately) {
+  for (const int axis : {0, 1, 2}) {
+    for (const bool sure : {true, false}) {  // 0.4 m is the bound
+      Team team(guides_uav2({{4, 0, 0.7}}));
+      team.guided.covariance(axis, axis) = sure ? 0.159 : 0.161;
+      team.guided.covariance(3, 3) = 9.0;  // of its velocity, which does not matter
+      hold_for(team, 0.5);
+      EXPECT_STREQ(team.out.note, sure ? "planning" : "idle: the guided vehicle is not localized yet");
+    }
+  }
+  Team team(guides_uav2({{4, 0, 0.7}}));
+  hold(team);
+  team.hears = false;
+  hold_for(team, 1.4);
+  EXPECT_STREQ(team.out.note, "planning") << "link_timeout_s is 1.5 s";
+  hold(team);
+  EXPECT_STREQ(team.out.note, "hovers: the guided vehicle is lost");
+}
+
+TEST(GuideDecisions, ItIsAtItsViewpointWhereItHoversWithinItsTolerance) {
+  Team team(guides_uav2({{4, 0, 0.7}}));
+  hold_until(team, "primary moving", 5.0);
+  hold(team);
+  const Vector3 viewpoint_m = team.out.goal.position_m;
+  EXPECT_GT((viewpoint_m - team.p_m()).norm(), 1.0);
+  EXPECT_EQ(team.out.speed_limit_mps, 1.0);
+  team.put(viewpoint_m + Vector3(0.31, 0, 0));
+  hold_for(team, 0.5);
+  EXPECT_STREQ(team.out.note, "primary moving");
+  team.put(viewpoint_m + Vector3(0.29, 0, 0));
+  hold_for(team, 0.5, 0.26);
+  EXPECT_STREQ(team.out.note, "primary moving");
+  hold(team, 0.24);
+  EXPECT_STREQ(team.out.note, "secondary moving");
+}
+
+TEST(GuideDecisions, AViewpointThatIsNotReachedInTimeIsAFailure) {
+  GuideConfig config = guides_uav2({{4, 0, 0.7}});
+  config.stage_timeout_s = 3.0;
+  Team team(config);
+  hold_until(team, "primary moving", 5.0);
+  EXPECT_NEAR(hold_until(team, "the guide does not reach its viewpoint", 9.0), 3.0, 1e-6);
+}
+
+/// The guide stands at its viewpoint, and the other one may go.
+void place_at_viewpoint(Team& team) {
+  hold_until(team, "primary moving", 5.0);
+  for (int i = 0; i < 20 && team.out.note == std::string("primary moving"); ++i) {  // corner by corner
+    hold(team);
+    team.put(team.out.goal.position_m);
+  }
+  ASSERT_STREQ(team.out.note, "secondary moving");
+  heard(team);
+}
+
+/// The guided one flies along x, a decimeter a tick.
+void fly_to(Team& team, double x_m) {
+  while (team.guided.position_m.x() < x_m - 0.1) {
+    team.guided.position_m.x() += 0.1;
+    hold(team, 0.0, 1.0);
+  }
+  team.guided.position_m.x() = x_m;
+}
+
+TEST(GuideDecisions, TheGoalIsReachedWhereTheGuidedOneHoversWithinTheTolerance) {
+  Team team(guides_uav2({{4, 0, 0.7}}));
+  place_at_viewpoint(team);
+  fly_to(team, 3.69);
+  hold_for(team, 0.5);
+  EXPECT_STREQ(team.out.note, "secondary moving");
+  fly_to(team, 3.71);
+  hold_for(team, 0.5, 0.0, 0.26);
+  EXPECT_STREQ(team.out.note, "secondary moving");
+  EXPECT_EQ(team.out.mission, MissionStatus::kRunning);
+  hold(team, 0.0, 0.24);
+  EXPECT_STREQ(team.out.note, "goal reached");
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone);
+}
+
+TEST(GuideDecisions, WaypointsAreDroppedOnceTheyWereVisitedAndNoneIsToldTwice) {
+  Team team(guides_uav2({{4, 0, 0.7}}));
+  place_at_viewpoint(team);
+  hold_for(team, 1.0);
+  const std::vector<GuidingPath> first = heard(team);
+  ASSERT_EQ(first.size(), 5U) << "five times a second";
+  for (std::size_t i = 1; i < first.size(); ++i) EXPECT_EQ(first[i].path, first[i - 1].path + 1);
+  const GuidingPath path = first.back();
+  EXPECT_EQ(path.word, GuidingPath::Word::kGuide);
+  EXPECT_EQ(path.radius_m, 0.0);
+  EXPECT_TRUE(path.has_instant);
+  ASSERT_EQ(path.waypoints.size(), 8U) << "4 m in steps of half a meter";
+  team.guided.position_m = {0.29, 0, 0.7};
+  hold_for(team, 0.4);
+  EXPECT_EQ(newest(team).waypoints.size(), 8U) << "0.21 m away";
+  team.guided.position_m = {0.31, 0, 0.7};
+  hold_for(team, 0.4);
+  const GuidingPath rest = newest(team);
+  ASSERT_EQ(rest.waypoints.size(), 7U);
+  // In the level body frame, whose heading is 2 rad.
+  const Vector3 d_m(0.69, 0, 0);
+  EXPECT_NEAR(rest.waypoints[0].p_body_m.x(), std::cos(2.0) * d_m.x(), 1e-5);
+  EXPECT_NEAR(rest.waypoints[0].p_body_m.y(), -std::sin(2.0) * d_m.x(), 1e-5);
+  EXPECT_NEAR(rest.waypoints[0].yaw_rad, 0.0, 1e-5) << "it keeps its heading";
+}
+
+TEST(GuideDecisions, TheHeadingTurnsToThatOfTheGoalTheShortWay) {
+  for (const double yaw_deg : {90.0, -170.0}) {
+    GuideConfig config = guides_uav2({{4, 0, 0.7}});
+    config.goal_yaws_deg = {yaw_deg};
+    Team team(config);
+    place_at_viewpoint(team);
+    hold_for(team, 0.4);
+    const GuidingPath path = newest(team);
+    ASSERT_GT(path.waypoints.size(), 3U);
+    const double whole_rad = std::remainder(yaw_deg * kPi / 180.0 - 2.0, 2.0 * kPi);
+    EXPECT_NEAR(path.waypoints.back().yaw_rad, whole_rad, 1e-5);
+    EXPECT_NEAR(path.waypoints[3].yaw_rad, 0.5 * whole_rad, 1e-5) << "half of it halfway";
+  }
+}
+
+TEST(GuideDecisions, AskedToMoveItIsTheLostOnesSurroundingsThatCount) {
+  CellListMap wall(0.25);
+  wall.occupy_box({1.25, -1, 0}, {1.5, 1, 1.5});
+  const auto figure_m = [&](const CellListMap& world, const Vector3& lost_m, double after_s) {
+    Team team(guides_uav2({{6, 0, 0.7}}), world, {-4, -3, 0.7}, lost_m);
+    hold_for(team, 0.5);
+    team.localized = false;
+    hold_for(team, after_s);
+    const GuidingPath path = newest(team);
+    EXPECT_EQ(path.word == GuidingPath::Word::kMove, path.radius_m > 0.0);
+    EXPECT_STREQ(team.out.note, path.radius_m > 0.0 ? "hovers: the guided vehicle is to move, to be found again"
+                                                    : "hovers: the guided vehicle is lost");
+    return path.radius_m;
+  };
+  EXPECT_NEAR(figure_m(CellListMap(0.25), {0, 0, 0.7}, 3.4), 1.4, 1e-9) << "2 m are looked at, and 0.6 m are its body";
+  EXPECT_NEAR(figure_m(wall, {1.25 - 0.91, 0, 0.7}, 3.4), 0.31, 1e-9);
+  EXPECT_EQ(figure_m(wall, {1.25 - 0.89, 0, 0.7}, 3.4), 0.0) << "too little to show a heading";
+  EXPECT_EQ(figure_m(CellListMap(0.25), {0, 0, 0.7}, 2.9), 0.0) << "search_after_s is 3 s";
+}
+
+TEST(GuideDecisions, GoalsInALoopAreTakenAgainAndAgain) {
+  GuideConfig config = guides_uav2({{1, 0, 0.7}, {0, 0, 0.7}});
+  config.loop = true;
+  config.planning_latency_s = config.settle_s = 0.1;
+  Team team(config);
+  std::vector<int> visits;
+  for (int i = 0; i < 600; ++i) {
+    team.tick();
+    const double x_m = team.guided.position_m.x();
+    const int at = x_m > 0.8 ? 1 : x_m < 0.2 ? 0 : -1;
+    if (at >= 0 && (visits.empty() || visits.back() != at)) visits.push_back(at);
+    ASSERT_EQ(team.out.mission, MissionStatus::kRunning) << "it never ends";
+  }
+  EXPECT_GT(visits.size(), 6U);
+}
+
+TEST(GuideDecisions, WhoIsLostAtItsGoalWithMoreToDoIsWaitedForAndThenGivenUp) {
+  GuideConfig config = guides_uav2({{1, 0, 0.7}, {4, 0, 0.7}});
+  config.stage_timeout_s = 6.0;
+  Team lost(config);
+  place_at_viewpoint(lost);
+  fly_to(lost, 1.0);
+  hold(lost);
+  ASSERT_STREQ(lost.out.note, "goal reached");
+  lost.localized = false;
+  hold_for(lost, 5.9);
+  EXPECT_STREQ(lost.out.note, "goal reached");
+  hold(lost);
+  EXPECT_STREQ(lost.out.note, "the guided vehicle was lost");
+  EXPECT_EQ(lost.out.mission, MissionStatus::kRunning) << "it may come back";
+}
+
+TEST(GuideDecisions, AGuideWhosePathIsTooHardToFindCountsThat) {
+  CellListMap world(0.25);
+  world.occupy_box({-3.0, -6.0, 0.0}, {-2.75, 6.0, 1.5});  // between the guide and the path
+  GuideConfig config = guides_uav2({{4, 0, 0.7}});
+  config.planner.primary.max_expansions = 3;
+  config.retries = 0;
+  Team team(config, world, {-5, 0, 0.7});
+  team.run(20.0);
+  EXPECT_EQ(team.out.mission, MissionStatus::kFailed);
+  const Counter given_up = team.counter("planner.primary.max_expansions");
+  EXPECT_EQ(given_up.count, 1U) << team.out.note;
+  EXPECT_EQ(given_up.of, 1U);
+  EXPECT_EQ(team.counter("planner.secondary.max_expansions").count, 0U);
+}
+
+TEST(GuideDecisions, PlanningAheadBeginsOneAndAHalfMetersBeforeTheGoal) {
+  GuideConfig config = guides_uav2({{4, 0, 0.7}, {4, 4, 0.7}});
+  config.motion = GuideConfig::Motion::kAhead;
+  Team team(config);
+  while (team.counter().of < 2 && team.observation.t < 60 * kNsPerSecond) team.tick();
+  // It flew on for a tick of 0.1 m since then.
+  EXPECT_NEAR(team.guided.position_m.x(), 4.0 - 1.5 + 0.1, 0.11);
+  EXPECT_STREQ(team.out.note, "secondary moving");
+}
+
+TEST(GuideDecisions, FlyingAlongItTellsWhatItSeesFromWhereItIsAndStopsWhereTheOtherIsLost) {
+  GuideConfig config = guides_uav2({{8, 0, 0.7}, {8, 8, 0.7}});
+  config.motion = GuideConfig::Motion::kTogether;
+  config.planner.viewpoint.ray_max_m = 3.0;
+  Team team(config);
+  double farthest_m = 0.0;
+  for (int i = 0; i < 200 && team.guided.position_m.x() < 5.0; ++i) {
+    team.tick();
+    if (team.out.note != std::string("secondary moving")) continue;
+    for (const Vector3& p_m : team.told_local_m) farthest_m = std::max(farthest_m, (p_m - team.p_m()).head<2>().norm());
+  }
+  // Both have flown a tick since then, by 0.1 m each.
+  EXPECT_LT(farthest_m, 1.5 * 3.0 + 0.25);
+  EXPECT_GT(farthest_m, 1.5 * 3.0 - 0.75);
+  team.hears = false;
+  team.run_until("hovers: the link to the guided vehicle is lost", 3.0);
+  const Vector3 held_m = team.out.goal.position_m;
+  team.run(1.0);
+  EXPECT_EQ(team.out.goal.position_m, held_m);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 
@@ -180,6 +181,68 @@ TEST(Navigate, WithoutGoalsItHovers) {
   pilot.run(3.0);
   EXPECT_EQ(pilot.out.mission, MissionStatus::kEndless);
   EXPECT_LT(pilot.p_m().x(), 1e-9);
+}
+
+TEST(Navigate, ShowsItsPathAsALineOnceThereIsOne) {
+  Pilot pilot(flies_to({{4, 0, 0.7}}));
+  std::vector<Overlay> overlays;
+  pilot.guidance->append_overlays(overlays);
+  EXPECT_TRUE(overlays.empty());
+  while (pilot.out.note != std::string("flies to its goal")) pilot.tick();
+  pilot.guidance->append_overlays(overlays);
+  ASSERT_EQ(overlays.size(), 1U);
+  EXPECT_EQ(overlays[0].kind, Overlay::Kind::kPolyline);
+  EXPECT_NEAR(overlays[0].size_m, 4.0, 1.5) << "wide enough to be seen";
+  EXPECT_LT((overlays[0].positions.back() - Eigen::Vector3f(4, 0, 0.7F)).norm(), 0.3F);
+}
+
+TEST(Navigate, PlansWhereItHoversAndFailsWhereItNeverDoesOrNeverArrives) {
+  NavigateConfig config = flies_to({{4, 0, 0.7}});
+  config.stage_timeout_s = 2.0;
+  config.retry_after_s = 1.0;
+  config.retries = 1;
+  for (const bool rests : {true, false}) {
+    Pilot pilot(config);
+    std::vector<std::pair<double, std::string>> changes;
+    for (int i = 0; i < 100; ++i) {
+      pilot.estimate.v_local_mps = {0.0, rests ? 0.24 : 0.26, 0.0};
+      pilot.step();  // it stays where it is
+      if (changes.empty() || changes.back().second != pilot.out.note)
+        changes.emplace_back(to_seconds(pilot.observation.t), pilot.out.note);
+      EXPECT_EQ(pilot.out.speed_limit_mps, config.speed_mps);
+    }
+    EXPECT_EQ(pilot.out.mission, MissionStatus::kFailed);
+    const std::string why = rests ? "the vehicle does not reach its goal" : "the vehicle does not come to rest";
+    EXPECT_EQ(changes.back().second, why);
+    std::vector<double> failed_s;
+    for (const auto& [t_s, note] : changes) {
+      if (note == why) failed_s.push_back(t_s);
+    }
+    ASSERT_EQ(failed_s.size(), 2U) << "once, and one retry";
+    const double first_s = rests ? 0.1 + 0.5 + 2.0 : 2.0;
+    EXPECT_NEAR(failed_s[0], first_s, 1e-6);
+    EXPECT_NEAR(failed_s[1], first_s + 1.0 + (rests ? 0.1 + 0.5 : 0.0) + 2.0, 1e-6);
+  }
+}
+
+// The rest of the acceleration, a fifth, brings back a vehicle that is off its path.
+TEST(Navigate, ATimedPathTakesFourFifthsOfTheAccelerationAndNoMoreThanItsSpeed) {
+  NavigateConfig config = flies_to({{12, 0, 0.7}});
+  config.speed_mps = 3.0;
+  Pilot pilot(config);
+  double fastest_mps = 0.0, slow_s = 0.0, fast_s = 0.0;
+  for (int i = 0; i < 300 && pilot.out.mission == MissionStatus::kRunning; ++i) {
+    pilot.step();
+    const double speed_mps = pilot.out.goal.velocity_mps.norm();
+    if (speed_mps > 0.7 && slow_s == 0.0) slow_s = to_seconds(pilot.observation.t);
+    if (speed_mps > 2.7 && fast_s == 0.0) fast_s = to_seconds(pilot.observation.t);
+    fastest_mps = std::max(fastest_mps, speed_mps);
+    pilot.estimate.v_local_mps = pilot.out.goal.velocity_mps;
+    pilot.put(pilot.out.goal.position_m);
+  }
+  EXPECT_EQ(pilot.out.mission, MissionStatus::kDone);
+  EXPECT_NEAR(2.0 / (fast_s - slow_s), 0.8 * MotionLimits{}.horizontal_acceleration_mps2, 0.25);
+  EXPECT_LE(fastest_mps, 3.0 * 1.01);
 }
 
 }  // namespace

@@ -84,5 +84,23 @@ TEST(NearestVoxels, IsUsedAnewWithoutATraceOfTheBoxBefore) {
   EXPECT_TRUE(nearest.empty());
 }
 
+TEST(NearestVoxels, LinesMayBeAsLongAsTheyMayBe) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Cell size = Cell::Ones();
+    size[axis] = 1023;
+    size[(axis + 1) % 3] = 2;
+    const VoxelGrid around = grid_of({-500, -500, -500}, size);
+    std::vector<Cell> voxels;
+    for (const int along : {0, 1, 255, 511, 512, 700, 1021, 1022}) {
+      Cell cell = around.min_cell;
+      cell[axis] += along;
+      cell[(axis + 1) % 3] += along % 2;
+      voxels.push_back(cell);
+    }
+    compare_with_all(voxels, around, around);
+    compare_with_all({voxels.front(), voxels.back()}, around, around);
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Dense>
 #include <cmath>
+#include <map>
 
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/messages/kind.hpp"
@@ -300,6 +301,152 @@ TEST(NeighborMemory, NobodyIsKnownFromNoSource) {
   listener.sees(1, Vector3::UnitX(), 0.0);
   listener.hears(2, Vector3::UnitX(), 0.0);
   EXPECT_TRUE(listener.update(0.0).empty());
+}
+
+/// The filter of all axes, the forgetting and the prediction written out; poses and frames are taken from the input.
+class PlainMemory {
+ public:
+  PlainMemory(const NeighborSourceConfig& config, std::vector<NeighborView> views)
+      : c_(config), views_(std::move(views)) {}
+
+  void measure(std::int64_t key, double t_s, const Vector3& z, const Matrix3& R) {
+    if (filters_.count(key) == 0) {
+      Filter& filter = filters_[key];
+      filter.x << z, Vector3::Zero();
+      filter.P.setZero(6, 6);
+      filter.P.topLeftCorner(3, 3) = R;
+      filter.P.bottomRightCorner(3, 3) = std::pow(c_.first_speed_sigma_mps, 2) * Matrix3::Identity();
+      filter.t_s = filter.seen_s = t_s;
+      return;
+    }
+    Filter& filter = filters_[key];
+    if (t_s < filter.t_s) return;
+    carry(filter, t_s);
+    const Eigen::MatrixXd H = Eigen::MatrixXd::Identity(3, 6);
+    const Eigen::MatrixXd K = filter.P * H.transpose() * (H * filter.P * H.transpose() + R).inverse();
+    filter.x += K * (z - H * filter.x);
+    filter.P -= K * H * filter.P;
+    filter.seen_s = t_s;
+    filter.missed_s = 0.0;
+  }
+  /// Everybody that is not forgotten, as known now.
+  std::map<std::int64_t, Neighbor> update(double now_s, const Pose& T_local_body) {
+    std::map<std::int64_t, Neighbor> all;
+    for (auto it = filters_.begin(); it != filters_.end();) {
+      Filter& filter = it->second;
+      Filter ahead = filter;
+      if (c_.predict) carry(ahead, std::min(now_s, filter.t_s + 1.0));
+      Neighbor neighbor;
+      neighbor.position_local_m = ahead.x.head<3>();
+      neighbor.velocity_local_mps = filter.x.tail<3>();
+      neighbor.covariance_local_m2 = ahead.P.topLeftCorner(3, 3);
+      neighbor.velocity_covariance_local_m2ps2 = ahead.P.bottomRightCorner(3, 3);
+      const double beyond_s = now_s - filter.t_s - 1.0;
+      if (c_.predict && beyond_s > 0.0) {
+        neighbor.covariance_local_m2 += std::pow(c_.unseen_speed_mps * beyond_s, 2) * Matrix3::Identity();
+        if (beyond_s > 2.0) neighbor.velocity_local_mps.setZero();
+        neighbor.unpredicted_s = beyond_s > 2.0 ? 0.0 : beyond_s;
+      }
+      neighbor.seen = from_seconds(filter.seen_s);
+      neighbor.in_view = views_.empty();
+      for (const NeighborView& view : views_)
+        neighbor.in_view = neighbor.in_view || view.contains(T_local_body.inverse() * neighbor.position_local_m);
+      if (neighbor.in_view && last_s_ >= 0.0) filter.missed_s += now_s - last_s_;
+      const double unseen_s = c_.remember_hidden ? filter.missed_s : now_s - filter.seen_s;
+      if (unseen_s > c_.timeout_s + 1e-9) {
+        it = filters_.erase(it);
+        continue;
+      }
+      all[it->first] = neighbor;
+      ++it;
+    }
+    last_s_ = now_s;
+    return all;
+  }
+
+ private:
+  struct Filter {
+    Eigen::Matrix<double, 6, 1> x = Eigen::Matrix<double, 6, 1>::Zero();
+    Eigen::MatrixXd P;
+    double t_s = 0.0, seen_s = 0.0, missed_s = 0.0;
+  };
+  void carry(Filter& filter, double t_s) const {
+    const double h = t_s - filter.t_s;
+    if (h <= 0.0) return;
+    for (int axis = 0; axis < 3; ++axis) filter.x[axis] += h * filter.x[axis + 3];
+    Eigen::MatrixXd F = Eigen::MatrixXd::Identity(6, 6);
+    for (int axis = 0; axis < 3; ++axis) F(axis, axis + 3) = h;
+    Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(6, 6);
+    const double q = std::pow(c_.acceleration_sigma_mps2, 2);
+    for (int axis = 0; axis < 3; ++axis) {
+      Q(axis, axis) = q * std::pow(h, 4) / 4.0;
+      Q(axis, axis + 3) = Q(axis + 3, axis) = q * std::pow(h, 3) / 2.0;
+      Q(axis + 3, axis + 3) = q * h * h;
+    }
+    filter.P = F * filter.P * F.transpose() + Q;
+    filter.t_s = t_s;
+  }
+
+  NeighborSourceConfig c_;
+  std::vector<NeighborView> views_;
+  std::map<std::int64_t, Filter> filters_;
+  double last_s_ = -1.0;
+};
+
+TEST(NeighborMemory, OfManyThatComeAndGoEveryNumberIsThatOfTheFilter) {
+  std::size_t num_known = 0, num_unpredicted = 0;
+  for (std::uint32_t round = 0; round < 24; ++round) {
+    const Random random(round, "test.memory");
+    NeighborSourceConfig config = from(round % 4 == 3 ? Source::kRadio : Source::kSensor);
+    config.timeout_s = random.uniform(0.5, 5.0, 0, 0);
+    config.acceleration_sigma_mps2 = random.uniform(0.5, 3.0, 0, 1);
+    config.first_speed_sigma_mps = random.uniform(0.5, 3.0, 0, 2);
+    config.unseen_speed_mps = random.uniform(0.1, 1.0, 0, 3);
+    config.remember_hidden = round % 3 != 0;
+    config.predict = round % 5 != 0;
+    std::vector<NeighborView> views;
+    if (round % 2 == 0) views.push_back(ahead_only());
+    Listener listener(config, views);
+    PlainMemory plain(config, views);
+    for (std::uint32_t tick = 1; tick <= 120; ++tick) {
+      const double now_s = 0.25 * tick;
+      const Pose T = make_pose({random.uniform(-3, 3, tick, 0), random.uniform(-3, 3, tick, 1), 1.0},
+                               Eigen::Quaterniond(Eigen::AngleAxisd(0.1 * tick, Vector3(0.2, 0.1, 1.0).normalized())));
+      listener.at(T);
+      for (VehicleId id = 1; id <= 4; ++id) {
+        const auto salt = static_cast<std::uint32_t>(100 * id);
+        if (random.uniform((tick + salt) / 16, salt) < 0.5) continue;  // out of sight for some seconds
+        const auto n = random.normal3(tick, salt + 1);
+        const Vector3 p_m(n[0], n[1] + 2.0 * id, 0.3 * n[2]);
+        if (config.source == Source::kRadio) {
+          listener.hears(id, p_m, now_s);
+          plain.measure(id, now_s, p_m, 1e-4 * Matrix3::Identity());
+          continue;
+        }
+        const Matrix3 covariance = Vector3(0.01, 0.04, 0.02 + 0.1 * random.uniform(tick, salt + 2)).asDiagonal();
+        listener.sees(id, T.inverse() * p_m, now_s, covariance);
+        plain.measure(id, now_s, p_m, T.linear() * covariance * T.linear().transpose());
+      }
+      const auto known = listener.update(now_s);
+      const auto expected = plain.update(now_s, T);
+      ASSERT_EQ(known.size(), expected.size()) << round << ", " << tick;
+      for (const Neighbor& neighbor : known) {
+        ASSERT_EQ(expected.count(neighbor.key), 1U);
+        const Neighbor& e = expected.at(neighbor.key);
+        ASSERT_LT((neighbor.position_local_m - e.position_local_m).norm(), 1e-6);
+        ASSERT_LT((neighbor.velocity_local_mps - e.velocity_local_mps).norm(), 1e-6);
+        ASSERT_LT((neighbor.covariance_local_m2 - e.covariance_local_m2).norm(), 1e-6);
+        ASSERT_LT((neighbor.velocity_covariance_local_m2ps2 - e.velocity_covariance_local_m2ps2).norm(), 1e-6);
+        ASSERT_NEAR(neighbor.unpredicted_s, e.unpredicted_s, 1e-6);
+        ASSERT_EQ(neighbor.seen, e.seen);
+        ASSERT_EQ(neighbor.in_view, e.in_view);
+        num_unpredicted += neighbor.unpredicted_s > 0.0;
+      }
+      num_known += known.size();
+    }
+  }
+  EXPECT_GT(num_known, 3000U);
+  EXPECT_GT(num_unpredicted, 100U);
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ TEST(InterceptOverlays, ACurveGoesThroughEqualTimesFromNowToItsEnd) {
     EXPECT_LT((curve.positions[i] - Eigen::Vector3f(t_s, t_s * t_s, 7.0F)).norm(), 1e-4F) << i;
   }
   EXPECT_EQ(curve.colors.size(), 1U);
+  EXPECT_NEAR(curve.size_m, 3.0, 1.0) << "a line that is seen";
   EXPECT_EQ(curve.legend.at(0).color, curve.colors[0]);
 }
 
@@ -49,6 +50,8 @@ TEST(InterceptOverlays, ADiscHangsFromItsVehicleByFourRopes) {
   append_net(net_of(2.0, 0.0), p_m, 0.4, overlays);
   const Overlay& lines = overlays.at(0);
   EXPECT_EQ(lines.kind, Overlay::Kind::kLines);
+  EXPECT_NEAR(lines.size_m, 2.0, 0.9) << "thinner than a plan";
+  EXPECT_EQ(lines.positions.size(), 2U * (36U + 4U)) << "round enough";
   double rim_m = 0.0;
   int ropes = 0;
   Eigen::Vector3f ends = Eigen::Vector3f::Zero();
@@ -98,6 +101,7 @@ TEST(InterceptOverlays, AFenceIsTheTwelveEdgesOfItsBox) {
   append_fence(Geofence(config, FrameChange()), overlays);
   const Overlay& lines = overlays.at(0);
   ASSERT_EQ(lines.positions.size(), 24U);
+  EXPECT_NEAR(lines.size_m, 2.0, 0.9);
   std::set<std::tuple<int, int, int, int>> edges;  // twice the middle, and along which axis
   for (std::size_t i = 0; i < 24; i += 2) {
     const Vector3 a = lines.positions[i].cast<double>(), b = lines.positions[i + 1].cast<double>(), d = b - a;

@@ -205,6 +205,7 @@ TEST(TargetSearch, PlacesThatWereSeenEmptyFadeInThePicture) {
   search.append_overlay(overlays);
   ASSERT_EQ(overlays.size(), 3U);
   EXPECT_EQ(overlays[0].kind, Overlay::Kind::kPoints);
+  EXPECT_NEAR(overlays[0].size_m, 0.25, 0.1);
   EXPECT_EQ(overlays[0].colors[0].w(), 1.0F);
   EXPECT_NEAR(overlays[1].colors[0].w(), std::exp(-0.6), 1e-6);
   EXPECT_NEAR(overlays[2].colors[0].w(), 0.15, 1e-6) << "but are still there";

@@ -43,7 +43,16 @@ struct FilterTrial {
   double end_s = 21.0;
   double sightings_end_s = 1e9, odometry_end_s = 1e9;
   double sighting_latency_s = 0.15, odometry_latency_s = 0.1;
+  double true_drift_factor = 1.0;  // on what it is said to drift
 
+  OdometryDriftConfig true_drift() const {
+    OdometryDriftConfig d = drift;
+    for (double* rate : {&d.position_m_psqrtm, &d.position_m_psqrtturn, &d.position_m_psqrts, &d.yaw_deg_psqrtm,
+                         &d.yaw_deg_psqrtturn, &d.yaw_deg_psqrts}) {
+      *rate *= true_drift_factor;
+    }
+    return d;
+  }
   std::vector<Measurement> measurements() const {
     std::vector<Measurement> all;
     for (int k = 0; start_s + 0.1 * k + 0.05 < end_s; ++k) {
@@ -64,7 +73,7 @@ class FilterRun {
  public:
   FilterRun(const FilterTrial& trial, const Path& path, std::uint64_t seed)
       : trial_(trial),
-        flight_(path, trial.end_s + 2.0, trial.drift, seed),
+        flight_(path, trial.end_s + 2.0, trial.true_drift(), seed),
         random_(seed, "test.filter", "noise"),
         filter_(trial.config, trial.drift) {
     // Started by an alignment whose error is drawn from its covariance.
@@ -128,7 +137,7 @@ class FilterRun {
 };
 
 struct MeanNees {
-  double position = 0.0, velocity = 0.0, yaw = 0.0, sigma_m = 0.0;
+  double position = 0.0, velocity = 0.0, yaw = 0.0, sigma_m = 0.0, error_m = 0.0, factor = 0.0;
 };
 
 MeanNees mean_nees(FilterTrial trial, int num, double at_s) {
@@ -143,6 +152,8 @@ MeanNees mean_nees(FilterTrial trial, int num, double at_s) {
     mean.velocity += run.velocity_nees(at_s) / num;
     mean.yaw += run.yaw_nees(at_s) / num;
     mean.sigma_m += std::sqrt(run.filter().at(from_seconds(at_s)).covariance.topLeftCorner<3, 3>().trace()) / num;
+    mean.error_m += run.error_m(at_s).norm() / num;
+    mean.factor += std::sqrt(run.filter().drift_variance_factor()) / num;
   }
   return mean;
 }
@@ -155,6 +166,38 @@ TEST(RelativeFilter, ItsCovarianceIsTrueWithDelaysAndDrift) {
   EXPECT_NEAR(mean.position, 3.0, mean_bound(3, 300));
   EXPECT_NEAR(mean.velocity, 3.0, mean_bound(3, 300));
   EXPECT_NEAR(mean.yaw, 1.0, mean_bound(1, 300));
+}
+
+// An odometry that drifts three or six times what it is said to, and is all that there is for six seconds.
+TEST(RelativeFilter, LearnsThatAnOdometryDriftsMoreThanItIsSaidTo) {
+  constexpr int kRuns = 100;
+  for (const double factor : {3.0, 6.0}) {
+    FilterTrial trial;
+    trial.true_drift_factor = factor;
+    trial.sightings_end_s = 15.0;
+    const MeanNees mean = mean_nees(trial, kRuns, 21.0);
+    EXPECT_LT(mean.position, 3.0 + mean_bound(3, kRuns)) << factor;
+    EXPECT_GT(mean.factor, 0.7 * factor);
+    EXPECT_LT(mean.factor, 1.4 * factor);
+    trial.config.drift_factor_max = 1.0;
+    const MeanNees trusting = mean_nees(trial, kRuns, 21.0);
+    EXPECT_GT(trusting.position, 2.0 * mean.position) << "without that, it is surer than it may be";
+    EXPECT_GT(trusting.error_m, 1.1 * mean.error_m) << "and worse";
+  }
+  EXPECT_LT(mean_nees({}, kRuns, 21.0).factor, 1.3) << "one that drifts as it is said to is believed";
+}
+
+TEST(RelativeFilter, WhatItLearnedOfTheDriftOutlastsALoss) {
+  FilterTrial trial;
+  trial.true_drift_factor = 6.0;
+  FilterRun run(trial, random_flight(0.5, 3), 3);
+  run.take(trial.measurements());
+  const double learned = run.filter().drift_variance_factor();
+  EXPECT_GT(learned, 4.0);
+  run.filter().stop();
+  EXPECT_EQ(run.filter().drift_variance_factor(), learned);
+  run.filter().start({}, run.odometry(21.0));
+  EXPECT_EQ(run.filter().drift_variance_factor(), learned);
 }
 
 TEST(RelativeFilter, ItsCovarianceIsTrueWhileItCoastsOnOdometry) {

@@ -160,6 +160,27 @@ TEST(RelativeLocalizer, ItsCovarianceIsTrue) {
   EXPECT_GT(mean(nees), 1.0);
 }
 
+// Three times what `drift` says: nobody tells, so it has to be noticed.
+TEST(RelativeLocalizer, AnOdometryThatDriftsMoreThanItIsSaidToIsNoticed) {
+  const auto fly = [](double drift_factor_max) {
+    Team::Result all;
+    for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+      Team team;
+      team.drift.position_m_psqrtm *= 3.0;
+      team.drift.yaw_deg_psqrtm *= 3.0;
+      team.config.filter.drift_factor_max = drift_factor_max;
+      const Team::Result result = team.fly(40.0, seed);
+      all.errors_m.insert(all.errors_m.end(), result.errors_m.begin(), result.errors_m.end());
+      all.nees.insert(all.nees.end(), result.nees.begin(), result.nees.end());
+    }
+    return all;
+  };
+  const Team::Result noticed = fly(10.0), trusting = fly(1.0);
+  EXPECT_LT(mean(noticed.nees), 3.0);
+  EXPECT_GT(mean(trusting.nees), 2.0 * mean(noticed.nees)) << "it is surer than it may be";
+  EXPECT_LT(mean(noticed.errors_m), 0.75 * mean(trusting.errors_m));
+}
+
 TEST(RelativeLocalizer, SaysNothingAboutAVehicleThatHasNotMoved) {
   Team team;
   team.path = rest();

@@ -23,22 +23,32 @@ class ToldBlocks : public OccupiedBlocks {
  public:
   void set(const Cell& cell, bool occupied) {
     ++revision;
-    auto& [bits, changed] = blocks_[place(block_of(cell))];
+    Told& told = blocks_[place(block_of(cell))];
     const std::uint64_t bit = std::uint64_t{1} << ((cell.y() & 7) * 8 + (cell.x() & 7));
-    std::uint64_t& word = bits[static_cast<std::size_t>(cell.z() & 7)];
-    word = occupied ? word | bit : word & ~bit;
-    changed = revision;
+    const auto z = static_cast<std::size_t>(cell.z() & 7);
+    told.bits[z] = occupied ? told.bits[z] | bit : told.bits[z] & ~bit;
+    told.touched[z] |= bit;
+    told.changed = revision;
     occupied ? (void)cells.insert(place(cell)) : (void)cells.erase(place(cell));
+  }
+  /// What was touched before now is not told any more.
+  void forget_touched() {
+    touched_after_ = revision;
+    for (auto& [at, told] : blocks_) told.touched = {};
   }
   const RayCells::Bits* occupied_of(const Cell& block) const override {
     const auto found = blocks_.find(place(block));
     if (found == blocks_.end()) return nullptr;
-    const RayCells::Bits& bits = found->second.first;
+    const RayCells::Bits& bits = found->second.bits;
     return std::any_of(bits.begin(), bits.end(), [](std::uint64_t word) { return word != 0; }) ? &bits : nullptr;
   }
-  std::uint64_t occupied_changed(const Cell& block) const override {
-    const auto found = blocks_.find(place(block));
-    return found == blocks_.end() ? 0 : found->second.second;
+  void append_changes(const Cell& low, const Cell& high, std::uint64_t since,
+                      std::vector<Change>& changes) const override {
+    for (const auto& [at, told] : blocks_) {
+      const Cell block(std::get<0>(at), std::get<1>(at), std::get<2>(at));
+      if (told.changed <= since || block.cwiseMax(low).cwiseMin(high) != block) continue;
+      changes.push_back({block, since < touched_after_ ? nullptr : &told.touched, &told.bits});
+    }
   }
   /// By looking at every occupied cell.
   std::int16_t squared(const Cell& cell, int reach) const {
@@ -53,7 +63,12 @@ class ToldBlocks : public OccupiedBlocks {
  private:
   static Place place(const Cell& cell) { return {cell.x(), cell.y(), cell.z()}; }
   static Cell block_of(const Cell& cell) { return {cell.x() >> 3, cell.y() >> 3, cell.z() >> 3}; }
-  std::map<Place, std::pair<RayCells::Bits, std::uint64_t>> blocks_;
+  struct Told {
+    RayCells::Bits bits{}, touched{};
+    std::uint64_t changed = 0;
+  };
+  std::map<Place, Told> blocks_;
+  std::uint64_t touched_after_ = 0;
 };
 
 Cell random_cell(const Random& random, std::uint32_t k, std::uint32_t channel, int half) {
@@ -63,7 +78,8 @@ Cell random_cell(const Random& random, std::uint32_t k, std::uint32_t channel, i
   return {part(0), part(1), part(2)};
 }
 
-// Cells come and go at random; few cells at first, so that distances reach to the bound and beyond.
+// Cells come and go at random; few cells at first, so that distances reach to the bound and beyond. What changed is
+// told for some rounds, then forgotten.
 TEST(DistanceTiles, AreExactAfterAnySequenceOfChanges) {
   for (const int reach : {5, 8, 17, 30}) {
     const Random random(static_cast<std::uint64_t>(reach), "cells");
@@ -71,6 +87,7 @@ TEST(DistanceTiles, AreExactAfterAnySequenceOfChanges) {
     DistanceTiles tiles(reach);
     int far = 0, near = 0;
     for (std::uint32_t round = 0; round < 120; ++round) {
+      if (round % 4 == 1) map.forget_touched();
       for (std::uint32_t i = 0; i <= round % 7; ++i) map.set(random_cell(random, round, i, 30), true);
       if (round % 3 == 2) {
         const auto [x, y, z] = *std::next(map.cells.begin(), round % static_cast<std::uint32_t>(map.cells.size()));
@@ -107,10 +124,39 @@ TEST(DistanceTiles, OnlyWhatChangedIsWorkedOutAgain) {
   EXPECT_EQ(ask_all(), 0U);
   map.set({100, 0, 0}, true);
   EXPECT_EQ(ask_all(), 0U) << "too far away to matter";
-  map.set({0, 0, 30}, true);
+  map.set({0, 0, 26}, true);
+  EXPECT_EQ(ask_all(), 0U) << "what comes lowers distances where they are";
+  map.set({0, 0, 26}, false);
   const std::uint64_t again = ask_all();
-  EXPECT_GT(again, 0U);
+  EXPECT_GT(again, 0U) << "it was the nearest of some";
   EXPECT_LT(again, 60U);
+  map.set({3, 3, -2}, true);
+  map.set({3, 3, -2}, false);
+  EXPECT_EQ(ask_all(), 0U) << "what went was nobody's nearest";
+  map.set({8, 8, 12}, true);
+  map.forget_touched();
+  EXPECT_GT(ask_all(), 0U) << "when nobody knows any more what came, all is looked at again";
+}
+
+// A surface that flickers: of many cells that come and go at once, few are nearest.
+TEST(DistanceTiles, FollowAThicketThatFlickers) {
+  constexpr int kReach = 15;
+  const Random random(3, "thicket");
+  ToldBlocks map;
+  DistanceTiles tiles(kReach);
+  for (std::uint32_t i = 0; i < 4000; ++i) map.set(random_cell(random, 0, i, 20), true);
+  for (std::uint32_t round = 1; round <= 12; ++round) {
+    map.forget_touched();
+    for (std::uint32_t i = 0; i < 100; ++i) {
+      const Cell cell = random_cell(random, round, i, 20);
+      map.set(cell, map.cells.count({cell.x(), cell.y(), cell.z()}) == 0);
+      if (i % 9 == 0) tiles.squared(random_cell(random, round, 500 + i, 24), map, map.revision);
+    }
+    for (std::uint32_t i = 0; i < 300; ++i) {
+      const Cell cell = random_cell(random, round, 1000 + i, 30);
+      ASSERT_EQ(tiles.squared(cell, map, map.revision), map.squared(cell, kReach)) << "round " << round;
+    }
+  }
 }
 
 TEST(DistanceTiles, ForgetAndAreWorkedOutAgain) {

@@ -239,5 +239,91 @@ TEST(SparseVoxelMap, NeverHoldsMoreBlocksThanItsBoundCounts) {
   EXPECT_LT(SparseVoxelMap::most_bytes(config, 3.0), 0.5 * bound) << "shorter rays reach less";
 }
 
+float log_odds_at(const SparseVoxelMap& map, const Vector3& p_m) {
+  MapVoxels copy;
+  map.append_voxels(copy);
+  for (std::size_t i = 0; i < copy.size(); ++i) {
+    if ((copy.centers_local_m[i].cast<double>() - p_m).cwiseAbs().maxCoeff() < 0.1) return copy.value[i];
+  }
+  return std::nanf("");
+}
+
+TEST(SparseVoxelMap, AVoxelGainsAndLosesOnceASweepBetweenItsBounds) {
+  SparseVoxelMapConfig config;
+  config.hit_log_odds = 0.9;
+  config.miss_log_odds = 0.7;
+  SparseVoxelMap map(config);
+  const Vector3 at_m(1.5, 0.1, 0.1);
+  const Ray hit{{0, 0.1F, 0.1F}, {1.5F, 0.1F, 0.1F}, true}, pass{{0, 0.1F, 0.1F}, {4.5F, 0.1F, 0.1F}, false};
+  double expected = 0.0;
+  for (int i = 1; i <= 6; ++i) {
+    map.insert(std::vector<Ray>{hit, hit}, i * kSweep);
+    expected = std::min(expected + 0.9, 3.5);
+    ASSERT_NEAR(log_odds_at(map, at_m), expected, 1e-5) << i;
+  }
+  for (int i = 7; i <= 20; ++i) {
+    map.insert(std::vector<Ray>{pass, {{0, 0.12F, 0.1F}, {4.9F, 0.12F, 0.1F}, false}}, i * kSweep);
+    expected = std::max(expected - 0.7, -2.0);
+    ASSERT_NEAR(log_odds_at(map, at_m), expected, 1e-5) << i;
+    EXPECT_EQ(map.state(at_m) == CellState::kOccupied, expected >= 0.8) << i;
+  }
+  // What is hit in a sweep loses nothing in it, whichever ray comes first.
+  map.insert(std::vector<Ray>{pass, hit}, 21 * kSweep);
+  EXPECT_NEAR(log_odds_at(map, at_m), -2.0 + 0.9, 1e-5);
+}
+
+TEST(SparseVoxelMap, RaysClearUpToTheirRangeAndToHalfAVoxelBeforeWhatTheyHit) {
+  SparseVoxelMapConfig config;
+  config.clear_range_m = 2.0;
+  const auto lost = [&](double voxel_m, float end_m, bool is_hit) {
+    SparseVoxelMap map(config);
+    map.insert(
+        std::vector<Ray>{{{static_cast<float>(voxel_m), 0.1F, 0.1F}, {static_cast<float>(voxel_m), 0.1F, 0.11F}, true}},
+        kSweep);
+    map.insert(std::vector<Ray>{{{0, 0.1F, 0.1F}, {end_m, 0.1F, 0.1F}, is_hit}}, 2 * kSweep);
+    return log_odds_at(map, {voxel_m, 0.1, 0.1}) < 0.8F;
+  };
+  EXPECT_TRUE(lost(1.9, 9.0F, false));
+  EXPECT_FALSE(lost(2.1, 9.0F, false)) << "beyond the range";
+  EXPECT_TRUE(lost(1.3, 1.35F, false));
+  EXPECT_FALSE(lost(1.5, 1.39F, false));
+  // A voxel from 1.2 to 1.4 m before one that is hit: 0.1 m before the end nothing is cleared any more.
+  EXPECT_TRUE(lost(1.3, 1.51F, true));
+  EXPECT_TRUE(lost(1.3, 1.42F, true)) << "it reaches 0.12 m into it";
+  EXPECT_FALSE(lost(1.1, 1.0F, true));
+}
+
+TEST(SparseVoxelMap, ForgetsByTimeAndTellsWhatWasHitSince) {
+  SparseVoxelMapConfig config;
+  config.memory_s = 2.0;
+  SparseVoxelMap map(config);
+  map.insert(std::vector<Ray>{{{0, 0.1F, 0.1F}, {1.5F, 0.1F, 0.1F}, true}}, kNsPerSecond);
+  EXPECT_TRUE(is_occupied(map, {1.5, 0.1, 0.1}, 3 * kNsPerSecond));
+  EXPECT_FALSE(is_occupied(map, {1.5, 0.1, 0.1}, 3 * kNsPerSecond + 1));
+  map.set_time(3 * kNsPerSecond);
+  std::vector<Vector3> found;
+  map.occupied_within({1.5, 0, 0}, 1.0, kNsPerSecond, found);
+  EXPECT_EQ(found.size(), 1U);
+  map.occupied_within({1.5, 0, 0}, 1.0, kNsPerSecond + 1, found);
+  EXPECT_TRUE(found.empty());
+}
+
+TEST(SparseVoxelMap, WhatEndsBeyondTheRadiusIsNoHitAndIsForgottenByBlocks) {
+  SparseVoxelMapConfig config;
+  config.keep_radius_m = 5.0;
+  SparseVoxelMap map(config);
+  map.insert(
+      std::vector<Ray>{{{0, 0.1F, 0.1F}, {4.99F, 0.1F, 0.1F}, true}, {{0, 0.1F, 0.5F}, {5.01F, 0.1F, 0.5F}, true}},
+      kSweep);
+  EXPECT_EQ(map.state({4.99, 0.1, 0.1}), CellState::kOccupied);
+  EXPECT_EQ(map.state({5.01, 0.1, 0.5}), CellState::kUnknown);
+  EXPECT_EQ(map.num_blocks(), 1U);
+  // The block's middle is at (5.6, 0.8, 0.8).
+  map.keep_around({0.601, 0.8, 0.8});
+  EXPECT_EQ(map.num_blocks(), 1U);
+  map.keep_around({0.599, 0.8, 0.8});
+  EXPECT_EQ(map.num_blocks(), 0U);
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -61,5 +61,29 @@ TEST(Assignment, IsTheBestOfAllPairings) {
   }
 }
 
+// A chain in which all rows find a partner only if each of them takes the dear one. As many as possible are paired,
+// whatever that costs.
+TEST(Assignment, PairsAsManyAsPossibleBeforeItSpares) {
+  Assignment assignment;
+  for (int n = 1; n <= 12; ++n) {
+    for (const double cost : {1e-3, 1.0, 1e6}) {
+      std::vector<double> costs(static_cast<std::size_t>(n) * n, Assignment::kForbidden);
+      for (int r = 0; r < n; ++r) {
+        if (r > 0) costs[static_cast<std::size_t>(r * n + r - 1)] = -cost;  // n - 1 pairs that cost little
+        costs[static_cast<std::size_t>(r * n + r)] = cost;
+      }
+      const auto columns = assignment.solve(costs, n, n);
+      for (int r = 0; r < n; ++r) EXPECT_EQ(columns[static_cast<std::size_t>(r)], r) << n << " " << cost;
+    }
+  }
+}
+
+TEST(Assignment, WithoutRowsOrColumnsThereIsNothingToPair) {
+  Assignment assignment;
+  EXPECT_TRUE(assignment.solve({}, 0, 5).empty());
+  const auto alone = assignment.solve({}, 3, 0);
+  EXPECT_EQ(std::vector<int>(alone.begin(), alone.end()), (std::vector<int>{-1, -1, -1}));
+}
+
 }  // namespace
 }  // namespace swiftlet

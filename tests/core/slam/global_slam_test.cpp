@@ -74,11 +74,14 @@ struct Flight {
   std::vector<Vector3> place_world_m = yard_world_m();
   Pose T_local_world = Pose::Identity();  // before any drift
   double from_m = 0.0;
+  int i = 0;  // steps of half a meter
+
+  void step(const Vector3& drift_per_m) { fly(0.5 * i, drift_per_m); }
 
   /// Local SLAM drifts along `drift_per_m`. Its scans take a while: fixes of `gnss_ahead` later are there already.
   void fly(double way_m, const Vector3& drift_per_m, double gnss_every_m = 0.0,
            const Pose& T_world_true = Pose::Identity(), int gnss_ahead = 0) {
-    for (int i = 0; 0.5 * i <= way_m; ++i) {
+    for (; 0.5 * i <= way_m; ++i) {
       t += 250'000'000;
       const Vector3 p_world_m = on_square_m(from_m + 0.5 * i);
       const Vector3 p_local_m = T_local_world * p_world_m + 0.5 * i * drift_per_m;
@@ -111,6 +114,52 @@ TEST(GlobalSlam, ClosesALoopAndTellsWhereTheDriftedFrameLies) {
   EXPECT_GT(before_m, 0.4);
   EXPECT_LT((*flight.correction * p_local_m - p_world_m).norm(), 0.5 * before_m);
   EXPECT_EQ((*flight.correction).linear()(2, 2), 1.0) << "both frames have z up";
+}
+
+// What the vehicle sees now stands still in its local frame. What it saw long ago moves to where it belongs beside
+// that.
+TEST(GlobalSlam, WhenALoopIsClosedOldSubmapsMoveInTheLocalFrameAndTheNewestStandsStill) {
+  GlobalSlamConfig config;
+  config.closure_gap_m = 20.0;
+  Flight flight(GlobalSlam(config, true));
+  const Vector3 drift_per_m(0.006, -0.004, 0.002);
+  flight.fly(25.0, drift_per_m);
+  EXPECT_EQ(flight.slam.num_closures(), 0);
+  const SubmapPoses before = flight.slam.submap_poses();
+  ASSERT_EQ(before.T_local_own.size(), static_cast<std::size_t>(flight.slam.num_submaps()));
+  EXPECT_LT((before.T_local_own[0].translation() - on_square_m(0.0)).norm(), 1e-9);
+  Flight longer(GlobalSlam(config, true));
+  longer.fly(60.0, drift_per_m);
+  ASSERT_GE(longer.slam.num_closures(), 1);
+  ASSERT_TRUE(longer.correction);
+  const SubmapPoses& after = longer.slam.submap_poses();
+  EXPECT_GT(after.revision, before.revision);
+  const Vector3 drift_m = 60.0 * drift_per_m;
+  const Vector3 off_before_m = before.T_local_own[0].translation() - on_square_m(0.0) - drift_m;
+  const Vector3 off_after_m = after.T_local_own[0].translation() - on_square_m(0.0) - drift_m;
+  EXPECT_LT(off_after_m.norm(), 0.5 * off_before_m.norm());
+  const Pose& T_newest = after.T_local_own.back();
+  EXPECT_EQ(T_newest.linear(), Matrix3::Identity()) << "as local SLAM placed it";
+}
+
+TEST(GlobalSlam, SubmapsMoveWhenTheCorrectionBecomesKnown) {
+  GlobalSlamConfig config;
+  config.closure_gap_m = 20.0;
+  config.latency_s = 3.0;
+  Flight flight(GlobalSlam(config, true));
+  bool moved_early = false;
+  const Vector3 drift_per_m(0.006, -0.004, 0.002);
+  while (!flight.correction && flight.i < 200) {
+    const bool closed = flight.slam.num_closures() > 0;
+    const double p_m = flight.slam.submap_poses().T_local_own.empty()
+                           ? 0.0
+                           : flight.slam.submap_poses().T_local_own[0].translation().x();
+    moved_early = moved_early || (closed && p_m != 0.0);
+    flight.step(drift_per_m);
+  }
+  ASSERT_TRUE(flight.correction);
+  EXPECT_FALSE(moved_early);
+  EXPECT_NE(flight.slam.submap_poses().T_local_own[0].translation().x(), 0.0);
 }
 
 TEST(GlobalSlam, WithoutARevisitItSaysNothing) {
@@ -188,6 +237,12 @@ TEST(GlobalSlam, ALaterFlightThatWasToldNothingFindsItselfInThatMap) {
     flight.fly(12.0, Vector3::Zero());
     ASSERT_TRUE(flight.slam.located()) << yaw_rad;
     ASSERT_TRUE(flight.correction);
+    const SubmapPoses& poses = flight.slam.submap_poses();
+    ASSERT_EQ(poses.num_given, config.loaded_map->submaps.size());
+    ASSERT_EQ(poses.T_local_given.size(), poses.num_given) << "it knows where they lie";
+    EXPECT_EQ(poses.given.size(), poses.num_given) << "of their points";
+    const Vector3 given_world_m = config.loaded_map->T_world_submap(config.loaded_map->submaps[1]).translation();
+    EXPECT_LT((poses.T_local_given[1].translation() - flight.T_local_world * given_world_m).norm(), 0.1) << yaw_rad;
     const Vector3 p_world_m = on_square_m(25.0), p_local_m = flight.T_local_world * p_world_m;
     EXPECT_LT((*flight.correction * p_local_m - p_world_m).norm(), 0.05) << yaw_rad;
     EXPECT_LT(std::abs(yaw_of(Matrix3(flight.correction->linear() * flight.T_local_world.linear()))), 0.005);
@@ -204,9 +259,34 @@ TEST(GlobalSlam, ElsewhereItDoesNotFindItselfAndLeavesTheMapAsItIs) {
   flight.place_world_m = other_place_world_m();
   flight.fly(30.0, Vector3::Zero());
   EXPECT_FALSE(flight.slam.located());
+  EXPECT_TRUE(flight.slam.submap_poses().T_local_given.empty());
+  EXPECT_TRUE(flight.slam.submap_poses().given.empty());
   EXPECT_FALSE(flight.correction);
   EXPECT_EQ(flight.slam.num_closures(), 0);
   EXPECT_EQ(flight.slam.saved_map(), config.loaded_map);
+}
+
+TEST(GlobalSlam, AFlightWhoseStartWasToldKnowsAtOnceWhereTheGivenSubmapsLie) {
+  GlobalSlamConfig config;
+  config.loaded_map = map_of_the_yard();
+  Flight flight(GlobalSlam(config, true));
+  flight.fly(0.0, Vector3::Zero());
+  const SubmapPoses& poses = flight.slam.submap_poses();
+  ASSERT_EQ(poses.T_local_given.size(), config.loaded_map->submaps.size());
+  for (std::size_t i = 0; i < poses.num_given; ++i) {
+    const Pose& T_world_submap = config.loaded_map->T_world_submap(config.loaded_map->submaps[i]);
+    EXPECT_LT((poses.T_local_given[i].matrix() - T_world_submap.matrix()).norm(), 1e-9);
+  }
+  // A map that is saved knows the cells of a mapper, by submaps of both flights.
+  CellBlock block;
+  block.free[0] = 1;
+  const CellBlock blocks[] = {block};
+  const MapPiece own{0, Pose::Identity(), std::make_shared<const SubmapCells>(0.2, blocks)};
+  const auto saved = with_pieces(flight.slam.saved_map(), poses, {&own, 1});
+  ASSERT_EQ(saved->pieces.size(), 1U);
+  EXPECT_EQ(saved->pieces[0].submap, static_cast<int>(poses.num_given));
+  EXPECT_EQ(fault_of(*saved), "");
+  EXPECT_EQ(pieces_of(*saved).size(), saved->submaps.size()) << "the others have those of their points";
 }
 
 TEST(GlobalSlam, AFlightWhoseStartWasToldClosesLoopsWithAnEarlierOne) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "swiftlet/core/localization/rotation.hpp"
 
@@ -163,6 +164,177 @@ TEST(InertialFilter, NoiseOfTheAccelerometerGrowsAsItsIntegrals) {
     EXPECT_NEAR(added(Filter::kV + axis, Filter::kP + axis) / (q * std::pow(kDuration_s, 2) / 2.0), 1.0, 1e-9);
     EXPECT_NEAR(added(Filter::kV + axis, Filter::kV + axis) / (q * kDuration_s), 1.0, 1e-9);
   }
+}
+
+TEST(InertialFilter, WithoutTiltAStepIsThatOfTheStrapdown) {
+  Filter::State state = some_state();
+  state.tilt_local.setZero();
+  NavState nav = state.nav;
+  const Vector3 omega(0.7, -1.2, 2.0), force(1.0, -2.0, 11.0);
+  const NavState before = nav;
+  strapdown(nav, omega, force, 0.02);
+  const Filter::State next = Filter::advanced(state, omega, force, 0.02);
+  EXPECT_LT((next.nav.p_m - nav.p_m).norm() + (next.nav.v_mps - nav.v_mps).norm(), 1e-14);
+  EXPECT_LT(next.nav.q.angularDistance(nav.q), 1e-12);
+  EXPECT_EQ(next.nav.omega_body_radps, omega);
+  EXPECT_GT((next.nav.p_m - before.p_m).norm(), 0.01);
+}
+
+TEST(InertialFilter, WhatIsExactInTheTransitionIsExact) {
+  // By velocity, biases of the accelerometer and tilt the motion is linear within a step.
+  const Vector3 omega(0.7, -1.2, 2.0), force(1.0, -2.0, 11.0);
+  constexpr double kDt_s = 0.05, kStep = 1e-4;
+  const Filter::State state = some_state();
+  const Filter::Covariance F = Filter::transition(state, omega, force, kDt_s);
+  const auto advanced = [&](const Filter::State& s) {
+    return Filter::advanced(s, omega - (s.gyro_bias_body_radps - state.gyro_bias_body_radps),
+                            force - (s.accel_bias_body_mps2 - state.accel_bias_body_mps2), kDt_s);
+  };
+  for (const int first : {int{Filter::kP}, int{Filter::kV}, int{Filter::kAccelBias}, int{Filter::kTilt}}) {
+    for (int i = first; i < first + (first == Filter::kTilt ? 2 : 3); ++i) {
+      const Filter::Error d = kStep * Filter::Error::Unit(i);
+      const Filter::Error slope =
+          between(advanced(state.changed_by(-d)), advanced(state.changed_by(d))) / (2.0 * kStep);
+      EXPECT_LT((F.col(i) - slope).norm(), 2e-8) << i;
+    }
+  }
+}
+
+TEST(InertialFilter, ATiltOfGravityStaysOne) {
+  Filter::State state;
+  Filter::Error d = Filter::Error::Zero();
+  d.segment<2>(Filter::kTilt) << 0.9, 0.1;
+  EXPECT_EQ(state.changed_by(d).tilt_local, Eigen::Vector2d(0.9, 0.1));
+  d.segment<2>(Filter::kTilt) << 0.96, 0.0;
+  EXPECT_NEAR(state.changed_by(d).tilt_local.x(), std::sqrt(0.9), 1e-12);
+  d.segment<2>(Filter::kTilt) << 30.0, 40.0;
+  const Filter::State steep = state.changed_by(d);
+  EXPECT_NEAR(steep.tilt_local.norm(), std::sqrt(0.9), 1e-12);
+  EXPECT_NEAR(steep.gravity_local_mps2().norm(), kStandardGravity_mps2, 1e-12);
+  EXPECT_LT(steep.gravity_local_mps2().z(), 0.0);
+}
+
+TEST(InertialFilter, BeginsAsUnsureAsItIsTold) {
+  InertialConfig config;
+  config.start_velocity_sigma_mps = 0.3;
+  config.start_accel_bias_sigma_mps2 = 0.2;
+  config.start_gyro_bias_sigma_radps = 0.01;
+  config.start_tilt_sigma_deg = 2.0;
+  const Filter filter(config, make_pose({1, 2, 3}, rotation_by({0.1, 0.2, 0.5})));
+  Filter::Error expected = Filter::Error::Zero();
+  expected.segment<3>(Filter::kV).setConstant(0.09);
+  expected.segment<3>(Filter::kAccelBias).setConstant(0.04);
+  expected.segment<3>(Filter::kGyroBias).setConstant(1e-4);
+  expected.segment<2>(Filter::kTilt).setConstant(std::pow(2.0 * M_PI / 180.0, 2));
+  EXPECT_LT((filter.covariance() - Filter::Covariance(expected.asDiagonal())).norm(), 1e-15) << "its pose is exact";
+  EXPECT_LT((filter.T_local_body().translation() - Vector3(1, 2, 3)).norm(), 1e-15);
+}
+
+TEST(InertialFilter, ItsFirstSampleOnlySaysWhatTimeItIs) {
+  Filter filter({}, make_pose({1, 2, 3}, Eigen::Quaterniond::Identity()));
+  const Filter::Covariance P = filter.covariance();
+  filter.predict_to(1'000'000'000);
+  EXPECT_EQ(filter.state().nav.t, 0) << "nothing is known of its motion yet";
+  filter.predict({5'000'000'000, {0, 0, 1}, {3, 0, 9.81}});
+  EXPECT_EQ(filter.state().nav.t, 5'000'000'000);
+  EXPECT_EQ(filter.state().nav.p_m, Vector3(1, 2, 3));
+  EXPECT_EQ(filter.covariance(), P);
+  // From then on it goes by the last sample.
+  Filter other = filter;
+  filter.predict_to(5'010'000'000);
+  other.predict({5'010'000'000, {0, 0, 1}, {3, 0, 9.81}});
+  EXPECT_EQ(filter.state().nav.t, other.state().nav.t);
+  EXPECT_EQ(filter.state().nav.p_m, other.state().nav.p_m);
+  EXPECT_EQ(filter.covariance(), other.covariance());
+  EXPECT_GT(filter.state().nav.v_mps.x(), 0.02);
+  filter.predict_to(5'005'000'000);
+  EXPECT_EQ(filter.state().nav.t, other.state().nav.t) << "never back";
+}
+
+// Of two filters that differ in one noise alone, the difference is what that noise adds.
+TEST(InertialFilter, TheOtherNoisesGrowWithTheTime) {
+  constexpr double kDt_s = 0.05;
+  const auto after = [](double gyro, double accel_walk, double gyro_walk) {
+    InertialConfig config;
+    config.gyro_noise_radps_sqrt_hz = gyro;
+    config.accel_walk_mps3_sqrt_hz = accel_walk;
+    config.gyro_walk_radps2_sqrt_hz = gyro_walk;
+    Filter filter(config, Pose::Identity());
+    filter.predict({1, Vector3::Zero(), {0, 0, 9.81}});
+    filter.predict({1 + from_seconds(kDt_s), Vector3::Zero(), {0, 0, 9.81}});
+    return filter.covariance();
+  };
+  const Filter::Covariance none = after(0, 0, 0);
+  const auto expect_added = [&](const Filter::Covariance& noisy, int first, double variance) {
+    Filter::Error expected = Filter::Error::Zero();
+    expected.segment<3>(first).setConstant(variance);
+    EXPECT_LT((noisy - none - Filter::Covariance(expected.asDiagonal())).norm(), 1e-12) << first;
+  };
+  expect_added(after(0.2, 0, 0), Filter::kTheta, 0.04 * kDt_s);
+  expect_added(after(0, 0.3, 0), Filter::kAccelBias, 0.09 * kDt_s);
+  expect_added(after(0, 0, 0.1), Filter::kGyroBias, 0.01 * kDt_s);
+}
+
+TEST(InertialFilter, FromATenthOfASecondOnAGapCostsWhatMayHaveHappenedInIt) {
+  const auto after = [](double dt_s) {
+    Filter filter({}, Pose::Identity());
+    filter.predict({1, Vector3::Zero(), {0, 0, 9.81}});
+    filter.predict({1 + from_seconds(dt_s), Vector3::Zero(), {0, 0, 9.81}});
+    return filter.covariance();
+  };
+  const double below_s = 0.0999, above_s = 0.1001;
+  const Filter::Error added = (after(above_s) - after(below_s)).diagonal();
+  // 2 m/s^2 and a turn of 1 rad/s that nobody measured; what else grows within 0.2 ms is little.
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(added(Filter::kP + axis), std::pow(above_s, 4), 3e-6);
+    EXPECT_NEAR(added(Filter::kV + axis), 4.0 * above_s * above_s, 1e-4);
+    EXPECT_NEAR(added(Filter::kTheta + axis), above_s * above_s, 1e-5);
+  }
+}
+
+TEST(InertialFilter, BegunAgainItKnowsWhatItLearnedAndIsTwiceAsUnsureOfIt) {
+  const Filter learned = flown_filter();
+  Filter again({}, make_pose({1, 2, 3}, rotation_by({0, 0, 0.5})));
+  again.begin_with(learned, {0.4, -0.3, 0.2});
+  EXPECT_EQ(again.state().nav.v_mps, Vector3(0.4, -0.3, 0.2));
+  EXPECT_EQ(again.state().nav.p_m, Vector3(1, 2, 3));
+  EXPECT_EQ(again.state().accel_bias_body_mps2, learned.state().accel_bias_body_mps2);
+  EXPECT_EQ(again.state().gyro_bias_body_radps, learned.state().gyro_bias_body_radps);
+  EXPECT_EQ(again.state().tilt_local, learned.state().tilt_local);
+  Filter::Covariance expected = Filter::Covariance::Zero();
+  expected.block<3, 3>(Filter::kV, Filter::kV) = 4.0 * learned.covariance().block<3, 3>(Filter::kV, Filter::kV);
+  expected.bottomRightCorner<8, 8>() = 4.0 * learned.covariance().bottomRightCorner<8, 8>();
+  EXPECT_LT((again.covariance() - expected).norm(), 1e-15);
+}
+
+TEST(InertialFilter, WhereTheMapBeginsItsPoseIsExact) {
+  Filter filter = flown_filter();
+  const Filter::Covariance P = filter.covariance();
+  filter.anchor_pose();
+  for (int i = 0; i < Filter::kStates; ++i) {
+    for (int j = 0; j < Filter::kStates; ++j) {
+      const auto of_pose = [](int k) { return k < 3 || (k >= 6 && k < 9); };
+      EXPECT_EQ(filter.covariance()(i, j), of_pose(i) || of_pose(j) ? 0.0 : P(i, j));
+    }
+  }
+}
+
+TEST(InertialFilter, IsSoundWhileAllThatItTellsIsFinite) {
+  EXPECT_TRUE(flown_filter().is_sound());
+  Filter lost = flown_filter();
+  lost.update(
+      [](const Pose&) {
+        PoseEvidence evidence;
+        evidence.information.setConstant(std::nan(""));
+        return evidence;
+      },
+      5);
+  EXPECT_TRUE(lost.is_sound()) << "evidence that is no number is none";
+  InertialConfig config;
+  config.accel_noise_mps2_sqrt_hz = 1e200;
+  Filter broken(config, Pose::Identity());
+  for (int i = 0; i < 3; ++i) broken.predict({i * 4'000'000, Vector3::Zero(), {0, 0, 9.81}});
+  EXPECT_FALSE(broken.is_sound());
 }
 
 }  // namespace

@@ -70,6 +70,45 @@ TEST(Transition, OfAVerySlowTurnIsThatOfConstantAcceleration) {
   EXPECT_EQ(coordinated_turn_transition(0.1, 0.0), constant_acceleration_transition(0.1));
 }
 
+// From a ten-thousandth of a radian on the closed form holds. Its terms are those of the series.
+TEST(Transition, OfASlowTurnIsThatOfTheSeries) {
+  for (const double angle : {9e-5, 1.1e-4, 1e-2}) {
+    const double dt_s = 0.1, w = angle / dt_s;
+    const Matrix9 A = coordinated_turn_transition(dt_s, w), straight = constant_acceleration_transition(dt_s);
+    if (angle < 1e-4) {
+      EXPECT_EQ(A, straight);
+      continue;
+    }
+    EXPECT_NEAR(A(0, 3), dt_s * (1.0 - angle * angle / 6.0), 1e-9);
+    EXPECT_NEAR(A(0, 6), 0.5 * dt_s * dt_s * (1.0 - angle * angle / 12.0), 1e-8);
+    EXPECT_NEAR(A(3, 3), 1.0 - angle * angle / 2.0, 1e-9);
+    EXPECT_NEAR(A(6, 3), -w * angle, 1e-3 * w * angle);
+    EXPECT_NE(A, straight);
+  }
+}
+
+// A mode that explains nothing keeps a millionth, so that it can come back.
+TEST(ImmFilter, NoModeIsGivenUpForGood) {
+  const auto filter = make_imm_filter({});
+  MotionState belief = filter->start(Vector3::Zero(), 0.01 * Matrix3::Identity());
+  belief.modes[0].mean[0] = belief.modes[1].mean[1] = 50.0;
+  filter->correct(belief, Vector3::Zero(), 0.01 * Matrix3::Identity());
+  for (const int m : {0, 1}) {
+    // Of three that were equally likely before.
+    EXPECT_NEAR(belief.mode_probability[static_cast<std::size_t>(m)], 3e-6, 0.5e-6);
+  }
+  EXPECT_GT(belief.mode_probability[2], 0.99);
+}
+
+TEST(CorrectBelief, ABeliefThatIsNoGaussianAnyMoreExplainsNothing) {
+  MotionBelief belief;
+  belief.covariance.topLeftCorner<3, 3>() = -2.0 * Matrix3::Identity();
+  const MotionBelief before = belief;
+  EXPECT_LT(correct_belief(belief, Vector3::Zero(), Matrix3::Identity()), -1e300);
+  EXPECT_EQ(belief.mean, before.mean);
+  EXPECT_EQ(belief.covariance, before.covariance);
+}
+
 TEST(Transition, TwoStepsAreOneLongOne) {
   EXPECT_TRUE((constant_acceleration_transition(0.3) * constant_acceleration_transition(0.2))
                   .isApprox(constant_acceleration_transition(0.5), 1e-12));

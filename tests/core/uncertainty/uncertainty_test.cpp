@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "swiftlet/core/math/random.hpp"
@@ -202,6 +204,122 @@ TEST(BoxProbability, ADegenerateCovarianceIsAPointMass) {
   const Eigen::AlignedBox3d box(Vector3::Constant(-1.0), Vector3::Constant(1.0));
   EXPECT_NEAR(box_probability(Vector3::Zero(), Matrix3::Zero(), box), 1.0, 1e-9);
   EXPECT_EQ(box_probability(Vector3::Constant(2.0), Matrix3::Zero(), box), 0.0);
+}
+
+// The axes may be integrated over in any order.
+TEST(BoxProbability, DoesNotDependOnTheOrderOfTheAxes) {
+  for (int k = 0; k < 16; ++k) {
+    const Matrix3 Sigma = random_covariance(100 + k, k % 4 == 0 ? 0.5 : k % 4 == 1 ? 0.1 : k % 4 == 2 ? 0.01 : 1e-3);
+    const Vector3 mean = 0.5 * normals(k, 60);
+    const Vector3 corner = -0.5 * normals(k, 61).cwiseAbs() - Vector3::Constant(0.1);
+    const Eigen::AlignedBox3d box(corner, corner + 1.5 * normals(k, 62).cwiseAbs() + Vector3::Constant(0.2));
+    const double p = box_probability(mean, Sigma, box);
+    for (const auto& [a, b, c] :
+         {std::array{0, 2, 1}, std::array{1, 0, 2}, std::array{1, 2, 0}, std::array{2, 0, 1}, std::array{2, 1, 0}}) {
+      Matrix3 order = Matrix3::Zero();
+      order(0, a) = order(1, b) = order(2, c) = 1.0;
+      const Eigen::AlignedBox3d turned(Vector3(order * box.min()), Vector3(order * box.max()));
+      EXPECT_NEAR(box_probability(order * mean, order * Sigma * order.transpose(), turned), p, 2e-9)
+          << k << ": " << a << b << c;
+    }
+  }
+}
+
+// All of it lies on a line, of which the box cuts out a piece. Of the variance beside it, rounding leaves 1e-15.
+TEST(BoxProbability, OfALineIsThatOfThePieceInTheBox) {
+  const auto Phi = [](double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); };
+  for (int k = 0; k < 20; ++k) {
+    const Vector3 along = normals(k, 70);
+    const Vector3 low = -normals(k, 71).cwiseAbs(), high = normals(k, 72).cwiseAbs();
+    double from = -1e9, to = 1e9;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = low[axis] / along[axis], b = high[axis] / along[axis];
+      from = std::max(from, std::min(a, b));
+      to = std::min(to, std::max(a, b));
+    }
+    EXPECT_NEAR(box_probability(Vector3::Zero(), along * along.transpose(), {low, high}), Phi(to) - Phi(from), 1e-6)
+        << k;
+  }
+}
+
+// Where a coordinate is certain, the box has its lower face and not its upper one.
+TEST(BoxProbability, ACertainCoordinateIsInOrOut) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Vector3 variance(0.3, 0.5, 0.7);
+    variance[axis] = 0.0;
+    Vector3 low = Vector3::Constant(-50.0), high = Vector3::Constant(50.0);
+    const auto p = [&](double from, double to) {
+      low[axis] = from;
+      high[axis] = to;
+      return box_probability(Vector3::Constant(0.25), variance.asDiagonal(), {low, high});
+    };
+    EXPECT_NEAR(p(0.25, 1.0), 1.0, 1e-9) << axis;
+    EXPECT_NEAR(p(-1.0, 0.25), 0.0, 1e-12) << axis;
+    EXPECT_NEAR(p(0.0, 0.5), 1.0, 1e-9) << axis;
+    EXPECT_NEAR(p(0.3, 0.5), 0.0, 1e-12) << axis;
+  }
+}
+
+// In both tails, where 1 - Phi would lose all digits.
+TEST(BoxProbability, IsAccurateInTheTails) {
+  for (const double sign : {-1.0, 1.0}) {
+    for (const double from : {3.0, 5.0, 6.0}) {
+      Vector3 low = Vector3::Constant(-40.0), high = Vector3::Constant(40.0);
+      (sign > 0.0 ? low : high).z() = sign * from;
+      const double tail = 0.5 * std::erfc(from / std::sqrt(2.0));
+      EXPECT_NEAR(box_probability(Vector3::Zero(), Matrix3::Identity(), {low, high}), tail, 1e-6 * tail) << sign * from;
+    }
+  }
+}
+
+TEST(GridProbabilities, AreThoseOfBoxesWhicheverAxisIsTheThinnest) {
+  for (int k = 0; k < 9; ++k) {
+    Matrix3 Sigma = random_covariance(200 + k, 0.02);
+    if (k >= 6) Sigma = Vector3(0.09, 0.25, 0.01).asDiagonal().toDenseMatrix() * (k - 5.0);  // no slopes
+    const Vector3 mean = 0.3 * normals(k, 80);
+    const CellGrid grid{{Vector3(-1.0, -1.2, -0.9), Vector3(1.4, 1.1, 1.3)}, {3 + k % 3, 7 - k % 4, 5}};
+    const auto probabilities = grid_probabilities(mean, Sigma, grid);
+    ASSERT_EQ(probabilities.size(), static_cast<std::size_t>(grid.counts[0] * grid.counts[1] * grid.counts[2]));
+    const Vector3 cell = grid.cell_size_m();
+    for (int index = k; index < static_cast<int>(probabilities.size()); index += 11) {
+      const Vector3 place(index / (grid.counts[1] * grid.counts[2]), index / grid.counts[2] % grid.counts[1],
+                          index % grid.counts[2]);
+      const Vector3 low = grid.box.min() + cell.cwiseProduct(place);
+      EXPECT_NEAR(probabilities[static_cast<std::size_t>(index)], box_probability(mean, Sigma, {low, low + cell}), 2e-7)
+          << k << " " << index;
+    }
+  }
+}
+
+// Cells far from all that is likely, before and behind it along each axis.
+TEST(GridProbabilities, OfAGridBesideTheDistributionAreNone) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      const Vector3 mean = sign * 30.0 * Vector3::Unit(axis);
+      const CellGrid grid{{Vector3::Constant(-2.0), Vector3::Constant(2.0)}, {4, 4, 4}};
+      for (const double p : grid_probabilities(mean, random_covariance(axis, 0.1), grid)) EXPECT_EQ(p, 0.0);
+    }
+  }
+}
+
+TEST(ErrorDistribution, PdfIsTheSlopeOfTheCdf) {
+  const ErrorDistribution error(random_covariance(4, 0.2));
+  for (const double at_m : {0.05, 0.3, 0.9, 1.7, 3.0}) {
+    EXPECT_NEAR(error.pdf(at_m), (error.cdf(at_m + 1e-5) - error.cdf(at_m - 1e-5)) / 2e-5, 1e-7) << at_m;
+  }
+  EXPECT_NEAR(error.cdf(50.0), 1.0, 1e-12);
+}
+
+TEST(CorrectVoxel, IsTheBoxInWhichThePointWasMeasured) {
+  for (int k = 0; k < 10; ++k) {
+    const Vector3 p = 4.0 * normals(k, 90);
+    const Matrix3 Sigma = random_covariance(300 + k, 0.1);
+    const double edge_m = 0.3 + 0.1 * k;
+    const Vector3 low(edge_m * std::floor(p.x() / edge_m), edge_m * std::floor(p.y() / edge_m),
+                      edge_m * std::floor(p.z() / edge_m));
+    EXPECT_NEAR(correct_voxel_probability(p, Sigma, edge_m),
+                box_probability(p, Sigma, {low, low + Vector3::Constant(edge_m)}), 1e-12);
+  }
 }
 
 TEST(CorrectVoxel, ProbabilityFallsWithDistanceAndGrowsWithTheVoxel) {

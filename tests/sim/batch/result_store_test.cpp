@@ -6,8 +6,11 @@
 #include <sqlite3.h>
 
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <functional>
+#include <limits>
+#include <sstream>
 
 #include "swiftlet/sim/errors.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -122,6 +125,222 @@ TEST_F(Stranger, ATreeThatNamesItsPagesManyTimesIsNotReadForEver) {
   EXPECT_THAT(refusal([](const ResultStore& store) { (void)store.count_by_status(); }), damaged);
   EXPECT_THAT(refusal([](const ResultStore& store) { (void)store.dump(); }), damaged);
   EXPECT_THAT(refusal([](const ResultStore& store) { (void)store.episodes(); }), damaged);
+}
+
+EpisodeRow row_of(std::uint64_t id, const std::string& status = "done") {
+  EpisodeRow row;
+  row.id = id;
+  row.variant = id % 2 == 0 ? "even" : "odd, quoted";
+  row.point = 3 + id;
+  row.seed = (std::uint64_t{1} << 62) + id;
+  row.parameters = {"1.5", "a \"b\""};
+  row.status = status;
+  row.outcome = "done";
+  row.state_hash = "00ff";
+  row.simulated_s = 0.1 + static_cast<double>(id);
+  row.message = status == "done" ? "" : "it, failed";
+  row.command = "swiftlet run x";
+  row.metrics = {{"path_m", "a", 1.0 / 3.0, "m", ""},
+                 {"path_m", "b", std::numeric_limits<double>::quiet_NaN(), "m", ""},
+                 {"outcome", "", std::numeric_limits<double>::quiet_NaN(), "", "crashed, badly"},
+                 {"count", "", 7.0, "", ""}};
+  row.host = "here";
+  row.setup_wall_s = 0.25;
+  row.flight_wall_s = std::numeric_limits<double>::quiet_NaN();
+  row.wall_s = 2.5;
+  row.built_world = id == 1;
+  return row;
+}
+
+BatchInfo info_with_two_parameters() {
+  BatchInfo info;
+  info.name = "batch";
+  info.description = "about";
+  info.file = "/b.yaml";
+  info.text = "name: batch";
+  info.fingerprint = "ff";
+  info.version = "1";
+  info.git_revision = "r";
+  info.num_episodes = 3;
+  info.variants = {"even", "odd, quoted"};
+  info.parameters = {"x", "name"};
+  return info;
+}
+
+class Stored : public ::testing::Test {
+ protected:
+  TemporaryDirectory folder_;
+  std::filesystem::path file_ = folder_.path() / "results.sqlite";
+  ResultStore store_{file_, ResultStore::Mode::kCreate};
+};
+
+TEST_F(Stored, EverythingComesBackAsItWasGiven) {
+  EXPECT_FALSE(store_.info().has_value());
+  store_.set_info(info_with_two_parameters());
+  const auto info = store_.info();
+  ASSERT_TRUE(info.has_value());
+  EXPECT_EQ(info->description, "about");
+  EXPECT_EQ(info->num_episodes, 3U);
+  EXPECT_EQ(info->variants, info_with_two_parameters().variants);
+  EXPECT_EQ(info->parameters, info_with_two_parameters().parameters);
+  EXPECT_EQ(info->git_revision, "r");
+  for (const std::uint64_t id : {2U, 0U, 1U}) store_.add(row_of(id));
+  EXPECT_EQ(store_.episode_ids(), (std::set<std::uint64_t>{0, 1, 2}));
+  const auto rows = store_.episodes();
+  ASSERT_EQ(rows.size(), 3U);
+  for (std::uint64_t id = 0; id < 3; ++id) {
+    const EpisodeRow expected = row_of(id), &found = rows[id];
+    EXPECT_TRUE(found.agrees_with(expected));
+    EXPECT_EQ(found.message, expected.message);
+    EXPECT_EQ(found.command, expected.command);
+    EXPECT_EQ(found.host, "here");
+    EXPECT_EQ(found.setup_wall_s, 0.25);
+    EXPECT_TRUE(std::isnan(found.flight_wall_s));
+    EXPECT_EQ(found.wall_s, 2.5);
+    EXPECT_EQ(found.built_world, id == 1);
+    ASSERT_EQ(found.metrics.size(), 4U);
+    EXPECT_EQ(found.metrics[0].value, 1.0 / 3.0);
+    EXPECT_EQ(found.metrics[0].unit, "m");
+    EXPECT_TRUE(std::isnan(found.metrics[1].value));
+    EXPECT_EQ(found.metrics[2].text, "crashed, badly");
+    EXPECT_TRUE(std::isnan(found.metrics[2].value)) << "a word is no number";
+    EXPECT_EQ(found.metrics[3].value, 7.0);
+  }
+  EXPECT_TRUE(store_.episodes(false)[0].metrics.empty());
+  EXPECT_EQ(store_.episode(1)->seed, (std::uint64_t{1} << 62) + 1);
+  EXPECT_EQ(store_.episode(1)->metrics.size(), 4U);
+  EXPECT_FALSE(store_.episode(3).has_value());
+}
+
+TEST_F(Stored, AnEpisodeThatIsAddedAgainReplacesItself) {
+  store_.set_info(info_with_two_parameters());
+  store_.add(row_of(1, "failed"));
+  EpisodeRow again = row_of(1);
+  again.metrics.pop_back();
+  again.parameters = {"2", "c"};
+  store_.add(again);
+  ASSERT_EQ(store_.episodes().size(), 1U);
+  EXPECT_EQ(store_.episode(1)->metrics.size(), 3U);
+  EXPECT_EQ(store_.episode(1)->parameters, again.parameters);
+  EXPECT_EQ(store_.count_by_status(), (std::map<std::string, std::uint64_t>{{"done", 1}}));
+}
+
+TEST_F(Stored, WhatIsNotDoneCanBeRemoved) {
+  store_.set_info(info_with_two_parameters());
+  store_.add(row_of(0));
+  store_.add(row_of(1, "failed"));
+  store_.add(row_of(2, "timed_out"));
+  EXPECT_EQ(store_.count_by_status(),
+            (std::map<std::string, std::uint64_t>{{"done", 1}, {"failed", 1}, {"timed_out", 1}}));
+  EXPECT_EQ(store_.remove_unfinished(), 2U);
+  EXPECT_EQ(store_.episode_ids(), std::set<std::uint64_t>{0});
+  EXPECT_EQ(store_.remove_unfinished(), 0U);
+  store_.add(row_of(1));
+  EXPECT_EQ(store_.episode(1)->metrics.size(), 4U) << "nothing of the earlier one is left";
+}
+
+TEST_F(Stored, TheDumpHoldsAllButWhatBelongsToTheMachine) {
+  store_.set_info(info_with_two_parameters());
+  store_.add(row_of(1));
+  const std::string before = store_.dump();
+  EpisodeRow same = row_of(1);
+  same.host = "there";
+  same.wall_s = same.setup_wall_s = 99.0;
+  same.built_world = false;
+  store_.add(same);
+  EXPECT_EQ(store_.dump(), before);
+  for (const char* told :
+       {"fingerprint|ff|\n", "1|odd, quoted|4|4611686018427387905|done|done|00ff|1.1||swiftlet run x|\n",
+        "1|name|a \"b\"|\n", "1|x|1.5|\n", "1|0|path_m|a|0.33333333333333331|m||\n", "1|1|path_m|b||m||\n",
+        "1|2|outcome||||crashed, badly|\n", "1|3|count||7.0|||\n"}) {
+    EXPECT_THAT(before, HasSubstr(told));
+  }
+  same.metrics[0].value += 1e-16;
+  store_.add(same);
+  EXPECT_NE(store_.dump(), before);
+}
+
+TEST_F(Stored, IsOneFileWhenItIsClosedAndIsNotMadeTwice) {
+  store_.set_info(info_with_two_parameters());
+  store_.close();
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
+  EXPECT_THROW(ResultStore(file_, ResultStore::Mode::kCreate), InputError);
+  EXPECT_NO_THROW(ResultStore(file_, ResultStore::Mode::kAppend));
+  EXPECT_NO_THROW(ResultStore(file_, ResultStore::Mode::kRead));
+  EXPECT_THROW(ResultStore(folder_.path() / "none.sqlite", ResultStore::Mode::kRead), std::runtime_error);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "none.sqlite"));
+  EXPECT_NO_THROW(ResultStore(folder_.path() / "new.sqlite", ResultStore::Mode::kAppend));
+}
+
+TEST_F(Stored, CsvFilesHaveTheMetricsAsColumnsAndAsRows) {
+  store_.set_info(info_with_two_parameters());
+  EpisodeRow first = row_of(0);
+  first.metrics.erase(first.metrics.begin() + 1);
+  store_.add(first);
+  store_.add(row_of(1, "failed"));
+  export_csv(store_, folder_.path());
+  const auto text_of = [&](const char* name) {
+    std::ostringstream text;
+    text << std::ifstream(folder_.path() / name).rdbuf();
+    return text.str();
+  };
+  EXPECT_EQ(text_of("episodes.csv"),
+            "episode,variant,point,seed,x,name,status,state_hash,simulated_s,wall_s,a.path_m,outcome,count,b.path_m,"
+            "message,command\n"
+            "0,even,3,4611686018427387904,1.5,\"a \"\"b\"\"\",done,00ff,0.1,2.5,0.3333333333333333,\"crashed, "
+            "badly\",7,,,swiftlet run x\n"
+            "1,\"odd, quoted\",4,4611686018427387905,1.5,\"a \"\"b\"\"\",failed,00ff,1.1,2.5,0.3333333333333333,"
+            "\"crashed, badly\",7,,\"it, failed\",swiftlet run x\n");
+  EXPECT_EQ(text_of("metrics.csv"),
+            "episode,variant,point,seed,vehicle,metric,value,unit\n"
+            "0,even,3,4611686018427387904,a,path_m,0.3333333333333333,m\n"
+            "0,even,3,4611686018427387904,,outcome,\"crashed, badly\",\n"
+            "0,even,3,4611686018427387904,,count,7,\n"
+            "1,\"odd, quoted\",4,4611686018427387905,a,path_m,0.3333333333333333,m\n"
+            "1,\"odd, quoted\",4,4611686018427387905,b,path_m,,m\n"
+            "1,\"odd, quoted\",4,4611686018427387905,,outcome,\"crashed, badly\",\n"
+            "1,\"odd, quoted\",4,4611686018427387905,,count,7,\n");
+}
+
+TEST(EpisodeRow, AgreesOnlyWithOneThatSaysTheSame) {
+  const EpisodeRow row = row_of(1);
+  EXPECT_TRUE(row.agrees_with(row));
+  const auto differs = [&](const auto& change) {
+    EpisodeRow other = row_of(1);
+    change(other);
+    return !row.agrees_with(other) && !other.agrees_with(row);
+  };
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.id = 2; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.variant = "x"; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.point = 9; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.seed = 9; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.parameters[1] = "c"; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.status = "failed"; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.outcome = "x"; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.state_hash = "x"; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.simulated_s = std::nan(""); }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.metrics[0].name = "x"; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.metrics[0].vehicle = "x"; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.metrics[0].unit = "x"; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.metrics[0].value = 0.3; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.metrics[1].value = 0.3; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.metrics[2].text = "x"; }));
+  EXPECT_TRUE(differs([](EpisodeRow& r) { r.metrics.pop_back(); }));
+  EpisodeRow elsewhere = row_of(1);
+  elsewhere.host = "there";
+  elsewhere.wall_s = 99.0;
+  elsewhere.command = "other";
+  EXPECT_TRUE(row.agrees_with(elsewhere));
+}
+
+TEST_F(Stranger, AFormatOrANumberThatIsNoneIsRefused) {
+  run("UPDATE batch SET value = 'many' WHERE key = 'num_episodes'");
+  EXPECT_THAT(refusal([](const ResultStore& store) { (void)store.info(); }),
+              HasSubstr("batch.num_episodes: expected a whole number, found \"many\""));
+  run("UPDATE batch SET value = '2' WHERE key = 'format'");
+  EXPECT_THAT(refusal([](const ResultStore&) {}), HasSubstr("expected results in format 1, found \"2\""));
+  run("DELETE FROM batch WHERE key = 'format'");
+  EXPECT_THAT(refusal([](const ResultStore&) {}), HasSubstr("expected results in format 1, found \"\""));
 }
 
 }  // namespace

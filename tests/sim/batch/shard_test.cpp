@@ -52,6 +52,53 @@ TEST(Shard, ASlurmArrayWithHolesIsRefused) {
                InputError);
 }
 
+TEST(Shard, OfAtMostTenMillions) {
+  EXPECT_EQ(parse_shard("1/10000000").count, 10'000'000);
+  EXPECT_THROW(parse_shard("1/10000001"), InputError);
+  EXPECT_EQ(shard_in({{"PMI_RANK", "0"}, {"PMI_SIZE", "10000000"}}).count, 10'000'000);
+  EXPECT_THROW(shard_in({{"PMI_RANK", "0"}, {"PMI_SIZE", "10000001"}}), InputError);
+  EXPECT_THROW(shard_in({{"PMI_RANK", "0"}, {"PMI_SIZE", "0"}}), InputError);
+  EXPECT_THROW(shard_in({{"PMI_RANK", "-1"}, {"PMI_SIZE", "3"}}), InputError);
+}
+
+TEST(Shard, OfAnArrayWhoseBoundsAreNotToldItCountsFromZero) {
+  EXPECT_EQ(shard_in({{"SLURM_ARRAY_TASK_ID", "2"}, {"SLURM_ARRAY_TASK_COUNT", "4"}}).str(), "3/4");
+  EXPECT_EQ(shard_in({{"SLURM_ARRAY_TASK_ID", "0"}, {"SLURM_ARRAY_TASK_COUNT", "1"}}).str(), "1/1");
+  EXPECT_EQ(
+      shard_in({{"SLURM_ARRAY_TASK_ID", "6"}, {"SLURM_ARRAY_TASK_COUNT", "4"}, {"SLURM_ARRAY_TASK_MIN", "5"}}).str(),
+      "2/4");
+  EXPECT_EQ(shard_in({{"SLURM_ARRAY_TASK_ID", "7"},
+                      {"SLURM_ARRAY_TASK_COUNT", "1"},
+                      {"SLURM_ARRAY_TASK_MIN", "7"},
+                      {"SLURM_ARRAY_TASK_MAX", "7"}})
+                .str(),
+            "1/1");
+  EXPECT_THROW(shard_in({{"SLURM_ARRAY_TASK_ID", "4"}, {"SLURM_ARRAY_TASK_COUNT", "4"}}), InputError);
+  EXPECT_THROW(shard_in({{"SLURM_ARRAY_TASK_ID", "0"}}), InputError);
+  // The same number twice is no array.
+  EXPECT_THROW(shard_in({{"SLURM_ARRAY_TASK_ID", "0"},
+                         {"SLURM_ARRAY_TASK_COUNT", "3"},
+                         {"SLURM_ARRAY_TASK_MIN", "0"},
+                         {"SLURM_ARRAY_TASK_MAX", "0"}}),
+               InputError);
+}
+
+TEST(Shard, TellsWhereItIsFrom) {
+  EXPECT_EQ(parse_shard("2/8").source, "--shard");
+  EXPECT_EQ(shard_in({}).source, "");
+  EXPECT_EQ(shard_in({{"PMI_RANK", "1"}, {"PMI_SIZE", "2"}}).source, "PMI_RANK");
+  EXPECT_EQ(
+      shard_in({{"PMI_RANK", "1"}, {"PMI_SIZE", "2"}, {"JOB_COMPLETION_INDEX", "0"}, {"SWIFTLET_NUM_SHARDS", "3"}})
+          .source,
+      "JOB_COMPLETION_INDEX, PMI_RANK");
+  EXPECT_EQ(
+      shard_in({{"PMI_RANK", "0"}, {"PMI_SIZE", "1"}, {"JOB_COMPLETION_INDEX", "0"}, {"SWIFTLET_NUM_SHARDS", "3"}})
+          .source,
+      "JOB_COMPLETION_INDEX");
+  EXPECT_TRUE(shard_in({{"SLURM_PROCID", "0"}}).whole()) << "a batch script of one task";
+  EXPECT_THROW(shard_in({{"PMI_RANK", "0"}}), InputError);
+}
+
 TEST(Shard, MpiRanksTellIt) {
   EXPECT_EQ(shard_in({{"OMPI_COMM_WORLD_RANK", "3"}, {"OMPI_COMM_WORLD_SIZE", "4"}}).index, 3);
   EXPECT_EQ(shard_in({{"PMI_RANK", "1"}, {"PMI_SIZE", "2"}}).count, 2);

@@ -57,6 +57,82 @@ TEST(Sweep, AGridOfALawIsEvenlySpaced) {
   EXPECT_EQ(sweep_points(sweep), (Points{{"3"}, {"4"}, {"5"}}));
 }
 
+TEST(Sweep, StepsAreAsManyAsToldAndOneStandsInTheMiddle) {
+  SweepConfig sweep;
+  const auto steps = [&](ParameterConfig p, int count) {
+    p.steps = count;
+    sweep.parameters = {p};
+    return column(sweep_points(sweep));
+  };
+  EXPECT_EQ(steps(law(Law::kUniform, 2.0, 8.0), 1), (std::vector<double>{5.0}));
+  EXPECT_EQ(steps(law(Law::kUniform, 2.0, 8.0), 2), (std::vector<double>{2.0, 8.0}));
+  EXPECT_EQ(steps(law(Law::kUniform, 2.0, 8.0), 4), (std::vector<double>{2.0, 4.0, 6.0, 8.0}));
+  EXPECT_EQ(steps(law(Law::kLogUniform, 1.0, 4.0), 1), (std::vector<double>{2.0}));
+  EXPECT_EQ(steps(law(Law::kLogUniform, 1.0, 8.0), 4), (std::vector<double>{1.0, 2.0, 4.0, 8.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 0, 10), 1), (std::vector<double>{0.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 0, 10), 3), (std::vector<double>{0.0, 5.0, 10.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 0, 10), 4), (std::vector<double>{0.0, 3.0, 7.0, 10.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 4, 4), 5), (std::vector<double>{4.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 3, 5), 3), (std::vector<double>{3.0, 4.0, 5.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 3, 6), 4), (std::vector<double>{3.0, 4.0, 5.0, 6.0}));
+}
+
+TEST(Sweep, AQuantileOfAListOrOfWholeNumbersHasEqualParts) {
+  const ParameterConfig list = values({"a", "b", "c", "d"}), whole = law(Law::kInteger, 1.5, 5.5);  // 2 to 5
+  const char* const words[] = {"a", "b", "c", "d"};
+  for (int i = 0; i < 4; ++i) {
+    for (const double part : {0.001, 0.999}) {
+      EXPECT_EQ(quantile(list, (i + part) / 4.0), words[i]);
+      EXPECT_EQ(quantile(whole, (i + part) / 4.0), std::to_string(2 + i));
+    }
+  }
+  EXPECT_EQ(quantile(list, 1.0), "d") << "rounding may come that far";
+  EXPECT_EQ(quantile(whole, 1.0), "5");
+  EXPECT_EQ(quantile(law(Law::kUniform, 2.0, 4.0), 0.25), "2.5");
+  EXPECT_EQ(quantile(law(Law::kLogUniform, 1.0, 10000.0), 0.25), "10");
+}
+
+TEST(Sweep, NumbersHaveTwelveDigits) {
+  EXPECT_EQ(quantile(law(Law::kUniform, 0.0, 1.0), 1.0 / 3.0), "0.333333333333");
+  EXPECT_EQ(quantile(law(Law::kUniform, 0.0, 2e6), 1.0 / 3.0), "666666.666667");
+}
+
+TEST(Sweep, AGridHasItsBound) {
+  SweepConfig sweep;
+  ParameterConfig many = law(Law::kUniform, 0.0, 1.0);
+  many.steps = 3163;  // 3163 squared is more than ten millions
+  sweep.parameters = {many, many};
+  EXPECT_THROW(sweep_points(sweep), InputError);
+}
+
+TEST(Sweep, ShufflingIsEquallyLikelyInEveryOrder) {
+  // Of three strata the six orders, over 1200 seeds: 200 each, with a standard deviation of 13.
+  SweepConfig sweep;
+  sweep.method = SweepConfig::Method::kLatinHypercube;
+  sweep.samples = 3;
+  sweep.parameters = {law(Law::kUniform, 0.0, 3.0)};
+  std::map<std::string, int> orders;
+  for (sweep.seed = 1; sweep.seed <= 1200; ++sweep.seed) {
+    std::string order;
+    for (const double x : column(sweep_points(sweep))) order += std::to_string(static_cast<int>(x));
+    ++orders[order];
+  }
+  ASSERT_EQ(orders.size(), 6U);
+  for (const auto& [order, count] : orders) EXPECT_NEAR(count, 200, 60) << order;
+}
+
+TEST(Sweep, ANormalLawHasItsTails) {
+  ParameterConfig p = law(Law::kNormal, 0.0, 1.0);
+  p.mean = 1.0;
+  p.sd = 2.0;
+  p.cut_sd = 1.5;
+  // Phi(-1.5) = 0.0668072013, so that the law keeps 0.8663855975 of the whole one.
+  for (const double z : {-1.2, -0.3, 0.0, 0.7, 1.4}) {
+    const double phi = 0.5 * std::erfc(-z / std::sqrt(2.0));
+    EXPECT_NEAR(std::stod(quantile(p, (phi - 0.0668072013) / 0.8663855975)), 1.0 + 2.0 * z, 1e-7) << z;
+  }
+}
+
 TEST(Sweep, ListsGoSideBySideAndMustBeEquallyLong) {
   SweepConfig sweep;
   sweep.method = SweepConfig::Method::kList;

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <map>
@@ -152,13 +153,21 @@ TEST(WorkerPool, AWorkerStaysWithItsGroup) {
   const auto work = [&](std::uint64_t job) {
     seen.insert(job / 5);
     ::usleep(2'000);
-    return std::to_string(seen.size());
+    return std::to_string(::getpid()) + " " + std::to_string(seen.size());
   };
   // 8 groups for 2 workers: whoever takes a group does all of it, save the last one, which may be shared.
   const Results results = results_of(jobs(40, 5), work, workers(2));
-  int built = 0;
-  for (const auto& [id, result] : results) built = std::max(built, std::stoi(result.bytes));
-  EXPECT_LE(built, 5);
+  std::map<std::string, int> built;  // by worker
+  for (const auto& [id, result] : results) {
+    const std::size_t blank = result.bytes.find(' ');
+    int& most = built[result.bytes.substr(0, blank)];
+    most = std::max(most, std::stoi(result.bytes.substr(blank + 1)));
+  }
+  int all = 0;
+  for (const auto& [pid, count] : built) all += count;
+  EXPECT_EQ(built.size(), 2U);
+  EXPECT_GE(all, 8);
+  EXPECT_LE(all, 9);
 }
 
 TEST(WorkerPool, AWorkerIsReplacedAfterItsShare) {
@@ -228,6 +237,127 @@ TEST(WorkerPool, RefusesToForkAProcessWithThreads) {
   other.join();
 }
 #endif
+
+TEST(WorkerPool, NotMoreWorkersThanAskedForAndNotMoreThanJobs) {
+  for (const auto& [count, all, expected] : {std::tuple(3, 9, 3U), std::tuple(3, 2, 2U), std::tuple(0, 2, 1U)}) {
+    const auto work = [](std::uint64_t) {
+      ::usleep(20'000);
+      return std::to_string(::getpid());
+    };
+    std::set<std::string> pids;
+    for (const auto& [id, result] : results_of(jobs(static_cast<std::uint64_t>(all)), work, workers(count)))
+      pids.insert(result.bytes);
+    EXPECT_EQ(pids.size(), expected) << count << " workers for " << all << " jobs";
+  }
+}
+
+TEST(WorkerPool, TellsWhenAJobIsStartedAndHowManyRun) {
+  std::vector<std::uint64_t> started, finished;
+  int most = 0, asked = 0;
+  WorkerPoolEvents events;
+  events.started = [&](std::uint64_t job) { started.push_back(job); };
+  events.finished = [&](const JobResult& result) { finished.push_back(result.id); };
+  events.idle = [&](int running) {
+    ++asked;
+    most = std::max(most, running);
+    EXPECT_GE(running, 1);
+    EXPECT_LE(running, 2);
+  };
+  const auto work = [](std::uint64_t) {
+    ::usleep(250'000);
+    return std::string();
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_TRUE(run_jobs(jobs(3), work, workers(2), events));
+  const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_EQ(started, (std::vector<std::uint64_t>{0, 1, 2})) << "in the given order";
+  EXPECT_EQ(finished.size(), 3U);
+  EXPECT_GE(most, 1);
+  EXPECT_GE(asked, 1);
+  EXPECT_LE(asked, elapsed_s / 0.1 + 1.0) << "ten times a second at most";
+}
+
+TEST(WorkerPool, WithoutJobsThereIsNothingToDo) {
+  EXPECT_TRUE(run_jobs({}, [](std::uint64_t) { return std::string(); }, workers(2), {}));
+}
+
+TEST(WorkerPool, TheLastLineOfAWorkerIsShortAndPlain) {
+  const auto last_words = [](const std::string& text) {
+    const auto work = [&](std::uint64_t) -> std::string {
+      (void)!::write(STDERR_FILENO, text.data(), text.size());
+      ::_exit(9);
+    };
+    const std::string message = results_of(jobs(1), work, workers(1)).at(0).message;
+    const std::string head = "the worker ended with status 9";
+    EXPECT_EQ(message.substr(0, head.size()), head);
+    return message.substr(head.size());
+  };
+  EXPECT_EQ(last_words(""), "");
+  EXPECT_EQ(last_words("\n \n"), "");
+  EXPECT_EQ(last_words("word"), ": word");
+  EXPECT_EQ(last_words("first\nlast \n\n"), ": last");
+  EXPECT_EQ(last_words("a\tb\x1F"
+                       "c ~"),
+            ": a b c ~");
+  EXPECT_EQ(last_words(std::string(300, 'x')), ": " + std::string(300, 'x'));
+  EXPECT_EQ(last_words(std::string(301, 'x')), ": " + std::string(300, 'x'));
+  EXPECT_EQ(last_words(std::string(2000, 'y') + "\n" + std::string(299, 'x')), ": " + std::string(299, 'x'));
+}
+
+TEST(WorkerPool, AJobThatIsKilledIsToldWithTheUsualReason) {
+  const auto work = [](std::uint64_t) -> std::string {
+    ::kill(::getpid(), SIGKILL);
+    return "";
+  };
+  const JobResult result = results_of(jobs(1), work, workers(1)).at(0);
+  EXPECT_EQ(result.status, JobStatus::kCrashed);
+  EXPECT_EQ(result.message, "killed by signal 9 (Killed), by the kernel for want of memory or by somebody");
+}
+
+TEST(WorkerPool, WantOfMemoryIsToldInWhateverWords) {
+  const auto work = [](std::uint64_t job) -> std::string {
+    if (job == 0) throw std::bad_alloc();
+    if (job == 1) throw std::runtime_error("mesa: out of memory while drawing");
+    throw std::runtime_error("of memory");
+  };
+  const Results results = results_of(jobs(3), work, workers(1));
+  EXPECT_EQ(results.at(0).status, JobStatus::kOutOfMemory);
+  EXPECT_EQ(results.at(0).message, "out of memory");
+  EXPECT_EQ(results.at(1).status, JobStatus::kOutOfMemory);
+  EXPECT_EQ(results.at(2).status, JobStatus::kFailed);
+}
+
+TEST(WorkerPool, ATimeOutIsToldAndAnotherWorkerTakesOver) {
+  WorkerPoolOptions options = workers(1);
+  options.timeout_s = 0.75;
+  const auto work = [](std::uint64_t job) -> std::string {
+    while (job == 0) ::pause();
+    return std::to_string(::getpid());
+  };
+  const Results results = results_of(jobs(3), work, options);
+  EXPECT_EQ(results.at(0).message, "took longer than 0.75 s of wall time");
+  EXPECT_EQ(results.at(1).bytes, results.at(2).bytes);
+}
+
+TEST(WorkerPool, NamesOfStatesAreThoseOfTheResults) {
+  EXPECT_STREQ(name_of(JobStatus::kDone), "done");
+  EXPECT_STREQ(name_of(JobStatus::kFailed), "failed");
+  EXPECT_STREQ(name_of(JobStatus::kCrashed), "crashed");
+  EXPECT_STREQ(name_of(JobStatus::kTimedOut), "timed_out");
+  EXPECT_STREQ(name_of(JobStatus::kOutOfMemory), "out_of_memory");
+}
+
+TEST(Processors, AreNotMoreThanSlurmGives) {
+  unsetenv("SLURM_CPUS_PER_TASK");
+  const int all = available_processors();
+  EXPECT_GE(all, 1);
+  EXPECT_LE(all, static_cast<int>(std::thread::hardware_concurrency()));
+  for (const auto& [told, expected] : {std::pair("1", 1), {"0", all}, {"-1", all}, {"1000000", all}, {"x", all}}) {
+    setenv("SLURM_CPUS_PER_TASK", told, 1);
+    EXPECT_EQ(available_processors(), expected) << told;
+  }
+  unsetenv("SLURM_CPUS_PER_TASK");
+}
 
 TEST(WorkerPool, AnErrorInTheCallersHandEndsTheWorkersFirst) {
   WorkerPoolEvents events;

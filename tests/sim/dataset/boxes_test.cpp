@@ -133,6 +133,117 @@ TEST_F(BoxesTest, WhatIsOutOfReachOrOutOfTheFieldOfViewIsNotVisible) {
   EXPECT_DOUBLE_EQ(boxes({5, 0, 20}, kFarBehind)[0].visible_fraction, 0.0);  // 63 degrees up
 }
 
+TEST_F(BoxesTest, OnlyPointsOfVehiclesThatReturnedCount) {
+  const auto put = [&](int column, float range_m, int surface_class, int instance) {
+    const auto i = static_cast<std::size_t>(30 * 720 + column);
+    scan.scan.range_m[i] = range_m;
+    scan.truth.surface_class[i] = static_cast<std::uint16_t>(surface_class);
+    scan.truth.instance[i] = static_cast<std::uint16_t>(instance);
+  };
+  put(100, 20.0F, 300, 2);
+  put(101, 0.0F, 300, 2);   // lost
+  put(102, 20.0F, 40, 2);   // ground
+  put(103, 20.0F, 300, 1);  // the carrier itself
+  put(104, 20.0F, 300, 3);
+  put(105, 20.0F, 300, 3);
+  put(106, 20.0F, 300, 4);  // nobody
+  put(107, 20.0F, 300, 0);
+  const auto found = boxes({20, 0, 10.3}, kFarBehind);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].num_points, 1);
+  EXPECT_EQ(found[1].vehicle, 2);
+  EXPECT_EQ(found[1].num_points, 2);
+  EXPECT_NEAR(to_seconds(found[1].t), 0.1 * 104.5 / 720.0, 1e-6);
+}
+
+TEST_F(BoxesTest, TheirPosesAreThoseOfTheBodyAtTheirTime) {
+  const Vector3 v2(3, -2, 1);
+  const auto found = boxes({20, 5, 10.3}, kFarBehind, v2);
+  const VehicleBox& box = found[0];
+  // The middle of the box lies below the hubs or above them, but over the middle of the body.
+  const Vector3 body_m = Vector3(20, 5, 10.3) + to_seconds(box.t) * v2;
+  EXPECT_LT((box.T_world_box.translation() - body_m).head<2>().norm(), 0.02);
+  EXPECT_LT(std::abs((box.T_world_box.translation() - body_m).z()), 0.3);
+  EXPECT_LT((box.T_world_box.translation() - box.T_lidar_box.translation() - Vector3(0, 0, 10.3)).norm(), 1e-9)
+      << "the carrier hovers, its LiDAR 0.3 m above it";
+  EXPECT_EQ(box.v_world_mps, v2);
+}
+
+/// A LiDAR of a single direction sees in its own cell of two degrees and in the cells beside it.
+TEST_F(BoxesTest, TheFieldOfViewIsWhereBeamsAre) {
+  const auto visible_at = [&](double azimuth_deg, double elevation_deg,
+                              const std::vector<std::pair<double, double>>& beams_deg) {
+    auto beams = std::make_shared<BeamTable>();
+    beams->rows = 1;
+    beams->cols = static_cast<int>(beams_deg.size());
+    for (const auto& [azimuth, elevation] : beams_deg) {
+      const double a = azimuth * std::numbers::pi / 180.0, e = elevation * std::numbers::pi / 180.0;
+      beams->directions_lidar.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+      beams->origins_lidar.emplace_back(0, 0, 0);
+      beams->column_offset_s.push_back(0.0F);
+    }
+    scan.scan.beams = beams;
+    scan.scan.range_m.assign(beams_deg.size(), 0.0F);
+    scan.truth.surface_class.assign(beams_deg.size(), 0);
+    scan.truth.instance.assign(beams_deg.size(), 0);
+    const double a = azimuth_deg * std::numbers::pi / 180.0, e = elevation_deg * std::numbers::pi / 180.0;
+    // So far that it is less than a degree wide.
+    const Vector3 direction(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+    return boxes(Vector3(0, 0, 10.3) + 45.0 * direction, kFarBehind)[0].visible_fraction;
+  };
+  const std::vector<std::pair<double, double>> ahead = {{1.0, 1.0}};
+  EXPECT_EQ(visible_at(1.0, 1.0, ahead), 1.0);
+  EXPECT_EQ(visible_at(3.0, 1.0, ahead), 1.0) << "beside it";
+  EXPECT_EQ(visible_at(-1.0, 1.0, ahead), 1.0);
+  EXPECT_EQ(visible_at(5.0, 1.0, ahead), 0.0);
+  EXPECT_EQ(visible_at(-3.0, 1.0, ahead), 0.0);
+  EXPECT_EQ(visible_at(1.0, 3.0, ahead), 0.0);
+  EXPECT_EQ(visible_at(1.0, -1.0, ahead), 0.0);
+  // Across the seam behind.
+  const std::vector<std::pair<double, double>> behind = {{179.0, 1.0}};
+  EXPECT_EQ(visible_at(179.0, 1.0, behind), 1.0);
+  EXPECT_EQ(visible_at(-179.0, 1.0, behind), 1.0);
+  EXPECT_EQ(visible_at(-177.0, 1.0, behind), 0.0);
+  EXPECT_EQ(visible_at(177.0, 1.0, behind), 1.0);
+  EXPECT_EQ(visible_at(175.0, 1.0, behind), 0.0);
+  const std::vector<std::pair<double, double>> before = {{-179.0, 1.0}};
+  EXPECT_EQ(visible_at(179.0, 1.0, before), 1.0);
+  EXPECT_EQ(visible_at(-175.0, 1.0, before), 0.0);
+  EXPECT_EQ(visible_at(41.0, 31.0, {{41.0, 31.0}}), 1.0);
+}
+
+TEST_F(BoxesTest, WithoutPointsTheTimeIsThatOfTheNearestBeam) {
+  for (const double azimuth_deg : {-10.0, -100.0, -200.0, -350.0}) {
+    const double a = azimuth_deg * std::numbers::pi / 180.0;
+    const auto found = boxes(Vector3(20.0 * std::cos(a), 20.0 * std::sin(a), 10.3), kFarBehind);
+    EXPECT_NEAR(to_seconds(found[0].t), 0.1 * -azimuth_deg / 360.0, 2e-4) << azimuth_deg;
+  }
+}
+
+TEST_F(BoxesTest, ReachEndsAtTheGreatestRange) {
+  for (const auto& [x_m, visible] : {std::pair(48.0, 1.0), std::pair(52.0, 0.0)})
+    EXPECT_EQ(boxes({x_m, 0, 10.3}, kFarBehind)[0].visible_fraction, visible) << x_m;
+}
+
+TEST_F(BoxesTest, ASmallThingInFrontHidesItsShare) {
+  // A post that covers the middle half of the width, seen from 20 m.
+  const auto whole = boxes({20, 0, 10.3}, kFarBehind)[0];
+  const double half_width_m = 0.25 / std::sqrt(2.0);
+  scene.add_box({18.0F, static_cast<float>(-0.5 * half_width_m), 0},
+                {18.1F, static_cast<float>(0.5 * half_width_m), 20});
+  const double seen = boxes({20, 0, 10.3}, kFarBehind)[0].visible_fraction;
+  EXPECT_LT(seen, whole.visible_fraction - 0.2);
+  // Behind it the post hides nothing.
+  EXPECT_EQ(boxes({16, 0, 10.3}, kFarBehind)[0].visible_fraction, 1.0);
+}
+
+TEST_F(BoxesTest, AVehicleBesideTheLineHidesNothing) {
+  EXPECT_EQ(boxes({20, 0, 10.3}, {10, 1.0, 10.3})[0].visible_fraction, 1.0);
+  EXPECT_EQ(boxes({20, 0, 10.3}, {25, 0.0, 10.3})[0].visible_fraction, 1.0) << "behind it";
+  EXPECT_EQ(boxes({20, 0, 10.3}, {-5, 0.0, 10.3})[0].visible_fraction, 1.0) << "behind the LiDAR";
+  EXPECT_LT(boxes({20, 0, 10.3}, {10, 0.0, 10.3})[0].visible_fraction, 1.0);
+}
+
 TEST_F(BoxesTest, TheCarrierHidesWhatLiesBehindItsArm) {
   // 18 degrees down, over the hub of a rotor 0.25 m away and 0.07 m below the sensor.
   scan.scan.T_body_lidar.translation() = Vector3(0, 0, 0.12);

@@ -4,12 +4,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 
+#include "swiftlet/core/agent/stack.hpp"
+#include "swiftlet/core/guidance/timed_path.hpp"
+#include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/dataset/flight.hpp"
+#include "tests/sim/world/config_support.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
@@ -122,6 +128,251 @@ TEST(DatasetPlan, NumbersSequencesByFlightAndLidarAndTellsConfigurationsApart) {
   EXPECT_EQ(plan_dataset(config).fingerprint, plan.fingerprint);
   const DatasetConfig faster = load_dataset(kSmallDataset, {{"families[0].flight.speed_max_mps", "2.5"}});
   EXPECT_NE(plan_dataset(faster).fingerprint, plan.fingerprint);
+}
+
+template <class Config>
+std::vector<std::string> problems_of_config(Config config) {
+  test::CheckingVisitor visitor;
+  config.visit(visitor);
+  return visitor.problems;
+}
+
+TEST(DatasetConfig, NamesAreOfLettersAndDigits) {
+  DatasetConfig config;
+  config.families.resize(1);
+  config.families[0].scenario = "x.yaml";
+  const auto takes = [&](const std::string& name) {
+    config.name = name;
+    return problems_of_config(config).empty();
+  };
+  for (const char* name : {"a", "azAZ09_-", "z", "Z", "0", "9", "A"}) EXPECT_TRUE(takes(name)) << name;
+  for (const char* name : {"", "a.b", "a b", "`", "{", "@", "[", "/", ":"}) EXPECT_FALSE(takes(name)) << name;
+  EXPECT_TRUE(takes(std::string(64, 'x')));
+  EXPECT_FALSE(takes(std::string(65, 'x')));
+  config.name = "fine";
+  config.splits.resize(2);
+  config.splits[1] = {"train", 1, 50};
+  EXPECT_THAT(problems_of_config(config), ::testing::Each(HasSubstr("splits[")));
+  EXPECT_EQ(problems_of_config(config).size(), 2U) << "each has a name that the other has";
+  config.splits[1].name = "valid";
+  EXPECT_THAT(problems_of_config(config), ::testing::IsEmpty());
+  config.families.clear();
+  EXPECT_THAT(problems_of_config(config), ::testing::ElementsAre("families: expected at least one family"));
+}
+
+TEST(DatasetConfig, SplitsMayTouchButNotOverlap) {
+  DatasetConfig config;
+  config.families.resize(1);
+  config.families[0].scenario = "x.yaml";
+  const auto fine = [&](SplitConfig a, SplitConfig b) {
+    config.splits = {a, b};
+    return problems_of_config(config).empty();
+  };
+  EXPECT_TRUE(fine({"a", 3, 5}, {"b", 2, 8}));
+  EXPECT_FALSE(fine({"a", 4, 5}, {"b", 2, 8}));
+  EXPECT_TRUE(fine({"a", 2, 8}, {"b", 3, 5}));
+  EXPECT_FALSE(fine({"a", 2, 8}, {"b", 4, 5}));
+  EXPECT_FALSE(fine({"a", 2, 6}, {"b", 9, 5}));
+  EXPECT_THAT(problems_of_config(config), ::testing::ElementsAre(HasSubstr("the split a does not use (6 to 7)")));
+}
+
+TEST(DatasetConfig, AVariationHasWhatItsLawNeeds) {
+  const auto takes = [](Law law, double min, double max, const std::vector<std::string>& choices = {}) {
+    return problems_of_config(family_with("a", law, min, max, choices).vary[0]).empty();
+  };
+  EXPECT_TRUE(takes(Law::kUniform, 1, 1));
+  EXPECT_FALSE(takes(Law::kUniform, 1, 0.999));
+  EXPECT_TRUE(takes(Law::kUniform, -1, 0));
+  EXPECT_TRUE(takes(Law::kLogUniform, 1e-9, 1));
+  EXPECT_FALSE(takes(Law::kLogUniform, 0, 1));
+  EXPECT_TRUE(takes(Law::kWhole, -2, 3));
+  EXPECT_FALSE(takes(Law::kWhole, 0.5, 3));
+  EXPECT_FALSE(takes(Law::kWhole, 0, 3.5));
+  EXPECT_TRUE(takes(Law::kUniform, 0.5, 3.5));
+  EXPECT_TRUE(takes(Law::kChoice, 0, 1, {"x"}));
+  EXPECT_FALSE(takes(Law::kChoice, 0, 1));
+  EXPECT_FALSE(takes(Law::kUniform, 0, 1, {"x"}));
+  EXPECT_FALSE(problems_of_config(family_with("", Law::kUniform, 0, 1).vary[0]).empty());
+  FamilyConfig family;
+  EXPECT_THAT(problems_of_config(family), ::testing::ElementsAre("scenario: expected a scenario file"));
+}
+
+TEST(DatasetConfig, BoundsOfAFlightStandInOrder) {
+  const auto takes = [](double FlightConfig::*low, double low_value, double FlightConfig::*high, double high_value) {
+    FlightConfig config;
+    config.*low = low_value;
+    config.*high = high_value;
+    return problems_of_config(config).empty();
+  };
+  EXPECT_TRUE(takes(&FlightConfig::speed_min_mps, 2, &FlightConfig::speed_max_mps, 2));
+  EXPECT_FALSE(takes(&FlightConfig::speed_min_mps, 2.1, &FlightConfig::speed_max_mps, 2));
+  EXPECT_FALSE(takes(&FlightConfig::height_min_m, 3, &FlightConfig::height_max_m, 3));
+  EXPECT_TRUE(takes(&FlightConfig::height_min_m, 2.9, &FlightConfig::height_max_m, 3));
+  EXPECT_FALSE(takes(&FlightConfig::leg_min_m, 3, &FlightConfig::leg_max_m, 3));
+  EXPECT_TRUE(takes(&FlightConfig::leg_min_m, 2.9, &FlightConfig::leg_max_m, 3));
+  EXPECT_FALSE(takes(&FlightConfig::partner_min_m, 3, &FlightConfig::partner_max_m, 3));
+  EXPECT_TRUE(takes(&FlightConfig::partner_min_m, 2.9, &FlightConfig::partner_max_m, 3));
+  EXPECT_TRUE(takes(&FlightConfig::separation_m, 4, &FlightConfig::partner_min_m, 4));
+  EXPECT_FALSE(takes(&FlightConfig::separation_m, 4.1, &FlightConfig::partner_min_m, 4));
+  ContentConfig content;
+  content.trajectory_rate_hz = 0.0;
+  EXPECT_THAT(problems_of_config(content), ::testing::IsEmpty());
+  content.trajectory_rate_hz = 1e-3;
+  EXPECT_THAT(problems_of_config(content), ::testing::IsEmpty());
+  content.trajectory_rate_hz = 9e-4;
+  EXPECT_EQ(problems_of_config(content).size(), 1U);
+}
+
+/// A team of four above a plane, the second and the fourth with a LiDAR.
+class TeamOfFour : public ::testing::Test {
+ protected:
+  TeamOfFour() {
+    std::ofstream(folder.path() / "team.yaml") << R"(name: team
+duration_s: 3
+world: {type: empty, ground: true}
+recorders: [{type: tum}]
+snapshots: [{name: shot, times_s: [1]}]
+vehicles:
+  - {name: a, model: f330, agent: {type: stack, localization: ground_truth}}
+  - {name: b, model: f330, sensors: [{type: lidar, name: os}], agent: {type: stack, localization: ground_truth}}
+  - {name: c, model: f330, agent: {type: stack, localization: ground_truth}}
+  - {name: d, model: f330, sensors: [imu, {type: lidar, name: mid}], agent: {type: stack, localization: ground_truth}}
+)";
+    config.name = "made";
+    FamilyConfig family;
+    family.scenario = (folder.path() / "team.yaml").string();
+    family.vehicles_min = 2;
+    family.flight.height_max_m = 6.0;
+    family.flight.partner_max_m = 12.0;
+    config.families = {family};
+  }
+
+  TemporaryDirectory folder;
+  DatasetConfig config;
+};
+
+TEST_F(TeamOfFour, FamiliesComeByTheirWeightsAndTeamsByTheirSizes) {
+  config.families.resize(3, config.families[0]);
+  const double weights[] = {1.0, 2.0, 5.0};
+  for (std::size_t i = 0; i < 3; ++i) config.families[i].weight = weights[i];
+  config.families[1].vehicles_min = 0;
+  config.families[2].vehicles_min = 1;
+  config.splits = {{"train", 1600, 1}};
+  config.pictures.flights_per_split = 3;
+  const DatasetPlan plan = plan_dataset(config);
+  ASSERT_EQ(plan.flights.size(), 1600U);
+  std::map<int, int> families;
+  std::map<std::pair<int, int>, int> teams;
+  int sequence = 0;
+  for (std::size_t k = 0; k < plan.flights.size(); ++k) {
+    const Flight& flight = plan.flights[k];
+    ++families[flight.family];
+    ++teams[{flight.family, flight.num_vehicles}];
+    EXPECT_EQ(flight.number, static_cast<int>(k));
+    EXPECT_EQ(flight.seed, 1 + k);
+    EXPECT_EQ(flight.pictures, k < 3);
+    EXPECT_EQ(flight.first_sequence, sequence);
+    EXPECT_EQ(flight.num_sequences, flight.num_vehicles / 2) << "the second and the fourth have a LiDAR";
+    sequence += flight.num_sequences;
+  }
+  // Five standard deviations of a count.
+  for (int i = 0; i < 3; ++i) {
+    const double p = weights[i] / 8.0;
+    EXPECT_NEAR(families[i], 1600 * p, 5.0 * std::sqrt(1600 * p * (1.0 - p)));
+  }
+  const auto expect_equal_shares = [&](int family, int least) {
+    const double sizes = 5.0 - least;
+    for (int n = 1; n <= 4; ++n) {
+      const double share = n >= least ? families[family] / sizes : 0.0;
+      EXPECT_NEAR((teams[{family, n}]), share, 5.0 * std::sqrt(share)) << n << " vehicles of family " << family;
+    }
+  };
+  expect_equal_shares(0, 2);
+  expect_equal_shares(1, 4);
+  expect_equal_shares(2, 1);
+}
+
+TEST_F(TeamOfFour, APreparedFlightIsItsScenarioOnItsPathsInItsWorld) {
+  config.families[0].reflectivity_spread = 1.5;
+  config.pictures.cameras.resize(2);
+  config.pictures.cameras[0].name = "one";
+  config.pictures.cameras[1].name = "two";
+  for (CameraConfig& camera : config.pictures.cameras) camera.times_s = {1.0};
+  const DatasetPlan plan = plan_dataset(config);
+  Flight flight = plan.flights.at(0);
+  flight.num_vehicles = 3;
+  const PreparedFlight prepared = prepare_flight(plan, flight, 0);
+  const Scenario& scenario = prepared.scenario;
+  EXPECT_EQ(scenario.name, "made_00");
+  EXPECT_EQ(scenario.seed, flight.seed);
+  EXPECT_TRUE(scenario.recorders.empty());
+  EXPECT_EQ(scenario.snapshots.size(), 2U) << "those of the data card alone";
+  EXPECT_TRUE(scenario.metrics.stop_on_crash);
+  EXPECT_FALSE(scenario.metrics.stop_when_done);
+  ASSERT_EQ(scenario.vehicles.size(), 3U);
+  for (const VehicleConfig& vehicle : scenario.vehicles) {
+    const Module& guidance = vehicle.agent.as<StackConfig>().guidance;
+    ASSERT_EQ(guidance.type, "timed_path");
+    const auto& path = guidance.as<TimedPathConfig>();
+    EXPECT_EQ(vehicle.start.position_m, path.points_m.front());
+    EXPECT_GT(path.interval_s, 0.0);
+    // It looks along its path: within a right angle of where it goes first.
+    EXPECT_LE(std::abs(vehicle.start.yaw_deg), 360.0);
+  }
+  const auto& materials = prepared.world.scene->materials;
+  ASSERT_EQ(prepared.reflectivities.size(), materials.size());
+  const World plain = make_flight_world(scenario, {});
+  const Random random(flight.seed, "dataset.reflectivity");
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    EXPECT_EQ(materials[i].reflectivity, static_cast<float>(prepared.reflectivities[i]));
+    const double drawn = static_cast<double>(plain.scene->materials[i].reflectivity) *
+                         std::exp(1.5 * random.normal(0, static_cast<std::uint32_t>(i)));
+    EXPECT_NEAR(prepared.reflectivities[i], std::clamp(drawn, 0.02, 0.98), 1e-6);
+  }
+  const World again = make_flight_world(scenario, prepared.reflectivities);
+  EXPECT_EQ(again.scene->materials[0].reflectivity, materials[0].reflectivity);
+  std::vector<double> too_many = prepared.reflectivities;
+  too_many.push_back(0.5);
+  EXPECT_THAT(
+      [&] { make_flight_world(scenario, too_many); },
+      ThrowsMessage<std::runtime_error>(HasSubstr("expected " + std::to_string(too_many.size()) + " materials")));
+  flight.pictures = false;
+  EXPECT_TRUE(prepare_flight(plan, flight, 0).scenario.snapshots.empty());
+}
+
+TEST_F(TeamOfFour, ReflectivitiesStayBetweenDarkestAndBrightest) {
+  config.families[0].reflectivity_spread = 2.0;
+  const DatasetPlan plan = plan_dataset(config);
+  Flight flight = plan.flights.at(0);
+  flight.num_vehicles = 2;
+  double least = 1.0, most = 0.0;
+  for (int attempt = 0; attempt < 6; ++attempt) {
+    for (const double reflectivity : prepare_flight(plan, flight, attempt).reflectivities) {
+      least = std::min(least, reflectivity);
+      most = std::max(most, reflectivity);
+    }
+  }
+  EXPECT_GE(least, static_cast<double>(0.02F));
+  EXPECT_LE(most, static_cast<double>(0.98F));
+  EXPECT_LT(least, most);
+}
+
+TEST_F(TeamOfFour, NeedsALidarAndAWayToFly) {
+  std::ofstream(folder.path() / "blind.yaml") << "name: blind\nvehicles: [{name: a}]\n";
+  config.families.resize(2, config.families[0]);
+  config.families[1].scenario = (folder.path() / "blind.yaml").string();
+  EXPECT_THAT([&] { plan_dataset(config); },
+              ThrowsMessage<InputError>(HasSubstr("families[1].scenario: expected a vehicle with a lidar")));
+  config.families.resize(1);
+  config.families[0].vehicles_min = 4;
+  EXPECT_NO_THROW(plan_dataset(config));
+  config.families[0].vehicles_min = 5;
+  EXPECT_THAT([&] { plan_dataset(config); }, ThrowsMessage<InputError>(HasSubstr("expected at most 4")));
+  config.families[0].vehicles_min = 0;
+  config.families[0].flight.border_m = 1e6;
+  const DatasetPlan narrow = plan_dataset(config);
+  EXPECT_THAT([&] { prepare_flight(narrow, narrow.flights.at(0), 0); },
+              ThrowsMessage<NoPathFound>(HasSubstr("no free paths for 4 vehicles")));
 }
 
 TEST(DatasetPresets, AreValidAndHaveThreeSplits) {

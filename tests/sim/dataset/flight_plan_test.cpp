@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "sim/dataset/free_space.hpp"
 #include "swiftlet/core/planning/grid_search.hpp"
@@ -90,6 +91,124 @@ TEST(FreeSpace, IndoorsIsWhereWallsStandAllAroundTheDoorLeftOpen) {
     EXPECT_TRUE(find_path(space, {0, 0, 3}, outside).corners_world_m.empty());
     EXPECT_TRUE(space_of(world).is_free(outside));  // where it is not asked for
   }
+}
+
+TEST(FreeSpace, GroundIsBelowRoofsAndThereMayBeNone) {
+  TestScene scene;
+  scene.add_wall({-20, -20, 1}, {20, -20, 1}, {20, 20, 1}, {-20, 20, 1}, SurfaceClass::kGround);
+  scene.add_wall({-5, -5, 6}, {5, -5, 6}, {5, 5, 6}, {-5, 5, 6}, SurfaceClass::kCeiling);
+  scene.add_wall({-5, -5, 8}, {5, -5, 8}, {5, 5, 8}, {-5, 5, 8}, SurfaceClass::kVegetation);
+  scene.add_wall({20, -20, 0}, {30, -20, 0}, {30, 20, 0}, {20, 20, 0}, SurfaceClass::kWall);
+  const FreeSpace space = space_of(std::make_shared<const StaticScene>(scene.scene()));
+  EXPECT_NEAR(space.ground_m(0, 0).value(), 1.0, 2e-3);
+  EXPECT_NEAR(space.ground_m(10, 0).value(), 1.0, 1e-6);
+  EXPECT_FALSE(space.ground_m(25, 0).has_value());
+  EXPECT_FALSE(space.is_free(Vector3(25, 0, 3)));
+  EXPECT_TRUE(space.is_free(Vector3(10, 0, 3)));
+  EXPECT_TRUE(space.is_free(Vector3(0, 0, 3.5)));
+  // 1 to 5 m above the ground, which lies at 1 m.
+  EXPECT_FALSE(space.is_free(Vector3(10, 0, 1.99)));
+  EXPECT_TRUE(space.is_free(Vector3(10, 0, 2.01)));
+  EXPECT_TRUE(space.is_free(Vector3(10, 0, 5.99)));
+  EXPECT_FALSE(space.is_free(Vector3(10, 0, 6.01)));
+}
+
+TEST(FreeSpace, CoversItsAreaAndHeightWithCellsThatAreFreeWhereTheirCentersAre) {
+  const auto world = field_with_gap();
+  const FreeSpace space(world,
+                        {.radius_m = 0.8, .height_min_m = 1.0, .height_max_m = 5.0, .border_m = 2.0, .cell_m = 2.5});
+  EXPECT_LT((space.area_m().min() - Eigen::Vector2d(-18, -18)).norm(), 1e-9);
+  EXPECT_LT((space.area_m().max() - Eigen::Vector2d(18, 18)).norm(), 1e-9);
+  const CellGrid& grid = space.grid();
+  // 36 m along each side, and 5 m above the highest thing of 8 m.
+  EXPECT_EQ(grid.size, Eigen::Vector3i(15, 15, 6));
+  EXPECT_LT((grid.origin_world_m - Vector3(-18, -18, 0)).norm(), 1e-9);
+  int free = 0;
+  for (int index = 0; index < static_cast<int>(grid.num_cells()); ++index) {
+    const Vector3 p = grid.center_of(index);
+    const bool inside = std::abs(p.x()) <= 18.0 && std::abs(p.y()) <= 18.0 && p.z() >= 1.0 && p.z() <= 5.0;
+    const bool expected = inside && !world->nearest(p, 0.8).has_value();
+    EXPECT_EQ(space.is_free_cell(index), expected) << p.transpose();
+    EXPECT_EQ(space.is_free_cell(index), expected) << "and again";
+    free += expected ? 1 : 0;
+  }
+  EXPECT_GT(free, 100);
+  EXPECT_THROW(FreeSpace(world, {.cell_m = 0.01}), std::invalid_argument);
+  const FreeSpace none(world, {.border_m = 20.5});
+  EXPECT_TRUE(none.area_m().isEmpty());
+}
+
+TEST(FreeSpace, TwoOpenViewsAreNotIndoors) {
+  // A hall of 20 m x 20 m with doors of 4 m in so many of its walls.
+  for (const int doors : {0, 1, 2}) {
+    TestScene scene;
+    scene.add_wall({-30, -30, 0}, {30, -30, 0}, {30, 30, 0}, {-30, 30, 0}, SurfaceClass::kGround);
+    scene.add_box({-10.2F, -10.2F, 0}, {10.2F, -10, 6}, SurfaceClass::kWall);
+    scene.add_box({-10.2F, 10, 0}, {10.2F, 10.2F, 6}, SurfaceClass::kWall);
+    for (const int side : {0, 1}) {
+      const float x = side == 0 ? 10.0F : -10.2F;
+      if (side < doors) {
+        scene.add_box({x, -10, 0}, {x + 0.2F, -2, 6}, SurfaceClass::kWall);
+        scene.add_box({x, 2, 0}, {x + 0.2F, 10, 6}, SurfaceClass::kWall);
+      } else {
+        scene.add_box({x, -10, 0}, {x + 0.2F, 10, 6}, SurfaceClass::kWall);
+      }
+    }
+    const FreeSpace space(std::make_shared<const StaticScene>(scene.scene()), {.radius_m = 0.8, .indoors = true});
+    EXPECT_EQ(space.is_free(Vector3(0, 0, 3)), doors < 2) << doors;
+    EXPECT_EQ(space.is_free(Vector3(0, 0, 3)), doors < 2) << "remembered";
+    EXPECT_TRUE(space.is_free(Vector3(7, 7, 3))) << "where no door is in view";
+  }
+}
+
+TEST(FlightPlan, PathsAreNoLongerThanTheFlightNeeds) {
+  TestScene scene;
+  scene.add_wall({-40, -40, 0}, {40, -40, 0}, {40, 40, 0}, {-40, 40, 0}, SurfaceClass::kGround);
+  const auto world = std::make_shared<const StaticScene>(scene.scene());
+  FlightConfig config;
+  config.leg_max_m = 20.0;
+  for (const double duration_s : {3.0, 10.0}) {
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const auto paths = plan_flight(config, world, {0.4}, duration_s, seed, 0);
+      ASSERT_TRUE(paths.has_value());
+      const SplineTrajectory& path = paths->front();
+      // A cubic spline of n points lasts n - 3 intervals; one more for the end.
+      EXPECT_EQ(path.control_points_m.size(), static_cast<std::size_t>(std::ceil(duration_s / path.interval_s)) + 4);
+      double fastest_mps = 0.0;
+      for (double t_s = 0.0; t_s < duration_s; t_s += 0.05) {
+        const auto state = path.spline().at(t_s);
+        EXPECT_GE(state.p_m.z(), config.height_min_m - 0.3);
+        EXPECT_LE(state.p_m.z(), config.height_max_m + 0.3);
+        EXPECT_LE(state.p_m.head<2>().cwiseAbs().maxCoeff(), 40.0 - config.border_m + 0.3);
+        fastest_mps = std::max(fastest_mps, state.v_mps.head<2>().norm());
+      }
+      EXPECT_LE(fastest_mps, config.speed_max_mps + 0.05);
+      EXPECT_GE(fastest_mps, 0.5 * config.speed_min_mps);
+    }
+  }
+}
+
+TEST(FlightPlan, SpeedsAreDrawnBetweenTheirBounds) {
+  TestScene scene;
+  scene.add_wall({-40, -40, 0}, {40, -40, 0}, {40, 40, 0}, {-40, 40, 0}, SurfaceClass::kGround);
+  const auto world = std::make_shared<const StaticScene>(scene.scene());
+  FlightConfig config;
+  config.speed_min_mps = config.speed_max_mps = 1.5;
+  config.leg_min_m = 15.0;
+  const auto paths = plan_flight(config, world, {0.4}, 20.0, 3, 0);
+  ASSERT_TRUE(paths.has_value());
+  double fastest_mps = 0.0;
+  for (double t_s = 0.0; t_s < 20.0; t_s += 0.05)
+    fastest_mps = std::max(fastest_mps, paths->front().spline().at(t_s).v_mps.norm());
+  EXPECT_NEAR(fastest_mps, 1.5, 0.1);
+}
+
+TEST(FlightPlan, WhereNobodyCanFlyThereIsNoPath) {
+  const auto world = field_with_gap();
+  FlightConfig config;
+  EXPECT_FALSE(plan_flight(config, world, {25.0}, 5.0, 1, 0).has_value()) << "as large as the field";
+  config.border_m = 21.0;
+  EXPECT_FALSE(plan_flight(config, world, {0.4}, 5.0, 1, 0).has_value());
 }
 
 TEST(FlightPlan, TeamsStayClearOfWallsAndOfEachOtherAndComeNear) {

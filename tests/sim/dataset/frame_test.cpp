@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <numbers>
 
@@ -93,6 +94,103 @@ TEST_F(FrameTest, ImagesHoldRangeAndIntensityInTheirUnits) {
     EXPECT_NEAR(0.004 * range[k], scan->scan.range_m[i] + std::hypot(origin_m.x(), origin_m.y()), 0.0021);
     EXPECT_NEAR(0.001 * intensity[k], scan->scan.intensity[i], 0.00051);
   }
+}
+
+TEST_F(FrameTest, AGrayValueIsRoundedAndNeverZeroForAReturn) {
+  LabeledScan& one = *scan;
+  std::fill(one.scan.range_m.begin(), one.scan.range_m.end(), 0.0F);
+  auto beams = std::make_shared<BeamTable>(*one.scan.beams);
+  std::fill(beams->origins_lidar.begin(), beams->origins_lidar.end(), Eigen::Vector3f::Zero());
+  one.scan.beams = beams;
+  content.range_unit_m = 0.5;
+  content.intensity_unit = 0.25;
+  const float ranges_m[] = {0.01F, 0.74F, 0.76F, 5.2F, 5.3F, 32767.4F, 40000.0F};
+  const std::uint16_t grays[] = {1, 1, 2, 10, 11, 65535, 65535};
+  for (std::size_t i = 0; i < 7; ++i) {
+    one.scan.range_m[i] = ranges_m[i];
+    one.scan.intensity[i] = 0.5F * ranges_m[i];
+  }
+  std::vector<std::uint16_t> range, intensity;
+  encode_images(one, content, range, intensity);
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_EQ(range[i], grays[i]) << ranges_m[i];
+    EXPECT_EQ(intensity[i], grays[i]);
+  }
+  EXPECT_EQ(range[7], 0);
+}
+
+TEST_F(FrameTest, RowsThatFireInTurnHaveTimesOfTheirOwnAndAFrozenScanHasNone) {
+  auto beams = std::make_shared<BeamTable>(*scan->scan.beams);
+  for (int row = 0; row < 8; ++row) beams->row_offset_s.push_back(1e-5F * static_cast<float>(row));
+  scan->scan.beams = beams;
+  for (const bool frozen : {false, true}) {
+    if (frozen) scan->scan.duration = 0;
+    encode_frame(*scan, content, frame);
+    std::size_t k = 0;
+    for (int i = 0; i < scan->scan.size(); ++i) {
+      if (!scan->scan.hit(i)) continue;
+      const TimeNs t = scan->scan.time_of(i) - scan->scan.stamp;
+      EXPECT_EQ(number_at<std::uint32_t>(frame.point_truth, 16 * k++), t);
+      EXPECT_EQ(t == 0, frozen || i == 0);
+    }
+  }
+}
+
+TEST_F(FrameTest, AFrozenScanNeedsNoDeskewing) {
+  content.deskew = true;
+  scan->truth.T_world_lidar.resize(1);
+  encode_frame(*scan, content, frame);
+  std::size_t k = 0;
+  for (int i = 0; i < scan->scan.size(); ++i) {
+    if (!scan->scan.hit(i)) continue;
+    EXPECT_NEAR(number_at<float>(frame.velodyne, 16 * k++), scan->scan.point_lidar(i).x(), 1e-5);
+  }
+}
+
+TEST(Frames, HaveAtMost65536RowsAndColumns) {
+  for (const auto& [rows, cols, fits] : {std::tuple(65536, 1, true), std::tuple(1, 65536, true),
+                                         std::tuple(65537, 1, false), std::tuple(1, 65537, false)}) {
+    auto beams = std::make_shared<BeamTable>();
+    beams->rows = rows;
+    beams->cols = cols;
+    beams->column_offset_s.assign(static_cast<std::size_t>(cols), 0.0F);
+    LabeledScan scan;
+    scan.scan.beams = beams;
+    scan.scan.range_m.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols), 0.0F);
+    Frame frame;
+    if (fits) {
+      EXPECT_NO_THROW(encode_frame(scan, ContentConfig(), frame));
+      EXPECT_EQ(frame.num_points, 0);
+    } else {
+      EXPECT_THROW(encode_frame(scan, ContentConfig(), frame), std::runtime_error);
+    }
+  }
+}
+
+TEST(PixelShift, WorksAcrossTheSeamInBothDirectionsAndNotWithoutAPitch) {
+  for (const double direction : {-1.0, 1.0}) {
+    BeamTable beams;
+    beams.rows = 3;
+    beams.cols = 180;
+    const int shifts[] = {0, 20, -20};
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 180; ++column) {
+        const double azimuth = (179.0 + direction * 2.0 * (column + shifts[row])) * std::numbers::pi / 180.0;
+        beams.directions_lidar.emplace_back(std::cos(azimuth), std::sin(azimuth), 0.0);
+      }
+    }
+    EXPECT_EQ(pixel_shift_by_row(beams), (std::vector<int>{0, 20, -20})) << direction;
+  }
+  BeamTable column;
+  column.rows = 2;
+  column.cols = 1;
+  column.directions_lidar = {Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitY()};
+  EXPECT_EQ(pixel_shift_by_row(column), (std::vector<int>{0, 0}));
+  BeamTable still;
+  still.rows = still.cols = 2;
+  still.directions_lidar = {Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitY(),
+                            Eigen::Vector3f::UnitY()};
+  EXPECT_EQ(pixel_shift_by_row(still), (std::vector<int>{0, 0}));
 }
 
 TEST(PixelShift, UndoesTheStaggeringOfRows) {

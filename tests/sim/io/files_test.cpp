@@ -69,6 +69,29 @@ TEST(ReadWholeFile, TellsWhatCannotBeRead) {
               ThrowsMessage<InputError>(HasSubstr("No such file")));
 }
 
+TEST(ReadWholeFile, TakesBytesAsTheyAreAndNotMoreThanFourGiB) {
+  const TemporaryDirectory directory;
+  const std::string bytes("a\0\r\n\xFF", 5);
+  write_file(directory.path() / "a", bytes);
+  EXPECT_EQ(read_whole_file(directory.path() / "a"), bytes);
+  write_file(directory.path() / "empty", "");
+  EXPECT_EQ(read_whole_file(directory.path() / "empty"), "");
+  fs::resize_file(directory.path() / "a", (std::uintmax_t{4} << 30) + 1);  // takes no room
+  EXPECT_THAT([&] { read_whole_file(directory.path() / "a"); },
+              ThrowsMessage<InputError>(HasSubstr("expected at most 4 GiB, found 4294967297 bytes")));
+}
+
+TEST(PartialFile, CanBeMovedAndIsRemovedWhenAnotherTakesItsPlace) {
+  const TemporaryDirectory directory;
+  PartialFile first(directory.path() / "a"), second(directory.path() / "b");
+  std::ofstream(first.partial()) << "a";
+  std::ofstream(second.partial()) << "b";
+  first = std::move(second);
+  EXPECT_FALSE(fs::exists(directory.path() / "a.part"));
+  first.commit();
+  EXPECT_EQ(read_whole_file(directory.path() / "b"), "b");
+}
+
 TEST(MakeDirectory, MakesThoseAboveIt) {
   const TemporaryDirectory directory;
   make_directory(directory.path() / "a/b/c");

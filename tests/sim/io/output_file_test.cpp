@@ -38,6 +38,44 @@ TEST(OutputFile, HasItsNameOnlyWhenItIsComplete) {
   EXPECT_FALSE(fs::exists(path.string() + ".part"));
 }
 
+TEST(OutputFile, HoldsBackAsMuchAsItsBufferTakes) {
+  const TemporaryDirectory directory;
+  const fs::path partial = directory.path() / "a.txt.part";
+  OutputFile file(directory.path() / "a.txt", 8);
+  file.append("12345");
+  file.append("678");
+  EXPECT_EQ(fs::file_size(partial), 0U) << "it fits exactly";
+  EXPECT_EQ(file.size(), 8U);
+  file.append("9");
+  EXPECT_EQ(fs::file_size(partial), 8U);
+  EXPECT_EQ(file.size(), 9U);
+  file.append("abcdefg");
+  EXPECT_EQ(fs::file_size(partial), 8U);
+  file.append("ABCDEFGH");
+  EXPECT_EQ(fs::file_size(partial), 24U) << "what is as large as the buffer is not held back";
+  file.append("IJ");
+  EXPECT_EQ(file.size(), 26U);
+  OutputFile moved = std::move(file);
+  EXPECT_EQ(moved.size(), 26U);
+  moved.append("K");
+  moved.finish();
+  EXPECT_EQ(content_of(directory.path() / "a.txt"), "123456789abcdefgABCDEFGHIJK");
+}
+
+TEST(OutputFile, OneThatIsReplacedByAnotherLeavesNothing) {
+  const TemporaryDirectory directory;
+  OutputFile file(directory.path() / "a.txt");
+  EXPECT_TRUE(file.is_open());
+  file.append("a");
+  file = OutputFile(directory.path() / "b.txt");
+  EXPECT_FALSE(fs::exists(directory.path() / "a.txt.part"));
+  file.append("b");
+  file.finish();
+  EXPECT_FALSE(file.is_open());
+  EXPECT_EQ(content_of(directory.path() / "b.txt"), "b");
+  EXPECT_FALSE(OutputFile().is_open());
+}
+
 TEST(OutputFile, LeavesNothingWhenItIsNotFinished) {
   const TemporaryDirectory directory;
   {

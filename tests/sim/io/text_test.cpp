@@ -29,12 +29,16 @@ TEST(Text, CellsAreQuotedOnlyWhereTheyMustBe) {
   EXPECT_EQ(csv_cell("plain words"), "plain words");
   EXPECT_EQ(csv_cell("a,b"), "\"a,b\"");
   EXPECT_EQ(csv_cell("say \"no\""), "\"say \"\"no\"\"\"");
+  EXPECT_EQ(csv_cell("a\nb"), "\"a\nb\"");
+  EXPECT_EQ(csv_cell("a\rb"), "\"a\rb\"");
   EXPECT_EQ(csv_cell(0.25), "0.25");
+  EXPECT_EQ(csv_cell(-INFINITY), "");
   EXPECT_EQ(csv_cell(std::nan("")), "");
 }
 
 TEST(Text, MarkupKeepsWordsAndDropsWhatXmlForbids) {
   EXPECT_EQ(escape_markup("a < b & \"c\"\x01\n"), "a &lt; b &amp; &quot;c&quot;\n");
+  EXPECT_EQ(escape_markup("a\x1F\tb ~\x7F>\xC3\xA4\r"), "a\tb ~\x7F&gt;\xC3\xA4");
 }
 
 TEST(TextRow, WritesNumbersThatReadBackAsTheSameBits) {
@@ -44,6 +48,26 @@ TEST(TextRow, WritesNumbersThatReadBackAsTheSameBits) {
     EXPECT_EQ(std::signbit(read), std::signbit(value));
     EXPECT_EQ(read, value);
   }
+}
+
+TEST(TextRow, SecondsHaveNineDigitsBehindThePoint) {
+  const auto seconds = [](TimeNs t) {
+    TextRow row(' ');
+    return std::string(row.add_seconds(t).line());
+  };
+  EXPECT_EQ(seconds(0), "0.000000000\n");
+  EXPECT_EQ(seconds(1), "0.000000001\n");
+  EXPECT_EQ(seconds(-1), "-0.000000001\n");
+  EXPECT_EQ(seconds(999'999'999), "0.999999999\n");
+  EXPECT_EQ(seconds(12'000'000'340), "12.000000340\n");
+  EXPECT_EQ(seconds(std::numeric_limits<TimeNs>::min()), "-9223372036.854775808\n");
+  EXPECT_EQ(seconds(std::numeric_limits<TimeNs>::max()), "9223372036.854775807\n");
+}
+
+TEST(Text, ListsHaveCommasBetween) {
+  EXPECT_EQ(listed({}), "");
+  EXPECT_EQ(listed({"a"}), "a");
+  EXPECT_EQ(listed({"a", "b", "c"}), "a, b, c");
 }
 
 TEST(TextRow, SeparatesValuesAndEndsWithoutABlank) {

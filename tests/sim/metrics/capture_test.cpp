@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "swiftlet/sim/metrics/capture_record.hpp"
 #include "tests/sim/metrics/metrics_run.hpp"
 
 namespace swiftlet::sim {
@@ -51,6 +52,49 @@ TEST(CaptureMetric, WhatIsMissedOrCrashedIsNotCaught) {
   run.put_target({0.0, 0.0, 9.5});
   run.put_target({0.0, 0.0, 8.5});
   EXPECT_EQ(run.value("captures"), 0.0);
+}
+
+TEST(CaptureMetric, TellsRecordersWhoWasCaughtWhereAndHowFast) {
+  Chase run;
+  run.states[0].q_world_body = Eigen::AngleAxisd(1.0, Vector3::UnitZ());
+  run.put_target({0.6, 0.8, 9.5});
+  EXPECT_TRUE(rows_of<CaptureRecord>(run.metrics.series()).empty());
+  run.put_target({0.6, 0.8, 8.5});
+  const auto rows = rows_of<CaptureRecord>(run.metrics.series());
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].t, 2 * kTick);
+  EXPECT_EQ(rows[0].target, 1);
+  EXPECT_EQ(rows[0].number, 1);
+  EXPECT_NEAR(rows[0].miss_m, 1.0, 1e-9);
+  EXPECT_NEAR(rows[0].relative_speed_mps, 1.0 / to_seconds(kTick), 1e-6);
+  EXPECT_EQ(rows[0].p_world_m, Vector3(0.6, 0.8, 8.5));
+}
+
+TEST(CaptureMetric, IsCountedByTheMinutesUntilTheOwnCrash) {
+  Chase run;
+  for (const double z_m : {9.5, 8.5, 20.0, 8.9}) run.put_target({0.0, 0.0, z_m});
+  ASSERT_EQ(run.value("captures"), 2.0);
+  EXPECT_NEAR(run.value("captures_per_min"), 60.0 * 2.0 / (4.0 * to_seconds(kTick)), 1e-6);
+  EXPECT_NEAR(run.value("least_net_distance_m"), 0.1, 1e-9);
+  run.states[0].crashed = true;
+  for (const double z_m : {20.0, 8.9}) run.put_target({0.0, 0.0, z_m});
+  EXPECT_EQ(run.value("captures"), 2.0);
+  EXPECT_NEAR(run.value("captures_per_min"), 60.0 * 2.0 / (4.0 * to_seconds(kTick)), 1e-6);
+}
+
+TEST(CaptureMetric, RearmsBeyondItsDistanceOnly) {
+  for (const double away_m : {3.9, 4.1}) {  // rearm_m is 4 m
+    Chase run;
+    for (const double z_m : {9.5, 8.5, 9.0 + away_m, 8.5}) run.put_target({0.0, 0.0, z_m});
+    EXPECT_EQ(run.value("captures"), away_m < 4.0 ? 1.0 : 2.0);
+  }
+}
+
+TEST(CaptureMetric, BeforeAnythingFlewNothingIsMeasured) {
+  const Chase run;
+  for (const char* name : {"captures_per_min", "capture_miss_mean_m", "least_net_distance_m"}) {
+    EXPECT_TRUE(std::isnan(run.value(name))) << name;
+  }
 }
 
 TEST(CaptureMetric, VehiclesWithoutANetHaveNoSuchMetric) {

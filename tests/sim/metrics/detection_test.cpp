@@ -292,6 +292,48 @@ TEST(DetectionMetric, WithoutPerceptionThereIsNothingToTell) {
   EXPECT_EQ(metrics.report().find("track_recall", "uav1"), nullptr);
 }
 
+// Returns on the target tell which scan was found: as many as its number.
+TEST(DetectionMetric, AScanIsRememberedUntilSixtyFourOthersCame) {
+  for (const int back : {0, 1, 62, 63, 64, 65}) {
+    SightRun run(2);
+    run.states[1].p_world_m = {8, 0, 0};
+    constexpr int kLast = 100;
+    for (int k = 1; k <= kLast; ++k) {
+      run.scan({0, k});
+      if (k == kLast) run.detect({{8, 0, 0}}, run.now + kTick, (kLast - back) * kTick);
+      run.tick();
+    }
+    const auto scores = rows_of<DetectionScore>(run.metrics.series());
+    ASSERT_EQ(scores.size(), 1U);
+    EXPECT_EQ(scores[0].visible_points, back < 64 ? kLast - back : -1) << back;
+  }
+}
+
+// A velocity has a direction from half a meter a second on.
+TEST(DetectionMetric, WhoHardlyMovesHasNoDirection) {
+  for (const double speed_mps : {0.45, 0.55}) {
+    SightRun run(2);
+    run.states[1].p_world_m = {8, 0, 0};
+    run.states[1].v_world_mps = {speed_mps, 0, 0};
+    run.scan({0, 5});
+    run.track(1, {8, 0, 0}, {0, 1, 0}, kTick);
+    run.tick();
+    EXPECT_EQ(std::isnan(run.value("track_direction_error_mean_rad")), speed_mps < 0.5) << speed_mps;
+  }
+}
+
+TEST(DetectionMetric, ConsistentAreThoseWithin95PercentOfChiSquare) {
+  for (const double nees : {7.8, 7.83}) {
+    SightRun run(2);
+    run.states[1].p_world_m = {8, 0, 0};
+    run.scan({0, 5});
+    run.track(1, {8, 0.1 * std::sqrt(nees), 0}, {}, kTick, 0.1);
+    run.tick();
+    EXPECT_NEAR(run.value("track_nees"), nees, 1e-9);
+    EXPECT_EQ(run.value("track_nees_within_95"), nees < 7.815 ? 1.0 : 0.0);
+  }
+}
+
 TEST(DetectionMetric, AllocatesNothingOnceWarm) {
   SightRun run(3);
   run.states[1].p_world_m = {8, 0, 0};

@@ -80,6 +80,66 @@ TEST(Metrics, AlignmentRemovesShiftAndHeadingOfALocalFrameButNoTilt) {
   EXPECT_GT(run.value("ate_position_rmse_m", "uav2"), 0.3);
 }
 
+TEST(Metrics, WhoMovesNearTheGroundFlies) {
+  for (const double speed_mps : {0.09, 0.11}) {
+    MetricsRun run(1);
+    run.clearances[0].surface_m = 0.0;
+    run.states[0].v_world_mps = {0.0, speed_mps, 0.0};
+    run.tick();
+    EXPECT_EQ(run.value("flight_time_s") > 0.0, speed_mps > 0.1) << speed_mps;
+    run.states[0].crashed = true;
+    run.tick();
+    EXPECT_LE(run.value("flight_time_s"), 0.0101);
+  }
+}
+
+TEST(Metrics, ErrorsOfHeadingAndVelocityAreRootMeanSquaresAndGreatestValues) {
+  MetricsRun run(1);
+  run.actions[0].estimate.valid = true;
+  for (const double error : {0.3, -0.4}) {
+    run.states[0].v_world_mps = {1.0, 2.0, 3.0};
+    run.states[0].q_world_body = Eigen::AngleAxisd(0.5, Vector3::UnitZ());
+    run.actions[0].estimate.T_local_body =
+        make_pose(Vector3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(0.5 + error, Vector3::UnitZ())));
+    run.actions[0].estimate.v_local_mps = Vector3(1.0, 2.0 + 2.0 * error, 3.0);
+    run.tick();
+  }
+  EXPECT_NEAR(run.value("estimate_yaw_rmse_rad"), std::sqrt(0.125), 1e-12);
+  EXPECT_NEAR(run.value("estimate_yaw_max_rad"), 0.4, 1e-12);
+  EXPECT_NEAR(run.value("estimate_velocity_rmse_mps"), 2.0 * std::sqrt(0.125), 1e-12);
+  run.states[0].crashed = true;
+  run.actions[0].estimate.v_local_mps.setConstant(99.0);
+  run.tick();
+  EXPECT_NEAR(run.value("estimate_velocity_rmse_mps"), 2.0 * std::sqrt(0.125), 1e-12) << "not of a wreck";
+}
+
+// The best of many headings, each with its best shift, by search.
+TEST(Metrics, AlignmentIsTheBestHeadingAndShift) {
+  MetricsRun run(1);
+  run.actions[0].estimate.valid = true;
+  std::vector<Vector3> p, q;
+  for (int i = 0; i < 60; ++i) {
+    const double t = 0.1 * i;
+    p.emplace_back(50.0 + 4.0 * std::cos(t), 3.0 * std::sin(1.3 * t), 0.5 * t);
+    q.push_back(Eigen::AngleAxisd(0.9, Vector3::UnitZ()) * p.back() + Vector3(7, 8, 9) +
+                Vector3(0.3 * std::sin(5.0 * t), 0.2 * std::cos(3.0 * t), 0.1 * std::sin(7.0 * t)));
+    run.states[0].p_world_m = p.back();
+    run.actions[0].estimate.T_local_body.translation() = q.back();
+    run.tick();
+  }
+  double best_m = 1e9;
+  for (double yaw = -3.2; yaw < 3.2; yaw += 1e-3) {
+    const Matrix3 R = Eigen::AngleAxisd(yaw, Vector3::UnitZ()).toRotationMatrix();
+    Vector3 shift = Vector3::Zero();
+    for (std::size_t i = 0; i < p.size(); ++i) shift += (p[i] - R * q[i]) / static_cast<double>(p.size());
+    double sum = 0.0;
+    for (std::size_t i = 0; i < p.size(); ++i) sum += (p[i] - R * q[i] - shift).squaredNorm();
+    best_m = std::min(best_m, std::sqrt(sum / static_cast<double>(p.size())));
+  }
+  EXPECT_GT(best_m, 0.1);
+  EXPECT_NEAR(run.value("ate_position_rmse_m"), best_m, 1e-5);
+}
+
 TEST(Metrics, WithoutAnEstimateNothingIsMeasured) {
   MetricsRun run(1);
   run.tick();

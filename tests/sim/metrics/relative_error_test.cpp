@@ -71,6 +71,39 @@ TEST(RelativeError, TellsEveryTickAsARow) {
   EXPECT_TRUE(rows_of<RelativeScore>(run.metrics.series()).empty());
 }
 
+TEST(RelativeError, OverSeveralTicksTheyAreMeans) {
+  Pair run;
+  const Vector3 place_m = run.actions[0].relatives[0].position_m;
+  for (const double error_m : {0.3, 0.5, 0.4}) {
+    run.actions[0].relatives[0].position_m = place_m + Vector3(error_m, 0.0, 0.0);
+    run.actions[0].relatives[0].yaw_rad = 2.0 - error_m;
+    run.actions[0].relatives[0].covariance(6, 6) = 0.04;
+    run.actions[0].relatives[0].t = run.now + kTick;
+    run.actions[0].relatives[0].seen = run.now + kTick - 250'000'000;
+    run.tick();
+    const auto rows = rows_of<RelativeScore>(run.metrics.series());
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_NEAR(rows[0].yaw_error_rad, -error_m, 1e-12);
+    EXPECT_NEAR(rows[0].sigma_yaw_rad, 0.2, 1e-12);
+    EXPECT_NEAR(rows[0].unseen_s, 0.25, 1e-12);
+    EXPECT_LT((rows[0].error_world_m - Vector3(error_m, 0.0, 0.0)).norm(), 1e-12);
+    EXPECT_EQ(rows[0].t, run.now);
+  }
+  const double square = (0.09 + 0.25 + 0.16) / 3.0;
+  EXPECT_NEAR(run.value("relative_position_mae_m"), 0.4, 1e-12);
+  EXPECT_NEAR(run.value("relative_position_rmse_m"), std::sqrt(square), 1e-12);
+  EXPECT_NEAR(run.value("relative_position_max_m"), 0.5, 1e-12);
+  EXPECT_NEAR(run.value("relative_yaw_rmse_rad"), std::sqrt(square), 1e-12);
+  EXPECT_NEAR(run.value("relative_nees"), square / 0.01, 1e-9);
+  EXPECT_NEAR(run.value("relative_known_s"), 0.03, 1e-12);
+  run.states[1].crashed = true;
+  run.tick();
+  run.states[1].crashed = false;
+  run.states[0].crashed = true;
+  run.tick();
+  EXPECT_NEAR(run.value("relative_known_s"), 0.03, 1e-12) << "wrecks are not localized, and localize nobody";
+}
+
 TEST(RelativeError, WithoutRelativeLocalizationThereAreNoRows) {
   MetricsRun run(2);
   run.tick();

@@ -3,9 +3,14 @@
 
 #include <gtest/gtest.h>
 #include <png.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <optional>
+#include <queue>
 
 #include "swiftlet/core/math/random.hpp"
 
@@ -46,6 +51,90 @@ std::vector<std::uint16_t> read_by_libpng(const ByteBuffer& file, int& width, in
   return gray;
 }
 
+std::uint32_t big_endian_at(const ByteBuffer& file, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | std::to_integer<std::uint32_t>(file.bytes()[at + i]);
+  return value;
+}
+
+/// The rows of the picture as they were compressed; the chunks and all checksums are those of the standards.
+std::vector<std::uint8_t> filtered_rows(const ByteBuffer& file, int width, int height) {
+  std::vector<std::uint8_t> rows(static_cast<std::size_t>(height) * (2 * static_cast<std::size_t>(width) + 1));
+  std::string kinds;
+  for (std::size_t at = 8; at + 12 <= file.size();) {
+    const std::size_t length = big_endian_at(file, at);
+    const auto* const content = reinterpret_cast<const Bytef*>(file.bytes().data()) + at + 4;
+    EXPECT_EQ(big_endian_at(file, at + 8 + length), crc32(0, content, static_cast<uInt>(length + 4)));
+    const std::string kind(reinterpret_cast<const char*>(content), 4);
+    kinds += kind + " ";
+    if (kind == "IDAT") {
+      uLongf size = rows.size();
+      EXPECT_EQ(uncompress(rows.data(), &size, content + 4, length), Z_OK);  // with its checksum
+      EXPECT_EQ(size, rows.size());
+    }
+    at += 12 + length;
+    if (kind == "IEND") {
+      EXPECT_EQ(at, file.size());
+    }
+  }
+  EXPECT_EQ(kinds, "IHDR IDAT IEND ");
+  return rows;
+}
+
+/// The fewest bits that a Huffman code can spend on so many symbols; each but the last two costs what is joined above
+/// it. @return and the longest word of that code
+std::pair<std::uint64_t, int> huffman(const std::map<int, std::uint64_t>& counts) {
+  using Node = std::pair<std::uint64_t, int>;  // count, longest word below
+  std::priority_queue<Node, std::vector<Node>, std::greater<>> open;
+  for (const auto& [symbol, count] : counts) open.emplace(count, 0);
+  std::uint64_t bits = 0;
+  while (open.size() > 1) {
+    const Node a = open.top();
+    open.pop();
+    const Node b = open.top();
+    open.pop();
+    bits += a.first + b.first;
+    open.emplace(a.first + b.first, std::max(a.second, b.second) + 1);
+  }
+  return {bits, open.top().second};
+}
+
+/// RFC 1951, 3.2.5, by counting: eight lengths have a symbol of their own, then four symbols for each number of extra
+/// bits; the last length has its own again.
+std::pair<int, int> symbol_and_extra_bits(int length) {
+  if (length == 258) return {285, 0};
+  int symbol = 257, extra = 0, first = 3;
+  for (int k = 0;; ++k, ++symbol) {
+    extra = k < 8 ? 0 : (k - 4) / 4;
+    if (length < first + (1 << extra)) return {symbol, extra};
+    first += 1 << extra;
+  }
+}
+
+/// Bytes of the file by closed form: bytes, and runs of 4 to 258 equal ones, in the best code of one block; nullopt
+/// where that code has words of more than 15 bits.
+std::optional<std::size_t> best_size(const std::vector<std::uint8_t>& bytes) {
+  std::map<int, std::uint64_t> counts = {{256, 1}};
+  std::uint64_t bits = 3 + 5 + 5 + 4 + 19 * 3 + (286 + 1) * 4;  // the block's head, and a length for each symbol
+  for (std::size_t i = 0; i < bytes.size();) {
+    ++counts[bytes[i]];
+    const std::uint8_t byte = bytes[i++];
+    for (;;) {
+      std::size_t run = 0;
+      while (i + run < bytes.size() && run < 258 && bytes[i + run] == byte) ++run;
+      if (run < 4) break;
+      const auto [symbol, extra] = symbol_and_extra_bits(static_cast<int>(run));
+      ++counts[symbol];
+      bits += static_cast<std::uint64_t>(extra) + 1;  // and the distance
+      i += run;
+    }
+  }
+  const auto [code_bits, longest] = huffman(counts);
+  if (longest > 15) return std::nullopt;
+  bits += code_bits;
+  return 8 + (12 + 13) + (12 + 2 + (bits + 7) / 8 + 4) + 12;
+}
+
 void expect_same(int width, int height, const std::vector<std::uint16_t>& gray) {
   GrayPng encoder;
   int found_width = 0, found_height = 0;
@@ -53,6 +142,13 @@ void expect_same(int width, int height, const std::vector<std::uint16_t>& gray) 
   EXPECT_EQ(found_width, width);
   EXPECT_EQ(found_height, height);
   EXPECT_EQ(found, gray);
+  // Each byte less the same half of the pixel to the left, as filter 1 says.
+  const ByteBuffer& file = encoder.encode(width, height, gray);
+  const std::vector<std::uint8_t> rows = filtered_rows(file, width, height);
+  const std::optional<std::size_t> size = best_size(rows);
+  if (size) {
+    EXPECT_EQ(file.size(), *size) << width << " x " << height;
+  }
 }
 
 TEST(GrayPng, IsReadByLibpngPixelForPixel) {
@@ -93,6 +189,58 @@ TEST(GrayPng, KeepsCodesShortWhenCountsDifferWildly) {
   expect_same(static_cast<int>(gray.size()), 1, gray);
 }
 
+TEST(GrayPng, TheBestCodeIsTakenUpToWordsOf15Bits) {
+  // One pixel a row: the filter's number, 200, and a byte that comes twice as often as the one before. The code of so
+  // many symbols has a word of one bit more.
+  for (int symbols = 12; symbols <= 16; ++symbols) {
+    std::vector<std::uint16_t> gray;
+    for (int symbol = 1; symbol <= symbols; ++symbol)
+      gray.insert(gray.end(), std::size_t{1} << symbol, static_cast<std::uint16_t>(200 << 8 | (10 + symbol)));
+    GrayPng encoder;
+    EXPECT_EQ(best_size(filtered_rows(encoder.encode(1, static_cast<int>(gray.size()), gray), 1,
+                                      static_cast<int>(gray.size())))
+                  .has_value(),
+              symbols + 1 <= 15);
+    expect_same(1, static_cast<int>(gray.size()), gray);
+  }
+}
+
+TEST(GrayPng, HasARunOfEveryLength) {
+  // Rows of one difference that ends after so many bytes; two runs of a length that has no symbol of its own.
+  for (const int step : {0, 1, 257}) {
+    std::vector<std::uint16_t> gray;
+    std::uint16_t value = 0;
+    for (int length = 1; length <= 150; ++length) {
+      for (int i = 0; i < length; ++i) gray.push_back(value = static_cast<std::uint16_t>(value + step));
+      gray.push_back(value = static_cast<std::uint16_t>(value + 7 + 256 * (length % 90)));
+    }
+    expect_same(static_cast<int>(gray.size()), 1, gray);
+  }
+  // What is longer than the longest run is several.
+  for (const int length : {127, 128, 129, 130, 131, 132, 258, 260, 600}) {
+    std::vector<std::uint16_t> gray(static_cast<std::size_t>(length), 0);
+    gray.front() = 0x0100;
+    gray.push_back(5);
+    expect_same(static_cast<int>(gray.size()), 1, gray);
+    expect_same(1, static_cast<int>(gray.size()), gray);
+  }
+}
+
+TEST(GrayPng, NoisePicturesOfEverySizeFillTheirRoom) {
+  const Random random(3, "test");
+  GrayPng once;  // keeps its memory, and may not take old bytes for new ones
+  for (int width = 1; width <= 40; ++width) {
+    std::vector<std::uint16_t> gray(static_cast<std::size_t>(width) * 3);
+    for (std::size_t i = 0; i < gray.size(); ++i)
+      gray[i] =
+          static_cast<std::uint16_t>(random.bits(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(i))[0]);
+    expect_same(width, 3, gray);
+    int found_width = 0, found_height = 0;
+    EXPECT_EQ(read_by_libpng(once.encode(width, 3, gray), found_width, found_height), gray);
+    EXPECT_EQ(found_width, width);
+  }
+}
+
 TEST(GrayPng, MakesNoisyRangesSmallerThanTheyAre) {
   const Random random(1, "test");
   std::vector<std::uint16_t> ranges(1024 * 128);
@@ -109,6 +257,10 @@ TEST(GrayPng, MakesNoisyRangesSmallerThanTheyAre) {
 TEST(GrayPng, RefusesASizeThatDoesNotFit) {
   GrayPng encoder;
   EXPECT_THROW(encoder.encode(2, 2, std::vector<std::uint16_t>(3)), std::invalid_argument);
+  EXPECT_THROW(encoder.encode(2, 2, std::vector<std::uint16_t>(5)), std::invalid_argument);
+  EXPECT_THROW(encoder.encode(0, 3, {}), std::invalid_argument);
+  EXPECT_THROW(encoder.encode(3, 0, {}), std::invalid_argument);
+  EXPECT_THROW(encoder.encode(-2, -2, std::vector<std::uint16_t>(4)), std::invalid_argument);
 }
 
 }  // namespace

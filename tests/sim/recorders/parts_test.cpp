@@ -48,6 +48,8 @@ TEST(RosTypes, WhatRosHasNoTypeForIsARowOfColumns) {
   EXPECT_THAT(ros2, ::testing::StartsWith("std_msgs/Header header\nbuiltin_interfaces/Time t_s\nstring neighbor\n"));
   EXPECT_THAT(ros2, HasSubstr("MSG: builtin_interfaces/Time\nint32 sec\n"));
   EXPECT_EQ(full_name(row_type("id_swaps", {}), RosDialect::kRos2), "swiftlet_msgs/msg/IdSwaps");
+  EXPECT_EQ(row_type("az_za_9x_Up_a", {}).name, "AzZa9xUpA");
+  EXPECT_EQ(row_type("z_a", {}).name, "ZA");
 }
 
 TEST(Md5, IsThatOfTheRfc) {
@@ -55,6 +57,15 @@ TEST(Md5, IsThatOfTheRfc) {
   EXPECT_EQ(md5("message digest"), "f96b697d7cb7938d525a2f31aaf161d0");
   EXPECT_EQ(md5("12345678901234567890123456789012345678901234567890123456789012345678901234567890"),
             "57edf4a22be3c955ac49da2e2107b67a");
+  // By md5sum: around the ends of blocks, and longer than a byte counts in bits.
+  EXPECT_EQ(md5(std::string(55, 'a')), "ef1772b6dff9a122358552954ad0df65");
+  EXPECT_EQ(md5(std::string(56, 'a')), "3b0c8ac703f828b04c6c197006d17218");
+  EXPECT_EQ(md5(std::string(63, 'a')), "b06521f39153d618550606be297466d5");
+  EXPECT_EQ(md5(std::string(64, 'a')), "014842d480b571495a4a0363793f7367");
+  EXPECT_EQ(md5(std::string(100'000, 'a')), "1af6d6f2f682f76f80e606aeaaee1680");
+  std::string every;
+  for (int i = 0; i < 256; ++i) every.push_back(static_cast<char>(i));
+  EXPECT_EQ(md5(every), "e2c865db4162bed963bfaa9ef6ac18f0");
 }
 
 TEST(RateGate, OpensOnceAPeriodWhateverTheTick) {
@@ -95,6 +106,20 @@ TEST(PoseHistory, InterpolatesHalfAQuarterTurn) {
   EXPECT_NEAR(yaw_of(middle.linear()), std::numbers::pi / 4, 1e-12);
   EXPECT_TRUE(history.at(-5).isApprox(Pose::Identity()));
   EXPECT_TRUE(history.at(500).translation().isApprox(Vector3(2, 0, 4)));
+}
+
+TEST(PoseHistory, TakesOnlyWhatIsNewer) {
+  PoseHistory history;
+  const auto at_x = [](double x_m) { return make_pose({x_m, 0, 0}, Eigen::Quaterniond::Identity()); };
+  history.push(0, at_x(0));
+  history.push(100, at_x(10));
+  history.push(100, at_x(50));
+  history.push(60, at_x(70));
+  history.push(200, at_x(20));
+  EXPECT_DOUBLE_EQ(history.at(60).translation().x(), 6.0);
+  EXPECT_DOUBLE_EQ(history.at(100).translation().x(), 10.0);
+  EXPECT_DOUBLE_EQ(history.at(150).translation().x(), 15.0);
+  EXPECT_DOUBLE_EQ(history.at(175).translation().x(), 17.5);
 }
 
 TEST(PoseHistory, ForgetsWhatIsOlderThanAnySweep) {
@@ -140,6 +165,27 @@ TEST(RosEncoder, CountsNanosecondsUpwardsBeforeZero) {
   std::memcpy(&nanoseconds, cdr.bytes().data() + 8, 4);
   EXPECT_EQ(seconds, -1);
   EXPECT_EQ(nanoseconds, 750'000'000U);
+}
+
+TEST(RosEncoder, Ros1HasNoTimeBeforeZeroAndBothSplitTimesAtTheSecond) {
+  const auto words_of = [](RosDialect dialect, TimeNs t) {
+    RosEncoder encoder(dialect);
+    encoder.begin();
+    encoder.time(t);
+    std::pair<std::int32_t, std::uint32_t> words;
+    std::memcpy(&words.first, encoder.bytes().data() + encoder.bytes().size() - 8, 4);
+    std::memcpy(&words.second, encoder.bytes().data() + encoder.bytes().size() - 4, 4);
+    return words;
+  };
+  for (const RosDialect dialect : {RosDialect::kRos1, RosDialect::kRos2}) {
+    EXPECT_EQ(words_of(dialect, 0), std::pair(0, 0U));
+    EXPECT_EQ(words_of(dialect, 999'999'999), std::pair(0, 999'999'999U));
+    EXPECT_EQ(words_of(dialect, 1'000'000'000), std::pair(1, 0U));
+    EXPECT_EQ(words_of(dialect, 7'000'000'001), std::pair(7, 1U));
+  }
+  EXPECT_EQ(words_of(RosDialect::kRos1, -1), std::pair(0, 0U));
+  EXPECT_EQ(words_of(RosDialect::kRos2, -1), std::pair(-1, 999'999'999U));
+  EXPECT_EQ(words_of(RosDialect::kRos2, -1'000'000'000), std::pair(-1, 0U));
 }
 
 TEST(RosTypes, DefineEverythingTheyMention) {
@@ -335,6 +381,15 @@ TEST(RosMarkers, AVehicleMovesWithItsFrameAndARotorIsADisc) {
 }
 
 TEST(RosPoints, ReflectivityIsLinearUpToWhiteAndLogarithmicBeyond) {
+  for (const int white : {100, 150}) {
+    for (float reflectivity = 1e-3F; reflectivity < 1e4F; reflectivity *= 1.0137F) {
+      const double beyond = std::min(std::log10(static_cast<double>(reflectivity)) / 3.0, 1.0);
+      const double expected =
+          reflectivity <= 1.0F ? white * static_cast<double>(reflectivity) : white + (255.0 - white) * beyond;
+      EXPECT_NEAR(reflectivity_byte(reflectivity, white), expected, 0.501) << reflectivity;
+    }
+  }
+  EXPECT_EQ(reflectivity_byte(-1.0F, 100), 0);
   EXPECT_EQ(reflectivity_byte(0.0F, 100), 0);
   EXPECT_EQ(reflectivity_byte(0.1F, 100), 10);
   EXPECT_EQ(reflectivity_byte(1.0F, 100), 100);

@@ -4,11 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <map>
 #include <sstream>
 
+#include "sim/report/html.hpp"
 #include "sim/report/time_series.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
@@ -221,6 +225,377 @@ TEST_F(BatchReport, TheCsvHasEveryGroupAndQuantity) {
   EXPECT_THAT(lines, ::testing::Contains(HasSubstr("all,old,,outcome = crashed,,12,0.3333333333333333,,")));
 }
 
+/// Cells of the first table after a mark, row by row, without the head.
+std::vector<std::vector<std::string>> table_after(const std::string& page, const std::string& mark) {
+  std::vector<std::vector<std::string>> rows;
+  const std::size_t begin = page.find("<tbody>", page.find(mark)), end = page.find("</tbody>", begin);
+  for (std::size_t row = page.find("<tr>", begin); row < end; row = page.find("<tr>", row + 1)) {
+    rows.emplace_back();
+    const std::size_t row_end = page.find("</tr>", row);
+    for (std::size_t cell = page.find("<td", row); cell < row_end; cell = page.find("<td", cell + 1)) {
+      const std::size_t text = page.find('>', cell) + 1;
+      rows.back().push_back(page.substr(text, page.find("</td>", text) - text));
+    }
+  }
+  return rows;
+}
+
+std::vector<std::string> cells_of(const SampleSummary& s) {
+  return {
+      std::to_string(s.n), html::number(s.mean),   html::number(s.sd), html::interval(s.mean_ci.low, s.mean_ci.high),
+      html::number(s.min), html::number(s.median), html::number(s.max)};
+}
+
+TEST_F(BatchReport, TablesOfThePageHoldTheNumbersOfTheirGroups) {
+  const BatchTable t = table();
+  const std::string page = batch_report_html(t);
+  std::vector<const EpisodeGroup*> groups;
+  for (const auto* list : {&t.totals, &t.groups}) {
+    for (const EpisodeGroup& group : *list) groups.push_back(&group);
+  }
+  const auto outcomes = table_after(page, "<h2>Outcomes");
+  ASSERT_EQ(outcomes.size(), groups.size());
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const EpisodeGroup& group = *groups[i];
+    ASSERT_EQ(outcomes[i].size(), 2U + 2U * 4U);
+    EXPECT_EQ(outcomes[i][0], t.name_of(group));
+    double done = 0.0, crashed = 0.0;
+    for (const std::size_t e : group.episodes) {
+      done += t.episodes[e].done() ? 1.0 : 0.0;
+      crashed += t.episodes[e].outcome == "crashed" ? 1.0 : 0.0;
+    }
+    EXPECT_EQ(outcomes[i][1], html::number(done));
+    EXPECT_EQ(outcomes[i][2], html::number(100.0 * crashed / done) + " %");
+    const Interval ci = wilson(static_cast<std::uint64_t>(crashed), static_cast<std::uint64_t>(done),
+                               independent_share(outcomes_of(t, "crashed", group), seeds_of(t, group)));
+    EXPECT_EQ(outcomes[i][3], html::interval(100.0 * ci.low, 100.0 * ci.high));
+    if (const EpisodeGroup* reference = t.reference_of(group)) {
+      const RateDifference d = paired_rate_difference(paired_outcomes(t, "crashed", *reference, group));
+      EXPECT_EQ(outcomes[i][4], html::number(100.0 * d.difference) + " %");
+      EXPECT_EQ(outcomes[i][5], html::interval(100.0 * d.ci.low, 100.0 * d.ci.high));
+    } else {
+      EXPECT_EQ(outcomes[i][4], "–");
+      EXPECT_EQ(outcomes[i][5], "–");
+    }
+  }
+  const auto telling = telling_quantities(t);
+  ASSERT_FALSE(telling.empty());
+  for (const Quantity* quantity : telling) {
+    const auto rows = table_after(page, "<h2>" + quantity->label());
+    ASSERT_EQ(rows.size(), groups.size());
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      std::vector<std::string> expected = {t.name_of(*groups[i])};
+      for (const std::string& cell : cells_of(summarize(values_of(*quantity, *groups[i]), seeds_of(t, *groups[i]))))
+        expected.push_back(cell);
+      if (const EpisodeGroup* reference = t.reference_of(*groups[i])) {
+        const PairedValues pairs = paired_values(t, *quantity, *reference, *groups[i]);
+        const SampleSummary d = paired_difference(pairs.first, pairs.second, pairs.seeds);
+        for (const std::string& cell : {std::to_string(d.n), html::number(d.mean), html::number(d.sd),
+                                        html::interval(d.mean_ci.low, d.mean_ci.high)}) {
+          expected.push_back(cell);
+        }
+      } else {
+        expected.insert(expected.end(), 4, "");
+      }
+      EXPECT_EQ(rows[i], expected);
+    }
+  }
+  // Each group's fold has every quantity.
+  const auto brief = table_after(page, "Every metric: wind_mps 5, old");
+  ASSERT_EQ(brief.size(), t.quantities.size());
+  for (std::size_t q = 0; q < brief.size(); ++q) {
+    std::vector<std::string> expected = {t.quantities[q].label()};
+    for (const std::string& cell : cells_of(summarize(values_of(t.quantities[q], t.groups[2]))))
+      expected.push_back(cell);
+    EXPECT_EQ(brief[q], expected);
+  }
+  const auto failures = table_after(page, "<h2>Episodes that are not done: 1");
+  EXPECT_EQ(failures, (std::vector<std::vector<std::string>>{{"23", "new", "5", "crashed", "killed by signal 11",
+                                                              "<code>swiftlet run x --seed 5</code>"}}));
+  EXPECT_THAT(page, HasSubstr("24 episodes of 24, 1 crashed, 23 done."));
+  EXPECT_THAT(page, HasSubstr("0 worlds built for 24 episodes."));
+}
+
+/// A row of report.csv by its columns.
+std::map<std::string, std::string> csv_row(const std::string& csv, const std::string& begin) {
+  std::istringstream lines(csv);
+  std::string head, line;
+  std::getline(lines, head);
+  while (std::getline(lines, line) && !line.starts_with(begin)) {
+  }
+  const auto cells = [](const std::string& text) {
+    std::vector<std::string> words;
+    for (std::size_t at = 0; at <= text.size();) {
+      const std::size_t end = std::min(text.find(',', at), text.size());
+      words.push_back(text.substr(at, end - at));
+      at = end + 1;
+    }
+    return words;
+  };
+  const auto names = cells(head), values = cells(line);
+  EXPECT_EQ(names.size(), values.size()) << line;
+  std::map<std::string, std::string> row;
+  for (std::size_t i = 0; i < std::min(names.size(), values.size()); ++i) row[names[i]] = values[i];
+  return row;
+}
+
+TEST_F(BatchReport, RowsOfTheCsvHoldTheNumbersOfTheirGroups) {
+  const BatchTable t = table();
+  const std::string csv = batch_report_csv(t);
+  const auto expect_number = [](const std::string& found, double expected) {
+    if (std::isfinite(expected)) {
+      EXPECT_DOUBLE_EQ(std::stod(found), expected);
+    } else {
+      EXPECT_EQ(found, "");
+    }
+  };
+  for (const bool all : {false, true}) {
+    const EpisodeGroup& group = all ? t.totals[1] : t.groups[3];
+    const EpisodeGroup& reference = all ? t.totals[0] : t.groups[2];
+    const std::string head = all ? "all,new,," : "1,new,5,";
+    auto row = csv_row(csv, head + "error_m,a,");
+    const Quantity& error = *t.find("error_m", "a");
+    const SampleSummary s = summarize(values_of(error, group), seeds_of(t, group));
+    EXPECT_EQ(row["n"], std::to_string(s.n));
+    for (const auto& [name, value] : {std::pair("mean", s.mean),
+                                      {"sd", s.sd},
+                                      {"ci_low", s.mean_ci.low},
+                                      {"ci_high", s.mean_ci.high},
+                                      {"min", s.min},
+                                      {"q1", s.q1},
+                                      {"median", s.median},
+                                      {"q3", s.q3},
+                                      {"max", s.max}}) {
+      expect_number(row[name], value);
+    }
+    const PairedValues pairs = paired_values(t, error, reference, group);
+    const SampleSummary d = paired_difference(pairs.first, pairs.second, pairs.seeds);
+    EXPECT_EQ(row["pairs"], std::to_string(d.n));
+    expect_number(row["difference"], d.mean);
+    expect_number(row["difference_sd"], d.sd);
+    expect_number(row["difference_ci_low"], d.mean_ci.low);
+    expect_number(row["difference_ci_high"], d.mean_ci.high);
+    row = csv_row(csv, head + "outcome = crashed,");
+    const PairedCounts counts = paired_outcomes(t, "crashed", reference, group);
+    const RateDifference rates = paired_rate_difference(counts);
+    EXPECT_EQ(row["n"], all ? "11" : "5");
+    EXPECT_EQ(row["pairs"], all ? "11" : "5");
+    expect_number(row["mean"], 0.0);
+    expect_number(row["difference"], rates.difference);
+    expect_number(row["difference_ci_low"], rates.ci.low);
+    expect_number(row["difference_ci_high"], rates.ci.high);
+    EXPECT_EQ(row["sd"] + row["min"] + row["median"] + row["max"] + row["difference_sd"], "");
+  }
+  const auto reference = csv_row(csv, "0,old,0,error_m,a,");
+  EXPECT_EQ(reference.at("pairs") + reference.at("difference") + reference.at("difference_ci_high"), "");
+}
+
+/// A batch whose episodes have one metric of the run, as a function of point, variant and seed.
+BatchTable made_table(std::size_t points, std::vector<std::string> variants, std::uint64_t seeds,
+                      const std::string& report,
+                      const std::function<std::vector<MetricRow>(std::size_t, std::size_t, std::uint64_t)>& metrics) {
+  const TemporaryDirectory folder;
+  ResultStore store(folder.path() / "results.sqlite", ResultStore::Mode::kCreate);
+  BatchInfo info;
+  info.name = "made";
+  info.text = "name: made\nscenario: x\nsweep: {parameters: [{key: k, law: log_uniform, min: 1, max: 9}]}\n" + report;
+  info.file = "batch.yaml";
+  info.fingerprint = "f";
+  info.version = "1";
+  info.variants = std::move(variants);
+  info.parameters = {"k"};
+  store.set_info(info);
+  std::uint64_t id = 0;
+  for (std::size_t point = 0; point < points; ++point) {
+    for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+      for (std::size_t v = 0; v < info.variants.size(); ++v) {
+        EpisodeRow row;
+        row.id = id++;
+        row.variant = info.variants[v];
+        row.point = point;
+        row.seed = seed;
+        row.parameters = {std::to_string(point + 1)};
+        row.status = "done";
+        row.outcome = "done";
+        row.simulated_s = 10.0;
+        row.flight_wall_s = 2.5;
+        row.setup_wall_s = 0.5;
+        row.wall_s = 3.0;
+        row.built_world = v == 0;
+        row.command = "run";
+        row.metrics = metrics(point, v, seed);
+        store.add(row);
+      }
+    }
+  }
+  return read_batch_table(store);
+}
+
+std::vector<std::string> labels(const std::vector<const Quantity*>& quantities) {
+  std::vector<std::string> names;
+  for (const Quantity* q : quantities) names.push_back(q->label());
+  return names;
+}
+
+TEST(BatchTables, TheSixQuantitiesThatGroupsExplainBestAreShown) {
+  // Shares of the variance between two points of four seeds each: noise of growing size beside a difference of one.
+  const auto metrics = [](std::size_t point, std::size_t, std::uint64_t seed) {
+    std::vector<MetricRow> rows;
+    const double noise = seed % 2 == 0 ? 1.0 : -1.0;
+    for (int i = 0; i < 8; ++i)
+      rows.push_back({"m" + std::to_string(i), "", static_cast<double>(point) + 0.1 * (8 - i) * noise, "m", ""});
+    rows.push_back({"same", "", 3.0, "", ""});
+    rows.push_back({"only_noise", "", noise, "", ""});
+    return rows;
+  };
+  EXPECT_EQ(labels(telling_quantities(made_table(2, {"v"}, 4, "", metrics))),
+            (std::vector<std::string>{"m7", "m6", "m5", "m4", "m3", "m2"}));
+  // With a single group those that vary most against their mean.
+  const auto alone = [](std::size_t, std::size_t, std::uint64_t seed) {
+    const auto s = static_cast<double>(seed);
+    return std::vector<MetricRow>{{"little", "", 100.0 + s, "m", ""},
+                                  {"more", "", 100.0 + 20.0 * s, "m", ""},
+                                  {"none", "", 5.0, "m", ""},
+                                  {"negative", "", -100.0 - 10.0 * s, "m", ""},
+                                  {"about_zero", "", s - 1.5, "m", ""}};
+  };
+  EXPECT_EQ(labels(telling_quantities(made_table(1, {"v"}, 4, "", alone))),
+            (std::vector<std::string>{"about_zero", "more", "negative", "little"}));
+}
+
+TEST(BatchTables, NamedQuantitiesAreThoseOfTheRunTheMeanOrTheVehicle) {
+  const auto metrics = [](std::size_t, std::size_t, std::uint64_t seed) {
+    const auto s = static_cast<double>(seed);
+    return std::vector<MetricRow>{{"of_run", "", s, "", ""},
+                                  {"each", "a", s, "", ""},
+                                  {"each", "b", 2 * s, "", ""},
+                                  {"each", "c", std::nan(""), "", ""},
+                                  {"single", "a", s, "", ""}};
+  };
+  const auto shown = [&](const std::string& names) {
+    return labels(telling_quantities(made_table(1, {"v"}, 3, "report: {metrics: [" + names + "]}\n", metrics)));
+  };
+  EXPECT_EQ(shown("of_run"), std::vector<std::string>{"of_run"});
+  EXPECT_EQ(shown("each"), std::vector<std::string>{"each (mean)"});
+  EXPECT_EQ(shown("single"), std::vector<std::string>{"single (a)"}) << "the only one there is";
+  EXPECT_EQ(shown("b.each"), std::vector<std::string>{"each (b)"});
+  EXPECT_EQ(shown("b.each, of_run, each"), (std::vector<std::string>{"each (b)", "of_run", "each (mean)"}));
+  const BatchTable t = made_table(1, {"v"}, 3, "", metrics);
+  EXPECT_DOUBLE_EQ(t.find("each", "mean")->values[2], 3.0) << "of those that were measured";
+  EXPECT_EQ(t.find("each", "c"), nullptr);
+  EXPECT_EQ(t.find("single", "mean"), nullptr);
+  EXPECT_TRUE(t.totals.empty()) << "with a single point";
+  EXPECT_EQ(t.name_of(t.groups[0]), "k 1");
+}
+
+TEST(BatchTables, LongNumbersAreShownShort) {
+  BatchTable t = made_table(1, {"v"}, 1, "", [](auto, auto, auto) { return std::vector<MetricRow>{}; });
+  const auto name = [&](const std::string& value) {
+    EpisodeGroup group = t.groups[0];
+    group.parameters = {value};
+    return t.point_name(group);
+  };
+  EXPECT_EQ(name("1.2345"), "k 1.2345");
+  EXPECT_EQ(name("1.23456"), "k 1.235");
+  EXPECT_EQ(name("0.0001234567"), "k 0.0001235");
+  EXPECT_EQ(name("a_long_word"), "k a_long_word");
+  EXPECT_EQ(name("1234567x"), "k 1234567x");
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++count;
+  return count;
+}
+
+TEST(BatchPages, ManyPointsGroupsAndFailuresAreCutAndSaidSo) {
+  const auto metrics = [](std::size_t point, std::size_t, std::uint64_t seed) {
+    return std::vector<MetricRow>{{"m", "", static_cast<double>(point) + 0.1 * static_cast<double>(seed), "", ""}};
+  };
+  const auto page_of = [&](std::size_t points, std::uint64_t seeds, std::size_t failures = 0) {
+    BatchTable t = made_table(points, {"v"}, seeds, "", metrics);
+    for (std::size_t i = 0; i < failures; ++i) t.episodes[i].status = "failed";
+    return batch_report_html(t);
+  };
+  // Two hundred points, and all together.
+  EXPECT_EQ(table_after(page_of(200, 2), "<h2>Outcomes").size(), 201U);
+  EXPECT_THAT(page_of(200, 2), Not(HasSubstr("The rest is in report.csv")));
+  const std::string many = page_of(201, 2);
+  EXPECT_EQ(table_after(many, "<h2>Outcomes").size(), 201U);
+  EXPECT_THAT(many, HasSubstr("The rest is in report.csv"));
+  // A fold for each of twelve groups.
+  EXPECT_EQ(count_of(page_of(11, 2), "Every metric: "), 12U);
+  EXPECT_THAT(page_of(11, 2), Not(HasSubstr("The other groups are in report.csv")));
+  EXPECT_EQ(count_of(page_of(12, 2), "Every metric: "), 12U);
+  EXPECT_THAT(page_of(12, 2), HasSubstr("The other groups are in report.csv"));
+  EXPECT_EQ(table_after(page_of(3, 10, 20), "Episodes that are not done: 20").size(), 20U);
+  EXPECT_THAT(page_of(3, 10, 20), Not(HasSubstr(" more in the database")));
+  EXPECT_EQ(table_after(page_of(3, 10, 22), "Episodes that are not done: 22").size(), 20U);
+  EXPECT_THAT(page_of(3, 10, 22), HasSubstr(">2 more in the database"));
+  EXPECT_THAT(page_of(3, 10), Not(HasSubstr("Episodes that are not done")));
+}
+
+TEST(BatchPages, TimesAreSummedUp) {
+  const std::string page =
+      batch_report_html(made_table(2, {"a", "b"}, 3, "", [](auto, auto, auto) { return std::vector<MetricRow>{}; }));
+  const auto rows = table_after(page, "<h2>Wall time");
+  ASSERT_EQ(rows.size(), 4U);
+  const std::pair<const char*, double> expected[] = {
+      {"whole episode [s]", 3.0}, {"set-up [s]", 0.5}, {"flight [s]", 2.5}, {"times real time", 4.0}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(rows[i][0], expected[i].first);
+    EXPECT_EQ(rows[i][1], "12");
+    EXPECT_EQ(rows[i][2], html::number(expected[i].second));
+  }
+  EXPECT_THAT(page, HasSubstr("6 worlds built for 12 episodes."));
+  EXPECT_THAT(page, HasSubstr("12 episodes of 0, 12 done."));
+}
+
+TEST(BatchPages, TheWorstAreTheLeastWhereThatIsAsked) {
+  const auto metrics = [](std::size_t, std::size_t, std::uint64_t seed) {
+    return std::vector<MetricRow>{{"m", "a", static_cast<double>(seed * 7 % 12), "", ""},
+                                  {"n", "", static_cast<double>(seed), "", ""}};
+  };
+  const auto order = [&](const std::string& report) {
+    std::vector<std::string> seeds;
+    for (const auto& row : table_after(batch_report_html(made_table(1, {"v"}, 12, report, metrics)), "<h2>Worst"))
+      seeds.push_back(row.at(4));
+    return seeds;
+  };
+  EXPECT_EQ(order("report: {worst_by: a.m, worst_is: low}\n"),
+            (std::vector<std::string>{"0", "1", "2", "3", "4", "5", "6", "7", "8", "9"}));
+  EXPECT_EQ(order("report: {worst_by: m}\n"),
+            (std::vector<std::string>{"11", "10", "9", "8", "7", "6", "5", "4", "3", "2"}));
+  EXPECT_EQ(order("report: {metrics: [n], worst_is: low}\n").front(), "0");
+}
+
+TEST(Html, NumbersHaveFourDigitsOrAllBeforeThePoint) {
+  EXPECT_EQ(html::number(0.123456), "0.1235");
+  EXPECT_EQ(html::number(9999.4), "9999");
+  EXPECT_EQ(html::number(10000.0), "10000");
+  EXPECT_EQ(html::number(12345.6), "12346");
+  EXPECT_EQ(html::number(-12345.6), "-12346");
+  EXPECT_EQ(html::number(9'999'999.0), "9999999");
+  EXPECT_EQ(html::number(1e7), "1e+07");
+  EXPECT_EQ(html::number(0.0), "0");
+  EXPECT_EQ(html::number(std::nan("")), "–");
+  EXPECT_EQ(html::interval(1.0, 2.5), "[1, 2.5]");
+  EXPECT_EQ(html::interval(1.0, std::nan("")), "–");
+  EXPECT_EQ(html::interval(std::nan(""), 1.0), "–");
+}
+
+TEST(Html, ColumnsOfWordsAreMarked) {
+  html::Table table({"a", "b", "c"}, {0, 2});
+  EXPECT_TRUE(table.empty());
+  table.add({"1", "2", "3", "4"});
+  EXPECT_FALSE(table.empty());
+  EXPECT_EQ(table.str(),
+            "<div class=\"wide\"><table><thead><tr><th class=\"w\">a</th><th>b</th><th class=\"w\">c</th></tr></thead>"
+            "<tbody>\n<tr><td class=\"w\">1</td><td>2</td><td class=\"w\">3</td><td>4</td></tr>\n</tbody></table>"
+            "</div>\n");
+  EXPECT_THAT(html::page("a < b", "body"), HasSubstr("a &lt; b"));
+}
+
 TEST_F(BatchReport, OnlyABatchHasOne) {
   EXPECT_THROW(write_batch_report(folder_.path() / "nowhere"), InputError);
   EXPECT_THROW(write_run_report(folder_.path()), InputError);
@@ -281,6 +656,121 @@ TEST(TimeSeries, CsvStatesGiveErrorsAndAreThinned) {
   EXPECT_EQ(series[0].tracking_error_m[7], 1.0);
   EXPECT_TRUE(std::isnan(series[0].clearance_m[0]));
   EXPECT_EQ(series[0].clearance_m[7], 2.5);
+}
+
+TEST(TimeSeries, AreThinnedToTheMostThatIsAskedForAndNotMore) {
+  const TemporaryDirectory folder;
+  for (const int rows : {0, 1, 99, 100, 101, 199, 200, 201, 1000}) {
+    std::ofstream file(folder.path() / "a.csv");
+    file << "t_s,x\n";
+    for (int i = 0; i < rows; ++i) file << i << "," << 2 * i << "\n";
+    file.close();
+    const NumberTable table = read_number_table(folder.path() / "a.csv", ',', 100);
+    const int stride = std::max(1, (rows + 99) / 100);
+    ASSERT_EQ(table.columns[0].size(), static_cast<std::size_t>((rows + stride - 1) / stride)) << rows;
+    for (std::size_t i = 0; i < table.columns[0].size(); ++i)
+      EXPECT_EQ(table.columns[1][i], 2.0 * stride * static_cast<double>(i));
+    EXPECT_EQ(read_number_table(folder.path() / "a.csv", ',', 0).columns[0].size(), static_cast<std::size_t>(rows));
+  }
+}
+
+TEST(TimeSeries, WhatIsNoNumberIsNoneAndLinesMayBeShort) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder.path() / "a.csv") << "t_s,x,word\n1,2,three\n# a comment\n\n4\n5,,6\n7,8,9,10\n1e,2x,inf\n";
+  const NumberTable table = read_number_table(folder.path() / "a.csv", ',', 0);
+  EXPECT_EQ(table.names, (std::vector<std::string>{"t_s", "x", "word"}));
+  ASSERT_EQ(table.columns[0].size(), 5U);
+  EXPECT_EQ(table.columns[0][1], 4.0);
+  EXPECT_TRUE(std::isnan(table.columns[2][0]));
+  EXPECT_TRUE(std::isnan(table.columns[1][1]));
+  EXPECT_TRUE(std::isnan(table.columns[1][2]));
+  EXPECT_EQ(table.columns[2][2], 6.0);
+  EXPECT_EQ(table.columns[2][3], 9.0);
+  EXPECT_TRUE(std::isnan(table.columns[0][4]));
+  EXPECT_TRUE(std::isnan(table.columns[1][4]));
+  std::ofstream(folder.path() / "a.tum") << "#  t_s x_m\n1  2\n 3 4 \n";
+  const NumberTable tum = read_number_table(folder.path() / "a.tum", ' ', 0);
+  EXPECT_EQ(tum.names, (std::vector<std::string>{"t_s", "x_m"}));
+  EXPECT_EQ(tum.columns[1], (std::vector<double>{2.0, 4.0})) << "several blanks are one";
+  EXPECT_EQ(tum.find("y_m"), nullptr);
+  EXPECT_THROW(read_number_table(folder.path() / "none", ',', 0), std::runtime_error);
+}
+
+TEST(TimeSeries, EstimatesAreTakenBetweenTheirInstantsAndNotBeyond) {
+  const TemporaryDirectory folder;
+  std::filesystem::create_directories(folder.path() / "trajectories");
+  std::ofstream(folder.path() / "trajectories/a.tum")
+      << "# t_s x_m y_m z_m\n0 0 0 0\n1 0 3 4\n2 0 3 4\n4 0 3 9\n5 2 5 10\n";
+  std::ofstream(folder.path() / "trajectories/a.estimate.tum") << "# t_s x_m y_m z_m\n1 1 3 4\n3 2 4 5\n4.5 2 4 5\n";
+  std::ofstream(folder.path() / "trajectories/b.tum") << "# t_s x_m y_m z_m\n0 0 0 0\n";
+  std::filesystem::create_directories(folder.path() / "csv/c");
+  const auto all = read_time_series(folder.path());
+  ASSERT_EQ(all.size(), 2U) << "of c there is only a folder";
+  EXPECT_EQ(all[0].name, "a");
+  ASSERT_EQ(all[0].speed_mps.size(), 5U);
+  EXPECT_TRUE(std::isnan(all[0].speed_mps[0]));
+  EXPECT_EQ(all[0].speed_mps[1], 5.0);
+  EXPECT_EQ(all[0].speed_mps[2], 0.0);
+  EXPECT_EQ(all[0].speed_mps[3], 2.5);
+  EXPECT_EQ(all[0].speed_mps[4], 3.0);
+  const auto& error_m = all[0].estimate_error_m;
+  ASSERT_EQ(error_m.size(), 5U);
+  EXPECT_TRUE(std::isnan(error_m[0])) << "before the first";
+  EXPECT_EQ(error_m[1], 1.0);
+  EXPECT_NEAR(error_m[2], std::hypot(1.5, 0.5, 0.5), 1e-12);
+  EXPECT_NEAR(error_m[3], std::hypot(2.0, 1.0, -4.0), 1e-12);
+  EXPECT_TRUE(std::isnan(error_m[4])) << "after the last";
+  EXPECT_TRUE(all[1].estimate_error_m.empty());
+  EXPECT_TRUE(all[1].clearance_m.empty());
+}
+
+TEST(RunReport, ListsAreCutWhereTheyGetLong) {
+  const TemporaryDirectory folder;
+  write_file(folder.path() / "summary.json",
+             R"({"scenario": "x", "threads": 2, "simulated_s": 4.0, "stage_wall_s": {"a": 0.5, "b": 1.5},
+                 "radio": {"topics": [{"topic": "t", "from": "uav1", "messages": 7, "bytes": 90, "rate_hz": 2.5}]},
+                 "metrics": {"vehicles": {"u": {"m": 1.25}, "v": {"n": 20000.4}}}})");
+  std::string events;
+  for (int i = 0; i < 201; ++i) events += "{\"t_s\": " + std::to_string(i) + ", \"kind\": \"k\"}\n";
+  write_file(folder.path() / "events.jsonl", events + "[1]\n");
+  for (int i = 0; i < 61; ++i)
+    write_file(folder.path() / "snapshots" / ("p" + std::to_string(100 + i) + ".png"), "", MissingFolders::kMade);
+  write_file(folder.path() / "snapshots/depth.mm.png", "");
+  write_file(folder.path() / "render/more.txt", "", MissingFolders::kMade);
+  for (int i = 0; i < 13; ++i) {
+    write_file(folder.path() / "trajectories" / ("uav" + std::to_string(10 + i) + ".tum"),
+               "# t_s x_m y_m z_m\n0 0 0 1\n1 2 0 1\n", MissingFolders::kMade);
+  }
+  write_run_report(folder.path());
+  std::ifstream file(folder.path() / "report.html");
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_EQ(table_after(page, "<h2>Events: 201").size(), 200U);
+  EXPECT_EQ(count_of(page, "<img "), 60U);
+  EXPECT_THAT(page, Not(HasSubstr("depth.mm.png")));
+  EXPECT_THAT(page, HasSubstr("Only the first 12 vehicles are drawn."));
+  EXPECT_THAT(page, HasSubstr("uav21</text>"));
+  EXPECT_THAT(page, Not(HasSubstr("uav22</text>")));
+  EXPECT_EQ(table_after(page, "<h2>Wall time of each stage"),
+            (std::vector<std::vector<std::string>>{{"a", "0.5", "25 %", "125"}, {"b", "1.5", "75 %", "375"}}));
+  EXPECT_EQ(table_after(page, "<h2>Radio"),
+            (std::vector<std::vector<std::string>>{{"t", "uav1", "7", "90", "2.5", "–"}}));
+  EXPECT_THAT(page, HasSubstr("<td>1.25</td><td>–</td>"));
+  EXPECT_THAT(page, HasSubstr("<td>–</td><td>20000</td>"));
+  EXPECT_THAT(page, HasSubstr(", 2 threads."));
+  EXPECT_THAT(page, HasSubstr("height [m]"));
+  EXPECT_THAT(page, Not(HasSubstr("clearance [m]"))) << "nobody measured it";
+  EXPECT_THAT(page, HasSubstr("makes a page on which the run plays"));
+  write_file(folder.path() / "replay.html", "");
+  write_file(folder.path() / "summary.json", R"({"stage_wall_s": {"a": 0}})");
+  std::filesystem::remove_all(folder.path() / "trajectories");
+  write_run_report(folder.path());
+  std::ifstream again(folder.path() / "report.html");
+  const std::string bare((std::istreambuf_iterator<char>(again)), {});
+  EXPECT_THAT(bare, HasSubstr("The run in three dimensions"));
+  EXPECT_THAT(bare, HasSubstr("No recorder wrote states"));
+  EXPECT_EQ(table_after(bare, "<h2>Wall time of each stage"),
+            (std::vector<std::vector<std::string>>{{"a", "0", "–", "–"}}));
+  EXPECT_THAT(bare, Not(HasSubstr("<h2>Radio")));
 }
 
 TEST(RunReport, DamagedTablesAreRefusedByTheirName) {

@@ -5,6 +5,7 @@
 
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/stages/detectors.hpp"
+#include "swiftlet/core/stages/estimators.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
 #include "swiftlet/core/stages/mappers.hpp"
 #include "swiftlet/core/stages/relative_localizers.hpp"
@@ -44,6 +45,7 @@ TEST(OverlayNames, AreToldByTheRegistriesForAllThatIsDrawn) {
                                              {"interception", 2.0},
                                              {"field_detection", 1.0},
                                              {"square", 1.0},
+                                             {"submap_navigation", 2.0},
                                              {"reproduce/rbl_crossing", 1.0}}) {
     const std::vector<std::string> told = told_of(scenario);
     for (const std::string& name : drawn_in(scenario, duration_s)) EXPECT_THAT(told, Contains(name)) << scenario;
@@ -54,6 +56,7 @@ TEST(OverlayNames, AreToldByEveryTypeOfStage) {
   const auto tell = [](const auto& rows) {
     for (const auto& row : rows) EXPECT_NE(row.overlays, nullptr) << row.module.name;
   };
+  tell(estimator_registry().rows());
   tell(detector_registry().rows());
   tell(relative_localizer_registry().rows());
   tell(mapper_registry().rows());

@@ -35,6 +35,13 @@ SavedMap small_map() {
   map.graph.add(PositionFactor{0, 1, 0.25, {7, 8, 9}, {1, 1, 0.1}, 1.0});
   map.nodes = {{-5, 0}, {1'000'000'000, 1}};
   map.submaps = {{2, {{1.5F, 0.1F, -2.0F}, {3.0F, 4.0F, 5.0F}}}, {1, {}}};
+  CellBlock both{{-3, 4, 5}, {}, {}}, free{{7, -8, 9}, {}, {}};
+  both.occupied[2] = 0x8000000000000001ULL;
+  both.free[2] = 0x0F0ULL;
+  free.free[7] = 1;
+  const CellBlock blocks[] = {both, free};
+  map.pieces = {{0, make_pose({0.5, 0, 0}, Eigen::Quaterniond(0.5, 0.5, 0.5, -0.5)),
+                 std::make_shared<const SubmapCells>(0.25, blocks)}};
   return map;
 }
 
@@ -63,6 +70,17 @@ TEST(SlamMapFile, WhatIsReadIsWhatWasWrittenToTheLastBit) {
   EXPECT_EQ(again.nodes[0].t, -5);
   EXPECT_EQ(again.submaps[0].points_submap_m, map.submaps[0].points_submap_m);
   EXPECT_EQ(again.submaps[1].pose, 1);
+  ASSERT_EQ(again.pieces.size(), 1U);
+  EXPECT_EQ(again.pieces[0].T_submap_cells.matrix(), map.pieces[0].T_submap_cells.matrix());
+  const SubmapCells& cells = *again.pieces[0].cells;
+  EXPECT_EQ(cells.edge_m(), 0.25);
+  ASSERT_EQ(cells.num_blocks(), 2U);
+  const int i = cells.find({-3, 4, 5});
+  ASSERT_GE(i, 0);
+  ASSERT_NE(cells.occupied_of(i), nullptr);
+  EXPECT_EQ((*cells.occupied_of(i))[2], 0x8000000000000001ULL);
+  EXPECT_EQ(cells.free_of(i)[2], 0x0F0ULL);
+  EXPECT_EQ(cells.occupied_of(cells.find({7, -8, 9})), nullptr);
 }
 
 TEST(SlamMapFile, DamageAnywhereIsNoticed) {
@@ -81,9 +99,9 @@ TEST(SlamMapFile, DamageAnywhereIsNoticed) {
 
 TEST(SlamMapFile, AnotherVersionIsRefusedByItsNumber) {
   std::string content = slam_map_content(small_map());
-  content[content.find('\n') + 1] = 2;
+  content[content.find('\n') + 1] = 1;
   const std::string refusal = refusal_of(content, "version");
-  EXPECT_NE(refusal.find("expected version 1 of such maps, found version 2"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("expected version 2 of such maps, found version 1"), std::string::npos) << refusal;
   EXPECT_NE(refusal.find(temporary("version").string()), std::string::npos) << refusal;
 }
 
@@ -92,6 +110,146 @@ TEST(SlamMapFile, WhatIsNoMapIsRefused) {
   SavedMap map = small_map();
   map.submaps[0].pose = 17;
   EXPECT_NE(refusal_of(slam_map_content(map), "pose").find("is damaged: a submap has no pose"), std::string::npos);
+  map = small_map();
+  map.pieces[0].submap = 2;
+  EXPECT_NE(refusal_of(slam_map_content(map), "piece").find("is damaged: cells belong to no submap"),
+            std::string::npos);
+}
+
+/// As version 1 has it: title, version, size, checksum; then numbers as they stand in memory.
+class Bytes {
+ public:
+  template <class Number>
+  Bytes& put(Number number) {
+    bytes_.append(reinterpret_cast<const char*>(&number), sizeof number);
+    return *this;
+  }
+  Bytes& put_all(std::initializer_list<double> numbers) {
+    for (const double number : numbers) put(number);
+    return *this;
+  }
+  Bytes& pose() { return put_all({1, 0, 0, 0, 1, 0, 0, 0, 1, 4, 5, 6}); }
+  Bytes& identity() {
+    for (int i = 0; i < 36; ++i) put(i % 7 == 0 ? 1.0 : 0.0);
+    return *this;
+  }
+  const std::string& text() const { return bytes_; }
+  std::string file() const {
+    std::uint64_t hash = 0xCBF29CE484222325ULL;
+    for (const char byte : bytes_) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL;
+    Bytes head;
+    head.put(std::uint32_t{1}).put(static_cast<std::uint64_t>(bytes_.size())).put(hash);
+    return "Swiftlet map of SLAM\n" + head.text() + bytes_;
+  }
+
+ private:
+  std::string bytes_;
+};
+
+using Count = std::uint64_t;
+
+/// Two poses; then what a test adds of each kind of factor, two nodes and a submap.
+std::string file_of(const Bytes& factors) {
+  Bytes bytes;
+  bytes.put(0.1).put(Count{2}).pose().pose();
+  std::string payload = bytes.text() + factors.text();
+  Bytes rest;
+  rest.put(Count{1}).put(std::int64_t{7}).put(std::int32_t{1});
+  rest.put(Count{1}).put(std::int32_t{0}).put(Count{1}).put(1.0F).put(2.0F).put(3.0F);
+  payload += rest.text();
+  Bytes all;
+  for (const char c : payload) all.put(c);
+  return all.file();
+}
+
+TEST(SlamMapFile, IsReadByteForByteAsItsVersionSays) {
+  Bytes none;
+  none.put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0});
+  write_file(temporary("own"), file_of(none));
+  const SavedMap map = read_slam_map(temporary("own"));
+  EXPECT_EQ(map.voxel_m, 0.1);
+  ASSERT_EQ(map.graph.num_poses(), 2);
+  EXPECT_EQ(map.graph.pose(1).translation(), Vector3(4, 5, 6));
+  ASSERT_EQ(map.nodes.size(), 1U);
+  EXPECT_EQ(map.nodes[0].t, 7);
+  EXPECT_EQ(map.nodes[0].pose, 1);
+  ASSERT_EQ(map.submaps.size(), 1U);
+  EXPECT_EQ(map.submaps[0].points_submap_m, (std::vector<Eigen::Vector3f>{{1, 2, 3}}));
+  EXPECT_EQ(slam_map_content(map), file_of(none));
+}
+
+// With the right checksum, so that it is not damage but nonsense.
+TEST(SlamMapFile, FactorsNameTwoPosesThatThereAre) {
+  const auto relative = [](int from, int to) {
+    Bytes bytes;
+    bytes.put(Count{1}).put(from).put(to).pose().identity().put(1.0).put(Count{0}).put(Count{0}).put(Count{0});
+    return refusal_of(file_of(bytes), "relative");
+  };
+  EXPECT_EQ(relative(0, 1), "");
+  EXPECT_EQ(relative(1, 0), "");
+  for (const auto& [from, to] : {std::pair(0, 0), {1, 1}, {-1, 1}, {0, 2}, {2, 0}, {0, -1}})
+    EXPECT_NE(relative(from, to).find("counts do not fit"), std::string::npos) << from << " " << to;
+
+  const auto prior = [](int pose) {
+    Bytes bytes;
+    bytes.put(Count{0}).put(Count{1}).put(pose).pose().identity().put(Count{0}).put(Count{0});
+    return refusal_of(file_of(bytes), "prior");
+  };
+  EXPECT_EQ(prior(1), "");
+  EXPECT_NE(prior(2), "");
+  EXPECT_NE(prior(-1), "");
+
+  const auto gravity = [](int pose, double sigma_rad) {
+    Bytes bytes;
+    bytes.put(Count{0}).put(Count{0}).put(Count{1}).put(pose).put_all({0, 0, 1, sigma_rad}).put(Count{0});
+    return refusal_of(file_of(bytes), "gravity");
+  };
+  EXPECT_EQ(gravity(0, 0.5), "");
+  EXPECT_NE(gravity(2, 0.5), "");
+  EXPECT_NE(gravity(0, 0.0), "");
+  EXPECT_NE(gravity(0, -0.1), "");
+  EXPECT_NE(gravity(0, std::nan("")), "");
+
+  const auto position = [](int before, int after) {
+    Bytes bytes;
+    bytes.put(Count{0}).put(Count{0}).put(Count{0}).put(Count{1}).put(before).put(after);
+    bytes.put_all({0.5, 1, 2, 3, 1, 1, 1, 9});
+    return refusal_of(file_of(bytes), "position");
+  };
+  EXPECT_EQ(position(0, 1), "");
+  EXPECT_EQ(position(1, 1), "") << "on a pose itself";
+  for (const auto& [before, after] : {std::pair(-1, 1), {0, 2}, {2, 0}, {0, -1}})
+    EXPECT_NE(position(before, after), "");
+}
+
+// Before memory is taken for them.
+TEST(SlamMapFile, CountsOfMoreThanTheFileHoldsAreRefused) {
+  for (const Count count : {Count{1} << 60, Count{1000}}) {
+    Bytes poses;
+    poses.put(0.1).put(count);
+    EXPECT_NE(refusal_of(poses.file(), "poses").find("counts do not fit"), std::string::npos);
+    Bytes relatives;
+    relatives.put(count);
+    EXPECT_NE(refusal_of(file_of(relatives), "relatives").find("counts do not fit"), std::string::npos);
+  }
+  Bytes left_over;
+  left_over.put(0.1).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0});
+  EXPECT_EQ(refusal_of(left_over.file(), "empty").find("counts"), std::string::npos);
+  left_over.put('x');
+  EXPECT_NE(refusal_of(left_over.file(), "longer").find("counts do not fit"), std::string::npos);
+  // A submap of points that reach beyond the end.
+  Bytes points;
+  points.put(0.1).put(Count{1}).pose().put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0});
+  points.put(Count{1}).put(std::int32_t{0}).put(Count{2}).put(1.0F).put(2.0F).put(3.0F).put(4.0F).put(5.0F);
+  EXPECT_NE(refusal_of(points.file(), "points").find("counts do not fit"), std::string::npos);
+  points.put(6.0F);
+  EXPECT_EQ(refusal_of(points.file(), "points"), "");
+}
+
+TEST(SlamMapFile, IsKnownByTheEndOfItsName) {
+  EXPECT_TRUE(is_slam_map_file("a/b.slam"));
+  EXPECT_FALSE(is_slam_map_file("a/slam"));
+  EXPECT_FALSE(is_slam_map_file("b.ot"));
 }
 
 Scenario campus(const std::string& file, const ConfigChanges& changes) {

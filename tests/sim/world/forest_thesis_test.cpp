@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "swiftlet/sim/errors.hpp"
+#include "tests/sim/world/config_support.hpp"
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {
@@ -116,6 +117,83 @@ TEST(ForestThesis, TooManyTreesForTheAreaAreAClearError) {
   ForestThesisConfig config;
   config.num_trees = 1000;
   EXPECT_THROW(make_forest_thesis(config, 1), InputError);
+}
+
+TEST(ForestThesis, TreesAreACylinderThatGoesOnBelowTheGroundAndASphere) {
+  ForestThesisConfig config;
+  config.num_trees = 4;
+  const Scene scene = make_forest_thesis(config, 2);
+  EXPECT_EQ(scene.num_triangles(), 2U + 4U * (24 * 2 + 2 * 22 + 1280));
+  const auto trunks = test::bounds_of_each(scene, SurfaceClass::kTrunk),
+             crowns = test::bounds_of_each(scene, SurfaceClass::kVegetation);
+  const auto trees = objects_of(scene, SurfaceClass::kTrunk);
+  ASSERT_EQ(trees.size(), 4U);
+  for (const WorldObject& tree : trees) {
+    const Eigen::AlignedBox3d &trunk = trunks.at(tree.instance), &crown = crowns.at(tree.instance);
+    const double radius_m = 0.5 * attribute(tree, "dbh_m"), height_m = attribute(tree, "height_m");
+    EXPECT_NEAR(trunk.min().z(), -0.1, 1e-5);
+    EXPECT_NEAR(trunk.max().z(), height_m, 1e-4);
+    EXPECT_NEAR(trunk.sizes().x(), 2.0 * radius_m, 0.03 * radius_m);
+    EXPECT_NEAR(crown.center().z(), height_m, 0.02);
+    EXPECT_NEAR(crown.sizes().z(), 2.0 * attribute(tree, "crown_radius_m"), 0.1);
+    EXPECT_NEAR(attribute(tree, "crown_base_m"), height_m - attribute(tree, "crown_radius_m"), 1e-9);
+    EXPECT_LT((trunk.center() - tree.position_world_m).head<2>().norm(), 1e-4);
+    EXPECT_LT((crown.center() - tree.position_world_m).head<2>().norm(), 0.05);
+    EXPECT_EQ(tree.yaw_rad, 0.0);
+    EXPECT_EQ(tree.position_world_m.z(), 0.0);
+  }
+}
+
+TEST(ForestThesis, GroundReachesItsMarginBeyondTheAreaAndTreesFillTheArea) {
+  ForestThesisConfig config;
+  config.area_min_m = {-3.0, 5.0};
+  config.area_max_m = {37.0, 25.0};
+  config.ground_margin_m = 4.0;
+  config.min_distance_m = 0.1;
+  config.num_trees = 1000;
+  const Scene scene = make_forest_thesis(config, 2);
+  EXPECT_TRUE(test::bounds_of(scene, SurfaceClass::kGround)
+                  .isApprox(Eigen::AlignedBox3d(Eigen::Vector3d(-7, 1, 0), Eigen::Vector3d(41, 29, 0)), 1e-6));
+  std::vector<double> xs, ys;
+  for (const WorldObject& tree : objects_of(scene, SurfaceClass::kTrunk)) {
+    xs.push_back(tree.position_world_m.x());
+    ys.push_back(tree.position_world_m.y());
+  }
+  test::expect_uniform(xs, -3.0, 37.0);
+  test::expect_uniform(ys, 5.0, 25.0);
+}
+
+TEST(ForestThesis, TreesKeepOffAClearingByTheirCrownWhereItHangsBelowTheClearHeight) {
+  ForestThesisConfig config;
+  config.keep_clear.clearings = {{{0.0, 0.0}, 5.0}};
+  config.num_trees = 1500;
+  config.min_distance_m = 0.05;
+  for (const double clear_m : {3.0, 5.5}) {
+    config.keep_clear.clear_height_m = clear_m;
+    double nearest_high_m = 1e9, nearest_low_m = 1e9;
+    for (const WorldObject& tree : objects_of(make_forest_thesis(config, 4), SurfaceClass::kTrunk)) {
+      const bool is_above = attribute(tree, "crown_base_m") >= clear_m;
+      const double reach_m = is_above ? 0.5 * attribute(tree, "dbh_m") : attribute(tree, "crown_radius_m");
+      double& nearest_m = is_above ? nearest_high_m : nearest_low_m;
+      nearest_m = std::min(nearest_m, tree.position_world_m.head<2>().norm() - 5.0 - reach_m);
+    }
+    EXPECT_GE(nearest_high_m, 0.0);
+    EXPECT_LT(nearest_high_m, 0.5);
+    EXPECT_GE(nearest_low_m, 0.0);
+    EXPECT_LT(nearest_low_m, 1.0);
+  }
+}
+
+TEST(ForestThesis, NormalSpreadsLeaveTwiceAsMuchRoomAsUniformOnes) {
+  for (const bool is_normal : {false, true}) {
+    ForestThesisConfig config;
+    config.spread = is_normal ? ForestThesisConfig::Spread::kNormal : ForestThesisConfig::Spread::kUniform;
+    const double widest = is_normal ? 2.0 : 1.0;
+    for (const double share : {0.99, 1.01}) {
+      config.trunk_radius_spread_m = share * 0.5 / widest;
+      EXPECT_EQ(test::problems_of(config).empty(), share < 1.0) << is_normal;
+    }
+  }
 }
 
 }  // namespace

@@ -107,5 +107,100 @@ TEST(MeshBuilder, HeightfieldCoversItsRectangleOnceWithoutHoles) {
   EXPECT_NEAR(covered_m2, 4 * 0.5 * 3 * 0.25, 1e-5);
 }
 
+// A tube along a bent line: each ring stands across the mean of both directions, and no ring is turned about the axis.
+TEST(MeshBuilder, TubesFollowTheirLineWithoutTwisting) {
+  const std::vector<Vector3f> line = {{0, 0, 0}, {0.2F, 0.1F, 1}, {0.5F, -0.3F, 1.8F}, {1.4F, 0, 2.2F}};
+  const std::vector<float> radii = {0.3F, 0.25F, 0.2F, 0.05F};
+  for (const int sides : {3, 7, 12}) {
+    Mesh mesh;
+    add_box(mesh, Vector3f(8, 8, 8), Vector3f(9, 9, 9));  // it is appended to what was there
+    const std::size_t first = mesh.vertices_mesh_m.size();
+    add_tube(mesh, line, radii, sides, Caps::kBoth);
+    EXPECT_TRUE(is_closed(mesh));
+    ASSERT_EQ(mesh.vertices_mesh_m.size(), first + 4 * static_cast<std::size_t>(sides));
+    const double step = 2.0 * kPi / sides, widened = std::sqrt(step / std::sin(step));
+    Vector3f side_before = Vector3f::Zero();
+    for (std::size_t ring = 0; ring < 4; ++ring) {
+      const Vector3f axis = (line[std::min<std::size_t>(ring + 1, 3)] - line[ring == 0 ? 0 : ring - 1]).normalized();
+      const auto radial = [&](int k) -> Vector3f {
+        return mesh.vertices_mesh_m[first + ring * sides + static_cast<std::size_t>(k % sides)] - line[ring];
+      };
+      for (int k = 0; k < sides; ++k) {
+        EXPECT_NEAR(radial(k).norm(), widened * radii[ring], 1e-5);
+        EXPECT_NEAR(radial(k).dot(axis), 0.0F, 1e-5F);
+        EXPECT_NEAR(radial(k).cross(radial(k + 1)).dot(axis), radial(k).squaredNorm() * std::sin(step), 1e-5)
+            << "counter-clockwise about the way it goes";
+      }
+      if (ring > 0) {
+        const Vector3f carried = side_before - side_before.dot(axis) * axis;
+        EXPECT_LT((radial(0).normalized() - carried.normalized()).norm(), 1e-4F);
+      }
+      side_before = radial(0).normalized();
+    }
+  }
+}
+
+TEST(MeshBuilder, StraightTubesHaveTheVolumeOfTheirFrustums) {
+  const std::vector<Vector3f> line = {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}};
+  const std::vector<float> radii = {0.5F, 0.2F, 0.4F};
+  Mesh mesh;
+  add_tube(mesh, line, radii, 9, Caps::kBoth);
+  const double expected = kPi / 3.0 * (1.0 * (0.25 + 0.1 + 0.04) + 2.0 * (0.04 + 0.08 + 0.16));
+  EXPECT_NEAR(signed_volume_m3(mesh), expected, 1e-4);
+}
+
+TEST(MeshBuilder, CapsCloseTheEndsThatTheyAreToldTo) {
+  const auto ends = [](Caps caps) {
+    Mesh mesh;
+    add_frustum(mesh, {0, 0, 0}, 0.5F, {0, 0, 2}, 0.5F, 6, caps);
+    EXPECT_GE(mesh.triangles.size(), 12U);
+    std::pair<int, int> low_high{0, 0};
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const Vector3f normal = (mesh.vertices_mesh_m[b] - mesh.vertices_mesh_m[a])
+                                  .cross(mesh.vertices_mesh_m[c] - mesh.vertices_mesh_m[a])
+                                  .normalized();
+      low_high.first += normal.z() < -0.9F;
+      low_high.second += normal.z() > 0.9F;
+    }
+    return low_high;
+  };
+  EXPECT_EQ(ends(Caps::kNone), (std::pair{0, 0}));
+  EXPECT_EQ(ends(Caps::kStart), (std::pair{4, 0}));
+  EXPECT_EQ(ends(Caps::kEnd), (std::pair{0, 4}));
+  EXPECT_EQ(ends(Caps::kBoth), (std::pair{4, 4}));
+}
+
+TEST(MeshBuilder, PiecesAreAppendedToWhatIsThere) {
+  Mesh mesh, ball;
+  add_box(mesh, Vector3f(-1, -1, -1), Vector3f(0, 0, 0));
+  add_triangle(mesh, {1, 0, 0}, {2, 0, 0}, {1, 2, 0});
+  EXPECT_EQ(mesh.triangles.back(), (std::array<std::uint32_t, 3>{8, 9, 10}));
+  add_quad(mesh, {5, 0, 0}, {6, 0, 0}, {6, 1, 0}, {5, 1, 0});
+  EXPECT_NEAR(area_m2(mesh), 6.0 + 1.0 + 1.0, 1e-5);
+  EXPECT_NEAR((mesh.vertices_mesh_m[mesh.triangles.back()[1]] - Vector3f(6, 1, 0)).norm(), 0.0F, 1e-6F);
+  add_icosphere(ball, Vector3f::Zero(), 1.0F, 1);
+  const double volume = signed_volume_m3(mesh);
+  Eigen::Affine3f T = Eigen::Affine3f::Identity();
+  T.translate(Vector3f(10, 0, 0)).scale(2.0F);
+  append(mesh, ball, T);
+  EXPECT_NEAR(signed_volume_m3(mesh), volume + 8.0 * signed_volume_m3(ball), 1e-3);
+  EXPECT_NEAR(bounds_m(mesh).max().x(), 10.0F + 2.0F * bounds_m(ball).max().x(), 1e-5F);
+  Mesh moved;
+  add_box(moved, Eigen::Affine3f(Eigen::Translation3f(1, 2, 3)), Vector3f(2, 4, 6));
+  EXPECT_TRUE(bounds_m(moved).isApprox(Eigen::AlignedBox3f(Vector3f(0, 0, 0), Vector3f(2, 4, 6))));
+}
+
+// An icosahedron has twenty equal faces.
+TEST(MeshBuilder, IcosphereBeginsAsTheIcosahedronOfItsVolume) {
+  Mesh mesh;
+  add_icosphere(mesh, Vector3f::Zero(), 1.0F, 0);
+  ASSERT_EQ(mesh.triangles.size(), 20U);
+  const double edge = std::cbrt(4.0 / 3.0 * kPi * 12.0 / (5.0 * (3.0 + std::sqrt(5.0))));
+  for (const auto& [a, b, c] : mesh.triangles) {
+    for (const auto& [p, q] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}})
+      EXPECT_NEAR((mesh.vertices_mesh_m[p] - mesh.vertices_mesh_m[q]).norm(), edge, 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet::sim

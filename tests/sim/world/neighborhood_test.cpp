@@ -98,5 +98,34 @@ TEST(Neighborhood, ALoneVehicleHasNone) {
   EXPECT_TRUE(neighborhood.candidates(0).empty());
 }
 
+// Two meters farther than the nearest, counted from their surfaces.
+TEST(Neighborhood, CandidatesAreThoseUpToTwoMetersFartherThanTheNearest) {
+  Neighborhood neighborhood({0.1, 0.5, 0.2, 0.2, 1.0});
+  std::vector<VehicleState> states(5);
+  states[1].p_world_m = {3.5, 0.0, 0.0};   // 3 m away
+  states[2].p_world_m = {0.0, 5.19, 0.0};  // 4.99 m
+  states[3].p_world_m = {0.0, 0.0, 5.21};  // 5.01 m
+  states[4].p_world_m = {-5.9, 0.0, 0.0};  // 4.9 m
+  neighborhood.update(states);
+  const auto around = neighborhood.candidates(0);
+  EXPECT_EQ(std::vector<VehicleId>(around.begin(), around.end()), (std::vector<VehicleId>{1, 2, 4}));
+}
+
+// Until somebody has moved by a quarter of that, nobody is looked for anew.
+TEST(Neighborhood, LooksAgainWhenAVehicleHasMovedByHalfAMeter) {
+  Neighborhood neighborhood(std::vector<double>(3, 0.0));
+  std::vector<VehicleState> states(3);
+  states[1].p_world_m = {3.0, 0.0, 0.0};
+  states[2].p_world_m = {0.0, 5.4, 0.0};
+  neighborhood.update(states);
+  ASSERT_EQ(neighborhood.candidates(0).size(), 1U);
+  states[2].p_world_m.y() = 5.4 - 0.48;
+  neighborhood.update(states);
+  EXPECT_EQ(neighborhood.candidates(0).size(), 1U);
+  states[2].p_world_m.y() = 5.4 - 0.51;
+  neighborhood.update(states);
+  EXPECT_EQ(neighborhood.candidates(0).size(), 2U);
+}
+
 }  // namespace
 }  // namespace swiftlet::sim

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 namespace swiftlet::sim {
@@ -58,6 +59,58 @@ TEST(StateHistory, AnswersAsTheTwoStatesAroundTheTime) {
     EXPECT_TRUE(history.at(1, from_seconds(t_s + 3.0)).p_world_m.isApprox(on_a_cubic(t_s + 3.0).p_world_m, 1e-12));
   }
   EXPECT_EQ(history.at(0, from_seconds(5.0)).t, from_seconds(1.9));
+}
+
+TEST(VehicleState, VelocitiesAndTimesBetweenAreOnTheLineBetween) {
+  VehicleState a, b;
+  a.t = 1'000;
+  b.t = 5'000;
+  a.v_world_mps = {1, -2, 3};
+  b.v_world_mps = {5, 6, -1};
+  for (const TimeNs t : {1'000, 2'000, 4'500, 5'000}) {
+    const double s = static_cast<double>(t - 1'000) / 4'000.0;
+    EXPECT_TRUE(interpolate(a, b, t).v_world_mps.isApprox((1.0 - s) * a.v_world_mps + s * b.v_world_mps, 1e-12));
+    EXPECT_EQ(interpolate(a, b, t).t, t);
+  }
+  EXPECT_EQ(interpolate(a, b, 999).t, 1'000);
+  EXPECT_EQ(interpolate(a, b, 5'001).t, 5'000);
+  b.t = a.t;  // two states of one time: the first
+  EXPECT_EQ(interpolate(a, b, 1'000).v_world_mps, a.v_world_mps);
+  EXPECT_EQ(interpolate(a, b, 2'000).v_world_mps, a.v_world_mps);
+}
+
+// A list of all that was pushed, searched from its end.
+TEST(StateHistory, AnswersAsAListOfTheLatestStatesDoes) {
+  for (const int capacity : {0, 2, 3, 7}) {
+    for (const int pushed : {1, 2, 5, 20}) {
+      StateHistory history(3, capacity);
+      EXPECT_EQ(history.num_vehicles(), 3);
+      EXPECT_EQ(history.at(1, 5).t, 0) << "nothing yet";
+      std::vector<VehicleState> list;
+      for (int i = 0; i < pushed; ++i) {
+        list.push_back(on_a_cubic(0.1 * i + 0.03 * (i % 3)));
+        history.push(1, list.back());
+        history.push(2, on_a_cubic(7.0 + i));
+      }
+      const auto kept = static_cast<std::size_t>(std::min(pushed, std::max(capacity, 2)));
+      const std::size_t oldest = list.size() - kept;
+      EXPECT_EQ(history.latest(1).t, list.back().t);
+      EXPECT_EQ(history.latest(2).t, on_a_cubic(7.0 + pushed - 1).t);
+      for (TimeNs t = list[oldest].t; t < list.back().t + 50'000'000; t += 7'000'000) {
+        VehicleState expected = list.back();
+        for (std::size_t i = oldest; i + 1 < list.size(); ++i) {
+          if (t >= list[i].t && t < list[i + 1].t) expected = interpolate(list[i], list[i + 1], t);
+        }
+        EXPECT_EQ(history.at(1, t).t, expected.t);
+        EXPECT_TRUE(history.at(1, t).p_world_m.isApprox(expected.p_world_m, 1e-12));
+      }
+      for (std::size_t i = oldest; i < list.size(); ++i)
+        EXPECT_EQ(history.at(1, list[i].t).p_world_m, list[i].p_world_m);
+      if (kept < static_cast<std::size_t>(std::max(capacity, 2))) {
+        EXPECT_EQ(history.at(1, list[0].t - 1'000).t, list[0].t) << "before the first";
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "swiftlet/sim/world/scene.hpp"
 
@@ -123,6 +127,110 @@ inline Eigen::AlignedBox3d bounds_of(const Scene& scene, SurfaceClass surface_cl
   Eigen::AlignedBox3d all;
   for (const auto& [instance, bounds] : bounds_of_each(scene, surface_class)) all.extend(bounds);
   return all;
+}
+
+using Piece = std::vector<Eigen::Vector3d>;
+
+/// What hangs together in a mesh: the corners of each piece, as they come, the pieces in the order of their first.
+inline std::vector<Piece> pieces_in(const Mesh& mesh, const Eigen::Affine3f& T = Eigen::Affine3f::Identity()) {
+  std::map<std::uint32_t, Piece> pieces;
+  const std::vector<std::uint32_t> piece_of = pieces_of(mesh);
+  for (std::size_t i = 0; i < piece_of.size(); ++i)
+    pieces[piece_of[i]].push_back((T * mesh.vertices_mesh_m[i]).cast<double>());
+  std::vector<Piece> list;
+  for (auto& [first, piece] : pieces) list.push_back(std::move(piece));
+  return list;
+}
+
+inline Eigen::AlignedBox3d box_around(const Piece& piece) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : piece) box.extend(p);
+  return box;
+}
+
+/// Is every corner of the piece one of the box around it?
+inline bool is_box(const Piece& piece) {
+  const Eigen::AlignedBox3d box = box_around(piece);
+  return std::all_of(piece.begin(), piece.end(), [&](const Eigen::Vector3d& p) {
+    return (p - box.min()).cwiseAbs().cwiseMin((p - box.max()).cwiseAbs()).maxCoeff() < 1e-4;
+  });
+}
+
+/// All pieces of a material.
+inline std::vector<Piece> pieces_of_material(const Scene& scene, const std::string& material) {
+  std::vector<Piece> found;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    if (scene.materials[mesh.material].name != material) continue;
+    for (Piece& piece : pieces_in(mesh, instance.T_world_mesh)) found.push_back(std::move(piece));
+  }
+  return found;
+}
+
+inline std::vector<Eigen::AlignedBox3d> boxes_of_material(const Scene& scene, const std::string& material) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const Piece& piece : pieces_of_material(scene, material)) boxes.push_back(box_around(piece));
+  return boxes;
+}
+
+/// A ring of a tube: its middle, and the radius of the circle of its area.
+struct Ring {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double radius_m = 0.0;
+};
+
+inline std::vector<Ring> rings_of(const Piece& tube, std::size_t sides) {
+  std::vector<Ring> rings;
+  const double step_rad = 2.0 * std::acos(-1.0) / static_cast<double>(sides);
+  for (std::size_t first = 0; first + sides <= tube.size(); first += sides) {
+    Ring ring;
+    for (std::size_t k = 0; k < sides; ++k) ring.center += tube[first + k] / static_cast<double>(sides);
+    ring.radius_m = (tube[first] - ring.center).norm() * std::sqrt(std::sin(step_rad) / step_rad);
+    rings.push_back(ring);
+  }
+  return rings;
+}
+
+/// The same boxes in any order.
+inline void expect_boxes(std::vector<Eigen::AlignedBox3d> found, const std::vector<Eigen::AlignedBox3d>& expected,
+                         double most_m = 1e-4) {
+  EXPECT_EQ(found.size(), expected.size());
+  for (const Eigen::AlignedBox3d& box : expected) {
+    const auto same = std::find_if(found.begin(), found.end(), [&](const Eigen::AlignedBox3d& other) {
+      return (other.min() - box.min()).cwiseAbs().maxCoeff() < most_m &&
+             (other.max() - box.max()).cwiseAbs().maxCoeff() < most_m;
+    });
+    if (same == found.end()) {
+      ADD_FAILURE() << "no box from " << box.min().transpose() << " to " << box.max().transpose();
+    } else {
+      found.erase(same);
+    }
+  }
+  for (const Eigen::AlignedBox3d& box : found)
+    ADD_FAILURE() << "a box from " << box.min().transpose() << " to " << box.max().transpose();
+}
+
+/// Evenly distributed between two values: none beyond them, some near both, and the mean and the variance in between.
+inline void expect_uniform(std::vector<double> values, double low, double high, double slack = 1e-5) {
+  ASSERT_GE(values.size(), 30U);
+  const double n = static_cast<double>(values.size()), width = high - low;
+  std::sort(values.begin(), values.end());
+  EXPECT_GE(values.front(), low - slack);
+  EXPECT_LE(values.back(), high + slack);
+  EXPECT_LE(values.front(), low + 12.0 / n * width + slack);  // exp(-12): one of 160 000
+  EXPECT_GE(values.back(), high - 12.0 / n * width - slack);
+  double sum = 0.0, sum_of_squares = 0.0;
+  for (const double value : values) {
+    const double share = (value - low) / width;
+    sum += share / n, sum_of_squares += share * share / n;
+  }
+  EXPECT_NEAR(sum, 0.5, 5.0 * std::sqrt(1.0 / 12.0 / n));
+  EXPECT_NEAR(sum_of_squares, 1.0 / 3.0, 5.0 * std::sqrt(4.0 / 45.0 / n));
+}
+
+/// So many of n by chance.
+inline void expect_share(double count, double n, double probability) {
+  EXPECT_NEAR(count, probability * n, 5.0 * std::sqrt(n * probability * (1.0 - probability)) + 1e-9);
 }
 
 }  // namespace swiftlet::sim::test

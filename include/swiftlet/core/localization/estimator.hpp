@@ -4,9 +4,12 @@
 #include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/message.hpp"
 #include "swiftlet/core/observation.hpp"
+#include "swiftlet/core/overlay.hpp"
 #include "swiftlet/core/state_estimate.hpp"
 
 namespace swiftlet {
+
+struct SubmapPoses;
 
 /// Where am I? A scenario chooses by name who answers. The local frame begins at the start
 /// (AgentSetup::T_local_body_start) and stays smooth; what is learned of the world goes into the correction.
@@ -21,6 +24,10 @@ class StateEstimator {
   /// What is wrong with an estimate that is still valid, in a few words; empty when all is well.
   virtual const char* warning() const { return ""; }
   virtual void append_counters(std::vector<Counter>&) const {}
+  /// Of one that keeps a pose graph: where its submaps lie as of the last update; null: it keeps none. Stays the
+  /// estimator's.
+  virtual const SubmapPoses* submap_poses() const { return nullptr; }
+  virtual void append_overlays(std::vector<Overlay>&) const {}
 };
 
 }  // namespace swiftlet

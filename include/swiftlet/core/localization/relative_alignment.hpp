@@ -91,6 +91,8 @@ class RelativeAlignment {
   /// before.
   void push(const AlignmentPair& pair);
   void clear();
+  /// The odometry drifts more than it is said to: its variance by this factor.
+  void set_drift_variance_factor(double factor) { drift_factor_ = factor; }
   int num_pairs() const { return static_cast<int>(pairs_.size()); }
   std::span<const AlignmentPair> pairs() const { return pairs_; }  ///< the window, oldest first
 
@@ -123,6 +125,7 @@ class RelativeAlignment {
 
   RelativeAlignmentConfig config_;
   OdometryDrift drift_;
+  double drift_factor_ = 1.0;
   std::vector<AlignmentPair> pairs_;  // oldest first
   std::optional<FrameAlignment> result_;
   AlignmentFault fault_ = AlignmentFault::kFewPairs;

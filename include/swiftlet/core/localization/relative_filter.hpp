@@ -19,6 +19,7 @@ struct RelativeFilterConfig {
   double yaw_rate_sigma_degps = 10.0;
   double bias_sigma_m = 0.02;
   double gate_sigma = 4.0;
+  double drift_factor_max = 10.0;
   double history_s = 3.0;
 
   void visit(ConfigVisitor& v);
@@ -42,13 +43,17 @@ struct Sighting {
 /// Everything is taken in at its own time. What comes late is put in its place in a short history, and what came after
 /// is done again. Without sightings the odometry carries it on, without odometry the velocity. The covariance tells how
 /// far. The window's alignment starts it and is no measurement of it, because it is made of the same sightings.
+///
+/// An odometry may drift more than it is said to. Then its samples lie farther from where sightings expect them than
+/// the covariance allows. By what factor its variance is greater, from 1 on, is estimated on the way. A step goes along
+/// the gradient of the logarithm of the likelihood, over Fisher's information.
 class RelativeFilter {
  public:
   RelativeFilter(const RelativeFilterConfig& config, const OdometryDriftConfig& drift);
 
   bool started() const { return started_; }
   void stop();
-  /// From an alignment whose anchor is where the odometry was at `anchor`.
+  /// From an alignment whose anchor is where the odometry was at `anchor`. What was learned of the drift remains.
   void start(const FrameAlignment& alignment, const OtherMotion& anchor);
 
   /// False when it is older than the history.
@@ -64,9 +69,12 @@ class RelativeFilter {
   RelativeEstimate at(TimeNs t) const;
   /// The alignment as it is now, about the newest odometry.
   FrameAlignment alignment() const;
+  /// How many times greater the variance of the drift is than it is said to be.
+  double drift_variance_factor() const;
 
  private:
   static constexpr int kStates = 10;
+  static constexpr double kLogFactorVariance = 1.0;  // before anything was flown
   enum Index { kP = 0, kV = 3, kAnchor = 6, kYaw = 9 };
   using Vector = Eigen::Matrix<double, kStates, 1>;
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
@@ -76,6 +84,7 @@ class RelativeFilter {
     Covariance P = Covariance::Zero();
     OtherMotion odometry;  // the newest, where the alignment is anchored
     TimeNs seen = 0;
+    double log_factor = 0.0, log_factor_variance = kLogFactorVariance;  // on the variance of the drift
   };
   /// A measurement, and the state after it.
   struct Entry {
@@ -93,8 +102,11 @@ class RelativeFilter {
   };
   Expected expected(const Sighting& sighting) const;
   const State& before(TimeNs t) const;
+  const State& newest() const { return history_.empty() ? base_ : history_.back().after; }
   void predict(State& state, TimeNs t) const;
   void correct(State& state, const OtherMotion& odometry) const;
+  void learn_drift(State& state, const Vector3& innovation_local_m, const Matrix3& expected,
+                   const Matrix3& of_drift) const;
   void correct(State& state, const Sighting& sighting) const;
   template <int M>
   void correct(State& state, const Eigen::Matrix<double, M, 1>& innovation, const Eigen::Matrix<double, M, kStates>& H,

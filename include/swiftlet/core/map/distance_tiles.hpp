@@ -17,14 +17,22 @@ class OccupiedBlocks {
   virtual ~OccupiedBlocks() = default;
   /// Null when none is occupied.
   virtual const RayCells::Bits* occupied_of(const Cell& block) const = 0;
-  /// The revision in which an occupied cell of the block came or went last, or a later one.
-  virtual std::uint64_t occupied_changed(const Cell& block) const = 0;
+  /// A block in which occupied cells came or went.
+  struct Change {
+    Cell block;
+    const RayCells::Bits* touched;   ///< cells that came or went, and perhaps others; null when that is forgotten
+    const RayCells::Bits* occupied;  ///< of these cells, those that are occupied now
+  };
+  /// Appends the changes of the blocks from low to high after that revision, and perhaps others.
+  virtual void append_changes(const Cell& low, const Cell& high, std::uint64_t since,
+                              std::vector<Change>& changes) const = 0;
 };
 
 /// Distance from the center of a cell to that of the nearest occupied cell: exact (Euclidean), up to a greatest
 /// distance. It is worked out for a block of 8 x 8 x 8 cells when one of them is asked for, by three passes along the
-/// axes [Felzenszwalb 2012]. It is worked out again only when an occupied cell came or went that may be near enough to
-/// matter. So what nobody asks for costs nothing, and the answer does not depend on when it is asked for.
+/// axes [Felzenszwalb 2012]. A cell that came since then can only lower distances, which is done in place. One that
+/// went matters only to cells of which it was the nearest; the part of the block with these is worked out again. So
+/// what nobody asks for costs nothing, and the answer does not depend on when it is asked for.
 class DistanceTiles {
  public:
   static constexpr int kMostReach = 64;  ///< cells
@@ -55,9 +63,10 @@ class DistanceTiles {
   struct Tile {
     std::array<std::int16_t, kSide * kSide * kSide> squared;
     Cell at = Cell::Zero();
+    std::array<std::int16_t, 8> octant_most;  // what may matter lies nearer than that to a cube of 4 x 4 x 4 cells
     bool used = false, ready = false;
-    std::uint64_t computed = 0, checked = 0;  // revisions
-    int reach = 0;                            // occupied cells within so many cells of the tile may matter
+    std::uint64_t checked = 0;  // revision
+    int reach = 0;              // occupied cells within so many cells of the tile may matter
   };
   /// A block near a tile: its place from there in blocks, and between any of their cells at least and at most.
   struct Offset {
@@ -72,9 +81,15 @@ class DistanceTiles {
   Tile& tile_for(const Cell& block);
   void find_slots_anew(std::size_t count);
   std::size_t slot_of(const Cell& block) const;
-  bool holds(const Tile& tile, const OccupiedBlocks& map) const;
-  void compute(Tile& tile, const OccupiedBlocks& map);
-  void measure(Tile& tile);
+  /// Rows of a tile: pairs of them by y, layers by z, both from first to last.
+  struct Part {
+    int first_pair = 0, last_pair = kSide / 2 - 1, first_layer = 0, last_layer = kSide - 1;
+  };
+
+  bool follow(Tile& tile, const OccupiedBlocks& map);
+  void compute(Tile& tile, const OccupiedBlocks& map, const Part& part);
+  void measure(Tile& tile, int bound_sq, const Part& part);
+  void finish(Tile& tile) const;
 
   int reach_;
   std::vector<Offset> offsets_;       // the nearest first
@@ -83,9 +98,10 @@ class DistanceTiles {
   std::vector<std::uint32_t> free_;
   Tile* last_ = nullptr;  // asked for
   std::uint64_t num_computed_ = 0;
+  std::vector<OccupiedBlocks::Change> changes_;
   std::vector<Near> near_;
   std::vector<std::array<std::int16_t, kSide>> rows_;  // squares along x, by z and y
-  std::vector<std::uint8_t> row_used_;
+  std::vector<std::uint64_t> rows_used_;               // by bits: words for each z
 };
 
 }  // namespace swiftlet

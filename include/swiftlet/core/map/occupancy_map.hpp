@@ -12,6 +12,7 @@
 #include "swiftlet/core/map/distance_tiles.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/map/ray_cells.hpp"
+#include "swiftlet/core/map/submap_cells.hpp"
 #include "swiftlet/core/time.hpp"
 
 namespace swiftlet {
@@ -70,6 +71,12 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
   void append_voxels(MapVoxels& copy) const override;
 
+  /// What is known of a block, as `state` tells it; false: nothing.
+  bool look_at(const Cell& block, CellBlock& states) const;
+  /// All blocks. Cells count as occupied that are so with more than this probability, and as free below p_occupied.
+  /// Those between are left out.
+  std::vector<CellBlock> blocks_surer_than(double p) const;
+
   /// Of the cell with these coordinates; 0 when nothing is known of it.
   float log_odds(const Cell& cell) const;
   bool known(const Cell& cell) const;
@@ -97,6 +104,16 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
     bool used = false;
     std::uint64_t changed = 0;  // the revision in which a state changed last
   };
+  /// Occupied cells of a block that came or went in the last scan, and which of them are occupied now.
+  struct Touched {
+    Cell at;
+    Bits cells{}, occupied{};
+  };
+  /// What is remembered of a place in the table: when occupied cells came or went last, and what did so in the last
+  /// scan.
+  struct OccupiedChange {
+    std::uint32_t revision = 0, touched = 0;  // counted from 1; 0: none
+  };
   static constexpr std::size_t kChunk = 1024;  // blocks or pages that are allocated at once
 
   Cell cell_of(const Vector3& p_local_m) const { return (p_local_m.array() * cells_per_m_).floor().cast<int>(); }
@@ -112,6 +129,7 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   Page& page(std::uint32_t i) { return *pages_[i - 1]; }
   const Page& page(std::uint32_t i) const { return *pages_[i - 1]; }
   void note_occupied(int i);
+  void note_touched(int i, int z, std::uint64_t cells);
   void give_page(int i);
   void miss(int i, const Bits& passed);
   void miss_valued(int i, int z, std::uint64_t cells);
@@ -120,7 +138,8 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   int misses_of(const Block& block, int z, int bit) const;
   CellState state_of(const Cell& cell) const;
   const Bits* occupied_of(const Cell& block) const override;
-  std::uint64_t occupied_changed(const Cell& block) const override;
+  void append_changes(const Cell& low, const Cell& high, std::uint64_t since,
+                      std::vector<Change>& changes) const override;
   /// fn(block, index of the cell in it, center) for every occupied cell of the blocks that reach into the box.
   template <class Fn>
   void for_occupied(const Vector3& min_local_m, const Vector3& max_local_m, Fn&& fn) const;
@@ -131,10 +150,12 @@ class OccupancyMap : public OccupancyView, private OccupiedBlocks {
   std::array<float, kMostMisses + 1> after_misses_{};  // log-odds of a cell that was never hit
   int most_misses_ = 0;                                // more change nothing, or need a number
   RayCells rays_;
-  int bits_ = 0, mask_ = 0;                      // of a block's coordinates in the table
-  std::vector<std::int32_t> places_;             // block; -1: none
-  std::vector<std::uint64_t> occupied_changed_;  // of a place: the revision in which occupied cells came or went last
-  std::vector<std::uint64_t> occupied_places_;   // a bit for each place whose block has an occupied cell
+  int bits_ = 0, mask_ = 0;                       // of a block's coordinates in the table
+  std::vector<std::int32_t> places_;              // block; -1: none
+  std::vector<OccupiedChange> occupied_changes_;  // of a place
+  std::vector<std::uint64_t> occupied_places_;    // a bit for each place whose block has an occupied cell
+  std::vector<Touched> touched_;                  // in the last scan,
+  std::uint64_t touched_after_ = 0;               // after this revision
   std::vector<std::unique_ptr<Block[]>> chunks_;
   std::vector<About> blocks_;
   std::vector<int> free_blocks_;

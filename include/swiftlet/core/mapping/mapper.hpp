@@ -8,6 +8,7 @@
 #include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
+#include "swiftlet/core/map/submap_poses.hpp"
 #include "swiftlet/core/observation.hpp"
 
 namespace swiftlet {
@@ -19,6 +20,7 @@ struct MapperInput {
   std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick
   std::span<const Track> tracks = {};                              ///< who flies there and is no obstacle
   std::span<const RelativeEstimate> relatives = {};                ///< members of the team, who are none either
+  const SubmapPoses* submaps = nullptr;                            ///< of an estimator that keeps a pose graph
 };
 
 /// What is around? A scenario chooses by name who answers. A vehicle has one such map, which
@@ -29,6 +31,10 @@ class Mapper {
   virtual void step(const MapperInput& input, Outbox& outbox) = 0;
   /// The map as of the last step; stays the mapper's.
   virtual const OccupancyView& map() const = 0;
+  /// Does its map hang on the submaps of a pose graph?
+  virtual bool needs_submaps() const { return false; }
+  /// What it has seen so far of the submaps of this flight, for a map that is saved.
+  virtual void append_pieces(std::vector<MapPiece>&) const {}
   virtual void append_overlays(std::vector<Overlay>&) const {}
   virtual void append_counters(std::vector<Counter>&) const {}
 };

@@ -10,7 +10,9 @@
 
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/localization/local_poses.hpp"
+#include "swiftlet/core/map/submap_poses.hpp"
 #include "swiftlet/core/math/latency.hpp"
+#include "swiftlet/core/overlay.hpp"
 #include "swiftlet/core/samples.hpp"
 #include "swiftlet/core/slam/closure.hpp"
 #include "swiftlet/core/slam/correction_blend.hpp"
@@ -66,6 +68,10 @@ class GlobalSlam {
   void add_gnss(const GnssSample& sample);
   /// A correction that has become known by t, if there is one.
   std::optional<Pose> correction(TimeNs t);
+  /// Where submaps lie by what has become known until then.
+  const SubmapPoses& submap_poses() const { return told_; }
+  /// The way of this flight, submaps and closures, in the local frame.
+  void append_overlays(std::vector<Overlay>& overlays) const;
   /// This flight and those before it. One that has not found itself in the map that it was given adds nothing to it.
   std::shared_ptr<const SavedMap> saved_map() const;
 
@@ -98,6 +104,8 @@ class GlobalSlam {
   void place_fixes();
   void fit_start();
   void optimize(TimeNs t);
+  Pose T_local_world() const;
+  std::vector<Pose> given_poses_local() const;
   Matrix6 odometry_information(double way_m) const;
 
   GlobalSlamConfig config_;
@@ -118,8 +126,10 @@ class GlobalSlam {
   struct Learned {
     TimeNs begun = 0;
     Pose T_world_local = Pose::Identity();
+    std::vector<Pose> T_local_own, T_local_given;  // of the submaps that there were
   };
   std::vector<Learned> learned_;  // few
+  SubmapPoses told_;
 };
 
 }  // namespace swiftlet

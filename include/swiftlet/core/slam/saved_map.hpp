@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "swiftlet/core/map/submap_poses.hpp"
 #include "swiftlet/core/map_voxels.hpp"
 #include "swiftlet/core/slam/pose_graph.hpp"
 
@@ -25,12 +27,19 @@ struct SavedMap {
   PoseGraph graph;
   std::vector<Node> nodes;
   std::vector<Submap> submaps;
+  std::vector<MapPiece> pieces;  ///< occupied and free cells, where a mapper has cast the rays of the scans
 
   const Pose& T_world_submap(const Submap& submap) const { return graph.pose(submap.pose); }
 };
 
 /// What does not fit together in a map, in a few words; empty when all is well.
 std::string fault_of(const SavedMap& map);
+
+/// The pieces of its submaps. One without any has a piece of its points, with nothing free.
+std::vector<MapPiece> pieces_of(const SavedMap& map);
+/// The map with what a mapper has seen of the submaps of this flight. Unchanged when it does not know them.
+std::shared_ptr<const SavedMap> with_pieces(std::shared_ptr<const SavedMap> map, const SubmapPoses& poses,
+                                            std::span<const MapPiece> own);
 
 /// All points of its submaps.
 std::vector<Eigen::Vector3f> points_world_m(const SavedMap& map);

@@ -14,6 +14,7 @@ struct EstimatorType {
   ModuleType module;
   std::unique_ptr<StateEstimator> (*make)(const ModuleConfig& config, const AgentSetup& setup);
   void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
+  const char* overlays = nullptr;  ///< names of what it draws, with spaces between; null: not told
 };
 
 Registry<EstimatorType>& estimator_registry();

@@ -11,7 +11,7 @@
 namespace swiftlet::sim {
 
 /// Version of the files that this program writes, and the only one that it reads.
-inline constexpr std::uint32_t kSlamMapVersion = 1;
+inline constexpr std::uint32_t kSlamMapVersion = 2;
 inline constexpr std::string_view kSlamMapExtension = ".slam";
 
 /// A map of SLAM as one file: a title, the version, the size and the checksum of what follows, then graph and clouds.

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "swiftlet/core/map/occupancy_map.hpp"
+#include "swiftlet/core/mapping/mapper.hpp"
+
+namespace swiftlet {
+
+/// Which beams of a scan tell a map something.
+struct ScanRaysRules {
+  int every_column = 1, every_row = 1;
+  double range_min_m = 0.0;    ///< nearer returns are the own body
+  double range_max_m = 0.0;    ///< farther returns only clear
+  double clear_range_m = 0.0;  ///< beams without return clear up to here; 0: they tell nothing
+  double tracked_radius_m = 0.0;
+};
+
+/// The rays of scans, without those that hit a tracked vehicle or a member of the team.
+class ScanRays {
+ public:
+  explicit ScanRays(const ScanRaysRules& rules) : rules_(rules) {}
+
+  /// Of one scan; until the next one.
+  std::vector<OccupancyMap::Ray>& take(const LocalCloud& cloud, const MapperInput& input);
+  void append_counters(std::vector<Counter>& counters) const {
+    counters.push_back({"returns farther than the map takes them", num_far_, num_returns_, "range_max_m"});
+  }
+
+ private:
+  bool chosen(int beam, int cols) const {
+    return beam % cols % rules_.every_column == 0 && beam / cols % rules_.every_row == 0;
+  }
+  void take_without_return(const LocalCloud& cloud);
+  bool is_vehicle(const LocalCloud& cloud, std::size_t point, const MapperInput& input) const;
+
+  ScanRaysRules rules_;
+  std::vector<OccupancyMap::Ray> rays_;
+  std::vector<bool> returned_;  // by beam
+  std::uint64_t num_returns_ = 0, num_far_ = 0;
+};
+
+}  // namespace swiftlet

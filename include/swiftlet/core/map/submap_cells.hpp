@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/map/ray_cells.hpp"
+#include "swiftlet/core/map/voxel_grid.hpp"
+
+namespace swiftlet {
+
+/// What is known of 8 x 8 x 8 cells. Cells that are in neither are unknown; none is in both.
+struct CellBlock {
+  Cell at = Cell::Zero();  ///< block b spans cells 8 b to 8 b + 7
+  RayCells::Bits occupied{}, free{};
+};
+
+/// A piece of a map in a frame of its own: what was occupied and what was free there, as far as it was seen. It never
+/// changes. Where it lies is told apart from it, and may change.
+class SubmapCells {
+ public:
+  static constexpr int kSide = RayCells::kSide;
+  static constexpr int kGroup = 4;  ///< blocks along the edge of a group
+  using Bits = RayCells::Bits;
+
+  /// Blocks of which nothing is known are left out.
+  /// @param blocks  no two of them at the same place
+  SubmapCells(double edge_m, std::span<const CellBlock> blocks);
+  /// A cloud in the frame of the piece, such as a submap's that nobody has cast rays for: nothing is free.
+  static SubmapCells of_points(double edge_m, std::span<const Eigen::Vector3f> points_cells_m);
+
+  double edge_m() const { return edge_m_; }
+  bool empty() const { return at_.empty(); }
+  std::size_t num_blocks() const { return at_.size(); }
+  /// Index of a block; -1: nothing is known there.
+  int find(const Cell& block) const;
+  const Cell& at(int i) const { return at_[static_cast<std::size_t>(i)]; }
+  const Bits& free_of(int i) const { return free_[static_cast<std::size_t>(i)]; }
+  /// Null when no cell of the block is occupied.
+  const Bits* occupied_of(int i) const {
+    const std::uint32_t place = occupied_place_[static_cast<std::size_t>(i)];
+    return place == 0 ? nullptr : &occupied_[place - 1];
+  }
+  std::size_t num_occupied() const { return num_occupied_; }
+  std::size_t num_free() const { return num_free_; }
+  /// Of the box around its blocks, in its own frame.
+  Vector3 middle_m() const { return middle_m_; }
+  double reach_m() const { return reach_m_; }  ///< from there to a corner of the box
+  /// In which groups of 4 x 4 x 4 blocks anything is known.
+  std::span<const Cell> groups() const { return groups_; }
+  std::size_t bytes() const;
+
+ private:
+  std::size_t slot_of(const Cell& block) const;
+
+  double edge_m_;
+  std::vector<Cell> at_;
+  std::vector<Bits> free_;
+  std::vector<std::uint32_t> occupied_place_;  // counted from 1; 0: none
+  std::vector<Bits> occupied_;
+  std::vector<std::uint32_t> slots_;  // block, counted from 1: open addressing
+  std::vector<Cell> groups_;
+  std::size_t num_occupied_ = 0, num_free_ = 0;
+  Vector3 middle_m_ = Vector3::Zero();
+  double reach_m_ = 0.0;
+};
+
+/// Cells that hang on a submap of a pose graph.
+struct MapPiece {
+  int submap = 0;  ///< by its number
+  Pose T_submap_cells = Pose::Identity();
+  std::shared_ptr<const SubmapCells> cells;
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "swiftlet/core/agent.hpp"
+#include "swiftlet/core/map/occupancy_map.hpp"
+#include "swiftlet/core/map/submap_map.hpp"
+#include "swiftlet/core/mapping/mapper.hpp"
+
+namespace swiftlet {
+
+/// A map made of the submaps of the pose graph by which the vehicle localizes itself [Orsulic 2021, sec. IV]. Each
+/// submap has the cells that the scans during it saw occupied and free. When the graph moves its submaps, the map moves
+/// with them.
+struct SubmapMapperConfig : ModuleConfigOf<SubmapMapperConfig> {
+  int every_column = 4;
+  int every_row = 1;
+  double range_min_m = 0.6;
+  double range_max_m = 20.0;
+  double clear_range_m = 8.0;
+  double tracked_radius_m = 1.0;
+  double edge_m = 0.2;
+  double p_hit = 0.7;
+  double p_miss = 0.4;
+  double p_occupied = 0.7;
+  double p_min = 0.1192;
+  double p_max = 0.971;
+  int outvoted_by = 2;
+  double piece_m = 12.0;
+  double covered_share = 0.9;
+  int pieces_max = 300;
+  double distance_max_m = 2.0;
+
+  void visit(ConfigVisitor& v) override;
+  OccupancyMapConfig growing() const;
+  SubmapMapConfig whole() const { return {edge_m, outvoted_by, distance_max_m}; }
+  /// What the map may need, about: as many pieces as there may be, a quarter of what each may reach seen.
+  double bytes() const;
+};
+
+std::unique_ptr<Mapper> make_submap_mapper(const ModuleConfig& config, const AgentSetup& setup);
+
+}  // namespace swiftlet

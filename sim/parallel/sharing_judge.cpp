@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sharing_judge.hpp"
+
+#include <algorithm>
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr int kContendedAtMost = 30;
+constexpr int kContendedForSure = 6;
+// The system moves threads to other processors within some of its time slices, so the first spans say little.
+constexpr int kSpansToSettle = 2;
+constexpr int kSpansOfATry = 8;
+// A way that wins again and again is tried against ever more seldom.
+constexpr int kSpansKeptAtFirst = 40;
+constexpr int kSpansKeptAtMost = 320;
+
+}  // namespace
+
+void SharingJudge::learn(int num_loops, double wall_s, bool contended) {
+  contention_ = std::clamp(contention_ + (contended ? 1 : -1), 0, kContendedAtMost);
+  if (contention_ == 0) {
+    *this = SharingJudge();
+    return;
+  }
+  if (++spans_ > kSpansToSettle) {
+    rate_of(share_).num_loops += num_loops;
+    rate_of(share_).wall_s += wall_s;
+  }
+  if (trying_) {
+    if (spans_ < kSpansOfATry) return;
+    const bool better = rate_of(share_).per_s() > rate_of(!share_).per_s();
+    trying_ = false;
+    spans_kept_ = better ? kSpansKeptAtFirst : std::min(2 * spans_kept_, kSpansKeptAtMost);
+    if (!better) turn_to(!share_);
+    spans_ = 0;
+  } else if (contention_ >= kContendedForSure && spans_ >= std::max(spans_kept_, kSpansOfATry)) {
+    trying_ = true;
+    spans_kept_ = std::max(spans_kept_, kSpansKeptAtFirst);
+    turn_to(!share_);
+  }
+}
+
+// What is measured from now on is of now; the other way's last rate is what it is compared with.
+void SharingJudge::turn_to(bool share) {
+  share_ = share;
+  spans_ = 0;
+  rate_of(share_) = {};
+}
+
+}  // namespace swiftlet::sim

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/detection/beam_index.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "swiftlet/core/math/random.hpp"
+#include "tests/core/detection/detection_support.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::make_beams;
+using testing::pose_at;
+
+/// A sweep of a sensor that moves and turns, with ranges of its own making.
+LocalCloud moving_sweep(const std::shared_ptr<const BeamTable>& beams, TimeNs stamp, TimeNs duration,
+                        const Vector3& from_m, const Vector3& to_m, double turn_rad) {
+  auto scan = std::make_shared<Scan>();
+  scan->stamp = stamp;
+  scan->duration = duration;
+  scan->beams = beams;
+  scan->range_m.assign(static_cast<std::size_t>(beams->size()), 0.0F);
+  LocalCloud cloud;
+  cloud.scan = scan;
+  for (int c = 0; c < beams->cols; ++c) {
+    const double part = static_cast<double>(c) / beams->cols;
+    cloud.T_local_lidar.push_back(pose_at(from_m + part * (to_m - from_m), turn_rad * part));
+  }
+  return cloud;
+}
+
+/// Beams in random directions of the whole sphere, all fired at once.
+std::shared_ptr<BeamTable> all_around(int rows, int cols) {
+  auto beams = std::make_shared<BeamTable>(*make_beams(rows, cols));
+  const Random random(1, "directions");
+  for (std::uint32_t i = 0; i < beams->directions_lidar.size(); ++i) {
+    const auto n = random.normal3(0, i);
+    beams->directions_lidar[i] = Vector3(n[0], n[1], n[2]).normalized().cast<float>();
+  }
+  return beams;
+}
+
+/// Beams that may meet the target by a walk over all of them. @param widest_rad  others are left out
+double shots_by_walk(const LocalCloud& cloud, const RoundTarget& target, double widest_rad = 10.0) {
+  const Scan& scan = *cloud.scan;
+  const BeamTable& beams = *scan.beams;
+  const double radius_sq = std::pow(target.radius_m, 2), width_sq = radius_sq + 2.0 * std::pow(target.sigma_m, 2);
+  const Vector3 middle_m = target.p_local_m +
+                           to_seconds(cloud.stamp() + scan.duration / 2 - target.t) * target.v_local_mps -
+                           cloud.T_local_lidar[static_cast<std::size_t>(beams.cols / 2)].translation();
+  double shots = 0.0;
+  for (int i = 0; i < beams.size(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (!beams.masked.empty() && beams.masked[at] != 0) continue;
+    const Pose& T = cloud.T_local_lidar_of_beam(i);
+    const Vector3 d = (T.linear().cast<float>() * beams.directions_lidar[at]).cast<double>();
+    if (!d.allFinite() || std::isnan(scan.range_m[at]) || scan.range_m[at] < 0.0F) continue;
+    const double fired_s = to_seconds(cloud.stamp() - target.t) + (scan.duration > 0 ? beams.offset_s(i) : 0.0);
+    const Vector3 way_m = target.p_local_m + fired_s * target.v_local_mps - T.translation();
+    const double along_m = way_m.dot(d);
+    if (along_m <= 0.0 || std::acos(std::min(middle_m.normalized().dot(d), 1.0)) > widest_rad) continue;
+    const bool ended_before =
+        scan.range_m[at] > 0.0F && scan.range_m[at] < along_m - target.radius_m - 2.5 * target.sigma_m;
+    const double exponent = (way_m.squaredNorm() - along_m * along_m) / width_sq;
+    if (!ended_before && exponent <= 6.25) shots += radius_sq / width_sq * std::exp(-exponent);
+  }
+  return shots;
+}
+
+TEST(BeamIndex, ASweepInMotionMeetsWhatAWalkOverAllBeamsDoes) {
+  auto table = std::make_shared<BeamTable>(*make_beams(40, 160, 88.0, -85.0));
+  const Random random(2, "motion");
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  table->directions_lidar[77].x() = kNaN;
+  int met = 0;
+  for (std::uint32_t trial = 0; trial < 300; ++trial) {
+    const auto u = [&](std::uint32_t k) { return random.uniform(trial, k); };
+    const auto vector = [&](std::uint32_t k) -> Vector3 { return Vector3(u(k), u(k + 1), u(k + 2)).array() - 0.5; };
+    table->masked.clear();
+    if (trial % 3 == 0) {
+      table->masked.assign(table->directions_lidar.size(), 0);
+      for (std::size_t i = 0; i < table->masked.size(); i += 3) table->masked[i] = 1;
+    }
+    const TimeNs stamp = 1'000'000 * trial, duration = trial % 4 == 0 ? 0 : 100'000'000;
+    LocalCloud cloud = moving_sweep(table, stamp, duration, 4.0 * vector(0), 4.0 * vector(0) + 2.0 * vector(3),
+                                    duration == 0 ? 0.0 : 2.0 * u(6));
+    auto scan = std::make_shared<Scan>(*cloud.scan);
+    for (std::uint32_t i = 0; i < scan->range_m.size(); ++i) {
+      const double kind = random.uniform(trial, 100 + i);
+      scan->range_m[i] = kind < 0.3 ? 0.0F : kind < 0.35 ? kNaN : kind < 0.4 ? -1.0F : static_cast<float>(20.0 * kind);
+    }
+    cloud.scan = scan;
+    RoundTarget target;
+    target.t = stamp - 30'000'000 + static_cast<TimeNs>(60e6 * u(10));
+    target.v_local_mps = (trial % 2 == 0 ? 20.0 : 5.0) * vector(11);
+    target.radius_m = 0.1 + 0.5 * u(14);
+    target.sigma_m = 0.65 * target.radius_m * u(15);
+    target.p_local_m = cloud.T_local_lidar[80].translation() + (4.0 + 12.0 * u(16)) * vector(17).normalized();
+    BeamIndex index;
+    index.assign(cloud);
+    EXPECT_EQ(index.stamp(), stamp);
+    EXPECT_EQ(index.middle(), stamp + duration / 2);
+    EXPECT_EQ(index.p_local_lidar_m(), cloud.T_local_lidar[80].translation());
+    const double walked = shots_by_walk(cloud, target);
+    if (walked > 50.0) continue;
+    ASSERT_NEAR(index.exposure(target).shots, walked, 1e-8) << trial;
+    met += walked > 0.0;
+  }
+  EXPECT_GT(met, 200);
+}
+
+// Where the place of a target is less sure than it is large, beams between 2.5 deviations and the end of the Gaussian
+// may be counted or not.
+TEST(BeamIndex, AnUnsurePlaceIsLookedForWithinTwoAndAHalfDeviations) {
+  const auto table = all_around(40, 160);
+  const LocalCloud cloud = moving_sweep(table, 0, 0, {1.0, 2.0, 3.0}, {1.0, 2.0, 3.0}, 0.0);
+  BeamIndex index;
+  index.assign(cloud);
+  const Random random(3, "unsure");
+  for (std::uint32_t trial = 0; trial < 200; ++trial) {
+    const auto n = random.normal3(trial, 0);
+    const double range_m = 4.0 + 20.0 * random.uniform(trial, 1);
+    const RoundTarget target{.p_local_m = Vector3(1.0, 2.0, 3.0) + range_m * Vector3(n[0], n[1], n[2]).normalized(),
+                             .sigma_m = 0.3 + 0.7 * random.uniform(trial, 2),
+                             .radius_m = 0.2};
+    const double width_sq = 0.04 + 2.0 * target.sigma_m * target.sigma_m;
+    const double reach_rad = std::asin((2.5 * std::sqrt(width_sq / 2.0) + 0.2) / range_m);
+    const double shots = index.exposure(target).shots;
+    ASSERT_GE(shots, shots_by_walk(cloud, target, reach_rad) - 1e-8) << trial;
+    ASSERT_LE(shots, shots_by_walk(cloud, target) + 1e-8) << trial;
+  }
+}
+
+TEST(BeamIndex, NothingIsSoNearAndMoreThanFiftyShotsSayNothingMore) {
+  auto table = all_around(64, 256);
+  BeamIndex index;
+  EXPECT_EQ(index.exposure({.p_local_m = {5.0, 0.0, 0.0}}).shots, 0.0) << "before the first sweep";
+  index.assign(moving_sweep(table, 0, 0, Vector3::Zero(), Vector3::Zero(), 0.0));
+  for (const Vector3& d : {Vector3(1.0, 0.0, 0.0), Vector3(0.6, 0.0, -0.8), Vector3(-0.48, 0.6, 0.64)}) {
+    EXPECT_EQ(index.exposure({.p_local_m = 0.19 * d, .radius_m = 0.05}).shots, 0.0);
+    EXPECT_GT(index.exposure({.p_local_m = 0.21 * d, .radius_m = 0.05}).shots, 0.0);
+    // 16 384 beams on 4 pi: a disc of 1 m at 3 m is met by about 450 of them, by 2 in a bin.
+    const double shots = index.exposure({.p_local_m = 3.0 * d, .radius_m = 1.0}).shots;
+    EXPECT_GT(shots, 50.0);
+    EXPECT_LT(shots, 65.0);
+  }
+}
+
+// Bins are not equally wide by azimuth, but in the mean around they are.
+TEST(BeamIndex, TheDensityOfBeamsIsThatAroundTheTarget) {
+  auto table = all_around(128, 256);
+  table->masked.assign(table->directions_lidar.size(), 0);
+  for (std::size_t i = 0; i < table->masked.size(); ++i) {  // half as dense below
+    table->masked[i] = table->directions_lidar[i].z() < 0.0F && i % 2 == 0;
+  }
+  BeamIndex index;
+  index.assign(moving_sweep(table, 0, 0, Vector3::Zero(), Vector3::Zero(), 0.0));
+  const double above = 128.0 * 256.0 / (4.0 * std::numbers::pi);
+  for (const double z : {-1.0, -0.97, -0.8, -0.5, -0.2, 0.2, 0.5, 0.8, 0.97, 1.0}) {
+    for (const double radius_m : {0.1, 1.9}) {
+      double sum = 0.0;
+      for (int k = 0; k < 64; ++k) {
+        const double part = (k % 16 + 0.5) / 16.0;  // evenly by the share of y
+        const Vector3 flat = Eigen::AngleAxisd(k / 16 * std::numbers::pi / 2.0, Vector3::UnitZ()) *
+                             Vector3(1.0 - part, part, 0.0).normalized();
+        sum += index
+                   .exposure({.p_local_m = 20.0 * Vector3(std::sqrt(1.0 - z * z) * flat.x(),
+                                                          std::sqrt(1.0 - z * z) * flat.y(), z),
+                              .radius_m = radius_m})
+                   .beams_per_sr;
+      }
+      EXPECT_NEAR(sum / 64.0, z > 0.0 ? above : 0.5 * above, 0.12 * above) << z << " " << radius_m;
+    }
+  }
+}
+
+// All beams of a narrow bundle are counted, over a patch that reaches 0.1 rad around them and a bin farther at most.
+TEST(BeamIndex, TheDensityIsThatOfATenthOfARadianAround) {
+  auto table = std::make_shared<BeamTable>(*make_beams(10, 40));
+  const Random random(4, "bundle");
+  for (std::uint32_t i = 0; i < table->directions_lidar.size(); ++i) {
+    const auto n = random.normal3(0, i);
+    table->directions_lidar[i] = Eigen::Vector3f(1.0F, 0.01F * n[0], 0.01F * n[1]).normalized();
+  }
+  BeamIndex index;
+  index.assign(moving_sweep(table, 0, 0, Vector3::Zero(), Vector3::Zero(), 0.0));
+  const RoundTarget target{.p_local_m = {100.0, 0.0, 0.0}, .sigma_m = 0.1, .radius_m = 0.2};
+  const double patch_sr = 400.0 / index.exposure(target).beams_per_sr;
+  EXPECT_GT(patch_sr, 0.2 * 0.2);
+  EXPECT_LT(patch_sr, std::pow(0.2 + 2.0 * 2.0 / 64.0, 2) * std::numbers::pi / 2.0);
+}
+
+}  // namespace
+}  // namespace swiftlet

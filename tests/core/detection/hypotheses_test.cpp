@@ -1,0 +1,570 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/detection/hypotheses.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/uncertainty/point_covariance.hpp"
+#include "tests/core/detection/detection_support.hpp"
+
+namespace swiftlet {
+namespace {
+
+using namespace testing;
+constexpr TimeNs kSweep = 100'000'000;
+
+/// The same written out plainly, as docs/detection.md tells it. The map of the air and the beams by direction have
+/// tests of their own.
+class PlainHypotheses {
+ public:
+  explicit PlainHypotheses(const TrackBeforeDetectConfig& config) : config_(config), air(config.air) {}
+
+  struct Guess {
+    std::uint32_t id = 0;
+    double existence = 0.0;
+    Vector6 mean = Vector6::Zero();
+    Matrix6 covariance = Matrix6::Zero();
+    ReturnRate rate;
+    int num_sweeps = 1, num_returns = 0;
+    Vector3 extent_m = Vector3::Zero(), measured_m = Vector3::Zero();
+    Matrix3 measured_covariance = Matrix3::Identity();
+    double reflectivity = 0.0;
+    BeamExposure exposure;
+    std::vector<std::size_t> own;  // returns
+
+    bool is_target() const { return existence >= 0.5; }
+    Vector3 p_m() const { return mean.head<3>(); }
+    Matrix3 P() const { return covariance.topLeftCorner<3, 3>(); }
+  };
+
+  void take(const LocalCloud& cloud) {
+    beams_.assign(cloud);
+    const TimeNs before = now_;
+    now_ = beams_.middle();
+    sensor_m_ = beams_.p_local_lidar_m();
+    stride_ = (cloud.scan->size() + config_.rays_per_sweep - 1) / config_.rays_per_sweep;
+    air.follow(sensor_m_);
+    for (Guess& g : guesses) {
+      move(g, to_seconds(now_ - before));
+      g.existence *= std::exp(-to_seconds(now_ - before) / config_.target.lifetime_s);
+      g.num_returns = 0;
+      g.exposure = exposure(g);
+      g.own.clear();
+    }
+    sort_returns(cloud);
+    give_to_targets();
+    give_clusters();
+    for (Guess& g : guesses) judge(g);
+    const std::size_t old = guesses.size();
+    bear(old);
+    num_born += guesses.size() - old;
+    keep_best();
+    while (!waiting_.empty() && waiting_.front().since <= now_ - from_seconds(config_.learning_delay_s)) {
+      const Waiting first = waiting_.front();
+      waiting_.erase(waiting_.begin());
+      double background = 1.0;
+      for (const Guess& g : guesses) background = g.id == first.of ? 1.0 - g.existence : background;
+      air.hit(first.p_m, background / stride_);
+    }
+    clear(cloud);
+  }
+
+  std::vector<Guess> guesses;
+  std::size_t num_born = 0, num_dropped = 0;
+
+ private:
+  struct Return {
+    Vector3 p_m;
+    TimeNs t;
+    double reflectivity;
+    bool in_free_air, taken = false;
+  };
+  struct Waiting {
+    TimeNs since;
+    Vector3 p_m;
+    std::uint32_t of;
+  };
+  struct Measured {
+    Vector3 p_m, extent_m;
+    Matrix3 R;
+    TimeNs t;
+    double reflectivity;
+  };
+
+  void move(Guess& g, double dt_s) const {
+    Matrix6 F = Matrix6::Identity(), Q;
+    const double q = config_.target.acceleration_density;
+    for (int a = 0; a < 3; ++a) F(a, a + 3) = dt_s;
+    const Matrix3 I = Matrix3::Identity();
+    Q << q * std::pow(dt_s, 3) / 3.0 * I, q * dt_s * dt_s / 2.0 * I, q * dt_s * dt_s / 2.0 * I, q * dt_s * I;
+    g.mean = F * g.mean;
+    g.covariance = F * g.covariance * F.transpose() + Q;
+  }
+
+  Matrix3 of_pose(const Vector3& p_m) const {
+    MeasurementNoise noise;
+    noise.sigma_range_m = config_.noise.sigma_range_m;
+    noise.sigma_position_m.setConstant(config_.noise.sigma_position_m);
+    noise.sigma_attitude_rad.setConstant(config_.noise.sigma_attitude_rad);
+    const Vector3 way_m = beams_.R_local_lidar().inverse() * (p_m - sensor_m_);
+    return point_covariance(way_m.normalized(), way_m.norm(), beams_.R_local_lidar(), noise.Sigma_w());
+  }
+  double sampling_sq() const { return std::pow(config_.target.sigma_sampling_m, 2); }
+
+  BeamExposure exposure(const Guess& g, TimeNs t) const {
+    const double sigma_m = std::sqrt((g.P() + of_pose(g.p_m())).trace() / 3.0);
+    return beams_.exposure({t, g.p_m(), g.mean.tail<3>(), sigma_m, config_.target.radius_m});
+  }
+  BeamExposure exposure(const Guess& g) const { return exposure(g, now_); }
+
+  double clutter(const Vector3& p_m, double beams_per_sr) const {
+    const double edge_m = config_.air.voxel_m, range_m = std::max((p_m - sensor_m_).norm(), edge_m);
+    const double beams = std::max(beams_per_sr * edge_m * edge_m / (range_m * range_m), 0.01);
+    return (1.0 - std::exp(-beams * air.clutter_share(p_m))) / std::pow(edge_m, 3);
+  }
+
+  void sort_returns(const LocalCloud& cloud) {
+    returns_.clear();
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const Vector3 p_m = cloud.points_local_m[i].cast<double>();
+      const double range_m = (p_m - sensor_m_).norm();
+      if (air.clutter_share(p_m) > config_.background_share || range_m > config_.max_range_m) {
+        air.hit(p_m, 1.0 / stride_);
+        continue;
+      }
+      const double edge_m = config_.air.voxel_m, blur_m = 2.5 * config_.noise.sigma_attitude_rad * range_m;
+      const int near = std::max(static_cast<int>(std::ceil(blur_m / edge_m)), 1);
+      const int far = static_cast<int>(std::ceil((blur_m + config_.free_reach_m) / edge_m));
+      const bool free = air.is_free_around(p_m, near, config_.free_share) &&
+                        !air.is_hit_around(p_m, std::max(far, near), config_.hit_share);
+      returns_.push_back({p_m, cloud.time_of(i), cloud.reflectivity_of(i), free});
+    }
+  }
+
+  /// Squared statistical distance of a return, infinite beyond 8 m.
+  double distance_sq(const Guess& g, const Return& r) const {
+    const Vector3 d_m = r.p_m - g.p_m() - to_seconds(r.t - now_) * g.mean.tail<3>();
+    const Matrix3 S = g.P() + of_pose(g.p_m()) + sampling_sq() * Matrix3::Identity();
+    return d_m.norm() > 8.0 ? INFINITY : d_m.dot(S.inverse() * d_m);
+  }
+
+  void give_to_targets() {
+    for (std::size_t i = 0; i < returns_.size(); ++i) {
+      Guess* nearest = nullptr;
+      for (Guess& g : guesses) {
+        if (!g.is_target() || distance_sq(g, returns_[i]) >= 16.0) continue;
+        if (nearest == nullptr || distance_sq(g, returns_[i]) < distance_sq(*nearest, returns_[i])) nearest = &g;
+      }
+      if (nearest == nullptr) continue;
+      nearest->own.push_back(i);
+      returns_[i].taken = true;
+    }
+  }
+
+  void give_clusters() {
+    clusters_.clear();
+    const double near_m = config_.cluster_distance_m;
+    std::vector<char> joined(returns_.size(), 0);
+    for (std::size_t i = 0; i < returns_.size(); ++i) {
+      if (returns_[i].taken || joined[i]) continue;
+      std::vector<std::size_t> cluster = {i};
+      joined[i] = 1;
+      for (std::size_t k = 0; k < cluster.size(); ++k) {
+        for (std::size_t j = 0; j < returns_.size(); ++j) {
+          if (returns_[j].taken || joined[j] || (returns_[j].p_m - returns_[cluster[k]].p_m).norm() > near_m) continue;
+          joined[j] = 1;
+          cluster.push_back(j);
+        }
+      }
+      std::sort(cluster.begin(), cluster.end());
+      clusters_.push_back(cluster);
+    }
+    for (Guess& g : guesses) {
+      if (g.is_target()) continue;
+      auto nearest = clusters_.end();
+      double least = 16.0;
+      for (auto cluster = clusters_.begin(); cluster != clusters_.end(); ++cluster) {
+        const double d_sq = distance_sq(g, returns_[cluster->front()]);
+        if (d_sq < least) nearest = cluster, least = d_sq;
+      }
+      if (nearest == clusters_.end()) continue;
+      g.own = *nearest;
+      clusters_.erase(nearest);
+    }
+  }
+
+  Measured measured(const std::vector<std::size_t>& own) const {
+    Measured m;
+    Vector3 sum_m = Vector3::Zero(), low_m = returns_[own[0]].p_m, high_m = low_m;
+    TimeNs sum = 0;
+    m.reflectivity = 0.0;
+    for (const std::size_t i : own) {
+      sum_m += returns_[i].p_m;
+      low_m = low_m.cwiseMin(returns_[i].p_m);
+      high_m = high_m.cwiseMax(returns_[i].p_m);
+      sum += returns_[i].t - beams_.stamp();
+      m.reflectivity = std::max(m.reflectivity, returns_[i].reflectivity);
+    }
+    const auto count = static_cast<double>(own.size());
+    const Vector3 mean_m = sum_m / count;
+    m.t = beams_.stamp() + sum / static_cast<TimeNs>(own.size());
+    m.extent_m = high_m - low_m;
+    m.p_m = mean_m + config_.target.seen_side_m * (mean_m - sensor_m_).normalized();
+    m.R = of_pose(mean_m) + sampling_sq() * (1.0 / count + 0.1) * Matrix3::Identity();
+    return m;
+  }
+
+  void judge(Guess& g) {
+    if (g.own.empty() || !corrected(g, measured(g.own))) {
+      g.existence = existence_after(g.existence, g.rate.none(g.exposure.shots));
+    }
+    for (const std::size_t i : g.own) {
+      returns_[i].taken = true;
+      if (!g.is_target()) waiting_.push_back({now_, returns_[i].p_m, g.id});
+    }
+  }
+
+  /// With its probability the measurement is the target's; without, all stays as it was.
+  bool corrected(Guess& g, const Measured& m) const {
+    Eigen::Matrix<double, 3, 6> H = Eigen::Matrix<double, 3, 6>::Identity();
+    for (int a = 0; a < 3; ++a) H(a, a + 3) = to_seconds(m.t - now_);
+    const Matrix3 S = H * g.covariance * H.transpose() + m.R;
+    const Vector3 off_m = m.p_m - H * g.mean;
+    const double d_sq = off_m.dot(S.inverse() * off_m);
+    if (m.extent_m.norm() > config_.target.max_size_m || d_sq >= 16.0) return false;
+    const double density = std::exp(-d_sq / 2.0) / std::sqrt((2.0 * std::numbers::pi * S).determinant());
+    const double none = g.rate.none(g.exposure.shots);
+    const double of_target = std::max(1.0 - none, 0.02) * density / clutter(m.p_m, g.exposure.beams_per_sr);
+    g.existence = existence_after(g.existence, none + of_target);
+    const double is_its = of_target / (none + of_target);
+    const Eigen::Matrix<double, 6, 3> K = g.covariance * H.transpose() * S.inverse();
+    const Vector6 with = g.mean + K * off_m, mean = is_its * with + (1.0 - is_its) * g.mean;
+    const Matrix6 P_with = (Matrix6::Identity() - K * H) * g.covariance;
+    g.covariance = is_its * (P_with + (with - mean) * (with - mean).transpose()) +
+                   (1.0 - is_its) * (g.covariance + (g.mean - mean) * (g.mean - mean).transpose());
+    g.mean = mean;
+    tell(g, m);
+    ++g.num_sweeps;
+    if (g.is_target()) g.rate.update(g.num_returns, g.exposure.shots, 0.95);
+    return true;
+  }
+
+  static void tell(Guess& g, const Measured& m) {
+    g.num_returns = static_cast<int>(g.own.size());
+    g.extent_m = m.extent_m;
+    g.measured_m = m.p_m;
+    g.measured_covariance = m.R;
+    g.reflectivity = m.reflectivity;
+  }
+
+  void bear(std::size_t num_old) {
+    for (const std::vector<std::size_t>& cluster : clusters_) {
+      const Measured m = measured(cluster);
+      const bool free = std::all_of(cluster.begin(), cluster.end(), [&](auto i) { return returns_[i].in_free_air; });
+      if (!free || m.extent_m.norm() > config_.target.max_size_m) {
+        for (const std::size_t i : cluster) waiting_.push_back({now_, returns_[i].p_m, 0});
+        continue;
+      }
+      const bool beside =
+          std::any_of(guesses.begin(), guesses.begin() + static_cast<std::ptrdiff_t>(num_old),
+                      [&](auto& g) { return g.is_target() && (g.p_m() - m.p_m).norm() < config_.cluster_distance_m; });
+      if (beside || guesses.size() - num_old == static_cast<std::size_t>(config_.max_hypotheses)) continue;
+      Guess g;
+      g.id = next_id_++;
+      g.own = cluster;
+      g.rate = {20.0 * config_.target.return_share, 20.0, config_.target.return_variation};
+      g.mean.head<3>() = m.p_m;
+      g.covariance.diagonal().tail<3>().setConstant(std::pow(config_.target.sigma_velocity_mps, 2));
+      g.covariance.topLeftCorner<3, 3>() = m.R;
+      const BeamExposure seen = exposure(g, m.t);
+      const double of_target = config_.target.birth_per_m3 * std::max(1.0 - g.rate.none(seen.shots), 0.02);
+      g.existence = of_target / (of_target + clutter(m.p_m, seen.beams_per_sr));
+      tell(g, m);
+      move(g, to_seconds(now_ - m.t));
+      guesses.push_back(g);
+      for (const std::size_t i : cluster) waiting_.push_back({now_, returns_[i].p_m, g.id});
+    }
+  }
+
+  void keep_best() {
+    std::sort(guesses.begin(), guesses.end(), [](const Guess& a, const Guess& b) {
+      return a.existence > b.existence || (a.existence == b.existence && a.id < b.id);
+    });
+    for (std::size_t j = 1; j < guesses.size(); ++j) {
+      for (std::size_t i = 0; i < j; ++i) {
+        const double same_m = (guesses[j].is_target() ? 0.25 : 0.75) * config_.cluster_distance_m;
+        if ((guesses[i].p_m() - guesses[j].p_m()).norm() < same_m) guesses[j].existence = 0.0;
+      }
+    }
+    std::erase_if(guesses, [&](const Guess& g) {
+      const double lost_m = config_.sigma_lost_m * (g.is_target() ? 1.0 : 2.0);
+      return g.existence < 1e-7 || std::sqrt(g.P().diagonal().maxCoeff()) > lost_m;
+    });
+    const auto most = static_cast<std::size_t>(config_.max_hypotheses);
+    if (guesses.size() <= most) return;
+    num_dropped += guesses.size() - most;
+    guesses.resize(most);
+  }
+
+  void clear(const LocalCloud& cloud) {
+    const Scan& scan = *cloud.scan;
+    first_ray_ = (first_ray_ + 1) % stride_;
+    for (int i = 0; i < scan.size(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      if (i % stride_ != first_ray_ || (!scan.beams->masked.empty() && scan.beams->masked[at] != 0)) continue;
+      double length_m = config_.empty_ray_m;
+      if (scan.hit(i))
+        length_m = std::min(static_cast<double>(scan.range_m[at]) - config_.air.voxel_m, config_.ray_max_m);
+      if (length_m <= 0.0) continue;
+      const Pose& T = cloud.T_local_lidar_of_beam(i);
+      const Vector3 from_m = T * scan.beams->origins_lidar[at].cast<double>();
+      air.pass(from_m, from_m + length_m * (T.linear() * scan.beams->directions_lidar[at].cast<double>()));
+    }
+  }
+
+  TrackBeforeDetectConfig config_;
+  BeamIndex beams_;
+  TimeNs now_ = 0;
+  Vector3 sensor_m_ = Vector3::Zero();
+  int stride_ = 1, first_ray_ = 0;
+  std::uint32_t next_id_ = 1;
+  std::vector<Return> returns_;
+  std::vector<std::vector<std::size_t>> clusters_;
+  std::vector<Waiting> waiting_;
+
+ public:
+  AirMap air;
+};
+
+/// Things in a world that moves: the distance along a ray at a time.
+using MovingWorld = std::function<World(double t_s)>;
+
+/// A sweep of a sensor that moves while it turns, with reflectivities.
+LocalCloud sweep_of(const MovingWorld& world, const std::shared_ptr<const BeamTable>& beams, TimeNs stamp,
+                    TimeNs duration, const Random& random, std::uint32_t number) {
+  auto scan = std::make_shared<Scan>();
+  scan->stamp = stamp;
+  scan->duration = duration;
+  scan->beams = beams;
+  scan->range_m.resize(static_cast<std::size_t>(beams->size()));
+  scan->reflectivity.resize(scan->range_m.size());
+  LocalCloud cloud;
+  for (int c = 0; c < beams->cols; ++c) {
+    const double t_s = to_seconds(stamp + (duration == 0 ? 0 : from_seconds(beams->column_offset_s[c])));
+    cloud.T_local_lidar.push_back(
+        pose_at({0.3 * t_s, 0.5 * std::sin(t_s), 4.0 - 0.1 * t_s}, 0.37 * number + 0.2 * t_s));
+    const Pose& T = cloud.T_local_lidar.back();
+    const World now = world(t_s);
+    for (int r = 0; r < beams->rows; ++r) {
+      const auto i = static_cast<std::size_t>(r * beams->cols + c);
+      const double t_m =
+          now(T * beams->origins_lidar[i].cast<double>(), T.linear() * beams->directions_lidar[i].cast<double>());
+      scan->range_m[i] = t_m < 30.0 && random.uniform(number, i) < 0.9 ? static_cast<float>(t_m) : 0.0F;
+      scan->reflectivity[i] = static_cast<float>(random.uniform(number, 100'000 + i));
+    }
+  }
+  cloud.scan = scan;
+  for (int i = 0; i < scan->size(); ++i) {
+    if (!scan->hit(i) || (!beams->masked.empty() && beams->masked[i] != 0)) continue;
+    cloud.points_local_m.push_back(
+        (cloud.T_local_lidar_of_beam(i) * scan->point_lidar(i).cast<double>()).cast<float>());
+    cloud.beam.push_back(static_cast<std::uint32_t>(i));
+  }
+  return cloud;
+}
+
+class HypothesesOf : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Worlds, HypothesesOf, ::testing::Range(0, 8));
+
+TEST_P(HypothesesOf, ARandomWorldAreThoseOfThePlainOnes) {
+  const auto world_number = static_cast<std::uint32_t>(GetParam());
+  const Random random(world_number, "world");
+  const auto u = [&](std::uint32_t k) { return random.uniform(1'000'000, k); };
+  TrackBeforeDetectConfig config;
+  config.air.size_m = {32.0, 32.0, 16.0};
+  config.air.voxel_m = 0.5 + 0.25 * (world_number % 3);
+  config.max_hypotheses = world_number % 4 == 3 ? 4 : 60;
+  config.rays_per_sweep = world_number % 2 == 0 ? 100'000 : 1000;
+  config.max_range_m = world_number % 3 == 1 ? 12.0 : 60.0;
+  config.ray_max_m = 10.0 + 10.0 * u(1);
+  config.empty_ray_m = world_number == 6 ? 0.0 : world_number == 2 ? 8.0 : 15.0;
+  config.learning_delay_s = 0.2 + 0.8 * u(2);
+  config.target.radius_m = world_number % 4 == 1 ? 0.05 : 0.3;
+  config.target.lifetime_s = 5.0 + 50.0 * u(3);
+  config.target.acceleration_density = 0.5 + 5.0 * u(4);
+  config.target.return_variation = 0.5 + 2.0 * u(5);
+  config.target.birth_per_m3 = 2e-4 * std::pow(20.0, u(6));
+  config.target.max_size_m = 0.8 + u(7);
+  config.noise.sigma_attitude_rad = world_number % 4 == 1 ? 0.03 : 0.005;
+  config.free_share = 0.002 + 0.01 * u(8);
+  config.cluster_distance_m = 0.5 + 0.5 * u(9);
+
+  struct Flyer {
+    Vector3 p_m, v_mps;
+    double radius_m, from_s, to_s;
+  };
+  std::vector<Flyer> flyers;
+  for (std::uint32_t k = 0; k < 9; ++k) {
+    const auto n = random.normal3(2'000'000, k);
+    const double azimuth = 2.0 * std::numbers::pi * u(20 + k);
+    flyers.push_back({Vector3((4.0 + 9.0 * u(40 + k)) * std::cos(azimuth), (4.0 + 9.0 * u(40 + k)) * std::sin(azimuth),
+                              3.5 + 2.0 * u(60 + k)),
+                      1.2 * Vector3(n[0], n[1], 0.1 * n[2]), k == 0 ? 0.9 : 0.15 + 0.2 * u(80 + k), 1.5 + 0.2 * k,
+                      5.0 + 0.3 * k});
+  }
+  flyers[8] = flyers[7];  // two side by side that part
+  flyers[8].p_m += Vector3(0.0, 0.0, 0.9);
+  flyers[8].v_mps.z() += 0.3;
+  const World tree = bar({7.0, 5.0, 0.0}, {7.0, 5.0, 6.0}, 0.2);
+  const MovingWorld world = [&](double t_s) {
+    std::vector<World> things = {ground(), tree};
+    for (const Flyer& f : flyers) {
+      if (t_s > f.from_s && t_s < f.to_s) things.push_back(sphere(f.p_m + (t_s - f.from_s) * f.v_mps, f.radius_m));
+    }
+    return all_of(things);
+  };
+  auto beams = std::make_shared<BeamTable>(*make_beams(30, 90, 30.0, -40.0));
+  for (std::size_t i = 0; i < beams->origins_lidar.size(); ++i) {
+    beams->origins_lidar[i] = 0.05F * beams->directions_lidar[i];
+    if (world_number % 2 == 1) beams->masked.push_back(i % 97 == 0);
+  }
+
+  Hypotheses ours(config);
+  PlainHypotheses plain(config);
+  std::size_t told = 0, most = 0;
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    const LocalCloud cloud = sweep_of(world, beams, i * kSweep, world_number % 2 == 0 ? kSweep : 0, random, i);
+    ours.take(cloud);
+    plain.take(cloud);
+    ASSERT_EQ(ours.all().size(), plain.guesses.size()) << i;
+    std::vector<Detection> detections;
+    std::vector<Track> tracks;
+    ours.append_told(detections);
+    ours.append_told(tracks);
+    std::size_t row = 0;
+    for (std::size_t k = 0; k < plain.guesses.size(); ++k) {
+      const Hypothesis& h = ours.all()[k];
+      const PlainHypotheses::Guess& g = plain.guesses[k];
+      ASSERT_EQ(h.id, g.id) << i;
+      ASSERT_EQ(h.t, cloud.stamp() + cloud.scan->duration / 2);
+      ASSERT_NEAR(h.existence, g.existence, 1e-7) << i;
+      ASSERT_LT((h.mean - g.mean).norm(), 1e-7) << i;
+      ASSERT_LT((h.covariance - g.covariance).norm(), 1e-7) << i;
+      ASSERT_EQ(h.num_sweeps, g.num_sweeps);
+      ASSERT_EQ(h.num_returns, g.num_returns);
+      ASSERT_LT((h.extent_m - g.extent_m).norm(), 1e-9);
+      ASSERT_LT((h.measured_local_m - g.measured_m).norm(), 1e-9);
+      ASSERT_LT((h.measured_covariance - g.measured_covariance).norm(), 1e-9);
+      ASSERT_EQ(h.reflectivity, g.reflectivity);
+      if (h.existence < config.told_existence) continue;
+      ASSERT_LT(row, tracks.size());
+      const Detection& d = detections[row];
+      const Track& track = tracks[row++];
+      EXPECT_EQ(d.t, h.t);
+      EXPECT_EQ(d.position_m, h.p_local_m());
+      EXPECT_EQ(d.covariance, h.position_covariance());
+      EXPECT_EQ(d.extent_m, h.extent_m);
+      EXPECT_EQ(d.num_points, h.num_returns);
+      EXPECT_EQ(d.confidence, h.existence);
+      EXPECT_EQ(d.reflectivity, h.reflectivity);
+      EXPECT_EQ(track.id, h.id);
+      EXPECT_EQ(track.t, h.t);
+      EXPECT_EQ(track.position_m, h.p_local_m());
+      EXPECT_EQ(track.velocity_mps, h.v_local_mps());
+      EXPECT_EQ((track.covariance.topLeftCorner<6, 6>()), h.covariance);
+      EXPECT_EQ(track.num_detections, h.num_sweeps);
+      EXPECT_EQ(track.corrected, h.num_returns > 0);
+      EXPECT_EQ(track.measured_m, h.measured_local_m);
+      EXPECT_EQ(track.measured_covariance, h.measured_covariance);
+      EXPECT_EQ(track.reflectivity, h.reflectivity);
+    }
+    EXPECT_EQ(row, tracks.size());
+    EXPECT_EQ(row, detections.size());
+    told += row;
+    most = std::max(most, ours.all().size());
+    for (std::uint32_t k = 0; k < 200; ++k) {
+      const Vector3 p_m(30.0 * random.uniform(i, 300'000 + k) - 15.0, 30.0 * random.uniform(i, 301'000 + k) - 15.0,
+                        15.0 * random.uniform(i, 302'000 + k) - 3.0);
+      ASSERT_NEAR(ours.air().clutter_share(p_m), plain.air.clutter_share(p_m), 1e-12);
+    }
+  }
+  std::vector<Counter> counters;
+  ours.append_counters(counters);
+  ASSERT_EQ(counters.size(), 1U);
+  EXPECT_EQ(counters[0].of, plain.num_born);
+  EXPECT_EQ(counters[0].count, plain.num_dropped);
+  EXPECT_GE(told, world_number == 6                            ? 0U
+                  : world_number % 4 == 1 || world_number == 2 ? 1U
+                                                               : 20U)
+      << most << " at a time, born " << plain.num_born;
+}
+
+/// Returns at a height where the background is not known, and whatever is a candidate waits.
+class Waiting {
+ public:
+  Waiting() {
+    config.air.size_m = {64.0, 64.0, 32.0};
+    config.background_share = 1.0;
+    config.learning_delay_s = 60.0;
+    config.rays_per_sweep = 10'000'000;
+    hypotheses = std::make_unique<Hypotheses>(config);
+  }
+  /// A sweep of returns in voxels of their own, along x first.
+  void take(std::size_t count, double z_m) {
+    auto beams = std::make_shared<BeamTable>();
+    beams->rows = 1;
+    beams->cols = static_cast<int>(count);
+    beams->column_offset_s.assign(count, 0.0F);
+    beams->directions_lidar.assign(count, Eigen::Vector3f::UnitX());
+    beams->origins_lidar.assign(count, Eigen::Vector3f::Zero());
+    auto scan = std::make_shared<Scan>();
+    scan->stamp = number_++ * kSweep;
+    scan->beams = beams;
+    scan->range_m.assign(count, 0.1F);  // too short to clear air
+    LocalCloud cloud;
+    cloud.scan = scan;
+    cloud.T_local_lidar.assign(count, pose_at({0.0, 0.0, 0.0}));
+    for (std::size_t i = 0; i < count; ++i) {
+      cloud.points_local_m.push_back(place(i, z_m));
+      cloud.beam.push_back(static_cast<std::uint32_t>(i));
+    }
+    hypotheses->take(cloud);
+  }
+  static Eigen::Vector3f place(std::size_t i, double z_m) {
+    return {-29.75F + 0.5F * static_cast<float>(i % 100), -29.75F + 0.5F * static_cast<float>(i / 100),
+            static_cast<float>(z_m)};
+  }
+  bool learned(std::size_t i, double z_m) const {
+    return hypotheses->air().clutter_share(place(i, z_m).cast<double>()) > hypotheses->air().prior_share();
+  }
+
+  TrackBeforeDetectConfig config;
+  std::unique_ptr<Hypotheses> hypotheses;
+
+ private:
+  TimeNs number_ = 0;
+};
+
+// What no more room is for is background at once; of what waits, the oldest.
+TEST(Hypotheses, ReturnsThatWaitAreBounded) {
+  Waiting waiting;
+  waiting.take(4098, 0.25);
+  for (const std::size_t i : {0U, 1U, 2000U, 4095U}) EXPECT_FALSE(waiting.learned(i, 0.25)) << i;
+  for (const std::size_t i : {4096U, 4097U}) EXPECT_TRUE(waiting.learned(i, 0.25)) << i;
+  for (const double z_m : {1.25, 2.25, 3.25}) waiting.take(4096, z_m);
+  EXPECT_FALSE(waiting.learned(0, 0.25)) << "16384 wait";
+  waiting.take(2, 4.25);
+  EXPECT_TRUE(waiting.learned(0, 0.25));
+  EXPECT_TRUE(waiting.learned(1, 0.25));
+  EXPECT_FALSE(waiting.learned(2, 0.25));
+  EXPECT_FALSE(waiting.learned(1, 4.25));
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where one may fly, up to each bound, and what searches cost.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/planning/polyline.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/core/planning/clear_path.hpp"
+#include "swiftlet/core/planning/grid_search.hpp"
+#include "tests/core/planning/box_map.hpp"
+#include "tests/core/planning/box_space.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::BoxMap;
+
+constexpr double kCellEdge_m = 0.25;
+
+Vector3 cell_center(int x, int y, int z) { return kCellEdge_m * Vector3(x + 0.5, y + 0.5, z + 0.5); }
+
+TEST(ClearRules, ACellIsClearBeyondTheClearanceWithinTheHeightsAndWhenItIsKnown) {
+  BoxMap map({20, 20, 12}, kCellEdge_m);
+  map.at({10, 10, 6}) = CellState::kOccupied;
+  map.at({3, 3, 6}) = CellState::kUnknown;
+  ClearPathConfig config;
+  config.clearance_m = 0.75;
+  config.z_min_m = 0.5;
+  config.z_max_m = 2.5;
+  const Vector3 start = cell_center(1, 1, 6);
+  const ClearSpace space(map, config, start);
+  for (int x = 0; x < 20; ++x) {
+    for (int y = 0; y < 20; ++y) {
+      for (int z = 0; z < 12; ++z) {
+        const Vector3 p_m = cell_center(x, y, z);
+        const bool far = Vector3(x - 10, y - 10, z - 6).norm() > 3.0;
+        const bool clear = far && p_m.z() >= 0.5 && p_m.z() <= 2.5 && !(x == 3 && y == 3 && z == 6);
+        ASSERT_EQ(space.is_clear(p_m), clear) << p_m.transpose();
+      }
+    }
+  }
+  EXPECT_TRUE(space.is_clear({0.3, 0.3, 0.5}) && space.is_clear({0.3, 0.3, 2.5}))
+      << "the heights themselves belong to it";
+  EXPECT_FALSE(space.is_clear({0.3, 0.3, 0.499}) || space.is_clear({0.3, 0.3, 2.501}));
+  config.unknown_is_free = true;
+  EXPECT_TRUE(ClearSpace(map, config, start).is_clear(cell_center(3, 3, 6)));
+  EXPECT_FALSE(space.near_start(start + Vector3(0, 0, 1e-6))) << "a start that is clear needs no ball";
+}
+
+TEST(ClearRules, AStartThatIsNotClearIsLeftThroughABallHalfAMeterWiderThanTheClearance) {
+  BoxMap map({40, 20, 12}, kCellEdge_m);
+  map.at({10, 10, 6}) = CellState::kOccupied;
+  ClearPathConfig config;
+  config.clearance_m = 0.8;
+  config.z_min_m = 0.5;
+  const Vector3 start = cell_center(12, 10, 6);  // 0.5 m from it
+  const ClearSpace space(map, config, start);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_TRUE(space.near_start(start + 1.2999 * Vector3::Unit(axis)));
+    EXPECT_FALSE(space.near_start(start + 1.3001 * Vector3::Unit(axis)));
+  }
+  EXPECT_TRUE(space.is_clear(start));
+  EXPECT_TRUE(space.is_clear(cell_center(8, 10, 6))) << "no nearer to it than the start";
+  EXPECT_FALSE(space.is_clear(cell_center(9, 10, 6)));
+  EXPECT_FALSE(space.is_clear(cell_center(10, 10, 6)));
+  // Beyond the ball all rules hold.
+  EXPECT_FALSE(space.is_clear(start + Vector3(1.4, 0, -1.3)));
+  // Where the start is merely too low, no nearer than the clearance is asked for inside of the ball.
+  config.z_min_m = 2.0;
+  const ClearSpace low(map, config, cell_center(20, 10, 6));
+  EXPECT_TRUE(low.is_clear(cell_center(20, 10, 5)));
+  EXPECT_TRUE(low.is_clear(cell_center(17, 10, 6)));
+}
+
+TEST(ClearRules, EveryCellOfASegmentIsLookedAt) {
+  BoxMap map({20, 20, 12}, kCellEdge_m);
+  ClearPathConfig config;
+  config.clearance_m = 0.01;
+  const Random random(6, "test.segments");
+  for (std::uint32_t k = 0; k < 60; ++k) {
+    const auto point = [&](std::uint32_t i) {
+      return Vector3(random.uniform(0.3, 4.7, k, i), random.uniform(0.3, 4.7, k, i + 1),
+                     random.uniform(0.3, 2.7, k, i + 2));
+    };
+    const Vector3 a = point(0), b = point(3);
+    const ClearSpace space(map, config, a);
+    EXPECT_TRUE(space.is_clear_segment(a, b));
+    // A cell somewhere on it, with a good part of the segment inside.
+    const Vector3 on = a + random.uniform(k, 6) * (b - a);
+    const Cell cell = (on / kCellEdge_m).array().floor().cast<int>();
+    const Vector3 inside = on / kCellEdge_m - cell.cast<double>();
+    if (inside.minCoeff() < 0.3 || inside.maxCoeff() > 0.7) continue;
+    map.at(cell) = CellState::kOccupied;
+    EXPECT_FALSE(ClearSpace(map, config, point(9)).is_clear_segment(a, b)) << k;
+    map.at(cell) = CellState::kFree;
+  }
+  map.at({1, 1, 1}) = CellState::kOccupied;
+  const ClearSpace space(map, config, cell_center(9, 9, 9));
+  EXPECT_FALSE(space.is_clear_segment(cell_center(1, 1, 1), cell_center(5, 1, 1))) << "its beginning";
+  EXPECT_FALSE(space.is_clear_segment(cell_center(5, 1, 1), cell_center(1, 1, 1))) << "its end";
+  EXPECT_FALSE(space.is_clear_segment(cell_center(1, 1, 1), cell_center(1, 1, 1)));
+  EXPECT_TRUE(space.is_clear_segment(cell_center(2, 1, 1), cell_center(2, 1, 1)));
+}
+
+TEST(ClearRules, OverOpenSpaceOnlyTheCellsOfTheWayAreLookedAt) {
+  const BoxMap map({24, 24, 24}, kCellEdge_m);
+  ClearPathConfig config;
+  config.clearance_m = 0.1;
+  const Cell start(10, 10, 10);
+  for (const Cell& way : {Cell(7, 0, 0), Cell(0, -6, 0), Cell(0, 0, 5), Cell(6, 6, 0), Cell(-5, 5, -5), Cell(7, 3, 2),
+                          Cell(2, -8, 5), Cell(-3, 4, 9)}) {
+    const Cell goal = start + way;
+    const ClearPath path = find_clear_path(map, config, cell_center(start.x(), start.y(), start.z()),
+                                           cell_center(goal.x(), goal.y(), goal.z()));
+    ASSERT_EQ(path.status, ClearPathStatus::kFound);
+    EXPECT_EQ(path.expansions, static_cast<std::size_t>(way.cwiseAbs().maxCoeff())) << way.transpose();
+    EXPECT_EQ(path.corners_local_m.size(), 2U);
+  }
+}
+
+TEST(ClearRules, ItsStatusesAreToldApartInWords) {
+  std::vector<std::string> texts;
+  for (int i = 0; i <= static_cast<int>(ClearPathStatus::kBudgetSpent); ++i)
+    texts.emplace_back(text_of(static_cast<ClearPathStatus>(i)));
+  EXPECT_EQ(texts[static_cast<int>(ClearPathStatus::kGoalTooFar)], "the goal is farther away than a map can reach");
+  std::sort(texts.begin(), texts.end());
+  EXPECT_EQ(std::adjacent_find(texts.begin(), texts.end()), texts.end());
+  EXPECT_NE(texts.front(), "");
+}
+
+TEST(ClearRules, AMapReachesAMillionCellsFar) {
+  EXPECT_TRUE(is_on_map({0, 0, 249'999}, kCellEdge_m));
+  EXPECT_FALSE(is_on_map({0, -250'000, 0}, kCellEdge_m));
+  EXPECT_FALSE(is_on_map({std::nan(""), 0, 0}, kCellEdge_m));
+  const BoxMap map({4, 4, 4}, kCellEdge_m);
+  const Vector3 here = cell_center(2, 2, 2), nowhere(300'000, 0, 0);
+  ClearPathConfig config;
+  EXPECT_EQ(find_clear_path(map, config, here, nowhere).status, ClearPathStatus::kGoalTooFar);
+  EXPECT_EQ(find_clear_path(map, config, nowhere, here).status, ClearPathStatus::kGoalTooFar);
+}
+
+/// From both ends in turn, until a round gains less than a thousandth; points every half meter from the second on.
+std::vector<Vector3> plain_shortened(const ClearSpace& space, std::vector<Vector3> path_m, int times) {
+  const auto clear = [&](const Vector3& a, const Vector3& b) { return space.is_clear_segment(a, b); };
+  bool backward = false;
+  for (int i = 0; i < times; ++i) {
+    std::vector<Vector3> shorter_m = cut_corners(i == 0 ? path_m : with_points_between(path_m, 0.5), clear);
+    const double gain_m = length_m(path_m) - length_m(shorter_m);
+    const bool enough = i >= 2 && gain_m < 0.001 * length_m(shorter_m);
+    std::reverse(shorter_m.begin(), shorter_m.end());
+    path_m = std::move(shorter_m);
+    backward = !backward;
+    if (enough) break;
+  }
+  if (backward) std::reverse(path_m.begin(), path_m.end());
+  return path_m;
+}
+
+TEST(ClearRules, CornersAreCutFromBothEndsAsLongAsItPays) {
+  BoxMap map({32, 32, 8}, kCellEdge_m);
+  for (const auto& [x, y] : {std::pair(8, 5), {14, 12}, {20, 8}, {22, 20}, {10, 22}, {16, 26}}) {
+    for (int z = 0; z < 8; ++z) {
+      for (int k = 0; k < 4; ++k) map.at({x + k % 2, y + k / 2, z}) = CellState::kOccupied;
+    }
+  }
+  ClearPathConfig config;
+  config.clearance_m = 0.4;
+  const Random random(7, "test.shortened");
+  int different = 0;
+  for (std::uint32_t k = 0; k < 12; ++k) {
+    config.max_shortenings = 0;
+    const Vector3 start = cell_center(1, 1 + static_cast<int>(k), 4),
+                  goal = cell_center(29 - static_cast<int>(k), 30, 3);
+    const ClearSpace space(map, config, start);
+    const ClearPath path = find_clear_path(map, config, start, goal);
+    ASSERT_EQ(path.status, ClearPathStatus::kFound);
+    for (int times = 0; times <= 7; ++times) {
+      const auto shortened = shortened_path(space, path.corners_local_m, times);
+      EXPECT_EQ(shortened, plain_shortened(space, path.corners_local_m, times)) << k << " " << times;
+      EXPECT_EQ(shortened.front(), start);
+      EXPECT_EQ(shortened.back(), goal);
+      different += times > 0 && shortened.size() > 2 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(different, 20);
+}
+
+TEST(ClearRules, ABlockedPathIsAskedWithACellLessButHalfACellAtLeast) {
+  const std::vector<Vector3> corners = {cell_center(2, 5, 4), cell_center(16, 5, 4)};
+  for (const double clearance_m : {0.74, 0.76, 0.05}) {
+    for (int off = 0; off <= 4; ++off) {
+      BoxMap map({20, 20, 12}, kCellEdge_m);
+      map.at({9, 5 + off, 4}) = CellState::kOccupied;
+      ClearPathConfig config;
+      config.clearance_m = clearance_m;
+      const double asked_m = std::max(clearance_m - 0.25, 0.125);
+      EXPECT_EQ(is_blocked(map, config, corners[0], corners), 0.25 * off <= asked_m) << clearance_m << " " << off;
+    }
+  }
+}
+
+TEST(GridBudget, IsWhatAStraightWayNeeds) {
+  const testing::BoxSpace box([](const Vector3&) { return false; });
+  const Vector3 from(-4.75, 0.25, 1.25);
+  for (const Vector3& way : {Vector3(3.0, 0, 0), Vector3(0, -2.5, 0), Vector3(2, 2, 0), Vector3(1, -1, 1)}) {
+    const auto cells = static_cast<std::size_t>(std::lround(way.cwiseAbs().maxCoeff() / 0.5));
+    EXPECT_EQ(find_path(box, from, from + way, cells).status, PathStatus::kFound) << way.transpose();
+    EXPECT_EQ(find_path(box, from, from + way, cells - 1).status, PathStatus::kBudgetSpent) << way.transpose();
+  }
+}
+
+TEST(GridBudget, TheBordersOfTheBoxBelongToIt) {
+  // A wall that leaves only the outermost cells free.
+  const testing::BoxSpace box([](const Vector3& p) { return std::abs(p.x()) < 9.4 && std::abs(p.y()) < 9.4; }, 1);
+  const PathResult path = find_path(box, {-9.75, -9.75, 0.25}, {9.75, 9.75, 0.25});
+  ASSERT_EQ(path.status, PathStatus::kFound);
+  EXPECT_LT(testing::length_m(path.corners_world_m), 40.0);
+}
+
+}  // namespace
+}  // namespace swiftlet

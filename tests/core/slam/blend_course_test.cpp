@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The limited form of the blend: how long it takes, and which way it goes, worked out once more.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
+#include "swiftlet/core/slam/correction_blend.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr TimeNs kCourseMs = 1'000'000;
+
+/// When it is shown in full, to a tenth of a millisecond.
+double whole_after_s(CorrectionBlend blend, double most_s) {
+  double low_s = 0.0, high_s = most_s;
+  while (high_s - low_s > 1e-4) {
+    const double middle_s = 0.5 * (low_s + high_s);
+    CorrectionBlend tried = blend;
+    tried.advance(from_seconds(middle_s));
+    (tried.is_done() ? high_s : low_s) = middle_s;
+  }
+  return high_s;
+}
+
+// From rest to rest over a way of 1 in 1 s: 1.875 fast in the middle, with 10 / sqrt 3 and 60 at most.
+double closed_form_s(const CorrectionBlendConfig& limits, double way_m) {
+  return std::max({1.875 * way_m / limits.speed_max_mps,
+                   std::sqrt(10.0 / std::sqrt(3.0) * way_m / limits.acceleration_max_mps2),
+                   std::cbrt(60.0 * way_m / limits.jerk_max_mps3)});
+}
+
+TEST(BlendCourse, FromRestTakesAsLongAsItsTightestLimitAsksFor) {
+  const Vector3 p_local_m(5, -7, 2);
+  for (int tightest = 0; tightest < 3; ++tightest) {
+    CorrectionBlendConfig limits;
+    limits.speed_max_mps = tightest == 0 ? 0.1 : 10.0;
+    limits.acceleration_max_mps2 = tightest == 1 ? 0.05 : 10.0;
+    limits.jerk_max_mps3 = tightest == 2 ? 0.02 : 10.0;
+    limits.lever_m = 4.0;
+    for (const double turn_rad : {0.0, 0.1}) {
+      CorrectionBlend blend(limits);
+      // The vehicle's place moves by u, whatever the turn about it.
+      const Vector3 u_m(0.3, -0.4, 1.2);
+      Pose T = make_pose(Vector3::Zero(), rotation_by({0, 0, turn_rad}));
+      T.translation() = p_local_m + u_m - T.linear() * p_local_m;
+      blend.head_for(0, T, p_local_m);
+      const double expected_s = closed_form_s(limits, u_m.norm() + limits.lever_m * turn_rad);
+      const double s = whole_after_s(blend, 3.0 * expected_s);
+      EXPECT_GE(s, expected_s) << tightest << " " << turn_rad;
+      EXPECT_LE(s, 1.005 * expected_s) << tightest << " " << turn_rad;
+    }
+  }
+}
+
+TEST(BlendCourse, NothingNewTakesAMillisecond) {
+  CorrectionBlend blend{CorrectionBlendConfig()};
+  blend.head_for(0, Pose::Identity(), Vector3::Zero());
+  EXPECT_FALSE(blend.is_done());
+  const double s = whole_after_s(blend, 0.1);
+  EXPECT_GT(s, 0.9e-3);
+  EXPECT_LT(s, 1.2e-3);
+}
+
+/// Position, rate and acceleration along a line, to rest at the target after a duration: by its six conditions.
+struct PlainQuintic {
+  Eigen::Matrix<double, 6, 3> c;
+  double duration_s;
+  PlainQuintic(const Vector3& x, const Vector3& v, const Vector3& a, const Vector3& target, double T) : duration_s(T) {
+    Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
+    A(0, 0) = A(1, 1) = 1.0;
+    A(2, 2) = 2.0;
+    for (int k = 0; k < 6; ++k) {
+      A(3, k) = std::pow(T, k);
+      A(4, k) = k >= 1 ? k * std::pow(T, k - 1) : 0.0;
+      A(5, k) = k >= 2 ? k * (k - 1) * std::pow(T, k - 2) : 0.0;
+    }
+    Eigen::Matrix<double, 6, 3> b = Eigen::Matrix<double, 6, 3>::Zero();
+    b.row(0) = x;
+    b.row(1) = v;
+    b.row(2) = a;
+    b.row(3) = target;
+    c = A.fullPivLu().solve(b);
+  }
+  Vector3 at(double t, int order) const {
+    Vector3 sum = Vector3::Zero();
+    for (int k = order; k < 6; ++k) {
+      double factor = std::pow(t, k - order);
+      for (int j = 0; j < order; ++j) factor *= k - j;
+      sum += factor * c.row(k).transpose();
+    }
+    return sum;
+  }
+  double share(const CorrectionBlendConfig& limits) const {
+    double most = 0.0;
+    for (int i = 0; i <= 500; ++i) {
+      const double t = duration_s * i / 500;
+      most = std::max({most, at(t, 1).norm() / limits.speed_max_mps, at(t, 2).norm() / limits.acceleration_max_mps2,
+                       at(t, 3).norm() / limits.jerk_max_mps3});
+    }
+    return most;
+  }
+};
+
+TEST(BlendCourse, AnotherTargetAmidItIsReachedOnAQuinticFromWhereAndHowFastItWas) {
+  const CorrectionBlendConfig limits;
+  const Vector3 first_m(1.0, -0.4, 0.2), second_m(1.4, 0.5, -0.1);
+  for (const double amid_s : {1.2, 3.0, 4.5, 6.0}) {
+    CorrectionBlend blend(limits);
+    const Pose T_first = make_pose(first_m, Eigen::Quaterniond::Identity());
+    blend.head_for(0, T_first, Vector3::Zero());
+    const PlainQuintic before(Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), first_m,
+                              1.001 * closed_form_s(limits, first_m.norm()));
+    blend.advance(from_seconds(amid_s));
+    blend.head_for(from_seconds(amid_s), make_pose(second_m, Eigen::Quaterniond::Identity()), Vector3::Zero());
+    // It may wait until a motion within the limits leads there.
+    double begun_s = amid_s;
+    CorrectionBlend again = blend;
+    const Vector3 x = before.at(begun_s, 0), v = before.at(begun_s, 1), a = before.at(begun_s, 2);
+    double T = 1.001 * closed_form_s(limits, (second_m - x).norm());
+    int tries = 0;
+    while (PlainQuintic(x, v, a, second_m, T).share(limits) > 1.0 && tries++ < 60) T *= 1.05;
+    ASSERT_LT(tries, 40);
+    const PlainQuintic after(x, v, a, second_m, T);
+    for (int i = 0; i <= 40; ++i) {
+      const double t = T * i / 40;
+      EXPECT_LT((again.advance(from_seconds(begun_s + t)).translation() - after.at(t, 0)).norm(), 1e-7)
+          << amid_s << " " << i << " " << tries;
+    }
+    EXPECT_NEAR(whole_after_s(blend, 60.0), begun_s + T, 2e-4);
+  }
+}
+
+/// The third derivative of what is shown of points near the vehicle, by differences.
+double jerk_of(const std::vector<Vector3>& p, double dt_s) {
+  double most = 0.0;
+  for (std::size_t i = 3; i < p.size(); ++i) {
+    most = std::max(most, (p[i] - 3.0 * p[i - 1] + 3.0 * p[i - 2] - p[i - 3]).norm() / (dt_s * dt_s * dt_s));
+  }
+  return most;
+}
+
+TEST(BlendCourse, AmidTurnsNeitherRateNorAccelerationStepsNearTheVehicle) {
+  CorrectionBlendConfig limits;
+  limits.lever_m = 3.0;
+  CorrectionBlend blend(limits);
+  const Vector3 pivots_m[] = {{20, 10, 3}, {22, 11, 3}, {21, 12, 2}, {22, 10, 3}};
+  const Pose targets[] = {make_pose({1.0, 0.0, 0.2}, rotation_by({0.02, -0.01, 0.25})),
+                          make_pose({-3.0, 4.0, 0.3}, rotation_by({-0.03, 0.02, 0.1})),
+                          make_pose({0.5, -2.0, 0.0}, rotation_by({0.0, 0.05, 0.3})),
+                          make_pose({2.0, 1.0, -0.2}, rotation_by({0.01, 0.0, -0.05}))};
+  std::vector<std::vector<Vector3>> places(3);
+  TimeNs t = 0;
+  const auto fly_for = [&](double s) {
+    for (const TimeNs end = t + from_seconds(s); t < end;) {
+      t += 4 * kCourseMs;
+      const Pose T = blend.advance(t);
+      for (int k = 0; k < 3; ++k) places[k].push_back(T * Vector3(pivots_m[0] + Vector3::Unit(k)));
+    }
+  };
+  for (int i = 0; i < 4; ++i) {
+    blend.head_for(t, targets[i], pivots_m[i]);
+    fly_for(i == 3 ? 60.0 : 4.0 + 1.5 * i);
+  }
+  EXPECT_TRUE(blend.is_done());
+  EXPECT_LT((blend.advance(t).matrix() - targets[3].matrix()).norm(), 1e-12);
+  // A step of the acceleration by 0.003 m/s^2 would be a jerk of 0.75 m/s^3 more within a tick.
+  for (const auto& of_point : places) EXPECT_LT(jerk_of(of_point, 4e-3), 0.25);
+}
+
+TEST(BlendCourse, ManyTargetsNeverStepTheAcceleration) {
+  CorrectionBlend blend{CorrectionBlendConfig()};
+  std::vector<Vector3> places;
+  TimeNs t = 0;
+  for (int i = 1; i <= 40; ++i) {
+    const double a = 2.3 * i * i;
+    blend.head_for(t, make_pose({std::cos(a), std::sin(a), 0.2 * std::cos(3.0 * a)}, Eigen::Quaterniond::Identity()),
+                   Vector3::Zero());
+    for (const TimeNs end = t + from_seconds(0.3 + 0.13 * (i * 7 % 40)); t < end;) {
+      t += 10 * kCourseMs;
+      places.push_back(blend.advance(t).translation());
+    }
+  }
+  EXPECT_LT(jerk_of(places, 1e-2), 0.1502);
+}
+
+}  // namespace
+}  // namespace swiftlet

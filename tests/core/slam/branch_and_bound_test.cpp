@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The search on the grid against looking at everything, one by one: windows, budgets, ties and what is left out.
+#include "swiftlet/core/slam/branch_and_bound.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+
+namespace swiftlet {
+namespace {
+
+using GridCloud = std::vector<Eigen::Vector3f>;
+constexpr std::int64_t kNoBudget = 1'000'000'000;
+constexpr double kGridCell_m = 0.5;
+
+GridCloud random_cloud(std::mt19937& random, int num, float half_m) {
+  std::uniform_real_distribution<float> uniform(-half_m, half_m);
+  GridCloud points(static_cast<std::size_t>(num));
+  for (Eigen::Vector3f& p : points) {
+    for (int axis = 0; axis < 3; ++axis) p(axis) = uniform(random);
+  }
+  return points;
+}
+
+GridCloud moved_by(const GridCloud& points, const Vector3& by_m) {
+  GridCloud out = points;
+  for (Eigen::Vector3f& p : out) p += by_m.cast<float>();
+  return out;
+}
+
+std::array<int, 3> grid_cell_of(const Vector3& p_m) {
+  const Eigen::Vector3i c = (p_m / kGridCell_m).array().floor().cast<int>();
+  return {c.x(), c.y(), c.z()};
+}
+
+/// Cells and points in cells, without any pyramid.
+struct PlainGrid {
+  std::set<std::array<int, 3>> occupied;
+  explicit PlainGrid(const GridCloud& points) {
+    for (const Eigen::Vector3f& p : points) occupied.insert(grid_cell_of(p.cast<double>()));
+  }
+  int score(const GridCloud& cloud, const Pose& T, const std::array<int, 3>& off) const {
+    int sum = 0;
+    for (const Eigen::Vector3f& p : cloud) {
+      std::array<int, 3> c = grid_cell_of(T * p.cast<double>());
+      for (int axis = 0; axis < 3; ++axis) c[axis] += off[axis];
+      sum += occupied.count(c) != 0 ? 1 : 0;
+    }
+    return sum;
+  }
+};
+
+Pose at_heading(const Pose& T, double yaw_rad) {
+  return make_pose(T.translation(), rotation_by({0, 0, yaw_rad}) * Eigen::Quaterniond(T.linear()));
+}
+
+double headings_apart_rad(const Pose& a, const Pose& b) {
+  const Matrix3 R = a.linear().transpose() * b.linear();
+  return std::abs(std::atan2(R(1, 0), R(0, 0)));
+}
+
+struct PlainBest {
+  int score = 0;
+  Pose T = Pose::Identity();
+};
+
+PlainBest best_one_by_one(const GridCloud& map_points, const GridCloud& cloud, const Pose& guess,
+                          const SearchWindow& window, std::span<const std::uint8_t> allowed, const Excluded* excluded) {
+  const PlainGrid grid(map_points);
+  const int half = static_cast<int>(window.yaw_rad / window.yaw_step_rad + 1e-9);
+  PlainBest best;
+  for (int i = -half; i <= half; ++i) {
+    if (!allowed.empty() && allowed[static_cast<std::size_t>(i + half)] == 0) continue;
+    const Pose T = at_heading(guess, i * window.yaw_step_rad);
+    for (int x = -window.xy_cells; x <= window.xy_cells; ++x) {
+      for (int y = -window.xy_cells; y <= window.xy_cells; ++y) {
+        for (int z = -window.z_cells; z <= window.z_cells; ++z) {
+          Pose there = T;
+          there.translation() += kGridCell_m * Vector3(x, y, z);
+          if (excluded != nullptr && headings_apart_rad(there, excluded->T_map_cloud) <= excluded->angle_rad &&
+              (there.translation() - excluded->T_map_cloud.translation()).norm() < excluded->distance_m) {
+            continue;
+          }
+          const int score = grid.score(cloud, T, {x, y, z});
+          if (score > best.score) best = {score, there};
+        }
+      }
+    }
+  }
+  return best;
+}
+
+TEST(GridPyramid, ItsLowestLevelHasTheCellsOfThePoints) {
+  std::mt19937 random(11);
+  const GridCloud points = moved_by(random_cloud(random, 80, 3.0F), {4.0, -7.0, 1.0});
+  const PlainGrid grid(points);
+  for (const int levels : {1, 3}) {
+    const OccupancyPyramid pyramid(points, kGridCell_m, levels);
+    for (int x = -5; x < 20; ++x) {
+      for (int y = -28; y < 2; ++y) {
+        for (int z = -12; z < 16; ++z) ASSERT_EQ(pyramid.at(0, x, y, z), grid.occupied.count({x, y, z}) != 0);
+      }
+    }
+  }
+  EXPECT_FALSE(OccupancyPyramid({}, kGridCell_m, 3).at(2, 0, 0, 0)) << "without points nothing is occupied";
+}
+
+TEST(GridSearchWindow, HasItsHeadingsOnBothSidesOfTheGuess) {
+  const SearchWindow window{5, 2, 0.1, 0.04};
+  ASSERT_EQ(num_yaws(window), 5);
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(yaw_offset_rad(window, i), 0.04 * (i - 2), 1e-15);
+  EXPECT_EQ(num_yaws({5, 2, 0.119, 0.04}), 5);
+  EXPECT_EQ(num_yaws({5, 2, 0.121, 0.04}), 7);
+  EXPECT_EQ(num_yaws({5, 2, 0.0, 0.04}), 1);
+}
+
+TEST(BranchAndBound, OfHeadingsAndPlacesAroundAnyGuessItFindsTheBestThatIsAllowed) {
+  std::mt19937 random(12);
+  const SearchWindow window{4, 1, 0.31, 0.1};
+  for (int trial = 0; trial < 12; ++trial) {
+    const GridCloud points = random_cloud(random, 60, 4.0F);
+    const Pose T = make_pose({0.6, -1.2, 0.3}, rotation_by({0, 0, 0.2}));
+    GridCloud cloud;
+    for (const Eigen::Vector3f& p : points) cloud.push_back((T.inverse() * p.cast<double>()).cast<float>());
+    cloud.resize(30);
+    const Pose guess = make_pose({1.3, -0.4, 0.1}, rotation_by({0.02, -0.01, 0.05}));
+    std::vector<std::uint8_t> allowed;
+    if (trial % 3 == 1) allowed = {1, 1, 1, 1, 0, 0, 0};
+    if (trial % 3 == 2) allowed = {0, 0, 0, 0, 0, 1, 0};
+    const Excluded near{T, 1.2, trial % 2 == 0 ? 7.0 : 0.12};
+    const Excluded* excluded = trial < 3 ? nullptr : &near;
+    const OccupancyPyramid map(points, kGridCell_m, 1 + trial % 4);
+    const SearchResult found = search_best_pose(map, cloud, guess, window, 0.0, kNoBudget, allowed, excluded);
+    const PlainBest expected = best_one_by_one(points, cloud, guess, window, allowed, excluded);
+    ASSERT_TRUE(found.complete);
+    ASSERT_TRUE(found.best);
+    EXPECT_DOUBLE_EQ(found.best->score, expected.score / 30.0) << trial;
+    // Where it says to be, so many points lie in occupied cells.
+    const Vector3 by_m = found.best->T_map_cloud.translation() - guess.translation();
+    const Pose turned = make_pose(guess.translation(), Eigen::Quaterniond(found.best->T_map_cloud.linear()));
+    const Eigen::Vector3i off = (by_m / kGridCell_m).array().round().cast<int>();
+    EXPECT_LT((by_m - kGridCell_m * off.cast<double>()).norm(), 1e-9);
+    EXPECT_EQ(PlainGrid(points).score(cloud, turned, {off.x(), off.y(), off.z()}), expected.score) << trial;
+    if (excluded != nullptr && headings_apart_rad(found.best->T_map_cloud, T) <= near.angle_rad) {
+      EXPECT_GE((found.best->T_map_cloud.translation() - T.translation()).norm(), near.distance_m);
+    }
+  }
+}
+
+TEST(BranchAndBound, WhatLiesACellBeyondTheWindowIsNotFoundAndWhatLiesAtItsEdgeIs) {
+  std::mt19937 random(13);
+  const GridCloud points = random_cloud(random, 40, 5.0F);
+  for (int levels = 1; levels <= 4; ++levels) {
+    const OccupancyPyramid map(points, kGridCell_m, levels);
+    for (const int xy : {4, 5}) {
+      const SearchWindow window{xy, 2, 0.0, 0.05};
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const int side : {-1, 1}) {
+          const int edge = axis == 2 ? 2 : xy;
+          const auto best_at = [&](int cells) {
+            const GridCloud cloud = moved_by(points, -kGridCell_m * side * cells * Vector3::Unit(axis));
+            const SearchResult found = search_best_pose(map, cloud, Pose::Identity(), window, 0.0, kNoBudget);
+            return found.best ? found.best->score : 0.0;
+          };
+          EXPECT_EQ(best_at(edge), 1.0) << levels << " " << axis << " " << side;
+          EXPECT_LT(best_at(edge + 1), 1.0) << levels << " " << axis << " " << side;
+        }
+      }
+    }
+  }
+}
+
+TEST(BranchAndBound, OfEqualPlacesItTellsTheFirst) {
+  // Two posts, and a cloud of one: in each of two places all of it fits.
+  for (int axis = 0; axis < 3; ++axis) {
+    GridCloud posts;
+    for (const double at_m : {-1.0, 1.0}) posts.push_back((at_m * Vector3::Unit(axis)).cast<float>());
+    const GridCloud cloud = {Eigen::Vector3f::Zero()};
+    for (int levels = 1; levels <= 2; ++levels) {
+      const SearchResult found = search_best_pose(OccupancyPyramid(posts, kGridCell_m, levels), cloud, Pose::Identity(),
+                                                  {3, 3, 0.0, 0.05}, 0.0, kNoBudget);
+      ASSERT_TRUE(found.best);
+      EXPECT_EQ(found.best->T_map_cloud.translation(), -Vector3::Unit(axis)) << axis << " " << levels;
+    }
+  }
+  // A point on the axis fits at every heading.
+  const GridCloud post = {{0.1F, 0.1F, 0.0F}};
+  const SearchResult found = search_best_pose(OccupancyPyramid(post, kGridCell_m, 1), post, Pose::Identity(),
+                                              {0, 0, 0.1, 0.05}, 0.0, kNoBudget);
+  ASSERT_TRUE(found.best);
+  EXPECT_NEAR(yaw_of(found.best->T_map_cloud.linear()), -0.1, 1e-12);
+}
+
+TEST(BranchAndBound, LooksAtEveryPlaceOnceWhereThereIsNoLevelToBoundIt) {
+  std::mt19937 random(14);
+  const GridCloud points = random_cloud(random, 20, 2.0F);
+  const SearchWindow window{3, 2, 0.1, 0.05};
+  const OccupancyPyramid map(points, kGridCell_m, 1);
+  const auto run = [&](std::int64_t budget, std::span<const std::uint8_t> allowed) {
+    return search_best_pose(map, moved_by(points, {9.0, 0.0, 0.0}), Pose::Identity(), window, 0.9, budget, allowed);
+  };
+  EXPECT_EQ(run(kNoBudget, {}).num_expanded, 7 * 7 * 5 * 5);
+  EXPECT_EQ(run(kNoBudget, std::vector<std::uint8_t>{0, 1, 0, 0, 1}).num_expanded, 7 * 7 * 5 * 2);
+  EXPECT_FALSE(run(kNoBudget, {}).best);
+}
+
+TEST(BranchAndBound, OpensOnlyWhatMayHoldABetterPlace) {
+  // A block in which any displacement fits: eight nodes above, the eight of the first of them, and all others are no
+  // better than the first place.
+  GridCloud block;
+  for (int i = 0; i < 12 * 12 * 12; ++i) {
+    block.push_back(0.5F * Eigen::Vector3f(static_cast<float>(i % 12), static_cast<float>(i / 12 % 12),
+                                           static_cast<float>(i / 144)) -
+                    Eigen::Vector3f::Constant(2.9F));
+  }
+  const GridCloud cloud = {Eigen::Vector3f::Constant(0.1F)};
+  const OccupancyPyramid map(block, kGridCell_m, 2);
+  const SearchResult found = search_best_pose(map, cloud, Pose::Identity(), {1, 1, 0.0, 0.05}, 0.0, kNoBudget);
+  EXPECT_EQ(found.num_expanded, 16);
+  ASSERT_TRUE(found.best);
+  EXPECT_EQ(found.best->T_map_cloud.translation(), Vector3::Constant(-kGridCell_m));
+}
+
+TEST(BranchAndBound, EndsByItsBudgetAndNotBefore) {
+  const GridCloud post = {{0.1F, 0.1F, 0.1F}};
+  const OccupancyPyramid map(post, kGridCell_m, 1);
+  const auto complete = [&](std::int64_t budget) {
+    return search_best_pose(map, post, Pose::Identity(), {3, 2, 0.0, 0.05}, 0.0, budget).complete;
+  };
+  EXPECT_TRUE(complete(7 * 7 * 5));
+  EXPECT_FALSE(complete(7 * 7 * 5 - 1));
+}
+
+TEST(BranchAndBound, TakesAScoreThatReachesTheLeastOneAndNoneBelow) {
+  // Three of eight points fit.
+  GridCloud points, cloud;
+  for (int i = 0; i < 8; ++i) cloud.emplace_back(1.5F * static_cast<float>(i), 0.1F, 0.1F);
+  for (int i = 0; i < 3; ++i) points.push_back(cloud[static_cast<std::size_t>(i * i)]);
+  const OccupancyPyramid map(points, kGridCell_m, 1);
+  const auto found = [&](double score_min) {
+    return search_best_pose(map, cloud, Pose::Identity(), {0, 0, 0.0, 0.05}, score_min, kNoBudget).best;
+  };
+  for (const double score_min : {0.0, 0.3, 3.0 / 8.0}) {
+    ASSERT_TRUE(found(score_min)) << score_min;
+    EXPECT_DOUBLE_EQ(found(score_min)->score, 3.0 / 8.0);
+  }
+  for (const double score_min : {3.01 / 8.0, 4.0 / 8.0, 1.0}) EXPECT_FALSE(found(score_min)) << score_min;
+  // One point of all is something, none is nothing.
+  const GridCloud one = {cloud[0]};
+  EXPECT_TRUE(search_best_pose(OccupancyPyramid(one, kGridCell_m, 1), cloud, Pose::Identity(), {0, 0, 0.0, 0.05}, 0.0,
+                               kNoBudget)
+                  .best);
+  EXPECT_FALSE(search_best_pose(OccupancyPyramid(one, kGridCell_m, 1), moved_by(cloud, {0, 9, 0}), Pose::Identity(),
+                                {0, 0, 0.0, 0.05}, 0.0, kNoBudget)
+                   .best);
+  EXPECT_FALSE(search_best_pose(map, {}, Pose::Identity(), {0, 0, 0.0, 0.05}, 0.0, kNoBudget).best);
+}
+
+// Directions of surfaces, written down once more: in each slice of 0.2 m points go around their middle, and two that
+// follow each other 0.2 to 0.9 m apart are on one surface. The more it lies across the line to the middle, the more it
+// counts; so near to the middle that nobody can tell, not at all.
+std::array<double, 120> plain_histogram(const GridCloud& points) {
+  std::map<int, std::vector<Vector3>> slices;
+  for (const Eigen::Vector3f& p : points) {
+    slices[static_cast<int>(std::floor(p.z() / 0.2F))].push_back(p.cast<double>());
+  }
+  std::array<double, 120> weights{};
+  for (auto& [height, slice] : slices) {
+    Vector3 middle = Vector3::Zero();
+    for (const Vector3& p : slice) middle += p / static_cast<double>(slice.size());
+    const auto bearing = [&](const Vector3& p) { return std::atan2(p.y() - middle.y(), p.x() - middle.x()); };
+    std::stable_sort(slice.begin(), slice.end(),
+                     [&](const Vector3& a, const Vector3& b) { return bearing(a) < bearing(b); });
+    for (std::size_t i = 1; i < slice.size(); ++i) {
+      const Eigen::Vector2d along = (slice[i] - slice[i - 1]).head<2>(), out = (slice[i - 1] - middle).head<2>();
+      if (along.norm() < 0.2 || along.norm() > 0.9 || out.norm() < 0.2) continue;
+      const double degrees = std::fmod(std::atan2(along.y(), along.x()) * 180.0 / M_PI + 360.0, 180.0);
+      weights[static_cast<std::size_t>(degrees / 1.5) % 120] +=
+          1.0 - std::abs(along.normalized().dot(out.normalized()));
+    }
+  }
+  return weights;
+}
+
+double plain_similarity(const std::array<double, 120>& own, const std::array<double, 120>& other, double yaw_rad) {
+  // Turned by parts of a bucket, a bucket's weight is shared by two.
+  std::array<double, 120> turned{};
+  const double shift = yaw_rad * 180.0 / M_PI / 1.5;
+  for (int i = 0; i < 120; ++i) {
+    const double to = i + shift + 1200.0;
+    const int low = static_cast<int>(std::floor(to));
+    turned[static_cast<std::size_t>(low % 120)] += (1.0 - (to - low)) * own[static_cast<std::size_t>(i)];
+    turned[static_cast<std::size_t>((low + 1) % 120)] += (to - low) * own[static_cast<std::size_t>(i)];
+  }
+  double dot = 0.0, a = 0.0, b = 0.0;
+  for (std::size_t i = 0; i < 120; ++i) {
+    dot += turned[i] * other[i];
+    a += turned[i] * turned[i];
+    b += other[i] * other[i];
+  }
+  return a * b > 0.0 ? dot / std::sqrt(a * b) : 1.0;
+}
+
+TEST(RotationalHistogram, HasTheDirectionsOfNeighborsOnTheSameSurface) {
+  std::mt19937 random(15);
+  std::uniform_real_distribution<double> uniform(-3.0, 3.0);
+  for (int trial = 0; trial < 30; ++trial) {
+    // Few points, so that each one counts: some lie too near to each other, some too far.
+    const GridCloud one = random_cloud(random, 40, trial % 2 == 0 ? 1.0F : 2.5F);
+    const GridCloud two = random_cloud(random, 60, 1.5F);
+    const RotationalHistogram a(one), b(two);
+    const auto plain_a = plain_histogram(one), plain_b = plain_histogram(two);
+    for (int i = 0; i < 10; ++i) {
+      const double yaw_rad = uniform(random);
+      EXPECT_NEAR(a.similarity(b, yaw_rad), plain_similarity(plain_a, plain_b, yaw_rad), 1e-5) << trial;
+    }
+    EXPECT_NEAR(a.similarity(a, 0.0), 1.0, 1e-12);
+    EXPECT_NEAR(a.similarity(b, 0.4), a.similarity(b, 0.4 + M_PI), 1e-9) << "half a turn changes no direction";
+  }
+}
+
+TEST(RotationalHistogram, WithoutSurfacesItSaysNothingAgainstAnyHeading) {
+  std::mt19937 random(16);
+  const RotationalHistogram none({}), some(random_cloud(random, 60, 1.5F));
+  EXPECT_EQ(none.similarity(none, 0.3), 1.0);
+  EXPECT_EQ(none.similarity(some, 0.3), 1.0);
+  EXPECT_EQ(some.similarity(none, 0.3), 1.0);
+}
+
+}  // namespace
+}  // namespace swiftlet

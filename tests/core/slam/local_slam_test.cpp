@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When a scan counts, when it goes into the map, and what the map may have drifted.
+#include "swiftlet/core/slam/local_slam.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "swiftlet/core/localization/rotation.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "tests/core/slam/synthetic_room.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::SyntheticFlight;
+using testing::SyntheticRoom;
+
+constexpr TimeNs kImuTick = 4'000'000, kLidarTick = 100'000'000;
+
+const SyntheticRoom kStore = SyntheticRoom::box({-6.3, -5.1, -0.2}, {7.4, 6.2, 4.7});
+
+SyntheticFlight flight_in(const SyntheticRoom& room, SyntheticFlight::PoseAt at) {
+  SyntheticFlight flight(room, std::move(at));
+  flight.sigma_range_m = 0.005;
+  return flight;
+}
+
+Pose standing(double) { return make_pose({0, 0, 1.5}, Eigen::Quaterniond::Identity()); }
+
+/// Every scan is matched once, so that what it does is seen at once.
+LocalSlamConfig from_the_first_scan_on() {
+  LocalSlamConfig config;
+  config.start_scans = 0;
+  return config;
+}
+
+/// Outcomes of so many scans, with the IMU between them.
+std::vector<ScanOutcome> outcomes_of(LocalSlam& slam, SyntheticFlight& flight, int num_scans) {
+  std::vector<ScanOutcome> outcomes;
+  for (TimeNs t = kImuTick; static_cast<int>(outcomes.size()) < num_scans; t += kImuTick) {
+    slam.add(flight.imu(t));
+    if (t % kLidarTick == 0) outcomes.push_back(slam.add(flight.scan(t)));
+  }
+  return outcomes;
+}
+
+std::vector<int> inserted_scans(const std::vector<ScanOutcome>& outcomes) {
+  std::vector<int> inserted;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    if (outcomes[i].inserted) inserted.push_back(static_cast<int>(i) + 1);
+  }
+  return inserted;
+}
+
+std::vector<int> first_ten_and(std::vector<int> others) {
+  std::vector<int> all;
+  for (int i = 1; i <= 10; ++i) all.push_back(i);
+  all.insert(all.end(), others.begin(), others.end());
+  return all;
+}
+
+TEST(LocalSlam, AtRestAScanGoesIntoTheMapEverySecondButTheFirstTenAtOnce) {
+  SyntheticFlight flight = flight_in(kStore, standing);
+  LocalSlam slam(from_the_first_scan_on(), flight.at(0), 0.3);
+  EXPECT_TRUE(slam.started());
+  const auto outcomes = outcomes_of(slam, flight, 41);
+  EXPECT_EQ(inserted_scans(outcomes), first_ten_and({20, 30, 40}));
+  EXPECT_EQ(slam.inserted_at().t, 40 * kLidarTick);
+  for (const ScanOutcome& outcome : outcomes) EXPECT_TRUE(outcome.used);
+  EXPECT_EQ(outcomes.front().num_iterations, 0) << "it began the map";
+  EXPECT_GT(outcomes.back().num_iterations, 0);
+}
+
+TEST(LocalSlam, MotionBringsAScanIntoTheMapSooner) {
+  // 0.1 m or 3 degrees from scan to scan.
+  const auto inserted = [](SyntheticFlight::PoseAt at, double after_m, double after_deg) {
+    LocalSlamConfig config = from_the_first_scan_on();
+    config.insert_after_s = 100.0;
+    config.insert_after_m = after_m;
+    config.insert_after_deg = after_deg;
+    config.imu.start_velocity_sigma_mps = 2.0;
+    SyntheticFlight flight = flight_in(kStore, std::move(at));
+    LocalSlam slam(config, flight.at(0), 0.3);
+    return inserted_scans(outcomes_of(slam, flight, 20));
+  };
+  const auto ahead = [](double t_s) { return make_pose({t_s - 1.0, 0, 1.5}, Eigen::Quaterniond::Identity()); };
+  const auto turning = [](double t_s) { return make_pose({0, 0, 1.5}, rotation_by({0, 0, 30.0 * kRadPerDeg * t_s})); };
+  EXPECT_EQ(inserted(ahead, 0.25, 180.0), first_ten_and({13, 16, 19}));
+  EXPECT_EQ(inserted(ahead, 0.35, 180.0), first_ten_and({14, 18}));
+  EXPECT_EQ(inserted(turning, 50.0, 8.0), first_ten_and({13, 16, 19}));
+  EXPECT_EQ(inserted(turning, 50.0, 10.0), first_ten_and({14, 18}));
+}
+
+/// Only so many returns, without any two in one cube.
+std::shared_ptr<const Scan> with_returns(const std::shared_ptr<const Scan>& scan, int num) {
+  auto fewer = std::make_shared<Scan>(*scan);
+  const int every = fewer->size() / num;
+  for (int i = 0; i < fewer->size(); ++i) {
+    if (i % every != 0 || i / every >= num) fewer->range_m[static_cast<std::size_t>(i)] = 0.0F;
+  }
+  return fewer;
+}
+
+TEST(LocalSlam, AScanOfFewerThanFiftyReturnsSaysNothing) {
+  for (const int num : {49, 50}) {
+    SyntheticFlight flight = flight_in(kStore, standing);
+    LocalSlamConfig config = from_the_first_scan_on();
+    config.map_voxel_m = config.match_voxel_m = 0.01;
+    LocalSlam slam(config, flight.at(0), 0.3);
+    slam.add(flight.imu(kLidarTick));
+    const ScanOutcome outcome = slam.add(with_returns(flight.scan(kLidarTick), num));
+    EXPECT_EQ(outcome.used, num == 50);
+    EXPECT_EQ(outcome.inserted, num == 50);
+    EXPECT_EQ(outcome.fit.num_degenerate, num == 50 ? 0 : 6);
+    EXPECT_EQ(slam.map().num_cells() > 0, num == 50);
+    EXPECT_EQ(outcome.fit.num_points, num == 49 ? 49 : 0) << "of the first one that counts nothing is matched";
+  }
+}
+
+TEST(LocalSlam, WithoutTheImuAScanIsOfNoUse) {
+  SyntheticFlight flight = flight_in(kStore, standing);
+  LocalSlam slam(from_the_first_scan_on(), flight.at(0), 0.3);
+  const ScanOutcome outcome = slam.add(flight.scan(kLidarTick));
+  EXPECT_FALSE(outcome.used || outcome.inserted);
+  EXPECT_EQ(slam.map().num_cells(), 0U);
+}
+
+TEST(LocalSlam, TakesNoMorePointsThanItMay) {
+  LocalSlamConfig config = from_the_first_scan_on();
+  config.match_points = 333;
+  config.map_points = 444;
+  for (const int num_scans : {10, 11}) {
+    SyntheticFlight flight = flight_in(kStore, standing);
+    LocalSlam slam(config, flight.at(0), 0.3);
+    EXPECT_EQ(outcomes_of(slam, flight, num_scans).back().fit.num_points, 333);
+    if (num_scans == 10) {
+      EXPECT_GT(slam.points_body_m().size(), 444U) << "the first ones make the map";
+      continue;
+    }
+    ASSERT_EQ(slam.points_body_m().size(), 444U);
+    // From all around, not the first ones.
+    int ahead = 0, behind = 0;
+    for (const Eigen::Vector3f& p : slam.points_body_m()) ++(p.x() > 0.0F ? ahead : behind);
+    EXPECT_GT(std::min(ahead, behind), 100);
+  }
+}
+
+TEST(LocalSlam, WhileItsSpeedIsNotKnownItsFirstScansMakeTheMapAnew) {
+  // A scan is smeared when the speed may be off by more than 0.3 m/s: what it made of the map counts no more then.
+  const auto points_of_a_wall = [](double sigma_mps) {
+    LocalSlamConfig config = from_the_first_scan_on();
+    config.imu.start_velocity_sigma_mps = sigma_mps;
+    SyntheticFlight flight = flight_in(kStore, standing);
+    LocalSlam slam(config, flight.at(0), 0.3);
+    outcomes_of(slam, flight, 2);
+    const SurfaceCell* cell = slam.map().find({-6.3, 0.5, 1.4});
+    return cell == nullptr ? 0.0F : cell->count;
+  };
+  EXPECT_GT(points_of_a_wall(0.28), 1.6F * points_of_a_wall(0.31));
+  EXPECT_GT(points_of_a_wall(0.31), 20.0F);
+}
+
+TEST(LocalSlam, EveryTenMetersItForgetsWhatIsFarBehind) {
+  SyntheticRoom aisle = SyntheticRoom::box({-3.3, -2.1, -0.2}, {40.0, 2.2, 3.7});
+  const auto flies = [](double t_s) {
+    const double way_m = t_s < 0.5 ? 0.0 : 4.0 * (t_s - 0.5 - 0.5 * (1.0 - std::exp(-2.0 * (t_s - 0.5))));
+    return make_pose({way_m, 0, 1.5}, Eigen::Quaterniond::Identity());
+  };
+  LocalSlamConfig config = from_the_first_scan_on();
+  config.map.keep_radius_m = 5.0;
+  SyntheticFlight flight = flight_in(aisle, flies);
+  LocalSlam slam(config, flight.at(0), 0.3);
+  const Vector3 behind_m(-3.3, 0.3, 1.5);
+  double forgotten_at_m = 0.0;
+  for (TimeNs t = kImuTick; to_seconds(t) < 4.5 && forgotten_at_m == 0.0; t += kImuTick) {
+    slam.add(flight.imu(t));
+    if (t % kLidarTick != 0) continue;
+    slam.add(flight.scan(t));
+    if (t > 5 * kLidarTick && slam.map().find(behind_m) == nullptr) forgotten_at_m = flight.at(t).translation().x();
+  }
+  EXPECT_GT(forgotten_at_m, 9.8);
+  EXPECT_LT(forgotten_at_m, 10.9);
+}
+
+TEST(LocalSlam, StartsOverWithWhatItsFirstScansTaught) {
+  LocalSlamConfig config;
+  config.start_scans = 3;
+  SyntheticFlight flight = flight_in(kStore, standing);
+  flight.gyro_bias_radps = {0.02, -0.02, 0.03};
+  LocalSlam slam(config, flight.at(0), 0.3);
+  outcomes_of(slam, flight, 2);
+  EXPECT_FALSE(slam.started());
+  const double sigma_before =
+      std::sqrt(slam.filter().covariance()(InertialFilter::kGyroBias, InertialFilter::kGyroBias));
+  LocalSlam started(config, flight.at(0), 0.3);
+  SyntheticFlight again = flight_in(kStore, standing);
+  again.gyro_bias_radps = flight.gyro_bias_radps;
+  outcomes_of(started, again, 3);
+  EXPECT_TRUE(started.started());
+  EXPECT_EQ(started.filter().state().nav.t, 3 * kLidarTick);
+  EXPECT_LT((started.filter().state().gyro_bias_body_radps - again.gyro_bias_radps).norm(), 0.01);
+  EXPECT_LT(std::sqrt(started.filter().covariance()(InertialFilter::kGyroBias, InertialFilter::kGyroBias)),
+            sigma_before);
+}
+
+TEST(LocalSlam, ItsDoubtIsThatOfTheFilterAndThatOfTheMap) {
+  SyntheticFlight flight = flight_in(kStore, standing);
+  LocalSlamConfig config = from_the_first_scan_on();
+  config.drift.start_position_m = 0.3;
+  config.drift.start_attitude_deg = 2.0;
+  LocalSlam slam(config, flight.at(0), 0.3);
+  outcomes_of(slam, flight, 5);
+  const Matrix6 more = slam.pose_covariance(slam.filter()) - slam.filter().pose_covariance();
+  EXPECT_NEAR(more(0, 0), 0.09, 1e-4);
+  EXPECT_NEAR(more(5, 5), std::pow(2.0 * kRadPerDeg, 2), 1e-5);
+}
+
+// A step of the way k moves and turns what comes after it: each adds what it is, carried by the lever from there.
+TEST(MapDrift, IsTheSumOfWhatEachStepOfTheWayAdded) {
+  MapDriftConfig config;
+  config.start_position_m = 0.01;
+  config.start_attitude_deg = 0.3;
+  config.position_m_sqrt_m = 0.02;
+  config.attitude_deg_sqrt_m = 0.5;
+  const Vector3 start_m(1, 2, 3);
+  MapDrift drift(config, start_m);
+  struct Source {
+    Vector3 at_m;
+    double position_m2, attitude_rad2;
+  };
+  std::vector<Source> sources = {{start_m, 1e-4, std::pow(0.3 * kRadPerDeg, 2)}};
+  Vector3 p_m = start_m;
+  for (int i = 0; i < 25; ++i) {
+    const Vector3 step_m(std::cos(0.4 * i), 0.7 * std::sin(0.9 * i), 0.2 * (i % 3));
+    const double fresh = 0.1 * (i % 11);
+    p_m += step_m;
+    drift.move_to(p_m, fresh);
+    sources.push_back({p_m, 4e-4 * fresh * step_m.norm(), std::pow(0.5 * kRadPerDeg, 2) * fresh * step_m.norm()});
+    const Matrix3 R = rotation_by({0.1 * i, -0.2, 0.3}).toRotationMatrix();
+    Matrix6 expected = Matrix6::Zero();
+    for (const Source& source : sources) {
+      const Matrix3 K = skew_of(p_m - source.at_m);
+      expected.topLeftCorner<3, 3>() +=
+          source.position_m2 * Matrix3::Identity() + source.attitude_rad2 * K * K.transpose();
+      expected.topRightCorner<3, 3>() -= source.attitude_rad2 * K * R;
+      expected.bottomRightCorner<3, 3>() += source.attitude_rad2 * Matrix3::Identity();
+    }
+    expected.bottomLeftCorner<3, 3>() = expected.topRightCorner<3, 3>().transpose();
+    EXPECT_LT((drift.covariance(R) - expected).norm(), 1e-12) << i;
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From which instant on an estimate by SLAM is warned of or not valid, and how far it is carried.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "swiftlet/core/localization/rotation.hpp"
+#include "swiftlet/core/slam/slam.hpp"
+#include "swiftlet/core/slam/slam_to_now.hpp"
+#include "tests/core/slam/synthetic_room.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr TimeNs kSlamTick = 4'000'000;
+const Vector3 kAtRest(0, 0, kStandardGravity_mps2);
+
+/// An estimator that is told what one likes, one tick after the other.
+struct ToldSlam {
+  SlamConfig config;
+  AgentSetup setup;
+  std::unique_ptr<StateEstimator> estimator;
+  Outbox outbox{0};
+  TimeNs t = 0;
+
+  const StateEstimate& tick(const std::function<void(Observation&)>& change = {}, bool imu = true,
+                            const Vector3& force = kAtRest, const Vector3& omega = Vector3::Zero()) {
+    if (!estimator) estimator = make_slam_estimator(config, setup);
+    t += kSlamTick;
+    Observation observation;
+    observation.t = t;
+    if (imu) observation.imu.push_back({t, omega, force});
+    if (change) change(observation);
+    return estimator->update(observation, outbox);
+  }
+  /// Until something is said of it [s]; its first tick was at 4 ms.
+  double until_s(const std::string& said, bool fault, double most_s, bool imu = true) {
+    while (to_seconds(t) < most_s) {
+      tick({}, imu);
+      if (said == (fault ? estimator->fault() : estimator->warning())) return to_seconds(t - kSlamTick);
+    }
+    return most_s;
+  }
+};
+
+TEST(SlamLimits, WithoutScansItWarnsAndThenGivesUpWhenScansThatMayStillComeCannotBeMeant) {
+  // Latency, then the time that it waits, and a tick.
+  EXPECT_NEAR(ToldSlam().until_s("SLAM flies by the IMU alone", false, 2.0), 0.03 + 0.35, 0.0041);
+  EXPECT_NEAR(ToldSlam().until_s("SLAM is lost: no scan fits", true, 5.0), 0.03 + 3.0, 0.0041);
+  ToldSlam slow;
+  slow.config.latency_s = 0.2;
+  slow.config.warn_after_s = 0.1;
+  slow.config.lidar_timeout_s = 0.5;
+  EXPECT_NEAR(slow.until_s("SLAM flies by the IMU alone", false, 2.0), 0.3, 0.0041);
+  EXPECT_NEAR(slow.until_s("SLAM is lost: no scan fits", true, 5.0), 0.7, 0.0041);
+}
+
+TEST(SlamLimits, WithoutTheImuItIsNotValidFromATenthOfASecondOn) {
+  ToldSlam slam;
+  slam.tick();
+  const double s = slam.until_s("no IMU", true, 2.0, false);
+  EXPECT_NEAR(s, 0.104, 1e-9);
+  EXPECT_FALSE(slam.tick({}, false).valid);
+  EXPECT_TRUE(slam.tick().valid) << "it is there again";
+  EXPECT_STREQ(slam.estimator->fault(), "");
+  const StateEstimate& e = slam.tick([](Observation& o) { o.imu[0].omega_body_radps.x() = std::nan(""); });
+  EXPECT_TRUE(e.valid) << "one sample that is no number is missed, not more";
+}
+
+TEST(SlamLimits, TooUncertainIsNotValid) {
+  // 0.1 m/s that nobody knows, a bias of 0.2 m/s^2 and a tilt of half a degree.
+  ToldSlam slam;
+  slam.config.position_sigma_max_m = 0.12;
+  const double s = slam.until_s("position too uncertain", true, 3.0);
+  const double a_mps2 = std::hypot(0.196, kStandardGravity_mps2 * 0.5 * M_PI / 180.0);
+  const double expected_m = std::hypot(0.1 * s, 0.5 * a_mps2 * s * s);
+  EXPECT_NEAR(expected_m, 0.12, 0.01) << s;
+}
+
+TEST(SlamLimits, CarriesItsStateFromTheLastSampleOnButNotForLong) {
+  ToldSlam slam;
+  slam.setup.T_local_body_start = make_pose({1, 2, 3}, Eigen::Quaterniond::Identity());
+  slam.tick();
+  for (int i = 0; i < 50; ++i) slam.tick({}, true, {5.0, 0, kStandardGravity_mps2}, {0, 0, 0.2});
+  const StateEstimate last = slam.tick();
+  const Vector3 v = last.v_local_mps;
+  EXPECT_GT(v.norm(), 0.9);
+  slam.tick({}, false);
+  const StateEstimate ahead = slam.tick({}, false);
+  EXPECT_LT((ahead.T_local_body.translation() - last.T_local_body.translation() - 0.008 * v).norm(), 1e-9);
+  EXPECT_EQ(ahead.v_local_mps, v);
+  slam.t += 20 * kNsPerSecond;
+  const StateEstimate late = slam.tick({}, false);
+  EXPECT_LT((late.T_local_body.translation() - last.T_local_body.translation() - 0.1 * v).norm(), 1e-9);
+  // Turning goes on as well.
+  ToldSlam turning;
+  for (int i = 0; i < 3; ++i) turning.tick({}, true, kAtRest, {0, 0, 0.5});
+  const double yaw_rad = yaw_of(turning.tick({}, true, kAtRest, {0, 0, 0.5}).T_local_body.linear());
+  turning.tick({}, false);
+  EXPECT_NEAR(yaw_of(turning.tick({}, false).T_local_body.linear()) - yaw_rad, 0.5 * 0.008, 1e-9);
+}
+
+TEST(SlamLimits, ItsHeadingInTheWorldIsThatOfTheCompassWhateverItBeganWith) {
+  ToldSlam slam;
+  slam.setup.start_known = StartKnown::kPosition;
+  slam.setup.T_local_body_start = make_pose({7, 8, 9}, rotation_by({0, 0, 0.4}));
+  slam.tick();
+  slam.tick([](Observation& o) { o.compass.push_back({o.t, std::nan(""), 0.01}); });
+  const StateEstimate& e = slam.tick([](Observation& o) {
+    o.compass.push_back({o.t, -1.1, 0.01});
+    o.compass.push_back({o.t, 2.0, 0.01});
+    o.gnss.push_back({o.t, {100, 0, 0}});
+  });
+  EXPECT_EQ(e.correction_revision, 1U) << "the first one, and its place was told";
+  EXPECT_NEAR(yaw_of(e.T_world_body().linear()), -1.1, 1e-6);
+  EXPECT_LT((e.T_world_body().translation() - Vector3(7, 8, 9)).norm(), 1e-3) << "turned about the start";
+  EXPECT_EQ(slam.tick([](Observation& o) { o.compass.push_back({o.t, 0.5, 0.01}); }).correction_revision, 1U);
+}
+
+TEST(SlamLimits, AScanIsMatchedWhenItsLatencyIsOver) {
+  testing::SyntheticFlight flight(testing::SyntheticRoom::box({-5, -5, -1}, {6, 5, 3}), [](double) {
+    return make_pose({0, 0, 1}, Eigen::Quaterniond::Identity());
+  });
+  constexpr TimeNs kScan = 100'000'000;
+  for (const double latency_s : {0.0, 0.03}) {
+    SlamToNow slam(LocalSlamConfig{}, latency_s, flight.at(0), 0.3);
+    for (TimeNs t = kSlamTick; t <= kScan; t += kSlamTick) slam.add(flight.imu(t));
+    slam.add(kScan, flight.scan(kScan));
+    slam.add(kScan, flight.scan(kScan));
+    const TimeNs due = kScan + from_seconds(latency_s);
+    for (TimeNs t = kScan + kSlamTick; t < due; t += kSlamTick) slam.add(flight.imu(t));
+    EXPECT_FALSE(slam.match_next(due - 1));
+    const auto matched = slam.match_next(due);
+    ASSERT_TRUE(matched);
+    EXPECT_EQ(matched->arrived, kScan);
+    EXPECT_TRUE(matched->outcome.used);
+    EXPECT_TRUE(slam.match_next(due)) << "both";
+    EXPECT_FALSE(slam.match_next(due));
+    EXPECT_EQ(slam.now().state().nav.t, latency_s > 0.0 ? kScan + 7 * kSlamTick : kScan);
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One cell of surfaces against plain statistics of its points, and which cells there are.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/slam/surface_map.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr double kFace_m = -0.11;  // where cells begin, so that no wall at a round coordinate lies on a face
+
+/// A map of one level of large cells.
+SurfaceMapConfig one_level(double cell_m = 2.0) {
+  SurfaceMapConfig config;
+  config.cell_m = cell_m;
+  config.levels = 1;
+  return config;
+}
+
+struct PlainFit {
+  Vector3 mean_m = Vector3::Zero();
+  Matrix3 covariance = Matrix3::Zero();
+  Eigen::SelfAdjointEigenSolver<Matrix3> eigen;
+
+  explicit PlainFit(const std::vector<Vector3>& points) {
+    const auto n = static_cast<double>(points.size());
+    for (const Vector3& p : points) mean_m += p / n;
+    for (const Vector3& p : points) covariance += (p - mean_m) * (p - mean_m).transpose() / (n - 1.0);
+    eigen.compute(covariance);
+  }
+  double variance(int i) const { return eigen.eigenvalues()(i); }
+};
+
+TEST(SurfaceCells, AreTheStatisticsOfTheirPoints) {
+  std::mt19937 random(31);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  const auto spread = [&](double low, double high) { return low * std::pow(high / low, uniform(random)); };
+  int planes = 0, poles = 0, neither = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    // Blobs, plates and rods of any attitude within one cell of 2 m.
+    const double edge_m = 2.0;
+    const Vector3 sigma_m = trial % 2 == 0 ? Vector3(spread(0.01, 0.2), spread(0.03, 0.3), spread(0.05, 0.5))
+                                           : Vector3(spread(0.01, 0.12), spread(0.12, 0.5), spread(0.2, 0.5));
+    const Vector3 tilt_rad = trial % 3 == 0 ? Vector3(Vector3::Random() * 3.0) : Vector3(Vector3::Random() * 0.6);
+    const Eigen::Quaterniond q = rotation_by(tilt_rad);
+    const Vector3 cell = Vector3(trial % 7 - 3, trial % 5 - 2, trial % 3 - 1);
+    const Vector3 low_m = edge_m * cell + Vector3::Constant(kFace_m), middle_m = low_m + Vector3::Constant(1.0);
+    const int num = 6 + static_cast<int>(60 * uniform(random));
+    std::vector<Vector3> points;
+    while (static_cast<int>(points.size()) < num) {
+      const Vector3 p = middle_m + q * sigma_m.cwiseProduct(Vector3(normal(random), normal(random), normal(random)));
+      if ((p - middle_m).cwiseAbs().maxCoeff() < 0.99) points.push_back(p);
+    }
+    SurfaceMap map(one_level());
+    map.insert(points, middle_m);
+    ASSERT_EQ(map.num_cells(), 1U);
+    const SurfaceCell* found = map.find(middle_m);
+    ASSERT_NE(found, nullptr);
+    const PlainFit plain(points);
+    ASSERT_EQ(found->count, static_cast<float>(num));
+    ASSERT_EQ(found->count_fitted, static_cast<float>(num));
+    ASSERT_LT((found->mean_m.cast<double>() - plain.mean_m).norm(), 1e-5);
+    const double most = plain.variance(2);
+    ASSERT_NEAR(found->variance_m2, plain.variance(0), 1e-5 * most + 1e-6);
+    ASSERT_NEAR(found->narrow_variance_m2, plain.variance(1), 1e-5 * most + 1e-6);
+    if (plain.variance(1) > 1.3 * plain.variance(0)) {
+      ASSERT_GT(std::abs(found->normal.cast<double>().dot(plain.eigen.eigenvectors().col(0))), 0.999);
+    }
+    if (plain.variance(2) > 1.3 * plain.variance(1)) {
+      ASSERT_GT(std::abs(found->axis.cast<double>().dot(plain.eigen.eigenvectors().col(2))), 0.999);
+    }
+
+    // A plane is thinner than its roughness, and three times as wide as thick, but at least a tenth of the cell. A pole
+    // is no plane, 0.15 m thin, three times as long, but at least a seventh of the cell, and upright to 26 degrees.
+    const double s0 = std::sqrt(plain.variance(0)), s1 = std::sqrt(plain.variance(1)), s2 = std::sqrt(most);
+    const double upright = std::abs(plain.eigen.eigenvectors()(2, 2));
+    const bool planar = s0 < 0.06 && s1 > std::max(0.1 * edge_m, 3.0 * s0);
+    const bool pole = !planar && s1 < 0.15 && s2 > std::max(std::sqrt(0.02) * edge_m, 3.0 * s1) && upright > 0.9;
+    const auto is_close = [](double a, double b) { return std::abs(a / b - 1.0) < 2e-3; };
+    if (is_close(s0, 0.06) || is_close(s1, 0.1 * edge_m) || is_close(s1, 3.0 * s0) || is_close(s1, 0.15) ||
+        is_close(s2, std::sqrt(0.02) * edge_m) || is_close(s2, 3.0 * s1) || is_close(upright, 0.9)) {
+      continue;  // rounding decides
+    }
+    ASSERT_EQ(found->planar, planar) << s0 << " " << s1 << " " << s2;
+    ASSERT_EQ(found->pole, pole) << s0 << " " << s1 << " " << s2 << " " << upright;
+    ASSERT_EQ(found->settled, planar && num >= 30);
+    ASSERT_EQ(map.find_pole(middle_m), pole ? found : nullptr);
+    ++(planar ? planes : pole ? poles : neither);
+  }
+  EXPECT_GT(planes, 250);
+  EXPECT_GT(poles, 40);
+  EXPECT_GT(neither, 300);
+}
+
+/// A patch of a level plane of so many points around (1, 1) in the cell from 0.
+std::vector<Vector3> patch(int num, double height_m = 0.5) {
+  std::vector<Vector3> points;
+  for (int i = 0; i < num; ++i) {
+    points.emplace_back(1.0 + 0.7 * std::cos(2.4 * i), 1.0 + 0.7 * std::sin(2.4 * i), height_m + 0.01 * (i % 3));
+  }
+  return points;
+}
+
+TEST(SurfaceCells, AreKnownFromSixPointsOnAndSettledFromThirty) {
+  const Vector3 at_m(1.0, 1.0, 0.5);
+  for (const int num : {5, 6, 29, 30}) {
+    SurfaceMap map(one_level());
+    map.insert(patch(num), at_m);
+    ASSERT_EQ(map.find(at_m) != nullptr, num >= 6);
+    if (num < 6) continue;
+    EXPECT_TRUE(map.find(at_m)->planar);
+    EXPECT_EQ(map.find(at_m)->settled, num >= 30) << num;
+  }
+}
+
+TEST(SurfaceCells, AreFittedAnewWhenTheyHaveGrownByAQuarter) {
+  SurfaceMap map(one_level());
+  const std::vector<Vector3> points = patch(60);
+  const Vector3 at_m(1.0, 1.0, 0.5);
+  std::vector<float> fitted;
+  for (int i = 0; i < 12; ++i) {
+    map.insert({&points[static_cast<std::size_t>(i)], 1}, at_m);
+    if (map.find(at_m) != nullptr) fitted.push_back(map.find(at_m)->count_fitted);
+  }
+  // 6 points, 8 are a quarter more than 6, 10 than 8.
+  EXPECT_EQ(fitted, (std::vector<float>{6, 6, 8, 8, 10, 10, 10}));
+}
+
+TEST(SurfaceCells, TakeNoMorePointsThanTheyMay) {
+  SurfaceMapConfig config = one_level();
+  config.points_per_cell = 40;
+  SurfaceMap map(config);
+  const Vector3 at_m(1.0, 1.0, 0.5);
+  map.insert(patch(39), at_m);
+  EXPECT_FALSE(map.is_full(*map.find(at_m)));
+  map.insert(patch(1), at_m);
+  EXPECT_TRUE(map.is_full(*map.find(at_m)));
+  const Eigen::Vector3f mean_m = map.find(at_m)->mean_m;
+  map.insert(patch(50, 1.5), at_m);
+  EXPECT_EQ(map.find(at_m)->count, 40.0F);
+  EXPECT_EQ(map.find(at_m)->mean_m, mean_m) << "what was seen early stays the reference";
+}
+
+/// A blob that is no plane, within 0.2 m of a place that lies in the same cell at every level.
+std::vector<Vector3> blob(int num, const Vector3& around_m) {
+  std::vector<Vector3> points;
+  for (int i = 0; i < num; ++i) {
+    points.emplace_back(around_m + 0.1 * Vector3(std::cos(2.4 * i), std::sin(2.4 * i), std::cos(1.1 * i)));
+  }
+  return points;
+}
+
+TEST(SurfaceCells, AreNoFinerThanRaysFromFarAwayAre) {
+  // In the middle of a smallest cell of 0.25 m, and of all those above it.
+  const Vector3 at_m = Vector3::Constant(kFace_m + 0.125);
+  for (const auto& [range_m, levels] : std::vector<std::pair<double, std::size_t>>{
+           {1.0, 4}, {24.0, 4}, {26.0, 3}, {49.0, 3}, {51.0, 2}, {99.0, 2}, {101.0, 1}}) {
+    SurfaceMap map({});
+    map.insert(blob(60, at_m), at_m + Vector3(0.0, range_m, 0.0));
+    EXPECT_EQ(map.num_cells(), levels) << range_m;
+  }
+}
+
+TEST(SurfaceCells, HaveFinerOnesBelowOnlyFromSixPointsOnAndWhereTheyAreNoSettledPlane) {
+  const Vector3 at_m = Vector3::Constant(kFace_m + 0.125);
+  const std::vector<Vector3> points = blob(40, at_m);
+  SurfaceMap map({});
+  std::vector<std::size_t> cells;
+  for (int i = 0; i < 21; ++i) {
+    map.insert({&points[static_cast<std::size_t>(i)], 1}, at_m);
+    cells.push_back(map.num_cells());
+  }
+  EXPECT_EQ(cells, (std::vector<std::size_t>{1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 4, 4, 4, 4, 4, 4}));
+  // A plane that is settled takes what comes later for itself.
+  SurfaceMap plane({});
+  plane.insert(patch(30), at_m);
+  const std::size_t before = plane.num_cells();
+  plane.insert(patch(60), at_m);
+  EXPECT_EQ(plane.num_cells(), before);
+  EXPECT_GT(before, 1U);
+}
+
+TEST(SurfaceCells, BeginALittleBelowRoundCoordinates) {
+  for (const double edge_m : {0.5, 2.0}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int k : {-3, 0, 4}) {
+        // Eight points on each side of a face.
+        Vector3 below_m = Vector3::Constant(kFace_m + 0.5 * edge_m), above_m = below_m;
+        below_m[axis] = kFace_m + k * edge_m - 0.02;
+        above_m[axis] = kFace_m + k * edge_m + 0.02;
+        SurfaceMap map(one_level(edge_m));
+        std::vector<Vector3> points;
+        for (int i = 0; i < 8; ++i) points.push_back(below_m + 0.01 * Vector3::Unit((axis + 1) % 3) * i);
+        map.insert(points, below_m);
+        EXPECT_EQ(map.num_cells(), 1U);
+        EXPECT_NE(map.find(below_m), nullptr);
+        EXPECT_EQ(map.find(above_m), nullptr) << "of the next cell nothing is known";
+        Vector3 first_m = below_m;
+        first_m[axis] -= edge_m - 0.03;
+        EXPECT_NE(map.find(first_m), nullptr) << "the cell is as wide as its edge";
+        first_m[axis] -= 0.02;
+        EXPECT_EQ(map.find(first_m), nullptr);
+      }
+    }
+  }
+}
+
+TEST(SurfaceCells, ThatLieFartherThanTheRadiusAreForgottenAndNoOthers) {
+  SurfaceMapConfig config = one_level(1.0);
+  config.keep_radius_m = 6.0;
+  SurfaceMap map(config);
+  std::vector<Vector3> middles_m, points;
+  for (int i = 0; i < 20 * 20; ++i) {
+    const Vector3 corner_m = Vector3(i % 20 - 10, i / 20 - 10, 0.0) + Vector3::Constant(kFace_m);
+    middles_m.emplace_back(corner_m + Vector3::Constant(0.5));
+    for (int k = 0; k < 7; ++k) points.push_back(corner_m + Vector3::Constant(0.1 + 0.1 * k));
+  }
+  map.insert(points, Vector3::Zero());
+  ASSERT_EQ(map.num_cells(), 400U);
+  const Vector3 center_m(1.3, -0.4, 0.6);
+  map.keep_around(center_m);
+  std::size_t kept = 0;
+  for (const Vector3& middle_m : middles_m) {
+    const bool near = (middle_m - center_m).norm() <= 6.0;
+    kept += near ? 1 : 0;
+    EXPECT_EQ(map.find(middle_m) != nullptr, near) << middle_m.transpose();
+    if (near) {
+      EXPECT_LT((map.find(middle_m)->mean_m.cast<double>() - middle_m + Vector3::Constant(0.1)).norm(), 1e-5);
+    }
+  }
+  EXPECT_EQ(map.num_cells(), kept);
+  EXPECT_GT(kept, 80U);
+  // What was forgotten is learned anew.
+  map.insert(points, Vector3::Zero());
+  EXPECT_EQ(map.num_cells(), 400U);
+  map.clear();
+  EXPECT_EQ(map.num_cells(), 0U);
+  EXPECT_EQ(map.find(middles_m[0]), nullptr);
+}
+
+TEST(SurfaceCells, ALargeMapFindsEachOfItsCells) {
+  // More cells than its table begins with.
+  SurfaceMap map(one_level(0.5));
+  std::vector<Vector3> points;
+  constexpr int kSide = 16;
+  for (int i = 0; i < kSide * kSide * kSide; ++i) {
+    const Vector3 cell(i % kSide - 8, i / kSide % kSide - 8, i / kSide / kSide - 8);
+    for (int k = 0; k < 6; ++k) points.push_back(0.5 * cell + Vector3::Constant(kFace_m + 0.05 + 0.08 * k));
+  }
+  map.insert(points, Vector3::Zero());
+  ASSERT_EQ(map.num_cells(), static_cast<std::size_t>(kSide * kSide * kSide));
+  for (std::size_t i = 0; i < points.size(); i += 6) {
+    const Vector3 mean_m = points[i] + Vector3::Constant(0.2);
+    ASSERT_NE(map.find(points[i]), nullptr);
+    ASSERT_LT((map.find(points[i])->mean_m.cast<double>() - mean_m).norm(), 1e-5);
+  }
+  // A cell, its key, and at least one place in the table.
+  const auto least = static_cast<double>(map.num_cells() * (sizeof(SurfaceCell) + sizeof(std::uint64_t) + 4));
+  EXPECT_GE(static_cast<double>(map.bytes()), least);
+  EXPECT_LE(static_cast<double>(map.bytes()), 1.1 * least);
+}
+
+TEST(SurfaceCells, OfSeveralSizesTheLargestPlaneIsTold) {
+  // A wall and a bush in one cell of 2 m: the wall has its plane in a smaller cell, and the bush has none.
+  SurfaceMap map({});
+  std::mt19937 random(32);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  const auto draw = [&] { return uniform(random); };
+  std::vector<Vector3> points;
+  for (int i = 0; i < 250; ++i) {
+    points.emplace_back(kFace_m + 0.1 + 0.02 * draw(), kFace_m + 2.0 * draw(), kFace_m + 2.0 * draw());
+    points.emplace_back(kFace_m + 1.0 + 0.95 * draw(), kFace_m + 2.0 * draw(), kFace_m + 2.0 * draw());
+  }
+  for (int i = 0; i < 3; ++i) map.insert(points, Vector3::Zero());
+  const Vector3 wall_m(kFace_m + 0.11, kFace_m + 0.5, kFace_m + 0.5),
+      bush_m(kFace_m + 1.5, kFace_m + 0.5, kFace_m + 0.5);
+  ASSERT_NE(map.find(wall_m), nullptr);
+  EXPECT_TRUE(map.find(wall_m)->planar);
+  EXPECT_GT(std::abs(map.find(wall_m)->normal.x()), 0.99F);
+  ASSERT_NE(map.find(bush_m), nullptr);
+  EXPECT_FALSE(map.find(bush_m)->planar);
+  EXPECT_LT(map.find(bush_m)->count, 250.0F) << "of a smaller cell";
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A dataset made by hand, with one thing after the other that is not as it should be.
+#include "swiftlet/sim/dataset/verify.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "swiftlet/sim/dataset/generate.hpp"
+#include "swiftlet/sim/dataset/sequence_info.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// One sequence of three frames with 2, 0 and 1 points and two other vehicles.
+class HandMade : public ::testing::Test {
+ protected:
+  HandMade() {
+    info.sequence = 0;
+    info.split = "train";
+    info.instance = 1;
+    info.vehicles = {"a", "b", "c"};
+    info.models = {"x", "x", "x"};
+    info.state_hash = "hash";
+    info.fingerprint = "print";
+    info.statistics.frames = 3;
+    info.statistics.points = 3;
+    plan.config.name = "hand";
+    plan.fingerprint = "print";
+    const int points[] = {2, 0, 1};
+    for (int frame = 0; frame < 3; ++frame) {
+      const auto n = static_cast<std::size_t>(points[frame]);
+      write(frame_file("velodyne", frame, "bin"), std::string(16 * n, 'p'));
+      std::string labels;
+      for (std::size_t i = 0; i < n; ++i)
+        labels += i == 0 ? std::string("\x28\0\0\0", 4) : std::string("\x2C\x01\x02\0", 4);
+      write(frame_file("labels", frame, "label"), labels);  // 40 ground, 300 a vehicle
+    }
+    write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1e-3 -0 nan 0 0 1 0 0 0 0 1 2.5\n1 0 0 0 0 1 0 0 0 0 1 0\n");
+    write("times.txt", "0\n0.1\n0.2\n");
+    write("boxes.csv", "frame,vehicle,x\n0,b,1\n0,c,1\n1,b,2\n1,c,2\n2,b,3\n2,c,3\n");
+  }
+
+  void write(const std::string& name, const std::string& text) const {
+    const fs::path path = sequence() / name;
+    fs::create_directories(path.parent_path());
+    std::ofstream(path, std::ios::binary) << text;
+  }
+  fs::path sequence() const { return root() / "sequences/00"; }
+  fs::path root() const { return directory.path() / "out"; }
+
+  static VerifyOptions without_frames() {
+    VerifyOptions options;
+    options.frames = 0;
+    return options;
+  }
+
+  /// With descriptions that fit the files as they are.
+  VerifyReport verify(const VerifyOptions& options = without_frames()) {
+    std::ofstream(root() / "README.md") << "hand-made";
+    info.files = list_files(sequence());
+    std::ofstream(sequence() / "sequence.json") << to_json(info);
+    auto files = list_files(root(), {}, "sequences");
+    std::erase_if(files, [](const FileEntry& file) { return file.path == "manifest.json"; });
+    auto described = list_files(root() / "sequences");
+    for (FileEntry& file : described) {
+      if (!file.path.ends_with("sequence.json")) continue;
+      file.path = "sequences/" + file.path;
+      files.push_back(file);
+    }
+    auto manifest = nlohmann::json::parse(manifest_json(plan, {info}, files, true));
+    if (change_manifest) change_manifest(manifest);
+    std::ofstream(root() / "manifest.json") << manifest;
+    return verify_dataset(root(), options);
+  }
+  std::vector<std::string> problems() { return verify().problems; }
+
+  TemporaryDirectory directory;
+  SequenceInfo info;
+  DatasetPlan plan;
+  std::function<void(nlohmann::json&)> change_manifest;
+};
+
+TEST_F(HandMade, IsFineAsItIs) {
+  const VerifyReport report = verify();
+  EXPECT_THAT(report.problems, IsEmpty());
+  EXPECT_TRUE(report.ok());
+  EXPECT_EQ(report.frames, 3);
+  EXPECT_EQ(report.files, 3 + 3 + 3 + 1 + 1);  // frames, tables, sequence.json, README.md
+  EXPECT_EQ(report.resimulated, 0);
+}
+
+TEST_F(HandMade, APoseHasTwelveNumbersSeparatedByOneBlank) {
+  const std::string good = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  for (const std::string bad : {"1 0 0 0 0 1 0 0 0 0 1\n", "1 0 0 0 0 1 0 0 0 0 1 0 0\n", "1  0 0 0 0 1 0 0 0 0 1\n",
+                                "1 0 0 0 0 1 0 0 0 0 1 x\n", "1 0 0 0 0 1 0 0 0 0 1 0x\n", "\n"}) {
+    write("poses.txt", good + bad + good);
+    EXPECT_THAT(problems(), ElementsAre("sequences/00/poses.txt:2: expected 12 numbers")) << bad;
+  }
+  write("poses.txt", good + good);
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/poses.txt: expected 3 lines, found 2"));
+  write("poses.txt", good + good + good + good);
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/poses.txt: expected 3 lines, found 4"));
+}
+
+TEST_F(HandMade, ATimeIsOneNumber) {
+  write("times.txt", "0\n0.1\n0.2 3\n");
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/times.txt:3: expected 1 numbers"));
+  write("times.txt", "0\n0.1\n");
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/times.txt: expected 3 lines, found 2"));
+}
+
+TEST_F(HandMade, LabelsAreAsManyAsPointsAndOfTheClassTable) {
+  write("labels/000000.label", std::string("\x28\0\0\0", 4));
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/labels/000000.label: expected 2 labels, found 1"));
+  write("labels/000000.label", std::string("\x28\0\0\0\x29\0\0\0", 8));
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/labels/000000.label: class 41 is not in the class table"));
+  write("labels/000000.label", std::string("\x29\0\0\0\x29\0\0\0", 8));
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/labels/000000.label: class 41 is not in the class table"));
+  write("labels/000000.label", std::string("\0\0\xFF\xFF\x28\0\0\0", 8));  // any instance, unlabeled
+  EXPECT_THAT(problems(), IsEmpty());
+}
+
+TEST_F(HandMade, APointHasFourNumbers) {
+  write("velodyne/000000.bin", std::string(33, 'p'));
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/velodyne/000000.bin: expected four float32 a point"));
+  write("velodyne/000000.bin", std::string(48, 'p'));
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/labels/000000.label: expected 3 labels, found 2",
+                                      "sequences/00: expected 3 points, found 4"));
+}
+
+TEST_F(HandMade, TruthOfPointsHasARecordForEach) {
+  const int points[] = {2, 0, 1};
+  for (int frame = 0; frame < 3; ++frame)
+    write(frame_file("point_truth", frame, "bin"), std::string(16 * static_cast<std::size_t>(points[frame]), 't'));
+  EXPECT_THAT(problems(), IsEmpty());
+  write("point_truth/000002.bin", std::string(17, 't'));
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/point_truth/000002.bin: expected 1 records"));
+  fs::remove(sequence() / "point_truth/000001.bin");
+  write("point_truth/000002.bin", std::string(16, 't'));
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/point_truth: expected 3 files, found 2"));
+}
+
+TEST_F(HandMade, EachFolderHasAFileForEachFrame) {
+  write("images/range/000000.png", "p");
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/images/range: expected 3 files, found 1",
+                                      "sequences/00/images/intensity: expected 3 files, found 0"));
+  fs::remove_all(sequence() / "images");
+  write("labels/000003.label", "");
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/labels: expected 3 files, found 4"));
+  fs::remove(sequence() / "labels/000003.label");
+  fs::remove(sequence() / "velodyne/000002.bin");
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/velodyne: expected 3 files, found 2",
+                                      "sequences/00: expected 3 points, found 2"));
+}
+
+TEST_F(HandMade, BoxesAreOfItsFramesOneForEachOtherVehicle) {
+  const std::string head = "frame,vehicle,x\n0,b,1\n0,c,1\n1,b,2\n1,c,2\n";
+  for (const std::string bad : {"3,b,3\n", "-1,b,3\n", "b,b,3\n", "2,b\n", "2,b,3,4\n"}) {
+    write("boxes.csv", head + bad + "2,c,3\n");
+    EXPECT_THAT(problems(), ElementsAre("sequences/00/boxes.csv:6: expected a box of one of 3 frames")) << bad;
+  }
+  write("boxes.csv", head + "2,b,3\n");
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/boxes.csv: expected 6 boxes, found 5"));
+  write("boxes.csv", head + "2,b,3\n2,c,3\n2,c,3\n");
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/boxes.csv: expected 6 boxes, found 7"));
+}
+
+TEST_F(HandMade, FilesHaveTheirSizeTheirHashAndTheirName) {
+  change_manifest = [](nlohmann::json& manifest) {
+    for (auto& file : manifest["files"]) {
+      if (file["path"] == "sequences/00/times.txt") file["bytes"] = 99;
+      if (file["path"] == "sequences/00/poses.txt") file["xxh128"] = "0123";
+      if (file["path"] == "sequences/00/boxes.csv") file["path"] = "sequences/00/none.csv";
+    }
+  };
+  EXPECT_THAT(problems(),
+              ::testing::UnorderedElementsAre(HasSubstr("sequences/00/times.txt: expected 99 bytes, found 10"),
+                                              HasSubstr("sequences/00/poses.txt: expected the hash 0123, found "),
+                                              HasSubstr("sequences/00/none.csv: No such file"),
+                                              HasSubstr("sequences/00/boxes.csv: the manifest does not name it")));
+}
+
+TEST_F(HandMade, NoMoreThanFiftyProblemsAreTold) {
+  for (int i = 0; i < 49; ++i) std::ofstream(directory.path() / "out" / ("foreign" + std::to_string(i))) << "";
+  change_manifest = [](nlohmann::json& manifest) {
+    auto& files = manifest["files"];
+    for (std::size_t i = files.size(); i-- > 0;) {
+      if (files[i]["path"].get<std::string>().starts_with("foreign")) files.erase(i);
+    }
+  };
+  EXPECT_EQ(problems().size(), 49U);
+  std::ofstream(root() / "foreign49") << "";
+  EXPECT_EQ(problems().size(), 50U);
+  std::ofstream(root() / "foreign50") << "";
+  EXPECT_EQ(problems().size(), 50U);
+}
+
+TEST_F(HandMade, ASequenceBelongsToItsManifest) {
+  info.fingerprint = "another";
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("belongs to another dataset")));
+  info.fingerprint = "print";
+  change_manifest = [](nlohmann::json& manifest) { manifest["sequences"][0]["state_hash"] = "other"; };
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("belongs to another dataset")));
+  change_manifest = [](nlohmann::json& manifest) { manifest["complete"] = false; };
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("the dataset is not complete")));
+  change_manifest = [](nlohmann::json& manifest) { manifest.erase("complete"); };
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("the dataset is not complete")));
+  change_manifest = [](nlohmann::json& manifest) { manifest["sequences"].clear(); };
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("expected a dataset with sequences, found none")));
+}
+
+TEST_F(HandMade, ASequenceIsOfOneOfItsVehiclesAndHasAPlausibleNumberOfFrames) {
+  const auto expect = HasSubstr("expected the instance of one of its vehicles, and its frames");
+  for (const int instance : {0, 4}) {
+    info.instance = instance;
+    EXPECT_THAT(problems(), ElementsAre(expect)) << instance;
+  }
+  info.instance = 3;
+  EXPECT_THAT(problems(), IsEmpty());
+  for (const std::int64_t frames : {std::int64_t{-1}, std::int64_t{100'000'001}}) {
+    info.statistics.frames = frames;
+    EXPECT_THAT(problems(), ElementsAre(expect)) << frames;
+  }
+  for (const std::int64_t frames : {std::int64_t{0}, std::int64_t{2}}) {
+    info.statistics.frames = frames;
+    EXPECT_THAT(problems(), ::testing::Each(::testing::Not(expect)));
+  }
+  // So many would take long to look at: it is enough to see that they are accepted.
+  info.statistics.frames = 100'000'000;
+  VerifyOptions options = without_frames();
+  options.canceled = [] { return true; };
+  EXPECT_THAT(verify(options).problems, ::testing::Each(::testing::Not(expect)));
+}
+
+TEST_F(HandMade, TellsHowFarItIsAndEndsWhenCanceled) {
+  for (int i = 0; i < 130; ++i) std::ofstream(root() / ("extra" + std::to_string(i))) << "x";
+  VerifyOptions options = without_frames();
+  std::vector<double> told;
+  options.progress = [&](double done, const std::string&) { told.push_back(done); };
+  const VerifyReport report = verify(options);
+  EXPECT_THAT(report.problems, IsEmpty());
+  EXPECT_EQ(report.files, 141);
+  EXPECT_THAT(told, ElementsAre(::testing::DoubleEq(0.5 * 64 / 141), ::testing::DoubleEq(0.5 * 128 / 141)));
+  int asked = 0;
+  options.canceled = [&] { return ++asked > 10; };
+  EXPECT_EQ(verify(options).files, 10);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the world of all vehicles decides for each: its wind, its wake, its ground, and whether it rests or has crashed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/physics/air_effects.hpp"
+#include "sim/physics/wind.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "tests/sim/physics/flight.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+// MIL-F-8785C in feet, written out.
+TEST(Definition, OfTheScalesOfTurbulence) {
+  for (const double height_m : {-5.0, 1.0, 3.0, 3.1, 20.0, 100.0, 304.0, 305.0, 5000.0}) {
+    const double h_ft = std::min(std::max(height_m / 0.3048, 10.0), 1000.0);
+    const double sigma_w = 0.1 * 12.0, length_u_ft = h_ft / std::pow(0.177 + 0.000823 * h_ft, 1.2);
+    const double sigma_u = sigma_w / std::pow(0.177 + 0.000823 * h_ft, 0.4);
+    const DrydenScales scales = dryden_scales(height_m, 12.0);
+    EXPECT_LT((scales.scale_length_m - 0.3048 * Vector3(length_u_ft, length_u_ft, h_ft)).norm(), 1e-9) << height_m;
+    EXPECT_LT((scales.sigma_mps - Vector3(sigma_u, sigma_u, sigma_w)).norm(), 1e-9) << height_m;
+  }
+}
+
+/// Turbulence of one vehicle, written out.
+struct PlainGusts {
+  Vector3 mean_mps;
+  double wind_at_6m_mps;
+  Random random;
+  Vector3 unit = Vector3::Zero();
+
+  Vector3 at(std::uint32_t step, double dt_s, double height_m, double airspeed_mps) {
+    const DrydenScales scales = dryden_scales(height_m, wind_at_6m_mps);
+    const double way_m = dt_s * std::max(std::max(airspeed_mps, mean_mps.norm()), 1.0);
+    const auto n = random.normal3(step, 0);
+    for (int i = 0; i < 3; ++i) {
+      const double kept = step == 0 ? 0.0 : std::exp(-(i == 0 ? 1.0 : 2.0) * way_m / scales.scale_length_m[i]);
+      unit[i] = kept * unit[i] + std::sqrt(1.0 - kept * kept) * n[static_cast<std::size_t>(i)];
+    }
+    const double heading_rad = mean_mps.head<2>().norm() > 0.0 ? std::atan2(mean_mps.y(), mean_mps.x()) : 0.0;
+    return Eigen::AngleAxisd(heading_rad, Vector3::UnitZ()) * scales.sigma_mps.cwiseProduct(unit);
+  }
+};
+
+TEST(Definition, OfTheWindAtAVehicle) {
+  for (const Vector3& mean_mps : {Vector3(0, 0, 0), Vector3(3, -2, 1), Vector3(0, 0, 0.5)}) {
+    WindConfig wind;
+    wind.gusts = true;
+    wind.mean_mps = mean_mps;
+    wind.wind_at_6m_mps = 15.0;
+    PhysicsConfig config = bare_physics();
+    PhysicsVehicle vehicle = vehicle_at({0, 0, 40}, test_quad(), "leaf");
+    vehicle.start.v_world_mps = {0.2, 0, 6};
+    Flight flight(config, {vehicle}, nullptr, wind, 5);
+    PlainGusts gusts{mean_mps, 15.0, Random(5, "wind.gust", "leaf")};
+    Vector3 v_mps = vehicle.start.v_world_mps, wind_mps = mean_mps;
+    double height_m = 40.0;
+    wind_mps = mean_mps + gusts.at(0, 0.001, height_m, (v_mps - wind_mps).norm());
+    EXPECT_LT((flight.world.wind_world_mps(0) - wind_mps).norm(), 1e-12);
+    for (std::uint32_t step = 1; step <= 400; ++step) {
+      wind_mps = mean_mps + gusts.at(step, 0.001, height_m, (v_mps - wind_mps).norm());
+      flight.run(0.001, 0.001);
+      EXPECT_LT((flight.world.wind_world_mps(0) - wind_mps).norm(), 1e-9) << step;
+      v_mps = flight.state().v_world_mps;
+      height_m = flight.state().p_world_m.z();
+    }
+  }
+}
+
+TEST(Definition, OfAWake) {
+  Wake wake;
+  wake.origin_world_m = {1, 2, 30};
+  wake.axis_world = Vector3(0.1, -0.2, -1).normalized();
+  wake.induced_mps = 5.0;
+  wake.disc_radius_m = 0.3;
+  const double first_width_m = 0.3 / std::sqrt(2.0);
+  const Random random(1, "wake");
+  for (std::uint32_t k = 0; k < 2000; ++k) {
+    const double z_m = random.uniform(-1.0, 21.0, k, 0);
+    const Vector3 across = wake.axis_world.unitOrthogonal();
+    const double width_m = first_width_m + 0.094 / 1.1774 * z_m,
+                 r_m = random.uniform(0.0, 4.5, k, 1) * std::abs(width_m);
+    const Vector3 p_m = wake.origin_world_m + z_m * wake.axis_world +
+                        r_m * (Eigen::AngleAxisd(6.0 * random.uniform(k, 2), wake.axis_world) * across);
+    double speed_mps = 5.0 * (1.0 + z_m / std::hypot(z_m, 0.3)) * first_width_m / width_m;
+    speed_mps *= std::exp(-0.5 * std::pow(r_m / width_m, 2));
+    const bool outside = z_m <= 0.0 || z_m > 20.0 || r_m > 4.0 * width_m;
+    EXPECT_LT((wake.velocity_world_mps(p_m) - (outside ? 0.0 : speed_mps) * wake.axis_world).norm(), 1e-9)
+        << z_m << " " << r_m;
+    EXPECT_EQ(wake.may_reach(p_m), !outside);
+  }
+  wake.induced_mps = 0.0;
+  EXPECT_TRUE(wake.velocity_world_mps(wake.origin_world_m + wake.axis_world).isZero());
+  EXPECT_EQ(make_wake(Airframe{}, {0, 0, 0}, Matrix3::Identity(), 10.0, 1.2).induced_mps, 0.0) << "without rotors";
+  EXPECT_EQ(make_wake(test_quad(), {0, 0, 0}, Matrix3::Identity(), -10.0, 1.2).induced_mps, 0.0);
+  EXPECT_NEAR(make_wake(test_quad(), {0, 0, 0}, Matrix3::Identity(), 10.0, 1.2).disc_radius_m,
+              2.0 * test_quad().propeller_radius_m, 1e-12);
+  EXPECT_EQ(ground_effect_gain(0.0, 0.2, 0.0), 0.0);
+  EXPECT_EQ(ground_effect_gain(-1.0, 0.2, 2.0), kGroundEffectGainMax);
+}
+
+// Wakes and ground are looked up every 8 ms, whatever the tick: in between their push stays the same.
+TEST(Air, OfOthersAndTheGroundIsLookedUpEveryEightMilliseconds) {
+  for (const double tick_s : {0.001, 0.002, 0.004, 0.016}) {
+    for (const bool ground : {false, true}) {
+      PhysicsConfig config = bare_physics();
+      config.downwash = !ground;
+      config.ground_effect = ground;
+      const Airframe airframe = test_quad();
+      PhysicsVehicle below = vehicle_at({-1.5, 0, ground ? 0.5 : 10.0}, airframe, "below");
+      PhysicsVehicle above = vehicle_at({0, 0, 13}, airframe, "above");
+      below.motors_on = above.motors_on = true;
+      below.start.v_world_mps = {30, 0, ground ? 6.0 : 0.0};
+      Flight flight(config, {below, above}, ground ? flat_ground() : nullptr);
+      for (const VehicleId i : {0, 1}) flight.command(i, command_for(airframe, airframe.hover_rotor_speed_radps()));
+      flight.run(0.096, tick_s);
+      int changes = 0;
+      for (int step = 1; step < 96; ++step) {
+        const auto push = [&](int k) {
+          return (flight.history.at(0, k * 1'000'000LL).v_world_mps -
+                  flight.history.at(0, (k - 1) * 1'000'000LL).v_world_mps)
+              .z();
+        };
+        if (step < 40) continue;  // what the history still holds
+        const bool changed = std::abs(push(step + 1) - push(step)) > 0.02 * std::abs(push(step)) + 1e-7;
+        EXPECT_TRUE(!changed || step % 8 == 0) << step << " of " << tick_s;
+        changes += changed;
+      }
+      EXPECT_GE(changes, 3) << tick_s << " " << ground;
+    }
+  }
+}
+
+// Above six radii all rotors are judged by the ground below the center, below that each by its own.
+TEST(Air, EveryRotorHasItsOwnGroundBelowSixRadii) {
+  TestScene builder;
+  builder.add_box({0.05F, -9, 0}, {9, 9, 0.05F}, SurfaceClass::kObject);  // a step of 5 cm beside the center
+  builder.add_wall({-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}, SurfaceClass::kGround);
+  const auto world = std::make_shared<StaticScene>(builder.scene());
+  PhysicsConfig config = bare_physics();
+  config.ground_effect = true;
+  const Airframe airframe = test_quad();
+  for (const double radii : {5.7, 6.3}) {
+    PhysicsVehicle vehicle = vehicle_at({0, 0, radii * airframe.propeller_radius_m}, airframe);
+    vehicle.motors_on = true;
+    Flight flight(config, {vehicle}, world);
+    flight.command(0, command_for(airframe, airframe.hover_rotor_speed_radps()));
+    flight.run(0.001, 0.001);
+    EXPECT_EQ(std::abs(flight.state().omega_body_radps.y()) > 1e-7, radii < 6.0) << radii;
+  }
+}
+
+TEST(Air, ATiltedOrOverturnedVehicleFeelsLessOrNoGround) {
+  PhysicsConfig config = bare_physics();
+  config.gravity_mps2.setZero();
+  config.ground_effect = true;
+  Airframe airframe = test_quad();
+  for (Rotor& rotor : airframe.rotors) rotor.position_m.z() = 0.0;
+  for (const double tilt : {0.0, 1.0, 1.7}) {
+    PhysicsVehicle vehicle = vehicle_at({0, 0, 1.0}, airframe);
+    vehicle.start.q_world_body = Eigen::AngleAxisd(tilt, Vector3::UnitX());
+    Flight flight(config, {vehicle}, flat_ground());
+    const double speed_radps = 400.0, plain_N = airframe.thrust_constant_N_per_radps2 * speed_radps * speed_radps;
+    flight.command(0, command_for(airframe, speed_radps));
+    flight.run(0.001, 0.001);
+    double thrust_N = 0.0;
+    for (const Rotor& rotor : airframe.rotors) {
+      const double height_m = 1.0 + (vehicle.start.q_world_body * rotor.position_m).z();
+      const double gain = std::cos(tilt) > 0.0
+                              ? std::cos(tilt) * ground_effect_gain(height_m, airframe.propeller_radius_m,
+                                                                    config.ground_effect_coefficient)
+                              : 0.0;
+      thrust_N += plain_N * (1.0 + gain);
+    }
+    EXPECT_NEAR(flight.state().v_world_mps.norm(), 0.001 * thrust_N / airframe.mass_kg, 1e-7) << tilt;
+  }
+}
+
+// A propeller turns from 10 rad/s on.
+TEST(Crash, AlmostStandingPropellersBreakNothing) {
+  for (const double speed_radps : {9.0, 11.0}) {
+    PhysicsConfig config = bare_physics();
+    config.contacts = true;
+    config.motor_lag = true;
+    config.gravity_mps2.setZero();
+    Airframe weak = test_quad();
+    weak.thrust_constant_N_per_radps2 = 1e-12;
+    weak.rotor_speed_min_radps = 1.0;
+    PhysicsVehicle vehicle = vehicle_at({1.55, 0, 0}, weak);
+    vehicle.start.v_world_mps = {0.2, 0, 0};
+    vehicle.start.rotor_speed_radps.fill(speed_radps);
+    TestScene builder;
+    builder.add_box({2, -5, -5}, {2.2F, 5, 5}, SurfaceClass::kPillar, 7);
+    Flight flight(config, {vehicle}, std::make_shared<StaticScene>(builder.scene()));
+    flight.command(0, command_for(weak, speed_radps));
+    flight.run(1.5);
+    EXPECT_EQ(flight.state().crashed, speed_radps > 10.0) << speed_radps;
+    EXPECT_LT(flight.state().v_world_mps.x(), 0.05) << "it met the wall";
+  }
+}
+
+TEST(Crash, OfABodyIsOneFromItsSpeedOn) {
+  for (const double speed_mps : {0.45, 0.55}) {  // 0.5 m/s by default
+    PhysicsConfig config = bare_physics();
+    config.contacts = true;
+    config.gravity_mps2.setZero();
+    PhysicsVehicle vehicle = vehicle_at({0, 0, test_quad().leg_height_m + 0.1});
+    vehicle.start.v_world_mps = {0, 0, -speed_mps};
+    Flight flight(config, {vehicle}, flat_ground());
+    flight.run(0.5);
+    EXPECT_EQ(flight.state().crashed, speed_mps > 0.5) << speed_mps;
+  }
+}
+
+// The other one's propeller turns, the own do not: both have broken.
+TEST(Crash, IntoATurningPropellerOfAnotherBreaksBoth) {
+  for (const bool turning : {false, true}) {
+    PhysicsConfig config = bare_physics();
+    config.contacts = true;
+    config.motor_lag = true;
+    config.gravity_mps2.setZero();
+    Airframe weak = test_quad();
+    weak.thrust_constant_N_per_radps2 = 1e-12;
+    weak.rotor_speed_min_radps = 1.0;
+    PhysicsVehicle still = vehicle_at({0, 0, 0}, weak, "still"), moving = vehicle_at({1.0, 0, 0}, weak, "moving");
+    moving.start.v_world_mps = {-0.3, 0, 0};
+    if (turning) moving.start.rotor_speed_radps.fill(200.0);
+    Flight flight(config, {still, moving});
+    flight.command(1, turning ? command_for(weak, 200.0) : kOff);
+    flight.run(2.0);
+    EXPECT_EQ(flight.crashes.size(), turning ? 2U : 0U);
+    EXPECT_LT(flight.state(0).v_world_mps.x(), -0.05) << "they met";
+  }
+}
+
+TEST(Start, MotorsThatAreOnHoldTheVehicle) {
+  PhysicsVehicle on = vehicle_at({0, 0, 5}), off = vehicle_at({0, 0, 5});
+  on.motors_on = true;
+  on.start.q_world_body.coeffs() *= 2.0;
+  Flight flying(PhysicsConfig{}, {on}), standing(PhysicsConfig{}, {off});
+  for (std::size_t i = 0; i < kMaxRotors; ++i) {
+    const double hover_radps = i < 4 ? test_quad().hover_rotor_speed_radps() : 0.0;
+    EXPECT_DOUBLE_EQ(flying.state().rotor_speed_radps[i], hover_radps);
+    EXPECT_EQ(standing.state().rotor_speed_radps[i], 0.0);
+  }
+  EXPECT_NEAR(flying.state().q_world_body.norm(), 1.0, 1e-12);
+  Airframe heavy = test_quad();
+  heavy.mass_kg = 100.0;
+  PhysicsVehicle too_heavy = vehicle_at({0, 0, 5}, heavy);
+  too_heavy.motors_on = true;
+  EXPECT_DOUBLE_EQ(Flight(PhysicsConfig{}, {too_heavy}).state().rotor_speed_radps[0], heavy.rotor_speed_max_radps);
+}
+
+// Every pair, and every surface, at any distance.
+TEST(Clearance, OfManyVehiclesIsThatOfAllPairs) {
+  const Random random(4, "clearance");
+  std::vector<PhysicsVehicle> vehicles;
+  for (std::uint32_t i = 0; i < 24; ++i) {
+    Airframe airframe = test_quad();
+    airframe.propeller_radius_m = 0.05 + 0.2 * random.uniform(i, 0);
+    vehicles.push_back(
+        vehicle_at({12.0 * random.uniform(i, 1), 12.0 * random.uniform(i, 2), 20.0 + 12.0 * random.uniform(i, 3)},
+                   airframe, "uav" + std::to_string(i)));
+    const auto n = random.normal3(i, 4);
+    vehicles.back().start.v_world_mps = 3.0 * Vector3(n[0], n[1], 0.3 * n[2]);
+  }
+  PhysicsConfig config = bare_physics();
+  config.gravity_mps2 = {0, 0, -1.0};
+  Flight flight(config, vehicles, flat_ground());
+  for (int k = 0; k < 60; ++k) {
+    flight.run(0.05);
+    for (VehicleId i = 0; i < 24; ++i) {
+      const double radius_m = vehicles[static_cast<std::size_t>(i)].airframe.circumscribed_radius_m();
+      double nearest_m = std::numeric_limits<double>::infinity();
+      VehicleId nearest = kNoVehicle;
+      for (VehicleId j = 0; j < 24; ++j) {
+        const double gap_m = (flight.state(i).p_world_m - flight.state(j).p_world_m).norm() - radius_m -
+                             vehicles[static_cast<std::size_t>(j)].airframe.circumscribed_radius_m();
+        if (j != i && gap_m < nearest_m) nearest_m = gap_m, nearest = j;
+      }
+      const double most_m = 5.0 + k % 7 * 4.0;
+      const Clearance clearance = flight.world.clearance(i, most_m);
+      EXPECT_NEAR(clearance.vehicle_m, nearest_m, 1e-9);
+      EXPECT_EQ(clearance.nearest_vehicle, nearest);
+      EXPECT_NEAR(clearance.surface_m, std::min(flight.state(i).p_world_m.z() - radius_m, most_m), 1e-4) << k;
+    }
+  }
+}
+
+TEST(Arguments, AStepThatTakesNoTimeIsRefused) {
+  PhysicsConfig config = bare_physics();
+  config.step_s = 1e-10;
+  EXPECT_THROW(Flight(config, {vehicle_at({0, 0, 0})}), std::invalid_argument);
+  Airframe eight = test_quad();
+  eight.rotors.resize(8, {{0.1, 0.1, 0.0}, Rotor::Spin::kCw});
+  EXPECT_NO_THROW(Flight(bare_physics(), {vehicle_at({0, 0, 0}, eight)}));
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the beams of a sweep meet, against a walk through all triangles and blades, each where it is at that instant.
+// And what a surface must be to be seen at all.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/raycast/sweep_scene.hpp"
+#include "swiftlet/sim/world/vehicle_shape.hpp"
+#include "tests/support/test_scene.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr TimeNs kMillisecond = 1'000'000;
+
+std::shared_ptr<const VehicleShape> six_rotors(double arm_m) {
+  Airframe airframe;
+  airframe.arm_length_m = arm_m;
+  for (int i = 0; i < 6; ++i) {
+    const double angle = (0.5 + i) * std::numbers::pi / 3.0;
+    airframe.rotors.push_back({Vector3(arm_m * std::cos(angle), arm_m * std::sin(angle), 0.04),
+                               i % 2 == 0 ? Rotor::Spin::kCcw : Rotor::Spin::kCw});
+  }
+  return std::make_shared<const VehicleShape>(make_vehicle_shape(airframe));
+}
+
+/// Flies a curve, banks and turns; its rotors turn faster and faster.
+VehicleState flying(int vehicle, double t) {
+  VehicleState state;
+  const Vector3 middle_m[] = {{0, 0, 0}, {6, 1, 0.5}, {-4, 5, -1}, {0.5, -9, 2}, {33, 0, 0}};
+  state.p_world_m =
+      middle_m[vehicle] + Vector3(std::sin(2.0 * t + vehicle), std::cos(1.5 * t + vehicle), 0.3 * std::sin(3.0 * t));
+  state.v_world_mps = {2.0 * std::cos(2.0 * t + vehicle), -1.5 * std::sin(1.5 * t + vehicle), 0.9 * std::cos(3.0 * t)};
+  state.q_world_body = Eigen::AngleAxisd(0.7 * vehicle + 1.5 * t, Vector3::UnitZ()) *
+                       Eigen::AngleAxisd(0.3 * std::sin(4.0 * t + vehicle), Vector3::UnitX());
+  for (std::size_t r = 0; r < 6; ++r) {
+    const double sign = r % 2 == 0 ? 1.0 : -1.0, rate = 200.0 + 40.0 * static_cast<double>(r);
+    state.rotor_speed_radps[r] = rate + 2.0 * 300.0 * t;
+    state.rotor_angle_rad[r] = 100.0 * static_cast<double>(r) + sign * (rate * t + 300.0 * t * t);
+  }
+  return state;
+}
+
+struct WalkHit {
+  double range_m = 0.0, cosine = 0.0;
+  VehicleId vehicle = kNoVehicle;
+  VehiclePart part = VehiclePart::kNone;
+  std::uint32_t material = 0;
+  std::uint16_t instance = 0;
+};
+
+/// Any frame, the same for all arguments.
+void meet_triangle(const Vector3& from_m, const Vector3& way, const Vector3& a, const Vector3& b, const Vector3& c,
+                   const WalkHit& surface, WalkHit& nearest) {
+  const Vector3 n = (b - a).cross(c - a).normalized();
+  const double range_m = n.dot(a - from_m) / n.dot(way);
+  if (!(range_m > 0.0) || range_m >= nearest.range_m) return;
+  const Vector3 p = from_m + range_m * way;
+  if (n.dot((b - a).cross(p - a)) < 0.0 || n.dot((c - b).cross(p - b)) < 0.0 || n.dot((a - c).cross(p - c)) < 0.0)
+    return;
+  nearest = surface;
+  nearest.range_m = range_m;
+  nearest.cosine = std::abs(n.dot(way));
+}
+
+void meet_vehicle(const VehicleShape& shape, const VehicleState& state, VehicleId id, bool with_sensors,
+                  const Vector3& from_world_m, const Vector3& way_world, WalkHit& nearest) {
+  const Pose T_body_world = state.T_world_body().inverse();
+  const Vector3 from_m = T_body_world * from_world_m, way = T_body_world.linear() * way_world;
+  if (from_m.cross(way).norm() > 1.5) return;  // no vehicle is as large
+  for (const Mesh& mesh : shape.meshes) {
+    if (mesh.part == VehiclePart::kSensor && !with_sensors) continue;
+    const auto corner = [&](std::uint32_t i) -> Vector3 { return mesh.vertices_mesh_m[i].cast<double>(); };
+    const WalkHit surface{0.0, 0.0, id, mesh.part, mesh.material, static_cast<std::uint16_t>(id + 1)};
+    for (const auto& t : mesh.triangles)
+      meet_triangle(from_m, way, corner(t[0]), corner(t[1]), corner(t[2]), surface, nearest);
+  }
+  for (std::size_t r = 0; r < shape.rotors.size(); ++r) {
+    const auto& rotor = shape.rotors[r];
+    const double range_m = (rotor.hub_body_m.z() - from_m.z()) / way.z();
+    if (!(range_m > 0.0) || range_m >= nearest.range_m) continue;
+    const Vector3 p = from_m + range_m * way - rotor.hub_body_m.cast<double>();
+    if (p.head<2>().norm() > rotor.radius_m) continue;
+    if (!VehicleShape::blade_covers(rotor, static_cast<float>(p.x()), static_cast<float>(p.y()),
+                                    state.rotor_angle_rad[r]))
+      continue;
+    nearest = {
+        range_m, std::abs(way.z()), id, VehiclePart::kRotor, shape.rotor_material, static_cast<std::uint16_t>(id + 1)};
+  }
+}
+
+TEST(SweepDefinition, BeamsMeetWhatAWalkThroughAllTrianglesFinds) {
+  TestScene world;
+  world.add_box({-20, -20, -4}, {20, 20, 9}, SurfaceClass::kWall, 5, 0);
+  world.add_box({4.5F, -2, -1}, {5, -1, 1}, SurfaceClass::kPillar, 6, world.add_material(0.5F));
+  const auto scene = std::make_shared<const StaticScene>(world.scene());
+  const std::vector<std::shared_ptr<const VehicleShape>> shapes = {six_rotors(0.3), six_rotors(0.5), six_rotors(0.3),
+                                                                   six_rotors(0.8), six_rotors(0.4)};
+  const Pose T_body_lidar =
+      make_pose({0.05, 0.02, 0.2}, Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vector3(1, 2, 3).normalized())));
+  const Random random(1, "test.sweep");
+  for (const bool is_box : {true, false}) {
+    for (const TimeNs duration : {100 * kMillisecond, 7 * kMillisecond, TimeNs{0}}) {
+      SweepScene sweep(is_box ? scene : std::make_shared<const StaticScene>(Scene{}), shapes, 0, T_body_lidar, 30.0);
+      StateHistory history(5, 300);
+      const TimeNs start = 40 * kMillisecond;
+      for (TimeNs t = 0; t <= 160 * kMillisecond; t += kMillisecond) {
+        for (VehicleId i = 0; i < 5; ++i) {
+          VehicleState state = flying(i, to_seconds(t));
+          state.t = t;
+          history.push(i, state);
+        }
+      }
+      constexpr int kPackets = 60;
+      std::vector<Firing> firings(kPackets * kPacketSize);
+      for (std::uint32_t i = 0; i < firings.size(); ++i) {
+        firings[i].offset_s = static_cast<float>(to_seconds(duration) * random.uniform(0, i));
+        firings[i].origin_lidar_m = {static_cast<float>(0.03 * random.uniform(1, i)), 0.01F, 0.0F};
+      }
+      sweep.set_firings(firings, is_box);
+      sweep.begin(history, start, duration);
+      int on_vehicles = 0, on_rotors = 0, on_own = 0, different = 0, nothing = 0;
+      for (std::uint32_t k = 0; k < kPackets; ++k) {
+        BeamPacket beams;
+        // Towards one of the vehicles, or down at the own one.
+        const int target = static_cast<int>(k % 5);
+        for (std::uint32_t i = 0; i < kPacketSize; ++i) {
+          const auto number = static_cast<int>(kPacketSize * k + i);
+          beams.firing[i] = number;
+          const double t =
+              to_seconds(start) + (duration == 0 ? 0.0 : firings[static_cast<std::size_t>(number)].offset_s);
+          const VehicleState own = flying(0, t);
+          const Pose T_world_lidar = own.T_world_body() * T_body_lidar;
+          const auto n = random.normal3(k, i);
+          const Vector3 aim_m =
+              flying(target, t).p_world_m + (target == 0 ? 0.25 : 0.3) * Vector3(n[0], n[1], 0.4 * n[2]);
+          const Vector3 from_m =
+              T_world_lidar * firings[static_cast<std::size_t>(number)].origin_lidar_m.cast<double>();
+          const Eigen::Vector3f way =
+              (T_world_lidar.linear().transpose() * (aim_m - from_m)).normalized().cast<float>();
+          beams.direction_x[i] = way.x(), beams.direction_y[i] = way.y(), beams.direction_z[i] = way.z();
+        }
+        PacketHits hits;
+        sweep.trace(beams, true, hits);
+        const std::uint32_t reaches = sweep.reaches_self(beams);
+        for (std::uint32_t i = 0; i < kPacketSize; ++i) {
+          const auto number = static_cast<std::size_t>(kPacketSize * k + i);
+          const double t = to_seconds(start) + (duration == 0 ? 0.0 : firings[number].offset_s);
+          const Pose T_world_lidar = flying(0, t).T_world_body() * T_body_lidar;
+          EXPECT_LT((sweep.T_world_lidar(static_cast<int>(number)).matrix() - T_world_lidar.matrix()).norm(), 1e-4);
+          const Vector3 from_m = T_world_lidar * firings[number].origin_lidar_m.cast<double>();
+          const Vector3 way =
+              T_world_lidar.linear() * Vector3(beams.direction_x[i], beams.direction_y[i], beams.direction_z[i]);
+          WalkHit met;
+          met.range_m = 30.0;
+          for (const Mesh& mesh : is_box ? world.scene().meshes : std::vector<Mesh>{}) {
+            const auto corner = [&](std::uint32_t c) -> Vector3 { return mesh.vertices_mesh_m[c].cast<double>(); };
+            const WalkHit surface{
+                0.0,           0.0,
+                kNoVehicle,    VehiclePart::kNone,
+                mesh.material, static_cast<std::uint16_t>(mesh.surface_class == SurfaceClass::kWall ? 5 : 6)};
+            for (const auto& c : mesh.triangles)
+              meet_triangle(from_m, way, corner(c[0]), corner(c[1]), corner(c[2]), surface, met);
+          }
+          for (VehicleId id = 0; id < 5; ++id)
+            meet_vehicle(*shapes[static_cast<std::size_t>(id)], flying(id, t), id, id != 0, from_m, way, met);
+          const bool is_met = met.range_m < 30.0;
+          nothing += !is_met;
+          const SweepSurface& surface = sweep.surfaces()[hits.surface[i]];
+          const bool same =
+              is_met == (hits.range_m[i] > 0.0F) &&
+              (!is_met || (std::abs(hits.range_m[i] - met.range_m) < 1e-3 && surface.vehicle == met.vehicle &&
+                           surface.part == met.part && surface.material == met.material &&
+                           surface.instance == met.instance && std::abs(hits.cos_incidence[i] - met.cosine) < 2e-3));
+          different += !same;
+          if (!same) continue;
+          on_vehicles += met.vehicle != kNoVehicle;
+          on_rotors += met.part == VehiclePart::kRotor;
+          on_own += met.vehicle == 0;
+          EXPECT_TRUE(met.vehicle != 0 || (reaches >> i & 1U) != 0);
+        }
+      }
+      EXPECT_GT(on_vehicles, 200);
+      EXPECT_GT(on_rotors, 3);
+      EXPECT_GT(on_own, 40);
+      EXPECT_EQ(nothing > 0, !is_box);
+      EXPECT_LT(different, kPackets * kPacketSize / 60) << "rounding decides at edges only";
+    }
+  }
+}
+
+/// Right triangle of two equal sides in the plane z = 0, seen towards the center of its incircle.
+struct Plate {
+  explicit Plate(double side_m, double x_m = 0.0) : side(side_m) {
+    TestScene builder;
+    const auto s = static_cast<float>(side_m), x = static_cast<float>(x_m);
+    builder.add_mesh({{x, 0, 0}, {x + s, 0, 0}, {x, s, 0}}, {{0, 1, 2}}, SurfaceClass::kObject, 0, 0);
+    scene = std::make_unique<StaticScene>(builder.scene());
+    inradius_m = side * (1.0 - std::sqrt(0.5));
+    center_m = {x_m + inradius_m, inradius_m, 0.0};
+    farthest_m = std::hypot(x_m + side, side);
+  }
+  bool is_seen(double cosine, double range_m) const {
+    const Vector3 way(-std::sqrt(1.0 - cosine * cosine), 0.0, -cosine);
+    return scene->trace(center_m - range_m * way, way, 1e4).range_m > 0.0F;
+  }
+  double side, inradius_m, farthest_m;
+  Vector3 center_m;
+  std::unique_ptr<StaticScene> scene;
+};
+
+// Embree errs by 5e-7 of the range and of the triangle's size, beside a meter, at most. Triangles are enlarged by a
+// margin; seen along the ray it must be more than that.
+TEST(ExactHits, ATriangleIsSeenWhereItsMarginIsMoreThanTheTracerErrs) {
+  for (const auto& [side_m, x_m] :
+       {std::pair{0.01, 0.0}, std::pair{0.05, 0.0}, std::pair{0.3, 0.0}, std::pair{4.0, 0.0}, std::pair{40.0, 0.0},
+        std::pair{0.05, 1000.0}, std::pair{0.1, 3000.0}}) {
+    const Plate plate(side_m, x_m);
+    const double margin_m = std::max(2e-4 + 2.0 * 1.2e-7 * plate.farthest_m, 0.02 * plate.inradius_m);
+    int tested = 0;
+    for (const double range_m : {0.5, 3.0, 20.0, 80.0, 400.0, 2000.0}) {
+      const double least = 5e-7 / margin_m * std::max(1.0, std::sqrt(2.0) * side_m) * (range_m + 1.0);
+      if (least > 0.9) continue;
+      const double limit = std::max(least, 0.01);
+      EXPECT_TRUE(plate.is_seen(1.03 * limit, range_m)) << side_m << " at " << x_m << ", " << range_m;
+      EXPECT_FALSE(plate.is_seen(0.97 * limit, range_m)) << side_m << " at " << x_m << ", " << range_m;
+      tested += least > 0.01;
+    }
+    EXPECT_GT(tested, 0) << side_m;
+  }
+}
+
+TEST(ExactHits, APlaneIsLeftByATenthOfAMillimeterBeforeItIsMet) {
+  const Plate plate(1.0);
+  const auto meets = [&](double height_m) {
+    return plate.scene->trace(plate.center_m + height_m * Vector3::UnitZ(), -Vector3::UnitZ(), 10.0).range_m > 0.0F;
+  };
+  EXPECT_FALSE(meets(0.9e-4));
+  EXPECT_TRUE(meets(1.1e-4));
+  EXPECT_FALSE(meets(-0.1));
+}
+
+TEST(StaticScene, TheEndsOfASightMayLieOnSurfaces) {
+  const Plate plate(1.0);
+  const auto blocked = [&](double above_m, double below_m) {
+    return plate.scene->occluded(plate.center_m + above_m * Vector3::UnitZ(),
+                                 plate.center_m - below_m * Vector3::UnitZ());
+  };
+  EXPECT_TRUE(blocked(1.2e-4, 1.2e-4));
+  EXPECT_FALSE(blocked(0.9e-4, 1.0)) << "begins on it";
+  EXPECT_FALSE(blocked(1.0, 0.9e-4)) << "ends on it";
+  EXPECT_FALSE(blocked(0.9e-4, 0.9e-4));
+}
+
+// The boxes of triangles, with a hair of slack, and no others.
+TEST(StaticScene, TrianglesNearABoxAreThoseWhoseBoxesTouchIt) {
+  const Random random(2, "test.boxes");
+  TestScene builder;
+  std::vector<Eigen::AlignedBox3d> bounds;
+  for (std::uint32_t i = 0; i < 700; ++i) {
+    std::vector<Eigen::Vector3f> corners;
+    Eigen::AlignedBox3d box;
+    const auto middle = random.normal3(0, i);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto n = random.normal3(1 + k, i);
+      corners.emplace_back(3.0 * middle[0] + 0.4 * n[0], 3.0 * middle[1] + 0.4 * n[1], 3.0 * middle[2] + 0.4 * n[2]);
+      box.extend(corners.back().cast<double>());
+    }
+    builder.add_mesh(corners, {{0, 1, 2}}, SurfaceClass::kObject, 0, 0);
+    bounds.push_back(box);
+  }
+  const StaticScene scene(builder.scene());
+  for (std::uint32_t k = 0; k < 200; ++k) {
+    const auto n = random.normal3(10, k);
+    const Vector3 middle(2.0 * n[0], 2.0 * n[1], 2.0 * n[2]);
+    const Vector3 half(0.1 + random.uniform(11, k), 0.1 + 2.0 * random.uniform(12, k), 0.05);
+    const Eigen::AlignedBox3d box(middle - half, middle + half);
+    const Eigen::AlignedBox3d with_slack(box.min() - Vector3::Constant(1.01e-4),
+                                         box.max() + Vector3::Constant(1.01e-4));
+    std::vector<int> found;
+    scene.triangles_near_box(
+        box, [&](const Vector3&, const Vector3&, const Vector3&, int index) { found.push_back(index); });
+    EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
+    for (int i = 0; i < 700; ++i) {
+      const bool is_found = std::binary_search(found.begin(), found.end(), i);
+      EXPECT_TRUE(is_found || !bounds[static_cast<std::size_t>(i)].intersects(box)) << k << " " << i;
+      EXPECT_TRUE(!is_found || bounds[static_cast<std::size_t>(i)].intersects(with_slack)) << k << " " << i;
+    }
+  }
+  const Plate plate(1.0);
+  for (const double gap_m : {0.8e-4, 1.3e-4}) {
+    int found = 0;
+    plate.scene->triangles_near_box({Vector3(0.1, 0.1, gap_m), Vector3(0.2, 0.2, 1.0)},
+                                    [&](const Vector3&, const Vector3&, const Vector3&, int) { ++found; });
+    EXPECT_EQ(found, gap_m < 1e-4 ? 1 : 0);
+  }
+}
+
+TEST(StaticScene, OfEquallyNearSurfacesTheFirstInTheSceneIsTheNearest) {
+  TestScene builder;
+  for (std::uint16_t i = 1; i <= 6; ++i) builder.add_box({-1, -1, -1}, {1, 1, 1}, SurfaceClass::kObject, i);
+  const StaticScene scene(builder.scene());
+  for (const Vector3& p_m : {Vector3(3, 0.2, 0.1), Vector3(2, 2, 2), Vector3(0.1, -4, 0.3)}) {
+    const auto nearest = scene.nearest(p_m, 50.0);
+    ASSERT_TRUE(nearest);
+    EXPECT_EQ(nearest->instance, 1);
+    EXPECT_LT((nearest->point_world_m - p_m.cwiseMax(-1.0).cwiseMin(1.0)).norm(), 1e-9);
+  }
+}
+
+TEST(StaticScene, AWorldOfMoreThanABillionTrianglesIsRefused) {
+  Scene scene;
+  Mesh mesh;
+  mesh.vertices_mesh_m.resize(3, Eigen::Vector3f::Zero());
+  mesh.triangles.assign(1'000'000, {0, 1, 2});
+  scene.meshes.push_back(mesh);
+  scene.instances.resize(1001);
+  EXPECT_THROW(StaticScene{scene}, std::invalid_argument);
+}
+
+TEST(StaticScene, AVertexThatIsNowhereIsRefused) {
+  TestScene builder;
+  builder.add_mesh({{0, 0, 0}, {1, 0, 0}, {0, std::numeric_limits<float>::infinity(), 0}}, {{0, 1, 2}},
+                   SurfaceClass::kObject, 0, 0);
+  EXPECT_THROW(StaticScene{builder.scene()}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

@@ -1,0 +1,860 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every table of a replay read back and compared with what it tells of.
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "sim/replay/block.hpp"
+#include "sim/replay/overlay_tables.hpp"
+#include "sim/replay/page.hpp"
+#include "sim/replay/rows.hpp"
+#include "sim/replay/scan_tables.hpp"
+#include "sim/replay/world_tables.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/render/colors.hpp"
+#include "swiftlet/sim/replay/live_server.hpp"
+#include "swiftlet/sim/replay/replay.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
+#include "tests/sim/replay/decode.hpp"
+#include "tests/support/synthetic_run.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using nlohmann::json;
+
+/// The steps of the columns of a block's first table, by their names.
+std::map<std::string, double> steps_of(const std::string& bytes) {
+  std::size_t length = 0;
+  for (int i = 0; i < 4; ++i) length |= static_cast<std::size_t>(static_cast<unsigned char>(bytes[i])) << 8 * i;
+  std::map<std::string, double> steps;
+  const json head = json::parse(bytes.substr(4, length));
+  for (const auto& column : head["tables"][0]["columns"]) steps[column[0]] = column[1];
+  return steps;
+}
+
+json rgb_of(const Rgb& color) {
+  return {std::lround(255.0F * color.x()), std::lround(255.0F * color.y()), std::lround(255.0F * color.z())};
+}
+
+TEST(ReplayBlock, DifferencesOfEverySizeReadBack) {
+  std::vector<double> values = {0};
+  for (int bit = 0; bit < 29; ++bit) {
+    const double power = std::ldexp(1.0, bit);
+    for (const double value : {power, -power, power - 1, 1 - power, power + 1}) values.push_back(value);
+  }
+  ReplayTable table("{}", {{"n", 1.0}, {"half", 0.5}});
+  for (const double value : values) table.add({value, 0.25 * value});
+  EXPECT_EQ(table.rows(), values.size());
+  ReplayBlock block("{}");
+  EXPECT_TRUE(block.empty());
+  block.add(table);
+  EXPECT_FALSE(block.empty());
+  const ReadTable read = read_block(block.bytes()).tables[0];
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    EXPECT_EQ(read["n"][i], values[i]);
+    EXPECT_EQ(read["half"][i], 0.5 * std::round(0.5 * values[i])) << values[i];
+  }
+  table.clear();
+  EXPECT_EQ(table.rows(), 0U);
+}
+
+TEST(ReplayBlock, SmallDifferencesTakeOneByte) {
+  const auto size_of = [](std::initializer_list<double> values) {
+    ReplayTable table("{}", {{"n", 1.0}});
+    for (const double value : values) table.add({value});
+    ReplayBlock block("{}");
+    block.add(table);
+    return block.bytes().size();
+  };
+  const std::size_t one = size_of({0.0});
+  EXPECT_EQ(size_of({63.0}), one);
+  EXPECT_EQ(size_of({-64.0}), one);
+  EXPECT_EQ(size_of({64.0}), one + 1);
+  EXPECT_EQ(size_of({8191.0}), one + 1);
+  EXPECT_EQ(size_of({8192.0}), one + 2);
+}
+
+ColumnName named(const char* name) { return {"", name, "", ""}; }
+
+/// As fine as one looks.
+TEST(ReplayRows, ColumnsHaveTheStepOfTheirUnit) {
+  Rows rows(R"({"table":"a"})");
+  const std::pair<const char*, double> columns[] = {
+      {"x_m", 2e-3}, {"vx_mps", 2e-3},      {"omega_radps", 2e-3}, {"qx", 1e-4},  {"est_qy", 1e-4},  {"qz", 1e-4},
+      {"qw", 1e-4},  {"rotor1_radps", 1.0}, {"yaw_rad", 1e-3},     {"t_s", 1e-3}, {"speed_km", 1e-3}};
+  ColumnSink& sink = rows.begin_row();
+  for (const auto& [name, step] : columns) sink.number(named(name), 7.0);
+  sink.missing(named("gone"));
+  sink.flag(named("yes"), true);
+  sink.flag(named("no"), false);
+  sink.text(named("words"), "are left out");
+  rows.end_row();
+  ReplayBlock block("{}");
+  rows.move_to(block);
+  const auto steps = steps_of(block.bytes());
+  for (const auto& [name, step] : columns) EXPECT_EQ(steps.at(name), step) << name;
+  const ReadTable read = read_block(block.bytes()).tables.at(0);
+  EXPECT_TRUE(std::isnan(read["gone"][0]));
+  EXPECT_EQ(read["yes"][0], 1.0);
+  EXPECT_EQ(read["no"][0], 0.0);
+  EXPECT_EQ(read.rows(), 1U);
+  ReplayBlock empty("{}");
+  rows.move_to(empty);
+  EXPECT_TRUE(empty.empty()) << "what was moved is gone";
+}
+
+/// FIPS 180-4, plainly.
+std::string sha256(std::string bytes) {
+  std::vector<std::uint32_t> primes, k, h;
+  for (std::uint32_t n = 2; primes.size() < 64; ++n) {
+    if (std::none_of(primes.begin(), primes.end(), [&](std::uint32_t p) { return n % p == 0; })) primes.push_back(n);
+  }
+  const auto fraction = [](long double x) { return static_cast<std::uint32_t>((x - std::floor(x)) * 4294967296.0L); };
+  for (const std::uint32_t p : primes) k.push_back(fraction(std::cbrt(static_cast<long double>(p))));
+  for (int i = 0; i < 8; ++i) h.push_back(fraction(std::sqrt(static_cast<long double>(primes[i]))));
+  const std::uint64_t bits = 8 * bytes.size();
+  bytes += '\x80';
+  while (bytes.size() % 64 != 56) bytes += '\0';
+  for (int shift = 56; shift >= 0; shift -= 8) bytes += static_cast<char>(bits >> shift);
+  const auto turn = [](std::uint32_t x, int n) { return x >> n | x << (32 - n); };
+  for (std::size_t at = 0; at < bytes.size(); at += 64) {
+    std::uint32_t w[64];
+    for (int i = 0; i < 64; ++i) {
+      if (i < 16) {
+        w[i] = 0;
+        for (int b = 0; b < 4; ++b) w[i] = w[i] << 8 | static_cast<unsigned char>(bytes[at + 4 * i + b]);
+        continue;
+      }
+      const std::uint32_t a = w[i - 15], b = w[i - 2];
+      w[i] = w[i - 16] + (turn(a, 7) ^ turn(a, 18) ^ a >> 3) + w[i - 7] + (turn(b, 17) ^ turn(b, 19) ^ b >> 10);
+    }
+    std::vector<std::uint32_t> v = h;
+    for (int i = 0; i < 64; ++i) {
+      const std::uint32_t e = v[4], a = v[0];
+      const std::uint32_t t1 =
+          v[7] + (turn(e, 6) ^ turn(e, 11) ^ turn(e, 25)) + ((e & v[5]) ^ (~e & v[6])) + k[i] + w[i];
+      const std::uint32_t t2 = (turn(a, 2) ^ turn(a, 13) ^ turn(a, 22)) + ((a & v[1]) ^ (a & v[2]) ^ (v[1] & v[2]));
+      v = {t1 + t2, v[0], v[1], v[2], v[3] + t1, v[4], v[5], v[6]};
+    }
+    for (int i = 0; i < 8; ++i) h[i] += v[i];
+  }
+  std::string digest;
+  for (const std::uint32_t word : h) {
+    for (int shift = 24; shift >= 0; shift -= 8) digest += static_cast<char>(word >> shift);
+  }
+  return digest;
+}
+
+TEST(ReplayPage, ItsPolicyNamesTheDigestsOfItsOwnScriptsAndStyle) {
+  ASSERT_EQ(static_cast<unsigned char>(sha256("abc")[0]), 0xBA);
+  const std::string head = page_head(), tail = page_tail();
+  std::set<std::string> named, own;
+  for (std::size_t at = head.find("'sha256-"); at != std::string::npos; at = head.find("'sha256-", at + 1))
+    named.insert(from_base64(head.substr(at + 8, head.find('\'', at + 8) - at - 8)));
+  const auto add_all = [&](const std::string& text, const std::string& tag) {
+    for (std::size_t at = text.find("<" + tag + ">"); at != std::string::npos; at = text.find("<" + tag + ">", at)) {
+      at += tag.size() + 2;
+      own.insert(sha256(text.substr(at, text.find("</" + tag + ">", at) - at)));
+    }
+  };
+  add_all(tail, "script");
+  add_all(head, "style");
+  EXPECT_EQ(own.size(), 6U);
+  EXPECT_EQ(named, own);
+  EXPECT_EQ(head.find("connect-src"), std::string::npos);
+  EXPECT_NE(page_head(PageUse::kLive).find("connect-src 'self'"), std::string::npos);
+}
+
+// ---- Scans.
+
+LabeledScan scan_of(int rows, int cols, bool rolling) {
+  LabeledScan labeled;
+  auto beams = std::make_shared<BeamTable>();
+  beams->rows = rows;
+  beams->cols = cols;
+  for (int i = 0; i < rows * cols; ++i) {
+    const double azimuth = 0.3 - 6.0 * (i % cols) / cols, elevation = 0.4 - 0.8 * (i / cols) / rows;
+    beams->directions_lidar.push_back(Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
+                                                      std::cos(elevation) * std::sin(azimuth), std::sin(elevation))
+                                          .cast<float>());
+  }
+  beams->origins_lidar.assign(beams->directions_lidar.size(), Eigen::Vector3f(0.3F, 0.4F, 1.0F));
+  labeled.scan.beams = beams;
+  labeled.scan.sensor = "os1";
+  labeled.scan.stamp = 1'500'000'000;
+  labeled.scan.duration = 100'000'000;
+  for (int i = 0; i < rows * cols; ++i) {
+    labeled.scan.range_m.push_back(i % 4 == 0 ? 0.0F : 3.0F + 0.013F * static_cast<float>(i));
+    labeled.scan.intensity.push_back(std::pow(10.0F, -0.01F * static_cast<float>(i)));
+    labeled.truth.surface_class.push_back(static_cast<std::uint16_t>(40 + i % 5));
+    labeled.truth.instance.push_back(static_cast<std::uint16_t>(i % 9));
+  }
+  for (int col = 0; col < (rolling ? cols : 1); ++col) {
+    // Half a turn over the sweep; quaternions of either sign.
+    Eigen::Quaterniond q(Eigen::AngleAxisd(2.9 + 0.02 * col, Vector3::UnitZ()));
+    labeled.truth.T_world_lidar.push_back(make_pose({1.0 * col, 2.0, -3.0}, q));
+  }
+  return labeled;
+}
+
+ReadBlock read_scan(const LabeledScan& labeled, std::size_t most, std::uint64_t number, std::size_t* count = nullptr) {
+  ReplayBlock block("{}");
+  const std::size_t written = append_scan(labeled, 3, most, number, block);
+  if (count != nullptr) *count = written;
+  return read_block(block.bytes());
+}
+
+TEST(ReplayScan, TellsAnglesRangesPowerAndWhatWasHit) {
+  const LabeledScan labeled = scan_of(8, 40, false);
+  const ReadBlock read = read_scan(labeled, 100000, 0);
+  const ReadTable& points = read.tables.at(0);
+  EXPECT_EQ(points.about["vehicle"], 3);
+  EXPECT_EQ(points.about["sensor"], "os1");
+  EXPECT_EQ(points.about["t_s"], 1.5);
+  EXPECT_EQ(points.about["duration_s"], 0.1);
+  EXPECT_EQ(points.about["returns"], 240);
+  ASSERT_EQ(points.rows(), 240U);
+  for (std::size_t k = 0; k < points.rows(); ++k) {
+    const int i = static_cast<int>(points["row"][k]) * 40 + static_cast<int>(points["col"][k]);
+    const Eigen::Vector3d d = labeled.scan.beams->directions_lidar[static_cast<std::size_t>(i)].cast<double>();
+    EXPECT_NE(i % 4, 0);
+    EXPECT_NEAR(points["azimuth_rad"][k], std::atan2(d.y(), d.x()), 1.1e-4);
+    EXPECT_NEAR(points["elevation_rad"][k], std::asin(d.z()), 1.1e-4);
+    EXPECT_NEAR(points["range_m"][k], labeled.scan.range_m[i] + 0.5, 0.0051);
+    EXPECT_NEAR(points["intensity_dB"][k], std::max(-40.0, -0.1 * i), 0.51) << "a ten-thousandth is the darkest";
+    EXPECT_EQ(points["class"][k], 40 + i % 5);
+    EXPECT_EQ(points["instance"][k], i % 9);
+  }
+}
+
+TEST(ReplayScan, TellsTheWayOfItsSensorAtFiveColumns) {
+  for (const bool rolling : {false, true}) {
+    const LabeledScan labeled = scan_of(8, 41, rolling);
+    const ReadTable poses = read_scan(labeled, 100000, 0).tables.at(1);
+    const std::vector<double> columns = rolling ? std::vector<double>{0, 10, 20, 30, 40} : std::vector<double>{0};
+    ASSERT_EQ(poses["col"], columns);
+    Eigen::Quaterniond last = Eigen::Quaterniond::Identity();
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const Pose& T = labeled.truth.T_world_lidar[static_cast<std::size_t>(columns[k])];
+      EXPECT_NEAR(poses["x_m"][k], T.translation().x(), 6e-4);
+      EXPECT_NEAR(poses["y_m"][k], 2.0, 6e-4);
+      EXPECT_NEAR(poses["z_m"][k], -3.0, 6e-4);
+      const Eigen::Quaterniond q(poses["qw"][k], poses["qx"][k], poses["qy"][k], poses["qz"][k]);
+      EXPECT_LT(q.normalized().angularDistance(Eigen::Quaterniond(T.linear())), 1e-4);
+      EXPECT_GT(q.dot(last), 0.0) << "on the same side as the one before";
+      last = q;
+    }
+  }
+}
+
+/// A scan of `factor` times as many returns as it may have keeps every so-manieth row and column, by turns another one.
+TEST(ReplayScan, KeepsALatticeOfBeamsAnotherOneEachTime) {
+  for (const int rows : {12, 13, 32}) {
+    const LabeledScan labeled = scan_of(rows, 60, false);
+    std::size_t hits = 0;
+    for (const float range_m : labeled.scan.range_m) hits += range_m > 0.0F;
+    for (const std::size_t most : {hits, hits / 3 + 1, hits / 5, hits / 20}) {
+      const double factor = std::max(1.0, static_cast<double>(hits) / static_cast<double>(most));
+      const int every_row = rows > 12 ? static_cast<int>(std::sqrt(factor)) : 1;
+      const int every_col = static_cast<int>(std::ceil(factor / every_row));
+      for (const std::uint64_t number : {0U, 1U, 2U, 7U}) {
+        std::size_t count = 0, expected = 0;
+        const ReadTable points = read_scan(labeled, most, number, &count).tables.at(0);
+        for (int i = 0; i < rows * 60; ++i) {
+          expected += labeled.scan.range_m[i] > 0.0F && i / 60 % every_row == static_cast<int>(number) % every_row &&
+                      i % 60 % every_col == static_cast<int>(number) % every_col;
+        }
+        EXPECT_EQ(count, expected) << rows << " " << most << " " << number;
+        EXPECT_EQ(points.rows(), count);
+        for (std::size_t k = 0; k < points.rows(); ++k) {
+          EXPECT_EQ(static_cast<int>(points["row"][k]) % every_row, static_cast<int>(number) % every_row);
+          EXPECT_EQ(static_cast<int>(points["col"][k]) % every_col, static_cast<int>(number) % every_col);
+        }
+      }
+    }
+  }
+}
+
+// ---- Overlays and maps.
+
+class Overlays : public ::testing::Test {
+ protected:
+  std::vector<ReadTable> write(const std::vector<Overlay>& overlays, int tick) {
+    TickView view = run_.tick(tick);
+    Action action = *view.actions[0];
+    action.overlays = overlays;
+    action.estimate = {};
+    const Action* const actions[] = {&action};
+    view.actions = actions;
+    tables_.write(view);
+    ReplayBlock block("{}");
+    tables_.move_to(block);
+    std::vector<ReadTable> own;
+    for (ReadTable& table : read_block(block.bytes()).tables) own.push_back(std::move(table));
+    return own;
+  }
+  static Overlay overlay(const std::string& name, Overlay::Kind kind, int count) {
+    Overlay made;
+    made.name = name;
+    made.kind = kind;
+    for (int i = 0; i < count; ++i) made.positions.emplace_back(0.01F * static_cast<float>(i), -1.0F, 2.5F);
+    return made;
+  }
+  static const ReadTable* find(const std::vector<ReadTable>& tables, const std::string& name) {
+    for (const ReadTable& table : tables) {
+      if (table.about["name"] == name) return &table;
+    }
+    return nullptr;
+  }
+
+  TemporaryDirectory folder_;
+  SyntheticRun run_{folder_.path()};
+  OverlayTables tables_{10 * SyntheticRun::kTick};
+};
+
+TEST_F(Overlays, TellTheirKindSizeColorsAndLegend) {
+  const char* kinds[] = {"points", "lines", "polyline", "cubes", "spheres", "triangles"};
+  for (int kind = 0; kind < 6; ++kind) {
+    Overlay made = overlay(kinds[kind], static_cast<Overlay::Kind>(kind), 6);
+    made.size_m = 0.25F;
+    made.legend = {{"what it means", {0.2F, 0.4F, 2.0F, -1.0F}}};
+    made.colors.assign(1, {1.0F, 0.5F, 0.0F, 0.25F});
+    const auto tables = write({made}, 11 + kind);
+    const ReadTable* found = find(tables, kinds[kind]);
+    ASSERT_NE(found, nullptr);
+    EXPECT_EQ(found->about["kind"], kinds[kind]);
+    EXPECT_EQ(found->about["size"], 0.25);
+    EXPECT_EQ(found->about["of"], 6);
+    EXPECT_EQ(found->about["vehicle"], 0);
+    EXPECT_NEAR(found->about["t_s"].get<double>(), 0.11 + 0.01 * kind, 1e-9);
+    EXPECT_EQ(found->about["palette"], json::parse("[[255,128,0,64]]"));
+    EXPECT_EQ(found->about["legend"], json::parse(R"([{"meaning":"what it means","color":[51,102,255,0]}])"));
+    EXPECT_EQ(found->names, (std::vector<std::string>{"x_m", "y_m", "z_m"}));
+    for (int i = 0; i < 6; ++i) {
+      EXPECT_NEAR((*found)["x_m"][i], 0.01 * i, 1e-6);
+      EXPECT_NEAR((*found)["y_m"][i], -1.0, 1e-6);
+      EXPECT_NEAR((*found)["z_m"][i], 2.5, 1e-6);
+    }
+  }
+}
+
+TEST_F(Overlays, OfManyColorsTellTheNumberOfEach) {
+  Overlay made = overlay("colored", Overlay::Kind::kPoints, 5);
+  const Eigen::Vector4f red(1, 0, 0, 1), blue(0, 0, 1, 1);
+  made.colors = {red, blue, blue, red, blue};
+  const auto tables = write({made}, 11);
+  const ReadTable* found = find(tables, "colored");
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->about["palette"], json::parse("[[255,0,0,255],[0,0,255,255]]"));
+  EXPECT_EQ((*found)["color"], (std::vector<double>{0, 1, 1, 0, 1}));
+  Overlay one = overlay("one", Overlay::Kind::kPoints, 1);
+  one.colors = {red};
+  const auto second = write({one}, 12);
+  EXPECT_EQ(find(second, "one")->names.size(), 3U) << "one color for all";
+  EXPECT_TRUE(find(write({overlay("none", Overlay::Kind::kPoints, 2)}, 13), "none")->about["palette"].empty());
+}
+
+TEST_F(Overlays, OfOneNameAreNumberedAndThoseThatThePageKnowsOtherwiseAreLeftOut) {
+  const auto tables =
+      write({overlay("cells", Overlay::Kind::kCubes, 1), overlay("cells", Overlay::Kind::kCubes, 2),
+             overlay("cells", Overlay::Kind::kCubes, 3), overlay("tracks", Overlay::Kind::kPoints, 1),
+             overlay("tracks.cov", Overlay::Kind::kPoints, 1), overlay("detections", Overlay::Kind::kPoints, 1)},
+            11);
+  ASSERT_EQ(tables.size(), 4U) << "and the map, which is due";
+  EXPECT_EQ(find(tables, "cells")->rows(), 1U);
+  EXPECT_EQ(find(tables, "cells#1")->rows(), 2U);
+  EXPECT_EQ(find(tables, "cells#2")->rows(), 3U);
+}
+
+TEST_F(Overlays, OfMoreThanTwelveHundredPositionsWaitForTheirTime) {
+  const auto written = [&](int count, int tick) {
+    return find(write({overlay("some" + std::to_string(count), Overlay::Kind::kPoints, count)}, tick),
+                "some" + std::to_string(count)) != nullptr;
+  };
+  EXPECT_TRUE(written(1200, 7)) << "due from the start";
+  EXPECT_TRUE(written(1199, 8));
+  EXPECT_TRUE(written(1200, 9));
+  EXPECT_FALSE(written(1201, 9));
+  EXPECT_TRUE(written(1202, 10)) << "every ten ticks";
+  EXPECT_FALSE(written(1203, 11));
+  EXPECT_FALSE(written(1204, 19));
+  EXPECT_TRUE(written(1205, 25));
+  EXPECT_FALSE(written(1206, 29));
+  EXPECT_TRUE(written(1207, 30));
+}
+
+// What belongs together stays together: both ends of a line, the corners of a triangle.
+TEST_F(Overlays, OfMoreThanTwelveThousandPositionsAreThinnedInWholeGroups) {
+  struct Case {
+    Overlay::Kind kind;
+    int group;
+  };
+  int tick = 10;
+  for (const auto& [kind, group] :
+       {Case{Overlay::Kind::kLines, 2}, {Overlay::Kind::kTriangles, 3}, {Overlay::Kind::kCubes, 1}}) {
+    for (const int count : {12000, 12006, 24000, 24006}) {
+      const std::string name = "n" + std::to_string(tick);
+      const auto tables = write({overlay(name, kind, count)}, tick);
+      tick += 10;
+      const ReadTable* found = find(tables, name);
+      ASSERT_NE(found, nullptr);
+      EXPECT_EQ(found->about["of"], count);
+      const int every = (count + 11999) / 12000;
+      std::size_t row = 0;
+      for (int i = 0; i < count; ++i) {
+        if (i / group % every != 0) continue;
+        ASSERT_LT(row, found->rows());
+        ASSERT_NEAR((*found)["x_m"][row++], 0.01 * i, 0.002 + 1e-5 * i) << count;
+      }
+      EXPECT_EQ(row, found->rows());
+    }
+  }
+}
+
+TEST_F(Overlays, MapsAreTheOccupiedCellsOfEachButTheDetectors) {
+  const auto tables = write({}, 10);
+  ASSERT_EQ(tables.size(), 1U);
+  EXPECT_EQ(tables[0].about["name"], "map.mapping");
+  EXPECT_EQ(tables[0].about["kind"], "cubes");
+  EXPECT_NEAR(tables[0].about["size"].get<double>(), 0.9 * 0.2, 0.02) << "a gap between cells";
+  ASSERT_EQ(tables[0].rows(), 1U);
+  EXPECT_NEAR(tables[0]["x_m"][0], 1.1, 0.006);
+  EXPECT_NEAR(tables[0]["y_m"][0], 2.3, 0.006);
+  EXPECT_NEAR(tables[0]["z_m"][0], -0.7, 0.006);
+  OverlayTables never(0);
+  never.write(run_.tick(20));
+  ReplayBlock block("{}");
+  never.move_to(block);
+  for (const ReadTable& table : read_block(block.bytes()).tables)
+    EXPECT_NE(table.about["name"].get<std::string>().rfind("map.", 0), 0U);
+}
+
+// ---- The world.
+
+TEST(ReplayWorld, MeshesAndTheirPlacesReadBack) {
+  Scene scene;
+  scene.materials = {{"a", 0.3F, false, {1.0F, 0.5F, 0.2F}}, {"b", 0.3F, false, {0.0F, 0.25F, 1.0F}}};
+  const SurfaceClass classes[] = {SurfaceClass::kGround, SurfaceClass::kVegetation, SurfaceClass::kBranch,
+                                  SurfaceClass::kWall};
+  for (std::uint32_t m = 0; m < 4; ++m) {
+    Mesh mesh;
+    mesh.material = m % 2;
+    mesh.surface_class = classes[m];
+    mesh.vertices_mesh_m.emplace_back(99, 99, 99);  // nobody uses it
+    add_box(mesh, Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(1, 2, 3.5F + static_cast<float>(m)));
+    std::reverse(mesh.triangles.begin(), mesh.triangles.end());
+    scene.meshes.push_back(mesh);
+  }
+  scene.meshes.emplace_back();              // empty
+  scene.meshes.push_back(scene.meshes[3]);  // nowhere
+  Eigen::Affine3f T = Eigen::Affine3f::Identity();
+  T.translate(Eigen::Vector3f(10, -20, 3))
+      .rotate(Eigen::AngleAxisf(0.7F, Eigen::Vector3f(1, 2, 3).normalized()))
+      .scale(1.5F);
+  for (std::uint32_t m = 0; m < 5; ++m) scene.instances.push_back({m, T, static_cast<std::uint16_t>(7 + m)});
+  scene.instances.push_back({1, Eigen::Affine3f::Identity(), 0});
+  ReplayBlock block("{}");
+  append_world(scene, 100000, block);
+  const ReadBlock read = read_block(block.bytes());
+  ASSERT_EQ(read.tables.size(), 12U);
+  for (std::size_t m = 0; m < 4; ++m) {
+    const ReadTable &vertices = read.tables[3 * m], &triangles = read.tables[3 * m + 1],
+                    &places = read.tables[3 * m + 2];
+    const Mesh& mesh = scene.meshes[m];
+    EXPECT_EQ(vertices.about["table"], "vertices");
+    EXPECT_EQ(vertices.about["kind"], m == 0 ? "ground" : m == 1 ? "plant" : "plain");
+    EXPECT_EQ(vertices.about["color"], rgb_of(scene.materials[m % 2].color_rgb));
+    EXPECT_EQ(vertices.rows(), 8U) << "those that are used";
+    ASSERT_EQ(triangles.rows(), mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (int c = 0; c < 3; ++c) {
+        const auto number = static_cast<std::size_t>(triangles.columns[c][t]);
+        const Eigen::Vector3f& p = mesh.vertices_mesh_m[mesh.triangles[t][c]];
+        for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(vertices.columns[axis][number], p[axis], 0.0011);
+      }
+    }
+    ASSERT_EQ(places.rows(), m == 1 ? 2U : 1U);
+    const char* names[] = {"xx", "yx", "zx", "xy", "yy", "zy", "xz", "yz", "zz", "x_m", "y_m", "z_m"};
+    for (int i = 0; i < 12; ++i)
+      EXPECT_NEAR(places[names[i]][0], T.matrix()(i % 3, i / 3), i < 9 ? 6e-5 : 6e-4) << names[i];
+    EXPECT_EQ(places["instance"][0], static_cast<double>(7 + m));
+  }
+}
+
+TEST(ReplayWorld, VehiclesHaveTheirPartsInTheirColorsAndTheirRotors) {
+  VehicleShape shape;
+  shape.materials.push_back({"frame", 0.3F, false, {0.2F, 0.3F, 0.4F}});
+  Mesh body;
+  body.part = VehiclePart::kBody;
+  add_box(body, Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(1, 1, 1));
+  Mesh leg = body;
+  leg.part = VehiclePart::kLeg;
+  shape.meshes = {body, leg};
+  shape.rotors = {{{0.5F, -0.25F, 0.125F}, 0.15F, 3, 0.024F, -1.0F}, {{-0.5F, 0.25F, 0.125F}, 0.2F, 2, 0.03F, 1.0F}};
+  ReplayBlock block("{}");
+  append_vehicle(shape, 1, block);
+  const ReadBlock read = read_block(block.bytes());
+  ASSERT_EQ(read.tables.size(), 5U);
+  EXPECT_EQ(read.tables[0].about["color"], rgb_of(part_color(shape, body, 1)));
+  EXPECT_EQ(read.tables[2].about["color"], rgb_of(part_color(shape, leg, 1)));
+  EXPECT_EQ(read.tables[0].about["vehicle"], 1);
+  const ReadTable& rotors = read.tables[4];
+  EXPECT_EQ(rotors.about["vehicle"], 1);
+  for (std::size_t r = 0; r < 2; ++r) {
+    const auto& rotor = shape.rotors[r];
+    EXPECT_NEAR(rotors["x_m"][r], rotor.hub_body_m.x(), 6e-4);
+    EXPECT_NEAR(rotors["y_m"][r], rotor.hub_body_m.y(), 6e-4);
+    EXPECT_NEAR(rotors["z_m"][r], rotor.hub_body_m.z(), 6e-4);
+    EXPECT_NEAR(rotors["radius_m"][r], rotor.radius_m, 6e-4);
+    EXPECT_NEAR(rotors["chord_m"][r], rotor.chord_m, 6e-4);
+    EXPECT_EQ(rotors["blades"][r], rotor.blades);
+    EXPECT_EQ(rotors["direction"][r], rotor.direction);
+  }
+}
+
+// ---- The whole.
+
+class WholeReplay : public ::testing::Test {
+ protected:
+  std::vector<ReadBlock> write(const ReplayConfig& config, int ticks, const Scene* scene = nullptr) {
+    SyntheticRun run(folder_.path());
+    RunInfo info = run.info();
+    info.scene = scene;
+    auto recorder = make_replay_recorder(config, folder_.path() / "a.html");
+    recorder->begin(info);
+    for (int k = 0; k <= ticks; ++k) recorder->write(run.tick(k));
+    const auto paths = recorder->finish();
+    EXPECT_EQ(paths, (std::vector<std::filesystem::path>{"a.html"}));
+    return read_page(read_whole_file(folder_.path() / "a.html"));
+  }
+  static std::vector<double> column(const std::vector<ReadBlock>& blocks, const std::string& table,
+                                    const std::string& name) {
+    std::vector<double> values;
+    for (const ReadBlock& block : blocks) {
+      for (const ReadTable& one : block.tables) {
+        if (one.about["table"] != table || one.rows() == 0) continue;
+        values.insert(values.end(), one[name].begin(), one[name].end());
+      }
+    }
+    return values;
+  }
+
+  TemporaryDirectory folder_;
+};
+
+TEST_F(WholeReplay, HeadTellsRatesBoundsAndThePalette) {
+  Scene scene;
+  scene.bounds_m = Eigen::AlignedBox3d(Vector3(-1, -2, -3), Vector3(4, 5, 6));
+  scene.materials.resize(1);
+  scene.meshes.resize(1);
+  add_box(scene.meshes[0], Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(1, 1, 1));
+  scene.instances.resize(2);
+  ReplayConfig config;
+  config.rate_hz = 10.0;
+  const auto blocks = write(config, 10, &scene);
+  const json& head = blocks.front().about;
+  EXPECT_EQ(head["format"], 1);
+  EXPECT_EQ(head["bounds_m"], json::parse("[[-1.0,-2.0,-3.0],[4.0,5.0,6.0]]"));
+  EXPECT_EQ(head["triangles"], 24);
+  EXPECT_EQ(head["rates"]["state_hz"], 10.0);
+  EXPECT_EQ(head["rates"]["scan_hz"], 2.0);
+  const json& palette = head["palette"];
+  ASSERT_EQ(palette["vehicles"].size(), 2U);
+  EXPECT_EQ(palette["vehicles"][1], rgb_of(vehicle_color(1)));
+  ASSERT_EQ(palette["height"].size(), palette["intensity"].size());
+  const std::size_t last = palette["height"].size() - 1;
+  EXPECT_GE(last, 24U);
+  for (const std::size_t i : {std::size_t{0}, last / 3, last}) {
+    const float s = static_cast<float>(i) / static_cast<float>(last);
+    EXPECT_EQ(palette["height"][i], rgb_of(height_color(s)));
+    EXPECT_EQ(palette["intensity"][i], rgb_of(viridis_like(s)));
+  }
+  ASSERT_EQ(palette["classes"].size(), static_class_names().size() + 1);
+  for (const json& one : palette["classes"]) {
+    EXPECT_EQ(one["color"], rgb_of(class_color(one["number"].get<std::uint16_t>())));
+    EXPECT_STREQ(one["name"].get<std::string>().c_str(), name_of(static_cast<SurfaceClass>(one["number"].get<int>())));
+  }
+  EXPECT_EQ(blocks[1].about["kind"], "world");
+  EXPECT_EQ(blocks[1].tables.size(), 3U);
+}
+
+TEST_F(WholeReplay, ChunksHaveTwoSecondsEach) {
+  const auto blocks = write({}, 450);
+  std::vector<double> starts;
+  for (const ReadBlock& block : blocks) {
+    if (block.about["kind"] != "chunk") continue;
+    starts.push_back(block.about["t_s"]);
+    for (const ReadTable& table : block.tables) {
+      if (table.about["table"] != "detections" || table.rows() == 0) continue;
+      EXPECT_GE(table["t_s"].front(), starts.back() - 1e-6);
+      EXPECT_LT(table["t_s"].back(), starts.back() + 2.0);
+    }
+  }
+  EXPECT_EQ(starts, (std::vector<double>{0.0, 2.0, 4.0}));
+}
+
+TEST_F(WholeReplay, StatesComeAtTheirRateFromTheFirstTickOn) {
+  ReplayConfig config;
+  config.rate_hz = 8.0;  // every 0.125 s; ticks come every 0.01 s
+  const auto times = column(write(config, 100), "state", "t_s");
+  std::vector<double> expected;
+  for (int i = 0; i <= 8; ++i) {
+    for (int vehicle = 0; vehicle < 2; ++vehicle) expected.push_back(0.01 * std::ceil(12.5 * i));
+  }
+  std::vector<double> sorted = times;
+  std::sort(sorted.begin(), sorted.end());
+  ASSERT_EQ(sorted.size(), expected.size());
+  for (std::size_t i = 0; i < sorted.size(); ++i) EXPECT_NEAR(sorted[i], expected[i], 1e-9);
+}
+
+TEST_F(WholeReplay, SeriesAreThinnedToTheRateOfTheStates) {
+  ReplayConfig config;
+  config.rate_hz = 5.0;
+  std::set<double> times;
+  for (const ReadBlock& block : write(config, 100)) {
+    for (const ReadTable& table : block.tables) {
+      if (table.about["table"] != "series" || table.about["name"] != "spread" || table.rows() == 0) continue;
+      times.insert(table["t_s"].begin(), table["t_s"].end());
+    }
+  }
+  ASSERT_GT(times.size(), 3U);
+  double before = -1.0;
+  for (const double t : times) {
+    EXPECT_GE(t - before, 0.2 - 1e-6);
+    EXPECT_LT(t - std::max(before, 0.0), 0.3);
+    before = t;
+  }
+}
+
+TEST_F(WholeReplay, MessagesAreCountedOverFifthsOfASecond) {
+  const auto blocks = write({}, 100);
+  SyntheticRun again(folder_.path());
+  std::map<std::array<int, 3>, std::pair<double, double>> expected;  // by bin, sender and receiver
+  for (int k = 0; k <= 100; ++k) {
+    const TickView& tick = again.tick(k);
+    for (std::size_t v = 0; v < tick.observations.size(); ++v) {
+      for (const Message& message : tick.observations[v].messages) {
+        auto& [messages, bytes] = expected[{k / 20, message.from, static_cast<int>(v)}];
+        messages += 1.0;
+        bytes += static_cast<double>(message.size_bytes());
+      }
+    }
+  }
+  std::size_t rows = 0;
+  for (const ReadBlock& block : blocks) {
+    for (const ReadTable& table : block.tables) {
+      if (table.about["table"] != "radio") continue;
+      for (std::size_t i = 0; i < table.rows(); ++i, ++rows) {
+        const auto found = expected.find({static_cast<int>(std::lround(5.0 * table["t_s"][i])),
+                                          static_cast<int>(table["from"][i]), static_cast<int>(table["to"][i])});
+        ASSERT_NE(found, expected.end()) << table["t_s"][i];
+        EXPECT_EQ(table["messages"][i], found->second.first);
+        EXPECT_EQ(table["bytes"][i], found->second.second);
+      }
+    }
+  }
+  EXPECT_EQ(rows, expected.size());
+  EXPECT_GT(rows, 2U);
+}
+
+TEST_F(WholeReplay, DetectionsAndTracksAreToldInFull) {
+  const auto blocks = write({}, 3);
+  SyntheticRun again(folder_.path());
+  std::size_t d = 0, t = 0;
+  const auto detections = [&](const char* name) { return column(blocks, "detections", name); };
+  const auto tracks = [&](const char* name) { return column(blocks, "tracks", name); };
+  for (int k = 0; k <= 3; ++k) {
+    const TickView& tick = again.tick(k);
+    for (std::size_t v = 0; v < tick.actions.size(); ++v) {
+      for (const Detection& one : tick.actions[v]->detections) {
+        EXPECT_NEAR(detections("t_s").at(d), 0.01 * k, 1e-9);
+        EXPECT_EQ(detections("vehicle")[d], static_cast<double>(v));
+        EXPECT_NEAR(detections("y_m")[d], one.position_m.y(), 0.006);
+        EXPECT_NEAR(detections("extent_z_m")[d], one.extent_m.z(), 0.006);
+        EXPECT_EQ(detections("points")[d], one.num_points);
+        EXPECT_NEAR(detections("confidence")[d], one.confidence, 0.006);
+        ++d;
+      }
+      if (!tick.actions[v]->has_tracks) continue;
+      for (const Track& one : tick.actions[v]->tracks) {
+        EXPECT_EQ(tracks("id").at(t), static_cast<double>(one.id));
+        EXPECT_NEAR(tracks("x_m")[t], one.position_m.x(), 0.006);
+        EXPECT_NEAR(tracks("vz_mps")[t], one.velocity_mps.z(), 0.006);
+        const std::tuple<const char*, int, int> entries[] = {{"xx", 0, 0}, {"xy", 0, 1}, {"xz", 0, 2},
+                                                             {"yy", 1, 1}, {"yz", 1, 2}, {"zz", 2, 2}};
+        for (const auto& [name, i, j] : entries) EXPECT_NEAR(tracks(name)[t], one.covariance(i, j), 6e-5) << name;
+        EXPECT_EQ(tracks("corrected")[t], one.corrected ? 1.0 : 0.0);
+        EXPECT_EQ(tracks("detections")[t], static_cast<double>(one.num_detections));
+        ++t;
+      }
+    }
+  }
+  EXPECT_EQ(detections("t_s").size(), d);
+  EXPECT_EQ(tracks("id").size(), t);
+  EXPECT_GT(d, 0U);
+}
+
+TEST_F(WholeReplay, EventsTellWhatWhoWhereAndWhen) {
+  json events = json::array();
+  for (const ReadBlock& block : write({}, 10)) {
+    if (block.about.contains("events"))
+      events.insert(events.end(), block.about["events"].begin(), block.about["events"].end());
+  }
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0]["kind"], "crash");
+  EXPECT_NEAR(events[0]["t_s"].get<double>(), 0.07, 1e-9);
+  EXPECT_EQ(events[0]["vehicle"], 1);
+  EXPECT_EQ(events[0]["partner"], "trunk \"17\"");
+  EXPECT_EQ(events[0]["position_m"].size(), 3U);
+  EXPECT_EQ(events[1]["note"], "time is up");
+}
+
+/// Scans of 32 x 256 beams, so many that only a part finds room.
+TEST_F(WholeReplay, ScansAreThinnedToWhatTheyMayTake) {
+  const auto bytes_and_points = [&](double kBps) {
+    SyntheticRun run(folder_.path());
+    ReplayConfig config;
+    config.scan_rate_hz = 10.0;
+    config.scan_budget_kBps = kBps;
+    auto recorder = make_replay_recorder(config, folder_.path() / "b.html");
+    recorder->begin(run.info());
+    const auto beams = run.make_beams(32, 256);
+    std::vector<std::vector<std::shared_ptr<const LabeledScan>>> scans(2);
+    for (int k = 0; k <= 700; ++k) {
+      TickView view = run.tick(k);
+      scans[0].clear();
+      if (k % 10 == 0) scans[0].push_back(run.make_scan("os1", beams, view.t, false));
+      view.scans = scans;
+      recorder->write(view);
+    }
+    recorder->finish();
+    std::vector<std::size_t> points;
+    const std::string page = read_whole_file(folder_.path() / "b.html");
+    for (const ReadBlock& block : read_page(page)) {
+      if (block.about["kind"] != "scans") continue;
+      std::size_t most = 0;
+      for (const ReadTable& table : block.tables) {
+        if (table.about["table"] == "scan") most = std::max(most, table.rows());
+      }
+      points.push_back(most);
+    }
+    return points;
+  };
+  // The first chunk does not know yet what a point costs: 2500 of each scan. Then it keeps to its budget.
+  const auto few = bytes_and_points(20.0), many = bytes_and_points(60.0), least = bytes_and_points(1.0);
+  ASSERT_GE(few.size(), 4U);
+  EXPECT_LE(few[0], 2500U);
+  EXPECT_GT(few[0], 1500U);
+  EXPECT_EQ(few[0], many[0]);
+  EXPECT_NEAR(static_cast<double>(many[2]) / static_cast<double>(few[2]), 3.0, 1.2);
+  EXPECT_LT(least[2], 400U) << "a few hundred are left of each";
+  EXPECT_GT(least[2], 150U);
+}
+
+// ---- Live.
+
+std::string asked(const std::string& address, const std::string& request) {
+  const std::size_t colon = address.find(':', 7);
+  const int connection = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(colon + 1))));
+  place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(connect(connection, reinterpret_cast<sockaddr*>(&place), sizeof place), 0);
+  send(connection, request.data(), request.size(), MSG_NOSIGNAL);
+  std::string answer;
+  char part[4096];
+  for (ssize_t count = 0; (count = recv(connection, part, sizeof part, 0)) > 0;)
+    answer.append(part, static_cast<std::size_t>(count));
+  close(connection);
+  return answer;
+}
+
+TEST(LiveServer, AnswersReadersWhoKnowItsAddressAndNobodyElse) {
+  LiveServer server;
+  const std::string& address = server.address();
+  ASSERT_EQ(address.rfind("http://127.0.0.1:", 0), 0U);
+  const std::string host = address.substr(7, address.find('/', 7) - 7), token = address.substr(address.find('/', 7));
+  ASSERT_EQ(token.size(), 34U) << "32 digits between two strokes";
+  EXPECT_NE(LiveServer().address().substr(address.size() - 33), token.substr(1));
+  const auto get = [&](const std::string& path, const std::string& as = "", const std::string& method = "GET") {
+    return asked(address, method + " " + path + " HTTP/1.1\r\nHost: " + (as.empty() ? host : as) + "\r\n\r\n");
+  };
+  const auto status = [](const std::string& answer) { return answer.substr(9, 3); };
+  const std::string page = get(token);
+  EXPECT_EQ(status(page), "200");
+  EXPECT_NE(page.find(page_head(PageUse::kLive) + page_tail()), std::string::npos);
+  EXPECT_NE(page.find("text/html"), std::string::npos);
+  EXPECT_EQ(status(get("/")), "404");
+  EXPECT_EQ(status(get(token + "other")), "404");
+  EXPECT_EQ(status(get(token, "evil.example")), "403");
+  EXPECT_EQ(status(get(token, "", "POST")), "405");
+  EXPECT_EQ(status(get(token + "blocks/0")), "204");
+  server.put("first");
+  server.put("second");
+  const std::string first = get(token + "blocks/0"), second = get(token + "blocks/1");
+  EXPECT_EQ(status(first), "200");
+  EXPECT_EQ(first.substr(first.find("\r\n\r\n") + 4), "first");
+  EXPECT_EQ(second.substr(second.find("\r\n\r\n") + 4), "second");
+  EXPECT_NE(first.find("Content-Length: 5\r\n"), std::string::npos);
+  EXPECT_EQ(status(get(token + "blocks/2")), "204");
+  EXPECT_EQ(status(get(token + "blocks/1x")), "404");
+  EXPECT_EQ(status(get(token + "blocks/")), "404");
+  EXPECT_EQ(status(get(token + "blocks/99999999999999999999999")), "404") << "no number of ours";
+  // Long requests are read to their end, too long ones not at all.
+  const auto padded = [&](std::size_t size) {
+    std::string request = "GET " + token + " HTTP/1.1\r\nHost: " + host + "\r\nX: ";
+    request += std::string(size - request.size() - 4, 'x') + "\r\n\r\n";
+    return asked(address, request);
+  };
+  EXPECT_EQ(status(padded(5000)), "200");
+  EXPECT_EQ(padded(9000), "");
+}
+
+TEST(LiveServer, WaitsForAPageThatIsOpenAndForNoOther) {
+  {
+    LiveServer nobody;
+    nobody.put("last");
+    nobody.finish();  // at once: no page has ever asked
+  }
+  LiveServer server;
+  const std::string& address = server.address();
+  const std::string host = address.substr(7, address.find('/', 7) - 7), token = address.substr(address.find('/', 7));
+  const auto get = [&](int number) {
+    return asked(address,
+                 "GET " + token + "blocks/" + std::to_string(number) + " HTTP/1.1\r\nHost: " + host + "\r\n\r\n");
+  };
+  server.put("first");
+  get(0);
+  server.put("last");
+  std::atomic<bool> is_over = false;
+  std::thread waiting([&] {
+    server.finish();
+    is_over = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(250));
+  EXPECT_FALSE(is_over) << "the page has not had the last one";
+  get(0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(250));
+  EXPECT_FALSE(is_over) << "that was another one";
+  get(1);
+  waiting.join();
+  EXPECT_TRUE(is_over);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

@@ -1,0 +1,528 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Point clouds and heads of PLY files byte by byte: what is just enough is read, what is one less is refused.
+#include "swiftlet/sim/world/point_cloud_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include "sim/world/input_file.hpp"
+#include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/world/mesh_import.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using Eigen::Vector3d;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using Points = std::vector<Vector3d>;
+
+class CloudFiles : public testing::Test {
+ protected:
+  std::filesystem::path write(const std::string& name, const std::string& content) {
+    std::ofstream(folder_.path() / name, std::ios::binary) << content;
+    return folder_.path() / name;
+  }
+  Points pcd(const std::string& content) { return read_point_cloud(write("a.pcd", content)); }
+  Points ply(const std::string& content) { return read_point_cloud(write("a.ply", content)); }
+
+  template <class Call>
+  std::string refusal(const Call& call) {
+    try {
+      call();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "nothing was thrown";
+  }
+  std::string pcd_refusal(const std::string& content) {
+    return refusal([&] { pcd(content); });
+  }
+  std::string ply_refusal(const std::string& content) {
+    return refusal([&] { ply(content); });
+  }
+
+  TemporaryDirectory folder_;
+};
+
+/// A plain compressor of the LZF format, greedy and slow.
+std::string lzf_of(const std::string& in, std::size_t farthest) {
+  std::string out, literals;
+  const auto flush = [&] {
+    for (std::size_t i = 0; i < literals.size(); i += 32) {
+      const std::string run = literals.substr(i, 32);
+      out += static_cast<char>(run.size() - 1);
+      out += run;
+    }
+    literals.clear();
+  };
+  for (std::size_t i = 0; i < in.size();) {
+    std::size_t best = 0, at = 0;
+    for (std::size_t back = 1; back <= std::min({i, farthest, std::size_t{8192}}); ++back) {
+      std::size_t length = 0;
+      while (length < 264 && i + length < in.size() && in[i + length] == in[i + length - back]) ++length;
+      if (length > best) best = length, at = back;
+    }
+    if (best < 3) {
+      literals += in[i++];
+      continue;
+    }
+    flush();
+    const std::size_t code = best - 2, distance = at - 1;
+    if (code < 7) {
+      out += static_cast<char>(code << 5 | distance >> 8);
+    } else {
+      out += static_cast<char>(7U << 5 | distance >> 8);
+      out += static_cast<char>(code - 7);
+    }
+    out += static_cast<char>(distance & 255U);
+    i += best;
+  }
+  flush();
+  return out;
+}
+
+std::string some_text(std::uint32_t number, std::size_t size) {
+  const Random random(number, "test.lzf");
+  std::string text;
+  for (std::uint32_t i = 0; text.size() < size; ++i) {
+    if (random.uniform(0.0, 1.0, i, 0) < 0.6 || text.size() < 10) {
+      text += static_cast<char>(random.uniform(0.0, 256.0, i, 1));
+    } else {  // something that was there
+      const auto back = 1 + static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(text.size()), i, 2));
+      const auto length = static_cast<std::size_t>(random.uniform(1.0, 330.0, i, 3));
+      for (std::size_t k = 0; k < length; ++k) text += text[text.size() - std::min(back, text.size())];
+    }
+  }
+  return text;
+}
+
+TEST(Lzf, GivesBackWhatWasCompressedAndKnowsEveryOtherLength) {
+  for (const std::uint32_t number : {0U, 1U, 2U, 3U, 4U}) {
+    const std::string text = some_text(number, 40 + 900 * number);
+    const std::string packed = lzf_of(text, number % 2 == 0 ? 8192 : 40);
+    std::string out(text.size(), '\0');
+    ASSERT_TRUE(decompress_lzf(packed, out));
+    EXPECT_EQ(out, text);
+    for (const std::size_t size : {text.size() - 1, text.size() + 1}) {
+      out.assign(size, '\0');
+      EXPECT_FALSE(decompress_lzf(packed, out));
+    }
+    for (std::size_t cut = 1; cut < std::min<std::size_t>(40, packed.size()); ++cut) {
+      out.assign(text.size(), '\0');
+      EXPECT_FALSE(decompress_lzf(packed.substr(0, packed.size() - cut), out)) << cut;
+    }
+  }
+}
+
+TEST(Lzf, CopiesFromTheFirstByteOnAndNotFromBeforeIt) {
+  const auto unpacks = [](std::string in, std::size_t size) {
+    std::string out(size, '\0');
+    return decompress_lzf(in, out) ? out : "no";
+  };
+  EXPECT_EQ(unpacks(std::string("\x02"
+                                "abc"
+                                "\x20\x02",
+                                6),
+                    6),
+            "abcabc")
+      << "length 3, three back";
+  EXPECT_EQ(unpacks(std::string("\x02"
+                                "abc"
+                                "\x20\x03",
+                                6),
+                    6),
+            "no")
+      << "four back";
+  EXPECT_EQ(unpacks(std::string("\x02"
+                                "abc"
+                                "\xc0\x02",
+                                6),
+                    11),
+            "abcabcabcab")
+      << "length 8";
+  EXPECT_EQ(unpacks(std::string("\x02"
+                                "abc"
+                                "\xe0\x00\x02",
+                                7),
+                    12),
+            "abcabcabcabc")
+      << "length 9";
+  EXPECT_EQ(unpacks(std::string("\x02"
+                                "abc"
+                                "\xe0\x00",
+                                6),
+                    12),
+            "no")
+      << "the distance is missing";
+  EXPECT_EQ(unpacks(std::string("\x02"
+                                "abc"
+                                "\x20",
+                                5),
+                    6),
+            "no");
+  EXPECT_EQ(unpacks("", 0), "");
+}
+
+const std::string kXyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
+
+TEST_F(CloudFiles, PcdOfWordsHasNumbersAsPeopleWriteThem) {
+  const std::string head =
+      "# a comment\n\nVERSION 0.7\nCOLUMNS x extra y z\r\nSIZE 4 4 4 8\nTYPE F U F f\nCOUNT 1 2 1 1\n"
+      "VIEWPOINT 0 0 0 1 0 0 0\n";
+  const Points expected = {{1.5, -2, 3e3}, {4, 5, 6}};
+  EXPECT_EQ(pcd(head + "POINTS 2\nDATA ascii\n+1.5 7 8 -2 3e3\r\n\t4 7 8 5\n 6"), expected);
+  EXPECT_EQ(pcd(head + "WIDTH 1\nHEIGHT 2\nDATA ascii\n1.5 7 8 -2 3e3\n4 7 8 5 6\n"), expected);
+  // What is not finite is left out, and so is what no number can hold.
+  EXPECT_EQ(pcd(head + "POINTS 4\nDATA ascii\n1.5 7 8 -2 3e3\nnan 7 8 5 6\n1 7 8 inf 2\n1 7 8 2 1e999\n").size(), 1U);
+  EXPECT_EQ(pcd(head + "POINTS 0\nDATA ascii\n").size(), 0U);
+  EXPECT_EQ(pcd(head + "WIDTH 7\nHEIGHT 0\nDATA ascii\n").size(), 0U);
+  EXPECT_THAT(pcd_refusal(head + "POINTS 2\nDATA ascii\n1 7 8 2 3\n4 7 8 5\n"),
+              AllOf(HasSubstr("point 1"), HasSubstr("'z'")));
+  EXPECT_THAT(pcd_refusal(head + "POINTS 1\nDATA ascii\n1 7 x 2 3\n"),
+              AllOf(HasSubstr("point 0"), HasSubstr("'extra'")));
+  EXPECT_THAT(pcd_refusal(head + "POINTS 1\nDATA ascii\n1 7 8 2 3x\n"), HasSubstr("'z'"));
+  EXPECT_THAT(pcd_refusal(head + "POINTS 99\nDATA ascii\n1 7 8 2 3\n"), HasSubstr("point 1: "));
+  EXPECT_THAT(pcd_refusal(head + "POINTS 9999\nDATA ascii\n1 7 8 2 3\n"), HasSubstr("promises 9999 points"));
+}
+
+TEST_F(CloudFiles, PcdWithAFieldOfNoValuesHasNoneOfThem) {
+  EXPECT_EQ(pcd("FIELDS x none y z\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 0 1 1\nPOINTS 1\nDATA ascii\n1 2 3\n"),
+            (Points{{1, 2, 3}}));
+  EXPECT_THAT(pcd_refusal("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 0\nPOINTS 1\nDATA ascii\n1 2 3\n"),
+              HasSubstr("no z"));
+}
+
+TEST_F(CloudFiles, PcdHeadsSayWhatIsWrongWithThem) {
+  EXPECT_THAT(pcd_refusal(kXyz + "POINTS -1\nDATA ascii\n"), HasSubstr("expected a number, found 'POINTS -1'"));
+  EXPECT_THAT(pcd_refusal(kXyz + "POINTS many\nDATA ascii\n"), HasSubstr("'POINTS many'"));
+  EXPECT_THAT(pcd_refusal(kXyz + "WIDTH 2\nDATA ascii\n"), HasSubstr("expected POINTS, or WIDTH and HEIGHT"));
+  EXPECT_THAT(pcd_refusal(kXyz + "HEIGHT 2\nDATA ascii\n"), HasSubstr("expected POINTS, or WIDTH and HEIGHT"));
+  EXPECT_THAT(pcd_refusal(kXyz + "WIDTH 1099511627777\nHEIGHT 1\nDATA ascii\n"), HasSubstr("expected POINTS"));
+  EXPECT_THAT(pcd_refusal(kXyz + "WIDTH 1099511627776\nHEIGHT 1\nDATA ascii\n"), HasSubstr("promises 1099511627776"));
+  EXPECT_THAT(pcd_refusal(kXyz + "WIDTH 549755813889\nHEIGHT 2\nDATA ascii\n"), HasSubstr("expected POINTS"));
+  EXPECT_THAT(pcd_refusal(kXyz + "POINTS 1\nDATA\n"), HasSubstr("expected a kind of data"));
+  EXPECT_THAT(pcd_refusal(kXyz + "POINTS 1\nDATA base64\n"), HasSubstr("found 'base64'"));
+  EXPECT_THAT(pcd_refusal(kXyz + "POINTS 1\n"), HasSubstr("ends with 'DATA'"));
+  EXPECT_THAT(pcd_refusal("FIELDS x y z\nSIZE 2 4 4\nTYPE F F F\nPOINTS 0\nDATA ascii\n"),
+              HasSubstr("size of 4 or 8 for type F of field 'x'"));
+  EXPECT_THAT(pcd_refusal("FIELDS x y z\nSIZE 4 4 4\nTYPE F F D\nPOINTS 0\nDATA ascii\n"), HasSubstr("'TYPE F F D'"));
+  EXPECT_THAT(pcd_refusal("FIELDS x y z\nCOUNT 1 1 -1\nPOINTS 0\nDATA ascii\n"), HasSubstr("'COUNT 1 1 -1'"));
+  EXPECT_THAT(pcd_refusal("FIELDS x y z\nCOUNT 1 1 100000\nPOINTS 0\nDATA ascii\n"), HasSubstr("COUNT"));
+  EXPECT_THAT(pcd("FIELDS x y z\nCOUNT 1 1 99999\nPOINTS 0\nDATA ascii\n"), IsEmpty());
+  EXPECT_THAT(pcd("FIELDS x y z\nSIZE 1 2 8\nTYPE U I i\nPOINTS 0\nDATA ascii\n"), IsEmpty());
+  // A head of more than a mebibyte is none.
+  EXPECT_THAT(pcd_refusal("# " + std::string(1 << 20, 'x') + "\n" + kXyz + "POINTS 0\nDATA ascii\n"),
+              HasSubstr("ends with 'DATA'"));
+  EXPECT_THAT(pcd("# " + std::string((1 << 20) - 200, 'x') + "\n" + kXyz + "POINTS 0\nDATA ascii\n"), IsEmpty());
+}
+
+template <class Value>
+void put(std::string& bytes, Value value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+TEST_F(CloudFiles, CompressedPcdLiesFieldByField) {
+  const std::string head =
+      "FIELDS x tag y z\nSIZE 4 2 4 8\nTYPE F U F F\nCOUNT 1 3 1 1\nPOINTS 50\nDATA binary_compressed\n";
+  Points expected;
+  std::string x, tag, y, z;
+  for (int i = 0; i < 50; ++i) {
+    expected.emplace_back(0.5 * i, -i, 2.25);
+    put(x, static_cast<float>(0.5 * i));
+    tag += "ababab";
+    put(y, static_cast<float>(-i));
+    put(z, 2.25);
+  }
+  const std::string plain = x + tag + y + z, packed = lzf_of(plain, 8192);
+  const auto file = [&](std::size_t compressed, std::size_t uncompressed, const std::string& data) {
+    std::string content = head;
+    put(content, static_cast<std::uint32_t>(compressed));
+    put(content, static_cast<std::uint32_t>(uncompressed));
+    return content + data;
+  };
+  EXPECT_EQ(pcd(file(packed.size(), plain.size(), packed)), expected);
+  EXPECT_EQ(pcd(file(packed.size(), plain.size(), packed + "and more")), expected);
+  EXPECT_THAT(pcd_refusal(file(packed.size() + 1, plain.size(), packed)), HasSubstr("compressed bytes, found"));
+  EXPECT_THAT(pcd_refusal(file(packed.size(), plain.size() + 1, packed)), HasSubstr("do not decompress"));
+  EXPECT_THAT(pcd_refusal(file(0, 0, "")), HasSubstr("truncated: expected 50 points of 22 bytes, found 0 bytes"));
+  // Three bytes stand for 264.
+  EXPECT_THAT(pcd_refusal(file(3, 88 * 4 + 1, "abc")), HasSubstr("cannot hold 353 bytes"));
+  EXPECT_THAT(pcd_refusal(file(3, 88 * 4, "abc")), HasSubstr("do not decompress"));
+}
+
+TEST_F(CloudFiles, BinaryPcdMayHaveBytesBehindItsPointsAndNoneMissing) {
+  std::string content = kXyz + "POINTS 2\nDATA binary\n";
+  for (const float value : {1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F}) put(content, value);
+  const Points expected = {{1, 2, 3}, {4, 5, 6}};
+  EXPECT_EQ(pcd(content), expected);
+  EXPECT_EQ(pcd(content + "xyz"), expected);
+  EXPECT_THAT(pcd_refusal(content.substr(0, content.size() - 1)),
+              HasSubstr("expected 2 points of 12 bytes, found 23 bytes"));
+}
+
+// Each name of a type with values at the ends of its range.
+TEST_F(CloudFiles, PlyKnowsEveryNameOfATypeInBothByteOrders) {
+  struct Type {
+    const char* name;
+    int size;
+    double low, high;
+  };
+  const Type types[] = {{"char", 1, -128, 127},
+                        {"int8", 1, -128, 127},
+                        {"uchar", 1, 0, 255},
+                        {"uint8", 1, 0, 255},
+                        {"short", 2, -32768, 32767},
+                        {"int16", 2, -32768, 32767},
+                        {"ushort", 2, 0, 65535},
+                        {"uint16", 2, 0, 65535},
+                        {"int", 4, -2147483648.0, 2147483647},
+                        {"int32", 4, -2147483648.0, 2147483647},
+                        {"uint", 4, 0, 4294967295.0},
+                        {"uint32", 4, 0, 4294967295.0},
+                        {"float", 4, -0.25, 1.5},
+                        {"float32", 4, -0.25, 1.5},
+                        {"double", 8, -1e-9, 3e9},
+                        {"float64", 8, -1e-9, 3e9}};
+  for (const Type& type : types) {
+    const std::string name(type.name);
+    const auto bytes_of = [&](double value) {
+      std::string bytes;
+      if (type.size == 8) {
+        put(bytes, value);
+      } else if (name.starts_with("float")) {
+        put(bytes, static_cast<float>(value));
+      } else {
+        put(bytes, static_cast<std::int64_t>(value));
+      }
+      return bytes.substr(0, static_cast<std::size_t>(type.size));
+    };
+    for (const bool big : {false, true}) {
+      std::string data;
+      for (const double value : {type.low, type.high, 1.0}) {
+        const std::string bytes = bytes_of(value);
+        data += big ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
+      }
+      const std::string head = std::string("ply\nformat ") + (big ? "binary_big_endian" : "binary_little_endian") +
+                               " 1.0\nobj_info nothing\nelement vertex 1\nproperty " + name + " x\nproperty " + name +
+                               " y\nproperty " + name + " z\nend_header\n";
+      const Points points = ply(head + data);
+      ASSERT_EQ(points.size(), 1U) << name;
+      EXPECT_EQ(points[0], Vector3d(type.low, type.high, 1.0)) << name << big;
+      EXPECT_THAT(ply_refusal(head + data.substr(1)), HasSubstr("truncated")) << name;
+    }
+  }
+}
+
+const std::string kVertex = "property float x\nproperty float y\nproperty float z\n";
+
+TEST_F(CloudFiles, PlyOfWordsIsReadWhenItIsJustLongEnough) {
+  const std::string head = "ply\nformat ascii 1.0\nelement vertex 2\n" + kVertex + "end_header\n";
+  EXPECT_EQ(ply(head + "1 2 3 4 5 6"), (Points{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(ply(head + "1 2 3 nan 5 6").size(), 1U);
+  EXPECT_THAT(ply_refusal(head + "1 2 3 4 5 "), HasSubstr("truncated: the PLY header promises 2 elements 'vertex'"));
+  EXPECT_THAT(ply_refusal(head + "1 2 3 4 5  "), HasSubstr("vertex 1: expected 3 numbers"));
+  EXPECT_THAT(ply_refusal(head + "1 2 3 4 five 6"), HasSubstr("vertex 1: expected 3 numbers"));
+  const std::string none = "ply\nformat ascii 1.0\nelement vertex 0\n" + kVertex + "end_header\n";
+  EXPECT_THAT(ply(none), IsEmpty());
+}
+
+TEST_F(CloudFiles, PlyHeadsSayWhatIsWrongWithThem) {
+  const std::string begin = "ply\nformat ascii 1.0\n";
+  EXPECT_THAT(ply_refusal("plyy\n"), HasSubstr("begins with 'ply'"));
+  EXPECT_THAT(ply_refusal("format ascii 1.0\nply\nend_header\n"), HasSubstr("begins with 'ply'"));
+  EXPECT_THAT(ply_refusal("ply\nelement vertex 0\n" + kVertex + "end_header\n"), HasSubstr("expected a format"));
+  EXPECT_THAT(ply_refusal(begin + "element vertex\n"), HasSubstr("expected the number of elements"));
+  EXPECT_THAT(ply_refusal(begin + "element vertex 3x\n"), HasSubstr("'element vertex 3x'"));
+  EXPECT_THAT(ply_refusal(begin + "element vertex -3\n"), HasSubstr("expected the number of elements"));
+  EXPECT_THAT(ply_refusal(begin + "element vertex 99999999999999999999\n"), HasSubstr("expected the number"));
+  EXPECT_THAT(ply_refusal(begin + "property float x\n"), HasSubstr("expected an element before"));
+  EXPECT_THAT(ply_refusal(begin + "element vertex 0\nproperty real x\n"), HasSubstr("expected a property type"));
+  EXPECT_THAT(ply_refusal(begin + "element vertex 0\nproperty float\n"), HasSubstr("expected a property name"));
+  EXPECT_THAT(ply_refusal(begin + "element face 0\nproperty list float int v\n"), HasSubstr("whole-number type"));
+  EXPECT_THAT(ply_refusal(begin + "element face 0\nproperty list much int v\n"), HasSubstr("whole-number type"));
+  EXPECT_THAT(ply_refusal(begin + "elements vertex 0\n"), HasSubstr("found 'elements vertex 0'"));
+  EXPECT_THAT(ply_refusal(begin + "element vertex 0\n"), HasSubstr("ends with 'end_header'"));
+  EXPECT_THAT(ply_refusal(begin + "element vertex 0\nproperty float x\nproperty float z\nend_header\n"),
+              HasSubstr("found no y"));
+  EXPECT_THAT(
+      ply_refusal(begin + "element face 0\nproperty list uchar int v\nelement vertex 0\n" + kVertex + "end_header\n"),
+      HasSubstr("expected the vertices before element 'face'"));
+  EXPECT_THAT(ply_refusal(begin + "element vertex 0\nproperty list uchar int v\n" + kVertex + "end_header\n"),
+              HasSubstr("vertices without lists"));
+  EXPECT_THAT(
+      ply_refusal(begin + "comment " + std::string(1 << 20, 'x') + "\nelement vertex 0\n" + kVertex + "end_header\n"),
+      HasSubstr("ends with 'end_header'"));
+  EXPECT_THAT(
+      ply(begin + "comment " + std::string((1 << 20) - 200, 'x') + "\n\nelement vertex 0\n" + kVertex + "end_header\n"),
+      IsEmpty());
+}
+
+TEST_F(CloudFiles, PlyHeadsTellTheSizesOfTheirElements) {
+  const std::string content =
+      "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\nproperty uchar r\nelement face 2\n"
+      "property list ushort double v\nproperty int id\nend_header\n" +
+      std::string(3 * 5 + 2 * 6, '\0');
+  const PlyHeader header = parse_ply_header("a.ply", content);
+  EXPECT_EQ(header.format, PlyHeader::Format::kBigEndian);
+  ASSERT_EQ(header.elements.size(), 2U);
+  EXPECT_EQ(header.elements[0].min_bytes(), 5U);
+  EXPECT_EQ(header.elements[1].min_bytes(), 6U) << "an empty list has a length";
+  EXPECT_FALSE(header.elements[0].has_list());
+  EXPECT_TRUE(header.elements[1].has_list());
+  EXPECT_EQ(header.data_begin, content.size() - 27);
+  // One byte less than the least that two faces take: the last bytes of a file may be missing, two may not.
+  EXPECT_NO_THROW(parse_ply_header("a.ply", content.substr(0, content.size() - 1)));
+  EXPECT_THROW(parse_ply_header("a.ply", content.substr(0, content.size() - 2)), InputError);
+  // Elements without properties take no room, however many there are.
+  EXPECT_NO_THROW(parse_ply_header("a.ply", "ply\nformat binary_big_endian 1.0\nelement n 123456789\nend_header\n"));
+  EXPECT_THROW(parse_ply_header("a.ply",
+                                "ply\nformat binary_big_endian 1.0\nelement n 4611686018427387904\nproperty int a\n"
+                                "end_header\nabcdefgh"),
+               InputError);
+}
+
+TEST(InputFile, ExtensionsAreInLowerCaseWithoutTheirDot) {
+  EXPECT_EQ(extension_of("a/b.PLY"), "ply");
+  EXPECT_EQ(extension_of("a/b.c.Obj"), "obj");
+  EXPECT_EQ(extension_of("a/b"), "");
+}
+
+std::string check_lists(const std::string& content) {
+  try {
+    check_ply_lists("a.ply", parse_ply_header("a.ply", content), content);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(PlyLists, OfABinaryFileFitIntoWhatIsLeftOfIt) {
+  for (const std::string order : {"little", "big"}) {
+    const std::string head =
+        "ply\nformat binary_" + order +
+        "_endian 1.0\nelement a 1\nelement v 2\nproperty short s\n"
+        "element face 2\nproperty uchar tag\nproperty list ushort int v\nproperty uchar after\nend_header\n";
+    const auto length = [&](int n) {
+      const char low = static_cast<char>(n & 255), high = static_cast<char>(n >> 8);
+      return order == "big" ? std::string{high, low} : std::string{low, high};
+    };
+    const std::string vertices(4, 'v');
+    const std::string whole =
+        head + vertices + "t" + length(3) + std::string(12, 'i') + "a" + "t" + length(1) + "iiii" + "a";
+    EXPECT_EQ(check_lists(whole), "") << order;
+    EXPECT_EQ(check_lists(whole + "more"), "");
+    EXPECT_THAT(check_lists(whole.substr(0, whole.size() - 1)),
+                HasSubstr("truncated: it ends before 'after' of face 1"));
+    EXPECT_THAT(check_lists(whole.substr(0, whole.size() - 2)), HasSubstr("face 1: expected a list 'v' that fits"));
+    EXPECT_THAT(check_lists(whole.substr(0, whole.size() - 6)), HasSubstr("it ends before 'v' of face 1"));
+    // Five values of four bytes are in the twenty-one that follow, six are not.
+    EXPECT_THAT(check_lists(head + vertices + "t" + length(6) + std::string(21, 'i')),
+                HasSubstr("face 0: expected a list 'v' that fits into the file, found one of 6 values"));
+    EXPECT_THAT(check_lists(head + vertices + "t" + length(5) + std::string(21, 'i')), HasSubstr("face 1"));
+    EXPECT_THAT(check_lists(head + vertices + "t" + length(700) + std::string(2000, 'i')),
+                HasSubstr("found one of 700"));
+  }
+}
+
+TEST(PlyLists, OfAFileOfWordsFitIntoWhatIsLeftOfIt) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement v 1\nproperty float x\nproperty float y\nelement face 2\n"
+      "property list uchar int v\nproperty int id\nend_header\n";
+  EXPECT_EQ(check_lists(head + "1.5 2.5\n3 0 1 2 7\n 2 0 1 8"), "");
+  EXPECT_EQ(check_lists(head + "1.5 2.5\n3 0 1 2 7\n"), "") << "a reader of words notices for itself that it ends";
+  // A value and a blank each: " 0 1 2 3" has room for four, and "0 1 2 3" as well.
+  EXPECT_THAT(check_lists(head + "1.5 2.5\n5 0 1 2 3"),
+              HasSubstr("face 0: expected a list 'v' that fits into the file"));
+  EXPECT_EQ(check_lists(head + "1.5 2.5\n4 0 1 2 3"), "");
+  EXPECT_THAT(check_lists(head + "1.5 2.5\n-1 0 1 2 3"), HasSubstr("face 0: expected a list"));
+  EXPECT_THAT(check_lists(head + "1.5 2.5\n3 0 1 2 7\n9 0 1 2"), HasSubstr("face 1: expected a list"));
+}
+
+// ---- Meshes.
+
+TEST_F(CloudFiles, BinaryStlNeedsEveryByteOfItsTriangles) {
+  const auto import = [&](const std::string& content) {
+    MeshImportConfig config;
+    config.file = write("a.stl", content).string();
+    return make_mesh_import(config, 1).num_triangles();
+  };
+  std::string head(80, ' '), triangle(12, '\0');
+  for (const float value : {0.0F, 0.0F, 0.0F, 1.0F, 0.0F, 0.0F, 0.0F, 1.0F, 0.0F}) put(triangle, value);
+  triangle += std::string(2, '\0');
+  const auto counted = [&](std::uint32_t count) {
+    std::string content = head;
+    put(content, count);
+    return content;
+  };
+  EXPECT_EQ(import(counted(1) + triangle), 1U);
+  EXPECT_THAT(refusal([&] { import(counted(1) + triangle.substr(1)); }),
+              HasSubstr("expected 134 bytes for 1 triangles, found 133"));
+  EXPECT_THAT(refusal([&] { import(counted(2) + triangle); }),
+              HasSubstr("expected 184 bytes for 2 triangles, found 134"));
+  EXPECT_THAT(refusal([&] { import(counted(0).substr(1)); }), HasSubstr("expected 84 bytes of STL header, found 83"));
+  EXPECT_THAT(refusal([&] { import(counted(0)); }), testing::Not(HasSubstr("STL header")));
+}
+
+TEST_F(CloudFiles, NamesOfExportedThingsGiveTheirClassAndNumber) {
+  struct Case {
+    const char* name;
+    SurfaceClass surface_class;
+    std::uint16_t number;
+  };
+  // What no name tells is a wall, numbered from 1.
+  const Case cases[] = {{"trunk_12_345", SurfaceClass::kTrunk, 12},
+                        {"trunk_7", SurfaceClass::kTrunk, 7},
+                        {"fallen_trunk_3_1", SurfaceClass::kFallenTrunk, 3},
+                        {"object_65535_2", SurfaceClass::kObject, 65535},
+                        {"object_65536_2", SurfaceClass::kWall, 1},
+                        {"trunk_", SurfaceClass::kWall, 1},
+                        {"trunk_x", SurfaceClass::kWall, 1},
+                        {"trunk_4x", SurfaceClass::kWall, 1},
+                        {"trunk4", SurfaceClass::kWall, 1},
+                        {"my_trunk_4", SurfaceClass::kWall, 1},
+                        {"rack_0_9", SurfaceClass::kRack, 1}};
+  for (const Case& one : cases) {
+    MeshImportConfig config;
+    config.surface_class = "wall";
+    config.file = write("named.obj", std::string("o ") + one.name + "\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n").string();
+    const Scene scene = make_mesh_import(config, 1);
+    ASSERT_EQ(scene.instances.size(), 1U);
+    EXPECT_EQ(scene.meshes[0].surface_class, one.surface_class) << one.name;
+    EXPECT_EQ(scene.instances[0].instance, one.number) << one.name;
+  }
+}
+
+TEST_F(CloudFiles, FacesOfAMeshNameCornersThatExist) {
+  const auto import = [&](const std::string& faces) {
+    MeshImportConfig config;
+    config.file = write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 2 0\n" + faces).string();
+    return make_mesh_import(config, 1);
+  };
+  EXPECT_EQ(import("f 1 2 3\nf 1 2 3 4\n").num_triangles(), 3U);
+  EXPECT_EQ(import("f 1 2 3\nl 1 5\np 2\n").num_triangles(), 1U) << "lines and points are left out";
+  EXPECT_THAT(refusal([&] { import("l 1 5\n"); }), HasSubstr("a.obj"));
+  EXPECT_NO_THROW(import("f 1 2 3\nf 1 2 2\n")) << "a triangle with a corner twice is only thin";
+}
+
+TEST_F(CloudFiles, MaterialsKeepTheColorOfTheFileAndGrayIsTheDefault) {
+  write("paint.mtl", "newmtl red\nKd 0.9 0.2 0.1\n");
+  MeshImportConfig config;
+  config.file = write("a.obj", "mtllib paint.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n").string();
+  EXPECT_TRUE(make_mesh_import(config, 1).materials.at(0).color_rgb.isApprox(Eigen::Vector3f(0.9F, 0.2F, 0.1F), 1e-5F));
+  std::string stl =
+      "solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 2\nvertex 3 0 2\nvertex 0 4 2\nendloop\nendfacet\n";
+  config.file = write("b.stl", stl + "endsolid one\n").string();
+  const Eigen::Vector3f plain = make_mesh_import(config, 1).materials.at(0).color_rgb;
+  EXPECT_EQ(plain.x(), plain.y());
+  EXPECT_EQ(plain.x(), plain.z());
+}
+
+}  // namespace
+}  // namespace swiftlet::sim

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/sim/world/scene.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <sstream>
+
+#include "sim/world/building.hpp"
+#include "sim/world/dice.hpp"
+#include "sim/world/scene_builder.hpp"
+#include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/world/cloud.hpp"
+#include "swiftlet/sim/world/empty.hpp"
+#include "swiftlet/sim/world/export.hpp"
+#include "swiftlet/sim/world/mesh_builder.hpp"
+#include "tests/sim/world/world_support.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+const Material kGray{"gray", 0.4F, false, {0.5F, 0.5F, 0.5F}};
+const Material kTape{"tape", 0.9F, true, {1.0F, 0.25F, 0.0F}};
+
+Mesh box_mesh(const Vector3f& low, const Vector3f& high) {
+  Mesh mesh;
+  add_box(mesh, low, high);
+  return mesh;
+}
+
+TEST(SurfaceClasses, HaveNamesThatLeadBackToThem) {
+  std::size_t count = 0;
+  for (const char* name : static_class_names()) {
+    const auto found = surface_class_of(name);
+    ASSERT_TRUE(found) << name;
+    EXPECT_STREQ(name_of(*found), name);
+    ++count;
+  }
+  EXPECT_EQ(count, 17U);
+  EXPECT_STREQ(name_of(SurfaceClass::kVehicle), "vehicle");
+  EXPECT_FALSE(surface_class_of("vehicle")) << "the static world has none";
+  EXPECT_FALSE(surface_class_of("")) << "no name";
+  EXPECT_STREQ(name_of(static_cast<SurfaceClass>(9999)), "unlabeled");
+  EXPECT_STREQ(name_of(VehiclePart::kNone), "none");
+  EXPECT_STREQ(name_of(VehiclePart::kMarker), "marker");
+}
+
+TEST(Pieces, HangTogetherByCornersOrByWhatStandsForThem) {
+  Mesh mesh;
+  mesh.vertices_mesh_m.assign(11, Vector3f::Zero());
+  mesh.triangles = {{8, 1, 4}, {2, 3, 5}, {4, 6, 0}, {9, 10, 10}};
+  EXPECT_EQ(pieces_of(mesh), (std::vector<std::uint32_t>{0, 0, 2, 2, 0, 2, 0, 7, 0, 9, 9}));
+  std::vector<std::uint32_t> welded = {0, 1, 2, 3, 4, 1, 6, 7, 8, 9, 10};  // corner 5 lies where corner 1 does
+  EXPECT_EQ(pieces_of(mesh, welded), (std::vector<std::uint32_t>{0, 0, 0, 0, 0, 0, 0, 7, 0, 9, 9}));
+}
+
+TEST(SceneBuilder, NumbersThingsOfEachClassUpToTheLargestNumberOfALabel) {
+  SceneBuilder builder;
+  EXPECT_EQ(builder.next_instance(SurfaceClass::kTrunk), 1);
+  EXPECT_EQ(builder.next_instance(SurfaceClass::kTrunk), 2);
+  EXPECT_EQ(builder.next_instance(SurfaceClass::kRack), 1);
+  for (int i = 3; i < 65535; ++i) builder.next_instance(SurfaceClass::kTrunk);
+  EXPECT_EQ(builder.next_instance(SurfaceClass::kTrunk), 65535);
+  EXPECT_THROW(builder.next_instance(SurfaceClass::kTrunk), InputError);
+  EXPECT_EQ(builder.next_instance(SurfaceClass::kRack), 2);
+}
+
+TEST(SceneBuilder, KeepsMaterialsOnceAndMeshesThatArePlaced) {
+  SceneBuilder builder;
+  const std::uint32_t first = builder.add_mesh(box_mesh({0, 0, 0}, {1, 1, 1}), kGray, SurfaceClass::kWall);
+  const std::uint32_t second = builder.add_mesh(box_mesh({0, 0, 0}, {2, 2, 2}), kTape, SurfaceClass::kMarking);
+  const std::uint32_t third = builder.add_mesh(box_mesh({0, 0, 0}, {3, 3, 3}), kGray, SurfaceClass::kObject);
+  EXPECT_EQ(std::tuple(first, second, third), std::tuple(0U, 1U, 2U));
+  builder.place(third, 4, transform({10, 0, 0}));
+  builder.place(first, 5, transform({0, 10, 0}));
+  builder.place(third, 6, transform({0, 0, 10}));
+  builder.add(Mesh(), kGray, SurfaceClass::kObject, 7);
+  const Scene scene = builder.finish();
+  EXPECT_EQ(scene.materials.size(), 2U);
+  ASSERT_EQ(scene.meshes.size(), 2U);
+  ASSERT_EQ(scene.instances.size(), 3U);
+  EXPECT_EQ(scene.meshes[scene.instances[0].mesh].surface_class, SurfaceClass::kObject);
+  EXPECT_EQ(scene.meshes[scene.instances[1].mesh].surface_class, SurfaceClass::kWall);
+  EXPECT_EQ(scene.instances[0].mesh, scene.instances[2].mesh);
+  EXPECT_EQ(scene.num_triangles(), 36U);
+  EXPECT_TRUE(scene.bounds_m.isApprox(Eigen::AlignedBox3d(Vector3d(0, 0, 0), Vector3d(13, 11, 13)), 1e-6));
+  EXPECT_TRUE(builder.finish().instances.empty()) << "the builder is empty afterwards";
+}
+
+TEST(SceneBuilder, SurroundingsCountForTheHeightOfTheBoundsAlone) {
+  SceneBuilder builder;
+  builder.add(box_mesh({-1, -2, 0}, {1, 2, 3}), kGray, SurfaceClass::kWall);
+  builder.add(box_mesh({0, 0, 0}, {5, 1, 1}), kGray, SurfaceClass::kWall);
+  builder.begin_surroundings();
+  builder.add(box_mesh({-9, -9, -4}, {9, 9, 7}), kGray, SurfaceClass::kWall);
+  const Scene scene = builder.finish();
+  EXPECT_TRUE(scene.bounds_m.isApprox(Eigen::AlignedBox3d(Vector3d(-1, -2, -4), Vector3d(5, 2, 7)), 1e-6));
+  builder.begin_surroundings();
+  builder.add(box_mesh({-9, -9, -4}, {9, 9, 7}), kGray, SurfaceClass::kWall);
+  EXPECT_TRUE(builder.finish().bounds_m.isApprox(Eigen::AlignedBox3d(Vector3d(-9, -9, -4), Vector3d(9, 9, 7)), 1e-6))
+      << "nothing is within";
+}
+
+TEST(Transform, ScalesThenTurnsThenShifts) {
+  const Eigen::Affine3f T = transform({10, 20, 30}, static_cast<float>(M_PI / 2), {2, 3, 4});
+  EXPECT_TRUE((T * Vector3f(1, 0, 0)).isApprox(Vector3f(10, 22, 30), 1e-5F));
+  EXPECT_TRUE((T * Vector3f(0, 1, 0)).isApprox(Vector3f(7, 20, 30), 1e-5F));
+  EXPECT_TRUE((T * Vector3f(0, 0, 1)).isApprox(Vector3f(10, 20, 34), 1e-5F));
+}
+
+TEST(Dice, ThrowsEvenlyAndEachThingItsOwnNumbers) {
+  const Random random(1, "test.dice");
+  std::vector<double> picks, angles, direction_z, direction_angles;
+  for (std::uint32_t i = 0; i < 500; ++i) {
+    Dice dice(random, i), again(random, i);
+    EXPECT_EQ(dice.uniform(2.0, 3.0), again.uniform(2.0, 3.0));
+    picks.push_back(dice.pick(5));
+    angles.push_back(dice.angle_rad());
+    const Vector3f d = dice.direction();
+    EXPECT_NEAR(d.norm(), 1.0F, 1e-5F);
+    direction_z.push_back(d.z());
+    direction_angles.push_back(std::atan2(d.y(), d.x()));
+  }
+  for (const int pick : {0, 1, 2, 3, 4})
+    test::expect_share(static_cast<double>(std::count(picks.begin(), picks.end(), pick)), 500, 0.2);
+  test::expect_uniform(angles, 0.0, 2.0 * M_PI);
+  test::expect_uniform(direction_z, -1.0, 1.0);
+  test::expect_uniform(direction_angles, -M_PI, M_PI);
+}
+
+TEST(Wall, WithoutLengthOrHeightHasNoPieces) {
+  Mesh mesh;
+  const Opening whole[] = {{2.0, 4.0, 0.0, 3.0}};
+  add_wall(mesh, {0, 0}, {4, 0}, 3.0, 0.2, whole);
+  EXPECT_TRUE(mesh.triangles.empty());
+  const Opening beside[] = {{1.0, 2.0, 0.0, 3.0}, {3.0, 2.0, 1.0, 2.0}};  // side by side
+  add_wall(mesh, {0, 0}, {4, 0}, 3.0, 0.2, beside, 0.5);
+  std::vector<Eigen::AlignedBox3d> found;
+  for (const test::Piece& piece : test::pieces_in(mesh)) found.push_back(test::box_around(piece));
+  test::expect_boxes(
+      found, {{Vector3d(2, -0.1, 0.5), Vector3d(4, 0.1, 1.5)}, {Vector3d(2, -0.1, 2.5), Vector3d(4, 0.1, 3.5)}});
+}
+
+TEST(Empty, GroundHasItsSizeAndReflectivityAndLooksUp) {
+  EmptyConfig config;
+  config.ground = true;
+  config.size_m = {30.0, 20.0};
+  config.reflectivity = 0.27;
+  const Scene scene = make_empty(config, 1);
+  EXPECT_TRUE(scene.bounds_m.isApprox(Eigen::AlignedBox3d(Vector3d(-15, -10, 0), Vector3d(15, 10, 0)), 1e-6));
+  EXPECT_EQ(scene.materials.at(0).reflectivity, 0.27F);
+  EXPECT_NEAR(scene.materials[0].color_rgb.mean(), 0.5F, 0.1F);
+  EXPECT_LT(scene.materials[0].color_rgb.maxCoeff() - scene.materials[0].color_rgb.minCoeff(), 0.1F) << "gray";
+  EXPECT_NEAR(area_m2(scene.meshes[0]), 600.0, 1e-3);
+  for (const auto& [a, b, c] : scene.meshes[0].triangles) {
+    const auto& v = scene.meshes[0].vertices_mesh_m;
+    EXPECT_GT((v[b] - v[a]).cross(v[c] - v[a]).z(), 0.0F);
+  }
+}
+
+Scene two_boxes() {
+  SceneBuilder builder;
+  const std::uint32_t mesh = builder.add_mesh(box_mesh({0, 0, 0}, {1, 2, 4}), kTape, SurfaceClass::kMarking);
+  builder.add(box_mesh({-1, -1, -1}, {0, 0, 0}), kGray, SurfaceClass::kWall, 3);
+  builder.place(mesh, 1, transform({10, 0, 0}, static_cast<float>(M_PI / 2)));
+  builder.place(mesh, 2, transform({0, 20, 0}));
+  builder.add_object({3, SurfaceClass::kWall, "hide", {1.5, -2, 3}, 0.25, {{"length_m", 4.0}}});
+  builder.add_object({1, SurfaceClass::kMarking, "sign", {0, 0.5, 0}, -1.0, {{"height_m", 2.0}, {"length_m", 0.125}}});
+  return builder.finish();
+}
+
+TEST(Export, ObjTellsEveryCornerTriangleAndMaterial) {
+  const TemporaryDirectory folder;
+  const Scene scene = two_boxes();
+  export_world(scene, folder.path() / "w.obj");
+  std::istringstream lines(read_whole_file(folder.path() / "w.obj"));
+  std::vector<Vector3d> corners;
+  std::vector<std::string> names, materials;
+  std::vector<std::array<std::size_t, 3>> faces;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string kind, name;
+    words >> kind;
+    if (kind == "v") {
+      Vector3d p;
+      words >> p.x() >> p.y() >> p.z();
+      corners.push_back(p);
+    } else if (kind == "f") {
+      std::array<std::size_t, 3> face{};
+      words >> face[0] >> face[1] >> face[2];
+      faces.push_back(face);
+    } else if (kind == "o" || kind == "usemtl") {
+      words >> name;
+      (kind == "o" ? names : materials).push_back(name);
+    } else if (kind == "mtllib") {
+      words >> name;
+      EXPECT_EQ(name, "w.mtl");
+    }
+  }
+  EXPECT_THAT(names, testing::ElementsAre("wall_3_0", "marking_1_1", "marking_2_2"));
+  EXPECT_THAT(materials, testing::ElementsAre("gray", "tape", "tape"));
+  std::size_t corner = 0, face = 0, first = 1;
+  ASSERT_EQ(corners.size(), 24U);
+  ASSERT_EQ(faces.size(), 36U);
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const Vector3f& vertex : mesh.vertices_mesh_m)
+      EXPECT_TRUE(corners[corner++].isApprox((instance.T_world_mesh * vertex).cast<double>(), 1e-5));
+    for (const auto& t : mesh.triangles)
+      EXPECT_EQ(faces[face++], (std::array<std::size_t, 3>{first + t[0], first + t[1], first + t[2]}));
+    first += mesh.vertices_mesh_m.size();
+  }
+  const std::string mtl = read_whole_file(folder.path() / "w.mtl");
+  EXPECT_THAT(mtl, testing::HasSubstr("newmtl gray\n# reflectivity 0.4\nKd 0.5 0.5 0.5\n"));
+  EXPECT_THAT(mtl, testing::HasSubstr("newmtl tape\n# reflectivity 0.9 retroreflective\nKd 1 0.25 0\n"));
+  EXPECT_EQ(read_whole_file(folder.path() / "w.objects.csv"),
+            "class,instance,kind,x_m,y_m,z_m,yaw_rad,length_m,height_m\n"
+            "wall,3,hide,1.5,-2,3,0.25,4,\n"
+            "marking,1,sign,0,0.5,0,-1,0.125,2\n");
+}
+
+TEST(Export, PlyTellsTheSameInBytes) {
+  const TemporaryDirectory folder;
+  const Scene scene = two_boxes();
+  export_world(scene, folder.path() / "w.ply");
+  const std::string content = read_whole_file(folder.path() / "w.ply");
+  EXPECT_THAT(content, testing::HasSubstr("element vertex 24\n"));
+  EXPECT_THAT(content, testing::HasSubstr("element face 36\n"));
+  const char* at = content.data() + content.find("end_header\n") + 11;
+  const auto take = [&]<class Value>(Value value) {
+    std::memcpy(&value, at, sizeof value);
+    at += sizeof value;
+    return value;
+  };
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const bool is_tape = mesh.surface_class == SurfaceClass::kMarking;
+    for (const Vector3f& vertex : mesh.vertices_mesh_m) {
+      const float x = take(0.0F), y = take(0.0F), z = take(0.0F);
+      EXPECT_TRUE(Vector3f(x, y, z).isApprox(instance.T_world_mesh * vertex, 1e-5F));
+      const int red = take(std::uint8_t{}), green = take(std::uint8_t{}), blue = take(std::uint8_t{});
+      EXPECT_EQ(std::tuple(red, green, blue), is_tape ? std::tuple(255, 64, 0) : std::tuple(128, 128, 128));
+      EXPECT_EQ(take(std::uint16_t{}), is_tape ? 82 : 351);
+      EXPECT_EQ(take(std::uint16_t{}), instance.instance);
+      EXPECT_EQ(take(0.0F), is_tape ? 0.9F : 0.4F);
+      EXPECT_EQ(take(std::uint8_t{}), is_tape ? 1 : 0);
+    }
+  }
+  std::int32_t first = 0;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const auto& t : mesh.triangles) {
+      EXPECT_EQ(take(std::uint8_t{}), 3);
+      for (const std::uint32_t corner : t) EXPECT_EQ(take(std::int32_t{}), first + static_cast<std::int32_t>(corner));
+    }
+    first += static_cast<std::int32_t>(mesh.vertices_mesh_m.size());
+  }
+  EXPECT_EQ(at, content.data() + content.size());
+}
+
+// Twenty bits of voxels to each side, less a margin of two.
+TEST(Voxels, ReachAMillionVoxelsFromTheOriginAndNoFurther) {
+  constexpr double kReach = 1048576.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      Vector3d p = Vector3d::Constant(0.5);
+      p[axis] = sign * (kReach - 3.0) + 0.5;
+      const Mesh mesh = voxelize(std::vector<Vector3d>{p}, 1.0, 1);
+      ASSERT_EQ(mesh.triangles.size(), 12U);
+      EXPECT_EQ(bounds_m(mesh).min()[axis], static_cast<float>(sign * (kReach - 3.0)));
+      p[axis] = sign * (kReach - 2.0) + 0.5;
+      EXPECT_THROW(voxelize(std::vector<Vector3d>{p}, 1.0, 1), InputError);
+    }
+  }
+}
+
+TEST(Voxels, FacesLookOutwardAndLieBetweenSolidAndFree) {
+  const Random random(3, "test.voxels");
+  std::set<std::array<int, 3>> voxels;
+  std::vector<Vector3d> points;
+  for (std::uint32_t i = 0; i < 150; ++i) {
+    std::array<int, 3> voxel{};
+    for (int axis = 0; axis < 3; ++axis) voxel[axis] = static_cast<int>(random.uniform(0.0, 6.0, i, axis)) - 3;
+    voxels.insert(voxel);
+    points.emplace_back(voxel[0] + 0.4, voxel[1] + 0.5, voxel[2] + 0.6);
+  }
+  const Mesh mesh = voxelize(points, 1.0, 1);
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vector3d a = mesh.vertices_mesh_m[i].cast<double>(), b = mesh.vertices_mesh_m[j].cast<double>(),
+                   c = mesh.vertices_mesh_m[k].cast<double>();
+    const Vector3d normal = (b - a).cross(c - a).normalized(), middle = (a + b + c) / 3.0;
+    const auto solid = [&](const Vector3d& p) {
+      return voxels.contains({static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())),
+                              static_cast<int>(std::floor(p.z()))});
+    };
+    EXPECT_TRUE(solid(middle - 0.01 * normal)) << middle.transpose();
+    EXPECT_FALSE(solid(middle + 0.01 * normal)) << middle.transpose();
+  }
+}
+
+TEST(Cloud, IsScaledTurnedAndShifted) {
+  const TemporaryDirectory folder;
+  write_file(folder.path() / "a.pcd",
+             "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 1\nDATA ascii\n100 210 300\n");
+  CloudConfig config;
+  config.file = (folder.path() / "a.pcd").string();
+  config.scale = 0.01;
+  config.leaf_m = 0.4;  // 1, 2.1, 3 m lie in 0.8 ... 1.2, 2.0 ... 2.4, 2.8 ... 3.2
+  config.yaw_deg = 90.0;
+  config.position_m = {10.0, 0.0, 1.0};
+  const Scene scene = make_cloud(config, 1);
+  EXPECT_TRUE(scene.bounds_m.min().isApprox(Vector3d(10.0 - 2.4, 0.8, 3.8), 1e-5)) << scene.bounds_m.min().transpose();
+  EXPECT_TRUE(scene.bounds_m.max().isApprox(Vector3d(10.0 - 2.0, 1.2, 4.2), 1e-5));
+  ASSERT_EQ(scene.instances.size(), 1U);
+  EXPECT_EQ(scene.instances[0].instance, 1);
+  EXPECT_NEAR(scene.materials[0].color_rgb.mean(), 0.6F, 0.1F);
+  config.file.clear();
+  EXPECT_THROW(make_cloud(config, 1), InputError);
+}
+
+}  // namespace
+}  // namespace swiftlet::sim
