@@ -95,9 +95,12 @@ ClearPathConfig RblDetour::rules_for(const Situation& situation, bool level) con
   return rules;
 }
 
-/// @param level  to above or below the goal, at the vehicle's own height
-void RblDetour::search(const Situation& situation, bool level) {
+/// @param level   to above or below the goal, at the vehicle's own height
+/// @param narrow  with no more clearance than its cells need: the vehicle may be where no other path begins
+void RblDetour::search(const Situation& situation, bool level, bool narrow) {
   rules_ = rules_for(situation, level);
+  const double least_m = situation.encumbrance_m + 0.5 * situation.map->edge_m();
+  if (narrow) rules_.clearance_m = std::min(rules_.clearance_m, least_m);
   level_ = level;
   Vector3 goal_local_m = situation.goal_local_m;
   goal_local_m.z() = std::clamp(level ? situation.p_local_m.z() : goal_local_m.z(), rules_.z_min_m, rules_.z_max_m);
@@ -111,9 +114,13 @@ void RblDetour::search(const Situation& situation, bool level) {
 }
 
 void RblDetour::plan(const Situation& situation) {
-  if (situation.planar || !is_near_goal(situation)) search(situation, true);
-  const bool found = level_ && found_.status == ClearPathStatus::kFound;
-  if (!situation.planar && (is_near_goal(situation) || !found)) search(situation, false);
+  found_ = {};
+  const auto try_both = [&](bool level) {
+    if (found_.status != ClearPathStatus::kFound) search(situation, level, false);
+    if (found_.status != ClearPathStatus::kFound) search(situation, level, true);
+  };
+  if (situation.planar || !is_near_goal(situation)) try_both(true);
+  if (!situation.planar) try_both(false);
   ++num_plans_;
   if (found_.status == ClearPathStatus::kBudgetSpent) ++num_given_up_;
   planner_.start(situation.now);

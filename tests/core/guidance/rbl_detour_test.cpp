@@ -171,6 +171,17 @@ TEST(RblDetour, AroundAVehicleThatStandsInTheWayButThroughItWhenThereIsNoOther) 
   EXPECT_EQ(only.detour.corners_local_m().size(), 2U);
 }
 
+TEST(RblDetour, WhereNoWideWayLeadsOnItTakesOneThatItsCellsCanFly) {
+  RblDetourConfig config = quick();
+  config.planner.clearance_m = 1.2;
+  Flight flight(config);
+  flight.held = true;
+  flight.world.occupy_box({-2.0, 1.0, 0.0}, {10.0, 1.25, 2.0});
+  flight.world.occupy_box({-2.0, -1.25, 0.0}, {10.0, -1.0, 2.0});
+  for (int i = 0; i < 20; ++i) flight.tick();
+  EXPECT_TRUE(flight.detour.on_path()) << flight.detour.note();
+}
+
 TEST(RblDetour, WithoutAWayItSaysWhyFailsAndGoesOnWhenThereIsOne) {
   Flight flight(quick());
   flight.held = true;

@@ -67,7 +67,7 @@ class RblDetour {
   bool gets_on(double left_m, TimeNs now);
   void plan(const Situation& situation);
   void take(const Situation& situation);
-  void search(const Situation& situation, bool level);
+  void search(const Situation& situation, bool level, bool narrow);
   ClearPathConfig rules_for(const Situation& situation, bool level) const;
   bool is_near_goal(const Situation& situation) const;
   bool has_to_plan(const Situation& situation, double left_m);
