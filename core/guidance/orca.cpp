@@ -28,8 +28,9 @@ Vector3 unit(const Vector3& v, const Vector3& otherwise) {
 }
 
 /// Nearest point of all half-spaces and the ball to the wanted one, by alternating projections [Dykstra 1983].
-Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double speed_mps, double give_way_mps) {
-  std::vector<Vector3> owed(planes.size() + 1, Vector3::Zero());
+Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double speed_mps, double give_way_mps,
+                std::vector<Vector3>& owed) {
+  owed.assign(planes.size() + 1, Vector3::Zero());
   Vector3 v = wanted;
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t i = 0; i <= planes.size(); ++i) {
@@ -97,13 +98,14 @@ class Orca : public Guidance {
       planes_.push_back({Vector3(0.0, 0.0, up_m / kApproach_s), -Vector3::UnitZ()});
       planes_.push_back({Vector3(0.0, 0.0, -down_m / kApproach_s), Vector3::UnitZ()});
     }
-    return orca_velocity(planes_, wanted, config_.speed_mps);
+    return orca_velocity(planes_, wanted, config_.speed_mps, scratch_);
   }
   Vector3 level(const Vector3& v) const { return config_.planar ? Vector3(v.x(), v.y(), 0.0) : v; }
 
   OrcaConfig config_;
   NeighborMemory neighbors_;
   std::vector<OrcaPlane> planes_;
+  std::vector<Vector3> scratch_;
   TimeNs next_ = 0;
   Vector3 v_local_mps_ = Vector3::Zero();
   Reference goal_;
@@ -142,14 +144,15 @@ OrcaPlane orca_plane(const Vector3& to_other_local_m, const Vector3& v_local_mps
   return {v_local_mps + 0.5 * change, normal};
 }
 
-Vector3 orca_velocity(std::span<const OrcaPlane> planes, const Vector3& wanted_local_mps, double speed_mps) {
+Vector3 orca_velocity(std::span<const OrcaPlane> planes, const Vector3& wanted_local_mps, double speed_mps,
+                      std::vector<Vector3>& scratch) {
   double give_way_mps = 0.0;
   for (int i = 0; i < 12; ++i) {
-    const Vector3 v = nearest(planes, wanted_local_mps, speed_mps, give_way_mps);
+    const Vector3 v = nearest(planes, wanted_local_mps, speed_mps, give_way_mps, scratch);
     if (keeps(planes, v, give_way_mps)) return v;
     give_way_mps = give_way_mps > 0.0 ? 1.6 * give_way_mps : 0.05;
   }
-  return nearest(planes, wanted_local_mps, speed_mps, give_way_mps);
+  return nearest(planes, wanted_local_mps, speed_mps, give_way_mps, scratch);
 }
 
 void OrcaConfig::visit(ConfigVisitor& v) {

@@ -185,15 +185,15 @@ class SharePaths : public Guidance {
   }
 
   void tell(const StateEstimate& estimate, SharedPath::Word word, const PathInTime& path, Outbox& outbox) {
-    SharedPath said;
-    said.word = word;
-    said.t = std::max(now_, path.t);
-    said.interval_s = kToldInterval_s;
-    for (TimeNs t = said.t;; t += from_seconds(kToldInterval_s)) {
-      said.places.push_back({(estimate.T_world_local * path.at_local_m(t)).cast<float>()});
+    said_.word = word;
+    said_.t = std::max(now_, path.t);
+    said_.interval_s = kToldInterval_s;
+    said_.places.clear();
+    for (TimeNs t = said_.t;; t += from_seconds(kToldInterval_s)) {
+      said_.places.push_back({(estimate.T_world_local * path.at_local_m(t)).cast<float>()});
       if (t >= path.end()) break;
     }
-    write_message(said, outbox.say());
+    write_message(said_, outbox.say());
   }
 
   void fly(const GuidanceInput& input, GuidanceOutput& output) {
@@ -214,6 +214,7 @@ class SharePaths : public Guidance {
   Way flown_{ReferenceGovernor(MotionLimits{}), Vector3::Zero(), {}};
   std::optional<Way> plan_;
   std::vector<Other> others_;  // by VehicleId
+  SharedPath said_;            // its memory serves again
 };
 
 }  // namespace

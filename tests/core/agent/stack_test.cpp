@@ -11,6 +11,7 @@
 #include "swiftlet/core/guidance/agile.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/guidance/share_paths.hpp"
 #include "swiftlet/core/guidance/takeoff_land.hpp"
 #include "swiftlet/core/guidance/waypoints.hpp"
 #include "swiftlet/core/math/random.hpp"
@@ -260,6 +261,8 @@ TEST(Stack, NothingIsAllocatedOnceItFlies) {
       config.guidance = Module(guidance_module_types(), guidance.module.name);
       // A search for a view takes memory; looking around does not.
       if (auto* explore = dynamic_cast<ExploreConfig*>(config.guidance.config.get())) explore->look_s = 100.0;
+      // So does planning; flying and telling the plan does not.
+      if (auto* share = dynamic_cast<SharePathsConfig*>(config.guidance.config.get())) share->period_s = 100.0;
       config.mapping = Module(mapper_module_types(), "sparse");  // which some guidance asks
       config.relative_localization = Module(relative_localizer_module_types(), "shared_world");  // the same
       config.control.limits.set = MotionLimitsConfig::Set::kAgile;

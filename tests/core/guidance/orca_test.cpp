@@ -57,7 +57,8 @@ TEST(Orca, WhoIsTooNearGoesApartWithinTheStep) {
 TEST(Orca, TheVelocityIsTheNearestOfThoseThatKeepEveryPlaneAndTheSpeed) {
   const std::vector<OrcaPlane> planes = {{{0.5, 0.0, 0.0}, -Vector3::UnitX()},
                                          {{0.0, 0.2, 0.0}, Vector3(0.3, 1.0, 0.2).normalized()}};
-  const Vector3 wanted(2.0, -1.0, 0.3), v = orca_velocity(planes, wanted, 1.5);
+  std::vector<Vector3> scratch;
+  const Vector3 wanted(2.0, -1.0, 0.3), v = orca_velocity(planes, wanted, 1.5, scratch);
   const auto keeps = [&](const Vector3& u, double slack) {
     return u.norm() <= 1.5 + slack && std::all_of(planes.begin(), planes.end(), [&](const OrcaPlane& plane) {
              return plane.normal_local.dot(u - plane.point_local_mps) >= -slack;
@@ -74,7 +75,8 @@ TEST(Orca, TheVelocityIsTheNearestOfThoseThatKeepEveryPlaneAndTheSpeed) {
 
 TEST(Orca, WhereNoVelocityKeepsAllPlanesTheyGiveWayAlike) {
   const std::vector<OrcaPlane> planes = {{{1.0, 0.0, 0.0}, Vector3::UnitX()}, {{-1.0, 0.0, 0.0}, -Vector3::UnitX()}};
-  EXPECT_NEAR(orca_velocity(planes, {0.0, 0.5, 0.0}, 2.0).x(), 0.0, 0.4);
+  std::vector<Vector3> scratch;
+  EXPECT_NEAR(orca_velocity(planes, {0.0, 0.5, 0.0}, 2.0, scratch).x(), 0.0, 0.4);
 }
 
 TEST(Orca, FliesToTheGoalPastOneThatStandsInTheWay) {

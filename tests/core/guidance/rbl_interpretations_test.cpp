@@ -441,13 +441,15 @@ TEST(RblFlight, TurnsToTheCentroidBeforeItGoesThere) {
   EXPECT_GT((driver.out.goal.position_m - driver.p_m()).norm(), 0.3);
 }
 
-// The centroid lies above what the sensor sees. The nearest place in view would be beyond a neighbor's plane.
+// The centroid lies above what the sensor sees. The nearest place in view takes it nearer to a neighbor's plane.
 TEST(RblFlight, WithTheWholeCellAsLegalSetNeighborsCutWhereItMayFly) {
   const Vector3 other_m(1.8, 0.0, 3.0), from_m(0.0, 0.0, 2.0);
   const auto beyond_m = [&](RblLidarConfig::Legal legal) {
     RblConfig config = with_lidar();
     config.goal_m = {3.0, 0.0, 9.0};
     config.lidar.legal = legal;
+    config.separation.enabled = false;  // the cell alone keeps them apart
+    config.lidar.facing_deg = 180.0;    // it flies wherever it looks
     const ToldMap map({});
     GuidanceDriver driver("rbl", config, from_m);
     driver.map = &map;
@@ -461,7 +463,7 @@ TEST(RblFlight, WithTheWholeCellAsLegalSetNeighborsCutWhereItMayFly) {
     return cut.normal_local.dot(driver.out.goal.position_m - from_m) - cut.offset_m;
   };
   EXPECT_LT(beyond_m(RblLidarConfig::Legal::kCell), 0.01);
-  EXPECT_GT(beyond_m(RblLidarConfig::Legal::kSensed), 0.05);
+  EXPECT_GT(beyond_m(RblLidarConfig::Legal::kSensed), beyond_m(RblLidarConfig::Legal::kCell) + 0.01);
 }
 
 TEST(RblFlight, AGoalWithinTheEncumbranceIsFlownToUnseen) {
@@ -536,7 +538,8 @@ TEST(RblFlight, OutlineIsTheCircleCutByItsPlanes) {
 double reach_to_neighbor_m(RblConfig config, const Vector3& variance_m2) {
   const Vector3 p_m(1.0, 2.0, 5.0);
   config.separation.enabled = true;
-  config.goal_m = p_m;  // it rests
+  config.separation.pledge_share = 0.0;  // which takes a share of the room, until the next sample
+  config.goal_m = p_m;                   // it rests
   GuidanceDriver driver("rbl", config, p_m);
   for (int i = 0; i < 40; ++i) {
     driver.sees(1, p_m + Vector3(3.0, 0.0, 0.0));

@@ -217,6 +217,8 @@ TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
     RblConfig config;
     config.variant = static_cast<Whole>(round % 4);
     config.separation.enabled = round % 8 < 5;
+    config.separation.pledge_share = 0.0;  // pledges and detours have tests of their own
+    config.detour.enabled = false;
     config.lidar.enabled = round % 3 == 0;
     config.lidar.cut = round % 2 == 0 ? RblLidarConfig::Cut::kConvex : RblLidarConfig::Cut::kNearest;
     config.lidar.facing_deg = draw(20.0, 120.0);

@@ -116,7 +116,7 @@ TEST(SlamMapFile, WhatIsNoMapIsRefused) {
             std::string::npos);
 }
 
-/// As version 1 has it: title, version, size, checksum; then numbers as they stand in memory.
+/// As version 2 has it: title, version, size, checksum; then numbers as they stand in memory.
 class Bytes {
  public:
   template <class Number>
@@ -138,7 +138,7 @@ class Bytes {
     std::uint64_t hash = 0xCBF29CE484222325ULL;
     for (const char byte : bytes_) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL;
     Bytes head;
-    head.put(std::uint32_t{1}).put(static_cast<std::uint64_t>(bytes_.size())).put(hash);
+    head.put(std::uint32_t{2}).put(static_cast<std::uint64_t>(bytes_.size())).put(hash);
     return "Swiftlet map of SLAM\n" + head.text() + bytes_;
   }
 
@@ -148,7 +148,7 @@ class Bytes {
 
 using Count = std::uint64_t;
 
-/// Two poses; then what a test adds of each kind of factor, two nodes and a submap.
+/// Two poses; then what a test adds of each kind of factor, a node and a submap, and no cells.
 std::string file_of(const Bytes& factors) {
   Bytes bytes;
   bytes.put(0.1).put(Count{2}).pose().pose();
@@ -156,6 +156,7 @@ std::string file_of(const Bytes& factors) {
   Bytes rest;
   rest.put(Count{1}).put(std::int64_t{7}).put(std::int32_t{1});
   rest.put(Count{1}).put(std::int32_t{0}).put(Count{1}).put(1.0F).put(2.0F).put(3.0F);
+  rest.put(Count{0});
   payload += rest.text();
   Bytes all;
   for (const char c : payload) all.put(c);
@@ -233,7 +234,8 @@ TEST(SlamMapFile, CountsOfMoreThanTheFileHoldsAreRefused) {
     EXPECT_NE(refusal_of(file_of(relatives), "relatives").find("counts do not fit"), std::string::npos);
   }
   Bytes left_over;
-  left_over.put(0.1).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0});
+  left_over.put(0.1);
+  for (int kind = 0; kind < 8; ++kind) left_over.put(Count{0});
   EXPECT_EQ(refusal_of(left_over.file(), "empty").find("counts"), std::string::npos);
   left_over.put('x');
   EXPECT_NE(refusal_of(left_over.file(), "longer").find("counts do not fit"), std::string::npos);
@@ -242,7 +244,7 @@ TEST(SlamMapFile, CountsOfMoreThanTheFileHoldsAreRefused) {
   points.put(0.1).put(Count{1}).pose().put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0}).put(Count{0});
   points.put(Count{1}).put(std::int32_t{0}).put(Count{2}).put(1.0F).put(2.0F).put(3.0F).put(4.0F).put(5.0F);
   EXPECT_NE(refusal_of(points.file(), "points").find("counts do not fit"), std::string::npos);
-  points.put(6.0F);
+  points.put(6.0F).put(Count{0});
   EXPECT_EQ(refusal_of(points.file(), "points"), "");
 }
 
