@@ -48,6 +48,6 @@ OrcaPlane orca_plane(const Vector3& to_other_local_m, const Vector3& v_local_mps
 /// The velocity nearest to the wanted one that keeps all planes and the speed. When there is none, the planes give way
 /// by the same amount until there is.
 Vector3 orca_velocity(std::span<const OrcaPlane> planes, const Vector3& wanted_local_mps, double speed_mps,
-                      std::vector<Vector3>& scratch);
+                      std::vector<Vector3>& scratch_local_mps);
 
 }  // namespace swiftlet
