@@ -26,12 +26,13 @@ namespace fs = std::filesystem;
 
 std::string hash_text(const std::string& text) { return hex64(XXH3_64bits(text.data(), text.size())); }
 
-/// A scenario file beside the batch file by its path, anything else by its name.
+/// A scenario file beside the batch file by its path, anything else by its name. A batch may have its scenario's name.
 std::string find_scenario(const std::string& name, const fs::path& batch_file) {
   for (const char* extension : {"", ".yaml"}) {
     const fs::path beside = batch_file.parent_path() / (name + extension);
     std::error_code ignored;
-    if (fs::is_regular_file(beside, ignored)) return beside.lexically_normal().string();
+    if (fs::is_regular_file(beside, ignored) && !fs::equivalent(beside, batch_file, ignored))
+      return beside.lexically_normal().string();
   }
   return name;
 }

@@ -56,6 +56,14 @@ TEST(BatchPlan, TheCommandOfAnEpisodeMakesTheSameScenario) {
                 " --set 'wind.mean_mps=[9, 0, 0]' --set 'vehicles[*].start.yaw_deg=90' --seed 6");
 }
 
+TEST(BatchPlan, ABatchWithTheNameOfItsScenarioIsNotTakenForIt) {
+  const BatchFolder folder;
+  folder.write("forest_patrol.yaml", "name: test\nscenario: forest_patrol\nseeds: {count: 3}\n");
+  const BatchPlan plan(folder.path("forest_patrol.yaml"));
+  EXPECT_EQ(plan.num_episodes(), 3U);
+  EXPECT_EQ(plan.scenario_of(plan.episode(0)).name, "forest_patrol");
+}
+
 TEST(BatchPlan, ZippedSeedsGiveEveryPointItsOwn) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(
