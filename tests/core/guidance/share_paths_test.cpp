@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/shared_path.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
 
@@ -110,6 +112,22 @@ TEST(SharePaths, FourThatCrossInOnePlaceKeepTheirDistanceAndArrive) {
   team.run(60.0);
   EXPECT_TRUE(team.done());
   EXPECT_GT(team.least_m, 1.0);
+}
+
+TEST(SharePaths, TheirTurnsToPlanAreSpreadOverAPeriod) {
+  Team team({{0, 0, 5}, {0, 9, 5}, {0, 18, 5}, {0, 27, 5}}, {{20, 0, 5}, {20, 9, 5}, {20, 18, 5}, {20, 27, 5}}, 0.0,
+            0.1);
+  std::vector<double> first_s(4, 1e9);
+  for (int i = 0; i < 30; ++i) {
+    team.tick();
+    for (const Message& message : team.air) {
+      SharedPath said;
+      if (read_message(message, said) == Reading::kDone && said.word == SharedPath::Word::kPlan) {
+        first_s[message.from] = std::min(first_s[message.from], to_seconds(message.sent));
+      }
+    }
+  }
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(first_s[i], SharePathsConfig().period_s * i / 4.0, 0.021) << i;
 }
 
 TEST(SharePaths, WhoHearsNothingMeetsTheOther) {

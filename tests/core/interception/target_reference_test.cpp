@@ -68,6 +68,7 @@ TargetConfig drawn_target(std::uint64_t seed, Motion motion) {
   config.leg_min_m = random.uniform(5.0, 25.0, 0, 3);
   config.alarm_m = random.uniform(6.0, 14.0, 0, 4);
   config.cruise = random.uniform(0.3, 1.0, 0, 5);
+  for (Vector3* corner_m : {&config.area_min_m, &config.area_max_m}) *corner_m += Vector3(11.0, -7.0, 0.0);
   return config;
 }
 

@@ -104,6 +104,39 @@ TEST(DistanceTiles, AreExactAfterAnySequenceOfChanges) {
   }
 }
 
+// Bounds by blocks and by halves of blocks must not leave out what matters to a single cell.
+TEST(DistanceTiles, WhatComesNearestToOnlyAFewCellsOfATileIsNoticedAndWhenItGoesToo) {
+  constexpr int kReach = 22;
+  const Random random(5, "few");
+  int tried = 0;
+  for (std::uint32_t k = 0; k < 6000 && tried < 300; ++k) {
+    const Cell there = random_cell(random, k, 0, 26), comes = random_cell(random, k, 1, 26);
+    std::vector<Cell> cells;
+    int nearer = 0;
+    for (int i = 0; i < 512; ++i) {
+      cells.emplace_back(i & 7, i >> 3 & 7, i >> 6);
+      const int now_sq = (there - cells.back()).squaredNorm(), then_sq = (comes - cells.back()).squaredNorm();
+      nearer += then_sq < std::min(now_sq, kReach * kReach + 1);
+    }
+    if (nearer < 1 || nearer > 12) continue;
+    ++tried;
+    ToldBlocks map;
+    DistanceTiles tiles(kReach);
+    const auto expect_exact = [&](const char* when) {
+      for (const Cell& cell : cells) {
+        ASSERT_EQ(tiles.squared(cell, map, map.revision), map.squared(cell, kReach)) << when << ", " << k;
+      }
+    };
+    map.set(there, true);
+    ASSERT_NO_FATAL_FAILURE(expect_exact("before"));
+    map.set(comes, true);
+    ASSERT_NO_FATAL_FAILURE(expect_exact("came"));
+    map.set(comes, false);
+    ASSERT_NO_FATAL_FAILURE(expect_exact("went"));
+  }
+  EXPECT_GT(tried, 100);
+}
+
 TEST(DistanceTiles, OnlyWhatChangedIsWorkedOutAgain) {
   ToldBlocks map;
   DistanceTiles tiles(20);

@@ -95,6 +95,21 @@ TEST(OccupancyMap, EveryCellIsThatOfTheLibrary) {
   expect_equal(map, tree);
 }
 
+TEST(OccupancyMap, WhereARayMeetsTwoWallsAtOnceItGoesOnAsThatOfTheLibrary) {
+  OccupancyMap map({});
+  octomap::OcTree tree(0.1);
+  std::vector<Beam> rays;
+  for (int i = 0; i < 24; ++i) {
+    const float far_m = i % 2 == 0 ? 6.0F : -6.0F, other_m = 0.5F * static_cast<float>(i - 12);
+    rays.push_back(beam_to(0.05F + far_m, 0.05F + other_m, 0.05F + far_m));
+    rays.push_back(beam_to(0.05F + far_m, 0.05F + far_m, 0.05F + other_m));
+    rays.push_back(beam_to(0.05F + other_m, 0.05F + far_m, 0.05F - far_m));
+  }
+  map.insert(rays, kScan);
+  insert(rays, 20.0, tree);
+  expect_equal(map, tree);
+}
+
 // A miss that weighs little must be counted beyond what the bits hold; one that weighs much saturates at once.
 TEST(OccupancyMap, EveryCellIsThatOfTheLibraryWithOtherProbabilities) {
   for (const double p_miss : {0.49, 0.46, 0.2}) {
@@ -119,6 +134,26 @@ TEST(OccupancyMap, EveryCellIsThatOfTheLibraryWithOtherProbabilities) {
     }
     SCOPED_TRACE(p_miss);
     expect_equal(map, tree);
+  }
+}
+
+// It has 32768 cells on each side of the origin.
+TEST(OccupancyMap, BeyondTheLibrarysBordersNothingIsInserted) {
+  for (const float x_m : {3276.0F, 3290.0F, -3276.0F, -3290.0F}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      OccupancyMap map({});
+      octomap::OcTree tree(0.1);
+      const Eigen::Vector3f origin_m = x_m * Eigen::Vector3f::Unit(axis);
+      for (const float way_m : {0.55F, -0.55F, 2.0F, -2.0F}) {
+        const std::vector<Beam> rays = {{origin_m, origin_m + way_m * Eigen::Vector3f::Unit(axis), true}};
+        map.insert(rays, kScan);
+        insert(rays, 20.0, tree);
+      }
+      tree.expand();
+      MapVoxels copy;
+      map.append_voxels(copy);
+      EXPECT_EQ(copy.size(), tree.getNumLeafNodes()) << x_m << ", " << axis;
+    }
   }
 }
 

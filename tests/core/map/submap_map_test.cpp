@@ -195,6 +195,19 @@ TEST(SubmapMap, ACellStaysWhereItIsWithoutATurn) {
   EXPECT_LT((centers_m[0] - Vector3(1.1, -0.5, 0.5)).norm(), 1e-12);
 }
 
+TEST(SubmapMap, ATurnByARightAngleAboutTheMiddleTurnsEveryCell) {
+  Made made;
+  for (const int x : {-1, 0}) {
+    for (const int y : {-1, 0}) made.set({8 * x, 8 * y, 0}, CellState::kFree);  // blocks about the origin
+  }
+  made.set({5, 2, 3}, CellState::kOccupied);
+  SubmapMap map({});
+  const int piece = map.add(made.packed(), turned(0, 0, 0, Vector3::UnitZ(), 0.5 * M_PI), 0, 0);
+  EXPECT_EQ(map.T_local_cells(piece).translation().head<2>(), Vector3::Zero().head<2>());
+  EXPECT_EQ(map.state(center_of({-3, 5, 3})), CellState::kOccupied);
+  EXPECT_EQ(map.state(center_of({5, 2, 3})), CellState::kUnknown);
+}
+
 TEST(SubmapMap, EveryCellIsWhatItsPiecesMakeOfIt) {
   for (const int outvoted_by : {0, 2}) {
     std::vector<Made> made;

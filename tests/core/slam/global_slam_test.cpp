@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <random>
+#include <string>
 #include <utility>
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
@@ -114,6 +116,14 @@ TEST(GlobalSlam, ClosesALoopAndTellsWhereTheDriftedFrameLies) {
   EXPECT_GT(before_m, 0.4);
   EXPECT_LT((*flight.correction * p_local_m - p_world_m).norm(), 0.5 * before_m);
   EXPECT_EQ((*flight.correction).linear()(2, 2), 1.0) << "both frames have z up";
+
+  std::vector<Overlay> overlays;
+  flight.slam.append_overlays(overlays);
+  std::map<std::string, std::size_t> sizes;
+  for (const Overlay& overlay : overlays) sizes[overlay.name] = overlay.positions.size();
+  EXPECT_EQ(sizes["slam.closures"], 2U * static_cast<std::size_t>(flight.slam.num_closures())) << "lines between two";
+  EXPECT_EQ(sizes["slam.submaps"], static_cast<std::size_t>(flight.slam.num_submaps()));
+  EXPECT_GT(sizes["slam.trajectory"], sizes["slam.submaps"]);
 }
 
 // What the vehicle sees now stands still in its local frame. What it saw long ago moves to where it belongs beside
