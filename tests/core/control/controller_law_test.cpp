@@ -214,32 +214,53 @@ TEST(ControlGains, RateLoopIsHalfTheInverseOfTheLagThatIsLeft) {
   EXPECT_NEAR(rate(0.001), 35.0, 1e-12) << "never faster";
 }
 
-// The integral part grows by the error and holds what it is told at most.
-TEST(ControlIntegral, GrowsWithTheErrorUpToItsBound) {
-  const Airframe airframe = testing::all_airframes().front().airframe;
-  ControlGainsConfig config;
-  config.motor_lead = 0.0;
-  config.integral_max_mps2 = 0.05;
-  MultirotorController controller(airframe, config, kTick_s);
-  StateEstimate estimate;
-  estimate.valid = true;
-  Reference reference;
-  reference.position_m.z() = 0.01;
-  const auto thrust_N = [&] {
-    const auto& commands = controller.step(estimate, reference, Vector3::Zero(), kTick_s);
+/// A vehicle that hangs so far below its goal, and what its controller wants beside carrying the weight.
+struct Hanging {
+  Hanging(ControlGainsConfig config, double below_m) {
+    config.motor_lead = 0.0;
+    controller = std::make_unique<MultirotorController>(airframe, config, kTick_s);
+    estimate.valid = true;
+    reference.position_m.z() = below_m;
+  }
+  double up_mps2() {
+    const auto& commands = controller->step(estimate, reference, Vector3::Zero(), kTick_s);
     double sum_N = 0.0;
     for (int i = 0; i < airframe.num_rotors(); ++i) {
       const double least = airframe.rotor_speed_min_radps, most = airframe.rotor_speed_max_radps;
       sum_N += airframe.thrust_constant_N_per_radps2 * std::pow(least + commands[i] * (most - least), 2);
     }
-    return sum_N;
-  };
-  const ControlGains& gains = controller.gains();
+    return sum_N / airframe.mass_kg - kWeight_mps2;
+  }
+  Airframe airframe = testing::all_airframes().front().airframe;
+  std::unique_ptr<MultirotorController> controller;
+  StateEstimate estimate;
+  Reference reference;
+};
+
+// The integral part grows by the error and holds what it is told at most.
+TEST(ControlIntegral, GrowsWithTheErrorUpToItsBound) {
+  ControlGainsConfig config;
+  config.integral_max_mps2 = 0.05;
+  Hanging hanging(config, 0.01);
+  const ControlGains& gains = hanging.controller->gains();
   for (int i = 1; i <= 5000; ++i) {
     const double integral = std::min(0.05, gains.integral * kTick_s * i * 0.01);
-    ASSERT_NEAR(thrust_N() / airframe.mass_kg, kWeight_mps2 + gains.position * 0.01 + integral, 1e-6) << i;
+    ASSERT_NEAR(hanging.up_mps2(), gains.position * 0.01 + integral, 1e-6) << i;
   }
   EXPECT_GT(gains.integral * kTick_s * 5000 * 0.01, 0.05);
+}
+
+TEST(ControlIntegral, StandsStillWhileTheFeedbackIsAtItsBound) {
+  for (const double feedback_max_mps2 : {0.4, 3.0}) {
+    ControlGainsConfig config;
+    config.position_radps = 2.0;
+    config.feedback_max_mps2 = feedback_max_mps2;
+    Hanging below(config, 0.25 * 0.99 * feedback_max_mps2), at(config, 0.25 * 1.01 * feedback_max_mps2);
+    for (int i = 0; i < 100; ++i) below.up_mps2(), at.up_mps2();
+    const double integral = below.controller->gains().integral * kTick_s * 101 * 0.25 * 0.99 * feedback_max_mps2;
+    EXPECT_NEAR(below.up_mps2(), 0.99 * feedback_max_mps2 + integral, 1e-6);
+    EXPECT_NEAR(at.up_mps2(), feedback_max_mps2, 1e-6);
+  }
 }
 
 }  // namespace
