@@ -92,7 +92,7 @@ BeamExposure BeamIndex::exposure(const RoundTarget& target) const {
   const int first_row = bin_in(low_z + 1.0, 2.0, kRows), last_row = bin_in(high_z + 1.0, 2.0, kRows);
   const double flat = std::sqrt(d.x() * d.x() + d.y() * d.y()), sine = elementary::sin(std::min(reach_rad, pole));
   int first_turn = 0, num_turn = kTurn;
-  if (std::abs(elevation) + reach_rad < pole && sine < 0.7 * flat) {
+  if (sine < 0.7 * flat) {  // the cone is not about a pole
     const double s = sine / flat, c = std::sqrt(1.0 - s * s);
     const int last_turn = bin_in(turn_of(c * d.x() - s * d.y(), c * d.y() + s * d.x()), 4.0, kTurn);
     first_turn = bin_in(turn_of(c * d.x() + s * d.y(), c * d.y() - s * d.x()), 4.0, kTurn);

@@ -45,6 +45,15 @@ TEST(SparseVoxelMap, WallIsWhereItWasSeenAndNowhereElse) {
   EXPECT_FALSE(is_occupied(map, {2.5, 0.0, 0.0}, 5 * kSweep));
 }
 
+TEST(SparseVoxelMap, OneReturnMakesOneVoxelKnown) {
+  SparseVoxelMap map({});
+  map.insert(std::vector<Ray>{{{0, 0, 0}, {3.3F, 1.1F, 0.9F}, true}}, kSweep);
+  MapVoxels copy;
+  map.append_voxels(copy);
+  ASSERT_EQ(copy.size(), 1U);
+  EXPECT_LT((copy.centers_local_m[0] - Eigen::Vector3f(3.3F, 1.1F, 0.9F)).cwiseAbs().maxCoeff(), 0.1001F);
+}
+
 TEST(SparseVoxelMap, ItsCopyAgreesWithWhatItAnswers) {
   SparseVoxelMap map({});
   for (int i = 1; i <= 5; ++i) map.insert(wall(), i * kSweep);

@@ -247,6 +247,34 @@ TEST(SubmapMap, APoseIsUsedToAQuarterOfACellInTheMiddleAndAtTheRim) {
   }
 }
 
+// So a pose that trembles moves nothing.
+TEST(SubmapMap, APoseThatDiffersByMuchLessThanACellIsTheSamePose) {
+  const auto cells = random_piece(2).packed();
+  for (int axis = 0; axis < 3; ++axis) {
+    SubmapMap map({});
+    const Vector3 about = Vector3::Unit(axis);
+    const int piece = map.add(cells, turned(0.31, 0.12, 0.07, about, 0.003), 0, 0);
+    EXPECT_FALSE(map.move(piece, turned(0.312, 0.121, 0.071, about, 0.0031))) << axis;
+    EXPECT_TRUE(map.move(piece, turned(0.312, 0.121, 0.071, about, 0.1))) << axis;
+  }
+}
+
+TEST(SubmapMap, OfPiecesFarApartEveryCellIsFound) {
+  Made made;
+  made.set({1, 2, 3}, CellState::kOccupied);
+  const auto cells = made.packed();
+  SubmapMap map({});
+  const double step_m = 64 * kEdge_m;
+  for (int i = 0; i < 1500; ++i) {
+    map.add(cells, turned(step_m * (i % 40), step_m * (i / 40), 0, Vector3::UnitZ(), 0.0), 0, 0);
+  }
+  for (int i = 0; i < 1500; ++i) {
+    const Vector3 at_m(step_m * (i % 40), step_m * (i / 40), 0.0);
+    ASSERT_EQ(map.state(at_m + center_of({1, 2, 3})), CellState::kOccupied) << i;
+    ASSERT_EQ(map.state(at_m + center_of({2, 2, 3})), CellState::kUnknown) << i;
+  }
+}
+
 // Whatever came, moved, grew and went: only what lies there now counts.
 TEST(SubmapMap, AfterAnySequenceOfChangesItIsTheMapMadeAnew) {
   for (std::uint32_t seed = 0; seed < 2; ++seed) {

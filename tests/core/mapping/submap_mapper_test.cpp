@@ -293,5 +293,15 @@ TEST(SubmapMapper, IsRefusedWithoutAPoseGraph) {
   EXPECT_FALSE(make_mapper(Module(mapper_module_types(), "occupancy"), {})->needs_submaps());
 }
 
+TEST(SubmapMapperConfig, FinerCellsAndMorePiecesWantMoreMemory) {
+  SubmapMapperConfig config, finer, more;
+  finer.edge_m = 0.5 * config.edge_m;
+  more.pieces_max = 2 * config.pieces_max;
+  EXPECT_GT(finer.bytes(), 6.0 * config.bytes());
+  EXPECT_LT(finer.bytes(), 9.0 * config.bytes());
+  EXPECT_GT(more.bytes(), 1.5 * config.bytes());
+  EXPECT_LT(more.bytes(), 2.0 * config.bytes());
+}
+
 }  // namespace
 }  // namespace swiftlet
