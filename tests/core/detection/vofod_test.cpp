@@ -186,6 +186,10 @@ TEST(VofodDetector, FindsAnObjectAndShowsHow) {
     names.push_back(overlay.name);
     EXPECT_FALSE(overlay.positions.empty()) << overlay.name;
     EXPECT_TRUE(overlay.colors.size() == 1 || overlay.colors.size() == overlay.positions.size()) << overlay.name;
+    if (overlay.kind != Overlay::Kind::kCubes) continue;
+    const auto edge_m = static_cast<float>(ticker.detector->map()->grid().edge_m);
+    EXPECT_GT(overlay.size_m, 0.3F * edge_m);
+    EXPECT_LT(overlay.size_m, edge_m) << "neighbors do not touch";
   }
   EXPECT_EQ(names, (std::vector<std::string>{"voxels.tentative", "voxels.confident", "voxels.around", "clusters",
                                              "detections"}));

@@ -73,6 +73,23 @@ TEST(Orca, TheVelocityIsTheNearestOfThoseThatKeepEveryPlaneAndTheSpeed) {
   }
 }
 
+TEST(Orca, WhereAPlaneAndTheSpeedMeetItIsTheNearestToo) {
+  const Random random(3, "orca");
+  std::vector<Vector3> scratch;
+  for (std::uint32_t k = 0; k < 30; ++k) {
+    const Vector3 normal = drawn(random, k, 0, 1.0).normalized();
+    const std::vector<OrcaPlane> planes = {{random.uniform(-0.5, 1.2, k, 20) * normal, normal}};
+    const Vector3 wanted = 2.5 * drawn(random, k, 1, 1.0).normalized(), v = orca_velocity(planes, wanted, 1.5, scratch);
+    ASSERT_LE(v.norm(), 1.5 + 1e-6) << k;
+    ASSERT_GE(normal.dot(v - planes[0].point_local_mps), -0.01) << k;
+    for (std::uint32_t i = 0; i < 3000; ++i) {
+      const Vector3 u = drawn(random, i, 2, 1.5);
+      if (u.norm() > 1.5 || normal.dot(u - planes[0].point_local_mps) < 0.0) continue;
+      ASSERT_GE((u - wanted).norm(), (v - wanted).norm() - 0.02) << k;
+    }
+  }
+}
+
 TEST(Orca, WhereNoVelocityKeepsAllPlanesTheyGiveWayAlike) {
   const std::vector<OrcaPlane> planes = {{{1.0, 0.0, 0.0}, Vector3::UnitX()}, {{-1.0, 0.0, 0.0}, -Vector3::UnitX()}};
   std::vector<Vector3> scratch;

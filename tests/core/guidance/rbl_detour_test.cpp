@@ -16,6 +16,8 @@ namespace {
 using testing::CellListMap;
 using testing::GuidanceDriver;
 
+constexpr double kAhead_m = 3.5;
+
 RblDetourConfig quick() {
   RblDetourConfig config;
   config.patience_s = 1.0;
@@ -30,7 +32,7 @@ RblDetourConfig quick() {
 
 /// A point that flies straight towards the next goal, and stops where it would come too near to something.
 struct Flight {
-  explicit Flight(const RblDetourConfig& config) : detour(config, 3.5) {
+  explicit Flight(const RblDetourConfig& config) : detour(config, kAhead_m) {
     now.goal_local_m = {8, 0, 1};
     now.p_local_m = {0, 0, 1};
     now.z_min_m = 0.0;
@@ -42,6 +44,7 @@ struct Flight {
     now.neighbors = neighbors;
     next_m = detour.next_goal_local_m(now);
     now.now += from_seconds(0.1);
+    if (detour.on_path()) farthest_ahead_m = std::max(farthest_ahead_m, (next_m - now.p_local_m).norm());
     const Vector3 way_m = next_m - now.p_local_m;
     const Vector3 step_m = way_m.norm() > 0.1 ? Vector3(0.1 * way_m.normalized()) : way_m;
     const Vector3 p_m = now.p_local_m + step_m;
@@ -59,7 +62,7 @@ struct Flight {
   RblDetour detour;
   RblDetour::Situation now;
   Vector3 next_m = Vector3::Zero();
-  double least_m = 5.0;
+  double least_m = 5.0, farthest_ahead_m = 0.0;
   bool held = false;
 };
 
@@ -86,6 +89,7 @@ TEST(RblDetour, OutOfAUItFliesBackwardsAndArrives) {
   flight.run(60.0);
   EXPECT_LT(flight.left_m(), 0.1);
   EXPECT_GE(flight.least_m, 0.04);
+  EXPECT_LT(flight.farthest_ahead_m, kAhead_m + 0.3) << "the next goal is never farther along the path than it may";
   RblDetourConfig off = quick();
   off.enabled = false;
   Flight caught(off);

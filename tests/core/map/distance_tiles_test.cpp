@@ -137,6 +137,27 @@ TEST(DistanceTiles, WhatComesNearestToOnlyAFewCellsOfATileIsNoticedAndWhenItGoes
   EXPECT_GT(tried, 100);
 }
 
+TEST(DistanceTiles, TheReachItselfIsWithinReach) {
+  for (const int reach : {7, 8, 20}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int sign : {-1, 1}) {
+        ToldBlocks map;
+        DistanceTiles tiles(reach);
+        const Cell cell(3, 4, 2), there = cell + sign * reach * Cell::Unit(axis), beyond = cell - (reach + 1) * Cell::Unit(axis);
+        EXPECT_EQ(tiles.squared(cell, map, map.revision), DistanceTiles::kFar);
+        map.set(beyond, true);
+        EXPECT_EQ(tiles.squared(cell, map, map.revision), DistanceTiles::kFar);
+        map.set(there, true);
+        EXPECT_EQ(tiles.squared(cell, map, map.revision), reach * reach) << "as it came";
+        DistanceTiles fresh(reach);
+        EXPECT_EQ(fresh.squared(cell, map, map.revision), reach * reach) << "computed";
+        map.set(there, false);
+        EXPECT_EQ(tiles.squared(cell, map, map.revision), DistanceTiles::kFar);
+      }
+    }
+  }
+}
+
 TEST(DistanceTiles, OnlyWhatChangedIsWorkedOutAgain) {
   ToldBlocks map;
   DistanceTiles tiles(20);

@@ -5,9 +5,11 @@
 #include <octomap/octomap.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "swiftlet/core/math/random.hpp"
@@ -327,6 +329,34 @@ TEST(OccupancyMap, DistancesFollowWhereverSomethingWasTakenAway) {
     ASSERT_EQ(map.state(p_m), CellState::kFree);
     EXPECT_GT(map.distance_m(p_m + Vector3(0, 0, 0.3), 0.5), 0.45) << p_m.transpose();
   }
+}
+
+TEST(OccupancyMap, BlocksSurerThanHaveTheCellsThatAreSurerAndAllThatIsFree) {
+  OccupancyMap map({});
+  for (int i = 1; i <= 6; ++i) {
+    std::vector<Beam> rays = {beam_to(3.05F, 0.05F, 0.05F)};
+    if (i <= 2) rays.push_back(beam_to(0.05F, 3.05F, 0.05F));
+    if (i <= 2) rays.push_back(beam_to(0.05F, 0.05F, 3.25F));  // the first of its block
+    map.insert(rays, i * kScan);
+  }
+  const auto counted = [&](double p) {
+    std::pair<int, int> cells;  // occupied, free
+    for (const CellBlock& block : map.blocks_surer_than(p)) {
+      for (int z = 0; z < 8; ++z) {
+        cells.first += std::popcount(block.occupied[static_cast<std::size_t>(z)]);
+        cells.second += std::popcount(block.free[static_cast<std::size_t>(z)]);
+      }
+    }
+    return cells;
+  };
+  const float twice = map.log_odds({0, 30, 0});
+  const double p_twice = 1.0 / (1.0 + std::exp(-static_cast<double>(twice)));
+  EXPECT_EQ(counted(0.5).first, 3);
+  EXPECT_EQ(counted(p_twice - 0.001).first, 3);
+  EXPECT_EQ(counted(p_twice + 0.001).first, 1) << "hit six times";
+  EXPECT_EQ(counted(0.999).first, 0);
+  EXPECT_EQ(counted(0.5).second, counted(0.999).second);
+  EXPECT_EQ(counted(0.5).second, 30 + 29 + 31);
 }
 
 TEST(OccupancyMap, ForgetsWhatIsFarAwayAndUsesItsMemoryAgain) {

@@ -233,6 +233,28 @@ TEST(SubmapMap, EveryCellIsWhatItsPiecesMakeOfIt) {
   }
 }
 
+TEST(SubmapMap, ItsCopyHasEveryCellThatIsKnown) {
+  SubmapMap map({});
+  for (std::uint32_t i = 0; i < 3; ++i) map.add(random_piece(20 + i).packed(), random_pose(8, i), 0, 0);
+  MapVoxels copy;
+  map.append_voxels(copy);
+  std::map<CellKey, CellState> copied;
+  for (std::size_t i = 0; i < copy.size(); ++i) {
+    const Cell cell = (copy.centers_local_m[i].cast<double>() / kEdge_m).array().floor().cast<int>();
+    copied[key_of(cell)] = copy.state[i] == copy.occupied_from ? CellState::kOccupied : CellState::kFree;
+  }
+  EXPECT_EQ(copied.size(), copy.size()) << "each once";
+  std::size_t known = 0;
+  for (const Cell& cell : cells_of_a_box(64, 24)) {
+    const CellState state = map.state(center_of(cell));
+    if (state == CellState::kUnknown) continue;
+    ++known;
+    ASSERT_TRUE(copied.contains(key_of(cell)));
+    EXPECT_EQ(copied[key_of(cell)], state);
+  }
+  EXPECT_EQ(known, copy.size());
+}
+
 TEST(SubmapMap, APoseIsUsedToAQuarterOfACellInTheMiddleAndAtTheRim) {
   const auto cells = random_piece(2).packed();
   for (std::uint32_t i = 0; i < 50; ++i) {

@@ -234,9 +234,17 @@ TEST(BlockedPath, IsOneWhoseRestCameTooNearToSomething) {
   ClearPathConfig config;
   config.clearance_m = 0.5;
   const auto blocked = [&](const Vector3& obstacle_m, const Vector3& p_m, std::size_t next) {
-    testing::CellListMap map;
-    map.occupy_box(obstacle_m, obstacle_m + Vector3::Constant(0.1));
-    return is_blocked(map, config, p_m, corners, next);
+    bool first = false;
+    for (const Vector3& off_m : {Vector3(0, 0, 0), Vector3(-7, 3, 1)}) {  // wherever the origin is
+      testing::CellListMap map;
+      map.occupy_box(obstacle_m + off_m, obstacle_m + off_m + Vector3::Constant(0.1));
+      std::vector<Vector3> there;
+      for (const Vector3& corner_m : corners) there.push_back(corner_m + off_m);
+      const bool now = is_blocked(map, config, p_m + off_m, there, next);
+      if (off_m.isZero()) first = now;
+      EXPECT_EQ(now, first);
+    }
+    return first;
   };
   // Center to center; a cell's edge less than planned is enough.
   EXPECT_TRUE(blocked({2.0, 0.3, 1.0}, corners[0], 1));

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 #include <optional>
 
@@ -169,6 +170,30 @@ TEST(GuidingViewpoint, UnknownSpaceIsNoPlaceToStand) {
   const Found anywhere = find_guiding_viewpoint(map, {5, 0, 1}, path, rules);
   ASSERT_TRUE(anywhere.p_local_m);
   EXPECT_GT(area_m2(anywhere.overlap), area_m2(known.overlap));
+}
+
+/// Its wall has a hole that nobody has looked into.
+class HoledMap : public CellListMap {
+ public:
+  CellState state(const Vector3& p_local_m) const override {
+    const bool in_hole = p_local_m.x() > 2.0 && p_local_m.x() < 2.1 && std::abs(p_local_m.y()) < 0.2;
+    return in_hole ? CellState::kUnknown : CellListMap::state(p_local_m);
+  }
+};
+
+TEST(GuidingViewpoint, AHoleInAWallThatNobodyHasSeenIsNoSight) {
+  HoledMap map;
+  map.occupy_box({2.0, -6.0, 0.5}, {2.1, -0.2, 1.5});
+  map.occupy_box({2.0, 0.2, 0.5}, {2.1, 6.0, 1.5});
+  ViewpointRules rules = published();
+  rules.sight = Sight::kInSpace;
+  const std::vector<Vector3> path = {{-1, 0, 1}};
+  const Found known = find_guiding_viewpoint(map, {5, 0, 1}, path, rules);
+  EXPECT_FALSE(known.p_local_m && known.p_local_m->x() > 2.1);
+  rules.unknown_is_free = true;
+  const Found through = find_guiding_viewpoint(map, {5, 0, 1}, path, rules);
+  ASSERT_TRUE(through.p_local_m);
+  EXPECT_GT(through.p_local_m->x(), 2.1);
 }
 
 TEST(GuidingViewpoint, ItsInterpretationsDifferWhereTheClosestSpaceSeesLess) {
