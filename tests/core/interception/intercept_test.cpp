@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,28 @@ TEST(Intercept, WaitsUntilThereIsATarget) {
   hunt.run(2.0);
   EXPECT_LT((hunt.p_m() - Vector3(0, 0, 10)).norm(), 1e-6);
   EXPECT_EQ(hunt.notes, std::vector<std::string>{"waiting for a target"});
+}
+
+TEST(Intercept, ItsPictureHasPredictionAndPlanWhileItChasesAndWhereItLooksWhileItSearches) {
+  const auto shown = [](const Hunt& hunt) {
+    std::vector<Overlay> overlays;
+    hunt.guidance->append_overlays(overlays);
+    std::set<std::string> names;
+    for (const Overlay& overlay : overlays) names.insert(overlay.name);
+    return names;
+  };
+  Hunt hunt({}, {-30.0, 0.0, 14.0});
+  hunt.run(0.5);
+  const std::set<std::string> waiting = shown(hunt);
+  EXPECT_FALSE(waiting.contains("intercept.prediction") || waiting.contains("intercept.plan"));
+  hunt.run(2.0, circling);
+  const std::set<std::string> chasing = shown(hunt);
+  EXPECT_TRUE(chasing.contains("intercept.prediction") && chasing.contains("intercept.plan"));
+  hunt.tracks.clear();
+  hunt.run(1.0);
+  const std::set<std::string> searching = shown(hunt);
+  EXPECT_FALSE(searching.contains("intercept.prediction"));
+  EXPECT_EQ(searching.size(), waiting.size() + 1) << "where the target may be";
 }
 
 TEST(Intercept, GivesUpATargetThatLeavesTheFence) {

@@ -143,7 +143,8 @@ TEST(DistanceTiles, TheReachItselfIsWithinReach) {
       for (const int sign : {-1, 1}) {
         ToldBlocks map;
         DistanceTiles tiles(reach);
-        const Cell cell(3, 4, 2), there = cell + sign * reach * Cell::Unit(axis), beyond = cell - (reach + 1) * Cell::Unit(axis);
+        const Cell cell(3, 4, 2), there = cell + sign * reach * Cell::Unit(axis),
+                                  beyond = cell - (reach + 1) * Cell::Unit(axis);
         EXPECT_EQ(tiles.squared(cell, map, map.revision), DistanceTiles::kFar);
         map.set(beyond, true);
         EXPECT_EQ(tiles.squared(cell, map, map.revision), DistanceTiles::kFar);
