@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "progress.hpp"
 #include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/core/agent/tells_stages.hpp"
 #include "swiftlet/sim/batch/worker_pool.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
@@ -68,6 +69,7 @@ struct Case {
   const char* what;
   sim::Scenario (*make)();
   double simulated_s;
+  bool times_agents = false;  // by stage; of agents that only hover, looking at the clock would take a good part
 };
 
 const Case kCases[] = {
@@ -78,12 +80,12 @@ const Case kCases[] = {
     {"ten_mid360", "10 X500 with a Mid-360 each in a forest", [] { return with_copies(read("bench_mid360"), 10, 4.0); },
      5.0},
     {"forest_patrol", "a patrol of four, one of which looks for the others, without recorders",
-     [] { return unrecorded("forest_patrol"); }, 5.0},
+     [] { return unrecorded("forest_patrol"); }, 5.0, true},
     {"guidance",
      "the quickstart without recorders: a UAV with an OS0-128 maps a forest, finds another UAV, plans for both and "
      "guides it",
-     [] { return unrecorded("forest_guidance"); }, 30.0},
-    {"guided_gap", "the same through a gap between two rooms", [] { return unrecorded("guided_gap"); }, 30.0},
+     [] { return unrecorded("forest_guidance"); }, 30.0, true},
+    {"guided_gap", "the same through a gap between two rooms", [] { return unrecorded("guided_gap"); }, 30.0, true},
 };
 
 // Beside as many busy processes as there are threads.
@@ -110,7 +112,15 @@ struct Result {
   const Case* of;
   std::size_t num_triangles = 0;
   sim::RunSummary summary;
+  std::vector<std::pair<std::string, double>> agent_shares;  // of the time of all agents, by stage; empty: not timed
 };
+
+std::vector<std::pair<std::string, double>> shares(std::vector<std::pair<std::string, double>> times_s) {
+  double sum_s = 0.0;
+  for (const auto& [stage, time_s] : times_s) sum_s += time_s;
+  for (auto& [stage, time_s] : times_s) time_s /= sum_s;
+  return times_s;
+}
 
 Result measure(const Case& which, int threads, Progress& progress) {
   sim::Scenario scenario = which.make();
@@ -122,17 +132,19 @@ Result measure(const Case& which, int threads, Progress& progress) {
 
   while (to_seconds(simulation.now()) < kWarmUp_s) simulation.tick();
   const sim::RunSummary warm = simulation.summary();
+  if (which.times_agents) simulation.time_agents();
   const auto start = std::chrono::steady_clock::now();
   while (!simulation.finished()) {
     simulation.tick();
     if (progress.due()) progress.update(to_seconds(simulation.now()) / (kWarmUp_s + which.simulated_s), which.name);
   }
-  Result result{&which, simulation.info().scene->num_triangles(), simulation.summary()};
+  Result result{&which, simulation.info().scene->num_triangles(), simulation.summary(), {}};
   result.summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   result.summary.simulated_s -= warm.simulated_s;
   result.summary.setup_wall_s = setup_s;
   for (std::size_t i = 0; i < warm.stage_wall_s.size(); ++i)
     result.summary.stage_wall_s[i].second -= warm.stage_wall_s[i].second;
+  if (which.times_agents) result.agent_shares = shares(simulation.agent_stage_s());
   return result;
 }
 
@@ -144,6 +156,11 @@ void print(const Result& result) {
              result.num_triangles);
   for (const auto& [stage, wall_s] : s.stage_wall_s) fmt::print(" {} {:.1f}", stage, 1e3 * wall_s / s.simulated_s);
   fmt::print("\n");
+  if (!result.agent_shares.empty()) {
+    fmt::print("{:<14} % of the agents' time:", "");
+    for (const auto& [stage, share] : result.agent_shares) fmt::print(" {} {:.1f}", stage, 100.0 * share);
+    fmt::print("\n");
+  }
   std::fflush(stdout);
 }
 
@@ -160,11 +177,13 @@ std::string row_of(const Result& result) {
                                 sim::git_revision(), s.threads, result.num_triangles, s.setup_wall_s, s.simulated_s,
                                 s.wall_s, s.real_time_factor(), s.state_hash);
   for (const auto& [stage, wall_s] : s.stage_wall_s) row += fmt::format(",{:.4f}", wall_s);
+  if (result.agent_shares.empty()) row.append(kAgentStageNames.size(), ',');
+  for (const auto& [stage, share] : result.agent_shares) row += fmt::format(",{:.6f}", share);
   return row + ",,,\n";
 }
 
 std::string row_of(const BusyCase& which, const BesideOthers& result) {
-  constexpr std::size_t kOfRuns = 6 + sim::kStageNames.size();  // columns
+  constexpr std::size_t kOfRuns = 6 + sim::kStageNames.size() + kAgentStageNames.size();  // columns
   return fmt::format("{},{},{},{}{},{},{:.3f},{:.3f}\n", which.name, sim::version(), sim::git_revision(),
                      result.threads, std::string(kOfRuns, ','), result.others, result.times_one_thread,
                      result.share_kept);
@@ -173,6 +192,7 @@ std::string row_of(const BusyCase& which, const BesideOthers& result) {
 std::string header() {
   std::string row = "case,version,revision,threads,triangles,setup_s,simulated_s,wall_s,real_time_factor,state_hash";
   for (const char* stage : sim::kStageNames) row += fmt::format(",{}_wall_s", stage);
+  for (const char* stage : kAgentStageNames) row += fmt::format(",agents_{}_share", stage);
   return row + ",busy_processes,times_one_thread,share_kept\n";
 }
 

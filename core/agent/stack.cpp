@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/agent/stack.hpp"
 
+#include <functional>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
 
 #include "core/agent/trail.hpp"
+#include "swiftlet/core/agent/tells_stages.hpp"
 #include "swiftlet/core/control/controller.hpp"
 #include "swiftlet/core/control/reference_governor.hpp"
 #include "swiftlet/core/ensure.hpp"
@@ -33,7 +35,7 @@ Reference at_rest_with(const StateEstimate& estimate) {
 }
 
 /// All stages work in the local frame; what leaves the vehicle (`action_`) is told in the world.
-class StackAgent : public Agent, public KeepsMap {
+class StackAgent : public Agent, public KeepsMap, public TellsStages {
  public:
   StackAgent(StackStages stages, const ControlConfig& control, const AgentSetup& setup)
       : self_(setup.self),
@@ -68,6 +70,7 @@ class StackAgent : public Agent, public KeepsMap {
     outbox_.take_back(action_.messages);
     action_.clear_outputs();
 
+    begin(AgentStage::kLocalization);
     action_.estimate = stages_.localization->update(observation, outbox_);
     if (action_.estimate.valid) {
       ENSURE(is_finite(action_.estimate), action_.estimate.T_local_body.translation(), action_.estimate.v_local_mps,
@@ -80,6 +83,7 @@ class StackAgent : public Agent, public KeepsMap {
       map(observation);
       guide(observation, dt_s);
       fly(dt_s);
+      begin(AgentStage::kOther);
       if (observation.wants_overlays) append_overlays();
     } else {
       give_up(dt_s);
@@ -87,6 +91,8 @@ class StackAgent : public Agent, public KeepsMap {
     outbox_.empty_into(action_.messages);
     return action_;
   }
+
+  void tell_stages(std::function<void(AgentStage)> begins) override { begins_ = std::move(begins); }
 
   void append_counters(std::vector<Counter>& counters) const override {
     const auto append = [&](const auto& stage, const char* key) {
@@ -126,8 +132,13 @@ class StackAgent : public Agent, public KeepsMap {
   }
 
  private:
+  void begin(AgentStage stage) {
+    if (begins_) begins_(stage);
+  }
+
   /// Scans become clouds in the local frame, once for all stages that look at them.
   void place_scans(const Observation& observation) {
+    begin(AgentStage::kClouds);
     registrar_.push(action_.estimate);
     clouds_.clear();
     const bool relative = stages_.relative_localization && stages_.relative_localization->needs_clouds();
@@ -139,6 +150,7 @@ class StackAgent : public Agent, public KeepsMap {
 
   void detect(const Observation& observation) {
     if (!stages_.detector) return;
+    begin(AgentStage::kDetection);
     found_.clear();
     stages_.detector->step({observation.t, action_.estimate, registrar_.poses(), clouds_, observation}, found_,
                            outbox_);
@@ -150,6 +162,7 @@ class StackAgent : public Agent, public KeepsMap {
 
   void track(const Observation& observation) {
     if (!stages_.tracker) return;
+    begin(AgentStage::kTracking);
     TrackerInput input{.observation = observation, .estimate = action_.estimate, .clouds = clouds_};
     input.has_detections = found_.has_detections;
     input.detections = found_.detections;
@@ -169,6 +182,7 @@ class StackAgent : public Agent, public KeepsMap {
   void find_team(const Observation& observation) {
     relatives_.clear();
     if (!stages_.relative_localization) return;
+    begin(AgentStage::kRelativeLocalization);
     stages_.relative_localization->step({.observation = observation,
                                          .estimate = action_.estimate,
                                          .poses = registrar_.poses(),
@@ -183,11 +197,13 @@ class StackAgent : public Agent, public KeepsMap {
 
   void map(const Observation& observation) {
     if (!stages_.mapping) return;
+    begin(AgentStage::kMapping);
     stages_.mapping->step(
         {observation, action_.estimate, clouds_, tracks_, relatives_, stages_.localization->submap_poses()}, outbox_);
   }
 
   void guide(const Observation& observation, double dt_s) {
+    begin(AgentStage::kGuidance);
     wanted_.goal_is_feasible = false;
     stages_.guidance->step({.dt_s = dt_s,
                             .estimate = action_.estimate,
@@ -207,6 +223,7 @@ class StackAgent : public Agent, public KeepsMap {
   }
 
   void fly(double dt_s) {
+    begin(AgentStage::kControl);
     if (!wanted_.motors_on) {
       action_.rotor_command = controller_.idle(dt_s);
       action_.reference = to_world_.reference(at_rest_with(action_.estimate));
@@ -227,6 +244,7 @@ class StackAgent : public Agent, public KeepsMap {
 
   /// Without knowing where it is, a multirotor cannot fly on.
   void give_up(double dt_s) {
+    begin(AgentStage::kOther);
     action_.rotor_command = controller_.idle(dt_s);
     action_.mission = MissionStatus::kFailed;
     set_note(stages_.localization->fault());
@@ -256,6 +274,7 @@ class StackAgent : public Agent, public KeepsMap {
   CloudRegistrar registrar_;
   ReferenceGovernor reference_governor_;
   MultirotorController controller_;
+  std::function<void(AgentStage)> begins_;  // who listens
 
   Outbox outbox_;
   Action action_;

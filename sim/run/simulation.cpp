@@ -156,6 +156,18 @@ const TickView& Simulation::view() const { return impl_->view; }
 const RunInfo& Simulation::info() const { return impl_->info; }
 std::uint64_t Simulation::state_hash() const { return impl_->hash; }
 
+void Simulation::time_agents() { impl_->team.start_agent_clocks(); }
+
+std::vector<std::pair<std::string, double>> Simulation::agent_stage_s() const {
+  std::vector<std::pair<std::string, double>> named;
+  for (std::size_t i = 0; i < kAgentStageNames.size(); ++i) {
+    double sum_s = 0.0;
+    for (const AgentClock& clock : impl_->team.agent_clocks) sum_s += clock.seconds(static_cast<AgentStage>(i));
+    named.emplace_back(kAgentStageNames[i], sum_s);
+  }
+  return named;
+}
+
 std::vector<std::filesystem::path> Simulation::finish() {
   std::vector<std::filesystem::path> paths;
   for (const auto& recorder : impl_->recorders) {

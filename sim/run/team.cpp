@@ -67,12 +67,23 @@ void Team::sense(VehicleId i, const Truth& truth) try {
 }
 
 void Team::step(VehicleId i) try {
+  AgentClock* const clock = agent_clocks.empty() ? nullptr : &agent_clocks[i];
+  if (clock != nullptr) clock->start();
   actions[i] = &agents[i]->step(observations[i]);
   ensure_finite(*actions[i]);
   hashes[i] = combine(hashes[i], hash_of(*actions[i]));
   commands[i] = actions[i]->rotor_command;
+  if (clock != nullptr) clock->stop();
 } catch (const std::bad_alloc&) {
   throw OutOfMemory("at the agent of " + names[i] + " at " + std::to_string(to_seconds(now)) + " s");
+}
+
+void Team::start_agent_clocks() {
+  agent_clocks.assign(agents.size(), {});
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    if (auto* const agent = dynamic_cast<TellsStages*>(agents[i].get()))
+      agent->tell_stages([&clock = agent_clocks[i]](AgentStage stage) { clock.begin(stage); });
+  }
 }
 
 void Team::send(Radio& radio, std::span<const VehicleState> states) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/run/agent_clock.hpp"
 #include "swiftlet/core/agent.hpp"
 #include "swiftlet/sim/physics/physics_world.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
@@ -40,6 +41,8 @@ struct Team {
   void sense(VehicleId i, const Truth& truth);
   /// The agent takes its own observation, and nothing else.
   void step(VehicleId i);
+  /// From now on the agents' steps are timed.
+  void start_agent_clocks();
   /// The radio takes what was said, in the order of the vehicles.
   void send(Radio& radio, std::span<const VehicleState> states);
   /// What the vehicles were and knew in this tick joins the hash of the ticks before.
@@ -60,6 +63,7 @@ struct Team {
   std::vector<double> least_clearance_m;
   std::vector<std::vector<std::shared_ptr<const LabeledScan>>> scans;  // completed in this tick
   std::vector<std::uint64_t> hashes;
+  std::vector<AgentClock> agent_clocks;  // empty: their steps are not timed
 
  private:
   Action idle_;

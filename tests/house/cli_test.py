@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The program as a user meets it: exit statuses, messages, what is left behind. Usage: cli_test.py SWIFTLET SOURCE_DIR"""
+import csv
 import json
 import os
 import pathlib
@@ -31,9 +32,9 @@ class Cli(unittest.TestCase):
         self.scenario = self.path / "hover.yaml"
         self.scenario.write_text(HOVER.format(duration=1))
 
-    def run_swiftlet(self, *arguments, **options):
+    def run_swiftlet(self, *arguments, timeout=120, **options):
         return subprocess.run([str(SWIFTLET), *map(str, arguments)], cwd=self.path, capture_output=True, text=True,
-                              timeout=120, **options)
+                              timeout=timeout, **options)
 
     def left_behind(self):
         return sorted(p.name for p in self.path.iterdir() if p != self.scenario)
@@ -198,6 +199,22 @@ class Cli(unittest.TestCase):
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertIn("File too large", result.stderr)
         self.assertEqual(self.left_behind(), [])
+
+    def test_the_table_of_bench_tells_what_each_stage_of_the_agents_takes(self):
+        result = self.run_swiftlet("bench", "one_vehicle", "forest_patrol", "--csv", "bench.csv", timeout=900)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stdout, r"% of the agents' time: localization [\d.]+ .*detection [\d.]+")
+        with open(self.path / "bench.csv", newline="") as table:
+            header, *rows = csv.reader(table)
+        self.assertEqual([len(row) for row in rows], [len(header)] * 2)
+        one_vehicle, patrol = (dict(zip(header, row)) for row in rows)
+        stages = [column for column in header if column.startswith("agents_") and column.endswith("_share")]
+        shares = {column: float(patrol[column]) for column in stages}
+        self.assertAlmostEqual(sum(shares.values()), 1.0, delta=1e-5)
+        self.assertGreater(shares["agents_detection_share"], 0.0)
+        self.assertEqual(shares["agents_mapping_share"], 0.0)  # nobody maps there
+        self.assertEqual([one_vehicle[column] for column in stages], [""] * len(stages))
+        self.assertEqual(one_vehicle["share_kept"], "")
 
     def test_help_is_everywhere(self):
         self.assertIn("run", self.run_swiftlet("--help").stdout)

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "swiftlet/core/agent/registry.hpp"
+#include "swiftlet/core/agent/tells_stages.hpp"
 #include "swiftlet/core/detection/vofod_config.hpp"
 #include "swiftlet/core/guidance/agile.hpp"
 #include "swiftlet/core/guidance/hover.hpp"
@@ -351,6 +354,42 @@ TEST(Stack, CountersAndMapsAreNamedByTheirStages) {
   loop.agent().append_maps(maps);
   ASSERT_EQ(maps.size(), 1U);
   EXPECT_EQ(maps[0].name, "detector");
+}
+
+TEST(Stack, TellsWhoListensEachStageThatItHasInOrderInEachTick) {
+  StackConfig all = stack_with("hover", HoverConfig{});
+  all.detector = Module(detector_module_types(), "vofod");
+  all.tracker = Module(tracker_module_types(), "vofod");
+  all.relative_localization = Module(relative_localizer_module_types(), "shared_world");
+  all.mapping = Module(mapper_module_types(), "sparse");
+  using Stages = std::vector<std::string>;
+  const std::vector<std::pair<StackConfig, Stages>> stacks = {
+      {all,
+       {"localization", "clouds", "detection", "tracking", "relative_localization", "mapping", "guidance", "control",
+        "other"}},
+      {StackConfig{}, {"localization", "clouds", "guidance", "control", "other"}}};
+  for (const auto& [config, stages] : stacks) {
+    ClosedLoop loop(testing::x500(), config, {0, 0, 3});
+    auto* const agent = dynamic_cast<TellsStages*>(&loop.agent());
+    ASSERT_NE(agent, nullptr);
+    Stages told;
+    agent->tell_stages([&](AgentStage stage) { told.emplace_back(kAgentStageNames[static_cast<std::size_t>(stage)]); });
+    for (int i = 0; i < 3; ++i) {
+      told.clear();
+      loop.tick();
+      EXPECT_EQ(told, stages);
+    }
+    loop.pose_every = 0;  // lost: nothing but localization
+    loop.run(1.0);
+    told.clear();
+    EXPECT_EQ(loop.tick().mission, MissionStatus::kFailed);
+    EXPECT_EQ(told, Stages({"localization", "other"}));
+
+    told.clear();
+    agent->tell_stages({});
+    loop.tick();
+    EXPECT_TRUE(told.empty());
+  }
 }
 
 TEST(NoneAgent, KeepsTheMotorsAtIdle) {

@@ -206,6 +206,42 @@ TEST(Simulation, OverlaysAreAskedForOnlyWhenAPictureIsTaken) {
   EXPECT_EQ(asked, 1);
 }
 
+double seconds_of(const std::string& stage, const std::vector<std::pair<std::string, double>>& times_s) {
+  for (const auto& [name, time_s] : times_s) {
+    if (name == stage) return time_s;
+  }
+  ADD_FAILURE() << "no stage " << stage;
+  return 0.0;
+}
+
+TEST(Simulation, StagesOfAgentsTakeTheTimeOfTheAgentsTogetherAndTimingThemChangesNoBits) {
+  const Scenario scenario = load_scenario(SWIFTLET_SOURCE_DIR "/tests/golden/guidance.yaml", {{"duration_s", "1.5"}});
+  Simulation plain(scenario, 2), timed(scenario, 1);
+  timed.time_agents();
+  EXPECT_EQ(fly(plain).state_hash, fly(timed).state_hash);
+  for (const auto& [stage, time_s] : plain.agent_stage_s()) EXPECT_EQ(time_s, 0.0) << stage << ": nobody asked";
+
+  double sum_s = 0.0;
+  for (const auto& [stage, time_s] : timed.agent_stage_s()) {
+    sum_s += time_s;
+    const bool none = stage == "detection" || stage == "tracking";  // which neither vehicle has
+    EXPECT_EQ(time_s > 0.0, !none) << stage << ": " << time_s << " s";
+  }
+  // With one thread, the clock of the stage "agents" runs whenever that of an agent does.
+  const double agents_s = seconds_of("agents", timed.summary().stage_wall_s);
+  EXPECT_LT(sum_s, agents_s);
+  EXPECT_GT(sum_s, 0.5 * agents_s);
+}
+
+TEST(Simulation, WhatAnAgentDoesWithoutTellingAStageIsOther) {
+  Simulation simulation(
+      scenario_of("duration_s: 0.1\nworld: {type: empty}\nvehicles:\n"
+                  "  - {name: rock, model: x500, start: {position_m: [5, 5, 50]}, agent: {type: none}}\n"));
+  simulation.time_agents();
+  fly(simulation);
+  for (const auto& [stage, time_s] : simulation.agent_stage_s()) EXPECT_EQ(time_s > 0.0, stage == "other") << stage;
+}
+
 TEST(Simulation, TheTickAllocatesNothingAfterWarmUp) {
   Scenario scenario = load_scenario(SWIFTLET_SOURCE_DIR "/tests/golden/mixed_team.yaml");
   Simulation simulation(scenario, 2);

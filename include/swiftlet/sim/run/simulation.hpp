@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/run/summary.hpp"
@@ -45,6 +47,12 @@ class Simulation {
   std::vector<std::filesystem::path> finish();
   /// What the run came to so far; wall times other than the stages' are the caller's to fill in.
   RunSummary summary() const;
+
+  /// From now on the steps of the agents are timed by stage. No bits change.
+  void time_agents();
+  /// How long their stages took since then, all agents together, by AgentStage. Agents step at the same time on several
+  /// threads, so this may be more than the wall time of the stage "agents".
+  std::vector<std::pair<std::string, double>> agent_stage_s() const;
 
  private:
   struct Impl;
