@@ -299,6 +299,54 @@ TEST(RangeImage, NumbersAndTicksStandAtTheirAzimuths) {
   }
 }
 
+TEST(RangeImage, EveryPixelShowsTheBeamThatLooksThere) {
+  Pattern p;
+  p.rows = 8, p.cols = 16, p.sweep_deg = 200.0;
+  const BeamTable beams = beams_of(p);
+  Scan scan = scan_with(beams);
+  for (std::size_t i = 0; i < scan.range_m.size(); ++i)
+    scan.range_m[i] = i % 7 == 0 ? 0.0F : 1.0F + 0.06F * static_cast<float>(i);
+  Look look;
+  look.text_px = 8.0F;
+  NotedCanvas noted(640, 420);
+  const int left_px = draw_range_image(noted, look, scan, ScanQuantity::kRange, 40.0);
+  ASSERT_GE(noted.pictures.size(), 1U);
+  const Image image = painted(
+      640, 420, look.page, [&](Canvas& canvas) { draw_range_image(canvas, look, scan, ScanQuantity::kRange, 40.0); });
+  const BeamLookup lookup(beams);
+  const double strips = static_cast<double>(noted.pictures.size());
+  int nothing = 0, beside = 0, shown = 0;
+  for (std::size_t s = 0; s < noted.pictures.size(); ++s) {
+    const Box& box = noted.pictures[s];
+    const double px_per_rad = box.height / (lookup.elevation_max_rad() - lookup.elevation_min_rad());
+    for (int y = 0; y < static_cast<int>(box.height); ++y) {
+      for (int x = 0; x < static_cast<int>(box.width); ++x) {
+        // The scale is known to a pixel only, so the edges of beams are left out.
+        const auto beam_at = [&](double dx, double dy) {
+          const double scale = px_per_rad;
+          const double azimuth =
+              (M_PI - 2.0 * M_PI * static_cast<double>(s)) / strips - (x + 0.5 + dx) * 2.0 * M_PI / strips / box.width;
+          return lookup.beam_at(azimuth, lookup.elevation_max_rad() - (y + 0.5 + dy) / scale);
+        };
+        const int beam = beam_at(0, 0);
+        if (beam != beam_at(1.2, 1.2) || beam != beam_at(-1.2, -1.2) || beam != beam_at(1.2, -1.2) ||
+            beam != beam_at(-1.2, 1.2))
+          continue;
+        const Rgb found = color_at(image, static_cast<int>(box.left) + x, static_cast<int>(box.top) + y);
+        const Rgb expected = beam < 0         ? look.page
+                             : scan.hit(beam) ? turbo_like(scan.range_m[static_cast<std::size_t>(beam)] / 40.0F)
+                                              : look.nothing;
+        ASSERT_LT((found - expected).cwiseAbs().maxCoeff(), 0.006F) << s << ": " << x << " " << y;
+        (beam < 0 ? beside : scan.hit(beam) ? shown : nothing) += 1;
+      }
+    }
+  }
+  EXPECT_GT(shown, 1000);
+  EXPECT_GT(nothing, 50);
+  EXPECT_GT(beside, 500);
+  EXPECT_LT(left_px, 640);
+}
+
 /// The ends of the scale, as its bar tells them.
 std::pair<double, double> scale_of(const Scan& scan, ScanQuantity quantity, double max_range_m) {
   NotedCanvas canvas(800, 450);
@@ -362,6 +410,15 @@ TEST(RangeImage, ScaleOfPowersLeavesOutTheWeakestAndTheStrongestFew) {
   const auto [none_low, none_high] = scale_of(scan, ScanQuantity::kIntensity, 0.0);
   EXPECT_NEAR(none_low, -30.0, 3.0);
   EXPECT_NEAR(none_high, 0.0, 0.5);
+}
+
+TEST(RangeImage, WithoutRoomThereIsOnlyTheBar) {
+  Look look;
+  look.text_px = 10.0F;
+  NotedCanvas canvas(120, 120);
+  const int left_px = draw_range_image(canvas, look, scan_with(beams_of({})), ScanQuantity::kRange, 40.0);
+  EXPECT_LT(left_px, 80);
+  EXPECT_TRUE(canvas.pictures.empty());
 }
 
 // ---- Sight.

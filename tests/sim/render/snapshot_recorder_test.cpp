@@ -3,6 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <png.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 #include "render_support.hpp"
 #include "sim/render/picture_scene.hpp"
@@ -206,6 +211,225 @@ TEST_F(SnapshotRecorderTest, TouchesNothingWhenNoPictureIsDue) {
   camera.times_s = {100.0};
   EXPECT_TRUE(fly({camera}, 0.1).empty());
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+/// The texts of an SVG file.
+std::vector<std::string> texts_of(const std::string& svg) {
+  std::vector<std::string> texts;
+  for (std::size_t at = svg.find("<text"); at != std::string::npos; at = svg.find("<text", at + 1)) {
+    const std::size_t begin = svg.find('>', at) + 1;
+    texts.push_back(svg.substr(begin, svg.find('<', begin) - begin));
+  }
+  return texts;
+}
+
+class PaperTest : public SnapshotRecorderTest {
+ protected:
+  static CameraConfig paper(const char* name, CameraConfig::Type type) {
+    CameraConfig camera = small_camera(name, type);
+    camera.style = PictureMedium::kPaper;
+    camera.width_mm = 40.0;
+    camera.height_mm = 30.0;
+    camera.dpi = 130.0;
+    camera.text_pt = 4.0;
+    camera.times_s = {0.1};
+    return camera;
+  }
+  /// Of cameras that have different names, from one flight.
+  std::vector<std::string> svgs_of(const std::vector<CameraConfig>& cameras) {
+    fly(cameras, 0.1);
+    std::vector<std::string> svgs;
+    svgs.reserve(cameras.size());
+    for (const CameraConfig& camera : cameras)
+      svgs.push_back(read_whole_file(folder_.path() / "snapshots" / (camera.name + "_0000.100s.svg")));
+    return svgs;
+  }
+  std::string svg_of(const CameraConfig& camera) { return svgs_of({camera}).front(); }
+  std::shared_ptr<const LabeledScan> scan(const std::string& sensor, float range_m) {
+    auto labeled = std::make_shared<LabeledScan>();
+    auto beams = std::make_shared<BeamTable>();
+    beams->rows = 1;
+    beams->cols = 4;
+    beams->directions_lidar = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
+    beams->origins_lidar.assign(4, Eigen::Vector3f::Zero());
+    labeled->scan.beams = beams;
+    labeled->scan.sensor = sensor;
+    labeled->scan.range_m.assign(4, range_m);
+    labeled->scan.intensity.assign(4, 0.5F);
+    labeled->scan.reflectivity.assign(4, 0.5F);
+    labeled->truth.surface_class = {71, 71, 71, 351};
+    labeled->truth.instance.assign(4, 1);
+    labeled->truth.T_world_lidar = {make_pose({0, 0, 2}, Eigen::Quaterniond::Identity())};
+    return labeled;
+  }
+};
+
+TEST_F(PaperTest, TellsScenarioCameraAndVehicleInItsTitle) {
+  info_.scenario = "forest";
+  CameraConfig second = paper("second", CameraConfig::Type::kFollow);
+  second.vehicle = "uav2";
+  const std::vector<std::string> svgs =
+      svgs_of({paper("top", CameraConfig::Type::kTop), paper("chase", CameraConfig::Type::kFollow), second,
+               paper("eye", CameraConfig::Type::kOnboard), paper("pole", CameraConfig::Type::kFixed)});
+  EXPECT_THAT(svgs[0], testing::HasSubstr("<title>forest  /  top, t = 0.100 s"));
+  EXPECT_THAT(svgs[1], testing::HasSubstr("<title>forest  /  chase, t"));
+  EXPECT_THAT(svgs[2], testing::HasSubstr("<title>forest  /  second  /  uav2, t"));
+  EXPECT_THAT(svgs[3], testing::HasSubstr("<title>forest  /  eye  /  uav1, t"));
+  EXPECT_THAT(svgs[4], testing::HasSubstr("<title>forest  /  pole, t"));
+}
+
+TEST_F(PaperTest, NamesAxesAndScaleAreWhereTheyBelong) {
+  std::vector<CameraConfig> cameras;
+  for (const auto type : {CameraConfig::Type::kTop, CameraConfig::Type::kFollow}) {
+    const std::string name = type == CameraConfig::Type::kTop ? "top" : "follow";
+    cameras.push_back(paper(name.c_str(), type));
+    cameras.push_back(paper((name + "_nameless").c_str(), type));
+    cameras.back().names = false;
+    cameras.push_back(paper((name + "_bare").c_str(), type));
+    cameras.back().axes = false;
+  }
+  cameras.push_back(paper("onboard", CameraConfig::Type::kOnboard));
+  cameras.back().position_m = {-3, 0, 1};
+  cameras.back().target_m = {0, 1, 0};
+  const std::vector<std::string> svgs = svgs_of(cameras);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const CameraConfig& camera = cameras[i];
+    const std::vector<std::string> texts = texts_of(svgs[i]);
+    const auto has = [&](const char* text) { return std::find(texts.begin(), texts.end(), text) != texts.end(); };
+    EXPECT_EQ(has("uav1"), camera.names) << camera.name;
+    EXPECT_EQ(has("uav2"), camera.names) << camera.name;
+    EXPECT_EQ(has("x"), camera.axes) << camera.name;
+    EXPECT_EQ(std::any_of(texts.begin(), texts.end(), [](const std::string& text) { return text.ends_with(" m"); }),
+              camera.type == CameraConfig::Type::kTop)
+        << "a parallel projection";
+  }
+  EXPECT_TRUE(texts_of(svgs[6]).empty());
+  EXPECT_THAT(svgs[0], testing::HasSubstr("<title>top, t = 0.100 s")) << "the scenario has no name here";
+}
+
+TEST_F(PaperTest, RingsAreDrawnAroundVehiclesThatLookSmallerThanAsked) {
+  std::vector<CameraConfig> cameras;
+  for (const char* name : {"plain", "large", "never"}) {
+    cameras.push_back(paper(name, CameraConfig::Type::kTop));
+    cameras.back().span_m = 200.0;  // a meter is less than a pixel
+  }
+  cameras[1].vehicle_scale = 30.0;
+  cameras[2].vehicle_min_px = 0.0;
+  const std::vector<std::string> svgs = svgs_of(cameras);
+  const auto rings = [](const std::string& svg) {
+    std::size_t count = 0;
+    for (std::size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(rings(svgs[0]), 4U) << "each with its rim";
+  EXPECT_EQ(rings(svgs[1]), 0U);
+  EXPECT_EQ(rings(svgs[2]), 0U);
+}
+
+TEST_F(PaperTest, ExplainsTheColorsOfClouds) {
+  using testing::Contains;
+  using testing::Not;
+  const auto camera = [](const char* name, CloudColors by) {
+    CameraConfig made = paper(name, CameraConfig::Type::kTop);
+    made.cloud = by;
+    made.span_m = 30.0;
+    return made;
+  };
+  const CameraConfig by_vehicle = camera("vehicle", CloudColors::kVehicle),
+                     by_intensity = camera("intensity", CloudColors::kIntensity);
+  scans_[0] = {scan("os1", 3.0F)};
+  scans_[1] = {scan("os2", 5.0F)};
+  const std::vector<std::string> svgs =
+      svgs_of({camera("none", CloudColors::kNone), by_intensity, by_vehicle, camera("height", CloudColors::kHeight),
+               camera("label", CloudColors::kLabel)});
+  EXPECT_THAT(texts_of(svgs[0]), Not(Contains("z [m]")));
+  EXPECT_THAT(texts_of(svgs[1]), Contains("reflectivity [-]"));
+  EXPECT_THAT(texts_of(svgs[2]), Contains("scan of uav1"));
+  EXPECT_THAT(texts_of(svgs[2]), Contains("scan of uav2"));
+  EXPECT_THAT(texts_of(svgs[3]), Contains("z [m]"));
+  EXPECT_THAT(texts_of(svgs[4]), Contains("trunk"));
+  EXPECT_THAT(texts_of(svgs[4]), Contains("wall"));
+  EXPECT_THAT(texts_of(svgs[4]), Not(Contains("z [m]")));
+  scans_[0].clear();
+  scans_[1].clear();
+  const std::vector<std::string> without = svgs_of({by_vehicle, by_intensity});
+  EXPECT_THAT(texts_of(without[0]), Not(Contains("scan of uav2")));
+  EXPECT_THAT(texts_of(without[1]), Not(Contains("reflectivity [-]"))) << "no scan, nothing to explain";
+}
+
+TEST_F(PaperTest, ShowsTheScanOfItsVehicleAndSensor) {
+  CameraConfig camera = paper("lidar", CameraConfig::Type::kLidarRange);
+  EXPECT_THAT(texts_of(svg_of(camera)), ElementsAre("no scan yet"));
+  scans_[0] = {scan("os1", 3.0F), scan("puck", 90.0F)};
+  scans_[1] = {scan("os2", 700.0F)};
+  const auto end_of_scale = [&](const std::string& vehicle, const std::string& sensor) {
+    camera.vehicle = vehicle;
+    camera.sensor = sensor;
+    double most = 0.0;
+    for (const std::string& text : texts_of(svg_of(camera))) {
+      if (text.find_first_not_of("0123456789.") == std::string::npos) most = std::max(most, std::stod(text));
+    }
+    return most;
+  };
+  EXPECT_NEAR(end_of_scale("", ""), 3.0, 1.0) << "the first one of the first";
+  EXPECT_NEAR(end_of_scale("uav1", "puck"), 100.0, 20.0);
+  EXPECT_NEAR(end_of_scale("uav2", ""), 800.0, 200.0);
+  EXPECT_THAT(texts_of(svg_of(camera)), testing::Contains("range [m]"));
+  camera.vehicle = "uav2";
+  camera.sensor = "puck";
+  EXPECT_THAT(texts_of(svg_of(camera)), ElementsAre("no scan yet"));
+  camera.type = CameraConfig::Type::kLidarIntensity;
+  camera.sensor.clear();
+  EXPECT_THAT(texts_of(svg_of(camera)), testing::Contains("power [dB]"));
+  camera.type = CameraConfig::Type::kLidarRange;
+  camera.max_range_m = 50.0;
+  EXPECT_NEAR(end_of_scale("uav1", "os1"), 50.0, 10.0);
+}
+
+TEST_F(PaperTest, OfDepthIsAsWideAsAskedWithItsScaleBeside) {
+  CameraConfig camera = paper("depth", CameraConfig::Type::kDepth);
+  camera.position_m = {0, 0, 0.6};
+  camera.target_m = {1, 0, -0.4};
+  const std::string svg = svg_of(camera);
+  const Eigen::Vector2i size = camera.size_px();
+  EXPECT_THAT(svg, testing::HasSubstr("<image x=\"0\" y=\"0\" width=\"" + std::to_string(size.x()) + "\" height=\"" +
+                                      std::to_string(size.y()) + "\""));
+  EXPECT_THAT(texts_of(svg), testing::Contains("depth [m]"));
+  EXPECT_THAT(texts_of(svg), testing::Contains("0"));
+  const double width = std::stod(svg.substr(svg.find("viewBox=\"0 0 ") + 13));
+  EXPECT_GT(width, size.x() + 20.0);
+  // Millimeters beside it: straight ahead the floor is 2.6 sqrt(2) m away, along the axis.
+  std::FILE* file = std::fopen((folder_.path() / "snapshots/depth_0000.100s.mm.png").c_str(), "rb");
+  ASSERT_NE(file, nullptr);
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_init_io(png, file);
+  png_read_info(png, info);
+  ASSERT_EQ(static_cast<int>(png_get_image_width(png, info)), size.x());
+  std::vector<std::uint8_t> row(2 * static_cast<std::size_t>(size.x()));
+  for (int y = 0; y <= size.y() / 2; ++y) png_read_row(png, row.data(), nullptr);
+  png_destroy_read_struct(&png, &info, nullptr);
+  std::fclose(file);
+  const int middle = 2 * (size.x() / 2);
+  EXPECT_NEAR(256 * row[middle] + row[middle + 1], 1000.0 * 2.6 * std::sqrt(2.0), 60.0);
+}
+
+TEST_F(PaperTest, ALegendStandsBesideThePictureAndTakesItsRoom) {
+  // A legend takes its room from the picture, whose size stays.
+  CameraConfig alone = paper("alone", CameraConfig::Type::kTop), beside = paper("beside", CameraConfig::Type::kTop);
+  alone.span_m = beside.span_m = 30.0;
+  alone.cloud = CloudColors::kNone;
+  beside.cloud = CloudColors::kHeight;
+  scans_[0] = {scan("os1", 3.0F)};
+  const std::vector<std::string> svgs = svgs_of({alone, beside});
+  const auto picture_px = [](const std::string& svg) {
+    const std::size_t at = svg.find("<image ");
+    return std::stod(svg.substr(svg.find("width=\"", at) + 7));
+  };
+  EXPECT_EQ(picture_px(svgs[0]), alone.size_px().x());
+  EXPECT_LT(picture_px(svgs[1]), beside.size_px().x() - 10.0);
+  EXPECT_GE(picture_px(svgs[1]), 32.0);
+  EXPECT_THAT(svgs[1], testing::HasSubstr("viewBox=\"0 0 " + std::to_string(beside.size_px().x()) + " "));
 }
 
 }  // namespace

@@ -3,12 +3,16 @@
 
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/slam_map/slam_map_file.hpp"
+#include "swiftlet/sim/slam_map/slam_map_recorder.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -252,6 +256,73 @@ TEST(SlamMapFile, IsKnownByTheEndOfItsName) {
   EXPECT_TRUE(is_slam_map_file("a/b.slam"));
   EXPECT_FALSE(is_slam_map_file("a/slam"));
   EXPECT_FALSE(is_slam_map_file("b.ot"));
+}
+
+/// Keeps a map, or none.
+class Keeper : public Agent, public KeepsMap {
+ public:
+  explicit Keeper(bool keeps) : map_(keeps ? std::make_shared<const SavedMap>(small_map()) : nullptr) {}
+  const Action& step(const Observation&) override { return action_; }
+  std::shared_ptr<const SavedMap> saved_map() const override { return map_; }
+
+ private:
+  std::shared_ptr<const SavedMap> map_;
+  Action action_;
+};
+
+class Stranger : public Agent {
+ public:
+  const Action& step(const Observation&) override { return action_; }
+
+ private:
+  Action action_;
+};
+
+class SlamMapRecords : public ::testing::Test {
+ protected:
+  /// Of four vehicles: a and c keep a map, b could, d is of another kind.
+  std::vector<std::filesystem::path> record(const std::vector<std::string>& vehicles, bool any = true) {
+    SlamMapConfig config;
+    config.vehicles = vehicles;
+    config.folder = "kept";
+    const auto recorder = make_slam_map_recorder(config);
+    RunInfo info;
+    info.directory = folder_.path();
+    info.vehicle_names = {"a", "b", "c", "d"};
+    recorder->begin(info);
+    std::vector<std::unique_ptr<Agent>> agents;
+    for (const bool keeps : {any, false, any}) agents.push_back(std::make_unique<Keeper>(keeps));
+    agents.push_back(std::make_unique<Stranger>());
+    TickView tick;
+    tick.agents = agents;
+    recorder->write(tick);
+    recorder->write(tick);
+    return recorder->finish();
+  }
+  std::string refusal(const std::vector<std::string>& vehicles, bool any = true) {
+    try {
+      record(vehicles, any);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  TemporaryDirectory folder_;
+};
+
+TEST_F(SlamMapRecords, AreTheMapsOfAllWhoKeepOneOrOfThoseThatAreNamed) {
+  using Paths = std::vector<std::filesystem::path>;
+  EXPECT_EQ(record({}), (Paths{"kept/a.slam", "kept/c.slam"}));
+  EXPECT_EQ(read_slam_map(folder_.path() / "kept/c.slam").graph.num_poses(), 3);
+  EXPECT_EQ(record({"c"}), (Paths{"kept/c.slam"}));
+}
+
+TEST_F(SlamMapRecords, OfWhomeverKeepsNoneAreRefusedByName) {
+  EXPECT_NE(refusal({"a", "b"}).find("on b, found another"), std::string::npos);
+  EXPECT_NE(refusal({"d"}).find("on d, found another"), std::string::npos);
+  EXPECT_NE(refusal({"x"}).find("found 'x'"), std::string::npos);
+  EXPECT_NE(refusal({}, false).find("found none"), std::string::npos);
+  EXPECT_EQ(refusal({"a", "c"}), "");
 }
 
 Scenario campus(const std::string& file, const ConfigChanges& changes) {

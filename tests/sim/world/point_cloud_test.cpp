@@ -230,12 +230,13 @@ void put(std::string& bytes, Value value) {
 
 TEST_F(CloudFiles, CompressedPcdLiesFieldByField) {
   const std::string head =
-      "FIELDS x tag y z\nSIZE 4 2 4 8\nTYPE F U F F\nCOUNT 1 3 1 1\nPOINTS 50\nDATA binary_compressed\n";
+      "FIELDS x tag y z\nSIZE 4 2 4 8\nTYPE F U F F\nCOUNT 2 3 1 1\nPOINTS 50\nDATA binary_compressed\n";
   Points expected;
   std::string x, tag, y, z;
   for (int i = 0; i < 50; ++i) {
     expected.emplace_back(0.5 * i, -i, 2.25);
     put(x, static_cast<float>(0.5 * i));
+    put(x, -7.0F);  // of two values the first counts
     tag += "ababab";
     put(y, static_cast<float>(-i));
     put(z, 2.25);
@@ -251,7 +252,7 @@ TEST_F(CloudFiles, CompressedPcdLiesFieldByField) {
   EXPECT_EQ(pcd(file(packed.size(), plain.size(), packed + "and more")), expected);
   EXPECT_THAT(pcd_refusal(file(packed.size() + 1, plain.size(), packed)), HasSubstr("compressed bytes, found"));
   EXPECT_THAT(pcd_refusal(file(packed.size(), plain.size() + 1, packed)), HasSubstr("do not decompress"));
-  EXPECT_THAT(pcd_refusal(file(0, 0, "")), HasSubstr("truncated: expected 50 points of 22 bytes, found 0 bytes"));
+  EXPECT_THAT(pcd_refusal(file(0, 0, "")), HasSubstr("truncated: expected 50 points of 26 bytes, found 0 bytes"));
   // Three bytes stand for 264.
   EXPECT_THAT(pcd_refusal(file(3, 88 * 4 + 1, "abc")), HasSubstr("cannot hold 353 bytes"));
   EXPECT_THAT(pcd_refusal(file(3, 88 * 4, "abc")), HasSubstr("do not decompress"));
