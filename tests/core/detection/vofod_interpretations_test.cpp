@@ -240,5 +240,247 @@ TEST(VofodInterpretations, RaysMayEndAVoxelBeforeTheirPoint) {
   }
 }
 
+TEST(VofodStages, SeparateBackgroundIsRemovedByAsManyUpdatesAsThereWereClassifications) {
+  FreeAir air(small_box());
+  const Cell cell = air.cell_of({1.1F, 1.1F, 3.1F});
+  air.set(cell, -200.0);
+  air.stages.find_separate();
+  air.stages.remove_separate(3);
+  EXPECT_NEAR(air.G(cell), -740.0 + 540.0 / 8.0, 1e-3);
+}
+
+TEST(VofodStages, TheGroundBelowAnAltimeterMovesHalfWayToOccupied) {
+  FreeAir air(small_box());
+  const Cell cell = air.cell_of({1.1F, 1.1F, 0.1F});
+  air.stages.seed_ground({1.1, 1.1, 0.1});
+  EXPECT_EQ(air.G(cell), -500.0);
+  air.stages.seed_ground({1.1, 1.1, 0.1});
+  EXPECT_EQ(air.G(cell), -250.0);
+  air.stages.seed_ground({100.0, 1.1, 0.1});  // outside
+  EXPECT_EQ(air.stages.map().num_occupied(), 1);
+}
+
+TEST(VofodStages, ADetectionHoldsForTheMeanTimeOfItsPoints) {
+  LocalCloud cloud = cloud_from({0, 0, 4}, kInOneVoxel);
+  auto beams = std::make_shared<BeamTable>(*cloud.scan->beams);
+  beams->column_offset_s = {0.01F, 0.03F, 0.08F};
+  auto scan = std::make_shared<Scan>(*cloud.scan);
+  scan->beams = beams;
+  scan->stamp = 5'000'000'000;
+  scan->duration = 100'000'000;
+  scan->reflectivity = {0.2F, 0.7F, 0.4F};
+  cloud.scan = scan;
+  FreeAir air(small_box());
+  std::vector<Detection> found;
+  air.stages.classify(cloud, found);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(static_cast<double>(found[0].t), 5.04e9, 100.0);
+  EXPECT_EQ(found[0].num_points, 3);
+  EXPECT_EQ(found[0].reflectivity, 0.7F);
+  EXPECT_LT((found[0].covariance - 0.09 * Matrix3::Identity()).norm(), 1e-12);
+}
+
+TEST(VofodStages, AVoxelCountsAllOfItsPoints) {
+  VofodConfig config = small_box();
+  config.choices.clustering = VofodChoices::Clustering::kVoxels;
+  config.min_points = 1;
+  const auto found = FreeAir(config).see(kInOneVoxel);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_points, 3);
+  config.min_points = 2;
+  EXPECT_TRUE(FreeAir(config).see(kInOneVoxel).empty()) << "of voxels";
+}
+
+// 15 % of 40 x 40 columns are 240 voxels.
+TEST(VofodInterpretations, SufficientIsABackgroundOfEnoughVoxelsOnceAndACorroboratedCluster) {
+  VofodConfig config = small_box();
+  config.choices.sufficiency = VofodChoices::Sufficiency::kBackgroundRatio;
+  for (const int count : {240, 241}) {
+    FreeAir air(config);
+    const Cell low = air.stages.map().grid().min_cell;
+    for (int i = 0; i < count; ++i) air.set(low + Cell(i % 40, i / 40, 0), 0.0);
+    EXPECT_TRUE(air.see(kInOneVoxel).empty()) << "no cluster of it has been looked at";
+    air.stages.find_separate();
+    EXPECT_EQ(air.see({{1.1F, 1.1F, 5.1F}, {1.15F, 1.1F, 5.1F}}).size(), count > 240 ? 1u : 0u);
+    for (int i = 100; i < count; ++i) air.set(low + Cell(i % 40, i / 40, 0), -1000.0);
+    EXPECT_EQ(air.see({{-1.1F, 1.1F, 5.1F}, {-1.15F, 1.1F, 5.1F}}).size(), count > 240 ? 1u : 0u) << "it stays so";
+  }
+}
+
+TEST(VofodInterpretations, UncertainVoxelsAroundADetectionStayOrBecomeJustFree) {
+  for (const auto search : {VofodChoices::FailedSearch::kKeep, VofodChoices::FailedSearch::kClear}) {
+    VofodConfig config = small_box();
+    config.choices.failed_search = search;
+    FreeAir air(config);
+    const Cell own = air.cell_of(kInOneVoxel[0]), beside = own + Cell(1, 0, 0);
+    air.set(own, -740.0);
+    air.set(beside, -745.0);
+    ASSERT_EQ(air.see(kInOneVoxel).size(), 1u);
+    if (search == VofodChoices::FailedSearch::kKeep) {
+      EXPECT_EQ(air.G(beside), -745.0);
+    } else {
+      EXPECT_LT(air.G(beside), -750.0);
+      EXPECT_GT(air.G(beside), -750.001);
+    }
+  }
+}
+
+TEST(VofodInterpretations, DetectionsBecomeUnknownOrMoveTowardsIt) {
+  for (const auto update : {VofodChoices::MapUpdate::kAfter, VofodChoices::MapUpdate::kBefore}) {
+    VofodConfig config = small_box();
+    config.choices.map_update = update;
+    FreeAir air(config);
+    ASSERT_EQ(air.see({{1.1F, 1.1F, 3.1F}, {1.4F, 1.1F, 3.1F}}).size(), 1u);
+    const double expected = update == VofodChoices::MapUpdate::kAfter ? -740.0 : -870.0;
+    EXPECT_EQ(air.G(air.cell_of({1.1F, 1.1F, 3.1F})), expected);
+    EXPECT_EQ(air.G(air.cell_of({1.4F, 1.1F, 3.1F})), expected);
+  }
+}
+
+// d_close is 0.7 m to the center of a voxel that is at least tentative.
+TEST(VofodInterpretations, BackgroundIsWhatIsCloseToIt) {
+  for (const auto close_to : {VofodChoices::CloseTo::kTentative, VofodChoices::CloseTo::kConfident}) {
+    for (const double G : {-200.0, 0.0}) {
+      for (const float away_m : {0.69F, 0.71F}) {
+        VofodConfig config = small_box();
+        config.choices.close_to = close_to;
+        FreeAir air(config);
+        const Cell wall = air.cell_of({1.125F, 1.125F, 3.125F});
+        air.set(wall, G);
+        const std::vector<Eigen::Vector3f> points = {{1.125F + away_m, 1.125F, 3.125F}, {1.9F, 1.125F, 3.13F}};
+        const bool is_close = away_m < 0.7F && (close_to == VofodChoices::CloseTo::kTentative || G == 0.0);
+        EXPECT_EQ(air.see(points).size(), is_close ? 0u : 1u) << G << " " << away_m;
+        std::vector<Eigen::Vector3f> background, flying, unknown;
+        air.stages.append_cluster_points(ClusterClass::kBackground, background);
+        air.stages.append_cluster_points(ClusterClass::kFlying, flying);
+        air.stages.append_cluster_points(ClusterClass::kUnknown, unknown);
+        EXPECT_EQ(background.size(), is_close ? 2u : 0u);
+        EXPECT_EQ(flying.size(), is_close ? 0u : 2u);
+        EXPECT_TRUE(unknown.empty());
+        if (is_close) {
+          EXPECT_GT(air.G(air.cell_of(points[0])), -501.0) << "and its points are";
+        }
+      }
+    }
+  }
+}
+
+TEST(VofodInterpretations, WhatIsLargerThanADetectionMayBeBeginsTheBackground) {
+  for (const VofodSeed seed :
+       {VofodSeed::kLargeAndAltimeter, VofodSeed::kLarge, VofodSeed::kAltimeter, VofodSeed::kNone}) {
+    for (const float length_m : {2.95F, 3.05F}) {
+      VofodConfig config = small_box();
+      config.seed = seed;
+      FreeAir air(config);
+      std::vector<Eigen::Vector3f> points;
+      for (int i = 0; i < 6; ++i) points.emplace_back(-1.5F + 0.2F * length_m * static_cast<float>(i), 1.1F, 3.1F);
+      const bool large = length_m > 3.0F;
+      EXPECT_EQ(air.see(points).size(), large ? 0u : 1u);
+      const bool begins = large && (seed == VofodSeed::kLarge || seed == VofodSeed::kLargeAndAltimeter);
+      EXPECT_EQ(air.G(air.cell_of(points[2])), begins ? 0.0 : large ? -870.0 : -740.0) << length_m;
+      std::vector<Eigen::Vector3f> too_large, unknown;
+      air.stages.append_cluster_points(ClusterClass::kTooLarge, too_large);
+      air.stages.append_cluster_points(ClusterClass::kUnknown, unknown);
+      EXPECT_EQ(too_large.size(), begins ? 6u : 0u);
+      EXPECT_EQ(unknown.size(), large && !begins ? 6u : 0u);
+    }
+  }
+}
+
+/// Four beams along x from the middle of a voxel, of a sensor in the middle of an unknown map.
+struct Beams {
+  explicit Beams(const VofodConfig& config)
+      : stages(config), table(std::make_shared<BeamTable>(*make_beams(1, 4, 0.1, -0.1))) {
+    for (int i = 0; i < 4; ++i) table->directions_lidar[i] = Eigen::Vector3f::UnitX();
+    scan = std::make_shared<Scan>(*scan_world(ground(), pose_at({-3.875, 0.125, 4.125}), table, 0));
+    scan->range_m.assign(4, 0.0F);
+  }
+  void cast() {
+    scan->beams = table;
+    stages.cast_rays(*cloud_of(std::make_shared<Scan>(*scan)));
+  }
+  float at(double x_m) const { return stages.map().value_at(stages.map().grid().cell_of({x_m, 0.125, 4.125})); }
+
+  VofodStages stages;
+  std::shared_ptr<BeamTable> table;
+  std::shared_ptr<Scan> scan;
+};
+
+TEST(VofodStages, BeamsWithoutReturnClearAsFarAsRaysAreFollowedOrNotAtAll) {
+  for (const bool empty_returns : {true, false}) {
+    VofodConfig config = small_box();
+    config.ray_weight = 1.0;
+    config.ray_max_m = 5.0;
+    config.empty_returns = empty_returns;
+    Beams beams(config);
+    beams.cast();
+    beams.stages.apply_rays(1);
+    EXPECT_EQ(beams.at(0.875) < -741.0F, empty_returns);
+    EXPECT_EQ(beams.at(1.375), -740.0F) << "beyond";
+    EXPECT_EQ(beams.at(-4.375), -740.0F) << "behind";
+    beams.scan->range_m.assign(4, 8.0F);
+    beams.cast();
+    beams.stages.apply_rays(1);
+    EXPECT_LT(beams.at(0.875), -741.0F);
+    EXPECT_EQ(beams.at(1.375), -740.0F) << "beyond";
+  }
+}
+
+TEST(VofodStages, BeamsThatMeetTheOwnVehicleClearNothing) {
+  VofodConfig config = small_box();
+  config.ray_weight = 1.0;
+  Beams beams(config);
+  beams.table->masked.assign(4, 1);
+  beams.cast();
+  beams.stages.apply_rays(1);
+  EXPECT_EQ(beams.at(0.875), -740.0F);
+  beams.table->masked[2] = 0;
+  beams.cast();
+  beams.stages.apply_rays(1);
+  EXPECT_LT(beams.at(0.875), -741.0F);
+}
+
+// Four rays through a whole voxel, of which the weight is that of its diagonal.
+TEST(VofodStages, RaysMoveAVoxelByTheirLengthInIt) {
+  for (const int num_classifications : {1, 3}) {
+    VofodConfig config = small_box();
+    config.ray_weight = 0.2;
+    Beams beams(config);
+    beams.cast();
+    beams.stages.apply_rays(num_classifications);
+    const double updates = 4.0 * num_classifications * 0.2 / std::sqrt(3.0);
+    EXPECT_NEAR(beams.at(0.125), -1000.0 + 260.0 * std::exp2(-updates), 0.5);
+  }
+}
+
+TEST(VofodInterpretations, RaysFreeVoxelsThatHeldAPointOrNot) {
+  for (const auto hit_voxels : {VofodChoices::HitVoxels::kUpdate, VofodChoices::HitVoxels::kKeep}) {
+    VofodConfig config = small_box();
+    config.ray_weight = 1.0;
+    config.choices.hit_voxels = hit_voxels;
+    Beams beams(config);
+    std::vector<Detection> none;
+    beams.cast();
+    beams.stages.classify(cloud_from({0, 0, 4}, {{0.125F, 0.125F, 4.125F}}), none);
+    const float before = beams.at(0.125);
+    beams.stages.apply_rays(1);
+    EXPECT_EQ(beams.at(0.125) == before, hit_voxels == VofodChoices::HitVoxels::kKeep);
+    EXPECT_LT(beams.at(0.375), -741.0F);
+    beams.cast();
+    beams.stages.apply_rays(1);
+    EXPECT_LT(beams.at(0.125), before - 1.0F) << "once";
+  }
+}
+
+TEST(VofodStages, ASensorOutsideTheMapClearsNothing) {
+  VofodConfig config = small_box();
+  config.ray_weight = 1.0;
+  Beams beams(config);
+  beams.scan->external_poses = {{0, pose_at({-5.1, 0.125, 4.125})}};
+  beams.cast();
+  beams.stages.apply_rays(1);
+  EXPECT_EQ(beams.at(-4.875), -740.0F);
+}
+
 }  // namespace
 }  // namespace swiftlet
