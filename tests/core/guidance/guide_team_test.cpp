@@ -34,6 +34,7 @@ struct TeamOfSeveral : GuidanceDriver {
     RelativeEstimate estimate;
     std::vector<Vector3> told_local_m;
     GuidingPath::Word word = GuidingPath::Word::kGuide;
+    double radius_m = 0.0;
     bool localized = true;
   };
 
@@ -65,7 +66,11 @@ struct TeamOfSeveral : GuidanceDriver {
     estimate.v_local_mps = v_mps;
     put(p_m() + dt_s * v_mps);
     int num_moving = 0;
-    for (Guided& guided : team) num_moving += fly(guided);
+    for (std::size_t i = 0; i < team.size(); ++i) {
+      if (!fly(team[i])) continue;
+      ++num_moving;
+      if (turns.empty() || turns.back() != i) turns.push_back(i);
+    }
     most_moving = std::max(most_moving, num_moving);
     watch_distances();
   }
@@ -76,7 +81,8 @@ struct TeamOfSeveral : GuidanceDriver {
 
   std::vector<Guided> team;
   int most_moving = 0;
-  double least_m = 100.0;  // horizontally, between any two
+  std::vector<std::size_t> turns;  // who moved, one after the other
+  double least_m = 100.0;          // horizontally, between any two
 
  private:
   Vector3 toward(const Vector3& goal_m, const Vector3& from_m) const {
@@ -89,6 +95,7 @@ struct TeamOfSeveral : GuidanceDriver {
     GuidingPath path;
     ASSERT_EQ(read_message(message, path), Reading::kDone);
     guided.word = path.word;
+    guided.radius_m = path.radius_m;
     guided.told_local_m.clear();
     for (const GuidingWaypoint& waypoint : path.waypoints) {
       guided.told_local_m.push_back(guided.estimate.position_m + waypoint.p_body_m.cast<double>());
@@ -170,6 +177,61 @@ TEST(GuideOfSeveral, EachAdvancesStepByStep) {
   team.run(300.0);
   EXPECT_EQ(team.out.mission, MissionStatus::kDone) << team.out.note;
   for (const TeamOfSeveral::Guided& guided : team.team) EXPECT_GT(guided.estimate.position_m.x(), 7.9);
+}
+
+GuideConfig plans_quickly(GuideConfig config) {
+  config.planning_latency_s = config.settle_s = 0.1;
+  return config;
+}
+
+TEST(GuideOfSeveral, TheirTurnsHaveTheOrderOfTheList) {
+  TeamOfSeveral team(plans_quickly(guides_several({{.name = "uav2", .goals_m = {{1, -4, 0.7}, {2, -4, 0.7}}},
+                                                   {.name = "uav3", .goals_m = {{1, 0, 0.7}, {2, 0, 0.7}}},
+                                                   {.name = "uav4", .goals_m = {{1, 4, 0.7}, {2, 4, 0.7}}}})),
+                     {{0, -4, 0.7}, {0, 0, 0.7}, {0, 4, 0.7}});
+  team.run(120.0);
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone) << team.out.note;
+  EXPECT_EQ(team.turns, (std::vector<std::size_t>{0, 1, 2, 0, 1, 2}));
+}
+
+TEST(GuideOfSeveral, WhoHasNoGoalIsPassedOverFromTheBeginning) {
+  TeamOfSeveral team(plans_quickly(guides_several({{.name = "uav2"}, {.name = "uav3", .goals_m = {{1, 0, 0.7}}}})),
+                     {{0, -4, 0.7}, {0, 0, 0.7}});
+  team.run(60.0);
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone) << team.out.note;
+  EXPECT_EQ(team.turns, (std::vector<std::size_t>{1}));
+}
+
+TEST(GuideOfSeveral, WhoIsLostIsPassedOverUntilItIsFound) {
+  TeamOfSeveral team(
+      plans_quickly(guides_several({{.name = "uav2", .goals_m = {{1, -4, 0.7}, {2, -4, 0.7}, {3, -4, 0.7}}},
+                                    {.name = "uav3", .goals_m = {{1, 0, 0.7}}}})),
+      {{0, -4, 0.7}, {0, 0, 0.7}});
+  team.run(0.5);
+  team.team[1].localized = false;
+  for (int i = 0; i < 600 && team.far_m(0, {2, -4, 0.7}) > 0.3; ++i) team.tick();
+  EXPECT_LT(team.far_m(0, {2, -4, 0.7}), 0.3) << team.out.note;
+  EXPECT_EQ(team.turns, (std::vector<std::size_t>{0}));
+  team.team[1].localized = true;
+  team.run(60.0);
+  EXPECT_EQ(team.out.mission, MissionStatus::kDone) << team.out.note;
+  EXPECT_EQ(team.turns, (std::vector<std::size_t>{0, 1, 0}));
+}
+
+// Bodies need 0.6 m each, and a figure 0.3 m at least.
+TEST(GuideOfSeveral, TheLostOneMovesClearOfThoseWhoHoverBesideIt) {
+  for (const double beside_m : {1.49, 1.51, 2.2}) {
+    TeamOfSeveral team(
+        guides_several({{.name = "uav2", .goals_m = {{6, 1, 0.7}}}, {.name = "uav3", .goals_m = {{6, 5, 0.7}}}}),
+        {{1, 1, 0.7}, {1, 1 + beside_m, 0.8}});
+    team.run(0.3);
+    team.team[0].localized = false;
+    team.run(3.4);
+    EXPECT_EQ(team.team[0].word, beside_m > 1.5 ? GuidingPath::Word::kMove : GuidingPath::Word::kGuide);
+    EXPECT_NEAR(team.team[0].radius_m, beside_m > 1.5 ? beside_m - 1.2 : 0.0, 1e-9);
+    EXPECT_EQ(team.team[1].word, GuidingPath::Word::kGuide) << "it is not its turn";
+    EXPECT_EQ(team.team[1].radius_m, 0.0);
+  }
 }
 
 TEST(GuideOfSeveral, AVehicleThatStandsTwiceIsRefused) {

@@ -6,114 +6,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 
 #include "swiftlet/core/messages/guiding_path.hpp"
 #include "swiftlet/core/messages/kind.hpp"
-#include "tests/core/guidance/guidance_driver.hpp"
-#include "tests/core/planning/cell_list_map.hpp"
+#include "tests/core/guidance/guide_support.hpp"
 
 namespace swiftlet {
 namespace {
 
 using testing::CellListMap;
-using testing::GuidanceDriver;
+using testing::guides_uav2;
+using testing::place_at_viewpoint;
+using Team = testing::GuideAndGuided;
 
-constexpr VehicleId kSecondary = 1;
 constexpr double kPi = 3.14159265358979323846;
-
-GuideConfig guides_uav2(std::vector<Eigen::Vector3d> goals_m) {
-  GuideConfig config;
-  config.secondary = "uav2";
-  config.goals_m = std::move(goals_m);
-  config.planner.primary.z_min_m = config.planner.secondary.z_min_m = 0.6;
-  config.planner.primary.z_max_m = config.planner.secondary.z_max_m = 0.9;
-  config.planner.primary.max_expansions = config.planner.secondary.max_expansions = 4000;
-  config.planner.goal_search_m = 0.25;
-  config.stage_timeout_s = 30.0;
-  return config;
-}
-
-/// A guide and a guided vehicle that both fly to their goals at 1 m/s without inertia.
-struct Team : GuidanceDriver {
-  explicit Team(const GuideConfig& config, CellListMap world = CellListMap(0.25),
-                const Vector3& primary_m = {-4, -3, 0.7}, const Vector3& secondary_m = {0, 0, 0.7})
-      : GuidanceDriver("guide", config, primary_m), world_(std::move(world)) {
-    map = &world_;
-    guided.other = kSecondary;
-    guided.position_m = secondary_m;
-    guided.yaw_rad = 2.0;
-    guided.covariance.setIdentity();
-    guided.covariance *= 1e-4;
-  }
-
-  void tick() {
-    guided.t = guided.seen = observation.t + from_seconds(dt_s);
-    if (hears) guided.heard = guided.heard_stamp = guided.t;
-    if (hears) guided.heard_position_m = guided.position_m;
-    guided.heard_yaw_rad = guided.yaw_rad;
-    relatives.clear();
-    if (localized) relatives.push_back(guided);
-    step();
-    notes[out.note] = to_seconds(observation.t);
-    for (const Message& message : outbox.messages()) take(message);
-    std::vector<Message> sent;
-    outbox.empty_into(sent);
-    estimate.v_local_mps = fly(out.goal.position_m, estimate.T_local_body.translation());
-    put(p_m() + dt_s * estimate.v_local_mps);
-    guided.velocity_mps =
-        told_local_m.empty() || stuck ? Vector3(Vector3::Zero()) : fly(told_local_m.front(), guided.position_m);
-    guided.position_m += dt_s * guided.velocity_mps;
-    while (told_local_m.size() > 1 && (told_local_m.front() - guided.position_m).norm() < 0.2) {
-      told_local_m.erase(told_local_m.begin());
-    }
-    flown_local_m.push_back(guided.position_m);
-  }
-  void run(double seconds) {
-    for (int i = 0; i < static_cast<int>(seconds / dt_s) && out.mission != MissionStatus::kDone &&
-                    out.mission != MissionStatus::kFailed;
-         ++i) {
-      tick();
-    }
-  }
-  /// A scan shows what nobody had seen.
-  void discover(const Vector3& min_local_m, const Vector3& max_local_m) { world_.occupy_box(min_local_m, max_local_m); }
-  void run_until(const std::string& note, double seconds) {
-    for (int i = 0; i < static_cast<int>(seconds / dt_s) && out.note != note; ++i) tick();
-  }
-  bool said(const std::string& note) const { return notes.count(note) > 0; }
-
-  RelativeEstimate guided;
-  bool hears = true, localized = true, stuck = false;
-  std::vector<Vector3> told_local_m, flown_local_m;
-  std::vector<std::size_t> told_sizes;
-  GuidingPath::Word word = GuidingPath::Word::kGuide;  // the newest
-  double radius_m = 0.0;
-  std::map<std::string, double> notes;  // when each was said last
-
- private:
-  Vector3 fly(const Vector3& goal_m, const Vector3& from_m) const {
-    const Vector3 way = goal_m - from_m;
-    return way.norm() < 1.0 * dt_s ? Vector3(way / dt_s) : Vector3(way.normalized());
-  }
-  void take(const Message& message) {
-    EXPECT_EQ(message.to, kSecondary);
-    GuidingPath path;
-    ASSERT_EQ(read_message(message, path), Reading::kDone);
-    told_sizes.push_back(message.size_bytes());
-    word = path.word;
-    radius_m = path.radius_m;
-    told_local_m.clear();
-    EXPECT_TRUE(path.waypoints.empty() || path.t == guided.heard_stamp);
-    const Eigen::AngleAxisd turn(guided.heard_yaw_rad, Vector3::UnitZ());
-    for (const GuidingWaypoint& waypoint : path.waypoints) {
-      told_local_m.push_back(guided.heard_position_m + turn * waypoint.p_body_m.cast<double>());
-    }
-  }
-
-  CellListMap world_;
-};
 
 TEST(Guide, GoesThroughItsStatesToTheGoal) {
   Team team(guides_uav2({{4, 0, 0.7}}));
@@ -396,43 +303,6 @@ TEST(Guide, SearchesThatAreGivenUpAreCountedByTheVehicleTheyAreFor) {
 
 // ---- the bounds of each decision, of vehicles that stay where they are and say how fast they are
 
-/// One tick in which nobody moves, whatever was said.
-void hold(Team& team, double own_mps = 0.0, double its_mps = 0.0) {
-  team.guided.t = team.guided.seen = team.observation.t + from_seconds(team.dt_s);
-  if (team.hears) team.guided.heard = team.guided.heard_stamp = team.guided.t;
-  team.guided.heard_position_m = team.guided.position_m;
-  team.guided.heard_yaw_rad = team.guided.yaw_rad;
-  team.guided.velocity_mps = {its_mps, 0, 0};
-  team.estimate.v_local_mps = {0, own_mps, 0};
-  team.relatives.clear();
-  if (team.localized) team.relatives.push_back(team.guided);
-  team.step();
-}
-void hold_for(Team& team, double seconds, double own_mps = 0.0, double its_mps = 0.0) {
-  for (int i = 0; i < static_cast<int>(std::lround(seconds / team.dt_s)); ++i) hold(team, own_mps, its_mps);
-}
-/// Until it says so.
-double hold_until(Team& team, const std::string& note, double longest_s) {
-  const TimeNs from = team.observation.t;
-  while (team.out.note != note && team.observation.t < from + from_seconds(longest_s)) hold(team);
-  EXPECT_EQ(team.out.note, note);
-  return to_seconds(team.observation.t - from);
-}
-/// All that was said since the last time.
-std::vector<GuidingPath> heard(Team& team) {
-  std::vector<Message> sent;
-  team.outbox.empty_into(sent);
-  std::vector<GuidingPath> paths(sent.size());
-  for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(read_message(sent[i], paths[i]), Reading::kDone);
-  return paths;
-}
-
-GuidingPath newest(Team& team) {
-  const std::vector<GuidingPath> paths = heard(team);
-  EXPECT_FALSE(paths.empty());
-  return paths.empty() ? GuidingPath() : paths.back();
-}
-
 TEST(GuideDecisions, ItPlansOnceBothHaveRestedForItsTimeWithoutAPause) {
   Team team(guides_uav2({{4, 0, 0.7}}));
   hold(team);
@@ -518,26 +388,6 @@ TEST(GuideDecisions, AViewpointThatIsNotReachedInTimeIsAFailure) {
   Team team(config);
   hold_until(team, "primary moving", 5.0);
   EXPECT_NEAR(hold_until(team, "the guide does not reach its viewpoint", 9.0), 3.0, 1e-6);
-}
-
-/// The guide stands at its viewpoint, and the other one may go.
-void place_at_viewpoint(Team& team) {
-  hold_until(team, "primary moving", 5.0);
-  for (int i = 0; i < 20 && team.out.note == std::string("primary moving"); ++i) {  // corner by corner
-    hold(team);
-    team.put(team.out.goal.position_m);
-  }
-  ASSERT_STREQ(team.out.note, "secondary moving");
-  heard(team);
-}
-
-/// The guided one flies along x, a decimeter a tick.
-void fly_to(Team& team, double x_m) {
-  while (team.guided.position_m.x() < x_m - 0.1) {
-    team.guided.position_m.x() += 0.1;
-    hold(team, 0.0, 1.0);
-  }
-  team.guided.position_m.x() = x_m;
 }
 
 TEST(GuideDecisions, TheGoalIsReachedWhereTheGuidedOneHoversWithinTheTolerance) {

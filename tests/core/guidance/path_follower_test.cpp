@@ -12,8 +12,8 @@ namespace {
 using Outcome = PathFollower::Outcome;
 
 /// A vehicle that is where the test says, above a map that the test changes.
-struct Flight {
-  Flight() {
+struct FollowedFlight {
+  FollowedFlight() {
     rules.clearance_m = 0.5;
     rules.z_min_m = 0.0;
     rules.z_max_m = 2.0;
@@ -35,7 +35,7 @@ struct Flight {
 const std::vector<Vector3> kCorners = {{0, 0, 1}, {4, 0, 1}, {4, 4, 1}, {0, 4, 1}};
 
 TEST(PathFollower, GoesOnToTheNextCornerOnceOneWasVisited) {
-  Flight flight;
+  FollowedFlight flight;
   PathFollower follower(flight.rules, 0.4);
   follower.start(kCorners);
   EXPECT_EQ(follower.corners_local_m(), kCorners);
@@ -49,7 +49,7 @@ TEST(PathFollower, GoesOnToTheNextCornerOnceOneWasVisited) {
 }
 
 TEST(PathFollower, HasArrivedWhereItHoversNearTheLastCorner) {
-  Flight flight;
+  FollowedFlight flight;
   PathFollower follower(flight.rules, 0.4);
   follower.start({{0, 0, 1}, {4, 0, 1}});
   EXPECT_EQ(flight.step(follower, {3.69, 0, 1}), Outcome::kFlying) << "0.31 m away";
@@ -61,7 +61,7 @@ TEST(PathFollower, HasArrivedWhereItHoversNearTheLastCorner) {
 }
 
 TEST(PathFollower, WhatAppearsOnTheRestOfThePathBlocksItAndWhatIsBehindDoesNot) {
-  Flight flight;
+  FollowedFlight flight;
   PathFollower follower(flight.rules, 0.4);
   follower.start(kCorners);
   flight.step(follower, kCorners[1]);
@@ -85,7 +85,7 @@ SplineTrajectory along_x() {
 }
 
 TEST(PathFollower, ByTimeItsTargetIsTheSplineWithItsVelocityAndAcceleration) {
-  Flight flight;
+  FollowedFlight flight;
   PathFollower follower(flight.rules, 0.4);
   const UniformSpline spline = along_x().spline();
   follower.start({{0, 0, 1}, {4, 0, 1}}, along_x());
@@ -102,7 +102,7 @@ TEST(PathFollower, ByTimeItsTargetIsTheSplineWithItsVelocityAndAcceleration) {
 }
 
 TEST(PathFollower, ByTimeItWaitsForWhoIsHalfAMeterBehind) {
-  Flight flight;
+  FollowedFlight flight;
   PathFollower follower(flight.rules, 0.4);
   follower.start({{0, 0, 1}, {4, 0, 1}}, along_x());
   for (int i = 0; i < 30; ++i) flight.step(follower, i < 20 ? follower.target_local_m() : Vector3(9, 9, 9));
@@ -120,7 +120,7 @@ TEST(PathFollower, ByTimeItWaitsForWhoIsHalfAMeterBehind) {
 
 TEST(PathFollower, ByTimeOnlyTheRestOfThePathIsLookedAt) {
   const auto blocked_at = [](double t_s, double x_m) {
-    Flight flight;
+    FollowedFlight flight;
     PathFollower follower(flight.rules, 0.4);
     follower.start({{0, 0, 1}, {4, 0, 1}}, along_x());
     flight.step(follower, {0, 0, 1});

@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the guide decides beside its states: what is planned ahead, what on the map matters, and what is told of the
+// path.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "tests/core/guidance/guide_support.hpp"
+
+namespace swiftlet {
+namespace {
+
+using testing::guides_uav2;
+using testing::place_at_viewpoint;
+using GuidePair = testing::GuideAndGuided;
+using Motion = GuideConfig::Motion;
+
+constexpr const char* kNewWay = "planning anew: the guided vehicle's path is not clear any more";
+constexpr const char* kNewOwnWay = "planning anew: the way to the viewpoint is not clear any more";
+
+GuideConfig moves(Motion motion, std::vector<Eigen::Vector3d> goals_m) {
+  GuideConfig config = guides_uav2(std::move(goals_m));
+  config.motion = motion;
+  return config;
+}
+
+/// The corners of a path that it shows.
+std::vector<Vector3> shown_path(const GuidePair& pair, const std::string& name) {
+  std::vector<Overlay> overlays;
+  pair.guidance->append_overlays(overlays);
+  std::vector<Vector3> corners_local_m;
+  for (const Overlay& overlay : overlays) {
+    if (overlay.name != name) continue;
+    for (std::size_t i = 0; i < overlay.positions.size(); ++i) {
+      if (i == 0 || i % 2 == 1) corners_local_m.push_back(overlay.positions[i].cast<double>());
+    }
+  }
+  return corners_local_m;
+}
+
+std::size_t num_with_waypoints(const std::vector<GuidingPath>& paths) {
+  return static_cast<std::size_t>(
+      std::count_if(paths.begin(), paths.end(), [](const GuidingPath& path) { return !path.waypoints.empty(); }));
+}
+
+void discover_around(GuidePair& pair, const Vector3& p_local_m) {
+  pair.discover(p_local_m - Vector3(0.25, 0.25, 0.75), p_local_m + Vector3(0.25, 0.25, 0.75));
+}
+
+TEST(GuideChoices, ItNeedsAMapAndThePlacesOfTheOthers) {
+  const GuidePair pair(guides_uav2({{4, 0, 0.7}}));
+  EXPECT_TRUE(pair.guidance->needs().map);
+  EXPECT_TRUE(pair.guidance->needs().relatives);
+}
+
+TEST(GuideChoices, WithoutAnyGoalItWaitsForEverAndTheOtherHovers) {
+  for (const bool localized : {true, false}) {
+    GuideConfig config = guides_uav2({});
+    config.stage_timeout_s = 1.0;
+    GuidePair pair(config);
+    pair.localized = localized;
+    testing::hold_for(pair, 2.0);
+    EXPECT_STREQ(pair.out.note, localized ? "idle: no goal" : "idle: the guided vehicle is not localized yet");
+    EXPECT_EQ(pair.out.mission, MissionStatus::kEndless);
+    const std::vector<GuidingPath> told = heard(pair);
+    EXPECT_EQ(told.empty(), !localized);
+    EXPECT_EQ(num_with_waypoints(told), 0U);
+  }
+}
+
+TEST(GuideChoices, AMissionThatIsDoneStaysDone) {
+  GuideConfig config = guides_uav2({{1, 0, 0.7}});
+  config.stage_timeout_s = 3.0;
+  GuidePair pair(config);
+  place_at_viewpoint(pair);
+  fly_to(pair, 1.0);
+  hold_for(pair, 4.0);
+  EXPECT_EQ(pair.out.mission, MissionStatus::kDone);
+  EXPECT_STREQ(pair.out.note, "goal reached");
+  EXPECT_EQ(newest(pair).word, GuidingPath::Word::kDone);
+}
+
+TEST(GuideChoices, WhoIsLostIsAskedToMoveAtTheEndOfTheTime) {
+  GuidePair pair(guides_uav2({{6, 0, 0.7}}));
+  hold_for(pair, 0.5);
+  pair.localized = false;
+  hold_for(pair, 2.9);
+  EXPECT_STREQ(pair.out.note, "hovers: the guided vehicle is lost");
+  hold(pair);
+  EXPECT_STREQ(pair.out.note, "hovers: the guided vehicle is to move, to be found again");
+}
+
+// ---- goals
+
+TEST(GuideChoices, ARetryGoesForTheSameGoal) {
+  GuideConfig config = guides_uav2({});
+  config.advance.step_m = {4, 0, 0};
+  config.stage_timeout_s = 3.0;
+  GuidePair pair(config);
+  place_at_viewpoint(pair);
+  fly_to(pair, 1.0);
+  hold_until(pair, "the guided vehicle does not reach its goal", 4.0);
+  hold_for(pair, config.retry_after_s + config.settle_s + 0.3);
+  EXPECT_EQ(pair.counter().of, 2U);
+  const std::vector<Vector3> path_local_m = shown_path(pair, "guide.secondary_path");
+  ASSERT_FALSE(path_local_m.empty());
+  EXPECT_LT((path_local_m.front() - Vector3(1, 0, 0.7)).norm(), 1e-5) << "from where it is";
+  EXPECT_LT((path_local_m.back() - Vector3(4, 0, 0.7)).norm(), 1e-5);
+}
+
+TEST(GuideChoices, AdvancingCountsFromWhereItBeganAndClimbsOnce) {
+  for (const Motion motion : {Motion::kAlternate, Motion::kAhead}) {
+    GuideConfig config = moves(motion, {});
+    config.advance.step_m = {2, 0, 0.1};
+    config.advance.distance_m = 3.9;
+    GuidePair pair(config, testing::CellListMap(0.25), {-1, -1, 0.7}, {3, 2, 0.7});
+    pair.run(60.0);
+    EXPECT_EQ(pair.out.mission, MissionStatus::kDone);
+    EXPECT_LT((pair.guided.position_m - Vector3(7, 2, 0.8)).norm(), 0.15) << pair.guided.position_m.transpose();
+    EXPECT_EQ(pair.counter().of, 2U) << "a plan a leg";
+    EXPECT_EQ(pair.notes["planning"] < 3.0, motion == Motion::kAhead);
+  }
+}
+
+TEST(GuideChoices, AShortStepIsAStepAsWell) {
+  GuideConfig config = guides_uav2({});
+  config.advance.step_m = {0.8, 0, 0};
+  config.advance.distance_m = 0.9;
+  GuidePair pair(config);
+  pair.run(60.0);
+  EXPECT_EQ(pair.out.mission, MissionStatus::kDone);
+  EXPECT_NEAR(pair.guided.position_m.x(), 1.6, 0.15);
+}
+
+// ---- planning ahead
+
+TEST(GuideChoices, AheadEachLegIsPlannedOnce) {
+  GuidePair pair(moves(Motion::kAhead, {{3, 0, 0.7}, {3, 3, 0.7}, {0, 3, 0.7}}));
+  pair.run(90.0);
+  EXPECT_EQ(pair.out.mission, MissionStatus::kDone);
+  EXPECT_EQ(pair.counter().of, 3U);
+  EXPECT_LT(pair.notes["planning"], 3.0) << "only before the first one both hover";
+}
+
+TEST(GuideChoices, InALoopTheFirstLegIsPlannedAheadOnTheLast) {
+  GuideConfig config = moves(Motion::kAhead, {{2, 0, 0.7}, {0, 0, 0.7}});
+  config.loop = true;
+  GuidePair pair(config);
+  pair.run(40.0);
+  EXPECT_GT(pair.counter().of, 3U);
+  EXPECT_LT(pair.notes["planning"], 3.0);
+}
+
+TEST(GuideChoices, APlanAheadIsWaitedForAtTheGoal) {
+  GuideConfig config = moves(Motion::kAhead, {{4, 0, 0.7}, {4, 3, 0.7}});
+  config.planning_latency_s = 4.0;
+  GuidePair pair(config);
+  while (pair.counter().of < 2 && to_seconds(pair.observation.t) < 60.0) pair.tick();
+  const TimeNs began = pair.observation.t;
+  pair.run_until("goal reached", 3.9);
+  ASSERT_STREQ(pair.out.note, "goal reached");
+  while (pair.out.note == std::string("goal reached") && to_seconds(pair.observation.t - began) < 10.0) pair.tick();
+  EXPECT_EQ(pair.observation.t - began, from_seconds(4.0));
+  EXPECT_STRNE(pair.out.note, "planning");
+}
+
+TEST(GuideChoices, APlanAheadHoldsForAGoalThatMovedByLessThanTwiceTheTolerance) {
+  for (const double moved_m : {0.59, 0.61}) {
+    GuidePair pair(moves(Motion::kAhead, {{4, 0, 0.7}, {4, 4, 0.7}}));
+    while (pair.counter().of < 2 && to_seconds(pair.observation.t) < 60.0) pair.tick();
+    pair.estimate.correct(GuidePair::pose({0, moved_m, 0}, 0.0));
+    pair.run_until("goal reached", 10.0);
+    ASSERT_STREQ(pair.out.note, "goal reached");
+    pair.run(2.0);
+    EXPECT_EQ(pair.counter().of, moved_m < 0.6 ? 2U : 3U);
+  }
+}
+
+TEST(GuideChoices, WhatCannotBePlannedAheadIsTriedOnceAndTellsItsReasonAtTheGoal) {
+  testing::CellListMap world(0.25);
+  world.occupy_box({3.25, 3.25, 0}, {4.75, 4.75, 1.5});
+  GuideConfig config = moves(Motion::kAhead, {{4, 0, 0.7}, {4, 4, 0.7}});
+  config.retries = 0;
+  GuidePair pair(config, world);
+  pair.run_until("goal reached", 60.0);
+  EXPECT_EQ(pair.counter().of, 2U);
+  pair.run_until("planning", 1.0);
+  EXPECT_STREQ(pair.out.note, "planning");
+  pair.run(10.0);
+  EXPECT_EQ(pair.out.mission, MissionStatus::kFailed);
+  EXPECT_STREQ(pair.out.note, "the guided vehicle's path: the goal is too near to an obstacle");
+  EXPECT_EQ(pair.counter().of, 3U);
+}
+
+TEST(GuideChoices, FlyingTogetherItPlansTheNextLegWhereItHasArrivedAndAheadNearTheGoal) {
+  for (const Motion motion : {Motion::kTogether, Motion::kAhead, Motion::kAlternate}) {
+    GuidePair pair(moves(motion, {{8, 0, 0.7}, {8, 8, 0.7}}));
+    place_at_viewpoint(pair);
+    hold_for(pair, 0.3);
+    EXPECT_EQ(pair.counter().of, motion == Motion::kTogether ? 2U : 1U);
+  }
+}
+
+TEST(GuideChoices, WhileTheOtherIsLostItStaysAtItsViewpointOrWhereItFlewAlong) {
+  for (const Motion motion : {Motion::kTogether, Motion::kAlternate}) {
+    GuidePair pair(moves(motion, {{6, 0, 0.7}}));
+    place_at_viewpoint(pair);
+    const Vector3 viewpoint_local_m = pair.out.goal.position_m;
+    pair.put(viewpoint_local_m + Vector3(0.2, 0, 0));
+    hold_for(pair, 0.5);
+    EXPECT_EQ(pair.out.goal.position_m, viewpoint_local_m);
+    pair.hears = false;
+    hold_for(pair, 1.6);
+    ASSERT_STREQ(pair.out.note, "hovers: the link to the guided vehicle is lost");
+    EXPECT_EQ(pair.out.goal.position_m, motion == Motion::kTogether ? pair.p_m() : viewpoint_local_m);
+  }
+}
+
+// ---- what appears on the map
+
+/// Behind a short wall, so that its way to the viewpoint has a corner.
+struct BehindAWall : GuidePair {
+  explicit BehindAWall() : GuidePair(guides_uav2({{4, 0, 0.7}}), wall(), {-5, 0, 0.7}) {
+    hold_until(*this, "primary moving", 5.0);
+    corners_local_m = shown_path(*this, "guide.primary_path");
+  }
+  static testing::CellListMap wall() {
+    testing::CellListMap world(0.25);
+    world.occupy_box({-3.0, -1.5, 0.0}, {-2.75, 1.5, 1.5});
+    return world;
+  }
+  std::vector<Vector3> corners_local_m;
+};
+
+TEST(GuideChoices, ItFliesCornerByCornerAndIsAtEachWithinItsTolerance) {
+  BehindAWall pair;
+  ASSERT_GE(pair.corners_local_m.size(), 3U);
+  for (std::size_t i = 1; i < pair.corners_local_m.size(); ++i) {
+    const Vector3 corner_local_m = pair.corners_local_m[i];
+    hold(pair);
+    EXPECT_LT((pair.out.goal.position_m - corner_local_m).norm(), 1e-5) << i;
+    pair.put(corner_local_m + Vector3(0, 0, 0.31));
+    hold_for(pair, 0.2);
+    EXPECT_LT((pair.out.goal.position_m - corner_local_m).norm(), 1e-5) << i;
+    EXPECT_STREQ(pair.out.note, "primary moving");
+    pair.put(corner_local_m + Vector3(0, 0, 0.29));
+    hold(pair);
+  }
+  EXPECT_STREQ(pair.out.note, "secondary moving");
+}
+
+TEST(GuideChoices, OfItsOwnWayWhatIsLeftMustBeClear) {
+  for (const bool at_the_end : {false, true}) {
+    BehindAWall pair;
+    ASSERT_GE(pair.corners_local_m.size(), 3U);
+    hold(pair);
+    pair.put(pair.corners_local_m[1]);
+    hold_for(pair, 0.2);
+    const std::size_t last = pair.corners_local_m.size() - 1;
+    discover_around(pair, at_the_end ? Vector3(0.5 * (pair.corners_local_m[last - 1] + pair.corners_local_m[last]))
+                                     : pair.corners_local_m[0]);
+    hold(pair);
+    EXPECT_STREQ(pair.out.note, at_the_end ? kNewOwnWay : "primary moving");
+    EXPECT_EQ(pair.out.goal.position_m == pair.p_m(), at_the_end) << "there it stops";
+  }
+  BehindAWall pair;
+  const std::size_t last = pair.corners_local_m.size() - 1;
+  discover_around(pair, 0.5 * (pair.corners_local_m[last - 1] + pair.corners_local_m[last]));
+  hold(pair);
+  EXPECT_STREQ(pair.out.note, kNewOwnWay) << "a leg after the next one counts, too";
+}
+
+TEST(GuideChoices, TheWayToItsViewpointCountsOnWhileItFliesAlongOnly) {
+  for (const auto& [motion, back_m, counts] : {std::tuple(Motion::kTogether, 0.31, true),
+                                               {Motion::kTogether, 0.29, false},
+                                               {Motion::kAlternate, 1.0, false}}) {
+    GuidePair pair(moves(motion, {{4, 0, 0.7}}));
+    place_at_viewpoint(pair);
+    hold(pair);
+    const std::vector<Vector3> own_local_m = shown_path(pair, "guide.primary_path");
+    const Vector3 way_m = own_local_m.back() - own_local_m[own_local_m.size() - 2];
+    pair.put(own_local_m.back() - back_m * way_m.normalized());
+    discover_around(pair, own_local_m.back());
+    hold(pair);
+    EXPECT_STREQ(pair.out.note, counts ? kNewOwnWay : "secondary moving") << back_m;
+  }
+}
+
+// The clearance of 0.8 m and its own size of 0.3 m are left out, and what it flew since it was heard. Obstacles are
+// asked for with a cell less of clearance, 0.55 m, from the center of the first cell to that of the obstacle.
+TEST(GuideChoices, WhatAppearsRightAheadOfTheGuidedVehicleMayBeItself) {
+  struct Case {
+    double its_mps, x_local_m;  // of the far side of what appears
+    bool counts;
+  };
+  for (const Case& one : {Case{0.0, 0.5, false}, {0.0, 0.75, true}, {2.0, 1.5, false}, {2.0, 1.75, true}}) {
+    GuidePair pair(guides_uav2({{6, 0, 0.7}}));
+    place_at_viewpoint(pair);
+    pair.hears = false;
+    hold_for(pair, 0.4, 0.0, one.its_mps);
+    pair.discover({one.x_local_m - 0.25, -0.25, 0.0}, {one.x_local_m, 0.25, 1.5});
+    hold(pair, 0.0, one.its_mps);  // half a second after it was heard
+    EXPECT_STREQ(pair.out.note, one.counts ? kNewWay : "secondary moving") << one.its_mps << " " << one.x_local_m;
+  }
+}
+
+TEST(GuideChoices, AtTheGoalTheRestOfTheWayCountsUntilItIsTheVehicleItself) {
+  for (const double x_m : {2.6, 3.1}) {
+    GuidePair pair(guides_uav2({{4, 0, 0.7}}));
+    place_at_viewpoint(pair);
+    fly_to(pair, x_m);
+    hold(pair);
+    pair.discover({4.5, -0.25, 0.0}, {4.75, 0.25, 1.5});
+    hold(pair);
+    EXPECT_STREQ(pair.out.note, x_m < 2.9 ? kNewWay : "secondary moving") << x_m;
+  }
+}
+
+// ---- waypoints
+
+TEST(GuideChoices, TheGoalIsReachedOnceTheWaypointBeforeItWasVisited) {
+  GuidePair pair(guides_uav2({{4, 0, 0.7}}));
+  place_at_viewpoint(pair);
+  fly_to(pair, 3.2);
+  for (const auto& [x_m, reached] : {std::pair(3.71, false), {3.69, false}, {3.71, true}}) {
+    pair.guided.position_m.x() = x_m;
+    hold(pair);
+    EXPECT_STREQ(pair.out.note, reached ? "goal reached" : "secondary moving") << x_m;
+  }
+}
+
+TEST(GuideChoices, TheLastWaypointIsToldUntilTheGuidedVehicleHovers) {
+  GuidePair pair(guides_uav2({{4, 0, 0.7}}));
+  place_at_viewpoint(pair);
+  fly_to(pair, 4.0);
+  hold_for(pair, 0.4, 0.0, 1.0);
+  EXPECT_STREQ(pair.out.note, "secondary moving");
+  EXPECT_EQ(newest(pair).waypoints.size(), 1U);
+}
+
+TEST(GuideChoices, FlyingTogetherItTellsWhatItSeesAndOtherwiseAllOfThePath) {
+  for (const Motion motion : {Motion::kTogether, Motion::kAlternate}) {
+    GuidePair pair(moves(motion, {{4, 0, 0.7}}));
+    place_at_viewpoint(pair);
+    const Vector3 between_local_m = 0.5 * (pair.p_m() + Vector3(2.5, 0, 0.7));
+    discover_around(pair, between_local_m);
+    std::size_t seen = 0;
+    while (seen < 8 && !pair.map->first_hit(pair.p_m(), Vector3(0.5 + 0.5 * static_cast<double>(seen), 0, 0.7))) ++seen;
+    ASSERT_GT(seen, 0U);
+    ASSERT_LT(seen, 5U);
+    hold_for(pair, 0.4);
+    ASSERT_STREQ(pair.out.note, "secondary moving");
+    EXPECT_EQ(newest(pair).waypoints.size(), motion == Motion::kTogether ? seen : 8U);
+  }
+}
+
+TEST(GuideChoices, APathThatIsToldOnceIsToldAgainAfterItHadToHover) {
+  GuideConfig config = guides_uav2({{4, 0, 0.7}});
+  config.periodic = false;
+  GuidePair pair(config);
+  hold_until(pair, "primary moving", 5.0);
+  for (int i = 0; i < 20 && pair.out.note == std::string("primary moving"); ++i) {
+    hold(pair);
+    pair.put(pair.out.goal.position_m);
+  }
+  hold_for(pair, 1.0);
+  ASSERT_STREQ(pair.out.note, "secondary moving");
+  const std::vector<GuidingPath> first = heard(pair);
+  EXPECT_EQ(num_with_waypoints(first), 1U);
+  EXPECT_FALSE(first.back().waypoints.empty()) << "and nothing since then";
+  pair.hears = false;
+  hold_for(pair, 2.0);
+  const std::vector<GuidingPath> lost = heard(pair);
+  EXPECT_GE(lost.size(), 2U) << "to hover, again and again";
+  EXPECT_EQ(num_with_waypoints(lost), 0U);
+  pair.hears = true;
+  hold_for(pair, 1.0);
+  EXPECT_EQ(num_with_waypoints(heard(pair)), 1U);
+}
+
+}  // namespace
+}  // namespace swiftlet
