@@ -197,6 +197,7 @@ TEST(BatchConfig, AReportShowsMetricsThatThereAre) {
     EXPECT_THAT(error.what(), HasSubstr("report.metrics[1]: expected a metric"));
     EXPECT_THAT(error.what(), HasSubstr("did you mean \"path_length_m\"?"));
   }
+  EXPECT_THROW(folder.plan("report: {metrics: [path_lenght_m, path_length_m]}\n"), InputError);
   EXPECT_THROW(folder.plan("report: {worst_by: uav1.path_lenght_m}\n"), InputError);
 }
 

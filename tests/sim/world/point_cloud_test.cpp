@@ -199,6 +199,14 @@ TEST_F(CloudFiles, PcdWithAFieldOfNoValuesHasNoneOfThem) {
               HasSubstr("no z"));
 }
 
+TEST_F(CloudFiles, FieldsOfAPcdMayStandInAnyOrder) {
+  const std::string head = "FIELDS intensity z x y\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nPOINTS 1\n";
+  EXPECT_EQ(pcd(head + "DATA ascii\n9 3 1 2\n"), (Points{{1, 2, 3}}));
+  std::string bytes = head + "DATA binary\n";
+  for (const float value : {9.0F, 3.0F, 1.0F, 2.0F}) bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  EXPECT_EQ(pcd(bytes), (Points{{1, 2, 3}}));
+}
+
 TEST_F(CloudFiles, PcdHeadsSayWhatIsWrongWithThem) {
   EXPECT_THAT(pcd_refusal(kXyz + "POINTS -1\nDATA ascii\n"), HasSubstr("expected a number, found 'POINTS -1'"));
   EXPECT_THAT(pcd_refusal(kXyz + "POINTS many\nDATA ascii\n"), HasSubstr("'POINTS many'"));
