@@ -37,7 +37,6 @@ struct Vehicle {
   std::uint32_t first_surface = 0;  // of its body
   std::uint32_t rotor_surface = 0;
   float radius_m = 0.0F;  // of a sphere about its origin that holds all of it
-  bool in_reach = false;
   std::vector<Knot> knots;
   // Sphere that holds the vehicle during the whole sweep, world frame.
   Eigen::Vector3f sweep_center_m = Eigen::Vector3f::Zero();
