@@ -137,6 +137,16 @@ double mean(const std::vector<double>& values) {
 }
 double greatest(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
 
+TEST(RelativeLocalizer, OnlyWhoLooksForMarkersNeedsClouds) {
+  using Source = SlidingWindowConfig::Source;
+  for (const Source source : {Source::kDetections, Source::kTracks, Source::kMarkers}) {
+    SlidingWindowConfig config;
+    config.other = "uav2";
+    config.source = source;
+    EXPECT_EQ(localizer_of(config)->needs_clouds(), source == Source::kMarkers);
+  }
+}
+
 TEST(RelativeLocalizer, FindsAVehicleOfWhichNothingIsKnownWithinSomeSecondsOfMotion) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Team::Result result = Team{}.fly(30.0, seed);

@@ -172,6 +172,14 @@ TEST(GlobalSlam, SubmapsMoveWhenTheCorrectionBecomesKnown) {
   EXPECT_NE(flight.slam.submap_poses().T_local_own[0].translation().x(), 0.0);
 }
 
+TEST(GlobalSlam, ClosesALoopWhereNobodyToldTheStartToo) {
+  GlobalSlamConfig config;
+  config.closure_gap_m = 20.0;
+  Flight flight(GlobalSlam(config, false));
+  flight.fly(60.0, {0.006, -0.004, 0.002});
+  EXPECT_GE(flight.slam.num_closures(), 1);
+}
+
 TEST(GlobalSlam, WithoutARevisitItSaysNothing) {
   Flight flight(GlobalSlam({}, true));
   flight.fly(25.0, Vector3(0.01, 0, 0));
