@@ -20,15 +20,21 @@ namespace swiftlet::testing {
 
 inline constexpr VehicleId kSecondary = 1;
 
-inline GuideConfig guides_uav2(std::vector<Eigen::Vector3d> goals_m) {
+/// Low space, so that searches are short.
+inline GuideConfig quick_guide() {
   GuideConfig config;
-  config.secondary = "uav2";
-  config.goals_m = std::move(goals_m);
   config.planner.primary.z_min_m = config.planner.secondary.z_min_m = 0.6;
   config.planner.primary.z_max_m = config.planner.secondary.z_max_m = 0.9;
   config.planner.primary.max_expansions = config.planner.secondary.max_expansions = 4000;
   config.planner.goal_search_m = 0.25;
   config.stage_timeout_s = 30.0;
+  return config;
+}
+
+inline GuideConfig guides_uav2(std::vector<Eigen::Vector3d> goals_m) {
+  GuideConfig config = quick_guide();
+  config.secondary = "uav2";
+  config.goals_m = std::move(goals_m);
   return config;
 }
 

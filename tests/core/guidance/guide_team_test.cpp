@@ -9,6 +9,7 @@
 #include "swiftlet/core/messages/guiding_path.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
+#include "tests/core/guidance/guide_support.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
 
 namespace swiftlet {
@@ -18,13 +19,8 @@ using testing::CellListMap;
 using testing::GuidanceDriver;
 
 GuideConfig guides_several(std::vector<GuidedVehicleConfig> secondaries) {
-  GuideConfig config;
+  GuideConfig config = testing::quick_guide();
   config.secondaries = std::move(secondaries);
-  config.planner.primary.z_min_m = config.planner.secondary.z_min_m = 0.6;
-  config.planner.primary.z_max_m = config.planner.secondary.z_max_m = 0.9;
-  config.planner.primary.max_expansions = config.planner.secondary.max_expansions = 4000;
-  config.planner.goal_search_m = 0.25;
-  config.stage_timeout_s = 30.0;
   return config;
 }
 

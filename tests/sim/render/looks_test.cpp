@@ -655,18 +655,7 @@ TEST(Looks, CornersAreDarkerThanOpenFloor) {
 
 // A hole in the leaves, 0.4 m and 1.6 of its radius wide where the vehicle is, narrower towards the camera.
 TEST(Looks, LeavesBeforeAFollowedVehicleAreLeftOutAsFarAsItReaches) {
-  Scene scene;
-  scene.materials.push_back({"leaves", 0.5F, false, {0.1F, 0.7F, 0.1F}});
-  Mesh leaves;
-  leaves.surface_class = SurfaceClass::kVegetation;
-  for (int i = 0; i < 1600; ++i) {
-    const Eigen::Vector3f at(5, 0.2F * static_cast<float>(i % 40) - 4, 0.2F * static_cast<float>(i / 40) - 4);
-    add_quad(leaves, at, at + Eigen::Vector3f(0, 0.21F, 0), at + Eigen::Vector3f(0, 0.21F, 0.21F),
-             at + Eigen::Vector3f(0, 0, 0.21F));
-  }
-  scene.meshes.push_back(leaves);
-  scene.instances.push_back({0, Eigen::Affine3f::Identity(), 1});
-  scene.bounds_m = Eigen::AlignedBox3d(Eigen::Vector3d(5, -4, -4), Eigen::Vector3d(5, 4, 4));
+  const Scene scene = leaf_wall(0.2F, 40, -4.0F);
   auto shape = std::make_shared<VehicleShape>(*make_test_shape());
   shape->circumscribed_radius_m = 0.5F;
   Renderer renderer(scene, std::vector<std::shared_ptr<const VehicleShape>>{shape});

@@ -34,6 +34,26 @@ class BoxWorld {
   Scene scene_;
 };
 
+/// Square leaves side by side at x = 5 m: an upright square of as many a side, from `low_z_m` on, about y = 0.
+inline Scene leaf_wall(float leaf_m, int leaves_a_side, float low_z_m) {
+  Scene scene;
+  scene.materials.push_back({"leaves", 0.5F, false, {0.1F, 0.7F, 0.1F}});
+  Mesh leaves;
+  leaves.surface_class = SurfaceClass::kVegetation;
+  const float side_m = leaf_m * static_cast<float>(leaves_a_side), reach_m = leaf_m + 0.01F;
+  for (int i = 0; i < leaves_a_side * leaves_a_side; ++i) {
+    const Eigen::Vector3f at(5, leaf_m * static_cast<float>(i % leaves_a_side) - 0.5F * side_m,
+                             leaf_m * static_cast<float>(i / leaves_a_side) + low_z_m);
+    add_quad(leaves, at, at + Eigen::Vector3f(0, reach_m, 0), at + Eigen::Vector3f(0, reach_m, reach_m),
+             at + Eigen::Vector3f(0, 0, reach_m));
+  }
+  scene.meshes.push_back(leaves);
+  scene.instances.push_back({0, Eigen::Affine3f::Identity(), 1});
+  scene.bounds_m = Eigen::AlignedBox3d(Eigen::Vector3d(5, -0.5 * side_m, low_z_m),
+                                       Eigen::Vector3d(5, 0.5 * side_m, low_z_m + side_m));
+  return scene;
+}
+
 /// A body of half a meter with one rotor on top.
 inline std::shared_ptr<const VehicleShape> make_test_shape() {
   auto shape = std::make_shared<VehicleShape>();

@@ -368,18 +368,7 @@ TEST(ShownPoints, AreThoseInTheViewBelowTheCut) {
 
 TEST(Renderer, SeesAVehicleThroughLeavesWhenFollowingIt) {
   // A wall of loose leaves between camera and vehicle.
-  Scene scene;
-  scene.materials.push_back({"leaves", 0.5F, false, {0.1F, 0.7F, 0.1F}});
-  Mesh leaves;
-  leaves.surface_class = SurfaceClass::kVegetation;
-  for (int i = 0; i < 400; ++i) {
-    const Eigen::Vector3f at(5, 0.4F * static_cast<float>(i % 20) - 4, 0.4F * static_cast<float>(i / 20) - 3);
-    add_quad(leaves, at, at + Eigen::Vector3f(0, 0.41F, 0), at + Eigen::Vector3f(0, 0.41F, 0.41F),
-             at + Eigen::Vector3f(0, 0, 0.41F));
-  }
-  scene.meshes.push_back(leaves);
-  scene.instances.push_back({0, Eigen::Affine3f::Identity(), 1});
-  scene.bounds_m = Eigen::AlignedBox3d(Eigen::Vector3d(5, -4, -3), Eigen::Vector3d(5, 4, 5));
+  const Scene scene = leaf_wall(0.4F, 20, -3.0F);
   Renderer renderer(scene, std::vector{make_test_shape()});
   PictureScene picture;
   picture.states.resize(1);
