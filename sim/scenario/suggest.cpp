@@ -35,7 +35,7 @@ std::string_view stem(std::string_view key) {
 
 /// `rate` or `rate_khz` where `rate_hz` is known: the same word with another unit or none.
 bool differs_by_unit(std::string_view word, std::string_view candidate) {
-  if (candidate.find('_') == std::string_view::npos) return false;
+  if (candidate == word || candidate.find('_') == std::string_view::npos) return false;
   return word == stem(candidate) || stem(word) == stem(candidate);
 }
 
@@ -48,7 +48,7 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
   const std::size_t length = word.substr(0, word.rfind('.')).size();  // an extension in common is no likeness
   std::size_t best_distance = std::max<std::size_t>(1, length / 3) + 1;
   for (const std::string& candidate : candidates) {
-    if (candidate.empty() || candidate.size() > kMaxLength) continue;
+    if (candidate.empty() || candidate.size() > kMaxLength || candidate == word) continue;  // the word was refused
     const std::size_t distance = edit_distance(word, candidate);
     if (distance < best_distance && distance < candidate.size()) {
       best = &candidate;

@@ -26,6 +26,9 @@ TEST(DidYouMean, AWordOneOfTheUsualMistakesAway) {
   EXPECT_EQ(meant("sky", words), "");
   EXPECT_EQ(meant("", words), "");
   EXPECT_EQ(meant("guidance", {}), "");
+  EXPECT_EQ(meant("guidance", words), "") << "the word itself was refused";
+  EXPECT_EQ(meant("guidance", {"guidance", "guidances"}), "guidances");
+  EXPECT_EQ(meant("rate_hz", {"rate_hz"}), "");
 }
 
 // A third of the letters may be wrong, one at least, but never all.
