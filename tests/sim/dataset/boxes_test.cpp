@@ -206,6 +206,8 @@ TEST_F(BoxesTest, TheFieldOfViewIsWhereBeamsAre) {
   EXPECT_EQ(visible_at(-177.0, 1.0, behind), 0.0);
   EXPECT_EQ(visible_at(177.0, 1.0, behind), 1.0);
   EXPECT_EQ(visible_at(175.0, 1.0, behind), 0.0);
+  EXPECT_EQ(visible_at(180.0, 1.0, {{180.0, 1.0}}), 1.0) << "on the seam";
+  EXPECT_EQ(visible_at(180.0, 1.0, {{180.0, 3.0}}), 0.0) << "above it";
   const std::vector<std::pair<double, double>> before = {{-179.0, 1.0}};
   EXPECT_EQ(visible_at(179.0, 1.0, before), 1.0);
   EXPECT_EQ(visible_at(-175.0, 1.0, before), 0.0);

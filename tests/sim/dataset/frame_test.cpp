@@ -191,6 +191,9 @@ TEST(PixelShift, WorksAcrossTheSeamInBothDirectionsAndNotWithoutAPitch) {
   still.directions_lidar = {Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitY(),
                             Eigen::Vector3f::UnitY()};
   EXPECT_EQ(pixel_shift_by_row(still), (std::vector<int>{0, 0}));
+  BeamTable two = still;  // a quarter turn between the columns, the lower row a column ahead
+  two.directions_lidar[1] = Eigen::Vector3f::UnitY();
+  EXPECT_EQ(pixel_shift_by_row(two), (std::vector<int>{0, 1}));
 }
 
 TEST(PixelShift, UndoesTheStaggeringOfRows) {

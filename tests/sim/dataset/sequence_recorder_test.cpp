@@ -71,7 +71,7 @@ class Flight2 {
     flown_m = 0.0;
     for (int k = 1; k <= 10 * kScans; ++k) {
       VehicleState states[2];
-      for (VehicleId v = 0; v < 2; ++v) states[v] = state_of(v, k * kTick);
+      for (VehicleId v = 0; v < 2; ++v) states[v] = placed(v, k * kTick);
       if (k > 1) flown_m += (states[0].p_world_m - state_of(0, (k - 1) * kTick).p_world_m).norm();
       std::vector<std::shared_ptr<const LabeledScan>> completed[2];
       if (k % 10 == 0) {
@@ -102,6 +102,11 @@ class Flight2 {
     return *statistics;
   }
 
+  VehicleState placed(VehicleId vehicle, TimeNs t) const {
+    VehicleState state = state_of(vehicle, t);
+    if (vehicle == 1) state.p_world_m.x() += other_ahead_m;
+    return state;
+  }
   static VehicleState state_of(VehicleId vehicle, TimeNs t) {
     const double t_s = to_seconds(t);
     VehicleState state;
@@ -119,7 +124,8 @@ class Flight2 {
   std::shared_ptr<const StaticScene> world;
   std::vector<std::shared_ptr<const LabeledScan>> scans;
   double flown_m = 0.0;
-  bool told = false;  // by an outside localization
+  double other_ahead_m = 0.0;  // of where it would fly
+  bool told = false;           // by an outside localization
 
  private:
   std::shared_ptr<LabeledScan> make_scan(const std::shared_ptr<const BeamTable>& beams, int n) const {
@@ -289,6 +295,12 @@ TEST_F(SequenceRecorderTest, BoxesStandWhereTheOtherWasWhenItsPointsWereSeen) {
     EXPECT_EQ(found.well_detected, expected[i].well_detected) << i;
     EXPECT_EQ(found.points, expected[i].points) << i;
   }
+}
+
+TEST_F(SequenceRecorderTest, BoxesBeyondTheLastBinCountInIt) {
+  flight.other_ahead_m = 98.0;  // 128 m away
+  const SequenceStatistics statistics = flight.record(content, directory.path());
+  EXPECT_EQ(statistics.vehicles_by_range.back().boxes, 30);
 }
 
 TEST_F(SequenceRecorderTest, BoxesOfDeskewedPointsStandInTheFrameOfTheStart) {

@@ -268,6 +268,25 @@ TEST(DetectionMetric, WhoIsFarAwayCountsInItsBinOnly) {
   EXPECT_EQ(table.bins()[0].recall, 0.0);
 }
 
+TEST(DetectionMetric, TwentyBinsAreToldAndNothingBeyond) {
+  MetricsConfig config;
+  for (const auto& [distance_m, bins] :
+       {std::pair(20.0 * config.detection_bin_m - 0.5, 1U), std::pair(20.0 * config.detection_bin_m + 0.5, 0U)}) {
+    SightRun run(2);
+    run.states[1].p_world_m = {distance_m, 0, 0};
+    run.scan({0, 1});
+    run.detect({run.states[1].p_world_m}, kTick, kTick);
+    run.tick();
+    run.scan({0, 1});
+    run.states[1].p_world_m = {0.5, 0, 0};
+    run.detect({}, 2 * kTick, 2 * kTick);
+    run.tick();
+    const MetricTable table = run.metrics.report();
+    ASSERT_EQ(table.bins().size(), bins + 1U) << distance_m;
+    EXPECT_TRUE(std::isnan(table.bins()[0].error_mean_m)) << "found far away only";
+  }
+}
+
 TEST(DetectionMetric, TellsRecordersWhatItFound) {
   SightRun run(2);
   run.states[1].p_world_m = {8, 0, 0};

@@ -95,6 +95,7 @@ TEST(Looks, TrailsAreARibbonWithADarkRimThatFadesTowardsItsPast) {
     return most;
   };
   EXPECT_GT(redness(80), 0.45F);
+  EXPECT_NEAR(redness(3) / redness(80), 0.32F, 0.13F) << "at its very end";
   EXPECT_NEAR(redness(8) / redness(80), 0.34F, 0.14F);
   EXPECT_NEAR(redness(46) / redness(80), 0.7F, 0.15F);
   style.line_scale = 2.0F;

@@ -414,6 +414,14 @@ TEST_F(PaperTest, OfDepthIsAsWideAsAskedWithItsScaleBeside) {
   EXPECT_NEAR(256 * row[middle] + row[middle + 1], 1000.0 * 2.6 * std::sqrt(2.0), 60.0);
 }
 
+TEST_F(PaperTest, TheScaleOfDepthEndsWhereItIsAsked) {
+  CameraConfig camera = paper("depth", CameraConfig::Type::kDepth);
+  camera.position_m = {0, 0, 0.6};
+  camera.target_m = {1, 0, -0.4};
+  camera.max_range_m = 0.5;
+  EXPECT_THAT(texts_of(svg_of(camera)), testing::Contains("0.5"));
+}
+
 TEST_F(PaperTest, ALegendStandsBesideThePictureAndTakesItsRoom) {
   // A legend takes its room from the picture, whose size stays.
   CameraConfig alone = paper("alone", CameraConfig::Type::kTop), beside = paper("beside", CameraConfig::Type::kTop);

@@ -76,7 +76,8 @@ void add_square_guide() {
     guidance_registry().add({{"square_guide", "of this test", make_module_config<HoverConfig>},
                              [](const ModuleConfig&, const GuidanceSetup& setup) -> std::unique_ptr<Guidance> {
                                return std::make_unique<SquareGuide>(setup);
-                             }});
+                             },
+                             ""});
     return true;
   }();
   (void)added;

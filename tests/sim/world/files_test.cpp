@@ -275,6 +275,13 @@ TEST_F(WorldFiles, MeshesThatAreNoneAreRejectedWithTheReason) {
                                   "y\nproperty float z\nend_header\n0 0 0\n"));
               }),
               HasSubstr("face"));
+  EXPECT_THAT(rejection([&] {
+                import_mesh(write(
+                    "l.ply",
+                    "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+                    "element face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n"));
+              }),
+              HasSubstr("elements 'face', found none"));
   EXPECT_THAT(rejection([&] { import_mesh({}); }), HasSubstr("expected the name"));
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"

@@ -186,6 +186,21 @@ TEST(Hall, WallHidesWhatIsBehindIt) {
   EXPECT_TRUE(sees(observer, {4.0, 4.0, 2.0}));
 }
 
+TEST(Hall, WallToHideBehindIsAsHighAsSet) {
+  for (const double height_m : {0.6, 1.4, 0.0}) {
+    HallConfig config;
+    config.hide_height_m = height_m;
+    const Scene scene = make_hall(config, 1);
+    const double top_m = height_m > 0.0 ? height_m : config.size_m.z();
+    for (const double z_m : {top_m - 0.1, top_m + 0.1}) {
+      if (z_m > config.size_m.z()) continue;
+      const auto hit = test::trace(scene, {-6.0, 0.0, z_m}, Vector3d::UnitX());
+      ASSERT_TRUE(hit.has_value());
+      EXPECT_EQ(hit->range_m < 10.0, z_m < top_m) << height_m << " m, at " << z_m;
+    }
+  }
+}
+
 TEST(Hall, DistancesStayWithinSixteenMetersForVehiclesOffTheWalls) {
   const HallConfig config;
   EXPECT_LE((config.size_m - Vector3d::Constant(2.0)).norm(), 16.0);
