@@ -40,7 +40,7 @@ void main() {
   if (!plant && dot(N, mix(u_eye_m - v_world_m, -u_forward, u_parallel)) < 0.0) N = -N;
   if (v_color.w > 0.5 && v_color.w < 1.5) {  // ground
     base *= 0.82 + 0.36 * (0.6 * noise(v_world_m.xy * 0.35) + 0.4 * noise(v_world_m.xy * 2.7));
-    float line = max(0.5 * grid(v_world_m.xy, 1.0, 0.0), grid(v_world_m.xy, 10.0, 0.4));
+    float line = max(0.5 * grid(v_world_m.xy, 1.0, 0.25), grid(v_world_m.xy, 10.0, 0.4));
     base *= 1.0 - 0.65 * u_grid * line * clamp(abs(N.z) * 2.0 - 1.0, 0.0, 1.0);
   }
   o_base = vec4(sqrt(base), 1.0);

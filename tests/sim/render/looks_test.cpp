@@ -497,6 +497,21 @@ TEST(Looks, GroundHasAGridOfMetersAndOtherSurfacesHaveNone) {
   }
 }
 
+TEST(Looks, LinesOfTheGroundThatFallBetweenTwoPixelsDarkenBoth) {
+  BoxWorld world;
+  world.add({-30, -30, -1}, {30, 30, 0}, kLightGray, SurfaceClass::kGround);
+  Renderer renderer(world.scene(), {});
+  const Image image = renderer.draw(top_view({0, 0}, 6.0, -2.0, 8.0, 96, 96), {}, {});
+  float on = 0.0F, between = 0.0F;
+  for (const int right : {16, 32, 64, 80}) {  // of a whole meter, which lies on the border before this pixel
+    for (int y = 4; y < 12; ++y) {
+      on += (brightness(color_at(image, right - 1, y)) + brightness(color_at(image, right, y))) / 64.0F;
+      between += (brightness(color_at(image, right - 4, y)) + brightness(color_at(image, right + 3, y))) / 64.0F;
+    }
+  }
+  EXPECT_NEAR(on / between, 0.975F, 0.015F) << "as dark in all as a line in the middle of a pixel";
+}
+
 /// How the copies of a mesh differ in color: mean over the faces of many.
 TEST(Looks, TreesDifferALittleInColorAndNamelessThingsDoNot) {
   for (const SurfaceClass surface_class : {SurfaceClass::kVegetation, SurfaceClass::kTrunk}) {
