@@ -20,7 +20,9 @@ namespace {
 constexpr double kShortestToFace_m = 0.3;  // nearer than this, a direction is noise
 constexpr double kPressed_m = 0.01;        // farther behind a plane, there is no time to look around
 constexpr double kHurry = 3.0;
-constexpr double kPledged_s = 1.0;  // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
+constexpr double kComing_mps = 0.5;  // slower than this, nobody need be dodged
+constexpr double kDodge_s = 0.5;     // before somebody's braking way comes too near, who then does not brake
+constexpr double kPledged_s = 1.0;   // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 /// Of the sensors of neighbors; infinite when they have no limit, or there is none.
@@ -43,12 +45,12 @@ class Rbl : public Guidance {
         planar_(config.variant == RblConfig::Variant::k2d),
         clipped_(config.variant == RblConfig::Variant::k3dClipped || config.variant == RblConfig::Variant::k3dZ),
         period_(from_seconds(1.0 / config.update_rate_hz)),
-        limits_(setup.limits),
+        limits_(config.separation.enabled ? config.separation.within(setup.limits) : setup.limits),
         neighbors_(config.neighbors, setup.agent.neighbor_views),
         sensed_(config.cells.sensing_radius_m,
                 config.lidar.enabled ? config.cells.step_m : config.cells.sensing_radius_m, planar_),
         planner_(config.cells, rules_of(config), planar_),
-        reference_(setup.limits),
+        reference_(limits_),
         range_m_(range_of(setup.agent)),
         settling_(config.settle_s),
         detour_(config.detour, config.cells.sensing_radius_m),
@@ -185,6 +187,13 @@ class Rbl : public Guidance {
       const HalfSpace cut = braking_cut(self, other, distance_m, vertical_m, unsure_m);
       pressed_ = pressed_ || cut.offset_m < -kPressed_m;
       keep_behind(cut);
+      // Who brakes is slow by now.
+      if (closing_mps > kComing_mps && cut.offset_m + 0.5 * unsure_m < 0.5 * kDodge_s * closing_mps) {
+        if (const auto beside = dodging_cut(self, other_local_m, v_local_mps, distance_m, vertical_m, limits_)) {
+          pressed_ = pressed_ || beside->offset_m < -kPressed_m;
+          keep_behind(*beside);
+        }
+      }
       if (separation.pledge_share <= 0.0 || to_seconds(now - neighbor.seen) > 2.0 * pledged_for_s() + kPledged_s)
         continue;
       HalfSpace pledged = pledged_cut(level(neighbor.own_seen_local_m), level(neighbor.seen_local_m), self.p_local_m,

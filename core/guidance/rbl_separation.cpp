@@ -84,11 +84,65 @@ HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen
   return {unscaled / stretch, offset_m / stretch};
 }
 
+std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other_local_m,
+                                     const Vector3& v_other_local_mps, double distance_m, double vertical_m,
+                                     const MotionLimits& limits) {
+  const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
+  const Vector3 to_self = scale.cwiseProduct(self.stop_local_m - p_other_local_m);
+  const Vector3 way = scale.cwiseProduct(v_other_local_mps);
+  if (way.norm() < kTouching_m || to_self.dot(way) <= 0.0) return std::nullopt;
+  const Vector3 ahead = way.normalized();
+  const Vector3 beside = to_self - to_self.dot(ahead) * ahead;
+  if (beside.norm() >= distance_m) return std::nullopt;
+
+  // How far out, in the scaled space, and how long that takes from rest.
+  struct Escape {
+    Vector3 out = Vector3::Zero();
+    double way_m = 0.0, time_s = std::numeric_limits<double>::infinity();
+  };
+  const auto escape = [&](const Vector3& out, double way_m) {
+    const Vector3 direction = out.cwiseQuotient(scale);
+    const double length = direction.norm();
+    const double mps2 =
+        along(direction / length, limits.horizontal_acceleration_mps2, limits.vertical_acceleration_mps2);
+    return Escape{out, way_m, std::sqrt(2.0 * way_m * length / mps2)};
+  };
+  Escape best;
+  if (beside.norm() > kTouching_m) best = escape(beside.normalized(), distance_m - beside.norm());
+  Vector3 across = ahead.cross(Vector3::UnitZ());  // to the right of who comes
+  if (across.norm() > kTouching_m) {
+    across.normalize();
+    const double side_m = across.dot(beside);
+    if (side_m < -kTouching_m) across = -across;
+    // As far as the ball of the distance reaches at the height at which the other passes.
+    const double over_m2 = std::max(0.0, beside.squaredNorm() - side_m * side_m);
+    const Escape level = escape(across, std::max(0.0, std::sqrt(distance_m * distance_m - over_m2) - std::abs(side_m)));
+    if (level.time_s < best.time_s) best = level;
+  } else if (best.time_s == std::numeric_limits<double>::infinity()) {
+    best = escape(Vector3::UnitX(), distance_m);  // one that falls straight onto it
+  }
+  const Vector3 unscaled = scale.cwiseProduct(best.out);
+  const double stretch = unscaled.norm();
+  const double out_m = best.way_m + unscaled.dot(self.stop_local_m - self.p_local_m);
+  return HalfSpace{-unscaled / stretch, -out_m / stretch};
+}
+
 // Two ways of v t + v^2 / 2a and the distance fill the range.
 double speed_into_unknown_mps(double range_m, double unknown_s, double distance_m, double braking_mps2) {
   const double way_m = std::max(0.0, 0.5 * (range_m - distance_m));
   if (way_m == std::numeric_limits<double>::infinity()) return way_m;
   return braking_mps2 * (std::sqrt(unknown_s * unknown_s + 2.0 * way_m / braking_mps2) - unknown_s);
+}
+
+MotionLimits RblSeparationConfig::within(MotionLimits limits) const {
+  const auto cap = [](double& level, double& vertical, double most) {
+    if (level <= most) return;
+    vertical *= most / level;
+    level = most;
+  };
+  cap(limits.horizontal_acceleration_mps2, limits.vertical_acceleration_mps2, acceleration_mps2);
+  cap(limits.horizontal_jerk_mps3, limits.vertical_jerk_mps3, jerk_mps3);
+  return limits;
 }
 
 void RblSeparationConfig::visit(ConfigVisitor& v) {
@@ -104,6 +158,11 @@ void RblSeparationConfig::visit(ConfigVisitor& v) {
   v.field("pledge_share", pledge_share,
           "[-] share of the room to a neighbor that may be used until it is seen again; the same for all, 0: nothing",
           Range::between(0.0, 0.49));
+  v.field("acceleration_mps2", acceleration_mps2,
+          "[m/s^2] at most, below the motion limits: what is asked for must be followed within margin_m",
+          Range::positive());
+  v.field("jerk_mps3", jerk_mps3, "[m/s^3] at most, below the motion limits; the rotors must turn the vehicle as fast",
+          Range::positive());
 }
 
 }  // namespace swiftlet

@@ -298,6 +298,14 @@ std::size_t element_index(const Node& list, std::string_view selector) {
   return std::string::npos;
 }
 
+/// "[uav*]" stands for all elements whose names begin so; of those named otherwise it says nothing.
+bool is_named_like(const Node& item, std::string_view selector) {
+  const std::string_view word = selector.substr(1, selector.size() - 2);
+  const Node* name = item.find("name");
+  return word == "*" ||
+         (name != nullptr && name->is_scalar() && name->text.starts_with(word.substr(0, word.size() - 1)));
+}
+
 bool chooses_another_type(const Node& base, const Node& over) {
   const Node* now = base.find("type");
   const Node* then = over.find("type");
@@ -345,8 +353,14 @@ class Merger {
  private:
   void change_elements(Node& list, const Node& changes, const std::string& path) {
     for (const Entry& change : changes.entries) {
-      if (change.key == "[*]") {
-        for (std::size_t i = 0; i < list.items.size(); ++i) merge_element(list, i, change.value, path);
+      if (change.key.ends_with("*]")) {
+        bool found = change.key == "[*]";
+        for (std::size_t i = 0; i < list.items.size(); ++i) {
+          if (!is_named_like(list.items[i], change.key)) continue;
+          merge_element(list, i, change.value, path);
+          found = true;
+        }
+        if (!found) fail_selector(list, change, path);
         continue;
       }
       const std::size_t index = element_index(list, change.key);

@@ -244,7 +244,8 @@ std::string write_reference() {
          "`base: FILE` lays a scenario on another one. Maps merge, anything else is replaced, and a map whose `type`\n"
          "changes starts afresh. `vehicles[0]: {...}`, `vehicles[uav1]: {...}` and `vehicles[*]: {...}` change "
          "elements\n"
-         "of a list. `--set vehicles[0].start.yaw_deg=90` does the same from the command line.\n\n" +
+         "of a list, and `vehicles[uav*]: {...}` all whose names begin so. `--set vehicles[0].start.yaw_deg=90` does "
+         "the same from the command line.\n\n" +
          reference_tables([&](ConfigVisitor& v) { scenario.visit(v); }, "Scenario") + data_tables();
 }
 

@@ -4,17 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "crossing.hpp"
 #include "experiments.hpp"
+#include "rbl_prediction.hpp"
 #include "swiftlet/core/agent/stack.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
 #include "swiftlet/core/guidance/waypoints.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
+#include "swiftlet/sim/batch/batch_plan.hpp"
 #include "swiftlet/sim/plot/plot.hpp"
 #include "swiftlet/sim/sensors/neighbors.hpp"
 
@@ -22,7 +26,7 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kHeight_m = 8.0;
-constexpr double kNeed_m = 1.0;  // the sum of two encumbrances
+constexpr double kTouching_m = 0.81;  // between the centers of two X500 at one height
 
 /// The vehicle of the document's crossing with the settings that rbl has by itself.
 sim::Scenario pattern_of(std::uint64_t seed) {
@@ -139,89 +143,83 @@ sim::Scenario scene_of(const Case& c, std::uint64_t seed, bool document) {
   return scenario;
 }
 
-// --- scenes drawn at random ---
+// --- the flights of batch/rbl_safety ---
 
-/// Draws of one scene, each used once.
-class Draws {
- public:
-  explicit Draws(std::uint64_t seed) : random_(seed, "rbl-safety.scene") {}
-  double uniform(double min, double max) { return random_.uniform(min, max, 0, next_++); }
-  bool chance(double probability) { return uniform(0.0, 1.0) < probability; }
-  int pick(int count) { return std::min(count - 1, static_cast<int>(uniform(0.0, count))); }
-
- private:
-  Random random_;
-  std::uint32_t next_ = 0;
-};
-
-/// Places in a box that keep a distance from each other.
-std::vector<Vector3> scattered(Draws& draws, int count, double half_m, double distance_m, bool planar) {
-  std::vector<Vector3> places;
-  while (static_cast<int>(places.size()) < count) {
-    const double x_m = draws.uniform(-half_m, half_m);
-    const double y_m = draws.uniform(-half_m, half_m);
-    const Vector3 place(x_m, y_m, planar ? kHeight_m : draws.uniform(4.0, 2.0 * kHeight_m - 4.0));
-    const bool free = std::none_of(places.begin(), places.end(), [&](const Vector3& other) {
-      return (other - place).head<2>().norm() < distance_m;  // nobody starts in another's wake
-    });
-    if (free) places.push_back(place);
-    if (!free) half_m *= 1.001;
+/// As many of the batch's flights as asked for, drawn at random; more of them contain fewer of them.
+std::vector<sim::Scenario> flights_of_batch(int count) {
+  const sim::BatchPlan plan("batch/rbl_safety");
+  std::vector<std::uint64_t> ids(plan.num_episodes());
+  std::iota(ids.begin(), ids.end(), 0);
+  const Random random(1, "rbl-safety.flights");
+  for (std::size_t i = 0; i + 1 < ids.size(); ++i) {
+    const double share = random.uniform(0.0, 1.0, 0, static_cast<std::uint32_t>(i));
+    std::swap(ids[i], ids[i + std::min(ids.size() - i - 1, static_cast<std::size_t>(share * (ids.size() - i)))]);
   }
-  return places;
+  ids.resize(std::min(ids.size(), static_cast<std::size_t>(count)));
+  std::vector<sim::Scenario> scenarios;
+  for (const std::uint64_t id : ids) scenarios.push_back(plan.scenario_of(plan.episode(id)));
+  return scenarios;
 }
 
-/// Anything a user may ask for: 2 to 60 vehicles, three layouts, and conditions from perfect to bad.
-sim::Scenario random_scene(std::uint64_t seed) {
-  Draws draws(seed);
-  sim::Scenario pattern = pattern_of(seed);
-  sim::VehicleConfig& vehicle = pattern.vehicles.front();
-  RblConfig& rbl = rbl_of(vehicle);
-  const int n = static_cast<int>(std::lround(2.0 * std::pow(30.0, draws.uniform(0.0, 1.0))));
-  const int layout = draws.pick(3);
-  const bool planar = layout != 1 && draws.chance(0.3);
-  rbl.variant = planar ? RblConfig::Variant::k2d : RblConfig::Variant::k3dZ;
-  rbl.rules.beta_desired_m = draws.uniform(0.1, 1.5);
-  rbl.cells.sensing_radius_m = draws.uniform(2.5, 7.0);
-  rbl.cells.step_m = rbl.cells.sensing_radius_m / 10.0;
-  sim::NeighborsConfig& see = sight(vehicle);
-  see.sigma_range_relative = draws.uniform(0.0, 0.2);
-  see.latency_s = draws.uniform(0.0, 0.4);
-  see.rate_hz = draws.chance(0.3) ? draws.uniform(0.5, 2.0) : 10.0;
-  see.cameras = draws.chance(0.5) ? std::vector<sim::NeighborCamera>{{0.0, 0.0, 360.0}}
-                                  : std::vector<sim::NeighborCamera>{{0.0, 0.0, 180.0}};
-  pattern.wind.mean_mps = {draws.uniform(0.0, 8.0), 0.0, 0.0};
-  MotionLimitsConfig& limits = vehicle.agent.as<StackConfig>().control.limits;
-  limits.set = static_cast<MotionLimitsConfig::Set>(draws.pick(3));
+/// Flights of one kind, on the plot and in the table.
+struct FlightKind {
+  const char* name;
+  int num = 0, contacts = 0, nearer = 0, arrived = 0, vehicles = 0;
+  double least_m = std::numeric_limits<double>::infinity();
+  std::vector<double> predicted_m = {}, flown_m = {};
+};
 
-  sim::Scenario scenario;
-  if (layout == 2) {
-    const double half_m = std::max(6.0, 1.6 * std::sqrt(n));
-    const std::vector<Vector3> starts = scattered(draws, n, half_m, 2.5, planar);
-    const std::vector<Vector3> goals = scattered(draws, n, half_m, 2.5, planar);
-    scenario = make_crossing(pattern, {false, n, half_m}, kHeight_m);
-    for (int i = 0; i < n; ++i) {
-      scenario.vehicles[i].start.position_m = starts[i];
-      set_goal(scenario.vehicles[i], goals[i]);
-    }
-  } else {
-    // Neighbors start at least 2.5 m apart.
-    const bool sphere = layout == 1;
-    const double radius_m = std::max(5.0, sphere ? 0.75 * std::sqrt(n) + 3.0 : 2.5 * n / (2.0 * kPi));
-    if (sphere) rbl.z_max_m = 2.0 * radius_m + 4.0;
-    scenario = make_crossing(pattern, {sphere, n, radius_m}, sphere ? radius_m + 2.0 : kHeight_m);
+void fly_batch(Experiment& experiment, int count) {
+  const std::vector<sim::Scenario> scenarios = flights_of_batch(count);
+  const std::vector<CrossingResult> flights = fly_crossings(experiment, scenarios);
+  CsvTable csv({"scene", "seed", "vehicles", "noise", "delay_s", "rate_hz", "all_around", "speed_mps",
+                "acceleration_mps2", "wind_mps", "intruder_mps", "predicted_m", "least_m", "contact", "arrived"});
+  FlightKind kinds[] = {
+      {"nobody flies through"}, {"an intruder, seen all around"}, {"an intruder, a view of 180 degrees"}};
+  int contacts = 0, unpromised = 0;
+  for (std::size_t i = 0; i < flights.size(); ++i) {
+    const RblConditions c = conditions_of(scenarios[i]);
+    const double predicted_m = predicted_distance_m(c), flown_m = flights[i].min_separation_m;
+    const int members = static_cast<int>(scenarios[i].vehicles.size()) - 2;  // but for those two who go nobody's way
+    FlightKind& kind = kinds[c.intruder_mps <= 0.0 ? 0 : c.all_around ? 1 : 2];
+    ++kind.num;
+    kind.contacts += flights[i].crashed;
+    kind.nearer += flown_m < predicted_m;
+    kind.arrived += std::min(flights[i].num_arrived, members);
+    kind.vehicles += members;
+    kind.least_m = std::min(kind.least_m, flown_m);
+    kind.predicted_m.push_back(predicted_m);
+    kind.flown_m.push_back(flown_m);
+    contacts += flights[i].crashed;
+    unpromised += flights[i].crashed && predicted_m < kTouching_m;
+    csv.row(scenarios[i].name,
+            {static_cast<double>(scenarios[i].seed), static_cast<double>(members), c.noise, c.latency_s, c.rate_hz,
+             c.all_around ? 1.0 : 0.0, c.speed_mps, c.acceleration_mps2, scenarios[i].wind.mean_mps.x(), c.intruder_mps,
+             predicted_m, flown_m, flights[i].crashed ? 1.0 : 0.0, static_cast<double>(flights[i].num_arrived)});
   }
-  const double reach_m = scenario.vehicles.front().start.position_m.head<2>().norm();
-  if (draws.chance(0.3)) {
-    scenario.vehicles.push_back(stranger(vehicle, "stopped", {0.0, 0.0, kHeight_m}, {}, 0.0));
+  experiment.write("batch.csv", csv);
+  experiment.claim("batch: no contact where a distance is promised",
+                   fmt::format("{} of {} flights with contact", contacts - unpromised, flights.size()),
+                   contacts == unpromised,
+                   fmt::format("{} with contact where none can be promised (intruders)", unpromised));
+  sim::plot::Figure figure("Least distance, predicted and flown", 1);
+  sim::plot::Panel& panel = figure.add_panel("");
+  panel.x.label = "predicted [m]";
+  panel.y.label = "flown [m]";
+  panel.x.min = panel.y.min = 0.0;
+  const double diagonal_m[] = {0.0, 1.2};
+  for (const FlightKind& kind : kinds) {
+    if (kind.num == 0) continue;
+    experiment.row({fmt::format("batch, {}: flights with contact [-]", kind.name),
+                    fmt::format("{} of {}", kind.contacts, kind.num), Verdict::kNotJudged,
+                    fmt::format("least distance {:.2f} m; {} flights below the prediction; {:.0f} % of the vehicles "
+                                "arrive in time",
+                                kind.least_m, kind.nearer, 100.0 * kind.arrived / kind.vehicles),
+                    static_cast<double>(kind.contacts)});
+    panel.scatter(kind.name, kind.predicted_m, kind.flown_m, {.opacity = 0.6});
   }
-  if (draws.chance(0.3)) {
-    const double azimuth_rad = draws.uniform(0.0, 2.0 * kPi), speed_mps = draws.uniform(1.0, 4.0);
-    const Vector3 ahead(std::cos(azimuth_rad), std::sin(azimuth_rad), 0.0);
-    const Vector3 middle(-3.0 * ahead.y(), 3.0 * ahead.x(), kHeight_m);  // it does not hit the stopped vehicle itself
-    scenario.vehicles.push_back(
-        stranger(vehicle, "intruder", middle - (reach_m + 15.0) * ahead, middle + (reach_m + 15.0) * ahead, speed_mps));
-  }
-  return scenario;
+  panel.line("as predicted", diagonal_m, diagonal_m, {.dash = sim::plot::Dash::kDashed});
+  experiment.write("predicted.svg", figure);
 }
 
 }  // namespace
@@ -245,49 +243,7 @@ void rbl_safety(Experiment& experiment) {
   }
   experiment.write("cases.csv", csv);
 
-  const int scenes = experiment.repetitions(1000, 4);
-  std::vector<sim::Scenario> scenarios;
-  for (int seed = 1; seed <= scenes; ++seed) scenarios.push_back(random_scene(static_cast<std::uint64_t>(seed)));
-  const std::vector<CrossingResult> flights = fly_crossings(experiment, scenarios);
-  CsvTable random({"seed", "vehicles", "noise", "delay_s", "rate_hz", "fov_deg", "wind_mps", "beta_m", "radius_m",
-                   "contact", "least_m", "arrived"});
-  std::vector<double> noise, least_m;
-  double contacts = 0.0;
-  for (int i = 0; i < scenes; ++i) {
-    sim::Scenario& scene = scenarios[i];
-    sim::VehicleConfig& vehicle = scene.vehicles.front();
-    const sim::NeighborsConfig& see = sight(vehicle);
-    const RblConfig& rbl = rbl_of(vehicle);
-    const double row[] = {i + 1.0,
-                          static_cast<double>(scene.vehicles.size()),
-                          see.sigma_range_relative,
-                          see.latency_s,
-                          see.rate_hz,
-                          see.cameras.front().fov_deg,
-                          scene.wind.mean_mps.x(),
-                          rbl.rules.beta_desired_m,
-                          rbl.cells.sensing_radius_m,
-                          flights[i].crashed ? 1.0 : 0.0,
-                          flights[i].min_separation_m,
-                          static_cast<double>(flights[i].num_arrived)};
-    random.row(row);
-    contacts += flights[i].crashed ? 1.0 : 0.0;
-    noise.push_back(see.sigma_range_relative);
-    least_m.push_back(flights[i].min_separation_m);
-  }
-  experiment.write("random.csv", random);
-  experiment.claim("random scenes: no contact", fmt::format("{:g} of {} flights with contact", contacts, scenes),
-                   contacts == 0.0,
-                   fmt::format("least distance {:.2f} m; sum of the encumbrances {:g} m",
-                               *std::min_element(least_m.begin(), least_m.end()), kNeed_m));
-  sim::plot::Figure figure("Random scenes", 1);
-  sim::plot::Panel& panel = figure.add_panel("");
-  panel.x.label = "noise of the range, share of it [-]";
-  panel.y.label = "least distance [m]";
-  panel.y.min = 0.0;
-  panel.legend = sim::plot::Legend::kNone;
-  panel.scatter("", noise, least_m);
-  experiment.write("random.svg", figure);
+  fly_batch(experiment, experiment.quick() ? 4 * seeds : 50 * seeds);
 }
 
 }  // namespace swiftlet::tools

@@ -8,7 +8,9 @@
 #include <limits>
 #include <vector>
 
+#include "swiftlet/core/guidance/rbl.hpp"
 #include "swiftlet/core/math/random.hpp"
+#include "tests/core/guidance/guidance_driver.hpp"
 
 namespace swiftlet {
 namespace {
@@ -170,6 +172,116 @@ TEST(RblSeparation, HeightsCountLessInAPledgeToo) {
   const HalfSpace above = pledged_cut(Vector3::Zero(), {0.0, 0.0, 4.0}, Vector3::Zero(), 1.0, 2.0, 0.0, 0.4);
   EXPECT_NEAR((above.normal_local - Vector3::UnitZ()).norm(), 0.0, 1e-12);
   EXPECT_NEAR(above.offset_m, 0.4 * 2.0, 1e-12);
+}
+
+TEST(RblSeparation, BesideTheWayOfWhoComesThereIsTheDistanceAndNoMore) {
+  const MotionLimits limits;
+  Draws draws;
+  int num_dodged = 0, num_level = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const double vertical_m = i % 2 == 0 ? kDistance_m : 1.5;
+    const Braking self = draws.braking(2.0, 1.0);
+    const Vector3 other_m = draws.vector(6.0), v_mps = draws.vector(4.0);
+    const auto cut = dodging_cut(self, other_m, v_mps, kDistance_m, vertical_m, limits);
+    const Vector3 scale(1.0, 1.0, kDistance_m / vertical_m);
+    const Vector3 ahead = scale.cwiseProduct(v_mps).normalized();
+    const auto beside_m = [&](const Vector3& q_m) {
+      const Vector3 r_m = scale.cwiseProduct(q_m - other_m);
+      return (r_m - r_m.dot(ahead) * ahead).norm();
+    };
+    const bool comes = scale.cwiseProduct(self.stop_local_m - other_m).dot(ahead) > 0.0;
+    ASSERT_EQ(cut.has_value(), comes && beside_m(self.stop_local_m) < kDistance_m) << i;
+    if (!cut) continue;
+    ++num_dodged;
+    num_level += cut->normal_local.z() == 0.0;
+    ASSERT_NEAR(cut->normal_local.norm(), 1.0, 1e-12);
+    // From where it would stop straight to the plane, and in the scaled space that is the way at a right angle.
+    const Vector3 out = -scale.cwiseInverse().cwiseProduct(scale.cwiseInverse().cwiseProduct(cut->normal_local));
+    const double lacking_m = cut->normal_local.dot(self.stop_local_m - self.p_local_m) - cut->offset_m;
+    ASSERT_GT(lacking_m, 0.0);
+    const Vector3 q_m = self.stop_local_m + lacking_m / -out.dot(cut->normal_local) * out;
+    ASSERT_NEAR(beside_m(q_m), kDistance_m, 1e-6) << i;
+  }
+  EXPECT_GT(num_dodged, 100);
+  EXPECT_GT(num_level, 50);
+}
+
+TEST(RblSeparation, OneOnTheWayOfWhoComesGoesToTheRightOfItAndOneBesideItStaysOnItsSide) {
+  const MotionLimits limits;
+  const auto out = [&](double y_m) {
+    const Vector3 p_m(0.0, y_m, 5.0);
+    return Vector3(-dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kDistance_m, 1.5, limits)->normal_local);
+  };
+  EXPECT_NEAR(out(0.0).y(), -1.0, 1e-12);  // the other flies east: its right is the south
+  EXPECT_NEAR(out(0.2).y(), 1.0, 1e-12);
+  EXPECT_NEAR(out(-0.2).y(), -1.0, 1e-12);
+}
+
+TEST(RblSeparation, LevelRatherThanUpUnlessThatIsSoonerDone) {
+  const auto height_of = [&](double above_m, double climb_mps2) {
+    MotionLimits limits;
+    limits.vertical_acceleration_mps2 = climb_mps2;
+    const Vector3 p_m(0.0, 0.05, 5.0 + above_m);
+    return -dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kDistance_m, 1.5, limits)->normal_local.z();
+  };
+  EXPECT_EQ(height_of(0.3, 1.0), 0.0);
+  EXPECT_GT(height_of(0.3, 20.0), 0.5);
+  EXPECT_GT(height_of(1.4, 1.0), 0.5);  // almost high enough
+  EXPECT_LT(height_of(-1.4, 1.0), -0.5);
+}
+
+TEST(RblSeparation, WhoFallsOntoSomebodyIsDodgedToo) {
+  const Vector3 p_m(0.0, 0.0, 5.0);
+  const auto cut = dodging_cut({p_m, p_m}, {0.0, 0.0, 9.0}, {0.0, 0.0, -2.0}, kDistance_m, 1.5, MotionLimits{});
+  ASSERT_TRUE(cut.has_value());
+  EXPECT_EQ(cut->normal_local.z(), 0.0);
+  EXPECT_NEAR(cut->offset_m, -kDistance_m, 1e-12);
+}
+
+// Backing off straight away it would be caught up with.
+TEST(RblSeparation, AnIntruderThatFliesStraightOnIsLetPassHoweverFastItComes) {
+  RblConfig config;
+  config.goal_m = {0.0, 0.0, 5.0};
+  for (const double speed_mps : {1.0, 2.0, 3.0, 4.0}) {
+    for (const double side_m : {-0.6, -0.2, 0.0, 0.2, 0.6}) {
+      for (const double above_m : {0.0, 0.4}) {
+        testing::GuidanceDriver driver("rbl", config, config.goal_m);
+        Vector3 other_m(-18.0, side_m, 5.0 + above_m);
+        double least_m = std::numeric_limits<double>::infinity();
+        while (other_m.x() < 5.0) {
+          other_m.x() += driver.dt_s * speed_mps;
+          driver.sees(2, other_m);
+          const Vector3 next_m = driver.step().goal.position_m;
+          driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
+          driver.put(next_m);
+          const Vector3 apart_m = Vector3(1.0, 1.0, kDistance_m / config.separation.vertical_m)
+                                      .cwiseProduct(Vector3(other_m - driver.p_m()));
+          least_m = std::min(least_m, apart_m.norm());
+        }
+        EXPECT_GT(least_m, 2.0 * config.cells.encumbrance_m) << speed_mps << " m/s, " << side_m << ", " << above_m;
+      }
+    }
+  }
+}
+
+TEST(RblSeparation, LimitsAboveWhatIsFollowedCloselyAreCutWithTheVerticalOnesInProportion) {
+  MotionLimits limits;
+  limits.horizontal_acceleration_mps2 = 6.0;
+  limits.vertical_acceleration_mps2 = 3.0;
+  limits.horizontal_jerk_mps3 = 80.0;
+  limits.vertical_jerk_mps3 = 40.0;
+  RblSeparationConfig separation;
+  separation.acceleration_mps2 = 2.0;
+  separation.jerk_mps3 = 20.0;
+  const MotionLimits cut = separation.within(limits);
+  EXPECT_EQ(cut.horizontal_acceleration_mps2, 2.0);
+  EXPECT_EQ(cut.vertical_acceleration_mps2, 1.0);
+  EXPECT_EQ(cut.horizontal_jerk_mps3, 20.0);
+  EXPECT_EQ(cut.vertical_jerk_mps3, 10.0);
+  EXPECT_EQ(cut.horizontal_speed_mps, limits.horizontal_speed_mps);
+  const MotionLimits slow{1.0, 1.0, 10.0, 1.0, 1.0, 10.0, 0.5, 1.0};
+  EXPECT_EQ(separation.within(slow).horizontal_acceleration_mps2, 1.0);
+  EXPECT_EQ(separation.within(slow).vertical_jerk_mps3, 10.0);
 }
 
 TEST(RblSeparation, IntoTheUnknownTwoFlyAsFastAsBothCanStop) {

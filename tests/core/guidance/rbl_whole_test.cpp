@@ -43,7 +43,8 @@ class PlainRbl {
         memory_(config.neighbors, agent.neighbor_views),
         planner_(config.cells, rules_for(config), planar_),
         sensed_(config.cells.sensing_radius_m, config.cells.step_m, planar_),
-        reference_(MotionLimits{}),
+        limits_(config.separation.enabled ? config.separation.within(MotionLimits{}) : MotionLimits{}),
+        reference_(limits_),
         settling_(config.settle_s),
         sight_(agent.neighbor_views) {
     goal_.position_m = agent.T_local_body_start.translation();
@@ -84,7 +85,7 @@ class PlainRbl {
   }
 
   bool arrived = false, pressed = false;
-  int num_waits = 0, num_pressed = 0, num_turned_away = 0;
+  int num_waits = 0, num_pressed = 0, num_dodged = 0, num_turned_away = 0;
   RblStatus status;
   Reference goal;
 
@@ -133,7 +134,6 @@ class PlainRbl {
 
   /// Planes halfway between the ways on which both brake, nearer by what is unsure along the line between them.
   void keep_from_others(double sigmas) {
-    const MotionLimits limits;
     const double apart_m = 2.0 * c_.cells.encumbrance_m + c_.separation.margin_m;
     const double late_s = c_.separation.reaction_s + 1.0 / c_.update_rate_hz;
     planes_.clear();
@@ -143,18 +143,28 @@ class PlainRbl {
       const Vector3 along = (its_m - flat(p_m_)).normalized();
       const double comes_mps = std::max(0.0, -along.dot(its_mps));
       const double unsure_m = std::sqrt(along.dot(other.covariance_local_m2 * along)) +
-                              (late_s + comes_mps / limits.horizontal_acceleration_mps2) *
+                              (late_s + comes_mps / limits_.horizontal_acceleration_mps2) *
                                   std::sqrt(along.dot(other.velocity_covariance_local_m2ps2 * along));
-      const HalfSpace plane = braking_cut({flat(p_m_), flat(reference_.rest_local_m())},
-                                          braking_of(its_m, its_mps, late_s + other.unpredicted_s, limits), apart_m,
-                                          planar_ ? apart_m : c_.separation.vertical_m, sigmas * unsure_m);
-      if (plane.offset_m < -0.01) pressed = true;
-      planes_.push_back(plane);
-      if (plane.offset_m < c_.cells.sensing_radius_m) {
-        planner_.cuts().push_back(plane);
-        planner_.cell().cut(plane);
-      }
+      const Braking self{flat(p_m_), flat(reference_.rest_local_m())};
+      const double above_m = planar_ ? apart_m : c_.separation.vertical_m;
+      const HalfSpace plane = braking_cut(self, braking_of(its_m, its_mps, late_s + other.unpredicted_s, limits_),
+                                          apart_m, above_m, sigmas * unsure_m);
+      stay_behind(plane);
+      // Half a second before the own half of the room is used up by one that comes faster than 0.5 m/s.
+      if (comes_mps <= 0.5 || plane.offset_m + 0.5 * sigmas * unsure_m >= 0.25 * comes_mps) continue;
+      const auto beside = dodging_cut(self, its_m, its_mps, apart_m, above_m, limits_);
+      if (!beside) continue;
+      ++num_dodged;
+      stay_behind(*beside);
     }
+  }
+
+  void stay_behind(const HalfSpace& plane) {
+    if (plane.offset_m < -0.01) pressed = true;
+    planes_.push_back(plane);
+    if (plane.offset_m >= c_.cells.sensing_radius_m) return;
+    planner_.cuts().push_back(plane);
+    planner_.cell().cut(plane);
   }
 
   void keep_from_voxels(RblCell& cell, std::vector<HalfSpace>& cuts, TimeNs since) {
@@ -196,6 +206,7 @@ class PlainRbl {
   RblPlanner planner_;
   RblCell sensed_;
   ObstacleCutter cutter_;
+  MotionLimits limits_;
   GuardedReference reference_;
   RblSettling settling_;
   RblSight sight_;
@@ -209,7 +220,7 @@ class PlainRbl {
 };
 
 TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
-  int waits = 0, pressed = 0, turned_away = 0, arrived = 0;
+  int waits = 0, pressed = 0, dodged = 0, turned_away = 0, arrived = 0;
   for (std::uint32_t round = 0; round < 24; ++round) {
     const Random random(round, "test.rbl-whole");
     std::uint32_t index = 0;
@@ -237,6 +248,8 @@ TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
     config.separation.sigmas = draw(0.5, 3.0);
     config.separation.vertical_m = draw(0.8, 2.0);
     config.separation.reaction_s = draw(0.05, 0.4);
+    config.separation.acceleration_mps2 = draw(1.0, 3.0);
+    config.separation.jerk_mps3 = draw(8.0, 30.0);
     const Vector3 start_m(draw(-4.0, 4.0), draw(-4.0, 4.0), draw(1.5, 4.0));
     GuidanceDriver driver("rbl", config, start_m, draw(-3.0, 3.0));
     if (round % 2 == 1) {
@@ -284,11 +297,13 @@ TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
     }
     waits += plain.num_waits;
     pressed += plain.num_pressed;
+    dodged += plain.num_dodged;
     turned_away += plain.num_turned_away;
     arrived += plain.arrived;
   }
   EXPECT_GT(waits, 5);
   EXPECT_GT(pressed, 5);
+  EXPECT_GT(dodged, 5);
   EXPECT_GT(turned_away, 5);
   EXPECT_GT(arrived, 1);
 }

@@ -302,6 +302,20 @@ TEST(Overlay, ElementsOfAListCanBeChangedByIndexNameOrAll) {
               HasSubstr("expected a list whose elements can be changed"));
 }
 
+TEST(Overlay, ElementsWhoseNamesBeginAlikeCanBeChangedTogether) {
+  const std::string boats = "boats: [{name: red1}, {name: blue1, rate_hz: 3}, {name: red2}, {name: infrared}]\n";
+  const FleetConfig fleet = read_fleet(boats, {{"boats[red*].rate_hz", "7"}, {"boats[red2*].tilt_deg", "2"}});
+  ASSERT_EQ(fleet.boats.size(), 4u);
+  EXPECT_EQ(fleet.boats[0].rate_hz, 7.0);
+  EXPECT_EQ(fleet.boats[1].rate_hz, 3.0);
+  EXPECT_EQ(fleet.boats[2].rate_hz, 7.0);
+  EXPECT_NE(fleet.boats[3].rate_hz, 7.0);  // it only ends so
+  EXPECT_EQ(fleet.boats[2].tilt_deg, 2.0);
+  EXPECT_NE(fleet.boats[0].tilt_deg, 2.0);
+  EXPECT_THAT(fleet_error("base: calm.yaml\nboats[green*]: {rate_hz: 7}\n"),
+              HasSubstr("boats[green*]: expected an index below 2, the name of an element or *, found \"green*\""));
+}
+
 TEST(Overlay, AnotherTypeStartsAfresh) {
   const std::string base = "boats: [{drive: {type: engine, cylinders: 2}, crew: [sail]}]\n";
   EXPECT_EQ(read_fleet(base, {{"boats[0].drive.type", "sail"}}).boats[0].drive.type, "sail");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,7 +19,11 @@ struct RblSeparationConfig {
   double vertical_m = 1.5;
   double reaction_s = 0.2;
   double pledge_share = 0.45;
+  double acceleration_mps2 = 2.5;
+  double jerk_mps3 = 15.0;
 
+  /// Those of the vehicle, where they are not above what it follows closely; the vertical ones in the same ratio.
+  MotionLimits within(MotionLimits limits) const;
   void visit(ConfigVisitor& v);
 };
 
@@ -48,6 +53,16 @@ HalfSpace braking_cut(const Braking& self, const Braking& other, double distance
 /// @return relative to `p_local_m`, where the vehicle is now
 HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
                       double distance_m, double vertical_m, double unsure_m, double share);
+
+/// What lies beside the way of somebody who flies straight on. Whoever backs off before it is caught up with.
+///
+/// It is the side that the vehicle is on, or the right one as the other flies. The vehicle moves level, or up or down
+/// where that is sooner done.
+/// @return relative to the place of `self`; nothing when the other does not come, or passes `self` at its stop by more
+///         than the distance
+std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other_local_m,
+                                     const Vector3& v_other_local_mps, double distance_m, double vertical_m,
+                                     const MotionLimits& limits);
 
 /// How fast a vehicle may fly that knows nobody ahead. One that flies towards it as fast may be just beyond the range
 /// of its sensor. Both can still stop when they have seen each other.

@@ -30,7 +30,7 @@ struct Place {
 struct Entry;
 
 struct Node {
-  /// kElements holds changes to single elements of a list: entries "[0]", "[*]", "[name]" (see merge).
+  /// kElements holds changes to single elements of a list: entries "[0]", "[*]", "[name]", "[beginning*]" (see merge).
   enum class Kind { kNull, kScalar, kList, kMap, kElements };
 
   Kind kind = Kind::kNull;

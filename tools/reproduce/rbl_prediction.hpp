@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "swiftlet/sim/scenario/scenario.hpp"
+
+namespace swiftlet::tools {
+
+/// What the least distance of vehicles that fly by rule-based Lloyd depends on.
+struct RblConditions {
+  double encumbrance_m = 0.5;
+  double margin_m = 0.1;
+  double sigmas = 2.0;  ///< that the vehicles reserve for what they do not know
+  double speed_mps = 4.0;
+  double acceleration_mps2 = 2.0;
+  double reaction_s = 0.3;  ///< with the period of the updates
+  double noise = 0.0;       ///< of the range, share of it
+  double latency_s = 0.0;
+  double rate_hz = 10.0;
+  double range_m = 15.0;
+  bool all_around = true;     ///< no blind sector
+  double intruder_mps = 0.0;  ///< of one that flies straight through; 0: nobody does
+};
+
+/// Of the scenario's first vehicle that flies by rbl, and of the fastest one that flies by waypoints and arrives in
+/// time.
+RblConditions conditions_of(const sim::Scenario& scenario);
+
+/// The distance between centers that these conditions promise, as docs/rbl.md derives it. Nothing is promised (0) where
+/// an intruder need not be seen before it is there.
+double predicted_distance_m(const RblConditions& conditions);
+
+/// How far a vehicle comes in that time from rest: on and on faster, then at its speed.
+double way_from_rest_m(double time_s, double speed_mps, double acceleration_mps2);
+
+}  // namespace swiftlet::tools
