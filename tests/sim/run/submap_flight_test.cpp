@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A vehicle that knows where it is by SLAM and plans through the map of its submaps.
 #include <gtest/gtest.h>
+#include <octomap/OcTree.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "swiftlet/core/map_voxels.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -59,18 +62,59 @@ TEST(SubmapFlight, ClosesItsLoopAndFliesOnThroughTheMapThatMovedWithoutTouchingA
   EXPECT_LT(inside, on_wall / 10);
 }
 
-TEST(SubmapFlight, HasTheSameBitsOnAnyNumberOfThreads) {
+/// To and fro beside the building, so that the graph moves the map within seconds.
+Scenario soon_closed(double duration_s, ConfigChanges changes = {}) {
+  changes.emplace_back("vehicles[0].agent.localization.global.closure_gap_m", "6");
+  changes.emplace_back("vehicles[0].agent.guidance.goals_m", "[[-4.5, -10, 3], [-12.5, -10, 3]]");
+  return submap_navigation(duration_s, changes);
+}
+
+TEST(SubmapFlight, HasTheSameBitsOnAnyNumberOfThreadsAlsoAfterAClosure) {
   std::uint64_t hashes[2] = {};
-  std::size_t cells[2] = {};
+  MapVoxels maps[2];
   for (int threads : {1, 2}) {
-    Simulation simulation(submap_navigation(5.0), threads);
+    Simulation simulation(soon_closed(25.0), threads);
     while (!simulation.finished()) simulation.tick();
     hashes[threads - 1] = simulation.state_hash();
-    cells[threads - 1] = map_of(simulation).size();
+    maps[threads - 1] = map_of(simulation);
+    EXPECT_GE(simulation.view().actions[0]->estimate.correction_revision, 1U) << "the graph moved the map";
   }
   EXPECT_EQ(hashes[0], hashes[1]);
-  EXPECT_EQ(cells[0], cells[1]);
-  EXPECT_GT(cells[0], 10000U);
+  EXPECT_GT(maps[0].size(), 10000U);
+  EXPECT_EQ(maps[0].centers_local_m, maps[1].centers_local_m);
+  EXPECT_EQ(maps[0].state, maps[1].state);
+}
+
+// OctoMap's library itself reads the file that the recorder wrote.
+TEST(SubmapFlight, TheFileOfItsMapHasEveryCellForOctomapsLibrary) {
+  const TemporaryDirectory folder;
+  Simulation simulation(soon_closed(25.0, {{"recorders", "[{type: map, format: bt, maps: [mapping]}]"}}), 2);
+  simulation.attach_recorders(folder.path());
+  while (!simulation.finished()) simulation.tick();
+  EXPECT_GE(simulation.view().actions[0]->estimate.correction_revision, 1U) << "the graph moved the map";
+  const std::vector<std::filesystem::path> files = simulation.finish();
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_EQ(files[0].extension(), ".bt");
+  octomap::OcTree tree(1.0);
+  ASSERT_TRUE(tree.readBinary((folder.path() / files[0]).string()));
+  const MapVoxels map = map_of(simulation);
+  EXPECT_DOUBLE_EQ(tree.getResolution(), map.edge_m);
+  std::size_t num_occupied = 0, num_wrong = 0;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Eigen::Vector3f& p = map.centers_local_m[i];
+    const octomap::OcTreeNode* node = tree.search(p.x(), p.y(), p.z());
+    const bool occupied = map.state[i] >= map.occupied_from;
+    num_occupied += occupied;
+    num_wrong += node == nullptr || tree.isNodeOccupied(node) != occupied;
+  }
+  EXPECT_EQ(num_wrong, 0U);
+  EXPECT_GT(num_occupied, 1000U);
+  EXPECT_GT(map.size(), 2 * num_occupied) << "free cells are there as well";
+  std::size_t num_cells = 0;  // pruned leaves are cubes of cells
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
+    num_cells += std::size_t{1} << 3 * (tree.getTreeDepth() - leaf.getDepth());
+  }
+  EXPECT_EQ(num_cells, map.size()) << "and nothing else";
 }
 
 TEST(SubmapFlight, WithoutAPoseGraphItIsRefused) {
