@@ -22,7 +22,7 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kHeight_m = 8.0;
-constexpr double kNeed_m = 1.0;  // the sum of two encumbrances
+constexpr double kEncumbrances_m = 1.0;  // the sum of two encumbrances
 
 /// The vehicle of the document's crossing with the settings that rbl has by itself.
 sim::Scenario pattern_of(std::uint64_t seed) {
@@ -279,7 +279,7 @@ void rbl_safety(Experiment& experiment) {
   experiment.claim("random scenes: no contact", fmt::format("{:g} of {} flights with contact", contacts, scenes),
                    contacts == 0.0,
                    fmt::format("least distance {:.2f} m; sum of the encumbrances {:g} m",
-                               *std::min_element(least_m.begin(), least_m.end()), kNeed_m));
+                               *std::min_element(least_m.begin(), least_m.end()), kEncumbrances_m));
   sim::plot::Figure figure("Random scenes", 1);
   sim::plot::Panel& panel = figure.add_panel("");
   panel.x.label = "noise of the range, share of it [-]";
