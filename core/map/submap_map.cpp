@@ -27,29 +27,28 @@ bool is_lattice_m(double p_m, double step_m, int& steps) {
   return std::abs(p_m - count * step_m) < kRounding * step_m;
 }
 
-/// The votes of pieces on the cells of a block, from the oldest piece on.
+/// The votes of pieces on the cells of a block, from the newest piece on. A cell is decided when a piece saw it
+/// occupied, or as many in a row saw it free as outvote older ones. What older pieces say of it no longer matters.
 class Votes {
  public:
-  explicit Votes(int outvoted_by) : outvoted_by_(outvoted_by) {}
+  explicit Votes(int outvoted_by) : outvoted_by_(outvoted_by) { open_.fill(~std::uint64_t{0}); }
 
   void take(const RayCells::Bits& occupied, const RayCells::Bits& free) {
     for (std::size_t z = 0; z < occupied.size(); ++z) {
-      known_[z] |= occupied[z] | free[z];
-      occupied_[z] |= occupied[z];
+      known_[z] |= (occupied[z] | free[z]) & open_[z];
+      occupied_[z] |= occupied[z] & open_[z];
+      open_[z] &= ~occupied[z];
       if (outvoted_by_ == 0) continue;
-      // In a row, since the last that saw it occupied: two bits for each cell.
-      ones_[z] &= ~occupied[z];
-      twos_[z] &= ~occupied[z];
-      const std::uint64_t against = free[z] & ~occupied[z] & occupied_[z];
+      // So many in a row: two bits for each cell.
+      const std::uint64_t against = free[z] & open_[z];
       twos_[z] ^= ones_[z] & against;
       ones_[z] ^= against;
-      const std::uint64_t outvoted =
-          ((outvoted_by_ & 1) != 0 ? ones_[z] : ~ones_[z]) & ((outvoted_by_ & 2) != 0 ? twos_[z] : ~twos_[z]) & against;
-      occupied_[z] &= ~outvoted;
-      ones_[z] &= ~outvoted;
-      twos_[z] &= ~outvoted;
+      open_[z] &=
+          ~(((outvoted_by_ & 1) != 0 ? ones_[z] : ~ones_[z]) & ((outvoted_by_ & 2) != 0 ? twos_[z] : ~twos_[z]));
     }
   }
+  /// The cells that are not decided yet.
+  const RayCells::Bits& open() const { return open_; }
   void result(RayCells::Bits& occupied, RayCells::Bits& free) const {
     occupied = occupied_;
     for (std::size_t z = 0; z < free.size(); ++z) free[z] = known_[z] & ~occupied_[z];
@@ -57,8 +56,14 @@ class Votes {
 
  private:
   int outvoted_by_;
-  RayCells::Bits known_{}, occupied_{}, ones_{}, twos_{};
+  RayCells::Bits open_{}, known_{}, occupied_{}, ones_{}, twos_{};
 };
+
+const RayCells::Bits kAllCells = [] {
+  RayCells::Bits all;
+  all.fill(~std::uint64_t{0});
+  return all;
+}();
 
 }  // namespace
 
@@ -248,7 +253,11 @@ std::uint32_t SubmapMap::find_or_make_group(const Cell& group) {
 // What a block is
 
 bool SubmapMap::look(const Piece& piece, const Cell& block, Bits& occupied, Bits& free) const {
-  if (!piece.aligned) return look_turned(piece, block, occupied, free);
+  return look(piece, block, kAllCells, occupied, free);
+}
+
+bool SubmapMap::look(const Piece& piece, const Cell& block, const Bits& wanted, Bits& occupied, Bits& free) const {
+  if (!piece.aligned) return look_turned(piece, block, wanted, occupied, free);
   const int i = piece.cells->find(block - piece.offset_blocks);
   if (i < 0) return false;
   const Bits* its_occupied = piece.cells->occupied_of(i);
@@ -257,7 +266,8 @@ bool SubmapMap::look(const Piece& piece, const Cell& block, Bits& occupied, Bits
   return true;
 }
 
-bool SubmapMap::look_turned(const Piece& piece, const Cell& block, Bits& occupied, Bits& free) const {
+bool SubmapMap::look_turned(const Piece& piece, const Cell& block, const Bits& wanted, Bits& occupied,
+                            Bits& free) const {
   const SubmapCells& cells = *piece.cells;
   // The blocks of the piece around this one.
   const Vector3 first = (kSide * block).cast<double>();
@@ -285,7 +295,9 @@ bool SubmapMap::look_turned(const Piece& piece, const Cell& block, Bits& occupie
   const std::int64_t dx = whole(piece.M(0, 0)), dy = whole(piece.M(1, 0)), dz = whole(piece.M(2, 0));
   for (int z = 0; z < kSide; ++z) {
     std::uint64_t layer_occupied = 0, layer_free = 0;
+    const std::uint64_t layer_wanted = wanted[static_cast<std::size_t>(z)];
     for (int y = 0; y < kSide; ++y) {
+      if ((layer_wanted >> (kSide * y) & 0xFFU) == 0) continue;
       const Vector3 row = from + y * piece.M.col(1) + z * piece.M.col(2);
       std::int64_t px = whole(row.x()), py = whole(row.y()), pz = whole(row.z());
       for (int x = 0; x < kSide; ++x, px += dx, py += dy, pz += dz) {
@@ -338,10 +350,10 @@ bool SubmapMap::look_growing(const Cell& block, Bits& occupied, Bits& free) cons
 void SubmapMap::compose(const Group& group, const Cell& block, std::uint32_t but, Composed& made) const {
   Votes votes(config_.outvoted_by);
   Bits occupied, free;
-  for (const std::uint32_t i : group.pieces) {
-    if (i != but && look(pieces_[i], block, occupied, free)) votes.take(occupied, free);
-  }
   if (look_growing(block, occupied, free)) votes.take(occupied, free);
+  for (auto i = group.pieces.rbegin(); i != group.pieces.rend() && any_in(votes.open()); ++i) {
+    if (*i != but && look(pieces_[*i], block, votes.open(), occupied, free)) votes.take(occupied, free);
+  }
   votes.result(made.occupied, made.free);
 }
 
@@ -626,7 +638,8 @@ std::shared_ptr<const SubmapCells> SubmapMap::needed_of(int i) const {
     for (int slot = 0; slot < static_cast<int>(group.slots.size()); ++slot) {
       const Cell block = kGroup * group.at + Cell(slot & 3, slot >> 2 & 3, slot >> 4);
       if (!look(piece, block, occupied, free)) continue;
-      compose(group, block, kAll, all);
+      const Composed* made = composed(*groups_[g], block);
+      all = made != nullptr ? *made : Composed{};
       compose(group, block, self, without);
       for (int z = 0; z < kSide; ++z) {
         const auto word = static_cast<std::size_t>(z);

@@ -33,6 +33,12 @@ void guidance_timing(Experiment& experiment);  // guidance_timing.cpp
 void communication(Experiment& experiment);    // guidance_timing.cpp
 void guidance_sight(Experiment& experiment);   // guidance_sight.cpp
 
+// Graph SLAM in the control loop
+void safe_loop_closure(Experiment& experiment);  // safe_loop_closure.cpp
+void gps_weighting(Experiment& experiment);      // gps_weighting.cpp
+void submap_navigation(Experiment& experiment);  // submap_navigation.cpp
+void slam_drift(Experiment& experiment);         // slam_drift.cpp
+
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);
 void rbl_circle_printed(Experiment& experiment);

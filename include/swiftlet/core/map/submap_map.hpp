@@ -131,7 +131,9 @@ class SubmapMap : public OccupancyView, private OccupiedBlocks {
   void displace(std::uint32_t piece);
   /// What a piece knows of a block; false: nothing.
   bool look(const Piece& piece, const Cell& block, Bits& occupied, Bits& free) const;
-  bool look_turned(const Piece& piece, const Cell& block, Bits& occupied, Bits& free) const;
+  /// The same, at least of the wanted cells.
+  bool look(const Piece& piece, const Cell& block, const Bits& wanted, Bits& occupied, Bits& free) const;
+  bool look_turned(const Piece& piece, const Cell& block, const Bits& wanted, Bits& occupied, Bits& free) const;
   bool look_growing(const Cell& block, Bits& occupied, Bits& free) const;
   static constexpr std::uint32_t kAll = 0xFFFFFFFFU;
   void compose(const Group& group, const Cell& block, std::uint32_t but, Composed& made) const;
