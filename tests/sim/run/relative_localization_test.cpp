@@ -77,6 +77,7 @@ void add_square_guide() {
                              [](const ModuleConfig&, const GuidanceSetup& setup) -> std::unique_ptr<Guidance> {
                                return std::make_unique<SquareGuide>(setup);
                              },
+                             nullptr,
                              ""});
     return true;
   }();
