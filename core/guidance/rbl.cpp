@@ -20,9 +20,10 @@ namespace {
 constexpr double kShortestToFace_m = 0.3;  // nearer than this, a direction is noise
 constexpr double kPressed_m = 0.01;        // farther behind a plane, there is no time to look around
 constexpr double kHurry = 3.0;
-constexpr double kComing_mps = 0.5;  // slower than this, nobody need be dodged
-constexpr double kDodge_s = 0.5;     // before somebody's braking way comes too near, who then does not brake
-constexpr double kPledged_s = 1.0;   // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
+constexpr double kDoubtLeaves_m = 1.0;  // of the cell; one cut at the vehicle itself would drive it away, on and on
+constexpr double kComing_mps = 0.5;     // slower than this, nobody need be dodged
+constexpr double kDodge_s = 0.5;        // before somebody's braking way comes too near, who then does not brake
+constexpr double kPledged_s = 1.0;  // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 /// Of the sensors of neighbors; infinite when they have no limit, or there is none.
@@ -186,7 +187,8 @@ class Rbl : public Guidance {
       const double unsure_m = is_pledged(neighbor, now) ? std::min(seen_m, sigmas * sigma_m) : sigmas * sigma_m;
       const HalfSpace cut = braking_cut(self, other, distance_m, vertical_m, unsure_m);
       pressed_ = pressed_ || cut.offset_m < -kPressed_m;
-      keep_behind(cut);
+      const double sure_m = braking_cut(self, other, distance_m, vertical_m, 0.0).offset_m;
+      keep_behind(cut, std::max(cut.offset_m, std::min(sure_m, kDoubtLeaves_m)));
       // Who brakes is slow by now.
       if (closing_mps > kComing_mps && cut.offset_m + 0.5 * unsure_m < 0.5 * kDodge_s * closing_mps) {
         if (const auto beside = dodging_cut(self, other_local_m, v_local_mps, distance_m, vertical_m, limits_)) {
@@ -204,11 +206,13 @@ class Rbl : public Guidance {
       keep_behind(pledged);
     }
   }
-  void keep_behind(const HalfSpace& cut) {
+  void keep_behind(const HalfSpace& cut) { keep_behind(cut, cut.offset_m); }
+  /// What bounds the cell may lie farther than what bounds the way.
+  void keep_behind(const HalfSpace& cut, double cell_offset_m) {
     braking_cuts_.push_back(cut);
-    if (cut.offset_m >= config_.cells.sensing_radius_m) return;
-    planner_.cuts().push_back(cut);
-    planner_.cell().cut(cut);
+    if (cell_offset_m >= config_.cells.sensing_radius_m) return;
+    planner_.cuts().push_back({cut.normal_local, cell_offset_m});
+    planner_.cell().cut(planner_.cuts().back());
   }
   /// Nobody flies faster than it could stop before whom it does not see yet.
   double speed_mps() const {

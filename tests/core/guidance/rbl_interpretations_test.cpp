@@ -534,15 +534,15 @@ TEST(RblFlight, OutlineIsTheCircleCutByItsPlanes) {
   EXPECT_NEAR(filled_m2, kPi * r * r - cut_off, 0.02 * filled_m2);
 }
 
-/// How far ahead the cell reaches when a neighbor stays 3 m ahead.
-double reach_to_neighbor_m(RblConfig config, const Vector3& variance_m2) {
+/// How far ahead the cell reaches when a neighbor stays ahead.
+double reach_to_neighbor_m(RblConfig config, const Vector3& variance_m2, double ahead_m = 3.0) {
   const Vector3 p_m(1.0, 2.0, 5.0);
   config.separation.enabled = true;
   config.separation.pledge_share = 0.0;  // which takes a share of the room, until the next sample
   config.goal_m = p_m;                   // it rests
   GuidanceDriver driver("rbl", config, p_m);
   for (int i = 0; i < 40; ++i) {
-    driver.sees(1, p_m + Vector3(3.0, 0.0, 0.0));
+    driver.sees(1, p_m + Vector3(ahead_m, 0.0, 0.0));
     driver.observation.neighbors.back().covariance_body = variance_m2.asDiagonal();
     driver.step();
   }
@@ -565,11 +565,12 @@ TEST(RblFlight, TheMarginIsKeptBesideTheEncumbrances) {
   }
 }
 
-TEST(RblFlight, OnlyDoubtAlongTheWayToANeighborTakesRoom) {
+TEST(RblFlight, OnlyDoubtAlongTheWayToANeighborTakesRoomAndItLeavesAMeter) {
   const RblConfig config = flying(Variant::k3d);
-  const double sure_m = reach_to_neighbor_m(config, Vector3::Constant(1e-6));
-  EXPECT_NEAR(reach_to_neighbor_m(config, {1e-6, 0.09, 0.09}), sure_m, 1e-3);
-  EXPECT_LT(reach_to_neighbor_m(config, {0.09, 1e-6, 1e-6}), sure_m - 0.03);
+  const double sure_m = reach_to_neighbor_m(config, Vector3::Constant(1e-6), 4.5);
+  EXPECT_NEAR(reach_to_neighbor_m(config, {1e-6, 0.09, 0.09}, 4.5), sure_m, 1e-3);
+  EXPECT_LT(reach_to_neighbor_m(config, {0.09, 1e-6, 1e-6}, 4.5), sure_m - 0.03);
+  EXPECT_NEAR(reach_to_neighbor_m(config, {100.0, 1e-6, 1e-6}, 4.5), 1.0, 1e-3);
 }
 
 TEST(RblInterpretations, SamplesOfTheWorldsLatticeLieOnMultiplesOfTheStep) {

@@ -264,6 +264,29 @@ TEST(RblSeparation, AnIntruderThatFliesStraightOnIsLetPassHoweverFastItComes) {
   }
 }
 
+// Nobody knows where it is by now. A cell that ended at the vehicle itself would drive it away, as far as it flies.
+TEST(RblSeparation, AtItsGoalAVehicleStaysThoughSomebodyIsNoLongerInReachOfItsSensor) {
+  RblConfig config;
+  config.goal_m = {0.0, 0.0, 5.0};
+  testing::GuidanceDriver driver("rbl", config, config.goal_m);
+  NeighborView view;
+  view.range_max_m = 10.0;
+  view.cones.push_back({Vector3::UnitX(), -1.0});
+  driver.setup.neighbor_views = {view};
+  driver.make("rbl", config);
+  Vector3 other_m(4.0, 0.0, 5.0);
+  double farthest_m = 0.0;
+  for (int i = 0; i < 900; ++i) {
+    if (other_m.x() < 60.0) other_m.x() += 1.0 * driver.dt_s;
+    if ((other_m - driver.p_m()).norm() < view.range_max_m) driver.sees(2, other_m);
+    const Vector3 next_m = driver.step().goal.position_m;
+    driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
+    driver.put(next_m, driver.out.goal.yaw_rad);
+    farthest_m = std::max(farthest_m, (driver.p_m() - config.goal_m).norm());
+  }
+  EXPECT_LT(farthest_m, 0.5);
+}
+
 TEST(RblSeparation, LimitsAboveWhatIsFollowedCloselyAreCutWithTheVerticalOnesInProportion) {
   MotionLimits limits;
   limits.horizontal_acceleration_mps2 = 6.0;

@@ -149,22 +149,25 @@ class PlainRbl {
       const double above_m = planar_ ? apart_m : c_.separation.vertical_m;
       const HalfSpace plane = braking_cut(self, braking_of(its_m, its_mps, late_s + other.unpredicted_s, limits_),
                                           apart_m, above_m, sigmas * unsure_m);
-      stay_behind(plane);
+      // Doubt leaves a meter of the cell.
+      const HalfSpace sure =
+          braking_cut(self, braking_of(its_m, its_mps, late_s + other.unpredicted_s, limits_), apart_m, above_m, 0.0);
+      stay_behind(plane, std::max(plane.offset_m, std::min(sure.offset_m, 1.0)));
       // Half a second before the own half of the room is used up by one that comes faster than 0.5 m/s.
       if (comes_mps <= 0.5 || plane.offset_m + 0.5 * sigmas * unsure_m >= 0.25 * comes_mps) continue;
       const auto beside = dodging_cut(self, its_m, its_mps, apart_m, above_m, limits_);
       if (!beside) continue;
       ++num_dodged;
-      stay_behind(*beside);
+      stay_behind(*beside, beside->offset_m);
     }
   }
 
-  void stay_behind(const HalfSpace& plane) {
+  void stay_behind(const HalfSpace& plane, double cell_offset_m) {
     if (plane.offset_m < -0.01) pressed = true;
     planes_.push_back(plane);
-    if (plane.offset_m >= c_.cells.sensing_radius_m) return;
-    planner_.cuts().push_back(plane);
-    planner_.cell().cut(plane);
+    if (cell_offset_m >= c_.cells.sensing_radius_m) return;
+    planner_.cuts().push_back({plane.normal_local, cell_offset_m});
+    planner_.cell().cut(planner_.cuts().back());
   }
 
   void keep_from_voxels(RblCell& cell, std::vector<HalfSpace>& cuts, TimeNs since) {
