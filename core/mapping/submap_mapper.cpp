@@ -75,10 +75,17 @@ class SubmapMapper : public Mapper {
       low_m = std::min(low_m, center_local_m.z());
       high_m = std::max(high_m, center_local_m.z());
     }
+    const auto color_of_height = [](float f) {
+      return Eigen::Vector4f(0.15F + 0.75F * f, 0.35F + 0.35F * f, 0.60F - 0.45F * f, 1.0F);
+    };
     for (const Vector3& center_local_m : centers_local_m) {
       all.positions.push_back(center_local_m.cast<float>());
-      const auto f = static_cast<float>((center_local_m.z() - low_m) / std::max(high_m - low_m, config_.edge_m));
-      all.colors.push_back({0.15F + 0.75F * f, 0.35F + 0.35F * f, 0.60F - 0.45F * f, 1.0F});
+      all.colors.push_back(
+          color_of_height(static_cast<float>((center_local_m.z() - low_m) / std::max(high_m - low_m, config_.edge_m))));
+    }
+    if (!all.positions.empty()) {
+      all.legend = {{"lowest occupied cells of all submaps", color_of_height(0.0F)},
+                    {"highest of them", color_of_height(1.0F)}};
     }
     overlays.push_back(std::move(near));
     overlays.push_back(std::move(all));

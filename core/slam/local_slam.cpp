@@ -69,6 +69,7 @@ void LocalSlam::begin_again() {
     filter_.begin_with(learned, learned.state().nav.v_mps - velocity_gained(learned));
     motion_ = {};
     map_.clear();
+    drift_ = MapDrift(config_.drift, T_local_body_start_.translation());
     inserted_ = {};
     num_inserted_ = 0;
     std::size_t next = 0;
@@ -127,7 +128,8 @@ ScanOutcome LocalSlam::match(const Scan& scan) {
     outcome.used = true;
   }
   const int num_known = std::max(outcome.fit.num_known, 1);
-  drift_.move_to(filter_.state().nav.p_m, outcome.fit.num_fresh / static_cast<double>(num_known));
+  drift_.move_to(filter_.state().nav.p_m, outcome.fit.num_fresh / static_cast<double>(num_known),
+                 num_inserted_ < kEveryScanFirst);
   if (map_.num_cells() == 0 || due_for_map()) {
     if (smeared) map_.clear();  // made of a scan whose motion was not known
     if (map_.num_cells() == 0) filter_.anchor_pose();
@@ -181,7 +183,7 @@ MapDrift::MapDrift(const MapDriftConfig& config, const Vector3& p_local_m) : con
       Vector3::Constant(squared_of(config.start_attitude_deg * kRadPerDeg));
 }
 
-void MapDrift::move_to(const Vector3& p_local_m, double fresh) {
+void MapDrift::move_to(const Vector3& p_local_m, double fresh, bool young) {
   const Vector3 step_m = p_local_m - p_local_m_;
   p_local_m_ = p_local_m;
   // A turn of the map by phi moves what lies by d away by phi x d.
@@ -191,6 +193,13 @@ void MapDrift::move_to(const Vector3& p_local_m, double fresh) {
   const double way_m = fresh * step_m.norm();
   C_.diagonal().head<3>().array() += squared_of(config_.position_m_sqrt_m) * way_m;
   C_.diagonal().tail<3>().array() += squared_of(config_.attitude_deg_sqrt_m * kRadPerDeg) * way_m;
+  if (!young) return;
+  // These errors are no random walk: all of them lie behind the vehicle. So deviations add up, not variances.
+  const double before_m2 = squared_of(young_way_m_);
+  young_way_m_ += step_m.norm();
+  const double more_m2 = squared_of(young_way_m_) - before_m2;
+  C_.diagonal().head<3>().array() += squared_of(config_.young_position_share) * more_m2;
+  C_.diagonal().tail<3>().array() += squared_of(config_.young_attitude_deg_m * kRadPerDeg) * more_m2;
 }
 
 Matrix6 MapDrift::covariance(const Matrix3& R_local_body) const {
@@ -206,6 +215,9 @@ void MapDriftConfig::visit(ConfigVisitor& v) {
   v.field("position_m_sqrt_m", position_m_sqrt_m, "[m/sqrt(m)] sigma of its position by the way into the unknown",
           not_negative);
   v.field("attitude_deg_sqrt_m", attitude_deg_sqrt_m, "[deg/sqrt(m)] the same of its attitude", not_negative);
+  v.field("young_position_share", young_position_share,
+          "[-] sigma of its position, as a share of the way during the first scans", not_negative);
+  v.field("young_attitude_deg_m", young_attitude_deg_m, "[deg/m] the same of its attitude", not_negative);
 }
 
 void LocalSlamConfig::visit(ConfigVisitor& v) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "parallel.hpp"
@@ -56,11 +57,12 @@ TEST(SlamFlights, TheMedianLeavesOutWhatWasNotMeasured) {
 }
 
 // To and fro beside the building: the submaps of the way back lie on those of the way there.
-sim::Scenario to_and_fro() {
-  sim::Scenario scenario = scenario_with(
-      "campus_closure", 1,
-      {{"vehicles[0].agent.guidance.waypoints_m", "[[6, -10, 3], [-12.5, -10, 3]]"}, {"duration_s", "42"}});
-  return scenario;
+sim::Scenario to_and_fro(const std::string& form) {
+  return scenario_with("campus_slam", 1,
+                       {{"vehicles[0].agent.localization.global.enabled", "true"},
+                        {"vehicles[0].agent.localization.global.blend.form", form},
+                        {"vehicles[0].agent.guidance.waypoints_m", "[[7.5, -10, 3], [-12.5, -10, 3]]"},
+                        {"duration_s", "42"}});
 }
 
 TEST(SlamFlights, ClosuresAreHeldAgainstTruthAndAFlightThatIsReadAgainSaysTheSame) {
@@ -68,7 +70,7 @@ TEST(SlamFlights, ClosuresAreHeldAgainstTruthAndAFlightThatIsReadAgainSaysTheSam
   std::vector<SlamFlight> flights;
   for (const bool resume : {false, true}) {
     const Experiment experiment({.directory = folder.path(), .resume = resume});
-    flights.push_back(fly_on_slam(experiment, {to_and_fro()}).front());
+    flights.push_back(fly_on_slam(experiment, {to_and_fro("limited")}).front());
   }
   const SlamFlight &flown = flights[0], &read = flights[1];
   EXPECT_FALSE(flown.crashed);
@@ -78,12 +80,12 @@ TEST(SlamFlights, ClosuresAreHeldAgainstTruthAndAFlightThatIsReadAgainSaysTheSam
   EXPECT_GE(flown.closures.revisits, 2);
   EXPECT_GE(flown.closures.closed, 1);
   EXPECT_EQ(flown.closures.false_ones, 0);
-  EXPECT_LT(flown.closures.worst_m, 0.3);
+  EXPECT_LT(flown.closures.worst_m, 0.1);
   EXPECT_GT(flown.corrected_s, 20.0);
   EXPECT_GT(flown.correction.largest_m, 0.0);
   EXPECT_LT(flown.correction.step_m, 1e-5) << "the limited form has none";
   EXPECT_GT(flown.drift_10m_percent, 0.0);
-  EXPECT_LT(flown.graph.rms_m, 0.3);
+  EXPECT_LT(flown.graph.rms_m, 0.1);
 
   EXPECT_EQ(read.way_m, flown.way_m);
   EXPECT_EQ(read.nees, flown.nees);
@@ -96,11 +98,7 @@ TEST(SlamFlights, ClosuresAreHeldAgainstTruthAndAFlightThatIsReadAgainSaysTheSam
 }
 
 TEST(SlamFlights, WithoutAnyBlendTheStepIsTheWholeCorrection) {
-  sim::Scenario scenario = scenario_with("campus_closure", 1,
-                                         {{"vehicles[0].agent.guidance.waypoints_m", "[[6, -10, 3], [-12.5, -10, 3]]"},
-                                          {"vehicles[0].agent.localization.global.blend.form", "none"},
-                                          {"duration_s", "42"}});
-  const SlamFlight f = fly_on_slam(Experiment({}), {scenario}).front();
+  const SlamFlight f = fly_on_slam(Experiment({}), {to_and_fro("none")}).front();
   ASSERT_GE(f.correction.count, 1);
   EXPECT_GT(f.correction.step_m, 1e-4);
   EXPECT_EQ(f.correction.speed_mps, 0.0) << "nothing moves between the steps";

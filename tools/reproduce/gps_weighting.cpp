@@ -24,7 +24,7 @@ constexpr GnssUse kGnssUses[] = {
     {"each axis by its own deviation (eq. 5)", "{weighting: per_axis, huber: 1000}"},
     {"all axes by the worst (eq. 6)", "{weighting: isotropic, huber: 1000}"},
     {"by the square, as released", "{weighting: released, huber: 1000}"},
-    {"the worst, a tenth of it (eq. 7)", "{weighting: isotropic, a: 0.1, huber: 1000}"},
+    {"the worst, a hundred times as much (eq. 7)", "{weighting: isotropic, a: 100, huber: 1000}"},
     {"the worst, with Huber's loss", "{weighting: isotropic, huber: 1}"},
 };
 

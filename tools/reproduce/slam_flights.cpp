@@ -164,6 +164,7 @@ class SlamNotes {
   /// How far it moves the place where the vehicle is now.
   void take_correction(const StateEstimate& e, TimeNs t, double dt_s) {
     CorrectionCourse& course = flight_.correction;
+    if (!last_) T_before_ = e.T_world_local;
     if (!last_) return;
     const Vector3 p_local_m = e.T_local_body.translation();
     const Vector3 moved_m = e.T_world_local * p_local_m - last_->T_world_local * p_local_m;

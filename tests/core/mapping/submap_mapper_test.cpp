@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "swiftlet/core/stages/mappers.hpp"
@@ -285,6 +286,28 @@ TEST(SubmapMapper, OfMorePiecesThanMayBeTheOldestIsForgottenAndThatIsTold) {
   EXPECT_EQ(counters[1].setting, "pieces_max");
   EXPECT_EQ(counters[1].count, 1U) << "three are finished";
   EXPECT_EQ(counters[1].of, 3U);
+}
+
+TEST(SubmapMapper, ThePictureOfTheMapTellsItsColors) {
+  SubmapMapping mapping(every_beam());
+  const auto picture = [&](const std::string& name) {
+    std::vector<Overlay> overlays;
+    mapping.mapper->append_overlays(overlays);
+    const auto found = std::find_if(overlays.begin(), overlays.end(), [&](const Overlay& o) { return o.name == name; });
+    return found != overlays.end() ? *found : Overlay{};
+  };
+  EXPECT_TRUE(picture("mapping.map").legend.empty()) << "nothing is drawn yet";
+  mapping.begin_submap(at(0, 0, 1));
+  mapping.see({0, 0, 1});
+  const Overlay map = picture("mapping.map");
+  ASSERT_EQ(map.legend.size(), 2U);
+  ASSERT_EQ(map.colors.size(), map.positions.size());
+  const auto [low, high] = std::minmax_element(map.positions.begin(), map.positions.end(),
+                                               [](const auto& a, const auto& b) { return a.z() < b.z(); });
+  EXPECT_LT(low->z(), high->z());
+  EXPECT_EQ(map.legend[0].color, map.colors[static_cast<std::size_t>(low - map.positions.begin())]);
+  EXPECT_EQ(map.legend[1].color, map.colors[static_cast<std::size_t>(high - map.positions.begin())]);
+  EXPECT_NE(map.legend[0].color, map.legend[1].color);
 }
 
 TEST(SubmapMapper, IsRefusedWithoutAPoseGraph) {

@@ -253,5 +253,26 @@ TEST(MapDrift, IsTheSumOfWhatEachStepOfTheWayAdded) {
   }
 }
 
+// By a share of the way, not by its root; and a map that is no longer young takes no part in that.
+TEST(MapDrift, WhileTheMapIsYoungItsDoubtGrowsWithTheWay) {
+  MapDriftConfig config;
+  config.start_position_m = config.start_attitude_deg = 0.0;
+  config.position_m_sqrt_m = config.attitude_deg_sqrt_m = 0.0;
+  config.young_position_share = 0.01;
+  config.young_attitude_deg_m = 0.5;
+  for (const int steps : {1, 4, 16}) {
+    MapDrift drift(config, Vector3::Zero());
+    for (int i = 1; i <= steps; ++i) drift.move_to({0, 0, 2.0 * i / steps}, 0.0, true);
+    const Matrix6 C = drift.covariance(Matrix3::Identity());
+    EXPECT_NEAR(std::sqrt(C(2, 2)), 0.02, 1e-12) << steps << ": along the way no lever works";
+    EXPECT_NEAR(std::sqrt(C(5, 5)), 1.0 * kRadPerDeg, 1e-12) << steps << ": however many steps";
+    drift.move_to({0, 0, 12}, 0.0);
+    const Matrix6 later = drift.covariance(Matrix3::Identity());
+    EXPECT_NEAR(later(2, 2), C(2, 2), 1e-12);
+    EXPECT_NEAR(later(5, 5), C(5, 5), 1e-12);
+    EXPECT_GT(later(0, 0), C(0, 0) + std::pow(10.0 * kRadPerDeg, 2) * 0.99) << "a turn of the map works by its lever";
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -15,12 +15,15 @@
 
 namespace swiftlet {
 
-/// How far the map may be off: at its beginning, and by the square root of the way into the unknown.
+/// How far the map may be off: at its beginning, and by the square root of the way into the unknown. While the map is
+/// young, planes rest on few noisy points, and drag the estimate behind the vehicle: by a share of the way.
 struct MapDriftConfig {
   double start_position_m = 0.003;
   double start_attitude_deg = 0.02;
   double position_m_sqrt_m = 0.0007;
   double attitude_deg_sqrt_m = 0.002;
+  double young_position_share = 0.006;
+  double young_attitude_deg_m = 0.04;
 
   void visit(ConfigVisitor& v);
 };
@@ -30,13 +33,15 @@ class MapDrift {
  public:
   MapDrift(const MapDriftConfig& config, const Vector3& p_local_m);
   /// The vehicle has moved. `fresh` is the share of its surroundings that the map does not know well yet.
-  void move_to(const Vector3& p_local_m, double fresh);
+  /// @param young  the map is made of the first scans only
+  void move_to(const Vector3& p_local_m, double fresh, bool young = false);
   /// Of position (local frame) and attitude (body axes).
   Matrix6 covariance(const Matrix3& R_local_body) const;
 
  private:
   MapDriftConfig config_;
   Vector3 p_local_m_;
+  double young_way_m_ = 0.0;
   Matrix6 C_ = Matrix6::Zero();  // of position and rotation vector, both in local axes
 };
 
