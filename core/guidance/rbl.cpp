@@ -20,7 +20,8 @@ namespace {
 constexpr double kShortestToFace_m = 0.3;  // nearer than this, a direction is noise
 constexpr double kPressed_m = 0.01;        // farther behind a plane, there is no time to look around
 constexpr double kHurry = 3.0;
-constexpr double kDoubtLeaves_m = 1.0;  // of the cell; one cut at the vehicle itself would drive it away, on and on
+constexpr double kLongUnseen_s = 5.0;   // then doubt says little about where somebody is
+constexpr double kDoubtLeaves_m = 1.0;  // of the cell by then; one cut at the vehicle itself drives it away, on and on
 constexpr double kComing_mps = 0.5;     // slower than this, nobody need be dodged
 constexpr double kDodge_s = 0.5;        // before somebody's braking way comes too near, who then does not brake
 constexpr double kPledged_s = 1.0;  // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
@@ -187,8 +188,10 @@ class Rbl : public Guidance {
       const double unsure_m = is_pledged(neighbor, now) ? std::min(seen_m, sigmas * sigma_m) : sigmas * sigma_m;
       const HalfSpace cut = braking_cut(self, other, distance_m, vertical_m, unsure_m);
       pressed_ = pressed_ || cut.offset_m < -kPressed_m;
+      const bool long_unseen = to_seconds(now - neighbor.seen) > kLongUnseen_s;
       const double sure_m = braking_cut(self, other, distance_m, vertical_m, 0.0).offset_m;
-      keep_behind(cut, std::max(cut.offset_m, std::min(sure_m, kDoubtLeaves_m)));
+      const double left_m = long_unseen ? std::min(sure_m, kDoubtLeaves_m) : cut.offset_m;
+      keep_behind(cut, std::max(cut.offset_m, left_m));
       // Who brakes is slow by now.
       if (closing_mps > kComing_mps && cut.offset_m + 0.5 * unsure_m < 0.5 * kDodge_s * closing_mps) {
         if (const auto beside = dodging_cut(self, other_local_m, v_local_mps, distance_m, vertical_m, limits_)) {
@@ -205,6 +208,8 @@ class Rbl : public Guidance {
       pledged.offset_m = std::max(pledged.offset_m, least_m);
       keep_behind(pledged);
     }
+    if (!pressed_) return;
+    for (const HalfSpace& cut : braking_cuts_) planner_.cell().cut(cut);  // who hurries aims where it may go at once
   }
   void keep_behind(const HalfSpace& cut) { keep_behind(cut, cut.offset_m); }
   /// What bounds the cell may lie farther than what bounds the way.

@@ -149,16 +149,20 @@ class PlainRbl {
       const double above_m = planar_ ? apart_m : c_.separation.vertical_m;
       const HalfSpace plane = braking_cut(self, braking_of(its_m, its_mps, late_s + other.unpredicted_s, limits_),
                                           apart_m, above_m, sigmas * unsure_m);
-      // Doubt leaves a meter of the cell.
+      // Of one unseen for five seconds, doubt leaves a meter of the cell.
       const HalfSpace sure =
           braking_cut(self, braking_of(its_m, its_mps, late_s + other.unpredicted_s, limits_), apart_m, above_m, 0.0);
-      stay_behind(plane, std::max(plane.offset_m, std::min(sure.offset_m, 1.0)));
+      const bool gone = now_ - other.seen > 5 * kNsPerSecond;
+      stay_behind(plane, gone ? std::max(plane.offset_m, std::min(sure.offset_m, 1.0)) : plane.offset_m);
       // Half a second before the own half of the room is used up by one that comes faster than 0.5 m/s.
       if (comes_mps <= 0.5 || plane.offset_m + 0.5 * sigmas * unsure_m >= 0.25 * comes_mps) continue;
       const auto beside = dodging_cut(self, its_m, its_mps, apart_m, above_m, limits_);
       if (!beside) continue;
       ++num_dodged;
       stay_behind(*beside, beside->offset_m);
+    }
+    for (const HalfSpace& plane : planes_) {
+      if (pressed) planner_.cell().cut(plane);
     }
   }
 
