@@ -422,12 +422,29 @@ void OccupancyMap::append_voxels(MapVoxels& copy) const {
   copy.states = {"free", "occupied"};
   copy.occupied_from = 1;
   copy.log_odds = true;
-  for (const About& about : blocks_) {
+  const auto known = [](const Block& b, int z) {
+    return b.occupied[z] | b.valued[z] | b.misses_1[z] | b.misses_2[z] | b.misses_4[z];
+  };
+  // There are millions: room for all of them at once.
+  std::size_t count = copy.size();
+  for (int i = 0; i < static_cast<int>(blocks_.size()); ++i) {
+    for (int z = 0; blocks_[i].used && z < kSide; ++z) count += std::popcount(known(block(i), z));
+  }
+  copy.centers_local_m.reserve(count);
+  copy.state.reserve(count);
+  copy.value.reserve(count);
+  for (int i = 0; i < static_cast<int>(blocks_.size()); ++i) {
+    const About& about = blocks_[i];
     if (!about.used) continue;
-    for (int i = 0; i < kCells; ++i) {
-      const Cell cell = kSide * about.at + Cell(i & 7, (i >> 3) & 7, i >> 6);
-      const CellState state = state_of(cell);
-      if (state != CellState::kUnknown) copy.add(center_of(cell), state == CellState::kOccupied, log_odds(cell));
+    const Block& b = block(i);
+    for (int z = 0; z < kSide; ++z) {
+      for (auto bits = known(b, z); bits != 0; bits &= bits - 1) {
+        const int bit = std::countr_zero(bits);
+        const Cell cell = kSide * about.at + Cell(bit & 7, bit >> 3, z);
+        const bool valued = (b.valued[z] >> bit & 1U) != 0, occupied = (b.occupied[z] >> bit & 1U) != 0;
+        copy.add(center_of(cell), occupied,
+                 valued ? page(about.page).log_odds[z << 6 | bit] : after_misses_[misses_of(b, z, bit)]);
+      }
     }
   }
 }
