@@ -188,10 +188,12 @@ class Rbl : public Guidance {
       const double unsure_m = is_pledged(neighbor, now) ? std::min(seen_m, sigmas * sigma_m) : sigmas * sigma_m;
       const HalfSpace cut = braking_cut(self, other, distance_m, vertical_m, unsure_m);
       pressed_ = pressed_ || cut.offset_m < -kPressed_m;
-      const bool long_unseen = to_seconds(now - neighbor.seen) > kLongUnseen_s;
-      const double sure_m = braking_cut(self, other, distance_m, vertical_m, 0.0).offset_m;
-      const double left_m = long_unseen ? std::min(sure_m, kDoubtLeaves_m) : cut.offset_m;
-      keep_behind(cut, std::max(cut.offset_m, left_m));
+      double cell_m = cut.offset_m;
+      if (to_seconds(now - neighbor.seen) > kLongUnseen_s) {
+        const double sure_m = braking_cut(self, other, distance_m, vertical_m, 0.0).offset_m;
+        cell_m = std::max(cell_m, std::min(sure_m, kDoubtLeaves_m));
+      }
+      keep_behind(cut, cell_m);
       // Who brakes is slow by now.
       if (closing_mps > kComing_mps && cut.offset_m + 0.5 * unsure_m < 0.5 * kDodge_s * closing_mps) {
         if (const auto beside = dodging_cut(self, other_local_m, v_local_mps, distance_m, vertical_m, limits_)) {

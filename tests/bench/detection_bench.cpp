@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,6 +18,7 @@
 #include "swiftlet/sim/sensors/lidar.hpp"
 #include "swiftlet/sim/world/forest.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
+#include "tests/bench/processor_time.hpp"
 #include "tests/bench/reference_detection.hpp"
 #include "tests/support/sensor_driver.hpp"
 
@@ -101,21 +101,15 @@ VofodConfig config() {
   return config;
 }
 
-double now_s() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 /// Processor time of one stage over the flight.
 struct Timing {
   double sum_s = 0.0, max_s = 0.0;
   int count = 0;
   template <class Stage>
   double measure(Stage&& stage) {
-    const double start = now_s();
+    const double start = processor_time_s();
     stage();
-    const double took = now_s() - start;
+    const double took = processor_time_s() - start;
     sum_s += took;
     max_s = std::max(max_s, took);
     ++count;

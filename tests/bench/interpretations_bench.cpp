@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,6 +19,7 @@
 #include "swiftlet/sim/sensors/lidar.hpp"
 #include "swiftlet/sim/world/field.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
+#include "tests/bench/processor_time.hpp"
 #include "tests/support/sensor_driver.hpp"
 
 namespace swiftlet::sim {
@@ -122,12 +122,6 @@ struct Score {
   }
 };
 
-double now_s() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 void interpretation(benchmark::State& state, bool noisy, const std::function<void(VofodConfig&)>& change) {
   VofodConfig config;
   config.map.extent = VoxelMapConfig::Extent::kBounded;
@@ -141,13 +135,13 @@ void interpretation(benchmark::State& state, bool noisy, const std::function<voi
     std::vector<Detection> detections;
     for (int i = 0; i < kScans; ++i) {
       detections.clear();
-      const double start = now_s();
+      const double start = processor_time_s();
       stages.cast_rays(*clouds[i]);
       stages.classify(*clouds[i], detections);
       stages.apply_rays(1);
       stages.find_separate();
       stages.remove_separate(1);
-      score.cpu_s += now_s() - start;
+      score.cpu_s += processor_time_s() - start;
       if (i >= kWarmUp) score.add(*clouds[i], detections);
     }
     const char* const names[] = {"recall_0_10", "recall_10_20", "recall_20_45"};

@@ -7,7 +7,6 @@
 #include <omp.h>
 
 #include <cmath>
-#include <ctime>
 #include <queue>
 #include <unordered_map>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "swiftlet/core/map/occupancy_map.hpp"
 #include "swiftlet/core/planning/clear_path.hpp"
 #include "swiftlet/core/planning/guiding_viewpoint.hpp"
+#include "tests/bench/processor_time.hpp"
 #include "tests/support/flown_scans.hpp"
 
 namespace swiftlet {
@@ -70,19 +70,6 @@ const std::vector<Rays>& forest_scans() {
     return made;
   }();
   return scans;
-}
-
-double processor_time_s() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-template <class Work>
-double time_of_s(Work&& work) {
-  const double start = processor_time_s();
-  work();
-  return processor_time_s() - start;
 }
 
 void insertion(benchmark::State& state, const std::vector<Rays>& scans) {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <memory>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "swiftlet/core/localization/local_cloud.hpp"
 #include "swiftlet/core/map/submap_map.hpp"
 #include "swiftlet/core/mapping/submap_mapper.hpp"
+#include "tests/bench/processor_time.hpp"
 #include "tests/support/flown_scans.hpp"
 
 namespace swiftlet {
@@ -21,19 +21,6 @@ namespace {
 
 constexpr double kSubmap_m = 8.0;
 constexpr int kSubmaps = 100;
-
-double processor_time_s() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-template <class Work>
-double time_of_s(Work&& work) {
-  const double start = processor_time_s();
-  work();
-  return processor_time_s() - start;
-}
 
 struct Seen {
   std::shared_ptr<const SubmapCells> cells;
