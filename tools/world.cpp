@@ -26,6 +26,7 @@ struct WorldOptions {
   std::string out;
   std::string map;
   std::optional<double> cut_height_m;
+  double paper_mm = 0.0;
   bool quiet = false;
 };
 
@@ -46,8 +47,9 @@ sim::CameraConfig camera_above(const Eigen::AlignedBox3d& bounds_world_m) {
   return camera;
 }
 
-/// The world and where the vehicles start, without a flight.
-std::filesystem::path draw_map(const WorldOptions& options, sim::Scenario scenario, const sim::Scene& scene) {
+/// The world and where the vehicles start, without a flight. For a paper it comes as PNG and as SVG.
+std::vector<std::filesystem::path> draw_map(const WorldOptions& options, sim::Scenario scenario,
+                                            const sim::Scene& scene) {
   const std::filesystem::path file(options.map);
   if (file.extension() != ".png")
     throw sim::InputError(fmt::format("--map {}: expected a name that ends in .png", options.map));
@@ -58,21 +60,29 @@ std::filesystem::path draw_map(const WorldOptions& options, sim::Scenario scenar
     scenario.snapshots[0].cut_above = true;
     scenario.snapshots[0].cut_height_m = *options.cut_height_m;
   }
+  if (options.paper_mm > 0.0) {
+    scenario.snapshots[0].style = sim::PictureMedium::kPaper;
+    scenario.snapshots[0].width_mm = options.paper_mm;
+  }
   const ScratchFolder scratch;
   sim::Simulation simulation(sim::validated(scenario));
   simulation.attach_recorders(scratch.path());
   simulation.tick();
+  std::vector<std::filesystem::path> written;
   for (const auto& picture : simulation.finish()) {
     std::ostringstream content;
     content << std::ifstream(scratch / picture.string(), std::ios::binary).rdbuf();
-    sim::write_file(file, content.str());
+    written.push_back(std::filesystem::path(file).replace_extension(picture.extension()));
+    sim::write_file(written.back(), content.str());
   }
-  return file;
+  return written;
 }
 
 void export_scenario_world(const WorldOptions& options) {
   if (options.out.empty() && options.map.empty())
     throw sim::InputError("world: expected --out FILE.ply or --map FILE.png, found neither");
+  if (options.map.empty() && (options.cut_height_m || options.paper_mm > 0.0))
+    throw sim::InputError("world: --cut and --paper are of the map: expected --map FILE.png, found none");
   const sim::Scenario scenario = options.scenario.load();
   const sim::Scene scene = sim::make_world(scenario.world, scenario.seed_of_world());
   std::vector<std::filesystem::path> written;
@@ -81,7 +91,9 @@ void export_scenario_world(const WorldOptions& options) {
     if (out.has_parent_path()) sim::make_directory(out.parent_path());
     written = sim::export_world(scene, out);
   }
-  if (!options.map.empty()) written.push_back(draw_map(options, scenario, scene));
+  if (!options.map.empty()) {
+    for (auto& picture : draw_map(options, scenario, scene)) written.push_back(std::move(picture));
+  }
   if (options.quiet) return;
   fmt::print("{} with seed {}: {} triangles, {} objects\n", scenario.world.type, scenario.seed_of_world(),
              scene.num_triangles(), scene.objects.size());
@@ -100,6 +112,8 @@ void add_world(CLI::App& app) {
                  {.value_name = "FILE.png"});
   command.option("--cut", options->cut_height_m, "On the map, leave out what is higher: crowns, roofs",
                  {.value_name = "METERS"});
+  command.option("--paper", options->paper_mm, "The map for a paper: this wide, white, as PNG and SVG",
+                 {.value_name = "MILLIMETERS", .min = 10.0, .max = 1000.0});
   command.flag("-q,--quiet", options->quiet, "Print errors only");
   command.action([options] { export_scenario_world(*options); });
 }

@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "sim/report/detection_section.hpp"
 #include "sim/report/html.hpp"
 #include "sim/report/time_series.hpp"
 #include "swiftlet/sim/errors.hpp"
@@ -235,7 +236,8 @@ std::vector<fs::path> write_run_report(const fs::path& directory) {
   const Json summary = read_json(summary_file);
   std::string body;
   try {
-    body = heading(summary) + replay_section(directory) + metrics_section(summary) + series_section(directory) +
+    body = heading(summary) + replay_section(directory) + metrics_section(summary) +
+           detection_section(summary.value("detection_over_distance", Json::object())) + series_section(directory) +
            events_section(directory) + pictures_section(directory) + radio_section(summary) + stages_section(summary) +
            scenario_section(directory);
   } catch (const Json::exception& error) {

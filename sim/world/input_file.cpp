@@ -168,8 +168,11 @@ PlyHeader parse_ply_header(const fs::path& file, const std::string& content) {
     words >> word;
     if (word == "end_header") break;
     if (word == "format") {
-      std::string format;
-      words >> format;
+      std::string format, version;
+      words >> format >> version;
+      // Of several the library may believe another one, and then take text for the length of a list.
+      if (has_format) reject_file(file, "PLY header: expected one format, found a second one: '" + line + "'");
+      if (version != "1.0") reject_file(file, "PLY header: expected a format of version 1.0, found '" + line + "'");
       has_format = true;
       if (format == "ascii")
         header.format = PlyHeader::Format::kAscii;

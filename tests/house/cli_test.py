@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -328,10 +329,17 @@ class Cli(unittest.TestCase):
     def test_a_map_of_the_world_is_drawn_without_a_flight(self):
         self.refused("world", self.scenario, "--map", "world.jpg", tells=["--map world.jpg", ".png"])
         self.refused("world", self.scenario, tells=["--out", "--map"])
+        self.refused("world", self.scenario, "--out", "world.ply", "--paper", "85", tells=["--paper", "--map"])
         result = self.run_swiftlet("world", self.scenario, "--map", "maps/world.png", "--cut", "2")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("maps/world.png", result.stdout)
         self.assertTrue((self.path / "maps/world.png").read_bytes().startswith(b"\x89PNG"))
+        self.assertFalse((self.path / "maps/world.svg").exists())
+        result = self.run_swiftlet("world", self.scenario, "--map", "paper/world.png", "--paper", "85")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        size_px = struct.unpack(">II", (self.path / "paper/world.png").read_bytes()[16:24])
+        self.assertEqual(size_px[0], 1004)  # 85 mm at 300 dpi
+        self.assertIn('width="85.0', (self.path / "paper/world.svg").read_text())
 
     def test_a_finished_run_can_be_rendered(self):
         self.run_swiftlet("run", self.scenario, "--out", "out", "-q", check=True)

@@ -773,6 +773,36 @@ TEST(RunReport, ListsAreCutWhereTheyGetLong) {
   EXPECT_THAT(bare, Not(HasSubstr("<h2>Radio")));
 }
 
+TEST(RunReport, DrawsRecallAndErrorOverDistanceOfEveryVehicleThatDetects) {
+  const TemporaryDirectory folder;
+  write_file(folder.path() / "summary.json", R"({"detection_over_distance": {
+    "a<b": {"tracker": [{"from_m": 0, "to_m": 10, "targets": 8, "recall": 1.0, "recall_visible": 1.0, "error_mean_m": 0.125},
+                        {"from_m": 10, "to_m": 20, "targets": 6, "recall": 0.5, "recall_visible": 0.75, "error_mean_m": null}],
+            "detector": [{"from_m": 0, "to_m": 10, "targets": 9, "recall": 0.25}]},
+    "uav2": {"detector": []}}})");
+  write_run_report(folder.path());
+  std::ifstream file(folder.path() / "report.html");
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_LT(page.find("recall of the detector"), page.find("recall of the tracker"));
+  EXPECT_THAT(page, HasSubstr("error of the tracker"));
+  EXPECT_THAT(page, Not(HasSubstr("a<b")));
+  const auto numbers = table_after(page, "recall of the tracker");
+  ASSERT_EQ(numbers.size(), 2U);
+  EXPECT_EQ(numbers[0], (std::vector<std::string>{"a&lt;b", "0 to 10", "8", "1", "1", "0.125", "–", "–", "–"}));
+  EXPECT_EQ(numbers[1], (std::vector<std::string>{"a&lt;b", "10 to 20", "6", "0.5", "0.75", "–", "–", "–", "–"}));
+  write_file(folder.path() / "summary.json", R"({"detection_over_distance": {"a": {"detector": [{"from_m": "x"}]}}})");
+  EXPECT_THROW(write_run_report(folder.path()), InputError);
+}
+
+TEST(RunReport, NobodyWhoDetectsNoPlotOverDistance) {
+  const TemporaryDirectory folder;
+  write_file(folder.path() / "summary.json", R"({"detection_over_distance": {}})");
+  write_run_report(folder.path());
+  std::ifstream file(folder.path() / "report.html");
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_THAT(page, Not(HasSubstr("over distance")));
+}
+
 TEST(RunReport, DamagedTablesAreRefusedByTheirName) {
   for (const std::string& content : {std::string(), std::string("# t_s\n1\n2\n"), std::string("# t_s x_m y_m\n1 2 3\n"),
                                      std::string("\0\0\n\xff 1", 6)}) {

@@ -308,6 +308,24 @@ TEST_F(WorldFiles, APlyMeshThatEndsBeforeItsFacesDoIsRefused) {
               HasSubstr("truncated: it ends before 'vertex_indices' of face 1"));
 }
 
+// The library believes the first format and would take text for the length of a list: gigabytes for a file of 800 bytes.
+TEST_F(WorldFiles, APlyHeaderHasOneFormatOfVersionOne) {
+  const auto with_formats = [](const std::string& lines) {
+    return "ply\n" + lines +
+           "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "element face 1\nproperty list uint int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n";
+  };
+  EXPECT_NO_THROW(import_mesh(write("one.ply", with_formats("format ascii 1.0\n"))));
+  EXPECT_THAT(rejection([&] {
+                import_mesh(write("two.ply", with_formats("format binary_big_endian 1.0\nformat ascii 1.0\n")));
+              }),
+              HasSubstr("expected one format, found a second one: 'format ascii 1.0'"));
+  for (const char* line : {"format ascii\n", "format ascii 2.0\n"}) {
+    EXPECT_THAT(rejection([&] { import_mesh(write("version.ply", with_formats(line))); }),
+                HasSubstr("expected a format of version 1.0"));
+  }
+}
+
 TEST_F(WorldFiles, TruncatedFilesNeverCrash) {
   Mesh ball;
   add_icosphere(ball, {1, 2, 3}, 0.5F, 1);
