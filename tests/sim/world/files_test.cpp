@@ -308,7 +308,8 @@ TEST_F(WorldFiles, APlyMeshThatEndsBeforeItsFacesDoIsRefused) {
               HasSubstr("truncated: it ends before 'vertex_indices' of face 1"));
 }
 
-// The library believes the first format and would take text for the length of a list: gigabytes for a file of 800 bytes.
+// The library believes the first format and would take text for the length of a list: gigabytes for a file of 800
+// bytes.
 TEST_F(WorldFiles, APlyHeaderHasOneFormatOfVersionOne) {
   const auto with_formats = [](const std::string& lines) {
     return "ply\n" + lines +
