@@ -203,6 +203,17 @@ TEST(Slam, CountsScansThatItDoesNotRecognizeAndNamesTheSetting) {
   EXPECT_LE(counter.count, counter.of);
 }
 
+TEST(Slam, AScanWithoutReturnsIsNotOneThatItDoesNotRecognize) {
+  SyntheticFlight flight = biased_flight(loop_at);
+  Course course;
+  course.duration_s = 4.0;
+  course.blind_from_s = 2.0;
+  course.blind_for_s = 1.0;
+  const Counter counter = fly(flight, course).counters.at(0);
+  EXPECT_EQ(counter.count, 0U);
+  EXPECT_GT(counter.of, 0U);
+}
+
 TEST(Slam, FollowsATurnOfThreeRadiansPerSecond) {
   SyntheticFlight flight = biased_flight([](double t_s) {
     const double turn = t_s < 1.0 ? 0.0 : 3.0 * (t_s - 1.0 - 0.5 * (1.0 - std::exp(-2.0 * (t_s - 1.0))));
