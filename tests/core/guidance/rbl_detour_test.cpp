@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "swiftlet/core/guidance/rbl.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
@@ -146,6 +147,29 @@ TEST(RblDetour, ThePathKeepsTheHeightOfAPlaneAndElseStaysNearItsHeights) {
   for (int i = 0; i < 20; ++i) planar.tick();
   ASSERT_TRUE(planar.detour.on_path());
   EXPECT_NEAR(highest(planar), 1.0, 0.3);
+}
+
+TEST(RblDetour, ThePathIsTheSameFarFromTheOrigin) {
+  RblDetourConfig config = quick();
+  config.climb_m = 5.0;
+  const auto corners_at = [&](double x_m) {
+    Flight flight(config);
+    const Vector3 shift_m(x_m, 0.0, 0.0);
+    flight.now.z_max_m = 6.0;
+    flight.now.p_local_m = shift_m + Vector3(0, 0, 1);
+    flight.now.goal_local_m = shift_m + Vector3(6, 0, 4);  // near: the path leads up to its height
+    flight.world.occupy_box(shift_m + Vector3(3.0, -2.0, 0.0), shift_m + Vector3(3.25, 2.0, 5.0));
+    flight.held = true;
+    for (int i = 0; i < 20; ++i) flight.tick();
+    std::vector<Vector3> corners_m;
+    for (const Vector3& corner_m : flight.detour.corners_local_m()) corners_m.push_back(corner_m - shift_m);
+    return corners_m;
+  };
+  const std::vector<Vector3> here_m = corners_at(0.0), there_m = corners_at(40.0);
+  ASSERT_GE(here_m.size(), 3U);
+  ASSERT_EQ(there_m.size(), here_m.size());
+  for (std::size_t i = 0; i < here_m.size(); ++i) EXPECT_LT((there_m[i] - here_m[i]).norm(), 1e-9);
+  EXPECT_NEAR(here_m.back().z(), 4.0, 0.3);
 }
 
 TEST(RblDetour, AroundAVehicleThatStandsInTheWayButThroughItWhenThereIsNoOther) {
