@@ -184,6 +184,18 @@ TEST_P(EveryLoss, IsConsistentWithoutFalseSightings) {
   EXPECT_NEAR(result.mean_nees, 4.0, bound_of_mean_nees(150));
 }
 
+TEST_P(EveryLoss, ThatIsRobustSurvivesFalseSightings) {
+  Trial trial;
+  trial.config.loss = GetParam();
+  if (trial.config.loss == RelativeAlignmentConfig::Loss::kSquared) return;
+  trial.outlier_share = 0.15;
+  trial.config.min_inlier_share = 0.5;
+  const MonteCarlo result = monte_carlo(trial, 60);
+  EXPECT_GE(result.found, 58);
+  EXPECT_NEAR(result.mean_nees, 4.0, 3.0 * bound_of_mean_nees(60));
+  RecordProperty("nees", std::to_string(result.mean_nees));
+}
+
 TEST(RelativeAlignment, ThirtyPercentOfFalseSightingsDoNotReachIt) {
   Trial trial;
   trial.outlier_share = 0.3;
