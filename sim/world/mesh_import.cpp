@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "sim/world/input_file.hpp"
+#include "sim/world/ply_file.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
@@ -69,32 +70,30 @@ Label label_of(const MeshImportConfig& config, const std::string& mesh_name, con
   return label;
 }
 
-// A reader may believe the counts in a file's head: check them against its length before it allocates.
-void check_head(const fs::path& file, const std::string& extension, const std::string& content) {
+// The library believes the number of triangles in the head of an STL file before it looks how long the file is.
+void check_stl(const fs::path& file, const std::string& content) {
+  if (content.compare(0, 5, "solid") == 0) return;
+  if (content.size() < 84)
+    reject_file(file, "truncated: expected 84 bytes of STL header, found " + std::to_string(content.size()));
+  std::uint32_t triangles = 0;
+  std::memcpy(&triangles, content.data() + 80, sizeof triangles);
+  const std::uint64_t expected = 84 + 50ULL * triangles;
+  if (content.size() < expected) {
+    reject_file(file, "truncated: expected " + std::to_string(expected) + " bytes for " + std::to_string(triangles) +
+                          " triangles, found " + std::to_string(content.size()));
+  }
+}
+
+/// The library reads a PLY file that we wrote: its own reader reads on behind the end, and takes text for lengths.
+const aiScene* read_scene(Assimp::Importer& importer, const fs::path& file, const std::string& extension) {
+  const std::string content = read_whole_file(file);
   if (content.empty()) reject_file(file, "expected a mesh, found an empty file");
   if (extension == "ply") {
-    const PlyHeader header = parse_ply_header(file, content);
-    for (const char* needed : {"vertex", "face"}) {
-      bool is_there = false;
-      for (const PlyHeader::Element& element : header.elements)
-        is_there = is_there || (element.name == needed && element.count > 0);
-      if (!is_there)
-        reject_file(file, std::string("expected a mesh with elements '") + needed +
-                              "', found none (a point cloud is a world of type cloud)");
-    }
-    check_ply_lists(file, header, content);
+    const std::string plain = to_plain_ply(read_ply_mesh(file, content));
+    return importer.ReadFileFromMemory(plain.data(), plain.size(), 0, "ply");
   }
-  if (extension == "stl" && content.compare(0, 5, "solid") != 0) {
-    if (content.size() < 84)
-      reject_file(file, "truncated: expected 84 bytes of STL header, found " + std::to_string(content.size()));
-    std::uint32_t triangles = 0;
-    std::memcpy(&triangles, content.data() + 80, sizeof triangles);
-    const std::uint64_t expected = 84 + 50ULL * triangles;
-    if (content.size() < expected) {
-      reject_file(file, "truncated: expected " + std::to_string(expected) + " bytes for " + std::to_string(triangles) +
-                            " triangles, found " + std::to_string(content.size()));
-    }
-  }
+  if (extension == "stl") check_stl(file, content);
+  return importer.ReadFile(file, 0);
 }
 
 // The library triangulates polygons by assertions, not by messages.
@@ -223,15 +222,13 @@ Scene make_mesh_import(const MeshImportConfig& config, std::uint64_t) {
   const std::string extension = extension_of(config.file);
   if (extension != "obj" && extension != "ply" && extension != "stl")
     reject_file(config.file, "expected a mesh named .obj, .ply or .stl");
-  check_head(config.file, extension, read_whole_file(config.file));
-
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const auto require = [&](const aiScene* scene) {
     if (scene == nullptr || scene->mRootNode == nullptr)
       reject_file(config.file, std::string("cannot be read as a mesh: ") + importer.GetErrorString());
   };
-  const aiScene* source = importer.ReadFile(config.file, 0);
+  const aiScene* source = read_scene(importer, config.file, extension);
   require(source);
   for (unsigned i = 0; i < source->mNumMeshes; ++i) check_faces(config.file, *source->mMeshes[i]);
   source = importer.ApplyPostProcessing(aiProcess_ValidateDataStructure | aiProcess_Triangulate |

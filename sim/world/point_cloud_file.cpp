@@ -11,6 +11,8 @@
 #include <sstream>
 
 #include "sim/world/input_file.hpp"
+#include "sim/world/number_reading.hpp"
+#include "sim/world/ply_file.hpp"
 #include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {
@@ -18,52 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
-
-// A number as it lies in a binary file.
-double decode(const char* bytes, char kind, int size, bool swap) {
-  std::array<char, 8> word{};
-  std::copy_n(bytes, size, word.begin());
-  if (swap) std::reverse(word.begin(), word.begin() + size);
-  const auto as = [&]<class Value>(Value value) {
-    std::memcpy(&value, word.data(), sizeof value);
-    return static_cast<double>(value);
-  };
-  if (kind == 'f') return size == 4 ? as(float{}) : as(double{});
-  if (kind == 'i')
-    return size == 1   ? as(std::int8_t{})
-           : size == 2 ? as(std::int16_t{})
-           : size == 4 ? as(std::int32_t{})
-                       : as(std::int64_t{});
-  return size == 1   ? as(std::uint8_t{})
-         : size == 2 ? as(std::uint16_t{})
-         : size == 4 ? as(std::uint32_t{})
-                     : as(std::uint64_t{});
-}
-
-// Takes words off a text file.
-class Words {
- public:
-  Words(const std::string& content, std::size_t begin)
-      : next_(content.data() + begin), end_(content.data() + content.size()) {}
-
-  std::optional<double> number() {
-    while (next_ != end_ && std::isspace(static_cast<unsigned char>(*next_))) ++next_;
-    if (next_ != end_ && *next_ == '+') ++next_;
-    double value = 0.0;
-    const auto result = std::from_chars(next_, end_, value);
-    if (result.ec == std::errc::result_out_of_range)
-      value = std::nan("");
-    else if (result.ec != std::errc())
-      return std::nullopt;
-    next_ = result.ptr;
-    if (next_ != end_ && !std::isspace(static_cast<unsigned char>(*next_))) return std::nullopt;
-    return value;
-  }
-
- private:
-  const char* next_;
-  const char* end_;
-};
 
 void keep_finite(std::vector<Vector3d>& points, const Vector3d& point) {
   if (point.allFinite()) points.push_back(point);

@@ -119,6 +119,16 @@ TEST(Surroundings, TheNearestOccupiedCellIsAWallBeforeAllOthers) {
   EXPECT_NEAR(walls[1].excess_m({3, 0, 2}), -2.0, 1e-12);
 }
 
+TEST(Surroundings, OfTwoCellsInReachTheOneNearerToThePlaceCounts) {
+  Surroundings around = open_air();
+  const testing::ToldMap map({Vector3(6, 0, 50), Vector3(12, 0, 50)}, 0.2);
+  around.map = &map;
+  around.clearance_m = 1.0;
+  const std::vector<Wall> walls = walls_at(around, {10, 0, 50});
+  ASSERT_EQ(walls.size(), 1U);
+  EXPECT_NEAR(walls[0].excess_m({10, 0, 50}), 1.0 + 0.1 * std::sqrt(3.0) - 2.0, 2e-3);
+}
+
 TEST(Surroundings, WhoIsAboveATargetThatIsFlownOverStaysAbove) {
   Surroundings around = open_air();
   around.bystanders.push_back({{0, 0, 50}, {0, 0, 0}, 2.0, true});

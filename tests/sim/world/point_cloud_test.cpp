@@ -5,11 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 
 #include "sim/world/input_file.hpp"
+#include "sim/world/ply_file.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/world/mesh_import.hpp"
@@ -19,6 +21,7 @@ namespace swiftlet::sim {
 namespace {
 
 using Eigen::Vector3d;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using Points = std::vector<Vector3d>;
@@ -403,55 +406,103 @@ TEST(InputFile, ExtensionsAreInLowerCaseWithoutTheirDot) {
   EXPECT_EQ(extension_of("a/b"), "");
 }
 
-std::string check_lists(const std::string& content) {
+std::string refused(const std::string& content) {
   try {
-    check_ply_lists("a.ply", parse_ply_header("a.ply", content), content);
+    read_ply_mesh("a.ply", content);
   } catch (const InputError& error) {
     return error.what();
   }
   return "";
 }
 
-TEST(PlyLists, OfABinaryFileFitIntoWhatIsLeftOfIt) {
-  for (const std::string order : {"little", "big"}) {
-    const std::string head =
-        "ply\nformat binary_" + order +
-        "_endian 1.0\nelement a 1\nelement v 2\nproperty short s\n"
-        "element face 2\nproperty uchar tag\nproperty list ushort int v\nproperty uchar after\nend_header\n";
-    const auto length = [&](int n) {
-      const char low = static_cast<char>(n & 255), high = static_cast<char>(n >> 8);
-      return order == "big" ? std::string{high, low} : std::string{low, high};
-    };
-    const std::string vertices(4, 'v');
-    const std::string whole =
-        head + vertices + "t" + length(3) + std::string(12, 'i') + "a" + "t" + length(1) + "iiii" + "a";
-    EXPECT_EQ(check_lists(whole), "") << order;
-    EXPECT_EQ(check_lists(whole + "more"), "");
-    EXPECT_THAT(check_lists(whole.substr(0, whole.size() - 1)),
-                HasSubstr("truncated: it ends before 'after' of face 1"));
-    EXPECT_THAT(check_lists(whole.substr(0, whole.size() - 2)), HasSubstr("face 1: expected a list 'v' that fits"));
-    EXPECT_THAT(check_lists(whole.substr(0, whole.size() - 6)), HasSubstr("it ends before 'v' of face 1"));
-    // Five values of four bytes are in the twenty-one that follow, six are not.
-    EXPECT_THAT(check_lists(head + vertices + "t" + length(6) + std::string(21, 'i')),
-                HasSubstr("face 0: expected a list 'v' that fits into the file, found one of 6 values"));
-    EXPECT_THAT(check_lists(head + vertices + "t" + length(5) + std::string(21, 'i')), HasSubstr("face 1"));
-    EXPECT_THAT(check_lists(head + vertices + "t" + length(700) + std::string(2000, 'i')),
-                HasSubstr("found one of 700"));
+/// A binary file of two vertices, an element that nobody knows between them and two faces of 3 and 200 corners.
+class PlyMeshOf : public ::testing::TestWithParam<std::string> {
+ protected:
+  template <class Value>
+  std::string bytes(Value value) const {
+    std::string out(sizeof value, ' ');
+    std::memcpy(out.data(), &value, sizeof value);
+    if (GetParam() == "big") std::reverse(out.begin(), out.end());
+    return out;
+  }
+  std::string face(int length, int corner) const {
+    std::string out = "t" + bytes(static_cast<std::uint8_t>(length));
+    for (int i = 0; i < length; ++i) out += bytes(std::int32_t{corner});
+    return out + "a";
+  }
+  std::string head() const {
+    return "ply\nformat binary_" + GetParam() +
+           "_endian 1.0\nelement vertex 2\nproperty short tag\nproperty double x\nproperty float z\nproperty int y\n"
+           "element n 7\nelement m 1\nproperty list ushort float values\nelement face 2\nproperty uchar tag\n"
+           "property list uchar int vertex_index\nproperty uchar after\nend_header\n";
+  }
+  std::string vertices() const {
+    return bytes(std::int16_t{7}) + bytes(1.5) + bytes(2.5F) + bytes(std::int32_t{-3}) +  //
+           bytes(std::int16_t{8}) + bytes(4.0) + bytes(5.0F) + bytes(std::int32_t{6}) +   //
+           bytes(std::uint16_t{2}) + bytes(9.0F) + bytes(9.5F);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Orders, PlyMeshOf, ::testing::Values("little", "big"));
+
+TEST_P(PlyMeshOf, ABinaryFileIsReadValueByValue) {
+  const PlyMesh mesh = read_ply_mesh("a.ply", head() + vertices() + face(3, 1) + face(200, 0));
+  EXPECT_THAT(mesh.vertices_m, ElementsAre(Eigen::Vector3f(1.5F, -3.0F, 2.5F), Eigen::Vector3f(4.0F, 6.0F, 5.0F)));
+  EXPECT_THAT(mesh.corners_begin, ElementsAre(0U, 3U, 203U));
+  EXPECT_EQ(mesh.corners[2], 1U);
+  EXPECT_EQ(mesh.corners[3], 0U);
+}
+
+TEST_P(PlyMeshOf, ABinaryFileThatEndsTooSoonIsRefused) {
+  const std::string whole = head() + vertices() + face(3, 1) + face(4, 0);
+  EXPECT_EQ(refused(whole), "");
+  EXPECT_EQ(refused(whole + "more"), "");
+  EXPECT_THAT(refused(whole.substr(0, whole.size() - 1)), HasSubstr("truncated: it ends before 'after' of face 1"));
+  EXPECT_THAT(refused(whole.substr(0, whole.size() - 18)), HasSubstr("it ends before 'vertex_index' of face 1"));
+  // Five values of four bytes are in the twenty-one that follow, six are not.
+  const std::string begun = head() + vertices() + "t";
+  EXPECT_THAT(refused(begun + bytes(std::uint8_t{6}) + std::string(21, '\0')),
+              HasSubstr("face 0: expected a list 'vertex_index' that fits into the file, found one of 6 values"));
+  EXPECT_THAT(refused(begun + bytes(std::uint8_t{5}) + std::string(21, '\0')), HasSubstr("face 1"));
+}
+
+TEST_P(PlyMeshOf, ACornerWithoutItsVertexIsRefused) {
+  EXPECT_THAT(refused(head() + vertices() + face(3, 1) + face(3, 2)),
+              HasSubstr("face 1 names a vertex that does not exist"));
+  EXPECT_THAT(refused(head() + vertices() + face(3, -1) + face(3, 0)), HasSubstr("face 0 names a vertex"));
+}
+
+TEST(PlyMesh, OfAFileOfWordsHasAllThatItsHeadTells) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement face 2\nproperty list uchar int vertex_indices\nproperty int id\n"
+      "element vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  const std::string vertices = "1 2 3\n-4e1 +5 6\n";
+  const PlyMesh mesh = read_ply_mesh("a.ply", head + "3 0 1 0 7\n 2 1 1 8\n" + vertices);
+  EXPECT_THAT(mesh.vertices_m, ElementsAre(Eigen::Vector3f(1, 2, 3), Eigen::Vector3f(-40, 5, 6)));
+  EXPECT_THAT(mesh.corners, ElementsAre(0U, 1U, 0U, 1U, 1U));
+  EXPECT_THAT(mesh.corners_begin, ElementsAre(0U, 3U, 5U));
+  EXPECT_THAT(refused(head + "3 0 1 0 7\n 2 1 1 8\n1 2 3\n4 5"),
+              HasSubstr("expected a number, found none for 'z' of vertex 1"));
+  EXPECT_THAT(refused(head + "3 0 1 0 7\n 2 1 1 8\n1 2 3x\n4 5 6"), HasSubstr("'z' of vertex 0"));
+  for (const char* length : {"-1", "1.5", "nan", "99", "1e300", "4294967295"}) {
+    EXPECT_THAT(refused(head + "3 0 1 0 7\n" + length + " 0 1\n" + vertices), HasSubstr("face 1: expected a list"))
+        << length;
+  }
+  for (const char* corner : {"-1", "0.5", "2", "4294967295", "1e300", "nan"}) {
+    EXPECT_THAT(refused(head + "3 0 1 0 7\n2 " + corner + " 1 8\n" + vertices),
+                HasSubstr("face 1 names a vertex that does not exist"))
+        << corner;
   }
 }
 
-TEST(PlyLists, OfAFileOfWordsFitIntoWhatIsLeftOfIt) {
-  const std::string head =
-      "ply\nformat ascii 1.0\nelement v 1\nproperty float x\nproperty float y\nelement face 2\n"
-      "property list uchar int v\nproperty int id\nend_header\n";
-  EXPECT_EQ(check_lists(head + "1.5 2.5\n3 0 1 2 7\n 2 0 1 8"), "");
-  EXPECT_EQ(check_lists(head + "1.5 2.5\n3 0 1 2 7\n"), "") << "a reader of words notices for itself that it ends";
-  // A value and a blank each: " 0 1 2 3" has room for four, and "0 1 2 3" as well.
-  EXPECT_THAT(check_lists(head + "1.5 2.5\n5 0 1 2 3"),
-              HasSubstr("face 0: expected a list 'v' that fits into the file"));
-  EXPECT_EQ(check_lists(head + "1.5 2.5\n4 0 1 2 3"), "");
-  EXPECT_THAT(check_lists(head + "1.5 2.5\n-1 0 1 2 3"), HasSubstr("face 0: expected a list"));
-  EXPECT_THAT(check_lists(head + "1.5 2.5\n3 0 1 2 7\n9 0 1 2"), HasSubstr("face 1: expected a list"));
+TEST(PlyMesh, AsAPlainFileIsTheSame) {
+  PlyMesh mesh;
+  mesh.vertices_m = {{1, 2, 3}, {4.5F, -5, 6}, {7, 8, 9e20F}};
+  mesh.corners = {2, 1, 0, 0, 1};
+  mesh.corners_begin = {0, 0, 3, 5};  // the first face has none
+  const PlyMesh again = read_ply_mesh("a.ply", to_plain_ply(mesh));
+  EXPECT_EQ(again.vertices_m, mesh.vertices_m);
+  EXPECT_EQ(again.corners, mesh.corners);
+  EXPECT_EQ(again.corners_begin, mesh.corners_begin);
 }
 
 // ---- Meshes.

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+/// Numbers as they lie in files that others wrote.
+namespace swiftlet::sim {
+
+/// A number of a binary file.
+/// @param kind  i: signed, u: unsigned, f: floating
+/// @param size  its bytes: 1, 2, 4, 8
+/// @param swap  the file has the other order of bytes than this machine
+double decode(const char* bytes, char kind, int size, bool swap);
+
+/// Takes words off a text file, one number after the other.
+class Words {
+ public:
+  Words(const std::string& content, std::size_t begin)
+      : next_(content.data() + begin), end_(content.data() + content.size()) {}
+
+  /// The next word as a number: nothing at the end or where it is none, NaN beyond the range of double.
+  std::optional<double> number();
+  /// Bytes that are left.
+  std::size_t left() const { return static_cast<std::size_t>(end_ - next_); }
+
+ private:
+  const char* next_;
+  const char* end_;
+};
+
+}  // namespace swiftlet::sim
