@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/report/detection_section.hpp"
+#include "sim/report/detection_section_internal.hpp"
 
 #include <algorithm>
 #include <limits>

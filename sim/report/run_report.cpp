@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-#include "sim/report/detection_section.hpp"
+#include "sim/report/detection_section_internal.hpp"
 #include "sim/report/html.hpp"
 #include "sim/report/time_series.hpp"
 #include "swiftlet/sim/errors.hpp"

@@ -136,7 +136,7 @@ class PlyValues {
 void add_vertex(PlyMesh& mesh, const PlyHeader::Property& property, const std::vector<double>& values) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!property.is_list && property.name == std::string(1, "xyz"[axis]))
-      mesh.vertices_m.back()[axis] = static_cast<float>(values[0]);
+      mesh.vertices_mesh_m.back()[axis] = static_cast<float>(values[0]);
   }
 }
 
@@ -153,7 +153,7 @@ void add_face(PlyMesh& mesh, const PlyHeader::Property& property, const std::vec
 void check_corners(const fs::path& file, const PlyMesh& mesh) {
   for (std::size_t face = 0; face + 1 < mesh.corners_begin.size(); ++face) {
     for (std::size_t i = mesh.corners_begin[face]; i < mesh.corners_begin[face + 1]; ++i) {
-      if (mesh.corners[i] >= mesh.vertices_m.size())
+      if (mesh.corners[i] >= mesh.vertices_mesh_m.size())
         reject_file(file, "face " + std::to_string(face) + " names a vertex that does not exist");
     }
   }
@@ -254,7 +254,7 @@ PlyMesh read_ply_mesh(const fs::path& file, const std::string& content) {
     if (element.properties.empty()) continue;
     const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
     for (std::uint64_t row = 0; row < element.count; ++row) {
-      if (is_vertex) mesh.vertices_m.emplace_back(Eigen::Vector3f::Zero());
+      if (is_vertex) mesh.vertices_mesh_m.emplace_back(Eigen::Vector3f::Zero());
       if (is_face) mesh.corners_begin.push_back(mesh.corners.size());
       for (const PlyHeader::Property& property : element.properties) {
         data.take(element, row, property, values);
@@ -270,12 +270,13 @@ PlyMesh read_ply_mesh(const fs::path& file, const std::string& content) {
 
 std::string to_plain_ply(const PlyMesh& mesh) {
   const std::size_t num_faces = mesh.corners_begin.size() - 1;
-  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices_m.size()) +
+  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                    std::to_string(mesh.vertices_mesh_m.size()) +
                     "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
                     std::to_string(num_faces) + "\nproperty list uint int vertex_indices\nend_header\n";
-  out.reserve(out.size() + 12 * mesh.vertices_m.size() + 4 * (num_faces + mesh.corners.size()));
-  for (const Eigen::Vector3f& p_m : mesh.vertices_m) {
-    for (int axis = 0; axis < 3; ++axis) append_little_endian(out, p_m[axis]);
+  out.reserve(out.size() + 12 * mesh.vertices_mesh_m.size() + 4 * (num_faces + mesh.corners.size()));
+  for (const Eigen::Vector3f& p_mesh_m : mesh.vertices_mesh_m) {
+    for (int axis = 0; axis < 3; ++axis) append_little_endian(out, p_mesh_m[axis]);
   }
   for (std::size_t face = 0; face < num_faces; ++face) {
     append_little_endian(out, static_cast<std::uint32_t>(mesh.corners_begin[face + 1] - mesh.corners_begin[face]));

@@ -38,7 +38,7 @@ PlyHeader parse_ply_header(const std::filesystem::path& file, const std::string&
 
 /// What a mesh needs of a PLY file.
 struct PlyMesh {
-  std::vector<Eigen::Vector3f> vertices_m;
+  std::vector<Eigen::Vector3f> vertices_mesh_m;
   std::vector<std::uint32_t> corners;      ///< of all faces, one after the other
   std::vector<std::size_t> corners_begin;  ///< of each face in `corners`, and at last the end
 };

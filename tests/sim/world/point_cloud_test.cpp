@@ -446,7 +446,7 @@ INSTANTIATE_TEST_SUITE_P(Orders, PlyMeshOf, ::testing::Values("little", "big"));
 
 TEST_P(PlyMeshOf, ABinaryFileIsReadValueByValue) {
   const PlyMesh mesh = read_ply_mesh("a.ply", head() + vertices() + face(3, 1) + face(200, 0));
-  EXPECT_THAT(mesh.vertices_m, ElementsAre(Eigen::Vector3f(1.5F, -3.0F, 2.5F), Eigen::Vector3f(4.0F, 6.0F, 5.0F)));
+  EXPECT_THAT(mesh.vertices_mesh_m, ElementsAre(Eigen::Vector3f(1.5F, -3.0F, 2.5F), Eigen::Vector3f(4.0F, 6.0F, 5.0F)));
   EXPECT_THAT(mesh.corners_begin, ElementsAre(0U, 3U, 203U));
   EXPECT_EQ(mesh.corners[2], 1U);
   EXPECT_EQ(mesh.corners[3], 0U);
@@ -477,7 +477,7 @@ TEST(PlyMesh, OfAFileOfWordsHasAllThatItsHeadTells) {
       "element vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
   const std::string vertices = "1 2 3\n-4e1 +5 6\n";
   const PlyMesh mesh = read_ply_mesh("a.ply", head + "3 0 1 0 7\n 2 1 1 8\n" + vertices);
-  EXPECT_THAT(mesh.vertices_m, ElementsAre(Eigen::Vector3f(1, 2, 3), Eigen::Vector3f(-40, 5, 6)));
+  EXPECT_THAT(mesh.vertices_mesh_m, ElementsAre(Eigen::Vector3f(1, 2, 3), Eigen::Vector3f(-40, 5, 6)));
   EXPECT_THAT(mesh.corners, ElementsAre(0U, 1U, 0U, 1U, 1U));
   EXPECT_THAT(mesh.corners_begin, ElementsAre(0U, 3U, 5U));
   EXPECT_THAT(refused(head + "3 0 1 0 7\n 2 1 1 8\n1 2 3\n4 5"),
@@ -496,11 +496,11 @@ TEST(PlyMesh, OfAFileOfWordsHasAllThatItsHeadTells) {
 
 TEST(PlyMesh, AsAPlainFileIsTheSame) {
   PlyMesh mesh;
-  mesh.vertices_m = {{1, 2, 3}, {4.5F, -5, 6}, {7, 8, 9e20F}};
+  mesh.vertices_mesh_m = {{1, 2, 3}, {4.5F, -5, 6}, {7, 8, 9e20F}};
   mesh.corners = {2, 1, 0, 0, 1};
   mesh.corners_begin = {0, 0, 3, 5};  // the first face has none
   const PlyMesh again = read_ply_mesh("a.ply", to_plain_ply(mesh));
-  EXPECT_EQ(again.vertices_m, mesh.vertices_m);
+  EXPECT_EQ(again.vertices_mesh_m, mesh.vertices_mesh_m);
   EXPECT_EQ(again.corners, mesh.corners);
   EXPECT_EQ(again.corners_begin, mesh.corners_begin);
 }
