@@ -115,6 +115,23 @@ TEST(BeamIndex, ASweepInMotionMeetsWhatAWalkOverAllBeamsDoes) {
 
 // Where the place of a target is less sure than it is large, beams between 2.5 deviations and the end of the Gaussian
 // may be counted or not.
+TEST(BeamIndex, BeamsAlongTheAxesMeetWhatLiesThere) {
+  const Vector3 axes[] = {Vector3::UnitX(),  Vector3::UnitY(),  Vector3::UnitZ(),
+                          -Vector3::UnitX(), -Vector3::UnitY(), -Vector3::UnitZ()};
+  auto table = std::make_shared<BeamTable>(*make_beams(1, 6));
+  for (std::size_t i = 0; i < 6; ++i) table->directions_lidar[i] = axes[i].cast<float>();
+  BeamIndex index;
+  index.assign(moving_sweep(table, 0, 0, Vector3::Zero(), Vector3::Zero(), 0.0));
+  for (const Vector3& axis : axes) {
+    EXPECT_NEAR(index.exposure({.p_local_m = 4.0 * axis, .radius_m = 0.2}).shots, 1.0, 1e-6) << axis.transpose();
+    EXPECT_EQ(
+        index.exposure({.p_local_m = Vector3(4.0 * axis + axis.cwiseAbs().cross(Vector3(2, 3, 5))), .radius_m = 0.2})
+            .shots,
+        0.0)
+        << axis.transpose();
+  }
+}
+
 TEST(BeamIndex, AnUnsurePlaceIsLookedForWithinTwoAndAHalfDeviations) {
   const auto table = all_around(40, 160);
   const LocalCloud cloud = moving_sweep(table, 0, 0, {1.0, 2.0, 3.0}, {1.0, 2.0, 3.0}, 0.0);
