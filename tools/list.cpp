@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "commands.hpp"
 #include "plugin_options.hpp"
@@ -34,7 +38,7 @@ struct Kind {
   void (*print)();
 };
 
-void print_line(std::string_view name, std::string_view doc) { fmt::print("  {:<18} {}\n", name, doc); }
+void print_line(std::string_view name, std::string_view doc) { fmt::print("  {:<24} {}\n", name, doc); }
 
 void print_types(std::span<const ModuleType> types) {
   for (const ModuleType& type : types) print_line(type.name, type.doc);
@@ -50,9 +54,29 @@ void print_outcomes() {
   for (const sim::OutcomeWord& word : sim::outcome_words()) print_line(word.name, word.definition);
 }
 
+/// Who draws an overlay: the stack itself, a stage of any type, or types of a stage by name.
 void print_overlays() {
-  const auto names = overlays_of(Module(agent_module_types(), "stack"));
-  for (const std::string& name : names.value()) print_line(name, "");
+  std::vector<std::pair<std::string, std::string>> drawn = {
+      {"reference", "the stack"}, {"tracks", "any tracker"}, {"tracks.covariance", "any tracker"}};
+  const auto add = [&](const char* stage, const auto& registry) {
+    for (const auto& row : registry.rows()) {
+      std::istringstream names(row.overlays != nullptr ? row.overlays : "");
+      for (std::string name; names >> name;) {
+        const auto same =
+            std::find_if(drawn.begin(), drawn.end(), [&](const auto& line) { return line.first == name; });
+        if (same == drawn.end())
+          drawn.emplace_back(name, fmt::format("{} {}", stage, row.module.name));
+        else
+          same->second += fmt::format(", {}", row.module.name);
+      }
+    }
+  };
+  add("localization", estimator_registry());
+  add("detector", detector_registry());
+  add("relative_localization", relative_localizer_registry());
+  add("mapping", mapper_registry());
+  add("guidance", guidance_registry());
+  for (const auto& [name, who] : drawn) print_line(name, "drawn by " + who);
 }
 
 void print_assets(const char* folder) {

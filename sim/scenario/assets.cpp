@@ -31,13 +31,25 @@ std::string head_comment(const std::string& text) {
   return comment;
 }
 
-/// What it says of itself: its `description`, where it has one in a line of its own.
+/// The lines of a text block of YAML as one line: those after its first that are indented.
+std::string block(std::istringstream& lines) {
+  std::string line, text;
+  while (std::getline(lines, line) && line.starts_with(' '))
+    text += (text.empty() ? "" : " ") + line.substr(line.find_first_not_of(' '));
+  text.resize(sentence_end(text));
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
+
+/// What it says of itself: its `description`, or the first sentence of that where it has several lines.
 std::string about(const std::string& text) {
   constexpr std::string_view kKey = "\ndescription: ";
   const std::size_t at = text.find(kKey);
   if (at == std::string::npos) return head_comment(text);
-  const std::size_t begin = at + kKey.size();
-  return text.substr(begin, text.find('\n', begin) - begin);
+  std::istringstream lines(text.substr(at + kKey.size()));
+  std::string line;
+  std::getline(lines, line);
+  return line.starts_with('>') || line.starts_with('|') ? block(lines) : line;
 }
 
 }  // namespace

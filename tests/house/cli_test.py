@@ -149,6 +149,10 @@ class Cli(unittest.TestCase):
                            "relative_localization": "sliding_window", "datasets": "forest_flight"}.items():
             self.assertIn(word, self.run_swiftlet("list", kind).stdout, kind)
         self.assertIn("A UAV guides a smaller one through a gap of 1.15 m and back\n", self.run_swiftlet("list", "scenarios").stdout)
+        self.assertIn("One UAV in managed forests from open to dense", self.run_swiftlet("list", "datasets").stdout)
+        overlays = self.run_swiftlet("list", "overlays").stdout
+        self.assertRegex(overlays, r"\n  detections +drawn by detector vofod, ")
+        self.assertEqual(overlays.count("\n  detections "), 1)
         # What has no description tells the first sentence of its comment.
         vehicles = self.path / "vehicles"
         vehicles.mkdir()

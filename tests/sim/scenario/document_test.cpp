@@ -367,7 +367,10 @@ TEST(AssetLists, TellTheFirstSentenceOfTheHeadOrTheDescription) {
       {"# First\n#\n# Second\n", "First"},
       {"a: 1\n# no head\n", ""},
       {"# Head.\nname: x\ndescription: It flies. Far.\nb: 1\n", "It flies. Far."},
-      {"# Head. x\ndescription: at the end", "at the end"}};
+      {"# Head. x\ndescription: at the end", "at the end"},
+      {"name: x\ndescription: >-\n  Of two\n  lines. More\nb: 1\n", "Of two lines"},
+      {"name: x\ndescription: |\n  At the end.\n", "At the end"},
+      {"name: x\ndescription: >-\nb: 1\n", ""}};
   for (const auto& [text, expected] : texts) {
     const MemoryFiles files({{"/assets/boats/one.yaml", text}, {"/assets/boats/two.txt", "# no"}});
     const auto assets = list_assets("boats", files);
