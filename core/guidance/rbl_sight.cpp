@@ -14,7 +14,18 @@ namespace {
 constexpr double kNoDirection_m = 0.3;  // nearer than this, a direction is noise
 constexpr double kBesideTheView = 0.2;  // tangent of what is near enough
 constexpr double kAheadUnseen = 2.0;    // as much as a neighbor next to it that was not seen for a second
+constexpr double kUnlooked_s = 1.0;     // of an azimuth, that is no matter
+constexpr double kOverduePerS = 0.2;    // of each azimuth beyond that
+constexpr double kComesUnseen = 5.0;    // of each who may have to be dodged
+constexpr double kSlow_mps = 1.0;       // of one that does not come
 constexpr double kUnlookedPerS = 0.02;  // of each azimuth, for one that stands
+
+/// When a neighbor could be here that comes as it does, or slowly; never less than a second.
+double soon_s(const Neighbor& neighbor, const Vector3& to_neighbor_m) {
+  const double d = to_neighbor_m.norm();
+  const double closing_mps = d > 0.0 ? std::max(0.0, -neighbor.velocity_local_mps.dot(to_neighbor_m) / d) : 0.0;
+  return std::max(1.0, d / (kSlow_mps + closing_mps));
+}
 
 Vector3 azimuth_of(int i, int count) {
   const double azimuth_rad = 2.0 * kPi * i / count;
@@ -41,7 +52,7 @@ bool RblSight::sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) c
 }
 
 double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
-                         double last_yaw_rad, TimeNs now) {
+                         std::span<const Vector3> coming_local_m, double last_yaw_rad, TimeNs now) {
   if (views_.empty()) return last_yaw_rad;
   look(T_local_body.linear(), now);
   const Vector3 p_local_m = T_local_body.translation();
@@ -54,11 +65,18 @@ double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, st
     double cost = 0.01 * std::abs(turn_rad);
     for (const Neighbor& neighbor : neighbors) {
       const Vector3 to_m = neighbor.position_local_m - p_local_m;
-      if (!sees(R_body_local * to_m)) cost += (1.0 + to_seconds(now - neighbor.seen)) / std::max(1.0, to_m.norm());
+      if (!sees(R_body_local * to_m)) cost += (1.0 + to_seconds(now - neighbor.seen)) / soon_s(neighbor, to_m);
     }
-    if (flies && !sees(R_body_local * ahead_local_m)) cost += kAheadUnseen;
-    for (int k = 0; k < kHeadings && !flies; ++k) {
-      if (!sees(R_body_local * azimuth_of(k, kHeadings))) cost += kUnlookedPerS * to_seconds(now - looked_[k]);
+    for (const Vector3& coming_m : coming_local_m) {
+      if (!sees(R_body_local * (coming_m - p_local_m))) cost += kComesUnseen;
+    }
+    // Who flies glances aside as far as it still sees where it flies.
+    const bool blindly = flies && !sees(R_body_local * ahead_local_m);
+    if (blindly) cost += kAheadUnseen;
+    for (int k = 0; k < kHeadings; ++k) {
+      if (!blindly && sees(R_body_local * azimuth_of(k, kHeadings))) continue;
+      const double unlooked_s = to_seconds(now - looked_[k]);
+      cost += kOverduePerS * std::max(0.0, unlooked_s - kUnlooked_s) + (flies ? 0.0 : kUnlookedPerS * unlooked_s);
     }
     if (cost < least) {
       least = cost;

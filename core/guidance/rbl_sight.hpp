@@ -19,7 +19,7 @@ class RblSight {
   /// The heading that keeps neighbors out of the blind sector, longest unseen first, and then looks where it flies.
   /// One that stands turns to where it has not looked for long.
   double heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
-                 double last_yaw_rad, TimeNs now);
+                 std::span<const Vector3> coming_local_m, double last_yaw_rad, TimeNs now);
 
   /// Could it see who is where it flies? A little beside the view is near enough.
   bool sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const;
