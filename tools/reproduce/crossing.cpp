@@ -13,13 +13,14 @@
 #include "swiftlet/core/guidance/share_paths.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/sensors/neighbors.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::tools {
 namespace {
 
 constexpr double kStartSpread_m = 0.1;
-constexpr TimeNs kForgotten = 3 * kNsPerSecond;  // one not measured for so long is known anew
+constexpr double kForgotten_s = 3.0;  // and two periods: one not measured for so long is known anew
 
 /// On the sphere evenly along a spiral of the golden angle.
 Vector3 direction(const Formation& formation, int i) {
@@ -84,8 +85,9 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
   };
   // When each vehicle came to know of a stranger who flies straight through, and the nearest that one came to anybody.
   struct Stranger {
-    int index = -1;            // -1: nobody
-    std::vector<bool> avoids;  // flies by rbl
+    int index = -1;                 // -1: nobody
+    std::vector<bool> avoids;       // flies by rbl
+    std::vector<TimeNs> forgotten;  // after which one not measured is known anew
     std::vector<TimeNs> first, last;
     double least_m = std::numeric_limits<double>::infinity(), warned_s = 0.0;
   };
@@ -96,6 +98,11 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
       const std::string& type = vehicles[v].agent.as<StackConfig>().guidance.type;
       if (type == "waypoints") strangers[i].index = static_cast<int>(v);
       strangers[i].avoids.push_back(type == "rbl");
+      double period_s = 0.0;
+      for (const Module& sensor : vehicles[v].sensors) {
+        if (sensor.type == "neighbors") period_s = 1.0 / sensor.as<sim::NeighborsConfig>().rate_hz;
+      }
+      strangers[i].forgotten.push_back(from_seconds(kForgotten_s + 2.0 * period_s));
     }
     strangers[i].first.assign(vehicles.size(), -1);
     strangers[i].last.assign(vehicles.size(), -1);
@@ -106,7 +113,7 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
       if (!stranger.avoids[v]) continue;
       for (const NeighborSample& sample : view.observations[v].neighbors) {
         if (sample.id != static_cast<VehicleId>(stranger.index)) continue;
-        if (stranger.first[v] < 0 || view.t - stranger.last[v] > kForgotten) stranger.first[v] = view.t;
+        if (stranger.first[v] < 0 || view.t - stranger.last[v] > stranger.forgotten[v]) stranger.first[v] = view.t;
         stranger.last[v] = view.t;
       }
       const double d = (view.states[v].p_world_m - view.states[stranger.index].p_world_m).norm();

@@ -51,19 +51,26 @@ struct PlainSight {
   }
   static Vector3 azimuth(int i) { return {std::cos(i * kPi / 12.0), std::sin(i * kPi / 12.0), 0.0}; }
 
-  /// What one heading costs: who is unseen, longest and nearest first, the way ahead, where it has not looked for long;
-  /// and a little for the turn.
+  /// What one heading costs: who is unseen, longest and soonest here first, who comes, the way ahead, where it has not
+  /// looked for long; and a little for the turn.
   double cost(double turn_rad, double yaw_rad, const Vector3& ahead_m, const Vector3& p_m,
-              const std::vector<Neighbor>& neighbors, TimeNs now) const {
+              const std::vector<Neighbor>& neighbors, const std::vector<Vector3>& coming_m, TimeNs now) const {
     const Matrix3 to_body = about_z(-yaw_rad - turn_rad);
     double sum = 0.01 * std::abs(turn_rad);
     for (const Neighbor& other : neighbors) {
       const Vector3 to_m = other.position_local_m - p_m;
-      if (!sees(to_body * to_m)) sum += (1.0 + to_seconds(now - other.seen)) / std::max(to_m.norm(), 1.0);
+      const double comes_mps = std::max(0.0, -to_m.normalized().dot(other.velocity_local_mps));
+      if (!sees(to_body * to_m))
+        sum += (1.0 + to_seconds(now - other.seen)) / std::max(to_m.norm() / (1.0 + comes_mps), 1.0);
     }
-    if (ahead_m.norm() > 0.3) return sum + (sees(to_body * ahead_m) ? 0.0 : 2.0);
+    for (const Vector3& q_m : coming_m) sum += sees(to_body * (q_m - p_m)) ? 0.0 : 5.0;
+    const bool flies = ahead_m.norm() > 0.3, blindly = flies && !sees(to_body * ahead_m);
+    if (blindly) sum += 2.0;
     for (int k = 0; k < 24; ++k) {
-      if (!sees(to_body * azimuth(k))) sum += 0.02 * to_seconds(now - looked[static_cast<std::size_t>(k)]);
+      const double age_s = to_seconds(now - looked[static_cast<std::size_t>(k)]);
+      if (sees(to_body * azimuth(k)) && !blindly) continue;  // a glance that flies blindly is worth nothing
+      sum += 0.2 * std::max(age_s - 1.0, 0.0);
+      if (!flies) sum += 0.02 * age_s;
     }
     return sum;
   }
@@ -97,23 +104,26 @@ TEST(RblSightReference, TheHeadingIsTheCheapestOfTwentyFour) {
       for (Neighbor& other : neighbors) {
         other.position_local_m = T.translation() + draws.vector(draws.below(2) == 0 ? 1.2 : 6.0);
         other.seen = now - from_seconds(draws.between(0.0, 4.0));
+        other.velocity_local_mps = draws.vector(3.0);
       }
+      std::vector<Vector3> coming_m(static_cast<std::size_t>(draws.below(3)));
+      for (Vector3& q_m : coming_m) q_m = T.translation() + draws.vector(6.0);
       for (int k = 0; k < 24; ++k) {
         if (plain.sees(T.linear().transpose() * PlainSight::azimuth(k)))
           plain.looked[static_cast<std::size_t>(k)] = now;
       }
-      const double got_rad = sight.heading(T, T.translation() + ahead_m, neighbors, yaw_rad, now);
+      const double got_rad = sight.heading(T, T.translation() + ahead_m, neighbors, coming_m, yaw_rad, now);
       double least = std::numeric_limits<double>::infinity(), nearest_rad = 10.0, its_turn_rad = 0.0;
       for (int i = 0; i < 24; ++i) {
         const double turn_rad = std::remainder(i * kPi / 12.0, 2.0 * kPi);
-        least = std::min(least, plain.cost(turn_rad, yaw_rad, ahead_m, T.translation(), neighbors, now));
+        least = std::min(least, plain.cost(turn_rad, yaw_rad, ahead_m, T.translation(), neighbors, coming_m, now));
         const double off_rad = std::abs(std::remainder(got_rad - yaw_rad - turn_rad, 2.0 * kPi));
         if (off_rad >= nearest_rad) continue;
         nearest_rad = off_rad;
         its_turn_rad = turn_rad;
       }
       ASSERT_LT(nearest_rad, 1e-9) << "a multiple of 15 degrees away";
-      ASSERT_NEAR(plain.cost(its_turn_rad, yaw_rad, ahead_m, T.translation(), neighbors, now), least, 1e-9)
+      ASSERT_NEAR(plain.cost(its_turn_rad, yaw_rad, ahead_m, T.translation(), neighbors, coming_m, now), least, 1e-9)
           << round << ", " << update;
       ASSERT_LE(std::abs(got_rad), kPi + 1e-12);
       const Vector3 body_m = T.linear().transpose() * ahead_m;
@@ -132,7 +142,7 @@ TEST(RblSightReference, WhoSeesAllAroundNeverTurns) {
   RblSight sight({});
   Neighbor behind;
   behind.position_local_m = {-5, 0, 0};
-  EXPECT_EQ(sight.heading(Pose::Identity(), {-3, 0, 0}, std::vector<Neighbor>{behind}, 0.7, 5 * kNsPerSecond), 0.7);
+  EXPECT_EQ(sight.heading(Pose::Identity(), {-3, 0, 0}, std::vector<Neighbor>{behind}, {}, 0.7, 5 * kNsPerSecond), 0.7);
   EXPECT_TRUE(sight.sees_ahead(Pose::Identity(), {-3, 0, 0}));
 }
 
