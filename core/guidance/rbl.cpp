@@ -24,7 +24,7 @@ constexpr double kLongUnseen_s = 5.0;   // then doubt says little about where so
 constexpr double kDoubtLeaves_m = 1.0;  // of the cell by then; one cut at the vehicle itself drives it away, on and on
 constexpr double kComing_mps = 0.5;     // slower than this, nobody need be dodged
 constexpr double kDodge_s = 0.5;        // before somebody's braking way comes too near, who then does not brake
-constexpr double kWatch_s = 1.5;        // before that, it is watched
+constexpr double kWatch_s = 3.0;        // before two meet as they fly now, they keep each other in view
 constexpr double kPledged_s = 1.0;  // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
@@ -72,6 +72,7 @@ class Rbl : public Guidance {
     to_local_ = FrameChange::to_local(input.estimate);
     goal_local_m_ = to_local_.point(config_.goal_m);
     map_ = input.map;
+    v_local_mps_ = input.estimate.v_local_mps;
     if (!input.observation.scans.empty()) {
       p_lidar_body_m_ = input.observation.scans.front()->T_body_lidar.translation();
     }
@@ -171,6 +172,7 @@ class Rbl : public Guidance {
     const Braking self{here_local_m, level(reference_.rest_local_m())};
     braking_cuts_.clear();
     coming_local_m_.clear();
+    const Vector3 v_own_mps = level(v_local_mps_);
     pressed_ = false;
     for (const Neighbor& neighbor : neighbors_.neighbors()) {
       const Vector3 other_local_m = level(neighbor.position_local_m);
@@ -198,7 +200,8 @@ class Rbl : public Guidance {
         cell_m = std::max(cell_m, std::min(sure_m, kDoubtLeaves_m));
       }
       keep_behind(cut, cell_m);
-      if (closing_mps > kComing_mps && cut.offset_m + 0.5 * unsure_m < 0.5 * kWatch_s * closing_mps)
+      const double meeting_mps = d > 0.0 ? (v_own_mps - v_local_mps).dot(to_other_local_m) / d : 0.0;
+      if (meeting_mps > kComing_mps && d - distance_m < kWatch_s * meeting_mps)
         coming_local_m_.push_back(other_local_m);
       // Who brakes is slow by now.
       if (closing_mps > kComing_mps && cut.offset_m + 0.5 * unsure_m < 0.5 * kDodge_s * closing_mps) {
@@ -308,8 +311,9 @@ class Rbl : public Guidance {
   TimeNs period_, next_update_ = 0;
   MotionLimits limits_;
   NeighborMemory neighbors_;
-  const OccupancyView* map_ = nullptr;  // of this tick
-  FrameChange to_local_;                // of this tick
+  const OccupancyView* map_ = nullptr;     // of this tick
+  FrameChange to_local_;                   // of this tick
+  Vector3 v_local_mps_ = Vector3::Zero();  // of this tick
   Vector3 goal_local_m_ = Vector3::Zero();
   RblCell sensed_;                            // A'
   Vector3 p_lidar_body_m_ = Vector3::Zero();  // of the first LiDAR, as its scans tell it

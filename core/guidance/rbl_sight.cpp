@@ -18,6 +18,7 @@ constexpr double kBesideTheView = 0.2;  // tangent of what is near enough
 constexpr double kAheadUnseen = 2.0;    // as much as a neighbor next to it that was not seen for a second
 constexpr double kUnlooked_s = 1.0;     // of an azimuth, that is no matter
 constexpr double kGlancePerS = 2.0;     // beyond that, of the azimuth that it glances at
+constexpr double kGlance = 4.0;         // at most
 constexpr double kComesUnseen = 5.0;    // of each who may have to be dodged
 constexpr double kSlow_mps = 1.0;       // of one that does not come
 
@@ -91,10 +92,11 @@ double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, st
     for (const Vector3& coming_m : coming_local_m) {
       if (!sees(R_body_local[i] * (coming_m - p_local_m))) cost += kComesUnseen;
     }
-    if (blindly[i]) cost += kAheadUnseen;
+    if (flies && !sees(R_body_local[i] * ahead_local_m)) cost += kAheadUnseen;
     // Who flies glances aside as far as it still sees where it flies.
     if (glance_ >= 0 && (blindly[i] || !shows[i][glance_])) {
-      cost += kGlancePerS * std::max(0.0, to_seconds(now - looked_[glance_]) - kUnlooked_s);
+      const double overdue_s = std::max(0.0, to_seconds(now - looked_[glance_]) - kUnlooked_s);
+      cost += std::min(kGlance, kGlancePerS * overdue_s);
     }
     if (cost < least) {
       least = cost;

@@ -54,6 +54,7 @@ class PlainRbl {
   void tick(const GuidanceInput& in) {
     T_ = in.estimate.T_local_body;
     p_m_ = T_.translation();
+    v_mps_ = in.estimate.v_local_mps;
     now_ = in.observation.t;
     map_ = in.map;
     const FrameChange to_local = FrameChange::to_local(in.estimate);
@@ -155,8 +156,9 @@ class PlainRbl {
           braking_cut(self, braking_of(its_m, its_mps, late_s + other.unpredicted_s, limits_), apart_m, above_m, 0.0);
       const bool gone = now_ - other.seen > 5 * kNsPerSecond;
       stay_behind(plane, gone ? std::max(plane.offset_m, std::min(sure.offset_m, 1.0)) : plane.offset_m);
-      // One and a half seconds before that moment it is looked at.
-      if (comes_mps > 0.5 && plane.offset_m + 0.5 * sigmas * unsure_m < 0.75 * comes_mps) coming_m_.push_back(its_m);
+      // Two that meet within three seconds look at each other.
+      const double meet_mps = along.dot(flat(v_mps_) - its_mps);
+      if (meet_mps > 0.5 && (its_m - flat(p_m_)).norm() < apart_m + 3.0 * meet_mps) coming_m_.push_back(its_m);
       // Half a second before the own half of the room is used up by one that comes faster than 0.5 m/s.
       if (comes_mps <= 0.5 || plane.offset_m + 0.5 * sigmas * unsure_m >= 0.25 * comes_mps) continue;
       const auto beside = dodging_cut(self, its_m, its_mps, apart_m, above_m, limits_);
@@ -223,7 +225,7 @@ class PlainRbl {
   std::vector<HalfSpace> planes_;
   std::vector<Vector3> coming_m_;
   Pose T_ = Pose::Identity();
-  Vector3 p_m_, goal_m_, centroid_m_, from_m_ = Vector3::Zero(), to_m_ = Vector3::Zero();
+  Vector3 p_m_, v_mps_, goal_m_, centroid_m_, from_m_ = Vector3::Zero(), to_m_ = Vector3::Zero();
   double low_m_ = 0.0, high_m_ = 0.0;
   TimeNs now_ = 0, next_ = 0;
   const OccupancyView* map_ = nullptr;
