@@ -158,7 +158,12 @@ class Rbl : public Guidance {
       if (!pressed_ && !sight_.sees_ahead(T_local_body, to_local_m_)) to_local_m_ = reference_.rest_local_m();
     }
     // The governor goes slowly to what is near. Whoever gives way aims farther, as far as it is admitted.
-    if (pressed_) to_local_m_ = p_local_m + kHurry * (to_local_m_ - p_local_m);
+    // That leads neither below nor above the heights of flight.
+    if (pressed_) {
+      to_local_m_ = p_local_m + kHurry * (to_local_m_ - p_local_m);
+      to_local_m_.z() =
+          std::clamp(to_local_m_.z(), std::min(z_min_m(), p_local_m.z()), std::max(z_max_m(), p_local_m.z()));
+    }
     to_local_m_ =
         reference_.admit(from_local_m_, to_local_m_, braking_cuts_, p_local_m, to_seconds(period_), speed_mps());
   }

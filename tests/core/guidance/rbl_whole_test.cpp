@@ -119,7 +119,11 @@ class PlainRbl {
           to_m_ = reference_.rest_local_m();
         }
       }
-      if (pressed) to_m_ = p_m_ + 3.0 * (to_m_ - p_m_);
+      if (pressed) {
+        to_m_ = p_m_ + 3.0 * (to_m_ - p_m_);
+        if (to_m_.z() < p_m_.z()) to_m_.z() = std::max(to_m_.z(), std::min(low_m_, p_m_.z()));
+        if (to_m_.z() > p_m_.z()) to_m_.z() = std::min(to_m_.z(), std::max(high_m_, p_m_.z()));
+      }
       num_pressed += pressed;
       to_m_ = reference_.admit(from_m_, to_m_, planes_, p_m_, 1.0 / c_.update_rate_hz, c_.speed_mps);
     }
