@@ -24,6 +24,7 @@ constexpr double kLongUnseen_s = 5.0;   // then doubt says little about where so
 constexpr double kDoubtLeaves_m = 1.0;  // of the cell by then; one cut at the vehicle itself drives it away, on and on
 constexpr double kComing_mps = 0.5;     // slower than this, nobody need be dodged
 constexpr double kDodge_s = 0.5;        // before somebody's braking way comes too near, who then does not brake
+constexpr double kWatch_s = 3.0;        // before two meet as they fly now, they keep each other in view
 constexpr double kPledged_s = 1.0;  // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
@@ -60,7 +61,8 @@ class Rbl : public Guidance {
     goal_.position_m = setup.agent.T_local_body_start.translation();
     goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
     neighbors_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
-    braking_cuts_.reserve(2 * static_cast<std::size_t>(setup.agent.num_vehicles));
+    coming_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
+    braking_cuts_.reserve(3 * static_cast<std::size_t>(setup.agent.num_vehicles));
   }
 
   GuidanceNeeds needs() const override { return {.map = config_.lidar.enabled}; }
@@ -70,6 +72,7 @@ class Rbl : public Guidance {
     to_local_ = FrameChange::to_local(input.estimate);
     goal_local_m_ = to_local_.point(config_.goal_m);
     map_ = input.map;
+    v_local_mps_ = input.estimate.v_local_mps;
     if (!input.observation.scans.empty()) {
       p_lidar_body_m_ = input.observation.scans.front()->T_body_lidar.translation();
     }
@@ -150,11 +153,17 @@ class Rbl : public Guidance {
   void keep_apart(const Pose& T_local_body, TimeNs now) {
     const Vector3 p_local_m = T_local_body.translation();
     if (!config_.lidar.enabled) {
-      goal_.yaw_rad = sight_.heading(T_local_body, to_local_m_, neighbors_.neighbors(), goal_.yaw_rad, now);
+      goal_.yaw_rad =
+          sight_.heading(T_local_body, to_local_m_, neighbors_.neighbors(), coming_local_m_, goal_.yaw_rad, now);
       if (!pressed_ && !sight_.sees_ahead(T_local_body, to_local_m_)) to_local_m_ = reference_.rest_local_m();
     }
     // The governor goes slowly to what is near. Whoever gives way aims farther, as far as it is admitted.
-    if (pressed_) to_local_m_ = p_local_m + kHurry * (to_local_m_ - p_local_m);
+    // That leads neither below nor above the heights of flight.
+    if (pressed_) {
+      to_local_m_ = p_local_m + kHurry * (to_local_m_ - p_local_m);
+      to_local_m_.z() =
+          std::clamp(to_local_m_.z(), std::min(z_min_m(), p_local_m.z()), std::max(z_max_m(), p_local_m.z()));
+    }
     to_local_m_ =
         reference_.admit(from_local_m_, to_local_m_, braking_cuts_, p_local_m, to_seconds(period_), speed_mps());
   }
@@ -167,6 +176,8 @@ class Rbl : public Guidance {
     const Vector3 here_local_m = level(p_local_m);
     const Braking self{here_local_m, level(reference_.rest_local_m())};
     braking_cuts_.clear();
+    coming_local_m_.clear();
+    const Vector3 v_own_mps = level(v_local_mps_);
     pressed_ = false;
     for (const Neighbor& neighbor : neighbors_.neighbors()) {
       const Vector3 other_local_m = level(neighbor.position_local_m);
@@ -194,6 +205,9 @@ class Rbl : public Guidance {
         cell_m = std::max(cell_m, std::min(sure_m, kDoubtLeaves_m));
       }
       keep_behind(cut, cell_m);
+      const double meeting_mps = d > 0.0 ? (v_own_mps - v_local_mps).dot(to_other_local_m) / d : 0.0;
+      if (meeting_mps > kComing_mps && d - distance_m < kWatch_s * meeting_mps)
+        coming_local_m_.push_back(other_local_m);
       // Who brakes is slow by now.
       if (closing_mps > kComing_mps && cut.offset_m + 0.5 * unsure_m < 0.5 * kDodge_s * closing_mps) {
         if (const auto beside = dodging_cut(self, other_local_m, v_local_mps, distance_m, vertical_m, limits_)) {
@@ -302,8 +316,9 @@ class Rbl : public Guidance {
   TimeNs period_, next_update_ = 0;
   MotionLimits limits_;
   NeighborMemory neighbors_;
-  const OccupancyView* map_ = nullptr;  // of this tick
-  FrameChange to_local_;                // of this tick
+  const OccupancyView* map_ = nullptr;     // of this tick
+  FrameChange to_local_;                   // of this tick
+  Vector3 v_local_mps_ = Vector3::Zero();  // of this tick
   Vector3 goal_local_m_ = Vector3::Zero();
   RblCell sensed_;                            // A'
   Vector3 p_lidar_body_m_ = Vector3::Zero();  // of the first LiDAR, as its scans tell it
@@ -315,6 +330,7 @@ class Rbl : public Guidance {
   GuardedReference reference_;           // while vehicles keep apart by braking
   double range_m_;                       // of the sensor of neighbors
   std::vector<HalfSpace> braking_cuts_;  // relative to the vehicle
+  std::vector<Vector3> coming_local_m_;  // who may have to be dodged
   bool pressed_ = false;                 // somebody comes too near: no time to look where it goes
   std::vector<Vector3> neighbors_local_m_;
   Vector3 from_local_m_ = Vector3::Zero(), to_local_m_ = Vector3::Zero();  // the goal on its way between two updates

@@ -2,6 +2,8 @@
 #include "core/guidance/rbl_sight.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bitset>
 #include <cmath>
 #include <limits>
 
@@ -14,7 +16,18 @@ namespace {
 constexpr double kNoDirection_m = 0.3;  // nearer than this, a direction is noise
 constexpr double kBesideTheView = 0.2;  // tangent of what is near enough
 constexpr double kAheadUnseen = 2.0;    // as much as a neighbor next to it that was not seen for a second
-constexpr double kUnlookedPerS = 0.02;  // of each azimuth, for one that stands
+constexpr double kUnlooked_s = 1.0;     // of an azimuth, that is no matter
+constexpr double kGlancePerS = 2.0;     // beyond that, of the azimuth that it glances at
+constexpr double kGlance = 4.0;         // at most
+constexpr double kComesUnseen = 5.0;    // of each who may have to be dodged
+constexpr double kSlow_mps = 1.0;       // of one that does not come
+
+/// When a neighbor could be here that comes as it does, or slowly; never less than a second.
+double soon_s(const Neighbor& neighbor, const Vector3& to_neighbor_m) {
+  const double d = to_neighbor_m.norm();
+  const double closing_mps = d > 0.0 ? std::max(0.0, -neighbor.velocity_local_mps.dot(to_neighbor_m) / d) : 0.0;
+  return std::max(1.0, d / (kSlow_mps + closing_mps));
+}
 
 Vector3 azimuth_of(int i, int count) {
   const double azimuth_rad = 2.0 * kPi * i / count;
@@ -33,36 +46,61 @@ void RblSight::look(const Matrix3& R_local_body, TimeNs now) {
   }
 }
 
+bool RblSight::sees_beside(const Vector3& direction_body) const {
+  return sees(direction_body + kBesideTheView * Vector3::UnitX());
+}
+
 bool RblSight::sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const {
   if (views_.empty()) return true;
   const Vector3 ahead_body_m = T_local_body.linear().transpose() * (to_local_m - T_local_body.translation());
   const double d = ahead_body_m.norm();
-  return d < kNoDirection_m || sees(ahead_body_m / d + kBesideTheView * Vector3::UnitX());
+  return d < kNoDirection_m || sees_beside(ahead_body_m / d);
 }
 
 double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, std::span<const Neighbor> neighbors,
-                         double last_yaw_rad, TimeNs now) {
+                         std::span<const Vector3> coming_local_m, double last_yaw_rad, TimeNs now) {
   if (views_.empty()) return last_yaw_rad;
   look(T_local_body.linear(), now);
   const Vector3 p_local_m = T_local_body.translation();
   const Vector3 ahead_local_m = to_local_m - p_local_m;
   const bool flies = ahead_local_m.norm() > kNoDirection_m;
+  const auto turn_rad = [](int i) { return std::remainder(2.0 * kPi * i / kHeadings, 2.0 * kPi); };
+  std::array<Matrix3, kHeadings> R_body_local;
+  std::array<bool, kHeadings> blindly{};  // it flies where it would not see
+  std::array<std::bitset<kHeadings>, kHeadings> shows{};
+  std::bitset<kHeadings> within_reach;
+  for (int i = 0; i < kHeadings; ++i) {
+    R_body_local[i] = Eigen::AngleAxisd(-(last_yaw_rad + turn_rad(i)), Vector3::UnitZ()).toRotationMatrix();
+    blindly[i] = flies && !sees_beside(R_body_local[i] * ahead_local_m.normalized());
+    for (int k = 0; k < kHeadings; ++k) shows[i][k] = sees(R_body_local[i] * azimuth_of(k, kHeadings));
+    if (!blindly[i]) within_reach |= shows[i];
+  }
+  // One glance after the other, each to its end.
+  if (glance_ >= 0 && (looked_[glance_] == now || !within_reach[glance_])) glance_ = -1;
+  if (glance_ < 0) {
+    for (int k = 0; k < kHeadings; ++k) {
+      if (within_reach[k] && looked_[k] < now && (glance_ < 0 || looked_[k] < looked_[glance_])) glance_ = k;
+    }
+  }
   double best_rad = last_yaw_rad, least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kHeadings; ++i) {
-    const double turn_rad = std::remainder(2.0 * kPi * i / kHeadings, 2.0 * kPi);
-    const Matrix3 R_body_local = Eigen::AngleAxisd(-(last_yaw_rad + turn_rad), Vector3::UnitZ()).toRotationMatrix();
-    double cost = 0.01 * std::abs(turn_rad);
+    double cost = 0.01 * std::abs(turn_rad(i));
     for (const Neighbor& neighbor : neighbors) {
       const Vector3 to_m = neighbor.position_local_m - p_local_m;
-      if (!sees(R_body_local * to_m)) cost += (1.0 + to_seconds(now - neighbor.seen)) / std::max(1.0, to_m.norm());
+      if (!sees(R_body_local[i] * to_m)) cost += (1.0 + to_seconds(now - neighbor.seen)) / soon_s(neighbor, to_m);
     }
-    if (flies && !sees(R_body_local * ahead_local_m)) cost += kAheadUnseen;
-    for (int k = 0; k < kHeadings && !flies; ++k) {
-      if (!sees(R_body_local * azimuth_of(k, kHeadings))) cost += kUnlookedPerS * to_seconds(now - looked_[k]);
+    for (const Vector3& coming_m : coming_local_m) {
+      if (!sees(R_body_local[i] * (coming_m - p_local_m))) cost += kComesUnseen;
+    }
+    if (flies && !sees(R_body_local[i] * ahead_local_m)) cost += kAheadUnseen;
+    // Who flies glances aside as far as it still sees where it flies.
+    if (glance_ >= 0 && (blindly[i] || !shows[i][glance_])) {
+      const double overdue_s = std::max(0.0, to_seconds(now - looked_[glance_]) - kUnlooked_s);
+      cost += std::min(kGlance, kGlancePerS * overdue_s);
     }
     if (cost < least) {
       least = cost;
-      best_rad = std::remainder(last_yaw_rad + turn_rad, 2.0 * kPi);
+      best_rad = std::remainder(last_yaw_rad + turn_rad(i), 2.0 * kPi);
     }
   }
   return best_rad;

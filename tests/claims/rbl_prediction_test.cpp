@@ -40,6 +40,20 @@ TEST(RblPrediction, AnIntruderIsPassedByAsFarAsTheTimeIsLeftToStepAside) {
   EXPECT_EQ(predicted_distance_m(conditions), 0.0);
 }
 
+TEST(RblPrediction, WhoIsWarnedAsLongAsNeededComesAsideByTheDistance) {
+  for (const double speed_mps : {0.5, 1.0, 4.0}) {  // it reaches its speed on the way, or not
+    for (const double acceleration_mps2 : {1.0, 2.5}) {
+      RblConditions conditions;
+      conditions.speed_mps = speed_mps;
+      conditions.acceleration_mps2 = acceleration_mps2;
+      conditions.latency_s = 0.2;
+      conditions.rate_hz = 4.0;
+      const double aside_s = needed_warning_s(conditions) - 2.0 / 4.0 - 0.2 - conditions.reaction_s;
+      EXPECT_NEAR(way_from_rest_m(aside_s, speed_mps, acceleration_mps2), 1.1, 1e-12) << speed_mps;
+    }
+  }
+}
+
 TEST(RblPrediction, NothingIsPromisedWhereAnIntruderMayComeFromBehind) {
   RblConditions conditions;
   conditions.all_around = false;

@@ -13,12 +13,14 @@
 #include "swiftlet/core/guidance/share_paths.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
+#include "swiftlet/sim/sensors/neighbors.hpp"
 #include "swiftlet/sim/world/vehicle_state.hpp"
 
 namespace swiftlet::tools {
 namespace {
 
 constexpr double kStartSpread_m = 0.1;
+constexpr double kForgotten_s = 3.0;  // and two periods: one not measured for so long is known anew
 
 /// On the sphere evenly along a spiral of the golden angle.
 Vector3 direction(const Formation& formation, int i) {
@@ -81,10 +83,50 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
     double length_m = 0.0, time_s = 0.0;
     bool known = false, arrived = false;
   };
+  // When each vehicle came to know of a stranger who flies straight through, and the nearest that one came to anybody.
+  struct Stranger {
+    int index = -1;                 // -1: nobody
+    std::vector<bool> avoids;       // flies by rbl
+    std::vector<TimeNs> forgotten;  // after which one not measured is known anew
+    std::vector<TimeNs> first, last;
+    double least_m = std::numeric_limits<double>::infinity(), warned_s = 0.0;
+  };
+  std::vector<Stranger> strangers(scenarios.size());
+  for (std::size_t i = 0; i < scenarios.size(); ++i) {
+    const auto& vehicles = scenarios[i].vehicles;
+    for (std::size_t v = 0; v < vehicles.size(); ++v) {
+      const std::string& type = vehicles[v].agent.as<StackConfig>().guidance.type;
+      if (type == "waypoints") strangers[i].index = static_cast<int>(v);
+      strangers[i].avoids.push_back(type == "rbl");
+      double period_s = 0.0;
+      for (const Module& sensor : vehicles[v].sensors) {
+        if (sensor.type == "neighbors") period_s = 1.0 / sensor.as<sim::NeighborsConfig>().rate_hz;
+      }
+      strangers[i].forgotten.push_back(from_seconds(kForgotten_s + 2.0 * period_s));
+    }
+    strangers[i].first.assign(vehicles.size(), -1);
+    strangers[i].last.assign(vehicles.size(), -1);
+  }
+  const auto warn = [&](Stranger& stranger, const sim::TickView& view) {
+    if (stranger.index < 0) return;
+    for (std::size_t v = 0; v < view.states.size(); ++v) {
+      if (!stranger.avoids[v]) continue;
+      for (const NeighborSample& sample : view.observations[v].neighbors) {
+        if (sample.id != static_cast<VehicleId>(stranger.index)) continue;
+        if (stranger.first[v] < 0 || view.t - stranger.last[v] > stranger.forgotten[v]) stranger.first[v] = view.t;
+        stranger.last[v] = view.t;
+      }
+      const double d = (view.states[v].p_world_m - view.states[stranger.index].p_world_m).norm();
+      if (d >= stranger.least_m) continue;
+      stranger.least_m = d;
+      stranger.warned_s = stranger.first[v] < 0 ? 0.0 : to_seconds(view.t - stranger.first[v]);
+    }
+  };
   std::vector<std::vector<Way>> ways(scenarios.size());
   for (std::size_t i = 0; i < scenarios.size(); ++i) ways[i].resize(scenarios[i].vehicles.size());
   const auto follow = [&](std::size_t index, const sim::Simulation& simulation) {
     const sim::TickView& view = simulation.view();
+    warn(strangers[index], view);
     for (std::size_t v = 0; v < ways[index].size(); ++v) {
       Way& way = ways[index][v];
       if (way.arrived) continue;
@@ -97,16 +139,20 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
       way.time_s = to_seconds(view.t);
     }
   };
-  // A pair a vehicle; NaN: it did not arrive.
+  // A pair a vehicle; NaN: it did not arrive. Then the stranger.
   const auto write = [&](std::size_t index) {
     std::vector<double> numbers;
     for (const Way& way : ways[index]) {
       numbers.push_back(way.length_m);
       numbers.push_back(way.arrived ? way.time_s : std::numeric_limits<double>::quiet_NaN());
     }
+    numbers.push_back(strangers[index].least_m);
+    numbers.push_back(strangers[index].warned_s);
     return numbers;
   };
   const auto read = [&](std::size_t index, std::span<const double> numbers) {
+    strangers[index].least_m = numbers[numbers.size() - 2];
+    strangers[index].warned_s = numbers[numbers.size() - 1];
     for (std::size_t v = 0; v < ways[index].size(); ++v) {
       ways[index][v].length_m = numbers[2 * v];
       ways[index][v].time_s = numbers[2 * v + 1];
@@ -124,6 +170,10 @@ std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const st
       ++result.num_arrived;
     }
     result.crashed = runs[i].outcome == "crashed";
+    if (strangers[i].index >= 0) {
+      result.stranger_m = strangers[i].least_m;
+      result.warned_s = strangers[i].warned_s;
+    }
     const sim::MetricRow* separation = runs[i].metrics.find("min_separation_m");
     result.min_separation_m = separation != nullptr ? separation->value : std::numeric_limits<double>::quiet_NaN();
   }

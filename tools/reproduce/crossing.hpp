@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,9 @@ struct CrossingResult {
   int num_arrived = 0;
   bool crashed = false;
   double min_separation_m = 0.0;
+  /// Of one who flies by waypoints, straight through: the least distance of anybody to it, and how long that one had
+  /// known of it by then. Infinite: nobody flies so.
+  double stranger_m = std::numeric_limits<double>::infinity(), warned_s = 0.0;
 };
 std::vector<CrossingResult> fly_crossings(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios);
 

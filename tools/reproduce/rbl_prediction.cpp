@@ -2,6 +2,7 @@
 #include "rbl_prediction.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "swiftlet/core/agent/stack.hpp"
@@ -55,6 +56,14 @@ RblConditions conditions_of(const sim::Scenario& scenario) {
 double way_from_rest_m(double time_s, double speed_mps, double acceleration_mps2) {
   const double faster_s = std::clamp(time_s, 0.0, speed_mps / acceleration_mps2);
   return 0.5 * acceleration_mps2 * faster_s * faster_s + speed_mps * std::max(0.0, time_s - faster_s);
+}
+
+double needed_warning_s(const RblConditions& c) {
+  const double kept_m = 2.0 * c.encumbrance_m + c.margin_m;
+  const double faster_m = 0.5 * c.speed_mps * c.speed_mps / c.acceleration_mps2;  // the way to its speed
+  const double aside_s = kept_m < faster_m ? std::sqrt(2.0 * kept_m / c.acceleration_mps2)
+                                           : c.speed_mps / c.acceleration_mps2 + (kept_m - faster_m) / c.speed_mps;
+  return kSamples / c.rate_hz + c.latency_s + c.reaction_s + aside_s;
 }
 
 double predicted_distance_m(const RblConditions& c) {

@@ -29,6 +29,10 @@ RblConditions conditions_of(const sim::Scenario& scenario);
 /// an intruder need not be seen before it is there.
 double predicted_distance_m(const RblConditions& conditions);
 
+/// How long a vehicle must know of an intruder to step aside by all of the distance to keep: two samples, delay,
+/// reaction, and the way. With less warning it was not seen in time.
+double needed_warning_s(const RblConditions& conditions);
+
 /// How far a vehicle comes in that time from rest: on and on faster, then at its speed.
 double way_from_rest_m(double time_s, double speed_mps, double acceleration_mps2);
 

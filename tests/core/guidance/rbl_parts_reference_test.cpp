@@ -43,6 +43,7 @@ Matrix3 about_z(double angle_rad) { return Eigen::AngleAxisd(angle_rad, Vector3:
 struct PlainSight {
   std::vector<NeighborView> views;
   std::array<TimeNs, 24> looked{};
+  int glance = -1;
 
   bool sees(const Vector3& p_body_m) const {
     bool any = false;
@@ -50,27 +51,52 @@ struct PlainSight {
     return any;
   }
   static Vector3 azimuth(int i) { return {std::cos(i * kPi / 12.0), std::sin(i * kPi / 12.0), 0.0}; }
+  bool flies_blindly(double heading_rad, const Vector3& ahead_m) const {
+    return ahead_m.norm() > 0.3 && !sees(about_z(-heading_rad) * ahead_m.normalized() + Vector3(0.2, 0.0, 0.0));
+  }
+  bool shows(double heading_rad, int k, const Vector3& ahead_m) const {
+    return sees(about_z(-heading_rad) * azimuth(k)) && !flies_blindly(heading_rad, ahead_m);
+  }
 
-  /// What one heading costs: who is unseen, longest and nearest first, the way ahead, where it has not looked for long;
-  /// and a little for the turn.
+  /// The azimuth that it has not seen for longest, of those that it can see: until it has seen that one.
+  void choose(double yaw_rad, const Vector3& ahead_m, TimeNs now) {
+    std::array<bool, 24> can{};
+    for (int i = 0; i < 24; ++i) {
+      for (int k = 0; k < 24; ++k) {
+        if (shows(yaw_rad + std::remainder(i * kPi / 12.0, 2.0 * kPi), k, ahead_m))
+          can[static_cast<std::size_t>(k)] = true;
+      }
+    }
+    const auto at = [](int k) { return static_cast<std::size_t>(k); };
+    if (glance >= 0 && looked[at(glance)] < now && can[at(glance)]) return;
+    glance = -1;
+    for (int k = 23; k >= 0; --k) {
+      if (can[at(k)] && looked[at(k)] < now && (glance < 0 || looked[at(k)] <= looked[at(glance)])) glance = k;
+    }
+  }
+
+  /// What one heading costs: who is unseen, longest and soonest here first, who comes, the way ahead, the glance; and a
+  /// little for the turn.
   double cost(double turn_rad, double yaw_rad, const Vector3& ahead_m, const Vector3& p_m,
-              const std::vector<Neighbor>& neighbors, TimeNs now) const {
+              const std::vector<Neighbor>& neighbors, const std::vector<Vector3>& coming_m, TimeNs now) const {
     const Matrix3 to_body = about_z(-yaw_rad - turn_rad);
     double sum = 0.01 * std::abs(turn_rad);
     for (const Neighbor& other : neighbors) {
       const Vector3 to_m = other.position_local_m - p_m;
-      if (!sees(to_body * to_m)) sum += (1.0 + to_seconds(now - other.seen)) / std::max(to_m.norm(), 1.0);
+      const double comes_mps = std::max(0.0, -to_m.normalized().dot(other.velocity_local_mps));
+      if (!sees(to_body * to_m))
+        sum += (1.0 + to_seconds(now - other.seen)) / std::max(to_m.norm() / (1.0 + comes_mps), 1.0);
     }
-    if (ahead_m.norm() > 0.3) return sum + (sees(to_body * ahead_m) ? 0.0 : 2.0);
-    for (int k = 0; k < 24; ++k) {
-      if (!sees(to_body * azimuth(k))) sum += 0.02 * to_seconds(now - looked[static_cast<std::size_t>(k)]);
-    }
-    return sum;
+    for (const Vector3& q_m : coming_m) sum += sees(to_body * (q_m - p_m)) ? 0.0 : 5.0;
+    if (ahead_m.norm() > 0.3 && !sees(to_body * ahead_m)) sum += 2.0;
+    if (glance < 0 || shows(yaw_rad + turn_rad, glance, ahead_m)) return sum;
+    const double unlooked_s = to_seconds(now - looked[static_cast<std::size_t>(glance)]);
+    return sum + std::clamp(2.0 * (unlooked_s - 1.0), 0.0, 4.0);
   }
 };
 
 TEST(RblSightReference, TheHeadingIsTheCheapestOfTwentyFour) {
-  int turns = 0, stands = 0;
+  int turns = 0, stands = 0, glances = 0;
   for (std::uint32_t round = 0; round < 40; ++round) {
     PartDraws draws(1, round);
     NeighborView view;
@@ -97,42 +123,48 @@ TEST(RblSightReference, TheHeadingIsTheCheapestOfTwentyFour) {
       for (Neighbor& other : neighbors) {
         other.position_local_m = T.translation() + draws.vector(draws.below(2) == 0 ? 1.2 : 6.0);
         other.seen = now - from_seconds(draws.between(0.0, 4.0));
+        other.velocity_local_mps = draws.vector(3.0);
       }
+      std::vector<Vector3> coming_m(static_cast<std::size_t>(draws.below(3)));
+      for (Vector3& q_m : coming_m) q_m = T.translation() + draws.vector(6.0);
       for (int k = 0; k < 24; ++k) {
         if (plain.sees(T.linear().transpose() * PlainSight::azimuth(k)))
           plain.looked[static_cast<std::size_t>(k)] = now;
       }
-      const double got_rad = sight.heading(T, T.translation() + ahead_m, neighbors, yaw_rad, now);
+      plain.choose(yaw_rad, ahead_m, now);
+      const double got_rad = sight.heading(T, T.translation() + ahead_m, neighbors, coming_m, yaw_rad, now);
       double least = std::numeric_limits<double>::infinity(), nearest_rad = 10.0, its_turn_rad = 0.0;
       for (int i = 0; i < 24; ++i) {
         const double turn_rad = std::remainder(i * kPi / 12.0, 2.0 * kPi);
-        least = std::min(least, plain.cost(turn_rad, yaw_rad, ahead_m, T.translation(), neighbors, now));
+        least = std::min(least, plain.cost(turn_rad, yaw_rad, ahead_m, T.translation(), neighbors, coming_m, now));
         const double off_rad = std::abs(std::remainder(got_rad - yaw_rad - turn_rad, 2.0 * kPi));
         if (off_rad >= nearest_rad) continue;
         nearest_rad = off_rad;
         its_turn_rad = turn_rad;
       }
       ASSERT_LT(nearest_rad, 1e-9) << "a multiple of 15 degrees away";
-      ASSERT_NEAR(plain.cost(its_turn_rad, yaw_rad, ahead_m, T.translation(), neighbors, now), least, 1e-9)
+      ASSERT_NEAR(plain.cost(its_turn_rad, yaw_rad, ahead_m, T.translation(), neighbors, coming_m, now), least, 1e-9)
           << round << ", " << update;
       ASSERT_LE(std::abs(got_rad), kPi + 1e-12);
       const Vector3 body_m = T.linear().transpose() * ahead_m;
       ASSERT_EQ(sight.sees_ahead(T, T.translation() + ahead_m),
                 body_m.norm() < 0.3 || plain.sees(body_m.normalized() + Vector3(0.2, 0.0, 0.0)));
       turns += its_turn_rad != 0.0;
+      glances += plain.glance >= 0;
       stands += !flies;
       yaw_rad = got_rad;
     }
   }
   EXPECT_GT(turns, 100);
   EXPECT_GT(stands, 100);
+  EXPECT_GT(glances, 200);
 }
 
 TEST(RblSightReference, WhoSeesAllAroundNeverTurns) {
   RblSight sight({});
   Neighbor behind;
   behind.position_local_m = {-5, 0, 0};
-  EXPECT_EQ(sight.heading(Pose::Identity(), {-3, 0, 0}, std::vector<Neighbor>{behind}, 0.7, 5 * kNsPerSecond), 0.7);
+  EXPECT_EQ(sight.heading(Pose::Identity(), {-3, 0, 0}, std::vector<Neighbor>{behind}, {}, 0.7, 5 * kNsPerSecond), 0.7);
   EXPECT_TRUE(sight.sees_ahead(Pose::Identity(), {-3, 0, 0}));
 }
 

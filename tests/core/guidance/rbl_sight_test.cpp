@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "swiftlet/core/math/angles.hpp"
 
@@ -28,7 +31,7 @@ TEST(RblSight, TurnsToANeighborTheShortWayAndNoFurtherThanItMust) {
   for (const double azimuth_deg : {-100.0, 100.0, -160.0, 160.0}) {
     RblSight sight = with_camera_ahead();
     const std::vector<Neighbor> neighbors = {neighbor_at_azimuth(azimuth_deg, 5.0)};
-    const double turned_deg = sight.heading(Pose::Identity(), Vector3::Zero(), neighbors, 0.0, 0) / kRadPerDeg;
+    const double turned_deg = sight.heading(Pose::Identity(), Vector3::Zero(), neighbors, {}, 0.0, 0) / kRadPerDeg;
     const double least_deg = std::abs(azimuth_deg) - 35.0;  // headings are 15 degrees apart
     EXPECT_GT(turned_deg * azimuth_deg, 0.0) << azimuth_deg;
     EXPECT_GE(std::abs(turned_deg), least_deg) << azimuth_deg;
@@ -39,7 +42,7 @@ TEST(RblSight, TurnsToANeighborTheShortWayAndNoFurtherThanItMust) {
 TEST(RblSight, KeepsItsHeadingWhileItSeesEverybody) {
   RblSight sight = with_camera_ahead();
   const std::vector<Neighbor> neighbors = {neighbor_at_azimuth(20.0, 5.0), neighbor_at_azimuth(-30.0, 2.0)};
-  EXPECT_EQ(sight.heading(Pose::Identity(), {3.0, 0.0, 0.0}, neighbors, 0.0, 0), 0.0);
+  EXPECT_EQ(sight.heading(Pose::Identity(), {3.0, 0.0, 0.0}, neighbors, {}, 0.0, 0), 0.0);
 }
 
 TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheOneUnseenForLonger) {
@@ -48,7 +51,7 @@ TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheOneUnseenForLonger) {
     std::vector<Neighbor> neighbors = {neighbor_at_azimuth(longer_deg, 5.0), neighbor_at_azimuth(-longer_deg, 5.0)};
     neighbors[1].seen = 3 * kNsPerSecond;
     // It flies up, where it never sees.
-    const double yaw_rad = sight.heading(Pose::Identity(), {0.0, 0.0, 9.0}, neighbors, 0.0, 4 * kNsPerSecond);
+    const double yaw_rad = sight.heading(Pose::Identity(), {0.0, 0.0, 9.0}, neighbors, {}, 0.0, 4 * kNsPerSecond);
     EXPECT_GT(yaw_rad * longer_deg, 0.0);
     EXPECT_LE(std::abs(std::abs(yaw_rad) / kRadPerDeg - 90.0), 35.0);
   }
@@ -59,9 +62,74 @@ TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheNearerOne) {
     RblSight sight = with_camera_ahead();
     const std::vector<Neighbor> neighbors = {neighbor_at_azimuth(nearer_deg, 1.1),
                                              neighbor_at_azimuth(-nearer_deg, 1.4)};
-    const double yaw_rad = sight.heading(Pose::Identity(), {0.0, 0.0, 9.0}, neighbors, 0.0, 0);
+    const double yaw_rad = sight.heading(Pose::Identity(), {0.0, 0.0, 9.0}, neighbors, {}, 0.0, 0);
     EXPECT_GT(yaw_rad * nearer_deg, 0.0);
     EXPECT_LE(std::abs(std::abs(yaw_rad) / kRadPerDeg - 90.0), 35.0);
+  }
+}
+
+TEST(RblSight, OfTwoThatItCannotSeeAtOnceItLooksAtTheOneThatComesFaster) {
+  for (const double coming_deg : {90.0, -90.0}) {
+    RblSight sight = with_camera_ahead();
+    std::vector<Neighbor> neighbors = {neighbor_at_azimuth(coming_deg, 9.0), neighbor_at_azimuth(-coming_deg, 7.0)};
+    neighbors[0].velocity_local_mps = -4.0 * neighbors[0].position_local_m.normalized();
+    neighbors[1].velocity_local_mps = 4.0 * neighbors[1].position_local_m.normalized();  // it flies away
+    const double yaw_rad = sight.heading(Pose::Identity(), {0.0, 0.0, 9.0}, neighbors, {}, 0.0, 0);
+    EXPECT_GT(yaw_rad * coming_deg, 0.0);
+    EXPECT_LE(std::abs(std::abs(yaw_rad) / kRadPerDeg - 90.0), 35.0);
+  }
+}
+
+TEST(RblSight, WhoMayHaveToBeSteppedAsideForIsKeptInViewBeforeManyOthers) {
+  RblSight sight = with_camera_ahead();
+  std::vector<Neighbor> neighbors;
+  for (int i = 0; i < 8; ++i) neighbors.push_back(neighbor_at_azimuth(-20.0 + 5.0 * i, 3.0));
+  const std::vector<Vector3> coming_m = {neighbor_at_azimuth(170.0, 6.0).position_local_m};
+  const auto yaw_deg = [&](std::span<const Vector3> coming) {
+    return sight.heading(Pose::Identity(), Vector3::Zero(), neighbors, coming, 0.0, 0) / kRadPerDeg;
+  };
+  EXPECT_EQ(yaw_deg({}), 0.0);
+  EXPECT_GE(yaw_deg(coming_m), 170.0 - 35.0);
+}
+
+/// Azimuths that a vehicle does not see in `duration_s` that turns as told, at most `rate_radps`.
+struct Looking {
+  int num_unseen = 0, num_ticks_blind_ahead = 0;
+};
+Looking look_around(double half_angle_deg, const Vector3& to_local_m, double duration_s, double rate_radps) {
+  NeighborView view;
+  view.cones.push_back({Vector3::UnitX(), std::cos(half_angle_deg * kRadPerDeg)});
+  RblSight sight({view});
+  std::vector<bool> seen(360, false);
+  Looking looking;
+  double yaw_rad = 0.0, wanted_rad = 0.0;
+  for (int tick = 0; tick < static_cast<int>(10.0 * duration_s); ++tick) {
+    Pose T_local_body = Pose::Identity();
+    T_local_body.linear() = Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ()).toRotationMatrix();
+    wanted_rad = sight.heading(T_local_body, to_local_m, {}, {}, wanted_rad, tick * kNsPerSecond / 10);
+    looking.num_ticks_blind_ahead += !sight.sees_ahead(T_local_body, to_local_m);
+    for (int azimuth_deg = 0; azimuth_deg < 360; ++azimuth_deg) {
+      const double off_rad = std::remainder(azimuth_deg * kRadPerDeg - yaw_rad, 2.0 * kPi);
+      if (std::abs(off_rad) <= half_angle_deg * kRadPerDeg) seen[azimuth_deg] = true;
+    }
+    const double turn_rad = std::remainder(wanted_rad - yaw_rad, 2.0 * kPi);
+    yaw_rad += std::clamp(turn_rad, -0.1 * rate_radps, 0.1 * rate_radps);
+  }
+  looking.num_unseen = static_cast<int>(std::count(seen.begin(), seen.end(), false));
+  return looking;
+}
+
+TEST(RblSight, WhoFliesGlancesIntoTheBlindSectorAsFarAsItSeesWhereItFlies) {
+  const Looking half = look_around(90.0, {5.0, 0.0, 0.0}, 12.0, 1.0);
+  EXPECT_LE(half.num_unseen, 30);  // right behind, headings are 15 degrees apart
+  EXPECT_EQ(half.num_ticks_blind_ahead, 0);
+  const Looking narrow = look_around(35.0, {5.0, 0.0, 0.0}, 12.0, 1.0);
+  EXPECT_EQ(narrow.num_ticks_blind_ahead, 0);
+}
+
+TEST(RblSight, WhoStandsLooksAllAround) {
+  for (const double half_angle_deg : {35.0, 90.0, 160.0}) {
+    EXPECT_EQ(look_around(half_angle_deg, Vector3::Zero(), 30.0, 1.0).num_unseen, 0) << half_angle_deg;
   }
 }
 

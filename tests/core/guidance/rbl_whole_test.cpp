@@ -54,6 +54,7 @@ class PlainRbl {
   void tick(const GuidanceInput& in) {
     T_ = in.estimate.T_local_body;
     p_m_ = T_.translation();
+    v_mps_ = in.estimate.v_local_mps;
     now_ = in.observation.t;
     map_ = in.map;
     const FrameChange to_local = FrameChange::to_local(in.estimate);
@@ -112,13 +113,17 @@ class PlainRbl {
     to_m_ = c_.lidar.enabled ? in_sight() : centroid_m_;
     if (c_.separation.enabled) {
       if (!c_.lidar.enabled) {
-        goal_.yaw_rad = sight_.heading(T_, to_m_, memory_.neighbors(), goal_.yaw_rad, now_);
+        goal_.yaw_rad = sight_.heading(T_, to_m_, memory_.neighbors(), coming_m_, goal_.yaw_rad, now_);
         if (!pressed && !sight_.sees_ahead(T_, to_m_)) {
           ++num_waits;
           to_m_ = reference_.rest_local_m();
         }
       }
-      if (pressed) to_m_ = p_m_ + 3.0 * (to_m_ - p_m_);
+      if (pressed) {
+        to_m_ = p_m_ + 3.0 * (to_m_ - p_m_);
+        if (to_m_.z() < p_m_.z()) to_m_.z() = std::max(to_m_.z(), std::min(low_m_, p_m_.z()));
+        if (to_m_.z() > p_m_.z()) to_m_.z() = std::min(to_m_.z(), std::max(high_m_, p_m_.z()));
+      }
       num_pressed += pressed;
       to_m_ = reference_.admit(from_m_, to_m_, planes_, p_m_, 1.0 / c_.update_rate_hz, c_.speed_mps);
     }
@@ -137,6 +142,7 @@ class PlainRbl {
     const double apart_m = 2.0 * c_.cells.encumbrance_m + c_.separation.margin_m;
     const double late_s = c_.separation.reaction_s + 1.0 / c_.update_rate_hz;
     planes_.clear();
+    coming_m_.clear();
     pressed = false;
     for (const Neighbor& other : memory_.neighbors()) {
       const Vector3 its_m = flat(other.position_local_m), its_mps = flat(other.velocity_local_mps);
@@ -154,6 +160,9 @@ class PlainRbl {
           braking_cut(self, braking_of(its_m, its_mps, late_s + other.unpredicted_s, limits_), apart_m, above_m, 0.0);
       const bool gone = now_ - other.seen > 5 * kNsPerSecond;
       stay_behind(plane, gone ? std::max(plane.offset_m, std::min(sure.offset_m, 1.0)) : plane.offset_m);
+      // Two that meet within three seconds look at each other.
+      const double meet_mps = along.dot(flat(v_mps_) - its_mps);
+      if (meet_mps > 0.5 && (its_m - flat(p_m_)).norm() < apart_m + 3.0 * meet_mps) coming_m_.push_back(its_m);
       // Half a second before the own half of the room is used up by one that comes faster than 0.5 m/s.
       if (comes_mps <= 0.5 || plane.offset_m + 0.5 * sigmas * unsure_m >= 0.25 * comes_mps) continue;
       const auto beside = dodging_cut(self, its_m, its_mps, apart_m, above_m, limits_);
@@ -218,8 +227,9 @@ class PlainRbl {
   RblSettling settling_;
   RblSight sight_;
   std::vector<HalfSpace> planes_;
+  std::vector<Vector3> coming_m_;
   Pose T_ = Pose::Identity();
-  Vector3 p_m_, goal_m_, centroid_m_, from_m_ = Vector3::Zero(), to_m_ = Vector3::Zero();
+  Vector3 p_m_, v_mps_, goal_m_, centroid_m_, from_m_ = Vector3::Zero(), to_m_ = Vector3::Zero();
   double low_m_ = 0.0, high_m_ = 0.0;
   TimeNs now_ = 0, next_ = 0;
   const OccupancyView* map_ = nullptr;
