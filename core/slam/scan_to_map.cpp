@@ -17,7 +17,7 @@ namespace swiftlet {
 namespace {
 
 // Normals that are off by a little make an open direction seem to hang on the others: those count less then.
-constexpr double kOpenFloor = 10.0;
+constexpr double kOpenFloor = 60.0;
 constexpr double kNoiseFactor = 3.0;  // information of noise that is taken for none
 constexpr double kNear_sq = 9.0;      // squared standard deviations within which a point lies on a surface
 // What stands free.

@@ -77,8 +77,8 @@ class LocalSlam {
   const TimedPose& inserted_at() const { return inserted_; }
   /// Of the scan that was added last, thinned for the map.
   std::span<const Eigen::Vector3f> points_body_m() const { return dense_body_m_; }
-  /// Of the pose in the local frame: that of a filter, relative to the map, what the planes in sight are off by, and
-  /// what the map has drifted. The filter is this one, or this one carried on.
+  /// Of the pose in the local frame: that of a filter, relative to the map, and that of the planes in sight. That of
+  /// what the map has drifted is in it, too. The filter is this one, or this one carried on.
   Matrix6 pose_covariance(const InertialFilter& filter) const;
 
  private:

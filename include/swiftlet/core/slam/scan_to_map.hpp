@@ -32,8 +32,8 @@ struct ScanFit {
   int num_fresh = 0;       ///< of the known ones, in cells that still take points
   int num_degenerate = 0;  ///< directions of the pose (of six) of which the scan tells nothing
   int num_held = 0;        ///< of which only what stands free tells something
-  /// The share of the planes of the map in the variance of what the scan tells: all scans that meet them have it in
-  /// common, so it does not average out.
+  /// The share of the planes of the map in the variance of what the scan tells. All scans that meet them have it in
+  /// common. So it does not average out.
   double map_share = 0.0;
   double renewal = 0.0;  ///< the weight that the scan would have in these planes, if it went into the map
 };
@@ -42,7 +42,7 @@ struct ScanFit {
 /// [GenZ-ICP 2025]. The scatter of its cell and a robust kernel (Geman and McClure) weight each.
 ///
 /// The points that meet one plane share its error. So they tell no more than both planes together do, that of the map
-/// and the one that the scan has there: (M^-1 + N^-1)^-1, where M and N are what each knows of offset and slopes. What
+/// and the one that the scan has there. That is (M^-1 + N^-1)^-1, with what each knows of offset and slopes. What
 /// a cell scatters beyond the noise of ranges is structure, as a ledge is. No number of points averages that out.
 ///
 /// Directions of which the planes tell little are taken out of the evidence (Zhang, Kaess and Singh, ICRA 2016). So
