@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/slam/local_slam.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -15,8 +16,8 @@ constexpr double kCropEvery_m = 10.0;
 constexpr int kEveryScanFirst = 10;              // go into the map: one alone has few planes
 constexpr std::size_t kMostStartSamples = 4096;  // of the IMU; when scans come later than that, they count once
 constexpr int kLeastReturns = 50;                // that a scan needs to say something
-
-double squared_of(double x) { return x * x; }
+// A direction of which a scan tells less than this is as good as open: planes do not tell how far it is off.
+constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
 
 double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return rotation_vector_rad(a.conjugate() * b).norm();
@@ -38,7 +39,7 @@ LocalSlam::LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_sta
       own_radius_m_(own_radius_m),
       filter_(config.imu, T_local_body_start),
       map_(config.map),
-      drift_(config.drift, T_local_body_start.translation()) {
+      drift_(T_local_body_start.translation()) {
   start_.over = config.start_scans == 0;
   if (!start_.over) start_.imu.reserve(kMostStartSamples);
 }
@@ -69,7 +70,8 @@ void LocalSlam::begin_again() {
     filter_.begin_with(learned, learned.state().nav.v_mps - velocity_gained(learned));
     motion_ = {};
     map_.clear();
-    drift_ = MapDrift(config_.drift, T_local_body_start_.translation());
+    drift_ = MapDrift(T_local_body_start_.translation());
+    planes_covariance_.setZero();
     inserted_ = {};
     num_inserted_ = 0;
     std::size_t next = 0;
@@ -113,7 +115,7 @@ ScanOutcome LocalSlam::match(const Scan& scan) {
     const Vector3 v_before_mps = filter_.state().nav.v_mps;
     outcome.num_iterations = filter_.update(
         [&](const Pose& T_local_body) {
-          outcome.fit = fit_scan(map_, sparse_body_m_, T_local_body, config_.matching, smear_m);
+          outcome.fit = fit_scan(map_, sparse_body_m_, T_local_body, config_.matching, smear_m, scan.sigma_range_m);
           if (outcome.fit.num_known < config_.known_share_min * outcome.fit.num_points) outcome.fit.evidence = {};
           return outcome.fit.evidence;
         },
@@ -127,16 +129,32 @@ ScanOutcome LocalSlam::match(const Scan& scan) {
   } else {
     outcome.used = true;
   }
-  const int num_known = std::max(outcome.fit.num_known, 1);
-  drift_.move_to(filter_.state().nav.p_m, outcome.fit.num_fresh / static_cast<double>(num_known),
-                 num_inserted_ < kEveryScanFirst);
+  drift_.move_to(filter_.state().nav.p_m);
+  if (outcome.num_iterations > 0 && outcome.used) learn_doubt(outcome.fit);
   if (map_.num_cells() == 0 || due_for_map()) {
     if (smeared) map_.clear();  // made of a scan whose motion was not known
-    if (map_.num_cells() == 0) filter_.anchor_pose();
+    const Matrix3 R_local_body = filter_.T_local_body().linear();
+    if (map_.num_cells() == 0) {
+      drift_.inherit(filter_.pose_covariance(), R_local_body);
+      filter_.anchor_pose();
+    } else {
+      // Its errors last: those of the planes while they are in sight, the filter's own for several scans. So they add
+      // up to what was renewed, as one error that lasted until all is renewed would.
+      drift_.inherit(outcome.fit.renewal * (filter_.pose_covariance() + planes_covariance_), R_local_body);
+    }
     insert();
     outcome.inserted = true;
   }
   return outcome;
+}
+
+/// What the planes of the map have in common for all scans that meet them. The filter takes each scan for a new one.
+void LocalSlam::learn_doubt(const ScanFit& fit) {
+  Matrix6 bounded = fit.evidence.information;
+  bounded.diagonal().head<3>().array() += 1.0 / (kOpen_m * kOpen_m);
+  bounded.diagonal().tail<3>().array() += 1.0 / (kOpen_rad * kOpen_rad);
+  const Matrix6 inverse = bounded.inverse();
+  planes_covariance_ = fit.map_share * inverse * fit.evidence.information * inverse;
 }
 
 void LocalSlam::gather(const Scan& scan) {
@@ -175,49 +193,27 @@ void LocalSlam::insert() {
 }
 
 Matrix6 LocalSlam::pose_covariance(const InertialFilter& filter) const {
-  return filter.pose_covariance() + drift_.covariance(filter.state().nav.q.toRotationMatrix());
+  return filter.pose_covariance() + planes_covariance_ + drift_.covariance(filter.state().nav.q.toRotationMatrix());
 }
 
-MapDrift::MapDrift(const MapDriftConfig& config, const Vector3& p_local_m) : config_(config), p_local_m_(p_local_m) {
-  C_.diagonal() << Vector3::Constant(squared_of(config.start_position_m)),
-      Vector3::Constant(squared_of(config.start_attitude_deg * kRadPerDeg));
-}
-
-void MapDrift::move_to(const Vector3& p_local_m, double fresh, bool young) {
-  const Vector3 step_m = p_local_m - p_local_m_;
-  p_local_m_ = p_local_m;
+void MapDrift::move_to(const Vector3& p_local_m) {
   // A turn of the map by phi moves what lies by d away by phi x d.
   Matrix6 A = Matrix6::Identity();
-  A.topRightCorner<3, 3>() = -skew_of(step_m);
+  A.topRightCorner<3, 3>() = -skew_of(p_local_m - p_local_m_);
   C_ = (A * C_ * A.transpose()).eval();
-  const double way_m = fresh * step_m.norm();
-  C_.diagonal().head<3>().array() += squared_of(config_.position_m_sqrt_m) * way_m;
-  C_.diagonal().tail<3>().array() += squared_of(config_.attitude_deg_sqrt_m * kRadPerDeg) * way_m;
-  if (!young) return;
-  // These errors are no random walk: all of them lie behind the vehicle. So deviations add up, not variances.
-  const double before_m2 = squared_of(young_way_m_);
-  young_way_m_ += step_m.norm();
-  const double more_m2 = squared_of(young_way_m_) - before_m2;
-  C_.diagonal().head<3>().array() += squared_of(config_.young_position_share) * more_m2;
-  C_.diagonal().tail<3>().array() += squared_of(config_.young_attitude_deg_m * kRadPerDeg) * more_m2;
+  p_local_m_ = p_local_m;
+}
+
+void MapDrift::inherit(const Matrix6& covariance, const Matrix3& R_local_body) {
+  Matrix6 J = Matrix6::Identity();
+  J.bottomRightCorner<3, 3>() = R_local_body;
+  C_ += J * covariance * J.transpose();
 }
 
 Matrix6 MapDrift::covariance(const Matrix3& R_local_body) const {
   Matrix6 J = Matrix6::Identity();
   J.bottomRightCorner<3, 3>() = R_local_body.transpose();
   return J * C_ * J.transpose();
-}
-
-void MapDriftConfig::visit(ConfigVisitor& v) {
-  const Range not_negative = Range::non_negative();
-  v.field("start_position_m", start_position_m, "[m] sigma of where the map begins", not_negative);
-  v.field("start_attitude_deg", start_attitude_deg, "[deg] sigma of how it is turned there", not_negative);
-  v.field("position_m_sqrt_m", position_m_sqrt_m, "[m/sqrt(m)] sigma of its position by the way into the unknown",
-          not_negative);
-  v.field("attitude_deg_sqrt_m", attitude_deg_sqrt_m, "[deg/sqrt(m)] the same of its attitude", not_negative);
-  v.field("young_position_share", young_position_share,
-          "[-] sigma of its position, as a share of the way during the first scans", not_negative);
-  v.field("young_attitude_deg_m", young_attitude_deg_m, "[deg/m] the same of its attitude", not_negative);
 }
 
 void LocalSlamConfig::visit(ConfigVisitor& v) {
@@ -239,7 +235,6 @@ void LocalSlamConfig::visit(ConfigVisitor& v) {
   v.field("insert_after_s", insert_after_s, "[s] after which it does without motion", Range::non_negative());
   v.field("known_share_min", known_share_min,
           "[-] a scan of which a smaller share lies where the map has surfaces is not used", Range::probability());
-  v.object("drift", drift, "of the map, as the covariance tells it");
   v.object("matching", matching, "of a scan to the map");
   v.object("map", map, "of surfaces");
 }

@@ -4,7 +4,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "swiftlet/core/localization/rotation.hpp"
@@ -15,7 +17,7 @@ namespace swiftlet {
 namespace {
 
 // Normals that are off by a little make an open direction seem to hang on the others: those count less then.
-constexpr double kOpenFloor = 10.0;
+constexpr double kOpenFloor = 60.0;
 constexpr double kNoiseFactor = 3.0;  // information of noise that is taken for none
 constexpr double kNear_sq = 9.0;      // squared standard deviations within which a point lies on a surface
 // What stands free.
@@ -40,6 +42,9 @@ struct Sums {
   Matrix6 H = Matrix6::Zero();  // the upper half
   Vector6 g = Vector6::Zero();
   double weight = 0.0, lever_m2 = 0.0;
+  // Of planes alone: what errors of their normals add to the information of any direction; the weight that the scan
+  // would have if the map were exact; the map's share of the variance, and what the scan would renew of it.
+  double noise = 0.0, of_scan = 0.0, of_map = 0.0, renewed = 0.0;
 
   void add(const Vector3& x_body_m, const Vector3& n_local, const Matrix3& R_local_body, double r_m, double w) {
     Vector6 J;
@@ -60,16 +65,15 @@ struct Sums {
 /// Distance of a point from the plane of its cell.
 struct PlaneDistance {
   double r_m = 0.0;
-  double variance_m2 = 0.0;      // scatter of the point about the plane, and of the plane where the point is
-  double normal_variance = 0.0;  // rad^2, of the plane's normal
+  double variance_m2 = 0.0;  // scatter of the point about the plane, and of the plane where the point is
 };
 
 PlaneDistance distance_from_plane(const SurfaceCell& cell, const Vector3& off_m, double floor_m2) {
   PlaneDistance d;
   d.r_m = cell.normal.cast<double>().dot(off_m);
   const double in_plane_m2 = off_m.squaredNorm() - d.r_m * d.r_m;
-  d.normal_variance = cell.variance_m2 / (cell.count_fitted * cell.narrow_variance_m2);
-  d.variance_m2 = floor_m2 + cell.variance_m2 * (1.0 + 1.0 / cell.count_fitted) + in_plane_m2 * d.normal_variance;
+  const double slope_variance = cell.variance_m2 / (cell.count_fitted * cell.narrow_variance_m2);
+  d.variance_m2 = floor_m2 + cell.variance_m2 * (1.0 + 1.0 / cell.count_fitted) + in_plane_m2 * slope_variance;
   return d;
 }
 
@@ -79,9 +83,87 @@ struct PlacedScan {
   std::span<const Eigen::Vector3f> points_body_m;
   Matrix3 R_local_body;
   Vector3 p_local_m;
-  double floor_m2, kernel_sq;
+  double floor_m2, kernel_sq, range_variance_m2;
 
   Vector3 place(const Vector3& x_body_m) const { return R_local_body * x_body_m + p_local_m; }
+};
+
+/// The points of a scan that meet one plane of the map. Each lies at (u, v) from the middle of the cell, along its axis
+/// and aside, and tells (1, u, v) times the offset and the two slopes by which the scan's plane differs from the map's.
+class MetPlane {
+ public:
+  explicit MetPlane(const SurfaceCell& cell) : cell_(&cell) {}
+
+  void add(const Vector3& off_m, double r_m, double weight) {
+    const Vector3 A(1.0, cell_->axis.cast<double>().dot(off_m), cell_->aside().cast<double>().dot(off_m));
+    M_ += weight * A * A.transpose();
+    s_ += weight * r_m * A;
+  }
+  void add_to(Sums& sums, const PlacedScan& scan) const;
+  const SurfaceCell* cell() const { return cell_; }
+
+ private:
+  Vector3 variances(const PlacedScan& scan, const Vector3& lever_m) const;
+
+  const SurfaceCell* cell_;
+  Matrix3 M_ = Matrix3::Zero();  // information of the scan's plane
+  Vector3 s_ = Vector3::Zero();
+};
+
+/// Of offset and slopes of the map's plane. Scatter that the ranges' noise explains averages out, what is beyond does
+/// not. The variance of n points is itself unsure by sqrt(2 / n) of it.
+Vector3 MetPlane::variances(const PlacedScan& scan, const Vector3& lever_m) const {
+  const double n = cell_->count_fitted, across = lever_m.normalized().dot(cell_->normal.cast<double>());
+  const double explained_m2 = scan.range_variance_m2 * across * across * (1.0 + 2.0 * std::sqrt(2.0 / n));
+  const double mean_m2 = (scan.floor_m2 + cell_->variance_m2) / n;
+  return {mean_m2 + std::max(0.0, cell_->variance_m2 - explained_m2), mean_m2 / cell_->wide_variance_m2,
+          mean_m2 / cell_->narrow_variance_m2};
+}
+
+/// Offset and slopes hang linearly on the pose: by B. The map's plane is taken out as an unknown with a prior.
+void MetPlane::add_to(Sums& sums, const PlacedScan& scan) const {
+  const Vector3 lever_m = cell_->mean_m.cast<double>() - scan.p_local_m;
+  const Vector3 N_inverse = variances(scan, lever_m);
+  const Matrix3 gain = M_ * (M_ + Matrix3(N_inverse.cwiseInverse().asDiagonal())).inverse();
+  const Matrix3 W = M_ - gain * M_;  // (M^-1 + N^-1)^-1
+  const Vector3 normal = cell_->normal.cast<double>();
+  const Matrix3 R_body_local = scan.R_local_body.transpose();
+  Eigen::Matrix<double, 3, 6> B = Eigen::Matrix<double, 3, 6>::Zero();
+  B.row(0) << normal.transpose(), (R_body_local * lever_m.cross(normal)).transpose();
+  B.row(1).tail<3>() = R_body_local * cell_->aside().cast<double>();
+  B.row(2).tail<3>() = -(R_body_local * cell_->axis.cast<double>());
+  const Eigen::Matrix<double, 3, 6> WB = W * B;
+  sums.H += B.transpose() * WB;
+  sums.g += B.transpose() * (s_ - gain * s_);
+  sums.weight += W(0, 0);
+  sums.lever_m2 += W(0, 0) * lever_m.squaredNorm();
+  sums.noise += W(0, 0) * N_inverse.z();
+  sums.of_scan += M_(0, 0);
+  sums.of_map += W.col(0).dot(N_inverse.asDiagonal() * W.col(0));
+  if (!scan.map.is_full(*cell_)) sums.renewed += M_(0, 0) - W(0, 0);
+}
+
+/// By cell, in the order in which the points meet them.
+class MetPlanes {
+ public:
+  explicit MetPlanes(std::size_t most) : table_(std::bit_ceil(2 * most + 16), 0) {}
+
+  MetPlane& at(const SurfaceCell& cell) {
+    const std::size_t mask = table_.size() - 1;
+    for (std::size_t slot = reinterpret_cast<std::uintptr_t>(&cell) / sizeof(SurfaceCell) & mask;;
+         slot = (slot + 1) & mask) {
+      if (table_[slot] == 0) {
+        all_.emplace_back(cell);
+        table_[slot] = static_cast<std::uint32_t>(all_.size());
+      }
+      if (all_[table_[slot] - 1].cell() == &cell) return all_[table_[slot] - 1];
+    }
+  }
+  std::span<const MetPlane> all() const { return all_; }
+
+ private:
+  std::vector<std::uint32_t> table_;  // index + 1; 0: empty
+  std::vector<MetPlane> all_;
 };
 
 /// Directions of the pose in which turns are counted by a lever arm.
@@ -136,7 +218,6 @@ struct Standing {
     Vector6 J;  // scaled
     double r_m = 0.0, weight = 0.0;
     unsigned free_along = 0;  // a bit for each weak direction
-    bool of_plane = false;    // then it counts among the planes already
   };
   std::vector<Residual> residuals;
   std::array<int, 6> num_points{};
@@ -158,7 +239,7 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
     if (!cell->planar) {
       const double unsure = 1.0 + 1.0 / cell->count_fitted;
       d[0].variance_m2 = scan.floor_m2 + cell->variance_m2 * unsure;
-      d[1] = {n[1].dot(off), scan.floor_m2 + cell->narrow_variance_m2 * unsure, 0.0};
+      d[1] = {n[1].dot(off), scan.floor_m2 + cell->narrow_variance_m2 * unsure};
     }
     double distance_sq = 0.0;
     for (int k = 0; k < num; ++k) distance_sq += d[k].r_m * d[k].r_m / d[k].variance_m2;
@@ -187,8 +268,8 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
     for (int k = 0; k < num; ++k) {
       Vector6 J;
       J << n[k], x.cross(scan.R_local_body.transpose() * n[k]);
-      standing.residuals.push_back({J.cwiseQuotient(weak.scale), d[k].r_m,
-                                    kernel(distance_sq, scan.kernel_sq) / d[k].variance_m2, free_along, cell->planar});
+      standing.residuals.push_back(
+          {J.cwiseQuotient(weak.scale), d[k].r_m, kernel(distance_sq, scan.kernel_sq) / d[k].variance_m2, free_along});
     }
   }
   return standing;
@@ -223,16 +304,12 @@ void remove_unobserved(ScanFit& fit, const PlacedScan& scan, const Sums& planes,
   }
   for (const Standing::Residual& residual : standing.residuals) {
     if ((residual.free_along & held) == 0) continue;
-    const Vector6 J_kept = keep * residual.J;
-    Vector6 J = J_kept;
+    Vector6 J = keep * residual.J;
     for (int i = 0; i < weak.num; ++i) {
       if ((residual.free_along & held & 1U << i) != 0) J += weak.axes[i] * weak.axes[i].dot(residual.J);
     }
     H += residual.weight * J * J.transpose();
     g += residual.weight * residual.r_m * J;
-    if (!residual.of_plane) continue;
-    H -= residual.weight * J_kept * J_kept.transpose();
-    g -= residual.weight * residual.r_m * J_kept;
   }
   fit.evidence.information = weak.scale.asDiagonal() * H * weak.scale.asDiagonal();
   fit.evidence.gradient = (weak.scale.asDiagonal() * g).eval();
@@ -256,15 +333,16 @@ void add_floor(PoseEvidence& evidence, const ScanToMapConfig& config, double tim
 }  // namespace
 
 ScanFit fit_scan(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_body_m, const Pose& T_local_body,
-                 const ScanToMapConfig& config, double smear_m) {
+                 const ScanToMapConfig& config, double smear_m, double range_sigma_m) {
   ScanFit fit;
   fit.num_points = static_cast<int>(points_body_m.size());
   const Matrix3 R = T_local_body.linear();
   const double floor_m2 = config.surface_sigma_m * config.surface_sigma_m;
   const double kernel_sq = config.kernel_sigma * config.kernel_sigma;
-  const PlacedScan scan{map, points_body_m, R, T_local_body.translation(), floor_m2, kernel_sq};
+  const PlacedScan scan{
+      map, points_body_m, R, T_local_body.translation(), floor_m2, kernel_sq, range_sigma_m * range_sigma_m};
   Sums planes, points;
-  double noise = 0.0;  // what errors of the normals add to the information of any direction
+  MetPlanes met(points_body_m.size());
   for (const Eigen::Vector3f& point : points_body_m) {
     const Vector3 x = point.cast<double>();
     const Vector3 at = scan.place(x);
@@ -279,9 +357,7 @@ ScanFit fit_scan(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_
       if (std::abs(d.r_m) > config.reach_m) continue;
       const double distance_sq = d.r_m * d.r_m / d.variance_m2;
       if (distance_sq < kNear_sq) ++fit.num_near;
-      const double weight = kernel(distance_sq, kernel_sq) / d.variance_m2;
-      planes.add(x, cell->normal.cast<double>(), R, d.r_m, weight);
-      noise += weight * d.normal_variance;
+      met.at(*cell).add(off, d.r_m, kernel(distance_sq, kernel_sq) / (floor_m2 + cell->variance_m2));
     } else if (config.point_weight > 0.0) {
       const double variance = floor_m2 + cell->variance_m2 + 2.0 * cell->narrow_variance_m2;  // by axis, generously
       const double distance_sq = off.squaredNorm() / variance;
@@ -290,13 +366,16 @@ ScanFit fit_scan(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_
       for (int axis = 0; axis < 3; ++axis) points.add(x, Vector3::Unit(axis), R, off(axis), weight);
     }
   }
+  for (const MetPlane& plane : met.all()) plane.add_to(planes, scan);
   if (!(planes.weight > 0.0)) {
     fit.num_degenerate = 6;
     return fit;
   }
   fit.evidence.information = planes.whole() + points.whole();
   fit.evidence.gradient = planes.g + points.g;
-  const double least_share = std::max(config.degenerate_share, kNoiseFactor * noise / planes.weight);
+  fit.map_share = planes.of_map / planes.weight;
+  fit.renewal = planes.renewed / planes.of_scan;
+  const double least_share = std::max(config.degenerate_share, kNoiseFactor * planes.noise / planes.weight);
   remove_unobserved(fit, scan, planes, least_share, config.standing_points);
   add_floor(fit.evidence, config, fit.num_degenerate > 0 ? kOpenFloor : 1.0, smear_m);
   return fit;

@@ -128,8 +128,10 @@ void SurfaceMap::fit(const Level& level, std::uint64_t key, SurfaceCell& cell) c
   const SymmetricEigen<3> eigen = symmetric_eigen<3>(C);
   cell.mean_m = (corner_of(key, level.edge_m) + mean).cast<float>();
   cell.normal = eigen.vectors.col(0).cast<float>();
-  cell.variance_m2 = static_cast<float>(std::max(eigen.values(0), 0.0));
+  // The plane has taken three of the points' freedoms: of six points hardly any scatter is left to be seen.
+  cell.variance_m2 = static_cast<float>(std::max(eigen.values(0), 0.0) * (n - 1.0) / (n - 3.0));
   cell.narrow_variance_m2 = static_cast<float>(std::max(eigen.values(1), 0.0));
+  cell.wide_variance_m2 = static_cast<float>(std::max(eigen.values(2), 0.0));
   // Thin, and wide in two directions: at least a tenth of the cell, as of points that fill a third of its width.
   const double narrow_m2 = std::max(0.01 * level.edge_m * level.edge_m, 9.0 * eigen.values(0));
   cell.planar = eigen.values(0) < config_.plane_sigma_m * config_.plane_sigma_m && eigen.values(1) > narrow_m2;

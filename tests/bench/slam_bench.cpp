@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Local SLAM on the scans of flights, with all that a scan takes: un-distortion, thinning, matching, mapping. One
-// thread, processor time of the scans after the first second.
+// thread, processor time of the scans after the first second. A point-to-point odometry without IMU, written from its
+// paper, flies along as a yardstick of the error after the best alignment.
 #include <benchmark/benchmark.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "swiftlet/core/slam/local_slam.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
+#include "tests/support/icp_odometry.hpp"
 
 namespace swiftlet {
 namespace {
@@ -17,6 +22,8 @@ namespace {
 struct Sensed {
   std::vector<ImuSample> imu;
   std::vector<std::shared_ptr<const Scan>> scans;
+  Vector3 p_world_m = Vector3::Zero();          // of the body, at the end of the tick
+  std::vector<Vector3> p_world_lidar_middle_m;  // of the LiDAR, in the middle of each sweep
 };
 
 struct Flown {
@@ -45,14 +52,46 @@ Flown fly(const std::string& scenario_file, const std::string& lidar) {
   while (!simulation.finished()) {
     simulation.tick();
     const Observation& o = simulation.view().observations[0];
-    flown.ticks.push_back({o.imu, o.scans});
+    Sensed sensed{o.imu, o.scans, simulation.view().states[0].T_world_body().translation(), {}};
+    for (const auto& labeled : simulation.view().scans[0]) {
+      const std::vector<Pose>& T_world_lidar = labeled->truth.T_world_lidar;
+      sensed.p_world_lidar_middle_m.push_back(T_world_lidar[T_world_lidar.size() / 2].translation());
+    }
+    flown.ticks.push_back(std::move(sensed));
   }
   return flown;
+}
+
+/// Root mean square distance of two paths after the best alignment of them.
+double absolute_error_m(const std::vector<Vector3>& p_m, const std::vector<Vector3>& p_true_m) {
+  const Eigen::Map<const Eigen::Matrix3Xd> from(p_m[0].data(), 3, p_m.size());
+  const Eigen::Map<const Eigen::Matrix3Xd> to(p_true_m[0].data(), 3, p_true_m.size());
+  const Eigen::Matrix4d T = Eigen::umeyama(from, to, false);
+  const Eigen::Matrix3Xd off_m = (T.topLeftCorner<3, 3>() * from).colwise() + T.topRightCorner<3, 1>() - to;
+  return std::sqrt(off_m.squaredNorm() / static_cast<double>(p_true_m.size()));
+}
+
+void icp_odometry(benchmark::State& state, const std::string& scenario_file, const std::string& lidar) {
+  const Flown flown = fly(scenario_file, lidar);
+  std::vector<Vector3> p_m, p_true_m;
+  for (auto _ : state) {
+    support::IcpOdometry odometry(support::SweepTimes::kAsFired);
+    for (const Sensed& sensed : flown.ticks) {
+      for (std::size_t i = 0; i < sensed.scans.size(); ++i) {
+        p_m.push_back(odometry.add(*sensed.scans[i]).translation());
+        p_true_m.push_back(sensed.p_world_lidar_middle_m[i]);
+      }
+    }
+  }
+  state.counters["scan_s"] = benchmark::Counter(
+      static_cast<double>(p_m.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["error_mm"] = 1e3 * absolute_error_m(p_m, p_true_m);
 }
 
 void local_slam(benchmark::State& state, const std::string& scenario_file, const std::string& lidar) {
   const Flown flown = fly(scenario_file, lidar);
   std::size_t bytes = 0;
+  std::vector<Vector3> p_m, p_true_m;
   for (auto _ : state) {
     state.PauseTiming();
     LocalSlam slam({}, flown.T_world_body_start, flown.radius_m);
@@ -64,12 +103,15 @@ void local_slam(benchmark::State& state, const std::string& scenario_file, const
         if (timed) state.ResumeTiming();
         benchmark::DoNotOptimize(slam.add(scan));
         if (timed) state.PauseTiming();
+        p_m.push_back(slam.filter().state().nav.p_m);
+        p_true_m.push_back(sensed.p_world_m);
       }
     }
     bytes = slam.map().bytes();
     state.counters["scans"] = num_scans - kStartScans;
     state.ResumeTiming();
   }
+  state.counters["error_mm"] = 1e3 * absolute_error_m(p_m, p_true_m);
   state.counters["map_MB"] = 1e-6 * static_cast<double>(bytes);
   state.counters["scan_s"] = benchmark::Counter(
       state.counters["scans"], benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
@@ -80,6 +122,11 @@ BENCHMARK_CAPTURE(local_slam, os1_campus, "campus.yaml", "os1_128")->Unit(benchm
 BENCHMARK_CAPTURE(local_slam, os1_forest, "forest.yaml", "os1_128")->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(local_slam, mid360_campus, "campus.yaml", "mid360")->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(local_slam, mid360_forest, "forest.yaml", "mid360")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(icp_odometry, puck_campus, "campus.yaml", "puck_lite")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(icp_odometry, os1_campus, "campus.yaml", "os1_128")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(icp_odometry, os1_forest, "forest.yaml", "os1_128")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(icp_odometry, mid360_campus, "campus.yaml", "mid360")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(icp_odometry, mid360_forest, "forest.yaml", "mid360")->Unit(benchmark::kMillisecond)->Iterations(1);
 
 }  // namespace
 }  // namespace swiftlet

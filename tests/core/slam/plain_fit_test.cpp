@@ -13,6 +13,7 @@
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/slam/scan_to_map.hpp"
+#include "tests/core/slam/plain_planes.hpp"
 
 namespace swiftlet {
 namespace {
@@ -71,14 +72,15 @@ bool a_beam_goes_by(const PlainScan& scan, const Vector3& x, const Vector3& alon
 }
 
 ScanFit plain_fit(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& points, const Pose& T,
-                  const ScanToMapConfig& config, double smear_m) {
+                  const ScanToMapConfig& config, double smear_m, double range_sigma_m) {
   const PlainScan scan{map, points, T, config};
   const Matrix3 R = T.linear();
   ScanFit fit;
   fit.num_points = static_cast<int>(points.size());
   Matrix6 of_planes = Matrix6::Zero(), all = Matrix6::Zero();
   Twist gradient = Twist::Zero();
-  double weight = 0.0, lever_m2 = 0.0, noise = 0.0;
+  double weight = 0.0, lever_m2 = 0.0, noise = 0.0, of_scan = 0.0, of_map = 0.0, renewed = 0.0;
+  testing::PlainPlanes met;
   for (const Eigen::Vector3f& point : points) {
     const Vector3 x = point.cast<double>(), at = T * x;
     const SurfaceCell* cell = map.find(at);
@@ -92,14 +94,7 @@ ScanFit plain_fit(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& poi
       const double r = n.dot(off), variance = plane_variance(scan, *cell, off);
       if (std::abs(r) > config.reach_m) continue;
       fit.num_near += r * r < 9.0 * variance ? 1 : 0;
-      const double w = scan.robust(r * r / variance) / variance;
-      const Twist J = row_of(scan, x, n);
-      of_planes += w * J * J.transpose();
-      all += w * J * J.transpose();
-      gradient += w * r * J;
-      weight += w;
-      lever_m2 += w * x.squaredNorm();
-      noise += w * cell->variance_m2 / (cell->count_fitted * cell->narrow_variance_m2);
+      met.add(*cell, off, scan.robust(r * r / variance) / (scan.floor_m2() + cell->variance_m2));
     } else if (config.point_weight > 0.0) {
       const double variance = scan.floor_m2() + cell->variance_m2 + cell->narrow_variance_m2 + cell->narrow_variance_m2;
       fit.num_near += off.squaredNorm() < 9.0 * variance ? 1 : 0;
@@ -111,10 +106,37 @@ ScanFit plain_fit(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& poi
       }
     }
   }
+  for (const testing::PlainPlane& plane : met.all()) {
+    const Vector3 n = plane.cell->normal.cast<double>(), mean = plane.cell->mean_m.cast<double>();
+    const Vector3 unsure = plane.variances(scan.floor_m2(), range_sigma_m, T.translation());
+    const Eigen::MatrixXd S_inverse = plane.covariance(unsure).inverse();
+    const Eigen::MatrixX3d A = plane.regressors();
+    const Matrix3 W = A.transpose() * S_inverse * A;
+    Eigen::MatrixXd J(plane.off_m.size(), 6);
+    Eigen::VectorXd r(plane.off_m.size());
+    double information = 0.0;
+    for (std::size_t i = 0; i < plane.off_m.size(); ++i) {
+      J.row(i) = row_of(scan, T.inverse() * (mean + plane.off_m[i]), n).transpose();
+      r(i) = n.dot(plane.off_m[i]);
+      information += plane.information[i];
+    }
+    of_planes += J.transpose() * S_inverse * J;
+    all += J.transpose() * S_inverse * J;
+    gradient += J.transpose() * S_inverse * r;
+    weight += W(0, 0);
+    lever_m2 += W(0, 0) * (mean - T.translation()).squaredNorm();
+    noise += W(0, 0) * unsure.z();
+    of_scan += information;
+    of_map += (W * unsure.asDiagonal() * W)(0, 0);
+    if (!map.is_full(*plane.cell)) renewed += information - W(0, 0);
+  }
   if (weight <= 0.0) {
     fit.num_degenerate = 6;
     return fit;
   }
+
+  fit.map_share = of_map / weight;
+  fit.renewal = renewed / of_scan;
 
   // Turns are counted by the mean lever arm.
   Twist scale = Twist::Ones();
@@ -134,7 +156,6 @@ ScanFit plain_fit(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& poi
     struct Standing {
       Twist J;
       double r, w;
-      bool planar;
       std::vector<bool> free;
     };
     std::vector<Standing> standing;
@@ -172,8 +193,8 @@ ScanFit plain_fit(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& poi
       }
       if (std::none_of(free.begin(), free.end(), [](bool is) { return is; })) continue;
       for (std::size_t k = 0; k < normals.size(); ++k) {
-        standing.push_back({S * row_of(scan, x, normals[k]), normals[k].dot(off),
-                            scan.robust(distance_sq) / variances[k], cell->planar, free});
+        standing.push_back(
+            {S * row_of(scan, x, normals[k]), normals[k].dot(off), scan.robust(distance_sq) / variances[k], free});
       }
     }
     std::vector<bool> holds(weak.size());
@@ -194,17 +215,13 @@ ScanFit plain_fit(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& poi
       if (!any) continue;
       H += s.w * open * s.J * s.J.transpose() * open;
       g += s.w * s.r * open * s.J;
-      if (s.planar) {  // counted once already, without these directions
-        H -= s.w * keep * s.J * s.J.transpose() * keep;
-        g -= s.w * s.r * keep * s.J;
-      }
     }
     H = S.inverse() * H * S.inverse();
     g = S.inverse() * g;
   }
 
-  // What all points have in common: its covariance is added to that of the pose, ten times as far where some is open.
-  const double times = fit.num_degenerate > 0 ? 10.0 : 1.0;
+  // What all points have in common: its covariance is added to that of the pose, sixty times as far where some is open.
+  const double times = fit.num_degenerate > 0 ? 60.0 : 1.0;
   Twist F;
   F.head<3>().setConstant(std::pow(times * config.floor_position_m, 2) + smear_m * smear_m);
   F.tail<3>().setConstant(std::pow(times * config.floor_attitude_deg * kRadPerDeg, 2));
@@ -300,8 +317,9 @@ TEST(PlainFit, OfRandomPlacesIsTheSame) {
     config.reach_m = seed % 6 == 0 ? 0.05 : 0.5;
     config.surface_sigma_m = 0.01 + 0.01 * (seed % 2);
     const double smear_m = seed % 4 == 0 ? 0.05 : 0.0;
-    const ScanFit fit = fit_scan(map, points, T, config, smear_m);
-    const ScanFit plain = plain_fit(map, points, T, config, smear_m);
+    const double range_sigma_m = 0.01 * (seed % 3);
+    const ScanFit fit = fit_scan(map, points, T, config, smear_m, range_sigma_m);
+    const ScanFit plain = plain_fit(map, points, T, config, smear_m, range_sigma_m);
     EXPECT_EQ(fit.num_points, plain.num_points);
     EXPECT_EQ(fit.num_known, plain.num_known) << seed;
     EXPECT_EQ(fit.num_fresh, plain.num_fresh) << seed;
@@ -309,6 +327,8 @@ TEST(PlainFit, OfRandomPlacesIsTheSame) {
     EXPECT_EQ(fit.num_near, plain.num_near) << seed;
     EXPECT_EQ(fit.num_held, plain.num_held) << seed;
     EXPECT_EQ(fit.num_degenerate, plain.num_degenerate) << seed;
+    EXPECT_NEAR(fit.map_share, plain.map_share, 1e-8) << seed;
+    EXPECT_NEAR(fit.renewal, plain.renewal, 1e-8) << seed;
     const double size = plain.evidence.information.norm();
     EXPECT_LE((fit.evidence.information - plain.evidence.information).norm(), 1e-8 * size) << seed;
     EXPECT_LE((fit.evidence.gradient - plain.evidence.gradient).norm(), 1e-8 * plain.evidence.gradient.norm()) << seed;

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <random>
 
 #include "swiftlet/core/localization/rotation.hpp"
+#include "tests/core/slam/plain_planes.hpp"
 #include "tests/core/slam/synthetic_room.hpp"
 
 namespace swiftlet {
@@ -130,20 +132,26 @@ TEST(SurfaceMap, TellsAStemFromAWallAndFromATrunkThatLies) {
   EXPECT_EQ(map.find_pole({5.0, 50.0, 3.0}), nullptr) << "not seen";
 }
 
-/// The cost whose gradient fit_scan() tells, with weights that do not change: planes only, no kernel.
+/// The cost whose gradient fit_scan() tells, with weights that do not change: planes only, no kernel. The points of one
+/// plane have its error in common.
 double cost(const SurfaceMap& map, const std::vector<Eigen::Vector3f>& points_body_m, const Pose& T_local_body,
             const Pose& T_weights, const ScanToMapConfig& config) {
-  double sum = 0.0;
+  const double floor_m2 = config.surface_sigma_m * config.surface_sigma_m;
+  testing::PlainPlanes met;
   for (const Eigen::Vector3f& point : points_body_m) {
     const Vector3 at = T_weights * point.cast<double>();
     const SurfaceCell* cell = map.find(at);
     if (cell == nullptr || !cell->planar) continue;
-    const Vector3 n = cell->normal.cast<double>(), mean = cell->mean_m.cast<double>();
-    const double r0 = n.dot(at - mean), r = n.dot(T_local_body * point.cast<double>() - mean);
-    const double variance = config.surface_sigma_m * config.surface_sigma_m + cell->variance_m2 +
-                            cell->variance_m2 / cell->count_fitted *
-                                (1.0 + ((at - mean).squaredNorm() - r0 * r0) / cell->narrow_variance_m2);
-    sum += 0.5 * r * r / variance;
+    met.add(*cell, at - cell->mean_m.cast<double>(), 1.0 / (floor_m2 + cell->variance_m2));
+  }
+  double sum = 0.0;
+  const Pose T_moved = T_local_body * T_weights.inverse();
+  for (const testing::PlainPlane& plane : met.all()) {
+    const Vector3 n = plane.cell->normal.cast<double>(), mean = plane.cell->mean_m.cast<double>();
+    Eigen::VectorXd r(plane.off_m.size());
+    for (std::size_t i = 0; i < plane.off_m.size(); ++i) r(i) = n.dot(T_moved * (mean + plane.off_m[i]) - mean);
+    const Eigen::MatrixXd S = plane.covariance(plane.variances(floor_m2, 0.0, T_weights.translation()));
+    sum += 0.5 * r.dot(S.ldlt().solve(r));
   }
   return sum;
 }

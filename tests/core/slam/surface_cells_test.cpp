@@ -68,8 +68,10 @@ TEST(SurfaceCells, AreTheStatisticsOfTheirPoints) {
     ASSERT_EQ(found->count_fitted, static_cast<float>(num));
     ASSERT_LT((found->mean_m.cast<double>() - plain.mean_m).norm(), 1e-5);
     const double most = plain.variance(2);
-    ASSERT_NEAR(found->variance_m2, plain.variance(0), 1e-5 * most + 1e-6);
+    // n - 1 points scatter freely about their mean, and n - 3 about their plane.
+    ASSERT_NEAR(found->variance_m2, plain.variance(0) * (num - 1.0) / (num - 3.0), 3e-5 * most + 2e-6);
     ASSERT_NEAR(found->narrow_variance_m2, plain.variance(1), 1e-5 * most + 1e-6);
+    ASSERT_NEAR(found->wide_variance_m2, plain.variance(2), 1e-5 * most + 1e-6);
     if (plain.variance(1) > 1.3 * plain.variance(0)) {
       ASSERT_GT(std::abs(found->normal.cast<double>().dot(plain.eigen.eigenvectors().col(0))), 0.999);
     }

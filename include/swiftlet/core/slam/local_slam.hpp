@@ -15,33 +15,20 @@
 
 namespace swiftlet {
 
-/// How far the map may be off: at its beginning, and by the square root of the way into the unknown. While the map is
-/// young, planes rest on few noisy points, and drag the estimate behind the vehicle: by a share of the way.
-struct MapDriftConfig {
-  double start_position_m = 0.003;
-  double start_attitude_deg = 0.02;
-  double position_m_sqrt_m = 0.0007;
-  double attitude_deg_sqrt_m = 0.002;
-  double young_position_share = 0.006;
-  double young_attitude_deg_m = 0.04;
-
-  void visit(ConfigVisitor& v);
-};
-
 /// Covariance of what is wrong with the map where the vehicle is. The vehicle's own filter knows its pose in the map.
+///
+/// A scan that goes into the map takes the error of its pose along. So the map is off by what its scans were off by,
+/// each as far as it has renewed it.
 class MapDrift {
  public:
-  MapDrift(const MapDriftConfig& config, const Vector3& p_local_m);
-  /// The vehicle has moved. `fresh` is the share of its surroundings that the map does not know well yet.
-  /// @param young  the map is made of the first scans only
-  void move_to(const Vector3& p_local_m, double fresh, bool young = false);
-  /// Of position (local frame) and attitude (body axes).
+  explicit MapDrift(const Vector3& p_local_m) : p_local_m_(p_local_m) {}
+  void move_to(const Vector3& p_local_m);
+  /// A scan went into the map. Covariances are of position (local frame) and attitude (body axes).
+  void inherit(const Matrix6& covariance, const Matrix3& R_local_body);
   Matrix6 covariance(const Matrix3& R_local_body) const;
 
  private:
-  MapDriftConfig config_;
   Vector3 p_local_m_;
-  double young_way_m_ = 0.0;
   Matrix6 C_ = Matrix6::Zero();  // of position and rotation vector, both in local axes
 };
 
@@ -58,7 +45,6 @@ struct LocalSlamConfig {
   double insert_after_deg = 8.0;
   double insert_after_s = 1.0;
   double known_share_min = 0.3;
-  MapDriftConfig drift;
   ScanToMapConfig matching;
   SurfaceMapConfig map;
 
@@ -91,8 +77,8 @@ class LocalSlam {
   const TimedPose& inserted_at() const { return inserted_; }
   /// Of the scan that was added last, thinned for the map.
   std::span<const Eigen::Vector3f> points_body_m() const { return dense_body_m_; }
-  /// Of the pose in the local frame: that of a filter, relative to the map, and what the map has drifted. The filter is
-  /// this one, or this one carried on.
+  /// Of the pose in the local frame: that of a filter, relative to the map, and that of the planes in sight. That of
+  /// what the map has drifted is in it, too. The filter is this one, or this one carried on.
   Matrix6 pose_covariance(const InertialFilter& filter) const;
 
  private:
@@ -110,6 +96,7 @@ class LocalSlam {
   Vector3 velocity_gained(const InertialFilter& learned) const;
   ScanOutcome match(const Scan& scan);
   void gather(const Scan& scan);
+  void learn_doubt(const ScanFit& fit);
   bool due_for_map() const;
   void insert();
 
@@ -121,6 +108,7 @@ class LocalSlam {
   MotionHistory motion_;
   SurfaceMap map_;
   MapDrift drift_;
+  Matrix6 planes_covariance_ = Matrix6::Zero();  // of the pose, by errors that all scans of the same planes share
 
   TimedPose inserted_;  // the last scan that went into the map
   int num_inserted_ = 0;

@@ -37,6 +37,7 @@ struct SurfaceCell {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< of least variance
   float variance_m2 = 0.0F;                          ///< along the normal
   float narrow_variance_m2 = 0.0F;                   ///< the smaller one within the plane
+  float wide_variance_m2 = 0.0F;                     ///< the larger one, along the axis
   Eigen::Vector3f axis = Eigen::Vector3f::Zero();    ///< of largest variance
   bool pole = false;  ///< no plane, but thin across a direction near the z axis, as a stem is
 
