@@ -20,6 +20,7 @@
 namespace swiftlet {
 namespace {
 
+constexpr double kFinest_m = 0.01;  // of surfaces that two submaps have: each is bent a little in its own way
 constexpr double kUpright_m = 1.0;
 constexpr std::size_t kLeastUpright = 40;
 constexpr double kRivalHeading_rad = 20.0 * kRadPerDeg;  // another heading at the same place is one at least so far off
@@ -61,8 +62,7 @@ void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> point
 /// of the grid is wide, the last ones only those that lie close.
 ScanFit refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, Pose& T) {
   ScanToMapConfig matching;
-  const double finest_m = matching.surface_sigma_m;
-  for (const double sigma_m : {0.3, 0.1, 0.03, finest_m}) {
+  for (const double sigma_m : {0.3, 0.1, 0.03, kFinest_m}) {
     matching.surface_sigma_m = sigma_m;
     for (int i = 0; i < kRefinements; ++i) {
       ScanFit fit = fit_scan(map, points_m, T, matching);

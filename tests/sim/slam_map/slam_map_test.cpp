@@ -345,22 +345,33 @@ std::filesystem::path map_of_the_campus() {
   return temporary("campus");
 }
 
-TEST(SlamMap, ALaterFlightFindsItselfInTheMapOfAnEarlierOne) {
-  Scenario scenario = campus("campus_slam.yaml", {{"vehicles[0].start.known", "nothing"},
-                                                  {"vehicles[0].start.position_m", "[9.0, -10.0, 3.5]"},
-                                                  {"vehicles[0].start.yaw_deg", "130"},
-                                                  {"vehicles[0].agent.guidance", "{type: hover}"},
-                                                  {std::string(kGlobal) + ".enabled", "true"},
-                                                  {std::string(kGlobal) + ".map", map_of_the_campus().string()}});
-  scenario.duration_s = 4.0;
-  Simulation simulation(validated(scenario), 2);
-  while (!simulation.finished()) simulation.tick();
-  const StateEstimate& e = simulation.view().actions[0]->estimate;
-  const VehicleState& truth = simulation.view().states[0];
-  EXPECT_GE(e.correction_revision, 1U) << "it has found itself";
-  EXPECT_LT((e.T_world_body().translation() - truth.p_world_m).norm(), 0.1);
-  const double yaw_off_rad = yaw_of(Matrix3(truth.T_world_body().linear().transpose() * e.T_world_body().linear()));
-  EXPECT_LT(std::abs(yaw_off_rad), 0.01);
+// A building looks alike from some places. There it keeps looking, and never takes another place for its own.
+TEST(SlamMap, ALaterFlightFindsItselfInTheMapOfAnEarlierOneFromMostPlaces) {
+  const std::string map = map_of_the_campus().string();
+  const std::pair<const char*, const char*> starts[] = {{"[9.0, -10.0, 3.5]", "130"},
+                                                        {"[11.0, -8.0, 3.0]", "20"},
+                                                        {"[12.0, -4.0, 3.5]", "-70"},
+                                                        {"[6.0, -11.0, 3.0]", "200"}};
+  int found = 0;
+  for (const auto& [position_m, yaw_deg] : starts) {
+    Scenario scenario = campus("campus_slam.yaml", {{"vehicles[0].start.known", "nothing"},
+                                                    {"vehicles[0].start.position_m", position_m},
+                                                    {"vehicles[0].start.yaw_deg", yaw_deg},
+                                                    {"vehicles[0].agent.guidance", "{type: hover}"},
+                                                    {std::string(kGlobal) + ".enabled", "true"},
+                                                    {std::string(kGlobal) + ".map", map}});
+    scenario.duration_s = 2.5;
+    Simulation simulation(validated(scenario), 2);
+    while (!simulation.finished()) simulation.tick();
+    const StateEstimate& e = simulation.view().actions[0]->estimate;
+    if (e.correction_revision == 0) continue;
+    ++found;
+    const VehicleState& truth = simulation.view().states[0];
+    EXPECT_LT((e.T_world_body().translation() - truth.p_world_m).norm(), 0.1) << position_m;
+    const double yaw_off_rad = yaw_of(Matrix3(truth.T_world_body().linear().transpose() * e.T_world_body().linear()));
+    EXPECT_LT(std::abs(yaw_off_rad), 0.01) << position_m;
+  }
+  EXPECT_GE(found, 3);
 }
 
 TEST(SlamMap, AFlightElsewhereDoesNotFindItselfInIt) {
