@@ -409,7 +409,9 @@ TEST(Closure, TellsHowMuchOfItIsKnownAndHowMuchOfThatLiesOnSurfaces) {
   std::vector<Vector3> points;
   for (const Eigen::Vector3f& p : older) points.push_back(p.cast<double>());
   surfaces.insert(points, Vector3::Zero());
-  const ScanFit fit = fit_scan(surfaces, newer, result.T_older_newer, {});
+  ScanToMapConfig of_submaps;
+  of_submaps.surface_sigma_m = 0.01;
+  const ScanFit fit = fit_scan(surfaces, newer, result.T_older_newer, of_submaps);
   EXPECT_NEAR(result.overlap, static_cast<double>(fit.num_known) / static_cast<double>(newer.size()), 1e-12);
   EXPECT_NEAR(result.near_share, static_cast<double>(fit.num_near) / fit.num_known, 1e-12);
   EXPECT_LT(result.overlap, 0.95);
