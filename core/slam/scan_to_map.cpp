@@ -18,6 +18,8 @@ namespace {
 
 // Normals that are off by a little make an open direction seem to hang on the others: those count less then.
 constexpr double kOpenFloor = 60.0;
+// A wider floor lets points count that are farther off. It does not make the planes of the map less sure.
+constexpr double kFlat_m2 = 1e-4;
 constexpr double kNoiseFactor = 3.0;  // information of noise that is taken for none
 constexpr double kNear_sq = 9.0;      // squared standard deviations within which a point lies on a surface
 // What stands free.
@@ -115,7 +117,7 @@ class MetPlane {
 Vector3 MetPlane::variances(const PlacedScan& scan, const Vector3& lever_m) const {
   const double n = cell_->count_fitted, across = lever_m.normalized().dot(cell_->normal.cast<double>());
   const double explained_m2 = scan.range_variance_m2 * across * across * (1.0 + 2.0 * std::sqrt(2.0 / n));
-  const double mean_m2 = (scan.floor_m2 + cell_->variance_m2) / n;
+  const double mean_m2 = (std::min(scan.floor_m2, kFlat_m2) + cell_->variance_m2) / n;
   return {mean_m2 + std::max(0.0, cell_->variance_m2 - explained_m2), mean_m2 / cell_->wide_variance_m2,
           mean_m2 / cell_->narrow_variance_m2};
 }

@@ -28,7 +28,7 @@ struct PlainPlane {
   /// Variances of the map's plane, by least squares through n points; scatter beyond the ranges' noise stays in full.
   Vector3 variances(double floor_m2, double range_sigma_m, const Vector3& p_sensor_m) const {
     const Vector3 beam = (cell->mean_m.cast<double>() - p_sensor_m).normalized();
-    const double n = cell->count_fitted, of_point = floor_m2 + cell->variance_m2;
+    const double n = cell->count_fitted, of_point = std::min(floor_m2, 1e-4) + cell->variance_m2;
     const double noise = std::pow(range_sigma_m * beam.dot(cell->normal.cast<double>()), 2);
     const double structure = cell->variance_m2 - noise * (1.0 + std::sqrt(8.0 / n));
     return {of_point / n + std::max(structure, 0.0), of_point / n / cell->wide_variance_m2,
