@@ -35,10 +35,16 @@ class App {
     this.plot = new Plot(byId('plot'), this.run);
     const blocks = [...document.querySelectorAll('script.block')];
     if (!blocks.length) return this.follow();
-    for (let i = 0; i < blocks.length; ++i) {
+    const unpacked = (i) => {
       const text = blocks[i].textContent;
       blocks[i].remove();  // its memory is of use elsewhere
-      this.take(readBlock(await unpack(fromBase64(text))));
+      return unpack(fromBase64(text));
+    };
+    // The browser unpacks the next block while this one is read.
+    for (let i = 0, next = unpacked(0); i < blocks.length; ++i) {
+      const block = readBlock(await next);
+      if (i + 1 < blocks.length) next = unpacked(i + 1);
+      this.take(block);
       byId('progress').textContent = `reading the run: ${Math.round(100 * (i + 1) / blocks.length)} %`;
     }
     this.fill();
@@ -357,7 +363,10 @@ class App {
       this.dirty = true;
       if (this.t >= this.run.end_s && this.ready) this.play(false);
     }
-    if (this.dirty) {
+    // While the run is read, pictures only hold the reading up: two a second show that it goes on.
+    const reads = !this.ready && !this.following && now - (this.drawn_at ?? -Infinity) < 500;
+    if (this.dirty && !reads) {
+      this.drawn_at = now;
       this.hurry(now);
       this.draw();
     } else if (this.scene.hurried && now - this.moved_at > 300) {

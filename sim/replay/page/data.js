@@ -147,9 +147,11 @@ class Run {
     this.events = [];
     this.end_s = 0;
     this.complete = false;
+    this.blocks = 0;  // that were read
   }
 
   add({about, tables}) {
+    ++this.blocks;
     if (about.kind === 'head') this.begin(about, tables);
     if (about.kind === 'world') this.world = Run.meshes(tables);
     if (about.kind === 'scans') {

@@ -38,12 +38,29 @@ class Plot {
     return {left: 4 + k * each + gap - 12, width: each - gap};
   }
 
+  /** Curves are drawn when something of them changed, and then the cursor alone moves over a copy of them. */
   draw(t) {
-    const {context: c, width, height} = fitted(this.canvas);
-    this.signals.forEach((name, k) => this.drawPanel(c, name, this.panel(k, width), 16, height - 34, t));
+    const {context: c, width, height} = fitted(this.canvas), {canvas} = this;
+    const key = [this.run.blocks, canvas.width, canvas.height, themed('--text'), this.signals, this.vehicles && [...this.vehicles]].join(' ');
+    if (key !== this.drawn) {
+      this.drawn = key;
+      this.signals.forEach((name, k) => this.drawPanel(c, name, this.panel(k, width), 16, height - 34));
+      this.curves = this.curves || document.createElement('canvas');
+      this.curves.width = canvas.width; this.curves.height = canvas.height;
+      this.curves.getContext('2d').drawImage(canvas, 0, 0);
+    } else {
+      c.drawImage(this.curves, 0, 0, width, height);
+    }
+    c.strokeStyle = themed('--accent'); c.lineWidth = 1;
+    c.beginPath();
+    this.signals.forEach((name, k) => {
+      const panel = this.panel(k, width), x = panel.left + panel.width * t / Math.max(this.run.end_s, 1e-3);
+      c.moveTo(x, 16); c.lineTo(x, height - 18);
+    });
+    c.stroke();
   }
 
-  drawPanel(c, name, {left, width}, top, height, t) {
+  drawPanel(c, name, {left, width}, top, height) {
     const end = Math.max(this.run.end_s, 1e-3), curves = [];
     let low = Infinity, high = -Infinity;
     this.run.vehicles.forEach((vehicle, v) => {
@@ -71,7 +88,6 @@ class Plot {
     c.beginPath(); c.rect(left, top, width, height); c.clip();
     for (const {signal, color} of curves) this.drawCurve(c, signal, color, x, y, width);
     c.restore();
-    c.strokeStyle = themed('--accent'); c.beginPath(); c.moveTo(x(t), top); c.lineTo(x(t), top + height); c.stroke();
   }
 
   drawCurve(c, {t, y: values, rows, loose}, color, x, y, width) {
