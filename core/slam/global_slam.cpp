@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
@@ -26,6 +27,37 @@ Matrix6 information_of(double position_m, double attitude_rad) {
   information.diagonal().tail<3>().setConstant(1.0 / (attitude_rad * attitude_rad));
   return information;
 }
+
+/// Which points lie within the edge of a voxel of one of some others, or a little farther.
+class NearPoints {
+ public:
+  NearPoints(double voxel_m, std::span<const Eigen::Vector3f> points_m) : cells_per_m_(0.5 / voxel_m) {
+    keys_.reserve(points_m.size());
+    for (const Eigen::Vector3f& p_m : points_m) keys_.push_back(key_of((cells_per_m_ * p_m.cast<double>()).eval()));
+    std::sort(keys_.begin(), keys_.end());
+    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
+  }
+  bool contain(const Vector3& p_m) const {
+    const Vector3 low = (cells_per_m_ * p_m).array() - 0.5;  // of the two cells by axis that are nearest
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vector3 at = low + Vector3(corner & 1, corner >> 1 & 1, corner >> 2);
+      if (std::binary_search(keys_.begin(), keys_.end(), key_of(at))) return true;
+    }
+    return false;
+  }
+
+ private:
+  static std::uint64_t key_of(const Vector3& cells) {
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      key = key << 21 | (static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(cells[axis]))) & 0x1FFFFF);
+    }
+    return key;
+  }
+
+  double cells_per_m_;
+  std::vector<std::uint64_t> keys_;
+};
 
 /// With z up, as the local frame has it: heading and place of a body.
 Pose level(const Pose& T) { return make_pose(T.translation(), rotation_by({0.0, 0.0, yaw_of(T.linear())})); }
@@ -104,7 +136,7 @@ void GlobalSlam::begin_submap(const Node& node) {
 void GlobalSlam::finish_submap() {
   std::vector<Eigen::Vector3f>& points_m = submaps_.back().points_submap_m;
   points_m = thinned_m(points_m);
-  seek_closures();
+  forget_known(seek_closures());
 }
 
 std::vector<Eigen::Vector3f> GlobalSlam::thinned_m(std::span<const Eigen::Vector3f> points_submap_m) const {
@@ -117,8 +149,9 @@ std::vector<Eigen::Vector3f> GlobalSlam::thinned_m(std::span<const Eigen::Vector
 }
 
 /// With the nearest older submaps that the vehicle left long ago, or an earlier flight made.
-void GlobalSlam::seek_closures() {
-  if (num_given_poses_ > 0 && !located_) return;
+std::vector<GlobalSlam::Joined> GlobalSlam::seek_closures() {
+  std::vector<Joined> joined;
+  if (num_given_poses_ > 0 && !located_) return joined;
   const Submap& newer = submaps_.back();
   const Pose& T_world_newer = graph_.pose(newer.pose);
   struct Candidate {
@@ -135,7 +168,7 @@ void GlobalSlam::seek_closures() {
     for (const SavedMap::Submap& given : config_.loaded_map->submaps) consider(given.pose, given.points_submap_m);
   }
   for (std::size_t i = 0; i + 1 < submaps_.size(); ++i) {
-    if (newer.begin_m - submaps_[i].end_m < config_.closure_gap_m) continue;
+    if (submaps_[i].thinned_out || newer.begin_m - submaps_[i].end_m < config_.closure_gap_m) continue;
     consider(submaps_[i].pose, submaps_[i].points_submap_m);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -145,8 +178,32 @@ void GlobalSlam::seek_closures() {
     const ClosureResult result =
         find_closure(candidate.points_submap_m, newer.points_submap_m,
                      level(graph_.pose(candidate.pose)).inverse() * level(T_world_newer), config_.closures);
-    if (result.verdict == ClosureVerdict::kClosed) join(candidate.pose, newer.pose, result.T_older_newer);
+    if (result.verdict != ClosureVerdict::kClosed) continue;
+    join(candidate.pose, newer.pose, result.T_older_newer);
+    joined.push_back({candidate.points_submap_m, result.T_older_newer});
   }
+  return joined;
+}
+
+/// What older submaps that were joined with it know as well is not kept twice. So memory grows with the space that was
+/// seen, not with the way.
+void GlobalSlam::forget_known(std::span<const Joined> joined) {
+  if (joined.empty() || config_.covered_share >= 1.0) return;
+  std::vector<Eigen::Vector3f>& points_m = submaps_.back().points_submap_m;
+  std::vector<NearPoints> known;
+  for (const Joined& older : joined) known.emplace_back(config_.submap_voxel_m, older.points_older_m);
+  std::vector<Eigen::Vector3f> fresh_m;
+  for (const Eigen::Vector3f& p_m : points_m) {
+    bool is_known = false;
+    for (std::size_t i = 0; i < joined.size() && !is_known; ++i) {
+      is_known = known[i].contain(joined[i].T_older_newer * p_m.cast<double>());
+    }
+    if (!is_known) fresh_m.push_back(p_m);
+  }
+  const auto num = static_cast<double>(points_m.size());
+  if (num - static_cast<double>(fresh_m.size()) < config_.covered_share * num) return;
+  points_m = std::vector<Eigen::Vector3f>(fresh_m);
+  submaps_.back().thinned_out = true;
 }
 
 void GlobalSlam::join(int older_pose, int newer_pose, const Pose& T_older_newer) {
@@ -326,6 +383,12 @@ void GlobalSlam::append_overlays(std::vector<Overlay>& overlays) const {
   overlays.push_back(std::move(closures));
 }
 
+std::size_t GlobalSlam::num_points() const {
+  std::size_t num = 0;
+  for (std::size_t i = 0; i + 1 < submaps_.size(); ++i) num += submaps_[i].points_submap_m.size();
+  return num;
+}
+
 Matrix6 GlobalSlam::odometry_information(double way_m) const {
   const double root = std::sqrt(std::max(way_m, kLeastStep_m));
   return information_of(config_.odometry_position_m_sqrt_m * root,
@@ -341,6 +404,11 @@ void GlobalSlamConfig::visit(ConfigVisitor& v) {
   v.field("submap_voxel_m", submap_voxel_m, "[m] a submap keeps one point in a cube of this edge",
           Range::between(0.05, 2.0));
   v.field("closure_distance_m", closure_distance_m, "[m] submaps as near to each other may be joined", positive);
+  v.field(
+      "covered_share", covered_share,
+      "[-] of the points of a submap that older ones joined with it know, from which on only the others are kept; 1: "
+      "all are",
+      Range::probability());
   v.field("closure_gap_m", closure_gap_m, "[m] of the way must lie between them", Range::non_negative());
   v.field("searches", searches, "[-] for a finished submap, at most", Range::between(0, 100));
   v.field("odometry_position_m_sqrt_m", odometry_position_m_sqrt_m,

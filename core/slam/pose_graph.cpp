@@ -50,6 +50,56 @@ Vector6 prior_residual(const PriorFactor& f, const Pose& T) {
 
 Vector3 gravity_residual(const GravityFactor& f, const Pose& T) { return T.linear().row(2).transpose() - f.up_body; }
 
+/// The same to first order as moved(), as a motion of the world about its origin. Poses that all make the same motion
+/// stay where they were among each other, however far it goes. So a long way that turns as a whole costs nothing.
+Pose carried(const Pose& T_world_pose, const Vector6& step) {
+  const Vector3 p_m = T_world_pose.translation();
+  const Vector3 turn_rad = T_world_pose.linear() * step.tail<3>();
+  const Vector3 shift_m = step.head<3>() - turn_rad.cross(p_m);
+  const double angle = turn_rad.norm();
+  double a = 0.5 - angle * angle / 24.0, b = 1.0 / 6.0 - angle * angle / 120.0;  // (1 - cos x) / x^2, (x - sin x) / x^3
+  if (angle > 1e-2) {
+    a = (1.0 - elementary::cos(angle)) / (angle * angle);
+    b = (angle - elementary::sin(angle)) / (angle * angle * angle);
+  }
+  const Vector3 across_m = turn_rad.cross(shift_m);
+  const Vector3 along_m = shift_m + a * across_m + b * turn_rad.cross(across_m);
+  const Eigen::Quaterniond turn = rotation_by(turn_rad);
+  const Eigen::Quaterniond q = turn * Eigen::Quaterniond(Matrix3(T_world_pose.linear()));
+  return make_pose(turn * p_m + along_m, q.normalized());
+}
+
+/// What a factor adds to the normal equations: J^T W J and J^T W r.
+struct RelativeTerms {
+  Matrix6 H_from, H_to, H_from_to;
+  Vector6 g_from, g_to;
+};
+
+/// The same as by the derivatives of residual_of(), by blocks of 3 x 3: J_to is (R 0; 0 K), and J_from is
+/// -J_to (I -A; 0 Q) with the lever A of the displacement and the turn Q between the poses.
+RelativeTerms terms_of(const RelativeFactor& f, const Pose& T_from, const Pose& T_to) {
+  const Vector6 r = relative_residual(f, T_from, T_to);
+  const Vector6 weighted = f.information * r;
+  const double w = huber_weight(std::sqrt(r.dot(weighted)), f.huber);
+  const Matrix3 R = T_from.linear().transpose(), K = right_jacobian_inverse(r.tail<3>());
+  const Matrix3 A = skew_of(T_to.translation() - T_from.translation()) * T_from.linear();
+  const Matrix3 Q = T_to.linear().transpose() * T_from.linear();
+  RelativeTerms e;
+  Matrix6 of_to;  // W J_to
+  of_to.leftCols<3>().noalias() = f.information.leftCols<3>() * (w * R);
+  of_to.rightCols<3>().noalias() = f.information.rightCols<3>() * (w * K);
+  e.H_to.topRows<3>().noalias() = R.transpose() * of_to.topRows<3>();
+  e.H_to.bottomRows<3>().noalias() = K.transpose() * of_to.bottomRows<3>();
+  const Matrix3 At = A.transpose(), Qt = Q.transpose();
+  e.H_from_to.topRows<3>() = -e.H_to.topRows<3>();
+  e.H_from_to.bottomRows<3>().noalias() = At * e.H_to.topRows<3>() - Qt * e.H_to.bottomRows<3>();
+  e.H_from.leftCols<3>() = -e.H_from_to.leftCols<3>();
+  e.H_from.rightCols<3>().noalias() = e.H_from_to.leftCols<3>() * A - e.H_from_to.rightCols<3>() * Q;
+  e.g_to << w * (R.transpose() * weighted.head<3>()), w * (K.transpose() * weighted.tail<3>());
+  e.g_from << -e.g_to.head<3>(), At * e.g_to.head<3>() - Qt * e.g_to.tail<3>();
+  return e;
+}
+
 }  // namespace
 
 Pose moved(const Pose& T_world_pose, const Vector6& step) {
@@ -136,15 +186,12 @@ void PoseGraph::linearize(BlockCholesky& H, std::vector<Vector6>& gradient) cons
   H.set_zero();
   gradient.assign(poses_.size(), Vector6::Zero());
   for (const RelativeFactor& f : relatives_) {
-    const RelativeResidual e = residual_of(f, poses_[f.from], poses_[f.to]);
-    const Vector6 weighted = f.information * e.r;
-    const double w = huber_weight(std::sqrt(e.r.dot(weighted)), f.huber);
-    const Matrix6 of_from = w * (f.information * e.J_from), of_to = w * (f.information * e.J_to);
-    H.diagonal(f.from).noalias() += e.J_from.transpose() * of_from;
-    H.diagonal(f.to).noalias() += e.J_to.transpose() * of_to;
-    H.add(f.from, f.to, e.J_from.transpose() * of_to);
-    gradient[f.from].noalias() += w * (e.J_from.transpose() * weighted);
-    gradient[f.to].noalias() += w * (e.J_to.transpose() * weighted);
+    const RelativeTerms e = terms_of(f, poses_[f.from], poses_[f.to]);
+    H.diagonal(f.from) += e.H_from;
+    H.diagonal(f.to) += e.H_to;
+    H.add(f.from, f.to, e.H_from_to);
+    gradient[f.from] += e.g_from;
+    gradient[f.to] += e.g_to;
   }
   for (const PriorFactor& f : priors_) {
     const PriorResidual e = residual_of(f, poses_[f.pose]);
@@ -200,7 +247,7 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config) {
     }
     double largest = 0.0;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      tried[i] = moved(poses_[i], -step[i]);
+      tried[i] = carried(poses_[i], -step[i]);
       largest = std::max(largest, step[i].cwiseAbs().maxCoeff());
     }
     const double cost = cost_of(tried);

@@ -95,6 +95,24 @@ DistanceBin joined(const std::vector<DistanceBin>& bins, double up_to_m) {
   return sum;
 }
 
+void write_sightings(Experiment& experiment, const std::string& name, const Flights& flights) {
+  CsvTable csv({"stage", "run", "t_s", "told_s", "target", "range_m", "visible", "points", "found", "error_m", "track",
+                "x_m", "y_m", "z_m"});
+  for (std::size_t run = 0; run < flights.logs.size(); ++run) {
+    const auto write = [&](const char* stage, const std::vector<Sighting>& sightings) {
+      for (const Sighting& s : sightings) {
+        csv.row(stage,
+                {static_cast<double>(run + 1), to_seconds(s.t), to_seconds(s.told), static_cast<double>(s.target),
+                 s.range_m, static_cast<double>(s.visible), static_cast<double>(s.points), static_cast<double>(s.found),
+                 s.error_m, static_cast<double>(s.track), s.p_m.x(), s.p_m.y(), s.p_m.z()});
+      }
+    };
+    write("detector", flights.logs[run]->detections());
+    write("tracker", flights.logs[run]->tracks());
+  }
+  experiment.write(name + "-sightings.csv", csv);
+}
+
 void plain_row(Experiment& experiment, const std::string& what, double value, int digits, const std::string& note) {
   experiment.row({what, short_number(value, digits), Verdict::kNotJudged, note, value});
 }

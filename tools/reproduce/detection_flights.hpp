@@ -15,6 +15,7 @@ namespace swiftlet::tools {
 
 inline constexpr double kBin_m = 5.0, kFarthestBin_m = 90.0;
 inline constexpr double kIgnored_s = 10.0;  ///< the map must first become free
+inline constexpr double kSame_m = 1.0;  ///< a track nearer than this is the target's
 inline constexpr double kOs1Fov_deg = 22.5;
 /// A detector tells of a scan when it has worked on it (0.11 s), which begins when the one before is done. Only then
 /// can a tracker know of a target that came into view.
@@ -47,6 +48,9 @@ Curve error_curve(const std::vector<DistanceBin>& bins);
 Curve recall_curve(const std::vector<DistanceBin>& bins);
 /// Expected error of a point under the noise of eq. (66), or none [Vrba 2025, sec. IV]: what Fig. 5 says of Fig. 11.
 Curve theory_curve(bool with_noise);
+
+/// Every single comparison, for whoever wants to know why a target was missed: `name`-sightings.csv.
+void write_sightings(Experiment& experiment, const std::string& name, const Flights& flights);
 
 /// A row without published figure.
 void plain_row(Experiment& experiment, const std::string& what, double value, int digits, const std::string& note = {});

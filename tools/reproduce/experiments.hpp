@@ -14,7 +14,7 @@ void voxel_probability(Experiment& experiment);
 // detection.cpp
 void detection_ideal(Experiment& experiment);
 void detection_noisy(Experiment& experiment);
-void detection_multi(Experiment& experiment);
+void detection_multi(Experiment& experiment);  // detection_multi.cpp
 void detection_real(Experiment& experiment);
 void detection_takeoff(Experiment& experiment);
 void detection_timing(Experiment& experiment);     // detection_timing.cpp
@@ -38,6 +38,9 @@ void safe_loop_closure(Experiment& experiment);  // safe_loop_closure.cpp
 void gps_weighting(Experiment& experiment);      // gps_weighting.cpp
 void submap_navigation(Experiment& experiment);  // submap_navigation.cpp
 void slam_drift(Experiment& experiment);         // slam_drift.cpp
+void slam_aisles(Experiment& experiment);        // slam_aisles.cpp
+void slam_limits(Experiment& experiment);        // slam_limits.cpp
+void slam_in_place(Experiment& experiment);      // slam_in_place.cpp
 
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);

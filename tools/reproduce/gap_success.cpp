@@ -4,184 +4,24 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "experiments.hpp"
-#include "guidance_flights.hpp"
-#include "parallel.hpp"
-#include "swiftlet/core/math/random.hpp"
+#include "gap_flights.hpp"
 #include "swiftlet/sim/plot/plot.hpp"
 
 namespace swiftlet::tools {
 namespace {
 
-using Overrides = std::vector<std::pair<std::string, std::string>>;
-
-/// The configurations of Fig. 6, in the order of its legend.
-enum class Team { kTruthOwnMap, kTruth, kFull, kFullToldOnce, kSingle };
-constexpr std::array kTeams = {Team::kTruthOwnMap, Team::kTruth, Team::kFull, Team::kFullToldOnce, Team::kSingle};
-constexpr std::array<const char*, 5> kTeamNames = {"true places, the secondary's map", "true places",
-                                                   "full localization", "full localization, path told once",
-                                                   "single UAV"};
-const char* name_of(Team team) { return kTeamNames[static_cast<std::size_t>(team)]; }
-
-constexpr double kHeight_m = 1.5;
-constexpr double kMapEdge_m = 0.1;
-
-struct Run {
-  sim::Scenario scenario;
-  Passage passage;
-};
-
-/// Both know where they are, and so where the other one is.
-void know_the_truth(Overrides& changes) {
-  changes.emplace_back("vehicles[1].start.known", "pose");
-  changes.emplace_back("vehicles[1].agent.localization", "{type: ground_truth}");
-  changes.emplace_back("vehicles[1].agent.guidance.odometry_rate_hz", "10");
-  changes.emplace_back("vehicles[0].agent.relative_localization", "{type: shared_world, other: secondary}");
-}
-
-/// The guide plans on what a LiDAR of the secondary sees, which in reality is too heavy for it. No radio carries that.
-void map_by_the_secondary(Overrides& changes) {
-  changes.emplace_back("radio.rate_kbps", "1000000");
-  changes.emplace_back("radio.queue_limit_kB", "10000");
-  changes.emplace_back("vehicles[1].sensors",
-                       "[{type: lidar, name: os0, model: os0_128, mount: {position_m: [0, 0, 0.12]}}, "
-                       "{type: imu, name: imu, model: imu_mrs}]");
-  changes.emplace_back("vehicles[1].agent.mapping", "{type: occupancy, tell_rays_to: primary, range_min_m: 0.4}");
-  changes.emplace_back("vehicles[0].agent.mapping", "{type: occupancy, rays_of: secondary}");
-}
-
-void localize_by_sensors(Overrides& changes) {
-  changes.emplace_back("vehicles[0].sensors",
-                       "[{type: lidar, name: os0, model: os0_128, mount: {position_m: [0, 0, 0.15]}}, "
-                       "{type: odometry, name: lio, model: odometry_lio}, "
-                       "{type: imu, name: imu, model: imu_adis16448}]");
-  changes.emplace_back("vehicles[0].agent.localization", "{type: odometry}");
-  changes.emplace_back(
-      "vehicles[0].agent.relative_localization",
-      "{type: sliding_window, other: secondary, source: markers, center_behind_m: 0.025, center_above_m: 0.025}");
-}
-
-/// Where the building stands and how it is turned, where everybody starts, and where the goals lie: all by the seed.
-Run make_run(Team team, double safe_distance_m, std::uint64_t seed) {
-  const Random random(seed, "gap-success");
-  std::uint32_t drawn = 0;
-  const auto draw = [&](double low, double high) { return random.uniform(low, high, 0, drawn++); };
-  Passage passage;
-  passage.x_world_m = draw(-0.5, 0.5);
-  passage.y_world_m = draw(-0.5, 0.5);
-  const double yaw_deg = draw(0.0, 360.0);
-  passage.yaw_rad = yaw_deg * std::numbers::pi / 180.0;
-  const Vector3 small_m = in_world(passage, draw(-4.2, -3.0), draw(-2.0, 2.0), kHeight_m);
-  const Vector3 large_m = in_world(passage, draw(-7.6, -6.2), draw(-3.0, 3.0), kHeight_m);
-  const Vector3 goal_m = in_world(passage, draw(2.5, 3.5), draw(-0.5, 0.5), kHeight_m);
-  const std::string goals = fmt::format("[{}, {}]", text_of(goal_m), text_of(small_m));
-
-  Overrides changes = {{"world.safe_distance_m", fmt::format("{}", safe_distance_m)},
-                       {"world.yaw_deg", fmt::format("{}", yaw_deg)},
-                       {"world.position_m", fmt::format("[{}, {}]", passage.x_world_m, passage.y_world_m)},
-                       {"vehicles[0].agent.guidance.goals_m", goals},
-                       {"vehicles[0].start.yaw_deg", fmt::format("{}", draw(0.0, 360.0))},
-                       {"duration_s", "120"}};
-  if (team == Team::kSingle) {
-    changes.emplace_back("vehicles[0].start.position_m", text_of(small_m));
-    changes.emplace_back("vehicles[0].agent.guidance.planner.clearance_m", fmt::format("{}", safe_distance_m));
-    changes.emplace_back("vehicles[0].agent.guidance.follow", "corners");  // as the secondary follows its path
-    return {scenario_with("navigate.yaml", seed, std::move(changes)), passage};
-  }
-  changes.emplace_back("vehicles[0].start.position_m", text_of(large_m));
-  changes.emplace_back("vehicles[1].start.position_m", text_of(small_m));
-  changes.emplace_back("vehicles[1].start.yaw_deg", fmt::format("{}", draw(0.0, 360.0)));
-  const std::string planner = "vehicles[0].agent.guidance.planner.secondary.";
-  changes.emplace_back(planner + "clearance_m", fmt::format("{}", safe_distance_m));
-  changes.emplace_back(planner + "unknown_is_free", "true");
-  const bool truth = team == Team::kTruth || team == Team::kTruthOwnMap;
-  if (truth)
-    know_the_truth(changes);
-  else
-    localize_by_sensors(changes);
-  if (team == Team::kTruthOwnMap) map_by_the_secondary(changes);
-  if (team == Team::kFullToldOnce) {
-    changes.emplace_back("vehicles[0].agent.guidance.periodic", "false");
-    changes.emplace_back("vehicles[1].agent.guidance.link_timeout_s", "120");  // it flies on alone
-  }
-  return {scenario_with("guided_gap.yaml", seed, std::move(changes)), passage};
-}
-
-/// All flights of one configuration at one safe distance.
-struct Point {
-  int flights = 0, successes = 0, crashes = 0;
-  double share() const { return flights > 0 ? static_cast<double>(successes) / flights : 0.0; }
-};
-using Curve = std::map<double, Point>;  // by safe distance
-
-struct Errors {
-  double error_sum_m = 0.0, along_wall_sum_m = 0.0;
-  int count = 0;
-};
-
-class GapFlights {
- public:
-  explicit GapFlights(Experiment& experiment) : experiment_(experiment) {}
-
-  void want(Team team, double safe_distance_m, int first_seed, int last_seed) {
-    for (int seed = first_seed; seed <= last_seed; ++seed) wanted_.push_back({team, safe_distance_m, seed});
-  }
-  void fly_wanted() {
-    std::vector<sim::Scenario> scenarios;
-    std::vector<Passage> passages;
-    for (const Wanted& w : wanted_) {
-      Run run = make_run(w.team, w.safe_distance_m, static_cast<std::uint64_t>(w.seed));
-      scenarios.push_back(std::move(run.scenario));
-      passages.push_back(run.passage);
-    }
-    const std::vector<GuidedFlight> flights = fly_guided(experiment_, std::move(scenarios), passages);
-    for (std::size_t i = 0; i < flights.size(); ++i) take(wanted_[i], flights[i]);
-    wanted_.clear();
-  }
-  const Curve& curve(Team team) const { return curves_.at(team); }
-  const std::map<Team, Curve>& curves() const { return curves_; }
-  const Errors& errors(Team team) { return errors_[team]; }
-  const CsvTable& csv() const { return csv_; }
-
- private:
-  struct Wanted {
-    Team team;
-    double safe_distance_m;
-    int seed;
-  };
-  void take(const Wanted& w, const GuidedFlight& flight) {
-    const bool success = flight.done && flight.passes >= 2 && !flight.crashed;
-    Point& point = curves_[w.team][w.safe_distance_m];
-    ++point.flights;
-    point.successes += success;
-    point.crashes += flight.crashed;
-    Errors& errors = errors_[w.team];
-    errors.error_sum_m += flight.error_sum_m;
-    errors.along_wall_sum_m += flight.along_wall_sum_m;
-    errors.count += flight.num_errors;
-    const double mean_m = flight.num_errors > 0 ? flight.error_sum_m / flight.num_errors : std::nan("");
-    csv_.row(name_of(w.team),
-             {w.safe_distance_m, static_cast<double>(w.seed), success ? 1.0 : 0.0, flight.crashed ? 1.0 : 0.0,
-              static_cast<double>(flight.passes), flight.time_s, flight.least_clearance_m, mean_m});
-  }
-
-  Experiment& experiment_;
-  std::vector<Wanted> wanted_;
-  std::map<Team, Curve> curves_;
-  std::map<Team, Errors> errors_;
-  CsvTable csv_{{"configuration", "safe_distance_m", "seed", "success", "contact", "passes", "time_s",
-                 "least_clearance_m", "error_near_gap_m"}};
-};
+constexpr std::array kTeams = {GapTeam::kTruthOwnMap, GapTeam::kTruth, GapTeam::kFull, GapTeam::kFullToldOnce,
+                               GapTeam::kSingle};
 
 /// The least safe distance from which on nine of ten succeed, between two points on a straight line.
-std::optional<double> distance_of_90(const Curve& curve) {
+std::optional<double> distance_of_90(const GapCurve& curve) {
   std::optional<double> found_m;
-  const std::pair<const double, Point>* above = nullptr;
+  const std::pair<const double, GapPoint>* above = nullptr;
   for (auto point = curve.rbegin(); point != curve.rend(); ++point) {
     const double share = point->second.share();
     if (share < 0.9) {
@@ -197,7 +37,7 @@ std::optional<double> distance_of_90(const Curve& curve) {
 }
 
 /// The points beside the crossing of 90 %.
-std::vector<double> around_90(const Curve& curve) {
+std::vector<double> around_90(const GapCurve& curve) {
   const auto at_m = distance_of_90(curve);
   if (!at_m) return {};
   std::vector<double> near_m;
@@ -207,7 +47,7 @@ std::vector<double> around_90(const Curve& curve) {
   return near_m;
 }
 
-void plot(Experiment& experiment, const std::map<Team, Curve>& curves) {
+void plot(Experiment& experiment, const std::map<GapTeam, GapCurve>& curves) {
   sim::plot::Figure figure("Flights through the gap and back (Fig. 6)", 1);
   figure.set_panel_size(760, 420);
   sim::plot::Panel& panel = figure.add_panel();
@@ -243,12 +83,12 @@ void gap_success(Experiment& experiment) {
   else
     distances_m = {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6};
   GapFlights flights(experiment);
-  for (const Team team : kTeams) {
+  for (const GapTeam team : kTeams) {
     for (const double safe_distance_m : distances_m) flights.want(team, safe_distance_m, 1, seeds);
   }
   flights.fly_wanted();
   if (!experiment.quick()) {
-    for (const Team team : kTeams) {
+    for (const GapTeam team : kTeams) {
       for (const double safe_distance_m : around_90(flights.curve(team))) {
         flights.want(team, safe_distance_m, seeds + 1, 3 * seeds);
       }
@@ -256,8 +96,8 @@ void gap_success(Experiment& experiment) {
     flights.fly_wanted();
   }
 
-  std::map<Team, std::optional<double>> of_90_m;
-  for (const Team team : kTeams) {
+  std::map<GapTeam, std::optional<double>> of_90_m;
+  for (const GapTeam team : kTeams) {
     of_90_m[team] = distance_of_90(flights.curve(team));
     std::string shares;
     int crashes = 0;
@@ -270,7 +110,8 @@ void gap_success(Experiment& experiment) {
                     Verdict::kNotJudged, fmt::format("{}; {} contacts", shares, crashes),
                     of_90_m[team].value_or(std::nan(""))});
   }
-  const auto &best_m = of_90_m[Team::kTruthOwnMap], &full_m = of_90_m[Team::kFull], &single_m = of_90_m[Team::kSingle];
+  const auto &best_m = of_90_m[GapTeam::kTruthOwnMap], &full_m = of_90_m[GapTeam::kFull],
+             &single_m = of_90_m[GapTeam::kSingle];
   if (best_m && full_m) {
     experiment.at_most("full localization, above that of the best [m]", *full_m - *best_m,
                        experiment.published("full localization, above that of the best [m]").value, 2,
@@ -280,7 +121,7 @@ void gap_success(Experiment& experiment) {
     experiment.claim("a UAV is guided through gaps that are too narrow for its guide",
                      fmt::format("{:.2f} m less", *single_m - *full_m), *full_m < *single_m);
   }
-  const Errors& errors = flights.errors(Team::kFull);
+  const GapErrors& errors = flights.errors(GapTeam::kFull);
   if (errors.count > 0) {
     experiment.at_most("error of its place within 1 m of the gap [m]", errors.error_sum_m / errors.count,
                        experiment.published("error of its place within 1 m of the gap [m]").value, 2);

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -170,6 +172,43 @@ TEST(GlobalSlam, SubmapsMoveWhenTheCorrectionBecomesKnown) {
   ASSERT_TRUE(flight.correction);
   EXPECT_FALSE(moved_early);
   EXPECT_NE(flight.slam.submap_poses().T_local_own[0].translation().x(), 0.0);
+}
+
+// Round after round through the same yard. Clouds of later rounds hold nothing new.
+TEST(GlobalSlam, MemoryGrowsWithTheSpaceAndNotWithTheWay) {
+  const auto points_after = [](double rounds, double covered_share) {
+    GlobalSlamConfig config;
+    config.closure_gap_m = 20.0;
+    config.covered_share = covered_share;
+    Flight flight(GlobalSlam(config, true));
+    flight.fly(rounds * 4.0 * kSide_m, {0.002, -0.001, 0.001});
+    return static_cast<double>(flight.slam.num_points());
+  };
+  const double one = points_after(1.3, 0.7), five = points_after(5.3, 0.7), all = points_after(5.3, 1.0);
+  EXPECT_GT(all, 3.0 * one) << "else there is nothing to forget";
+  EXPECT_LT(five, 1.5 * one);
+}
+
+TEST(GlobalSlam, WhatIsForgottenOfASubmapIsKnownInAnOlderOne) {
+  GlobalSlamConfig config;
+  config.closure_gap_m = 20.0;
+  Flight flight(GlobalSlam(config, true));
+  flight.fly(3.3 * 4.0 * kSide_m, Vector3::Zero());
+  const std::shared_ptr<const SavedMap> map = flight.slam.saved_map();
+  std::vector<Vector3> kept_m;
+  for (const SavedMap::Submap& submap : map->submaps) {
+    for (const Eigen::Vector3f& p : submap.points_submap_m) {
+      kept_m.push_back(map->graph.pose(submap.pose) * p.cast<double>());
+    }
+  }
+  int missing = 0, seen = 0;
+  for (const Vector3& p_m : flight.place_world_m) {
+    if ((p_m - Vector3(4, 4, 2)).head<2>().norm() > 11.0) continue;  // farther away nobody came by
+    ++seen;
+    missing += std::none_of(kept_m.begin(), kept_m.end(), [&](const Vector3& k) { return (k - p_m).norm() < 0.5; });
+  }
+  EXPECT_GT(seen, 1000);
+  EXPECT_LT(missing, seen / 100);
 }
 
 TEST(GlobalSlam, ClosesALoopWhereNobodyToldTheStartToo) {

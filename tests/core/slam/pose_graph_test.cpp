@@ -147,6 +147,28 @@ TEST(PoseGraph, FindsTheKnownOptimum) {
   EXPECT_LT(loop.worst(), 1e-6);
 }
 
+// A stiff way of 400 m is to turn by 0.4 rad about a prior at its far end. Straight steps bend it, so that the cost
+// rises.
+TEST(PoseGraph, AWayThatTurnsAsAWholeComesToRestInAFewSteps) {
+  PoseGraph graph;
+  constexpr int kPoses = 400;
+  const Matrix6 stiff = 1e6 * Matrix6::Identity();
+  std::mt19937 random(5);
+  std::vector<Pose> truth = {Pose::Identity()};
+  for (int i = 1; i < kPoses; ++i) {
+    truth.push_back(truth.back() * make_pose({1, 0, 0}, rotation_by(0.01 * random_pose(random).translation())));
+  }
+  const Pose turned = make_pose({3, -2, 1}, rotation_by({0.1, -0.1, 0.4}));
+  for (const Pose& T : truth) graph.add_pose(turned * T);
+  for (int i = 1; i < kPoses; ++i) graph.add(RelativeFactor{i - 1, i, truth[i - 1].inverse() * truth[i], stiff});
+  graph.add(PriorFactor{kPoses - 1, truth.back(), 1e4 * Matrix6::Identity()});
+  GraphSolverConfig config;
+  config.iterations = 10;
+  const GraphReport report = graph.optimize(config);
+  EXPECT_TRUE(report.converged) << report.num_iterations;
+  for (int i = 0; i < kPoses; i += 50) EXPECT_LT(distance(graph.pose(i), truth[i]), 1e-4) << i;
+}
+
 TEST(PoseGraph, SharesAnErrorAmongEqualEdgesOfALine) {
   // Four edges of 1 m in a row, and one that says that the whole is 4.5 m: each takes its fifth of the half meter.
   PoseGraph graph;

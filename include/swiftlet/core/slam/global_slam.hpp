@@ -27,6 +27,7 @@ struct GlobalSlamConfig {
   double node_every_m = 0.5;
   double submap_m = 8.0;
   double submap_voxel_m = 0.2;
+  double covered_share = 0.7;
   double closure_distance_m = 8.0;
   double closure_gap_m = 30.0;
   int searches = 2;
@@ -78,6 +79,8 @@ class GlobalSlam {
   int num_nodes() const { return static_cast<int>(nodes_.size()); }
   int num_submaps() const { return static_cast<int>(submaps_.size()); }
   int num_closures() const { return num_closures_; }
+  /// Of the clouds of all finished submaps: what takes the memory.
+  std::size_t num_points() const;
   /// Is it known where this flight lies in the map that it was given?
   bool located() const { return located_; }
   const PoseGraph& graph() const { return graph_; }
@@ -94,11 +97,18 @@ class GlobalSlam {
     Pose T_local_submap = Pose::Identity();
     double begin_m = 0.0, end_m = 0.0;  // of the way
     std::vector<Eigen::Vector3f> points_submap_m;
+    bool thinned_out = false;  // most of what it saw is in older ones
+  };
+  /// An older submap in which the newest one has been found.
+  struct Joined {
+    std::span<const Eigen::Vector3f> points_older_m;
+    Pose T_older_newer = Pose::Identity();
   };
   void begin_submap(const Node& node);
   void finish_submap();
   std::vector<Eigen::Vector3f> thinned_m(std::span<const Eigen::Vector3f> points_submap_m) const;
-  void seek_closures();
+  std::vector<Joined> seek_closures();
+  void forget_known(std::span<const Joined> joined);
   void locate();
   void join(int older_pose, int newer_pose, const Pose& T_older_newer);
   void place_fixes();
