@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -24,6 +25,8 @@ constexpr double kFinest_m = 0.01;  // of surfaces that two submaps have: each i
 constexpr double kUpright_m = 1.0;
 constexpr std::size_t kLeastUpright = 40;
 constexpr double kRivalHeading_rad = 20.0 * kRadPerDeg;  // another heading at the same place is one at least so far off
+constexpr double kRivalScore = 0.7;                      // of the best score: what another place needs to be looked at
+constexpr double kRivalFit = 0.8;                        // of overlap and share of near points: what makes it as good
 constexpr int kRefinements = 8;
 constexpr double kStill = 1e-4;                             // m and rad: refined
 constexpr double kMovedMost_m = 1.0, kMovedMost_deg = 4.0;  // by the refinement: a cell of the grid and some
@@ -98,13 +101,17 @@ std::vector<std::uint8_t> likely_headings(const RotationalHistogram& of_older, c
   return allowed;
 }
 
-/// From the grid's best place to the surfaces of the older submap, and the last checks.
-void settle(std::span<const Eigen::Vector3f> points_older_m, std::span<const Eigen::Vector3f> points_newer_m,
-            const Pose& T_older_newer_grid, const ClosureConfig& config, ClosureResult& result) {
+SurfaceMap surfaces_of(std::span<const Eigen::Vector3f> points_m) {
   SurfaceMap surfaces{SurfaceMapConfig{}};
-  std::vector<Vector3> points_m(points_older_m.size());
-  for (std::size_t i = 0; i < points_m.size(); ++i) points_m[i] = points_older_m[i].cast<double>();
-  surfaces.insert(points_m, Vector3::Zero());
+  std::vector<Vector3> exact_m(points_m.size());
+  for (std::size_t i = 0; i < exact_m.size(); ++i) exact_m[i] = points_m[i].cast<double>();
+  surfaces.insert(exact_m, Vector3::Zero());
+  return surfaces;
+}
+
+/// From a place of the grid to the surfaces of the older submap, and the last checks.
+void settle(const SurfaceMap& surfaces, std::span<const Eigen::Vector3f> points_newer_m, const Pose& T_older_newer_grid,
+            const ClosureConfig& config, ClosureResult& result) {
   Pose T = T_older_newer_grid;
   settle_height(surfaces, points_newer_m, config.cell_m, T);
   const ScanFit fit = refine(surfaces, points_newer_m, T);
@@ -124,6 +131,38 @@ void settle(std::span<const Eigen::Vector3f> points_older_m, std::span<const Eig
                    : result.near_share < config.near_min ? ClosureVerdict::kDoesNotFit
                                                          : ClosureVerdict::kClosed;
   if (result.verdict == ClosureVerdict::kClosed) result.T_older_newer = T;
+}
+
+/// What is sought, and where.
+struct Sought {
+  const OccupancyPyramid& pyramid;
+  std::span<const Eigen::Vector3f> upright_newer_m, points_newer_m;
+  Pose T_guess;
+  const SearchWindow& window;
+  std::span<const std::uint8_t> headings;
+};
+
+double distance_m(const Pose& T_a, const Pose& T_b) { return (T_a.translation() - T_b.translation()).norm(); }
+
+/// A place that was settled on is doubtful when the surfaces fit about as well at another one. A lower score of the
+/// grid does not speak against that one: where all bays of an aisle look alike, the place with the largest overlap
+/// scores best. Others do not count that are farther from the guess than this one, and farther than the guess can be
+/// off.
+void doubt(const Sought& sought, const SurfaceMap& surfaces, const GridMatch& best, double guess_off_m,
+           const ClosureConfig& config, ClosureResult& result) {
+  const Excluded excluded{best.T_map_cloud, config.rival_distance_m};
+  const SearchResult found = search_best_pose(sought.pyramid, sought.upright_newer_m, sought.T_guess, sought.window,
+                                              kRivalScore * best.score, config.budget, sought.headings, &excluded);
+  result.num_expanded += found.num_expanded;
+  if (!found.complete) result.verdict = ClosureVerdict::kNotSearched;
+  if (!found.complete || !found.best) return;
+  const double reach_m = std::max(distance_m(sought.T_guess, best.T_map_cloud) + config.cell_m, guess_off_m);
+  if (distance_m(sought.T_guess, found.best->T_map_cloud) > reach_m) return;
+  ClosureResult rival;
+  settle(surfaces, sought.points_newer_m, found.best->T_map_cloud, config, rival);
+  const bool fits_as_well = rival.verdict == ClosureVerdict::kClosed &&
+                            rival.overlap * rival.near_share >= kRivalFit * result.overlap * result.near_share;
+  if (fits_as_well) result.verdict = ClosureVerdict::kRival;
 }
 
 }  // namespace
@@ -157,7 +196,7 @@ std::vector<Eigen::Vector3f> upright_points_m(std::span<const Eigen::Vector3f> p
 
 ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
                            std::span<const Eigen::Vector3f> points_newer_m, const Pose& T_older_newer_guess,
-                           const ClosureConfig& config) {
+                           const ClosureConfig& config, double guess_off_m) {
   ClosureResult result;
   const auto refused = [&](ClosureVerdict why) {
     result.verdict = why;
@@ -185,7 +224,12 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
   result.num_expanded += found.num_expanded;
   if (!found.complete) return refused(ClosureVerdict::kNotSearched);
   if (found.best) return refused(ClosureVerdict::kRival);
-  settle(points_older_m, points_newer_m, best.T_map_cloud, config, result);
+  const SurfaceMap surfaces = surfaces_of(points_older_m);
+  settle(surfaces, points_newer_m, best.T_map_cloud, config, result);
+  if (result.verdict == ClosureVerdict::kClosed) {
+    doubt({pyramid, newer_m, points_newer_m, T_older_newer_guess, window, allowed}, surfaces, best, guess_off_m, config,
+          result);
+  }
   return result;
 }
 
@@ -237,7 +281,14 @@ MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vect
     if (!best) return refused(ClosureVerdict::kNoMatch);
     result.score = best->score;
   }
-  settle(parts[match.part].points_part_m, points_newer_m, best->T_map_cloud, config, result);
+  const SurfaceMap surfaces = surfaces_of(parts[match.part].points_part_m);
+  settle(surfaces, points_newer_m, best->T_map_cloud, config, result);
+  if (result.verdict == ClosureVerdict::kClosed) {
+    const Place& place = places[match.part];
+    const OccupancyPyramid pyramid(place.upright_m, config.cell_m, config.levels);
+    doubt({pyramid, cloud_m, points_newer_m, Pose::Identity(), window, place.headings}, surfaces, *best,
+          std::numeric_limits<double>::infinity(), config, result);
+  }
   return match;
 }
 

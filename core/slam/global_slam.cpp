@@ -15,6 +15,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kLeastStep_m = 0.05;  // of odometry: below it errors do not get smaller
+constexpr double kSigmasOff = 3.0;
 constexpr double kInSubmap_m = 0.005;  // how exactly a node lies in its own submap
 constexpr double kInSubmap_deg = 0.02;
 constexpr double kTold_m = 0.01, kTold_deg = 0.1;         // a start pose that was told
@@ -158,26 +159,28 @@ std::vector<GlobalSlam::Joined> GlobalSlam::seek_closures() {
     double distance_m = 0.0;
     int pose = 0;
     std::span<const Eigen::Vector3f> points_submap_m;
+    double way_m = 0.0;  // between them, as far as it is known
   };
   std::vector<Candidate> candidates;
-  const auto consider = [&](int pose, std::span<const Eigen::Vector3f> points_submap_m) {
+  const auto consider = [&](int pose, std::span<const Eigen::Vector3f> points_submap_m, double way_m) {
     const double distance_m = (graph_.pose(pose).translation() - T_world_newer.translation()).norm();
-    if (distance_m <= config_.closure_distance_m) candidates.push_back({distance_m, pose, points_submap_m});
+    if (distance_m <= config_.closure_distance_m) candidates.push_back({distance_m, pose, points_submap_m, way_m});
   };
   if (config_.loaded_map != nullptr) {
-    for (const SavedMap::Submap& given : config_.loaded_map->submaps) consider(given.pose, given.points_submap_m);
+    for (const SavedMap::Submap& given : config_.loaded_map->submaps)
+      consider(given.pose, given.points_submap_m, newer.end_m);
   }
   for (std::size_t i = 0; i + 1 < submaps_.size(); ++i) {
     if (submaps_[i].thinned_out || newer.begin_m - submaps_[i].end_m < config_.closure_gap_m) continue;
-    consider(submaps_[i].pose, submaps_[i].points_submap_m);
+    consider(submaps_[i].pose, submaps_[i].points_submap_m, newer.end_m - submaps_[i].begin_m);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.distance_m < b.distance_m; });
   candidates.resize(std::min<std::size_t>(candidates.size(), config_.searches));
   for (const Candidate& candidate : candidates) {
-    const ClosureResult result =
-        find_closure(candidate.points_submap_m, newer.points_submap_m,
-                     level(graph_.pose(candidate.pose)).inverse() * level(T_world_newer), config_.closures);
+    const ClosureResult result = find_closure(candidate.points_submap_m, newer.points_submap_m,
+                                              level(graph_.pose(candidate.pose)).inverse() * level(T_world_newer),
+                                              config_.closures, off_m(candidate.way_m));
     if (result.verdict != ClosureVerdict::kClosed) continue;
     join(candidate.pose, newer.pose, result.T_older_newer);
     joined.push_back({candidate.points_submap_m, result.T_older_newer});
@@ -387,6 +390,13 @@ std::size_t GlobalSlam::num_points() const {
   std::size_t num = 0;
   for (std::size_t i = 0; i + 1 < submaps_.size(); ++i) num += submaps_[i].points_submap_m.size();
   return num;
+}
+
+/// By so much local SLAM is off at most after a way, as far as the graph trusts it.
+double GlobalSlam::off_m(double way_m) const {
+  const double turn_rad_sqrt_m = config_.odometry_attitude_deg_sqrt_m * kRadPerDeg;
+  return kSigmasOff * std::sqrt(way_m) *
+         (config_.odometry_position_m_sqrt_m + turn_rad_sqrt_m * config_.closure_distance_m);
 }
 
 Matrix6 GlobalSlam::odometry_information(double way_m) const {

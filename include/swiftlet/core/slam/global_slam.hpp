@@ -116,6 +116,7 @@ class GlobalSlam {
   void optimize(TimeNs t);
   Pose T_local_world() const;
   std::vector<Pose> given_poses_local() const;
+  double off_m(double way_m) const;
   Matrix6 odometry_information(double way_m) const;
 
   GlobalSlamConfig config_;
