@@ -27,6 +27,7 @@ constexpr std::size_t kLeastUpright = 40;
 constexpr double kRivalHeading_rad = 20.0 * kRadPerDeg;  // another heading at the same place is one at least so far off
 constexpr double kRivalScore = 0.7;                      // of the best score: what another place needs to be looked at
 constexpr double kRivalFit = 0.8;                        // of overlap and share of near points: what makes it as good
+constexpr std::size_t kFitted = 5000;  // points of the newer submap, at most: surfaces ask for no more
 constexpr int kRefinements = 8;
 constexpr double kStill = 1e-4;                             // m and rad: refined
 constexpr double kMovedMost_m = 1.0, kMovedMost_deg = 4.0;  // by the refinement: a cell of the grid and some
@@ -44,10 +45,15 @@ double yaw_step_rad(double cell_m, double range_m) {
   return 0.99 * elementary::acos(1.0 - 0.5 * share * share);
 }
 
+ScanToMapConfig matching_of(double surface_sigma_m) {
+  ScanToMapConfig matching;
+  matching.surface_sigma_m = surface_sigma_m;
+  return matching;
+}
+
 /// Walls hardly tell the height: the one at which most points lie on surfaces, floors among them.
 void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, double cell_m, Pose& T) {
-  ScanToMapConfig matching;
-  matching.surface_sigma_m = 0.1;
+  const ScanToMapConfig matching = matching_of(0.1);
   const double z_m = T.translation().z();
   double best_m = z_m;
   int most = -1;
@@ -63,22 +69,19 @@ void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> point
 
 /// Gauss and Newton on the distances of the points from the surfaces. The first steps count points as far off as a cell
 /// of the grid is wide, the last ones only those that lie close.
-ScanFit refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, Pose& T) {
-  ScanToMapConfig matching;
+/// @return how many directions of the pose the surfaces leave open
+int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, Pose& T) {
   for (const double sigma_m : {0.3, 0.1, 0.03, kFinest_m}) {
-    matching.surface_sigma_m = sigma_m;
+    const ScanToMapConfig matching = matching_of(sigma_m);
     for (int i = 0; i < kRefinements; ++i) {
-      ScanFit fit = fit_scan(map, points_m, T, matching);
+      const ScanFit fit = fit_scan(map, points_m, T, matching);
       const Vector6 step = fit.evidence.information.ldlt().solve(fit.evidence.gradient);
-      if (fit.num_degenerate > 0 || !step.allFinite()) {
-        fit.num_degenerate = std::max(fit.num_degenerate, 1);
-        return fit;
-      }
+      if (fit.num_degenerate > 0 || !step.allFinite()) return std::max(fit.num_degenerate, 1);
       T = moved(T, -step);
       if (step.cwiseAbs().maxCoeff() < kStill) break;
     }
   }
-  return fit_scan(map, points_m, T, matching);
+  return fit_scan(map, points_m, T, matching_of(kFinest_m)).num_degenerate;
 }
 
 SearchWindow window_of(const ClosureConfig& config) {
@@ -109,15 +112,25 @@ SurfaceMap surfaces_of(std::span<const Eigen::Vector3f> points_m) {
   return surfaces;
 }
 
+/// The cloud of the newer submap, and as much of it as surfaces ask for.
+struct NewerCloud {
+  explicit NewerCloud(std::span<const Eigen::Vector3f> points_m)
+      : all_m(points_m), fitted_m(points_m.begin(), points_m.end()) {
+    keep_at_most(kFitted, fitted_m);
+  }
+  std::span<const Eigen::Vector3f> all_m;
+  std::vector<Eigen::Vector3f> fitted_m;
+};
+
 /// From a place of the grid to the surfaces of the older submap, and the last checks.
-void settle(const SurfaceMap& surfaces, std::span<const Eigen::Vector3f> points_newer_m, const Pose& T_older_newer_grid,
+void settle(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer_grid,
             const ClosureConfig& config, ClosureResult& result) {
   Pose T = T_older_newer_grid;
-  settle_height(surfaces, points_newer_m, config.cell_m, T);
-  const ScanFit fit = refine(surfaces, points_newer_m, T);
+  settle_height(surfaces, newer.fitted_m, config.cell_m, T);
+  const bool open = refine(surfaces, newer.fitted_m, T) > 0;
   const Pose by = T_older_newer_grid.inverse() * T;
   const double turned_rad = rotation_vector_rad(Eigen::Quaterniond(Matrix3(by.linear()))).norm();
-  if (fit.num_degenerate > 0) {
+  if (open) {
     result.verdict = ClosureVerdict::kOpen;
     return;
   }
@@ -125,6 +138,7 @@ void settle(const SurfaceMap& surfaces, std::span<const Eigen::Vector3f> points_
     result.verdict = ClosureVerdict::kMoved;
     return;
   }
+  const ScanFit fit = fit_scan(surfaces, newer.all_m, T, matching_of(kFinest_m));
   result.overlap = static_cast<double>(fit.num_known) / std::max(fit.num_points, 1);
   result.near_share = static_cast<double>(fit.num_near) / std::max(fit.num_known, 1);
   result.verdict = result.overlap < config.overlap_min   ? ClosureVerdict::kNoOverlap
@@ -136,7 +150,8 @@ void settle(const SurfaceMap& surfaces, std::span<const Eigen::Vector3f> points_
 /// What is sought, and where.
 struct Sought {
   const OccupancyPyramid& pyramid;
-  std::span<const Eigen::Vector3f> upright_newer_m, points_newer_m;
+  std::span<const Eigen::Vector3f> upright_newer_m;
+  const NewerCloud& newer;
   Pose T_guess;
   const SearchWindow& window;
   std::span<const std::uint8_t> headings;
@@ -159,7 +174,7 @@ void doubt(const Sought& sought, const SurfaceMap& surfaces, const GridMatch& be
   const double reach_m = std::max(distance_m(sought.T_guess, best.T_map_cloud) + config.cell_m, guess_off_m);
   if (distance_m(sought.T_guess, found.best->T_map_cloud) > reach_m) return;
   ClosureResult rival;
-  settle(surfaces, sought.points_newer_m, found.best->T_map_cloud, config, rival);
+  settle(surfaces, sought.newer, found.best->T_map_cloud, config, rival);
   const bool fits_as_well = rival.verdict == ClosureVerdict::kClosed &&
                             rival.overlap * rival.near_share >= kRivalFit * result.overlap * result.near_share;
   if (fits_as_well) result.verdict = ClosureVerdict::kRival;
@@ -225,10 +240,10 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
   if (!found.complete) return refused(ClosureVerdict::kNotSearched);
   if (found.best) return refused(ClosureVerdict::kRival);
   const SurfaceMap surfaces = surfaces_of(points_older_m);
-  settle(surfaces, points_newer_m, best.T_map_cloud, config, result);
+  const NewerCloud cloud(points_newer_m);
+  settle(surfaces, cloud, best.T_map_cloud, config, result);
   if (result.verdict == ClosureVerdict::kClosed) {
-    doubt({pyramid, newer_m, points_newer_m, T_older_newer_guess, window, allowed}, surfaces, best, guess_off_m, config,
-          result);
+    doubt({pyramid, newer_m, cloud, T_older_newer_guess, window, allowed}, surfaces, best, guess_off_m, config, result);
   }
   return result;
 }
@@ -282,11 +297,12 @@ MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vect
     result.score = best->score;
   }
   const SurfaceMap surfaces = surfaces_of(parts[match.part].points_part_m);
-  settle(surfaces, points_newer_m, best->T_map_cloud, config, result);
+  const NewerCloud newer(points_newer_m);
+  settle(surfaces, newer, best->T_map_cloud, config, result);
   if (result.verdict == ClosureVerdict::kClosed) {
     const Place& place = places[match.part];
     const OccupancyPyramid pyramid(place.upright_m, config.cell_m, config.levels);
-    doubt({pyramid, cloud_m, points_newer_m, Pose::Identity(), window, place.headings}, surfaces, *best,
+    doubt({pyramid, cloud_m, newer, Pose::Identity(), window, place.headings}, surfaces, *best,
           std::numeric_limits<double>::infinity(), config, result);
   }
   return match;
@@ -298,6 +314,7 @@ ClosureConfig global_closure_config() {
   config.window_z_m = 3.0;
   config.window_yaw_deg = 180.0;
   config.budget = 3000000;
+  config.histogram_min = 0.6;
   config.score_min = 0.6;
   config.overlap_min = 0.6;
   config.near_min = 0.8;
