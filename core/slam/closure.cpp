@@ -48,9 +48,10 @@ void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> point
   const double z_m = T.translation().z();
   double best_m = z_m;
   int most = -1;
+  ScanFitter fitter;
   for (const int halves : {0, 1, -1, 2, -2}) {
     T.translation().z() = z_m + 0.5 * cell_m * halves;
-    const int near = fit_scan(map, points_m, T, matching).num_near;
+    const int near = fitter.fit(map, points_m, T, matching).num_near;
     if (near <= most) continue;
     most = near;
     best_m = T.translation().z();
@@ -62,10 +63,11 @@ void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> point
 /// of the grid is wide, the last ones only those that lie close.
 ScanFit refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, Pose& T) {
   ScanToMapConfig matching;
+  ScanFitter fitter;
   for (const double sigma_m : {0.3, 0.1, 0.03, kFinest_m}) {
     matching.surface_sigma_m = sigma_m;
     for (int i = 0; i < kRefinements; ++i) {
-      ScanFit fit = fit_scan(map, points_m, T, matching);
+      ScanFit fit = fitter.fit(map, points_m, T, matching);
       const Vector6 step = fit.evidence.information.ldlt().solve(fit.evidence.gradient);
       if (fit.num_degenerate > 0 || !step.allFinite()) {
         fit.num_degenerate = std::max(fit.num_degenerate, 1);
@@ -75,7 +77,7 @@ ScanFit refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m,
       if (step.cwiseAbs().maxCoeff() < kStill) break;
     }
   }
-  return fit_scan(map, points_m, T, matching);
+  return fitter.fit(map, points_m, T, matching);
 }
 
 SearchWindow window_of(const ClosureConfig& config) {
