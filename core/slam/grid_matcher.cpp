@@ -18,19 +18,23 @@ constexpr double kTinyScatter = 1e-12;  // of the trace: in directions in which 
 
 // One point in a cube of these edges makes the planes that say which directions are open, and is held against them.
 constexpr double kPlanesVoxel_m = 0.3, kJudgedVoxel_m = 0.5;
-constexpr int kJudgedStanding = 30;  // points on what stands free; the gaps between scan lines look like it
-constexpr double kNothing = 1e-9;    // of the most that any direction is told: what rounding leaves of none
+constexpr int kJudgedStanding = 30;    // points on what stands free; the gaps between scan lines look like it
+constexpr double kJudgedShare = 0.01;  // of the planes' information: normals are no better than the poses
+constexpr double kNothing = 1e-9;      // of the most that any direction is told: what rounding leaves of none
 
-SurfaceMapConfig own_planes() {
+constexpr int kPlanesScans = 10, kPlanesLeast = 5;  // scans of which their planes are, at most twice as many
+
+SurfaceMapConfig last_planes() {
   SurfaceMapConfig config;
-  config.levels = 2;  // one scan has few points in smaller cubes
+  config.levels = 3;
+  config.plane_sigma_m = 0.1;  // the poses of the scans are off by some of it
   return config;
 }
 
 }  // namespace
 
 GridMatcher::GridMatcher(const GridMatchingConfig& config)
-    : config_(config), submaps_(config.submaps), own_planes_(own_planes()) {}
+    : config_(config), submaps_(config.submaps), planes_(2, Planes{SurfaceMap(last_planes())}) {}
 
 ScanMatcher::Admission GridMatcher::admission() const {
   return {0, config_.insert_after_m, config_.insert_after_deg * kRadPerDeg, config_.insert_after_s};
@@ -47,6 +51,8 @@ void GridMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool) {
   thinner_.thin_into(in_range_body_m_, static_cast<float>(config_.voxel_m), dense_body_m_);
   filter_.thin(dense_body_m_, config_.high, high_body_m_);
   filter_.thin(dense_body_m_, config_.low, low_body_m_);
+  thinner_.thin_into(dense_body_m_, static_cast<float>(kPlanesVoxel_m), planes_body_m_);
+  thinner_.thin_into(planes_body_m_, static_cast<float>(kJudgedVoxel_m), judged_body_m_);
 }
 
 ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Doubt& doubt) {
@@ -61,7 +67,7 @@ ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Doubt& doubt
   fit.map_share = kMapShare;
   fit.renewal = 1.0 / std::min(submap.num_scans + 1, config_.submaps.scans);
   Matrix6 keep;
-  fit.num_degenerate = find_open(found.T_local_body.linear(), doubt.range_sigma_m, keep);
+  fit.num_degenerate = find_open(found.T_local_body, doubt.range_sigma_m, keep);
   if (fit.num_known < doubt.known_share_min * fit.num_points) return match;
 
   InertialFilter::WeighedPose pose;
@@ -78,23 +84,17 @@ ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Doubt& doubt
   return match;
 }
 
-/// In how many directions of the pose the scan's own planes leave it open.
+/// In how many directions of the pose the planes of the last scans leave it open.
 ///
 /// @param keep  takes these out of a change of the pose
-int GridMatcher::find_open(const Matrix3& R_local_body, double range_sigma_m, Matrix6& keep) {
+int GridMatcher::find_open(const Pose& T_local_body, double range_sigma_m, Matrix6& keep) {
   keep.setIdentity();
-  thinner_.thin_into(dense_body_m_, static_cast<float>(kPlanesVoxel_m), planes_body_m_);
-  points_level_m_.resize(planes_body_m_.size());
-  for (std::size_t i = 0; i < planes_body_m_.size(); ++i)
-    points_level_m_[i] = R_local_body * planes_body_m_[i].cast<double>();
-  own_planes_.clear();
-  own_planes_.insert(points_level_m_, Vector3::Zero());
-  thinner_.thin_into(planes_body_m_, static_cast<float>(kJudgedVoxel_m), judged_body_m_);
-  Pose T_level_body = Pose::Identity();
-  T_level_body.linear() = R_local_body;
+  const Planes& planes = planes_[older_planes_];
+  if (planes.num_scans < kPlanesLeast) return 0;
   ScanToMapConfig config;
   config.standing_points = kJudgedStanding;
-  const ScanFit fit = fitter_.fit(own_planes_, judged_body_m_, T_level_body, config, 0.0, range_sigma_m);
+  config.degenerate_share = kJudgedShare;
+  const ScanFit fit = fitter_.fit(planes.map, judged_body_m_, T_local_body, config, 0.0, range_sigma_m);
   if (fit.num_degenerate == 0 || fit.num_degenerate == 6) return fit.num_degenerate;
   double lever_m2 = 0.0;
   for (const Eigen::Vector3f& p : judged_body_m_) lever_m2 += p.cast<double>().squaredNorm();
@@ -128,6 +128,31 @@ void GridMatcher::insert(const Pose& T_local_body) {
   for (std::size_t i = 0; i < dense_body_m_.size(); ++i)
     points_local_m_[i] = T_local_body * dense_body_m_[i].cast<double>();
   submaps_.insert(points_local_m_, T_local_body.translation());
+  learn_planes(T_local_body);
+}
+
+void GridMatcher::learn_planes(const Pose& T_local_body) {
+  if (planes_[1 - older_planes_].num_scans >= kPlanesScans) {
+    planes_[older_planes_].map.clear();
+    planes_[older_planes_].num_scans = 0;
+    older_planes_ = 1 - older_planes_;
+  }
+  points_local_m_.resize(planes_body_m_.size());
+  for (std::size_t i = 0; i < planes_body_m_.size(); ++i)
+    points_local_m_[i] = T_local_body * planes_body_m_[i].cast<double>();
+  for (Planes* planes : {&planes_[older_planes_], &planes_[1 - older_planes_]}) {
+    if (planes == &planes_[1 - older_planes_] && planes_[older_planes_].num_scans <= kPlanesScans) continue;
+    planes->map.insert(points_local_m_, T_local_body.translation());
+    ++planes->num_scans;
+  }
+}
+
+void GridMatcher::clear() {
+  submaps_.clear();
+  for (Planes& planes : planes_) {
+    planes.map.clear();
+    planes.num_scans = 0;
+  }
 }
 
 void GridMatchingConfig::visit(ConfigVisitor& v) {

@@ -31,14 +31,14 @@ struct GridMatchingConfig {
 /// 2016]. The pose is that of its least squares. The filter predicts, and learns velocity and biases from it.
 ///
 /// Grids have slopes along walls and floors as well, where scan lines lie apart. So they cannot tell which directions
-/// are open. The planes of the scan itself do, as in fit_scan(), and an open direction is left to the prediction.
+/// are open. The planes of the last scans do, as in fit_scan(), and an open direction is left to the prediction.
 class GridMatcher : public ScanMatcher {
  public:
   explicit GridMatcher(const GridMatchingConfig& config);
 
   Admission admission() const override;
   bool is_empty() const override { return submaps_.empty(); }
-  void clear() override { submaps_.clear(); }
+  void clear() override;
   void take(std::span<const Eigen::Vector3f> returns_body_m, bool first) override;
   int num_points() const override { return static_cast<int>(low_body_m_.size()); }
   std::span<const Eigen::Vector3f> points_body_m() const override { return dense_body_m_; }
@@ -50,7 +50,8 @@ class GridMatcher : public ScanMatcher {
 
  private:
   void count_known(ScanFit& fit, const Pose& T_local_body) const;
-  int find_open(const Matrix3& R_local_body, double range_sigma_m, Matrix6& keep);
+  int find_open(const Pose& T_local_body, double range_sigma_m, Matrix6& keep);
+  void learn_planes(const Pose& T_local_body);
 
   GridMatchingConfig config_;
   GridSubmaps submaps_;
@@ -59,8 +60,14 @@ class GridMatcher : public ScanMatcher {
   // Of one scan.
   std::vector<Eigen::Vector3f> in_range_body_m_, dense_body_m_, high_body_m_, low_body_m_;
   std::vector<Eigen::Vector3f> planes_body_m_, judged_body_m_;
-  std::vector<Vector3> points_local_m_, points_level_m_;
-  SurfaceMap own_planes_;
+  std::vector<Vector3> points_local_m_;
+  // Of the last scans that went into the map, in two that take turns as submaps do.
+  struct Planes {
+    SurfaceMap map;
+    int num_scans = 0;
+  };
+  std::vector<Planes> planes_;
+  int older_planes_ = 0;
   ScanFitter fitter_;
 };
 
