@@ -57,9 +57,10 @@ void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> point
   const double z_m = T.translation().z();
   double best_m = z_m;
   int most = -1;
+  ScanFitter fitter;
   for (const int halves : {0, 1, -1, 2, -2}) {
     T.translation().z() = z_m + 0.5 * cell_m * halves;
-    const int near = fit_scan(map, points_m, T, matching).num_near;
+    const int near = fitter.fit(map, points_m, T, matching).num_near;
     if (near <= most) continue;
     most = near;
     best_m = T.translation().z();
@@ -71,17 +72,18 @@ void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> point
 /// of the grid is wide, the last ones only those that lie close.
 /// @return how many directions of the pose the surfaces leave open
 int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, Pose& T) {
+  ScanFitter fitter;
   for (const double sigma_m : {0.3, 0.1, 0.03, kFinest_m}) {
     const ScanToMapConfig matching = matching_of(sigma_m);
     for (int i = 0; i < kRefinements; ++i) {
-      const ScanFit fit = fit_scan(map, points_m, T, matching);
+      const ScanFit fit = fitter.fit(map, points_m, T, matching);
       const Vector6 step = fit.evidence.information.ldlt().solve(fit.evidence.gradient);
       if (fit.num_degenerate > 0 || !step.allFinite()) return std::max(fit.num_degenerate, 1);
       T = moved(T, -step);
       if (step.cwiseAbs().maxCoeff() < kStill) break;
     }
   }
-  return fit_scan(map, points_m, T, matching_of(kFinest_m)).num_degenerate;
+  return fitter.fit(map, points_m, T, matching_of(kFinest_m)).num_degenerate;
 }
 
 SearchWindow window_of(const ClosureConfig& config) {

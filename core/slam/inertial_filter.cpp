@@ -169,10 +169,30 @@ void InertialFilter::settle(const PoseEvidence& evidence) {
   const PoseColumns columns = pose_columns();
   const Matrix6 A = Matrix6::Identity() + evidence.information * pose_covariance();
   const Matrix6 M = A.partialPivLu().solve(evidence.information);
-  const Covariance posterior = P_ - columns * M * columns.transpose();
+  settle(P_ - columns * M * columns.transpose());
+}
+
+void InertialFilter::settle(const Covariance& posterior) {
   P_ = 0.5 * (posterior + posterior.transpose());
   // Rounding must not make a variance negative.
   for (int i = 0; i < kStates; ++i) P_(i, i) = std::max(P_(i, i), 1e-18);
+}
+
+void InertialFilter::take(const WeighedPose& pose) {
+  const PoseColumns told_by = pose_columns() * pose.slope;  // covariance of all states with what is told
+  const Matrix6 spread = pose.slope * pose_covariance() * pose.slope + pose.scatter;
+  PoseColumns gain = spread.partialPivLu().solve(told_by.transpose()).transpose();
+  gain.middleRows<3>(kP) = pose.gain.topRows<3>();
+  gain.middleRows<3>(kTheta) = pose.gain.bottomRows<3>();
+  Error change = gain * pose.told;
+  change.segment<3>(kP) = pose.moved.head<3>();
+  change.segment<3>(kTheta) = pose.moved.tail<3>();
+  if (!change.allFinite() || !gain.allFinite()) return;
+  state_ = state_.changed_by(change);
+  Covariance left = Covariance::Identity();
+  left.middleCols<3>(kP) -= gain * pose.slope.leftCols<3>();
+  left.middleCols<3>(kTheta) -= gain * pose.slope.rightCols<3>();
+  settle(left * P_ * left.transpose() + gain * pose.scatter * gain.transpose());
 }
 
 void InertialConfig::visit(ConfigVisitor& v) {

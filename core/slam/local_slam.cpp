@@ -11,9 +11,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kUnknownVelocity_mps = 0.3;  // a scan of a vehicle whose speed is less sure than this is smeared
-constexpr double kCropEvery_m = 10.0;
-constexpr int kEveryScanFirst = 10;              // go into the map: one alone has few planes
+constexpr double kUnknownVelocity_mps = 0.3;     // a scan of a vehicle whose speed is less sure than this is smeared
 constexpr std::size_t kMostStartSamples = 4096;  // of the IMU; when scans come later than that, they count once
 constexpr int kLeastReturns = 50;                // that a scan needs to say something
 // A direction of which a scan tells less than this is as good as open: planes do not tell how far it is off.
@@ -23,22 +21,16 @@ double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& 
   return rotation_vector_rad(a.conjugate() * b).norm();
 }
 
-/// Every so-manieth of the points, if there are more than enough.
-void thin_to(std::size_t most, std::vector<Eigen::Vector3f>& points_body_m) {
-  const std::size_t num = points_body_m.size();
-  if (num <= most) return;
-  for (std::size_t i = 0; i < most; ++i) points_body_m[i] = points_body_m[i * num / most];
-  points_body_m.resize(most);
-}
-
 }  // namespace
 
-LocalSlam::LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_start, double own_radius_m)
+LocalSlam::LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_start, double own_radius_m,
+                     std::unique_ptr<ScanMatcher> matcher)
     : config_(config),
       T_local_body_start_(T_local_body_start),
       own_radius_m_(own_radius_m),
       filter_(config.imu, T_local_body_start),
-      map_(config.map),
+      matcher_(matcher ? std::move(matcher) : std::make_unique<SurfaceMatcher>(config)),
+      admission_(matcher_->admission()),
       drift_(T_local_body_start.translation()) {
   start_.over = config.start_scans == 0;
   if (!start_.over) start_.imu.reserve(kMostStartSamples);
@@ -69,9 +61,9 @@ void LocalSlam::begin_again() {
     filter_ = InertialFilter(config_.imu, T_local_body_start_);
     filter_.begin_with(learned, learned.state().nav.v_mps - velocity_gained(learned));
     motion_ = {};
-    map_.clear();
+    matcher_->clear();
     drift_ = MapDrift(T_local_body_start_.translation());
-    planes_covariance_.setZero();
+    shared_covariance_.setZero();
     inserted_ = {};
     num_inserted_ = 0;
     std::size_t next = 0;
@@ -102,45 +94,40 @@ ScanOutcome LocalSlam::match(const Scan& scan) {
   ScanOutcome outcome;
   if (motion_.empty()) return outcome;
   gather(scan);
-  if (static_cast<int>(sparse_body_m_.size()) < kLeastReturns) {
-    outcome.fit.num_points = static_cast<int>(sparse_body_m_.size());
+  if (matcher_->num_points() < kLeastReturns) {
+    outcome.fit.num_points = matcher_->num_points();
     outcome.fit.num_degenerate = 6;
     return outcome;
   }
   const double sigma_mps = std::sqrt(filter_.covariance().diagonal().segment<3>(InertialFilter::kV).maxCoeff());
   const bool smeared = sigma_mps > kUnknownVelocity_mps;
   const double smear_m = smeared ? 0.5 * sigma_mps * to_seconds(scan.duration) : 0.0;
-  if (map_.num_cells() > 0) {
+  const bool first = matcher_->is_empty();
+  if (!first) {
     const Pose T_before = filter_.T_local_body();
     const Vector3 v_before_mps = filter_.state().nav.v_mps;
-    outcome.num_iterations = filter_.update(
-        [&](const Pose& T_local_body) {
-          outcome.fit = fit_scan(map_, sparse_body_m_, T_local_body, config_.matching, smear_m, scan.sigma_range_m);
-          if (outcome.fit.num_known < config_.known_share_min * outcome.fit.num_points) outcome.fit.evidence = {};
-          return outcome.fit.evidence;
-        },
-        config_.iterations);
+    const ScanMatcher::Match found = matcher_->match(filter_, {config_.known_share_min, smear_m, scan.sigma_range_m});
+    outcome.fit = found.fit;
+    outcome.num_iterations = found.num_iterations;
     motion_.move(filter_.T_local_body() * T_before.inverse());
     if (smeared) {
       motion_.change_velocity(filter_.state().nav.t, filter_.state().nav.v_mps - v_before_mps);
       gather(scan);
     }
-    outcome.used = outcome.fit.num_known >= config_.known_share_min * outcome.fit.num_points;
-  } else {
-    outcome.used = true;
   }
+  outcome.used = first || outcome.fit.num_known >= config_.known_share_min * outcome.fit.num_points;
   drift_.move_to(filter_.state().nav.p_m);
   if (outcome.num_iterations > 0 && outcome.used) learn_doubt(outcome.fit);
-  if (map_.num_cells() == 0 || due_for_map()) {
-    if (smeared) map_.clear();  // made of a scan whose motion was not known
+  if (first || due_for_map()) {
+    if (smeared) matcher_->clear();  // made of a scan whose motion was not known
     const Matrix3 R_local_body = filter_.T_local_body().linear();
-    if (map_.num_cells() == 0) {
+    if (matcher_->is_empty()) {
       drift_.inherit(filter_.pose_covariance(), R_local_body);
       filter_.anchor_pose();
     } else {
-      // Its errors last: those of the planes while they are in sight, the filter's own for several scans. So they add
+      // Its errors last: those of the map while it is in sight, the filter's own for several scans. So they add
       // up to what was renewed, as one error that lasted until all is renewed would.
-      drift_.inherit(outcome.fit.renewal * (filter_.pose_covariance() + planes_covariance_), R_local_body);
+      drift_.inherit(outcome.fit.renewal * (filter_.pose_covariance() + shared_covariance_), R_local_body);
     }
     insert();
     outcome.inserted = true;
@@ -148,52 +135,35 @@ ScanOutcome LocalSlam::match(const Scan& scan) {
   return outcome;
 }
 
-/// What the planes of the map have in common for all scans that meet them. The filter takes each scan for a new one.
+/// What scans that meet the same part of the map have in common. The filter takes each scan for a new one.
 void LocalSlam::learn_doubt(const ScanFit& fit) {
   Matrix6 bounded = fit.evidence.information;
   bounded.diagonal().head<3>().array() += 1.0 / (kOpen_m * kOpen_m);
   bounded.diagonal().tail<3>().array() += 1.0 / (kOpen_rad * kOpen_rad);
   const Matrix6 inverse = bounded.inverse();
-  planes_covariance_ = fit.map_share * inverse * fit.evidence.information * inverse;
+  shared_covariance_ = fit.map_share * inverse * fit.evidence.information * inverse;
 }
 
 void LocalSlam::gather(const Scan& scan) {
   undistort(scan, motion_, filter_.state().nav.t, own_radius_m_, config_.range_max_m, returns_body_m_);
-  const auto thin = [this](const std::vector<Eigen::Vector3f>& from, double edge_m, std::vector<Eigen::Vector3f>& to) {
-    kept_.clear();
-    kept_.reserve(from.size());
-    thinner_.thin(from, static_cast<float>(edge_m), kept_);
-    to.resize(kept_.size());
-    for (std::size_t i = 0; i < kept_.size(); ++i) to[i] = from[kept_[i]];
-  };
-  thin(returns_body_m_, config_.map_voxel_m, dense_body_m_);
-  thin(dense_body_m_, config_.match_voxel_m, sparse_body_m_);
-  if (num_inserted_ >= kEveryScanFirst) thin_to(config_.map_points, dense_body_m_);
-  thin_to(config_.match_points, sparse_body_m_);
+  matcher_->take(returns_body_m_, num_inserted_ < admission_.first_scans);
 }
 
 bool LocalSlam::due_for_map() const {
   const NavState& nav = filter_.state().nav;
-  return num_inserted_ < kEveryScanFirst || to_seconds(nav.t - inserted_.t) >= config_.insert_after_s ||
-         (nav.p_m - inserted_.T.translation()).norm() >= config_.insert_after_m ||
-         angle_between_rad(Eigen::Quaterniond(inserted_.T.linear()), nav.q) >= config_.insert_after_deg * kRadPerDeg;
+  return num_inserted_ < admission_.first_scans || to_seconds(nav.t - inserted_.t) >= admission_.after_s ||
+         (nav.p_m - inserted_.T.translation()).norm() >= admission_.after_m ||
+         angle_between_rad(Eigen::Quaterniond(inserted_.T.linear()), nav.q) >= admission_.after_rad;
 }
 
 void LocalSlam::insert() {
-  const Pose T_local_body = filter_.T_local_body();
-  inserted_ = {filter_.state().nav.t, T_local_body};
-  points_local_m_.resize(dense_body_m_.size());
-  for (std::size_t i = 0; i < dense_body_m_.size(); ++i)
-    points_local_m_[i] = T_local_body * dense_body_m_[i].cast<double>();
-  map_.insert(points_local_m_, T_local_body.translation());
+  inserted_ = {filter_.state().nav.t, filter_.T_local_body()};
+  matcher_->insert(inserted_.T);
   ++num_inserted_;
-  if ((T_local_body.translation() - cropped_m_).norm() < kCropEvery_m) return;
-  cropped_m_ = T_local_body.translation();
-  map_.keep_around(cropped_m_);
 }
 
 Matrix6 LocalSlam::pose_covariance(const InertialFilter& filter) const {
-  return filter.pose_covariance() + planes_covariance_ + drift_.covariance(filter.state().nav.q.toRotationMatrix());
+  return filter.pose_covariance() + shared_covariance_ + drift_.covariance(filter.state().nav.q.toRotationMatrix());
 }
 
 void MapDrift::move_to(const Vector3& p_local_m) {

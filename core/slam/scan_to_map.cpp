@@ -90,9 +90,11 @@ struct PlacedScan {
   Vector3 place(const Vector3& x_body_m) const { return R_local_body * x_body_m + p_local_m; }
 };
 
+}  // namespace
+
 /// The points of a scan that meet one plane of the map. Each lies at (u, v) from the middle of the cell, along its axis
 /// and aside, and tells (1, u, v) times the offset and the two slopes by which the scan's plane differs from the map's.
-class MetPlane {
+class ScanFitter::MetPlane {
  public:
   explicit MetPlane(const SurfaceCell& cell) : cell_(&cell) {}
 
@@ -114,7 +116,7 @@ class MetPlane {
 
 /// Of offset and slopes of the map's plane. Scatter that the ranges' noise explains averages out, what is beyond does
 /// not. The variance of n points is itself unsure by sqrt(2 / n) of it.
-Vector3 MetPlane::variances(const PlacedScan& scan, const Vector3& lever_m) const {
+Vector3 ScanFitter::MetPlane::variances(const PlacedScan& scan, const Vector3& lever_m) const {
   const double n = cell_->count_fitted, across = lever_m.normalized().dot(cell_->normal.cast<double>());
   const double explained_m2 = scan.range_variance_m2 * across * across * (1.0 + 2.0 * std::sqrt(2.0 / n));
   const double mean_m2 = (std::min(scan.floor_m2, kFlat_m2) + cell_->variance_m2) / n;
@@ -123,7 +125,7 @@ Vector3 MetPlane::variances(const PlacedScan& scan, const Vector3& lever_m) cons
 }
 
 /// Offset and slopes hang linearly on the pose: by B. The map's plane is taken out as an unknown with a prior.
-void MetPlane::add_to(Sums& sums, const PlacedScan& scan) const {
+void ScanFitter::MetPlane::add_to(Sums& sums, const PlacedScan& scan) const {
   const Vector3 lever_m = cell_->mean_m.cast<double>() - scan.p_local_m;
   const Vector3 N_inverse = variances(scan, lever_m);
   const Matrix3 gain = M_ * (M_ + Matrix3(N_inverse.cwiseInverse().asDiagonal())).inverse();
@@ -146,10 +148,12 @@ void MetPlane::add_to(Sums& sums, const PlacedScan& scan) const {
 }
 
 /// By cell, in the order in which the points meet them.
-class MetPlanes {
+class ScanFitter::MetPlanes {
  public:
-  explicit MetPlanes(std::size_t most) : table_(std::bit_ceil(2 * most + 16), 0) {}
-
+  void clear(std::size_t most) {
+    table_.assign(std::max(table_.size(), std::bit_ceil(2 * most + 16)), 0);
+    all_.clear();
+  }
   MetPlane& at(const SurfaceCell& cell) {
     const std::size_t mask = table_.size() - 1;
     for (std::size_t slot = reinterpret_cast<std::uintptr_t>(&cell) / sizeof(SurfaceCell) & mask;;
@@ -167,6 +171,8 @@ class MetPlanes {
   std::vector<std::uint32_t> table_;  // index + 1; 0: empty
   std::vector<MetPlane> all_;
 };
+
+namespace {
 
 /// Directions of the pose in which turns are counted by a lever arm.
 struct WeakDirections {
@@ -334,8 +340,16 @@ void add_floor(PoseEvidence& evidence, const ScanToMapConfig& config, double tim
 
 }  // namespace
 
+ScanFitter::ScanFitter() : met_(std::make_unique<MetPlanes>()) {}
+ScanFitter::~ScanFitter() = default;
+
 ScanFit fit_scan(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_body_m, const Pose& T_local_body,
                  const ScanToMapConfig& config, double smear_m, double range_sigma_m) {
+  return ScanFitter().fit(map, points_body_m, T_local_body, config, smear_m, range_sigma_m);
+}
+
+ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_body_m, const Pose& T_local_body,
+                        const ScanToMapConfig& config, double smear_m, double range_sigma_m) {
   ScanFit fit;
   fit.num_points = static_cast<int>(points_body_m.size());
   const Matrix3 R = T_local_body.linear();
@@ -344,7 +358,7 @@ ScanFit fit_scan(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_
   const PlacedScan scan{
       map, points_body_m, R, T_local_body.translation(), floor_m2, kernel_sq, range_sigma_m * range_sigma_m};
   Sums planes, points;
-  MetPlanes met(points_body_m.size());
+  met_->clear(points_body_m.size());
   for (const Eigen::Vector3f& point : points_body_m) {
     const Vector3 x = point.cast<double>();
     const Vector3 at = scan.place(x);
@@ -359,7 +373,7 @@ ScanFit fit_scan(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_
       if (std::abs(d.r_m) > config.reach_m) continue;
       const double distance_sq = d.r_m * d.r_m / d.variance_m2;
       if (distance_sq < kNear_sq) ++fit.num_near;
-      met.at(*cell).add(off, d.r_m, kernel(distance_sq, kernel_sq) / (floor_m2 + cell->variance_m2));
+      met_->at(*cell).add(off, d.r_m, kernel(distance_sq, kernel_sq) / (floor_m2 + cell->variance_m2));
     } else if (config.point_weight > 0.0) {
       const double variance = floor_m2 + cell->variance_m2 + 2.0 * cell->narrow_variance_m2;  // by axis, generously
       const double distance_sq = off.squaredNorm() / variance;
@@ -368,7 +382,7 @@ ScanFit fit_scan(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_
       for (int axis = 0; axis < 3; ++axis) points.add(x, Vector3::Unit(axis), R, off(axis), weight);
     }
   }
-  for (const MetPlane& plane : met.all()) plane.add_to(planes, scan);
+  for (const MetPlane& plane : met_->all()) plane.add_to(planes, scan);
   if (!(planes.weight > 0.0)) {
     fit.num_degenerate = 6;
     return fit;

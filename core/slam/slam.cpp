@@ -13,12 +13,18 @@
 namespace swiftlet {
 namespace {
 
+std::unique_ptr<ScanMatcher> make_matcher(const SlamConfig& config) {
+  if (config.matching == SlamConfig::Matching::kGrid) return std::make_unique<GridMatcher>(config.grid);
+  return std::make_unique<SurfaceMatcher>(config.local);
+}
+
 class SlamEstimator : public StateEstimator, public KeepsMap {
  public:
   SlamEstimator(const SlamConfig& config, const AgentSetup& setup)
       : config_(config),
         latency_(from_seconds(config.latency_s)),
-        slam_(config.local, config.latency_s, setup.T_local_body_start, setup.airframe.circumscribed_radius_m()),
+        slam_(config.local, config.latency_s, setup.T_local_body_start, setup.airframe.circumscribed_radius_m(),
+              make_matcher(config)),
         start_m_(setup.T_local_body_start.translation()),
         heading_known_(setup.start_known == StartKnown::kPose),
         place_known_(setup.start_known != StartKnown::kNothing),
@@ -162,7 +168,10 @@ class SlamEstimator : public StateEstimator, public KeepsMap {
 void SlamConfig::visit(ConfigVisitor& v) {
   v.field("lidars", lidars, "[-] names of the LiDARs that it listens to; none: all");
   v.field("latency_s", latency_s, "[s] a scan takes on board until it moves the estimate", Range::between(0.0, 0.5));
+  v.choice("matching", matching, {"surfaces", "grid"},
+           "[-] of scans: to planes; to probability grids, as in [Orsulic 2021]");
   v.object("local", local, "motion from scan to scan");
+  v.object("grid", grid, "matching: grid");
   v.object("global", global, "closures and GNSS: where the local frame lies in the world");
   v.field("warn_after_s", warn_after_s, "[s] without a scan that fits, or with degenerate ones, after which it warns",
           Range::positive());

@@ -6,9 +6,9 @@
 namespace swiftlet {
 
 SlamToNow::SlamToNow(const LocalSlamConfig& config, double latency_s, const Pose& T_local_body_start,
-                     double own_radius_m)
+                     double own_radius_m, std::unique_ptr<ScanMatcher> matcher)
     : latency_(latency_s),
-      slam_(config, T_local_body_start, own_radius_m),
+      slam_(config, T_local_body_start, own_radius_m, std::move(matcher)),
       now_(slam_.filter()),
       ring_(latency_s > 0.0 ? kMostSamples : 0) {}
 

@@ -86,6 +86,15 @@ void VoxelThinner::thin(std::span<const Eigen::Vector3f> points_m, float edge_m,
   }
 }
 
+void VoxelThinner::thin_into(std::span<const Eigen::Vector3f> points_m, float edge_m,
+                             std::vector<Eigen::Vector3f>& kept_m) {
+  kept_.clear();
+  kept_.reserve(points_m.size());
+  thin(points_m, edge_m, kept_);
+  kept_m.resize(kept_.size());
+  for (std::size_t i = 0; i < kept_.size(); ++i) kept_m[i] = points_m[kept_[i]];
+}
+
 void undistort(const Scan& scan, const MotionHistory& motion, TimeNs t, double own_radius_m, double range_max_m,
                std::vector<Eigen::Vector3f>& points_body_m) {
   const BeamTable& beams = *scan.beams;

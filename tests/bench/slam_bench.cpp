@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "swiftlet/core/slam/grid_matcher.hpp"
 #include "swiftlet/core/slam/local_slam.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "tests/support/icp_odometry.hpp"
@@ -88,13 +89,16 @@ void icp_odometry(benchmark::State& state, const std::string& scenario_file, con
   state.counters["error_mm"] = 1e3 * absolute_error_m(p_m, p_true_m);
 }
 
-void local_slam(benchmark::State& state, const std::string& scenario_file, const std::string& lidar) {
+void local_slam(benchmark::State& state, const std::string& scenario_file, const std::string& lidar,
+                bool grid = false) {
   const Flown flown = fly(scenario_file, lidar);
   std::size_t bytes = 0;
   std::vector<Vector3> p_m, p_true_m;
   for (auto _ : state) {
     state.PauseTiming();
-    LocalSlam slam({}, flown.T_world_body_start, flown.radius_m);
+    std::unique_ptr<ScanMatcher> matcher;
+    if (grid) matcher = std::make_unique<GridMatcher>(GridMatchingConfig{});
+    LocalSlam slam({}, flown.T_world_body_start, flown.radius_m, std::move(matcher));
     int num_scans = 0;
     for (const Sensed& sensed : flown.ticks) {
       for (const ImuSample& sample : sensed.imu) slam.add(sample);
@@ -107,7 +111,7 @@ void local_slam(benchmark::State& state, const std::string& scenario_file, const
         p_true_m.push_back(sensed.p_world_m);
       }
     }
-    bytes = slam.map().bytes();
+    bytes = slam.matcher().bytes();
     state.counters["scans"] = num_scans - kStartScans;
     state.ResumeTiming();
   }
@@ -117,11 +121,21 @@ void local_slam(benchmark::State& state, const std::string& scenario_file, const
       state.counters["scans"], benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
+/// In the document's way.
+void grid_slam(benchmark::State& state, const std::string& scenario_file, const std::string& lidar) {
+  local_slam(state, scenario_file, lidar, true);
+}
+
 BENCHMARK_CAPTURE(local_slam, puck_campus, "campus.yaml", "puck_lite")->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(local_slam, os1_campus, "campus.yaml", "os1_128")->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(local_slam, os1_forest, "forest.yaml", "os1_128")->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(local_slam, mid360_campus, "campus.yaml", "mid360")->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(local_slam, mid360_forest, "forest.yaml", "mid360")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(grid_slam, puck_campus, "campus.yaml", "puck_lite")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(grid_slam, os1_campus, "campus.yaml", "os1_128")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(grid_slam, os1_forest, "forest.yaml", "os1_128")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(grid_slam, mid360_campus, "campus.yaml", "mid360")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(grid_slam, mid360_forest, "forest.yaml", "mid360")->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(icp_odometry, puck_campus, "campus.yaml", "puck_lite")->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(icp_odometry, os1_campus, "campus.yaml", "os1_128")->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(icp_odometry, os1_forest, "forest.yaml", "os1_128")->Unit(benchmark::kMillisecond)->Iterations(1);

@@ -42,6 +42,14 @@ TEST(RotationVector, IsTheInverseOfTheRotationByIt) {
   }
 }
 
+TEST(VoxelThinner, GivesThePointsThemselvesInPlaceOfOlderOnes) {
+  const std::vector<Eigen::Vector3f> points{{0.1F, 0.1F, 0.1F}, {0.2F, 0.1F, 0.1F}, {1.5F, 0.1F, 0.1F}};
+  std::vector<Eigen::Vector3f> kept(7, Eigen::Vector3f(9, 9, 9));
+  VoxelThinner thinner;
+  thinner.thin_into(points, 1.0F, kept);
+  EXPECT_EQ(kept, (std::vector<Eigen::Vector3f>{points[0], points[2]}));
+}
+
 TEST(VoxelThinner, KeepsTheFirstPointInEveryCubeInTheirOrder) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> uniform(-5.0F, 5.0F);

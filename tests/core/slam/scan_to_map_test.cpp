@@ -203,6 +203,24 @@ TEST(ScanToMap, RecoversAKnownMotion) {
       0.0015);
 }
 
+TEST(ScanToMap, AFitterThatIsUsedAgainSaysTheSameToTheLastBit) {
+  SurfaceMap room_map({}), other_map({});
+  room_map.insert(seen_from(kRoom, Pose::Identity(), 0.02, 1), Vector3::Zero());
+  other_map.insert(seen_from(kRoom, Pose::Identity(), 0.05, 2, 300), Vector3::Zero());
+  const auto many = in_body(seen_from(kRoom, Pose::Identity(), 0.02, 3), Pose::Identity());
+  const std::vector<Eigen::Vector3f> few(many.begin(), many.begin() + 200);
+  ScanFitter fitter;
+  for (const SurfaceMap* map : {&room_map, &other_map, &room_map}) {
+    for (const auto& points : {few, many, few}) {
+      const ScanFit again = fitter.fit(*map, points, Pose::Identity(), {}),
+                    once = fit_scan(*map, points, Pose::Identity(), {});
+      EXPECT_EQ(again.evidence.information, once.evidence.information);
+      EXPECT_EQ(again.evidence.gradient, once.evidence.gradient);
+      EXPECT_EQ(again.map_share, once.map_share);
+    }
+  }
+}
+
 TEST(ScanToMap, CountsTheDirectionsThatAScanLeavesOpen) {
   const auto degenerate = [](const SyntheticRoom& room) {
     SurfaceMap map({});

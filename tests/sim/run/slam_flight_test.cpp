@@ -10,9 +10,10 @@
 namespace swiftlet::sim {
 namespace {
 
-Scenario campus_slam(double duration_s) {
-  Scenario scenario = load_scenario(std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/campus_slam.yaml",
-                                    {{"recorders", "[]"}, {"snapshots", "[]"}});
+Scenario campus_slam(double duration_s, const std::string& matching = "surfaces") {
+  Scenario scenario =
+      load_scenario(std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/campus_slam.yaml",
+                    {{"recorders", "[]"}, {"snapshots", "[]"}, {"vehicles[0].agent.localization.matching", matching}});
   scenario.duration_s = duration_s;
   return validated(scenario);
 }
@@ -51,14 +52,28 @@ TEST(SlamFlight, WithScansThatTakeHalfASecondItStillFlies) {
   EXPECT_LT(summary.metrics.find("estimate_position_max_m", "uav1")->value, 0.2);
 }
 
-TEST(SlamFlight, HasTheSameBitsOnAnyNumberOfThreads) {
-  std::uint64_t hashes[2] = {};
-  for (int threads : {1, 2}) {
-    Simulation simulation(campus_slam(3.0), threads);
-    while (!simulation.finished()) simulation.tick();
-    hashes[threads - 1] = simulation.state_hash();
+TEST(SlamFlight, InTheDocumentsWayItTouchesNothingEither) {
+  Simulation simulation(campus_slam(20.0, "grid"), 2);
+  while (!simulation.finished()) {
+    simulation.tick();
+    ASSERT_TRUE(simulation.view().actions[0]->estimate.valid) << to_seconds(simulation.now()) << " s";
   }
-  EXPECT_EQ(hashes[0], hashes[1]);
+  const RunSummary summary = simulation.summary();
+  EXPECT_NE(summary.outcome, "crashed");
+  EXPECT_GT(summary.metrics.find("path_length_m", "uav1")->value, 30.0);
+  EXPECT_LT(summary.metrics.find("estimate_position_max_m", "uav1")->value, 0.6);
+}
+
+TEST(SlamFlight, HasTheSameBitsOnAnyNumberOfThreads) {
+  for (const char* matching : {"surfaces", "grid"}) {
+    std::uint64_t hashes[2] = {};
+    for (int threads : {1, 2}) {
+      Simulation simulation(campus_slam(3.0, matching), threads);
+      while (!simulation.finished()) simulation.tick();
+      hashes[threads - 1] = simulation.state_hash();
+    }
+    EXPECT_EQ(hashes[0], hashes[1]) << matching;
+  }
 }
 
 }  // namespace

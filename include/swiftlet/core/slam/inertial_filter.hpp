@@ -72,6 +72,18 @@ class InertialFilter {
   template <class EvidenceAt>
   int update(EvidenceAt&& evidence_at, int most_iterations);
 
+  /// A pose that others found by weights of their own. They weighed what a scan tells against the prediction.
+  struct WeighedPose {
+    Eigen::Matrix<double, 6, 1> moved;  ///< from the prediction to it, as PoseEvidence counts
+    Eigen::Matrix<double, 6, 1> told;   ///< by the scan: slope times the prediction's error, and noise
+    Matrix6 slope;
+    Matrix6 scatter;  ///< covariance of the noise
+    Matrix6 gain;     ///< the pose moves by gain times what was told
+  };
+  /// The pose becomes theirs. All other states take the share that leaves them the least variance. The covariance is
+  /// true for any gain (Joseph's form).
+  void take(const WeighedPose& pose);
+
   /// At the last sample; the body rate is free of its estimated bias.
   const State& state() const { return state_; }
   Pose T_local_body() const { return make_pose(state_.nav.p_m, state_.nav.q); }
@@ -87,6 +99,7 @@ class InertialFilter {
   /// The most likely error, given the prior and the evidence at an iterate that lies by `at` off the prior.
   Error most_likely(const PoseEvidence& evidence, const Error& at) const;
   void settle(const PoseEvidence& evidence);
+  void settle(const Covariance& posterior);
 
   InertialConfig config_;
   State state_;

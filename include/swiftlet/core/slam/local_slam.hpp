@@ -9,8 +9,8 @@
 #include "swiftlet/core/localization/local_poses.hpp"
 #include "swiftlet/core/scan.hpp"
 #include "swiftlet/core/slam/inertial_filter.hpp"
-#include "swiftlet/core/slam/scan_to_map.hpp"
-#include "swiftlet/core/slam/surface_map.hpp"
+#include "swiftlet/core/slam/scan_matcher.hpp"
+#include "swiftlet/core/slam/surface_matcher.hpp"
 #include "swiftlet/core/slam/sweep.hpp"
 
 namespace swiftlet {
@@ -32,21 +32,11 @@ class MapDrift {
   Matrix6 C_ = Matrix6::Zero();  // of position and rotation vector, both in local axes
 };
 
-struct LocalSlamConfig {
+struct LocalSlamConfig : SurfaceMatchingConfig {
   InertialConfig imu;
   double range_max_m = 100.0;
-  double map_voxel_m = 0.2;
-  int map_points = 20000;
-  double match_voxel_m = 0.5;
-  int match_points = 4000;
   int start_scans = 10;
-  int iterations = 5;
-  double insert_after_m = 0.3;
-  double insert_after_deg = 8.0;
-  double insert_after_s = 1.0;
   double known_share_min = 0.3;
-  ScanToMapConfig matching;
-  SurfaceMapConfig map;
 
   void visit(ConfigVisitor& v);
 };
@@ -63,20 +53,22 @@ struct ScanOutcome {
 /// map, together with what the IMU says. Then they go into it. It closes no loops, so it drifts, slowly and smoothly.
 class LocalSlam {
  public:
-  LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_start, double own_radius_m);
+  /// @param matcher  by what scans find their pose; none: by surfaces
+  LocalSlam(const LocalSlamConfig& config, const Pose& T_local_body_start, double own_radius_m,
+            std::unique_ptr<ScanMatcher> matcher = nullptr);
 
   void add(const ImuSample& sample);
   /// A scan that ended not after the last IMU sample.
   ScanOutcome add(std::shared_ptr<const Scan> scan);
 
   const InertialFilter& filter() const { return filter_; }
-  const SurfaceMap& map() const { return map_; }
+  const ScanMatcher& matcher() const { return *matcher_; }
   /// Is the start over, so that what is in the map stays as it is?
   bool started() const { return start_.over; }
   /// When and where the last scan went into the map.
   const TimedPose& inserted_at() const { return inserted_; }
   /// Of the scan that was added last, thinned for the map.
-  std::span<const Eigen::Vector3f> points_body_m() const { return dense_body_m_; }
+  std::span<const Eigen::Vector3f> points_body_m() const { return matcher_->points_body_m(); }
   /// Of the pose in the local frame: that of a filter, relative to the map, and that of the planes in sight. That of
   /// what the map has drifted is in it, too. The filter is this one, or this one carried on.
   Matrix6 pose_covariance(const InertialFilter& filter) const;
@@ -106,18 +98,14 @@ class LocalSlam {
   Start start_;
   InertialFilter filter_;
   MotionHistory motion_;
-  SurfaceMap map_;
+  std::unique_ptr<ScanMatcher> matcher_;
+  ScanMatcher::Admission admission_;
   MapDrift drift_;
-  Matrix6 planes_covariance_ = Matrix6::Zero();  // of the pose, by errors that all scans of the same planes share
+  Matrix6 shared_covariance_ = Matrix6::Zero();  // of the pose, by errors of the map that scans share
 
   TimedPose inserted_;  // the last scan that went into the map
   int num_inserted_ = 0;
-  Vector3 cropped_m_ = Vector3::Zero();
-  // Of one scan.
-  VoxelThinner thinner_;
-  std::vector<Eigen::Vector3f> returns_body_m_, dense_body_m_, sparse_body_m_;
-  std::vector<std::uint32_t> kept_;
-  std::vector<Vector3> points_local_m_;
+  std::vector<Eigen::Vector3f> returns_body_m_;  // of one scan
 };
 
 }  // namespace swiftlet

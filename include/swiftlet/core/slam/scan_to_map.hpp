@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "swiftlet/core/config.hpp"
@@ -56,5 +57,19 @@ struct ScanFit {
 /// @param range_sigma_m  noise of the ranges
 ScanFit fit_scan(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_body_m, const Pose& T_local_body,
                  const ScanToMapConfig& config, double smear_m = 0.0, double range_sigma_m = 0.0);
+
+/// fit_scan() for who asks again and again: it keeps its memory.
+class ScanFitter {
+ public:
+  ScanFitter();
+  ~ScanFitter();
+  ScanFit fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_body_m, const Pose& T_local_body,
+              const ScanToMapConfig& config, double smear_m = 0.0, double range_sigma_m = 0.0);
+
+ private:
+  class MetPlane;
+  class MetPlanes;
+  std::unique_ptr<MetPlanes> met_;
+};
 
 }  // namespace swiftlet

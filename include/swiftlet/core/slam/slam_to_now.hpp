@@ -19,7 +19,9 @@ class SlamToNow {
  public:
   static constexpr std::size_t kMostSamples = 2048;
 
-  SlamToNow(const LocalSlamConfig& config, double latency_s, const Pose& T_local_body_start, double own_radius_m);
+  /// @param matcher  as LocalSlam takes it
+  SlamToNow(const LocalSlamConfig& config, double latency_s, const Pose& T_local_body_start, double own_radius_m,
+            std::unique_ptr<ScanMatcher> matcher = nullptr);
 
   void add(const ImuSample& sample);
   /// A scan that arrived at t, with all samples of the IMU until then.

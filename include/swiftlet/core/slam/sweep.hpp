@@ -44,6 +44,8 @@ class VoxelThinner {
  public:
   /// Appends the indices of the points that are kept.
   void thin(std::span<const Eigen::Vector3f> points_m, float edge_m, std::vector<std::uint32_t>& kept);
+  /// The points themselves, in place of what was in `kept_m`.
+  void thin_into(std::span<const Eigen::Vector3f> points_m, float edge_m, std::vector<Eigen::Vector3f>& kept_m);
 
  private:
   struct Slot {
@@ -52,6 +54,7 @@ class VoxelThinner {
   };
   std::vector<Slot> table_;
   std::uint32_t round_ = 0;
+  std::vector<std::uint32_t> kept_;
 };
 
 /// The returns of a scan in the body frame of one instant: each beam is carried by the motion since it was fired.

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/grid_matcher.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/slam/symmetric_eigen.hpp"
+
+namespace swiftlet {
+namespace {
+
+// Scans that meet the same cells share what the cells are off by: half of the variance of what each tells.
+constexpr double kMapShare = 0.5;
+constexpr double kSurface = 0.5;        // a cell at least as probable as this is one
+constexpr double kTinyScatter = 1e-12;  // of the trace: in directions in which nothing is seen
+
+// One point in a cube of these edges makes the planes that say which directions are open, and is held against them.
+constexpr double kPlanesVoxel_m = 0.3, kJudgedVoxel_m = 0.5;
+constexpr int kJudgedStanding = 30;    // points on what stands free; the gaps between scan lines look like it
+constexpr double kJudgedShare = 0.01;  // of the planes' information: normals are no better than the poses
+constexpr double kNothing = 1e-9;      // of the most that any direction is told: what rounding leaves of none
+
+constexpr int kPlanesScans = 10, kPlanesLeast = 5;  // scans of which their planes are, at most twice as many
+
+SurfaceMapConfig last_planes() {
+  SurfaceMapConfig config;
+  config.levels = 3;
+  config.plane_sigma_m = 0.1;  // the poses of the scans are off by some of it
+  return config;
+}
+
+}  // namespace
+
+GridMatcher::GridMatcher(const GridMatchingConfig& config)
+    : config_(config), submaps_(config.submaps), planes_(2, Planes{SurfaceMap(last_planes())}) {}
+
+ScanMatcher::Admission GridMatcher::admission() const {
+  return {0, config_.insert_after_m, config_.insert_after_deg * kRadPerDeg, config_.insert_after_s};
+}
+
+void GridMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool) {
+  const auto least_sq = static_cast<float>(config_.range_min_m * config_.range_min_m);
+  const auto most_sq = static_cast<float>(config_.range_max_m * config_.range_max_m);
+  in_range_body_m_.clear();
+  for (const Eigen::Vector3f& p : returns_body_m) {
+    const float range_sq = p.squaredNorm();
+    if (range_sq >= least_sq && range_sq <= most_sq) in_range_body_m_.push_back(p);
+  }
+  thinner_.thin_into(in_range_body_m_, static_cast<float>(config_.voxel_m), dense_body_m_);
+  filter_.thin(dense_body_m_, config_.high, high_body_m_);
+  filter_.thin(dense_body_m_, config_.low, low_body_m_);
+  thinner_.thin_into(dense_body_m_, static_cast<float>(kPlanesVoxel_m), planes_body_m_);
+  thinner_.thin_into(planes_body_m_, static_cast<float>(kJudgedVoxel_m), judged_body_m_);
+}
+
+ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Doubt& doubt) {
+  const GridSubmap& submap = submaps_.older();
+  const GridMatch found = match_to_grids({GridCloud{&submap.high, high_body_m_, config_.cost.high_weight},
+                                          GridCloud{&submap.low, low_body_m_, config_.cost.low_weight}},
+                                         submap.origin_local_m, filter.T_local_body(), config_.cost);
+  Match match;
+  match.num_iterations = std::max(found.num_iterations, 1);
+  ScanFit& fit = match.fit;
+  count_known(fit, found.T_local_body);
+  fit.map_share = kMapShare;
+  fit.renewal = 1.0 / std::min(submap.num_scans + 1, config_.submaps.scans);
+  Matrix6 keep;
+  fit.num_degenerate = find_open(found.T_local_body, doubt.range_sigma_m, keep);
+  if (fit.num_known < doubt.known_share_min * fit.num_points) return match;
+
+  InertialFilter::WeighedPose pose;
+  pose.slope = keep.transpose() * found.evidence.H * keep;
+  pose.scatter = config_.points_per_error * keep.transpose() * found.evidence.scatter * keep +
+                 doubt.smear_m * doubt.smear_m * pose.slope.leftCols<3>() * pose.slope.topRows<3>();
+  pose.scatter.diagonal().array() += kTinyScatter * pose.scatter.trace();
+  const Matrix6 whole = pose.slope + Matrix6(found.held.asDiagonal());
+  pose.gain = keep * whole.inverse();
+  pose.moved = keep * found.moved;
+  pose.told = whole * pose.moved;
+  filter.take(pose);
+  fit.evidence.information = pose.slope * pose.scatter.partialPivLu().solve(pose.slope);
+  return match;
+}
+
+/// In how many directions of the pose the planes of the last scans leave it open.
+///
+/// @param keep  takes these out of a change of the pose
+int GridMatcher::find_open(const Pose& T_local_body, double range_sigma_m, Matrix6& keep) {
+  keep.setIdentity();
+  const Planes& planes = planes_[older_planes_];
+  if (planes.num_scans < kPlanesLeast) return 0;
+  ScanToMapConfig config;
+  config.standing_points = kJudgedStanding;
+  config.degenerate_share = kJudgedShare;
+  const ScanFit fit = fitter_.fit(planes.map, judged_body_m_, T_local_body, config, 0.0, range_sigma_m);
+  if (fit.num_degenerate == 0 || fit.num_degenerate == 6) return fit.num_degenerate;
+  double lever_m2 = 0.0;
+  for (const Eigen::Vector3f& p : judged_body_m_) lever_m2 += p.cast<double>().squaredNorm();
+  Vector6 scale;  // turns count by the mean lever arm
+  scale << Vector3::Ones(), Vector3::Constant(std::sqrt(lever_m2 / static_cast<double>(judged_body_m_.size())));
+  const Vector6 inverse = scale.cwiseInverse();
+  const SymmetricEigen<6> eigen =
+      symmetric_eigen<6>(Matrix6(inverse.asDiagonal() * fit.evidence.information * inverse.asDiagonal()));
+  Matrix6 seen = Matrix6::Identity();
+  for (int i = 0; i < 6; ++i) {
+    if (eigen.values(i) > kNothing * eigen.values(5)) continue;
+    seen -= eigen.vectors.col(i) * eigen.vectors.col(i).transpose();
+  }
+  keep = inverse.asDiagonal() * seen * scale.asDiagonal();
+  return fit.num_degenerate;
+}
+
+void GridMatcher::count_known(ScanFit& fit, const Pose& T_local_body) const {
+  const GridSubmap& submap = submaps_.older();
+  fit.num_points = static_cast<int>(low_body_m_.size());
+  for (const Eigen::Vector3f& point : low_body_m_) {
+    const Vector3 at_m = T_local_body * point.cast<double>() - submap.origin_local_m;
+    const std::uint16_t value = submap.low.value(submap.low.cell_at(at_m));
+    fit.num_known += value != grid_value::kUnknown;
+    fit.num_near += grid_value::probability_of(value) >= kSurface;
+  }
+}
+
+void GridMatcher::insert(const Pose& T_local_body) {
+  points_local_m_.resize(dense_body_m_.size());
+  for (std::size_t i = 0; i < dense_body_m_.size(); ++i)
+    points_local_m_[i] = T_local_body * dense_body_m_[i].cast<double>();
+  submaps_.insert(points_local_m_, T_local_body.translation());
+  learn_planes(T_local_body);
+}
+
+void GridMatcher::learn_planes(const Pose& T_local_body) {
+  if (planes_[1 - older_planes_].num_scans >= kPlanesScans) {
+    planes_[older_planes_].map.clear();
+    planes_[older_planes_].num_scans = 0;
+    older_planes_ = 1 - older_planes_;
+  }
+  points_local_m_.resize(planes_body_m_.size());
+  for (std::size_t i = 0; i < planes_body_m_.size(); ++i)
+    points_local_m_[i] = T_local_body * planes_body_m_[i].cast<double>();
+  for (Planes* planes : {&planes_[older_planes_], &planes_[1 - older_planes_]}) {
+    if (planes == &planes_[1 - older_planes_] && planes_[older_planes_].num_scans <= kPlanesScans) continue;
+    planes->map.insert(points_local_m_, T_local_body.translation());
+    ++planes->num_scans;
+  }
+}
+
+void GridMatcher::clear() {
+  submaps_.clear();
+  for (Planes& planes : planes_) {
+    planes.map.clear();
+    planes.num_scans = 0;
+  }
+}
+
+void GridMatchingConfig::visit(ConfigVisitor& v) {
+  v.field("range_min_m", range_min_m, "[m] nearer returns are left out", Range::non_negative());
+  v.field("range_max_m", range_max_m, "[m] returns farther away are left out", Range::between(1.0, 1000.0));
+  v.field("voxel_m", voxel_m, "[m] one return in a cube of this edge goes into the map", Range::between(0.01, 5.0));
+  v.object("high", high, "points that are matched to the finer grid");
+  v.object("low", low, "points that are matched to the coarser grid");
+  v.object("cost", cost, "of a pose");
+  v.object("submaps", submaps, "pairs of grids that scans go into");
+  v.field("insert_after_m", insert_after_m, "[m] of motion, after which a scan goes into the map",
+          Range::non_negative());
+  v.field("insert_after_deg", insert_after_deg, "[deg] of turning, after which it does", Range::non_negative());
+  v.field("insert_after_s", insert_after_s, "[s] after which it does without motion", Range::non_negative());
+  v.field("points_per_error", points_per_error, "[-] so many points are taken to share one error: for the covariance",
+          Range::between(0.01, 1000.0));
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/slam/grid_submaps.hpp"
+
+namespace swiftlet {
+
+GridSubmaps::GridSubmaps(const GridSubmapConfig& config)
+    : config_(config), hit_(config.hit_probability), miss_(config.miss_probability), submaps_(2, GridSubmap(config)) {}
+
+void GridSubmaps::insert(std::span<const Vector3> points_local_m, const Vector3& origin_local_m) {
+  if (empty()) {
+    begin(submaps_[older_], origin_local_m);
+    num_active_ = 1;
+  } else if (newer().num_scans >= config_.scans) {
+    if (num_active_ == 2) older_ = 1 - older_;
+    num_active_ = 2;
+    begin(submaps_[1 - older_], origin_local_m);
+  }
+  insert(submaps_[older_], points_local_m, origin_local_m);
+  if (num_active_ == 2) insert(submaps_[1 - older_], points_local_m, origin_local_m);
+}
+
+void GridSubmaps::begin(GridSubmap& submap, const Vector3& origin_local_m) {
+  submap.origin_local_m = origin_local_m;
+  submap.high.clear();
+  submap.low.clear();
+  submap.num_scans = 0;
+}
+
+void GridSubmaps::insert(GridSubmap& submap, std::span<const Vector3> points_local_m, const Vector3& origin_local_m) {
+  all_m_.clear();
+  near_m_.clear();
+  const double near_sq = config_.high_range_max_m * config_.high_range_max_m;
+  for (const Vector3& p_local_m : points_local_m) {
+    all_m_.push_back(p_local_m - submap.origin_local_m);
+    if ((p_local_m - origin_local_m).squaredNorm() <= near_sq) near_m_.push_back(all_m_.back());
+  }
+  const Vector3 origin_m = origin_local_m - submap.origin_local_m;
+  submap.high.insert(near_m_, origin_m, hit_, miss_, config_.cells_missed);
+  submap.low.insert(all_m_, origin_m, hit_, miss_, config_.cells_missed);
+  ++submap.num_scans;
+}
+
+void GridSubmaps::clear() { num_active_ = 0; }
+
+std::size_t GridSubmaps::bytes() const {
+  std::size_t bytes = 0;
+  for (const GridSubmap& submap : submaps_) bytes += submap.high.bytes() + submap.low.bytes();
+  return bytes;
+}
+
+void GridSubmapConfig::visit(ConfigVisitor& v) {
+  v.field("high_resolution_m", high_resolution_m, "[m] edge of a cell of the finer grid", Range::between(0.02, 2.0));
+  v.field("low_resolution_m", low_resolution_m, "[m] edge of a cell of the coarser grid", Range::between(0.05, 5.0));
+  v.field("high_range_max_m", high_range_max_m, "[m] points farther away do not go into the finer grid",
+          Range::between(1.0, 1000.0));
+  v.field("scans", scans, "[-] after which the next submap begins; each takes twice as many",
+          Range::between(1, 100000));
+  v.field("hit_probability", hit_probability, "[-] that a cell in which a return lies holds a surface",
+          Range::between(0.501, 0.9));
+  v.field("miss_probability", miss_probability, "[-] that one before it does", Range::between(0.1, 0.499));
+  v.field("cells_missed", cells_missed, "[-] so many cells before a return are taken for free",
+          Range::between(0, 1000));
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/slam/sweep.hpp"
+
+namespace swiftlet {
+
+struct AdaptiveVoxelConfig {
+  double edge_max_m = 2.0;
+  int points_min = 150;
+  double range_max_m = 15.0;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// Thins points by the widest cubes that still leave enough of them, as a binary search finds it: to a tenth of the
+/// edge. Any frame, the same for all arguments; ranges count from its origin.
+class AdaptiveVoxelFilter {
+ public:
+  /// Returns the edge [m]; 0: there were too few points to thin them. Farther ones than the range are left out.
+  double thin(std::span<const Eigen::Vector3f> points_m, const AdaptiveVoxelConfig& config,
+              std::vector<Eigen::Vector3f>& kept_m);
+
+ private:
+  VoxelThinner thinner_;
+  std::vector<Eigen::Vector3f> near_m_;
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "swiftlet/core/slam/adaptive_voxel_filter.hpp"
+#include "swiftlet/core/slam/grid_match.hpp"
+#include "swiftlet/core/slam/grid_submaps.hpp"
+#include "swiftlet/core/slam/scan_matcher.hpp"
+#include "swiftlet/core/slam/sweep.hpp"
+
+namespace swiftlet {
+
+struct GridMatchingConfig {
+  double range_min_m = 1.0;
+  double range_max_m = 60.0;
+  double voxel_m = 0.15;
+  AdaptiveVoxelConfig high{2.0, 150, 15.0};
+  AdaptiveVoxelConfig low{4.0, 200, 60.0};
+  GridMatchConfig cost;
+  GridSubmapConfig submaps;
+  double insert_after_m = 0.1;
+  double insert_after_deg = 0.23;
+  double insert_after_s = 0.5;
+  double points_per_error = 4.0;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// The local SLAM of the document: scans against the older of two submaps of probability grids [Orsulic 2021; Hess
+/// 2016]. The pose is that of its least squares. The filter predicts, and learns velocity and biases from it.
+///
+/// Grids have slopes along walls and floors as well, where scan lines lie apart. So they cannot tell which directions
+/// are open. The planes of the last scans do, as in fit_scan(), and an open direction is left to the prediction.
+class GridMatcher : public ScanMatcher {
+ public:
+  explicit GridMatcher(const GridMatchingConfig& config);
+
+  Admission admission() const override;
+  bool is_empty() const override { return submaps_.empty(); }
+  void clear() override;
+  void take(std::span<const Eigen::Vector3f> returns_body_m, bool first) override;
+  int num_points() const override { return static_cast<int>(low_body_m_.size()); }
+  std::span<const Eigen::Vector3f> points_body_m() const override { return dense_body_m_; }
+  Match match(InertialFilter& filter, const Doubt& doubt) override;
+  void insert(const Pose& T_local_body) override;
+  std::size_t bytes() const override { return submaps_.bytes(); }
+
+  const GridSubmaps& submaps() const { return submaps_; }
+
+ private:
+  void count_known(ScanFit& fit, const Pose& T_local_body) const;
+  int find_open(const Pose& T_local_body, double range_sigma_m, Matrix6& keep);
+  void learn_planes(const Pose& T_local_body);
+
+  GridMatchingConfig config_;
+  GridSubmaps submaps_;
+  VoxelThinner thinner_;
+  AdaptiveVoxelFilter filter_;
+  // Of one scan.
+  std::vector<Eigen::Vector3f> in_range_body_m_, dense_body_m_, high_body_m_, low_body_m_;
+  std::vector<Eigen::Vector3f> planes_body_m_, judged_body_m_;
+  std::vector<Vector3> points_local_m_;
+  // Of the last scans that went into the map, in two that take turns as submaps do.
+  struct Planes {
+    SurfaceMap map;
+    int num_scans = 0;
+  };
+  std::vector<Planes> planes_;
+  int older_planes_ = 0;
+  ScanFitter fitter_;
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "swiftlet/core/config.hpp"
+#include "swiftlet/core/slam/hybrid_grid.hpp"
+
+namespace swiftlet {
+
+struct GridSubmapConfig {
+  double high_resolution_m = 0.1;
+  double low_resolution_m = 0.45;
+  double high_range_max_m = 20.0;
+  int scans = 160;
+  double hit_probability = 0.55;
+  double miss_probability = 0.49;
+  int cells_missed = 2;
+
+  void visit(ConfigVisitor& v);
+};
+
+/// What some scans in a row saw, in two resolutions. Its grids have the axes of the local frame, and an origin of their
+/// own in it: where the vehicle was when it began.
+struct GridSubmap {
+  explicit GridSubmap(const GridSubmapConfig& config) : high(config.high_resolution_m), low(config.low_resolution_m) {}
+
+  Vector3 origin_local_m = Vector3::Zero();
+  HybridGrid high, low;
+  int num_scans = 0;
+};
+
+/// Two submaps at a time take every scan. When the newer one has its number of scans, the older one has twice as many
+/// and is done, and another begins.
+class GridSubmaps {
+ public:
+  explicit GridSubmaps(const GridSubmapConfig& config);
+
+  bool empty() const { return num_active_ == 0; }
+  int num_active() const { return num_active_; }
+  /// To which scans are matched. There must be one.
+  const GridSubmap& older() const { return submaps_[older_]; }
+  /// The same one as long as there is no other.
+  const GridSubmap& newer() const { return submaps_[num_active_ == 2 ? 1 - older_ : older_]; }
+
+  void insert(std::span<const Vector3> points_local_m, const Vector3& origin_local_m);
+  void clear();
+  std::size_t bytes() const;
+
+ private:
+  void begin(GridSubmap& submap, const Vector3& origin_local_m);
+  void insert(GridSubmap& submap, std::span<const Vector3> points_local_m, const Vector3& origin_local_m);
+
+  GridSubmapConfig config_;
+  OddsTable hit_, miss_;
+  std::vector<GridSubmap> submaps_;  // two, which take turns
+  int older_ = 0, num_active_ = 0;
+  std::vector<Vector3> all_m_, near_m_;  // of one scan, in a submap's frame
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "swiftlet/core/slam/scan_matcher.hpp"
+#include "swiftlet/core/slam/surface_map.hpp"
+#include "swiftlet/core/slam/sweep.hpp"
+
+namespace swiftlet {
+
+struct SurfaceMatchingConfig {
+  double map_voxel_m = 0.2;
+  int map_points = 20000;
+  double match_voxel_m = 0.5;
+  int match_points = 4000;
+  int iterations = 5;
+  double insert_after_m = 0.3;
+  double insert_after_deg = 8.0;
+  double insert_after_s = 1.0;
+  ScanToMapConfig matching;
+  SurfaceMapConfig map;
+};
+
+/// Scans against the planes of what was seen before, in one iterated update together with the IMU.
+class SurfaceMatcher : public ScanMatcher {
+ public:
+  explicit SurfaceMatcher(const SurfaceMatchingConfig& config) : config_(config), map_(config.map) {}
+
+  Admission admission() const override;
+  bool is_empty() const override { return map_.num_cells() == 0; }
+  void clear() override { map_.clear(); }
+  void take(std::span<const Eigen::Vector3f> returns_body_m, bool first) override;
+  int num_points() const override { return static_cast<int>(sparse_body_m_.size()); }
+  std::span<const Eigen::Vector3f> points_body_m() const override { return dense_body_m_; }
+  Match match(InertialFilter& filter, const Doubt& doubt) override;
+  void insert(const Pose& T_local_body) override;
+  std::size_t bytes() const override { return map_.bytes(); }
+
+  const SurfaceMap& map() const { return map_; }
+
+ private:
+  SurfaceMatchingConfig config_;
+  SurfaceMap map_;
+  ScanFitter fitter_;
+  Vector3 cropped_local_m_ = Vector3::Zero();  // where the vehicle was when what is far was forgotten last
+  // Of one scan.
+  VoxelThinner thinner_;
+  std::vector<Eigen::Vector3f> dense_body_m_, sparse_body_m_;
+  std::vector<Vector3> points_local_m_;
+};
+
+}  // namespace swiftlet
