@@ -102,6 +102,13 @@ bool read_tree(BitReader& in, int level, std::uint32_t path, int bits, std::size
 std::vector<Eigen::Vector3f> points_to_share_m(std::span<const Eigen::Vector3f> points_m,
                                                const CompactCloudConfig& config) {
   std::vector<Eigen::Vector3f> shared_m = upright_points_m(points_m, config.voxel_m, config.range_max_m);
+  // Whole columns go or stay, so that what stands upright can be told by those that are left.
+  const auto one_in = static_cast<std::int64_t>(shared_m.size()) / config.upright_points + 1;
+  std::erase_if(shared_m, [&](const Eigen::Vector3f& p) {
+    const auto x = static_cast<std::int64_t>(std::floor(static_cast<double>(p.x()) / config.voxel_m));
+    const auto y = static_cast<std::int64_t>(std::floor(static_cast<double>(p.y()) / config.voxel_m));
+    return ((x + 2 * y) % one_in + one_in) % one_in != 0;
+  });
   std::vector<Eigen::Vector3f> all_m;
   all_m.reserve(points_m.size());
   for (const Eigen::Vector3f& p : points_m) {

@@ -223,6 +223,7 @@ bool MapSharing::hear_chunk(TimeNs t, Peer& from, const Message& message) {
   their.complete =
       std::all_of(their.has_chunk.begin(), their.has_chunk.end(), [](std::uint8_t has) { return has != 0; });
   if (their.complete) from.fetching = -1;
+  if (told.chunk >= from.last_asked) from.was_asked = false;  // they come in order: what is missing now was lost
   return true;
 }
 
@@ -425,6 +426,7 @@ bool MapSharing::say_request(TimeNs t, VehicleId to, Outbox& outbox) {
     for (std::uint8_t& flag : missing) flag = flag == 0 ? 1 : 0;
     request.submap = static_cast<std::uint32_t>(other.fetching);
     request.missing = bits_of(missing);
+    for (std::size_t i = 0; i < missing.size(); ++i) other.last_asked = missing[i] != 0 ? i : other.last_asked;
     other.was_asked = true;
     other.asked = t;
     write_message(request, outbox.say(to));
@@ -550,6 +552,8 @@ void CompactCloudConfig::visit(ConfigVisitor& v) {
   v.field("flat_voxel_m", flat_voxel_m, "[m] the same for the ground and all else", Range::between(0.1, 10.0));
   v.field("range_max_m", range_max_m, "[m] points farther from the submap's middle are left out",
           Range::between(2.0, 200.0));
+  v.field("upright_points", upright_points, "[-] of what stands upright, roughly: else columns of it are left out",
+          Range::between(100, 50000));
   v.field("bits", bits, "[-] by which each coordinate tells the place within its voxel", Range::between(1, 10));
   v.field("chunk_bytes", chunk_bytes, "[B] of the cloud in one message, at most", Range::between(50, 20000));
 }

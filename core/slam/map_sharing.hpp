@@ -66,6 +66,7 @@ class MapSharing {
     // What is asked of it.
     int fetching = -1;
     TimeNs asked = 0, asked_looks = 0;
+    std::size_t last_asked = 0;  // chunk
     bool was_asked = false;
     // What it asks for.
     int wanted = -1;

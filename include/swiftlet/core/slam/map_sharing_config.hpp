@@ -12,6 +12,7 @@ struct CompactCloudConfig {
   double voxel_m = 0.5;
   double flat_voxel_m = 1.5;
   double range_max_m = 25.0;
+  int upright_points = 1200;
   int bits = 5;
   int chunk_bytes = 1000;
 
@@ -22,10 +23,10 @@ struct CompactCloudConfig {
 struct MapJoinConfig {
   int closures_min = 2;
   double chi2_max = 16.81;
-  double closure_position_m = 0.05;
-  double closure_attitude_deg = 0.2;
+  double closure_position_m = 0.03;
+  double closure_attitude_deg = 0.1;
   double odometry_position_m_sqrt_m = 0.02;
-  double odometry_attitude_deg_sqrt_m = 0.1;
+  double odometry_attitude_deg_sqrt_m = 0.05;
   double closure_huber = 3.0;
   double gravity_sigma_deg = 0.2;
   GraphSolverConfig graph;
