@@ -10,7 +10,8 @@
 
 namespace swiftlet {
 
-/// A part of a compact cloud that can be read alone.
+/// A part of a compact cloud that can be read alone. Clouds are in the frames of their submaps, as T_local_submap tells
+/// them.
 struct PackedPoints {
   std::uint16_t num_points = 0;
   std::vector<std::uint8_t> data;

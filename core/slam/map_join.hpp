@@ -22,14 +22,14 @@ struct MapClosure {
   Pose T_own_other = Pose::Identity();
 };
 
-/// Around the loop of two closures and both trajectories between them: how far that is from where it began, squared and
-/// by its covariance; 6 degrees of freedom (J. Mangelson et al., "Pairwise consistent measurement set maximization for
-/// robust multi-robot map merging", ICRA 2018).
+/// Around the loop of two closures and both trajectories between them: how far that leads from where it began. Squared
+/// and by its covariance, with 6 degrees of freedom. From J. Mangelson et al., "Pairwise consistent measurement set
+/// maximization for robust multi-robot map merging", ICRA 2018.
 double loop_chi2(const MapClosure& a, const MapClosure& b, std::span<const SubmapPlace> own,
                  std::span<const SubmapPlace> others, const MapJoinConfig& config);
 
-/// The largest set of closures of which any two agree, as indices in rising order. None when it is too small, or when
-/// the closures that are not in it have a set that is more than half as large: then either might be right.
+/// The largest set of closures of which any two agree, as indices in rising order. None when it is too small. None
+/// either when those that are left have a set more than half as large: then either might be right.
 std::vector<int> agreeing_closures(std::span<const MapClosure> closures, std::span<const SubmapPlace> own,
                                    std::span<const SubmapPlace> others, const MapJoinConfig& config);
 

@@ -45,7 +45,7 @@ Eigen::Vector3f turn_of(const Pose& T) {
 }
 
 /// The pose that was told, if there can be such a one.
-std::optional<Pose> told_pose(const Eigen::Vector3f& p_m, const Eigen::Vector3f& turn_rad, double farthest_m) {
+std::optional<Pose> pose_told(const Eigen::Vector3f& p_m, const Eigen::Vector3f& turn_rad, double farthest_m) {
   if (!p_m.allFinite() || !turn_rad.allFinite()) return std::nullopt;
   if (p_m.cwiseAbs().maxCoeff() > farthest_m || turn_rad.norm() > kPi + 0.01) return std::nullopt;
   const Pose T = make_pose(p_m.cast<double>(), rotation_by(turn_rad.cast<double>()));
@@ -151,7 +151,7 @@ bool MapSharing::hear_places(TimeNs t, Peer& from, const Message& message) {
   }
   std::vector<SubmapPlace> places;
   for (const SubmapPlaces::Place& place : told.places) {
-    const std::optional<Pose> T = told_pose(place.p_local_m, place.turn_local_rad, kFarthest_m);
+    const std::optional<Pose> T = pose_told(place.p_local_m, place.turn_local_rad, kFarthest_m);
     if (!T || !(place.way_m >= 0.0F && place.way_m <= static_cast<float>(kLongestWay_m))) return false;
     places.push_back({true, *T, static_cast<double>(place.way_m)});
   }
@@ -233,7 +233,7 @@ bool MapSharing::hear_closures(Peer& from, const Message& message) {
   if (read_message(message, told) != Reading::kDone || told.closures.size() > kMostClosures) return false;
   std::vector<MapClosure> closures;
   for (const MapClosures::Closure& c : told.closures) {
-    const std::optional<Pose> T = told_pose(c.p_own_m, c.turn_own_rad, kFarthestInSubmap_m);
+    const std::optional<Pose> T = pose_told(c.p_own_m, c.turn_own_rad, kFarthestInSubmap_m);
     if (!T || c.own >= kMostSubmaps || c.other >= own_.size()) return false;
     closures.push_back({static_cast<int>(c.other), static_cast<int>(c.own), T->inverse()});
   }

@@ -21,8 +21,9 @@
 namespace swiftlet {
 
 /// Two vehicles tell each other by radio what their finished submaps look like. Of two vehicles the one with the lower
-/// number asks for clouds of submaps that look like its own, searches them in its map, and tells the other what it
-/// found. Both then know how their local frames lie to each other, as soon as enough closures agree.
+/// number asks for clouds of submaps that look like its own. It searches them in its map, and tells the other what it
+/// found. Both then know how their local frames lie to each other, as soon as enough closures agree. Clouds are in the
+/// frames of their submaps, as T_local_submap tells them.
 ///
 /// What others say may be lost, late, repeated or wrong: every message says what holds now, and what cannot be is
 /// refused. Results hang on nothing but the messages, the own submaps and the time of the steps.

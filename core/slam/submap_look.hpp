@@ -12,7 +12,7 @@
 namespace swiftlet {
 
 /// What a submap looks like from afar: directions of its surfaces, and how high stands what is upright. Its heading
-/// changes neither but by a shift of the directions.
+/// changes neither but by a shift of the directions. Its cloud is in the frame that T_local_submap tells.
 struct SubmapLook {
   static constexpr std::size_t kHeights = 16;  // of a meter
   RotationalHistogram directions{std::span<const Eigen::Vector3f>{}};

@@ -14,6 +14,7 @@ struct MapClosures {
   static constexpr int kVersion = 1;
   static constexpr const char* kDoc = "closures between submaps of its sender and of its receiver";
 
+  /// T_own_other, as place and rotation vector.
   struct Closure {
     std::uint32_t own = 0, other = 0;
     Eigen::Vector3f p_own_m = Eigen::Vector3f::Zero();
