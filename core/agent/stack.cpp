@@ -13,6 +13,7 @@
 #include "swiftlet/core/ensure.hpp"
 #include "swiftlet/core/finite.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
+#include "swiftlet/core/slam/joined_map.hpp"
 #include "swiftlet/core/slam/saved_map.hpp"
 #include "swiftlet/core/stages/detectors.hpp"
 #include "swiftlet/core/stages/estimators.hpp"
@@ -35,7 +36,7 @@ Reference at_rest_with(const StateEstimate& estimate) {
 }
 
 /// All stages work in the local frame; what leaves the vehicle (`action_`) is told in the world.
-class StackAgent : public Agent, public KeepsMap, public TellsStages {
+class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public TellsStages {
  public:
   StackAgent(StackStages stages, const ControlConfig& control, const AgentSetup& setup)
       : self_(setup.self),
@@ -45,6 +46,7 @@ class StackAgent : public Agent, public KeepsMap, public TellsStages {
         registrar_(setup.airframe.circumscribed_radius_m()),
         reference_governor_(control.limits.resolve()),
         controller_(setup.airframe, control.gains, setup.tick_s),
+        joins_maps_(dynamic_cast<const JoinsMaps*>(stages_.localization.get())),
         outbox_(setup.self) {
     if (needs_.map && stages_.mapping == nullptr) {
       throw std::invalid_argument("mapping: expected a type other than none, because guidance asks the map");
@@ -129,6 +131,10 @@ class StackAgent : public Agent, public KeepsMap, public TellsStages {
     std::vector<MapPiece> pieces;
     stages_.mapping->append_pieces(pieces);
     return with_pieces(std::move(saved), *poses, pieces);
+  }
+
+  std::span<const JoinedMap> joined_maps() const override {
+    return joins_maps_ != nullptr ? joins_maps_->joined_maps() : std::span<const JoinedMap>();
   }
 
  private:
@@ -274,6 +280,7 @@ class StackAgent : public Agent, public KeepsMap, public TellsStages {
   CloudRegistrar registrar_;
   ReferenceGovernor reference_governor_;
   MultirotorController controller_;
+  const JoinsMaps* joins_maps_;             // null: localization does not
   std::function<void(AgentStage)> begins_;  // who listens
 
   Outbox outbox_;

@@ -4,10 +4,15 @@
 
 #include "swiftlet/core/messages/guiding_path.hpp"
 #include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/map_closures.hpp"
 #include "swiftlet/core/messages/map_rays.hpp"
 #include "swiftlet/core/messages/neighbor_position.hpp"
 #include "swiftlet/core/messages/odometry_report.hpp"
 #include "swiftlet/core/messages/shared_path.hpp"
+#include "swiftlet/core/messages/submap_chunk.hpp"
+#include "swiftlet/core/messages/submap_descriptor.hpp"
+#include "swiftlet/core/messages/submap_places.hpp"
+#include "swiftlet/core/messages/submap_request.hpp"
 
 namespace swiftlet {
 namespace {
@@ -15,7 +20,9 @@ namespace {
 // What vehicles can say to each other: a new kind is one line here.
 constexpr MessageKind kKinds[] = {
     message_kind<NeighborPosition>(), message_kind<OdometryReport>(), message_kind<GuidingPath>(),
-    message_kind<MapRays>(),          message_kind<SharedPath>(),
+    message_kind<MapRays>(),          message_kind<SharedPath>(),     message_kind<SubmapDescriptor>(),
+    message_kind<SubmapPlaces>(),     message_kind<SubmapRequest>(),  message_kind<SubmapChunk>(),
+    message_kind<MapClosures>(),
 };
 
 /// What recordings add to the content of a message.

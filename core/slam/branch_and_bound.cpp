@@ -231,6 +231,20 @@ RotationalHistogram::RotationalHistogram(std::span<const Eigen::Vector3f> points
   }
 }
 
+RotationalHistogram::RotationalHistogram(std::span<const std::uint8_t, kBuckets> told) {
+  std::copy(told.begin(), told.end(), weight_.begin());
+}
+
+std::vector<std::uint8_t> RotationalHistogram::told() const {
+  const double most = *std::max_element(weight_.begin(), weight_.end());
+  std::vector<std::uint8_t> told(kBuckets, 0);
+  if (!(most > 0.0)) return told;
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    told[i] = static_cast<std::uint8_t>(std::floor(255.0 * weight_[i] / most + 0.5));
+  }
+  return told;
+}
+
 double RotationalHistogram::similarity(const RotationalHistogram& other, double yaw_rad) const {
   const double shift = yaw_rad / kPi * kBuckets;
   const int whole = static_cast<int>(std::floor(shift));

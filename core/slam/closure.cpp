@@ -251,7 +251,7 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
 }
 
 MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vector3f> points_newer_m,
-                     const ClosureConfig& config) {
+                     const ClosureConfig& config, const RotationalHistogram* directions) {
   MapMatch match;
   ClosureResult& result = match.result;
   const auto refused = [&](ClosureVerdict why) {
@@ -261,7 +261,7 @@ MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vect
   std::vector<Eigen::Vector3f> cloud_m = upright_points_m(points_newer_m, config.cell_m, config.range_max_m);
   if (cloud_m.size() < kLeastUpright) return refused(ClosureVerdict::kTooFlat);
   keep_at_most(config.points, cloud_m);
-  const RotationalHistogram of_cloud(points_newer_m);
+  const RotationalHistogram of_cloud = directions != nullptr ? *directions : RotationalHistogram(points_newer_m);
   const SearchWindow window = window_of(config);
 
   struct Place {
@@ -271,8 +271,9 @@ MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vect
   std::vector<Place> places(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) {
     places[i].upright_m = upright_points_m(parts[i].points_part_m, config.cell_m, config.range_max_m);
-    places[i].headings =
-        likely_headings(RotationalHistogram(parts[i].points_part_m), of_cloud, 0.0, window, config.histogram_min);
+    const RotationalHistogram of_part =
+        parts[i].directions != nullptr ? *parts[i].directions : RotationalHistogram(parts[i].points_part_m);
+    places[i].headings = likely_headings(of_part, of_cloud, 0.0, window, config.histogram_min);
   }
   // Every place is looked at twice: for the best one, and for others that are about as good.
   std::optional<GridMatch> best;

@@ -443,6 +443,7 @@ void GlobalSlamConfig::visit(ConfigVisitor& v) {
   v.object("closures", closures, "how they are sought and checked");
   v.object("graph", graph, "its optimization");
   v.object("blend", blend, "how a new correction is shown");
+  v.object("share", share, "joining the map with those of other vehicles");
 }
 
 }  // namespace swiftlet

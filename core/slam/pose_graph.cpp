@@ -223,14 +223,33 @@ void PoseGraph::linearize(BlockCholesky& H, std::vector<Vector6>& gradient) cons
   }
 }
 
-GraphReport PoseGraph::optimize(const GraphSolverConfig& config) {
+std::vector<std::pair<int, int>> PoseGraph::pairs() const {
   std::vector<std::pair<int, int>> pairs;
   pairs.reserve(relatives_.size() + positions_.size());
   for (const RelativeFactor& f : relatives_) pairs.emplace_back(f.from, f.to);
   for (const PositionFactor& f : positions_) {
     if (f.before != f.after) pairs.emplace_back(f.before, f.after);
   }
-  BlockCholesky H(num_poses(), pairs);
+  return pairs;
+}
+
+Matrix6 PoseGraph::covariance_of(int pose) const {
+  ENSURE(pose >= 0 && pose < num_poses(), pose);
+  BlockCholesky H(num_poses(), pairs());
+  std::vector<Vector6> gradient, column;
+  linearize(H, gradient);
+  Matrix6 covariance = Matrix6::Identity();
+  std::vector<Vector6> unit(poses_.size(), Vector6::Zero());
+  for (int i = 0; i < 6; ++i) {
+    unit[static_cast<std::size_t>(pose)] = Vector6::Unit(i);
+    if (!H.solve(0.0, unit, column)) return Matrix6::Identity();
+    covariance.col(i) = column[static_cast<std::size_t>(pose)];
+  }
+  return covariance;
+}
+
+GraphReport PoseGraph::optimize(const GraphSolverConfig& config) {
+  BlockCholesky H(num_poses(), pairs());
   GraphReport report;
   report.cost_before = report.cost_after = cost();
   std::vector<Vector6> gradient, step;

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "core/slam/map_sharing.hpp"
 #include "swiftlet/core/finite.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
 #include "swiftlet/core/slam/slam_to_now.hpp"
@@ -18,7 +20,7 @@ std::unique_ptr<ScanMatcher> make_matcher(const SlamConfig& config) {
   return std::make_unique<SurfaceMatcher>(config.local);
 }
 
-class SlamEstimator : public StateEstimator, public KeepsMap {
+class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
  public:
   SlamEstimator(const SlamConfig& config, const AgentSetup& setup)
       : config_(config),
@@ -30,11 +32,14 @@ class SlamEstimator : public StateEstimator, public KeepsMap {
         place_known_(setup.start_known != StartKnown::kNothing),
         blend_(config.global.blend) {
     if (config.global.enabled) global_.emplace(config.global, setup.start_known == StartKnown::kPose);
+    if (global_ && config.global.share.enabled) {
+      sharing_.emplace(config.global.share, setup.self, setup.num_vehicles);
+    }
     estimate_.valid = true;
     estimate_.T_local_body = setup.T_local_body_start;
   }
 
-  const StateEstimate& update(const Observation& observation, Outbox&) override {
+  const StateEstimate& update(const Observation& observation, Outbox& outbox) override {
     if (!started_) last_imu_ = last_used_ = last_sure_ = observation.t;
     started_ = true;
     for (const ImuSample& sample : observation.imu) {
@@ -48,6 +53,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap {
     tell(observation.t);
     learn_world(observation);
     if (global_) correct(observation);
+    if (sharing_) sharing_->step(observation.t, *global_, observation.messages, outbox);
     judge(observation.t);
     return estimate_;
   }
@@ -56,12 +62,17 @@ class SlamEstimator : public StateEstimator, public KeepsMap {
   const SubmapPoses* submap_poses() const override { return global_ ? &global_->submap_poses() : nullptr; }
   void append_overlays(std::vector<Overlay>& overlays) const override {
     if (global_) global_->append_overlays(overlays);
+    if (sharing_) sharing_->append_overlays(*global_, overlays);
+  }
+  std::span<const JoinedMap> joined_maps() const override {
+    return sharing_ ? sharing_->joined_maps() : std::span<const JoinedMap>();
   }
   const char* fault() const override { return fault_; }
   const char* warning() const override { return warning_; }
   void append_counters(std::vector<Counter>& counters) const override {
     counters.push_back({"scans of which too little lay where the map has surfaces", num_strange_, num_scans_,
                         "local.known_share_min"});
+    if (sharing_) sharing_->append_counters(counters);
   }
 
  private:
@@ -77,7 +88,8 @@ class SlamEstimator : public StateEstimator, public KeepsMap {
     if (!outcome.used) return;
     last_used_ = matched.arrived;
     const LocalSlam& slam = slam_.at_scan();
-    const bool placed = (heading_known_ && place_known_) || config_.global.loaded_map != nullptr;
+    // Who shares its map begins one without knowing where it is.
+    const bool placed = (heading_known_ && place_known_) || config_.global.loaded_map != nullptr || sharing_;
     if (global_ && outcome.inserted && slam.started() && placed) {
       global_->add_scan(slam.inserted_at().t, slam.inserted_at().T, slam.points_body_m(), estimate_.T_world_local);
     }
@@ -117,7 +129,9 @@ class SlamEstimator : public StateEstimator, public KeepsMap {
     for (const GnssSample& sample : observation.gnss) global_->add_gnss(sample);
     const std::optional<Pose> learned = global_->correction(observation.t);
     if (blend_.is_done() && !learned) return;
-    if (learned && !(heading_known_ && place_known_)) {  // it has found itself: goals of the world mean something now
+    const bool has_map = config_.global.loaded_map != nullptr;
+    if (learned && has_map &&
+        !(heading_known_ && place_known_)) {  // it has found itself: goals of the world mean something now
       heading_known_ = place_known_ = true;
       estimate_.correct(*learned);
       return;
@@ -154,6 +168,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap {
   Vector3 start_m_;
   bool heading_known_, place_known_;  // of the local frame in the world
   std::optional<GlobalSlam> global_;
+  std::optional<MapSharing> sharing_;
   CorrectionBlend blend_;
   bool started_ = false;
   TimeNs last_imu_ = 0, last_used_ = 0, last_sure_ = 0;

@@ -36,7 +36,7 @@ constexpr EstimatorType kEstimatorTypes[] = {
     {{"slam", "LiDAR and IMU: matches scans to the map that it makes of them", make_module_config<SlamConfig>},
      make_slam_estimator,
      need_lidar_and_imu,
-     "slam.trajectory slam.submaps slam.closures"},
+     "slam.trajectory slam.submaps slam.closures slam.joined"},
 };
 
 }  // namespace

@@ -14,6 +14,7 @@ MetricType clearance_metric();
 MetricType detection_metric();
 MetricType relative_error_metric();
 MetricType capture_metric();
+MetricType joined_maps_metric();
 
 namespace {
 
@@ -39,8 +40,8 @@ void MetricsConfig::visit(ConfigVisitor& v) {
 
 std::vector<MetricType>& metric_registry() {
   static std::vector<MetricType> types = {
-      outcome_metric(),   motion_metric(),    estimate_error_metric(), tracking_error_metric(),
-      clearance_metric(), detection_metric(), relative_error_metric(), capture_metric(),
+      outcome_metric(),   motion_metric(),         estimate_error_metric(), tracking_error_metric(), clearance_metric(),
+      detection_metric(), relative_error_metric(), capture_metric(),        joined_maps_metric(),
   };
   return types;
 }

@@ -235,6 +235,12 @@ class CsvRecorder : public Recorder {
   std::optional<CsvRow> row_;
 };
 
+/// The reference has a page of the others.
+std::vector<std::string> names_but_of_kinds_of_messages(std::vector<std::string> names) {
+  std::erase_if(names, [](const std::string& name) { return name.starts_with("message_"); });
+  return names;
+}
+
 }  // namespace
 
 std::vector<TableType> csv_tables() {
@@ -249,7 +255,8 @@ void CsvConfig::visit(ConfigVisitor& v) {
   v.field("rate_hz", rate_hz, "[Hz] rows of the topic state a second; 0: every tick", Range::between(0.0, 1e5));
   v.check(rate_hz == 0.0 || rate_hz >= 1e-3, "rate_hz", "0, or at least 0.001");
   static const std::vector<std::string> names = csv_topic_names();
-  static const std::string doc = "[-] tables to write: " + listed(names);
+  static const std::string doc = "[-] tables to write: " + listed(names_but_of_kinds_of_messages(names)) +
+                                 ", and message_KIND of each kind of message";
   v.field("topics", topics, doc.c_str());
   const bool known = std::all_of(topics.begin(), topics.end(), [](const std::string& topic) {
     return std::find(names.begin(), names.end(), topic) != names.end();

@@ -71,6 +71,8 @@ std::span<const ExperimentType> experiment_types() {
                      1200.0, slam_limits},
       ExperimentType{"slam-in-place", "Detection and guidance with SLAM in place of the stand-in odometry", 1500.0,
                      slam_in_place},
+      ExperimentType{"joined-maps", "Two UAVs join their maps by radio, by the rate of the link (beyond Orsulic 2021)",
+                     2500.0, joined_maps},
       ExperimentType{"rbl-circle",
                      "Five to fifteen vehicles cross a circle of 10 m, in 2D and 3D [Kamler 2025, sec. 2.4]", 600.0,
                      rbl_circle},

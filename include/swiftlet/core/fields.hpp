@@ -83,6 +83,9 @@ class Columns {
   void field(const char* name, const std::vector<std::byte>& value, const char* doc) {
     integer(name, static_cast<std::int64_t>(value.size()), doc);
   }
+  void field(const char* name, const std::vector<std::uint8_t>& value, const char* doc) {
+    integer(name, static_cast<std::int64_t>(value.size()), doc);
+  }
   /// And of a list, of how many it is.
   template <class List>
   void list(const char* name, const List& values, const char* doc) {

@@ -69,6 +69,9 @@ class RotationalHistogram {
  public:
   static constexpr int kBuckets = 120;  // over half a turn
   explicit RotationalHistogram(std::span<const Eigen::Vector3f> points_cloud_m);
+  /// As another vehicle tells it: shares of the largest in 255ths.
+  explicit RotationalHistogram(std::span<const std::uint8_t, kBuckets> told);
+  std::vector<std::uint8_t> told() const;
   /// Cosine of the angle between this one, turned by yaw, and another: 1 when they agree.
   double similarity(const RotationalHistogram& other, double yaw_rad) const;
 

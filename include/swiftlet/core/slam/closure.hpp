@@ -8,6 +8,7 @@
 
 #include "swiftlet/core/config.hpp"
 #include "swiftlet/core/frames.hpp"
+#include "swiftlet/core/slam/branch_and_bound.hpp"
 
 namespace swiftlet {
 
@@ -63,6 +64,7 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
 struct MapPart {
   Pose T_map_part = Pose::Identity();
   std::span<const Eigen::Vector3f> points_part_m;
+  const RotationalHistogram* directions = nullptr;  ///< null: they are made of the points
 };
 
 struct MapMatch {
@@ -72,8 +74,10 @@ struct MapMatch {
 
 /// In which part of a map does a cloud lie, and where? Each is searched from its middle on, as far as the windows go.
 /// Nothing is taken when another place anywhere in the map scores about as well, or another heading at the same place.
+///
+/// @param directions  of the cloud; null: they are made of its points
 MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vector3f> points_newer_m,
-                     const ClosureConfig& config);
+                     const ClosureConfig& config, const RotationalHistogram* directions = nullptr);
 /// Defaults for that: any heading, and stricter checks than where an estimate says where to look.
 ClosureConfig global_closure_config();
 

@@ -16,8 +16,10 @@
 #include "swiftlet/core/samples.hpp"
 #include "swiftlet/core/slam/closure.hpp"
 #include "swiftlet/core/slam/correction_blend.hpp"
+#include "swiftlet/core/slam/map_sharing_config.hpp"
 #include "swiftlet/core/slam/pose_graph.hpp"
 #include "swiftlet/core/slam/saved_map.hpp"
+#include "swiftlet/core/slam/tells_submaps.hpp"
 
 namespace swiftlet {
 
@@ -48,6 +50,7 @@ struct GlobalSlamConfig {
   ClosureConfig closures;
   GraphSolverConfig graph;
   CorrectionBlendConfig blend;
+  MapSharingConfig share;
 
   void visit(ConfigVisitor& v);
 };
@@ -57,7 +60,7 @@ struct GlobalSlamConfig {
 ///
 /// With the map of an earlier flight the graph begins with that flight's. A vehicle whose start was told looks for
 /// closures with its submaps as with its own. One that was told nothing looks for itself in all of them.
-class GlobalSlam {
+class GlobalSlam : public TellsSubmaps {
  public:
   /// @param pose_known  was the start pose told? Else it is a guess that GNSS may overrule.
   GlobalSlam(const GlobalSlamConfig& config, bool pose_known);
@@ -77,7 +80,13 @@ class GlobalSlam {
   std::shared_ptr<const SavedMap> saved_map() const;
 
   int num_nodes() const { return static_cast<int>(nodes_.size()); }
-  int num_submaps() const { return static_cast<int>(submaps_.size()); }
+  int num_submaps() const override { return static_cast<int>(submaps_.size()); }
+  std::span<const Eigen::Vector3f> points_submap_m(int submap) const override {
+    return submaps_[static_cast<std::size_t>(submap)].points_submap_m;
+  }
+  const Pose& T_local_submap(int submap) const override { return told_.T_local_own[static_cast<std::size_t>(submap)]; }
+  double way_m(int submap) const override { return submaps_[static_cast<std::size_t>(submap)].begin_m; }
+  std::uint64_t places_revision() const override { return told_.revision; }
   int num_closures() const { return num_closures_; }
   /// Of the clouds of all finished submaps: what takes the memory.
   std::size_t num_points() const;

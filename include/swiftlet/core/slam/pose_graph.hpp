@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
@@ -102,8 +103,12 @@ class PoseGraph {
 
   double cost() const { return cost_of(poses_); }
   GraphReport optimize(const GraphSolverConfig& config);
+  /// Of a small change of one pose (moved()), given all factors as they stand now. The identity when they leave any
+  /// pose open.
+  Matrix6 covariance_of(int pose) const;
 
  private:
+  std::vector<std::pair<int, int>> pairs() const;
   double cost_of(std::span<const Pose> poses) const;
   void linearize(BlockCholesky& H, std::vector<Vector6>& gradient) const;
 

@@ -1,0 +1,583 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/slam/map_sharing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "swiftlet/core/ensure.hpp"
+#include "swiftlet/core/localization/dead_reckoning.hpp"
+#include "swiftlet/core/localization/rotation.hpp"
+#include "swiftlet/core/math/angles.hpp"
+#include "swiftlet/core/messages/kind.hpp"
+#include "swiftlet/core/messages/map_closures.hpp"
+#include "swiftlet/core/messages/submap_chunk.hpp"
+#include "swiftlet/core/messages/submap_descriptor.hpp"
+#include "swiftlet/core/messages/submap_places.hpp"
+#include "swiftlet/core/messages/submap_request.hpp"
+
+namespace swiftlet {
+namespace {
+
+// What others may say at most. More is refused.
+constexpr std::uint32_t kMostSubmaps = 4096;
+constexpr std::size_t kMostChunks = 256;
+constexpr std::uint32_t kMostPoints = 50000;  // of a compact cloud
+constexpr std::size_t kMostPlaces = 32;       // of one message
+constexpr std::size_t kMostClosures = 32;     // with one vehicle
+constexpr double kFarthest_m = 1e5;           // from the start of any flight
+constexpr double kLongestWay_m = 1e6;
+constexpr double kFarthestInSubmap_m = 200.0;
+constexpr double kMostTiltCosine = 0.9;  // cosine of the tilt of a submap
+
+constexpr std::size_t kMostWaiting = 2;           // clouds that are not searched yet
+constexpr int kMostSaid = 8;                      // messages of a step
+constexpr double kLeastBetween_s = 1.0;           // from one word about places to the next, and from join to join
+constexpr double kLargestMessage_bytes = 1200.0;  // but for chunks
+constexpr double kChunkHead_bytes = 100.0;
+constexpr double kBurst_s = 0.1;
+
+Pose level_pose(const Pose& T) { return make_pose(T.translation(), rotation_by({0.0, 0.0, yaw_of(T.linear())})); }
+
+Eigen::Vector3f turn_of(const Pose& T) {
+  return rotation_vector_rad(Eigen::Quaterniond(Matrix3(T.linear()))).cast<float>();
+}
+
+/// The pose that was told, if there can be such a one.
+std::optional<Pose> pose_told(const Eigen::Vector3f& p_m, const Eigen::Vector3f& turn_rad, double farthest_m) {
+  if (!p_m.allFinite() || !turn_rad.allFinite()) return std::nullopt;
+  if (p_m.cwiseAbs().maxCoeff() > farthest_m || turn_rad.norm() > kPi + 0.01) return std::nullopt;
+  const Pose T = make_pose(p_m.cast<double>(), rotation_by(turn_rad.cast<double>()));
+  if (T.linear()(2, 2) < kMostTiltCosine) return std::nullopt;
+  return T;
+}
+
+std::vector<std::uint8_t> bits_of(std::span<const std::uint8_t> flags) {
+  std::vector<std::uint8_t> bits((flags.size() + 7) / 8, 0);
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    if (flags[i] != 0) bits[i / 8] = static_cast<std::uint8_t>(bits[i / 8] | 1U << (i % 8));
+  }
+  return bits;
+}
+
+bool bit_at(std::span<const std::uint8_t> bits, std::size_t i) { return (bits[i / 8] >> (i % 8) & 1U) != 0; }
+
+bool is_same(const Pose& a, const Pose& b) { return a.matrix() == b.matrix(); }
+
+bool is_about_maps(const std::string& topic) {
+  return topic == SubmapDescriptor::kTopic || topic == SubmapPlaces::kTopic || topic == SubmapRequest::kTopic ||
+         topic == SubmapChunk::kTopic || topic == MapClosures::kTopic;
+}
+
+}  // namespace
+
+MapSharing::MapSharing(const MapSharingConfig& config, VehicleId self, int num_vehicles)
+    : config_(config), self_(self), peers_(static_cast<std::size_t>(num_vehicles)), worker_(config.latency_s) {
+  ENSURE(self >= 0 && self < num_vehicles, self, num_vehicles);
+}
+
+void MapSharing::step(TimeNs t, const TellsSubmaps& own, std::span<const Message> messages, Outbox& outbox) {
+  look_at_own(own);
+  update_places(own);
+  for (const Message& message : messages) {
+    if (!is_about_maps(message.topic)) continue;
+    ++num_heard_;
+    if (!hear(t, message)) ++num_refused_;
+  }
+  settle_search(t);
+  search(t, own);
+  join(t);
+  for (std::size_t i = 0; i < peers_.size(); ++i) {
+    if (asks(static_cast<VehicleId>(i))) choose_cloud(t, peers_[i]);
+  }
+  speak(t, outbox);
+}
+
+void MapSharing::look_at_own(const TellsSubmaps& own) {
+  while (static_cast<int>(own_.size()) + 1 < own.num_submaps()) {
+    const std::span<const Eigen::Vector3f> points_m = own.points_submap_m(static_cast<int>(own_.size()));
+    const CompactCloudConfig& cloud = config_.cloud;
+    Own& finished = own_.emplace_back();
+    finished.look = look_of(points_m, cloud.voxel_m, cloud.range_max_m);
+    finished.chunks = pack_points(points_to_share_m(points_m, cloud), cloud.voxel_m, cloud.bits, cloud.chunk_bytes);
+    if (finished.chunks.size() > kMostChunks) finished.chunks.resize(kMostChunks);
+    for (const PackedPoints& chunk : finished.chunks) finished.num_points += chunk.num_points;
+    for (Peer& other : peers_) {
+      for (Their& their : other.submaps) {
+        if (their.look) their.alike = std::max(their.alike, likeness(finished.look, *their.look));
+      }
+    }
+  }
+}
+
+void MapSharing::update_places(const TellsSubmaps& own) {
+  if (places_known_ && places_revision_ == own.places_revision()) return;
+  if (own.num_submaps() == 0) return;
+  places_known_ = true;
+  places_revision_ = own.places_revision();
+  own_places_.resize(static_cast<std::size_t>(own.num_submaps()));
+  for (int i = 0; i < own.num_submaps(); ++i) {
+    own_places_[static_cast<std::size_t>(i)] = {true, own.T_local_submap(i), own.way_m(i)};
+  }
+  places_to_be_told_ = true;
+  for (Peer& other : peers_) other.news = true;
+}
+
+// What others say.
+
+bool MapSharing::hear(TimeNs t, const Message& message) {
+  if (message.from < 0 || static_cast<std::size_t>(message.from) >= peers_.size() || message.from == self_)
+    return false;
+  Peer& from = peers_[static_cast<std::size_t>(message.from)];
+  const bool heard = message.topic == SubmapPlaces::kTopic       ? hear_places(t, from, message)
+                     : message.topic == SubmapDescriptor::kTopic ? hear_descriptor(from, message)
+                     : message.topic == SubmapRequest::kTopic    ? hear_request(from, message)
+                     : message.topic == SubmapChunk::kTopic      ? hear_chunk(t, from, message)
+                                                                 : hear_closures(from, message);
+  if (!heard) return false;
+  from.heard = t;
+  from.was_heard = true;
+  return true;
+}
+
+bool MapSharing::hear_places(TimeNs t, Peer& from, const Message& message) {
+  SubmapPlaces told;
+  if (read_message(message, told) != Reading::kDone) return false;
+  const std::size_t end = told.first + told.places.size();
+  if (told.num_finished >= kMostSubmaps || told.first > kMostSubmaps || told.places.size() > kMostPlaces ||
+      end > std::size_t{told.num_finished} + 1) {
+    return false;
+  }
+  std::vector<SubmapPlace> places;
+  for (const SubmapPlaces::Place& place : told.places) {
+    const std::optional<Pose> T = pose_told(place.p_local_m, place.turn_local_rad, kFarthest_m);
+    if (!T || !(place.way_m >= 0.0F && place.way_m <= static_cast<float>(kLongestWay_m))) return false;
+    places.push_back({true, *T, static_cast<double>(place.way_m)});
+  }
+  if (from.places.size() < end) from.places.resize(end);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    SubmapPlace& known = from.places[told.first + i];
+    from.news = from.news || !known.known || !is_same(known.T_local_submap, places[i].T_local_submap);
+    known = places[i];
+  }
+  if (told.num_finished > from.num_finished) {
+    from.num_finished = told.num_finished;
+    from.asked_looks = t;  // their descriptors are on the way
+  }
+  return true;
+}
+
+MapSharing::Their& MapSharing::submap_of(Peer& from, std::uint32_t number) {
+  if (from.submaps.size() <= number) from.submaps.resize(number + 1);
+  return from.submaps[number];
+}
+
+bool MapSharing::hear_descriptor(Peer& from, const Message& message) {
+  SubmapDescriptor told;
+  if (read_message(message, told) != Reading::kDone) return false;
+  if (told.submap >= kMostSubmaps || told.num_chunks > kMostChunks || told.num_points > kMostPoints) return false;
+  std::optional<SubmapLook> look = SubmapLook::of_told(told.directions, told.heights);
+  if (!look) return false;
+  Their& their = submap_of(from, told.submap);
+  if (their.look) return true;
+  their.look = std::move(look);
+  their.num_points = told.num_points;
+  their.has_chunk.assign(told.num_chunks, 0);
+  for (const Own& own : own_) their.alike = std::max(their.alike, likeness(own.look, *their.look));
+  return true;
+}
+
+bool MapSharing::hear_request(Peer& from, const Message& message) {
+  SubmapRequest asked;
+  if (read_message(message, asked) != Reading::kDone || asked.submap >= own_.size()) return false;
+  if (asked.word == SubmapRequest::Word::kDescriptors) {
+    if (asked.missing.size() > (kMostSubmaps + 7) / 8) return false;
+    for (std::size_t i = 0; i < 8 * asked.missing.size() && asked.submap + i < own_.size(); ++i) {
+      if (bit_at(asked.missing, i)) own_[asked.submap + i].to_be_told = true;
+    }
+    return true;
+  }
+  const std::size_t num_chunks = own_[asked.submap].chunks.size();
+  if (num_chunks == 0 || asked.missing.size() != (num_chunks + 7) / 8) return false;
+  from.wanted = static_cast<int>(asked.submap);
+  from.wanted_chunks.assign(num_chunks, 0);
+  for (std::size_t i = 0; i < num_chunks; ++i) from.wanted_chunks[i] = bit_at(asked.missing, i) ? 1 : 0;
+  return true;
+}
+
+bool MapSharing::hear_chunk(TimeNs t, Peer& from, const Message& message) {
+  SubmapChunk told;
+  if (read_message(message, told) != Reading::kDone || told.submap >= from.submaps.size()) return false;
+  Their& their = from.submaps[told.submap];
+  if (their.complete) return true;  // it came twice
+  if (static_cast<int>(told.submap) != from.fetching || told.chunk >= their.has_chunk.size()) return false;
+  if (!(told.voxel_m >= 0.01F && told.voxel_m <= 10.0F)) return false;
+  if (their.has_chunk[told.chunk] != 0) return true;
+  if (their.points_submap_m.size() + told.num_points > their.num_points) return false;
+  if (!unpack_points(told.data, told.num_points, static_cast<double>(told.voxel_m), told.bits, their.points_submap_m)) {
+    return false;
+  }
+  their.has_chunk[told.chunk] = 1;
+  from.asked = t;  // it goes on
+  their.complete =
+      std::all_of(their.has_chunk.begin(), their.has_chunk.end(), [](std::uint8_t has) { return has != 0; });
+  if (their.complete) from.fetching = -1;
+  if (told.chunk >= from.last_asked) from.was_asked = false;  // they come in order: what is missing now was lost
+  return true;
+}
+
+bool MapSharing::hear_closures(Peer& from, const Message& message) {
+  if (asks(message.from)) return false;  // this one seeks them itself
+  MapClosures told;
+  if (read_message(message, told) != Reading::kDone || told.closures.size() > kMostClosures) return false;
+  std::vector<MapClosure> closures;
+  for (const MapClosures::Closure& c : told.closures) {
+    const std::optional<Pose> T = pose_told(c.p_own_m, c.turn_own_rad, kFarthestInSubmap_m);
+    if (!T || c.own >= kMostSubmaps || c.other >= own_.size()) return false;
+    closures.push_back({static_cast<int>(c.other), static_cast<int>(c.own), T->inverse()});
+  }
+  const auto same = [](const MapClosure& a, const MapClosure& b) {
+    return a.own == b.own && a.other == b.other && is_same(a.T_own_other, b.T_own_other);
+  };
+  if (std::equal(closures.begin(), closures.end(), from.closures.begin(), from.closures.end(), same)) return true;
+  from.closures = std::move(closures);
+  from.news = true;
+  return true;
+}
+
+// What is made of it.
+
+bool MapSharing::is_about(TimeNs t, const Peer& other) const {
+  return other.was_heard && to_seconds(t - other.heard) <= 3.0 * config_.tell_every_s;
+}
+
+bool MapSharing::is_enough(const Peer& other) const {
+  return other.closures.size() >= kMostClosures || static_cast<int>(other.agreeing.size()) >= config_.closures_enough;
+}
+
+/// Where a submap of another vehicle would lie in the own local frame, by the closures that there are.
+std::optional<Pose> MapSharing::prediction_of(const Peer& from, int submap) const {
+  const auto number = static_cast<std::size_t>(submap);
+  if (number >= from.places.size() || !from.places[number].known) return std::nullopt;
+  if (number < from.T_local_other.size()) return from.T_local_other[number];
+  for (const MapClosure& c : from.closures) {
+    const auto other = static_cast<std::size_t>(c.other);
+    if (other >= from.places.size() || !from.places[other].known) continue;
+    return own_places_[static_cast<std::size_t>(c.own)].T_local_submap * c.T_own_other *
+           from.places[other].T_local_submap.inverse() * from.places[number].T_local_submap;
+  }
+  return std::nullopt;
+}
+
+bool MapSharing::is_near_own(const Vector3& p_local_m) const {
+  for (std::size_t i = 0; i < own_.size(); ++i) {
+    if ((own_places_[i].T_local_submap.translation() - p_local_m).norm() <= config_.near_m) return true;
+  }
+  return false;
+}
+
+/// Asks for the one that looks most like an own one. Once a closure says where they lie, those near own ones are first,
+/// and once the maps are joined there are no others.
+void MapSharing::choose_cloud(TimeNs t, Peer& from) {
+  if (from.fetching >= 0 || own_.empty() || is_enough(from) || !is_about(t, from)) return;
+  std::size_t waiting = 0;
+  double best = 0.0;
+  int chosen = -1;
+  for (std::size_t i = 0; i < from.submaps.size(); ++i) {
+    const Their& their = from.submaps[i];
+    waiting += their.complete && their.sought_in == 0;
+    if (!their.look || their.complete || their.has_chunk.empty() || their.alike < config_.likeness_min) continue;
+    const std::optional<Pose> T = prediction_of(from, static_cast<int>(i));
+    const bool near = T && is_near_own(T->translation());
+    if (!from.agreeing.empty() && !near) continue;
+    const double value = their.alike + (near ? 1.0 : 0.0);
+    if (value <= best) continue;
+    best = value;
+    chosen = static_cast<int>(i);
+  }
+  if (chosen < 0 || waiting >= kMostWaiting) return;
+  from.fetching = chosen;
+  from.was_asked = false;
+}
+
+/// One cloud of one vehicle in all own submaps that look like it.
+void MapSharing::search(TimeNs t, const TellsSubmaps& own) {
+  if (!worker_.idle()) return;
+  Their* chosen = nullptr;
+  std::size_t of = 0, number = 0;
+  for (std::size_t p = 0; p < peers_.size(); ++p) {
+    if (!asks(static_cast<VehicleId>(p)) || is_enough(peers_[p])) continue;
+    for (std::size_t i = 0; i < peers_[p].submaps.size(); ++i) {
+      Their& their = peers_[p].submaps[i];
+      if (!their.complete || their.closed || their.sought_in >= static_cast<int>(own_.size())) continue;
+      if (chosen != nullptr && their.alike <= chosen->alike) continue;
+      chosen = &their;
+      of = p;
+      number = i;
+    }
+  }
+  if (chosen == nullptr) return;
+  struct Alike {
+    double likeness = 0.0;
+    std::size_t submap = 0;
+  };
+  std::vector<Alike> alike;
+  bool fresh = false;
+  for (std::size_t i = 0; i < own_.size(); ++i) {
+    const double how = likeness(own_[i].look, *chosen->look);
+    if (how < config_.likeness_min) continue;
+    alike.push_back({how, i});
+    fresh = fresh || static_cast<int>(i) >= chosen->sought_in;
+  }
+  chosen->sought_in = static_cast<int>(own_.size());
+  if (!fresh) return;
+  std::stable_sort(alike.begin(), alike.end(), [](const Alike& a, const Alike& b) { return a.likeness > b.likeness; });
+  alike.resize(std::min(alike.size(), static_cast<std::size_t>(config_.search_submaps)));
+  std::vector<MapPart> parts;
+  for (const Alike& a : alike) {
+    const auto submap = static_cast<int>(a.submap);
+    parts.push_back(
+        {level_pose(own.T_local_submap(submap)), own.points_submap_m(submap), &own_[a.submap].look.directions});
+  }
+  const MapMatch match = find_in_map(parts, chosen->points_submap_m, config_.search, &chosen->look->directions);
+  ++num_searches_;
+  found_.other = static_cast<VehicleId>(of);
+  found_.closure.reset();
+  if (match.result.verdict == ClosureVerdict::kClosed) {
+    found_.closure =
+        MapClosure{static_cast<int>(alike[match.part].submap), static_cast<int>(number), match.result.T_older_newer};
+  }
+  worker_.start(t);
+}
+
+void MapSharing::settle_search(TimeNs t) {
+  if (!worker_.due(t)) return;
+  worker_.stop();
+  if (!found_.closure) return;
+  Peer& other = peers_[static_cast<std::size_t>(found_.other)];
+  other.submaps[static_cast<std::size_t>(found_.closure->other)].closed = true;
+  other.closures.push_back(*found_.closure);
+  other.closures_to_be_told = other.news = true;
+  found_.closure.reset();
+}
+
+void MapSharing::join(TimeNs t) {
+  for (std::size_t i = 0; i < peers_.size(); ++i) {
+    Peer& other = peers_[i];
+    const auto id = static_cast<VehicleId>(i);
+    if (!other.news || other.closures.empty() || to_seconds(t - other.judged) < kLeastBetween_s) continue;
+    other.news = false;
+    other.judged = t;
+    other.agreeing = agreeing_closures(other.closures, own_places_, other.places, config_.join);
+    const auto place = std::find_if(joined_.begin(), joined_.end(), [id](const JoinedMap& j) { return j.other >= id; });
+    const bool was_joined = place != joined_.end() && place->other == id;
+    if (other.agreeing.empty()) {
+      if (was_joined) joined_.erase(place);
+      other.T_local_other.clear();
+      continue;
+    }
+    MapJoin found = join_maps(other.closures, other.agreeing, own_places_, other.places, config_.join);
+    JoinedMap& joined = was_joined ? *place : *joined_.insert(place, JoinedMap{.other = id, .joined = t});
+    joined.T_local_otherlocal = found.T_local_otherlocal;
+    joined.covariance = found.covariance;
+    joined.num_closures = static_cast<int>(other.agreeing.size());
+    other.T_local_other = std::move(found.T_local_other);
+  }
+}
+
+// What it says.
+
+/// Never more than the budget and a short burst. What matters most goes first, and what is too much waits.
+void MapSharing::speak(TimeNs t, Outbox& outbox) {
+  const double rate_bytes_s = 1e3 / 8.0 * config_.budget_kbps;
+  const double largest_bytes = std::max(kLargestMessage_bytes, config_.cloud.chunk_bytes + kChunkHead_bytes);
+  if (started_) allowance_bytes_ += rate_bytes_s * to_seconds(t - last_step_);
+  allowance_bytes_ = std::min(allowance_bytes_, largest_bytes + kBurst_s * rate_bytes_s);
+  started_ = true;
+  last_step_ = t;
+  for (int i = 0; i < kMostSaid && allowance_bytes_ >= largest_bytes; ++i) {
+    if (!say_next(t, outbox)) return;
+    allowance_bytes_ -= static_cast<double>(outbox.messages().back().size_bytes());
+  }
+}
+
+bool MapSharing::say_next(TimeNs t, Outbox& outbox) {
+  const auto num = static_cast<VehicleId>(peers_.size());
+  for (VehicleId i = 0; i < num; ++i) {
+    if (i != self_ && (say_request(t, i, outbox) || say_closures(t, i, outbox))) return true;
+  }
+  if (say_places(t, outbox) || say_descriptor(outbox)) return true;
+  for (VehicleId i = 0; i < num; ++i) {  // in turn
+    const VehicleId to = (next_served_ + i) % num;
+    if (!say_chunk(to, outbox)) continue;
+    next_served_ = (to + 1) % num;
+    return true;
+  }
+  return false;
+}
+
+bool MapSharing::say_request(TimeNs t, VehicleId to, Outbox& outbox) {
+  Peer& other = peers_[static_cast<std::size_t>(to)];
+  if (!asks(to) || !is_about(t, other)) return false;
+  SubmapRequest request;
+  if (other.fetching >= 0 && (!other.was_asked || to_seconds(t - other.asked) >= config_.ask_again_s)) {
+    std::vector<std::uint8_t> missing = other.submaps[static_cast<std::size_t>(other.fetching)].has_chunk;
+    for (std::uint8_t& flag : missing) flag = flag == 0 ? 1 : 0;
+    request.submap = static_cast<std::uint32_t>(other.fetching);
+    request.missing = bits_of(missing);
+    for (std::size_t i = 0; i < missing.size(); ++i) other.last_asked = missing[i] != 0 ? i : other.last_asked;
+    other.was_asked = true;
+    other.asked = t;
+    write_message(request, outbox.say(to));
+    return true;
+  }
+  if (to_seconds(t - other.asked_looks) < config_.ask_again_s) return false;
+  std::vector<std::uint8_t> missing;
+  for (std::uint32_t i = 0; i < other.num_finished; ++i) {
+    const bool lacks = i >= other.submaps.size() || !other.submaps[i].look;
+    if (!lacks && missing.empty()) continue;
+    if (missing.empty()) request.submap = i;
+    missing.push_back(lacks ? 1 : 0);
+  }
+  other.asked_looks = t;
+  if (missing.empty()) return false;
+  request.word = SubmapRequest::Word::kDescriptors;
+  request.missing = bits_of(missing);
+  write_message(request, outbox.say(to));
+  return true;
+}
+
+bool MapSharing::say_closures(TimeNs t, VehicleId to, Outbox& outbox) {
+  Peer& other = peers_[static_cast<std::size_t>(to)];
+  if (!asks(to) || other.closures.empty() || !is_about(t, other)) return false;
+  if (!other.closures_to_be_told && to_seconds(t - other.closures_told) < config_.tell_every_s) return false;
+  other.closures_to_be_told = false;
+  other.closures_told = t;
+  MapClosures told;
+  for (const MapClosure& c : other.closures) {
+    told.closures.push_back({static_cast<std::uint32_t>(c.own), static_cast<std::uint32_t>(c.other),
+                             c.T_own_other.translation().cast<float>(), turn_of(c.T_own_other)});
+  }
+  write_message(told, outbox.say(to));
+  return true;
+}
+
+bool MapSharing::say_places(TimeNs t, Outbox& outbox) {
+  const double since_s = to_seconds(t - places_told_);
+  if (own_places_.empty() || since_s < (places_to_be_told_ ? kLeastBetween_s : config_.tell_every_s)) return false;
+  SubmapPlaces told;
+  told.num_finished = static_cast<std::uint32_t>(own_.size());
+  if (next_place_ >= own_places_.size()) next_place_ = 0;
+  told.first = static_cast<std::uint32_t>(next_place_);
+  for (; next_place_ < own_places_.size() && told.places.size() < kMostPlaces; ++next_place_) {
+    const SubmapPlace& place = own_places_[next_place_];
+    told.places.push_back({place.T_local_submap.translation().cast<float>(), turn_of(place.T_local_submap),
+                           static_cast<float>(place.way_m)});
+  }
+  if (next_place_ >= own_places_.size()) places_to_be_told_ = false;
+  places_told_ = t;
+  write_message(told, outbox.say());
+  return true;
+}
+
+bool MapSharing::say_descriptor(Outbox& outbox) {
+  const auto next = std::find_if(own_.begin(), own_.end(), [](const Own& own) { return own.to_be_told; });
+  if (next == own_.end()) return false;
+  next->to_be_told = false;
+  SubmapDescriptor told;
+  told.submap = static_cast<std::uint32_t>(next - own_.begin());
+  told.num_points = next->num_points;
+  told.num_chunks = static_cast<std::uint16_t>(next->chunks.size());
+  told.directions = next->look.directions.told();
+  told.heights.assign(next->look.heights.begin(), next->look.heights.end());
+  write_message(told, outbox.say());
+  return true;
+}
+
+bool MapSharing::say_chunk(VehicleId to, Outbox& outbox) {
+  Peer& other = peers_[static_cast<std::size_t>(to)];
+  if (other.wanted < 0) return false;
+  const auto next = std::find(other.wanted_chunks.begin(), other.wanted_chunks.end(), 1);
+  if (next == other.wanted_chunks.end()) {
+    other.wanted = -1;
+    return false;
+  }
+  *next = 0;
+  const auto number = static_cast<std::size_t>(next - other.wanted_chunks.begin());
+  const PackedPoints& chunk = own_[static_cast<std::size_t>(other.wanted)].chunks[number];
+  SubmapChunk told;
+  told.submap = static_cast<std::uint32_t>(other.wanted);
+  told.chunk = static_cast<std::uint16_t>(number);
+  told.num_points = chunk.num_points;
+  told.bits = static_cast<std::uint16_t>(config_.cloud.bits);
+  told.voxel_m = static_cast<float>(config_.cloud.voxel_m);
+  told.data = chunk.data;
+  write_message(told, outbox.say(to));
+  return true;
+}
+
+void MapSharing::append_overlays(const TellsSubmaps& own, std::vector<Overlay>& overlays) const {
+  Overlay joined;
+  joined.name = "slam.joined";
+  joined.kind = Overlay::Kind::kLines;
+  joined.size_m = 3.0F;
+  const Eigen::Vector4f way(0.25F, 0.75F, 0.35F, 1.0F), closure(0.95F, 0.45F, 0.10F, 1.0F);
+  joined.legend = {{"submaps of another vehicle", way}, {"closures with it", closure}};
+  const auto add = [&](const Vector3& a_m, const Vector3& b_m, const Eigen::Vector4f& color) {
+    for (const Vector3& p_m : {a_m, b_m}) {
+      joined.positions.push_back(p_m.cast<float>());
+      joined.colors.push_back(color);
+    }
+  };
+  for (const Peer& other : peers_) {
+    const std::vector<Pose>& T = other.T_local_other;
+    for (std::size_t i = 0; i + 1 < T.size(); ++i) {
+      if (other.places[i].known && other.places[i + 1].known) add(T[i].translation(), T[i + 1].translation(), way);
+    }
+    for (const int i : other.agreeing) {
+      const MapClosure& c = other.closures[static_cast<std::size_t>(i)];
+      add(own.T_local_submap(c.own).translation(), T[static_cast<std::size_t>(c.other)].translation(), closure);
+    }
+  }
+  overlays.push_back(std::move(joined));
+}
+
+void MapSharing::append_counters(std::vector<Counter>& counters) const {
+  counters.push_back({"messages about maps that cannot be so", num_refused_, num_heard_, "global.share.enabled"});
+}
+
+void CompactCloudConfig::visit(ConfigVisitor& v) {
+  v.field("voxel_m", voxel_m, "[m] one point in a cube of this edge, of what stands upright", Range::between(0.1, 2.0));
+  v.field("flat_voxel_m", flat_voxel_m, "[m] the same for the ground and all else", Range::between(0.1, 10.0));
+  v.field("range_max_m", range_max_m, "[m] points farther from the submap's middle are left out",
+          Range::between(2.0, 200.0));
+  v.field("upright_points", upright_points, "[-] of what stands upright, roughly: else columns of it are left out",
+          Range::between(100, 50000));
+  v.field("bits", bits, "[-] by which each coordinate tells the place within its voxel", Range::between(1, 10));
+  v.field("chunk_bytes", chunk_bytes, "[B] of the cloud in one message, at most", Range::between(50, 20000));
+}
+
+void MapSharingConfig::visit(ConfigVisitor& v) {
+  const Range positive = Range::positive();
+  v.field("enabled", enabled, "[-] does it join its map with those of other vehicles by radio?");
+  v.field("latency_s", latency_s, "[s] a search for one submap takes on board", Range::between(0.0, 60.0));
+  v.field("budget_kbps", budget_kbps, "[kbit/s] of all that is said about maps, headers included", positive);
+  v.field("tell_every_s", tell_every_s, "[s] the places of submaps and closures are told again, lest one was lost",
+          Range::between(0.5, 600.0));
+  v.field("ask_again_s", ask_again_s, "[s] without an answer, after which what is missing is asked for again",
+          Range::between(0.1, 600.0));
+  v.field("likeness_min", likeness_min, "[-] submaps whose descriptors agree less are not compared",
+          Range::probability());
+  v.field("search_submaps", search_submaps, "[-] own submaps in which another's is sought at once, at most",
+          Range::between(1, 100));
+  v.field("near_m", near_m, "[m] of an own submap: another's cloud within it is asked for once the maps are joined",
+          positive);
+  v.field("closures_enough", closures_enough, "[-] with one vehicle: when as many agree, no more clouds are asked for",
+          Range::between(2, 32));
+  v.object("cloud", cloud, "what of a submap goes on the air");
+  v.object("search", search, "how another's submap is sought in the own ones, from each one's middle on");
+  v.object("join", join, "when closures are believed, and what they come to");
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/slam/compact_cloud.hpp"
+#include "core/slam/map_join.hpp"
+#include "core/slam/submap_look.hpp"
+#include "swiftlet/core/counter.hpp"
+#include "swiftlet/core/math/latency.hpp"
+#include "swiftlet/core/message.hpp"
+#include "swiftlet/core/overlay.hpp"
+#include "swiftlet/core/slam/joined_map.hpp"
+#include "swiftlet/core/slam/map_sharing_config.hpp"
+#include "swiftlet/core/slam/tells_submaps.hpp"
+
+namespace swiftlet {
+
+/// Two vehicles tell each other by radio what their finished submaps look like. Of two vehicles the one with the lower
+/// number asks for clouds of submaps that look like its own. It searches them in its map, and tells the other what it
+/// found. Both then know how their local frames lie to each other, as soon as enough closures agree. Clouds are in the
+/// frames of their submaps, as T_local_submap tells them.
+///
+/// What others say may be lost, late, repeated or wrong: every message says what holds now, and what cannot be is
+/// refused. Results hang on nothing but the messages, the own submaps and the time of the steps.
+class MapSharing {
+ public:
+  MapSharing(const MapSharingConfig& config, VehicleId self, int num_vehicles);
+
+  void step(TimeNs t, const TellsSubmaps& own, std::span<const Message> messages, Outbox& outbox);
+
+  std::span<const JoinedMap> joined_maps() const { return joined_; }
+  /// Submaps of others and closures with them, in the local frame.
+  void append_overlays(const TellsSubmaps& own, std::vector<Overlay>& overlays) const;
+  void append_counters(std::vector<Counter>& counters) const;
+
+  int num_closures(VehicleId other) const { return static_cast<int>(peer(other).closures.size()); }
+  int num_searches() const { return num_searches_; }
+
+ private:
+  struct Own {
+    SubmapLook look;
+    std::uint32_t num_points = 0;
+    std::vector<PackedPoints> chunks;
+    bool to_be_told = true;
+  };
+  struct Their {
+    std::optional<SubmapLook> look;
+    double alike = 0.0;  // the best likeness to an own submap
+    std::uint32_t num_points = 0;
+    std::vector<std::uint8_t> has_chunk;
+    std::vector<Eigen::Vector3f> points_submap_m;
+    bool complete = false;
+    bool closed = false;
+    int sought_in = 0;  // own submaps when it was last searched
+  };
+  struct Peer {
+    std::vector<SubmapPlace> places;
+    std::vector<Their> submaps;  // finished ones that were heard of
+    std::uint32_t num_finished = 0;
+    TimeNs heard = 0;
+    bool was_heard = false;
+    // What is asked of it.
+    int fetching = -1;
+    TimeNs asked = 0, asked_looks = 0;
+    std::size_t last_asked = 0;  // chunk
+    bool was_asked = false;
+    // What it asks for.
+    int wanted = -1;
+    std::vector<std::uint8_t> wanted_chunks;
+    // What both have in common.
+    std::vector<MapClosure> closures;
+    bool closures_to_be_told = false;
+    TimeNs closures_told = 0;
+    bool news = false;  // since the closures were last judged
+    TimeNs judged = 0;
+    std::vector<int> agreeing;
+    std::vector<Pose> T_local_other;
+  };
+  struct Found {
+    VehicleId other = kNoVehicle;
+    std::optional<MapClosure> closure;
+  };
+
+  const Peer& peer(VehicleId other) const { return peers_[static_cast<std::size_t>(other)]; }
+  bool asks(VehicleId other) const { return self_ < other; }
+  void look_at_own(const TellsSubmaps& own);
+  void update_places(const TellsSubmaps& own);
+
+  bool hear(TimeNs t, const Message& message);
+  bool hear_places(TimeNs t, Peer& from, const Message& message);
+  bool hear_descriptor(Peer& from, const Message& message);
+  bool hear_request(Peer& from, const Message& message);
+  bool hear_chunk(TimeNs t, Peer& from, const Message& message);
+  bool hear_closures(Peer& from, const Message& message);
+  Their& submap_of(Peer& from, std::uint32_t number);
+
+  void search(TimeNs t, const TellsSubmaps& own);
+  void settle_search(TimeNs t);
+  void join(TimeNs t);
+  std::optional<Pose> prediction_of(const Peer& from, int submap) const;
+  bool is_near_own(const Vector3& p_local_m) const;
+  bool is_enough(const Peer& other) const;
+  bool is_about(TimeNs t, const Peer& other) const;
+  void choose_cloud(TimeNs t, Peer& from);
+
+  void speak(TimeNs t, Outbox& outbox);
+  bool say_next(TimeNs t, Outbox& outbox);
+  bool say_request(TimeNs t, VehicleId to, Outbox& outbox);
+  bool say_closures(TimeNs t, VehicleId to, Outbox& outbox);
+  bool say_places(TimeNs t, Outbox& outbox);
+  bool say_descriptor(Outbox& outbox);
+  bool say_chunk(VehicleId to, Outbox& outbox);
+
+  MapSharingConfig config_;
+  VehicleId self_;
+  std::vector<Peer> peers_;  // by VehicleId; the own one stays empty
+  std::vector<Own> own_;     // finished submaps
+  std::vector<SubmapPlace> own_places_;
+  std::uint64_t places_revision_ = 0;
+  bool places_known_ = false;
+
+  Worker worker_;
+  Found found_;
+  int num_searches_ = 0;
+  std::uint64_t num_refused_ = 0, num_heard_ = 0;
+
+  // What it says.
+  double allowance_bytes_ = 0.0;
+  TimeNs last_step_ = 0;
+  bool started_ = false;
+  TimeNs places_told_ = 0;
+  bool places_to_be_told_ = false;
+  std::size_t next_place_ = 0;
+  VehicleId next_served_ = 0;
+  std::vector<JoinedMap> joined_;
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// All closures that its sender found between its own submaps and those of the receiver. Each replaces the one before.
+struct MapClosures {
+  static constexpr const char* kTopic = "map_closures";
+  static constexpr int kVersion = 1;
+  static constexpr const char* kDoc = "closures between submaps of its sender and of its receiver";
+
+  /// T_own_other, as place and rotation vector.
+  struct Closure {
+    std::uint32_t own = 0, other = 0;
+    Eigen::Vector3f p_own_m = Eigen::Vector3f::Zero();
+    Eigen::Vector3f turn_own_rad = Eigen::Vector3f::Zero();
+
+    static void visit(auto& c, auto& v) {
+      v.field("own", c.own, "[-] number of the sender's submap");
+      v.field("other", c.other, "[-] number of the receiver's submap");
+      v.field("*_m", c.p_own_m, "[m] origin of the receiver's submap in the sender's");
+      v.field("turn_*_rad", c.turn_own_rad, "[rad] rotation vector of its axes there");
+    }
+  };
+
+  std::vector<Closure> closures;
+
+  static void visit(auto& m, auto& v) {
+    v.list("num_closures", m.closures, "[-] the submaps, and where the receiver's lies in the sender's [m, rad]");
+  }
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace swiftlet {
+
+/// What a finished submap of SLAM looks like, in a few bytes that no heading changes much. Who has one that looks alike
+/// may ask for its cloud.
+struct SubmapDescriptor {
+  static constexpr const char* kTopic = "submap";
+  static constexpr int kVersion = 1;
+  static constexpr const char* kDoc = "what a finished submap of its sender looks like, without its cloud";
+
+  std::uint32_t submap = 0;
+  std::uint32_t num_points = 0;
+  std::uint16_t num_chunks = 0;
+  std::vector<std::uint8_t> directions;
+  std::vector<std::uint8_t> heights;
+
+  static void visit(auto& m, auto& v) {
+    v.field("submap", m.submap, "[-] number of the submap, from 0 on");
+    v.field("num_points", m.num_points, "[-] points of its compact cloud");
+    v.field("num_chunks", m.num_chunks, "[-] messages that the compact cloud takes");
+    v.field("directions", m.directions, "[-] of surfaces about the vertical, over half a turn; the largest is 255");
+    v.field("heights", m.heights, "[-] of what stands upright, by meters above the ground; the largest is 255");
+  }
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// Where the submaps of SLAM lie in the sender's local frame, as it knows by now. The last one still grows.
+struct SubmapPlaces {
+  static constexpr const char* kTopic = "submap_places";
+  static constexpr int kVersion = 1;
+  static constexpr const char* kDoc = "where submaps of its sender lie in the sender's own local frame";
+
+  struct Place {
+    Eigen::Vector3f p_local_m = Eigen::Vector3f::Zero();
+    Eigen::Vector3f turn_local_rad = Eigen::Vector3f::Zero();
+    float way_m = 0.0F;
+
+    static void visit(auto& p, auto& v) {
+      v.field("*_m", p.p_local_m, "[m] origin of the submap");
+      v.field("turn_*_rad", p.turn_local_rad, "[rad] rotation vector of its axes");
+      v.field("way_m", p.way_m, "[m] of the flight when it began");
+    }
+  };
+
+  std::uint32_t num_finished = 0;
+  std::uint32_t first = 0;
+  std::vector<Place> places;
+
+  static void visit(auto& m, auto& v) {
+    v.field("num_finished", m.num_finished, "[-] submaps that take no further scans");
+    v.field("first", m.first, "[-] number of the first submap of the list");
+    v.list("num_places", m.places, "[-] submaps: origin [m] and rotation vector [rad] in that frame, way before [m]");
+  }
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace swiftlet {
+
+/// Asks a vehicle for what it has of its submaps. It says all that is still missing, so each replaces the one before.
+struct SubmapRequest {
+  static constexpr const char* kTopic = "submap_request";
+  static constexpr int kVersion = 1;
+  static constexpr const char* kDoc = "what its sender still lacks of the receiver's submaps";
+
+  enum class Word { kDescriptors, kCloud };
+  static constexpr std::array<const char*, 2> kWords = {"descriptors", "cloud"};
+
+  Word word = Word::kCloud;
+  std::uint32_t submap = 0;
+  std::vector<std::uint8_t> missing;
+
+  static void visit(auto& m, auto& v) {
+    v.choice("word", m.word, kWords, "[-] descriptors: of submaps; cloud: chunks of one submap's compact cloud");
+    v.field("submap", m.submap, "[-] the submap, or the first of them");
+    v.field("missing", m.missing, "[-] a bit for each chunk, or for each submap from that one on, lowest bit first");
+  }
+};
+
+}  // namespace swiftlet
