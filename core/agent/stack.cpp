@@ -82,6 +82,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
       detect(observation);
       track(observation);
       find_team(observation);
+      tell_localization();
       map(observation);
       guide(observation, dt_s);
       fly(dt_s);
@@ -201,6 +202,15 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
     for (const RelativeEstimate& r : relatives_) action_.relatives.push_back(to_world_.relative(r));
   }
 
+  /// It looks at the next scans without the vehicles that are known by now.
+  void tell_localization() {
+    if (!stages_.tracker && !stages_.relative_localization) return;
+    seen_.clear();
+    for (const Track& t : tracks_) seen_.push_back({t.t, t.position_m, t.velocity_mps});
+    for (const RelativeEstimate& r : relatives_) seen_.push_back({r.t, r.position_m, r.velocity_mps});
+    stages_.localization->see(seen_);
+  }
+
   void map(const Observation& observation) {
     if (!stages_.mapping) return;
     begin(AgentStage::kMapping);
@@ -293,6 +303,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   std::vector<Track> tracks_;            // the newest
   std::vector<TrackModes> track_modes_;  // theirs, when guidance asks for them
   std::vector<RelativeEstimate> relatives_;
+  std::vector<SeenVehicle> seen_;
   GuidanceOutput wanted_;
 
   TrackOverlays track_overlays_;

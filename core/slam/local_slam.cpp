@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kUnknownVelocity_mps = 0.3;     // a scan of a vehicle whose speed is less sure than this is smeared
 constexpr std::size_t kMostStartSamples = 4096;  // of the IMU; when scans come later than that, they count once
+constexpr double kVehicleKnown_s = 1.0;          // since another vehicle was seen: by then it is elsewhere
 constexpr int kLeastReturns = 50;                // that a scan needs to say something
 // A direction of which a scan tells less than this is as good as open: planes do not tell how far it is off.
 constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
@@ -44,10 +45,10 @@ void LocalSlam::add(const ImuSample& sample) {
   motion_.push(nav.t, nav.p_m, nav.q);
 }
 
-ScanOutcome LocalSlam::add(std::shared_ptr<const Scan> scan) {
-  const ScanOutcome outcome = match(*scan);
+ScanOutcome LocalSlam::add(std::shared_ptr<const Scan> scan, std::vector<SeenVehicle> others) {
+  const ScanOutcome outcome = match(*scan, others);
   if (start_.over) return outcome;
-  start_.scans.push_back({start_.imu.size(), std::move(scan)});
+  start_.scans.push_back({start_.imu.size(), std::move(scan), std::move(others)});
   if (static_cast<int>(start_.scans.size()) >= config_.start_scans) begin_again();
   return outcome;
 }
@@ -69,7 +70,7 @@ void LocalSlam::begin_again() {
     std::size_t next = 0;
     for (const Start::Swept& swept : start_.scans) {
       for (; next < swept.after_sample; ++next) add(start_.imu[next]);
-      match(*swept.scan);
+      match(*swept.scan, swept.others);
     }
   }
   start_.imu = {};
@@ -90,10 +91,10 @@ Vector3 LocalSlam::velocity_gained(const InertialFilter& learned) const {
   return state.nav.v_mps;
 }
 
-ScanOutcome LocalSlam::match(const Scan& scan) {
+ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> others) {
   ScanOutcome outcome;
   if (motion_.empty()) return outcome;
-  gather(scan);
+  gather(scan, others);
   if (matcher_->num_points() < kLeastReturns) {
     outcome.fit.num_points = matcher_->num_points();
     outcome.fit.num_degenerate = 6;
@@ -144,9 +145,27 @@ void LocalSlam::learn_doubt(const ScanFit& fit) {
   shared_covariance_ = fit.map_share * inverse * fit.evidence.information * inverse;
 }
 
-void LocalSlam::gather(const Scan& scan) {
+void LocalSlam::gather(const Scan& scan, std::span<const SeenVehicle> others) {
   undistort(scan, motion_, filter_.state().nav.t, own_radius_m_, config_.range_max_m, returns_body_m_);
+  if (!others.empty() && config_.vehicle_radius_m > 0.0) leave_out(others);
   matcher_->take(returns_body_m_, num_inserted_ < admission_.first_scans);
+}
+
+/// Other vehicles fly on: what lies where they are by now is no part of the map.
+void LocalSlam::leave_out(std::span<const SeenVehicle> others) {
+  const TimeNs t = filter_.state().nav.t;
+  const Pose T_body_local = filter_.T_local_body().inverse();
+  std::vector<Eigen::Vector3f> places_body_m;
+  for (const SeenVehicle& other : others) {
+    const double since_s = to_seconds(t - other.t);
+    if (std::abs(since_s) > kVehicleKnown_s || !other.position_local_m.allFinite()) continue;
+    const Vector3 p_local_m = other.position_local_m + since_s * other.velocity_local_mps;
+    places_body_m.push_back((T_body_local * p_local_m).cast<float>());
+  }
+  const auto square = static_cast<float>(config_.vehicle_radius_m * config_.vehicle_radius_m);
+  std::erase_if(returns_body_m_, [&](const Eigen::Vector3f& p) {
+    return std::ranges::any_of(places_body_m, [&](const auto& place) { return (p - place).squaredNorm() < square; });
+  });
 }
 
 bool LocalSlam::due_for_map() const {
@@ -205,6 +224,8 @@ void LocalSlamConfig::visit(ConfigVisitor& v) {
   v.field("insert_after_s", insert_after_s, "[s] after which it does without motion", Range::non_negative());
   v.field("known_share_min", known_share_min,
           "[-] a scan of which a smaller share lies where the map has surfaces is not used", Range::probability());
+  v.field("vehicle_radius_m", vehicle_radius_m,
+          "[m] returns nearer than this to a tracked vehicle are left out; 0: none are", Range::non_negative());
   v.object("matching", matching, "of a scan to the map");
   v.object("map", map, "of surfaces");
 }

@@ -47,7 +47,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
       if (is_finite(sample)) last_imu_ = std::max(last_imu_, sample.t);
     }
     for (const auto& scan : observation.scans) {
-      if (listens_to(*scan)) slam_.add(observation.t, scan);
+      if (listens_to(*scan)) slam_.add(observation.t, scan, others_);
     }
     while (const std::optional<SlamToNow::Matched> matched = slam_.match_next(observation.t)) take(*matched);
     tell(observation.t);
@@ -67,6 +67,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
   std::span<const JoinedMap> joined_maps() const override {
     return sharing_ ? sharing_->joined_maps() : std::span<const JoinedMap>();
   }
+  void see(std::span<const SeenVehicle> others) override { others_.assign(others.begin(), others.end()); }
   const char* fault() const override { return fault_; }
   const char* warning() const override { return warning_; }
   void append_counters(std::vector<Counter>& counters) const override {
@@ -170,6 +171,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
   std::optional<GlobalSlam> global_;
   std::optional<MapSharing> sharing_;
   CorrectionBlend blend_;
+  std::vector<SeenVehicle> others_;  // as of the last step
   bool started_ = false;
   TimeNs last_imu_ = 0, last_used_ = 0, last_sure_ = 0;
   std::uint64_t num_scans_ = 0, num_strange_ = 0;

@@ -24,8 +24,8 @@ void SlamToNow::add(const ImuSample& sample) {
   now_.predict(sample);
 }
 
-void SlamToNow::add(TimeNs t, std::shared_ptr<const Scan> scan) {
-  waiting_.push_back({t, std::move(scan), num_samples_});
+void SlamToNow::add(TimeNs t, std::shared_ptr<const Scan> scan, std::span<const SeenVehicle> others) {
+  waiting_.push_back({t, std::move(scan), num_samples_, {others.begin(), others.end()}});
 }
 
 std::optional<SlamToNow::Matched> SlamToNow::match_next(TimeNs t) {
@@ -33,7 +33,7 @@ std::optional<SlamToNow::Matched> SlamToNow::match_next(TimeNs t) {
   Arrival arrival = std::move(waiting_.front());
   waiting_.erase(waiting_.begin());
   tell_until(arrival.samples_before);
-  Matched matched{arrival.t, slam_.add(std::move(arrival.scan))};
+  Matched matched{arrival.t, slam_.add(std::move(arrival.scan), std::move(arrival.others))};
   if (!is_due(t)) catch_up();
   return matched;
 }

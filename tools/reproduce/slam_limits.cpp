@@ -22,12 +22,13 @@ struct SlamLimit {
   std::vector<double> values;  // from easy to hard
 };
 
-const std::array<SlamLimit, 3>& slam_limits_tried() {
-  static const std::array<SlamLimit, 3> kLimits = {
+const std::array<SlamLimit, 4>& slam_limits_tried() {
+  static const std::array<SlamLimit, 4> kLimits = {
       SlamLimit{"fast", "speed that is asked for [m/s]", {2.0, 4.0, 6.0, 8.0, 10.0, 12.0}},
       SlamLimit{
           "dark", "range at which nine of ten shots on a surface of 10 % return [m]", {20.0, 10.0, 7.0, 5.0, 3.0, 2.0}},
       SlamLimit{"empty", "trees on 1.44 ha of open ground", {64.0, 32.0, 16.0, 8.0, 4.0, 0.0}},
+      SlamLimit{"crowded", "vehicles that fly along, 2.5 to 5 m away", {0.0, 2.0, 4.0, 6.0, 8.0, 10.0}},
   };
   return kLimits;
 }
@@ -38,9 +39,29 @@ struct LimitLidar {
 };
 constexpr std::array kLimitLidars = {LimitLidar{"puck_lite", "Puck LITE"}, LimitLidar{"mid360", "Mid-360"}};
 
+/// One vehicle around the building, and others that fly along with it. What it sees of them pretends that it does not
+/// move. Its tracker tells SLAM where they are.
+std::string crowd(int num_others) {
+  const double corners_m[][3] = {{12.5, -10, 3}, {12.5, 10, 4}, {-12.5, 10, 4}, {-12.5, -10, 3}};
+  std::string vehicles = "{name: uav1}";
+  for (int i = 0; i < num_others; ++i) {
+    const double x_m = (i % 2 == 0 ? 1.0 : -1.0) * (i % 4 < 2 ? 2.5 : 4.5), z_m = 2.0 * (i / 4);
+    std::string way;
+    for (const auto& c : corners_m)
+      way += fmt::format("{}[{}, {}, {}]", way.empty() ? "" : ", ", c[0] + x_m, c[1], c[2] + z_m);
+    vehicles += fmt::format(
+        ", {{name: other{}, model: f450, start: {{position_m: [{}, -10, {}]}}, agent: {{type: stack, localization: "
+        "{{type: "
+        "ground_truth}}, control: {{limits: {{set: agile}}}}, guidance: {{type: waypoints, speed_mps: 3, loop: true, "
+        "waypoints_m: [{}]}}}}}}",
+        i + 1, x_m - 12.5, 3.0 + z_m, way);
+  }
+  return fmt::format("[{}]", vehicles);
+}
+
 sim::Scenario limit_flight(const SlamLimit& limit, double value, const LimitLidar& lidar, std::uint64_t seed) {
   const std::string kind = limit.name;
-  const bool field = kind == "empty";
+  const bool field = kind == "empty", crowded = kind == "crowded";
   const double speed_mps = kind == "fast" ? value : 3.0;
   const std::string sight = kind == "dark" ? fmt::format(
                                                  ", detection: {{range_10_percent_m: {0}, range_80_percent_m: "
@@ -49,6 +70,7 @@ sim::Scenario limit_flight(const SlamLimit& limit, double value, const LimitLida
                                            : "";
   std::vector<std::pair<std::string, std::string>> changes = {
       {"snapshots", "[]"},
+      {"vehicles", crowd(crowded ? static_cast<int>(value) : 0)},
       {"vehicles[0].model", "x500"},
       {"vehicles[0].start.position_m", field ? "[-12, -12, 4]" : "[-12.5, -10, 3]"},
       {"vehicles[0].sensors",
@@ -67,9 +89,11 @@ sim::Scenario limit_flight(const SlamLimit& limit, double value, const LimitLida
     changes.emplace_back("world.num_trees", fmt::format("{:.0f}", value));
     changes.emplace_back("world.num_bushes", "0");
   }
-  sim::Scenario scenario = scenario_with(field ? "field" : "campus", seed, std::move(changes));
-  scenario.vehicles.resize(1);
-  return sim::validated(std::move(scenario));
+  if (crowded) {
+    changes.emplace_back("vehicles[0].agent.detector", "{type: vofod}");
+    changes.emplace_back("vehicles[0].agent.tracker", "{type: vofod}");
+  }
+  return scenario_with(field ? "field" : "campus", seed, std::move(changes));
 }
 
 /// All flights of one LiDAR at one value.

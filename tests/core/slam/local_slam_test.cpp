@@ -66,6 +66,37 @@ std::vector<int> first_ten_and(std::vector<int> others) {
   return all;
 }
 
+/// Returns that local SLAM kept of the last scan near a place, which others fly by at the end of that scan.
+int kept_near(const Vector3& place_m, const std::vector<SeenVehicle>& others, double vehicle_radius_m = 1.0) {
+  SyntheticFlight flight = flight_in(kStore, standing);
+  LocalSlamConfig config = from_the_first_scan_on();
+  config.vehicle_radius_m = vehicle_radius_m;
+  LocalSlam slam(config, flight.at(0), 0.3);
+  for (TimeNs t = kImuTick; t <= 3 * kLidarTick; t += kImuTick) {
+    slam.add(flight.imu(t));
+    if (t % kLidarTick == 0) slam.add(flight.scan(t), others);
+  }
+  int kept = 0;
+  for (const Eigen::Vector3f& p : slam.points_body_m()) {
+    kept += (slam.filter().T_local_body() * p.cast<double>() - place_m).norm() < 0.9;
+  }
+  return kept;
+}
+
+TEST(LocalSlam, WhatItSeesOfOtherVehiclesIsLeftOut) {
+  const Vector3 on_wall_m(7.4, 1.0, 1.5);  // as if a vehicle were there
+  const int all = kept_near(on_wall_m, {});
+  ASSERT_GT(all, 20);
+  constexpr TimeNs kSeen = 3 * kLidarTick - 200'000'000;
+  EXPECT_EQ(kept_near(on_wall_m, {{kSeen, on_wall_m, Vector3::Zero()}}), 0);
+  EXPECT_EQ(kept_near(on_wall_m, {{kSeen, on_wall_m - 0.2 * Vector3(0, 5, 0), Vector3(0, 5, 0)}}), 0)
+      << "it has flown on since it was seen";
+  EXPECT_EQ(kept_near(on_wall_m, {{kSeen, on_wall_m - Vector3(0, 4, 0), Vector3::Zero()}}), all);
+  EXPECT_EQ(kept_near(on_wall_m, {{kSeen, on_wall_m, Vector3::Zero()}}, 0.0), all) << "it was told to keep all";
+  EXPECT_EQ(kept_near(on_wall_m, {{-2'000'000'000, on_wall_m, Vector3::Zero()}}), all) << "that was long ago";
+  EXPECT_EQ(kept_near(on_wall_m, {{kSeen, Vector3::Constant(NAN), Vector3::Zero()}}), all);
+}
+
 TEST(LocalSlam, AtRestAScanGoesIntoTheMapEverySecondButTheFirstTenAtOnce) {
   SyntheticFlight flight = flight_in(kStore, standing);
   LocalSlam slam(from_the_first_scan_on(), flight.at(0), 0.3);

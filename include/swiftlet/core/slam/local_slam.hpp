@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/core/localization/estimator.hpp"
 #include "swiftlet/core/localization/local_poses.hpp"
 #include "swiftlet/core/scan.hpp"
 #include "swiftlet/core/slam/inertial_filter.hpp"
@@ -37,6 +38,7 @@ struct LocalSlamConfig : SurfaceMatchingConfig {
   double range_max_m = 100.0;
   int start_scans = 10;
   double known_share_min = 0.3;
+  double vehicle_radius_m = 1.0;
 
   void visit(ConfigVisitor& v);
 };
@@ -59,7 +61,8 @@ class LocalSlam {
 
   void add(const ImuSample& sample);
   /// A scan that ended not after the last IMU sample.
-  ScanOutcome add(std::shared_ptr<const Scan> scan);
+  /// @param others  vehicles that fly nearby: what the scan saw of them is left out
+  ScanOutcome add(std::shared_ptr<const Scan> scan, std::vector<SeenVehicle> others = {});
 
   const InertialFilter& filter() const { return filter_; }
   const ScanMatcher& matcher() const { return *matcher_; }
@@ -80,14 +83,16 @@ class LocalSlam {
     struct Swept {
       std::size_t after_sample = 0;
       std::shared_ptr<const Scan> scan;
+      std::vector<SeenVehicle> others;
     };
     std::vector<Swept> scans;
     bool over = false;
   };
   void begin_again();
   Vector3 velocity_gained(const InertialFilter& learned) const;
-  ScanOutcome match(const Scan& scan);
-  void gather(const Scan& scan);
+  ScanOutcome match(const Scan& scan, std::span<const SeenVehicle> others);
+  void gather(const Scan& scan, std::span<const SeenVehicle> others);
+  void leave_out(std::span<const SeenVehicle> others);
   void learn_doubt(const ScanFit& fit);
   bool due_for_map() const;
   void insert();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "swiftlet/core/math/latency.hpp"
@@ -25,7 +26,7 @@ class SlamToNow {
 
   void add(const ImuSample& sample);
   /// A scan that arrived at t, with all samples of the IMU until then.
-  void add(TimeNs t, std::shared_ptr<const Scan> scan);
+  void add(TimeNs t, std::shared_ptr<const Scan> scan, std::span<const SeenVehicle> others = {});
 
   struct Matched {
     TimeNs arrived = 0;
@@ -46,6 +47,7 @@ class SlamToNow {
     TimeNs t = 0;
     std::shared_ptr<const Scan> scan;
     std::uint64_t samples_before = 0;
+    std::vector<SeenVehicle> others;
   };
   bool is_due(TimeNs t) const { return !waiting_.empty() && latency_.is_over(waiting_.front().t, t); }
   std::uint64_t num_ahead() const { return num_samples_ - num_told_; }
