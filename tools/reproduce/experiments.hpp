@@ -38,6 +38,7 @@ void safe_loop_closure(Experiment& experiment);  // safe_loop_closure.cpp
 void gps_weighting(Experiment& experiment);      // gps_weighting.cpp
 void submap_navigation(Experiment& experiment);  // submap_navigation.cpp
 void slam_drift(Experiment& experiment);         // slam_drift.cpp
+void slam_matching(Experiment& experiment);      // slam_matching.cpp
 
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);

@@ -66,6 +66,8 @@ std::span<const ExperimentType> experiment_types() {
                      submap_navigation},
       ExperimentType{"slam-drift", "SLAM in five worlds with three LiDARs, calm and agile (beyond Orsulic 2021)",
                      20000.0, slam_drift},
+      ExperimentType{"slam-matching", "Scans matched to surfaces, and to grids as in the document, on the same flights",
+                     8000.0, slam_matching},
       ExperimentType{"rbl-circle",
                      "Five to fifteen vehicles cross a circle of 10 m, in 2D and 3D [Kamler 2025, sec. 2.4]", 600.0,
                      rbl_circle},
