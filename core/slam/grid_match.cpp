@@ -114,10 +114,10 @@ grid_cost::Change grid_cost::change_of(const Pose& T, const Pose& T_predicted) {
   return change;
 }
 
-GridMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3& origin_local_m,
-                         const Pose& T_local_body_predicted, const GridMatchConfig& config) {
+GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3& origin_local_m,
+                          const Pose& T_local_body_predicted, const GridMatchConfig& config) {
   const Problem problem(clouds, origin_local_m, T_local_body_predicted, config);
-  GridMatch match;
+  GridsMatch match;
   match.T_local_body = T_local_body_predicted;
   WholeCost here = problem.at(match.T_local_body);
   double damping = kFirstDamping, harder = 2.0;

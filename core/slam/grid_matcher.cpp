@@ -3,10 +3,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 
 #include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/core/slam/symmetric_eigen.hpp"
 
 namespace swiftlet {
 namespace {
@@ -20,7 +18,6 @@ constexpr double kTinyScatter = 1e-12;  // of the trace: in directions in which 
 constexpr double kPlanesVoxel_m = 0.3, kJudgedVoxel_m = 0.5;
 constexpr int kJudgedStanding = 30;    // points on what stands free; the gaps between scan lines look like it
 constexpr double kJudgedShare = 0.01;  // of the planes' information: normals are no better than the poses
-constexpr double kNothing = 1e-9;      // of the most that any direction is told: what rounding leaves of none
 
 constexpr int kPlanesScans = 10, kPlanesLeast = 5;  // scans of which their planes are, at most twice as many
 
@@ -57,27 +54,26 @@ void GridMatcher::take(std::span<const Eigen::Vector3f> returns_body_m, bool) {
 
 ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Doubt& doubt) {
   const GridSubmap& submap = submaps_.older();
-  const GridMatch found = match_to_grids({GridCloud{&submap.high, high_body_m_, config_.cost.high_weight},
-                                          GridCloud{&submap.low, low_body_m_, config_.cost.low_weight}},
-                                         submap.origin_local_m, filter.T_local_body(), config_.cost);
+  const GridsMatch found = match_to_grids({GridCloud{&submap.high, high_body_m_, config_.cost.high_weight},
+                                           GridCloud{&submap.low, low_body_m_, config_.cost.low_weight}},
+                                          submap.origin_local_m, filter.T_local_body(), config_.cost);
   Match match;
   match.num_iterations = std::max(found.num_iterations, 1);
   ScanFit& fit = match.fit;
   count_known(fit, found.T_local_body);
   fit.map_share = kMapShare;
   fit.renewal = 1.0 / std::min(submap.num_scans + 1, config_.submaps.scans);
-  Matrix6 keep;
-  fit.num_degenerate = find_open(found.T_local_body, doubt.range_sigma_m, keep);
+  fit.num_degenerate = count_open(found.T_local_body, doubt.range_sigma_m);
   if (fit.num_known < doubt.known_share_min * fit.num_points) return match;
 
   InertialFilter::WeighedPose pose;
-  pose.slope = keep.transpose() * found.evidence.H * keep;
-  pose.scatter = config_.points_per_error * keep.transpose() * found.evidence.scatter * keep +
+  pose.slope = found.evidence.H;
+  pose.scatter = config_.points_per_error * found.evidence.scatter +
                  doubt.smear_m * doubt.smear_m * pose.slope.leftCols<3>() * pose.slope.topRows<3>();
   pose.scatter.diagonal().array() += kTinyScatter * pose.scatter.trace();
   const Matrix6 whole = pose.slope + Matrix6(found.held.asDiagonal());
-  pose.gain = keep * whole.inverse();
-  pose.moved = keep * found.moved;
+  pose.gain = whole.inverse();
+  pose.moved = found.moved;
   pose.told = whole * pose.moved;
   filter.take(pose);
   fit.evidence.information = pose.slope * pose.scatter.partialPivLu().solve(pose.slope);
@@ -85,31 +81,13 @@ ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Doubt& doubt
 }
 
 /// In how many directions of the pose the planes of the last scans leave it open.
-///
-/// @param keep  takes these out of a change of the pose
-int GridMatcher::find_open(const Pose& T_local_body, double range_sigma_m, Matrix6& keep) {
-  keep.setIdentity();
+int GridMatcher::count_open(const Pose& T_local_body, double range_sigma_m) {
   const Planes& planes = planes_[older_planes_];
   if (planes.num_scans < kPlanesLeast) return 0;
   ScanToMapConfig config;
   config.standing_points = kJudgedStanding;
   config.degenerate_share = kJudgedShare;
-  const ScanFit fit = fitter_.fit(planes.map, judged_body_m_, T_local_body, config, 0.0, range_sigma_m);
-  if (fit.num_degenerate == 0 || fit.num_degenerate == 6) return fit.num_degenerate;
-  double lever_m2 = 0.0;
-  for (const Eigen::Vector3f& p : judged_body_m_) lever_m2 += p.cast<double>().squaredNorm();
-  Vector6 scale;  // turns count by the mean lever arm
-  scale << Vector3::Ones(), Vector3::Constant(std::sqrt(lever_m2 / static_cast<double>(judged_body_m_.size())));
-  const Vector6 inverse = scale.cwiseInverse();
-  const SymmetricEigen<6> eigen =
-      symmetric_eigen<6>(Matrix6(inverse.asDiagonal() * fit.evidence.information * inverse.asDiagonal()));
-  Matrix6 seen = Matrix6::Identity();
-  for (int i = 0; i < 6; ++i) {
-    if (eigen.values(i) > kNothing * eigen.values(5)) continue;
-    seen -= eigen.vectors.col(i) * eigen.vectors.col(i).transpose();
-  }
-  keep = inverse.asDiagonal() * seen * scale.asDiagonal();
-  return fit.num_degenerate;
+  return fitter_.fit(planes.map, judged_body_m_, T_local_body, config, 0.0, range_sigma_m).num_degenerate;
 }
 
 void GridMatcher::count_known(ScanFit& fit, const Pose& T_local_body) const {

@@ -42,6 +42,7 @@ void slam_aisles(Experiment& experiment);        // slam_aisles.cpp
 void slam_limits(Experiment& experiment);        // slam_limits.cpp
 void slam_in_place(Experiment& experiment);      // slam_in_place.cpp
 void joined_maps(Experiment& experiment);        // joined_maps.cpp
+void slam_matching(Experiment& experiment);      // slam_matching.cpp
 
 // rbl_crossing.cpp, rbl_forest.cpp, rbl_baselines.cpp
 void rbl_circle(Experiment& experiment);

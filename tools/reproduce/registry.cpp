@@ -73,6 +73,8 @@ std::span<const ExperimentType> experiment_types() {
                      slam_in_place},
       ExperimentType{"joined-maps", "Two UAVs join their maps by radio, by the rate of the link (beyond Orsulic 2021)",
                      2500.0, joined_maps},
+      ExperimentType{"slam-matching", "Scans matched to surfaces, and to grids as in the document, on the same flights",
+                     8000.0, slam_matching},
       ExperimentType{"rbl-circle",
                      "Five to fifteen vehicles cross a circle of 10 m, in 2D and 3D [Kamler 2025, sec. 2.4]", 600.0,
                      rbl_circle},

@@ -104,7 +104,7 @@ TEST(GridCost, TheTermsOfThePredictionHaveTheirDerivatives) {
   }
 }
 
-TEST(GridMatch, EvidenceIsTheGradientOfItsCost) {
+TEST(GridsMatch, EvidenceIsTheGradientOfItsCost) {
   const GridSubmap submap = submap_of(kChamber, 4);
   const auto points_body_m = seen_from(kChamber, Pose::Identity(), 400, 4);
   const std::array<GridCloud, 2> clouds{GridCloud{&submap.high, points_body_m, 1.0},
@@ -112,7 +112,7 @@ TEST(GridMatch, EvidenceIsTheGradientOfItsCost) {
   GridMatchConfig still;  // no step is allowed: where it begins
   still.translation_weight_1_m = still.rotation_weight = 1e6;
   const Pose T = make_pose({0.03, -0.02, 0.04}, rotation_by({0.01, 0.02, -0.01}));
-  const GridMatch here = match_to_grids(clouds, submap.origin_local_m, T, still);
+  const GridsMatch here = match_to_grids(clouds, submap.origin_local_m, T, still);
   EXPECT_LT(here.moved.norm(), 1e-9);
   for (int i = 0; i < 6; ++i) {
     const double numeric = derivative(
@@ -153,9 +153,9 @@ Found worst_of(const SyntheticRoom& room, const GridMatchConfig& config) {
     off.tail<3>() *= 0.01;
     const Pose T_true = make_pose({0.1, -0.05, 0.02}, rotation_by({0.02, -0.01, 0.2}));
     const auto points_body_m = seen_from(room, T_true, 3000, 10 + trial);
-    const GridMatch match = match_to_grids({GridCloud{&submap.high, points_body_m, config.high_weight},
-                                            GridCloud{&submap.low, points_body_m, config.low_weight}},
-                                           submap.origin_local_m, moved_by(T_true, off), config);
+    const GridsMatch match = match_to_grids({GridCloud{&submap.high, points_body_m, config.high_weight},
+                                             GridCloud{&submap.low, points_body_m, config.low_weight}},
+                                            submap.origin_local_m, moved_by(T_true, off), config);
     const Matrix3 turn = T_true.linear().transpose() * match.T_local_body.linear();
     worst.off_m = std::max(worst.off_m, (match.T_local_body.translation() - T_true.translation()).norm());
     worst.off_rad = std::max(worst.off_rad, rotation_vector_rad(Eigen::Quaterniond(turn)).norm());
@@ -170,14 +170,14 @@ GridMatchConfig of_points_alone() {
   return config;
 }
 
-TEST(GridMatch, FindsADisplacementToMillimetersWhereWallsLieInTheMiddleOfCells) {
+TEST(GridsMatch, FindsADisplacementToMillimetersWhereWallsLieInTheMiddleOfCells) {
   // Whole numbers of cells of both grids, 0.1 and 0.45 m, from where the submap begins.
   const Found worst = worst_of(SyntheticRoom::box({-5.4, -4.5, -1.8}, {6.3, 3.6, 2.7}), of_points_alone());
   EXPECT_LT(worst.off_m, 0.005);
   EXPECT_LT(worst.off_rad, 0.001);
 }
 
-TEST(GridMatch, ElsewhereItIsOffByAsMuchAsWallsLieBesideTheMiddleOfTheirCells) {
+TEST(GridsMatch, ElsewhereItIsOffByAsMuchAsWallsLieBesideTheMiddleOfTheirCells) {
   const Found both = worst_of(kChamber, of_points_alone());
   EXPECT_LT(both.off_m, 0.5 * 0.45);
   EXPECT_LT(both.off_rad, 0.01);
@@ -188,7 +188,7 @@ TEST(GridMatch, ElsewhereItIsOffByAsMuchAsWallsLieBesideTheMiddleOfTheirCells) {
   EXPECT_LT(alone.off_rad, 0.005);
 }
 
-TEST(GridMatch, ItsWeightsHoldItToThePrediction) {
+TEST(GridsMatch, ItsWeightsHoldItToThePrediction) {
   const GridSubmap submap = submap_of(kChamber);
   const auto points_body_m = seen_from(kChamber, Pose::Identity(), 3000, 20);
   const std::array<GridCloud, 2> clouds{GridCloud{&submap.high, points_body_m, 1.0},
@@ -199,7 +199,7 @@ TEST(GridMatch, ItsWeightsHoldItToThePrediction) {
     GridMatchConfig config;
     config.translation_weight_1_m = weight;
     config.iterations = 100;
-    const GridMatch match = match_to_grids(clouds, submap.origin_local_m, T_off, config);
+    const GridsMatch match = match_to_grids(clouds, submap.origin_local_m, T_off, config);
     const double moved_m = match.moved.head<3>().norm();
     EXPECT_LT(moved_m, last_m) << weight;
     last_m = moved_m;
@@ -215,11 +215,11 @@ TEST(GridMatch, ItsWeightsHoldItToThePrediction) {
   EXPECT_LT(last_m, 1e-3);
 }
 
-TEST(GridMatch, WithoutAnythingInSightItStaysAtThePrediction) {
+TEST(GridsMatch, WithoutAnythingInSightItStaysAtThePrediction) {
   const GridSubmap submap = submap_of(kChamber, 1);
   const Pose T_far = make_pose({100, 0, 0}, rotation_by({0.1, 0, 0}));
   const auto points_body_m = seen_from(kChamber, Pose::Identity(), 300, 21);
-  const GridMatch match =
+  const GridsMatch match =
       match_to_grids({GridCloud{&submap.high, points_body_m, 1.0}, GridCloud{&submap.low, points_body_m, 6.0}},
                      submap.origin_local_m, T_far, {});
   EXPECT_LT(match.moved.norm(), 1e-9);

@@ -58,7 +58,7 @@ struct GridEvidence {
   Matrix6 scatter = Matrix6::Zero();
 };
 
-struct GridMatch {
+struct GridsMatch {
   Pose T_local_body = Pose::Identity();
   Vector6 moved = Vector6::Zero();  ///< from the prediction
   GridEvidence evidence;            ///< at that pose
@@ -68,7 +68,7 @@ struct GridMatch {
 
 /// The pose of least cost near the predicted one: occupied space for both clouds, translation and rotation. By
 /// Levenberg and Marquardt's method.
-GridMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3& origin_local_m,
-                         const Pose& T_local_body_predicted, const GridMatchConfig& config);
+GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3& origin_local_m,
+                          const Pose& T_local_body_predicted, const GridMatchConfig& config);
 
 }  // namespace swiftlet

@@ -31,7 +31,7 @@ struct GridMatchingConfig {
 /// 2016]. The pose is that of its least squares. The filter predicts, and learns velocity and biases from it.
 ///
 /// Grids have slopes along walls and floors as well, where scan lines lie apart. So they cannot tell which directions
-/// are open. The planes of the last scans do, as in fit_scan(), and an open direction is left to the prediction.
+/// are open. The planes of the last scans do, as in fit_scan(). That is told, and changes no pose.
 class GridMatcher : public ScanMatcher {
  public:
   explicit GridMatcher(const GridMatchingConfig& config);
@@ -50,7 +50,7 @@ class GridMatcher : public ScanMatcher {
 
  private:
   void count_known(ScanFit& fit, const Pose& T_local_body) const;
-  int find_open(const Pose& T_local_body, double range_sigma_m, Matrix6& keep);
+  int count_open(const Pose& T_local_body, double range_sigma_m);
   void learn_planes(const Pose& T_local_body);
 
   GridMatchingConfig config_;
