@@ -29,10 +29,10 @@ constexpr MetricDefinition kJoinedYawRmse = {
 constexpr MetricDefinition kJoinedYawEnd = {"joined_yaw_end_rad", "rad", "the same in the last of these ticks"};
 constexpr MetricDefinition kJoinedNees = {
     "joined_nees", "", "mean normalized error squared of that place; 3 when the covariances are right"};
-constexpr MetricDefinition kLooksSent = {"map_looks_kB", "kB", "descriptors of submaps that it sent, with headers"};
-constexpr MetricDefinition kCloudsSent = {"map_clouds_kB", "kB", "clouds of submaps that it sent, with headers"};
+constexpr MetricDefinition kLooksSent = {"map_looks_bytes", "B", "descriptors of submaps that it sent, with headers"};
+constexpr MetricDefinition kCloudsSent = {"map_clouds_bytes", "B", "clouds of submaps that it sent, with headers"};
 constexpr MetricDefinition kWordsSent = {
-    "map_words_kB", "kB", "all else that it said about maps: places, requests and closures, with headers"};
+    "map_words_bytes", "B", "all else that it said about maps: places, requests and closures, with headers"};
 constexpr MetricDefinition kJoinedMapsDefinitions[] = {kJoinedAt,      kJoinedRmse,   kJoinedMax,  kJoinedEnd,
                                                        kJoinedYawRmse, kJoinedYawEnd, kJoinedNees, kLooksSent,
                                                        kCloudsSent,    kWordsSent};
@@ -65,9 +65,9 @@ class JoinedMapsMetric final : public Metric {
       table.add(kJoinedYawEnd, name_of(i), vehicle.end_rad);
       table.add(kJoinedNees, name_of(i),
                 vehicle.count > 0 ? vehicle.nees_sum / static_cast<double>(vehicle.count) : kNotMeasured);
-      table.add(kLooksSent, name_of(i), 1e-3 * static_cast<double>(vehicle.looks_bytes));
-      table.add(kCloudsSent, name_of(i), 1e-3 * static_cast<double>(vehicle.clouds_bytes));
-      table.add(kWordsSent, name_of(i), 1e-3 * static_cast<double>(vehicle.words_bytes));
+      table.add(kLooksSent, name_of(i), static_cast<double>(vehicle.looks_bytes));
+      table.add(kCloudsSent, name_of(i), static_cast<double>(vehicle.clouds_bytes));
+      table.add(kWordsSent, name_of(i), static_cast<double>(vehicle.words_bytes));
     }
   }
 

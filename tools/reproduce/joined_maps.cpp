@@ -131,9 +131,9 @@ void joined_maps(Experiment& experiment) {
     results.worst_m.push_back(worse_of(runs, i, "joined_position_max_m"));
     results.yaw_deg.push_back(worse_of(runs, i, "joined_yaw_end_rad") * 180.0 / 3.14159265358979);
     results.nees.push_back(worse_of(runs, i, "joined_nees"));
-    results.looks_kB.push_back(sum_over(runs, i, "map_looks_kB"));
-    results.clouds_kB.push_back(sum_over(runs, i, "map_clouds_kB"));
-    results.words_kB.push_back(sum_over(runs, i, "map_words_kB"));
+    results.looks_kB.push_back(1e-3 * sum_over(runs, i, "map_looks_bytes"));
+    results.clouds_kB.push_back(1e-3 * sum_over(runs, i, "map_clouds_bytes"));
+    results.words_kB.push_back(1e-3 * sum_over(runs, i, "map_words_bytes"));
     csv.row(name, {results.link_kbps, static_cast<double>(seed), results.joined_s.back(), results.end_m.back(),
                    results.worst_m.back(), results.yaw_deg.back(), results.nees.back(), results.looks_kB.back(),
                    results.clouds_kB.back(), results.words_kB.back()});

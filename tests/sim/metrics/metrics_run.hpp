@@ -46,6 +46,7 @@ struct MetricsRun {
     view.actions = pointers;
     view.scans = scans;
     view.events = events;
+    view.agents = agents;
     metrics.update(view, clearances);
     events.clear();
   }
@@ -69,6 +70,7 @@ struct MetricsRun {
   std::vector<Observation> observations;
   std::vector<std::vector<std::shared_ptr<const LabeledScan>>> scans;
   std::vector<Event> events;
+  std::vector<std::unique_ptr<Agent>> agents;  // none, unless a test sets them
   std::vector<const Action*> pointers;
   Metrics metrics;
 };
