@@ -113,7 +113,7 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
     motion_.move(filter_.T_local_body() * T_before.inverse());
     if (smeared) {
       motion_.change_velocity(filter_.state().nav.t, filter_.state().nav.v_mps - v_before_mps);
-      gather(scan);
+      gather(scan, others);
     }
   }
   outcome.used = first || outcome.fit.num_known >= config_.known_share_min * outcome.fit.num_points;
