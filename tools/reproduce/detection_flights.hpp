@@ -15,7 +15,7 @@ namespace swiftlet::tools {
 
 inline constexpr double kBin_m = 5.0, kFarthestBin_m = 90.0;
 inline constexpr double kIgnored_s = 10.0;  ///< the map must first become free
-inline constexpr double kSame_m = 1.0;  ///< a track nearer than this is the target's
+inline constexpr double kSame_m = 1.0;      ///< a track nearer than this is the target's
 inline constexpr double kOs1Fov_deg = 22.5;
 /// A detector tells of a scan when it has worked on it (0.11 s), which begins when the one before is done. Only then
 /// can a tracker know of a target that came into view.
