@@ -159,34 +159,27 @@ struct Sought {
   std::span<const std::uint8_t> headings;
 };
 
-SearchWindow within(double reach_m, double cell_m, SearchWindow window) {
-  window.xy_cells = std::min(window.xy_cells, static_cast<int>(std::ceil(std::min(reach_m, 1e6) / cell_m)));
-  return window;
-}
+double distance_m(const Pose& T_a, const Pose& T_b) { return (T_a.translation() - T_b.translation()).norm(); }
 
 /// A place that was settled on is doubtful when the surfaces fit about as well at another one. A lower score of the
 /// grid does not speak against that one: where all bays of an aisle look alike, the place with the largest overlap
 /// scores best. Others do not count that are farther from the guess than this one, and farther than the guess can be
-/// off. What lies about the guess itself is looked at in any case.
+/// off.
 void doubt(const Sought& sought, const SurfaceMap& surfaces, const GridMatch& best, double guess_off_m,
            const ClosureConfig& config, ClosureResult& result) {
   const Excluded excluded{best.T_map_cloud, config.rival_distance_m};
-  const double best_off_m = (best.T_map_cloud.translation() - sought.T_guess.translation()).norm();
-  for (const double reach_m : {std::max(best_off_m, guess_off_m), config.rival_distance_m}) {
-    const SearchResult found = search_best_pose(sought.pyramid, sought.upright_newer_m, sought.T_guess,
-                                                within(reach_m, config.cell_m, sought.window), kRivalScore * best.score,
-                                                config.budget, sought.headings, &excluded);
-    result.num_expanded += found.num_expanded;
-    if (!found.complete) result.verdict = ClosureVerdict::kNotSearched;
-    if (!found.complete) return;
-    if (!found.best) continue;
-    ClosureResult rival;
-    settle(surfaces, sought.newer, found.best->T_map_cloud, config, rival);
-    const bool fits_as_well = rival.verdict == ClosureVerdict::kClosed &&
-                              rival.overlap * rival.near_share >= kRivalFit * result.overlap * result.near_share;
-    if (fits_as_well) result.verdict = ClosureVerdict::kRival;
-    if (fits_as_well) return;
-  }
+  const SearchResult found = search_best_pose(sought.pyramid, sought.upright_newer_m, sought.T_guess, sought.window,
+                                              kRivalScore * best.score, config.budget, sought.headings, &excluded);
+  result.num_expanded += found.num_expanded;
+  if (!found.complete) result.verdict = ClosureVerdict::kNotSearched;
+  if (!found.complete || !found.best) return;
+  const double reach_m = std::max(distance_m(sought.T_guess, best.T_map_cloud) + config.cell_m, guess_off_m);
+  if (distance_m(sought.T_guess, found.best->T_map_cloud) > reach_m) return;
+  ClosureResult rival;
+  settle(surfaces, sought.newer, found.best->T_map_cloud, config, rival);
+  const bool fits_as_well = rival.verdict == ClosureVerdict::kClosed &&
+                            rival.overlap * rival.near_share >= kRivalFit * result.overlap * result.near_share;
+  if (fits_as_well) result.verdict = ClosureVerdict::kRival;
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ struct ClosureConfig {
   double range_max_m = 25.0;
   int budget = 200000;
   double histogram_min = 0.0;
-  double score_min = 0.4;
+  double score_min = 0.5;
   double rival_share = 0.9;
   double rival_distance_m = 1.5;
   double overlap_min = 0.4;
