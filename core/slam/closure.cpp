@@ -317,7 +317,6 @@ ClosureConfig global_closure_config() {
   config.window_z_m = 3.0;
   config.window_yaw_deg = 180.0;
   config.budget = 3000000;
-  config.histogram_min = 0.6;
   config.score_min = 0.6;
   config.overlap_min = 0.6;
   config.near_min = 0.8;

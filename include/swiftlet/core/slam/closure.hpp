@@ -21,7 +21,7 @@ struct ClosureConfig {
   int points = 400;
   double range_max_m = 25.0;
   int budget = 200000;
-  double histogram_min = 0.0;
+  double histogram_min = 0.6;
   double score_min = 0.5;
   double rival_share = 0.9;
   double rival_distance_m = 1.5;

@@ -32,7 +32,7 @@ struct GlobalSlamConfig {
   double covered_share = 0.7;
   double closure_distance_m = 8.0;
   double closure_gap_m = 30.0;
-  int searches = 3;
+  int searches = 2;
   double odometry_position_m_sqrt_m = 0.02;
   double odometry_attitude_deg_sqrt_m = 0.1;
   double closure_position_m = 0.02;
