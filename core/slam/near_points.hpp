@@ -11,8 +11,8 @@
 
 namespace swiftlet {
 
-/// Which points lie near one of some others: within the edge of a voxel along each axis. Where the cells, twice as wide,
-/// lie so, it is up to three edges. Any frame, the same for all arguments.
+/// Which points lie near one of some others: within the edge of a voxel along each axis. Where the cells, twice as
+/// wide, lie so, it is up to three edges. Any frame, the same for all arguments.
 class NearPoints {
  public:
   NearPoints(double voxel_m, std::span<const Eigen::Vector3f> points_m) : cells_per_m_(0.5 / voxel_m) {
