@@ -28,6 +28,7 @@ constexpr double kRivalHeading_rad = 20.0 * kRadPerDeg;  // another heading at t
 constexpr double kRivalScore = 0.7;                      // of the best score: what another place needs to be looked at
 constexpr double kRivalFit = 0.8;                        // of overlap and share of near points: what makes it as good
 constexpr std::size_t kFitted = 5000;  // points of the newer submap, at most: surfaces ask for no more
+constexpr double kNarrowest_m = 1.0;   // of the window of a search: two cells of the grid
 constexpr int kRefinements = 8;
 constexpr double kStill = 1e-4;                             // m and rad: refined
 constexpr double kMovedMost_m = 1.0, kMovedMost_deg = 4.0;  // by the refinement: a cell of the grid and some
@@ -86,10 +87,12 @@ int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, Pos
   return fitter.fit(map, points_m, T, matching_of(kFinest_m)).num_degenerate;
 }
 
-SearchWindow window_of(const ClosureConfig& config) {
+/// No wider than the guess can be off: where bays look alike, the one next to it is none of those that can be meant.
+SearchWindow window_of(const ClosureConfig& config, double guess_off_m = std::numeric_limits<double>::infinity()) {
+  const double off_m = std::max(guess_off_m, kNarrowest_m);
   SearchWindow window;
-  window.xy_cells = static_cast<int>(std::ceil(config.window_xy_m / config.cell_m));
-  window.z_cells = static_cast<int>(std::ceil(config.window_z_m / config.cell_m));
+  window.xy_cells = static_cast<int>(std::ceil(std::min(config.window_xy_m, off_m) / config.cell_m));
+  window.z_cells = static_cast<int>(std::ceil(std::min(config.window_z_m, off_m) / config.cell_m));
   window.yaw_rad = config.window_yaw_deg * kRadPerDeg;
   window.yaw_step_rad = yaw_step_rad(config.cell_m, config.range_max_m);
   return window;
@@ -223,7 +226,7 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
   std::vector<Eigen::Vector3f> newer_m = upright_points_m(points_newer_m, config.cell_m, config.range_max_m);
   if (std::min(older_m.size(), newer_m.size()) < kLeastUpright) return refused(ClosureVerdict::kTooFlat);
   keep_at_most(config.points, newer_m);
-  const SearchWindow window = window_of(config);
+  const SearchWindow window = window_of(config, guess_off_m);
   const std::vector<std::uint8_t> allowed =
       likely_headings(RotationalHistogram(points_older_m), RotationalHistogram(points_newer_m),
                       yaw_of(T_older_newer_guess.linear()), window, config.histogram_min);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/slam/graph_ways.hpp"
 #include "core/slam/near_points.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/frame_change.hpp"
@@ -124,24 +125,23 @@ std::vector<GlobalSlam::Joined> GlobalSlam::seek_closures() {
   if (num_given_poses_ > 0 && !located_) return joined;
   const Submap& newer = submaps_.back();
   const Pose& T_world_newer = graph_.pose(newer.pose);
+  const std::vector<double> way_m = shortest_ways_m(graph_, newer.pose);
   struct Candidate {
     double distance_m = 0.0;
     int pose = 0;
     std::span<const Eigen::Vector3f> points_submap_m;
-    double way_m = 0.0;  // between them, as far as it is known
   };
   std::vector<Candidate> candidates;
-  const auto consider = [&](int pose, std::span<const Eigen::Vector3f> points_submap_m, double way_m) {
+  const auto consider = [&](int pose, std::span<const Eigen::Vector3f> points_submap_m) {
     const double distance_m = (graph_.pose(pose).translation() - T_world_newer.translation()).norm();
-    if (distance_m <= config_.closure_distance_m) candidates.push_back({distance_m, pose, points_submap_m, way_m});
+    if (distance_m <= config_.closure_distance_m) candidates.push_back({distance_m, pose, points_submap_m});
   };
   if (config_.loaded_map != nullptr) {
-    for (const SavedMap::Submap& given : config_.loaded_map->submaps)
-      consider(given.pose, given.points_submap_m, newer.end_m);
+    for (const SavedMap::Submap& given : config_.loaded_map->submaps) consider(given.pose, given.points_submap_m);
   }
   for (std::size_t i = 0; i + 1 < submaps_.size(); ++i) {
     if (submaps_[i].thinned_out || newer.begin_m - submaps_[i].end_m < config_.closure_gap_m) continue;
-    consider(submaps_[i].pose, submaps_[i].points_submap_m, newer.end_m - submaps_[i].begin_m);
+    consider(submaps_[i].pose, submaps_[i].points_submap_m);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.distance_m < b.distance_m; });
@@ -149,7 +149,7 @@ std::vector<GlobalSlam::Joined> GlobalSlam::seek_closures() {
   for (const Candidate& candidate : candidates) {
     const ClosureResult result = find_closure(candidate.points_submap_m, newer.points_submap_m,
                                               level(graph_.pose(candidate.pose)).inverse() * level(T_world_newer),
-                                              config_.closures, off_m(candidate.way_m));
+                                              config_.closures, off_m(way_m[static_cast<std::size_t>(candidate.pose)]));
     if (result.verdict != ClosureVerdict::kClosed) continue;
     join(candidate.pose, newer.pose, result.T_older_newer);
     joined.push_back({candidate.points_submap_m, result.T_older_newer});

@@ -17,7 +17,7 @@
 namespace swiftlet {
 namespace {
 
-using Cell = std::array<int, 3>;
+using GridCell3 = std::array<int, 3>;
 
 double odds(double p) { return p / (1.0 - p); }
 
@@ -61,15 +61,15 @@ class PlainGrid {
   void insert(const std::vector<Vector3>& points_m, const Vector3& origin_m, double resolution_m, double hit,
               double miss, int cells_missed) {
     const auto index = [&](double x_m) { return static_cast<int>(std::floor(x_m / resolution_m + 0.5)); };
-    const auto cell = [&](const Vector3& p_m) { return Cell{index(p_m.x()), index(p_m.y()), index(p_m.z())}; };
-    std::set<Cell> hits, misses;
-    const Cell from = cell(origin_m);
+    const auto cell = [&](const Vector3& p_m) { return GridCell3{index(p_m.x()), index(p_m.y()), index(p_m.z())}; };
+    std::set<GridCell3> hits, misses;
+    const GridCell3 from = cell(origin_m);
     for (const Vector3& p_m : points_m) hits.insert(cell(p_m));
-    for (const Cell& to : hits) {
+    for (const GridCell3& to : hits) {
       int steps = 0;
       for (int axis = 0; axis < 3; ++axis) steps = std::max(steps, std::abs(to[axis] - from[axis]));
       for (int before = 1; before <= std::min(cells_missed, steps); ++before) {
-        Cell passed;
+        GridCell3 passed;
         for (int axis = 0; axis < 3; ++axis) {
           const double way = to[axis] - from[axis];
           passed[axis] = from[axis] + static_cast<int>(std::trunc(way * (steps - before) / steps));
@@ -77,18 +77,18 @@ class PlainGrid {
         if (!hits.contains(passed)) misses.insert(passed);
       }
     }
-    for (const Cell& c : hits) change(c, hit);
-    for (const Cell& c : misses) change(c, miss);
+    for (const GridCell3& c : hits) change(c, hit);
+    for (const GridCell3& c : misses) change(c, miss);
   }
-  const std::map<Cell, double>& probabilities() const { return probabilities_; }
+  const std::map<GridCell3, double>& probabilities() const { return probabilities_; }
 
  private:
-  void change(const Cell& c, double observed) {
+  void change(const GridCell3& c, double observed) {
     const auto known = probabilities_.find(c);
     const double o = odds(observed) * (known == probabilities_.end() ? 1.0 : odds(known->second));
     probabilities_[c] = std::clamp(o / (1.0 + o), 0.1, 0.9);
   }
-  std::map<Cell, double> probabilities_;
+  std::map<GridCell3, double> probabilities_;
 };
 
 TEST(HybridGrid, IsWhatAPlainTableOfCellsIs) {
@@ -98,7 +98,7 @@ TEST(HybridGrid, IsWhatAPlainTableOfCellsIs) {
     HybridGrid grid(0.3);
     PlainGrid plain;
     const OddsTable hit(0.55), miss(0.49);
-    std::set<Cell> seen;
+    std::set<GridCell3> seen;
     for (int scan = 0; scan < 25; ++scan) {
       std::vector<Vector3> points_m(400);
       for (Vector3& p_m : points_m) p_m = {normal(random), normal(random) - 4.0, 0.3 * normal(random)};

@@ -55,7 +55,7 @@ struct ClosureResult {
 /// refinement from points to surfaces. A false closure is worse than none, so it is refused when anything is doubtful.
 ///
 /// Frames of submaps have z up.
-/// @param guess_off_m  how far the guess may be off; another place farther away makes none doubtful that is nearer
+/// @param guess_off_m  how far the guess may be off: no place is sought farther away, but up to 1 m in any case
 ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
                            std::span<const Eigen::Vector3f> points_newer_m, const Pose& T_older_newer_guess,
                            const ClosureConfig& config, double guess_off_m = std::numeric_limits<double>::infinity());
