@@ -173,19 +173,25 @@ void DetectionLog::add_detections(const Action& action) {
   if (scan == nullptr) return;
   const int num_targets = static_cast<int>(scan->points.size());
   std::vector<char> is_true(action.detections.size(), 0);
+  std::vector<char> exists(action.detections.size(), 0);  // a target is there once: a second one told of it is not
   for (int target = 0; target < num_targets; ++target) {
     Sighting sighting = sighting_of(*scan, target);
+    const Detection* surest = nullptr;
     for (std::size_t i = 0; i < action.detections.size(); ++i) {
       const Detection& detection = action.detections[i];
-      if (error_m(target, detection.t, detection.position_m) < kTruePositive_m) is_true[i] = 1;
+      if (error_m(target, detection.t, detection.position_m) < kTruePositive_m) {
+        is_true[i] = 1;
+        if (surest == nullptr || detection.confidence > surest->confidence) surest = &detection;
+      }
       if (detection.confidence < least_confidence_) continue;
       take(sighting, detection.t, detection.position_m);
     }
+    if (surest != nullptr) exists[static_cast<std::size_t>(surest - action.detections.data())] = 1;
     detections_.push_back(sighting);
   }
   for (std::size_t i = 0; i < action.detections.size(); ++i) {
     const double confidence = action.detections[i].confidence;
-    if (least_confidence_ > 0.0) told_.push_back({confidence, is_true[i] != 0});
+    if (least_confidence_ > 0.0) told_.push_back({confidence, exists[i] != 0});
     if (confidence >= least_confidence_ && !is_true[i]) ++num_false_detections_;
   }
 }
