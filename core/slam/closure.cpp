@@ -327,7 +327,8 @@ ClosureConfig global_closure_config() {
 }
 
 void ClosureConfig::visit(ConfigVisitor& v) {
-  v.field("window_xy_m", window_xy_m, "[m] from the estimate, in which a closure is sought", Range::between(0.0, 50.0));
+  v.field("window_xy_m", window_xy_m, "[m] from the estimate, in which a closure is sought at most",
+          Range::between(0.0, 50.0));
   v.field("window_z_m", window_z_m, "[m] the same for the height", Range::between(0.0, 20.0));
   v.field("window_yaw_deg", window_yaw_deg, "[deg] the same for the heading", Range::between(0.0, 180.0));
   v.field("cell_m", cell_m, "[m] of the grid that is searched", Range::between(0.1, 5.0));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/slam/graph_ways.hpp"
 
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <queue>

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <tuple>
+#include <vector>
 
 #include "parallel.hpp"
 #include "swiftlet/core/action.hpp"
@@ -60,6 +62,15 @@ TEST(DetectionLog, JudgesATrackerOnceAScanInTheWorldThatItsObserverBelievesIn) {
     EXPECT_EQ(a.estimate_m, b.estimate_m);
     EXPECT_EQ(a.drifted_error_m, b.drifted_error_m);
   }
+}
+
+TEST(DetectionLog, ATargetIsThereOnceHoweverOftenItIsTold) {
+  std::vector<Detection> told(4);
+  for (std::size_t i = 0; i < told.size(); ++i) told[i].confidence = std::array{0.4, 0.9, 0.6, 0.95}[i];
+  EXPECT_EQ(surest_of(told, std::vector{0.1, 0.5, 0.2, 3.5}), 1U);  // the last one is too far off
+  EXPECT_EQ(surest_of(told, std::vector{0.1, 4.0, 5.0, 3.5}), 0U);
+  EXPECT_FALSE(surest_of(told, std::vector{3.0, 4.0, 5.0, 3.5}).has_value());
+  EXPECT_FALSE(surest_of({}, {}).has_value());
 }
 
 // At 10 Hz an odometry does not tell how a multirotor leans in between: without an inertial unit the walls of the hall

@@ -168,25 +168,32 @@ void DetectionLog::find_unsure(const Action& action) {
   }
 }
 
+std::optional<std::size_t> surest_of(std::span<const Detection> detections, std::span<const double> off_m) {
+  std::optional<std::size_t> surest;
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    if (off_m[i] >= kTruePositive_m) continue;
+    if (!surest || detections[i].confidence > detections[*surest].confidence) surest = i;
+  }
+  return surest;
+}
+
 void DetectionLog::add_detections(const Action& action) {
   const SeenScan* scan = scan_of(action.detections_stamp);
   if (scan == nullptr) return;
   const int num_targets = static_cast<int>(scan->points.size());
   std::vector<char> is_true(action.detections.size(), 0);
-  std::vector<char> exists(action.detections.size(), 0);  // a target is there once: a second one told of it is not
+  std::vector<char> exists(action.detections.size(), 0);
   for (int target = 0; target < num_targets; ++target) {
     Sighting sighting = sighting_of(*scan, target);
-    const Detection* surest = nullptr;
+    std::vector<double> off_m;
     for (std::size_t i = 0; i < action.detections.size(); ++i) {
       const Detection& detection = action.detections[i];
-      if (error_m(target, detection.t, detection.position_m) < kTruePositive_m) {
-        is_true[i] = 1;
-        if (surest == nullptr || detection.confidence > surest->confidence) surest = &detection;
-      }
+      off_m.push_back(error_m(target, detection.t, detection.position_m));
+      if (off_m.back() < kTruePositive_m) is_true[i] = 1;
       if (detection.confidence < least_confidence_) continue;
       take(sighting, detection.t, detection.position_m);
     }
-    if (surest != nullptr) exists[static_cast<std::size_t>(surest - action.detections.data())] = 1;
+    if (const std::optional<std::size_t> surest = surest_of(action.detections, off_m)) exists[*surest] = 1;
     detections_.push_back(sighting);
   }
   for (std::size_t i = 0; i < action.detections.size(); ++i) {

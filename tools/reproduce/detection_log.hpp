@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <vector>
@@ -31,6 +32,10 @@ struct Sighting {
   Vector3 p_m = Vector3::Zero();     ///< where it was, in the world that the observer believes in
   Vector3 estimate_m = Vector3::Zero();  ///< the estimate nearest to it, when found
 };
+
+/// A target is there once. So of all that is told of it the surest is right, and a second one is not.
+/// @param off_m  of each from the target; from 3 m on it tells of another one, or of none
+std::optional<std::size_t> surest_of(std::span<const Detection> detections, std::span<const double> off_m);
 
 /// What one run shows, collected tick by tick: one vehicle observes, all others are targets, numbered without it. The
 /// detector is judged for each scan that it worked on, by what it told of it, however late; the tracker at each new

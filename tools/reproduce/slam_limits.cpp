@@ -101,8 +101,8 @@ constexpr double kWell_m = 0.2;  // root mean square of the position's error: le
 /// All flights of one LiDAR at one value.
 struct LimitPoint {
   std::vector<double> rms_m;
-  int flights = 0,
-      failed = 0;  // it touched something, had no valid estimate at some time, or was farther off than that
+  int flights = 0;
+  int failed = 0;  // it touched something, had no valid estimate at some time, or was farther off than that
 };
 
 void draw_limit(sim::plot::Figure& figure, const SlamLimit& limit,
