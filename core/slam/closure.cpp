@@ -17,6 +17,7 @@
 #include "swiftlet/core/slam/scan_to_map.hpp"
 #include "swiftlet/core/slam/surface_map.hpp"
 #include "swiftlet/core/slam/sweep.hpp"
+#include "swiftlet/core/slam/symmetric_eigen.hpp"
 
 namespace swiftlet {
 namespace {
@@ -27,8 +28,15 @@ constexpr std::size_t kLeastUpright = 40;
 constexpr double kRivalHeading_rad = 20.0 * kRadPerDeg;  // another heading at the same place is one at least so far off
 constexpr double kRivalScore = 0.7;                      // of the best score: what another place needs to be looked at
 constexpr double kRivalFit = 0.8;                        // of overlap and share of near points: what makes it as good
-constexpr std::size_t kFitted = 5000;  // points of the newer submap, at most: surfaces ask for no more
-constexpr double kNarrowest_m = 1.0;   // of the window of a search: two cells of the grid
+constexpr std::size_t kFitted = 5000;   // points of the newer submap, at most: surfaces ask for no more
+constexpr double kNarrowest_m = 1.0;    // of the window of a search: two cells of the grid
+constexpr double kNearlyRight_m = 0.6;  // so far off, the points of a guess still meet the surfaces that they belong to
+constexpr double kLeastOff_m = 0.3;     // by which a guess may be off in any case
+// Normals of a thinned cloud are off by up to 8 degrees. What planes seem to tell of a direction by such a share of all
+// may be that alone.
+constexpr double kOpenShare = 0.02;
+constexpr int kMostOpen = 1, kAllOpen = 6;  // directions of a pose
+constexpr double kTurnedOff_deg = 1.0;      // the same of its attitude, one standard deviation
 constexpr int kRefinements = 8;
 constexpr double kStill = 1e-4;                             // m and rad: refined
 constexpr double kMovedMost_m = 1.0, kMovedMost_deg = 4.0;  // by the refinement: a cell of the grid and some
@@ -46,8 +54,9 @@ double yaw_step_rad(double cell_m, double range_m) {
   return 0.99 * elementary::acos(1.0 - 0.5 * share * share);
 }
 
-ScanToMapConfig matching_of(double surface_sigma_m) {
+ScanToMapConfig matching_of(double surface_sigma_m, double open_share = ScanToMapConfig{}.degenerate_share) {
   ScanToMapConfig matching;
+  matching.degenerate_share = open_share;
   matching.surface_sigma_m = surface_sigma_m;
   return matching;
 }
@@ -69,22 +78,67 @@ void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> point
   T.translation().z() = best_m;
 }
 
+/// What is known of a pose before its surfaces are looked at, as information [1/m^2, 1/rad^2].
+struct PosePrior {
+  Pose T = Pose::Identity();
+  Matrix6 information = Matrix6::Zero();
+};
+
+PosePrior prior_of(const Pose& T_guess, double off_m) {
+  PosePrior prior{T_guess};
+  const double sigma_m = std::max(off_m, kLeastOff_m) / 3.0, sigma_rad = kTurnedOff_deg * kRadPerDeg;
+  prior.information.diagonal() << Vector3::Constant(1.0 / (sigma_m * sigma_m)),
+      Vector3::Constant(1.0 / (sigma_rad * sigma_rad));
+  return prior;
+}
+
+/// By which moved() brings the one to the other.
+Vector6 step_between(const Pose& T_from, const Pose& T_to) {
+  Vector6 step;
+  step << T_to.translation() - T_from.translation(),
+      rotation_vector_rad(Eigen::Quaterniond(Matrix3(T_from.linear().transpose() * T_to.linear())));
+  return step;
+}
+
 /// Gauss and Newton on the distances of the points from the surfaces. The first steps count points as far off as a cell
 /// of the grid is wide, the last ones only those that lie close.
-/// @return how many directions of the pose the surfaces leave open
-int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, Pose& T) {
+/// @param prior  holds the pose in directions that the surfaces leave open; null: none may be
+/// @return how many they leave open
+int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, const PosePrior* prior, Pose& T) {
   ScanFitter fitter;
+  const double open_share = prior == nullptr ? ScanToMapConfig{}.degenerate_share : kOpenShare;
   for (const double sigma_m : {0.3, 0.1, 0.03, kFinest_m}) {
-    const ScanToMapConfig matching = matching_of(sigma_m);
+    const ScanToMapConfig matching = matching_of(sigma_m, open_share);
     for (int i = 0; i < kRefinements; ++i) {
       const ScanFit fit = fitter.fit(map, points_m, T, matching);
-      const Vector6 step = fit.evidence.information.ldlt().solve(fit.evidence.gradient);
-      if (fit.num_degenerate > 0 || !step.allFinite()) return std::max(fit.num_degenerate, 1);
+      if (fit.num_degenerate > 0 && prior == nullptr) return fit.num_degenerate;
+      PoseEvidence told = fit.evidence;
+      if (prior != nullptr) {
+        told.information += prior->information;
+        told.gradient += prior->information * step_between(prior->T, T);
+      }
+      const Vector6 step = told.information.ldlt().solve(told.gradient);
+      if (!step.allFinite()) return kAllOpen;
       T = moved(T, -step);
       if (step.cwiseAbs().maxCoeff() < kStill) break;
     }
   }
-  return fitter.fit(map, points_m, T, matching_of(kFinest_m)).num_degenerate;
+  return fitter.fit(map, points_m, T, matching_of(kFinest_m, open_share)).num_degenerate;
+}
+
+/// Without the directions of a pose that evidence leaves open: turns are counted by the mean lever arm.
+Matrix6 told_by(const PoseEvidence& evidence, int num_open) {
+  if (num_open == 0) return Matrix6::Identity();
+  const Matrix6& information = evidence.information;
+  const double lever_sq = information.diagonal().tail<3>().sum() / information.diagonal().head<3>().sum();
+  Vector6 scale;
+  scale << Vector3::Ones(), Vector3::Constant(std::sqrt(std::max(lever_sq, 1.0)));
+  const Vector6 inverse = scale.cwiseInverse();
+  const SymmetricEigen<6> eigen =
+      symmetric_eigen<6>(Matrix6(inverse.asDiagonal() * information * inverse.asDiagonal()));
+  Matrix6 kept = Matrix6::Identity();
+  for (int i = 0; i < num_open; ++i) kept -= eigen.vectors.col(i) * eigen.vectors.col(i).transpose();
+  return inverse.asDiagonal() * kept * scale.asDiagonal();
 }
 
 /// No wider than the guess can be off: where bays look alike, the one next to it is none of those that can be meant.
@@ -127,12 +181,29 @@ struct NewerCloud {
   std::vector<Eigen::Vector3f> fitted_m;
 };
 
+/// The last checks: how much of the newer submap is known in the older one, and does that lie on its surfaces?
+/// @param num_open  directions that may be left open
+void check_fit(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer, int num_open,
+               const ClosureConfig& config, ClosureResult& result) {
+  const double open_share = num_open == 0 ? ScanToMapConfig{}.degenerate_share : kOpenShare;
+  const ScanFit fit = fit_scan(surfaces, newer.all_m, T_older_newer, matching_of(kFinest_m, open_share));
+  result.overlap = static_cast<double>(fit.num_known) / std::max(fit.num_points, 1);
+  result.near_share = static_cast<double>(fit.num_near) / std::max(fit.num_known, 1);
+  result.verdict = fit.num_degenerate > num_open         ? ClosureVerdict::kOpen
+                   : result.overlap < config.overlap_min ? ClosureVerdict::kNoOverlap
+                   : result.near_share < config.near_min ? ClosureVerdict::kDoesNotFit
+                                                         : ClosureVerdict::kClosed;
+  if (result.verdict != ClosureVerdict::kClosed) return;
+  result.T_older_newer = T_older_newer;
+  result.told = told_by(fit.evidence, fit.num_degenerate);
+}
+
 /// From a place of the grid to the surfaces of the older submap, and the last checks.
 void settle(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer_grid,
             const ClosureConfig& config, ClosureResult& result) {
   Pose T = T_older_newer_grid;
   settle_height(surfaces, newer.fitted_m, config.cell_m, T);
-  const bool open = refine(surfaces, newer.fitted_m, T) > 0;
+  const bool open = refine(surfaces, newer.fitted_m, nullptr, T) > 0;
   const Pose by = T_older_newer_grid.inverse() * T;
   const double turned_rad = rotation_vector_rad(Eigen::Quaterniond(Matrix3(by.linear()))).norm();
   if (open) {
@@ -143,13 +214,32 @@ void settle(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_o
     result.verdict = ClosureVerdict::kMoved;
     return;
   }
-  const ScanFit fit = fit_scan(surfaces, newer.all_m, T, matching_of(kFinest_m));
-  result.overlap = static_cast<double>(fit.num_known) / std::max(fit.num_points, 1);
-  result.near_share = static_cast<double>(fit.num_near) / std::max(fit.num_known, 1);
-  result.verdict = result.overlap < config.overlap_min   ? ClosureVerdict::kNoOverlap
-                   : result.near_share < config.near_min ? ClosureVerdict::kDoesNotFit
-                                                         : ClosureVerdict::kClosed;
-  if (result.verdict == ClosureVerdict::kClosed) result.T_older_newer = T;
+  check_fit(surfaces, newer, T, 0, config, result);
+}
+
+double distance_m(const Pose& T_a, const Pose& T_b) { return (T_a.translation() - T_b.translation()).norm(); }
+
+/// From a guess that is nearly right to the surfaces. One direction may stay open: there the guess is kept, and the
+/// closure tells nothing of it. Floors fit wherever the guess is, so what stands upright has to fit by itself as well.
+ClosureResult settle_from_guess(const SurfaceMap& surfaces, const NewerCloud& newer,
+                                std::span<const Eigen::Vector3f> upright_newer_m, const Pose& T_guess, double off_m,
+                                const ClosureConfig& config) {
+  ClosureResult result;
+  Pose T = T_guess;
+  const PosePrior prior = prior_of(T_guess, off_m);
+  if (refine(surfaces, newer.fitted_m, &prior, T) > kMostOpen)
+    result.verdict = ClosureVerdict::kOpen;
+  else if (distance_m(T_guess, T) > std::max(off_m, kLeastOff_m))
+    result.verdict = ClosureVerdict::kMoved;
+  else
+    check_fit(surfaces, newer, T, kMostOpen, config, result);
+  if (result.verdict != ClosureVerdict::kClosed) return result;
+  const ScanFit upright = fit_scan(surfaces, upright_newer_m, T, matching_of(kFinest_m));
+  if (upright.num_known < static_cast<int>(kLeastUpright))
+    result.verdict = ClosureVerdict::kTooFlat;
+  else if (upright.num_near < config.near_min * upright.num_known)
+    result.verdict = ClosureVerdict::kDoesNotFit;
+  return result;
 }
 
 /// What is sought, and where.
@@ -161,8 +251,6 @@ struct Sought {
   const SearchWindow& window;
   std::span<const std::uint8_t> headings;
 };
-
-double distance_m(const Pose& T_a, const Pose& T_b) { return (T_a.translation() - T_b.translation()).norm(); }
 
 /// A place that was settled on is doubtful when the surfaces fit about as well at another one. A lower score of the
 /// grid does not speak against that one: where all bays of an aisle look alike, the place with the largest overlap
@@ -225,6 +313,13 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
   const std::vector<Eigen::Vector3f> older_m = upright_points_m(points_older_m, config.cell_m, config.range_max_m);
   std::vector<Eigen::Vector3f> newer_m = upright_points_m(points_newer_m, config.cell_m, config.range_max_m);
   if (std::min(older_m.size(), newer_m.size()) < kLeastUpright) return refused(ClosureVerdict::kTooFlat);
+  const NewerCloud cloud(points_newer_m);
+  std::optional<SurfaceMap> surfaces;
+  if (guess_off_m <= kNearlyRight_m) {
+    surfaces = surfaces_of(points_older_m);
+    result = settle_from_guess(*surfaces, cloud, newer_m, T_older_newer_guess, guess_off_m, config);
+    if (result.verdict == ClosureVerdict::kClosed) return result;
+  }
   keep_at_most(config.points, newer_m);
   const SearchWindow window = window_of(config, guess_off_m);
   const std::vector<std::uint8_t> allowed =
@@ -244,12 +339,13 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
   result.num_expanded += found.num_expanded;
   if (!found.complete) return refused(ClosureVerdict::kNotSearched);
   if (found.best) return refused(ClosureVerdict::kRival);
-  const SurfaceMap surfaces = surfaces_of(points_older_m);
-  const NewerCloud cloud(points_newer_m);
-  settle(surfaces, cloud, best.T_map_cloud, config, result);
-  if (result.verdict == ClosureVerdict::kClosed) {
-    doubt({pyramid, newer_m, cloud, T_older_newer_guess, window, allowed}, surfaces, best, guess_off_m, config, result);
+  if (!surfaces) surfaces = surfaces_of(points_older_m);
+  settle(*surfaces, cloud, best.T_map_cloud, config, result);
+  if (result.verdict != ClosureVerdict::kClosed) return result;
+  if (distance_m(T_older_newer_guess, result.T_older_newer) > std::max(guess_off_m, kLeastOff_m)) {
+    return refused(ClosureVerdict::kMoved);
   }
+  doubt({pyramid, newer_m, cloud, T_older_newer_guess, window, allowed}, *surfaces, best, guess_off_m, config, result);
   return result;
 }
 

@@ -151,8 +151,8 @@ std::vector<GlobalSlam::Joined> GlobalSlam::seek_closures() {
                                               level(graph_.pose(candidate.pose)).inverse() * level(T_world_newer),
                                               config_.closures, off_m(way_m[static_cast<std::size_t>(candidate.pose)]));
     if (result.verdict != ClosureVerdict::kClosed) continue;
-    join(candidate.pose, newer.pose, result.T_older_newer);
-    joined.push_back({candidate.points_submap_m, result.T_older_newer});
+    join(candidate.pose, newer.pose, result);
+    if (result.told.isIdentity()) joined.push_back({candidate.points_submap_m, result.T_older_newer});
   }
   return joined;
 }
@@ -178,10 +178,10 @@ void GlobalSlam::forget_known(std::span<const Joined> joined) {
   submaps_.back().thinned_out = true;
 }
 
-void GlobalSlam::join(int older_pose, int newer_pose, const Pose& T_older_newer) {
-  graph_.add(RelativeFactor{older_pose, newer_pose, T_older_newer,
-                            information_of(config_.closure_position_m, config_.closure_attitude_deg * kRadPerDeg),
-                            config_.closure_huber});
+void GlobalSlam::join(int older_pose, int newer_pose, const ClosureResult& closure) {
+  const Matrix6 information = information_of(config_.closure_position_m, config_.closure_attitude_deg * kRadPerDeg);
+  graph_.add(RelativeFactor{older_pose, newer_pose, closure.T_older_newer,
+                            closure.told.transpose() * information * closure.told, config_.closure_huber});
   ++num_closures_;
   news_ = true;
 }
@@ -208,7 +208,7 @@ void GlobalSlam::locate() {
   const Pose by = level(graph_.pose(older_pose) * T_older_own) * level(graph_.pose(own.pose)).inverse();
   for (int i = num_given_poses_; i < graph_.num_poses(); ++i) graph_.set_pose(i, by * graph_.pose(i));
   graph_.clear_priors(num_given_poses_);  // what was guessed of the start
-  join(older_pose, own.pose, T_older_own);
+  join(older_pose, own.pose, match.result);
 }
 
 std::shared_ptr<const SavedMap> GlobalSlam::saved_map() const {

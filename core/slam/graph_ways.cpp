@@ -6,17 +6,27 @@
 #include <queue>
 #include <utility>
 
+#include "swiftlet/core/slam/symmetric_eigen.hpp"
+
 namespace swiftlet {
 namespace {
+
+constexpr double kLeastInformation = 1.0;  // [1/m^2, 1/rad^2] of a closure, in its least certain direction
 
 struct GraphEdge {
   int to = 0;
   double length_m = 0.0;
 };
 
+/// In some direction the two poses may lie anywhere.
+bool leaves_open(const RelativeFactor& factor) {
+  return factor.huber != kNoHuber && symmetric_eigen<6>(factor.information).values(0) < kLeastInformation;
+}
+
 std::vector<std::vector<GraphEdge>> edges_of(const PoseGraph& graph) {
   std::vector<std::vector<GraphEdge>> edges(static_cast<std::size_t>(graph.num_poses()));
   for (const RelativeFactor& factor : graph.relative_factors()) {
+    if (leaves_open(factor)) continue;
     const double length_m = factor.huber == kNoHuber ? factor.T_from_to.translation().norm() : 0.0;
     edges[static_cast<std::size_t>(factor.from)].push_back({factor.to, length_m});
     edges[static_cast<std::size_t>(factor.to)].push_back({factor.from, length_m});

@@ -8,7 +8,7 @@
 namespace swiftlet {
 
 /// How far is it from one pose of a graph to each of the others, along relative factors? Closures, which have a Huber
-/// loss, join places that were left long ago, and count nothing. So errors of the way between two poses grow with this
+/// loss, join places that were left long ago, and count nothing; those that leave a direction open lead nowhere. So errors of the way between two poses grow with this
 /// and no longer with the time between them. By Dijkstra (1959).
 ///
 /// @return by pose [m]; infinite where no factors lead to

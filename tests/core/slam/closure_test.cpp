@@ -10,6 +10,7 @@
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/slam/branch_and_bound.hpp"
+#include "swiftlet/core/slam/pose_graph.hpp"
 #include "swiftlet/core/slam/scan_to_map.hpp"
 #include "swiftlet/core/slam/surface_map.hpp"
 
@@ -259,6 +260,84 @@ TEST(Closure, ABayOffDoesNotCountWhereTheVehicleKnowsBetter) {
   const ClosureResult result = find_closure(older, newer, guess, config, 1.0);
   ASSERT_EQ(result.verdict, ClosureVerdict::kClosed);
   EXPECT_LT(result.T_older_newer.translation().norm(), 0.02);
+}
+
+/// The floor and one long wall along x.
+Points floor_and_wall(unsigned seed) {
+  std::mt19937 random(seed);
+  Points points;
+  add_floor(points, 12.0, random);
+  add_wall(points, -12, 4, 12, 4, 4.0, random);
+  return points;
+}
+
+// Nobody can tell how far it is along the wall. All else is told as exactly as by a whole yard.
+TEST(Closure, ANearlyRightGuessIsClosedButForTheWayAlongASingleWall) {
+  const Pose T = make_pose({0.0, 0.2, -0.15}, rotation_by({0, 0, 0.01}));
+  const ClosureResult result =
+      find_closure(floor_and_wall(1), seen_from(floor_and_wall(2), T), Pose::Identity(), ClosureConfig{}, 0.5);
+  ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict);
+  const Pose off = T.inverse() * result.T_older_newer;
+  EXPECT_LT(off.translation().tail<2>().norm(), 0.01);
+  EXPECT_LT(std::abs(result.T_older_newer.translation().x()), 0.05) << "the guess is kept";
+  EXPECT_LT(rotation_vector_rad(Eigen::Quaterniond(Matrix3(off.linear()))).norm(), 0.002);
+  EXPECT_LT((result.told * Vector6::Unit(0)).norm(), 0.05);
+  for (const int axis : {1, 2, 3, 4, 5}) {
+    EXPECT_LT((result.told * Vector6::Unit(axis) - Vector6::Unit(axis)).head<3>().norm(), 0.5) << axis;
+    EXPECT_LT((result.told * Vector6::Unit(axis) - Vector6::Unit(axis)).tail<3>().norm(), 0.02) << axis;
+  }
+  EXPECT_LT((result.told * result.told - result.told).norm(), 1e-9) << "a projector";
+}
+
+TEST(Closure, AFloorAloneLeavesTooMuchOpenHoweverRightTheGuess) {
+  std::mt19937 random(6);
+  Points floor;
+  add_floor(floor, 12.0, random);
+  EXPECT_NE(find_closure(floor, floor, Pose::Identity(), ClosureConfig{}, 0.5).verdict, ClosureVerdict::kClosed);
+}
+
+TEST(Closure, FartherThanTheGuessCanBeOffNothingIsClosed) {
+  const Pose T = make_pose({0.9, 0.2, 0.1}, rotation_by({0, 0, 0.02}));
+  const Points older = yard(1), newer = seen_from(yard(2), T);
+  EXPECT_EQ(find_closure(older, newer, Pose::Identity(), ClosureConfig{}, 0.7).verdict, ClosureVerdict::kMoved);
+  EXPECT_NE(find_closure(older, newer, Pose::Identity(), ClosureConfig{}, 0.4).verdict, ClosureVerdict::kClosed);
+  const ClosureResult result = find_closure(older, newer, Pose::Identity(), ClosureConfig{}, 1.0);
+  ASSERT_EQ(result.verdict, ClosureVerdict::kClosed);
+  EXPECT_TRUE(result.told.isIdentity());
+  EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.01);
+}
+
+// As high as the next shelf is the view much the same. A search would have taken it where more of the points meet
+// cells of its grid.
+TEST(Closure, ANearlyRightGuessKeepsTheShelf) {
+  const auto shelves = [](double lowest_m, double highest_m, unsigned seed) {
+    std::mt19937 random(seed);
+    Points points;
+    for (int shelf = 0; shelf < 8; ++shelf) {
+      const double z_m = 0.69 * shelf;
+      if (z_m < lowest_m || z_m > highest_m) continue;
+      for (const double y_m : {-1.8, 1.8}) {
+        const auto begin = static_cast<std::ptrdiff_t>(points.size());
+        add_wall(points, -8, y_m, 8, y_m, 0.4, random);
+        add_wall(points, -8, y_m, -8, y_m > 0 ? 2.6 : -2.6, 0.4, random);
+        add_wall(points, 8, y_m, 8, y_m > 0 ? 2.6 : -2.6, 0.4, random);
+        for (auto p = points.begin() + begin; p != points.end(); ++p) p->z() += static_cast<float>(z_m);
+        for (int i = -32; i <= 32; ++i) {
+          for (int j = 0; j <= 4; ++j) {
+            points.emplace_back(0.25F * static_cast<float>(i),
+                                (y_m > 0 ? 1.0F : -1.0F) * (1.8F + 0.2F * static_cast<float>(j)),
+                                static_cast<float>(z_m));
+          }
+        }
+      }
+    }
+    return points;
+  };
+  const Pose T = make_pose({0.05, -0.05, 0.1}, rotation_by({0, 0, 0.005}));
+  const ClosureResult result =
+      find_closure(shelves(0.0, 4.2, 1), seen_from(shelves(0.6, 5.0, 2), T), Pose::Identity(), ClosureConfig{}, 0.4);
+  ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict);
+  EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.02);
 }
 
 TEST(Closure, RefusesAnotherPlace) {

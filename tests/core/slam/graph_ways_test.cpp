@@ -42,6 +42,14 @@ TEST(GraphWays, AClosureCountsNothing) {
   EXPECT_DOUBLE_EQ(way_m[5], 10.0);  // either way round
 }
 
+TEST(GraphWays, AClosureThatLeavesADirectionOpenLeadsNowhere) {
+  PoseGraph graph = chain(11);
+  Matrix6 open = Matrix6::Identity();
+  open(1, 1) = 0.0;
+  graph.add(RelativeFactor{1, 9, along_x(0.5), open, 1.0});
+  EXPECT_DOUBLE_EQ(shortest_ways_m(graph, 10)[1], 18.0);
+}
+
 TEST(GraphWays, WhereNoFactorLeadsItIsInfinite) {
   PoseGraph graph = chain(3);
   graph.add_pose(Pose::Identity());

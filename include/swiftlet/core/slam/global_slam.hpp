@@ -119,7 +119,7 @@ class GlobalSlam : public TellsSubmaps {
   std::vector<Joined> seek_closures();
   void forget_known(std::span<const Joined> joined);
   void locate();
-  void join(int older_pose, int newer_pose, const Pose& T_older_newer);
+  void join(int older_pose, int newer_pose, const ClosureResult& closure);
   void place_fixes();
   void fit_start();
   void optimize(TimeNs t);
