@@ -11,6 +11,7 @@
 #include "plugin_options.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
+#include "swiftlet/sim/batch/episode_list.hpp"
 #include "swiftlet/sim/batch/merge.hpp"
 #include "swiftlet/sim/batch/run_batch.hpp"
 #include "swiftlet/sim/batch/shell.hpp"
@@ -32,6 +33,7 @@ struct BatchArguments {
   std::vector<std::string> set;
   int jobs = 0;
   std::string shard;
+  std::string episodes;
   double memory_limit_mb = 0.0;
   bool resume = false;
   bool retry = false;
@@ -139,6 +141,7 @@ void fly(const BatchArguments& arguments, const sim::BatchPlan& plan) {
   options.out = out_of(arguments, plan);
   options.jobs = arguments.jobs > 0 ? arguments.jobs : sim::available_processors();
   options.shard = shard_of(arguments);
+  if (!arguments.episodes.empty()) options.episodes = sim::parse_episodes(arguments.episodes, plan.num_episodes());
   options.resume = arguments.resume || arguments.retry;
   options.retry = arguments.retry;
   options.memory_limit_mb = arguments.memory_limit_mb;
@@ -218,6 +221,8 @@ void add_batch(CLI::App& app) {
       "--shard", options->shard,
       "Fly part i of n into a database of its own; also told by Slurm arrays, MPI and indexed Kubernetes jobs",
       {.value_name = "i/n"});
+  command.option("--episodes", options->episodes,
+                 "Fly only these of the episodes that --plan lists, such as 3,17,40-50", {.value_name = "LIST"});
   command.option("--memory-limit", options->memory_limit_mb,
                  "Memory of one worker on this machine (default: the batch file's memory_limit_mb)",
                  {.value_name = "MiB", .min = 0});

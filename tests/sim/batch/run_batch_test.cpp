@@ -178,6 +178,23 @@ TEST(RunBatch, ResumingFliesOnlyWhatIsMissing) {
   EXPECT_EQ(run_plan(plan, folder.path("out"), resuming()).progress.flown, 0U);
 }
 
+TEST(RunBatch, ChosenEpisodesAreFlownAloneAndTheRestLater) {
+  const BatchFolder folder;
+  const BatchPlan plan = folder.plan(kBatch);
+  BatchOptions options;
+  options.episodes = {2, 7};
+  const auto two = run_plan(plan, folder.path("out"), options);
+  EXPECT_TRUE(two.complete);
+  EXPECT_EQ(two.progress.total, 2U);
+  const auto flown = rows(two.database);
+  ASSERT_EQ(flown.size(), 2U);
+  EXPECT_EQ(flown[0].id, 2U);
+  EXPECT_EQ(flown[1].id, 7U);
+  const auto rest = run_plan(plan, folder.path("out"), resuming());
+  EXPECT_EQ(rest.progress.flown, 10U);
+  EXPECT_EQ(dump(rest.database), dump(run_plan(plan, folder.path("whole")).database));
+}
+
 TEST(RunBatch, ResultsAreNeitherOverwrittenNorMixedWithThoseOfAnotherBatch) {
   const BatchFolder folder;
   const BatchPlan plan = folder.plan(kBatch);

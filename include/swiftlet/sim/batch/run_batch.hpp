@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "swiftlet/sim/batch/batch_plan.hpp"
 #include "swiftlet/sim/batch/result_store.hpp"
@@ -17,6 +18,7 @@ struct BatchOptions {
   std::filesystem::path out;
   int jobs = 1;
   Shard shard;
+  std::vector<std::uint64_t> episodes;  ///< only these; empty: all
   bool resume = false;
   bool retry = false;            ///< resume: also what is recorded as failed, crashed, timed_out, out_of_memory
   double memory_limit_mb = 0.0;  ///< of a worker on this machine; 0: the batch file's
@@ -24,7 +26,7 @@ struct BatchOptions {
 };
 
 struct BatchProgress {
-  std::uint64_t total = 0;  ///< of this shard
+  std::uint64_t total = 0;  ///< of this shard, and of those asked for
   std::uint64_t done = 0;   ///< stored, failures included, those of earlier starts too
   std::uint64_t failed = 0;
   std::uint64_t flown = 0;  ///< since this start
