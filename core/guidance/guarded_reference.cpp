@@ -10,7 +10,8 @@ constexpr double kStep_s = 0.05;  // of what is flown ahead of time
 constexpr int kParts = 4;         // of the period, in which the goal glides
 constexpr int kMostSteps = 400;   // within 20 s every vehicle is at rest
 constexpr double kStanding_mps = 0.02;
-constexpr double kBrakingPole_radps = 5.0;  // of the speed, near rest
+constexpr double kBrakingPole_radps = 5.0;                                             // of the speed, near rest
+constexpr double kHeightPole_radps2 = 0.25 * kBrakingPole_radps * kBrakingPole_radps;  // without overshoot
 constexpr double kSlack_m = 1e-3;
 
 void brake(ReferenceGovernor& governor, double yaw_rad, double dt_s) {
@@ -70,7 +71,10 @@ Vector3 GuardedReference::admit(const Vector3& last_goal_local_m, const Vector3&
 
 const Reference& GuardedReference::step(const Reference& goal, double dt_s, double speed_limit_mps) {
   if (!braking_) return governor_.step(goal, dt_s, speed_limit_mps);
-  brake(governor_, goal.yaw_rad, dt_s);
+  const Reference& now = governor_.state();
+  Vector3 a_mps2 = -kBrakingPole_radps * now.velocity_mps;
+  if (planar_) a_mps2.z() += kHeightPole_radps2 * (goal.position_m.z() - now.position_m.z());
+  governor_.accelerate(a_mps2, goal.yaw_rad, dt_s);
   return governor_.state();
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -24,6 +25,8 @@ constexpr double kLongUnseen_s = 5.0;   // then doubt says little about where so
 constexpr double kDoubtLeaves_m = 1.0;  // of the cell by then; one cut at the vehicle itself drives it away, on and on
 constexpr double kComing_mps = 0.5;     // slower than this, nobody need be dodged
 constexpr double kDodge_s = 0.5;        // before somebody's braking way comes too near, who then does not brake
+constexpr double kOutOfPlane_s = 1.5;   // after that nobody came any more, it returns to its plane
+constexpr double kSameHeight_m = 0.3;   // of one no higher than that above, it gets out of the way upwards
 constexpr double kWatch_s = 3.0;        // before two meet as they fly now, they keep each other in view
 constexpr double kPledged_s = 1.0;  // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
@@ -53,7 +56,7 @@ class Rbl : public Guidance {
         sensed_(config.cells.sensing_radius_m,
                 config.lidar.enabled ? config.cells.step_m : config.cells.sensing_radius_m, planar_),
         planner_(config.cells, rules_of(config), planar_),
-        reference_(limits_),
+        reference_(limits_, planar_),
         range_m_(range_of(setup.agent)),
         settling_(config.settle_s),
         detour_(config.detour, config.cells.sensing_radius_m),
@@ -128,7 +131,7 @@ class Rbl : public Guidance {
     from_local_m_ = goal_.position_m;
     to_local_m_ = config_.lidar.enabled ? within_sight(T_local_body, now) : step_.centroid_local_m;
     if (config_.separation.enabled) keep_apart(T_local_body, now);
-    if (planar_) to_local_m_.z() = goal_local_m_.z();
+    if (planar_) to_local_m_.z() = out_of_the_way_local_m(p_local_m, now);
     const RblGoal goal{goal_local_m_, z_min_m(), z_max_m(), config_.cells.sensing_radius_m, config_.cells.encumbrance_m,
                        planar_};
     status_ = settling_.update(goal, p_local_m, neighbors_.neighbors(), config_.lidar.enabled ? map_ : nullptr, now);
@@ -168,6 +171,25 @@ class Rbl : public Guidance {
         reference_.admit(from_local_m_, to_local_m_, braking_cuts_, p_local_m, to_seconds(period_), speed_mps());
   }
 
+  /// The height of a vehicle in a plane: that of its goal, or above or below somebody who flies on whatever it meets.
+  ///
+  /// In a crowd nobody may have the room to step aside in the plane. The level distance to all others is kept on the
+  /// way, so that nobody else is above or below.
+  double out_of_the_way_local_m(const Vector3& p_local_m, TimeNs now) {
+    const RblSeparationConfig& separation = config_.separation;
+    const double height_m = goal_local_m_.z();
+    if (!separation.enabled || passed_.t < 0 || now - passed_.t > from_seconds(kOutOfPlane_s)) {
+      rises_.reset();
+      return height_m;
+    }
+    const auto to_m = [&](bool rises) { return passed_.height_local_m + (rises ? 1.0 : -1.0) * separation.vertical_m; };
+    const auto is_free = [&](bool rises) { return rises ? to_m(true) <= z_max_m() : to_m(false) >= z_min_m(); };
+    if (!rises_) rises_ = p_local_m.z() >= passed_.height_local_m - kSameHeight_m;
+    if (!is_free(*rises_) && is_free(!*rises_)) rises_ = !*rises_;
+    const double aside_m = *rises_ ? std::max(height_m, to_m(true)) : std::min(height_m, to_m(false));
+    return std::clamp(aside_m, std::min(z_min_m(), height_m), std::max(z_max_m(), height_m));
+  }
+
   /// Cells of vehicles that can stop: neither crosses the plane between their braking ways.
   void cut_by_braking(const Vector3& p_local_m, double sigmas, TimeNs now) {
     const RblSeparationConfig& separation = config_.separation;
@@ -179,6 +201,7 @@ class Rbl : public Guidance {
     coming_local_m_.clear();
     const Vector3 v_own_mps = level(v_local_mps_);
     pressed_ = false;
+    double nearest_m = kFar_m;
     for (const Neighbor& neighbor : neighbors_.neighbors()) {
       const Vector3 other_local_m = level(neighbor.position_local_m);
       const Vector3 v_local_mps = level(neighbor.velocity_local_mps);
@@ -210,6 +233,10 @@ class Rbl : public Guidance {
         coming_local_m_.push_back(other_local_m);
       // Who brakes is slow by now.
       if (closing_mps > kComing_mps && cut.offset_m + 0.5 * unsure_m < 0.5 * kDodge_s * closing_mps) {
+        if (d < nearest_m) {
+          nearest_m = d;
+          passed_ = {now, neighbor.position_local_m.z()};
+        }
         if (const auto beside = dodging_cut(self, other_local_m, v_local_mps, distance_m, vertical_m, limits_)) {
           pressed_ = pressed_ || beside->offset_m < -kPressed_m;
           keep_behind(*beside);
@@ -331,7 +358,13 @@ class Rbl : public Guidance {
   double range_m_;                       // of the sensor of neighbors
   std::vector<HalfSpace> braking_cuts_;  // relative to the vehicle
   std::vector<Vector3> coming_local_m_;  // who may have to be dodged
-  bool pressed_ = false;                 // somebody comes too near: no time to look where it goes
+  struct Passing {
+    TimeNs t = -1;  // negative: nobody yet
+    double height_local_m = 0.0;
+  };
+  Passing passed_;             // the last one who came and did not brake
+  std::optional<bool> rises_;  // out of its way: upwards
+  bool pressed_ = false;       // somebody comes too near: no time to look where it goes
   std::vector<Vector3> neighbors_local_m_;
   Vector3 from_local_m_ = Vector3::Zero(), to_local_m_ = Vector3::Zero();  // the goal on its way between two updates
   Reference goal_;

@@ -265,6 +265,34 @@ TEST(RblSeparation, AnIntruderThatFliesStraightOnIsLetPassHoweverFastItComes) {
 }
 
 // Nobody knows where it is by now. A cell that ended at the vehicle itself would drive it away, as far as it flies.
+TEST(RblSeparation, BetweenTwoThatStandAVehicleInAPlaneLeavesItAndComesBack) {
+  RblConfig config;
+  config.variant = RblConfig::Variant::k2d;
+  config.goal_m = {0.0, 0.0, 5.0};
+  for (const double above_m : {0.0, 0.8}) {  // of one well above, it gets out of the way downwards
+    testing::GuidanceDriver driver("rbl", config, config.goal_m);
+    Vector3 other_m(-18.0, 0.0, 5.0 + above_m);
+    double least_m = std::numeric_limits<double>::infinity(), farthest_m = 0.0, beside_m = 0.0;
+    while (other_m.x() < 18.0) {
+      other_m.x() += driver.dt_s * 3.0;
+      driver.sees(2, other_m);
+      driver.sees(3, {0.0, 1.15, 5.0});
+      driver.sees(4, {0.0, -1.15, 5.0});
+      const Vector3 next_m = driver.step().goal.position_m;
+      driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
+      driver.put(next_m);
+      least_m = std::min(least_m, (other_m - driver.p_m()).norm());
+      const double rise_m = next_m.z() - 5.0;
+      if (std::abs(rise_m) > std::abs(farthest_m)) farthest_m = rise_m;
+      beside_m = std::max(beside_m, std::abs(next_m.y()));
+    }
+    EXPECT_GT(least_m, 2.0 * config.cells.encumbrance_m) << above_m;
+    EXPECT_LT(beside_m, 0.3) << above_m;
+    EXPECT_GT(above_m > 0.0 ? -farthest_m : farthest_m, 0.3) << above_m;
+    EXPECT_NEAR(driver.p_m().z(), 5.0, 0.1) << above_m;
+  }
+}
+
 TEST(RblSeparation, AtItsGoalAVehicleStaysThoughSomebodyIsNoLongerInReachOfItsSensor) {
   RblConfig config;
   config.goal_m = {0.0, 0.0, 5.0};

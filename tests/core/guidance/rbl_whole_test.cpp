@@ -44,7 +44,7 @@ class PlainRbl {
         planner_(config.cells, rules_for(config), planar_),
         sensed_(config.cells.sensing_radius_m, config.cells.step_m, planar_),
         limits_(config.separation.enabled ? config.separation.within(MotionLimits{}) : MotionLimits{}),
-        reference_(limits_),
+        reference_(limits_, planar_),
         settling_(config.settle_s),
         sight_(agent.neighbor_views) {
     goal_.position_m = agent.T_local_body_start.translation();
@@ -86,7 +86,7 @@ class PlainRbl {
   }
 
   bool arrived = false, pressed = false;
-  int num_waits = 0, num_pressed = 0, num_dodged = 0, num_turned_away = 0;
+  int num_waits = 0, num_pressed = 0, num_dodged = 0, num_turned_away = 0, num_out_of_plane = 0;
   RblStatus status;
   Reference goal;
 
@@ -127,7 +127,7 @@ class PlainRbl {
       num_pressed += pressed;
       to_m_ = reference_.admit(from_m_, to_m_, planes_, p_m_, 1.0 / c_.update_rate_hz, c_.speed_mps);
     }
-    if (planar_) to_m_.z() = goal_m_.z();
+    if (planar_) to_m_.z() = height_m();
     status = settling_.update({.p_local_m = goal_m_,
                                .z_min_m = low_m_,
                                .z_max_m = high_m_,
@@ -137,6 +137,22 @@ class PlainRbl {
                               p_m_, memory_.neighbors(), c_.lidar.enabled ? map_ : nullptr, now_);
   }
 
+  /// In a plane: above or below the last one who came and did not brake, for one and a half seconds.
+  double height_m() {
+    if (!c_.separation.enabled || came_ < 0 || now_ - came_ > 1'500'000'000) {
+      side_ = 0;
+      return goal_m_.z();
+    }
+    const double above_m = came_m_ + c_.separation.vertical_m, below_m = came_m_ - c_.separation.vertical_m;
+    if (side_ == 0) side_ = p_m_.z() >= came_m_ - 0.3 ? 1 : -1;
+    if (side_ > 0 && above_m > high_m_ && below_m >= low_m_) side_ = -1;
+    if (side_ < 0 && below_m < low_m_ && above_m <= high_m_) side_ = 1;
+    ++num_out_of_plane;
+    const double wanted_m = side_ > 0 ? std::max(goal_m_.z(), above_m) : std::min(goal_m_.z(), below_m);
+    if (wanted_m < goal_m_.z()) return std::max(wanted_m, std::min(low_m_, goal_m_.z()));
+    return std::min(wanted_m, std::max(high_m_, goal_m_.z()));
+  }
+
   /// Planes halfway between the ways on which both brake, nearer by what is unsure along the line between them.
   void keep_from_others(double sigmas) {
     const double apart_m = 2.0 * c_.cells.encumbrance_m + c_.separation.margin_m;
@@ -144,6 +160,7 @@ class PlainRbl {
     planes_.clear();
     coming_m_.clear();
     pressed = false;
+    double nearest_m = 1e9;
     for (const Neighbor& other : memory_.neighbors()) {
       const Vector3 its_m = flat(other.position_local_m), its_mps = flat(other.velocity_local_mps);
       const Vector3 along = (its_m - flat(p_m_)).normalized();
@@ -165,6 +182,11 @@ class PlainRbl {
       if (meet_mps > 0.5 && (its_m - flat(p_m_)).norm() < apart_m + 3.0 * meet_mps) coming_m_.push_back(its_m);
       // Half a second before the own half of the room is used up by one that comes faster than 0.5 m/s.
       if (comes_mps <= 0.5 || plane.offset_m + 0.5 * sigmas * unsure_m >= 0.25 * comes_mps) continue;
+      if ((its_m - flat(p_m_)).norm() < nearest_m) {
+        nearest_m = (its_m - flat(p_m_)).norm();
+        came_ = now_;
+        came_m_ = other.position_local_m.z();
+      }
       const auto beside = dodging_cut(self, its_m, its_mps, apart_m, above_m, limits_);
       if (!beside) continue;
       ++num_dodged;
@@ -231,13 +253,16 @@ class PlainRbl {
   Pose T_ = Pose::Identity();
   Vector3 p_m_, v_mps_, goal_m_, centroid_m_, from_m_ = Vector3::Zero(), to_m_ = Vector3::Zero();
   double low_m_ = 0.0, high_m_ = 0.0;
+  double came_m_ = 0.0;  // height of the last one who came and did not brake
+  TimeNs came_ = -1;
+  int side_ = 0;  // of its height
   TimeNs now_ = 0, next_ = 0;
   const OccupancyView* map_ = nullptr;
   Reference goal_;
 };
 
 TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
-  int waits = 0, pressed = 0, dodged = 0, turned_away = 0, arrived = 0;
+  int waits = 0, pressed = 0, dodged = 0, out_of_plane = 0, turned_away = 0, arrived = 0;
   for (std::uint32_t round = 0; round < 24; ++round) {
     const Random random(round, "test.rbl-whole");
     std::uint32_t index = 0;
@@ -315,12 +340,14 @@ TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
     waits += plain.num_waits;
     pressed += plain.num_pressed;
     dodged += plain.num_dodged;
+    out_of_plane += plain.num_out_of_plane;
     turned_away += plain.num_turned_away;
     arrived += plain.arrived;
   }
   EXPECT_GT(waits, 5);
   EXPECT_GT(pressed, 5);
   EXPECT_GT(dodged, 5);
+  EXPECT_GT(out_of_plane, 5);
   EXPECT_GT(turned_away, 5);
   EXPECT_GT(arrived, 1);
 }

@@ -15,7 +15,8 @@ namespace swiftlet {
 /// where the vehicle would come to rest if it braked now. When no goal will do, the vehicle brakes.
 class GuardedReference {
  public:
-  explicit GuardedReference(const MotionLimits& limits) : governor_(limits) {}
+  /// @param planar  no plane is level, so it goes on to the goal's height while it brakes
+  explicit GuardedReference(const MotionLimits& limits, bool planar = false) : governor_(limits), planar_(planar) {}
 
   void reset(const Reference& start);
 
@@ -35,6 +36,7 @@ class GuardedReference {
                              double speed_limit_mps) const;
 
   ReferenceGovernor governor_;
+  bool planar_;
   bool braking_ = false;
 };
 
