@@ -43,6 +43,8 @@ TEST(DetectionLog, JudgesATrackerOnceAScanInTheWorldThatItsObserverBelievesIn) {
   EXPECT_GT(drift_m, 0.02);  // its odometry is noisy and drifts
   EXPECT_EQ(log.num_cross_associations(), 0);
   EXPECT_EQ(log.num_false_tracks(), 0);
+  EXPECT_EQ(log.num_told_tracks(), static_cast<int>(log.tracks().size())) << "one for each of three targets";
+  EXPECT_EQ(log.num_false_told_tracks(), 0);
 
   // What is written down of it says the same.
   DetectionLog restored(scenario, -45.0, 45.0, 1.0);
@@ -50,6 +52,7 @@ TEST(DetectionLog, JudgesATrackerOnceAScanInTheWorldThatItsObserverBelievesIn) {
   EXPECT_EQ(restored.num_cross_associations(), log.num_cross_associations());
   EXPECT_EQ(restored.num_false_tracks(), log.num_false_tracks());
   EXPECT_EQ(restored.num_false_detections(), log.num_false_detections());
+  EXPECT_EQ(restored.num_told_tracks(), log.num_told_tracks());
   EXPECT_EQ(restored.observed_s(), log.observed_s());
   EXPECT_EQ(restored.detections().size(), log.detections().size());
   ASSERT_EQ(restored.tracks().size(), log.tracks().size());

@@ -199,7 +199,9 @@ void DetectionLog::add_detections(const Action& action) {
   for (std::size_t i = 0; i < action.detections.size(); ++i) {
     const double confidence = action.detections[i].confidence;
     if (least_confidence_ > 0.0) told_.push_back({confidence, exists[i] != 0});
-    if (confidence >= least_confidence_ && !is_true[i]) ++num_false_detections_;
+    if (confidence < least_confidence_) continue;
+    ++num_told_detections_;
+    if (!is_true[i]) ++num_false_detections_;
   }
 }
 
@@ -207,7 +209,14 @@ void DetectionLog::add_tracks(const Action& action) {
   const SeenScan& scan = scans_.back();
   const int num_targets = static_cast<int>(scan.points.size());
   for (const Track& track : action.tracks) {
-    if (!unsure_.contains(track.id)) track_ids_.insert(track.id);
+    if (unsure_.contains(track.id)) continue;
+    track_ids_.insert(track.id);
+    bool is_true = false;
+    for (int target = 0; target < num_targets; ++target) {
+      is_true = is_true || error_m(target, track.t, track.position_m) < kTruePositive_m;
+    }
+    ++num_told_tracks_;
+    if (!is_true) ++num_false_told_tracks_;
   }
   in_view_since_.resize(static_cast<std::size_t>(num_targets), -1);
   for (int target = 0; target < num_targets; ++target) {
@@ -241,7 +250,10 @@ void DetectionLog::exchange(Stream& stream) {
   const auto sighting = [&](Sighting& s) { exchange_sighting(stream, s); };
   stream.list(detections_, sighting);
   stream.list(tracks_, sighting);
+  stream.number(num_told_detections_);
   stream.number(num_false_detections_);
+  stream.number(num_told_tracks_);
+  stream.number(num_false_told_tracks_);
   stream.number(observed_s_);
   const auto number = [&](auto& value) { stream.number(value); };
   std::vector<std::uint32_t> ids(track_ids_.begin(), track_ids_.end());

@@ -51,8 +51,12 @@ class DetectionLog {
 
   const std::vector<Sighting>& detections() const { return detections_; }  ///< by scan and target
   const std::vector<Sighting>& tracks() const { return tracks_; }          ///< by scan and target
-  /// Detections farther than 3 m from every target, and tracks that never were near one.
+  /// False detections are farther than 3 m from every target, false tracks never were near one.
+  int num_told_detections() const { return num_told_detections_; }  ///< true ones, false ones and second ones
   int num_false_detections() const { return num_false_detections_; }
+  /// The same of tracks, counted in every scan.
+  int num_told_tracks() const { return num_told_tracks_; }
+  int num_false_told_tracks() const { return num_false_told_tracks_; }
   int num_false_tracks() const;
   double observed_s() const { return observed_s_; }
   /// From now on what is told with less confidence counts neither as found nor as false, and all of it is in told().
@@ -104,7 +108,7 @@ class DetectionLog {
   double least_confidence_ = 0.0;   // 0: all counts
   std::set<std::uint32_t> unsure_;  // tracks that are told with less
   std::vector<Told> told_;
-  int num_false_detections_ = 0;
+  int num_told_detections_ = 0, num_false_detections_ = 0, num_told_tracks_ = 0, num_false_told_tracks_ = 0;
   double observed_s_ = 0.0;
   std::map<std::uint32_t, std::vector<int>> targets_of_track_;  // in the order in which it followed them
   std::set<std::uint32_t> track_ids_;

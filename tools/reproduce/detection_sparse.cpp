@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "detection_flights.hpp"
+#include "detection_histories.hpp"
 #include "experiments.hpp"
 #include "swiftlet/core/uncertainty/error_distribution.hpp"
 #include "swiftlet/core/uncertainty/point_covariance.hpp"
@@ -16,10 +17,9 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr double kFarthestSighting_m = 40.0;
-constexpr double kExists = 0.5;                               // what is told with less counts as not told
-constexpr double kLeastTold = 0.02;                           // and from here on for the reliability
-constexpr std::uint64_t kFirstSeed = 401;                     // of flights on which nothing was tuned
-constexpr std::array<int, 4> kWindows_scans = {1, 3, 5, 10};  // at 10 Hz
+constexpr double kExists = 0.5;            // what is told with less counts as not told
+constexpr double kLeastTold = 0.02;        // and from here on for the reliability
+constexpr std::uint64_t kFirstSeed = 401;  // of flights on which nothing was tuned
 constexpr int kReliabilityBins = 10;
 
 struct Sensor {
@@ -36,32 +36,6 @@ std::vector<Sensor> sensors() {
            -7.0,
            52.0},
           {"OS1-128", {}, -kOs1Fov_deg, kOs1Fov_deg}};
-}
-
-/// Whether a target returned anything in the last 1, 3, 5 and 10 scans, this one included.
-using Ceiling = std::array<bool, kWindows_scans.size()>;
-
-struct Judged {
-  double range_m = 0.0;
-  Ceiling returned{};
-  bool found = false;
-  double error_m = 0.0;
-};
-
-/// The sightings of one target that could be seen, in order of time.
-std::vector<Judged> judged(const std::vector<Sighting>& sightings) {
-  std::vector<Judged> all;
-  int since_return = kWindows_scans.back();
-  for (const Sighting& s : sightings) {
-    since_return = s.points > 0 ? 0 : since_return + 1;
-    if (!s.visible || s.range_m >= kFarthestSighting_m) continue;
-    Judged& j = all.emplace_back();
-    j.range_m = s.range_m;
-    for (std::size_t w = 0; w < kWindows_scans.size(); ++w) j.returned[w] = since_return < kWindows_scans[w];
-    j.found = s.found;
-    j.error_m = s.error_m;
-  }
-  return all;
 }
 
 double expected_error_m(double range_m) {
@@ -104,31 +78,31 @@ Summary summary_of(const std::vector<Judged>& all, double from_m, double to_m) {
 struct FlownMethod {
   std::string name;
   std::vector<Judged> sightings;
+  std::vector<Appearance> appearances;
   int told = 0, false_told = 0, false_tracks = 0, switches = 0;
   double observed_s = 0.0;
-  double until_found_s = 0.0;  // mean, from coming into view
-  int stretches = 0;
 
   double precision() const { return told > 0 ? 1.0 - static_cast<double>(false_told) / told : std::nan(""); }
   double false_tracks_per_min() const { return 60.0 * false_tracks / observed_s; }
 };
 
-/// How long it takes after a target has come into view, and how often another identity goes on.
-void add_histories(const std::vector<Sighting>& sightings, FlownMethod& method) {
-  std::uint32_t last = 0;
-  bool waiting = false;
-  for (const Sighting& s : sightings) {
-    if (!s.visible) waiting = false;
-    if (s.visible && s.in_view_s == 0.0) waiting = true;
-    if (waiting && s.found) {
-      method.until_found_s += s.in_view_s;
-      ++method.stretches;
-      waiting = false;
-    }
-    if (!s.found || s.track == 0) continue;
-    if (last != 0 && last != s.track) ++method.switches;
-    last = s.track;
+/// From coming into view at a distance until found.
+struct Wait {
+  int found = 0, left = 0;  // before they were found
+  double mean_s = std::nan("");
+};
+
+Wait wait_of(const FlownMethod& method, double from_m, double to_m) {
+  Wait wait;
+  double sum_s = 0.0;
+  for (const Appearance& a : method.appearances) {
+    if (a.range_m < from_m || a.range_m >= to_m) continue;
+    const bool found = std::isfinite(a.until_found_s);
+    ++(found ? wait.found : wait.left);
+    if (found) sum_s += a.until_found_s;
   }
+  if (wait.found > 0) wait.mean_s = sum_s / wait.found;
+  return wait;
 }
 
 enum class Part { kDetections, kTracks };
@@ -138,16 +112,17 @@ FlownMethod method_of(const std::string& name, const Flights& flights, Part part
   method.name = name;
   method.observed_s = flights.observed_s;
   method.false_tracks = flights.false_tracks;
-  method.false_told = flights.false_detections;
   for (const auto& log : flights.logs) {
-    const std::vector<Sighting>& sightings = part == Part::kTracks ? log->tracks() : log->detections();
-    const std::vector<Judged> of_flight = judged(sightings);
+    const bool tracks = part == Part::kTracks;
+    const std::vector<Judged> of_flight =
+        judged_sightings(tracks ? log->tracks() : log->detections(), kFarthestSighting_m);
     method.sightings.insert(method.sightings.end(), of_flight.begin(), of_flight.end());
-    for (const Sighting& s : sightings) method.told += s.found;
-    add_histories(log->tracks(), method);
+    method.told += tracks ? log->num_told_tracks() : log->num_told_detections();
+    method.false_told += tracks ? log->num_false_told_tracks() : log->num_false_detections();
+    const Histories histories = histories_of(log->tracks());
+    method.appearances.insert(method.appearances.end(), histories.appearances.begin(), histories.appearances.end());
+    method.switches += histories.switches;
   }
-  method.told += method.false_told;  // one target: what is not false is found
-  method.until_found_s /= std::max(method.stretches, 1);
   return method;
 }
 
@@ -180,14 +155,15 @@ void tell_reliability(Experiment& experiment, const std::string& sensor, const F
 
 void tell_method(Experiment& experiment, const std::string& sensor, const FlownMethod& method) {
   const Summary near = summary_of(method.sightings, 0.0, 25.0), middle = summary_of(method.sightings, 10.0, 25.0);
+  const Wait wait = wait_of(method, 0.0, kFarthestSighting_m);
   experiment.row(
       {fmt::format("{}, {}: recall at 10 to 25 m", sensor, method.name),
        fmt::format("{:.3f}, {:.3f} of what returned something in 1 s", middle.recall(), middle.recall_of_ceiling()),
        Verdict::kNotJudged,
        fmt::format("{} sightings; up to 25 m {:.3f}; error {:.3f} m, {:.3f} m beyond the pose's noise; "
-                   "precision {:.3f}; {:.2f} false tracks a minute; {} switches; found after {:.2f} s",
+                   "precision {:.3f}; {:.2f} false tracks a minute; {} switches; found after {:.2f} s, {} of {} never",
                    middle.count, near.recall(), middle.error_m, middle.beyond_noise_m, method.precision(),
-                   method.false_tracks_per_min(), method.switches, method.until_found_s),
+                   method.false_tracks_per_min(), method.switches, wait.mean_s, wait.left, wait.found + wait.left),
        middle.recall()});
 }
 
