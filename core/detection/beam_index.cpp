@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "swiftlet/core/elementary.hpp"
@@ -53,6 +54,7 @@ void BeamIndex::assign(const LocalCloud& cloud) {
   unsorted_.clear();
   bin_of_.clear();
   starts_.assign(kTurn * kRows + 1, 0);
+  nearest_return_m_.assign(kTurn * kRows, std::numeric_limits<float>::infinity());
   const bool masks = !table.masked.empty();
   for (int row = 0; row < scan.rows(); ++row) {
     for (int column = 0; column < scan.cols(); ++column) {
@@ -60,10 +62,12 @@ void BeamIndex::assign(const LocalCloud& cloud) {
       if (masks && table.masked[i]) continue;
       const Eigen::Vector3f d = rotations_[static_cast<std::size_t>(column)] * table.directions_lidar[i];
       if (!d.allFinite() || !(scan.range_m[i] >= 0.0F)) continue;
-      const int bin = bin_in(d.z() + 1.0, 2.0, kRows) * kTurn + bin_in(turn_of(d.x(), d.y()), 4.0, kTurn);
+      const int bin = bin_of(d.cast<double>());
       unsorted_.push_back({d, scan.range_m[i], column});
       bin_of_.push_back(static_cast<std::uint16_t>(bin));
       ++starts_[static_cast<std::size_t>(bin) + 1];
+      float& nearest_m = nearest_return_m_[static_cast<std::size_t>(bin)];
+      if (scan.range_m[i] > 0.0F) nearest_m = std::min(nearest_m, scan.range_m[i]);
     }
   }
   for (std::size_t b = 1; b < starts_.size(); ++b) starts_[b] += starts_[b - 1];
@@ -71,6 +75,14 @@ void BeamIndex::assign(const LocalCloud& cloud) {
   for (std::size_t i = 0; i < unsorted_.size(); ++i) beams_[starts_[bin_of_[i]]++] = unsorted_[i];
   for (std::size_t b = starts_.size() - 1; b > 0; --b) starts_[b] = starts_[b - 1];  // back to where bins begin
   starts_[0] = 0;
+}
+
+int BeamIndex::bin_of(const Vector3& d) {
+  return bin_in(d.z() + 1.0, 2.0, kRows) * kTurn + bin_in(turn_of(d.x(), d.y()), 4.0, kTurn);
+}
+
+double BeamIndex::nearest_return_m(const Vector3& direction_local) const {
+  return nearest_return_m_[static_cast<std::size_t>(bin_of(direction_local))];
 }
 
 BeamExposure BeamIndex::exposure(const RoundTarget& target) const {

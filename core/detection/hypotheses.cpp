@@ -332,7 +332,8 @@ void Hypotheses::learn_oldest() {
   --num_pending_;
 }
 
-// Every n-th beam, other ones in the next sweep. A return may lie nearer by the noise of its pose.
+// Every n-th beam, other ones in the next sweep. A return may lie nearer by the noise of its pose. A beam that came
+// back from nowhere may have been lost where its neighbors were returned.
 void Hypotheses::clear_air(const LocalCloud& cloud) {
   const Scan& scan = *cloud.scan;
   const BeamTable& table = *scan.beams;
@@ -340,12 +341,13 @@ void Hypotheses::clear_air(const LocalCloud& cloud) {
   for (int i = ray_offset_; i < scan.size(); i += ray_stride_) {
     if (!table.masked.empty() && table.masked[static_cast<std::size_t>(i)]) continue;
     const auto at = static_cast<std::size_t>(i);
-    const double range_m = scan.range_m[at];
-    const double length_m = range_m > 0.0 ? std::min(range_m - air_.voxel_m(), config_.ray_max_m) : config_.empty_ray_m;
-    if (!(length_m > 0.0)) continue;
     const Pose& T = cloud.T_local_lidar_of_beam(i);
     const Vector3 from_m = T * table.origins_lidar[at].cast<double>();
-    air_.pass(from_m, from_m + length_m * (T.linear() * table.directions_lidar[at].cast<double>()));
+    const Vector3 direction = T.linear() * table.directions_lidar[at].cast<double>();
+    const double range_m = scan.range_m[at], edge_m = air_.voxel_m();
+    const double length_m = range_m > 0.0 ? std::min(range_m - edge_m, config_.ray_max_m)
+                                          : std::min(beams_.nearest_return_m(direction) - edge_m, config_.empty_ray_m);
+    if (length_m > 0.0) air_.pass(from_m, from_m + length_m * direction);
   }
 }
 

@@ -318,13 +318,14 @@ class PlainHypotheses {
     for (int i = 0; i < scan.size(); ++i) {
       const auto at = static_cast<std::size_t>(i);
       if (i % stride_ != first_ray_ || (!scan.beams->masked.empty() && scan.beams->masked[at] != 0)) continue;
-      double length_m = config_.empty_ray_m;
-      if (scan.hit(i))
-        length_m = std::min(static_cast<double>(scan.range_m[at]) - config_.air.voxel_m, config_.ray_max_m);
-      if (length_m <= 0.0) continue;
       const Pose& T = cloud.T_local_lidar_of_beam(i);
       const Vector3 from_m = T * scan.beams->origins_lidar[at].cast<double>();
-      air.pass(from_m, from_m + length_m * (T.linear() * scan.beams->directions_lidar[at].cast<double>()));
+      const Vector3 direction = T.linear() * scan.beams->directions_lidar[at].cast<double>();
+      const double ended_m = scan.hit(i) ? static_cast<double>(scan.range_m[at]) : beams_.nearest_return_m(direction);
+      const double most_m = scan.hit(i) ? config_.ray_max_m : config_.empty_ray_m;
+      const double length_m = std::min(ended_m - config_.air.voxel_m, most_m);
+      if (length_m <= 0.0) continue;
+      air.pass(from_m, from_m + length_m * direction);
     }
   }
 

@@ -36,6 +36,10 @@ class BeamIndex {
   /// alpha^2 / (alpha^2 + 2 sigma^2) exp(-delta^2 / (alpha^2 + 2 sigma^2)).
   BeamExposure exposure(const RoundTarget& target) const;
 
+  /// The nearest return of the beams about a direction (1.4 degrees and 1.8), infinite without any. A beam that was not
+  /// returned may have been lost at the surface that returned its neighbors: a surface that it grazes returns few.
+  double nearest_return_m(const Vector3& direction_local) const;
+
   /// Start and middle of the sweep.
   TimeNs stamp() const { return stamp_; }
   TimeNs middle() const { return middle_; }
@@ -50,6 +54,7 @@ class BeamIndex {
     int column;
   };
   static constexpr int kTurn = 256, kRows = 64;  // bins around, and from nadir to zenith
+  static int bin_of(const Vector3& direction_local);
 
   TimeNs stamp_ = 0, middle_ = 0;
   Vector3 p_local_lidar_m_ = Vector3::Zero();
@@ -61,7 +66,8 @@ class BeamIndex {
   double half_sweep_s_ = 0.0;
   std::vector<Beam> unsorted_, beams_;  // the latter by bin
   std::vector<std::uint16_t> bin_of_;
-  std::vector<std::uint32_t> starts_;  // of each bin
+  std::vector<std::uint32_t> starts_;    // of each bin
+  std::vector<float> nearest_return_m_;  // by bin
 };
 
 }  // namespace swiftlet
