@@ -82,7 +82,14 @@ int BeamIndex::bin_of(const Vector3& d) {
 }
 
 double BeamIndex::nearest_return_m(const Vector3& direction_local) const {
-  return nearest_return_m_[static_cast<std::size_t>(bin_of(direction_local))];
+  const int bin = bin_of(direction_local), row = bin / kTurn, turn = bin % kTurn;
+  float nearest_m = std::numeric_limits<float>::infinity();
+  for (int r = std::max(row - 1, 0); r <= std::min(row + 1, kRows - 1); ++r) {
+    for (int t = turn + kTurn - 1; t <= turn + kTurn + 1; ++t) {
+      nearest_m = std::min(nearest_m, nearest_return_m_[static_cast<std::size_t>(r * kTurn + t % kTurn)]);
+    }
+  }
+  return nearest_m;
 }
 
 BeamExposure BeamIndex::exposure(const RoundTarget& target) const {

@@ -113,34 +113,38 @@ TEST(BeamIndex, ASweepInMotionMeetsWhatAWalkOverAllBeamsDoes) {
   EXPECT_GT(met, 200);
 }
 
-// No more than the range of any return in that very direction; and that of one near it, whatever the azimuth.
+// No more than the range of any return half a degree beside it; and that of one that is near, whatever the azimuth.
 TEST(BeamIndex, TheNearestReturnAboutADirectionIsOneOfItsNeighbors) {
   const auto table = all_around(60, 200);
   const Random random(5, "returns");
   LocalCloud cloud = moving_sweep(table, 0, 0, Vector3::Zero(), Vector3::Zero(), 0.0);
   auto scan = std::make_shared<Scan>(*cloud.scan);
   for (std::uint32_t i = 0; i < scan->range_m.size(); ++i) {
-    if (random.uniform(0, i) < 0.1) scan->range_m[i] = static_cast<float>(5.0 + 30.0 * random.uniform(1, i));
+    if (random.uniform(0, i) < 0.03) scan->range_m[i] = static_cast<float>(5.0 + 30.0 * random.uniform(1, i));
   }
   cloud.scan = scan;
   BeamIndex index;
   index.assign(cloud);
-  int empty = 0;
+  int empty = 0, beside = 0;
   for (std::size_t i = 0; i < scan->range_m.size(); ++i) {
     const Vector3 d = table->directions_lidar[i].cast<double>();
     const double nearest_m = index.nearest_return_m(d);
-    if (scan->range_m[i] > 0.0F) {
-      EXPECT_LE(nearest_m, scan->range_m[i]) << i;
-    }
-    empty += std::isinf(nearest_m);
-    if (std::isinf(nearest_m)) continue;
-    double apart_rad = 4.0;
+    double least_apart_rad = 4.0;
     for (std::size_t k = 0; k < scan->range_m.size(); ++k) {
-      if (scan->range_m[k] != static_cast<float>(nearest_m)) continue;
-      apart_rad = std::min(apart_rad, std::acos(std::min(d.dot(table->directions_lidar[k].cast<double>()), 1.0)));
+      if (scan->range_m[k] == 0.0F) continue;
+      const double apart_rad = std::acos(std::min(d.dot(table->directions_lidar[k].cast<double>()), 1.0));
+      if (scan->range_m[k] == static_cast<float>(nearest_m)) least_apart_rad = std::min(least_apart_rad, apart_rad);
+      if (apart_rad > 0.009 || std::abs(d.z()) > 0.75) continue;
+      ASSERT_LE(nearest_m, scan->range_m[k]) << i << " and " << k;
+      beside += k != i;
     }
-    EXPECT_LT(apart_rad, std::abs(d.z()) < 0.9 ? 0.09 : 0.36) << i << " at height " << d.z();
+    if (std::isinf(nearest_m)) {
+      ++empty;
+      continue;
+    }
+    EXPECT_LT(least_apart_rad, std::abs(d.z()) < 0.75 ? 0.12 : 0.5) << i << " at height " << d.z();
   }
+  EXPECT_GT(beside, 30);
   EXPECT_GT(empty, 2000);
   EXPECT_LT(empty, 11500);
 }

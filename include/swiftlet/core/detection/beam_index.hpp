@@ -36,8 +36,8 @@ class BeamIndex {
   /// alpha^2 / (alpha^2 + 2 sigma^2) exp(-delta^2 / (alpha^2 + 2 sigma^2)).
   BeamExposure exposure(const RoundTarget& target) const;
 
-  /// The nearest return of the beams about a direction (1.4 degrees and 1.8), infinite without any. A beam that was not
-  /// returned may have been lost at the surface that returned its neighbors: a surface that it grazes returns few.
+  /// The nearest return of the beams about a direction, up to 1.4 to 7 degrees away; infinite without any. A beam that
+  /// was not returned may have been lost at the surface that returned its neighbors: one that it grazes returns few.
   double nearest_return_m(const Vector3& direction_local) const;
 
   /// Start and middle of the sweep.
