@@ -22,20 +22,31 @@ constexpr double kLeastTold = 0.02;        // and from here on for the reliabili
 constexpr std::uint64_t kFirstSeed = 401;  // of flights on which nothing was tuned
 constexpr int kReliabilityBins = 10;
 
+enum class Place { kOpen, kForest };
+
 struct Sensor {
   const char* name;
+  Place place;
   Overrides overrides;
   double fov_bottom_deg, fov_top_deg;
+  bool sees_far;  // its rows beyond 25 m are told
 };
 
 std::vector<Sensor> sensors() {
-  return {{"Mid-360",
-           {{"vehicles[0].sensors[0]",
-             "{type: lidar, name: mid360, model: mid360, mount: {position_m: [0, 0, 0.15]}, "
-             "external_pose: {enabled: true, sigma_position_m: 0.05, sigma_rotation_rad: 0.005}}"}},
-           -7.0,
-           52.0},
-          {"OS1-128", {}, -kOs1Fov_deg, kOs1Fov_deg}};
+  const Overrides mid360 = {{"vehicles[0].sensors[0]",
+                             "{type: lidar, name: mid360, model: mid360, mount: {position_m: [0, 0, 0.15]}, "
+                             "external_pose: {enabled: true, sigma_position_m: 0.05, sigma_rotation_rad: 0.005}}"}};
+  return {{"Mid-360", Place::kOpen, mid360, -7.0, 52.0, false},
+          {"OS1-128", Place::kOpen, {}, -kOs1Fov_deg, kOs1Fov_deg, true},
+          {"Mid-360 in a forest", Place::kForest, mid360, -7.0, 52.0, false},
+          {"OS1-128 in a forest", Place::kForest, {}, -kOs1Fov_deg, kOs1Fov_deg, false}};
+}
+
+sim::Scenario flight_of(const Sensor& sensor, std::uint64_t seed, double duration_s, Overrides overrides) {
+  overrides.insert(overrides.begin(), sensor.overrides.begin(), sensor.overrides.end());
+  if (sensor.place == Place::kOpen) return agile_flight("detection_real", seed, duration_s, std::move(overrides));
+  overrides.insert(overrides.begin(), {"duration_s", fmt::format("{}", duration_s)});
+  return scenario_with("reproduce/detection_forest.yaml", seed, std::move(overrides));
 }
 
 double expected_error_m(double range_m) {
@@ -167,19 +178,30 @@ void tell_method(Experiment& experiment, const std::string& sensor, const FlownM
        middle.recall()});
 }
 
+void tell_far(Experiment& experiment, const std::string& sensor, const FlownMethod& method, double from_m,
+              double to_m) {
+  const Summary there = summary_of(method.sightings, from_m, to_m);
+  const Wait wait = wait_of(method, from_m, to_m);
+  plain_row(experiment, fmt::format("{}, {}: recall at {:.0f} to {:.0f} m", sensor, method.name, from_m, to_m),
+            there.recall(), 3,
+            fmt::format("{} sightings, {:.3f} of what returned something in 1 s; came into view there {} times, "
+                        "found after {:.2f} s, {} never",
+                        there.count, there.recall_of_ceiling(), wait.found + wait.left, wait.mean_s, wait.left));
+}
+
 void compare_on(Experiment& experiment, const Sensor& sensor, CsvTable& csv, sim::plot::Panel& recall,
                 CsvTable& reliability_csv, sim::plot::Panel& reliability, int color) {
   std::vector<sim::Scenario> document, fused;
-  const int flights = experiment.repetitions(4, 1);
-  const double duration_s = experiment.quick() ? 20.0 : 60.0;
+  const bool open = sensor.place == Place::kOpen;
+  const int flights = experiment.repetitions(open ? 4 : 2, 1);
+  const double duration_s = experiment.quick() ? 20.0 : open ? 60.0 : 45.0;
   for (int k = 0; k < flights; ++k) {
     const std::uint64_t seed = kFirstSeed + static_cast<std::uint64_t>(k);
-    document.push_back(agile_flight("detection_real", seed, duration_s, sensor.overrides));
-    Overrides overrides = sensor.overrides;
-    overrides.emplace_back("vehicles[0].agent.detector",
-                           fmt::format("{{type: track_before_detect, told_existence: {}}}", kLeastTold));
-    overrides.emplace_back("vehicles[0].agent.tracker", "{type: detector}");
-    fused.push_back(agile_flight("detection_real", seed, duration_s, overrides));
+    document.push_back(flight_of(sensor, seed, duration_s, {}));
+    fused.push_back(flight_of(
+        sensor, seed, duration_s,
+        {{"vehicles[0].agent.detector", fmt::format("{{type: track_before_detect, told_existence: {}}}", kLeastTold)},
+         {"vehicles[0].agent.tracker", "{type: detector}"}}));
   }
   const Flights by_document = fly_and_log(experiment, document, sensor.fov_bottom_deg, sensor.fov_top_deg, kIgnored_s);
   const Flights by_fusion =
@@ -188,6 +210,11 @@ void compare_on(Experiment& experiment, const Sensor& sensor, CsvTable& csv, sim
                                               method_of("tracker of vofod", by_document, Part::kTracks),
                                               method_of("track_before_detect", by_fusion, Part::kDetections)};
   for (const FlownMethod& method : methods) tell_method(experiment, sensor.name, method);
+  for (const FlownMethod& method : methods) {
+    if (!sensor.sees_far) break;
+    tell_far(experiment, sensor.name, method, 25.0, 30.0);
+    tell_far(experiment, sensor.name, method, 30.0, kFarthestSighting_m);
+  }
 
   std::array<std::vector<double>, 4> curves;  // a return in the last second, and the methods
   std::vector<double> range_m;
