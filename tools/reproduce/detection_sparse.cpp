@@ -39,7 +39,12 @@ std::vector<Sensor> sensors() {
   return {{"Mid-360", Place::kOpen, mid360, -7.0, 52.0, false},
           {"OS1-128", Place::kOpen, {}, -kOs1Fov_deg, kOs1Fov_deg, true},
           {"Mid-360 in a forest", Place::kForest, mid360, -7.0, 52.0, false},
-          {"OS1-128 in a forest", Place::kForest, {}, -kOs1Fov_deg, kOs1Fov_deg, false}};
+          {"OS1-128 in a forest",
+           Place::kForest,
+           {{"vehicles[0].sensors[0].pattern.columns", "512"}},
+           -kOs1Fov_deg,
+           kOs1Fov_deg,
+           false}};
 }
 
 sim::Scenario flight_of(const Sensor& sensor, std::uint64_t seed, double duration_s, Overrides overrides) {
