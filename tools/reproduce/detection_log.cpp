@@ -91,7 +91,10 @@ void DetectionLog::add(const sim::Simulation& simulation) {
   observed_s_ = to_seconds(view.t - ignored_);
   if (action.has_detections && least_confidence_ > 0.0) find_unsure(action);
   if (action.has_detections && action.detections_stamp >= ignored_) add_detections(action);
-  if (action.has_tracks && !view.scans[observer_].empty()) add_tracks(action);
+  tracks_awaited_ = tracks_awaited_ || !view.scans[observer_].empty();
+  if (!action.has_tracks || !tracks_awaited_) return;  // a detector's own tracks come later than its scan
+  tracks_awaited_ = false;
+  add_tracks(action);
 }
 
 void DetectionLog::remember(const sim::LabeledScan& labeled) {

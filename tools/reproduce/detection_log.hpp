@@ -112,6 +112,7 @@ class DetectionLog {
   double observed_s_ = 0.0;
   std::map<std::uint32_t, std::vector<int>> targets_of_track_;  // in the order in which it followed them
   std::set<std::uint32_t> track_ids_;
+  bool tracks_awaited_ = false;        // none were told since the newest scan
   std::vector<TimeNs> in_view_since_;  // by target; -1: it is not
 };
 
