@@ -85,7 +85,7 @@ void exchange(auto& stream, SlamFlight& f) {
                     &f.graph.climb_m}) {
     stream(*x);
   }
-  for (int* x : {&c.count, &k.closed, &k.false_ones, &k.revisits, &k.revisits_closed}) stream(*x);
+  for (int* x : {&f.warnings, &c.count, &k.closed, &k.false_ones, &k.revisits, &k.revisits_closed}) stream(*x);
   f.moments.resize(stream.size_of(f.moments.size()));
   for (SlamMoment& moment : f.moments) {
     stream(moment.t_s);
@@ -121,6 +121,7 @@ class SlamNotes {
     for (const sim::Event& event : view.events) {
       flight_.crashed = flight_.crashed || event.kind == "crash";
       flight_.done = flight_.done || event.kind == "mission_done";
+      flight_.warnings += event.kind == "mission" && event.note.starts_with("SLAM");
     }
     for (const GnssSample& fix : view.observations[0].gnss) p_gnss_m_ = fix.p_world_m;
     if (!view.clearance_m.empty()) {

@@ -50,6 +50,7 @@ struct CorrectionCourse {
 struct SlamFlight {
   bool crashed = false, done = false;  ///< somebody touched something; the mission was done
   double lost_s = 0.0;                 ///< without a valid estimate
+  int warnings = 0;                    ///< how often it said that it is lost or degenerate
   double time_s = 0.0, way_m = 0.0, least_clearance_m = 0.0;
   double corrected_s = -1.0;  ///< when the first correction began to be shown; -1: never
   /// Root mean squares of the position's error; after the first correction by both, or all the time when there was

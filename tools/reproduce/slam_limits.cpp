@@ -102,7 +102,8 @@ constexpr double kWell_m = 0.2;  // root mean square of the position's error: le
 struct LimitPoint {
   std::vector<double> rms_m;
   int flights = 0;
-  int failed = 0;  // it touched something, had no valid estimate at some time, or was farther off than that
+  int failed = 0;    // it touched something, had no valid estimate at some time, or was farther off than that
+  int unwarned = 0;  // of these, in which it never said that it is lost or degenerate
 };
 
 void draw_limit(sim::plot::Figure& figure, const SlamLimit& limit,
@@ -142,7 +143,8 @@ void slam_limits(Experiment& experiment) {
     }
   }
   const std::vector<SlamFlight> flights = fly_on_slam(experiment, std::move(scenarios));
-  CsvTable csv({"limit", "value", "lidar", "seed", "contact", "lost_s", "way_m", "time_s", "rms_m", "end_m", "nees"});
+  CsvTable csv({"limit", "value", "lidar", "seed", "contact", "lost_s", "warnings", "way_m", "time_s", "rms_m", "end_m",
+                "nees"});
   sim::plot::Figure figure("How fast, how dark and how empty may it be? Closed loop, median of the flights", 1);
   figure.set_panel_size(760, 260);
   auto next = flights.begin();
@@ -153,10 +155,13 @@ void slam_limits(Experiment& experiment) {
         LimitPoint& point = points[l].emplace_back();
         for (int seed = 1; seed <= seeds; ++seed, ++next) {
           ++point.flights;
-          point.failed += next->crashed || next->lost_s > 0.0 || next->rms_m > kWell_m;
+          const bool failed = next->crashed || next->lost_s > 0.0 || next->rms_m > kWell_m;
+          point.failed += failed;
+          point.unwarned += failed && next->warnings == 0;
           point.rms_m.push_back(next->rms_m);
           csv.row(limit.name, {value, static_cast<double>(l), static_cast<double>(seed), next->crashed ? 1.0 : 0.0,
-                               next->lost_s, next->way_m, next->time_s, next->rms_m, next->end_m, next->nees});
+                               next->lost_s, static_cast<double>(next->warnings), next->way_m, next->time_s,
+                               next->rms_m, next->end_m, next->nees});
         }
       }
     }
@@ -167,9 +172,11 @@ void slam_limits(Experiment& experiment) {
       bool well = true;
       for (std::size_t i = 0; i < limit.values.size(); ++i) {
         const LimitPoint& point = points[l][i];
-        all += fmt::format("{}{:g}: {} m{}", all.empty() ? "" : ", ", limit.values[i],
-                           short_number(median_of(point.rms_m), 2),
-                           point.failed > 0 ? fmt::format(" ({} of {} failed)", point.failed, point.flights) : "");
+        all += fmt::format(
+            "{}{:g}: {} m{}", all.empty() ? "" : ", ", limit.values[i], short_number(median_of(point.rms_m), 2),
+            point.failed > 0
+                ? fmt::format(" ({} of {} failed, {} without a word)", point.failed, point.flights, point.unwarned)
+                : "");
         well = well && point.failed == 0;
         if (well) hardest = limit.values[i];
       }

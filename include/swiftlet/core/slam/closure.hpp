@@ -47,8 +47,8 @@ enum class ClosureVerdict {
 struct ClosureResult {
   ClosureVerdict verdict = ClosureVerdict::kNoMatch;
   Pose T_older_newer = Pose::Identity();  ///< when closed
-  /// When closed: what the surfaces tell of an error of that pose (displacement in axes of the older submap, turn in
-  /// axes of the newer one). A projector: the identity, or without the one direction that they leave open.
+  /// When closed, a projector: what the surfaces tell of an error of that pose. It is the identity, or leaves out the
+  /// one direction that they leave open. Displacements are in axes of the older submap, turns in those of the newer.
   Matrix6 told = Matrix6::Identity();
   double score = 0.0, overlap = 0.0, near_share = 0.0;
   std::int64_t num_expanded = 0;
@@ -57,8 +57,8 @@ struct ClosureResult {
 /// Where one submap lies in another, sought around a guess: branch and bound over headings and displacements, then
 /// refinement from points to surfaces. A false closure is worse than none, so it is refused when anything is doubtful.
 ///
-/// A guess that is nearly right needs no search: the surfaces are met from it at once, and may leave one direction
-/// open, as a wall and the floor do. Of that direction the closure then tells nothing.
+/// A guess that is nearly right needs no search, as its points meet their surfaces at once. These may leave one
+/// direction open, as a wall and the floor do. Of that direction the closure then tells nothing.
 ///
 /// Frames of submaps have z up.
 /// @param guess_off_m  how far the guess may be off: what is found farther away is refused
