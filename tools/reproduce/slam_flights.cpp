@@ -15,6 +15,7 @@
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/slam/global_slam.hpp"
 #include "swiftlet/core/slam/saved_map.hpp"
+#include "swiftlet/core/slam/symmetric_eigen.hpp"
 #include "swiftlet/sim/view/tick_view.hpp"
 
 namespace swiftlet::tools {
@@ -23,6 +24,26 @@ namespace {
 constexpr TimeNs kJudgedEvery = 100'000'000;  // as often as scans come
 constexpr TimeNs kShownEvery = 500'000'000;
 constexpr double kLeftBehind_m = 30.0;  // of the way between two submaps that may be joined, as GlobalSlamConfig has it
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+constexpr double kLever_m = 5.0;   // by which turns are compared with displacements
+constexpr double kNothing = 1e-6;  // share of the information of the best known direction
+
+/// What a closure tells wrongly. Along the direction that it leaves open it may lie anywhere. So the least error is
+/// left that a move along it gives.
+Vector6 told_error(const RelativeFactor& closure, const Pose& T_from_to_true) {
+  Vector6 error, scale;
+  error << closure.T_from_to.translation() - T_from_to_true.translation(),
+      rotation_vector_rad(
+          Eigen::Quaterniond(Matrix3(T_from_to_true.linear().transpose() * closure.T_from_to.linear())));
+  scale << Vector3::Ones(), Vector3::Constant(kLever_m);
+  const Vector6 inverse = scale.cwiseInverse();
+  const SymmetricEigen<6> eigen =
+      symmetric_eigen<6>(Matrix6(inverse.asDiagonal() * closure.information * inverse.asDiagonal()));
+  if (eigen.values(0) > kNothing * eigen.values(5)) return error;
+  const Vector6 open = eigen.vectors.col(0), scaled = scale.cwiseProduct(error);
+  return inverse.cwiseProduct(scaled - open.dot(scaled) * open);
+}
 
 Vector3 turn_of(const Matrix3& R) { return rotation_vector_rad(Eigen::Quaterniond(R)); }
 
@@ -289,9 +310,8 @@ class SlamNotes {
       const auto from = index.find(factor.from), to = index.find(factor.to);
       if (factor.huber == kNoHuber || from == index.end() || to == index.end()) continue;
       const Pose T_truth = submaps[from->second].T_true.inverse() * submaps[to->second].T_true;
-      const Pose off = T_truth.inverse() * factor.T_from_to;
-      const double off_m = off.translation().norm();
-      const double off_deg = turn_of(off.linear()).norm() * 180.0 / std::numbers::pi;
+      const Vector6 off = told_error(factor, T_truth);
+      const double off_m = off.head<3>().norm(), off_deg = off.tail<3>().norm() * 180.0 / std::numbers::pi;
       ++count.closed;
       submaps[to->second].closed = true;
       if (off_m > ClosureCount::kFalse_m || off_deg > ClosureCount::kFalse_deg)

@@ -32,7 +32,7 @@ struct GraphShape {
 /// Submaps that the pose graph joined, or could have joined.
 struct ClosureCount {
   int closed = 0;
-  int false_ones = 0;    ///< off by more than kFalse_m or kFalse_deg
+  int false_ones = 0;    ///< off by more than kFalse_m or kFalse_deg in what they tell
   double worst_m = 0.0;  ///< of the true ones
   int revisits = 0;      ///< finished submaps that began within kRevisit_m of one that was left long ago
   int revisits_closed = 0;
