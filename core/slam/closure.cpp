@@ -35,8 +35,10 @@ constexpr double kLeastOff_m = 0.3;     // by which a guess may be off in any ca
 // Normals of a thinned cloud are off by up to 8 degrees. What planes seem to tell of a direction by such a share of all
 // may be that alone.
 constexpr double kOpenShare = 0.02;
-constexpr int kMostOpen = 1, kAllOpen = 6;  // directions of a pose
-constexpr double kTurnedOff_deg = 1.0;      // the same of its attitude, one standard deviation
+constexpr int kMostOpen = 1, kAllOpen = 6;           // directions of a pose
+constexpr double kTurnedOff_deg = 1.0;               // the same of its attitude, one standard deviation
+constexpr double kCoarsest_m = 0.3, kFine_m = 0.03;  // of the first steps of a refinement
+constexpr double kApart_m = 0.1;                     // farther from each other, two places are not the same
 constexpr int kRefinements = 8;
 constexpr double kStill = 1e-4;                             // m and rad: refined
 constexpr double kMovedMost_m = 1.0, kMovedMost_deg = 4.0;  // by the refinement: a cell of the grid and some
@@ -103,11 +105,14 @@ Vector6 step_between(const Pose& T_from, const Pose& T_to) {
 /// Gauss and Newton on the distances of the points from the surfaces. The first steps count points as far off as a cell
 /// of the grid is wide, the last ones only those that lie close.
 /// @param prior  holds the pose in directions that the surfaces leave open; null: none may be
+/// @param coarsest_m  of the first steps
 /// @return how many they leave open
-int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, const PosePrior* prior, Pose& T) {
+int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, const PosePrior* prior, double coarsest_m,
+           Pose& T) {
   ScanFitter fitter;
   const double open_share = prior == nullptr ? ScanToMapConfig{}.degenerate_share : kOpenShare;
   for (const double sigma_m : {0.3, 0.1, 0.03, kFinest_m}) {
+    if (sigma_m > coarsest_m) continue;
     const ScanToMapConfig matching = matching_of(sigma_m, open_share);
     for (int i = 0; i < kRefinements; ++i) {
       const ScanFit fit = fitter.fit(map, points_m, T, matching);
@@ -203,7 +208,7 @@ void settle(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_o
             const ClosureConfig& config, ClosureResult& result) {
   Pose T = T_older_newer_grid;
   settle_height(surfaces, newer.fitted_m, config.cell_m, T);
-  const bool open = refine(surfaces, newer.fitted_m, nullptr, T) > 0;
+  const bool open = refine(surfaces, newer.fitted_m, nullptr, kCoarsest_m, T) > 0;
   const Pose by = T_older_newer_grid.inverse() * T;
   const double turned_rad = rotation_vector_rad(Eigen::Quaterniond(Matrix3(by.linear()))).norm();
   if (open) {
@@ -222,14 +227,13 @@ double distance_m(const Pose& T_a, const Pose& T_b) { return (T_a.translation() 
 /// From a guess that is nearly right to the surfaces. One direction may stay open: there the guess is kept, and the
 /// closure tells nothing of it. Floors fit wherever the guess is, so what stands upright has to fit by itself as well.
 ClosureResult settle_from_guess(const SurfaceMap& surfaces, const NewerCloud& newer,
-                                std::span<const Eigen::Vector3f> upright_newer_m, const Pose& T_guess, double off_m,
-                                const ClosureConfig& config) {
+                                std::span<const Eigen::Vector3f> upright_newer_m, const PosePrior& prior, double off_m,
+                                double coarsest_m, const ClosureConfig& config) {
   ClosureResult result;
-  Pose T = T_guess;
-  const PosePrior prior = prior_of(T_guess, off_m);
-  if (refine(surfaces, newer.fitted_m, &prior, T) > kMostOpen)
+  Pose T = prior.T;
+  if (refine(surfaces, newer.fitted_m, &prior, coarsest_m, T) > kMostOpen)
     result.verdict = ClosureVerdict::kOpen;
-  else if (distance_m(T_guess, T) > std::max(off_m, kLeastOff_m))
+  else if (distance_m(prior.T, T) > std::max(off_m, kLeastOff_m))
     result.verdict = ClosureVerdict::kMoved;
   else
     check_fit(surfaces, newer, T, kMostOpen, config, result);
@@ -240,6 +244,24 @@ ClosureResult settle_from_guess(const SurfaceMap& surfaces, const NewerCloud& ne
   else if (upright.num_near < config.near_min * upright.num_known)
     result.verdict = ClosureVerdict::kDoesNotFit;
   return result;
+}
+
+/// Of two places where the surfaces nearly meet, a wide reach may find the wrong one and a short reach none. So both
+/// are tried, and the one counts that fits better.
+ClosureResult settle_near_guess(const SurfaceMap& surfaces, const NewerCloud& newer,
+                                std::span<const Eigen::Vector3f> upright_newer_m, const Pose& T_guess, double off_m,
+                                const ClosureConfig& config) {
+  const PosePrior prior = prior_of(T_guess, off_m);
+  const ClosureResult wide = settle_from_guess(surfaces, newer, upright_newer_m, prior, off_m, kCoarsest_m, config);
+  const ClosureResult close = settle_from_guess(surfaces, newer, upright_newer_m, prior, off_m, kFine_m, config);
+  if (close.verdict != ClosureVerdict::kClosed) return wide;
+  if (wide.verdict != ClosureVerdict::kClosed) return close;
+  const double of_wide = wide.overlap * wide.near_share, of_close = close.overlap * close.near_share;
+  ClosureResult better = of_wide > of_close ? wide : close;
+  const bool apart = distance_m(wide.T_older_newer, close.T_older_newer) > kApart_m;
+  if (apart && std::min(of_wide, of_close) >= kRivalFit * std::max(of_wide, of_close))
+    better.verdict = ClosureVerdict::kRival;
+  return better;
 }
 
 /// What is sought, and where.
@@ -317,8 +339,8 @@ ClosureResult find_closure(std::span<const Eigen::Vector3f> points_older_m,
   std::optional<SurfaceMap> surfaces;
   if (guess_off_m <= kNearlyRight_m) {
     surfaces = surfaces_of(points_older_m);
-    result = settle_from_guess(*surfaces, cloud, newer_m, T_older_newer_guess, guess_off_m, config);
-    if (result.verdict == ClosureVerdict::kClosed) return result;
+    const ClosureResult met = settle_near_guess(*surfaces, cloud, newer_m, T_older_newer_guess, guess_off_m, config);
+    if (met.verdict == ClosureVerdict::kClosed || met.verdict == ClosureVerdict::kRival) return met;
   }
   keep_at_most(config.points, newer_m);
   const SearchWindow window = window_of(config, guess_off_m);

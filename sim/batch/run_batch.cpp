@@ -140,7 +140,7 @@ BatchOutcome run_batch(const BatchPlan& plan, const BatchOptions& options,
   BatchProgress& progress = outcome.progress;
   for (const std::uint64_t id : plan.episodes_of(options.shard)) {
     const std::vector<std::uint64_t>& chosen = options.episodes;
-    if (!chosen.empty() && std::find(chosen.begin(), chosen.end(), id) == chosen.end()) continue;
+    if (!chosen.empty() && !std::binary_search(chosen.begin(), chosen.end(), id)) continue;
     ++progress.total;
     if (known.contains(id)) {
       ++progress.done;

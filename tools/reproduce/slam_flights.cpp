@@ -25,7 +25,6 @@ constexpr TimeNs kJudgedEvery = 100'000'000;  // as often as scans come
 constexpr TimeNs kShownEvery = 500'000'000;
 constexpr double kLeftBehind_m = 30.0;  // of the way between two submaps that may be joined, as GlobalSlamConfig has it
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr double kLever_m = 5.0;   // by which turns are compared with displacements
 constexpr double kNothing = 1e-6;  // share of the information of the best known direction
 

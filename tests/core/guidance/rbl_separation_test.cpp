@@ -264,7 +264,7 @@ TEST(RblSeparation, AnIntruderThatFliesStraightOnIsLetPassHoweverFastItComes) {
   }
 }
 
-// Nobody knows where it is by now. A cell that ended at the vehicle itself would drive it away, as far as it flies.
+// There is no room to step aside, so the plane is left.
 TEST(RblSeparation, BetweenTwoThatStandAVehicleInAPlaneLeavesItAndComesBack) {
   RblConfig config;
   config.variant = RblConfig::Variant::k2d;
@@ -293,6 +293,7 @@ TEST(RblSeparation, BetweenTwoThatStandAVehicleInAPlaneLeavesItAndComesBack) {
   }
 }
 
+// Nobody knows where it is by now. A cell that ended at the vehicle itself would drive it away, as far as it flies.
 TEST(RblSeparation, AtItsGoalAVehicleStaysThoughSomebodyIsNoLongerInReachOfItsSensor) {
   RblConfig config;
   config.goal_m = {0.0, 0.0, 5.0};

@@ -18,7 +18,7 @@ struct BatchOptions {
   std::filesystem::path out;
   int jobs = 1;
   Shard shard;
-  std::vector<std::uint64_t> episodes;  ///< only these; empty: all
+  std::vector<std::uint64_t> episodes;  ///< only these, in rising order; empty: all
   bool resume = false;
   bool retry = false;            ///< resume: also what is recorded as failed, crashed, timed_out, out_of_memory
   double memory_limit_mb = 0.0;  ///< of a worker on this machine; 0: the batch file's
