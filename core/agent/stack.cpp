@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/agent/look_around.hpp"
 #include "core/agent/trail.hpp"
 #include "swiftlet/core/agent/tells_stages.hpp"
 #include "swiftlet/core/control/controller.hpp"
@@ -221,6 +222,18 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   void guide(const Observation& observation, double dt_s) {
     begin(AgentStage::kGuidance);
     wanted_.goal_is_feasible = false;
+    if (needs_.world && stages_.localization->seeks_itself()) {
+      look_around_.step(dt_s, action_.estimate, wanted_);
+    } else {
+      ask_guidance(observation, dt_s);
+    }
+    if (lost_) return;  // a mission that failed stays failed
+    action_.mission = wanted_.mission;
+    const char* warning = stages_.localization->warning();
+    set_note(warning[0] == '\0' ? wanted_.note : warning);
+  }
+
+  void ask_guidance(const Observation& observation, double dt_s) {
     stages_.guidance->step({.dt_s = dt_s,
                             .estimate = action_.estimate,
                             .observation = observation,
@@ -232,10 +245,6 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
                             .clouds = clouds_,
                             .map = stages_.mapping ? &stages_.mapping->map() : nullptr},
                            wanted_, outbox_);
-    if (lost_) return;  // a mission that failed stays failed
-    action_.mission = wanted_.mission;
-    const char* warning = stages_.localization->warning();
-    set_note(warning[0] == '\0' ? wanted_.note : warning);
   }
 
   void fly(double dt_s) {
@@ -305,6 +314,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   std::vector<RelativeEstimate> relatives_;
   std::vector<SeenVehicle> seen_;
   GuidanceOutput wanted_;
+  LookAround look_around_;
 
   TrackOverlays track_overlays_;
   Trail trail_;

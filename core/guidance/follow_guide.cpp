@@ -36,6 +36,8 @@ class FollowGuide : public Guidance {
         limits_(setup.limits),
         report_period_(from_seconds(1.0 / config.odometry_rate_hz)) {}
 
+  GuidanceNeeds needs() const override { return {.world = false}; }
+
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
     if (!started_) hold(input.estimate.T_local_body);
     started_ = true;

@@ -14,6 +14,8 @@ class Hover : public Guidance {
     goal_.yaw_rad = at_start_ ? yaw_of(T_local_start.linear()) : config.yaw_deg * std::numbers::pi / 180.0;
   }
 
+  GuidanceNeeds needs() const override { return {.world = !at_start_}; }
+
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     output.goal = at_start_ ? goal_ : FrameChange::to_local(input.estimate).reference(goal_);
     output.mission = MissionStatus::kEndless;

@@ -16,6 +16,8 @@ class TakeoffLand : public Guidance {
     top_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
   }
 
+  GuidanceNeeds needs() const override { return {.world = false}; }
+
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     if (landed_) return;
     output.goal = top_;

@@ -22,6 +22,8 @@ class TimedPath : public Guidance {
     yaw_rad_ = yaw_of(setup.agent.T_local_body_start.linear());
   }
 
+  GuidanceNeeds needs() const override { return {.world = !stays_}; }
+
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     t_s_ += input.dt_s;
     const auto [p_m, v_mps, a_mps2] = path_.at(t_s_);

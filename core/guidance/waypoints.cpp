@@ -27,6 +27,8 @@ class Waypoints : public Guidance {
     for (Vector3& p : config_.waypoints_m) p = Vector3(leg_start_m_ + turn * p);
   }
 
+  GuidanceNeeds needs() const override { return {.world = config_.frame == WaypointsConfig::Frame::kWorld}; }
+
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
     if (landed_) return;
     if (config_.loop) output.mission = MissionStatus::kEndless;

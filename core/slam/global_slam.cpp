@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kLeastStep_m = 0.05;  // of odometry: below it errors do not get smaller
 constexpr double kSigmasOff = 3.0;
-constexpr double kInSubmap_m = 0.005;  // how exactly a node lies in its own submap
+constexpr int kLooksFromOnePlace = 10;  // for oneself in a given map: more see nothing new
+constexpr double kInSubmap_m = 0.005;   // how exactly a node lies in its own submap
 constexpr double kInSubmap_deg = 0.02;
 constexpr double kTold_m = 0.01, kTold_deg = 0.1;         // a start pose that was told
 constexpr double kGuessed_m = 10.0, kGuessed_deg = 10.0;  // one that was not
@@ -48,7 +49,7 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
   double step_m = 0.0;
   if (!nodes_.empty()) {
     step_m = (T_local_body.translation() - nodes_.back().T_local_body.translation()).norm();
-    if (t <= nodes_.back().t || step_m < config_.node_every_m) return;
+    if (t <= nodes_.back().t || (step_m < config_.node_every_m && !is_sought(t))) return;
   } else {
     last_optimized_ = t;
   }
@@ -84,7 +85,7 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
                             information_of(kInSubmap_m, kInSubmap_deg * kRadPerDeg), kNoHuber});
   place_fixes();
   fit_start();
-  locate();
+  locate(t);
   const bool placed = located_ || num_given_poses_ == 0;
   const bool due = placed && to_seconds(t - last_optimized_) >= config_.optimize_every_s;
   if (news_ || (fixes_ && due)) optimize(t);
@@ -186,13 +187,22 @@ void GlobalSlam::join(int older_pose, int newer_pose, const ClosureResult& closu
   news_ = true;
 }
 
+/// Does a vehicle that hovers look for itself again? It turns meanwhile and sees more.
+bool GlobalSlam::is_sought(TimeNs t) const {
+  return num_given_poses_ > 0 && !located_ && num_sought_here_ < kLooksFromOnePlace &&
+         to_seconds(t - sought_) >= config_.locate_every_s;
+}
+
 /// A vehicle that was told nothing of its start looks for itself in the map of an earlier flight: with what it has seen
-/// of its present submap, now and then on its way.
-void GlobalSlam::locate() {
+/// of its present submap, now and then on its way and while it hovers.
+void GlobalSlam::locate(TimeNs t) {
   if (located_ || num_given_poses_ == 0) return;
   const double way_m = nodes_.back().way_m;
-  if (nodes_.size() > 1 && way_m - sought_at_m_ < config_.locate_every_m) return;
-  sought_at_m_ = way_m;
+  const bool moved_on = nodes_.size() == 1 || way_m - sought_at_m_ >= config_.locate_every_m;
+  if (!moved_on && !is_sought(t)) return;
+  num_sought_here_ = moved_on ? 1 : num_sought_here_ + 1;
+  sought_ = t;
+  if (moved_on) sought_at_m_ = way_m;
   const SavedMap& given = *config_.loaded_map;
   std::vector<MapPart> parts;
   parts.reserve(given.submaps.size());
@@ -406,6 +416,8 @@ void GlobalSlamConfig::visit(ConfigVisitor& v) {
          "map of an earlier flight, as the recorder `slam_map` writes it: the vehicle localizes itself in it");
   v.field("locate_every_m", locate_every_m,
           "[m] of the way, after which a vehicle that was told nothing of its start looks for itself in that map again",
+          positive);
+  v.field("locate_every_s", locate_every_s, "[s] after which one that hovers does so, ten times at most from one place",
           positive);
   v.object("locate", locate, "how it looks for itself there, from each submap's middle on");
   v.object("gnss", gnss, "weight of a fix");

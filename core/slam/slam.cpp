@@ -70,6 +70,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
   void see(std::span<const SeenVehicle> others) override { others_.assign(others.begin(), others.end()); }
   const char* fault() const override { return fault_; }
   const char* warning() const override { return warning_; }
+  bool seeks_itself() const override { return config_.global.loaded_map != nullptr && global_ && !is_placed(); }
   void append_counters(std::vector<Counter>& counters) const override {
     counters.push_back({"scans of which too little lay where the map has surfaces", num_strange_, num_scans_,
                         "local.known_share_min"});
@@ -82,6 +83,8 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
            std::find(config_.lidars.begin(), config_.lidars.end(), scan.sensor) != config_.lidars.end();
   }
 
+  bool is_placed() const { return heading_known_ && place_known_; }
+
   void take(const SlamToNow::Matched& matched) {
     const ScanOutcome& outcome = matched.outcome;
     ++num_scans_;
@@ -90,7 +93,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
     last_used_ = matched.arrived;
     const LocalSlam& slam = slam_.at_scan();
     // Who shares its map begins one without knowing where it is.
-    const bool placed = (heading_known_ && place_known_) || config_.global.loaded_map != nullptr || sharing_;
+    const bool placed = is_placed() || config_.global.loaded_map != nullptr || sharing_;
     if (global_ && outcome.inserted && slam.started() && placed) {
       global_->add_scan(slam.inserted_at().t, slam.inserted_at().T, slam.points_body_m(), estimate_.T_world_local);
     }
@@ -131,8 +134,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
     const std::optional<Pose> learned = global_->correction(observation.t);
     if (blend_.is_done() && !learned) return;
     const bool has_map = config_.global.loaded_map != nullptr;
-    if (learned && has_map &&
-        !(heading_known_ && place_known_)) {  // it has found itself: goals of the world mean something now
+    if (learned && has_map && !is_placed()) {  // it has found itself: goals of the world mean something now
       heading_known_ = place_known_ = true;
       estimate_.correct(*learned);
       return;

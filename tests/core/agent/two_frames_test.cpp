@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "swiftlet/core/agent/stack.hpp"
 #include "swiftlet/core/guidance/waypoints.hpp"
+#include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
 #include "tests/support/airframes.hpp"
 #include "tests/support/fine_plant.hpp"
@@ -35,6 +38,9 @@ class LateEstimator : public StateEstimator {
   }
   const char* fault() const override { return ""; }
   const char* warning() const override { return estimate_.t < learns_at_ ? "" : "half lost"; }
+  bool seeks_itself() const override { return seeks && estimate_.t < learns_at_; }
+
+  bool seeks = false;  // until then, in a map
 
  private:
   TimeNs learns_at_;
@@ -91,11 +97,13 @@ std::unique_ptr<Guidance> waypoints(std::vector<Vector3> waypoints_m, WaypointsC
 
 /// A flight on the late estimator.
 struct Flight {
-  Flight(TimeNs learns_at, std::unique_ptr<Guidance> guidance) : plant(testing::x500()) {
+  Flight(TimeNs learns_at, std::unique_ptr<Guidance> guidance, bool seeks = false) : plant(testing::x500()) {
     plant.p = kT_world_local.translation();
     plant.q = kT_world_local.linear();
     StackStages stages;
-    stages.localization = std::make_unique<LateEstimator>(learns_at);
+    auto estimator = std::make_unique<LateEstimator>(learns_at);
+    estimator->seeks = seeks;
+    stages.localization = std::move(estimator);
     stages.guidance = std::move(guidance);
     agent = make_stack(std::move(stages), {}, setup_of_x500());
   }
@@ -150,6 +158,35 @@ TEST(TwoFrames, WaypointsOfTheWorldAreReachedAfterTheCorrection) {
   EXPECT_EQ(action->mission, MissionStatus::kDone);
   EXPECT_LT((flight.plant.p - target).norm(), 0.6);
   EXPECT_LT((action->estimate.T_world_body().translation() - flight.plant.p).norm(), 0.05);
+}
+
+TEST(TwoFrames, WhoLooksForItselfInAMapFliesNowhereButTurns) {
+  const Vector3 target(9.0, 1.0, 3.0);
+  Flight flight(8 * kNsPerSecond, waypoints({target}, WaypointsConfig::Frame::kWorld), true);
+  const Vector3 start_m = flight.plant.p;
+  double turned_rad = 0.0, yaw_rad = yaw_of(flight.plant.q.toRotationMatrix());
+  while (flight.plant.t < 8 * kNsPerSecond) {
+    const Action& action = flight.tick();
+    ASSERT_LT((flight.plant.p - start_m).norm(), 0.1) << to_seconds(flight.plant.t);
+    ASSERT_EQ(action.mission, MissionStatus::kRunning);
+    const double now_rad = yaw_of(flight.plant.q.toRotationMatrix());
+    turned_rad += std::remainder(now_rad - yaw_rad, 2.0 * kPi);
+    yaw_rad = now_rad;
+  }
+  EXPECT_GT(turned_rad, 2.5) << "it sees all around";
+  const Action* action = nullptr;
+  for (int i = 0; i < 6000 && (action == nullptr || action->mission != MissionStatus::kDone); ++i)
+    action = &flight.tick();
+  EXPECT_EQ(action->mission, MissionStatus::kDone);
+  EXPECT_LT((flight.plant.p - target).norm(), 0.6);
+}
+
+TEST(TwoFrames, WhoLooksForItselfFliesWhatNeedsNoWorld) {
+  Flight flight(100 * kNsPerSecond, waypoints({{3, 0, 1}}, WaypointsConfig::Frame::kStart), true);
+  const Action* action = nullptr;
+  for (int i = 0; i < 4000 && (action == nullptr || action->mission != MissionStatus::kDone); ++i)
+    action = &flight.tick();
+  EXPECT_EQ(action->mission, MissionStatus::kDone);
 }
 
 TEST(Stack, AFeasibleReferenceIsFlownAsItIsAndAGoalIsNot) {

@@ -309,6 +309,45 @@ TEST(GlobalSlam, ALaterFlightThatWasToldNothingFindsItselfInThatMap) {
   }
 }
 
+/// Scans of a vehicle that hovers, of which each sees one side only, after the first one.
+void turn_at_one_place(Flight& flight, int num_scans) {
+  const Vector3 p_world_m = on_square_m(13.0);
+  for (int i = 0; i < num_scans; ++i) {
+    flight.t += 1'000'000'000;
+    const double yaw_rad = 0.4 * i;
+    const Vector3 ahead(std::cos(yaw_rad), std::sin(yaw_rad), 0.0);
+    std::vector<Eigen::Vector3f> points;
+    for (const Vector3& p : flight.place_world_m) {
+      const Vector3 d = p - p_world_m;
+      if (d.norm() < 9.0 && d.dot(ahead) > 0.85 * d.norm()) points.push_back(d.cast<float>());
+    }
+    flight.slam.add_scan(flight.t, flight.T_local_world * make_pose(p_world_m, Eigen::Quaterniond::Identity()), points,
+                         Pose::Identity());
+  }
+}
+
+TEST(GlobalSlam, OneThatHoversFindsItselfAsSoonAsItHasTurned) {
+  GlobalSlamConfig config;
+  config.loaded_map = map_of_the_yard();
+  Flight flight(GlobalSlam(config, false));
+  flight.T_local_world = make_pose({40, -70, 5}, rotation_by({0, 0, 0.3})).inverse();
+  turn_at_one_place(flight, 1);
+  ASSERT_FALSE(flight.slam.located()) << "one side does not tell";
+  turn_at_one_place(flight, 17);
+  EXPECT_TRUE(flight.slam.located());
+  EXPECT_LE(flight.slam.num_nodes(), 10);
+}
+
+TEST(GlobalSlam, OneThatHoversElsewhereStopsToLook) {
+  GlobalSlamConfig config;
+  config.loaded_map = map_of_the_yard();
+  Flight flight(GlobalSlam(config, false));
+  flight.place_world_m = other_place_world_m();
+  turn_at_one_place(flight, 200);
+  EXPECT_FALSE(flight.slam.located());
+  EXPECT_EQ(flight.slam.num_nodes(), 10) << "memory does not grow with time";
+}
+
 TEST(GlobalSlam, ElsewhereItDoesNotFindItselfAndLeavesTheMapAsItIs) {
   GlobalSlamConfig config;
   config.loaded_map = map_of_the_yard();

@@ -49,6 +49,7 @@ struct GuidanceNeeds {
   bool map = false;
   bool relatives = false;  ///< where the other members of the team are
   bool track_modes = false;
+  bool world = true;  ///< goals, limits or neighbors of the world: it waits until the vehicle has found itself there
 };
 
 /// Where should I go? A scenario chooses by name who answers. Goals of the world are carried into

@@ -34,6 +34,9 @@ class StateEstimator {
   virtual const char* fault() const = 0;
   /// What is wrong with an estimate that is still valid, in a few words; empty when all is well.
   virtual const char* warning() const { return ""; }
+  /// It was told nothing of its start and looks for itself in a map. Until it has found itself, nothing that is told in
+  /// the world means anything to it.
+  virtual bool seeks_itself() const { return false; }
   virtual void append_counters(std::vector<Counter>&) const {}
   /// Of one that keeps a pose graph: where its submaps lie as of the last update; null: it keeps none. Stays the
   /// estimator's.

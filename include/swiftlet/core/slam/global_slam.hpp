@@ -45,6 +45,7 @@ struct GlobalSlamConfig {
   std::string map;
   std::shared_ptr<const SavedMap> loaded_map;  ///< the content of that file; whoever makes a vehicle reads it
   double locate_every_m = 4.0;
+  double locate_every_s = 1.5;
   ClosureConfig locate = global_closure_config();
   GnssFactorConfig gnss;
   ClosureConfig closures;
@@ -118,7 +119,8 @@ class GlobalSlam : public TellsSubmaps {
   std::vector<Eigen::Vector3f> thinned_m(std::span<const Eigen::Vector3f> points_submap_m) const;
   std::vector<Joined> seek_closures();
   void forget_known(std::span<const Joined> joined);
-  void locate();
+  bool is_sought(TimeNs t) const;
+  void locate(TimeNs t);
   void join(int older_pose, int newer_pose, const ClosureResult& closure);
   void place_fixes();
   void fit_start();
@@ -140,6 +142,8 @@ class GlobalSlam : public TellsSubmaps {
   int num_given_poses_ = 0;  // the first ones of the graph are those of the map that was given
   bool located_ = false;
   double sought_at_m_ = 0.0;  // of the way, when it last looked for itself
+  TimeNs sought_ = 0;         // when that was
+  int num_sought_here_ = 0;   // looks without having moved on
   int num_closures_ = 0;
   bool news_ = false, fixes_ = false;  // since the last optimization: a closure, a fix
   TimeNs last_optimized_ = 0;
