@@ -444,6 +444,12 @@ ClosureConfig global_closure_config() {
   return config;
 }
 
+ClosureConfig locating_config() {
+  ClosureConfig config = global_closure_config();
+  config.score_min = 0.5;
+  return config;
+}
+
 void ClosureConfig::visit(ConfigVisitor& v) {
   v.field("window_xy_m", window_xy_m, "[m] from the estimate, in which a closure is sought at most",
           Range::between(0.0, 50.0));

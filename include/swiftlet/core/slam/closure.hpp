@@ -86,6 +86,8 @@ MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vect
                      const ClosureConfig& config, const RotationalHistogram* directions = nullptr);
 /// Defaults for that: any heading, and stricter checks than where an estimate says where to look.
 ClosureConfig global_closure_config();
+/// The same for a vehicle that looks for itself with few scans: parts of the map may lack some of what it sees.
+ClosureConfig locating_config();
 
 /// Of a cloud whose frame has z up: one point in each cell of columns in which something stands at least a meter high.
 /// Floors fit anywhere and are left out. Any frame, the same for all arguments.

@@ -46,7 +46,7 @@ struct GlobalSlamConfig {
   std::shared_ptr<const SavedMap> loaded_map;  ///< the content of that file; whoever makes a vehicle reads it
   double locate_every_m = 4.0;
   double locate_every_s = 1.5;
-  ClosureConfig locate = global_closure_config();
+  ClosureConfig locate = locating_config();
   GnssFactorConfig gnss;
   ClosureConfig closures;
   GraphSolverConfig graph;
