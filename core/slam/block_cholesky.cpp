@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/slam/block_cholesky.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <cmath>
 
 #include "swiftlet/core/ensure.hpp"
 
@@ -29,6 +29,39 @@ std::vector<int> minimum_degree(int num_blocks, std::span<const std::pair<int, i
   return place;
 }
 
+/// A^-1 of a symmetric, positive definite A by its Cholesky factor; false when it is not.
+bool invert_block(const Matrix6& A, Matrix6& inverse) {
+  double C[6][6];  // A = C C^T, with inverse diagonal
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < i; ++j) {
+      double sum = A(i, j);
+      for (int k = 0; k < j; ++k) sum -= C[i][k] * C[j][k];
+      C[i][j] = sum * C[j][j];
+    }
+    double sum = A(i, i);
+    for (int k = 0; k < i; ++k) sum -= C[i][k] * C[i][k];
+    if (!(sum > 0.0)) return false;
+    C[i][i] = 1.0 / std::sqrt(sum);
+  }
+  double F[6][6];  // C^-1
+  for (int j = 0; j < 6; ++j) {
+    F[j][j] = C[j][j];
+    for (int i = j + 1; i < 6; ++i) {
+      double sum = 0.0;
+      for (int k = j; k < i; ++k) sum -= C[i][k] * F[k][j];
+      F[i][j] = sum * C[i][i];
+    }
+  }
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double sum = 0.0;
+      for (int k = i; k < 6; ++k) sum += F[k][i] * F[k][j];
+      inverse(i, j) = inverse(j, i) = sum;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 BlockCholesky::BlockCholesky(int num_blocks, std::span<const std::pair<int, int>> pairs)
@@ -49,6 +82,12 @@ BlockCholesky::BlockCholesky(int num_blocks, std::span<const std::pair<int, int>
   }
   for (int k = 0; k < num_blocks; ++k) first_[k + 1] += first_[k];
   value_.resize(row_.size());
+  slots_.reserve(pairs.size());
+  for (const auto& [i, j] : pairs) {
+    const int column = std::max(place_[i], place_[j]), row = std::min(place_[i], place_[j]);
+    const auto found = std::lower_bound(row_.begin() + first_[column], row_.begin() + first_[column + 1], row);
+    slots_.push_back({static_cast<int>(found - row_.begin()), place_[i] > place_[j]});
+  }
 
   // The elimination tree, and how many blocks each column of L has.
   parent_.assign(num_blocks, -1);
@@ -80,17 +119,12 @@ void BlockCholesky::set_zero() {
   std::fill(value_.begin(), value_.end(), Matrix6::Zero());
 }
 
-void BlockCholesky::add(int i, int j, const Matrix6& block) {
-  const int a = place_[i], b = place_[j];
-  const int column = std::max(a, b), row = std::min(a, b);
-  const auto begin = row_.begin() + first_[column], end = row_.begin() + first_[column + 1];
-  const auto found = std::lower_bound(begin, end, row);
-  ENSURE(found != end && *found == row, i, j);
-  Matrix6& value = value_[found - row_.begin()];
-  if (a < b)
-    value += block;
+void BlockCholesky::add(std::size_t pair, const Matrix6& block) {
+  const Slot& slot = slots_[pair];
+  if (slot.turned)
+    value_[slot.value] += block.transpose();
   else
-    value += block.transpose();
+    value_[slot.value] += block;
 }
 
 bool BlockCholesky::factorize(double damping) {
@@ -123,12 +157,10 @@ bool BlockCholesky::factorize(double damping) {
       row_of_L_[end] = k;
       ++num_in_L_[i];
     }
-    const Eigen::LLT<Matrix6> cholesky(D);
-    if (cholesky.info() != Eigen::Success) {
+    if (!invert_block(D, D_inverse_[k])) {
       std::fill(column_.begin(), column_.end(), Matrix6::Zero());
       return false;
     }
-    D_inverse_[k] = cholesky.solve(Matrix6::Identity());
   }
   return true;
 }

@@ -12,6 +12,7 @@
 namespace swiftlet {
 namespace {
 
+constexpr double kShrinks = 0.1;  // by more than this a step does where the cost is nearly quadratic
 constexpr double kFirstDamping = 1e-9, kLeastDamping = 1e-12, kMostDamping = 1e6;
 
 /// Derivative of the rotation vector of Exp(r) Exp(turn) by a small turn (inverse of the right Jacobian).
@@ -36,9 +37,11 @@ Vector3 turn_to(const Pose& T_a, const Pose& T_b) {
 }
 
 Vector6 relative_residual(const RelativeFactor& f, const Pose& T_from, const Pose& T_to) {
-  const Pose T_from_to = T_from.inverse() * T_to;
+  const Matrix3 R_to_from = T_to.linear().transpose() * T_from.linear();
+  const Vector3 p_from_m = T_from.linear().transpose() * (T_to.translation() - T_from.translation());
+  const Matrix3 R_turn = f.T_from_to.linear().transpose() * R_to_from.transpose();
   Vector6 r;
-  r << T_from_to.translation() - f.T_from_to.translation(), turn_to(f.T_from_to, T_from_to);
+  r << p_from_m - f.T_from_to.translation(), rotation_vector_rad(Eigen::Quaterniond(R_turn));
   return r;
 }
 
@@ -77,8 +80,7 @@ struct RelativeTerms {
 
 /// The same as by the derivatives of residual_of(), by blocks of 3 x 3: J_to is (R 0; 0 K), and J_from is
 /// -J_to (I -A; 0 Q) with the lever A of the displacement and the turn Q between the poses.
-RelativeTerms terms_of(const RelativeFactor& f, const Pose& T_from, const Pose& T_to) {
-  const Vector6 r = relative_residual(f, T_from, T_to);
+RelativeTerms terms_of(const RelativeFactor& f, const Vector6& r, const Pose& T_from, const Pose& T_to) {
   const Vector6 weighted = f.information * r;
   const double w = huber_weight(std::sqrt(r.dot(weighted)), f.huber);
   const Matrix3 R = T_from.linear().transpose(), K = right_jacobian_inverse(r.tail<3>());
@@ -86,8 +88,9 @@ RelativeTerms terms_of(const RelativeFactor& f, const Pose& T_from, const Pose& 
   const Matrix3 Q = T_to.linear().transpose() * T_from.linear();
   RelativeTerms e;
   Matrix6 of_to;  // W J_to
-  of_to.leftCols<3>().noalias() = f.information.leftCols<3>() * (w * R);
-  of_to.rightCols<3>().noalias() = f.information.rightCols<3>() * (w * K);
+  const Matrix3 weighted_R = w * R, weighted_K = w * K;
+  of_to.leftCols<3>().noalias() = f.information.leftCols<3>().lazyProduct(weighted_R);
+  of_to.rightCols<3>().noalias() = f.information.rightCols<3>().lazyProduct(weighted_K);
   e.H_to.topRows<3>().noalias() = R.transpose() * of_to.topRows<3>();
   e.H_to.bottomRows<3>().noalias() = K.transpose() * of_to.bottomRows<3>();
   const Matrix3 At = A.transpose(), Qt = Q.transpose();
@@ -163,10 +166,18 @@ void PoseGraph::add(const PositionFactor& f) {
   positions_.push_back(f);
 }
 
-double PoseGraph::cost_of(std::span<const Pose> poses) const {
+double PoseGraph::cost() const {
+  std::vector<Vector6> of_relatives;
+  return cost_of(poses_, of_relatives);
+}
+
+/// @param of_relatives  the residuals of the relative factors, which linearize() needs again
+double PoseGraph::cost_of(std::span<const Pose> poses, std::vector<Vector6>& of_relatives) const {
   double cost = 0.0;
-  for (const RelativeFactor& f : relatives_) {
-    const Vector6 r = relative_residual(f, poses[f.from], poses[f.to]);
+  of_relatives.resize(relatives_.size());
+  for (std::size_t i = 0; i < relatives_.size(); ++i) {
+    const RelativeFactor& f = relatives_[i];
+    const Vector6 r = of_relatives[i] = relative_residual(f, poses[f.from], poses[f.to]);
     cost += huber_cost(r.dot(f.information * r), f.huber);
   }
   for (const PriorFactor& f : priors_) {
@@ -182,14 +193,17 @@ double PoseGraph::cost_of(std::span<const Pose> poses) const {
   return cost;
 }
 
-void PoseGraph::linearize(BlockCholesky& H, std::vector<Vector6>& gradient) const {
+/// @param of_relatives  the residuals of the relative factors at the present poses
+void PoseGraph::linearize(std::span<const Vector6> of_relatives, BlockCholesky& H,
+                          std::vector<Vector6>& gradient) const {
   H.set_zero();
   gradient.assign(poses_.size(), Vector6::Zero());
+  std::size_t pair = 0;  // in the order of pairs()
   for (const RelativeFactor& f : relatives_) {
-    const RelativeTerms e = terms_of(f, poses_[f.from], poses_[f.to]);
+    const RelativeTerms e = terms_of(f, of_relatives[pair], poses_[f.from], poses_[f.to]);
     H.diagonal(f.from) += e.H_from;
     H.diagonal(f.to) += e.H_to;
-    H.add(f.from, f.to, e.H_from_to);
+    H.add(pair++, e.H_from_to);
     gradient[f.from] += e.g_from;
     gradient[f.to] += e.g_to;
   }
@@ -219,7 +233,7 @@ void PoseGraph::linearize(BlockCholesky& H, std::vector<Vector6>& gradient) cons
     }
     Matrix6 both = Matrix6::Zero();
     both.diagonal().head<3>() = one * other * information;
-    H.add(f.before, f.after, both);
+    H.add(pair++, both);
   }
 }
 
@@ -236,8 +250,9 @@ std::vector<std::pair<int, int>> PoseGraph::pairs() const {
 Matrix6 PoseGraph::covariance_of(int pose) const {
   ENSURE(pose >= 0 && pose < num_poses(), pose);
   BlockCholesky H(num_poses(), pairs());
-  std::vector<Vector6> gradient, column;
-  linearize(H, gradient);
+  std::vector<Vector6> of_relatives, gradient, column;
+  cost_of(poses_, of_relatives);
+  linearize(of_relatives, H, gradient);
   Matrix6 covariance = Matrix6::Identity();
   std::vector<Vector6> unit(poses_.size(), Vector6::Zero());
   for (int i = 0; i < 6; ++i) {
@@ -251,13 +266,14 @@ Matrix6 PoseGraph::covariance_of(int pose) const {
 GraphReport PoseGraph::optimize(const GraphSolverConfig& config) {
   BlockCholesky H(num_poses(), pairs());
   GraphReport report;
-  report.cost_before = report.cost_after = cost();
-  std::vector<Vector6> gradient, step;
+  std::vector<Vector6> gradient, step, of_relatives, of_relatives_tried;
+  report.cost_before = report.cost_after = cost_of(poses_, of_relatives);
   std::vector<Pose> tried(poses_.size());
   double damping = kFirstDamping;
+  double last_step = 0.0;  // 0: none was taken
   bool stale = true;
   while (report.num_iterations < config.iterations && damping <= kMostDamping) {
-    if (stale) linearize(H, gradient);
+    if (stale) linearize(of_relatives, H, gradient);
     stale = false;
     ++report.num_iterations;
     if (!H.solve(damping, gradient, step)) {
@@ -269,18 +285,22 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config) {
       tried[i] = carried(poses_[i], -step[i]);
       largest = std::max(largest, step[i].cwiseAbs().maxCoeff());
     }
-    const double cost = cost_of(tried);
+    const double cost = cost_of(tried, of_relatives_tried);
     if (cost > report.cost_after && largest >= config.step_min) {
       damping = std::max(damping * 100.0, 1e-6);
       continue;
     }
     if (cost <= report.cost_after) {
       poses_.swap(tried);
+      of_relatives.swap(of_relatives_tried);
       report.cost_after = cost;
     }
     stale = true;
     damping = std::max(damping * 0.1, kLeastDamping);
-    report.converged = largest < config.step_min;
+    // Steps shrink at least as fast as before, so the next one would be smaller than this.
+    const double next_step = largest < kShrinks * last_step ? largest * largest / last_step : largest;
+    last_step = largest;
+    report.converged = next_step < config.step_min;
     if (report.converged) break;
   }
   return report;

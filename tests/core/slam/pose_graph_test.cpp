@@ -47,13 +47,14 @@ TEST(BlockCholesky, SolvesAsADenseSolverDoes) {
   }
   BlockCholesky H(kBlocks, pairs);
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(6 * kBlocks, 6 * kBlocks);
-  for (const auto& [i, j] : pairs) {
+  for (std::size_t pair = 0; pair < pairs.size(); ++pair) {
+    const auto [i, j] = pairs[pair];
     Matrix6 Ji, Jj;
     for (int k = 0; k < 36; ++k) Ji(k) = normal(random);
     for (int k = 0; k < 36; ++k) Jj(k) = normal(random);
     H.diagonal(i) += Ji.transpose() * Ji;
     H.diagonal(j) += Jj.transpose() * Jj;
-    H.add(i, j, Ji.transpose() * Jj);
+    H.add(pair, Ji.transpose() * Jj);
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, 6 * kBlocks);
     J.middleCols<6>(6 * i) += Ji;
     J.middleCols<6>(6 * j) += Jj;
@@ -78,7 +79,7 @@ TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
   BlockCholesky H(2, pairs);
   H.diagonal(0) = Matrix6::Identity();
   H.diagonal(1) = Matrix6::Identity();
-  H.add(0, 1, 2.0 * Matrix6::Identity());
+  H.add(0, 2.0 * Matrix6::Identity());
   std::vector<Vector6> b(2, Vector6::Ones()), x;
   EXPECT_FALSE(H.solve(0.0, b, x));
   EXPECT_TRUE(H.solve(2.0, b, x)) << "and is as new afterwards";

@@ -24,8 +24,8 @@ class BlockCholesky {
   /// The block (i, i).
   Matrix6& diagonal(int i) { return diagonal_[place_[i]]; }
   const Matrix6& diagonal(int i) const { return diagonal_[place_[i]]; }
-  /// H_ij += block, and H_ji with it.
-  void add(int i, int j, const Matrix6& block);
+  /// To the block (i, j) of one of the pairs that the pattern was made of, and to (j, i) with it.
+  void add(std::size_t pair, const Matrix6& block);
   /// (H + damping diag(H)) x = b. False when that is not positive definite.
   bool solve(double damping, std::span<const Vector6> b, std::vector<Vector6>& x);
 
@@ -38,6 +38,11 @@ class BlockCholesky {
   // Upper part of H by columns: rows above the diagonal, rising.
   std::vector<int> first_, row_;
   std::vector<Matrix6> value_;
+  struct Slot {
+    int value = 0;
+    bool turned = false;  // j is eliminated before i
+  };
+  std::vector<Slot> slots_;  // by pair
   // L by columns.
   std::vector<int> parent_, first_of_L_, num_in_L_, row_of_L_;
   std::vector<Matrix6> L_, D_inverse_;

@@ -101,7 +101,7 @@ class PoseGraph {
     std::erase_if(priors_, [from](const PriorFactor& f) { return f.pose >= from; });
   }
 
-  double cost() const { return cost_of(poses_); }
+  double cost() const;
   GraphReport optimize(const GraphSolverConfig& config);
   /// Of a small change of one pose (moved()), given all factors as they stand now. The identity when they leave any
   /// pose open.
@@ -109,8 +109,8 @@ class PoseGraph {
 
  private:
   std::vector<std::pair<int, int>> pairs() const;
-  double cost_of(std::span<const Pose> poses) const;
-  void linearize(BlockCholesky& H, std::vector<Vector6>& gradient) const;
+  double cost_of(std::span<const Pose> poses, std::vector<Vector6>& of_relatives) const;
+  void linearize(std::span<const Vector6> of_relatives, BlockCholesky& H, std::vector<Vector6>& gradient) const;
 
   std::vector<Pose> poses_;
   std::vector<RelativeFactor> relatives_;
