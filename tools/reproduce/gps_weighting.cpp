@@ -40,11 +40,11 @@ sim::Scenario gnss_flight(const GnssUse& use, std::uint64_t seed, bool quick) {
         fmt::format("{{type: slam, global: {{enabled: true, optimize_every_s: 60, use_gnss: {}{}}}}}", used,
                     used ? fmt::format(", gnss: {}", use.gnss) : "")},
        {"vehicles[0].agent.guidance",
-        fmt::format("{{type: waypoints, frame: start, speed_mps: 2, waypoints_m: {}}}",
+        fmt::format("{{type: waypoints, frame: start, speed_mps: 2, loop: false, waypoints_m: {}}}",
                     "[[0, 0, 2.7], [25, 0, 2.7], [25, 20, 2.7], [0, 20, 2.7], [0, 0, 2.7]" +
                         std::string(quick ? "" : ", [25, 0, 2.7], [25, 20, 2.7], [0, 20, 2.7], [0, 0, 2.7]") +
                         ", [0, 0, 0]]")},
-       {"duration_s", quick ? "70" : "125"}});
+       {"duration_s", quick ? "65" : "110"}});
 }
 
 void plot_gnss(Experiment& experiment, const std::vector<std::vector<SlamFlight>>& flights) {
