@@ -12,6 +12,7 @@ constexpr double kShareOfLimits = 0.985;
 constexpr double kStepGrain_s = 0.0125;   // so that successive plans have steps of one length, mostly
 constexpr double kBeyondMeeting = 1.3;    // the horizon, by the time to go
 constexpr double kMeetingGrain_s = 0.05;  // of the time to go
+constexpr double kCrossingGrain_s = 0.025;
 
 MotionLimits slower(MotionLimits limits) {
   for (double* limit :
@@ -35,37 +36,62 @@ ChasePlanner::ChasePlanner(const ChasePlanConfig& config, const MotionLimits& li
 
 void ChasePlanner::forget() {
   planned_ = false;
+  amid_for_s_ = 0.0;
   mpc_.forget();
 }
 
 void ChasePlanner::plan(const PointState& self, const TargetPrediction& target, const Vector3& to_target_local_m,
-                        double side, const Surroundings& surroundings) {
+                        double side, const Surroundings& surroundings, double since_last_s) {
   time_to_go_s_ = least_time_s(self, target, to_target_local_m);
   const int n = mpc_.num_steps();
   const double horizon_s = std::clamp(kBeyondMeeting * time_to_go_s_, config_.horizon_min_s, config_.horizon_max_s);
   const double step_s = std::ceil(horizon_s / n / kStepGrain_s - 1e-9) * kStepGrain_s;
   const double meeting_s = std::min(time_to_go_s_, (n - 1) * step_s);
   const double last_step_s = mpc_.step_s();
+  const std::optional<double> crossing = crossing_s(target, to_target_local_m, since_last_s);
   for (int k = 0; k < n; ++k) {
     const double t_s = (k + 1) * step_s;
     const PointState then = target.at(t_s);
     ChaseAim& aim = aims_[static_cast<std::size_t>(k)];
     aim.p_m = then.p_m - to_target_local_m;
-    // A disc catches what goes through it: it stays on its side until they meet.
-    aim.p_m.z() += side * (t_s < meeting_s ? config_.hold_m : -config_.through_m);
+    // A disc catches what goes through it: it stays on its side until the target is amid it.
+    const double above_m = crossing ? config_.crossing_mps * (*crossing - t_s) : config_.hold_m;
+    aim.p_m.z() += side * std::clamp(above_m, -config_.through_m, config_.hold_m);
     aim.v_mps = then.v_mps;
     const bool meets = t_s >= meeting_s && t_s < meeting_s + std::max(config_.meeting_s, 1.01 * step_s);
     aim.weight = t_s < meeting_s ? config_.weight_before : meets ? 1.0 : config_.weight_after;
     aim.velocity_weight = meets ? config_.velocity_weight : 0.0;
     // Walls matter where the vehicle will be: on its last plan, else on the straight way.
     const Vector3 there =
-        planned_ && t_s < n * last_step_s
-            ? mpc_.at(t_s).p_m
+        planned_ && t_s + since_last_s < n * last_step_s
+            ? mpc_.at(t_s + since_last_s).p_m
             : Vector3(self.p_m + std::min(1.0, t_s / std::max(meeting_s, step_s)) * (aim.p_m - self.p_m));
     surroundings.walls(there, t_s, aim);
   }
   mpc_.solve(self, std::span(aims_.data(), static_cast<std::size_t>(n)), step_s);
   planned_ = true;
+}
+
+/// When the disc shall go through the target's height: while the target is amid the disc, in the plane, as the last
+/// plan flies on. Nothing: it will not be.
+std::optional<double> ChasePlanner::crossing_s(const TargetPrediction& target, const Vector3& to_target_m,
+                                               double since_last_s) {
+  amid_for_s_ = planned_ ? amid_for_s_ + since_last_s : 0.0;
+  std::optional<double> enters_s;
+  double leaves_s = 0.0;
+  const int instants = planned_ ? static_cast<int>((horizon_s() - since_last_s) / kCrossingGrain_s + 1e-9) : -1;
+  for (int i = 0; i <= instants; ++i) {
+    const double t_s = i * kCrossingGrain_s;
+    const Vector3 off_m = target.at(t_s).p_m - to_target_m - mpc_.at(t_s + since_last_s).p_m;
+    const bool amid = off_m.head<2>().norm() < reach_m_;
+    if (!amid && i == 0) amid_for_s_ = 0.0;
+    if (!amid && enters_s) break;
+    if (!amid) continue;
+    if (!enters_s) enters_s = i == 0 ? -amid_for_s_ : t_s;
+    leaves_s = t_s;
+  }
+  if (!enters_s) return std::nullopt;
+  return *enters_s + std::min(0.5 * (leaves_s - *enters_s), config_.crossing_delay_s);
 }
 
 /// A bound: speed along the whole way and acceleration from the present velocity must both suffice.

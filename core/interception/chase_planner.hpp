@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 
 #include "core/interception/surroundings.hpp"
@@ -17,8 +18,9 @@ class ChasePlanner {
 
   /// @param to_target_local_m  from where the vehicle shall be to where the target is then
   /// @param side               1: the net comes from above the target, -1: from below; 0: from anywhere
+  /// @param since_last_s       how long ago the last plan was made
   void plan(const PointState& self, const TargetPrediction& target, const Vector3& to_target_local_m, double side,
-            const Surroundings& surroundings);
+            const Surroundings& surroundings, double since_last_s);
   /// The next plan has nothing to do with the last one.
   void forget();
   /// Some time after the plan was made.
@@ -27,6 +29,8 @@ class ChasePlanner {
   double time_to_go_s() const { return time_to_go_s_; }
 
  private:
+  std::optional<double> crossing_s(const TargetPrediction& target, const Vector3& to_target_local_m,
+                                   double since_last_s);
   double least_time_s(const PointState& self, const TargetPrediction& target, const Vector3& to_target_local_m) const;
 
   ChasePlanConfig config_;
@@ -35,6 +39,7 @@ class ChasePlanner {
   ChaseMpc mpc_;
   std::array<ChaseAim, ChaseMpc::kMaxSteps> aims_;
   double time_to_go_s_ = 0.0;
+  double amid_for_s_ = 0.0;  // the target has been amid the net, in the plane
   bool planned_ = false;
 };
 

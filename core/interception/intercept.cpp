@@ -60,7 +60,7 @@ class Intercept : public Guidance {
     if (sees) note_capture();
     decide(sees, input.dt_s, output);
     if (since_check_s_ >= config_.period_s) plan();
-    fly(governor_, since_check_s_, input.dt_s);
+    fly(governor_, since_check_s_, 0.0, input.dt_s);
     since_check_s_ += input.dt_s;
     output.goal = governor_.state();
     output.goal_is_feasible = true;
@@ -255,15 +255,17 @@ class Intercept : public Guidance {
 
   /// Tries what it would do until it thinks again, and brakes instead when it could not stop in time after that.
   void plan() {
+    const double since_last_s = since_check_s_;
     since_check_s_ = 0.0;
     if (mode_ == Mode::kChasing && config_.method == InterceptConfig::Method::kMpc) {
       const Reference& r = governor_.state();
-      planner_.plan({r.position_m, r.velocity_mps, r.acceleration_mps2}, target_, to_target_m(), side(), surroundings_);
+      planner_.plan({r.position_m, r.velocity_mps, r.acceleration_mps2}, target_, to_target_m(), side(), surroundings_,
+                    since_last_s);
     }
     brakes_ = false;
     ReferenceGovernor tried = governor_;
     const int steps = std::max(1, static_cast<int>(std::ceil(config_.period_s / kCheckStep_s)));
-    for (int i = 0; i < steps; ++i) fly(tried, i * kCheckStep_s, kCheckStep_s);
+    for (int i = 0; i < steps; ++i) fly(tried, i * kCheckStep_s, i * kCheckStep_s, kCheckStep_s);
     const double allowed_m = std::max(0.0, surroundings_.intrusion_m(governor_.state().position_m, 0.0));
     brakes_ = !can_stop(tried, surroundings_, config_.period_s, allowed_m);
   }
@@ -293,22 +295,23 @@ class Intercept : public Guidance {
     return kBesideBy * clear_m * side.normalized();
   }
 
-  /// Moves the reference by one step of what is flown now, `since_s` after it was decided.
-  void fly(ReferenceGovernor& governor, double since_s, double dt_s) {
+  /// Moves the reference by one step of what is flown now, `since_s` after it was decided. What moves beside is known
+  /// as of `ahead_s` ago: a trial looks ahead, a flight does not.
+  void fly(ReferenceGovernor& governor, double since_s, double ahead_s, double dt_s) {
     if (brakes_) {
-      governor.accelerate(braking_mps2(governor.state(), surroundings_, since_s, limits_), yaw_rad_, dt_s);
+      governor.accelerate(braking_mps2(governor.state(), surroundings_, ahead_s, limits_), yaw_rad_, dt_s);
     } else if (mode_ == Mode::kChasing && config_.method == InterceptConfig::Method::kMpc) {
       const PointState planned = planner_.at(since_s + dt_s);
       Reference goal;
       goal.position_m = planned.p_m;
       goal.velocity_mps = planned.v_mps;
       goal.acceleration_mps2 = planned.a_mps2;
-      goal.yaw_rad = face(target_.at(since_s).p_m);
+      goal.yaw_rad = face(target_.at(ahead_s).p_m);
       governor.step(goal, dt_s);
     } else if (mode_ == Mode::kChasing) {
-      governor.accelerate(law_mps2(governor.state(), since_s), face(target_.at(since_s).p_m), dt_s);
+      governor.accelerate(law_mps2(governor.state(), ahead_s), face(target_.at(ahead_s).p_m), dt_s);
     } else if (mode_ == Mode::kLeaving) {
-      governor.accelerate(leaving_mps2(governor.state()), face(target_.at(since_s).p_m), dt_s);
+      governor.accelerate(leaving_mps2(governor.state()), face(target_.at(ahead_s).p_m), dt_s);
     } else {
       Reference goal;
       goal.position_m = mode_ == Mode::kSearching ? goal_local_m_ : watch_local_m_;
@@ -319,8 +322,8 @@ class Intercept : public Guidance {
     }
   }
 
-  Vector3 law_mps2(const Reference& self, double since_s) const {
-    const PointState target = target_.at(since_s);
+  Vector3 law_mps2(const Reference& self, double ahead_s) const {
+    const PointState target = target_.at(ahead_s);
     const Vector3 net = config_.net.center(self.position_m + bias_local_m_, self.yaw_rad);
     const RelativeMotion relative{target.p_m - net, target.v_mps - self.velocity_mps};
     const Vector3 a_mps2 = config_.method == InterceptConfig::Method::kFrpn ? frpn_mps2(config_.gains, relative)
@@ -389,6 +392,10 @@ void ChasePlanConfig::visit(ConfigVisitor& v) {
   v.field("hold_m", hold_m, "[m] a disc stays above or below the target by this until they meet",
           Range::non_negative());
   v.field("through_m", through_m, "[m] and then goes through it by this", Range::non_negative());
+  v.field("crossing_mps", crossing_mps, "[m/s] at which a disc goes through the target's height", Range::positive());
+  v.field("crossing_delay_s", crossing_delay_s,
+          "[s] after the target is within reach a disc goes through, earlier when it would be out of reach by then",
+          Range::non_negative());
   v.object("solver", solver, "of the condensed problem");
   v.check(horizon_max_s >= horizon_min_s, "horizon_max_s", "at least horizon_min_s");
 }

@@ -22,11 +22,12 @@ struct TargetLimits {
 constexpr TargetLimits kTargetLimits[] = {{"8 m/s", 8.0, 4.0}, {"10 m/s", 10.0, 8.0}};
 constexpr double kSlowestTarget_mps = 3.0;
 constexpr const char* kPursuits[] = {"frpn", "proportional_navigation", "pure_pursuit", "mpc"};
+constexpr int kFirstTrajectory = 100;                             // the planner was tuned on others
 constexpr double kNearestStart_m = 5.0, kFarthestStart_m = 20.0;  // of the starts from the target
 
 /// One of the trajectories, from one of its starts. How hard a trajectory is, is drawn as well.
 sim::Scenario protocol_flight(const char* method, const TargetLimits& limits, int trajectory, int start) {
-  const auto number = static_cast<std::uint32_t>(trajectory);
+  const auto number = static_cast<std::uint32_t>(kFirstTrajectory + trajectory);
   const Random random(1, "interception.protocol");
   const double speed_mps = random.uniform(kSlowestTarget_mps, limits.speed_mps, number, 0);
   const double acceleration_mps2 = limits.acceleration_mps2 * speed_mps / limits.speed_mps;

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "core/interception/chase_planner.hpp"
@@ -292,7 +293,7 @@ double plain_time_to_go_s(const MotionLimits& limits, double reach_m, double lon
 }
 
 TEST(ChasePlannerReference, EveryPlanIsThatOfTheAims) {
-  int at_bounds = 0, walled = 0;
+  int at_bounds = 0, walled = 0, crossings = 0;
   for (std::uint32_t round = 0; round < 40; ++round) {
     ChaseDraws draws(2, round);
     ChasePlanConfig config;
@@ -305,6 +306,8 @@ TEST(ChasePlannerReference, EveryPlanIsThatOfTheAims) {
     config.velocity_weight = draws.below(2) == 0 ? 0.0 : 0.2;
     config.hold_m = draws.between(0.1, 1.0);
     config.through_m = draws.between(0.1, 1.0);
+    config.crossing_mps = draws.between(0.2, 3.0);
+    config.crossing_delay_s = draws.between(0.0, 0.4);
     const double reach_m = draws.between(0.2, 1.5);
     MotionLimits slower = kChase;  // so that the governor follows it as it is
     for (double MotionLimits::*limit :
@@ -317,20 +320,21 @@ TEST(ChasePlannerReference, EveryPlanIsThatOfTheAims) {
     const Surroundings around = walled_sky();
     PointState self{Vector3(0, 0, 8) + draws.vector(6.0), draws.vector(3.0), draws.vector(1.0)};
     bool planned = false;
-    double last_step_s = 0.0;
-    for (int plan = 0; plan < 4; ++plan) {
-      Track track;
-      track.position_m = Vector3(0, 0, 10) + draws.vector(draws.below(2) == 0 ? 3.0 : 18.0);
-      track.velocity_mps = draws.vector(3.0);
+    double last_step_s = 0.0, amid_s = 0.0;
+    Track track;
+    track.position_m = Vector3(0, 0, 10) + draws.vector(draws.below(2) == 0 ? 3.0 : 18.0);
+    track.velocity_mps = draws.vector(3.0);
+    const Vector3 to_target_m = draws.vector(1.5);
+    for (int plan = 0; plan < 6; ++plan) {
+      track.position_m += 0.3 * track.velocity_mps;
       const TargetPrediction target({}, track, nullptr, 0);
-      const Vector3 to_target_m = draws.vector(1.5);
       const double side = draws.below(3) - 1.0;
       if (plan == 3) {
         planner.forget();
         plain.forget();
         planned = false;
       }
-      planner.plan(self, target, to_target_m, side, around);
+      planner.plan(self, target, to_target_m, side, around, 0.3);
 
       const double go_s = plain_time_to_go_s(slower, reach_m, config.horizon_max_s, self, target, to_target_m);
       ASSERT_NEAR(planner.time_to_go_s(), go_s, 1e-9) << round << ", " << plan;
@@ -339,6 +343,22 @@ TEST(ChasePlannerReference, EveryPlanIsThatOfTheAims) {
       const double step_s = 0.0125 * std::ceil(horizon_s / config.steps / 0.0125 - 1e-9);
       ASSERT_NEAR(planner.horizon_s(), config.steps * step_s, 1e-9);
       const double meeting_s = std::min(planner.time_to_go_s(), (config.steps - 1) * step_s);
+      // When the target is amid the disc as planned 0.3 s ago.
+      amid_s = planned ? amid_s + 0.3 : 0.0;
+      std::optional<double> crosses_s;
+      std::vector<double> amid_at_s;
+      for (int i = 0; planned && 0.025 * i <= config.steps * last_step_s - 0.3 + 1e-9; ++i) {
+        const Vector3 off_m = target.at(0.025 * i).p_m - to_target_m - plain.at(0.025 * i + 0.3).p_m;
+        const bool amid = std::hypot(off_m.x(), off_m.y()) < reach_m;
+        if (i == 0 && !amid) amid_s = 0.0;
+        if (amid) amid_at_s.push_back(0.025 * i);
+        if (!amid && !amid_at_s.empty()) break;
+      }
+      if (!amid_at_s.empty()) {
+        const double from_s = amid_at_s.front() > 0.0 ? amid_at_s.front() : -amid_s;
+        crosses_s = std::min(0.5 * (from_s + amid_at_s.back()), from_s + config.crossing_delay_s);
+      }
+      crossings += crosses_s.has_value();
       std::vector<ChaseAim> aims(static_cast<std::size_t>(config.steps));
       for (int k = 0; k < config.steps; ++k) {
         ChaseAim& aim = aims[static_cast<std::size_t>(k)];
@@ -347,11 +367,12 @@ TEST(ChasePlannerReference, EveryPlanIsThatOfTheAims) {
         aim.v_mps = target.at(t_s).v_mps;
         const bool before = t_s < meeting_s;
         const bool meets = !before && t_s < meeting_s + std::max(config.meeting_s, 1.01 * step_s);
-        aim.p_m.z() += before ? side * config.hold_m : -side * config.through_m;
+        const double rises_m = crosses_s ? config.crossing_mps * (*crosses_s - t_s) : config.hold_m;
+        aim.p_m.z() += side * std::max(-config.through_m, std::min(config.hold_m, rises_m));
         aim.weight = before ? config.weight_before : meets ? 1.0 : config.weight_after;
         if (meets) aim.velocity_weight = config.velocity_weight;
         Vector3 there_m = self.p_m + std::min(1.0, t_s / std::max(meeting_s, step_s)) * (aim.p_m - self.p_m);
-        if (planned && t_s < config.steps * last_step_s) there_m = plain.at(t_s).p_m;
+        if (planned && t_s + 0.3 < config.steps * last_step_s) there_m = plain.at(t_s + 0.3).p_m;
         around.walls(there_m, t_s, aim);
         walled += aim.num_walls > 0;
       }
@@ -365,6 +386,7 @@ TEST(ChasePlannerReference, EveryPlanIsThatOfTheAims) {
   }
   EXPECT_GT(at_bounds, 20);
   EXPECT_GT(walled, 100);
+  EXPECT_GT(crossings, 50);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 namespace swiftlet {
@@ -39,7 +40,7 @@ double time_to_go_s(const PointState& self, const Vector3& target_local_m,
   ChasePlanConfig config;
   config.horizon_max_s = 30.0;
   ChasePlanner planner(config, kChaser, kReach_m);
-  planner.plan(self, hovering(target_local_m), to_target_m, 0.0, nothing_around());
+  planner.plan(self, hovering(target_local_m), to_target_m, 0.0, nothing_around(), 0.0);
   return planner.time_to_go_s();
 }
 
@@ -79,7 +80,7 @@ TEST(ChasePlanner, ThePlanIsAThirdLongerThanTheTimeToGoWithinItsBounds) {
   ChasePlanConfig config;
   const auto horizon_s = [&](double way_m) {
     ChasePlanner planner(config, kChaser, kReach_m);
-    planner.plan({}, hovering({way_m, 0.0, 0.0}), Vector3::Zero(), 0.0, nothing_around());
+    planner.plan({}, hovering({way_m, 0.0, 0.0}), Vector3::Zero(), 0.0, nothing_around(), 0.0);
     return planner.horizon_s();
   };
   EXPECT_DOUBLE_EQ(horizon_s(1.0), config.horizon_min_s);
@@ -97,7 +98,8 @@ std::vector<double> heights_m(double side, double* meeting_s) {
   config.solver.iterations = 20000;
   config.solver.tolerance = 1e-6;
   ChasePlanner planner(config, kChaser, kReach_m);
-  planner.plan({}, hovering({8.0, 0.0, 0.0}), Vector3::Zero(), side, nothing_around());
+  for (int i = 0; i < 3; ++i)  // each knows from the one before when they meet
+    planner.plan({}, hovering({8.0, 0.0, 0.0}), Vector3::Zero(), side, nothing_around(), 0.0);
   *meeting_s = planner.time_to_go_s();
   std::vector<double> heights;
   for (int i = 0; i <= 300; ++i) heights.push_back(planner.at(0.01 * i).p_m.z());
@@ -117,11 +119,44 @@ TEST(ChasePlanner, ADiscStaysOnItsSideUntilTheyMeetAndThenGoesThrough) {
   }
 }
 
+/// Height of the net above a target that comes toward it, when the target enters the disc's reach and leaves it again.
+std::array<double, 2> heights_at_the_pass_m(double speed_mps, double side) {
+  ChasePlanner planner({}, kChaser, kReach_m);
+  PointState self;
+  self.v_mps = {7.0, 0.0, 0.0};
+  Track track;
+  track.position_m = {1.6 * (speed_mps + 7.0), 0.0, 0.0};
+  track.velocity_mps = {-speed_mps, 0.0, 0.0};
+  std::array<double, 2> heights{};
+  for (double last_x_m = track.position_m.x(); last_x_m > -kReach_m;) {
+    planner.plan(self, TargetPrediction({}, track, nullptr, 0), Vector3::Zero(), side, nothing_around(), 0.05);
+    for (int i = 1; i <= 10; ++i) {
+      const double x_m = track.position_m.x() - 0.005 * i * speed_mps - planner.at(0.005 * i).p_m.x();
+      if (x_m < kReach_m && last_x_m >= kReach_m) heights[0] = planner.at(0.005 * i).p_m.z();
+      if (x_m < -kReach_m && last_x_m >= -kReach_m) heights[1] = planner.at(0.005 * i).p_m.z();
+      last_x_m = x_m;
+    }
+    self = planner.at(0.05);
+    track.position_m += 0.05 * track.velocity_mps;
+  }
+  return heights;
+}
+
+TEST(ChasePlanner, ADiscGoesThroughTheHeightOfATargetWhileThatIsWithinReach) {
+  for (const double speed_mps : {2.0, 4.0, 6.0, 8.0, 9.0}) {
+    for (const double side : {-1.0, 1.0}) {
+      const auto [enters_m, leaves_m] = heights_at_the_pass_m(speed_mps, side);
+      EXPECT_GT(side * enters_m, 0.0) << speed_mps;
+      EXPECT_LT(side * leaves_m, 0.0) << speed_mps;
+    }
+  }
+}
+
 TEST(ChasePlanner, ThePlanReachesAHoveringTargetAtTheTimeToGo) {
   ChasePlanConfig config;
   ChasePlanner planner(config, kChaser, kReach_m);
   PointState self;
-  planner.plan(self, hovering({6.0, 3.0, 1.0}), {0.0, 0.0, 1.0}, 0.0, nothing_around());
+  planner.plan(self, hovering({6.0, 3.0, 1.0}), {0.0, 0.0, 1.0}, 0.0, nothing_around(), 0.0);
   const PointState met = planner.at(planner.time_to_go_s() + 0.1);
   EXPECT_LT((met.p_m - Vector3(6.0, 3.0, 0.0)).norm(), kReach_m + 0.3);
   for (double ahead = 0.0; const double share : {0.1, 0.3, 0.5, 0.7, 0.9}) {
@@ -141,7 +176,7 @@ TEST(ChasePlanner, KeepsToAWallThatTheTargetIsBehind) {
   PointState self;
   double farthest_m = 0.0;
   for (int i = 0; i < 100; ++i) {
-    planner.plan(self, hovering({10.0, 0.0, 0.0}), Vector3::Zero(), 0.0, around);
+    planner.plan(self, hovering({10.0, 0.0, 0.0}), Vector3::Zero(), 0.0, around, 0.05);
     self = planner.at(0.05);
     farthest_m = std::max(farthest_m, self.p_m.x());
   }

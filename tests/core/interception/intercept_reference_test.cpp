@@ -65,7 +65,7 @@ class PlainHunter {
     const bool caught = target != nullptr && catches(*target);
     decide(target != nullptr, caught);
     if (!planned_ || since_s_ >= c_.period_s) think();
-    fly(governor_, since_s_, kTick_s);
+    fly(governor_, since_s_, 0.0, kTick_s);
     since_s_ += kTick_s;
     return governor_.state();
   }
@@ -201,6 +201,7 @@ class PlainHunter {
 
   void think() {
     planned_ = true;
+    const double since_last_s = since_s_;
     since_s_ = 0.0;
     const Reference& r = governor_.state();
     if (mode == "chasing" && c_.method == Method::kMpc) {
@@ -208,13 +209,13 @@ class PlainHunter {
       const double above_m = net_m().z() - target_->at(0.0).p_m.z();
       if (std::abs(above_m) > 0.05) side_ = above_m > 0.0 ? 1.0 : -1.0;
       planner_.plan({r.position_m, r.velocity_mps, r.acceleration_mps2}, *target_, to_net_m + bias_m_ - way_around_m(),
-                    c_.net.height_m > 0.0 ? 0.0 : side_, around_);
+                    c_.net.height_m > 0.0 ? 0.0 : side_, around_, since_last_s);
     }
     // Tried for a period, and braked then: does that end well?
     brakes_ = false;
     ReferenceGovernor tried = governor_;
     const int parts = std::max(1, static_cast<int>(std::ceil(c_.period_s / 0.01)));
-    for (int i = 0; i < parts; ++i) fly(tried, 0.01 * i, 0.01);
+    for (int i = 0; i < parts; ++i) fly(tried, 0.01 * i, 0.01 * i, 0.01);
     brakes_ = !can_stop(tried, around_, c_.period_s, std::max(0.0, around_.intrusion_m(r.position_m, 0.0)));
     seen["braking"] += brakes_;
   }
@@ -230,13 +231,13 @@ class PlainHunter {
     return {1.7 * c_.target_clearance_m, 0.0, 0.0};
   }
 
-  void fly(ReferenceGovernor& governor, double since_s, double h) {
+  void fly(ReferenceGovernor& governor, double since_s, double ahead_s, double h) {
     const Reference& r = governor.state();
     if (brakes_) {
-      governor.accelerate(braking_mps2(r, around_, since_s, kHunter), yaw_rad_, h);
+      governor.accelerate(braking_mps2(r, around_, ahead_s, kHunter), yaw_rad_, h);
       return;
     }
-    if (mode == "chasing" || mode == "leaving") look_at(target_->at(since_s).p_m);
+    if (mode == "chasing" || mode == "leaving") look_at(target_->at(ahead_s).p_m);
     if (mode == "chasing" && c_.method == Method::kMpc) {
       const PointState planned = planner_.at(since_s + h);
       governor.step({.position_m = planned.p_m,
@@ -245,8 +246,8 @@ class PlainHunter {
                      .yaw_rad = yaw_rad_},
                     h);
     } else if (mode == "chasing") {
-      const RelativeMotion relative{target_->at(since_s).p_m - c_.net.center(r.position_m + bias_m_, r.yaw_rad),
-                                    target_->at(since_s).v_mps - r.velocity_mps};
+      const RelativeMotion relative{target_->at(ahead_s).p_m - c_.net.center(r.position_m + bias_m_, r.yaw_rad),
+                                    target_->at(ahead_s).v_mps - r.velocity_mps};
       Vector3 a_mps2 = pure_pursuit_mps2(c_.gains, relative);
       if (c_.method == Method::kFrpn) a_mps2 = frpn_mps2(c_.gains, relative);
       if (c_.method == Method::kProportionalNavigation) a_mps2 = proportional_navigation_mps2(c_.gains, relative);

@@ -24,7 +24,9 @@ struct ChasePlanConfig {
   double meeting_s = 0.5;
   double velocity_weight = 0.0;
   double hold_m = 0.2;
-  double through_m = 0.1;
+  double through_m = 0.06;
+  double crossing_mps = 1.0;
+  double crossing_delay_s = 0.15;
   ChaseMpcConfig solver;
 
   void visit(ConfigVisitor& v);
