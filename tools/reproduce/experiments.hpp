@@ -23,7 +23,9 @@ void detection_latencies(Experiment& experiment);  // detection_latencies.cpp
 void detection_beyond(Experiment& experiment);     // detection_beyond.cpp
 void detection_sparse(Experiment& experiment);     // detection_sparse.cpp
 
-void interception(Experiment& experiment);  // interception.cpp
+void interception(Experiment& experiment);        // interception.cpp
+void interception_lidar(Experiment& experiment);  // interception_lidar.cpp
+void interception_speed(Experiment& experiment);  // interception_lidar.cpp
 
 // Cooperative guidance
 void gap_success(Experiment& experiment);      // gap_success.cpp

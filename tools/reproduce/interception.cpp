@@ -81,6 +81,44 @@ ProtocolResult fly_protocol(const Experiment& experiment, const char* method, co
   return result;
 }
 
+/// A second interceptor from another of the starts.
+sim::Scenario team_flight(const TargetLimits& limits, int trajectory) {
+  sim::Scenario scenario = protocol_flight("mpc", limits, trajectory, 0);
+  sim::VehicleConfig second = protocol_flight("mpc", limits, trajectory, 1).vehicles.front();
+  second.name = "second";
+  scenario.vehicles.push_back(second);
+  return scenario;
+}
+
+/// Does a second interceptor shorten the chase? A flight without a capture counts with its whole length.
+void two_against_one(Experiment& experiment, const TargetLimits& limits, int trajectories, CsvTable& csv) {
+  std::vector<sim::Scenario> alone, team;
+  for (int t = 0; t < trajectories; ++t) {
+    alone.push_back(protocol_flight("mpc", limits, t, 0));
+    team.push_back(team_flight(limits, t));
+  }
+  const auto first_s = [&](const std::vector<sim::RunSummary>& runs, const char* vehicle) {
+    std::vector<double> times_s = metric_of(runs, "time_to_first_capture_s", vehicle);
+    for (double& time_s : times_s) time_s = std::isnan(time_s) ? team.front().duration_s : time_s;
+    return times_s;
+  };
+  const std::vector<double> alone_s = first_s(fly(experiment, alone), "interceptor");
+  const std::vector<sim::RunSummary> runs = fly(experiment, team);
+  std::vector<double> team_s = first_s(runs, "interceptor");
+  const std::vector<double> second_s = first_s(runs, "second");
+  for (std::size_t i = 0; i < team_s.size(); ++i) {
+    team_s[i] = std::min(team_s[i], second_s[i]);
+    csv.row(limits.name, {static_cast<double>(i), alone_s[i], team_s[i]});
+  }
+  const double one_s = mean_and_deviation(alone_s).mean, two_s = mean_and_deviation(team_s).mean;
+  experiment.row(
+      {fmt::format("{} mpc: first capture by two against that by one [-]", limits.name),
+       fmt::format("{:+.2f}", two_s / one_s - 1.0), Verdict::kNotJudged,
+       fmt::format("{} s against {} s, {} flights of each; a flight without a capture counts with its length",
+                   short_number(two_s, 3), short_number(one_s, 3), trajectories),
+       two_s / one_s - 1.0});
+}
+
 }  // namespace
 
 void interception(Experiment& experiment) {
@@ -106,6 +144,9 @@ void interception(Experiment& experiment) {
     }
   }
   experiment.write("flights.csv", csv);
+  CsvTable team({"case", "trajectory", "alone_s", "team_s"});
+  for (const TargetLimits& limits : kTargetLimits) two_against_one(experiment, limits, trajectories, team);
+  experiment.write("team.csv", team);
 }
 
 }  // namespace swiftlet::tools

@@ -67,6 +67,7 @@ std::vector<sim::RunSummary> fly(const Experiment& experiment, const std::vector
     while (!simulation.finished()) {
       simulation.tick();
       if (notes.after_tick) notes.after_tick(index, simulation);
+      if (notes.is_over && notes.is_over(simulation)) break;
     }
     summaries[index] = simulation.summary();
     if (log != nullptr) log->add(key, {summaries[index], notes.write ? notes.write(index) : std::vector<double>()});

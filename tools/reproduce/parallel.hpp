@@ -30,6 +30,8 @@ struct FlightNotes {
   /// What after_tick has noted, as numbers, and back again: so that a finished flight need not be flown a second time.
   std::function<std::vector<double>(std::size_t index)> write = {};
   std::function<void(std::size_t index, std::span<const double> numbers)> read = {};
+  /// Ends a run before its scenario does, when it is true after a tick.
+  std::function<bool(const sim::Simulation&)> is_over = {};
 };
 
 /// Flies every scenario to its end, several at a time; the summaries in the order of the scenarios. Finished flights

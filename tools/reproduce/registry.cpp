@@ -45,6 +45,12 @@ std::span<const ExperimentType> experiment_types() {
       ExperimentType{"interception",
                      "MPC, FRPN, proportional navigation and pursuit after random targets [Vrba 2025, sec. VI-B]",
                      2400.0, interception},
+      ExperimentType{
+          "interception-lidar",
+          "The same on nothing but a LiDAR: captures, trackers, noise, wind and latency [Vrba 2025, sec. VI-B]", 1500.0,
+          interception_lidar},
+      ExperimentType{"interception-speed", "Captures on a LiDAR over the target's speed: two LiDARs, four methods",
+                     9000.0, interception_speed},
       ExperimentType{"gap-success", "Success by the width of a gap, five configurations [Pritzl 2024, Fig. 6]", 6000.0,
                      gap_success},
       ExperimentType{"forest-guidance", "A UAV guides a small one through 20 forests [Pritzl 2024, Table II]", 1500.0,
