@@ -127,6 +127,12 @@ TEST(Experiments, FlightsComeBackInTheirOrderForAnyNumberOfJobs) {
   EXPECT_EQ(hashes(1), hashes(3));
 }
 
+TEST(Experiments, AFlightEndsEarlierWhenItsExperimentSaysSo) {
+  const auto is_over = [](const sim::Simulation& simulation) { return simulation.now() >= from_seconds(0.1); };
+  for (const sim::RunSummary& summary : fly(Experiment({}), short_flights(), {.is_over = is_over}))
+    EXPECT_NEAR(summary.simulated_s, 0.1, 0.005);
+}
+
 // How many ticks were flown, and what came out of it.
 struct Attempt {
   std::vector<double> ticks = std::vector<double>(4, 0.0), told = ticks;
@@ -207,6 +213,7 @@ TEST(ClaimsInFull, RblGhosts) { expect_reproduced("rbl-ghosts", false); }
 
 TEST(Claims, DetectionLatencies) { expect_reproduced("detection-latencies", true); }
 TEST(ClaimsInFull, DetectionLatencies) { expect_reproduced("detection-latencies", false); }
+TEST(ClaimsInFull, InterceptionLidar) { expect_reproduced("interception-lidar", false); }
 TEST(ClaimsInFull, DetectionIdeal) { expect_reproduced("detection-ideal", false); }
 TEST(ClaimsInFull, DetectionNoisy) { expect_reproduced("detection-noisy", false); }
 TEST(ClaimsInFull, DetectionMulti) { expect_reproduced("detection-multi", false); }
