@@ -314,7 +314,10 @@ class Intercept : public Guidance {
       governor.accelerate(leaving_mps2(governor.state()), face(target_.at(ahead_s).p_m), dt_s);
     } else {
       Reference goal;
-      goal.position_m = mode_ == Mode::kSearching ? goal_local_m_ : watch_local_m_;
+      goal.position_m = watch_local_m_;
+      // Where a lost target probably is, nobody flies: the net shall be there.
+      if (mode_ == Mode::kSearching)
+        goal.position_m = goal_local_m_ - config_.net.center(Vector3::Zero(), governor.state().yaw_rad);
       if (mode_ == Mode::kDone) goal.position_m.z() += kHighAbove_m;  // with its catch, above all that still flies
       goal.position_m = surroundings_.fence.inside(goal.position_m);
       goal.yaw_rad = face(goal.position_m);

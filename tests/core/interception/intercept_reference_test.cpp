@@ -262,7 +262,8 @@ class PlainHunter {
       governor.accelerate(4.0 * away.normalized(), yaw_rad_, h);
     } else {
       Reference goal;
-      goal.position_m = mode == "searching" ? goal_m_ : watch_m_;
+      goal.position_m = watch_m_;
+      if (mode == "searching") goal.position_m = goal_m_ - c_.net.center(Vector3::Zero(), r.yaw_rad);
       if (mode == "done") goal.position_m.z() += 1000.0;
       goal.position_m = around_.fence.inside(goal.position_m);
       look_at(goal.position_m);

@@ -111,6 +111,18 @@ TEST(Intercept, SearchesWhereTheTargetWasLostAndGoesOnWhenItIsFound) {
   EXPECT_EQ(hunt.out.mission, MissionStatus::kDone);
 }
 
+TEST(Intercept, SearchesFromWhereItsNetWouldMeetTheTargetNotFromItsHeight) {
+  InterceptConfig config;
+  config.net.offset_m = {0.0, 0.0, -4.0};
+  Hunt hunt(config, {-25.0, 0.0, 19.0});
+  hunt.run(2.0, [](double, Hunt& h) { h.sees({5.0, 0.0, 15.0}, Vector3::Zero()); });
+  hunt.tracks.clear();
+  double lowest_m = 1e3;
+  hunt.run(1.9, [&](double, Hunt& h) { lowest_m = std::min(lowest_m, h.p_m().z()); });
+  EXPECT_EQ(hunt.notes.back(), "the target is lost: searching");
+  EXPECT_GT(lowest_m, 18.5) << "4 m above the target";
+}
+
 TEST(Intercept, GivesUpATargetThatIsNotFoundAgain) {
   InterceptConfig config;
   config.search.timeout_s = 5.0;
