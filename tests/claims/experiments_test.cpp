@@ -213,7 +213,6 @@ TEST(ClaimsInFull, RblGhosts) { expect_reproduced("rbl-ghosts", false); }
 
 TEST(Claims, DetectionLatencies) { expect_reproduced("detection-latencies", true); }
 TEST(ClaimsInFull, DetectionLatencies) { expect_reproduced("detection-latencies", false); }
-TEST(ClaimsInFull, InterceptionLidar) { expect_reproduced("interception-lidar", false); }
 TEST(ClaimsInFull, DetectionIdeal) { expect_reproduced("detection-ideal", false); }
 TEST(ClaimsInFull, DetectionNoisy) { expect_reproduced("detection-noisy", false); }
 TEST(ClaimsInFull, DetectionMulti) { expect_reproduced("detection-multi", false); }
