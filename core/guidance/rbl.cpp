@@ -24,6 +24,9 @@ constexpr double kHurry = 3.0;
 constexpr double kLongUnseen_s = 5.0;   // then doubt says little about where somebody is
 constexpr double kDoubtLeaves_m = 1.0;  // of the cell by then; one cut at the vehicle itself drives it away, on and on
 constexpr double kComing_mps = 0.5;     // slower than this, nobody need be dodged
+constexpr double kComes_sigmas = 0.5;   // of the speed, above which it is taken for one that comes
+constexpr double kFaster_sigmas = 0.5;  // by which it may come faster than it seems
+constexpr double kMostBeside_m = 0.5;   // that it may pass nearer than it seems
 constexpr double kDodge_s = 0.5;        // before somebody's braking way comes too near, who then does not brake
 constexpr double kOutOfPlane_s = 1.5;   // after that nobody came any more, it returns to its plane
 constexpr double kSameHeight_m = 0.3;   // of one no higher than that above, it gets out of the way upwards
@@ -65,6 +68,7 @@ class Rbl : public Guidance {
     goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
     neighbors_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
     coming_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
+    dodged_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
     braking_cuts_.reserve(3 * static_cast<std::size_t>(setup.agent.num_vehicles));
   }
 
@@ -231,15 +235,19 @@ class Rbl : public Guidance {
       const double meeting_mps = d > 0.0 ? (v_own_mps - v_local_mps).dot(to_other_local_m) / d : 0.0;
       if (meeting_mps > kComing_mps && d - distance_m < kWatch_s * meeting_mps)
         coming_local_m_.push_back(other_local_m);
-      // Who brakes is slow by now.
-      if (closing_mps > kComing_mps && cut.offset_m + 0.5 * unsure_m < 0.5 * kDodge_s * closing_mps) {
-        if (d < nearest_m) {
-          nearest_m = d;
-          passed_ = {now, neighbor.position_local_m.z()};
-        }
-        if (const auto beside = dodging_cut(self, other_local_m, v_local_mps, distance_m, vertical_m, limits_)) {
-          pressed_ = pressed_ || beside->offset_m < -kPressed_m;
-          keep_behind(*beside);
+      // Who brakes is slow by now. Who is seen badly comes faster than it seems: at first it is believed to stand.
+      const double speed_sigma_mps = sigma(neighbor.velocity_covariance_local_m2ps2);
+      if (closing_mps > std::max(kComing_mps, kComes_sigmas * speed_sigma_mps)) {
+        const double faster_mps = closing_mps + kFaster_sigmas * speed_sigma_mps;
+        const Braking faster = braking_of(other_local_m, faster_mps / closing_mps * v_local_mps,
+                                          reaction_s + neighbor.unpredicted_s, limits_);
+        const double sure_m = braking_cut(self, faster, distance_m, vertical_m, 0.0).offset_m;
+        if (sure_m < 0.5 * kDodge_s * faster_mps) {
+          if (d < nearest_m) {
+            nearest_m = d;
+            passed_ = {now, neighbor.position_local_m.z()};
+          }
+          dodge(self, neighbor, d / closing_mps, distance_m, vertical_m, now);
         }
       }
       if (separation.pledge_share <= 0.0 || to_seconds(now - neighbor.seen) > 2.0 * pledged_for_s() + kPledged_s)
@@ -253,6 +261,35 @@ class Rbl : public Guidance {
     }
     if (!pressed_) return;
     for (const HalfSpace& cut : braking_cuts_) planner_.cell().cut(cut);  // who hurries aims where it may go at once
+  }
+  /// Out of the way of somebody who comes and does not brake, always to the same side.
+  void dodge(const Braking& self, const Neighbor& neighbor, double comes_in_s, double distance_m, double vertical_m,
+             TimeNs now) {
+    const Vector3 other_local_m = level(neighbor.position_local_m), v_local_mps = level(neighbor.velocity_local_mps);
+    std::erase_if(dodged_, [&](const Dodged& dodged) { return now - dodged.t > from_seconds(kOutOfPlane_s); });
+    const auto known =
+        std::find_if(dodged_.begin(), dodged_.end(), [&](const Dodged& dodged) { return dodged.key == neighbor.key; });
+    // It may pass nearer than it seems.
+    const double aside_m = distance_m + std::min(kMostBeside_m, side_sigma_m(neighbor, v_local_mps, comes_in_s));
+    const auto beside = dodging_cut(self, other_local_m, v_local_mps, aside_m, vertical_m * aside_m / distance_m,
+                                    limits_, known != dodged_.end() ? &known->normal_local : nullptr);
+    if (!beside) return;
+    pressed_ = pressed_ || beside->offset_m < -kPressed_m;
+    keep_behind(*beside);
+    const Dodged dodged{neighbor.key, now, beside->normal_local};
+    if (known != dodged_.end()) {
+      *known = dodged;
+    } else {
+      dodged_.push_back(dodged);
+    }
+  }
+  /// How badly it is known on which side somebody passes after that time.
+  static double side_sigma_m(const Neighbor& neighbor, const Vector3& v_local_mps, double time_s) {
+    const Vector3 across(v_local_mps.y(), -v_local_mps.x(), 0.0);
+    if (across.norm() < kComing_mps) return 0.0;
+    const Vector3 side = across.normalized();
+    return std::sqrt(side.dot(neighbor.covariance_local_m2 * side) +
+                     time_s * time_s * side.dot(neighbor.velocity_covariance_local_m2ps2 * side));
   }
   void keep_behind(const HalfSpace& cut) { keep_behind(cut, cut.offset_m); }
   /// What bounds the cell may lie farther than what bounds the way.
@@ -364,7 +401,13 @@ class Rbl : public Guidance {
   };
   Passing passed_;             // the last one who came and did not brake
   std::optional<bool> rises_;  // out of its way: upwards
-  bool pressed_ = false;       // somebody comes too near: no time to look where it goes
+  struct Dodged {
+    std::int64_t key = 0;
+    TimeNs t = 0;
+    Vector3 normal_local = Vector3::Zero();  // of the plane that it stepped behind
+  };
+  std::vector<Dodged> dodged_;  // of late, one each
+  bool pressed_ = false;        // somebody comes too near: no time to look where it goes
   std::vector<Vector3> neighbors_local_m_;
   Vector3 from_local_m_ = Vector3::Zero(), to_local_m_ = Vector3::Zero();  // the goal on its way between two updates
   Reference goal_;

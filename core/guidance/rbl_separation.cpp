@@ -12,6 +12,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kTouching_m = 1e-6;
+constexpr double kTurnsBack = 3.0;  // when the side that it has begun takes so much longer
 
 /// What the vector's length allows when its level and its vertical part have limits of their own.
 double along(const Vector3& direction, double level, double vertical) {
@@ -86,7 +87,7 @@ HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen
 
 std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other_local_m,
                                      const Vector3& v_other_local_mps, double distance_m, double vertical_m,
-                                     const MotionLimits& limits) {
+                                     const MotionLimits& limits, const Vector3* begun_local) {
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const Vector3 to_self = scale.cwiseProduct(self.stop_local_m - p_other_local_m);
   const Vector3 way = scale.cwiseProduct(v_other_local_mps);
@@ -100,7 +101,11 @@ std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other
     Vector3 out = Vector3::Zero();
     double way_m = 0.0, time_s = std::numeric_limits<double>::infinity();
   };
-  const auto escape = [&](const Vector3& out, double way_m) {
+  // Out of the ball of the distance around the other's way.
+  const auto escape = [&](const Vector3& out) {
+    const double out_m = out.dot(beside);
+    const double over_m2 = std::max(0.0, beside.squaredNorm() - out_m * out_m);
+    const double way_m = std::max(0.0, std::sqrt(distance_m * distance_m - over_m2) - out_m);
     const Vector3 direction = out.cwiseQuotient(scale);
     const double length = direction.norm();
     const double mps2 =
@@ -108,18 +113,22 @@ std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other
     return Escape{out, way_m, std::sqrt(2.0 * way_m * length / mps2)};
   };
   Escape best;
-  if (beside.norm() > kTouching_m) best = escape(beside.normalized(), distance_m - beside.norm());
+  if (beside.norm() > kTouching_m) best = escape(beside.normalized());
   Vector3 across = ahead.cross(Vector3::UnitZ());  // to the right of who comes
   if (across.norm() > kTouching_m) {
     across.normalize();
-    const double side_m = across.dot(beside);
-    if (side_m < -kTouching_m) across = -across;
-    // As far as the ball of the distance reaches at the height at which the other passes.
-    const double over_m2 = std::max(0.0, beside.squaredNorm() - side_m * side_m);
-    const Escape level = escape(across, std::max(0.0, std::sqrt(distance_m * distance_m - over_m2) - std::abs(side_m)));
+    const Escape level = escape(across.dot(beside) < -kTouching_m ? Vector3(-across) : across);
     if (level.time_s < best.time_s) best = level;
   } else if (best.time_s == std::numeric_limits<double>::infinity()) {
-    best = escape(Vector3::UnitX(), distance_m);  // one that falls straight onto it
+    best = escape(Vector3::UnitX());  // one that falls straight onto it
+  }
+  if (begun_local != nullptr) {
+    Vector3 last = -begun_local->cwiseQuotient(scale);
+    last -= last.dot(ahead) * ahead;
+    if (last.norm() > kTouching_m) {
+      const Escape begun = escape(last.normalized());
+      if (begun.time_s < kTurnsBack * best.time_s) best = begun;
+    }
   }
   const Vector3 unscaled = scale.cwiseProduct(best.out);
   const double stretch = unscaled.norm();

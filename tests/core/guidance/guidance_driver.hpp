@@ -79,13 +79,13 @@ class GuidanceDriver {
   void put(const Vector3& p_m, double yaw_rad = 0.0) { estimate.T_local_body = pose(p_m, yaw_rad); }
   Vector3 p_m() const { return estimate.T_local_body.translation(); }
 
-  /// What an ideal sensor says about another one in this tick.
-  void sees(VehicleId id, const Vector3& other_m) {
+  /// What an ideal sensor says about another one in this tick, or one that knows no better than that.
+  void sees(VehicleId id, const Vector3& other_m, const Matrix3& covariance_body = 1e-8 * Matrix3::Identity()) {
     NeighborSample sample;
     sample.t = observation.t + from_seconds(dt_s);
     sample.id = id;
     sample.p_body_m = estimate.T_local_body.inverse() * other_m;
-    sample.covariance_body = 1e-8 * Matrix3::Identity();
+    sample.covariance_body = covariance_body;
     observation.neighbors.push_back(sample);
   }
 

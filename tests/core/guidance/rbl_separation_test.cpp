@@ -217,6 +217,24 @@ TEST(RblSeparation, OneOnTheWayOfWhoComesGoesToTheRightOfItAndOneBesideItStaysOn
   EXPECT_NEAR(out(-0.2).y(), -1.0, 1e-12);
 }
 
+TEST(RblSeparation, OnceBegunItGoesOnToTheSameSideUnlessItIsNearlyOutOnTheOther) {
+  const MotionLimits limits;
+  const Vector3 begun_local(0.0, 1.0, 0.0);  // it steps to the south
+  const auto out_y = [&](double y_m, const Vector3* begun) {
+    const Vector3 p_m(0.0, y_m, 5.0);
+    return -dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kDistance_m, 1.5, limits, begun)
+                ->normal_local.y();
+  };
+  EXPECT_NEAR(out_y(0.2, nullptr), 1.0, 1e-12);
+  EXPECT_NEAR(out_y(0.2, &begun_local), -1.0, 1e-12);
+  EXPECT_NEAR(out_y(-0.2, &begun_local), -1.0, 1e-12);
+  EXPECT_NEAR(out_y(1.0, &begun_local), 1.0, 1e-12);
+  // As far as the side that it has begun takes.
+  const Vector3 p_m(0.0, 0.2, 5.0);
+  const auto cut = dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kDistance_m, 1.5, limits, &begun_local);
+  EXPECT_NEAR(cut->offset_m, -(kDistance_m + 0.2), 1e-12);
+}
+
 TEST(RblSeparation, LevelRatherThanUpUnlessThatIsSoonerDone) {
   const auto height_of = [&](double above_m, double climb_mps2) {
     MotionLimits limits;
@@ -261,6 +279,30 @@ TEST(RblSeparation, AnIntruderThatFliesStraightOnIsLetPassHoweverFastItComes) {
         EXPECT_GT(least_m, 2.0 * config.cells.encumbrance_m) << speed_mps << " m/s, " << side_m << ", " << above_m;
       }
     }
+  }
+}
+
+// Doubt about where it is takes room from the cell. It must not take the time to step aside as well.
+TEST(RblSeparation, AnIntruderThatIsSeenSeldomAndBadlyIsSteppedOutOfTheWayOfInTime) {
+  RblConfig config;
+  config.variant = RblConfig::Variant::k2d;
+  config.goal_m = {0.0, 0.0, 5.0};
+  for (const double side_m : {-0.4, -0.1, 0.1, 0.4}) {
+    testing::GuidanceDriver driver("rbl", config, config.goal_m);
+    Vector3 other_m(-14.0, side_m, 5.0);
+    double least_m = std::numeric_limits<double>::infinity();
+    for (int i = 0; other_m.x() < 5.0; ++i) {
+      other_m.x() += driver.dt_s * 4.0;
+      if (i % 10 == 0) {  // once a second, and the range is known to a fifth
+        const Vector3 to_m = other_m - driver.p_m();
+        driver.sees(2, other_m, 0.04 * to_m * to_m.transpose() + 1e-4 * Matrix3::Identity());
+      }
+      const Vector3 next_m = driver.step().goal.position_m;
+      driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
+      driver.put(next_m);
+      least_m = std::min(least_m, (other_m - driver.p_m()).norm());
+    }
+    EXPECT_GT(least_m, 2.0 * config.cells.encumbrance_m) << side_m;
   }
 }
 

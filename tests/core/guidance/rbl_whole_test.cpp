@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/guidance/rbl_sight.hpp"
@@ -180,15 +181,35 @@ class PlainRbl {
       // Two that meet within three seconds look at each other.
       const double meet_mps = along.dot(flat(v_mps_) - its_mps);
       if (meet_mps > 0.5 && (its_m - flat(p_m_)).norm() < apart_m + 3.0 * meet_mps) coming_m_.push_back(its_m);
-      // Half a second before the own half of the room is used up by one that comes faster than 0.5 m/s.
-      if (comes_mps <= 0.5 || plane.offset_m + 0.5 * sigmas * unsure_m >= 0.25 * comes_mps) continue;
+      // Half a second before the own half of the room is used up by one that comes faster than 0.5 m/s, as far as is
+      // known, and half a standard deviation faster than it seems.
+      const double unsure_mps = std::sqrt(along.dot(other.velocity_covariance_local_m2ps2 * along));
+      if (comes_mps <= 0.5 || comes_mps <= 0.5 * unsure_mps) continue;
+      const double fast = 1.0 + 0.5 * unsure_mps / comes_mps;
+      const Braking hasty = braking_of(its_m, fast * its_mps, late_s + other.unpredicted_s, limits_);
+      if (braking_cut(self, hasty, apart_m, above_m, 0.0).offset_m >= 0.25 * fast * comes_mps) continue;
       if ((its_m - flat(p_m_)).norm() < nearest_m) {
         nearest_m = (its_m - flat(p_m_)).norm();
         came_ = now_;
         came_m_ = other.position_local_m.z();
       }
-      const auto beside = dodging_cut(self, its_m, its_mps, apart_m, above_m, limits_);
+      // One standard deviation beside the level way when it is here, up to half a meter.
+      Vector3 across(-its_mps.y(), its_mps.x(), 0.0);
+      double wider_m = 0.0;
+      if (across.norm() >= 0.5) {
+        across.normalize();
+        const double in_s = (its_m - flat(p_m_)).norm() / comes_mps;
+        wider_m = std::min(
+            0.5, std::sqrt(across.dot(
+                     (other.covariance_local_m2 + in_s * in_s * other.velocity_covariance_local_m2ps2) * across)));
+      }
+      // To the side of the last one and a half seconds.
+      const auto last = begun_.find(other.key);
+      const bool goes_on = last != begun_.end() && now_ - last->second.first <= 1'500'000'000;
+      const auto beside = dodging_cut(self, its_m, its_mps, apart_m + wider_m, above_m * (1.0 + wider_m / apart_m),
+                                      limits_, goes_on ? &last->second.second : nullptr);
       if (!beside) continue;
+      begun_[other.key] = {now_, beside->normal_local};
       ++num_dodged;
       stay_behind(*beside, beside->offset_m);
     }
@@ -255,7 +276,8 @@ class PlainRbl {
   double low_m_ = 0.0, high_m_ = 0.0;
   double came_m_ = 0.0;  // height of the last one who came and did not brake
   TimeNs came_ = -1;
-  int side_ = 0;  // of its height
+  std::map<std::int64_t, std::pair<TimeNs, Vector3>> begun_;  // when and behind which plane it stepped aside
+  int side_ = 0;                                              // of its height
   TimeNs now_ = 0, next_ = 0;
   const OccupancyView* map_ = nullptr;
   Reference goal_;

@@ -57,12 +57,14 @@ HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen
 /// What lies beside the way of somebody who flies straight on. Whoever backs off before it is caught up with.
 ///
 /// It is the side that the vehicle is on, or the right one as the other flies. The vehicle moves level, or up or down
-/// where that is sooner done.
+/// where that is sooner done. Once it has begun, it goes on to the same side: each sample tells another one of somebody
+/// who comes straight on.
+/// @param begun_local  normal of the plane of the last time; nullptr: it begins
 /// @return relative to the place of `self`; nothing when the other does not come, or passes `self` at its stop by more
 ///         than the distance
 std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other_local_m,
                                      const Vector3& v_other_local_mps, double distance_m, double vertical_m,
-                                     const MotionLimits& limits);
+                                     const MotionLimits& limits, const Vector3* begun_local = nullptr);
 
 /// How fast a vehicle may fly that knows nobody ahead. One that flies towards it as fast may be just beyond the range
 /// of its sensor. Both can still stop when they have seen each other.
