@@ -27,15 +27,35 @@ TEST(RblPrediction, AmongThemselvesTheyLoseWhatControlAndRareNoiseTake) {
   EXPECT_NEAR(predicted_distance_m(conditions), 0.9, 1e-12);
 }
 
+TEST(RblPrediction, ASpeedIsKnownWhenALineThroughTheSamplesTellsItToAQuarter) {
+  RblConditions conditions;
+  conditions.intruder_mps = 2.0;
+  conditions.noise = 0.15;
+  conditions.rate_hz = 5.0;
+  const double num = 5.0 * known_after_s(conditions) - 1.0;  // but for the one that may be lost
+  // Least squares over so many samples around the middle: the slope's variance is sigma^2 over the sum of t^2.
+  const auto slope_sigma_mps = [](int count) {
+    double squares_s2 = 0.0;
+    for (int i = 0; i < count; ++i) squares_s2 += std::pow((i - 0.5 * (count - 1)) / 5.0, 2.0);
+    return 0.15 * 15.0 / std::sqrt(squares_s2);
+  };
+  EXPECT_GT(slope_sigma_mps(static_cast<int>(std::floor(num))), 0.25 * 2.0);
+  EXPECT_LT(slope_sigma_mps(static_cast<int>(std::ceil(num)) + 1), 0.25 * 2.0);
+  conditions.noise = 0.0;  // two are needed all the same
+  EXPECT_NEAR(known_after_s(conditions), 3.0 / 5.0, 1e-12);
+}
+
 TEST(RblPrediction, AnIntruderIsPassedByAsFarAsTheTimeIsLeftToStepAside) {
   RblConditions conditions;
   conditions.intruder_mps = 4.0;
-  EXPECT_NEAR(predicted_distance_m(conditions), 0.9, 1e-12);  // 3 s are left
-  conditions.rate_hz = 0.8;
+  EXPECT_NEAR(predicted_distance_m(conditions), 0.9, 1e-12);  // 2.9 s are left
+  EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNone);
+  conditions.rate_hz = 1.25;
   conditions.latency_s = 0.1;
-  const double left_s = (15.0 - 1.1) / 4.0 - 2.0 / 0.8 - 0.1 - 0.3;
-  ASSERT_LT(left_s * left_s, 0.9);
+  const double left_s = (15.0 - 1.1) / 4.0 - 3.0 / 1.25 - 0.1 - 0.3;
+  ASSERT_LT(left_s * left_s, kTouching_m);
   EXPECT_NEAR(predicted_distance_m(conditions), left_s * left_s, 1e-12);
+  EXPECT_EQ(obstacle_of(conditions), RblObstacle::kLate);
   conditions.rate_hz = 0.5;
   EXPECT_EQ(predicted_distance_m(conditions), 0.0);
 }
@@ -48,10 +68,22 @@ TEST(RblPrediction, WhoIsWarnedAsLongAsNeededComesAsideByTheDistance) {
       conditions.acceleration_mps2 = acceleration_mps2;
       conditions.latency_s = 0.2;
       conditions.rate_hz = 4.0;
-      const double aside_s = needed_warning_s(conditions) - 2.0 / 4.0 - 0.2 - conditions.reaction_s;
+      conditions.intruder_mps = 3.0;
+      const double aside_s = needed_warning_s(conditions) - 3.0 / 4.0 - 0.2 - conditions.reaction_s;
       EXPECT_NEAR(way_from_rest_m(aside_s, speed_mps, acceleration_mps2), 1.1, 1e-12) << speed_mps;
     }
   }
+}
+
+TEST(RblPrediction, WhereSamplesAreFartherOffThanIsReservedNothingIsPromised) {
+  RblConditions conditions;
+  conditions.noise = 0.12;
+  EXPECT_LT(predicted_distance_m(conditions), kTouching_m);
+  EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNoise);
+  conditions.intruder_mps = 1.0;  // which is known in time
+  EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNoise);
+  conditions.sigmas = 3.5;
+  EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNone);
 }
 
 TEST(RblPrediction, NothingIsPromisedWhereAnIntruderMayComeFromBehind) {
@@ -60,6 +92,7 @@ TEST(RblPrediction, NothingIsPromisedWhereAnIntruderMayComeFromBehind) {
   EXPECT_GT(predicted_distance_m(conditions), 0.0);
   conditions.intruder_mps = 1.0;
   EXPECT_EQ(predicted_distance_m(conditions), 0.0);
+  EXPECT_EQ(obstacle_of(conditions), RblObstacle::kUnseen);
 }
 
 TEST(RblPrediction, ConditionsAreThoseOfTheScenario) {

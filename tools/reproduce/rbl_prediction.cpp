@@ -15,7 +15,21 @@ namespace {
 
 constexpr double kFollowing_m = 0.1;    // how far a vehicle is off its reference
 constexpr double kSeldom_sigmas = 3.5;  // one sample in 4000 is farther off
-constexpr double kSamples = 2.0;        // tell where somebody flies
+constexpr double kSamples = 2.0;        // at least, tell where somebody flies
+constexpr double kKnownShare = 0.25;    // of its speed, to which that is known
+constexpr double kLost = 1.0;           // sample that may be missing
+
+double kept_m(const RblConditions& c) { return 2.0 * c.encumbrance_m + c.margin_m; }
+
+double among_themselves_m(const RblConditions& c) {
+  const double nearer_m = 0.5 * std::max(0.0, kSeldom_sigmas - c.sigmas) * c.noise * kept_m(c);
+  return std::max(0.0, kept_m(c) - 2.0 * kFollowing_m - nearer_m);
+}
+
+double aside_m(const RblConditions& c) {
+  const double left_s = (c.range_m - kept_m(c)) / c.intruder_mps - known_after_s(c) - c.latency_s - c.reaction_s;
+  return way_from_rest_m(left_s, c.speed_mps, c.acceleration_mps2);
+}
 
 }  // namespace
 
@@ -58,22 +72,32 @@ double way_from_rest_m(double time_s, double speed_mps, double acceleration_mps2
   return 0.5 * acceleration_mps2 * faster_s * faster_s + speed_mps * std::max(0.0, time_s - faster_s);
 }
 
+// The slope of a line through n samples, 1 / f apart and sigma off, is sigma f sqrt(12 / n^3) off.
+double known_after_s(const RblConditions& c) {
+  const double sigma_m = c.noise * c.range_m;
+  const double samples = std::cbrt(12.0 * std::pow(sigma_m * c.rate_hz / (kKnownShare * c.intruder_mps), 2.0));
+  return (std::max(kSamples, samples) + kLost) / c.rate_hz;
+}
+
 double needed_warning_s(const RblConditions& c) {
-  const double kept_m = 2.0 * c.encumbrance_m + c.margin_m;
   const double faster_m = 0.5 * c.speed_mps * c.speed_mps / c.acceleration_mps2;  // the way to its speed
-  const double aside_s = kept_m < faster_m ? std::sqrt(2.0 * kept_m / c.acceleration_mps2)
-                                           : c.speed_mps / c.acceleration_mps2 + (kept_m - faster_m) / c.speed_mps;
-  return kSamples / c.rate_hz + c.latency_s + c.reaction_s + aside_s;
+  const double aside_s = kept_m(c) < faster_m
+                             ? std::sqrt(2.0 * kept_m(c) / c.acceleration_mps2)
+                             : c.speed_mps / c.acceleration_mps2 + (kept_m(c) - faster_m) / c.speed_mps;
+  return known_after_s(c) + c.latency_s + c.reaction_s + aside_s;
 }
 
 double predicted_distance_m(const RblConditions& c) {
-  const double kept_m = 2.0 * c.encumbrance_m + c.margin_m;
-  const double nearer_m = 0.5 * std::max(0.0, kSeldom_sigmas - c.sigmas) * c.noise * kept_m;
-  const double among_m = std::max(0.0, kept_m - 2.0 * kFollowing_m - nearer_m);
-  if (c.intruder_mps <= 0.0) return among_m;
+  if (c.intruder_mps <= 0.0) return among_themselves_m(c);
   if (!c.all_around) return 0.0;
-  const double left_s = (c.range_m - kept_m) / c.intruder_mps - kSamples / c.rate_hz - c.latency_s - c.reaction_s;
-  return std::min(among_m, way_from_rest_m(left_s, c.speed_mps, c.acceleration_mps2));
+  return std::min(among_themselves_m(c), aside_m(c));
+}
+
+RblObstacle obstacle_of(const RblConditions& c) {
+  if (predicted_distance_m(c) > kTouching_m) return RblObstacle::kNone;
+  if (c.intruder_mps > 0.0 && !c.all_around) return RblObstacle::kUnseen;
+  if (c.intruder_mps > 0.0 && aside_m(c) <= kTouching_m) return RblObstacle::kLate;
+  return RblObstacle::kNoise;
 }
 
 }  // namespace swiftlet::tools

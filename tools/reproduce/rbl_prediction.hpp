@@ -16,7 +16,7 @@ struct RblConditions {
   double noise = 0.0;       ///< of the range, share of it
   double latency_s = 0.0;
   double rate_hz = 10.0;
-  double range_m = 15.0;
+  double range_m = 15.0;      ///< of the sensor
   bool all_around = true;     ///< no blind sector
   double intruder_mps = 0.0;  ///< of one that flies straight through; 0: nobody does
 };
@@ -25,12 +25,30 @@ struct RblConditions {
 /// time.
 RblConditions conditions_of(const sim::Scenario& scenario);
 
+/// Between the centers of two X500 at one height. What is promised below this is no promise.
+inline constexpr double kTouching_m = 0.81;
+
+/// What keeps a distance from being promised.
+enum class RblObstacle {
+  kNone,    ///< more than `kTouching_m` is promised
+  kUnseen,  ///< an intruder may come from where nobody looks
+  kLate,    ///< an intruder is known too late to be stepped out of the way of
+  kNoise,   ///< samples may be farther off than what is reserved for them
+};
+
+/// How long it takes to know how fast somebody comes, from its first sample on: as many samples as tell its speed to a
+/// quarter, at least two, and another one that may be lost.
+double known_after_s(const RblConditions& conditions);
+
 /// The distance between centers that these conditions promise, as docs/rbl.md derives it. Nothing is promised (0) where
 /// an intruder need not be seen before it is there.
 double predicted_distance_m(const RblConditions& conditions);
 
-/// How long a vehicle must know of an intruder to step aside by all of the distance to keep: two samples, delay,
-/// reaction, and the way. With less warning it was not seen in time.
+/// Why less is promised than keeps two from touching. The first cause of these that alone suffices.
+RblObstacle obstacle_of(const RblConditions& conditions);
+
+/// How long a vehicle must know of an intruder to step aside by all of the distance to keep: until it knows its speed,
+/// delay, reaction, and the way. With less warning it was not seen in time.
 double needed_warning_s(const RblConditions& conditions);
 
 /// How far a vehicle comes in that time from rest: on and on faster, then at its speed.
