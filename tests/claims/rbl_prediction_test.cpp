@@ -60,6 +60,18 @@ TEST(RblPrediction, AnIntruderIsPassedByAsFarAsTheTimeIsLeftToStepAside) {
   EXPECT_EQ(predicted_distance_m(conditions), 0.0);
 }
 
+TEST(RblPrediction, AnIntruderAsSlowAsAnybodyMayBecomeUnseenIsNotToldFromTheOthers) {
+  RblConditions conditions;
+  conditions.intruder_mps = 1.0;
+  conditions.rate_hz = 1.25;
+  EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNone);
+  conditions.rate_hz = 1.0;  // by 2 m/s between two samples; half a standard deviation of that is as fast
+  EXPECT_EQ(predicted_distance_m(conditions), 0.0);
+  EXPECT_EQ(obstacle_of(conditions), RblObstacle::kLate);
+  conditions.maneuver_mps2 = 1.0;
+  EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNone);
+}
+
 TEST(RblPrediction, WhoIsWarnedAsLongAsNeededComesAsideByTheDistance) {
   for (const double speed_mps : {0.5, 1.0, 4.0}) {  // it reaches its speed on the way, or not
     for (const double acceleration_mps2 : {1.0, 2.5}) {

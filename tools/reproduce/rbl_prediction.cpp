@@ -18,6 +18,7 @@ constexpr double kSeldom_sigmas = 3.5;  // one sample in 4000 is farther off
 constexpr double kSamples = 2.0;        // at least, tell where somebody flies
 constexpr double kKnownShare = 0.25;    // of its speed, to which that is known
 constexpr double kLost = 1.0;           // sample that may be missing
+constexpr double kTold_sigmas = 0.5;    // of its speed, from which on it is taken for one that comes
 
 double kept_m(const RblConditions& c) { return 2.0 * c.encumbrance_m + c.margin_m; }
 
@@ -27,6 +28,7 @@ double among_themselves_m(const RblConditions& c) {
 }
 
 double aside_m(const RblConditions& c) {
+  if (c.intruder_mps <= kTold_sigmas * c.maneuver_mps2 / c.rate_hz) return 0.0;
   const double left_s = (c.range_m - kept_m(c)) / c.intruder_mps - known_after_s(c) - c.latency_s - c.reaction_s;
   return way_from_rest_m(left_s, c.speed_mps, c.acceleration_mps2);
 }
@@ -58,6 +60,7 @@ RblConditions conditions_of(const sim::Scenario& scenario) {
     conditions.rate_hz = see.rate_hz;
     conditions.noise = see.ideal ? 0.0 : see.sigma_range_relative;
     conditions.range_m = see.range_max_m;
+    conditions.maneuver_mps2 = rbl.neighbors.acceleration_sigma_mps2;
     conditions.all_around =
         see.ideal || see.cameras.empty() ||
         std::any_of(see.cameras.begin(), see.cameras.end(), [](const auto& camera) { return camera.fov_deg >= 360.0; });

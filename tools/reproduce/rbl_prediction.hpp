@@ -16,9 +16,10 @@ struct RblConditions {
   double noise = 0.0;       ///< of the range, share of it
   double latency_s = 0.0;
   double rate_hz = 10.0;
-  double range_m = 15.0;      ///< of the sensor
-  bool all_around = true;     ///< no blind sector
-  double intruder_mps = 0.0;  ///< of one that flies straight through; 0: nobody does
+  double range_m = 15.0;       ///< of the sensor
+  double maneuver_mps2 = 2.0;  ///< how anybody is believed to change its speed between two samples
+  bool all_around = true;      ///< no blind sector
+  double intruder_mps = 0.0;   ///< of one that flies straight through; 0: nobody does
 };
 
 /// Of the scenario's first vehicle that flies by rbl, and of the fastest one that flies by waypoints and arrives in
@@ -32,7 +33,7 @@ inline constexpr double kTouching_m = 0.81;
 enum class RblObstacle {
   kNone,    ///< more than `kTouching_m` is promised
   kUnseen,  ///< an intruder may come from where nobody looks
-  kLate,    ///< an intruder is known too late to be stepped out of the way of
+  kLate,    ///< an intruder is known too late, or never told from the others, to be stepped out of the way of
   kNoise,   ///< samples may be farther off than what is reserved for them
 };
 
