@@ -57,7 +57,7 @@ class Intercept : public Guidance {
     p_local_m_ = input.estimate.T_local_body.translation();
     look_around(input);
     const bool sees = find_target(input);
-    if (sees) note_capture();
+    if (sees) note_capture(input);
     decide(sees, input.dt_s, output);
     if (since_check_s_ >= config_.period_s) plan();
     fly(governor_, since_check_s_, 0.0, input.dt_s);
@@ -133,7 +133,7 @@ class Intercept : public Guidance {
       target_ = TargetPrediction(config_.prediction, *best, modes == input.track_modes.end() ? nullptr : &*modes, now);
       if (best->id != target_id_ || !had_target_) last_net_m_.reset();
       target_id_ = best->id;
-      target_age_s_ = to_seconds(now - best->t);
+      if (best->corrected) measured_ = best->t;
       had_target_ = true;
       seen_ = now;
     }
@@ -162,10 +162,12 @@ class Intercept : public Guidance {
 
   Vector3 net_m() const { return config_.net.center(p_local_m_, governor_.state().yaw_rad); }
 
-  void note_capture() {
+  void note_capture(const GuidanceInput& input) {
+    const TimeNs now = input.observation.t;
     const Vector3 target_net_m = target_.at(0.0).p_m - net_m();
     if (target_net_m.norm() > config_.net.rearm_m) armed_ = true;
-    captured_now_ = armed_ && last_net_m_ && target_age_s_ < kSureFor_s && sure_net_.met_m(*last_net_m_, target_net_m);
+    const bool sure = measured_ && to_seconds(now - *measured_) < kSureFor_s;
+    captured_now_ = armed_ && last_net_m_ && sure && sure_net_.met_m(*last_net_m_, target_net_m);
     last_net_m_ = target_net_m;
     if (!captured_now_) return;
     armed_ = false;
@@ -360,8 +362,8 @@ class Intercept : public Guidance {
   Surroundings surroundings_;
   TargetPrediction target_;
   std::uint32_t target_id_ = 0;
-  CaptureVolume sure_net_;  // in which the target must be believed to be
-  double target_age_s_ = 0.0;
+  CaptureVolume sure_net_;          // in which the target must be believed to be
+  std::optional<TimeNs> measured_;  // when a measurement of the target was last found; its track goes on without
   TimeNs seen_ = 0;
   bool had_target_ = false;
   Vector3 watch_local_m_;

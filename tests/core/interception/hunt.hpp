@@ -62,6 +62,7 @@ class Hunt {
     tracks.resize(1);
     tracks[0].id = id;
     tracks[0].t = observation_.t;
+    tracks[0].corrected = true;
     tracks[0].position_m = p_m;
     tracks[0].velocity_mps = v_mps;
     tracks[0].covariance = 1e-4 * Eigen::Matrix<double, 9, 9>::Identity();

@@ -62,7 +62,7 @@ class PlainHunter {
     const Track* target = chosen(scene);
     if (target != nullptr) take(*target, scene);
     list_bystanders(scene, target);
-    const bool caught = target != nullptr && catches(*target);
+    const bool caught = target != nullptr && catches();
     decide(target != nullptr, caught);
     if (!planned_ || since_s_ >= c_.period_s) think();
     fly(governor_, since_s_, 0.0, kTick_s);
@@ -105,6 +105,7 @@ class PlainHunter {
     if (!target_ || track.id != id_) last_net_m_.reset();
     target_ = TargetPrediction(c_.prediction, track, modes, now_);
     id_ = track.id;
+    if (track.corrected) found_at_s_ = to_seconds(track.t);
     seen_at_ = now_;
   }
 
@@ -124,10 +125,10 @@ class PlainHunter {
 
   Vector3 net_m() const { return c_.net.center(p_m_, governor_.state().yaw_rad); }
 
-  bool catches(const Track& track) {
+  bool catches() {
     const Vector3 from_net_m = target_->at(0.0).p_m - net_m();
     is_ready_ = is_ready_ || from_net_m.norm() > c_.net.rearm_m;
-    const bool is_sure = to_seconds(now_ - track.t) < 0.5;
+    const bool is_sure = to_seconds(now_) - found_at_s_ < 0.5;
     const bool caught = is_ready_ && is_sure && last_net_m_ && sure_.met_m(*last_net_m_, from_net_m);
     last_net_m_ = from_net_m;
     if (caught) {
@@ -286,6 +287,7 @@ class PlainHunter {
   std::optional<TargetPrediction> target_;
   std::uint32_t id_ = 0;
   TimeNs now_ = 0, seen_at_ = 0;
+  double found_at_s_ = -1e9;
   Vector3 watch_m_, goal_m_ = Vector3::Zero(), p_m_ = Vector3::Zero(), bias_m_ = Vector3::Zero();
   std::optional<Vector3> last_net_m_;
   std::string why_;
@@ -310,6 +312,7 @@ struct Sky {
     track.id = named ? 2 : 5 + leg / 3;  // tracks end, and others begin
     const double age_s = random.uniform(leg, 4) < 0.3 ? 0.6 : 0.02;
     track.t = scene.t - from_seconds(age_s);
+    track.corrected = random.uniform(leg, 13) < 0.7;  // else it goes on without a measurement
     track.position_m = Vector3(0, 0, 14) + t_s * drift + r_m * out;
     track.velocity_mps = drift + r_m * w * along;
     track.acceleration_mps2 = -r_m * w * w * out;

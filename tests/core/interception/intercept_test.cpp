@@ -111,6 +111,22 @@ TEST(Intercept, SearchesWhereTheTargetWasLostAndGoesOnWhenItIsFound) {
   EXPECT_EQ(hunt.out.mission, MissionStatus::kDone);
 }
 
+// A track goes on by its prediction while nothing is seen. What it says then is no catch.
+TEST(Intercept, BelievesInNoCatchOfATargetThatItHasNotMeasuredForLong) {
+  InterceptConfig config;
+  config.sure_share = 1.0;
+  const auto blind = [](double t_s, Hunt& h) {
+    circling(t_s, h);
+    h.tracks[0].corrected = t_s < 0.5;
+  };
+  Hunt hunt(config, {-30.0, 0.0, 14.0});
+  hunt.run(20.0, blind);
+  EXPECT_EQ(hunt.out.mission, MissionStatus::kRunning);
+  Hunt sees(config, {-30.0, 0.0, 14.0});
+  sees.run(20.0, circling);
+  EXPECT_EQ(sees.out.mission, MissionStatus::kDone);
+}
+
 TEST(Intercept, SearchesFromWhereItsNetWouldMeetTheTargetNotFromItsHeight) {
   InterceptConfig config;
   config.net.offset_m = {0.0, 0.0, -4.0};
