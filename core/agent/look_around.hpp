@@ -5,24 +5,29 @@
 #include <optional>
 
 #include "swiftlet/core/guidance/guidance.hpp"
+#include "swiftlet/core/localization/estimator.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 
-/// A vehicle that does not know yet where it is stays where it began and turns, so that its LiDAR sees all around.
+/// A vehicle that does not know yet where it is stays where it began and turns, so that its LiDAR sees all around. When
+/// it has looked in vain, it goes on to stay there.
 class LookAround {
  public:
-  void step(double dt_s, const StateEstimate& estimate, GuidanceOutput& output) {
+  void step(double dt_s, const StateEstimate& estimate, StateEstimator::Search search, GuidanceOutput& output) {
     if (!hold_) {
       hold_.emplace();
       hold_->position_m = estimate.T_local_body.translation();
       hold_->yaw_rad = yaw_of(estimate.T_local_body.linear());
     }
-    hold_->yaw_rad = std::remainder(hold_->yaw_rad + kTurn_radps * dt_s, 2.0 * kPi);
-    hold_->yaw_rate_radps = kTurn_radps;
+    const bool looks = search == StateEstimator::Search::kLooks;
+    hold_->yaw_rate_radps = looks ? kTurn_radps : 0.0;
+    hold_->yaw_rad = std::remainder(hold_->yaw_rad + hold_->yaw_rate_radps * dt_s, 2.0 * kPi);
     output = {};
     output.goal = *hold_;
-    output.note = "looks for itself in the map of an earlier flight";
+    output.mission = looks ? MissionStatus::kRunning : MissionStatus::kFailed;
+    output.note = looks ? "looks for itself in the map of an earlier flight"
+                        : "did not find itself in the map of an earlier flight";
   }
 
  private:

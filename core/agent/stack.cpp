@@ -222,8 +222,9 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   void guide(const Observation& observation, double dt_s) {
     begin(AgentStage::kGuidance);
     wanted_.goal_is_feasible = false;
-    if (needs_.world && stages_.localization->seeks_itself()) {
-      look_around_.step(dt_s, action_.estimate, wanted_);
+    const StateEstimator::Search search = stages_.localization->search();
+    if (needs_.world && search != StateEstimator::Search::kNone) {
+      look_around_.step(dt_s, action_.estimate, search, wanted_);
     } else {
       ask_guidance(observation, dt_s);
     }

@@ -131,7 +131,10 @@ class Intercept : public Guidance {
       const auto modes = std::find_if(input.track_modes.begin(), input.track_modes.end(),
                                       [&](const TrackModes& m) { return m.id == best->id; });
       target_ = TargetPrediction(config_.prediction, *best, modes == input.track_modes.end() ? nullptr : &*modes, now);
-      if (best->id != target_id_ || !had_target_) last_net_m_.reset();
+      if (best->id != target_id_ || !had_target_) {
+        last_net_m_.reset();
+        measured_.reset();
+      }
       target_id_ = best->id;
       if (best->corrected) measured_ = best->t;
       had_target_ = true;

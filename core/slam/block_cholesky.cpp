@@ -121,6 +121,7 @@ void BlockCholesky::set_zero() {
 }
 
 void BlockCholesky::add(std::size_t pair, const Matrix6& block) {
+  ENSURE(pair < slots_.size(), pair, slots_.size());
   const Slot& slot = slots_[pair];
   if (slot.turned)
     value_[slot.value] += block.transpose();

@@ -49,7 +49,7 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
   double step_m = 0.0;
   if (!nodes_.empty()) {
     step_m = (T_local_body.translation() - nodes_.back().T_local_body.translation()).norm();
-    if (t <= nodes_.back().t || (step_m < config_.node_every_m && !is_sought(t))) return;
+    if (t <= nodes_.back().t || (step_m < config_.node_every_m && !is_sought(t, nodes_.back().way_m + step_m))) return;
   } else {
     last_optimized_ = t;
   }
@@ -188,9 +188,13 @@ void GlobalSlam::join(int older_pose, int newer_pose, const ClosureResult& closu
 }
 
 /// Does a vehicle that hovers look for itself again? It turns meanwhile and sees more.
-bool GlobalSlam::is_sought(TimeNs t) const {
-  return num_given_poses_ > 0 && !located_ && num_sought_here_ < kLooksFromOnePlace &&
+bool GlobalSlam::is_sought(TimeNs t, double way_m) const {
+  return num_given_poses_ > 0 && !located_ && !gave_up_looking() && way_m - hovers_at_m_ < config_.node_every_m &&
          to_seconds(t - sought_) >= config_.locate_every_s;
+}
+
+bool GlobalSlam::gave_up_looking() const {
+  return num_given_poses_ > 0 && !located_ && num_sought_here_ >= kLooksFromOnePlace;
 }
 
 /// A vehicle that was told nothing of its start looks for itself in the map of an earlier flight: with what it has seen
@@ -199,9 +203,10 @@ void GlobalSlam::locate(TimeNs t) {
   if (located_ || num_given_poses_ == 0) return;
   const double way_m = nodes_.back().way_m;
   const bool moved_on = nodes_.size() == 1 || way_m - sought_at_m_ >= config_.locate_every_m;
-  if (!moved_on && !is_sought(t)) return;
+  if (!moved_on && !is_sought(t, way_m)) return;
   num_sought_here_ = moved_on ? 1 : num_sought_here_ + 1;
   sought_ = t;
+  hovers_at_m_ = way_m;
   if (moved_on) sought_at_m_ = way_m;
   const SavedMap& given = *config_.loaded_map;
   std::vector<MapPart> parts;

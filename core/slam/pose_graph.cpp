@@ -286,8 +286,9 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config) {
       largest = std::max(largest, step[i].cwiseAbs().maxCoeff());
     }
     const double cost = cost_of(tried, of_relatives_tried);
-    if (cost > report.cost_after && largest >= config.step_min) {
+    if (!std::isfinite(cost) || (cost > report.cost_after && largest >= config.step_min)) {
       damping = std::max(damping * 100.0, 1e-6);
+      last_step = 0.0;  // a step that is damped tells nothing of the next one
       continue;
     }
     if (cost <= report.cost_after) {

@@ -32,6 +32,8 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
         place_known_(setup.start_known != StartKnown::kNothing),
         blend_(config.global.blend) {
     if (config.global.enabled) global_.emplace(config.global, setup.start_known == StartKnown::kPose);
+    const bool looks = global_ && config.global.loaded_map != nullptr && setup.start_known != StartKnown::kPose;
+    if (looks) search_ = Search::kLooks;
     if (global_ && config.global.share.enabled) {
       sharing_.emplace(config.global.share, setup.self, setup.num_vehicles);
     }
@@ -70,7 +72,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
   void see(std::span<const SeenVehicle> others) override { others_.assign(others.begin(), others.end()); }
   const char* fault() const override { return fault_; }
   const char* warning() const override { return warning_; }
-  bool seeks_itself() const override { return config_.global.loaded_map != nullptr && global_ && !is_placed(); }
+  Search search() const override { return search_; }
   void append_counters(std::vector<Counter>& counters) const override {
     counters.push_back({"scans of which too little lay where the map has surfaces", num_strange_, num_scans_,
                         "local.known_share_min"});
@@ -132,9 +134,12 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
   void correct(const Observation& observation) {
     for (const GnssSample& sample : observation.gnss) global_->add_gnss(sample);
     const std::optional<Pose> learned = global_->correction(observation.t);
+    if (search_ != Search::kNone && global_->gave_up_looking()) {
+      search_ = is_placed() ? Search::kNone : Search::kInVain;  // compass and GNSS have to do
+    }
     if (blend_.is_done() && !learned) return;
-    const bool has_map = config_.global.loaded_map != nullptr;
-    if (learned && has_map && !is_placed()) {  // it has found itself: goals of the world mean something now
+    if (learned && search_ != Search::kNone) {  // it has found itself: goals of the world mean something now
+      search_ = Search::kNone;
       heading_known_ = place_known_ = true;
       estimate_.correct(*learned);
       return;
@@ -173,6 +178,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
   std::optional<GlobalSlam> global_;
   std::optional<MapSharing> sharing_;
   CorrectionBlend blend_;
+  Search search_ = Search::kNone;
   std::vector<SeenVehicle> others_;  // as of the last step
   bool started_ = false;
   TimeNs last_imu_ = 0, last_used_ = 0, last_sure_ = 0;

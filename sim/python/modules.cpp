@@ -76,6 +76,7 @@ void add_class(const std::string& kind, const std::string& name, const std::stri
   told->needs_clouds = needs["clouds"].cast<bool>();
   told->needs_map = needs["map"].cast<bool>();
   told->needs_relatives = needs["relatives"].cast<bool>();
+  told->needs_world = needs["world"].cast<bool>();
   static std::vector<std::string> kinds;  // by slot
   for (std::size_t i = 0; i < g_num_classes; ++i) {
     if (kinds[i] != kind || g_classes[i]->name != name) continue;

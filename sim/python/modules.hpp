@@ -37,6 +37,7 @@ struct PythonClass {
   bool needs_clouds = false;
   bool needs_map = false;
   bool needs_relatives = false;
+  bool needs_world = true;
 };
 
 struct PythonConfig : ModuleConfigOf<PythonConfig> {

@@ -120,7 +120,7 @@ class PythonGuidance final : public Guidance {
 
   GuidanceNeeds needs() const override {
     const PythonClass& told = stepper_.its_class;
-    return {.clouds = told.needs_clouds, .map = told.needs_map, .relatives = told.needs_relatives};
+    return {.clouds = told.needs_clouds, .map = told.needs_map, .relatives = told.needs_relatives, .world = told.needs_world};
   }
 
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {

@@ -41,8 +41,9 @@ def key(default, doc, *, min=None, max=None, words=()):
     return _Key(default, doc, min, max, list(words))
 
 
-def _register(kind, name, doc, clouds=False, map=False, relatives=False, true_pose=False, true_neighbors=False, detects=False):
-    needs = dict(clouds=clouds, map=map, relatives=relatives, true_pose=true_pose, true_neighbors=true_neighbors,
+def _register(kind, name, doc, clouds=False, map=False, relatives=False, world=True, true_pose=False, true_neighbors=False,
+              detects=False):
+    needs = dict(clouds=clouds, map=map, relatives=relatives, world=world, true_pose=true_pose, true_neighbors=true_neighbors,
                  detects=detects)
 
     def add(cls):
@@ -58,10 +59,12 @@ def _register(kind, name, doc, clouds=False, map=False, relatives=False, true_po
     return add
 
 
-def guidance(name, *, doc="", clouds=False, map=False, relatives=False, true_pose=False, true_neighbors=False):
+def guidance(name, *, doc="", clouds=False, map=False, relatives=False, world=True, true_pose=False,
+             true_neighbors=False):
     """Makes a class the guidance `name`. Its step(now) returns a Goal, 3 numbers (a place in the world), or None: the last goal
-    holds. clouds, map, relatives: what it asks of the stages before it. true_pose, true_neighbors: truth, by name."""
-    return _register("guidance", name, doc, clouds=clouds, map=map, relatives=relatives, true_pose=true_pose,
+    holds. clouds, map, relatives: what it asks of the stages before it. world=False: it flies without knowing where in
+    the world it is. true_pose, true_neighbors: truth, by name."""
+    return _register("guidance", name, doc, clouds=clouds, map=map, relatives=relatives, world=world, true_pose=true_pose,
                      true_neighbors=true_neighbors)
 
 

@@ -38,9 +38,13 @@ class LateEstimator : public StateEstimator {
   }
   const char* fault() const override { return ""; }
   const char* warning() const override { return estimate_.t < learns_at_ ? "" : "half lost"; }
-  bool seeks_itself() const override { return seeks && estimate_.t < learns_at_; }
+  Search search() const override {
+    if (!seeks || estimate_.t >= learns_at_) return Search::kNone;
+    return estimate_.t < in_vain_from ? Search::kLooks : Search::kInVain;
+  }
 
   bool seeks = false;  // until then, in a map
+  TimeNs in_vain_from = 10 * kNsPerSecond;
 
  private:
   TimeNs learns_at_;
@@ -179,6 +183,17 @@ TEST(TwoFrames, WhoLooksForItselfInAMapFliesNowhereButTurns) {
     action = &flight.tick();
   EXPECT_EQ(action->mission, MissionStatus::kDone);
   EXPECT_LT((flight.plant.p - target).norm(), 0.6);
+}
+
+TEST(TwoFrames, WhoLooksInVainStopsToTurnAndFails) {
+  Flight flight(100 * kNsPerSecond, waypoints({{9.0, 1.0, 3.0}}, WaypointsConfig::Frame::kWorld), true);
+  const Vector3 start_m = flight.plant.p;
+  const Action* action = nullptr;
+  while (flight.plant.t < 13 * kNsPerSecond) action = &flight.tick();
+  EXPECT_EQ(action->mission, MissionStatus::kFailed);
+  EXPECT_EQ(action->mission_note, "did not find itself in the map of an earlier flight");
+  EXPECT_LT((flight.plant.p - start_m).norm(), 0.1);
+  EXPECT_LT(flight.plant.omega.norm(), 0.02);
 }
 
 TEST(TwoFrames, WhoLooksForItselfFliesWhatNeedsNoWorld) {

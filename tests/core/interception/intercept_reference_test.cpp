@@ -102,7 +102,10 @@ class PlainHunter {
     for (const TrackModes& one : scene.modes) {
       if (one.id == track.id && modes == nullptr) modes = &one;
     }
-    if (!target_ || track.id != id_) last_net_m_.reset();
+    if (!target_ || track.id != id_) {
+      last_net_m_.reset();
+      found_at_s_ = -1e9;
+    }
     target_ = TargetPrediction(c_.prediction, track, modes, now_);
     id_ = track.id;
     if (track.corrected) found_at_s_ = to_seconds(track.t);

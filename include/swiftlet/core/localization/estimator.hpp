@@ -34,9 +34,10 @@ class StateEstimator {
   virtual const char* fault() const = 0;
   /// What is wrong with an estimate that is still valid, in a few words; empty when all is well.
   virtual const char* warning() const { return ""; }
-  /// It was told nothing of its start and looks for itself in a map. Until it has found itself, nothing that is told in
-  /// the world means anything to it.
-  virtual bool seeks_itself() const { return false; }
+  /// Does a vehicle that was told nothing of its start look for itself in a map? Until it has found itself, nothing
+  /// that is told in the world means anything to it.
+  enum class Search { kNone, kLooks, kInVain };
+  virtual Search search() const { return Search::kNone; }
   virtual void append_counters(std::vector<Counter>&) const {}
   /// Of one that keeps a pose graph: where its submaps lie as of the last update; null: it keeps none. Stays the
   /// estimator's.

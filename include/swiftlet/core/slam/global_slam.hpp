@@ -93,6 +93,8 @@ class GlobalSlam : public TellsSubmaps {
   std::size_t num_points() const;
   /// Is it known where this flight lies in the map that it was given?
   bool located() const { return located_; }
+  /// It looked for itself as often as it may from one place, and looks again only when it has moved on.
+  bool gave_up_looking() const;
   const PoseGraph& graph() const { return graph_; }
 
  private:
@@ -119,7 +121,7 @@ class GlobalSlam : public TellsSubmaps {
   std::vector<Eigen::Vector3f> thinned_m(std::span<const Eigen::Vector3f> points_submap_m) const;
   std::vector<Joined> seek_closures();
   void forget_known(std::span<const Joined> joined);
-  bool is_sought(TimeNs t) const;
+  bool is_sought(TimeNs t, double way_m) const;
   void locate(TimeNs t);
   void join(int older_pose, int newer_pose, const ClosureResult& closure);
   void place_fixes();
@@ -142,7 +144,8 @@ class GlobalSlam : public TellsSubmaps {
   int num_given_poses_ = 0;  // the first ones of the graph are those of the map that was given
   bool located_ = false;
   double sought_at_m_ = 0.0;  // of the way, when it last looked for itself
-  TimeNs sought_ = 0;         // when that was
+  TimeNs sought_ = 0;         // when it last did, where it hovers as well
+  double hovers_at_m_ = 0.0;  // of the way, then
   int num_sought_here_ = 0;   // looks without having moved on
   int num_closures_ = 0;
   bool news_ = false, fixes_ = false;  // since the last optimization: a closure, a fix
