@@ -120,7 +120,10 @@ class PythonGuidance final : public Guidance {
 
   GuidanceNeeds needs() const override {
     const PythonClass& told = stepper_.its_class;
-    return {.clouds = told.needs_clouds, .map = told.needs_map, .relatives = told.needs_relatives, .world = told.needs_world};
+    return {.clouds = told.needs_clouds,
+            .map = told.needs_map,
+            .relatives = told.needs_relatives,
+            .world = told.needs_world};
   }
 
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
