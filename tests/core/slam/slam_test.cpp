@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "swiftlet/core/localization/rotation.hpp"
+#include "swiftlet/core/slam/saved_map.hpp"
 #include "swiftlet/core/slam/slam_to_now.hpp"
 #include "tests/core/slam/synthetic_room.hpp"
 
@@ -331,6 +333,47 @@ TEST(Slam, AVehicleThatWasToldNothingLearnsItsHeadingByCompassAndItsPlaceByGnss)
   EXPECT_EQ(e.correction_revision, 2U);
   EXPECT_LT((e.T_world_body().translation() - Vector3(30, -20, 5)).norm(), 1e-3);
   EXPECT_NEAR(yaw_of(e.T_world_body().linear()), 1.0, 1e-9);
+}
+
+// A map in which nobody can find oneself: one submap without points.
+TEST(Slam, WhoHasAMapLooksForItselfUnlessItsStartWasToldWhateverElseItHas) {
+  using Search = StateEstimator::Search;
+  auto map = std::make_shared<SavedMap>();
+  map->graph.add_pose(Pose::Identity());
+  map->submaps.push_back({});
+  for (const StartKnown known : {StartKnown::kPose, StartKnown::kPosition, StartKnown::kNothing}) {
+    for (const bool gnss : {false, true}) {
+      SlamConfig config;
+      config.global.enabled = true;
+      config.global.loaded_map = map;
+      SyntheticFlight flight = biased_flight([](double) {
+        return make_pose({0, 0, 2}, Eigen::Quaterniond::Identity());
+      });
+      AgentSetup setup;
+      setup.start_known = known;
+      setup.T_local_body_start = flight.at(0);
+      const auto estimator = make_slam_estimator(config, setup);
+      Outbox outbox(0);
+      std::vector<Search> searches;
+      for (TimeNs t = kTick; t <= 25 * kNsPerSecond; t += kTick) {
+        Observation observation;
+        observation.t = t;
+        observation.imu.push_back(flight.imu(t));
+        if (t % kScanPeriod == 0) observation.scans.push_back(flight.scan(t));
+        if (gnss && t % kScanPeriod == 0) {
+          observation.compass.push_back({t, 0.0, 0.01});
+          observation.gnss.push_back({t, {30, -20, 5}});
+        }
+        estimator->update(observation, outbox);
+        if (searches.empty() || searches.back() != estimator->search()) searches.push_back(estimator->search());
+      }
+      const Search in_the_end = gnss ? Search::kNone : Search::kInVain;
+      if (known == StartKnown::kPose)
+        EXPECT_EQ(searches, std::vector<Search>{Search::kNone});
+      else
+        EXPECT_EQ(searches, (std::vector<Search>{Search::kLooks, in_the_end})) << static_cast<int>(known) << gnss;
+    }
+  }
 }
 
 TEST(Slam, ListensToTheLidarsThatAreNamed) {
