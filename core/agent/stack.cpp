@@ -225,7 +225,10 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
     const StateEstimator::Search search = stages_.localization->search();
     if (needs_.world && search != StateEstimator::Search::kNone) {
       look_around_.step(dt_s, action_.estimate, search, wanted_);
+      looks_around_ = true;
     } else {
+      if (looks_around_) wanted_ = {};  // guidance says only what it changes
+      looks_around_ = false;
       ask_guidance(observation, dt_s);
     }
     if (lost_) return;  // a mission that failed stays failed
@@ -316,6 +319,7 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   std::vector<SeenVehicle> seen_;
   GuidanceOutput wanted_;
   LookAround look_around_;
+  bool looks_around_ = false;  // in place of what guidance wants
 
   TrackOverlays track_overlays_;
   Trail trail_;

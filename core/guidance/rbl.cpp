@@ -26,11 +26,12 @@ constexpr double kDoubtLeaves_m = 1.0;  // of the cell by then; one cut at the v
 constexpr double kComing_mps = 0.5;     // slower than this, nobody need be dodged
 constexpr double kComes_sigmas = 0.5;   // of the speed, above which it is taken for one that comes
 constexpr double kFaster_sigmas = 0.5;  // by which it may come faster than it seems
-constexpr double kMostBeside_m = 0.5;   // that it may pass nearer than it seems
-constexpr double kDodge_s = 0.5;        // before somebody's braking way comes too near, who then does not brake
-constexpr double kOutOfPlane_s = 1.5;   // after that nobody came any more, it returns to its plane
-constexpr double kSameHeight_m = 0.3;   // of one no higher than that above, it gets out of the way upwards
-constexpr double kWatch_s = 3.0;        // before two meet as they fly now, they keep each other in view
+constexpr std::size_t kDodgedAtOnce = 64;  // tracks that end and begin anew are others
+constexpr double kMostBeside_m = 0.5;      // that it may pass nearer than it seems
+constexpr double kDodge_s = 0.5;           // before somebody's braking way comes too near, who then does not brake
+constexpr double kOutOfPlane_s = 1.5;      // after that nobody came any more, it returns to its plane
+constexpr double kSameHeight_m = 0.3;      // of one no higher than that above, it gets out of the way upwards
+constexpr double kWatch_s = 3.0;           // before two meet as they fly now, they keep each other in view
 constexpr double kPledged_s = 1.0;  // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
@@ -68,7 +69,7 @@ class Rbl : public Guidance {
     goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
     neighbors_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
     coming_local_m_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
-    dodged_.reserve(static_cast<std::size_t>(setup.agent.num_vehicles));
+    dodged_.reserve(std::max<std::size_t>(kDodgedAtOnce, static_cast<std::size_t>(setup.agent.num_vehicles)));
     braking_cuts_.reserve(3 * static_cast<std::size_t>(setup.agent.num_vehicles));
   }
 

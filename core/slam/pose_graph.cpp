@@ -37,9 +37,9 @@ Vector3 turn_to(const Pose& T_a, const Pose& T_b) {
 }
 
 Vector6 relative_residual(const RelativeFactor& f, const Pose& T_from, const Pose& T_to) {
-  const Matrix3 R_to_from = T_to.linear().transpose() * T_from.linear();
+  const Matrix3 R_from_to = T_from.linear().transpose() * T_to.linear();
   const Vector3 p_from_m = T_from.linear().transpose() * (T_to.translation() - T_from.translation());
-  const Matrix3 R_turn = f.T_from_to.linear().transpose() * R_to_from.transpose();
+  const Matrix3 R_turn = f.T_from_to.linear().transpose() * R_from_to;
   Vector6 r;
   r << p_from_m - f.T_from_to.translation(), rotation_vector_rad(Eigen::Quaterniond(R_turn));
   return r;

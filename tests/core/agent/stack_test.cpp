@@ -341,6 +341,26 @@ TEST(Agents, TellWhatTheyNeedBesideTheirSensors) {
   EXPECT_EQ(guidance_of(none), nullptr);
 }
 
+TEST(Guidances, TellWhetherTheyNeedToKnowWhereInTheWorldTheyAre) {
+  AgentSetup agent;
+  agent.airframe = testing::x500();
+  const auto needs_world = [&](const Module& module) {
+    return make_guidance(module, {agent, MotionLimitsConfig{}.resolve()})->needs().world;
+  };
+  for (const char* name : {"takeoff_land", "hover", "timed_path"}) {
+    EXPECT_FALSE(needs_world(Module(guidance_module_types(), name))) << name;
+  }
+  for (const char* name : {"waypoints", "navigate", "explore", "rbl", "orca", "intercept", "target"}) {
+    EXPECT_TRUE(needs_world(Module(guidance_module_types(), name))) << name;
+  }
+  Module hover(guidance_module_types(), "hover");
+  hover.as<HoverConfig>().at = HoverConfig::At::kPoint;
+  EXPECT_TRUE(needs_world(hover)) << "a point of the world";
+  Module waypoints(guidance_module_types(), "waypoints");
+  waypoints.as<WaypointsConfig>().frame = WaypointsConfig::Frame::kStart;
+  EXPECT_FALSE(needs_world(waypoints));
+}
+
 TEST(Stack, CountersAndMapsAreNamedByTheirStages) {
   StackConfig config = stack_with("hover", HoverConfig{});
   config.detector = Module(detector_module_types(), "vofod");

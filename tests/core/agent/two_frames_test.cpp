@@ -37,7 +37,7 @@ class LateEstimator : public StateEstimator {
     return estimate_;
   }
   const char* fault() const override { return ""; }
-  const char* warning() const override { return estimate_.t < learns_at_ ? "" : "half lost"; }
+  const char* warning() const override { return seeks || estimate_.t < learns_at_ ? "" : "half lost"; }
   Search search() const override {
     if (!seeks || estimate_.t >= learns_at_) return Search::kNone;
     return estimate_.t < in_vain_from ? Search::kLooks : Search::kInVain;
@@ -194,6 +194,17 @@ TEST(TwoFrames, WhoLooksInVainStopsToTurnAndFails) {
   EXPECT_EQ(action->mission_note, "did not find itself in the map of an earlier flight");
   EXPECT_LT((flight.plant.p - start_m).norm(), 0.1);
   EXPECT_LT(flight.plant.omega.norm(), 0.02);
+}
+
+TEST(TwoFrames, WhoHasFoundItselfSaysNoMoreThatItLooks) {
+  // One finds itself while it still looks, the other one after it had given up.
+  for (const TimeNs found_at : {4 * kNsPerSecond, 12 * kNsPerSecond}) {
+    Flight flight(found_at, waypoints({{9.0, 1.0, 3.0}}, WaypointsConfig::Frame::kWorld), true);
+    const Action* action = nullptr;
+    while (flight.plant.t < found_at + kStep) action = &flight.tick();
+    EXPECT_EQ(action->mission, MissionStatus::kRunning) << found_at;
+    EXPECT_EQ(action->mission_note, "") << found_at;
+  }
 }
 
 TEST(TwoFrames, WhoLooksForItselfFliesWhatNeedsNoWorld) {
