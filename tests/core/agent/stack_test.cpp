@@ -344,8 +344,10 @@ TEST(Agents, TellWhatTheyNeedBesideTheirSensors) {
 TEST(Guidances, TellWhetherTheyNeedToKnowWhereInTheWorldTheyAre) {
   AgentSetup agent;
   agent.airframe = testing::x500();
+  MotionLimitsConfig limits;
+  limits.set = MotionLimitsConfig::Set::kAgile;
   const auto needs_world = [&](const Module& module) {
-    return make_guidance(module, {agent, MotionLimitsConfig{}.resolve()})->needs().world;
+    return make_guidance(module, {agent, limits.resolve()})->needs().world;
   };
   for (const char* name : {"takeoff_land", "hover", "timed_path"}) {
     EXPECT_FALSE(needs_world(Module(guidance_module_types(), name))) << name;
