@@ -48,7 +48,7 @@ sim::Scenario gnss_flight(const GnssUse& use, std::uint64_t seed, bool quick) {
 }
 
 void plot_gnss(Experiment& experiment, const std::vector<std::vector<SlamFlight>>& flights) {
-  sim::plot::Figure figure("What the vehicle takes for its place, less where it was when it began (Fig. 8)", 1);
+  sim::plot::Figure figure("What the vehicle takes for its place (Fig. 8)", 1);
   figure.set_panel_size(760, 260);
   const char* const axes[] = {"east", "north", "height"};
   for (int axis = 0; axis < 3; ++axis) {
