@@ -65,8 +65,9 @@ bool invert_block(const Matrix6& A, Matrix6& inverse) {
 
 }  // namespace
 
-BlockCholesky::BlockCholesky(int num_blocks, std::span<const std::pair<int, int>> pairs)
-    : place_(minimum_degree(num_blocks, pairs)), diagonal_(num_blocks) {
+void BlockCholesky::set_pattern(int num_blocks, std::span<const std::pair<int, int>> pairs) {
+  place_ = minimum_degree(num_blocks, pairs);
+  diagonal_.resize(num_blocks);
   std::vector<std::pair<int, int>> above;  // column, row
   above.reserve(pairs.size());
   for (const auto& [i, j] : pairs) {
@@ -76,6 +77,7 @@ BlockCholesky::BlockCholesky(int num_blocks, std::span<const std::pair<int, int>
   std::sort(above.begin(), above.end());
   above.erase(std::unique(above.begin(), above.end()), above.end());
   first_.assign(num_blocks + 1, 0);
+  row_.clear();
   row_.reserve(above.size());
   for (const auto& [column, row] : above) {
     ++first_[column + 1];
@@ -83,6 +85,7 @@ BlockCholesky::BlockCholesky(int num_blocks, std::span<const std::pair<int, int>
   }
   for (int k = 0; k < num_blocks; ++k) first_[k + 1] += first_[k];
   value_.resize(row_.size());
+  slots_.clear();
   slots_.reserve(pairs.size());
   for (const auto& [i, j] : pairs) {
     const int column = std::max(place_[i], place_[j]), row = std::min(place_[i], place_[j]);
@@ -112,7 +115,6 @@ BlockCholesky::BlockCholesky(int num_blocks, std::span<const std::pair<int, int>
   column_.assign(num_blocks, Matrix6::Zero());
   pattern_.resize(num_blocks);
   path_.resize(num_blocks);
-  set_zero();
 }
 
 void BlockCholesky::set_zero() {
@@ -167,11 +169,11 @@ bool BlockCholesky::factorize(double damping) {
   return true;
 }
 
-bool BlockCholesky::solve(double damping, std::span<const Vector6> b, std::vector<Vector6>& x) {
+void BlockCholesky::solve(std::span<const Vector6> b, std::vector<Vector6>& x) {
   const int n = num_blocks();
   ENSURE(static_cast<int>(b.size()) == n, b.size(), n);
-  if (!factorize(damping)) return false;
-  std::vector<Vector6> y(n);
+  std::vector<Vector6>& y = ordered_;
+  y.resize(n);
   for (int i = 0; i < n; ++i) y[place_[i]] = b[i];
   for (int k = 0; k < n; ++k) {
     for (int p = first_of_L_[k]; p < first_of_L_[k + 1]; ++p) y[row_of_L_[p]].noalias() -= L_[p] * y[k];
@@ -182,7 +184,6 @@ bool BlockCholesky::solve(double damping, std::span<const Vector6> b, std::vecto
   }
   x.resize(n);
   for (int i = 0; i < n; ++i) x[i] = y[place_[i]];
-  return true;
 }
 
 }  // namespace swiftlet

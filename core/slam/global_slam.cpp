@@ -286,7 +286,7 @@ void GlobalSlam::fit_start() {
 }
 
 void GlobalSlam::optimize(TimeNs t) {
-  graph_.optimize(config_.graph);
+  graph_.optimize(config_.graph, graph_workspace_);
   news_ = fixes_ = false;
   last_optimized_ = t;
   const Node& last = nodes_.back();

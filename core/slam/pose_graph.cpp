@@ -253,22 +253,23 @@ Matrix6 PoseGraph::covariance_of(int pose) const {
   std::vector<Vector6> of_relatives, gradient, column;
   cost_of(poses_, of_relatives);
   linearize(of_relatives, H, gradient);
+  if (!H.factorize(0.0)) return Matrix6::Identity();
   Matrix6 covariance = Matrix6::Identity();
   std::vector<Vector6> unit(poses_.size(), Vector6::Zero());
   for (int i = 0; i < 6; ++i) {
     unit[static_cast<std::size_t>(pose)] = Vector6::Unit(i);
-    if (!H.solve(0.0, unit, column)) return Matrix6::Identity();
+    H.solve(unit, column);
     covariance.col(i) = column[static_cast<std::size_t>(pose)];
   }
   return covariance;
 }
 
-GraphReport PoseGraph::optimize(const GraphSolverConfig& config) {
-  BlockCholesky H(num_poses(), pairs());
+GraphReport PoseGraph::optimize(const GraphSolverConfig& config, GraphWorkspace& workspace) {
+  auto& [H, gradient, step, of_relatives, of_relatives_tried, tried] = workspace;
+  H.set_pattern(num_poses(), pairs());
   GraphReport report;
-  std::vector<Vector6> gradient, step, of_relatives, of_relatives_tried;
   report.cost_before = report.cost_after = cost_of(poses_, of_relatives);
-  std::vector<Pose> tried(poses_.size());
+  tried.resize(poses_.size());
   double damping = kFirstDamping;
   double last_step = 0.0;  // 0: none was taken
   bool stale = true;
@@ -276,10 +277,11 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config) {
     if (stale) linearize(of_relatives, H, gradient);
     stale = false;
     ++report.num_iterations;
-    if (!H.solve(damping, gradient, step)) {
+    if (!H.factorize(damping)) {
       damping = std::max(damping * 100.0, 1e-6);
       continue;
     }
+    H.solve(gradient, step);
     double largest = 0.0;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       tried[i] = carried(poses_[i], -step[i]);

@@ -65,10 +65,12 @@ TEST(BlockCholesky, SolvesAsADenseSolverDoes) {
   std::vector<Vector6> b(kBlocks), x;
   Eigen::VectorXd b_dense(6 * kBlocks);
   for (int i = 0; i < 6 * kBlocks; ++i) b[i / 6](i % 6) = b_dense(i) = normal(random);
-  ASSERT_TRUE(H.solve(0.0, b, x));
+  ASSERT_TRUE(H.factorize(0.0));
+  H.solve(b, x);
   const Eigen::VectorXd expected = dense.ldlt().solve(b_dense);
   for (int i = 0; i < 6 * kBlocks; ++i) EXPECT_NEAR(x[i / 6](i % 6), expected(i), 1e-10);
-  ASSERT_TRUE(H.solve(0.5, b, x));
+  ASSERT_TRUE(H.factorize(0.5));
+  H.solve(b, x);
   dense.diagonal() *= 1.5;
   const Eigen::VectorXd damped = dense.ldlt().solve(b_dense);
   for (int i = 0; i < 6 * kBlocks; ++i) EXPECT_NEAR(x[i / 6](i % 6), damped(i), 1e-10);
@@ -80,9 +82,26 @@ TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
   H.diagonal(0) = Matrix6::Identity();
   H.diagonal(1) = Matrix6::Identity();
   H.add(0, 2.0 * Matrix6::Identity());
-  std::vector<Vector6> b(2, Vector6::Ones()), x;
-  EXPECT_FALSE(H.solve(0.0, b, x));
-  EXPECT_TRUE(H.solve(2.0, b, x)) << "and is as new afterwards";
+  EXPECT_FALSE(H.factorize(0.0));
+  EXPECT_TRUE(H.factorize(2.0)) << "and is as new afterwards";
+}
+
+TEST(PoseGraph, AWorkspaceThatServedAnotherGraphChangesNoBit) {
+  std::mt19937 random(3);
+  GraphWorkspace workspace;
+  for (const int num : {30, 8, 50}) {  // more, fewer, and more again
+    PoseGraph graph;
+    for (int i = 0; i < num; ++i) graph.add_pose(random_pose(random));
+    graph.add(PriorFactor{0, graph.pose(0), Matrix6::Identity()});
+    for (int i = 1; i < num; ++i) graph.add(RelativeFactor{i - 1, i, random_pose(random), Matrix6::Identity()});
+    for (int i = 3; i < num; i += 3) graph.add(RelativeFactor{i - 3, i, random_pose(random), Matrix6::Identity(), 0.5});
+    PoseGraph fresh = graph;
+    const GraphReport report = graph.optimize({}, workspace), expected = fresh.optimize({});
+    EXPECT_GT(expected.num_iterations, 2);
+    EXPECT_EQ(report.num_iterations, expected.num_iterations);
+    EXPECT_EQ(report.cost_after, expected.cost_after);
+    for (int i = 0; i < num; ++i) EXPECT_EQ(graph.pose(i).matrix(), fresh.pose(i).matrix()) << i;
+  }
 }
 
 TEST(PoseGraph, DerivativesAreThoseOfTheResiduals) {

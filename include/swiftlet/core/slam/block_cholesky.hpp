@@ -16,8 +16,14 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 /// thread and a fixed order of sums: same bits everywhere.
 class BlockCholesky {
  public:
-  /// The pattern: `pairs` of blocks off the diagonal, in any order and with repetitions.
-  BlockCholesky(int num_blocks, std::span<const std::pair<int, int>> pairs);
+  BlockCholesky() = default;
+  BlockCholesky(int num_blocks, std::span<const std::pair<int, int>> pairs) {
+    set_pattern(num_blocks, pairs);
+    set_zero();
+  }
+  /// `pairs` of blocks off the diagonal, in any order and with repetitions. What memory there is serves again. The
+  /// values have to be set to zero then.
+  void set_pattern(int num_blocks, std::span<const std::pair<int, int>> pairs);
 
   int num_blocks() const { return static_cast<int>(diagonal_.size()); }
   void set_zero();
@@ -26,12 +32,12 @@ class BlockCholesky {
   const Matrix6& diagonal(int i) const { return diagonal_[place_[i]]; }
   /// To the block (i, j) of one of the pairs that the pattern was made of, and to (j, i) with it.
   void add(std::size_t pair, const Matrix6& block);
-  /// (H + damping diag(H)) x = b. False when that is not positive definite.
-  bool solve(double damping, std::span<const Vector6> b, std::vector<Vector6>& x);
+  /// Of H + damping diag(H). False when that is not positive definite.
+  bool factorize(double damping);
+  /// With the last factors.
+  void solve(std::span<const Vector6> b, std::vector<Vector6>& x);
 
  private:
-  bool factorize(double damping);
-
   // Blocks in the order of elimination: `place_[i]` is where block i stands in it.
   std::vector<int> place_;
   std::vector<Matrix6> diagonal_;
@@ -49,6 +55,7 @@ class BlockCholesky {
   // Of the factorization.
   std::vector<Matrix6> column_;
   std::vector<int> flag_, pattern_, path_;
+  std::vector<Vector6> ordered_;  // b, then x, in the order of elimination
 };
 
 }  // namespace swiftlet

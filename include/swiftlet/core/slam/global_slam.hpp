@@ -136,6 +136,7 @@ class GlobalSlam : public TellsSubmaps {
   Latency latency_;
   bool pose_known_;
   PoseGraph graph_;
+  GraphWorkspace graph_workspace_;
   std::vector<Node> nodes_;
   std::vector<Submap> submaps_;      // the last one grows
   std::vector<GnssSample> waiting_;  // fixes that no node follows yet
