@@ -39,6 +39,8 @@ constexpr int kMostOpen = 1, kAllOpen = 6;           // directions of a pose
 constexpr double kTurnedOff_deg = 1.0;               // the same of its attitude, one standard deviation
 constexpr double kCoarsest_m = 0.3, kFine_m = 0.03;  // of the first steps of a refinement
 constexpr double kApart_m = 0.1;                     // farther from each other, two places are not the same
+constexpr double kSlid_m = 0.15;                     // of each step along the direction of which least is told
+constexpr double kHolds_m = 0.3, kHolds = 0.95;      // so far off, a larger share of points still near tells nothing
 constexpr int kRefinements = 8;
 constexpr double kStill = 1e-4;                             // m and rad: refined
 constexpr double kMovedMost_m = 1.0, kMovedMost_deg = 4.0;  // by the refinement: a cell of the grid and some
@@ -131,19 +133,29 @@ int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, con
   return fitter.fit(map, points_m, T, matching_of(kFinest_m, open_share)).num_degenerate;
 }
 
-/// Without the directions of a pose that evidence leaves open: turns are counted by the mean lever arm.
+/// The directions of a pose by what evidence tells of them, the least first. A step of 1 along one moves points by 1 m
+/// in the mean: turns are counted by the mean lever arm.
+struct Directions {
+  explicit Directions(const PoseEvidence& evidence) {
+    const Matrix6& information = evidence.information;
+    const double lever_sq = information.diagonal().tail<3>().sum() / information.diagonal().head<3>().sum();
+    scale << Vector3::Ones(), Vector3::Constant(std::sqrt(std::max(lever_sq, 1.0)));
+    const Vector6 inverse = scale.cwiseInverse();
+    vectors = symmetric_eigen<6>(Matrix6(inverse.asDiagonal() * information * inverse.asDiagonal())).vectors;
+  }
+  Vector6 step(int i) const { return vectors.col(i).cwiseQuotient(scale); }
+
+  Vector6 scale;
+  Matrix6 vectors;  // of scaled steps
+};
+
+/// Without the directions of a pose that evidence leaves open.
 Matrix6 told_by(const PoseEvidence& evidence, int num_open) {
   if (num_open == 0) return Matrix6::Identity();
-  const Matrix6& information = evidence.information;
-  const double lever_sq = information.diagonal().tail<3>().sum() / information.diagonal().head<3>().sum();
-  Vector6 scale;
-  scale << Vector3::Ones(), Vector3::Constant(std::sqrt(std::max(lever_sq, 1.0)));
-  const Vector6 inverse = scale.cwiseInverse();
-  const SymmetricEigen<6> eigen =
-      symmetric_eigen<6>(Matrix6(inverse.asDiagonal() * information * inverse.asDiagonal()));
+  const Directions of(evidence);
   Matrix6 kept = Matrix6::Identity();
-  for (int i = 0; i < num_open; ++i) kept -= eigen.vectors.col(i) * eigen.vectors.col(i).transpose();
-  return inverse.asDiagonal() * kept * scale.asDiagonal();
+  for (int i = 0; i < num_open; ++i) kept -= of.vectors.col(i) * of.vectors.col(i).transpose();
+  return of.scale.cwiseInverse().asDiagonal() * kept * of.scale.asDiagonal();
 }
 
 /// No wider than the guess can be off: where bays look alike, the one next to it is none of those that can be meant.
@@ -186,6 +198,50 @@ struct NewerCloud {
   std::vector<Eigen::Vector3f> fitted_m;
 };
 
+/// Places that the newer submap takes when it slides in the direction of which the surfaces tell least.
+struct Slide {
+  PoseEvidence evidence;  // where it begins
+  std::vector<Pose> T_older_newer;
+  std::vector<double> way_m;
+  std::vector<int> num_near;  // points on surfaces
+
+  /// How far another place is from the line of all these.
+  double off_it_m(const Pose& T) const {
+    const Vector3 off_m = T.translation() - T_older_newer.front().translation();
+    const Vector3 along = Directions(evidence).step(0).head<3>().normalized();
+    return (off_m - off_m.dot(along) * along).norm();
+  }
+};
+
+/// @param reach_m  to either side; it begins in the middle, and the nearer ones come first
+Slide slide_of(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer, double reach_m) {
+  ScanFitter fitter;
+  const auto fit_at = [&](const Pose& T) {
+    return fitter.fit(surfaces, newer.fitted_m, T, matching_of(kFinest_m, kOpenShare));
+  };
+  const ScanFit fit = fit_at(T_older_newer);
+  Slide slide{fit.evidence, {T_older_newer}, {0.0}, {fit.num_near}};
+  const Vector6 step = Directions(fit.evidence).step(0);
+  const int num_steps = static_cast<int>(std::ceil(reach_m / kSlid_m));
+  for (int i = 1; i <= num_steps; ++i) {
+    for (const double way_m : {i * kSlid_m, -i * kSlid_m}) {
+      slide.T_older_newer.push_back(moved(T_older_newer, way_m * step));
+      slide.way_m.push_back(way_m);
+      slide.num_near.push_back(fit_at(slide.T_older_newer.back()).num_near);
+    }
+  }
+  return slide;
+}
+
+/// Does it lie on the surfaces about as well when it slides? Then what they seem to tell of that direction are errors
+/// of their normals, or ledges that meet others.
+bool fits_elsewhere(const Slide& slide) {
+  for (std::size_t i = 1; i < slide.way_m.size(); ++i) {
+    if (std::abs(slide.way_m[i]) >= kHolds_m && slide.num_near[i] > kHolds * slide.num_near.front()) return true;
+  }
+  return false;
+}
+
 /// The last checks: how much of the newer submap is known in the older one, and does that lie on its surfaces?
 /// @param num_open  directions that may be left open
 void check_fit(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer, int num_open,
@@ -226,14 +282,15 @@ double distance_m(const Pose& T_a, const Pose& T_b) { return (T_a.translation() 
 
 /// From a guess that is nearly right to the surfaces. One direction may stay open: there the guess is kept, and the
 /// closure tells nothing of it. Floors fit wherever the guess is, so what stands upright has to fit by itself as well.
+/// @param T_start  where it begins
 ClosureResult settle_from_guess(const SurfaceMap& surfaces, const NewerCloud& newer,
-                                std::span<const Eigen::Vector3f> upright_newer_m, const PosePrior& prior, double off_m,
-                                double coarsest_m, const ClosureConfig& config) {
+                                std::span<const Eigen::Vector3f> upright_newer_m, const PosePrior& prior,
+                                const Pose& T_start, double off_m, double coarsest_m, const ClosureConfig& config) {
   ClosureResult result;
-  Pose T = prior.T;
+  Pose T = T_start;
   if (refine(surfaces, newer.fitted_m, &prior, coarsest_m, T) > kMostOpen)
     result.verdict = ClosureVerdict::kOpen;
-  else if (distance_m(prior.T, T) > std::max(off_m, kLeastOff_m))
+  else if (distance_m(prior.T, T) > off_m)
     result.verdict = ClosureVerdict::kMoved;
   else
     check_fit(surfaces, newer, T, kMostOpen, config, result);
@@ -246,22 +303,41 @@ ClosureResult settle_from_guess(const SurfaceMap& surfaces, const NewerCloud& ne
   return result;
 }
 
+double quality_of(const ClosureResult& closed) { return closed.overlap * closed.near_share; }
+
 /// Of two places where the surfaces nearly meet, a wide reach may find the wrong one and a short reach none. So both
-/// are tried, and the one counts that fits better.
+/// are tried. Along a wall the surfaces reach nowhere, and a guess that is too far off stays where it is. So the newer
+/// submap slides along it to where most of it fits. What fits elsewhere about as well tells nothing of that direction.
 ClosureResult settle_near_guess(const SurfaceMap& surfaces, const NewerCloud& newer,
                                 std::span<const Eigen::Vector3f> upright_newer_m, const Pose& T_guess, double off_m,
                                 const ClosureConfig& config) {
+  const double reach_m = std::max(off_m, kLeastOff_m);
   const PosePrior prior = prior_of(T_guess, off_m);
-  const ClosureResult wide = settle_from_guess(surfaces, newer, upright_newer_m, prior, off_m, kCoarsest_m, config);
-  const ClosureResult close = settle_from_guess(surfaces, newer, upright_newer_m, prior, off_m, kFine_m, config);
-  if (close.verdict != ClosureVerdict::kClosed) return wide;
-  if (wide.verdict != ClosureVerdict::kClosed) return close;
-  const double of_wide = wide.overlap * wide.near_share, of_close = close.overlap * close.near_share;
-  ClosureResult better = of_wide > of_close ? wide : close;
-  const bool apart = distance_m(wide.T_older_newer, close.T_older_newer) > kApart_m;
-  if (apart && std::min(of_wide, of_close) >= kRivalFit * std::max(of_wide, of_close))
-    better.verdict = ClosureVerdict::kRival;
-  return better;
+  const auto settled = [&](const Pose& T_start, double coarsest_m) {
+    return settle_from_guess(surfaces, newer, upright_newer_m, prior, T_start, reach_m, coarsest_m, config);
+  };
+  const auto is_closed = [](const ClosureResult& r) { return r.verdict == ClosureVerdict::kClosed; };
+  const ClosureResult wide = settled(T_guess, kCoarsest_m), close = settled(T_guess, kFine_m);
+  if (!is_closed(wide) && !is_closed(close)) return wide;
+  const bool wide_is_better = !is_closed(close) || (is_closed(wide) && quality_of(wide) > quality_of(close));
+  ClosureResult result = wide_is_better ? wide : close;
+  const ClosureResult& other = wide_is_better ? close : wide;
+  Slide slide = slide_of(surfaces, newer, result.T_older_newer, reach_m);
+  if (is_closed(other) && quality_of(other) >= kRivalFit * quality_of(result) &&
+      slide.off_it_m(other.T_older_newer) > kApart_m) {
+    result.verdict = ClosureVerdict::kRival;
+    return result;
+  }
+  const auto best = std::max_element(slide.num_near.begin(), slide.num_near.end()) - slide.num_near.begin();
+  if (std::abs(slide.way_m[best]) > kApart_m) {
+    const ClosureResult along = settled(slide.T_older_newer[best], kFine_m);
+    if (is_closed(along) && quality_of(along) > quality_of(result)) {
+      result = along;
+      slide = slide_of(surfaces, newer, result.T_older_newer, reach_m);
+    }
+  }
+  if (result.told.isIdentity() && fits_elsewhere(slide)) result.told = told_by(slide.evidence, 1);
+  return result;
 }
 
 /// What is sought, and where.

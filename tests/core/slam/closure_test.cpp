@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <span>
+#include <vector>
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
@@ -287,6 +289,40 @@ TEST(Closure, ANearlyRightGuessIsClosedButForTheWayAlongASingleWall) {
     EXPECT_LT((result.told * Vector6::Unit(axis) - Vector6::Unit(axis)).tail<3>().norm(), 0.02) << axis;
   }
   EXPECT_LT((result.told * result.told - result.told).norm(), 1e-9) << "a projector";
+}
+
+/// The same, and fins of 0.5 m across the wall.
+Points wall_with_fins(unsigned seed, double height_m, std::span<const double> fins_x_m) {
+  Points points = floor_and_wall(seed);
+  std::mt19937 random(seed + 100);
+  for (const double x_m : fins_x_m) add_wall(points, x_m, 3.5, x_m, 4.0, height_m, random);
+  return points;
+}
+
+// The fins are too far off to be met from the guess. What they meet instead pretends to tell the way along the wall.
+TEST(Closure, AGuessThatIsOffAlongAWallSlidesToWhereItFits) {
+  const double fins_x_m[] = {-7.4, -4.1, -3.0, 1.2, 2.9, 6.6};
+  const Pose T = make_pose({0.5, 0.1, -0.05}, rotation_by({0, 0, 0.005}));
+  const ClosureResult result =
+      find_closure(wall_with_fins(1, 4.0, fins_x_m), seen_from(wall_with_fins(2, 4.0, fins_x_m), T), Pose::Identity(),
+                   ClosureConfig{}, 0.6);
+  ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict);
+  EXPECT_LT((T.inverse() * result.T_older_newer).translation().norm(), 0.02);
+  EXPECT_TRUE(result.told.isIdentity());
+}
+
+// Fins as regular as these fit at the next ones as well. So they do not tell the way along the wall, however exactly
+// they seem to.
+TEST(Closure, WhereItSlidesNothingIsToldOfTheWayAlongTheWall) {
+  std::vector<double> fins_x_m;
+  for (int i = -39; i <= 39; ++i) fins_x_m.push_back(0.3 * i);
+  const Pose T = make_pose({0.02, 0.1, -0.05}, rotation_by({0, 0, 0.005}));
+  const ClosureResult result =
+      find_closure(wall_with_fins(1, 0.5, fins_x_m), seen_from(wall_with_fins(2, 0.5, fins_x_m), T), Pose::Identity(),
+                   ClosureConfig{}, 0.3);
+  ASSERT_EQ(result.verdict, ClosureVerdict::kClosed) << static_cast<int>(result.verdict);
+  EXPECT_LT((result.told * Vector6::Unit(0)).norm(), 0.05);
+  EXPECT_LT((T.inverse() * result.T_older_newer).translation().tail<2>().norm(), 0.02);
 }
 
 TEST(Closure, AFloorAloneLeavesTooMuchOpenHoweverRightTheGuess) {
