@@ -55,8 +55,8 @@ void NeighborMemory::update(const GuidanceInput& input) {
   } else if (config_.source == NeighborSourceConfig::Source::kRadio) {
     for (const Message& message : input.observation.messages) hear(message, input);
   }
-  known_.clear();
   if (config_.source == NeighborSourceConfig::Source::kTracks) {
+    known_.clear();
     for (const Track& track : input.tracks) {
       const double ahead_s = config_.predict ? to_seconds(now - track.t) : 0.0;
       known_.push_back({track.id, track.position_m + ahead_s * track.velocity_mps, track.velocity_mps, track.t,
@@ -65,18 +65,32 @@ void NeighborMemory::update(const GuidanceInput& input) {
       known_.back().seen_covariance_local_m2 = track.covariance.topLeftCorner<3, 3>();
       known_.back().own_seen_local_m = input.poses.at(track.t).translation();
     }
-  } else {
-    for (const Filter& filter : filters_) {
-      known_.push_back(now_of(filter, now));
-      known_.back().in_view = in_view(known_.back().position_local_m, input.estimate.T_local_body);
-    }
-    forget(now);
+    std::sort(known_.begin(), known_.end(), [](const Neighbor& a, const Neighbor& b) { return a.key < b.key; });
+    return;
   }
-  std::sort(known_.begin(), known_.end(), [](const Neighbor& a, const Neighbor& b) { return a.key < b.key; });
+  const Pose T_body_local = input.estimate.T_local_body.inverse();
+  for (Filter& filter : filters_) filter.in_view = in_view(T_body_local * position_now_local_m(filter));
+  forget(now);
+  to_carry_ = true;
+}
+
+std::span<const Neighbor> NeighborMemory::neighbors() {
+  if (to_carry_) {
+    known_.clear();
+    for (const Filter& filter : filters_) known_.push_back(now_of(filter));
+    to_carry_ = false;
+  }
+  return known_;
+}
+
+Vector3 NeighborMemory::position_now_local_m(const Filter& filter) const {
+  const TimeNs ahead = config_.predict ? std::min(now_, filter.t + kLongestAhead) - filter.t : 0;
+  return ahead > 0 ? Vector3(filter.x.head<3>() + to_seconds(ahead) * filter.x.tail<3>()) : filter.x.head<3>();
 }
 
 // Farther ahead the velocity says nothing any more; then the neighbor has flown on for about a second.
-Neighbor NeighborMemory::now_of(const Filter& filter, TimeNs now) const {
+Neighbor NeighborMemory::now_of(const Filter& filter) const {
+  const TimeNs now = now_;
   Neighbor neighbor{filter.key,
                     filter.x.head<3>(),
                     filter.x.tail<3>(),
@@ -86,6 +100,7 @@ Neighbor NeighborMemory::now_of(const Filter& filter, TimeNs now) const {
   neighbor.seen_local_m = filter.x.head<3>();
   neighbor.seen_covariance_local_m2 = filter.P.topLeftCorner<3, 3>();
   neighbor.own_seen_local_m = filter.own_local_m;
+  neighbor.in_view = filter.in_view;
   if (!config_.predict) return neighbor;
   Filter ahead = filter;
   predict(ahead, std::min(now, filter.t + kLongestAhead));
@@ -104,8 +119,7 @@ Neighbor NeighborMemory::now_of(const Filter& filter, TimeNs now) const {
   return neighbor;
 }
 
-bool NeighborMemory::in_view(const Vector3& p_local_m, const Pose& T_local_body) const {
-  const Vector3 p_body_m = T_local_body.inverse() * p_local_m;
+bool NeighborMemory::in_view(const Vector3& p_body_m) const {
   return views_.empty() ||
          std::any_of(views_.begin(), views_.end(), [&](const NeighborView& view) { return view.contains(p_body_m); });
 }
@@ -116,15 +130,13 @@ void NeighborMemory::forget(TimeNs now) {
   longest_s_ *= 1.0 - std::min(1.0, to_seconds(passed) / kFade_s);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < filters_.size(); ++i) {
-    if (known_[i].in_view) filters_[i].missed += passed;
+    if (filters_[i].in_view) filters_[i].missed += passed;
     longest_s_ = std::max(longest_s_, std::min(to_seconds(filters_[i].missed), kLongestInterval_s));
     if ((config_.remember_hidden ? filters_[i].missed : now - filters_[i].seen) > timeout) continue;
-    filters_[kept] = filters_[i];
-    known_[kept] = known_[i];
+    if (kept < i) filters_[kept] = filters_[i];
     ++kept;
   }
   filters_.resize(kept);
-  known_.resize(kept);
 }
 
 void NeighborMemory::hear(const Message& message, const GuidanceInput& input) {
@@ -156,9 +168,10 @@ void NeighborMemory::predict(Filter& filter, TimeNs t) const {
 void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position_local_m, const Matrix3& covariance,
                              const Vector3& own_local_m) {
   latency_s_ = std::max(latency_s_, to_seconds(now_ - t));
-  const auto known = std::find_if(filters_.begin(), filters_.end(), [&](const Filter& f) { return f.key == key; });
-  if (known == filters_.end()) {
-    Filter& filter = filters_.emplace_back();
+  const auto known = std::lower_bound(filters_.begin(), filters_.end(), key,
+                                      [](const Filter& f, std::int64_t wanted) { return f.key < wanted; });
+  if (known == filters_.end() || known->key != key) {
+    Filter& filter = *filters_.emplace(known);
     filter.key = key;
     filter.t = filter.seen = t;
     filter.own_local_m = own_local_m;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kUnderflow = 1e-30;     // a sum of weights below this is rounding
 constexpr float kSampleSlack_m = 1e-6F;  // samples on a limit count
+constexpr double kBoxSlack_m = 1e-4;     // more than single precision loses
 
 int most_in_a_row(double radius_m, double step_m) { return 2 * static_cast<int>(radius_m / step_m) + 2; }
 
@@ -75,6 +76,8 @@ void RblCell::reset(const Vector3& lattice_agent_m, double z_low_m, double z_hig
   first_sample_ = rows_.empty() ? 0 : rows_.front().first;
   num_samples_ = rows_.empty() ? 0 : rows_.back().first + rows_.back().count - first_sample_;
   masked_ = excluded_ = false;
+  high_m_ = Vector3::Constant(radius_m_);
+  low_m_ = -high_m_;
 }
 
 void RblCell::sample_ball(const Vector3& origin_agent_m) {
@@ -113,23 +116,32 @@ void RblCell::sample_ball(const Vector3& origin_agent_m) {
 
 void RblCell::cut(const HalfSpace& keep) {
   if (keep.offset_m >= radius_m_) return;  // beyond S
-  const double nx = keep.normal_local.x();
+  const Vector3& n = keep.normal_local;
+  const double farthest_m = (n.cwiseProduct(low_m_)).cwiseMax(n.cwiseProduct(high_m_)).sum();
+  if (farthest_m <= keep.offset_m - kBoxSlack_m) return;  // beyond all of A
+  const double nx = n.x();
   const double per_step = 1.0 / (nx * step_m_);
+  const bool level = std::abs(nx) < 1e-9;
+  Eigen::Array3f low = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
   for (Row& row : rows_) {
-    const double rest =
-        keep.offset_m - keep.normal_local.y() * row.y - keep.normal_local.z() * row.z;  // nx * x <= rest
-    if (std::abs(nx) < 1e-9) {
+    if (row.low == row.high) continue;
+    const double rest = keep.offset_m - n.y() * row.y - n.z() * row.z;  // nx * x <= rest
+    if (level) {
       if (rest < 0.0) row.high = row.low;
-      continue;
-    }
-    const double i_plane = std::clamp(rest * per_step - row.x0_steps, -1.0, row.count + 1.0);
-    if (nx > 0.0) {
-      row.high = std::min(row.high, floor_of(i_plane) + 1);
     } else {
-      row.low = std::min(row.high, std::max(row.low, ceil_of(i_plane)));
+      const double i_plane = std::clamp(rest * per_step - row.x0_steps, -1.0, row.count + 1.0);
+      if (nx > 0.0) {
+        row.high = std::max(row.low, std::min(row.high, floor_of(i_plane) + 1));
+      } else {
+        row.low = std::min(row.high, std::max(row.low, ceil_of(i_plane)));
+      }
     }
-    row.high = std::max(row.high, row.low);
+    if (row.low == row.high) continue;
+    low = low.min(Eigen::Array3f(row.x0_steps + static_cast<float>(row.low), row.y, row.z));
+    high = high.max(Eigen::Array3f(row.x0_steps + static_cast<float>(row.high), row.y, row.z));
   }
+  low_m_ = Vector3(step_m_ * low.x(), low.y(), low.z());
+  high_m_ = Vector3(step_m_ * high.x(), high.y(), high.z());
   trim();
 }
 

@@ -50,8 +50,9 @@ class NeighborMemory {
       : config_(config), views_(std::move(views)) {}
 
   void update(const GuidanceInput& input);
-  /// Everybody not forgotten, in order of keys.
-  std::span<const Neighbor> neighbors() const { return known_; }
+  /// Everybody not forgotten, in order of keys, as of the last update. They are carried forward when they are asked
+  /// for.
+  std::span<const Neighbor> neighbors();
 
   /// How late samples come, and how far apart those of one neighbor are: at least, and at most of late. As seen so far;
   /// 0: not yet. A neighbor that should be in view and is not measured counts as it is.
@@ -69,6 +70,7 @@ class NeighborMemory {
     TimeNs t = 0;  // of the state
     TimeNs seen = 0;
     TimeNs missed = 0;                      ///< for how long it was in view since then, unseen
+    bool in_view = true;                    ///< at the last update
     Vector3 own_local_m = Vector3::Zero();  ///< of the own vehicle when it was seen
     Vector6 x = Vector6::Zero();
     Matrix6 P = Matrix6::Identity();
@@ -79,17 +81,19 @@ class NeighborMemory {
   void hear(const Message& message, const GuidanceInput& input);
   void predict(Filter& filter, TimeNs t) const;
 
-  Neighbor now_of(const Filter& filter, TimeNs now) const;
+  Neighbor now_of(const Filter& filter) const;
+  Vector3 position_now_local_m(const Filter& filter) const;
   void forget(TimeNs now);
-  bool in_view(const Vector3& p_local_m, const Pose& T_local_body) const;
+  bool in_view(const Vector3& p_body_m) const;
 
   NeighborSourceConfig config_;
   std::vector<NeighborView> views_;
   TimeNs last_ = -1;  ///< update; negative: there was none
   TimeNs now_ = 0;
   double latency_s_ = 0.0, shortest_s_ = 0.0, longest_s_ = 0.0;
-  std::vector<Filter> filters_;
+  std::vector<Filter> filters_;  ///< in order of keys
   std::vector<Neighbor> known_;
+  bool to_carry_ = false;  ///< the filters have changed since
 };
 
 }  // namespace swiftlet

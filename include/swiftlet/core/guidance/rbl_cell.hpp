@@ -92,6 +92,7 @@ class RblCell {
   std::vector<Row> ball_;               // all rows for this origin, by height
   std::vector<Row> rows_;               // those between the heights
   int first_sample_ = 0, num_samples_ = 0;
+  Vector3 low_m_ = Vector3::Zero(), high_m_ = Vector3::Zero();  // a box around A
   Eigen::ArrayXf x_, y_, z_;
   Eigen::ArrayXf weight_;
   Eigen::ArrayXf in_x_, in_y_, in_z_;  // samples of A, packed
