@@ -258,7 +258,8 @@ class Rbl : public Guidance {
       // It may stop where it would stop anyway.
       const double least_m = std::max(0.0, pledged.normal_local.dot(self.stop_local_m - self.p_local_m));
       pledged.offset_m = std::max(pledged.offset_m, least_m);
-      keep_behind(pledged);
+      // It bounds the way alone: until the vehicle is there, the next sample has come, and the plane has moved on.
+      braking_cuts_.push_back(pledged);
     }
     if (!pressed_) return;
     for (const HalfSpace& cut : braking_cuts_) planner_.cell().cut(cut);  // who hurries aims where it may go at once
