@@ -32,7 +32,9 @@ constexpr double kDodge_s = 0.5;           // before somebody's braking way come
 constexpr double kOutOfPlane_s = 1.5;      // after that nobody came any more, it returns to its plane
 constexpr double kSameHeight_m = 0.3;      // of one no higher than that above, it gets out of the way upwards
 constexpr double kWatch_s = 3.0;           // before two meet as they fly now, they keep each other in view
-constexpr double kPledged_s = 1.0;  // beyond two samples, for which one keeps to what it pledged to a neighbor unseen
+constexpr double kPledged_s = 1.0;         // beyond two samples and those lost, for which one keeps to its pledges
+constexpr double kLookAround = 2.0;        // times the longest interval of samples, before it starts
+constexpr double kSeldom_s = 0.5;          // an interval of samples that is worth waiting for
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 /// Of the sensors of neighbors; infinite when they have no limit, or there is none.
@@ -85,7 +87,7 @@ class Rbl : public Guidance {
       p_lidar_body_m_ = input.observation.scans.front()->T_body_lidar.translation();
     }
     neighbors_.update(input);
-    if (next_update_ == 0) start(input.estimate);
+    if (next_update_ == 0) start(input.estimate, input.observation.t);
     if (input.observation.t >= next_update_) {
       next_update_ = next_update_ == 0 ? input.observation.t + period_ : next_update_ + period_;
       plan(input.estimate, input.observation.t);
@@ -111,7 +113,8 @@ class Rbl : public Guidance {
   }
 
  private:
-  void start(const StateEstimate& estimate) {
+  void start(const StateEstimate& estimate, TimeNs now) {
+    started_ = now;
     Reference here;
     here.position_m = estimate.T_local_body.translation();
     here.velocity_mps = estimate.v_local_mps;
@@ -165,6 +168,7 @@ class Rbl : public Guidance {
           sight_.heading(T_local_body, to_local_m_, neighbors_.neighbors(), coming_local_m_, goal_.yaw_rad, now);
       if (!pressed_ && !sight_.sees_ahead(T_local_body, to_local_m_)) to_local_m_ = reference_.rest_local_m();
     }
+    if (!pressed_ && looks_around(now)) to_local_m_ = reference_.rest_local_m();
     // The governor goes slowly to what is near. Whoever gives way aims farther, as far as it is admitted.
     // That leads neither below nor above the heights of flight.
     if (pressed_) {
@@ -251,15 +255,14 @@ class Rbl : public Guidance {
           dodge(self, neighbor, d / closing_mps, distance_m, vertical_m, now);
         }
       }
-      if (separation.pledge_share <= 0.0 || to_seconds(now - neighbor.seen) > 2.0 * pledged_for_s() + kPledged_s)
-        continue;
+      if (separation.pledge_share <= 0.0 || to_seconds(now - neighbor.seen) > kept_for_s()) continue;
       HalfSpace pledged = pledged_cut(level(neighbor.own_seen_local_m), level(neighbor.seen_local_m), self.p_local_m,
                                       distance_m, vertical_m, seen_m, separation.pledge_share);
       // It may stop where it would stop anyway.
       const double least_m = std::max(0.0, pledged.normal_local.dot(self.stop_local_m - self.p_local_m));
       pledged.offset_m = std::max(pledged.offset_m, least_m);
-      // It bounds the way alone: until the vehicle is there, the next sample has come, and the plane has moved on.
-      braking_cuts_.push_back(pledged);
+      // While the next sample is due, it bounds the way alone: before the vehicle is there, that sample moves it on.
+      is_pledged(neighbor, now) ? braking_cuts_.push_back(pledged) : keep_behind(pledged);
     }
     if (!pressed_) return;
     for (const HalfSpace& cut : braking_cuts_) planner_.cell().cut(cut);  // who hurries aims where it may go at once
@@ -310,8 +313,15 @@ class Rbl : public Guidance {
     return std::min(config_.speed_mps,
                     speed_into_unknown_mps(range_m_, unknown_s, distance_m, limits_.horizontal_acceleration_mps2));
   }
+  /// Where many samples are lost, somebody next to it may not have been seen yet.
+  bool looks_around(TimeNs now) const {
+    const double longest_s = neighbors_.longest_s();
+    return longest_s > kSeldom_s && to_seconds(now - started_) < kLookAround * longest_s;
+  }
   /// Until the next sample of a neighbor should have come, it may count on what was pledged.
   double pledged_for_s() const { return neighbors_.shortest_s() + neighbors_.latency_s() + to_seconds(period_); }
+  /// The vehicle itself keeps to it for longer: samples may be lost.
+  double kept_for_s() const { return 2.0 * pledged_for_s() + neighbors_.longest_s() + kPledged_s; }
   bool is_pledged(const Neighbor& neighbor, TimeNs now) const {
     return config_.separation.pledge_share > 0.0 && neighbors_.shortest_s() > 0.0 &&
            to_seconds(now - neighbor.seen) <= pledged_for_s();
@@ -379,7 +389,7 @@ class Rbl : public Guidance {
 
   RblConfig config_;
   bool planar_, clipped_;
-  TimeNs period_, next_update_ = 0;
+  TimeNs period_, next_update_ = 0, started_ = 0;
   MotionLimits limits_;
   NeighborMemory neighbors_;
   const OccupancyView* map_ = nullptr;     // of this tick

@@ -65,6 +65,7 @@ class PlainRbl {
     high_m_ = limited ? to_local.height(c_.z_max_m) : std::numeric_limits<double>::infinity();
     memory_.update(in);
     if (first_) {
+      started_ = now_;
       Reference here;
       here.position_m = p_m_;
       here.velocity_mps = in.estimate.v_local_mps;
@@ -87,7 +88,7 @@ class PlainRbl {
   }
 
   bool arrived = false, pressed = false;
-  int num_waits = 0, num_pressed = 0, num_dodged = 0, num_turned_away = 0, num_out_of_plane = 0;
+  int num_waits = 0, num_looks_around = 0, num_pressed = 0, num_dodged = 0, num_turned_away = 0, num_out_of_plane = 0;
   RblStatus status;
   Reference goal;
 
@@ -119,6 +120,12 @@ class PlainRbl {
           ++num_waits;
           to_m_ = reference_.rest_local_m();
         }
+      }
+      // Until twice the longest interval between samples has passed, when that is a long one.
+      const double seldom_s = memory_.longest_s();
+      if (!pressed && seldom_s > 0.5 && to_seconds(now_ - started_) < 2.0 * seldom_s) {
+        ++num_looks_around;
+        to_m_ = reference_.rest_local_m();
       }
       if (pressed) {
         to_m_ = p_m_ + 3.0 * (to_m_ - p_m_);
@@ -278,13 +285,13 @@ class PlainRbl {
   TimeNs came_ = -1;
   std::map<std::int64_t, std::pair<TimeNs, Vector3>> begun_;  // when and behind which plane it stepped aside
   int side_ = 0;                                              // of its height
-  TimeNs now_ = 0, next_ = 0;
+  TimeNs now_ = 0, next_ = 0, started_ = 0;
   const OccupancyView* map_ = nullptr;
   Reference goal_;
 };
 
 TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
-  int waits = 0, pressed = 0, dodged = 0, out_of_plane = 0, turned_away = 0, arrived = 0;
+  int waits = 0, looks_around = 0, pressed = 0, dodged = 0, out_of_plane = 0, turned_away = 0, arrived = 0;
   for (std::uint32_t round = 0; round < 24; ++round) {
     const Random random(round, "test.rbl-whole");
     std::uint32_t index = 0;
@@ -360,6 +367,7 @@ TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
       driver.put(driver.p_m() + part * way_m, driver.out.goal.yaw_rad);
     }
     waits += plain.num_waits;
+    looks_around += plain.num_looks_around;
     pressed += plain.num_pressed;
     dodged += plain.num_dodged;
     out_of_plane += plain.num_out_of_plane;
@@ -367,6 +375,7 @@ TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
     arrived += plain.arrived;
   }
   EXPECT_GT(waits, 5);
+  EXPECT_GT(looks_around, 5);
   EXPECT_GT(pressed, 5);
   EXPECT_GT(dodged, 5);
   EXPECT_GT(out_of_plane, 5);
