@@ -15,6 +15,7 @@ constexpr double kReach_sigma = 2.5;   // beams farther from a target's place th
 constexpr double kAround_rad = 0.1;    // the density of beams is counted so far around
 constexpr double kEnoughShots = 50.0;  // more say nothing more
 constexpr double kNearest_m = 0.2;     // no target is nearer to the sensor
+constexpr double kLogistic = 1.702;    // slope of the logistic curve that is within 0.01 of the normal distribution
 
 // Grows with the azimuth like an angle, from 0 to 4, and costs no arc tangent.
 double turn_of(double x, double y) {
@@ -26,6 +27,13 @@ double turn_of(double x, double y) {
 
 int bin_in(double value, double whole, int count) {
   return std::clamp(static_cast<int>(value / whole * count), 0, count - 1);
+}
+
+// Probability that a beam did not end before a surface of uncertain distance.
+double share_that_came_so_far(double range_m, double surface_m, double sigma_m) {
+  if (range_m <= 0.0) return 1.0;
+  const double beyond_sigma = (range_m - surface_m) / std::max(sigma_m, 1e-6);
+  return 1.0 / (1.0 + elementary::exp(-kLogistic * std::clamp(beyond_sigma, -20.0, 20.0)));
 }
 
 }  // namespace
@@ -131,11 +139,11 @@ BeamExposure BeamIndex::exposure(const RoundTarget& target) const {
         const Vector3 direction = beam.direction_local.cast<double>();
         const double along_m = to_m.dot(direction);
         if (along_m <= 0.0) continue;
-        if (beam.range_m > 0.0F && beam.range_m < along_m - target.radius_m - kReach_sigma * target.sigma_m) continue;
         const double across_sq = to_m.squaredNorm() - along_m * along_m;
         const double exponent = across_sq / width_sq;
         if (exponent > kReach_sigma * kReach_sigma) continue;
-        result.shots += target.radius_m * target.radius_m / width_sq * elementary::exp(-exponent);
+        const double shots = target.radius_m * target.radius_m / width_sq * elementary::exp(-exponent);
+        result.shots += shots * share_that_came_so_far(beam.range_m, along_m - target.radius_m, target.sigma_m);
       }
     }
   }

@@ -21,6 +21,7 @@ constexpr double kRateMemory = 0.95;      // of what is known of a target's retu
 constexpr double kPriorShots = 20.0;      // beams that the expected share of returns is worth
 constexpr double kLeastDetection = 0.02;  // what returned a beam can be seen
 constexpr double kSameSide = 0.1;         // of the variance of a single return: all see the same side of a target
+constexpr double kSilentTarget = 0.1;     // silence may come of what hides a target: it exists with at least this
 constexpr double kUnlikelyLost = 2.0;     // times sigma_lost_m of what is no target yet
 constexpr std::size_t kMostCandidates = 4096;
 constexpr std::size_t kMostPending = 16384;
@@ -63,6 +64,7 @@ Hypotheses::Hypotheses(const TrackBeforeDetectConfig& config)
   const auto most = static_cast<std::size_t>(config.max_hypotheses);
   hypotheses_.reserve(2 * most);
   born_.reserve(most);
+  hidden_.reserve(most);
   returns_of_.resize(most);
   candidates_.reserve(kMostCandidates);
   pending_.resize(kMostPending);
@@ -78,6 +80,7 @@ void Hypotheses::take(const LocalCloud& cloud) {
   take_clusters(cloud);
   correct(cloud);
   begin(cloud);
+  inherit();
   merge();
   forget();
   learn(beams_.middle());
@@ -91,6 +94,12 @@ void Hypotheses::predict() {
     h.t = beams_.middle();
     h.existence *= elementary::exp(-dt_s / config_.target.lifetime_s);
     h.num_returns = 0;
+  }
+  for (Hypothesis& h : hidden_) {
+    const double dt_s = to_seconds(beams_.middle() - h.t);
+    predict_state(h, dt_s, config_.target.acceleration_density);
+    h.t = beams_.middle();
+    h.existence *= elementary::exp(-dt_s / config_.target.lifetime_s);
   }
   exposures_.clear();
   for (const Hypothesis& h : hypotheses_) exposures_.push_back(exposure_of(h));
@@ -206,7 +215,7 @@ bool Hypotheses::correct_by(Hypothesis& h, const Measurement& measurement, const
   const double distance_sq = innovation_m.dot(S.llt().solve(innovation_m));
   if (!(distance_sq < kGate)) return false;
   const double none = h.rate.none(exposure.shots), some = std::max(1.0 - none, kLeastDetection);
-  const double clutter = clutter_density_per_m3(measurement.p_local_m, exposure.beams_per_sr);
+  const double clutter = clutter_density_per_m3(measurement, exposure.beams_per_sr);
   const double of_target = some * normal_density(distance_sq, S) / clutter;
   const double likelihood_ratio = none + of_target;
   h.existence = existence_after(h.existence, likelihood_ratio);
@@ -219,6 +228,7 @@ bool Hypotheses::correct_by(Hypothesis& h, const Measurement& measurement, const
   h.covariance += weight * (1.0 - weight) * way * way.transpose();
   h.covariance = 0.5 * (h.covariance + h.covariance.transpose()).eval();
   h.num_returns = measurement.num_returns;
+  h.seen = h.t;
   ++h.num_sweeps;
   h.extent_m = measurement.extent_m;
   h.measured_local_m = measurement.p_local_m;
@@ -238,14 +248,10 @@ void Hypotheses::begin(const LocalCloud& cloud) {
   for (int cluster = 0; cluster < clusters_.size(); ++cluster) {
     if (cluster_taken_[static_cast<std::size_t>(cluster)]) continue;
     members_.clear();
-    bool in_free_air = true;
-    for (const std::uint32_t member : clusters_.members(cluster)) {
-      members_.push_back(loose_[member]);
-      in_free_air = in_free_air && candidates_[loose_[member]].in_free_air;
-    }
+    for (const std::uint32_t member : clusters_.members(cluster)) members_.push_back(loose_[member]);
     const Measurement m = measurement_of(cloud, members_);
     const bool small = m.extent_m.norm() <= config_.target.max_size_m;
-    if (!in_free_air || !small) {
+    if (!m.in_free_air || !small) {
       for (const std::uint32_t c : members_) wait(candidates_[c], 0);
       continue;
     }
@@ -255,7 +261,7 @@ void Hypotheses::begin(const LocalCloud& cloud) {
     if (beside_a_target || born_.size() == static_cast<std::size_t>(config_.max_hypotheses)) continue;
 
     Hypothesis h;
-    h.id = next_id_++;
+    h.id = h.identity = next_id_++;
     h.t = m.t;
     h.rate = {kPriorShots * config_.target.return_share, kPriorShots, config_.target.return_variation};
     h.mean.head<3>() = m.p_local_m;
@@ -264,9 +270,10 @@ void Hypotheses::begin(const LocalCloud& cloud) {
     h.covariance.bottomRightCorner<3, 3>() =
         config_.target.sigma_velocity_mps * config_.target.sigma_velocity_mps * Matrix3::Identity();
     const BeamExposure exposure = exposure_of(h);
+    const double come_back_per_m3 = remember(h, m);
     const double some = std::max(1.0 - h.rate.none(exposure.shots), kLeastDetection);
-    const double of_target = config_.target.birth_per_m3 * some;
-    h.existence = of_target / (of_target + clutter_density_per_m3(m.p_local_m, exposure.beams_per_sr));
+    const double of_target = (config_.target.birth_per_m3 + come_back_per_m3) * some;
+    h.existence = of_target / (of_target + clutter_density_per_m3(m, exposure.beams_per_sr));
     h.num_returns = m.num_returns;
     h.num_sweeps = 1;
     h.extent_m = m.extent_m;
@@ -274,7 +281,7 @@ void Hypotheses::begin(const LocalCloud& cloud) {
     h.measured_covariance = m.covariance;
     h.reflectivity = m.reflectivity;
     predict_state(h, to_seconds(beams_.middle() - h.t), config_.target.acceleration_density);
-    h.t = beams_.middle();
+    h.t = h.begun = h.seen = beams_.middle();
     born_.push_back(h);
     for (const std::uint32_t c : members_) {
       wait(candidates_[c], h.id);
@@ -282,6 +289,67 @@ void Hypotheses::begin(const LocalCloud& cloud) {
   }
   num_born_ += born_.size();
   hypotheses_.insert(hypotheses_.end(), born_.begin(), born_.end());
+}
+
+// Is it one that was seen before? Each of those that nothing was seen of in this sweep may be here, by its existence
+// and its predicted place. The likeliest of them is weighed against all others and against strangers. Within the gate,
+// its state goes on.
+double Hypotheses::remember(Hypothesis& newborn, const Measurement& m) const {
+  double sum_per_m3 = 0.0, most_per_m3 = 0.0;
+  const Hypothesis* likeliest = nullptr;
+  const auto weigh = [&](const Hypothesis& h) {
+    if (!h.was_target || h.num_returns > 0) return;
+    const Eigen::Matrix<double, 3, 6> H = position_at(to_seconds(m.t - h.t));
+    const Matrix3 S = H * h.covariance * H.transpose() + m.covariance;
+    const Vector3 off_m = m.p_local_m - H * h.mean;
+    const double here_per_m3 =
+        std::max(h.existence, kSilentTarget) * normal_density(off_m.dot(S.llt().solve(off_m)), S);
+    sum_per_m3 += here_per_m3;
+    if (here_per_m3 <= most_per_m3) return;
+    most_per_m3 = here_per_m3;
+    likeliest = &h;
+  };
+  for (const Hypothesis& h : hypotheses_) weigh(h);
+  for (const Hypothesis& h : hidden_) weigh(h);
+  if (!(most_per_m3 >= 0.5 * (sum_per_m3 + config_.target.strangers_per_m3))) return sum_per_m3;
+  const Hypothesis& h = *likeliest;
+  newborn.heir_of = h.identity;
+  newborn.rate = h.rate;
+  const double dt_s = to_seconds(m.t - h.t);
+  const Eigen::Matrix<double, 3, 6> H = position_at(dt_s);
+  const Matrix3 S = H * h.covariance * H.transpose() + m.covariance;
+  const Vector3 off_m = m.p_local_m - H * h.mean;
+  if (!(off_m.dot(S.llt().solve(off_m)) < kGate)) return sum_per_m3;
+  Matrix6 F = Matrix6::Identity();
+  F.topRightCorner<3, 3>() = dt_s * Matrix3::Identity();
+  const Matrix6 P = F * h.covariance * F.transpose();
+  const Eigen::Matrix<double, 6, 3> K = P.leftCols<3>() * S.inverse();
+  newborn.mean = F * h.mean + K * off_m;
+  newborn.covariance = P - K * S * K.transpose();
+  return sum_per_m3;
+}
+
+// An heir that has become a target goes on with the identity, unless the other was seen meanwhile.
+void Hypotheses::inherit() {
+  for (Hypothesis& heir : hypotheses_) {
+    if (heir.existence < kTarget) continue;
+    heir.was_target = true;
+    if (heir.heir_of == 0) continue;
+    const auto is_the_other = [&](const Hypothesis& h) { return h.identity == heir.heir_of; };
+    const auto hidden = std::find_if(hidden_.begin(), hidden_.end(), is_the_other);
+    const auto missed = std::find_if(hypotheses_.begin(), hypotheses_.end(), is_the_other);
+    const bool is_missed = missed != hypotheses_.end() && missed->seen < heir.begun;
+    const std::uint32_t identity = hidden != hidden_.end() || is_missed ? heir.heir_of : heir.identity;
+    if (hidden != hidden_.end()) hidden_.erase(hidden);
+    if (is_missed) {
+      missed->existence = 0.0;
+      missed->was_target = false;
+    }
+    for (Hypothesis& h : hypotheses_) {
+      if (&h == &heir || h.heir_of == identity) h.heir_of = 0;
+    }
+    heir.identity = identity;
+  }
 }
 
 // Of two that have become the same, the likelier one stays.
@@ -294,7 +362,9 @@ void Hypotheses::merge() {
       Hypothesis& other = hypotheses_[j];
       const double same_m = (other.existence >= kTarget ? 0.25 : 0.75) * config_.cluster_distance_m;
       const Vector3 apart_m = other.p_local_m() - hypotheses_[i].p_local_m();
-      if (apart_m.squaredNorm() < same_m * same_m) other.existence = 0.0;
+      if (apart_m.squaredNorm() >= same_m * same_m) continue;
+      other.existence = 0.0;
+      other.was_target = false;
     }
   }
 }
@@ -302,8 +372,17 @@ void Hypotheses::merge() {
 void Hypotheses::forget() {
   std::erase_if(hypotheses_, [&](const Hypothesis& h) {
     const double lost_m = (h.existence >= kTarget ? 1.0 : kUnlikelyLost) * config_.sigma_lost_m;
-    return !(h.existence >= kLeastExistence) || !h.mean.allFinite() ||
-           !(h.position_covariance().diagonal().maxCoeff() <= lost_m * lost_m);
+    if (!h.mean.allFinite()) return true;
+    if (h.existence >= kLeastExistence && h.position_covariance().diagonal().maxCoeff() <= lost_m * lost_m)
+      return false;
+    if (h.was_target && hidden_.size() < static_cast<std::size_t>(config_.max_hypotheses)) {
+      hidden_.push_back(h);
+      hidden_.back().num_returns = 0;
+    }
+    return true;
+  });
+  std::erase_if(hidden_, [&](const Hypothesis& h) {
+    return !(h.position_covariance().diagonal().maxCoeff() <= config_.sigma_hidden_m * config_.sigma_hidden_m);
   });
   const auto most = static_cast<std::size_t>(config_.max_hypotheses);
   if (hypotheses_.size() <= most) return;
@@ -357,10 +436,12 @@ Hypotheses::Measurement Hypotheses::measurement_of(const LocalCloud& cloud,
   Vector3 sum_m = Vector3::Zero();
   Eigen::AlignedBox3d box;
   std::int64_t sum_ns = 0;
+  m.in_free_air = true;
   for (const std::uint32_t c : candidates) {
     const Vector3 p_m = candidates_[c].p_local_m.cast<double>();
     sum_m += p_m;
     box.extend(p_m);
+    m.in_free_air = m.in_free_air && candidates_[c].in_free_air;
     sum_ns += cloud.time_of(candidates_[c].point) - cloud.stamp();
     m.reflectivity = std::max(m.reflectivity, static_cast<double>(cloud.reflectivity_of(candidates_[c].point)));
   }
@@ -383,12 +464,13 @@ Matrix3 Hypotheses::pose_covariance(const Vector3& p_local_m) const {
   return point_covariance(p_lidar_m / range_m, range_m, beams_.R_local_lidar(), Sigma_w_);
 }
 
-/// Voxels that the background returns a beam in, by volume.
-double Hypotheses::clutter_density_per_m3(const Vector3& p_local_m, double beams_per_sr) const {
+/// Voxels that something other than a target returns a beam in, by volume. Amid free air that is little background.
+double Hypotheses::clutter_density_per_m3(const Measurement& m, double beams_per_sr) const {
   const double edge_m = air_.voxel_m();
-  const double range_sq = std::max((p_local_m - beams_.p_local_lidar_m()).squaredNorm(), edge_m * edge_m);
+  const double range_sq = std::max((m.p_local_m - beams_.p_local_lidar_m()).squaredNorm(), edge_m * edge_m);
   const double beams = std::max(beams_per_sr * edge_m * edge_m / range_sq, 0.01);
-  const double share = air_.clutter_share(p_local_m);
+  const double of_voxel = air_.clutter_share(m.p_local_m);
+  const double share = m.in_free_air ? std::min(of_voxel, config_.free_air_share) : of_voxel;
   return (1.0 - elementary::exp(-share * beams)) / (edge_m * edge_m * edge_m);
 }
 
@@ -416,7 +498,7 @@ void Hypotheses::append_told(std::vector<Track>& tracks) const {
   for (const Hypothesis& h : hypotheses_) {
     if (!is_told(h)) continue;
     Track track;
-    track.id = h.id;
+    track.id = h.identity;
     track.t = h.t;
     track.position_m = h.p_local_m();
     track.velocity_mps = h.v_local_mps();

@@ -19,6 +19,9 @@ void ExpectedTarget::visit(ConfigVisitor& v) {
   v.field("acceleration_density", acceleration_density, "[m^2/s^3] white acceleration of a target, by axis",
           Range::positive());
   v.field("birth_per_m3", birth_per_m3, "[1/m^3] targets that nobody knows of yet, anywhere", Range{0.0, 1.0, true});
+  v.field("strangers_per_m3", strangers_per_m3,
+          "[1/m^3] targets that come into view and were never seen, against those that come back",
+          Range{0.0, 1.0, true});
   v.field("lifetime_s", lifetime_s, "[s] that a target stays, in the mean", Range::positive());
 }
 
@@ -45,6 +48,9 @@ void TrackBeforeDetectConfig::visit(ConfigVisitor& v) {
           Range::probability());
   v.field("free_reach_m", free_reach_m, "[m] as far as that; farther by the noise of the attitude",
           Range::between(0.0, 20.0));
+  v.field("free_air_share", free_air_share,
+          "[-] of the beams through a voxel of such free air that something other than a target returns",
+          Range{0.0, 1.0, true});
   v.check(free_share <= background_share, "free_share", "at most background_share");
   v.field("learning_delay_s", learning_delay_s, "[s] after which what is no target has become background",
           Range::between(0.0, 60.0));
@@ -52,6 +58,10 @@ void TrackBeforeDetectConfig::visit(ConfigVisitor& v) {
           Range{0.0, 100.0, true});
   v.field("sigma_lost_m", sigma_lost_m, "[m] a hypothesis whose place is less sure by any axis is given up",
           Range::positive());
+  v.field(
+      "sigma_hidden_m", sigma_hidden_m,
+      "[m] a target that was given up is known again as long as its place is surer than this by every axis; 0: never",
+      Range::non_negative());
   v.field("max_range_m", max_range_m, "[m] from the sensor to a target", Range::positive());
   v.field("ray_max_m", ray_max_m, "[m] so far the air before a return is cleared", Range{0.0, 1000.0, true});
   v.field("empty_ray_m", empty_ray_m, "[m] and that of a beam without return; 0: not at all",

@@ -63,10 +63,11 @@ double shots_by_walk(const LocalCloud& cloud, const RoundTarget& target, double 
     const Vector3 way_m = target.p_local_m + fired_s * target.v_local_mps - T.translation();
     const double along_m = way_m.dot(d);
     if (along_m <= 0.0 || std::acos(std::min(middle_m.normalized().dot(d), 1.0)) > widest_rad) continue;
-    const bool ended_before =
-        scan.range_m[at] > 0.0F && scan.range_m[at] < along_m - target.radius_m - 2.5 * target.sigma_m;
+    const double beyond_m = scan.range_m[at] + target.radius_m - along_m;
+    const double came_so_far =
+        scan.range_m[at] > 0.0F ? 1.0 / (1.0 + std::exp(-1.702 * beyond_m / target.sigma_m)) : 1.0;
     const double exponent = (way_m.squaredNorm() - along_m * along_m) / width_sq;
-    if (!ended_before && exponent <= 6.25) shots += radius_sq / width_sq * std::exp(-exponent);
+    if (exponent <= 6.25) shots += came_so_far * radius_sq / width_sq * std::exp(-exponent);
   }
   return shots;
 }

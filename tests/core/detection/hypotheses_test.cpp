@@ -26,7 +26,9 @@ class PlainHypotheses {
   explicit PlainHypotheses(const TrackBeforeDetectConfig& config) : config_(config), air(config.air) {}
 
   struct Guess {
-    std::uint32_t id = 0;
+    std::uint32_t id = 0, identity = 0, heir_of = 0;
+    TimeNs begun = 0, seen = 0;
+    bool was_target = false;
     double existence = 0.0;
     Vector6 mean = Vector6::Zero();
     Matrix6 covariance = Matrix6::Zero();
@@ -57,6 +59,10 @@ class PlainHypotheses {
       g.exposure = exposure(g);
       g.own.clear();
     }
+    for (Guess& g : hidden) {
+      move(g, to_seconds(now_ - before));
+      g.existence *= std::exp(-to_seconds(now_ - before) / config_.target.lifetime_s);
+    }
     sort_returns(cloud);
     give_to_targets();
     give_clusters();
@@ -64,6 +70,7 @@ class PlainHypotheses {
     const std::size_t old = guesses.size();
     bear(old);
     num_born += guesses.size() - old;
+    bequeath();
     keep_best();
     while (!waiting_.empty() && waiting_.front().since <= now_ - from_seconds(config_.learning_delay_s)) {
       const Waiting first = waiting_.front();
@@ -75,7 +82,8 @@ class PlainHypotheses {
     clear(cloud);
   }
 
-  std::vector<Guess> guesses;
+  std::vector<Guess> guesses, hidden;
+  int num_heirs = 0;
   std::size_t num_born = 0, num_dropped = 0;
 
  private:
@@ -95,6 +103,7 @@ class PlainHypotheses {
     Matrix3 R;
     TimeNs t;
     double reflectivity;
+    bool in_free_air;
   };
 
   void move(Guess& g, double dt_s) const {
@@ -123,10 +132,13 @@ class PlainHypotheses {
   }
   BeamExposure exposure(const Guess& g) const { return exposure(g, now_); }
 
-  double clutter(const Vector3& p_m, double beams_per_sr) const {
+  double clutter(const Measured& of, double beams_per_sr) const {
+    const Vector3& p_m = of.p_m;
+    double share = air.clutter_share(p_m);
+    if (of.in_free_air && share > config_.free_air_share) share = config_.free_air_share;
     const double edge_m = config_.air.voxel_m, range_m = std::max((p_m - sensor_m_).norm(), edge_m);
     const double beams = std::max(beams_per_sr * edge_m * edge_m / (range_m * range_m), 0.01);
-    return (1.0 - std::exp(-beams * air.clutter_share(p_m))) / std::pow(edge_m, 3);
+    return (1.0 - std::exp(-beams * share)) / std::pow(edge_m, 3);
   }
 
   void sort_returns(const LocalCloud& cloud) {
@@ -204,6 +216,7 @@ class PlainHypotheses {
     Vector3 sum_m = Vector3::Zero(), low_m = returns_[own[0]].p_m, high_m = low_m;
     TimeNs sum = 0;
     m.reflectivity = 0.0;
+    m.in_free_air = std::all_of(own.begin(), own.end(), [&](auto i) { return returns_[i].in_free_air; });
     for (const std::size_t i : own) {
       sum_m += returns_[i].p_m;
       low_m = low_m.cwiseMin(returns_[i].p_m);
@@ -240,7 +253,7 @@ class PlainHypotheses {
     if (m.extent_m.norm() > config_.target.max_size_m || d_sq >= 16.0) return false;
     const double density = std::exp(-d_sq / 2.0) / std::sqrt((2.0 * std::numbers::pi * S).determinant());
     const double none = g.rate.none(g.exposure.shots);
-    const double of_target = std::max(1.0 - none, 0.02) * density / clutter(m.p_m, g.exposure.beams_per_sr);
+    const double of_target = std::max(1.0 - none, 0.02) * density / clutter(m, g.exposure.beams_per_sr);
     g.existence = existence_after(g.existence, none + of_target);
     const double is_its = of_target / (none + of_target);
     const Eigen::Matrix<double, 6, 3> K = g.covariance * H.transpose() * S.inverse();
@@ -250,6 +263,7 @@ class PlainHypotheses {
                    (1.0 - is_its) * (g.covariance + (g.mean - mean) * (g.mean - mean).transpose());
     g.mean = mean;
     tell(g, m);
+    g.seen = now_;
     ++g.num_sweeps;
     if (g.is_target()) g.rate.update(g.num_returns, g.exposure.shots, 0.95);
     return true;
@@ -266,8 +280,7 @@ class PlainHypotheses {
   void bear(std::size_t num_old) {
     for (const std::vector<std::size_t>& cluster : clusters_) {
       const Measured m = measured(cluster);
-      const bool free = std::all_of(cluster.begin(), cluster.end(), [&](auto i) { return returns_[i].in_free_air; });
-      if (!free || m.extent_m.norm() > config_.target.max_size_m) {
+      if (!m.in_free_air || m.extent_m.norm() > config_.target.max_size_m) {
         for (const std::size_t i : cluster) waiting_.push_back({now_, returns_[i].p_m, 0});
         continue;
       }
@@ -276,19 +289,89 @@ class PlainHypotheses {
                       [&](auto& g) { return g.is_target() && (g.p_m() - m.p_m).norm() < config_.cluster_distance_m; });
       if (beside || guesses.size() - num_old == static_cast<std::size_t>(config_.max_hypotheses)) continue;
       Guess g;
-      g.id = next_id_++;
+      g.id = g.identity = next_id_++;
+      g.begun = g.seen = now_;
       g.own = cluster;
       g.rate = {20.0 * config_.target.return_share, 20.0, config_.target.return_variation};
       g.mean.head<3>() = m.p_m;
       g.covariance.diagonal().tail<3>().setConstant(std::pow(config_.target.sigma_velocity_mps, 2));
       g.covariance.topLeftCorner<3, 3>() = m.R;
       const BeamExposure seen = exposure(g, m.t);
-      const double of_target = config_.target.birth_per_m3 * std::max(1.0 - g.rate.none(seen.shots), 0.02);
-      g.existence = of_target / (of_target + clutter(m.p_m, seen.beams_per_sr));
+      const double known = come_back(g, m, num_old);
+      const double some = std::max(1.0 - g.rate.none(seen.shots), 0.02);
+      const double of_target = (config_.target.birth_per_m3 + known) * some;
+      g.existence = of_target / (of_target + clutter(m, seen.beams_per_sr));
       tell(g, m);
       move(g, to_seconds(now_ - m.t));
       guesses.push_back(g);
       for (const std::size_t i : cluster) waiting_.push_back({now_, returns_[i].p_m, g.id});
+    }
+  }
+
+  /// Density of the targets that nothing was seen of now, where something was. The newborn is the likeliest of them
+  /// when that is likelier than all else together.
+  double come_back(Guess& newborn, const Measured& m, std::size_t num_old) const {
+    std::vector<std::pair<double, const Guess*>> all;
+    for (std::size_t k = 0; k < num_old; ++k) {
+      if (guesses[k].was_target && guesses[k].num_returns == 0) all.push_back({0.0, &guesses[k]});
+    }
+    for (const Guess& g : hidden) all.push_back({0.0, &g});
+    double sum = 0.0;
+    for (auto& [density, g] : all) {
+      Guess at = *g;
+      shift(at, to_seconds(m.t - now_));
+      const Matrix3 S = at.P() + m.R;
+      const Vector3 off_m = m.p_m - at.p_m();
+      density = std::max(g->existence, 0.1) * std::exp(-0.5 * off_m.dot(S.inverse() * off_m)) /
+                std::sqrt((2.0 * std::numbers::pi * S).determinant());
+      sum += density;
+    }
+    for (const auto& [density, g] : all) {
+      if (density < 0.5 * (sum + config_.target.strangers_per_m3)) continue;
+      newborn.heir_of = g->identity;
+      newborn.rate = g->rate;
+      Guess at = *g;
+      shift(at, to_seconds(m.t - now_));
+      const Matrix3 S = at.P() + m.R;
+      const Vector3 off_m = m.p_m - at.p_m();
+      if (off_m.dot(S.inverse() * off_m) >= 16.0) continue;
+      const Eigen::Matrix<double, 6, 3> K = at.covariance.leftCols<3>() * S.inverse();
+      Matrix6 keeps = Matrix6::Identity();
+      keeps.leftCols<3>() -= K;
+      newborn.mean = at.mean + K * off_m;
+      newborn.covariance = keeps * at.covariance;
+    }
+    return sum;
+  }
+
+  /// To a time so near that nothing pushes it meanwhile.
+  static void shift(Guess& g, double dt_s) {
+    Matrix6 F = Matrix6::Identity();
+    for (int a = 0; a < 3; ++a) F(a, a + 3) = dt_s;
+    g.mean = F * g.mean;
+    g.covariance = F * g.covariance * F.transpose();
+  }
+
+  void bequeath() {
+    for (Guess& heir : guesses) {
+      if (!heir.is_target()) continue;
+      heir.was_target = true;
+      const std::uint32_t wanted = heir.heir_of;
+      heir.heir_of = 0;
+      if (wanted == 0) continue;
+      bool free = false;
+      for (Guess& g : guesses) {
+        if (g.identity != wanted || g.seen >= heir.begun) continue;
+        g.existence = 0.0;
+        g.was_target = false;
+        free = true;
+      }
+      free = std::erase_if(hidden, [&](const Guess& g) { return g.identity == wanted; }) > 0 || free;
+      if (free) heir.identity = wanted;
+      num_heirs += free;
+      for (Guess& g : guesses) {
+        if (g.heir_of == heir.identity) g.heir_of = 0;
+      }
     }
   }
 
@@ -299,13 +382,22 @@ class PlainHypotheses {
     for (std::size_t j = 1; j < guesses.size(); ++j) {
       for (std::size_t i = 0; i < j; ++i) {
         const double same_m = (guesses[j].is_target() ? 0.25 : 0.75) * config_.cluster_distance_m;
-        if ((guesses[i].p_m() - guesses[j].p_m()).norm() < same_m) guesses[j].existence = 0.0;
+        if ((guesses[i].p_m() - guesses[j].p_m()).norm() >= same_m) continue;
+        guesses[j].existence = 0.0;
+        guesses[j].was_target = false;
       }
     }
     std::erase_if(guesses, [&](const Guess& g) {
       const double lost_m = config_.sigma_lost_m * (g.is_target() ? 1.0 : 2.0);
-      return g.existence < 1e-7 || std::sqrt(g.P().diagonal().maxCoeff()) > lost_m;
+      if (g.existence >= 1e-7 && std::sqrt(g.P().diagonal().maxCoeff()) <= lost_m) return false;
+      if (g.was_target && hidden.size() < static_cast<std::size_t>(config_.max_hypotheses)) {
+        hidden.push_back(g);
+        hidden.back().num_returns = 0;
+      }
+      return true;
     });
+    std::erase_if(hidden,
+                  [&](const Guess& g) { return std::sqrt(g.P().diagonal().maxCoeff()) > config_.sigma_hidden_m; });
     const auto most = static_cast<std::size_t>(config_.max_hypotheses);
     if (guesses.size() <= most) return;
     num_dropped += guesses.size() - most;
@@ -453,6 +545,7 @@ TEST_P(HypothesesOf, ARandomWorldAreThoseOfThePlainOnes) {
       const Hypothesis& h = ours.all()[k];
       const PlainHypotheses::Guess& g = plain.guesses[k];
       ASSERT_EQ(h.id, g.id) << i;
+      ASSERT_EQ(h.identity, g.identity) << i;
       ASSERT_EQ(h.t, cloud.stamp() + cloud.scan->duration / 2);
       ASSERT_NEAR(h.existence, g.existence, 1e-7) << i;
       ASSERT_LT((h.mean - g.mean).norm(), 1e-7) << i;
@@ -474,7 +567,7 @@ TEST_P(HypothesesOf, ARandomWorldAreThoseOfThePlainOnes) {
       EXPECT_EQ(d.num_points, h.num_returns);
       EXPECT_EQ(d.confidence, h.existence);
       EXPECT_EQ(d.reflectivity, h.reflectivity);
-      EXPECT_EQ(track.id, h.id);
+      EXPECT_EQ(track.id, g.identity);
       EXPECT_EQ(track.t, h.t);
       EXPECT_EQ(track.position_m, h.p_local_m());
       EXPECT_EQ(track.velocity_mps, h.v_local_mps());
@@ -494,6 +587,9 @@ TEST_P(HypothesesOf, ARandomWorldAreThoseOfThePlainOnes) {
                         15.0 * random.uniform(i, 302'000 + k) - 3.0);
       ASSERT_NEAR(ours.air().clutter_share(p_m), plain.air.clutter_share(p_m), 1e-12);
     }
+  }
+  if (world_number == 0 || world_number == 4) {
+    EXPECT_GT(plain.num_heirs, 0) << "some of those that are given up come back";
   }
   std::vector<Counter> counters;
   ours.append_counters(counters);

@@ -130,13 +130,21 @@ TEST(BeamIndex, OneBeamMeetsATargetByHowSureItsPlaceIs) {
 
 TEST(BeamIndex, ABeamThatEndedBeforeTheTargetSaysNothingOfIt) {
   BeamIndex index;
-  const RoundTarget target{.p_local_m = {20.0, 0.0, 0.0}, .sigma_m = 0.0, .radius_m = 0.3};
+  RoundTarget target{.p_local_m = {20.0, 0.0, 0.0}, .sigma_m = 0.0, .radius_m = 0.3};
   index.assign(*one_beam(12.0F));
-  EXPECT_EQ(index.exposure(target).shots, 0.0);
+  EXPECT_NEAR(index.exposure(target).shots, 0.0, 1e-12);
   index.assign(*one_beam(35.0F));
   EXPECT_NEAR(index.exposure(target).shots, 1.0, 1e-9) << "it passed the target's place";
   index.assign(*one_beam(19.9F));
   EXPECT_NEAR(index.exposure(target).shots, 1.0, 1e-9) << "it ended on the target";
+
+  target.sigma_m = 0.4;
+  const double anywhere = 0.09 / (0.09 + 2.0 * 0.16);
+  const std::pair<double, double> normal[] = {{-2.0, 0.0228}, {-1.0, 0.1587}, {0.0, 0.5}, {1.0, 0.8413}};
+  for (const auto& [beyond_sigma, share] : normal) {
+    index.assign(*one_beam(static_cast<float>(19.7 + 0.4 * beyond_sigma)));
+    EXPECT_NEAR(index.exposure(target).shots, share * anywhere, 0.01 * anywhere) << "the near side may be nearer";
+  }
 }
 
 // In every direction, the poles and the seam of the azimuth included, the index finds what a walk over all beams does.
@@ -251,6 +259,86 @@ TEST(TrackBeforeDetect, ATargetBehindAWallIsNotDeniedByTheWall) {
   watcher.look(all_of({ground(), wall, sphere({12.0, 0.0, -50.0}, 0.1)}));  // gone where beams look
   ASSERT_EQ(watcher.output.detections.size(), 1U) << "one sweep alone decides nothing";
   EXPECT_LT(watcher.output.detections.front().confidence, before);
+}
+
+/// Flies past behind a pillar that hides it for 3.2 s. Tells its identity before and after it, 0: none.
+struct BehindAPillar {
+  explicit BehindAPillar(const TrackBeforeDetectConfig& config = {}) : watcher(config) {
+    for (int i = 0; i < 40; ++i) watcher.look(all_of({ground(), pillar}));
+    for (int i = 0; i < 15; ++i) look(i);
+    before = identity();
+  }
+  /// One sweep, with somebody else in it or not.
+  void look(int i, const World& other = ground()) {
+    watcher.look(all_of({ground(), pillar, other, sphere(place_m(i), 0.3)}));
+  }
+  static Vector3 place_m(int i) { return {12.0, -6.0 + 0.2 * i, 5.0}; }
+  std::uint32_t identity() const {
+    return watcher.detector->tracks().empty() ? 0 : watcher.detector->tracks().front().id;
+  }
+
+  Watcher watcher;
+  World pillar = bar({5.0, 0.0, -2.0}, {5.0, 0.0, 20.0}, 1.2);
+  std::uint32_t before = 0;
+};
+
+TEST(TrackBeforeDetect, ATargetThatWasHiddenKeepsItsIdentity) {
+  BehindAPillar flight;
+  ASSERT_NE(flight.before, 0U);
+  int hidden = 0, found_after = -1;
+  for (int i = 15; i < 60; ++i) {
+    flight.look(i);
+    ASSERT_LE(flight.watcher.detector->tracks().size(), 1U) << i;
+    hidden += flight.identity() == 0;
+    if (hidden == 0 || flight.identity() == 0) continue;
+    EXPECT_EQ(flight.identity(), flight.before) << i;
+    if (found_after < 0) found_after = i;
+    if (i < found_after + 5) continue;
+    const Track& track = flight.watcher.detector->tracks().front();
+    EXPECT_LT((track.velocity_mps - Vector3(0.0, 2.0, 0.0)).norm(), 0.8) << i;
+  }
+  EXPECT_GT(hidden, 10) << "a place that is so unsure is not told";
+  ASSERT_GT(found_after, 0);
+  EXPECT_LE(found_after, 49) << "it comes out at 46";
+}
+
+TEST(TrackBeforeDetect, WithoutMemoryATargetThatWasHiddenIsANewOne) {
+  TrackBeforeDetectConfig config;
+  config.sigma_hidden_m = 0.0;
+  BehindAPillar flight(config);
+  ASSERT_NE(flight.before, 0U);
+  for (int i = 15; i < 60; ++i) flight.look(i);
+  EXPECT_NE(flight.identity(), 0U);
+  EXPECT_NE(flight.identity(), flight.before);
+}
+
+// Nobody flies 24 m in the 2 s that it is hidden. So that is another one, and the hidden one is still itself.
+TEST(TrackBeforeDetect, AnotherOneElsewhereDoesNotInherit) {
+  BehindAPillar flight;
+  ASSERT_NE(flight.before, 0U);
+  const auto other_m = [](int i) { return Vector3(-11.0, 8.0 - 0.15 * i, 6.0); };
+  std::uint32_t other = 0;
+  for (int i = 15; i < 60; ++i) {
+    flight.look(i, i < 35 ? ground() : sphere(other_m(i), 0.3));
+    for (const Track& track : flight.watcher.detector->tracks()) {
+      const bool is_other = i >= 35 && (track.position_m - other_m(i)).norm() < 1.0;
+      EXPECT_NE(is_other, track.id == flight.before) << i;
+      if (is_other) other = track.id;
+    }
+  }
+  EXPECT_NE(other, 0U);
+  EXPECT_EQ(flight.watcher.detector->tracks().size(), 2U);
+}
+
+// Air that is free all around returns little but targets. One return may be of anything, two in a row are a target.
+TEST(TrackBeforeDetect, TwoReturnsAmidFreeAirAreATarget) {
+  Watcher watcher;
+  for (int i = 0; i < 40; ++i) watcher.look(ground());
+  int looks = 0;
+  for (int i = 0; i < 10 && watcher.output.detections.empty(); ++i, ++looks) {
+    watcher.look(all_of({ground(), sphere({10.0, -2.0 + 0.2 * i, 5.0}, 0.3)}));
+  }
+  EXPECT_LE(looks, 2);
 }
 
 // What stands where nobody looked before is background, and so is what is beside it.

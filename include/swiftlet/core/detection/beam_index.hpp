@@ -30,7 +30,9 @@ class BeamIndex {
  public:
   void assign(const LocalCloud& cloud);
 
-  /// A beam that ended before the target says nothing of it; all others could have met it. The target is a Gaussian of
+  /// A beam that ended before the target says nothing of it. All others could have met it. How far away the target is
+  /// is uncertain, so a beam counts by the probability that it came as far as the target's near side. The target is a
+  /// Gaussian of
   /// the disc's solid angle, convolved with that of its place. Let alpha be the angle of the radius and sigma the
   /// deviation of the place as an angle. A beam that passes the center at delta then meets it with a probability of
   /// alpha^2 / (alpha^2 + 2 sigma^2) exp(-delta^2 / (alpha^2 + 2 sigma^2)).

@@ -22,13 +22,16 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /// Something that may fly: a Bernoulli component with a Gaussian state. Local frame.
 struct Hypothesis {
   std::uint32_t id = 0;
-  TimeNs t = 0;
+  std::uint32_t identity = 0;         ///< that is told: its own id, or that of the target which came back
+  std::uint32_t heir_of = 0;          ///< identity of the target that it probably is; 0: nobody
+  TimeNs t = 0, begun = 0, seen = 0;  ///< of its state; of its first and of its newest return
   double existence = 0.0;
   Vector6 mean = Vector6::Zero();  ///< position, velocity
   Matrix6 covariance = Matrix6::Identity();
   ReturnRate rate;
   int num_sweeps = 0;   ///< that returned something of it
   int num_returns = 0;  ///< in the newest sweep
+  bool was_target = false;
   Vector3 extent_m = Vector3::Zero();
   Vector3 measured_local_m = Vector3::Zero();
   Matrix3 measured_covariance = Matrix3::Identity();
@@ -41,7 +44,9 @@ struct Hypothesis {
 
 /// Track before detect: a bank of Bernoulli hypotheses, each followed from its first return on. All sweeps together
 /// decide whether it exists. Its returns count against what the background returns there. Beams that should have met it
-/// and did not count as well. Works on one sweep at a time, without a clock. Work and memory are bounded.
+/// and did not count as well. A target that is hidden, or out of the field of view, is given up after a while. When a
+/// new one appears where it can be by then, that one goes on with its identity. Works on one sweep at a time, without a
+/// clock. Work and memory are bounded.
 class Hypotheses {
  public:
   explicit Hypotheses(const TrackBeforeDetectConfig& config);
@@ -73,6 +78,7 @@ class Hypotheses {
     TimeNs t = 0;
     int num_returns = 0;
     double reflectivity = 0.0;
+    bool in_free_air = false;
   };
   /// A candidate that becomes background after a while, unless its hypothesis turns out to be a target.
   struct Pending {
@@ -89,6 +95,8 @@ class Hypotheses {
   bool correct_by(Hypothesis& hypothesis, const Measurement& measurement, const BeamExposure& exposure);
   void miss(Hypothesis& hypothesis, const BeamExposure& exposure);
   void begin(const LocalCloud& cloud);
+  double remember(Hypothesis& newborn, const Measurement& measurement) const;
+  void inherit();
   void merge();
   void forget();
   void wait(const Candidate& candidate, std::uint32_t hypothesis);
@@ -100,7 +108,7 @@ class Hypotheses {
 
   Measurement measurement_of(const LocalCloud& cloud, std::span<const std::uint32_t> candidates) const;
   Matrix3 pose_covariance(const Vector3& p_local_m) const;
-  double clutter_density_per_m3(const Vector3& p_local_m, double beams_per_sr) const;
+  double clutter_density_per_m3(const Measurement& measurement, double beams_per_sr) const;
   BeamExposure exposure_of(const Hypothesis& hypothesis) const;
   bool is_told(const Hypothesis& hypothesis) const { return hypothesis.existence >= config_.told_existence; }
 
@@ -109,6 +117,7 @@ class Hypotheses {
   AirMap air_;
   BeamIndex beams_;
   std::vector<Hypothesis> hypotheses_, born_;
+  std::vector<Hypothesis> hidden_;  // targets that were given up, and may come back
   std::uint32_t next_id_ = 1;
   std::vector<Pending> pending_;  // a ring
   std::size_t first_pending_ = 0, num_pending_ = 0;

@@ -19,6 +19,7 @@ struct ExpectedTarget {
   double sigma_velocity_mps = 4.0;
   double acceleration_density = 1.5;
   double birth_per_m3 = 2e-4;
+  double strangers_per_m3 = 2e-6;
   double lifetime_s = 60.0;
 
   void visit(ConfigVisitor& v);
@@ -44,9 +45,11 @@ struct TrackBeforeDetectConfig : ModuleConfigOf<TrackBeforeDetectConfig> {
   double free_share = 0.001;
   double hit_share = 0.01;
   double free_reach_m = 1.0;
+  double free_air_share = 1e-6;
   double learning_delay_s = 1.0;
   double cluster_distance_m = 0.7;
   double sigma_lost_m = 1.3;
+  double sigma_hidden_m = 20.0;
   double max_range_m = 60.0;
   double ray_max_m = 60.0;
   double empty_ray_m = 40.0;
