@@ -238,6 +238,7 @@ class Intercept : public Guidance {
     search_.begin(target_.at(0.0), std::max(0.5, target_.sigma_m(0.0)), 1.0);
     since_look_s_ = since_think_s_ = 0.0;
     goal_local_m_ = target_.at(config_.track_timeout_s).p_m;
+    highest_m_ = search_.highest_near_m(p_local_m_);
     enter(Mode::kSearching);
   }
 
@@ -253,6 +254,7 @@ class Intercept : public Guidance {
     search_.advance(since_look_s_, surroundings_.fence);
     search_.look(p_local_m_, since_look_s_, surroundings_.map);
     since_look_s_ = 0.0;
+    highest_m_ = search_.highest_near_m(p_local_m_);
     if (since_think_s_ < kThink_s) return;
     since_think_s_ = 0.0;
     goal_local_m_ = search_.most_probable();
@@ -321,8 +323,12 @@ class Intercept : public Guidance {
       Reference goal;
       goal.position_m = watch_local_m_;
       // Where a lost target probably is, nobody flies: the net shall be there.
-      if (mode_ == Mode::kSearching)
-        goal.position_m = goal_local_m_ - config_.net.center(Vector3::Zero(), governor.state().yaw_rad);
+      if (mode_ == Mode::kSearching) {
+        const Vector3 to_net_m = config_.net.center(Vector3::Zero(), governor.state().yaw_rad);
+        goal.position_m = goal_local_m_ - to_net_m;
+        // What may be below without being seen stays below.
+        if (to_net_m.z() < 0.0) goal.position_m.z() = std::max(goal.position_m.z(), highest_m_ - to_net_m.z());
+      }
       if (mode_ == Mode::kDone) goal.position_m.z() += kHighAbove_m;  // with its catch, above all that still flies
       goal.position_m = surroundings_.fence.inside(goal.position_m);
       goal.yaw_rad = face(goal.position_m);
@@ -371,6 +377,7 @@ class Intercept : public Guidance {
   bool had_target_ = false;
   Vector3 watch_local_m_;
   Vector3 goal_local_m_ = Vector3::Zero();  // of a search
+  double highest_m_ = 0.0;                  // where a lost target can be near here
   Vector3 p_local_m_ = Vector3::Zero();
   Vector3 bias_local_m_ = Vector3::Zero();  // of the estimate from the reference
   double yaw_rad_;

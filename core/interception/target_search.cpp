@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "swiftlet/core/math/angles.hpp"
 
@@ -10,6 +11,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kNear_m = 4.0;              // particles nearer than this speak for the same place
+constexpr double kPossible = 0.1;            // of the weight that a place had when the target was lost
 constexpr double kLeastWeight = 1e-6;        // so that a place may become possible again
 constexpr double kChangeOfMind_per_s = 0.7;  // of a particle's acceleration
 constexpr double kLongest_s = 1.0;           // step
@@ -105,6 +107,15 @@ Vector3 TargetSearch::most_probable() const {
     best_m = middle_m / sum;
   }
   return best_m;
+}
+
+double TargetSearch::highest_near_m(const Vector3& p_local_m) const {
+  double highest_m = std::numeric_limits<double>::lowest();
+  for (const Particle& particle : particles_) {
+    if (particle.weight < kPossible || (particle.p_local_m - p_local_m).head<2>().norm() > kNear_m) continue;
+    highest_m = std::max(highest_m, particle.p_local_m.z());
+  }
+  return highest_m;
 }
 
 void TargetSearch::append_overlay(std::vector<Overlay>& overlays) const {

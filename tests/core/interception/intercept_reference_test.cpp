@@ -175,6 +175,7 @@ class PlainHunter {
         search_.begin(target_->at(0.0), std::max(0.5, target_->sigma_m(0.0)), 1.0);
         look_s_ = think_s_ = 0.0;
         goal_m_ = target_->at(c_.track_timeout_s).p_m;
+        highest_m_ = search_.highest_near_m(p_m_);
         enter("searching");
       } else if (outside_s_ > c_.fence.patience_s) {
         why_ = "gave up: the target left the fence";
@@ -198,6 +199,7 @@ class PlainHunter {
     search_.advance(look_s_, around_.fence);
     search_.look(p_m_, look_s_, around_.map);
     look_s_ = 0.0;
+    highest_m_ = search_.highest_near_m(p_m_);
     if (think_s_ < 1.0) return;
     think_s_ = 0.0;
     goal_m_ = search_.most_probable();
@@ -267,7 +269,9 @@ class PlainHunter {
     } else {
       Reference goal;
       goal.position_m = watch_m_;
-      if (mode == "searching") goal.position_m = goal_m_ - c_.net.center(Vector3::Zero(), r.yaw_rad);
+      const Vector3 net_m = c_.net.center(Vector3::Zero(), r.yaw_rad);
+      if (mode == "searching") goal.position_m = goal_m_ - net_m;
+      if (mode == "searching" && net_m.z() < 0.0) goal.position_m.z() = std::max(goal_m_.z(), highest_m_) - net_m.z();
       if (mode == "done") goal.position_m.z() += 1000.0;
       goal.position_m = around_.fence.inside(goal.position_m);
       look_at(goal.position_m);
@@ -291,6 +295,7 @@ class PlainHunter {
   std::uint32_t id_ = 0;
   TimeNs now_ = 0, seen_at_ = 0;
   double found_at_s_ = -1e9;
+  double highest_m_ = 0.0;
   Vector3 watch_m_, goal_m_ = Vector3::Zero(), p_m_ = Vector3::Zero(), bias_m_ = Vector3::Zero();
   std::optional<Vector3> last_net_m_;
   std::string why_;

@@ -388,6 +388,14 @@ void compare(const TargetSearch& search, const std::vector<Maybe>& all) {
     best_m = middle_m / crowd;
   }
   ASSERT_LT((search.most_probable() - best_m).norm(), 1e-6);
+  for (const Vector3& here_m : {best_m, Vector3(best_m + Vector3(3.0, 0.0, 7.0)), all[0].p_m}) {
+    double highest_m = -1e300;
+    for (const Maybe& one : all) {
+      const bool near = std::hypot(one.p_m.x() - here_m.x(), one.p_m.y() - here_m.y()) <= 4.0;
+      if (near && one.weight >= 0.1) highest_m = std::max(highest_m, one.p_m.z());
+    }
+    ASSERT_NEAR(std::max(search.highest_near_m(here_m), -1e300), highest_m, 1e-6);
+  }
 }
 
 /// A wall of x = 6 m, up to 14 m high.
