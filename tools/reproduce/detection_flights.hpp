@@ -17,6 +17,11 @@ inline constexpr double kBin_m = 5.0, kFarthestBin_m = 90.0;
 inline constexpr double kIgnored_s = 10.0;  ///< the map must first become free
 inline constexpr double kSame_m = 1.0;      ///< a track nearer than this is the target's
 inline constexpr double kOs1Fov_deg = 22.5;
+inline constexpr double kMid360Bottom_deg = -7.0, kMid360Top_deg = 52.0;
+/// An observer's sensor, with the pose noise of detection_real [Vrba 2025, eq. 66].
+inline constexpr const char* kMid360WithPose =
+    "{type: lidar, name: mid360, model: mid360, mount: {position_m: [0, 0, 0.15]}, "
+    "external_pose: {enabled: true, sigma_position_m: 0.05, sigma_rotation_rad: 0.005}}";
 /// A detector tells of a scan when it has worked on it (0.11 s), which begins when the one before is done. Only then
 /// can a tracker know of a target that came into view.
 inline constexpr double kTold_s = 0.3;

@@ -33,12 +33,10 @@ struct Sensor {
 };
 
 std::vector<Sensor> sensors() {
-  const Overrides mid360 = {{"vehicles[0].sensors[0]",
-                             "{type: lidar, name: mid360, model: mid360, mount: {position_m: [0, 0, 0.15]}, "
-                             "external_pose: {enabled: true, sigma_position_m: 0.05, sigma_rotation_rad: 0.005}}"}};
-  return {{"Mid-360", Place::kOpen, mid360, -7.0, 52.0, false},
+  const Overrides mid360 = {{"vehicles[0].sensors[0]", kMid360WithPose}};
+  return {{"Mid-360", Place::kOpen, mid360, kMid360Bottom_deg, kMid360Top_deg, false},
           {"OS1-128", Place::kOpen, {}, -kOs1Fov_deg, kOs1Fov_deg, true},
-          {"Mid-360 in a forest", Place::kForest, mid360, -7.0, 52.0, false},
+          {"Mid-360 in a forest", Place::kForest, mid360, kMid360Bottom_deg, kMid360Top_deg, false},
           {"OS1-128 in a forest",
            Place::kForest,
            {{"vehicles[0].sensors[0].pattern.columns", "512"}},

@@ -42,6 +42,8 @@ std::span<const ExperimentType> experiment_types() {
       ExperimentType{"detection-sparse",
                      "What returns there are at all, and what three detectors make of them, by range", 1500.0,
                      detection_sparse},
+      ExperimentType{"detection-small", "A bird, a large target, two side by side, one beside a wall", 600.0,
+                     detection_small},
       ExperimentType{"interception",
                      "MPC, FRPN, proportional navigation and pursuit after random targets [Vrba 2025, sec. VI-B]",
                      2400.0, interception},
