@@ -93,6 +93,7 @@ void Hypotheses::predict() {
     predict_state(h, dt_s, config_.target.acceleration_density);
     h.t = beams_.middle();
     h.existence *= elementary::exp(-dt_s / config_.target.lifetime_s);
+    h.sight.predict(dt_s, 1.0 / config_.target.seen_for_s, 1.0 / config_.target.hidden_for_s);
     h.num_returns = 0;
   }
   for (Hypothesis& h : hidden_) {
@@ -217,10 +218,10 @@ bool Hypotheses::correct_by(Hypothesis& h, const Measurement& measurement, const
   const double none = h.rate.none(exposure.shots), some = std::max(1.0 - none, kLeastDetection);
   const double clutter = clutter_density_per_m3(measurement, exposure.beams_per_sr);
   const double of_target = some * normal_density(distance_sq, S) / clutter;
-  const double likelihood_ratio = none + of_target;
+  const double likelihood_ratio = h.sight.weigh(none + of_target);
   h.existence = existence_after(h.existence, likelihood_ratio);
 
-  const double weight = of_target / likelihood_ratio;
+  const double weight = (1.0 - h.sight.hidden) * of_target / (none + of_target);
   const Eigen::Matrix<double, 6, 3> K = h.covariance * H.transpose() * S.inverse();
   const Vector6 way = K * innovation_m;
   h.mean += weight * way;
@@ -239,7 +240,7 @@ bool Hypotheses::correct_by(Hypothesis& h, const Measurement& measurement, const
 }
 
 void Hypotheses::miss(Hypothesis& h, const BeamExposure& exposure) {
-  h.existence = existence_after(h.existence, h.rate.none(exposure.shots));
+  h.existence = existence_after(h.existence, h.sight.weigh(h.rate.none(exposure.shots)));
 }
 
 // A cluster in free air that is nobody's may be a new target. All other candidates become background.

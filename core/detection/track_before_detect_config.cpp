@@ -23,6 +23,9 @@ void ExpectedTarget::visit(ConfigVisitor& v) {
           "[1/m^3] targets that come into view and were never seen, against those that come back",
           Range{0.0, 1.0, true});
   v.field("lifetime_s", lifetime_s, "[s] that a target stays, in the mean", Range::positive());
+  v.field("seen_for_s", seen_for_s, "[s] until something hides it that the beams do not tell of, in the mean",
+          Range::positive());
+  v.field("hidden_for_s", hidden_for_s, "[s] that it is hidden so, in the mean", Range::positive());
 }
 
 void ExpectedNoise::visit(ConfigVisitor& v) {

@@ -46,7 +46,7 @@ Overrides bird_of_0_2_m() {
 
 /// A wall, and the target flies along it with 0.5 m from its hull.
 Overrides along_a_wall() {
-  return {{"world", "{type: walls, walls: [{points_m: [[-30, 9.5], [30, 9.5]], height_m: 12}]}"},
+  return {{"world", "{type: walls, walls: [{points_m: [[-30, 9.5, 0], [30, 9.5, 0]], height_m: 12}]}"},
           {"vehicles[1].model", "f330"},
           {"vehicles[1].start.position_m", "[-12, 8.6, 8]"},
           {"vehicles[1].agent.guidance",

@@ -29,7 +29,7 @@ class PlainHypotheses {
     std::uint32_t id = 0, identity = 0, heir_of = 0;
     TimeNs begun = 0, seen = 0;
     bool was_target = false;
-    double existence = 0.0;
+    double existence = 0.0, hidden = 0.0;  // the latter if it exists
     Vector6 mean = Vector6::Zero();
     Matrix6 covariance = Matrix6::Zero();
     ReturnRate rate;
@@ -55,6 +55,9 @@ class PlainHypotheses {
     for (Guess& g : guesses) {
       move(g, to_seconds(now_ - before));
       g.existence *= std::exp(-to_seconds(now_ - before) / config_.target.lifetime_s);
+      const double steps_s = to_seconds(now_ - before), to_hidden = 1.0 / config_.target.seen_for_s;
+      const double to_seen = 1.0 / config_.target.hidden_for_s, left = std::exp(-(to_hidden + to_seen) * steps_s);
+      g.hidden = g.hidden * left + to_hidden / (to_hidden + to_seen) * (1.0 - left);
       g.num_returns = 0;
       g.exposure = exposure(g);
       g.own.clear();
@@ -235,12 +238,20 @@ class PlainHypotheses {
 
   void judge(Guess& g) {
     if (g.own.empty() || !corrected(g, measured(g.own))) {
-      g.existence = existence_after(g.existence, g.rate.none(g.exposure.shots));
+      bayes(g, g.rate.none(g.exposure.shots));
     }
     for (const std::size_t i : g.own) {
       returns_[i].taken = true;
       if (!g.is_target()) waiting_.push_back({now_, returns_[i].p_m, g.id});
     }
+  }
+
+  /// Three cases: it does not exist, it is hidden, it can be seen. @param if_seen  likelihood ratio of the last one
+  static void bayes(Guess& g, double if_seen) {
+    const double not_there = 1.0 - g.existence, behind = g.existence * g.hidden;
+    const double seen = (g.existence - behind) * if_seen;
+    g.existence = (behind + seen) / (not_there + behind + seen);
+    g.hidden = behind / (behind + seen);
   }
 
   /// With its probability the measurement is the target's; without, all stays as it was.
@@ -254,8 +265,8 @@ class PlainHypotheses {
     const double density = std::exp(-d_sq / 2.0) / std::sqrt((2.0 * std::numbers::pi * S).determinant());
     const double none = g.rate.none(g.exposure.shots);
     const double of_target = std::max(1.0 - none, 0.02) * density / clutter(m, g.exposure.beams_per_sr);
-    g.existence = existence_after(g.existence, none + of_target);
-    const double is_its = of_target / (none + of_target);
+    bayes(g, none + of_target);
+    const double is_its = (1.0 - g.hidden) * of_target / (none + of_target);
     const Eigen::Matrix<double, 6, 3> K = g.covariance * H.transpose() * S.inverse();
     const Vector6 with = g.mean + K * off_m, mean = is_its * with + (1.0 - is_its) * g.mean;
     const Matrix6 P_with = (Matrix6::Identity() - K * H) * g.covariance;

@@ -44,6 +44,29 @@ TEST(Existence, SilenceIsPoissonAveragedOverTheGammaDistribution) {
   EXPECT_DOUBLE_EQ(rate.none(0.0), 1.0);
 }
 
+// Of 100 targets 20 are hidden. Each of the others is silent in one of four sweeps: 20 and 20 remain.
+TEST(Existence, SilenceMakesATargetLikelierHiddenThanGone) {
+  Observability sight{.hidden = 0.2};
+  EXPECT_NEAR(sight.weigh(0.25), 0.4, 1e-12);
+  EXPECT_NEAR(sight.hidden, 0.5, 1e-12);
+  double existence = 0.9;
+  for (int i = 0; i < 200; ++i) existence = existence_after(existence, sight.weigh(0.25));
+  EXPECT_NEAR(sight.hidden, 1.0, 1e-9);
+  EXPECT_NEAR(existence, 0.9 * 0.5 / (0.1 + 0.9 * 0.5), 1e-9) << "only the hidden ones are left";
+}
+
+// Seen for 4 s and hidden for 1 s in the mean: a fifth of the time in the long run.
+TEST(Existence, ATargetIsHiddenAndSeenAgain) {
+  Observability sight;
+  sight.predict(100.0, 0.25, 1.0);
+  EXPECT_NEAR(sight.hidden, 0.2, 1e-12);
+  sight.hidden = 1.0;
+  double plainly = 1.0;
+  for (int i = 0; i < 100000; ++i) plainly += 1e-5 * (0.25 * (1.0 - plainly) - 1.0 * plainly);
+  sight.predict(1.0, 0.25, 1.0);
+  EXPECT_NEAR(sight.hidden, plainly, 1e-5);
+}
+
 TEST(Existence, TheRateOfReturnsIsLearned) {
   ReturnRate rate{.returns = 2.0, .shots = 8.0};
   for (int i = 0; i < 200; ++i) rate.update(3, 6.0, 0.95);
@@ -244,7 +267,7 @@ TEST(TrackBeforeDetect, ForgetsATargetThatBeamsSeeThrough) {
   ASSERT_EQ(watcher.output.detections.size(), 1U);
   int told = 0;
   for (int i = 0; i < 15; ++i) told += static_cast<int>(watcher.look(ground()).detections.size());
-  EXPECT_LT(told, 8);
+  EXPECT_LT(told, 14) << "it may be hidden, but soon it can be anywhere";
   EXPECT_TRUE(watcher.output.detections.empty());
 }
 

@@ -27,6 +27,26 @@ struct ReturnRate {
   }
 };
 
+/// Can a target be seen at all? Leaves or the edge of the field of view may hide one for a while, and then silence
+/// after silence says nothing more. Markov chain two of Musicki, Evans and Stankovic (1994): a target that exists is
+/// seen or hidden, and changes between both.
+struct Observability {
+  double hidden = 0.0;  ///< probability, if the target exists
+
+  /// @param to_hidden_per_s, to_seen_per_s  rates of the changes
+  void predict(double dt_s, double to_hidden_per_s, double to_seen_per_s) {
+    const double rate_per_s = to_hidden_per_s + to_seen_per_s, in_the_long_run = to_hidden_per_s / rate_per_s;
+    hidden = in_the_long_run + (hidden - in_the_long_run) * elementary::exp(-rate_per_s * dt_s);
+  }
+  /// Likelihood ratio of what was measured for a target that may be hidden, of which it then tells nothing.
+  /// @param if_seen  that for one which can be seen
+  double weigh(double if_seen) {
+    const double ratio = hidden + (1.0 - hidden) * if_seen;
+    hidden /= ratio;
+    return ratio;
+  }
+};
+
 /// @param likelihood_ratio  of what was measured, if the target exists over if it does not
 inline double existence_after(double existence, double likelihood_ratio) {
   return existence * likelihood_ratio / (1.0 - existence + existence * likelihood_ratio);

@@ -29,6 +29,7 @@ struct Hypothesis {
   Vector6 mean = Vector6::Zero();  ///< position, velocity
   Matrix6 covariance = Matrix6::Identity();
   ReturnRate rate;
+  Observability sight;
   int num_sweeps = 0;   ///< that returned something of it
   int num_returns = 0;  ///< in the newest sweep
   bool was_target = false;

@@ -21,6 +21,8 @@ struct ExpectedTarget {
   double birth_per_m3 = 2e-4;
   double strangers_per_m3 = 2e-6;
   double lifetime_s = 60.0;
+  double seen_for_s = 5.0;
+  double hidden_for_s = 2.0;
 
   void visit(ConfigVisitor& v);
 };
