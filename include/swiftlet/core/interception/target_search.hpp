@@ -37,8 +37,8 @@ class TargetSearch {
   void look(const Vector3& eye_local_m, double dt_s, const OccupancyView* map);
   /// Where the target most probably is.
   Vector3 most_probable() const;
-  /// Height of the highest place that is still possible, of those that are not far from here on the level; far below
-  /// all when there is none.
+  /// Height of the highest place that is still possible, of those within 4 m of here on the level. Far below all when
+  /// there is none.
   double highest_near_m(const Vector3& p_local_m) const;
   /// The share of the places that are still possible; falls as more of them are seen to be empty.
   double remaining() const { return remaining_; }
