@@ -59,7 +59,7 @@ TEST(SlamFlights, TheMedianLeavesOutWhatWasNotMeasured) {
 // To and fro beside the building: the submaps of the way back lie on those of the way there.
 sim::Scenario to_and_fro(const std::string& form) {
   return scenario_with("campus_slam", 1,
-                       {{"vehicles[0].agent.localization.global.enabled", "true"},
+                       {{"vehicles[0].agent.mapping", "none"},
                         {"vehicles[0].agent.localization.global.blend.form", form},
                         {"vehicles[0].agent.guidance.waypoints_m", "[[7.5, -10, 3], [-12.5, -10, 3]]"},
                         {"duration_s", "42"}});

@@ -46,6 +46,7 @@ TEST(OverlayNames, AreToldByTheRegistriesForAllThatIsDrawn) {
                                              {"field_detection", 1.0},
                                              {"square", 1.0},
                                              {"submap_navigation", 2.0},
+                                             {"campus_slam", 1.0},
                                              {"reproduce/rbl_crossing", 1.0}}) {
     const std::vector<std::string> told = told_of(scenario);
     for (const std::string& name : drawn_in(scenario, duration_s)) EXPECT_THAT(told, Contains(name)) << scenario;

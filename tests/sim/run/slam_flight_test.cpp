@@ -10,10 +10,14 @@
 namespace swiftlet::sim {
 namespace {
 
-Scenario campus_slam(double duration_s, const std::string& matching = "surfaces") {
-  Scenario scenario =
-      load_scenario(std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/campus_slam.yaml",
-                    {{"recorders", "[]"}, {"snapshots", "[]"}, {"vehicles[0].agent.localization.matching", matching}});
+/// On local SLAM alone.
+Scenario campus_slam(double duration_s, const std::string& key = "matching", const std::string& value = "surfaces") {
+  Scenario scenario = load_scenario(std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/campus_slam.yaml",
+                                    {{"recorders", "[]"},
+                                     {"snapshots", "[]"},
+                                     {"vehicles[0].agent.mapping", "none"},
+                                     {"vehicles[0].agent.localization.global.enabled", "false"},
+                                     {"vehicles[0].agent.localization." + key, value}});
   scenario.duration_s = duration_s;
   return validated(scenario);
 }
@@ -40,11 +44,7 @@ TEST(SlamFlight, AroundABuildingItIsOffByCentimetersAndTouchesNothing) {
 }
 
 TEST(SlamFlight, WithScansThatTakeHalfASecondItStillFlies) {
-  Scenario scenario =
-      load_scenario(std::string(SWIFTLET_SOURCE_DIR) + "/scenarios/campus_slam.yaml",
-                    {{"recorders", "[]"}, {"snapshots", "[]"}, {"vehicles[0].agent.localization.latency_s", "0.5"}});
-  scenario.duration_s = 15.0;
-  Simulation simulation(validated(scenario), 2);
+  Simulation simulation(campus_slam(15.0, "latency_s", "0.5"), 2);
   while (!simulation.finished()) simulation.tick();
   const RunSummary summary = simulation.summary();
   EXPECT_NE(summary.outcome, "crashed");
@@ -53,7 +53,7 @@ TEST(SlamFlight, WithScansThatTakeHalfASecondItStillFlies) {
 }
 
 TEST(SlamFlight, InTheDocumentsWayItTouchesNothingEither) {
-  Simulation simulation(campus_slam(20.0, "grid"), 2);
+  Simulation simulation(campus_slam(20.0, "matching", "grid"), 2);
   while (!simulation.finished()) {
     simulation.tick();
     ASSERT_TRUE(simulation.view().actions[0]->estimate.valid) << to_seconds(simulation.now()) << " s";
@@ -68,7 +68,7 @@ TEST(SlamFlight, HasTheSameBitsOnAnyNumberOfThreads) {
   for (const char* matching : {"surfaces", "grid"}) {
     std::uint64_t hashes[2] = {};
     for (int threads : {1, 2}) {
-      Simulation simulation(campus_slam(3.0, matching), threads);
+      Simulation simulation(campus_slam(3.0, "matching", matching), threads);
       while (!simulation.finished()) simulation.tick();
       hashes[threads - 1] = simulation.state_hash();
     }

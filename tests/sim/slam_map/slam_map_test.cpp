@@ -335,7 +335,8 @@ constexpr const char* kGlobal = "vehicles[0].agent.localization.global";
 
 /// What half a lap around the building leaves.
 std::filesystem::path map_of_the_campus() {
-  Scenario scenario = campus("campus_slam.yaml", {{std::string(kGlobal) + ".enabled", "true"}});
+  Scenario scenario =
+      campus("campus_slam.yaml", {{"vehicles[0].agent.mapping", "none"}, {std::string(kGlobal) + ".enabled", "true"}});
   scenario.duration_s = 30.0;
   Simulation simulation(validated(scenario), 2);
   while (!simulation.finished()) simulation.tick();
@@ -354,7 +355,8 @@ TEST(SlamMap, ALaterFlightFindsItselfInTheMapOfAnEarlierOneFromMostPlaces) {
                                                         {"[6.0, -11.0, 3.0]", "200"}};
   int found = 0;
   for (const auto& [position_m, yaw_deg] : starts) {
-    Scenario scenario = campus("campus_slam.yaml", {{"vehicles[0].start.known", "nothing"},
+    Scenario scenario = campus("campus_slam.yaml", {{"vehicles[0].agent.mapping", "none"},
+                                                    {"vehicles[0].start.known", "nothing"},
                                                     {"vehicles[0].start.position_m", position_m},
                                                     {"vehicles[0].start.yaw_deg", yaw_deg},
                                                     {"vehicles[0].agent.guidance", "{type: hover}"},
@@ -388,7 +390,8 @@ TEST(SlamMap, AFlightElsewhereDoesNotFindItselfInIt) {
 
 TEST(SlamMap, AMapThatCannotBeReadIsRefusedWithItsKey) {
   write_file(temporary("bad"), "no map");
-  const Scenario scenario = campus("campus_slam.yaml", {{std::string(kGlobal) + ".enabled", "true"},
+  const Scenario scenario = campus("campus_slam.yaml", {{"vehicles[0].agent.mapping", "none"},
+                                                        {std::string(kGlobal) + ".enabled", "true"},
                                                         {std::string(kGlobal) + ".map", temporary("bad").string()}});
   try {
     Simulation simulation(validated(scenario), 1);
