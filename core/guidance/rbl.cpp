@@ -261,8 +261,7 @@ class Rbl : public Guidance {
       // It may stop where it would stop anyway.
       const double least_m = std::max(0.0, pledged.normal_local.dot(self.stop_local_m - self.p_local_m));
       pledged.offset_m = std::max(pledged.offset_m, least_m);
-      // While the next sample is due, it bounds the way alone: before the vehicle is there, that sample moves it on.
-      is_pledged(neighbor, now) ? braking_cuts_.push_back(pledged) : keep_behind(pledged);
+      keep_behind(pledged);
     }
     if (!pressed_) return;
     for (const HalfSpace& cut : braking_cuts_) planner_.cell().cut(cut);  // who hurries aims where it may go at once

@@ -572,46 +572,6 @@ TEST(RblFlight, OnlyDoubtAlongTheWayToANeighborTakesRoom) {
   EXPECT_LT(reach_to_neighbor_m(config, {0.09, 1e-6, 1e-6}, 4.5), sure_m - 0.03);
 }
 
-/// Somebody stands ahead of a vehicle and is seen once a second. How far the vehicle has come within a second of a
-/// sample, at most, and how far its cell reaches then.
-struct Advance {
-  double way_m = 0.0, reach_m = 0.0, room_m = 0.0;
-};
-Advance advance_between_samples(double pledge_share) {
-  RblConfig config;
-  config.variant = Variant::k3d;
-  config.separation.pledge_share = pledge_share;
-  config.goal_m = {20.0, 0.0, 5.0};
-  GuidanceDriver driver("rbl", config, {0.0, 0.0, 5.0});
-  const Vector3 other_m(7.0, 0.0, 5.0);
-  Advance most;
-  double seen_from_m = 0.0;
-  for (int i = 0; i < 30; ++i) {
-    const bool seen = i % 10 == 0;
-    if (seen) driver.sees(1, other_m);
-    if (seen) seen_from_m = driver.p_m().x();
-    driver.put(driver.step().goal.position_m);
-    if (i < 11) continue;  // how often samples come is known by the second one
-    std::vector<Overlay> overlays;
-    driver.guidance->append_overlays(overlays);
-    most.way_m = std::max(most.way_m, driver.p_m().x() - seen_from_m);
-    for (const Eigen::Vector3f& q : named(overlays, "rbl.cell_outline")->positions)
-      most.reach_m = std::max(most.reach_m, static_cast<double>(q.x()) - seen_from_m);
-    if (seen) most.room_m = std::max(most.room_m, (other_m - driver.p_m()).norm() - 1.1);
-  }
-  return most;
-}
-
-// Two that pledge a share of the room between them keep to it until the next sample. The cell, and so the aim, lies
-// farther: by the time that the vehicle is there, the next sample has come.
-TEST(RblFlight, APledgeBoundsTheWayAndNotTheCell) {
-  const Advance pledged = advance_between_samples(0.1), free = advance_between_samples(0.0);
-  EXPECT_GT(pledged.way_m, 0.03);
-  EXPECT_LT(pledged.way_m, 0.1 * pledged.room_m + 0.02);
-  EXPECT_GT(free.way_m, 0.1 * free.room_m + 0.1);
-  EXPECT_GT(pledged.reach_m, 0.1 * pledged.room_m + 0.3);
-}
-
 // Where nine of ten samples are lost, one that stands next to the vehicle may not have been seen yet.
 TEST(RblFlight, WhoSeesSeldomLooksAroundBeforeItStarts) {
   const auto two_meters_s = [](int every) {

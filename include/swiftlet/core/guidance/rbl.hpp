@@ -38,7 +38,7 @@ struct RblConfig : ModuleConfigOf<RblConfig> {
   RblDetourConfig detour;
 
   /// Kept apart by more than their cells, vehicles fly well with a narrower weighting than the document's.
-  RblConfig() { rules.beta_desired_m = 0.2; }
+  RblConfig() { rules.beta_desired_m = 0.4; }
   void visit(ConfigVisitor& v) override;
 };
 
