@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/slam/closure.hpp"
+#include "swiftlet/core/ensure.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -221,6 +222,7 @@ Slide slide_of(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& 
   };
   const ScanFit fit = fit_at(T_older_newer);
   Slide slide{fit.evidence, {T_older_newer}, {0.0}, {fit.num_near}};
+  ENSURE(std::isfinite(reach_m), reach_m);
   const Vector6 step = Directions(fit.evidence).step(0);
   const int num_steps = static_cast<int>(std::ceil(reach_m / kSlid_m));
   for (int i = 1; i <= num_steps; ++i) {

@@ -232,6 +232,7 @@ std::shared_ptr<const SavedMap> GlobalSlam::saved_map() const {
   if (config_.loaded_map != nullptr) {
     map->nodes = config_.loaded_map->nodes;
     map->submaps = config_.loaded_map->submaps;
+    map->pieces = config_.loaded_map->pieces;
   }
   map->voxel_m = config_.submap_voxel_m;
   map->graph = graph_;

@@ -17,6 +17,7 @@
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/scenario/suggest.hpp"
 #include "swiftlet/sim/slam_map/slam_map_file.hpp"
 
 namespace swiftlet::sim {
@@ -130,12 +131,19 @@ std::string agent_place(const VehicleConfig& vehicle) {
 }
 
 void require_sensors(const VehicleConfig& vehicle) {
+  const std::vector<std::string> names = sensor_names(vehicle.sensors);
   for (const SensorNeed& need : needs_of(vehicle.agent).sensors) {
-    const bool carried = std::any_of(vehicle.sensors.begin(), vehicle.sensors.end(),
-                                     [&](const Module& sensor) { return sensor.type == need.type; });
-    if (carried) continue;
-    throw std::invalid_argument(need.why + ": expected a sensor of type " + need.type + " on " + vehicle.name +
-                                ", found none");
+    std::vector<std::string> carried;  // of its type
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (vehicle.sensors[i].type == need.type) carried.push_back(names[i]);
+    }
+    if (carried.empty()) {
+      throw std::invalid_argument(need.why + ": expected a sensor of type " + need.type + " on " + vehicle.name +
+                                  ", found none");
+    }
+    if (need.name.empty() || std::find(carried.begin(), carried.end(), need.name) != carried.end()) continue;
+    throw std::invalid_argument(need.why + ": expected the name of a sensor of type " + need.type + " on " +
+                                vehicle.name + ", found \"" + need.name + "\"" + did_you_mean(need.name, carried));
   }
 }
 

@@ -38,8 +38,9 @@ struct MemoryNeed {
 
 /// A kind of sensor without which an agent cannot work.
 struct SensorNeed {
-  std::string type;  ///< as scenarios name it
-  std::string why;   ///< the setting that asks for it, below the agent's own
+  std::string type;       ///< as scenarios name it
+  std::string why;        ///< the setting that asks for it, below the agent's own
+  std::string name = {};  ///< of the one that is meant; empty: any of the type
 };
 
 /// What an agent needs of whoever puts it into a world, beside the sensors that its vehicle carries.

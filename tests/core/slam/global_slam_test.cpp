@@ -373,16 +373,34 @@ TEST(GlobalSlam, AFlightWhoseStartWasToldKnowsAtOnceWhereTheGivenSubmapsLie) {
     const Pose& T_world_submap = config.loaded_map->T_world_submap(config.loaded_map->submaps[i]);
     EXPECT_LT((poses.T_local_given[i].matrix() - T_world_submap.matrix()).norm(), 1e-9);
   }
-  // A map that is saved knows the cells of a mapper, by submaps of both flights.
-  CellBlock block;
-  block.free[0] = 1;
-  const CellBlock blocks[] = {block};
-  const MapPiece own{0, Pose::Identity(), std::make_shared<const SubmapCells>(0.2, blocks)};
+}
+
+// The map that a later flight saves has the cells that mappers of both flights have seen.
+TEST(GlobalSlam, ALaterFlightKeepsTheCellsOfTheEarlierOne) {
+  const auto piece_of = [](int submap) {
+    CellBlock block;
+    block.free[0] = 1;
+    const CellBlock blocks[] = {block};
+    return MapPiece{submap, Pose::Identity(), std::make_shared<const SubmapCells>(0.2, blocks)};
+  };
+  const auto earlier = std::make_shared<SavedMap>(*map_of_the_yard());
+  ASSERT_GE(earlier->submaps.size(), 3U);
+  earlier->pieces = {piece_of(1), piece_of(2)};
+  GlobalSlamConfig config;
+  config.loaded_map = earlier;
+  Flight flight(GlobalSlam(config, true));
+  flight.fly(0.0, Vector3::Zero());
+  const SubmapPoses& poses = flight.slam.submap_poses();
+  const MapPiece own = piece_of(0);
   const auto saved = with_pieces(flight.slam.saved_map(), poses, {&own, 1});
-  ASSERT_EQ(saved->pieces.size(), 1U);
-  EXPECT_EQ(saved->pieces[0].submap, static_cast<int>(poses.num_given));
+  ASSERT_EQ(saved->pieces.size(), 3U);
+  for (int i : {0, 1}) {
+    EXPECT_EQ(saved->pieces[i].submap, 1 + i);
+    EXPECT_EQ(saved->pieces[i].cells, earlier->pieces[i].cells);
+  }
+  EXPECT_EQ(saved->pieces[2].submap, static_cast<int>(poses.num_given));
   EXPECT_EQ(fault_of(*saved), "");
-  EXPECT_EQ(pieces_of(*saved).size(), saved->submaps.size()) << "the others have those of their points";
+  EXPECT_EQ(pieces_of(*saved).size(), saved->submaps.size()) << "submaps without cells have those of their points";
 }
 
 TEST(GlobalSlam, AFlightWhoseStartWasToldClosesLoopsWithAnEarlierOne) {

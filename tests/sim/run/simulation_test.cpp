@@ -110,6 +110,22 @@ TEST(Simulation, AVehicleThatLacksWhatItsLocalizationNeedsIsRefused) {
   Simulation complete(scenario("{type: lidar, model: puck_lite}, {type: imu}"));
 }
 
+TEST(Simulation, ANameOfALidarThatSlamListensToIsThatOfALidarOnBoard) {
+  const auto scenario = [](const std::string& lidars) {
+    return scenario_of(
+        "world: {type: empty}\nvehicles: [{name: uav1, start: {position_m: [0, 0, 5]}, sensors: [{type: lidar, name: "
+        "puck, model: puck_lite}, {type: imu, name: inertial}], agent: {localization: {type: slam, lidars: [" +
+        lidars + "]}}}]\n");
+  };
+  EXPECT_THAT([&] { Simulation simulation(scenario("pukc")); },
+              testing::ThrowsMessage<InputError>(
+                  testing::HasSubstr("localization.lidars: expected the name of a sensor of type lidar on uav1, found "
+                                     "\"pukc\"; did you mean \"puck\"?")));
+  EXPECT_THAT([&] { Simulation simulation(scenario("puck, inertial")); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("found \"inertial\"")));
+  Simulation complete(scenario("puck"));
+}
+
 TEST(Simulation, ACrashIsAnEventWithTimePlaceAndPartnerAndTheOutcome) {
   // Through the wall of a hall, at full speed.
   Scenario scenario = scenario_of("duration_s: 20\nworld: {type: hall}\nvehicles:\n" +
