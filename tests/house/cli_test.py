@@ -111,6 +111,19 @@ class Cli(unittest.TestCase):
         self.assertEqual(result.returncode, 2)
         self.assertTrue((self.path / "thesis/chapter1.tex").is_file())
 
+    def test_a_map_in_the_directory_that_the_run_replaces_is_refused_and_stays(self):
+        flight = ("run", SOURCE / "scenarios/campus_slam.yaml", "--duration", "3", "--quiet", "--set", "snapshots=[]",
+                  "--set", "vehicles[0].agent.mapping=none", "--set", "recorders=[{type: slam_map}]", "--out", "first")
+        self.assertEqual(self.run_swiftlet(*flight).returncode, 0)
+        saved = self.path / "first/maps/uav1.slam"
+        before = saved.read_bytes()
+        again = (*flight[:-2], "--set", f"vehicles[0].agent.localization.global.map={saved}", "--out")
+        result = self.run_swiftlet(*again, "first")
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("uav1: localization.global.map: expected a file outside of first", result.stderr)
+        self.assertEqual(saved.read_bytes(), before)
+        self.assertEqual(self.run_swiftlet(*again, "second").returncode, 0)
+
     def test_check_says_nothing_about_what_is_fine(self):
         for scenario in [self.scenario, *sorted((SOURCE / "scenarios").glob("*.yaml")),
                          *sorted((SOURCE / "scenarios/batch").glob("*.yaml"))]:
