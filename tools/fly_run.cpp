@@ -8,9 +8,6 @@
 
 #include "interrupt.hpp"
 #include "progress.hpp"
-#include "swiftlet/core/agent/stack.hpp"
-#include "swiftlet/core/slam/slam.hpp"
-#include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/run/run_directory.hpp"
 
@@ -38,27 +35,12 @@ void fly(sim::Simulation& simulation, bool quiet) {
   }
 }
 
-/// A map of an earlier flight that lies in the run directory would be lost with it, and nobody could fly the run again.
-void keep_saved_maps(const sim::Scenario& scenario, const fs::path& out) {
-  const fs::path directory = fs::weakly_canonical(out);
-  for (const sim::VehicleConfig& vehicle : scenario.vehicles) {
-    const auto* stack = dynamic_cast<const StackConfig*>(vehicle.agent.config.get());
-    const auto* slam = stack != nullptr ? dynamic_cast<const SlamConfig*>(stack->localization.config.get()) : nullptr;
-    if (slam == nullptr || slam->global.map.empty()) continue;
-    const fs::path map = fs::weakly_canonical(slam->global.map);
-    if (std::mismatch(directory.begin(), directory.end(), map.begin(), map.end()).first != directory.end()) continue;
-    throw sim::InputError(vehicle.name + ": localization.global.map: expected a file outside of " + out.string() +
-                          ", because the run replaces what is there, found " + slam->global.map);
-  }
-}
-
 }  // namespace
 
 FlownRun fly_run(const sim::Scenario& scenario, const fs::path& out, int threads, bool quiet,
                  const std::function<void(sim::Simulation&, const fs::path&)>& prepare) {
   const StopSignals guard;
-  keep_saved_maps(scenario, out);
-  sim::RunDirectory directory(out);
+  sim::RunDirectory directory(out, sim::named_files(scenario));
 
   const auto start = std::chrono::steady_clock::now();
   sim::Simulation simulation(scenario, threads);

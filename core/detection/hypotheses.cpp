@@ -296,37 +296,38 @@ void Hypotheses::begin(const LocalCloud& cloud) {
 // and its predicted place. The likeliest of them is weighed against all others and against strangers. Within the gate,
 // its state goes on.
 double Hypotheses::remember(Hypothesis& newborn, const Measurement& m) const {
-  double sum_per_m3 = 0.0, most_per_m3 = 0.0;
-  const Hypothesis* likeliest = nullptr;
+  /// How one of them meets the measurement.
+  struct Meeting {
+    const Hypothesis* of = nullptr;
+    Vector3 off_m;
+    Matrix3 S;
+    double squared = 0.0, here_per_m3 = 0.0;
+  };
+  double sum_per_m3 = 0.0;
+  Meeting likeliest;
   const auto weigh = [&](const Hypothesis& h) {
     if (!h.was_target || h.num_returns > 0) return;
     const Eigen::Matrix<double, 3, 6> H = position_at(to_seconds(m.t - h.t));
-    const Matrix3 S = H * h.covariance * H.transpose() + m.covariance;
-    const Vector3 off_m = m.p_local_m - H * h.mean;
-    const double here_per_m3 =
-        std::max(h.existence, kSilentTarget) * normal_density(off_m.dot(S.llt().solve(off_m)), S);
-    sum_per_m3 += here_per_m3;
-    if (here_per_m3 <= most_per_m3) return;
-    most_per_m3 = here_per_m3;
-    likeliest = &h;
+    Meeting meeting{&h, m.p_local_m - H * h.mean, H * h.covariance * H.transpose() + m.covariance};
+    meeting.squared = meeting.off_m.dot(meeting.S.llt().solve(meeting.off_m));
+    meeting.here_per_m3 = std::max(h.existence, kSilentTarget) * normal_density(meeting.squared, meeting.S);
+    sum_per_m3 += meeting.here_per_m3;
+    if (meeting.here_per_m3 > likeliest.here_per_m3) likeliest = meeting;
   };
   for (const Hypothesis& h : hypotheses_) weigh(h);
   for (const Hypothesis& h : hidden_) weigh(h);
-  if (!(most_per_m3 >= 0.5 * (sum_per_m3 + config_.target.strangers_per_m3))) return sum_per_m3;
-  const Hypothesis& h = *likeliest;
+  if (!(likeliest.here_per_m3 >= 0.5 * (sum_per_m3 + config_.target.strangers_per_m3))) return sum_per_m3;
+  if (likeliest.of == nullptr) return sum_per_m3;
+  const Hypothesis& h = *likeliest.of;
   newborn.heir_of = h.identity;
   newborn.rate = h.rate;
-  const double dt_s = to_seconds(m.t - h.t);
-  const Eigen::Matrix<double, 3, 6> H = position_at(dt_s);
-  const Matrix3 S = H * h.covariance * H.transpose() + m.covariance;
-  const Vector3 off_m = m.p_local_m - H * h.mean;
-  if (!(off_m.dot(S.llt().solve(off_m)) < kGate)) return sum_per_m3;
+  if (!(likeliest.squared < kGate)) return sum_per_m3;
   Matrix6 F = Matrix6::Identity();
-  F.topRightCorner<3, 3>() = dt_s * Matrix3::Identity();
+  F.topRightCorner<3, 3>() = to_seconds(m.t - h.t) * Matrix3::Identity();
   const Matrix6 P = F * h.covariance * F.transpose();
-  const Eigen::Matrix<double, 6, 3> K = P.leftCols<3>() * S.inverse();
-  newborn.mean = F * h.mean + K * off_m;
-  newborn.covariance = P - K * S * K.transpose();
+  const Eigen::Matrix<double, 6, 3> K = P.leftCols<3>() * likeliest.S.inverse();
+  newborn.mean = F * h.mean + K * likeliest.off_m;
+  newborn.covariance = P - K * likeliest.S * K.transpose();
   return sum_per_m3;
 }
 

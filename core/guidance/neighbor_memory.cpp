@@ -28,7 +28,7 @@ NeighborSourceConfig NeighborSourceConfig::forgetful() {
 void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.choice("source", source, {"sensor", "radio", "tracks", "none"},
            "[-] neighbors from a `neighbors` sensor (ideal: the truth), from their messages, or from the own tracks");
-  v.field("timeout_s", timeout_s, "[s] a neighbor that was in view for so long without being measured is forgotten",
+  v.field("timeout_s", timeout_s, "[s] a neighbor that the sensor looked for so long without measuring it is forgotten",
           Range::positive());
   v.field("acceleration_sigma_mps2", acceleration_sigma_mps2,
           "[m/s^2] how much a neighbor may maneuver (process noise of its filter)", Range::positive());
@@ -37,8 +37,10 @@ void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.field("unseen_speed_mps", unseen_speed_mps,
           "[m/s] by how much the place of one that is not measured becomes uncertain after the first second",
           Range::non_negative());
-  v.field("remember_hidden", remember_hidden,
-          "[-] the timeout counts only while the neighbor should be in view: one in the blind sector is not forgotten");
+  v.field(
+      "remember_hidden", remember_hidden,
+      "[-] the timeout counts only while the sensor looks where the neighbor should be: one in the blind sector is not "
+      "forgotten");
   v.field("predict", predict, "[-] positions are carried forward to now with the filtered velocity");
 }
 
@@ -69,7 +71,11 @@ void NeighborMemory::update(const GuidanceInput& input) {
     return;
   }
   const Pose T_body_local = input.estimate.T_local_body.inverse();
-  for (Filter& filter : filters_) filter.in_view = in_view(T_body_local * position_now_local_m(filter));
+  for (Filter& filter : filters_) {
+    const Vector3 p_body_m = T_body_local * position_now_local_m(filter);
+    filter.in_view = is_any(&NeighborView::contains, p_body_m);
+    filter.looked_at = is_any(&NeighborView::looks_at, p_body_m);
+  }
   forget(now);
   to_carry_ = true;
 }
@@ -119,9 +125,9 @@ Neighbor NeighborMemory::now_of(const Filter& filter) const {
   return neighbor;
 }
 
-bool NeighborMemory::in_view(const Vector3& p_body_m) const {
+bool NeighborMemory::is_any(bool (NeighborView::*sees)(const Vector3&) const, const Vector3& p_body_m) const {
   return views_.empty() ||
-         std::any_of(views_.begin(), views_.end(), [&](const NeighborView& view) { return view.contains(p_body_m); });
+         std::any_of(views_.begin(), views_.end(), [&](const NeighborView& view) { return (view.*sees)(p_body_m); });
 }
 
 void NeighborMemory::forget(TimeNs now) {
@@ -131,8 +137,9 @@ void NeighborMemory::forget(TimeNs now) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < filters_.size(); ++i) {
     if (filters_[i].in_view) filters_[i].missed += passed;
+    if (filters_[i].looked_at) filters_[i].sought += passed;
     longest_s_ = std::max(longest_s_, std::min(to_seconds(filters_[i].missed), kLongestInterval_s));
-    if ((config_.remember_hidden ? filters_[i].missed : now - filters_[i].seen) > timeout) continue;
+    if ((config_.remember_hidden ? filters_[i].sought : now - filters_[i].seen) > timeout) continue;
     if (kept < i) filters_[kept] = filters_[i];
     ++kept;
   }
@@ -187,7 +194,7 @@ void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position
   predict(filter, t);
   filter.seen = t;
   filter.own_local_m = own_local_m;
-  filter.missed = 0;
+  filter.missed = filter.sought = 0;
   const Matrix3 S = filter.P.topLeftCorner<3, 3>() + covariance;
   const Eigen::Matrix<double, 6, 3> K = filter.P.leftCols<3>() * S.inverse();
   filter.x += K * (position_local_m - filter.x.head<3>());

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/slam/closure.hpp"
-#include "swiftlet/core/ensure.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "swiftlet/core/ensure.hpp"
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 #include "swiftlet/core/localization/rotation.hpp"
 #include "swiftlet/core/math/angles.hpp"
@@ -37,6 +37,7 @@ constexpr double kLeastOff_m = 0.3;     // by which a guess may be off in any ca
 // may be that alone.
 constexpr double kOpenShare = 0.02;
 constexpr int kMostOpen = 1, kAllOpen = 6;           // directions of a pose
+constexpr double kMoves = 0.1;                       // meters a step of one: a direction with less of them only turns
 constexpr double kTurnedOff_deg = 1.0;               // the same of its attitude, one standard deviation
 constexpr double kCoarsest_m = 0.3, kFine_m = 0.03;  // of the first steps of a refinement
 constexpr double kApart_m = 0.1;                     // farther from each other, two places are not the same
@@ -202,32 +203,33 @@ struct NewerCloud {
 /// Places that the newer submap takes when it slides in the direction of which the surfaces tell least.
 struct Slide {
   PoseEvidence evidence;  // where it begins
+  Vector6 step;           // the direction
   std::vector<Pose> T_older_newer;
   std::vector<double> way_m;
   std::vector<int> num_near;  // points on surfaces
 
-  /// How far another place is from the line of all these.
+  /// How far another place is from the line of all these. A pure turn has none, and stays where it is.
   double off_it_m(const Pose& T) const {
     const Vector3 off_m = T.translation() - T_older_newer.front().translation();
-    const Vector3 along = Directions(evidence).step(0).head<3>().normalized();
+    if (step.head<3>().norm() < kMoves) return off_m.norm();
+    const Vector3 along = step.head<3>().normalized();
     return (off_m - off_m.dot(along) * along).norm();
   }
 };
 
 /// @param reach_m  to either side; it begins in the middle, and the nearer ones come first
 Slide slide_of(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer, double reach_m) {
+  ENSURE(std::isfinite(reach_m), reach_m);
   ScanFitter fitter;
   const auto fit_at = [&](const Pose& T) {
     return fitter.fit(surfaces, newer.fitted_m, T, matching_of(kFinest_m, kOpenShare));
   };
   const ScanFit fit = fit_at(T_older_newer);
-  Slide slide{fit.evidence, {T_older_newer}, {0.0}, {fit.num_near}};
-  ENSURE(std::isfinite(reach_m), reach_m);
-  const Vector6 step = Directions(fit.evidence).step(0);
+  Slide slide{fit.evidence, Directions(fit.evidence).step(0), {T_older_newer}, {0.0}, {fit.num_near}};
   const int num_steps = static_cast<int>(std::ceil(reach_m / kSlid_m));
   for (int i = 1; i <= num_steps; ++i) {
     for (const double way_m : {i * kSlid_m, -i * kSlid_m}) {
-      slide.T_older_newer.push_back(moved(T_older_newer, way_m * step));
+      slide.T_older_newer.push_back(moved(T_older_newer, way_m * slide.step));
       slide.way_m.push_back(way_m);
       slide.num_near.push_back(fit_at(slide.T_older_newer.back()).num_near);
     }

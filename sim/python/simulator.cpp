@@ -147,7 +147,7 @@ Simulator::Simulator(const ReadScenario& scenario, int threads, std::optional<si
     : world_(world ? *world : sim::build_world(scenario.scenario.world, scenario.scenario.seed_of_world())),
       commands_(std::make_shared<Commands>(scenario.scenario.vehicles.size())),
       simulation_(std::make_shared<sim::Simulation>(connected(scenario.scenario, commands_), threads, world_)),
-      directory_(out ? std::make_unique<sim::RunDirectory>(*out) : nullptr),
+      directory_(out ? std::make_unique<sim::RunDirectory>(*out, sim::named_files(scenario.scenario)) : nullptr),
       states_(states_of(simulation_)) {
   if (directory_) simulation_->attach_recorders(directory_->path());
   setup_wall_s_ = seconds_since(start_);

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -23,6 +24,20 @@ bool is_replaceable(const fs::path& directory) {
   if (!fs::exists(directory)) return true;
   if (!fs::is_directory(directory)) return false;
   return fs::is_empty(directory) || fs::exists(directory / "summary.json");
+}
+
+bool lies_in(const fs::path& path, const fs::path& directory) {
+  const fs::path above = fs::weakly_canonical(directory);
+  const fs::path below = fs::weakly_canonical(path);
+  return std::mismatch(above.begin(), above.end(), below.begin(), below.end()).first == above.end();
+}
+
+void keep(std::span<const NamedFile> inputs, const fs::path& destination) {
+  for (const NamedFile& input : inputs) {
+    if (!lies_in(input.path, destination)) continue;
+    throw InputError(input.key + ": expected a file outside of " + destination.string() +
+                     ", because the run replaces what is there, found " + input.path);
+  }
 }
 
 // Removes what killed runs of this name left behind; a partial directory whose process lives is left alone. An earlier
@@ -59,8 +74,10 @@ bool is_unsupported(const fs::filesystem_error& error) {
 
 }  // namespace
 
-RunDirectory::RunDirectory(fs::path destination) : destination_(fs::absolute(destination).lexically_normal()) {
+RunDirectory::RunDirectory(fs::path destination, std::span<const NamedFile> inputs)
+    : destination_(fs::absolute(destination).lexically_normal()) {
   if (!destination_.has_filename()) destination_ = destination_.parent_path();  // "runs/a/" names runs/a
+  keep(inputs, destination_);
   if (!is_replaceable(destination_)) {
     throw InputError(
         destination_.string() +

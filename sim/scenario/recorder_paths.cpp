@@ -9,10 +9,6 @@
 namespace swiftlet::sim {
 namespace {
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 std::string element(std::size_t index, const std::string& key) {
   return "recorders[" + std::to_string(index) + "]." + key;
 }

@@ -24,10 +24,6 @@ namespace {
 constexpr std::size_t kMaxVehicles = 10'000;
 constexpr const char* kNameRule = "a name of letters, digits, '_', '-' and '.' (it becomes a file name)";
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 std::string element(const char* list, std::size_t index, const char* key) {
   return std::string(list) + "[" + std::to_string(index) + "]." + key;
 }

@@ -75,4 +75,8 @@ std::string one_of(const std::vector<std::string>& words) {
   return text;
 }
 
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 }  // namespace swiftlet::sim

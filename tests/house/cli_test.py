@@ -120,7 +120,7 @@ class Cli(unittest.TestCase):
         again = (*flight[:-2], "--set", f"vehicles[0].agent.localization.global.map={saved}", "--out")
         result = self.run_swiftlet(*again, "first")
         self.assertEqual(result.returncode, 2, result.stderr)
-        self.assertIn("uav1: localization.global.map: expected a file outside of first", result.stderr)
+        self.assertIn("vehicles[0].agent.localization.global.map: expected a file outside of", result.stderr)
         self.assertEqual(saved.read_bytes(), before)
         self.assertEqual(self.run_swiftlet(*again, "second").returncode, 0)
 

@@ -21,9 +21,12 @@ struct NeighborView {
   double range_min_m = 0.0, range_max_m = std::numeric_limits<double>::infinity();
 
   /// Could it see a vehicle there, if nothing hides it?
-  bool contains(const Vector3& p_body_m) const {
+  bool contains(const Vector3& p_body_m) const { return p_body_m.norm() <= range_max_m && looks_at(p_body_m); }
+
+  /// Does it look there, as far as it sees or farther?
+  bool looks_at(const Vector3& p_body_m) const {
     const double range_m = p_body_m.norm();
-    if (range_m > range_max_m || range_m < range_min_m || range_m <= 0.0) return false;
+    if (range_m < range_min_m || range_m <= 0.0) return false;
     if (cones.empty()) {
       return p_body_m.z() >= sin_elevation_min * range_m && p_body_m.z() <= sin_elevation_max * range_m;
     }

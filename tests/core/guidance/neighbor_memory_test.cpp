@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "swiftlet/core/math/random.hpp"
@@ -193,6 +194,21 @@ TEST(NeighborMemory, OneInTheBlindSectorIsNotForgotten) {
   }
 }
 
+TEST(NeighborMemory, OneBeyondTheRangeIsForgottenButIsNoLostSample) {
+  NeighborSourceConfig config = from(Source::kSensor);
+  config.timeout_s = 0.5;
+  NeighborView near_ahead = ahead_only();
+  near_ahead.range_max_m = 10.0;
+  Listener listener(config, {near_ahead});
+  listener.sees(1, {10.5, 0.0, 0.0}, 1.0);   // ahead, just out of range
+  listener.sees(2, {-10.5, 0.0, 0.0}, 1.0);  // nobody looks there
+  for (int i = 0; i <= 5; ++i) EXPECT_EQ(listener.update(1.0 + 0.1 * i).size(), 2U);
+  const auto known = listener.update(1.6);
+  ASSERT_EQ(known.size(), 1U);
+  EXPECT_EQ(known[0].key, 2);
+  EXPECT_EQ(listener.memory.longest_s(), 0.0);
+}
+
 TEST(NeighborMemory, ThePlaceOfOneUnseenGrowsUncertainButStaysNear) {
   NeighborSourceConfig config = from(Source::kSensor);
   config.timeout_s = 100.0;
@@ -349,9 +365,14 @@ class PlainMemory {
       }
       neighbor.seen = from_seconds(filter.seen_s);
       neighbor.in_view = views_.empty();
-      for (const NeighborView& view : views_)
-        neighbor.in_view = neighbor.in_view || view.contains(T_local_body.inverse() * neighbor.position_local_m);
-      if (neighbor.in_view && last_s_ >= 0.0) filter.missed_s += now_s - last_s_;
+      bool looked_at = views_.empty();
+      const Vector3 p_body_m = T_local_body.inverse() * neighbor.position_local_m;
+      for (NeighborView view : views_) {
+        neighbor.in_view = neighbor.in_view || view.contains(p_body_m);
+        view.range_max_m = std::numeric_limits<double>::infinity();
+        looked_at = looked_at || view.contains(p_body_m);
+      }
+      if (looked_at && last_s_ >= 0.0) filter.missed_s += now_s - last_s_;
       const double unseen_s = c_.remember_hidden ? filter.missed_s : now_s - filter.seen_s;
       if (unseen_s > c_.timeout_s + 1e-9) {
         it = filters_.erase(it);

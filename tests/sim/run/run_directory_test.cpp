@@ -55,6 +55,17 @@ TEST_F(RunDirectoryTest, RefusesToReplaceAnythingElse) {
   EXPECT_TRUE(fs::exists(root_ / "thesis/chapter1.tex"));
 }
 
+TEST_F(RunDirectoryTest, ReplacesNoFileThatTheRunReads) {
+  fs::create_directories(root_ / "a/maps");
+  write_file(root_ / "a/summary.json", "{}");
+  write_file(root_ / "a/maps/uav1.slam", "an hour of flight");
+  const std::vector<NamedFile> inside = {{"map", root_ / "b/../a/maps/uav1.slam"}};
+  EXPECT_THROW(RunDirectory(root_ / "a", inside), InputError);
+  EXPECT_TRUE(fs::exists(root_ / "a/maps/uav1.slam"));
+  const std::vector<NamedFile> beside = {{"map", root_ / "ab/maps/uav1.slam"}};
+  EXPECT_NO_THROW(RunDirectory(root_ / "a", beside));
+}
+
 TEST_F(RunDirectoryTest, RemovesWhatAKilledRunLeftBehind) {
   fs::create_directories(root_ / ".a.partial-999999999");  // no process has this number
   RunDirectory run(root_ / "a");

@@ -41,8 +41,8 @@ struct Neighbor {
 };
 
 /// Keeps the neighbors of a mutual-localization sensor, of radio messages, or of tracks. Each has a Kalman filter of
-/// constant velocity. It is forgotten when it was not measured for a while although it was in view: one in the blind
-/// sector is still there.
+/// constant velocity. It is forgotten when it was not measured for a while although the sensor looked there: one in the
+/// blind sector is still there. One beyond the range is no other than those that were never seen.
 class NeighborMemory {
  public:
   /// @param views  of the sensors; none: all around
@@ -70,7 +70,9 @@ class NeighborMemory {
     TimeNs t = 0;  // of the state
     TimeNs seen = 0;
     TimeNs missed = 0;                      ///< for how long it was in view since then, unseen
+    TimeNs sought = 0;                      ///< the same with those times at which it was beyond the range
     bool in_view = true;                    ///< at the last update
+    bool looked_at = true;                  ///< at the last update
     Vector3 own_local_m = Vector3::Zero();  ///< of the own vehicle when it was seen
     Vector6 x = Vector6::Zero();
     Matrix6 P = Matrix6::Identity();
@@ -84,7 +86,7 @@ class NeighborMemory {
   Neighbor now_of(const Filter& filter) const;
   Vector3 position_now_local_m(const Filter& filter) const;
   void forget(TimeNs now);
-  bool in_view(const Vector3& p_body_m) const;
+  bool is_any(bool (NeighborView::*sees)(const Vector3&) const, const Vector3& p_body_m) const;
 
   NeighborSourceConfig config_;
   std::vector<NeighborView> views_;

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
+
+#include "swiftlet/sim/scenario/named_files.hpp"
 
 namespace swiftlet::sim {
 
@@ -12,7 +15,8 @@ class RunDirectory {
  public:
   /// @param destination  an earlier run there (a directory with a summary.json) is replaced at commit(); anything else
   ///                     that is not an empty directory throws InputError
-  explicit RunDirectory(std::filesystem::path destination);
+  /// @param inputs  what the run reads; one that lies in the destination would be lost with it: throws InputError
+  explicit RunDirectory(std::filesystem::path destination, std::span<const NamedFile> inputs = {});
   ~RunDirectory();  ///< without commit(): removes what was written
   RunDirectory(const RunDirectory&) = delete;
   RunDirectory& operator=(const RunDirectory&) = delete;

@@ -13,4 +13,6 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 /// `one of "a", "b", "c"`, shortened when there are many; `none` when there is nothing.
 std::string one_of(const std::vector<std::string>& words);
 
+bool contains(const std::vector<std::string>& names, const std::string& name);
+
 }  // namespace swiftlet::sim

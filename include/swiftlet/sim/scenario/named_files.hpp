@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "swiftlet/sim/scenario/scenario.hpp"
+
+namespace swiftlet::sim {
+
+/// An input file that a scenario names.
+struct NamedFile {
+  std::string key;   ///< "vehicles[0].agent.localization.global.map"
+  std::string path;  ///< never empty
+};
+
+/// All of them, in the order of their keys in the resolved scenario.
+std::vector<NamedFile> named_files(const Scenario& scenario);
+
+}  // namespace swiftlet::sim
