@@ -189,16 +189,19 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
 
   void find_team(const Observation& observation) {
     relatives_.clear();
-    if (!stages_.relative_localization) return;
-    begin(AgentStage::kRelativeLocalization);
-    stages_.relative_localization->step({.observation = observation,
-                                         .estimate = action_.estimate,
-                                         .poses = registrar_.poses(),
-                                         .detections = found_.detections,
-                                         .has_tracks = action_.has_tracks,
-                                         .tracks = tracks_,
-                                         .clouds = clouds_},
-                                        relatives_, outbox_);
+    if (stages_.relative_localization) {
+      begin(AgentStage::kRelativeLocalization);
+      stages_.relative_localization->step({.observation = observation,
+                                           .estimate = action_.estimate,
+                                           .poses = registrar_.poses(),
+                                           .detections = found_.detections,
+                                           .has_tracks = action_.has_tracks,
+                                           .tracks = tracks_,
+                                           .clouds = clouds_},
+                                          relatives_, outbox_);
+    } else if (stages_.tracker) {
+      stages_.tracker->append_relatives(observation.t, relatives_);
+    }
     for (const RelativeEstimate& r : relatives_) ENSURE(is_finite(r), r.other, r.position_m, r.velocity_mps, r.yaw_rad);
     for (const RelativeEstimate& r : relatives_) action_.relatives.push_back(to_world_.relative(r));
   }

@@ -13,6 +13,7 @@
 #include "swiftlet/core/messages/submap_descriptor.hpp"
 #include "swiftlet/core/messages/submap_places.hpp"
 #include "swiftlet/core/messages/submap_request.hpp"
+#include "swiftlet/core/messages/told_tracks.hpp"
 
 namespace swiftlet {
 namespace {
@@ -22,7 +23,7 @@ constexpr MessageKind kKinds[] = {
     message_kind<NeighborPosition>(), message_kind<OdometryReport>(), message_kind<GuidingPath>(),
     message_kind<MapRays>(),          message_kind<SharedPath>(),     message_kind<SubmapDescriptor>(),
     message_kind<SubmapPlaces>(),     message_kind<SubmapRequest>(),  message_kind<SubmapChunk>(),
-    message_kind<MapClosures>(),
+    message_kind<MapClosures>(),      message_kind<ToldTracks>(),
 };
 
 /// What recordings add to the content of a message.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/stages/trackers.hpp"
 
+#include "swiftlet/core/sharing/shared_tracks.hpp"
 #include "swiftlet/core/tracking/trackers.hpp"
 
 namespace swiftlet {
@@ -22,6 +23,10 @@ constexpr TrackerType kTrackerTypes[] = {
      need_scores},
     {{"detector", "tracks of a detector that tracks before it detects", make_module_config<DetectorTracksConfig>},
      make_detector_tracks,
+     need_scores},
+    {{"shared", "tracks of such detectors on several vehicles, told by radio and fused",
+      make_module_config<SharedTracksConfig>},
+     make_shared_tracks,
      need_scores},
     {{"ground_truth", "tracks from the mutual-localization sensor, an ideal one when there is none",
       make_module_config<GroundTruthTrackerConfig>},

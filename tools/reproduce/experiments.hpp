@@ -23,6 +23,7 @@ void detection_latencies(Experiment& experiment);  // detection_latencies.cpp
 void detection_beyond(Experiment& experiment);     // detection_beyond.cpp
 void detection_sparse(Experiment& experiment);     // detection_sparse.cpp
 void detection_small(Experiment& experiment);      // detection_small.cpp
+void detection_shared(Experiment& experiment);     // detection_shared.cpp
 
 void interception(Experiment& experiment);        // interception.cpp
 void interception_lidar(Experiment& experiment);  // interception_lidar.cpp

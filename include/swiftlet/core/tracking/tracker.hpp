@@ -32,6 +32,8 @@ class Tracker {
   virtual bool step(const TrackerInput& input, std::vector<Track>& tracks, Outbox& outbox) = 0;
   /// What its motion models believe of the tracks that it told last, in their order. None where it has one model.
   virtual void modes(std::vector<TrackModes>& modes) const { modes.clear(); }
+  /// Where other observers are with whom it shares tracks, as of now; none otherwise. Local frame.
+  virtual void append_relatives(TimeNs /*t*/, std::vector<RelativeEstimate>& /*relatives*/) const {}
   /// What did not fit its settings so far.
   virtual void append_counters(std::vector<Counter>& /*counters*/) const {}
 };

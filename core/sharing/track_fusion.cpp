@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/sharing/track_fusion.hpp"
+
+#include <algorithm>
+
+namespace swiftlet {
+namespace {
+
+constexpr std::ptrdiff_t kMostKeys = 64;  // identities that one target had at all observers; the newest count
+
+}  // namespace
+
+void TrackFusionConfig::visit(ConfigVisitor& v) {
+  v.field("told_existence", told_existence, "[-] targets that exist with at least this probability are told",
+          Range::probability());
+  v.field("prior_existence", prior_existence,
+          "[-] probability that there is a target where one is told, before anybody looks", Range{0.0, 1.0, true, true});
+  v.field("common_clutter", common_clutter,
+          "[-] share of false tracks that all observers have together; 1: a second one makes nothing surer",
+          Range{0.0, 1.0, true});
+  v.field("gate_sq", gate_sq,
+          "[-] squared statistical distance of position and velocity up to which two tracks may be of one target",
+          Range::positive());
+  v.field("merge_sq", merge_sq, "[-] and up to which they are", Range::positive());
+  v.field("break_sq", break_sq, "[-] and beyond which they no longer are", Range::positive());
+  v.field("margin", margin,
+          "[-] twice the logarithm of how many times likelier a partner has to be than the next one",
+          Range::non_negative());
+  v.field("sure_m", sure_m, "[m] standard deviation of a distance, up to which it tells that two are one",
+          Range::positive());
+  v.field("confirmations", confirmations, "[-] times, one after the other, that two have to agree",
+          Range::between(1, 100));
+  v.field("doubt_s", doubt_s, "[s] after which those that may be one, but do not agree, are two",
+          Range::non_negative());
+  v.field("remember_s", remember_s, "[s] that the identity of a target is kept when nobody tells of it",
+          Range::non_negative());
+  v.check(merge_sq <= gate_sq, "merge_sq", "at most gate_sq");
+  v.check(gate_sq <= break_sq, "break_sq", "at least gate_sq");
+}
+
+void TrackFusion::update(TimeNs t, std::span<const ObservedTrack> observed) {
+  attach(observed);
+  separate(observed);
+  for (Target& target : targets_) {
+    target.held_back = false;
+    if (target.members.empty()) continue;
+    target.last = t;
+    fuse(target, observed);
+  }
+  std::erase_if(targets_, [&](const Target& target) { return t - target.last > from_seconds(config_.remember_s); });
+  find_pairs(t, observed);
+  join(observed);
+  hold_back(observed);
+  std::erase_if(targets_, [](const Target& target) { return target.keys.empty(); });  // they went into others
+  tell();
+}
+
+TrackFusion::Target& TrackFusion::begin(const Key& key) {
+  Target& target = targets_.emplace_back();
+  target.serial = next_serial_++;
+  target.keys.push_back(key);
+  return target;
+}
+
+/// Every track goes to its target; what is unknown begins a target of its own.
+void TrackFusion::attach(std::span<const ObservedTrack> observed) {
+  for (Target& target : targets_) target.members.clear();
+  for (std::size_t i = 0; i < observed.size(); ++i) {
+    const Key key{observed[i].observer, observed[i].identity};
+    const auto known = std::find_if(targets_.begin(), targets_.end(), [&](const Target& target) {
+      return std::find(target.keys.begin(), target.keys.end(), key) != target.keys.end();
+    });
+    (known != targets_.end() ? *known : begin(key)).members.push_back(i);
+  }
+}
+
+/// What no longer agrees with the other tracks of its target leaves it, the worst first. So does a second track of one
+/// observer: an identity that had been forgotten has come back.
+void TrackFusion::separate(std::span<const ObservedTrack> observed) {
+  for (std::size_t k = 0; k < targets_.size(); ++k) {
+    while (const auto leaves = misfit(targets_[k], observed)) {
+      Target& target = targets_[k];
+      const std::size_t track = target.members[*leaves];
+      const Key key{observed[track].observer, observed[track].identity};
+      target.members.erase(target.members.begin() + static_cast<std::ptrdiff_t>(*leaves));
+      std::erase(target.keys, key);
+      ++num_broken_;
+      begin(key).members.push_back(track);
+    }
+  }
+}
+
+/// The member that has to leave, if one has. Of two that disagree, it is that of the later observer.
+std::optional<std::size_t> TrackFusion::misfit(const Target& target, std::span<const ObservedTrack> observed) const {
+  const auto observer = [&](std::size_t m) { return observed[target.members[m]].observer; };
+  const std::size_t count = target.members.size();
+  const auto has_twin = [&](std::size_t m) {
+    for (std::size_t n = 0; n < count; ++n) {
+      if (n != m && observer(n) == observer(m)) return true;
+    }
+    return false;
+  };
+  bool any_twins = false;
+  for (std::size_t m = 0; m < count; ++m) any_twins = any_twins || has_twin(m);
+  std::optional<std::size_t> worst;
+  double farthest = 0.0;
+  for (std::size_t m = 0; m < count; ++m) {
+    if (any_twins && !has_twin(m)) continue;
+    std::vector<MotionEstimate> others;
+    for (std::size_t n = 0; n < count; ++n) {
+      if (observer(n) != observer(m)) others.push_back(observed[target.members[n]].estimate);
+    }
+    const double off =
+        others.empty()
+            ? 0.0
+            : disagreement(observed[target.members[m]].estimate, covariance_intersection(others)).squared_sigmas;
+    if (off < farthest) continue;
+    worst = m;
+    farthest = off;
+  }
+  if (!any_twins && farthest <= config_.break_sq) return std::nullopt;
+  return worst;
+}
+
+void TrackFusion::fuse(Target& target, std::span<const ObservedTrack> observed) const {
+  std::vector<MotionEstimate> estimates;
+  std::vector<double> existences;
+  for (const std::size_t m : target.members) {
+    estimates.push_back(observed[m].estimate);
+    existences.push_back(observed[m].existence);
+  }
+  target.estimate = covariance_intersection(estimates);
+  target.existence = joint_existence(existences, config_.prior_existence, config_.common_clutter);
+}
+
+bool TrackFusion::disjoint(const Target& a, const Target& b, std::span<const ObservedTrack> observed) const {
+  for (const std::size_t m : a.members) {
+    for (const std::size_t n : b.members) {
+      if (observed[m].observer == observed[n].observer) return false;
+    }
+  }
+  return true;
+}
+
+void TrackFusion::find_pairs(TimeNs t, std::span<const ObservedTrack> observed) {
+  pairs_.clear();
+  for (std::size_t a = 0; a < targets_.size(); ++a) {
+    for (std::size_t b = a + 1; b < targets_.size(); ++b) {
+      if (targets_[a].members.empty() || targets_[b].members.empty()) continue;
+      if (!disjoint(targets_[a], targets_[b], observed)) continue;
+      const Disagreement found = disagreement(targets_[a].estimate, targets_[b].estimate);
+      if (found.squared_sigmas <= config_.gate_sq) pairs_.push_back({a, b, found, true});
+    }
+  }
+  for (Suspicion& suspicion : suspicions_) suspicion.now = false;
+  for (Pair& pair : pairs_) {
+    const std::uint32_t first = targets_[pair.a].serial, second = targets_[pair.b].serial;
+    auto known = std::find_if(suspicions_.begin(), suspicions_.end(), [&](const Suspicion& s) {
+      return s.first == first && s.second == second;
+    });
+    if (known == suspicions_.end()) known = suspicions_.insert(known, {first, second, t, 0, true});
+    known->now = true;
+    const bool agrees = pair.disagreement.squared_sigmas <= config_.merge_sq;
+    const bool is_sure = agrees && pair.disagreement.position_sigma_m <= config_.sure_m && is_likeliest(pair);
+    known->agreed = is_sure ? known->agreed + 1 : 0;
+    if (agrees) known->since = t;
+    pair.is_open = t - known->since <= from_seconds(config_.doubt_s);
+  }
+  std::erase_if(suspicions_, [](const Suspicion& suspicion) { return !suspicion.now; });
+}
+
+/// No other pair of either is nearly as likely.
+bool TrackFusion::is_likeliest(const Pair& pair) const {
+  return std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& other) {
+    if (&other == &pair) return false;
+    return are_rivals(pair, other) &&
+           other.disagreement.unlikelihood < pair.disagreement.unlikelihood + config_.margin;
+  });
+}
+
+/// They share a target, and what they would join it to can't be one thing. A third observer's track of the same target
+/// is no rival: both may join, one after the other.
+bool TrackFusion::are_rivals(const Pair& pair, const Pair& other) const {
+  std::size_t x = 0, y = 0;
+  if (other.a == pair.a) {
+    x = pair.b, y = other.b;
+  } else if (other.b == pair.b) {
+    x = pair.a, y = other.a;
+  } else if (other.a == pair.b) {
+    x = pair.a, y = other.b;
+  } else if (other.b == pair.a) {
+    x = pair.b, y = other.a;
+  } else {
+    return false;
+  }
+  return std::none_of(pairs_.begin(), pairs_.end(),
+                      [&](const Pair& p) { return p.a == std::min(x, y) && p.b == std::max(x, y); });
+}
+
+void TrackFusion::join(std::span<const ObservedTrack> observed) {
+  std::vector<char> touched(targets_.size(), 0);
+  for (const Pair& pair : pairs_) {
+    if (touched[pair.a] || touched[pair.b]) continue;
+    const auto suspicion = std::find_if(suspicions_.begin(), suspicions_.end(), [&](const Suspicion& s) {
+      return s.first == targets_[pair.a].serial && s.second == targets_[pair.b].serial;
+    });
+    if (suspicion == suspicions_.end() || suspicion->agreed < config_.confirmations) continue;
+    touched[pair.a] = touched[pair.b] = 1;
+    Target &kept = targets_[pair.a], &gone = targets_[pair.b];
+    kept.keys.insert(kept.keys.end(), gone.keys.begin(), gone.keys.end());
+    if (std::ssize(kept.keys) > kMostKeys) kept.keys.erase(kept.keys.begin(), kept.keys.end() - kMostKeys);
+    kept.members.insert(kept.members.end(), gone.members.begin(), gone.members.end());
+    std::sort(kept.members.begin(), kept.members.end());
+    if (kept.id == 0 || (gone.id != 0 && gone.id < kept.id)) kept.id = gone.id;
+    gone.members.clear();
+    gone.keys.clear();
+    fuse(kept, observed);
+    ++num_joined_;
+  }
+}
+
+/// Groups of targets that may be one with each other: each is told as its best observer sees it.
+void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
+  std::vector<std::size_t> group(targets_.size());
+  for (std::size_t k = 0; k < group.size(); ++k) group[k] = k;
+  const auto root = [&](std::size_t k) {
+    while (group[k] != k) k = group[k];
+    return k;
+  };
+  for (const Pair& pair : pairs_) {
+    const bool both = !targets_[pair.a].members.empty() && !targets_[pair.b].members.empty();
+    if (!both || !pair.is_open) continue;
+    const std::size_t a = root(pair.a), b = root(pair.b);
+    group[std::max(a, b)] = std::min(a, b);
+  }
+  for (std::size_t first = 0; first < group.size(); ++first) {
+    if (root(first) != first) continue;
+    // How many of them each observer sees that are likely enough to be told, and how many have been.
+    struct Count {
+      VehicleId observer;
+      int likely = 0, told = 0;
+    };
+    std::vector<Count> counts;
+    std::size_t size = 0;
+    for (std::size_t k = first; k < group.size(); ++k) {
+      if (root(k) != first || targets_[k].members.empty()) continue;
+      ++size;
+      for (const std::size_t m : targets_[k].members) {
+        auto count = std::find_if(counts.begin(), counts.end(),
+                                  [&](const Count& c) { return c.observer == observed[m].observer; });
+        if (count == counts.end()) count = counts.insert(count, {observed[m].observer, 0, 0});
+        count->likely += targets_[k].existence >= config_.told_existence;
+        count->told += targets_[k].id != 0;
+      }
+    }
+    if (size < 2) continue;
+    // What has been told goes on; then the first observer of `observed` wins a tie.
+    const auto order = [&](VehicleId observer) {
+      return std::find_if(observed.begin(), observed.end(),
+                          [&](const ObservedTrack& o) { return o.observer == observer; }) -
+             observed.begin();
+    };
+    const auto best = std::min_element(counts.begin(), counts.end(), [&](const Count& x, const Count& y) {
+      if (x.likely != y.likely) return x.likely > y.likely;
+      return x.told != y.told ? x.told > y.told : order(x.observer) < order(y.observer);
+    });
+    for (std::size_t k = first; k < group.size(); ++k) {
+      if (root(k) != first || targets_[k].members.empty()) continue;
+      targets_[k].held_back = std::none_of(targets_[k].members.begin(), targets_[k].members.end(), [&](std::size_t m) {
+        return observed[m].observer == best->observer;
+      });
+      num_held_back_ += targets_[k].held_back;
+    }
+  }
+}
+
+void TrackFusion::tell() {
+  told_.clear();
+  for (Target& target : targets_) {
+    if (target.members.empty() || target.held_back || target.existence < config_.told_existence) continue;
+    if (target.id == 0) target.id = next_id_++;
+    told_.push_back({target.id, target.estimate, target.existence, target.members});
+  }
+  std::sort(told_.begin(), told_.end(), [](const FusedTrack& a, const FusedTrack& b) { return a.id < b.id; });
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "swiftlet/core/frames.hpp"
+
+namespace swiftlet {
+
+/// What its sender sees flying, by its own sensors alone, and where it is itself. All of it lies in the sender's local
+/// frame, which drifts. What was heard of others is never told again. So nothing comes back to where it came from.
+struct ToldTracks {
+  static constexpr const char* kTopic = "told_tracks";
+  static constexpr int kVersion = 1;
+  static constexpr const char* kDoc = "what flies near its sender, and where it is itself, in its own local frame";
+
+  /// A track of 120 bytes. Single precision is a tenth of a millimeter at a kilometer.
+  struct Told {
+    std::uint32_t identity = 0;
+    float age_s = 0.0F;
+    float existence = 0.0F;
+    Eigen::Vector3f p_local_m = Eigen::Vector3f::Zero();
+    Eigen::Vector3f v_local_mps = Eigen::Vector3f::Zero();
+    Eigen::Matrix<float, 6, 6> covariance = Eigen::Matrix<float, 6, 6>::Identity();
+
+    static void visit(auto& t, auto& v) {
+      v.field("identity", t.identity, "[-] its identity at the sender");
+      v.field("age_s", t.age_s, "[s] how long before the message's instant it holds");
+      v.field("existence", t.existence, "[-] probability that it exists");
+      v.field("*_m", t.p_local_m, "[m] position in the sender's local frame");
+      v.field("v*_mps", t.v_local_mps, "[m/s] velocity, in the axes of that frame");
+      v.covariance("cov_*_m2", t.covariance, "[m^2] covariance of position and velocity");
+    }
+  };
+
+  TimeNs t = 0;
+  Vector3 p_local_m = Vector3::Zero();
+  Vector3 v_local_mps = Vector3::Zero();
+  double yaw_rad = 0.0;
+  double yaw_rate_radps = 0.0;
+  std::vector<Told> tracks;
+
+  static void visit(auto& m, auto& v) {
+    v.time("t_s", m.t, "[s] when the sender was there, by its clock");
+    v.field("*_m", m.p_local_m, "[m] where it was, in its own local frame");
+    v.field("v*_mps", m.v_local_mps, "[m/s] its velocity, in the axes of that frame");
+    v.field("yaw_rad", m.yaw_rad, "[rad] its heading there");
+    v.field("yaw_rate_radps", m.yaw_rate_radps, "[rad/s] rate of the heading");
+    v.list("num_tracks", m.tracks,
+           "[-] tracks: identity, age [s], existence, position [m], velocity [m/s] and their covariance");
+  }
+};
+
+}  // namespace swiftlet
