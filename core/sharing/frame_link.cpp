@@ -13,10 +13,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kMaxDisagreements = 4;
+constexpr int kMaxDisagreements = 3;
 constexpr double kDisagreement_sigma_sq = 30.0;  // 1 in 200 000 by chance, with four degrees of freedom
 constexpr int kLeastPairs = 8;                   // of a fit, spaced so that their errors are new ones
-constexpr int kCompareEvery = 4;                 // instants, once the filter goes
+constexpr int kCompareEvery = 2;                 // instants, once the filter goes
 
 Matrix3 turn_about_up(double yaw_rad) {
   const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
@@ -92,6 +92,8 @@ void FrameLinkConfig::visit(ConfigVisitor& v) {
   v.field("min_spread_m", min_spread_m, "[m] RMS distance of a path from its middle, in the plane", Range::positive());
   v.field("min_bend_m", min_bend_m,
           "[m] RMS distance of a path from a straight motion of constant velocity: straight ones all look alike",
+          Range::positive());
+  v.field("bend_sigmas", bend_sigmas, "[-] and the same in standard deviations of what is known of it",
           Range::positive());
   v.field("alone_s", alone_s, "[s] of a path that is alone in saying where the other frame lies", Range::positive());
   v.field("residual_sigma_max", residual_sigma_max,
@@ -189,7 +191,8 @@ std::optional<FrameAlignment> FrameLink::found_by_paths(const OtherMotion& ancho
     if (m.friends.size() != n.friends.size()) return m.friends.size() < n.friends.size();
     return m.duration_s < n.duration_s;
   });
-  if (best->friends.size() == 1 && best->duration_s < config_.alone_s) return std::nullopt;
+  const bool is_telling = best->duration_s >= config_.alone_s && best->bends >= 2.0 * config_.bend_sigmas;
+  if (best->friends.size() == 1 && !is_telling) return std::nullopt;
   const bool in_doubt = std::any_of(matches.begin(), matches.end(), [&](const Match& m) {
     return m.friends.size() >= best->friends.size() && !agree(m, *best);
   });
@@ -218,8 +221,9 @@ void FrameLink::append_pairs(std::size_t own, std::size_t other, double yaw_rad,
     const auto seen = own_paths_[own]->at(s->t, config_.gap_max_s);
     if (!seen) continue;
     next = s->t - from_seconds(config_.interval_s);
-    pairs.push_back({s->t, seen->p_m, seen->covariance + R * s->covariance * R.transpose() + common_sq * Matrix3::Identity(),
-                     s->p_m, s->v_mps, 0.0, sum_of(seen->flown, s->flown)});
+    pairs.push_back({s->t, seen->p_m,
+                     seen->covariance + R * s->covariance * R.transpose() + common_sq * Matrix3::Identity(), s->p_m,
+                     s->v_mps, 0.0, sum_of(seen->flown, s->flown)});
   }
   std::reverse(pairs.begin() + static_cast<std::ptrdiff_t>(first), pairs.end());
 }
@@ -241,7 +245,12 @@ std::optional<FrameLink::Match> FrameLink::match(std::size_t own, std::size_t ot
     weights.push_back(3.0 / (covariance_local.back().trace() + s.covariance.trace()));
   }
   if (static_cast<int>(weights.size()) < config_.min_samples) return std::nullopt;
-  if (spread_m(local_m) < config_.min_spread_m || bend_m(local_m, t_s) < config_.min_bend_m) return std::nullopt;
+  const double bent_m = bend_m(local_m, t_s);
+  if (spread_m(local_m) < config_.min_spread_m || bent_m < config_.min_bend_m) return std::nullopt;
+  double variance_m2 = 0.0;  // by axis
+  for (const double weight : weights) variance_m2 += 1.0 / weight / static_cast<double>(weights.size());
+  const double bends = bent_m / std::sqrt(variance_m2);
+  if (bends < config_.bend_sigmas) return std::nullopt;
   const auto closed = align_in_closed_form(local_m, other_m, weights);
   if (!closed) return std::nullopt;
   const Matrix3 R = turn_about_up(closed->yaw_rad);
@@ -251,7 +260,8 @@ std::optional<FrameLink::Match> FrameLink::match(std::size_t own, std::size_t ot
     const Matrix3 S = covariance_local[i] + R * covariance_other[i] * R.transpose();
     squared += left_m.dot(S.llt().solve(left_m));
   }
-  if (std::sqrt(squared / (3.0 * static_cast<double>(weights.size()))) > config_.residual_sigma_max) return std::nullopt;
+  if (std::sqrt(squared / (3.0 * static_cast<double>(weights.size()))) > config_.residual_sigma_max)
+    return std::nullopt;
 
   std::vector<AlignmentPair> pairs;
   append_pairs(own, other, closed->yaw_rad, pairs);
@@ -259,7 +269,7 @@ std::optional<FrameLink::Match> FrameLink::match(std::size_t own, std::size_t ot
   for (const AlignmentPair& pair : pairs) fit.push(pair);
   const auto& found = fit.fit(anchor, {});
   if (!found) return std::nullopt;
-  return Match{own, other, *found, t_s.back() - t_s.front(), {}};
+  return Match{own, other, *found, t_s.back() - t_s.front(), bends, {}};
 }
 
 // ---- from there on

@@ -25,8 +25,8 @@ void SampledPath::forget_before(TimeNs t) {
 }
 
 std::optional<PathSample> SampledPath::at(TimeNs t, double gap_max_s) const {
-  const auto after =
-      std::lower_bound(samples_.begin(), samples_.end(), t, [](const PathSample& s, TimeNs time) { return s.t < time; });
+  const auto after = std::lower_bound(samples_.begin(), samples_.end(), t,
+                                      [](const PathSample& s, TimeNs time) { return s.t < time; });
   if (after == samples_.end()) return std::nullopt;
   if (after->t == t) return *after;
   if (after == samples_.begin()) return std::nullopt;
@@ -62,8 +62,8 @@ bool ObserverHistory::push_self(TimeNs t, const Vector3& p_local_m, const Vector
   return self_.push(sample);
 }
 
-void ObserverHistory::push_track(std::uint32_t identity, TimeNs t, const Vector3& p_local_m,
-                                 const Vector3& v_local_mps, const Matrix3& covariance) {
+void ObserverHistory::push_track(std::uint32_t identity, TimeNs t, const Vector3& p_local_m, const Vector3& v_local_mps,
+                                 const Matrix3& covariance) {
   auto seen = std::lower_bound(seen_.begin(), seen_.end(), identity,
                                [](const Seen& s, std::uint32_t id) { return s.identity < id; });
   if (seen == seen_.end() || seen->identity != identity) seen = seen_.insert(seen, {identity, {}});

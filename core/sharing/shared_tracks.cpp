@@ -15,13 +15,13 @@
 namespace swiftlet {
 namespace {
 
-constexpr TimeNs kOwnPeriod = kNsPerSecond / 10;   // of what is remembered of the own place
-constexpr TimeNs kAhead = kNsPerSecond / 10;       // a message may be so far in the future: clocks are not the same
-constexpr TimeNs kRestart = 5 * kNsPerSecond;      // a sender that goes back in time so far has begun anew
-constexpr double kBody_sq = 22.5;                  // of six degrees of freedom: a track is an observer
-constexpr double kNotBody_sq = 40.0;               // and no longer is
-constexpr double kOwnVelocity_sigma_mps = 0.1;     // of what an observer knows of its own
-constexpr double kFresh_s = 0.3;                   // a track that was told so lately was seen "now"
+constexpr TimeNs kOwnPeriod = kNsPerSecond / 10;  // of what is remembered of the own place
+constexpr TimeNs kAhead = kNsPerSecond / 10;      // a message may be so far in the future: clocks are not the same
+constexpr TimeNs kRestart = 5 * kNsPerSecond;     // a sender that goes back in time so far has begun anew
+constexpr double kBody_sq = 22.5;                 // of six degrees of freedom: a track is an observer
+constexpr double kNotBody_sq = 40.0;              // and no longer is
+constexpr double kOwnVelocity_sigma_mps = 0.1;    // of what an observer knows of its own
+constexpr double kFresh_s = 0.3;                  // a track that was told so lately was seen "now"
 constexpr double kHeadingNoise_rad = 0.01;
 
 bool is_covariance(const Matrix6& C) {
@@ -92,8 +92,8 @@ class SharedTracks : public Tracker {
     counters.push_back({"messages of tracks that came after a newer one", num_overtaken_, num_heard_, "rate_hz"});
     counters.push_back({"messages of tracks that could not be read", num_unreadable_, num_heard_, "rate_hz"});
     counters.push_back({"tracks that were not told because there were too many", num_untold_, num_own_, "max_told"});
-    counters.push_back({"losses of another observer's frame", num_lost, std::max(num_starts, num_lost),
-                        "frame.position_sigma_max_m"});
+    counters.push_back(
+        {"losses of another observer's frame", num_lost, std::max(num_starts, num_lost), "frame.position_sigma_max_m"});
     counters.push_back({"targets told together that turned out to be two", fusion_.num_broken(), fusion_.num_joined(),
                         "fusion.merge_sq"});
   }
@@ -265,9 +265,8 @@ class SharedTracks : public Tracker {
   }
 
   std::vector<Body>::iterator body_of(const ObservedTrack& o) {
-    return std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& body) {
-      return body.observer == o.observer && body.identity == o.identity;
-    });
+    return std::find_if(bodies_.begin(), bodies_.end(),
+                        [&](const Body& body) { return body.observer == o.observer && body.identity == o.identity; });
   }
 
   void mark(VehicleId vehicle, const MotionEstimate& place, TimeNs t) {
@@ -322,13 +321,14 @@ class SharedTracks : public Tracker {
 
   void add_member(const ObservedTrack& member, Track& track) const {
     if (member.observer != self_) {
-      const auto peer = std::find_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.id == member.observer; });
+      const auto peer =
+          std::find_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.id == member.observer; });
       track.corrected = track.corrected || to_seconds(t_ - peer->newest) <= kFresh_s;
       ++track.num_detections;
       return;
     }
-    const auto own = std::find_if(own_tracks_.begin(), own_tracks_.end(),
-                                  [&](const Track& t) { return t.id == member.identity; });
+    const auto own =
+        std::find_if(own_tracks_.begin(), own_tracks_.end(), [&](const Track& t) { return t.id == member.identity; });
     track.num_detections += own->num_detections;
     track.reflectivity = own->reflectivity;
     if (!own->corrected) return;

@@ -14,7 +14,8 @@ void TrackFusionConfig::visit(ConfigVisitor& v) {
   v.field("told_existence", told_existence, "[-] targets that exist with at least this probability are told",
           Range::probability());
   v.field("prior_existence", prior_existence,
-          "[-] probability that there is a target where one is told, before anybody looks", Range{0.0, 1.0, true, true});
+          "[-] probability that there is a target where one is told, before anybody looks",
+          Range{0.0, 1.0, true, true});
   v.field("common_clutter", common_clutter,
           "[-] share of false tracks that all observers have together; 1: a second one makes nothing surer",
           Range{0.0, 1.0, true});
@@ -23,12 +24,11 @@ void TrackFusionConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("merge_sq", merge_sq, "[-] and up to which they are", Range::positive());
   v.field("break_sq", break_sq, "[-] and beyond which they no longer are", Range::positive());
-  v.field("margin", margin,
-          "[-] twice the logarithm of how many times likelier a partner has to be than the next one",
+  v.field("margin", margin, "[-] twice the logarithm of how many times likelier a partner has to be than the next one",
           Range::non_negative());
   v.field("sure_m", sure_m, "[m] standard deviation of a distance, up to which it tells that two are one",
           Range::positive());
-  v.field("confirmations", confirmations, "[-] times, one after the other, that two have to agree",
+  v.field("confirmations", confirmations, "[-] times that two have to agree, less those that they do not",
           Range::between(1, 100));
   v.field("doubt_s", doubt_s, "[s] after which those that may be one, but do not agree, are two",
           Range::non_negative());
@@ -155,14 +155,13 @@ void TrackFusion::find_pairs(TimeNs t, std::span<const ObservedTrack> observed) 
   for (Suspicion& suspicion : suspicions_) suspicion.now = false;
   for (Pair& pair : pairs_) {
     const std::uint32_t first = targets_[pair.a].serial, second = targets_[pair.b].serial;
-    auto known = std::find_if(suspicions_.begin(), suspicions_.end(), [&](const Suspicion& s) {
-      return s.first == first && s.second == second;
-    });
+    auto known = std::find_if(suspicions_.begin(), suspicions_.end(),
+                              [&](const Suspicion& s) { return s.first == first && s.second == second; });
     if (known == suspicions_.end()) known = suspicions_.insert(known, {first, second, t, 0, true});
     known->now = true;
     const bool agrees = pair.disagreement.squared_sigmas <= config_.merge_sq;
     const bool is_sure = agrees && pair.disagreement.position_sigma_m <= config_.sure_m && is_likeliest(pair);
-    known->agreed = is_sure ? known->agreed + 1 : 0;
+    known->agreed = std::max(0, known->agreed + (is_sure ? 1 : -1));
     if (agrees) known->since = t;
     pair.is_open = t - known->since <= from_seconds(config_.doubt_s);
   }
@@ -173,8 +172,7 @@ void TrackFusion::find_pairs(TimeNs t, std::span<const ObservedTrack> observed) 
 bool TrackFusion::is_likeliest(const Pair& pair) const {
   return std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& other) {
     if (&other == &pair) return false;
-    return are_rivals(pair, other) &&
-           other.disagreement.unlikelihood < pair.disagreement.unlikelihood + config_.margin;
+    return are_rivals(pair, other) && other.disagreement.unlikelihood < pair.disagreement.unlikelihood + config_.margin;
   });
 }
 
@@ -211,6 +209,7 @@ void TrackFusion::join(std::span<const ObservedTrack> observed) {
     if (std::ssize(kept.keys) > kMostKeys) kept.keys.erase(kept.keys.begin(), kept.keys.end() - kMostKeys);
     kept.members.insert(kept.members.end(), gone.members.begin(), gone.members.end());
     std::sort(kept.members.begin(), kept.members.end());
+    kept.was_told = kept.was_told || gone.was_told;
     if (kept.id == 0 || (gone.id != 0 && gone.id < kept.id)) kept.id = gone.id;
     gone.members.clear();
     gone.keys.clear();
@@ -235,7 +234,7 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
   }
   for (std::size_t first = 0; first < group.size(); ++first) {
     if (root(first) != first) continue;
-    // How many of them each observer sees that are likely enough to be told, and how many have been.
+    // How many of them each observer sees that are likely enough to be told, and how many were a moment ago.
     struct Count {
       VehicleId observer;
       int likely = 0, told = 0;
@@ -250,7 +249,7 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
                                   [&](const Count& c) { return c.observer == observed[m].observer; });
         if (count == counts.end()) count = counts.insert(count, {observed[m].observer, 0, 0});
         count->likely += targets_[k].existence >= config_.told_existence;
-        count->told += targets_[k].id != 0;
+        count->told += targets_[k].was_told;
       }
     }
     if (size < 2) continue;
@@ -266,9 +265,8 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
     });
     for (std::size_t k = first; k < group.size(); ++k) {
       if (root(k) != first || targets_[k].members.empty()) continue;
-      targets_[k].held_back = std::none_of(targets_[k].members.begin(), targets_[k].members.end(), [&](std::size_t m) {
-        return observed[m].observer == best->observer;
-      });
+      targets_[k].held_back = std::none_of(targets_[k].members.begin(), targets_[k].members.end(),
+                                           [&](std::size_t m) { return observed[m].observer == best->observer; });
       num_held_back_ += targets_[k].held_back;
     }
   }
@@ -277,7 +275,8 @@ void TrackFusion::hold_back(std::span<const ObservedTrack> observed) {
 void TrackFusion::tell() {
   told_.clear();
   for (Target& target : targets_) {
-    if (target.members.empty() || target.held_back || target.existence < config_.told_existence) continue;
+    target.was_told = !target.members.empty() && !target.held_back && target.existence >= config_.told_existence;
+    if (!target.was_told) continue;
     if (target.id == 0) target.id = next_id_++;
     told_.push_back({target.id, target.estimate, target.existence, target.members});
   }

@@ -19,7 +19,7 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr std::uint64_t kFirstSharedSeed = 501;  // of flights on which nothing was tuned
+constexpr std::uint64_t kFirstSharedSeed = 511;  // of flights on which nothing was tuned
 constexpr double kKnown_s = 25.0;                // by then frames should be known
 constexpr double kRangeBin_m = 10.0, kFarthestRange_m = 70.0;
 const std::vector<std::size_t> kObservers = {0, 1, 2}, kTargets = {3, 4, 5};
@@ -57,7 +57,7 @@ double expected_of_odometry_m(double range_m) {
 struct SharedResult {
   int sightings = 0, found = 0, late = 0, late_found = 0, own = 0, own_found = 0;
   double error_m = 0.0, beyond_m = 0.0;
-  double told = 0.0, second = 0.0, nobodys = 0.0, observers = 0.0;
+  double told = 0.0, second = 0.0, nobodys = 0.0, others = 0.0, mates = 0.0, late_mates = 0.0, late_told = 0.0;
   int switches = 0;
   double receiver_s = 0.0, bytes = 0.0, member_s = 0.0, false_tracks = 0.0, largest_message = 0.0;
   double frame_m = 0.0, frame_worst_m = 0.0, yaw_rad = 0.0, drifted_m = 0.0, sigma_m = 0.0;
@@ -70,8 +70,8 @@ struct SharedResult {
   double recall() const { return share(found, sightings); }
   double late_recall() const { return share(late_found, late); }
   double precision() const {
-    const double of_targets = told - observers;
-    return share(of_targets - second - nobodys, of_targets);
+    const double of_targets = told - others;
+    return share(of_targets - second - nobodys - mates, of_targets);
   }
 };
 
@@ -98,7 +98,11 @@ void add(const TeamRecord& record, std::size_t num_members, SharedResult& r) {
     r.told += scan.told;
     r.second += scan.second;
     r.nobodys += scan.nobodys;
-    r.observers += scan.observers;
+    r.others += scan.others;
+    r.mates += scan.mates;
+    if (scan.t_s < kKnown_s) continue;
+    r.late_mates += scan.mates;
+    r.late_told += scan.told;
   }
   std::map<std::tuple<double, double>, double> first;
   for (const FrameError& f : record.frames) {
@@ -127,18 +131,19 @@ void tell_shared(Experiment& experiment, const std::string& name, const SharedRe
       experiment, name + ": recall of what any of three could see up to 40 m", r.recall(), 3,
       fmt::format("{} sightings, {:.3f} from {:.0f} s on, {:.3f} of what is in the own view; error {:.3f} m, {:.3f} m "
                   "beyond the pose's noise; precision {:.3f} ({:.3f} told twice, {:.3f} nobody's); {:.2f} false tracks "
-                  "and {:.2f} switches a minute; observers told as targets: {:.3f} of what is told; {:.0f} bytes a "
-                  "second from each, {:.0f} at most in a message",
+                  "and {:.2f} switches a minute; team mates told as targets: {:.3f} of what is told, {:.3f} from "
+                  "{:.0f} s on; {:.0f} bytes a second from each, {:.0f} at most in a message",
                   r.sightings, r.late_recall(), kKnown_s, SharedResult::share(r.own_found, r.own), r.error_m / found,
                   r.beyond_m / found, r.precision(), SharedResult::share(r.second, r.told),
                   SharedResult::share(r.nobodys, r.told), r.false_tracks / minutes, r.switches / minutes,
-                  SharedResult::share(r.observers, r.told), r.bytes / std::max(r.member_s, 1.0), r.largest_message));
+                  SharedResult::share(r.mates, r.told), SharedResult::share(r.late_mates, r.late_told), kKnown_s,
+                  r.bytes / std::max(r.member_s, 1.0), r.largest_message));
   if (r.pairs + r.never > 0) {
     plain_row(experiment, name + ": error of the other's frame [m]", r.frame_m / frames, 3,
               fmt::format("{:.2f} m at most, heading {:.2f} deg; told {:.2f} m; the frames had drifted by {:.2f} m; "
                           "known after {:.1f} s, {} of {} never",
-                          r.frame_worst_m, r.yaw_rad / frames * 180.0 / std::numbers::pi, r.sigma_m / frames, r.drifted_m / frames,
-                          r.known_s / std::max(r.pairs, 1), r.never, r.pairs + r.never));
+                          r.frame_worst_m, r.yaw_rad / frames * 180.0 / std::numbers::pi, r.sigma_m / frames,
+                          r.drifted_m / frames, r.known_s / std::max(r.pairs, 1), r.never, r.pairs + r.never));
   }
   csv.row(name, {static_cast<double>(r.sightings), r.recall(), r.late_recall(), r.error_m / found, r.beyond_m / found,
                  r.precision(), r.false_tracks / minutes, r.switches / minutes, r.bytes / std::max(r.member_s, 1.0),
@@ -230,7 +235,8 @@ void detection_shared(Experiment& experiment) {
       if (counts.first < 20 || bin * kRangeBin_m >= kFarthestRange_m) continue;
       x.push_back((bin + 0.5) * kRangeBin_m);
       y.push_back(SharedResult::share(counts.second, counts.first));
-      by_range_csv.row(kind.name, {bin * kRangeBin_m, (bin + 1) * kRangeBin_m, static_cast<double>(counts.first), y.back()});
+      by_range_csv.row(kind.name,
+                       {bin * kRangeBin_m, (bin + 1) * kRangeBin_m, static_cast<double>(counts.first), y.back()});
     }
     recall.line(kind.name, x, y, {.color = color++, .marker = sim::plot::Marker::kCircle});
     if (kind.name == "three observers") {
@@ -240,13 +246,15 @@ void detection_shared(Experiment& experiment) {
         t_s.push_back(f.t_s);
         error_m.push_back(f.error_m);
         drifted_m.push_back(f.drifted_m);
-        frames_csv.row(fmt::format("{:.0f} of {:.0f}", f.other + 1.0, f.receiver + 1.0), {f.t_s, f.error_m, f.sigma_m, f.drifted_m});
+        frames_csv.row(fmt::format("{:.0f} of {:.0f}", f.other + 1.0, f.receiver + 1.0),
+                       {f.t_s, f.error_m, f.sigma_m, f.drifted_m});
       }
       bool labeled = false;
       for (const auto& [pair, lines] : of_pair) {
         if (std::get<0>(pair) > std::get<1>(pair)) continue;  // one way is enough
         frames.line(labeled ? "" : "error of the estimate", lines[0], lines[1], {.color = 2});
-        frames.line(labeled ? "" : "drift of the frames", lines[0], lines[2], {.color = 0, .dash = sim::plot::Dash::kDashed});
+        frames.line(labeled ? "" : "drift of the frames", lines[0], lines[2],
+                    {.color = 0, .dash = sim::plot::Dash::kDashed});
         labeled = true;
       }
     }

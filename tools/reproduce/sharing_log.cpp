@@ -142,8 +142,8 @@ void SharingLog::add(const sim::Simulation& simulation) {
 }
 
 const SharingLog::Truth& SharingLog::at(TimeNs t) const {
-  const auto after = std::lower_bound(truth_.begin(), truth_.end(), t,
-                                      [](const Truth& truth, TimeNs time) { return truth.t < time; });
+  const auto after =
+      std::lower_bound(truth_.begin(), truth_.end(), t, [](const Truth& truth, TimeNs time) { return truth.t < time; });
   if (after == truth_.end()) return truth_.back();
   if (after == truth_.begin() || after->t - t < t - (after - 1)->t) return *after;
   return *(after - 1);
@@ -161,8 +161,8 @@ bool SharingLog::can_see(std::size_t observer, std::size_t target, const Truth& 
 
 void SharingLog::judge(std::size_t i, std::size_t k, TimeNs now) {
   Team::Member& member = teams_[i]->members[k];
-  const std::size_t own = static_cast<std::size_t>(
-      std::find(observers_.begin(), observers_.end(), member.vehicle) - observers_.begin());
+  const std::size_t own =
+      static_cast<std::size_t>(std::find(observers_.begin(), observers_.end(), member.vehicle) - observers_.begin());
   const TimeNs t = member.told.empty() ? now - kNsPerSecond / 10 : member.told.front().t;  // one instant for all
   const Truth& truth = at(t);
   const Pose& T_estimate_truth = truth.T_estimate_truth[own];
@@ -197,19 +197,25 @@ void SharingLog::judge(std::size_t i, std::size_t k, TimeNs now) {
   for (std::size_t b = 0; b < member.told.size(); ++b) {
     const Track& track = member.told[b];
     member.ids.insert(track.id);
-    bool near_any = false, near_target = false, near_observer = false;
+    bool near_any = false, near_target = false, near_mate = false, near_other = false;
     for (std::size_t vehicle = 0; vehicle < truth.p_m.size(); ++vehicle) {
       near_any = near_any || (vehicle != member.vehicle && off_m(vehicle, track) < kFollowed_m);
     }
     for (const std::size_t target : targets_) near_target = near_target || off_m(target, track) < kTruePositive_m;
     for (const std::size_t observer : observers_) {
-      near_observer = near_observer || off_m(observer, track) < kTruePositive_m;
+      const bool is_mate = std::any_of(teams_[i]->members.begin(), teams_[i]->members.end(),
+                                       [&](const Team::Member& m) { return m.vehicle == observer; });
+      if (off_m(observer, track) < kTruePositive_m) (is_mate ? near_mate : near_other) = true;
     }
     if (near_any) member.true_ids.insert(track.id);
     if (taken[b]) continue;
-    scan.observers += near_observer;
-    scan.second += !near_observer && near_target;
-    scan.nobodys += !near_observer && !near_target;
+    if (near_mate) {
+      scan.mates += 1.0;
+    } else if (near_other) {
+      scan.others += 1.0;
+    } else {
+      (near_target ? scan.second : scan.nobodys) += 1.0;
+    }
   }
   TeamRecord& record = records_[i];
   record.scans.push_back(scan);
@@ -260,8 +266,8 @@ void SharingLog::judge_frames(std::size_t i, std::size_t k, const sim::TickView&
     error.receiver = static_cast<double>(member.vehicle);
     error.other = static_cast<double>(other);
     error.error_m = (relative.heard_position_m - p_m).norm();
-    error.yaw_rad = std::abs(
-        std::remainder(relative.heard_yaw_rad - yaw_of(T_own.linear() * then.R_world_body[index(other)]), 2.0 * std::numbers::pi));
+    error.yaw_rad = std::abs(std::remainder(
+        relative.heard_yaw_rad - yaw_of(T_own.linear() * then.R_world_body[index(other)]), 2.0 * std::numbers::pi));
     error.sigma_m = std::sqrt(relative.covariance.topLeftCorner<3, 3>().trace());
     error.drifted_m = (T_other * then.p_m[other] - p_m).norm();
     records_[i].frames.push_back(error);

@@ -40,7 +40,9 @@ struct SharedSighting {
 struct SharedScan {
   double t_s = 0.0;
   double receiver = 0.0;
-  double told = 0.0, second = 0.0, nobodys = 0.0, observers = 0.0;
+  double told = 0.0, second = 0.0, nobodys = 0.0;
+  double mates = 0.0;   ///< observers of the same team that are told as targets
+  double others = 0.0;  ///< observers of no team: what flies and is neither right nor wrong
 };
 
 /// Where a receiver believed another observer's frame to be.
@@ -58,9 +60,9 @@ struct TeamRecord {
   std::vector<SharedSighting> sightings;
   std::vector<SharedScan> scans;
   std::vector<FrameError> frames;
-  double false_tracks = 0.0;         ///< that never were nearer than 1 m to a vehicle
-  double bytes = 0.0, flown_s = 0.0; ///< on the air, of all members, and in what time
-  double largest_message = 0.0;      ///< [B]
+  double false_tracks = 0.0;          ///< that never were nearer than 1 m to a vehicle
+  double bytes = 0.0, flown_s = 0.0;  ///< on the air, of all members, and in what time
+  double largest_message = 0.0;       ///< [B]
 };
 
 /// One flight in which each observer's own detector tells its tracks (`tracker: {type: detector}`). Every team gets the
@@ -84,10 +86,10 @@ class SharingLog {
   struct Team;
   struct Truth {
     TimeNs t = 0;
-    std::vector<Vector3> p_m;             // by vehicle
-    std::vector<Pose> T_estimate_truth;   // by observer: to the world that it believes in
-    std::vector<Vector3> p_sensor_m;      // by observer
-    std::vector<Matrix3> R_world_body;    // by observer
+    std::vector<Vector3> p_m;            // by vehicle
+    std::vector<Pose> T_estimate_truth;  // by observer: to the world that it believes in
+    std::vector<Vector3> p_sensor_m;     // by observer
+    std::vector<Matrix3> R_world_body;   // by observer
   };
   const Truth& at(TimeNs t) const;
   bool can_see(std::size_t observer, std::size_t target, const Truth& truth) const;

@@ -78,8 +78,8 @@ TEST(CovarianceIntersection, NorForThree) {
   }
 }
 
-/// With errors e_i = P_i^1/2 U_i z, where z is the same for all and U_i are orthogonal, they hang together as closely as
-/// they can. The fused error must not exceed what is told in any direction.
+/// With errors e_i = P_i^1/2 U_i z, where z is the same for all and U_i are orthogonal, they hang together as closely
+/// as they can. The fused error must not exceed what is told in any direction.
 TEST(CovarianceIntersection, IsConsistentHoweverTheErrorsHangTogether) {
   for (int trial = 0; trial < 60; ++trial) {
     const Random random(trial, "test.intersection", "common");
@@ -162,9 +162,7 @@ TEST(DisagreementOfMotions, IsTheLogarithmOfTheNormalDensity) {
   EXPECT_EQ(disagreement(b, a).squared_sigmas, found.squared_sigmas);
 }
 
-TEST(JointExistence, OfOneObserverIsItsOwn) {
-  EXPECT_NEAR(joint_existence(std::vector{0.3}, 1e-3, 0.1), 0.3, 1e-12);
-}
+TEST(JointExistence, OfOneObserverIsItsOwn) { EXPECT_NEAR(joint_existence(std::vector{0.3}, 1e-3, 0.1), 0.3, 1e-12); }
 
 TEST(JointExistence, WithoutCommonClutterIsBayesRule) {
   // Odds over prior odds are likelihood ratios, which multiply.
@@ -193,7 +191,8 @@ TEST(JointExistence, WhoKnowsNothingSaysNothing) {
 }
 
 TEST(JointExistence, TheOrderChangesNoBit) {
-  EXPECT_EQ(joint_existence(std::vector{0.2, 0.5, 0.3}, 1e-4, 0.2), joint_existence(std::vector{0.3, 0.2, 0.5}, 1e-4, 0.2));
+  EXPECT_EQ(joint_existence(std::vector{0.2, 0.5, 0.3}, 1e-4, 0.2),
+            joint_existence(std::vector{0.3, 0.2, 0.5}, 1e-4, 0.2));
 }
 
 }  // namespace

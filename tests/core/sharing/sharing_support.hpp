@@ -47,7 +47,8 @@ class DriftingObserver {
     flown.path_m = (here_m - last_m_).norm();
     flown.time_s = kStep_s;
     const double sigma_m = std::sqrt(drift_.position_variance_m2(flown));
-    p_local_m_ += R() * (here_m - last_m_) + sigma_m * Vector3(random_.normal(k_, 4), random_.normal(k_, 5), random_.normal(k_, 6));
+    p_local_m_ += R() * (here_m - last_m_) +
+                  sigma_m * Vector3(random_.normal(k_, 4), random_.normal(k_, 5), random_.normal(k_, 6));
     yaw_local_world_rad_ += std::sqrt(drift_.yaw_variance_rad2(flown)) * random_.normal(k_, 7);
     last_m_ = here_m;
   }

@@ -226,7 +226,8 @@ TEST(TrackFusion, TheFusedErrorIsNotLargerThanTold) {
         track.estimate.covariance.setZero();
         track.estimate.covariance.diagonal() << 0.01, observer == 0 ? 0.09 : 0.01, 0.04, 0.1, 0.1, 0.1;
         for (std::uint32_t i = 0; i < 6; ++i) {
-          const double z = random.normal(static_cast<std::uint32_t>(k), common ? i : 6U * static_cast<std::uint32_t>(observer) + i);
+          const double z =
+              random.normal(static_cast<std::uint32_t>(k), common ? i : 6U * static_cast<std::uint32_t>(observer) + i);
           track.estimate.mean(i) = std::sqrt(track.estimate.covariance(i, i)) * z;
         }
         observed.push_back(track);

@@ -15,10 +15,11 @@ namespace swiftlet {
 struct FrameLinkConfig {
   double window_s = 15.0;
   double interval_s = 0.5;
-  double gap_max_s = 0.6;
+  double gap_max_s = 0.8;
   int min_samples = 20;
   double min_spread_m = 2.0;
   double min_bend_m = 1.0;
+  double bend_sigmas = 6.0;
   double alone_s = 10.0;
   double residual_sigma_max = 1.5;
   double gate_sigma = 4.0;
@@ -36,13 +37,15 @@ struct FrameLinkConfig {
 /// Both have z up, so that three numbers of the position and the heading are unknown. Nobody knows at first who sees
 /// whom. So paths are compared: what one saw flying and where it flew itself, with the same of the other. Two paths
 /// that one level alignment lays onto each other may be of one body. Straight ones tell nothing, because any two of the
-/// same speed fit. An alignment is believed when two pairs of paths say the same, or one pair does for a long time, and
-/// when no other alignment is explained as well. It is then fitted to all those pairs by `RelativeAlignment`.
+/// same speed fit. So do those that are hardly known, so the bends of a path count in its own standard deviations. An
+/// alignment is believed when two pairs of paths say the same, or one pair does for a long time and with twice the
+/// bends, and when no other alignment is explained as well. It is then fitted to all those pairs by
+/// `RelativeAlignment`.
 ///
-/// From there a Kalman filter goes on: position and heading walk by what both observers fly, each by its own drift about
-/// its own place, and every pair of paths that surely is of one body measures them. Paths that lie so near to each
-/// other that they might be exchanged measure nothing. Meanwhile the comparison goes on. When it says something else
-/// again and again, the filter starts anew.
+/// From there a Kalman filter goes on: position and heading walk by what both observers fly, each by its own drift
+/// about its own place, and every pair of paths that surely is of one body measures them. Paths that lie so near to
+/// each other that they might be exchanged measure nothing. Meanwhile the comparison goes on. When it says something
+/// else again and again, the filter starts anew.
 class FrameLink {
  public:
   FrameLink(const FrameLinkConfig& config, const OdometryDriftConfig& drift);
@@ -66,6 +69,7 @@ class FrameLink {
     std::size_t own = 0, other = 0;  // of the paths below; 0: the observer itself
     FrameAlignment alignment;
     double duration_s = 0.0;
+    double bends = 0.0;                // in standard deviations
     std::vector<std::size_t> friends;  // matches that agree with it, itself among them
   };
 

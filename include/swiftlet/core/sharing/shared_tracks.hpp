@@ -19,7 +19,7 @@ struct SharedTracksConfig : ModuleConfigOf<SharedTracksConfig> {
   double tell_existence = 0.1;
   double certainty = 0.9;
   double timeout_s = 1.0;
-  double acceleration_density = 1.5;
+  double acceleration_density = 3.0;
   double body_m = 0.8;
   FrameLinkConfig frame;
   OdometryDriftConfig drift;
@@ -33,8 +33,8 @@ struct SharedTracksConfig : ModuleConfigOf<SharedTracksConfig> {
 /// one of them is left out, and where they are is told as `RelativeEstimate`.
 ///
 /// What is told together holds for the instant of the newest track, and is told anew after every scan of the own
-/// detector. Whole states are told, so a message that comes after a newer one adds nothing and is passed over. One that is late is as good as its age. A sender that falls silent counts
-/// for `timeout_s`.
+/// detector. Whole states are told, so a message that comes after a newer one adds nothing and is passed over. One that
+/// is late is as good as its age. A sender that falls silent counts for `timeout_s`.
 std::unique_ptr<Tracker> make_shared_tracks(const ModuleConfig& config, const AgentSetup& setup);
 /// The same about a tracker of one's own. Without a detector that tells existences, its tracks count as `certainty`.
 std::unique_ptr<Tracker> make_shared_tracks(const SharedTracksConfig& config, const AgentSetup& setup,

@@ -48,7 +48,7 @@ struct FusedTrack {
 ///
 /// Tracks are joined by their identities: what was found to be one target stays one, as long as its tracks agree. Two
 /// tracks of different observers are found to be one when position and velocity agree within `merge_sq`, each is the
-/// other's likeliest partner by `margin`, their distance is known to `sure_m`, and all of that again and again
+/// other's likeliest partner by `margin`, their distance is known to `sure_m`, and all of that more often than not
 /// (`confirmations`). In doubt they stay apart. Until that is decided, two that may be one (`gate_sq`) are not both
 /// told: of such a group the tracks of the observer are told who sees most of it. What does not agree for `doubt_s` is
 /// two. Tracks of one observer are never joined, because it saw two.
@@ -84,13 +84,13 @@ class TrackFusion {
     std::vector<std::size_t> members;  // of this update
     MotionEstimate estimate;
     double existence = 0.0;
-    bool held_back = false;
+    bool held_back = false, was_told = false;  // the latter in the update before
   };
   /// Two targets that may be one.
   struct Suspicion {
     std::uint32_t first = 0, second = 0;  // serials
     TimeNs since = 0;
-    int agreed = 0;  // times, one after the other
+    int agreed = 0;  // times, less those that they did not
     bool now = false;
   };
   struct Pair {
