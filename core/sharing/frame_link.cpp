@@ -95,7 +95,11 @@ void FrameLinkConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("bend_sigmas", bend_sigmas, "[-] and the same in standard deviations of what is known of it",
           Range::positive());
+  v.field("support_s", support_s, "[s] that other paths have to lie onto each other, to say the same",
+          Range::positive());
+  v.field("support_sigma_m", support_sigma_m, "[m] and how well that has to be known, by axis", Range::positive());
   v.field("alone_s", alone_s, "[s] of a path that is alone in saying where the other frame lies", Range::positive());
+  v.field("alone_sigmas", alone_sigmas, "[-] and its bends, in standard deviations", Range::positive());
   v.field("residual_sigma_max", residual_sigma_max,
           "[-] RMS by axis, in standard deviations, of what is left between two paths of one body", Range::positive());
   v.field("gate_sigma", gate_sigma, "[-] what is farther apart is not one body", Range::positive());
@@ -138,7 +142,7 @@ void FrameLink::compare(const ObserverHistory& own, const ObserverHistory& other
   if (started_ && (t / from_seconds(config_.interval_s)) % kCompareEvery != 0) return;
   OtherMotion anchor;
   anchor.t = anchor.stamp = t;
-  anchor.p_other_local_m = other_self->p_m;
+  anchor.p_other_local_m = other_self->p_local_m;
   anchor.flown = sum_of(own_self->flown, other_self->flown);
   const auto found = found_by_paths(anchor);
   if (!found) return;
@@ -178,34 +182,67 @@ std::optional<FrameAlignment> FrameLink::found_by_paths(const OtherMotion& ancho
     }
   }
   if (matches.empty()) return std::nullopt;
-  const auto agree = [&](const Match& m, const Match& n) {
-    return squared_sigmas_between(m.alignment, n.alignment) <= kDisagreement_sigma_sq;
-  };
-  for (std::size_t m = 0; m < matches.size(); ++m) {
-    for (std::size_t n = 0; n < matches.size(); ++n) {
-      const bool other_bodies = matches[m].own != matches[n].own && matches[m].other != matches[n].other;
-      if (m == n || (other_bodies && agree(matches[m], matches[n]))) matches[m].friends.push_back(n);
-    }
-  }
+  for (Match& each : matches) find_support(each, anchor);
   const auto best = std::max_element(matches.begin(), matches.end(), [](const Match& m, const Match& n) {
-    if (m.friends.size() != n.friends.size()) return m.friends.size() < n.friends.size();
-    return m.duration_s < n.duration_s;
+    return m.pairs.size() != n.pairs.size() ? m.pairs.size() < n.pairs.size() : m.bends < n.bends;
   });
-  const bool is_telling = best->duration_s >= config_.alone_s && best->bends >= 2.0 * config_.bend_sigmas;
-  if (best->friends.size() == 1 && !is_telling) return std::nullopt;
+  const bool is_telling = best->duration_s >= config_.alone_s && best->bends >= config_.alone_sigmas;
+  if (best->pairs.size() == 1 && !is_telling) return std::nullopt;
   const bool in_doubt = std::any_of(matches.begin(), matches.end(), [&](const Match& m) {
-    return m.friends.size() >= best->friends.size() && !agree(m, *best);
+    return m.pairs.size() >= best->pairs.size() &&
+           squared_sigmas_between(m.alignment, best->alignment) > kDisagreement_sigma_sq;
   });
   if (in_doubt) return std::nullopt;
 
   std::vector<AlignmentPair> pairs;
-  for (const std::size_t m : best->friends) {
-    append_pairs(matches[m].own, matches[m].other, best->alignment.yaw_rad, pairs);
-  }
+  for (const auto& [a, b] : best->pairs) append_pairs(a, b, best->alignment.yaw_rad, pairs);
   std::stable_sort(pairs.begin(), pairs.end(), [](const auto& p, const auto& q) { return p.t < q.t; });
   RelativeAlignment together(fit_of(config_), drift_config_);
   for (const AlignmentPair& pair : pairs) together.push(pair);
   return together.fit(anchor, {});
+}
+
+/// Every path counts once.
+void FrameLink::find_support(Match& match, const OtherMotion& anchor) const {
+  match.pairs.assign(1, {match.own, match.other});
+  std::vector<char> other_taken(other_paths_.size(), 0);
+  other_taken[match.other] = 1;
+  for (std::size_t a = 0; a < own_paths_.size(); ++a) {
+    if (a == match.own) continue;
+    for (std::size_t b = a == 0 ? 1 : 0; b < other_paths_.size(); ++b) {
+      if (other_taken[b] || !supports(a, b, match.alignment, anchor)) continue;
+      match.pairs.emplace_back(a, b);
+      other_taken[b] = 1;
+      break;
+    }
+  }
+}
+
+/// Does the alignment lay these two onto each other, straight or not, for long enough to be no chance?
+bool FrameLink::supports(std::size_t own, std::size_t other, const FrameAlignment& alignment,
+                         const OtherMotion& anchor) const {
+  const Matrix3 R = turn_about_up(alignment.yaw_rad);
+  double squared = 0.0, variance_m2 = 0.0;
+  int count = 0;
+  TimeNs first = 0, last = 0;
+  for (const PathSample& s : other_paths_[other]->samples()) {
+    const auto seen = own_paths_[own]->at(s.t, config_.gap_max_s);
+    if (!seen) continue;
+    const Flown since = anchor.flown - sum_of(seen->flown, s.flown);
+    const double more = config_.sigma_common_m * config_.sigma_common_m + drift_.position_variance_m2(since);
+    Eigen::Matrix<double, 3, 4> J;
+    J << Matrix3::Identity(), up_cross(R * (s.p_local_m - alignment.anchor_other_m));
+    const Matrix3 S = seen->covariance + R * s.covariance * R.transpose() + more * Matrix3::Identity() +
+                      J * alignment.covariance * J.transpose();
+    const Vector3 left_m = seen->p_local_m - alignment.point(s.p_local_m);
+    squared += left_m.dot(S.llt().solve(left_m));
+    variance_m2 += S.trace() / 3.0;
+    if (count++ == 0) first = s.t;
+    last = s.t;
+  }
+  return count >= kLeastPairs && last - first >= from_seconds(config_.support_s) &&
+         squared <= 3.0 * count * config_.residual_sigma_max * config_.residual_sigma_max &&
+         variance_m2 <= count * config_.support_sigma_m * config_.support_sigma_m;
 }
 
 /// Spaced, from the newest back, so that each has new errors.
@@ -221,9 +258,9 @@ void FrameLink::append_pairs(std::size_t own, std::size_t other, double yaw_rad,
     const auto seen = own_paths_[own]->at(s->t, config_.gap_max_s);
     if (!seen) continue;
     next = s->t - from_seconds(config_.interval_s);
-    pairs.push_back({s->t, seen->p_m,
-                     seen->covariance + R * s->covariance * R.transpose() + common_sq * Matrix3::Identity(), s->p_m,
-                     s->v_mps, 0.0, sum_of(seen->flown, s->flown)});
+    pairs.push_back({s->t, seen->p_local_m,
+                     seen->covariance + R * s->covariance * R.transpose() + common_sq * Matrix3::Identity(),
+                     s->p_local_m, s->v_local_mps, 0.0, sum_of(seen->flown, s->flown)});
   }
   std::reverse(pairs.begin() + static_cast<std::ptrdiff_t>(first), pairs.end());
 }
@@ -237,8 +274,8 @@ std::optional<FrameLink::Match> FrameLink::match(std::size_t own, std::size_t ot
     if (!seen) continue;
     const Flown since = anchor.flown - sum_of(seen->flown, s.flown);
     const double more = config_.sigma_common_m * config_.sigma_common_m + drift_.position_variance_m2(since);
-    local_m.push_back(seen->p_m);
-    other_m.push_back(s.p_m);
+    local_m.push_back(seen->p_local_m);
+    other_m.push_back(s.p_local_m);
     t_s.push_back(to_seconds(s.t - anchor.t));
     covariance_local.push_back(seen->covariance + more * Matrix3::Identity());
     covariance_other.push_back(s.covariance);
@@ -279,10 +316,10 @@ std::optional<FrameLink::Match> FrameLink::match(std::size_t own, std::size_t ot
 FrameLink::State FrameLink::drifted(const State& before, const PathSample& own, const PathSample& other) const {
   State now = before;
   const Flown by_own = own.flown - before.own_flown, by_other = other.flown - before.other_flown;
-  const Vector3 step_m = turn_about_up(before.x(3)) * (other.p_m - before.anchor_other_m);
+  const Vector3 step_m = turn_about_up(before.x(3)) * (other.p_local_m - before.anchor_other_m);
   Vector4 of_other, of_own;
   of_other << up_cross(-0.5 * step_m), 1.0;
-  of_own << up_cross(before.x.head<3>() - own.p_m), 1.0;
+  of_own << up_cross(before.x.head<3>() - own.p_local_m), 1.0;
   now.P += drift_.yaw_variance_rad2(by_other) * (of_other * of_other.transpose());
   now.P += drift_.yaw_variance_rad2(by_own) * (of_own * of_own.transpose());
   now.P.diagonal().head<3>().array() += drift_.position_variance_m2(by_own) + drift_.position_variance_m2(by_other);
@@ -292,7 +329,7 @@ FrameLink::State FrameLink::drifted(const State& before, const PathSample& own, 
   A.topRightCorner<3, 1>() = up_cross(step_m);
   const Matrix4 P = A * now.P * A.transpose();
   now.P = 0.5 * (P + P.transpose());
-  now.anchor_other_m = other.p_m;
+  now.anchor_other_m = other.p_local_m;
   now.own_flown = own.flown;
   now.other_flown = other.flown;
   return now;
@@ -309,12 +346,13 @@ void FrameLink::measure(TimeNs t) {
   const Matrix3 R = turn_about_up(x(3));
   std::vector<Seen> own(own_paths_.size()), other(other_paths_.size());
   for (std::size_t a = 0; a < own.size(); ++a) {
-    if (const auto s = own_paths_[a]->at(t, config_.gap_max_s)) own[a] = {true, s->p_m, Vector3::Zero(), s->covariance};
+    if (const auto s = own_paths_[a]->at(t, config_.gap_max_s))
+      own[a] = {true, s->p_local_m, Vector3::Zero(), s->covariance};
   }
   for (std::size_t b = 0; b < other.size(); ++b) {
     const auto s = other_paths_[b]->at(t, config_.gap_max_s);
     if (!s) continue;
-    const Vector3 lever_m = R * (s->p_m - state_.anchor_other_m);
+    const Vector3 lever_m = R * (s->p_local_m - state_.anchor_other_m);
     other[b] = {true, x.head<3>() + lever_m, lever_m, R * s->covariance * R.transpose()};
   }
   const double common_sq = config_.sigma_common_m * config_.sigma_common_m;

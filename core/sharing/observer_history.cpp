@@ -37,9 +37,9 @@ std::optional<PathSample> SampledPath::at(TimeNs t, double gap_max_s) const {
   PathSample out;
   out.t = t;
   const double x2 = x * x, x3 = x2 * x;  // Hermite's cubic
-  out.p_m = (2.0 * x3 - 3.0 * x2 + 1.0) * a.p_m + (3.0 * x2 - 2.0 * x3) * b.p_m +
-            gap_s * ((x3 - 2.0 * x2 + x) * a.v_mps + (x3 - x2) * b.v_mps);
-  out.v_mps = (1.0 - x) * a.v_mps + x * b.v_mps;
+  out.p_local_m = (2.0 * x3 - 3.0 * x2 + 1.0) * a.p_local_m + (3.0 * x2 - 2.0 * x3) * b.p_local_m +
+                  gap_s * ((x3 - 2.0 * x2 + x) * a.v_local_mps + (x3 - x2) * b.v_local_mps);
+  out.v_local_mps = (1.0 - x) * a.v_local_mps + x * b.v_local_mps;
   out.covariance = (1.0 - x) * a.covariance + x * b.covariance;
   out.yaw_rad = a.yaw_rad + x * turned_rad(a.yaw_rad, b.yaw_rad);
   out.flown.path_m = a.flown.path_m + x * (b.flown.path_m - a.flown.path_m);
@@ -54,7 +54,7 @@ bool ObserverHistory::push_self(TimeNs t, const Vector3& p_local_m, const Vector
   if (!self_.empty()) {
     const PathSample& last = self_.newest();
     if (t <= last.t) return false;
-    sample.flown.path_m += (p_local_m - last.p_m).norm();
+    sample.flown.path_m += (p_local_m - last.p_local_m).norm();
     sample.flown.turn_rad += std::abs(turned_rad(last.yaw_rad, yaw_rad));
     sample.flown.time_s += to_seconds(t - last.t);
   }

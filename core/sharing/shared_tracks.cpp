@@ -257,7 +257,7 @@ class SharedTracks : public Tracker {
     const auto then = path.at(t, config_.frame.gap_max_s);
     const PathSample& sample = then ? *then : path.newest();
     MotionEstimate out;
-    out.mean << sample.p_m, sample.v_mps;
+    out.mean << sample.p_local_m, sample.v_local_mps;
     out.covariance.setZero();
     out.covariance.diagonal().head<3>().setConstant(config_.frame.sigma_own_m * config_.frame.sigma_own_m);
     out.covariance.diagonal().tail<3>().setConstant(kOwnVelocity_sigma_mps * kOwnVelocity_sigma_mps);

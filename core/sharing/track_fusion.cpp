@@ -142,6 +142,12 @@ bool TrackFusion::disjoint(const Target& a, const Target& b, std::span<const Obs
   return true;
 }
 
+TrackFusion::Suspicion* TrackFusion::suspicion_of(const Target& a, const Target& b) {
+  const auto known = std::find_if(suspicions_.begin(), suspicions_.end(),
+                                  [&](const Suspicion& s) { return s.first == a.serial && s.second == b.serial; });
+  return known != suspicions_.end() ? &*known : nullptr;
+}
+
 void TrackFusion::find_pairs(TimeNs t, std::span<const ObservedTrack> observed) {
   pairs_.clear();
   for (std::size_t a = 0; a < targets_.size(); ++a) {
@@ -149,15 +155,18 @@ void TrackFusion::find_pairs(TimeNs t, std::span<const ObservedTrack> observed) 
       if (targets_[a].members.empty() || targets_[b].members.empty()) continue;
       if (!disjoint(targets_[a], targets_[b], observed)) continue;
       const Disagreement found = disagreement(targets_[a].estimate, targets_[b].estimate);
-      if (found.squared_sigmas <= config_.gate_sq) pairs_.push_back({a, b, found, true});
+      // Once suspected, they remain so for a while: a turn of the target makes them disagree for a moment.
+      const double gate_sq = suspicion_of(targets_[a], targets_[b]) != nullptr ? config_.break_sq : config_.gate_sq;
+      if (found.squared_sigmas <= gate_sq) pairs_.push_back({a, b, found, true});
     }
   }
   for (Suspicion& suspicion : suspicions_) suspicion.now = false;
   for (Pair& pair : pairs_) {
-    const std::uint32_t first = targets_[pair.a].serial, second = targets_[pair.b].serial;
-    auto known = std::find_if(suspicions_.begin(), suspicions_.end(),
-                              [&](const Suspicion& s) { return s.first == first && s.second == second; });
-    if (known == suspicions_.end()) known = suspicions_.insert(known, {first, second, t, 0, true});
+    Suspicion* known = suspicion_of(targets_[pair.a], targets_[pair.b]);
+    if (known == nullptr) {
+      suspicions_.push_back({targets_[pair.a].serial, targets_[pair.b].serial, t, 0, true});
+      known = &suspicions_.back();
+    }
     known->now = true;
     const bool agrees = pair.disagreement.squared_sigmas <= config_.merge_sq;
     const bool is_sure = agrees && pair.disagreement.position_sigma_m <= config_.sure_m && is_likeliest(pair);
@@ -199,10 +208,8 @@ void TrackFusion::join(std::span<const ObservedTrack> observed) {
   std::vector<char> touched(targets_.size(), 0);
   for (const Pair& pair : pairs_) {
     if (touched[pair.a] || touched[pair.b]) continue;
-    const auto suspicion = std::find_if(suspicions_.begin(), suspicions_.end(), [&](const Suspicion& s) {
-      return s.first == targets_[pair.a].serial && s.second == targets_[pair.b].serial;
-    });
-    if (suspicion == suspicions_.end() || suspicion->agreed < config_.confirmations) continue;
+    const Suspicion* suspicion = suspicion_of(targets_[pair.a], targets_[pair.b]);
+    if (suspicion == nullptr || suspicion->agreed < config_.confirmations) continue;
     touched[pair.a] = touched[pair.b] = 1;
     Target &kept = targets_[pair.a], &gone = targets_[pair.b];
     kept.keys.insert(kept.keys.end(), gone.keys.begin(), gone.keys.end());

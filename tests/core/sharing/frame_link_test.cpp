@@ -236,7 +236,7 @@ TEST(SampledPath, BetweenTwoSamplesLiesACubic) {
   const auto p = [](double t) { return Vector3(1 + 2 * t + 3 * t * t - t * t * t, -t, t * t); };
   const auto v = [](double t) { return Vector3(2 + 6 * t - 3 * t * t, -1, 2 * t); };
   for (const double t : {0.0, 0.5}) path.push({from_seconds(t), p(t), v(t), Matrix3::Identity(), 0.0, {}});
-  EXPECT_LT((path.at(from_seconds(0.2), 1.0)->p_m - p(0.2)).norm(), 1e-12);
+  EXPECT_LT((path.at(from_seconds(0.2), 1.0)->p_local_m - p(0.2)).norm(), 1e-12);
   EXPECT_FALSE(path.at(from_seconds(0.2), 0.4));
   EXPECT_FALSE(path.at(from_seconds(0.6), 1.0));
   EXPECT_FALSE(path.push({from_seconds(0.3), {}, {}, {}, 0.0, {}}));

@@ -42,7 +42,7 @@ Disagreement disagreement(const MotionEstimate& a, const MotionEstimate& b);
 /// The surest of them is taken at its word. Another one multiplies the odds by 1 / (c + (1 - c) / L). L is its own
 /// evidence: its odds over those that a target is there before anybody looks. c is the share of false tracks that all
 /// observers have together, because the same leaf or bird is there for each of them. So a second observer makes a
-/// target at most 1 / c times as likely, and what was counted by one is not counted again by the next.
+/// target at most 1 / c times as likely. What was counted by one is not counted again by the next.
 /// @param each           at least one, 0 to 1; their order does not matter
 /// @param prior          probability that a target is where it is told before anybody looks
 /// @param common_clutter c, above 0: 1 is the surest alone

@@ -19,8 +19,11 @@ struct FrameLinkConfig {
   int min_samples = 20;
   double min_spread_m = 2.0;
   double min_bend_m = 1.0;
-  double bend_sigmas = 6.0;
+  double bend_sigmas = 4.0;
+  double support_s = 3.0;
+  double support_sigma_m = 1.0;
   double alone_s = 10.0;
+  double alone_sigmas = 12.0;
   double residual_sigma_max = 1.5;
   double gate_sigma = 4.0;
   double margin = 9.2;
@@ -37,14 +40,15 @@ struct FrameLinkConfig {
 /// Both have z up, so that three numbers of the position and the heading are unknown. Nobody knows at first who sees
 /// whom. So paths are compared: what one saw flying and where it flew itself, with the same of the other. Two paths
 /// that one level alignment lays onto each other may be of one body. Straight ones tell nothing, because any two of the
-/// same speed fit. So do those that are hardly known, so the bends of a path count in its own standard deviations. An
-/// alignment is believed when two pairs of paths say the same, or one pair does for a long time and with twice the
-/// bends, and when no other alignment is explained as well. It is then fitted to all those pairs by
+/// same speed fit. So do those that are hardly known, so the bends of a path count in its own standard deviations. What
+/// two paths say is believed when the same alignment lays other paths onto each other as well. In a wide field two
+/// bodies hardly fly the same way by chance. One pair alone is believed when it bends much for a long time. Nothing is
+/// believed as long as another alignment is supported as well. The one that is believed is fitted to all its pairs by
 /// `RelativeAlignment`.
 ///
-/// From there a Kalman filter goes on: position and heading walk by what both observers fly, each by its own drift
-/// about its own place, and every pair of paths that surely is of one body measures them. Paths that lie so near to
-/// each other that they might be exchanged measure nothing. Meanwhile the comparison goes on. When it says something
+/// From there a Kalman filter follows T_local_other. Position and heading walk by what both observers fly, each by its
+/// own drift about its own place. Every pair of paths that surely is of one body measures them. Paths that lie so near
+/// to each other that they might be exchanged measure nothing. Meanwhile the comparison goes on. When it says something
 /// else again and again, the filter starts anew.
 class FrameLink {
  public:
@@ -69,14 +73,16 @@ class FrameLink {
     std::size_t own = 0, other = 0;  // of the paths below; 0: the observer itself
     FrameAlignment alignment;
     double duration_s = 0.0;
-    double bends = 0.0;                // in standard deviations
-    std::vector<std::size_t> friends;  // matches that agree with it, itself among them
+    double bends = 0.0;                                      // in standard deviations
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;  // of paths that it lays onto each other, its own first
   };
 
   void list_paths(const ObserverHistory& own, const ObserverHistory& other);
   std::optional<FrameAlignment> found_by_paths(const OtherMotion& anchor) const;
-  void append_pairs(std::size_t own, std::size_t other, double yaw_rad, std::vector<AlignmentPair>& pairs) const;
   std::optional<Match> match(std::size_t own, std::size_t other, const OtherMotion& anchor) const;
+  void find_support(Match& match, const OtherMotion& anchor) const;
+  bool supports(std::size_t own, std::size_t other, const FrameAlignment& alignment, const OtherMotion& anchor) const;
+  void append_pairs(std::size_t own, std::size_t other, double yaw_rad, std::vector<AlignmentPair>& pairs) const;
   /// Where the other frame lies, anchored in where the other observer was.
   struct State {
     Vector3 anchor_other_m = Vector3::Zero();

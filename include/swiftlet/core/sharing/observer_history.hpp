@@ -13,8 +13,8 @@ namespace swiftlet {
 /// Where something was in an observer's local frame, and what that observer had flown by then.
 struct PathSample {
   TimeNs t = 0;
-  Vector3 p_m = Vector3::Zero();
-  Vector3 v_mps = Vector3::Zero();
+  Vector3 p_local_m = Vector3::Zero();
+  Vector3 v_local_mps = Vector3::Zero();
   Matrix3 covariance = Matrix3::Identity();  ///< of the position
   double yaw_rad = 0.0;                      ///< of the observer itself
   Flown flown;                               ///< by the observer

@@ -30,7 +30,7 @@ struct TrackFusionConfig {
   double margin = 9.2;
   double sure_m = 1.0;
   int confirmations = 3;
-  double doubt_s = 1.0;
+  double doubt_s = 2.0;
   double remember_s = 10.0;
 
   void visit(ConfigVisitor& v);
@@ -46,16 +46,16 @@ struct FusedTrack {
 
 /// Which tracks of several observers are of one target, and what they say of it together.
 ///
-/// Tracks are joined by their identities: what was found to be one target stays one, as long as its tracks agree. Two
-/// tracks of different observers are found to be one when position and velocity agree within `merge_sq`, each is the
-/// other's likeliest partner by `margin`, their distance is known to `sure_m`, and all of that more often than not
-/// (`confirmations`). In doubt they stay apart. Until that is decided, two that may be one (`gate_sq`) are not both
-/// told: of such a group the tracks of the observer are told who sees most of it. What does not agree for `doubt_s` is
-/// two. Tracks of one observer are never joined, because it saw two.
+/// Tracks are joined by their identities. What was found to be one target stays one, as long as its tracks agree. Two
+/// tracks of different observers are found to be one when position and velocity agree within `merge_sq`. Each must be
+/// the other's likeliest partner by `margin`, and their distance must be known to `sure_m`. All of that must be so more
+/// often than not (`confirmations`). In doubt they stay apart. Until that is decided, two that may be one (`gate_sq`)
+/// are not both told. Of such a group the tracks of the observer are told who sees most of it. What does not agree for
+/// `doubt_s` is two. Tracks of one observer are never joined, because it saw two.
 ///
 /// Estimates are fused by covariance intersection. Why not by the sum of informations, with decorrelated tracklets
 /// (Drummond, SPIE 3163, 1997)? The error of a frame's alignment is the same in all that its observer tells, for
-/// seconds, and the motion of the target is the same noise for all. Neither is independent from message to message. And
+/// seconds. And the motion of the target is the same noise for all. Neither is independent from message to message. And
 /// a whole estimate needs no other message to be understood, so lost ones cost nothing but age.
 class TrackFusion {
  public:
@@ -107,6 +107,7 @@ class TrackFusion {
   void hold_back(std::span<const ObservedTrack> observed);
   void tell();
   Target& begin(const Key& key);
+  Suspicion* suspicion_of(const Target& a, const Target& b);  // null: they are not suspected
   bool disjoint(const Target& a, const Target& b, std::span<const ObservedTrack> observed) const;
   std::optional<std::size_t> misfit(const Target& target, std::span<const ObservedTrack> observed) const;
   bool is_likeliest(const Pair& pair) const;
