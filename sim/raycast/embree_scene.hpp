@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "swiftlet/sim/raycast/ray_scene.hpp"
+#include "swiftlet/sim/world/foliage.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 
 struct RTCDeviceTy;
@@ -58,8 +59,22 @@ struct TriangleScene {
   std::size_t size() const { return corners_m.size(); }
   /// Builds the acceleration structure on all cores. The triangles must not change afterwards.
   void commit(RTCDeviceTy* device);
+  /// The same for triangles that will move: prepare_for_exact_hits() must have been called.
+  void commit_to_move(RTCDeviceTy* device);
+  /// After all three lists of corners have moved alike: the tree stays, its boxes change.
+  void refit();
   /// After commit(). Takes as long as that once more, and as much memory for a tree.
   void commit_for_scattered_rays(RTCDeviceTy* device) const;
+};
+
+/// Leaves that move in wind, where they hang, and the rest of the world without them.
+struct Foliage {
+  FoliageMotion motion;
+  TriangleScene rest;                       ///< its leaves; only those that move
+  std::vector<float> share_of_sway;         ///< of each of these triangles
+  std::vector<std::uint32_t> tree, way;     ///< of each, as FoliageMotion has them
+  std::uint32_t num_trees = 0;
+  TriangleScene firm;                       ///< the rest of the world
 };
 
 /// A vehicle without its rotors, in its body frame; the rotors are met analytically (sweep_scene.cpp).
@@ -69,7 +84,8 @@ struct VehicleBody {
 
 struct StaticScene::Impl {
   EmbreeDevice device;
-  TriangleScene world;
+  TriangleScene world;                     ///< all of it, with the leaves where they hang
+  std::unique_ptr<const Foliage> foliage;  ///< null: nothing moves
   Eigen::AlignedBox3d bounds_m;
 
   /// The body of a shape ready to trace; vehicles of one shape share it, whoever asks.

@@ -14,6 +14,7 @@
 
 #include "sim/raycast/embree_scene.hpp"
 #include "sim/raycast/exact_hits_internal.hpp"
+#include "sim/raycast/waving_foliage.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
@@ -59,7 +60,8 @@ void append(const Mesh& mesh, const Eigen::Affine3f& T_world_mesh, std::uint32_t
 }
 
 // All instances unrolled: one big geometry is quicker to build and to trace than instances of small ones.
-TriangleScene flatten(const Scene& scene) {
+/// @param first_triangle  of each instance
+TriangleScene flatten(const Scene& scene, std::vector<std::uint32_t>& first_triangle) {
   std::size_t num_triangles = 0;
   for (const Instance& instance : scene.instances) num_triangles += scene.meshes.at(instance.mesh).triangles.size();
   if (num_triangles > kMaxTriangles) {
@@ -72,6 +74,7 @@ TriangleScene flatten(const Scene& scene) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     const Surface surface = {mesh.material, mesh.surface_class, instance.instance, VehiclePart::kNone};
+    first_triangle.push_back(static_cast<std::uint32_t>(out.size()));
     append(mesh, instance.T_world_mesh, numbers.number_of(surface), out);
   }
   return out;
@@ -164,14 +167,31 @@ void ReleaseScene::operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 
 namespace {
 
-void commit_tree(RTCScene scene, RTCSceneFlags flags, std::size_t num_triangles, RTCDevice device) {
-  rtcSetSceneFlags(scene, flags | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
-  rtcCommitScene(scene);
+void check_tree(std::size_t num_triangles, RTCDevice device) {
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE) {
     throw std::runtime_error("cannot build the ray tracing structure of " + std::to_string(num_triangles) +
                              " triangles (error " + std::to_string(error) + ")");
   }
+}
+
+void commit_tree(RTCScene scene, RTCSceneFlags flags, std::size_t num_triangles, RTCDevice device) {
+  rtcSetSceneFlags(scene, flags | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+  rtcCommitScene(scene);
+  check_tree(num_triangles, device);
+}
+
+void attach_triangles(TriangleScene& triangles, RTCBuildQuality quality, RTCDevice device) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, triangles.enlarged_m.data(), 0,
+                             sizeof(triangles.enlarged_m[0][0]), 3 * triangles.size());
+  auto* corners = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles.size()));
+  if (corners != nullptr) std::iota(corners, corners + 3 * triangles.size(), 0U);
+  rtcSetGeometryBuildQuality(geometry, quality);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(triangles.scene.get(), geometry);
+  rtcReleaseGeometry(geometry);
 }
 
 }  // namespace
@@ -180,18 +200,23 @@ void TriangleScene::commit(RTCDevice device) {
   scene.reset(rtcNewScene(device));
   if (!corners_m.empty()) {
     prepare_for_exact_hits(*this);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, enlarged_m.data(), 0,
-                               sizeof(enlarged_m[0][0]), 3 * size());
-    auto* corners = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), size()));
-    if (corners != nullptr) std::iota(corners, corners + 3 * size(), 0U);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene.get(), geometry);
-    rtcReleaseGeometry(geometry);
+    attach_triangles(*this, RTC_BUILD_QUALITY_MEDIUM, device);
   }
   // Robust: no box of the tree is passed by that a ray touches.
   commit_tree(scene.get(), RTC_SCENE_FLAG_ROBUST, size(), device);
+}
+
+void TriangleScene::commit_to_move(RTCDevice device) {
+  scene.reset(rtcNewScene(device));
+  attach_triangles(*this, RTC_BUILD_QUALITY_REFIT, device);
+  commit_tree(scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC, size(), device);
+}
+
+void TriangleScene::refit() {
+  RTCGeometry geometry = rtcGetGeometry(scene.get(), 0);
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene.get());
 }
 
 // Not robust: the margins of the triangles are larger than what a ray may pass by.
@@ -223,12 +248,14 @@ std::shared_ptr<const VehicleBody> StaticScene::Impl::body_of(const std::shared_
 
 void StaticScene::Impl::expect_scattered_rays() const {
   const std::scoped_lock lock(mutex_);
-  if (!world.for_scattered_rays) world.commit_for_scattered_rays(device.get());
+  const TriangleScene& seen = foliage ? foliage->firm : world;
+  if (!seen.for_scattered_rays) seen.commit_for_scattered_rays(device.get());
 }
 
 StaticScene::StaticScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   impl_->device = make_device();
-  impl_->world = flatten(scene);
+  std::vector<std::uint32_t> first_triangle;
+  impl_->world = flatten(scene, first_triangle);
   for (const auto& corners_m : impl_->world.corners_m) {
     for (const Eigen::Vector3f& corner : corners_m) {
       if (!corner.allFinite()) throw std::invalid_argument("world: a vertex is not a finite number");
@@ -236,6 +263,9 @@ StaticScene::StaticScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   }
   impl_->bounds_m = scene.bounds_m;
   impl_->world.commit(impl_->device.get());
+  auto foliage = make_foliage(scene, impl_->world, first_triangle);
+  if (foliage) foliage->firm.commit(impl_->device.get());
+  impl_->foliage = std::move(foliage);
 }
 
 StaticScene::~StaticScene() = default;

@@ -7,6 +7,7 @@
 
 #include "sim/raycast/embree_scene.hpp"
 #include "sim/raycast/exact_hits_internal.hpp"
+#include "sim/raycast/waving_foliage.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
 
 namespace swiftlet::sim {
@@ -77,7 +78,8 @@ double rotor_angle(const Knot& a, const Knot& b, int rotor, double s, double h) 
 
 struct SweepScene::Impl {
   std::shared_ptr<const StaticScene> world;
-  std::vector<Vehicle> vehicles;  // by VehicleId
+  std::unique_ptr<WavingFoliage> foliage;  // null: nothing moves
+  std::vector<Vehicle> vehicles;           // by VehicleId
   std::vector<int> in_reach;      // other vehicles, ascending
   std::vector<SweepSurface> surfaces;
   VehicleId self = 0;
@@ -105,6 +107,7 @@ struct SweepScene::Impl {
   Rays rays_body(const BeamPacket& beams) const;
   Rays rays_of(const Vehicle& vehicle, const BeamPacket& beams, const Rays& world_rays) const;
   bool near(const Vehicle& vehicle, const Rays& world_rays, const std::array<float, kPacketSize>& tfar) const;
+  void meet_leaves(const Rays& world_rays, std::array<float, kPacketSize>& tfar, PacketHits& hits) const;
   void meet(const Vehicle& vehicle, const BeamPacket& beams, const Rays& rays, std::array<float, kPacketSize>& tfar,
             PacketHits& hits) const;
   void meet_rotors(const Vehicle& vehicle, const BeamPacket& beams, const Rays& rays,
@@ -236,6 +239,18 @@ bool SweepScene::Impl::near(const Vehicle& vehicle, const Rays& rays,
   return any != 0;
 }
 
+void SweepScene::Impl::meet_leaves(const Rays& rays, std::array<float, kPacketSize>& tfar, PacketHits& hits) const {
+  ExactQuery query(foliage->leaves());
+  query.set_rays(rays, tfar);
+  coherent ? query.trace_together() : query.trace_scattered();
+  for (int i = 0; i < kPacketSize; ++i) {
+    if (!query.met(i)) continue;
+    tfar[i] = hits.range_m[i] = query.range_m(i);
+    hits.cos_incidence[i] = query.cos_incidence(i);
+    hits.surface[i] = query.surface(i);
+  }
+}
+
 void SweepScene::Impl::meet(const Vehicle& vehicle, const BeamPacket& beams, const Rays& rays,
                             std::array<float, kPacketSize>& tfar, PacketHits& hits) const {
   const TriangleScene& body = vehicle.body->triangles;
@@ -307,6 +322,7 @@ SweepScene::SweepScene(std::shared_ptr<const StaticScene> world,
         {shapes[id]->rotor_material, SurfaceClass::kVehicle, instance, VehiclePart::kRotor, vehicle_id});
     impl_->vehicles.push_back(std::move(vehicle));
   }
+  if (impl_->world->impl().foliage) impl_->foliage = std::make_unique<WavingFoliage>(impl_->world);
   impl_->in_reach.reserve(shapes.size());
   set_firings({});
 }
@@ -341,6 +357,7 @@ void SweepScene::begin(const StateHistory& truth, TimeNs start, TimeNs duration)
     s.look_up(truth, id, start, s.vehicles[id]);
     s.in_reach.push_back(id);
   }
+  if (s.foliage) s.foliage->move_to(start + duration / 2);
 }
 
 void SweepScene::trace(const BeamPacket& beams, bool meets_self, PacketHits& hits) const {
@@ -349,8 +366,8 @@ void SweepScene::trace(const BeamPacket& beams, bool meets_self, PacketHits& hit
   std::array<float, kPacketSize> tfar;
   tfar.fill(s.range_max_m);
 
-  const TriangleScene& world = s.world->impl().world;
-  ExactQuery query(world);
+  const StaticScene::Impl& world = s.world->impl();
+  ExactQuery query(s.foliage ? world.foliage->firm : world.world);
   query.set_rays(rays, tfar);
   s.coherent ? query.trace_together() : query.trace_scattered();
   for (int i = 0; i < kPacketSize; ++i) {
@@ -361,6 +378,7 @@ void SweepScene::trace(const BeamPacket& beams, bool meets_self, PacketHits& hit
     if (met) tfar[i] = hits.range_m[i];
   }
 
+  if (s.foliage) s.meet_leaves(rays, tfar, hits);
   if (meets_self) s.meet(s.vehicles[s.self], beams, s.rays_body(beams), tfar, hits);
   for (const int id : s.in_reach) {
     const Vehicle& vehicle = s.vehicles[id];

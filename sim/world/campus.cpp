@@ -290,6 +290,7 @@ void CampusConfig::visit(ConfigVisitor& v) {
   v.field("num_lamps", num_lamps, "[-] lamp posts, as far as they find room", Range::between(0, 10000));
   v.field("num_cars", num_cars, "[-] parked cars, as far as they find room", Range::between(0, 10000));
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default", Range::between(0.05, 20.0));
+  v.object("foliage", foliage, "wind in the crowns, as LiDARs see it");
   v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
   v.check((building_size_m.array() + 2.0 * (path_distance_m + path_width_m) < size_m.array()).all(), "size_m",
           "a ground larger than the building with its path");
@@ -315,6 +316,7 @@ Scene make_campus(const CampusConfig& config, std::uint64_t seed) {
   add_trees(scene, config, seed, spacing);
   add_lamps(scene, config, seed, spacing);
   add_cars(scene, config, seed, spacing);
+  scene.move_foliage(config.foliage, seed);
   return scene.finish();
 }
 

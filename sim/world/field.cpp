@@ -75,6 +75,7 @@ void FieldConfig::visit(ConfigVisitor& v) {
   v.field("num_bushes", num_bushes, "[-] bushes, as far as they find room", Range::between(0, 60000));
   v.field("clear_radius_m", clear_radius_m, "[m] nothing grows this near to the origin", Range::non_negative());
   v.field("detail", detail, "[-] number of leaf clusters, relative to the default", Range::between(0.05, 20.0));
+  v.object("foliage", foliage, "wind in the crowns, as LiDARs see it");
   v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
 }
 
@@ -87,6 +88,7 @@ Scene make_field(const FieldConfig& config, std::uint64_t seed) {
   Spacing spacing(config.min_distance_m);
   if (config.num_trees > 0) add_trees(scene, config, seed, relief, spacing);
   if (config.num_bushes > 0) add_bushes(scene, config, seed, relief);
+  scene.move_foliage(config.foliage, seed);
   return scene.finish();
 }
 

@@ -296,6 +296,7 @@ void ForestConfig::visit(ConfigVisitor& v) {
       "surroundings_m", surroundings_m,
       "[m] the forest goes on this far beyond size_m with trees of few triangles, its ground twice as far; 0: it ends",
       Range::between(0.0, 200.0));
+  v.object("foliage", foliage, "wind in the crowns, as LiDARs see it");
   v.object("keep_clear", keep_clear, "zones that stay free, to fly in");
   v.check(pine_share + spruce_share + broadleaf_share > 0.0, "pine_share", "at least one share above 0");
 }
@@ -311,6 +312,7 @@ Scene make_forest(const ForestConfig& config, std::uint64_t seed) {
   add_fallen_trunks(scene, config, seed, relief);
   add_rocks(scene, config, seed, relief);
   if (config.surroundings_m > 0.0) add_surroundings(scene, config, seed, relief, is_flat);
+  scene.move_foliage(config.foliage, seed);
   return scene.finish();
 }
 

@@ -42,6 +42,11 @@ std::uint16_t SceneBuilder::next_instance(SurfaceClass surface_class) {
 
 void SceneBuilder::add_object(WorldObject object) { scene_.objects.push_back(std::move(object)); }
 
+void SceneBuilder::move_foliage(const FoliageConfig& foliage, std::uint64_t seed) {
+  scene_.foliage = foliage;
+  scene_.foliage_seed = seed;
+}
+
 Scene SceneBuilder::finish() {
   // Meshes of a stock that nobody placed are left out.
   constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();

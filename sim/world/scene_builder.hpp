@@ -24,6 +24,9 @@ class SceneBuilder {
   /// What is placed from now on surrounds the place: it counts for the height of the bounds only.
   void begin_surroundings() { num_within_ = scene_.instances.size(); }
 
+  /// Leaves move in wind; without this they hang still.
+  void move_foliage(const FoliageConfig& foliage, std::uint64_t seed);
+
   /// The scene with its bounds. The builder is empty afterwards.
   Scene finish();
 

@@ -45,7 +45,8 @@ struct SweepSurface {
 /// The world as one moving sensor sees it during a sweep: the static scene and all vehicles, each at the instant of
 /// each beam. Rotors are met where a blade is at that very instant. One per sensor; trace() is thread-safe.
 ///
-/// Nothing is rebuilt between sweeps. The static scene is traced in the world frame. Rays are carried into the body
+/// Leaves that move in wind are met where they are in the middle of the sweep. Without wind
+/// nothing is rebuilt between sweeps. The static scene is traced in the world frame. Rays are carried into the body
 /// frame of a vehicle, which few packets come near. Blades are met analytically, in their disc. Motion is that of
 /// StateHistory, sampled every 2 ms and interpolated linearly in between (error below a h^2 / 8 = 0.01 mm at 20 m/s^2).
 class SweepScene {

@@ -25,6 +25,7 @@ struct CampusConfig : ModuleConfigOf<CampusConfig> {
   int num_lamps = 8;
   int num_cars = 5;
   double detail = 1.0;
+  FoliageConfig foliage;
   KeepClearConfig keep_clear;
 
   void visit(ConfigVisitor& v) override;

@@ -18,6 +18,7 @@ struct FieldConfig : ModuleConfigOf<FieldConfig> {
   int num_bushes = 20;
   double clear_radius_m = 20.0;
   double detail = 1.0;
+  FoliageConfig foliage;
   KeepClearConfig keep_clear;
 
   void visit(ConfigVisitor& v) override;

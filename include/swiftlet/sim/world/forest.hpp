@@ -34,6 +34,7 @@ struct ForestConfig : ModuleConfigOf<ForestConfig> {
   double rocks_per_ha = 40.0;
   double detail = 1.0;
   double surroundings_m = 30.0;
+  FoliageConfig foliage;
   KeepClearConfig keep_clear;
 
   void visit(ConfigVisitor& v) override;

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "swiftlet/sim/world/foliage.hpp"
+
 namespace swiftlet::sim {
 
 /// Truth class of a surface. The numbers are the labels in datasets (docs/conventions.md). A number that SemanticKITTI
@@ -83,13 +85,15 @@ struct WorldObject {
       attributes;  ///< such as {"dbh_m", 0.31}, {"height_m", 18.2}; same keys for the same kind
 };
 
-/// The static world: a pure function of (config, seed). World frame: east, north, up.
+/// The static world: a pure function of (config, seed). World frame: east, north, up. Leaves are where they hang.
 struct Scene {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   std::vector<WorldObject> objects;
-  Eigen::AlignedBox3d bounds_m;  ///< of the place: surroundings that only fill the view count for the height alone
+  FoliageConfig foliage;           ///< of the leaves of crowns, meshes of SurfaceClass::kVegetation
+  std::uint64_t foliage_seed = 0;  ///< of their motion
+  Eigen::AlignedBox3d bounds_m;    ///< of the place: surroundings that only fill the view count for the height alone
 
   std::size_t num_triangles() const;  ///< with instancing unrolled
 };

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/sim/world/foliage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "swiftlet/core/elementary.hpp"
+
+namespace swiftlet::sim {
+namespace {
+
+constexpr double kSlowest = 0.8, kFastest = 1.25;  // of the frequencies of trees and leaves, about the configured one
+constexpr double kAcross = 0.5;                    // of the sway along the wind
+constexpr double kFlutterUp = 0.5;                 // of the flutter along the other axes
+constexpr std::uint32_t kOfTrees = 0, kOfWays = 1, kOfLeaves = 2;  // each draws from numbers of its own
+constexpr std::uint32_t kNumbersOfOne = 8;
+
+double oscillation(const Random& random, std::uint32_t domain, std::uint32_t first, double hz, double t_s) {
+  const double own_hz = hz * random.uniform(kSlowest, kFastest, domain, first);
+  const double cycles = own_hz * t_s + random.uniform(domain, first + 1);
+  return elementary::sin(2.0 * std::numbers::pi * (cycles - std::floor(cycles)));
+}
+
+}  // namespace
+
+void FoliageConfig::visit(ConfigVisitor& v) {
+  v.field("sway_m", sway_m, "[m] amplitude of a tree's top along the wind; 0: trees stand still",
+          Range::between(0.0, 5.0));
+  v.field("sway_hz", sway_hz, "[Hz] natural frequency of the trees; each has its own, from 0.8 to 1.25 of it",
+          Range{0.0, 10.0, true});
+  v.field("flutter_m", flutter_m, "[m] amplitude of a leaf cluster by each horizontal axis, half of it upward",
+          Range::between(0.0, 1.0));
+  v.field("flutter_hz", flutter_hz, "[Hz] of the leaf clusters; each has its own, from 0.8 to 1.25 of it",
+          Range{0.0, 50.0, true});
+  v.field("wind_deg", wind_deg, "[deg] where the wind blows to, from east to north", Range::between(-360.0, 360.0));
+}
+
+double FoliageConfig::reach_m() const {
+  return std::sqrt(1.0 + kAcross * kAcross) * sway_m + std::sqrt(2.0 + kFlutterUp * kFlutterUp) * flutter_m;
+}
+
+FoliageMotion::FoliageMotion(const FoliageConfig& config, std::uint64_t seed)
+    : config_(config), random_(seed, "world.foliage") {
+  const double wind_rad = config.wind_deg * std::numbers::pi / 180.0;
+  along_ = Vector3(elementary::cos(wind_rad), elementary::sin(wind_rad), 0.0);
+  across_ = Vector3(-along_.y(), along_.x(), 0.0);
+}
+
+Vector3 FoliageMotion::sway_m(std::uint32_t tree, double t_s) const {
+  const std::uint32_t first = kNumbersOfOne * tree;
+  const double along = oscillation(random_, kOfTrees, first, config_.sway_hz, t_s);
+  const double across = kAcross * oscillation(random_, kOfTrees, first + 2, config_.sway_hz, t_s);
+  return config_.sway_m * (along * along_ + across * across_);
+}
+
+double FoliageMotion::share_of_sway(double height) {
+  const double within = std::clamp(height, 0.0, 1.0);
+  return within * within;
+}
+
+Vector3 FoliageMotion::flutter_m(std::uint32_t way, double t_s) const {
+  const std::uint32_t first = kNumbersOfOne * way;
+  const auto axis = [&](std::uint32_t k) {
+    return oscillation(random_, kOfWays, first + 2 * k, config_.flutter_hz, t_s);
+  };
+  return config_.flutter_m * Vector3(axis(0), axis(1), kFlutterUp * axis(2));
+}
+
+std::uint32_t FoliageMotion::way_of(std::uint32_t tree, std::uint32_t leaf) const {
+  return random_.bits(kOfLeaves + tree, leaf)[0] % kWays;
+}
+
+}  // namespace swiftlet::sim
