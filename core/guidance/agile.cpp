@@ -86,6 +86,17 @@ void AgileSpline::advance(double dt_s) {
   }
 }
 
+void AgileSpline::rest_at(const Vector3& point_m, double pace) {
+  target_m_ = point_m;
+  pace_ = pace;
+  rests_ = true;
+}
+
+void AgileSpline::roam() {
+  rests_ = false;
+  pick_target(control_m_[4]);
+}
+
 Reference AgileSpline::reference() const {
   // Uniform quartic B-spline basis on its five control points; derivatives from their differences.
   const double u = u_, u2 = u * u, u3 = u2 * u, u4 = u2 * u2, w = 1.0 - u;
@@ -114,7 +125,7 @@ Vector3 AgileSpline::jerk_mps3() const {
 void AgileSpline::add_control_point() {
   const Vector3 point = control_m_[4];
   const Vector3 step = control_m_[4] - control_m_[3];
-  if ((point - target_m_).norm() < kTargetReached_m) pick_target(point);
+  if (!rests_ && (point - target_m_).norm() < kTargetReached_m) pick_target(point);
 
   // As near to the wanted step as leaves room to stop inside the box; full braking always does.
   const Vector3 wanted = step + cut_to(wanted_step(point) - step, pace_ * change_max_m_, pace_ * change_max_z_m_);
@@ -147,8 +158,9 @@ Vector3 AgileSpline::wanted_step(const Vector3& point) const {
   const Vector3 to_target = target_m_ - point;
   const double distance = to_target.norm();
   if (distance < 1e-9) return Vector3::Zero();
-  const double longest = pace_ * step_max_m_, passing = kPassingShare * longest;
-  const double length = std::min(longest, std::sqrt(passing * passing + 1.6 * pace_ * change_max_m_ * distance));
+  const double longest = pace_ * step_max_m_, passing = rests_ ? 0.0 : kPassingShare * longest;
+  double length = std::min(longest, std::sqrt(passing * passing + 1.6 * pace_ * change_max_m_ * distance));
+  if (rests_) length = std::min(length, distance);
   return cut_step(to_target * (length / distance));
 }
 

@@ -2,6 +2,7 @@
 #include "swiftlet/core/stages/guidances.hpp"
 
 #include "swiftlet/core/guidance/agile.hpp"
+#include "swiftlet/core/guidance/bird.hpp"
 #include "swiftlet/core/guidance/explore.hpp"
 #include "swiftlet/core/guidance/flocking.hpp"
 #include "swiftlet/core/guidance/follow_guide.hpp"
@@ -50,6 +51,10 @@ constexpr GuidanceType kGuidanceTypes[] = {
      "explore.path explore.view"},
     {{"agile", "random smooth flight at high speed in a box", make_module_config<AgileConfig>},
      make_agile,
+     nullptr,
+     ""},
+    {{"bird", "a small bird: turns of a sudden, bounds, and perches", make_module_config<BirdConfig>},
+     make_bird,
      nullptr,
      ""},
     {{"takeoff_land", "up from the ground, hover, down", make_module_config<TakeoffLandConfig>},

@@ -43,6 +43,10 @@ class AgileSpline {
               double vertical_acceleration_mps2);
 
   void advance(double dt_s);
+  /// From now on to this point and to rest there, with a share of the greatest speed and acceleration.
+  void rest_at(const Vector3& point_m, double pace);
+  /// From now on to another random target.
+  void roam();
   /// Position, velocity, acceleration now.
   Reference reference() const;
   Vector3 jerk_mps3() const;
@@ -63,6 +67,7 @@ class AgileSpline {
   Vector3 box_min_m_, box_max_m_;
   std::array<Vector3, 5> control_m_;
   Vector3 target_m_;
+  bool rests_ = false;  ///< at the target, instead of passing it
   double pace_ = 1.0;  ///< of this leg: share of the greatest speed and acceleration
   std::uint32_t num_targets_ = 0;
   double u_ = 0.0;  ///< share of the knot interval
