@@ -35,6 +35,7 @@ constexpr double kWatch_s = 3.0;           // before two meet as they fly now, t
 constexpr double kPledged_s = 1.0;         // beyond two samples and those lost, for which one keeps to its pledges
 constexpr double kLookAround = 2.0;        // times the longest interval of samples, before it starts
 constexpr double kSeldom_s = 0.5;          // an interval of samples that is worth waiting for
+constexpr double kAims_m = 1.0;            // that it aims ahead where its cell holds it on its path
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 /// Of the sensors of neighbors; infinite when they have no limit, or there is none.
@@ -138,6 +139,7 @@ class Rbl : public Guidance {
     step_ = planner_.update(next_goal_local_m(p_local_m, now), 1.0 / config_.update_rate_hz);
     from_local_m_ = goal_.position_m;
     to_local_m_ = config_.lidar.enabled ? within_sight(T_local_body, now) : step_.centroid_local_m;
+    if (detour_.straight_local_m()) to_local_m_ = straight_on(T_local_body, *detour_.straight_local_m());
     if (config_.separation.enabled) keep_apart(T_local_body, now);
     if (planar_) to_local_m_.z() = out_of_the_way_local_m(p_local_m, now);
     const RblGoal goal{goal_local_m_, z_min_m(), z_max_m(), config_.cells.sensing_radius_m, config_.cells.encumbrance_m,
@@ -370,12 +372,29 @@ class Rbl : public Guidance {
     if (!whole_cell) cut_by(sensed_, sensed_cuts_, p_local_m, now - from_seconds(config_.lidar.sensed_s));
     const int sample = sensed_.nearest_partitioned(to_centroid_local_m);
     if (sample < 0) return p_local_m;
-    const double off_rad = std::remainder(goal_.yaw_rad - yaw_of(T_local_body.linear()), 2.0 * kPi);
-    if (std::abs(off_rad) > config_.lidar.facing_deg * kRadPerDeg) return p_local_m;
+    if (!faces(T_local_body)) return p_local_m;
     const Vector3 seen_agent_m = sensed_.point(sample);
     const bool inside =
         (seen_agent_m - to_centroid_local_m).norm() <= 0.87 * sensed_.step_m();  // half the diagonal between samples
     return p_local_m + (inside ? to_centroid_local_m : seen_agent_m);
+  }
+
+  bool faces(const Pose& T_local_body) const {
+    const double off_rad = std::remainder(goal_.yaw_rad - yaw_of(T_local_body.linear()), 2.0 * kPi);
+    return std::abs(off_rad) <= config_.lidar.facing_deg * kRadPerDeg;
+  }
+
+  /// On the path where a cell holds the vehicle: turns to it, and flies there once it faces it and has it in view.
+  Vector3 straight_on(const Pose& T_local_body, const Vector3& next_local_m) {
+    const Vector3 p_local_m = T_local_body.translation();
+    const Vector3 to_next_m = next_local_m - p_local_m;
+    goal_.yaw_rad = heading_along(to_next_m, kShortestToFace_m, goal_.yaw_rad);
+    if (!faces(T_local_body)) return p_local_m;
+    for (const HalfSpace& cut :
+         field_of_view(T_local_body.linear(), config_.lidar.fov_lower_deg, config_.lidar.fov_deg, p_lidar_body_m_)) {
+      if (cut.normal_local.dot(to_next_m) > std::max(cut.offset_m, 0.0)) return to_local_m_;
+    }
+    return p_local_m + std::min(1.0, kAims_m / std::max(to_next_m.norm(), kShortestToFace_m)) * to_next_m;
   }
 
   // The centroid jumps at every update; the vehicle's goal glides there until the next one, or each jump would shake

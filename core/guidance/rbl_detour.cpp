@@ -15,7 +15,12 @@ constexpr double kOff_m = 2.0;          // a vehicle so far off its path needs a
 constexpr double kNearGoal_m = 8.0;     // nearer than this, a path leads to the goal's height
 constexpr double kGoalMoved_m = 0.5;    // so does one whose goal lies elsewhere
 constexpr double kColumn_m = 3.0;       // of air that belongs to a neighbor
+constexpr double kMoves_m = 0.3;        // what counts as moving
+constexpr double kHeld_s = 2.0;         // without that, its cell holds it on its path
+constexpr double kStraight_m = 2.0;     // of the path that it then flies straight
 constexpr double kLeastPoint_m = 1e-6;  // shorter legs have no direction
+
+constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2};  // of what lies ahead, within reach
 
 /// Share of a leg at which it is nearest to a point.
 double nearest_share(const Vector3& from_m, const Vector3& to_m, const Vector3& p_m) {
@@ -51,7 +56,23 @@ Vector3 RblDetour::next_goal_local_m(const Situation& situation) {
   double left_m = (situation.goal_local_m - situation.p_local_m).norm();
   if (on_path()) left_m = follow(situation.p_local_m);
   if (planner_.idle() && situation.now >= retry_ && has_to_plan(situation, left_m)) plan(situation);
-  return on_path() ? point_ahead_local_m(situation) : situation.goal_local_m;
+  straight_local_m_.reset();
+  if (!on_path()) return situation.goal_local_m;
+  if (is_held(situation)) {
+    const double narrowed_m = narrowed(rules_, situation.map->edge_m()).clearance_m;
+    straight_local_m_ = clear_point_local_m(situation, std::max(narrowed_m, situation.encumbrance_m));
+  }
+  return point_ahead_local_m(situation);
+}
+
+/// Once held, for a part of the path: or its cell would draw it back to where it stood.
+bool RblDetour::is_held(const Situation& situation) {
+  if ((situation.p_local_m - stood_local_m_).norm() > kMoves_m) {
+    stood_local_m_ = situation.p_local_m;
+    stood_ = situation.now;
+  }
+  if (to_seconds(situation.now - stood_) > kHeld_s) straight_until_m_ = arc_m_ + kStraight_m;
+  return arc_m_ < straight_until_m_;
 }
 
 bool RblDetour::is_near_goal(const Situation& situation) const {
@@ -130,6 +151,7 @@ void RblDetour::take(const Situation& situation) {
   planner_.stop();
   since_ = situation.now;
   least_m_ = std::numeric_limits<double>::infinity();
+  straight_until_m_ = std::max(0.0, straight_until_m_ - arc_m_);
   arc_m_ = off_m_ = 0.0;
   checked_ = 0;
   corners_local_m_.clear();
@@ -176,14 +198,21 @@ Vector3 RblDetour::at_local_m(double arc_m) const {
 }
 
 /// The farthest point of the path within reach to which the straight way is clear.
-Vector3 RblDetour::point_ahead_local_m(const Situation& situation) const {
-  const ClearSpace space(*situation.map, narrowed(rules_, situation.map->edge_m()), situation.p_local_m);
-  constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2};
+std::optional<Vector3> RblDetour::clear_point_local_m(const Situation& situation, double clearance_m) const {
+  ClearPathConfig rules = rules_;
+  rules.clearance_m = clearance_m;
+  const ClearSpace space(*situation.map, rules, situation.p_local_m);
   for (const double share : kShares) {
     const Vector3 ahead_local_m = at_local_m(arc_m_ + share * ahead_m_);
     if (space.is_clear_segment(situation.p_local_m, ahead_local_m)) return ahead_local_m;
   }
-  return at_local_m(arc_m_ + kShares[std::size(kShares) - 1] * ahead_m_);
+  return std::nullopt;
+}
+
+Vector3 RblDetour::point_ahead_local_m(const Situation& situation) const {
+  const double clearance_m = narrowed(rules_, situation.map->edge_m()).clearance_m;
+  const auto clear = clear_point_local_m(situation, clearance_m);
+  return clear ? *clear : at_local_m(arc_m_ + kShares[std::size(kShares) - 1] * ahead_m_);
 }
 
 void RblDetourConfig::visit(ConfigVisitor& v) {

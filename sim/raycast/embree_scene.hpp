@@ -69,6 +69,8 @@ struct TriangleScene {
 
 /// Leaves that move in wind, where they hang, and the rest of the world without them.
 struct Foliage {
+  explicit Foliage(const FoliageMotion& of_world) : motion(of_world) {}
+
   FoliageMotion motion;
   TriangleScene rest;                       ///< its leaves; only those that move
   std::vector<float> share_of_sway;         ///< of each of these triangles

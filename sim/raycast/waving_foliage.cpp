@@ -46,7 +46,7 @@ void copy_triangle(const TriangleScene& from, std::size_t triangle, TriangleScen
 std::unique_ptr<Foliage> make_foliage(const Scene& scene, const TriangleScene& world,
                                       const std::vector<std::uint32_t>& first_triangle) {
   if (!scene.foliage.moves()) return nullptr;
-  auto foliage = std::make_unique<Foliage>(Foliage{.motion = {scene.foliage, scene.foliage_seed}});
+  auto foliage = std::make_unique<Foliage>(FoliageMotion(scene.foliage, scene.foliage_seed));
   foliage->rest.surfaces = foliage->firm.surfaces = world.surfaces;
   std::vector<std::vector<std::uint32_t>> pieces(scene.meshes.size());
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -53,6 +54,11 @@ class RblDetour {
   };
   Vector3 next_goal_local_m(const Situation& situation);
 
+  /// A point of the path to fly straight to, since the last call of next_goal_local_m. Cells are convex, so before a
+  /// gap between two trunks a vehicle may stand at its own centroid, although the way ahead is clear. Nothing while it
+  /// moves, or when the way is not clear.
+  const std::optional<Vector3>& straight_local_m() const { return straight_local_m_; }
+
   bool on_path() const { return !corners_local_m_.empty(); }
   const std::vector<Vector3>& corners_local_m() const { return corners_local_m_; }
   /// Why there is no path, or that there is one; empty while the goal itself is flown to.
@@ -74,6 +80,8 @@ class RblDetour {
   double follow(const Vector3& p_local_m);
   Vector3 at_local_m(double arc_m) const;
   Vector3 point_ahead_local_m(const Situation& situation) const;
+  bool is_held(const Situation& situation);
+  std::optional<Vector3> clear_point_local_m(const Situation& situation, double clearance_m) const;
 
   RblDetourConfig config_;
   double ahead_m_;
@@ -83,9 +91,13 @@ class RblDetour {
   ClearPath found_;  // what the planner is at work on
   ClearPathConfig rules_;
   std::vector<Vector3> corners_local_m_;
-  double arc_m_ = 0.0;  // along the path, where the vehicle is
-  double off_m_ = 0.0;  // it
-  bool level_ = false;  // the path ends at its own height, not at the goal's
+  double arc_m_ = 0.0;                       // along the path, where the vehicle is
+  double off_m_ = 0.0;                       // it
+  bool level_ = false;                       // the path ends at its own height, not at the goal's
+  Vector3 stood_local_m_ = Vector3::Zero();  // where it was when it moved last
+  TimeNs stood_ = 0;                         // since then
+  double straight_until_m_ = 0.0;            // along the path
+  std::optional<Vector3> straight_local_m_;
   std::uint64_t checked_ = 0;
   const char* note_ = "";
   int failures_ = 0;
