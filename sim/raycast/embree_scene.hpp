@@ -72,11 +72,11 @@ struct Foliage {
   explicit Foliage(const FoliageMotion& of_world) : motion(of_world) {}
 
   FoliageMotion motion;
-  TriangleScene rest;                       ///< its leaves; only those that move
-  std::vector<float> share_of_sway;         ///< of each of these triangles
-  std::vector<std::uint32_t> tree, way;     ///< of each, as FoliageMotion has them
+  TriangleScene rest;                    ///< its leaves; only those that move
+  std::vector<float> share_of_sway;      ///< of each of these triangles
+  std::vector<std::uint32_t> tree, way;  ///< of each, as FoliageMotion has them
   std::uint32_t num_trees = 0;
-  TriangleScene firm;                       ///< the rest of the world
+  TriangleScene firm;  ///< the rest of the world
 };
 
 /// A vehicle without its rotors, in its body frame; the rotors are met analytically (sweep_scene.cpp).

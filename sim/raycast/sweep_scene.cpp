@@ -80,7 +80,7 @@ struct SweepScene::Impl {
   std::shared_ptr<const StaticScene> world;
   std::unique_ptr<WavingFoliage> foliage;  // null: nothing moves
   std::vector<Vehicle> vehicles;           // by VehicleId
-  std::vector<int> in_reach;      // other vehicles, ascending
+  std::vector<int> in_reach;               // other vehicles, ascending
   std::vector<SweepSurface> surfaces;
   VehicleId self = 0;
   Pose T_body_lidar = Pose::Identity();

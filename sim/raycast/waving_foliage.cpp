@@ -67,8 +67,7 @@ std::unique_ptr<Foliage> make_foliage(const Scene& scene, const TriangleScene& w
       copy_triangle(world, first_triangle[i] + k, foliage->rest);
       foliage->tree.push_back(tree);
       foliage->way.push_back(foliage->motion.way_of(tree, piece_of_vertex[mesh.triangles[k][0]]));
-      foliage->share_of_sway.push_back(
-          static_cast<float>(FoliageMotion::share_of_sway((heights[k] - foot) / height)));
+      foliage->share_of_sway.push_back(static_cast<float>(FoliageMotion::share_of_sway((heights[k] - foot) / height)));
     }
   }
   if (foliage->rest.size() == 0) return nullptr;

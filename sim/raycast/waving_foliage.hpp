@@ -26,7 +26,7 @@ class WavingFoliage {
 
   std::shared_ptr<const StaticScene> world_;
   std::vector<std::array<Eigen::Vector3f, 3>> enlarged_at_rest_m_;
-  std::vector<Eigen::Vector3f> sway_m_;                        // of each tree's top
+  std::vector<Eigen::Vector3f> sway_m_;                          // of each tree's top
   std::array<Eigen::Vector3f, FoliageMotion::kWays> flutter_m_;  // of each way
   TriangleScene leaves_;
 };

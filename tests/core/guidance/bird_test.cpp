@@ -112,8 +112,7 @@ TEST(Bird, TurnsOfASudden) {
       const double speed_sq = r.velocity_mps.head<2>().squaredNorm();
       if (speed_sq < 1.0) continue;
       sum_rad += kTick_s *
-                 std::abs(r.velocity_mps.x() * r.acceleration_mps2.y() -
-                          r.velocity_mps.y() * r.acceleration_mps2.x()) /
+                 std::abs(r.velocity_mps.x() * r.acceleration_mps2.y() - r.velocity_mps.y() * r.acceleration_mps2.x()) /
                  speed_sq;
     }
     return sum_rad;
@@ -136,7 +135,8 @@ TEST(Bird, PerchesForAsLongAsTold) {
     if (flight.is_perched() && since_s < 0.0) since_s = t_s;
     if (flight.is_perched() && t_s > since_s + 1.2) {
       const Reference r = flight.reference();
-      const double off_m[2] = {(r.position_m - config.perches_m[0]).norm(), (r.position_m - config.perches_m[1]).norm()};
+      const double off_m[2] = {(r.position_m - config.perches_m[0]).norm(),
+                               (r.position_m - config.perches_m[1]).norm()};
       EXPECT_LT(std::min(off_m[0], off_m[1]), 0.05) << t_s;
       EXPECT_LT(r.velocity_mps.norm(), 0.3) << t_s;
       ++on[off_m[1] < off_m[0]];

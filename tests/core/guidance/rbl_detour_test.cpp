@@ -110,6 +110,39 @@ TEST(RblDetour, ItWaitsForItsPatienceAndForThePlannersLatency) {
   EXPECT_NE(std::string(flight.detour.note()).find("path"), std::string::npos);
 }
 
+TEST(RblDetour, OneThatIsHeldOnItsPathIsToldToFlyStraightWhereThatIsClear) {
+  Flight flight(quick());
+  flight.world.occupy_box({2.0, -2.0, 0.0}, {2.25, 2.0, 2.0});
+  while (!flight.detour.on_path()) flight.tick();
+  for (int i = 0; i < 5; ++i) flight.tick();
+  EXPECT_FALSE(flight.detour.straight_local_m()) << "it moves";
+  flight.held = true;
+  for (int i = 0; i < 30; ++i) flight.tick();
+  ASSERT_TRUE(flight.detour.straight_local_m());
+  const Vector3 from_m = flight.now.p_local_m, to_m = *flight.detour.straight_local_m();
+  EXPECT_GT((to_m - from_m).norm(), 0.5);
+  for (int i = 0; i <= 20; ++i) {
+    EXPECT_GE(flight.world.distance_m(from_m + i / 20.0 * (to_m - from_m), 5.0), 0.5 - 0.125) << "half a cell off";
+  }
+  // Nothing is told where something stands on the way by now.
+  const Vector3 way = (to_m - from_m).normalized();
+  flight.world.occupy_box(from_m + 0.6 * way - Vector3(0.3, 0.3, 1.0), from_m + 0.6 * way + Vector3(0.3, 0.3, 1.0));
+  flight.tick();
+  EXPECT_FALSE(flight.detour.straight_local_m());
+}
+
+TEST(RblDetour, OneThatWasHeldFliesAPartOfItsPathStraight) {
+  Flight flight(quick());
+  flight.world.occupy_box({2.0, -4.0, 0.0}, {2.25, 4.0, 2.0});
+  while (!flight.detour.on_path()) flight.tick();
+  flight.held = true;
+  while (!flight.detour.straight_local_m()) flight.tick();
+  flight.held = false;
+  const Vector3 from_m = flight.now.p_local_m;
+  while (flight.detour.straight_local_m()) flight.tick();
+  EXPECT_NEAR((flight.now.p_local_m - from_m).norm(), 2.0, 0.3) << "not only until it moves again";
+}
+
 TEST(RblDetour, WhatComesIntoSightOnThePathMakesAnotherOne) {
   Flight flight(quick());
   flight.world.occupy_box({3.0, -1.5, 0.0}, {3.25, 4.0, 2.0});

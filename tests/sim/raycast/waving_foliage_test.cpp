@@ -155,7 +155,8 @@ TEST(WavingFoliage, AForestIsMetLikeOneThatHangsThere) {
   constexpr TimeNs kNow = 12'340 * kMs;
   const Random random(1, "beams");
   for (const bool coherent : {true, false}) {
-    Sweeper waving(forest, {0.0, 0.0, 6.0}, coherent), frozen(frozen_at(forest, to_seconds(kNow)), {0.0, 0.0, 6.0}, coherent);
+    Sweeper waving(forest, {0.0, 0.0, 6.0}, coherent),
+        frozen(frozen_at(forest, to_seconds(kNow)), {0.0, 0.0, 6.0}, coherent);
     Sweeper still(frozen_at(forest, 0.0), {0.0, 0.0, 6.0}, coherent);
     int met = 0, same = 0, moved = 0;
     for (std::uint32_t k = 0; k < 400; ++k) {

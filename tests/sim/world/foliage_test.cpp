@@ -27,7 +27,8 @@ FoliageConfig breeze() {
 template <class Curve>
 double frequency_hz(const Curve& curve, double longest_s, double step_s) {
   double at_s = 0.0;
-  for (double t_s = 0.0; t_s < longest_s; t_s += step_s) at_s = std::abs(curve(t_s)) > std::abs(curve(at_s)) ? t_s : at_s;
+  for (double t_s = 0.0; t_s < longest_s; t_s += step_s)
+    at_s = std::abs(curve(t_s)) > std::abs(curve(at_s)) ? t_s : at_s;
   const double cosine = (curve(at_s + step_s) + curve(at_s - step_s)) / (2.0 * curve(at_s));
   return std::acos(std::clamp(cosine, -1.0, 1.0)) / (2.0 * std::numbers::pi * step_s);
 }

@@ -68,7 +68,7 @@ class AgileSpline {
   std::array<Vector3, 5> control_m_;
   Vector3 target_m_;
   bool rests_ = false;  ///< at the target, instead of passing it
-  double pace_ = 1.0;  ///< of this leg: share of the greatest speed and acceleration
+  double pace_ = 1.0;   ///< of this leg: share of the greatest speed and acceleration
   std::uint32_t num_targets_ = 0;
   double u_ = 0.0;  ///< share of the knot interval
 };

@@ -28,8 +28,8 @@ struct BirdConfig : ModuleConfigOf<BirdConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// The flight without end: the spline of AgileSpline, whose targets a bird changes, plus its bounds, a harmonic of the
-/// height that grows and ends smoothly. Any frame, the same for all arguments.
+/// The flight without end: the spline of AgileSpline, whose targets a bird changes, plus its bounds. These are a
+/// harmonic of the height that grows and ends smoothly. Any frame, the same for all arguments.
 class BirdFlight {
  public:
   /// Rests at `start` first.

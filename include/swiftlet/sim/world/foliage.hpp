@@ -24,9 +24,9 @@ struct FoliageConfig {
 };
 
 /// Where leaves are at a time: a pure function of (config, seed, tree, leaf, time). A tree sways as a clamped beam in
-/// its first mode: by the square of the height, at a natural frequency of its own (conifers: 0.1 to 0.6 Hz, Moore and
-/// Maguire 2004), along the wind and half as far across it. Its top runs through an ellipse. Each leaf cluster flutters
-/// beside that, by all three axes. All of it is harmonic. A leaf keeps its tilt.
+/// its first mode, by the square of the height. It does so along the wind, and half as far across it. Its natural
+/// frequency is its own (conifers: 0.1 to 0.6 Hz, Moore and Maguire 2004). Its top runs through an ellipse. Each leaf
+/// cluster flutters beside that, by all three axes. All of it is harmonic. A leaf keeps its tilt.
 class FoliageMotion {
  public:
   static constexpr int kWays = 256;  ///< to flutter; each leaf cluster has one of them
