@@ -12,7 +12,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr TimeNs kMs = 1'000'000;
+constexpr TimeNs kOneMs = 1'000'000;
 constexpr double kTop_m = 8.0;
 
 FoliageConfig storm() {
@@ -45,7 +45,7 @@ Scene one_tree(const FoliageConfig& foliage) {
   return scene;
 }
 
-BeamPacket all_along(const Eigen::Vector3f& direction) {
+BeamPacket packet_along(const Eigen::Vector3f& direction) {
   BeamPacket beams;
   beams.direction_x.fill(direction.x());
   beams.direction_y.fill(direction.y());
@@ -63,7 +63,7 @@ class Sweeper {
         history_(1, 300) {
     VehicleState state;
     state.p_world_m = p_m;
-    for (state.t = 0; state.t <= 100'000 * kMs; state.t += 1000 * kMs) history_.push(0, state);
+    for (state.t = 0; state.t <= 100'000 * kOneMs; state.t += 1000 * kOneMs) history_.push(0, state);
     sweep_.set_firings(std::vector<Firing>(1), coherent);
   }
   PacketHits look(TimeNs start, TimeNs duration, const BeamPacket& beams) {
@@ -85,16 +85,16 @@ TEST(WavingFoliage, ALeafIsMetWhereTheClosedFormSaysTheTrunkWhereItStands) {
   for (const bool coherent : {true, false}) {
     Sweeper leaves(one_tree(storm()), {0.0, 0.0, 6.0}, coherent), trunk(one_tree(storm()), {0.0, 0.0, 2.0}, coherent);
     double least_m = 1e9, most_m = 0.0;
-    for (TimeNs t = 30'000 * kMs; t < 40'000 * kMs; t += 370 * kMs) {
-      const PacketHits hits = leaves.look(t, 100 * kMs, all_along(Eigen::Vector3f::UnitX()));
-      const double t_s = to_seconds(t + 50 * kMs);
+    for (TimeNs t = 30'000 * kOneMs; t < 40'000 * kOneMs; t += 370 * kOneMs) {
+      const PacketHits hits = leaves.look(t, 100 * kOneMs, packet_along(Eigen::Vector3f::UnitX()));
+      const double t_s = to_seconds(t + 50 * kOneMs);
       const Vector3 way_m = 0.75 * 0.75 * motion.sway_m(0, t_s) + motion.flutter_m(motion.way_of(0, 0), t_s);
       for (int i = 0; i < kPacketSize; ++i) ASSERT_NEAR(hits.range_m[i], 10.0 + way_m.x(), 2e-6);
       EXPECT_EQ(leaves.surface(hits.surface[0]).surface_class, SurfaceClass::kVegetation);
       EXPECT_EQ(leaves.surface(hits.surface[0]).instance, 5);
       least_m = std::min(least_m, static_cast<double>(hits.range_m[0]));
       most_m = std::max(most_m, static_cast<double>(hits.range_m[0]));
-      const PacketHits still = trunk.look(t, 100 * kMs, all_along(Eigen::Vector3f::UnitX()));
+      const PacketHits still = trunk.look(t, 100 * kOneMs, packet_along(Eigen::Vector3f::UnitX()));
       ASSERT_EQ(still.range_m[0], 10.0F);
       EXPECT_EQ(trunk.surface(still.surface[0]).surface_class, SurfaceClass::kTrunk);
     }
@@ -104,8 +104,8 @@ TEST(WavingFoliage, ALeafIsMetWhereTheClosedFormSaysTheTrunkWhereItStands) {
 
 TEST(WavingFoliage, WithoutWindLeavesAreWhereTheyHang) {
   Sweeper still(one_tree({}), {0.0, 0.0, 6.0});
-  for (const TimeNs t : {TimeNs{0}, 7'300 * kMs}) {
-    EXPECT_EQ(still.look(t, 100 * kMs, all_along(Eigen::Vector3f::UnitX())).range_m[0], 10.0F);
+  for (const TimeNs t : {TimeNs{0}, 7'300 * kOneMs}) {
+    EXPECT_EQ(still.look(t, 100 * kOneMs, packet_along(Eigen::Vector3f::UnitX())).range_m[0], 10.0F);
   }
 }
 
@@ -152,7 +152,7 @@ TEST(WavingFoliage, AForestIsMetLikeOneThatHangsThere) {
   config.surroundings_m = 0.0;
   config.foliage = storm();
   const Scene forest = make_forest(config, 5);
-  constexpr TimeNs kNow = 12'340 * kMs;
+  constexpr TimeNs kNow = 12'340 * kOneMs;
   const Random random(1, "beams");
   for (const bool coherent : {true, false}) {
     Sweeper waving(forest, {0.0, 0.0, 6.0}, coherent),
@@ -162,11 +162,11 @@ TEST(WavingFoliage, AForestIsMetLikeOneThatHangsThere) {
     for (std::uint32_t k = 0; k < 400; ++k) {
       const auto n = random.normal3(k, 0);
       const Eigen::Vector3f d = Vector3(n[0], n[1], 0.3 * n[2]).normalized().cast<float>();
-      const float there_m = frozen.look(kNow, 0, all_along(d)).range_m[0];
-      const float range_m = waving.look(kNow, 0, all_along(d)).range_m[0];
+      const float there_m = frozen.look(kNow, 0, packet_along(d)).range_m[0];
+      const float range_m = waving.look(kNow, 0, packet_along(d)).range_m[0];
       met += there_m > 0.0F;
       same += std::abs(range_m - there_m) < 1e-3F;
-      moved += std::abs(range_m - still.look(kNow, 0, all_along(d)).range_m[0]) > 1e-3F;
+      moved += std::abs(range_m - still.look(kNow, 0, packet_along(d)).range_m[0]) > 1e-3F;
     }
     EXPECT_GT(met, 300);
     EXPECT_GE(same, 397) << "of 400: a few graze the edge of a leaf";
