@@ -10,7 +10,15 @@ import subprocess
 import sys
 import tempfile
 
-SETTINGS = ["isa=sse2", "isa=sse4.2", "isa=avx", "isa=avx2", "isa=avx512,frequency_level=simd512"]
+NEEDED = {  # by Embree, of the flags of a processor; it refuses what the processor has not
+    "isa=sse2": {"sse2"},
+    "isa=sse4.2": {"sse4_2"},
+    "isa=avx": {"avx"},
+    "isa=avx2": {"avx2", "fma"},
+    "isa=avx512,frequency_level=simd512": {"avx512f", "avx512dq", "avx512cd", "avx512bw", "avx512vl"},
+}
+FLAGS = next((set(line.split()) for line in open("/proc/cpuinfo") if line.startswith("flags")), set())
+SETTINGS = [setting for setting, needed in NEEDED.items() if needed <= FLAGS]
 WORLDS = {  # type: (how far from the middle vehicles start, how high)
     "empty": (20.0, (2.0, 8.0)),
     "field": (20.0, (3.0, 12.0)),

@@ -14,6 +14,7 @@
 #include "swiftlet/sim/raycast/sweep_scene.hpp"
 #include "swiftlet/sim/world/forest.hpp"
 #include "swiftlet/sim/world/vehicle_shape.hpp"
+#include "tests/support/embree_settings.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -28,13 +29,7 @@ class EmbreeSetting {
   ~EmbreeSetting() { ::unsetenv("SWIFTLET_EMBREE"); }
 };
 
-// What this processor has not, Embree leaves out of its choice.
-const std::vector<std::string> kSettings = {"isa=sse2",
-                                            "isa=sse4.2",
-                                            "isa=avx",
-                                            "isa=avx2",
-                                            "isa=avx512,frequency_level=simd256",
-                                            "isa=avx512,frequency_level=simd512"};
+const std::vector<std::string> kSettings = embree_settings();
 
 struct Ray {
   Vector3f origin, direction;

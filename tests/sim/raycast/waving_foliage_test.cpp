@@ -168,9 +168,9 @@ TEST(WavingFoliage, AForestIsMetLikeOneThatHangsThere) {
       same += std::abs(range_m - there_m) < 1e-3F;
       moved += std::abs(range_m - still.look(kNow, 0, packet_along(d)).range_m[0]) > 1e-3F;
     }
-    EXPECT_GT(met, 300);
+    EXPECT_GT(met, 100);
     EXPECT_GE(same, 397) << "of 400: a few graze the edge of a leaf";
-    EXPECT_GT(moved, 100) << "elsewhere than at another time";
+    EXPECT_GT(moved, 40) << "elsewhere than at another time";
   }
 }
 

@@ -17,6 +17,7 @@
 
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
+#include "tests/support/embree_settings.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -105,8 +106,8 @@ TEST_P(Golden, RunHasTheSameBitsAsEver) {
 // Embree finds its code by the processor. What it may find elsewhere gives the same bits.
 TEST_P(Golden, RunHasTheSameBitsUnderEveryInstructionSet) {
   const std::string expected = hash_of(GetParam());
-  for (const char* setting : {"isa=sse4.2", "isa=avx", "isa=avx2", "isa=avx512,frequency_level=simd512"}) {
-    ::setenv("SWIFTLET_EMBREE", setting, 1);
+  for (const std::string& setting : embree_settings()) {
+    ::setenv("SWIFTLET_EMBREE", setting.c_str(), 1);
     EXPECT_EQ(hash_of(GetParam()), expected) << GetParam() << " with " << setting;
     ::unsetenv("SWIFTLET_EMBREE");
   }
