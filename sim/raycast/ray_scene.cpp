@@ -174,9 +174,10 @@ void check_tree(std::size_t num_triangles, RTCDevice device) {
   }
 }
 
-void commit_tree(RTCScene scene, RTCSceneFlags flags, std::size_t num_triangles, RTCDevice device) {
+void commit_tree(RTCScene scene, RTCSceneFlags flags, RTCBuildQuality quality, std::size_t num_triangles,
+                 RTCDevice device) {
   rtcSetSceneFlags(scene, flags | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+  rtcSetSceneBuildQuality(scene, quality);
   rtcCommitScene(scene);
   check_tree(num_triangles, device);
 }
@@ -203,13 +204,15 @@ void TriangleScene::commit(RTCDevice device) {
     attach_triangles(*this, RTC_BUILD_QUALITY_MEDIUM, device);
   }
   // Robust: no box of the tree is passed by that a ray touches.
-  commit_tree(scene.get(), RTC_SCENE_FLAG_ROBUST, size(), device);
+  commit_tree(scene.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_MEDIUM, size(), device);
 }
 
 void TriangleScene::commit_to_move(RTCDevice device) {
   scene.reset(rtcNewScene(device));
   attach_triangles(*this, RTC_BUILD_QUALITY_REFIT, device);
-  commit_tree(scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC, size(), device);
+  // Embree refits no scene of medium quality, but builds it anew. Here LOW is the two-level tree only: that of the one
+  // geometry below it is built by the surface area heuristic, as RTC_BUILD_QUALITY_REFIT asks for.
+  commit_tree(scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC, RTC_BUILD_QUALITY_LOW, size(), device);
 }
 
 void TriangleScene::refit() {
@@ -223,7 +226,7 @@ void TriangleScene::refit() {
 void TriangleScene::commit_for_scattered_rays(RTCDevice device) const {
   EmbreeScene tree(rtcNewScene(device));
   if (!corners_m.empty()) rtcAttachGeometry(tree.get(), rtcGetGeometry(scene.get(), 0));
-  commit_tree(tree.get(), RTC_SCENE_FLAG_NONE, size(), device);
+  commit_tree(tree.get(), RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_MEDIUM, size(), device);
   for_scattered_rays = std::move(tree);
 }
 
