@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <stdexcept>
 
-#include "core/guidance/heading.hpp"
+#include "core/guidance/endless_flight.hpp"
+#include "swiftlet/core/guidance/within_limits.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
 constexpr double kTargetReached_m = 4.0;
-constexpr double kPassingShare = 0.5;      // of the greatest speed, at a target
-constexpr double kSlowestAgile_mps = 0.5;  // slower than this, the velocity does not tell a heading
+constexpr double kPassingShare = 0.5;  // of the greatest speed, at a target
 
 bool is_inside(const Vector3& p, const Vector3& min, const Vector3& max) {
   return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();
@@ -26,40 +25,6 @@ Vector3 cut_to(Vector3 v, double longest, double longest_z) {
   const double length = v.norm();
   return length > longest ? Vector3(v * (longest / length)) : v;
 }
-
-class Agile : public Guidance {
- public:
-  Agile(const AgileConfig& config, const GuidanceSetup& setup)
-      : config_(config),
-        limits_(setup.limits),
-        start_local_m_(setup.agent.T_local_body_start.translation()),
-        yaw_rad_(yaw_of(setup.agent.T_local_body_start.linear())) {}
-
-  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
-    if (!spline_) {  // begins where the start lies in the world, as known now
-      spline_.emplace(config_, FrameChange::to_world(input.estimate).point(start_local_m_), limits_.vertical_speed_mps,
-                      limits_.vertical_acceleration_mps2);
-    }
-    spline_->advance(input.dt_s);
-    const FrameChange to_local = FrameChange::to_local(input.estimate);
-    output.goal = to_local.reference(spline_->reference());
-    if (config_.yaw == AgileConfig::Yaw::kAlongPath)
-      turn_along_velocity(kSlowestAgile_mps, yaw_rad_, output.goal);
-    else
-      yaw_rad_ = to_local.yaw(config_.yaw_deg * kPi / 180.0);
-    double& rate_radps = output.goal.yaw_rate_radps;
-    rate_radps = std::clamp(rate_radps, -limits_.heading_rate_radps, limits_.heading_rate_radps);
-    output.goal.yaw_rad = yaw_rad_;
-    output.mission = MissionStatus::kEndless;
-  }
-
- private:
-  AgileConfig config_;
-  MotionLimits limits_;
-  Vector3 start_local_m_;
-  std::optional<AgileSpline> spline_;  // in the world
-  double yaw_rad_;                     // in the local frame
-};
 
 }  // namespace
 
@@ -207,14 +172,11 @@ void AgileConfig::visit(ConfigVisitor& v) {
 
 std::unique_ptr<Guidance> make_agile(const ModuleConfig& config_in, const GuidanceSetup& setup) {
   const auto& config = dynamic_cast<const AgileConfig&>(config_in);
-  const auto require = [](double value, double limit, const char* key) {
-    if (value <= limit) return;
-    throw std::invalid_argument("guidance agile: " + std::string(key) + ": expected at most " + std::to_string(limit) +
-                                " (control.limits), found " + std::to_string(value));
-  };
-  require(config.speed_max_mps, setup.limits.horizontal_speed_mps, "speed_max_mps");
-  require(config.acceleration_max_mps2, setup.limits.horizontal_acceleration_mps2, "acceleration_max_mps2");
-  return std::make_unique<Agile>(config, setup);
+  expect_within("agile", setup.limits, "speed_max_mps", config.speed_max_mps, "acceleration_max_mps2",
+                config.acceleration_max_mps2);
+  std::optional<double> yaw_world_rad;
+  if (config.yaw == AgileConfig::Yaw::kFixed) yaw_world_rad = config.yaw_deg * kPi / 180.0;
+  return std::make_unique<EndlessFlight<AgileConfig, AgileSpline>>(config, setup, yaw_world_rad);
 }
 
 }  // namespace swiftlet

@@ -2,23 +2,19 @@
 #include "swiftlet/core/guidance/bird.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
-#include <stdexcept>
-#include <string>
 
-#include "core/guidance/heading.hpp"
+#include "core/guidance/endless_flight.hpp"
+#include "swiftlet/core/guidance/within_limits.hpp"
 #include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
 
-constexpr double kLeg_m = 6.0;            // at least, to the next target
-constexpr double kKnot_s = 0.25;          // of the spline
-constexpr double kLanding_pace = 0.5;     // of the greatest speed and acceleration, on the way to a perch
-constexpr double kPerched_m = 0.3;        // from the perch: it has landed
-constexpr double kGrowing_s = 1.0;        // until it bounds in full, and until it bounds no more
-constexpr double kSlowestBird_mps = 0.5;  // slower than this, the velocity does not tell a heading
+constexpr double kLeg_m = 6.0;         // at least, to the next target
+constexpr double kKnot_s = 0.25;       // of the spline
+constexpr double kLanding_pace = 0.5;  // of the greatest speed and acceleration, on the way to a perch
+constexpr double kPerched_m = 0.3;     // from the perch: it has landed
+constexpr double kGrowing_s = 1.0;     // until it bounds in full, and until it bounds no more
 
 AgileConfig spline_of(const BirdConfig& config) {
   AgileConfig spline;
@@ -36,36 +32,6 @@ AgileConfig spline_of(const BirdConfig& config) {
   spline.knot_s = kKnot_s;
   return spline;
 }
-
-class Bird : public Guidance {
- public:
-  Bird(const BirdConfig& config, const GuidanceSetup& setup)
-      : config_(config),
-        limits_(setup.limits),
-        start_local_m_(setup.agent.T_local_body_start.translation()),
-        yaw_rad_(yaw_of(setup.agent.T_local_body_start.linear())) {}
-
-  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
-    if (!flight_) {  // begins where the start lies in the world, as known now
-      flight_.emplace(config_, FrameChange::to_world(input.estimate).point(start_local_m_), limits_.vertical_speed_mps,
-                      limits_.vertical_acceleration_mps2);
-    }
-    flight_->advance(input.dt_s);
-    output.goal = FrameChange::to_local(input.estimate).reference(flight_->reference());
-    turn_along_velocity(kSlowestBird_mps, yaw_rad_, output.goal);
-    double& rate_radps = output.goal.yaw_rate_radps;
-    rate_radps = std::clamp(rate_radps, -limits_.heading_rate_radps, limits_.heading_rate_radps);
-    output.goal.yaw_rad = yaw_rad_;
-    output.mission = MissionStatus::kEndless;
-  }
-
- private:
-  BirdConfig config_;
-  MotionLimits limits_;
-  Vector3 start_local_m_;
-  std::optional<BirdFlight> flight_;  // in the world
-  double yaw_rad_;                    // in the local frame
-};
 
 }  // namespace
 
@@ -160,14 +126,9 @@ void BirdConfig::visit(ConfigVisitor& v) {
 
 std::unique_ptr<Guidance> make_bird(const ModuleConfig& config_in, const GuidanceSetup& setup) {
   const auto& config = dynamic_cast<const BirdConfig&>(config_in);
-  const auto require = [](double value, double limit, const char* key) {
-    if (value <= limit) return;
-    throw std::invalid_argument("guidance bird: " + std::string(key) + ": expected at most " + std::to_string(limit) +
-                                " (control.limits), found " + std::to_string(value));
-  };
-  require(config.speed_max_mps, setup.limits.horizontal_speed_mps, "speed_max_mps");
-  require(config.acceleration_max_mps2, setup.limits.horizontal_acceleration_mps2, "acceleration_max_mps2");
-  return std::make_unique<Bird>(config, setup);
+  expect_within("bird", setup.limits, "speed_max_mps", config.speed_max_mps, "acceleration_max_mps2",
+                config.acceleration_max_mps2);
+  return std::make_unique<EndlessFlight<BirdConfig, BirdFlight>>(config, setup);
 }
 
 }  // namespace swiftlet

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <stdexcept>
 
 #include "swiftlet/core/control/reference_governor.hpp"
 #include "swiftlet/core/guidance/agile.hpp"
 #include "swiftlet/core/guidance/trajectory.hpp"
+#include "swiftlet/core/guidance/within_limits.hpp"
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
 
@@ -241,13 +241,7 @@ void TargetConfig::visit(ConfigVisitor& v) {
 
 std::unique_ptr<Guidance> make_target(const ModuleConfig& config_in, const GuidanceSetup& setup) {
   const auto& config = dynamic_cast<const TargetConfig&>(config_in);
-  const auto require = [](double value, double limit, const char* key) {
-    if (value <= limit) return;
-    throw std::invalid_argument("guidance target: " + std::string(key) + ": expected at most " + std::to_string(limit) +
-                                " (control.limits), found " + std::to_string(value));
-  };
-  require(config.speed_mps, setup.limits.horizontal_speed_mps, "speed_mps");
-  require(config.acceleration_mps2, setup.limits.horizontal_acceleration_mps2, "acceleration_mps2");
+  expect_within("target", setup.limits, "speed_mps", config.speed_mps, "acceleration_mps2", config.acceleration_mps2);
   return std::make_unique<TargetFlight>(config, setup);
 }
 
