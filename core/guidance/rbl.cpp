@@ -36,6 +36,7 @@ constexpr double kPledged_s = 1.0;         // beyond two samples and those lost,
 constexpr double kLookAround = 2.0;        // times the longest interval of samples, before it starts
 constexpr double kSeldom_s = 0.5;          // an interval of samples that is worth waiting for
 constexpr double kAims_m = 1.0;            // that it aims ahead where its cell holds it on its path
+constexpr double kUnseen_m = 0.2;          // the same where that leads out of its view: up or down
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 /// Of the sensors of neighbors; infinite when they have no limit, or there is none.
@@ -384,17 +385,19 @@ class Rbl : public Guidance {
     return std::abs(off_rad) <= config_.lidar.facing_deg * kRadPerDeg;
   }
 
-  /// On the path where a cell holds the vehicle: turns to it, and flies there once it faces it and has it in view.
+  /// On the path where a cell holds the vehicle: turns to it, and flies there once it faces it. What is right above or
+  /// below never comes into view, but into the map, as it came from farther away: there it goes slowly.
   Vector3 straight_on(const Pose& T_local_body, const Vector3& next_local_m) {
     const Vector3 p_local_m = T_local_body.translation();
     const Vector3 to_next_m = next_local_m - p_local_m;
     goal_.yaw_rad = heading_along(to_next_m, kShortestToFace_m, goal_.yaw_rad);
     if (!faces(T_local_body)) return p_local_m;
+    double aims_m = kAims_m;
     for (const HalfSpace& cut :
          field_of_view(T_local_body.linear(), config_.lidar.fov_lower_deg, config_.lidar.fov_deg, p_lidar_body_m_)) {
-      if (cut.normal_local.dot(to_next_m) > std::max(cut.offset_m, 0.0)) return to_local_m_;
+      if (cut.normal_local.dot(to_next_m) > std::max(cut.offset_m, 0.0)) aims_m = kUnseen_m;
     }
-    return p_local_m + std::min(1.0, kAims_m / std::max(to_next_m.norm(), kShortestToFace_m)) * to_next_m;
+    return p_local_m + std::min(1.0, aims_m / std::max(to_next_m.norm(), kShortestToFace_m)) * to_next_m;
   }
 
   // The centroid jumps at every update; the vehicle's goal glides there until the next one, or each jump would shake

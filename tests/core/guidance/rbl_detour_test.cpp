@@ -280,22 +280,23 @@ TEST(RblDetour, ASearchThatIsGivenUpIsCountedAndIsNoFailure) {
   EXPECT_FALSE(flight.detour.gave_up());
 }
 
-/// A vehicle that is wherever its goal was a tick ago, as far as it can fly in a tick.
-double left_by_rbl_m(bool detour, double* least_m) {
+RblConfig by_lidar(double z_max_m) {
   RblConfig config;
   config.variant = RblConfig::Variant::k3dClipped;
   config.goal_m = {8, 0, 1};
   config.z_min_m = 0.5;
-  config.z_max_m = 1.5;
+  config.z_max_m = z_max_m;
   config.cells.step_m = 0.35;
   config.neighbors.source = NeighborSourceConfig::Source::kNone;
   config.separation.enabled = false;
   config.lidar.enabled = true;
   config.detour = quick();
-  config.detour.enabled = detour;
-  GuidanceDriver driver("rbl", config, {0, 0, 1});
-  CellListMap world(0.25);
-  add_u(world);
+  return config;
+}
+
+/// A vehicle that is wherever its goal was a tick ago, as far as it can fly in a tick.
+double left_by_rbl_m(const RblConfig& config, const Vector3& start_m, CellListMap& world, double* least_m) {
+  GuidanceDriver driver("rbl", config, start_m);
   driver.map = &world;
   for (int i = 0; i < 600 && driver.out.mission != MissionStatus::kDone; ++i) {
     driver.step();
@@ -308,9 +309,27 @@ double left_by_rbl_m(bool detour, double* least_m) {
 }
 
 TEST(RblDetour, AVehicleByRblLeavesTheUThatHoldsItWithout) {
+  CellListMap world(0.25);
+  add_u(world);
   double least_m = 5.0;
-  EXPECT_LT(left_by_rbl_m(true, &least_m), 0.3);
-  EXPECT_GT(left_by_rbl_m(false, &least_m), 3.5);
+  RblConfig config = by_lidar(1.5);
+  EXPECT_LT(left_by_rbl_m(config, {0, 0, 1}, world, &least_m), 0.3);
+  config.detour.enabled = false;
+  EXPECT_GT(left_by_rbl_m(config, {0, 0, 1}, world, &least_m), 3.5);
+  EXPECT_GT(least_m, 0.4);
+}
+
+TEST(RblDetour, AVehicleByRblLeavesAShaftDownwardsAlthoughItSeesAheadOnly) {
+  CellListMap world(0.25);  // walls all around, and a lid; open below 2 m
+  world.occupy_box({1.25, -1.5, 2.0}, {1.5, 1.5, 5.0});
+  world.occupy_box({-1.5, -1.5, 2.0}, {-1.25, 1.5, 5.0});
+  world.occupy_box({-1.5, 1.25, 2.0}, {1.5, 1.5, 5.0});
+  world.occupy_box({-1.5, -1.5, 2.0}, {1.5, -1.25, 5.0});
+  world.occupy_box({-1.5, -1.5, 5.0}, {1.5, 1.5, 5.25});
+  double least_m = 5.0;
+  RblConfig config = by_lidar(5.0);
+  config.detour.climb_m = 3.0;
+  EXPECT_LT(left_by_rbl_m(config, {0, 0, 4}, world, &least_m), 0.3);
   EXPECT_GT(least_m, 0.4);
 }
 
