@@ -38,6 +38,13 @@ std::vector<KeepOut> standing(const RblDetour::Situation& situation) {
   return places;
 }
 
+bool meets_standing(const RblDetour::Situation& situation, const Vector3& to_local_m) {
+  const std::vector<KeepOut> places = standing(situation);
+  return std::any_of(places.begin(), places.end(), [&](const KeepOut& place) {
+    return place.entered_after_m(situation.p_local_m, to_local_m).has_value();
+  });
+}
+
 /// A cell's edge less of clearance: an obstacle whose cells flicker is no reason for another path.
 ClearPathConfig narrowed(const ClearPathConfig& rules, double edge_m) {
   ClearPathConfig narrow = rules;
@@ -61,6 +68,7 @@ Vector3 RblDetour::next_goal_local_m(const Situation& situation) {
   if (is_held(situation)) {
     const double narrowed_m = narrowed(rules_, situation.map->edge_m()).clearance_m;
     straight_local_m_ = clear_point_local_m(situation, std::max(narrowed_m, situation.encumbrance_m));
+    if (straight_local_m_ && meets_standing(situation, *straight_local_m_)) straight_local_m_.reset();
   }
   return point_ahead_local_m(situation);
 }

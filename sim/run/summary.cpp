@@ -124,6 +124,33 @@ std::string vehicle_table(const MetricTable& table) {
   return out;
 }
 
+// What happened to several vehicles is one line of all of them: a crowd would say the same a hundred times.
+std::vector<Counter> of_all_vehicles(const std::vector<Counter>& counters) {
+  struct Sum {
+    Counter all;
+    Counter last;  // to which it happened
+    int num_concerned = 0;
+  };
+  std::vector<Sum> sums;
+  for (const Counter& counter : counters) {
+    std::string key = counter.setting;
+    if (key.starts_with("vehicles[")) key.replace(9, key.find(']') - 9, "*");
+    auto sum = std::find_if(sums.begin(), sums.end(),
+                            [&](const Sum& s) { return s.all.setting == key && s.all.what == counter.what; });
+    if (sum == sums.end()) sum = sums.insert(sum, Sum{{counter.what, 0, 0, key}, {}, 0});
+    sum->all.count += counter.count;
+    sum->all.of += counter.of;
+    if (counter.count == 0) continue;
+    ++sum->num_concerned;
+    sum->last = counter;
+  }
+  std::vector<Counter> out;
+  for (const Sum& sum : sums) {
+    if (sum.num_concerned > 0) out.push_back(sum.num_concerned == 1 ? sum.last : sum.all);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string to_json(const RunSummary& s) {
@@ -160,8 +187,7 @@ std::string to_text(const RunSummary& s) {
     if (row.vehicle.empty() && row.name != "outcome") out += "  " + row.name + ": " + number_text(row) + "\n";
   }
   out += vehicle_table(s.metrics);
-  for (const Counter& counter : s.counters) {
-    if (counter.count == 0) continue;
+  for (const Counter& counter : of_all_vehicles(s.counters)) {
     out += "  " + counter.setting + ": " + std::to_string(counter.count);
     if (counter.of > 0) out += " of " + std::to_string(counter.of);
     out += " " + counter.what + "\n";

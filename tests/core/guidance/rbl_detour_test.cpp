@@ -127,6 +127,16 @@ TEST(RblDetour, OneThatIsHeldOnItsPathIsToldToFlyStraightWhereThatIsClear) {
     EXPECT_GE(flight.world.distance_m(from_m + i / 20.0 * (to_m - from_m), 5.0), least_m - 1e-9);
   }
   EXPECT_GE(flight.world.distance_m(to_m, 5.0), 0.5 - 0.125);
+  // Past a neighbor that stands its own rules lead it; past one that flies, the planes between braking ways.
+  Neighbor neighbor;
+  neighbor.position_local_m = from_m + 0.5 * (to_m - from_m) + Vector3(0.0, 0.0, 1.0);
+  flight.neighbors.assign(1, neighbor);
+  flight.tick();
+  EXPECT_FALSE(flight.detour.straight_local_m());
+  flight.neighbors[0].velocity_local_mps = {0.0, 0.0, 1.0};
+  flight.tick();
+  EXPECT_TRUE(flight.detour.straight_local_m());
+  flight.neighbors.clear();
   // Nothing is told where something stands on the way by now.
   const Vector3 way = (to_m - from_m).normalized();
   flight.world.occupy_box(from_m + 0.6 * way - Vector3(0.3, 0.3, 1.0), from_m + 0.6 * way + Vector3(0.3, 0.3, 1.0));

@@ -30,6 +30,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -142,6 +143,18 @@ TEST(Counters, WhatDidNotFitIsInTheSummaryWithTheSettingToChange) {
   EXPECT_EQ(counters[0]["count"], 3);
   EXPECT_EQ(counters[0]["of"], 10);
   EXPECT_THAT(to_text(summary), HasSubstr("radio.queue_limit_kB: 3 of 10 messages dropped from full queues"));
+}
+
+TEST(Counters, WhatHappenedToSeveralVehiclesIsOneLine) {
+  const auto far = [](int vehicle, std::uint64_t count) {
+    return Counter{"returns too far", count, 10, "vehicles[" + std::to_string(vehicle) + "].agent.mapping.range_max_m"};
+  };
+  RunSummary summary;
+  summary.counters = {far(0, 0), far(1, 3)};
+  EXPECT_THAT(to_text(summary), HasSubstr("vehicles[1].agent.mapping.range_max_m: 3 of 10 returns too far\n"));
+  summary.counters.push_back(far(12, 4));
+  EXPECT_THAT(to_text(summary), HasSubstr("vehicles[*].agent.mapping.range_max_m: 7 of 30 returns too far\n"));
+  EXPECT_THAT(to_text(summary), Not(HasSubstr("vehicles[1]")));
 }
 
 TEST(Counters, TheSettingOfAnAgentIsNamedByItsPathInTheScenario) {

@@ -56,7 +56,7 @@ class RblDetour {
 
   /// A point of the path to fly straight to, since the last call of next_goal_local_m. Cells are convex, so before a
   /// gap between two trunks a vehicle may stand at its own centroid, although the way ahead is clear. Nothing while it
-  /// moves, or when the way is not clear.
+  /// moves, or when the way is not clear. Nor past somebody who stands: its own rules lead around neighbors.
   const std::optional<Vector3>& straight_local_m() const { return straight_local_m_; }
 
   bool on_path() const { return !corners_local_m_.empty(); }
