@@ -34,7 +34,7 @@ std::uint64_t key_of(const Cell& cell) {
 }  // namespace
 
 SparseVoxelMap::SparseVoxelMap(const SparseVoxelMapConfig& config)
-    : config_(config), cells_per_m_(1.0 / config.edge_m) {
+    : config_(config), cells_per_m_(1.0 / config.edge_m), threshold_(static_cast<float>(config.occupied_log_odds)) {
   bits_ = place_bits(config.keep_radius_m, kSide * config.edge_m);
   mask_ = (1 << bits_) - 1;
   places_.assign(std::size_t{1} << 3 * bits_, 0U);
@@ -47,13 +47,6 @@ double SparseVoxelMap::most_bytes(const SparseVoxelMapConfig& config, double rad
   const double radius_blocks = std::min(radius_m, config.keep_radius_m) / block_m + 1.0;
   const double blocks = std::min(places, 4.0 / 3.0 * std::numbers::pi * radius_blocks * radius_blocks * radius_blocks);
   return places * sizeof(std::uint32_t) + blocks * sizeof(Block);
-}
-
-const SparseVoxelMap::Block* SparseVoxelMap::block_at(const Cell& block) const {
-  const std::uint32_t place = places_[place_of(block)];
-  if (place == 0) return nullptr;
-  const Block& there = blocks_[place - 1];
-  return there.at == block ? &there : nullptr;
 }
 
 SparseVoxelMap::Block& SparseVoxelMap::block_for(const Cell& block) {
@@ -77,9 +70,13 @@ SparseVoxelMap::Block& SparseVoxelMap::block_for(const Cell& block) {
   return fresh;
 }
 
-bool SparseVoxelMap::occupied(const Voxel& voxel) const {
-  return voxel.log_odds >= static_cast<float>(config_.occupied_log_odds) &&
-         (config_.memory_s <= 0.0 || now_ - voxel.hit <= from_seconds(config_.memory_s));
+std::uint32_t SparseVoxelMap::sweep_at(TimeNs t) const {
+  const auto first = std::lower_bound(times_.begin(), times_.end(), t);
+  return static_cast<std::uint32_t>(first - times_.begin()) + 1;
+}
+
+void SparseVoxelMap::set_time(TimeNs now) {
+  if (config_.memory_s > 0.0) remembered_ = sweep_at(now - from_seconds(config_.memory_s));
 }
 
 bool SparseVoxelMap::first_in_sweep(const Cell& cell) {
@@ -97,7 +94,7 @@ bool SparseVoxelMap::first_in_sweep(const Cell& cell) {
 void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
   ++sweep_;
   ++revision_;
-  const auto threshold = static_cast<float>(config_.occupied_log_odds);
+  times_.push_back(times_.empty() ? now : std::max(now, times_.back()));
   passing_.clear();
   ends_.assign(std::max(std::bit_ceil(2 * rays.size() + 1), ends_.size()), kNobody);
   const auto keep_sq = static_cast<float>(config_.keep_radius_m * config_.keep_radius_m);
@@ -112,14 +109,13 @@ void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
     const int i = index_in_block(cell);
     Voxel& voxel = block.voxels[i];
     if (voxel.sweep == sweep_) continue;
-    const bool was_occupied = voxel.log_odds >= threshold;
+    const bool was_occupied = voxel.log_odds >= threshold_;
     if (!block.knows(i)) block.changed = revision_;
     block.known[static_cast<std::size_t>(i) >> 6U] |= std::uint64_t{1} << (i & 63);
     voxel.log_odds =
         std::min(voxel.log_odds + static_cast<float>(config_.hit_log_odds), static_cast<float>(config_.max_log_odds));
-    if (was_occupied != (voxel.log_odds >= threshold)) block.changed = revision_;
+    if (was_occupied != (voxel.log_odds >= threshold_)) block.changed = revision_;
     voxel.sweep = sweep_;
-    voxel.hit = now;
     passing_.push_back(&ray);
   }
   if (config_.miss_log_odds <= 0.0) return;
@@ -138,7 +134,6 @@ void SparseVoxelMap::pass(const Ray& ray) {
       (std::min(length_m, config_.clear_range_m) - (ray.hit ? 0.5 * config_.edge_m : 0.0)) * cells_per_m_;
   CellWalk walk(origin, direction);
   auto& [cell, step, next, per_cell] = walk;
-  const auto threshold = static_cast<float>(config_.occupied_log_odds);
   const auto loss = static_cast<float>(config_.miss_log_odds), least = static_cast<float>(config_.min_log_odds);
   for (double traveled = 0.0; traveled < end;) {
     auto* const block = const_cast<Block*>(block_at(block_of(cell)));
@@ -168,9 +163,9 @@ void SparseVoxelMap::pass(const Ray& ray) {
       Voxel& voxel = block->voxels[i];
       if (block->knows(i) && voxel.sweep != sweep_ && voxel.passed != sweep_) {
         voxel.passed = sweep_;
-        const bool was_occupied = voxel.log_odds >= threshold;
+        const bool was_occupied = voxel.log_odds >= threshold_;
         voxel.log_odds = std::max(voxel.log_odds - loss, least);
-        if (was_occupied && voxel.log_odds < threshold) block->changed = revision_;
+        if (was_occupied && voxel.log_odds < threshold_) block->changed = revision_;
       }
       axis = walk.next_axis();
       traveled = next[axis];
@@ -220,9 +215,10 @@ void SparseVoxelMap::occupied_within(const Vector3& center_local_m, double radiu
                                      std::vector<Vector3>& centers_local_m) const {
   centers_local_m.clear();
   const double reach_m = radius_m + config_.edge_m, half_m = 0.5 * config_.edge_m;
+  const std::uint32_t first = sweep_at(since);
   for_occupied(center_local_m.array() - reach_m, center_local_m.array() + reach_m,
                [&](const Voxel& voxel, const Vector3& voxel_local_m) {
-                 if (voxel.hit < since) return;
+                 if (voxel.sweep < first) return;
                  const Vector3 gap = ((voxel_local_m - center_local_m).array().abs() - half_m).cwiseMax(0.0);
                  if (gap.squaredNorm() <= radius_m * radius_m) centers_local_m.push_back(voxel_local_m);
                });

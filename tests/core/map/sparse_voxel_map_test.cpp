@@ -241,7 +241,7 @@ TEST(SparseVoxelMap, NeverHoldsMoreBlocksThanItsBoundCounts) {
     most_blocks = std::max(most_blocks, map.num_blocks());
   }
   EXPECT_GT(most_blocks, 250U);
-  constexpr double kBytesOfABlock = 512 * 24;
+  constexpr double kBytesOfABlock = 512 * 12;
   const double bound = SparseVoxelMap::most_bytes(config, 100.0);
   EXPECT_GE(bound, static_cast<double>(most_blocks) * kBytesOfABlock);
   EXPECT_LE(bound, 4.0 * static_cast<double>(most_blocks) * kBytesOfABlock) << "and not much more";

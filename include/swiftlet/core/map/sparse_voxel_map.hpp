@@ -51,7 +51,7 @@ class SparseVoxelMap : public OccupancyView {
   void keep_around(const Vector3& center_local_m);
 
   /// For what is asked from now on: voxels not hit for memory_s are forgotten.
-  void set_time(TimeNs now) { now_ = now; }
+  void set_time(TimeNs now);
 
   double edge_m() const override { return config_.edge_m; }
   /// Free: it was hit at some time and lost it again.
@@ -80,7 +80,6 @@ class SparseVoxelMap : public OccupancyView {
     float log_odds = 0.0F;
     std::uint32_t sweep = 0;   // in which it was hit last
     std::uint32_t passed = 0;  // in which it was passed through last
-    TimeNs hit = 0;
   };
   struct Block {
     Cell at = Cell::Zero();
@@ -96,9 +95,16 @@ class SparseVoxelMap : public OccupancyView {
     return static_cast<std::size_t>((block.x() & mask_) | ((block.y() & mask_) | (block.z() & mask_) << bits_)
                                                               << bits_);
   }
-  const Block* block_at(const Cell& block) const;
+  const Block* block_at(const Cell& block) const {
+    const std::uint32_t place = places_[place_of(block)];
+    if (place == 0) return nullptr;
+    const Block& there = blocks_[place - 1];
+    return there.at == block ? &there : nullptr;
+  }
   Block& block_for(const Cell& block);
-  bool occupied(const Voxel& voxel) const;
+  bool occupied(const Voxel& voxel) const { return voxel.log_odds >= threshold_ && voxel.sweep >= remembered_; }
+  /// The first sweep at or after a time.
+  std::uint32_t sweep_at(TimeNs t) const;
   CellState state_of(const Cell& cell) const;
   Vector3 center_of(const Cell& cell) const { return (cell.cast<double>().array() + 0.5) * config_.edge_m; }
   /// fn(voxel, its center) for every occupied one of the blocks that reach into the box.
@@ -109,6 +115,7 @@ class SparseVoxelMap : public OccupancyView {
 
   SparseVoxelMapConfig config_;
   double cells_per_m_;
+  float threshold_;                    // of log-odds: occupied
   int bits_ = 0, mask_ = 0;            // of a block's coordinates in the table
   std::vector<std::uint32_t> places_;  // block, counted from 1; 0: none
   std::vector<Block> blocks_;
@@ -116,7 +123,8 @@ class SparseVoxelMap : public OccupancyView {
   std::vector<const Ray*> passing_;  // of this sweep: those that take away
   std::vector<std::uint64_t> ends_;  // voxels in which rays without a hit ended: open addressing
   std::uint32_t sweep_ = 0;
-  TimeNs now_ = 0;
+  std::vector<TimeNs> times_;     // of the sweeps, from 1 on, ascending
+  std::uint32_t remembered_ = 0;  // the first sweep that is
   std::uint64_t revision_ = 0;
   BlockLog forgotten_;
 };
