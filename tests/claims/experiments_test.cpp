@@ -93,6 +93,12 @@ TEST(Experiments, CsvRowsHaveTheLengthOfTheHeader) {
   EXPECT_THROW(table.row({1.0}), std::logic_error);
 }
 
+TEST(Experiments, CsvNamesWithACommaAreQuoted) {
+  CsvTable table({"sweep", "value"});
+  table.row("noise, share of the range", {0.1});
+  EXPECT_EQ(table.text(), "sweep,value\n\"noise, share of the range\",0.1\n");
+}
+
 TEST(Experiments, AnUnknownNameIsAnsweredWithTheKnownOnes) {
   try {
     experiment_type("no-such-thing");

@@ -12,6 +12,7 @@
 #include "flight_log.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/run/version.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
 
@@ -75,7 +76,7 @@ CsvTable& CsvTable::row(std::span<const double> values) {
 }
 
 CsvTable& CsvTable::row(const std::string& name, std::initializer_list<double> values) {
-  std::vector<std::string> fields{name};
+  std::vector<std::string> fields{sim::csv_cell(name)};
   for (const double value : values) fields.push_back(field(value));
   return add(fields);
 }
@@ -88,7 +89,9 @@ CsvTable& CsvTable::add(const std::vector<std::string>& fields) {
 }
 
 std::string CsvTable::text() const {
-  std::string text = fmt::format("{}\n", fmt::join(columns_, ","));
+  std::vector<std::string> names;
+  for (const std::string& column : columns_) names.push_back(sim::csv_cell(column));
+  std::string text = fmt::format("{}\n", fmt::join(names, ","));
   for (const std::string& line : lines_) text += line + "\n";
   return text;
 }

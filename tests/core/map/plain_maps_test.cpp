@@ -329,10 +329,10 @@ TEST(PlainMaps, TablesHaveThePlacesThatARadiusAsksFor) {
     const SparseVoxelMap map(config);
     const auto taken = static_cast<double>(test::num_live_bytes() - before);
     EXPECT_NEAR(taken / (places * places * places * 4.0), 1.0, 0.05) << radius_m;
-    // A block has 512 voxels of 24 bytes, and what is told of it.
+    // A block has 512 voxels of 12 bytes, and what is told of it.
     const double radius_blocks = std::min(10.0, radius_m) / 1.6 + 1.0;
     const double blocks = std::min(places * places * places, 4.0 / 3.0 * M_PI * std::pow(radius_blocks, 3));
-    EXPECT_NEAR(SparseVoxelMap::most_bytes(config, 10.0) / (taken + blocks * 12400.0), 1.0, 0.02);
+    EXPECT_NEAR(SparseVoxelMap::most_bytes(config, 10.0) / (taken + blocks * 6256.0), 1.0, 0.02);
   }
 }
 
