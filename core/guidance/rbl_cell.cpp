@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "swiftlet/core/math/elementary_lanes.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -43,8 +45,9 @@ void weigh(const Samples& x, const Samples& y, const Samples& z, const Vector3& 
   const Eigen::Vector3f d = destination_agent_m.cast<float>();
   const auto nearest = static_cast<float>(std::max(0.0, destination_agent_m.norm() - radius_m));
   const auto per_beta = static_cast<float>(std::numbers::log2e / beta_m);
-  weight = (nearest - ((x - d.x()).square() + (y - d.y()).square() + (z - d.z()).square()).sqrt()) * per_beta;
-  weight = weight.max(kLeastPower);
+  weight = (x - d.x()).square() + (y - d.y()).square() + (z - d.z()).square();
+  take_roots({weight.data(), static_cast<std::size_t>(weight.size())});
+  weight = ((nearest - weight) * per_beta).max(kLeastPower);
   raise_two(weight.data(), static_cast<int>(weight.size()));
 }
 

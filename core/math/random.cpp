@@ -75,7 +75,8 @@ void Random::fill_uniform(std::uint32_t tick, std::uint32_t first_index, std::sp
 
 void Random::fill_normal(std::uint32_t tick, std::uint32_t first_index, std::span<float> out) const {
   // Number i is word i % 4 of block i / 4: two Box-Muller pairs a block. Four blocks at a time, so that logarithm, sine
-  // and cosine run in SIMD lanes (Eigen's, which do the same in every lane and on every machine).
+  // and cosine run in SIMD lanes (Eigen's, which do the same in every lane and on every machine; its square root does
+  // not).
   constexpr std::uint32_t kBlocks = 4;
   using Lanes = Eigen::Array<float, 2 * kBlocks, 1>;
   for (std::size_t k = 0; k < out.size();) {
@@ -88,7 +89,8 @@ void Random::fill_normal(std::uint32_t tick, std::uint32_t first_index, std::spa
         v[2 * b + pair] = unit_float(r[2 * pair + 1]);
       }
     }
-    const Lanes radius = (-2.0F * u.log()).sqrt();
+    Lanes radius = -2.0F * u.log();
+    take_roots(std::span(radius.data(), 2 * kBlocks));
     const Lanes angle = (2.0F * std::numbers::pi_v<float>)*v;
     const Lanes x = radius * angle.cos();
     const Lanes y = radius * angle.sin();
