@@ -90,7 +90,7 @@ void Random::fill_normal(std::uint32_t tick, std::uint32_t first_index, std::spa
       }
     }
     Lanes radius = -2.0F * u.log();
-    take_roots(std::span(radius.data(), 2 * kBlocks));
+    take_roots(std::span(radius.data(), std::size_t{2} * kBlocks));
     const Lanes angle = (2.0F * std::numbers::pi_v<float>)*v;
     const Lanes x = radius * angle.cos();
     const Lanes y = radius * angle.sin();
