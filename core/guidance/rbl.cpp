@@ -2,7 +2,9 @@
 #include "swiftlet/core/guidance/rbl.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <span>
@@ -37,6 +39,8 @@ constexpr double kLookAround = 2.0;        // times the longest interval of samp
 constexpr double kSeldom_s = 0.5;          // an interval of samples that is worth waiting for
 constexpr double kAims_m = 1.0;            // that it aims ahead where its cell holds it on its path
 constexpr double kUnseen_m = 0.2;          // the same where that leads out of its view: up or down
+constexpr double kSeesFree_radii = 2.0;    // sensing radii as far as it sees that a place is free
+constexpr double kHeightStep_m = 0.2;      // by which it asks what is above and below
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 /// Of the sensors of neighbors; infinite when they have no limit, or there is none.
@@ -68,6 +72,7 @@ class Rbl : public Guidance {
         range_m_(range_of(setup.agent)),
         settling_(config.settle_s),
         detour_(config.detour, config.cells.sensing_radius_m),
+        viewed_(kSeesFree_radii * config.cells.sensing_radius_m, config.cells.encumbrance_m),
         sight_(setup.agent.neighbor_views) {
     goal_.position_m = setup.agent.T_local_body_start.translation();
     goal_.yaw_rad = yaw_of(setup.agent.T_local_body_start.linear());
@@ -136,18 +141,40 @@ class Rbl : public Guidance {
       planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
       cut_by_braking(p_local_m, 0.0, now);
     }
-    if (config_.lidar.enabled) cut_by(planner_.cell(), planner_.cuts(), p_local_m, kEver);
+    if (config_.lidar.enabled) cut_by_obstacles(T_local_body);
     step_ = planner_.update(next_goal_local_m(p_local_m, now), 1.0 / config_.update_rate_hz);
     from_local_m_ = goal_.position_m;
-    to_local_m_ = config_.lidar.enabled ? within_sight(T_local_body, now) : step_.centroid_local_m;
-    if (detour_.straight_local_m()) to_local_m_ = straight_on(T_local_body, *detour_.straight_local_m());
+    to_local_m_ = next_local_m(T_local_body, now);
     if (config_.separation.enabled) keep_apart(T_local_body, now);
     if (planar_) to_local_m_.z() = out_of_the_way_local_m(p_local_m, now);
-    const RblGoal goal{goal_local_m_, z_min_m(), z_max_m(), config_.cells.sensing_radius_m, config_.cells.encumbrance_m,
-                       planar_};
-    status_ = settling_.update(goal, p_local_m, neighbors_.neighbors(), config_.lidar.enabled ? map_ : nullptr, now);
-    if (status_.mission != MissionStatus::kRunning) return;
-    status_ = {detour_.gave_up() ? MissionStatus::kFailed : MissionStatus::kRunning, detour_.note()};
+    status_ = status(p_local_m, now);
+  }
+
+  RblStatus status(const Vector3& p_local_m, TimeNs now) {
+    const RblGoal goal{.p_local_m = goal_local_m_,
+                       .z_min_m = z_min_m(),
+                       .z_max_m = z_max_m(),
+                       .reach_m = config_.cells.sensing_radius_m,
+                       .encumbrance_m = config_.cells.encumbrance_m,
+                       .apart_m = apart_m(),
+                       .planar = planar_};
+    const OccupancyView* map = config_.lidar.enabled ? map_ : nullptr;
+    const RblStatus settled = settling_.update(goal, p_local_m, neighbors_.neighbors(), map, now);
+    if (settled.mission != MissionStatus::kRunning) return settled;
+    if (detour_.gave_up()) return {MissionStatus::kFailed, detour_.note()};
+    return {MissionStatus::kRunning, *detour_.note() != '\0' ? detour_.note() : settled.note};
+  }
+
+  /// Where it flies to if nobody is in its way. Who gives way does so at once: there is no time to look first.
+  Vector3 next_local_m(const Pose& T_local_body, TimeNs now) {
+    if (!config_.lidar.enabled) return step_.centroid_local_m;
+    if (pressed_) {
+      const Vector3 to_centroid_local_m = step_.centroid_local_m - T_local_body.translation();
+      goal_.yaw_rad = heading_along(to_centroid_local_m, kShortestToFace_m, goal_.yaw_rad);
+      return step_.centroid_local_m;
+    }
+    if (detour_.straight_local_m()) return straight_on(T_local_body, *detour_.straight_local_m(), now);
+    return within_sight(T_local_body, now);
   }
 
   /// The goal, or the next point of a path around what keeps the vehicle from it.
@@ -172,15 +199,28 @@ class Rbl : public Guidance {
       if (!pressed_ && !sight_.sees_ahead(T_local_body, to_local_m_)) to_local_m_ = reference_.rest_local_m();
     }
     if (!pressed_ && looks_around(now)) to_local_m_ = reference_.rest_local_m();
-    // The governor goes slowly to what is near. Whoever gives way aims farther, as far as it is admitted.
-    // That leads neither below nor above the heights of flight.
     if (pressed_) {
-      to_local_m_ = p_local_m + kHurry * (to_local_m_ - p_local_m);
-      to_local_m_.z() =
-          std::clamp(to_local_m_.z(), std::min(z_min_m(), p_local_m.z()), std::max(z_max_m(), p_local_m.z()));
+      to_local_m_ = hurry_local_m(p_local_m);
+      braking_cuts_.insert(braking_cuts_.end(), obstacle_cuts_.begin(), obstacle_cuts_.end());
     }
     to_local_m_ =
         reference_.admit(from_local_m_, to_local_m_, braking_cuts_, p_local_m, to_seconds(period_), speed_mps());
+  }
+
+  /// The governor goes slowly to what is near. Whoever gives way aims farther, as far as it is admitted. That leads
+  /// neither below nor above the heights of flight, nor beyond what it senses, nor into an obstacle.
+  Vector3 hurry_local_m(const Vector3& p_local_m) const {
+    const Vector3 aside_m = to_local_m_ - p_local_m;
+    double farther = kHurry;
+    if (config_.lidar.enabled) farther = std::min(farther, config_.cells.sensing_radius_m / aside_m.norm());
+    for (const HalfSpace& cut : obstacle_cuts_) {
+      const double towards_m = cut.normal_local.dot(aside_m);
+      if (towards_m > 0.0) farther = std::min(farther, cut.offset_m / towards_m);
+    }
+    Vector3 hurried_local_m = p_local_m + std::max(farther, 1.0) * aside_m;
+    hurried_local_m.z() =
+        std::clamp(hurried_local_m.z(), std::min(z_min_m(), p_local_m.z()), std::max(z_max_m(), p_local_m.z()));
+    return hurried_local_m;
   }
 
   /// The height of a vehicle in a plane: that of its goal, or above or below somebody who flies on whatever it meets.
@@ -199,13 +239,30 @@ class Rbl : public Guidance {
     if (!rises_) rises_ = p_local_m.z() >= passed_.height_local_m - kSameHeight_m;
     if (!is_free(*rises_) && is_free(!*rises_)) rises_ = !*rises_;
     const double aside_m = *rises_ ? std::max(height_m, to_m(true)) : std::min(height_m, to_m(false));
-    return std::clamp(aside_m, std::min(z_min_m(), height_m), std::max(z_max_m(), height_m));
+    const double within_m = std::clamp(aside_m, std::min(z_min_m(), height_m), std::max(z_max_m(), height_m));
+    return config_.lidar.enabled ? clear_height_local_m(p_local_m, within_m) : within_m;
+  }
+
+  /// As far up or down as there is room in the map, and as it has been or looked there.
+  double clear_height_local_m(const Vector3& p_local_m, double wanted_m) const {
+    const double encumbrance_m = config_.cells.encumbrance_m;
+    const double up = wanted_m >= p_local_m.z() ? 1.0 : -1.0;
+    double clear_m = p_local_m.z();
+    while (clear_m != wanted_m) {
+      const double next_m = std::abs(wanted_m - clear_m) <= kHeightStep_m ? wanted_m : clear_m + up * kHeightStep_m;
+      const Vector3 next_local_m(p_local_m.x(), p_local_m.y(), next_m);
+      const Vector3 beyond_local_m = next_local_m + Vector3(0.0, 0.0, up * encumbrance_m);
+      if (map_->distance_m(next_local_m, encumbrance_m) < encumbrance_m) break;
+      if (!viewed_.contains(beyond_local_m, *map_)) break;
+      clear_m = next_m;
+    }
+    return clear_m;
   }
 
   /// Cells of vehicles that can stop: neither crosses the plane between their braking ways.
   void cut_by_braking(const Vector3& p_local_m, double sigmas, TimeNs now) {
     const RblSeparationConfig& separation = config_.separation;
-    const double distance_m = 2.0 * config_.cells.encumbrance_m + separation.margin_m;
+    const double distance_m = apart_m();
     const double reaction_s = separation.reaction_s + to_seconds(period_);
     const Vector3 here_local_m = level(p_local_m);
     const Braking self{here_local_m, level(reference_.rest_local_m())};
@@ -311,9 +368,8 @@ class Rbl : public Guidance {
     if (!config_.separation.enabled || range_m_ == kFar_m) return config_.speed_mps;
     const double unknown_s =
         neighbors_.longest_s() + neighbors_.latency_s() + config_.separation.reaction_s + to_seconds(period_);
-    const double distance_m = 2.0 * config_.cells.encumbrance_m + config_.separation.margin_m;
     return std::min(config_.speed_mps,
-                    speed_into_unknown_mps(range_m_, unknown_s, distance_m, limits_.horizontal_acceleration_mps2));
+                    speed_into_unknown_mps(range_m_, unknown_s, apart_m(), limits_.horizontal_acceleration_mps2));
   }
   /// Where many samples are lost, somebody next to it may not have been seen yet.
   bool looks_around(TimeNs now) const {
@@ -328,13 +384,35 @@ class Rbl : public Guidance {
     return config_.separation.pledge_share > 0.0 && neighbors_.shortest_s() > 0.0 &&
            to_seconds(now - neighbor.seen) <= pledged_for_s();
   }
+  /// Between two centers that are level with each other.
+  double apart_m() const { return 2.0 * config_.cells.encumbrance_m + config_.separation.margin_m; }
   Vector3 level(const Vector3& v) const { return planar_ ? Vector3(v.x(), v.y(), 0.0) : v; }
 
   /// Without the limits of (2.14) the ground is one.
   double z_min_m() const {
     return to_local_.height(clipped_ ? config_.z_min_m : config_.ground_m + config_.cells.encumbrance_m);
   }
-  double z_max_m() const { return to_local_.height(clipped_ ? config_.z_max_m : kFar_m); }
+  /// Who flies in a plane leaves it upwards only as far.
+  double z_max_m() const {
+    if (planar_) return std::max(to_local_.height(config_.z_max_m), goal_local_m_.z());
+    return to_local_.height(clipped_ ? config_.z_max_m : kFar_m);
+  }
+
+  /// What the map shows bounds the cell. With no room left it counts before the neighbors, who may make way.
+  void cut_by_obstacles(const Pose& T_local_body) {
+    const Vector3 p_local_m = T_local_body.translation();
+    const std::size_t first = planner_.cuts().size();
+    if (config_.separation.enabled) planner_.harden();
+    cut_by(planner_.cell(), planner_.cuts(), p_local_m, kEver);
+    const bool needs_planes = config_.lidar.cut == RblLidarConfig::Cut::kNearest && config_.separation.enabled &&
+                              (pressed_ || planner_.cell().is_empty());
+    if (needs_planes) {
+      cutter_.convex_planes(p_local_m, voxels_local_m_, map_->edge_m(), config_.cells.encumbrance_m, config_.cells.eta,
+                            planner_.cuts());
+    }
+    obstacle_cuts_.assign(planner_.cuts().begin() + static_cast<std::ptrdiff_t>(first), planner_.cuts().end());
+    viewed_.look(p_local_m, yaw_of(T_local_body.linear()), level_view(T_local_body.linear()));
+  }
 
   /// Cuts a cell by the voxels hit since then. What lies deeper below the lowest flight level than the vehicle needs
   /// for itself cannot be met.
@@ -385,19 +463,33 @@ class Rbl : public Guidance {
     return std::abs(off_rad) <= config_.lidar.facing_deg * kRadPerDeg;
   }
 
+  /// What it sees while it is level: whoever speeds up bows its sensor for a moment.
+  std::array<HalfSpace, 2> level_view(const Matrix3& R_local_body) const {
+    const Vector3 ahead_local = Vector3(R_local_body(0, 0), R_local_body(1, 0), 0.0).normalized();
+    Matrix3 R_local_level;
+    R_local_level << ahead_local, Vector3::UnitZ().cross(ahead_local), Vector3::UnitZ();
+    return field_of_view(R_local_level, config_.lidar.fov_lower_deg, config_.lidar.fov_deg, p_lidar_body_m_);
+  }
+
   /// On the path where a cell holds the vehicle: turns to it, and flies there once it faces it. What is right above or
-  /// below never comes into view, but into the map, as it came from farther away: there it goes slowly.
-  Vector3 straight_on(const Pose& T_local_body, const Vector3& next_local_m) {
+  /// below never comes into view. There it goes slowly, and only where it has been or looked as it came from farther
+  /// away. Elsewhere its cell decides.
+  Vector3 straight_on(const Pose& T_local_body, const Vector3& next_local_m, TimeNs now) {
     const Vector3 p_local_m = T_local_body.translation();
     const Vector3 to_next_m = next_local_m - p_local_m;
     goal_.yaw_rad = heading_along(to_next_m, kShortestToFace_m, goal_.yaw_rad);
     if (!faces(T_local_body)) return p_local_m;
-    double aims_m = kAims_m;
-    for (const HalfSpace& cut :
-         field_of_view(T_local_body.linear(), config_.lidar.fov_lower_deg, config_.lidar.fov_deg, p_lidar_body_m_)) {
-      if (cut.normal_local.dot(to_next_m) > std::max(cut.offset_m, 0.0)) aims_m = kUnseen_m;
-    }
-    return p_local_m + std::min(1.0, aims_m / std::max(to_next_m.norm(), kShortestToFace_m)) * to_next_m;
+    const auto ahead_m = [&](double m) -> Vector3 {
+      return std::min(1.0, m / std::max(to_next_m.norm(), kShortestToFace_m)) * to_next_m;
+    };
+    const std::array<HalfSpace, 2> view = level_view(T_local_body.linear());
+    const bool in_view = std::all_of(view.begin(), view.end(), [&](const HalfSpace& side) {
+      return side.normal_local.dot(to_next_m) <= std::max(side.offset_m, 0.0);
+    });
+    if (in_view) return p_local_m + ahead_m(kAims_m);
+    const Vector3 front_local_m = p_local_m + ahead_m(kUnseen_m) + config_.cells.encumbrance_m * to_next_m.normalized();
+    if (!viewed_.contains(front_local_m, *map_)) return within_sight(T_local_body, now);
+    return p_local_m + ahead_m(kUnseen_m);
   }
 
   // The centroid jumps at every update; the vehicle's goal glides there until the next one, or each jump would shake
@@ -424,10 +516,11 @@ class Rbl : public Guidance {
   ObstacleCutter cutter_;
   RblPlanner planner_;
   RblPlanner::Step step_;
-  GuardedReference reference_;           // while vehicles keep apart by braking
-  double range_m_;                       // of the sensor of neighbors
-  std::vector<HalfSpace> braking_cuts_;  // relative to the vehicle
-  std::vector<Vector3> coming_local_m_;  // who may have to be dodged
+  GuardedReference reference_;            // while vehicles keep apart by braking
+  double range_m_;                        // of the sensor of neighbors
+  std::vector<HalfSpace> braking_cuts_;   // relative to the vehicle
+  std::vector<HalfSpace> obstacle_cuts_;  // the same
+  std::vector<Vector3> coming_local_m_;   // who may have to be dodged
   struct Passing {
     TimeNs t = -1;  // negative: nobody yet
     double height_local_m = 0.0;
@@ -448,6 +541,7 @@ class Rbl : public Guidance {
   RblSettling settling_;
   RblStatus status_;
   RblDetour detour_;
+  RblViewed viewed_;
   RblSight sight_;
 };
 

@@ -289,13 +289,17 @@ int RblCell::nearest_partitioned(const Vector3& wanted_agent_m) const {
   return best;
 }
 
-Vector3 RblCell::least_violating(const std::vector<HalfSpace>& cuts) const {
+Vector3 RblCell::least_violating(const std::vector<HalfSpace>& cuts, std::size_t num_soft) const {
+  constexpr double kHard = 1e3;
   Vector3 best = Vector3::Zero();
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < num_samples_; ++i) {
     const Vector3 q = point(i);
     double worst = 0.0;
-    for (const HalfSpace& cut : cuts) worst = std::max(worst, cut.normal_local.dot(q) - cut.offset_m);
+    for (std::size_t k = 0; k < cuts.size(); ++k) {
+      const double beyond_m = cuts[k].normal_local.dot(q) - cuts[k].offset_m;
+      worst = std::max(worst, k < num_soft ? beyond_m : kHard * beyond_m);
+    }
     // Of equal ones the nearest.
     const double cost = worst + 1e-6 * q.norm();
     if (cost >= least) continue;

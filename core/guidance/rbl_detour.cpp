@@ -29,17 +29,18 @@ double nearest_share(const Vector3& from_m, const Vector3& to_m, const Vector3& 
 }
 
 /// Those that stand: a path around one that flies would be old before it is flown.
-std::vector<KeepOut> standing(const RblDetour::Situation& situation) {
+std::vector<KeepOut> standing(const RblDetour::Situation& situation, double radius_m) {
   std::vector<KeepOut> places;
   for (const Neighbor& neighbor : situation.neighbors) {
     if (neighbor.velocity_local_mps.norm() > kStands_mps) continue;
-    places.push_back(KeepOut::column(neighbor.position_local_m, 2.0 * situation.encumbrance_m, kColumn_m));
+    places.push_back(KeepOut::column(neighbor.position_local_m, 2.0 * radius_m, kColumn_m));
   }
   return places;
 }
 
+/// On a straight way nearer than the encumbrances of both.
 bool meets_standing(const RblDetour::Situation& situation, const Vector3& to_local_m) {
-  const std::vector<KeepOut> places = standing(situation);
+  const std::vector<KeepOut> places = standing(situation, 2.0 * situation.encumbrance_m);
   return std::any_of(places.begin(), places.end(), [&](const KeepOut& place) {
     return place.entered_after_m(situation.p_local_m, to_local_m).has_value();
   });
@@ -133,7 +134,8 @@ void RblDetour::search(const Situation& situation, bool level, bool narrow) {
   level_ = level;
   Vector3 goal_local_m = situation.goal_local_m;
   goal_local_m.z() = std::clamp(level ? situation.p_local_m.z() : goal_local_m.z(), rules_.z_min_m, rules_.z_max_m);
-  const std::vector<KeepOut> others = standing(situation);
+  // The clearance of the path comes on top.
+  const std::vector<KeepOut> others = standing(situation, situation.encumbrance_m);
   const OverlaidOccupancy with_others(*situation.map, others);
   const OccupancyView& view = others.empty() ? *situation.map : static_cast<const OccupancyView&>(with_others);
   found_ = find_clear_path(view, rules_, situation.p_local_m, goal_local_m);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "swiftlet/core/math/angles.hpp"
@@ -50,6 +51,13 @@ class PlaneTest {
 
 void ObstacleCutter::cut_convex(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m,
                                 double edge_m, double encumbrance_m, double eta, std::vector<HalfSpace>& cuts) {
+  const std::size_t first = cuts.size();
+  convex_planes(p_local_m, voxels_local_m, edge_m, encumbrance_m, eta, cuts);
+  for (std::size_t i = first; i < cuts.size(); ++i) cell.cut(cuts[i]);
+}
+
+void ObstacleCutter::convex_planes(const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
+                                   double encumbrance_m, double eta, std::vector<HalfSpace>& cuts) {
   left_.clear();
   for (const Vector3& voxel_local_m : voxels_local_m) {
     const Vector3 center = voxel_local_m - p_local_m;
@@ -64,7 +72,6 @@ void ObstacleCutter::cut_convex(RblCell& cell, const Vector3& p_local_m, std::sp
     const HalfSpace cut =
         voxel_cut(at.nearest_agent_m.cast<double>(), at.center_agent_m.cast<double>(), encumbrance_m, eta);
     cuts.push_back(cut);
-    cell.cut(cut);
     // What lies beyond the plane through the nearest point is at least as far from the cell as that point.
     const Eigen::Vector3f normal = cut.normal_local.cast<float>();
     const float beyond = std::sqrt(at.distance_sq) - 1e-4F;

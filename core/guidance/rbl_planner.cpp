@@ -65,6 +65,7 @@ void RblPlanner::partition(const Vector3& p_local_m, std::span<const Vector3> ne
   cell_.reset(config_.lattice == RblCellConfig::Lattice::kWorld ? Vector3(-p_local_m) : Vector3(Vector3::Zero()),
               z_low_m_, z_high_m_);
   cuts_.clear();
+  num_soft_ = std::numeric_limits<std::size_t>::max();
   const double Delta_m = 2.0 * config_.encumbrance_m;
   for (const Vector3& neighbor_local_m : neighbors_local_m) {
     Vector3 to_local_m = neighbor_local_m - p_local_m;
@@ -91,7 +92,7 @@ RblPlanner::Step RblPlanner::update(const Vector3& goal_local_m, double dt_s) {
   Step step;
   step.empty_cell = cell_.is_empty();
   if (step.empty_cell) {
-    now.partitioned_agent_m = now.unrotated_agent_m = cell_.least_violating(cuts_);
+    now.partitioned_agent_m = now.unrotated_agent_m = cell_.least_violating(cuts_, num_soft_);
   } else {
     const bool turned = state_.theta_rad != 0.0 || state_.phi_rad != 0.0;
     now.partitioned_agent_m = centroids.partitioned_agent_m;

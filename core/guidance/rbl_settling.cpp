@@ -2,37 +2,57 @@
 #include "swiftlet/core/guidance/rbl_settling.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace swiftlet {
 namespace {
 
-constexpr double kNearer_m = 0.1;  // what counts as progress
+constexpr double kNearer_m = 0.1;     // what counts as progress
+constexpr double kUnexplained = 2.0;  // times the patience, before it says that it knows no reason
+
+double to_goal_m(const RblGoal& goal, const Vector3& q_local_m) {
+  const Vector3 to_m = goal.p_local_m - q_local_m;
+  return goal.planar ? to_m.head<2>().norm() : to_m.norm();
+}
 
 }  // namespace
 
 RblStatus RblSettling::update(const RblGoal& goal, const Vector3& p_local_m, std::span<const Neighbor> neighbors,
                               const OccupancyView* map, TimeNs now) {
-  const auto to_goal_m = [&](const Vector3& q_local_m) {
-    const Vector3 to_m = goal.p_local_m - q_local_m;
-    return goal.planar ? to_m.head<2>().norm() : to_m.norm();
-  };
-  const double distance_m = to_goal_m(p_local_m);
+  const double distance_m = to_goal_m(goal, p_local_m);
   if (distance_m < least_m_ - kNearer_m) {
     least_m_ = distance_m;
     since_ = now;
+    told_ = {};
   }
-  if (patience_s_ <= 0.0 || to_seconds(now - since_) < patience_s_) return {};
+  const double waited_s = to_seconds(now - since_);
+  if (patience_s_ <= 0.0 || waited_s < patience_s_) return {};
+  const RblStatus status = reason(goal, p_local_m, neighbors, map);
+  if (status.mission != MissionStatus::kRunning) {
+    told_ = status;
+  } else if (told_.mission == MissionStatus::kRunning && waited_s >= kUnexplained * patience_s_) {
+    told_.note = "it gets no nearer to its goal";
+  }
+  return told_;
+}
+
+/// Why it cannot get there; running when nothing that it knows keeps it.
+RblStatus RblSettling::reason(const RblGoal& goal, const Vector3& p_local_m, std::span<const Neighbor> neighbors,
+                              const OccupancyView* map) {
   if (!goal.planar && goal.p_local_m.z() < goal.z_min_m)
     return {MissionStatus::kFailed, "the goal lies below the lowest flight level"};
   if (!goal.planar && goal.p_local_m.z() > goal.z_max_m)
     return {MissionStatus::kFailed, "the goal lies above the highest flight level"};
+  const double distance_m = to_goal_m(goal, p_local_m);
   if (distance_m > goal.reach_m) return {};
   if (map != nullptr && map->distance_m(goal.p_local_m, goal.encumbrance_m) < goal.encumbrance_m)
     return {MissionStatus::kFailed, "an obstacle is at the goal"};
-  const bool taken = std::any_of(neighbors.begin(), neighbors.end(), [&](const Neighbor& neighbor) {
-    return to_goal_m(neighbor.position_local_m) < distance_m;
-  });
-  return taken ? RblStatus{MissionStatus::kDone, "settled near the goal: another vehicle is there"} : RblStatus{};
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const Neighbor& neighbor : neighbors)
+    nearest_m = std::min(nearest_m, to_goal_m(goal, neighbor.position_local_m));
+  if (nearest_m < goal.apart_m) return {MissionStatus::kDone, "settled near the goal: another vehicle is there"};
+  if (nearest_m < distance_m) return {MissionStatus::kDone, "settled near the goal: other vehicles are nearer"};
+  return {};
 }
 
 }  // namespace swiftlet

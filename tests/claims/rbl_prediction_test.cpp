@@ -48,14 +48,18 @@ TEST(RblPrediction, ASpeedIsKnownWhenALineThroughTheSamplesTellsItToAQuarter) {
 TEST(RblPrediction, AnIntruderIsPassedByAsFarAsTheTimeIsLeftToStepAside) {
   RblConditions conditions;
   conditions.intruder_mps = 4.0;
-  EXPECT_NEAR(predicted_distance_m(conditions), 0.9, 1e-12);  // 2.9 s are left
+  EXPECT_NEAR(predicted_distance_m(conditions), 0.9, 1e-12);  // 1.1 s are left, although both fly 4 m/s
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNone);
-  conditions.rate_hz = 1.25;
+  conditions.rate_hz = 5.0;
   conditions.latency_s = 0.1;
-  const double left_s = (15.0 - 1.1) / 4.0 - 3.0 / 1.25 - 0.1 - 0.3;
+  const double left_s = (15.0 - 1.1) / (4.0 + 4.0) - 3.0 / 5.0 - 0.1 - 0.3;
   ASSERT_LT(left_s * left_s, kTouching_m);
   EXPECT_NEAR(predicted_distance_m(conditions), left_s * left_s, 1e-12);
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kLate);
+  // Who flies slowly itself has more of it.
+  conditions.speed_mps = 1.0;
+  const double longer_s = (15.0 - 1.1) / (4.0 + 1.0) - 3.0 / 5.0 - 0.1 - 0.3;
+  EXPECT_NEAR(predicted_distance_m(conditions), std::min(0.9, way_from_rest_m(longer_s, 1.0, 2.0)), 1e-12);
   conditions.rate_hz = 0.5;
   EXPECT_EQ(predicted_distance_m(conditions), 0.0);
 }

@@ -7,6 +7,7 @@
 
 #include "swiftlet/core/agent/stack.hpp"
 #include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/guidance/rbl_separation.hpp"
 #include "swiftlet/core/guidance/waypoints.hpp"
 #include "swiftlet/sim/sensors/neighbors.hpp"
 
@@ -27,9 +28,16 @@ double among_themselves_m(const RblConditions& c) {
   return std::max(0.0, kept_m(c) - 2.0 * kFollowing_m - nearer_m);
 }
 
+/// As fast as it flies itself where it knows nobody ahead.
+double own_speed_mps(const RblConditions& c) {
+  const double unknown_s = 1.0 / c.rate_hz + c.latency_s + c.reaction_s;
+  return std::min(c.speed_mps, speed_into_unknown_mps(c.range_m, unknown_s, kept_m(c), c.acceleration_mps2));
+}
+
 double aside_m(const RblConditions& c) {
   if (c.intruder_mps <= kTold_sigmas * c.maneuver_mps2 / c.rate_hz) return 0.0;
-  const double left_s = (c.range_m - kept_m(c)) / c.intruder_mps - known_after_s(c) - c.latency_s - c.reaction_s;
+  const double meets_s = (c.range_m - kept_m(c)) / (c.intruder_mps + own_speed_mps(c));
+  const double left_s = meets_s - known_after_s(c) - c.latency_s - c.reaction_s;
   return way_from_rest_m(left_s, c.speed_mps, c.acceleration_mps2);
 }
 

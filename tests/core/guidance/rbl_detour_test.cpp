@@ -305,9 +305,7 @@ RblConfig by_lidar(double z_max_m) {
 }
 
 /// A vehicle that is wherever its goal was a tick ago, as far as it can fly in a tick.
-double left_by_rbl_m(const RblConfig& config, const Vector3& start_m, CellListMap& world, double* least_m) {
-  GuidanceDriver driver("rbl", config, start_m);
-  driver.map = &world;
+double left_by_rbl_m(const RblConfig& config, GuidanceDriver& driver, const CellListMap& world, double* least_m) {
   for (int i = 0; i < 600 && driver.out.mission != MissionStatus::kDone; ++i) {
     driver.step();
     const Vector3 way_m = driver.out.goal.position_m - driver.p_m();
@@ -316,6 +314,12 @@ double left_by_rbl_m(const RblConfig& config, const Vector3& start_m, CellListMa
     *least_m = std::min(*least_m, world.distance_m(driver.p_m(), 5.0));
   }
   return (config.goal_m - driver.p_m()).norm();
+}
+
+double left_by_rbl_m(const RblConfig& config, const Vector3& start_m, const CellListMap& world, double* least_m) {
+  GuidanceDriver driver("rbl", config, start_m);
+  driver.map = &world;
+  return left_by_rbl_m(config, driver, world, least_m);
 }
 
 TEST(RblDetour, AVehicleByRblLeavesTheUThatHoldsItWithout) {
@@ -329,18 +333,59 @@ TEST(RblDetour, AVehicleByRblLeavesTheUThatHoldsItWithout) {
   EXPECT_GT(least_m, 0.4);
 }
 
-TEST(RblDetour, AVehicleByRblLeavesAShaftDownwardsAlthoughItSeesAheadOnly) {
-  CellListMap world(0.25);  // walls all around, and a lid; open below 2 m
+/// Walls all around, and a lid; open below 2 m.
+CellListMap shaft() {
+  CellListMap world(0.25);
   world.occupy_box({1.25, -1.5, 2.0}, {1.5, 1.5, 5.0});
   world.occupy_box({-1.5, -1.5, 2.0}, {-1.25, 1.5, 5.0});
   world.occupy_box({-1.5, 1.25, 2.0}, {1.5, 1.5, 5.0});
   world.occupy_box({-1.5, -1.5, 2.0}, {1.5, -1.25, 5.0});
   world.occupy_box({-1.5, -1.5, 5.0}, {1.5, 1.5, 5.25});
-  double least_m = 5.0;
+  return world;
+}
+
+TEST(RblDetour, AVehicleByRblLeavesAShaftDownwardsAsItCameAlthoughItSeesAheadOnly) {
+  CellListMap world = shaft();
   RblConfig config = by_lidar(5.0);
   config.detour.climb_m = 3.0;
-  EXPECT_LT(left_by_rbl_m(config, {0, 0, 4}, world, &least_m), 0.3);
+  GuidanceDriver driver("rbl", config, {0, 0, 1});
+  driver.map = &world;
+  for (int i = 0; i <= 30; ++i) {  // it is led up there
+    driver.put({0, 0, 1.0 + 0.1 * i});
+    driver.step();
+  }
+  double least_m = 5.0;
+  EXPECT_LT(left_by_rbl_m(config, driver, world, &least_m), 0.3);
   EXPECT_GT(least_m, 0.4);
+}
+
+TEST(RblDetour, AVehicleByRblDoesNotFlyDownBlindlyToWhereItNeverWasNorLooked) {
+  CellListMap world = shaft();
+  RblConfig config = by_lidar(5.0);
+  config.detour.climb_m = 3.0;
+  GuidanceDriver driver("rbl", config, {0, 0, 4});
+  driver.map = &world;
+  double least_m = 5.0;
+  EXPECT_GT(left_by_rbl_m(config, driver, world, &least_m), 5.0);
+  EXPECT_GT(driver.p_m().z(), 3.0);
+  EXPECT_GT(least_m, 0.4);
+}
+
+TEST(RblDetour, StraightOnlyWhereBothHaveRoomBesideWhoStands) {
+  Flight flight(quick());
+  flight.held = true;
+  flight.world.occupy_box({6.0, -2.0, 0.0}, {6.25, 2.0, 2.0});
+  for (int i = 0; i < 60; ++i) flight.tick();
+  ASSERT_TRUE(flight.detour.straight_local_m().has_value());
+  const Vector3 way_m = *flight.detour.straight_local_m() - flight.now.p_local_m;
+  const Vector3 beside = Vector3(-way_m.y(), way_m.x(), 0.0).normalized();
+  for (const double aside_m : {0.9, 1.1}) {
+    Neighbor other;
+    other.position_local_m = flight.now.p_local_m + 0.5 * way_m + aside_m * beside;
+    flight.neighbors = {other};
+    flight.tick();
+    EXPECT_EQ(flight.detour.straight_local_m().has_value(), aside_m > 1.0) << aside_m;
+  }
 }
 
 }  // namespace

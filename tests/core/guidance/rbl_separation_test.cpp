@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "swiftlet/core/guidance/rbl.hpp"
+#include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
+#include "tests/core/planning/cell_list_map.hpp"
 
 namespace swiftlet {
 namespace {
@@ -304,6 +306,122 @@ TEST(RblSeparation, AnIntruderThatIsSeenSeldomAndBadlyIsSteppedOutOfTheWayOfInTi
     }
     EXPECT_GT(least_m, 2.0 * config.cells.encumbrance_m) << side_m;
   }
+}
+
+/// Beside its goal an intruder of 3 m/s comes, from any side; by LiDAR it keeps off what the map shows.
+struct ByLidar {
+  RblConfig config;
+  testing::CellListMap world{0.25};
+  double from_deg = 0.0;
+  double least_m = std::numeric_limits<double>::infinity(), nearest_wall_m = 5.0;
+
+  void fly() {
+    testing::GuidanceDriver driver("rbl", config, config.goal_m);
+    driver.map = &world;
+    const Vector3 ahead(std::cos(from_deg * kRadPerDeg), std::sin(from_deg * kRadPerDeg), 0.0);
+    Vector3 other_m = config.goal_m + 18.0 * ahead + Vector3(0.05, 0.1, 0.0);
+    for (int i = 0; i < 80; ++i) {
+      other_m -= driver.dt_s * 3.0 * ahead;
+      driver.sees(2, other_m);
+      const Vector3 next_m = driver.step().goal.position_m;
+      driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
+      driver.put(next_m, driver.out.goal.yaw_rad);
+      least_m = std::min(least_m, (other_m - driver.p_m()).norm());
+      nearest_wall_m = std::min(nearest_wall_m, world.distance_m(driver.p_m(), 5.0));
+    }
+  }
+};
+
+// Turning to where it goes, and waiting until it sees it, would take the time to get out of the way.
+TEST(RblSeparation, ByLidarAVehicleStepsAsideAtOnceWhereverItLooks) {
+  for (const bool nearest : {false, true}) {
+    for (const double from_deg : {0.0, 70.0, 180.0, 250.0}) {
+      ByLidar flight;
+      flight.config.goal_m = {0.0, 0.0, 5.0};
+      flight.config.lidar.enabled = true;
+      flight.config.lidar.cut = nearest ? RblLidarConfig::Cut::kNearest : RblLidarConfig::Cut::kConvex;
+      flight.from_deg = from_deg;
+      flight.fly();
+      EXPECT_GT(flight.least_m, 2.0 * flight.config.cells.encumbrance_m) << from_deg;
+    }
+  }
+}
+
+// It hurries: three times as far as its centroid.
+TEST(RblSeparation, ByLidarAVehicleDoesNotHurryIntoAWall) {
+  for (const bool nearest : {false, true}) {
+    for (const double from_deg : {60.0, 90.0, 120.0, 180.0}) {
+      ByLidar flight;
+      flight.config.goal_m = {0.0, 0.0, 5.0};
+      flight.config.lidar.enabled = true;
+      flight.config.lidar.cut = nearest ? RblLidarConfig::Cut::kNearest : RblLidarConfig::Cut::kConvex;
+      flight.world.occupy_box({-6.0, -1.75, 2.0}, {6.0, -1.5, 8.0});
+      flight.world.occupy_box({1.5, -1.75, 2.0}, {1.75, 4.0, 8.0});
+      flight.from_deg = from_deg;
+      flight.fly();
+      EXPECT_GT(flight.nearest_wall_m, 0.45) << from_deg << ' ' << nearest;
+      EXPECT_GT(flight.least_m, 0.81) << from_deg << ' ' << nearest;
+    }
+  }
+}
+
+/// How high a vehicle in a plane comes that has no room beside it, as somebody flies below it through its place.
+double highest_m(const RblConfig& config, const OccupancyView* map, bool flies_in) {
+  testing::GuidanceDriver driver("rbl", config, config.goal_m);
+  driver.map = map;
+  // It may have come from there, looking ahead.
+  for (int i = 0; flies_in && i < 60; ++i) {
+    driver.put(config.goal_m - Vector3(0.1 * (60 - i), 0.0, 0.0));
+    driver.step();
+  }
+  driver.put(config.goal_m);
+  Vector3 other_m = config.goal_m + Vector3(-18.0, 0.0, -0.2);
+  double highest_m = 0.0;
+  while (other_m.x() < 18.0) {
+    other_m.x() += driver.dt_s * 3.0;
+    driver.sees(2, other_m);
+    driver.sees(3, config.goal_m + Vector3(0.0, 1.15, 0.0));
+    driver.sees(4, config.goal_m - Vector3(0.0, 1.15, 0.0));
+    const Vector3 next_m = driver.step().goal.position_m;
+    driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
+    driver.put(next_m);
+    highest_m = std::max(highest_m, driver.p_m().z());
+  }
+  return highest_m;
+}
+
+TEST(RblSeparation, AVehicleInAPlaneLeavesItNoHigherThanItMay) {
+  RblConfig config;
+  config.variant = RblConfig::Variant::k2d;
+  config.goal_m = {0.0, 0.0, 5.0};
+  EXPECT_GT(highest_m(config, nullptr, false), 5.6);
+  config.z_max_m = 5.3;
+  config.ground_m = 4.4;  // below there is no room at all
+  EXPECT_LE(highest_m(config, nullptr, false), 5.31);
+  config.z_max_m = 4.0;  // a goal above it was wanted
+  EXPECT_LE(highest_m(config, nullptr, false), 5.01);
+}
+
+TEST(RblSeparation, AVehicleInAPlaneLeavesItByLidarOnlyAsFarAsThereIsRoom) {
+  RblConfig config;
+  config.variant = RblConfig::Variant::k2d;
+  config.goal_m = {0.0, 0.0, 5.0};
+  config.ground_m = 4.4;
+  config.lidar.enabled = true;
+  testing::CellListMap open(0.25), roofed(0.25);
+  roofed.occupy_box({-4.0, -4.0, 6.0}, {4.0, 4.0, 6.25});
+  EXPECT_GT(highest_m(config, &open, true), 5.4);
+  EXPECT_LE(highest_m(config, &roofed, true), 5.51);
+}
+
+TEST(RblSeparation, AVehicleInAPlaneLeavesItByLidarOnlyToWhereItHasLooked) {
+  RblConfig config;
+  config.variant = RblConfig::Variant::k2d;
+  config.goal_m = {0.0, 0.0, 5.0};
+  config.ground_m = 4.4;
+  config.lidar.enabled = true;
+  const testing::CellListMap open(0.25);
+  EXPECT_LE(highest_m(config, &open, false), 5.2) << "it was never farther away, and looks ahead only";
 }
 
 // There is no room to step aside, so the plane is left.

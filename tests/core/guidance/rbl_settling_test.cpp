@@ -20,6 +20,7 @@ RblGoal goal_at(const Vector3& p_m) {
   goal.z_max_m = 10.0;
   goal.reach_m = 3.5;
   goal.encumbrance_m = 0.5;
+  goal.apart_m = 1.1;
   return goal;
 }
 
@@ -48,11 +49,41 @@ TEST(RblSettling, BesideAGoalWhereAnotherVehicleIsItIsDoneAndSaysSo) {
   const RblStatus status = after_waiting(goal, {1.5, 0.0, 5.0}, {neighbor_at({0.1, 0.0, 5.0})});
   EXPECT_EQ(status.mission, MissionStatus::kDone);
   EXPECT_NE(std::string(status.note).find("another vehicle"), std::string::npos);
-  // Alone, or the nearest of all, it is still on its way.
+  // The nearest of all finds no room either when another one is almost as near, and far ones wait behind near ones.
+  EXPECT_EQ(after_waiting(goal, {0.6, 0.0, 5.0}, {neighbor_at({-0.7, 0.0, 5.0})}).mission, MissionStatus::kDone);
+  const RblStatus behind = after_waiting(goal, {2.5, 0.0, 5.0}, {neighbor_at({1.3, 0.0, 5.0})});
+  EXPECT_EQ(behind.mission, MissionStatus::kDone);
+  EXPECT_NE(std::string(behind.note).find("nearer"), std::string::npos);
+  // Alone, or the nearest of all by far, it is still on its way.
   EXPECT_EQ(after_waiting(goal, {1.5, 0.0, 5.0}).mission, MissionStatus::kRunning);
   EXPECT_EQ(after_waiting(goal, {1.5, 0.0, 5.0}, {neighbor_at({-3.0, 0.0, 5.0})}).mission, MissionStatus::kRunning);
   // So it is far away, where it only waits for others to pass.
   EXPECT_EQ(after_waiting(goal, {9.0, 0.0, 5.0}, {neighbor_at({7.5, 0.0, 5.0})}).mission, MissionStatus::kRunning);
+}
+
+TEST(RblSettling, WhatItSaidStandsUntilItGetsNearer) {
+  RblSettling settling(kPatience_s);
+  const RblGoal goal = goal_at({0.0, 0.0, 5.0});
+  const std::vector<Neighbor> there{neighbor_at({0.1, 0.0, 5.0})}, gone{neighbor_at({-3.0, 0.0, 5.0})};
+  int i = 0;
+  const auto says = [&](double x_m, const std::vector<Neighbor>& others) {
+    return settling.update(goal, {x_m, 0.0, 5.0}, others, nullptr, from_seconds(0.1 * i++));
+  };
+  for (; i <= 50;) says(1.5, there);
+  // The other one flies off: the vehicle has settled until it flies on itself.
+  for (; i <= 60;) EXPECT_EQ(says(1.5, gone).mission, MissionStatus::kDone) << i;
+  EXPECT_EQ(says(1.35, gone).mission, MissionStatus::kRunning);
+  for (; i <= 100;) EXPECT_EQ(says(1.35, gone).mission, MissionStatus::kRunning) << i;
+}
+
+TEST(RblSettling, WithoutAReasonItSaysThatItGetsNoNearerAfterTwiceItsPatience) {
+  RblSettling settling(kPatience_s);
+  const RblGoal goal = goal_at({0.0, 0.0, 5.0});
+  for (int i = 0; i <= 120; ++i) {
+    const RblStatus status = settling.update(goal, {9.0, 0.0, 5.0}, {}, nullptr, from_seconds(0.1 * i));
+    EXPECT_EQ(status.mission, MissionStatus::kRunning);
+    EXPECT_EQ(std::string(status.note).empty(), i < 100) << i;
+  }
 }
 
 TEST(RblSettling, AGoalOutOfTheLimitsOrInAnObstacleFails) {

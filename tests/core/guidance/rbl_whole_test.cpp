@@ -47,7 +47,8 @@ class PlainRbl {
         limits_(config.separation.enabled ? config.separation.within(MotionLimits{}) : MotionLimits{}),
         reference_(limits_, planar_),
         settling_(config.settle_s),
-        sight_(agent.neighbor_views) {
+        sight_(agent.neighbor_views),
+        viewed_(2.0 * config.cells.sensing_radius_m, config.cells.encumbrance_m) {
     goal_.position_m = agent.T_local_body_start.translation();
     goal_.yaw_rad = yaw_of(agent.T_local_body_start.linear());
   }
@@ -62,7 +63,9 @@ class PlainRbl {
     goal_m_ = to_local.point(c_.goal_m);
     const bool limited = c_.variant == Whole::k3dClipped || c_.variant == Whole::k3dZ;
     low_m_ = to_local.height(limited ? c_.z_min_m : c_.ground_m + c_.cells.encumbrance_m);
-    high_m_ = limited ? to_local.height(c_.z_max_m) : std::numeric_limits<double>::infinity();
+    high_m_ = to_local.height(c_.z_max_m);
+    if (planar_) high_m_ = std::max(high_m_, goal_m_.z());
+    if (c_.variant == Whole::k3d) high_m_ = std::numeric_limits<double>::infinity();
     memory_.update(in);
     if (first_) {
       started_ = now_;
@@ -88,6 +91,7 @@ class PlainRbl {
   }
 
   bool arrived = false, pressed = false;
+  int num_pressed_by_lidar = 0;
   int num_waits = 0, num_looks_around = 0, num_pressed = 0, num_dodged = 0, num_turned_away = 0, num_out_of_plane = 0;
   RblStatus status;
   Reference goal;
@@ -109,10 +113,23 @@ class PlainRbl {
       planner_.partition(p_m_, others_m, low_m_, high_m_);
       keep_from_others(0.0);
     }
-    if (c_.lidar.enabled) keep_from_voxels(planner_.cell(), planner_.cuts(), kEver);
+    walls_.clear();
+    if (c_.lidar.enabled) {
+      if (c_.separation.enabled) planner_.harden();
+      const std::size_t num_others = planner_.cuts().size();
+      keep_from_voxels(planner_.cell(), planner_.cuts(), kEver);
+      // Who gives way, or has no cell left, needs planes.
+      if (c_.separation.enabled && c_.lidar.cut == RblLidarConfig::Cut::kNearest &&
+          (pressed || planner_.cell().is_empty()))
+        cutter_.convex_planes(p_m_, voxels_m_, map_->edge_m(), c_.cells.encumbrance_m, c_.cells.eta, planner_.cuts());
+      for (std::size_t i = num_others; i < planner_.cuts().size(); ++i) walls_.push_back(planner_.cuts()[i]);
+      viewed_.look(p_m_, yaw_of(T_.linear()), field_of_view(T_.linear(), c_.lidar.fov_lower_deg, c_.lidar.fov_deg));
+    }
     centroid_m_ = planner_.update(goal_m_, 1.0 / c_.update_rate_hz).centroid_local_m;
     from_m_ = goal_.position_m;
-    to_m_ = c_.lidar.enabled ? in_sight() : centroid_m_;
+    to_m_ = c_.lidar.enabled && !pressed ? in_sight() : centroid_m_;
+    if (c_.lidar.enabled && pressed && (centroid_m_ - p_m_).head<2>().norm() >= 0.3)
+      goal_.yaw_rad = std::atan2(centroid_m_.y() - p_m_.y(), centroid_m_.x() - p_m_.x());
     if (c_.separation.enabled) {
       if (!c_.lidar.enabled) {
         goal_.yaw_rad = sight_.heading(T_, to_m_, memory_.neighbors(), coming_m_, goal_.yaw_rad, now_);
@@ -128,7 +145,18 @@ class PlainRbl {
         to_m_ = reference_.rest_local_m();
       }
       if (pressed) {
-        to_m_ = p_m_ + 3.0 * (to_m_ - p_m_);
+        const Vector3 aside_m = to_m_ - p_m_;
+        double times = 3.0;
+        if (c_.lidar.enabled) {  // no farther than it senses, and into nothing
+          num_pressed_by_lidar += 1;
+          times = std::min(times, c_.cells.sensing_radius_m / aside_m.norm());
+          for (const HalfSpace& wall : walls_) {
+            if (wall.normal_local.dot(aside_m) > 0.0)
+              times = std::min(times, wall.offset_m / wall.normal_local.dot(aside_m));
+          }
+          planes_.insert(planes_.end(), walls_.begin(), walls_.end());
+        }
+        to_m_ = p_m_ + std::max(times, 1.0) * aside_m;
         if (to_m_.z() < p_m_.z()) to_m_.z() = std::max(to_m_.z(), std::min(low_m_, p_m_.z()));
         if (to_m_.z() > p_m_.z()) to_m_.z() = std::min(to_m_.z(), std::max(high_m_, p_m_.z()));
       }
@@ -141,6 +169,7 @@ class PlainRbl {
                                .z_max_m = high_m_,
                                .reach_m = c_.cells.sensing_radius_m,
                                .encumbrance_m = c_.cells.encumbrance_m,
+                               .apart_m = 2.0 * c_.cells.encumbrance_m + c_.separation.margin_m,
                                .planar = planar_},
                               p_m_, memory_.neighbors(), c_.lidar.enabled ? map_ : nullptr, now_);
   }
@@ -156,9 +185,20 @@ class PlainRbl {
     if (side_ > 0 && above_m > high_m_ && below_m >= low_m_) side_ = -1;
     if (side_ < 0 && below_m < low_m_ && above_m <= high_m_) side_ = 1;
     ++num_out_of_plane;
-    const double wanted_m = side_ > 0 ? std::max(goal_m_.z(), above_m) : std::min(goal_m_.z(), below_m);
-    if (wanted_m < goal_m_.z()) return std::max(wanted_m, std::min(low_m_, goal_m_.z()));
-    return std::min(wanted_m, std::max(high_m_, goal_m_.z()));
+    double wanted_m = side_ > 0 ? std::max(goal_m_.z(), above_m) : std::min(goal_m_.z(), below_m);
+    if (wanted_m < goal_m_.z()) wanted_m = std::max(wanted_m, std::min(low_m_, goal_m_.z()));
+    if (wanted_m > goal_m_.z()) wanted_m = std::min(wanted_m, std::max(high_m_, goal_m_.z()));
+    if (!c_.lidar.enabled) return wanted_m;
+    // By steps of 0.2 m, while there is room and it has seen the air.
+    const double enc_m = c_.cells.encumbrance_m, way = wanted_m >= p_m_.z() ? 1.0 : -1.0;
+    double z_m = p_m_.z();
+    while (z_m != wanted_m) {
+      const double next_m = std::abs(wanted_m - z_m) <= 0.2 ? wanted_m : z_m + 0.2 * way;
+      const Vector3 q_m(p_m_.x(), p_m_.y(), next_m);
+      if (map_->distance_m(q_m, enc_m) < enc_m || !viewed_.contains(q_m + way * enc_m * Vector3::UnitZ(), *map_)) break;
+      z_m = next_m;
+    }
+    return z_m;
   }
 
   /// Planes halfway between the ways on which both brake, nearer by what is unsure along the line between them.
@@ -234,7 +274,7 @@ class PlainRbl {
   }
 
   void keep_from_voxels(RblCell& cell, std::vector<HalfSpace>& cuts, TimeNs since) {
-    std::vector<Vector3> voxels_m;
+    std::vector<Vector3>& voxels_m = voxels_m_;
     const double enc_m = c_.cells.encumbrance_m, edge_m = map_->edge_m();
     map_->occupied_within(p_m_, c_.cells.sensing_radius_m / c_.cells.eta + enc_m, since, voxels_m);
     // What it can never come near to, deep below.
@@ -276,7 +316,9 @@ class PlainRbl {
   GuardedReference reference_;
   RblSettling settling_;
   RblSight sight_;
-  std::vector<HalfSpace> planes_;
+  RblViewed viewed_;
+  std::vector<Vector3> voxels_m_;
+  std::vector<HalfSpace> planes_, walls_;
   std::vector<Vector3> coming_m_;
   Pose T_ = Pose::Identity();
   Vector3 p_m_, v_mps_, goal_m_, centroid_m_, from_m_ = Vector3::Zero(), to_m_ = Vector3::Zero();
@@ -291,6 +333,7 @@ class PlainRbl {
 };
 
 TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
+  int pressed_by_lidar = 0;
   int waits = 0, looks_around = 0, pressed = 0, dodged = 0, out_of_plane = 0, turned_away = 0, arrived = 0;
   for (std::uint32_t round = 0; round < 24; ++round) {
     const Random random(round, "test.rbl-whole");
@@ -369,6 +412,7 @@ TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
     waits += plain.num_waits;
     looks_around += plain.num_looks_around;
     pressed += plain.num_pressed;
+    pressed_by_lidar += plain.num_pressed_by_lidar;
     dodged += plain.num_dodged;
     out_of_plane += plain.num_out_of_plane;
     turned_away += plain.num_turned_away;
@@ -377,6 +421,7 @@ TEST(RblWhole, EveryGoalIsWhatItsPartsSayInTurn) {
   EXPECT_GT(waits, 5);
   EXPECT_GT(looks_around, 5);
   EXPECT_GT(pressed, 5);
+  EXPECT_GT(pressed_by_lidar, 5);
   EXPECT_GT(dodged, 5);
   EXPECT_GT(out_of_plane, 5);
   EXPECT_GT(turned_away, 5);

@@ -11,6 +11,7 @@
 #include "swiftlet/core/guidance/rbl_planner.hpp"
 #include "swiftlet/core/guidance/rbl_separation.hpp"
 #include "swiftlet/core/guidance/rbl_settling.hpp"
+#include "swiftlet/core/guidance/rbl_viewed.hpp"
 
 namespace swiftlet {
 

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "swiftlet/core/frames.hpp"
@@ -64,7 +66,9 @@ class RblCell {
   /// Sample of A that is nearest to `wanted_agent_m`; -1 when A is empty.
   int nearest_partitioned(const Vector3& wanted_agent_m) const;
   /// Sample of S for which the greatest violation of the half-spaces is least; where to go when A is empty.
-  Vector3 least_violating(const std::vector<HalfSpace>& cuts) const;
+  /// @param num_soft  of the first ones; the rest is violated only as far as it must be
+  Vector3 least_violating(const std::vector<HalfSpace>& cuts,
+                          std::size_t num_soft = std::numeric_limits<std::size_t>::max()) const;
   double step_m() const { return step_m_; }
   double radius_m() const { return radius_m_; }
 

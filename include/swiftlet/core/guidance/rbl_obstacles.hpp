@@ -46,6 +46,9 @@ class ObstacleCutter {
   /// @param p_local_m  the agent; the cell is relative to it
   void cut_convex(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
                   double encumbrance_m, double eta, std::vector<HalfSpace>& cuts);
+  /// The planes of `cut_convex` alone.
+  void convex_planes(const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
+                     double encumbrance_m, double eta, std::vector<HalfSpace>& cuts);
   void cut_nearest(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
                    double encumbrance_m, double eta);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -59,6 +61,8 @@ class RblPlanner {
   RblCell& cell() { return cell_; }
   const RblCell& cell() const { return cell_; }
   std::vector<HalfSpace>& cuts() { return cuts_; }
+  /// What cuts from now on is harder than a neighbor, who may make way: with no room left, it is kept.
+  void harden() { num_soft_ = cuts_.size(); }
   const std::vector<HalfSpace>& cuts() const { return cuts_; }
   const RblState& state() const { return state_; }
   const Vector3& p_local_m() const { return p_local_m_; }
@@ -69,6 +73,7 @@ class RblPlanner {
   bool planar_;
   RblCell cell_;
   std::vector<HalfSpace> cuts_;
+  std::size_t num_soft_ = std::numeric_limits<std::size_t>::max();
   RblState state_;
   Vector3 p_local_m_ = Vector3::Zero();
   double z_low_m_ = 0.0, z_high_m_ = 0.0;  // of the cell, relative

@@ -22,12 +22,13 @@ struct RblGoal {
   double z_min_m = 0.0, z_max_m = 0.0;  ///< of the heights that the vehicle may fly at, in the local frame
   double reach_m = 0.0;                 ///< nearer than this, what is at the goal is known
   double encumbrance_m = 0.0;
-  bool planar = false;  ///< the height does not count
+  double apart_m = 0.0;  ///< that two vehicles keep: one nearer to the goal than this leaves no room there
+  bool planar = false;   ///< the height does not count
 };
 
 /// Tells a vehicle that cannot reach its goal from one that is on its way. One that got no nearer for a while says
 /// why, when it is known. It is done when others are at the goal. It has failed when an obstacle is there, or when the
-/// goal lies out of the limits.
+/// goal lies out of the limits. What was said stands until it gets nearer, although the others move.
 class RblSettling {
  public:
   /// @param patience_s  0: never says so
@@ -37,7 +38,11 @@ class RblSettling {
                    const OccupancyView* map, TimeNs now);
 
  private:
+  static RblStatus reason(const RblGoal& goal, const Vector3& p_local_m, std::span<const Neighbor> neighbors,
+                          const OccupancyView* map);
+
   double patience_s_;
+  RblStatus told_;
   double least_m_ = std::numeric_limits<double>::infinity();  // distance to the goal so far
   TimeNs since_ = 0;
 };
