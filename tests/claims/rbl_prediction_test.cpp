@@ -66,7 +66,7 @@ TEST(RblPrediction, AnIntruderIsPassedByAsFarAsTheTimeIsLeftToStepAside) {
 
 TEST(RblPrediction, AnIntruderAsSlowAsAnybodyMayBecomeUnseenIsNotToldFromTheOthers) {
   RblConditions conditions;
-  conditions.intruder_mps = 1.0;
+  conditions.intruder_mps = conditions.speed_mps = 1.0;
   conditions.rate_hz = 1.25;
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNone);
   conditions.rate_hz = 1.0;  // by 2 m/s between two samples; half a standard deviation of that is as fast
@@ -96,7 +96,8 @@ TEST(RblPrediction, WhereSamplesAreFartherOffThanIsReservedNothingIsPromised) {
   conditions.noise = 0.12;
   EXPECT_LT(predicted_distance_m(conditions), kTouching_m);
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNoise);
-  conditions.intruder_mps = 1.0;  // which is known in time
+  conditions.intruder_mps = 2.0;  // which is known in time, as they fly slowly themselves
+  conditions.speed_mps = 1.0;
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNoise);
   conditions.sigmas = 3.5;
   EXPECT_EQ(obstacle_of(conditions), RblObstacle::kNone);
