@@ -218,8 +218,9 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   void map(const Observation& observation) {
     if (!stages_.mapping) return;
     begin(AgentStage::kMapping);
-    stages_.mapping->step(
-        {observation, action_.estimate, clouds_, tracks_, relatives_, stages_.localization->submap_poses()}, outbox_);
+    stages_.mapping->step({observation, action_.estimate, clouds_, tracks_, relatives_,
+                           stages_.localization->submap_poses(), &registrar_.poses()},
+                          outbox_);
   }
 
   void guide(const Observation& observation, double dt_s) {

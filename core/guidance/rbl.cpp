@@ -41,6 +41,7 @@ constexpr double kAims_m = 1.0;            // that it aims ahead where its cell 
 constexpr double kUnseen_m = 0.2;          // the same where that leads out of its view: up or down
 constexpr double kSeesFree_radii = 2.0;    // sensing radii as far as it sees that a place is free
 constexpr double kHeightStep_m = 0.2;      // by which it asks what is above and below
+constexpr double kLeastEdge_deg = 5.0, kMostEdge_deg = 60.0;  // of a view, as far as a goal is looked at by it
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 /// Of the sensors of neighbors; infinite when they have no limit, or there is none.
@@ -158,7 +159,7 @@ class Rbl : public Guidance {
                        .encumbrance_m = config_.cells.encumbrance_m,
                        .apart_m = apart_m(),
                        .planar = planar_};
-    const OccupancyView* map = config_.lidar.enabled ? map_ : nullptr;
+    const OccupancyView* map = config_.lidar.enabled && !detour_.is_looking() ? map_ : nullptr;
     const RblStatus settled = settling_.update(goal, p_local_m, neighbors_.neighbors(), map, now);
     if (settled.mission != MissionStatus::kRunning) return settled;
     if (detour_.gave_up()) return {MissionStatus::kFailed, detour_.note()};
@@ -185,9 +186,20 @@ class Rbl : public Guidance {
                                       .z_max_m = z_max_m(),
                                       .encumbrance_m = config_.cells.encumbrance_m,
                                       .planar = planar_,
+                                      .sees_goal_from_m = sees_goal_from_m(p_local_m),
                                       .neighbors = neighbors_.neighbors(),
                                       .map = config_.lidar.enabled ? map_ : nullptr,
                                       .now = now});
+  }
+
+  /// How far beside the goal the vehicle has it between the planes of its sensor, at its own height.
+  double sees_goal_from_m(const Vector3& p_local_m) const {
+    if (planar_) return 0.0;
+    const double up_m = goal_local_m_.z() - p_local_m.z();
+    const double edge_deg =
+        up_m < 0.0 ? config_.lidar.fov_lower_deg : config_.lidar.fov_deg - config_.lidar.fov_lower_deg;
+    const double steepest = elementary::tan(std::clamp(edge_deg, kLeastEdge_deg, kMostEdge_deg) * kRadPerDeg);
+    return std::abs(up_m) / steepest + config_.cells.encumbrance_m;
   }
 
   /// Looks where it flies, waits until it sees, and flies no faster than it can stop.

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/map/overlaid_occupancy.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet {
 namespace {
@@ -19,6 +21,9 @@ constexpr double kMoves_m = 0.3;        // what counts as moving
 constexpr double kHeld_s = 2.0;         // without that, its cell holds it on its path
 constexpr double kStraight_m = 2.0;     // of the path that it then flies straight
 constexpr double kLeastPoint_m = 1e-6;  // shorter legs have no direction
+constexpr double kBeside_m = 2.0;       // of a goal that is blocked, from where it looks; at least
+constexpr double kThere_m = 0.5;        // near enough to that
+constexpr int kSides = 8;               // of it
 
 constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2};  // of what lies ahead, within reach
 
@@ -63,6 +68,11 @@ Vector3 RblDetour::next_goal_local_m(const Situation& situation) {
   if (planner_.due(situation.now)) take(situation);
   double left_m = (situation.goal_local_m - situation.p_local_m).norm();
   if (on_path()) left_m = follow(situation.p_local_m);
+  if (on_path() && beside_ && left_m < kThere_m) {  // it looks now
+    corners_local_m_.clear();
+    since_ = situation.now;
+    least_m_ = left_m = (situation.goal_local_m - situation.p_local_m).norm();
+  }
   if (planner_.idle() && situation.now >= retry_ && has_to_plan(situation, left_m)) plan(situation);
   straight_local_m_.reset();
   if (!on_path()) return situation.goal_local_m;
@@ -100,8 +110,9 @@ bool RblDetour::has_to_plan(const Situation& situation, double left_m) {
   const bool stands = !gets_on(left_m, situation.now);
   if (!on_path()) return stands;
   if (stands || off_m_ > kOff_m) return true;
-  if (level_ && !situation.planar && is_near_goal(situation)) return true;
-  if ((corners_local_m_.back() - situation.goal_local_m).head<2>().norm() > kGoalMoved_m) return true;
+  if (level_ && !beside_ && !situation.planar && is_near_goal(situation)) return true;
+  const double moved_m = (corners_local_m_.back() - situation.goal_local_m).head<2>().norm();
+  if (moved_m > kGoalMoved_m + (beside_ ? beside_m_ : 0.0)) return true;
   if (checked_ == situation.map->revision()) return false;
   checked_ = situation.map->revision();
   std::size_t next = 1;
@@ -127,12 +138,11 @@ ClearPathConfig RblDetour::rules_for(const Situation& situation, bool level) con
 
 /// @param level   to above or below the goal, at the vehicle's own height
 /// @param narrow  with no more clearance than its cells need: the vehicle may be where no other path begins
-void RblDetour::search(const Situation& situation, bool level, bool narrow) {
+void RblDetour::search(const Situation& situation, Vector3 goal_local_m, bool level, bool narrow) {
   rules_ = rules_for(situation, level);
   const double least_m = situation.encumbrance_m + 0.5 * situation.map->edge_m();
   if (narrow) rules_.clearance_m = std::min(rules_.clearance_m, least_m);
   level_ = level;
-  Vector3 goal_local_m = situation.goal_local_m;
   goal_local_m.z() = std::clamp(level ? situation.p_local_m.z() : goal_local_m.z(), rules_.z_min_m, rules_.z_max_m);
   // The clearance of the path comes on top.
   const std::vector<KeepOut> others = standing(situation, situation.encumbrance_m);
@@ -146,15 +156,32 @@ void RblDetour::search(const Situation& situation, bool level, bool narrow) {
 
 void RblDetour::plan(const Situation& situation) {
   found_ = {};
-  const auto try_both = [&](bool level) {
-    if (found_.status != ClearPathStatus::kFound) search(situation, level, false);
-    if (found_.status != ClearPathStatus::kFound) search(situation, level, true);
+  const auto try_both = [&](const Vector3& goal_local_m, bool level) {
+    if (found_.status != ClearPathStatus::kFound) search(situation, goal_local_m, level, false);
+    if (found_.status != ClearPathStatus::kFound) search(situation, goal_local_m, level, true);
   };
-  if (situation.planar || !is_near_goal(situation)) try_both(true);
-  if (!situation.planar) try_both(false);
+  if (situation.planar || !is_near_goal(situation)) try_both(situation.goal_local_m, true);
+  if (!situation.planar) try_both(situation.goal_local_m, false);
+  beside_ = found_.status == ClearPathStatus::kGoalBlocked && is_near_goal(situation);
+  if (beside_) look_from_beside(situation);
   ++num_plans_;
   if (found_.status == ClearPathStatus::kBudgetSpent) ++num_given_up_;
   planner_.start(situation.now);
+}
+
+/// What the map shows at the goal may be a vehicle that was there. One above or below it never sees that. A path at its
+/// own height to a place beside the goal, from where that is in view.
+void RblDetour::look_from_beside(const Situation& situation) {
+  const Vector3 from_goal_m = situation.p_local_m - situation.goal_local_m;
+  const double toward_rad = elementary::atan2(from_goal_m.y(), from_goal_m.x());
+  beside_m_ = std::max(kBeside_m, situation.sees_goal_from_m);
+  for (int i = 0; i < kSides && found_.status != ClearPathStatus::kFound; ++i) {
+    const double turn_rad = (i % 2 == 0 ? 1.0 : -1.0) * ((i + 1) / 2) * 2.0 * kPi / kSides;
+    const double azimuth_rad = toward_rad + turn_rad;
+    const Vector3 out_m = beside_m_ * Vector3(elementary::cos(azimuth_rad), elementary::sin(azimuth_rad), 0.0);
+    search(situation, situation.goal_local_m + out_m, true, true);
+  }
+  if (found_.status != ClearPathStatus::kFound) found_.status = ClearPathStatus::kGoalBlocked;
 }
 
 void RblDetour::take(const Situation& situation) {
@@ -167,8 +194,8 @@ void RblDetour::take(const Situation& situation) {
   corners_local_m_.clear();
   if (found_.status == ClearPathStatus::kFound) {
     corners_local_m_ = std::move(found_.corners_local_m);
-    failures_ = 0;
-    note_ = "on a path around what is in its way";
+    failures_ = beside_ ? failures_ + 1 : 0;
+    note_ = beside_ ? text_of(ClearPathStatus::kGoalBlocked) : "on a path around what is in its way";
     return;
   }
   if (found_.status != ClearPathStatus::kBudgetSpent) ++failures_;

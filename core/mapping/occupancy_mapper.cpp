@@ -18,8 +18,9 @@ class OccupancyMapper : public Mapper {
   OccupancyMapper(const OccupancyMapperConfig& config, const AgentSetup& setup)
       : config_(config),
         map_(config.map),
-        scan_rays_({config.every_column, config.every_row, config.range_min_m, config.map.range_max_m,
-                    config.clear_range_m, config.tracked_radius_m}) {
+        scan_rays_(
+            {config.every_column, config.every_row, config.range_min_m, config.map.range_max_m, config.clear_range_m}),
+        vehicles_(config.tracked_radius_m) {
     if (!config.rays_of.empty()) rays_of_ = vehicle_named(config.rays_of, setup, "mapping.rays_of");
     if (!config.tell_rays_to.empty()) tell_to_ = vehicle_named(config.tell_rays_to, setup, "mapping.tell_rays_to");
   }
@@ -32,8 +33,9 @@ class OccupancyMapper : public Mapper {
       }
       return;
     }
+    vehicles_.update(input);
     for (const auto& cloud : input.clouds) {
-      const std::span<const OccupancyMap::Ray> rays = scan_rays_.take(*cloud, input);
+      const std::span<const OccupancyMap::Ray> rays = scan_rays_.take(*cloud, vehicles_);
       map_.keep_around(p_local_m_);
       map_.insert(rays, cloud->end());
       if (tell_to_ != kNoVehicle) tell(rays, cloud->end(), FrameChange::to_world(input.estimate), outbox);
@@ -89,6 +91,7 @@ class OccupancyMapper : public Mapper {
   OccupancyMap map_;
   Vector3 p_local_m_ = Vector3::Zero();
   ScanRays scan_rays_;
+  VehiclesAround vehicles_;
   std::vector<OccupancyMap::Ray> rays_;  // that somebody else told
   VehicleId rays_of_ = kNoVehicle, tell_to_ = kNoVehicle;
   MapRays told_;
@@ -103,7 +106,8 @@ void OccupancyMapperConfig::visit(ConfigVisitor& v) {
   v.field("range_min_m", range_min_m, "[m] nearer returns are the own body", Range::non_negative());
   v.field("clear_range_m", clear_range_m, "[m] beams without return clear up to here; 0: they tell nothing",
           Range::between(0.0, 1000.0));
-  v.field("tracked_radius_m", tracked_radius_m, "[m] returns nearer than this to a tracked vehicle are left out",
+  v.field("tracked_radius_m", tracked_radius_m,
+          "[m] returns so near to another vehicle are left out, and farther where it is known worse; 0: none",
           Range::non_negative());
   v.field("rays_of", rays_of, "[-] name of the vehicle that tells the rays of its scans; empty: the own LiDARs map");
   v.field("tell_rays_to", tell_rays_to, "[-] name of a vehicle that is told the rays of each scan, in the world");

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/mapping/vehicles_around.hpp"
 #include "swiftlet/core/map/occupancy_map.hpp"
-#include "swiftlet/core/mapping/mapper.hpp"
 
 namespace swiftlet {
 
@@ -15,16 +15,15 @@ struct ScanRaysRules {
   double range_min_m = 0.0;    ///< nearer returns are the own body
   double range_max_m = 0.0;    ///< farther returns only clear
   double clear_range_m = 0.0;  ///< beams without return clear up to here; 0: they tell nothing
-  double tracked_radius_m = 0.0;
 };
 
-/// The rays of scans, without those that hit a tracked vehicle or a member of the team.
+/// The rays of scans, without those that hit another vehicle.
 class ScanRays {
  public:
   explicit ScanRays(const ScanRaysRules& rules) : rules_(rules) {}
 
   /// Of one scan; until the next one.
-  std::vector<OccupancyMap::Ray>& take(const LocalCloud& cloud, const MapperInput& input);
+  std::vector<OccupancyMap::Ray>& take(const LocalCloud& cloud, const VehiclesAround& vehicles);
   void append_counters(std::vector<Counter>& counters) const {
     counters.push_back({"returns farther than the map takes them", num_far_, num_returns_, "range_max_m"});
   }
@@ -34,7 +33,6 @@ class ScanRays {
     return beam % cols % rules_.every_column == 0 && beam / cols % rules_.every_row == 0;
   }
   void take_without_return(const LocalCloud& cloud);
-  bool is_vehicle(const LocalCloud& cloud, std::size_t point, const MapperInput& input) const;
 
   ScanRaysRules rules_;
   std::vector<OccupancyMap::Ray> rays_;

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/mapping/sparse_mapper.hpp"
 
+#include "core/mapping/vehicles_around.hpp"
+
 namespace swiftlet {
 namespace {
 
 class SparseMapper : public Mapper {
  public:
-  explicit SparseMapper(const SparseMapperConfig& config) : config_(config), map_(config.map) {}
+  explicit SparseMapper(const SparseMapperConfig& config)
+      : config_(config), map_(config.map), vehicles_(config.tracked_radius_m) {}
 
   void step(const MapperInput& input, Outbox&) override {
+    vehicles_.update(input);
     for (const auto& cloud : input.clouds) {
       take_rays(*cloud);
       map_.insert(rays_, cloud->end());
@@ -31,6 +35,7 @@ class SparseMapper : public Mapper {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const int beam = static_cast<int>(cloud.beam[i]);
       returned_[beam] = true;
+      if (vehicles_.contains(cloud.points_local_m[i], cloud.time_of(i))) continue;
       const Eigen::Vector3f origin = cloud.T_local_lidar_of_beam(beam).translation().cast<float>();
       const float range_m = (cloud.points_local_m[i] - origin).norm();
       if (range_m < config_.range_min_m) continue;
@@ -55,6 +60,7 @@ class SparseMapper : public Mapper {
 
   SparseMapperConfig config_;
   SparseVoxelMap map_;
+  VehiclesAround vehicles_;
   std::vector<SparseVoxelMap::Ray> rays_;
   std::vector<bool> returned_;  // by beam
   std::uint64_t num_returns_ = 0, num_far_ = 0;
@@ -65,6 +71,9 @@ class SparseMapper : public Mapper {
 void SparseMapperConfig::visit(ConfigVisitor& v) {
   v.field("range_min_m", range_min_m, "[m] nearer returns are the own body (the thesis: 1 m)", Range::non_negative());
   v.field("range_max_m", range_max_m, "[m] farther returns are not used", Range{0.0, 1000.0, true});
+  v.field("tracked_radius_m", tracked_radius_m,
+          "[m] returns so near to another vehicle are left out, and farther where it is known worse; 0: none",
+          Range::non_negative());
   map.visit(v);
 }
 

@@ -23,15 +23,17 @@ class SubmapMapper : public Mapper {
  public:
   explicit SubmapMapper(const SubmapMapperConfig& config)
       : config_(config),
-        scan_rays_({config.every_column, config.every_row, config.range_min_m, config.range_max_m, config.clear_range_m,
-                    config.tracked_radius_m}),
+        scan_rays_(
+            {config.every_column, config.every_row, config.range_min_m, config.range_max_m, config.clear_range_m}),
+        vehicles_(config.tracked_radius_m),
         map_(config.whole()) {}
 
   void step(const MapperInput& input, Outbox&) override {
     ENSURE(input.submaps != nullptr, input.observation.t);
     p_local_m_ = input.estimate.T_local_body.translation();
     if (input.submaps->revision != seen_) follow(*input.submaps);
-    for (const auto& cloud : input.clouds) take(*cloud, input);
+    vehicles_.update(input);
+    for (const auto& cloud : input.clouds) take(*cloud);
   }
 
   const OccupancyView& map() const override { return map_; }
@@ -137,11 +139,11 @@ class SubmapMapper : public Mapper {
     }
   }
 
-  void take(const LocalCloud& cloud, const MapperInput& input) {
+  void take(const LocalCloud& cloud) {
     const double edge_m = RayCells::kSide * config_.edge_m;
     if (growing_ != nullptr && (p_local_m_ - edge_m * offset_.cast<double>()).norm() > config_.piece_m) finish();
     if (growing_ == nullptr) begin();
-    std::vector<OccupancyMap::Ray>& rays = scan_rays_.take(cloud, input);
+    std::vector<OccupancyMap::Ray>& rays = scan_rays_.take(cloud, vehicles_);
     const Eigen::Vector3f offset_m = (edge_m * offset_.cast<double>()).cast<float>();
     for (OccupancyMap::Ray& ray : rays) {
       ray.origin_local_m -= offset_m;
@@ -213,6 +215,7 @@ class SubmapMapper : public Mapper {
 
   SubmapMapperConfig config_;
   ScanRays scan_rays_;
+  VehiclesAround vehicles_;
   SubmapMap map_;
   Vector3 p_local_m_ = Vector3::Zero();
   std::uint64_t seen_ = 0;  // revision of the poses
@@ -239,7 +242,8 @@ void SubmapMapperConfig::visit(ConfigVisitor& v) {
   v.field("range_max_m", range_max_m, "[m] rays hit and clear up to here", Range{0.0, 1000.0, true});
   v.field("clear_range_m", clear_range_m, "[m] beams without return clear up to here; 0: they tell nothing",
           Range::between(0.0, 1000.0));
-  v.field("tracked_radius_m", tracked_radius_m, "[m] returns nearer than this to a tracked vehicle are left out",
+  v.field("tracked_radius_m", tracked_radius_m,
+          "[m] returns so near to another vehicle are left out, and farther where it is known worse; 0: none",
           Range::non_negative());
   v.field("edge_m", edge_m, "[m] edge of a cell", Range::between(0.01, 100.0));
   v.field("p_hit", p_hit, "[-] that a cell is occupied in which a ray ended", Range{0.5, 1.0, true, true});

@@ -278,6 +278,42 @@ TEST(RblDetour, WithoutAWayItSaysWhyFailsAndGoesOnWhenThereIsOne) {
   EXPECT_TRUE(flight.detour.on_path());
 }
 
+TEST(RblDetour, AGoalThatTheMapShowsBlockedIsLookedAtFromBesideIt) {
+  RblDetourConfig config = quick();
+  config.climb_m = 2.0;
+  config.retries = 3;
+  Flight flight(config);
+  CellListMap ghost(0.25), clear(0.25);
+  ghost.occupy_box({7.75, -0.25, 0.75}, {8.25, 0.25, 1.25});
+  flight.now.map = &ghost;
+  flight.now.z_max_m = 5.0;
+  flight.now.p_local_m = {8.0, 0.2, 2.5};  // above it, and does not see it
+  flight.now.sees_goal_from_m = 4.0;
+  flight.held = true;
+  for (int i = 0; i < 30 && !flight.detour.on_path(); ++i) flight.tick();
+  ASSERT_TRUE(flight.detour.on_path());
+  const Vector3 end_m = flight.detour.corners_local_m().back();
+  EXPECT_NEAR((end_m - flight.now.goal_local_m).head<2>().norm(), 4.0, 0.3) << "from where it sees it";
+  EXPECT_NEAR(end_m.z(), 2.5, 0.3) << "at its own height";
+  EXPECT_TRUE(flight.detour.is_looking());
+  EXPECT_NE(std::string(flight.detour.note()).find("obstacle"), std::string::npos);
+  // It is there, and looks at the goal, which is free.
+  flight.now.p_local_m = end_m;
+  flight.now.map = &clear;
+  for (int i = 0; i < 3; ++i) flight.tick();
+  EXPECT_EQ(flight.next_m, flight.now.goal_local_m);
+  flight.held = false;
+  flight.run(20.0);
+  EXPECT_LT(flight.left_m(), 0.1);
+  // One that stays blocked has failed some day.
+  Flight never(config);
+  never.now = flight.now;
+  never.now.map = &ghost;
+  never.now.p_local_m = {8.0, 0.2, 2.5};
+  for (int i = 0; i < 600 && !never.detour.gave_up(); ++i) never.tick();
+  EXPECT_TRUE(never.detour.gave_up());
+}
+
 TEST(RblDetour, ASearchThatIsGivenUpIsCountedAndIsNoFailure) {
   RblDetourConfig config = quick();
   config.planner.max_expansions = 3;

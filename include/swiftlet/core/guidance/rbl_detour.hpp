@@ -48,6 +48,7 @@ class RblDetour {
     double z_min_m = 0.0, z_max_m = 0.0;  ///< of the heights to fly at, in the local frame
     double encumbrance_m = 0.0;           ///< of a neighbor
     bool planar = false;                  ///< it keeps its height
+    double sees_goal_from_m = 0.0;        ///< as far beside the goal, at its own height, the goal is in view
     std::span<const Neighbor> neighbors = {};
     const OccupancyView* map = nullptr;  ///< null: the goal is the next goal for ever
     TimeNs now = 0;
@@ -59,6 +60,8 @@ class RblDetour {
   /// moves, or when the way is not clear. Nor past somebody who stands: its own rules lead around neighbors.
   const std::optional<Vector3>& straight_local_m() const { return straight_local_m_; }
 
+  /// It looks whether the goal is really blocked, as its map says.
+  bool is_looking() const { return beside_ && !gave_up(); }
   bool on_path() const { return !corners_local_m_.empty(); }
   const std::vector<Vector3>& corners_local_m() const { return corners_local_m_; }
   /// Why there is no path, or that there is one; empty while the goal itself is flown to.
@@ -73,7 +76,8 @@ class RblDetour {
   bool gets_on(double left_m, TimeNs now);
   void plan(const Situation& situation);
   void take(const Situation& situation);
-  void search(const Situation& situation, bool level, bool narrow);
+  void search(const Situation& situation, Vector3 goal_local_m, bool level, bool narrow);
+  void look_from_beside(const Situation& situation);
   ClearPathConfig rules_for(const Situation& situation, bool level) const;
   bool is_near_goal(const Situation& situation) const;
   bool has_to_plan(const Situation& situation, double left_m);
@@ -93,6 +97,8 @@ class RblDetour {
   std::vector<Vector3> corners_local_m_;
   double arc_m_ = 0.0;                       // along the path, where the vehicle is
   double off_m_ = 0.0;                       // it
+  bool beside_ = false;                      // it ends beside a goal that the map shows blocked
+  double beside_m_ = 0.0;                    // as far
   bool level_ = false;                       // the path ends at its own height, not at the goal's
   Vector3 stood_local_m_ = Vector3::Zero();  // where it was when it moved last
   TimeNs stood_ = 0;                         // since then

@@ -7,6 +7,7 @@
 
 #include "swiftlet/core/counter.hpp"
 #include "swiftlet/core/localization/local_cloud.hpp"
+#include "swiftlet/core/localization/local_poses.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
 #include "swiftlet/core/map/submap_poses.hpp"
 #include "swiftlet/core/observation.hpp"
@@ -21,6 +22,7 @@ struct MapperInput {
   std::span<const Track> tracks = {};                              ///< who flies there and is no obstacle
   std::span<const RelativeEstimate> relatives = {};                ///< members of the team, who are none either
   const SubmapPoses* submaps = nullptr;                            ///< of an estimator that keeps a pose graph
+  const LocalPoses* poses = nullptr;                               ///< where the vehicle was; null: as it is now
 };
 
 /// What is around? A scenario chooses by name who answers. A vehicle has one such map, which

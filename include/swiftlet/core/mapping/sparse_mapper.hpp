@@ -13,6 +13,7 @@ namespace swiftlet {
 struct SparseMapperConfig : ModuleConfigOf<SparseMapperConfig> {
   double range_min_m = 0.6;
   double range_max_m = 40.0;
+  double tracked_radius_m = 1.0;
   SparseVoxelMapConfig map;
 
   void visit(ConfigVisitor& v) override;

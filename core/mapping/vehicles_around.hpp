@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <bitset>
+#include <cstddef>
+#include <vector>
+
+#include "swiftlet/core/mapping/mapper.hpp"
+
+namespace swiftlet {
+
+/// Who flies around and is no obstacle: tracks, members of the team that are localized, and whoever a sensor of
+/// neighbors sees. The last sample of each counts for a while.
+class VehiclesAround {
+ public:
+  /// @param radius_m  around a vehicle, in which returns are its own; 0: all are obstacles
+  explicit VehiclesAround(double radius_m) : radius_m_(radius_m) {}
+
+  /// In every tick, before it is asked.
+  void update(const MapperInput& input);
+
+  /// Is a point that was measured at that time one of them?
+  bool contains(const Eigen::Vector3f& p_local_m, TimeNs t) const {
+    return !vehicles_.empty() && marked_[cell_of(p_local_m.x(), p_local_m.y())] && is_one(p_local_m.cast<double>(), t);
+  }
+
+ private:
+  struct Sample {
+    VehicleId id = kNoVehicle;
+    TimeNs t = 0;
+    Vector3 p_local_m = Vector3::Zero();
+    Matrix3 covariance_local_m2 = Matrix3::Zero();
+  };
+  struct Vehicle {
+    TimeNs t = 0;
+    Vector3 p_local_m = Vector3::Zero();
+    Vector3 v_local_mps = Vector3::Zero();
+    Matrix3 inverse_m2 = Matrix3::Zero();  ///< its points q are those with q' inverse q < 1
+  };
+  static constexpr int kSide = 64;  // cells that repeat themselves, for points that are near nobody
+
+  static std::size_t cell_of(double x_m, double y_m);
+  void hear(const MapperInput& input);
+  void add(const Vehicle& vehicle, TimeNs now, double reach_m);
+  bool is_one(const Vector3& p_local_m, TimeNs t) const;
+
+  double radius_m_;
+  std::vector<Sample> samples_;  // the last one of each, in order of identity
+  std::vector<Vehicle> vehicles_;
+  std::bitset<kSide * kSide> marked_;
+};
+
+}  // namespace swiftlet
