@@ -462,12 +462,20 @@ class Rbl : public Guidance {
     sensed_cuts_.clear();
     if (!whole_cell) cut_by(sensed_, sensed_cuts_, p_local_m, now - from_seconds(config_.lidar.sensed_s));
     const int sample = sensed_.nearest_partitioned(to_centroid_local_m);
-    if (sample < 0) return p_local_m;
-    if (!faces(T_local_body)) return p_local_m;
-    const Vector3 seen_agent_m = sensed_.point(sample);
+    if (sample >= 0 && !faces(T_local_body)) return p_local_m;
+    const Vector3 seen_agent_m = sample >= 0 ? sensed_.point(sample) : Vector3::Zero();
     const bool inside =
         (seen_agent_m - to_centroid_local_m).norm() <= 0.87 * sensed_.step_m();  // half the diagonal between samples
-    return p_local_m + (inside ? to_centroid_local_m : seen_agent_m);
+    if (inside) return step_.centroid_local_m;
+    if (const auto blindly_local_m = down_to_goal_local_m(p_local_m)) return *blindly_local_m;
+    return p_local_m + seen_agent_m;
+  }
+
+  /// A goal nearly above or below does not come into view, but it may have been seen.
+  std::optional<Vector3> down_to_goal_local_m(const Vector3& p_local_m) const {
+    const bool is_near = (goal_local_m_ - p_local_m).norm() <= config_.cells.sensing_radius_m;
+    if (!config_.separation.enabled || !is_near) return std::nullopt;
+    return slowly_local_m(p_local_m, step_.centroid_local_m - p_local_m);
   }
 
   bool faces(const Pose& T_local_body) const {
@@ -499,9 +507,18 @@ class Rbl : public Guidance {
       return side.normal_local.dot(to_next_m) <= std::max(side.offset_m, 0.0);
     });
     if (in_view) return p_local_m + ahead_m(kAims_m);
-    const Vector3 front_local_m = p_local_m + ahead_m(kUnseen_m) + config_.cells.encumbrance_m * to_next_m.normalized();
-    if (!viewed_.contains(front_local_m, *map_)) return within_sight(T_local_body, now);
-    return p_local_m + ahead_m(kUnseen_m);
+    const auto blindly_local_m = slowly_local_m(p_local_m, to_next_m);
+    return blindly_local_m ? *blindly_local_m : within_sight(T_local_body, now);
+  }
+
+  /// The next bit of a way that is not in view, if the vehicle has been or looked there.
+  std::optional<Vector3> slowly_local_m(const Vector3& p_local_m, const Vector3& way_m) const {
+    const double length_m = way_m.norm();
+    if (length_m <= 0.0) return std::nullopt;
+    const Vector3 bit_m = std::min(1.0, kUnseen_m / length_m) * way_m;
+    const Vector3 front_m = bit_m + config_.cells.encumbrance_m / length_m * way_m;
+    if (!viewed_.contains(p_local_m + front_m, *map_)) return std::nullopt;
+    return p_local_m + bit_m;
   }
 
   // The centroid jumps at every update; the vehicle's goal glides there until the next one, or each jump would shake

@@ -365,6 +365,29 @@ TEST(RblSeparation, ByLidarAVehicleDoesNotHurryIntoAWall) {
   }
 }
 
+// A goal right below never comes into view. With what it saw on its way it goes down there, slowly.
+TEST(RblSeparation, ByLidarAVehicleAboveItsGoalGoesDownWhereItHasLooked) {
+  for (const bool looked : {true, false}) {
+    RblConfig config;
+    config.goal_m = {8.0, 0.0, 4.0};
+    config.lidar.enabled = true;
+    config.detour.enabled = false;
+    testing::GuidanceDriver driver("rbl", config, {8.0, 0.0, 5.5});
+    const testing::CellListMap open(0.25);
+    driver.map = &open;
+    for (int i = 0; looked && i < 80; ++i) {
+      driver.put({0.1 * i, 0.0, 5.5});
+      driver.step();
+    }
+    driver.put({8.0, 0.0, 5.5});
+    for (int i = 0; i < 200; ++i) {
+      driver.step();
+      driver.put(driver.out.goal.position_m, driver.out.goal.yaw_rad);
+    }
+    EXPECT_EQ((driver.p_m() - config.goal_m).norm() < 0.2, looked) << driver.p_m().transpose();
+  }
+}
+
 /// How high a vehicle in a plane comes that has no room beside it, as somebody flies below it through its place.
 double highest_m(const RblConfig& config, const OccupancyView* map, bool flies_in) {
   testing::GuidanceDriver driver("rbl", config, config.goal_m);

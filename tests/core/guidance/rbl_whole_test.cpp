@@ -297,13 +297,19 @@ class PlainRbl {
     keep_from_voxels(sensed_, cuts, now_ - from_seconds(c_.lidar.sensed_s));
     const int nearest = sensed_.nearest_partitioned(to_m);
     const double off_deg = std::remainder(goal_.yaw_rad - yaw_of(T_.linear()), 2.0 * kPi) * 180.0 / kPi;
-    if (nearest < 0 || std::abs(off_deg) > c_.lidar.facing_deg) {
+    if (nearest >= 0 && std::abs(off_deg) > c_.lidar.facing_deg) {
       ++num_turned_away;
       return p_m_;
     }
     // Half of the diagonal between samples away is as good as seen.
-    const Vector3 seen_m = sensed_.point(nearest);
-    return p_m_ + ((seen_m - to_m).norm() <= 0.87 * c_.cells.step_m ? to_m : seen_m);
+    const Vector3 seen_m = nearest < 0 ? Vector3(Vector3::Zero()) : sensed_.point(nearest);
+    if ((seen_m - to_m).norm() <= 0.87 * c_.cells.step_m) return p_m_ + to_m;
+    // Near the goal by 0.2 m at a time, where it knows the air in front of its hull.
+    const bool near = (goal_m_ - p_m_).norm() <= c_.cells.sensing_radius_m;
+    const Vector3 front_m = p_m_ + (std::min(0.2, to_m.norm()) + c_.cells.encumbrance_m) * to_m.normalized();
+    if (c_.separation.enabled && near && viewed_.contains(front_m, *map_))
+      return p_m_ + std::min(0.2, to_m.norm()) * to_m.normalized();
+    return p_m_ + seen_m;
   }
 
   RblConfig c_;
