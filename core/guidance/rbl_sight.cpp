@@ -14,7 +14,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kNoDirection_m = 0.3;  // nearer than this, a direction is noise
-constexpr double kBesideTheView = 0.2;  // tangent of what is near enough
+constexpr double kBesideTheView = 0.2;  // tangent of what is near enough, where it is level
 constexpr double kAheadUnseen = 2.0;    // as much as a neighbor next to it that was not seen for a second
 constexpr double kUnlooked_s = 1.0;     // of an azimuth, that is no matter
 constexpr double kGlancePerS = 2.0;     // beyond that, of the azimuth that it glances at
@@ -47,7 +47,9 @@ void RblSight::look(const Matrix3& R_local_body, TimeNs now) {
 }
 
 bool RblSight::sees_beside(const Vector3& direction_body) const {
-  return sees(direction_body + kBesideTheView * Vector3::UnitX());
+  // Right above and below, the edge of a view ahead is no view.
+  const double level = elementary::hypot(direction_body.x(), direction_body.y());
+  return sees(direction_body + kBesideTheView * level * Vector3::UnitX());
 }
 
 bool RblSight::sees_ahead(const Pose& T_local_body, const Vector3& to_local_m) const {

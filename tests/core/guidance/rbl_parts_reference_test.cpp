@@ -52,7 +52,11 @@ struct PlainSight {
   }
   static Vector3 azimuth(int i) { return {std::cos(i * kPi / 12.0), std::sin(i * kPi / 12.0), 0.0}; }
   bool flies_blindly(double heading_rad, const Vector3& ahead_m) const {
-    return ahead_m.norm() > 0.3 && !sees(about_z(-heading_rad) * ahead_m.normalized() + Vector3(0.2, 0.0, 0.0));
+    return ahead_m.norm() > 0.3 && !sees_nearly(about_z(-heading_rad) * ahead_m.normalized());
+  }
+  /// A fifth beside the view where the direction is level, nothing where it is upright.
+  bool sees_nearly(const Vector3& ahead_body) const {
+    return sees(ahead_body + Vector3(0.2 * ahead_body.head<2>().norm(), 0.0, 0.0));
   }
   bool shows(double heading_rad, int k, const Vector3& ahead_m) const {
     return sees(about_z(-heading_rad) * azimuth(k)) && !flies_blindly(heading_rad, ahead_m);
@@ -148,7 +152,7 @@ TEST(RblSightReference, TheHeadingIsTheCheapestOfTwentyFour) {
       ASSERT_LE(std::abs(got_rad), kPi + 1e-12);
       const Vector3 body_m = T.linear().transpose() * ahead_m;
       ASSERT_EQ(sight.sees_ahead(T, T.translation() + ahead_m),
-                body_m.norm() < 0.3 || plain.sees(body_m.normalized() + Vector3(0.2, 0.0, 0.0)));
+                body_m.norm() < 0.3 || plain.sees_nearly(body_m.normalized()));
       turns += its_turn_rad != 0.0;
       glances += plain.glance >= 0;
       stands += !flies;

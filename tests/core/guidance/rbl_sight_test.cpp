@@ -39,6 +39,20 @@ TEST(RblSight, TurnsToANeighborTheShortWayAndNoFurtherThanItMust) {
   }
 }
 
+// Half of all directions ahead: the plane through the vehicle is the edge.
+TEST(RblSight, ALittleBesideTheViewIsNearEnoughWhereItIsLevelButNotRightAboveAndBelow) {
+  NeighborView view;
+  view.cones.push_back({Vector3::UnitX(), 0.0});
+  const RblSight sight({view});
+  const auto sees = [&](const Vector3& to_m) { return sight.sees_ahead(Pose::Identity(), to_m); };
+  EXPECT_TRUE(sees({-0.3, 2.0, 0.0}));
+  EXPECT_FALSE(sees({-0.5, 2.0, 0.0}));
+  for (const double up : {-1.0, 1.0}) {
+    EXPECT_TRUE(sees({0.1, 0.1, 6.0 * up}));
+    EXPECT_FALSE(sees({-0.1, -0.1, 6.0 * up})) << "somebody may come from there, and is never seen";
+  }
+}
+
 TEST(RblSight, KeepsItsHeadingWhileItSeesEverybody) {
   RblSight sight = with_camera_ahead();
   const std::vector<Neighbor> neighbors = {neighbor_at_azimuth(20.0, 5.0), neighbor_at_azimuth(-30.0, 2.0)};
