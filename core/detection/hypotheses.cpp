@@ -23,6 +23,7 @@ constexpr double kLeastDetection = 0.02;  // what returned a beam can be seen
 constexpr double kSameSide = 0.1;         // of the variance of a single return: all see the same side of a target
 constexpr double kSilentTarget = 0.1;     // silence may come of what hides a target: it exists with at least this
 constexpr double kUnlikelyLost = 2.0;     // times sigma_lost_m of what is no target yet
+constexpr double kNeverSmall = 1e-12;     // prior of a size that nobody asks about
 constexpr std::size_t kMostCandidates = 4096;
 constexpr std::size_t kMostPending = 16384;
 
@@ -61,6 +62,8 @@ double normal_density(double distance_sq, const Matrix3& S) {
 
 Hypotheses::Hypotheses(const TrackBeforeDetectConfig& config)
     : config_(config), Sigma_w_(Sigma_w_of(config.noise)), air_(config.air) {
+  const double prior = std::max(config.target.small_prior, kNeverSmall);
+  small_log_odds_ = elementary::log(prior / (1.0 - prior));
   const auto most = static_cast<std::size_t>(config.max_hypotheses);
   hypotheses_.reserve(2 * most);
   born_.reserve(most);
@@ -193,6 +196,7 @@ void Hypotheses::correct(const LocalCloud& cloud) {
   for (std::size_t k = 0; k < hypotheses_.size(); ++k) {
     Hypothesis& h = hypotheses_[k];
     bool corrected = false;
+    const double hidden = h.sight.hidden;
     if (!returns_of_[k].empty()) {
       const Measurement measurement = measurement_of(cloud, returns_of_[k]);
       if (measurement.extent_m.norm() <= config_.target.max_size_m) {
@@ -200,12 +204,19 @@ void Hypotheses::correct(const LocalCloud& cloud) {
       }
     }
     if (!corrected) miss(h, exposures_[k]);
+    weigh_size(h, exposures_[k], hidden, corrected ? h.num_returns : 0);
     for (const std::uint32_t c : returns_of_[k]) {
       candidates_[c].taken = true;
       if (h.existence >= kTarget) continue;
       wait(candidates_[c], h.id);
     }
   }
+}
+
+void Hypotheses::weigh_size(Hypothesis& h, const BeamExposure& exposure, double hidden, int num_returns) {
+  const ExpectedTarget& target = config_.target;
+  if (target.small_prior <= 0.0) return;
+  h.small.weigh(num_returns, exposure.shots, hidden, target.small_share, target.least_share, target.return_variation);
 }
 
 // Integrated probabilistic data association with one measurement.
@@ -265,6 +276,7 @@ void Hypotheses::begin(const LocalCloud& cloud) {
     h.id = h.identity = next_id_++;
     h.t = m.t;
     h.rate = {kPriorShots * config_.target.return_share, kPriorShots, config_.target.return_variation};
+    h.small.log_odds = small_log_odds_;
     h.mean.head<3>() = m.p_local_m;
     h.covariance.setZero();
     h.covariance.topLeftCorner<3, 3>() = m.covariance;
@@ -321,6 +333,7 @@ double Hypotheses::remember(Hypothesis& newborn, const Measurement& m) const {
   const Hypothesis& h = *likeliest.of;
   newborn.heir_of = h.identity;
   newborn.rate = h.rate;
+  newborn.small = h.small;
   if (!(likeliest.squared < kGate)) return sum_per_m3;
   Matrix6 F = Matrix6::Identity();
   F.topRightCorner<3, 3>() = to_seconds(m.t - h.t) * Matrix3::Identity();
@@ -490,7 +503,7 @@ void Hypotheses::append_told(std::vector<Detection>& detections) const {
     d.covariance = h.position_covariance();
     d.extent_m = h.extent_m;
     d.num_points = h.num_returns;
-    d.confidence = h.existence;
+    d.confidence = h.told();
     d.reflectivity = h.reflectivity;
     detections.push_back(d);
   }

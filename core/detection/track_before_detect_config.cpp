@@ -9,6 +9,12 @@ void ExpectedTarget::visit(ConfigVisitor& v) {
           Range{0.0, 1.0, true});
   v.field("return_variation", return_variation,
           "[-] shape of that share's gamma distribution over sweeps; 1: exponential", Range{0.0, 1e6, true});
+  v.field("least_share", least_share, "[-] the same of the smallest UAV, at which birds are told from UAVs",
+          Range{0.0, 1.0, true});
+  v.field("small_share", small_share, "[-] the same of what is too small for a UAV", Range{0.0, 1.0, true});
+  v.field("small_prior", small_prior, "[-] share of those that fly that are too small; 0: nobody asks",
+          Range::between(0.0, 0.99));
+  v.check(small_share < least_share, "small_share", "less than least_share");
   v.field("max_size_m", max_size_m, "[m] diagonal of the box around the returns of one sweep", Range{0.0, 100.0, true});
   v.field("seen_side_m", seen_side_m, "[m] from the mean of the returns to the middle of a target, along the beam",
           Range::non_negative());

@@ -30,6 +30,7 @@ class PlainHypotheses {
     TimeNs begun = 0, seen = 0;
     bool was_target = false;
     double existence = 0.0, hidden = 0.0;  // the latter if it exists
+    double small = 0.05;                   // probability that it is too small
     Vector6 mean = Vector6::Zero();
     Matrix6 covariance = Matrix6::Zero();
     ReturnRate rate;
@@ -237,9 +238,19 @@ class PlainHypotheses {
   }
 
   void judge(Guess& g) {
-    if (g.own.empty() || !corrected(g, measured(g.own))) {
-      bayes(g, g.rate.none(g.exposure.shots));
-    }
+    const double hidden_before = g.hidden;
+    const bool seen = !g.own.empty() && corrected(g, measured(g.own));
+    if (!seen) bayes(g, g.rate.none(g.exposure.shots));
+    // The number of returns is negative binomial; what does not depend on the share cancels.
+    const auto likelihood = [&](double share) {
+      const double r = config_.target.return_variation, mean = share * g.exposure.shots;
+      const double none = std::pow(r / (r + mean), r);
+      if (!seen) return hidden_before + (1.0 - hidden_before) * none;
+      return none * std::pow(mean / (r + mean), g.num_returns);
+    };
+    const double if_small = g.small * likelihood(config_.target.small_share);
+    const double if_uav = (1.0 - g.small) * likelihood(config_.target.least_share);
+    g.small = std::clamp(if_small / (if_small + if_uav), 1.0 / (1.0 + std::exp(6.0)), 1.0 / (1.0 + std::exp(-6.0)));
     for (const std::size_t i : g.own) {
       returns_[i].taken = true;
       if (!g.is_target()) waiting_.push_back({now_, returns_[i].p_m, g.id});
@@ -341,6 +352,7 @@ class PlainHypotheses {
       if (density < 0.5 * (sum + config_.target.strangers_per_m3)) continue;
       newborn.heir_of = g->identity;
       newborn.rate = g->rate;
+      newborn.small = g->small;
       Guess at = *g;
       shift(at, to_seconds(m.t - now_));
       const Matrix3 S = at.P() + m.R;
@@ -559,6 +571,7 @@ TEST_P(HypothesesOf, ARandomWorldAreThoseOfThePlainOnes) {
       ASSERT_EQ(h.identity, g.identity) << i;
       ASSERT_EQ(h.t, cloud.stamp() + cloud.scan->duration / 2);
       ASSERT_NEAR(h.existence, g.existence, 1e-7) << i;
+      ASSERT_NEAR(h.small.probability(), g.small, 1e-7) << i;
       ASSERT_LT((h.mean - g.mean).norm(), 1e-7) << i;
       ASSERT_LT((h.covariance - g.covariance).norm(), 1e-7) << i;
       ASSERT_EQ(h.num_sweeps, g.num_sweeps);
@@ -567,7 +580,7 @@ TEST_P(HypothesesOf, ARandomWorldAreThoseOfThePlainOnes) {
       ASSERT_LT((h.measured_local_m - g.measured_m).norm(), 1e-9);
       ASSERT_LT((h.measured_covariance - g.measured_covariance).norm(), 1e-9);
       ASSERT_EQ(h.reflectivity, g.reflectivity);
-      if (h.existence < config.told_existence) continue;
+      if (g.existence * (1.0 - g.small) < config.told_existence) continue;
       ASSERT_LT(row, tracks.size());
       const Detection& d = detections[row];
       const Track& track = tracks[row++];
@@ -576,7 +589,7 @@ TEST_P(HypothesesOf, ARandomWorldAreThoseOfThePlainOnes) {
       EXPECT_EQ(d.covariance, h.position_covariance());
       EXPECT_EQ(d.extent_m, h.extent_m);
       EXPECT_EQ(d.num_points, h.num_returns);
-      EXPECT_EQ(d.confidence, h.existence);
+      EXPECT_NEAR(d.confidence, g.existence * (1.0 - g.small), 1e-7);
       EXPECT_EQ(d.reflectivity, h.reflectivity);
       EXPECT_EQ(track.id, g.identity);
       EXPECT_EQ(track.t, h.t);

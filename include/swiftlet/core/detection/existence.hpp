@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 #include "swiftlet/core/elementary.hpp"
 
 /// Does a target exist? Bayes' rule for a single one, as in integrated probabilistic data association (Musicki, Evans
@@ -44,6 +46,31 @@ struct Observability {
     const double ratio = hidden + (1.0 - hidden) * if_seen;
     hidden /= ratio;
     return ratio;
+  }
+};
+
+/// Is what flies there too small for a UAV, as a bird is? It returns fewer of the beams that meet it, and more often
+/// none, than the smallest UAV would. Bayes' rule on the numbers of returns, which are negative binomial as above.
+struct Smallness {
+  static constexpr double kSurest = 6.0;  ///< log odds; so it is never too sure to learn better
+
+  double log_odds = 0.0;  ///< of small against a UAV
+
+  double probability() const { return 1.0 / (1.0 + elementary::exp(-log_odds)); }
+  /// One sweep.
+  /// @param hidden       probability that it could not be seen, so that nothing was returned
+  /// @param small, least  shares of the beams that something small and the smallest UAV return
+  void weigh(int num_returns, double num_shots, double hidden, double small, double least, double variation) {
+    if (num_returns == 0) {
+      const double none_small = ReturnRate{small, 1.0, variation}.none(num_shots);
+      const double none_least = ReturnRate{least, 1.0, variation}.none(num_shots);
+      log_odds += elementary::log((hidden + (1.0 - hidden) * none_small) / (hidden + (1.0 - hidden) * none_least));
+    } else {
+      const double apart_small = variation + small * num_shots, apart_least = variation + least * num_shots;
+      log_odds += variation * elementary::log(apart_least / apart_small) +
+                  num_returns * elementary::log(small * apart_least / (least * apart_small));
+    }
+    log_odds = std::clamp(log_odds, -kSurest, kSurest);
   }
 };
 

@@ -30,6 +30,7 @@ struct Hypothesis {
   Matrix6 covariance = Matrix6::Identity();
   ReturnRate rate;
   Observability sight;
+  Smallness small;
   int num_sweeps = 0;   ///< that returned something of it
   int num_returns = 0;  ///< in the newest sweep
   bool was_target = false;
@@ -38,6 +39,8 @@ struct Hypothesis {
   Matrix3 measured_covariance = Matrix3::Identity();
   double reflectivity = 0.0;
 
+  /// That a UAV is there: it exists, and is not too small.
+  double told() const { return existence * (1.0 - small.probability()); }
   Vector3 p_local_m() const { return mean.head<3>(); }
   Vector3 v_local_mps() const { return mean.tail<3>(); }
   Matrix3 position_covariance() const { return covariance.topLeftCorner<3, 3>(); }
@@ -93,6 +96,7 @@ class Hypotheses {
   void take_returns_of_targets(const LocalCloud& cloud);
   void take_clusters(const LocalCloud& cloud);
   void correct(const LocalCloud& cloud);
+  void weigh_size(Hypothesis& hypothesis, const BeamExposure& exposure, double hidden, int num_returns);
   bool correct_by(Hypothesis& hypothesis, const Measurement& measurement, const BeamExposure& exposure);
   void miss(Hypothesis& hypothesis, const BeamExposure& exposure);
   void begin(const LocalCloud& cloud);
@@ -111,7 +115,7 @@ class Hypotheses {
   Matrix3 pose_covariance(const Vector3& p_local_m) const;
   double clutter_density_per_m3(const Measurement& measurement, double beams_per_sr) const;
   BeamExposure exposure_of(const Hypothesis& hypothesis) const;
-  bool is_told(const Hypothesis& hypothesis) const { return hypothesis.existence >= config_.told_existence; }
+  bool is_told(const Hypothesis& hypothesis) const { return hypothesis.told() >= config_.told_existence; }
 
   TrackBeforeDetectConfig config_;
   Eigen::Matrix<double, 7, 7> Sigma_w_;
@@ -119,6 +123,7 @@ class Hypotheses {
   BeamIndex beams_;
   std::vector<Hypothesis> hypotheses_, born_;
   std::vector<Hypothesis> hidden_;  // targets that were given up, and may come back
+  double small_log_odds_ = 0.0;     // of the newborn
   std::uint32_t next_id_ = 1;
   std::vector<Pending> pending_;  // a ring
   std::size_t first_pending_ = 0, num_pending_ = 0;

@@ -13,6 +13,9 @@ struct ExpectedTarget {
   double radius_m = 0.325;
   double return_share = 0.25;
   double return_variation = 1.0;
+  double least_share = 0.065;
+  double small_share = 0.02;
+  double small_prior = 0.05;
   double max_size_m = 2.0;
   double seen_side_m = 0.05;
   double sigma_sampling_m = 0.15;
