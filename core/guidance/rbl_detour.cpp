@@ -22,10 +22,11 @@ constexpr double kHeld_s = 2.0;         // without that, its cell holds it on it
 constexpr double kStraight_m = 2.0;     // of the path that it then flies straight
 constexpr double kLeastPoint_m = 1e-6;  // shorter legs have no direction
 constexpr double kBeside_m = 2.0;       // of a goal that is blocked, from where it looks; at least
+constexpr double kSteep = 0.7;          // share of the distance at which it sees the goal; nearer it is steep
 constexpr double kThere_m = 0.5;        // near enough to that
 constexpr int kSides = 8;               // of it
 
-constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2};  // of what lies ahead, within reach
+constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05};  // of what lies ahead, within reach
 
 /// Share of a leg at which it is nearest to a point.
 double nearest_share(const Vector3& from_m, const Vector3& to_m, const Vector3& p_m) {
@@ -156,32 +157,44 @@ void RblDetour::search(const Situation& situation, Vector3 goal_local_m, bool le
 
 void RblDetour::plan(const Situation& situation) {
   found_ = {};
+  beside_ = is_above_or_below(situation) && look_from_beside(situation);
   const auto try_both = [&](const Vector3& goal_local_m, bool level) {
     if (found_.status != ClearPathStatus::kFound) search(situation, goal_local_m, level, false);
     if (found_.status != ClearPathStatus::kFound) search(situation, goal_local_m, level, true);
   };
   if (situation.planar || !is_near_goal(situation)) try_both(situation.goal_local_m, true);
   if (!situation.planar) try_both(situation.goal_local_m, false);
-  beside_ = found_.status == ClearPathStatus::kGoalBlocked && is_near_goal(situation);
-  if (beside_) look_from_beside(situation);
+  if (found_.status == ClearPathStatus::kGoalBlocked && is_near_goal(situation)) {
+    beside_ = look_from_beside(situation);
+    if (!beside_) found_.status = ClearPathStatus::kGoalBlocked;
+  }
   ++num_plans_;
   if (found_.status == ClearPathStatus::kBudgetSpent) ++num_given_up_;
   planner_.start(situation.now);
 }
 
-/// What the map shows at the goal may be a vehicle that was there. One above or below it never sees that. A path at its
-/// own height to a place beside the goal, from where that is in view.
-void RblDetour::look_from_beside(const Situation& situation) {
+/// So that the goal cannot come into view on the way there.
+bool RblDetour::is_above_or_below(const Situation& situation) const {
+  const Vector3 to_goal_m = situation.goal_local_m - situation.p_local_m;
+  return !situation.planar && std::abs(to_goal_m.z()) > situation.encumbrance_m &&
+         to_goal_m.head<2>().norm() < kSteep * situation.sees_goal_from_m;
+}
+
+/// A path at its own height to a place beside the goal, from where that is in view. What the map shows at the goal may
+/// be a vehicle that was there, and one above or below it never sees that it is gone.
+bool RblDetour::look_from_beside(const Situation& situation) {
   const Vector3 from_goal_m = situation.p_local_m - situation.goal_local_m;
   const double toward_rad = elementary::atan2(from_goal_m.y(), from_goal_m.x());
   beside_m_ = std::max(kBeside_m, situation.sees_goal_from_m);
-  for (int i = 0; i < kSides && found_.status != ClearPathStatus::kFound; ++i) {
+  for (int i = 0; i < kSides; ++i) {
     const double turn_rad = (i % 2 == 0 ? 1.0 : -1.0) * ((i + 1) / 2) * 2.0 * kPi / kSides;
     const double azimuth_rad = toward_rad + turn_rad;
     const Vector3 out_m = beside_m_ * Vector3(elementary::cos(azimuth_rad), elementary::sin(azimuth_rad), 0.0);
     search(situation, situation.goal_local_m + out_m, true, true);
+    if (found_.status == ClearPathStatus::kFound) return true;
   }
-  if (found_.status != ClearPathStatus::kFound) found_.status = ClearPathStatus::kGoalBlocked;
+  found_ = {};
+  return false;
 }
 
 void RblDetour::take(const Situation& situation) {
@@ -195,7 +208,7 @@ void RblDetour::take(const Situation& situation) {
   if (found_.status == ClearPathStatus::kFound) {
     corners_local_m_ = std::move(found_.corners_local_m);
     failures_ = beside_ ? failures_ + 1 : 0;
-    note_ = beside_ ? text_of(ClearPathStatus::kGoalBlocked) : "on a path around what is in its way";
+    note_ = beside_ ? "on a path to where it sees its goal" : "on a path around what is in its way";
     return;
   }
   if (found_.status != ClearPathStatus::kBudgetSpent) ++failures_;

@@ -296,7 +296,7 @@ TEST(RblDetour, AGoalThatTheMapShowsBlockedIsLookedAtFromBesideIt) {
   EXPECT_NEAR((end_m - flight.now.goal_local_m).head<2>().norm(), 4.0, 0.3) << "from where it sees it";
   EXPECT_NEAR(end_m.z(), 2.5, 0.3) << "at its own height";
   EXPECT_TRUE(flight.detour.is_looking());
-  EXPECT_NE(std::string(flight.detour.note()).find("obstacle"), std::string::npos);
+  EXPECT_NE(std::string(flight.detour.note()).find("sees its goal"), std::string::npos);
   // It is there, and looks at the goal, which is free.
   flight.now.p_local_m = end_m;
   flight.now.map = &clear;
@@ -312,6 +312,23 @@ TEST(RblDetour, AGoalThatTheMapShowsBlockedIsLookedAtFromBesideIt) {
   never.now.p_local_m = {8.0, 0.2, 2.5};
   for (int i = 0; i < 600 && !never.detour.gave_up(); ++i) never.tick();
   EXPECT_TRUE(never.detour.gave_up());
+}
+
+TEST(RblDetour, WhoIsHeldRightAboveItsGoalFliesToWhereItSeesIt) {
+  RblDetourConfig config = quick();
+  config.climb_m = 2.0;
+  for (const bool above : {true, false}) {
+    Flight flight(config);
+    flight.held = true;
+    flight.now.z_max_m = 5.0;
+    flight.now.p_local_m = above ? Vector3(8.0, 0.5, 2.0) : Vector3(4.5, 0.5, 2.0);
+    flight.now.sees_goal_from_m = 3.0;
+    for (int i = 0; i < 30 && !flight.detour.on_path(); ++i) flight.tick();
+    ASSERT_TRUE(flight.detour.on_path());
+    const Vector3 end_m = flight.detour.corners_local_m().back();
+    EXPECT_NEAR((end_m - flight.now.goal_local_m).head<2>().norm(), above ? 3.0 : 0.0, 0.3);
+    EXPECT_EQ(flight.detour.is_looking(), above);
+  }
 }
 
 TEST(RblDetour, ASearchThatIsGivenUpIsCountedAndIsNoFailure) {

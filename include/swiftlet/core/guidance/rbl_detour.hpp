@@ -60,7 +60,7 @@ class RblDetour {
   /// moves, or when the way is not clear. Nor past somebody who stands: its own rules lead around neighbors.
   const std::optional<Vector3>& straight_local_m() const { return straight_local_m_; }
 
-  /// It looks whether the goal is really blocked, as its map says.
+  /// It flies to where it sees its goal, which may be free although its map says otherwise.
   bool is_looking() const { return beside_ && !gave_up(); }
   bool on_path() const { return !corners_local_m_.empty(); }
   const std::vector<Vector3>& corners_local_m() const { return corners_local_m_; }
@@ -77,7 +77,8 @@ class RblDetour {
   void plan(const Situation& situation);
   void take(const Situation& situation);
   void search(const Situation& situation, Vector3 goal_local_m, bool level, bool narrow);
-  void look_from_beside(const Situation& situation);
+  bool look_from_beside(const Situation& situation);
+  bool is_above_or_below(const Situation& situation) const;
   ClearPathConfig rules_for(const Situation& situation, bool level) const;
   bool is_near_goal(const Situation& situation) const;
   bool has_to_plan(const Situation& situation, double left_m);
@@ -97,7 +98,7 @@ class RblDetour {
   std::vector<Vector3> corners_local_m_;
   double arc_m_ = 0.0;                       // along the path, where the vehicle is
   double off_m_ = 0.0;                       // it
-  bool beside_ = false;                      // it ends beside a goal that the map shows blocked
+  bool beside_ = false;                      // it ends beside the goal, from where it looks
   double beside_m_ = 0.0;                    // as far
   bool level_ = false;                       // the path ends at its own height, not at the goal's
   Vector3 stood_local_m_ = Vector3::Zero();  // where it was when it moved last
