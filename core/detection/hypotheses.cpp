@@ -215,7 +215,8 @@ void Hypotheses::correct(const LocalCloud& cloud) {
 
 void Hypotheses::weigh_size(Hypothesis& h, const BeamExposure& exposure, double hidden, int num_returns) {
   const ExpectedTarget& target = config_.target;
-  if (target.small_prior <= 0.0) return;
+  const double range_m = (h.p_local_m() - beams_.p_local_lidar_m()).norm();
+  if (target.small_prior <= 0.0 || range_m > target.small_within_m) return;
   h.small.weigh(num_returns, exposure.shots, hidden, target.small_share, target.least_share, target.return_variation);
 }
 

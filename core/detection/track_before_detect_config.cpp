@@ -14,6 +14,8 @@ void ExpectedTarget::visit(ConfigVisitor& v) {
   v.field("small_share", small_share, "[-] the same of what is too small for a UAV", Range{0.0, 1.0, true});
   v.field("small_prior", small_prior, "[-] share of those that fly that are too small; 0: nobody asks",
           Range::between(0.0, 0.99));
+  v.field("small_within_m", small_within_m,
+          "[m] farther targets may return less because they are far, and are not asked", Range::non_negative());
   v.check(small_share < least_share, "small_share", "less than least_share");
   v.field("max_size_m", max_size_m, "[m] diagonal of the box around the returns of one sweep", Range{0.0, 100.0, true});
   v.field("seen_side_m", seen_side_m, "[m] from the mean of the returns to the middle of a target, along the beam",

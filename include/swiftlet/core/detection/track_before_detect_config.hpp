@@ -16,6 +16,7 @@ struct ExpectedTarget {
   double least_share = 0.065;
   double small_share = 0.02;
   double small_prior = 0.05;
+  double small_within_m = 25.0;
   double max_size_m = 2.0;
   double seen_side_m = 0.05;
   double sigma_sampling_m = 0.15;
