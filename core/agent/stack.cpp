@@ -218,8 +218,16 @@ class StackAgent : public Agent, public KeepsMap, public JoinsMaps, public Tells
   void map(const Observation& observation) {
     if (!stages_.mapping) return;
     begin(AgentStage::kMapping);
-    stages_.mapping->step({observation, action_.estimate, clouds_, tracks_, relatives_,
-                           stages_.localization->submap_poses(), &registrar_.poses()},
+    std::span<const NeighborSample> neighbors;
+    if (needs_.neighbors) neighbors = observation.neighbors;
+    stages_.mapping->step({.observation = observation,
+                           .estimate = action_.estimate,
+                           .clouds = clouds_,
+                           .tracks = tracks_,
+                           .relatives = relatives_,
+                           .neighbors = neighbors,
+                           .submaps = stages_.localization->submap_poses(),
+                           .poses = &registrar_.poses()},
                           outbox_);
   }
 

@@ -83,7 +83,10 @@ class Rbl : public Guidance {
     braking_cuts_.reserve(3 * static_cast<std::size_t>(setup.agent.num_vehicles));
   }
 
-  GuidanceNeeds needs() const override { return {.map = config_.lidar.enabled}; }
+  GuidanceNeeds needs() const override {
+    return {.map = config_.lidar.enabled,
+            .neighbors = config_.neighbors.source == NeighborSourceConfig::Source::kSensor};
+  }
 
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
     const Pose& T_local_body = input.estimate.T_local_body;

@@ -29,7 +29,7 @@ RblStatus RblSettling::update(const RblGoal& goal, const Vector3& p_local_m, std
   if (patience_s_ <= 0.0 || waited_s < patience_s_) return {};
   const RblStatus status = reason(goal, p_local_m, neighbors, map);
   if (status.mission != MissionStatus::kRunning) {
-    told_ = status;
+    if (status.mission != told_.mission) told_ = status;
   } else if (told_.mission == MissionStatus::kRunning && waited_s >= kUnexplained * patience_s_) {
     told_.note = "it gets no nearer to its goal";
   }

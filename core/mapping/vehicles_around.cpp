@@ -46,7 +46,7 @@ void VehiclesAround::update(const MapperInput& input) {
 }
 
 void VehiclesAround::hear(const MapperInput& input) {
-  for (const NeighborSample& said : input.observation.neighbors) {
+  for (const NeighborSample& said : input.neighbors) {
     const Pose T_local_body = input.poses != nullptr ? input.poses->at(said.t) : input.estimate.T_local_body;
     const Matrix3& R = T_local_body.linear();
     const Sample sample{said.id, said.t, T_local_body * said.p_body_m, R * said.covariance_body * R.transpose()};

@@ -9,8 +9,8 @@
 
 namespace swiftlet {
 
-/// Who flies around and is no obstacle: tracks, members of the team that are localized, and whoever a sensor of
-/// neighbors sees. The last sample of each counts for a while.
+/// Who flies around and is no obstacle: tracks, members of the team that are localized, and neighbors that guidance
+/// keeps from. The last sample of each counts for a while.
 class VehiclesAround {
  public:
   /// @param radius_m  around a vehicle, in which returns are its own; 0: all are obstacles

@@ -70,11 +70,11 @@ struct SubmapMapping {
     ASSERT_TRUE(registrar.make(Room::seen_from(T_room_body), *cloud));
     const std::shared_ptr<const LocalCloud> clouds[] = {cloud};
     observation.t += kNsPerSecond / 10;
-    mapper->step({observation, estimate, clouds, tracks, {}, &submaps}, outbox);
+    mapper->step({observation, estimate, clouds, tracks, {}, {}, &submaps}, outbox);
   }
   void see_nothing() {
     observation.t += kNsPerSecond / 10;
-    mapper->step({observation, estimate, {}, {}, {}, &submaps}, outbox);
+    mapper->step({observation, estimate, {}, {}, {}, {}, &submaps}, outbox);
   }
   CellState state(const Vector3& p_local_m) const { return mapper->map().state(p_local_m); }
 

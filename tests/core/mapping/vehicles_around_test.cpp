@@ -21,7 +21,12 @@ struct Around {
   }
   void tick(TimeNs t, bool scans = true) {
     observation.t = estimate.t = t;
-    vehicles.update({observation, estimate, scans ? std::span(clouds) : std::span(clouds).first(0), tracks});
+    vehicles.update({observation,
+                     estimate,
+                     scans ? std::span(clouds) : std::span(clouds).first(0),
+                     tracks,
+                     {},
+                     observation.neighbors});
     observation.neighbors.clear();
   }
   void sees(VehicleId id, TimeNs t, const Vector3& p_body_m, const Matrix3& covariance_body = Matrix3::Zero()) {

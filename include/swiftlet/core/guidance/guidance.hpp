@@ -49,6 +49,7 @@ struct GuidanceNeeds {
   bool map = false;
   bool relatives = false;  ///< where the other members of the team are
   bool track_modes = false;
+  bool neighbors = false;  ///< it keeps from those that a sensor of neighbors sees, so the map need not show them
   bool world = true;  ///< goals, limits or neighbors of the world: it waits until the vehicle has found itself there
 };
 

@@ -21,6 +21,7 @@ struct MapperInput {
   std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick
   std::span<const Track> tracks = {};                              ///< who flies there and is no obstacle
   std::span<const RelativeEstimate> relatives = {};                ///< members of the team, who are none either
+  std::span<const NeighborSample> neighbors = {};                  ///< whom guidance keeps from; none are obstacles
   const SubmapPoses* submaps = nullptr;                            ///< of an estimator that keeps a pose graph
   const LocalPoses* poses = nullptr;                               ///< where the vehicle was; null: as it is now
 };
