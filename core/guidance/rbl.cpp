@@ -42,6 +42,7 @@ constexpr double kUnseen_m = 0.2;          // the same where that leads out of i
 constexpr double kSeesFree_radii = 2.0;    // sensing radii as far as it sees that a place is free
 constexpr double kHeightStep_m = 0.2;      // by which it asks what is above and below
 constexpr double kLeastEdge_deg = 5.0, kMostEdge_deg = 60.0;  // of a view, as far as a goal is looked at by it
+constexpr double kBetweenSamples = 0.87;                      // steps: half the diagonal between samples
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
 /// Of the sensors of neighbors; infinite when they have no limit, or there is none.
@@ -468,7 +469,7 @@ class Rbl : public Guidance {
     if (sample >= 0 && !faces(T_local_body)) return p_local_m;
     const Vector3 seen_agent_m = sample >= 0 ? sensed_.point(sample) : Vector3::Zero();
     const bool inside =
-        (seen_agent_m - to_centroid_local_m).norm() <= 0.87 * sensed_.step_m();  // half the diagonal between samples
+        sample >= 0 && (seen_agent_m - to_centroid_local_m).norm() <= kBetweenSamples * sensed_.step_m();
     if (inside) return step_.centroid_local_m;
     if (const auto blindly_local_m = down_to_goal_local_m(p_local_m)) return *blindly_local_m;
     return p_local_m + seen_agent_m;

@@ -303,7 +303,7 @@ class PlainRbl {
     }
     // Half of the diagonal between samples away is as good as seen.
     const Vector3 seen_m = nearest < 0 ? Vector3(Vector3::Zero()) : sensed_.point(nearest);
-    if ((seen_m - to_m).norm() <= 0.87 * c_.cells.step_m) return p_m_ + to_m;
+    if (nearest >= 0 && (seen_m - to_m).norm() <= 0.87 * c_.cells.step_m) return p_m_ + to_m;
     // Near the goal by 0.2 m at a time, where it knows the air in front of its hull.
     const bool near = (goal_m_ - p_m_).norm() <= c_.cells.sensing_radius_m;
     const Vector3 front_m = p_m_ + (std::min(0.2, to_m.norm()) + c_.cells.encumbrance_m) * to_m.normalized();
