@@ -466,7 +466,7 @@ class Rbl : public Guidance {
     sensed_cuts_.clear();
     if (!whole_cell) cut_by(sensed_, sensed_cuts_, p_local_m, now - from_seconds(config_.lidar.sensed_s));
     const int sample = sensed_.nearest_partitioned(to_centroid_local_m);
-    if (sample >= 0 && !faces(T_local_body)) return p_local_m;
+    if (sample >= 0 && !faces(T_local_body)) return T_local_body.translation();
     const Vector3 seen_agent_m = sample >= 0 ? sensed_.point(sample) : Vector3::Zero();
     const bool inside =
         sample >= 0 && (seen_agent_m - to_centroid_local_m).norm() <= kBetweenSamples * sensed_.step_m();

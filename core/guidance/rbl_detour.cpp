@@ -187,7 +187,8 @@ bool RblDetour::look_from_beside(const Situation& situation) {
   const double toward_rad = elementary::atan2(from_goal_m.y(), from_goal_m.x());
   beside_m_ = std::max(kBeside_m, situation.sees_goal_from_m);
   for (int i = 0; i < kSides; ++i) {
-    const double turn_rad = (i % 2 == 0 ? 1.0 : -1.0) * ((i + 1) / 2) * 2.0 * kPi / kSides;
+    const int side = (i + 1) / 2;  // to the left and to the right in turn
+    const double turn_rad = (i % 2 == 0 ? 1.0 : -1.0) * side * 2.0 * kPi / kSides;
     const double azimuth_rad = toward_rad + turn_rad;
     const Vector3 out_m = beside_m_ * Vector3(elementary::cos(azimuth_rad), elementary::sin(azimuth_rad), 0.0);
     search(situation, situation.goal_local_m + out_m, true, true);

@@ -37,7 +37,7 @@ class VehiclesAround {
     Vector3 v_local_mps = Vector3::Zero();
     Matrix3 inverse_m2 = Matrix3::Zero();  ///< its points q are those with q' inverse q < 1
   };
-  static constexpr int kSide = 64;  // cells that repeat themselves, for points that are near nobody
+  static constexpr std::size_t kSide = 64;  // cells that repeat themselves, for points that are near nobody
 
   static std::size_t cell_of(double x_m, double y_m);
   void hear(const MapperInput& input);
