@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "swiftlet/core/uncertainty/point_covariance.hpp"
@@ -23,6 +24,9 @@ constexpr double kLeastDetection = 0.02;  // what returned a beam can be seen
 constexpr double kSameSide = 0.1;         // of the variance of a single return: all see the same side of a target
 constexpr double kSilentTarget = 0.1;     // silence may come of what hides a target: it exists with at least this
 constexpr double kUnlikelyLost = 2.0;     // times sigma_lost_m of what is no target yet
+constexpr double kSizeMemory = 0.998;     // of the size of a body, from sweep to sweep
+constexpr double kSmallest_m = 0.04;      // size of a body whose returns all lie in one place
+constexpr double kMostSize = 1.5;         // times body_m
 constexpr double kNeverSmall = 1e-12;     // prior of a size that nobody asks about
 constexpr std::size_t kMostCandidates = 4096;
 constexpr std::size_t kMostPending = 16384;
@@ -82,6 +86,7 @@ void Hypotheses::take(const LocalCloud& cloud) {
   take_returns_of_targets(cloud);
   take_clusters(cloud);
   correct(cloud);
+  join_parts(cloud);
   begin(cloud);
   inherit();
   merge();
@@ -132,15 +137,17 @@ void Hypotheses::find_candidates(const LocalCloud& cloud) {
 // Each return goes to the nearest target, so that two that fly side by side stay two.
 void Hypotheses::take_returns_of_targets(const LocalCloud& cloud) {
   gate_information_.clear();
-  const double sampling_sq = config_.target.sigma_sampling_m * config_.target.sigma_sampling_m;
+  spread_.clear();
   for (std::size_t k = 0; k < hypotheses_.size(); ++k) {
     returns_of_[k].clear();
     const Hypothesis& h = hypotheses_[k];
-    const Matrix3 S = h.position_covariance() + pose_covariance(h.p_local_m()) + sampling_sq * Matrix3::Identity();
+    const Matrix3 S =
+        h.position_covariance() + pose_covariance(h.p_local_m()) + sampling_sq(h.size_m) * Matrix3::Identity();
     gate_information_.push_back(S.inverse());
+    spread_.push_back(h.size_m > 0.0 ? 3.0 * elementary::log(sampling_sq(h.size_m) / sampling_sq(kSmallest_m)) : 0.0);
   }
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
-    double least = kGate;
+    double least = std::numeric_limits<double>::infinity();
     int nearest = -1;
     const Vector3 p_m = candidates_[c].p_local_m.cast<double>();
     const double dt_s = to_seconds(cloud.time_of(candidates_[c].point) - beams_.middle());
@@ -150,8 +157,8 @@ void Hypotheses::take_returns_of_targets(const LocalCloud& cloud) {
       const Vector3 d_m = p_m - h.p_local_m() - dt_s * h.v_local_mps();
       if (d_m.squaredNorm() > kGateMost_m * kGateMost_m) continue;
       const double distance_sq = d_m.dot(gate_information_[k] * d_m);
-      if (distance_sq >= least) continue;
-      least = distance_sq;
+      if (distance_sq >= kGate || distance_sq + spread_[k] >= least) continue;
+      least = distance_sq + spread_[k];
       nearest = static_cast<int>(k);
     }
     if (nearest < 0) continue;
@@ -198,8 +205,8 @@ void Hypotheses::correct(const LocalCloud& cloud) {
     bool corrected = false;
     const double hidden = h.sight.hidden;
     if (!returns_of_[k].empty()) {
-      const Measurement measurement = measurement_of(cloud, returns_of_[k]);
-      if (measurement.extent_m.norm() <= config_.target.max_size_m) {
+      const Measurement measurement = measurement_of(cloud, returns_of_[k], h.size_m);
+      if (measurement.extent_m.norm() <= std::max(config_.target.max_size_m, 2.0 * h.size_m)) {
         corrected = correct_by(h, measurement, exposures_[k]);
       }
     }
@@ -240,19 +247,67 @@ bool Hypotheses::correct_by(Hypothesis& h, const Measurement& measurement, const
   h.covariance -= weight * K * S * K.transpose();
   h.covariance += weight * (1.0 - weight) * way * way.transpose();
   h.covariance = 0.5 * (h.covariance + h.covariance.transpose()).eval();
-  h.num_returns = measurement.num_returns;
+  keep(h, measurement);
   h.seen = h.t;
   ++h.num_sweeps;
-  h.extent_m = measurement.extent_m;
-  h.measured_local_m = measurement.p_local_m;
-  h.measured_covariance = measurement.covariance;
-  h.reflectivity = measurement.reflectivity;
+  if (h.size_m > 0.0)
+    h.size_m = std::clamp(h.extent_m.maxCoeff(), kSizeMemory * h.size_m, kMostSize * config_.target.body_m);
   if (h.existence >= kTarget) h.rate.update(measurement.num_returns, exposure.shots, kRateMemory);
   return true;
 }
 
 void Hypotheses::miss(Hypothesis& h, const BeamExposure& exposure) {
   h.existence = existence_after(h.existence, h.sight.weigh(h.rate.none(exposure.shots)));
+}
+
+// Of a large body each part begins a hypothesis of its own. Those that are one by their returns are joined.
+void Hypotheses::join_parts(const LocalCloud& cloud) {
+  parts_.begin_sweep();
+  const auto places_of = [&](std::size_t k, std::vector<Vector3>& places_m) {
+    places_m.clear();
+    for (const std::uint32_t c : returns_of_[k]) places_m.push_back(candidates_[c].p_local_m.cast<double>());
+  };
+  const auto is_between = [&](std::size_t i, std::size_t j, double apart_m) {
+    const auto nearer = [&](const Hypothesis& h, std::size_t k) {
+      return (h.p_local_m() - hypotheses_[k].p_local_m()).norm() < apart_m;
+    };
+    return std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& h) {
+      return &h != &hypotheses_[i] && &h != &hypotheses_[j] && h.existence >= kTarget && h.num_returns > 0 &&
+             nearer(h, i) && nearer(h, j);
+    });
+  };
+  for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
+    for (std::size_t j = i + 1; j < hypotheses_.size(); ++j) {
+      const Hypothesis &a = hypotheses_[i], &b = hypotheses_[j];
+      if (a.existence < kTarget) break;
+      if (b.existence < kTarget || a.num_returns == 0 || b.num_returns == 0) continue;
+      const double apart_m = (a.p_local_m() - b.p_local_m()).norm();
+      if (!(apart_m < config_.target.body_m) || is_between(i, j, apart_m)) continue;
+      places_of(i, part_a_m_);
+      places_of(j, part_b_m_);
+      const bool is_inside = apart_m < 0.5 * std::max(a.size_m, b.size_m);
+      if (!parts_.weigh(a.id, part_a_m_, b.id, part_b_m_) && !is_inside) continue;
+      const bool a_is_older = a.begun != b.begun ? a.begun < b.begun : a.id < b.id;
+      join(cloud, a_is_older ? i : j, a_is_older ? j : i);
+    }
+  }
+}
+
+// The older one stays, with the mean of both states and what lies between them.
+void Hypotheses::join(const LocalCloud& cloud, std::size_t stays, std::size_t goes) {
+  Hypothesis &h = hypotheses_[stays], &other = hypotheses_[goes];
+  const Vector6 way = other.mean - h.mean;
+  h.size_m =
+      std::min(std::max({h.size_m, other.size_m, 2.0 * way.head<3>().norm()}), kMostSize * config_.target.body_m);
+  h.mean += 0.5 * way;
+  h.covariance = 0.5 * (h.covariance + other.covariance) + 0.25 * way * way.transpose();
+  h.existence = std::max(h.existence, other.existence);
+  other.existence = 0.0;
+  other.was_target = false;
+  parts_.forget(other.id);
+  parts_.forget(h.id);
+  returns_of_[stays].insert(returns_of_[stays].end(), returns_of_[goes].begin(), returns_of_[goes].end());
+  keep(h, measurement_of(cloud, returns_of_[stays], h.size_m));
 }
 
 // A cluster in free air that is nobody's may be a new target. All other candidates become background.
@@ -262,14 +317,15 @@ void Hypotheses::begin(const LocalCloud& cloud) {
     if (cluster_taken_[static_cast<std::size_t>(cluster)]) continue;
     members_.clear();
     for (const std::uint32_t member : clusters_.members(cluster)) members_.push_back(loose_[member]);
-    const Measurement m = measurement_of(cloud, members_);
+    const Measurement m = measurement_of(cloud, members_, 0.0);
     const bool small = m.extent_m.norm() <= config_.target.max_size_m;
     if (!m.in_free_air || !small) {
       for (const std::uint32_t c : members_) wait(candidates_[c], 0);
       continue;
     }
     const bool beside_a_target = std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& h) {
-      return h.existence >= kTarget && (h.p_local_m() - m.p_local_m).norm() < config_.cluster_distance_m;
+      return h.existence >= kTarget &&
+             (h.p_local_m() - m.p_local_m).norm() < std::max(config_.cluster_distance_m, h.size_m);
     });
     if (beside_a_target || born_.size() == static_cast<std::size_t>(config_.max_hypotheses)) continue;
 
@@ -288,12 +344,8 @@ void Hypotheses::begin(const LocalCloud& cloud) {
     const double some = std::max(1.0 - h.rate.none(exposure.shots), kLeastDetection);
     const double of_target = (config_.target.birth_per_m3 + come_back_per_m3) * some;
     h.existence = of_target / (of_target + clutter_density_per_m3(m, exposure.beams_per_sr));
-    h.num_returns = m.num_returns;
+    keep(h, m);
     h.num_sweeps = 1;
-    h.extent_m = m.extent_m;
-    h.measured_local_m = m.p_local_m;
-    h.measured_covariance = m.covariance;
-    h.reflectivity = m.reflectivity;
     predict_state(h, to_seconds(beams_.middle() - h.t), config_.target.acceleration_density);
     h.t = h.begun = h.seen = beams_.middle();
     born_.push_back(h);
@@ -335,6 +387,7 @@ double Hypotheses::remember(Hypothesis& newborn, const Measurement& m) const {
   newborn.heir_of = h.identity;
   newborn.rate = h.rate;
   newborn.small = h.small;
+  newborn.size_m = h.size_m;
   if (!(likeliest.squared < kGate)) return sum_per_m3;
   Matrix6 F = Matrix6::Identity();
   F.topRightCorner<3, 3>() = to_seconds(m.t - h.t) * Matrix3::Identity();
@@ -446,8 +499,8 @@ void Hypotheses::clear_air(const LocalCloud& cloud) {
   }
 }
 
-Hypotheses::Measurement Hypotheses::measurement_of(const LocalCloud& cloud,
-                                                   std::span<const std::uint32_t> candidates) const {
+Hypotheses::Measurement Hypotheses::measurement_of(const LocalCloud& cloud, std::span<const std::uint32_t> candidates,
+                                                   double size_m) const {
   Measurement m;
   Vector3 sum_m = Vector3::Zero();
   Eigen::AlignedBox3d box;
@@ -468,9 +521,22 @@ Hypotheses::Measurement Hypotheses::measurement_of(const LocalCloud& cloud,
   const Vector3 centroid_m = sum_m / count;
   const Vector3 way_m = centroid_m - beams_.p_local_lidar_m();
   m.p_local_m = centroid_m + config_.target.seen_side_m / std::max(way_m.norm(), 1e-3) * way_m;
-  const double sampling_sq = config_.target.sigma_sampling_m * config_.target.sigma_sampling_m;
-  m.covariance = pose_covariance(centroid_m) + sampling_sq * (1.0 / count + kSameSide) * Matrix3::Identity();
+  m.covariance = pose_covariance(centroid_m) + sampling_sq(size_m) * (1.0 / count + kSameSide) * Matrix3::Identity();
   return m;
+}
+
+void Hypotheses::keep(Hypothesis& h, const Measurement& m) {
+  h.num_returns = m.num_returns;
+  h.extent_m = m.extent_m;
+  h.measured_local_m = m.p_local_m;
+  h.measured_covariance = m.covariance;
+  h.reflectivity = m.reflectivity;
+}
+
+/// Variance of single returns, by axis. Over a bar they are spread with 0.29 of its length.
+double Hypotheses::sampling_sq(double size_m) const {
+  const double sigma_m = std::max(config_.target.sigma_sampling_m, 0.25 * size_m);
+  return sigma_m * sigma_m;
 }
 
 /// J Sigma_w J^T [Vrba 2025, eq. 44].

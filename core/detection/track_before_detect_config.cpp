@@ -18,6 +18,10 @@ void ExpectedTarget::visit(ConfigVisitor& v) {
           "[m] farther targets may return less because they are far, and are not asked", Range::non_negative());
   v.check(small_share < least_share, "small_share", "less than least_share");
   v.field("max_size_m", max_size_m, "[m] diagonal of the box around the returns of one sweep", Range{0.0, 100.0, true});
+  v.field("body_m", body_m,
+          "[m] targets nearer to each other than this may be parts of one body, which is decided by what is returned "
+          "between them; 0: never",
+          Range::between(0.0, 20.0));
   v.field("seen_side_m", seen_side_m, "[m] from the mean of the returns to the middle of a target, along the beam",
           Range::non_negative());
   v.field("sigma_sampling_m", sigma_sampling_m, "[m] deviation of single returns from the middle, by axis",

@@ -10,6 +10,7 @@
 #include "detection_flights.hpp"
 #include "detection_histories.hpp"
 #include "experiments.hpp"
+#include "swiftlet/core/math/angles.hpp"
 
 namespace swiftlet::tools {
 namespace {
@@ -21,6 +22,7 @@ constexpr double kTold = 0.5;  // what is told with less counts as not told
 struct SmallCase {
   const char* name;
   const char* scenario;
+  bool drawn;  // are the observer's flights drawn?
   Overrides overrides;
 };
 
@@ -55,33 +57,75 @@ Overrides along_a_wall() {
           {"vehicles[0].agent.guidance.area_max_m", "[24, 7, 5.5]"}};
 }
 
+/// The same size, and it flies as birds do.
+Overrides bird_in_flight() {
+  return {
+      {"vehicles[1].model", "bird"},
+      {"vehicles[1].agent.guidance",
+       "{type: bird, area_min_m: [-24, -13, 7.5], area_max_m: [24, 13, 10.0], perches_m: [[-15, 8, 8], [15, -8, 9]]}"}};
+}
+
+/// A clearing in a forest. The target flies around it with 0.5 m from its hull to where the crowns may begin, and once
+/// in each round through the middle.
+Overrides along_crowns() {
+  constexpr double kClearing_m = 12.0, kHull_m = 0.25, kHeight_m = 8.0;
+  constexpr int kCorners = 24;
+  std::string waypoints_m;
+  for (int k = 0; k <= kCorners; ++k) {
+    const double azimuth_rad = 2.0 * kPi * k / kCorners, radius_m = kClearing_m - kHull_m - 0.5;
+    waypoints_m += fmt::format("[{:.2f}, {:.2f}, {}], ", radius_m * std::cos(azimuth_rad),
+                               radius_m * std::sin(azimuth_rad), kHeight_m);
+  }
+  return {
+      {"world", fmt::format("{{type: forest, size_m: [70, 70], stems_per_ha: 700, keep_clear: {{clear_height_m: 30, "
+                            "clearings: [{{center_m: [0, 0], radius_m: {}}}]}}}}",
+                            kClearing_m)},
+      {"vehicles[0].start.position_m", "[-4, 0, 5]"},
+      {"vehicles[0].agent.guidance.area_min_m", "[-6, -6, 4.5]"},
+      {"vehicles[0].agent.guidance.area_max_m", "[6, 6, 5.5]"},
+      {"vehicles[1].model", "f330"},
+      {"vehicles[1].start.position_m", fmt::format("[0, 3, {}]", kHeight_m)},
+      {"vehicles[1].agent.guidance",
+       fmt::format("{{type: waypoints, loop: true, waypoints_m: [{}[0, 3, {}]]}}", waypoints_m, kHeight_m)}};
+}
+
 std::vector<SmallCase> small_cases() {
-  return {{"0.65 m, as in detection-sparse", "detection_real", {}},
-          {"a bird of 0.2 m", "detection_real", bird_of_0_2_m()},
-          {"a target of 2 m", "detection_real", {{"vehicles[1].airframe.body_radius_m", "1"}}},
-          {"a target 0.5 m from a wall", "detection_real", along_a_wall()},
-          {"two targets 0.5 m apart", "detection_pair", {}}};
+  return {{"0.65 m, as in detection-sparse", "detection_real", true, {}},
+          {"a bird of 0.2 m", "detection_real", true, bird_of_0_2_m()},
+          {"a bird of 0.2 m that flies like one", "detection_real", true, bird_in_flight()},
+          {"a target of 2 m", "detection_real", true, {{"vehicles[1].airframe.body_radius_m", "1"}}},
+          {"a target 0.5 m from a wall", "detection_real", true, along_a_wall()},
+          {"a target 0.5 m from crowns", "detection_real", true, along_crowns()},
+          {"two targets 0.5 m apart", "detection_pair", true, {}},
+          {"three in a forest", "detection_forest", false, {}},
+          {"three in a forest, leaves in wind",
+           "detection_forest",
+           false,
+           {{"world.foliage", "{sway_m: 0.4, flutter_m: 0.1}"}}}};
 }
 
 /// In which share of the scans with both in view are two told of, each nearest to one of them?
-double share_told_apart(const std::vector<Sighting>& tracks) {
-  std::map<TimeNs, std::array<const Sighting*, 2>> scans;
-  for (const Sighting& s : tracks) {
-    if (s.target < 2) scans[s.t][static_cast<std::size_t>(s.target)] = &s;
-  }
+double share_told_apart(const Flights& flights) {
   int both = 0, apart = 0;
-  for (const auto& [t, pair] : scans) {
-    if (pair[0] == nullptr || pair[1] == nullptr || !pair[0]->visible || !pair[1]->visible) continue;
-    if (pair[0]->range_m > kFarthestSmall_m) continue;
-    ++both;
-    apart += pair[0]->found && pair[1]->found && pair[0]->track != pair[1]->track;
+  for (const auto& log : flights.logs) {
+    std::map<TimeNs, std::array<const Sighting*, 2>> scans;
+    for (const Sighting& s : log->tracks()) {
+      if (s.target < 2) scans[s.t][static_cast<std::size_t>(s.target)] = &s;
+    }
+    for (const auto& [t, pair] : scans) {
+      if (pair[0] == nullptr || pair[1] == nullptr || !pair[0]->visible || !pair[1]->visible) continue;
+      if (pair[0]->range_m > kFarthestSmall_m) continue;
+      ++both;
+      apart += pair[0]->found && pair[1]->found && pair[0]->track != pair[1]->track;
+    }
   }
   return both > 0 ? static_cast<double>(apart) / both : std::nan("");
 }
 
-void tell_small(Experiment& experiment, const std::string& what, const Flights& flights, CsvTable& csv) {
+void tell_small(Experiment& experiment, const std::string& what, const Flights& flights, bool is_pair, CsvTable& csv) {
   int seen = 0, found = 0, returned = 0, told = 0, false_told = 0, switches = 0;
-  double error_m = 0.0, apart = std::nan("");
+  double error_m = 0.0;
+  const double apart = is_pair ? share_told_apart(flights) : std::nan("");
   for (const auto& log : flights.logs) {
     for (const Judged& j : judged_sightings(log->detections(), kFarthestSmall_m)) {
       ++seen;
@@ -92,7 +136,6 @@ void tell_small(Experiment& experiment, const std::string& what, const Flights& 
     told += log->num_told_detections();
     false_told += log->num_false_detections();
     switches += histories_of(log->tracks()).switches;
-    apart = share_told_apart(log->tracks());
   }
   const double recall = seen > 0 ? static_cast<double>(found) / seen : std::nan("");
   const double with_return = seen > 0 ? static_cast<double>(returned) / seen : std::nan("");
@@ -124,7 +167,7 @@ void detection_small(Experiment& experiment) {
             {"vehicles[0].agent.tracker", "{type: detector}"}};
         overrides.insert(overrides.end(), more.begin(), more.end());
         if (mid360) overrides.emplace_back("vehicles[0].sensors[0]", kMid360WithPose);
-        overrides.emplace_back("vehicles[0].agent.guidance.seed", std::to_string(kFirstSmall + k));
+        if (small.drawn) overrides.emplace_back("vehicles[0].agent.guidance.seed", std::to_string(kFirstSmall + k));
         overrides.emplace_back("duration_s", experiment.quick() ? "20" : "40");
         scenarios.push_back(
             scenario_with(fmt::format("reproduce/{}.yaml", small.scenario), kFirstSmall + k, overrides));
@@ -132,7 +175,8 @@ void detection_small(Experiment& experiment) {
       const double bottom_deg = mid360 ? kMid360Bottom_deg : -kOs1Fov_deg,
                    top_deg = mid360 ? kMid360Top_deg : kOs1Fov_deg;
       tell_small(experiment, fmt::format("{}, {}", mid360 ? "Mid-360" : "OS1-128", small.name),
-                 fly_and_log(experiment, scenarios, bottom_deg, top_deg, kIgnored_s, kBin_m, kTold), csv);
+                 fly_and_log(experiment, scenarios, bottom_deg, top_deg, kIgnored_s, kBin_m, kTold),
+                 small.scenario == std::string("detection_pair"), csv);
     }
   }
   experiment.write("detection-small.csv", csv);

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "swiftlet/core/detection/air_map.hpp"
 #include "swiftlet/core/detection/beam_index.hpp"
@@ -258,6 +260,52 @@ TEST(TrackBeforeDetect, FollowsATargetOfFewReturnsOnItsKnownPath) {
   }
   EXPECT_GE(found, 28) << "of 35";
   EXPECT_LT(with_returns, found) << "it is told in sweeps that show nothing of it";
+}
+
+// A bar of 2.4 m is wider than any gate of a target, so its ends begin hypotheses of their own.
+TEST(TrackBeforeDetect, ALargeBodyIsOneTargetOnceItsPartsAreJoined) {
+  Watcher watcher;
+  for (int i = 0; i < 40; ++i) watcher.look(ground());
+  std::set<std::uint32_t> ids;
+  std::size_t most = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Vector3 p_m(8.0, -6.0 + 0.2 * i, 5.0), half_m(0.0, 1.2, 0.0);
+    const DetectorOutput& output = watcher.look(all_of({ground(), bar(p_m - half_m, p_m + half_m, 0.12)}));
+    most = std::max(most, output.detections.size());
+    if (i < 20) continue;
+    ASSERT_EQ(output.detections.size(), 1U) << i;
+    EXPECT_LT((output.detections.front().position_m - p_m).norm(), 0.4) << i;
+    ids.insert(watcher.detector->tracks().front().id);
+  }
+  EXPECT_EQ(ids.size(), 1U);
+  EXPECT_GT(most, 1U) << "it fell into parts at first";
+}
+
+TEST(TrackBeforeDetect, WhoDoesNotAskForLargeBodiesSeesTheirParts) {
+  TrackBeforeDetectConfig config;
+  config.target.body_m = 0.0;
+  Watcher watcher(config);
+  for (int i = 0; i < 40; ++i) watcher.look(ground());
+  int in_parts = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Vector3 p_m(8.0, -6.0 + 0.2 * i, 5.0), half_m(0.0, 1.2, 0.0);
+    in_parts += watcher.look(all_of({ground(), bar(p_m - half_m, p_m + half_m, 0.12)})).detections.size() > 1;
+  }
+  EXPECT_GT(in_parts, 30);
+}
+
+// Two that come near each other, with 0.5 m between them, and fly on side by side.
+TEST(TrackBeforeDetect, TwoSideBySideStayTwo) {
+  Watcher watcher;
+  for (int i = 0; i < 40; ++i) watcher.look(ground());
+  int two = 0;
+  for (int i = 0; i < 80; ++i) {
+    const Vector3 p_m(8.0, -6.0 + 0.15 * i, 5.0), half_m(0.0, 0.5 * std::max(1.0, 3.0 - 0.1 * i), 0.0);
+    const World pair = all_of({ground(), sphere(p_m - half_m, 0.25), sphere(p_m + half_m, 0.25)});
+    const std::size_t told = watcher.look(pair).detections.size();
+    if (i >= 20) two += told == 2;
+  }
+  EXPECT_GE(two, 57) << "of 60";
 }
 
 TEST(TrackBeforeDetect, ForgetsATargetThatBeamsSeeThrough) {

@@ -9,6 +9,7 @@
 #include "swiftlet/core/detection.hpp"
 #include "swiftlet/core/detection/air_map.hpp"
 #include "swiftlet/core/detection/beam_index.hpp"
+#include "swiftlet/core/detection/body_parts.hpp"
 #include "swiftlet/core/detection/euclidean_clusters.hpp"
 #include "swiftlet/core/detection/existence.hpp"
 #include "swiftlet/core/detection/track_before_detect_config.hpp"
@@ -34,6 +35,7 @@ struct Hypothesis {
   int num_sweeps = 0;   ///< that returned something of it
   int num_returns = 0;  ///< in the newest sweep
   bool was_target = false;
+  double size_m = 0.0;  ///< across, of a body that parts were joined to; 0: not known to be large
   Vector3 extent_m = Vector3::Zero();
   Vector3 measured_local_m = Vector3::Zero();
   Matrix3 measured_covariance = Matrix3::Identity();
@@ -99,6 +101,8 @@ class Hypotheses {
   void weigh_size(Hypothesis& hypothesis, const BeamExposure& exposure, double hidden, int num_returns);
   bool correct_by(Hypothesis& hypothesis, const Measurement& measurement, const BeamExposure& exposure);
   void miss(Hypothesis& hypothesis, const BeamExposure& exposure);
+  void join_parts(const LocalCloud& cloud);
+  void join(const LocalCloud& cloud, std::size_t stays, std::size_t goes);
   void begin(const LocalCloud& cloud);
   double remember(Hypothesis& newborn, const Measurement& measurement) const;
   void inherit();
@@ -111,7 +115,9 @@ class Hypotheses {
   void learn_hit(const Vector3& p_local_m, double weight) { air_.hit(p_local_m, weight / ray_stride_); }
   void clear_air(const LocalCloud& cloud);
 
-  Measurement measurement_of(const LocalCloud& cloud, std::span<const std::uint32_t> candidates) const;
+  Measurement measurement_of(const LocalCloud& cloud, std::span<const std::uint32_t> candidates, double size_m) const;
+  static void keep(Hypothesis& hypothesis, const Measurement& measurement);
+  double sampling_sq(double size_m) const;
   Matrix3 pose_covariance(const Vector3& p_local_m) const;
   double clutter_density_per_m3(const Measurement& measurement, double beams_per_sr) const;
   BeamExposure exposure_of(const Hypothesis& hypothesis) const;
@@ -121,6 +127,7 @@ class Hypotheses {
   Eigen::Matrix<double, 7, 7> Sigma_w_;
   AirMap air_;
   BeamIndex beams_;
+  BodyParts parts_;
   std::vector<Hypothesis> hypotheses_, born_;
   std::vector<Hypothesis> hidden_;  // targets that were given up, and may come back
   double small_log_odds_ = 0.0;     // of the newborn
@@ -133,10 +140,11 @@ class Hypotheses {
   // Memory of one sweep, kept for the next.
   std::vector<Candidate> candidates_;
   std::vector<std::vector<std::uint32_t>> returns_of_;  // candidates, by hypothesis
+  std::vector<Vector3> part_a_m_, part_b_m_;
   std::vector<Eigen::Vector3f> loose_m_;
   std::vector<std::uint32_t> loose_, members_;
-  std::vector<Vector3> gate_center_m_;
   std::vector<Matrix3> gate_information_;
+  std::vector<double> spread_;  // log of the ratio of determinants: the returns of a large body lie wider
   EuclideanClusters clusters_;
   std::vector<char> cluster_taken_;
   std::vector<BeamExposure> exposures_;

@@ -17,7 +17,8 @@ struct ExpectedTarget {
   double small_share = 0.02;
   double small_prior = 0.05;
   double small_within_m = 25.0;
-  double max_size_m = 2.0;
+  double max_size_m = 4.0;
+  double body_m = 2.0;
   double seen_side_m = 0.05;
   double sigma_sampling_m = 0.15;
   double sigma_velocity_mps = 4.0;

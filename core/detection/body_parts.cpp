@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "swiftlet/core/detection/body_parts.hpp"
+
+#include <algorithm>
+
+#include "swiftlet/core/elementary.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr int kRememberedSweeps = 50;
+
+Vector3 mean_of(std::span<const Vector3> points_m) {
+  Vector3 sum_m = Vector3::Zero();
+  for (const Vector3& p_m : points_m) sum_m += p_m;
+  return sum_m / static_cast<double>(points_m.size());
+}
+
+}  // namespace
+
+void BodyParts::begin_sweep() {
+  for (Pair& pair : pairs_) ++pair.silent_sweeps;
+  std::erase_if(pairs_, [](const Pair& pair) { return pair.silent_sweeps > kRememberedSweeps; });
+}
+
+// The means of the returns are compared to the returns of the same sweep, so the noise of the pose cancels.
+bool BodyParts::weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, std::uint32_t id_b,
+                      std::span<const Vector3> b_local_m) {
+  const std::uint32_t low = std::min(id_a, id_b), high = std::max(id_a, id_b);
+  auto pair = std::find_if(pairs_.begin(), pairs_.end(),
+                           [&](const Pair& other) { return other.low == low && other.high == high; });
+  if (pair == pairs_.end()) {
+    if (pairs_.size() == kMostPairs) return false;
+    pair = pairs_.insert(pairs_.end(), {low, high});
+  }
+  pair->silent_sweeps = 0;
+  if (a_local_m.size() + b_local_m.size() < 3) return false;  // two means and nothing between them
+  const Vector3 from_m = mean_of(a_local_m), way_m = mean_of(b_local_m) - from_m;
+  const double in_middle = elementary::log(kMiddleOfOne / kMiddleOfTwo);
+  const double beside = elementary::log((1.0 - kMiddleOfOne) / (1.0 - kMiddleOfTwo));
+  const auto count = [&](std::span<const Vector3> points_m) {
+    for (const Vector3& p_m : points_m) {
+      const double third = 3.0 * (p_m - from_m).dot(way_m) / std::max(way_m.squaredNorm(), 1e-12);
+      pair->log_odds += third > 1.0 && third < 2.0 ? in_middle : beside;
+    }
+  };
+  count(a_local_m);
+  count(b_local_m);
+  pair->log_odds = std::clamp(pair->log_odds, -kSurest, kSurest);
+  return pair->log_odds > kDecided;
+}
+
+void BodyParts::forget(std::uint32_t id) {
+  std::erase_if(pairs_, [&](const Pair& pair) { return pair.low == id || pair.high == id; });
+}
+
+double BodyParts::log_odds(std::uint32_t id_a, std::uint32_t id_b) const {
+  const std::uint32_t low = std::min(id_a, id_b), high = std::max(id_a, id_b);
+  for (const Pair& pair : pairs_) {
+    if (pair.low == low && pair.high == high) return pair.log_odds;
+  }
+  return 0.0;
+}
+
+}  // namespace swiftlet
