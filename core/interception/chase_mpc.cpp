@@ -195,24 +195,56 @@ void ChaseMpc::update_jerks() {
     const Block& b = blocks_[static_cast<std::size_t>(block)];
     return kBlockWeight[block] * (b.projected - b.multiplier - b.free) * along(b.per_unit).asDiagonal();
   };
-  Columns back = wanted(kVelocity);
-  Columns sum = velocity_of_.transpose().lazyProduct(back);
-  back = wanted(kAcceleration);
-  sum += acceleration_of_.transpose().lazyProduct(back);
-  sum += wanted(kJerk);
-  if (has_walls_) {
-    back = wanted(kPosition);
-    sum += position_of_.transpose().lazyProduct(back);
-  }
-  const Columns right = rho_ * sum - gradient_;
+  const Columns of_velocity = wanted(kVelocity), of_acceleration = wanted(kAcceleration);
+  const Columns of_position = has_walls_ ? wanted(kPosition) : Columns::Zero(num_steps_, 3);
+  Columns right = wanted(kJerk);
+  add_adjoint(of_position, of_velocity, of_acceleration, right);
+  right = rho_ * right - gradient_;
   u_.leftCols<2>() = horizontal_.inverse.lazyProduct(right.leftCols<2>());
   u_.col(2) = vertical_.inverse.lazyProduct(right.col(2));
 
   Block &jerk = blocks_[kJerk], &acceleration = blocks_[kAcceleration], &velocity = blocks_[kVelocity];
+  respond(blocks_[kPosition].value, velocity.value, acceleration.value);
   jerk.value = u_ * along(jerk.per_unit).asDiagonal();
-  acceleration.value = acceleration.free + acceleration_of_.lazyProduct(u_) * along(acceleration.per_unit).asDiagonal();
-  velocity.value = velocity.free + velocity_of_.lazyProduct(u_) * along(velocity.per_unit).asDiagonal();
-  if (has_walls_) blocks_[kPosition].value = blocks_[kPosition].free + position_of_.lazyProduct(u_);
+  acceleration.value = acceleration.free + acceleration.value * along(acceleration.per_unit).asDiagonal();
+  velocity.value = velocity.free + velocity.value * along(velocity.per_unit).asDiagonal();
+  if (has_walls_) blocks_[kPosition].value += blocks_[kPosition].free;
+}
+
+// The products with position_of_, velocity_of_ and acceleration_of_, as sums of sums.
+void ChaseMpc::respond(Columns& position, Columns& velocity, Columns& acceleration) const {
+  const double h = step_s_;
+  std::array<double, 3> p{}, v{}, a{};
+  for (int k = 0; k < num_steps_; ++k) {
+    for (int c = 0; c < 3; ++c) {
+      const auto i = static_cast<std::size_t>(c);
+      const double u = u_(k, c);
+      p[i] += h * (v[i] + h * (0.5 * a[i] + h / 6.0 * u));
+      v[i] += h * (a[i] + 0.5 * h * u);
+      a[i] += h * u;
+      position(k, c) = p[i];
+      velocity(k, c) = v[i];
+      acceleration(k, c) = a[i];
+    }
+  }
+}
+
+// And those with their transposes, backward in time.
+void ChaseMpc::add_adjoint(const Columns& of_position, const Columns& of_velocity, const Columns& of_acceleration,
+                           Columns& sum) const {
+  const double h = step_s_;
+  std::array<double, 3> p{}, v{}, a{};
+  for (int k = num_steps_ - 1; k >= 0; --k) {
+    for (int c = 0; c < 3; ++c) {
+      const auto i = static_cast<std::size_t>(c);
+      p[i] += of_position(k, c);
+      v[i] += of_velocity(k, c);
+      a[i] += of_acceleration(k, c);
+      sum(k, c) += h * (a[i] + h * (0.5 * v[i] + h / 6.0 * p[i]));
+      a[i] += h * (v[i] + 0.5 * h * p[i]);
+      v[i] += h * p[i];
+    }
+  }
 }
 
 void ChaseMpc::project(std::span<const ChaseAim> aims) {

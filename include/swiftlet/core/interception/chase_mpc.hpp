@@ -62,7 +62,7 @@ struct ChaseMpcConfig {
 ///
 /// Horizontal limits hold for the length of the vector, so the sets are discs and intervals, and projections onto them
 /// are closed forms. The alternating direction method of multipliers (Boyd et al., Found. Trends Mach. Learn. 3(1),
-/// 2011) solves it: a product with one small matrix and the projections, a bounded number of times. No allocation, no
+/// 2011) solves it: a product with one small matrix, sums and projections, a bounded number of times. No allocation, no
 /// clock: the same bits for the same input.
 class ChaseMpc {
  public:
@@ -85,7 +85,6 @@ class ChaseMpc {
 
  private:
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSteps, kMaxSteps>;
-  using Stack = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3 * kMaxSteps, kMaxSteps>;
   using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxSteps, 1>;
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMaxSteps, 3>;
 
@@ -106,6 +105,9 @@ class ChaseMpc {
   void set_up(const PointState& start, std::span<const ChaseAim> aims, double step_s);
   void factor();
   void update_jerks();
+  void respond(Columns& position, Columns& velocity, Columns& acceleration) const;
+  void add_adjoint(const Columns& of_position, const Columns& of_velocity, const Columns& of_acceleration,
+                   Columns& sum) const;
   void project(std::span<const ChaseAim> aims);
   bool change_rho();
 
