@@ -27,6 +27,7 @@ constexpr double kUnlikelyLost = 2.0;     // times sigma_lost_m of what is no ta
 constexpr double kSizeMemory = 0.998;     // of the size of a body, from sweep to sweep
 constexpr double kSmallest_m = 0.04;      // size of a body whose returns all lie in one place
 constexpr double kMostSize = 1.5;         // times body_m
+constexpr std::size_t kLeastToDoubt = 6;  // returns of a body in a sweep
 constexpr double kNeverSmall = 1e-12;     // prior of a size that nobody asks about
 constexpr std::size_t kMostCandidates = 4096;
 constexpr std::size_t kMostPending = 16384;
@@ -263,34 +264,66 @@ void Hypotheses::miss(Hypothesis& h, const BeamExposure& exposure) {
 // Of a large body each part begins a hypothesis of its own. Those that are one by their returns are joined.
 void Hypotheses::join_parts(const LocalCloud& cloud) {
   parts_.begin_sweep();
-  const auto places_of = [&](std::size_t k, std::vector<Vector3>& places_m) {
-    places_m.clear();
-    for (const std::uint32_t c : returns_of_[k]) places_m.push_back(candidates_[c].p_local_m.cast<double>());
-  };
-  const auto is_between = [&](std::size_t i, std::size_t j, double apart_m) {
-    const auto nearer = [&](const Hypothesis& h, std::size_t k) {
-      return (h.p_local_m() - hypotheses_[k].p_local_m()).norm() < apart_m;
-    };
-    return std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& h) {
-      return &h != &hypotheses_[i] && &h != &hypotheses_[j] && h.existence >= kTarget && h.num_returns > 0 &&
-             nearer(h, i) && nearer(h, j);
-    });
-  };
+  for (std::size_t k = 0; k < hypotheses_.size(); ++k) doubt_body(k);
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     for (std::size_t j = i + 1; j < hypotheses_.size(); ++j) {
       const Hypothesis &a = hypotheses_[i], &b = hypotheses_[j];
       if (a.existence < kTarget) break;
-      if (b.existence < kTarget || a.num_returns == 0 || b.num_returns == 0) continue;
-      const double apart_m = (a.p_local_m() - b.p_local_m()).norm();
-      if (!(apart_m < config_.target.body_m) || is_between(i, j, apart_m)) continue;
+      if (!are_neighbors(i, j)) continue;
       places_of(i, part_a_m_);
       places_of(j, part_b_m_);
-      const bool is_inside = apart_m < 0.5 * std::max(a.size_m, b.size_m);
-      if (!parts_.weigh(a.id, part_a_m_, b.id, part_b_m_) && !is_inside) continue;
+      const bool is_one = parts_.weigh(a.id, part_a_m_, b.id, part_b_m_);
+      const bool is_inside = (a.p_local_m() - b.p_local_m()).norm() < 0.5 * std::max(a.size_m, b.size_m);
+      if (!is_one && !is_inside) continue;
       const bool a_is_older = a.begun != b.begun ? a.begun < b.begun : a.id < b.id;
       join(cloud, a_is_older ? i : j, a_is_older ? j : i);
     }
   }
+}
+
+void Hypotheses::places_of(std::size_t k, std::vector<Vector3>& places_local_m) const {
+  places_local_m.clear();
+  for (const std::uint32_t c : returns_of_[k]) places_local_m.push_back(candidates_[c].p_local_m.cast<double>());
+}
+
+// Two targets that were both seen, and may be one body. No other one is nearer to both.
+bool Hypotheses::are_neighbors(std::size_t i, std::size_t j) const {
+  const auto apart_m = [&](std::size_t k, std::size_t l) {
+    return (hypotheses_[k].p_local_m() - hypotheses_[l].p_local_m()).norm();
+  };
+  const auto is_seen = [&](std::size_t k) {
+    return hypotheses_[k].existence >= kTarget && hypotheses_[k].num_returns > 0;
+  };
+  if (!is_seen(i) || !is_seen(j) || !(apart_m(i, j) < config_.target.body_m)) return false;
+  for (std::size_t k = 0; k < hypotheses_.size(); ++k) {
+    if (k == i || k == j || !is_seen(k)) continue;
+    if (apart_m(k, i) < apart_m(i, j) && apart_m(k, j) < apart_m(i, j)) return false;
+  }
+  return true;
+}
+
+// Is a large body two, after all? Then there is air between its halves, and it is taken for one of usual size. The
+// other one begins anew.
+void Hypotheses::doubt_body(std::size_t k) {
+  Hypothesis& h = hypotheses_[k];
+  if (!(h.size_m > 0.0) || returns_of_[k].size() < kLeastToDoubt) return;
+  places_of(k, part_a_m_);
+  Vector3 mean_m = Vector3::Zero();
+  for (const Vector3& p_m : part_a_m_) mean_m += p_m / static_cast<double>(part_a_m_.size());
+  const auto farther = [&](const Vector3& a_m, const Vector3& b_m) {
+    return (a_m - mean_m).squaredNorm() < (b_m - mean_m).squaredNorm();
+  };
+  const Vector3 axis_m = *std::max_element(part_a_m_.begin(), part_a_m_.end(), farther) - mean_m;
+  part_b_m_.clear();
+  for (const Vector3& p_m : part_a_m_) {
+    if ((p_m - mean_m).dot(axis_m) > 0.0) part_b_m_.push_back(p_m);
+  }
+  std::erase_if(part_a_m_, [&](const Vector3& p_m) { return (p_m - mean_m).dot(axis_m) > 0.0; });
+  if (part_a_m_.empty() || part_b_m_.empty()) return;
+  parts_.weigh(h.id, part_a_m_, h.id, part_b_m_);
+  if (parts_.log_odds(h.id, h.id) > -BodyParts::kSurest) return;
+  h.size_m = 0.0;
+  parts_.forget(h.id);
 }
 
 // The older one stays, with the mean of both states and what lies between them.

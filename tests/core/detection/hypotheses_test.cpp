@@ -90,7 +90,7 @@ class PlainHypotheses {
   }
 
   std::vector<Guess> guesses, hidden;
-  int num_heirs = 0, num_joined = 0;
+  int num_heirs = 0, num_joined = 0, num_parted = 0;
   std::size_t num_born = 0, num_dropped = 0;
 
  private:
@@ -323,6 +323,7 @@ class PlainHypotheses {
   void put_together() {
     for (auto& [pair, evidence] : together_) ++evidence.silent;
     std::erase_if(together_, [](const auto& item) { return item.second.silent > 50; });
+    for (Guess& g : guesses) take_apart(g);
     for (std::size_t i = 0; i < guesses.size(); ++i) {
       for (std::size_t j = i + 1; j < guesses.size(); ++j) {
         Guess &a = guesses[i], &b = guesses[j];
@@ -338,21 +339,11 @@ class PlainHypotheses {
         if (third_between) continue;
         Evidence& evidence = together_[std::minmax(a.id, b.id)];
         evidence.silent = 0;
-        std::vector<std::size_t> all = a.own;
-        all.insert(all.end(), b.own.begin(), b.own.end());
         const bool inside = 2.0 * apart_m < std::max(a.size_m, b.size_m);
-        const Vector3 from_m = middle(a.own), to_m = middle(b.own);
-        double one = 1.0, two = 1.0;
-        for (const std::size_t r : all) {
-          if (all.size() < 3) break;
-          const double at_m = (returns_[r].p_m - from_m).dot((to_m - from_m).normalized());
-          const double length_m = (to_m - from_m).norm();
-          const bool between = at_m > length_m / 3.0 && at_m < 2.0 * length_m / 3.0;
-          one *= between ? 0.17 : 0.83;
-          two *= between ? 0.02 : 0.98;
-        }
-        evidence.of_one = std::clamp(evidence.of_one * one / two, std::exp(-6.0), std::exp(6.0));
-        if ((evidence.of_one <= std::exp(3.0) || all.size() < 3) && !inside) continue;
+        const bool enough = a.own.size() + b.own.size() >= 3;
+        const double ratio = enough ? likelihood_ratio(a.own, b.own) : 1.0;
+        evidence.of_one = std::clamp(evidence.of_one * ratio, std::exp(-6.0), std::exp(6.0));
+        if ((evidence.of_one <= std::exp(3.0) || !enough) && !inside) continue;
         Guess &older = a.begun < b.begun || (a.begun == b.begun && a.id < b.id) ? a : b, &other = &older == &a ? b : a;
         const Vector6 mean = 0.5 * (a.mean + b.mean);
         older.covariance = 0.5 * (a.covariance + (a.mean - mean) * (a.mean - mean).transpose() + b.covariance +
@@ -372,6 +363,41 @@ class PlainHypotheses {
         ++num_joined;
       }
     }
+  }
+
+  /// The halves of a large body, by a plane through the mean of its returns and across the way to the farthest one.
+  void take_apart(Guess& g) {
+    if (g.size_m <= 0.0 || g.own.size() < 6) return;
+    const Vector3 at_m = middle(g.own);
+    Vector3 farthest_m = at_m;
+    for (const std::size_t i : g.own) {
+      if ((returns_[i].p_m - at_m).norm() > (farthest_m - at_m).norm()) farthest_m = returns_[i].p_m;
+    }
+    std::vector<std::size_t> near, far;
+    for (const std::size_t i : g.own) {
+      ((returns_[i].p_m - at_m).dot(farthest_m - at_m) > 0.0 ? far : near).push_back(i);
+    }
+    if (near.empty() || far.empty()) return;
+    Evidence& evidence = together_[{g.id, g.id}];
+    evidence.silent = 0;
+    evidence.of_one = std::clamp(evidence.of_one * likelihood_ratio(near, far), std::exp(-6.0), std::exp(6.0));
+    if (evidence.of_one > std::exp(-6.0) * (1.0 + 1e-9)) return;
+    g.size_m = 0.0;
+    ++num_parted;
+    std::erase_if(together_, [&](const auto& item) { return item.first.first == g.id || item.first.second == g.id; });
+  }
+
+  double likelihood_ratio(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) const {
+    const Vector3 from_m = middle(a), to_m = middle(b);
+    const double length_m = (to_m - from_m).norm();
+    double ratio = 1.0;
+    for (const auto* half : {&a, &b}) {
+      for (const std::size_t r : *half) {
+        const double at_m = (returns_[r].p_m - from_m).dot((to_m - from_m).normalized());
+        ratio *= at_m > length_m / 3.0 && at_m < 2.0 * length_m / 3.0 ? 0.17 / 0.02 : 0.83 / 0.98;
+      }
+    }
+    return ratio;
   }
 
   Vector3 middle(const std::vector<std::size_t>& own) const {

@@ -294,6 +294,23 @@ TEST(TrackBeforeDetect, WhoDoesNotAskForLargeBodiesSeesTheirParts) {
   EXPECT_GT(in_parts, 30);
 }
 
+// A bar loses its middle, and its ends fly apart: after a second or two they are told as two.
+TEST(TrackBeforeDetect, ABodyThatIsTwoAfterAllIsTakenApart) {
+  Watcher watcher;
+  for (int i = 0; i < 40; ++i) watcher.look(ground());
+  int one = 0, two = 0;
+  for (int i = 0; i < 90; ++i) {
+    const Vector3 p_m(6.0, -4.5 + 0.1 * i, 5.0), half_m(0.0, 1.2, 0.0), gap_m(0.0, 0.4, 0.0);
+    const World whole = bar(p_m - half_m, p_m + half_m, 0.12);
+    const World ends = all_of({bar(p_m - half_m, p_m - gap_m, 0.12), bar(p_m + gap_m, p_m + half_m, 0.12)});
+    const std::size_t told = watcher.look(all_of({ground(), i < 40 ? whole : ends})).detections.size();
+    if (i >= 20 && i < 40) one += told == 1;
+    if (i >= 70) two += told == 2;
+  }
+  EXPECT_EQ(one, 20);
+  EXPECT_GE(two, 18) << "of 20";
+}
+
 // Two that come near each other, with 0.5 m between them, and fly on side by side.
 TEST(TrackBeforeDetect, TwoSideBySideStayTwo) {
   Watcher watcher;

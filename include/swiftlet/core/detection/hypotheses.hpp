@@ -102,6 +102,9 @@ class Hypotheses {
   bool correct_by(Hypothesis& hypothesis, const Measurement& measurement, const BeamExposure& exposure);
   void miss(Hypothesis& hypothesis, const BeamExposure& exposure);
   void join_parts(const LocalCloud& cloud);
+  void places_of(std::size_t k, std::vector<Vector3>& places_local_m) const;
+  bool are_neighbors(std::size_t i, std::size_t j) const;
+  void doubt_body(std::size_t k);
   void join(const LocalCloud& cloud, std::size_t stays, std::size_t goes);
   void begin(const LocalCloud& cloud);
   double remember(Hypothesis& newborn, const Measurement& measurement) const;
