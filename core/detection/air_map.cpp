@@ -45,11 +45,26 @@ AirMap::AirMap(const AirMapConfig& config)
       prior_sum_(kBeam * (config.prior_hits + config.prior_passes)),
       prior_share_(prior_hits_ / prior_sum_),
       most_(kBeam * config.memory_beams) {
-  bits_x_ = bits_of_axis(config.size_m.x(), edge_m_);
-  const int bits_y = bits_of_axis(config.size_m.y(), edge_m_), bits_z = bits_of_axis(config.size_m.z(), edge_m_);
-  bits_xy_ = bits_x_ + bits_y;
-  mask_ = Cell((1 << bits_x_) - 1, (1 << bits_y) - 1, (1 << bits_z) - 1);
-  counts_.resize(std::size_t{1} << (bits_xy_ + bits_z));
+  std::array<int, 3> bits{}, used{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    bits[a] = bits_of_axis(config.size_m[axis], edge_m_);
+    mask_[axis] = (1 << bits[a]) - 1;
+    fields_[a].assign(std::size_t{1} << bits[a], 0);
+  }
+  const int all = bits[0] + bits[1] + bits[2];
+  for (int bit = 0; bit < all;) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (used[a] == bits[a]) continue;
+      field_mask_[a] |= std::size_t{1} << bit;
+      for (std::size_t i = 0; i < fields_[a].size(); ++i) {
+        fields_[a][i] |= static_cast<std::uint32_t>((i >> used[a] & 1U) << bit);
+      }
+      ++used[a];
+      ++bit;
+    }
+  }
+  counts_.resize(std::size_t{1} << all);
 }
 
 void AirMap::follow(const Vector3& center_m) {
@@ -71,8 +86,7 @@ void AirMap::forget_layers(int axis, int first, int count) {
     low[axis] = high[axis] = layer & mask_[axis];
     for (int z = low.z(); z <= high.z(); ++z) {
       for (int y = low.y(); y <= high.y(); ++y) {
-        const auto row = counts_.begin() + static_cast<std::ptrdiff_t>(index({0, y, z}));
-        std::fill(row + low.x(), row + high.x() + 1, Counts{});
+        for (int x = low.x(); x <= high.x(); ++x) counts_[index({x, y, z})] = Counts{};
       }
     }
   }
@@ -97,18 +111,17 @@ void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
   }
   if (!(enter < leave)) return;
 
-  // The index is what its fields of the three axes have in common; each wraps within its own bits.
+  // Each axis has bits of its own in the index. A step carries from one of them to the next, and wraps.
   std::size_t field[3], field_step[3];
-  const std::size_t field_mask[3] = {static_cast<std::size_t>(mask_.x()),
-                                     static_cast<std::size_t>(mask_.y()) << bits_x_,
-                                     static_cast<std::size_t>(mask_.z()) << bits_xy_};
-  const int shift[3] = {0, bits_x_, bits_xy_};
+  const std::size_t field_mask[3] = {field_mask_[0], field_mask_[1], field_mask_[2]};
   double next[3], per_cell[3];
   for (int axis = 0; axis < 3; ++axis) {
     const double cell = std::floor(from[axis] + enter * way[axis]);
     const bool forward = way[axis] > 0.0, still = way[axis] == 0.0;
-    field[axis] = static_cast<std::size_t>(static_cast<int>(cell) & mask_[axis]) << shift[axis];
-    field_step[axis] = forward ? std::size_t{1} << shift[axis] : field_mask[axis];  // one on, or all but one
+    const std::size_t mask = field_mask[axis], one = mask & (~mask + 1);
+    field[axis] =
+        fields_[static_cast<std::size_t>(axis)][static_cast<std::size_t>(static_cast<int>(cell) & mask_[axis])];
+    field_step[axis] = forward ? ~mask + one : ~one + 1;  // bits between carry what comes, or lend
     per_cell[axis] = still ? std::numeric_limits<double>::infinity() : 1.0 / std::abs(way[axis]);
     next[axis] = still ? per_cell[axis] : ((forward ? cell + 1.0 : cell) - from[axis]) / way[axis];
   }
@@ -124,17 +137,6 @@ void AirMap::pass(const Vector3& from_m, const Vector3& to_m) {
 void AirMap::hit(const Vector3& p_m, double weight) {
   const Cell cell = cell_of(p_m);
   if (contains(cell)) add(counts_[index(cell)], 0, static_cast<int>(std::lround(kBeam * std::clamp(weight, 0.0, 1.0))));
-}
-
-// What is too much to remember is halved, so that older beams fade.
-void AirMap::add(Counts& counts, int passes, int hits) const {
-  int all_passes = counts.passes + passes, all_hits = counts.hits + hits;
-  if (all_passes + all_hits > most_) {
-    all_passes >>= 1;
-    all_hits >>= 1;
-  }
-  counts.passes = static_cast<std::uint16_t>(all_passes);
-  counts.hits = static_cast<std::uint16_t>(all_hits);
 }
 
 double AirMap::share_of(const Counts& counts) const {

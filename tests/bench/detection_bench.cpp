@@ -4,7 +4,6 @@
 // algorithms written out plainly (tests/bench/reference_detection.hpp), whose map and detections must be the same.
 // One thread, processor time.
 #include <benchmark/benchmark.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,85 +14,15 @@
 #include <vector>
 
 #include "swiftlet/core/detection/vofod_stages.hpp"
-#include "swiftlet/sim/sensors/lidar.hpp"
-#include "swiftlet/sim/world/forest.hpp"
-#include "swiftlet/sim/world/vehicle_shape.hpp"
+#include "tests/bench/detection_flight.hpp"
 #include "tests/bench/processor_time.hpp"
 #include "tests/bench/reference_detection.hpp"
-#include "tests/support/sensor_driver.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-constexpr TimeNs kSweep = 100'000'000;
-constexpr TimeNs kStep = 2'000'000;
-constexpr int kVehicles = 3;
 constexpr int kScans = 600;          // 60 s
 constexpr int kReferenceScans = 20;  // plain code takes a second for each
-
-VehicleState state_of(int vehicle, TimeNs t) {
-  const double s = to_seconds(t);
-  const double radius = vehicle == 0 ? 5.0 : 4.0 + 4.0 * vehicle, speed = vehicle == 0 ? 2.0 : 5.0;
-  const double phase = speed / radius * s + 2.0 * vehicle;
-  VehicleState state;
-  state.t = t;
-  state.p_world_m = {radius * std::cos(phase), radius * std::sin(phase), 4.0 + vehicle};
-  state.v_world_mps = {-speed * std::sin(phase), speed * std::cos(phase), 0.0};
-  state.q_world_body =
-      Eigen::AngleAxisd(phase + 0.5 * M_PI, Vector3::UnitZ()) * Eigen::AngleAxisd(0.1, Vector3::UnitY());
-  return state;
-}
-
-/// Sweep after sweep as clouds in the world.
-class Flight {
- public:
-  Flight() {
-    omp_set_num_threads(1);
-    static const auto scene = [] {
-      ForestConfig forest;
-      forest.size_m = {70.0, 70.0};
-      forest.surroundings_m = 0.0;
-      forest.detail = 0.5;
-      forest.keep_clear.clearings.push_back({{0.0, 0.0}, 14.0});
-      return std::make_shared<const Scene>(make_forest(forest, 1));
-    }();
-    static const auto world = std::make_shared<const StaticScene>(*scene);
-    SensorSetup setup = sensor_setup("os1", 1, kVehicles, world);
-    setup.scene = scene;
-    const auto shape = quadrotor_shape();
-    setup.vehicle_shapes.assign(kVehicles, shape);
-    lidar_ = make_lidar(LidarConfig{}, std::move(setup));
-    fly_to(0);
-  }
-
-  std::shared_ptr<const LocalCloud> next() {
-    observation_.clear();
-    while (observation_.scans.empty()) {
-      fly_to(now_ + kStep);
-      lidar_->measure(now_, history_, observation_);
-    }
-    auto cloud = std::make_shared<LocalCloud>();
-    registrar_.make(observation_.scans.front(), *cloud);
-    return cloud;
-  }
-
- private:
-  void fly_to(TimeNs t) {
-    now_ = t;
-    for (int v = 0; v < kVehicles; ++v) history_.push(v, state_of(v, t));
-    StateEstimate estimate;
-    estimate.t = t;
-    estimate.valid = true;
-    estimate.T_local_body = state_of(0, t).T_world_body();
-    registrar_.push(estimate);
-  }
-
-  std::unique_ptr<Sensor> lidar_;
-  StateHistory history_{kVehicles, 200};
-  CloudRegistrar registrar_{0.6};
-  Observation observation_;
-  TimeNs now_ = 0;
-};
 
 VofodConfig config() {
   VofodConfig config;

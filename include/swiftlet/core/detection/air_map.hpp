@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -52,8 +53,9 @@ class AirMap {
   };
 
   std::size_t index(const Cell& cell) const {
-    return (static_cast<std::size_t>(cell.z() & mask_.z()) << bits_xy_) |
-           (static_cast<std::size_t>(cell.y() & mask_.y()) << bits_x_) | static_cast<std::size_t>(cell.x() & mask_.x());
+    return fields_[0][static_cast<std::size_t>(cell.x() & mask_.x())] |
+           fields_[1][static_cast<std::size_t>(cell.y() & mask_.y())] |
+           fields_[2][static_cast<std::size_t>(cell.z() & mask_.z())];
   }
   bool contains(const Cell& cell) const {
     return ((cell - min_cell_).array() >= 0).all() && ((cell - min_cell_).array() <= mask_.array()).all();
@@ -62,14 +64,22 @@ class AirMap {
   double share_of(const Counts& counts) const;
   template <class Test>
   bool any_around(const Vector3& p_m, int reach_voxels, Test&& test) const;
-  void add(Counts& counts, int passes, int hits) const;
+  // What is too much to remember is halved, so that older beams fade.
+  void add(Counts& counts, int passes, int hits) const {
+    const int all_passes = counts.passes + passes, all_hits = counts.hits + hits;
+    const int halved = all_passes + all_hits > most_ ? 1 : 0;
+    counts.passes = static_cast<std::uint16_t>(all_passes >> halved);
+    counts.hits = static_cast<std::uint16_t>(all_hits >> halved);
+  }
   void forget_layers(int axis, int first, int count);
 
   double edge_m_, cells_per_m_;
   double prior_hits_, prior_sum_, prior_share_;
   int most_;  // of a voxel's counts
   Cell mask_, min_cell_ = Cell::Zero();
-  int bits_x_ = 0, bits_xy_ = 0;
+  // An index interleaves the bits of the three axes, so that what is near in space is near in memory.
+  std::array<std::size_t, 3> field_mask_{};           // bits of each axis
+  std::array<std::vector<std::uint32_t>, 3> fields_;  // by coordinate
   bool centered_ = false;
   std::vector<Counts> counts_;
 };
