@@ -178,7 +178,7 @@ void robustness(Experiment& experiment, int flights, CsvTable& csv) {
   }
 }
 
-/// An observer that hovers gives both trackers the same scans.
+/// An observer that hovers beside the intruder gives both trackers the same scans.
 void trackers(Experiment& experiment, int flights) {
   CsvTable csv({"tracker", "speed_mps", "error_m", "speed_error_mps", "recall"});
   for (const double speed_mps : experiment.quick() ? std::vector<double>{5.0} : std::vector<double>{3.0, 5.0, 8.0}) {
@@ -190,7 +190,7 @@ void trackers(Experiment& experiment, int flights) {
                                  {{"vehicles[0].agent.guidance", "{type: hover}"},
                                   {"vehicles[0].agent.tracker",
                                    fmt::format("{{type: {}, measurement: {{sigma_m: 0.1}}}}", imm ? "imm" : "vofod")},
-                                  {"vehicles[0].start.position_m", "[0, 0, 8]"},
+                                  {"vehicles[0].start.position_m", "[0, -22, 8]"},
                                   {"duration_s", "30"}}));
       }
       const std::vector<sim::RunSummary> runs = fly(experiment, scenarios);
