@@ -11,11 +11,11 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kReach_sigma = 2.5;   // beams farther from a target's place than this do not meet it
-constexpr double kAround_rad = 0.1;    // the density of beams is counted so far around
-constexpr double kEnoughShots = 50.0;  // more say nothing more
-constexpr double kNearest_m = 0.2;     // no target is nearer to the sensor
-constexpr double kLogistic = 1.702;    // slope of the logistic curve that is within 0.01 of the normal distribution
+constexpr double kReach_sigma = 2.5;     // beams farther from a target's place than this do not meet it
+constexpr double kAround_rad = 0.1;      // the density of beams is counted so far around
+constexpr double kEnoughShots = 1000.0;  // more say nothing more
+constexpr double kNearest_m = 0.2;       // no target is nearer to the sensor
+constexpr double kLogistic = 1.702;      // slope of the logistic curve that is within 0.01 of the normal distribution
 
 // Grows with the azimuth like an angle, from 0 to 4, and costs no arc tangent.
 double turn_of(double x, double y) {

@@ -107,7 +107,7 @@ TEST(BeamIndex, ASweepInMotionMeetsWhatAWalkOverAllBeamsDoes) {
     EXPECT_EQ(index.middle(), stamp + duration / 2);
     EXPECT_EQ(index.p_local_lidar_m(), cloud.T_local_lidar[80].translation());
     const double walked = shots_by_walk(cloud, target);
-    if (walked > 50.0) continue;
+    if (walked > 1000.0) continue;
     ASSERT_NEAR(index.exposure(target).shots, walked, 1e-8) << trial;
     met += walked > 0.0;
   }
@@ -189,7 +189,7 @@ TEST(BeamIndex, AnUnsurePlaceIsLookedForWithinTwoAndAHalfDeviations) {
   }
 }
 
-TEST(BeamIndex, NothingIsSoNearAndMoreThanFiftyShotsSayNothingMore) {
+TEST(BeamIndex, NothingIsSoNearAndMoreThanAThousandShotsSayNothingMore) {
   auto table = all_around(64, 256);
   BeamIndex index;
   EXPECT_EQ(index.exposure({.p_local_m = {5.0, 0.0, 0.0}}).shots, 0.0) << "before the first sweep";
@@ -197,10 +197,11 @@ TEST(BeamIndex, NothingIsSoNearAndMoreThanFiftyShotsSayNothingMore) {
   for (const Vector3& d : {Vector3(1.0, 0.0, 0.0), Vector3(0.6, 0.0, -0.8), Vector3(-0.48, 0.6, 0.64)}) {
     EXPECT_EQ(index.exposure({.p_local_m = 0.19 * d, .radius_m = 0.05}).shots, 0.0);
     EXPECT_GT(index.exposure({.p_local_m = 0.21 * d, .radius_m = 0.05}).shots, 0.0);
-    // 16 384 beams on 4 pi: a disc of 1 m at 3 m is met by about 450 of them, by 2 in a bin.
-    const double shots = index.exposure({.p_local_m = 3.0 * d, .radius_m = 1.0}).shots;
-    EXPECT_GT(shots, 50.0);
-    EXPECT_LT(shots, 65.0);
+    // 16 384 beams on 4 pi: a disc of 1 m at 3 m is met by about 450 of them, one at 1 m by 4000, by 2 in a bin.
+    EXPECT_NEAR(index.exposure({.p_local_m = 3.0 * d, .radius_m = 1.0}).shots, 450.0, 60.0);
+    const double shots = index.exposure({.p_local_m = d, .radius_m = 1.0}).shots;
+    EXPECT_GT(shots, 1000.0);
+    EXPECT_LT(shots, 1015.0);
   }
 }
 
