@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/core/detection/body_parts.hpp"
 
-#include <algorithm>
-
 #include "swiftlet/core/elementary.hpp"
 
 namespace swiftlet {
@@ -26,12 +24,10 @@ void BodyParts::begin_sweep() {
 // The means of the returns are compared to the returns of the same sweep, so the noise of the pose cancels.
 bool BodyParts::weigh(std::uint32_t id_a, std::span<const Vector3> a_local_m, std::uint32_t id_b,
                       std::span<const Vector3> b_local_m) {
-  const std::uint32_t low = std::min(id_a, id_b), high = std::max(id_a, id_b);
-  auto pair = std::find_if(pairs_.begin(), pairs_.end(),
-                           [&](const Pair& other) { return other.low == low && other.high == high; });
+  auto pair = std::find_if(pairs_.begin(), pairs_.end(), [&](const Pair& other) { return other.is_of(id_a, id_b); });
   if (pair == pairs_.end()) {
     if (pairs_.size() == kMostPairs) return false;
-    pair = pairs_.insert(pairs_.end(), {low, high});
+    pair = pairs_.insert(pairs_.end(), {std::min(id_a, id_b), std::max(id_a, id_b)});
   }
   pair->silent_sweeps = 0;
   if (a_local_m.size() + b_local_m.size() < 3) return false;  // two means and nothing between them
@@ -55,11 +51,9 @@ void BodyParts::forget(std::uint32_t id) {
 }
 
 double BodyParts::log_odds(std::uint32_t id_a, std::uint32_t id_b) const {
-  const std::uint32_t low = std::min(id_a, id_b), high = std::max(id_a, id_b);
-  for (const Pair& pair : pairs_) {
-    if (pair.low == low && pair.high == high) return pair.log_odds;
-  }
-  return 0.0;
+  const auto pair =
+      std::find_if(pairs_.begin(), pairs_.end(), [&](const Pair& other) { return other.is_of(id_a, id_b); });
+  return pair != pairs_.end() ? pair->log_odds : 0.0;
 }
 
 }  // namespace swiftlet

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,11 +15,14 @@ namespace swiftlet {
 /// return counts, by the third of the way between both that it lies in.
 class BodyParts {
  public:
-  static constexpr double kMiddleOfOne = 0.17;   ///< share of its returns that one body has in the middle third
-  static constexpr double kMiddleOfTwo = 0.02;   ///< the same of two bodies
+  static constexpr double kMiddleOfOne =
+      0.17;  ///< share of its returns that one body has in the middle third: 1/6 of a bar
+  static constexpr double kMiddleOfTwo = 0.02;   ///< the same of two bodies: strays and noise
   static constexpr double kDecided = 3.0;        ///< log odds at which both are taken for one
   static constexpr double kSurest = 6.0;         ///< so it is never too sure to learn better
   static constexpr std::size_t kMostPairs = 64;  ///< that are remembered; others are not asked about
+
+  BodyParts() { pairs_.reserve(kMostPairs); }
 
   /// One sweep begins: pairs that were not weighed in a while are forgotten.
   void begin_sweep();
@@ -37,6 +41,8 @@ class BodyParts {
     std::uint32_t low = 0, high = 0;
     double log_odds = 0.0;
     int silent_sweeps = 0;
+
+    bool is_of(std::uint32_t a, std::uint32_t b) const { return low == std::min(a, b) && high == std::max(a, b); }
   };
 
   std::vector<Pair> pairs_;
