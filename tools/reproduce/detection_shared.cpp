@@ -203,7 +203,7 @@ void detection_shared(Experiment& experiment) {
   CsvTable frames_csv({"pair", "t_s", "error_m", "sigma_m", "drifted_m"});
   sim::plot::Figure figure("Several observers of the same targets", 2);
   figure.set_panel_size(460, 340);
-  sim::plot::Panel &recall = figure.add_panel("Recall by distance from the one who is told"),
+  sim::plot::Panel &recall = figure.add_panel("From the one who is told"),
                    &frames = figure.add_panel("Frame of another observer, three observers, first flight");
   recall.x.label = "distance of the target [m]";
   recall.y.label = "recall of what any of three could see [-]";

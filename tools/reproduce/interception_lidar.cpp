@@ -140,6 +140,7 @@ void over_speed(Experiment& experiment, int flights, CsvTable& csv) {
     rate.y.label = "captured [-]";
     rate.y.min = time.y.min = 0.0;
     rate.y.max = 1.05;
+    rate.legend = sim::plot::Legend::kNone;  // that of its neighbor
     time.y.label = "mean time of the captures [s]";
     for (const char* method : kHuntMethods) {
       std::vector<double> rates, times_s;
