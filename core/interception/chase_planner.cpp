@@ -42,7 +42,7 @@ void ChasePlanner::forget() {
 
 void ChasePlanner::plan(const PointState& self, const TargetPrediction& target, const Vector3& to_target_local_m,
                         double side, const Surroundings& surroundings, double since_last_s) {
-  time_to_go_s_ = least_time_s(self, target, to_target_local_m);
+  time_to_go_s_ = std::min(config_.horizon_max_s, least_time_s(self, target, to_target_local_m));
   const int n = mpc_.num_steps();
   const double horizon_s = std::clamp(kBeyondMeeting * time_to_go_s_, config_.horizon_min_s, config_.horizon_max_s);
   const double step_s = std::ceil(horizon_s / n / kStepGrain_s - 1e-9) * kStepGrain_s;
@@ -94,7 +94,8 @@ std::optional<double> ChasePlanner::crossing_s(const TargetPrediction& target, c
   return *enters_s + std::min(0.5 * (leaves_s - *enters_s), config_.crossing_delay_s);
 }
 
-/// A bound: speed along the whole way and acceleration from the present velocity must both suffice.
+/// A bound: speed along the whole way and acceleration from the present velocity must both suffice. Beyond the longest
+/// horizon the speed alone tells.
 double ChasePlanner::least_time_s(const PointState& self, const TargetPrediction& target,
                                   const Vector3& to_target_m) const {
   const int steps = static_cast<int>(config_.horizon_max_s / kMeetingGrain_s);
@@ -111,7 +112,8 @@ double ChasePlanner::least_time_s(const PointState& self, const TargetPrediction
       continue;
     return t_s;
   }
-  return config_.horizon_max_s;
+  const Vector3 left_m = target.at(config_.horizon_max_s).p_m - to_target_m - self.p_m;
+  return std::max(config_.horizon_max_s, left_m.norm() / limits_.horizontal_speed_mps);
 }
 
 }  // namespace swiftlet

@@ -27,11 +27,12 @@ class ChasePlanner {
   PointState at(double t_s) const { return mpc_.at(t_s); }
   double horizon_s() const { return mpc_.num_steps() * mpc_.step_s(); }
   double time_to_go_s() const { return time_to_go_s_; }
+  /// How soon they can meet at the earliest, as far as speed and acceleration tell.
+  double least_time_s(const PointState& self, const TargetPrediction& target, const Vector3& to_target_local_m) const;
 
  private:
   std::optional<double> crossing_s(const TargetPrediction& target, const Vector3& to_target_local_m,
                                    double since_last_s);
-  double least_time_s(const PointState& self, const TargetPrediction& target, const Vector3& to_target_local_m) const;
 
   ChasePlanConfig config_;
   MotionLimits limits_;

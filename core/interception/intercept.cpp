@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/interception/chase_planner.hpp"
+#include "core/interception/chase_team.hpp"
 #include "core/interception/intercept_overlays.hpp"
 #include "core/interception/surroundings.hpp"
 
@@ -18,7 +19,6 @@ constexpr double kLook_s = 0.2;                    // a search looks this often
 constexpr double kThink_s = 1.0;                   // and goes elsewhere this often
 constexpr double kGreatestBias_m = 0.5;            // between reference and estimate
 constexpr double kShortestToFace_m = 1.0;          // nearer than this, a direction is noise
-constexpr double kSameTarget_m = 3.0;              // a new track near the prediction is the old target
 constexpr double kSameTarget_mps = 3.0;            // and farther for each second that it was not seen
 constexpr double kSecondTrack_m = 2.5;             // a track this near to the target's is of the same target
 constexpr double kAboveBy = 0.8, kBesideBy = 1.7;  // of the distance that it keeps to the target
@@ -26,7 +26,10 @@ constexpr double kHighAbove_m = 1000.0;            // as high as the fence allow
 constexpr double kReachShare = 0.8;                // of the radius within which a target is believed to be caught
 constexpr double kSameHeight_m = 0.05;
 constexpr double kNoSide_m = 0.05;
-constexpr double kSureFor_s = 0.5;    // a target not seen for longer is not believed to be in the net
+constexpr double kSureFor_s = 0.5;                // a target not seen for longer is not believed to be in the net
+constexpr double kTold_m = 0.5, kTold_mps = 1.0;  // standard deviations of a target that another one sees
+constexpr double kNeverThere_s = 1e3, kTakenFar_m = 1e6;
+constexpr int kPathParts = 5;         // steps of the governor from place to place of a path that is told
 constexpr double kSlowest_mps = 0.5;  // slower than this, a velocity tells no direction
 
 class Intercept : public Guidance {
@@ -37,6 +40,7 @@ class Intercept : public Guidance {
         governor_(setup.limits),
         planner_(config.plan, setup.limits, kReachShare * config.sure_share * config.net.radius_m),
         search_(config.search),
+        team_(setup.agent.self, setup.agent.num_vehicles),
         watch_local_m_(setup.agent.T_local_body_start.translation()),
         yaw_rad_(yaw_of(setup.agent.T_local_body_start.linear())) {
     sure_net_ = config.net;
@@ -52,14 +56,19 @@ class Intercept : public Guidance {
     return {.map = config_.walls == InterceptConfig::Walls::kMap, .track_modes = true};
   }
 
-  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
+  void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) override {
+    now_ = input.observation.t;
     if (!started_) start(input.estimate);
     p_local_m_ = input.estimate.T_local_body.translation();
     look_around(input);
     const bool sees = find_target(input);
-    if (sees) note_capture(input);
+    if (sees) note_capture();
     decide(sees, input.dt_s, output);
-    if (since_check_s_ >= config_.period_s) plan();
+    if (since_check_s_ >= config_.period_s) {
+      divide_task();
+      plan();
+    }
+    if (team_.is_time_to_tell(now_)) tell(input.estimate, outbox);
     fly(governor_, since_check_s_, 0.0, input.dt_s);
     since_check_s_ += input.dt_s;
     output.goal = governor_.state();
@@ -101,7 +110,11 @@ class Intercept : public Guidance {
   }
 
   void look_around(const GuidanceInput& input) {
-    surroundings_.fence = Geofence(config_.fence, FrameChange::to_local(input.estimate));
+    const FrameChange to_local = FrameChange::to_local(input.estimate);
+    surroundings_.fence = Geofence(config_.fence, to_local);
+    team_.listen(input.observation, to_local);
+    team_.recognize(input.tracks, had_target_ ? target_id_ : 0);
+    if (config_.target.empty() && had_target_ && team_.is_fellow(target_id_)) forget_target();
     surroundings_.map = config_.walls == InterceptConfig::Walls::kMap ? input.map : nullptr;
     const Vector3 bias_m = p_local_m_ - governor_.state().position_m;
     bias_local_m_ = bias_m.cwiseMax(-kGreatestBias_m).cwiseMin(kGreatestBias_m);
@@ -109,20 +122,23 @@ class Intercept : public Guidance {
 
   /// The track of the target and its prediction; everybody else is a bystander.
   bool find_target(const GuidanceInput& input) {
-    const TimeNs now = input.observation.t;
     const Track* best = nullptr;
     double least_m = std::numeric_limits<double>::infinity();
     for (const Track& track : input.tracks) {
-      if (to_seconds(now - track.t) > config_.track_timeout_s) continue;
-      if (!config_.target.empty() && track.id != target_id_) continue;
+      if (to_seconds(now_ - track.t) > config_.track_timeout_s) continue;
+      if (config_.target.empty() ? team_.is_fellow(track.id) : track.id != target_id_) continue;
       double distance_m = (track.position_m - p_local_m_).norm();
+      // Of several targets, everybody takes one of which nobody else is the first.
+      const bool is_free = config_.target.empty() && !team_.is_led(track.position_m, now_);
       if (config_.target.empty() && had_target_) {
-        const double gone_s = to_seconds(now - seen_);
+        const double gone_s = to_seconds(now_ - seen_);
         const double off_m = (track.position_m - expected_m(gone_s)).norm();
         const bool same = track.id == target_id_;
-        if (!same && mode_ == Mode::kChasing && off_m > kSameTarget_m + kSameTarget_mps * gone_s) continue;
-        distance_m = same ? -1.0 : off_m;
+        const bool other = mode_ == Mode::kChasing && !same && off_m > kSameTarget_m + kSameTarget_mps * gone_s;
+        if (other && (team_.leads() || !is_free)) continue;
+        if (!other) distance_m = same ? -1.0 : off_m;
       }
+      if (!is_free) distance_m += kTakenFar_m;
       if (distance_m >= least_m) continue;
       least_m = distance_m;
       best = &track;
@@ -130,7 +146,7 @@ class Intercept : public Guidance {
     if (best != nullptr) {
       const auto modes = std::find_if(input.track_modes.begin(), input.track_modes.end(),
                                       [&](const TrackModes& m) { return m.id == best->id; });
-      target_ = TargetPrediction(config_.prediction, *best, modes == input.track_modes.end() ? nullptr : &*modes, now);
+      target_ = TargetPrediction(config_.prediction, *best, modes == input.track_modes.end() ? nullptr : &*modes, now_);
       if (best->id != target_id_ || !had_target_) {
         last_net_m_.reset();
         measured_.reset();
@@ -138,7 +154,11 @@ class Intercept : public Guidance {
       target_id_ = best->id;
       if (best->corrected) measured_ = best->t;
       had_target_ = true;
-      seen_ = now;
+      seen_ = now_;
+    }
+    if (had_target_) {
+      const double gone_s = to_seconds(now_ - seen_);
+      team_.compare_targets(expected_m(gone_s), now_, kSameTarget_m + kSameTarget_mps * gone_s);
     }
     meet_bystanders(input, best);
     return best != nullptr;
@@ -149,14 +169,16 @@ class Intercept : public Guidance {
   void meet_bystanders(const GuidanceInput& input, const Track* target) {
     surroundings_.bystanders.clear();
     for (const Track& track : input.tracks) {
-      if (&track == target || surroundings_.bystanders.size() == surroundings_.bystanders.capacity()) continue;
+      if (&track == target || team_.is_fellow(track.id)) continue;
+      if (surroundings_.bystanders.size() == surroundings_.bystanders.capacity()) break;
       if (target != nullptr && config_.target.empty() &&
           (track.position_m - target->position_m).norm() < kSecondTrack_m)
         continue;
-      const double age_s = to_seconds(input.observation.t - track.t);
+      const double age_s = to_seconds(now_ - track.t);
       surroundings_.bystanders.push_back(
           {track.position_m + age_s * track.velocity_mps, track.velocity_mps, config_.bystander_clearance_m});
     }
+    team_.append_bystanders(now_, config_.bystander_clearance_m, config_.yield_clearance_m, surroundings_.bystanders);
     if (target == nullptr || config_.target_clearance_m <= 0.0) return;
     const PointState now = target_.at(0.0);
     surroundings_.bystanders.push_back(
@@ -165,16 +187,16 @@ class Intercept : public Guidance {
 
   Vector3 net_m() const { return config_.net.center(p_local_m_, governor_.state().yaw_rad); }
 
-  void note_capture(const GuidanceInput& input) {
-    const TimeNs now = input.observation.t;
+  void note_capture() {
     const Vector3 target_net_m = target_.at(0.0).p_m - net_m();
     if (target_net_m.norm() > config_.net.rearm_m) armed_ = true;
-    const bool sure = measured_ && to_seconds(now - *measured_) < kSureFor_s;
+    const bool sure = measured_ && to_seconds(now_ - *measured_) < kSureFor_s;
     captured_now_ = armed_ && last_net_m_ && sure && sure_net_.met_m(*last_net_m_, target_net_m);
     last_net_m_ = target_net_m;
     if (!captured_now_) return;
     armed_ = false;
     ++captures_;
+    captured_ = true;
   }
 
   void decide(bool sees, double dt_s, GuidanceOutput& output) {
@@ -182,11 +204,14 @@ class Intercept : public Guidance {
     switch (mode_) {
       case Mode::kWaiting:
         output.note = "waiting for a target";
-        if (sees) enter(Mode::kChasing);
+        if (sees)
+          enter(Mode::kChasing);
+        else if (const Fellow* fellow = who_sees())
+          go_where_told(*fellow);
         break;
       case Mode::kSearching:
         search(dt_s);
-        output.note = "the target is lost: searching";
+        output.note = had_target_ ? "the target is lost: searching" : "going where another one sees the target";
         if (sees)
           enter(Mode::kChasing);
         else if (in_mode_s_ > config_.search.timeout_s)
@@ -219,6 +244,10 @@ class Intercept : public Guidance {
       else if (config_.method == InterceptConfig::Method::kMpc)
         enter(Mode::kLeaving);
     }
+    if (config_.captures > 0 && team_.has_caught() && mode_ != Mode::kGaveUp && mode_ != Mode::kDone) {
+      output.note = "another one has captured it";
+      enter(Mode::kDone);
+    }
     output.mission = mode_ == Mode::kDone     ? MissionStatus::kDone
                      : mode_ == Mode::kGaveUp ? MissionStatus::kFailed
                                               : MissionStatus::kRunning;
@@ -242,15 +271,39 @@ class Intercept : public Guidance {
     enter(Mode::kSearching);
   }
 
+  /// It was another interceptor.
+  void forget_target() {
+    had_target_ = false;
+    last_net_m_.reset();
+    if (mode_ == Mode::kChasing || mode_ == Mode::kLeaving || mode_ == Mode::kSearching) enter(Mode::kWaiting);
+  }
+
   void give_up(const char* why) {
     why_ = why;
     enter(Mode::kGaveUp);
+  }
+
+  /// With `target`, only that vehicle's track tells.
+  const Fellow* who_sees() const { return config_.target.empty() ? team_.chasing(p_local_m_, now_) : nullptr; }
+
+  /// What one cannot see, another one may.
+  void go_where_told(const Fellow& fellow) {
+    const PointState told = fellow.target_at(now_);
+    search_.begin(told, kTold_m, kTold_mps);
+    goal_local_m_ = told.p_m;
+    highest_m_ = search_.highest_near_m(p_local_m_);
+    if (mode_ == Mode::kWaiting) {
+      since_look_s_ = since_think_s_ = 0.0;
+      enter(Mode::kSearching);
+    }
+    in_mode_s_ = 0.0;
   }
 
   void search(double dt_s) {
     since_look_s_ += dt_s;
     since_think_s_ += dt_s;
     if (since_look_s_ < kLook_s) return;
+    if (const Fellow* fellow = who_sees()) go_where_told(*fellow);
     search_.advance(since_look_s_, surroundings_.fence);
     search_.look(p_local_m_, since_look_s_, surroundings_.map);
     since_look_s_ = 0.0;
@@ -258,6 +311,45 @@ class Intercept : public Guidance {
     if (since_think_s_ < kThink_s) return;
     since_think_s_ = 0.0;
     goal_local_m_ = search_.most_probable();
+  }
+
+  /// Who can be there first leads.
+  void divide_task() {
+    arrival_s_ = kNeverThere_s;
+    const bool chases = mode_ == Mode::kChasing || mode_ == Mode::kLeaving;
+    if (chases) {
+      const Reference& r = governor_.state();
+      arrival_s_ = planner_.least_time_s({r.position_m, r.velocity_mps, r.acceleration_mps2}, target_, to_target_m());
+      if (mode_ == Mode::kLeaving) arrival_s_ += config_.after_capture_s;
+    }
+    team_.decide(now_, chases ? std::optional(arrival_s_) : std::nullopt);
+  }
+
+  void tell(const StateEstimate& estimate, Outbox& outbox) {
+    const bool chases = mode_ == Mode::kChasing || mode_ == Mode::kLeaving;
+    const bool caught = mode_ == Mode::kDone && captured_;
+    const ChaseReport::Word word = chases   ? team_.leads() ? ChaseReport::Word::kLeads : ChaseReport::Word::kYields
+                                   : caught ? ChaseReport::Word::kCaught
+                                   : mode_ == Mode::kSearching ? ChaseReport::Word::kSearches
+                                                               : ChaseReport::Word::kIdle;
+    const PointState target = chases ? target_.at(0.0) : PointState{goal_local_m_, Vector3::Zero(), Vector3::Zero()};
+    team_.tell(word, now_, arrival_s_, target, path_ahead(), FrameChange::to_world(estimate), outbox);
+  }
+
+  /// Where the vehicle will be, as far as it knows now.
+  PathAhead path_ahead() {
+    const double yaw_rad = yaw_rad_;
+    ReferenceGovernor tried = governor_;
+    PathAhead path;
+    path.places_m[0] = tried.state().position_m + bias_local_m_;
+    double ahead_s = 0.0;
+    for (path.num_places = 1; path.num_places < PathAhead::kMaxPlaces; ++path.num_places) {
+      for (int i = 0; i < kPathParts; ++i, ahead_s += path.interval_s / kPathParts)
+        fly(tried, since_check_s_ + ahead_s, ahead_s, path.interval_s / kPathParts);
+      path.places_m[static_cast<std::size_t>(path.num_places)] = tried.state().position_m + bias_local_m_;
+    }
+    yaw_rad_ = yaw_rad;
+    return path;
   }
 
   /// Tries what it would do until it thinks again, and brakes instead when it could not stop in time after that.
@@ -368,6 +460,7 @@ class Intercept : public Guidance {
   ReferenceGovernor governor_;  // what is flown, in the local frame
   ChasePlanner planner_;
   TargetSearch search_;
+  ChaseTeam team_;
   Surroundings surroundings_;
   TargetPrediction target_;
   std::uint32_t target_id_ = 0;
@@ -387,7 +480,9 @@ class Intercept : public Guidance {
   double side_ = 1.0;
   bool started_ = false, brakes_ = false;
   std::optional<Vector3> last_net_m_;  // where the target was, seen from the net
-  bool armed_ = true, captured_now_ = false;
+  bool armed_ = true, captured_now_ = false, captured_ = false;
+  TimeNs now_ = 0;
+  double arrival_s_ = 0.0;
   int captures_ = 0;
 };
 
@@ -431,6 +526,8 @@ void InterceptConfig::visit(ConfigVisitor& v) {
           Range::non_negative());
   v.field("bystander_clearance_m", bystander_clearance_m, "[m] from its center to that of any other track",
           Range::non_negative());
+  v.field("yield_clearance_m", yield_clearance_m,
+          "[m] plans keep this distance to another interceptor that is there sooner", Range::non_negative());
   v.field("period_s", period_s, "[s] from plan to plan", Range{0.004, 1.0});
   v.field("track_timeout_s", track_timeout_s, "[s] a track that is older is lost", Range::positive());
   v.field("after_capture_s", after_capture_s, "[s] it leaves a target that it caught for this at most, if it goes on",

@@ -52,7 +52,7 @@ void Surroundings::walls(const Vector3& p_local_m, double ahead_s, ChaseAim& aim
   for (const Bystander& bystander : bystanders) {
     const Vector3 center_m = bystander.at(ahead_s), above = p_local_m - center_m;
     if (!bystander.flown_over || above.z() < kAbove * bystander.radius_m)
-      keep_from(center_m, bystander.radius_m);
+      keep_from(center_m, bystander.radius_m + bystander.plan_room_m);
     else if (above.head<2>().norm() < bystander.radius_m + kOverReach_m)
       add({-Vector3::UnitZ(), -(center_m.z() + bystander.radius_m)});
   }
@@ -65,7 +65,8 @@ Vector3 braking_mps2(const Reference& state, const Surroundings& surroundings, d
                      const MotionLimits& limits) {
   Vector3 a_mps2 = -kBrakeGain_per_s * state.velocity_mps;
   for (const Bystander& bystander : surroundings.bystanders) {
-    const Vector3 p_m = state.position_m - bystander.at(ahead_s), v_mps = state.velocity_mps - bystander.v_local_mps;
+    const Vector3 p_m = state.position_m - bystander.at(ahead_s),
+                  v_mps = state.velocity_mps - bystander.velocity_mps(ahead_s);
     // Where both are nearest, if both fly straight on.
     const double nearest_s = std::clamp(-p_m.dot(v_mps) / std::max(v_mps.squaredNorm(), 1e-6), 0.0, kEvade_s);
     const Vector3 then_m = p_m + nearest_s * v_mps;

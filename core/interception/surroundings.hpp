@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "core/interception/path_ahead.hpp"
 #include "swiftlet/core/control/reference_governor.hpp"
 #include "swiftlet/core/interception/geofence.hpp"
 #include "swiftlet/core/map/occupancy_view.hpp"
@@ -14,9 +15,18 @@ namespace swiftlet {
 struct Bystander {
   Vector3 p_local_m = Vector3::Zero(), v_local_mps = Vector3::Zero();
   double radius_m = 0.0;
-  bool flown_over = false;  ///< who is above stays above
+  bool flown_over = false;          ///< who is above stays above
+  double plan_room_m = 0.0;         ///< beside the radius; plans keep it, and nobody brakes for it
+  const PathAhead* path = nullptr;  ///< that it told; null: it flies straight on
+  double path_age_s = 0.0;
 
-  Vector3 at(double ahead_s) const { return p_local_m + ahead_s * v_local_mps; }
+  Vector3 at(double ahead_s) const {
+    if (path == nullptr) return p_local_m + ahead_s * v_local_mps;
+    return p_local_m + path->at(path_age_s + ahead_s) - path->at(path_age_s);
+  }
+  Vector3 velocity_mps(double ahead_s) const {
+    return path == nullptr ? v_local_mps : path->velocity_mps(path_age_s + ahead_s);
+  }
 };
 
 /// All that an interceptor must not fly into, as of now.

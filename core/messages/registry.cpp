@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "swiftlet/core/messages/chase_report.hpp"
 #include "swiftlet/core/messages/guiding_path.hpp"
 #include "swiftlet/core/messages/kind.hpp"
 #include "swiftlet/core/messages/map_closures.hpp"
@@ -23,7 +24,7 @@ constexpr MessageKind kKinds[] = {
     message_kind<NeighborPosition>(), message_kind<OdometryReport>(), message_kind<GuidingPath>(),
     message_kind<MapRays>(),          message_kind<SharedPath>(),     message_kind<SubmapDescriptor>(),
     message_kind<SubmapPlaces>(),     message_kind<SubmapRequest>(),  message_kind<SubmapChunk>(),
-    message_kind<MapClosures>(),      message_kind<ToldTracks>(),
+    message_kind<MapClosures>(),      message_kind<ToldTracks>(),     message_kind<ChaseReport>(),
 };
 
 /// What recordings add to the content of a message.

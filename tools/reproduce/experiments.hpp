@@ -28,6 +28,7 @@ void detection_shared(Experiment& experiment);     // detection_shared.cpp
 void interception(Experiment& experiment);        // interception.cpp
 void interception_lidar(Experiment& experiment);  // interception_lidar.cpp
 void interception_speed(Experiment& experiment);  // interception_lidar.cpp
+void interception_team(Experiment& experiment);   // interception_team.cpp
 
 // Cooperative guidance
 void gap_success(Experiment& experiment);      // gap_success.cpp

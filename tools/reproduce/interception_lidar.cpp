@@ -9,66 +9,14 @@
 #include <vector>
 
 #include "experiments.hpp"
+#include "interception_hunt.hpp"
 #include "parallel.hpp"
-#include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/plot/plot.hpp"
 
 namespace swiftlet::tools {
 namespace {
 
-using Overrides = std::vector<std::pair<std::string, std::string>>;
-
-constexpr int kFirstHunt = 500;                    // the planner was tuned on others
-constexpr double kDocumentSpeed_mps = 5.0;         // of the target in the document
-constexpr double kAccelerationTime_s = 1.0 / 0.6;  // the intruder's greatest speed over its greatest acceleration
-constexpr double kNearestIntruder_m = 10.0;
-constexpr double kField_m = 16.0, kLowest_m = 6.5, kHighest_m = 10.5;  // of starts, inside of the intruder's box
 constexpr const char* kHuntMethods[] = {"mpc", "frpn", "proportional_navigation", "pure_pursuit"};
-
-/// A LiDAR with the detector that suits it.
-struct HuntEye {
-  const char* name;
-  Overrides overrides;
-};
-
-HuntEye os1_eye() { return {"OS1-128", {}}; }
-
-/// Upside down, because the net hangs below; few of its beams meet a target, so that scans are fused before deciding.
-HuntEye mid360_eye() {
-  return {"Mid-360",
-          {{"vehicles[0].sensors[0].model", "mid360"},
-           {"vehicles[0].sensors[0].mount", "{position_m: [0, 0, -0.12], rpy_deg: [180, 0, 0]}"},
-           {"vehicles[0].agent.detector", "{type: track_before_detect}"},
-           {"vehicles[0].agent.tracker", "{type: detector}"},
-           {"vehicles[0].agent.guidance.search", "{timeout_s: 60, fov_bottom_deg: -52, fov_top_deg: 7, range_m: 25}"}}};
-}
-
-/// Flight `number`: another field, other starts, another flight of the intruder.
-sim::Scenario hunt(int number, const char* method, double speed_mps, const Overrides& changes) {
-  const auto n = static_cast<std::uint32_t>(kFirstHunt + number);
-  const Random random(1, "interception.lidar");
-  const auto place = [&](std::uint32_t index) {
-    return Vector3(random.uniform(-kField_m, kField_m, n, index), random.uniform(-kField_m, kField_m, n, index + 1),
-                   random.uniform(kLowest_m, kHighest_m, n, index + 2));
-  };
-  const auto text = [](const Vector3& p_m) {
-    return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", p_m.x(), p_m.y(), p_m.z());
-  };
-  const Vector3 hunter_m = place(0);
-  Vector3 intruder_m = place(4);
-  for (std::uint32_t draw = 2; (intruder_m - hunter_m).norm() < kNearestIntruder_m; ++draw)
-    intruder_m = place(4 * draw);
-  Overrides overrides = {
-      {"vehicles[0].agent.guidance.method", method},
-      {"vehicles[0].start.position_m", text(hunter_m)},
-      {"vehicles[1].start.position_m", text(intruder_m)},
-      {"vehicles[1].agent.guidance.seed", std::to_string(n)},
-      {"vehicles[1].agent.guidance.speed_mps", fmt::format("{:g}", speed_mps)},
-      {"vehicles[1].agent.guidance.acceleration_mps2", fmt::format("{:.3f}", speed_mps / kAccelerationTime_s)}};
-  overrides.insert(overrides.end(), changes.begin(), changes.end());
-  return scenario_with("reproduce/interception_lidar.yaml", n, overrides);
-}
 
 /// What came out of some hunts.
 struct HuntTally {
@@ -82,13 +30,7 @@ struct HuntTally {
 /// Each flight ends when the interceptor believes that it is done, or gave up, or when somebody has crashed.
 HuntTally fly_hunts(const Experiment& experiment, const std::vector<sim::Scenario>& scenarios, const std::string& name,
                     CsvTable& csv) {
-  const std::vector<sim::RunSummary> runs =
-      fly(experiment, scenarios, {.is_over = [](const sim::Simulation& simulation) {
-            const auto& events = simulation.view().events;
-            return std::any_of(events.begin(), events.end(), [](const auto& event) {
-              return event.kind == "mission_done" || event.kind == "mission_failed" || event.kind == "crash";
-            });
-          }});
+  const std::vector<sim::RunSummary> runs = fly(experiment, scenarios, {.is_over = hunt_is_over});
   const std::vector<double> captures = metric_of(runs, "captures", "interceptor");
   const std::vector<double> first_s = metric_of(runs, "time_to_first_capture_s", "interceptor");
   const std::vector<double> recall = metric_of(runs, "track_recall", "interceptor");

@@ -18,10 +18,11 @@ inline const MotionLimits kFast{8.0, 4.0, 60.0, 4.0, 2.0, 60.0, 2.0, 2.0};
 /// A vehicle that is exactly where its reference is, and tracks that tests tell by a function of time.
 class Hunt {
  public:
-  explicit Hunt(const InterceptConfig& config, const Vector3& start_m) {
+  explicit Hunt(const InterceptConfig& config, const Vector3& start_m, VehicleId self = 0, int num_vehicles = 2) {
     setup_.T_local_body_start = make_pose(start_m, Eigen::Quaterniond::Identity());
+    setup_.self = self;
     setup_.vehicle_names = {"interceptor", "target"};
-    setup_.num_vehicles = 2;
+    setup_.num_vehicles = num_vehicles;
     Module module(guidance_module_types(), "intercept");
     module.as<InterceptConfig>() = config;
     guidance = make_guidance(module, {setup_, kFast});
@@ -29,6 +30,7 @@ class Hunt {
     estimate_.T_local_body = setup_.T_local_body_start;
   }
 
+  /// @param before_tick  tells tracks, and what the radio brings
   void run(double duration_s, const std::function<void(double t_s, Hunt&)>& before_tick) {
     const TimeNs end = observation_.t + from_seconds(duration_s);
     while (observation_.t < end) {
@@ -42,7 +44,8 @@ class Hunt {
                       .poses = poses_,
                       .tracks = tracks,
                       .map = map},
-                     out, outbox_);
+                     out, outbox);
+      observation_.messages.clear();
       EXPECT_TRUE(out.goal_is_feasible);
       EXPECT_LE(out.goal.velocity_mps.head<2>().norm(), kFast.horizontal_speed_mps * (1 + 1e-9));
       EXPECT_LE(out.goal.acceleration_mps2.head<2>().norm(), kFast.horizontal_acceleration_mps2 * (1 + 1e-9));
@@ -67,13 +70,26 @@ class Hunt {
     tracks[0].velocity_mps = v_mps;
     tracks[0].covariance = 1e-4 * Eigen::Matrix<double, 9, 9>::Identity();
   }
+  /// Another track.
+  void sees_also(const Vector3& p_m, const Vector3& v_mps, std::uint32_t id) {
+    tracks.push_back(tracks.empty() ? Track{} : tracks.front());
+    tracks.back().id = id;
+    tracks.back().t = observation_.t;
+    tracks.back().corrected = true;
+    tracks.back().position_m = p_m;
+    tracks.back().velocity_mps = v_mps;
+  }
+  void hears(const Message& message) { observation_.messages.push_back(message); }
   Vector3 p_m() const { return estimate_.T_local_body.translation(); }
+  const Vector3& v_mps() const { return estimate_.v_local_mps; }
+  TimeNs now() const { return observation_.t; }
   double now_s() const { return to_seconds(observation_.t); }
 
   std::unique_ptr<Guidance> guidance;
   std::vector<Track> tracks;
   const OccupancyView* map = nullptr;
   GuidanceOutput out;
+  Outbox outbox;
   std::vector<std::string> notes;
 
  private:
@@ -82,7 +98,6 @@ class Hunt {
   StateEstimate estimate_;
   Observation observation_;
   LocalPoses poses_;
-  Outbox outbox_;
 };
 
 /// On a circle of 10 m at 4 m/s, 15 m high.

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/interception/chase_team.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "swiftlet/core/messages/kind.hpp"
+
+namespace swiftlet {
+namespace {
+
+using Word = ChaseReport::Word;
+
+constexpr VehicleId kSelf = 1, kOther = 2, kThird = 0;
+
+/// One vehicle of three. What the others say comes to it at once.
+struct Team {
+  void says(VehicleId from, Word word, double arrival_s, const Vector3& p_m = {5, 0, 10},
+            const Vector3& v_mps = {0, 2, 0}, const Vector3& target_m = {0, 0, 10}, TimeNs t = -1) {
+    ChaseReport report;
+    report.t = t < 0 ? observation.t : t;
+    report.word = word;
+    report.arrival_s = arrival_s;
+    report.target_world_m = target_m;
+    report.target_world_mps = {1, 0, 0};
+    report.interval_s = 0.5;
+    for (int i = 0; i < 4; ++i) report.places.push_back({(p_m + 0.5 * i * v_mps).cast<float>()});
+    Message message;
+    message.from = from;
+    write_message(report, message);
+    observation.messages = {message};
+    team.listen(observation, {});
+    team.compare_targets({0, 0, 10}, observation.t, 3.0);
+    observation.messages.clear();
+  }
+  void wait(double duration_s) {
+    observation.t += from_seconds(duration_s);
+    team.listen(observation, {});
+  }
+  bool leads(double arrival_s) {
+    team.decide(observation.t, arrival_s);
+    return team.leads();
+  }
+  std::vector<Bystander> bystanders() {
+    std::vector<Bystander> all;
+    all.reserve(8);
+    team.append_bystanders(observation.t, 3.0, 6.0, all);
+    return all;
+  }
+
+  Observation observation;
+  ChaseTeam team{kSelf, 3};
+};
+
+TEST(PathAhead, GoesThroughItsPlacesAndOnAsItEnds) {
+  PathAhead path;
+  path.interval_s = 0.5;
+  path.num_places = 3;
+  path.places_m = {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(1, 2, 0)};
+  EXPECT_TRUE(path.at(0.25).isApprox(Vector3(0.5, 0, 0)));
+  EXPECT_TRUE(path.at(0.75).isApprox(Vector3(1, 1, 0)));
+  EXPECT_TRUE(path.at(1.0).isApprox(Vector3(1, 2, 0)));
+  EXPECT_TRUE(path.at(2.0).isApprox(Vector3(1, 6, 0)));
+  EXPECT_TRUE(path.velocity_mps(0.25).isApprox(Vector3(2, 0, 0)));
+  EXPECT_TRUE(path.velocity_mps(9.0).isApprox(Vector3(0, 4, 0)));
+  path.num_places = 1;
+  EXPECT_TRUE(path.at(3.0).isZero());
+  EXPECT_TRUE(path.velocity_mps(3.0).isZero());
+}
+
+TEST(ChaseTeam, WhoIsAloneLeads) {
+  EXPECT_TRUE(Team().leads(100.0));
+  ChaseTeam alone(0, 1);
+  alone.decide(0, 5.0);
+  EXPECT_TRUE(alone.leads());
+  EXPECT_FALSE(alone.is_time_to_tell(0)) << "nobody is there to hear it";
+}
+
+TEST(ChaseTeam, TheSoonestLeads) {
+  Team here;
+  here.says(kOther, Word::kYields, 2.0);
+  EXPECT_TRUE(here.leads(1.5));
+  EXPECT_FALSE(here.leads(2.5));
+  here.says(kThird, Word::kYields, 1.0);
+  EXPECT_FALSE(here.leads(1.5));
+}
+
+TEST(ChaseTeam, WhoLeadsIsOvertakenByWhoIsClearlySooner) {
+  Team here;
+  here.says(kOther, Word::kYields, 2.0);
+  ASSERT_TRUE(here.leads(1.9));
+  EXPECT_TRUE(here.leads(2.2));
+  EXPECT_FALSE(here.leads(2.4));
+  here.says(kOther, Word::kLeads, 2.0);
+  EXPECT_FALSE(here.leads(1.8));
+  EXPECT_TRUE(here.leads(1.6));
+}
+
+TEST(ChaseTeam, OfTwoAsSoonTheLowerNumberLeads) {
+  Team here;
+  here.says(kOther, Word::kLeads, 2.0);
+  EXPECT_TRUE(here.leads(2.0)) << "it leads from the start, as the other one says of itself";
+  here.says(kThird, Word::kLeads, 2.0);
+  EXPECT_FALSE(here.leads(2.0));
+}
+
+// Two who follow the same rule never both yield, once each has heard the other.
+TEST(ChaseTeam, OneOfTwoLeadsWhateverTheyTell) {
+  for (const double first_s : {1.0, 1.2, 1.5, 3.0}) {
+    for (const double second_s : {1.0, 1.2, 1.5, 3.0}) {
+      for (const bool first_led : {false, true}) {
+        for (const bool second_led : {false, true}) {
+          ChaseTeam teams[2] = {ChaseTeam(0, 2), ChaseTeam(1, 2)};
+          const double arrival_s[2] = {first_s, second_s};
+          const bool led[2] = {first_led, second_led};
+          for (const VehicleId i : {0, 1}) {
+            ChaseReport report;
+            report.word = led[1 - i] ? Word::kLeads : Word::kYields;
+            report.arrival_s = arrival_s[1 - i];
+            report.interval_s = 0.5;
+            report.places.resize(2);
+            Observation observation;
+            observation.messages.resize(1);
+            observation.messages[0].from = 1 - i;
+            write_message(report, observation.messages[0]);
+            // It has no other way to have led, or not.
+            teams[i].decide(0, led[i] ? std::optional(1.0) : std::nullopt);
+            teams[i].listen(observation, {});
+            teams[i].compare_targets(Vector3::Zero(), 0, 3.0);
+            teams[i].decide(0, arrival_s[i]);
+          }
+          EXPECT_NE(teams[0].leads(), teams[1].leads()) << first_s << " " << second_s << " " << first_led << second_led;
+        }
+      }
+    }
+  }
+}
+
+TEST(ChaseTeam, WhoHasAnotherTargetOrNoneDoesNotCount) {
+  Team here;
+  here.says(kOther, Word::kLeads, 1.0, {5, 0, 10}, {0, 2, 0}, {4, 0, 10});
+  EXPECT_TRUE(here.leads(5.0));
+  for (const Word word : {Word::kIdle, Word::kSearches, Word::kCaught}) {
+    here.says(kOther, word, 1.0);
+    EXPECT_TRUE(here.leads(5.0)) << static_cast<int>(word);
+  }
+}
+
+TEST(ChaseTeam, WhoIsSilentIsForgotten) {
+  Team here;
+  here.says(kOther, Word::kLeads, 1.0);
+  here.wait(0.9);
+  EXPECT_FALSE(here.leads(5.0));
+  EXPECT_EQ(here.bystanders().size(), 1U);
+  here.wait(0.2);
+  EXPECT_TRUE(here.leads(5.0));
+  EXPECT_TRUE(here.bystanders().empty());
+  EXPECT_EQ(here.team.chasing({50, 0, 0}, here.observation.t), nullptr);
+}
+
+TEST(ChaseTeam, AnOldReportDoesNotReplaceANewOneAndOneFromTheFutureIsNone) {
+  Team here;
+  here.wait(1.0);
+  const TimeNs earlier = here.observation.t - from_seconds(0.3);
+  here.says(kOther, Word::kLeads, 1.0);
+  here.says(kOther, Word::kIdle, 1.0, {5, 0, 10}, {0, 2, 0}, {0, 0, 10}, earlier);
+  EXPECT_FALSE(here.leads(5.0));
+  here.says(kOther, Word::kIdle, 1.0, {5, 0, 10}, {0, 2, 0}, {0, 0, 10}, here.observation.t + 1);
+  EXPECT_FALSE(here.leads(5.0));
+}
+
+TEST(ChaseTeam, WhoLeadsComesNearerWhileNothingIsHeardAndWhoYieldsDoesNot) {
+  Team here;
+  here.says(kOther, Word::kLeads, 2.3);
+  here.wait(0.8);
+  EXPECT_FALSE(here.leads(1.6));
+  here.says(kOther, Word::kYields, 1.8);
+  here.wait(0.8);
+  EXPECT_TRUE(here.leads(1.6));
+}
+
+TEST(ChaseTeam, ReportsWithoutSenseAndThoseOfStrangersAreNotHeard) {
+  Team here;
+  here.says(7, Word::kLeads, 0.0);
+  here.says(-1, Word::kLeads, 0.0);
+  here.says(kSelf, Word::kLeads, 0.0);
+  ChaseReport empty;
+  empty.word = Word::kLeads;
+  for (const double interval_s : {0.0, -1.0, 0.5}) {
+    empty.interval_s = interval_s;
+    if (interval_s <= 0.0) empty.places.resize(2);
+    if (interval_s > 0.0) empty.places.clear();
+    Message message;
+    message.from = kOther;
+    write_message(empty, message);
+    here.observation.messages = {message};
+    here.team.listen(here.observation, {});
+  }
+  EXPECT_TRUE(here.bystanders().empty());
+  EXPECT_TRUE(here.leads(5.0));
+}
+
+TEST(ChaseTeam, MorePlacesThanFitAreCut) {
+  Team here;
+  ChaseReport report;
+  report.interval_s = 0.1;
+  for (int i = 0; i < 40; ++i) report.places.push_back({Eigen::Vector3f(static_cast<float>(i), 0, 0)});
+  Message message;
+  message.from = kOther;
+  write_message(report, message);
+  here.observation.messages = {message};
+  here.team.listen(here.observation, {});
+  ASSERT_EQ(here.bystanders().size(), 1U);
+  EXPECT_NEAR(here.bystanders()[0].at(2.0).x(), 20.0, 1e-6) << "it goes on as the places that fit";
+}
+
+TEST(ChaseTeam, ALeaderNeedsLittleRoomAndWhoYieldsPlansWithMore) {
+  Team here;
+  here.says(kOther, Word::kYields, 2.0);
+  ASSERT_TRUE(here.leads(1.0));
+  EXPECT_EQ(here.bystanders()[0].radius_m, 1.5);
+  EXPECT_EQ(here.bystanders()[0].plan_room_m, 0.0);
+  here.says(kOther, Word::kLeads, 2.0);
+  here.says(kThird, Word::kYields, 5.0);
+  ASSERT_FALSE(here.leads(3.0));
+  const std::vector<Bystander> all = here.bystanders();
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].radius_m, 3.0);
+  EXPECT_EQ(all[0].plan_room_m, 0.0) << "the third one does not lead";
+  EXPECT_EQ(all[1].radius_m, 3.0);
+  EXPECT_EQ(all[1].plan_room_m, 3.0);
+}
+
+TEST(ChaseTeam, WhoHasCaughtOrIsIdleIsKeptClearOfInFull) {
+  Team here;
+  for (const Word word : {Word::kIdle, Word::kCaught}) {
+    here.says(kOther, word, 2.0);
+    ASSERT_TRUE(here.leads(1.0));
+    EXPECT_EQ(here.bystanders()[0].radius_m, 3.0);
+  }
+}
+
+TEST(ChaseTeam, AFellowIsWhereItsPathLeadsShiftedToWhereItIsSeen) {
+  Team here;
+  here.says(kOther, Word::kYields, 2.0);
+  here.wait(0.5);
+  std::vector<Track> tracks(1);
+  tracks[0].id = 4;
+  tracks[0].t = here.observation.t;
+  tracks[0].position_m = {5.5, 1.0, 10.0};  // it says (5, 1, 10)
+  here.team.recognize(tracks, 7);
+  EXPECT_TRUE(here.team.is_fellow(4));
+  const Bystander other = here.bystanders()[0];
+  EXPECT_NEAR((other.at(0.0) - Vector3(5.5, 1.0, 10.0)).norm(), 0.0, 1e-6);
+  EXPECT_NEAR((other.at(0.5) - Vector3(5.5, 2.0, 10.0)).norm(), 0.0, 1e-6);
+  EXPECT_NEAR((other.velocity_mps(0.5) - Vector3(0, 2, 0)).norm(), 0.0, 1e-6);
+}
+
+// A fellow that is about to catch the target hangs its net over it.
+TEST(ChaseTeam, TheTargetInAFellowsNetIsNotTheFellow) {
+  Team here;
+  here.says(kOther, Word::kLeads, 0.1);
+  std::vector<Track> tracks(1);
+  tracks[0].id = 7;
+  tracks[0].position_m = {5.0, 0.0, 8.4};
+  here.team.recognize(tracks, 7);
+  EXPECT_FALSE(here.team.is_fellow(7));
+  tracks[0].position_m.z() = 9.5;
+  here.team.recognize(tracks, 7);
+  EXPECT_TRUE(here.team.is_fellow(7)) << "two bodies are not that near";
+  tracks.push_back(tracks[0]);
+  tracks[1].id = 8;
+  tracks[1].position_m.z() = 9.9;
+  here.team.recognize(tracks, 7);
+  EXPECT_TRUE(here.team.is_fellow(8)) << "the nearest track is the fellow";
+  EXPECT_FALSE(here.team.is_fellow(7));
+}
+
+TEST(ChaseTeam, HearsThatItsTargetIsCaught) {
+  Team here;
+  here.says(kOther, Word::kCaught, 0.0);
+  EXPECT_FALSE(here.team.has_caught()) << "nobody knows which";
+  here.says(kOther, Word::kYields, 1.0);
+  here.says(kOther, Word::kCaught, 0.0);
+  EXPECT_TRUE(here.team.has_caught());
+}
+
+TEST(ChaseTeam, WhoTakesOneselfForItsTargetTellsOfNone) {
+  Team here;
+  here.says(kOther, Word::kLeads, 1.0);
+  EXPECT_EQ(here.team.chasing({1, 0, 10}, here.observation.t), nullptr);
+  EXPECT_NE(here.team.chasing({4, 0, 10}, here.observation.t), nullptr);
+}
+
+TEST(ChaseTeam, WhatItTellsIsWhatItIsTold) {
+  ChaseTeam team(0, 2);
+  PathAhead path;
+  path.num_places = 2;
+  path.places_m[0] = {1, 2, 3};
+  path.places_m[1] = {1.5, 2, 3};
+  Outbox outbox(0);
+  ASSERT_TRUE(team.is_time_to_tell(0));
+  team.tell(Word::kYields, 0, 1.25, {{4, 5, 6}, {1, 0, 0}, {0, 0, 0}}, path, {}, outbox);
+  EXPECT_FALSE(team.is_time_to_tell(from_seconds(0.05)));
+  EXPECT_TRUE(team.is_time_to_tell(from_seconds(0.11)));
+  ASSERT_EQ(outbox.messages().size(), 1U);
+  Observation observation;
+  observation.messages = outbox.messages();
+  ChaseTeam other(1, 2);
+  other.listen(observation, {});
+  ASSERT_NE(other.chasing({50, 0, 0}, 0), nullptr);
+  const Fellow& fellow = *other.chasing({50, 0, 0}, 0);
+  EXPECT_EQ(fellow.arrival_s, 1.25);
+  EXPECT_TRUE(fellow.at(from_seconds(0.25)).isApprox(Vector3(1.5, 2, 3)));
+  EXPECT_TRUE(fellow.target_at(from_seconds(2.0)).p_m.isApprox(Vector3(6, 5, 6)));
+}
+
+}  // namespace
+}  // namespace swiftlet

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "experiment.hpp"
+#include "parallel.hpp"
+
+/// The flights of Pliska et al. (IEEE RA-L 9(10), 2024): truth as input, targets on random trajectories.
+namespace swiftlet::tools {
+
+/// The greatest speeds and accelerations of the targets: two accounts of the paper disagree.
+struct TargetLimits {
+  const char* name;
+  double speed_mps, acceleration_mps2;
+};
+inline constexpr TargetLimits kTargetLimits[] = {{"8 m/s", 8.0, 4.0}, {"10 m/s", 10.0, 8.0}};
+
+/// One of the trajectories, from one of its starts. How hard a trajectory is, is drawn as well.
+sim::Scenario protocol_flight(const char* method, const TargetLimits& limits, int trajectory, int start);
+
+}  // namespace swiftlet::tools
