@@ -16,7 +16,7 @@ constexpr double kSilent_s = 1.0;               // an older report says nothing
 constexpr double kSay_s = 0.1;                  // from report to report
 constexpr double kLeadHold_s = 0.3;             // who leads is overtaken by more than this
 constexpr double kSeenAt_m = 2.5, kIs_m = 1.0;  // a track this near to a fellow is of it; also that of the target
-constexpr double kLeaderShare = 0.5;  // of the clearance is what a leader keeps from those who yield
+constexpr double kLeaderShare = 0.5;            // of the clearance is what a leader keeps from those who yield
 
 }  // namespace
 

@@ -53,6 +53,7 @@ class ChaseTeam {
   /// @param arrival_s  own; nothing: it does not chase
   void decide(TimeNs now, std::optional<double> arrival_s);
   bool leads() const { return leads_; }
+  bool yields() const { return leader_ != kNoVehicle && leader_ != self_; }
   /// All fellows, to be kept clear of. A leader keeps half of it from those who yield to it, and these plan with more.
   void append_bystanders(TimeNs now, double clearance_m, double yield_clearance_m,
                          std::vector<Bystander>& bystanders) const;

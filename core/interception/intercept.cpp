@@ -28,6 +28,7 @@ constexpr double kSameHeight_m = 0.05;
 constexpr double kNoSide_m = 0.05;
 constexpr double kSureFor_s = 0.5;                // a target not seen for longer is not believed to be in the net
 constexpr double kTold_m = 0.5, kTold_mps = 1.0;  // standard deviations of a target that another one sees
+constexpr double kLeadInVain_s = 6.0, kTired_s = 4.0;
 constexpr double kNeverThere_s = 1e3, kTakenFar_m = 1e6;
 constexpr int kPathParts = 5;         // steps of the governor from place to place of a path that is told
 constexpr double kSlowest_mps = 0.5;  // slower than this, a velocity tells no direction
@@ -135,7 +136,7 @@ class Intercept : public Guidance {
         const double off_m = (track.position_m - expected_m(gone_s)).norm();
         const bool same = track.id == target_id_;
         const bool other = mode_ == Mode::kChasing && !same && off_m > kSameTarget_m + kSameTarget_mps * gone_s;
-        if (other && (team_.leads() || !is_free)) continue;
+        if (other && !(team_.yields() && is_free)) continue;
         if (!other) distance_m = same ? -1.0 : off_m;
       }
       if (!is_free) distance_m += kTakenFar_m;
@@ -313,26 +314,31 @@ class Intercept : public Guidance {
     goal_local_m_ = search_.most_probable();
   }
 
-  /// Who can be there first leads.
+  bool chases() const { return mode_ == Mode::kChasing || mode_ == Mode::kLeaving; }
+
+  /// Who can be there first leads. Who has led for long in vain lets others try: something that it cannot see in its
+  /// time to go keeps it off.
   void divide_task() {
+    const double change_s = team_.leads() && chases() ? since_check_s_ : -since_check_s_;
+    led_for_s_ = std::clamp(led_for_s_ + change_s, 0.0, kLeadInVain_s + kTired_s);
     arrival_s_ = kNeverThere_s;
-    const bool chases = mode_ == Mode::kChasing || mode_ == Mode::kLeaving;
-    if (chases) {
+    const bool could = chases() && outside_s_ == 0.0;
+    if (could) {
       const Reference& r = governor_.state();
       arrival_s_ = planner_.least_time_s({r.position_m, r.velocity_mps, r.acceleration_mps2}, target_, to_target_m());
+      arrival_s_ += std::max(0.0, led_for_s_ - kLeadInVain_s);
       if (mode_ == Mode::kLeaving) arrival_s_ += config_.after_capture_s;
     }
-    team_.decide(now_, chases ? std::optional(arrival_s_) : std::nullopt);
+    team_.decide(now_, could ? std::optional(arrival_s_) : std::nullopt);
   }
 
   void tell(const StateEstimate& estimate, Outbox& outbox) {
-    const bool chases = mode_ == Mode::kChasing || mode_ == Mode::kLeaving;
     const bool caught = mode_ == Mode::kDone && captured_;
-    const ChaseReport::Word word = chases   ? team_.leads() ? ChaseReport::Word::kLeads : ChaseReport::Word::kYields
+    const ChaseReport::Word word = chases() ? team_.leads() ? ChaseReport::Word::kLeads : ChaseReport::Word::kYields
                                    : caught ? ChaseReport::Word::kCaught
                                    : mode_ == Mode::kSearching ? ChaseReport::Word::kSearches
                                                                : ChaseReport::Word::kIdle;
-    const PointState target = chases ? target_.at(0.0) : PointState{goal_local_m_, Vector3::Zero(), Vector3::Zero()};
+    const PointState target = chases() ? target_.at(0.0) : PointState{goal_local_m_, Vector3::Zero(), Vector3::Zero()};
     team_.tell(word, now_, arrival_s_, target, path_ahead(), FrameChange::to_world(estimate), outbox);
   }
 
@@ -482,61 +488,11 @@ class Intercept : public Guidance {
   std::optional<Vector3> last_net_m_;  // where the target was, seen from the net
   bool armed_ = true, captured_now_ = false, captured_ = false;
   TimeNs now_ = 0;
-  double arrival_s_ = 0.0;
+  double arrival_s_ = 0.0, led_for_s_ = 0.0;
   int captures_ = 0;
 };
 
 }  // namespace
-
-void ChasePlanConfig::visit(ConfigVisitor& v) {
-  v.field("steps", steps, "[-] of the plan", Range::between(2, ChaseMpc::kMaxSteps));
-  v.field("horizon_min_s", horizon_min_s, "[s] the plan is no shorter", Range{0.1, 60.0});
-  v.field("horizon_max_s", horizon_max_s, "[s] and no longer; otherwise 1.3 times the time to go", Range{0.1, 60.0});
-  v.field("weight_before", weight_before, "[-] of squared distances before the meeting, against 1 at it",
-          Range::probability());
-  v.field("weight_after", weight_after, "[-] and after it; 1: it stays with the target, and comes later for that",
-          Range::probability());
-  v.field("meeting_s", meeting_s, "[s] how long the meeting lasts", Range::positive());
-  v.field("velocity_weight", velocity_weight, "[s^2] of the squared difference of velocities at the meeting",
-          Range::non_negative());
-  v.field("hold_m", hold_m, "[m] a disc stays above or below the target by this until they meet",
-          Range::non_negative());
-  v.field("through_m", through_m, "[m] and then goes through it by this", Range::non_negative());
-  v.field("crossing_mps", crossing_mps, "[m/s] at which a disc goes through the target's height", Range::positive());
-  v.field("crossing_delay_s", crossing_delay_s,
-          "[s] after the target is within reach a disc goes through, earlier when it would be out of reach by then",
-          Range::non_negative());
-  v.object("solver", solver, "of the condensed problem");
-  v.check(horizon_max_s >= horizon_min_s, "horizon_max_s", "at least horizon_min_s");
-}
-
-void InterceptConfig::visit(ConfigVisitor& v) {
-  v.choice("method", method, {"mpc", "frpn", "proportional_navigation", "pure_pursuit"},
-           "[-] plan by model predictive control, or one of the laws with which that is compared");
-  v.field("target", target, "[-] vehicle to catch, with tracker ground_truth only; empty: the nearest track");
-  v.field("captures", captures, "[-] then it is done; 0: goes on for ever", Range::non_negative());
-  v.object("net", net, "what catches");
-  v.field("sure_share", sure_share, "[-] of the net's size: a target believed to be that near its middle is caught",
-          Range{0.0, 1.0, true, false});
-  v.object("fence", fence, "where it may fly");
-  v.choice("walls", walls, {"none", "map"},
-           "[-] what it keeps clear of beside the fence: what the mapping stage knows");
-  v.field("clearance_m", clearance_m, "[m] from its center to what the map knows", Range::positive());
-  v.field("target_clearance_m", target_clearance_m, "[m] from its center to that of the target; 0: any",
-          Range::non_negative());
-  v.field("bystander_clearance_m", bystander_clearance_m, "[m] from its center to that of any other track",
-          Range::non_negative());
-  v.field("yield_clearance_m", yield_clearance_m,
-          "[m] plans keep this distance to another interceptor that is there sooner", Range::non_negative());
-  v.field("period_s", period_s, "[s] from plan to plan", Range{0.004, 1.0});
-  v.field("track_timeout_s", track_timeout_s, "[s] a track that is older is lost", Range::positive());
-  v.field("after_capture_s", after_capture_s, "[s] it leaves a target that it caught for this at most, if it goes on",
-          Range::non_negative());
-  v.object("plan", plan, "of method mpc");
-  v.object("prediction", prediction, "of the target");
-  v.object("gains", gains, "of the other methods");
-  v.object("search", search, "for a target that was lost");
-}
 
 std::unique_ptr<Guidance> make_intercept(const ModuleConfig& config, const GuidanceSetup& setup) {
   return std::make_unique<Intercept>(dynamic_cast<const InterceptConfig&>(config), setup);

@@ -72,33 +72,54 @@ int count_contacts(const std::vector<sim::RunSummary>& runs) {
   }));
 }
 
-/// Does a second interceptor shorten the chase? Compared with each of both alone.
-void two_against_one(Experiment& experiment, const std::string& name, const Duels& duels,
-                     const std::function<bool(const sim::Simulation&)>& is_over, CsvTable& csv) {
-  const double duration_s = duels.team.front().duration_s;
-  const std::vector<double> first_s = first_captures_s(fly(experiment, duels.first, {.is_over = is_over}), duration_s);
-  const std::vector<double> second_s =
-      first_captures_s(fly(experiment, duels.second, {.is_over = is_over}), duration_s);
-  Nearness nearness(duels.team.size());
-  const std::vector<sim::RunSummary> runs = fly(experiment, duels.team, nearness.notes(is_over));
-  const std::vector<double> team_s = first_captures_s(runs, duration_s);
-  std::vector<double> sooner_s = first_s;
-  for (std::size_t i = 0; i < team_s.size(); ++i) {
-    sooner_s[i] = std::min(first_s[i], second_s[i]);
-    csv.row(name, {static_cast<double>(i), first_s[i], second_s[i], team_s[i], nearness.least_m[i]});
+/// Does a second interceptor shorten the chase? Compared with each of both alone, as is the radio that it needs.
+class Comparison {
+ public:
+  Comparison(Experiment& experiment, CsvTable& csv, std::string name, Duels duels,
+             std::function<bool(const sim::Simulation&)> is_over = {})
+      : experiment_(experiment),
+        csv_(csv),
+        name_(std::move(name)),
+        duels_(std::move(duels)),
+        is_over_(std::move(is_over)),
+        duration_s_(duels_.team.front().duration_s),
+        first_s_(first_captures_s(fly(experiment, duels_.first, {.is_over = is_over_}), duration_s_)),
+        second_s_(first_captures_s(fly(experiment, duels_.second, {.is_over = is_over_}), duration_s_)) {}
+
+  void tell(const std::string& what, const sim::RadioConfig& radio = {}) {
+    for (sim::Scenario& scenario : duels_.team) scenario.radio = radio;
+    Nearness nearness(duels_.team.size());
+    const std::vector<sim::RunSummary> runs = fly(experiment_, duels_.team, nearness.notes(is_over_));
+    const std::vector<double> team_s = first_captures_s(runs, duration_s_);
+    std::vector<double> sooner_s = first_s_;
+    for (std::size_t i = 0; i < team_s.size(); ++i) {
+      sooner_s[i] = std::min(first_s_[i], second_s_[i]);
+      csv_.row(name_ + what, {static_cast<double>(i), first_s_[i], second_s_[i], team_s[i], nearness.least_m[i]});
+    }
+    const double one_s = 0.5 * (mean_and_deviation(first_s_).mean + mean_and_deviation(second_s_).mean);
+    const double change = mean_and_deviation(team_s).mean / one_s - 1.0;
+    experiment_.row({name_ + what + ": first capture by two against that by one [-]", fmt::format("{:+.2f}", change),
+                     Verdict::kNotJudged,
+                     fmt::format("{} s against {} s, {} flights; the sooner of two who fly alone: {} s",
+                                 short_number(mean_and_deviation(team_s).mean, 3), short_number(one_s, 3),
+                                 team_s.size(), short_number(mean_and_deviation(sooner_s).mean, 3)),
+                     change});
+    const double least_m = *std::min_element(nearness.least_m.begin(), nearness.least_m.end());
+    experiment_.row({name_ + what + ": least distance of the two from each other [m]", short_number(least_m, 3),
+                     Verdict::kNotJudged,
+                     duels_.team.front().physics.contacts ? fmt::format("{} contacts", count_contacts(runs)) : "",
+                     least_m});
   }
-  const double one_s = 0.5 * (mean_and_deviation(first_s).mean + mean_and_deviation(second_s).mean);
-  const double two_s = mean_and_deviation(team_s).mean;
-  experiment.row({name + ": first capture by two against that by one [-]", fmt::format("{:+.2f}", two_s / one_s - 1.0),
-                  Verdict::kNotJudged,
-                  fmt::format("{} s against {} s, {} flights of each; the sooner of two who fly alone: {} s",
-                              short_number(two_s, 3), short_number(one_s, 3), team_s.size(),
-                              short_number(mean_and_deviation(sooner_s).mean, 3)),
-                  two_s / one_s - 1.0});
-  const double least_m = *std::min_element(nearness.least_m.begin(), nearness.least_m.end());
-  experiment.row({name + ": least distance of the two from each other [m]", short_number(least_m, 3),
-                  Verdict::kNotJudged, fmt::format("{} contacts", count_contacts(runs)), least_m});
-}
+
+ private:
+  Experiment& experiment_;
+  CsvTable& csv_;
+  std::string name_;
+  Duels duels_;
+  std::function<bool(const sim::Simulation&)> is_over_;
+  double duration_s_;
+  std::vector<double> first_s_, second_s_;
+};
 
 }  // namespace
 
@@ -109,14 +130,18 @@ void interception_team(Experiment& experiment) {
     Duels duels;
     for (int i = 0; i < flights; ++i)
       duels.add(protocol_flight("mpc", limits, i, 0), protocol_flight("mpc", limits, i, 1));
-    two_against_one(experiment, fmt::format("truth as input, up to {}", limits.name), duels, {}, csv);
+    Comparison comparison(experiment, csv, fmt::format("truth as input, up to {}", limits.name), std::move(duels));
+    comparison.tell("");
+    comparison.tell(", radio 0.3 s late", {.delay_s = 0.3});
+    comparison.tell(", half of the messages lost", {.loss_probability = 0.5});
+    comparison.tell(", no radio", {.loss_probability = 1.0});
   }
   Duels duels;
   for (int i = 0; i < std::max(1, flights / 5); ++i) {
     const Overrides& eye = os1_eye().overrides;
     duels.add(hunt(i, "mpc", kDocumentSpeed_mps, eye), hunt(i, "mpc", kDocumentSpeed_mps, eye, 1));
   }
-  two_against_one(experiment, "OS1-128, up to 5 m/s", duels, hunt_is_over, csv);
+  Comparison(experiment, csv, "OS1-128, up to 5 m/s", std::move(duels), hunt_is_over).tell("");
   experiment.write("team.csv", csv);
 }
 

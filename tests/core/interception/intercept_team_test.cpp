@@ -19,7 +19,10 @@ using testing::Hunt;
 class Pair {
  public:
   Pair(const InterceptConfig& config, const Vector3& first_m, const Vector3& second_m, double delay_s = 0.01)
-      : delay_(from_seconds(delay_s)), hunts{Hunt(config, first_m, 0, 2), Hunt(config, second_m, 1, 2)} {}
+      : Pair(config, config, first_m, second_m, delay_s) {}
+  Pair(const InterceptConfig& first, const InterceptConfig& second, const Vector3& first_m, const Vector3& second_m,
+       double delay_s = 0.01)
+      : delay_(from_seconds(delay_s)), hunts{Hunt(first, first_m, 0, 2), Hunt(second, second_m, 1, 2)} {}
 
   /// @param sees  tells the tracks of one of them, beside the other one, which is track 50
   void run(double duration_s, const std::function<void(int which, Hunt&)>& sees) {
@@ -150,6 +153,29 @@ TEST(InterceptTeam, WhenTheLeaderFallsSilentTheOtherOneTakesOver) {
   pair.radio = false;
   pair.run(1.3, far_away);
   EXPECT_EQ(pair.words[1], ChaseReport::Word::kLeads);
+}
+
+/// Two of which the first has a wall of its fence between itself and the target.
+TEST(InterceptTeam, WhoseFenceKeepsItFromTheTargetDoesNotHoldUpTheOtherOne) {
+  InterceptConfig near_config, far_config;
+  near_config.fence.max_m.x() = 5.0;
+  near_config.fence.patience_s = 100.0;
+  Pair pair(near_config, far_config, {2.0, 0.0, 14.0}, {2.0, 24.0, 14.0});
+  pair.run(10.0, [](int, Hunt& hunt) { hunt.sees({9.0, 0.0, 12.0}, Vector3::Zero()); });
+  EXPECT_TRUE(pair.captured(1));
+  EXPECT_TRUE(pair.noted(0, "another one has captured it"));
+}
+
+// The target hovers inside of its fence, so high that the net below cannot be brought there.
+TEST(InterceptTeam, WhoLeadsInVainLetsTheOtherOneTry) {
+  InterceptConfig low_config, polite_config;
+  low_config.fence.max_m.z() = 15.0;
+  polite_config.yield_clearance_m = 15.0;  // from there it is never the soonest
+  Pair pair(low_config, polite_config, {-8.0, 0.0, 14.0}, {-20.0, 24.0, 15.0});
+  pair.run(25.0, [](int, Hunt& hunt) { hunt.sees({4.0, 0.0, 14.8}, Vector3::Zero()); });
+  EXPECT_TRUE(pair.captured(1));
+  EXPECT_FALSE(pair.captured(0));
+  EXPECT_GT(pair.least_m, 1.4);
 }
 
 }  // namespace
