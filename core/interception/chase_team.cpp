@@ -46,7 +46,7 @@ void ChaseTeam::listen(const Observation& observation, const FrameChange& to_loc
     fellow.path.num_places = std::min(static_cast<int>(heard_.places.size()), PathAhead::kMaxPlaces);
     for (int i = 0; i < fellow.path.num_places; ++i) {
       const auto place = static_cast<std::size_t>(i);
-      fellow.path.places_m[place] = to_local.point(heard_.places[place].p_world_m.cast<double>());
+      fellow.path.places_local_m[place] = to_local.point(heard_.places[place].p_world_m.cast<double>());
     }
   }
   for (Heard& heard : fellows_) heard.fresh = heard.fresh && to_seconds(observation.t - heard.fellow.t) < kSilent_s;
@@ -55,7 +55,7 @@ void ChaseTeam::listen(const Observation& observation, const FrameChange& to_loc
 void ChaseTeam::recognize(std::span<const Track> tracks, std::uint32_t target) {
   for (Heard& heard : fellows_) {
     heard.track = 0;
-    heard.fellow.off_m.setZero();
+    heard.fellow.off_local_m.setZero();
     if (!heard.fresh) continue;
     double nearest_m = std::numeric_limits<double>::infinity();
     for (const Track& track : tracks) {
@@ -63,7 +63,7 @@ void ChaseTeam::recognize(std::span<const Track> tracks, std::uint32_t target) {
       if (off_m.norm() > (track.id == target ? kIs_m : kSeenAt_m) || off_m.norm() >= nearest_m) continue;
       nearest_m = off_m.norm();
       heard.track = track.id;
-      heard.fellow.off_m = off_m;
+      heard.fellow.off_local_m = off_m;
     }
   }
 }
@@ -114,7 +114,7 @@ void ChaseTeam::append_bystanders(TimeNs now, double clearance_m, double yield_c
     const double age_s = to_seconds(now - fellow.t);
     const bool yields = leads_ && fellow.same_target && fellow.word != Word::kCaught;
     Bystander bystander;
-    bystander.p_local_m = fellow.at(now) + fellow.off_m;
+    bystander.p_local_m = fellow.at(now) + fellow.off_local_m;
     bystander.v_local_mps = fellow.path.velocity_mps(age_s);
     bystander.radius_m = yields ? kLeaderShare * clearance_m : clearance_m;
     if (leader_ == static_cast<VehicleId>(i)) bystander.plan_room_m = std::max(0.0, yield_clearance_m - clearance_m);
@@ -149,7 +149,7 @@ void ChaseTeam::tell(ChaseReport::Word word, TimeNs now, double arrival_s, const
   said_.interval_s = path.interval_s;
   said_.places.clear();
   for (int i = 0; i < path.num_places; ++i) {
-    said_.places.push_back({to_world.point(path.places_m[static_cast<std::size_t>(i)]).cast<float>()});
+    said_.places.push_back({to_world.point(path.places_local_m[static_cast<std::size_t>(i)]).cast<float>()});
   }
   write_message(said_, outbox.say());
 }

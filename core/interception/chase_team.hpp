@@ -21,10 +21,10 @@ struct Fellow {
   ChaseReport::Word word = ChaseReport::Word::kIdle;
   TimeNs t = 0;  ///< of the report
   double arrival_s = 0.0;
-  PathAhead path;                   ///< from the report's time on
-  PointState target;                ///< at the report's time
-  bool same_target = false;         ///< as one's own
-  Vector3 off_m = Vector3::Zero();  ///< from where it says to be to where it is seen
+  PathAhead path;                         ///< from the report's time on
+  PointState target;                      ///< at the report's time
+  bool same_target = false;               ///< as one's own
+  Vector3 off_local_m = Vector3::Zero();  ///< from where it says to be to where it is seen
 
   Vector3 at(TimeNs now) const { return path.at(to_seconds(now - t)); }
   PointState target_at(TimeNs now) const;

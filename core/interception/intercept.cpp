@@ -347,12 +347,12 @@ class Intercept : public Guidance {
     const double yaw_rad = yaw_rad_;
     ReferenceGovernor tried = governor_;
     PathAhead path;
-    path.places_m[0] = tried.state().position_m + bias_local_m_;
+    path.places_local_m[0] = tried.state().position_m + bias_local_m_;
     double ahead_s = 0.0;
     for (path.num_places = 1; path.num_places < PathAhead::kMaxPlaces; ++path.num_places) {
       for (int i = 0; i < kPathParts; ++i, ahead_s += path.interval_s / kPathParts)
         fly(tried, since_check_s_ + ahead_s, ahead_s, path.interval_s / kPathParts);
-      path.places_m[static_cast<std::size_t>(path.num_places)] = tried.state().position_m + bias_local_m_;
+      path.places_local_m[static_cast<std::size_t>(path.num_places)] = tried.state().position_m + bias_local_m_;
     }
     yaw_rad_ = yaw_rad;
     return path;

@@ -11,18 +11,18 @@ namespace swiftlet {
 /// Where somebody will be in the next seconds: places at equal times, joined by straight lines. It goes on as it ends.
 struct PathAhead {
   static constexpr int kMaxPlaces = 13;
-  std::array<Vector3, kMaxPlaces> places_m;
+  std::array<Vector3, kMaxPlaces> places_local_m;
   int num_places = 0;
   double interval_s = 0.25;
 
   Vector3 at(double t_s) const {
     const int i = leg(t_s);
-    return places_m[static_cast<std::size_t>(i)] + (t_s - i * interval_s) * velocity_mps(t_s);
+    return places_local_m[static_cast<std::size_t>(i)] + (t_s - i * interval_s) * velocity_mps(t_s);
   }
   Vector3 velocity_mps(double t_s) const {
     if (num_places < 2) return Vector3::Zero();
     const auto i = static_cast<std::size_t>(leg(t_s));
-    return (places_m[i + 1] - places_m[i]) / interval_s;
+    return (places_local_m[i + 1] - places_local_m[i]) / interval_s;
   }
 
  private:

@@ -57,7 +57,7 @@ std::span<const ExperimentType> experiment_types() {
       ExperimentType{"interception-speed", "Captures on a LiDAR over the target's speed: two LiDARs, four methods",
                      9000.0, interception_speed},
       ExperimentType{"interception-team", "Two interceptors of one target against one: sooner, and clear of each other",
-                     240.0, interception_team},
+                     1200.0, interception_team},
       ExperimentType{"gap-success", "Success by the width of a gap, five configurations [Pritzl 2024, Fig. 6]", 6000.0,
                      gap_success},
       ExperimentType{"forest-guidance", "A UAV guides a small one through 20 forests [Pritzl 2024, Table II]", 1500.0,

@@ -57,7 +57,7 @@ TEST(PathAhead, GoesThroughItsPlacesAndOnAsItEnds) {
   PathAhead path;
   path.interval_s = 0.5;
   path.num_places = 3;
-  path.places_m = {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(1, 2, 0)};
+  path.places_local_m = {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(1, 2, 0)};
   EXPECT_TRUE(path.at(0.25).isApprox(Vector3(0.5, 0, 0)));
   EXPECT_TRUE(path.at(0.75).isApprox(Vector3(1, 1, 0)));
   EXPECT_TRUE(path.at(1.0).isApprox(Vector3(1, 2, 0)));
@@ -297,8 +297,8 @@ TEST(ChaseTeam, WhatItTellsIsWhatItIsTold) {
   ChaseTeam team(0, 2);
   PathAhead path;
   path.num_places = 2;
-  path.places_m[0] = {1, 2, 3};
-  path.places_m[1] = {1.5, 2, 3};
+  path.places_local_m[0] = {1, 2, 3};
+  path.places_local_m[1] = {1.5, 2, 3};
   Outbox outbox(0);
   ASSERT_TRUE(team.is_time_to_tell(0));
   team.tell(Word::kYields, 0, 1.25, {{4, 5, 6}, {1, 0, 0}, {0, 0, 0}}, path, {}, outbox);
