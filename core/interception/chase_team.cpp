@@ -12,11 +12,23 @@ namespace {
 
 using Word = ChaseReport::Word;
 
-constexpr double kSilent_s = 1.0;               // an older report says nothing
-constexpr double kSay_s = 0.1;                  // from report to report
-constexpr double kLeadHold_s = 0.3;             // who leads is overtaken by more than this
+constexpr double kSilent_s = 1.0;                                         // an older report says nothing
+constexpr double kShortest_s = 0.01, kLongest_s = 10.0;                   // between places that somebody means
+constexpr double kLatest_s = 1e4, kFarthest_m = 1e6, kFastest_mps = 1e3;  // that somebody means
+constexpr double kSay_s = 0.1;                                            // from report to report
+constexpr double kLeadHold_s = 0.3;                                       // who leads is overtaken by more than this
 constexpr double kSeenAt_m = 2.5, kIs_m = 1.0;  // a track this near to a fellow is of it; also that of the target
 constexpr double kLeaderShare = 0.5;            // of the clearance is what a leader keeps from those who yield
+
+/// A radio brings whatever anybody sends.
+bool makes_sense(const ChaseReport& report) {
+  const auto is_near = [](const auto& p_m) { return p_m.cwiseAbs().maxCoeff() < kFarthest_m; };
+  return !report.places.empty() && report.interval_s >= kShortest_s && report.interval_s <= kLongest_s &&
+         std::abs(report.arrival_s) <= kLatest_s && is_near(report.target_world_m) &&
+         report.target_world_mps.cwiseAbs().maxCoeff() < kFastest_mps &&
+         std::all_of(report.places.begin(), report.places.end(),
+                     [&](const ChaseReport::Place& place) { return is_near(place.p_world_m); });
+}
 
 }  // namespace
 
@@ -32,7 +44,8 @@ void ChaseTeam::listen(const Observation& observation, const FrameChange& to_loc
   for (const Message& message : observation.messages) {
     if (message.from == self_ || message.from < 0 || message.from >= static_cast<VehicleId>(fellows_.size())) continue;
     if (read_message(message, heard_) != Reading::kDone) continue;
-    if (heard_.places.empty() || !(heard_.interval_s > 0.0) || heard_.t > observation.t) continue;
+    if (heard_.t > observation.t || heard_.t < observation.t - from_seconds(kSilent_s) || !makes_sense(heard_))
+      continue;
     Heard& heard = fellows_[static_cast<std::size_t>(message.from)];
     if (heard.fresh && heard_.t < heard.fellow.t) continue;
     heard.fresh = true;

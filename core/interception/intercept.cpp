@@ -197,7 +197,6 @@ class Intercept : public Guidance {
     if (!captured_now_) return;
     armed_ = false;
     ++captures_;
-    captured_ = true;
   }
 
   void decide(bool sees, double dt_s, GuidanceOutput& output) {
@@ -333,7 +332,7 @@ class Intercept : public Guidance {
   }
 
   void tell(const StateEstimate& estimate, Outbox& outbox) {
-    const bool caught = mode_ == Mode::kDone && captured_;
+    const bool caught = mode_ == Mode::kDone && captures_ >= config_.captures;
     const ChaseReport::Word word = chases() ? team_.leads() ? ChaseReport::Word::kLeads : ChaseReport::Word::kYields
                                    : caught ? ChaseReport::Word::kCaught
                                    : mode_ == Mode::kSearching ? ChaseReport::Word::kSearches
@@ -486,7 +485,7 @@ class Intercept : public Guidance {
   double side_ = 1.0;
   bool started_ = false, brakes_ = false;
   std::optional<Vector3> last_net_m_;  // where the target was, seen from the net
-  bool armed_ = true, captured_now_ = false, captured_ = false;
+  bool armed_ = true, captured_now_ = false;
   TimeNs now_ = 0;
   double arrival_s_ = 0.0, led_for_s_ = 0.0;
   int captures_ = 0;

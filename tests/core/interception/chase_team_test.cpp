@@ -182,23 +182,36 @@ TEST(ChaseTeam, WhoLeadsComesNearerWhileNothingIsHeardAndWhoYieldsDoesNot) {
 
 TEST(ChaseTeam, ReportsWithoutSenseAndThoseOfStrangersAreNotHeard) {
   Team here;
-  here.says(7, Word::kLeads, 0.0);
-  here.says(-1, Word::kLeads, 0.0);
-  here.says(kSelf, Word::kLeads, 0.0);
-  ChaseReport empty;
-  empty.word = Word::kLeads;
-  for (const double interval_s : {0.0, -1.0, 0.5}) {
-    empty.interval_s = interval_s;
-    if (interval_s <= 0.0) empty.places.resize(2);
-    if (interval_s > 0.0) empty.places.clear();
+  here.wait(5.0);
+  ChaseReport good;
+  good.t = here.observation.t;
+  good.word = Word::kLeads;
+  good.target_world_m = {0, 0, 10};
+  good.interval_s = 0.5;
+  good.places.resize(2);
+  const auto hears = [&](const ChaseReport& report, VehicleId from) {
     Message message;
-    message.from = kOther;
-    write_message(empty, message);
+    message.from = from;
+    write_message(report, message);
     here.observation.messages = {message};
     here.team.listen(here.observation, {});
-  }
-  EXPECT_TRUE(here.bystanders().empty());
+    return !here.bystanders().empty();
+  };
+  for (const VehicleId stranger : {-1, kSelf, 7}) EXPECT_FALSE(hears(good, stranger)) << stranger;
+  std::vector<ChaseReport> bad(10, good);
+  bad[0].interval_s = 0.0;
+  bad[1].interval_s = -1.0;
+  bad[2].interval_s = 1e-300;
+  bad[3].interval_s = 1e300;
+  bad[4].places.clear();
+  bad[5].places[1].p_world_m.x() = 3e38F;
+  bad[6].target_world_m.z() = -1e308;
+  bad[7].target_world_mps.y() = 1e200;
+  bad[8].arrival_s = -1e300;
+  bad[9].t = std::numeric_limits<TimeNs>::min();
+  for (std::size_t i = 0; i < bad.size(); ++i) EXPECT_FALSE(hears(bad[i], kOther)) << i;
   EXPECT_TRUE(here.leads(5.0));
+  EXPECT_TRUE(hears(good, kOther));
 }
 
 TEST(ChaseTeam, MorePlacesThanFitAreCut) {
