@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <vector>
 
 #include "experiments.hpp"
 #include "interception_protocol.hpp"
 #include "parallel.hpp"
-#include "swiftlet/core/math/angles.hpp"
-#include "swiftlet/core/math/random.hpp"
 
 namespace swiftlet::tools {
 namespace {
