@@ -13,15 +13,12 @@ using Eigen::Vector3f;
 
 /// What Embree hands to the callbacks; it knows the first member only.
 struct ExactQuery::Context {
-  RTCIntersectContext embree;
+  EmbreeQuery embree;
   ExactQuery* query;
   const void* packet = nullptr;  // of rays in neighboring lanes
   int packet_size = 0, first_lane = 0;
 
-  Context(ExactQuery* query_in, RTCFilterFunctionN callback) : query(query_in) {
-    rtcInitIntersectContext(&embree);
-    embree.filter = callback;
-  }
+  Context(ExactQuery* query_in, RTCFilterFunctionN callback) : embree(callback), query(query_in) {}
 };
 
 namespace {
@@ -115,10 +112,10 @@ void ExactQuery::trace_singly(int count) {
 void ExactQuery::trace_together() {
   begin();
   Context context(this, take_proposals);
-  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.embree.coherent = true;
   context.packet = &packet_;
   context.packet_size = kPacketSize;
-  rtcIntersect16(kAllLanes.data(), tree_, &context.embree, &packet_);
+  intersect(kAllLanes.data(), tree_, context.embree, packet_);
   conclude();
 }
 
@@ -131,7 +128,7 @@ void ExactQuery::trace_scattered() {
     context.packet = &packet;
     context.packet_size = 8;
     context.first_lane = first;
-    rtcIntersect8(kAllLanes.data(), tree_, &context.embree, &packet);
+    intersect(kAllLanes.data(), tree_, context.embree, packet);
     std::copy_n(packet.hit.u, 8, &packet_.hit.u[first]);
     std::copy_n(packet.hit.v, 8, &packet_.hit.v[first]);
   }
@@ -180,7 +177,7 @@ bool ExactQuery::is_blocked() {
   range_m_[0] = range_max_m_[0];
   Context context(this, judge_at_once);
   RTCRay ray = single_ray(0);
-  rtcOccluded1(tree_, &context.embree, &ray);
+  occluded(tree_, context.embree, ray);
   return met(0);
 }
 
@@ -429,7 +426,7 @@ void ExactQuery::trace_again(int lane) {
   // Nothing lies before the nearest proposal.
   one.ray.tnear = std::max(nearest_proposal_m_[lane] - error_m(nearest_proposal_m_[lane]), 0.0F);
   one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(tree_, &context.embree, &one);
+  intersect(tree_, context.embree, one);
 }
 
 // Embree's callback for single rays. What the rule rejects does not stop the ray.

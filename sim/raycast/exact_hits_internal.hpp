@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <array>
 #include <cstdint>
 
+#include "sim/raycast/embree.hpp"
 #include "sim/raycast/embree_scene.hpp"
 #include "swiftlet/sim/raycast/sweep_scene.hpp"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "sim/raycast/embree.hpp"
 #include "sim/raycast/embree_scene.hpp"
 #include "sim/raycast/exact_hits_internal.hpp"
 #include "sim/raycast/waving_foliage.hpp"
@@ -176,7 +175,7 @@ void check_tree(std::size_t num_triangles, RTCDevice device) {
 
 void commit_tree(RTCScene scene, RTCSceneFlags flags, RTCBuildQuality quality, std::size_t num_triangles,
                  RTCDevice device) {
-  rtcSetSceneFlags(scene, flags | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  rtcSetSceneFlags(scene, flags | kFilterInArguments);
   rtcSetSceneBuildQuality(scene, quality);
   rtcCommitScene(scene);
   check_tree(num_triangles, device);

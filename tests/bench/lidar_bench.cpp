@@ -5,7 +5,6 @@
 // from alternating runs.
 #include <benchmark/benchmark.h>
 #include <btBulletCollisionCommon.h>
-#include <embree3/rtcore.h>
 #include <omp.h>
 
 #include <algorithm>
@@ -198,9 +197,8 @@ class BareEmbree {
                                                                       -1, -1, -1, -1, -1, -1, -1, -1};
     float sum = 0.0F;
     for (const Packet& packet : packets_) {
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      context.flags = coherent_ ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+      EmbreeQuery options;
+      options.coherent = coherent_;
       RTCRayHit16 query;
       for (int i = 0; i < kPacketSize; ++i) {
         query.ray.org_x[i] = packet.values[0][i];
@@ -217,7 +215,7 @@ class BareEmbree {
         query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
         query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
       }
-      rtcIntersect16(kAll.data(), scene_.get(), &context, &query);
+      intersect(kAll.data(), scene_.get(), options, query);
       for (int i = 0; i < kPacketSize; ++i) sum += query.ray.tfar[i];
     }
     return sum;
@@ -300,9 +298,8 @@ class EqualBits {
                                                                       -1, -1, -1, -1, -1, -1, -1, -1};
     float sum = 0.0F;
     for (const Rays& rays : rays_) {
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+      EmbreeQuery options;
+      options.coherent = true;
       RTCRayHit16 query;
       std::copy_n(rays.origin_x.data(), kPacketSize, query.ray.org_x);
       std::copy_n(rays.origin_y.data(), kPacketSize, query.ray.org_y);
@@ -317,7 +314,7 @@ class EqualBits {
         query.ray.id[i] = query.ray.flags[i] = 0;
         query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
       }
-      rtcIntersect16(kAll.data(), plain_.get(), &context, &query);
+      intersect(kAll.data(), plain_.get(), options, query);
       for (int i = 0; i < kPacketSize; ++i) {
         if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
         const Eigen::Vector3f normal(query.hit.Ng_x[i], query.hit.Ng_y[i], query.hit.Ng_z[i]);
