@@ -1,0 +1,38 @@
+# How the compiler is called: through ccache where it works, and as many at a time as the memory has room for.
+
+# A ccache whose folder cannot be written fails at every file, so it is tried first.
+find_program(CCACHE ccache)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(probe ${PROJECT_BINARY_DIR}/ccache_probe.cpp)
+  file(WRITE ${probe} "int main() {}\n")
+  execute_process(COMMAND ${CCACHE} ${CMAKE_CXX_COMPILER} -c ${probe} -o ${probe}.o RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
+  if(failed)
+    message(STATUS "Without ccache: it does not work here (is its folder writable?)")
+  else()
+    # What ccache must overlook to work with precompiled headers (its manual, "Precompiled headers").
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+  endif()
+endif()
+
+# Memory that one compiler takes at most, and the memory that this machine or container gives.
+set(SWIFTLET_COMPILER_MB 1800)
+cmake_host_system_information(RESULT memory_mb QUERY TOTAL_PHYSICAL_MEMORY)
+foreach(limit /sys/fs/cgroup/memory.max /sys/fs/cgroup/memory/memory.limit_in_bytes)
+  if(EXISTS ${limit})
+    file(READ ${limit} bytes)
+    string(STRIP "${bytes}" bytes)
+    if(bytes MATCHES "^[0-9]+$")
+      math(EXPR megabytes "${bytes} / 1000000")
+      if(megabytes LESS memory_mb)
+        set(memory_mb ${megabytes})
+      endif()
+    endif()
+  endif()
+endforeach()
+math(EXPR compilers "${memory_mb} / ${SWIFTLET_COMPILER_MB}")
+if(compilers LESS 1)
+  set(compilers 1)
+endif()
+set_property(GLOBAL PROPERTY JOB_POOLS compilers=${compilers})
+set(CMAKE_JOB_POOL_COMPILE compilers)
+set(CMAKE_JOB_POOL_LINK compilers)
