@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "command_line.hpp"
 
 /// The subcommands of `swiftlet`, one file each. Each adds itself to the program and sets its callback, which throws
@@ -18,8 +20,11 @@ void add_list(CLI::App& app);
 void add_reference(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_dataset(CLI::App& app);
-void add_reproduce(CLI::App& app);
 void add_uncertainty(CLI::App& app);
 void add_manual(CLI::App& app);
+
+/// A program of these subcommands: parses the command line and runs one.
+/// @return the exit status: 0, 1 for a failure, 2 for wrong input, 128 + the signal for an interrupted run
+int run(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& subcommands);
 
 }  // namespace swiftlet::tools

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/program.hpp"
 
+#include <poll.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
@@ -12,6 +15,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "commands.hpp"
@@ -19,6 +23,7 @@
 #include "swiftlet/core/ensure.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/parallel/time_slices.hpp"
+#include "swiftlet/sim/render/render_config.hpp"
 #include "swiftlet/sim/run/version.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
 
@@ -26,6 +31,7 @@ namespace {
 
 constexpr int kBroke = 1;
 constexpr int kWrongInput = 2;
+constexpr int kClosedPipe = 128 + SIGPIPE;  // as a shell reports a program that the signal ended
 
 // The library would only say that a subcommand is missing.
 void require_known_command(const CLI::App& app, const std::string& word) {
@@ -35,6 +41,12 @@ void require_known_command(const CLI::App& app, const std::string& word) {
   if (std::find(known.begin(), known.end(), word) != known.end()) return;
   throw swiftlet::sim::InputError("expected " + swiftlet::sim::one_of(known) + ", found \"" + word + "\"" +
                                   swiftlet::sim::did_you_mean(word, known));
+}
+
+/// `swiftlet list | head`: the reader of the standard output has ended, which is no fault.
+bool output_is_closed() {
+  pollfd output{STDOUT_FILENO, POLLOUT, 0};
+  return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
 }
 
 // The program is built for processors with AVX2; on others it would end in the middle with an illegal instruction.
@@ -48,9 +60,11 @@ bool processor_is_known() {
 #endif
 }
 
-int run_program(int argc, char** argv) {
+int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& subcommands) {
   CLI::App app{"Swiftlet: simulator of teams of UAVs that see with LiDAR", "swiftlet"};
-  app.set_version_flag("--version", std::string(swiftlet::sim::version()) + " (" + swiftlet::sim::git_revision() + ")");
+  const std::string pictures(swiftlet::sim::picture_library());
+  app.set_version_flag("--version", std::string(swiftlet::sim::version()) + " (" + swiftlet::sim::git_revision() +
+                                        (pictures.empty() ? "), without pictures" : "), pictures by " + pictures));
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* program, const CLI::Error& error) {
     std::string command = program->get_name();
@@ -60,24 +74,12 @@ int run_program(int argc, char** argv) {
     }
     return "swiftlet: " + std::string(error.what()) + "\nTry '" + command + " --help'.\n";
   });
-  swiftlet::tools::add_run(app);
-  swiftlet::tools::add_batch(app);
-  swiftlet::tools::add_report(app);
-  swiftlet::tools::add_render(app);
-  swiftlet::tools::add_replay(app);
-  swiftlet::tools::add_world(app);
-  swiftlet::tools::add_check(app);
-  swiftlet::tools::add_list(app);
-  swiftlet::tools::add_reference(app);
-  swiftlet::tools::add_bench(app);
-  swiftlet::tools::add_dataset(app);
-  swiftlet::tools::add_reproduce(app);
-  swiftlet::tools::add_uncertainty(app);
-  swiftlet::tools::add_manual(app);
+  for (const auto& add : subcommands) add(app);
   try {
     require_known_command(app, argc > 1 ? argv[1] : "");
     app.parse(argc, argv);
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
+    if (output_is_closed()) return kClosedPipe;
     std::fprintf(stderr, "swiftlet: cannot write to the standard output: %s\n", std::strerror(errno));
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kWrongInput;
@@ -99,6 +101,9 @@ int run_program(int argc, char** argv) {
   } catch (const std::filesystem::filesystem_error& error) {
     const std::string path = error.path2().empty() ? error.path1().string() : error.path2().string();
     std::fprintf(stderr, "swiftlet: %s: %s\n", path.c_str(), error.code().message().c_str());
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::broken_pipe && output_is_closed()) return kClosedPipe;
+    std::fprintf(stderr, "swiftlet: %s\n", error.what());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "swiftlet: %s\n", error.what());
   }
@@ -107,10 +112,21 @@ int run_program(int argc, char** argv) {
 
 }  // namespace
 
-int swiftlet::main(int argc, char** argv) {
-  swiftlet::sim::ask_for_short_time_slices();
+namespace swiftlet {
+
+int tools::run(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& subcommands) {
+  sim::ask_for_short_time_slices();
   // A closed pipe or a file at its limit is an error of the write, not the end of the run.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  return processor_is_known() ? run_program(argc, argv) : kBroke;
+  return processor_is_known() ? run_program(argc, argv, subcommands) : kBroke;
 }
+
+int main(int argc, char** argv) {
+  return tools::run(argc, argv,
+                    {tools::add_run, tools::add_batch, tools::add_report, tools::add_render, tools::add_replay,
+                     tools::add_world, tools::add_check, tools::add_list, tools::add_reference, tools::add_bench,
+                     tools::add_dataset, tools::add_uncertainty, tools::add_manual});
+}
+
+}  // namespace swiftlet

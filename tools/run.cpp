@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "fly_run.hpp"
+#include "progress.hpp"
 #include "scenario_options.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/replay/live_server.hpp"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "experiments/experiment.hpp"
 #include "progress.hpp"
-#include "reproduce/experiment.hpp"
 #include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::tools {
@@ -94,7 +94,7 @@ void reproduce(const ReproduceOptions& options) {
 
 }  // namespace
 
-void add_reproduce(CLI::App& app) {
+static void add_reproduce(CLI::App& app) {
   auto options = std::make_shared<ReproduceOptions>();
   Subcommand command(app, "reproduce",
                      "Regenerate published experiments: data, plots and a table of published against ours");
@@ -112,3 +112,6 @@ void add_reproduce(CLI::App& app) {
 }
 
 }  // namespace swiftlet::tools
+
+/// The experiments of the literature as a program of its own (tools/experiments), apart from `swiftlet`.
+int main(int argc, char** argv) { return swiftlet::tools::run(argc, argv, {swiftlet::tools::add_reproduce}); }
