@@ -2,10 +2,6 @@
 # COMPONENTS core needs Eigen and Clipper alone.
 include(CMakePackageConfigHelpers)
 
-# Folders that every account can read, whatever the umask of the installing one.
-set(CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
-set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS ${CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS})
-
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/swiftlet)
 get_property(rooms GLOBAL PROPERTY SWIFTLET_ROOMS)
 set(core_targets swiftlet_core swiftlet_options)
