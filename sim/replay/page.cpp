@@ -14,12 +14,19 @@ namespace {
 
 using Script = std::pair<std::string_view, std::string_view>;  // text and its digest
 
-std::array<Script, 5> scripts() {
+/// In the order in which the page runs them.
+std::array<Script, 11> scripts() {
   using namespace embedded;
-  return {{{data_js, data_js_sha256},
+  return {{{names_js, names_js_sha256},
+           {data_js, data_js_sha256},
            {draw_js, draw_js_sha256},
+           {camera_js, camera_js_sha256},
+           {points_js, points_js_sha256},
            {scene_js, scene_js_sha256},
            {plot_js, plot_js_sha256},
+           {captions_js, captions_js_sha256},
+           {panel_js, panel_js_sha256},
+           {input_js, input_js_sha256},
            {app_js, app_js_sha256}}};
 }
 

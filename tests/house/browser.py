@@ -18,7 +18,9 @@ def missing():
 
 
 class Browser:
-    def __init__(self, width=1280, height=800):
+    """A window of a size in pixels of CSS; with a pixel ratio it is the touch screen of a phone."""
+
+    def __init__(self, width=1280, height=800, pixel_ratio=None):
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             port = probe.getsockname()[1]
@@ -32,6 +34,9 @@ class Browser:
         wanted = {"browserName": "chrome", "goog:loggingPrefs": {"browser": "ALL"}, "pageLoadStrategy": "none",
                   "timeouts": {"script": 110000},  # [ms] a busy machine makes the browser's own 30 s too few
                   "goog:chromeOptions": {"args": flags, "binary": shutil.which("chromium") or shutil.which("chromium-browser")}}
+        if pixel_ratio:
+            wanted["goog:chromeOptions"]["mobileEmulation"] = {
+                "deviceMetrics": {"width": width, "height": height, "pixelRatio": pixel_ratio, "touch": True, "mobile": True}}
         for attempt in range(100):
             try:
                 self.session = ""
@@ -85,17 +90,36 @@ class Browser:
         with open(path, "wb") as file:
             file.write(base64.b64decode(self.ask("GET", "/screenshot")))
 
-    def press(self, key):
-        self.ask("POST", "/actions", {"actions": [{"type": "key", "id": "keys", "actions": [
-            {"type": "keyDown", "value": key}, {"type": "keyUp", "value": key}]}]})
+    def press(self, *keys):
+        """Presses keys together and lifts them."""
+        actions = [{"type": "keyDown", "value": key} for key in keys] + [{"type": "keyUp", "value": key} for key in reversed(keys)]
+        self.ask("POST", "/actions", {"actions": [{"type": "key", "id": "keys", "actions": actions}]})
 
-    def click(self, x, y):
-        self.ask("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": [
-            {"type": "pointerMove", "x": round(x), "y": round(y)}, {"type": "pointerDown", "button": 0},
-            {"type": "pointerUp", "button": 0}]}]})
+    def pointer(self, *actions):
+        self.ask("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": list(actions)}]})
+
+    def hover(self, x, y):
+        self.pointer(move(x, y))
+
+    def click(self, x, y, times=1):
+        self.pointer(move(x, y), *times * [DOWN, UP])
 
     def drag(self, x, y, dx, dy):
-        self.ask("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": [
-            {"type": "pointerMove", "x": round(x), "y": round(y)}, {"type": "pointerDown", "button": 0},
-            {"type": "pointerMove", "x": round(x + dx), "y": round(y + dy), "duration": 50},
-            {"type": "pointerUp", "button": 0}]}]})
+        self.pointer(move(x, y), DOWN, move(x + dx, y + dy, 50), UP)
+
+    def wheel(self, x, y, dy):
+        self.ask("POST", "/actions", {"actions": [{"type": "wheel", "id": "wheel", "actions": [
+            {"type": "scroll", "x": round(x), "y": round(y), "deltaX": 0, "deltaY": round(dy)}]}]})
+
+    def touch(self, *paths):
+        """One finger for each path, all at a time: down at its first place, along the others, up."""
+        self.ask("POST", "/actions", {"actions": [
+            {"type": "pointer", "id": f"finger{i}", "parameters": {"pointerType": "touch"},
+             "actions": [move(*path[0]), DOWN, *(move(x, y, 50) for x, y in path[1:]), UP]} for i, path in enumerate(paths)]})
+
+
+DOWN, UP = {"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}
+
+
+def move(x, y, duration_ms=0):
+    return {"type": "pointerMove", "x": round(x), "y": round(y), "duration": duration_ms}

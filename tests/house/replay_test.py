@@ -25,6 +25,7 @@ import browser
 
 SWIFTLET = pathlib.Path(sys.argv[1]).resolve()
 HOSTILE = "</script><script>window.injected=1</script><img src=x onerror='window.injected=2'>"
+TAB, ESCAPE, SHIFT = "\ue004", "\ue00c", "\ue008"
 SCENARIO = """name: yard
 duration_s: 3
 world: {type: hall}
@@ -128,7 +129,9 @@ class Command(Made):
         policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text).group(1)
         self.assertTrue(policy.startswith("default-src 'none'"))
         self.assertNotIn("unsafe", policy)
-        self.assertEqual(policy.count("sha256-"), 6)
+        own = len(re.findall(r"<script>|<style>", text))
+        self.assertGreater(own, 1)
+        self.assertEqual(policy.count("sha256-"), own)
         self.assertIn("BSD 3-Clause", text)
         self.assertIsNone(re.search(r'(src|href)="?https?:', text))
 
@@ -230,11 +233,15 @@ class View(Made):
 
 
 @unittest.skipIf(browser.missing(), f"{browser.missing()} is not installed")
-class Page(Made):
+class Browsing(Made):
+    """The page of the run in a window of some size."""
+
+    window = {}
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.browser = browser.Browser()
+        cls.browser = browser.Browser(**cls.window)
         cls.open("")
 
     @classmethod
@@ -257,6 +264,133 @@ class Page(Made):
     def value(self, expression):
         return self.browser.run("return " + expression)
 
+    def box(self, element):
+        """Left, top, width and height of an element by its id."""
+        return self.value(f"(b => [b.left, b.top, b.width, b.height])(document.getElementById('{element}').getBoundingClientRect())")
+
+    def place(self, element, across, down):
+        """A place within an element, as shares of its width and height."""
+        left, top, width, height = self.box(element)
+        return left + across * width, top + down * height
+
+    def tip(self):
+        """Lines of the values beside the pointer."""
+        return self.value("document.getElementById('tip').hidden ? [] : [...document.querySelectorAll('#tip div')].map(d => [...d.children].map(c => c.textContent))")
+
+    def outside(self):
+        """Visible elements that reach out of the window or are cut off by their box."""
+        return self.browser.run("""
+            const out = [], seen = (e) => e.checkVisibility() && e.getBoundingClientRect().width > 0;
+            for (const e of document.querySelectorAll('body *')) {
+              if (!seen(e) || e.closest('#labels, #loading, #tip')) continue;
+              const b = e.getBoundingClientRect();
+              if (b.left < -0.5 || b.right > innerWidth + 0.5) out.push('outside: ' + (e.id || e.tagName + ' ' + e.textContent));
+              if (e.tagName === 'BUTTON' && e.scrollWidth > e.clientWidth + 1) out.push('cut off: ' + e.textContent);
+            }
+            if (document.documentElement.scrollWidth > innerWidth) out.push('the page scrolls sideways');
+            return out;""")
+
+    def check_that_nothing_reaches_out(self):
+        for tab in ("", "layers", "events", "help"):
+            self.browser.run("swiftlet.panel.open(arguments[0]); swiftlet.draw()", tab)
+            self.assertEqual(self.outside(), [], tab)
+        self.browser.run("if (document.getElementById('plots').hidden) swiftlet.panel.togglePlots(); swiftlet.draw()")
+        self.assertEqual(self.outside(), [], "with signals")
+
+
+class Phone(Browsing):
+    window = {"width": 412, "height": 839, "pixel_ratio": 2.6}
+
+    def setUp(self):
+        super().setUp()
+        self.center = self.place("view", 0.5, 0.5)
+
+    def camera(self):
+        return self.value("(c => ({distance: c.distance, yaw: c.yaw, target: [...c.target]}))(swiftlet.scene.camera)")
+
+    def fingers(self, before, after):
+        """Two fingers at distances from the center of the picture, each given as x and y."""
+        x, y = self.center
+        self.browser.touch(*([(x + a[0], y + a[1]), (x + b[0], y + b[1])] for a, b in zip(before, after)))
+
+    def test_nothing_reaches_out_of_the_window(self):
+        self.check_that_nothing_reaches_out()
+
+    def test_the_picture_takes_the_width_and_most_of_the_height(self):
+        self.assertEqual(self.value("innerWidth"), 412)
+        _, _, width, height = self.box("view")
+        self.assertGreaterEqual(width, 0.9 * 412)
+        self.assertGreaterEqual(height, 0.6 * 839)
+        self.browser.run("document.getElementById('layered').click(); swiftlet.draw()")
+        _, _, width, height = self.box("view")
+        self.assertGreaterEqual(width, 0.9 * 412)
+        self.assertGreaterEqual(height, 0.3 * 839)
+
+    def test_controls_have_room_for_a_finger(self):
+        for button in ("play", "back", "next", "speed", "camera", "plotted", "layered", "listed"):
+            _, _, width, height = self.box(button)
+            self.assertGreaterEqual(min(width, height), 30, button)
+
+    def test_a_pinch_zooms_and_does_not_turn(self):
+        before = self.camera()
+        self.fingers([(-40, 0), (40, 0)], [(-120, 0), (120, 0)])
+        after = self.camera()
+        self.assertAlmostEqual(after["distance"], before["distance"] / 3, delta=0.02 * before["distance"])
+        self.assertEqual(after["yaw"], before["yaw"])
+        self.fingers([(-120, 0), (120, 0)], [(-40, 0), (40, 0)])
+        self.assertAlmostEqual(self.camera()["distance"], before["distance"], delta=0.05 * before["distance"])
+
+    def test_two_fingers_move_and_one_turns(self):
+        before = self.camera()
+        self.fingers([(-40, 0), (40, 0)], [(-40, 80), (40, 80)])
+        moved = self.camera()
+        self.assertNotEqual(moved["target"], before["target"])
+        self.assertAlmostEqual(moved["distance"], before["distance"], delta=0.05 * before["distance"])
+        self.browser.touch([self.center, (self.center[0] + 90, self.center[1])])
+        turned = self.camera()
+        self.assertNotEqual(turned["yaw"], moved["yaw"])
+        self.assertEqual((turned["distance"], turned["target"]), (moved["distance"], moved["target"]))
+
+    def test_a_tap_shows_facts_of_a_vehicle(self):
+        self.browser.run("swiftlet.setCamera('follow:uav2'); swiftlet.draw()")
+        self.browser.touch([self.place("view", 0.5, 0.5)])
+        self.assertIn("uav2", self.value("document.getElementById('card').textContent"))
+
+    def test_plots_answer_to_taps_and_pinches(self):
+        self.browser.run("document.getElementById('plotted').click(); swiftlet.draw()")
+        x, y = self.place("plot", 0.55, 0.2)
+        self.browser.touch([(x, y)])
+        self.assertRegex(self.tip()[0][1], r"^[\d.]+ s$")
+        self.assertRegex(dict(self.tip()[1:])["uav1"], r"^-?[\d.]+ m$")
+        self.assertGreater(self.value("swiftlet.t"), 1.1)
+        self.browser.touch([(x - 20, y), (x - 60, y)], [(x + 20, y), (x + 60, y)])
+        first, last = self.value("swiftlet.plot.span")
+        self.assertAlmostEqual(last - first, 1.0, delta=0.1)  # a third of the run
+        time.sleep(0.5)
+        self.browser.run("const c = document.getElementById('whole'); if (c.hidden) throw Error('no control shows the whole run'); c.click()")
+        self.assertEqual(self.value("swiftlet.plot.span"), [0, 3])
+
+
+class HalfScreen(Browsing):
+    window = {"width": 700, "height": 800}
+
+    def test_nothing_reaches_out_of_the_window(self):
+        self.check_that_nothing_reaches_out()
+
+    def test_the_picture_and_the_time_line_have_room(self):
+        self.assertEqual(self.value("innerWidth"), 700)
+        self.assertGreaterEqual(self.box("view")[2], 0.9 * 700)
+        self.assertGreaterEqual(self.box("track")[2], 200)
+
+    def test_the_legend_leaves_the_picture_free(self):
+        self.browser.run("swiftlet.scene.choices.color = 'label'; swiftlet.draw()")
+        _, _, width, height = self.box("legend")
+        _, _, view_width, view_height = self.box("view")
+        self.assertGreater(width * height, 0)
+        self.assertLess(width * height, 0.12 * view_width * view_height)
+
+
+class Page(Browsing):
     def pixels(self, change):
         """How many pixels differ from those of the picture without that change."""
         return self.browser.run("""
@@ -320,11 +454,141 @@ class Page(Made):
         self.assertGreater(second, first)
         self.assertEqual(self.browser.run("document.getElementById('back').click(); return swiftlet.t"), first)
 
+    def test_nothing_reaches_out_of_the_window(self):
+        self.check_that_nothing_reaches_out()
+
+    def test_keys_work_without_a_click(self):
+        self.assertEqual(self.value("swiftlet.cameraText()"), "orbit")
+        self.browser.press(TAB)
+        self.assertEqual(self.value("swiftlet.cameraText()"), "follow:uav2")
+        self.browser.press(TAB)
+        self.assertEqual(self.value("swiftlet.cameraText()"), "follow:uav1")
+        self.browser.press(SHIFT, TAB)
+        self.assertEqual(self.value("swiftlet.cameraText()"), "follow:uav2")
+        self.browser.press("4")
+        self.assertEqual(self.value("swiftlet.cameraText()"), "top")
+        self.browser.press(" ")
+        self.assertTrue(self.value("swiftlet.playing"))
+
+    def test_keys_work_after_a_click_on_a_control(self):
+        self.browser.click(*self.place("plotted", 0.5, 0.5))
+        self.browser.click(*self.place("layer-names", 0.5, 0.5))
+        self.assertFalse(self.value("swiftlet.scene.layers.names"))
+        self.browser.press(TAB)
+        self.assertEqual(self.value("swiftlet.cameraText()"), "follow:uav2")
+        self.browser.click(*self.place("color", 0.5, 0.5))
+        self.assertEqual(self.value("document.activeElement.id"), "color")
+
+    def test_escape_leads_to_the_controls_and_back(self):
+        self.browser.press(ESCAPE)
+        self.browser.press(TAB)
+        self.browser.press(TAB)
+        self.assertEqual(self.value("document.activeElement.tagName"), "SELECT")
+        self.assertEqual(self.value("swiftlet.cameraText()"), "orbit")
+        self.browser.press(SHIFT, TAB)
+        before = self.value("swiftlet.t")
+        self.browser.press(" ")  # of the button that has the focus
+        self.assertGreater(self.value("swiftlet.t"), before)
+        self.assertFalse(self.value("swiftlet.playing"))
+        self.browser.press(ESCAPE)
+        self.browser.press(TAB)
+        self.assertEqual(self.value("swiftlet.cameraText()"), "follow:uav2")
+
+    def test_every_key_of_the_help_does_something(self):
+        keys = self.value("[...document.querySelectorAll('#help kbd')].map(k => k.textContent)")
+        self.assertIn("tab", keys)
+        codes = {"space": " ", "←": "\ue012", "→": "\ue014", "−": "-", "home": "\ue011", "end": "\ue010", "tab": TAB, "esc": ESCAPE}
+        self.browser.run("window.asked = []; for (const name of ['play', 'step', 'seek', 'setCamera', 'save']) { swiftlet[name] = () => asked.push(name); }"
+                         "for (const name of ['toggle', 'togglePlots', 'setSpeed']) { swiftlet.panel[name] = () => asked.push(name); }"
+                         "swiftlet.captions.pick({vehicle: 0}, 1); swiftlet.captions.pick = () => asked.push('pick');")
+        for key in keys:
+            self.browser.press(codes.get(key, key))
+            self.assertEqual(len(self.browser.run("return asked.splice(0)")), 1, key)
+
+    def test_layers_have_names_for_readers_and_hints(self):
+        texts = self.value("[...document.querySelectorAll('#layers label')].filter(l => l.querySelector('[id^=layer-], [id^=overlay-]')).map(l => [l.textContent, l.title])")
+        self.assertGreater(len(texts), 8)
+        for text, hint in texts:
+            self.assertRegex(text, r"^[^._]+$")
+            self.assertRegex(hint, r"\w+ \w+")
+
+    def test_overlays_of_plugins_read_well(self):
+        self.browser.run("""swiftlet.run.overlays.set('0/survey.next_goal', [{t_s: 0, count: 0, about: {kind: 'points', size: 1, palette: [], vehicle: 0,
+            legend: [{meaning: 'goals of the survey', color: [0, 0, 0]}]}}]); swiftlet.panel.update();""")
+        label = self.value("(l => [l.textContent, l.title])(document.getElementById('overlay-survey.next_goal').closest('label'))")
+        self.assertEqual(label[0], "survey: next goal")
+        self.assertIn("goals of the survey", label[1])
+        self.assertIn("survey.next_goal", label[1])
+
+    def test_heights_of_a_forest_use_the_whole_scale(self):
+        # Nine of ten returns come from the ground, the others from trees of 12 m, and one from a bird.
+        low, high = self.browser.run("""const p = [], add = (x, y, z) => p.push(x, y, z); let k = 0;
+            const random = () => { k = (1103515245 * k + 12345) % 2147483648; return k / 2147483648; };
+            for (let i = 0; i < 27000; ++i) { const r = 20 * random() ** 2, a = 6.28 * random(); add(r * Math.cos(a), r * Math.sin(a), 0.1 * random()); }
+            for (let tree = 0; tree < 40; ++tree) { const x = 40 * random() - 20, y = 40 * random() - 20; for (let i = 0; i < 75; ++i) add(x + random(), y + random(), 12 * random()); }
+            add(0, 0, 300);
+            const scan = {count: p.length / 3, p_world_m: Float32Array.from(p), range_m: new Float32Array(p.length / 3)};
+            return (s => [s.low, s.high])(new Points(null, {scans: [scan]}, {}).measure());""")
+        self.assertGreaterEqual(low, 0)
+        self.assertLess(low, 0.5)
+        self.assertGreater(high, 8)
+        self.assertLess(high, 12.5)
+
+    def test_scales_belong_to_the_whole_run_once_it_is_read(self):
+        self.browser.run("swiftlet.draw()")
+        self.assertEqual(self.value("swiftlet.scene.points.scale"), self.value("swiftlet.scene.points.measure()"))
+
+    def test_the_event_log_is_text_and_seeks(self):
+        events = self.value("swiftlet.run.events")
+        crash = next(i for i, event in enumerate(events) if event["kind"] == "crash")
+        self.browser.press("e")
+        lines = self.value("[...document.querySelectorAll('#events button')].map(b => b.innerText)")
+        self.assertEqual(len(lines), len(events))
+        for text in (f"{events[crash]['t_s']:.2f} s", "uav1", "crash into " + events[crash]["partner"]):
+            self.assertIn(text, lines[crash])
+        left, top, width, height = self.value(f"(b => [b.left, b.top, b.width, b.height])(document.querySelectorAll('#events button')[{crash}].getBoundingClientRect())")
+        self.browser.click(left + width / 2, top + height / 2)
+        self.assertEqual(self.value("swiftlet.t"), events[crash]["t_s"])
+        self.browser.wait(f"document.querySelectorAll('#events button')[{crash}].classList.contains('now')")
+
+    def test_the_pointer_reads_values_in_the_plots(self):
+        self.browser.hover(*self.place("plot", 0.1, 0.5))  # before the crash, where heights change slowly
+        (signal, instant), *values = self.tip()
+        t = float(instant.removesuffix(" s"))
+        self.assertEqual((signal, [name for name, _ in values]), ("z_m", ["uav1", "uav2"]))
+        self.assertGreater(t, 0)
+        for i, (_, value) in enumerate(values):
+            self.assertTrue(value.endswith(" m"), value)
+            self.assertAlmostEqual(float(value.removesuffix(" m")), self.value(f"swiftlet.run.vehicleAt({i}, {t}).p[2]"), delta=0.02)
+        self.browser.hover(*self.place("plot", 0.55, 0.5))
+        self.assertEqual([self.tip()[0][0], self.tip()[1][1].split()[-1]], ["speed_mps", "m/s"])
+        self.browser.hover(*self.place("view", 0.5, 0.5))
+        self.assertEqual(self.tip(), [])
+
+    def test_the_time_of_the_plots_zooms_by_wheel_and_drag(self):
+        x, y = self.place("plot", 0.2, 0.5)
+        self.browser.hover(x, y)
+        t = self.value("swiftlet.plot.pointer")
+        self.browser.wheel(x, y, -400)
+        first, last = self.value("swiftlet.plot.span")
+        self.assertLess(last - first, 2)
+        self.assertLess(first, t)
+        self.assertGreater(last, t)
+        self.browser.hover(x, y)
+        self.assertAlmostEqual(self.value("swiftlet.plot.pointer"), t, delta=0.02)  # what was under the pointer stays there
+        self.browser.click(x, y, times=2)
+        self.assertEqual(self.value("swiftlet.plot.span"), [0, 3])
+        from_, to = (self.value(f"swiftlet.plot.timeAt({a}, 60)") for a in (x, x + 60))
+        before = self.value("swiftlet.t")
+        self.browser.drag(x, y, 60, 0)
+        for bound, wanted in zip(self.value("swiftlet.plot.span"), (from_, to)):
+            self.assertAlmostEqual(bound, wanted, delta=0.02)
+        self.assertEqual(self.value("swiftlet.t"), before)
+
     def test_the_time_line_and_the_plots_seek(self):
         for element, share in (("track", 0.5), ("plot", 0.25)):
-            box = self.value(f"(b => [b.left, b.top, b.width, b.height])(document.getElementById('{element}').getBoundingClientRect())")
             self.browser.run("swiftlet.seek(0)")
-            self.browser.click(box[0] + share * box[2], box[1] + box[3] / 2)
+            self.browser.click(*self.place(element, share, 0.5))
             self.assertGreater(self.value("swiftlet.t"), 0.2, element)
             self.assertLess(self.value("swiftlet.t"), 3.0, element)
 
@@ -345,7 +609,7 @@ class Page(Made):
         self.assertIn("speed", self.value("document.getElementById('card').textContent"))
         # A point that is on the screen and not behind a vehicle.
         at = self.browser.run("""swiftlet.setCamera('top'); swiftlet.scene.camera.distance = 25; swiftlet.draw();
-            const scan = swiftlet.scene.scansAt(swiftlet.t)[0], c = document.getElementById('view'), b = c.getBoundingClientRect();
+            const scan = swiftlet.scene.points.at(swiftlet.t)[0], c = document.getElementById('view'), b = c.getBoundingClientRect();
             for (let i = 0; i < scan.count; ++i) {
               const a = swiftlet.scene.project([...scan.p_world_m.slice(3 * i, 3 * i + 3)], swiftlet.scene.last_view);
               if (!a || a[0] < 100 || a[1] < 100 || a[0] > c.clientWidth - 100 || a[1] > c.clientHeight - 100) continue;
@@ -394,7 +658,7 @@ class Page(Made):
             page = self.path / "hostile/replay.html"
         self.open("", page)
         self.assertEqual(self.value("document.getElementById('scenario').textContent"), HOSTILE)
-        self.browser.run("swiftlet.picked = {vehicle: 0}; swiftlet.showCard(); swiftlet.draw()")
+        self.browser.run("swiftlet.captions.pick({vehicle: 0}, swiftlet.t); swiftlet.draw()")
         self.assertIsNone(self.value("window.injected"))
         self.assertEqual(self.value("document.querySelectorAll('img').length"), 0)
 

@@ -16,6 +16,16 @@ class Numbers {
   }
 }
 
+/** Index of the last of the sorted times at or before t, or -1. */
+function lastAt(times, rows, t) {
+  let low = 0, high = rows;
+  while (low < high) {
+    const middle = low + high >> 1;
+    if (times[middle] <= t + 1e-6) low = middle + 1; else high = middle;
+  }
+  return low - 1;
+}
+
 /** Columns by name that grow chunk by chunk; "t_s" is in order of time. */
 class Table {
   constructor() { this.columns = new Map(); this.rows = 0; }
@@ -29,16 +39,7 @@ class Table {
   has(name) { return this.columns.has(name); }
   get(name) { return this.columns.get(name).array; }
   /** The last row at or before t, or -1. */
-  rowAt(t) {
-    if (this.rows === 0) return -1;
-    const times = this.get('t_s');
-    let low = 0, high = this.rows;
-    while (low < high) {
-      const middle = low + high >> 1;
-      if (times[middle] <= t + 1e-6) low = middle + 1; else high = middle;
-    }
-    return low - 1;
-  }
+  rowAt(t) { return this.rows ? lastAt(this.get('t_s'), this.rows, t) : -1; }
 }
 
 const kMissing = -(1 << 29);

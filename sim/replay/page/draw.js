@@ -9,8 +9,8 @@ const Mat = {
       for (let k = 0; k < 4; ++k) m[4 * c + r] += a[4 * k + r] * b[4 * c + k];
     return m;
   },
-  perspective(fov_rad, aspect, near, far) {
-    const f = 1 / Math.tan(fov_rad / 2), d = near - far;
+  perspective(half_height, aspect, near, far) {
+    const f = 1 / half_height, d = near - far;
     return new Float32Array([f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / d, -1, 0, 0, 2 * far * near / d, 0]);
   },
   view(eye, right, up, back) {
@@ -101,8 +101,8 @@ void main() {
 function drawsInSoftware() {
   const gl = document.createElement('canvas').getContext('webgl2');
   if (!gl) return false;
-  const told = gl.getExtension('WEBGL_debug_renderer_info');
-  const name = told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : '';
+  const info = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
   const lose = gl.getExtension('WEBGL_lose_context');
   if (lose) lose.loseContext();
   return /swiftshader|llvmpipe|software/i.test(name);

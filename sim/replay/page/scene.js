@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of a run is seen at an instant: layers, cameras, colors, what lies under the pointer.
+// The picture at an instant: layers, overlays, and what lies under the pointer.
 'use strict';
 
 const kSkies = {
@@ -8,18 +8,9 @@ const kSkies = {
 };
 // Distinguishable to most color-blind readers (Okabe and Ito 2008), as in the pictures.
 const kTrackColors = [[0.90, 0.62, 0], [0.34, 0.71, 0.91], [0, 0.62, 0.45], [0.94, 0.89, 0.26], [0.80, 0.47, 0.65], [0.84, 0.37, 0]];
-const kSensorColors = [[66, 133, 220], [240, 150, 40], [60, 170, 110], [200, 80, 170], [150, 120, 90], [90, 200, 200]];
 const kDetectionColor = [0.95, 0.2, 0.2];
 
 const kCuts = ['2', '4', '8', '15'];
-
-/** Choices of the user; the page's controls and its address change them. */
-const kLayers = [
-  ['world', 'world', true], ['vehicles', 'vehicles', true], ['names', 'names', true], ['trails', 'trails', true],
-  ['sweeps', 'LiDAR sweeps', true], ['detections', 'detections', true], ['tracks', 'tracks', true],
-  ['covariances', 'covariances of tracks (3σ)', true], ['estimates', 'estimates of own pose', false], ['references', 'references', false],
-  ['radio', 'radio links', false], ['events', 'events', true],
-];
 
 /** Overlays that hide more than they show. */
 const kOffAtFirst = /^(voxels|map)\.|^reference$|clusters|samples|sensing|window/;
@@ -29,18 +20,17 @@ class Scene {
     this.painter = painter;
     this.run = run;
     this.layers = {};
-    for (const [key, , on] of kLayers) this.layers[key] = on;
-    this.groups = new Map();  // overlays by the first part of their name: on or off
+    for (const [key, , , on] of kLayers) this.layers[key] = on;
+    this.groups = new Map();  // overlays by name: on or off
     this.choices = {color: 'height', keep_s: 1, trail_s: 15, scale: 1, sky: 'day', cut: 'none', point: 2};
-    this.camera = {kind: 'orbit', vehicle: 0, target: [0, 0, 0], yaw: -2.2, pitch: 0.45, distance: 30};
-    this.cloud = new Map();  // Scan -> buffer on the card
+    this.camera = new Camera();
+    this.points = new Points(painter, run, this.choices);
     this.cube = painter.mesh(...cube());
     this.ball = painter.mesh(...ball());
     this.disc = painter.mesh(...disc());
     this.parts = [];
     this.world = [];
     this.legend = [];
-    this.drawn_points = 0;
   }
 
   /** When head and world are known. */
@@ -114,34 +104,10 @@ class Scene {
     return seen.subarray(0, 16 * count);
   }
 
-  // --- Cameras ---------------------------------------------------------------------------------------------------------
-
-  /** Eye and axes at t. */
+  /** Eye, axes and projection at t. */
   view(t) {
-    const {camera, painter} = this, canvas = painter.canvas;
-    const fov = camera.kind === 'onboard' ? 1.35 : 0.9, aspect = canvas.width / Math.max(1, canvas.height);
-    let eye, forward, up = [0, 0, 1];
-    const at = camera.kind === 'orbit' || camera.kind === 'top' ? null : this.run.vehicleAt(camera.vehicle, t);
-    if (camera.kind === 'onboard' && at) {
-      const back = -0.02 * this.choices.scale;
-      eye = along(along(at.p, back, turn(at.R, [1, 0, 0])), 0.12 * this.choices.scale, turn(at.R, [0, 0, 1]));
-      forward = turn(at.R, [1, 0, 0]);
-      up = turn(at.R, [0, 0, 1]);
-    } else {
-      const target = at ? along(at.p, 1, camera.offset || [0, 0, 0]) : camera.target;
-      const pitch = camera.kind === 'top' ? Math.PI / 2 : camera.pitch, yaw = camera.kind === 'top' ? -Math.PI / 2 : camera.yaw;
-      const back = [Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)];
-      eye = along(target, camera.distance, back);
-      forward = back.map((x) => -x);
-      if (pitch > 1.55) up = [-Math.cos(yaw), -Math.sin(yaw), 0];
-    }
-    const right = unit(cross(forward, up));
-    up = cross(right, forward);
-    const near = camera.kind === 'onboard' ? 0.05 : Math.max(0.05, 0.01 * camera.distance), far = 4 * this.size_m + 10 * camera.distance + 500;
-    const clip = Mat.multiply(Mat.perspective(fov, aspect, near, far), Mat.view(eye, right, up, forward.map((x) => -x)));
-    const half_height = Math.tan(fov / 2);
-    return {eye, forward, right, up, clip, half_height, half_width: half_height * aspect, pixels_at_1m: canvas.height / (2 * half_height),
-            hidden: camera.kind === 'onboard' ? camera.vehicle : -1, close: camera.kind === 'follow' || camera.kind === 'onboard'};
+    const {camera} = this, at = camera.follows ? this.run.vehicleAt(camera.vehicle, t) : null;
+    return camera.view(at, this.painter.canvas, this.choices.scale, this.size_m);
   }
 
   /** Pixels of CSS, and the depth; null behind the eye. */
@@ -156,40 +122,14 @@ class Scene {
   // --- A picture -------------------------------------------------------------------------------------------------------
 
   draw(t) {
-    const {painter, layers, choices} = this, gl = painter.gl;
-    const view = this.view(t), sky = kSkies[choices.sky];
+    const {painter, layers} = this, gl = painter.gl, view = this.view(t);
     gl.viewport(0, 0, painter.canvas.width, painter.canvas.height);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    painter.drawSky(view, sky);
-    this.lines = [];
-    this.areas = [];
-    this.cubes = [];
-    this.balls = [];
-    this.dots = new Map();
-    this.legend = [];
-    this.labels = [];
-
+    painter.drawSky(view, kSkies[this.choices.sky]);
+    Object.assign(this, {lines: [], areas: [], cubes: [], balls: [], dots: new Map(), legend: [], labels: []});
     const now = this.run.vehicles.map((_, i) => this.run.vehicleAt(i, t));
-    const at = painter.use('mesh', view);
-    gl.uniform3fv(at.u_haze, sky.horizon);
-    gl.uniform1f(at.u_reach, 1.6 * this.size_m + 60);
-    gl.uniform1f(at.u_dim, sky.dim);
-    gl.uniform1f(at.u_cut, choices.cut === 'none' || view.close ? 1e9 : Number(choices.cut));
-    if (layers.world) {
-      for (const {mesh, kind, places, balls, seen} of this.world) {
-        if (kind === 'plant' && this.hurried) continue;
-        painter.place(mesh, Scene.inSight(view, places, balls, seen), true);
-        gl.uniform1f(at.u_grid, kind === 'ground' ? 10 : 0);
-        painter.drawMesh(mesh);
-      }
-    }
-    gl.uniform1f(at.u_grid, 0);
-    gl.uniform1f(at.u_cut, 1e9);
-    gl.uniform1f(at.u_dim, 1);
-    if (layers.vehicles) now.forEach((state, i) => { if (state && i !== view.hidden) this.drawVehicle(i, state); });
-
-    this.drawn_points = 0;
-    if (layers.sweeps) this.drawScans(t, view);
+    this.drawWorld(view, now);
+    if (layers.sweeps) this.points.draw(t, view, this.legend);
     if (layers.trails) this.addTrails(t);
     if (layers.detections) this.addDetections(t);
     if (layers.tracks || layers.covariances) this.addTracks(t);
@@ -197,9 +137,34 @@ class Scene {
     if (layers.estimates || layers.references) now.forEach((state, i) => { if (state) this.addBeliefs(i, state); });
     if (layers.events) this.addEvents(t);
     this.addOverlays(t);
+    this.drawAdded(view);
+    if (layers.names) this.addNames(now, view);
+    this.last_view = view;
+    return view;
+  }
 
-    const solid = painter.use('mesh', view);
-    gl.uniform1f(solid.u_dim, 1);
+  drawWorld(view, now) {
+    const {painter, layers, choices} = this, gl = painter.gl, sky = kSkies[choices.sky], at = painter.use('mesh', view);
+    gl.uniform3fv(at.u_haze, sky.horizon);
+    gl.uniform1f(at.u_reach, 1.6 * this.size_m + 60);
+    gl.uniform1f(at.u_dim, sky.dim);
+    gl.uniform1f(at.u_cut, choices.cut === 'none' || view.close ? 1e9 : Number(choices.cut));
+    for (const {mesh, kind, places, balls, seen} of layers.world ? this.world : []) {
+      if (kind === 'plant' && this.hurried) continue;
+      painter.place(mesh, Scene.inSight(view, places, balls, seen), true);
+      gl.uniform1f(at.u_grid, kind === 'ground' ? 10 : 0);
+      painter.drawMesh(mesh);
+    }
+    gl.uniform1f(at.u_grid, 0);
+    gl.uniform1f(at.u_cut, 1e9);
+    gl.uniform1f(at.u_dim, 1);
+    if (layers.vehicles) now.forEach((state, i) => { if (state && i !== view.hidden) this.drawVehicle(i, state); });
+  }
+
+  /** Draws the lines, bodies, dots and areas that layers have added. */
+  drawAdded(view) {
+    const {painter} = this, gl = painter.gl, at = painter.use('mesh', view);
+    gl.uniform1f(at.u_dim, 1);
     for (const [mesh, list] of [[this.cube, this.cubes], [this.ball, this.balls]]) {
       if (!list.length) continue;
       painter.place(mesh, new Float32Array(list), true);
@@ -210,11 +175,13 @@ class Scene {
     for (const [size, numbers] of this.dots) painter.drawDots(numbers, size, view);
     painter.drawLines(this.lines, view);
     painter.drawAreas(this.areas, view);
-    if (layers.names) now.forEach((state, i) => {
-      if (state && i !== view.hidden) this.labels.push({text: this.run.vehicles[i].name, color: this.run.vehicles[i].color, p: along(state.p, 0.5 * choices.scale + 0.15, [0, 0, 1])});
+  }
+
+  addNames(now, view) {
+    now.forEach((state, i) => {
+      const {name, color} = this.run.vehicles[i];
+      if (state && i !== view.hidden) this.labels.push({text: name, color, p: along(state.p, 0.5 * this.choices.scale + 0.15, [0, 0, 1])});
     });
-    this.last_view = view;
-    return view;
   }
 
   static placed(R, p, scale, color, alpha = 1) {
@@ -266,91 +233,6 @@ class Scene {
     }
   }
 
-  /** The scans that count at t: of each LiDAR the latest, and those that are kept. */
-  scansAt(t) {
-    const {scans} = this.run, keep = this.choices.keep_s, found = [], seen = new Set();
-    let low = 0, high = scans.length;
-    while (low < high) { const middle = low + high >> 1; if (scans[middle].end_s <= t + 1e-6) low = middle + 1; else high = middle; }
-    for (let i = low - 1; i >= 0; --i) {
-      const scan = scans[i], key = scan.vehicle + '/' + scan.sensor;
-      if (scan.end_s < t - Math.max(keep, 2.5)) break;
-      if (seen.has(key) && scan.end_s < t - keep) continue;
-      seen.add(key);
-      if (this.hidden_sensors && this.hidden_sensors.has(key)) continue;
-      found.push(scan);
-    }
-    return found;
-  }
-
-  colorize(scan, bytes) {
-    const {palette} = this.run.head, mode = this.choices.color, vehicle = this.run.vehicles[scan.vehicle];
-    const ramp = (colors, s) => colors[Math.max(0, Math.min(colors.length - 1, Math.round(s * (colors.length - 1)) || 0))];
-    const classes = this.classes || (this.classes = new Map(palette.classes.map((c) => [c.number, c])));
-    const sensors = this.sensors();
-    const fixed = mode === 'vehicle' ? vehicle.color : kSensorColors[sensors.indexOf(scan.vehicle + '/' + scan.sensor) % kSensorColors.length];
-    for (let i = 0; i < scan.count; ++i) {
-      const color = mode === 'height' ? ramp(palette.height, (scan.p_world_m[3 * i + 2] - this.scale.low) / (this.scale.high - this.scale.low))
-        : mode === 'range' ? ramp(palette.height, scan.range_m[i] / this.scale.range)
-        : mode === 'intensity' ? ramp(palette.intensity, (scan.intensity_dB[i] + 25) / 45)
-        : mode === 'label' ? (classes.get(scan.class[i]) || {color: [160, 160, 160]}).color : fixed;
-      bytes[16 * i + 12] = color[0]; bytes[16 * i + 13] = color[1]; bytes[16 * i + 14] = color[2]; bytes[16 * i + 15] = 255;
-    }
-  }
-
-  sensors() { return [...new Set(this.run.scans.map((s) => s.vehicle + '/' + s.sensor))].sort(); }
-
-  /** Ends of the color scales, from the first scans, so that they stay the same. */
-  measure() {
-    const heights = [], ranges = [];
-    for (const scan of this.run.scans.slice(0, 40)) {
-      for (let i = 0; i < scan.count; i += 7) { heights.push(scan.p_world_m[3 * i + 2]); ranges.push(scan.range_m[i]); }
-    }
-    const share = (list, s) => list.sort((a, b) => a - b)[Math.min(list.length - 1, Math.floor(s * list.length))] || 0;
-    const low = share(heights, 0.01), high = share(heights, 0.98);
-    this.scale = {low, high: Math.max(high, low + 1), range: Math.max(5, share(ranges, 0.95))};
-  }
-
-  drawScans(t, view) {
-    const {painter, choices} = this, gl = painter.gl;
-    if (!this.scale || this.measured !== this.run.scans.length) {
-      if (!this.scale || this.run.scans.length < 41) this.measure();
-      this.measured = this.run.scans.length;
-    }
-    const scans = this.scansAt(t), mode = choices.color;
-    if (this.cloud_mode !== mode || this.cloud.size > 600) {
-      for (const made of this.cloud.values()) painter.free(made);
-      this.cloud.clear();
-      this.cloud_mode = mode;
-    }
-    const at = painter.use('point', view);
-    gl.uniform1f(at.u_size, 0.02 * choices.point * view.pixels_at_1m);
-    gl.uniform1f(at.u_least, choices.point);
-    for (const scan of scans) {
-      if (!scan.count) continue;
-      let made = this.cloud.get(scan);
-      if (!made) {
-        const bytes = new Uint8Array(16 * scan.count), floats = new Float32Array(bytes.buffer);
-        for (let i = 0; i < scan.count; ++i) for (let c = 0; c < 3; ++c) floats[4 * i + c] = scan.p_world_m[3 * i + c];
-        this.colorize(scan, bytes);
-        made = painter.points(bytes);
-        this.cloud.set(scan, made);
-      }
-      gl.bindVertexArray(made.array);
-      gl.drawArrays(gl.POINTS, 0, made.count);
-      this.drawn_points += made.count;
-    }
-    const {palette} = this.run.head;
-    if (!scans.length) return;
-    if (mode === 'height') this.legend.push({scale: palette.height, low: this.scale.low.toFixed(1), high: this.scale.high.toFixed(1) + ' m', text: 'height of points'});
-    if (mode === 'range') this.legend.push({scale: palette.height, low: '0', high: this.scale.range.toFixed(0) + ' m', text: 'range of points'});
-    if (mode === 'intensity') this.legend.push({scale: palette.intensity, low: '-25', high: '20 dB', text: 'intensity of points'});
-    if (mode === 'label') {
-      const present = new Set(scans.flatMap((s) => [...new Set(s.class)]));
-      for (const c of palette.classes) if (present.has(c.number)) this.legend.push({color: c.color, text: c.name});
-    }
-    if (mode === 'sensor') this.sensors().forEach((key, i) => this.legend.push({color: kSensorColors[i % kSensorColors.length], text: this.run.vehicles[parseInt(key, 10)].name + '/' + key.slice(key.indexOf('/') + 1)}));
-  }
-
   addDetections(t) {
     const table = this.run.tables.detections, times = table.rows && table.get('t_s');
     const fresh_s = 0.4;
@@ -377,7 +259,7 @@ class Scene {
   addTracks(t) {
     const {tracks, track_updates} = this.run.tables;
     if (!tracks.rows) return;
-    // What each vehicle followed when its tracker last took a cloud, and where that has gone since.
+    // Tracks of the latest update of each vehicle, predicted to t. Earlier ones are left as dots.
     const newest = new Map(), update_t = track_updates.get('t_s'), update_v = track_updates.get('vehicle');
     for (let i = track_updates.rowAt(t); i >= 0 && update_t[i] > t - 1; --i) if (!newest.has(update_v[i])) newest.set(update_v[i], update_t[i]);
     const times = tracks.get('t_s'), get = (name, i) => tracks.get(name)[i];
@@ -462,18 +344,23 @@ class Scene {
   /** The name of an overlay without the number of its part. */
   static groupOf(key) { return key.slice(key.indexOf('/') + 1).replace(/#\d+$/, ''); }
 
+  /** The group of an overlay, known from now on. */
+  addGroup(key) {
+    const group = Scene.groupOf(key);
+    if (!this.groups.has(group)) this.groups.set(group, !kOffAtFirst.test(group));
+    return group;
+  }
+
   addOverlays(t) {
-    const told = new Set();
+    const explained = new Set();
     for (const key of this.run.overlays.keys()) {
-      const group = Scene.groupOf(key);
-      if (!this.groups.has(group)) this.groups.set(group, !kOffAtFirst.test(group));
-      if (!this.groups.get(group)) continue;
+      if (!this.groups.get(this.addGroup(key))) continue;
       const overlay = this.run.overlayAt(key, t);
       if (!overlay) continue;
       this.addOverlay(overlay);
       for (const {meaning, color} of overlay.about.legend || []) {
-        if (!told.has(meaning)) this.legend.push({color, text: meaning});
-        told.add(meaning);
+        if (!explained.has(meaning)) this.legend.push({color, text: meaning});
+        explained.add(meaning);
       }
     }
   }
@@ -492,21 +379,21 @@ class Scene {
     if (about.kind === 'triangles') for (let i = 0; i < count; ++i) this.areas.push(...at(i), ...color(i));
   }
 
-  /** What lies under a pixel: {vehicle} or {scan, point}, the nearest to the eye. */
-  pick(x, y, t) {
+  /** The nearest vehicle or point within some pixels of a place: {vehicle} or {scan, point}. */
+  pick(x, y, t, within = 5) {
     const view = this.view(t);
     let best = null, depth = Infinity;
     this.run.vehicles.forEach((_, i) => {
       const state = this.run.vehicleAt(i, t), at = state && i !== view.hidden && this.project(state.p, view);
       if (!at) return;
-      const reach = Math.max(9, 0.35 * this.choices.scale * view.pixels_at_1m / at[2] * this.painter.canvas.clientHeight / this.painter.canvas.height);
+      const reach = Math.max(4 + within, 0.35 * this.choices.scale * view.pixels_at_1m / at[2] * this.painter.canvas.clientHeight / this.painter.canvas.height);
       if (Math.hypot(at[0] - x, at[1] - y) < reach && at[2] < depth) { depth = at[2]; best = {vehicle: i}; }
     });
     if (!this.layers.sweeps || best) return best;
-    for (const scan of this.scansAt(t)) {
+    for (const scan of this.points.at(t)) {
       for (let i = 0; i < scan.count; ++i) {
         const at = this.project([scan.p_world_m[3 * i], scan.p_world_m[3 * i + 1], scan.p_world_m[3 * i + 2]], view);
-        if (at && at[2] < depth && Math.abs(at[0] - x) < 5 && Math.abs(at[1] - y) < 5) { depth = at[2]; best = {scan, point: i}; }
+        if (at && at[2] < depth && Math.abs(at[0] - x) < within && Math.abs(at[1] - y) < within) { depth = at[2]; best = {scan, point: i}; }
       }
     }
     return best;
