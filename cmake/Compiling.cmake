@@ -1,7 +1,7 @@
 # How the compiler is called: through ccache where it works, and as many at a time as the memory has room for.
 
 # A ccache whose folder cannot be written fails at every file, so it is tried first.
-find_program(CCACHE ccache)
+find_program(CCACHE ccache PATHS ENV PATH NO_DEFAULT_PATH)
 if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(probe ${PROJECT_BINARY_DIR}/ccache_probe.cpp)
   file(WRITE ${probe} "int main() {}\n")
