@@ -4,7 +4,8 @@
 
 /** A press that moves by less is a click or a tap [px]; fingers tremble more than a mouse. */
 const kMouseSlack = 4, kFingerSlack = 12;
-const kDoubleTap_ms = 350;
+/** Two taps within this time are a double tap; browsers take the same for a double click. */
+const kDoubleTap_ms = 500;
 
 /**
  * Gestures on an element, for mouse and fingers alike, in pixels of CSS from its corner:
