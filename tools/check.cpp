@@ -41,7 +41,11 @@ void require_flyable(const sim::BatchPlan& plan) {
   std::set<std::uint64_t> seen;
   for (std::uint64_t id = 0; id < plan.num_episodes() && seen.size() < plan.config().variants.size() + 1; ++id) {
     const auto episode = plan.episode(id);
-    if (seen.insert(episode.variant).second) require_flyable(plan.scenario_of(episode));
+    if (seen.insert(episode.variant).second) {
+      sim::Scenario scenario = plan.scenario_of(episode);
+      scenario.snapshots.clear();  // episodes take no pictures
+      require_flyable(std::move(scenario));
+    }
     if (plan.config().variants.empty()) break;
   }
 }

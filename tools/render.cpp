@@ -80,6 +80,7 @@ void check_options(const RenderOptions& options, const sim::Scenario& scenario) 
 
 // Flying the resolved scenario again gives the same bits, hence everything that could have been seen at the time.
 void render(const RenderOptions& options) {
+  sim::require_pictures("render: ");
   const fs::path run(options.run);
   if (!fs::exists(run / "scenario.yaml")) {
     throw sim::InputError(options.run +

@@ -83,6 +83,7 @@ void export_scenario_world(const WorldOptions& options) {
     throw sim::InputError("world: expected --out FILE.ply or --map FILE.png, found neither");
   if (options.map.empty() && (options.cut_height_m || options.paper_mm > 0.0))
     throw sim::InputError("world: --cut and --paper are of the map: expected --map FILE.png, found none");
+  if (!options.map.empty()) sim::require_pictures("world --map: ");
   const sim::Scenario scenario = options.scenario.load();
   const sim::Scene scene = sim::make_world(scenario.world, scenario.seed_of_world());
   std::vector<std::filesystem::path> written;

@@ -156,12 +156,16 @@ void ContentConfig::visit(ConfigVisitor& v) {
   v.field("tables", tables, "[-] csv/: topics of the recorder csv");
   v.field("snapshots", snapshots, "[-] take the pictures of the scenario in every sequence");
 }
+  v.check(!snapshots || !picture_library().empty(), "snapshots",
+          "false in a program built without pictures (docs/pictures.md)");
 
 void PicturesConfig::visit(ConfigVisitor& v) {
   v.field("flights_per_split", flights_per_split, "[-] how many of the first flights of each split",
           Range{0, 1000, false, false});
   v.list("cameras", cameras, "pictures for the data card");
 }
+  v.check(flights_per_split == 0 || cameras.empty() || !picture_library().empty(), "flights_per_split",
+          "0 in a program built without pictures (docs/pictures.md)");
 
 void DatasetConfig::visit(ConfigVisitor& v) {
   v.field("name", name, "[-] of the dataset");

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/sim/errors.hpp"
+
 namespace swiftlet::sim {
 
 void CameraConfig::visit(ConfigVisitor& v) {
@@ -81,6 +83,14 @@ bool CameraConfig::is_due(TimeNs previous, TimeNs now) const {
 bool wants_picture(std::span<const CameraConfig> cameras, TimeNs previous, TimeNs now) {
   return std::any_of(cameras.begin(), cameras.end(),
                      [&](const CameraConfig& camera) { return camera.is_due(previous, now); });
+}
+
+void require_pictures(const std::string& place, const std::string& otherwise) {
+  if (!picture_library().empty()) return;
+  throw InputError(place +
+                   "expected a program that draws pictures, found one built without; install libegl-dev and "
+                   "libgl1-mesa-dri, or libosmesa6-dev, and build Swiftlet again with -DSWIFTLET_PICTURES=AUTO" +
+                   otherwise);
 }
 
 }  // namespace swiftlet::sim

@@ -28,7 +28,6 @@ constexpr std::size_t kSightsSeen = 4;
 constexpr std::size_t kSurfacesKept = 2;
 constexpr std::int64_t kMostSamplesKept = 16'000'000;  // of a picture: 12 bytes each
 constexpr int kMostWatched = 16;                       // length of u_watched
-constexpr float kNoCut_m = 1e9F;
 constexpr float kCloudPoint_m = 0.07F;
 constexpr float kTrailWidth_px = 3.2F;
 const Eigen::Vector3f kSun = Eigen::Vector3f(-0.62F, 0.28F, 0.80F).normalized();
@@ -97,56 +96,19 @@ std::vector<PointVertex> colored_points(std::span<const PictureCloud> clouds, co
   return points;
 }
 
+/// The context is the calling thread's for one picture: another thread may draw the next.
+class CurrentContext {
+ public:
+  explicit CurrentContext(GlContext& context) : context_(context) { context_.make_current(); }
+  ~CurrentContext() { context_.release(); }
+  CurrentContext(const CurrentContext&) = delete;
+  CurrentContext& operator=(const CurrentContext&) = delete;
+
+ private:
+  GlContext& context_;
+};
+
 }  // namespace
-
-PictureStyle style_of(const CameraConfig& camera) {
-  PictureStyle style;
-  style.cloud = camera.cloud;
-  style.point_px = static_cast<float>(camera.point_px);
-  style.trails = camera.trails && camera.type != CameraConfig::Type::kOnboard;
-  style.overlays = camera.overlays;
-  style.vehicle_scale = camera.vehicle_scale;
-  style.cut_above = camera.cut_above;
-  style.cut_height_m = camera.cut_height_m;
-  style.white = camera.on_paper();
-  return style;
-}
-
-HeightScale height_scale_of(std::span<const PictureCloud> clouds) {
-  std::vector<float> heights;
-  for (const PictureCloud& cloud : clouds) {
-    for (const Eigen::Vector3f& p : cloud.points_world_m) heights.push_back(p.z());
-  }
-  if (heights.empty()) return {};
-  // Few stray points shall not stretch the scale.
-  const auto quantile = [&](double q) {
-    const auto nth = heights.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(heights.size() - 1));
-    std::nth_element(heights.begin(), nth, heights.end());
-    return *nth;
-  };
-  const float low = quantile(0.01);
-  return {low, std::max(low + 0.5F, quantile(0.99))};
-}
-
-std::vector<PictureCloud> shown_of(std::span<const PictureCloud> clouds, const View& view, const PictureStyle& style) {
-  const float cut_m = style.cut_above ? static_cast<float>(style.cut_height_m) : kNoCut_m;
-  const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
-  std::vector<PictureCloud> shown;
-  for (const PictureCloud& cloud : clouds) {
-    PictureCloud& kept = shown.emplace_back();
-    kept.vehicle = cloud.vehicle;
-    for (std::size_t i = 0; i < cloud.points_world_m.size(); ++i) {
-      const Eigen::Vector3f& p = cloud.points_world_m[i];
-      const Eigen::Vector4f clip = clip_world * p.homogeneous();
-      if (p.z() > cut_m || clip.head<2>().cwiseAbs().maxCoeff() > clip.w() || clip.z() < 0.0F || clip.z() > clip.w())
-        continue;
-      kept.points_world_m.push_back(p);
-      if (i < cloud.intensity.size()) kept.intensity.push_back(cloud.intensity[i]);
-      if (i < cloud.surface_class.size()) kept.surface_class.push_back(cloud.surface_class[i]);
-    }
-  }
-  return shown;
-}
 
 struct Renderer::Impl {
   struct Shadow {
@@ -190,6 +152,7 @@ struct Renderer::Impl {
 
   /// What decides how the world without vehicles looks.
   struct Sight {
+    context.release();
     Eigen::Matrix4d clip_world = Eigen::Matrix4d::Zero();
     int width_px = 0, height_px = 0, samples = 0;
     float cut_m = 0.0F;
@@ -245,8 +208,6 @@ void set_depth_uniforms(const Program& program, const View& view) {
   program.set("u_spread", Eigen::Vector2f(1.0F / static_cast<float>(view.clip_camera(0, 0)),
                                           1.0F / static_cast<float>(view.clip_camera(1, 1))));
 }
-
-float cut_of(const PictureStyle& style) { return style.cut_above ? static_cast<float>(style.cut_height_m) : kNoCut_m; }
 
 }  // namespace
 
@@ -686,7 +647,7 @@ Renderer::~Renderer() = default;
 
 Image Renderer::draw(const View& view, const PictureScene& picture, const PictureStyle& style) {
   Impl& r = *impl_;
-  r.context.make_current();
+  const CurrentContext current(r.context);
   r.prepare_targets(view, style.quick ? 1 : kSamples);
   r.gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   r.gl.Disable(GL_BLEND);
@@ -713,7 +674,7 @@ Image Renderer::draw(const View& view, const PictureScene& picture, const Pictur
 
 DepthImage Renderer::draw_depth(const View& view, const PictureScene& picture, const PictureStyle& style) {
   Impl& r = *impl_;
-  r.context.make_current();
+  const CurrentContext current(r.context);
   r.prepare_targets(view, r.samples > 0 ? r.samples : kSamples);
   const Eigen::Matrix4f clip_world = view.clip_world().cast<float>();
   r.gl.Disable(GL_BLEND);

@@ -124,7 +124,9 @@ Simulation::~Simulation() = default;
 
 void Simulation::attach_recorders(const std::filesystem::path& directory) {
   for (const Module& config : scenario().recorders) attach(make_recorder(config), directory);
-  if (!scenario().snapshots.empty()) attach(make_snapshot_recorder(scenario().snapshots), directory);
+  if (scenario().snapshots.empty()) return;
+  require_pictures(scenario().snapshots_place, "; or fly without them: --set snapshots=[]");
+  attach(make_snapshot_recorder(scenario().snapshots), directory);
 }
 
 void Simulation::attach(std::unique_ptr<Recorder> recorder, const std::filesystem::path& directory) {

@@ -219,6 +219,7 @@ void Scenario::visit(ConfigVisitor& v) {
   v.list("vehicles", vehicles, "the team, in the order of their numbers");
   v.modules("recorders", recorders, recorder_module_types(), "[-] what is written into the run directory");
   v.list("snapshots", snapshots, "cameras that take pictures");
+  if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) snapshots_place = teller->place_of("snapshots");
   v.object("metrics", metrics, "what is measured and when the run ends");
 
   v.check(is_file_name(name), "name", kNameRule);
@@ -258,6 +259,7 @@ std::string write_scenario(const Scenario& scenario) {
 Scenario validated(const Scenario& scenario) {
   Scenario checked;
   read_config_text(write_scenario(scenario), scenario.name, [&](ConfigVisitor& v) { checked.visit(v); });
+  checked.snapshots_place = scenario.snapshots_place;
   for (std::size_t i = 0; i < checked.vehicles.size(); ++i) {
     checked.vehicles[i].start.place = scenario.vehicles[i].start.place;
     checked.vehicles[i].agent_place = scenario.vehicles[i].agent_place;

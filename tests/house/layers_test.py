@@ -14,7 +14,7 @@ import sys
 THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(bt[A-Z]|bullet/|Bullet|LinearMath/)": ["sim/physics"],
     r"^embree": ["sim/raycast"],
-    r"^GL/": ["sim/render"],
+    r"^(GL|EGL)/": ["sim/render"],
     r"^png\.h": ["sim/render"],
     r"^yaml-cpp": ["sim/scenario"],
     r"^assimp": ["sim/world"],
@@ -35,7 +35,7 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(fstream|filesystem|iostream|cstdio|chrono|thread|random)$": ["sim/*"],
 }
 # Headers never show a type of another package than Eigen and the standard library, unless they are a room's own.
-HEADER_ONLY_IN_CPP = re.compile(r"^(bt[A-Z]|embree|GL/|png\.h|yaml-cpp|assimp|zstd|zlib|lz4|nlohmann|xxhash|sqlite3|Random123|pcl/|ceres/|ompl/|octomap/|polyclipping/|boost/)")
+HEADER_ONLY_IN_CPP = re.compile(r"^(bt[A-Z]|embree|E?GL/|png\.h|yaml-cpp|assimp|zstd|zlib|lz4|nlohmann|xxhash|sqlite3|Random123|pcl/|ceres/|ompl/|octomap/|polyclipping/|boost/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 PROBES = [  # target, header, may it include that?

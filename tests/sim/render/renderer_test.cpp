@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <thread>
 
 #include "render_support.hpp"
 #include "swiftlet/sim/render/colors.hpp"
@@ -99,6 +100,25 @@ TEST(Renderer, GivesTheSamePixelsAgain) {
   EXPECT_EQ(renderer.draw(view_along_x(), {}, {}).rgb, first.rgb);
   Renderer another(world.scene(), {});
   EXPECT_EQ(another.draw(view_along_x(), {}, {}).rgb, first.rgb);
+}
+
+TEST(Renderer, GivesTheSamePixelsInAnyThread) {
+  BoxWorld world;
+  world.add({5, -1, 0}, {6, 1, 2}, kRed).add({-20, -20, -1}, {20, 20, 0}, kGray, SurfaceClass::kGround);
+  Renderer renderer(world.scene(), {});
+  const Image first = renderer.draw(view_along_x(), {}, {});
+  const DepthImage first_depth = renderer.draw_depth(view_along_x(), {}, {});
+  for (int i = 0; i < 3; ++i) {
+    Image image;
+    DepthImage depth;
+    std::thread([&] {
+      image = renderer.draw(view_along_x(), {}, {});
+      depth = renderer.draw_depth(view_along_x(), {}, {});
+    }).join();
+    EXPECT_EQ(image.rgb, first.rgb);
+    EXPECT_EQ(depth.depth_m, first_depth.depth_m);
+  }
+  EXPECT_EQ(renderer.draw(view_along_x(), {}, {}).rgb, first.rgb);
 }
 
 TEST(Renderer, LooksUnderARoofWhenToldToCut) {

@@ -251,6 +251,26 @@ TEST(Scenario, AssetsOfTheUserComeFirst) {
   EXPECT_THAT(scenario_error("vehicles: [{model: x50}]"), HasSubstr("did you mean \"x500\"?"));
 }
 
+TEST(Scenario, SnapshotsInAProgramWithoutPicturesAreRefusedWithTheirPlace) {
+  const Scenario scenario = read_scenario_text("duration_s: 2\nsnapshots:\n  - {times_s: [1]}\n");
+  for (const Scenario& read : {scenario, validated(scenario)}) {
+    std::string problem;
+    try {
+      require_pictures(read.snapshots_place, "; or fly");
+    } catch (const InputError& error) {
+      problem = error.what();
+    }
+    if (picture_library().empty()) {
+      EXPECT_THAT(problem, ::testing::StartsWith("flight.yaml:3:3: snapshots: expected a program that draws pictures"));
+      EXPECT_THAT(problem, HasSubstr("libegl-dev"));
+      EXPECT_THAT(problem, ::testing::EndsWith("; or fly"));
+    } else {
+      EXPECT_EQ(problem, "");
+      EXPECT_EQ(read.snapshots_place, "flight.yaml:3:3: snapshots: ");
+    }
+  }
+}
+
 TEST(Scenario, NamesAreFilledIn) {
   const Scenario scenario = read_scenario_text("vehicles: [{}, {sensors: [imu, imu]}]");
   EXPECT_EQ(scenario.vehicles[0].name, "uav1");

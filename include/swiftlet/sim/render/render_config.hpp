@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
@@ -69,5 +70,12 @@ struct CameraConfig {
 
 /// Does any camera take a picture in (previous, now]? Pass -1 as `previous` in the first tick, so that t = 0 counts.
 bool wants_picture(std::span<const CameraConfig> cameras, TimeNs previous, TimeNs now);
+
+/// Library by which this program draws: "OSMesa" or "EGL"; empty in a program built without pictures.
+std::string_view picture_library();
+/// Throws InputError in a program built without pictures.
+/// @param place      begins the message: "a.yaml:3:1: snapshots: "
+/// @param otherwise  ends it with what else the user can do
+void require_pictures(const std::string& place, const std::string& otherwise = "");
 
 }  // namespace swiftlet::sim

@@ -66,6 +66,7 @@ struct Scenario {
   std::uint64_t seed_of_world() const { return world_seed != 0 ? world_seed : seed; }
 };
 
+  std::string snapshots_place = "snapshots: ";  ///< in their file, for messages: "a.yaml:3:1: snapshots: "
 /// Reads a scenario, by path or by the name of one that comes with Swiftlet, with its `base:` chain and the overrides
 /// ("vehicles[0].start.yaw_deg", "90").
 /// Throws InputError.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/render/gl_context.hpp"
-
 #include <GL/osmesa.h>
 
 #include <stdexcept>
+
+#include "sim/render/gl_context.hpp"
+#include "swiftlet/sim/render/render_config.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -13,6 +14,8 @@ constexpr const char* kNoContext =
     "(package libosmesa6 with LLVM); remove `snapshots` from the scenario to run without pictures";
 
 }  // namespace
+
+std::string_view picture_library() { return "OSMesa"; }
 
 GlContext::GlContext() {
   const int attributes[] = {OSMESA_FORMAT,
@@ -37,6 +40,8 @@ void GlContext::make_current() {
     throw std::runtime_error(kNoContext);
   }
 }
+
+void GlContext::release() { OSMesaMakeCurrent(nullptr, nullptr, 0, 0, 0); }
 
 GlContext::Function GlContext::proc_address(const char* name) { return OSMesaGetProcAddress(name); }
 
