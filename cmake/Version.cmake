@@ -1,21 +1,19 @@
-# Run at every build (cmake -P): writes ${OUTPUT} when version or revision changed. A clone of another user is trusted as far as
-# its revision goes. The repository must be this one: a tarball may lie inside a foreign repository. An archive that git made
-# has its revision in cmake/revision.txt.
-set(git git -c safe.directory=${SOURCE_DIR} -C ${SOURCE_DIR})
-execute_process(COMMAND ${git} rev-parse --show-prefix --short=12 HEAD OUTPUT_VARIABLE answer
-  OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
-if(failed OR NOT answer MATCHES "^\n?([0-9a-f]+)$")
-  file(READ ${SOURCE_DIR}/cmake/revision.txt revision)
-  string(STRIP "${revision}" revision)
-  if(NOT revision MATCHES "^[0-9a-f]+$")
-    set(revision unknown)
-  endif()
-else()
-  set(revision ${CMAKE_MATCH_1})
-  execute_process(COMMAND ${git} diff --quiet HEAD -- RESULT_VARIABLE changed ERROR_QUIET)
+# Run at every build (cmake -P): writes ${OUTPUT} when version or revision changed. The repository is named, so it may belong to
+# another user, and a foreign one around a tarball does not count. An archive that git made has its revision in cmake/revision.txt.
+set(git git --no-optional-locks -C ${SOURCE_DIR} --git-dir=.git --work-tree=.)
+execute_process(COMMAND ${git} rev-parse --verify HEAD OUTPUT_VARIABLE revision OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+execute_process(COMMAND ${git} diff --quiet HEAD -- RESULT_VARIABLE changed ERROR_QUIET)
+if(NOT revision)
+  file(STRINGS ${SOURCE_DIR}/cmake/revision.txt revision LIMIT_COUNT 1)
+  set(changed 0)
+endif()
+if(revision MATCHES "^[0-9a-f]+$")
+  string(SUBSTRING ${revision} 0 12 revision)
   if(changed)
     string(APPEND revision "+")
   endif()
+else()
+  set(revision unknown)
 endif()
 set(content "// Written by cmake/Version.cmake.
 #include \"swiftlet/sim/run/version.hpp\"

@@ -5,13 +5,17 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 namespace swiftlet::tools {
 
 /// An empty folder that goes with the object.
 class ScratchFolder {
  public:
-  ScratchFolder() : path_((std::filesystem::temp_directory_path() / "swiftlet_XXXXXX").string()) {
+  ScratchFolder() {
+    std::error_code missing;  // TMPDIR may name a folder that does not exist
+    const std::filesystem::path parent = std::filesystem::temp_directory_path(missing);
+    path_ = ((missing ? "/tmp" : parent) / "swiftlet_XXXXXX").string();
     if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error("cannot make a folder " + path_);
   }
   ~ScratchFolder() {

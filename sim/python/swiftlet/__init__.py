@@ -12,11 +12,40 @@
 
 docs/python.md explains it. Positions are in meters, world axes are east, north, up, times in seconds or integer nanoseconds.
 """
+import importlib.machinery as _machinery
 import json as _json
+import pathlib as _pathlib
+import platform as _platform
 import re as _re
+import sys as _sys
 import tempfile as _tempfile
 
-from . import _core
+
+def _explain():
+    """Why this interpreter cannot import the compiled part, and what helps; None: for another reason."""
+    here = _pathlib.Path(__file__).parent
+    built = sorted(path.name for path in here.glob("_core.*.so"))
+    this = f"{_platform.python_implementation()} {_platform.python_version()} ({_sys.executable})"
+    if not built:
+        return f"{here} has no compiled module; in a clone `tools/setup --python` builds it and prints the folder for PYTHONPATH"
+    if not any("_core" + suffix in built for suffix in _machinery.EXTENSION_SUFFIXES):
+        return (f"{here} is built for another Python ({', '.join(built)}), this is {this}. In a clone, `tools/build release "
+                f"-DSWIFTLET_PYTHON=ON -DSWIFTLET_PYTHON_EXECUTABLE={_sys.executable} -- swiftlet_python` builds it for this one")
+    try:
+        import numpy  # noqa: F401
+    except ImportError as numpy_error:
+        return (f"expected numpy, which {this} does not have ({numpy_error}): install Debian's python3-numpy for /usr/bin/python3, "
+                f"or `{_sys.executable} -m pip install numpy`")
+    return None
+
+
+try:
+    from . import _core
+except ImportError:
+    _reason = _explain()
+    if _reason is None:
+        raise
+    raise ImportError(f"swiftlet: {_reason}") from None
 from ._core import (InputError, InternalError, Onboard, Scan, Scenario, Simulator, Table, Vehicle, World, allow_plugins, git_revision,
                     make_scan)
 from .modules import Cloud, Command, Detection, Goal, StepInput, agent, detector, guidance, key
