@@ -119,6 +119,7 @@ void BirdConfig::visit(ConfigVisitor& v) {
   v.field("flight_s", flight_s, "[s] in the mean until it looks for a perch; drawn in the same way", Range::positive());
   v.field("perch_s", perch_s, "[s] on a perch, in the mean; drawn in the same way", Range::positive());
   v.field("perches_m", perches_m, "[m] where it may perch; none: it flies without end");
+  v.destinations("perches_m", perches_m);
   v.check((area_max_m.array() > area_min_m.array()).all(), "area_max_m", "more than area_min_m in each direction");
   v.check(speed_min_mps <= speed_max_mps && speed_min_mps >= 0.02 * speed_max_mps, "speed_min_mps",
           "from 0.02 of speed_max_mps to speed_max_mps");

@@ -192,6 +192,7 @@ class Navigate : public Guidance {
 
 void NavigateConfig::visit(ConfigVisitor& v) {
   v.field("goals_m", goals_m, "[m] where to go, one after the other, world frame", Range::between(-1e5, 1e5));
+  v.destinations("goals_m", goals_m);
   v.field("rounds", rounds, "[-] how often it goes to all of them; 0: for ever", Range::between(0, 1e6));
   v.choice("search", search, {"a_star", "rrt", "informed_rrt_star"},
            "[-] cell by cell (a_star), or by random samples: the first path (rrt), or one that gets ever shorter");

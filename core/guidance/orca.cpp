@@ -157,6 +157,7 @@ Vector3 orca_velocity(std::span<const OrcaPlane> planes, const Vector3& wanted_l
 
 void OrcaConfig::visit(ConfigVisitor& v) {
   v.field("goal_m", goal_m, "[m] world");
+  v.destinations("goal_m", goal_m);
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached", Range::positive());
   v.field("speed_mps", speed_mps, "[m/s] at most", Range::positive());
   v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());

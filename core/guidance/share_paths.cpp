@@ -252,6 +252,7 @@ void SharePathsConfig::visit(ConfigVisitor& v) {
   v.field("z_min_m", z_min_m, "[m] lowest flight level");
   v.field("z_max_m", z_max_m, "[m] highest flight level");
   v.field("planar", planar, "[-] at the height of the start");
+  if (!planar) v.destinations("goal_m", goal_m);
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }
 

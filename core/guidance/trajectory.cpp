@@ -184,6 +184,10 @@ void TrajectoryConfig::visit(ConfigVisitor& v) {
   v.field("frequency_ratio", frequency_ratio, "[-] of the lissajous curve; 1, 2: a figure of eight");
   v.field("from_m", from_m, "[m] beginning of the line");
   v.field("to_m", to_m, "[m] end of the line");
+  if (shape == Shape::kLine) {
+    v.destinations("from_m", from_m);
+    v.destinations("to_m", to_m);
+  }
   v.choice("yaw", yaw, {"along_path", "fixed"}, "[-] heading: along the velocity, or yaw_deg");
   v.field("yaw_deg", yaw_deg, "[deg] heading when fixed");
   v.check(amplitude_m.cwiseProduct(frequency_ratio).norm() > 0.0, "amplitude_m",

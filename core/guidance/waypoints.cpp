@@ -108,6 +108,7 @@ void WaypointsConfig::visit(ConfigVisitor& v) {
   v.check(!waypoints_m.empty(), "waypoints_m", "at least one waypoint");
   v.choice("frame", frame, {"world", "start"},
            "[-] of the waypoints; start: origin and heading of the vehicle's start");
+  if (frame == Frame::kWorld) v.destinations("waypoints_m", waypoints_m);
   v.field("speed_mps", speed_mps, "[m/s] at most, horizontal and vertical each", Range::positive());
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, a waypoint is reached", Range::positive());
   v.field("dwell_s", dwell_s, "[s] to stay at each waypoint", Range::non_negative());

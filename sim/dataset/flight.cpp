@@ -77,6 +77,7 @@ void fly(Scenario& scenario, const std::vector<SplineTrajectory>& paths) {
     }
     const StartKnown known = vehicle.start.known;
     vehicle.start = StartConfig();
+    vehicle.places.erase("start.position_m");  // where the file has another one
     vehicle.start.known = known;
     vehicle.start.position_m = paths[i].control_points_m.front();
     vehicle.start.yaw_deg = paths[i].yaw_rad * 180.0 / std::numbers::pi;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "sim/run/prior_map.hpp"
@@ -13,19 +14,23 @@
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/slam/slam.hpp"
 #include "swiftlet/sim/errors.hpp"
-#include "swiftlet/sim/physics/start_place.hpp"
+#include "swiftlet/sim/physics/free_places.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/scenario/named_files.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
 #include "swiftlet/sim/slam_map/slam_map_file.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
-/// The beginning of a message about where a vehicle starts.
-std::string place_of(const VehicleConfig& vehicle) {
-  return vehicle.start.place.empty() ? "vehicles: " + vehicle.name + ": start.position_m: " : vehicle.start.place;
+constexpr const char* kStart = "start.position_m";
+
+/// The beginning of a message about a key of a vehicle.
+std::string place_of(const VehicleConfig& vehicle, const std::string& key) {
+  const auto known = vehicle.places.find(key);
+  return known != vehicle.places.end() ? known->second : "vehicles: " + vehicle.name + ": " + key + ": ";
 }
 
 /// Centimeters are enough for a start.
@@ -44,7 +49,7 @@ double ground_height_m(const StaticScene& world, const VehicleConfig& vehicle) {
     if (hit.surface_class == SurfaceClass::kGround) return z;
     z -= 1e-3;
   }
-  throw InputError(place_of(vehicle) + "expected ground below the start of " + vehicle.name +
+  throw InputError(place_of(vehicle, kStart) + "expected ground below the start of " + vehicle.name +
                    " (above_ground), found none at x " + meters(at.x()) + ", y " + meters(at.y()));
 }
 
@@ -64,7 +69,7 @@ void require_apart(const Scenario& scenario, const std::vector<PhysicsVehicle>& 
       const double least_m =
           vehicles[i].airframe.circumscribed_radius_m() + vehicles[j].airframe.circumscribed_radius_m();
       if (distance_m >= least_m) continue;
-      throw InputError(place_of(scenario.vehicles[i]) + "expected " + vehicles[i].name + " at least " +
+      throw InputError(place_of(scenario.vehicles[i], kStart) + "expected " + vehicles[i].name + " at least " +
                        meters(least_m) + " from " + vehicles[j].name + ", found " + meters(distance_m));
     }
   }
@@ -72,19 +77,28 @@ void require_apart(const Scenario& scenario, const std::vector<PhysicsVehicle>& 
 
 void require_room(const Scenario& scenario, const std::vector<PhysicsVehicle>& vehicles, const StaticScene& world) {
   if (!scenario.physics.contacts) return;  // then nothing is in anything's way
-  StartPlaces places(vehicles, scenario.physics, world);
-  for (std::size_t i = 0; i < vehicles.size(); ++i) {
-    const auto problem = places.check(i);
-    if (!problem) continue;
-    const VehicleConfig& config = scenario.vehicles[i];
-    const double datum_m = vehicles[i].start.p_world_m.z() - config.start.position_m.z();
+  FreePlaces places(vehicles, scenario.physics, world);
+  // `ground_m` is the height from which the z of a key counts that is relative to the ground.
+  const auto require = [&](std::size_t i, const std::string& key, const Vector3& p_world_m,
+                           std::optional<double> ground_m) {
+    const auto problem = places.check(i, p_world_m);
+    if (!problem) return;
     const std::string surface(name_of(problem->surface_class));
     const std::string found = problem->depth_m > 0.0 ? surface + " in its place" : "it below the ground";
-    // Rounded up, so that the number told is one that does.
-    const double least_z_m = std::ceil((problem->free_z_m - datum_m) * 100.0 - 0.2) / 100.0;
-    throw InputError(place_of(config) + "expected room for " + vehicles[i].name + ", found " + found +
-                     "; there is room from z = " + meters(least_z_m) + " upwards" +
-                     (config.start.above_ground ? " (above the ground)" : ""));
+    // Rounded up, so that there is room at the reported height.
+    const double least_z_m = std::ceil((problem->free_z_m - ground_m.value_or(0.0)) * 100.0 - 0.2) / 100.0;
+    throw InputError(place_of(scenario.vehicles[i], key) + "expected room for " + vehicles[i].name + ", found " +
+                     found + "; there is room from z = " + meters(least_z_m) + " upwards" +
+                     (ground_m ? " (above the ground)" : ""));
+  };
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    const StartConfig& start = scenario.vehicles[i].start;
+    const Vector3& p_world_m = vehicles[i].start.p_world_m;
+    std::optional<double> ground_m;
+    if (start.above_ground) ground_m = p_world_m.z() - start.position_m.z();
+    require(i, kStart, p_world_m, ground_m);
+    if (start.known != StartKnown::kPose) continue;  // the vehicle's own world lies elsewhere in the true one
+    for (const NamedPlace& place : destinations_of(scenario.vehicles[i])) require(i, place.key, place.p_world_m, {});
   }
 }
 
@@ -124,10 +138,6 @@ Module with_loaded_map(const Module& agent) {
     throw InputError(std::string("localization.global.map: ") + problem.what());
   }
   return loaded;
-}
-
-std::string agent_place(const VehicleConfig& vehicle) {
-  return vehicle.agent_place.empty() ? "vehicles: " + vehicle.name + ": agent: " : vehicle.agent_place;
 }
 
 void require_sensors(const VehicleConfig& vehicle) {
@@ -235,9 +245,9 @@ std::vector<std::unique_ptr<Agent>> make_agents(const Scenario& scenario, const 
       require_sensors(scenario.vehicles[i]);
       agents.push_back(make_agent(with_loaded_map(scenario.vehicles[i].agent), setup));
     } catch (const std::invalid_argument& problem) {
-      throw InputError(agent_place(scenario.vehicles[i]) + problem.what());
+      throw InputError(place_of(scenario.vehicles[i], "agent") + problem.what());
     } catch (const InputError& problem) {
-      throw InputError(agent_place(scenario.vehicles[i]) + problem.what());
+      throw InputError(place_of(scenario.vehicles[i], "agent") + problem.what());
     }
   }
   return agents;

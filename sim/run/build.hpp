@@ -22,7 +22,7 @@ std::vector<std::string> vehicle_names(const Scenario& scenario);
 RunInfo make_run_info(const Scenario& scenario, const World& world);
 
 /// True states at the start. Throws InputError when a vehicle starts inside another one or above nothing although
-/// `above_ground` is set.
+/// `above_ground` is set. The same when the static world leaves no room for it at its start or at a destination.
 std::vector<PhysicsVehicle> make_physics_vehicles(const Scenario& scenario, const StaticScene& world);
 
 /// By vehicle, in the order of the scenario, which names all of them (with_truth_sensors).

@@ -9,7 +9,10 @@
 #include <charconv>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
+
+#include "swiftlet/sim/scenario/suggest.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -180,8 +183,10 @@ class Builder final : public YAML::EventHandler {
   }
   void OnSequenceEnd() override { close(); }
   void OnMapEnd() override {
-    check_duplicates(open_.back().node);
-    gather_selectors(open_.back().node);
+    Open& done = open_.back();
+    check_duplicates(done.node);
+    if (done.merge_at) lay_under(done.node, *done.merge_at);
+    gather_selectors(done.node);
     close();
   }
 
@@ -190,8 +195,10 @@ class Builder final : public YAML::EventHandler {
     Node node;
     YAML::anchor_t anchor = 0;
     std::size_t size = 1;
-    int depth = 1;             ///< of the value itself
-    std::optional<Entry> key;  ///< maps: read, its value still missing
+    int depth = 1;                        ///< of the value itself
+    std::optional<Entry> key;             ///< maps: read, its value still missing
+    bool merges = false;                  ///< maps: that key is the merge key
+    std::optional<std::size_t> merge_at;  ///< maps: entry of the merge key
   };
   struct Anchored {
     Node node;
@@ -232,7 +239,7 @@ class Builder final : public YAML::EventHandler {
   void open(Node node, YAML::anchor_t anchor) {
     if (depth() >= kMaxDepth)
       fail(node.place, "", "expected at most " + std::to_string(kMaxDepth) + " levels, found more");
-    open_.push_back({std::move(node), anchor, 1, 1, {}});
+    open_.push_back({std::move(node), anchor, 1, 1, {}, false, {}});
   }
   void close() {
     Open done = std::move(open_.back());
@@ -257,11 +264,35 @@ class Builder final : public YAML::EventHandler {
       parent.node.items.push_back(std::move(node));
     } else if (!parent.key) {
       if (!node.is_scalar()) fail(node.place, "", "expected a word as key, found " + describe(node));
+      parent.merges = node.text == "<<" && !node.quoted;
       parent.key = Entry{std::move(node.text), node.place, {}};
     } else {
+      if (parent.merges) parent.merge_at = parent.node.entries.size();
       parent.key->value = std::move(node);
       parent.node.entries.push_back(std::move(*parent.key));
       parent.key.reset();
+    }
+  }
+
+  /// The merge key of YAML 1.1: its map, or each map of its list, gives the keys that are missing so far.
+  static void lay_under(Node& map, std::size_t merge_at) {
+    Node merged = std::move(map.entries[merge_at].value);
+    map.entries.erase(map.entries.begin() + static_cast<std::ptrdiff_t>(merge_at));
+    std::vector<Node> sources;
+    if (merged.is_list()) {
+      sources = std::move(merged.items);
+    } else {
+      sources.push_back(std::move(merged));
+    }
+    std::set<std::string> known;
+    for (const Entry& entry : map.entries) known.insert(entry.key);
+    for (Node& source : sources) {
+      if (!source.is_map()) fail(source.place, "<<", "expected a map or a list of maps, found " + describe(source));
+      for (Entry& entry : source.entries) {
+        if (!known.insert(entry.key).second) continue;
+        check_size(map);
+        map.entries.push_back(std::move(entry));
+      }
     }
   }
 
@@ -312,6 +343,12 @@ bool chooses_another_type(const Node& base, const Node& over) {
   return now != nullptr && then != nullptr && now->text != then->text;
 }
 
+/// Does a vehicle of this list stand for several?
+bool has_counts(const Node& list) {
+  return std::any_of(list.items.begin(), list.items.end(),
+                     [](const Node& item) { return item.find("count") != nullptr; });
+}
+
 /// `detector: vofod` is short for `detector: {type: vofod}`; the long form is needed to lay further keys on it.
 void spell_out_type(Node& node, const Place& place) {
   Node type = node;
@@ -353,20 +390,40 @@ class Merger {
  private:
   void change_elements(Node& list, const Node& changes, const std::string& path) {
     for (const Entry& change : changes.entries) {
-      if (change.key.ends_with("*]")) {
-        bool found = change.key == "[*]";
-        for (std::size_t i = 0; i < list.items.size(); ++i) {
-          if (!is_named_like(list.items[i], change.key)) continue;
-          merge_element(list, i, change.value, path);
-          found = true;
-        }
-        if (!found) fail_selector(list, change, path);
-        continue;
+      if (path == "vehicles" && has_counts(list)) {
+        change_later(list, change, path);
+      } else {
+        change_element(list, change, path);
       }
-      const std::size_t index = element_index(list, change.key);
-      if (index == std::string::npos) fail_selector(list, change, path);
-      merge_element(list, index, change.value, path);
     }
+  }
+
+  void change_element(Node& list, const Entry& change, const std::string& path) {
+    if (change.key.ends_with("*]")) {
+      bool found = change.key == "[*]";
+      for (std::size_t i = 0; i < list.items.size(); ++i) {
+        if (!is_named_like(list.items[i], change.key)) continue;
+        merge_element(list, i, change.value, path);
+        found = true;
+      }
+      if (!found) fail_selector(list, change, path);
+      return;
+    }
+    const std::size_t index = element_index(list, change.key);
+    if (index == std::string::npos) fail_selector(list, change, path);
+    merge_element(list, index, change.value, path);
+  }
+
+  /// Single vehicles exist only when every `count` is known (expand_team). Until then a change of `count` is made, and
+  /// others wait as entries of the list.
+  void change_later(Node& list, const Entry& change, const std::string& path) {
+    Entry count = change, rest = change;
+    std::erase_if(count.value.entries, [](const Entry& entry) { return entry.key != "count"; });
+    std::erase_if(rest.value.entries, [](const Entry& entry) { return entry.key == "count"; });
+    if (!count.value.entries.empty()) change_element(list, count, path);
+    if (rest.value.is_map() && rest.value.entries.empty()) return;
+    pay(rest.value);
+    list.entries.push_back(std::move(rest));
   }
 
   void merge_element(Node& list, std::size_t index, const Node& over, const std::string& path) {
@@ -374,11 +431,15 @@ class Merger {
   }
 
   [[noreturn]] static void fail_selector(const Node& list, const Entry& change, const std::string& path) {
-    const std::string found = quote(change.key.substr(1, change.key.size() - 2));
+    const std::string word = change.key.substr(1, change.key.size() - 2);
+    std::vector<std::string> names;
+    for (const Node& item : list.items) {
+      if (const Node* name = item.find("name"); name != nullptr && name->is_scalar()) names.push_back(name->text);
+    }
     fail(change.place, join_path("", path + change.key),
-         list.items.empty() ? "expected an element of the list, which is empty, found " + found
+         list.items.empty() ? "expected an element of the list, which is empty, found " + quote(word)
                             : "expected an index below " + std::to_string(list.items.size()) +
-                                  ", the name of an element or *, found " + found);
+                                  ", the name of an element or *, found " + quote(word) + did_you_mean(word, names));
   }
 
   void pay(const Node& copied) {

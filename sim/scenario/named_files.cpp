@@ -4,10 +4,11 @@
 namespace swiftlet::sim {
 namespace {
 
-/// Walks through a configuration and keeps nothing but its files.
-class FileLister final : public ConfigVisitor {
+/// Walks through a configuration and keeps nothing but its files and destinations.
+class Lister final : public ConfigVisitor {
  public:
-  std::vector<NamedFile> take() { return std::move(files_); }
+  std::vector<NamedFile> take_files() { return std::move(files_); }
+  std::vector<NamedPlace> take_destinations() { return std::move(destinations_); }
 
   void field(const char*, bool&, const char*) override {}
   void field(const char*, int&, const char*, Range) override {}
@@ -55,21 +56,32 @@ class FileLister final : public ConfigVisitor {
     places_.push_back(places_.back() + "[" + std::to_string(index) + "]");
   }
   void end_element() override { end_object(); }
+  void destination(const std::string& key, const Eigen::Vector3d& place_world_m) override {
+    destinations_.push_back({at(key), place_world_m});
+  }
 
  private:
-  std::string at(const char* key) const { return places_.empty() ? key : places_.back() + "." + key; }
+  std::string at(const std::string& key) const { return places_.empty() ? key : places_.back() + "." + key; }
 
   std::vector<std::string> places_;  ///< of the objects, lists and elements that are open
   std::vector<NamedFile> files_;
+  std::vector<NamedPlace> destinations_;
 };
 
 }  // namespace
 
 std::vector<NamedFile> named_files(const Scenario& scenario) {
   Scenario visited = scenario;  // a visit may write
-  FileLister lister;
+  Lister lister;
   visited.visit(lister);
-  return lister.take();
+  return lister.take_files();
+}
+
+std::vector<NamedPlace> destinations_of(const VehicleConfig& vehicle) {
+  Module visited = vehicle.agent;
+  Lister lister;
+  lister.module("agent", visited, {}, "");
+  return lister.take_destinations();
 }
 
 }  // namespace swiftlet::sim

@@ -245,7 +245,9 @@ std::string write_reference() {
          "changes starts afresh. `vehicles[0]: {...}`, `vehicles[uav1]: {...}` and `vehicles[*]: {...}` change "
          "elements\n"
          "of a list, and `vehicles[uav*]: {...}` all whose names begin so. `--set vehicles[0].start.yaw_deg=90` does "
-         "the same from the command line.\n\n" +
+         "the same from the command line.\n\n"
+         "[scenarios.md](scenarios.md) explains anchors, merge keys (`<<`), and several vehicles from one entry "
+         "(`count`).\n\n" +
          reference_tables([&](ConfigVisitor& v) { scenario.visit(v); }, "Scenario") + data_tables();
 }
 

@@ -10,6 +10,7 @@
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/scenario/named_files.hpp"
 #include "swiftlet/sim/scenario/recorder_paths.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
 #include "swiftlet/sim/scenario/yaml_reader.hpp"
@@ -21,7 +22,6 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::size_t kMaxVehicles = 10'000;
 constexpr const char* kNameRule = "a name of letters, digits, '_', '-' and '.' (it becomes a file name)";
 
 std::string element(const char* list, std::size_t index, const char* key) {
@@ -175,13 +175,15 @@ void StartConfig::visit(ConfigVisitor& v) {
   v.field("position_m", position_m,
           "[m] of the center of mass, world frame; on legs, z is airframe.leg_height_m above the ground",
           Range::between(-1e5, 1e5));
-  if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) place = teller->place_of("position_m");
   v.field("above_ground", above_ground, "[-] does z count from the ground below?");
   v.field("yaw_deg", yaw_deg, "[deg] heading, counter-clockwise from east");
   v.field("velocity_mps", velocity_mps, "[m/s] world frame", Range::between(-200.0, 200.0));
   v.field("flying", flying, "[-] do the rotors turn at hover speed at the start?");
   v.choice("known", known, {"pose", "position", "nothing"},
            "[-] what the vehicle's software is told of this: position_m and yaw_deg, position_m, or nothing");
+  v.field("spacing_m", spacing_m, "[m] along x and y between the vehicles of a count", Range::between(-1e4, 1e4));
+  v.field("columns", columns, "[-] vehicles of a count in a row along x, before the next row; 0: all of them",
+          Range::between(0, kMaxVehicles));
 }
 
 VehicleConfig::VehicleConfig() : agent(agent_module_types(), agent_module_types().front().name) {
@@ -191,12 +193,17 @@ VehicleConfig::VehicleConfig() : agent(agent_module_types(), agent_module_types(
 void VehicleConfig::visit(ConfigVisitor& v) {
   v.model("model", model, "vehicles", "[-] airframe and controller gains");
   v.field("name", name, "[-] unique; empty: uav1, uav2, ...");
+  v.field("count", count, "[-] so many of it, NAME1, NAME2, ..., with starts in a row or a grid (docs/scenarios.md)",
+          Range::between(1, kMaxVehicles));
   v.object("airframe", airframe, "physical data, normally from the model");
   v.object("markers", markers, "what other vehicles' LiDARs know it by");
   v.object("start", start, "state at time 0");
   v.modules("sensors", sensors, sensor_module_types(), "[-] what it carries");
   v.module("agent", agent, agent_module_types(), "[-] its software");
-  if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) agent_place = teller->place_of("agent");
+  if (const auto* teller = dynamic_cast<const PlaceTeller*>(&v)) {
+    for (const char* key : {"start.position_m", "agent"}) places[key] = teller->place_of(key);
+    for (const NamedPlace& place : destinations_of(*this)) places[place.key] = teller->place_of(place.key.c_str());
+  }
   name_sensors(v, sensors);
   v.check(!airframe.rotors.empty(), "airframe.rotors", "at least one rotor");
 }
@@ -224,7 +231,8 @@ void Scenario::visit(ConfigVisitor& v) {
 
   v.check(is_file_name(name), "name", kNameRule);
   check_time(v, *this);
-  v.check(vehicles.size() <= kMaxVehicles, "vehicles", "at most " + std::to_string(kMaxVehicles) + " vehicles");
+  v.check(vehicles.size() <= std::size_t{kMaxVehicles}, "vehicles",
+          "at most " + std::to_string(kMaxVehicles) + " vehicles");
   const std::vector<std::string> vehicle_names = name_vehicles(v, vehicles);
   check_recorders(v, recorders, &vehicle_names);
   check_cameras(v, *this, vehicle_names);
@@ -260,10 +268,8 @@ Scenario validated(const Scenario& scenario) {
   Scenario checked;
   read_config_text(write_scenario(scenario), scenario.name, [&](ConfigVisitor& v) { checked.visit(v); });
   checked.snapshots_place = scenario.snapshots_place;
-  for (std::size_t i = 0; i < checked.vehicles.size(); ++i) {
-    checked.vehicles[i].start.place = scenario.vehicles[i].start.place;
-    checked.vehicles[i].agent_place = scenario.vehicles[i].agent_place;
-  }
+  if (checked.vehicles.size() != scenario.vehicles.size()) return checked;  // some were a count
+  for (std::size_t i = 0; i < checked.vehicles.size(); ++i) checked.vehicles[i].places = scenario.vehicles[i].places;
   return checked;
 }
 

@@ -569,6 +569,7 @@ class YamlReader final : public ConfigVisitor, public PlaceTeller {
 
 void read(Node document, Loader& loader, const ConfigVisit& visit, const Overrides& overrides) {
   for (const auto& [path, value] : overrides) merge(document, parse_override(path, value));
+  expand_team(document);
   YamlReader reader(document, loader);
   try {
     visit(reader);

@@ -186,6 +186,15 @@ class ConfigVisitor {
   /// the place of `key`: "<place>: <key>: expected <expected>". Call it after the fields.
   virtual void check(bool ok, const char* key, const std::string& expected) = 0;
 
+  /// World places in the field `key` that the vehicle is meant to reach. A run refuses those inside an obstacle, as it
+  /// refuses starts. Call it after the field.
+  void destinations(const char* key, const Eigen::Vector3d& place_world_m) { destination(key, place_world_m); }
+  void destinations(const char* key, const std::vector<Eigen::Vector3d>& places_world_m) {
+    for (std::size_t i = 0; i < places_world_m.size(); ++i) {
+      destination(std::string(key) + "[" + std::to_string(i) + "]", places_world_m[i]);
+    }
+  }
+
  protected:
   virtual bool begin_object(const char* key, const char* doc) = 0;
   virtual void end_object() = 0;
@@ -196,6 +205,8 @@ class ConfigVisitor {
   virtual bool wants_example() const { return false; }
   /// Does the list that has just begun replace the default elements, or keep them?
   virtual bool starts_afresh() const { return false; }
+  /// One of destinations(): its key, as "goals_m[2]", and the place.
+  virtual void destination(const std::string& /*key*/, const Eigen::Vector3d& /*place_world_m*/) {}
 };
 
 }  // namespace swiftlet

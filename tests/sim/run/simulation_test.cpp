@@ -190,6 +190,31 @@ TEST(Simulation, AStartInAnObstacleIsRefused) {
   EXPECT_THAT(refusal("field", "yaw_deg: 90", "wind: {mean_mps: [0, 0, 0]}\n"), "");
 }
 
+TEST(Simulation, ADestinationInAnObstacleIsRefusedAsAStartIs) {
+  using testing::HasSubstr;
+  const auto to = [](const std::string& guidance) {
+    return refusal("hall", "position_m: [0, 0, 2]}\n    agent: {guidance: " + guidance);
+  };
+  EXPECT_EQ(to("{type: waypoints, waypoints_m: [[0, 1, 2], [1, 0, 2]]}"), "");
+  EXPECT_THAT(
+      to("{type: waypoints, waypoints_m: [[0, 1, 2], [1.5, 0, 2]]}"),
+      HasSubstr("scenario.yaml:5:66: vehicles[0].agent.guidance.waypoints_m[1]: expected room for uav1, found wall "
+                "in its place; there is room from z = "));
+  EXPECT_THAT(
+      to("{type: hover, at: point, point_m: [0, 0, 0]}"),
+      HasSubstr("vehicles[0].agent.guidance.point_m: expected room for uav1, found ground in its place; there is "
+                "room from z = 0.20 m upwards"));
+  EXPECT_EQ(to("{type: hover, at: start, point_m: [0, 0, 0]}"), "") << "it does not go there";
+  EXPECT_EQ(refusal("hall",
+                    "position_m: [0, 0, 2], known: nothing}\n    agent: {guidance: {type: hover, at: point, point_m: "
+                    "[1.5, 0, 2]}"),
+            "")
+      << "its own world lies elsewhere";
+  const std::string message = to("{type: hover, at: point, point_m: [1.5, 0, 2]}");
+  const std::string z = std::to_string(std::stod(message.substr(message.find("from z = ") + 9)));
+  EXPECT_EQ(to("{type: hover, at: point, point_m: [1.5, 0, " + z + "]}"), "") << "there is room at that height";
+}
+
 TEST(Simulation, TheHeightThatARefusalTellsDoes) {
   for (const char* world : {"field", "forest", "campus", "warehouse"}) {
     const std::string message = refusal(world, "position_m: [9, 3, -20]");

@@ -278,6 +278,101 @@ TEST(Scenario, NamesAreFilledIn) {
   EXPECT_THAT(write_scenario(scenario), HasSubstr("name: imu2"));
 }
 
+std::vector<std::string> names_of(const Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const VehicleConfig& vehicle : scenario.vehicles) names.push_back(vehicle.name);
+  return names;
+}
+
+std::vector<Eigen::Vector3d> starts_of(const Scenario& scenario) {
+  std::vector<Eigen::Vector3d> starts_m;
+  for (const VehicleConfig& vehicle : scenario.vehicles) starts_m.push_back(vehicle.start.position_m);
+  return starts_m;
+}
+
+TEST(Count, MakesSoManyVehiclesWithNumbersBehindTheirNames) {
+  using ::testing::ElementsAre;
+  const Scenario scenario =
+      read_scenario_text("vehicles: [{count: 2}, {name: eye}, {count: 2}, {name: bird, count: 3, model: f330}]");
+  EXPECT_THAT(names_of(scenario), ElementsAre("uav1", "uav2", "eye", "uav4", "uav5", "bird1", "bird2", "bird3"));
+  EXPECT_EQ(scenario.vehicles[6].model, "f330");
+  EXPECT_THAT(names_of(read_scenario_text("vehicles: [{name: eye, count: 1}, {count: 1}]")),
+              ElementsAre("eye", "uav2"));
+}
+
+TEST(Count, PutsTheStartsIntoARowOrAGrid) {
+  using ::testing::ElementsAre;
+  using V = Eigen::Vector3d;
+  EXPECT_THAT(starts_of(read_scenario_text("vehicles: [{count: 3}]")), ElementsAre(V(0, 0, 2), V(3, 0, 2), V(6, 0, 2)));
+  EXPECT_THAT(
+      starts_of(read_scenario_text("vehicles: [{count: 3, start: {position_m: [1, 2 m, 300 cm], spacing_m: [-2, "
+                                   "9]}}]")),
+      ElementsAre(V(1, 2, 3), V(-1, 2, 3), V(-3, 2, 3)));
+  EXPECT_THAT(starts_of(read_scenario_text("vehicles: [{count: 5, start: {spacing_m: [2, 400 cm], columns: 2}}]")),
+              ElementsAre(V(0, 0, 2), V(2, 0, 2), V(0, 4, 2), V(2, 4, 2), V(0, 8, 2)));
+  EXPECT_THAT(starts_of(read_scenario_text("vehicles: [{count: 2, start: {\"position_m[2]\": 7}}]")),
+              ElementsAre(V(0, 0, 7), V(3, 0, 7)));
+}
+
+TEST(Count, SingleVehiclesAreChangedByNameNumberOrAllAndCountAtItsEntry) {
+  using ::testing::ElementsAre;
+  const std::string text =
+      "vehicles: [{name: eye}, {count: 3, name: uav}]\n"
+      "vehicles[uav2]: {start: {position_m: [50, 0, 2], yaw_deg: 90}}\n";
+  const auto read = [&](const std::vector<std::pair<std::string, std::string>>& changes) {
+    Scenario scenario;
+    read_config_text(
+        text, "flight.yaml", [&](ConfigVisitor& v) { scenario.visit(v); }, changes);
+    return scenario;
+  };
+  const Scenario by_name = read({});
+  EXPECT_EQ(by_name.vehicles[2].start.position_m.x(), 50.0) << "as it stands, not moved";
+  EXPECT_EQ(by_name.vehicles[2].start.yaw_deg, 90.0);
+  EXPECT_EQ(by_name.vehicles[3].start.yaw_deg, 0.0);
+  const Scenario changed = read({{"vehicles[3].start.yaw_deg", "45"},
+                                 {"vehicles[uav*].airframe.mass_kg", "3"},
+                                 {"vehicles[1].count", "4"},
+                                 {"vehicles[uav4].start.yaw_deg", "30"}});
+  EXPECT_THAT(names_of(changed), ElementsAre("eye", "uav1", "uav2", "uav3", "uav4"));
+  EXPECT_EQ(changed.vehicles[3].start.yaw_deg, 45.0) << "numbers are those of the team";
+  EXPECT_EQ(changed.vehicles[4].start.yaw_deg, 30.0);
+  EXPECT_NE(changed.vehicles[0].airframe.mass_kg, 3.0);
+  for (int i = 1; i < 5; ++i) EXPECT_EQ(changed.vehicles[i].airframe.mass_kg, 3.0);
+  EXPECT_EQ(read({{"vehicles[uav].count", "7"}}).vehicles.size(), 8U) << "its entry by name";
+}
+
+TEST(Count, IsCompleteWhenItIsWrittenOut) {
+  const Scenario scenario = read_scenario_text("vehicles: [{count: 4, start: {columns: 2}, sensors: [imu]}]");
+  const std::string text = write_scenario(scenario);
+  const Scenario again = read_scenario_text(text);
+  EXPECT_EQ(write_scenario(again), text);
+  EXPECT_EQ(names_of(again), names_of(scenario));
+  EXPECT_EQ(starts_of(again), starts_of(scenario));
+  Scenario in_code;
+  in_code.vehicles[0].count = 3;
+  EXPECT_EQ(validated(in_code).vehicles.size(), 3U);
+}
+
+TEST(Count, MistakesAreRefusedWithTheirPlace) {
+  for (const char* wrong : {"0", "-1", "2.5", "many", "10001", "[3]"}) {
+    EXPECT_THAT(scenario_error("vehicles: [{count: " + std::string(wrong) + "}]"),
+                ::testing::StartsWith("flight.yaml:1:20: vehicles[0].count: expected a whole number in [1, 10000]"))
+        << wrong;
+  }
+  EXPECT_THAT(scenario_error("vehicles: [{cuont: 3}]"), HasSubstr("did you mean \"count\"?"));
+  const std::string once = scenario_error("vehicles:\n  - {count: 3, sped: 1}\n");
+  EXPECT_EQ(std::count(once.begin(), once.end(), '\n'), 0) << once;
+  EXPECT_THAT(
+      scenario_error("vehicles: [{count: 3}]\nvehicles[uva3]: {model: f450}\n"),
+      HasSubstr("flight.yaml:2:1: vehicles[uva3]: expected an index below 3, the name of an element or *, found "
+                "\"uva3\"; did you mean \"uav3\"?"));
+  EXPECT_THAT(scenario_error("vehicles: [{count: 2, name: a}, {name: a2}]"),
+              HasSubstr("vehicles[2].name: expected a name that is not taken yet"));
+  std::string large = "vehicles: [{count: 10000, sensors: [";
+  for (int i = 0; i < 200; ++i) large += "imu, ";
+  EXPECT_THAT(scenario_error(large + "]}]"), HasSubstr("expected at most 1000000 values in all vehicles, found more"));
+}
+
 TEST(Scenario, TruthByNameIsWrittenOutAsASensor) {
   const Scenario scenario = read_scenario_text(
       "vehicles: [{agent: {detector: ground_truth}}, {sensors: [{type: pose, name: mocap}]}, {agent: {type: none}}]");

@@ -227,7 +227,67 @@ TEST(YamlReader, AnythingThatIsNotOneMapInUtf8IsRefused) {
   EXPECT_THAT(fleet_error("title: !!str x"), HasSubstr("found the tag"));
   EXPECT_THAT(fleet_error("? [a]\n: 1\n"), HasSubstr("expected a word as key"));
   EXPECT_THAT(fleet_error("? {a: 1}\n: 1\n"), HasSubstr("expected a word as key"));
-  EXPECT_THAT(fleet_error("<<: {seed: 1}"), HasSubstr("found \"<<\""));
+}
+
+// --- merge keys of YAML 1.1 ---
+
+TEST(MergeKeys, GiveTheKeysThatAreMissingAndEarlierMapsWin) {
+  const FleetConfig fleet = read_fleet(
+      "boats:\n"
+      "  - &slow {name: a, speed_mps: 1, noise: {sigma_range_m: 0.5}}\n"
+      "  - &fast {name: b, speed_mps: 9, rate_hz: 20}\n"
+      "  - {<<: *slow, name: c}\n"
+      "  - <<: [*slow, *fast]\n"
+      "    name: d\n"
+      "    noise: {drop_probability: 0.25}\n"
+      "  - {name: e, <<: {speed_mps: 3}}\n");
+  ASSERT_EQ(fleet.boats.size(), 5u);
+  EXPECT_EQ(fleet.boats[2].name, "c") << "a key of one's own wins, wherever it stands";
+  EXPECT_EQ(fleet.boats[2].speed_mps, 1.0);
+  EXPECT_EQ(fleet.boats[2].noise.sigma_range_m, 0.5);
+  EXPECT_EQ(fleet.boats[3].speed_mps, 1.0) << "of several maps the first one that has the key";
+  EXPECT_EQ(fleet.boats[3].rate_hz, 20.0);
+  EXPECT_EQ(fleet.boats[3].noise.sigma_range_m, NoiseConfig().sigma_range_m) << "maps within are not merged";
+  EXPECT_EQ(fleet.boats[4].speed_mps, 3.0);
+  // An anchor of a map holds what was merged into it, and a merged list takes changes to its elements.
+  EXPECT_EQ(read_fleet("boats: [&a {rate_hz: 3}, &b {<<: *a, name: b}, {<<: *b, name: c}]").boats[2].rate_hz, 3.0);
+  EXPECT_EQ(read_fleet("{<<: {tags: [a, b]}, \"tags[1]\": c}").tags, (std::vector<std::string>{"a", "c"}));
+}
+
+TEST(MergeKeys, MistakesAreToldWhereTheMergedTextStands) {
+  const std::string boats = "boats:\n  - &one {name: a, sped_mps: 1}\n  - {<<: *one, name: b}\n";
+  EXPECT_EQ(fleet_error(boats),
+            "fleet.yaml:2:20: boats[0].sped_mps: expected a known key, found \"sped_mps\"; did you mean "
+            "\"speed_mps\"?");
+  EXPECT_EQ(fleet_error("<<: &x 5"), "fleet.yaml:1:5: <<: expected a map or a list of maps, found \"5\"");
+  EXPECT_THAT(fleet_error("<<:\n"), HasSubstr("<<: expected a map or a list of maps, found nothing"));
+  EXPECT_THAT(fleet_error("<<: [{seed: 1}, 5]"), HasSubstr("<<: expected a map or a list of maps, found \"5\""));
+  EXPECT_THAT(fleet_error("<<: {seed: 1}\n<<: {title: a}\n"), HasSubstr("expected each key once, found \"<<\" again"));
+  EXPECT_THAT(fleet_error("\"<<\": {seed: 1}"), HasSubstr("found \"<<\"")) << "a word in quotes is a word";
+}
+
+TEST(MergeKeys, AreChangedByOverrides) {
+  const std::string boats = "boats: [&a {name: a, rate_hz: 3}, {<<: *a, name: b}]\n";
+  const FleetConfig fleet = read_fleet(boats, {{"boats[b].rate_hz", "8"}});
+  EXPECT_EQ(fleet.boats[0].rate_hz, 3.0);
+  EXPECT_EQ(fleet.boats[1].rate_hz, 8.0);
+}
+
+TEST(MergeKeys, CountAgainstTheBounds) {
+  std::ostringstream bomb;
+  bomb << "a0: &a0 {x: [1, 2, 3, 4, 5, 6, 7, 8, 9]}\n";
+  for (int i = 1; i < 12; ++i) {
+    bomb << "a" << i << ": &a" << i << " {";
+    for (int k = 0; k < 9; ++k) bomb << "k" << k << ": {<<: *a" << i - 1 << "}, ";
+    bomb << "}\n";
+  }
+  EXPECT_THAT(fleet_error(bomb.str()), HasSubstr("aliases counted"));
+  const auto half = [](const std::string& anchor, int first) {
+    std::string text = anchor + ": &" + anchor + " {";
+    for (int i = first; i < first + 3000; ++i) text += "k" + std::to_string(i) + ": 1, ";
+    return text + "}\n";
+  };
+  EXPECT_THAT(fleet_error(half("a", 0) + half("b", 3000) + "c: {<<: [*a, *b]}\n"), HasSubstr("at most 4096 keys"));
 }
 
 TEST(YamlReader, AByteOrderMarkAndWindowsLineEndsAreHarmless) {

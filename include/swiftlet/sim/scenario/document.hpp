@@ -38,7 +38,7 @@ struct Node {
   Place place;
   std::string text;            ///< scalars
   std::vector<Node> items;     ///< lists
-  std::vector<Entry> entries;  ///< maps and changes to elements, in the order of the text
+  std::vector<Entry> entries;  ///< maps and changes to elements, in the order of the text; lists: changes that wait
 
   const Node* find(std::string_view key) const;
   Node* find(std::string_view key);
@@ -68,6 +68,10 @@ Node parse_document(const std::string& text, Source source);
 /// its other keys belong to another module. Changes to elements are made where `base` is a list and wait where it is
 /// not there yet. `path` is the key path of both, for messages.
 void merge(Node& base, const Node& over, const std::string& path = "");
+
+/// Replaces each vehicle that has a `count` by so many vehicles, with numbered names and starts in a row or a grid.
+/// Then makes the changes to single vehicles that waited for this. Vehicles without a `count` stay as they are.
+void expand_team(Node& document);
 
 /// The document that one override asks for: ("vehicles[0].start.yaw_deg", "90") -> {vehicles: {[0]: {start: ...}}}.
 Node parse_override(const std::string& path, const std::string& value);

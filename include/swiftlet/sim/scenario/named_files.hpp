@@ -17,4 +17,13 @@ struct NamedFile {
 /// All of them, in the order of their keys in the resolved scenario.
 std::vector<NamedFile> named_files(const Scenario& scenario);
 
+/// A place in the world that a vehicle's configuration names.
+struct NamedPlace {
+  std::string key;  ///< "agent.guidance.waypoints_m[2]"
+  Eigen::Vector3d p_world_m;
+};
+
+/// Waypoints, goals and perches that the vehicle is meant to reach.
+std::vector<NamedPlace> destinations_of(const VehicleConfig& vehicle);
+
 }  // namespace swiftlet::sim

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,27 +19,33 @@
 
 namespace swiftlet::sim {
 
+inline constexpr int kMaxVehicles = 10'000;
+
 struct StartConfig {
   Eigen::Vector3d position_m = {0.0, 0.0, 2.0};  ///< world; with `above_ground`, z counts from the surface below
   bool above_ground = false;
   double yaw_deg = 0.0;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
-  bool flying = true;                    ///< rotors turn at hover speed at the start
-  StartKnown known = StartKnown::kPose;  ///< what the vehicle's software is told of it
-  std::string place;                     ///< of position_m in its file, for messages: "a.yaml:3:9: vehicles[0]. ...: "
+  bool flying = true;                      ///< rotors turn at hover speed at the start
+  StartKnown known = StartKnown::kPose;    ///< what the vehicle's software is told of it
+  Eigen::Vector2d spacing_m = {3.0, 3.0};  ///< along x and y between the vehicles of a `count`
+  int columns = 0;                         ///< of those vehicles in a row; 0: all
 
   void visit(ConfigVisitor& v);
 };
 
 struct VehicleConfig {
   std::string name;            ///< unique; empty: uav1, uav2, ...
+  int count = 1;               ///< in a text: so many of it, which reading makes; 1 afterwards
   std::string model = "x500";  ///< assets/vehicles/<model>.yaml: airframe and controller gains
   Airframe airframe;
   MarkersConfig markers;
   StartConfig start;
   std::vector<Module> sensors;
   Module agent;
-  std::string agent_place;  ///< in its file, for messages
+  /// Where keys stand in their file, for messages: "start.position_m" -> "a.yaml:3:9: vehicles[0].start.position_m: ".
+  /// Of the start, the agent and the agent's destinations.
+  std::map<std::string, std::string> places;
 
   VehicleConfig();
   void visit(ConfigVisitor& v);
@@ -59,6 +66,7 @@ struct Scenario {
   std::vector<VehicleConfig> vehicles;
   std::vector<Module> recorders;
   std::vector<CameraConfig> snapshots;
+  std::string snapshots_place = "snapshots: ";  ///< in their file, for messages: "a.yaml:3:1: snapshots: "
   MetricsConfig metrics;
 
   Scenario();
@@ -66,7 +74,6 @@ struct Scenario {
   std::uint64_t seed_of_world() const { return world_seed != 0 ? world_seed : seed; }
 };
 
-  std::string snapshots_place = "snapshots: ";  ///< in their file, for messages: "a.yaml:3:1: snapshots: "
 /// Reads a scenario, by path or by the name of one that comes with Swiftlet, with its `base:` chain and the overrides
 /// ("vehicles[0].start.yaw_deg", "90").
 /// Throws InputError.

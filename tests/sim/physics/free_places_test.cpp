@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/physics/start_place.hpp"
+#include "swiftlet/sim/physics/free_places.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,10 +19,10 @@ StaticScene table_on_the_ground() {
 std::optional<NoRoom> room_at(const StaticScene& world, const Vector3& p_world_m,
                               const Airframe& airframe = test_quad()) {
   const std::vector<PhysicsVehicle> vehicles = {vehicle_at(p_world_m, airframe)};
-  return StartPlaces(vehicles, PhysicsConfig{}, world).check(0);
+  return FreePlaces(vehicles, PhysicsConfig{}, world).check(0, p_world_m);
 }
 
-TEST(StartPlaces, AreInTheAirAndOnWhatOneStandsOn) {
+TEST(FreePlaces, AreInTheAirAndOnWhatOneStandsOn) {
   const StaticScene world = table_on_the_ground();
   const double legs_m = test_quad().leg_height_m;
   EXPECT_FALSE(room_at(world, {0, 0, 5}));
@@ -31,7 +31,7 @@ TEST(StartPlaces, AreInTheAirAndOnWhatOneStandsOn) {
   EXPECT_FALSE(room_at(world, {30, 30, 1}));  // beside the world
 }
 
-TEST(StartPlaces, WithinASurfaceTheClassIsToldAndTheHeightFromWhichThereIsRoom) {
+TEST(FreePlaces, WithinASurfaceTheClassIsToldAndTheHeightFromWhichThereIsRoom) {
   const StaticScene world = table_on_the_ground();
   const double legs_m = test_quad().leg_height_m;
   for (const double z_m : {2.0, 2.1}) {
@@ -52,7 +52,7 @@ TEST(StartPlaces, WithinASurfaceTheClassIsToldAndTheHeightFromWhichThereIsRoom) 
 }
 
 // Under a ceiling just above its upper plate there is room, and none when the plate would be in it.
-TEST(StartPlaces, TheBodyIsAsHighAsTheAirframeSays) {
+TEST(FreePlaces, TheBodyIsAsHighAsTheAirframeSays) {
   Airframe airframe = test_quad();
   airframe.body_height_m = 0.4;
   for (const double gap_m : {-0.09, 0.03}) {  // a few centimeters do not count

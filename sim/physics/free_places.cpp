@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "swiftlet/sim/physics/start_place.hpp"
+#include "swiftlet/sim/physics/free_places.hpp"
 
 #include <algorithm>
 
@@ -15,22 +15,20 @@ constexpr int kMostSteps = 4000;
 
 }  // namespace
 
-StartPlaces::StartPlaces(std::span<const PhysicsVehicle> vehicles, const PhysicsConfig& config,
-                         const StaticScene& world)
+FreePlaces::FreePlaces(std::span<const PhysicsVehicle> vehicles, const PhysicsConfig& config, const StaticScene& world)
     : vehicles_(vehicles), world_(world), contacts_(std::make_unique<Contacts>(vehicles, config)) {}
 
-StartPlaces::~StartPlaces() = default;
+FreePlaces::~FreePlaces() = default;
 
-std::optional<NoRoom> StartPlaces::check(std::size_t i) {
-  const Vector3 start = vehicles_[i].start.p_world_m;
-  std::optional<NoRoom> problem = no_room_at(i, start, kStanding_m);
+std::optional<NoRoom> FreePlaces::check(std::size_t i, const Vector3& p_world_m) {
+  std::optional<NoRoom> problem = no_room_at(i, p_world_m, kStanding_m);
   if (!problem) return problem;
 
   // Upwards until there is room, then back to the surface.
   const double top_m = world_.bounds_m().max().z() + contacts_->reach_m(static_cast<VehicleId>(i)) + kSearchStep_m;
-  const double step_m = std::max(kSearchStep_m, (top_m - start.z()) / kMostSteps);
-  const auto is_free = [&](double z) { return !no_room_at(i, {start.x(), start.y(), z}, kFree_m); };
-  double free_z_m = start.z() + step_m;
+  const double step_m = std::max(kSearchStep_m, (top_m - p_world_m.z()) / kMostSteps);
+  const auto is_free = [&](double z) { return !no_room_at(i, {p_world_m.x(), p_world_m.y(), z}, kFree_m); };
+  double free_z_m = p_world_m.z() + step_m;
   while (free_z_m < top_m && !is_free(free_z_m)) free_z_m += step_m;
   double stuck_z_m = free_z_m - step_m;
   while (free_z_m - stuck_z_m > kFree_m) {
@@ -41,7 +39,7 @@ std::optional<NoRoom> StartPlaces::check(std::size_t i) {
   return problem;
 }
 
-std::optional<NoRoom> StartPlaces::no_room_at(std::size_t i, const Vector3& p_world_m, double tolerance_m) {
+std::optional<NoRoom> FreePlaces::no_room_at(std::size_t i, const Vector3& p_world_m, double tolerance_m) {
   const auto id = static_cast<VehicleId>(i);
   const double reach_m = contacts_->reach_m(id);
   if (is_below_ground(p_world_m)) return NoRoom{0.0, SurfaceClass::kGround};
@@ -55,7 +53,7 @@ std::optional<NoRoom> StartPlaces::no_room_at(std::size_t i, const Vector3& p_wo
 }
 
 /// Ground above and nothing at all below.
-bool StartPlaces::is_below_ground(const Vector3& p_world_m) const {
+bool FreePlaces::is_below_ground(const Vector3& p_world_m) const {
   const double down_m = p_world_m.z() - world_.bounds_m().min().z() + 1.0;
   const double up_m = world_.bounds_m().max().z() - p_world_m.z() + 1.0;
   if (up_m <= 1.0) return false;
