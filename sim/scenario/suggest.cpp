@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "swiftlet/sim/scenario/units.hpp"
+
 namespace swiftlet::sim {
 namespace {
 
@@ -39,6 +41,20 @@ bool differs_by_unit(std::string_view word, std::string_view candidate) {
   return word == stem(candidate) || stem(word) == stem(candidate);
 }
 
+/// Mistakes that a word of so many letters may have.
+std::size_t allowed_distance(std::size_t length) { return std::max<std::size_t>(1, length / 3); }
+
+/// `spedd` or `spedd_kmph` where `speed_mps` is known: another unit or none, and mistakes besides.
+bool is_like_without_unit(std::string_view word, std::string_view candidate) {
+  if (candidate == word || unit_of_key(candidate) == nullptr) return false;
+  const std::string_view bare = stem(candidate);
+  const auto is_near = [&](std::string_view part) {
+    const std::size_t distance = edit_distance(part, bare);
+    return distance <= allowed_distance(part.size()) && distance < bare.size();
+  };
+  return is_near(word) || (unit_of_key(word) != nullptr && is_near(stem(word)));
+}
+
 }  // namespace
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
@@ -46,7 +62,7 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
   if (word.empty() || word.size() > kMaxLength) return "";
   const std::string* best = nullptr;
   const std::size_t length = word.substr(0, word.rfind('.')).size();  // an extension in common is no likeness
-  std::size_t best_distance = std::max<std::size_t>(1, length / 3) + 1;
+  std::size_t best_distance = allowed_distance(length) + 1;
   for (const std::string& candidate : candidates) {
     if (candidate.empty() || candidate.size() > kMaxLength || candidate == word) continue;  // the word was refused
     const std::size_t distance = edit_distance(word, candidate);
@@ -55,10 +71,11 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
       best_distance = distance;
     }
   }
-  if (best == nullptr) {
-    const auto meant = std::find_if(candidates.begin(), candidates.end(),
-                                    [&](const std::string& candidate) { return differs_by_unit(word, candidate); });
-    if (meant != candidates.end()) best = &*meant;
+  for (const auto& is_meant : {differs_by_unit, is_like_without_unit}) {
+    const auto meant = std::find_if(candidates.begin(), candidates.end(), [&](const std::string& candidate) {
+      return candidate.size() <= kMaxLength && is_meant(word, candidate);
+    });
+    if (best == nullptr && meant != candidates.end()) best = &*meant;
   }
   return best == nullptr ? "" : "; did you mean \"" + *best + "\"?";
 }

@@ -59,6 +59,14 @@ TEST(DidYouMean, TheSameWordWithAnotherUnitOrNone) {
   EXPECT_EQ(meant("rate_hz", {"color", "rates"}), "");
 }
 
+TEST(DidYouMean, AMisspeltWordWithAnotherUnitOrNone) {
+  EXPECT_EQ(meant("spedd", {"color", "speed_mps"}), "speed_mps");
+  EXPECT_EQ(meant("spedd_kmph", {"color", "speed_mps"}), "speed_mps");
+  EXPECT_EQ(meant("spedd", {"speed_limit"}), "") << "no unit";
+  EXPECT_EQ(meant("spedd", {"speed_mps", "spend"}), "spend") << "one mistake is nearer";
+  EXPECT_EQ(meant("width", {"speed_mps"}), "");
+}
+
 TEST(DidYouMean, AnExtensionInCommonIsNoLikeness) {
   EXPECT_EQ(meant("abc.yaml", {"xyz.yaml"}), "");
   EXPECT_EQ(meant("forst.yaml", {"forest.yaml"}), "forest.yaml");
