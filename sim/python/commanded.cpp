@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/python/commanded.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -17,6 +18,8 @@ using Row = std::array<double, kMaxRotors>;
 // How far a goal may be ahead of its vehicle: what it cannot follow must not pile up.
 constexpr double kLeash_m = 0.5;
 constexpr double kLeash_s = 0.5;
+
+constexpr int kGoalNumbers = 4;  // of a velocity and yaw rate, or of a position and yaw
 
 struct CommandedConfig : ModuleConfigOf<CommandedConfig> {
   enum class By { kVelocity, kPosition };
@@ -61,12 +64,12 @@ class Commanded final : public Guidance {
   void take(const Row& row, const GuidanceInput& input) {
     if (config_.by == CommandedConfig::By::kPosition) {
       if (std::isnan(row[0])) return;  // nothing was commanded so far
-      require_finite(row, 4, setup_);
+      require_finite(row, kGoalNumbers, setup_);
       goal_world_.position_m = {row[0], row[1], row[2]};
       goal_world_.yaw_rad = row[3];
       return;
     }
-    require_finite(row, 4, setup_);
+    require_finite(row, kGoalNumbers, setup_);
     const Vector3 v_world_mps(row[0], row[1], row[2]);
     const Vector3 p_world_m = input.estimate.T_world_body().translation();
     Vector3 ahead_m = goal_world_.position_m + input.dt_s * v_world_mps - p_world_m;
@@ -135,6 +138,15 @@ void add_commanded_modules() {
       {{"commanded", "flies what Python commands", make_module_config<CommandedConfig>}, make_commanded});
   agent_registry().add(
       {{"rotors", "rotor commands come from Python", make_module_config<RotorsConfig>}, make_rotors, rotors_needs});
+}
+
+int num_commands(const sim::Scenario& scenario) {
+  int most = kGoalNumbers;
+  for (const sim::VehicleConfig& vehicle : scenario.vehicles) {
+    if (dynamic_cast<const RotorsConfig*>(vehicle.agent.config.get()) != nullptr)
+      most = std::max(most, vehicle.airframe.num_rotors());
+  }
+  return most;
 }
 
 void connect_commands(sim::Scenario& scenario, const std::shared_ptr<Commands>& commands) {

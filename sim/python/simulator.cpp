@@ -33,12 +33,14 @@ sim::Scenario connected(sim::Scenario scenario, const std::shared_ptr<Commands>&
   return scenario;
 }
 
-// As (vehicles, 8), which Python may write.
+// (vehicles, numbers of a row), which Python may write.
 py::array commands_of(const Simulator& simulator) {
   const auto& commands = simulator.commands();
   auto* kept = new std::shared_ptr<Commands>(commands);
   const py::capsule base(kept, [](void* pointer) { delete static_cast<std::shared_ptr<Commands>*>(pointer); });
-  return py::array_t<double>({static_cast<py::ssize_t>(commands->size()), static_cast<py::ssize_t>(kMaxRotors)},
+  const py::ssize_t num_columns = num_commands(simulator.simulation()->scenario());
+  return py::array_t<double>({static_cast<py::ssize_t>(commands->size()), num_columns},
+                             {sizeof(Commands::value_type), sizeof(double)},
                              commands->empty() ? nullptr : commands->front().data(), base);
 }
 
@@ -244,10 +246,10 @@ void bind_simulator(py::module_& module) {
           "True state of every vehicle (n rows): position_m, q_xyzw, v_mps, omega_radps, rotor_radps, crashed ... The "
           "arrays "
           "look into the simulator and always show the present; copy what is to stay.")
-      .def_property_readonly(
-          "commands", &commands_of,
-          "(n, 8), written by whoever steers vehicles with `guidance: {type: commanded}` or `agent: {type: "
-          "rotors}`; holds until it is written again.")
+      .def_property_readonly("commands", &commands_of,
+                             "(n, 4), commands of vehicles with `guidance: {type: commanded}`; more columns where an "
+                             "`agent: {type: rotors}` "
+                             "has more rotors. They hold until they are written again.")
       .def_property_readonly("events", &Simulator::events, "What happened so far: crashes, missions that ended.")
       .def_property_readonly("world", [](const Simulator& s) { return s.world(); })
       .def_property_readonly(

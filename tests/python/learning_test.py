@@ -74,6 +74,31 @@ class Gymnasium(support.InFolder):
         env.close()
 
 
+    def test_an_action_outside_of_the_action_space_is_refused(self):
+        env = VehicleEnv(ONE)
+        env.reset(seed=1)
+        env.step(np.array([1, -1, 1, -1], np.float32))
+        for action, message in (((2.0, 0, 0, 0), r"action of uav1: vx: expected a number in \[-1, 1\], found 2"),
+                                ((0, 0, -1.5, 0), r"action of uav1: vz: .*, found -1.5"),
+                                ((0, 0, 0, np.nan), "action of uav1: yaw rate: .*, found nan"),
+                                ((0, 0, 0), "action of uav1: expected 4 numbers"), (0.5, "action of uav1: expected 4 numbers")):
+            with self.assertRaisesRegex(ValueError, message):
+                env.step(action)
+        env.step(np.zeros(4))  # none of these was flown
+        self.assertEqual(round(env.simulator.t_s, 6), 0.2)
+        team = TeamEnv(THREE)
+        team.reset(seed=1)
+        with self.assertRaisesRegex(ValueError, "action of b: vy: .*, found 1.01"):
+            team.step({"a": np.zeros(4), "b": (0, 1.01, 0, 0)})
+
+    def test_a_count_of_vehicles_is_a_team(self):
+        scenario = dict(THREE, vehicles=[{"count": 3, "agent": {"localization": {"type": "ground_truth"}}}])
+        env = TeamEnv(scenario)
+        seen, _ = env.reset(seed=1)
+        self.assertEqual(set(seen), {"uav1", "uav2", "uav3"})
+        env.step({name: np.zeros(4) for name in env.agents})
+
+
 class PettingZoo(support.InFolder):
     def test_a_team_is_told_by_names_and_who_crashes_leaves(self):
         env = TeamEnv(THREE, changes={"duration_s": 4})

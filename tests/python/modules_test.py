@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Guidance, detectors and agents written in Python. Usage: support.py tells."""
 import math
+import re
 import traceback
 
 import numpy as np
@@ -188,11 +189,27 @@ class Commands(support.InFolder):
             GUIDANCE: {"type": "commanded"}, "vehicles[other].agent.guidance": {"type": "commanded", "by": "position"},
             "wind.mean_mps": [0, 0, 0], "wind.gusts": False, "duration_s": 4}))
         simulator.tick()
-        simulator.commands[0, :4] = (0.0, 1.0, 0.0, 0.0)
-        simulator.commands[1, :4] = (6.0, 2.0, 5.0, 0.0)
+        simulator.commands[0] = (0.0, 1.0, 0.0, 0.0)
+        simulator.commands[1] = (6.0, 2.0, 5.0, 0.0)
         simulator.run()
         np.testing.assert_allclose(simulator.states.v_mps[0], (0, 1, 0), atol=0.1)
         np.testing.assert_allclose(simulator.states.position_m[1], (6, 2, 5), atol=0.2)
+
+    def test_the_lines_of_the_page_fly(self):
+        page = (support.SOURCE / "docs/python.md").read_text()
+        lines, = (block for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "simulator.commands" in block)
+        flown = {"swiftlet": swiftlet}
+        exec(lines, flown)
+        np.testing.assert_allclose(flown["simulator"].states.v_mps[0], (1, 0, 0), atol=0.2)
+
+    def test_a_row_has_the_four_numbers_of_a_goal_or_one_for_each_rotor(self):
+        for changes, columns in (({GUIDANCE: {"type": "commanded"}}, 4), ({"vehicles[other].agent": {"type": "rotors"}}, 4),
+                                 ({"vehicles[other].agent": {"type": "rotors"}, "vehicles[other].model": "f550"}, 6)):
+            simulator = swiftlet.Simulator(swiftlet.load(self.team, changes))
+            self.assertEqual(simulator.commands.shape, (2, columns))
+            simulator.commands[1] = range(columns)
+            self.assertEqual(simulator.commands[1].tolist(), list(range(columns)))
+            self.assertFalse(simulator.commands[0].any())
 
     def test_a_command_that_is_no_number_is_refused(self):
         simulator = swiftlet.Simulator(swiftlet.load(self.team, {GUIDANCE: {"type": "commanded"}}))

@@ -35,6 +35,12 @@ class Scenarios(support.InFolder):
     def test_a_misspelt_change_is_refused_with_what_was_meant(self):
         with self.assertRaisesRegex(swiftlet.InputError, 'did you mean "start"'):
             swiftlet.load(self.team, {"vehicles[0].strat.yaw_deg": 90})
+        guidance = {"vehicles[eye].agent.guidance": {"type": "waypoints", "waypoints_m": [[0, 0, 5]], "spedd": 3}}
+        for changes, meant in ((guidance, "speed_mps"), ({"vehicles[eey].model": "f450"}, "eye"), ({"durration": 3}, "duration_s")):
+            with self.assertRaisesRegex(swiftlet.InputError, f'did you mean "{meant}"'):
+                swiftlet.load(self.team, changes)
+        with self.assertRaisesRegex(swiftlet.InputError, 'did you mean "seed"'):
+            swiftlet.load(self.team, sed=3)
 
     def test_changes_are_laid_on_one_after_another(self):
         first = swiftlet.load(self.team, {"vehicles[0].start.yaw_deg": 30}, seed=7)

@@ -171,7 +171,7 @@ class Simulator:
         """threads: 0 takes all processors, and changes no result. world: of an earlier simulator with the same world and seed. out: run directory, which appears at `finish`."""
     @property
     def commands(self) -> numpy.ndarray:
-        """(n, 8), written by whoever steers vehicles with `guidance: {type: commanded}` or `agent: {type: rotors}`; holds until it is written again."""
+        """(n, 4), commands of vehicles with `guidance: {type: commanded}`; more columns where an `agent: {type: rotors}` has more rotors. They hold until they are written again."""
     @property
     def events(self) -> Table:
         """What happened so far: crashes, missions that ended."""

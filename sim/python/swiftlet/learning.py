@@ -2,8 +2,8 @@
 """Environments for learning: one vehicle as Gymnasium has it, a team as PettingZoo's parallel interface, many in worker processes.
 
 Gymnasium and PettingZoo need not be installed: the classes have their methods, and spaces of their own where `gymnasium` is not
-there. An action is a velocity in the world and a rate of the heading, each from -1 to 1 of its greatest value. Between two actions
-whole ticks pass. Episodes are runs of a scenario: the seed of `reset` is the run's, and the same seed and actions give the same bits.
+there. An action is a velocity in the world and a rate of the heading, each from -1 to 1 of its greatest value; one outside of the
+action space is a ValueError. Between two actions whole ticks pass. Episodes are runs of a scenario: the seed of `reset` is the run's, and the same seed and actions give the same bits.
 """
 import multiprocessing as _multiprocessing
 import traceback as _traceback
@@ -118,8 +118,18 @@ class _Episodes:
         self._world, self._world_key = self.simulator.world, key
         self.task.reset(self.simulator, np.random.default_rng(self.seed))
 
+    def checked(self, vehicle, action):
+        """The action of a vehicle, by number. Raises ValueError where it lies outside of the action space."""
+        action, name = np.asarray(action, float), self.scenario.vehicle_names[vehicle]
+        if action.shape != (4,):
+            raise ValueError(f"action of {name}: expected 4 numbers, found an array of shape {action.shape}")
+        for component, value in zip(("vx", "vy", "vz", "yaw rate"), action):
+            if not -1.0 <= value <= 1.0:
+                raise ValueError(f"action of {name}: {component}: expected a number in [-1, 1], found {value:g}")
+        return action
+
     def step(self, actions):
-        self.simulator.commands[:, :4] = np.clip(actions, -1.0, 1.0) * self.scale
+        self.simulator.commands[:, :4] = actions * self.scale
         self.simulator.tick(self.ticks)
 
 
@@ -131,7 +141,7 @@ class VehicleEnv(_Env):
     """One vehicle, as gymnasium.Env. Other vehicles of the scenario stand still.
 
     scenario: of `load`; its guidance is replaced. task: such as Reach(). decision_s: [s] between two actions. An action is float32
-    (4,): vx, vy, vz by speed_max_mps and the rate of the heading by yaw_rate_max_radps, from -1 to 1.
+    (4,): vx, vy, vz by speed_max_mps and the rate of the heading by yaw_rate_max_radps, from -1 to 1; others are a ValueError.
     """
 
     metadata = {"render_modes": []}
@@ -153,7 +163,7 @@ class VehicleEnv(_Env):
         return self._runs.task.observe(self.simulator)[0], {"seed": self._runs.seed}
 
     def step(self, action):
-        self._actions[0] = action
+        self._actions[0] = self._runs.checked(0, action)
         self._runs.step(self._actions)
         task = self._runs.task
         reward, over = task.judge(self.simulator)
@@ -200,7 +210,7 @@ class TeamEnv(_ParallelEnv):
     def step(self, actions):
         rows = np.zeros((len(self.possible_agents), 4))
         for name, action in actions.items():
-            rows[self._number[name]] = action
+            rows[self._number[name]] = self._runs.checked(self._number[name], action)
         self._runs.step(rows)
         task, finished = self._runs.task, self.simulator.finished
         reward, over = task.judge(self.simulator)
