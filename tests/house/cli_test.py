@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import pathlib
+import re
 import signal
 import struct
 import subprocess
@@ -209,6 +210,23 @@ class Cli(unittest.TestCase):
                 result = subprocess.run([str(SWIFTLET), command], stdout=full, stderr=subprocess.PIPE, text=True)
             self.assertEqual(result.returncode, 1, result.stderr)
             self.assertIn("No space left on device", result.stderr)
+
+    def test_the_files_of_the_page_on_scenarios_are_valid(self):
+        page = (SOURCE / "docs/scenarios.md").read_text()
+        blocks = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
+        self.assertGreaterEqual(len(blocks), 3)
+        for block in blocks:
+            (self.path / "block.yaml").write_text(block)
+            result = self.run_swiftlet("check", "block.yaml")
+            self.assertEqual((result.returncode, result.stderr), (0, ""), block)
+
+    def test_a_reader_that_has_enough_is_no_error(self):
+        for command in ("reference", "list"):
+            read, write = os.pipe()
+            os.close(read)  # as head does when it has its lines
+            result = subprocess.run([str(SWIFTLET), command], stdout=write, stderr=subprocess.PIPE, text=True)
+            os.close(write)
+            self.assertEqual((result.returncode, result.stderr), (141, ""), command)
 
     def test_a_file_at_its_limit_is_an_error_not_a_signal(self):
         import resource
