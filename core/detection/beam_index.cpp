@@ -11,11 +11,11 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kReach_sigma = 2.5;     // beams farther from a target's place than this do not meet it
-constexpr double kAround_rad = 0.1;      // the density of beams is counted so far around
-constexpr double kEnoughShots = 1000.0;  // more say nothing more
-constexpr double kNearest_m = 0.2;       // no target is nearer to the sensor
-constexpr double kLogistic = 1.702;      // slope of the logistic curve that is within 0.01 of the normal distribution
+constexpr double kBeamReach_sigma = 2.5;  // beams farther from a target's place than this do not meet it
+constexpr double kAround_rad = 0.1;       // the density of beams is counted so far around
+constexpr double kEnoughShots = 1000.0;   // more say nothing more
+constexpr double kNearest_m = 0.2;        // no target is nearer to the sensor
+constexpr double kLogistic = 1.702;       // slope of the logistic curve that is within 0.01 of the normal distribution
 
 // Grows with the azimuth like an angle, from 0 to 4, and costs no arc tangent.
 double turn_of(double x, double y) {
@@ -109,7 +109,8 @@ BeamExposure BeamIndex::exposure(const RoundTarget& target) const {
   const Vector3 d = way_m / range_m;
   const double width_sq = target.radius_m * target.radius_m + 2.0 * target.sigma_m * target.sigma_m;
   const double moves_m = moved_m_ + half_sweep_s_ * target.v_local_mps.norm();
-  const double reach = std::min(1.0, (kReach_sigma * std::sqrt(0.5 * width_sq) + target.radius_m + moves_m) / range_m);
+  const double reach =
+      std::min(1.0, (kBeamReach_sigma * std::sqrt(0.5 * width_sq) + target.radius_m + moves_m) / range_m);
   const double reach_rad = std::max(elementary::asin(reach), kAround_rad);
 
   // The bins of a cone: rows by height, columns by azimuth.
@@ -141,7 +142,7 @@ BeamExposure BeamIndex::exposure(const RoundTarget& target) const {
         if (along_m <= 0.0) continue;
         const double across_sq = to_m.squaredNorm() - along_m * along_m;
         const double exponent = across_sq / width_sq;
-        if (exponent > kReach_sigma * kReach_sigma) continue;
+        if (exponent > kBeamReach_sigma * kBeamReach_sigma) continue;
         const double shots = target.radius_m * target.radius_m / width_sq * elementary::exp(-exponent);
         result.shots += shots * share_that_came_so_far(beam.range_m, along_m - target.radius_m, target.sigma_m);
       }

@@ -10,9 +10,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kAhead_s = 1.0;     // the goal of the reference governor lies this far ahead of a wanted velocity
-constexpr double kApproach_s = 1.5;  // in which the rest of the way to the goal is flown
-constexpr double kStep_s = 0.2;
+constexpr double kOrcaAhead_s = 1.0;  // the goal of the reference governor lies this far ahead of a wanted velocity
+constexpr double kApproach_s = 1.5;   // in which the rest of the way to the goal is flown
+constexpr double kOrcaStep_s = 0.2;
 constexpr double kNothing = 1e-9;
 constexpr double kSlack_mps = 5e-3;  // by which a plane may be missed
 constexpr int kRounds = 60;
@@ -68,12 +68,12 @@ class Orca : public Guidance {
     if (config_.planar) to_goal_m.z() = 0.0;
     neighbors_.update(input);
     if (input.observation.t >= next_) {
-      next_ = input.observation.t + from_seconds(0.5 * kStep_s);
+      next_ = input.observation.t + from_seconds(0.5 * kOrcaStep_s);
       v_local_mps_ = velocity(input.estimate, to_goal_m, to_local);
       neighbors_.announce(input.estimate, outbox);
     }
     arrived_ = arrived_ || to_goal_m.norm() <= config_.arrival_radius_m;
-    goal_.position_m = p_local_m + kAhead_s * v_local_mps_;
+    goal_.position_m = p_local_m + kOrcaAhead_s * v_local_mps_;
     if (config_.planar) goal_.position_m.z() = to_local.point(config_.goal_m).z();
     output.goal = goal_;
     output.speed_limit_mps = config_.speed_mps;
@@ -87,7 +87,7 @@ class Orca : public Guidance {
     planes_.clear();
     for (const Neighbor& neighbor : neighbors_.neighbors()) {
       planes_.push_back(orca_plane(level(neighbor.position_local_m - p_local_m), level(estimate.v_local_mps),
-                                   level(neighbor.velocity_local_mps), distance_m, config_.horizon_s, kStep_s));
+                                   level(neighbor.velocity_local_mps), distance_m, config_.horizon_s, kOrcaStep_s));
     }
     // A little to the right: two that fly straight at each other would only brake.
     const Vector3 wanted = Eigen::AngleAxisd(-config_.turn_deg * kRadPerDeg, Vector3::UnitZ()) *

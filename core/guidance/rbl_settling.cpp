@@ -7,8 +7,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kNearer_m = 0.1;     // what counts as progress
-constexpr double kUnexplained = 2.0;  // times the patience, before it says that it knows no reason
+constexpr double kSettlingStep_m = 0.1;  // what counts as progress
+constexpr double kUnexplained = 2.0;     // times the patience, before it says that it knows no reason
 
 double to_goal_m(const RblGoal& goal, const Vector3& q_local_m) {
   const Vector3 to_m = goal.p_local_m - q_local_m;
@@ -20,7 +20,7 @@ double to_goal_m(const RblGoal& goal, const Vector3& q_local_m) {
 RblStatus RblSettling::update(const RblGoal& goal, const Vector3& p_local_m, std::span<const Neighbor> neighbors,
                               const OccupancyView* map, TimeNs now) {
   const double distance_m = to_goal_m(goal, p_local_m);
-  if (distance_m < least_m_ - kNearer_m) {
+  if (distance_m < least_m_ - kSettlingStep_m) {
     least_m_ = distance_m;
     since_ = now;
     told_ = {};

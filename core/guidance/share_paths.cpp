@@ -16,9 +16,9 @@ namespace swiftlet {
 namespace {
 
 constexpr double kInterval_s = 0.1;  // of paths
-constexpr int kParts = 5;            // steps of the governor in it
+constexpr int kPathParts = 5;        // steps of the governor in it
 constexpr double kToldInterval_s = 0.2;
-constexpr double kStanding_mps = 0.02;
+constexpr double kPathStanding_mps = 0.02;
 constexpr double kAgain_s = 0.2;    // after which a path is told again: a message may be lost
 constexpr double kBetter_m = 0.05;  // by which a plan must be better than what is flown
 
@@ -128,10 +128,10 @@ class SharePaths : public Guidance {
     goal.yaw_rad = governor.state().yaw_rad;
     const int most = static_cast<int>(config_.longest_s / kInterval_s);
     for (int i = 0; i < most; ++i) {
-      for (int k = 0; k < kParts; ++k) governor.step(goal, kInterval_s / kParts, config_.speed_mps);
+      for (int k = 0; k < kPathParts; ++k) governor.step(goal, kInterval_s / kPathParts, config_.speed_mps);
       path.places_local_m.push_back(governor.state().position_m);
       const bool there = (governor.state().position_m - to_local_m).norm() < 0.05;
-      if (there && governor.state().velocity_mps.norm() < kStanding_mps) break;
+      if (there && governor.state().velocity_mps.norm() < kPathStanding_mps) break;
     }
     return path;
   }
@@ -144,7 +144,7 @@ class SharePaths : public Guidance {
     goal.position_m = flown_.to_local_m;
     goal.velocity_mps.setZero();
     goal.acceleration_mps2.setZero();
-    constexpr double kStep_s = kInterval_s / kParts;
+    constexpr double kStep_s = kInterval_s / kPathParts;
     for (double t_s = 0.0; t_s < config_.check_s - 1e-9; t_s += kStep_s) from.step(goal, kStep_s, config_.speed_mps);
     const TimeNs begins = now_ + from_seconds(config_.check_s);
     const Vector3 p_m = from.state().position_m;

@@ -6,7 +6,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kArrived_m = 0.2;
+constexpr double kAtHeight_m = 0.2;
 
 class TakeoffLand : public Guidance {
  public:
@@ -27,7 +27,7 @@ class TakeoffLand : public Guidance {
     if (!output.motors_on) return;
     output.speed_limit_mps = config_.climb_speed_mps;
     output.note = "climbing";
-    if ((input.estimate.T_local_body.translation() - top_.position_m).norm() < kArrived_m) arrived_ = true;
+    if ((input.estimate.T_local_body.translation() - top_.position_m).norm() < kAtHeight_m) arrived_ = true;
     if (!arrived_) return;
     output.note = "hovering";
     hovered_s_ += input.dt_s;

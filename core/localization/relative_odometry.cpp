@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTurn = 2.0 * kPi;
 
-double square(double x) { return x * x; }
+double squared(double x) { return x * x; }
 
 /// The cubic with the positions and velocities of both ends. `s` from 0 to 1 over `dt_s`.
 void cubic(const OtherMotion& a, const OtherMotion& b, double s, double dt_s, OtherMotion& out) {
@@ -39,10 +39,10 @@ void OdometryDriftConfig::visit(ConfigVisitor& v) {
 }
 
 OdometryDrift::OdometryDrift(const OdometryDriftConfig& config)
-    : position_{square(config.position_m_psqrtm), square(config.position_m_psqrtturn) / kTurn,
-                square(config.position_m_psqrts)},
-      yaw_{square(config.yaw_deg_psqrtm * kRadPerDeg), square(config.yaw_deg_psqrtturn * kRadPerDeg) / kTurn,
-           square(config.yaw_deg_psqrts * kRadPerDeg)} {}
+    : position_{squared(config.position_m_psqrtm), squared(config.position_m_psqrtturn) / kTurn,
+                squared(config.position_m_psqrts)},
+      yaw_{squared(config.yaw_deg_psqrtm * kRadPerDeg), squared(config.yaw_deg_psqrtturn * kRadPerDeg) / kTurn,
+           squared(config.yaw_deg_psqrts * kRadPerDeg)} {}
 
 bool RelativeOdometry::push(OtherMotion sample) {
   if (!sample.p_other_local_m.allFinite() || !sample.v_other_local_mps.allFinite()) return false;

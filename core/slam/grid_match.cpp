@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kFirstDamping = 1e-4, kMostDamping = 1e8;
+constexpr double kGridFirstDamping = 1e-4, kGridMostDamping = 1e8;
 constexpr double kLeastEasing = 1.0 / 3.0;  // of the damping, after a step that was as good as foretold
 constexpr double kSettledShare = 1e-6;      // of the cost: a smaller gain ends the search
 
@@ -120,8 +120,8 @@ GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3&
   GridsMatch match;
   match.T_local_body = T_local_body_predicted;
   WholeCost here = problem.at(match.T_local_body);
-  double damping = kFirstDamping, harder = 2.0;
-  for (; match.num_iterations < config.iterations && damping < kMostDamping; ++match.num_iterations) {
+  double damping = kGridFirstDamping, harder = 2.0;
+  for (; match.num_iterations < config.iterations && damping < kGridMostDamping; ++match.num_iterations) {
     Matrix6 damped = here.H;
     damped.diagonal() *= 1.0 + damping;
     const Vector6 step = damped.partialPivLu().solve(-here.g);

@@ -16,7 +16,7 @@ constexpr std::size_t kBagHeaderBytes = 4096;  // padded, so that it can be writ
 
 /// Runs `content`, which appends something, after its length.
 template <class Content>
-void put_sized(ByteBuffer& out, Content content) {
+void put_field(ByteBuffer& out, Content content) {
   const std::size_t start = out.size();
   out.put(std::uint32_t{0});
   content();
@@ -26,19 +26,19 @@ void put_sized(ByteBuffer& out, Content content) {
 /// A record: its header fields, then its data.
 template <class Fields, class Data>
 void put_record(ByteBuffer& out, Op op, Fields fields, Data data) {
-  put_sized(out, [&] {
-    put_sized(out, [&] {
+  put_field(out, [&] {
+    put_field(out, [&] {
       out.put_text("op=");
       out.put(static_cast<std::uint8_t>(op));
     });
     fields();
   });
-  put_sized(out, data);
+  put_field(out, data);
 }
 
 template <class Number>
 void put_number(ByteBuffer& out, std::string_view name, Number value) {
-  put_sized(out, [&] {
+  put_field(out, [&] {
     out.put_text(name);
     out.put_text("=");
     out.put(value);
@@ -46,7 +46,7 @@ void put_number(ByteBuffer& out, std::string_view name, Number value) {
 }
 
 void put_text(ByteBuffer& out, std::string_view name, std::string_view text) {
-  put_sized(out, [&] {
+  put_field(out, [&] {
     out.put_text(name);
     out.put_text("=");
     out.put_text(text);

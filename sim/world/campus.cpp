@@ -22,7 +22,7 @@ constexpr double kWall_m = 0.35;
 constexpr double kPaneInset_m = 0.12;
 constexpr int kTries = 400;
 
-void add_box_at(Mesh& mesh, const Vector3d& low, const Vector3d& high) {
+void add_building_box(Mesh& mesh, const Vector3d& low, const Vector3d& high) {
   add_box(mesh, low.cast<float>(), high.cast<float>());
 }
 
@@ -98,7 +98,7 @@ void add_walls(SceneBuilder& scene, const CampusConfig& config) {
                                 .cwiseMax(outer + 0.8 * along)
                                 .cwiseMax(middle + 0.8 * along)
                                 .cwiseMax(outer - 0.8 * along);
-      add_box_at(frames, {low.x(), low.y(), 0.0}, {high.x(), high.y(), 0.15});  // step
+      add_building_box(frames, {low.x(), low.y(), 0.0}, {high.x(), high.y(), 0.15});  // step
     }
   }
   scene.add(std::move(walls), materials::plaster(), SurfaceClass::kBuilding, 1);
@@ -153,8 +153,8 @@ void add_roof(SceneBuilder& scene, const CampusConfig& config) {
     }
   }
   const double chimney_z = config.wall_height_m + 0.5 * config.roof_height_m - 0.4;
-  add_box_at(details, {0.25 * half.x(), 0.35 * half.y(), chimney_z},
-             {0.25 * half.x() + 0.7, 0.35 * half.y() + 0.7, ridge_z + 0.7});
+  add_building_box(details, {0.25 * half.x(), 0.35 * half.y(), chimney_z},
+                   {0.25 * half.x() + 0.7, 0.35 * half.y() + 0.7, ridge_z + 0.7});
   scene.add(std::move(roof), materials::roof_tiles(), SurfaceClass::kBuilding, 1);
   scene.add(std::move(gables), materials::plaster(), SurfaceClass::kBuilding, 1);
   scene.add(std::move(details), materials::brick(), SurfaceClass::kBuilding, 1);
@@ -179,7 +179,7 @@ void add_path(SceneBuilder& scene, const CampusConfig& config) {
   for_each_side(config, config.path_distance_m, end_m,
                 [&](const Vector2d& low, const Vector2d& high) { add_floor(path, low, high, kPathHeight_m); });
   const auto add_kerb = [&](const Vector2d& low, const Vector2d& high) {
-    add_box_at(kerbs, {low.x(), low.y(), -0.1}, {high.x(), high.y(), config.kerb_height_m});
+    add_building_box(kerbs, {low.x(), low.y(), -0.1}, {high.x(), high.y(), config.kerb_height_m});
   };
   for_each_side(config, config.path_distance_m - kKerb_m, config.path_distance_m, add_kerb);
   for_each_side(config, end_m, end_m + kKerb_m, add_kerb);

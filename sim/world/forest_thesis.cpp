@@ -15,10 +15,10 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kTrunkSides = 24;
+constexpr int kThesisTrunkSides = 24;
 constexpr int kCrownSubdivisions = 3;
 constexpr int kTriesPerTree = 20000;
-constexpr float kRootDepth_m = 0.1F;  // the trunk goes on below the ground: no slit
+constexpr float kThesisRootDepth_m = 0.1F;  // the trunk goes on below the ground: no slit
 
 struct ThesisTree {
   double trunk_radius_m = 0.0;
@@ -105,7 +105,7 @@ Scene make_forest_thesis(const ForestThesisConfig& config, std::uint64_t seed) {
 
   // One cylinder and one sphere, scaled for each tree.
   Mesh cylinder;
-  add_frustum(cylinder, Vector3f::Zero(), 1.0F, Vector3f::UnitZ(), 1.0F, kTrunkSides);
+  add_frustum(cylinder, Vector3f::Zero(), 1.0F, Vector3f::UnitZ(), 1.0F, kThesisTrunkSides);
   Mesh sphere;
   add_icosphere(sphere, Vector3f::Zero(), 1.0F, kCrownSubdivisions);
   const std::uint32_t trunk = scene.add_mesh(std::move(cylinder), materials::bark_pine(), SurfaceClass::kTrunk);
@@ -121,7 +121,7 @@ Scene make_forest_thesis(const ForestThesisConfig& config, std::uint64_t seed) {
     const auto crown_radius = static_cast<float>(tree.crown_radius_m);
     const std::uint16_t instance = scene.next_instance(SurfaceClass::kTrunk);
     scene.place(trunk, instance,
-                transform({xy.x(), xy.y(), -kRootDepth_m}, 0.0F, {radius, radius, height + kRootDepth_m}));
+                transform({xy.x(), xy.y(), -kThesisRootDepth_m}, 0.0F, {radius, radius, height + kThesisRootDepth_m}));
     scene.place(crown, instance, transform({xy.x(), xy.y(), height}, 0.0F, Vector3f::Constant(crown_radius)));
     scene.add_object({instance,
                       SurfaceClass::kTrunk,

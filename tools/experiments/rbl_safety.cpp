@@ -25,7 +25,7 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr double kHeight_m = 8.0;
+constexpr double kTeamHeight_m = 8.0;
 constexpr int kFlights = 1000;  // of the batch, with six seeds a case
 
 /// The vehicle of the document's crossing with the settings that rbl has by itself.
@@ -35,7 +35,7 @@ sim::Scenario pattern_of(std::uint64_t seed) {
   pattern.duration_s = 60.0;
   RblConfig rbl;
   rbl.cells.step_m = 0.35;
-  rbl.z_max_m = 2.0 * kHeight_m;
+  rbl.z_max_m = 2.0 * kTeamHeight_m;
   pattern.vehicles.front().agent.as<StackConfig>().guidance.as<RblConfig>() = rbl;
   return pattern;
 }
@@ -82,7 +82,7 @@ void intrude(sim::Scenario& scenario, const Random& random) {
   const double meeting_s = random.uniform(2.0, 8.0, 0, 2);
   const Vector3 ahead(std::cos(azimuth_rad), std::sin(azimuth_rad), 0.0);
   const Vector3 across(-ahead.y(), ahead.x(), 0.0);
-  const Vector3 middle = side_m * across + Vector3(0.0, 0.0, kHeight_m);
+  const Vector3 middle = side_m * across + Vector3(0.0, 0.0, kTeamHeight_m);
   scenario.vehicles.push_back(stranger(scenario.vehicles.front(), "intruder", middle - (20.0 + 4.0 * meeting_s) * ahead,
                                        middle + 30.0 * ahead, 4.0));
 }
@@ -92,8 +92,8 @@ void swap_heights(sim::Scenario& scenario, const Random& random) {
   for (int i = 0; i < 2; ++i) {
     const double side = i == 0 ? -1.0 : 1.0;
     const Vector3 around(random.uniform(-0.1, 0.1, 0, 2U * i), random.uniform(-0.1, 0.1, 0, 2U * i + 1), 0.0);
-    scenario.vehicles[i].start.position_m = around + Vector3(0.0, 0.0, kHeight_m + 3.0 * side);
-    set_goal(scenario.vehicles[i], {0.0, 0.0, kHeight_m - 3.0 * side});
+    scenario.vehicles[i].start.position_m = around + Vector3(0.0, 0.0, kTeamHeight_m + 3.0 * side);
+    set_goal(scenario.vehicles[i], {0.0, 0.0, kTeamHeight_m - 3.0 * side});
   }
 }
 
@@ -138,7 +138,7 @@ sim::Scenario scene_of(const Case& c, std::uint64_t seed, bool document) {
     rbl.z_max_m = z_max_m;
   }
   c.set(pattern.vehicles.front());
-  sim::Scenario scenario = make_crossing(pattern, c.formation, kHeight_m);
+  sim::Scenario scenario = make_crossing(pattern, c.formation, kTeamHeight_m);
   c.change(scenario, Random(seed, "rbl-safety.case"));
   return scenario;
 }

@@ -15,9 +15,9 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr double kTruePositive_m = 3.0;  // [Vrba 2025, sec. V-A]
-constexpr double kFollowed_m = 1.0;      // nearer than this, a track is this vehicle's
-constexpr double kFarthest_m = 40.0;
+constexpr double kSharedTruePositive_m = 3.0;  // [Vrba 2025, sec. V-A]
+constexpr double kSharedFollowed_m = 1.0;      // nearer than this, a track is this vehicle's
+constexpr double kSharedFarthest_m = 40.0;
 constexpr TimeNs kFramesEvery = kNsPerSecond / 2;
 const Vector3 kSensor_body_m = {0.0, 0.0, 0.15};
 
@@ -155,8 +155,8 @@ bool SharingLog::can_see(std::size_t observer, std::size_t target, const Truth& 
   const Vector3 d_body = truth.R_world_body[observer].transpose() * (p_m - truth.p_sensor_m[observer]);
   const double range_m = d_body.norm(), sine = d_body.z() / range_m;
   constexpr double kRad = std::numbers::pi / 180.0;
-  return range_m < kFarthest_m && sine > std::sin(kMid360Bottom_deg * kRad) && sine < std::sin(kMid360Top_deg * kRad) &&
-         !world_.static_scene->occluded(truth.p_sensor_m[observer], p_m);
+  return range_m < kSharedFarthest_m && sine > std::sin(kMid360Bottom_deg * kRad) &&
+         sine < std::sin(kMid360Top_deg * kRad) && !world_.static_scene->occluded(truth.p_sensor_m[observer], p_m);
 }
 
 void SharingLog::judge(std::size_t i, std::size_t k, TimeNs now) {
@@ -176,7 +176,7 @@ void SharingLog::judge(std::size_t i, std::size_t k, TimeNs now) {
   std::vector<char> taken(member.told.size(), 0);
   for (std::size_t round = 0; round < targets_.size(); ++round) {
     std::size_t best_target = kNone, best_track = kNone;
-    double least_m = kTruePositive_m;
+    double least_m = kSharedTruePositive_m;
     for (std::size_t a = 0; a < targets_.size(); ++a) {
       for (std::size_t b = 0; b < member.told.size(); ++b) {
         if (track_of[a] != kNone || taken[b] || off_m(targets_[a], member.told[b]) >= least_m) continue;
@@ -199,13 +199,13 @@ void SharingLog::judge(std::size_t i, std::size_t k, TimeNs now) {
     member.ids.insert(track.id);
     bool near_any = false, near_target = false, near_mate = false, near_other = false;
     for (std::size_t vehicle = 0; vehicle < truth.p_m.size(); ++vehicle) {
-      near_any = near_any || (vehicle != member.vehicle && off_m(vehicle, track) < kFollowed_m);
+      near_any = near_any || (vehicle != member.vehicle && off_m(vehicle, track) < kSharedFollowed_m);
     }
-    for (const std::size_t target : targets_) near_target = near_target || off_m(target, track) < kTruePositive_m;
+    for (const std::size_t target : targets_) near_target = near_target || off_m(target, track) < kSharedTruePositive_m;
     for (const std::size_t observer : observers_) {
       const bool is_mate = std::any_of(teams_[i]->members.begin(), teams_[i]->members.end(),
                                        [&](const Team::Member& m) { return m.vehicle == observer; });
-      if (off_m(observer, track) < kTruePositive_m) (is_mate ? near_mate : near_other) = true;
+      if (off_m(observer, track) < kSharedTruePositive_m) (is_mate ? near_mate : near_other) = true;
     }
     if (near_any) member.true_ids.insert(track.id);
     if (taken[b]) continue;

@@ -31,7 +31,7 @@ std::string snake() {
 
 /// Every place of every rack holds a pallet, so each aisle looks like the next one, and each bay as well. The LiDAR
 /// sees 12 m far. So the ends of an aisle are out of sight in its middle.
-sim::Scenario aisle_flight(std::uint64_t seed) {
+sim::Scenario slam_aisle_flight(std::uint64_t seed) {
   sim::Scenario scenario =
       scenario_with("warehouse", seed,
                     {{"snapshots", "[]"},
@@ -55,7 +55,7 @@ sim::Scenario aisle_flight(std::uint64_t seed) {
 void slam_aisles(Experiment& experiment) {
   const int seeds = experiment.repetitions(20, 1);
   std::vector<sim::Scenario> scenarios;
-  for (int seed = 1; seed <= seeds; ++seed) scenarios.push_back(aisle_flight(static_cast<std::uint64_t>(seed)));
+  for (int seed = 1; seed <= seeds; ++seed) scenarios.push_back(slam_aisle_flight(static_cast<std::uint64_t>(seed)));
   const std::vector<SlamFlight> flights = fly_on_slam(experiment, std::move(scenarios));
   CsvTable csv({"seed", "done", "contact", "lost_s", "way_m", "rms_m", "rms_local_after_m", "rms_after_m", "closures",
                 "false_closures", "worst_closure_m", "revisits", "revisits_closed"});

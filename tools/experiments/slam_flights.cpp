@@ -47,7 +47,7 @@ Vector6 told_error(const RelativeFactor& closure, const Pose& T_from_to_true) {
 Vector3 turn_of(const Matrix3& R) { return rotation_vector_rad(Eigen::Quaterniond(R)); }
 
 /// Numbers one way or the other, in the same order.
-class NumberWriter {
+class FlightWriter {
  public:
   void operator()(double& x) { numbers.push_back(x); }
   void operator()(int& x) { numbers.push_back(x); }
@@ -58,9 +58,9 @@ class NumberWriter {
   }
   std::vector<double> numbers;
 };
-class NumberReader {
+class FlightReader {
  public:
-  explicit NumberReader(std::span<const double> numbers) : numbers_(numbers) {}
+  explicit FlightReader(std::span<const double> numbers) : numbers_(numbers) {}
   void operator()(double& x) { x = next(); }
   void operator()(int& x) { x = static_cast<int>(next()); }
   void operator()(bool& x) { x = next() > 0.0; }
@@ -376,13 +376,13 @@ std::vector<SlamFlight> fly_on_slam(const Experiment& experiment, std::vector<si
       {.after_tick = [&](std::size_t i, const sim::Simulation& simulation) { notes[i].take(simulation); },
        .write =
            [&](std::size_t i) {
-             NumberWriter writer;
+             FlightWriter writer;
              exchange(writer, notes[i].flight());
              return writer.numbers;
            },
        .read =
            [&](std::size_t i, std::span<const double> numbers) {
-             NumberReader reader(numbers);
+             FlightReader reader(numbers);
              exchange(reader, notes[i].flight());
            }});
   std::vector<SlamFlight> flights;

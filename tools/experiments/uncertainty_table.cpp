@@ -14,8 +14,8 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr std::uint32_t kSamples = 100000;  // N, as published
-constexpr int kCells = 100;                 // regions along an axis, as published
+constexpr std::uint32_t kTableSamples = 100000;  // N, as published
+constexpr int kCells = 100;                      // regions along an axis, as published
 
 // How the regions lie. The document says only that they cover the samples and that the attitude was drawn at random,
 // but its rows hardly depend on how flat the distribution is: so they lay along the ray.
@@ -59,9 +59,9 @@ Difference compare(const TableCase& one, Regions regions) {
     T_world_lidar.linear() = random_rotation(Random(1, "uncertainty-table.attitude", entity));
 
   const Random random(1, "uncertainty-table.noise", entity);
-  std::vector<Vector3> samples(kSamples);
+  std::vector<Vector3> samples(kTableSamples);
   CellGrid grid;
-  for (std::uint32_t i = 0; i < kSamples; ++i) {
+  for (std::uint32_t i = 0; i < kTableSamples; ++i) {
     samples[i] = true_point(Vector3::UnitX(), range_m, T_world_lidar, draw_noise(random, noise, i));
     grid.box.extend(samples[i]);
   }
@@ -74,7 +74,7 @@ Difference compare(const TableCase& one, Regions regions) {
   for (const Vector3& sample : samples) {
     const Eigen::Array3i at =
         (sample - grid.box.min()).cwiseQuotient(cell).array().floor().cast<int>().min(kCells - 1).max(0);
-    difference[static_cast<std::size_t>((at[0] * kCells + at[1]) * kCells + at[2])] -= 1.0 / kSamples;
+    difference[static_cast<std::size_t>((at[0] * kCells + at[1]) * kCells + at[2])] -= 1.0 / kTableSamples;
   }
 
   Difference result;

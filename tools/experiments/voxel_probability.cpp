@@ -46,7 +46,7 @@ struct VoxelSampled {
   double normal = 0.0, true_model = 0.0;  // share of samples in the voxel
 };
 
-VoxelSampled sample(const NoiseCase& one, std::uint32_t count) {
+VoxelSampled sample_voxel(const NoiseCase& one, std::uint32_t count) {
   const MeasurementNoise noise = one.noise();
   const Random random(1, "voxel-probability", fmt::format("{}/{}/{}", one.i_rad, one.i_m, one.range_m));
   const Jacobian37 J = point_jacobian(Vector3::UnitX(), one.range_m, Matrix3::Identity());
@@ -98,7 +98,8 @@ void draw(Experiment& experiment, const SampledNoise<VoxelSampled>& sampled) {
 
 void voxel_probability(Experiment& experiment) {
   const auto count = static_cast<std::uint32_t>(experiment.quick() ? 100000 : 1000000);
-  const SampledNoise<VoxelSampled> sampled(experiment, [count](const NoiseCase& one) { return sample(one, count); });
+  const SampledNoise<VoxelSampled> sampled(experiment,
+                                           [count](const NoiseCase& one) { return sample_voxel(one, count); });
   draw(experiment, sampled);
   const std::vector<NoiseCase>& cases = sampled.cases;
 
@@ -110,7 +111,7 @@ void voxel_probability(Experiment& experiment) {
     const double p = probability(one.range_m, one.noise(), Place::kCenter);
     csv.row({kSigma_rad[one.i_rad], kSigma_m[one.i_m], one.range_m, p, sampled.results[i].normal,
              sampled.results[i].true_model});
-    // One sample of slack where p is so near 0 or 1 that none is expected on the other side.
+    // One sample_voxel of slack where p is so near 0 or 1 that none is expected on the other side.
     const double error = std::sqrt(p * (1.0 - p) / count);
     standard_errors =
         std::max(standard_errors, (std::abs(p - sampled.results[i].normal) - 1.0 / count) / std::max(error, 1e-12));

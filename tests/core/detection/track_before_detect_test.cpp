@@ -20,7 +20,7 @@ namespace {
 
 using namespace testing;
 constexpr TimeNs kTick = 4'000'000;
-constexpr TimeNs kSweep = 100'000'000;
+constexpr TimeNs kTurn = 100'000'000;
 
 // Of 100 things, 20 are targets. 9 of 10 targets and 1 of 10 others give the measurement: 18 of 26 that gave it.
 TEST(Existence, IsBayesRule) {
@@ -209,7 +209,7 @@ class Watcher {
 
   /// One sweep of the world as it is then. Sweeps turn the sensor a little, so that their beams do not repeat.
   const DetectorOutput& look(const World& world) {
-    const Pose T_local_lidar = pose_at({0.0, 0.0, 4.0}, 0.37 * static_cast<double>(t / kSweep));
+    const Pose T_local_lidar = pose_at({0.0, 0.0, 4.0}, 0.37 * static_cast<double>(t / kTurn));
     const auto cloud = cloud_of(scan_world(world, T_local_lidar, beams_, t, 40.0));
     Observation observation;
     observation.t = t;
@@ -219,7 +219,7 @@ class Watcher {
     const std::vector<std::shared_ptr<const LocalCloud>> clouds = {cloud};
     output.clear();
     detector->step({t, estimate_, poses, clouds, observation}, output, outbox_);
-    t += kSweep;
+    t += kTurn;
     return output;
   }
 
@@ -475,7 +475,7 @@ TEST(TrackBeforeDetect, ItsWorkIsBounded) {
         worlds.push_back(sphere({9.0 * std::cos(azimuth), 9.0 * std::sin(azimuth), 5.0}, 0.3));
       }
     }
-    hypotheses.take(*cloud_of(scan_world(all_of(worlds), pose_at({0.0, 0.0, 4.0}), beams, i * kSweep, 40.0)));
+    hypotheses.take(*cloud_of(scan_world(all_of(worlds), pose_at({0.0, 0.0, 4.0}), beams, i * kTurn, 40.0)));
     EXPECT_LE(hypotheses.all().size(), 3U);
   }
   std::vector<Counter> counters;

@@ -12,7 +12,7 @@ namespace swiftlet {
 namespace {
 
 using namespace testing;
-constexpr TimeNs kTick = 4'000'000;
+constexpr TimeNs kVofodTick = 4'000'000;
 constexpr TimeNs kScanPeriod = 100'000'000;
 
 VofodConfig near_config() {
@@ -38,7 +38,7 @@ class Ticker {
     estimate_.valid = true;
   }
   const DetectorOutput& tick(const World& world) {
-    t += kTick;
+    t += kVofodTick;
     clouds_.clear();
     if (t % kScanPeriod == 0) {
       clouds_.push_back(cloud_of(scan_world(world, pose_at({0.0, 0.0, 4.0}), beams_, t)));
@@ -209,23 +209,23 @@ TEST(GroundTruthDetector, TellsWhatTheNeighborSensorSays) {
   const auto detector = make_detector(module, AgentSetup{});
   StateEstimate estimate;
   estimate.valid = true;
-  estimate.t = kTick;
+  estimate.t = kVofodTick;
   estimate.T_local_body = pose_at({1.0, 2.0, 3.0}, M_PI / 2.0);
   Observation observation;
-  observation.neighbors.push_back({kTick, 1, {10.0, 0.0, 0.0}, 1e-6 * Matrix3::Identity()});
-  observation.neighbors.push_back({kTick, 2, {60.0, 0.0, 0.0}, 1e-6 * Matrix3::Identity()});
+  observation.neighbors.push_back({kVofodTick, 1, {10.0, 0.0, 0.0}, 1e-6 * Matrix3::Identity()});
+  observation.neighbors.push_back({kVofodTick, 2, {60.0, 0.0, 0.0}, 1e-6 * Matrix3::Identity()});
   DetectorOutput output;
   LocalPoses poses;
   Outbox outbox;
   poses.push(estimate);
-  detector->step({kTick, estimate, poses, {}, observation}, output, outbox);
+  detector->step({kVofodTick, estimate, poses, {}, observation}, output, outbox);
   EXPECT_FALSE(output.has_detections);
   observation.neighbors.clear();
-  estimate.t = 4 * kTick;
+  estimate.t = 4 * kVofodTick;
   poses.push(estimate);
-  detector->step({4 * kTick, estimate, poses, {}, observation}, output, outbox);
+  detector->step({4 * kVofodTick, estimate, poses, {}, observation}, output, outbox);
   ASSERT_EQ(output.detections.size(), 1u);
-  EXPECT_EQ(output.stamp, kTick);
+  EXPECT_EQ(output.stamp, kVofodTick);
   EXPECT_LT((output.detections[0].position_m - Vector3(1.0, 12.0, 3.0)).norm(), 1e-9);
   EXPECT_EQ(output.detections[0].confidence, 1.0) << "it is certain";
   const double sigma_m = module.as<GroundTruthDetectorConfig>().sigma_m;

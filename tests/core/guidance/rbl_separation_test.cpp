@@ -17,7 +17,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kDistance_m = 1.1;
+constexpr double kApart_m = 1.1;
 
 /// Places and ways of many pairs.
 class Draws {
@@ -67,16 +67,16 @@ TEST(RblSeparation, BothPlanesLeaveTheDistanceFreeBetweenThem) {
   Draws draws;
   for (int i = 0; i < 2000; ++i) {
     const Braking a = draws.braking(5.0, 2.0), b = draws.braking(5.0, 2.0);
-    const HalfSpace of_a = braking_cut(a, b, kDistance_m, kDistance_m, 0.0);
-    const HalfSpace of_b = braking_cut(b, a, kDistance_m, kDistance_m, 0.0);
+    const HalfSpace of_a = braking_cut(a, b, kApart_m, kApart_m, 0.0);
+    const HalfSpace of_b = braking_cut(b, a, kApart_m, kApart_m, 0.0);
     if (least_between(a, b) < 0.01) continue;  // the ways cross: the direction is where the other one is now
     ASSERT_NEAR((of_a.normal_local + of_b.normal_local).norm(), 0.0, 1e-9);
     const Vector3 last_of_a = a.p_local_m + of_a.offset_m * of_a.normal_local;
     const double kept_m = beyond_m(of_b, b, last_of_a);
-    if (least_between(a, b) > kDistance_m + 0.02) {
-      ASSERT_NEAR(kept_m, kDistance_m, 1e-9) << i;
+    if (least_between(a, b) > kApart_m + 0.02) {
+      ASSERT_NEAR(kept_m, kApart_m, 1e-9) << i;
     }
-    ASSERT_GE(kept_m, kDistance_m - 1e-9) << i << ": who is too near makes all of the missing room";
+    ASSERT_GE(kept_m, kApart_m - 1e-9) << i << ": who is too near makes all of the missing room";
   }
 }
 
@@ -86,12 +86,12 @@ TEST(RblSeparation, TheWholeWayLiesOnTheOwnSideWhileThereIsRoom) {
   for (int i = 0; i < 2000; ++i) {
     const Braking a = draws.braking(5.0, 2.0), b = draws.braking(5.0, 2.0);
     const double least_m = least_between(a, b);
-    if (least_m < kDistance_m + 0.02) continue;
+    if (least_m < kApart_m + 0.02) continue;
     ++num_with_room;
-    const HalfSpace cut = braking_cut(a, b, kDistance_m, kDistance_m, 0.0);
+    const HalfSpace cut = braking_cut(a, b, kApart_m, kApart_m, 0.0);
     // Half the room is left before the way, by brute force.
     const double farthest_m = std::max(beyond_m(cut, a, a.p_local_m), beyond_m(cut, a, a.stop_local_m));
-    ASSERT_NEAR(farthest_m, -0.5 * (least_m - kDistance_m), 0.01) << i;
+    ASSERT_NEAR(farthest_m, -0.5 * (least_m - kApart_m), 0.01) << i;
   }
   EXPECT_GT(num_with_room, 1000);
 }
@@ -100,13 +100,13 @@ TEST(RblSeparation, DoubtTakesRoomToAdvanceButNeverPushesBack) {
   const Braking self{Vector3::Zero(), {0.5, 0.0, 0.0}};
   const Braking other{{4.0, 0.0, 0.0}, {4.0, 0.0, 0.0}};
   const auto offset_m = [&](double unsure_m) {
-    return braking_cut(self, other, kDistance_m, kDistance_m, unsure_m).offset_m;
+    return braking_cut(self, other, kApart_m, kApart_m, unsure_m).offset_m;
   };
-  EXPECT_NEAR(offset_m(0.0), 0.5 + 0.5 * (3.5 - kDistance_m), 1e-12);
+  EXPECT_NEAR(offset_m(0.0), 0.5 + 0.5 * (3.5 - kApart_m), 1e-12);
   EXPECT_NEAR(offset_m(1.0), offset_m(0.0) - 0.5, 1e-12);
   EXPECT_NEAR(offset_m(100.0), 0.5, 1e-12);  // it may still stop where it would stop anyway
   const Braking too_near{{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}};
-  EXPECT_LT(braking_cut(self, too_near, kDistance_m, kDistance_m, 0.0).offset_m, 0.5);
+  EXPECT_LT(braking_cut(self, too_near, kApart_m, kApart_m, 0.0).offset_m, 0.5);
 }
 
 TEST(RblSeparation, MoreRoomIsKeptAboveAndBelow) {
@@ -145,13 +145,13 @@ double least_room_m(double period_s, double latency_s, double share, double nois
     for (int i = 0; i < 2; ++i) {
       const double now_m = x_m[i].back();
       const HalfSpace cut =
-          pledged_cut({own_seen_m[i], 0, 0}, {other_seen_m[i], 0, 0}, {now_m, 0, 0}, kDistance_m, 1.5, noise_m, share);
+          pledged_cut({own_seen_m[i], 0, 0}, {other_seen_m[i], 0, 0}, {now_m, 0, 0}, kApart_m, 1.5, noise_m, share);
       const double ahead_m = std::clamp(cut.offset_m, 0.0, kSpeed_mps * kTick_s);
       x_m[i].push_back(now_m + cut.normal_local.x() * ahead_m);
     }
-    least_m = std::min(least_m, x_m[1].back() - x_m[0].back() - kDistance_m);
+    least_m = std::min(least_m, x_m[1].back() - x_m[0].back() - kApart_m);
   }
-  if (last_room_m != nullptr) *last_room_m = x_m[1].back() - x_m[0].back() - kDistance_m;
+  if (last_room_m != nullptr) *last_room_m = x_m[1].back() - x_m[0].back() - kApart_m;
   return least_m;
 }
 
@@ -181,18 +181,18 @@ TEST(RblSeparation, BesideTheWayOfWhoComesThereIsTheDistanceAndNoMore) {
   Draws draws;
   int num_dodged = 0, num_level = 0;
   for (int i = 0; i < 20000; ++i) {
-    const double vertical_m = i % 2 == 0 ? kDistance_m : 1.5;
+    const double vertical_m = i % 2 == 0 ? kApart_m : 1.5;
     const Braking self = draws.braking(2.0, 1.0);
     const Vector3 other_m = draws.vector(6.0), v_mps = draws.vector(4.0);
-    const auto cut = dodging_cut(self, other_m, v_mps, kDistance_m, vertical_m, limits);
-    const Vector3 scale(1.0, 1.0, kDistance_m / vertical_m);
+    const auto cut = dodging_cut(self, other_m, v_mps, kApart_m, vertical_m, limits);
+    const Vector3 scale(1.0, 1.0, kApart_m / vertical_m);
     const Vector3 ahead = scale.cwiseProduct(v_mps).normalized();
     const auto beside_m = [&](const Vector3& q_m) {
       const Vector3 r_m = scale.cwiseProduct(q_m - other_m);
       return (r_m - r_m.dot(ahead) * ahead).norm();
     };
     const bool comes = scale.cwiseProduct(self.stop_local_m - other_m).dot(ahead) > 0.0;
-    ASSERT_EQ(cut.has_value(), comes && beside_m(self.stop_local_m) < kDistance_m) << i;
+    ASSERT_EQ(cut.has_value(), comes && beside_m(self.stop_local_m) < kApart_m) << i;
     if (!cut) continue;
     ++num_dodged;
     num_level += cut->normal_local.z() == 0.0;
@@ -202,7 +202,7 @@ TEST(RblSeparation, BesideTheWayOfWhoComesThereIsTheDistanceAndNoMore) {
     const double lacking_m = cut->normal_local.dot(self.stop_local_m - self.p_local_m) - cut->offset_m;
     ASSERT_GT(lacking_m, 0.0);
     const Vector3 q_m = self.stop_local_m + lacking_m / -out.dot(cut->normal_local) * out;
-    ASSERT_NEAR(beside_m(q_m), kDistance_m, 1e-6) << i;
+    ASSERT_NEAR(beside_m(q_m), kApart_m, 1e-6) << i;
   }
   EXPECT_GT(num_dodged, 100);
   EXPECT_GT(num_level, 50);
@@ -212,7 +212,7 @@ TEST(RblSeparation, OneOnTheWayOfWhoComesGoesToTheRightOfItAndOneBesideItStaysOn
   const MotionLimits limits;
   const auto out = [&](double y_m) {
     const Vector3 p_m(0.0, y_m, 5.0);
-    return Vector3(-dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kDistance_m, 1.5, limits)->normal_local);
+    return Vector3(-dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits)->normal_local);
   };
   EXPECT_NEAR(out(0.0).y(), -1.0, 1e-12);  // the other flies east: its right is the south
   EXPECT_NEAR(out(0.2).y(), 1.0, 1e-12);
@@ -224,8 +224,7 @@ TEST(RblSeparation, OnceBegunItGoesOnToTheSameSideUnlessItIsNearlyOutOnTheOther)
   const Vector3 begun_local(0.0, 1.0, 0.0);  // it steps to the south
   const auto out_y = [&](double y_m, const Vector3* begun) {
     const Vector3 p_m(0.0, y_m, 5.0);
-    return -dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kDistance_m, 1.5, limits, begun)
-                ->normal_local.y();
+    return -dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits, begun)->normal_local.y();
   };
   EXPECT_NEAR(out_y(0.2, nullptr), 1.0, 1e-12);
   EXPECT_NEAR(out_y(0.2, &begun_local), -1.0, 1e-12);
@@ -233,8 +232,8 @@ TEST(RblSeparation, OnceBegunItGoesOnToTheSameSideUnlessItIsNearlyOutOnTheOther)
   EXPECT_NEAR(out_y(1.0, &begun_local), 1.0, 1e-12);
   // As far as the side that it has begun takes.
   const Vector3 p_m(0.0, 0.2, 5.0);
-  const auto cut = dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kDistance_m, 1.5, limits, &begun_local);
-  EXPECT_NEAR(cut->offset_m, -(kDistance_m + 0.2), 1e-12);
+  const auto cut = dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits, &begun_local);
+  EXPECT_NEAR(cut->offset_m, -(kApart_m + 0.2), 1e-12);
 }
 
 TEST(RblSeparation, LevelRatherThanUpUnlessThatIsSoonerDone) {
@@ -242,7 +241,7 @@ TEST(RblSeparation, LevelRatherThanUpUnlessThatIsSoonerDone) {
     MotionLimits limits;
     limits.vertical_acceleration_mps2 = climb_mps2;
     const Vector3 p_m(0.0, 0.05, 5.0 + above_m);
-    return -dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kDistance_m, 1.5, limits)->normal_local.z();
+    return -dodging_cut({p_m, p_m}, {-5.0, 0.0, 5.0}, {3.0, 0.0, 0.0}, kApart_m, 1.5, limits)->normal_local.z();
   };
   EXPECT_EQ(height_of(0.3, 1.0), 0.0);
   EXPECT_GT(height_of(0.3, 20.0), 0.5);
@@ -252,10 +251,10 @@ TEST(RblSeparation, LevelRatherThanUpUnlessThatIsSoonerDone) {
 
 TEST(RblSeparation, WhoFallsOntoSomebodyIsDodgedToo) {
   const Vector3 p_m(0.0, 0.0, 5.0);
-  const auto cut = dodging_cut({p_m, p_m}, {0.0, 0.0, 9.0}, {0.0, 0.0, -2.0}, kDistance_m, 1.5, MotionLimits{});
+  const auto cut = dodging_cut({p_m, p_m}, {0.0, 0.0, 9.0}, {0.0, 0.0, -2.0}, kApart_m, 1.5, MotionLimits{});
   ASSERT_TRUE(cut.has_value());
   EXPECT_EQ(cut->normal_local.z(), 0.0);
-  EXPECT_NEAR(cut->offset_m, -kDistance_m, 1e-12);
+  EXPECT_NEAR(cut->offset_m, -kApart_m, 1e-12);
 }
 
 // Backing off straight away it would be caught up with.
@@ -274,8 +273,8 @@ TEST(RblSeparation, AnIntruderThatFliesStraightOnIsLetPassHoweverFastItComes) {
           const Vector3 next_m = driver.step().goal.position_m;
           driver.estimate.v_local_mps = (next_m - driver.p_m()) / driver.dt_s;
           driver.put(next_m);
-          const Vector3 apart_m = Vector3(1.0, 1.0, kDistance_m / config.separation.vertical_m)
-                                      .cwiseProduct(Vector3(other_m - driver.p_m()));
+          const Vector3 apart_m =
+              Vector3(1.0, 1.0, kApart_m / config.separation.vertical_m).cwiseProduct(Vector3(other_m - driver.p_m()));
           least_m = std::min(least_m, apart_m.norm());
         }
         EXPECT_GT(least_m, 2.0 * config.cells.encumbrance_m) << speed_mps << " m/s, " << side_m << ", " << above_m;
@@ -520,12 +519,12 @@ TEST(RblSeparation, LimitsAboveWhatIsFollowedCloselyAreCutWithTheVerticalOnesInP
 }
 
 TEST(RblSeparation, IntoTheUnknownTwoFlyAsFastAsBothCanStop) {
-  const double v_mps = speed_into_unknown_mps(15.0, 2.7, kDistance_m, 2.0);
+  const double v_mps = speed_into_unknown_mps(15.0, 2.7, kApart_m, 2.0);
   const double way_m = v_mps * 2.7 + v_mps * v_mps / (2.0 * 2.0);
-  EXPECT_NEAR(2.0 * way_m + kDistance_m, 15.0, 1e-9);
-  EXPECT_GT(speed_into_unknown_mps(15.0, 0.45, kDistance_m, 2.0), 4.0);
-  EXPECT_EQ(speed_into_unknown_mps(1.0, 0.45, kDistance_m, 2.0), 0.0);
-  EXPECT_GT(speed_into_unknown_mps(std::numeric_limits<double>::infinity(), 2.7, kDistance_m, 2.0), 1e9);
+  EXPECT_NEAR(2.0 * way_m + kApart_m, 15.0, 1e-9);
+  EXPECT_GT(speed_into_unknown_mps(15.0, 0.45, kApart_m, 2.0), 4.0);
+  EXPECT_EQ(speed_into_unknown_mps(1.0, 0.45, kApart_m, 2.0), 0.0);
+  EXPECT_GT(speed_into_unknown_mps(std::numeric_limits<double>::infinity(), 2.7, kApart_m, 2.0), 1e9);
 }
 
 }  // namespace

@@ -43,8 +43,8 @@ TEST(PathInTime, TheLeastDistanceIsThatAtTheSameTime) {
 }
 
 /// Vehicles that fly exactly what they want, and a radio between them.
-struct Team {
-  Team(const std::vector<Vector3>& starts_m, const std::vector<Vector3>& goals_m, double delay_s, double check_s)
+struct SharingTeam {
+  SharingTeam(const std::vector<Vector3>& starts_m, const std::vector<Vector3>& goals_m, double delay_s, double check_s)
       : delay(from_seconds(delay_s)) {
     for (std::size_t i = 0; i < starts_m.size(); ++i) {
       SharePathsConfig config;
@@ -99,7 +99,7 @@ struct Team {
 };
 
 TEST(SharePaths, AloneItFliesStraightToItsGoal) {
-  Team team({{0, 0, 5}}, {{12, 0, 5}}, 0.0, 0.1);
+  SharingTeam team({{0, 0, 5}}, {{12, 0, 5}}, 0.0, 0.1);
   team.run(20.0);
   EXPECT_TRUE(team.done());
   EXPECT_LT(to_seconds(team.now), 10.0);
@@ -108,15 +108,15 @@ TEST(SharePaths, AloneItFliesStraightToItsGoal) {
 TEST(SharePaths, FourThatCrossInOnePlaceKeepTheirDistanceAndArrive) {
   const std::vector<Vector3> starts_m = {{-8, 0, 5}, {8, 0, 5}, {0, -8, 5}, {0, 8, 5}};
   const std::vector<Vector3> goals_m = {{8, 0, 5}, {-8, 0, 5}, {0, 8, 5}, {0, -8, 5}};
-  Team team(starts_m, goals_m, 0.1, 0.2);
+  SharingTeam team(starts_m, goals_m, 0.1, 0.2);
   team.run(60.0);
   EXPECT_TRUE(team.done());
   EXPECT_GT(team.least_m, 1.0);
 }
 
 TEST(SharePaths, TheirTurnsToPlanAreSpreadOverAPeriod) {
-  Team team({{0, 0, 5}, {0, 9, 5}, {0, 18, 5}, {0, 27, 5}}, {{20, 0, 5}, {20, 9, 5}, {20, 18, 5}, {20, 27, 5}}, 0.0,
-            0.1);
+  SharingTeam team({{0, 0, 5}, {0, 9, 5}, {0, 18, 5}, {0, 27, 5}}, {{20, 0, 5}, {20, 9, 5}, {20, 18, 5}, {20, 27, 5}},
+                   0.0, 0.1);
   std::vector<double> first_s(4, 1e9);
   for (int i = 0; i < 30; ++i) {
     team.tick();
@@ -131,7 +131,7 @@ TEST(SharePaths, TheirTurnsToPlanAreSpreadOverAPeriod) {
 }
 
 TEST(SharePaths, WhoHearsNothingMeetsTheOther) {
-  Team team({{-8, 0, 5}, {8, 0, 5}}, {{8, 0, 5}, {-8, 0, 5}}, 1000.0, 0.2);
+  SharingTeam team({{-8, 0, 5}, {8, 0, 5}}, {{8, 0, 5}, {-8, 0, 5}}, 1000.0, 0.2);
   team.run(30.0);
   EXPECT_LT(team.least_m, 0.5) << "it knows others by radio alone";
 }

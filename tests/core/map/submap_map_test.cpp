@@ -17,7 +17,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kEdge_m = 0.2;
-constexpr TimeNs kScan = kNsPerSecond / 10;
+constexpr TimeNs kSubmapScan = kNsPerSecond / 10;
 
 using CellKey = std::array<int, 3>;
 CellKey key_of(const Cell& cell) { return {cell.x(), cell.y(), cell.z()}; }
@@ -346,7 +346,7 @@ TEST(SubmapMap, AfterAnySequenceOfChangesItIsTheMapMadeAnew) {
           rays.push_back(
               {Eigen::Vector3f(0.1F, 0.1F, 0.1F), (3.0 * Vector3(n[0], n[1], 0.3 * n[2])).cast<float>(), true});
         }
-        growing->insert(rays, step * kScan);
+        growing->insert(rays, step * kSubmapScan);
         map.set_growing(growing.get(), offset);
       }
       SubmapMap anew({});
@@ -550,13 +550,13 @@ TEST(SubmapMap, TellsWhatWasSeenLately) {
   old.set({1, 1, 1}, CellState::kOccupied);
   young.set({5, 1, 1}, CellState::kOccupied);
   SubmapMap map({});
-  map.add(old.packed(), Pose::Identity(), 0, 10 * kScan);
-  map.add(young.packed(), Pose::Identity(), 0, 20 * kScan);
+  map.add(old.packed(), Pose::Identity(), 0, 10 * kSubmapScan);
+  map.add(young.packed(), Pose::Identity(), 0, 20 * kSubmapScan);
   OccupancyMapConfig config;
   config.edge_m = kEdge_m;
   OccupancyMap growing(config);
   const OccupancyMap::Ray ray{{0.1F, 0.1F, 0.1F}, {0.1F, 1.9F, 0.1F}, true};
-  growing.insert({&ray, 1}, 30 * kScan);
+  growing.insert({&ray, 1}, 30 * kSubmapScan);
   map.set_growing(&growing, Cell(0, 0, 0));
   const auto seen_since = [&](TimeNs since) {
     std::vector<Vector3> centers_m;
@@ -564,10 +564,10 @@ TEST(SubmapMap, TellsWhatWasSeenLately) {
     return centers_m.size();
   };
   EXPECT_EQ(seen_since(kEver), 3U);
-  EXPECT_EQ(seen_since(10 * kScan), 3U);
-  EXPECT_EQ(seen_since(15 * kScan), 2U);
-  EXPECT_EQ(seen_since(25 * kScan), 1U);
-  EXPECT_EQ(seen_since(31 * kScan), 0U);
+  EXPECT_EQ(seen_since(10 * kSubmapScan), 3U);
+  EXPECT_EQ(seen_since(15 * kSubmapScan), 2U);
+  EXPECT_EQ(seen_since(25 * kSubmapScan), 1U);
+  EXPECT_EQ(seen_since(31 * kSubmapScan), 0U);
 }
 
 TEST(SubmapMap, ClearanceIsTheDistanceToTheNearestOccupiedCellAfterAMoveToo) {

@@ -17,7 +17,7 @@ using testing::BoxMap;
 
 constexpr double kClearance_m = 0.25;
 
-ClearPathConfig rules() {
+ClearPathConfig sampled_rules() {
   ClearPathConfig config;
   config.clearance_m = kClearance_m;
   return config;
@@ -61,7 +61,7 @@ BoxMap wall_with_a_gap() {
 const Vector3 kStart(1.05, 1.05, 1.05), kGoal(5.05, 1.05, 1.05);
 
 ClearPath through_the_gap(SampledSearch search, std::uint32_t draw, int max_samples = 2000, int max_shortenings = 0) {
-  ClearPathConfig config = rules();
+  ClearPathConfig config = sampled_rules();
   config.max_shortenings = max_shortenings;
   SamplingConfig sampling = few_meters();
   sampling.max_samples = max_samples;
@@ -82,9 +82,9 @@ TEST(SampledPath, FindsClearPathsWhereThereAreAny) {
       for (int c = 0; c < 8; ++c) map.at(low + Cell(c & 1, c >> 1 & 1, c >> 2)) = CellState::kOccupied;
     }
     const Vector3 start_m(0.15, 0.15, 0.55), goal_m(2.85, 2.25, 0.55);
-    const ClearPath cells = find_clear_path(map, rules(), start_m, goal_m);
+    const ClearPath cells = find_clear_path(map, sampled_rules(), start_m, goal_m);
     for (const SampledSearch search : {SampledSearch::kRrt, SampledSearch::kInformedRrtStar}) {
-      const ClearPath path = find_sampled_path(map, rules(), few_meters(), search, start_m, goal_m);
+      const ClearPath path = find_sampled_path(map, sampled_rules(), few_meters(), search, start_m, goal_m);
       if (cells.status != ClearPathStatus::kFound) {
         ++none;
         EXPECT_NE(path.status, ClearPathStatus::kFound) << k;
@@ -152,7 +152,7 @@ TEST(SampledPath, IsThatOfItsDraw) {
 }
 
 TEST(SampledPath, StaysWithinTheHeights) {
-  ClearPathConfig config = rules();
+  ClearPathConfig config = sampled_rules();
   config.max_shortenings = 0;
   config.z_min_m = 0.9;
   config.z_max_m = 1.2;
@@ -173,7 +173,7 @@ TEST(SampledPath, StaysWithinTheHeights) {
 TEST(SampledPath, SaysWithoutASampleWhyThereCanBeNone) {
   BoxMap map = wall_with_a_gap();
   const auto status = [&](const Vector3& goal_m) {
-    const ClearPath path = find_sampled_path(map, rules(), few_meters(), SampledSearch::kRrt, kStart, goal_m);
+    const ClearPath path = find_sampled_path(map, sampled_rules(), few_meters(), SampledSearch::kRrt, kStart, goal_m);
     EXPECT_EQ(path.expansions, 0U);
     return path.status;
   };
@@ -184,7 +184,7 @@ TEST(SampledPath, SaysWithoutASampleWhyThereCanBeNone) {
 }
 
 TEST(SampledPath, AStraightWayNeedsNoSample) {
-  ClearPathConfig config = rules();
+  ClearPathConfig config = sampled_rules();
   SamplingConfig sampling = few_meters();
   sampling.step_m = 2.0;
   const ClearPath path =
@@ -279,7 +279,7 @@ TEST(SampledPath, IsAsLongAsThatOfATreeWhoseCostsAreAddedUpAnew) {
   const BoxMap map = wall_with_a_gap();
   for (std::uint32_t draw = 0; draw < 5; ++draw) {
     for (const bool star : {false, true}) {
-      ClearPathConfig config = rules();
+      ClearPathConfig config = sampled_rules();
       config.max_shortenings = 0;
       config.z_min_m = draw % 2 == 0 ? -1e5 : 0.7;
       config.z_max_m = draw % 3 == 0 ? 1e5 : 1.4;

@@ -16,7 +16,7 @@ using testing::CellListMap;
 using Next = TeamPlan::Next;
 
 /// Two rooms, 1.5 m high, with a wall between them at x = 2 m and a gap around y = 0.
-CellListMap two_rooms(double gap_m) {
+CellListMap two_team_rooms(double gap_m) {
   CellListMap map(0.25);
   map.occupy_box({2.0, -6.0, 0.0}, {2.25, -0.5 * gap_m, 1.5});
   map.occupy_box({2.0, 0.5 * gap_m, 0.0}, {2.25, 6.0, 1.5});
@@ -43,7 +43,7 @@ double nearest_obstacle_m(const OccupancyView& map, const std::vector<PlannedPos
 }
 
 TEST(TeamPlan, TheSmallOneIsSentThroughTheGapAndTheLargeOneToWhereItSeesThat) {
-  const CellListMap map = two_rooms(1.5);
+  const CellListMap map = two_team_rooms(1.5);
   const TeamPlan plan = plan_team(map, flat(), kPrimary, {{0, 0, 0.7}, 3.0}, {{4, 0.5, 0.7}, -3.0});
   ASSERT_EQ(plan.next, Next::kMovePrimary) << plan.reason;
   EXPECT_GT(nearest_obstacle_m(map, plan.secondary_path), 0.3);
@@ -78,7 +78,7 @@ TEST(TeamPlan, ThePathsKeepOutOfEachOthersAir) {
 }
 
 TEST(TeamPlan, AViewpointIsKeptWhenThePrimaryStandsThere) {
-  const CellListMap map = two_rooms(1.5);
+  const CellListMap map = two_team_rooms(1.5);
   const TeamPlannerConfig config = flat();
   const PlannedPose secondary{{0, 0, 0.7}, 0.0}, goal{{4, 0.5, 0.7}, 0.0};
   const TeamPlan first = plan_team(map, config, kPrimary, secondary, goal);
@@ -93,7 +93,7 @@ TEST(TeamPlan, AGoalThatIsReachedIsTold) {
 }
 
 TEST(TeamPlan, AGoalTooNearToAnObstacleIsMovedALittle) {
-  const CellListMap map = two_rooms(1.5);
+  const CellListMap map = two_team_rooms(1.5);
   const TeamPlan plan = plan_team(map, flat(), kPrimary, {{-2, 0, 0.7}, 0.0}, {{1.6, 3, 0.7}, 0.0});
   ASSERT_NE(plan.next, Next::kFail) << plan.reason;
   EXPECT_LT((plan.goal_local_m - Vector3(1.6, 3, 0.7)).norm(), 0.5);
@@ -101,14 +101,14 @@ TEST(TeamPlan, AGoalTooNearToAnObstacleIsMovedALittle) {
 }
 
 TEST(TeamPlan, SaysWhyThereIsNone) {
-  const CellListMap wall = two_rooms(0.0);
+  const CellListMap wall = two_team_rooms(0.0);
   TeamPlannerConfig config = flat();
   const PlannedPose start{{0, 0, 0.7}, 0.0};
   const TeamPlan inside = plan_team(wall, config, kPrimary, start, {{2.1, 4, 0.7}, 0.0});
   EXPECT_EQ(inside.next, Next::kFail);
   EXPECT_EQ(inside.reason, "the guided vehicle's path: the goal is too near to an obstacle");
 
-  CellListMap known = two_rooms(1.5);
+  CellListMap known = two_team_rooms(1.5);
   known.known_within_m = 5.5;
   const TeamPlan outside = plan_team(known, config, kPrimary, start, {{9, 0, 0.7}, 0.0});
   EXPECT_EQ(outside.reason, "the guided vehicle's path: the goal lies in unknown space");
@@ -125,7 +125,7 @@ TEST(TeamPlan, SaysWhyThereIsNone) {
 
 TEST(TeamPlan, AViewpointOutOfReachGivesWayToTheNextOne) {
   // The goal lies behind the wall and is seen from the east only, but the primary cannot pass the gap.
-  CellListMap map = two_rooms(1.5);
+  CellListMap map = two_team_rooms(1.5);
   map.known_within_m = 5.9;  // so that there is no way around the wall
   TeamPlannerConfig config = flat();
   config.viewpoint.buffer_m = 1.0;

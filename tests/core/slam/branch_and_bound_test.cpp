@@ -42,9 +42,9 @@ std::array<int, 3> grid_cell_of(const Vector3& p_m) {
 }
 
 /// Cells and points in cells, without any pyramid.
-struct PlainGrid {
+struct SearchedGrid {
   std::set<std::array<int, 3>> occupied;
-  explicit PlainGrid(const GridCloud& points) {
+  explicit SearchedGrid(const GridCloud& points) {
     for (const Eigen::Vector3f& p : points) occupied.insert(grid_cell_of(p.cast<double>()));
   }
   int score(const GridCloud& cloud, const Pose& T, const std::array<int, 3>& off) const {
@@ -74,7 +74,7 @@ struct PlainBest {
 
 PlainBest best_one_by_one(const GridCloud& map_points, const GridCloud& cloud, const Pose& guess,
                           const SearchWindow& window, std::span<const std::uint8_t> allowed, const Excluded* excluded) {
-  const PlainGrid grid(map_points);
+  const SearchedGrid grid(map_points);
   const int half = static_cast<int>(window.yaw_rad / window.yaw_step_rad + 1e-9);
   PlainBest best;
   for (int i = -half; i <= half; ++i) {
@@ -101,7 +101,7 @@ PlainBest best_one_by_one(const GridCloud& map_points, const GridCloud& cloud, c
 TEST(GridPyramid, ItsLowestLevelHasTheCellsOfThePoints) {
   std::mt19937 random(11);
   const GridCloud points = moved_by(random_cloud(random, 80, 3.0F), {4.0, -7.0, 1.0});
-  const PlainGrid grid(points);
+  const SearchedGrid grid(points);
   for (const int levels : {1, 3}) {
     const OccupancyPyramid pyramid(points, kGridCell_m, levels);
     for (int x = -5; x < 20; ++x) {
@@ -148,7 +148,7 @@ TEST(BranchAndBound, OfHeadingsAndPlacesAroundAnyGuessItFindsTheBestThatIsAllowe
     const Pose turned = make_pose(guess.translation(), Eigen::Quaterniond(found.best->T_map_cloud.linear()));
     const Eigen::Vector3i off = (by_m / kGridCell_m).array().round().cast<int>();
     EXPECT_LT((by_m - kGridCell_m * off.cast<double>()).norm(), 1e-9);
-    EXPECT_EQ(PlainGrid(points).score(cloud, turned, {off.x(), off.y(), off.z()}), expected.score) << trial;
+    EXPECT_EQ(SearchedGrid(points).score(cloud, turned, {off.x(), off.y(), off.z()}), expected.score) << trial;
     if (excluded != nullptr && headings_apart_rad(found.best->T_map_cloud, T) <= near.angle_rad) {
       EXPECT_GE((found.best->T_map_cloud.translation() - T.translation()).norm(), near.distance_m);
     }

@@ -23,7 +23,7 @@ namespace {
 using testing::SyntheticFlight;
 using testing::SyntheticRoom;
 
-constexpr TimeNs kImuTick = 4'000'000, kLidarTick = 100'000'000;
+constexpr TimeNs kGridImuTick = 4'000'000, kLidarTick = 100'000'000;
 
 const SyntheticRoom kWorkshop = SyntheticRoom::box({-6.3, -5.1, -0.2}, {7.4, 6.2, 4.7});
 
@@ -46,7 +46,7 @@ struct GridFlight {
     return {local, flight.at(0), 0.3, std::make_unique<GridMatcher>(config)};
   }
   void fly(int num_scans) {
-    for (TimeNs t = kImuTick; static_cast<int>(outcomes.size()) < num_scans; t += kImuTick) {
+    for (TimeNs t = kGridImuTick; static_cast<int>(outcomes.size()) < num_scans; t += kGridImuTick) {
       slam.add(flight.imu(t));
       if (t % kLidarTick != 0) continue;
       outcomes.push_back(slam.add(flight.scan(t)));
@@ -115,7 +115,7 @@ TEST(GridMatcher, ScansAreMatchedToTheOlderSubmap) {
   // From between both: the newer one would draw it further away.
   InertialFilter filter({},
                         make_pose(flight.at(0).translation() + Vector3(0.08, 0.08, 0), Eigen::Quaterniond::Identity()));
-  filter.predict(flight.imu(kImuTick));
+  filter.predict(flight.imu(kGridImuTick));
   take();
   matcher.match(filter, {});
   EXPECT_LT((filter.T_local_body().translation() - flight.at(0).translation()).head<2>().norm(), 0.07);
@@ -166,7 +166,7 @@ TEST(GridMatcher, AScanOfUnknownSpaceMovesNothing) {
   flight.fly(5);
   // Far away from the map.
   InertialFilter elsewhere({}, make_pose({200, 0, 0}, Eigen::Quaterniond::Identity()));
-  elsewhere.predict(flight.flight.imu(kImuTick));
+  elsewhere.predict(flight.flight.imu(kGridImuTick));
   auto& matcher = const_cast<ScanMatcher&>(flight.slam.matcher());
   const ScanMatcher::Match match = matcher.match(elsewhere, {.known_share_min = 0.3});
   EXPECT_EQ(match.fit.num_known, 0);
@@ -181,7 +181,7 @@ InertialFilter in_flight() {
   InertialFilter filter({}, make_pose({1, 2, 3}, rotation_by({0.1, -0.2, 0.5})));
   for (int i = 1; i < 50; ++i) {
     filter.predict(
-        {.t = i * kImuTick, .omega_body_radps = {0.1, 0.05, -0.2}, .specific_force_body_mps2 = {0.3, 0.1, 9.9}});
+        {.t = i * kGridImuTick, .omega_body_radps = {0.1, 0.05, -0.2}, .specific_force_body_mps2 = {0.3, 0.1, 9.9}});
   }
   return filter;
 }

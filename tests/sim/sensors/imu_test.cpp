@@ -18,7 +18,7 @@ ImuConfig perfect_imu() {
 }
 
 // A vehicle that banks, turns and weaves; velocities and rates are the exact derivatives.
-VehicleState weaving(double t) {
+VehicleState weaving_imu(double t) {
   VehicleState state;
   state.p_world_m = {3.0 * std::sin(t), 2.0 * std::cos(0.7 * t), 5.0 + 0.5 * std::sin(1.3 * t)};
   state.v_world_mps = {3.0 * std::cos(t), -1.4 * std::sin(0.7 * t), 0.65 * std::cos(1.3 * t)};
@@ -55,11 +55,11 @@ TEST(Imu, FeelsNothingInFreeFall) {
 TEST(Imu, IntegratedSamplesGiveBackTheMotion) {
   const auto sensor = make_imu_sensor(perfect_imu(), sensor_setup("imu"));
   const double duration_s = 4.0;
-  const Observation seen = drive(*sensor, {weaving}, {.duration_s = duration_s});
+  const Observation seen = drive(*sensor, {weaving_imu}, {.duration_s = duration_s});
   ASSERT_EQ(seen.imu.size(), 1000U);
 
   const double dt = 0.004;
-  VehicleState state = weaving(0.0);
+  VehicleState state = weaving_imu(0.0);
   for (const ImuSample& sample : seen.imu) {
     const Eigen::Quaterniond q_mid = state.q_world_body * rotation_exp(0.5 * dt * sample.omega_body_radps);
     const Vector3 a = q_mid * sample.specific_force_body_mps2 - Vector3(0.0, 0.0, 9.81);
@@ -67,7 +67,7 @@ TEST(Imu, IntegratedSamplesGiveBackTheMotion) {
     state.v_world_mps += dt * a;
     state.q_world_body = state.q_world_body * rotation_exp(dt * sample.omega_body_radps);
   }
-  const VehicleState truth = weaving(duration_s);
+  const VehicleState truth = weaving_imu(duration_s);
   EXPECT_LT((state.v_world_mps - truth.v_world_mps).norm(), 1e-9);
   EXPECT_LT(state.q_world_body.angularDistance(truth.q_world_body), 1e-9);
   // Second order: the error of the trapezoidal rule is dt^2 / 12 times the change of acceleration (about 6 m/s^2).

@@ -15,7 +15,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr std::uint64_t kSeed = 7;
+constexpr std::uint64_t kLidarSeed = 7;
 
 /// Walls near and far, of any brightness, and poles, of which beams meet a part.
 Scene bright_and_dark() {
@@ -148,7 +148,7 @@ TEST_P(LidarDefinition, ReturnsAreThoseOfPlainBeams) {
   config.beam.divergence_deg = 0.5;
   config.beam.pulse_length_m = 0.4;
   config.noise.law = variant.by_signal ? RangeNoiseConfig::Law::kSignal : RangeNoiseConfig::Law::kConstant;
-  SensorSetup setup = sensor_setup("s", kSeed);
+  SensorSetup setup = sensor_setup("s", kLidarSeed);
   setup.scene = std::make_shared<const Scene>(bright_and_dark());
   setup.world = std::make_shared<const StaticScene>(*setup.scene);
   const Motion motion = resting({0.3, 0.2, 0.1}, 0.6);
@@ -162,7 +162,7 @@ TEST_P(LidarDefinition, ReturnsAreThoseOfPlainBeams) {
 
   const Pose T_world_lidar = motion(0.0).T_world_body() * config.mount.T_body_lidar();
   const LidarMeasurement measurement(config.noise, config.detection, config.range_max_m, config.ideal);
-  const Random range_noise(kSeed, "lidar.range", "uav1/s"), notice_noise(kSeed, "lidar.detection", "uav1/s");
+  const Random range_noise(kLidarSeed, "lidar.range", "uav1/s"), notice_noise(kLidarSeed, "lidar.detection", "uav1/s");
   int met = 0, lost = 0, apart = 0, blind = 0;
   for (std::uint32_t k = 0; k < 2; ++k) {
     const LabeledScan& labeled = *scans[k];
@@ -236,7 +236,7 @@ TEST(Lidar, IncidenceIsTheArcCosineToTheLastDigitsOfAFloat) {
   config.pattern.as<UniformConfig>().rows = 9;
   config.pattern.as<UniformConfig>().columns = 701;
   config.pattern.as<UniformConfig>().fov_horizontal_deg = 178.0;
-  SensorSetup setup = sensor_setup("s", kSeed);
+  SensorSetup setup = sensor_setup("s", kLidarSeed);
   setup.scene = std::make_shared<const Scene>(world.scene());
   setup.world = std::make_shared<const StaticScene>(*setup.scene);
   const auto sensor = make_lidar(config, setup);

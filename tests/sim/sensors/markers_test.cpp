@@ -31,14 +31,14 @@ Airframe small_airframe() {
   return airframe;
 }
 
-struct Returns {
+struct MarkerReturns {
   int marker = 0, hull = 0;
   float dimmest_marker = 1e9F, brightest_hull = 0.0F;
   int scans_with_marker = 0;
 };
 
 /// What an OS0-128 sees of the vehicle at a distance, in `num_scans` sweeps while it turns and sways.
-Returns look(double distance_m, const MarkersConfig& markers, int num_scans) {
+MarkerReturns look(double distance_m, const MarkersConfig& markers, int num_scans) {
   SensorSetup setup = sensor_setup("lidar", 1, 2);
   setup.scene = std::make_shared<const Scene>(TestScene().scene());
   setup.world = std::make_shared<const StaticScene>(*setup.scene);
@@ -55,7 +55,7 @@ Returns look(double distance_m, const MarkersConfig& markers, int num_scans) {
                                          state.p_world_m.z() = 0.2 * std::sin(3 * t);
                                          return state;
                                        }};
-  Returns returns;
+  MarkerReturns returns;
   drive(*lidar, motions, {.duration_s = num_scans / config.rate_hz + 1e-6, .tick = 10'000'000},
         [&](TimeNs, const Observation&) {
           for (const auto& labeled : lidar->scans()) {
@@ -79,7 +79,7 @@ Returns look(double distance_m, const MarkersConfig& markers, int num_scans) {
 
 TEST(Markers, TellThemselvesFromTheHullByTheirReflectivityAtTwoToTwentyMeters) {
   for (const double distance_m : {2.0, 5.0, 10.0, 20.0}) {
-    const Returns seen = look(distance_m, {.place = MarkersConfig::Place::kLegs}, 40);
+    const MarkerReturns seen = look(distance_m, {.place = MarkersConfig::Place::kLegs}, 40);
     EXPECT_GT(seen.hull, 15) << distance_m;
     EXPECT_GT(seen.marker, 5) << distance_m;
     EXPECT_GT(seen.dimmest_marker, 2.0F * kThreshold) << distance_m;
@@ -89,7 +89,7 @@ TEST(Markers, TellThemselvesFromTheHullByTheirReflectivityAtTwoToTwentyMeters) {
 }
 
 TEST(Markers, AVehicleWithoutThemIsDark) {
-  const Returns seen = look(5.0, {}, 10);
+  const MarkerReturns seen = look(5.0, {}, 10);
   EXPECT_GT(seen.hull, 50);
   EXPECT_EQ(seen.marker, 0);
   EXPECT_LT(seen.brightest_hull, 1.0F);

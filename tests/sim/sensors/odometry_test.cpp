@@ -12,7 +12,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr DriveOptions kSlow{.duration_s = 50.0, .tick = 100'000'000, .step = 100'000'000, .capacity = 8};
+constexpr DriveOptions kSlowTick{.duration_s = 50.0, .tick = 100'000'000, .step = 100'000'000, .capacity = 8};
 
 OdometryConfig perfect_odometry() {
   OdometryConfig config;
@@ -44,7 +44,7 @@ TEST(Odometry, WithoutErrorsItsFrameStaysWhereItWas) {
     OdometryConfig config = perfect_odometry();
     config.frame = frame;
     const auto sensor = make_odometry_sensor(config, sensor_setup("vio"));
-    const Observation seen = drive(*sensor, {circling}, kSlow);
+    const Observation seen = drive(*sensor, {circling}, kSlowTick);
     ASSERT_EQ(seen.odometry.size(), 501U);
     const Pose T_local_world = frame_of(seen.odometry[0]);
     EXPECT_NEAR(T_local_world.linear()(2, 2), 1.0, 1e-12) << "z stays up";
@@ -87,14 +87,14 @@ TEST(Odometry, DriftOverDistanceIsTheStatedPercentage) {
   config.drift_percent = 2.0;
   config.drift_reference_m = 50.0;
   for (const double speed : {0.5, 2.0}) {
-    const double length_m = speed * kSlow.duration_s;
+    const double length_m = speed * kSlowTick.duration_s;
     SampleStatistics along, up;
     double sum_sq = 0.0;
     for (std::uint64_t seed = 0; seed < 600; ++seed) {
       const auto sensor = make_odometry_sensor(config, sensor_setup("vio", seed));
       const Motion motion = straight(Vector3::Zero(), {speed, 0.0, 0.0});
       const Vector3 error =
-          drive(*sensor, {motion}, kSlow).odometry.back().T_local_body.translation() - Vector3(length_m, 0.0, 0.0);
+          drive(*sensor, {motion}, kSlowTick).odometry.back().T_local_body.translation() - Vector3(length_m, 0.0, 0.0);
       along.add(error.x());
       up.add(error.z());
       sum_sq += error.squaredNorm();
@@ -115,7 +115,7 @@ TEST(Odometry, YawDriftBendsThePathAsARandomWalkDoes) {
   for (std::uint64_t seed = 0; seed < 800; ++seed) {
     const auto sensor = make_odometry_sensor(config, sensor_setup("vio", seed));
     const Motion motion = straight(Vector3::Zero(), {2.0, 0.0, 0.0});
-    const OdometrySample last = drive(*sensor, {motion}, kSlow).odometry.back();
+    const OdometrySample last = drive(*sensor, {motion}, kSlowTick).odometry.back();
     yaw.add(yaw_of(last.T_local_body.linear()));
     lateral.add(last.T_local_body.translation().y());
   }
@@ -133,17 +133,17 @@ TEST(Odometry, DriftByTurningAndByTimeAddUp) {
   config.drift_per_turn_m = 0.3;
   config.drift_m_psqrts = 0.02;
   const double turns = 4.0;
-  const double rate = turns * 2.0 * std::numbers::pi / kSlow.duration_s;
+  const double rate = turns * 2.0 * std::numbers::pi / kSlowTick.duration_s;
   const Motion spinning = [&](double t) { return state_at(Vector3::Zero(), rate * t); };
   SampleStatistics yaw, x;
   for (std::uint64_t seed = 0; seed < 800; ++seed) {
     const auto sensor = make_odometry_sensor(config, sensor_setup("vio", seed));
-    const OdometrySample last = drive(*sensor, {spinning}, kSlow).odometry.back();
+    const OdometrySample last = drive(*sensor, {spinning}, kSlowTick).odometry.back();
     yaw.add(yaw_of(last.T_local_body.linear()));  // whole turns: back at zero
     x.add(last.T_local_body.translation().x());
   }
-  const double v_yaw = (turns * 1.0 + 0.01 * kSlow.duration_s) * kRadPerDeg * kRadPerDeg;
-  const double v_x = (turns * 0.09 + 4e-4 * kSlow.duration_s) / 3.0;
+  const double v_yaw = (turns * 1.0 + 0.01 * kSlowTick.duration_s) * kRadPerDeg * kRadPerDeg;
+  const double v_x = (turns * 0.09 + 4e-4 * kSlowTick.duration_s) / 3.0;
   EXPECT_NEAR(yaw.variance(), v_yaw, variance_bound(v_yaw, yaw.size()));
   EXPECT_NEAR(x.variance(), v_x, variance_bound(v_x, x.size()));
 }
@@ -158,7 +158,7 @@ TEST(Odometry, ScaleTiltAndVelocityErrorsHaveTheirSigmas) {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
     const auto sensor = make_odometry_sensor(config, sensor_setup("vio", seed));
     const Motion motion = straight(Vector3::Zero(), {2.0, 0.0, 0.0});
-    const OdometrySample last = drive(*sensor, {motion}, kSlow).odometry.back();
+    const OdometrySample last = drive(*sensor, {motion}, kSlowTick).odometry.back();
     scale.add(last.T_local_body.translation().x() / 100.0 - 1.0);
     tilt.add(std::asin(last.T_local_body.linear()(2, 1)));
     velocity.add(last.v_local_body_mps.y());

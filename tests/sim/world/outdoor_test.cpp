@@ -105,7 +105,7 @@ TEST(Campus, WallsWindowsAndRoofAreOneBuilding) {
   EXPECT_EQ(buildings.begin()->first, 1);
 }
 
-CampusConfig bare_campus() {
+CampusConfig bare_ground_campus() {
   CampusConfig config;
   config.num_trees = config.num_lamps = config.num_cars = 0;
   return config;
@@ -113,7 +113,7 @@ CampusConfig bare_campus() {
 
 // Looked at straight, at the height of a face: walls with openings in them, the same from the left as from the right.
 TEST(Campus, EveryFacadeHasWindowsAndIsSymmetric) {
-  const CampusConfig config = bare_campus();
+  const CampusConfig config = bare_ground_campus();
   const Scene scene = make_campus(config, 1);
   const Vector2d half = 0.5 * config.building_size_m;
   for (int facade = 0; facade < 4; ++facade) {
@@ -140,7 +140,7 @@ TEST(Campus, EveryFacadeHasWindowsAndIsSymmetric) {
 
 // From the wall outward: lawn, kerb, path as wide as set, kerb, lawn.
 TEST(Campus, ThePathLeadsAroundTheBuildingAtItsDistance) {
-  const CampusConfig config = bare_campus();
+  const CampusConfig config = bare_ground_campus();
   const Scene scene = make_campus(config, 1);
   const Vector2d half = 0.5 * config.building_size_m;
   const double begin_m = config.path_distance_m, end_m = begin_m + config.path_width_m, kerb_m = 0.12;
