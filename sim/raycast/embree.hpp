@@ -8,7 +8,7 @@
 #endif
 
 /// Internal to this room: what differs between Embree 3 and Embree 4. Embree 3 keeps context, flags and filter of a
-/// query in one structure; Embree 4 has the context apart from the arguments, and an order of its own.
+/// query in one structure. Embree 4 has the context apart from the arguments.
 namespace swiftlet::sim {
 
 #if RTC_VERSION_MAJOR >= 4
