@@ -117,6 +117,7 @@ void MarkPainter::draw_points(const View& view, std::span<const PointVertex> poi
   point_program_.set("u_min_px", size.least_px);
   point_program_.set("u_max_px", std::max(14.0F, size.least_px));
   point_program_.set("u_cut_m", cut_m);
+  point_program_.set("u_viewport_px", Eigen::Vector2i(view.width_px, view.height_px).cast<float>().eval());
   gl_.Enable(GL_PROGRAM_POINT_SIZE);
   gl_.BindVertexArray(points_.array);
   stream(gl_, points_.buffer, points);

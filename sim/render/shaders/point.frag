@@ -1,9 +1,10 @@
 #version 450 core
-// Round points of a cloud.
+// Round points of a cloud. Mesa 22 and 26 disagree on gl_PointCoord of several samples a pixel, not on gl_FragCoord.
 in vec4 v_color;
+flat in vec3 v_disc_px;
 out vec4 o_color;
 void main() {
-  vec2 q = 2.0 * gl_PointCoord - 1.0;
+  vec2 q = (gl_FragCoord.xy - v_disc_px.xy) / v_disc_px.z;
   float r_sq = dot(q, q);
   if (r_sq > 1.15) discard;
   o_color = vec4(v_color.rgb * (1.0 - 0.22 * r_sq), v_color.a);

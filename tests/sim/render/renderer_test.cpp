@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
+#include <numbers>
 #include <thread>
 
 #include "render_support.hpp"
@@ -367,6 +369,32 @@ TEST(Renderer, LeavesPaperWhiteWhereThereIsNothing) {
   EXPECT_LT(corner().minCoeff(), 0.97F) << "the sky";
   style.white = true;
   EXPECT_EQ(corner(), Rgb::Ones());
+}
+
+TEST(Renderer, FillsThePixelsWhoseCentersLieInADisc) {
+  BoxWorld world;
+  world.add({-20, -20, -1}, {20, 20, 0}, kGray);
+  Renderer renderer(world.scene(), {});
+  const View view = top_view({0, 0}, 20.0, -1.0, 6.0, 400, 400);  // 20 px a meter
+  PictureScene picture;
+  picture.clouds.resize(1);
+  for (int i = 0; i < 256; ++i) {  // 24 px apart, at 16 x 16 places within a pixel
+    const Eigen::Vector2i at(i % 16, i / 16);
+    const Eigen::Vector2f p_m = (24.0F + 1.0F / 16.0F) / 20.0F * at.cast<float>().array() - 9.1F;
+    picture.clouds[0].points_world_m.emplace_back(p_m.x(), p_m.y(), 1.0F);
+  }
+  PictureStyle style;
+  style.cloud = CloudColors::kVehicle;
+  const Image empty = renderer.draw(view, {}, style);
+  for (const float diameter_px : {2.0F, 3.0F, 4.0F, 7.0F}) {
+    style.point_px = diameter_px;
+    const Image drawn = renderer.draw(view, picture, style);
+    int filled_px = 0;
+    for (int i = 0; i < 400 * 400; ++i) filled_px += std::memcmp(&drawn.rgb[3 * i], &empty.rgb[3 * i], 3) != 0;
+    // The disc reaches beyond the square of its diameter a little: 1.15 times the area.
+    const float disc_px = 1.15F * std::numbers::pi_v<float> / 4.0F * diameter_px * diameter_px;
+    EXPECT_NEAR(filled_px / 256.0F, disc_px, 0.02F * disc_px) << diameter_px;
+  }
 }
 
 TEST(ShownPoints, AreThoseInTheViewBelowTheCut) {
