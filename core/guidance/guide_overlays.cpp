@@ -7,7 +7,7 @@ namespace swiftlet {
 namespace {
 
 const Eigen::Vector4f kSecondaryColor{0.35F, 0.8F, 1.0F, 1.0F};
-const Eigen::Vector4f kPrimaryColor{1.0F, 0.55F, 0.4F, 1.0F};
+const Eigen::Vector4f kPrimaryColor{0.9F, 0.22F, 0.21F, 1.0F};
 const Eigen::Vector4f kVisibleColor{0.2F, 0.75F, 0.35F, 0.8F};
 const Eigen::Vector4f kOverlapColor{0.95F, 0.85F, 0.1F, 1.0F};
 

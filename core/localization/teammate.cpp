@@ -196,11 +196,12 @@ bool Teammate::is_sure(const RelativeEstimate& estimate) const {
 
 /// Where it is and heads, with three standard deviations, and the sightings of the window beside the aligned odometry.
 void Teammate::append_overlays(std::vector<Overlay>& overlays) const {
-  const Eigen::Vector4f kGreen = {0.2F, 0.9F, 0.3F, 0.35F}, kWhite = {0.95F, 0.95F, 0.95F, 1.0F};
-  Overlay place = overlay_of("relative", Overlay::Kind::kSpheres, 0.0F, "teammate: three standard deviations", kGreen);
-  Overlay heading = overlay_of("relative", Overlay::Kind::kLines, 3.0F, "teammate: heading", kGreen);
-  Overlay seen = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "sightings in the window", kGreen);
-  Overlay told = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "odometry, aligned", kWhite);
+  const Eigen::Vector4f kBlue = {0.0F, 0.45F, 0.7F, 0.45F}, kYellow = {0.94F, 0.89F, 0.26F, 1.0F};
+  const char* const kMeaning = "teammate: heading and three standard deviations";
+  Overlay place = overlay_of("relative", Overlay::Kind::kSpheres, 0.0F, kMeaning, kBlue);
+  Overlay heading = overlay_of("relative", Overlay::Kind::kLines, 3.0F, kMeaning, kBlue);
+  Overlay seen = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "sightings in the window", kBlue);
+  Overlay told = overlay_of("relative.window", Overlay::Kind::kPoints, 0.05F, "odometry, aligned", kYellow);
   for (const AlignmentPair& pair : alignment_.pairs()) seen.positions.push_back(pair.p_local_m.cast<float>());
   if (filter_.started()) {
     const Matrix3 C = last_.covariance.topLeftCorner<3, 3>();

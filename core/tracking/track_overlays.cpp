@@ -19,9 +19,9 @@ constexpr double kSigmas = 3.0;
 
 Eigen::Vector4f color_of(std::uint32_t id) {
   // Distinguishable to most color-blind readers (Okabe and Ito 2008).
-  static const Eigen::Vector4f kColors[] = {{0.90F, 0.62F, 0.00F, 1}, {0.34F, 0.71F, 0.91F, 1},
-                                            {0.00F, 0.62F, 0.45F, 1}, {0.94F, 0.89F, 0.26F, 1},
-                                            {0.80F, 0.47F, 0.65F, 1}, {0.84F, 0.37F, 0.00F, 1}};
+  static const Eigen::Vector4f kColors[] = {{0.90F, 0.62F, 0.00F, 1}, {0.80F, 0.47F, 0.65F, 1},
+                                            {0.34F, 0.71F, 0.91F, 1}, {0.94F, 0.89F, 0.26F, 1},
+                                            {0.00F, 0.62F, 0.45F, 1}, {0.84F, 0.37F, 0.00F, 1}};
   return kColors[id % std::size(kColors)];
 }
 
@@ -97,7 +97,7 @@ void TrackOverlays::append(std::span<const Track> tracks, std::vector<Overlay>& 
       add_line(lines, ahead(track, t).cast<float>(), ahead(track, t + kAheadStep_s).cast<float>(), color);
     add_ellipsoid(ellipses, track);
   }
-  if (!tracks.empty()) lines.legend.push_back({"dashed: predicted", color_of(tracks.front().id)});
+  if (!tracks.empty()) lines.legend.push_back({"prediction of a track", color_of(tracks.front().id), true});
   for (const Trail& trail : trails_) {
     for (std::size_t k = 0; k + 1 < trail.count; ++k) {
       add_line(lines, trail.points_local_m[(trail.first + k) % Trail::kCapacity],

@@ -12,8 +12,6 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr double kCapitalOfFont = 0.716;  // height of a capital in sans-serif fonts, of the size of the font
-
 std::string hex_of(const Rgb& color) {
   const auto byte = [&](int channel) { return std::lround(255.0F * std::clamp(color[channel], 0.0F, 1.0F)); };
   return fmt::format("#{:02x}{:02x}{:02x}", byte(0), byte(1), byte(2));
@@ -100,8 +98,9 @@ void SvgCanvas::ring(const PixelPoint& center_px, float radius_px, float width_p
 }
 
 void SvgCanvas::text(const PixelPoint& at_px, std::string_view content, const TextStyle& style) {
+  // Where DejaVu Sans is missing, the next ones are no wider.
   std::string attributes =
-      fmt::format("fill=\"{}\" font-family=\"Liberation Sans, Arial, Helvetica, sans-serif\"", hex_of(style.color));
+      fmt::format("fill=\"{}\" font-family=\"DejaVu Sans, Verdana, sans-serif\"", hex_of(style.color));
   if (style.halo_alpha > 0.0F) {
     attributes += fmt::format(
         " stroke=\"{}\" stroke-opacity=\"{:.2f}\" stroke-width=\"{:.1f}\" stroke-linejoin=\"round\" "

@@ -10,9 +10,6 @@
 
 namespace swiftlet::sim {
 
-/// Fonts of readers of SVG files are up to this much wider than our own.
-inline constexpr float kWidestFont = 1.16F;
-
 using PixelPoint = Eigen::Vector2f;  ///< x right, y down
 
 /// Upright rectangle [px], y down.
@@ -22,8 +19,8 @@ struct Box {
   float bottom() const { return top + height; }
 };
 
-/// A sheet to lay pictures, lines and text on. Coordinates in pixels, y down, of any fraction. What is laid out for one
-/// kind fits on all of them, where each text has room for kWidestFont times text_width_px().
+/// A sheet to lay pictures, lines and text on. Coordinates in pixels, y down, of any fraction. A layout for one kind
+/// fits on all kinds.
 class Canvas {
  public:
   Canvas(int width_px, int height_px) : width_px_(width_px), height_px_(height_px) {}
@@ -41,6 +38,9 @@ class Canvas {
   virtual void line(const PixelPoint& a_px, const PixelPoint& b_px, float width_px, const Rgb& color) = 0;
   /// @param radius_px  of the middle of the stroke
   virtual void ring(const PixelPoint& center_px, float radius_px, float width_px, const Rgb& color) = 0;
+  void disc(const PixelPoint& center_px, float radius_px, const Rgb& color) {
+    ring(center_px, 0.5F * radius_px, radius_px, color);
+  }
   /// One line, its baseline at the left (center, right) end `at_px`.
   virtual void text(const PixelPoint& at_px, std::string_view content, const TextStyle& style) = 0;
 

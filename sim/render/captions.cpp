@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 
 #include "swiftlet/sim/render/colors.hpp"
 
@@ -14,15 +16,12 @@ namespace {
 constexpr std::size_t kMostNames = 24;   // more would cover the picture
 constexpr float kSidebarText = 0.85F;    // of the text on the picture
 constexpr float kWidestMeaning = 14.0F;  // times the text: longer ones are broken into lines
-constexpr float kMeaningLeft = 2.9F;     // times the text, from the left of the margin
+constexpr float kSampleWidth = 2.2F;     // times the text
+constexpr float kMeaningLeft = 3.9F;     // times the text, from the left of the margin
 constexpr float kBarWidth = 1.3F;        // times the text
 constexpr float kTickLeft = 0.9F;        // times the text, from the bar
 constexpr float kClosestTicks = 2.2F;    // times the text
 constexpr double kPointsPerInch = 72.0;
-constexpr double kCapitalOfLetters = 0.7;  // height of a capital, of the size of the letters
-
-/// In the widest font.
-float room_for(std::string_view text, float text_px) { return kWidestFont * text_width_px(text, text_px); }
 
 /// Breaks at blanks, so that no line but a single long word is wider.
 std::vector<std::string> broken(std::string_view text, float text_px, float widest_px) {
@@ -33,7 +32,7 @@ std::vector<std::string> broken(std::string_view text, float text_px, float wide
     text.remove_prefix(std::min(end + 1, text.size()));
     if (!lines.empty()) {
       const std::string longer = lines.back() + " " + std::string(word);
-      if (room_for(longer, text_px) <= widest_px) {
+      if (text_width_px(longer, text_px) <= widest_px) {
         lines.back() = longer;
         continue;
       }
@@ -41,15 +40,6 @@ std::vector<std::string> broken(std::string_view text, float text_px, float wide
     lines.emplace_back(word);
   }
   return lines;
-}
-
-std::vector<Overlay::Key> each_once(std::span<const Overlay::Key> keys) {
-  std::vector<Overlay::Key> shown;
-  for (const Overlay::Key& key : keys) {
-    const auto same = [&](const Overlay::Key& other) { return other.meaning == key.meaning; };
-    if (std::none_of(shown.begin(), shown.end(), same)) shown.push_back(key);
-  }
-  return shown;
 }
 
 double tick_step_of(const ColorBar& bar) { return round_down_nicely(std::max(1e-6, (bar.high - bar.low) / 4.0)); }
@@ -63,9 +53,64 @@ std::vector<double> ticks_of(const ColorBar& bar, double step) {
 
 float bar_width_px(const ColorBar& bar, float h) {
   const double step = tick_step_of(bar);
-  float digits = room_for("-88.8", h);
-  for (const double tick : ticks_of(bar, step)) digits = std::max(digits, room_for(tick_text(tick, step), h));
-  return std::max((kBarWidth + kTickLeft) * h + digits, room_for(bar.unit, h));
+  float digits = text_width_px("-88.8", h);
+  for (const double tick : ticks_of(bar, step)) digits = std::max(digits, text_width_px(tick_text(tick, step), h));
+  return std::max((kBarWidth + kTickLeft) * h + digits, text_width_px(bar.unit, h));
+}
+
+void draw_sample(Canvas& canvas, const Box& box, const LegendEntry& entry) {
+  const float middle = box.top + 0.5F * box.height, width = 0.22F * box.height;
+  const Eigen::Vector2f center(box.left + 0.5F * box.width, middle);
+  const auto dash = [&](float from, float to) {
+    canvas.line({box.left + from * box.width, middle}, {box.left + to * box.width, middle}, width, entry.color);
+  };
+  switch (entry.sample) {
+    case Sample::kSquare:
+      canvas.rectangle({center.x() - 0.5F * box.height, box.top, box.height, box.height}, entry.color);
+      return;
+    case Sample::kDisc:
+      canvas.disc(center, 0.5F * box.height, entry.color);
+      return;
+    case Sample::kDot:
+      canvas.disc(center, 0.3F * box.height, entry.color);
+      return;
+    case Sample::kLine:
+      dash(0.05F, 0.95F);
+      return;
+    case Sample::kDashes:
+      for (const float from : {0.05F, 0.41F, 0.77F}) dash(from, from + 0.18F);
+      return;
+  }
+}
+
+/// Area that two boxes share.
+float overlap_px(const Box& a, const Box& b) {
+  const float width = std::min(a.right(), b.right()) - std::max(a.left, b.left);
+  const float height = std::min(a.bottom(), b.bottom()) - std::max(a.top, b.top);
+  return std::max(0.0F, width) * std::max(0.0F, height);
+}
+
+/// Where a label of this size stands: around a vehicle, where it covers the least of the obstacles and stays in the
+/// picture.
+Box place_label(const Eigen::Vector2f& vehicle, float reach_px, const Eigen::Vector2f& size,
+                std::span<const Box> obstacles, const Box& picture) {
+  Box best;
+  float least = std::numeric_limits<float>::infinity();
+  for (const float farther : {0.0F, 1.0F, 2.0F}) {
+    const float reach = reach_px + farther * size.y();
+    const Eigen::Vector2f aside(reach + 0.5F * size.x(), 0.0F), up(0.0F, -reach - 0.5F * size.y());
+    for (const Eigen::Vector2f& offset : {up, Eigen::Vector2f(-up), aside, Eigen::Vector2f(-aside)}) {
+      const Eigen::Vector2f corner = vehicle + offset - 0.5F * size;
+      const Box box{corner.x(), corner.y(), size.x(), size.y()};
+      float covered = size.x() * size.y() - overlap_px(box, picture);
+      for (const Box& obstacle : obstacles) covered += overlap_px(box, obstacle);
+      if (covered < least - 1.0F) {  // less by a pixel and more
+        least = covered;
+        best = box;
+      }
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -75,8 +120,7 @@ TextStyle Look::text(float share, Align align) const {
   style.height_px = share * text_px;
   style.color = ink;
   style.align = align;
-  style.halo_alpha = halo_alpha;
-  style.halo = halo;
+  style.halo = page;
   return style;
 }
 
@@ -84,14 +128,10 @@ Look look_of(const CameraConfig& camera) {
   Look look;
   const Eigen::Vector2i size = camera.size_px();
   if (!camera.on_paper()) {
-    look.text_px = std::clamp(static_cast<float>(size.minCoeff()) / 56.0F, 8.0F, 40.0F);
+    look.text_px = std::clamp(static_cast<float>(size.minCoeff()) / 60.0F, 8.0F, 40.0F);
     return look;
   }
-  look.text_px = static_cast<float>(kCapitalOfLetters * camera.text_pt * camera.dpi / kPointsPerInch);
-  look.ink = Rgb::Constant(0.08F);
-  look.halo = look.page = Rgb::Ones();
-  look.halo_alpha = 0.8F;
-  look.nothing = Rgb(0.82F, 0.88F, 0.95F);  // no gray
+  look.text_px = static_cast<float>(kCapitalOfFont * camera.text_pt * camera.dpi / kPointsPerInch);
   look.captions = false;
   look.line_scale = std::max(1.0F, static_cast<float>(camera.dpi) / 200.0F);
   return look;
@@ -127,9 +167,9 @@ void draw_scale_bar(Canvas& canvas, const Look& look, const View& view) {
   const Box bar{1.2F * h, static_cast<float>(view.height_px) - (look.captions ? 3.6F : 1.6F) * h, length,
                 std::max(2.0F, 0.25F * h)};
   const float rim = std::max(2.0F, 0.12F * h);
-  canvas.rectangle({bar.left - rim, bar.top - rim, bar.width + 2.0F * rim, bar.height + 2.0F * rim}, look.halo, 0.7F);
+  canvas.rectangle({bar.left - rim, bar.top - rim, bar.width + 2.0F * rim, bar.height + 2.0F * rim}, look.page, 0.7F);
   canvas.rectangle(bar, look.ink);
-  canvas.rectangle({bar.left, bar.top, 0.5F * length, bar.height}, Rgb::Constant(look.captions ? 0.25F : 0.6F));
+  canvas.rectangle({bar.left, bar.top, 0.5F * length, bar.height}, Rgb::Constant(0.6F));
   canvas.text({bar.left + 0.5F * length, bar.top - 0.7F * h}, tick_text(length_m, length_m) + " m",
               look.text(0.9F, Align::kCenter));
 }
@@ -155,7 +195,7 @@ void draw_axes(Canvas& canvas, const Look& look, const View& view) {
     const Eigen::Vector2f along(axis.camera.x(), -axis.camera.y());
     if (along.norm() < 0.1F) continue;  // straight at who looks
     const Eigen::Vector2f tip = origin + length * along;
-    canvas.line(origin, tip, 0.32F * h, look.halo);
+    canvas.line(origin, tip, 0.32F * h, look.page);
     canvas.line(origin, tip, 0.18F * h, axis.color);
     TextStyle style = look.text(0.9F, Align::kCenter);
     const Eigen::Vector2f at = tip + 0.9F * h * along.normalized();
@@ -167,6 +207,13 @@ void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, cons
                         const VehicleMarks& marks) {
   const float h = 0.9F * look.text_px;
   const bool named = !marks.names.empty() && picture.states.size() <= kMostNames;
+  struct Named {
+    std::size_t vehicle;
+    Eigen::Vector2f center;
+    float reach_px;
+  };
+  std::vector<Named> to_name;
+  std::vector<Box> obstacles;
   for (std::size_t v = 0; v < picture.states.size(); ++v) {
     if (static_cast<VehicleId>(v) == marks.hidden_vehicle) continue;
     const auto at = view.project(picture.states[v].p_world_m);
@@ -178,25 +225,66 @@ void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, cons
     if (2.0F * radius_px < marks.min_px) {
       radius_px = 0.5F * marks.min_px;
       const float width = std::min(std::max(2.0F, 0.17F * h) * look.line_scale, 0.3F * radius_px);
-      canvas.ring(center, radius_px, 2.2F * width, look.halo);
+      canvas.ring(center, radius_px, 2.2F * width, look.page);
       canvas.ring(center, radius_px, width, color);
     }
     if (!named || v >= marks.names.size()) continue;
-    TextStyle style = look.text(0.9F, Align::kCenter);
-    // Lighter on a dark rim, darker on a white one.
-    style.color = look.captions ? Rgb(0.75F * color + Rgb::Constant(0.25F)) : Rgb(0.7F * color);
-    const float lift = std::min(0.9F * radius_px + h, 0.2F * static_cast<float>(view.height_px));
-    canvas.text({center.x(), center.y() - lift}, marks.names[v], style);
+    const float reach_px = std::min(0.9F * radius_px, 0.2F * static_cast<float>(view.height_px));
+    to_name.push_back({v, center, reach_px});
+    obstacles.push_back({center.x() - reach_px, center.y() - reach_px, 2.0F * reach_px, 2.0F * reach_px});
   }
+  const Box all{0.0F, 0.0F, static_cast<float>(view.width_px), static_cast<float>(view.height_px)};
+  for (const Named& one : to_name) {
+    const std::string& name = marks.names[one.vehicle];
+    const Eigen::Vector2f size(text_width_px(name, h) + h, 2.0F * h);  // half a capital of room all around
+    const Box box = place_label(one.center, one.reach_px, size, obstacles, all);
+    obstacles.push_back(box);
+    TextStyle style = look.text(0.9F, Align::kCenter);
+    style.color = ink_of(vehicle_color(static_cast<VehicleId>(one.vehicle)));
+    canvas.text({box.left + 0.5F * box.width, box.top + 1.5F * h}, name, style);
+  }
+}
+
+Sample sample_of(Overlay::Kind kind, bool dashed) {
+  switch (kind) {
+    case Overlay::Kind::kLines:
+    case Overlay::Kind::kPolyline:
+      return dashed ? Sample::kDashes : Sample::kLine;
+    case Overlay::Kind::kPoints:
+      return Sample::kDot;
+    case Overlay::Kind::kSpheres:
+      return Sample::kDisc;
+    case Overlay::Kind::kCubes:
+    case Overlay::Kind::kTriangles:
+      break;
+  }
+  return Sample::kSquare;
+}
+
+std::vector<LegendEntry> rows_of(std::span<const LegendEntry> entries) {
+  std::vector<LegendEntry> rows;
+  std::set<std::string> meanings;
+  for (const LegendEntry& entry : entries) {
+    if (!meanings.insert(entry.meaning).second) continue;
+    const auto alike = std::find_if(rows.begin(), rows.end(), [&](const LegendEntry& row) {
+      return row.sample == entry.sample && color_difference(row.color, entry.color) < kLeastDifference;
+    });
+    if (alike == rows.end()) {
+      rows.push_back(entry);
+    } else {
+      alike->meaning += ", " + entry.meaning;
+    }
+  }
+  return rows;
 }
 
 int sidebar_width_px(const Sidebar& sidebar, const Look& look) {
   if (sidebar.empty()) return 0;
   const float h = kSidebarText * look.text_px;
   float width = sidebar.bar ? bar_width_px(*sidebar.bar, h) + 2.0F * h : 0.0F;
-  for (const Overlay::Key& key : sidebar.keys) {
-    for (const std::string& line : broken(key.meaning, h, kWidestMeaning * h))
-      width = std::max(width, room_for(line, h) + (kMeaningLeft + 0.8F) * h);
+  for (const LegendEntry& row : rows_of(sidebar.entries)) {
+    for (const std::string& line : broken(row.meaning, h, kWidestMeaning * h))
+      width = std::max(width, text_width_px(line, h) + (kMeaningLeft + 0.8F) * h);
   }
   return static_cast<int>(std::ceil(width));
 }
@@ -208,17 +296,17 @@ SidebarLayout lay_out(const Sidebar& sidebar, const Look& look, const Box& margi
   layout.text_left_px = margin.left + kMeaningLeft * h;
   const float least_bar = sidebar.bar ? 11.0F * h : 0.0F;  // with its unit
   float top = margin.top + h;
-  const std::vector<Overlay::Key> keys = each_once(sidebar.keys);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
+  const std::vector<LegendEntry> rows = rows_of(sidebar.entries);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
     SidebarLayout::Row row;
-    row.lines = broken(keys[i].meaning, h, kWidestMeaning * h);
-    row.color = keys[i].color.head<3>();
-    row.swatch = {margin.left + h, top, 1.2F * h, 1.2F * h};
+    row.lines = broken(rows[i].meaning, h, kWidestMeaning * h);
+    row.entry = rows[i];
+    row.swatch = {margin.left + h, top, kSampleWidth * h, 1.2F * h};
     row.first_baseline_px = top + 1.1F * h;
     const float height = layout.line_px * static_cast<float>(std::max<std::size_t>(1, row.lines.size()));
-    const float for_the_rest = i + 1 < keys.size() ? layout.line_px : 0.0F;  // a line that counts them
+    const float for_the_rest = i + 1 < rows.size() ? layout.line_px : 0.0F;  // a line that counts them
     if (top + height + for_the_rest + least_bar > margin.bottom() - 0.6F * h) {
-      layout.left_out = keys.size() - i;
+      layout.left_out = rows.size() - i;
       break;
     }
     top += height + 0.4F * h;
@@ -232,7 +320,7 @@ SidebarLayout lay_out(const Sidebar& sidebar, const Look& look, const Box& margi
 
   const float below = margin.bottom() - 1.2F * h;
   const float height = std::clamp(0.45F * margin.height, 4.0F * h, std::max(4.0F * h, below - top - 4.2F * h));
-  if (keys.empty()) top = std::max(top, margin.top + 0.5F * (margin.height - height - 3.6F * h));
+  if (rows.empty()) top = std::max(top, margin.top + 0.5F * (margin.height - height - 3.6F * h));
   layout.unit_baseline_px = top + 1.6F * h;
   layout.bar = {margin.left + h, layout.unit_baseline_px + 1.6F * h, kBarWidth * h, height};
   layout.tick_step = tick_step_of(*sidebar.bar);
@@ -253,7 +341,7 @@ void draw_sidebar(Canvas& canvas, const Look& look, const Sidebar& sidebar, int 
   TextStyle style = look.text(kSidebarText);
   style.halo_alpha = 0.0F;
   for (const SidebarLayout::Row& row : layout.rows) {
-    canvas.rectangle(row.swatch, row.color);
+    draw_sample(canvas, row.swatch, row.entry);
     for (std::size_t i = 0; i < row.lines.size(); ++i) {
       canvas.text({layout.text_left_px, row.first_baseline_px + static_cast<float>(i) * layout.line_px}, row.lines[i],
                   style);

@@ -17,13 +17,11 @@ namespace swiftlet::sim {
 /// How the writing on a picture looks.
 struct Look {
   float text_px = 12.0F;  ///< height of capitals
-  Rgb ink = Rgb::Ones();
-  Rgb halo = Rgb::Constant(0.04F);
-  float halo_alpha = 0.65F;
-  Rgb page = Rgb::Constant(0.10F);     ///< beside the picture
-  Rgb nothing = Rgb::Constant(0.16F);  ///< where a depth or a range was not measured
-  bool captions = true;                ///< scenario, camera and time at the lower edge
-  float line_scale = 1.0F;             ///< lines are wider by this on paper of many pixels
+  Rgb ink = Rgb::Constant(0.08F);
+  Rgb page = Rgb::Ones();            ///< margins, and halos of what is drawn over the picture
+  Rgb nothing{0.82F, 0.88F, 0.95F};  ///< pixels without a measured depth or range; no gray, which means something
+  bool captions = true;              ///< scenario, camera and time at the lower edge
+  float line_scale = 1.0F;           ///< lines are wider by this on paper of many pixels
 
   TextStyle text(float share = 1.0F, Align align = Align::kLeft) const;
 };
@@ -44,7 +42,8 @@ struct VehicleMarks {
   float min_px = 0.0F;                 ///< smaller ones get a ring of this diameter
   VehicleId hidden_vehicle = kNoVehicle;
 };
-/// Each vehicle's name in its color, above it, and rings around those that are too small to be seen.
+/// Each vehicle's name in its color, and rings around those that are too small to be seen. A name stands above its
+/// vehicle, or below, right or left of it where it would cover another name or vehicle.
 void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, const PictureScene& picture,
                         const VehicleMarks& marks);
 
@@ -56,23 +55,37 @@ struct ColorBar {
   std::string unit;
 };
 
-/// What stands in the margin at the right of a picture: what colors mean, each meaning once, and a bar below.
+/// How a legend shows a thing: as it is drawn in the picture.
+enum class Sample { kSquare, kDisc, kDot, kLine, kDashes };
+Sample sample_of(Overlay::Kind kind, bool dashed);
+
+struct LegendEntry {
+  std::string meaning;
+  Rgb color = Rgb::Zero();
+  Sample sample = Sample::kSquare;
+};
+/// Least color_difference() of two rows of a legend with the same kind of sample.
+inline constexpr float kLeastDifference = 0.1F;
+/// The rows of a legend: each meaning once. Entries that look alike share a row, so all rows can be told apart.
+std::vector<LegendEntry> rows_of(std::span<const LegendEntry> entries);
+
+/// What stands in the margin at the right of a picture: what colors mean, and a bar below.
 struct Sidebar {
-  std::vector<Overlay::Key> keys;
+  std::vector<LegendEntry> entries;
   std::optional<ColorBar> bar;
 
-  bool empty() const { return keys.empty() && !bar; }
+  bool empty() const { return entries.empty() && !bar; }
 };
 /// 0: nothing to show. Hangs on the words, not on the values along the bar as long as they have few digits.
 int sidebar_width_px(const Sidebar& sidebar, const Look& look);
-/// Fills the canvas from `left_px` to its right edge. Keys that find no room are counted in the last line.
+/// Fills the canvas from `left_px` to its right edge. Rows that find no room are counted in the last line.
 void draw_sidebar(Canvas& canvas, const Look& look, const Sidebar& sidebar, int left_px);
 
 /// Where everything of a sidebar lies.
 struct SidebarLayout {
   struct Row {
     Box swatch;
-    Rgb color = Rgb::Zero();
+    LegendEntry entry;
     std::vector<std::string> lines;
     float first_baseline_px = 0.0F;
   };
@@ -80,7 +93,7 @@ struct SidebarLayout {
   float line_px = 0.0F;  ///< from a baseline to the next
   float text_left_px = 0.0F;
   std::vector<Row> rows;
-  std::size_t left_out = 0;  ///< keys without a row
+  std::size_t left_out = 0;  ///< rows that find no room
   float left_out_baseline_px = 0.0F;
   Box bar;  ///< empty: none
   float unit_baseline_px = 0.0F;

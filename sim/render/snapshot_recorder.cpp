@@ -57,13 +57,13 @@ void explain_cloud(std::span<const PictureCloud> shown, CloudColors by, std::spa
     std::set<std::uint16_t> classes;
     for (const PictureCloud& cloud : shown) classes.insert(cloud.surface_class.begin(), cloud.surface_class.end());
     for (const std::uint16_t c : classes)
-      sidebar.keys.push_back({name_of(static_cast<SurfaceClass>(c)), with_alpha(class_color(c), 1.0F)});
+      sidebar.entries.push_back({name_of(static_cast<SurfaceClass>(c)), class_color(c), Sample::kDot});
   }
   if (by == CloudColors::kVehicle) {
     for (const PictureCloud& cloud : shown) {
       if (!cloud.points_world_m.empty())
-        sidebar.keys.push_back({"scan of " + names[static_cast<std::size_t>(cloud.vehicle)],
-                                with_alpha(vehicle_color(cloud.vehicle), 1.0F)});
+        sidebar.entries.push_back(
+            {"scan of " + names[static_cast<std::size_t>(cloud.vehicle)], vehicle_color(cloud.vehicle), Sample::kDot});
     }
   }
 }
@@ -314,8 +314,9 @@ Figure SnapshotRecorder::take_of_world(Station& station) {
   const Eigen::Vector2i size = camera.size_px();
   Sidebar sidebar;
   for (const Overlay& overlay : picture_.overlays) {
-    if (!overlay.positions.empty() && is_chosen(overlay, camera.overlays))
-      sidebar.keys.insert(sidebar.keys.end(), overlay.legend.begin(), overlay.legend.end());
+    if (overlay.positions.empty() || !is_chosen(overlay, camera.overlays)) continue;
+    for (const Overlay::Key& key : overlay.legend)
+      sidebar.entries.push_back({key.meaning, key.color.head<3>(), sample_of(overlay.kind, key.dashed)});
   }
   if (camera.cloud != CloudColors::kNone) {
     station.cameraman.set_size(size.x(), size.y());

@@ -18,6 +18,7 @@ struct Overlay {
   struct Key {
     std::string meaning;
     Eigen::Vector4f color;
+    bool dashed = false;  ///< the lines of this color are dashed
   };
 
   std::string name;  ///< such as "reference", "tracks", "voxels.confident"

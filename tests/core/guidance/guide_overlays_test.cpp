@@ -5,6 +5,11 @@
 
 #include <map>
 
+#include "swiftlet/core/stages/mappers.hpp"
+#include "swiftlet/core/stages/relative_localizers.hpp"
+#include "swiftlet/core/tracking/track_overlays.hpp"
+#include "swiftlet/sim/render/colors.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -69,6 +74,36 @@ TEST(GuideOverlays, RegionsAreTheirBordersAtTheWatchersHeight) {
   }
   ASSERT_EQ(overlays["guide.viewpoint"].positions.size(), 1U);
   EXPECT_EQ(overlays["guide.viewpoint"].positions[0], Eigen::Vector3f(1.5F, 1.0F, 2.5F));
+}
+
+// Beside the map, the teammate and its track, as the scenario forest_guidance draws them.
+TEST(GuideOverlays, ColorsCanBeToldApart) {
+  AgentSetup setup;
+  setup.num_vehicles = 2;
+  setup.vehicle_names = {"primary", "secondary"};
+  Module relative(relative_localizer_module_types(), "sliding_window");
+  relative.as<SlidingWindowConfig>().other = "secondary";
+  Track track;
+  track.id = 1;
+  std::vector<Overlay> overlays;
+  append_guide_overlays({}, 2.0, overlays);
+  TrackOverlays().append(std::array{track}, overlays);
+  make_mapper(Module(mapper_module_types(), "occupancy"), setup)->append_overlays(overlays);
+  make_relative_localizer(relative, setup)->append_overlays(overlays);
+  std::map<std::string, Eigen::Vector3f> colors;
+  for (const Overlay& overlay : overlays) {
+    for (const Overlay::Key& key : overlay.legend) {
+      if (overlay.name != "relative.window" && !key.dashed) colors[key.meaning] = key.color.head<3>();
+    }
+  }
+  EXPECT_EQ(colors.size(), 7U);
+  for (const auto& [a, color_a] : colors) {
+    for (const auto& [b, color_b] : colors) {
+      if (a < b) {
+        EXPECT_GE(sim::color_difference(color_a, color_b), 0.15F) << a << " and " << b;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ TEST(Canvas, OfSvgAnchorsTextAndGivesItAHalo) {
   SvgCanvas canvas(100, 50, 100.0, "");
   canvas.text({50, 25}, "t = 1 s", {.height_px = 10.0F, .align = Align::kRight, .halo = Rgb::Ones()});
   const std::string svg = canvas.finish();
-  EXPECT_THAT(svg, HasSubstr("<text x=\"50\" y=\"25\" font-size=\"14\" text-anchor=\"end\""));
+  EXPECT_THAT(svg, HasSubstr("<text x=\"50\" y=\"25\" font-size=\"13.7\" text-anchor=\"end\""));
   EXPECT_THAT(svg, HasSubstr("stroke=\"#ffffff\""));
   EXPECT_THAT(svg, HasSubstr("paint-order=\"stroke\""));
 }

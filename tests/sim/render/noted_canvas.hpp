@@ -41,7 +41,7 @@ class NotedCanvas : public Canvas {
     colors.push_back(color);
   }
   void text(const PixelPoint& at_px, std::string_view content, const TextStyle& style) override {
-    const float width = kWidestFont * text_width_px(content, style.height_px);
+    const float width = text_width_px(content, style.height_px);
     const float share = style.align == Align::kLeft ? 0.0F : style.align == Align::kCenter ? 0.5F : 1.0F;
     texts.push_back({std::string(content),
                      {at_px.x() - share * width, at_px.y() - style.height_px, width, 1.3F * style.height_px},

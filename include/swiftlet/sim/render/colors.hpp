@@ -23,7 +23,13 @@ Rgb class_color(std::uint16_t surface_class);
 /// Color of a part of a vehicle: the body and the arms show whose it is.
 Rgb part_color(const VehicleShape& shape, const Mesh& mesh, VehicleId vehicle);
 
-/// sRGB transfer function, both ways, per channel.
+/// From sRGB to linear light, per channel.
 Rgb to_linear(const Rgb& srgb);
+/// Relative luminance of WCAG 2: 0 black, 1 white.
+float luminance(const Rgb& srgb);
+/// The color itself, or darker, so that its contrast with a white halo is 4.5 or more (WCAG 2, level AA).
+Rgb ink_of(const Rgb& srgb);
+/// Euclidean distance in OKLab [Ottosson 2020]. About 0.02 is just noticeable; black and white differ by 1.
+float color_difference(const Rgb& a_srgb, const Rgb& b_srgb);
 
 }  // namespace swiftlet::sim

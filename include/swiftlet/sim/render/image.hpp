@@ -41,16 +41,19 @@ void blend_rectangle(Image& image, int x, int y, int width, int height, const Rg
 
 enum class Align { kLeft, kCenter, kRight };
 
+inline constexpr float kCapitalOfFont = 0.729F;  ///< height of a capital, as a share of the size of the font
+
 /// Style of a text: `height_px` is the height of a capital; the halo keeps it readable on any background.
 struct TextStyle {
   float height_px = 12.0F;
-  Rgb color = Rgb::Ones();
+  Rgb color = Rgb::Constant(0.08F);
   Align align = Align::kLeft;
-  float halo_alpha = 0.65F;
-  Rgb halo = Rgb::Constant(0.04F);
+  float halo_alpha = 0.85F;
+  Rgb halo = Rgb::Ones();
 };
 
-/// Writes one line in the built-in stroke font, anti-aliased. (x, y) is the left (center, right) end of the baseline.
+/// Writes one line of UTF-8 in DejaVu Sans, which is part of the program. (x, y) is the left (center, right) end of the
+/// baseline.
 void draw_text(Image& image, float x, float y, std::string_view text, const TextStyle& style);
 float text_width_px(std::string_view text, float height_px);
 
