@@ -16,7 +16,9 @@ constexpr double kSeenEnough = 0.6;     // share at which a follow camera stays
 constexpr double kSeenWell = 0.8;       // share at which it goes there
 constexpr std::size_t kMostJudged = 8;  // vehicles: of large teams the first
 constexpr double kHighest_rad = 80.0 * M_PI / 180.0;
-const Eigen::Vector3d kFollowOffset_m(-7.0, -7.0, 5.0);
+// Diameter of the largest vehicle of a follow camera without a place, as a share of the height of the picture.
+constexpr double kVehicleShare = 0.18;
+const Eigen::Vector3d kFollowFrom = Eigen::Vector3d(-7.0, -7.0, 2.1).normalized();
 
 double radians(double degrees) { return degrees * M_PI / 180.0; }
 
@@ -106,8 +108,14 @@ Cameraman::Cameraman(const CameraConfig& config, VehicleId vehicle, std::vector<
       bounds_m_(bounds_m),
       blocks_sight_(std::move(blocks_sight)) {
   set_size(config_.size_px().x(), config_.size_px().y());
-  if (config_.type == CameraConfig::Type::kFollow && config_.position_m == config_.target_m)
-    config_.position_m = kFollowOffset_m;
+  if (config_.type == CameraConfig::Type::kFollow && config_.position_m == config_.target_m) {
+    double radius_m = 0.0;
+    for (std::size_t i = 0; i < radii_m_.size(); ++i) {
+      if (looks_at(i)) radius_m = std::max<double>(radius_m, radii_m_[i]);
+    }
+    if (radius_m == 0.0) radius_m = 0.5;
+    config_.position_m = radius_m / (kVehicleShare * std::tan(radians(0.5 * config_.fov_deg))) * kFollowFrom;
+  }
   if (config_.position_m.norm() > 0.0) {
     const Eigen::Vector3d from = config_.position_m.normalized();
     configured_ = {std::atan2(from.y(), from.x()), std::asin(std::clamp(from.z(), -1.0, 1.0)), 1.0};

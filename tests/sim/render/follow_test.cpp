@@ -280,15 +280,18 @@ TEST(Cameraman, GoesRoundWhatIsInTheWayAsThePlainOneDoes) {
   compare_with_plain(follow_camera({-7, -7, 5}), kNoVehicle, 11, 0.5);
 }
 
-TEST(Cameraman, TakesAnOffsetOfItsOwnWhenNoneIsGiven) {
-  CameraConfig config = follow_camera(Vector3d::Zero());
+// From the south-west and a little above, so near that the vehicle takes 18 % of the picture's height.
+TEST(Cameraman, StandsByTheSizeOfItsVehicleWhenNoPlaceIsGiven) {
   PictureScene picture;
-  picture.states = states_at({{1, 2, 3}}, 0.0);
-  const Vector3d offset = Cameraman(config, 0, {0.4F}, kWorld).view(picture).eye_world_m - Vector3d(1, 2, 3);
-  EXPECT_NEAR(offset.norm(), 11.0, 2.5);
-  EXPECT_NEAR(offset.x(), offset.y(), 1e-9) << "from the south-west";
-  EXPECT_LT(offset.x(), -4.0);
-  EXPECT_NEAR(std::asin(offset.z() / offset.norm()), 27.0 * kRad, 7.0 * kRad);
+  picture.states = states_at({{1, 2, 3}, {9, 9, 9}}, 0.0);
+  for (const float radius_m : {0.1F, 0.4F, 3.0F}) {
+    const View view = Cameraman(follow_camera(Vector3d::Zero()), 0, {radius_m, 7.0F}, kWorld).view(picture);
+    const Vector3d offset = view.eye_world_m - Vector3d(1, 2, 3);
+    EXPECT_NEAR(2.0 * radius_m * view.pixels_per_m(offset.norm()), 0.18 * 200.0, 0.5) << radius_m;
+    EXPECT_NEAR(offset.x(), offset.y(), 1e-9);
+    EXPECT_LT(offset.x(), 0.0);
+    EXPECT_NEAR(std::asin(offset.z() / offset.norm()), 12.0 * kRad, 1.0 * kRad);
+  }
 }
 
 TEST(Cameraman, OfNobodyLooksAtTheMiddleOfTheWorld) {
