@@ -31,17 +31,21 @@ constexpr int kMostWatched = 16;                       // length of u_watched
 constexpr float kCloudPoint_m = 0.07F;
 constexpr float kTrailWidth_px = 3.2F;
 const Eigen::Vector3f kSun = Eigen::Vector3f(-0.62F, 0.28F, 0.80F).normalized();
+// Over a world that is cut, so that stumps throw short shadows.
+const Eigen::Vector3f kHighSun = Eigen::Vector3f(-0.20F, 0.09F, 0.97F).normalized();
 const Eigen::Vector3f kHaze(0.83F, 0.88F, 0.92F);
 const Eigen::Vector3f kWhite = Eigen::Vector3f::Ones();
 
+const Eigen::Vector3f& sun_of(const PictureStyle& style) { return style.cut_above ? kHighSun : kSun; }
+
 /// Parallel projection along the sun's rays around a box: x, y to [-1, 1], depth to [0, 1] from the sun.
-Eigen::Matrix4f clip_of_sun(const Eigen::AlignedBox3f& box, float& width_m) {
-  const Eigen::Vector3f right = Eigen::Vector3f::UnitZ().cross(kSun).normalized();
-  const Eigen::Vector3f up = kSun.cross(right);
+Eigen::Matrix4f clip_of_sun(const Eigen::Vector3f& sun, const Eigen::AlignedBox3f& box, float& width_m) {
+  const Eigen::Vector3f right = Eigen::Vector3f::UnitZ().cross(sun).normalized();
+  const Eigen::Vector3f up = sun.cross(right);
   Eigen::Matrix4f clip = Eigen::Matrix4f::Identity();
   clip.block<1, 3>(0, 0) = right.transpose();
   clip.block<1, 3>(1, 0) = up.transpose();
-  clip.block<1, 3>(2, 0) = -kSun.transpose();
+  clip.block<1, 3>(2, 0) = -sun.transpose();
   Eigen::AlignedBox3f around;
   for (int corner = 0; corner < 8; ++corner) {
     around.extend((clip * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).homogeneous()).head<3>());
@@ -283,7 +287,7 @@ const Renderer::Impl::Shadow& Renderer::Impl::world_shadow(const PictureStyle& s
   if (casters.isEmpty()) casters.extend(Eigen::Vector3f::Zero());
   casters.max().z() = std::max(casters.min().z(), std::min(casters.max().z(), cut_m));
   float width_m = 1.0F;
-  const Eigen::Matrix4f clip_world = clip_of_sun(casters, width_m);
+  const Eigen::Matrix4f clip_world = clip_of_sun(sun_of(style), casters, width_m);
   const int texels = std::clamp(static_cast<int>(width_m / kShadowTexel_m), 256, kMostShadowTexels);
   shadow.target = make_target(gl, texels, texels, {0, GL_DEPTH_COMPONENT16, 1, false, true});
   shadow.texture_world = texture_of_clip() * clip_world;
@@ -316,7 +320,7 @@ void Renderer::Impl::draw_vehicle_shadow(const PictureScene& picture, const Pict
   }
   if (box.isEmpty()) box.extend(Eigen::Vector3f::Zero());
   float width_m = 1.0F;
-  const Eigen::Matrix4f clip_world = clip_of_sun(box, width_m);
+  const Eigen::Matrix4f clip_world = clip_of_sun(sun_of(style), box, width_m);
   vehicle_shadow.texture_world = texture_of_clip() * clip_world;
   vehicle_shadow.texel_m = width_m / kVehicleShadowTexels;
 
@@ -460,7 +464,7 @@ void Renderer::Impl::light(const View& view, const PictureStyle& style) {
   light_program.set("u_eye_m", Eigen::Vector3f(view.eye_world_m.cast<float>()));
   light_program.set("u_forward", forward_of(view));
   light_program.set("u_parallel", view.orthographic ? 1.0F : 0.0F);
-  light_program.set("u_sun", kSun);
+  light_program.set("u_sun", sun_of(style));
   light_program.set("u_haze_per_m", haze_per_m);
   light_program.set("u_haze_color", style.white ? kWhite : kHaze);
   light_program.set("u_white", style.white ? 1.0F : 0.0F);
