@@ -670,7 +670,6 @@ void RblConfig::visit(ConfigVisitor& v) {
   v.choice("variant", variant, kVariants,
            "[-] disc at one height; ball; ball between z_min_m and z_max_m (2.14); that with the z-rule (2.15-2.19)");
   v.field("goal_m", goal_m, "[m] world");
-  if (variant != Variant::k2d) v.destinations("goal_m", goal_m);
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (r_g)", Range::positive());
   v.field("settle_s", settle_s,
           "[s] no nearer to the goal for so long, the vehicle says what is there, or that it lies out of the limits; "
@@ -688,6 +687,8 @@ void RblConfig::visit(ConfigVisitor& v) {
   v.object("separation", separation, "what keeps vehicles apart where their cells alone do not");
   v.object("neighbors", neighbors, "where the neighbors are known from");
   v.object("lidar", lidar, "obstacles");
+  // With a map the vehicle keeps clear of what is at its goal, and reports it (settle_s).
+  if (variant != Variant::k2d && !lidar.enabled) v.destinations("goal_m", goal_m);
   v.object("detour", detour, "the way out of a pocket between obstacles");
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }

@@ -41,7 +41,8 @@ TEST(Destinations, ArePlacesOfTheWorldWithTheirKeys) {
   EXPECT_EQ(destinations("{type: bird, perches_m: [[1, 2, 3]]}"), (Found{{key + "perches_m[0]", {1, 2, 3}}}));
   for (const char* nowhere :
        {"hover", "{type: waypoints, frame: start, waypoints_m: [[1, 2, 3]]}", "{type: trajectory, shape: circle}",
-        "{type: rbl, variant: 2d, goal_m: [1, 2, 3]}", "{type: share_paths, planar: true}", "{type: takeoff_land}"}) {
+        "{type: rbl, variant: 2d, goal_m: [1, 2, 3]}", "{type: rbl, lidar: {enabled: true}}",
+        "{type: share_paths, planar: true}", "{type: takeoff_land}"}) {
     EXPECT_TRUE(destinations(nowhere).empty()) << nowhere;
   }
 }
