@@ -9,7 +9,7 @@ namespace {
 using Kind = Node::Kind;
 
 /// Can it stand without quotes anywhere on a line?
-bool is_plain(const std::string& text) {
+bool is_plain_in_flow(const std::string& text) {
   constexpr std::string_view kSafe = "_./+-% ";
   const auto safe = [&](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
@@ -64,7 +64,7 @@ std::string flow_entries(const Node& node) {
         text += (text.empty() ? "" : ", ") + in_quotes(entry.key + element.key) + ": " + flow_text(element.value);
       }
     } else {
-      text += (text.empty() ? "" : ", ") + (is_plain(entry.key) ? entry.key : in_quotes(entry.key)) + ": " +
+      text += (text.empty() ? "" : ", ") + (is_plain_in_flow(entry.key) ? entry.key : in_quotes(entry.key)) + ": " +
               flow_text(entry.value);
     }
   }
@@ -84,7 +84,7 @@ std::string flow_text(const Node& value) {
     case Kind::kNull:
       return "";
     case Kind::kScalar:
-      return value.quoted || !is_plain(value.text) ? in_quotes(value.text) : value.text;
+      return value.quoted || !is_plain_in_flow(value.text) ? in_quotes(value.text) : value.text;
     case Kind::kList: {
       std::string text;
       for (const Node& item : value.items) {
