@@ -9,7 +9,7 @@ if(NOT SWIFTLET_SIM)
   swiftlet_stop_if_missing()
   return()
 endif()
-# Embree 3 and 4 give the same bits (sim/raycast/embree.hpp).
+# Embree 3 and 4 give the same bits (sim/raycast/embree_internal.hpp).
 find_package(embree 4 QUIET)
 if(NOT embree_FOUND)
   swiftlet_find(embree libembree-dev library 3)

@@ -14,7 +14,7 @@ constexpr double kNear_m = 4.0;              // particles nearer than this speak
 constexpr double kPossible = 0.1;            // of the weight that a place had when the target was lost
 constexpr double kLeastWeight = 1e-6;        // so that a place may become possible again
 constexpr double kChangeOfMind_per_s = 0.7;  // of a particle's acceleration
-constexpr double kLongest_s = 1.0;           // step
+constexpr double kLongestStep_s = 1.0;       // step
 
 }  // namespace
 
@@ -56,7 +56,7 @@ Vector3 TargetSearch::draw(std::uint32_t particle) {
 
 void TargetSearch::advance(double dt_s, const Geofence& fence) {
   ++draws_;
-  dt_s = std::min(dt_s, kLongest_s);
+  dt_s = std::min(dt_s, kLongestStep_s);
   const double spread_mps = config_.acceleration_mps2 * std::sqrt(dt_s / kChangeOfMind_per_s);
   for (std::uint32_t i = 0; i < kParticles; ++i) {
     Particle& particle = particles_[i];

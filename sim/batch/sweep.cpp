@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMaxPoints = 10'000'000;
 
 /// Decimal texts of 12 digits: short in tables, and the same on every machine although libraries round differently.
-std::string number(double value) { return fmt::format("{:.12g}", value); }
+std::string to_text(double value) { return fmt::format("{:.12g}", value); }
 
 /// The evenly spaced values of a law, or its list.
 std::vector<std::string> levels(const ParameterConfig& p) {
@@ -27,14 +27,14 @@ std::vector<std::string> levels(const ParameterConfig& p) {
     const auto count = static_cast<double>(std::min<long long>(p.steps, std::llround(p.max - p.min) + 1));
     for (double i = 0.0; i < count; i += 1.0) {
       const double part = count > 1.0 ? i / (count - 1.0) : 0.0;
-      values.push_back(number(std::round(p.min + part * (p.max - p.min))));
+      values.push_back(to_text(std::round(p.min + part * (p.max - p.min))));
     }
     return values;
   }
   for (int i = 0; i < p.steps; ++i) {
     const double part = p.steps > 1 ? static_cast<double>(i) / (p.steps - 1) : 0.5;
     const bool is_log = p.law == ParameterConfig::Law::kLogUniform;
-    values.push_back(number(is_log ? p.min * std::pow(p.max / p.min, part) : p.min + part * (p.max - p.min)));
+    values.push_back(to_text(is_log ? p.min * std::pow(p.max / p.min, part) : p.min + part * (p.max - p.min)));
   }
   return values;
 }
@@ -120,11 +120,11 @@ std::string quantile(const ParameterConfig& p, double u) {
   }
   if (p.law == ParameterConfig::Law::kInteger) {
     const double count = std::floor(p.max) - std::ceil(p.min) + 1.0;
-    return number(std::ceil(p.min) + std::floor(std::min(u * count, count - 1.0)));
+    return to_text(std::ceil(p.min) + std::floor(std::min(u * count, count - 1.0)));
   }
-  if (p.law == ParameterConfig::Law::kLogUniform) return number(p.min * std::pow(p.max / p.min, u));
-  if (p.law == ParameterConfig::Law::kNormal) return number(normal_quantile(p, u));
-  return number(p.min + u * (p.max - p.min));
+  if (p.law == ParameterConfig::Law::kLogUniform) return to_text(p.min * std::pow(p.max / p.min, u));
+  if (p.law == ParameterConfig::Law::kNormal) return to_text(normal_quantile(p, u));
+  return to_text(p.min + u * (p.max - p.min));
 }
 
 std::vector<std::vector<std::string>> sweep_points(const SweepConfig& sweep) {

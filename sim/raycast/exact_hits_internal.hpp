@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "sim/raycast/embree.hpp"
+#include "sim/raycast/embree_internal.hpp"
 #include "sim/raycast/embree_scene.hpp"
 #include "swiftlet/sim/raycast/sweep_scene.hpp"
 

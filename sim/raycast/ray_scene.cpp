@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "sim/raycast/embree.hpp"
+#include "sim/raycast/embree_internal.hpp"
 #include "sim/raycast/embree_scene.hpp"
 #include "sim/raycast/exact_hits_internal.hpp"
 #include "sim/raycast/waving_foliage.hpp"

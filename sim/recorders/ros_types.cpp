@@ -126,12 +126,12 @@ std::string fingerprint(std::string_view definition) {
   return md5(text);
 }
 
-constexpr const char* kHeader = "std_msgs/Header";
+constexpr const char* kHeaderType = "std_msgs/Header";
 constexpr const char* kTime = "builtin_interfaces/Time";
-constexpr const char* kPointCloud2Parts[] = {kHeader, kTime, "sensor_msgs/PointField"};
-constexpr const char* kImuParts[] = {kHeader, kTime, "geometry_msgs/Quaternion", "geometry_msgs/Vector3"};
-constexpr const char* kNavSatFixParts[] = {kHeader, kTime, "sensor_msgs/NavSatStatus"};
-constexpr const char* kOdometryParts[] = {kHeader,
+constexpr const char* kPointCloud2Parts[] = {kHeaderType, kTime, "sensor_msgs/PointField"};
+constexpr const char* kImuParts[] = {kHeaderType, kTime, "geometry_msgs/Quaternion", "geometry_msgs/Vector3"};
+constexpr const char* kNavSatFixParts[] = {kHeaderType, kTime, "sensor_msgs/NavSatStatus"};
+constexpr const char* kOdometryParts[] = {kHeaderType,
                                           kTime,
                                           "geometry_msgs/PoseWithCovariance",
                                           "geometry_msgs/Pose",
@@ -140,14 +140,14 @@ constexpr const char* kOdometryParts[] = {kHeader,
                                           "geometry_msgs/TwistWithCovariance",
                                           "geometry_msgs/Twist",
                                           "geometry_msgs/Vector3"};
-constexpr const char* kPoseStampedParts[] = {kHeader, kTime, "geometry_msgs/Pose", "geometry_msgs/Point",
+constexpr const char* kPoseStampedParts[] = {kHeaderType, kTime, "geometry_msgs/Pose", "geometry_msgs/Point",
                                              "geometry_msgs/Quaternion"};
 constexpr const char* kTFMessageParts[] = {
-    "geometry_msgs/TransformStamped", kHeader, kTime, "geometry_msgs/Transform", "geometry_msgs/Vector3",
+    "geometry_msgs/TransformStamped", kHeaderType, kTime, "geometry_msgs/Transform", "geometry_msgs/Vector3",
     "geometry_msgs/Quaternion"};
 constexpr const char* kClockParts[] = {kTime};
 constexpr const char* kMarkerArrayParts[] = {"visualization_msgs/Marker",
-                                             kHeader,
+                                             kHeaderType,
                                              kTime,
                                              "geometry_msgs/Pose",
                                              "geometry_msgs/Point",

@@ -9,7 +9,7 @@
 namespace swiftlet::sim {
 namespace {
 
-enum Op : std::uint8_t { kMessage = 2, kBagHeader = 3, kIndex = 4, kChunk = 5, kChunkInfo = 6, kConnection = 7 };
+enum Op : std::uint8_t { kBagMessage = 2, kBagHeader = 3, kIndex = 4, kBagChunk = 5, kChunkInfo = 6, kConnection = 7 };
 
 constexpr std::string_view kVersionLine = "#ROSBAG V2.0\n";
 constexpr std::size_t kBagHeaderBytes = 4096;  // padded, so that it can be written over at the end
@@ -86,7 +86,7 @@ void RosbagWriter::write(std::uint32_t connection, TimeNs t, std::span<const std
   state.index.put(static_cast<std::uint32_t>(chunk_.size()));
   ++state.num_in_chunk;
   put_record(
-      chunk_, kMessage,
+      chunk_, kBagMessage,
       [&] {
         put_number(chunk_, "conn", connection);
         put_number(chunk_, "time", ros_time(t));
@@ -101,7 +101,7 @@ void RosbagWriter::close_chunk() {
   const std::span<const std::byte> data = compressed_chunk();
   record_.clear();
   put_record(
-      record_, kChunk,
+      record_, kBagChunk,
       [&] {
         put_text(record_, "compression", compress_ ? "lz4" : "none");
         put_number(record_, "size", static_cast<std::uint32_t>(chunk_.size()));

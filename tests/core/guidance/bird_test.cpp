@@ -13,7 +13,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kTick_s = 0.01, kRise_mps = 8.5, kRise_mps2 = 5.0;
+constexpr double kBirdTick_s = 0.01, kRise_mps = 8.5, kRise_mps2 = 5.0;
 const Vector3 kStart_m(1.0, 2.0, 6.0);
 
 BirdConfig bird_of(std::uint64_t seed) {
@@ -34,7 +34,7 @@ TEST_P(BirdOf, KeepsItsBounds) {
   const double rise_mps = A * (15.0 / 8.0 + omega);
   const double rise_mps2 = A * (10.0 / std::sqrt(3.0) + omega * omega + 2.0 * 15.0 / 8.0 * omega);
   for (int i = 0; i < 12'000; ++i) {
-    flight.advance(kTick_s);
+    flight.advance(kBirdTick_s);
     const Reference r = flight.reference();
     for (int axis = 0; axis < 3; ++axis) {
       const double beyond_m = axis == 2 ? A : 0.0;
@@ -78,7 +78,7 @@ TEST(Bird, Bounds) {
   BirdFlight flight(config, kStart_m, kRise_mps, kRise_mps2);
   std::vector<double> heights_m;
   for (int i = 0; i < 2000; ++i) {
-    flight.advance(kTick_s);
+    flight.advance(kBirdTick_s);
     heights_m.push_back(flight.reference().position_m.z() - 6.0);
   }
   int changes = 0;
@@ -92,7 +92,7 @@ TEST(Bird, FliesAtTheSpeedOfABird) {
   std::vector<double> speeds_mps;
   BirdFlight flight({}, kStart_m, kRise_mps, kRise_mps2);
   for (int i = 0; i < 20'000; ++i) {
-    flight.advance(kTick_s);
+    flight.advance(kBirdTick_s);
     speeds_mps.push_back(flight.reference().velocity_mps.norm());
   }
   std::sort(speeds_mps.begin(), speeds_mps.end());
@@ -107,11 +107,11 @@ TEST(Bird, TurnsOfASudden) {
     BirdFlight flight(config, kStart_m, kRise_mps, kRise_mps2);
     double sum_rad = 0.0;
     for (int i = 0; i < 12'000; ++i) {
-      flight.advance(kTick_s);
+      flight.advance(kBirdTick_s);
       const Reference r = flight.reference();
       const double speed_sq = r.velocity_mps.head<2>().squaredNorm();
       if (speed_sq < 1.0) continue;
-      sum_rad += kTick_s *
+      sum_rad += kBirdTick_s *
                  std::abs(r.velocity_mps.x() * r.acceleration_mps2.y() - r.velocity_mps.y() * r.acceleration_mps2.x()) /
                  speed_sq;
     }
@@ -130,8 +130,8 @@ TEST(Bird, PerchesForAsLongAsTold) {
   std::vector<double> perched_s;
   int on[2] = {0, 0};
   for (int i = 0; i < 30'000; ++i) {
-    flight.advance(kTick_s);
-    const double t_s = kTick_s * (i + 1);
+    flight.advance(kBirdTick_s);
+    const double t_s = kBirdTick_s * (i + 1);
     if (flight.is_perched() && since_s < 0.0) since_s = t_s;
     if (flight.is_perched() && t_s > since_s + 1.2) {
       const Reference r = flight.reference();
@@ -148,8 +148,8 @@ TEST(Bird, PerchesForAsLongAsTold) {
   }
   ASSERT_GE(perched_s.size(), 10U);
   for (const double s : perched_s) {
-    EXPECT_GE(s, 1.5 - 2.0 * kTick_s);
-    EXPECT_LE(s, 4.5 + 2.0 * kTick_s);
+    EXPECT_GE(s, 1.5 - 2.0 * kBirdTick_s);
+    EXPECT_LE(s, 4.5 + 2.0 * kBirdTick_s);
   }
   EXPECT_GT(on[0], 0);
   EXPECT_GT(on[1], 0);

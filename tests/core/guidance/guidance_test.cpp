@@ -220,10 +220,10 @@ TEST(TakeoffLand, ClimbsHoversLandsAndIsDone) {
   EXPECT_NEAR(t, 3.0 / 1.0 + 2.0 + 3.0 / 0.5 + 0.5, 3.0);
 }
 
-using FlownShape = TrajectoryConfig::FlownShape;
+using Shape = TrajectoryConfig::Shape;
 
 TEST(Trajectory, GoalsAreConsistentDerivativesOfEachOther) {
-  for (const FlownShape shape : {FlownShape::kCircle, FlownShape::kLissajous, FlownShape::kLine}) {
+  for (const Shape shape : {Shape::kCircle, Shape::kLissajous, Shape::kLine}) {
     TrajectoryConfig config;
     config.shape = shape;
     config.amplitude_m = {6.0, 3.0, 0.5};
@@ -268,7 +268,7 @@ TEST(Trajectory, IsTrackedExactlyOnceUnderWay) {
 }
 
 TEST(Trajectory, LapsEndWhereTheyBeganAtRest) {
-  for (const FlownShape shape : {FlownShape::kCircle, FlownShape::kLissajous, FlownShape::kLine}) {
+  for (const Shape shape : {Shape::kCircle, Shape::kLissajous, Shape::kLine}) {
     TrajectoryConfig config;
     config.shape = shape;
     config.laps = 2;
@@ -288,7 +288,7 @@ TEST(Trajectory, RefusesWhatTheLimitsForbid) {
   config.speed_mps = 3.9;
   config.radius_m = 2.0;  // 7.6 m/s^2
   EXPECT_THROW(IdealFlight("trajectory", config), std::invalid_argument);
-  config.shape = TrajectoryConfig::FlownShape::kLine;
+  config.shape = TrajectoryConfig::Shape::kLine;
   config.from_m = {0, 0, 0};
   config.to_m = {0, 0, 50};  // straight up at 3.9 m/s
   EXPECT_THROW(IdealFlight("trajectory", config), std::invalid_argument);

@@ -141,43 +141,43 @@ TEST(RblCell, MirroredAndTurnedSituationsGiveMirroredAndTurnedCentroids) {
   }
 }
 
-using CellCut = RblCellConfig::CellCut;
+using Cut = RblCellConfig::Cut;
 
 TEST(NeighborCut, LeavesTheEncumbrancesFreeAndIsContinuous) {
   const double Delta = 1.0;
   for (const double d : {2.0, 2.5, 3.0, 5.0}) {
-    const HalfSpace cut = neighbor_cut({0, d, 0}, Delta, 0.9, CellCut::kProgram);
+    const HalfSpace cut = neighbor_cut({0, d, 0}, Delta, 0.9, Cut::kProgram);
     EXPECT_NEAR(cut.normal_local.y(), 1.0, 1e-12);
     EXPECT_NEAR(cut.offset_m, 1.0 + 0.9 * (d - 2.0), 1e-12);
     EXPECT_LE(cut.offset_m, d - Delta + 1e-12);
   }
-  for (const CellCut cut : {CellCut::kProgram, CellCut::kProjected}) {
+  for (const Cut cut : {Cut::kProgram, Cut::kProjected}) {
     const double above = neighbor_cut({2.0 + 1e-9, 0, 0}, Delta, 0.9, cut).offset_m;
     const double below = neighbor_cut({2.0 - 1e-9, 0, 0}, Delta, 0.9, cut).offset_m;
     EXPECT_NEAR(above, below, 1e-6) << static_cast<int>(cut);
   }
   // With eta = 0.5 the plane of equation (2.3) is the bisector.
-  EXPECT_NEAR(neighbor_cut({4, 0, 0}, Delta, 0.5, CellCut::kProjected).offset_m, 2.0, 1e-12);
-  EXPECT_NEAR(neighbor_cut({4, 0, 0}, Delta, 0.5, CellCut::kProgram).offset_m, 2.0, 1e-12);
+  EXPECT_NEAR(neighbor_cut({4, 0, 0}, Delta, 0.5, Cut::kProjected).offset_m, 2.0, 1e-12);
+  EXPECT_NEAR(neighbor_cut({4, 0, 0}, Delta, 0.5, Cut::kProgram).offset_m, 2.0, 1e-12);
 }
 
 TEST(NeighborCut, TheFarPlaneContinuedLeavesTheEncumbrancesFreeOnlyWhenFar) {
   for (const double d : {0.7, 1.5, 2.0, 4.0}) {
-    const double offset_m = neighbor_cut({d, 0, 0}, 1.0, 0.9, CellCut::kContinued).offset_m;
+    const double offset_m = neighbor_cut({d, 0, 0}, 1.0, 0.9, Cut::kContinued).offset_m;
     EXPECT_NEAR(offset_m, 1.0 + 0.9 * (d - 2.0), 1e-12);
     EXPECT_EQ(d - offset_m >= 1.0 - 1e-12, d >= 2.0) << d;
   }
 }
 
 TEST(NeighborCut, NeighborThatIsTooNearPutsTheAgentOutsideOfItsOwnCell) {
-  for (const CellCut cut : {CellCut::kProgram, CellCut::kProjected, CellCut::kBuffered}) {
+  for (const Cut cut : {Cut::kProgram, Cut::kProjected, Cut::kBuffered}) {
     EXPECT_LT(neighbor_cut({0.8, 0, 0}, 1.0, 0.9, cut).offset_m, 0.0) << static_cast<int>(cut);
   }
 }
 
 TEST(RblPlanner, PrintedReadingIsTheApolloniusBallOfTheEquation) {
   RblCellConfig config;
-  config.cut = RblCellConfig::CellCut::kPrinted;
+  config.cut = RblCellConfig::Cut::kPrinted;
   RblPlanner planner(config, RblRules{}, false);
   for (const Vector3& other : {Vector3(3.0, 1.0, 0.5), Vector3(1.2, -0.9, 0.2)}) {  // beyond and below 2 Delta
     planner.partition(Vector3::Zero(), std::vector<Vector3>{other}, -100.0, 100.0);

@@ -15,7 +15,7 @@ namespace swiftlet {
 namespace {
 
 using testing::GuidanceDriver;
-using FormulaShape = TrajectoryConfig::FormulaShape;
+using Shape = TrajectoryConfig::Shape;
 
 // Up by the quintic step 10 x^3 - 15 x^4 + 6 x^5, and down by the same backwards.
 TEST(RampedTravel, SpeedIsTheQuinticStepAndTheWayIsItsIntegral) {
@@ -93,7 +93,7 @@ TEST(TrajectoryFormula, CirclesLissajousCurvesAndLinesAreThoseOfTheTextbook) {
       return Vector3(x, y, draw(-vertical, vertical));
     };
     TrajectoryConfig config;
-    config.shape = static_cast<FormulaShape>(round % 3);
+    config.shape = static_cast<Shape>(round % 3);
     config.speed_mps = draw(0.4, 1.2);
     config.laps = static_cast<int>(round / 3) % 3;
     config.center_m = vector(20.0, 5.0);
@@ -109,28 +109,27 @@ TEST(TrajectoryFormula, CirclesLissajousCurvesAndLinesAreThoseOfTheTextbook) {
     const Vector3 bound = config.amplitude_m.cwiseProduct(config.frequency_ratio);
     const Vector3 way_m = config.to_m - config.from_m;
     const double infinity = std::numeric_limits<double>::infinity();
-    const double rate = config.shape == FormulaShape::kCircle      ? config.speed_mps / config.radius_m
-                        : config.shape == FormulaShape::kLissajous ? config.speed_mps / bound.norm()
-                                                                   : config.speed_mps;
-    const double length = config.shape == FormulaShape::kLine ? way_m.norm()
-                          : config.laps > 0                   ? 2.0 * M_PI * config.laps
-                                                              : infinity;
+    const double rate = config.shape == Shape::kCircle      ? config.speed_mps / config.radius_m
+                        : config.shape == Shape::kLissajous ? config.speed_mps / bound.norm()
+                                                            : config.speed_mps;
+    const double length = config.shape == Shape::kLine ? way_m.norm()
+                          : config.laps > 0            ? 2.0 * M_PI * config.laps
+                                                       : infinity;
     const RampedTravel travel(length, rate, ramp_of(config));
-    const double end_s = config.laps == 0
-                             ? infinity
-                             : (config.shape == FormulaShape::kLine ? 2.0 * config.laps : 1.0) * travel.duration_s();
+    const double end_s =
+        config.laps == 0 ? infinity : (config.shape == Shape::kLine ? 2.0 * config.laps : 1.0) * travel.duration_s();
     OnTrack flight(config);
     double yaw_rad = 0.2;
     for (int i = 1; i < 4000 && i * flight.dt_s < std::min(end_s + 2.0, 60.0); ++i) {
       const double t_s = i * flight.dt_s;
       const Reference& goal = flight.step().goal;
       Vector3 p_m, v_mps;
-      if (config.shape == FormulaShape::kCircle) {
+      if (config.shape == Shape::kCircle) {
         const auto [s, ds, dds] = travel.at(t_s);
         const double sense = config.clockwise ? -1.0 : 1.0, angle = config.phase_deg * M_PI / 180.0 + sense * s;
         p_m = config.center_m + config.radius_m * Vector3(std::cos(angle), std::sin(angle), 0.0);
         v_mps = ds * sense * config.radius_m * Vector3(-std::sin(angle), std::cos(angle), 0.0);
-      } else if (config.shape == FormulaShape::kLissajous) {
+      } else if (config.shape == Shape::kLissajous) {
         const auto [s, ds, dds] = travel.at(t_s);
         for (int axis = 0; axis < 3; ++axis) {
           const double k = config.frequency_ratio[axis], angle = k * (s + config.phase_deg * M_PI / 180.0);
@@ -190,7 +189,7 @@ TEST(TrajectoryFormula, ACircleNeedsItsSpeedAndItsCentripetalAcceleration) {
 
 TEST(TrajectoryFormula, ALissajousCurveNeedsTheBoundsOfItsAxes) {
   TrajectoryConfig config;
-  config.shape = FormulaShape::kLissajous;
+  config.shape = Shape::kLissajous;
   config.amplitude_m = {2.0, 1.5, 1.0};
   config.frequency_ratio = {1.0, 2.0, 3.0};
   config.speed_mps = 2.0;
@@ -208,7 +207,7 @@ TEST(TrajectoryFormula, ALissajousCurveNeedsTheBoundsOfItsAxes) {
 // Along a line the ramp takes half of the horizontal acceleration, whatever its direction.
 TEST(TrajectoryFormula, ALineNeedsTheSharesOfItsDirection) {
   TrajectoryConfig config;
-  config.shape = FormulaShape::kLine;
+  config.shape = Shape::kLine;
   config.from_m = {1.0, 2.0, 3.0};
   config.to_m = config.from_m + Vector3(3.0, 4.0, 12.0) * 5.0;
   config.speed_mps = 2.6;

@@ -23,7 +23,7 @@ namespace {
 using testing::SyntheticFlight;
 using testing::SyntheticRoom;
 
-constexpr TimeNs kGridImuTick = 4'000'000, kLidarTick = 100'000'000;
+constexpr TimeNs kGridImuTick = 4'000'000, kGridLidarTick = 100'000'000;
 
 const SyntheticRoom kWorkshop = SyntheticRoom::box({-6.3, -5.1, -0.2}, {7.4, 6.2, 4.7});
 
@@ -48,7 +48,7 @@ struct GridFlight {
   void fly(int num_scans) {
     for (TimeNs t = kGridImuTick; static_cast<int>(outcomes.size()) < num_scans; t += kGridImuTick) {
       slam.add(flight.imu(t));
-      if (t % kLidarTick != 0) continue;
+      if (t % kGridLidarTick != 0) continue;
       outcomes.push_back(slam.add(flight.scan(t)));
       off_m.push_back((slam.filter().T_local_body().translation() - flight.at(t).translation()).norm());
     }
@@ -101,7 +101,7 @@ TEST(GridMatcher, ScansAreMatchedToTheOlderSubmap) {
     MotionHistory motion;
     motion.push(0, flight.at(0).translation(), Eigen::Quaterniond::Identity());
     std::vector<Eigen::Vector3f> returns_body_m;
-    undistort(*flight.scan(kLidarTick), motion, 0, 0.3, 100.0, returns_body_m);
+    undistort(*flight.scan(kGridLidarTick), motion, 0, 0.3, 100.0, returns_body_m);
     matcher.take(returns_body_m, false);
   };
   const Pose T_beside = make_pose(flight.at(0).translation() + Vector3(0.3, 0.3, 0), Eigen::Quaterniond::Identity());

@@ -22,9 +22,9 @@ ParameterConfig values(std::vector<std::string> list) {
   return p;
 }
 
-using SweepLaw = ParameterConfig::SweepLaw;
+using Law = ParameterConfig::Law;
 
-ParameterConfig law(SweepLaw law, double min, double max) {
+ParameterConfig law(Law law, double min, double max) {
   ParameterConfig p;
   p.key = p.name = "k_" + std::to_string(static_cast<int>(law));
   p.law = law;
@@ -49,11 +49,11 @@ TEST(Sweep, AGridIsEveryCombinationTheLastParameterFastest) {
 
 TEST(Sweep, AGridOfALawIsEvenlySpaced) {
   SweepConfig sweep;
-  sweep.parameters = {law(SweepLaw::kUniform, 0.0, 1.0)};
+  sweep.parameters = {law(Law::kUniform, 0.0, 1.0)};
   EXPECT_EQ(sweep_points(sweep), (Points{{"0"}, {"0.25"}, {"0.5"}, {"0.75"}, {"1"}}));
-  sweep.parameters = {law(SweepLaw::kLogUniform, 0.01, 100.0)};
+  sweep.parameters = {law(Law::kLogUniform, 0.01, 100.0)};
   EXPECT_EQ(sweep_points(sweep), (Points{{"0.01"}, {"0.1"}, {"1"}, {"10"}, {"100"}}));
-  sweep.parameters = {law(SweepLaw::kInteger, 3, 5)};
+  sweep.parameters = {law(Law::kInteger, 3, 5)};
   EXPECT_EQ(sweep_points(sweep), (Points{{"3"}, {"4"}, {"5"}}));
 }
 
@@ -64,21 +64,21 @@ TEST(Sweep, StepsAreAsManyAsToldAndOneStandsInTheMiddle) {
     sweep.parameters = {p};
     return column(sweep_points(sweep));
   };
-  EXPECT_EQ(steps(law(SweepLaw::kUniform, 2.0, 8.0), 1), (std::vector<double>{5.0}));
-  EXPECT_EQ(steps(law(SweepLaw::kUniform, 2.0, 8.0), 2), (std::vector<double>{2.0, 8.0}));
-  EXPECT_EQ(steps(law(SweepLaw::kUniform, 2.0, 8.0), 4), (std::vector<double>{2.0, 4.0, 6.0, 8.0}));
-  EXPECT_EQ(steps(law(SweepLaw::kLogUniform, 1.0, 4.0), 1), (std::vector<double>{2.0}));
-  EXPECT_EQ(steps(law(SweepLaw::kLogUniform, 1.0, 8.0), 4), (std::vector<double>{1.0, 2.0, 4.0, 8.0}));
-  EXPECT_EQ(steps(law(SweepLaw::kInteger, 0, 10), 1), (std::vector<double>{0.0}));
-  EXPECT_EQ(steps(law(SweepLaw::kInteger, 0, 10), 3), (std::vector<double>{0.0, 5.0, 10.0}));
-  EXPECT_EQ(steps(law(SweepLaw::kInteger, 0, 10), 4), (std::vector<double>{0.0, 3.0, 7.0, 10.0}));
-  EXPECT_EQ(steps(law(SweepLaw::kInteger, 4, 4), 5), (std::vector<double>{4.0}));
-  EXPECT_EQ(steps(law(SweepLaw::kInteger, 3, 5), 3), (std::vector<double>{3.0, 4.0, 5.0}));
-  EXPECT_EQ(steps(law(SweepLaw::kInteger, 3, 6), 4), (std::vector<double>{3.0, 4.0, 5.0, 6.0}));
+  EXPECT_EQ(steps(law(Law::kUniform, 2.0, 8.0), 1), (std::vector<double>{5.0}));
+  EXPECT_EQ(steps(law(Law::kUniform, 2.0, 8.0), 2), (std::vector<double>{2.0, 8.0}));
+  EXPECT_EQ(steps(law(Law::kUniform, 2.0, 8.0), 4), (std::vector<double>{2.0, 4.0, 6.0, 8.0}));
+  EXPECT_EQ(steps(law(Law::kLogUniform, 1.0, 4.0), 1), (std::vector<double>{2.0}));
+  EXPECT_EQ(steps(law(Law::kLogUniform, 1.0, 8.0), 4), (std::vector<double>{1.0, 2.0, 4.0, 8.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 0, 10), 1), (std::vector<double>{0.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 0, 10), 3), (std::vector<double>{0.0, 5.0, 10.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 0, 10), 4), (std::vector<double>{0.0, 3.0, 7.0, 10.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 4, 4), 5), (std::vector<double>{4.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 3, 5), 3), (std::vector<double>{3.0, 4.0, 5.0}));
+  EXPECT_EQ(steps(law(Law::kInteger, 3, 6), 4), (std::vector<double>{3.0, 4.0, 5.0, 6.0}));
 }
 
 TEST(Sweep, AQuantileOfAListOrOfWholeNumbersHasEqualParts) {
-  const ParameterConfig list = values({"a", "b", "c", "d"}), whole = law(SweepLaw::kInteger, 1.5, 5.5);  // 2 to 5
+  const ParameterConfig list = values({"a", "b", "c", "d"}), whole = law(Law::kInteger, 1.5, 5.5);  // 2 to 5
   const char* const words[] = {"a", "b", "c", "d"};
   for (int i = 0; i < 4; ++i) {
     for (const double part : {0.001, 0.999}) {
@@ -88,18 +88,18 @@ TEST(Sweep, AQuantileOfAListOrOfWholeNumbersHasEqualParts) {
   }
   EXPECT_EQ(quantile(list, 1.0), "d") << "rounding may come that far";
   EXPECT_EQ(quantile(whole, 1.0), "5");
-  EXPECT_EQ(quantile(law(SweepLaw::kUniform, 2.0, 4.0), 0.25), "2.5");
-  EXPECT_EQ(quantile(law(SweepLaw::kLogUniform, 1.0, 10000.0), 0.25), "10");
+  EXPECT_EQ(quantile(law(Law::kUniform, 2.0, 4.0), 0.25), "2.5");
+  EXPECT_EQ(quantile(law(Law::kLogUniform, 1.0, 10000.0), 0.25), "10");
 }
 
 TEST(Sweep, NumbersHaveTwelveDigits) {
-  EXPECT_EQ(quantile(law(SweepLaw::kUniform, 0.0, 1.0), 1.0 / 3.0), "0.333333333333");
-  EXPECT_EQ(quantile(law(SweepLaw::kUniform, 0.0, 2e6), 1.0 / 3.0), "666666.666667");
+  EXPECT_EQ(quantile(law(Law::kUniform, 0.0, 1.0), 1.0 / 3.0), "0.333333333333");
+  EXPECT_EQ(quantile(law(Law::kUniform, 0.0, 2e6), 1.0 / 3.0), "666666.666667");
 }
 
 TEST(Sweep, AGridHasItsBound) {
   SweepConfig sweep;
-  ParameterConfig many = law(SweepLaw::kUniform, 0.0, 1.0);
+  ParameterConfig many = law(Law::kUniform, 0.0, 1.0);
   many.steps = 3163;  // 3163 squared is more than ten millions
   sweep.parameters = {many, many};
   EXPECT_THROW(sweep_points(sweep), InputError);
@@ -110,7 +110,7 @@ TEST(Sweep, ShufflingIsEquallyLikelyInEveryOrder) {
   SweepConfig sweep;
   sweep.method = SweepConfig::Method::kLatinHypercube;
   sweep.samples = 3;
-  sweep.parameters = {law(SweepLaw::kUniform, 0.0, 3.0)};
+  sweep.parameters = {law(Law::kUniform, 0.0, 3.0)};
   std::map<std::string, int> orders;
   for (sweep.seed = 1; sweep.seed <= 1200; ++sweep.seed) {
     std::string order;
@@ -122,7 +122,7 @@ TEST(Sweep, ShufflingIsEquallyLikelyInEveryOrder) {
 }
 
 TEST(Sweep, ANormalLawHasItsTails) {
-  ParameterConfig p = law(SweepLaw::kNormal, 0.0, 1.0);
+  ParameterConfig p = law(Law::kNormal, 0.0, 1.0);
   p.mean = 1.0;
   p.sd = 2.0;
   p.cut_sd = 1.5;
@@ -147,7 +147,7 @@ TEST(Sweep, ALatinHypercubeHasOneSampleInEveryPartOfEveryLaw) {
   SweepConfig sweep;
   sweep.method = SweepConfig::Method::kLatinHypercube;
   sweep.samples = 50;
-  sweep.parameters = {law(SweepLaw::kUniform, 10.0, 20.0), law(SweepLaw::kLogUniform, 1.0, 1000.0)};
+  sweep.parameters = {law(Law::kUniform, 10.0, 20.0), law(Law::kLogUniform, 1.0, 1000.0)};
   const Points points = sweep_points(sweep);
   std::set<int> first, second;
   for (const double x : column(points, 0)) first.insert(static_cast<int>(std::floor((x - 10.0) / 10.0 * 50)));
@@ -174,8 +174,8 @@ TEST(Sweep, RandomDrawsFollowTheirLaw) {
   SweepConfig sweep;
   sweep.method = SweepConfig::Method::kRandom;
   sweep.samples = 20'000;
-  sweep.parameters = {law(SweepLaw::kUniform, -1.0, 3.0), law(SweepLaw::kNormal, 0.0, 1.0),
-                      law(SweepLaw::kInteger, 1, 4), values({"x", "y", "z"})};
+  sweep.parameters = {law(Law::kUniform, -1.0, 3.0), law(Law::kNormal, 0.0, 1.0), law(Law::kInteger, 1, 4),
+                      values({"x", "y", "z"})};
   sweep.parameters[1].mean = 5.0;
   sweep.parameters[1].sd = 2.0;
   const Points points = sweep_points(sweep);
@@ -206,7 +206,7 @@ TEST(Sweep, RandomDrawsFollowTheirLaw) {
 }
 
 TEST(Sweep, ANormalLawIsCutWhereToldAndHasItsQuantiles) {
-  ParameterConfig p = law(SweepLaw::kNormal, 0.0, 1.0);
+  ParameterConfig p = law(Law::kNormal, 0.0, 1.0);
   p.mean = 10.0;
   p.sd = 2.0;
   p.cut_sd = 8.0;
@@ -221,9 +221,9 @@ TEST(Sweep, OneParameterMoreChangesNoOnesSamples) {
   SweepConfig sweep;
   for (const auto method : {SweepConfig::Method::kRandom, SweepConfig::Method::kLatinHypercube}) {
     sweep.method = method;
-    sweep.parameters = {law(SweepLaw::kUniform, 0.0, 1.0)};
+    sweep.parameters = {law(Law::kUniform, 0.0, 1.0)};
     const auto alone = column(sweep_points(sweep));
-    sweep.parameters.insert(sweep.parameters.begin(), law(SweepLaw::kLogUniform, 1.0, 2.0));
+    sweep.parameters.insert(sweep.parameters.begin(), law(Law::kLogUniform, 1.0, 2.0));
     EXPECT_EQ(column(sweep_points(sweep), 1), alone);
     sweep.seed = 2;
     EXPECT_NE(column(sweep_points(sweep), 1), alone);
