@@ -17,21 +17,21 @@
 namespace swiftlet {
 namespace {
 
-using GridCloud = std::vector<Eigen::Vector3f>;
+using SearchCloud = std::vector<Eigen::Vector3f>;
 constexpr std::int64_t kNoBudget = 1'000'000'000;
 constexpr double kGridCell_m = 0.5;
 
-GridCloud random_cloud(std::mt19937& random, int num, float half_m) {
+SearchCloud random_cloud(std::mt19937& random, int num, float half_m) {
   std::uniform_real_distribution<float> uniform(-half_m, half_m);
-  GridCloud points(static_cast<std::size_t>(num));
+  SearchCloud points(static_cast<std::size_t>(num));
   for (Eigen::Vector3f& p : points) {
     for (int axis = 0; axis < 3; ++axis) p(axis) = uniform(random);
   }
   return points;
 }
 
-GridCloud moved_by(const GridCloud& points, const Vector3& by_m) {
-  GridCloud out = points;
+SearchCloud moved_by(const SearchCloud& points, const Vector3& by_m) {
+  SearchCloud out = points;
   for (Eigen::Vector3f& p : out) p += by_m.cast<float>();
   return out;
 }
@@ -44,10 +44,10 @@ std::array<int, 3> grid_cell_of(const Vector3& p_m) {
 /// Cells and points in cells, without any pyramid.
 struct SearchedGrid {
   std::set<std::array<int, 3>> occupied;
-  explicit SearchedGrid(const GridCloud& points) {
+  explicit SearchedGrid(const SearchCloud& points) {
     for (const Eigen::Vector3f& p : points) occupied.insert(grid_cell_of(p.cast<double>()));
   }
-  int score(const GridCloud& cloud, const Pose& T, const std::array<int, 3>& off) const {
+  int score(const SearchCloud& cloud, const Pose& T, const std::array<int, 3>& off) const {
     int sum = 0;
     for (const Eigen::Vector3f& p : cloud) {
       std::array<int, 3> c = grid_cell_of(T * p.cast<double>());
@@ -72,7 +72,7 @@ struct PlainBest {
   Pose T = Pose::Identity();
 };
 
-PlainBest best_one_by_one(const GridCloud& map_points, const GridCloud& cloud, const Pose& guess,
+PlainBest best_one_by_one(const SearchCloud& map_points, const SearchCloud& cloud, const Pose& guess,
                           const SearchWindow& window, std::span<const std::uint8_t> allowed, const Excluded* excluded) {
   const SearchedGrid grid(map_points);
   const int half = static_cast<int>(window.yaw_rad / window.yaw_step_rad + 1e-9);
@@ -100,7 +100,7 @@ PlainBest best_one_by_one(const GridCloud& map_points, const GridCloud& cloud, c
 
 TEST(GridPyramid, ItsLowestLevelHasTheCellsOfThePoints) {
   std::mt19937 random(11);
-  const GridCloud points = moved_by(random_cloud(random, 80, 3.0F), {4.0, -7.0, 1.0});
+  const SearchCloud points = moved_by(random_cloud(random, 80, 3.0F), {4.0, -7.0, 1.0});
   const SearchedGrid grid(points);
   for (const int levels : {1, 3}) {
     const OccupancyPyramid pyramid(points, kGridCell_m, levels);
@@ -126,9 +126,9 @@ TEST(BranchAndBound, OfHeadingsAndPlacesAroundAnyGuessItFindsTheBestThatIsAllowe
   std::mt19937 random(12);
   const SearchWindow window{4, 1, 0.31, 0.1};
   for (int trial = 0; trial < 12; ++trial) {
-    const GridCloud points = random_cloud(random, 60, 4.0F);
+    const SearchCloud points = random_cloud(random, 60, 4.0F);
     const Pose T = make_pose({0.6, -1.2, 0.3}, rotation_by({0, 0, 0.2}));
-    GridCloud cloud;
+    SearchCloud cloud;
     for (const Eigen::Vector3f& p : points) cloud.push_back((T.inverse() * p.cast<double>()).cast<float>());
     cloud.resize(30);
     const Pose guess = make_pose({1.3, -0.4, 0.1}, rotation_by({0.02, -0.01, 0.05}));
@@ -157,7 +157,7 @@ TEST(BranchAndBound, OfHeadingsAndPlacesAroundAnyGuessItFindsTheBestThatIsAllowe
 
 TEST(BranchAndBound, WhatLiesACellBeyondTheWindowIsNotFoundAndWhatLiesAtItsEdgeIs) {
   std::mt19937 random(13);
-  const GridCloud points = random_cloud(random, 40, 5.0F);
+  const SearchCloud points = random_cloud(random, 40, 5.0F);
   for (int levels = 1; levels <= 4; ++levels) {
     const OccupancyPyramid map(points, kGridCell_m, levels);
     for (const int xy : {4, 5}) {
@@ -166,7 +166,7 @@ TEST(BranchAndBound, WhatLiesACellBeyondTheWindowIsNotFoundAndWhatLiesAtItsEdgeI
         for (const int side : {-1, 1}) {
           const int edge = axis == 2 ? 2 : xy;
           const auto best_at = [&](int cells) {
-            const GridCloud cloud = moved_by(points, -kGridCell_m * side * cells * Vector3::Unit(axis));
+            const SearchCloud cloud = moved_by(points, -kGridCell_m * side * cells * Vector3::Unit(axis));
             const SearchResult found = search_best_pose(map, cloud, Pose::Identity(), window, 0.0, kNoBudget);
             return found.best ? found.best->score : 0.0;
           };
@@ -181,9 +181,9 @@ TEST(BranchAndBound, WhatLiesACellBeyondTheWindowIsNotFoundAndWhatLiesAtItsEdgeI
 TEST(BranchAndBound, OfEqualPlacesItTellsTheFirst) {
   // Two posts, and a cloud of one: in each of two places all of it fits.
   for (int axis = 0; axis < 3; ++axis) {
-    GridCloud posts;
+    SearchCloud posts;
     for (const double at_m : {-1.0, 1.0}) posts.push_back((at_m * Vector3::Unit(axis)).cast<float>());
-    const GridCloud cloud = {Eigen::Vector3f::Zero()};
+    const SearchCloud cloud = {Eigen::Vector3f::Zero()};
     for (int levels = 1; levels <= 2; ++levels) {
       const SearchResult found = search_best_pose(OccupancyPyramid(posts, kGridCell_m, levels), cloud, Pose::Identity(),
                                                   {3, 3, 0.0, 0.05}, 0.0, kNoBudget);
@@ -192,7 +192,7 @@ TEST(BranchAndBound, OfEqualPlacesItTellsTheFirst) {
     }
   }
   // A point on the axis fits at every heading.
-  const GridCloud post = {{0.1F, 0.1F, 0.0F}};
+  const SearchCloud post = {{0.1F, 0.1F, 0.0F}};
   const SearchResult found = search_best_pose(OccupancyPyramid(post, kGridCell_m, 1), post, Pose::Identity(),
                                               {0, 0, 0.1, 0.05}, 0.0, kNoBudget);
   ASSERT_TRUE(found.best);
@@ -201,7 +201,7 @@ TEST(BranchAndBound, OfEqualPlacesItTellsTheFirst) {
 
 TEST(BranchAndBound, LooksAtEveryPlaceOnceWhereThereIsNoLevelToBoundIt) {
   std::mt19937 random(14);
-  const GridCloud points = random_cloud(random, 20, 2.0F);
+  const SearchCloud points = random_cloud(random, 20, 2.0F);
   const SearchWindow window{3, 2, 0.1, 0.05};
   const OccupancyPyramid map(points, kGridCell_m, 1);
   const auto run = [&](std::int64_t budget, std::span<const std::uint8_t> allowed) {
@@ -215,13 +215,13 @@ TEST(BranchAndBound, LooksAtEveryPlaceOnceWhereThereIsNoLevelToBoundIt) {
 TEST(BranchAndBound, OpensOnlyWhatMayHoldABetterPlace) {
   // A block in which any displacement fits: eight nodes above, the eight of the first of them, and all others are no
   // better than the first place.
-  GridCloud block;
+  SearchCloud block;
   for (int i = 0; i < 12 * 12 * 12; ++i) {
     block.push_back(0.5F * Eigen::Vector3f(static_cast<float>(i % 12), static_cast<float>(i / 12 % 12),
                                            static_cast<float>(i / 144)) -
                     Eigen::Vector3f::Constant(2.9F));
   }
-  const GridCloud cloud = {Eigen::Vector3f::Constant(0.1F)};
+  const SearchCloud cloud = {Eigen::Vector3f::Constant(0.1F)};
   const OccupancyPyramid map(block, kGridCell_m, 2);
   const SearchResult found = search_best_pose(map, cloud, Pose::Identity(), {1, 1, 0.0, 0.05}, 0.0, kNoBudget);
   EXPECT_EQ(found.num_expanded, 16);
@@ -230,7 +230,7 @@ TEST(BranchAndBound, OpensOnlyWhatMayHoldABetterPlace) {
 }
 
 TEST(BranchAndBound, EndsByItsBudgetAndNotBefore) {
-  const GridCloud post = {{0.1F, 0.1F, 0.1F}};
+  const SearchCloud post = {{0.1F, 0.1F, 0.1F}};
   const OccupancyPyramid map(post, kGridCell_m, 1);
   const auto complete = [&](std::int64_t budget) {
     return search_best_pose(map, post, Pose::Identity(), {3, 2, 0.0, 0.05}, 0.0, budget).complete;
@@ -241,7 +241,7 @@ TEST(BranchAndBound, EndsByItsBudgetAndNotBefore) {
 
 TEST(BranchAndBound, TakesAScoreThatReachesTheLeastOneAndNoneBelow) {
   // Three of eight points fit.
-  GridCloud points, cloud;
+  SearchCloud points, cloud;
   for (int i = 0; i < 8; ++i) cloud.emplace_back(1.5F * static_cast<float>(i), 0.1F, 0.1F);
   for (int i = 0; i < 3; ++i) points.push_back(cloud[static_cast<std::size_t>(i * i)]);
   const OccupancyPyramid map(points, kGridCell_m, 1);
@@ -254,7 +254,7 @@ TEST(BranchAndBound, TakesAScoreThatReachesTheLeastOneAndNoneBelow) {
   }
   for (const double score_min : {3.01 / 8.0, 4.0 / 8.0, 1.0}) EXPECT_FALSE(found(score_min)) << score_min;
   // One point of all is something, none is nothing.
-  const GridCloud one = {cloud[0]};
+  const SearchCloud one = {cloud[0]};
   EXPECT_TRUE(search_best_pose(OccupancyPyramid(one, kGridCell_m, 1), cloud, Pose::Identity(), {0, 0, 0.0, 0.05}, 0.0,
                                kNoBudget)
                   .best);
@@ -267,7 +267,7 @@ TEST(BranchAndBound, TakesAScoreThatReachesTheLeastOneAndNoneBelow) {
 // Directions of surfaces, written down once more: in each slice of 0.2 m points go around their middle, and two that
 // follow each other 0.2 to 0.9 m apart are on one surface. The more it lies across the line to the middle, the more it
 // counts; so near to the middle that nobody can tell, not at all.
-std::array<double, 120> plain_histogram(const GridCloud& points) {
+std::array<double, 120> plain_histogram(const SearchCloud& points) {
   std::map<int, std::vector<Vector3>> slices;
   for (const Eigen::Vector3f& p : points) {
     slices[static_cast<int>(std::floor(p.z() / 0.2F))].push_back(p.cast<double>());
@@ -314,8 +314,8 @@ TEST(RotationalHistogram, HasTheDirectionsOfNeighborsOnTheSameSurface) {
   std::uniform_real_distribution<double> uniform(-3.0, 3.0);
   for (int trial = 0; trial < 30; ++trial) {
     // Few points, so that each one counts: some lie too near to each other, some too far.
-    const GridCloud one = random_cloud(random, 40, trial % 2 == 0 ? 1.0F : 2.5F);
-    const GridCloud two = random_cloud(random, 60, 1.5F);
+    const SearchCloud one = random_cloud(random, 40, trial % 2 == 0 ? 1.0F : 2.5F);
+    const SearchCloud two = random_cloud(random, 60, 1.5F);
     const RotationalHistogram a(one), b(two);
     const auto plain_a = plain_histogram(one), plain_b = plain_histogram(two);
     for (int i = 0; i < 10; ++i) {

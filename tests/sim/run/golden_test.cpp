@@ -83,7 +83,7 @@ std::string c_library_of_the_file() {
   return "";
 }
 
-std::string hash_of(const GoldenRun& run) {
+std::string golden_hash_of(const GoldenRun& run) {
   Simulation simulation(load_scenario(kFolder + run.scenario, run.settings));
   while (!simulation.finished()) simulation.tick();
   char text[17];
@@ -94,7 +94,7 @@ std::string hash_of(const GoldenRun& run) {
 class Golden : public testing::TestWithParam<GoldenRun> {};
 
 TEST_P(Golden, RunHasTheSameBitsAsEver) {
-  EXPECT_EQ(hash_of(GetParam()), GetParam().hash)
+  EXPECT_EQ(golden_hash_of(GetParam()), GetParam().hash)
       << GetParam() << ": results differ from those in tests/golden/hashes.txt.\n"
       << (c_library_here() == c_library_of_the_file() ? ""
                                                       : "This C library computes other functions than Debian 12's.\n")
@@ -105,10 +105,10 @@ TEST_P(Golden, RunHasTheSameBitsAsEver) {
 
 // Embree finds its code by the processor. What it may find elsewhere gives the same bits.
 TEST_P(Golden, RunHasTheSameBitsUnderEveryInstructionSet) {
-  const std::string expected = hash_of(GetParam());
+  const std::string expected = golden_hash_of(GetParam());
   for (const std::string& setting : embree_settings()) {
     ::setenv("SWIFTLET_EMBREE", setting.c_str(), 1);
-    EXPECT_EQ(hash_of(GetParam()), expected) << GetParam() << " with " << setting;
+    EXPECT_EQ(golden_hash_of(GetParam()), expected) << GetParam() << " with " << setting;
     ::unsetenv("SWIFTLET_EMBREE");
   }
 }
