@@ -32,6 +32,10 @@ struct VerifyCommand {
   bool quiet = false;
 };
 
+void print_outside(const std::string& share) {
+  if (!share.empty()) fmt::print("{}\n", share);
+}
+
 void generate(const DatasetOptions& options) {
   const sim::DatasetPlan plan = sim::plan_dataset(sim::load_dataset(options.file, parse_assignments(options.set)));
   const StopSignals guard;  // finished sequences stay
@@ -55,6 +59,7 @@ void generate(const DatasetOptions& options) {
   for (const sim::SequenceInfo& info : report.sequences) sum.add(info.statistics);
   fmt::print("{}: {} flights, {} sequences, {} frames, {} points in {}\n", plan.config.name, report.flights_all,
              report.sequences.size(), sum.frames, sum.points, duration_text(report.wall_s));
+  print_outside(sim::poses_outside(report.sequences));
   const sim::FlightTiming& timing = report.timing;
   if (timing.simulate_s > 0.0) {
     fmt::print("worlds and paths {}, simulation {}, recording {} and {} beside the simulation\n",
@@ -89,6 +94,7 @@ void verify(const VerifyCommand& command) {
   if (command.quiet) return;
   fmt::print("{}: {} files as in the manifest, {} frames laid out well, {} simulated again bit for bit\n",
              command.directory, report.files, report.frames, report.resimulated);
+  print_outside(report.poses_outside);
 }
 
 }  // namespace

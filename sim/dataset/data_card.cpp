@@ -267,6 +267,8 @@ void write_data_card(const DatasetPlan& plan, const std::vector<SequenceInfo>& s
           "`. Everything is a pure function of the seeds: `swiftlet dataset verify DIR` compares every hash with "
           "manifest.json and simulates random frames again, bit for bit.\n\n";
   text += "## Splits\n\n" + split_table(plan, sequences, all) + "\n";
+  const std::string outside = poses_outside(sequences);
+  if (!outside.empty()) text += outside + ".\n\n";
   text +=
       "No world of one split comes again in another. `semantic-kitti.yaml` names classes, colors and splits in the "
       "form "

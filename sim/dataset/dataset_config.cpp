@@ -99,7 +99,8 @@ void FlightConfig::visit(ConfigVisitor& v) {
   v.field("margin_m", margin_m, "[m] least distance from the sphere around the vehicle to any surface, as planned",
           Range::positive());
   v.field("border_m", border_m, "[m] strip along the edge of the world where nobody flies", Range::non_negative());
-  v.field("indoors", indoors, "[-] fly only where walls stand all around: for worlds that go on outside a building");
+  v.choice("indoors", indoors, {"auto", "true", "false"},
+           "[-] fly only inside walls; auto: in worlds whose walls enclose at least a tenth of the ground");
   v.field("leg_min_m", leg_min_m, "[m] shortest distance from one goal to the next, in a straight line",
           Range::positive());
   v.field("leg_max_m", leg_max_m, "[m] longest", Range::positive());
@@ -155,17 +156,17 @@ void ContentConfig::visit(ConfigVisitor& v) {
   v.check(trajectory_rate_hz == 0.0 || trajectory_rate_hz >= 1e-3, "trajectory_rate_hz", "0, or at least 0.001");
   v.field("tables", tables, "[-] csv/: topics of the recorder csv");
   v.field("snapshots", snapshots, "[-] take the pictures of the scenario in every sequence");
-}
   v.check(!snapshots || !picture_library().empty(), "snapshots",
           "false in a program built without pictures (docs/pictures.md)");
+}
 
 void PicturesConfig::visit(ConfigVisitor& v) {
   v.field("flights_per_split", flights_per_split, "[-] how many of the first flights of each split",
           Range{0, 1000, false, false});
   v.list("cameras", cameras, "pictures for the data card");
-}
   v.check(flights_per_split == 0 || cameras.empty() || !picture_library().empty(), "flights_per_split",
           "0 in a program built without pictures (docs/pictures.md)");
+}
 
 void DatasetConfig::visit(ConfigVisitor& v) {
   v.field("name", name, "[-] of the dataset");

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/flight_plan.hpp"
+#include "sim/dataset/free_space.hpp"
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/guidance/timed_path.hpp"
@@ -183,12 +184,17 @@ PreparedFlight prepare_flight(const DatasetPlan& plan, const Flight& flight, int
   prepared.reflectivities = draw_reflectivities(scene, family.reflectivity_spread, flight.seed, attempt);
   prepared.world = with_reflectivities(std::move(scene), prepared.reflectivities);
 
+  const StaticScene& world = *prepared.world.static_scene;
+  prepared.has_interior = enclosed_share(world, family.flight.height_min_m) > 0.0;
+
   std::vector<double> radii_m;
   for (const VehicleConfig& vehicle : scenario.vehicles) radii_m.push_back(vehicle.airframe.circumscribed_radius_m());
   const auto paths =
       plan_flight(family.flight, prepared.world.static_scene, radii_m, scenario.duration_s, flight.seed, attempt);
   if (!paths) {
-    throw NoPathFound("no free paths for " + std::to_string(radii_m.size()) + " vehicles were found");
+    throw NoPathFound(
+        "no free paths for " + std::to_string(radii_m.size()) + " vehicles were found" +
+        (stays_indoors(family.flight, world) ? " inside walls; flight.indoors: false flies outside, too" : ""));
   }
   fly(scenario, *paths);
   scenario = validated(scenario);

@@ -20,7 +20,8 @@ constexpr double kSmoothedMargin = 0.5;  // what rounding a corner may cost of t
 constexpr double kSlowdown = 0.75;       // mean speed over cruise speed, for estimates of time
 constexpr int kMaxPlaces = 60;           // draws for one goal
 constexpr int kMaxLegs = 400;
-constexpr int kMaxPaths = 12;  // draws for one vehicle
+constexpr int kMaxPaths = 12;           // draws for one vehicle
+constexpr double kInteriorShare = 0.1;  // of the ground, enclosed by walls: with less, `indoors: auto` flies everywhere
 
 /// Draws of one vehicle's planning, each used once.
 class Draws {
@@ -45,7 +46,7 @@ class Planner {
         seed_(seed),
         attempt_(attempt),
         space_(world, {*std::max_element(radii_m.begin(), radii_m.end()) + config.margin_m, config.height_min_m,
-                       config.height_max_m, config.border_m, config.cell_m, config.indoors}) {}
+                       config.height_max_m, config.border_m, config.cell_m, stays_indoors(config, *world)}) {}
 
   std::optional<std::vector<SplineTrajectory>> plan() {
     if (space_.area_m().isEmpty()) return std::nullopt;
@@ -173,6 +174,11 @@ class Planner {
 };
 
 }  // namespace
+
+bool stays_indoors(const FlightConfig& config, const StaticScene& world) {
+  if (config.indoors != FlightConfig::Indoors::kAuto) return config.indoors == FlightConfig::Indoors::kTrue;
+  return enclosed_share(world, config.height_min_m) >= kInteriorShare;
+}
 
 std::optional<std::vector<SplineTrajectory>> plan_flight(const FlightConfig& config,
                                                          const std::shared_ptr<const StaticScene>& world,

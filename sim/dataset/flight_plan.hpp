@@ -12,6 +12,10 @@
 
 namespace swiftlet::sim {
 
+/// Do flights of this configuration stay inside walls? With `indoors: auto` they do when walls enclose a tenth of the
+/// ground, as those of a hall or of a courtyard. A building in a large place encloses less.
+bool stays_indoors(const FlightConfig& config, const StaticScene& world);
+
 /// Paths for a team through a world, free of collisions with it and with each other. The first vehicle goes from goal
 /// to goal at random. The other vehicles choose goals mostly where the first can see them. Their distances from it
 /// cover [partner_min_m, partner_max_m] evenly over the logarithm. A pure function of its arguments.

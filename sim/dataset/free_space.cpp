@@ -13,9 +13,65 @@ namespace {
 constexpr float kNotLookedAt = std::numeric_limits<float>::quiet_NaN();
 constexpr float kNoGround = std::numeric_limits<float>::infinity();
 constexpr std::size_t kMaxCells = 40'000'000;
-constexpr int kViews = 8;
+constexpr int kViews = 8;         // level, from a place that may be enclosed by walls
+constexpr int kColumns = 24;      // along x and along y, where the ground is sampled
+constexpr double kPast_m = 1e-3;  // step beyond a surface that lets a ray through
+
+bool is_plant(SurfaceClass surface_class) {
+  return surface_class == SurfaceClass::kVegetation || surface_class == SurfaceClass::kTrunk ||
+         surface_class == SurfaceClass::kBranch || surface_class == SurfaceClass::kUndergrowth ||
+         surface_class == SurfaceClass::kFallenTrunk;
+}
+
+bool ends_at_wall(const StaticScene& world, Vector3 from, const Vector3& direction) {
+  double left_m = world.bounds_m().diagonal().norm();
+  while (left_m > 0.0) {
+    const RayHit hit = world.trace(from, direction, left_m);
+    if (hit.range_m <= 0.0F) return false;
+    if (!is_plant(hit.surface_class)) return hit.surface_class != SurfaceClass::kGround;
+    const double step_m = static_cast<double>(hit.range_m) + kPast_m;
+    from += step_m * direction;
+    left_m -= step_m;
+  }
+  return false;
+}
+
+std::optional<double> ground_of(const StaticScene& world, double x_m, double y_m) {
+  const double bottom_m = world.bounds_m().min().z() - 1.0;
+  for (double z = world.bounds_m().max().z() + 1.0; z > bottom_m;) {
+    const RayHit hit = world.trace({x_m, y_m, z}, -Vector3::UnitZ(), z - bottom_m);
+    if (hit.range_m <= 0.0F) break;
+    z -= hit.range_m;
+    if (hit.surface_class == SurfaceClass::kGround) return z;
+    z -= kPast_m;
+  }
+  return std::nullopt;
+}
 
 }  // namespace
+
+bool is_enclosed(const StaticScene& world, const Vector3& p_world_m) {
+  int open = 0;
+  for (int i = 0; i < kViews && open < 2; ++i) {
+    const double azimuth = i * 2.0 * std::numbers::pi / kViews;
+    if (!ends_at_wall(world, p_world_m, {elementary::cos(azimuth), elementary::sin(azimuth), 0.0})) ++open;
+  }
+  return open < 2;
+}
+
+double enclosed_share(const StaticScene& world, double height_m) {
+  const Eigen::AlignedBox3d& bounds = world.bounds_m();
+  int columns = 0, enclosed = 0;
+  for (int i = 0; i < kColumns * kColumns && !bounds.isEmpty(); ++i) {
+    const double x_m = bounds.min().x() + (i % kColumns + 0.5) / kColumns * bounds.sizes().x();
+    const double y_m = bounds.min().y() + (i / kColumns + 0.5) / kColumns * bounds.sizes().y();
+    const auto ground_m = ground_of(world, x_m, y_m);
+    if (!ground_m) continue;
+    ++columns;
+    enclosed += is_enclosed(world, {x_m, y_m, *ground_m + height_m}) ? 1 : 0;
+  }
+  return columns > 0 ? static_cast<double>(enclosed) / columns : 0.0;
+}
 
 FreeSpace::FreeSpace(std::shared_ptr<const StaticScene> world, const Limits& limits)
     : world_(std::move(world)), limits_(limits) {
@@ -39,32 +95,12 @@ FreeSpace::FreeSpace(std::shared_ptr<const StaticScene> world, const Limits& lim
   if (limits.indoors) indoors_.assign(free_.size(), 0);
 }
 
-std::optional<double> FreeSpace::ground_m(double x_m, double y_m) const {
-  const double bottom_m = world_->bounds_m().min().z() - 1.0;
-  for (double z = world_->bounds_m().max().z() + 1.0; z > bottom_m;) {
-    const RayHit hit = world_->trace({x_m, y_m, z}, -Vector3::UnitZ(), z - bottom_m);
-    if (hit.range_m <= 0.0F) break;
-    z -= hit.range_m;
-    if (hit.surface_class == SurfaceClass::kGround) return z;
-    z -= 1e-3;
-  }
-  return std::nullopt;
-}
+std::optional<double> FreeSpace::ground_m(double x_m, double y_m) const { return ground_of(*world_, x_m, y_m); }
 
-// Level views in eight directions end at something, but for one that may go out through a door.
 bool FreeSpace::is_indoors(const Vector3& p) const {
   const int index = grid_.index_of(grid_.cell_at(p));
   std::uint8_t& known = indoors_[static_cast<std::size_t>(index)];
-  if (known != 0) return known == 1;
-  const Vector3 center = grid_.center_of(index);
-  const double far_m = world_->bounds_m().diagonal().norm();
-  int ended = 0;
-  for (int i = 0; i < kViews; ++i) {
-    const double azimuth = i * 2.0 * std::numbers::pi / kViews;
-    ended +=
-        world_->trace(center, {elementary::cos(azimuth), elementary::sin(azimuth), 0.0}, far_m).range_m > 0.0F ? 1 : 0;
-  }
-  known = ended + 1 >= kViews ? 1 : 2;
+  if (known == 0) known = is_enclosed(*world_, grid_.center_of(index)) ? 1 : 2;
   return known == 1;
 }
 

@@ -12,6 +12,13 @@
 
 namespace swiftlet::sim {
 
+/// Do walls enclose the place? Level views in eight directions end at walls; one of them may be open, as through a
+/// door. Every surface is a wall except ground and plants, which views pass through.
+bool is_enclosed(const StaticScene& world, const Vector3& p_world_m);
+
+/// Share of the ground that walls enclose, seen from this height above it.
+double enclosed_share(const StaticScene& world, double height_m);
+
 /// Where a sphere can fly between two heights above the ground of a static world, by its truth. Cells are looked at
 /// when first asked for and remembered. Not thread-safe.
 class FreeSpace : public FreeSpaceView {
@@ -22,7 +29,7 @@ class FreeSpace : public FreeSpaceView {
     double height_max_m = 5.0;
     double border_m = 2.0;  ///< strip along the edge of the world where nobody flies
     double cell_m = 0.5;    ///< of the grid in which paths are searched
-    bool indoors = false;   ///< only where walls stand all around
+    bool indoors = false;   ///< only where walls enclose the place
   };
 
   FreeSpace(std::shared_ptr<const StaticScene> world, const Limits& limits);

@@ -42,6 +42,8 @@ Json json_of(const SequenceStatistics& s) {
   json["duration_s"] = s.duration_s;
   json["flown_m"] = s.flown_m;
   json["least_clearance_m"] = s.least_clearance_m;
+  json["frames_walled"] = s.frames_walled;
+  json["frames_outside"] = s.frames_outside;
   Json& classes = json["points_by_class"] = Json::object();
   for (const auto& [label, count] : s.points_by_class) classes[std::to_string(label)] = count;
   json["range_bin_m"] = SequenceStatistics::kRangeBin_m;
@@ -65,6 +67,8 @@ SequenceStatistics statistics_of(const Json& json) {
   s.duration_s = json.at("duration_s").get<double>();
   s.flown_m = json.at("flown_m").get<double>();
   s.least_clearance_m = json.at("least_clearance_m").get<double>();
+  s.frames_walled = json.value("frames_walled", std::int64_t{0});  // earlier versions did not count them
+  s.frames_outside = json.value("frames_outside", std::int64_t{0});
   for (const auto& [label, count] : json.at("points_by_class").items()) {
     const auto number = number_in<std::uint16_t>(label);
     if (!number) throw std::runtime_error("points_by_class: expected a class number, found \"" + label + "\"");
@@ -148,6 +152,27 @@ SequenceInfo read_sequence_info(const fs::path& directory) {
   } catch (const std::exception& error) {
     throw std::runtime_error(path.string() + ": not the description of a sequence: " + error.what());
   }
+}
+
+std::string poses_outside(const std::vector<SequenceInfo>& sequences) {
+  SequenceStatistics all;
+  std::vector<std::pair<std::string, SequenceStatistics>> splits;
+  for (const SequenceInfo& info : sequences) {
+    if (info.statistics.frames_walled == 0) continue;
+    if (splits.empty() || splits.back().first != info.split) splits.emplace_back(info.split, SequenceStatistics());
+    splits.back().second.add(info.statistics);
+    all.add(info.statistics);
+  }
+  if (splits.empty()) return {};
+  const auto share = [](const SequenceStatistics& s) {
+    return fmt::format("{:.1f} %",
+                       100.0 * static_cast<double>(s.frames_outside) / static_cast<double>(s.frames_walled));
+  };
+  std::string text = share(all) + " of " + std::to_string(all.frames_walled) + " poses lie outside walls (";
+  for (std::size_t i = 0; i < splits.size(); ++i) {
+    text += (i > 0 ? ", " : "") + splits[i].first + " " + share(splits[i].second);
+  }
+  return text + ")";
 }
 
 std::vector<FileEntry> list_files(const fs::path& directory, std::vector<FileEntry> known, const std::string& without) {

@@ -10,6 +10,7 @@
 
 #include "sim/dataset/boxes.hpp"
 #include "sim/dataset/frame_writer.hpp"
+#include "sim/dataset/free_space.hpp"
 #include "swiftlet/sim/io/output_file.hpp"
 #include "swiftlet/sim/io/text_row.hpp"
 #include "swiftlet/sim/recorders/pose_history.hpp"
@@ -140,6 +141,7 @@ class SequenceRecorder : public Recorder {
     row_.clear();
     add_matrix(row_, labeled.truth.T_world_lidar.front());
     poses_file_.append(row_.line());
+    if (!is_enclosed(*world_, labeled.truth.T_world_lidar.front().translation())) ++statistics_->frames_outside;
     row_.clear();
     times_file_.append(row_.add_seconds(scan.stamp).line());
 
@@ -211,6 +213,8 @@ void SequenceStatistics::add(const SequenceStatistics& other) {
   flown_m += other.flown_m;
   duration_s += other.duration_s;
   least_clearance_m = std::min(least_clearance_m, other.least_clearance_m);
+  frames_walled += other.frames_walled;
+  frames_outside += other.frames_outside;
 }
 
 std::unique_ptr<Recorder> make_sequence_recorder(const ContentConfig& content, VehicleId vehicle,

@@ -70,6 +70,7 @@ class Verification {
   VerifyReport run() {
     read_manifest();
     if (!manifest_.value("complete", false)) problem("the dataset is not complete; swiftlet dataset --resume goes on");
+    report_.poses_outside = poses_outside(sequences_);
     check_files();
     for (const SequenceInfo& info : sequences_) check_layout(info);
     // Bytes that differ from their hash need no second opinion.

@@ -128,6 +128,8 @@ SequenceInfo describe(const DatasetPlan& plan, const Flight& flight, int attempt
   info.revision = git_revision();
   info.reflectivities = prepared.reflectivities;
   info.statistics = *sequence.statistics;
+  info.statistics.frames_walled = prepared.has_interior ? info.statistics.frames : 0;
+  if (!prepared.has_interior) info.statistics.frames_outside = 0;
   info.files = list_files(sequence.partial, sequence.statistics->files);
   return info;
 }

@@ -223,6 +223,18 @@ TEST(DatasetConfig, BoundsOfAFlightStandInOrder) {
   EXPECT_EQ(problems_of_config(content).size(), 1U);
 }
 
+TEST(DatasetConfig, FlightsStayIndoorsByWish) {
+  const auto indoors = [](const std::string& word) {
+    return load_dataset(kSmallDataset, {{"families[0].flight.indoors", word}}).families[0].flight.indoors;
+  };
+  EXPECT_EQ(FlightConfig().indoors, FlightConfig::Indoors::kAuto);
+  EXPECT_EQ(indoors("auto"), FlightConfig::Indoors::kAuto);
+  EXPECT_EQ(indoors("true"), FlightConfig::Indoors::kTrue);
+  EXPECT_EQ(indoors("false"), FlightConfig::Indoors::kFalse);
+  EXPECT_THAT([&] { indoors("outside"); },
+              ThrowsMessage<InputError>(HasSubstr("expected one of \"auto\", \"true\", \"false\"")));
+}
+
 /// A team of four above a plane, the second and the fourth with a LiDAR.
 class TeamOfFour : public ::testing::Test {
  protected:
@@ -373,6 +385,10 @@ TEST_F(TeamOfFour, NeedsALidarAndAWayToFly) {
   const DatasetPlan narrow = plan_dataset(config);
   EXPECT_THAT([&] { prepare_flight(narrow, narrow.flights.at(0), 0); },
               ThrowsMessage<NoPathFound>(HasSubstr("no free paths for 4 vehicles")));
+  config.families[0].flight.indoors = FlightConfig::Indoors::kTrue;
+  const DatasetPlan open = plan_dataset(config);
+  EXPECT_THAT([&] { prepare_flight(open, open.flights.at(0), 0); },
+              ThrowsMessage<NoPathFound>(HasSubstr("inside walls; flight.indoors: false flies outside")));
 }
 
 TEST(DatasetPresets, AreValidAndHaveThreeSplits) {

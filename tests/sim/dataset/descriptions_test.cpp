@@ -13,6 +13,7 @@
 #include "swiftlet/sim/dataset/generate.hpp"
 #include "swiftlet/sim/dataset/hash.hpp"
 #include "swiftlet/sim/plot/plot.hpp"
+#include "swiftlet/sim/render/colors.hpp"
 #include "tests/sim/dataset/read_files.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -69,6 +70,21 @@ TEST(DataCard, SplitsAreCountedBySequenceAndFlight) {
   EXPECT_THAT(card, HasSubstr("\n| all |  | 3 | 4 | 1 600 | 3 704 700 | 32 | 41 s | 402 m | 4 kB |\n"));
   EXPECT_THAT(card, ::testing::StartsWith("# pair\n\nSimulated by Swiftlet "));
   EXPECT_THAT(card, HasSubstr("fingerprint of the configuration `beef`"));
+}
+
+TEST(DataCard, StatesTheShareOfPosesOutsideWallsWhereThereAreWalls) {
+  const DatasetPlan plan = plan_of({{"train", 2, 5}, {"valid", 1, 9}});
+  std::vector<SequenceInfo> sequences = {sequence_of(0, "train"), sequence_of(1, "train"), sequence_of(2, "valid")};
+  for (SequenceInfo& info : sequences) info.statistics.frames = 40;
+  EXPECT_EQ(poses_outside(sequences), "");
+  EXPECT_THAT(card_of(plan, sequences), Not(HasSubstr("outside walls")));
+  // The second family, in a forest, has no walls.
+  sequences[0].statistics.frames_walled = 40;
+  sequences[0].statistics.frames_outside = 5;
+  sequences[2].statistics.frames_walled = 40;
+  sequences[2].statistics.frames_outside = 40;
+  EXPECT_THAT(card_of(plan, sequences),
+              HasSubstr("\n\n56.2 % of 80 poses lie outside walls (train 12.5 %, valid 100.0 %).\n\n"));
 }
 
 TEST(DataCard, SizesHaveTheUnitThatFitsThem) {
@@ -281,7 +297,10 @@ TEST(ClassTable, NumbersClassesWithoutGapsAndTellsTheirShare) {
   EXPECT_EQ(labels.front(), "0: \"unlabeled\"");
   EXPECT_THAT(labels, ::testing::Contains("300: \"vehicle\""));
   EXPECT_EQ(colors.front(), "0: [0, 0, 0]");
-  EXPECT_THAT(colors, ::testing::Contains("40: [112, 150, 176]")) << "blue first";
+  const Eigen::Vector3i ground_rgb = (255.0F * class_color(40).cast<float>()).array().round().matrix().cast<int>();
+  EXPECT_THAT(colors, ::testing::Contains("40: [" + std::to_string(ground_rgb.z()) + ", " +
+                                          std::to_string(ground_rgb.y()) + ", " + std::to_string(ground_rgb.x()) + "]"))
+      << "blue first";
   EXPECT_THAT(block(table, "split"), ElementsAre("train:", "  - 3", "  - 5", "valid:", "  - 4", "test: []"));
   // Without points nothing has a share.
   EXPECT_THAT(block(class_table(plan_of({}), {}), "content").at(1), HasSubstr(": 0.000000000"));
@@ -314,6 +333,8 @@ SequenceInfo full_sequence() {
   s.duration_s = 1.5;
   s.flown_m = 2.25;
   s.least_clearance_m = 0.75;
+  s.frames_walled = 12;
+  s.frames_outside = 7;
   s.points_by_class = {{0, 1}, {40, 2}, {65'535, 3}};
   for (std::size_t i = 0; i < s.points_by_range.size(); ++i) {
     const auto n = static_cast<std::int64_t>(i);
@@ -341,6 +362,8 @@ TEST(SequenceInfo, WhatWasWrittenReadsBackTheSame) {
     EXPECT_EQ(read.statistics.vehicles_by_range[i].points, info.statistics.vehicles_by_range[i].points);
   }
   EXPECT_EQ(read.statistics.pixel_shift_by_row, info.statistics.pixel_shift_by_row);
+  EXPECT_EQ(read.statistics.frames_walled, 12);
+  EXPECT_EQ(read.statistics.frames_outside, 7);
   EXPECT_EQ(read.files.at(1).bytes, 5'000'000'000U);
   const auto json = nlohmann::json::parse(to_json(info));
   EXPECT_EQ(json.at("sequence"), "07");
@@ -468,6 +491,8 @@ TEST(SequenceStatistics, AddUpAndTheLeastClearanceIsTheLeast) {
   EXPECT_EQ(sum.flown_m, 4.5);
   EXPECT_EQ(sum.duration_s, 3.0);
   EXPECT_EQ(sum.least_clearance_m, 0.5);
+  EXPECT_EQ(sum.frames_walled, 24);
+  EXPECT_EQ(sum.frames_outside, 14);
 }
 
 }  // namespace

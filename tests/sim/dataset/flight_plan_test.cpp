@@ -8,6 +8,9 @@
 
 #include "sim/dataset/free_space.hpp"
 #include "swiftlet/core/planning/grid_search.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
+#include "swiftlet/sim/world/warehouse.hpp"
 #include "tests/support/test_scene.hpp"
 
 namespace swiftlet::sim {
@@ -158,6 +161,109 @@ TEST(FreeSpace, TwoOpenViewsAreNotIndoors) {
     EXPECT_EQ(space.is_free(Vector3(0, 0, 3)), doors < 2) << doors;
     EXPECT_EQ(space.is_free(Vector3(0, 0, 3)), doors < 2) << "remembered";
     EXPECT_TRUE(space.is_free(Vector3(7, 7, 3))) << "where no door is in view";
+  }
+}
+
+/// A ring of 20 m x 20 m and 6 m high, on ground of 60 m x 60 m.
+TestScene ring_of(SurfaceClass surface_class) {
+  TestScene scene;
+  scene.add_wall({-30, -30, 0}, {30, -30, 0}, {30, 30, 0}, {-30, 30, 0}, SurfaceClass::kGround);
+  scene.add_box({-10.2F, -10.2F, 0}, {10.2F, -10, 6}, surface_class);
+  scene.add_box({-10.2F, 10, 0}, {10.2F, 10.2F, 6}, surface_class);
+  scene.add_box({-10.2F, -10, 0}, {-10, 10, 6}, surface_class);
+  scene.add_box({10, -10, 0}, {10.2F, 10, 6}, surface_class);
+  return scene;
+}
+
+bool stays_indoors(const StaticScene& world) { return stays_indoors(FlightConfig(), world); }
+
+TEST(Interior, IsTheGroundThatWallsOfAnyKindEnclose) {
+  for (const SurfaceClass walls :
+       {SurfaceClass::kWall, SurfaceClass::kBuilding, SurfaceClass::kUnlabeled, SurfaceClass::kRack}) {
+    TestScene scene = ring_of(walls);
+    scene.add_box({2, 2, 0}, {4, 4, 8}, SurfaceClass::kTrunk);  // views pass plants
+    const StaticScene world(scene.scene());
+    EXPECT_NEAR(enclosed_share(world, 2.0), 1.0 / 9.0, 1e-9);
+    EXPECT_EQ(enclosed_share(world, 7.0), 0.0) << "above the walls";
+    EXPECT_TRUE(stays_indoors(world));
+  }
+}
+
+TEST(Interior, GroundAndPlantsEncloseNothing) {
+  for (const SurfaceClass hedge : {SurfaceClass::kGround, SurfaceClass::kVegetation, SurfaceClass::kUndergrowth,
+                                   SurfaceClass::kTrunk, SurfaceClass::kBranch, SurfaceClass::kFallenTrunk}) {
+    const StaticScene world(ring_of(hedge).scene());
+    EXPECT_FALSE(is_enclosed(world, {0, 0, 2})) << name_of(hedge);
+    EXPECT_FALSE(stays_indoors(world)) << name_of(hedge);
+  }
+  for (const char* type : {"forest", "field", "empty"}) {
+    EXPECT_EQ(enclosed_share(StaticScene(make_world(Module(world_module_types(), type), 1)), 2.0), 0.0) << type;
+  }
+}
+
+TEST(Interior, OneBuildingOfALargePlaceIsNone) {
+  const StaticScene campus(make_world(Module(world_module_types(), "campus"), 1));
+  EXPECT_GT(enclosed_share(campus, 1.5), 0.0);
+  EXPECT_FALSE(stays_indoors(campus));
+}
+
+TEST(Interior, IsThatOfHallsRoomsAndImportedCourtyards) {
+  for (const char* name : {"warehouse", "hall", "gap", "import_mesh"}) {
+    const Scenario scenario = load_scenario(SWIFTLET_SOURCE_DIR "/scenarios/" + std::string(name) + ".yaml");
+    EXPECT_TRUE(stays_indoors(StaticScene(make_world(scenario.world, 1)))) << name;
+  }
+}
+
+/// Greatest distance of a planned position beyond the inner walls of a warehouse [m].
+double beyond_walls_m(const WarehouseConfig& warehouse, const std::vector<SplineTrajectory>& paths, double duration_s) {
+  double beyond_m = -1e9;
+  for (const SplineTrajectory& path : paths) {
+    for (double t_s = 0.0; t_s <= duration_s; t_s += 0.05) {
+      const Vector3 p = path.spline().at(t_s).p_m;
+      beyond_m = std::max(beyond_m, (p.head<2>().cwiseAbs() - 0.5 * warehouse.size_m.head<2>()).maxCoeff());
+      beyond_m = std::max(beyond_m, p.z() - warehouse.size_m.z());
+    }
+  }
+  return beyond_m;
+}
+
+TEST(FlightPlan, StaysInsideTheWarehouseUnlessAskedToFlyOutside) {
+  constexpr double kDuration_s = 10.0;
+  FlightConfig as_it_is, outside, inside;
+  outside.indoors = FlightConfig::Indoors::kFalse;
+  inside.indoors = FlightConfig::Indoors::kTrue;
+  for (FlightConfig* config : {&as_it_is, &outside, &inside}) config->height_max_m = 12.0;  // higher than the walls
+  for (const bool roof : {true, false}) {
+    WarehouseConfig warehouse;
+    warehouse.size_m = {32, 20, 8};
+    warehouse.roof = roof;
+    const auto world = std::make_shared<const StaticScene>(make_warehouse(warehouse, 1));
+    int flown_outside = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const auto paths = plan_flight(as_it_is, world, {0.4, 0.3}, kDuration_s, seed, 0);
+      ASSERT_TRUE(paths.has_value());
+      EXPECT_LT(beyond_walls_m(warehouse, *paths, kDuration_s), 0.0);
+      const auto same = plan_flight(inside, world, {0.4, 0.3}, kDuration_s, seed, 0);
+      ASSERT_TRUE(same.has_value());
+      for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ((*same)[i].control_points_m, (*paths)[i].control_points_m);
+      const auto free = plan_flight(outside, world, {0.4, 0.3}, kDuration_s, seed, 0);
+      if (free && beyond_walls_m(warehouse, *free, kDuration_s) > 1.0) ++flown_outside;
+    }
+    EXPECT_GT(flown_outside, 0);
+  }
+}
+
+TEST(FlightPlan, WithoutWallsAllAroundFlightsGoEverywhere) {
+  TestScene hedges = ring_of(SurfaceClass::kVegetation);
+  FlightConfig as_it_is, outside;
+  outside.indoors = FlightConfig::Indoors::kFalse;
+  for (const auto& world : {std::make_shared<const StaticScene>(hedges.scene()), field_with_gap()}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const auto paths = plan_flight(as_it_is, world, {0.4}, 10.0, seed, 0);
+      const auto same = plan_flight(outside, world, {0.4}, 10.0, seed, 0);
+      ASSERT_TRUE(paths && same);
+      EXPECT_EQ(paths->front().control_points_m, same->front().control_points_m);
+    }
   }
 }
 

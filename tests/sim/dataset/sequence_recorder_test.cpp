@@ -340,6 +340,26 @@ TEST_F(SequenceRecorderTest, CountsArePlainCountsOverItsScans) {
   EXPECT_EQ(found.points_by_range, by_range);
 }
 
+TEST_F(SequenceRecorderTest, FramesOutsideAreThoseThatWallsDoNotEnclose) {
+  EXPECT_EQ(flight.record(content, directory.path()).frames_outside, 30);
+  // Out through the east wall of a room: the LiDAR flies from x = 0.05 m to 1.5 m.
+  constexpr float kEast_m = 0.75F;
+  TestScene room;
+  room.add_box({-5, -5, 0}, {-4.9F, 5, 20});
+  room.add_box({kEast_m, -5, 0}, {kEast_m + 0.001F, 5, 20});
+  room.add_box({-5, -5.1F, 0}, {kEast_m, -5, 20});
+  room.add_box({-5, 5, 0}, {kEast_m, 5.1F, 20});
+  flight.world = std::make_shared<const StaticScene>(room.scene());
+  const TemporaryDirectory again;
+  int outside = 0;
+  for (int n = 0; n < Flight2::kScans; ++n) {
+    outside += flight.world_from_lidar(n * 100'000'000LL).translation().x() > static_cast<double>(kEast_m) ? 1 : 0;
+  }
+  EXPECT_GT(outside, 5);
+  EXPECT_LT(outside, 25);
+  EXPECT_EQ(flight.record(content, again.path()).frames_outside, outside);
+}
+
 TEST_F(SequenceRecorderTest, FilesAreThoseOfItsFramesWithTheirHashes) {
   const SequenceStatistics found = flight.record(content, directory.path());
   ASSERT_EQ(found.files.size(), 30U * 5U);

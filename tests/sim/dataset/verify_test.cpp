@@ -99,6 +99,10 @@ TEST_F(HandMade, IsFineAsItIs) {
   EXPECT_EQ(report.frames, 3);
   EXPECT_EQ(report.files, 3 + 3 + 3 + 1 + 1);  // frames, tables, sequence.json, README.md
   EXPECT_EQ(report.resimulated, 0);
+  EXPECT_EQ(report.poses_outside, "");
+  info.statistics.frames_walled = 3;
+  info.statistics.frames_outside = 1;
+  EXPECT_EQ(verify().poses_outside, "33.3 % of 3 poses lie outside walls (train 33.3 %)");
 }
 
 TEST_F(HandMade, APoseHasTwelveNumbersSeparatedByOneBlank) {

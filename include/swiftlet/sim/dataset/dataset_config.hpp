@@ -38,7 +38,8 @@ struct FlightConfig {
   double height_max_m = 5.0;
   double margin_m = 0.6;
   double border_m = 2.0;
-  bool indoors = false;
+  enum class Indoors { kAuto, kTrue, kFalse };
+  Indoors indoors = Indoors::kAuto;
   double leg_min_m = 6.0;
   double leg_max_m = 30.0;
   double revisit_share = 0.3;

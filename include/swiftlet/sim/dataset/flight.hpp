@@ -37,6 +37,7 @@ struct PreparedFlight {
   Scenario scenario;
   World world;
   std::vector<double> reflectivities;  ///< of the world's materials, as drawn
+  bool has_interior = false;           ///< walls enclose some of the ground
 };
 /// The world of a scenario with these reflectivities of its materials; empty: the generator's.
 World make_flight_world(const Scenario& scenario, const std::vector<double>& reflectivities);

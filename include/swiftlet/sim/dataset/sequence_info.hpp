@@ -37,6 +37,10 @@ std::string to_json(const SequenceInfo& info);
 /// Throws std::runtime_error with the path and the reason.
 SequenceInfo read_sequence_info(const std::filesystem::path& directory);
 
+/// The share of LiDAR poses outside walls, of all frames and by split: "25.0 % of 480 poses lie outside walls (train
+/// 0.0 %, valid 100.0 %)". Empty when no world has walls that enclose some of the ground.
+std::string poses_outside(const std::vector<SequenceInfo>& sequences);
+
 /// Size and hash of every file below a directory, by name, without sequence.json.
 /// @param known    files that need not be read again
 /// @param without  folder that is left out

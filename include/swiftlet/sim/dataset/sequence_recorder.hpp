@@ -36,6 +36,8 @@ struct SequenceStatistics {
   double flown_m = 0.0;
   double duration_s = 0.0;
   double least_clearance_m = 1e9;
+  std::int64_t frames_walled = 0;       ///< in worlds whose walls enclose some of the ground
+  std::int64_t frames_outside = 0;      ///< of these: walls do not enclose the LiDAR
   std::vector<int> pixel_shift_by_row;  ///< of the images; empty: none
   int rows = 0, columns = 0;
   std::vector<FileEntry> files;  ///< of the frames, hashed as they were written

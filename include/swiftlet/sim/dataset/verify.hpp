@@ -21,6 +21,7 @@ struct VerifyReport {
   std::int64_t frames = 0;            ///< whose layout was checked
   int resimulated = 0;                ///< frames compared bit for bit
   std::vector<std::string> problems;  ///< one line each; empty: all is well
+  std::string poses_outside;          ///< as in the data card; empty where walls enclose no ground
 
   bool ok() const { return problems.empty(); }
 };
