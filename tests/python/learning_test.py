@@ -184,6 +184,8 @@ class Results(support.InFolder):
             np.testing.assert_allclose(np.linalg.det(frame.T_world_lidar), 1.0, atol=1e-6)
             self.assertGreater(len(frame.boxes), 0)
             self.assertIn("num_points", frame.boxes[0])
+            self.assertIsInstance(frame.boxes, swiftlet.results.Rows)
+            self.assertEqual(repr(frame), f"Frame {frame.index} of sequence {frame.sequence} at {frame.t_s:.3f} s: {n} returns, {len(frame.boxes)} boxes")
         self.assertEqual(len(swiftlet.datasets.Dataset(self.path / "data", "valid")), 0)
 
 

@@ -8,12 +8,14 @@ import typing as _typing
 
 import numpy as np
 
+from .results import Rows
+
 __all__ = ["Dataset", "Frame"]
 
 _TRUTH = np.dtype([("t_ns", "<u4"), ("ring", "<u2"), ("column", "<u2"), ("range_m", "<f4"), ("incidence_rad", "<f4")])
 
 
-@_dataclasses.dataclass
+@_dataclasses.dataclass(repr=False)
 class Frame:
     """One scan with its truth; n returns."""
     sequence: str
@@ -25,7 +27,11 @@ class Frame:
     instance: np.ndarray                    # (n,) uint16
     T_world_lidar: np.ndarray               # (4, 4), true pose of the LiDAR at t_s
     truth: _typing.Optional[np.ndarray]     # (n,) of t_ns, ring, column, range_m, incidence_rad; None: not written
-    boxes: _typing.List[dict]               # other vehicles: name, number of points, center (LiDAR and world), size ...
+    boxes: Rows                             # other vehicles: name, number of points, center (LiDAR and world), size ...
+
+    def __repr__(self):
+        return (f"Frame {self.index} of sequence {self.sequence} at {self.t_s:.3f} s: {len(self.label)} returns, "
+                f"{len(self.boxes)} boxes")
 
 
 class Dataset:
@@ -59,7 +65,7 @@ class Dataset:
         truth = path / f"point_truth/{i:06d}.bin"
         return Frame(path.name, i, times[i], scan[:, :3], scan[:, 3], (label & 0xFFFF).astype(np.uint16),
                      (label >> 16).astype(np.uint16), poses[i], np.fromfile(truth, _TRUTH) if truth.is_file() else None,
-                     boxes.get(i, []))
+                     boxes.get(i, Rows()))
 
     def _of_sequence(self, path):
         if path not in self._known:
@@ -70,7 +76,7 @@ class Dataset:
                 with open(path / "boxes.csv", newline="") as file:
                     for row in _csv.DictReader(file):
                         box = {key: value if key == "vehicle" else _number(value) for key, value in row.items()}
-                        boxes.setdefault(int(row["frame"]), []).append(box)
+                        boxes.setdefault(int(row["frame"]), Rows()).append(box)
             self._known[path] = np.loadtxt(path / "times.txt", ndmin=1), poses, boxes
         return self._known[path]
 
