@@ -455,7 +455,8 @@ class Scripts(Machine):
         output = self.run_command(self.setup, "library")
         line = next(line for line in output.splitlines() if "left out" in line)
         self.assertEqual(set(line.split(": ")[-1].split()), unknown)
-        self.assertEqual(self.installed() - {"bash"}, self.needed("library") - unknown)
+        in_its_place = {"libegl-dev", "libgl1-mesa-dri"}  # of libosmesa6-dev
+        self.assertEqual(self.installed() - {"bash"}, self.needed("library") - unknown | in_its_place)
         calls = self.calls()
         again = self.run_command(self.setup, "library")
         self.assertEqual((again.strip(), self.calls()), (line, calls))
