@@ -152,11 +152,11 @@ struct Renderer::Impl {
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
     const double size_m = scene.bounds_m.isEmpty() ? 100.0 : scene.bounds_m.diagonal().norm();
     haze_per_m = static_cast<float>(0.35 / std::clamp(size_m, 60.0, 1500.0));
+    context.release();
   }
 
   /// What decides how the world without vehicles looks.
   struct Sight {
-    context.release();
     Eigen::Matrix4d clip_world = Eigen::Matrix4d::Zero();
     int width_px = 0, height_px = 0, samples = 0;
     float cut_m = 0.0F;
