@@ -54,6 +54,7 @@ std::string manual_page(const CommandShape& program) {
   text += ".SH EXIT STATUS\n.TP\n0\nIt did what was asked.\n.TP\n1\nSomething broke on the way, such as a full disk.\n";
   text += ".TP\n2\nThe input is wrong: one message names file, line and key, and nothing was written.\n";
   text += ".TP\n130, 143\nIt was interrupted or terminated.\n";
+  text += ".TP\n141\nThe reader of its output ended before it.\n";
   return text;
 }
 
@@ -86,7 +87,6 @@ _swiftlet() {{
   if [[ $word != -* ]]; then
     case ${{COMP_WORDS[1]}} in
       run | check | world) words=$("${{COMP_WORDS[0]}}" list scenarios 2>/dev/null | awk '/^  /{{print $1}}') ;;
-      reproduce) words=$("${{COMP_WORDS[0]}}" reproduce --list 2>/dev/null | awk '{{print $1}}') ;;
       list) words=$("${{COMP_WORDS[0]}}" list 2>/dev/null | awk '/^[a-z]/{{print $1}}') ;;
     esac
   fi
