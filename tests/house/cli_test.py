@@ -254,22 +254,10 @@ class Cli(unittest.TestCase):
 
     def test_help_is_everywhere(self):
         self.assertIn("run", self.run_swiftlet("--help").stdout)
-        for command in ("run", "batch", "report", "render", "world", "check", "list", "reference", "bench", "reproduce", "uncertainty"):
+        for command in ("run", "batch", "report", "render", "world", "check", "list", "reference", "bench", "uncertainty"):
             result = self.run_swiftlet(command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Usage", result.stdout)
-
-    def test_experiments_are_listed_and_leave_their_table_and_plot(self):
-        self.assertIn("uncertainty-table", self.run_swiftlet("reproduce", "--list").stdout)
-        self.refused("reproduce", "no-such-thing", tells=["no-such-thing", "occupancy-filters"])
-        result = self.run_swiftlet("reproduce", "occupancy-filters", "--out", "experiments")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        folder = self.path / "experiments" / "occupancy-filters"
-        rows = json.loads((folder / "result.json").read_text())["rows"]
-        self.assertTrue(rows and all(row["verdict"] in ("reproduced", "no published figure") for row in rows), rows)
-        self.assertFalse(any("missed" in row["tolerance"] for row in rows), rows)
-        for name in ("result.md", "occupancy-filters.csv", "occupancy-filters.svg"):
-            self.assertTrue((folder / name).stat().st_size > 0, name)
 
     def test_the_uncertainty_of_a_sensor_is_a_table_and_a_plot(self):
         self.refused("uncertainty", "--sensor", "no_such_lidar", tells=["no_such_lidar"])
@@ -351,13 +339,12 @@ class Cli(unittest.TestCase):
         self.assertEqual(completed("ren"), ["render"])
         self.assertIn("--duration", completed("run", "--du"))
         self.assertEqual(completed("run", "forest_pat"), ["forest_patrol"])
-        self.assertEqual(completed("reproduce", "occup"), ["occupancy-filters"])
         self.assertIn("hover.yaml", completed("check", "hov"))
 
     def test_the_manual_page_has_every_command(self):
         page = self.run_swiftlet("man", check=True).stdout
         self.assertTrue(page.startswith(".TH SWIFTLET 1"))
-        for command in ("run", "batch", "world", "reproduce"):
+        for command in ("run", "batch", "world"):
             self.assertIn(f".SS swiftlet {command}\n", page)
         self.assertIn("\\fB\\-\\-map\\fR", page)
 

@@ -30,7 +30,8 @@ struct CameraConfig {
   /// Where it is and what it looks at. Both zero: chosen by the type.
   /// - fixed: world;
   /// - follow: position is the offset from the vehicle(s) along the axes of the world, whatever the heading. Its length
-  ///   is the least distance; zero: by the size of the vehicles. Where the world blocks the sight, the camera goes round;
+  ///   is the least distance; zero: by the size of the vehicles. Where the world blocks the sight, the camera goes
+  ///   round;
   /// - onboard, depth: body frame;
   /// - top: target is the center, when span_m is given.
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
