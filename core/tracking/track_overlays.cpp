@@ -97,7 +97,7 @@ void TrackOverlays::append(std::span<const Track> tracks, std::vector<Overlay>& 
       add_line(lines, ahead(track, t).cast<float>(), ahead(track, t + kAheadStep_s).cast<float>(), color);
     add_ellipsoid(ellipses, track);
   }
-  if (!tracks.empty()) lines.legend.push_back({"prediction of a track", color_of(tracks.front().id), true});
+  if (!tracks.empty()) lines.legend.push_back({"prediction", color_of(tracks.front().id), true});
   for (const Trail& trail : trails_) {
     for (std::size_t k = 0; k + 1 < trail.count; ++k) {
       add_line(lines, trail.points_local_m[(trail.first + k) % Trail::kCapacity],

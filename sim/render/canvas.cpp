@@ -98,9 +98,7 @@ void SvgCanvas::ring(const PixelPoint& center_px, float radius_px, float width_p
 }
 
 void SvgCanvas::text(const PixelPoint& at_px, std::string_view content, const TextStyle& style) {
-  // Where DejaVu Sans is missing, the next ones are no wider.
-  std::string attributes =
-      fmt::format("fill=\"{}\" font-family=\"DejaVu Sans, Verdana, sans-serif\"", hex_of(style.color));
+  std::string attributes = fmt::format("fill=\"{}\"", hex_of(style.color));
   if (style.halo_alpha > 0.0F) {
     attributes += fmt::format(
         " stroke=\"{}\" stroke-opacity=\"{:.2f}\" stroke-width=\"{:.1f}\" stroke-linejoin=\"round\" "

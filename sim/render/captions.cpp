@@ -213,7 +213,11 @@ void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, cons
     float reach_px;
   };
   std::vector<Named> to_name;
-  std::vector<Box> obstacles;
+  const auto width = static_cast<float>(view.width_px), height = static_cast<float>(view.height_px);
+  // Scale bar, axes and caption.
+  std::vector<Box> obstacles = {{0.0F, height - 6.6F * h, 0.2F * width + 3.0F * h, 6.6F * h},
+                                {width - 9.0F * h, height - 11.0F * h, 9.0F * h, 11.0F * h},
+                                {0.0F, height - 2.8F * h, width, 2.8F * h}};
   for (std::size_t v = 0; v < picture.states.size(); ++v) {
     if (static_cast<VehicleId>(v) == marks.hidden_vehicle) continue;
     const auto at = view.project(picture.states[v].p_world_m);
@@ -224,20 +228,19 @@ void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, cons
     float radius_px = radius_m * static_cast<float>(view.pixels_per_m(at->z()));
     if (2.0F * radius_px < marks.min_px) {
       radius_px = 0.5F * marks.min_px;
-      const float width = std::min(std::max(2.0F, 0.17F * h) * look.line_scale, 0.3F * radius_px);
-      canvas.ring(center, radius_px, 2.2F * width, look.page);
-      canvas.ring(center, radius_px, width, color);
+      const float thick = std::min(std::max(2.0F, 0.17F * h) * look.line_scale, 0.3F * radius_px);
+      canvas.ring(center, radius_px, 2.2F * thick, look.page);
+      canvas.ring(center, radius_px, thick, color);
     }
     if (!named || v >= marks.names.size()) continue;
-    const float reach_px = std::min(0.9F * radius_px, 0.2F * static_cast<float>(view.height_px));
+    const float reach_px = std::min(0.9F * radius_px, 0.2F * height);
     to_name.push_back({v, center, reach_px});
     obstacles.push_back({center.x() - reach_px, center.y() - reach_px, 2.0F * reach_px, 2.0F * reach_px});
   }
-  const Box all{0.0F, 0.0F, static_cast<float>(view.width_px), static_cast<float>(view.height_px)};
   for (const Named& one : to_name) {
     const std::string& name = marks.names[one.vehicle];
     const Eigen::Vector2f size(text_width_px(name, h) + h, 2.0F * h);  // half a capital of room all around
-    const Box box = place_label(one.center, one.reach_px, size, obstacles, all);
+    const Box box = place_label(one.center, one.reach_px, size, obstacles, {0.0F, 0.0F, width, height});
     obstacles.push_back(box);
     TextStyle style = look.text(0.9F, Align::kCenter);
     style.color = ink_of(vehicle_color(static_cast<VehicleId>(one.vehicle)));

@@ -43,7 +43,7 @@ struct VehicleMarks {
   VehicleId hidden_vehicle = kNoVehicle;
 };
 /// Each vehicle's name in its color, and rings around those that are too small to be seen. A name stands above its
-/// vehicle, or below, right or left of it where it would cover another name or vehicle.
+/// vehicle. Where it would cover another name, a vehicle, scale bar, axes or caption, it stands below, right or left.
 void draw_vehicle_marks(Canvas& canvas, const Look& look, const View& view, const PictureScene& picture,
                         const VehicleMarks& marks);
 
