@@ -18,6 +18,7 @@ namespace {
 constexpr double kInterval_s = 0.1;  // of paths
 constexpr int kPathParts = 5;        // steps of the governor in it
 constexpr double kToldInterval_s = 0.2;
+// A reference slower than this at the goal stands still and ends the prediction.
 constexpr double kPathStanding_mps = 0.02;
 constexpr double kAgain_s = 0.2;    // after which a path is told again: a message may be lost
 constexpr double kBetter_m = 0.05;  // by which a plan must be better than what is flown

@@ -11,6 +11,7 @@
 namespace swiftlet {
 namespace {
 
+// Damping of Levenberg and Marquardt's method, relative to the diagonal of H: first value, and the value that ends it.
 constexpr double kGridFirstDamping = 1e-4, kGridMostDamping = 1e8;
 constexpr double kLeastEasing = 1.0 / 3.0;  // of the damping, after a step that was as good as foretold
 constexpr double kSettledShare = 1e-6;      // of the cost: a smaller gain ends the search

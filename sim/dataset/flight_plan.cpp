@@ -20,8 +20,9 @@ constexpr double kSmoothedMargin = 0.5;  // what rounding a corner may cost of t
 constexpr double kSlowdown = 0.75;       // mean speed over cruise speed, for estimates of time
 constexpr int kMaxPlaces = 60;           // draws for one goal
 constexpr int kMaxLegs = 400;
-constexpr int kMaxPaths = 12;           // draws for one vehicle
-constexpr double kInteriorShare = 0.1;  // of the ground, enclosed by walls: with less, `indoors: auto` flies everywhere
+constexpr int kMaxPaths = 12;  // draws for one vehicle
+// Share of the ground enclosed by walls [-]: with less, `indoors: auto` flies everywhere.
+constexpr double kInteriorShare = 0.1;
 
 /// Draws of one vehicle's planning, each used once.
 class Draws {

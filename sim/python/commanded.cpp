@@ -19,7 +19,7 @@ using Row = std::array<double, kMaxRotors>;
 constexpr double kLeash_m = 0.5;
 constexpr double kLeash_s = 0.5;
 
-constexpr int kGoalNumbers = 4;  // of a velocity and yaw rate, or of a position and yaw
+constexpr int kGoalNumbers = 4;  // velocity and yaw rate, or position and yaw
 
 struct CommandedConfig : ModuleConfigOf<CommandedConfig> {
   enum class By { kVelocity, kPosition };

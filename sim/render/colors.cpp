@@ -13,7 +13,7 @@ namespace {
 
 using Bytes = std::array<std::uint8_t, 3>;
 
-constexpr float kLeastContrast = 4.5F;  // of text, by WCAG 2, level AA
+constexpr float kLeastContrast = 4.5F;  // luminance ratio of text to its halo (WCAG 2, level AA)
 
 Rgb rgb_of(const Bytes& bytes) { return Rgb(bytes[0], bytes[1], bytes[2]) / 255.0F; }
 

@@ -72,7 +72,7 @@ GlContext::~GlContext() {
 }
 
 void GlContext::make_current() {
-  eglBindAPI(EGL_OPENGL_API);  // of the calling thread
+  eglBindAPI(EGL_OPENGL_API);  // EGL keeps the API for each thread
   if (eglMakeCurrent(software_display(), EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_FALSE) fail();
 }
 

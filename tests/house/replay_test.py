@@ -486,7 +486,7 @@ class Page(Browsing):
         self.assertEqual(self.value("swiftlet.cameraText()"), "orbit")
         self.browser.press(SHIFT, TAB)
         before = self.value("swiftlet.t")
-        self.browser.press(" ")  # of the button that has the focus
+        self.browser.press(" ")  # activates the button with the focus
         self.assertGreater(self.value("swiftlet.t"), before)
         self.assertFalse(self.value("swiftlet.playing"))
         self.browser.press(ESCAPE)
