@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "embedded/tools_reproduce.hpp"
+#include "embedded/tools_experiments.hpp"
 
 namespace swiftlet::tools {
 namespace {
