@@ -54,6 +54,8 @@ if(SWIFTLET_SIM)
   cmake_host_system_information(RESULT system QUERY DISTRIB_INFO)
   file(GLOB pages CONFIGURE_DEPENDS docs/*.md)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/swiftlet RENAME copyright COMPONENT program)
+  # The program contains the font DejaVu Sans, whose license asks for its notice.
+  install(FILES /usr/share/doc/fonts-dejavu-core/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/swiftlet RENAME copyright.dejavu OPTIONAL COMPONENT program)
   install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/swiftlet COMPONENT program)
   install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/swiftlet/docs COMPONENT program)
   install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/swiftlet COMPONENT program)
