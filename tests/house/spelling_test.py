@@ -10,8 +10,8 @@ import sys
 
 TEXT = {".cpp", ".hpp", ".py", ".sh", ".md", ".yaml", ".yml", ".txt", ".cmake", ".in", ".json", ".cff", ".html", ".css", ".js",
         ".glsl", ""}
-APART = {"tests/house/words.txt", "LICENSE"}  # the list itself, and what others wrote
-GIVEN_UP_IN = {"CHANGELOG.md"}  # where names that were given up are told
+APART = {"tests/house/words.txt", "LICENSE"}  # the list itself, and the text of the license
+GIVEN_UP_IN = {"CHANGELOG.md"}  # may name what was given up
 WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 
 
