@@ -5,8 +5,11 @@ Links to other hosts, and to the runs of a workflow (../../actions/), are not fo
 """
 import pathlib
 import re
-import subprocess
 import sys
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from tracked import tracked
 
 FENCE = re.compile(r"^(```|~~~).*?^\1[^\n]*$", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"`[^`\n]*`")
@@ -36,16 +39,9 @@ def anchors(text):
     return found
 
 
-def documents(root):
-    listed = subprocess.run(["git", "-C", str(root), "ls-files", "-z", "*.md"], capture_output=True, text=True)
-    if listed.returncode != 0:  # not a clone
-        return [p for p in sorted(root.rglob("*.md")) if "build" not in p.relative_to(root).parts]
-    return [root / name for name in listed.stdout.split("\0") if name and (root / name).is_file()]
-
-
 def violations(root):
     known = {}
-    for path in documents(root):
+    for path in tracked(root, "*.md"):
         text = CODE.sub(blanked, FENCE.sub(blanked, path.read_text()))
         for pattern in (LINK, REFERENCE, SOURCE):
             for match in pattern.finditer(text):

@@ -5,8 +5,11 @@ Words are found within identifiers too, whether their parts are joined by capita
 """
 import pathlib
 import re
-import subprocess
 import sys
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from tracked import tracked
 
 TEXT = {".cpp", ".hpp", ".py", ".sh", ".md", ".yaml", ".yml", ".txt", ".cmake", ".in", ".json", ".cff", ".html", ".css", ".js",
         ".glsl", ""}
@@ -25,13 +28,6 @@ def forbidden(root):
     return words, names
 
 
-def tracked(root):
-    listed = subprocess.run(["git", "-C", str(root), "ls-files", "-z"], capture_output=True, text=True)
-    if listed.returncode != 0:  # not a clone
-        return sorted(p.relative_to(root) for p in root.rglob("*") if p.is_file() and "build" not in p.parts)
-    return [pathlib.PurePath(name) for name in listed.stdout.split("\0") if name]
-
-
 def violations(root):
     words, names = forbidden(root)
     known = {}  # word -> what to write, or None
@@ -41,11 +37,12 @@ def violations(root):
             known[word] = next((better for pattern, better in words if pattern.fullmatch(word)), None)
         return known[word]
 
-    for path in tracked(root):
-        if path.suffix not in TEXT or str(path) in APART or not (root / path).is_file():
+    for file in tracked(root):
+        path = file.relative_to(root)
+        if path.suffix not in TEXT or str(path) in APART:
             continue
         try:
-            lines = (root / path).read_text().splitlines()
+            lines = file.read_text().splitlines()
         except UnicodeDecodeError:
             continue
         for number, line in enumerate(lines, 1):
