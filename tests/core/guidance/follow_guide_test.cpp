@@ -376,50 +376,6 @@ TEST(FollowGuide, AnInstantByItsOwnClockMeansThePlaceOfThen) {
   EXPECT_LT((guided.step().goal.position_m - Vector3(5.0 * then_s, 9, 3)).norm(), 1e-6);
 }
 
-TEST(FollowGuide, RemembersWhereItWasFromTheOldestPoseOnUntilNow) {
-  for (const TimeNs beyond : {0, 1}) {
-    for (const bool oldest : {true, false}) {
-      Guided guided(guided_by_uav2(), {0, 0, 3}, 0.0);
-      for (int i = 1; i <= 602; ++i) {
-        guided.put({0.01 * i, 0, 3});
-        guided.step();
-      }
-      // The pose of the next tick pushes out the oldest one.
-      const TimeNs t = oldest ? guided.poses[1].t - beyond : guided.observation.t + from_seconds(guided.dt_s) + beyond;
-      const Vector3 then_m = guided.poses.at(t).translation();
-      guided.hears({{{0.0F, 9.0F, 0.0F}, 0.0F}}, kPrimary, t);
-      const Vector3 goal_m = guided.step().goal.position_m;
-      if (beyond == 0) {
-        EXPECT_LT((goal_m - then_m - Vector3(0, 9, 0)).norm(), 1e-6) << oldest;
-      } else {
-        EXPECT_NEAR(goal_m.y(), 0.0, 1e-9) << oldest;
-      }
-    }
-  }
-}
-
-TEST(FollowGuide, TheLastSixtyFourReportsMayBeAnswered) {
-  FollowGuideConfig config = guided_by_uav2();
-  config.odometry_rate_hz = 0.5;
-  for (const std::size_t age : {64U, 65U}) {
-    Guided guided(config, {0, 0, 3}, 0.0);
-    for (int i = 1; i <= 1500; ++i) {
-      guided.put({0.02 * i, 0, 3});
-      guided.step();
-    }
-    const auto told = guided.told();
-    ASSERT_GT(told.size(), age);
-    const OdometryReport report = told[told.size() - age];
-    ASSERT_LT(report.t, guided.poses[0].t) << "older than what else it remembers";
-    guided.hears({{{0.0F, 9.0F, 0.0F}, 0.0F}}, kPrimary, report.t);
-    const double y_m = guided.step().goal.position_m.y();
-    EXPECT_EQ(y_m > 1.0, age == 64) << age;
-    if (age == 64) {
-      EXPECT_LT((guided.out.goal.position_m - report.T_local_body.translation() - Vector3(0, 9, 0)).norm(), 1e-6);
-    }
-  }
-}
-
 TEST(FollowGuide, APathWithTheNumberOfTheNewestIsTheNewest) {
   Guided guided(guided_by_uav2(), {0, 0, 3}, 0.0);
   guided.step();
@@ -450,89 +406,11 @@ TEST(FollowGuide, ComesToRestBeyondWhereItIsByWhatItNeedsToBrake) {
   EXPECT_LT((guided.step().goal.position_m - Vector3(11, 18, 4)).norm(), 1e-9) << "upward, too";
 }
 
-TEST(FollowGuide, TheFirstWordOfItsGuideStopsItOnlyWhenThereIsNoPath) {
-  Guided guided;
-  guided.step();
-  guided.put({12, 20, 3});
-  guided.hears({});
-  EXPECT_EQ(guided.step().goal.position_m, Vector3(12, 20, 3)) << "where it is by now";
-}
-
-TEST(FollowGuide, TheLinkIsLostAfterItsTimeoutAndNotBefore) {
-  Guided guided;
-  guided.step();
-  guided.hears({{{9.0F, 0.0F, 0.0F}, 0.0F}});
-  guided.step();
-  guided.rest(1.5);
-  EXPECT_STREQ(guided.out.note, "follows its guide");
-  guided.step();
-  EXPECT_STREQ(guided.out.note, "hovers: the link to its guide is lost");
-}
-
-TEST(FollowGuide, WaypointsAreVisitedWithinTheirRadius) {
-  Guided guided(guided_by_uav2(), {0, 0, 3}, 0.0);
-  guided.step();
-  guided.hears({{{2.0F, 0.0F, 0.0F}, 0.0F}, {{4.0F, 0.0F, 0.0F}, 0.0F}});
-  guided.step();
-  guided.put({1.69, 0, 3});
-  EXPECT_NEAR(guided.step().goal.position_m.x(), 2.0, 1e-6);
-  guided.put({1.71, 0, 3});
-  EXPECT_NEAR(guided.step().goal.position_m.x(), 4.0, 1e-6);
-}
-
 TEST(FollowGuide, HeadingsOfAPathStayWithinAHalfTurn) {
   Guided guided(guided_by_uav2(), {0, 0, 3}, 2.5);
   guided.step();
   guided.hears({{{9.0F, 0.0F, 0.0F}, 1.5F}});
   EXPECT_NEAR(guided.step().goal.yaw_rad, 4.0 - 2.0 * Guided::kPi, 1e-6);
-}
-
-// The leg that is nearest is the one that it is on, of those that it can have reached by what it flew since then.
-TEST(FollowGuide, OfAPathThatTookItsTimeTheNearestLegIsWhereItIs) {
-  int skipped = 0;
-  for (std::uint32_t round = 0; round < 400; ++round) {
-    const Random random(round, "test.skip");
-    Guided guided(guided_by_uav2(), {0, 0, 3}, 0.0);
-    guided.step();
-    const OdometryReport report = guided.told().front();
-    std::vector<GuidingWaypoint> told;
-    std::vector<Vector3> waypoints_m;
-    Vector3 at_m(0.2, 0, 3);
-    for (std::uint32_t i = 0; i < 5; ++i) {
-      at_m += 0.7 * Vector3(random.uniform(0, 3 * i), random.uniform(-0.8, 0.8, 0, 3 * i + 1), 0.0);
-      waypoints_m.push_back(at_m);
-      told.push_back({(at_m - Vector3(0, 0, 3)).cast<float>(), 0.0F});
-      waypoints_m.back() = told.back().p_body_m.cast<double>() + Vector3(0, 0, 3);
-    }
-    const auto leg = static_cast<std::size_t>(4.0 * random.uniform(1, 0));
-    const Vector3 off_m(0.0, random.uniform(-0.5, 0.5, 1, 1), random.uniform(-0.2, 0.2, 1, 2));
-    const Vector3 p_m = waypoints_m[leg] + random.uniform(1, 3) * (waypoints_m[leg + 1] - waypoints_m[leg]) + off_m;
-    guided.put(p_m);
-    guided.hears(told, kPrimary, report.t);
-    const Vector3 goal_m = guided.step().goal.position_m;
-
-    const auto to_leg_m = [&](std::size_t i) {
-      double least_m = 1e9;
-      for (int k = 0; k <= 2000; ++k)
-        least_m = std::min(least_m, (waypoints_m[i] + k / 2000.0 * (waypoints_m[i + 1] - waypoints_m[i]) - p_m).norm());
-      return least_m;
-    };
-    std::size_t next = 0;
-    double least_m = 0.3, way_m = (waypoints_m[0] - Vector3(0, 0, 3)).norm();
-    bool unsure = false;
-    for (std::size_t i = 0; i < 4 && way_m < (p_m - Vector3(0, 0, 3)).norm(); ++i) {
-      unsure = unsure || std::abs(to_leg_m(i) - least_m) < 1e-4;
-      if (to_leg_m(i) < least_m) next = i + 1;
-      least_m = std::min(least_m, to_leg_m(i));
-      way_m += (waypoints_m[i + 1] - waypoints_m[i]).norm();
-    }
-    if (unsure) continue;
-    const std::size_t passed = next;
-    while (next + 1 < 5 && (waypoints_m[next] - p_m).norm() < 0.3) ++next;
-    ASSERT_LT((goal_m - waypoints_m[next]).norm(), 1e-6) << round << ": " << passed << " passed";
-    skipped += passed > 0;
-  }
-  EXPECT_GT(skipped, 100);
 }
 
 TEST(FollowGuide, ReportsAreAsOftenAsToldWhateverTheTickAndWithoutCatchingUp) {

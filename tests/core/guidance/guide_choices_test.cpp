@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "tests/core/guidance/guide_support.hpp"
@@ -18,7 +17,6 @@ using testing::place_at_viewpoint;
 using GuidePair = testing::GuideAndGuided;
 using Motion = GuideConfig::Motion;
 
-constexpr const char* kNewWay = "planning anew: the guided vehicle's path is not clear any more";
 constexpr const char* kNewOwnWay = "planning anew: the way to the viewpoint is not clear any more";
 
 GuideConfig moves(Motion motion, std::vector<Eigen::Vector3d> goals_m) {
@@ -125,16 +123,6 @@ TEST(GuideChoices, AdvancingCountsFromWhereItBeganAndClimbsOnce) {
   }
 }
 
-TEST(GuideChoices, AShortStepIsAStepAsWell) {
-  GuideConfig config = guides_uav2({});
-  config.advance.step_m = {0.8, 0, 0};
-  config.advance.distance_m = 0.9;
-  GuidePair pair(config);
-  pair.run(60.0);
-  EXPECT_EQ(pair.out.mission, MissionStatus::kDone);
-  EXPECT_NEAR(pair.guided.position_m.x(), 1.6, 0.15);
-}
-
 // ---- planning ahead
 
 TEST(GuideChoices, AheadEachLegIsPlannedOnce) {
@@ -167,18 +155,6 @@ TEST(GuideChoices, APlanAheadIsWaitedForAtTheGoal) {
   EXPECT_STRNE(pair.out.note, "planning");
 }
 
-TEST(GuideChoices, APlanAheadHoldsForAGoalThatMovedByLessThanTwiceTheTolerance) {
-  for (const double moved_m : {0.59, 0.61}) {
-    GuidePair pair(moves(Motion::kAhead, {{4, 0, 0.7}, {4, 4, 0.7}}));
-    while (pair.counter().of < 2 && to_seconds(pair.observation.t) < 60.0) pair.tick();
-    pair.estimate.correct(GuidePair::pose({0, moved_m, 0}, 0.0));
-    pair.run_until("goal reached", 10.0);
-    ASSERT_STREQ(pair.out.note, "goal reached");
-    pair.run(2.0);
-    EXPECT_EQ(pair.counter().of, moved_m < 0.6 ? 2U : 3U);
-  }
-}
-
 TEST(GuideChoices, WhatCannotBePlannedAheadIsTriedOnceAndTellsItsReasonAtTheGoal) {
   testing::CellListMap world(0.25);
   world.occupy_box({3.25, 3.25, 0}, {4.75, 4.75, 1.5});
@@ -193,30 +169,6 @@ TEST(GuideChoices, WhatCannotBePlannedAheadIsTriedOnceAndTellsItsReasonAtTheGoal
   EXPECT_EQ(pair.out.mission, MissionStatus::kFailed);
   EXPECT_STREQ(pair.out.note, "the guided vehicle's path: the goal is too near to an obstacle");
   EXPECT_EQ(pair.counter().of, 3U);
-}
-
-TEST(GuideChoices, FlyingTogetherItPlansTheNextLegWhereItHasArrivedAndAheadNearTheGoal) {
-  for (const Motion motion : {Motion::kTogether, Motion::kAhead, Motion::kAlternate}) {
-    GuidePair pair(moves(motion, {{8, 0, 0.7}, {8, 8, 0.7}}));
-    place_at_viewpoint(pair);
-    hold_for(pair, 0.3);
-    EXPECT_EQ(pair.counter().of, motion == Motion::kTogether ? 2U : 1U);
-  }
-}
-
-TEST(GuideChoices, WhileTheOtherIsLostItStaysAtItsViewpointOrWhereItFlewAlong) {
-  for (const Motion motion : {Motion::kTogether, Motion::kAlternate}) {
-    GuidePair pair(moves(motion, {{6, 0, 0.7}}));
-    place_at_viewpoint(pair);
-    const Vector3 viewpoint_local_m = pair.out.goal.position_m;
-    pair.put(viewpoint_local_m + Vector3(0.2, 0, 0));
-    hold_for(pair, 0.5);
-    EXPECT_EQ(pair.out.goal.position_m, viewpoint_local_m);
-    pair.hears = false;
-    hold_for(pair, 1.6);
-    ASSERT_STREQ(pair.out.note, "hovers: the link to the guided vehicle is lost");
-    EXPECT_EQ(pair.out.goal.position_m, motion == Motion::kTogether ? pair.p_m() : viewpoint_local_m);
-  }
 }
 
 // ---- what appears on the map
@@ -234,23 +186,6 @@ struct BehindAWall : GuidePair {
   }
   std::vector<Vector3> corners_local_m;
 };
-
-TEST(GuideChoices, ItFliesCornerByCornerAndIsAtEachWithinItsTolerance) {
-  BehindAWall pair;
-  ASSERT_GE(pair.corners_local_m.size(), 3U);
-  for (std::size_t i = 1; i < pair.corners_local_m.size(); ++i) {
-    const Vector3 corner_local_m = pair.corners_local_m[i];
-    hold(pair);
-    EXPECT_LT((pair.out.goal.position_m - corner_local_m).norm(), 1e-5) << i;
-    pair.put(corner_local_m + Vector3(0, 0, 0.31));
-    hold_for(pair, 0.2);
-    EXPECT_LT((pair.out.goal.position_m - corner_local_m).norm(), 1e-5) << i;
-    EXPECT_STREQ(pair.out.note, "primary moving");
-    pair.put(corner_local_m + Vector3(0, 0, 0.29));
-    hold(pair);
-  }
-  EXPECT_STREQ(pair.out.note, "secondary moving");
-}
 
 TEST(GuideChoices, OfItsOwnWayWhatIsLeftMustBeClear) {
   for (const bool at_the_end : {false, true}) {
@@ -273,64 +208,7 @@ TEST(GuideChoices, OfItsOwnWayWhatIsLeftMustBeClear) {
   EXPECT_STREQ(pair.out.note, kNewOwnWay) << "a leg after the next one counts, too";
 }
 
-TEST(GuideChoices, TheWayToItsViewpointCountsOnWhileItFliesAlongOnly) {
-  for (const auto& [motion, back_m, counts] : {std::tuple(Motion::kTogether, 0.31, true),
-                                               {Motion::kTogether, 0.29, false},
-                                               {Motion::kAlternate, 1.0, false}}) {
-    GuidePair pair(moves(motion, {{4, 0, 0.7}}));
-    place_at_viewpoint(pair);
-    hold(pair);
-    const std::vector<Vector3> own_local_m = shown_path(pair, "guide.primary_path");
-    const Vector3 way_m = own_local_m.back() - own_local_m[own_local_m.size() - 2];
-    pair.put(own_local_m.back() - back_m * way_m.normalized());
-    discover_around(pair, own_local_m.back());
-    hold(pair);
-    EXPECT_STREQ(pair.out.note, counts ? kNewOwnWay : "secondary moving") << back_m;
-  }
-}
-
-// The clearance of 0.8 m and its own size of 0.3 m are left out, and what it flew since it was heard. Obstacles are
-// asked for with a cell less of clearance, 0.55 m, from the center of the first cell to that of the obstacle.
-TEST(GuideChoices, WhatAppearsRightAheadOfTheGuidedVehicleMayBeItself) {
-  struct Case {
-    double its_mps, x_local_m;  // of the far side of what appears
-    bool counts;
-  };
-  for (const Case& one : {Case{0.0, 0.5, false}, {0.0, 0.75, true}, {2.0, 1.5, false}, {2.0, 1.75, true}}) {
-    GuidePair pair(guides_uav2({{6, 0, 0.7}}));
-    place_at_viewpoint(pair);
-    pair.hears = false;
-    hold_for(pair, 0.4, 0.0, one.its_mps);
-    pair.discover({one.x_local_m - 0.25, -0.25, 0.0}, {one.x_local_m, 0.25, 1.5});
-    hold(pair, 0.0, one.its_mps);  // half a second after it was heard
-    EXPECT_STREQ(pair.out.note, one.counts ? kNewWay : "secondary moving") << one.its_mps << " " << one.x_local_m;
-  }
-}
-
-TEST(GuideChoices, AtTheGoalTheRestOfTheWayCountsUntilItIsTheVehicleItself) {
-  for (const double x_m : {2.6, 3.1}) {
-    GuidePair pair(guides_uav2({{4, 0, 0.7}}));
-    place_at_viewpoint(pair);
-    fly_to(pair, x_m);
-    hold(pair);
-    pair.discover({4.5, -0.25, 0.0}, {4.75, 0.25, 1.5});
-    hold(pair);
-    EXPECT_STREQ(pair.out.note, x_m < 2.9 ? kNewWay : "secondary moving") << x_m;
-  }
-}
-
 // ---- waypoints
-
-TEST(GuideChoices, TheGoalIsReachedOnceTheWaypointBeforeItWasVisited) {
-  GuidePair pair(guides_uav2({{4, 0, 0.7}}));
-  place_at_viewpoint(pair);
-  fly_to(pair, 3.2);
-  for (const auto& [x_m, reached] : {std::pair(3.71, false), {3.69, false}, {3.71, true}}) {
-    pair.guided.position_m.x() = x_m;
-    hold(pair);
-    EXPECT_STREQ(pair.out.note, reached ? "goal reached" : "secondary moving") << x_m;
-  }
-}
 
 TEST(GuideChoices, TheLastWaypointIsToldUntilTheGuidedVehicleHovers) {
   GuidePair pair(guides_uav2({{4, 0, 0.7}}));
@@ -339,22 +217,6 @@ TEST(GuideChoices, TheLastWaypointIsToldUntilTheGuidedVehicleHovers) {
   hold_for(pair, 0.4, 0.0, 1.0);
   EXPECT_STREQ(pair.out.note, "secondary moving");
   EXPECT_EQ(newest(pair).waypoints.size(), 1U);
-}
-
-TEST(GuideChoices, FlyingTogetherItTellsWhatItSeesAndOtherwiseAllOfThePath) {
-  for (const Motion motion : {Motion::kTogether, Motion::kAlternate}) {
-    GuidePair pair(moves(motion, {{4, 0, 0.7}}));
-    place_at_viewpoint(pair);
-    const Vector3 between_local_m = 0.5 * (pair.p_m() + Vector3(2.5, 0, 0.7));
-    discover_around(pair, between_local_m);
-    std::size_t seen = 0;
-    while (seen < 8 && !pair.map->first_hit(pair.p_m(), Vector3(0.5 + 0.5 * static_cast<double>(seen), 0, 0.7))) ++seen;
-    ASSERT_GT(seen, 0U);
-    ASSERT_LT(seen, 5U);
-    hold_for(pair, 0.4);
-    ASSERT_STREQ(pair.out.note, "secondary moving");
-    EXPECT_EQ(newest(pair).waypoints.size(), motion == Motion::kTogether ? seen : 8U);
-  }
 }
 
 TEST(GuideChoices, APathThatIsToldOnceIsToldAgainAfterItHadToHover) {

@@ -217,6 +217,19 @@ TEST(RblInterpretations, PhiGoesWhereTheInfluencePointsAndItsResetAsksForUse) {
   EXPECT_NEAR(apply_rules(rules, now, state, 0.1, false).phi_rad, -0.15, 1e-12) << "returns from below, too";
 }
 
+TEST(RblRules, AtTheGoalThereIsNoDirection) {
+  EXPECT_EQ(rbl_destination({}, Vector3::Zero(), {1.5, 0.3, 0.2}), Vector3(0, 0, 0));
+  RblSituation now;
+  now.goal_agent_m = {0, 0, 5};
+  now.sensing_agent_m = {0, 0, 0.4};
+  RblRules rules;
+  rules.elevation_sense = RblRules::ElevationSense::kUp;
+  for (int i = 0; i < 3; ++i) {
+    rules.direction_influence = static_cast<RblRules::DirectionInfluence>(i);
+    EXPECT_NEAR(vertical_influence(rules, now), rules.centering_weight * 0.4, 1e-12);
+  }
+}
+
 using Variant = RblConfig::Variant;
 
 /// The goal is where the cell sends the vehicle, not yet a reference that can stop.
@@ -532,6 +545,21 @@ TEST(RblFlight, OutlineIsTheCircleCutByItsPlanes) {
     filled_m2 += 0.5 * (at[i + 1] - at[i]).cross(at[i + 2] - at[i]).norm();
   }
   EXPECT_NEAR(filled_m2, kPi * r * r - cut_off, 0.02 * filled_m2);
+}
+
+TEST(RblFlight, ShowsItsCellGoalAndObstacles) {
+  RblConfig config = with_lidar();
+  GuidanceDriver driver("rbl", config, {0.0, 0.0, 2.0});
+  const ToldMap map({{2.0, 1.0, 2.1}, {-40.0, 0.0, 2.0}});
+  driver.map = &map;
+  driver.sees(1, {3.0, 0.0, 2.0});
+  driver.step();
+  std::vector<Overlay> overlays;
+  driver.guidance->append_overlays(overlays);
+  EXPECT_EQ(overlays.size(), 9U);
+  for (const Overlay& overlay : overlays) EXPECT_FALSE(overlay.positions.empty()) << overlay.name;
+  EXPECT_EQ(named(overlays, "rbl.goal")->positions.at(0), config.goal_m.cast<float>());
+  EXPECT_EQ(named(overlays, "rbl.voxels")->positions.size(), 1U) << "near ones only";
 }
 
 /// How far ahead the cell reaches when a neighbor stays ahead.

@@ -165,5 +165,18 @@ TEST(Ghosts, LockTheVehicleInWithTheConservativeMapOnly) {
   EXPECT_GT(progress_after_leaves(0.4), 2.0);
 }
 
+TEST(ObstacleCutter, WithoutVoxelsOrCellCutsNothing) {
+  ObstacleCutter cutter;
+  RblCell cell(2.0, 0.3, false);
+  const int all = cell.num_partitioned();
+  cutter.cut_nearest(cell, {0, 0, 0}, {}, kEdge, kEncumbrance, kEta);
+  EXPECT_EQ(cell.num_partitioned(), all);
+  cutter.cut_nearest(cell, {0, 0, 0}, std::vector<Vector3>{{50.1, 0.1, 0.1}}, kEdge, kEncumbrance, kEta);
+  EXPECT_EQ(cell.num_partitioned(), all);
+  cell.cut({Vector3::UnitX(), -3.0});
+  cutter.cut_nearest(cell, {0, 0, 0}, std::vector<Vector3>{{0.7, 0.1, 0.1}}, kEdge, kEncumbrance, kEta);
+  EXPECT_TRUE(cell.is_empty());
+}
+
 }  // namespace
 }  // namespace swiftlet

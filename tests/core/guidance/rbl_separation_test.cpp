@@ -13,29 +13,19 @@
 #include "swiftlet/core/math/random.hpp"
 #include "tests/core/guidance/guidance_driver.hpp"
 #include "tests/core/planning/cell_list_map.hpp"
+#include "tests/support/draws.hpp"
 
 namespace swiftlet {
 namespace {
 
+using testing::Draws;
+
 constexpr double kApart_m = 1.1;
 
-/// Places and ways of many pairs.
-class Draws {
- public:
-  Vector3 vector(double half) {
-    const double x = next(half), y = next(half);
-    return {x, y, next(half)};
-  }
-  Braking braking(double place_m, double way_m) {
-    const Vector3 p_m = vector(place_m);
-    return {p_m, p_m + vector(way_m)};
-  }
-
- private:
-  double next(double half) { return random_.uniform(-half, half, 0, index_++); }
-  Random random_{7, "rbl-separation"};
-  std::uint32_t index_ = 0;
-};
+Braking drawn_braking(Draws& draws, double place_m, double path_m) {
+  const Vector3 p_m = draws.vector(place_m);
+  return {p_m, p_m + draws.vector(path_m)};
+}
 
 double least_between(const Braking& a, const Braking& b) {
   double least_m = std::numeric_limits<double>::infinity();
@@ -63,10 +53,24 @@ TEST(RblSeparation, AVehicleStopsAsFarAheadAsItsLimitsSay) {
   EXPECT_EQ(at_rest.stop_local_m, at_rest.p_local_m);
 }
 
+TEST(RblSeparation, BrakesWithinBothAccelerationLimits) {
+  Draws draws("rbl-braking");
+  for (int i = 0; i < 200; ++i) {
+    MotionLimits limits;
+    limits.horizontal_acceleration_mps2 = draws.between(0.5, 5.0);
+    limits.vertical_acceleration_mps2 = draws.between(0.5, 5.0);
+    const Vector3 p_m = draws.vector(3.0), v_mps = draws.vector(5.0);
+    const double braking_s = std::max(v_mps.head<2>().norm() / limits.horizontal_acceleration_mps2,
+                                      std::abs(v_mps.z()) / limits.vertical_acceleration_mps2);
+    const Braking braking = braking_of(p_m, v_mps, 0.3, limits);
+    EXPECT_LT((braking.stop_local_m - p_m - (0.3 + 0.5 * braking_s) * v_mps).norm(), 1e-9);
+  }
+}
+
 TEST(RblSeparation, BothPlanesLeaveTheDistanceFreeBetweenThem) {
-  Draws draws;
+  Draws draws("rbl-separation", 7);
   for (int i = 0; i < 2000; ++i) {
-    const Braking a = draws.braking(5.0, 2.0), b = draws.braking(5.0, 2.0);
+    const Braking a = drawn_braking(draws, 5.0, 2.0), b = drawn_braking(draws, 5.0, 2.0);
     const HalfSpace of_a = braking_cut(a, b, kApart_m, kApart_m, 0.0);
     const HalfSpace of_b = braking_cut(b, a, kApart_m, kApart_m, 0.0);
     if (least_between(a, b) < 0.01) continue;  // the ways cross: the direction is where the other one is now
@@ -81,10 +85,10 @@ TEST(RblSeparation, BothPlanesLeaveTheDistanceFreeBetweenThem) {
 }
 
 TEST(RblSeparation, TheWholeWayLiesOnTheOwnSideWhileThereIsRoom) {
-  Draws draws;
+  Draws draws("rbl-separation", 7);
   int num_with_room = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Braking a = draws.braking(5.0, 2.0), b = draws.braking(5.0, 2.0);
+    const Braking a = drawn_braking(draws, 5.0, 2.0), b = drawn_braking(draws, 5.0, 2.0);
     const double least_m = least_between(a, b);
     if (least_m < kApart_m + 0.02) continue;
     ++num_with_room;
@@ -178,11 +182,11 @@ TEST(RblSeparation, HeightsCountLessInAPledgeToo) {
 
 TEST(RblSeparation, BesideTheWayOfWhoComesThereIsTheDistanceAndNoMore) {
   const MotionLimits limits;
-  Draws draws;
+  Draws draws("rbl-separation", 7);
   int num_dodged = 0, num_level = 0;
   for (int i = 0; i < 20000; ++i) {
     const double vertical_m = i % 2 == 0 ? kApart_m : 1.5;
-    const Braking self = draws.braking(2.0, 1.0);
+    const Braking self = drawn_braking(draws, 2.0, 1.0);
     const Vector3 other_m = draws.vector(6.0), v_mps = draws.vector(4.0);
     const auto cut = dodging_cut(self, other_m, v_mps, kApart_m, vertical_m, limits);
     const Vector3 scale(1.0, 1.0, kApart_m / vertical_m);
@@ -284,7 +288,7 @@ TEST(RblSeparation, AnIntruderThatFliesStraightOnIsLetPassHoweverFastItComes) {
 }
 
 // Doubt about where it is takes room from the cell. It must not take the time to step aside as well.
-TEST(RblSeparation, AnIntruderThatIsSeenSeldomAndBadlyIsSteppedOutOfTheWayOfInTime) {
+TEST(RblSeparation, EvadesPoorlyObservedIntruder) {
   RblConfig config;
   config.variant = RblConfig::Variant::k2d;
   config.goal_m = {0.0, 0.0, 5.0};

@@ -119,37 +119,5 @@ TEST(RblSettling, WithoutPatienceNothingIsSaid) {
   EXPECT_EQ(status.mission, MissionStatus::kRunning);
 }
 
-TEST(RblSettling, TheBoundsOfEachDecisionAreThoseThatAreTold) {
-  const RblGoal goal = goal_at({0.0, 0.0, 5.0});
-  const std::vector<Neighbor> others{neighbor_at({0.1, 0.0, 5.0})};
-  // A decimeter is progress, less is none; five seconds after it there is an answer.
-  for (const double step_m : {0.09, 0.11}) {
-    RblSettling settling(kPatience_s);
-    settling.update(goal, {3.0, 0.0, 5.0}, others, nullptr, 0);
-    const Vector3 nearer_m(3.0 - step_m, 0.0, 5.0);
-    EXPECT_EQ(settling.update(goal, nearer_m, others, nullptr, from_seconds(4.0)).mission, MissionStatus::kRunning);
-    EXPECT_EQ(settling.update(goal, nearer_m, others, nullptr, from_seconds(4.99)).mission, MissionStatus::kRunning);
-    EXPECT_EQ(settling.update(goal, nearer_m, others, nullptr, from_seconds(5.0)).mission,
-              step_m > 0.1 ? MissionStatus::kRunning : MissionStatus::kDone);
-    EXPECT_EQ(settling.update(goal, nearer_m, others, nullptr, from_seconds(8.99)).mission,
-              step_m > 0.1 ? MissionStatus::kRunning : MissionStatus::kDone);
-    EXPECT_EQ(settling.update(goal, nearer_m, others, nullptr, from_seconds(9.0)).mission, MissionStatus::kDone);
-  }
-  for (const double off_m : {3.49, 3.51}) {
-    const RblStatus status = after_waiting(goal, {off_m, 0.0, 5.0}, others);
-    EXPECT_EQ(status.mission, off_m < 3.5 ? MissionStatus::kDone : MissionStatus::kRunning);
-  }
-  for (const double off_m : {0.49, 0.51}) {
-    const testing::ToldMap map({{off_m + 0.1, 0.0, 5.0}});
-    EXPECT_EQ(after_waiting(goal, {1.0, 0.0, 5.0}, {}, &map).mission,
-              off_m < 0.5 ? MissionStatus::kFailed : MissionStatus::kRunning);
-  }
-  for (const double z_m : {0.99, 1.0, 10.0, 10.01}) {
-    const bool outside = z_m < 1.0 || z_m > 10.0;
-    EXPECT_EQ(after_waiting(goal_at({0.0, 0.0, z_m}), {2.0, 0.0, z_m}).mission,
-              outside ? MissionStatus::kFailed : MissionStatus::kRunning);
-  }
-}
-
 }  // namespace
 }  // namespace swiftlet

@@ -147,5 +147,12 @@ TEST(RblSight, WhoStandsLooksAllAround) {
   }
 }
 
+TEST(RblSight, NeverTurnsWithAnAllRoundView) {
+  RblSight sight({});
+  const std::vector<Neighbor> behind = {neighbor_at_azimuth(180.0, 5.0)};
+  EXPECT_EQ(sight.heading(Pose::Identity(), {-3, 0, 0}, behind, {}, 0.7, 5 * kNsPerSecond), 0.7);
+  EXPECT_TRUE(sight.sees_ahead(Pose::Identity(), {-3, 0, 0}));
+}
+
 }  // namespace
 }  // namespace swiftlet

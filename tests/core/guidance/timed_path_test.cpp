@@ -112,16 +112,5 @@ TEST(TimedPath, WithoutPointsItStaysAtTheStart) {
   }
 }
 
-TEST(TimedPath, ShowsItsPointsSmallerThanAVehicle) {
-  Module module(guidance_module_types(), "timed_path");
-  module.as<TimedPathConfig>().points_m = kBend;
-  const AgentSetup agent;
-  std::vector<Overlay> overlays;
-  make_guidance(module, {agent, {}})->append_overlays(overlays);
-  ASSERT_EQ(overlays.size(), 1U);
-  EXPECT_EQ(overlays[0].positions.size(), kBend.size());
-  EXPECT_NEAR(overlays[0].size_m, 0.05, 0.02);
-}
-
 }  // namespace
 }  // namespace swiftlet
