@@ -257,5 +257,49 @@ TEST(MotionLimits, MediumIsTable21OfTheThesisAndNumbersReplaceTheSet) {
   EXPECT_EQ(config.resolve().vertical_speed_mps, 2.0);
 }
 
+TEST(ReferenceGovernor, ResetKeepsVelocitiesWithinTheirLimits) {
+  ReferenceGovernor governor(limits_named(Set::kMedium));
+  for (int i = 0; i < 50; ++i) governor.accelerate({1.0, 1.0, 1.0}, 1.0, 0.01);
+  Reference start;
+  start.position_m = {1, 2, 3};
+  start.velocity_mps = {30.0, -40.0, 7.0};
+  start.acceleration_mps2 = {1, 1, 1};
+  start.yaw_rad = 0.4;
+  start.yaw_rate_radps = 0.5;
+  governor.reset(start);
+  EXPECT_EQ(governor.state().position_m, Vector3(1, 2, 3));
+  EXPECT_LT((governor.state().velocity_mps - Vector3(2.4, -3.2, 2.0)).norm(), 1e-12);
+  EXPECT_EQ(governor.state().acceleration_mps2, Vector3(0, 0, 0));
+  EXPECT_EQ(governor.state().yaw_rad, 0.4);
+  EXPECT_EQ(governor.state().yaw_rate_radps, 0.0);
+  EXPECT_EQ(governor.jerk_mps3(), Vector3(0, 0, 0));
+  // What is not a number is passed over.
+  start.position_m.x() = std::nan("");
+  governor.reset(start);
+  EXPECT_EQ(governor.state().position_m.x(), 1.0);
+}
+
+TEST(ReferenceGovernor, NoTimeMovesNothing) {
+  ReferenceGovernor governor(limits_named(Set::kMedium));
+  Reference start;
+  start.velocity_mps = {1.0, 0.0, 0.0};
+  governor.reset(start);
+  for (const double dt_s : {0.0, -0.1, std::nan("")}) {
+    EXPECT_EQ(governor.accelerate({1, 1, 1}, 1.0, dt_s).position_m, Vector3(0, 0, 0));
+    EXPECT_EQ(governor.take(start, dt_s).velocity_mps, Vector3(1, 0, 0));
+    EXPECT_EQ(governor.step({}, dt_s).position_m, Vector3(0, 0, 0));
+  }
+  // An acceleration that is not a number is none.
+  EXPECT_TRUE(governor.accelerate(Vector3::Constant(std::nan("")), 0.0, 0.01).position_m.allFinite());
+  EXPECT_EQ(governor.state().acceleration_mps2, Vector3(0, 0, 0));
+}
+
+TEST(ReferenceGovernor, WrapsTheHeadingOfTakenReferences) {
+  ReferenceGovernor governor(limits_named(Set::kMedium));
+  Reference told;
+  told.yaw_rad = 4.0;
+  EXPECT_NEAR(governor.take(told, 0.01).yaw_rad, 4.0 - 2.0 * std::numbers::pi, 1e-12);
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -9,24 +9,6 @@
 namespace swiftlet {
 namespace {
 
-TEST(InterceptOverlays, ACurveGoesThroughEqualTimesFromNowToItsEnd) {
-  std::vector<Overlay> overlays;
-  append_curve(
-      "name", "meaning", {0.1F, 0.2F, 0.3F, 1.0F}, 4.8, [](double t_s) { return Vector3(t_s, t_s * t_s, 7.0); },
-      overlays);
-  ASSERT_EQ(overlays.size(), 1U);
-  const Overlay& curve = overlays[0];
-  EXPECT_EQ(curve.kind, Overlay::Kind::kPolyline);
-  ASSERT_EQ(curve.positions.size(), 25U);
-  for (std::size_t i = 0; i < 25; ++i) {
-    const float t_s = 0.2F * static_cast<float>(i);
-    EXPECT_LT((curve.positions[i] - Eigen::Vector3f(t_s, t_s * t_s, 7.0F)).norm(), 1e-4F) << i;
-  }
-  EXPECT_EQ(curve.colors.size(), 1U);
-  EXPECT_NEAR(curve.size_m, 3.0, 1.0) << "a line that is seen";
-  EXPECT_EQ(curve.legend.at(0).color, curve.colors[0]);
-}
-
 CaptureVolume net_of(double radius_m, double height_m) {
   CaptureVolume net;
   net.offset_m = {0.0, 0.0, -1.2};
@@ -71,26 +53,6 @@ TEST(InterceptOverlays, ADiscHangsFromItsVehicleByFourRopes) {
     EXPECT_NEAR(p.head<2>().norm(), 2.0, 1e-5);
     EXPECT_NEAR(p.z(), 0.0, 1e-5);
   }
-}
-
-TEST(InterceptOverlays, ACylinderHasTwoRimsAndItsRopesEndAtTheUpperOne) {
-  const Vector3 p_m(3, -2, 20), middle_m(3, -2, 18.8);
-  std::vector<Overlay> overlays;
-  append_net(net_of(1.5, 0.8), p_m, 0.0, overlays);
-  const Overlay& lines = overlays.at(0);
-  double upper_m = 0.0, lower_m = 0.0;
-  for (std::size_t i = 0; i < lines.positions.size(); i += 2) {
-    const Vector3 a = lines.positions[i].cast<double>() - middle_m,
-                  b = lines.positions[i + 1].cast<double>() - middle_m;
-    EXPECT_NEAR(b.head<2>().norm(), 1.5, 1e-5);
-    EXPECT_NEAR(std::abs(b.z()), 0.4, 1e-5);
-    if ((lines.positions[i].cast<double>() - p_m).norm() < 1e-4)
-      EXPECT_GT(b.z(), 0.0) << "a rope";
-    else
-      (b.z() > 0.0 ? upper_m : lower_m) += (a - b).norm();
-  }
-  EXPECT_NEAR(upper_m, 2.0 * 3.14159 * 1.5, 0.05);
-  EXPECT_NEAR(lower_m, upper_m, 1e-4);
 }
 
 TEST(InterceptOverlays, AFenceIsTheTwelveEdgesOfItsBox) {

@@ -300,5 +300,16 @@ TEST(TargetSearch, LooksWhereTheTargetCanBeAndHasNotBeenLookedFor) {
   EXPECT_LT(search.remaining(), 0.3 * before) << "nothing is there";
 }
 
+TEST(Intercept, NeedsAMapToKeepClearOfWalls) {
+  const AgentSetup agent;
+  for (const auto walls : {InterceptConfig::Walls::kNone, InterceptConfig::Walls::kMap}) {
+    Module module(guidance_module_types(), "intercept");
+    module.as<InterceptConfig>().walls = walls;
+    const GuidanceNeeds needs = make_guidance(module, {agent, kFast})->needs();
+    EXPECT_EQ(needs.map, walls == InterceptConfig::Walls::kMap);
+    EXPECT_TRUE(needs.track_modes);
+  }
+}
+
 }  // namespace
 }  // namespace swiftlet

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stdexcept>
 
 #include "swiftlet/core/stages/guidances.hpp"
 #include "tests/core/interception/hunt.hpp"
@@ -238,6 +239,23 @@ TEST(TargetMotion, HeadsWhereItFlies) {
       ASSERT_NEAR(std::remainder(r.yaw_rad - heading, 2.0 * std::acos(-1.0)), 0.0, 1e-6);
     }
   }
+}
+
+TEST(TargetMotion, RefusesMoreThanItsLimits) {
+  const auto is_refused = [](double speed_mps, double acceleration_mps2) {
+    TargetConfig config;
+    config.speed_mps = speed_mps;
+    config.acceleration_mps2 = acceleration_mps2;
+    try {
+      const Intruder intruder(config);
+      return false;
+    } catch (const std::invalid_argument&) {
+      return true;
+    }
+  };
+  EXPECT_FALSE(is_refused(8.0, 4.0));
+  EXPECT_TRUE(is_refused(8.01, 4.0));
+  EXPECT_TRUE(is_refused(8.0, 4.01));
 }
 
 }  // namespace
