@@ -8,6 +8,7 @@
 
 #include "tests/bench/reference_tracking.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/config_checks.hpp"
 #include "tests/support/target_clouds.hpp"
 
 namespace swiftlet {
@@ -539,6 +540,17 @@ TEST(CloudTracker, AllocatesNothingOnceWarm) {
   }
   EXPECT_EQ(test::num_allocations() - before, 0U);
   EXPECT_EQ(tracks.size(), 2U);
+}
+
+TEST(CloudTrackerConfig, SearchRadiusMustFitTheLargestSphere) {
+  CloudTrackerConfig config;
+  EXPECT_TRUE(testing::ConfigChecks(config).refuses_nothing());
+  config.search_radius_min_m = 6.0;
+  EXPECT_TRUE(testing::ConfigChecks(config).refuses_nothing()) << "the printed radius is no length";
+  config.radius_law = CloudTrackerConfig::RadiusLaw::kSphere;
+  EXPECT_TRUE(testing::ConfigChecks(config).refuses("radius_max_m"));
+  config.search_radius_min_m = config.radius_max_m;
+  EXPECT_TRUE(testing::ConfigChecks(config).refuses_nothing());
 }
 
 }  // namespace

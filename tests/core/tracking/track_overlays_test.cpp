@@ -26,21 +26,6 @@ Drawn drawn(const TrackOverlays& pictures, const std::vector<Track>& tracks) {
   return {overlays.at(0), overlays.at(1), overlays.at(2)};
 }
 
-TEST(TrackOverlays, ATrackIsABallAndDashesOfAQuarterSecondForTwoSecondsAhead) {
-  const std::vector<Track> tracks = {track_at(1, {1, 2, 3}, {4, 0, 0}, {0, 2, 0})};
-  const Drawn d = drawn({}, tracks);
-  ASSERT_EQ(d.balls.positions.size(), 1U);
-  EXPECT_EQ(d.balls.positions[0], Eigen::Vector3f(1, 2, 3));
-  ASSERT_EQ(d.lines.positions.size(), 8U);  // four dashes
-  ASSERT_EQ(d.lines.colors.size(), 8U);
-  for (std::size_t i = 0; i < 8; ++i) {
-    const double t_s = 0.25 * static_cast<double>(i);
-    // The acceleration counts for half a second.
-    const double y_m = t_s < 0.5 ? t_s * t_s : 0.25 + (t_s - 0.5);
-    EXPECT_LT((d.lines.positions[i].cast<double>() - Vector3(1 + 4 * t_s, 2 + y_m, 3)).norm(), 1e-5) << t_s;
-  }
-}
-
 TEST(TrackOverlays, TheEllipsesAreThreeStandardDeviationsFarFromTheTrack) {
   std::vector<Track> tracks = {track_at(1, {10, 20, 30}, {0, 0, 0}, {0, 0, 0})};
   // Axes that are none of the frame's.
@@ -67,30 +52,6 @@ TEST(TrackOverlays, TheEllipsesAreThreeStandardDeviationsFarFromTheTrack) {
     for (std::size_t k = 0; k < d.ellipses.positions.size(); k += 2)
       goes_on = goes_on || (d.ellipses.positions[k] - end).norm() < 1e-5F;
     EXPECT_TRUE(goes_on) << i;
-  }
-}
-
-TEST(TrackOverlays, ThePathIsTheLastHundredPlacesInTheirOrder) {
-  TrackOverlays pictures;
-  std::vector<Track> tracks = {track_at(1, {0, 0, 0}, {0, 0, 0}, {0, 0, 0})};
-  const auto path = [&] {
-    const Drawn d = drawn(pictures, tracks);
-    return std::vector<Eigen::Vector3f>(d.lines.positions.begin() + 8, d.lines.positions.end());
-  };
-  for (int i = 0; i < 100; ++i) {
-    tracks[0].position_m.x() = i;
-    pictures.push(tracks);
-    ASSERT_EQ(path().size(), 2U * i);
-  }
-  for (int i = 100; i < 250; ++i) {
-    tracks[0].position_m.x() = i;
-    pictures.push(tracks);
-    const auto lines = path();
-    ASSERT_EQ(lines.size(), 2U * 99);
-    for (std::size_t k = 0; k < 99; ++k) {
-      ASSERT_EQ(lines[2 * k].x(), static_cast<float>(i - 99 + static_cast<int>(k)));
-      ASSERT_EQ(lines[2 * k + 1].x(), lines[2 * k].x() + 1.0F);
-    }
   }
 }
 
