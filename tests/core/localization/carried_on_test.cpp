@@ -90,27 +90,6 @@ TEST(CarriedOn, WithoutAnySampleItGoesStraightOnAndTurnsOn) {
   EXPECT_EQ(reckoning.at(900'000'000).p_m, start.p_m);
 }
 
-TEST(CarriedOn, TheLastTwoHundredAndFiftySixSamplesAreKept) {
-  for (const int num : {256, 300}) {
-    DeadReckoning reckoning;
-    for (int i = 1; i <= num; ++i) reckoning.push(pushed(i, 1.0));
-    const NavState start;
-    reckoning.restart(start);  // long ago
-    // What was before the kept ones is one long step by the first of them.
-    EXPECT_NEAR(reckoning.at(num * kReckonTick).v_mps.x(), 0.01 * num, 1e-9);
-    NavState recent;
-    recent.t = (num - 10) * kReckonTick;
-    reckoning.restart(recent);
-    EXPECT_NEAR(reckoning.at(num * kReckonTick).v_mps.x(), 0.1, 1e-12);
-    EXPECT_EQ(reckoning.latest(), num * kReckonTick);
-  }
-  // Of changing samples the dropped ones do not count.
-  DeadReckoning reckoning;
-  for (int i = 1; i <= 300; ++i) reckoning.push(pushed(i, i <= 44 ? 50.0 : 1.0));
-  reckoning.restart(NavState());
-  EXPECT_NEAR(reckoning.at(300 * kReckonTick).v_mps.x(), 3.0, 1e-9);
-}
-
 TEST(CarriedOn, WhatIsKeptForLaterCountsFromTheNextRestartOn) {
   DeadReckoning reckoning;
   reckoning.push(pushed(1));

@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include "core/localization/marker_sightings.hpp"
@@ -374,28 +372,6 @@ TEST(Teammate, IsToldWhileItsPlaceIsSureEnough) {
   EXPECT_FALSE(known.mate.known());
   EXPECT_EQ(known.mate.num_lost(), 1U);
   EXPECT_FALSE(known.mate.estimate(known.t));
-}
-
-TEST(Teammate, ShowsItsPlaceItsHeadingAndItsWindow) {
-  KnownMate known(SlidingWindowConfig{});
-  ASSERT_TRUE(known.mate.known());
-  const auto e = known.mate.estimate(known.t);
-  ASSERT_TRUE(e);
-  std::vector<Overlay> overlays;
-  known.mate.append_overlays(overlays);
-  ASSERT_EQ(overlays.size(), 4U);
-  const double sigma_m = std::sqrt(e->covariance.topLeftCorner<3, 3>().trace() / 3.0);
-  EXPECT_NEAR(overlays[0].size_m, 3.0 * sigma_m, 1e-5);
-  ASSERT_EQ(overlays[0].positions.size(), 1U);
-  EXPECT_LT((overlays[0].positions[0].cast<double>() - e->position_m).norm(), 1e-5);
-  ASSERT_EQ(overlays[1].positions.size(), 2U);
-  const Vector3 ahead(std::cos(e->yaw_rad), std::sin(e->yaw_rad), 0.0);
-  EXPECT_LT((overlays[1].positions[1] - overlays[1].positions[0] - (0.5 * ahead).cast<float>()).norm(), 1e-5F);
-  ASSERT_EQ(overlays[2].positions.size(), overlays[3].positions.size());
-  ASSERT_GT(overlays[2].positions.size(), 7U);
-  for (std::size_t i = 0; i < overlays[2].positions.size(); ++i) {
-    EXPECT_LT((overlays[2].positions[i] - overlays[3].positions[i]).norm(), 0.05F) << "aligned with what was seen";
-  }
 }
 
 // ---- markers

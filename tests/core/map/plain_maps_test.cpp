@@ -237,36 +237,6 @@ OccupancyMap::Ray straight_to(const Vector3& end_m) {
   return {(end_m - Vector3(0.01, 0, 0)).cast<float>(), end_m.cast<float>(), true};
 }
 
-TEST(PlainMaps, AScanOfFourThousandAndNinetySixAgoIsNoInstantAnyMore) {
-  for (const int more : {4095, 4096}) {
-    OccupancyMap map({});
-    map.insert(std::vector{straight_to({1.05, 0.05, 0.05})}, 7);
-    for (int i = 0; i < more; ++i) map.insert({}, 8 + i);
-    Centers cells;
-    map.occupied_within({1, 0, 0}, 1.0, 7, cells);
-    EXPECT_EQ(cells.size(), more == 4095 ? 1U : 0U);
-    map.occupied_within({1, 0, 0}, 1.0, kEver, cells);
-    EXPECT_EQ(cells.size(), 1U);
-  }
-}
-
-TEST(PlainMaps, ABlockIsForgottenWhenItsMiddleIsTooFarButNotBeforeTheVehicleHasMovedAQuarterOfOne) {
-  // Blocks of 0.8 m; that around (4.4, 0.4, 0.4) has its middle there.
-  OccupancyMapConfig config;
-  config.keep_radius_m = config.range_max_m = 4.0;
-  const auto known_after = [&](std::vector<double> places_m) {
-    OccupancyMap map(config);
-    map.insert(std::vector{straight_to({4.35, 0.35, 0.35})}, 1);
-    for (const double x_m : places_m) map.keep_around({x_m, 0.4, 0.4});
-    return map.state({4.35, 0.35, 0.35}) == CellState::kOccupied;
-  };
-  EXPECT_TRUE(known_after({0.4001}));
-  EXPECT_FALSE(known_after({0.3999}));
-  EXPECT_TRUE(known_after({0.5, 0.31})) << "it has not flown a quarter of a block";
-  EXPECT_FALSE(known_after({0.5, 0.29}));
-  EXPECT_FALSE(known_after({0.5, 0.31, 0.29}));
-}
-
 TEST(PlainMaps, WithinItsRadiusNoBlockTakesThePlaceOfAnother) {
   OccupancyMapConfig config;
   config.edge_m = 0.25;
@@ -303,54 +273,6 @@ TEST(PlainMaps, WithinItsRadiusNoBlockTakesThePlaceOfAnother) {
 }
 
 // ---- what it takes
-
-TEST(PlainMaps, TablesHaveThePlacesThatARadiusAsksFor) {
-  // So many blocks side by side, and some: the next power of two. The least of maps shows what does not depend on it.
-  constexpr double kPlace = 12.125;  // a number, an instant and a bit
-  OccupancyMapConfig least;
-  least.keep_radius_m = 2.0;
-  const std::int64_t before_least = test::num_live_bytes();
-  const OccupancyMap least_map(least);
-  const double others = static_cast<double>(test::num_live_bytes() - before_least) - 16.0 * 16.0 * 16.0 * kPlace;
-  for (const auto& [radius_m, places] : std::vector<std::pair<double, double>>{{23.1, 64.0}, {23.3, 128.0}}) {
-    OccupancyMapConfig config;
-    config.keep_radius_m = radius_m;
-    EXPECT_NEAR(config.places_across(), 2.0 * radius_m / 0.8 + 6.0, 1e-9);
-    const std::int64_t before = test::num_live_bytes();
-    const OccupancyMap map(config);
-    const auto taken = static_cast<double>(test::num_live_bytes() - before);
-    EXPECT_NEAR((taken - others) / (places * places * places * kPlace), 1.0, 0.01) << radius_m;
-  }
-  for (const auto& [radius_m, places] :
-       std::vector<std::pair<double, double>>{{22.3, 32.0}, {22.5, 64.0}, {300.0, 128.0}}) {
-    SparseVoxelMapConfig config;
-    config.keep_radius_m = radius_m;
-    const std::int64_t before = test::num_live_bytes();
-    const SparseVoxelMap map(config);
-    const auto taken = static_cast<double>(test::num_live_bytes() - before);
-    EXPECT_NEAR(taken / (places * places * places * 4.0), 1.0, 0.05) << radius_m;
-    // A block has 512 voxels of 12 bytes, and what is told of it.
-    const double radius_blocks = std::min(10.0, radius_m) / 1.6 + 1.0;
-    const double blocks = std::min(places * places * places, 4.0 / 3.0 * M_PI * std::pow(radius_blocks, 3));
-    EXPECT_NEAR(SparseVoxelMap::most_bytes(config, 10.0) / (taken + blocks * 6256.0), 1.0, 0.02);
-  }
-}
-
-TEST(PlainMaps, TheMemoryOfAMapIsThatOfItsPartsAsFarAsTheyAreUsed) {
-  OccupancyMapConfig config;
-  config.range_max_m = 5.0;
-  for (const double radius_m : {23.1, 12.0}) {
-    config.keep_radius_m = radius_m;
-    // Blocks of 0.8 m in the ball: five words for each of eight layers and what is told of it, a page of two numbers
-    // for each cell of a tenth, distances of a quarter.
-    const double blocks = 4.0 / 3.0 * M_PI * std::pow(radius_m / 0.8, 3);
-    const double in_blocks = blocks * (400.0 + 0.1 * 512.0 * 8.0 + 0.25 * (512.0 * 2.0 + 76.0));
-    double across = 1.0;
-    while (across < 2.0 * radius_m / 0.8 + 6.0) across *= 2.0;
-    EXPECT_NEAR(config.bytes() / (in_blocks + std::pow(across, 3) * 12.0 + RayCells::bytes(5.0, 0.1)), 1.0, 0.01)
-        << radius_m;
-  }
-}
 
 // ---- the dense maps
 

@@ -24,56 +24,6 @@ using testing::CellListMap;
 
 // ---- where to look next
 
-BoxMap speckled_map(std::uint32_t seed) {
-  const Random random(seed, "test.speckles");
-  BoxMap map({36, 36, 20}, 0.25);
-  for (std::ptrdiff_t i = 0; i < map.grid().num_cells(); ++i) {
-    const double u = random.uniform(0, static_cast<std::uint32_t>(i));
-    map.at(map.grid().cell(i)) = u < 0.02 ? CellState::kOccupied : u < 0.06 ? CellState::kUnknown : CellState::kFree;
-  }
-  return map;
-}
-
-TEST(PlainViews, RaysGoAroundAsTheGoldenAngleHasThemAndEndAtTheFirstPlaceThatIsNotFree) {
-  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
-    const BoxMap map = speckled_map(seed);
-    NextViewConfig config;
-    config.range_m = 2.1 + 0.3 * seed;
-    config.up_deg = 10.0 * seed;
-    config.down_deg = 55.0 - 8.0 * seed;
-    WorldBox box;
-    box.min_world_m = {1.0, 1.0, 0.5};
-    box.max_world_m = {8.0, 7.5, 4.5};
-    const Vector3 from_m(4.3, 4.6, 2.4);
-    const int num = 150 + static_cast<int>(seed);
-    GivenUp given_up(0.5);
-    for (const bool again : {false, true}) {
-      std::vector<Vector3> found_m = {{9, 9, 9}}, expected_m;
-      unknown_in_sight(map, config, box, given_up, from_m, num, found_m);
-      const double low = std::sin(-config.down_deg * std::numbers::pi / 180.0),
-                   high = std::sin(config.up_deg * std::numbers::pi / 180.0);
-      for (int i = 0; i < num; ++i) {
-        const double z = low + (high - low) * (2.0 * i + 1.0) / (2.0 * num),
-                     azimuth = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
-        const Vector3 direction(std::sqrt(1.0 - z * z) * std::cos(azimuth), std::sqrt(1.0 - z * z) * std::sin(azimuth),
-                                z);
-        for (int k = 1; 0.25 * k <= config.range_m; ++k) {
-          const Vector3 p_m = from_m + 0.25 * k * direction;
-          const CellState state = map.state(p_m);
-          if (state == CellState::kFree) continue;
-          if (state == CellState::kUnknown && box.holds(p_m) && !given_up.has(p_m)) expected_m.push_back(p_m);
-          break;
-        }
-      }
-      ASSERT_EQ(found_m.size(), expected_m.size()) << seed;
-      for (std::size_t i = 0; i < found_m.size(); ++i) EXPECT_LT((found_m[i] - expected_m[i]).norm(), 1e-9) << seed;
-      EXPECT_GT(found_m.size(), 5U);
-      if (again) break;
-      for (std::size_t i = 0; i < found_m.size() / 2; ++i) given_up.add(found_m[i]);
-    }
-  }
-}
-
 TEST(PlainViews, WhatIsGivenUpIsACubeOfItsGrainOnBothSidesOfZero) {
   GivenUp given_up(0.5);
   given_up.add({-0.1, 0.2, 7.4});

@@ -3,9 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "swiftlet/core/math/random.hpp"
 #include "tests/core/planning/box_map.hpp"
@@ -191,114 +189,6 @@ TEST(SampledPath, AStraightWayNeedsNoSample) {
       find_sampled_path(wall_with_a_gap(), config, sampling, SampledSearch::kRrt, kStart, {2.05, 1.05, 1.05});
   EXPECT_EQ(path.expansions, 0U);
   EXPECT_EQ(path.corners_local_m.size(), 2U);
-}
-
-/// The same search with all costs added up anew whenever they are asked for.
-struct PlainTree {
-  struct Node {
-    Vector3 p_m;
-    int parent;
-  };
-  std::vector<Node> nodes;
-  double cost_m(int i) const {
-    double sum_m = 0.0;
-    for (; nodes[i].parent >= 0; i = nodes[i].parent) sum_m += (nodes[i].p_m - nodes[nodes[i].parent].p_m).norm();
-    return sum_m;
-  }
-};
-
-double plain_length_m(const ClearSpace& space, const ClearPathConfig& config, const SamplingConfig& sampling, bool star,
-                      const Vector3& start_m, const Vector3& goal_m, std::uint32_t draw, std::size_t& num_samples) {
-  const Random random(sampling.seed, "sampled_path", std::to_string(draw));
-  Vector3 low_m = start_m.cwiseMin(goal_m) - Vector3::Constant(sampling.margin_m);
-  Vector3 high_m = start_m.cwiseMax(goal_m) + Vector3::Constant(sampling.margin_m);
-  low_m.z() = std::max(low_m.z(), std::min(config.z_min_m, start_m.z()));
-  high_m.z() = std::min(high_m.z(), std::max(config.z_max_m, start_m.z()));
-  const Vector3 size_m = (high_m - low_m).cwiseMax(sampling.step_m);
-  const double rewiring_m = 1.1 * std::cbrt(2.0 * (1.0 + 1.0 / 3.0) * size_m.prod() / (4.0 / 3.0 * M_PI));
-  PlainTree tree{{{start_m, -1}}};
-  std::vector<int> before_goal;
-  const auto reach = [&](int node) {
-    const Vector3& p_m = tree.nodes[node].p_m;
-    if ((goal_m - p_m).norm() <= sampling.step_m && space.is_clear_segment(p_m, goal_m)) before_goal.push_back(node);
-  };
-  const auto whole_m = [&](int node) { return tree.cost_m(node) + (goal_m - tree.nodes[node].p_m).norm(); };
-  const auto best_m = [&] {
-    double least_m = 1e9;
-    for (const int node : before_goal) least_m = std::min(least_m, whole_m(node));
-    return least_m;
-  };
-  reach(0);
-  std::uint32_t k = 0;
-  for (; k < static_cast<std::uint32_t>(sampling.max_samples) && (star || before_goal.empty()); ++k) {
-    Vector3 toward_m;
-    if (before_goal.empty() && random.uniform(k, 0) < sampling.goal_share) {
-      toward_m = goal_m;
-    } else if (before_goal.empty()) {
-      for (int i = 0; i < 3; ++i) toward_m[i] = low_m[i] + random.uniform(k, 1 + i) * (high_m[i] - low_m[i]);
-    } else {
-      Vector3 in_ball(9, 9, 9);
-      for (std::uint32_t i = 1; in_ball.norm() > 1.0; i += 3) {
-        for (std::uint32_t axis = 0; axis < 3; ++axis) in_ball[axis] = 2.0 * random.uniform(k, i + axis) - 1.0;
-      }
-      toward_m = point_in_spheroid(start_m, goal_m, best_m(), in_ball).cwiseMax(low_m).cwiseMin(high_m);
-    }
-    const auto apart_m = [&](int i) { return (tree.nodes[i].p_m - toward_m).norm(); };
-    int nearest = 0;
-    for (int i = 1; i < static_cast<int>(tree.nodes.size()); ++i) nearest = apart_m(i) < apart_m(nearest) ? i : nearest;
-    if (apart_m(nearest) < 1e-9) continue;
-    const Vector3 from_m = tree.nodes[nearest].p_m, way_m = toward_m - from_m;
-    const Vector3 p_m =
-        way_m.norm() <= sampling.step_m ? toward_m : Vector3(from_m + sampling.step_m * way_m.normalized());
-    if (!space.is_clear_segment(from_m, p_m)) continue;
-    const int added = static_cast<int>(tree.nodes.size());
-    int parent = nearest;
-    std::vector<int> near;
-    if (star) {
-      const double n = added + 1.0, radius_m = std::min(rewiring_m * std::cbrt(std::log(n) / n), 2.0 * sampling.step_m);
-      for (int i = 0; i < added; ++i) {
-        if ((tree.nodes[i].p_m - p_m).norm() <= radius_m) near.push_back(i);
-      }
-      const auto through_m = [&](int i) { return tree.cost_m(i) + (tree.nodes[i].p_m - p_m).norm(); };
-      for (const int i : near) {
-        if (through_m(i) < through_m(parent) && space.is_clear_segment(tree.nodes[i].p_m, p_m)) parent = i;
-      }
-    }
-    tree.nodes.push_back({p_m, parent});
-    for (const int i : near) {
-      const double through_m = tree.cost_m(added) + (tree.nodes[i].p_m - p_m).norm();
-      if (through_m < tree.cost_m(i) && space.is_clear_segment(p_m, tree.nodes[i].p_m)) tree.nodes[i].parent = added;
-    }
-    reach(added);
-  }
-  num_samples = k;
-  return best_m();
-}
-
-TEST(SampledPath, IsAsLongAsThatOfATreeWhoseCostsAreAddedUpAnew) {
-  const BoxMap map = wall_with_a_gap();
-  for (std::uint32_t draw = 0; draw < 5; ++draw) {
-    for (const bool star : {false, true}) {
-      ClearPathConfig config = sampled_rules();
-      config.max_shortenings = 0;
-      config.z_min_m = draw % 2 == 0 ? -1e5 : 0.7;
-      config.z_max_m = draw % 3 == 0 ? 1e5 : 1.4;
-      SamplingConfig sampling = few_meters();
-      sampling.max_samples = 500;
-      sampling.margin_m = 3.0;
-      sampling.step_m = 0.5 + 0.1 * draw;
-      sampling.goal_share = 0.04 + 0.02 * draw;
-      const ClearPath path = find_sampled_path(
-          map, config, sampling, star ? SampledSearch::kInformedRrtStar : SampledSearch::kRrt, kStart, kGoal, draw);
-      std::size_t num_samples = 0;
-      const ClearSpace space(map, config, kStart);
-      const double expected_m = plain_length_m(space, config, sampling, star, kStart, kGoal, draw, num_samples);
-      ASSERT_EQ(path.status == ClearPathStatus::kFound, expected_m < 1e8) << draw << " " << star;
-      EXPECT_EQ(path.expansions, num_samples);
-      if (path.status != ClearPathStatus::kFound) continue;
-      EXPECT_NEAR(length_m(path.corners_local_m), expected_m, 1e-6) << draw << " " << star;
-    }
-  }
 }
 
 TEST(PointInSpheroid, LiesWhereAWayBetweenTheFociIsAsLongAsTold) {

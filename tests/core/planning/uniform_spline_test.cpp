@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
+#include "swiftlet/core/math/random.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -56,6 +61,73 @@ TEST(UniformSpline, LeastDistanceIsThatOfTheClosestApproach) {
   EXPECT_NEAR(least_distance_m({a, 0.2}, {{{7.3, 0, 4.5}}, 0.2}), 2.5, 1e-3);
   // In the middle between two of the instants that are looked at.
   EXPECT_NEAR(least_distance_m({a, 0.2}, {{{7.35, 0, 4.5}}, 0.2}), 2.5, 1e-6);
+}
+
+/// Basis functions by their recursion [de Boor]; knots at whole numbers.
+double basis(int i, int degree, double t) {
+  if (degree == 0) return t >= i && t < i + 1 ? 1.0 : 0.0;
+  return (t - i) / degree * basis(i, degree - 1, t) + (i + degree + 1 - t) / degree * basis(i + 1, degree - 1, t);
+}
+
+TEST(UniformSpline, IsTheSumOfItsBasisFunctions) {
+  const Random random(4, "test.spline");
+  for (std::uint32_t trial = 0; trial < 40; ++trial) {
+    std::vector<Vector3> points;
+    for (std::uint32_t i = 0; i <= trial % 7; ++i) {
+      points.emplace_back(random.uniform(-5, 5, trial, 3 * i), random.uniform(-5, 5, trial, 3 * i + 1),
+                          random.uniform(-5, 5, trial, 3 * i + 2));
+    }
+    const double interval_s = 0.1 + 0.1 * (trial % 4);
+    const UniformSpline spline(points, interval_s);
+    // The first and the last three times.
+    std::vector<Vector3> all(2, points.front());
+    all.insert(all.end(), points.begin(), points.end());
+    all.insert(all.end(), 2, points.back());
+    const auto n = static_cast<int>(all.size());
+    EXPECT_NEAR(spline.duration_s(), (n - 3) * interval_s, 1e-12);
+    const auto place = [&](double t_s) {
+      Vector3 sum = Vector3::Zero();
+      for (int i = 0; i < n; ++i) sum += basis(i, 3, 3.0 + t_s / interval_s) * all[static_cast<std::size_t>(i)];
+      return sum;
+    };
+    for (int k = 0; k < 60; ++k) {
+      const double t_s = spline.duration_s() * (k + 0.37) / 60.0;
+      const auto state = spline.at(t_s);
+      ASSERT_LT((state.p_m - place(t_s)).norm(), 1e-12) << trial << " " << k;
+      constexpr double kStep_s = 1e-4;
+      const Vector3 v = (place(t_s + kStep_s) - place(t_s - kStep_s)) / (2 * kStep_s);
+      const Vector3 a = (place(t_s + kStep_s) - 2.0 * place(t_s) + place(t_s - kStep_s)) / (kStep_s * kStep_s);
+      ASSERT_LT((state.v_mps - v).norm(), 1e-2) << trial << " " << k;
+      ASSERT_LT((state.a_mps2 - a).norm(), 1.0) << trial << " " << k;
+    }
+  }
+}
+
+TEST(UniformSpline, LeastDistanceIsThatOfDenseSamples) {
+  const Random random(5, "test.spline");
+  for (std::uint32_t trial = 0; trial < 20; ++trial) {
+    const auto curve = [&](std::uint32_t which, int num) {
+      std::vector<Vector3> points;
+      for (int i = 0; i < num; ++i) {
+        const std::uint32_t at = 100 * which + 3 * static_cast<std::uint32_t>(i);
+        points.emplace_back(random.uniform(-3, 3, trial, at), random.uniform(-3, 3, trial, at + 1),
+                            random.uniform(-1, 1, trial, at + 2));
+      }
+      return UniformSpline(points, 0.5);
+    };
+    const UniformSpline a = curve(0, 4 + static_cast<int>(trial % 4)), b = curve(1, 6);
+    double least_m = 1e9;
+    const double end_s = std::max(a.duration_s(), b.duration_s());
+    for (double t_s = 0.0; t_s <= end_s; t_s += 2e-4)
+      least_m = std::min(least_m, (a.at(t_s).p_m - b.at(t_s).p_m).norm());
+    EXPECT_NEAR(least_distance_m(a, b), least_m, 1e-2) << trial;
+  }
+  // At its very beginning, and at the end of the longer one.
+  const UniformSpline still({{0, 0, 0}}, 0.5), away({{1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, 0.5),
+      toward({{5, 0, 0}, {3, 0, 0}, {1, 0, 0}}, 0.5);
+  EXPECT_NEAR(least_distance_m(still, away), 1.0, 1e-9);
+  EXPECT_NEAR(least_distance_m(still, toward), 1.0, 1e-9);
+  EXPECT_NEAR(least_distance_m(still, still), 0.0, 1e-12);
 }
 
 }  // namespace
