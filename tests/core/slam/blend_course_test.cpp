@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The limited form of the blend: how long it takes, and which way it goes, worked out once more.
+// The limited form of the blend: how long it takes and how smooth it is.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -65,75 +65,6 @@ TEST(BlendCourse, NothingNewTakesAMillisecond) {
   const double s = whole_after_s(blend, 0.1);
   EXPECT_GT(s, 0.9e-3);
   EXPECT_LT(s, 1.2e-3);
-}
-
-/// Position, rate and acceleration along a line, to rest at the target after a duration: by its six conditions.
-struct PlainQuintic {
-  Eigen::Matrix<double, 6, 3> c;
-  double duration_s;
-  PlainQuintic(const Vector3& x, const Vector3& v, const Vector3& a, const Vector3& target, double T) : duration_s(T) {
-    Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
-    A(0, 0) = A(1, 1) = 1.0;
-    A(2, 2) = 2.0;
-    for (int k = 0; k < 6; ++k) {
-      A(3, k) = std::pow(T, k);
-      A(4, k) = k >= 1 ? k * std::pow(T, k - 1) : 0.0;
-      A(5, k) = k >= 2 ? k * (k - 1) * std::pow(T, k - 2) : 0.0;
-    }
-    Eigen::Matrix<double, 6, 3> b = Eigen::Matrix<double, 6, 3>::Zero();
-    b.row(0) = x;
-    b.row(1) = v;
-    b.row(2) = a;
-    b.row(3) = target;
-    c = A.fullPivLu().solve(b);
-  }
-  Vector3 at(double t, int order) const {
-    Vector3 sum = Vector3::Zero();
-    for (int k = order; k < 6; ++k) {
-      double factor = std::pow(t, k - order);
-      for (int j = 0; j < order; ++j) factor *= k - j;
-      sum += factor * c.row(k).transpose();
-    }
-    return sum;
-  }
-  double share(const CorrectionBlendConfig& limits) const {
-    double most = 0.0;
-    for (int i = 0; i <= 500; ++i) {
-      const double t = duration_s * i / 500;
-      most = std::max({most, at(t, 1).norm() / limits.speed_max_mps, at(t, 2).norm() / limits.acceleration_max_mps2,
-                       at(t, 3).norm() / limits.jerk_max_mps3});
-    }
-    return most;
-  }
-};
-
-TEST(BlendCourse, AnotherTargetAmidItIsReachedOnAQuinticFromWhereAndHowFastItWas) {
-  const CorrectionBlendConfig limits;
-  const Vector3 first_m(1.0, -0.4, 0.2), second_m(1.4, 0.5, -0.1);
-  for (const double amid_s : {1.2, 3.0, 4.5, 6.0}) {
-    CorrectionBlend blend(limits);
-    const Pose T_first = make_pose(first_m, Eigen::Quaterniond::Identity());
-    blend.head_for(0, T_first, Vector3::Zero());
-    const PlainQuintic before(Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), first_m,
-                              1.001 * closed_form_s(limits, first_m.norm()));
-    blend.advance(from_seconds(amid_s));
-    blend.head_for(from_seconds(amid_s), make_pose(second_m, Eigen::Quaterniond::Identity()), Vector3::Zero());
-    // It may wait until a motion within the limits leads there.
-    double begun_s = amid_s;
-    CorrectionBlend again = blend;
-    const Vector3 x = before.at(begun_s, 0), v = before.at(begun_s, 1), a = before.at(begun_s, 2);
-    double T = 1.001 * closed_form_s(limits, (second_m - x).norm());
-    int tries = 0;
-    while (PlainQuintic(x, v, a, second_m, T).share(limits) > 1.0 && tries++ < 60) T *= 1.05;
-    ASSERT_LT(tries, 40);
-    const PlainQuintic after(x, v, a, second_m, T);
-    for (int i = 0; i <= 40; ++i) {
-      const double t = T * i / 40;
-      EXPECT_LT((again.advance(from_seconds(begun_s + t)).translation() - after.at(t, 0)).norm(), 1e-7)
-          << amid_s << " " << i << " " << tries;
-    }
-    EXPECT_NEAR(whole_after_s(blend, 60.0), begun_s + T, 2e-4);
-  }
 }
 
 /// The third derivative of what is shown of points near the vehicle, by differences.

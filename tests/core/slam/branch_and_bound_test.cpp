@@ -4,13 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <random>
 #include <set>
-#include <tuple>
 
 #include "swiftlet/core/localization/dead_reckoning.hpp"
 
@@ -199,36 +196,6 @@ TEST(BranchAndBound, OfEqualPlacesItTellsTheFirst) {
   EXPECT_NEAR(yaw_of(found.best->T_map_cloud.linear()), -0.1, 1e-12);
 }
 
-TEST(BranchAndBound, LooksAtEveryPlaceOnceWhereThereIsNoLevelToBoundIt) {
-  std::mt19937 random(14);
-  const SearchCloud points = random_cloud(random, 20, 2.0F);
-  const SearchWindow window{3, 2, 0.1, 0.05};
-  const OccupancyPyramid map(points, kGridCell_m, 1);
-  const auto run = [&](std::int64_t budget, std::span<const std::uint8_t> allowed) {
-    return search_best_pose(map, moved_by(points, {9.0, 0.0, 0.0}), Pose::Identity(), window, 0.9, budget, allowed);
-  };
-  EXPECT_EQ(run(kNoBudget, {}).num_expanded, 7 * 7 * 5 * 5);
-  EXPECT_EQ(run(kNoBudget, std::vector<std::uint8_t>{0, 1, 0, 0, 1}).num_expanded, 7 * 7 * 5 * 2);
-  EXPECT_FALSE(run(kNoBudget, {}).best);
-}
-
-TEST(BranchAndBound, OpensOnlyWhatMayHoldABetterPlace) {
-  // A block in which any displacement fits: eight nodes above, the eight of the first of them, and all others are no
-  // better than the first place.
-  SearchCloud block;
-  for (int i = 0; i < 12 * 12 * 12; ++i) {
-    block.push_back(0.5F * Eigen::Vector3f(static_cast<float>(i % 12), static_cast<float>(i / 12 % 12),
-                                           static_cast<float>(i / 144)) -
-                    Eigen::Vector3f::Constant(2.9F));
-  }
-  const SearchCloud cloud = {Eigen::Vector3f::Constant(0.1F)};
-  const OccupancyPyramid map(block, kGridCell_m, 2);
-  const SearchResult found = search_best_pose(map, cloud, Pose::Identity(), {1, 1, 0.0, 0.05}, 0.0, kNoBudget);
-  EXPECT_EQ(found.num_expanded, 16);
-  ASSERT_TRUE(found.best);
-  EXPECT_EQ(found.best->T_map_cloud.translation(), Vector3::Constant(-kGridCell_m));
-}
-
 TEST(BranchAndBound, EndsByItsBudgetAndNotBefore) {
   const SearchCloud post = {{0.1F, 0.1F, 0.1F}};
   const OccupancyPyramid map(post, kGridCell_m, 1);
@@ -262,69 +229,6 @@ TEST(BranchAndBound, TakesAScoreThatReachesTheLeastOneAndNoneBelow) {
                                 {0, 0, 0.0, 0.05}, 0.0, kNoBudget)
                    .best);
   EXPECT_FALSE(search_best_pose(map, {}, Pose::Identity(), {0, 0, 0.0, 0.05}, 0.0, kNoBudget).best);
-}
-
-// Directions of surfaces, written down once more: in each slice of 0.2 m points go around their middle, and two that
-// follow each other 0.2 to 0.9 m apart are on one surface. The more it lies across the line to the middle, the more it
-// counts; so near to the middle that nobody can tell, not at all.
-std::array<double, 120> plain_histogram(const SearchCloud& points) {
-  std::map<int, std::vector<Vector3>> slices;
-  for (const Eigen::Vector3f& p : points) {
-    slices[static_cast<int>(std::floor(p.z() / 0.2F))].push_back(p.cast<double>());
-  }
-  std::array<double, 120> weights{};
-  for (auto& [height, slice] : slices) {
-    Vector3 middle = Vector3::Zero();
-    for (const Vector3& p : slice) middle += p / static_cast<double>(slice.size());
-    const auto bearing = [&](const Vector3& p) { return std::atan2(p.y() - middle.y(), p.x() - middle.x()); };
-    std::stable_sort(slice.begin(), slice.end(),
-                     [&](const Vector3& a, const Vector3& b) { return bearing(a) < bearing(b); });
-    for (std::size_t i = 1; i < slice.size(); ++i) {
-      const Eigen::Vector2d along = (slice[i] - slice[i - 1]).head<2>(), out = (slice[i - 1] - middle).head<2>();
-      if (along.norm() < 0.2 || along.norm() > 0.9 || out.norm() < 0.2) continue;
-      const double degrees = std::fmod(std::atan2(along.y(), along.x()) * 180.0 / M_PI + 360.0, 180.0);
-      weights[static_cast<std::size_t>(degrees / 1.5) % 120] +=
-          1.0 - std::abs(along.normalized().dot(out.normalized()));
-    }
-  }
-  return weights;
-}
-
-double plain_similarity(const std::array<double, 120>& own, const std::array<double, 120>& other, double yaw_rad) {
-  // Turned by parts of a bucket, a bucket's weight is shared by two.
-  std::array<double, 120> turned{};
-  const double shift = yaw_rad * 180.0 / M_PI / 1.5;
-  for (int i = 0; i < 120; ++i) {
-    const double to = i + shift + 1200.0;
-    const int low = static_cast<int>(std::floor(to));
-    turned[static_cast<std::size_t>(low % 120)] += (1.0 - (to - low)) * own[static_cast<std::size_t>(i)];
-    turned[static_cast<std::size_t>((low + 1) % 120)] += (to - low) * own[static_cast<std::size_t>(i)];
-  }
-  double dot = 0.0, a = 0.0, b = 0.0;
-  for (std::size_t i = 0; i < 120; ++i) {
-    dot += turned[i] * other[i];
-    a += turned[i] * turned[i];
-    b += other[i] * other[i];
-  }
-  return a * b > 0.0 ? dot / std::sqrt(a * b) : 1.0;
-}
-
-TEST(RotationalHistogram, HasTheDirectionsOfNeighborsOnTheSameSurface) {
-  std::mt19937 random(15);
-  std::uniform_real_distribution<double> uniform(-3.0, 3.0);
-  for (int trial = 0; trial < 30; ++trial) {
-    // Few points, so that each one counts: some lie too near to each other, some too far.
-    const SearchCloud one = random_cloud(random, 40, trial % 2 == 0 ? 1.0F : 2.5F);
-    const SearchCloud two = random_cloud(random, 60, 1.5F);
-    const RotationalHistogram a(one), b(two);
-    const auto plain_a = plain_histogram(one), plain_b = plain_histogram(two);
-    for (int i = 0; i < 10; ++i) {
-      const double yaw_rad = uniform(random);
-      EXPECT_NEAR(a.similarity(b, yaw_rad), plain_similarity(plain_a, plain_b, yaw_rad), 1e-5) << trial;
-    }
-    EXPECT_NEAR(a.similarity(a, 0.0), 1.0, 1e-12);
-    EXPECT_NEAR(a.similarity(b, 0.4), a.similarity(b, 0.4 + M_PI), 1e-9) << "half a turn changes no direction";
-  }
 }
 
 TEST(RotationalHistogram, WithoutSurfacesItSaysNothingAgainstAnyHeading) {

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 #include <span>
@@ -98,94 +97,6 @@ TEST(OccupancyPyramid, EveryLevelIsTheMaximumOverItsCells) {
       }
     }
   }
-}
-
-/// Every displacement and heading, one by one.
-double best_by_force(const OccupancyPyramid& map, const Points& points, const Pose& guess, const SearchWindow& window,
-                     const Excluded* excluded) {
-  int best = 0;
-  for (int i = 0; i < num_yaws(window); ++i) {
-    Pose T = guess;
-    T.linear() = rotation_by({0, 0, yaw_offset_rad(window, i)}).toRotationMatrix() * guess.linear();
-    for (int x = -window.xy_cells; x <= window.xy_cells; ++x) {
-      for (int y = -window.xy_cells; y <= window.xy_cells; ++y) {
-        for (int z = -window.z_cells; z <= window.z_cells; ++z) {
-          const Vector3 by = map.cell_m() * Vector3(x, y, z);
-          if (excluded != nullptr &&
-              (T.translation() + by - excluded->T_map_cloud.translation()).norm() < excluded->distance_m) {
-            continue;
-          }
-          int score = 0;
-          for (const Eigen::Vector3f& p : points) {
-            const Eigen::Vector3i c = ((T * p.cast<double>()) / map.cell_m()).array().floor().cast<int>();
-            score += map.at(0, c.x() + x, c.y() + y, c.z() + z) ? 1 : 0;
-          }
-          best = std::max(best, score);
-        }
-      }
-    }
-  }
-  return static_cast<double>(best) / static_cast<double>(points.size());
-}
-
-TEST(BranchAndBound, NeverMissesTheBestPoseInTheWindow) {
-  std::mt19937 random(2);
-  std::uniform_real_distribution<float> uniform(-5.0F, 5.0F);
-  std::int64_t expanded = 0, leaves = 0;
-  for (int trial = 0; trial < 8; ++trial) {
-    Points points(40);
-    for (Eigen::Vector3f& p : points) {
-      for (int axis = 0; axis < 3; ++axis) p(axis) = uniform(random);
-    }
-    const Pose T = make_pose({0.7, -1.1, 0.4}, rotation_by({0, 0, 0.11}));
-    Points moved_points = seen_from(points, T);
-    for (Eigen::Vector3f& p : moved_points) p += 0.1F * Eigen::Vector3f(uniform(random), 0.0F, 0.0F);
-    const OccupancyPyramid map(points, 0.5, 1 + trial % 4);
-    const SearchWindow window{5, 2, 0.1, 0.05};
-    const Excluded excluded{T, 1.0};
-    for (const Excluded* without : {static_cast<const Excluded*>(nullptr), &excluded}) {
-      const SearchResult found =
-          search_best_pose(map, moved_points, Pose::Identity(), window, 0.0, 1'000'000'000, {}, without);
-      ASSERT_TRUE(found.complete);
-      ASSERT_TRUE(found.best);
-      EXPECT_DOUBLE_EQ(found.best->score, best_by_force(map, moved_points, Pose::Identity(), window, without));
-      if (trial % 4 == 3 && without == nullptr) {
-        expanded += found.num_expanded;
-        leaves += 11 * 11 * 5 * num_yaws(window);
-      }
-    }
-  }
-  EXPECT_LT(expanded, leaves) << "bounds save work";
-}
-
-TEST(BranchAndBound, TheEdgesOfTheWindowBelongToIt) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> uniform(-5.0F, 5.0F);
-  Points points(40);
-  for (Eigen::Vector3f& p : points) {
-    for (int axis = 0; axis < 3; ++axis) p(axis) = uniform(random);
-  }
-  const OccupancyPyramid map(points, 0.5, 3);
-  const SearchWindow window{5, 2, 0.0, 0.05};
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const int side : {-1, 1}) {
-      const Vector3 off_m = 0.5 * side * (axis == 2 ? 2 : 5) * Vector3::Unit(axis);
-      Points moved_points = points;
-      for (Eigen::Vector3f& p : moved_points) p -= off_m.cast<float>();
-      const SearchResult found = search_best_pose(map, moved_points, Pose::Identity(), window, 0.0, 1'000'000'000);
-      ASSERT_TRUE(found.best);
-      EXPECT_EQ(found.best->score, 1.0) << axis << " " << side;
-      EXPECT_EQ(found.best->T_map_cloud.translation(), off_m);
-    }
-  }
-}
-
-TEST(BranchAndBound, TellsWhenItsBudgetEnds) {
-  const Points points = upright_points_m(yard(1), 0.5, 25.0);
-  const OccupancyPyramid map(points, 0.5, 4);
-  const SearchResult found = search_best_pose(map, points, Pose::Identity(), {10, 2, 0.2, 0.02}, 0.1, 50);
-  EXPECT_FALSE(found.complete);
-  EXPECT_LT(found.num_expanded, 400);
 }
 
 TEST(RotationalHistogram, AgreesAtTheRightHeadingAndNotAtAnother) {
@@ -442,126 +353,6 @@ TEST(FindInMap, TakesNothingInAHallThatLooksTheSameTurnedAround) {
   EXPECT_EQ(find_in_map(parts, hall, global_closure_config()).result.verdict, ClosureVerdict::kRival);
 }
 
-TEST(Closure, UprightIsAColumnInWhichSomethingStandsAMeterHigh) {
-  std::mt19937 random(31);
-  std::uniform_real_distribution<float> uniform(-1.0F, 1.0F);
-  for (const double cell_m : {0.5, 0.3}) {
-    Points points;
-    for (int i = 0; i < 1200; ++i) {
-      const float x = 9.0F * uniform(random), y = 9.0F * uniform(random), z = uniform(random);
-      points.emplace_back(x, y, z);
-    }
-    const double range_m = 7.0;
-    // A point is in when any two of its column are a meter apart; of each cube the first.
-    const auto column_of = [&](const Eigen::Vector3f& p) {
-      return std::pair(std::floor(p.x() / cell_m), std::floor(p.y() / cell_m));
-    };
-    Points upright;
-    for (const Eigen::Vector3f& p : points) {
-      if (std::hypot(p.x(), p.y()) > range_m) continue;
-      float low = p.z(), high = p.z();
-      for (const Eigen::Vector3f& other : points) {
-        if (std::hypot(other.x(), other.y()) > range_m || column_of(other) != column_of(p)) continue;
-        low = std::min(low, other.z());
-        high = std::max(high, other.z());
-      }
-      if (high - low < 1.0F) continue;
-      const auto in_its_cube = [&](const Eigen::Vector3f& q) {
-        return column_of(q) == column_of(p) && std::floor(q.z() / cell_m) == std::floor(p.z() / cell_m);
-      };
-      if (std::none_of(upright.begin(), upright.end(), in_its_cube)) upright.push_back(p);
-    }
-    EXPECT_EQ(upright_points_m(points, cell_m, range_m), upright);
-    EXPECT_GT(upright.size(), 25U);
-  }
-}
-
-/// So many posts of two points, 1.2 m above each other.
-Points posts(int num) {
-  Points points;
-  for (int i = 0; i < num; ++i) {
-    const float a = 2.4F * static_cast<float>(i), r = 1.0F + 0.2F * static_cast<float>(i);
-    points.emplace_back(r * std::cos(a), r * std::sin(a), 0.1F);
-    points.emplace_back(r * std::cos(a), r * std::sin(a), 1.3F);
-  }
-  return points;
-}
-
-TEST(Closure, FewerThanFortyUprightPointsTellNothing) {
-  for (const int num : {19, 20}) {
-    const bool flat = num == 19;
-    ASSERT_EQ(upright_points_m(posts(num), 0.5, 25.0).size(), static_cast<std::size_t>(2 * num));
-    EXPECT_EQ(find_closure(posts(num), posts(30), Pose::Identity(), {}).verdict == ClosureVerdict::kTooFlat, flat);
-    EXPECT_EQ(find_closure(posts(30), posts(num), Pose::Identity(), {}).verdict == ClosureVerdict::kTooFlat, flat);
-    const Points part = posts(30), few = posts(num);
-    ClosureConfig config = global_closure_config();
-    config.window_xy_m = config.window_z_m = 0.5;
-    config.window_yaw_deg = 1.0;
-    EXPECT_EQ(find_in_map(std::vector<MapPart>{{Pose::Identity(), part}}, few, config).result.verdict ==
-                  ClosureVerdict::kTooFlat,
-              flat);
-    // A part of a map of which that is true is no place.
-    EXPECT_EQ(find_in_map(std::vector<MapPart>{{Pose::Identity(), few}}, part, config).result.num_expanded == 0, flat);
-  }
-}
-
-/// Without bounds every place in the window is looked at once.
-ClosureConfig one_by_one() {
-  ClosureConfig config;
-  config.levels = 1;
-  config.histogram_min = 0.0;
-  config.budget = 100000000;
-  config.points = 60;
-  return config;
-}
-
-TEST(Closure, TheWindowIsAsLargeAsItIsToldAndItsHeadingsAreAsFineAsTheFarthestPointAsks) {
-  const Points older = posts(30), newer = posts(40);
-  for (const double range_m : {25.0, 12.0}) {
-    ClosureConfig config = one_by_one();
-    config.range_max_m = range_m;
-    config.window_xy_m = 1.2;
-    config.window_z_m = 0.6;
-    config.window_yaw_deg = 8.0;
-    config.score_min = 1.0;  // which nothing reaches: one search
-    const ClosureResult result = find_closure(older, newer, Pose::Identity(), config);
-    ASSERT_EQ(result.verdict, ClosureVerdict::kNoMatch);
-    // Turned by a step, the farthest point moves by a hundredth less than a cell, along its chord.
-    const double step_deg = 0.99 * 2.0 * std::asin(0.5 * 0.5 / range_m) * 180.0 / M_PI;
-    const int headings = 2 * static_cast<int>(8.0 / step_deg) + 1;
-    EXPECT_EQ(result.num_expanded, 7 * 7 * 5 * headings) << range_m;
-    config.score_min = 0.0;
-    config.budget = 100;
-    EXPECT_EQ(find_closure(older, newer, Pose::Identity(), config).verdict, ClosureVerdict::kNotSearched);
-  }
-}
-
-TEST(Closure, OnlyHeadingsWhoseHistogramsAgreeAreSearched) {
-  const Points older = yard(1);
-  const Pose T = make_pose({0.3, 0.2, 0.0}, rotation_by({0, 0, 0.5}));
-  const Points newer = seen_from(yard(2), T);
-  const Pose guess = make_pose({0, 0, 0}, rotation_by({0, 0, 0.5 - 0.1}));
-  ClosureConfig config = one_by_one();
-  config.window_xy_m = config.window_z_m = 0.5;
-  const RotationalHistogram of_older(older), of_newer(newer);
-  config.histogram_min = of_newer.similarity(of_older, 0.5) - 0.1;
-  const SearchWindow window{1, 1, 8.0 * M_PI / 180.0, 0.99 * 2.0 * std::asin(0.5 * 0.5 / 25.0)};
-  int likely = 0, mirrored = 0;
-  for (int i = 0; i < num_yaws(window); ++i) {
-    const double offset_rad = yaw_offset_rad(window, i);
-    likely += of_newer.similarity(of_older, 0.4 + offset_rad) >= config.histogram_min;
-    mirrored += of_newer.similarity(of_older, 0.4 - offset_rad) >= config.histogram_min && offset_rad > 0.07;
-  }
-  ASSERT_GT(likely, 0);
-  ASSERT_LT(likely, num_yaws(window));
-  ASSERT_EQ(mirrored, 0) << "otherwise this test shows less";
-  const ClosureResult result = find_closure(older, newer, guess, config);
-  EXPECT_EQ(result.verdict, ClosureVerdict::kClosed);
-  EXPECT_EQ(result.num_expanded, 3 * 3 * 3 * 3 * likely) << "for the best, and twice for its rivals";
-  config.histogram_min = 1.0;
-  EXPECT_EQ(find_closure(older, newer, guess, config).num_expanded, 0);
-}
-
 TEST(Closure, TellsHowMuchOfItIsKnownAndHowMuchOfThatLiesOnSurfaces) {
   const Points older = yard(1);
   Points newer = yard(2);
@@ -589,47 +380,6 @@ TEST(Closure, TellsHowMuchOfItIsKnownAndHowMuchOfThatLiesOnSurfaces) {
   EXPECT_EQ(verdict(), ClosureVerdict::kDoesNotFit);
   config.overlap_min = result.overlap + 1e-6;
   EXPECT_EQ(verdict(), ClosureVerdict::kNoOverlap);
-}
-
-TEST(Closure, ARefinementThatLeavesThePlaceIsRefused) {
-  const Points older = yard(1);
-  ClosureConfig config;
-  config.window_xy_m = config.window_z_m = config.window_yaw_deg = 0.0;
-  config.score_min = config.rival_share = config.histogram_min = 0.0;
-  config.rival_distance_m = 10.0;
-  const auto verdict = [&](const Vector3& off_m, double off_deg) {
-    const Pose guess = make_pose(off_m, rotation_by({0, 0, off_deg * M_PI / 180.0}));
-    return find_closure(older, yard(2), guess, config).verdict;
-  };
-  EXPECT_EQ(verdict({0, 0, 0}, 3.5), ClosureVerdict::kClosed);
-  EXPECT_EQ(verdict({0, 0, 0}, 4.6), ClosureVerdict::kMoved);
-  // Heights are tried up to a cell above and below.
-  config.cell_m = 0.9;
-  for (const double sign : {-1.0, 1.0}) {
-    EXPECT_EQ(verdict({0, 0, sign * 0.9}, 0.0), ClosureVerdict::kClosed) << sign;
-    EXPECT_EQ(verdict({0, 0, sign * 0.45}, 0.0), ClosureVerdict::kClosed) << sign;
-  }
-  config.cell_m = 1.2;
-  EXPECT_EQ(verdict({0, 0, 1.2}, 0.0), ClosureVerdict::kMoved);
-}
-
-TEST(FindInMap, AnotherHeadingAtTheSamePlaceIsARivalFromTwentyDegreesOn) {
-  // The part has a yard twice, turned by some degrees; the cloud has it once.
-  const Points once = yard(1);
-  ClosureConfig config = global_closure_config();
-  config.window_xy_m = config.window_z_m = 0.5;
-  config.window_yaw_deg = 40.0;
-  config.histogram_min = 0.0;
-  config.near_min = 0.3;
-  for (const double apart_deg : {15.0, 25.0}) {
-    Points twice = once;
-    for (const Eigen::Vector3f& p :
-         seen_from(once, make_pose({0, 0, 0}, rotation_by({0, 0, apart_deg * M_PI / 180.0})))) {
-      twice.push_back(p);
-    }
-    const auto verdict = find_in_map(std::vector<MapPart>{{Pose::Identity(), twice}}, once, config).result.verdict;
-    EXPECT_EQ(verdict == ClosureVerdict::kRival, apart_deg > 20.0) << apart_deg << " " << static_cast<int>(verdict);
-  }
 }
 
 }  // namespace

@@ -71,25 +71,6 @@ TEST(GridMatcher, AtRestAScanGoesIntoTheMapEveryHalfSecond) {
   for (const ScanOutcome& outcome : rest.outcomes) EXPECT_TRUE(outcome.used);
 }
 
-TEST(GridMatcher, MotionAndTurnsBringAScanIntoTheMapSooner) {
-  const auto inserted = [](SyntheticFlight::PoseAt at, double after_m, double after_deg) {
-    GridMatchingConfig config;
-    config.insert_after_m = after_m;
-    config.insert_after_deg = after_deg;
-    config.insert_after_s = 100.0;
-    GridFlight flight(kWorkshop, std::move(at), config, 0.25);
-    flight.fly(10);
-    return flight.inserted();
-  };
-  const auto ahead = [](double t_s) { return make_pose({0.2 * t_s, 0, 1.5}, Eigen::Quaterniond::Identity()); };
-  const auto turning = [](double t_s) { return make_pose({0, 0, 1.5}, rotation_by({0, 0, 0.2 * t_s})); };
-  EXPECT_EQ(inserted(at_rest, 0.5, 90.0), (std::vector<int>{1}));
-  EXPECT_GE(inserted(ahead, 0.1, 90.0).size(), 2U);
-  // 0.02 rad from scan to scan.
-  EXPECT_EQ(inserted(turning, 50.0, 0.03 / kRadPerDeg), (std::vector<int>{1, 3, 5, 7, 9}));
-  EXPECT_EQ(inserted(turning, 50.0, 0.01 / kRadPerDeg).size(), 10U);
-}
-
 TEST(GridMatcher, ScansAreMatchedToTheOlderSubmap) {
   // Two scans of where the vehicle is make the older one; both take a third of where it is not.
   GridMatchingConfig config;

@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Grids of probability against closed forms and against a plain table of cells.
+// Grids of probability against closed forms.
 #include "swiftlet/core/slam/hybrid_grid.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <random>
-#include <set>
 #include <vector>
 
 #include "swiftlet/core/slam/grid_submaps.hpp"
 
 namespace swiftlet {
 namespace {
-
-using GridCell3 = std::array<int, 3>;
 
 double odds(double p) { return p / (1.0 - p); }
 
@@ -53,74 +48,6 @@ TEST(HybridGrid, CellsAreCenteredAtTheirIndexTimesTheResolution) {
   EXPECT_EQ(grid.cell_at({0.0, 0.22, -0.22}), Eigen::Vector3i::Zero());
   EXPECT_EQ(grid.cell_at({0.23, -0.23, 0.67}), Eigen::Vector3i(1, -1, 1));
   EXPECT_EQ(grid.center_m({2, -1, 0}), Vector3(0.9, -0.45, 0.0));
-}
-
-/// Cells as anyone would keep them, with probabilities in place of values.
-class PlainGrid {
- public:
-  void insert(const std::vector<Vector3>& points_m, const Vector3& origin_m, double resolution_m, double hit,
-              double miss, int cells_missed) {
-    const auto index = [&](double x_m) { return static_cast<int>(std::floor(x_m / resolution_m + 0.5)); };
-    const auto cell = [&](const Vector3& p_m) { return GridCell3{index(p_m.x()), index(p_m.y()), index(p_m.z())}; };
-    std::set<GridCell3> hits, misses;
-    const GridCell3 from = cell(origin_m);
-    for (const Vector3& p_m : points_m) hits.insert(cell(p_m));
-    for (const GridCell3& to : hits) {
-      int steps = 0;
-      for (int axis = 0; axis < 3; ++axis) steps = std::max(steps, std::abs(to[axis] - from[axis]));
-      for (int before = 1; before <= std::min(cells_missed, steps); ++before) {
-        GridCell3 passed;
-        for (int axis = 0; axis < 3; ++axis) {
-          const double way = to[axis] - from[axis];
-          passed[axis] = from[axis] + static_cast<int>(std::trunc(way * (steps - before) / steps));
-        }
-        if (!hits.contains(passed)) misses.insert(passed);
-      }
-    }
-    for (const GridCell3& c : hits) change(c, hit);
-    for (const GridCell3& c : misses) change(c, miss);
-  }
-  const std::map<GridCell3, double>& probabilities() const { return probabilities_; }
-
- private:
-  void change(const GridCell3& c, double observed) {
-    const auto known = probabilities_.find(c);
-    const double o = odds(observed) * (known == probabilities_.end() ? 1.0 : odds(known->second));
-    probabilities_[c] = std::clamp(o / (1.0 + o), 0.1, 0.9);
-  }
-  std::map<GridCell3, double> probabilities_;
-};
-
-TEST(HybridGrid, IsWhatAPlainTableOfCellsIs) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal(0.0, 1.5);
-  for (const int cells_missed : {0, 2, 5}) {
-    HybridGrid grid(0.3);
-    PlainGrid plain;
-    const OddsTable hit(0.55), miss(0.49);
-    std::set<GridCell3> seen;
-    for (int scan = 0; scan < 25; ++scan) {
-      std::vector<Vector3> points_m(400);
-      for (Vector3& p_m : points_m) p_m = {normal(random), normal(random) - 4.0, 0.3 * normal(random)};
-      const Vector3 origin_m(normal(random), normal(random), normal(random));
-      grid.insert(points_m, origin_m, hit, miss, cells_missed);
-      plain.insert(points_m, origin_m, 0.3, 0.55, 0.49, cells_missed);
-    }
-    int num_known = 0;
-    for (int x = -40; x <= 40; ++x) {
-      for (int y = -40; y <= 40; ++y) {
-        for (int z = -20; z <= 20; ++z) {
-          const auto known = plain.probabilities().find({x, y, z});
-          const std::uint16_t value = grid.value({x, y, z});
-          ASSERT_EQ(value != grid_value::kUnknown, known != plain.probabilities().end()) << x << " " << y << " " << z;
-          if (value == grid_value::kUnknown) continue;
-          ++num_known;
-          ASSERT_NEAR(grid_value::probability_of(value), known->second, 25 * 2e-5);
-        }
-      }
-    }
-    EXPECT_EQ(num_known, static_cast<int>(plain.probabilities().size())) << "none lies outside of what was looked at";
-  }
 }
 
 TEST(HybridGrid, DoesNotHangOnTheOrderOfTheScansPoints) {

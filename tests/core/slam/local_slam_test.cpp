@@ -109,52 +109,6 @@ TEST(LocalSlam, AtRestAScanGoesIntoTheMapEverySecondButTheFirstTenAtOnce) {
   EXPECT_GT(outcomes.back().num_iterations, 0);
 }
 
-TEST(LocalSlam, MotionBringsAScanIntoTheMapSooner) {
-  // 0.1 m or 3 degrees from scan to scan.
-  const auto inserted = [](SyntheticFlight::PoseAt at, double after_m, double after_deg) {
-    LocalSlamConfig config = from_the_first_scan_on();
-    config.insert_after_s = 100.0;
-    config.insert_after_m = after_m;
-    config.insert_after_deg = after_deg;
-    config.imu.start_velocity_sigma_mps = 2.0;
-    SyntheticFlight flight = flight_in(kStore, std::move(at));
-    LocalSlam slam(config, flight.at(0), 0.3);
-    return inserted_scans(outcomes_of(slam, flight, 20));
-  };
-  const auto ahead = [](double t_s) { return make_pose({t_s - 1.0, 0, 1.5}, Eigen::Quaterniond::Identity()); };
-  const auto turning = [](double t_s) { return make_pose({0, 0, 1.5}, rotation_by({0, 0, 30.0 * kRadPerDeg * t_s})); };
-  EXPECT_EQ(inserted(ahead, 0.25, 180.0), first_ten_and({13, 16, 19}));
-  EXPECT_EQ(inserted(ahead, 0.35, 180.0), first_ten_and({14, 18}));
-  EXPECT_EQ(inserted(turning, 50.0, 8.0), first_ten_and({13, 16, 19}));
-  EXPECT_EQ(inserted(turning, 50.0, 10.0), first_ten_and({14, 18}));
-}
-
-/// Only so many returns, without any two in one cube.
-std::shared_ptr<const Scan> with_returns(const std::shared_ptr<const Scan>& scan, int num) {
-  auto fewer = std::make_shared<Scan>(*scan);
-  const int every = fewer->size() / num;
-  for (int i = 0; i < fewer->size(); ++i) {
-    if (i % every != 0 || i / every >= num) fewer->range_m[static_cast<std::size_t>(i)] = 0.0F;
-  }
-  return fewer;
-}
-
-TEST(LocalSlam, AScanOfFewerThanFiftyReturnsSaysNothing) {
-  for (const int num : {49, 50}) {
-    SyntheticFlight flight = flight_in(kStore, standing);
-    LocalSlamConfig config = from_the_first_scan_on();
-    config.map_voxel_m = config.match_voxel_m = 0.01;
-    LocalSlam slam(config, flight.at(0), 0.3);
-    slam.add(flight.imu(kLidarTick));
-    const ScanOutcome outcome = slam.add(with_returns(flight.scan(kLidarTick), num));
-    EXPECT_EQ(outcome.used, num == 50);
-    EXPECT_EQ(outcome.inserted, num == 50);
-    EXPECT_EQ(outcome.fit.num_degenerate, num == 50 ? 0 : 6);
-    EXPECT_EQ(map_of(slam).num_cells() > 0, num == 50);
-    EXPECT_EQ(outcome.fit.num_points, num == 49 ? 49 : 0) << "of the first one that counts nothing is matched";
-  }
-}
-
 TEST(LocalSlam, WithoutTheImuAScanIsOfNoUse) {
   SyntheticFlight flight = flight_in(kStore, standing);
   LocalSlam slam(from_the_first_scan_on(), flight.at(0), 0.3);
@@ -196,28 +150,6 @@ TEST(LocalSlam, WhileItsSpeedIsNotKnownItsFirstScansMakeTheMapAnew) {
   };
   EXPECT_GT(points_of_a_wall(0.28), 1.6F * points_of_a_wall(0.31));
   EXPECT_GT(points_of_a_wall(0.31), 20.0F);
-}
-
-TEST(LocalSlam, EveryTenMetersItForgetsWhatIsFarBehind) {
-  SyntheticRoom aisle = SyntheticRoom::box({-3.3, -2.1, -0.2}, {40.0, 2.2, 3.7});
-  const auto flies = [](double t_s) {
-    const double way_m = t_s < 0.5 ? 0.0 : 4.0 * (t_s - 0.5 - 0.5 * (1.0 - std::exp(-2.0 * (t_s - 0.5))));
-    return make_pose({way_m, 0, 1.5}, Eigen::Quaterniond::Identity());
-  };
-  LocalSlamConfig config = from_the_first_scan_on();
-  config.map.keep_radius_m = 5.0;
-  SyntheticFlight flight = flight_in(aisle, flies);
-  LocalSlam slam(config, flight.at(0), 0.3);
-  const Vector3 behind_m(-3.3, 0.3, 1.5);
-  double forgotten_at_m = 0.0;
-  for (TimeNs t = kImuTick; to_seconds(t) < 4.5 && forgotten_at_m == 0.0; t += kImuTick) {
-    slam.add(flight.imu(t));
-    if (t % kLidarTick != 0) continue;
-    slam.add(flight.scan(t));
-    if (t > 5 * kLidarTick && map_of(slam).find(behind_m) == nullptr) forgotten_at_m = flight.at(t).translation().x();
-  }
-  EXPECT_GT(forgotten_at_m, 9.8);
-  EXPECT_LT(forgotten_at_m, 10.9);
 }
 
 TEST(LocalSlam, StartsOverWithWhatItsFirstScansTaught) {

@@ -110,31 +110,6 @@ std::vector<Vector3> patch(int num, double height_m = 0.5) {
   return points;
 }
 
-TEST(SurfaceCells, AreKnownFromSixPointsOnAndSettledFromThirty) {
-  const Vector3 at_m(1.0, 1.0, 0.5);
-  for (const int num : {5, 6, 29, 30}) {
-    SurfaceMap map(one_level());
-    map.insert(patch(num), at_m);
-    ASSERT_EQ(map.find(at_m) != nullptr, num >= 6);
-    if (num < 6) continue;
-    EXPECT_TRUE(map.find(at_m)->planar);
-    EXPECT_EQ(map.find(at_m)->settled, num >= 30) << num;
-  }
-}
-
-TEST(SurfaceCells, AreFittedAnewWhenTheyHaveGrownByAQuarter) {
-  SurfaceMap map(one_level());
-  const std::vector<Vector3> points = patch(60);
-  const Vector3 at_m(1.0, 1.0, 0.5);
-  std::vector<float> fitted;
-  for (int i = 0; i < 12; ++i) {
-    map.insert({&points[static_cast<std::size_t>(i)], 1}, at_m);
-    if (map.find(at_m) != nullptr) fitted.push_back(map.find(at_m)->count_fitted);
-  }
-  // 6 points, 8 are a quarter more than 6, 10 than 8.
-  EXPECT_EQ(fitted, (std::vector<float>{6, 6, 8, 8, 10, 10, 10}));
-}
-
 TEST(SurfaceCells, TakeNoMorePointsThanTheyMay) {
   SurfaceMapConfig config = one_level();
   config.points_per_cell = 40;
@@ -167,50 +142,6 @@ TEST(SurfaceCells, AreNoFinerThanRaysFromFarAwayAre) {
     SurfaceMap map({});
     map.insert(blob(60, at_m), at_m + Vector3(0.0, range_m, 0.0));
     EXPECT_EQ(map.num_cells(), levels) << range_m;
-  }
-}
-
-TEST(SurfaceCells, HaveFinerOnesBelowOnlyFromSixPointsOnAndWhereTheyAreNoSettledPlane) {
-  const Vector3 at_m = Vector3::Constant(kFace_m + 0.125);
-  const std::vector<Vector3> points = blob(40, at_m);
-  SurfaceMap map({});
-  std::vector<std::size_t> cells;
-  for (int i = 0; i < 21; ++i) {
-    map.insert({&points[static_cast<std::size_t>(i)], 1}, at_m);
-    cells.push_back(map.num_cells());
-  }
-  EXPECT_EQ(cells, (std::vector<std::size_t>{1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 4, 4, 4, 4, 4, 4}));
-  // A plane that is settled takes what comes later for itself.
-  SurfaceMap plane({});
-  plane.insert(patch(30), at_m);
-  const std::size_t before = plane.num_cells();
-  plane.insert(patch(60), at_m);
-  EXPECT_EQ(plane.num_cells(), before);
-  EXPECT_GT(before, 1U);
-}
-
-TEST(SurfaceCells, BeginALittleBelowRoundCoordinates) {
-  for (const double edge_m : {0.5, 2.0}) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const int k : {-3, 0, 4}) {
-        // Eight points on each side of a face.
-        Vector3 below_m = Vector3::Constant(kFace_m + 0.5 * edge_m), above_m = below_m;
-        below_m[axis] = kFace_m + k * edge_m - 0.02;
-        above_m[axis] = kFace_m + k * edge_m + 0.02;
-        SurfaceMap map(one_level(edge_m));
-        std::vector<Vector3> points;
-        for (int i = 0; i < 8; ++i) points.push_back(below_m + 0.01 * Vector3::Unit((axis + 1) % 3) * i);
-        map.insert(points, below_m);
-        EXPECT_EQ(map.num_cells(), 1U);
-        EXPECT_NE(map.find(below_m), nullptr);
-        EXPECT_EQ(map.find(above_m), nullptr) << "of the next cell nothing is known";
-        Vector3 first_m = below_m;
-        first_m[axis] -= edge_m - 0.03;
-        EXPECT_NE(map.find(first_m), nullptr) << "the cell is as wide as its edge";
-        first_m[axis] -= 0.02;
-        EXPECT_EQ(map.find(first_m), nullptr);
-      }
-    }
   }
 }
 
