@@ -12,9 +12,11 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/plot/ticks.hpp"
+#include "swiftlet/sim/plot/svg_writer.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim::plot {
@@ -326,6 +328,42 @@ TEST(Plot, ValuesThatDifferInTheirLastBitsHaveFewTicks) {
     figure.add_panel().line("a", values, values);
     EXPECT_LT(figure.svg().size(), 100'000U) << low;
   }
+}
+
+TEST(Plot, DrawsEveryKindOfMark) {
+  Figure figure;
+  Panel& panel = figure.add_panel();
+  panel.legend = Legend::kOutside;
+  const std::vector<double> x{0, 1, 2}, y{3, 1, 2}, low{0, 0, 0};
+  panel.step("step", x, y, {.dash = Dash::kDashed}).band("band", x, low, y).bars("bars", y);
+  panel.horizontal("limit", 2.5).vertical("event", 1.0).text(1.0, 2.0, "here");
+  for (const auto& [name, marker] : {std::pair("circle", Marker::kCircle),
+                                     {"square", Marker::kSquare},
+                                     {"diamond", Marker::kDiamond},
+                                     {"triangle", Marker::kTriangle},
+                                     {"cross", Marker::kCross}}) {
+    panel.scatter(name, x, y, {.marker = marker});
+  }
+  const std::string svg = figure.svg();
+  for (const char* name :
+       {"step", "band", "bars", "limit", "event", "circle", "square", "diamond", "triangle", "cross", "here"}) {
+    EXPECT_EQ(count_of(svg, std::string(">") + name + "</text>"), 1) << name;
+  }
+  EXPECT_GE(count_of(svg, "<circle"), 4) << "three marks and the legend's";
+  EXPECT_THAT(svg, HasSubstr("stroke-dasharray"));
+}
+
+TEST(Plot, SlantsLongCategoryNames) {
+  Figure figure;
+  Panel& panel = figure.add_panel();
+  panel.x.categories = {std::string(90, 'n'), "b", "c", "d"};
+  panel.bars("", std::vector<double>{1, 2, 3, 4});
+  EXPECT_THAT(figure.svg(), HasSubstr("rotate(-30"));
+}
+
+TEST(SvgWriter, WritesSizesInMillimetersWherePrinted) {
+  EXPECT_THAT(SvgWriter(200, 100, "", 50.0).finish(), HasSubstr("width=\"50mm\" height=\"25mm\""));
+  EXPECT_THAT(SvgWriter(200, 100, "").finish(), HasSubstr("width=\"200\""));
 }
 
 }  // namespace

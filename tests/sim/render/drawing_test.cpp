@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pixels of small drawings, each one computed a second time by its distance from what is drawn.
+// Pixels and colors of small drawings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,17 +17,6 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 using Eigen::Vector4f;
-using testing::HasSubstr;
-
-float distance_to(const Vector2f& p, const Vector2f& a, const Vector2f& b) {
-  const Vector2f ab = b - a;
-  const float along =
-      ab.squaredNorm() > 0.0F ? std::min(1.0F, std::max(0.0F, (p - a).dot(ab) / ab.squaredNorm())) : 0.0F;
-  return (p - a - along * ab).norm();
-}
-
-/// Lays a color over a picture of real numbers.
-void lay(Rgb& pixel, const Rgb& color, float alpha) { pixel = (1.0F - alpha) * pixel + alpha * color; }
 
 void expect_pixels(const Image& image, const std::function<Rgb(int, int)>& expected, float most = 1.6F) {
   for (int y = 0; y < image.height; ++y) {
@@ -36,32 +25,6 @@ void expect_pixels(const Image& image, const std::function<Rgb(int, int)>& expec
       for (int c = 0; c < 3; ++c) ASSERT_NEAR(image.pixel(x, y)[c], wanted[c], most) << x << " " << y << " " << c;
     }
   }
-}
-
-TEST(Image, PixelsAreRoundedBytesAndClippedAtTheEdges) {
-  Image image(5, 4, Rgb(0.0F, 0.5F, 2.0F));
-  EXPECT_EQ(image.rgb.size(), 60U);
-  for (int y = 0; y < 4; ++y) {
-    for (int x = 0; x < 5; ++x) {
-      EXPECT_EQ(image.pixel(x, y)[0], 0);
-      EXPECT_EQ(image.pixel(x, y)[1], 128);
-      EXPECT_EQ(image.pixel(x, y)[2], 255);
-    }
-  }
-  const std::vector<std::uint8_t> before = image.rgb;
-  for (const auto& [x, y] : {std::pair(-1, 0), {0, -1}, {5, 0}, {0, 4}}) {
-    set_pixel(image, x, y, Rgb::Ones());
-    blend_pixel(image, x, y, Rgb::Ones(), 1.0F);
-  }
-  EXPECT_EQ(image.rgb, before);
-  set_pixel(image, 4, 3, Rgb(0.2F, -1.0F, 0.499F / 255.0F));
-  EXPECT_EQ(image.pixel(4, 3)[0], 51);
-  EXPECT_EQ(image.pixel(4, 3)[1], 0);
-  EXPECT_EQ(image.pixel(4, 3)[2], 0);
-  blend_pixel(image, 0, 0, Rgb(1.0F, 1.0F, 0.0F), 0.25F);
-  EXPECT_EQ(image.pixel(0, 0)[0], 64);
-  EXPECT_EQ(image.pixel(0, 0)[1], 160);
-  EXPECT_EQ(image.pixel(0, 0)[2], 191);
 }
 
 TEST(Image, RectanglesCoverTheirPixelsAndNoOthers) {
@@ -77,50 +40,6 @@ TEST(Image, RectanglesCoverTheirPixelsAndNoOthers) {
       const bool in = x >= x0 && x < x0 + width && y >= y0 && y < y0 + height;
       return in ? Rgb(0.6F, 0.1F, 0.4F) : Rgb::Constant(0.2F);
     });
-  }
-}
-
-TEST(Canvas, OfPixelsRoundsRectanglesToWholePixelsOfWhichOneIsLeast) {
-  const auto covered = [](const Box& box) {
-    Image image(20, 20, Rgb::Zero());
-    PixelCanvas(image).rectangle(box, Rgb::Ones(), 1.0F);
-    int left = 99, right = -1, top = 99, bottom = -1;
-    for (int y = 0; y < 20; ++y) {
-      for (int x = 0; x < 20; ++x) {
-        if (image.pixel(x, y)[0] == 0) continue;
-        left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
-      }
-    }
-    return std::array{left, top, right, bottom};
-  };
-  EXPECT_EQ(covered({3.4F, 5.6F, 4.0F, 2.0F}), (std::array{3, 6, 6, 7}));
-  EXPECT_EQ(covered({3.4F, 5.4F, 0.05F, 0.0F}), (std::array{3, 5, 3, 5})) << "a thin line is still a line";
-  EXPECT_EQ(covered({2.6F, 2.6F, 1.0F, 3.3F}), (std::array{3, 3, 3, 5}));
-}
-
-// Anti-aliased: ink fades over one pixel at the edge of the stroke.
-TEST(Canvas, OfPixelsDrawsLinesAndRingsByTheDistanceOfEachPixel) {
-  const Random random(2, "test.strokes");
-  for (std::uint32_t i = 0; i < 40; ++i) {
-    const auto draw = [&](double low, double high, std::uint32_t k) {
-      return static_cast<float>(random.uniform(low, high, i, k));
-    };
-    const Vector2f a(draw(-5, 35, 0), draw(-5, 25, 1)), b = i % 5 == 0 ? a : Vector2f(draw(-5, 35, 2), draw(-5, 25, 3));
-    const float width = draw(0.5, 7.0, 4), radius = draw(0.0, 14.0, 5);
-    const Rgb color(1.0F, 0.3F, 0.0F);
-    Image line(30, 20, Rgb::Constant(0.1F)), ring(30, 20, Rgb::Constant(0.1F));
-    PixelCanvas(line).line(a, b, width, color);
-    PixelCanvas(ring).ring(a, radius, width, color);
-    const auto ink = [&](float d) {
-      Rgb pixel = Rgb::Constant(0.1F);
-      lay(pixel, color, std::min(1.0F, std::max(0.0F, 0.5F * width + 0.5F - d)));
-      return pixel;
-    };
-    const auto center = [](int x, int y) {
-      return Vector2f(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
-    };
-    expect_pixels(line, [&](int x, int y) { return ink(distance_to(center(x, y), a, b)); });
-    expect_pixels(ring, [&](int x, int y) { return ink(std::abs((center(x, y) - a).norm() - radius)); });
   }
 }
 
@@ -141,39 +60,6 @@ TEST(Canvas, OfPixelsTakesThePartOfAPictureThatLiesOnIt) {
   }
 }
 
-TEST(Canvas, OfSvgHasTheSameMeasuresAsText) {
-  SvgCanvas canvas(200, 100, 254.0, "");
-  canvas.rectangle({1, 2, 30, 4}, Rgb(1.0F, 0.5F, 0.0F), 0.25F);
-  canvas.rectangle({1, 2, 30, 5}, Rgb(2.0F, -1.0F, 0.2F), 1.0F);
-  canvas.line({1, 2}, {3, 4}, 2.5F, Rgb::Zero());
-  canvas.ring({10, 20}, 5.0F, 1.5F, Rgb::Ones());
-  canvas.picture(7, 8, Image(3, 2));
-  canvas.picture(9, 9, Image());
-  canvas.text({5, 6}, "left", {.height_px = 7.29F, .align = Align::kLeft, .halo_alpha = 0.0F});
-  canvas.text({5, 6}, "middle", {.height_px = 7.29F, .align = Align::kCenter, .halo_alpha = 0.5F});
-  const std::string svg = canvas.finish();
-  EXPECT_THAT(svg, HasSubstr("width=\"20mm\" height=\"10mm\""));
-  EXPECT_THAT(svg,
-              HasSubstr("<rect x=\"1\" y=\"2\" width=\"30\" height=\"4\" fill=\"#ff8000\" fill-opacity=\"0.25\"/>"));
-  EXPECT_THAT(svg, HasSubstr("<rect x=\"1\" y=\"2\" width=\"30\" height=\"5\" fill=\"#ff0033\"/>"));
-  EXPECT_THAT(svg, HasSubstr("d=\"M1,2L3,4\" stroke=\"#000000\" stroke-width=\"2.5\""));
-  EXPECT_THAT(svg,
-              HasSubstr("<circle cx=\"10\" cy=\"20\" r=\"5\" fill=\"none\" stroke=\"#ffffff\" stroke-width=\"1.5\"/>"));
-  EXPECT_THAT(svg, HasSubstr("<image x=\"7\" y=\"8\" width=\"3\" height=\"2\""));
-  EXPECT_THAT(svg, testing::Not(HasSubstr("<image x=\"9\"")));
-  // A capital of DejaVu Sans is 0.729 of the size of the font; the halo reaches about a seventh of it beyond.
-  EXPECT_THAT(svg, HasSubstr("font-size=\"10\" fill="));
-  const std::size_t left = svg.find(">left<"), middle = svg.find(">middle<");
-  EXPECT_EQ(svg.substr(svg.rfind("<text", left), left - svg.rfind("<text", left)).find("stroke"), std::string::npos);
-  const std::string halo = svg.substr(svg.rfind("<text", middle), middle - svg.rfind("<text", middle));
-  EXPECT_THAT(halo, HasSubstr("text-anchor=\"middle\""));
-  EXPECT_THAT(halo, HasSubstr("stroke-opacity=\"0.50\""));
-  const double width = std::stod(halo.substr(halo.find("stroke-width=\"") + 14));
-  EXPECT_NEAR(width, 2.1, 0.5);
-}
-
-// ---- Colors.
-
 // The values that matplotlib publishes, at every eighth.
 TEST(Colors, OfIntensitiesAreThoseOfViridis) {
   const int published[9][3] = {{68, 1, 84},    {71, 44, 122}, {59, 82, 139},  {44, 113, 142}, {33, 145, 140},
@@ -191,75 +77,6 @@ TEST(Colors, OfIntensitiesAreThoseOfViridis) {
   EXPECT_EQ(viridis_like(2.0F), viridis_like(1.0F));
 }
 
-TEST(Colors, OfDistancesGoRoundTheRainbowInEvenSteps) {
-  const auto hue_deg = [](const Rgb& c) {
-    const float most = c.maxCoeff(), extent = most - c.minCoeff();
-    if (c.x() == most) return 60.0F * (c.y() - c.z()) / extent;
-    return c.y() == most ? 120.0F + 60.0F * (c.z() - c.x()) / extent : 240.0F + 60.0F * (c.x() - c.y()) / extent;
-  };
-  float before = hue_deg(turbo_like(0.06F));
-  for (float s = 0.06F; s < 0.98F; s += 0.01F) {
-    const float hue = hue_deg(turbo_like(s));
-    EXPECT_LT(hue, before + 12.0F) << s;
-    EXPECT_GT(hue, before - 14.0F) << s;
-    before = hue;
-    EXPECT_LT((turbo_like(s) - turbo_like(s + 0.01F)).norm(), 0.07F) << "no jump";
-  }
-  EXPECT_GT(hue_deg(turbo_like(0.1F)), 200.0F);
-  EXPECT_NEAR(hue_deg(turbo_like(0.5F)), 95.0F, 25.0F);
-  EXPECT_NEAR(hue_deg(turbo_like(0.95F)), 10.0F, 10.0F);
-  EXPECT_LT(turbo_like(0.0F).maxCoeff(), 0.3F) << "dark at both ends";
-  EXPECT_LT(turbo_like(1.0F).maxCoeff(), 0.55F);
-  // Heights leave out the dark ends.
-  EXPECT_LT((height_color(0.0F) - turbo_like(0.14F)).norm(), 1e-5F);
-  EXPECT_LT((height_color(1.0F) - turbo_like(0.86F)).norm(), 1e-4F);
-  EXPECT_LT((height_color(0.5F) - turbo_like(0.5F)).norm(), 1e-4F);
-  EXPECT_EQ(height_color(-3.0F), height_color(0.0F));
-  EXPECT_EQ(height_color(3.0F), height_color(1.0F));
-}
-
-TEST(Colors, OfNoSurfaceIsGray) {
-  const Rgb none = class_color(9999);
-  EXPECT_EQ(none, class_color(0));
-  EXPECT_LT(none.maxCoeff() - none.minCoeff(), 0.02F);
-}
-
-/// Hues by the golden ratio, of one lightness: as HSV to RGB is computed by hand.
-TEST(Colors, OfTheEleventhVehicleOnGoRoundTheWheelByTheGoldenRatio) {
-  for (VehicleId vehicle = 10; vehicle < 60; ++vehicle) {
-    const double turn = std::fmod(vehicle * (std::sqrt(5.0) - 1.0) / 2.0, 1.0);
-    const Rgb color = vehicle_color(vehicle);
-    // One channel falls and one rises as the wheel turns; which one is told by the sixth of it.
-    const double h = std::fmod(6.0 * turn + 1.0, 6.0);
-    const int sixth = static_cast<int>(h);
-    const double f = h - sixth, high = 0.92, low = 0.20, up = low + 0.72 * f, down = high - 0.72 * f;
-    const double wheel[6][3] = {{high, up, low},   {down, high, low}, {low, high, up},
-                                {low, down, high}, {up, low, high},   {high, low, down}};
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(color[c], wheel[sixth][c], 1e-4) << vehicle << " " << c;
-  }
-  EXPECT_EQ(vehicle_color(-5), vehicle_color(0));
-  EXPECT_TRUE(is_dominated_by(vehicle_color(0), 0));
-  EXPECT_TRUE(is_dominated_by(vehicle_color(1), 2));
-}
-
-TEST(Colors, OfPartsShowWhoseTheyAre) {
-  VehicleShape shape;
-  shape.materials.push_back({"frame", 0.3F, false, {0.1F, 0.2F, 0.8F}});
-  Mesh mesh;
-  const auto color = [&](VehiclePart part) {
-    mesh.part = part;
-    return part_color(shape, mesh, 3);
-  };
-  EXPECT_EQ(color(VehiclePart::kBody), vehicle_color(3));
-  EXPECT_LT((color(VehiclePart::kArm) - (0.75F * vehicle_color(3) + 0.25F * Rgb(0.1F, 0.2F, 0.8F))).norm(), 1e-5F);
-  EXPECT_LT(color(VehiclePart::kMotor).maxCoeff(), 0.21F);
-  EXPECT_GT(color(VehiclePart::kMotor).minCoeff(), 0.12F);
-  EXPECT_EQ(color(VehiclePart::kLeg), Rgb(0.1F, 0.2F, 0.8F));
-  mesh.material = 1;  // there is none
-  EXPECT_EQ(color(VehiclePart::kLeg).x(), color(VehiclePart::kLeg).z());
-  EXPECT_NEAR(color(VehiclePart::kLeg).x(), 0.3F, 0.1F);
-}
-
 TEST(Colors, BecomeLinearAsTheStandardSays) {
   // IEC 61966-2-1: a straight piece, then the power of 2.4.
   for (const float s : {0.0F, 0.02F, 0.0404F, 0.0405F, 0.1F, 0.5F, 1.0F}) {
@@ -268,10 +85,6 @@ TEST(Colors, BecomeLinearAsTheStandardSays) {
   }
   EXPECT_NEAR(to_linear(Rgb(0.2F, 0.5F, 0.7F)).y(), 0.21404, 1e-4);
 }
-
-// ---- Lines as wide as told, in pixels.
-
-View ten_px_a_meter() { return top_view({0, 0}, 30.0, 0.0, 10.0, 400, 300); }
 
 std::vector<Vector2f> pixels_of(const View& view, const std::vector<ClipVertex>& vertices) {
   std::vector<Vector2f> pixels;
@@ -287,44 +100,6 @@ std::vector<ClipVertex> ribbon(const View& view, const std::vector<Vector3f>& po
   std::vector<ClipVertex> out;
   append_polyline(view, points, colors, width, out);
   return out;
-}
-
-TEST(WideLines, CornersReachOutwardByTheMiterUpToTwiceTheWidth) {
-  const View view = ten_px_a_meter();
-  const std::vector<Vector4f> red = {{1, 0, 0, 1}};
-  for (const double turn_deg : {10.0, 60.0, 90.0, 110.0, 130.0, 160.0, 165.0}) {
-    const double turn = turn_deg * M_PI / 180.0;
-    const Vector3f corner(1, 1, 1),
-        end = corner + Vector3f(8 * static_cast<float>(std::cos(turn)), 8 * static_cast<float>(std::sin(turn)), 0);
-    const auto pixels = pixels_of(view, ribbon(view, {{-5, 1, 1}, corner, end}, red, 6.0F));
-    float farthest = 0.0F;
-    for (const Vector2f& p : pixels) {
-      const Vector2f off = p - Vector2f(10, 10);
-      if (off.norm() < 25.0F) farthest = std::max(farthest, off.norm());
-    }
-    EXPECT_NEAR(farthest, 3.0 * std::min(2.0, 1.0 / std::cos(0.5 * turn)), 0.02) << turn_deg;
-  }
-  // Where it turns back both ends are square.
-  for (const double turn_deg : {170.0, 180.0}) {
-    const double turn = turn_deg * M_PI / 180.0;
-    const Vector3f corner(1, 1, 1),
-        end = corner + Vector3f(8 * static_cast<float>(std::cos(turn)), 8 * static_cast<float>(std::sin(turn)), 0);
-    const auto pixels = pixels_of(view, ribbon(view, {{-5, 1, 1}, corner, end}, red, 6.0F));
-    EXPECT_EQ(pixels.size(), 18U) << "two rungs at the corner";
-    for (const Vector2f& p : pixels) {
-      const float off = (p - Vector2f(10, 10)).norm();
-      EXPECT_TRUE(off > 25.0F || std::abs(off - 3.0F) < 0.02F) << off;
-    }
-  }
-}
-
-TEST(WideLines, PointsWithinAQuarterOfAPixelAreOne) {
-  const View view = ten_px_a_meter();
-  const std::vector<Vector4f> red = {{1, 0, 0, 1}};
-  EXPECT_EQ(ribbon(view, {{0, 0, 1}, {0.024F, 0, 1}}, red, 3.0F).size(), 0U);
-  EXPECT_EQ(ribbon(view, {{0, 0, 1}, {0.026F, 0, 1}}, red, 3.0F).size(), 6U);
-  EXPECT_EQ(ribbon(view, {{0, 0, 1}, {0.02F, 0, 1}, {5, 0, 1}}, red, 3.0F).size(), 6U);
-  EXPECT_EQ(ribbon(view, {{0, 0, 1}, {1, 0, 1}, {5, 1, 1}}, red, 3.0F).size(), 12U);
 }
 
 TEST(WideLines, WidthHoldsAtAnyDistanceAndColorsGoFromEndToEnd) {

@@ -6,8 +6,6 @@
 #include <png.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
 #include "render_support.hpp"
 #include "sim/render/picture_scene.hpp"
@@ -278,54 +276,6 @@ TEST_F(PaperTest, TellsScenarioCameraAndVehicleInItsTitle) {
   EXPECT_THAT(svgs[4], testing::HasSubstr("<title>forest  /  pole, t"));
 }
 
-TEST_F(PaperTest, NamesAxesAndScaleAreWhereTheyBelong) {
-  std::vector<CameraConfig> cameras;
-  for (const auto type : {CameraConfig::Type::kTop, CameraConfig::Type::kFollow}) {
-    const std::string name = type == CameraConfig::Type::kTop ? "top" : "follow";
-    cameras.push_back(paper(name.c_str(), type));
-    cameras.push_back(paper((name + "_nameless").c_str(), type));
-    cameras.back().names = false;
-    cameras.push_back(paper((name + "_bare").c_str(), type));
-    cameras.back().axes = false;
-  }
-  cameras.push_back(paper("onboard", CameraConfig::Type::kOnboard));
-  cameras.back().position_m = {-3, 0, 1};
-  cameras.back().target_m = {0, 1, 0};
-  const std::vector<std::string> svgs = svgs_of(cameras);
-  for (std::size_t i = 0; i < 6; ++i) {
-    const CameraConfig& camera = cameras[i];
-    const std::vector<std::string> texts = texts_of(svgs[i]);
-    const auto has = [&](const char* text) { return std::find(texts.begin(), texts.end(), text) != texts.end(); };
-    EXPECT_EQ(has("uav1"), camera.names) << camera.name;
-    EXPECT_EQ(has("uav2"), camera.names) << camera.name;
-    EXPECT_EQ(has("x"), camera.axes) << camera.name;
-    EXPECT_EQ(std::any_of(texts.begin(), texts.end(), [](const std::string& text) { return text.ends_with(" m"); }),
-              camera.type == CameraConfig::Type::kTop)
-        << "a parallel projection";
-  }
-  EXPECT_TRUE(texts_of(svgs[6]).empty());
-  EXPECT_THAT(svgs[0], testing::HasSubstr("<title>top, t = 0.100 s")) << "the scenario has no name here";
-}
-
-TEST_F(PaperTest, RingsAreDrawnAroundVehiclesThatLookSmallerThanAsked) {
-  std::vector<CameraConfig> cameras;
-  for (const char* name : {"plain", "large", "never"}) {
-    cameras.push_back(paper(name, CameraConfig::Type::kTop));
-    cameras.back().span_m = 200.0;  // a meter is less than a pixel
-  }
-  cameras[1].vehicle_scale = 30.0;
-  cameras[2].vehicle_min_px = 0.0;
-  const std::vector<std::string> svgs = svgs_of(cameras);
-  const auto rings = [](const std::string& svg) {
-    std::size_t count = 0;
-    for (std::size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1)) ++count;
-    return count;
-  };
-  EXPECT_EQ(rings(svgs[0]), 4U) << "each with its rim";
-  EXPECT_EQ(rings(svgs[1]), 0U);
-  EXPECT_EQ(rings(svgs[2]), 0U);
-}
-
 TEST_F(PaperTest, ExplainsTheColorsOfClouds) {
   using testing::Contains;
   using testing::Not;
@@ -386,6 +336,24 @@ TEST_F(PaperTest, ShowsTheScanOfItsVehicleAndSensor) {
   EXPECT_NEAR(end_of_scale("uav1", "os1"), 50.0, 10.0);
 }
 
+TEST_F(PaperTest, ALegendStandsBesideThePictureAndTakesItsRoom) {
+  // A legend takes its room from the picture, whose size stays.
+  CameraConfig alone = paper("alone", CameraConfig::Type::kTop), beside = paper("beside", CameraConfig::Type::kTop);
+  alone.span_m = beside.span_m = 30.0;
+  alone.cloud = CloudColors::kNone;
+  beside.cloud = CloudColors::kHeight;
+  scans_[0] = {scan("os1", 3.0F)};
+  const std::vector<std::string> svgs = svgs_of({alone, beside});
+  const auto picture_px = [](const std::string& svg) {
+    const std::size_t at = svg.find("<image ");
+    return std::stod(svg.substr(svg.find("width=\"", at) + 7));
+  };
+  EXPECT_EQ(picture_px(svgs[0]), alone.size_px().x());
+  EXPECT_LT(picture_px(svgs[1]), beside.size_px().x() - 10.0);
+  EXPECT_GE(picture_px(svgs[1]), 32.0);
+  EXPECT_THAT(svgs[1], testing::HasSubstr("viewBox=\"0 0 " + std::to_string(beside.size_px().x()) + " "));
+}
+
 TEST_F(PaperTest, OfDepthIsAsWideAsAskedWithItsScaleBeside) {
   CameraConfig camera = paper("depth", CameraConfig::Type::kDepth);
   camera.position_m = {0, 0, 0.6};
@@ -412,32 +380,6 @@ TEST_F(PaperTest, OfDepthIsAsWideAsAskedWithItsScaleBeside) {
   std::fclose(file);
   const int middle = 2 * (size.x() / 2);
   EXPECT_NEAR(256 * row[middle] + row[middle + 1], 1000.0 * 2.6 * std::sqrt(2.0), 60.0);
-}
-
-TEST_F(PaperTest, TheScaleOfDepthEndsWhereItIsAsked) {
-  CameraConfig camera = paper("depth", CameraConfig::Type::kDepth);
-  camera.position_m = {0, 0, 0.6};
-  camera.target_m = {1, 0, -0.4};
-  camera.max_range_m = 0.5;
-  EXPECT_THAT(texts_of(svg_of(camera)), testing::Contains("0.5"));
-}
-
-TEST_F(PaperTest, ALegendStandsBesideThePictureAndTakesItsRoom) {
-  // A legend takes its room from the picture, whose size stays.
-  CameraConfig alone = paper("alone", CameraConfig::Type::kTop), beside = paper("beside", CameraConfig::Type::kTop);
-  alone.span_m = beside.span_m = 30.0;
-  alone.cloud = CloudColors::kNone;
-  beside.cloud = CloudColors::kHeight;
-  scans_[0] = {scan("os1", 3.0F)};
-  const std::vector<std::string> svgs = svgs_of({alone, beside});
-  const auto picture_px = [](const std::string& svg) {
-    const std::size_t at = svg.find("<image ");
-    return std::stod(svg.substr(svg.find("width=\"", at) + 7));
-  };
-  EXPECT_EQ(picture_px(svgs[0]), alone.size_px().x());
-  EXPECT_LT(picture_px(svgs[1]), beside.size_px().x() - 10.0);
-  EXPECT_GE(picture_px(svgs[1]), 32.0);
-  EXPECT_THAT(svgs[1], testing::HasSubstr("viewBox=\"0 0 " + std::to_string(beside.size_px().x()) + " "));
 }
 
 }  // namespace
