@@ -119,31 +119,6 @@ TEST(ForestThesis, TooManyTreesForTheAreaAreAClearError) {
   EXPECT_THROW(make_forest_thesis(config, 1), InputError);
 }
 
-TEST(ForestThesis, TreesAreACylinderThatGoesOnBelowTheGroundAndASphere) {
-  ForestThesisConfig config;
-  config.num_trees = 4;
-  const Scene scene = make_forest_thesis(config, 2);
-  EXPECT_EQ(scene.num_triangles(), 2U + 4U * (24 * 2 + 2 * 22 + 1280));
-  const auto trunks = test::bounds_of_each(scene, SurfaceClass::kTrunk),
-             crowns = test::bounds_of_each(scene, SurfaceClass::kVegetation);
-  const auto trees = objects_of(scene, SurfaceClass::kTrunk);
-  ASSERT_EQ(trees.size(), 4U);
-  for (const WorldObject& tree : trees) {
-    const Eigen::AlignedBox3d &trunk = trunks.at(tree.instance), &crown = crowns.at(tree.instance);
-    const double radius_m = 0.5 * attribute(tree, "dbh_m"), height_m = attribute(tree, "height_m");
-    EXPECT_NEAR(trunk.min().z(), -0.1, 1e-5);
-    EXPECT_NEAR(trunk.max().z(), height_m, 1e-4);
-    EXPECT_NEAR(trunk.sizes().x(), 2.0 * radius_m, 0.03 * radius_m);
-    EXPECT_NEAR(crown.center().z(), height_m, 0.02);
-    EXPECT_NEAR(crown.sizes().z(), 2.0 * attribute(tree, "crown_radius_m"), 0.1);
-    EXPECT_NEAR(attribute(tree, "crown_base_m"), height_m - attribute(tree, "crown_radius_m"), 1e-9);
-    EXPECT_LT((trunk.center() - tree.position_world_m).head<2>().norm(), 1e-4);
-    EXPECT_LT((crown.center() - tree.position_world_m).head<2>().norm(), 0.05);
-    EXPECT_EQ(tree.yaw_rad, 0.0);
-    EXPECT_EQ(tree.position_world_m.z(), 0.0);
-  }
-}
-
 TEST(ForestThesis, GroundReachesItsMarginBeyondTheAreaAndTreesFillTheArea) {
   ForestThesisConfig config;
   config.area_min_m = {-3.0, 5.0};
@@ -181,18 +156,6 @@ TEST(ForestThesis, TreesKeepOffAClearingByTheirCrownWhereItHangsBelowTheClearHei
     EXPECT_LT(nearest_high_m, 0.5);
     EXPECT_GE(nearest_low_m, 0.0);
     EXPECT_LT(nearest_low_m, 1.0);
-  }
-}
-
-TEST(ForestThesis, NormalSpreadsLeaveTwiceAsMuchRoomAsUniformOnes) {
-  for (const bool is_normal : {false, true}) {
-    ForestThesisConfig config;
-    config.spread = is_normal ? ForestThesisConfig::Spread::kNormal : ForestThesisConfig::Spread::kUniform;
-    const double widest = is_normal ? 2.0 : 1.0;
-    for (const double share : {0.99, 1.01}) {
-      config.trunk_radius_spread_m = share * 0.5 / widest;
-      EXPECT_EQ(test::problems_of(config).empty(), share < 1.0) << is_normal;
-    }
   }
 }
 

@@ -11,8 +11,6 @@
 namespace swiftlet::sim {
 namespace {
 
-using Eigen::Vector2d;
-
 constexpr double kWavelength_m = 16.0;
 
 /// What an octave alone adds, in -1..1: the difference of two reliefs, each divided by its sum of weights.
@@ -86,54 +84,6 @@ TEST(Relief, GroundHasTheFewestEvenCellsNoLargerThanToldAndItsHeightsAreThoseOfT
   }
   EXPECT_EQ(make_ground(hills, true, {-4.0, 3.0}, {6.0, 10.5}, 0.5).triangles.size(), 2U)
       << "flat ground is a rectangle";
-}
-
-TEST(Relief, SurroundingsMeetTheGroundInTheSameCornersAndGrowByAQuarterUpToEightMeters) {
-  const Relief hills({.amplitude_m = 2.0, .wavelength_m = 12.0, .octaves = 3}, 4);
-  const Vector2d low(-4.1, 3.3), high(6.2, 10.7);
-  for (const double cell_m : {0.7, 3.1}) {
-    const double width_m = 70.0;
-    const Mesh ground = make_ground(hills, false, low, high, cell_m);
-    const Mesh around = make_ground_around(hills, false, low, high, cell_m, width_m);
-    std::set<std::array<float, 3>> corners;
-    for (const Eigen::Vector3f& v : around.vertices_mesh_m) {
-      corners.insert({v.x(), v.y(), v.z()});
-      EXPECT_NEAR(v.z(), hills.height_m(v.x(), v.y()), 1e-3);
-    }
-    EXPECT_EQ(corners.size(), around.vertices_mesh_m.size()) << "no corner is there twice";
-    const auto box = Eigen::AlignedBox2f(low.cast<float>(), high.cast<float>());
-    for (const Eigen::Vector3f& v : ground.vertices_mesh_m) {
-      const bool inside = v.x() > box.min().x() + 1e-3F && v.x() < box.max().x() - 1e-3F &&
-                          v.y() > box.min().y() + 1e-3F && v.y() < box.max().y() - 1e-3F;
-      EXPECT_EQ(corners.contains({v.x(), v.y(), v.z()}), !inside);  // bit by bit
-    }
-    for (const int axis : {0, 1}) {
-      const std::set<float> inner = lines_of(ground, axis), all = lines_of(around, axis);
-      std::vector<float> steps(all.upper_bound(*inner.rbegin()), all.end());
-      float before = *inner.rbegin();
-      double step = (high[axis] - low[axis]) / static_cast<double>(inner.size() - 1), out = 0.0;
-      for (const float line : steps) {
-        out = std::min(out + step, width_m);
-        EXPECT_NEAR(line - *inner.rbegin(), out, 1e-3) << axis;
-        EXPECT_GT(line, before);
-        before = line;
-        step = std::min(1.25 * step, 8.0);
-      }
-      EXPECT_NEAR(before - *inner.rbegin(), width_m, 1e-3);
-      // And mirrored on the other side.
-      std::vector<float> mirrored(all.begin(), all.lower_bound(*inner.begin()));
-      ASSERT_EQ(mirrored.size(), steps.size());
-      for (std::size_t i = 0; i < steps.size(); ++i) {
-        EXPECT_NEAR(*inner.begin() - mirrored[mirrored.size() - 1 - i], steps[i] - *inner.rbegin(), 1e-3);
-      }
-    }
-  }
-  // Cells that are larger than 8 m already stay as they are; flat ground has one step.
-  const Mesh coarse = make_ground_around(hills, false, {0, 0}, {40, 40}, 10.0, 30.0);
-  EXPECT_EQ(lines_of(coarse, 0), (std::set<float>{-30, -20, -10, 0, 10, 20, 30, 40, 50, 60, 70}));
-  const Mesh flat = make_ground_around(hills, true, {0, 0}, {40, 40}, 10.0, 30.0);
-  EXPECT_EQ(lines_of(flat, 0), (std::set<float>{-30, 0, 40, 70}));
-  EXPECT_EQ(flat.triangles.size(), 16U);
 }
 
 }  // namespace

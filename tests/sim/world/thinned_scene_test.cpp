@@ -116,18 +116,6 @@ TEST(ThinnedScene, KeepsAnEvenShareOfTheLeavesAndLetsThemGrowAboutTheirMiddles) 
   }
 }
 
-TEST(ThinnedScene, LeavesSixPiecesOfASmallPlantAndBranchesAsThickAsTheyAre) {
-  const Scene scene = scene_of({{leaves(60, SurfaceClass::kVegetation), 10},
-                                {leaves(80, SurfaceClass::kBranch), 10},
-                                {leaves(5, SurfaceClass::kUndergrowth), 1}});
-  const Scene thin = thinned_scene(scene, 56);  // 4 %
-  EXPECT_NEAR(static_cast<double>(thin.meshes[0].triangles.size()), 6.0, 1.0);
-  EXPECT_NEAR(mean_area(thin.meshes[0]), 4.5F, 1e-2F) << "3 x 3, as sqrt(10) is more";
-  EXPECT_NEAR(static_cast<double>(thin.meshes[1].triangles.size()), 6.0, 1.0);
-  EXPECT_NEAR(mean_area(thin.meshes[1]), 0.5F, 1e-4F);
-  EXPECT_EQ(thin.meshes[2].triangles.size(), 5U);
-}
-
 /// By brute force: every corner moves to the first one of its cell.
 std::vector<std::array<std::uint32_t, 3>> coarse(const Mesh& mesh, float edge_m) {
   const auto cell_of = [&](std::uint32_t i) {

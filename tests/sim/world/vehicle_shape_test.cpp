@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <variant>
 
 #include "swiftlet/core/math/angles.hpp"
 #include "swiftlet/core/math/random.hpp"
@@ -16,8 +15,6 @@
 
 namespace swiftlet::sim {
 namespace {
-
-using Vector3 = Eigen::Vector3d;
 
 Airframe make_airframe(int num_rotors, double arm_m) {
   Airframe airframe;
@@ -181,153 +178,6 @@ TEST(VehicleShape, BodyHasTheRadiusAndAboutTheHeightOfTheAirframe) {
       EXPECT_NEAR(radius_m, 0.17F, 0.03F * 0.17F);
       EXPECT_NEAR(bounds_m(mesh).sizes().z(), height_m, 0.2 * height_m);
     }
-  }
-}
-
-struct Pole {
-  Eigen::Vector3d from, to;
-  double radius_m;
-  std::size_t sides;
-};
-
-/// The pieces of a part are these tubes and boxes, in this order.
-void expect_parts(const VehicleShape& shape, VehiclePart part,
-                  const std::vector<std::variant<Pole, Eigen::AlignedBox3d>>& parts) {
-  const auto mesh =
-      std::find_if(shape.meshes.begin(), shape.meshes.end(), [&](const Mesh& m) { return m.part == part; });
-  ASSERT_NE(mesh, shape.meshes.end()) << name_of(part);
-  const std::vector<test::Piece> pieces = test::pieces_in(*mesh);
-  ASSERT_EQ(pieces.size(), parts.size()) << name_of(part);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (const auto* box = std::get_if<Eigen::AlignedBox3d>(&parts[i])) {
-      EXPECT_TRUE(test::is_box(pieces[i]));
-      EXPECT_LT((test::box_around(pieces[i]).min() - box->min()).norm(), 1e-5) << name_of(part) << " " << i;
-      EXPECT_LT((test::box_around(pieces[i]).max() - box->max()).norm(), 1e-5) << name_of(part) << " " << i;
-      continue;
-    }
-    const Pole& pole = std::get<Pole>(parts[i]);
-    const std::vector<test::Ring> rings = test::rings_of(pieces[i], pole.sides);
-    ASSERT_EQ(rings.size(), 2U) << name_of(part) << " " << i;
-    ASSERT_EQ(pieces[i].size(), 2 * pole.sides);
-    EXPECT_LT((rings[0].center - pole.from).norm(), 1e-5) << name_of(part) << " " << i;
-    EXPECT_LT((rings[1].center - pole.to).norm(), 1e-5) << name_of(part) << " " << i;
-    EXPECT_NEAR(rings[0].radius_m, pole.radius_m, 1e-5) << name_of(part) << " " << i;
-    EXPECT_NEAR(rings[1].radius_m, pole.radius_m, 1e-5) << name_of(part) << " " << i;
-  }
-}
-
-// As a builder would put it together; small, usual and large, as tubes and motors have least and largest sizes.
-TEST(VehicleShape, IsBuiltOfPlatesTubesMotorsSkidsAndASensor) {
-  for (const double scale : {0.15, 1.0, 4.0}) {
-    Airframe airframe = make_airframe(6, 0.35 * scale);
-    airframe.body_height_m = 0.11 * scale;
-    airframe.body_radius_m = 0.14 * scale;
-    airframe.leg_height_m = 0.24 * scale;
-    airframe.propeller_radius_m = 0.17 * scale;
-    airframe.rotors[1].position_m.z() = 0.05;  // not all at one height
-    const MarkersConfig markers{.place = MarkersConfig::Place::kLegs, .length_m = 0.09, .width_m = 0.024};
-    const VehicleShape shape = make_vehicle_shape(airframe, markers);
-    const double h = airframe.body_height_m, r = airframe.body_radius_m, plate = std::max(0.003, 0.04 * h);
-    const double arms = (5 * 0.03 + 0.05) / 6 - std::clamp(0.2 * airframe.propeller_radius_m, 0.015, 0.06);
-    const auto up = [](double x, double y, double z, double height, double radius) {
-      return Pole{{x, y, z}, {x, y, z + height}, radius, 16};
-    };
-    using Box = Eigen::AlignedBox3d;
-    std::vector<std::variant<Pole, Box>> body = {
-        up(0, 0, arms - 0.25 * h - plate, plate, r), up(0, 0, arms + 0.25 * h, plate, r),
-        Box(Vector3(-0.6 * r, -0.4 * r, arms - 0.25 * h), Vector3(0.6 * r, 0.4 * r, arms + 0.25 * h)),
-        Box(Vector3(-0.75 * r, -0.3 * r, arms - 0.6 * h), Vector3(0.75 * r, 0.3 * r, arms - 0.25 * h - plate))};
-    for (const Vector3& at :
-         {Vector3(0.8 * r, 0, 0), Vector3(0, 0.8 * r, 0), Vector3(-0.8 * r, 0, 0), Vector3(0, -0.8 * r, 0)})
-      body.push_back(up(at.x(), at.y(), arms - 0.25 * h, 0.5 * h, 0.03 * r));
-    expect_parts(shape, VehiclePart::kBody, body);
-
-    std::vector<std::variant<Pole, Box>> tubes, motors;
-    const double tube = std::clamp(0.04 * airframe.arm_length_m, 0.006, 0.02);
-    const double motor = std::clamp(0.11 * airframe.propeller_radius_m, 0.01, 0.045);
-    for (const Rotor& rotor : airframe.rotors) {
-      const Vector3 hub = rotor.position_m, outward = Vector3(hub.x(), hub.y(), 0).normalized();
-      const Vector3 below(hub.x(), hub.y(), arms);
-      tubes.push_back(Pole{Vector3(0, 0, arms) + 0.5 * r * outward, below + motor * outward, tube, 10});
-      const double foot = std::min(arms - tube, hub.z() - 0.5 * motor);
-      motors.push_back(up(hub.x(), hub.y(), foot, hub.z() - foot, motor));
-      motors.push_back(up(hub.x(), hub.y(), hub.z(), 0.35 * motor, 0.25 * motor));
-    }
-    expect_parts(shape, VehiclePart::kArm, tubes);
-    expect_parts(shape, VehiclePart::kMotor, motors);
-
-    const double leg = std::clamp(0.02 * airframe.arm_length_m, 0.004, 0.012), foot = leg - airframe.leg_height_m;
-    std::vector<std::variant<Pole, Box>> legs, sleeves;
-    for (const double side : {-1.0, 1.0}) {
-      for (const double end : {-0.7, 0.7}) {
-        const Vector3 top(end * r, 0.5 * side * r, arms - 0.25 * h), low(end * r, 1.3 * side * r, foot);
-        legs.push_back(Pole{top, low, leg, 8});
-        const Vector3 half = 0.5 * std::min(0.09, 0.8 * (low - top).norm()) * (low - top).normalized();
-        sleeves.push_back(Pole{0.5 * (top + low) - half, 0.5 * (top + low) + half, 0.012, 12});
-      }
-      legs.push_back(Pole{{-1.5 * r, 1.3 * side * r, foot}, {1.5 * r, 1.3 * side * r, foot}, leg, 8});
-    }
-    expect_parts(shape, VehiclePart::kLeg, legs);
-    expect_parts(shape, VehiclePart::kMarker, sleeves);
-
-    const double puck = std::clamp(0.35 * r, 0.02, 0.0435), top = arms + 0.3 * h;
-    expect_parts(shape, VehiclePart::kSensor,
-                 {up(0, 0, top, 0.1 * h, 0.5 * puck), up(0, 0, top + 0.1 * h, 1.6 * puck, puck)});
-
-    double reach = 0.0;
-    for (const Mesh& mesh : shape.meshes) {
-      for (const Eigen::Vector3f& vertex : mesh.vertices_mesh_m) reach = std::max<double>(reach, vertex.norm());
-    }
-    for (const Rotor& rotor : airframe.rotors) {
-      const double tip = rotor.position_m.head<2>().norm() + airframe.propeller_radius_m;
-      reach = std::max(reach, std::hypot(tip, rotor.position_m.z()));
-    }
-    EXPECT_NEAR(shape.circumscribed_radius_m, reach, 1e-5);
-    for (const VehicleShape::RotorShape& rotor : shape.rotors) {
-      EXPECT_NEAR(rotor.chord_m, 0.16 * airframe.propeller_radius_m, 1e-6);
-      EXPECT_EQ(rotor.blades, airframe.propeller_blades);
-    }
-  }
-}
-
-TEST(VehicleShape, AnArmToARotorInTheMiddlePointsForward) {
-  Airframe airframe = make_airframe(4, 0.25);
-  airframe.rotors[0].position_m = {5e-4, 0.0, 0.03};
-  airframe.rotors[1].position_m = {0.0, 2e-3, 0.03};
-  const VehicleShape shape = make_vehicle_shape(airframe);
-  for (const Mesh& mesh : shape.meshes) {
-    if (mesh.part != VehiclePart::kArm) continue;
-    const auto pieces = test::pieces_in(mesh);
-    const auto start = [&](std::size_t i) { return test::rings_of(pieces[i], 10)[0].center; };
-    EXPECT_NEAR(start(0).x(), 0.06, 1e-5);
-    EXPECT_NEAR(start(0).y(), 0.0, 1e-5);
-    EXPECT_NEAR(start(1).y(), 0.06, 1e-5);
-  }
-}
-
-TEST(VehicleShape, IsNearlyBlackWithDarkRotorsALightSensorAndYellowMarkers) {
-  Airframe airframe = make_airframe(4, 0.25);
-  airframe.reflectivity = 0.37;
-  const VehicleShape shape = make_vehicle_shape(airframe, {.place = MarkersConfig::Place::kLegs});
-  ASSERT_EQ(shape.materials.size(), 4U);
-  const auto brightness = [&](int i) { return shape.materials[i].color_rgb.mean(); };
-  const auto spread = [&](int i) {
-    return shape.materials[i].color_rgb.maxCoeff() - shape.materials[i].color_rgb.minCoeff();
-  };
-  EXPECT_NEAR(brightness(0), 0.14F, 0.02F);
-  EXPECT_NEAR(brightness(1), 0.23F, 0.03F);
-  EXPECT_NEAR(brightness(2), 0.57F, 0.07F);
-  for (int i = 0; i < 3; ++i) EXPECT_LT(spread(i), 0.055F) << "gray";
-  EXPECT_GT(shape.materials[3].color_rgb.head<2>().minCoeff(), 0.9F);
-  EXPECT_LE(shape.materials[3].color_rgb.maxCoeff(), 1.0F);
-  EXPECT_NEAR(shape.materials[3].color_rgb.z(), 0.35F, 0.15F);
-  EXPECT_EQ(shape.materials[0].reflectivity, 0.37F);
-  EXPECT_NEAR(shape.materials[1].reflectivity, 0.10F, 0.04F);  // black plastic
-  EXPECT_NEAR(shape.materials[2].reflectivity, 0.25F, 0.1F);   // anodized aluminum
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(shape.materials[i].retroreflective);
-  EXPECT_EQ(shape.rotor_material, 1U);
-  for (const Mesh& mesh : shape.meshes) {
-    EXPECT_EQ(mesh.material, mesh.part == VehiclePart::kSensor ? 2U : mesh.part == VehiclePart::kMarker ? 3U : 0U);
   }
 }
 

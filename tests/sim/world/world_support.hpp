@@ -148,49 +148,6 @@ inline Eigen::AlignedBox3d box_around(const Piece& piece) {
   return box;
 }
 
-/// Is every corner of the piece one of the box around it?
-inline bool is_box(const Piece& piece) {
-  const Eigen::AlignedBox3d box = box_around(piece);
-  return std::all_of(piece.begin(), piece.end(), [&](const Eigen::Vector3d& p) {
-    return (p - box.min()).cwiseAbs().cwiseMin((p - box.max()).cwiseAbs()).maxCoeff() < 1e-4;
-  });
-}
-
-/// All pieces of a material.
-inline std::vector<Piece> pieces_of_material(const Scene& scene, const std::string& material) {
-  std::vector<Piece> found;
-  for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    if (scene.materials[mesh.material].name != material) continue;
-    for (Piece& piece : pieces_in(mesh, instance.T_world_mesh)) found.push_back(std::move(piece));
-  }
-  return found;
-}
-
-inline std::vector<Eigen::AlignedBox3d> boxes_of_material(const Scene& scene, const std::string& material) {
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (const Piece& piece : pieces_of_material(scene, material)) boxes.push_back(box_around(piece));
-  return boxes;
-}
-
-/// A ring of a tube: its middle, and the radius of the circle of its area.
-struct Ring {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  double radius_m = 0.0;
-};
-
-inline std::vector<Ring> rings_of(const Piece& tube, std::size_t sides) {
-  std::vector<Ring> rings;
-  const double step_rad = 2.0 * std::acos(-1.0) / static_cast<double>(sides);
-  for (std::size_t first = 0; first + sides <= tube.size(); first += sides) {
-    Ring ring;
-    for (std::size_t k = 0; k < sides; ++k) ring.center += tube[first + k] / static_cast<double>(sides);
-    ring.radius_m = (tube[first] - ring.center).norm() * std::sqrt(std::sin(step_rad) / step_rad);
-    rings.push_back(ring);
-  }
-  return rings;
-}
-
 /// The same boxes in any order.
 inline void expect_boxes(std::vector<Eigen::AlignedBox3d> found, const std::vector<Eigen::AlignedBox3d>& expected,
                          double most_m = 1e-4) {
