@@ -3,11 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 
 #include "swiftlet/core/math/random.hpp"
 #include "tests/support/allocation_counter.hpp"
@@ -169,69 +167,6 @@ TEST(Radio, JitterIsTheAbsoluteValueOfANormal) {
   const double variance = 1e-4 * (1.0 - 2.0 / M_PI);
   EXPECT_NEAR(delay_s.mean(), mean, mean_bound(std::sqrt(variance), delay_s.size()));
   EXPECT_NEAR(network.radio.statistics().mean_delay_s, delay_s.mean() + 0.005 + 40 * 8 / 1e9, 1e-9);
-}
-
-// Every arrival by its definition: one message after the other, and for each link its own stream of random numbers, of
-// which a message takes those of its number.
-TEST(Radio, ArrivalsAreThoseOfTheirDefinition) {
-  RadioConfig config = plain_radio();
-  config.rate_kbps = 100.0;
-  config.loss_probability = 0.3;
-  config.jitter_s = 0.02;
-  constexpr std::uint64_t kSeed = 99;
-  Network network(config, 3, nullptr, kSeed);
-  const Random sizes(1, "test.sizes");
-  std::vector<TimeNs> free_at(3, 0);
-  std::vector<std::uint32_t> sent(3, 0);
-  std::vector<std::vector<std::tuple<TimeNs, VehicleId, std::uint32_t>>> expected(3);
-  std::uint64_t lost = 0, bytes = 0;
-  double delay_sum_s = 0.0, delay_most_s = 0.0;
-  for (std::uint32_t k = 0; k < 120; ++k) {
-    for (VehicleId from = 0; from < 3; ++from) {
-      if (sizes.uniform(k, from) < 0.5) continue;
-      const auto at = static_cast<std::size_t>(from);
-      const auto size = static_cast<std::size_t>(60.0 + 100.0 * sizes.uniform(k, 10 + from));
-      const VehicleId to = sizes.uniform(k, 20 + from) < 0.5 ? kNoVehicle : (from + 1) % 3;
-      network.post(from, {message("t", size, to)});
-      bytes += size;
-      const TimeNs end = std::max(free_at[at], network.now) + from_seconds(8.0 * static_cast<double>(size) / 1e5);
-      free_at[at] = end;
-      const std::uint32_t number = sent[at]++;
-      for (VehicleId other = 0; other < 3; ++other) {
-        if (other == from || (to != kNoVehicle && to != other)) continue;
-        const std::string link = "uav" + std::to_string(from + 1) + ">uav" + std::to_string(other + 1);
-        if (Random(kSeed, "radio.loss", link).uniform(number, 0) < 0.3) {
-          ++lost;
-          continue;
-        }
-        const double jitter_s = 0.02 * std::abs(Random(kSeed, "radio.jitter", link).normal(number, 0));
-        const TimeNs arrival = end + from_seconds(0.005 + jitter_s);
-        expected[static_cast<std::size_t>(other)].emplace_back(arrival, from, number);
-        delay_sum_s += to_seconds(arrival - network.now);
-        delay_most_s = std::max(delay_most_s, to_seconds(arrival - network.now));
-      }
-    }
-    network.ticks(5);
-  }
-  network.ticks(200);
-  std::size_t delivered = 0;
-  for (std::size_t to = 0; to < 3; ++to) {
-    std::sort(expected[to].begin(), expected[to].end());
-    ASSERT_EQ(network.inboxes[to].size(), expected[to].size());
-    delivered += expected[to].size();
-    for (std::size_t i = 0; i < expected[to].size(); ++i) {
-      EXPECT_EQ(network.inboxes[to][i].received, std::get<0>(expected[to][i]));
-      EXPECT_EQ(network.inboxes[to][i].from, std::get<1>(expected[to][i]));
-    }
-  }
-  const RadioStatistics& statistics = network.radio.statistics();
-  EXPECT_EQ(statistics.sent, sent[0] + sent[1] + sent[2]);
-  EXPECT_EQ(statistics.bytes_sent, bytes);
-  EXPECT_EQ(statistics.lost, lost);
-  EXPECT_EQ(statistics.delivered, delivered);
-  EXPECT_NEAR(statistics.mean_delay_s, delay_sum_s / static_cast<double>(delivered), 1e-9);
-  EXPECT_NEAR(statistics.max_delay_s, delay_most_s, 1e-9);
-  EXPECT_GT(delivered, 100U);
 }
 
 // What takes no time at all still comes after what was sent before it.
