@@ -189,22 +189,6 @@ TEST(GrayPng, KeepsCodesShortWhenCountsDifferWildly) {
   expect_same(static_cast<int>(gray.size()), 1, gray);
 }
 
-TEST(GrayPng, TheBestCodeIsTakenUpToWordsOf15Bits) {
-  // One pixel a row: the filter's number, 200, and a byte that comes twice as often as the one before. The code of so
-  // many symbols has a word of one bit more.
-  for (int symbols = 12; symbols <= 16; ++symbols) {
-    std::vector<std::uint16_t> gray;
-    for (int symbol = 1; symbol <= symbols; ++symbol)
-      gray.insert(gray.end(), std::size_t{1} << symbol, static_cast<std::uint16_t>(200 << 8 | (10 + symbol)));
-    GrayPng encoder;
-    EXPECT_EQ(best_size(filtered_rows(encoder.encode(1, static_cast<int>(gray.size()), gray), 1,
-                                      static_cast<int>(gray.size())))
-                  .has_value(),
-              symbols + 1 <= 15);
-    expect_same(1, static_cast<int>(gray.size()), gray);
-  }
-}
-
 TEST(GrayPng, HasARunOfEveryLength) {
   // Rows of one difference that ends after so many bytes; two runs of a length that has no symbol of its own.
   for (const int step : {0, 1, 257}) {

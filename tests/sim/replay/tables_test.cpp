@@ -36,16 +36,6 @@ namespace {
 
 using nlohmann::json;
 
-/// The steps of the columns of a block's first table, by their names.
-std::map<std::string, double> steps_of(const std::string& bytes) {
-  std::size_t length = 0;
-  for (int i = 0; i < 4; ++i) length |= static_cast<std::size_t>(static_cast<unsigned char>(bytes[i])) << 8 * i;
-  std::map<std::string, double> steps;
-  const json head = json::parse(bytes.substr(4, length));
-  for (const auto& column : head["tables"][0]["columns"]) steps[column[0]] = column[1];
-  return steps;
-}
-
 json rgb_of(const Rgb& color) {
   return {std::lround(255.0F * color.x()), std::lround(255.0F * color.y()), std::lround(255.0F * color.z())};
 }
@@ -89,33 +79,6 @@ TEST(ReplayBlock, SmallDifferencesTakeOneByte) {
 }
 
 ColumnName named(const char* name) { return {"", name, "", ""}; }
-
-/// As fine as one looks.
-TEST(ReplayRows, ColumnsHaveTheStepOfTheirUnit) {
-  Rows rows(R"({"table":"a"})");
-  const std::pair<const char*, double> columns[] = {
-      {"x_m", 2e-3}, {"vx_mps", 2e-3},      {"omega_radps", 2e-3}, {"qx", 1e-4},  {"est_qy", 1e-4},  {"qz", 1e-4},
-      {"qw", 1e-4},  {"rotor1_radps", 1.0}, {"yaw_rad", 1e-3},     {"t_s", 1e-3}, {"speed_km", 1e-3}};
-  ColumnSink& sink = rows.begin_row();
-  for (const auto& [name, step] : columns) sink.number(named(name), 7.0);
-  sink.missing(named("gone"));
-  sink.flag(named("yes"), true);
-  sink.flag(named("no"), false);
-  sink.text(named("words"), "are left out");
-  rows.end_row();
-  ReplayBlock block("{}");
-  rows.move_to(block);
-  const auto steps = steps_of(block.bytes());
-  for (const auto& [name, step] : columns) EXPECT_EQ(steps.at(name), step) << name;
-  const ReadTable read = read_block(block.bytes()).tables.at(0);
-  EXPECT_TRUE(std::isnan(read["gone"][0]));
-  EXPECT_EQ(read["yes"][0], 1.0);
-  EXPECT_EQ(read["no"][0], 0.0);
-  EXPECT_EQ(read.rows(), 1U);
-  ReplayBlock empty("{}");
-  rows.move_to(empty);
-  EXPECT_TRUE(empty.empty()) << "what was moved is gone";
-}
 
 /// FIPS 180-4, plainly.
 std::string sha256(std::string bytes) {
@@ -380,23 +343,6 @@ TEST_F(Overlays, OfOneNameAreNumberedAndThoseThatThePageKnowsOtherwiseAreLeftOut
   EXPECT_EQ(find(tables, "cells#2")->rows(), 3U);
 }
 
-TEST_F(Overlays, OfMoreThanTwelveHundredPositionsWaitForTheirTime) {
-  const auto written = [&](int count, int tick) {
-    return find(write({overlay("some" + std::to_string(count), Overlay::Kind::kPoints, count)}, tick),
-                "some" + std::to_string(count)) != nullptr;
-  };
-  EXPECT_TRUE(written(1200, 7)) << "due from the start";
-  EXPECT_TRUE(written(1199, 8));
-  EXPECT_TRUE(written(1200, 9));
-  EXPECT_FALSE(written(1201, 9));
-  EXPECT_TRUE(written(1202, 10)) << "every ten ticks";
-  EXPECT_FALSE(written(1203, 11));
-  EXPECT_FALSE(written(1204, 19));
-  EXPECT_TRUE(written(1205, 25));
-  EXPECT_FALSE(written(1206, 29));
-  EXPECT_TRUE(written(1207, 30));
-}
-
 // What belongs together stays together: both ends of a line, the corners of a triangle.
 TEST_F(Overlays, OfMoreThanTwelveThousandPositionsAreThinnedInWholeGroups) {
   struct Case {
@@ -492,37 +438,6 @@ TEST(ReplayWorld, MeshesAndTheirPlacesReadBack) {
     for (int i = 0; i < 12; ++i)
       EXPECT_NEAR(places[names[i]][0], T.matrix()(i % 3, i / 3), i < 9 ? 6e-5 : 6e-4) << names[i];
     EXPECT_EQ(places["instance"][0], static_cast<double>(7 + m));
-  }
-}
-
-TEST(ReplayWorld, VehiclesHaveTheirPartsInTheirColorsAndTheirRotors) {
-  VehicleShape shape;
-  shape.materials.push_back({"frame", 0.3F, false, {0.2F, 0.3F, 0.4F}});
-  Mesh body;
-  body.part = VehiclePart::kBody;
-  add_box(body, Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(1, 1, 1));
-  Mesh leg = body;
-  leg.part = VehiclePart::kLeg;
-  shape.meshes = {body, leg};
-  shape.rotors = {{{0.5F, -0.25F, 0.125F}, 0.15F, 3, 0.024F, -1.0F}, {{-0.5F, 0.25F, 0.125F}, 0.2F, 2, 0.03F, 1.0F}};
-  ReplayBlock block("{}");
-  append_vehicle(shape, 1, block);
-  const ReadBlock read = read_block(block.bytes());
-  ASSERT_EQ(read.tables.size(), 5U);
-  EXPECT_EQ(read.tables[0].about["color"], rgb_of(part_color(shape, body, 1)));
-  EXPECT_EQ(read.tables[2].about["color"], rgb_of(part_color(shape, leg, 1)));
-  EXPECT_EQ(read.tables[0].about["vehicle"], 1);
-  const ReadTable& rotors = read.tables[4];
-  EXPECT_EQ(rotors.about["vehicle"], 1);
-  for (std::size_t r = 0; r < 2; ++r) {
-    const auto& rotor = shape.rotors[r];
-    EXPECT_NEAR(rotors["x_m"][r], rotor.hub_body_m.x(), 6e-4);
-    EXPECT_NEAR(rotors["y_m"][r], rotor.hub_body_m.y(), 6e-4);
-    EXPECT_NEAR(rotors["z_m"][r], rotor.hub_body_m.z(), 6e-4);
-    EXPECT_NEAR(rotors["radius_m"][r], rotor.radius_m, 6e-4);
-    EXPECT_NEAR(rotors["chord_m"][r], rotor.chord_m, 6e-4);
-    EXPECT_EQ(rotors["blades"][r], rotor.blades);
-    EXPECT_EQ(rotors["direction"][r], rotor.direction);
   }
 }
 
