@@ -26,6 +26,14 @@ void bind_errors(py::module_& module) {
       PyErr_SetString(PyExc_MemoryError, error.what());
     }
   });
+  // A wrong type within an argument is a TypeError, as that of the argument itself.
+  py::register_local_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer) std::rethrow_exception(pointer);
+    } catch (const py::cast_error& error) {
+      PyErr_SetString(PyExc_TypeError, error.what());
+    }
+  });
 }
 
 }  // namespace swiftlet::python

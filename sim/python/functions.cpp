@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/python/bindings.hpp"
-#include "sim/python/modules.hpp"
+#include "sim/python/values.hpp"
 #include "swiftlet/core/guidance/rbl_obstacles.hpp"
 #include "swiftlet/core/guidance/rbl_planner.hpp"
 #include "swiftlet/core/uncertainty/error_distribution.hpp"
@@ -18,64 +18,106 @@
 namespace swiftlet::python {
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Doubles = Numbers<double>;
 
-py::ssize_t rows_of(const Doubles& array, py::ssize_t width, const char* what) {
-  if (array.size() == 0) return 0;
-  if (array.ndim() < 2 || array.size() / array.shape(0) != width)
-    throw py::value_error(std::string(what) + ": expected n rows of " + std::to_string(width) + " numbers");
-  return array.shape(0);
+std::string at(const char* what, std::size_t row) { return std::string(what) + "[" + std::to_string(row) + "]"; }
+
+std::vector<Vector3> vectors_from(const py::object& value, const char* what) {
+  const Doubles array(numbers_from(value, what));
+  if (array.size() > 0 && (array.ndim() != 2 || array.shape(1) != 3))
+    throw py::value_error(std::string(what) + ": expected n rows of 3 numbers, found an array of shape " +
+                          shown(array.attr("shape")));
+  std::vector<Vector3> vectors;
+  for (py::ssize_t i = 0; i < array.size(); i += 3)
+    vectors.push_back(finite(Vector3(array.data() + i), at(what, vectors.size())));
+  return vectors;
 }
 
-Vector3 vector_at(const Doubles& array, py::ssize_t row) { return Vector3(array.data() + 3 * row); }
-Matrix3 matrix_at(const Doubles& array, py::ssize_t row) { return Matrix3(array.data() + 9 * row).transpose(); }
+std::vector<Matrix3> covariances_from(const py::object& value, const char* what) {
+  const Doubles array(numbers_from(value, what));
+  if (array.size() > 0 && (array.ndim() != 3 || array.shape(1) != 3 || array.shape(2) != 3))
+    throw py::value_error(std::string(what) + ": expected n matrices of 3 x 3 numbers, found an array of shape " +
+                          shown(array.attr("shape")));
+  std::vector<Matrix3> matrices;
+  for (py::ssize_t i = 0; i < array.size(); i += 9)
+    matrices.push_back(covariance(Matrix3(array.data() + i).transpose(), at(what, matrices.size())));
+  return matrices;
+}
 
-Doubles point_covariances(const Doubles& directions, const Doubles& range_m, const py::object& R_world_lidar,
-                          double sigma_range_m, const py::object& sigma_position_m,
+Vector3 point_from(const py::object& value, const char* what) { return finite(vector_from(value, what), what); }
+
+double positive(double value, const char* what) {
+  if (value > 0.0) return finite(value, what);
+  throw py::value_error(std::string(what) + ": expected more than 0, found " + shown(py::cast(value)));
+}
+
+Doubles point_covariances(const py::object& directions_lidar, const py::object& ranges_m,
+                          const py::object& R_world_lidar, double sigma_range_m, const py::object& sigma_position_m,
                           const py::object& sigma_attitude_rad) {
-  const py::ssize_t count = rows_of(directions, 3, "directions_lidar");
-  if (range_m.size() != count) throw py::value_error("range_m: expected as many as there are directions");
-  const Matrix3 R = matrix3_from(R_world_lidar, "R_world_lidar");
-  const MeasurementNoise noise{sigma_range_m, vector_from(sigma_position_m, "sigma_position_m"),
-                               vector_from(sigma_attitude_rad, "sigma_attitude_rad")};
+  const std::vector<Vector3> directions = vectors_from(directions_lidar, "directions_lidar");
+  const auto count = static_cast<py::ssize_t>(directions.size());
+  const Doubles range_m(numbers_from(ranges_m, "range_m"));
+  if (range_m.size() != count)
+    throw py::value_error("range_m: expected as many as there are directions, " + std::to_string(count) + ", found " +
+                          std::to_string(range_m.size()));
+  const Matrix3 R = finite(matrix3_from(R_world_lidar, "R_world_lidar"), "R_world_lidar");
+  const MeasurementNoise noise{finite(sigma_range_m, "sigma_range_m"), point_from(sigma_position_m, "sigma_position_m"),
+                               point_from(sigma_attitude_rad, "sigma_attitude_rad")};
   const Matrix7 Sigma_w = noise.Sigma_w();
   Doubles out({count, py::ssize_t{3}, py::ssize_t{3}});
   for (py::ssize_t i = 0; i < count; ++i) {
-    const Matrix3 C = point_covariance(vector_at(directions, i), range_m.data()[i], R, Sigma_w);  // symmetric
+    const Matrix3 C =
+        point_covariance(directions[i], finite(range_m.data()[i], at("range_m", i)), R, Sigma_w);  // symmetric
     std::copy_n(C.data(), 9, out.mutable_data() + 9 * i);
   }
   return out;
 }
 
-Doubles error_quantiles_m(const Doubles& covariances, double p) {
-  const py::ssize_t count = rows_of(covariances, 9, "covariances_m2");
-  Doubles out(count);
-  for (py::ssize_t i = 0; i < count; ++i)
-    out.mutable_data()[i] = ErrorDistribution(matrix_at(covariances, i)).quantile_m(p);
+std::vector<ErrorDistribution> distributions_from(const py::object& covariances_m2) {
+  std::vector<ErrorDistribution> distributions;
+  for (const Matrix3& C : covariances_from(covariances_m2, "covariances_m2")) {
+    (void)positive(C.trace(), "covariances_m2: trace");
+    distributions.emplace_back(C);
+  }
+  return distributions;
+}
+
+template <class Rows, class Value>
+Doubles each_of(const Rows& rows, const Value& value) {
+  Doubles out(static_cast<py::ssize_t>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) out.mutable_data()[i] = value(i);
   return out;
 }
 
-Doubles error_means_m(const Doubles& covariances) {
-  const py::ssize_t count = rows_of(covariances, 9, "covariances_m2");
-  Doubles out(count);
-  for (py::ssize_t i = 0; i < count; ++i) out.mutable_data()[i] = ErrorDistribution(matrix_at(covariances, i)).mean_m();
-  return out;
+Doubles error_quantiles_m(const py::object& covariances_m2, double p) {
+  if (!(p > 0.0 && p < 1.0))
+    throw py::value_error("p: expected a probability between 0 and 1, found " + shown(py::cast(p)));
+  const auto distributions = distributions_from(covariances_m2);
+  return each_of(distributions, [&](std::size_t i) { return distributions[i].quantile_m(p); });
 }
 
-Doubles correct_voxel_probabilities(const Doubles& points, const Doubles& covariances, double edge_m) {
-  const py::ssize_t count = rows_of(points, 3, "points_world_m");
-  if (rows_of(covariances, 9, "covariances_m2") != count)
-    throw py::value_error("covariances_m2: expected as many as there are points");
-  Doubles out(count);
-  for (py::ssize_t i = 0; i < count; ++i)
-    out.mutable_data()[i] = correct_voxel_probability(vector_at(points, i), matrix_at(covariances, i), edge_m);
-  return out;
+Doubles error_means_m(const py::object& covariances_m2) {
+  const auto distributions = distributions_from(covariances_m2);
+  return each_of(distributions, [&](std::size_t i) { return distributions[i].mean_m(); });
+}
+
+Doubles correct_voxel_probabilities(const py::object& points_world_m, const py::object& covariances_m2, double edge_m) {
+  const std::vector<Vector3> points = vectors_from(points_world_m, "points_world_m");
+  const std::vector<Matrix3> covariances = covariances_from(covariances_m2, "covariances_m2");
+  if (covariances.size() != points.size())
+    throw py::value_error("covariances_m2: expected as many as there are points, " + std::to_string(points.size()) +
+                          ", found " + std::to_string(covariances.size()));
+  (void)positive(edge_m, "edge_m");
+  return each_of(points, [&](std::size_t i) { return correct_voxel_probability(points[i], covariances[i], edge_m); });
 }
 
 double probability_of_box(const py::object& mean, const py::object& Sigma, const py::object& low,
                           const py::object& high) {
-  return box_probability(vector_from(mean, "mean_m"), matrix3_from(Sigma, "covariance_m2"),
-                         {vector_from(low, "min_m"), vector_from(high, "max_m")});
+  const Vector3 min_m = vector_from(low, "min_m"), max_m = vector_from(high, "max_m");
+  if (!(min_m.array() <= max_m.array()).all())
+    throw py::value_error("max_m: expected no less than min_m, found " + shown(low) + " and " + shown(high));
+  return box_probability(point_from(mean, "mean_m"), covariance(matrix3_from(Sigma, "covariance_m2"), "covariance_m2"),
+                         {min_m, max_m});
 }
 
 /// Cells, centroids and rules of rule-based Lloyd for one agent.
@@ -84,16 +126,20 @@ class Rbl {
   Rbl(const std::string& cell, const std::string& rules, bool planar)
       : config_(read<RblCellConfig>(cell, "cell")), planner_(config_, read<RblRules>(rules, "rules"), planar) {}
 
-  py::dict step(const py::object& position, const Doubles& neighbors, const py::object& goal, double dt_s,
-                double z_min_m, double z_max_m, const Doubles& obstacles, double obstacle_edge_m) {
-    const Vector3 p_local_m = vector_from(position, "position_m");
-    const std::vector<Vector3> others = vectors(neighbors, "neighbors_m");
+  py::dict step(const py::object& position, const py::object& neighbors, const py::object& goal, double dt_s,
+                double z_min_m, double z_max_m, const py::object& obstacles, double obstacle_edge_m) {
+    const Vector3 p_local_m = point_from(position, "position_m"), goal_local_m = point_from(goal, "goal_m");
+    const std::vector<Vector3> others = vectors_from(neighbors, "neighbors_m");
+    const std::vector<Vector3> voxels = vectors_from(obstacles, "obstacles_m");
+    (void)positive(dt_s, "dt_s");
+    (void)positive(obstacle_edge_m, "obstacle_edge_m");
+    if (!(z_min_m <= z_max_m))
+      throw py::value_error("z_max_m: expected no less than z_min_m, found " + shown(py::cast(z_max_m)));
     planner_.partition(p_local_m, others, z_min_m, z_max_m);
-    const std::vector<Vector3> voxels = vectors(obstacles, "obstacles_m");
     if (!voxels.empty())
       cutter_.cut_convex(planner_.cell(), p_local_m, voxels, obstacle_edge_m, config_.encumbrance_m, config_.eta,
                          planner_.cuts());
-    const RblPlanner::Step step = planner_.update(vector_from(goal, "goal_m"), dt_s);
+    const RblPlanner::Step step = planner_.update(goal_local_m, dt_s);
     py::dict out;
     out["centroid_m"] = py::array_t<double>(3, step.centroid_local_m.data());
     out["sensing_centroid_m"] = py::array_t<double>(3, step.sensing_local_m.data());
@@ -111,12 +157,6 @@ class Rbl {
     Config config;
     sim::read_config_text(text, name, [&](ConfigVisitor& v) { config.visit(v); });
     return config;
-  }
-  static std::vector<Vector3> vectors(const Doubles& array, const char* what) {
-    const py::ssize_t count = rows_of(array, 3, what);
-    std::vector<Vector3> out(count);
-    for (py::ssize_t i = 0; i < count; ++i) out[i] = vector_at(array, i);
-    return out;
   }
 
   RblCellConfig config_;
@@ -147,8 +187,8 @@ void bind_functions(py::module_& module) {
   py::class_<Rbl>(module, "_Rbl")
       .def(py::init<const std::string&, const std::string&, bool>())
       .def("step", &Rbl::step, py::arg("position_m"), py::arg("neighbors_m"), py::arg("goal_m"), py::arg("dt_s"),
-           py::kw_only(), py::arg("z_min_m") = 0.0, py::arg("z_max_m") = 100.0, py::arg("obstacles_m") = Doubles(0),
-           py::arg("obstacle_edge_m") = 0.2);
+           py::kw_only(), py::arg("z_min_m") = 0.0, py::arg("z_max_m") = 100.0,
+           py::arg("obstacles_m") = py::make_tuple(), py::arg("obstacle_edge_m") = 0.2);
 }
 
 }  // namespace swiftlet::python

@@ -10,6 +10,7 @@
 
 #include "sim/python/bindings.hpp"
 #include "sim/python/stages.hpp"
+#include "sim/python/values.hpp"
 
 namespace swiftlet::python {
 namespace {
@@ -169,33 +170,6 @@ std::unique_ptr<OwnedObject> make_object(const PythonConfig& config, const Agent
     values[py::str(config.of->keys[i].name)] = value_of(config.values[i]);
   const py::object make = py::module_::import("swiftlet.modules").attr("_make");
   return std::make_unique<OwnedObject>(make(py::handle(config.of->type), values, setup_dict(setup)));
-}
-
-namespace {
-
-// In the order of numpy, row by row.
-std::vector<double> numbers_from(py::handle value, const std::string& what, py::ssize_t count) {
-  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
-  if (!array || array.size() != count) {
-    PyErr_Clear();
-    throw py::type_error(what + ": expected " + std::to_string(count) + " numbers, found " +
-                         py::repr(value).cast<std::string>());
-  }
-  return {array.data(), array.data() + count};
-}
-
-}  // namespace
-
-Vector3 vector_from(py::handle value, const char* what) { return Vector3(numbers_from(value, what, 3).data()); }
-
-Matrix3 matrix3_from(py::handle value, const char* what) {
-  return Matrix3(numbers_from(value, what, 9).data()).transpose();
-}
-
-Pose pose_from(py::handle value) {
-  Pose pose = Pose::Identity();
-  pose.matrix() = Eigen::Matrix4d(numbers_from(value, "a pose", 16).data()).transpose();
-  return pose;
 }
 
 void bind_modules(py::module_& module) {

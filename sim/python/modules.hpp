@@ -64,9 +64,4 @@ class OwnedObject {
 /// Calls the class with the values of its keys and what a vehicle's software is told before the start. Takes the lock.
 std::unique_ptr<OwnedObject> make_object(const PythonConfig& config, const AgentSetup& setup);
 
-/// From anything that numpy understands. Throw TypeError. Any frame, the same for all arguments.
-Vector3 vector_from(py::handle value, const char* what);
-Matrix3 matrix3_from(py::handle value, const char* what);
-Pose pose_from(py::handle value);
-
 }  // namespace swiftlet::python

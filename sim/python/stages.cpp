@@ -12,6 +12,7 @@
 #include "sim/python/modules.hpp"
 #include "sim/python/samples.hpp"
 #include "sim/python/scan.hpp"
+#include "sim/python/values.hpp"
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/stages/detectors.hpp"
 #include "swiftlet/core/stages/guidances.hpp"
@@ -89,6 +90,7 @@ class Stepper {
         object_(make_object(dynamic_cast<const PythonConfig&>(config), setup)) {
     const py::gil_scoped_acquire python;
     step_ = std::make_unique<OwnedObject>(object_->get().attr("step"));
+    name_ = py::handle(its_class.type).attr("__qualname__").cast<std::string>() + ".step";
     lent_object_ = std::make_unique<OwnedObject>(py::cast(lent_));
   }
 
@@ -102,11 +104,23 @@ class Stepper {
     return step_->get()(lent_object_->get());
   }
 
+  /// What the step returned is not what it should be: names class and method.
+  [[noreturn]] void reject(const std::string& expected, py::handle found) const {
+    throw py::type_error(name_ + ": expected " + expected + ", found " + shown(found));
+  }
+  /// ValueError with class and method where a number that the step returned is not finite.
+  template <class Value>
+  void require_finite(const Value& value, const char* what) const {
+    if (!is_finite(value)) (void)finite(value, name_ + ": " + what);
+  }
+  const std::string& name() const { return name_; }
+
   const PythonClass& its_class;
 
  private:
   std::shared_ptr<Lent> lent_ = std::make_shared<Lent>();
   std::unique_ptr<OwnedObject> object_, step_, lent_object_;
+  std::string name_;  // class and method
 };
 
 class PythonGuidance final : public Guidance {
@@ -151,13 +165,22 @@ class PythonGuidance final : public Guidance {
     if (wanted.is_none()) return;  // the last goal holds
     if (py::isinstance<Goal>(wanted)) {
       goal_ = wanted.cast<const Goal&>();
-      return;
+    } else {
+      const double yaw_rad =
+          goal_.in_world ? goal_.reference.yaw_rad : FrameChange::to_world(*lent.estimate).yaw(goal_.reference.yaw_rad);
+      goal_ = {};
+      goal_.reference.position_m = vector_from(wanted, stepper_.name() + ": a goal");
+      goal_.reference.yaw_rad = yaw_rad;
     }
-    const double yaw_rad =
-        goal_.in_world ? goal_.reference.yaw_rad : FrameChange::to_world(*lent.estimate).yaw(goal_.reference.yaw_rad);
-    goal_ = {};
-    goal_.reference.position_m = vector_from(wanted, "a goal");
-    goal_.reference.yaw_rad = yaw_rad;
+    const Reference& reference = goal_.reference;
+    stepper_.require_finite(reference.position_m, "position_m");
+    stepper_.require_finite(reference.velocity_mps, "velocity_mps");
+    stepper_.require_finite(reference.acceleration_mps2, "acceleration_mps2");
+    stepper_.require_finite(reference.yaw_rad, "yaw_rad");
+    stepper_.require_finite(reference.yaw_rate_radps, "yaw_rate_radps");
+    if (!(goal_.speed_limit_mps >= 0.0))
+      throw py::value_error(stepper_.name() + ": speed_limit_mps: expected 0 or more, found " +
+                            std::to_string(goal_.speed_limit_mps));
   }
 
   Stepper stepper_;
@@ -176,9 +199,15 @@ class PythonDetector final : public Detector {
     output.has_detections = true;
     output.stamp = input.clouds.empty() ? input.t : input.clouds.back()->stamp();
     const TimeNs middle = input.clouds.empty() ? input.t : (output.stamp + input.clouds.back()->end()) / 2;
+    if (!py::isinstance<py::iterable>(found)) stepper_.reject("a list of Detection, or None", found);
     for (const py::handle one : found) {
-      output.detections.push_back(one.cast<const Detection&>());
-      if (output.detections.back().t == 0) output.detections.back().t = middle;
+      if (!py::isinstance<Detection>(one)) stepper_.reject("a list of Detection, or None", found);
+      Detection& detection = output.detections.emplace_back(one.cast<const Detection&>());
+      stepper_.require_finite(detection.position_m, "position_m");
+      stepper_.require_finite(detection.covariance, "sigma_m");
+      stepper_.require_finite(detection.extent_m, "extent_m");
+      stepper_.require_finite(detection.confidence, "confidence");
+      if (detection.t == 0) detection.t = middle;
     }
   }
 
@@ -202,6 +231,9 @@ class PythonAgent final : public Agent {
     if (py::isinstance<Command>(wanted)) {
       const auto& command = wanted.cast<const Command&>();
       take_rotors(command.rotors);
+      stepper_.require_finite(command.v_world_mps, "v_world_mps");
+      stepper_.require_finite(command.reference.position_m, "reference_m");
+      if (command.T_world_body) (void)rigid(*command.T_world_body, stepper_.name() + ": T_world_body");
       action_.mission = command.mission;
       action_.reference = command.reference;
       action_.estimate.t = observation.t;
@@ -209,7 +241,8 @@ class PythonAgent final : public Agent {
       action_.estimate.T_local_body = command.T_world_body.value_or(Pose::Identity());
       action_.estimate.v_local_mps = command.v_world_mps;
     } else {
-      take_rotors(wanted.cast<std::vector<double>>());
+      const Numbers<double> rotors(numbers_from(wanted, stepper_.name() + ": rotors"));
+      take_rotors({rotors.data(), rotors.data() + rotors.size()});
     }
     outbox.empty_into(action_.messages);
     return action_;
@@ -218,8 +251,9 @@ class PythonAgent final : public Agent {
  private:
   void take_rotors(const std::vector<double>& commands) {
     if (static_cast<int>(commands.size()) != num_rotors_)
-      throw py::value_error("rotors: expected " + std::to_string(num_rotors_) + " numbers, found " +
+      throw py::value_error(stepper_.name() + ": rotors: expected " + std::to_string(num_rotors_) + " numbers, found " +
                             std::to_string(commands.size()));
+    for (const double command : commands) stepper_.require_finite(command, "rotors");
     std::ranges::copy(commands, action_.rotor_command.begin());
   }
 
@@ -270,7 +304,8 @@ void say(Lent& lent, const std::string& topic, const py::bytes& payload, Vehicle
 
 py::array occupied_within(const Lent& lent, const py::object& center, double radius_m) {
   auto centers = std::make_shared<std::vector<Vector3>>();
-  lent.mapped().occupied_within(vector_from(center, "center_local_m"), radius_m, kEver, *centers);
+  lent.mapped().occupied_within(finite(vector_from(center, "center_local_m"), "center_local_m"),
+                                finite(radius_m, "radius_m"), kEver, *centers);
   return view_of(reinterpret_cast<const double*>(centers->data()), {static_cast<py::ssize_t>(centers->size()), 3},
                  centers);
 }
@@ -346,14 +381,15 @@ void bind_input(py::module_& module) {
       .def(
           "map_distance_m",
           [](const Lent& l, const py::object& at, double max_m) {
-            return l.mapped().distance_m(vector_from(at, "p_local_m"), max_m);
+            return l.mapped().distance_m(finite(vector_from(at, "p_local_m"), "p_local_m"), finite(max_m, "max_m"));
           },
           py::arg("p_local_m"), py::arg("max_m") = 5.0, "[m] to the nearest occupied cell; at most max_m.")
       .def(
           "map_state",
           [](const Lent& l, const py::object& at) {
             constexpr const char* kWords[] = {"unknown", "free", "occupied"};
-            return kWords[static_cast<std::size_t>(l.mapped().state(vector_from(at, "p_local_m")))];
+            const Vector3 p_local_m = finite(vector_from(at, "p_local_m"), "p_local_m");
+            return kWords[static_cast<std::size_t>(l.mapped().state(p_local_m))];
           },
           py::arg("p_local_m"), "unknown, free or occupied.")
       .def("map_occupied_within", &occupied_within, py::arg("center_local_m"), py::arg("radius_m"),
@@ -398,11 +434,12 @@ void bind_outputs(py::module_& module) {
            py::arg("extent_m") = py::make_tuple(0.0, 0.0, 0.0), py::arg("num_points") = 1, py::arg("confidence") = 1.0,
            py::arg("t_ns") = 0, "t_ns 0: the middle of the newest sweep.");
   py::class_<Command>(module, "Command", "What an agent does: rotor commands, and what it believes.")
-      .def(py::init([](std::vector<double> rotors, const py::object& T_world_body, const py::object& v_world_mps,
+      .def(py::init([](const py::object& rotors, const py::object& T_world_body, const py::object& v_world_mps,
                        const py::object& reference_m, const std::string& mission) {
              Command command;
-             command.rotors = std::move(rotors);
-             if (!T_world_body.is_none()) command.T_world_body = pose_from(T_world_body);
+             const Numbers<double> numbers(numbers_from(rotors, "rotors"));
+             command.rotors.assign(numbers.data(), numbers.data() + numbers.size());
+             if (!T_world_body.is_none()) command.T_world_body = pose_from(T_world_body, "T_world_body");
              command.v_world_mps = vector_from(v_world_mps, "v_world_mps");
              command.reference.position_m = vector_from(reference_m, "reference_m");
              command.mission = mission_from(mission);

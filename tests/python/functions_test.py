@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The onboard software and functions of core alone, on arrays of one's own. Usage: support.py tells."""
 import math
+import threading
 
 import numpy as np
 
@@ -8,12 +9,34 @@ import support
 import swiftlet
 from swiftlet import functions
 
-KINDS = ("imu", "odometry", "gnss", "altimeter", "compass", "pose", "neighbors")
+# One sample of each kind, complete.
+SAMPLES = {
+    "imu": dict(t_ns=1, omega_radps=(0, 0, 0.1), f_mps2=(0, 0, 9.81)),
+    "odometry": dict(t_ns=1, pose=np.eye(4), v_mps=(1, 0, 0)),
+    "gnss": dict(t_ns=1, position_m=(1, 2, 3), v_mps=(0, 0, 0), sigma_m=(1, 1, 2), sigma_v_mps=(0.1, 0.1, 0.1)),
+    "altimeter": dict(t_ns=1, height_m=2, sigma_m=0.1),
+    "compass": dict(t_ns=1, yaw_rad=-1.5, sigma_rad=0.05),
+    "pose": dict(t_ns=1, pose=np.eye(4), v_mps=(0, 0, 0), omega_radps=(0, 0, 0)),
+    "neighbors": dict(t_ns=1, neighbor=-1, position_body_m=(3, 0, 0), cov_m2=np.eye(3)),
+}
+SLAM = {"name": "slam", "vehicles": [{"start": {"position_m": [0, 0, 2]}, "agent": {"localization": {"type": "slam"}},
+                                      "sensors": [{"type": "lidar", "model": "puck_lite"}, {"type": "imu"}]}]}
+X_AND_Y = np.array([[[1.0, 0, 0], [0, 1.0, 0]]])
+
+
+@swiftlet.guidance("waits")
+class Waits:
+    """Stays within its step until another thread lets it go on."""
+    entered, leave = threading.Event(), threading.Event()
+
+    def step(self, now):
+        self.entered.set()
+        self.leave.wait(60)
 
 
 def feed(onboard, vehicle):
     """What the sensors of a simulated vehicle measured in this tick, as arrays."""
-    for kind in KINDS:
+    for kind in SAMPLES:
         samples = vehicle.samples(kind)
         for i in range(len(samples)):
             onboard.add(kind, **{name: samples[name][i] for name in samples.keys()})
@@ -41,16 +64,14 @@ class Software(support.InFolder):
         self.assertGreater(finished, 2)
         np.testing.assert_array_equal(alone.maps()["detector"]["value"], eye.maps()["detector"]["value"])
 
-    def test_a_vehicle_localizes_itself_by_own_point_clouds_and_imu(self):
+    def fly_slam(self, scan_of):
+        """SLAM on the simulated scans that `scan_of` makes again; error at the end of a flight of 3 m."""
         source = swiftlet.Simulator(swiftlet.load({
             "name": "recorded", "duration_s": 1.6, "world": {"type": "hall"},
             "vehicles": [{"start": {"position_m": [0, 0, 2]}, "sensors": [{"type": "lidar", "model": "puck_lite"}, {"type": "imu"}],
                           "agent": {"localization": {"type": "ground_truth"}, "guidance": {
                               "type": "waypoints", "waypoints_m": [[-3, 0, 2]]}}}]}))
-        alone = swiftlet.Onboard(swiftlet.load({
-            "name": "slam", "vehicles": [{"start": {"position_m": [0, 0, 2]}, "sensors": [{"type": "lidar", "model": "puck_lite"},
-                                                                                          {"type": "imu"}],
-                                          "agent": {"localization": {"type": "slam"}}}]}))
+        alone = swiftlet.Onboard(swiftlet.load(SLAM))
         scans = 0
         while not source.finished:
             source.tick()
@@ -58,29 +79,188 @@ class Software(support.InFolder):
             imu = vehicle.samples("imu")
             for i in range(len(imu)):
                 alone.add("imu", t_ns=int(imu.t_ns[i]), omega_radps=imu.omega_radps[i], f_mps2=imu.f_mps2[i])
-            for scan in vehicle.scans:  # as a driver would give it: points, and nothing else
-                points = scan.origins_lidar_m + scan.range_m[..., None] * scan.directions_lidar
-                range_m = np.where(scan.range_m > 0, np.linalg.norm(points, axis=2), 0)
-                unit = points / np.maximum(np.linalg.norm(points, axis=2, keepdims=True), 1e-6)
-                alone.add_scan(swiftlet.make_scan(range_m, unit, scan.t_ns, duration_s=scan.duration_s,
-                                                  sensor=scan.sensor, range_max_m=scan.range_max_m))
+            for scan in vehicle.scans:
+                alone.add_scan(scan_of(scan))
                 scans += 1
             alone.step(source.t_ns)
         self.assertGreater(scans, 12)
         self.assertTrue(alone.estimate.valid)
-        error_m = np.linalg.norm(alone.estimate.local_pose[:3, 3] - source.states.position_m[0])
-        self.assertLess(error_m, 0.15)
+        return np.linalg.norm(alone.estimate.local_pose[:3, 3] - source.states.position_m[0])
 
-    def test_what_is_told_wrongly_is_refused(self):
-        alone = swiftlet.Onboard(swiftlet.load(self.team))
-        with self.assertRaisesRegex(KeyError, 'did you mean "omega_radps"'):
-            alone.add("imu", t_ns=0, omega_radsp=(0, 0, 0))
-        with self.assertRaisesRegex(TypeError, "f_mps2: expected 3 numbers"):
-            alone.add("imu", t_ns=0, f_mps2=(0, 0))
-        with self.assertRaisesRegex(KeyError, "altimeter"):
-            alone.add("sonar", t_ns=0)
-        with self.assertRaisesRegex(ValueError, "as range_m has them"):
-            swiftlet.make_scan(np.ones((2, 3)), np.ones((3, 2, 3)), 0)
+    def test_a_vehicle_localizes_itself_by_own_point_clouds_and_imu(self):
+        def image(scan):  # as a driver would give it: points, and nothing else
+            points = scan.origins_lidar_m + scan.range_m[..., None] * scan.directions_lidar
+            range_m = np.where(scan.range_m > 0, np.linalg.norm(points, axis=2), 0)
+            unit = points / np.maximum(np.linalg.norm(points, axis=2, keepdims=True), 1e-6)
+            return swiftlet.make_scan(range_m, unit, scan.t_ns, duration_s=scan.duration_s, sensor=scan.sensor,
+                                      range_max_m=scan.range_max_m)
+        self.assertLess(self.fly_slam(image), 0.15)
+
+    def test_a_vehicle_localizes_itself_by_half_of_each_sweep_in_any_order_with_the_time_of_each_point(self):
+        def half(scan):
+            points, right = scan.points_lidar_m(), scan.points_lidar_m()[:, 1] < 0
+            times_s = np.broadcast_to(scan.column_offset_s, scan.range_m.shape)[scan.range_m > 0]
+            order = np.random.default_rng(1).permutation(np.flatnonzero(right))
+            range_m = np.linalg.norm(points[order], axis=1)
+            return swiftlet.make_scan(range_m[None], (points[order] / range_m[:, None])[None], scan.t_ns,
+                                      duration_s=scan.duration_s, offset_s=times_s[order][None], sensor=scan.sensor)
+        self.assertLess(self.fly_slam(half), 0.15)
+
+    def test_a_call_meets_no_other_call_of_the_same_software(self):
+        alone = swiftlet.Onboard(swiftlet.load(self.team, {"vehicles[eye].agent.guidance": {"type": "waits"}}))
+        alone.add("pose", **SAMPLES["pose"])
+        stepping = threading.Thread(target=alone.step, args=(1,))
+        stepping.start()
+        self.assertTrue(Waits.entered.wait(60))
+        scan = swiftlet.make_scan([[1.0, 1.0]], X_AND_Y, 1)
+        for call in (lambda: alone.step(2), lambda: alone.add("pose", **SAMPLES["pose"]), lambda: alone.add_scan(scan),
+                     lambda: alone.estimate, lambda: alone.detections, lambda: alone.tracks, lambda: alone.relatives,
+                     lambda: alone.reference, lambda: alone.rotor_command, alone.maps):
+            with self.assertRaisesRegex(RuntimeError, "this Onboard is at work in another call"):
+                call()
+        Waits.leave.set()
+        stepping.join()
+        alone.add("pose", **{**SAMPLES["pose"], "t_ns": 2})
+        alone.step(2)
+        self.assertTrue(alone.estimate.valid)
+
+
+class Samples(support.InFolder):
+    def refused(self, error, message, kind, **columns):
+        with self.assertRaisesRegex(error, message):
+            self.alone.add(kind, **columns)
+
+    def setUp(self):
+        super().setUp()
+        self.alone = swiftlet.Onboard(swiftlet.load(self.team))
+
+    def test_every_column_of_a_sample_is_needed_as_numbers_of_its_shape(self):
+        for kind, columns in SAMPLES.items():
+            self.alone.add(kind, **columns)
+            for name, value in columns.items():
+                self.refused(TypeError, f"^{kind}: {name}: expected a value, found none", kind,
+                             **{key: column for key, column in columns.items() if key != name})
+                for wrong in (None, "north", "1", [1, "a"], 1j, np.ones(np.shape(value) + (2,)), {}, [[1], [1, 2]]):
+                    self.refused(TypeError, f"^{kind}: {name}: expected .*, found ", kind, **{**columns, name: wrong})
+                if name in ("t_ns", "neighbor"):
+                    self.refused(TypeError, f"^{kind}: {name}: expected an integer, found 1.5", kind, **{**columns, name: 1.5})
+                    continue
+                for wrong in (math.nan, math.inf):
+                    self.refused(ValueError, f"^{kind}: {name}: expected .*, found .*(nan|inf)", kind,
+                                 **{**columns, name: np.full(np.shape(value), wrong)})
+
+    def test_values_that_nothing_can_measure_are_refused(self):
+        turned = np.diag([1.0, 1.0, -1.0, 1.0])
+        for kind, name, wrong in (("gnss", "sigma_m", (1, 1, -1)), ("gnss", "sigma_v_mps", (-1, 1, 1)),
+                                  ("altimeter", "sigma_m", -0.1), ("compass", "sigma_rad", -0.1),
+                                  ("pose", "pose", turned), ("odometry", "pose", 2 * np.eye(4)), ("pose", "pose", np.zeros((4, 4))),
+                                  ("neighbors", "neighbor", 2), ("neighbors", "neighbor", -2),
+                                  ("neighbors", "cov_m2", -np.eye(3)), ("neighbors", "cov_m2", [[1, 1, 0], [0, 1, 0], [0, 0, 1]])):
+            self.refused(ValueError, f"^{kind}: {name}: expected ", kind, **{**SAMPLES[kind], name: wrong})
+
+    def test_names_that_do_not_exist_are_refused_with_what_was_meant(self):
+        self.refused(TypeError, 'imu: .*did you mean "omega_radps"', "imu", t_ns=0, omega_radsp=(0, 0, 0), f_mps2=(0, 0, 0))
+        self.refused(KeyError, "altimeter", "sonar", t_ns=0)
+        with self.assertRaises(TypeError):
+            self.alone.add(3, t_ns=0)
+        with self.assertRaises(TypeError):
+            self.alone.add_scan(np.ones((2, 3)))
+        for vehicle in (-1, 2):
+            with self.assertRaisesRegex(IndexError, f"vehicle: expected a number below 2, found {vehicle}"):
+                swiftlet.Onboard(swiftlet.load(self.team), vehicle)
+        for wrong in ((str(self.team),), (swiftlet.load(self.team), "eye"), (swiftlet.load(self.team), 0.5)):
+            with self.assertRaises(TypeError):
+                swiftlet.Onboard(*wrong)
+
+    def test_times_do_not_go_back(self):
+        def sample(kind, t_ns):
+            self.alone.add(kind, **{**SAMPLES[kind], "t_ns": t_ns})
+
+        def scan(t_ns, sensor="os1"):
+            self.alone.add_scan(swiftlet.make_scan([[1.0, 1.0]], X_AND_Y, t_ns, sensor=sensor))
+        sample("pose", 4_000_000)
+        sample("pose", 4_000_000)  # equal times are fine
+        sample("imu", 3_000_000)   # kinds are delivered apart
+        scan(2_000_000)
+        scan(1_000_000, sensor="front")
+        for call, message in ((lambda: sample("pose", 3_999_999), "pose: t_ns: expected 4000000"),
+                              (lambda: scan(1_000_000), "scan of os1: t_ns: expected 2000000"),
+                              (lambda: self.alone.step(3_000_000), "step: t_ns: expected 4000000, as of the latest pose")):
+            with self.assertRaisesRegex(ValueError, message):
+                call()
+        self.alone.step(4_000_000)
+        for t_ns in (3_000_000, 4_000_000):
+            with self.assertRaisesRegex(ValueError, f"step: t_ns: .*step before, 4000000, found {t_ns}"):
+                self.alone.step(t_ns)
+        with self.assertRaises(TypeError):
+            self.alone.step(0.008)
+        self.alone.step(8_000_000)
+
+
+class Scans(support.InFolder):
+    def make(self, **changes):
+        return swiftlet.make_scan(**{"range_m": [[5.0, 3.0]], "directions_lidar": X_AND_Y, "t_ns": 0, **changes})
+
+    def test_odd_values_are_refused_by_name(self):
+        for name, wrong in (("range_m", [[-5.0, 3.0]]), ("range_m", [[-math.inf, 3.0]]), ("range_m", [5.0, 3.0]), ("range_m", [[]]),
+                            ("duration_s", -0.1), ("duration_s", 100.0), ("duration_s", math.nan),
+                            ("range_max_m", 0.0), ("range_max_m", -1.0), ("range_max_m", math.nan), ("range_max_m", math.inf),
+                            ("sigma_range_m", -0.02), ("sigma_range_m", math.nan),
+                            ("directions_lidar", 2 * X_AND_Y), ("directions_lidar", 0 * X_AND_Y),
+                            ("directions_lidar", math.nan * X_AND_Y), ("directions_lidar", np.ones((3, 2, 3))),
+                            ("reflectivity", [[1.0]]), ("reflectivity", [[math.nan, 1.0]]),
+                            ("offset_s", [0.0]), ("offset_s", [0.0, -0.1]), ("offset_s", [0.0, math.nan]), ("offset_s", [0.0, 50e6]),
+                            ("T_body_lidar", 2 * np.eye(4))):
+            with self.assertRaisesRegex(ValueError, f"^{name}.*: expected "):
+                self.make(**{name: wrong})
+
+    def test_wrong_types_are_refused(self):
+        for name, wrong in (("range_m", [["5", "3"]]), ("range_m", None), ("range_m", [[5, 3j]]), ("range_m", [[5, 3], [5]]),
+                            ("directions_lidar", "xy"), ("t_ns", 0.5), ("t_ns", "0"), ("duration_s", "0.1"), ("sensor", 3),
+                            ("range_max_m", "far"), ("reflectivity", "white"), ("offset_s", "0"), ("T_body_lidar", np.eye(3)),
+                            ("offsets", [0, 0])):
+            with self.assertRaisesRegex(TypeError, name):
+                self.make(**{name: wrong})
+
+    def test_points_in_the_place_of_unit_vectors_are_refused(self):
+        points = np.array([[[3.0, 4.0, 0.0], [0.0, 10.0, 0.0]]])
+        range_m = np.linalg.norm(points, axis=2)
+        with self.assertRaisesRegex(ValueError, r"directions_lidar: expected unit vectors, found one of length 5.0* at \[0, 0\]"):
+            self.make(range_m=range_m, directions_lidar=points)
+        scan = self.make(range_m=range_m, directions_lidar=points / range_m[..., None])
+        np.testing.assert_allclose(scan.points_lidar_m(), points[0])
+
+    def test_a_beam_without_return_needs_no_direction(self):
+        for nothing in (0.0, math.nan, math.inf, 1e4):
+            directions = X_AND_Y.copy()
+            directions[0, 0] = math.nan
+            scan = self.make(range_m=[[nothing, 3.0]], directions_lidar=directions)
+            np.testing.assert_allclose(scan.points_lidar_m(), [[0, 3, 0]])
+
+    def test_columns_and_points_come_in_the_order_of_their_times(self):
+        rng = np.random.default_rng(4)
+        directions = rng.normal(size=(3, 5, 3))
+        directions /= np.linalg.norm(directions, axis=2, keepdims=True)
+        range_m = rng.uniform(1, 9, (3, 5))
+        points = range_m[..., None] * directions
+        columns_s, points_s = rng.permutation(5) / 100, rng.permutation(15).reshape(3, 5) / 100
+        scan = self.make(range_m=range_m, directions_lidar=directions, offset_s=columns_s)
+        self.assertEqual((scan.rows, scan.cols, scan.duration_s), (3, 5, 0.04))
+        np.testing.assert_allclose(scan.column_offset_s, np.sort(columns_s))
+        np.testing.assert_allclose(scan.points_lidar_m(), points[:, np.argsort(columns_s)].reshape(-1, 3), rtol=1e-5)
+        scan = self.make(range_m=range_m, directions_lidar=directions, offset_s=points_s, reflectivity=points_s, duration_s=0.2)
+        self.assertEqual((scan.rows, scan.cols, scan.duration_s), (1, 15, 0.2))
+        np.testing.assert_allclose(scan.column_offset_s, np.arange(15) / 100, rtol=1e-6)
+        np.testing.assert_allclose(scan.reflectivity[0], np.arange(15) / 100, rtol=1e-6)
+        np.testing.assert_allclose(scan.points_lidar_m(), points.reshape(-1, 3)[np.argsort(points_s, axis=None)], rtol=1e-5)
+        with self.assertRaisesRegex(ValueError, "offset_s: expected a number from 0 to 0.1"):
+            self.make(range_m=range_m, directions_lidar=directions, offset_s=points_s, duration_s=0.1)
+
+    def test_a_scan_has_the_mounting_that_is_given(self):
+        mount = np.eye(4)
+        mount[:3, 3] = (0.1, 0, 0.25)
+        np.testing.assert_array_equal(self.make(T_body_lidar=mount).T_body_lidar, mount)
+        np.testing.assert_array_equal(self.make().T_body_lidar, np.eye(4))
 
 
 class Uncertainty(support.InFolder):
@@ -116,6 +296,28 @@ class Uncertainty(support.InFolder):
         self.assertAlmostEqual(voxel[0], 1.0, places=5)
 
 
+    def test_odd_arguments_are_refused_by_name(self):
+        point, C = [[1.0, 0, 0]], [np.eye(3)]
+        for function, arguments, name, odd, wrong in (
+                (functions.point_covariances, (point, [1.0], np.eye(3)), ("directions_lidar", "range_m", "R_world_lidar"),
+                 ([[math.nan, 0, 0]], [1.0, 2.0], np.full((3, 3), math.nan)), ("x", ["a"], np.eye(2))),
+                (functions.error_quantiles_m, (C, 0.9), ("covariances_m2", "p"), ([np.zeros((3, 3))], 1.5), ("C", "0.9")),
+                (functions.error_means_m, (C,), ("covariances_m2",), ([-np.eye(3)],), ([["a"]],)),
+                (functions.correct_voxel_probabilities, (point, C, 0.1), ("points_world_m", "covariances_m2", "edge_m"),
+                 ([[math.inf, 0, 0]], [np.eye(3)] * 2, 0.0), ("x", "C", "0.1")),
+                (functions.box_probability, ((0, 0, 0), np.eye(3), (-1, -1, -1), (1, 1, 1)),
+                 ("mean_m", "covariance_m2", "min_m", "max_m"),
+                 ((math.nan, 0, 0), np.diag([1, 1, -1]), (2, 0, 0), (math.nan, 1, 1)), ("x", np.eye(4), (0, 0), None))):
+            function(*arguments)
+            for i in range(len(arguments)):
+                with self.assertRaises(ValueError):
+                    function(*arguments[:i], odd[i], *arguments[i + 1:])
+                with self.assertRaisesRegex(TypeError, name[i]):
+                    function(*arguments[:i], wrong[i], *arguments[i + 1:])
+            with self.assertRaises(TypeError):
+                function(*arguments, nothing=1)
+
+
 class Flocking(support.InFolder):
     def test_rbl_goes_to_its_goal_and_away_from_neighbors(self):
         alone = functions.Rbl(planar=True).step((0, 0, 2), [], (10, 0, 2), 0.1)
@@ -125,6 +327,20 @@ class Flocking(support.InFolder):
         wall = functions.Rbl(planar=True).step((0, 0, 2), [], (10, 0, 2), 0.1,
                                                obstacles_m=[(1.5, y, 2) for y in np.arange(-4, 4, 0.2)])
         self.assertLess(wall["centroid_m"][0], alone["centroid_m"][0])
+
+    def test_odd_arguments_are_refused_by_name(self):
+        right = dict(position_m=(0, 0, 2), neighbors_m=[], goal_m=(9, 0, 2), dt_s=0.1)
+        rbl = functions.Rbl()
+        rbl.step(**right)
+        for name, odd, wrong in (("position_m", (math.nan, 0, 0), "x"), ("neighbors_m", [(math.inf, 0, 0)], ["a"]),
+                                 ("goal_m", (0, 0, math.inf), (0, 0)), ("dt_s", 0.0, "0.1"), ("obstacles_m", [(1, 2)], "x"),
+                                 ("obstacle_edge_m", -0.2, None), ("z_max_m", -1.0, "high")):
+            with self.assertRaisesRegex(ValueError, f"^{name}"):
+                rbl.step(**{**right, name: odd})
+            with self.assertRaisesRegex(TypeError, name):
+                rbl.step(**{**right, name: wrong})
+        with self.assertRaises(TypeError):
+            rbl.step(**right, nothing=1)
 
     def test_its_keys_are_read_strictly(self):
         with self.assertRaisesRegex(swiftlet.InputError, 'did you mean "encumbrance_m"'):

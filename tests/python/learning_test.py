@@ -53,6 +53,14 @@ class Gymnasium(support.InFolder):
         episode(env, 9, self.actions(3))
         self.assertEqual(episode(env, 3, self.actions())[2], episode(VehicleEnv(ONE), 3, self.actions())[2])
 
+    def test_a_step_before_the_first_reset_and_a_seed_that_is_no_integer_are_refused(self):
+        env = VehicleEnv(ONE)
+        with self.assertRaisesRegex(RuntimeError, "expected a reset before the first step"):
+            env.step(np.zeros(4))
+        for seed in (1.5, "3"):
+            self.assertRaises(TypeError, lambda: env.reset(seed=seed))
+        env.reset(seed=np.int64(3))
+
     def test_a_seed_that_nobody_chose_is_told_and_gives_the_episode_again(self):
         env = VehicleEnv(ONE)
         _, seed, state_hash = episode(env, None, self.actions())

@@ -140,6 +140,59 @@ class Modules(support.InFolder):
         with self.assertRaisesRegex(TypeError, "a goal: expected 3 numbers, found 'north'"):
             swiftlet.fly(self.team, {GUIDANCE: {"type": "wrong"}})
 
+    def refused(self, kind, returned, error, message):
+        class Odd:
+            def step(self, now):
+                return returned
+        getattr(swiftlet, kind)("odd")(Odd)
+        place = {"guidance": GUIDANCE, "detector": "vehicles[eye].agent.detector", "agent": "vehicles[other].agent"}[kind]
+        for threads in (1, 2):
+            with self.assertRaisesRegex(error, r"Odd\.step: " + message):
+                swiftlet.fly(self.team, {place: {"type": "odd"}}, threads=threads)
+
+    def test_a_number_that_is_not_finite_is_an_error_of_the_class_that_returned_it(self):
+        nan, here = math.nan, (0, 0, 4)
+        for returned in ((nan, 0, 4), (0, 0, math.inf), swiftlet.Goal((0, nan, 4)), swiftlet.Goal(here, velocity_mps=(nan, 0, 0)),
+                         swiftlet.Goal(here, acceleration_mps2=(0, 0, -math.inf)), swiftlet.Goal(here, yaw_rad=nan),
+                         swiftlet.Goal(here, yaw_rate_radps=nan), swiftlet.Goal(here, speed_limit_mps=nan),
+                         swiftlet.Goal(here, frame="local", yaw_rad=math.inf)):
+            self.refused("guidance", returned, ValueError, r".*: expected .*, found .*(nan|inf)")
+        for returned in (swiftlet.Detection((nan, 0, 0)), swiftlet.Detection(here, sigma_m=nan),
+                         swiftlet.Detection(here, extent_m=(0, nan, 0)), swiftlet.Detection(here, confidence=math.inf)):
+            self.refused("detector", [returned], ValueError, r".*: expected finite numbers, found .*(nan|inf)")
+        hover = [0.5] * 4
+        for returned in ([0.5, 0.5, nan, 0.5], swiftlet.Command([math.inf] * 4), swiftlet.Command(hover, v_world_mps=(nan, 0, 0)),
+                         swiftlet.Command(hover, reference_m=(0, 0, nan)), swiftlet.Command(hover, T_world_body=nan * np.eye(4)),
+                         swiftlet.Command(hover, T_world_body=np.zeros((4, 4)))):
+            self.refused("agent", returned, ValueError, ".*: expected ")
+
+    def test_a_value_of_a_wrong_type_is_a_type_error_of_the_class_that_returned_it(self):
+        for returned in ("north", (0, 0), ("a", "b", "c"), 3, {"position_m": 3}, np.zeros((3, 1)), swiftlet.Detection((0, 0, 0))):
+            self.refused("guidance", returned, TypeError, "a goal: expected 3 numbers, found ")
+        for returned in ("north", 3, [(0, 0, 0)], swiftlet.Detection((0, 0, 0)), [swiftlet.Detection((0, 0, 0)), None]):
+            self.refused("detector", returned, TypeError, "expected a list of Detection, or None, found ")
+        for returned in ("full", ["a"] * 4, {"rotors": 3}):
+            self.refused("agent", returned, TypeError, "rotors: expected numbers, found ")
+
+    def test_a_class_and_its_keys_are_checked_where_they_are_written(self):
+        def step(self, now):
+            return None
+        for act in (lambda: swiftlet.guidance(Orbit), lambda: swiftlet.detector(3), lambda: swiftlet.agent("a")(step),
+                    lambda: swiftlet.guidance("a")(type("NoStep", (), {})), lambda: swiftlet.guidance("a", cloud=True),
+                    lambda: swiftlet.guidance("a", clouds="yes"), lambda: swiftlet.detector("a", doc=3),
+                    lambda: swiftlet.key(None, "[m] of it"), lambda: swiftlet.key(1.0, 3), lambda: swiftlet.key((1, 2), "[m] of it"),
+                    lambda: swiftlet.key(["a"], "[m] of it"), lambda: swiftlet.key("a", "[-] of it", words="abc"),
+                    lambda: swiftlet.key(1.0, "[m] of it", min="0"), lambda: swiftlet.key(1.0, "[m] of it", low=0),
+                    lambda: swiftlet.Goal("north"), lambda: swiftlet.Goal((0, 0)), lambda: swiftlet.Goal((0, 0, 0), speed=1),
+                    lambda: swiftlet.Goal((0, 0, 0), yaw_rad="east"), lambda: swiftlet.Detection(None),
+                    lambda: swiftlet.Command("full"), lambda: swiftlet.Command([0] * 4, T_world_body=np.eye(3))):
+            self.assertRaises(TypeError, act)
+        for act in (lambda: swiftlet.key(math.nan, "[m] of it"), lambda: swiftlet.key(0.1, "[m] of it", min=0.5),
+                    lambda: swiftlet.key((0, 0, 9), "[m] of it", max=5), lambda: swiftlet.key(2**31, "[-] of it"),
+                    lambda: swiftlet.key("up", "[-] of it", words=("left", "right")), lambda: swiftlet.key(1.0, "of it"),
+                    lambda: swiftlet.Goal((0, 0, 0), frame="body"), lambda: swiftlet.Goal((0, 0, 0), mission="over")):
+            self.assertRaises(ValueError, act)
+
     def test_what_a_step_is_told_is_gone_after_it(self):
         simulator = swiftlet.Simulator(swiftlet.load(self.team, {GUIDANCE: {"type": "keeps"}}))
         simulator.tick()

@@ -12,8 +12,10 @@
 
 docs/python.md explains it. Positions are in meters, world axes are east, north, up, times in seconds or integer nanoseconds.
 """
+import collections.abc as _abc
 import importlib.machinery as _machinery
 import json as _json
+import os as _os
 import pathlib as _pathlib
 import platform as _platform
 import re as _re
@@ -63,12 +65,24 @@ def _yaml(value):
     """A value as a scenario would have it."""
     if isinstance(value, str):
         return value if _PLAIN.fullmatch(value) and value.lower() not in _MEANS_MORE else _json.dumps(value)
+    return _json.dumps(value, default=_plain)
+
+
+def _plain(value):
+    """What json does not know: arrays and numbers of numpy, and paths."""
     if hasattr(value, "tolist"):
-        value = value.tolist()
-    return _json.dumps(value)
+        return value.tolist()
+    if isinstance(value, _os.PathLike):
+        return _os.fspath(value)
+    raise TypeError(f"expected numbers, texts, lists and dicts, found {value!r}")
 
 
 def _changes(changes, keys):
+    if not isinstance(changes, (_abc.Mapping, type(None))):
+        raise TypeError(f'changes: expected a dict such as {{"vehicles[0].start.yaw_deg": 90}}, found {changes!r}')
+    for key in changes or ():
+        if not isinstance(key, str):
+            raise TypeError(f"changes: expected key paths, which are texts, found {key!r}")
     return [(key, _yaml(value)) for key, value in {**(changes or {}), **keys}.items()]
 
 
@@ -80,9 +94,11 @@ def load(source, changes=None, **keys):
     changes: by key path, such as {"vehicles[0].start.yaw_deg": 90}; keys: of the top level, such as seed=3.
     Raises InputError with file, line and key, as `swiftlet check` prints it.
     """
+    if not isinstance(source, (str, _os.PathLike, dict, Scenario)):
+        raise TypeError(f"source: expected a path, a name, a dict or a Scenario, found {source!r}")
     laid_on = _changes(changes, keys)
     if isinstance(source, dict):
-        return _core._load_text(_json.dumps(source), "scenario", laid_on)
+        return _core._load_text(_json.dumps(source, default=_plain), "scenario", laid_on)
     return source._changed(laid_on) if isinstance(source, Scenario) else _core._load(source, laid_on)
 
 
@@ -121,6 +137,8 @@ def fly(source, changes=None, *, out=None, threads=0, watch=None, **keys):
     out: run directory, as of `swiftlet run --out`; None: nothing is written.
     watch: called as watch(simulator) after every tick.
     """
+    if watch is not None and not callable(watch):
+        raise TypeError(f"watch: expected a function of the simulator, found {watch!r}")
     simulator = Simulator(load(source, changes, **keys), threads=threads, out=out)
     if watch is None:
         simulator.run()

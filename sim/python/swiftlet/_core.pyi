@@ -26,7 +26,7 @@ class Cloud:
 
 class Command:
     """What an agent does: rotor commands, and what it believes."""
-    def __init__(self, rotors: typing.List[float], *, T_world_body: object = None, v_world_mps: object = ..., reference_m: object = ..., mission: str = 'endless') -> None:
+    def __init__(self, rotors: object, *, T_world_body: object = None, v_world_mps: object = ..., reference_m: object = ..., mission: str = 'endless') -> None:
         ...
 
 class Detection:
@@ -48,9 +48,9 @@ class InternalError(RuntimeError):
 class Onboard:
     """The software of one vehicle without a simulator: localization or SLAM, detector, tracker, mapping and guidance, fed with measurements from anywhere."""
     def __init__(self, scenario: Scenario, vehicle: int = 0) -> None:
-        """scenario: its vehicle's agent, sensors and start tell what the software is."""
+        """scenario: its vehicle's agent, sensors and start tell what the software is. One thread at a time may use it."""
     def add(self, kind: str, **kwargs) -> None:
-        """A sample that is new since the last step: imu, odometry, gnss, altimeter, compass, pose, neighbors, with the columns of their tables, such as add('imu', t_ns=0, omega_radps=(0, 0, 0), f_mps2=(0, 0, 9.81))."""
+        """A sample that is new since the last step: imu, odometry, gnss, altimeter, compass, pose, neighbors, with all columns of their tables, such as add('imu', t_ns=0, omega_radps=(0, 0, 0), f_mps2=(0, 0, 9.81)). Of one kind, times do not go back."""
     def add_scan(self, scan: Scan) -> None:
         """A scan that is new since the last step."""
     @property
@@ -71,7 +71,7 @@ class Onboard:
     def rotor_command(self) -> numpy.ndarray:
         ...
     def step(self, t_ns: int) -> None:
-        """One tick at the instant t_ns [ns]."""
+        """One tick at the instant t_ns [ns], later than the tick before."""
     @property
     def tracks(self) -> Table:
         ...
@@ -167,7 +167,7 @@ class Scenario:
 
 class Simulator:
     """One run in lockstep. The same scenario gives the same bits as the program `swiftlet run`, for any number of threads."""
-    def __init__(self, scenario: Scenario, threads: int = 0, world: typing.Optional[World] = None, out: typing.Optional[pathlib.Path] = None) -> None:
+    def __init__(self, scenario: Scenario, threads: int = 0, world: World = None, out: typing.Optional[pathlib.Path] = None) -> None:
         """threads: 0 takes all processors, and changes no result. world: of an earlier simulator with the same world and seed. out: run directory, which appears at `finish`."""
     @property
     def commands(self) -> numpy.ndarray:
@@ -329,7 +329,7 @@ class World:
 class _Rbl:
     def __init__(self, arg0: str, arg1: str, arg2: bool) -> None:
         ...
-    def step(self, position_m: object, neighbors_m: numpy.ndarray, goal_m: object, dt_s: float, *, z_min_m: float = 0.0, z_max_m: float = 100.0, obstacles_m: numpy.ndarray = ..., obstacle_edge_m: float = 0.2) -> dict:
+    def step(self, position_m: object, neighbors_m: object, goal_m: object, dt_s: float, *, z_min_m: float = 0.0, z_max_m: float = 100.0, obstacles_m: object = ..., obstacle_edge_m: float = 0.2) -> dict:
         ...
 
 def _add_class(arg0: str, arg1: str, arg2: str, arg3: object, arg4: list, arg5: dict) -> None:
@@ -347,17 +347,17 @@ def allow_plugins() -> None:
 def box_probability(mean_m: object, covariance_m2: object, min_m: object, max_m: object) -> float:
     """Probability that a normal variable lies in an axis-aligned box [Vrba 2025, eq. 65]."""
 
-def correct_voxel_probabilities(points_world_m: numpy.ndarray, covariances_m2: numpy.ndarray, edge_m: float) -> numpy.ndarray:
+def correct_voxel_probabilities(points_world_m: object, covariances_m2: object, edge_m: float) -> numpy.ndarray:
     """(n,) probability that the true point lies in the voxel in which it was measured [Vrba 2025, eq. 64]."""
 
-def error_means_m(covariances_m2: numpy.ndarray) -> numpy.ndarray:
+def error_means_m(covariances_m2: object) -> numpy.ndarray:
     """(n,) [m] mean error of such points."""
 
-def error_quantiles_m(covariances_m2: numpy.ndarray, p: float) -> numpy.ndarray:
+def error_quantiles_m(covariances_m2: object, p: float) -> numpy.ndarray:
     """(n,) [m] the error that is exceeded with probability 1 - p, of points with these covariances (n, 3, 3) [Vrba 2025, sec. IV-B]."""
 
-def make_scan(range_m: numpy.ndarray, directions_lidar: numpy.ndarray, t_ns: int, *, duration_s: float = 0.0, sensor: str = 'lidar', range_max_m: float = 120.0, sigma_range_m: float = 0.02, reflectivity: object = None) -> Scan:
-    """A scan from one's own arrays: range_m (rows, cols) [m], 0 or not finite: no return; directions_lidar (rows, cols, 3), unit vectors. Columns fire one after another during duration_s [s]."""
+def make_scan(range_m: object, directions_lidar: object, t_ns: int, *, duration_s: typing.Optional[float] = None, offset_s: object = None, sensor: str = 'lidar', range_max_m: float = 120.0, sigma_range_m: float = 0.02, reflectivity: object = None, T_body_lidar: object = None) -> Scan:
+    """A scan from one's own arrays: range_m (rows, cols) [m], 0 or not finite: no return; directions_lidar (rows, cols, 3), unit vectors. offset_s [s]: firing times after t_ns of columns (cols,) or of points (rows, cols), which become columns in the order of their times. Without it columns fire one after another during duration_s [s]. T_body_lidar (4, 4): mounting."""
 
-def point_covariances(directions_lidar: numpy.ndarray, range_m: numpy.ndarray, R_world_lidar: object, *, sigma_range_m: float = 0.03, sigma_position_m: object = ..., sigma_attitude_rad: object = ...) -> numpy.ndarray:
+def point_covariances(directions_lidar: object, range_m: object, R_world_lidar: object, *, sigma_range_m: float = 0.03, sigma_position_m: object = ..., sigma_attitude_rad: object = ...) -> numpy.ndarray:
     """(n, 3, 3) [m^2] covariance of the true point of each ray, world axes [Vrba 2025, eq. 44]. directions_lidar (n, 3) unit vectors, range_m (n,) [m], R_world_lidar (3, 3)."""

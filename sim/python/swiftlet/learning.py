@@ -6,6 +6,7 @@ there. An action is a velocity in the world and a rate of the heading, each from
 action space is a ValueError. Between two actions whole ticks pass. Episodes are runs of a scenario: the seed of `reset` is the run's, and the same seed and actions give the same bits.
 """
 import multiprocessing as _multiprocessing
+import operator as _operator
 import traceback as _traceback
 
 import numpy as np
@@ -110,7 +111,7 @@ class _Episodes:
 
     def reset(self, seed):
         # The seed of an episode that nobody chose is told as well, so that it can be flown again.
-        self.seed = int(np.random.SeedSequence().entropy % 2**31) if seed is None else int(seed)
+        self.seed = int(np.random.SeedSequence().entropy % 2**31) if seed is None else _operator.index(seed)
         scenario = load(self.scenario, seed=self.seed)
         key = _line(scenario.yaml, "world_seed") if _line(scenario.yaml, "world_seed") not in ("", "0") else None
         world = self._world if key is not None and key == self._world_key else None
@@ -129,6 +130,8 @@ class _Episodes:
         return action
 
     def step(self, actions):
+        if self.simulator is None:
+            raise RuntimeError("expected a reset before the first step")
         self.simulator.commands[:, :4] = actions * self.scale
         self.simulator.tick(self.ticks)
 

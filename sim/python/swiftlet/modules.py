@@ -16,6 +16,7 @@
 Then `guidance: {type: orbit, radius_m: 4}` in a scenario means it, and a misspelt key is refused as any other. Every vehicle has
 an object of its own. An exception ends the run: its traceback comes out of `Simulator.tick` or `run`.
 """
+import math as _math
 import types as _types
 
 from . import _core
@@ -36,9 +37,39 @@ def key(default, doc, *, min=None, max=None, words=()):
     doc: one line that begins with the unit in brackets, such as "[m] of the circle".
     words: of a text, the only ones that are allowed.
     """
+    if not isinstance(doc, str):
+        raise TypeError(f'doc: expected a text such as "[m] of the circle", found {doc!r}')
     if not doc.startswith("["):
         raise ValueError(f'a key is told with its unit in brackets first, such as "[m] of the circle"; found "{doc}"')
+    if isinstance(words, str) or not all(isinstance(word, str) for word in words):
+        raise TypeError(f"words: expected a tuple of texts, found {words!r}")
+    default = default.tolist() if hasattr(default, "tolist") else default  # a number or an array of numpy
+    if isinstance(default, str):
+        if words and default not in words:
+            raise ValueError(f"default: expected one of {', '.join(words)}, found {default}")
+    elif not isinstance(default, bool):
+        _check_numbers(default, min, max)
     return _Key(default, doc, min, max, list(words))
+
+
+_INT = -2**31, 2**31 - 1  # limits of an int in C++
+
+
+def _is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _check_numbers(default, min, max):
+    numbers = default if isinstance(default, (tuple, list)) else [default]
+    if not all(_is_number(number) for number in numbers) or (isinstance(default, tuple) and len(default) != 3):
+        raise TypeError("default: expected a bool, an int, a float, a text, a tuple of 3 numbers or a list of numbers, "
+                        f"found {default!r}")
+    low, high = _INT if isinstance(default, int) else (-_math.inf, _math.inf)
+    low, high = (low if min is None else min), (high if max is None else max)
+    if not (_is_number(low) and _is_number(high)):
+        raise TypeError(f"min and max: expected numbers, found {min!r} and {max!r}")
+    if not all(low <= number <= high for number in numbers):
+        raise ValueError(f"default: expected numbers from {low} to {high}, found {default!r}")
 
 
 def _register(kind, name, doc, clouds=False, map=False, relatives=False, world=True, true_pose=False, true_neighbors=False,
@@ -46,7 +77,17 @@ def _register(kind, name, doc, clouds=False, map=False, relatives=False, world=T
     needs = dict(clouds=clouds, map=map, relatives=relatives, world=world, true_pose=true_pose, true_neighbors=true_neighbors,
                  detects=detects)
 
+    if not isinstance(name, str):  # also where the decorator stands without its name
+        raise TypeError(f'expected the name of the {kind}, such as @swiftlet.{kind}("mine"), found {name!r}')
+    if not isinstance(doc, str):
+        raise TypeError(f"doc: expected a text, found {doc!r}")
+    for need, value in needs.items():
+        if not isinstance(value, bool):
+            raise TypeError(f"{need}: expected True or False, found {value!r}")
+
     def add(cls):
+        if not isinstance(cls, type):
+            raise TypeError(f"{kind} {name}: expected a class, found {cls!r}")
         if not callable(getattr(cls, "step", None)):
             raise TypeError(f"{cls.__name__}: expected a method step")
         keys = {}
