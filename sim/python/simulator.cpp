@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/python/simulator.hpp"
 
+#include <pthread.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -11,10 +13,13 @@
 #include "sim/python/maps.hpp"
 #include "sim/python/samples.hpp"
 #include "sim/python/scan.hpp"
+#include "sim/python/values.hpp"
+#include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/run/summary.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
+#include "swiftlet/sim/scenario/yaml_writer.hpp"
 
 namespace swiftlet::python {
 namespace {
@@ -22,6 +27,37 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// A fork copies the calling thread alone. In the new process the threads of OpenMP, TBB and the renderer are missing,
+// and a wait for them does not end.
+std::atomic<bool> g_made_a_simulator = false, g_was_forked = false;  // NOLINT: read by the handler of forks
+
+void note_fork() { g_was_forked = g_made_a_simulator.load(); }
+
+void require_own_threads() {
+  if (!g_was_forked) return;
+  throw std::runtime_error(
+      "this process was forked from one that had made a simulator, and threads of it are missing here: start it by "
+      "\"spawn\", such as multiprocessing.get_context(\"spawn\"), or before the first Simulator, fly or check");
+}
+
+/// The given world where the scenario means it, or a new one.
+BuiltWorld world_of(const sim::Scenario& scenario, const BuiltWorld* given) {
+  require_own_threads();
+  g_made_a_simulator = true;
+  Module config = scenario.world;
+  const std::string text =
+      "type: " + config.type + "\n" + sim::write_config([&](ConfigVisitor& v) { config.config->visit(v); });
+  const std::uint64_t seed = scenario.seed_of_world();
+  if (given == nullptr) return {sim::build_world(config, seed), text, seed};
+  if (given->config != text)
+    throw sim::InputError("world: expected that of the scenario, of type " + config.type +
+                          ", found one with another type or other settings");
+  if (given->seed != seed)
+    throw sim::InputError("world: expected one of seed " + std::to_string(seed) +
+                          " (world_seed, or else seed), found " + "one of seed " + std::to_string(given->seed));
+  return *given;
+}
 
 Table states_of(const std::shared_ptr<sim::Simulation>& simulation) {
   const auto states = simulation->view().states;
@@ -47,10 +83,16 @@ py::array commands_of(const Simulator& simulator) {
 /// One vehicle of a run: what its software was told and did in the last tick.
 struct Vehicle {
   std::shared_ptr<sim::Simulation> simulation;
+  std::shared_ptr<std::atomic<bool>> in_use;
   VehicleId id = 0;
 
-  const Observation& observation() const { return simulation->view().observations[id]; }
-  const Action& action() const { return *simulation->view().actions[id]; }
+  /// View of the last tick; RuntimeError while another call flies.
+  const sim::TickView& view() const {
+    const Use use(*in_use, "simulator");
+    return simulation->view();
+  }
+  const Observation& observation() const { return view().observations[id]; }
+  const Action& action() const { return *view().actions[id]; }
   const std::string& name() const { return simulation->info().vehicle_names[id]; }
 };
 
@@ -63,7 +105,7 @@ VehicleId id_of(const sim::Simulation& simulation, const std::string& name) {
 }
 
 std::vector<HeldScan> scans_of(const Vehicle& vehicle) {
-  const auto& scans = vehicle.simulation->view().scans[vehicle.id];
+  const auto& scans = vehicle.view().scans[vehicle.id];
   return {scans.begin(), scans.end()};
 }
 
@@ -109,7 +151,11 @@ void bind_vehicle(py::module_& module) {
           "samples", [](const Vehicle& v, const std::string& kind) { return samples_named(v.observation(), kind); },
           py::arg("kind"), "Samples of this tick: imu, odometry, gnss, altimeter, compass, pose, neighbors.")
       .def(
-          "maps", [](const Vehicle& v) { return maps_of(*v.simulation->view().agents[v.id]); },
+          "maps",
+          [](const Vehicle& v) {
+            const Use use(*v.in_use, "simulator");
+            return maps_of(*v.simulation->view().agents[v.id]);
+          },
           "The maps of its software by stage, as of now: edge_m, states, centers_local_m (n, 3), state (n,), value "
           "(n,).")
       .def_property_readonly(
@@ -127,29 +173,26 @@ void bind_vehicle(py::module_& module) {
 
 }  // namespace
 
-class Simulator::Use {
+/// A call that flies: one at a time, and not after an error.
+class Simulator::Flight {
  public:
-  explicit Use(Simulator& simulator) : simulator_(simulator) {
-    if (simulator.in_use_.exchange(true)) throw std::runtime_error("this simulator is at work in another call");
-    if (simulator.broken_) {
-      simulator.in_use_ = false;
-      throw std::runtime_error("this run ended with an error");
-    }
+  explicit Flight(const Simulator& simulator) : use_(*simulator.in_use_, "simulator") {
+    if (simulator.broken_) throw std::runtime_error("this run ended with an error");
   }
-  ~Use() { simulator_.in_use_ = false; }
-  Use(const Use&) = delete;
-  Use& operator=(const Use&) = delete;
 
  private:
-  Simulator& simulator_;
+  Use use_;
 };
 
-Simulator::Simulator(const ReadScenario& scenario, int threads, std::optional<sim::World> world,
+bool DeleteUnlessForked::was_forked() { return g_was_forked; }
+
+Simulator::Simulator(const ReadScenario& scenario, int threads, const BuiltWorld* world,
                      const std::optional<std::filesystem::path>& out)
-    : world_(world ? *world : sim::build_world(scenario.scenario.world, scenario.scenario.seed_of_world())),
+    : world_(world_of(scenario.scenario, world)),
       commands_(std::make_shared<Commands>(scenario.scenario.vehicles.size())),
-      simulation_(std::make_shared<sim::Simulation>(connected(scenario.scenario, commands_), threads, world_)),
-      directory_(out ? std::make_unique<sim::RunDirectory>(*out, sim::named_files(scenario.scenario)) : nullptr),
+      simulation_(new sim::Simulation(connected(scenario.scenario, commands_), threads, world_.world),
+                  DeleteUnlessForked()),
+      directory_(out ? new sim::RunDirectory(*out, sim::named_files(scenario.scenario)) : nullptr),
       states_(states_of(simulation_)) {
   if (directory_) simulation_->attach_recorders(directory_->path());
   setup_wall_s_ = seconds_since(start_);
@@ -166,7 +209,9 @@ void Simulator::advance() try {
 }
 
 int Simulator::tick(int count) {
-  const Use use(*this);
+  require_own_threads();
+  if (count < 0) throw py::value_error("count: expected 0 or more, found " + std::to_string(count));
+  const Flight flight(*this);
   const py::gil_scoped_release parallel;
   int done = 0;
   for (; done < count && !simulation_->finished(); ++done) advance();
@@ -174,7 +219,9 @@ int Simulator::tick(int count) {
 }
 
 void Simulator::run(double until_s) {
-  const Use use(*this);
+  require_own_threads();
+  if (std::isnan(until_s)) throw py::value_error("until_s: expected a number, found nan");
+  const Flight flight(*this);
   const TimeNs until = until_s < 1e9 ? from_seconds(until_s) : std::numeric_limits<TimeNs>::max();
   const auto start = Clock::now();
   auto looked = start;
@@ -190,17 +237,28 @@ void Simulator::run(double until_s) {
 }
 
 void Simulator::finish() {
-  const Use use(*this);
+  require_own_threads();
+  const Flight flight(*this);
   const py::gil_scoped_release parallel;
   simulation_->finish();
   if (!directory_) return;
   sim::write_file(directory_->path() / "scenario.yaml", sim::write_scenario(simulation_->scenario()));
-  sim::write_file(directory_->path() / "summary.json", summary_json());
+  sim::write_file(directory_->path() / "summary.json", timed_summary());
   directory_->commit();
   directory_.reset();
 }
 
+Table Simulator::events() const {
+  const Use use(*in_use_, "simulator");
+  return Table::copy_of(std::span<const sim::Event>(events_));
+}
+
 std::string Simulator::summary_json() const {
+  const Use use(*in_use_, "simulator");
+  return timed_summary();
+}
+
+std::string Simulator::timed_summary() const {
   sim::RunSummary summary = simulation_->summary();
   summary.setup_wall_s = setup_wall_s_;
   summary.wall_s = wall_s_;
@@ -209,17 +267,18 @@ std::string Simulator::summary_json() const {
 
 void bind_simulator(py::module_& module) {
   add_commanded_modules();
-  py::class_<sim::World>(module, "World", "The static part of a run, ready to trace; runs may share it.");
+  if (pthread_atfork(nullptr, nullptr, note_fork) != 0) throw std::runtime_error("cannot ask for a note of forks");
+  py::class_<BuiltWorld>(module, "World", "The static part of a run, ready to trace; runs may share it.");
   bind_vehicle(module);
-  using World = std::optional<sim::World>;
   using Out = std::optional<std::filesystem::path>;
   py::class_<Simulator>(
       module, "Simulator",
       "One run in lockstep. The same scenario gives the same bits as the program `swiftlet run`, for any "
       "number of threads.")
-      .def(py::init([](const ReadScenario& scenario, int threads, World world, const Out& out) {
+      .def(py::init([](const ReadScenario& scenario, int threads, const BuiltWorld* world, const Out& out) {
+             if (threads < 0) throw py::value_error("threads: expected 0 or more, found " + std::to_string(threads));
              const py::gil_scoped_release parallel;
-             return std::make_unique<Simulator>(scenario, threads, std::move(world), out);
+             return std::make_unique<Simulator>(scenario, threads, world, out);
            }),
            py::arg("scenario"), py::arg("threads") = 0, py::arg("world") = py::none(), py::arg("out") = py::none(),
            "threads: 0 takes all processors, and changes no result. world: of an earlier simulator with the same world "
@@ -259,12 +318,14 @@ void bind_simulator(py::module_& module) {
           "vehicle",
           [](const Simulator& s, const py::object& which) {
             const auto& names = s.simulation()->info().vehicle_names;
+            if (!py::isinstance<py::str>(which) && !PyIndex_Check(which.ptr()))
+              throw py::type_error("which: expected a name or a number, found " + shown(which));
             const VehicleId id =
                 py::isinstance<py::str>(which) ? id_of(*s.simulation(), which.cast<std::string>()) : which.cast<int>();
             if (id < 0 || id >= static_cast<VehicleId>(names.size()))
               throw py::index_error("expected a vehicle from 0 to " + std::to_string(names.size() - 1) + ", found " +
                                     std::to_string(id));
-            return Vehicle{s.simulation(), id};
+            return Vehicle{s.simulation(), s.in_use(), id};
           },
           py::arg("which"), "One vehicle, by name or number.")
       .def("_summary_json", &Simulator::summary_json);

@@ -12,16 +12,34 @@
 #include "sim/python/commanded.hpp"
 #include "sim/python/fields.hpp"
 #include "sim/python/scenario.hpp"
+#include "sim/python/use.hpp"
 #include "swiftlet/sim/run/run_directory.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 
 namespace swiftlet::python {
 
+/// A world that simulators share, and what it was made of.
+struct BuiltWorld {
+  sim::World world;
+  std::string config;  ///< type and settings
+  std::uint64_t seed = 0;
+};
+
+/// Deletes what this process has made. A forked process leaves its copies alone: their threads do not exist there, and
+/// their files belong to the parent.
+struct DeleteUnlessForked {
+  template <class T>
+  void operator()(T* object) const {
+    if (!was_forked()) delete object;
+  }
+  static bool was_forked();
+};
+
 /// A simulation as Python drives it. C++ runs without Python's lock; one thread at a time.
 class Simulator {
  public:
   /// @param out  run directory, which appears when the run is finished; none: nothing is written
-  Simulator(const ReadScenario& scenario, int threads, std::optional<sim::World> world,
+  Simulator(const ReadScenario& scenario, int threads, const BuiltWorld* world,
             const std::optional<std::filesystem::path>& out);
 
   /// Whole ticks, at most until the run is over; how many there were.
@@ -34,26 +52,28 @@ class Simulator {
   std::string summary_json() const;
 
   const std::shared_ptr<sim::Simulation>& simulation() const { return simulation_; }
-  const sim::World& world() const { return world_; }
+  const BuiltWorld& world() const { return world_; }
+  /// Refuses a second call meanwhile.
+  const std::shared_ptr<std::atomic<bool>>& in_use() const { return in_use_; }
   Table& states() { return states_; }
   const std::shared_ptr<Commands>& commands() const { return commands_; }
-  Table events() const { return Table::copy_of(std::span<const sim::Event>(events_)); }
+  Table events() const;
 
  private:
-  /// One thread at a time, and not after an error.
-  class Use;
+  class Flight;
+  std::string timed_summary() const;
   void advance();
 
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  sim::World world_;
+  BuiltWorld world_;
   std::shared_ptr<Commands> commands_;
   std::shared_ptr<sim::Simulation> simulation_;
-  std::unique_ptr<sim::RunDirectory> directory_;
+  std::unique_ptr<sim::RunDirectory, DeleteUnlessForked> directory_;
   Table states_;
   std::vector<sim::Event> events_;
   double setup_wall_s_ = 0.0;
   double wall_s_ = 0.0;
-  std::atomic<bool> in_use_ = false;
+  std::shared_ptr<std::atomic<bool>> in_use_ = std::make_shared<std::atomic<bool>>(false);
   bool broken_ = false;
 };
 

@@ -2,8 +2,12 @@
 """Scenarios, runs and their arrays from Python, beside the program. Usage: support.py tells."""
 import gc
 import json
+import math
+import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 import unittest
@@ -52,6 +56,22 @@ class Scenarios(support.InFolder):
         self.assertEqual((self.path / "out/scenario.yaml").read_text(), second.yaml)
         self.assertEqual(second.vehicle_names, ["eye", "other"])
 
+    def test_values_of_numpy_and_paths_are_those_of_python(self):
+        plain = {"base": str(self.team), "wind": {"mean_mps": [1, 2, 0]}, "seed": 4}
+        numpy = {"base": self.team, "wind": {"mean_mps": np.array([1, 2, 0])}, "seed": np.int64(4)}
+        self.assertEqual(swiftlet.load(numpy).yaml, swiftlet.load(plain).yaml)
+        self.assertEqual(swiftlet.load(self.team, wind=numpy["wind"], seed=numpy["seed"]).yaml,
+                         swiftlet.load(self.team, wind=plain["wind"], seed=4).yaml)
+
+    def test_wrong_types_are_type_errors(self):
+        for arguments, message in (((None,), "source"), ((3,), "source"), ((b"square",), "source"), ((["square"],), "source"),
+                                   ((self.team, "seed=3"), "changes"), ((self.team, [("seed", 3)]), "changes"),
+                                   ((self.team, {1: 2}), "changes"), ((self.team, {"seed": {3}}), r"found \{3\}"),
+                                   (({"vehicles": [object()]},), "object")):
+            for function in (swiftlet.load, swiftlet.check, swiftlet.fly):
+                with self.assertRaisesRegex(TypeError, message):
+                    function(*arguments)
+
 
 class Runs(support.InFolder):
     def hash_of_the_program(self):
@@ -87,6 +107,34 @@ class Runs(support.InFolder):
         second.run()
         self.assertEqual(first.state_hash, second.state_hash)
 
+    def test_a_world_of_another_seed_or_with_other_settings_is_refused(self):
+        world = swiftlet.Simulator(swiftlet.load(self.team, seed=1)).world
+        with self.assertRaisesRegex(swiftlet.InputError, "world: expected one of seed 2 .*, found one of seed 1"):
+            swiftlet.Simulator(swiftlet.load(self.team, seed=2), world=world)
+        for changes in ({"world": {"type": "hall"}}, {"world.ground": False}):
+            with self.assertRaisesRegex(swiftlet.InputError, "world: expected that of the scenario"):
+                swiftlet.Simulator(swiftlet.load(self.team, changes, seed=1), world=world)
+        fixed = swiftlet.Simulator(swiftlet.load(self.team, world_seed=5, seed=1))
+        swiftlet.Simulator(swiftlet.load(self.team, world_seed=5, seed=2), world=fixed.world)
+
+    def test_wrong_types_are_type_errors_and_odd_values_value_errors(self):
+        scenario = swiftlet.load(self.team)
+        simulator = swiftlet.Simulator(scenario)
+        for call in (lambda: swiftlet.Simulator(self.team), lambda: swiftlet.Simulator(scenario, threads="all"),
+                     lambda: swiftlet.Simulator(scenario, threads=1.5), lambda: swiftlet.Simulator(scenario, world=scenario),
+                     lambda: swiftlet.Simulator(scenario, thread=1), lambda: swiftlet.Simulator(scenario, out=3),
+                     lambda: swiftlet.fly(self.team, watch=3), lambda: simulator.tick(2.5), lambda: simulator.tick("1"),
+                     lambda: simulator.run("1"), lambda: simulator.run(until=1), lambda: simulator.vehicle(None),
+                     lambda: simulator.vehicle(0.5), lambda: simulator.vehicle(b"eye"), lambda: simulator.vehicle("eye").samples(3),
+                     lambda: simulator.states[0], lambda: swiftlet.allow_plugins(True)):
+            self.assertRaises(TypeError, call)
+        for call in (lambda: swiftlet.Simulator(scenario, threads=-1), lambda: simulator.tick(-1), lambda: simulator.run(math.nan)):
+            self.assertRaises(ValueError, call)
+        for call in (lambda: simulator.vehicle("eey"), lambda: simulator.vehicle("eye").samples("imuu"), lambda: simulator.states["p"]):
+            self.assertRaises(KeyError, call)
+        self.assertRaises(IndexError, lambda: simulator.vehicle(2))
+        self.assertEqual(simulator.t_ns, 0)
+
     def test_ticks_are_counted_until_the_end(self):
         simulator = swiftlet.Simulator(swiftlet.load(self.team))
         simulator.run(until_s=0.2)
@@ -104,23 +152,92 @@ class Runs(support.InFolder):
 
     def test_other_threads_of_python_go_on_while_a_run_flies_but_may_not_use_it(self):
         simulator = swiftlet.Simulator(swiftlet.load(self.team, duration_s=1e6))
-        refused, counted, flying = [], [], threading.Event()
+        refused, counted, eye = [], [], simulator.vehicle("eye")
 
         def other():
             for i in range(200):
                 time.sleep(0.001)
                 counted.append(i)
-            try:
-                simulator.tick()
-            except RuntimeError as error:
-                refused.append(str(error))
+            for call in (simulator.tick, simulator.finish, simulator.summary, eye.maps, lambda: simulator.events, lambda: eye.scans,
+                         lambda: eye.tracks, lambda: eye.estimate, lambda: eye.samples("imu")):
+                try:
+                    call()
+                except RuntimeError as error:
+                    refused.append(str(error))
             os.kill(os.getpid(), signal.SIGINT)
 
         threading.Thread(target=other).start()
         with self.assertRaises(KeyboardInterrupt):
             simulator.run()
-        self.assertEqual(refused, ["this simulator is at work in another call"])
+        self.assertEqual(refused, ["this simulator is at work in another call"] * 9)
         self.assertEqual(len(counted), 200)
+
+
+class Forks(support.InFolder):
+    def in_a_fork(self, act):
+        """What `act` returns, or its error as a text, in a process that is forked from this one."""
+        ours, theirs = multiprocessing.Pipe(duplex=False)
+
+        def answer():
+            try:
+                theirs.send(act())
+            except Exception as error:
+                theirs.send(f"{type(error).__name__}: {error}")
+        child = multiprocessing.get_context("fork").Process(target=answer)
+        child.start()
+        try:
+            self.assertTrue(ours.poll(120), "the forked process hangs")
+            told = ours.recv()
+            child.join(60)
+            self.assertEqual(child.exitcode, 0)
+            return told
+        finally:
+            child.kill()
+
+    def test_after_a_simulator_forked_processes_refuse_to_fly_and_say_what_to_do(self):
+        simulator = swiftlet.Simulator(swiftlet.load(self.team), threads=2)
+        simulator.tick()
+        for act in (lambda: swiftlet.fly(self.team, threads=1), lambda: swiftlet.check(self.team), lambda: simulator.tick(),
+                    lambda: simulator.run(), lambda: simulator.finish(),
+                    lambda: swiftlet.Simulator(swiftlet.load(self.team), world=simulator.world, threads=1)):
+            self.assertRegex(self.in_a_fork(act), 'RuntimeError: .*"spawn"')
+        simulator.run()  # here nothing has changed
+        self.assertTrue(simulator.finished)
+
+    def test_forked_processes_read_scenarios_and_run_software(self):
+        swiftlet.check(self.team)
+
+        def act():
+            software = swiftlet.Onboard(swiftlet.load(self.team))
+            software.add("pose", t_ns=1, pose=np.eye(4), v_mps=(0, 0, 0), omega_radps=(0, 0, 0))
+            software.step(1)
+            return software.estimate.valid.item()
+        self.assertIs(self.in_a_fork(act), True)
+
+    def test_a_forked_process_leaves_the_run_of_its_parent_alone(self):
+        simulators = [swiftlet.Simulator(swiftlet.load(self.team), threads=2, out=self.path / "out")]
+        simulators[0].tick()
+
+        def act():
+            position_m = simulators[0].states.position_m[0].tolist()
+            simulators.clear()
+            gc.collect()
+            return position_m
+        self.assertEqual(self.in_a_fork(act), simulators[0].states.position_m[0].tolist())
+        simulators[0].run()
+        simulators[0].finish()
+        self.assertTrue((self.path / "out/summary.json").is_file())
+
+    def test_before_the_first_simulator_forked_processes_fly(self):
+        told = subprocess.run([sys.executable, "-c", f"""
+import multiprocessing, swiftlet
+def fly(threads):
+    return swiftlet.fly({str(self.team)!r}, threads=threads)["state_hash"]
+swiftlet.load("square")
+with multiprocessing.get_context("fork").Pool(2) as pool:
+    print(len(set(pool.map_async(fly, [1, 2]).get(timeout=120))))
+"""], capture_output=True, text=True, timeout=240)
+        self.assertEqual((told.stdout, told.returncode), ("1\n", 0), told.stderr)
 
 
 class Arrays(support.InFolder):
