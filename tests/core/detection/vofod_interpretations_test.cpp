@@ -97,16 +97,6 @@ TEST(VofodConfidence, CornersOfTheBoxCountAndItIsSharedByTheOwnVoxels) {
   EXPECT_NEAR(two.see(points)[0].confidence, std::exp(-0.1), 1e-6);
 }
 
-TEST(VofodConfidence, AtTheEdgeOfTheMapWhatLiesInsideCounts) {
-  VofodConfig config = small_box();
-  config.search_distance_m = 0.5;
-  for (const float height_m : {0.1F, 7.9F}) {
-    FreeAir air(config);
-    const auto found = air.see({{1.1F, 1.1F, height_m}, {1.15F, 1.1F, height_m}});
-    for (const Detection& d : found) EXPECT_NEAR(d.confidence, 1.0, 1e-6);
-  }
-}
-
 TEST(VofodInterpretations, PositionIsTheCentroidOrTheBoxsCenter) {
   const std::vector<Eigen::Vector3f> points = {{1.0F, 1.0F, 3.0F}, {1.0F, 1.0F, 3.0F}, {1.4F, 1.2F, 3.2F}};
   VofodConfig config = small_box();
@@ -186,57 +176,6 @@ TEST(VofodInterpretations, SeparateBackgroundIsRemovedByTheClusterOrInTheSphere)
       air.stages.remove_separate(1);
       EXPECT_EQ(air.G(a), after);
     }
-  }
-}
-
-// At d_sep exactly, which here is three edges of a voxel.
-TEST(VofodInterpretations, SphereReachesToItsRadiusAndWithIt) {
-  VofodConfig config = small_box();
-  config.separate_distance_m = 0.75;
-  config.choices.separate_reach = VofodChoices::SeparateReach::kSphere;
-  for (const Cell& way : {Cell(1, 0, 0), Cell(0, -1, 0), Cell(0, 0, 1)}) {
-    FreeAir air(config);
-    const Cell middle = air.cell_of({1.1F, 1.1F, 3.1F});
-    air.set(middle, -200.0);
-    air.stages.find_separate();
-    air.stages.remove_separate(1);
-    EXPECT_GT(air.G(middle + 3 * way), -999.0);
-    EXPECT_EQ(air.G(middle + 4 * way), -1000.0);
-  }
-}
-
-TEST(VofodInterpretations, SphereEndsAtTheMapsBorder) {
-  VofodConfig config = small_box();
-  config.choices.separate_reach = VofodChoices::SeparateReach::kSphere;
-  FreeAir air(config);
-  const VoxelGrid& grid = air.stages.map().grid();
-  const Cell last = grid.min_cell + grid.size - Cell::Ones();
-  for (const Cell& corner : {grid.min_cell, last}) air.set(corner, -200.0);
-  air.stages.find_separate();
-  air.stages.remove_separate(1);
-  EXPECT_GT(air.G(grid.min_cell + Cell(2, 0, 0)), -999.0);
-  EXPECT_GT(air.G(last - Cell(0, 0, 2)), -999.0);
-  EXPECT_EQ(air.G(grid.min_cell + Cell(3, 0, 0)), -1000.0);
-}
-
-TEST(VofodInterpretations, RaysMayEndAVoxelBeforeTheirPoint) {
-  for (const auto end : {VofodChoices::RayEnd::kPoint, VofodChoices::RayEnd::kVoxelBefore}) {
-    VofodConfig config = small_box();
-    config.choices.ray_end = end;
-    config.ray_weight = 1.0;
-    VofodStages stages(config);
-    auto beams = std::make_shared<BeamTable>(*make_beams(1, 4, 0.1, -0.1));
-    for (int i = 0; i < 4; ++i) beams->directions_lidar[i] = Eigen::Vector3f::UnitX();
-    auto scan = std::make_shared<Scan>(*scan_world(ground(), pose_at({0.125, 0.125, 4.125}), beams, 0));
-    scan->range_m.assign(4, 2.0F);
-    stages.cast_rays(*cloud_of(scan));
-    stages.apply_rays(1);
-    const auto passed = [&](double x_m) {
-      return stages.map().value_at(stages.map().grid().cell_of({x_m, 0.125, 4.125})) < -741.0F;
-    };
-    EXPECT_TRUE(passed(1.625));
-    EXPECT_EQ(passed(2.01), end == VofodChoices::RayEnd::kPoint);
-    EXPECT_FALSE(passed(2.375));
   }
 }
 

@@ -303,25 +303,6 @@ TEST(Guide, SearchesThatAreGivenUpAreCountedByTheVehicleTheyAreFor) {
 
 // ---- the bounds of each decision, of vehicles that stay where they are and say how fast they are
 
-TEST(GuideDecisions, ItPlansOnceBothHaveRestedForItsTimeWithoutAPause) {
-  Team team(guides_uav2({{4, 0, 0.7}}));
-  hold(team);
-  EXPECT_STREQ(team.out.note, "planning");
-  hold_for(team, 1.0, 0.24, 0.24);
-  hold(team, 0.26, 0.0);  // a breath
-  hold_for(team, 1.0, 0.0, 0.0);
-  hold(team, 0.0, 0.26);
-  // A second at rest from now on, and half a second of planning.
-  EXPECT_NEAR(hold_until(team, "primary moving", 5.0), 0.1 + 1.0 + 0.5, 0.05);
-  EXPECT_EQ(team.counter().of, 1U);
-  for (const auto& [own_mps, its_mps] : {std::pair(0.26, 0.0), std::pair(0.0, 0.26)}) {
-    Team restless(guides_uav2({{4, 0, 0.7}}));
-    hold_for(restless, 3.0, own_mps, its_mps);
-    EXPECT_EQ(restless.counter().of, 0U);
-    EXPECT_STREQ(restless.out.note, "planning");
-  }
-}
-
 TEST(GuideDecisions, WhoNeverRestsFailsAsOftenAsItMayBeTriedAgain) {
   GuideConfig config = guides_uav2({{4, 0, 0.7}});
   config.stage_timeout_s = 4.0;
@@ -365,46 +346,6 @@ TEST(GuideDecisions, ItGuidesWhoIsSureEnoughAlongEveryAxisAndWasHeardLately) {
   EXPECT_STREQ(team.out.note, "hovers: the guided vehicle is lost");
 }
 
-TEST(GuideDecisions, ItIsAtItsViewpointWhereItHoversWithinItsTolerance) {
-  Team team(guides_uav2({{4, 0, 0.7}}));
-  hold_until(team, "primary moving", 5.0);
-  hold(team);
-  const Vector3 viewpoint_m = team.out.goal.position_m;
-  EXPECT_GT((viewpoint_m - team.p_m()).norm(), 1.0);
-  EXPECT_EQ(team.out.speed_limit_mps, 1.0);
-  team.put(viewpoint_m + Vector3(0.31, 0, 0));
-  hold_for(team, 0.5);
-  EXPECT_STREQ(team.out.note, "primary moving");
-  team.put(viewpoint_m + Vector3(0.29, 0, 0));
-  hold_for(team, 0.5, 0.26);
-  EXPECT_STREQ(team.out.note, "primary moving");
-  hold(team, 0.24);
-  EXPECT_STREQ(team.out.note, "secondary moving");
-}
-
-TEST(GuideDecisions, AViewpointThatIsNotReachedInTimeIsAFailure) {
-  GuideConfig config = guides_uav2({{4, 0, 0.7}});
-  config.stage_timeout_s = 3.0;
-  Team team(config);
-  hold_until(team, "primary moving", 5.0);
-  EXPECT_NEAR(hold_until(team, "the guide does not reach its viewpoint", 9.0), 3.0, 1e-6);
-}
-
-TEST(GuideDecisions, TheGoalIsReachedWhereTheGuidedOneHoversWithinTheTolerance) {
-  Team team(guides_uav2({{4, 0, 0.7}}));
-  place_at_viewpoint(team);
-  fly_to(team, 3.69);
-  hold_for(team, 0.5);
-  EXPECT_STREQ(team.out.note, "secondary moving");
-  fly_to(team, 3.71);
-  hold_for(team, 0.5, 0.0, 0.26);
-  EXPECT_STREQ(team.out.note, "secondary moving");
-  EXPECT_EQ(team.out.mission, MissionStatus::kRunning);
-  hold(team, 0.0, 0.24);
-  EXPECT_STREQ(team.out.note, "goal reached");
-  EXPECT_EQ(team.out.mission, MissionStatus::kDone);
-}
-
 TEST(GuideDecisions, WaypointsAreDroppedOnceTheyWereVisitedAndNoneIsToldTwice) {
   Team team(guides_uav2({{4, 0, 0.7}}));
   place_at_viewpoint(team);
@@ -444,26 +385,6 @@ TEST(GuideDecisions, TheHeadingTurnsToThatOfTheGoalTheShortWay) {
     EXPECT_NEAR(path.waypoints.back().yaw_rad, whole_rad, 1e-5);
     EXPECT_NEAR(path.waypoints[3].yaw_rad, 0.5 * whole_rad, 1e-5) << "half of it halfway";
   }
-}
-
-TEST(GuideDecisions, AskedToMoveItIsTheLostOnesSurroundingsThatCount) {
-  CellListMap wall(0.25);
-  wall.occupy_box({1.25, -1, 0}, {1.5, 1, 1.5});
-  const auto figure_m = [&](const CellListMap& world, const Vector3& lost_m, double after_s) {
-    Team team(guides_uav2({{6, 0, 0.7}}), world, {-4, -3, 0.7}, lost_m);
-    hold_for(team, 0.5);
-    team.localized = false;
-    hold_for(team, after_s);
-    const GuidingPath path = newest(team);
-    EXPECT_EQ(path.word == GuidingPath::Word::kMove, path.radius_m > 0.0);
-    EXPECT_STREQ(team.out.note, path.radius_m > 0.0 ? "hovers: the guided vehicle is to move, to be found again"
-                                                    : "hovers: the guided vehicle is lost");
-    return path.radius_m;
-  };
-  EXPECT_NEAR(figure_m(CellListMap(0.25), {0, 0, 0.7}, 3.4), 1.4, 1e-9) << "2 m are looked at, and 0.6 m are its body";
-  EXPECT_NEAR(figure_m(wall, {1.25 - 0.91, 0, 0.7}, 3.4), 0.31, 1e-9);
-  EXPECT_EQ(figure_m(wall, {1.25 - 0.89, 0, 0.7}, 3.4), 0.0) << "too little to show a heading";
-  EXPECT_EQ(figure_m(CellListMap(0.25), {0, 0, 0.7}, 2.9), 0.0) << "search_after_s is 3 s";
 }
 
 TEST(GuideDecisions, GoalsInALoopAreTakenAgainAndAgain) {
@@ -511,16 +432,6 @@ TEST(GuideDecisions, AGuideWhosePathIsTooHardToFindCountsThat) {
   EXPECT_EQ(given_up.count, 1U) << team.out.note;
   EXPECT_EQ(given_up.of, 1U);
   EXPECT_EQ(team.counter("planner.secondary.max_expansions").count, 0U);
-}
-
-TEST(GuideDecisions, PlanningAheadBeginsOneAndAHalfMetersBeforeTheGoal) {
-  GuideConfig config = guides_uav2({{4, 0, 0.7}, {4, 4, 0.7}});
-  config.motion = GuideConfig::Motion::kAhead;
-  Team team(config);
-  while (team.counter().of < 2 && team.observation.t < 60 * kNsPerSecond) team.tick();
-  // It flew on for a tick of 0.1 m since then.
-  EXPECT_NEAR(team.guided.position_m.x(), 4.0 - 1.5 + 0.1, 0.11);
-  EXPECT_STREQ(team.out.note, "secondary moving");
 }
 
 TEST(GuideDecisions, FlyingAlongItTellsWhatItSeesFromWhereItIsAndStopsWhereTheOtherIsLost) {

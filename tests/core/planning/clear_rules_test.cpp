@@ -143,66 +143,6 @@ TEST(ClearRules, AMapReachesAMillionCellsFar) {
   EXPECT_EQ(find_clear_path(map, config, nowhere, here).status, ClearPathStatus::kGoalTooFar);
 }
 
-/// From both ends in turn, until a round gains less than a thousandth; points every half meter from the second on.
-std::vector<Vector3> plain_shortened(const ClearSpace& space, std::vector<Vector3> path_m, int times) {
-  const auto clear = [&](const Vector3& a, const Vector3& b) { return space.is_clear_segment(a, b); };
-  bool backward = false;
-  for (int i = 0; i < times; ++i) {
-    std::vector<Vector3> shorter_m = cut_corners(i == 0 ? path_m : with_points_between(path_m, 0.5), clear);
-    const double gain_m = length_m(path_m) - length_m(shorter_m);
-    const bool enough = i >= 2 && gain_m < 0.001 * length_m(shorter_m);
-    std::reverse(shorter_m.begin(), shorter_m.end());
-    path_m = std::move(shorter_m);
-    backward = !backward;
-    if (enough) break;
-  }
-  if (backward) std::reverse(path_m.begin(), path_m.end());
-  return path_m;
-}
-
-TEST(ClearRules, CornersAreCutFromBothEndsAsLongAsItPays) {
-  BoxMap map({32, 32, 8}, kCellEdge_m);
-  for (const auto& [x, y] : {std::pair(8, 5), {14, 12}, {20, 8}, {22, 20}, {10, 22}, {16, 26}}) {
-    for (int z = 0; z < 8; ++z) {
-      for (int k = 0; k < 4; ++k) map.at({x + k % 2, y + k / 2, z}) = CellState::kOccupied;
-    }
-  }
-  ClearPathConfig config;
-  config.clearance_m = 0.4;
-  const Random random(7, "test.shortened");
-  int different = 0;
-  for (std::uint32_t k = 0; k < 12; ++k) {
-    config.max_shortenings = 0;
-    const Vector3 start = cell_center(1, 1 + static_cast<int>(k), 4),
-                  goal = cell_center(29 - static_cast<int>(k), 30, 3);
-    const ClearSpace space(map, config, start);
-    const ClearPath path = find_clear_path(map, config, start, goal);
-    ASSERT_EQ(path.status, ClearPathStatus::kFound);
-    for (int times = 0; times <= 7; ++times) {
-      const auto shortened = shortened_path(space, path.corners_local_m, times);
-      EXPECT_EQ(shortened, plain_shortened(space, path.corners_local_m, times)) << k << " " << times;
-      EXPECT_EQ(shortened.front(), start);
-      EXPECT_EQ(shortened.back(), goal);
-      different += times > 0 && shortened.size() > 2 ? 1 : 0;
-    }
-  }
-  EXPECT_GT(different, 20);
-}
-
-TEST(ClearRules, ABlockedPathIsAskedWithACellLessButHalfACellAtLeast) {
-  const std::vector<Vector3> corners = {cell_center(2, 5, 4), cell_center(16, 5, 4)};
-  for (const double clearance_m : {0.74, 0.76, 0.05}) {
-    for (int off = 0; off <= 4; ++off) {
-      BoxMap map({20, 20, 12}, kCellEdge_m);
-      map.at({9, 5 + off, 4}) = CellState::kOccupied;
-      ClearPathConfig config;
-      config.clearance_m = clearance_m;
-      const double asked_m = std::max(clearance_m - 0.25, 0.125);
-      EXPECT_EQ(is_blocked(map, config, corners[0], corners), 0.25 * off <= asked_m) << clearance_m << " " << off;
-    }
-  }
-}
-
 TEST(GridBudget, IsWhatAStraightWayNeeds) {
   const testing::BoxSpace box([](const Vector3&) { return false; });
   const Vector3 from(-4.75, 0.25, 1.25);

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -117,23 +116,6 @@ TEST(Plot, MarkersAtTheEndsOfALineStandWholeInTheFrame) {
   EXPECT_LT(points.back().first, left + width - 5.0);
 }
 
-TEST(Plot, TheLegendKeepsAwayFromABand) {
-  const std::vector<double> x{0.0, 1.0}, low{0.0, 0.0}, high{1.0, 1.0}, line{0.5, 0.5};
-  Figure over_all, without;
-  for (Figure* figure : {&over_all, &without}) {
-    figure->set_panel_size(400, 300);
-    Panel& panel = figure->add_panel();
-    panel.y.min = 0.0;
-    panel.y.max = 1.0;
-    if (figure == &over_all) panel.band("", x, low, high);
-    panel.line("named", x, line);
-  }
-  // Two samples only, at the ends: in between the band is just as wide. The legend goes beside the panel, unframed.
-  const char* const kFrame = "fill-opacity=\"0.85\"";
-  EXPECT_THAT(without.svg(), HasSubstr(kFrame));
-  EXPECT_THAT(over_all.svg(), Not(HasSubstr(kFrame)));
-}
-
 TEST(Plot, LogarithmicAxesGiveEveryDecadeTheSameLength) {
   Figure figure;
   Panel& panel = figure.add_panel();
@@ -232,19 +214,6 @@ double left_of_text(const std::string& svg, const std::string& text) {
   const std::size_t end = svg.find(">" + text + "</text>");
   if (end == std::string::npos) return -1.0;
   return std::stod(svg.substr(svg.find("x=\"", svg.rfind("<text", end)) + 3));
-}
-
-TEST(Plot, TheLegendKeepsAwayFromALineThatOnlyPassesThroughItsCorner) {
-  Figure figure;
-  figure.set_panel_size(500, 400);
-  Panel& panel = figure.add_panel();
-  panel.x.min = panel.y.min = 0.0;
-  panel.x.max = panel.y.max = 1.0;
-  const std::vector<double> x{0.7, 1.0}, y{1.0, 0.7};  // both ends lie beside the legend's corner
-  panel.line("a name that is rather long", x, y);
-  const double left_px = left_of_text(figure.svg(), "a name that is rather long");
-  EXPECT_GT(left_px, 0.0);
-  EXPECT_LT(left_px, 250.0);  // the upper left corner is the next
 }
 
 TEST(Plot, TheLegendKeepsAwayFromAVerticalAndFromEveryBox) {

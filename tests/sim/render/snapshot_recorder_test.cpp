@@ -6,6 +6,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "render_support.hpp"
 #include "sim/render/picture_scene.hpp"

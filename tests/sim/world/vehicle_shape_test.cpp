@@ -105,31 +105,6 @@ TEST(VehicleShape, StandsOnItsLegsAtTheHeightThatTheAirframeSays) {
   EXPECT_NEAR(lowest_m, -0.23F, 0.002F);
 }
 
-// The solidity of a rotor: area of its blades over the area of its disc. A blade is a trapezoid from 0.12 R to R whose
-// chord falls to 0.45 of its width.
-TEST(VehicleShape, BladesCoverTheAreaOfTheirTrapezoids) {
-  for (const int blades : {2, 3}) {
-    VehicleShape::RotorShape rotor;
-    rotor.radius_m = 0.15F;
-    rotor.blades = blades;
-    rotor.chord_m = 0.024F;
-    for (const double angle_rad : {0.0, 0.4, -7.3}) {
-      constexpr int kCells = 500;
-      const double cell_m = 2.0 * rotor.radius_m / kCells;
-      double area_m2 = 0.0;
-      for (int i = 0; i < kCells; ++i) {
-        for (int j = 0; j < kCells; ++j) {
-          const auto x = static_cast<float>(-rotor.radius_m + (i + 0.5) * cell_m);
-          const auto y = static_cast<float>(-rotor.radius_m + (j + 0.5) * cell_m);
-          if (VehicleShape::blade_covers(rotor, x, y, angle_rad)) area_m2 += cell_m * cell_m;
-        }
-      }
-      const double expected_m2 = blades * rotor.chord_m * 0.5 * (1.0 + 0.45) * 0.88 * rotor.radius_m;
-      EXPECT_NEAR(area_m2, expected_m2, 0.01 * expected_m2);
-    }
-  }
-}
-
 TEST(VehicleShape, BladesTurnWithTheAngle) {
   VehicleShape::RotorShape rotor;
   rotor.radius_m = 0.2F;

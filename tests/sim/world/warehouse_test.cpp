@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "tests/sim/world/world_support.hpp"
 
 namespace swiftlet::sim {
@@ -15,7 +13,6 @@ using Eigen::Vector3d;
 using test::bounds_of;
 using test::bounds_of_each;
 using test::free_width_m;
-using test::objects_of;
 
 WarehouseConfig empty_racks() {
   WarehouseConfig config;
@@ -47,22 +44,6 @@ TEST(Warehouse, AsManyBaysAsFitLeaveTheEndAislesFree) {
   }
 }
 
-// Two racks back to back, 0.2 m apart, in the middle of their row; nothing of a rack leaves its depth.
-TEST(Warehouse, RacksHaveTheirDepthAndLieBackToBackInTheirRow) {
-  const WarehouseConfig config = empty_racks();
-  const auto racks = bounds_of_each(make_warehouse(config, 1), SurfaceClass::kRack);
-  ASSERT_EQ(racks.size(), 2U * static_cast<std::size_t>(config.num_double_rows()));
-  for (int row = 0; row < config.num_double_rows(); ++row) {
-    const Eigen::AlignedBox3d &south = racks.at(static_cast<std::uint16_t>(2 * row + 1)),
-                              &north = racks.at(static_cast<std::uint16_t>(2 * row + 2));
-    EXPECT_NEAR(south.sizes().y(), config.rack_depth_m, 1e-4);
-    EXPECT_NEAR(north.sizes().y(), config.rack_depth_m, 1e-4);
-    EXPECT_NEAR(north.min().y() - south.max().y(), 0.2, 1e-4);
-    EXPECT_NEAR(0.5 * (north.min().y() + south.max().y()), config.row_center_y_m(row), 1e-4);
-    EXPECT_NEAR(south.center().x(), 0.0, 1e-4);
-  }
-}
-
 TEST(Warehouse, BaysAreFreeBetweenTheirUprightsAndUnderTheirBeams) {
   const WarehouseConfig config = empty_racks();
   const Scene scene = make_warehouse(config, 1);
@@ -73,21 +54,6 @@ TEST(Warehouse, BaysAreFreeBetweenTheirUprightsAndUnderTheirBeams) {
     EXPECT_NEAR(free_width_m(scene, in_bay - Vector3d(0, 0.03, 0), Vector3d::UnitZ()), config.level_height_m - 0.11,
                 1e-4);
   }
-}
-
-TEST(Warehouse, APillarStandsBeforeEachEndOfARowClearOfTheRack) {
-  const WarehouseConfig config = empty_racks();
-  const Scene scene = make_warehouse(config, 1);
-  const auto pillars = bounds_of_each(scene, SurfaceClass::kPillar);
-  ASSERT_EQ(pillars.size(), 2U * static_cast<std::size_t>(config.num_double_rows()));
-  double sum_x_m = 0.0;
-  for (const auto& [instance, pillar] : pillars) {
-    EXPECT_NEAR(pillar.sizes().x(), config.pillar_width_m, 1e-4);
-    EXPECT_NEAR(pillar.sizes().z(), config.size_m.z(), 1e-4);
-    EXPECT_NEAR(std::abs(pillar.center().x()) - 0.5 * config.pillar_width_m - racks_end_x_m(config), 0.3, 1e-4);
-    sum_x_m += pillar.center().x();
-  }
-  EXPECT_NEAR(sum_x_m, 0.0, 1e-3);
 }
 
 TEST(Warehouse, RoofCoversTheWallsAndNothingElse) {
@@ -155,21 +121,6 @@ TEST(Warehouse, PalletsHaveTheSizeOfTheStandardAndTheirLoadsStayOnThem) {
     EXPECT_LT(box.max().z(), config.level_height_m - 0.11);  // below the next beams
   }
   EXPECT_EQ(num_pallets, 1);
-}
-
-TEST(Warehouse, PalletsAreTurnedAsOftenToTheLeftAsToTheRight) {
-  WarehouseConfig config;
-  config.fill = 1.0;
-  double sum_rad = 0.0, most_rad = 0.0, n = 0.0;
-  for (const WorldObject& pallet : objects_of(make_warehouse(config, 2), SurfaceClass::kPallet)) {
-    const double skew_rad = std::remainder(pallet.yaw_rad, std::numbers::pi);
-    sum_rad += skew_rad;
-    most_rad = std::max(most_rad, std::abs(skew_rad));
-    n += 1.0;
-  }
-  EXPECT_LE(most_rad, 2.0 * std::numbers::pi / 180.0);
-  EXPECT_GT(most_rad, 0.5 * std::numbers::pi / 180.0);
-  EXPECT_NEAR(sum_rad / n, 0.0, 5 * most_rad / std::sqrt(3.0 * n));
 }
 
 TEST(Warehouse, ThingsOfAClassAreNumberedFromOneWithoutGaps) {
