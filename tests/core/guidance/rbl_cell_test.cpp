@@ -198,7 +198,7 @@ TEST(RblCell, CountsLayersAtTheHeightLimits) {
   }
 }
 
-// Weights are told to a few parts in ten million: of two samples, by where their centroid lies between them.
+// The centroid of two samples shows the ratio of their weights.
 TEST(RblCell, WeightsHaveSinglePrecision) {
   RblCell cell(1.0, 0.4, true);  // of its five columns two are left: x = 0 and x = 0.4
   const double y = 0.0;
