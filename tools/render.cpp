@@ -112,7 +112,7 @@ void render(const RenderOptions& options) {
   scenario = sim::validated(scenario);
 
   const fs::path out = options.out.empty() ? run / "render" : fs::path(options.out);
-  sim::make_directory(out);
+  options.out.empty() ? sim::make_inner_directory(out) : sim::make_directory(out);
   sim::Simulation simulation(scenario, options.threads);
   if (options.video) {
     simulation.attach(sim::make_video_recorder(scenario.snapshots, options.frames_per_s), out);

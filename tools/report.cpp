@@ -23,7 +23,7 @@ struct ReportOptions {
 
 std::vector<fs::path> write_report(const fs::path& directory) {
   if (fs::is_regular_file(directory / "summary.json")) return sim::write_run_report(directory);
-  if (fs::exists(directory / "results.sqlite") || fs::is_directory(directory / "shards"))
+  if (fs::is_regular_file(directory / "results.sqlite") || fs::is_directory(directory / "shards"))
     return sim::write_batch_report(directory);
   throw sim::InputError(
       directory.string() +

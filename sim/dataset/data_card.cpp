@@ -274,7 +274,7 @@ void write_data_card(const DatasetPlan& plan, const std::vector<SequenceInfo>& s
       "form "
       "of semantic-kitti-api.\n\n";
   if (all.statistics.points > 0) {
-    fs::create_directories(directory / "charts");
+    make_inner_directory(directory / "charts");
     draw_class_chart(all, directory / "charts/classes.svg");
     draw_range_chart(all, directory / "charts/ranges.svg");
     text += "## Classes\n\n![points by class](charts/classes.svg)\n\n" + class_histogram(all) + "\n";

@@ -71,12 +71,34 @@ void make_directory(const fs::path& path) {
   throw InputError(path.string() + ": expected a directory that can be made, found: " + error.message());
 }
 
-std::string read_whole_file(const fs::path& path) {
+void make_inner_directory(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_symlink(path, error)) {
+    throw InputError(path.string() +
+                     ": expected a folder or nothing, found a link; remove it, because output does not follow links");
+  }
+  make_directory(path);
+}
+
+std::ifstream open_to_read(const fs::path& path) {
   errno = 0;
   std::error_code error;
-  if (fs::is_directory(path, error)) throw InputError("cannot read " + path.string() + ": is a directory");
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status)) throw InputError("cannot read " + path.string() + ": is a directory");
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw InputError("cannot read " + path.string() + ": expected a regular file, found a pipe, socket or device");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw InputError("cannot read " + path.string() + ": " + std::strerror(errno));
+  return stream;
+}
+
+std::string message_of(const fs::filesystem_error& error) {
+  return (error.path2().empty() ? error.path1() : error.path2()).string() + ": " + error.code().message();
+}
+
+std::string read_whole_file(const fs::path& path) {
+  std::ifstream stream = open_to_read(path);
+  std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) throw InputError("cannot read " + path.string() + ": " + error.message());
   if (size > kMaxFileBytes) {

@@ -10,17 +10,44 @@
 #include <utility>
 
 namespace swiftlet::sim {
+namespace {
 
-OutputFile::OutputFile(std::filesystem::path path, std::size_t buffer_bytes, MissingFolders missing)
-    : capacity_(buffer_bytes) {
+namespace fs = std::filesystem;
+
+/// The writer of a file holds its lock. False where the file system has no locks.
+bool is_held_by_another(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
+
+/// Removes what lies under the partial name: the file of a killed run, or a link from an unpacked archive.
+void remove_leftover(const fs::path& partial, const fs::path& path) {
+  const int leftover = ::open(partial.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (leftover < 0 && errno != ELOOP && errno != ENOENT) fail_to_write(path, errno);
+  const bool held = leftover >= 0 && is_held_by_another(leftover);
+  const int error = !held && ::unlink(partial.c_str()) != 0 ? errno : 0;  // before the lock is released
+  if (leftover >= 0) ::close(leftover);
+  if (held) fail_to_write(path, "another recorder is writing it");
+  if (error != 0 && error != ENOENT) fail_to_write(path, error);
+}
+
+/// A file that was not there before, so that no link is followed and no other file is truncated.
+int create(const fs::path& partial, const fs::path& path) {
+  for (bool again = true;; again = false) {
+    const int descriptor = ::open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0) return descriptor;
+    if (errno != EEXIST || !again) fail_to_write(path, errno);
+    remove_leftover(partial, path);
+  }
+}
+
+}  // namespace
+
+OutputFile::OutputFile(fs::path path, std::size_t buffer_bytes, MissingFolders missing) : capacity_(buffer_bytes) {
   if (missing == MissingFolders::kMade && path.has_parent_path()) {
     std::error_code error;
-    std::filesystem::create_directories(path.parent_path(), error);
+    fs::create_directories(path.parent_path(), error);
     if (error) fail_to_write(path, error.message());
   }
-  const std::filesystem::path partial = path.string() + ".part";
-  descriptor_ = ::open(partial.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail_to_write(path, errno);
+  const fs::path partial = path.string() + ".part";
+  descriptor_ = create(partial, path);
   try {
     claim(path);
   } catch (...) {
@@ -31,14 +58,13 @@ OutputFile::OutputFile(std::filesystem::path path, std::size_t buffer_bytes, Mis
   buffer_.reserve(capacity_);
 }
 
-void OutputFile::claim(const std::filesystem::path& path) {
-  // Two recorders of the same files would write over each other; a file left by a killed run has no owner any more.
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    fail_to_write(path, "another recorder is writing it");
-  }
+// Two recorders of the same file would write over each other. One of two that begin at the same time may find the file
+// of the other before it is locked, and remove it.
+void OutputFile::claim(const fs::path& path) {
+  const bool held = is_held_by_another(descriptor_);
   struct stat status {};
   if (::fstat(descriptor_, &status) != 0) fail_to_write(path, errno);
-  if (S_ISREG(status.st_mode) && ::ftruncate(descriptor_, 0) != 0) fail_to_write(path, errno);
+  if (held || status.st_nlink == 0) fail_to_write(path, "another recorder is writing it");
 }
 
 OutputFile::~OutputFile() { abandon(); }

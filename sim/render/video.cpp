@@ -32,6 +32,8 @@ int wait_for(int child) {
 VideoWriter::VideoWriter(std::filesystem::path path, int width, int height, double frames_per_s)
     : path_(std::move(path)), width_(width), height_(height) {
   file_ = PartialFile(path_, path_.parent_path() / (path_.stem().string() + ".part.mp4"));
+  std::error_code ignored;
+  std::filesystem::remove(file_.partial(), ignored);  // ffmpeg would follow a link
   std::vector<std::string> arguments = {"ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt",
                                         "rgb24", "-video_size", std::to_string(width) + "x" + std::to_string(height),
                                         "-framerate", std::to_string(frames_per_s), "-i", "pipe:0",

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <fstream>
 #include <set>
-#include <stdexcept>
 #include <string_view>
 
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -139,8 +139,7 @@ const std::vector<double>* NumberTable::find(const std::string& name) const {
 }
 
 NumberTable read_number_table(const fs::path& file, char separator, std::size_t most) {
-  std::ifstream stream(file);
-  if (!stream) throw std::runtime_error(file.string() + ": cannot be read");
+  std::ifstream stream = open_to_read(file);
   NumberTable table;
   std::string line;
   std::getline(stream, line);

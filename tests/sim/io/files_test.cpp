@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <stdexcept>
@@ -90,6 +91,31 @@ TEST(PartialFile, CanBeMovedAndIsRemovedWhenAnotherTakesItsPlace) {
   EXPECT_FALSE(fs::exists(directory.path() / "a.part"));
   first.commit();
   EXPECT_EQ(read_whole_file(directory.path() / "b"), "b");
+}
+
+TEST(ReadWholeFile, WaitsForNoWriter) {
+  const TemporaryDirectory directory;
+  ASSERT_EQ(::mkfifo((directory.path() / "pipe").c_str(), 0600), 0);
+  fs::create_symlink("/dev/zero", directory.path() / "endless");
+  for (const char* name : {"pipe", "endless"}) {
+    EXPECT_THAT([&] { read_whole_file(directory.path() / name); },
+                ThrowsMessage<InputError>(HasSubstr("expected a regular file")));
+  }
+}
+
+TEST(MakeInnerDirectory, RefusesALinkAndMakesWhatIsMissing) {
+  const TemporaryDirectory directory;
+  fs::create_directory(directory.path() / "outside");
+  for (const char* target : {"outside", "nowhere"}) {
+    fs::create_symlink(directory.path() / target, directory.path() / "link");
+    EXPECT_THAT([&] { make_inner_directory(directory.path() / "link"); },
+                ThrowsMessage<InputError>(HasSubstr("found a link")));
+    fs::remove(directory.path() / "link");
+  }
+  EXPECT_FALSE(fs::exists(directory.path() / "nowhere"));
+  make_inner_directory(directory.path() / "inner");
+  make_inner_directory(directory.path() / "inner");
+  EXPECT_TRUE(fs::is_directory(directory.path() / "inner"));
 }
 
 TEST(MakeDirectory, MakesThoseAboveIt) {

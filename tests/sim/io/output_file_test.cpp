@@ -3,11 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/support/file_size_limit.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
@@ -99,19 +101,19 @@ TEST(OutputFile, OverwritesWhatWasWrittenBefore) {
 
 TEST(OutputFile, SaysWhichFileDidNotFitOnTheDisk) {
   const TemporaryDirectory directory;
-  fs::create_symlink("/dev/full", directory.path() / "a.bin.part");  // a disk without room
   OutputFile file(directory.path() / "a.bin", 16);
   file.append("fits");
+  const FileSizeLimit full(3);
   EXPECT_THAT([&] { file.append("does not fit any more"); },
-              ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("a.bin"), HasSubstr("No space left on device"))));
+              ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("a.bin"), HasSubstr("File too large"))));
 }
 
 TEST(OutputFile, SaysSoWhenOnlyTheLastBytesDoNotFit) {
   const TemporaryDirectory directory;
-  fs::create_symlink("/dev/full", directory.path() / "a.bin.part");
   OutputFile file(directory.path() / "a.bin");
   file.append("buffered");
-  EXPECT_THAT([&] { file.finish(); }, ThrowsMessage<std::runtime_error>(HasSubstr("No space left on device")));
+  const FileSizeLimit full(7);
+  EXPECT_THAT([&] { file.finish(); }, ThrowsMessage<std::runtime_error>(HasSubstr("File too large")));
   EXPECT_FALSE(fs::exists(directory.path() / "a.bin"));
 }
 
@@ -132,6 +134,39 @@ TEST(OutputFile, StartsAnewOverWhatAKilledRunLeft) {
   file.append("now");
   file.finish();
   EXPECT_EQ(content_of(directory.path() / "a.txt"), "now");
+}
+
+TEST(OutputFile, FollowsNoLink) {
+  const TemporaryDirectory directory;
+  const fs::path outside = directory.path() / "outside";
+  std::ofstream(outside) << "precious";
+  for (const char* link : {"a.txt", "a.txt.part"}) {
+    for (const fs::path& target : {outside, directory.path() / "nowhere"}) {
+      fs::create_directories(directory.path() / "output");
+      fs::create_symlink(target, directory.path() / "output" / link);
+      write_file(directory.path() / "output/a.txt", "text");
+      EXPECT_EQ(content_of(outside), "precious") << link;
+      EXPECT_FALSE(fs::exists(directory.path() / "nowhere")) << link;
+      EXPECT_FALSE(fs::is_symlink(directory.path() / "output/a.txt")) << link;
+      EXPECT_EQ(content_of(directory.path() / "output/a.txt"), "text") << link;
+      fs::remove_all(directory.path() / "output");
+    }
+  }
+}
+
+TEST(OutputFile, ReplacesALeftoverOfAnyKind) {
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "a.txt", partial = directory.path() / "a.txt.part";
+  std::ofstream(directory.path() / "outside") << "precious";
+  fs::create_hard_link(directory.path() / "outside", partial);
+  write_file(path, "text");
+  EXPECT_EQ(content_of(directory.path() / "outside"), "precious");
+  ASSERT_EQ(::mkfifo(partial.c_str(), 0600), 0);
+  write_file(path, "after a pipe");
+  EXPECT_EQ(content_of(path), "after a pipe");
+  fs::create_directory(partial);
+  EXPECT_THAT([&] { write_file(path, "x"); }, ThrowsMessage<std::runtime_error>(HasSubstr("Is a directory")));
+  EXPECT_EQ(content_of(path), "after a pipe");
 }
 
 TEST(OutputFile, NamesAPathThatCannotBe) {

@@ -2,14 +2,15 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 #include <string_view>
 
-/// Whole files. Nobody ever finds half a file under its name.
+/// Whole files. A file has its name only when it is complete.
 namespace swiftlet::sim {
 
-/// A file that somebody writes in a way of their own (a library, another program): under a temporary name until
-/// commit() gives it its own. OutputFile is made of it.
+/// A file that a library or another program writes: under a temporary name until commit() gives it its own. OutputFile
+/// is made of it.
 class PartialFile {
  public:
   PartialFile() = default;
@@ -42,6 +43,16 @@ void write_file(const std::filesystem::path& path, std::string_view content,
 
 /// With its parents. Throws InputError when it cannot be made.
 void make_directory(const std::filesystem::path& path);
+
+/// A folder in an output directory. A link there, as an unpacked archive may hold, would lead the output elsewhere:
+/// throws InputError, as make_directory() does.
+void make_inner_directory(const std::filesystem::path& path);
+
+/// Throws InputError unless it is a regular file that can be read. Opening a FIFO would wait for a writer for ever.
+std::ifstream open_to_read(const std::filesystem::path& path);
+
+/// "PATH: REASON" of an error of the file system, in place of the library's text.
+std::string message_of(const std::filesystem::filesystem_error& error);
 
 /// The whole file. Throws InputError when it cannot be read or is too large.
 std::string read_whole_file(const std::filesystem::path& path);

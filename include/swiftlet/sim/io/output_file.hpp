@@ -12,8 +12,9 @@
 
 namespace swiftlet::sim {
 
-/// A file that appears under its name only when it is complete: written as "NAME.part", renamed by finish().
-/// Buffered, append only. Throws std::runtime_error "cannot write PATH: REASON" on any failure.
+/// A file that appears under its name only when it is complete: written as "NAME.part", renamed by finish(). Neither
+/// name is followed when it is a link: the link is replaced. Buffered, append only. Throws std::runtime_error "cannot
+/// write PATH: REASON" on any failure.
 class OutputFile {
  public:
   OutputFile() = default;
