@@ -2,16 +2,17 @@
 #include "swiftlet/sim/run/run_directory.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstdio>
-#include <cstdlib>
+#include <random>
 #include <vector>
 
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace fs = std::filesystem;
@@ -19,11 +20,16 @@ namespace {
 
 constexpr const char* kPartial = ".partial-";
 constexpr const char* kReplaced = ".replaced";  // beside the partial directory
+/// File in a partial directory whose lock the run holds. Directories without it are not those of runs.
+constexpr const char* kLock = ".unfinished-run";
+constexpr std::size_t kSuffixDigits = 16;  // of hex64()
 
+/// A link to nothing does not count as a free name: its disk may not be mounted.
 bool is_replaceable(const fs::path& directory) {
-  if (!fs::exists(directory)) return true;
-  if (!fs::is_directory(directory)) return false;
-  return fs::is_empty(directory) || fs::exists(directory / "summary.json");
+  std::error_code error;
+  if (fs::symlink_status(directory, error).type() == fs::file_type::not_found) return true;
+  if (!fs::is_directory(directory, error)) return false;
+  return fs::is_empty(directory, error) || fs::exists(directory / "summary.json", error);
 }
 
 bool lies_in(const fs::path& path, const fs::path& directory) {
@@ -40,25 +46,68 @@ void keep(std::span<const NamedFile> inputs, const fs::path& destination) {
   }
 }
 
-// Removes what killed runs of this name left behind; a partial directory whose process lives is left alone. An earlier
-// run that was moved aside and not yet replaced comes back.
+bool is_partial_name(const std::string& name, const std::string& prefix) {
+  return name.starts_with(prefix) && name.size() == prefix.size() + kSuffixDigits &&
+         name.find_first_not_of("0123456789abcdef", prefix.size()) == std::string::npos;
+}
+
+/// Descriptor of the file with its lock held; below 0 when there is no such file, when a run holds the lock on any
+/// machine or in any container, or when the file system has no locks.
+int open_locked(const fs::path& file, int flags) {
+  const int lock = ::open(file.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags, 0666);
+  if (lock < 0 || ::flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
+  ::close(lock);
+  return -1;
+}
+
+/// The lock file has its name only when it is locked. Without it, where the file system has no locks, no other run
+/// removes the directory.
+int make_lock(const fs::path& partial) {
+  const fs::path file = partial / kLock, unlocked = file.string() + ".new";
+  const int lock = open_locked(unlocked, O_CREAT | O_EXCL);
+  std::error_code ignored;
+  if (lock >= 0) {
+    fs::rename(unlocked, file, ignored);
+  } else {
+    fs::remove(unlocked, ignored);
+  }
+  return lock;
+}
+
+fs::path make_partial(const fs::path& destination, const std::string& prefix) {
+  std::random_device random;  // names differ on all machines and in all containers that share the folder
+  for (;;) {
+    const std::uint64_t number = std::uint64_t{random()} << 32 | random();
+    fs::path partial = destination.parent_path() / (prefix + hex64(number));
+    if (fs::create_directory(partial)) return partial;
+  }
+}
+
+// Removes what killed runs of this name left behind. An earlier run that was moved aside and not yet replaced comes
+// back.
 void remove_stale(const fs::path& destination, const std::string& prefix) {
   std::error_code ignored;
-  std::vector<fs::path> stale;
+  std::vector<fs::path> partials;
   for (const auto& entry : fs::directory_iterator(destination.parent_path(), ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (name.rfind(prefix, 0) != 0) continue;
-    const long pid = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
-    const bool alive = pid > 0 && (kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM);
-    if (!alive) stale.push_back(entry.path());
+    if (is_partial_name(entry.path().filename().string(), prefix) && !entry.is_symlink(ignored))
+      partials.push_back(entry.path());
   }
-  for (const fs::path& path : stale) {
-    if (path.native().ends_with(kReplaced) && !fs::exists(destination)) {
-      fs::rename(path, destination);
-    } else {
-      fs::remove_all(path, ignored);
-    }
+  for (const fs::path& partial : partials) {
+    const int lock = open_locked(partial / kLock, 0);
+    if (lock < 0) continue;
+    const fs::path replaced = partial.string() + kReplaced;
+    if (fs::is_directory(replaced, ignored) && !fs::exists(destination, ignored))
+      fs::rename(replaced, destination, ignored);
+    fs::remove_all(partial, ignored);
+    ::close(lock);
   }
+}
+
+std::string found_at(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error) && fs::is_symlink(path, error))
+    return "a link to " + fs::read_symlink(path, error).string() + ", which is not there";
+  return "something else";
 }
 
 void rename_at_once(const fs::path& from, const fs::path& to, unsigned flags) {
@@ -77,20 +126,18 @@ bool is_unsupported(const fs::filesystem_error& error) {
 RunDirectory::RunDirectory(fs::path destination, std::span<const NamedFile> inputs)
     : destination_(fs::absolute(destination).lexically_normal()) {
   if (!destination_.has_filename()) destination_ = destination_.parent_path();  // "runs/a/" names runs/a
-  keep(inputs, destination_);
   if (!is_replaceable(destination_)) {
-    throw InputError(
-        destination_.string() +
-        ": expected a new name, an empty directory or an earlier run (with a summary.json), found something "
-        "else; it was left as it is");
+    throw InputError(destination_.string() +
+                     ": expected a new name, an empty directory or an earlier run (with a summary.json), found " +
+                     found_at(destination_) + "; it was left as it is");
   }
+  keep(inputs, destination_);
   const std::string prefix = "." + destination_.filename().string() + kPartial;
   try {
     fs::create_directories(destination_.parent_path());
     remove_stale(destination_, prefix);
-    partial_ = destination_.parent_path() / (prefix + std::to_string(getpid()));
-    fs::remove_all(partial_);
-    fs::create_directory(partial_);
+    partial_ = make_partial(destination_, prefix);
+    lock_ = make_lock(partial_);
   } catch (const fs::filesystem_error& error) {
     throw InputError(destination_.string() +
                      ": expected a directory that can be made, found: " + error.code().message());
@@ -100,6 +147,7 @@ RunDirectory::RunDirectory(fs::path destination, std::span<const NamedFile> inpu
 RunDirectory::~RunDirectory() {
   std::error_code ignored;
   if (!committed_) fs::remove_all(partial_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 void RunDirectory::commit() {
@@ -113,12 +161,14 @@ void RunDirectory::commit() {
 // The earlier run and the new one change places at once, and what is not ours is never removed.
 void RunDirectory::put_in_place() {
   if (!is_replaceable(destination_)) {
-    const fs::path other = destination_.string() + ".finished-" + std::to_string(getpid());
+    const std::string suffix = partial_.string().substr(partial_.string().size() - kSuffixDigits);
+    const fs::path other = destination_.string() + ".finished-" + suffix;
     rename_at_once(partial_, other, RENAME_NOREPLACE);
     committed_ = true;
-    throw std::runtime_error(destination_.string() +
-                             ": somebody else has put something there during the run; the finished run is " +
-                             other.string());
+    std::error_code ignored;
+    fs::remove(other / kLock, ignored);
+    throw std::runtime_error(destination_.string() + ": expected to find nothing new after the run, found " +
+                             found_at(destination_) + "; the finished run is " + other.string());
   }
   fs::path earlier = partial_;
   try {
@@ -132,6 +182,7 @@ void RunDirectory::put_in_place() {
   }
   committed_ = true;
   std::error_code ignored;
+  fs::remove(destination_ / kLock, ignored);
   fs::remove_all(earlier, ignored);
 }
 
