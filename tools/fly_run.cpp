@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
+#include <system_error>
 
 #include "interrupt.hpp"
 #include "progress.hpp"
@@ -16,8 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kRunInterrupted = "interrupted; the unfinished run was removed";
+
 void stop_if_asked() {
-  if (StopSignals::requested()) throw Interrupted("interrupted; the unfinished run was removed");
+  if (StopSignals::requested()) throw Interrupted(kRunInterrupted);
 }
 
 void fly(sim::Simulation& simulation, bool quiet) {
@@ -41,6 +45,10 @@ FlownRun fly_run(const sim::Scenario& scenario, const fs::path& out, int threads
                  const std::function<void(sim::Simulation&, const fs::path&)>& prepare) {
   const StopSignals guard;
   sim::RunDirectory directory(out, sim::named_files(scenario));
+  std::optional<StopDeadline> deadline(std::in_place, kRunInterrupted, [&directory] {
+    std::error_code ignored;
+    fs::remove_all(directory.path(), ignored);
+  });
 
   const auto start = std::chrono::steady_clock::now();
   sim::Simulation simulation(scenario, threads);
@@ -49,6 +57,7 @@ FlownRun fly_run(const sim::Scenario& scenario, const fs::path& out, int threads
   if (prepare) prepare(simulation, directory.path());
   const auto ready = std::chrono::steady_clock::now();
   fly(simulation, quiet);
+  deadline.reset();  // the end of a run is not left half way
   FlownRun flown;
   flown.written = simulation.finish();
   const auto done = std::chrono::steady_clock::now();

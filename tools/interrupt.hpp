@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 namespace swiftlet::tools {
 
@@ -30,6 +32,18 @@ class StopSignals {
 
  private:
   std::array<void (*)(int), 3> previous_;
+};
+
+/// While it lives, the program ends at the latest half a second after a signal of StopSignals, whatever the work is at:
+/// making a large world takes minutes and looks at no signal.
+class StopDeadline {
+ public:
+  /// @param message   as of Interrupted
+  /// @param clean_up  called in another thread before the program ends, beside the work
+  explicit StopDeadline(std::string message, std::function<void()> clean_up = {});
+
+ private:
+  std::jthread watch_;
 };
 
 }  // namespace swiftlet::tools

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <system_error>
 
 #include "commands.hpp"
 #include "interrupt.hpp"
@@ -18,6 +20,8 @@ namespace swiftlet::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kPageInterrupted = "interrupted; the unfinished page was removed";
 
 struct ReplayOptions {
   std::string run;
@@ -56,13 +60,17 @@ void replay(const ReplayOptions& options) {
     throw sim::InputError(options.out + ": expected a file in a directory that is there");
 
   const StopSignals guard;
+  std::optional<StopDeadline> deadline(std::in_place, kPageInterrupted, [&out] {
+    std::error_code ignored;
+    fs::remove(out.string() + ".part", ignored);
+  });
   sim::Simulation simulation(scenario, options.threads);
   simulation.attach(sim::make_replay_recorder(config, out), out.parent_path());
   {
     Progress progress("replay", options.quiet);
     while (!simulation.finished()) {
       simulation.tick();
-      if (StopSignals::requested()) throw Interrupted("interrupted; the unfinished page was removed");
+      if (StopSignals::requested()) throw Interrupted(kPageInterrupted);
       if (!progress.due()) continue;
       const double now_s = to_seconds(simulation.now());
       progress.update(now_s / scenario.duration_s, fmt::format("{:.1f} of {:g} s", now_s, scenario.duration_s));
@@ -74,6 +82,7 @@ void replay(const ReplayOptions& options) {
         "that flew it can replay it (its version stands in summary.json)",
         options.run, sim::version(), sim::git_revision(), sim::hex64(simulation.state_hash())));
   }
+  deadline.reset();
   simulation.finish();
   if (!options.quiet) fmt::print("{}\n", options.out.empty() ? (run / "replay.html").string() : options.out);
 }

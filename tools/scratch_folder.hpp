@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -14,9 +16,12 @@ class ScratchFolder {
  public:
   ScratchFolder() {
     std::error_code missing;  // TMPDIR may name a folder that does not exist
-    const std::filesystem::path parent = std::filesystem::temp_directory_path(missing);
-    path_ = ((missing ? "/tmp" : parent) / "swiftlet_XXXXXX").string();
-    if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error("cannot make a folder " + path_);
+    std::filesystem::path parent = std::filesystem::temp_directory_path(missing);
+    if (missing) parent = "/tmp";
+    path_ = (parent / "swiftlet_XXXXXX").string();
+    if (::mkdtemp(path_.data()) != nullptr) return;
+    throw std::runtime_error("TMPDIR: expected a folder that takes temporary files, found " + parent.string() + ": " +
+                             std::strerror(errno));
   }
   ~ScratchFolder() {
     std::error_code ignored;
