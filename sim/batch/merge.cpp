@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <tuple>
 
 #include "sim/batch/writer_lock.hpp"
@@ -20,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMissingShown = 10;
+constexpr std::string_view kUnfinished = ".results.merging-";  // before the number of the process
 
 /// Which of two rows of an episode stays; the same for either order.
 const EpisodeRow& better(const EpisodeRow& a, const EpisodeRow& b) {
@@ -90,8 +92,26 @@ void add_databases(std::vector<fs::path>& found, const fs::path& directory) {
   if (!fs::is_directory(directory)) return;
   for (const auto& entry : fs::directory_iterator(directory)) {
     const std::string name = entry.path().filename().string();
-    if (entry.path().extension() == ".sqlite" && !name.starts_with('.')) found.push_back(entry.path());
+    if (entry.path().extension() == ".sqlite" && !name.starts_with('.') && entry.is_regular_file())
+      found.push_back(entry.path());
   }
+}
+
+bool is_unfinished(const std::string& name) {
+  if (!name.starts_with(kUnfinished)) return false;
+  const std::string rest = name.substr(std::min(name.find_first_not_of("0123456789", kUnfinished.size()), name.size()));
+  return name.size() > kUnfinished.size() + rest.size() &&
+         (rest == ".sqlite" || rest == ".sqlite-wal" || rest == ".sqlite-shm" || rest == ".sqlite-journal");
+}
+
+/// Removes what killed merges into this directory left behind. The lock of its database is held.
+void remove_unfinished(const fs::path& directory) {
+  std::vector<fs::path> unfinished;
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    if (is_unfinished(entry.path().filename().string())) unfinished.push_back(entry.path());
+  }
+  std::error_code error;
+  for (const fs::path& path : unfinished) fs::remove(path, error);
 }
 
 }  // namespace
@@ -116,10 +136,11 @@ std::vector<fs::path> find_databases(const std::vector<fs::path>& sources) {
 
 MergeOutcome merge_batches(const std::vector<fs::path>& databases, const fs::path& out) {
   std::error_code error;
-  fs::create_directories(out, error);
+  make_directory(out);
   const fs::path destination = out / "results.sqlite";
   const WriterLock lock(destination);  // a batch that still writes there would go on writing a file without a name
-  PartialFile database(destination, out / (".results.merging-" + std::to_string(getpid()) + ".sqlite"));
+  remove_unfinished(out);
+  PartialFile database(destination, out / (std::string(kUnfinished) + std::to_string(getpid()) + ".sqlite"));
   const fs::path& partial = database.partial();
   std::vector<fs::path> sources = databases;
   const auto is_destination = [&](const fs::path& path) {
@@ -127,7 +148,6 @@ MergeOutcome merge_batches(const std::vector<fs::path>& databases, const fs::pat
   };
   if (fs::exists(destination) && std::none_of(sources.begin(), sources.end(), is_destination))
     sources.push_back(destination);
-  fs::remove(partial, error);
   MergeOutcome outcome;
   try {
     ResultStore store(partial, ResultStore::Mode::kCreate);
@@ -145,7 +165,7 @@ MergeOutcome merge_batches(const std::vector<fs::path>& databases, const fs::pat
     export_csv(store, out);
     store.close();
   } catch (...) {
-    for (const char* suffix : {"-wal", "-shm", "-journal"}) fs::remove(partial.string() + suffix, error);
+    remove_unfinished(out);
     throw;
   }
   for (const char* suffix : {"-wal", "-shm", "-journal"})

@@ -14,7 +14,8 @@ namespace swiftlet::sim {
 
 WriterLock::WriterLock(const std::filesystem::path& database) {
   const auto file = database.parent_path() / ("." + database.filename().string() + ".lock");
-  fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644);
+  if (fd_ < 0 && errno == ELOOP) throw InputError(file.string() + ": expected a lock file or nothing, found a link");
   if (fd_ < 0) throw std::runtime_error(file.string() + ": cannot be written: " + std::strerror(errno));
   struct flock lock {};
   lock.l_type = F_WRLCK;
