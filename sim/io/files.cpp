@@ -68,7 +68,11 @@ void make_directory(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
   if (!error) return;
-  throw InputError(path.string() + ": expected a directory that can be made, found: " + error.message());
+  std::error_code missing;
+  const bool leads_nowhere = fs::is_symlink(path, missing) && !fs::exists(path, missing);
+  throw InputError(path.string() + ": expected a directory that can be made, found: " +
+                   (leads_nowhere ? "a link to " + fs::read_symlink(path, missing).string() + ", which is not there"
+                                  : error.message()));
 }
 
 void make_inner_directory(const fs::path& path) {

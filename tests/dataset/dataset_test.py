@@ -313,8 +313,8 @@ class Dataset(unittest.TestCase):
         dice = random.Random(5)
         finished = set()
         for attempt in range(40):
-            arguments = [str(SWIFTLET), "dataset", str(self.file), "--out", str(target), "--jobs", "2", "-q"]
-            process = subprocess.Popen(arguments + (["--resume"] if (target / "manifest.json").exists() else []))
+            arguments = [str(SWIFTLET), "dataset", str(self.file), "--out", str(target), "--jobs", "2", "-q", "--resume"]
+            process = subprocess.Popen(arguments)
             if attempt < 8:
                 time.sleep(dice.uniform(0.05, 1.5))
                 process.send_signal(signal.SIGKILL)

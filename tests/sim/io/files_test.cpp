@@ -124,6 +124,9 @@ TEST(MakeDirectory, MakesThoseAboveIt) {
   EXPECT_TRUE(fs::is_directory(directory.path() / "a/b/c"));
   write_file(directory.path() / "file", "x");
   EXPECT_THROW(make_directory(directory.path() / "file/below"), InputError);
+  fs::create_symlink("unmounted", directory.path() / "link");
+  EXPECT_THAT([&] { make_directory(directory.path() / "link"); },
+              ThrowsMessage<InputError>(HasSubstr("a link to unmounted, which is not there")));
 }
 
 }  // namespace
