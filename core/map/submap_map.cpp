@@ -559,6 +559,16 @@ void SubmapMap::append_voxels(MapVoxels& copy) const {
   }
 }
 
+void SubmapMap::append_blocks(std::vector<CellBlock>& blocks) const {
+  for (const auto& group : groups_) {
+    for (int i = 0; i < static_cast<int>(group->slots.size()); ++i) {
+      const Cell block = kGroup * group->at + Cell(i & 3, i >> 2 & 3, i >> 4);
+      const Composed* made = composed(*group, block);
+      if (made != nullptr) blocks.push_back({block, made->occupied, made->free});
+    }
+  }
+}
+
 void SubmapMap::append_occupied(std::vector<Vector3>& centers_local_m) const {
   for (const auto& group : groups_) {
     const Vector3 low_local_m = kSide * kGroup * config_.edge_m * group->at.cast<double>();

@@ -2,6 +2,8 @@
 #include "swiftlet/core/mapping/submap_mapper.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -17,6 +19,9 @@ constexpr double kSubmapsShownBelow_m = 1.0;  // the vehicle; what is lower is m
 constexpr double kBesideWay_m = 2.0;          // from the vehicle to its LiDARs, and what it flies between two scans
 constexpr int kLookEvery = 32;                // blocks, to tell whether a piece is covered
 constexpr int kNewest = 2;                    // pieces that are kept anyway
+// Most pieces of one submap. More are merged into one. Larger values keep more votes on cells that changed, and take
+// more memory.
+constexpr std::size_t kMostOfSubmap = 4;
 constexpr int kNoSubmap = -1;
 
 class SubmapMapper : public Mapper {
@@ -104,6 +109,7 @@ class SubmapMapper : public Mapper {
   void follow(const SubmapPoses& poses) {
     seen_ = poses.revision;
     if (!poses.T_local_own.empty()) attach(poses.T_local_own.front());
+    if (poses.dropped.count != num_dropped_) hang_elsewhere(poses.dropped);
     const int newest = static_cast<int>(poses.T_local_own.size()) - 1;
     // The submap that grows stands still. If an estimator moves it, what was seen until then is a piece of its own.
     const auto stands = [&] {
@@ -137,6 +143,26 @@ class SubmapMapper : public Mapper {
       kept.piece.submap = 0;
       kept.piece.T_submap_cells = T_local_first.inverse() * kept.piece.T_submap_cells;  // it was T_local_cells
     }
+  }
+
+  /// Pieces of a dropped submap belong to an older one from now on. If several were dropped since the last step, their
+  /// place is unknown and they are forgotten.
+  void hang_elsewhere(const SubmapPoses::Dropped& dropped) {
+    const bool known = dropped.count == num_dropped_ + 1;
+    num_dropped_ = dropped.count;
+    if (newest_submap_ == kNoSubmap || (known && dropped.submap != newest_submap_)) return;
+    if (growing_ != nullptr && growing_submap_ == newest_submap_) {
+      growing_submap_ = dropped.into;
+      T_submap_growing_ = dropped.T_into_submap * T_submap_growing_;
+      if (!known) forget_growing();
+    }
+    std::erase_if(pieces_, [&](Kept& kept) {
+      if (kept.given || kept.piece.submap != newest_submap_) return false;
+      kept.piece.submap = dropped.into;
+      kept.piece.T_submap_cells = dropped.T_into_submap * kept.piece.T_submap_cells;
+      if (!known) map_.remove(kept.in_map);
+      return !known;
+    });
   }
 
   void take(const LocalCloud& cloud) {
@@ -176,12 +202,18 @@ class SubmapMapper : public Mapper {
 
   void finish() {
     MapPiece piece = finished();
-    map_.set_growing(nullptr, Cell::Zero());
-    growing_.reset();
+    forget_growing();
     ++num_finished_;
     if (piece.cells->empty()) return;
+    const int submap = piece.submap;
     keep(std::move(piece), false, T_local_growing(), kOwnAge, grown_until_);
+    merge_pieces(submap);
     thin_out();
+  }
+
+  void forget_growing() {
+    map_.set_growing(nullptr, Cell::Zero());
+    growing_.reset();
   }
 
   void keep(MapPiece piece, bool given, const Pose& T_local_cells, int age, TimeNs seen) {
@@ -194,7 +226,49 @@ class SubmapMapper : public Mapper {
     ++num_forgotten_;
   }
 
-  /// What newer pieces know as well is not kept twice. So memory grows with the space that was seen, not with the way.
+  /// More than kMostOfSubmap pieces of one submap become one, in the frame of the oldest.
+  void merge_pieces(int submap) {
+    const auto hangs_on_it = [submap](const Kept& kept) {
+      return !kept.given && submap != kNoSubmap && kept.piece.submap == submap;
+    };
+    const auto num = static_cast<std::size_t>(std::count_if(pieces_.begin(), pieces_.end(), hangs_on_it));
+    if (num <= kMostOfSubmap) return;
+    const Kept oldest = *std::find_if(pieces_.begin(), pieces_.end(), hangs_on_it);
+    SubmapMap alone(config_.whole());
+    for (const Kept& kept : pieces_) {
+      if (!hangs_on_it(kept)) continue;
+      alone.add(kept.piece.cells, oldest.piece.T_submap_cells.inverse() * kept.piece.T_submap_cells, kOwnAge, 0);
+    }
+    std::vector<CellBlock> blocks;
+    alone.append_blocks(blocks);
+    const Pose T_local_cells = map_.T_local_cells(oldest.in_map);
+    for (CellBlock& block : blocks) leave_out_outvoted(T_local_cells, block);
+    std::erase_if(pieces_, [&](const Kept& kept) {
+      if (!hangs_on_it(kept)) return false;
+      map_.remove(kept.in_map);
+      return true;
+    });
+    keep({submap, oldest.piece.T_submap_cells, std::make_shared<const SubmapCells>(config_.edge_m, blocks)}, false,
+         T_local_cells, kOwnAge, grown_until_);
+  }
+
+  /// Cells that differ from the map were outvoted by other pieces. In a merged piece they would count as newest.
+  void leave_out_outvoted(const Pose& T_local_cells, CellBlock& block) const {
+    constexpr int kSide = RayCells::kSide;
+    for (int z = 0; z < kSide; ++z) {
+      const auto word = static_cast<std::size_t>(z);
+      for (std::uint64_t left = block.occupied[word] | block.free[word]; left != 0; left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        const Vector3 cell = (kSide * block.at + Cell(bit & 7, bit >> 3, z)).cast<double>();
+        const CellState state = map_.state(T_local_cells * (config_.edge_m * (cell.array() + 0.5)).matrix());
+        const std::uint64_t others = ~(std::uint64_t{1} << bit);
+        if (state != CellState::kOccupied) block.occupied[word] &= others;
+        if (state != CellState::kFree) block.free[word] &= others;
+      }
+    }
+  }
+
+  /// Older pieces keep only the cells that newer ones lack.
   void thin_out() {
     if (config_.covered_share >= 1.0) return;
     const auto num = static_cast<int>(pieces_.size()) - kNewest;
@@ -218,7 +292,8 @@ class SubmapMapper : public Mapper {
   VehiclesAround vehicles_;
   SubmapMap map_;
   Vector3 p_local_m_ = Vector3::Zero();
-  std::uint64_t seen_ = 0;  // revision of the poses
+  std::uint64_t seen_ = 0;         // revision of the poses
+  std::uint64_t num_dropped_ = 0;  // submaps, by then
   int newest_submap_ = kNoSubmap;
   Pose T_local_newest_ = Pose::Identity();
   bool given_taken_ = false;

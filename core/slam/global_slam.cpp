@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include "core/slam/graph_ways.hpp"
 #include "core/slam/near_points.hpp"
@@ -23,6 +24,10 @@ constexpr double kInSubmap_deg = 0.02;
 constexpr double kTold_m = 0.01, kTold_deg = 0.1;         // a start pose that was told
 constexpr double kGuessed_m = 10.0, kGuessed_deg = 10.0;  // one that was not
 constexpr double kTilt_rad = 0.5 * kRadPerDeg;            // of any start: gravity is known
+// Longest delay between a scan and a GNSS fix that arrives before it [s]. Scans that are later may lose their fix.
+constexpr double kScanLate_s = 2.0;
+// Most pairs of position and GNSS fix kept to fit an unknown start. Larger values average more fixes.
+constexpr std::size_t kMostMatched = 2000;
 
 Matrix6 information_of(double position_m, double attitude_rad) {
   Matrix6 information = Matrix6::Zero();
@@ -67,13 +72,10 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
     node.pose = graph_.add_pose(graph_.pose(last.pose) * T_last_node);
     graph_.add(RelativeFactor{last.pose, node.pose, T_last_node, odometry_information(step_m), kNoHuber});
   }
-  graph_.add(GravityFactor{node.pose, T_local_body.linear().transpose() * Vector3::UnitZ(),
-                           config_.gravity_sigma_deg * kRadPerDeg});
   nodes_.push_back(node);
-  if (submaps_.empty() || node.way_m - submaps_.back().begin_m > config_.submap_m) {
-    if (!submaps_.empty()) finish_submap();
-    begin_submap(node);
-  }
+  add_gravity();
+  place_fixes();
+  if (submaps_.empty() || node.way_m - submaps_.back().begin_m > config_.submap_m) begin_next_submap();
   Submap& submap = submaps_.back();
   submap.end_m = node.way_m;
   const Pose T_submap_body = submap.T_local_submap.inverse() * T_local_body;
@@ -81,9 +83,8 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
   for (const Eigen::Vector3f& p : points_body_m) {
     submap.points_submap_m.push_back((T_submap_body * p.cast<double>()).cast<float>());
   }
-  graph_.add(RelativeFactor{submap.pose, node.pose, T_submap_body,
+  graph_.add(RelativeFactor{submap.pose, nodes_.back().pose, T_submap_body,
                             information_of(kInSubmap_m, kInSubmap_deg * kRadPerDeg), kNoHuber});
-  place_fixes();
   fit_start();
   locate(t);
   const bool placed = located_ || num_given_poses_ == 0;
@@ -91,11 +92,21 @@ void GlobalSlam::add_scan(TimeNs t, const Pose& T_local_body, std::span<const Ei
   if (news_ || (fixes_ && due)) optimize(t);
 }
 
-void GlobalSlam::begin_submap(const Node& node) {
+void GlobalSlam::add_gravity() {
+  const Node& node = nodes_.back();
+  graph_.add(GravityFactor{node.pose, node.T_local_body.linear().transpose() * Vector3::UnitZ(),
+                           config_.gravity_sigma_deg * kRadPerDeg});
+}
+
+void GlobalSlam::begin_submap(const Tie& tie, int first_pose, double hidden_m) {
+  const Node& node = nodes_.back();
   Submap submap;
   submap.T_local_submap = level(node.T_local_body);
   submap.begin_m = submap.end_m = node.way_m;
   submap.pose = graph_.add_pose(graph_.pose(node.pose) * node.T_local_body.inverse() * submap.T_local_submap);
+  submap.first_pose = first_pose;
+  submap.tie = tie;
+  submap.hidden_m = hidden_m;
   submaps_.push_back(std::move(submap));
   told_.T_local_own.push_back(submaps_.back().T_local_submap);
   ++told_.revision;
@@ -104,11 +115,24 @@ void GlobalSlam::begin_submap(const Node& node) {
   told_.given = pieces_of(*config_.loaded_map);
 }
 
-/// It takes no further scans: it keeps a point in a cube and is compared with older ones.
-void GlobalSlam::finish_submap() {
-  std::vector<Eigen::Vector3f>& points_m = submaps_.back().points_submap_m;
-  points_m = thinned_m(points_m);
-  forget_known(seek_closures());
+/// The one before takes no further scans: it keeps a point in a cube and is compared with older ones.
+void GlobalSlam::begin_next_submap() {
+  double hidden_m = 0.0;
+  if (!submaps_.empty()) {
+    std::vector<Eigen::Vector3f>& points_m = submaps_.back().points_submap_m;
+    points_m = thinned_m(points_m);
+    const std::vector<Older> joined = seek_closures();
+    if (drop_known(joined)) return;
+    forget_known(joined);
+    if (submaps_.back().closed != Closed::kFully) hidden_m = submaps_.back().hidden_m;
+  }
+  const Node& node = nodes_.back();
+  Tie tie;
+  if (nodes_.size() > 1) {
+    const Node& before = nodes_[nodes_.size() - 2];
+    tie = {before.pose, before.T_local_body.inverse(), node.way_m - before.way_m};
+  }
+  begin_submap(tie, node.pose, hidden_m);
 }
 
 std::vector<Eigen::Vector3f> GlobalSlam::thinned_m(std::span<const Eigen::Vector3f> points_submap_m) const {
@@ -121,8 +145,8 @@ std::vector<Eigen::Vector3f> GlobalSlam::thinned_m(std::span<const Eigen::Vector
 }
 
 /// With the nearest older submaps that the vehicle left long ago, or an earlier flight made.
-std::vector<GlobalSlam::Joined> GlobalSlam::seek_closures() {
-  std::vector<Joined> joined;
+std::vector<GlobalSlam::Older> GlobalSlam::seek_closures() {
+  std::vector<Older> joined;
   if (num_given_poses_ > 0 && !located_) return joined;
   const Submap& newer = submaps_.back();
   const Pose& T_world_newer = graph_.pose(newer.pose);
@@ -148,41 +172,129 @@ std::vector<GlobalSlam::Joined> GlobalSlam::seek_closures() {
                    [](const Candidate& a, const Candidate& b) { return a.distance_m < b.distance_m; });
   candidates.resize(std::min<std::size_t>(candidates.size(), config_.searches));
   for (const Candidate& candidate : candidates) {
+    const double way_to_it_m = way_m[static_cast<std::size_t>(candidate.pose)] + newer.hidden_m;
     const ClosureResult result = find_closure(candidate.points_submap_m, newer.points_submap_m,
                                               level(graph_.pose(candidate.pose)).inverse() * level(T_world_newer),
-                                              config_.closures, off_m(way_m[static_cast<std::size_t>(candidate.pose)]));
+                                              config_.closures, off_m(way_to_it_m));
     if (result.verdict != ClosureVerdict::kClosed) continue;
     join(candidate.pose, newer.pose, result);
-    if (result.told.isIdentity()) joined.push_back({candidate.points_submap_m, result.T_older_newer});
+    if (result.told.isIdentity()) {
+      joined.push_back({candidate.pose, candidate.points_submap_m, result.T_older_newer});
+    }
   }
   return joined;
 }
 
-/// What older submaps that were joined with it know as well is not kept twice. So memory grows with the space that was
-/// seen, not with the way.
-void GlobalSlam::forget_known(std::span<const Joined> joined) {
-  if (joined.empty() || config_.covered_share >= 1.0) return;
-  std::vector<Eigen::Vector3f>& points_m = submaps_.back().points_submap_m;
+/// Points of the newest submap that older ones do not know.
+std::vector<Eigen::Vector3f> GlobalSlam::unknown_m(std::span<const Older> older) const {
   std::vector<NearPoints> known;
-  for (const Joined& older : joined) known.emplace_back(config_.submap_voxel_m, older.points_older_m);
-  std::vector<Eigen::Vector3f> fresh_m;
-  for (const Eigen::Vector3f& p_m : points_m) {
+  for (const Older& o : older) known.emplace_back(config_.submap_voxel_m, o.points_older_m);
+  std::vector<Eigen::Vector3f> unknown_m;
+  for (const Eigen::Vector3f& p_m : submaps_.back().points_submap_m) {
     bool is_known = false;
-    for (std::size_t i = 0; i < joined.size() && !is_known; ++i) {
-      is_known = known[i].contain(joined[i].T_older_newer * p_m.cast<double>());
+    for (std::size_t i = 0; i < older.size() && !is_known; ++i) {
+      is_known = known[i].contain(older[i].T_older_newer * p_m.cast<double>());
     }
-    if (!is_known) fresh_m.push_back(p_m);
+    if (!is_known) unknown_m.push_back(p_m);
   }
-  const auto num = static_cast<double>(points_m.size());
-  if (num - static_cast<double>(fresh_m.size()) < config_.covered_share * num) return;
-  points_m = std::vector<Eigen::Vector3f>(fresh_m);
+  return unknown_m;
+}
+
+/// Do older submaps know enough of the newest one, if they lack so many of its points?
+bool GlobalSlam::is_covered(std::size_t num_unknown) const {
+  const auto num = static_cast<double>(submaps_.back().points_submap_m.size());
+  return num - static_cast<double>(num_unknown) >= config_.covered_share * num;
+}
+
+/// The newest submap keeps only the points that the older ones joined with it lack.
+void GlobalSlam::forget_known(std::span<const Older> joined) {
+  if (joined.empty() || config_.covered_share >= 1.0) return;
+  const std::vector<Eigen::Vector3f> fresh_m = unknown_m(joined);
+  if (!is_covered(fresh_m.size())) return;
+  submaps_.back().points_submap_m = std::vector<Eigen::Vector3f>(fresh_m);  // takes no more memory than it needs
   submaps_.back().thinned_out = true;
 }
 
+/// Drops the newest submap if visits_kept others began there and know its points. A submap with a better closure than
+/// the submap before it stays, because it closes a loop.
+bool GlobalSlam::drop_known(std::span<const Older> joined) {
+  const Submap& newest = submaps_.back();
+  if (config_.covered_share >= 1.0 || submaps_.size() < 2) return false;
+  if (newest.closed > submaps_[submaps_.size() - 2].closed) return false;
+  const Pose T_world_newest =
+      joined.empty() ? graph_.pose(newest.pose) : graph_.pose(joined.front().pose) * joined.front().T_older_newer;
+  std::vector<Older> here;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  int into = 0;
+  Pose T_into_newest = Pose::Identity();
+  for (std::size_t i = 0; i + 1 < submaps_.size(); ++i) {
+    const Pose T_older_newest = graph_.pose(submaps_[i].pose).inverse() * T_world_newest;
+    const double distance_m = T_older_newest.translation().norm();
+    if (distance_m > 0.5 * config_.submap_m) continue;
+    here.push_back({submaps_[i].pose, submaps_[i].points_submap_m, T_older_newest});
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    into = static_cast<int>(i);
+    T_into_newest = T_older_newest;
+  }
+  if (static_cast<int>(here.size()) < config_.visits_kept || !is_covered(unknown_m(here).size())) return false;
+  tell_dropped(into, T_into_newest);
+  drop_newest(joined);
+  return true;
+}
+
+/// Cells that a mapper has attached to the newest submap belong to an older one from now on.
+void GlobalSlam::tell_dropped(int into, const Pose& T_into_newest) {
+  const int number = num_submaps() - 1;
+  told_.dropped = {told_.dropped.count + 1, number, into, T_into_newest};
+  told_.T_local_own.pop_back();
+  for (Learned& learned : learned_) {
+    if (static_cast<int>(learned.T_local_own.size()) > number) learned.T_local_own.pop_back();
+  }
+}
+
+/// Removes the nodes of the newest submap from the graph. Its pose and closures stay until the next submap is finished,
+/// which begins at the present node.
+void GlobalSlam::drop_newest(std::span<const Older> joined) {
+  const Submap dropped = std::move(submaps_.back());
+  submaps_.pop_back();
+  Node node = nodes_.back();  // first node of the next submap
+  const Pose T_world_dropped = graph_.pose(dropped.pose), T_world_node = graph_.pose(node.pose);
+  std::vector<RelativeFactor> closures;
+  for (const RelativeFactor& f : graph_.relative_factors()) {
+    if (f.to == dropped.pose && f.from < dropped.first_pose) closures.push_back(f);
+  }
+  graph_.truncate(dropped.first_pose);
+  std::erase_if(nodes_, [&](const Node& n) { return n.pose >= dropped.first_pose; });
+  const int pose = graph_.add_pose(T_world_dropped);
+  graph_.add(RelativeFactor{dropped.tie.pose, pose, dropped.tie.T_pose_local * dropped.T_local_submap,
+                            odometry_information(dropped.tie.way_m), kNoHuber});
+  for (RelativeFactor& closure : closures) {
+    closure.to = pose;
+    graph_.add(closure);
+  }
+  const double way_m = node.way_m - dropped.begin_m;
+  node.pose = graph_.add_pose(T_world_node);
+  graph_.add(RelativeFactor{pose, node.pose, dropped.T_local_submap.inverse() * node.T_local_body,
+                            odometry_information(way_m), kNoHuber});
+  nodes_.push_back(node);
+  add_gravity();
+  if (joined.empty()) {
+    const Tie& tie = dropped.tie;
+    begin_submap({tie.pose, tie.T_pose_local, tie.way_m + way_m}, pose, dropped.hidden_m + way_m);
+  } else {
+    const Older& older = joined.front();
+    begin_submap({older.pose, older.T_older_newer * dropped.T_local_submap.inverse(), way_m}, pose, 0.0);
+  }
+}
+
+/// The newest submap with an older one.
 void GlobalSlam::join(int older_pose, int newer_pose, const ClosureResult& closure) {
   const Matrix6 information = information_of(config_.closure_position_m, config_.closure_attitude_deg * kRadPerDeg);
   graph_.add(RelativeFactor{older_pose, newer_pose, closure.T_older_newer,
                             closure.told.transpose() * information * closure.told, config_.closure_huber});
+  Submap& newest = submaps_.back();
+  newest.closed = std::max(newest.closed, closure.told.isIdentity() ? Closed::kFully : Closed::kPartly);
   ++num_closures_;
   news_ = true;
 }
@@ -246,7 +358,10 @@ std::shared_ptr<const SavedMap> GlobalSlam::saved_map() const {
 
 void GlobalSlam::add_gnss(const GnssSample& sample) {
   if (!config_.use_gnss || !sample.p_world_m.allFinite() || !sample.sigma_p_m.allFinite()) return;
-  if (!nodes_.empty() && sample.t >= nodes_.back().t) waiting_.push_back(sample);
+  if (nodes_.empty() || sample.t < nodes_.back().t) return;
+  waiting_.push_back(sample);
+  // The next node uses the newest fix that is not newer than the node.
+  while (waiting_.size() > 1 && to_seconds(sample.t - waiting_[1].t) > kScanLate_s) waiting_.erase(waiting_.begin());
 }
 
 /// Fixes between the last two nodes; while the vehicle hovers the last one stands for all. Fixes may be newer than the
@@ -264,6 +379,7 @@ void GlobalSlam::place_fixes() {
                             config_.gnss.huber});
   const Vector3 p_local_m = (1.0 - beta) * before.T_local_body.translation() + beta * after.T_local_body.translation();
   if (!pose_known_ && !fitted_) matched_.push_back({p_local_m, fix.p_world_m, 1.0});
+  if (matched_.size() > kMostMatched) matched_.erase(matched_.begin());
   fixes_ = true;
 }
 
@@ -404,6 +520,10 @@ void GlobalSlamConfig::visit(ConfigVisitor& v) {
       "[-] of the points of a submap that older ones joined with it know, from which on only the others are kept; 1: "
       "all are",
       Range::probability());
+  v.field("visits_kept", visits_kept,
+          "[-] submaps that begin within half of submap_m of each other, at most: another one is dropped if these know "
+          "covered_share of its points; more take more memory",
+          Range::between(1, 1000));
   v.field("closure_gap_m", closure_gap_m, "[m] of the way must lie between them", Range::non_negative());
   v.field("searches", searches, "[-] for a finished submap, at most", Range::between(0, 100));
   v.field("odometry_position_m_sqrt_m", odometry_position_m_sqrt_m,

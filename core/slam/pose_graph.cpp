@@ -166,6 +166,15 @@ void PoseGraph::add(const PositionFactor& f) {
   positions_.push_back(f);
 }
 
+void PoseGraph::truncate(int num) {
+  ENSURE(num >= 0 && num <= num_poses(), num, num_poses());
+  poses_.resize(static_cast<std::size_t>(num));
+  std::erase_if(relatives_, [num](const RelativeFactor& f) { return f.from >= num || f.to >= num; });
+  std::erase_if(priors_, [num](const PriorFactor& f) { return f.pose >= num; });
+  std::erase_if(gravities_, [num](const GravityFactor& f) { return f.pose >= num; });
+  std::erase_if(positions_, [num](const PositionFactor& f) { return f.before >= num || f.after >= num; });
+}
+
 double PoseGraph::cost() const {
   std::vector<Vector6> of_relatives;
   return cost_of(poses_, of_relatives);

@@ -271,6 +271,89 @@ TEST(SubmapMapper, MemoryGrowsWithTheSpaceThatWasSeenAndNotWithTheWay) {
   EXPECT_EQ(mapping.state({3, 1, 1}), CellState::kFree);
 }
 
+// The pose graph drops a submap, and its cells hang on an older one. The next submap has its number.
+TEST(SubmapMapper, CellsOfADroppedSubmapMoveWithAnOlderOne) {
+  SubmapMapperConfig config = every_beam();
+  config.piece_m = 1.0;  // part of the dropped submap is in a finished piece
+  SubmapMapping mapping(config);
+  mapping.begin_submap(at(0, 0, 1));
+  mapping.see({-5, -5, 1});
+  mapping.begin_submap(at(1, 0, 1));
+  for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
+  for (int i = 0; i < 4; ++i) mapping.see({2, 0, 1});
+  EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied);
+  mapping.submaps.T_local_own.pop_back();
+  mapping.submaps.dropped = {1, 1, 0, at(1, 0, 0)};
+  mapping.begin_submap(at(2, 0, 1));
+  mapping.see_nothing();
+  EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "nothing has moved";
+  mapping.submaps.T_local_own[1] = at(-20, 0, 1);
+  ++mapping.submaps.revision;
+  mapping.see_nothing();
+  EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "it hangs on the new one no longer";
+  mapping.submaps.T_local_own[0] = at(0, 2, 1);
+  ++mapping.submaps.revision;
+  mapping.see_nothing();
+  EXPECT_EQ(mapping.state({1, 8.05, 1}), CellState::kOccupied);
+  EXPECT_NE(mapping.state({1, 6.05, 1}), CellState::kOccupied);
+  std::vector<MapPiece> pieces;
+  mapping.mapper->append_pieces(pieces);
+  for (const MapPiece& piece : pieces) EXPECT_EQ(piece.submap, 0);
+}
+
+// Visit after visit the pose graph drops the submap.
+TEST(SubmapMapper, AtOnePlaceThereAreFewPiecesAndTheMapIsThatOfAllVisits) {
+  SubmapMapperConfig config = every_beam();
+  config.covered_share = 1.0;  // nothing else makes them fewer
+  SubmapMapping few(config), all(config);
+  std::size_t most = 0;
+  for (std::uint64_t visit = 0; visit < 20; ++visit) {
+    const double wiggle_m = 0.07 * static_cast<double>(visit % 5);
+    const Vector3 p_m(1.0 + wiggle_m, 1.0 - wiggle_m, 1.0);
+    const Pose T = at(p_m.x(), p_m.y(), p_m.z());
+    if (visit > 1) {
+      few.submaps.dropped = {visit - 1, 1, 0, few.submaps.T_local_own[0].inverse() * few.submaps.T_local_own[1]};
+      few.submaps.T_local_own.pop_back();
+    }
+    for (SubmapMapping* mapping : {&few, &all}) {
+      mapping->begin_submap(T);
+      for (int i = 0; i < 4; ++i) mapping->see(p_m);
+    }
+    std::vector<MapPiece> pieces;
+    few.mapper->append_pieces(pieces);
+    most = std::max(most, pieces.size());
+  }
+  EXPECT_LE(most, 6U);
+  int known = 0;
+  for (double x_m = -7.0; x_m < 7.0; x_m += 0.2) {
+    for (double y_m = -7.0; y_m < 7.0; y_m += 0.2) {
+      for (const double z_m : {0.5, 1.1, 1.7}) {
+        const Vector3 p_m(x_m + 0.1, y_m + 0.1, z_m);
+        known += all.state(p_m) != CellState::kUnknown;
+        ASSERT_EQ(few.state(p_m), all.state(p_m)) << p_m.transpose();
+      }
+    }
+  }
+  EXPECT_GT(known, 5000);
+}
+
+TEST(SubmapMapper, CellsAreForgottenWhenItIsUnknownWhereTheirSubmapWent) {
+  SubmapMapping mapping(every_beam());
+  mapping.begin_submap(at(0, 0, 1));
+  for (int i = 0; i < 4; ++i) mapping.see({0, 0, 1});
+  mapping.begin_submap(at(1, 0, 1));
+  mapping.see({2, 0, 1});
+  mapping.submaps.T_local_own.back() = at(30, 0, 1);
+  mapping.submaps.dropped = {2, 1, 0, at(25, 0, 0)};  // two of them since the last step
+  ++mapping.submaps.revision;
+  mapping.see_nothing();
+  std::vector<MapPiece> pieces;
+  mapping.mapper->append_pieces(pieces);
+  ASSERT_EQ(pieces.size(), 1U);
+  EXPECT_EQ(pieces[0].submap, 0);
+  EXPECT_EQ(mapping.state({6.05, 1, 1}), CellState::kOccupied) << "what the first one saw";
+}
+
 TEST(SubmapMapper, OfMorePiecesThanMayBeTheOldestIsForgottenAndThatIsTold) {
   SubmapMapperConfig config = every_beam();
   config.pieces_max = 2;

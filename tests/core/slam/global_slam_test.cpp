@@ -19,12 +19,12 @@ namespace {
 constexpr double kSide_m = 8.0;  // of the square that is flown
 
 /// Around a square at constant height, nose ahead along x.
-Vector3 on_square_m(double way_m) {
-  const double w = std::fmod(way_m, 4.0 * kSide_m);
-  if (w < kSide_m) return {w, 0, 2};
-  if (w < 2.0 * kSide_m) return {kSide_m, w - kSide_m, 2};
-  if (w < 3.0 * kSide_m) return {3.0 * kSide_m - w, kSide_m, 2};
-  return {0, 4.0 * kSide_m - w, 2};
+Vector3 on_square_m(double way_m, double side_m = kSide_m) {
+  const double w = std::fmod(way_m, 4.0 * side_m);
+  if (w < side_m) return {w, 0, 2};
+  if (w < 2.0 * side_m) return {side_m, w - side_m, 2};
+  if (w < 3.0 * side_m) return {3.0 * side_m - w, side_m, 2};
+  return {0, 4.0 * side_m - w, 2};
 }
 
 /// Walls of a yard around the square, and boxes in it.
@@ -78,6 +78,7 @@ struct Flight {
   std::vector<Vector3> place_world_m = yard_world_m();
   Pose T_local_world = Pose::Identity();  // before any drift
   double from_m = 0.0;
+  double side_m = kSide_m;
   int i = 0;  // steps of half a meter
 
   void step(const Vector3& drift_per_m) { fly(0.5 * i, drift_per_m); }
@@ -87,7 +88,7 @@ struct Flight {
            const Pose& T_world_true = Pose::Identity(), int gnss_ahead = 0) {
     for (; 0.5 * i <= way_m; ++i) {
       t += 250'000'000;
-      const Vector3 p_world_m = on_square_m(from_m + 0.5 * i);
+      const Vector3 p_world_m = on_square_m(from_m + 0.5 * i, side_m);
       const Vector3 p_local_m = T_local_world * p_world_m + 0.5 * i * drift_per_m;
       std::vector<Eigen::Vector3f> points;
       for (const Vector3& p : place_world_m) {
@@ -187,6 +188,111 @@ TEST(GlobalSlam, MemoryGrowsWithTheSpaceAndNotWithTheWay) {
   const double one = points_after(1.3, 0.7), five = points_after(5.3, 0.7), all = points_after(5.3, 1.0);
   EXPECT_GT(all, 3.0 * one) << "else there is nothing to forget";
   EXPECT_LT(five, 1.5 * one);
+}
+
+// A drift of 3 mm a meter comes to 0.5 m over the flight: closures hold it.
+TEST(GlobalSlam, AtOnePlaceTheGraphStopsGrowingAndLoopsAreStillClosed) {
+  GlobalSlamConfig config;
+  config.visits_kept = 2;
+  config.searches = 1;
+  const Vector3 drift_per_m(0.002, -0.002, 0.001);
+  Flight flight(GlobalSlam(config, true));
+  flight.side_m = 4.0;
+  const auto sizes = [&] {
+    const auto map = flight.slam.saved_map();
+    EXPECT_EQ(fault_of(*map), "");
+    EXPECT_EQ(map->submaps.size(), flight.slam.submap_poses().T_local_own.size());
+    const PoseGraph& graph = map->graph;
+    return std::vector<std::size_t>{map->submaps.size(), map->nodes.size(), graph.relative_factors().size(),
+                                    flight.slam.num_points()};
+  };
+  flight.fly(100.0, drift_per_m);
+  const std::vector<std::size_t> before = sizes();
+  const int closures = flight.slam.num_closures();
+  flight.fly(180.0, drift_per_m);
+  const std::vector<std::size_t> after = sizes();
+  EXPECT_LE(after[0], before[0] + 1) << "submaps, of which ten would be new";
+  EXPECT_LE(after[1], before[1] + 20) << "nodes, of which 160 would be new";
+  EXPECT_LE(after[2], before[2] + 50) << "factors";
+  EXPECT_LE(after[3], before[3] * 11 / 10) << "points";
+  EXPECT_GT(flight.slam.num_closures(), closures + 5);
+  EXPECT_GT(flight.slam.submap_poses().dropped.count, 8U);
+  ASSERT_TRUE(flight.correction);
+  const Vector3 p_world_m = on_square_m(180.0, 4.0), p_local_m = p_world_m + 180.0 * drift_per_m;
+  EXPECT_LT((*flight.correction * p_local_m - p_world_m).norm(), 0.15);
+}
+
+// Where nothing is closed the rule holds as well.
+TEST(GlobalSlam, AtOnePlaceTheGraphStopsGrowingWithoutClosures) {
+  GlobalSlamConfig config;
+  config.visits_kept = 2;
+  config.searches = 0;
+  Flight flight(GlobalSlam(config, true));
+  flight.side_m = 4.0;
+  flight.fly(100.0, Vector3::Zero());
+  const int submaps = flight.slam.num_submaps(), nodes = flight.slam.num_nodes();
+  flight.fly(400.0, Vector3::Zero());
+  EXPECT_EQ(flight.slam.num_submaps(), submaps);
+  EXPECT_LE(flight.slam.num_nodes(), nodes + 20);
+  EXPECT_FALSE(flight.correction);
+  const PoseGraph& graph = flight.slam.graph();
+  EXPECT_LT((graph.pose(graph.num_poses() - 1).translation() - on_square_m(400.0, 4.0)).norm(), 9.0);
+}
+
+// The flight leaves a known place for a larger round and comes back to it.
+TEST(GlobalSlam, TheWayBackToAKnownPlaceStillClosesTheLoop) {
+  GlobalSlamConfig config;
+  config.visits_kept = 2;
+  config.closure_gap_m = 20.0;
+  const Vector3 drift_per_m(0.003, -0.003, 0.001);
+  Flight flight(GlobalSlam(config, true));
+  flight.side_m = 4.0;
+  flight.fly(63.5, drift_per_m);
+  ASSERT_GT(flight.slam.submap_poses().dropped.count, 0U);
+  flight.side_m = 8.0;
+  flight.fly(95.5, drift_per_m);
+  flight.side_m = 4.0;
+  flight.fly(160.0, drift_per_m);
+  const auto map = flight.slam.saved_map();
+  int on_the_round = 0;
+  for (const SavedMap::Node& node : map->nodes) {
+    const double way_m = 2.0 * (to_seconds(node.t) - 0.25);
+    const bool on_round = way_m >= 64.0 && way_m < 96.0;
+    on_the_round += on_round;
+    const Vector3 off_m = map->graph.pose(node.pose).translation() - on_square_m(way_m, on_round ? 8.0 : 4.0);
+    EXPECT_LT(off_m.norm(), 0.2) << way_m << " m, where " << (way_m * drift_per_m).norm() << " m have drifted";
+  }
+  EXPECT_GE(on_the_round, 30) << "new space stays";
+}
+
+TEST(GlobalSlam, ASubmapThatSeesOtherThingsThanBeforeStays) {
+  GlobalSlamConfig config;
+  config.visits_kept = 1;
+  config.searches = 0;
+  config.covered_share = 0.9;
+  Flight flight(GlobalSlam(config, true));
+  flight.side_m = 4.0;
+  flight.fly(60.0, Vector3::Zero());
+  ASSERT_GT(flight.slam.submap_poses().dropped.count, 0U);
+  const int submaps = flight.slam.num_submaps();
+  flight.place_world_m = other_place_world_m();
+  flight.fly(85.0, Vector3::Zero());
+  EXPECT_GE(flight.slam.num_submaps(), submaps + 2);
+}
+
+// Of a hover of an hour with GNSS the last fixes are kept: the next node takes the newest that is not newer.
+TEST(GlobalSlam, FixesOfALongHoverLeaveTheNextNodeItsFix) {
+  Flight flight(GlobalSlam({}, true));
+  flight.fly(0.0, Vector3::Zero());
+  TimeNs t = flight.t;
+  for (int i = 0; i < 36'000; ++i) {
+    t += 100'000'000;
+    flight.slam.add_gnss({t, Vector3(i, 0, 0), Vector3::Zero(), Vector3::Constant(0.02), Vector3::Ones()});
+  }
+  flight.slam.add_scan(t - 550'000'000, make_pose({0.6, 0, 2}, Eigen::Quaterniond::Identity()), {}, Pose::Identity());
+  const auto fixes = flight.slam.graph().position_factors();
+  ASSERT_EQ(fixes.size(), 1U);
+  EXPECT_EQ(fixes[0].p_world_m.x(), 35'993.0) << "the newest that is not newer than the scan";
 }
 
 TEST(GlobalSlam, WhatIsForgottenOfASubmapIsKnownInAnOlderOne) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -320,6 +321,35 @@ TEST(PoseGraph, GivesTheSameBitsTwice) {
   a.graph.optimize({});
   b.graph.optimize({});
   for (int i = 0; i < 80; ++i) EXPECT_EQ(a.graph.pose(i).matrix(), b.graph.pose(i).matrix());
+}
+
+TEST(PoseGraph, ATruncatedGraphIsTheOneThatTheFirstPosesMake) {
+  std::mt19937 random(3);
+  PoseGraph graph, first;
+  constexpr int kPoses = 9, kKept = 6;
+  for (int i = 0; i < kPoses; ++i) {
+    const Pose T = random_pose(random);
+    graph.add_pose(T);
+    if (i < kKept) first.add_pose(T);
+  }
+  const auto add = [&](const auto& factor, int newest) {
+    graph.add(factor);
+    if (newest < kKept) first.add(factor);
+  };
+  for (int from = 0; from < kPoses; ++from) {
+    for (int to = 0; to < kPoses; ++to) {
+      if (from != to) add(RelativeFactor{from, to, random_pose(random), Matrix6::Identity(), 2.0}, std::max(from, to));
+      add(PositionFactor{from, to, 0.3, Vector3(1, 2, 3), Vector3::Ones(), 1.0}, std::max(from, to));
+    }
+    add(PriorFactor{from, random_pose(random), Matrix6::Identity()}, from);
+    add(GravityFactor{from, Vector3::UnitZ(), 0.1}, from);
+  }
+  graph.truncate(kKept);
+  EXPECT_EQ(graph.num_poses(), kKept);
+  EXPECT_EQ(graph.cost(), first.cost());
+  graph.optimize({});
+  first.optimize({});
+  for (int i = 0; i < kKept; ++i) EXPECT_EQ(graph.pose(i).matrix(), first.pose(i).matrix());
 }
 
 }  // namespace

@@ -60,6 +60,8 @@ class SubmapMap : public OccupancyView, private OccupiedBlocks {
   std::uint64_t revision() const override { return revision_; }
   bool changed_since(std::uint64_t revision, std::vector<VoxelGrid>& boxes) const override;
   void append_voxels(MapVoxels& copy) const override;
+  /// What is known of each block, in cells of the map.
+  void append_blocks(std::vector<CellBlock>& blocks) const;
   /// All occupied cells.
   void append_occupied(std::vector<Vector3>& centers_local_m) const;
 

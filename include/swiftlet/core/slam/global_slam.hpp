@@ -30,6 +30,7 @@ struct GlobalSlamConfig {
   double submap_m = 8.0;
   double submap_voxel_m = 0.2;
   double covered_share = 0.7;
+  int visits_kept = 6;
   double closure_distance_m = 8.0;
   double closure_gap_m = 30.0;
   int searches = 2;
@@ -58,6 +59,9 @@ struct GlobalSlamConfig {
 
 /// Where the local frame lies in the world. Key frames (nodes) and submaps of the local trajectory are poses of a
 /// graph. Closures join them when the vehicle comes by again, and GNSS fixes pull them where there are any.
+///
+/// The graph is bounded at one place: visits_kept submaps stay. A further one is dropped when it is finished. Only its
+/// pose and closures stay, until the next submap is finished.
 ///
 /// With the map of an earlier flight the graph begins with that flight's. A vehicle whose start was told looks for
 /// closures with its submaps as with its own. One that was told nothing looks for itself in all of them.
@@ -104,23 +108,41 @@ class GlobalSlam : public TellsSubmaps {
     Pose T_local_body = Pose::Identity();
     double way_m = 0.0;
   };
+  /// Odometry from an older pose to the start of a submap. Replaces the poses of dropped submaps in between.
+  struct Tie {
+    int pose = -1;  // in the graph; -1: none
+    Pose T_pose_local = Pose::Identity();
+    double way_m = 0.0;  // path length of the odometry
+  };
+  enum class Closed { kNot, kPartly, kFully };  // kPartly: one direction stays open
   struct Submap {
-    int pose = 0;  // in the graph
+    int pose = 0;        // in the graph
+    int first_pose = 0;  // first one to be removed with it
     Pose T_local_submap = Pose::Identity();
     double begin_m = 0.0, end_m = 0.0;  // of the way
     std::vector<Eigen::Vector3f> points_submap_m;
     bool thinned_out = false;  // most of what it saw is in older ones
+    Closed closed = Closed::kNot;
+    Tie tie;
+    double hidden_m = 0.0;  // path length of dropped submaps since the last full closure
   };
-  /// An older submap in which the newest one has been found.
-  struct Joined {
+  /// An older submap, and where the newest one lies in it.
+  struct Older {
+    int pose = 0;  // in the graph
     std::span<const Eigen::Vector3f> points_older_m;
     Pose T_older_newer = Pose::Identity();
   };
-  void begin_submap(const Node& node);
-  void finish_submap();
+  void begin_submap(const Tie& tie, int first_pose, double hidden_m);
+  void begin_next_submap();
+  void add_gravity();
   std::vector<Eigen::Vector3f> thinned_m(std::span<const Eigen::Vector3f> points_submap_m) const;
-  std::vector<Joined> seek_closures();
-  void forget_known(std::span<const Joined> joined);
+  std::vector<Older> seek_closures();
+  std::vector<Eigen::Vector3f> unknown_m(std::span<const Older> older) const;
+  bool is_covered(std::size_t num_unknown) const;
+  void forget_known(std::span<const Older> joined);
+  bool drop_known(std::span<const Older> joined);
+  void drop_newest(std::span<const Older> joined);
+  void tell_dropped(int into, const Pose& T_into_newest);
   bool is_sought(TimeNs t, double way_m) const;
   void locate(TimeNs t);
   void join(int older_pose, int newer_pose, const ClosureResult& closure);

@@ -104,6 +104,8 @@ class PoseGraph {
   std::span<const PriorFactor> prior_factors() const { return priors_; }
   std::span<const GravityFactor> gravity_factors() const { return gravities_; }
   std::span<const PositionFactor> position_factors() const { return positions_; }
+  /// Forgets all poses but the first ones, and every factor that needs another one.
+  void truncate(int num_poses);
   /// Of all poses from this one on.
   void clear_priors(int from = 0) {
     std::erase_if(priors_, [from](const PriorFactor& f) { return f.pose >= from; });
