@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
+#include <utility>
 
+#include "sim/world/input_file.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/world/mesh_builder.hpp"
 #include "swiftlet/sim/world/point_cloud_file.hpp"
 
@@ -42,9 +44,9 @@ std::vector<std::uint64_t> occupied_voxels(std::span<const Eigen::Vector3d> poin
     for (int axis = 0; axis < 3; ++axis) {
       const double index = std::floor(point[axis] / leaf_m);
       if (std::abs(index) >= kReach - 2) {
-        throw InputError("world cloud: expected points within " + std::to_string(kReach * leaf_m) +
-                         " m of the origin at this leaf_m, found a coordinate of " + std::to_string(point[axis]) +
-                         " m");
+        throw InputError("expected points within " + std::to_string(kReach * leaf_m) +
+                         " m of the world's origin at this leaf_m, found a coordinate of " +
+                         std::to_string(point[axis]) + " m; position_m brings a cloud home");
       }
       voxel[axis] = static_cast<std::int32_t>(index);
     }
@@ -149,14 +151,22 @@ Mesh voxelize(std::span<const Eigen::Vector3d> points_m, double leaf_m, int min_
 Scene make_cloud(const CloudConfig& config, std::uint64_t) {
   if (config.file.empty()) throw InputError("world cloud: file: expected the name of a point cloud, found none");
   std::vector<Eigen::Vector3d> points_m = read_point_cloud(config.file);
-  for (Eigen::Vector3d& point : points_m) point *= config.scale;
+  if (points_m.empty()) reject_file(config.file, "expected points with finite coordinates, found none");
+  const Eigen::Affine3d T_world_file = placement(config.position_m, config.yaw_deg, config.scale);
+  for (Eigen::Vector3d& point : points_m) point = T_world_file * point;
+  Mesh mesh;
+  try {
+    mesh = voxelize(points_m, config.leaf_m, config.min_points);
+  } catch (const InputError& problem) {
+    reject_file(config.file, problem.what());
+  }
+  if (mesh.triangles.empty()) {
+    reject_file(config.file, "expected a voxel with min_points = " + std::to_string(config.min_points) +
+                                 " points at this leaf_m, found none");
+  }
   SceneBuilder scene;
-  const Material material{"cloud", static_cast<float>(config.reflectivity), false, {0.6F, 0.6F, 0.62F}};
-  const std::uint32_t mesh = scene.add_mesh(voxelize(points_m, config.leaf_m, config.min_points), material,
-                                            surface_class_of(config.surface_class).value_or(SurfaceClass::kUnlabeled));
-  scene.place(
-      mesh, 1,
-      transform(config.position_m.cast<float>(), static_cast<float>(config.yaw_deg * std::numbers::pi / 180.0)));
+  scene.add(std::move(mesh), {"cloud", static_cast<float>(config.reflectivity), false, {0.6F, 0.6F, 0.62F}},
+            surface_class_of(config.surface_class).value_or(SurfaceClass::kUnlabeled), 1);
   return scene.finish();
 }
 

@@ -3,14 +3,47 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
-/// Reading files that others wrote: everything that can be wrong with them ends in one clear line.
+/// Files of other programs, read line by line. Any fault of theirs ends in one line with file and reason.
 namespace swiftlet::sim {
 
 /// Throws InputError: "<file>: <reason>".
 [[noreturn]] void reject_file(const std::filesystem::path& file, const std::string& reason);
+/// Throws InputError: "<file>:<line>: <reason>".
+[[noreturn]] void reject_file(const std::filesystem::path& file, std::size_t line, const std::string& reason);
 
 /// The extension in lower case without its dot.
 std::string extension_of(const std::filesystem::path& file);
+
+std::string lower_case(std::string_view text);
+
+/// Axis 0, 1, 2 of a column named x, y, z or X, Y, Z; -1 for any other.
+int axis_named(std::string_view column);
+
+/// The content without the byte order mark that some editors put before UTF-8.
+std::string_view without_mark(std::string_view content);
+
+/// The lines of a text. Both ends of a line are known: LF and CR LF.
+class TextLines {
+ public:
+  explicit TextLines(std::string_view text) : text_(text) {}
+  /// Goes to the next line; false at the end of the text.
+  bool next();
+  std::string_view line() const { return line_; }  ///< without its end
+  std::size_t number() const { return number_; }   ///< from 1
+  std::size_t end() const { return end_; }         ///< offset of the line after it
+
+ private:
+  std::string_view text_, line_;
+  std::size_t number_ = 0, end_ = 0;
+};
+
+/// Replaces `words` by those of the line.
+void split(std::string_view line, std::vector<std::string_view>& words);
+
+/// The line behind its first word, without blanks at its ends: a name may have blanks inside.
+std::string rest_of(std::string_view line);
 
 }  // namespace swiftlet::sim

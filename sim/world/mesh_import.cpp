@@ -1,32 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/world/mesh_import.hpp"
 
-#include <assimp/config.h>
-#include <assimp/material.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-
 #include <algorithm>
-#include <assimp/Importer.hpp>
 #include <charconv>
-#include <cstdint>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "sim/world/input_file.hpp"
-#include "sim/world/ply_file.hpp"
+#include "sim/world/mesh_file.hpp"
 #include "sim/world/scene_builder.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/nearest_word.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned kMaxCorners = 100'000;  // of a face
+/// Farthest vertex of a placed mesh along each axis. Single precision resolves 8 mm there.
+constexpr double kReach_m = 1e5;
 
 struct Label {
   SurfaceClass surface_class = SurfaceClass::kUnlabeled;
@@ -53,148 +51,155 @@ bool parse_exported_name(const std::string& name, Label& label) {
   return false;
 }
 
-Label label_of(const MeshImportConfig& config, const std::string& mesh_name, const std::string& material_name) {
+std::vector<std::string> names_of(const MeshFile::Part& part) { return {part.object, part.group, part.material}; }
+
+bool names_part(const SurfaceRuleConfig& rule, const MeshFile::Part& part) {
+  const std::vector<std::string> names = names_of(part);
+  return !rule.name.empty() && std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    return name.find(rule.name) != std::string::npos;
+  });
+}
+
+Label label_of(const MeshImportConfig& config, const MeshFile::Part& part) {
   Label label;
   label.reflectivity = static_cast<float>(config.reflectivity);
   for (const SurfaceRuleConfig& rule : config.surfaces) {
-    const bool matches = !rule.name.empty() && (mesh_name.find(rule.name) != std::string::npos ||
-                                                material_name.find(rule.name) != std::string::npos);
-    if (!matches) continue;
+    if (!names_part(rule, part)) continue;
     label.surface_class = surface_class_of(rule.surface_class).value_or(SurfaceClass::kUnlabeled);
     label.reflectivity = static_cast<float>(rule.reflectivity);
     label.retroreflective = rule.retroreflective;
     return label;
   }
-  if (!parse_exported_name(mesh_name, label))
+  if (!parse_exported_name(part.object, label) && !parse_exported_name(part.group, label))
     label.surface_class = surface_class_of(config.surface_class).value_or(SurfaceClass::kUnlabeled);
   return label;
 }
 
-// The library believes the number of triangles in the head of an STL file before it looks how long the file is.
-void check_stl(const fs::path& file, const std::string& content) {
-  if (content.compare(0, 5, "solid") == 0) return;
-  if (content.size() < 84)
-    reject_file(file, "truncated: expected 84 bytes of STL header, found " + std::to_string(content.size()));
-  std::uint32_t triangles = 0;
-  std::memcpy(&triangles, content.data() + 80, sizeof triangles);
-  const std::uint64_t expected = 84 + 50ULL * triangles;
-  if (content.size() < expected) {
-    reject_file(file, "truncated: expected " + std::to_string(expected) + " bytes for " + std::to_string(triangles) +
-                          " triangles, found " + std::to_string(content.size()));
+/// The part of a name that differs from the word by its case alone, or the name nearest to it; empty: none.
+std::string likely_name(const std::string& word, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    const std::size_t at = lower_case(name).find(lower_case(word));
+    if (at != std::string::npos && !word.empty()) return name.substr(at, word.size());
+  }
+  const std::string* nearest = nearest_word(word, names);
+  return nearest == nullptr ? "" : *nearest;
+}
+
+/// Each rule names a part, or a wrong letter would change labels and intensities without a word.
+void require_rules_to_match(const MeshImportConfig& config, const MeshFile& source) {
+  constexpr std::size_t kMostShown = 8;
+  for (std::size_t i = 0; i < config.surfaces.size(); ++i) {
+    const SurfaceRuleConfig& rule = config.surfaces[i];
+    if (std::any_of(source.parts.begin(), source.parts.end(), [&](const auto& part) { return names_part(rule, part); }))
+      continue;
+    std::vector<std::string> names;
+    for (const MeshFile::Part& part : source.parts) {
+      for (const std::string& name : names_of(part)) {
+        if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+      }
+    }
+    std::string known;
+    for (std::size_t k = 0; k < std::min(names.size(), kMostShown); ++k) known += (k == 0 ? "" : ", ") + names[k];
+    if (names.size() > kMostShown) known += ", ...";
+    const std::string meant = likely_name(rule.name, names);
+    throw InputError("world.surfaces[" + std::to_string(i) + "].name: expected part of a name in " + config.file +
+                     " (" + (known.empty() ? "which names nothing" : known) + "), found \"" + rule.name + "\"" +
+                     (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
   }
 }
 
-/// The library reads a PLY file that we wrote: its own reader reads on behind the end, and takes text for lengths.
-const aiScene* read_scene(Assimp::Importer& importer, const fs::path& file, const std::string& extension) {
+MeshFile read_mesh(const fs::path& file) {
+  const std::string extension = extension_of(file);
+  if (extension != "obj" && extension != "ply" && extension != "stl")
+    reject_file(file, "expected a mesh named .obj, .ply or .stl");
   const std::string content = read_whole_file(file);
   if (content.empty()) reject_file(file, "expected a mesh, found an empty file");
-  if (extension == "ply") {
-    const std::string plain = to_plain_ply(read_ply_mesh(file, content));
-    return importer.ReadFileFromMemory(plain.data(), plain.size(), 0, "ply");
-  }
-  if (extension == "stl") check_stl(file, content);
-  return importer.ReadFile(file, 0);
-}
-
-// The library triangulates polygons by assertions, not by messages.
-void check_faces(const fs::path& file, const aiMesh& mesh) {
-  std::vector<unsigned> corners;
-  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
-    const aiFace& face = mesh.mFaces[i];
-    const std::string name = "face " + std::to_string(i);
-    if (face.mNumIndices > kMaxCorners || (face.mNumIndices > 0 && face.mIndices == nullptr))
-      reject_file(file, name + ": expected at most " + std::to_string(kMaxCorners) + " corners, found " +
-                            std::to_string(face.mNumIndices));
-    corners.assign(face.mIndices, face.mIndices + face.mNumIndices);
-    std::sort(corners.begin(), corners.end());
-    if (!corners.empty() && corners.back() >= mesh.mNumVertices)
-      reject_file(file, name + " names a vertex that does not exist");
-    if (corners.size() > 3 && std::adjacent_find(corners.begin(), corners.end()) != corners.end())
-      reject_file(file, name + " has a corner twice");
-  }
-}
-
-// From the file to the world: up axis, scale, yaw, position.
-Eigen::Affine3f placement(const MeshImportConfig& config) {
-  Eigen::Affine3f T =
-      transform(config.position_m.cast<float>(), static_cast<float>(config.yaw_deg * std::numbers::pi / 180.0),
-                Eigen::Vector3f::Constant(static_cast<float>(config.scale)));
-  if (config.up_axis == MeshImportConfig::UpAxis::kY)
-    T.rotate(Eigen::AngleAxisf(std::numbers::pi_v<float> / 2.0F, Eigen::Vector3f::UnitX()));
-  return T;
-}
-
-Mesh convert(const fs::path& file, const aiMesh& source) {
-  Mesh mesh;
-  mesh.vertices_mesh_m.reserve(source.mNumVertices);
-  for (unsigned i = 0; i < source.mNumVertices; ++i) {
-    const aiVector3D& p = source.mVertices[i];
-    mesh.vertices_mesh_m.emplace_back(p.x, p.y, p.z);
-    if (!mesh.vertices_mesh_m.back().allFinite())
-      reject_file(file, "expected finite coordinates, vertex " + std::to_string(i) + " has others");
-  }
-  for (unsigned i = 0; i < source.mNumFaces; ++i) {
-    const aiFace& face = source.mFaces[i];
-    if (face.mNumIndices != 3) continue;
-    for (unsigned k = 0; k < 3; ++k) {
-      if (face.mIndices[k] >= source.mNumVertices)
-        reject_file(file, "face " + std::to_string(i) + " names a vertex that does not exist");
-    }
-    mesh.triangles.push_back({face.mIndices[0], face.mIndices[1], face.mIndices[2]});
-  }
-  return mesh;
-}
-
-Eigen::Affine3f to_eigen(const aiMatrix4x4& m) {
-  Eigen::Affine3f T = Eigen::Affine3f::Identity();
-  T.matrix() << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2, m.d3, m.d4;
-  return T;
+  if (extension == "obj") return read_obj(file, content);
+  return extension == "ply" ? read_ply_mesh(file, without_mark(content)) : read_stl(file, content);
 }
 
 class Converter {
  public:
-  Converter(const MeshImportConfig& config, const aiScene& source) : config_(config), source_(source) {}
+  Converter(const MeshImportConfig& config, const MeshFile& source)
+      : config_(config), source_(source), local_(source.vertices_mesh.size(), MeshFile::kNoVertex) {
+    T_world_file_ = placement(config.position_m, config.yaw_deg, config.scale);
+    if (config.up_axis == MeshImportConfig::UpAxis::kY)
+      T_world_file_.rotate(Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitX()));
+  }
 
   Scene run() {
-    add_node(*source_.mRootNode, placement(config_), 0);
+    for (std::size_t i = 0; i < source_.parts.size(); ++i) {
+      const bool is_last = i + 1 == source_.parts.size();
+      add_part(source_.parts[i], is_last ? source_.num_faces() : source_.parts[i + 1].first_face);
+    }
     Scene scene = scene_.finish();
-    if (scene.num_triangles() == 0) reject_file(config_.file, "expected triangles, found none");
+    if (scene.num_triangles() == 0) {
+      reject_file(config_.file, num_bad_ == 0 ? "expected faces, found none"
+                                              : "expected a face with an area, found none; " + first_bad_);
+    }
+    scene.counters.push_back({"faces left out: " + first_bad_, num_bad_, source_.num_faces(), "world.file"});
     return scene;
   }
 
  private:
-  void add_node(const aiNode& node, const Eigen::Affine3f& T_world_parent, int depth) {
-    if (depth > 100) reject_file(config_.file, "expected at most 100 nested groups");
-    const Eigen::Affine3f T_world_node = T_world_parent * to_eigen(node.mTransformation);
-    for (unsigned i = 0; i < node.mNumMeshes; ++i)
-      add_mesh(*source_.mMeshes[node.mMeshes[i]], node.mName.C_Str(), T_world_node);
-    for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(*node.mChildren[i], T_world_node, depth + 1);
+  void add_part(const MeshFile::Part& part, std::size_t faces_end) {
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    for (std::size_t face = part.first_face; face < faces_end; ++face) {
+      const char* const problem = append_triangles(source_, face, triangles);
+      if (problem != nullptr && num_bad_++ == 0) first_bad_ = source_.place_of(face) + ": " + problem;
+    }
+    if (triangles.empty()) return;
+    Label label = label_of(config_, part);
+    if (label.instance == 0) label.instance = scene_.next_instance(label.surface_class);
+    // Parts of one material in the file may have different labels, hence the class in the name.
+    const Material material{(part.material.empty() ? "default" : part.material) + ":" + name_of(label.surface_class) +
+                                ":" + std::to_string(label.reflectivity),
+                            label.reflectivity, label.retroreflective, part.color_rgb};
+    scene_.add(placed(std::move(triangles)), material, label.surface_class, label.instance);
   }
 
-  void add_mesh(const aiMesh& source, const std::string& node_name, const Eigen::Affine3f& T) {
-    Mesh mesh = convert(config_.file, source);
-    if (mesh.triangles.empty()) return;
-    const std::string mesh_name = source.mName.length > 0 ? source.mName.C_Str() : node_name;
-    const aiMaterial& source_material = *source_.mMaterials[source.mMaterialIndex];
-    aiString material_name;
-    source_material.Get(AI_MATKEY_NAME, material_name);
-    aiColor3D color(0.6F, 0.6F, 0.6F);
-    source_material.Get(AI_MATKEY_COLOR_DIFFUSE, color);
-    Label label = label_of(config_, mesh_name, material_name.C_Str());
-    if (label.instance == 0) label.instance = scene_.next_instance(label.surface_class);
+  /// The triangles with their own vertices in the world. Coordinates become single here.
+  Mesh placed(std::vector<std::array<std::uint32_t, 3>> triangles) {
+    Mesh mesh;
+    std::vector<std::uint32_t> used;  // vertices of the file, in the order of the mesh's own
+    for (auto& triangle : triangles) {
+      for (std::uint32_t& corner : triangle) {
+        std::uint32_t& local = local_[corner];
+        if (local == MeshFile::kNoVertex) {
+          local = static_cast<std::uint32_t>(used.size());
+          used.push_back(corner);
+        }
+        corner = local;
+      }
+    }
+    for (const std::uint32_t vertex : used) {
+      local_[vertex] = MeshFile::kNoVertex;
+      const Eigen::Vector3d p_world_m = T_world_file_ * source_.vertices_mesh[vertex];
+      if (!(p_world_m.cwiseAbs().maxCoeff() <= kReach_m)) reject_distance(p_world_m);
+      mesh.vertices_mesh_m.push_back(p_world_m.cast<float>());
+    }
+    mesh.triangles = std::move(triangles);
+    return mesh;
+  }
 
-    // Parts of one material in the file may have different labels, hence the class in the name.
-    Material material{std::string(material_name.C_Str()) + ":" + name_of(label.surface_class) + ":" +
-                          std::to_string(label.reflectivity),
-                      label.reflectivity,
-                      label.retroreflective,
-                      {color.r, color.g, color.b}};
-    scene_.place(scene_.add_mesh(std::move(mesh), material, label.surface_class), label.instance, T);
+  [[noreturn]] void reject_distance(const Eigen::Vector3d& p_world_m) const {
+    const auto triple = [](const Eigen::Vector3d& p) {
+      std::string text;
+      for (int axis = 0; axis < 3; ++axis) text += (axis == 0 ? "[" : ", ") + shortest(std::round(p[axis]));
+      return text + "]";
+    };
+    reject_file(config_.file, "expected vertices within 100 km of the world's origin, found one at " +
+                                  triple(p_world_m) + " m; position_m: " + triple(config_.position_m - p_world_m) +
+                                  " of a world of type mesh brings it home");
   }
 
   const MeshImportConfig& config_;
-  const aiScene& source_;
+  const MeshFile& source_;
+  Eigen::Affine3d T_world_file_;
+  std::vector<std::uint32_t> local_;  // scratch: vertex of the part for each of the file
   SceneBuilder scene_;
+  std::uint64_t num_bad_ = 0;
+  std::string first_bad_;
 };
 
 }  // namespace
@@ -219,22 +224,10 @@ void MeshImportConfig::visit(ConfigVisitor& v) {
 
 Scene make_mesh_import(const MeshImportConfig& config, std::uint64_t) {
   if (config.file.empty()) throw InputError("world mesh: file: expected the name of a mesh, found none");
-  const std::string extension = extension_of(config.file);
-  if (extension != "obj" && extension != "ply" && extension != "stl")
-    reject_file(config.file, "expected a mesh named .obj, .ply or .stl");
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const auto require = [&](const aiScene* scene) {
-    if (scene == nullptr || scene->mRootNode == nullptr)
-      reject_file(config.file, std::string("cannot be read as a mesh: ") + importer.GetErrorString());
-  };
-  const aiScene* source = read_scene(importer, config.file, extension);
-  require(source);
-  for (unsigned i = 0; i < source->mNumMeshes; ++i) check_faces(config.file, *source->mMeshes[i]);
-  source = importer.ApplyPostProcessing(aiProcess_ValidateDataStructure | aiProcess_Triangulate |
-                                        aiProcess_SortByPType | aiProcess_JoinIdenticalVertices);
-  require(source);
-  return Converter(config, *source).run();
+  const MeshFile source = read_mesh(config.file);
+  Scene scene = Converter(config, source).run();
+  require_rules_to_match(config, source);
+  return scene;
 }
 
 }  // namespace swiftlet::sim

@@ -31,6 +31,10 @@ double decode(const char* bytes, char kind, int size, bool swap) {
                      : as(std::uint64_t{});
 }
 
+double number_or_nan(std::string_view word) { return Words(word, 0).number().value_or(std::nan("")); }
+
+std::size_t Words::line() const { return 1 + static_cast<std::size_t>(std::count(content_, next_, '\n')); }
+
 std::optional<double> Words::number() {
   while (next_ != end_ && std::isspace(static_cast<unsigned char>(*next_))) ++next_;
   if (next_ != end_ && *next_ == '+') ++next_;

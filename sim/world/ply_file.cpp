@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
-#include <cstring>
-#include <sstream>
+#include <iterator>
+#include <utility>
 
 #include "sim/world/input_file.hpp"
+#include "sim/world/mesh_file.hpp"
 #include "sim/world/number_reading.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kMaxHeaderBytes = 1 << 20;
 
-bool parse_type(const std::string& word, char& kind, int& size) {
+bool parse_type(std::string_view word, char& kind, int& size) {
   struct Name {
     const char* word;
     char kind;
@@ -37,23 +38,81 @@ bool parse_type(const std::string& word, char& kind, int& size) {
   return false;
 }
 
-PlyHeader::Property parse_property(const fs::path& file, std::istringstream& words, const std::string& line) {
-  PlyHeader::Property property;
-  std::string type;
-  words >> type;
-  if (type == "list") {
-    property.is_list = true;
-    std::string count_type;
-    words >> count_type >> type;
-    if (!parse_type(count_type, property.count_kind, property.count_size) || property.count_kind == 'f') {
-      reject_file(file, "PLY header: expected a whole-number type for the length of a list, found '" + line + "'");
+/// The head, line by line.
+class HeaderReader {
+ public:
+  HeaderReader(const fs::path& file, std::string_view content) : file_(file), lines_(content) {}
+
+  PlyHeader read() {
+    next_line();
+    if (words_.size() != 1 || words_[0] != "ply") reject_file(file_, "expected a PLY file that begins with 'ply'");
+    while (true) {
+      next_line();
+      const std::string_view word = words_.empty() ? "comment" : words_[0];
+      if (word == "end_header") break;
+      if (word == "format") {
+        take_format();
+      } else if (word == "element") {
+        take_element();
+      } else if (word == "property") {
+        take_property();
+      } else if (word != "comment" && word != "obj_info") {
+        reject("format, element, property, comment or end_header");
+      }
     }
+    if (!has_format_) reject_file(file_, "PLY header: expected a format, found none");
+    header_.data_begin = lines_.end();
+    return std::move(header_);
   }
-  if (!parse_type(type, property.kind, property.size))
-    reject_file(file, "PLY header: expected a property type, found '" + line + "'");
-  if (!(words >> property.name)) reject_file(file, "PLY header: expected a property name, found '" + line + "'");
-  return property;
-}
+
+ private:
+  void next_line() {
+    if (!lines_.next() || lines_.end() > kMaxHeaderBytes)
+      reject_file(file_, "expected a PLY header that ends with 'end_header', found none");
+    split(lines_.line(), words_);
+  }
+  [[noreturn]] void reject(const std::string& expected) const {
+    reject_file(file_, lines_.number(),
+                "PLY header: expected " + expected + ", found '" + std::string(lines_.line().substr(0, 60)) + "'");
+  }
+  std::string_view word(std::size_t i) const { return i < words_.size() ? words_[i] : std::string_view(); }
+
+  void take_format() {
+    constexpr std::string_view kFormats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    const auto* const found = std::find(std::begin(kFormats), std::end(kFormats), word(1));
+    if (has_format_) reject("one format");
+    if (word(2) != "1.0") reject("a format of version 1.0");
+    if (found == std::end(kFormats)) reject("format ascii, binary_little_endian or binary_big_endian");
+    header_.format = static_cast<PlyHeader::Format>(found - std::begin(kFormats));
+    has_format_ = true;
+  }
+
+  void take_element() {
+    const auto count = number_in<std::uint64_t>(word(2));
+    if (!count) reject("the number of elements");
+    header_.elements.push_back({std::string(word(1)), *count, {}});
+  }
+
+  void take_property() {
+    if (header_.elements.empty()) reject("an element before its properties");
+    PlyHeader::Property property;
+    property.is_list = word(1) == "list";
+    if (property.is_list &&
+        (!parse_type(word(2), property.count_kind, property.count_size) || property.count_kind == 'f'))
+      reject("a whole-number type for the length of a list");
+    const std::size_t type = property.is_list ? 3 : 1;
+    if (!parse_type(word(type), property.kind, property.size)) reject("a property type");
+    property.name = word(type + 1);
+    if (property.name.empty()) reject("a property name");
+    header_.elements.back().properties.push_back(std::move(property));
+  }
+
+  const fs::path& file_;
+  TextLines lines_;
+  std::vector<std::string_view> words_;
+  PlyHeader header_;
+  bool has_format_ = false;
+};
 
 // Each value of a text file takes at least a digit and a separator, each binary element its fixed bytes.
 void check_length(const fs::path& file, const PlyHeader& header, std::size_t content_bytes) {
@@ -76,7 +135,7 @@ void check_length(const fs::path& file, const PlyHeader& header, std::size_t con
 /// Takes the values of a PLY file one by one.
 class PlyValues {
  public:
-  PlyValues(const fs::path& file, const PlyHeader& header, const std::string& content)
+  PlyValues(const fs::path& file, const PlyHeader& header, std::string_view content)
       : file_(file),
         is_text_(header.format == PlyHeader::Format::kAscii),
         swap_((header.format == PlyHeader::Format::kBigEndian) != (std::endian::native == std::endian::big)),
@@ -90,12 +149,10 @@ class PlyValues {
     std::uint64_t count = 1;
     if (property.is_list) {
       const double length = next(element, row, property, property.count_kind, property.count_size);
-      // Nobody makes room for a list before it is known that the file can hold it.
+      // No room is made for a list before it is known that the file can hold it.
       if (!(length >= 0.0 && length <= static_cast<double>(room_for(property.size)) && length == std::floor(length))) {
-        std::ostringstream found;
-        found << length;
-        reject_file(file_, place(element, row) + ": expected a list '" + property.name +
-                               "' that fits into the file, found one of " + found.str() + " values");
+        reject(place(element, row) + ": expected a list '" + property.name +
+               "' that fits into the file, found one of " + shortest(length) + " values");
       }
       count = static_cast<std::uint64_t>(length);
     }
@@ -117,8 +174,13 @@ class PlyValues {
       at_ += size;
       return decode(at_ - size, kind, size, swap_);
     }
-    reject_file(file_, (is_text_ ? "expected a number, found none for '" : "truncated: it ends before '") +
-                           property.name + "' of " + place(element, row));
+    reject((is_text_ ? "expected a number, found none for '" : "truncated: it ends before '") + property.name +
+           "' of " + place(element, row));
+  }
+
+  [[noreturn]] void reject(const std::string& reason) const {
+    if (is_text_) reject_file(file_, words_.line(), reason);
+    reject_file(file_, reason);
   }
 
   /// What the rest of the file can hold of values of this size: in a text a digit and a blank each.
@@ -133,46 +195,63 @@ class PlyValues {
   Words words_;
 };
 
-void add_vertex(PlyMesh& mesh, const PlyHeader::Property& property, const std::vector<double>& values) {
+/// The axis that each property of a vertex is for, -1 for none.
+std::vector<int> axes_of(const fs::path& file, const PlyHeader::Element& vertex) {
+  std::vector<int> axes;
+  bool is_there[3] = {};
+  for (const PlyHeader::Property& property : vertex.properties) {
+    const int axis = property.is_list ? -1 : axis_named(property.name);
+    axes.push_back(axis);
+    if (axis >= 0) is_there[axis] = true;
+  }
   for (int axis = 0; axis < 3; ++axis) {
-    if (!property.is_list && property.name == std::string(1, "xyz"[axis]))
-      mesh.vertices_mesh_m.back()[axis] = static_cast<float>(values[0]);
+    if (!is_there[axis]) reject_file(file, std::string("expected vertices with x, y and z, found no ") + "xyz"[axis]);
   }
+  return axes;
 }
 
-void add_face(PlyMesh& mesh, const PlyHeader::Property& property, const std::vector<double>& values) {
-  if (!property.is_list || (property.name != "vertex_indices" && property.name != "vertex_index")) return;
-  for (const double corner : values) {
-    // What is no number of a vertex becomes one that no vertex has.
-    const bool is_index = corner >= 0.0 && corner < 4294967295.0 && corner == std::floor(corner);
-    mesh.corners.push_back(is_index ? static_cast<std::uint32_t>(corner) : ~std::uint32_t{0});
-  }
+bool lists_corners(const PlyHeader::Property& property) {
+  return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-/// Vertices may come after the faces that name them.
-void check_corners(const fs::path& file, const PlyMesh& mesh) {
-  for (std::size_t face = 0; face + 1 < mesh.corners_begin.size(); ++face) {
-    for (std::size_t i = mesh.corners_begin[face]; i < mesh.corners_begin[face + 1]; ++i) {
-      if (mesh.corners[i] >= mesh.vertices_mesh_m.size())
-        reject_file(file, "face " + std::to_string(face) + " names a vertex that does not exist");
+std::uint32_t vertex_of(double corner) {
+  const bool is_index = corner >= 0.0 && corner < MeshFile::kNoVertex && corner == std::floor(corner);
+  return is_index ? static_cast<std::uint32_t>(corner) : MeshFile::kNoVertex;
+}
+
+const PlyHeader::Element* find_element(const PlyHeader& header, std::string_view name) {
+  const auto found = std::find_if(header.elements.begin(), header.elements.end(),
+                                  [&](const auto& element) { return element.name == name; });
+  return found == header.elements.end() ? nullptr : &*found;
+}
+
+/// Goes through the elements in the order of the file, as far as `last`. Elements and properties that a mesh does not
+/// need are passed over.
+MeshFile read_elements(const fs::path& file, std::string_view content, const PlyHeader& header,
+                       const PlyHeader::Element& vertex, const PlyHeader::Element* face,
+                       const PlyHeader::Element& last) {
+  MeshFile mesh;
+  const std::vector<int> axes = axes_of(file, vertex);
+  mesh.vertices_mesh.reserve(vertex.count);
+  PlyValues data(file, header, content);
+  std::vector<double> values;
+  for (const PlyHeader::Element* element = header.elements.data(); element <= &last; ++element) {
+    if (element->properties.empty()) continue;
+    for (std::uint64_t row = 0; row < element->count; ++row) {
+      if (element == &vertex) mesh.vertices_mesh.emplace_back(Eigen::Vector3d::Zero());
+      for (std::size_t i = 0; i < element->properties.size(); ++i) {
+        data.take(*element, row, element->properties[i], values);
+        if (element == &vertex && axes[i] >= 0) mesh.vertices_mesh.back()[axes[i]] = values[0];
+        if (element != face || !lists_corners(element->properties[i])) continue;
+        std::transform(values.begin(), values.end(), std::back_inserter(mesh.corners), vertex_of);
+      }
+      if (element == face) mesh.end_face();
     }
   }
-}
-
-/// Appends a number in the order of bytes of nearly all machines.
-template <class Value>
-void append_little_endian(std::string& out, Value value) {
-  char bytes[sizeof value];
-  std::memcpy(bytes, &value, sizeof value);
-  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes, bytes + sizeof value);
-  out.append(bytes, sizeof value);
+  return mesh;
 }
 
 }  // namespace
-
-bool PlyHeader::Element::has_list() const {
-  return std::any_of(properties.begin(), properties.end(), [](const Property& property) { return property.is_list; });
-}
 
 std::uint64_t PlyHeader::Element::min_bytes() const {
   std::uint64_t bytes = 0;
@@ -180,110 +259,33 @@ std::uint64_t PlyHeader::Element::min_bytes() const {
   return bytes;
 }
 
-PlyHeader parse_ply_header(const fs::path& file, const std::string& content) {
-  PlyHeader header;
-  std::size_t position = 0;
-  bool has_format = false;
-  for (int line_number = 1;; ++line_number) {
-    const std::size_t end = content.find('\n', position);
-    if (end == std::string::npos || end > kMaxHeaderBytes)
-      reject_file(file, "expected a PLY header that ends with 'end_header', found none");
-    std::string line = content.substr(position, end - position);
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    position = end + 1;
-    if (line_number == 1) {
-      if (line != "ply") reject_file(file, "expected a PLY file that begins with 'ply'");
-      continue;
-    }
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    if (word == "end_header") break;
-    if (word == "format") {
-      std::string format, version;
-      words >> format >> version;
-      // Of several the library may believe another one, and then take text for the length of a list.
-      if (has_format) reject_file(file, "PLY header: expected one format, found a second one: '" + line + "'");
-      if (version != "1.0") reject_file(file, "PLY header: expected a format of version 1.0, found '" + line + "'");
-      has_format = true;
-      if (format == "ascii")
-        header.format = PlyHeader::Format::kAscii;
-      else if (format == "binary_little_endian")
-        header.format = PlyHeader::Format::kLittleEndian;
-      else if (format == "binary_big_endian")
-        header.format = PlyHeader::Format::kBigEndian;
-      else
-        reject_file(file, "PLY header: expected format ascii, binary_little_endian or binary_big_endian, found '" +
-                              format + "'");
-    } else if (word == "element") {
-      PlyHeader::Element element;
-      std::string count;
-      words >> element.name >> count;
-      const auto result = std::from_chars(count.data(), count.data() + count.size(), element.count);
-      if (count.empty() || result.ec != std::errc() || result.ptr != count.data() + count.size()) {
-        reject_file(file, "PLY header: expected the number of elements, found '" + line + "'");
-      }
-      header.elements.push_back(std::move(element));
-    } else if (word == "property") {
-      if (header.elements.empty()) reject_file(file, "PLY header: expected an element before '" + line + "'");
-      header.elements.back().properties.push_back(parse_property(file, words, line));
-    } else if (!word.empty() && word != "comment" && word != "obj_info") {
-      reject_file(file, "PLY header: expected format, element, property, comment or end_header, found '" + line + "'");
-    }
-  }
-  if (!has_format) reject_file(file, "PLY header: expected a format, found none");
-  header.data_begin = position;
+PlyHeader parse_ply_header(const fs::path& file, std::string_view content) {
+  PlyHeader header = HeaderReader(file, content).read();
   check_length(file, header, content.size());
   return header;
 }
 
-PlyMesh read_ply_mesh(const fs::path& file, const std::string& content) {
+MeshFile read_ply_mesh(const fs::path& file, std::string_view content) {
   const PlyHeader header = parse_ply_header(file, content);
-  for (const char* needed : {"vertex", "face"}) {
-    const bool is_there = std::any_of(header.elements.begin(), header.elements.end(),
-                                      [&](const auto& element) { return element.name == needed && element.count > 0; });
-    if (!is_there) {
-      reject_file(file, std::string("expected a mesh with elements '") + needed +
-                            "', found none (a point cloud is a world of type cloud)");
-    }
+  const PlyHeader::Element* const vertex = find_element(header, "vertex");
+  const PlyHeader::Element* const face = find_element(header, "face");
+  for (const auto& [element, name] : {std::pair(vertex, "vertex"), std::pair(face, "face")}) {
+    if (element != nullptr && element->count > 0) continue;
+    reject_file(file, std::string("expected a mesh with elements '") + name +
+                          "', found none (a point cloud is a world of type cloud)");
   }
-  PlyMesh mesh;
-  PlyValues data(file, header, content);
-  std::vector<double> values;
-  for (const PlyHeader::Element& element : header.elements) {
-    if (element.properties.empty()) continue;
-    const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
-    for (std::uint64_t row = 0; row < element.count; ++row) {
-      if (is_vertex) mesh.vertices_mesh_m.emplace_back(Eigen::Vector3f::Zero());
-      if (is_face) mesh.corners_begin.push_back(mesh.corners.size());
-      for (const PlyHeader::Property& property : element.properties) {
-        data.take(element, row, property, values);
-        if (is_vertex) add_vertex(mesh, property, values);
-        if (is_face) add_face(mesh, property, values);
-      }
-    }
-  }
-  mesh.corners_begin.push_back(mesh.corners.size());
-  check_corners(file, mesh);
+  if (std::none_of(face->properties.begin(), face->properties.end(), lists_corners))
+    reject_file(file, "expected faces with a list 'vertex_indices', found none");
+  MeshFile mesh = read_elements(file, content, header, *vertex, face, header.elements.back());
+  mesh.parts.emplace_back();
   return mesh;
 }
 
-std::string to_plain_ply(const PlyMesh& mesh) {
-  const std::size_t num_faces = mesh.corners_begin.size() - 1;
-  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                    std::to_string(mesh.vertices_mesh_m.size()) +
-                    "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
-                    std::to_string(num_faces) + "\nproperty list uint int vertex_indices\nend_header\n";
-  out.reserve(out.size() + 12 * mesh.vertices_mesh_m.size() + 4 * (num_faces + mesh.corners.size()));
-  for (const Eigen::Vector3f& p_mesh_m : mesh.vertices_mesh_m) {
-    for (int axis = 0; axis < 3; ++axis) append_little_endian(out, p_mesh_m[axis]);
-  }
-  for (std::size_t face = 0; face < num_faces; ++face) {
-    append_little_endian(out, static_cast<std::uint32_t>(mesh.corners_begin[face + 1] - mesh.corners_begin[face]));
-    for (std::size_t i = mesh.corners_begin[face]; i < mesh.corners_begin[face + 1]; ++i)
-      append_little_endian(out, mesh.corners[i]);
-  }
-  return out;
+std::vector<Eigen::Vector3d> read_ply_points(const fs::path& file, std::string_view content) {
+  const PlyHeader header = parse_ply_header(file, content);
+  const PlyHeader::Element* const vertex = find_element(header, "vertex");
+  if (vertex == nullptr) reject_file(file, "expected an element 'vertex', found none");
+  return read_elements(file, content, header, *vertex, nullptr, *vertex).vertices_mesh;
 }
 
 }  // namespace swiftlet::sim

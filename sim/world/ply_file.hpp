@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// PLY files (G. Turk, 1994): text and binary, of either order of bytes.
@@ -25,7 +26,6 @@ struct PlyHeader {
     std::string name;
     std::uint64_t count = 0;
     std::vector<Property> properties;
-    bool has_list() const;
     std::uint64_t min_bytes() const;  ///< of one element in a binary file; lists counted as empty
   };
   Format format = Format::kAscii;
@@ -34,19 +34,9 @@ struct PlyHeader {
 };
 
 /// Reads the head and checks that the file is long enough for what the head promises.
-PlyHeader parse_ply_header(const std::filesystem::path& file, const std::string& content);
+PlyHeader parse_ply_header(const std::filesystem::path& file, std::string_view content);
 
-/// What a mesh needs of a PLY file.
-struct PlyMesh {
-  std::vector<Eigen::Vector3f> vertices_mesh_m;
-  std::vector<std::uint32_t> corners;      ///< of all faces, one after the other
-  std::vector<std::size_t> corners_begin;  ///< of each face in `corners`, and at last the end
-};
-
-/// Reads vertices and faces. Each number is there, and each corner names a vertex, or else it throws InputError.
-PlyMesh read_ply_mesh(const std::filesystem::path& file, const std::string& content);
-
-/// The same mesh as a file of the plainest form: little-endian, vertices of x, y, z, faces of vertex_indices.
-std::string to_plain_ply(const PlyMesh& mesh);
+/// The vertices of a cloud. Coordinates may be infinite or NaN.
+std::vector<Eigen::Vector3d> read_ply_points(const std::filesystem::path& file, std::string_view content);
 
 }  // namespace swiftlet::sim

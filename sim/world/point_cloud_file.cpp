@@ -4,16 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
-#include <cmath>
-#include <cstring>
 #include <optional>
-#include <sstream>
 
 #include "sim/world/input_file.hpp"
 #include "sim/world/number_reading.hpp"
 #include "sim/world/ply_file.hpp"
 #include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -23,75 +20,6 @@ using Eigen::Vector3d;
 
 void keep_finite(std::vector<Vector3d>& points, const Vector3d& point) {
   if (point.allFinite()) points.push_back(point);
-}
-
-// A column of a table of points: where x, y or z lies.
-struct Column {
-  std::size_t offset = 0;  // bytes from the start of a point, or words in a text file
-  char kind = 'f';
-  int size = 4;
-};
-
-std::vector<Vector3d> read_ply(const fs::path& file, const std::string& content) {
-  const PlyHeader header = parse_ply_header(file, content);
-  const PlyHeader::Element* vertex = nullptr;
-  std::size_t begin = header.data_begin;
-  std::uint64_t skipped_words = 0;
-  for (const PlyHeader::Element& element : header.elements) {
-    if (element.name == "vertex") {
-      vertex = &element;
-      break;
-    }
-    if (element.has_list()) reject_file(file, "expected the vertices before element '" + element.name + "'");
-    begin += element.min_bytes() * element.count;
-    skipped_words += element.properties.size() * element.count;
-  }
-  if (vertex == nullptr) reject_file(file, "expected an element 'vertex', found none");
-  if (vertex->has_list()) reject_file(file, "expected vertices without lists");
-
-  const bool is_text = header.format == PlyHeader::Format::kAscii;
-  std::array<std::optional<Column>, 3> columns;
-  std::size_t stride = 0;
-  for (const PlyHeader::Property& property : vertex->properties) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (property.name == std::string(1, "xyz"[axis])) columns[axis] = {stride, property.kind, property.size};
-    }
-    stride += is_text ? 1 : property.size;
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!columns[axis]) reject_file(file, std::string("expected vertices with x, y and z, found no ") + "xyz"[axis]);
-  }
-
-  std::vector<Vector3d> points;
-  points.reserve(vertex->count);
-  if (is_text) {
-    Words words(content, header.data_begin);
-    for (std::uint64_t i = 0; i < skipped_words; ++i) words.number();
-    for (std::uint64_t i = 0; i < vertex->count; ++i) {
-      Vector3d point;
-      for (std::size_t word = 0; word < stride; ++word) {
-        const auto value = words.number();
-        if (!value)
-          reject_file(file, "vertex " + std::to_string(i) + ": expected " + std::to_string(stride) + " numbers");
-        for (int axis = 0; axis < 3; ++axis) {
-          if (columns[axis]->offset == word) point[axis] = *value;
-        }
-      }
-      keep_finite(points, point);
-    }
-    return points;
-  }
-  if (begin > content.size() || content.size() - begin < stride * vertex->count)
-    reject_file(file, "truncated: the vertices are not complete");
-  const bool swap = (header.format == PlyHeader::Format::kBigEndian) != (std::endian::native == std::endian::big);
-  for (std::uint64_t i = 0; i < vertex->count; ++i) {
-    const char* row = content.data() + begin + i * stride;
-    Vector3d point;
-    for (int axis = 0; axis < 3; ++axis)
-      point[axis] = decode(row + columns[axis]->offset, columns[axis]->kind, columns[axis]->size, swap);
-    keep_finite(points, point);
-  }
-  return points;
 }
 
 struct PcdHeader {
@@ -113,83 +41,96 @@ struct PcdHeader {
   }
 };
 
-template <class Value, class Store>
-void read_list(const fs::path& file, std::istringstream& words, const std::string& line, PcdHeader& header,
-               const Store& store) {
-  for (PcdHeader::Field& field : header.fields) {
-    Value value{};
-    if (!(words >> value) || !store(field, value)) {
-      reject_file(file, "PCD header: expected a valid entry for each of " + std::to_string(header.fields.size()) +
-                            " fields, found '" + line + "'");
-    }
-  }
-}
+/// The head of a PCD file, line by line.
+class PcdHeaderReader {
+ public:
+  PcdHeaderReader(const fs::path& file, std::string_view content) : file_(file), lines_(content) {}
 
-PcdHeader parse_pcd_header(const fs::path& file, const std::string& content) {
-  constexpr std::size_t kMaxHeaderBytes = 1 << 20;
-  PcdHeader header;
-  std::optional<std::uint64_t> width, height, points;
-  std::size_t position = 0;
-  while (header.data.empty()) {
-    const std::size_t end = content.find('\n', position);
-    if (end == std::string::npos || end > kMaxHeaderBytes)
-      reject_file(file, "expected a PCD header that ends with 'DATA', found none");
-    std::string line = content.substr(position, end - position);
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    position = end + 1;
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    const auto number = [&](std::optional<std::uint64_t>& value) {
-      std::uint64_t n = 0;
-      if (!(words >> n) || line.find('-') != std::string::npos)
-        reject_file(file, "PCD header: expected a number, found '" + line + "'");
-      value = n;
-    };
+  PcdHeader read() {
+    constexpr std::size_t kMaxHeaderBytes = 1 << 20;
+    while (header_.data.empty()) {
+      if (!lines_.next() || lines_.end() > kMaxHeaderBytes)
+        reject_file(file_, "expected a PCD header that ends with 'DATA', found none");
+      split(lines_.line(), words_);
+      if (!words_.empty() && !words_[0].starts_with('#')) take_line();
+    }
+    for (const PcdHeader::Field& field : header_.fields) {
+      if (field.kind == 'f' && field.size < 4)
+        reject_file(file_, "PCD header: expected a size of 4 or 8 for type F of field '" + field.name + "'");
+    }
+    header_.points = num_points();
+    header_.data_begin = lines_.end();
+    return std::move(header_);
+  }
+
+ private:
+  [[noreturn]] void reject(const std::string& expected) const {
+    reject_file(file_, lines_.number(),
+                "PCD header: expected " + expected + ", found '" + std::string(lines_.line().substr(0, 60)) + "'");
+  }
+
+  void take_line() {
+    const std::string_view word = words_[0];
     if (word == "FIELDS" || word == "COLUMNS") {
-      for (std::string name; words >> name;) header.fields.push_back({name});
+      header_.fields.clear();
+      for (std::size_t i = 1; i < words_.size(); ++i) header_.fields.push_back({std::string(words_[i])});
     } else if (word == "SIZE") {
-      read_list<int>(file, words, line, header, [](PcdHeader::Field& field, int size) {
-        field.size = size;
-        return size == 1 || size == 2 || size == 4 || size == 8;
+      for_each_field([](PcdHeader::Field& field, std::string_view entry) {
+        field.size = number_in<int>(entry).value_or(0);
+        return field.size == 1 || field.size == 2 || field.size == 4 || field.size == 8;
       });
     } else if (word == "TYPE") {
-      read_list<char>(file, words, line, header, [](PcdHeader::Field& field, char kind) {
-        field.kind = static_cast<char>(std::tolower(static_cast<unsigned char>(kind)));
-        return field.kind == 'f' || field.kind == 'i' || field.kind == 'u';
+      for_each_field([](PcdHeader::Field& field, std::string_view entry) {
+        field.kind = lower_case(entry)[0];
+        return entry.size() == 1 && (field.kind == 'f' || field.kind == 'i' || field.kind == 'u');
       });
     } else if (word == "COUNT") {
-      read_list<int>(file, words, line, header, [](PcdHeader::Field& field, int count) {
-        field.count = static_cast<std::uint64_t>(count);
-        return count >= 0 && count < 100000;
+      for_each_field([](PcdHeader::Field& field, std::string_view entry) {
+        const auto count = number_in<std::uint32_t>(entry);
+        field.count = count.value_or(0);
+        return count && *count < 100000;
       });
-    } else if (word == "WIDTH") {
-      number(width);
-    } else if (word == "HEIGHT") {
-      number(height);
-    } else if (word == "POINTS") {
-      number(points);
+    } else if (word == "WIDTH" || word == "HEIGHT" || word == "POINTS") {
+      const auto number = words_.size() == 2 ? number_in<std::uint64_t>(words_[1]) : std::nullopt;
+      if (!number) reject("a whole number");
+      (word == "WIDTH" ? width_ : word == "HEIGHT" ? height_ : points_) = number;
     } else if (word == "DATA") {
-      if (!(words >> header.data)) reject_file(file, "PCD header: expected a kind of data, found '" + line + "'");
-    } else if (!word.empty() && word[0] != '#' && word != "VERSION" && word != "VIEWPOINT") {
-      reject_file(file, "expected a PCD header, found '" + line.substr(0, 60) + "'");
+      if (words_.size() != 2) reject("a kind of data");
+      header_.data = words_[1];
+    } else if (word != "VERSION" && word != "VIEWPOINT") {
+      reject_file(file_, lines_.number(),
+                  "expected a PCD header, found '" + std::string(lines_.line().substr(0, 60)) + "'");
     }
   }
-  for (const PcdHeader::Field& field : header.fields) {
-    if (field.kind == 'f' && field.size < 4)
-      reject_file(file, "PCD header: expected a size of 4 or 8 for type F of field '" + field.name + "'");
-  }
-  if (points)
-    header.points = *points;
-  else if (width && height && (*height == 0 || *width <= (1ULL << 40) / *height))
-    header.points = *width * *height;
-  else
-    reject_file(file, "PCD header: expected POINTS, or WIDTH and HEIGHT");
-  header.data_begin = position;
-  return header;
-}
 
-std::vector<Vector3d> read_pcd_text(const fs::path& file, const std::string& content, const PcdHeader& header,
+  /// Hands each field its entry of the line; `store` returns whether it is valid.
+  template <class Store>
+  void for_each_field(const Store& store) {
+    bool is_valid = words_.size() == header_.fields.size() + 1;
+    for (std::size_t i = 0; is_valid && i < header_.fields.size(); ++i)
+      is_valid = store(header_.fields[i], words_[i + 1]);
+    if (!is_valid) reject("a valid entry for each of " + std::to_string(header_.fields.size()) + " fields");
+  }
+
+  std::uint64_t num_points() const {
+    std::optional<std::uint64_t> product;
+    if (width_ && height_ && (*height_ == 0 || *width_ <= (1ULL << 40) / *height_)) product = *width_ * *height_;
+    if (!points_ && !product) reject_file(file_, "PCD header: expected POINTS, or WIDTH and HEIGHT");
+    if (points_ && product && *points_ != *product) {
+      reject_file(file_, "PCD header: expected WIDTH x HEIGHT = POINTS, found " + std::to_string(*product) + " and " +
+                             std::to_string(*points_));
+    }
+    return points_ ? *points_ : *product;
+  }
+
+  const fs::path& file_;
+  TextLines lines_;
+  std::vector<std::string_view> words_;
+  PcdHeader header_;
+  std::optional<std::uint64_t> width_, height_, points_;
+};
+
+std::vector<Vector3d> read_pcd_text(const fs::path& file, std::string_view content, const PcdHeader& header,
                                     const std::array<std::size_t, 3>& fields) {
   std::vector<Vector3d> points;
   if (header.points > content.size())
@@ -201,9 +142,11 @@ std::vector<Vector3d> read_pcd_text(const fs::path& file, const std::string& con
     for (std::size_t field = 0; field < header.fields.size(); ++field) {
       for (std::uint64_t k = 0; k < header.fields[field].count; ++k) {
         const auto value = words.number();
-        if (!value)
+        if (!value) {
           reject_file(
-              file, "point " + std::to_string(i) + ": expected a number for field '" + header.fields[field].name + "'");
+              file, words.line(),
+              "point " + std::to_string(i) + ": expected a number for field '" + header.fields[field].name + "'");
+        }
         for (int axis = 0; axis < 3; ++axis) {
           if (fields[axis] == field && k == 0) point[axis] = *value;
         }
@@ -243,19 +186,17 @@ std::vector<Vector3d> read_pcd_binary(const fs::path& file, std::string_view dat
   return points;
 }
 
-std::vector<Vector3d> read_pcd(const fs::path& file, const std::string& content) {
-  const PcdHeader header = parse_pcd_header(file, content);
+std::vector<Vector3d> read_pcd(const fs::path& file, std::string_view content) {
+  const PcdHeader header = PcdHeaderReader(file, content).read();
   std::array<std::size_t, 3> fields{};
   for (int axis = 0; axis < 3; ++axis) {
-    const auto match = [&](const PcdHeader::Field& field) {
-      return field.name == std::string(1, "xyz"[axis]) && field.count > 0;
-    };
+    const auto match = [&](const PcdHeader::Field& field) { return axis_named(field.name) == axis && field.count > 0; };
     const auto found = std::find_if(header.fields.begin(), header.fields.end(), match);
     if (found == header.fields.end())
       reject_file(file, std::string("expected points with x, y and z, found no ") + "xyz"[axis]);
     fields[axis] = static_cast<std::size_t>(found - header.fields.begin());
   }
-  const std::string_view data = std::string_view(content).substr(header.data_begin);
+  const std::string_view data = content.substr(header.data_begin);
   if (header.data == "ascii") return read_pcd_text(file, content, header, fields);
   if (header.data == "binary") return read_pcd_binary(file, data, header, fields, false);
   if (header.data != "binary_compressed") {
@@ -314,7 +255,11 @@ std::vector<Vector3d> read_point_cloud(const fs::path& file) {
   const std::string extension = extension_of(file);
   if (extension != "pcd" && extension != "ply") reject_file(file, "expected a point cloud named .pcd or .ply");
   const std::string content = read_whole_file(file);
-  return extension == "pcd" ? read_pcd(file, content) : read_ply(file, content);
+  const std::string_view text = without_mark(content);
+  if (extension == "pcd") return read_pcd(file, text);
+  std::vector<Vector3d> points = read_ply_points(file, text);
+  std::erase_if(points, [](const Vector3d& point) { return !point.allFinite(); });
+  return points;
 }
 
 }  // namespace swiftlet::sim

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/world/scene_builder.hpp"
-#include "swiftlet/sim/errors.hpp"
 
 #include <limits>
+#include <numbers>
+
+#include "swiftlet/sim/errors.hpp"
 
 namespace swiftlet::sim {
 
@@ -76,6 +78,14 @@ Scene SceneBuilder::finish() {
   Scene scene = std::move(scene_);
   *this = {};
   return scene;
+}
+
+Eigen::Affine3d placement(const Eigen::Vector3d& position_world_m, double yaw_deg, double scale) {
+  Eigen::Affine3d T = Eigen::Affine3d::Identity();
+  T.translate(position_world_m)
+      .rotate(Eigen::AngleAxisd(yaw_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ()))
+      .scale(scale);
+  return T;
 }
 
 Eigen::Affine3f transform(const Eigen::Vector3f& position_world_m, float yaw_rad, const Eigen::Vector3f& scale) {

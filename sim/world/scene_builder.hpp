@@ -38,6 +38,9 @@ class SceneBuilder {
   std::map<SurfaceClass, std::uint16_t> last_instance_;
 };
 
+/// From the axes of a file to the world, in double precision: scale, turn about the vertical, then shift.
+Eigen::Affine3d placement(const Eigen::Vector3d& position_world_m, double yaw_deg, double scale);
+
 /// Turn about the vertical, then shift.
 Eigen::Affine3f transform(const Eigen::Vector3f& position_world_m, float yaw_rad = 0.0F,
                           const Eigen::Vector3f& scale = Eigen::Vector3f::Ones());

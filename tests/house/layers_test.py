@@ -17,7 +17,6 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(GL|EGL)/": ["sim/render"],
     r"^png\.h": ["sim/render"],
     r"^yaml-cpp": ["sim/scenario"],
-    r"^assimp": ["sim/world"],
     r"^(zstd|zlib|lz4)": ["sim/recorders", "sim/replay", "sim/world"],
     r"^nlohmann": ["sim/recorders", "sim/replay", "sim/run", "sim/batch", "sim/dataset", "sim/report"],
     r"^xxhash": ["sim/run", "sim/batch", "sim/dataset"],
@@ -35,7 +34,7 @@ THIRD_PARTY = {  # header pattern: rooms in which it may appear
     r"^(fstream|filesystem|iostream|cstdio|chrono|thread|random)$": ["sim/*"],
 }
 # Headers never show a type of another package than Eigen and the standard library, unless they are a room's own.
-HEADER_ONLY_IN_CPP = re.compile(r"^(bt[A-Z]|embree|E?GL/|png\.h|yaml-cpp|assimp|zstd|zlib|lz4|nlohmann|xxhash|sqlite3|Random123|pcl/|ceres/|ompl/|octomap/|polyclipping/|boost/)")
+HEADER_ONLY_IN_CPP = re.compile(r"^(bt[A-Z]|embree|E?GL/|png\.h|yaml-cpp|zstd|zlib|lz4|nlohmann|xxhash|sqlite3|Random123|pcl/|ceres/|ompl/|octomap/|polyclipping/|boost/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 PROBES = [  # target, header, may it include that?

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "swiftlet/core/counter.hpp"
 #include "swiftlet/sim/world/foliage.hpp"
 
 namespace swiftlet::sim {
@@ -94,6 +95,7 @@ struct Scene {
   FoliageConfig foliage;           ///< of the leaves of crowns, meshes of SurfaceClass::kVegetation
   std::uint64_t foliage_seed = 0;  ///< of their motion
   Eigen::AlignedBox3d bounds_m;    ///< of the place: surroundings that only fill the view count for the height alone
+  std::vector<Counter> counters;   ///< what of a file was left out; settings by their path in the scenario
 
   std::size_t num_triangles() const;  ///< with instancing unrolled
 };
