@@ -6,11 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
+#include <cstdlib>
 #include <limits>
 
+#include "sim/run/control_groups.hpp"
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/text.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -24,11 +26,18 @@ double limit_of(int resource) {
   return static_cast<double>(limit.rlim_cur);
 }
 
-/// Of the control group, as containers and batch systems set it; the word "max" is no number.
-double limit_of_group() {
-  std::ifstream file("/sys/fs/cgroup/memory.max");
-  double bytes = 0.0;
-  return file >> bytes ? bytes : std::numeric_limits<double>::infinity();
+/// The positive number of an environment variable; infinity when there is none.
+double limit_of_variable(const char* name) {
+  const char* text = std::getenv(name);
+  const auto value = number_in<double>(text != nullptr ? text : "");
+  return value && *value > 0.0 ? *value : std::numeric_limits<double>::infinity();
+}
+
+/// Memory of a Slurm job on this node, which asks for it by node or by processor.
+double limit_of_slurm() {
+  const double by_node_mb = limit_of_variable("SLURM_MEM_PER_NODE");
+  const double by_processor_mb = limit_of_variable("SLURM_MEM_PER_CPU") * limit_of_variable("SLURM_CPUS_ON_NODE");
+  return std::min(by_node_mb, by_processor_mb) * kMebibyte;
 }
 
 [[noreturn]] void refuse(const std::string& key, double bytes, double all_bytes) {
@@ -43,7 +52,8 @@ double limit_of_group() {
 
 double available_memory_bytes() {
   const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  return std::min({machine, limit_of(RLIMIT_DATA), limit_of(RLIMIT_AS), limit_of_group()});
+  return std::min(
+      {machine, limit_of(RLIMIT_DATA), limit_of(RLIMIT_AS), control_group_limits().memory_bytes, limit_of_slurm()});
 }
 
 void limit_memory(double limit_mb) {

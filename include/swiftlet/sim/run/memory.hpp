@@ -5,7 +5,8 @@
 
 namespace swiftlet::sim {
 
-/// What this process may take: the machine's memory, or less where the process, its group or limit_memory() says so.
+/// What this process may take: the machine's memory, or less by its resource limits, limit_memory(), its control groups
+/// (containers, version 1 or 2) or its Slurm job (SLURM_MEM_PER_NODE, SLURM_MEM_PER_CPU x SLURM_CPUS_ON_NODE).
 double available_memory_bytes();
 
 /// This process and the workers that it starts later take at most so much.

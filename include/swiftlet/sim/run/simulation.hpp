@@ -26,7 +26,7 @@ World build_world(const Module& config, std::uint64_t seed);
 /// One run in lockstep. The same scenario gives the same bits for any number of threads.
 class Simulation {
  public:
-  /// @param threads  for physics, sensors and agents; 0: as many as OpenMP would take (processors, OMP_NUM_THREADS)
+  /// @param threads  for physics, sensors and agents; 0: default_threads()
   explicit Simulation(Scenario scenario, int threads = 0, std::optional<World> world = std::nullopt);
   ~Simulation();
 
