@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <memory>
 #include <set>
 #include <string>
@@ -11,6 +13,7 @@
 #include "swiftlet/sim/batch/batch_plan.hpp"
 #include "swiftlet/sim/dataset/flight.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/run/summary.hpp"
 #include "swiftlet/sim/scenario/loader.hpp"
 
 namespace swiftlet::tools {
@@ -31,9 +34,10 @@ bool is_dataset_file(const sim::Node& document) {
 
 /// Does all that a run does before its first tick, so that what passes here flies.
 void require_flyable(sim::Scenario scenario) {
-  const ScratchFolder folder;
   sim::Simulation simulation(std::move(scenario));
+  const ScratchFolder folder;  // after the long part: an interrupt ends the program at once
   simulation.attach_recorders(folder.path());
+  fmt::print(stderr, "{}", sim::to_text(simulation.summary().counters));  // what of its files does not fit
 }
 
 /// One episode of each variant.

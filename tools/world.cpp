@@ -16,6 +16,7 @@
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
+#include "swiftlet/sim/run/summary.hpp"
 #include "swiftlet/sim/world/export.hpp"
 
 namespace swiftlet::tools {
@@ -64,8 +65,8 @@ std::vector<std::filesystem::path> draw_map(const WorldOptions& options, sim::Sc
     scenario.snapshots[0].style = sim::PictureMedium::kPaper;
     scenario.snapshots[0].width_mm = options.paper_mm;
   }
-  const ScratchFolder scratch;
   sim::Simulation simulation(sim::validated(scenario));
+  const ScratchFolder scratch;  // after the long part: an interrupt ends the program at once
   simulation.attach_recorders(scratch.path());
   simulation.tick();
   std::vector<std::filesystem::path> written;
@@ -98,6 +99,7 @@ void export_scenario_world(const WorldOptions& options) {
   if (options.quiet) return;
   fmt::print("{} with seed {}: {} triangles, {} objects\n", scenario.world.type, scenario.seed_of_world(),
              scene.num_triangles(), scene.objects.size());
+  fmt::print("{}", sim::to_text(scene.counters));
   for (const auto& path : written) fmt::print("  {}\n", path.string());
 }
 

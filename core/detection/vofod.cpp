@@ -20,7 +20,9 @@ class VofodDetector : public Detector {
         raycasting_(config.timing.raycasting_latency_s),
         separation_(config.timing.separation_latency_s),
         separation_period_(from_seconds(config.timing.separation_period_s)) {
-    if (setup.prior_map != nullptr) stages_.map().set_prior(*setup.prior_map);
+    if (setup.prior_map == nullptr) return;
+    stages_.map().set_prior(*setup.prior_map);
+    prior_counters_ = setup.prior_map->counters;
   }
 
   void step(const DetectorInput& input, DetectorOutput& output, Outbox&) override {
@@ -49,6 +51,9 @@ class VofodDetector : public Detector {
                         num_sweeps_, "timing.classification_latency_s"});
     counters.push_back(
         {"returns outside the detector's map", stages_.num_points_outside(), stages_.num_points(), "map.size_m"});
+    counters.push_back({"voxels of the prior outside the map", stages_.map().num_prior_outside(),
+                        stages_.map().num_prior(), "map.size_m"});
+    counters.insert(counters.end(), prior_counters_.begin(), prior_counters_.end());
   }
 
  private:
@@ -113,6 +118,7 @@ class VofodDetector : public Detector {
   int classifications_in_raycasting_ = 0, classifications_in_separation_ = 0;
   std::vector<Detection> newest_;  // for pictures
   std::uint64_t num_sweeps_ = 0, num_sweeps_passed_over_ = 0;
+  std::vector<Counter> prior_counters_;
 };
 
 // Voxels by their confidence, the last scan by class, its detections, and why they are some: the air around them.

@@ -144,7 +144,7 @@ void VoxelMap::set_prior(const PriorMap& prior) {
     cells.clear();
     for (const Eigen::Vector3f& p : points) {
       const Eigen::Array3d at = p.cast<double>().array() / grid_.edge_m;
-      if ((at.abs() < 1e9).all()) cells.push_back(at.floor().cast<int>());  // NaN and infinity are not
+      if (p.allFinite()) cells.push_back(at.floor().max(-1e9).min(1e9).cast<int>());
     }
     const auto before = [](const Cell& a, const Cell& b) {
       return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
@@ -154,15 +154,25 @@ void VoxelMap::set_prior(const PriorMap& prior) {
   };
   to_cells(prior.free_world_m, prior_free_);
   to_cells(prior.occupied_world_m, prior_occupied_);
+  num_prior_outside_ = num_prior();
   stamp_prior();
 }
 
 void VoxelMap::stamp_prior() {
-  for (const Cell& cell : prior_free_) {
-    if (grid_.contains(cell)) set(grid_.index(cell), -kInfinity);
-  }
-  for (const Cell& cell : prior_occupied_) {
-    if (grid_.contains(cell)) set(grid_.index(cell), kInfinity);
+  std::size_t num_within = 0;
+  const auto stamp = [&](const std::vector<Cell>& cells, float value) {
+    for (const Cell& cell : cells) {
+      if (!grid_.contains(cell)) continue;
+      set(grid_.index(cell), value);
+      ++num_within;
+    }
+  };
+  stamp(prior_free_, -kInfinity);
+  stamp(prior_occupied_, kInfinity);
+  if (config_.extent == VoxelMapConfig::Extent::kBounded) {
+    num_prior_outside_ = num_prior() - num_within;
+  } else if (num_within > 0) {
+    num_prior_outside_ = 0;
   }
 }
 

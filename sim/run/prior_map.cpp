@@ -101,15 +101,32 @@ std::shared_ptr<const PriorMap> make_prior_map(const PriorConfig& config, double
                                                const std::string& key) {
   auto prior = std::make_shared<PriorMap>();
   const double spacing_m = voxel_m / kSamplesPerVoxel;
-  if (!config.occupied.empty())
-    append_cloud(config.occupied, What::kOccupied, key + ".occupied", prior->occupied_world_m);
-  if (!config.free.empty()) append_cloud(config.free, What::kFree, key + ".free", prior->free_world_m);
-  if (!config.recorded.empty()) append_recorded(config.recorded, key + ".recorded", prior->occupied_world_m);
-  if (!config.mesh.empty()) {
+  // A file of which nothing is left is a mistake.
+  const auto append_file = [&](const std::string& file, const char* name, std::vector<Eigen::Vector3f>& points_m,
+                               const auto& append) {
+    if (file.empty()) return;
+    const std::size_t before = points_m.size();
+    append(key + name);
+    if (points_m.size() == before)
+      throw InputError(key + name + ": expected points with finite coordinates in " + file + ", found none");
+  };
+  std::vector<Eigen::Vector3f>& occupied_m = prior->occupied_world_m;
+  append_file(config.occupied, ".occupied", occupied_m,
+              [&](const std::string& of_key) { append_cloud(config.occupied, What::kOccupied, of_key, occupied_m); });
+  append_file(config.free, ".free", prior->free_world_m,
+              [&](const std::string& of_key) { append_cloud(config.free, What::kFree, of_key, prior->free_world_m); });
+  append_file(config.recorded, ".recorded", occupied_m,
+              [&](const std::string& of_key) { append_recorded(config.recorded, of_key, occupied_m); });
+  append_file(config.mesh, ".mesh", occupied_m, [&](const std::string& of_key) {
     MeshImportConfig mesh;
     mesh.file = config.mesh;
-    append_surface_points(make_mesh_import(mesh, 0), spacing_m, key + ".mesh", prior->occupied_world_m);
-  }
+    const Scene scene = make_mesh_import(mesh, 0);
+    append_surface_points(scene, spacing_m, of_key, occupied_m);
+    for (Counter counter : scene.counters) {
+      counter.setting = "prior.mesh";
+      prior->counters.push_back(std::move(counter));
+    }
+  });
   if (config.world) append_surface_points(world, spacing_m, key + ".world", prior->occupied_world_m);
   if (prior->occupied_world_m.empty() && prior->free_world_m.empty()) return nullptr;
   return prior;

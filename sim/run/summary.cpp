@@ -175,6 +175,16 @@ std::string to_json(const RunSummary& s) {
   return json.dump(2) + "\n";
 }
 
+std::string to_text(const std::vector<Counter>& counters) {
+  std::string out;
+  for (const Counter& counter : of_all_vehicles(counters)) {
+    out += "  " + counter.setting + ": " + std::to_string(counter.count);
+    if (counter.of > 0) out += " of " + std::to_string(counter.of);
+    out += " " + counter.what + "\n";
+  }
+  return out;
+}
+
 std::string to_text(const RunSummary& s) {
   std::string out = fmt::format(
       "{}, seed {}: {}\n  {:.1f} s flown in {:.1f} s ({:.1f} x real time) after {:.1f} s of set-up, state hash {}\n"
@@ -187,12 +197,7 @@ std::string to_text(const RunSummary& s) {
     if (row.vehicle.empty() && row.name != "outcome") out += "  " + row.name + ": " + number_text(row) + "\n";
   }
   out += vehicle_table(s.metrics);
-  for (const Counter& counter : of_all_vehicles(s.counters)) {
-    out += "  " + counter.setting + ": " + std::to_string(counter.count);
-    if (counter.of > 0) out += " of " + std::to_string(counter.of);
-    out += " " + counter.what + "\n";
-  }
-  return out;
+  return out + to_text(s.counters);
 }
 
 }  // namespace swiftlet::sim

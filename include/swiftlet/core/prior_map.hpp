@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
+#include "swiftlet/core/counter.hpp"
 
 namespace swiftlet {
 
@@ -14,6 +15,7 @@ namespace swiftlet {
 struct PriorMap {
   std::vector<Eigen::Vector3f> occupied_world_m;
   std::vector<Eigen::Vector3f> free_world_m;
+  std::vector<Counter> counters;  ///< what of its files was left out; settings from the detector's own
 };
 
 /// Where that knowledge comes from; by default there is none.

@@ -141,6 +141,31 @@ TEST(VoxelMap, WhatIsKnownBeforehandNeverChanges) {
   EXPECT_EQ(map.state(free), VoxelState::kFree);
 }
 
+TEST(VoxelMap, VoxelsOfThePriorThatItCannotTakeAreCounted) {
+  PriorMap prior;
+  prior.occupied_world_m = {{0.1F, 0.1F, 0.1F}, {0.15F, 0.1F, 0.1F}, {900.0F, 0.0F, 0.0F}, {1e30F, 0.0F, 0.0F}};
+  prior.free_world_m = {{1.1F, 0.1F, 0.1F}, {0.0F, 0.0F, -900.0F}};
+  VoxelMap bounded(small_box());
+  bounded.set_prior(prior);
+  EXPECT_EQ(bounded.num_prior(), 5U) << "two points lie in one voxel";
+  EXPECT_EQ(bounded.num_prior_outside(), 3U);
+
+  VoxelMapConfig config = small_box({20.0, 20.0, 10.0});
+  config.extent = VoxelMapConfig::Extent::kScrolling;
+  VoxelMap scrolling(config);
+  scrolling.set_prior(prior);
+  EXPECT_EQ(scrolling.num_prior_outside(), 0U) << "it comes to the others";
+  prior.occupied_world_m = {{900.0F, 0.0F, 0.0F}, {901.0F, 0.0F, 0.0F}};
+  prior.free_world_m.clear();
+  scrolling.set_prior(prior);
+  EXPECT_EQ(scrolling.num_prior_outside(), 2U);
+  scrolling.follow({30.0, 0.0, 0.0});
+  EXPECT_EQ(scrolling.num_prior_outside(), 2U);
+  scrolling.follow({895.0, 0.0, 0.0});
+  EXPECT_EQ(scrolling.num_prior_outside(), 0U);
+  EXPECT_EQ(scrolling.num_occupied(), 2);
+}
+
 TEST(VoxelMap, AnswersAboutWhatIsOccupiedAreThoseOfALookAtEveryVoxel) {
   const Random random(1, "map");
   const VoxelMapConfig config = small_box({20.0, 9.0, 5.0});  // rows of more than one word

@@ -99,6 +99,34 @@ TEST(PriorMap, ACloudIsTakenAndAMeshIsSampled) {
   for (int x = 0; x < 16; ++x) {
     for (int z = 0; z < 8; ++z) EXPECT_TRUE(cells.contains({x, z})) << x << ' ' << z;
   }
+  ASSERT_EQ(mesh->counters.size(), 1U);
+  EXPECT_EQ(mesh->counters[0].count, 0U);
+  config.mesh = write("wall.obj", "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0 2\nf 1 2 3\nf 1 3 4\nf 1 2\n");
+  EXPECT_EQ(make_prior_map(config, 0.25, Scene{})->counters.at(0).count, 1U);
+  EXPECT_EQ(make_prior_map(config, 0.25, Scene{})->counters.at(0).setting, "prior.mesh");
+}
+
+TEST(PriorMap, AFileOfWhichNothingIsLeftIsRefused) {
+  const TemporaryDirectory directory;
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(directory.path() / name) << text;
+    return (directory.path() / name).string();
+  };
+  const std::string nan =
+      write("nan.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 2\nDATA ascii\nnan nan nan\nnan nan nan\n");
+  const std::string index = write("pcd_index.csv", "file,stamp_s\nnan.pcd,0.0\n");
+  PriorConfig occupied, free, recorded;
+  occupied.occupied = nan;
+  free.free = nan;
+  recorded.recorded = index;
+  for (const PriorConfig& config : {occupied, free, recorded}) {
+    try {
+      make_prior_map(config, 0.25, Scene{});
+      ADD_FAILURE() << "nothing was thrown";
+    } catch (const InputError& problem) {
+      EXPECT_NE(std::string(problem.what()).find("finite coordinates"), std::string::npos) << problem.what();
+    }
+  }
 }
 
 }  // namespace

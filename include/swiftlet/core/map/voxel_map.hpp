@@ -63,6 +63,10 @@ class VoxelMap : public BackgroundQuery {
   void move_to_free(const Cell& first, std::span<const float> n);
   /// Sec. III-E: occupied voxels become +infinity, free ones -infinity; where both are claimed, occupied.
   void set_prior(const PriorMap& prior);
+  std::size_t num_prior() const { return prior_free_.size() + prior_occupied_.size(); }
+  /// Voxels of the prior that the map has no room for. A scrolling map comes to them, so there it is all of them or
+  /// none: all until the first one enters.
+  std::size_t num_prior_outside() const { return num_prior_outside_; }
   /// A scrolling map follows the vehicle: what leaves the box is forgotten, what enters is unknown (or prior).
   void follow(const Vector3& p_m);
   void clear();
@@ -116,6 +120,7 @@ class VoxelMap : public BackgroundQuery {
   std::vector<float> values_;
   std::vector<std::uint64_t> bits_;
   std::vector<Cell> prior_free_, prior_occupied_;
+  std::size_t num_prior_outside_ = 0;
 };
 
 }  // namespace swiftlet

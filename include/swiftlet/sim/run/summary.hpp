@@ -34,6 +34,9 @@ struct RunSummary {
 /// summary.json: everything above with version and revision, keys in a fixed order.
 std::string to_json(const RunSummary& summary);
 
+/// A line for each counter above zero; those of several vehicles in one.
+std::string to_text(const std::vector<Counter>& counters);
+
 /// A screenful for people.
 std::string to_text(const RunSummary& summary);
 
