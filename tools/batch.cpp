@@ -16,10 +16,11 @@
 #include "swiftlet/sim/batch/run_batch.hpp"
 #include "swiftlet/sim/batch/shell.hpp"
 #include "swiftlet/sim/batch/slurm.hpp"
-#include "swiftlet/sim/batch/worker_pool.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/report/batch_report.hpp"
+#include "swiftlet/sim/run/processors.hpp"
 
 namespace swiftlet::tools {
 namespace {
@@ -126,6 +127,7 @@ void write_replays(const BatchArguments& arguments, const sim::BatchPlan& plan, 
   for (const sim::EpisodeRow& row : sim::worst_episodes(table, static_cast<std::size_t>(arguments.replays))) {
     const fs::path directory = out / sim::replay_of_episode(row.id);
     if (!sim::has_replay(out, row)) {
+      sim::make_inner_directory(directory.parent_path());
       sim::Scenario scenario = plan.scenario_of(plan.episode(row.id));
       scenario.snapshots.clear();
       scenario.recorders.clear();

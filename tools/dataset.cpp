@@ -9,9 +9,9 @@
 #include "plugin_options.hpp"
 #include "progress.hpp"
 #include "scenario_options.hpp"
-#include "swiftlet/sim/batch/worker_pool.hpp"
 #include "swiftlet/sim/dataset/generate.hpp"
 #include "swiftlet/sim/dataset/verify.hpp"
+#include "swiftlet/sim/run/processors.hpp"
 
 namespace swiftlet::tools {
 namespace {
@@ -74,7 +74,9 @@ void generate(const DatasetOptions& options) {
 }
 
 void verify(const VerifyCommand& command) {
+  constexpr const char* kInterrupted = "interrupted before everything was compared";
   const StopSignals guard;
+  const StopDeadline deadline(kInterrupted);
   Progress progress("verify", command.quiet);
   sim::VerifyOptions options;
   options.frames = command.frames;
@@ -85,7 +87,7 @@ void verify(const VerifyCommand& command) {
   };
   const sim::VerifyReport report = sim::verify_dataset(command.directory, options);
   progress.finish();
-  if (StopSignals::requested()) throw Interrupted("interrupted before everything was compared");
+  if (StopSignals::requested()) throw Interrupted(kInterrupted);
   for (const std::string& problem : report.problems) fmt::print(stderr, "{}\n", problem);
   if (!report.ok()) {
     throw std::runtime_error(fmt::format("{}: {} problem{}", command.directory, report.problems.size(),

@@ -28,7 +28,7 @@ constexpr std::size_t kMostEvents = 200;
 constexpr std::size_t kMostPictures = 60;
 
 Json read_json(const fs::path& file) {
-  std::ifstream stream(file);
+  std::ifstream stream = open_to_read(file);
   const Json json = parse_shallow<Json>(stream);
   if (json.is_discarded() || !json.is_object())
     throw InputError(file.string() + ": expected the summary of a run, found something else");
@@ -136,7 +136,8 @@ std::string series_section(const fs::path& directory) {
 }
 
 std::string events_section(const fs::path& directory) {
-  std::ifstream stream(directory / "events.jsonl");
+  if (!fs::exists(directory / "events.jsonl")) return "";
+  std::ifstream stream = open_to_read(directory / "events.jsonl");
   html::Table rows({"time [s]", "what", "vehicle", "with", "where [m]", ""}, {1, 2, 3, 4, 5});
   std::size_t count = 0;
   for (std::string line; std::getline(stream, line);) {
@@ -220,7 +221,8 @@ std::string radio_section(const Json& summary) {
 }
 
 std::string scenario_section(const fs::path& directory) {
-  std::ifstream stream(directory / "scenario.yaml");
+  if (!fs::exists(directory / "scenario.yaml")) return "";
+  std::ifstream stream = open_to_read(directory / "scenario.yaml");
   std::ostringstream text;
   text << stream.rdbuf();
   return html::section("Scenario, with every default",
@@ -240,9 +242,8 @@ std::vector<fs::path> write_run_report(const fs::path& directory) {
            detection_section(summary.value("detection_over_distance", Json::object())) + series_section(directory) +
            events_section(directory) + pictures_section(directory) + radio_section(summary) + stages_section(summary) +
            scenario_section(directory);
-  } catch (const Json::exception& error) {
-    throw InputError(summary_file.string() + ": expected the summary of a run, found something else (" + error.what() +
-                     ")");
+  } catch (const Json::exception&) {
+    throw InputError(summary_file.string() + ": expected the summary of a run, found values of other types");
   }
   write_file(directory / "report.html", html::page(text_at(summary, "scenario"), body));
   return {directory / "report.html"};
