@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -20,6 +21,7 @@
 #include <string_view>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "sim/replay/page.hpp"
@@ -29,7 +31,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kSilence = std::chrono::seconds(3);  // a page asks far more often
+/// After the end of a run, time without a further block asked for until the page counts as closed; pages ask far more
+/// often. Longer values delay the end of the program.
+constexpr auto kSilence = std::chrono::seconds(3);
+/// Longest time that one connection takes to send its request, and to receive its answer; then it is closed.
+/// Connections are served one after another, so this is also how long a slow client delays a page.
+constexpr auto kPatience = std::chrono::seconds(2);
 constexpr int kPoll_ms = 100;
 constexpr std::size_t kMostRequest = 8192;
 
@@ -52,11 +59,20 @@ std::string answer(std::string_view status, std::string_view type, std::string_v
       status, type, body.size(), body);
 }
 
+/// Whether the connection gets ready for `what` (POLLIN, POLLOUT) before the deadline.
+bool wait_for(int connection, short what, Clock::time_point deadline) {
+  const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
+  pollfd waiting{connection, what, 0};
+  return left.count() > 0 && poll(&waiting, 1, static_cast<int>(left.count())) > 0;
+}
+
 /// Up to the empty line; nothing when it is too long, too slow, or none.
 std::string read_request(int connection) {
+  const Clock::time_point deadline = Clock::now() + kPatience;
   std::string request;
   std::array<char, 2048> part;
   while (request.find("\r\n\r\n") == std::string::npos) {
+    if (!wait_for(connection, POLLIN, deadline)) return {};
     const ssize_t count = recv(connection, part.data(), part.size(), 0);
     if (count <= 0 || request.size() + static_cast<std::size_t>(count) > kMostRequest) return {};
     request.append(part.data(), static_cast<std::size_t>(count));
@@ -65,8 +81,9 @@ std::string read_request(int connection) {
 }
 
 void send_all(int connection, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = send(connection, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  const Clock::time_point deadline = Clock::now() + kPatience;
+  while (!bytes.empty() && wait_for(connection, POLLOUT, deadline)) {
+    const ssize_t count = send(connection, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (count <= 0) return;
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
@@ -80,7 +97,8 @@ struct LiveServer::Impl {
   std::mutex mutex;
   std::vector<std::string> blocks;  // under the mutex, as what follows
   bool last_is_there = false, last_is_taken = false;
-  Clock::time_point asked = Clock::time_point::min();
+  std::size_t num_asked = 0;                           // blocks, up to the furthest one that was asked for
+  Clock::time_point asked = Clock::time_point::min();  // last time for any block; after the end, for a further one
   std::atomic<bool> stop = false;
   std::thread thread;
 
@@ -90,9 +108,6 @@ struct LiveServer::Impl {
       if (poll(&waiting, 1, kPoll_ms) <= 0) continue;
       const int connection = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
       if (connection < 0) continue;
-      const timeval patience{1, 0};
-      setsockopt(connection, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-      setsockopt(connection, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
       const std::string request = read_request(connection);
       if (!request.empty()) send_all(connection, answer_to(request));
       close(connection);
@@ -123,8 +138,10 @@ struct LiveServer::Impl {
 
   std::string block(std::size_t number) {
     const std::lock_guard lock(mutex);
-    asked = Clock::now();
+    if (!last_is_there) asked = Clock::now();
     if (number >= blocks.size()) return answer("204 No Content", "text/plain", "");
+    if (number >= num_asked) asked = Clock::now();
+    num_asked = std::max(num_asked, number + 1);
     last_is_taken = last_is_taken || (last_is_there && number + 1 == blocks.size());
     return answer("200 OK", "application/octet-stream", blocks[number]);
   }
@@ -164,7 +181,7 @@ void LiveServer::put(std::string packed) {
 void LiveServer::finish() {
   const auto is_over = [this] {
     const std::lock_guard lock(impl_->mutex);
-    impl_->last_is_there = true;
+    if (!std::exchange(impl_->last_is_there, true)) impl_->num_asked = 0;  // a page that was loaded again catches up
     return impl_->last_is_taken || impl_->asked == Clock::time_point::min() || Clock::now() - impl_->asked > kSilence;
   };
   while (!is_over()) std::this_thread::sleep_for(std::chrono::milliseconds(kPoll_ms));
