@@ -55,7 +55,7 @@ std::string folded(const std::string& title, const std::string& body) {
 std::string replay_frame(const std::string& address) {
   const std::string escaped = escape_markup(address);
   return "<p><a href=\"" + escaped + "\">Open it alone</a></p>\n<iframe src=\"" + escaped +
-         "\" loading=\"lazy\" title=\"replay\"></iframe>\n";
+         "\" loading=\"lazy\" sandbox=\"allow-scripts allow-downloads\" title=\"replay\"></iframe>\n";
 }
 
 std::string page(const std::string& title, const std::string& body) {

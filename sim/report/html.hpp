@@ -35,7 +35,7 @@ std::string code(const std::string& text);
 std::string section(const std::string& title, const std::string& body);
 /// Shown on a click.
 std::string folded(const std::string& title, const std::string& body);
-/// A replay beside the page, loaded when it is shown.
+/// A replay beside the page, loaded when it is shown, in a sandbox: it may be of another origin than the report.
 std::string replay_frame(const std::string& address);
 /// A whole page.
 std::string page(const std::string& title, const std::string& body);

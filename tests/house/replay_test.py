@@ -119,7 +119,8 @@ class Command(Made):
 
     def test_a_report_shows_the_replay_or_tells_how_to_make_one(self):
         self.assertEqual(swiftlet(self.path, "report", "run").returncode, 0)
-        self.assertIn('<iframe src="replay.html"', (self.path / "run/report.html").read_text())
+        frame = re.search('<iframe src="replay.html"[^>]*>', (self.path / "run/report.html").read_text()).group(0)
+        self.assertIn('sandbox="allow-scripts allow-downloads"', frame)  # of a stranger's run, it reads nothing else
         swiftlet(self.path, "run", "yard.yaml", "--out", "bare", "-q", "--duration", 1)
         self.assertEqual(swiftlet(self.path, "report", "bare").returncode, 0)
         self.assertIn("swiftlet replay bare", (self.path / "bare/report.html").read_text())
@@ -163,6 +164,31 @@ class View(Made):
         self.assertEqual(self.run_.wait(60), 0)
         self.assertEqual(kinds[:2], ["head", "world"])
         self.assertTrue((self.path / "live/summary.json").is_file())
+
+    def test_a_client_that_sends_byte_by_byte_does_not_hold_a_finished_run(self):
+        self.stop()
+        self.fly(1)
+        with socket.create_connection((self.host, int(self.port))) as client:
+            for _ in range(1200):
+                if self.run_.poll() is not None:
+                    break
+                try:
+                    client.send(b"G")
+                except OSError:
+                    pass  # closed by the server
+                time.sleep(0.05)
+        self.assertEqual(self.run_.wait(60), 0)
+
+    def test_a_page_that_asks_for_the_same_block_again_and_again_does_not_hold_a_finished_run(self):
+        self.stop()
+        self.fly(1)
+        for _ in range(1200):
+            try:
+                self.ask(f"/{self.token}/blocks/0")
+            except (OSError, http.client.HTTPException):
+                break  # the server has ended
+            time.sleep(0.05)
+        self.assertEqual(self.run_.wait(60), 0)
 
     def stop(self):
         self.run_.send_signal(signal.SIGINT)
