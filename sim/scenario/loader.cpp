@@ -42,6 +42,9 @@ void expect_map(const Node& document) {
 
 Node Loader::load(const fs::path& name) {
   const fs::path file = find_main(name);
+  // Messages quote what a file holds, so a file that is no configuration is not read at all: a batch may name any.
+  if (!ends_with_yaml(file.string()))
+    throw InputError(file.string() + ": expected a configuration file named .yaml or .yml, found another name");
   return with_base(parse_document(read(file), {file.string(), file.parent_path()}), {file});
 }
 
@@ -102,16 +105,19 @@ fs::path Loader::find_base(const Node& base) const {
   const std::vector<fs::path> roots = files_.scenario_roots();
   folders.insert(folders.end(), roots.begin(), roots.end());
   std::vector<std::string> known;
+  bool exists = false;
   for (const fs::path& folder : folders) {
     for (const char* extension : {"", ".yaml"}) {
       const fs::path file = normal(folder / (base.text + extension));
-      if (files_.is_file(file)) return file;
+      const bool is_here = files_.is_file(file);
+      if (is_here && ends_with_yaml(file.string())) return file;
+      exists = exists || is_here;
     }
     add_known(known, files_.list(folder), base.text);
   }
   fail(base.place, "base",
-       "expected the name of a file, found " + quote(base.text) + ", which does not exist" +
-           did_you_mean(base.text, known));
+       "expected the name of a file, found " + quote(base.text) +
+           (exists ? ", which is not named .yaml or .yml" : ", which does not exist") + did_you_mean(base.text, known));
 }
 
 const Node& Loader::load_asset(const std::string& name, const std::string& folder, const Place& place,

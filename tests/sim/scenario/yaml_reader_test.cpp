@@ -394,6 +394,9 @@ TEST(Overlay, AMissingOrBrokenBaseIsTold) {
   EXPECT_EQ(fleet_error("base: clam.yaml"),
             "fleet.yaml:1:7: base: expected the name of a file, found \"clam.yaml\", which does not exist; did you "
             "mean \"calm.yaml\"?");
+  // A file of another kind is not quoted, whatever it holds.
+  EXPECT_EQ(fleet_error("base: chart.csv"),
+            "fleet.yaml:1:7: base: expected the name of a file, found \"chart.csv\", which is not named .yaml or .yml");
   EXPECT_THAT(fleet_error("base: broken.yaml"), StartsWith("/in/broken.yaml:"));
   EXPECT_THAT(fleet_error("base: [a]"), HasSubstr("base: expected the name of a file, found a list of 1 value"));
 }
