@@ -13,8 +13,10 @@ void Rotor::visit(ConfigVisitor& v) {
 }
 
 void Airframe::visit(ConfigVisitor& v) {
-  v.field("mass_kg", mass_kg, "[kg] take-off mass with payload", Range::between(0.001, 1000.0));
-  v.field("inertia_diagonal_kgm2", inertia_diagonal_kgm2, "[kg m^2] principal moments about the body axes",
+  v.field("mass_kg", mass_kg, "[kg] take-off mass with payload; the rotors must be able to carry 1.1 times its weight",
+          Range::between(0.001, 1000.0));
+  v.field("inertia_diagonal_kgm2", inertia_diagonal_kgm2,
+          "[kg m^2] principal moments about the body axes; none exceeds the sum of the other two",
           Range::between(1e-8, 1000.0));
   v.field("arm_length_m", arm_length_m, "[m] center to rotor hub", Range::between(0.001, 10.0));
   v.field("body_height_m", body_height_m, "[m] height of the body", Range::between(0.001, 10.0));
@@ -42,6 +44,9 @@ void Airframe::visit(ConfigVisitor& v) {
   v.field("reflectivity", reflectivity, "[-] Lambertian reflectivity of the frame at the LiDAR's wavelength",
           Range::probability());
   v.list("rotors", rotors, "in the order of the commands");
+  // For any body, each principal moment is at most the sum of the others; the margin is for rounded data sheets.
+  v.check(2.0 * inertia_diagonal_kgm2.maxCoeff() <= 1.0001 * inertia_diagonal_kgm2.sum(), "inertia_diagonal_kgm2",
+          "moments of inertia of which none exceeds the sum of the other two");
   v.check(rotor_speed_max_radps > rotor_speed_min_radps, "rotor_speed_max_radps", "more than rotor_speed_min_radps");
   v.check(rotors.size() <= 8, "rotors", "at most 8 rotors");
 }
