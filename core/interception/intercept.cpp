@@ -26,7 +26,13 @@ constexpr double kHighAbove_m = 1000.0;            // as high as the fence allow
 constexpr double kReachShare = 0.8;                // of the radius within which a target is believed to be caught
 constexpr double kSameHeight_m = 0.05;
 constexpr double kNoSide_m = 0.05;
-constexpr double kSureFor_s = 0.5;                // a target not seen for longer is not believed to be in the net
+/// Time since the last measurement of the target within which a track that meets `sure_share` of the net is a capture.
+constexpr double kSureFor_s = 0.5;
+/// Limit of that time for a track that meets the net by its standard deviations. The net hangs where a level LiDAR sees
+/// nothing. Beyond the limit, tracks of maneuvering targets are worse than their covariance.
+constexpr double kPreciseFor_s = 1.0;
+/// Standard deviations of the track inside the rim, and inside the top and bottom, at which a capture is believed.
+constexpr double kInsideRimSigmas = 2.0, kInsideHeightSigmas = 1.0;
 constexpr double kTold_m = 0.5, kTold_mps = 1.0;  // standard deviations of a target that another one sees
 constexpr double kLeadInVain_s = 6.0, kTired_s = 4.0;
 constexpr double kNeverThere_s = 1e3, kTakenFar_m = 1e6;
@@ -191,12 +197,22 @@ class Intercept : public Guidance {
   void note_capture() {
     const Vector3 target_net_m = target_.at(0.0).p_m - net_m();
     if (target_net_m.norm() > config_.net.rearm_m) armed_ = true;
-    const bool sure = measured_ && to_seconds(now_ - *measured_) < kSureFor_s;
-    captured_now_ = armed_ && last_net_m_ && sure && sure_net_.met_m(*last_net_m_, target_net_m);
+    captured_now_ = armed_ && last_net_m_ && measured_ && shows_capture(*last_net_m_, target_net_m);
     last_net_m_ = target_net_m;
     if (!captured_now_) return;
     armed_ = false;
     ++captures_;
+  }
+
+  bool shows_capture(const Vector3& from_net_m, const Vector3& to_net_m) const {
+    const double unmeasured_s = to_seconds(now_ - *measured_);
+    if (unmeasured_s < kSureFor_s && sure_net_.met_m(from_net_m, to_net_m)) return true;
+    const double sigma_m = target_.sigma_m(0.0);
+    CaptureVolume inside = config_.net;
+    inside.radius_m -= kInsideRimSigmas * sigma_m;
+    if (inside.height_m > 0.0) inside.height_m -= 2.0 * kInsideHeightSigmas * sigma_m;
+    return unmeasured_s < kPreciseFor_s && inside.radius_m > 0.0 && inside.height_m >= 0.0 &&
+           inside.met_m(from_net_m, to_net_m);
   }
 
   void decide(bool sees, double dt_s, GuidanceOutput& output) {

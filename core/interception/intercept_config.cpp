@@ -31,7 +31,8 @@ void InterceptConfig::visit(ConfigVisitor& v) {
   v.field("target", target, "[-] vehicle to catch, with tracker ground_truth only; empty: the nearest track");
   v.field("captures", captures, "[-] then it is done; 0: goes on for ever", Range::non_negative());
   v.object("net", net, "what catches");
-  v.field("sure_share", sure_share, "[-] of the net's size: a target believed to be that near its middle is caught",
+  v.field("sure_share", sure_share,
+          "[-] share of the net's size within which a track is a capture; a precise track is one anywhere in the net",
           Range{0.0, 1.0, true, false});
   v.object("fence", fence, "where it may fly");
   v.choice("walls", walls, {"none", "map"},
