@@ -177,6 +177,7 @@ PreparedFlight prepare_flight(const DatasetPlan& plan, const Flight& flight, int
     const auto& cameras = plan.config.pictures.cameras;
     scenario.snapshots.insert(scenario.snapshots.end(), cameras.begin(), cameras.end());
   }
+  scenario.start_time_s = 0;  // all files of a sequence count from its start
   scenario.metrics.stop_on_crash = true;
   scenario.metrics.stop_when_done = false;
 

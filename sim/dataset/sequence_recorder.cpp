@@ -82,6 +82,7 @@ class SequenceRecorder : public Recorder {
     boxes_file_.append(kBoxesHeader);
   }
 
+  void write_start(const TickView&) override {}  // the statistics count ticks
   void write(const TickView& tick) override {
     remember(tick);
     if (tick.scans.empty()) return;

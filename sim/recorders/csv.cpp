@@ -21,9 +21,10 @@ namespace {
 /// The values of one row as text.
 class CsvRow final : public ColumnSink {
  public:
-  explicit CsvRow(std::vector<std::string> vehicle_names) : names_(std::move(vehicle_names)) {}
+  CsvRow(std::vector<std::string> vehicle_names, TimeNs start_time)
+      : names_(std::move(vehicle_names)), start_time_(start_time) {}
 
-  void time(const ColumnName&, TimeNs t) override { row_.add_seconds(t); }
+  void time(const ColumnName&, TimeNs t) override { row_.add_seconds(start_time_ + t); }
   void number(const ColumnName&, double value) override { row_.add(value); }
   void integer(const ColumnName&, std::int64_t value) override { row_.add(value); }
   void flag(const ColumnName&, bool value) override { row_.add(static_cast<int>(value)); }
@@ -38,6 +39,7 @@ class CsvRow final : public ColumnSink {
 
  private:
   std::vector<std::string> names_;
+  TimeNs start_time_;
   TextRow row_{','};
 };
 
@@ -187,7 +189,7 @@ class CsvRecorder : public Recorder {
   explicit CsvRecorder(CsvConfig config) : config_(std::move(config)), gate_(config_.rate_hz) {}
 
   void begin(const RunInfo& info) override {
-    row_.emplace(info.vehicle_names);
+    row_.emplace(info.vehicle_names, info.start_time);
     const std::vector<bool> selected = select_vehicles(config_.vehicles, info.vehicle_names);
     for (std::size_t i = 0; i < selected.size(); ++i) {
       if (!selected[i]) continue;

@@ -14,10 +14,11 @@ constexpr const char* kFile = "events.jsonl";
 /// The visitor that makes a JSON object of an event.
 class EventLine {
  public:
-  explicit EventLine(const std::vector<std::string>& vehicle_names) : names_(vehicle_names) {}
+  EventLine(const std::vector<std::string>& vehicle_names, TimeNs start_time)
+      : names_(vehicle_names), start_time_(start_time) {}
 
   // A division rounds right: 0.09, not 0.09000000000000001.
-  void time(const char* name, TimeNs t, const char*) { line_[name] = static_cast<double>(t) / 1e9; }
+  void time(const char* name, TimeNs t, const char*) { line_[name] = static_cast<double>(start_time_ + t) / 1e9; }
   void field(const char* name, const std::string& text, const char*) { line_[name] = text; }
   void field(const char* name, const Vector3& v, const char*) {
     std::string key = name;
@@ -32,6 +33,7 @@ class EventLine {
 
  private:
   const std::vector<std::string>& names_;
+  TimeNs start_time_;
   nlohmann::ordered_json line_;
 };
 
@@ -41,6 +43,7 @@ class EventsRecorder : public Recorder {
 
   void begin(const RunInfo& info) override {
     names_ = info.vehicle_names;
+    start_time_ = info.start_time;
     selected_ = select_vehicles(config_.vehicles, names_);
     file_ = OutputFile(info.directory / kFile);
   }
@@ -49,7 +52,7 @@ class EventsRecorder : public Recorder {
     for (const Event& event : tick.events) {
       const bool about_a_vehicle = event.vehicle != kNoVehicle;
       if (!selects(config_.kinds, event.kind) || (about_a_vehicle && !selected_[event.vehicle])) continue;
-      EventLine line(names_);
+      EventLine line(names_, start_time_);
       Event::visit(event, line);
       file_.append(line.text() + '\n');
     }
@@ -64,6 +67,7 @@ class EventsRecorder : public Recorder {
   EventsConfig config_;
   std::vector<std::string> names_;
   std::vector<bool> selected_;
+  TimeNs start_time_ = 0;
   OutputFile file_;
 };
 

@@ -59,9 +59,11 @@ class MapRecorder : public Recorder {
   void begin(const RunInfo& info) override {
     directory_ = info.directory;
     names_ = info.vehicle_names;
+    start_time_ = info.start_time;
     selected_ = select_vehicles(config_.vehicles, names_);
   }
 
+  void write_start(const TickView&) override {}  // agents begin their maps in the first tick
   void write(const TickView& tick) override {
     last_ = tick;
     for (; next_ < config_.times_s.size() && tick.t >= from_seconds(config_.times_s[next_]); ++next_) {
@@ -83,7 +85,7 @@ class MapRecorder : public Recorder {
       const StateEstimate& estimate = last_.actions[i]->estimate;
       for (const MapVoxels& map : maps_) {
         if (!selects(config_.maps, map.name)) continue;
-        write_map(map, {names_[i], last_.t, estimate.T_world_local},
+        write_map(map, {names_[i], start_time_ + last_.t, estimate.T_world_local},
                   std::filesystem::path(config_.folder) / (names_[i] + "_" + map.name + "_" + when));
       }
     }
@@ -131,6 +133,7 @@ class MapRecorder : public Recorder {
   std::filesystem::path directory_;
   std::vector<std::string> names_;
   std::vector<bool> selected_;
+  TimeNs start_time_ = 0;
   TickView last_;         // its agents and actions stay
   std::size_t next_ = 0;  // of the instants
   std::vector<MapVoxels> maps_;

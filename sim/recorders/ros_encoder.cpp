@@ -23,6 +23,7 @@ void RosEncoder::text(std::string_view text) {
 }
 
 void RosEncoder::time(TimeNs t) {
+  t = recorded(t);
   // ROS 1 has no time before zero; ROS 2 has negative seconds, with nanoseconds that still count upwards.
   if (dialect_ == RosDialect::kRos1) t = std::max<TimeNs>(t, 0);
   const TimeNs nanoseconds = (t % kNsPerSecond + kNsPerSecond) % kNsPerSecond;

@@ -18,8 +18,10 @@ enum class RosDialect { kRos1, kRos2 };
 /// the same for all arguments: the header of a message names it.
 class RosEncoder {
  public:
-  explicit RosEncoder(RosDialect dialect) : dialect_(dialect) {}
+  /// @param start_time  added to every time, so that it counts from 1970 if that does
+  explicit RosEncoder(RosDialect dialect, TimeNs start_time = 0) : dialect_(dialect), start_time_(start_time) {}
   RosDialect dialect() const { return dialect_; }
+  TimeNs recorded(TimeNs t) const { return start_time_ + t; }
 
   void begin();
   std::span<const std::byte> bytes() const { return buffer_.bytes(); }
@@ -53,6 +55,7 @@ class RosEncoder {
   void align(std::size_t size);
 
   RosDialect dialect_;
+  TimeNs start_time_;
   ByteBuffer buffer_;
 };
 

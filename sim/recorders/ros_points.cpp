@@ -106,7 +106,7 @@ void encode_livox(const Scan& scan, float step_m, std::uint32_t sequence, const 
       store_xyz(at, scan, i, step_m);
       if (scan.hit(i)) store(at + 12, static_cast<float>(reflectivity_byte(scan.reflectivity[i], 150)));
       store(at + 17, static_cast<std::uint8_t>(row));
-      store(at + 18, static_cast<double>(scan.time_of(i)));
+      store(at + 18, static_cast<double>(out.recorded(scan.time_of(i))));
       at += kLivoxStep;
     }
   }

@@ -32,15 +32,6 @@ constexpr std::int8_t kStatusFix = 0;
 constexpr std::uint16_t kServiceGps = 1;
 constexpr std::uint8_t kCovarianceDiagonalKnown = 2;
 
-/// A name that ROS accepts in topics and frames: letters, digits, underscores.
-std::string ros_name(std::string name) {
-  for (char& c : name) {
-    const bool fine = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-    if (!fine) c = '_';
-  }
-  return name;
-}
-
 /// nav_msgs/Odometry; the twist is in the axes of the body, as the message wants it.
 struct OdometryMessage {
   TimeNs t;
@@ -138,7 +129,25 @@ RosType type_of(const Sample&) {
   return row_type(Sample::kName, columns_of<Sample>());
 }
 
+/// A part of a topic: ROS 2 lets none begin with a digit.
+bool begins_as_topic(const std::string& name) { return !name.empty() && (name[0] < '0' || name[0] > '9'); }
+
 }  // namespace
+
+std::string ros_name(std::string name) {
+  for (char& c : name) {
+    const bool fine = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+    if (!fine) c = '_';
+  }
+  return name;
+}
+
+std::string expected_ros_name(const std::string& name, std::map<std::string, std::string>& taken) {
+  if (!begins_as_topic(name)) return "a name that begins with a letter, because a recorder writes ROS topics";
+  const auto [other, is_new] = taken.emplace(ros_name(name), name);
+  if (is_new) return "";
+  return "a name that differs from " + other->second + " in ROS topics, where both are " + other->first;
+}
 
 void RosConfig::visit_common(ConfigVisitor& v) {
   v.field("vehicles", vehicles, "[-] names of the vehicles to write; empty: all");
@@ -169,7 +178,7 @@ void RosConfig::visit_common(ConfigVisitor& v) {
 RosTopics::RosTopics(const RosConfig& config, const RunInfo& info, RosDialect dialect, RosSink& sink)
     : config_(config),
       sink_(sink),
-      message_(dialect),
+      message_(dialect, info.start_time),
       gate_(config.rate_hz),
       selected_(select_vehicles(config.vehicles, info.vehicle_names)),
       last_estimate_(info.vehicle_names.size(), -1),
@@ -214,7 +223,9 @@ requires std::is_invocable_v<TypeOf> RosTopics::Channel& RosTopics::channel(cons
   return channels_.emplace(topic, Channel{sink_.add_channel(topic, type_of(), latched)}).first->second;
 }
 
-void RosTopics::send(Channel& channel, TimeNs t) { sink_.write(channel.id, channel.sequence++, t, message_.bytes()); }
+void RosTopics::send(Channel& channel, TimeNs t) {
+  sink_.write(channel.id, channel.sequence++, message_.recorded(t), message_.bytes());
+}
 
 /// World and vehicles, once: latched topics keep them for whoever comes later.
 void RosTopics::write_solids(TimeNs t) {

@@ -54,6 +54,7 @@ class ScanFilesRecorder : public Recorder {
   void begin(const RunInfo& info) override {
     directory_ = info.directory;
     names_ = info.vehicle_names;
+    start_time_ = info.start_time;
     selected_ = select_vehicles(config_.vehicles, names_);
     estimates_.resize(names_.size());
   }
@@ -106,8 +107,9 @@ class ScanFilesRecorder : public Recorder {
     body_.clear();
     const int num_points = put_points(scan, poses_of(vehicle, scan), format_.organized, body_);
     const char* frame = ScanFilesConfig::kFrames[static_cast<std::size_t>(config_.frame)];
-    CloudLayout layout{num_points, 1, frame, scan.scan.stamp};
-    if (format_.organized) layout = {scan.scan.cols(), scan.scan.rows(), frame, scan.scan.stamp};
+    const TimeNs stamp = start_time_ + scan.scan.stamp;
+    CloudLayout layout{num_points, 1, frame, stamp};
+    if (format_.organized) layout = {scan.scan.cols(), scan.scan.rows(), frame, stamp};
 
     const std::string name = fmt::format("{:06}.{}", stream.num_files++, format_.extension);
     OutputFile file(directory_ / stream.folder / name, 0);
@@ -133,7 +135,7 @@ class ScanFilesRecorder : public Recorder {
   void append_index(OutputFile& index, const std::string& name, int num_points, VehicleId vehicle,
                     const LabeledScan& scan) {
     row_.clear();
-    row_.add(name).add_seconds(scan.scan.stamp).add_seconds(scan.scan.duration);
+    row_.add(name).add_seconds(start_time_ + scan.scan.stamp).add_seconds(scan.scan.duration);
     row_.add(scan.scan.rows()).add(scan.scan.cols()).add(num_points);
     add_pose(scan.truth.T_world_lidar.front());
     if (estimates_[vehicle].empty()) {
@@ -151,6 +153,7 @@ class ScanFilesRecorder : public Recorder {
   std::filesystem::path directory_;
   std::vector<std::string> names_;
   std::vector<bool> selected_;
+  TimeNs start_time_ = 0;
   std::vector<PoseHistory> estimates_;  // by VehicleId
   std::map<std::pair<VehicleId, std::string>, Stream> streams_;
   std::vector<Pose> poses_;

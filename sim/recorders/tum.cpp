@@ -16,6 +16,7 @@ class TumRecorder : public Recorder {
 
   void begin(const RunInfo& info) override {
     directory_ = info.directory;
+    start_time_ = info.start_time;
     const std::vector<bool> selected = select_vehicles(config_.vehicles, info.vehicle_names);
     for (std::size_t i = 0; i < selected.size(); ++i) {
       if (!selected[i]) continue;
@@ -67,13 +68,14 @@ class TumRecorder : public Recorder {
 
   void append(OutputFile& file, TimeNs t, const Vector3& position, const Eigen::Quaterniond& rotation) {
     row_.clear();
-    row_.add_seconds(t).add(position).add(rotation.coeffs());  // Eigen stores x, y, z, w
+    row_.add_seconds(start_time_ + t).add(position).add(rotation.coeffs());  // Eigen stores x, y, z, w
     file.append(row_.line());
   }
 
   TumConfig config_;
   RateGate gate_;
   std::filesystem::path directory_;
+  TimeNs start_time_ = 0;
   std::vector<Vehicle> vehicles_;
   std::vector<std::filesystem::path> paths_;
   TextRow row_{' '};

@@ -75,6 +75,7 @@ class SnapshotRecorder : public Recorder {
       : cameras_(std::move(cameras)), video_frames_per_s_(video_frames_per_s) {}
 
   void begin(const RunInfo& info) override;
+  void write_start(const TickView&) override {}  // agents have drawn nothing: a picture of t = 0 is the first tick's
   void write(const TickView& tick) override;
   std::vector<std::filesystem::path> finish() override;
 
@@ -150,7 +151,7 @@ void SnapshotRecorder::write(const TickView& tick) {
   if (due) {
     fill_clouds(tick);
     const std::filesystem::path folder = info_.directory / "snapshots";
-    std::filesystem::create_directories(folder);
+    make_inner_directory(folder);
     for (Station& station : stations_) {
       if (!station.config.is_due(previous_, tick.t)) continue;
       const std::filesystem::path stem = folder / fmt::format("{}_{:08.3f}s", station.config.name, to_seconds(tick.t));

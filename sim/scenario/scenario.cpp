@@ -2,17 +2,23 @@
 #include "swiftlet/sim/scenario/scenario.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
 #include <string_view>
 
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/core/time.hpp"
 #include "swiftlet/sim/plugin/plugin.hpp"
+#include "swiftlet/sim/recorders/ros_config.hpp"
+#include "swiftlet/sim/recorders/scan_files_config.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/scenario/named_files.hpp"
 #include "swiftlet/sim/scenario/recorder_paths.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
+#include "swiftlet/sim/scenario/units.hpp"
 #include "swiftlet/sim/scenario/yaml_reader.hpp"
 #include "swiftlet/sim/scenario/yaml_writer.hpp"
 #include "swiftlet/sim/sensors/neighbors.hpp"
@@ -21,6 +27,9 @@
 
 namespace swiftlet::sim {
 namespace {
+
+/// Least ratio of the rotors' greatest thrust to the weight. With less, nothing is left to climb or to tilt.
+constexpr double kLeastThrustRatio = 1.1;
 
 constexpr const char* kNameRule = "a name of letters, digits, '_', '-' and '.' (it becomes a file name)";
 
@@ -162,6 +171,84 @@ void read_plugins(ConfigVisitor& v) {
   }
 }
 
+bool is_selected(const std::vector<std::string>& selection, const std::string& name) {
+  return selection.empty() || contains(selection, name);
+}
+
+bool is_lidar_of(const std::vector<std::string>& selection, const Module& sensor) {
+  return sensor.type == "lidar" && is_selected(selection, sensor_name(sensor));
+}
+
+/// LiDARs of a vehicle as the frames of a ROS recorder: they stand beside the frames of the vehicle itself.
+void check_ros_lidars(ConfigVisitor& v, const RosConfig& ros, const VehicleConfig& vehicle, const std::string& place) {
+  std::map<std::string, std::string> frames = {{"body", "body"}, {"local", "local"}};
+  for (std::size_t i = 0; i < vehicle.sensors.size(); ++i) {
+    if (!is_lidar_of(ros.sensors, vehicle.sensors[i])) continue;
+    const std::string expected = expected_ros_name(sensor_name(vehicle.sensors[i]), frames);
+    v.check(expected.empty(), (place + element("sensors", i, "name")).c_str(), expected);
+  }
+}
+
+/// What a recorder writes as ROS topics has names that ROS accepts and that stay apart.
+void check_ros_names(ConfigVisitor& v, const Scenario& scenario) {
+  for (const Module& recorder : scenario.recorders) {
+    const auto* const ros = dynamic_cast<const RosConfig*>(recorder.config.get());
+    if (ros == nullptr) continue;
+    std::map<std::string, std::string> names;
+    for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+      const VehicleConfig& vehicle = scenario.vehicles[i];
+      if (!is_selected(ros->vehicles, vehicle.name)) continue;
+      const std::string expected = expected_ros_name(vehicle.name, names);
+      v.check(expected.empty(), element("vehicles", i, "name").c_str(), expected);
+      check_ros_lidars(v, *ros, vehicle, "vehicles[" + std::to_string(i) + "].");
+    }
+  }
+}
+
+/// A recorder of scans as files has a folder VEHICLE_LIDAR for each LiDAR.
+void check_scan_folders(ConfigVisitor& v, const Scenario& scenario) {
+  for (const Module& recorder : scenario.recorders) {
+    const auto* const files = dynamic_cast<const ScanFilesConfig*>(recorder.config.get());
+    if (files == nullptr) continue;
+    std::set<std::string> folders;
+    for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+      const VehicleConfig& vehicle = scenario.vehicles[i];
+      for (std::size_t k = 0; is_selected(files->vehicles, vehicle.name) && k < vehicle.sensors.size(); ++k) {
+        if (!is_lidar_of(files->sensors, vehicle.sensors[k])) continue;
+        const std::string folder = vehicle.name + "_" + sensor_name(vehicle.sensors[k]);
+        v.check(folders.insert(folder).second,
+                ("vehicles[" + std::to_string(i) + "]." + element("sensors", k, "name")).c_str(),
+                "a name whose folder of scans no other LiDAR has; " + folder + " is taken");
+      }
+    }
+  }
+}
+
+/// Mass to the gram; `round` is std::floor for an upper and std::ceil for a lower limit.
+std::string kilograms(double mass_kg, double (*round)(double)) {
+  return yaml_number(round(mass_kg * 1e3) / 1e3) + " kg";
+}
+
+/// Rotors carry the vehicle, and let it come down again.
+void check_thrust(ConfigVisitor& v, const Scenario& scenario) {
+  const double gravity_mps2 = scenario.physics.gravity_mps2.norm();
+  for (std::size_t i = 0; gravity_mps2 > 0.0 && i < scenario.vehicles.size(); ++i) {
+    const VehicleConfig& vehicle = scenario.vehicles[i];
+    const Airframe& airframe = vehicle.airframe;
+    if (airframe.rotors.empty() || vehicle.agent.type == "none") continue;  // without an agent it does not fly
+    const std::string key = element("vehicles", i, "airframe.mass_kg");
+    const double most_kg = airframe.max_thrust_N() / (kLeastThrustRatio * gravity_mps2);
+    const double ratio = airframe.rotor_speed_min_radps / airframe.rotor_speed_max_radps;
+    const double least_kg = airframe.max_thrust_N() * ratio * ratio / gravity_mps2;
+    v.check(airframe.mass_kg <= most_kg, key.c_str(),
+            "at most " + kilograms(most_kg, std::floor) +
+                ", because a vehicle flies only when its rotors can carry 1.1 times its weight");
+    v.check(airframe.mass_kg >= least_kg, key.c_str(),
+            "at least " + kilograms(least_kg, std::ceil) +
+                ", because lighter than that the vehicle climbs even at rotor_speed_min_radps");
+  }
+}
+
 void check_time(ConfigVisitor& v, const Scenario& scenario) {
   const TimeNs step = from_seconds(scenario.physics.step_s);
   const TimeNs tick = from_seconds(scenario.tick_s);
@@ -219,6 +306,10 @@ void Scenario::visit(ConfigVisitor& v) {
   v.field("duration_s", duration_s, "[s] simulated time at which the run ends at the latest", Range{0.0, 1e7, true});
   v.field("tick_s", tick_s, "[s] period of sensing and deciding; a whole multiple of physics.step_s",
           Range{0.0, 1.0, true});
+  v.field("start_time_s", start_time_s,
+          "[s] added to every time in recordings, such as 1700000000 for seconds since 1970; replays, pictures and "
+          "summaries count from 0",
+          Range::between(0.0, 2e9));
   v.object("physics", physics, "which effects act on the vehicles");
   v.module("world", world, world_module_types(), "[-] the static world, from a generator");
   v.object("wind", wind, "mean wind and gusts");
@@ -234,7 +325,10 @@ void Scenario::visit(ConfigVisitor& v) {
   v.check(vehicles.size() <= std::size_t{kMaxVehicles}, "vehicles",
           "at most " + std::to_string(kMaxVehicles) + " vehicles");
   const std::vector<std::string> vehicle_names = name_vehicles(v, vehicles);
+  check_thrust(v, *this);
   check_recorders(v, recorders, &vehicle_names);
+  check_ros_names(v, *this);
+  check_scan_folders(v, *this);
   check_cameras(v, *this, vehicle_names);
 }
 

@@ -62,8 +62,9 @@ class SyntheticRun {
  public:
   static constexpr TimeNs kTick = 10'000'000;
 
-  explicit SyntheticRun(std::filesystem::path directory) {
+  explicit SyntheticRun(std::filesystem::path directory, TimeNs start_time = 0) {
     info_.directory = std::move(directory);
+    info_.start_time = start_time;
     std::filesystem::create_directories(info_.directory);
     info_.vehicle_names = {"uav1", "uav-2"};
     info_.series = {&scores_, &team_};

@@ -3,19 +3,23 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
+#include <regex>
 #include <set>
 #include <sstream>
 
 #include "swiftlet/sim/recorders/csv.hpp"
 #include "swiftlet/sim/recorders/events.hpp"
+#include "swiftlet/sim/recorders/map.hpp"
 #include "swiftlet/sim/recorders/mcap.hpp"
 #include "swiftlet/sim/recorders/pcd.hpp"
 #include "swiftlet/sim/recorders/rosbag.hpp"
 #include "swiftlet/sim/recorders/tum.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "tests/sim/world/config_support.hpp"
+#include "tests/support/file_size_limit.hpp"
 #include "tests/support/recorder_types.hpp"
 #include "tests/support/synthetic_run.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -82,6 +86,58 @@ TEST(Recorders, TheSameRunGivesTheSameBytes) {
   }
 }
 
+/// Times of a recording [ns]: numbers with nine decimals, stamps in headers of clouds, times of events.
+std::vector<TimeNs> times_in(const fs::path& directory) {
+  std::set<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(directory)) {
+    if (entry.is_regular_file()) files.insert(entry.path());
+  }
+  std::vector<TimeNs> times;
+  const std::regex time("(?:^|[, ])(-?[0-9]+)\\.([0-9]{9})(?=[, ]|$)|stamp_ns ([0-9]+)|\"t_s\":([0-9.]+)");
+  for (const fs::path& file : files) {
+    for (const std::string& line : lines_of(file)) {
+      if (line.find('\0') != std::string::npos) break;  // the points themselves
+      for (std::sregex_iterator match(line.begin(), line.end(), time), end; match != end; ++match) {
+        const std::smatch& m = *match;
+        times.push_back(m[1].matched   ? std::stoll(m[1].str() + m[2].str())
+                        : m[3].matched ? std::stoll(m[3])
+                                       : std::llround(std::stold(m[4]) * 1e9L));
+      }
+    }
+  }
+  return times;
+}
+
+TEST(Recorders, TimesCountFromTheStartTime) {
+  constexpr TimeNs kStart = 1'700'000'000 * kNsPerSecond;
+  CsvConfig csv;
+  csv.topics = {"imu", "gnss", "detections", "messages", "message_neighbor"};
+  MapConfig map;
+  map.times_s = {0.1};
+  const std::pair<const char*, Module> recorders[] = {
+      {"tum", Module(recorder_module_types(), "tum")},       {"csv", module_of("csv", csv)},
+      {"events", Module(recorder_module_types(), "events")}, {"pcd", Module(recorder_module_types(), "pcd")},
+      {"ply", Module(recorder_module_types(), "ply")},       {"map", module_of("map", map)}};
+  for (const auto& [type, module] : recorders) {
+    const TemporaryDirectory from_zero, from_epoch;
+    SyntheticRun run(from_zero.path()), moved(from_epoch.path(), kStart);
+    record(run, module);
+    record(moved, module);
+    const auto times = times_in(from_zero.path()), moved_times = times_in(from_epoch.path());
+    ASSERT_EQ(times.size(), moved_times.size()) << type;
+    EXPECT_GT(times.size(), 1U) << type;
+    int durations = 0;  // of sweeps, in the tables of scans
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      if (moved_times[i] == times[i]) {
+        ++durations;
+      } else {
+        EXPECT_NEAR(static_cast<double>(moved_times[i] - times[i] - kStart), 0.0, 500.0) << type;
+      }
+    }
+    EXPECT_LT(2 * durations, static_cast<int>(times.size())) << type;
+  }
+}
+
 TEST(Recorders, EveryTypeWorksWhenNothingHappens) {
   for (const char* type : recorders_of_any_run()) {
     const TemporaryDirectory directory;
@@ -101,12 +157,14 @@ TEST(Recorders, AFullDiskIsAnErrorThatNamesTheFile) {
                                                        {"rosbag", "record.bag"}};
   for (const auto& [type, file] : files) {
     const TemporaryDirectory directory;
-    fs::create_directories((directory.path() / file).parent_path());
-    fs::create_symlink("/dev/full", directory.path() / (std::string(file) + ".part"));
     SyntheticRun run(directory.path());
     const Module recorder(recorder_module_types(), type);
-    EXPECT_THAT([&] { record(run, recorder); },
-                ThrowsMessage<std::runtime_error>(::testing::AllOf(HasSubstr(file), HasSubstr("No space left"))))
+    const auto record_on_full_disk = [&] {
+      const FileSizeLimit full(0);
+      record(run, recorder);
+    };
+    EXPECT_THAT(record_on_full_disk,
+                ThrowsMessage<std::runtime_error>(::testing::AllOf(HasSubstr(file), HasSubstr("File too large"))))
         << type;
     EXPECT_FALSE(fs::exists(directory.path() / file)) << type;
   }

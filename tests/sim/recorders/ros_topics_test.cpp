@@ -59,7 +59,8 @@ std::shared_ptr<const VehicleShape> small_shape() {
 /// A SyntheticRun in a world, written to a sink. The second vehicle has learned where its local frame lies.
 class RosRun {
  public:
-  RosRun(const RosConfig& config, RosDialect dialect) : sink(dialect), info_(run_.info()) {
+  RosRun(const RosConfig& config, RosDialect dialect, TimeNs start_time = 0) : sink(dialect), info_(run_.info()) {
+    info_.start_time = start_time;
     info_.scene = &scene_;
     info_.vehicle_shapes[1] = small_shape();
     topics_.emplace(config, info_, dialect, sink);
@@ -335,6 +336,58 @@ TEST_P(RosTopicsTest, EventsAndSeriesTellWhomTheyAreAbout) {
     EXPECT_EQ(scores[1].number("visible_points"), -1.0);
     EXPECT_EQ(run.sink.read_all("/spread").at(0).time("t_s"), view.t);
   }
+}
+
+/// Time of a point in the layout of Livox [ns].
+double timestamp_of(const RosReading& cloud, std::size_t point) {
+  double timestamp = 0.0;
+  std::memcpy(&timestamp, cloud.text("data").data() + point * 26 + 18, sizeof timestamp);
+  return timestamp;
+}
+
+TEST_P(RosTopicsTest, EveryTimeCountsFromTheStartTime) {
+  constexpr TimeNs kStart = 1'700'000'000 * kNsPerSecond;
+  RosConfig config = config_of(kAllTopics);
+  config.rate_hz = 0.0;
+  RosRun from_zero(config, GetParam()), from_epoch(config, GetParam(), kStart);
+  std::set<std::string> compared;
+  for (int k = 0; k <= 20; ++k) {
+    from_zero.tick();
+    from_epoch.tick();
+    ASSERT_EQ(from_zero.sink.sent.size(), from_epoch.sink.sent.size());
+    for (std::size_t i = 0; i < from_zero.sink.sent.size(); ++i) {
+      const auto &sent = from_zero.sink.sent[i], &moved = from_epoch.sink.sent[i];
+      const std::string& topic = from_zero.sink.topic_of(sent);
+      EXPECT_EQ(moved.t - sent.t, kStart) << topic;
+      const RosReading at_zero = from_zero.sink.read(sent), at_epoch = from_epoch.sink.read(moved);
+      for (const char* stamp : {"header.stamp", "clock", "transforms[0].header.stamp", "markers[0].header.stamp",
+                                "markers[1].header.stamp", "t_s", "received_s", "seen_s"}) {
+        if (!at_zero.has(std::string(stamp) + ".sec")) continue;
+        // ROS 1 has no time before zero.
+        const bool cut = GetParam() == RosDialect::kRos1 && at_zero.time(stamp) == 0;
+        const TimeNs moved_by = at_epoch.time(stamp) - at_zero.time(stamp);
+        EXPECT_TRUE(cut || moved_by == kStart) << topic << " " << stamp << " moved by " << moved_by;
+        compared.insert(topic + " " + stamp);
+      }
+      if (topic != "/uav_2/mid360/points") continue;
+      for (std::size_t point = 0; point < 120; ++point)
+        EXPECT_NEAR(timestamp_of(at_epoch, point) - static_cast<double>(kStart), timestamp_of(at_zero, point), 256.0);
+      compared.insert("points");
+    }
+  }
+  for (const char* what : {"/clock clock", "/tf transforms[0].header.stamp", "/uav1/imu header.stamp",
+                           "/uav1/tracks markers[1].header.stamp", "/events t_s", "points"})
+    EXPECT_TRUE(compared.contains(what)) << what;
+}
+
+TEST(RosNames, AreLettersDigitsAndUnderscoresAndMustStayApart) {
+  EXPECT_EQ(ros_name("uav-1.b"), "uav_1_b");
+  std::map<std::string, std::string> taken = {{"body", "body"}};
+  EXPECT_EQ(expected_ros_name("uav1", taken), "");
+  EXPECT_EQ(expected_ros_name("uav-1", taken), "");
+  EXPECT_EQ(expected_ros_name("uav.1", taken), "a name that differs from uav-1 in ROS topics, where both are uav_1");
+  EXPECT_EQ(expected_ros_name("body", taken), "a name that differs from body in ROS topics, where both are body");
+  EXPECT_EQ(expected_ros_name("2nd", taken), "a name that begins with a letter, because a recorder writes ROS topics");
 }
 
 TEST_P(RosTopicsTest, MarkersShowDetectionsAndTracks) {

@@ -235,11 +235,11 @@ TEST(Scenario, AssetsOfTheUserComeFirst) {
   const TemporaryDirectory folder;
   const fs::path root = folder.path() / "swiftlet_assets_of_the_user";
   fs::create_directories(root / "vehicles");
-  std::ofstream(root / "vehicles" / "x500.yaml") << "airframe: {mass_kg: 9}\n";
-  std::ofstream(root / "vehicles" / "own_one.yaml") << "# Mine. Really.\nairframe: {mass_kg: 8}\n";
+  std::ofstream(root / "vehicles" / "x500.yaml") << "airframe: {mass_kg: 5}\n";
+  std::ofstream(root / "vehicles" / "own_one.yaml") << "# Mine. Really.\nairframe: {mass_kg: 4}\n";
   ASSERT_EQ(setenv("SWIFTLET_ASSETS", ("/nowhere:" + root.string()).c_str(), 1), 0);
-  EXPECT_EQ(read_scenario_text("vehicles: [{}]").vehicles[0].airframe.mass_kg, 9.0);
-  EXPECT_EQ(read_scenario_text("vehicles: [{model: own_one}]").vehicles[0].airframe.mass_kg, 8.0);
+  EXPECT_EQ(read_scenario_text("vehicles: [{}]").vehicles[0].airframe.mass_kg, 5.0);
+  EXPECT_EQ(read_scenario_text("vehicles: [{model: own_one}]").vehicles[0].airframe.mass_kg, 4.0);
   EXPECT_EQ(read_scenario_text("vehicles: [{model: f450}]").vehicles[0].model, "f450");
   const auto assets = list_assets("vehicles");
   const auto own = std::find_if(assets.begin(), assets.end(), [](const Asset& a) { return a.name == "own_one"; });
@@ -247,7 +247,7 @@ TEST(Scenario, AssetsOfTheUserComeFirst) {
   EXPECT_EQ(own->doc, "Mine");
   unsetenv("SWIFTLET_ASSETS");
   fs::remove_all(root);
-  EXPECT_NE(read_scenario_text("vehicles: [{}]").vehicles[0].airframe.mass_kg, 9.0);
+  EXPECT_NE(read_scenario_text("vehicles: [{}]").vehicles[0].airframe.mass_kg, 5.0);
   EXPECT_THAT(scenario_error("vehicles: [{model: x50}]"), HasSubstr("did you mean \"x500\"?"));
 }
 
@@ -485,6 +485,76 @@ TEST(Scenario, NoTwoRecordersWriteTheSame) {
 TEST(Scenario, ARecorderOfAVehicleThatIsNotThereIsToldWithItsPlace) {
   EXPECT_THAT(scenario_error("vehicles: [{name: alpha}]\nrecorders: [{type: tum, vehicles: [alpha, alfa]}]"),
               HasSubstr("flight.yaml:2:43: recorders[0].vehicles[1]: expected \"alpha\""));
+}
+
+TEST(Scenario, NamesThatRosCannotKeepApartAreRefusedWithTheirPlaceWhereARecorderNeedsThem) {
+  const std::string ros = "\nrecorders: [{type: mcap}]";
+  const std::string team = "vehicles: [{name: uav-1}, {name: uav2}, {name: uav_1}]";
+  EXPECT_EQ(scenario_error(team + ros),
+            "flight.yaml:1:48: vehicles[2].name: expected a name that differs from uav-1 in ROS topics, where both are "
+            "uav_1, found \"uav_1\"");
+  EXPECT_THAT(scenario_error(team + "\nrecorders: [{type: tum}, {type: rosbag}]"), HasSubstr("vehicles[2].name"));
+  EXPECT_EQ(scenario_error(team + "\nrecorders: [{type: tum}, {type: csv}]"), "no error");
+  EXPECT_EQ(scenario_error(team + "\nrecorders: [{type: mcap, vehicles: [uav_1, uav2]}]"), "no error");
+  EXPECT_EQ(scenario_error("vehicles: [{name: \"1\"}]" + ros),
+            "flight.yaml:1:19: vehicles[0].name: expected a name that begins with a letter, because a recorder writes "
+            "ROS topics, found \"1\"");
+  EXPECT_THAT(scenario_error("vehicles: [{name: \"4x\", count: 2}]" + ros), HasSubstr("vehicles[0].name"));
+  EXPECT_EQ(scenario_error("vehicles: [{name: \"1\"}]"), "no error");
+
+  const auto lidars = [&](const std::string& a, const std::string& b) {
+    return scenario_error("vehicles: [{sensors: [{type: lidar, name: " + a + "}, {type: lidar, name: " + b + "}]}]" +
+                          ros);
+  };
+  EXPECT_EQ(lidars("os1", "os-1"), "no error");
+  EXPECT_THAT(lidars("os.1", "os-1"), HasSubstr("vehicles[0].sensors[1].name: expected a name that differs from os.1"));
+  EXPECT_THAT(lidars("\"3d\"", "b"),
+              HasSubstr("vehicles[0].sensors[0].name: expected a name that begins with a letter"));
+  EXPECT_THAT(lidars("os1", "body"), HasSubstr("vehicles[0].sensors[1].name: expected a name that differs from body"));
+  EXPECT_EQ(scenario_error("vehicles: [{sensors: [{type: imu, name: body}]}]" + ros), "no error");
+}
+
+TEST(Scenario, TwoLidarsDoNotShareAFolderOfScans) {
+  const std::string team =
+      "vehicles: [{name: a, sensors: [{type: lidar, name: b_c}]}, {name: a_b, sensors: [{type: lidar, name: c}]}]\n";
+  EXPECT_THAT(
+      scenario_error(team + "recorders: [{type: ply}]"),
+      HasSubstr(
+          "vehicles[1].sensors[0].name: expected a name whose folder of scans no other LiDAR has; a_b_c is taken"));
+  EXPECT_EQ(scenario_error(team + "recorders: [{type: ply, vehicles: [a]}, {type: pcd, vehicles: [a_b]}]"), "no error");
+}
+
+TEST(Scenario, AVehicleThatItsRotorsDoNotCarryOrDoNotLetDownIsRefused) {
+  // Four rotors of 16.48 N carry 6.109 kg with a tenth to spare; at their least speed they carry 0.151 kg.
+  const auto with_mass = [](const std::string& mass_kg, const std::string& agent = "stack",
+                            double gravity_mps2 = 9.81) {
+    return scenario_error("physics: {gravity_mps2: [0, 0, " + std::to_string(-gravity_mps2) + "]}\nvehicles:\n" +
+                          "  - {model: x500, agent: {type: " + agent + "}, airframe: {mass_kg: " + mass_kg + "}}\n");
+  };
+  EXPECT_THAT(with_mass("8"), HasSubstr("flight.yaml:3:61: vehicles[0].airframe.mass_kg: expected at most 6.1"));
+  EXPECT_THAT(with_mass("8"), HasSubstr("1.1 times its weight, found \"8\""));
+  EXPECT_NE(with_mass("6.12"), "no error");
+  EXPECT_EQ(with_mass("6.1"), "no error");
+  EXPECT_THAT(with_mass("0.15"), HasSubstr("vehicles[0].airframe.mass_kg: expected at least 0.152 kg"));
+  EXPECT_EQ(with_mass("0.152"), "no error");
+  EXPECT_EQ(with_mass("8", "none"), "no error") << "a dummy need not fly";
+  EXPECT_EQ(with_mass("8", "stack", 3.7), "no error") << "on Mars it is lighter";
+  EXPECT_EQ(with_mass("1000", "stack", 0.0), "no error");
+  EXPECT_THAT(scenario_error("vehicles: [{airframe: {rotor_speed_max_radps: 300}}]"),
+              HasSubstr("vehicles[0].airframe.mass_kg"));
+}
+
+TEST(Scenario, AnInertiaThatNoBodyHasIsRefused) {
+  const auto with = [](const std::string& inertia) {
+    return scenario_error("vehicles: [{airframe: {inertia_diagonal_kgm2: " + inertia + "}}]");
+  };
+  for (const char* bad :
+       {"[0.02, 0.02, 0.05]", "[0.05, 0.02, 0.02]", "[0.02, 0.0001, 0.03]", "[0.02, 0, 0.02]", "[0.02, -0.02, 0.02]"}) {
+    EXPECT_THAT(with(bad), HasSubstr("vehicles[0].airframe.inertia_diagonal_kgm2")) << bad;
+    EXPECT_THAT(with(bad), HasSubstr("flight.yaml:1:")) << bad;
+  }
+  for (const char* good : {"[0.02, 0.02, 0.04]", "[0.02, 0.03, 0.045]", "[0.01, 0.01, 0.01]"})
+    EXPECT_EQ(with(good), "no error") << good << ": a flat plate, three axes, a ball";
 }
 
 TEST(Scenario, ValuesBeyondReasonAreRefusedWithTheirPlace) {

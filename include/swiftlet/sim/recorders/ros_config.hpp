@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,12 @@ struct RosConfig {
 
   void visit_common(ConfigVisitor& v);
 };
+
+/// A name as topics and frames have it: letters, digits and underscores; what else it has becomes an underscore.
+std::string ros_name(std::string name);
+
+/// What to expect instead of a vehicle's or LiDAR's name; empty: ROS accepts it beside the others.
+/// @param taken  the others by their names in ROS; this one joins them
+std::string expected_ros_name(const std::string& name, std::map<std::string, std::string>& taken);
 
 }  // namespace swiftlet::sim

@@ -59,6 +59,7 @@ struct Scenario {
   std::uint64_t world_seed = 0;  ///< of the world alone; 0: the seed
   double duration_s = 10.0;
   double tick_s = 0.004;
+  int start_time_s = 0;  ///< recordings add this to every time, so that they may be stamped since 1970
   PhysicsConfig physics;
   Module world;
   WindConfig wind;

@@ -16,6 +16,8 @@ class Recorder {
   virtual void begin(const RunInfo& info) = 0;
   /// Asked before each tick: are the agents to tell what they want drawn (Action::overlays)? No result hangs on it.
   virtual bool wants_overlays(TimeNs /*now*/) const { return false; }
+  /// The state at t = 0. No sensor has measured and no agent has stepped, so estimates are invalid.
+  virtual void write_start(const TickView& start) { write(start); }
   virtual void write(const TickView& tick) = 0;
   /// Flushes and closes; returns the paths written, relative to the run directory. Throws std::runtime_error when
   /// anything could not be written (disk full).

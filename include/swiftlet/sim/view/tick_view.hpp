@@ -49,6 +49,7 @@ struct RunInfo {
   std::vector<const Airframe*> airframes;                     ///< by VehicleId
   std::vector<std::shared_ptr<const VehicleShape>> vehicle_shapes;  ///< by VehicleId
   std::vector<const Series*> series;                                ///< what metrics tell by tick
+  TimeNs start_time = 0;                                            ///< recordings add this to every time of the run
   std::filesystem::path directory;                                  ///< where to write; exists
 };
 
