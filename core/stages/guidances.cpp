@@ -23,7 +23,9 @@ namespace swiftlet {
 namespace {
 
 void need_net(const ModuleConfig& config, AgentNeeds& needs) {
-  needs.net = dynamic_cast<const InterceptConfig&>(config).net;
+  const auto& intercept = dynamic_cast<const InterceptConfig&>(config);
+  needs.net = intercept.net;
+  needs.captures = intercept.captures;
 }
 
 constexpr GuidanceType kGuidanceTypes[] = {

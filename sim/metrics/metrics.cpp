@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/metrics/metrics.hpp"
 
+#include <stdexcept>
+#include <string>
+
 #include "swiftlet/core/ensure.hpp"
 
 namespace swiftlet::sim {
@@ -33,7 +36,7 @@ void MetricsConfig::visit(ConfigVisitor& v) {
           "[m] a detection or track nearer than this to a vehicle is that vehicle's", Range::positive());
   v.field("detection_range_m", detection_range_m, "[m] vehicles nearer than this count for recall", Range::positive());
   v.field("detection_bin_m", detection_bin_m, "[m] width of the bins of distance of recall and errors",
-          Range::positive());
+          Range::between(0.001, 1e6));
   v.field("stop_on_crash", stop_on_crash, "[-] end the run at the first crash?");
   v.field("stop_when_done", stop_when_done, "[-] end the run when every mission is done, failed or crashed?");
 }
@@ -75,7 +78,13 @@ Metrics::Metrics(const MetricsConfig& config, std::vector<std::string> vehicle_n
     : flying_(vehicle_names.size(), 0) {
   perception.resize(vehicle_names.size());
   const MetricSetup setup{std::move(vehicle_names), std::move(perception), config};
-  for (const MetricType& type : metric_registry()) metrics_.push_back(type.make(setup));
+  for (const MetricType& type : metric_registry()) {
+    auto metric = type.make(setup);
+    if (metric == nullptr)
+      throw std::runtime_error("the maker of the metric '" + std::string(type.name) + "' made nothing");
+    metrics_.push_back(std::move(metric));
+    for (const auto& table : metrics_.back()->series()) series_.push_back(table.get());
+  }
 }
 
 void Metrics::update(const TickView& tick, std::span<const Clearance> clearances) {
@@ -84,20 +93,13 @@ void Metrics::update(const TickView& tick, std::span<const Clearance> clearances
          tick.states.size(), clearances.size(), tick.actions.size());
   ENSURE(tick.t > t_last_, to_seconds(tick.t), to_seconds(t_last_));
   for (std::size_t i = 0; i < count; ++i) flying_[i] = is_flying(tick.states[i], clearances[i]);
-  const MetricContext context{to_seconds(tick.t - t_last_), clearances, flying_};
-  for (const auto& metric : metrics_) {
-    for (const auto& table : metric->series()) table->clear();
-    metric->update(tick, context);
+  const MetricContext context{to_seconds(tick.t - t_last_), clearances, flying_, series_};
+  // From the last to the first: the outcome, first in every report, follows from captures.
+  for (auto metric = metrics_.rbegin(); metric != metrics_.rend(); ++metric) {
+    for (const auto& table : (*metric)->series()) table->clear();
+    (*metric)->update(tick, context);
   }
   t_last_ = tick.t;
-}
-
-std::vector<const Series*> Metrics::series() const {
-  std::vector<const Series*> all;
-  for (const auto& metric : metrics_) {
-    for (const auto& table : metric->series()) all.push_back(table.get());
-  }
-  return all;
 }
 
 MetricTable Metrics::report() const {

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "sim/metrics/statistics.hpp"
+#include "swiftlet/sim/metrics/capture_record.hpp"
 #include "swiftlet/sim/metrics/metric.hpp"
 
 namespace swiftlet::sim {
@@ -11,7 +12,9 @@ namespace {
 constexpr MetricDefinition kOutcome = {"outcome", "",
                                        "how the run ended for a vehicle; for the run: the worst of its vehicles"};
 constexpr MetricDefinition kTimeToDone = {
-    "time_to_done_s", "s", "when the agent first said that its mission is done; the time from the start of the run"};
+    "time_to_done_s", "s",
+    "when the agent first said that its mission is done; the time from the start of the run; none for a vehicle that "
+    "crashed"};
 constexpr MetricDefinition kCrashTime = {"crash_time_s", "s",
                                          "the first contact that counts as a crash, exact within the tick"};
 constexpr MetricDefinition kCrashPartner = {"crash_partner", "",
@@ -21,7 +24,7 @@ constexpr MetricDefinition kOutcomeDefinitions[] = {kOutcome, kTimeToDone, kCras
 // From best to worst: a run is as good as its worst vehicle.
 enum class Outcome { kDone, kTimeout, kFailed, kCrashed };
 constexpr std::array<OutcomeWord, 4> kOutcomes = {{
-    {"done", "the agent said that its mission is done"},
+    {"done", "the agent said that its mission is done, or the net caught as many targets as it should, by true places"},
     {"timeout", "the run ended before the agent said that its mission is done or has failed"},
     {"failed", "the agent gave up; its last mission event in events.jsonl tells why"},
     {"crashed", "the vehicle touched something; that outweighs whatever its mission says, also after it was done"},
@@ -29,17 +32,25 @@ constexpr std::array<OutcomeWord, 4> kOutcomes = {{
 
 const char* word_for(Outcome outcome) { return kOutcomes[static_cast<std::size_t>(outcome)].name; }
 
-/// A crash outweighs whatever the mission says of itself, also when it comes after the mission was done.
+/// A crash outweighs whatever the mission says of itself, also when it comes after the mission was done. A wreck's
+/// agent goes on, but its mission does not.
 class OutcomeMetric final : public Metric {
  public:
   explicit OutcomeMetric(const MetricSetup& setup) : Metric(setup), vehicles_(num_vehicles()) {}
 
-  void update(const TickView& tick, const MetricContext&) override {
+  void update(const TickView& tick, const MetricContext& context) override {
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       Vehicle& vehicle = vehicles_[i];
+      if (tick.states[i].crashed) {
+        if (std::isnan(vehicle.crash_s)) vehicle.crash_s = to_seconds(tick.t);
+        continue;
+      }
       vehicle.mission = tick.actions[i]->mission;
       if (vehicle.mission == MissionStatus::kDone && std::isnan(vehicle.done_s)) vehicle.done_s = to_seconds(tick.t);
-      if (tick.states[i].crashed && std::isnan(vehicle.crash_s)) vehicle.crash_s = to_seconds(tick.t);
+    }
+    if (const auto* captures = series_of<CaptureRecord>(context.series)) {
+      for (std::size_t k = 0; k < captures->size(); ++k)
+        vehicles_[static_cast<std::size_t>(captures->about(k))].captures = captures->rows()[k].number;
     }
     for (const Event& event : tick.events) {
       if (event.kind != "crash" || event.vehicle == kNoVehicle) continue;
@@ -52,12 +63,12 @@ class OutcomeMetric final : public Metric {
 
   void report(MetricTable& table) const override {
     Outcome worst = Outcome::kDone;
-    for (const Vehicle& vehicle : vehicles_) worst = std::max(worst, outcome_of(vehicle));
+    for (std::size_t i = 0; i < num_vehicles(); ++i) worst = std::max(worst, outcome_of(i));
     table.add_text(kOutcome, "", word_for(worst));
     for (std::size_t i = 0; i < num_vehicles(); ++i) {
       const Vehicle& vehicle = vehicles_[i];
-      table.add_text(kOutcome, name_of(i), word_for(outcome_of(vehicle)));
-      table.add(kTimeToDone, name_of(i), vehicle.done_s);
+      table.add_text(kOutcome, name_of(i), word_for(outcome_of(i)));
+      table.add(kTimeToDone, name_of(i), std::isnan(vehicle.crash_s) ? vehicle.done_s : kNotMeasured);
       table.add(kCrashTime, name_of(i), vehicle.crash_s);
       table.add_text(kCrashPartner, name_of(i), vehicle.partner.empty() ? "none" : vehicle.partner);
     }
@@ -68,11 +79,15 @@ class OutcomeMetric final : public Metric {
     MissionStatus mission = MissionStatus::kRunning;
     double done_s = kNotMeasured;
     double crash_s = kNotMeasured;
+    int captures = 0;
     std::string partner;
   };
 
-  static Outcome outcome_of(const Vehicle& vehicle) {
+  Outcome outcome_of(std::size_t i) const {
+    const Vehicle& vehicle = vehicles_[i];
     if (!std::isnan(vehicle.crash_s)) return Outcome::kCrashed;
+    const int wanted = i < setup().perception.size() ? setup().perception[i].captures : 0;
+    if (wanted > 0 && vehicle.captures >= wanted) return Outcome::kDone;
     if (vehicle.mission == MissionStatus::kFailed) return Outcome::kFailed;
     return vehicle.mission == MissionStatus::kRunning ? Outcome::kTimeout : Outcome::kDone;
   }

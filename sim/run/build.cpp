@@ -176,6 +176,7 @@ RunInfo make_run_info(const Scenario& scenario, const World& world) {
   info.scene = world.scene.get();
   info.static_scene = world.static_scene;
   info.vehicle_names = vehicle_names(scenario);
+  info.start_time = scenario.start_time_s * kNsPerSecond;
   for (const VehicleConfig& vehicle : scenario.vehicles) {
     info.airframes.push_back(&vehicle.airframe);
     info.vehicle_shapes.push_back(
@@ -220,7 +221,7 @@ std::vector<Perception> perception_of(const Scenario& scenario) {
   std::vector<Perception> perception;
   for (const VehicleConfig& vehicle : scenario.vehicles) {
     const AgentNeeds needs = needs_of(vehicle.agent);
-    perception.push_back({needs.detects, needs.tracks, needs.net});
+    perception.push_back({needs.detects, needs.tracks, needs.net, needs.captures});
   }
   return perception;
 }

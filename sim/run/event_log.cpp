@@ -10,13 +10,16 @@
 namespace swiftlet::sim {
 namespace {
 
-// A mission that has ended is flown on for this long.
+// A mission that has ended is flown on for this long, so that recordings show it.
 constexpr TimeNs kAfterTheEnd = kNsPerSecond / 2;
+// After a capture it is longer, so that recordings show what the interceptor believes.
+constexpr TimeNs kAfterCapture = kNsPerSecond;
 
 }  // namespace
 
-EventLog::EventLog(std::vector<std::string> vehicle_names)
+EventLog::EventLog(std::vector<std::string> vehicle_names, std::vector<Perception> perception)
     : names_(std::move(vehicle_names)),
+      perception_(std::move(perception)),
       corrections_(names_.size(), 0),
       missions_(names_.size(), MissionStatus::kRunning),
       mission_notes_(names_.size()),
@@ -27,11 +30,39 @@ void EventLog::collect(TimeNs now, const PhysicsWorld& physics, std::span<const 
   for (const Crash& crash : physics.crashes()) note_crash(crash);
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const auto vehicle = static_cast<VehicleId>(i);
-    note_correction(vehicle, now, actions[i]->estimate, physics.state(vehicle).p_world_m);
-    note_mission(vehicle, now, *actions[i], physics.state(vehicle).p_world_m);
+    const VehicleState& state = physics.state(vehicle);
+    if (state.crashed) continue;  // what a wreck's agent believes is no event
+    note_correction(vehicle, now, actions[i]->estimate, state.p_world_m);
+    note_mission(vehicle, now, *actions[i], state.p_world_m);
   }
+  end_if_over(now + kAfterTheEnd);
+}
+
+void EventLog::note_captures(TimeNs now, const SeriesOf<CaptureRecord>& captures) {
+  for (std::size_t k = 0; k < captures.size(); ++k) {
+    const VehicleId hunter = captures.about(k);
+    const CaptureRecord& capture = captures.rows()[k];
+    events_.push_back({capture.t, "capture", hunter, names_[capture.target], capture.p_world_m,
+                       fmt::format("{:.3f} m from the middle of the net", capture.miss_m)});
+    const int wanted = perception_[hunter].captures;
+    if (wanted == 0 || capture.number < wanted) continue;
+    ended_[hunter] = ended_[capture.target] = true;
+    end_hunts_without_targets();
+  }
+  end_if_over(now + kAfterCapture);
+}
+
+void EventLog::end_hunts_without_targets() {
+  const auto is_target = [&](std::size_t i) { return perception_[i].captures == 0 && !ended_[i]; };
+  for (std::size_t i = 0; i < ended_.size(); ++i) {
+    if (is_target(i)) return;
+  }
+  ended_.assign(ended_.size(), true);
+}
+
+void EventLog::end_if_over(TimeNs end) {
   const bool all_ended = !ended_.empty() && std::all_of(ended_.begin(), ended_.end(), [](bool e) { return e; });
-  if (end_of_missions_ < 0 && all_ended) end_of_missions_ = now + kAfterTheEnd;
+  if (end_of_missions_ < 0 && all_ended) end_of_missions_ = end;
 }
 
 void EventLog::note_crash(const Crash& crash) {
@@ -44,7 +75,7 @@ void EventLog::note_crash(const Crash& crash) {
     event.partner = name_of(crash.surface_class);
     if (crash.instance) event.partner.append(" ").append(std::to_string(crash.instance));
   }
-  event.note = "at " + std::to_string(crash.speed_mps) + " m/s";
+  event.note = fmt::format("at {:f} m/s", crash.speed_mps);
   events_.push_back(std::move(event));
 }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "swiftlet/sim/metrics/capture_record.hpp"
+#include "swiftlet/sim/metrics/metric.hpp"
 #include "swiftlet/sim/physics/physics_world.hpp"
 #include "swiftlet/sim/view/tick_view.hpp"
 
@@ -13,10 +15,15 @@ namespace swiftlet::sim {
 /// What happened in a tick, and whether all missions have ended.
 class EventLog {
  public:
-  explicit EventLog(std::vector<std::string> vehicle_names);
+  /// @param perception  by VehicleId: how many captures end a mission
+  EventLog(std::vector<std::string> vehicle_names, std::vector<Perception> perception);
 
-  /// Crashes of the tick, then for each vehicle a correction of its local frame and a change of its mission.
+  /// Crashes of the tick, then for each vehicle that has not crashed a correction of its local frame and a change of
+  /// its mission.
   void collect(TimeNs now, const PhysicsWorld& physics, std::span<const Action* const> actions);
+  /// Captures of the tick by true places, after collect(). The last one that an interceptor is to make ends its mission
+  /// and that of the target, whatever either believes.
+  void note_captures(TimeNs now, const SeriesOf<CaptureRecord>& captures);
 
   std::span<const Event> of_this_tick() const { return events_; }
   bool crashed() const { return crashed_; }
@@ -27,8 +34,11 @@ class EventLog {
   void note_crash(const Crash& crash);
   void note_correction(VehicleId i, TimeNs now, const StateEstimate& estimate, const Vector3& p_world_m);
   void note_mission(VehicleId i, TimeNs now, const Action& action, const Vector3& p_world_m);
+  void end_hunts_without_targets();
+  void end_if_over(TimeNs end);
 
   std::vector<std::string> names_;
+  std::vector<Perception> perception_;
   std::vector<Event> events_;
   std::vector<std::uint32_t> corrections_;  // by vehicle: the last correction_revision
   std::vector<MissionStatus> missions_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swiftlet/sim/run/simulation.hpp"
 
-#include <omp.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -16,6 +16,7 @@
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/render/snapshot_recorder.hpp"
 #include "swiftlet/sim/run/memory.hpp"
+#include "swiftlet/sim/run/processors.hpp"
 #include "swiftlet/sim/run/summary.hpp"
 
 namespace swiftlet::sim {
@@ -33,7 +34,7 @@ struct Simulation::Impl {
         history(team.make_history(scenario)),
         schedule(team.size()),
         radio(scenario.radio, scenario.seed, info.vehicle_names, world.static_scene),
-        events(info.vehicle_names),
+        events(info.vehicle_names, perception_of(scenario)),
         metrics(scenario.metrics, info.vehicle_names, perception_of(scenario)),
         has_missions(std::ranges::any_of(scenario.vehicles, [](const auto& v) { return v.agent.type != "none"; })),
         tick_length(from_seconds(scenario.tick_s)) {
@@ -70,6 +71,10 @@ struct Simulation::Impl {
 // result is the same for any number of threads.
 void Simulation::Impl::tick() {
   const Crew::Duty duty(*crew);
+  if (now == 0) {
+    const auto timed = clock.measure(Stage::kRecorders);
+    for (const auto& recorder : recorders) recorder->write_start(view);
+  }
   const TimeNs previous = now == 0 ? -1 : now;
   now += tick_length;
 
@@ -100,6 +105,8 @@ void Simulation::Impl::tick() {
     view = {now,        physics.states(),      team.observations,      team.actions,
             team.scans, events.of_this_tick(), team.least_clearance_m, team.agents};
     metrics.update(view, team.clearances);
+    if (const auto* captures = series_of<CaptureRecord>(metrics.series())) events.note_captures(now, *captures);
+    view.events = events.of_this_tick();
   }
   {
     const auto timed = clock.measure(Stage::kRecorders);
@@ -109,8 +116,14 @@ void Simulation::Impl::tick() {
 
 Simulation::Simulation(Scenario scenario, int threads, std::optional<World> world) {
   require_memory(scenario);
+  const int usual_threads =
+      default_threads();  // refuses a wrong OMP_NUM_THREADS, which OpenMP's own loops obey as well
+  if (threads > kMaxThreads) {
+    throw InputError("threads: expected a whole number in [0, " + std::to_string(kMaxThreads) + "], found " +
+                     std::to_string(threads));
+  }
   try {
-    auto crew = std::make_unique<Crew>(threads > 0 ? threads : omp_get_max_threads());
+    auto crew = std::make_unique<Crew>(threads > 0 ? threads : usual_threads);
     const Crew::Duty duty(*crew);
     impl_ = std::make_unique<Impl>(std::move(scenario), std::move(crew), std::move(world));
   } catch (const OutOfMemory&) {
@@ -142,7 +155,7 @@ void Simulation::tick() {
     throw;
   } catch (const std::bad_alloc&) {
     throw OutOfMemory("in the stage " + std::string(kStageNames[static_cast<std::size_t>(impl_->clock.latest())]) +
-                      " at " + std::to_string(to_seconds(impl_->now)) + " s");
+                      fmt::format(" at {:f} s", to_seconds(impl_->now)));
   }
 }
 
@@ -180,6 +193,8 @@ std::vector<std::filesystem::path> Simulation::finish() {
 }
 
 RunSummary Simulation::summary() const {
+  std::vector<Counter> counters = impl_->world.scene->counters;
+  for (Counter& counter : impl_->team.counters(impl_->radio.statistics())) counters.push_back(std::move(counter));
   return {.scenario = scenario().name,
           .seed = scenario().seed,
           .outcome = impl_->metrics.outcome(),
@@ -190,7 +205,7 @@ RunSummary Simulation::summary() const {
           .metrics = impl_->metrics.report(),
           .radio = impl_->radio.statistics(),
           .radio_topics = impl_->radio.topics(),
-          .counters = impl_->team.counters(impl_->radio.statistics())};
+          .counters = std::move(counters)};
 }
 
 }  // namespace swiftlet::sim

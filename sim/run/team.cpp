@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/run/team.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <limits>
 
 #include "sim/run/build.hpp"
 #include "sim/run/finite_values.hpp"
 #include "sim/run/state_hash.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/radio/radio.hpp"
+#include "swiftlet/sim/run/memory.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
 constexpr double kHistoryMargin_s = 0.05;
+constexpr double kMaxStates = 1e9;  // of a vehicle in the history, whose indices are of type int
 
 }  // namespace
 
@@ -28,15 +33,30 @@ Team::Team(const Scenario& scenario, const World& world, const std::vector<Physi
       clearances(agents.size()),
       least_clearance_m(agents.size()),
       scans(agents.size()),
-      hashes(agents.size()) {}
+      hashes(agents.size()) {
+  const Vector3 none = Vector3::Constant(std::numeric_limits<double>::quiet_NaN());
+  idle_.reference = {none, none, none, none.x(), none.x()};
+}
 
 StateHistory Team::make_history(const Scenario& scenario) const {
   double look_back_s = 0.0;
-  for (const auto& of_vehicle : sensors) {
-    for (const auto& sensor : of_vehicle) look_back_s = std::max(look_back_s, sensor->look_back_s());
+  std::string key = "physics.step_s";  // the setting that makes the history long
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    for (std::size_t k = 0; k < sensors[i].size(); ++k) {
+      if (sensors[i][k]->look_back_s() <= look_back_s) continue;
+      look_back_s = sensors[i][k]->look_back_s();
+      key = "vehicles[" + std::to_string(i) + "].sensors[" + std::to_string(k) + "]";
+    }
   }
-  const double length_s = look_back_s + scenario.tick_s + kHistoryMargin_s;
-  return {size(), static_cast<int>(length_s / scenario.physics.step_s) + 2};
+  const double num_states = (look_back_s + scenario.tick_s + kHistoryMargin_s) / scenario.physics.step_s + 2.0;
+  require_memory(key, num_states * sizeof(VehicleState) * static_cast<double>(sensors.size()));
+  if (!(num_states <= kMaxStates)) {
+    throw InputError(
+        fmt::format("{}: expected a history of at most {:g} states of each vehicle, found {:g}; let it look "
+                    "back less far, or make physics.step_s longer",
+                    key, kMaxStates, num_states));
+  }
+  return {size(), static_cast<int>(num_states)};
 }
 
 void Team::begin_tick(TimeNs t, bool wants_overlays, Radio& radio) {
@@ -63,7 +83,7 @@ void Team::sense(VehicleId i, const Truth& truth) try {
   least_clearance_m[i] = std::min(clearances[i].surface_m, clearances[i].vehicle_m);
   hashes[i] = combine(hash_of(truth.physics.state(i)), hash_of(observations[i]));
 } catch (const std::bad_alloc&) {
-  throw OutOfMemory("at the sensors of " + names[i] + " at " + std::to_string(to_seconds(now)) + " s");
+  throw OutOfMemory("at the sensors of " + names[i] + fmt::format(" at {:f} s", to_seconds(now)));
 }
 
 void Team::step(VehicleId i) try {
@@ -75,7 +95,7 @@ void Team::step(VehicleId i) try {
   commands[i] = actions[i]->rotor_command;
   if (clock != nullptr) clock->stop();
 } catch (const std::bad_alloc&) {
-  throw OutOfMemory("at the agent of " + names[i] + " at " + std::to_string(to_seconds(now)) + " s");
+  throw OutOfMemory("at the agent of " + names[i] + fmt::format(" at {:f} s", to_seconds(now)));
 }
 
 void Team::start_agent_clocks() {

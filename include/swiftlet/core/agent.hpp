@@ -53,6 +53,7 @@ struct AgentNeeds {
   bool detects = false;              ///< its detections are to be scored
   bool tracks = false;               ///< its tracks are to be scored
   std::optional<CaptureVolume> net;  ///< whom it catches is to be noted
+  int captures = 0;                  ///< number by the net that ends the mission; 0: none
   std::vector<MemoryNeed> memory;    ///< what is large
 };
 

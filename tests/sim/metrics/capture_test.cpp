@@ -34,6 +34,26 @@ TEST(CaptureMetric, CountsATargetThatGoesThroughTheNet) {
   EXPECT_NEAR(run.value("least_net_distance_m"), std::hypot(1.0, 0.1), 1e-9);
 }
 
+TEST(CaptureMetric, EnoughCapturesAreTheOutcomeWhateverTheInterceptorBelieves) {
+  for (const int wanted : {0, 1, 2}) {
+    std::vector<Perception> perception = Chase::with_net();
+    perception[0].captures = wanted;
+    MetricsRun run(2, {}, perception);
+    run.states[0].p_world_m = {0.0, 0.0, 10.0};
+    run.actions[1].mission = MissionStatus::kEndless;
+    for (const double z_m : {9.5, 8.5}) {
+      EXPECT_EQ(run.metrics.outcome(), "timeout");
+      run.states[1].p_world_m = {0.0, 0.0, z_m};
+      run.tick();
+    }
+    EXPECT_EQ(run.metrics.outcome(), wanted == 1 ? "done" : "timeout") << wanted;
+    EXPECT_TRUE(std::isnan(run.value("time_to_done_s"))) << "the agent has not said so";
+    run.states[0].crashed = true;
+    run.tick();
+    EXPECT_EQ(run.metrics.outcome(), "crashed");
+  }
+}
+
 TEST(CaptureMetric, CountsItAgainOnlyAfterItWasAway) {
   Chase run;
   for (const double z_m : {9.5, 8.5, 9.5, 8.5}) run.put_target({0.0, 0.0, z_m});

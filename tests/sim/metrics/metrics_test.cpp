@@ -221,6 +221,21 @@ TEST(Metrics, TheOutcomeIsThatOfTheWorstVehicle) {
   EXPECT_NEAR(run.value("crash_time_s", "uav4"), 0.043, 1e-12);
 }
 
+TEST(Metrics, AWreckDoesNotFinishItsMission) {
+  MetricsRun run(3);
+  run.actions[1].mission = MissionStatus::kDone;
+  run.tick();
+  run.states[0].crashed = run.states[1].crashed = true;
+  run.tick();
+  for (Action& action : run.actions) action.mission = MissionStatus::kDone;
+  run.tick();
+  EXPECT_EQ(run.text("outcome", "uav1"), "crashed");
+  EXPECT_EQ(run.text("outcome", "uav2"), "crashed");
+  EXPECT_TRUE(std::isnan(run.value("time_to_done_s", "uav1")));
+  EXPECT_TRUE(std::isnan(run.value("time_to_done_s", "uav2"))) << "it was done, but the run counts as a crash";
+  EXPECT_NEAR(run.value("time_to_done_s", "uav3"), 0.03, 1e-12);
+}
+
 TEST(Metrics, AWreckIsMeasuredNoMore) {
   MetricsRun run(2);
   run.states[1].p_world_m.x() = 10.0;

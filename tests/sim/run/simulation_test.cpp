@@ -4,6 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "swiftlet/core/guidance/hover.hpp"
+#include "swiftlet/core/stages/guidances.hpp"
 #include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/raycast/ray_scene.hpp"
@@ -43,6 +49,55 @@ TEST(Simulation, TimeIsWholeTicks) {
     EXPECT_EQ(simulation.view().observations[0].t, simulation.now());
   }
   EXPECT_EQ(simulation.now(), 100'000'000);
+}
+
+/// Keeps what it is given.
+class KeepingRecorder : public Recorder {
+ public:
+  explicit KeepingRecorder(std::vector<VehicleState>& states) : states_(states) {}
+  void begin(const RunInfo&) override {}
+  void write(const TickView& tick) override {
+    states_.push_back(tick.states[0]);
+    EXPECT_EQ(tick.t, tick.states[0].t);
+    const Action& action = *tick.actions[0];
+    EXPECT_EQ(action.estimate.valid, tick.t > 0);
+    EXPECT_EQ(std::isnan(action.reference.position_m.x()), tick.t == 0)
+        << "guidance wants nothing before it has stepped";
+    EXPECT_EQ(tick.scans[0].size(), tick.t == 100'000'000 ? 1U : 0U);
+  }
+  std::vector<std::filesystem::path> finish() override { return {}; }
+
+ private:
+  std::vector<VehicleState>& states_;
+};
+
+TEST(Simulation, RecordersBeginWithTheStateBeforeTheFirstTick) {
+  Simulation simulation(scenario_of(
+      "duration_s: 0.12\nworld: {type: empty}\nvehicles:\n" +
+      vehicle("uav1", "[1, 2, 5]", "{type: hover}", "sensors: [{type: lidar, model: puck_lite}, {type: pose}], ")));
+  std::vector<VehicleState> states;
+  simulation.attach(std::make_unique<KeepingRecorder>(states), "");
+  EXPECT_TRUE(states.empty()) << "a run that is only checked records nothing";
+  fly(simulation);
+  ASSERT_EQ(states.size(), 31U) << "the start and 30 ticks";
+  EXPECT_EQ(states.front().t, 0);
+  EXPECT_EQ(states.front().p_world_m, Vector3(1, 2, 5));
+  EXPECT_EQ(states.back().t, 120'000'000);
+}
+
+TEST(Simulation, TheFirstPoseOfARecordingIsTheStartAtAnyRate) {
+  for (const std::string rate_hz : {"0", "100", "3"}) {
+    const TemporaryDirectory folder;
+    Simulation simulation(scenario_of("duration_s: 0.1\nstart_time_s: 1700000000\nworld: {type: empty}\nvehicles:\n" +
+                                      vehicle("uav1", "[1, 2, 5]", "{type: hover}") +
+                                      "recorders: [{type: tum, rate_hz: " + rate_hz + "}]\n"));
+    simulation.attach_recorders(folder.path());
+    fly(simulation);
+    simulation.finish();
+    std::ostringstream text;
+    text << std::ifstream(folder.path() / "trajectories/uav1.tum").rdbuf();
+    EXPECT_THAT(text.str(), testing::HasSubstr("\n1700000000.000000000 1 2 5 0 0 0 1\n")) << rate_hz;
+  }
 }
 
 TEST(Simulation, AFinishedMissionEndsTheRunAsDone) {
@@ -148,6 +203,92 @@ TEST(Simulation, ACrashIsAnEventWithTimePlaceAndPartnerAndTheOutcome) {
   EXPECT_TRUE(crashed);
   EXPECT_EQ(simulation.summary().outcome, "crashed");
   EXPECT_LT(simulation.now(), from_seconds(20.0));
+}
+
+TEST(Simulation, WrecksThatFallPastTheirGoalHaveNotArrived) {
+  const auto to_the_middle = [](const std::string& name, const std::string& start) {
+    return vehicle(name, start, "{type: waypoints, speed_mps: 3, waypoints_m: [[0, 0, 3]]}");
+  };
+  Simulation simulation(scenario_of("duration_s: 8\nworld: {type: field}\nvehicles:\n" +
+                                    to_the_middle("uav1", "[-5, 0, 3]") + to_the_middle("uav2", "[5, 0, 3]") +
+                                    to_the_middle("uav3", "[0, 5, 3]") + to_the_middle("uav4", "[0, -5, 3]")));
+  int crashes = 0;
+  while (!simulation.finished()) {
+    simulation.tick();
+    for (const Event& event : simulation.view().events) {
+      crashes += event.kind == "crash";
+      EXPECT_NE(event.kind, "mission_done");
+    }
+  }
+  EXPECT_EQ(crashes, 4);
+  const RunSummary summary = simulation.summary();
+  for (const char* name : {"uav1", "uav2", "uav3", "uav4"})
+    EXPECT_TRUE(std::isnan(summary.metrics.find("time_to_done_s", name)->value)) << name;
+}
+
+/// A hunter, by its guidance, and an intruder that hovers.
+Scenario hunt(const std::string& guidance, const std::string& second = {}) {
+  const auto hunter = [](const std::string& name, const std::string& position, const std::string& of_it) {
+    return "  - {name: " + name + ", model: t650, start: {position_m: " + position +
+           "}, agent: {localization: {type: ground_truth}, tracker: {type: ground_truth}, guidance: " + of_it + "}}\n";
+  };
+  return scenario_of("duration_s: 20\nworld: {type: field}\nvehicles:\n" + hunter("a", "[-9, 0, 11.4]", guidance) +
+                     (second.empty() ? "" : hunter("b", "[-9, 9, 12]", second)) +
+                     vehicle("intruder", "[0, 0, 10]", "{type: hover}"));
+}
+
+struct Hunt {
+  double capture_s = -1.0, believed_s = -1.0, end_s = 0.0;
+  std::string outcome, partner;
+};
+
+Hunt fly_hunt(const Scenario& scenario) {
+  Simulation simulation(scenario);
+  Hunt hunt;
+  while (!simulation.finished()) {
+    simulation.tick();
+    for (const Event& event : simulation.view().events) {
+      if (event.kind == "mission_done" && hunt.believed_s < 0.0) hunt.believed_s = to_seconds(event.t);
+      if (event.kind != "capture" || hunt.capture_s >= 0.0) continue;
+      hunt.capture_s = to_seconds(event.t);
+      hunt.partner = event.partner;
+    }
+  }
+  hunt.end_s = to_seconds(simulation.now());
+  hunt.outcome = simulation.summary().outcome;
+  return hunt;
+}
+
+constexpr const char* kIntercept = "{type: intercept, target: intruder, net: {height_m: 0.5}, captures: 1}";
+
+TEST(Simulation, ACaptureIsAnEventAndTheInterceptorBelievesInItWithinASecond) {
+  for (const char* second : {"", kIntercept}) {
+    const Hunt flown = fly_hunt(hunt(kIntercept, second));
+    EXPECT_GT(flown.capture_s, 0.0);
+    EXPECT_EQ(flown.partner, "intruder");
+    EXPECT_EQ(flown.outcome, "done");
+    EXPECT_NEAR(flown.believed_s, flown.capture_s, 1.0);
+    EXPECT_NEAR(flown.end_s, flown.capture_s + 1.0, 1e-9);
+  }
+  const Hunt endless = fly_hunt(hunt("{type: intercept, target: intruder, captures: 0}"));
+  EXPECT_GT(endless.capture_s, 0.0);
+  EXPECT_NEAR(endless.end_s, 20.0, 1e-9);
+}
+
+TEST(Simulation, ARunEndsOnTheTrueCaptureThoughTheInterceptorDoesNotKnow) {
+  // Flies its net over the intruder and knows nothing of captures.
+  guidance_registry().add({{"drag_net", "of this test", make_module_config<HoverConfig>},
+                           make_hover,
+                           [](const ModuleConfig&, AgentNeeds& needs) {
+                             needs.net = CaptureVolume{{0.0, 0.0, -1.2}, 2.0, 0.5, 4.0};
+                             needs.captures = 1;
+                           },
+                           ""});
+  const Hunt flown = fly_hunt(hunt("{type: drag_net, at: point, point_m: [4, 0, 11.4]}"));
+  EXPECT_GT(flown.capture_s, 0.0);
+  EXPECT_LT(flown.believed_s, 0.0);
+  EXPECT_NEAR(flown.end_s, flown.capture_s + 1.0, 1e-9);
+  EXPECT_EQ(flown.outcome, "done");
 }
 
 TEST(Simulation, VehiclesThatStartInsideEachOtherAreRefused) {

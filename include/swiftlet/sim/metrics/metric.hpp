@@ -19,6 +19,7 @@ namespace swiftlet::sim {
 struct Perception {
   bool detects = false, tracks = false;
   std::optional<CaptureVolume> net;  ///< with which it catches others
+  int captures = 0;                  ///< number that ends the mission; 0: none
 };
 
 /// What stays the same during a run.
@@ -33,6 +34,8 @@ struct MetricContext {
   double dt_s = 0.0;  ///< since the last tick
   std::span<const Clearance> clearances;
   std::span<const char> flying;  ///< 1: off the ground and not crashed
+  std::span<const Series* const>
+      series;  ///< all tables; those of metrics after this one in the registry are up to date
 };
 
 /// Compares truth with what vehicles made of it, tick by tick; update() never allocates.

@@ -23,7 +23,7 @@ class Metrics {
   void update(const TickView& tick, std::span<const Clearance> clearances);
 
   /// The tables of all metrics; rows are those of the last update.
-  std::vector<const Series*> series() const;
+  const std::vector<const Series*>& series() const { return series_; }
 
   MetricTable report() const;
   std::vector<MetricRow> rows() const { return report().rows(); }
@@ -32,6 +32,7 @@ class Metrics {
 
  private:
   std::vector<std::unique_ptr<Metric>> metrics_;
+  std::vector<const Series*> series_;
   TimeNs t_last_ = 0;
   std::vector<char> flying_;  // by VehicleId
 };

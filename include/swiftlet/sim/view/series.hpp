@@ -56,13 +56,20 @@ class SeriesOf final : public Series {
   std::vector<Row> rows_;
 };
 
+/// The table of that kind; null when there is none.
+template <class Row>
+const SeriesOf<Row>* series_of(std::span<const Series* const> series) {
+  for (const Series* table : series) {
+    if (const auto* found = dynamic_cast<const SeriesOf<Row>*>(table)) return found;
+  }
+  return nullptr;
+}
+
 /// The rows of this tick in the table of that kind; none when there is no such table.
 template <class Row>
 std::span<const Row> rows_of(std::span<const Series* const> series) {
-  for (const Series* table : series) {
-    if (const auto* found = dynamic_cast<const SeriesOf<Row>*>(table)) return found->rows();
-  }
-  return {};
+  const SeriesOf<Row>* const table = series_of<Row>(series);
+  return table == nullptr ? std::span<const Row>() : table->rows();
 }
 
 /// What is known of a table before a run.
