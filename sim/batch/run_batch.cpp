@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <system_error>
 
 #include "sim/batch/difference.hpp"
 #include "sim/batch/episode.hpp"
@@ -52,6 +54,23 @@ EpisodeRow row_of(const BatchPlan& plan, const JobResult& result) {
   row.flight_wall_s = flown.flight_wall_s;
   row.built_world = flown.built_world;
   return row;
+}
+
+/// Refuses a part of another division than that of the parts in `out`: an environment that counts only the tasks that
+/// were submitted again would fly episodes twice. `--shard` states the division itself.
+void require_same_division(const fs::path& out, const Shard& shard) {
+  if (shard.source.empty() || shard.source == "--shard") return;
+  constexpr std::string_view kOf = "-of-";
+  std::error_code absent;
+  for (const fs::directory_entry& entry : fs::directory_iterator(out / "shards", absent)) {
+    const std::string name = entry.path().stem().string();
+    const std::size_t at = name.find(kOf);
+    if (entry.path().extension() != ".sqlite" || at == std::string::npos) continue;
+    const std::string count = name.substr(at + kOf.size());
+    if (count == std::to_string(shard.count)) continue;
+    throw InputError(shard.source + ": expected one of " + count + " parts, as in " + entry.path().string() +
+                     ", found part " + shard.str() + "; give --shard i/" + count + " instead, or choose another --out");
+  }
 }
 
 ResultStore open_store(const BatchPlan& plan, const BatchOptions& options, const fs::path& file) {
@@ -128,9 +147,11 @@ void require_same_batch(const BatchInfo& stored, const BatchInfo& wanted, const 
 
 BatchOutcome run_batch(const BatchPlan& plan, const BatchOptions& options,
                        const std::function<void(const BatchProgress&)>& report) {
+  require_same_division(options.out, options.shard);
   BatchOutcome outcome;
   outcome.database = database_path(options.out, options.shard);
-  make_directory(outcome.database.parent_path());
+  make_directory(options.out);
+  if (!options.shard.whole()) make_inner_directory(outcome.database.parent_path());
   const WriterLock lock(outcome.database);
   ResultStore store = open_store(plan, options, outcome.database);
   if (options.retry) store.remove_unfinished();

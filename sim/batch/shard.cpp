@@ -2,6 +2,7 @@
 #include "swiftlet/sim/batch/shard.hpp"
 
 #include <charconv>
+#include <cstdint>
 #include <cstdlib>
 
 #include "swiftlet/sim/errors.hpp"
@@ -9,7 +10,7 @@
 namespace swiftlet::sim {
 namespace {
 
-constexpr int kMaxShards = 10'000'000;
+constexpr std::int64_t kMaxShards = 10'000'000;
 
 std::optional<int> whole_number(std::string_view text) {
   int value = 0;
@@ -33,24 +34,27 @@ int need(const Environment& environment, const std::string& name, const std::str
   return *value;
 }
 
-Shard checked(int index, int count, const std::string& source) {
+Shard checked(std::int64_t index, std::int64_t count, const std::string& source) {
   if (count < 1 || count > kMaxShards || index < 0 || index >= count) {
-    throw InputError(source + ": expected a part of a whole, found part " + std::to_string(index) + " (from 0) of " +
-                     std::to_string(count));
+    throw InputError(source + ": expected a part of a whole of at most " + std::to_string(kMaxShards) +
+                     " parts, found part " + std::to_string(index) + " (from 0) of " + std::to_string(count));
   }
-  return {index, count, source};
+  return {static_cast<int>(index), static_cast<int>(count), source};
 }
 
 Shard slurm_array(const Environment& environment) {
-  const int id = need(environment, "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT");
-  const int count = need(environment, "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_ID");
-  const int min = number(environment, "SLURM_ARRAY_TASK_MIN").value_or(0);
-  const int max = number(environment, "SLURM_ARRAY_TASK_MAX").value_or(min + count - 1);
-  const int step = count > 1 ? (max - min) / (count - 1) : 1;
-  // With holes in the array nobody can tell which of how many parts this is.
-  if (step < 1 || min + step * (count - 1) != max || (id - min) % step != 0) {
-    throw InputError(
-        "SLURM_ARRAY_TASK_ID: expected an array with a fixed step, found one with holes; give --shard i/n instead");
+  const std::int64_t id = need(environment, "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT");
+  const std::int64_t count = need(environment, "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_ID");
+  const std::int64_t min = number(environment, "SLURM_ARRAY_TASK_MIN").value_or(0);
+  const auto last = number(environment, "SLURM_ARRAY_TASK_MAX");
+  const std::int64_t max = last ? *last : min + count - 1;
+  const std::int64_t step = count > 1 ? (max - min) / (count - 1) : 1;
+  // An array with holes does not determine which of how many parts this is. A single task with a number above 1 is one
+  // of an array that was submitted before.
+  if (step < 1 || min + step * (count - 1) != max || (id - min) % step != 0 || (count == 1 && id > 1)) {
+    throw InputError("SLURM_ARRAY_TASK_ID: expected an array with a fixed step, found " +
+                     (count == 1 ? "task " + std::to_string(id) + " alone" : std::string("one with holes")) +
+                     "; give --shard i/n instead");
   }
   return checked((id - min) / step, count, "SLURM_ARRAY_TASK_ID");
 }
@@ -100,7 +104,8 @@ Shard shard_of_environment(const Environment& environment) {
   const Shard inner = rank(environment);
   std::string source = outer.source;
   if (!inner.whole()) source += (source.empty() ? "" : ", ") + inner.source;
-  return checked(outer.index * inner.count + inner.index, outer.count * inner.count, source);
+  return checked(std::int64_t{outer.index} * inner.count + inner.index, std::int64_t{outer.count} * inner.count,
+                 source);
 }
 
 }  // namespace swiftlet::sim

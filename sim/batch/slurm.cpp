@@ -41,11 +41,14 @@ std::string further(const SlurmConfig& config) {
   return text;
 }
 
+/// Rounded up; a number of more digits than Slurm's largest time limit is cut.
+int whole_minutes(double minutes) { return static_cast<int>(std::ceil(std::min(minutes, 1e9))); }
+
 int task_minutes(const BatchConfig& config, int episodes_per_task) {
-  if (config.slurm.time_limit_min > 0.0) return static_cast<int>(std::ceil(config.slurm.time_limit_min));
+  if (config.slurm.time_limit_min > 0.0) return whole_minutes(config.slurm.time_limit_min);
   if (config.timeout_s <= 0.0) return kDay_min;
   const double rounds = std::ceil(static_cast<double>(episodes_per_task) / config.slurm.cpus_per_task);
-  return static_cast<int>(std::ceil(rounds * config.timeout_s / 60.0 + kStartUp_min));
+  return whole_minutes(rounds * config.timeout_s / 60.0 + kStartUp_min);
 }
 
 std::string array_script(const BatchPlan& plan, const SlurmScripts& job, const fs::path& out, const fs::path& program) {
@@ -139,7 +142,8 @@ SlurmScripts make_slurm_scripts(const BatchPlan& plan, const fs::path& out, cons
 
 SlurmFiles write_slurm_scripts(const SlurmScripts& scripts, const fs::path& out) {
   const fs::path folder = fs::absolute(out).lexically_normal() / "slurm";
-  make_directory(folder);
+  make_directory(out);
+  make_inner_directory(folder);
   const SlurmFiles files{folder / "array.sbatch", folder / "merge.sbatch"};
   write_file(files.array, scripts.array);
   write_file(files.merge, scripts.merge);

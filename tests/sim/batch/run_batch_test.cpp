@@ -14,12 +14,14 @@
 #include "sim/batch/writer_lock.hpp"
 #include "swiftlet/sim/batch/merge.hpp"
 #include "swiftlet/sim/batch/worker_pool.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "tests/sim/batch/batch_support.hpp"
 
 namespace swiftlet::sim {
 namespace {
 
+namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 constexpr const char* kBatch =
@@ -99,6 +101,46 @@ TEST(RunBatch, EveryEpisodeGivesWhatItsScenarioGivesAlone) {
   }
   EXPECT_EQ(all[7].variant, "heavy");
   EXPECT_EQ(all[7].parameters, std::vector<std::string>{"4"});
+}
+
+// Task 3 of an array of five is lost and submitted again: its environment counts one task, or those of a new array.
+TEST(RunBatch, APartOfAnotherDivisionThanTheStoredOnesIsRefused) {
+  const BatchFolder folder;
+  const BatchPlan plan = folder.plan("seeds: {count: 10}\n");
+  const auto fly = [&](Shard shard) {
+    BatchOptions options = resuming();
+    options.shard = std::move(shard);
+    return run_plan(plan, folder.path("out"), options).progress;
+  };
+  EXPECT_EQ(fly({1, 5, "SLURM_ARRAY_TASK_ID"}).flown, 2U);
+  for (const Shard& other : {Shard{0, 1, "SLURM_ARRAY_TASK_ID"}, Shard{1, 2, "SLURM_ARRAY_TASK_ID"},
+                             Shard{3, 10, "JOB_COMPLETION_INDEX, PMI_RANK"}}) {
+    EXPECT_THAT(refusal([&] { fly(other); }),
+                AllOf(HasSubstr(other.source + ": expected one of 5 parts"), HasSubstr("found part " + other.str()),
+                      HasSubstr("give --shard i/5")));
+  }
+  EXPECT_EQ(fly({3, 5, "SLURM_ARRAY_TASK_ID"}).flown, 2U);
+  EXPECT_EQ(fly({3, 5, "--shard"}).flown, 0U);
+  EXPECT_EQ(fly({0, 2, "--shard"}).flown, 5U) << "another division may be asked for";
+}
+
+TEST(RunBatch, LinksInItsDirectoryAreRefused) {
+  const BatchFolder folder;
+  const BatchPlan plan = folder.plan("seeds: {count: 2}\n");
+  const fs::path out = folder.path("out"), outside = folder.path("outside");
+  fs::create_directories(out);
+  fs::create_directories(outside);
+  fs::create_symlink(outside / "results.sqlite", out / "results.sqlite");
+  fs::create_directory_symlink(outside, out / "shards");
+  EXPECT_THAT(refusal([&] { run_plan(plan, out); }), HasSubstr("results.sqlite: expected a database or nothing"));
+  BatchOptions part;
+  part.shard = {0, 2, "--shard"};
+  EXPECT_THAT(refusal([&] { run_plan(plan, out, part); }), HasSubstr("shards: expected a folder or nothing"));
+  fs::remove(out / "results.sqlite");
+  fs::remove(out / ".results.sqlite.lock");
+  fs::create_symlink(outside / "lock", out / ".results.sqlite.lock");
+  EXPECT_THAT(refusal([&] { run_plan(plan, out); }), HasSubstr(".results.sqlite.lock: expected a lock file"));
+  EXPECT_TRUE(fs::is_empty(outside));
 }
 
 TEST(RunBatch, TheResultsDoNotDependOnTheNumberOfWorkers) {
@@ -313,6 +355,32 @@ TEST_F(Merge, IsRefusedWhileABatchWritesThere) {
   waitpid(batch, nullptr, 0);
   merge_batches({shards_[0]}, folder_.path("whole"));
   for (const int fd : {started[0], started[1], ended[0]}) close(fd);
+}
+
+TEST_F(Merge, RemovesWhatAKilledMergeLeftAndNothingElse) {
+  const fs::path out = folder_.path("after_a_kill");
+  const std::vector<std::string> left = {".results.merging-17.sqlite", ".results.merging-17.sqlite-wal",
+                                         ".results.merging-17.sqlite-shm", ".results.merging-4242.sqlite-journal"};
+  const std::vector<std::string> foreign = {".results.merging-notes.sqlite", ".results.merging-.sqlite",
+                                            ".results.merging-17.sqlite.bak", ".results.merging-17"};
+  for (const auto& names : {left, foreign}) {
+    for (const std::string& name : names) write_file(out / name, "text", MissingFolders::kMade);
+  }
+  merge_batches({shards_[0]}, out);
+  for (const std::string& name : left) EXPECT_FALSE(fs::exists(out / name)) << name;
+  for (const std::string& name : foreign) EXPECT_TRUE(fs::exists(out / name)) << name;
+}
+
+TEST_F(Merge, WritesThroughNoLink) {
+  const fs::path outside = folder_.path("outside.sqlite"), out = folder_.path("linked");
+  write_file(outside, "precious");
+  fs::create_directories(out);
+  const fs::path unfinished = out / (".results.merging-" + std::to_string(getpid()) + ".sqlite");
+  fs::create_symlink(outside, unfinished);
+  fs::create_symlink(outside, unfinished.string() + "-wal");
+  merge_batches({shards_[0]}, out);
+  EXPECT_EQ(read_whole_file(outside), "precious");
+  EXPECT_FALSE(fs::is_symlink(out / "results.sqlite"));
 }
 
 TEST_F(Merge, OverlapsThatAgreeAreOne) {
