@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -35,6 +36,37 @@ std::uint64_t most_steps(const fs::path& database) {
     if (!absent) bytes += size;
   }
   return 1'000'000 + 100 * bytes;
+}
+
+/// Throws what an error of SQLite means for this file.
+[[noreturn]] void fail_on(const fs::path& file, int error) {
+  const std::string place = file.string() + ": ", expected = place + "expected results of a batch, found ";
+  switch (error & 0xFF) {
+    case SQLITE_CORRUPT:
+    case SQLITE_INTERRUPT:
+      throw InputError(expected + "a damaged file");
+    case SQLITE_NOTADB:
+      throw InputError(expected + "something else, which is no database of SQLite");
+    case SQLITE_ERROR:  // a statement that does not fit the tables
+    case SQLITE_AUTH:
+    case SQLITE_CONSTRAINT:
+    case SQLITE_MISMATCH:
+      throw InputError(expected + "something else, a database with other tables");
+    case SQLITE_CANTOPEN:
+      throw std::runtime_error(place + "cannot be opened; does it exist, and may it be read?");
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+      throw std::runtime_error(place + "cannot be written: it is read-only");
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      throw std::runtime_error(place + "is in use by another process; try again when that has ended");
+    case SQLITE_FULL:
+      throw std::runtime_error(place + "cannot be written: the disk is full");
+    case SQLITE_NOMEM:
+      throw std::bad_alloc();
+    default:
+      throw std::runtime_error(place + "cannot be read or written");
+  }
 }
 
 class Statement {
@@ -99,14 +131,7 @@ class Statement {
     return result;
   }
 
-  [[noreturn]] void fail() const {
-    const std::string place = std::string(sqlite3_db_filename(database_, "main")) + ": ";
-    const int error = sqlite3_errcode(database_);
-    if (error == SQLITE_CORRUPT || error == SQLITE_INTERRUPT) {
-      throw InputError(place + "expected results of a batch, found a damaged file (" + sqlite3_errmsg(database_) + ")");
-    }
-    throw std::runtime_error(place + sqlite3_errmsg(database_));
-  }
+  [[noreturn]] void fail() const { fail_on(sqlite3_db_filename(database_, "main"), sqlite3_errcode(database_)); }
 
   sqlite3* database_;
   sqlite3_stmt* statement_ = nullptr;
@@ -152,11 +177,8 @@ struct ResultStore::Impl {
   ~Impl() { sqlite3_close_v2(database); }
 
   void run(const char* sql) const {
-    char* error = nullptr;
-    if (sqlite3_exec(database, sql, nullptr, nullptr, &error) == SQLITE_OK) return;
-    const std::string message = file.string() + ": " + (error != nullptr ? error : "unknown error");
-    sqlite3_free(error);
-    throw std::runtime_error(message);
+    if (const int error = sqlite3_exec(database, sql, nullptr, nullptr, nullptr); error != SQLITE_OK)
+      fail_on(file, error);
   }
 
   template <class Action>
@@ -172,15 +194,7 @@ struct ResultStore::Impl {
   }
 
   void check_format() const {
-    std::string format;
-    try {
-      Statement query(database, "SELECT value FROM batch WHERE key = 'format'");
-      if (query.step()) format = query.text(0);
-    } catch (const InputError&) {
-      throw;
-    } catch (const std::runtime_error& error) {
-      throw InputError(file.string() + ": expected results of a batch, found something else (" + error.what() + ")");
-    }
+    const std::string format = value("format");
     if (format != std::to_string(kFormat)) {
       throw InputError(file.string() + ": expected results in format " + std::to_string(kFormat) + ", found \"" +
                        format + "\"");
@@ -194,15 +208,7 @@ struct ResultStore::Impl {
     });
   }
 
-  bool is_empty() const {
-    try {
-      return !Statement(database, "SELECT 1 FROM sqlite_schema LIMIT 1").step();
-    } catch (const InputError&) {
-      throw;
-    } catch (const std::runtime_error& error) {
-      throw InputError(file.string() + ": expected results of a batch, found something else (" + error.what() + ")");
-    }
-  }
+  bool is_empty() const { return !Statement(database, "SELECT 1 FROM sqlite_schema LIMIT 1").step(); }
 
   std::string value(const char* key) const {
     Statement query(database, "SELECT value FROM batch WHERE key = ?");
@@ -276,6 +282,10 @@ struct ResultStore::Impl {
 
 ResultStore::ResultStore(fs::path file, Mode mode) : impl_(std::make_unique<Impl>()) {
   impl_->file = std::move(file);
+  std::error_code absent;
+  if (mode != Mode::kRead && fs::is_symlink(impl_->file, absent))
+    throw InputError(impl_->file.string() +
+                     ": expected a database or nothing, found a link; output does not follow links");
   const int flags = mode == Mode::kRead ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   // Reading opens for writing where it may: only then can the journal of a killed batch be read.
   int result = sqlite3_open_v2(impl_->file.c_str(), &impl_->database, flags, nullptr);
@@ -283,8 +293,7 @@ ResultStore::ResultStore(fs::path file, Mode mode) : impl_(std::make_unique<Impl
     sqlite3_close_v2(impl_->database);
     result = sqlite3_open_v2(impl_->file.c_str(), &impl_->database, SQLITE_OPEN_READONLY, nullptr);
   }
-  if (result != SQLITE_OK)
-    throw std::runtime_error(impl_->file.string() + ": cannot be opened: " + sqlite3_errmsg(impl_->database));
+  if (result != SQLITE_OK) fail_on(impl_->file, result);
   sqlite3_busy_timeout(impl_->database, 10'000);
   // A stranger's database runs nothing of its own (SQLite's page "Defense Against The Dark Arts").
   for (const int power : {SQLITE_DBCONFIG_ENABLE_VIEW, SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_TRUSTED_SCHEMA})
@@ -306,6 +315,8 @@ ResultStore::ResultStore(fs::path file, Mode mode) : impl_(std::make_unique<Impl
 
 ResultStore::~ResultStore() = default;
 ResultStore::ResultStore(ResultStore&&) noexcept = default;
+
+const fs::path& ResultStore::file() const { return impl_->file; }
 
 std::optional<BatchInfo> ResultStore::info() const {
   BatchInfo info;

@@ -112,6 +112,23 @@ TEST_F(Stranger, NoQueryOfTheirsIsRun) {
   EXPECT_THAT(refusal([](const ResultStore&) {}), HasSubstr("expected results of a batch, found something else"));
 }
 
+TEST_F(Stranger, ADatabaseOfAnotherProgramIsRefusedInOurWords) {
+  const auto other = HasSubstr("results.sqlite: expected results of a batch, found something else");
+  const auto read_all = [](const ResultStore& store) {
+    (void)store.info();
+    (void)store.count_by_status();
+    (void)store.episodes();
+  };
+  for (const char* table : {"timing", "metrics", "parameters", "episodes", "batch"}) {
+    run(std::string("DROP TABLE ") + table);
+    EXPECT_THAT(refusal(read_all), AllOf(other, ::testing::Not(HasSubstr("no such table")))) << table;
+  }
+  run("CREATE TABLE batch(name TEXT)");
+  EXPECT_THAT(refusal(read_all), AllOf(other, ::testing::Not(HasSubstr("no such column"))));
+  std::ofstream(file_) << "a text that is long enough to be taken for the first page of something";
+  EXPECT_THAT(refusal(read_all), HasSubstr("found something else, which is no database of SQLite"));
+}
+
 TEST_F(Stranger, ATreeThatNamesItsPagesManyTimesIsNotReadForEver) {
   run("PRAGMA page_size = 512; VACUUM; CREATE TABLE room(x)");
   run("INSERT INTO room VALUES(zeroblob(5000))");

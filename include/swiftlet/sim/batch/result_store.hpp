@@ -66,6 +66,8 @@ class ResultStore {
   ~ResultStore();
   ResultStore(ResultStore&&) noexcept;
 
+  const std::filesystem::path& file() const;
+
   /// Empty in a database that was just made.
   std::optional<BatchInfo> info() const;
   void set_info(const BatchInfo& info);
