@@ -5,13 +5,13 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "commands.hpp"
 #include "experiments/experiment.hpp"
 #include "progress.hpp"
 #include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/run/processors.hpp"
 
 namespace swiftlet::tools {
 namespace {
@@ -49,7 +49,7 @@ int run_one(const ExperimentType& type, const ReproduceOptions& options) {
   ExperimentOptions handed;
   handed.name = type.name;
   handed.directory = directory;
-  handed.jobs = options.jobs > 0 ? options.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  handed.jobs = options.jobs > 0 ? options.jobs : sim::available_processors();
   handed.repetitions = options.repetitions;
   handed.quick = options.quick;
   handed.resume = options.resume;

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <locale>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -22,8 +23,10 @@
 #include "interrupt.hpp"
 #include "swiftlet/core/ensure.hpp"
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/parallel/time_slices.hpp"
 #include "swiftlet/sim/render/render_config.hpp"
+#include "swiftlet/sim/run/processors.hpp"
 #include "swiftlet/sim/run/version.hpp"
 #include "swiftlet/sim/scenario/suggest.hpp"
 
@@ -76,6 +79,7 @@ int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& s
   });
   for (const auto& add : subcommands) add(app);
   try {
+    swiftlet::sim::limit_openmp();
     require_known_command(app, argc > 1 ? argv[1] : "");
     app.parse(argc, argv);
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
@@ -99,13 +103,14 @@ int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& s
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "swiftlet: out of memory\n");
   } catch (const std::filesystem::filesystem_error& error) {
-    const std::string path = error.path2().empty() ? error.path1().string() : error.path2().string();
-    std::fprintf(stderr, "swiftlet: %s: %s\n", path.c_str(), error.code().message().c_str());
+    std::fprintf(stderr, "swiftlet: %s\n", swiftlet::sim::message_of(error).c_str());
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::broken_pipe && output_is_closed()) return kClosedPipe;
     std::fprintf(stderr, "swiftlet: %s\n", error.what());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "swiftlet: %s\n", error.what());
+  } catch (...) {
+    std::fprintf(stderr, "swiftlet: a module threw something that is no std::exception\n");
   }
   return kBroke;
 }
@@ -115,6 +120,7 @@ int run_program(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& s
 namespace swiftlet {
 
 int tools::run(int argc, char** argv, const std::vector<void (*)(CLI::App&)>& subcommands) {
+  std::locale::global(std::locale::classic());  // numbers of command line, files and messages have a decimal point
   sim::ask_for_short_time_slices();
   // A closed pipe or a file at its limit is an error of the write, not the end of the run.
   std::signal(SIGPIPE, SIG_IGN);

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <poll.h>
-#include <sched.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -16,10 +15,10 @@
 #include <cctype>
 #include <cerrno>
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -28,6 +27,7 @@
 #include <stdexcept>
 
 #include "swiftlet/sim/errors.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/run/memory.hpp"
 
 namespace swiftlet::sim {
@@ -85,11 +85,17 @@ JobResult do_job(const Work& work, std::uint64_t job) {
   } catch (const std::bad_alloc&) {
     result.status = JobStatus::kOutOfMemory;
     result.message = "out of memory";
+  } catch (const std::filesystem::filesystem_error& error) {
+    result.status = JobStatus::kFailed;
+    result.message = message_of(error);
   } catch (const std::exception& error) {
     result.message = error.what();
     // Libraries tell it in words.
     const bool memory = result.message.find("out of memory") != std::string::npos;
     result.status = memory ? JobStatus::kOutOfMemory : JobStatus::kFailed;
+  } catch (...) {
+    result.status = JobStatus::kFailed;
+    result.message = "a module threw something that is no std::exception";
   }
   return result;
 }
@@ -473,17 +479,6 @@ const char* name_of(JobStatus status) {
 bool run_jobs(const std::vector<Job>& jobs, const Work& work, const WorkerPoolOptions& options,
               const WorkerPoolEvents& events) {
   return Pool(jobs, work, options, events).run();
-}
-
-int available_processors() {
-  cpu_set_t set;
-  int count = 1;
-  if (::sched_getaffinity(0, sizeof set, &set) == 0) count = std::max(1, CPU_COUNT(&set));
-  if (const char* told = std::getenv("SLURM_CPUS_PER_TASK")) {
-    const int of_task = std::atoi(told);
-    if (of_task > 0) count = std::min(count, of_task);
-  }
-  return count;
 }
 
 }  // namespace swiftlet::sim

@@ -2,14 +2,13 @@
 #include "swiftlet/sim/dataset/generate.hpp"
 
 #include <fcntl.h>
-#include <fmt/core.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -21,6 +20,7 @@
 #include "swiftlet/sim/dataset/hash.hpp"
 #include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/shallow_json.hpp"
+#include "swiftlet/sim/run/processors.hpp"
 #include "swiftlet/sim/run/version.hpp"
 
 namespace swiftlet::sim {
@@ -36,7 +36,7 @@ class DirectoryLock {
  public:
   explicit DirectoryLock(const fs::path& directory) {
     const fs::path path = directory / ".lock";
-    file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (file_ < 0) throw std::runtime_error("cannot write " + path.string() + ": " + std::strerror(errno));
     if (::flock(file_, LOCK_EX | LOCK_NB) == 0) return;
     ::close(file_);
@@ -51,15 +51,16 @@ class DirectoryLock {
 };
 
 std::string fingerprint_in(const fs::path& directory) {
-  std::ifstream in(directory / kManifest);
+  std::ifstream in = open_to_read(directory / kManifest);
   const Json json = parse_shallow<Json>(in);
-  return json.is_object() ? json.value("fingerprint", "") : "";
+  return json_value::as<std::string>(json.is_object() && json.contains("fingerprint") ? json["fingerprint"] : Json())
+      .value_or("");
 }
 
 /// dataset.yaml with its scenarios beside it, so that the directory tells all by itself.
 void record_configuration(const DatasetPlan& plan, const fs::path& directory) {
   DatasetConfig config = plan.config;
-  fs::create_directories(directory / "scenarios");
+  make_inner_directory(directory / "scenarios");
   for (FamilyConfig& family : config.families) {
     const std::string name = "scenarios/" + family.name + ".yaml";
     write_file(directory / name, write_scenario(load_scenario(family.scenario)));
@@ -68,15 +69,17 @@ void record_configuration(const DatasetPlan& plan, const fs::path& directory) {
   write_file(directory / "dataset.yaml", write_dataset(config));
 }
 
-/// A generation that was killed before its first manifest: nothing but what is written anew.
+/// A generation that was killed before its first manifest: nothing but what is written anew. Its first act makes
+/// sequences; a folder with a dataset.yaml alone is the user's.
 bool is_begun(const fs::path& directory) {
-  if (!fs::exists(directory / "dataset.yaml") && !fs::exists(directory / "scenarios")) return false;
+  std::error_code missing;
+  if (!fs::is_empty(directory / "sequences", missing) || missing) return false;
   const std::set<std::string> ours = {".lock",        "sequences",         "scenarios",
                                       "dataset.yaml", "dataset.yaml.part", "manifest.json.part"};
   for (const auto& entry : fs::directory_iterator(directory)) {
     if (!ours.contains(entry.path().filename().string())) return false;
   }
-  return !fs::exists(directory / "sequences") || fs::is_empty(directory / "sequences");
+  return true;
 }
 
 void open_directory(const DatasetPlan& plan, const GenerateOptions& options) {
@@ -100,19 +103,17 @@ void open_directory(const DatasetPlan& plan, const GenerateOptions& options) {
         directory.string() +
         ": expected a new name, an empty directory or a dataset, found something else; it was left as it is");
   }
-  std::error_code error;
-  fs::create_directories(directory / "sequences", error);
-  if (error)
-    throw InputError(directory.string() + ": expected a directory that can be made, found: " + error.message());
+  make_directory(directory);
+  make_inner_directory(directory / "sequences");
   record_configuration(plan, directory);
   write_file(directory / kManifest, manifest_json(plan, {}, {}, false));
 }
 
 /// What killed workers left behind.
-void remove_partial(const fs::path& directory) {
-  for (const auto& entry : fs::directory_iterator(directory / "sequences")) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with('.') && name.ends_with(".partial")) fs::remove_all(entry.path());
+void remove_partial(const DatasetPlan& plan, const fs::path& directory) {
+  for (const Flight& flight : plan.flights) {
+    for (int i = 0; i < flight.num_sequences; ++i)
+      fs::remove_all(directory / "sequences" / ("." + sequence_name(flight.first_sequence + i) + ".partial"));
   }
 }
 
@@ -159,7 +160,8 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
   const auto start = std::chrono::steady_clock::now();
   open_directory(plan, options);
   const DirectoryLock lock(options.directory);
-  remove_partial(options.directory);
+  make_inner_directory(options.directory / "sequences");  // an existing one may be a link
+  remove_partial(plan, options.directory);
 
   std::vector<Job> jobs;
   for (const Flight& flight : plan.flights) {
@@ -187,10 +189,9 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
       return;
     }
     ++report.flights_done;
-    FlightTiming timing;
-    std::sscanf(result.bytes.c_str(), "%lf %lf %lf %lf", &timing.prepare_s, &timing.simulate_s, &timing.record_s,
-                &timing.beside_s);
-    report.timing.add(timing);
+    std::array<double, 4> s{};
+    std::memcpy(s.data(), result.bytes.data(), std::min(sizeof s, result.bytes.size()));
+    report.timing.add({s[0], s[1], s[2], s[3]});
     if (options.progress) options.progress(report.flights_done, report.flights_all, "");
   };
   events.idle = [&](int) {
@@ -198,8 +199,8 @@ GenerateReport generate_dataset(const DatasetPlan& plan, const GenerateOptions& 
   };
   const auto work = [&](std::uint64_t job) {
     const FlightTiming timing = write_flight(plan, plan.flights[job], options.directory, threads);
-    return fmt::format("{:.6f} {:.6f} {:.6f} {:.6f}", timing.prepare_s, timing.simulate_s, timing.record_s,
-                       timing.beside_s);
+    const std::array s = {timing.prepare_s, timing.simulate_s, timing.record_s, timing.beside_s};
+    return std::string(reinterpret_cast<const char*>(s.data()), sizeof s);
   };
   const bool complete = jobs.empty() || run_jobs(jobs, work, pool, events);
   if (!failure.empty()) {

@@ -347,18 +347,6 @@ TEST(WorkerPool, NamesOfStatesAreThoseOfTheResults) {
   EXPECT_STREQ(name_of(JobStatus::kOutOfMemory), "out_of_memory");
 }
 
-TEST(Processors, AreNotMoreThanSlurmGives) {
-  unsetenv("SLURM_CPUS_PER_TASK");
-  const int all = available_processors();
-  EXPECT_GE(all, 1);
-  EXPECT_LE(all, static_cast<int>(std::thread::hardware_concurrency()));
-  for (const auto& [told, expected] : {std::pair("1", 1), {"0", all}, {"-1", all}, {"1000000", all}, {"x", all}}) {
-    setenv("SLURM_CPUS_PER_TASK", told, 1);
-    EXPECT_EQ(available_processors(), expected) << told;
-  }
-  unsetenv("SLURM_CPUS_PER_TASK");
-}
-
 TEST(WorkerPool, AnErrorInTheCallersHandEndsTheWorkersFirst) {
   WorkerPoolEvents events;
   events.finished = [](const JobResult&) { throw std::runtime_error("disk full"); };

@@ -59,7 +59,4 @@ struct WorkerPoolEvents {
 bool run_jobs(const std::vector<Job>& jobs, const std::function<std::string(std::uint64_t job)>& work,
               const WorkerPoolOptions& options, const WorkerPoolEvents& events);
 
-/// Processors that this process may use (affinity mask, SLURM_CPUS_PER_TASK), at least 1.
-int available_processors();
-
 }  // namespace swiftlet::sim
