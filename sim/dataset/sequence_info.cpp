@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
+#include <vector>
 
 #include "swiftlet/sim/dataset/hash.hpp"
+#include "swiftlet/sim/io/files.hpp"
 #include "swiftlet/sim/io/shallow_json.hpp"
 #include "swiftlet/sim/io/text.hpp"
 
@@ -21,6 +22,27 @@ using RangeBin = SequenceStatistics::RangeBin;
 
 constexpr const char* kFile = "sequence.json";
 
+/// Largest plausible count of points or frames in a sequence; sums over many sequences stay far below 2^63.
+constexpr std::int64_t kMaxCount = 1'000'000'000'000'000;
+
+std::string expected_bins(std::size_t found) {
+  return ": expected " + std::to_string(SequenceStatistics::kRangeBins) + " values, found " + std::to_string(found);
+}
+
+std::int64_t count_at(const Json& json, const std::string& key) {
+  const auto count = json_at<std::int64_t>(json, key);
+  if (count < -kMaxCount || count > kMaxCount)
+    throw InputError(key + ": expected a count below 10^15, found " + std::to_string(count));
+  return count;
+}
+
+const Json& object_at(const Json& json, const std::string& key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_object())
+    throw InputError(key + ": expected an object, found " + (found == json.end() ? "nothing" : "something else"));
+  return *found;
+}
+
 template <class Array, class Field>
 Json column(const Array& bins, Field RangeBin::*field) {
   Json values = Json::array();
@@ -29,8 +51,11 @@ Json column(const Array& bins, Field RangeBin::*field) {
 }
 
 template <class Field>
-void read_column(const Json& json, std::array<RangeBin, SequenceStatistics::kRangeBins>& bins, Field RangeBin::*field) {
-  for (std::size_t i = 0; i < bins.size(); ++i) bins[i].*field = json.at(i).get<Field>();
+void read_column(const Json& json, const char* key, std::array<RangeBin, SequenceStatistics::kRangeBins>& bins,
+                 Field RangeBin::*field) {
+  const auto values = json_at<std::vector<Field>>(json, key);
+  if (values.size() < bins.size()) throw InputError(std::string(key) + expected_bins(values.size()));
+  for (std::size_t i = 0; i < bins.size(); ++i) bins[i].*field = values[i];
 }
 
 Json json_of(const SequenceStatistics& s) {
@@ -60,31 +85,65 @@ Json json_of(const SequenceStatistics& s) {
 
 SequenceStatistics statistics_of(const Json& json) {
   SequenceStatistics s;
-  s.frames = json.at("frames").get<std::int64_t>();
-  s.points = json.at("points").get<std::int64_t>();
-  s.rows = json.at("rows").get<int>();
-  s.columns = json.at("columns").get<int>();
-  s.duration_s = json.at("duration_s").get<double>();
-  s.flown_m = json.at("flown_m").get<double>();
-  s.least_clearance_m = json.at("least_clearance_m").get<double>();
-  s.frames_walled = json.value("frames_walled", std::int64_t{0});  // earlier versions did not count them
-  s.frames_outside = json.value("frames_outside", std::int64_t{0});
-  for (const auto& [label, count] : json.at("points_by_class").items()) {
+  s.frames = count_at(json, "frames");
+  s.points = count_at(json, "points");
+  s.rows = json_at<int>(json, "rows");
+  s.columns = json_at<int>(json, "columns");
+  s.duration_s = json_at<double>(json, "duration_s");
+  s.flown_m = json_at<double>(json, "flown_m");
+  s.least_clearance_m = json_at<double>(json, "least_clearance_m");
+  // Earlier versions did not count them.
+  if (json.contains("frames_walled")) s.frames_walled = count_at(json, "frames_walled");
+  if (json.contains("frames_outside")) s.frames_outside = count_at(json, "frames_outside");
+  const Json& classes = object_at(json, "points_by_class");
+  for (const auto& [label, count] : classes.items()) {
     const auto number = number_in<std::uint16_t>(label);
-    if (!number) throw std::runtime_error("points_by_class: expected a class number, found \"" + label + "\"");
-    s.points_by_class[*number] = count.get<std::int64_t>();
+    if (!number) throw InputError("points_by_class: expected a class number, found \"" + label + "\"");
+    s.points_by_class[*number] = count_at(classes, label);
   }
-  for (std::size_t i = 0; i < s.points_by_range.size(); ++i) {
-    s.points_by_range[i] = json.at("points_by_range").at(i).get<std::int64_t>();
-  }
-  const Json& vehicles = json.at("vehicles_by_range");
-  read_column(vehicles.at("boxes"), s.vehicles_by_range, &RangeBin::boxes);
-  read_column(vehicles.at("in_view"), s.vehicles_by_range, &RangeBin::in_view);
-  read_column(vehicles.at("detected"), s.vehicles_by_range, &RangeBin::detected);
-  read_column(vehicles.at("well_detected"), s.vehicles_by_range, &RangeBin::well_detected);
-  read_column(vehicles.at("points"), s.vehicles_by_range, &RangeBin::points);
-  s.pixel_shift_by_row = json.at("pixel_shift_by_row").get<std::vector<int>>();
+  const auto by_range = json_at<std::vector<std::int64_t>>(json, "points_by_range");
+  if (by_range.size() < s.points_by_range.size()) throw InputError("points_by_range" + expected_bins(by_range.size()));
+  std::copy_n(by_range.begin(), s.points_by_range.size(), s.points_by_range.begin());
+  const Json& vehicles = object_at(json, "vehicles_by_range");
+  read_column(vehicles, "boxes", s.vehicles_by_range, &RangeBin::boxes);
+  read_column(vehicles, "in_view", s.vehicles_by_range, &RangeBin::in_view);
+  read_column(vehicles, "detected", s.vehicles_by_range, &RangeBin::detected);
+  read_column(vehicles, "well_detected", s.vehicles_by_range, &RangeBin::well_detected);
+  read_column(vehicles, "points", s.vehicles_by_range, &RangeBin::points);
+  s.pixel_shift_by_row = json_at<std::vector<int>>(json, "pixel_shift_by_row");
   return s;
+}
+
+SequenceInfo sequence_of(const Json& json) {
+  SequenceInfo info;
+  const auto sequence = json_at<std::string>(json, "sequence");
+  const auto number = number_in<int>(sequence);
+  if (!number || *number < 0) throw InputError("sequence: expected a number, found \"" + sequence + "\"");
+  info.sequence = *number;
+  info.split = json_at<std::string>(json, "split");
+  info.flight = json_at<int>(json, "flight");
+  info.seed = json_at<std::uint64_t>(json, "seed");
+  info.attempt = json_at<int>(json, "attempt");
+  info.family = json_at<std::string>(json, "family");
+  info.vehicle = json_at<std::string>(json, "vehicle");
+  info.instance = json_at<int>(json, "instance");
+  info.sensor = json_at<std::string>(json, "sensor");
+  info.sensor_model = json_at<std::string>(json, "sensor_model");
+  info.vehicles = json_at<std::vector<std::string>>(json, "vehicles");
+  info.models = json_at<std::vector<std::string>>(json, "models");
+  info.state_hash = json_at<std::string>(json, "state_hash");
+  info.fingerprint = json_at<std::string>(json, "fingerprint");
+  info.version = json_at<std::string>(json, "version");
+  info.revision = json_at<std::string>(json, "revision");
+  info.reflectivities = json_at<std::vector<double>>(json, "reflectivities");
+  info.statistics = statistics_of(object_at(json, "statistics"));
+  const auto files = json.find("files");
+  if (files == json.end() || !files->is_array()) throw InputError("files: expected a list, found something else");
+  for (const Json& file : *files) {
+    info.files.push_back({json_at<std::string>(file, "path"), json_at<std::uint64_t>(file, "bytes"),
+                          json_at<std::string>(file, "xxh128")});
+  }
+  return info;
 }
 
 }  // namespace
@@ -118,39 +177,13 @@ std::string to_json(const SequenceInfo& info) {
 
 SequenceInfo read_sequence_info(const fs::path& directory) {
   const fs::path path = directory / kFile;
-  std::ifstream in(path);
-  if (!in) throw std::runtime_error("cannot read " + path.string());
+  std::ifstream in = open_to_read(path);
   try {
     const Json json = parse_shallow<Json>(in);
-    SequenceInfo info;
-    const std::string sequence = json.at("sequence").get<std::string>();
-    const auto number = number_in<int>(sequence);
-    if (!number) throw std::runtime_error("sequence: expected a number, found \"" + sequence + "\"");
-    info.sequence = *number;
-    info.split = json.at("split").get<std::string>();
-    info.flight = json.at("flight").get<int>();
-    info.seed = json.at("seed").get<std::uint64_t>();
-    info.attempt = json.at("attempt").get<int>();
-    info.family = json.at("family").get<std::string>();
-    info.vehicle = json.at("vehicle").get<std::string>();
-    info.instance = json.at("instance").get<int>();
-    info.sensor = json.at("sensor").get<std::string>();
-    info.sensor_model = json.at("sensor_model").get<std::string>();
-    info.vehicles = json.at("vehicles").get<std::vector<std::string>>();
-    info.models = json.at("models").get<std::vector<std::string>>();
-    info.state_hash = json.at("state_hash").get<std::string>();
-    info.fingerprint = json.at("fingerprint").get<std::string>();
-    info.version = json.at("version").get<std::string>();
-    info.revision = json.at("revision").get<std::string>();
-    info.reflectivities = json.at("reflectivities").get<std::vector<double>>();
-    info.statistics = statistics_of(json.at("statistics"));
-    for (const Json& file : json.at("files")) {
-      info.files.push_back({file.at("path").get<std::string>(), file.at("bytes").get<std::uint64_t>(),
-                            file.at("xxh128").get<std::string>()});
-    }
-    return info;
-  } catch (const std::exception& error) {
-    throw std::runtime_error(path.string() + ": not the description of a sequence: " + error.what());
+    if (!json.is_object()) throw InputError("expected a JSON object, found something else");
+    return sequence_of(json);
+  } catch (const InputError& problem) {
+    throw InputError(path.string() + ": not the description of a sequence: " + problem.what());
   }
 }
 

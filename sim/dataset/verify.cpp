@@ -16,7 +16,9 @@
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/dataset/generate.hpp"
 #include "swiftlet/sim/dataset/hash.hpp"
+#include "swiftlet/sim/errors.hpp"
 #include "swiftlet/sim/io/shallow_json.hpp"
+#include "swiftlet/sim/io/text.hpp"
 #include "swiftlet/sim/world/scene.hpp"
 
 namespace swiftlet::sim {
@@ -30,13 +32,20 @@ constexpr std::size_t kMaxProblems = 50;
 constexpr int kPoseNumbers = 12;
 
 std::string read_text(const fs::path& path) {
+  if (!fs::is_regular_file(path)) return {};  // a FIFO would be waited for
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-int count_files(const fs::path& folder) {
+std::int64_t count_files(const fs::path& folder) {
   if (!fs::is_directory(folder)) return 0;
-  return static_cast<int>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+  return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
+}
+
+/// A relative path that stays below the directory that it begins in.
+bool stays_within(const fs::path& path) {
+  return path.is_relative() && path.native().find('\0') == std::string::npos && !path.empty() &&
+         std::find(path.begin(), path.end(), "..") == path.end();
 }
 
 /// Numbers separated by single blanks; nullopt when something else is among them.
@@ -69,7 +78,9 @@ class Verification {
 
   VerifyReport run() {
     read_manifest();
-    if (!manifest_.value("complete", false)) problem("the dataset is not complete; swiftlet dataset --resume goes on");
+    const auto complete = manifest_.find("complete");
+    if (complete == manifest_.end() || *complete != true)
+      problem("the dataset is not complete; swiftlet dataset --resume goes on");
     report_.poses_outside = poses_outside(sequences_);
     check_files();
     for (const SequenceInfo& info : sequences_) check_layout(info);
@@ -94,35 +105,54 @@ class Verification {
     manifest_ = parse_shallow<Json>(read_text(path));
     const auto is_list = [&](const char* key) { return manifest_.contains(key) && manifest_.at(key).is_array(); };
     const auto has = [](const Json& entry, const char* key) { return entry.is_object() && entry.contains(key); };
+    const std::string place = path.string() + ": ";
     if (!manifest_.is_object() || !is_list("files") || !is_list("sequences") ||
         !std::all_of(manifest_.at("files").begin(), manifest_.at("files").end(), [&](const Json& file) {
           return has(file, "path") && file["path"].is_string() && has(file, "bytes") &&
                  file["bytes"].is_number_unsigned() && has(file, "xxh128") && file["xxh128"].is_string();
         })) {
-      throw InputError(path.string() + ": expected the manifest of a dataset, found something else");
+      throw InputError(place + "expected the manifest of a dataset, found something else");
     }
-    try {
-      for (const Json& sequence : manifest_.at("sequences")) {
-        const std::string name = sequence.at("sequence").get<std::string>();
-        sequences_.push_back(read_sequence_info(directory_ / "sequences" / name));
-        const SequenceInfo& info = sequences_.back();
-        if (info.instance < 1 || static_cast<std::size_t>(info.instance) > info.vehicles.size() ||
-            info.statistics.frames < 0 || info.statistics.frames > kMaxFrames) {
-          problem("sequences/" + name + "/sequence.json: expected the instance of one of its vehicles, and its frames");
-          sequences_.pop_back();
-          continue;
-        }
-        if (info.fingerprint != manifest_.at("fingerprint").get<std::string>() ||
-            info.state_hash != sequence.at("state_hash").get<std::string>()) {
-          problem("sequences/" + name + "/sequence.json: belongs to another dataset than manifest.json");
-        }
-      }
-    } catch (const InputError&) {
-      throw;
-    } catch (const std::exception& error) {
-      problem(error.what());
+    for (const Json& file : manifest_.at("files")) {
+      const auto name = file["path"].get<std::string>();
+      if (!stays_within(name))
+        throw InputError(place + "files: expected paths within the dataset, found \"" + name + "\"");
     }
     if (manifest_.at("sequences").empty()) problem("manifest.json: expected a dataset with sequences, found none");
+    for (const Json& sequence : manifest_.at("sequences")) {
+      try {
+        read_sequence(sequence);
+      } catch (const InputError& error) {
+        problem(error.what());
+      }
+    }
+  }
+
+  void read_sequence(const Json& entry) {
+    const auto text_at = [](const Json& json, const std::string& key) {
+      try {
+        return json_at<std::string>(json, key);
+      } catch (const InputError& error) {
+        throw InputError(std::string("manifest.json: ") + error.what());
+      }
+    };
+    const std::string fingerprint = text_at(manifest_, "fingerprint"), state_hash = text_at(entry, "state_hash");
+    const std::string name = text_at(entry, "sequence");
+    const auto number = number_in<int>(name);
+    if (!number || sequence_name(*number) != name)
+      throw InputError("manifest.json: sequences: expected a number such as 07, found \"" + name + "\"");
+    SequenceInfo info = read_sequence_info(directory_ / "sequences" / name);
+    const std::string place = "sequences/" + name + "/sequence.json: ";
+    if (info.instance < 1 || static_cast<std::size_t>(info.instance) > info.vehicles.size() ||
+        info.statistics.frames < 0 || info.statistics.frames > kMaxFrames) {
+      return problem(place + "expected the instance of one of its vehicles, and its frames");
+    }
+    if (info.sequence != *number) {
+      return problem(place + "expected the sequence " + name + ", found " + sequence_name(info.sequence));
+    }
+    if (info.fingerprint != fingerprint || info.state_hash != state_hash)
+      problem(place + "belongs to another dataset than manifest.json");
+    sequences_.push_back(std::move(info));
   }
 
   void check_files() {
@@ -169,8 +199,10 @@ class Verification {
     std::vector<const char*> folders = {"velodyne", "labels"};
     if (fs::exists(root / "point_truth")) folders.push_back("point_truth");
     if (fs::exists(root / "images")) folders.insert(folders.end(), {"images/range", "images/intensity"});
+    std::int64_t most = 0;  // files of a folder: more frames than these need no look
     for (const char* folder : folders) {
-      const int found = count_files(root / folder);
+      const std::int64_t found = count_files(root / folder);
+      most = std::max(most, found);
       if (found != frames) {
         problem(name + "/" + folder + ": expected " + std::to_string(frames) + " files, found " +
                 std::to_string(found));
@@ -179,7 +211,7 @@ class Verification {
     check_lines(root / "poses.txt", name + "/poses.txt", frames, kPoseNumbers);
     check_lines(root / "times.txt", name + "/times.txt", frames, 1);
     std::int64_t points = 0;
-    for (int i = 0; i < frames && !canceled(); ++i) points += check_frame(root, name, i);
+    for (int i = 0; i < std::min<std::int64_t>(frames, most) && !canceled(); ++i) points += check_frame(root, name, i);
     if (points != info.statistics.points) {
       problem(name + ": expected " + std::to_string(info.statistics.points) + " points, found " +
               std::to_string(points));
@@ -204,7 +236,7 @@ class Verification {
     const std::string scan = frame_file("velodyne", frame, "bin"), label = frame_file("labels", frame, "label");
     std::error_code error;
     const std::uintmax_t bytes = fs::file_size(root / scan, error);
-    if (error) return 0;  // told before
+    if (error) return 0;  // a problem of the folder
     if (bytes % kPointBytes != 0) problem(name + "/" + scan + ": expected four float32 a point");
     const std::string labels = read_text(root / label);
     const std::size_t points = bytes / kPointBytes;
@@ -242,9 +274,9 @@ class Verification {
                        " frames");
       }
     }
-    const int others = static_cast<int>(info.vehicles.size()) - 1;
-    if (count != frames * others) {
-      problem(name + ": expected " + std::to_string(frames * others) + " boxes, found " + std::to_string(count));
+    const std::int64_t expected = std::int64_t{frames} * (static_cast<std::int64_t>(info.vehicles.size()) - 1);
+    if (count != expected) {
+      problem(name + ": expected " + std::to_string(expected) + " boxes, found " + std::to_string(count));
     }
   }
 
@@ -253,7 +285,7 @@ class Verification {
     std::int64_t all = 0;
     for (const SequenceInfo& info : sequences_) all += info.statistics.frames;
     const auto wanted = static_cast<std::size_t>(std::min<std::int64_t>(options_.frames, all));
-    const Random random(options_.seed, "dataset.verify", manifest_.value("fingerprint", ""));
+    const Random random(options_.seed, "dataset.verify", json_at<std::string>(manifest_, "fingerprint"));
     std::set<std::int64_t> drawn;
     for (std::uint32_t i = 0; drawn.size() < wanted; ++i) {
       drawn.insert(static_cast<std::int64_t>(random.uniform(i, 0) * static_cast<double>(all)));
@@ -285,20 +317,22 @@ class Verification {
     const PreparedFlight prepared = restore_flight(root, info);
     Simulation simulation(prepared.scenario, 0, prepared.world);
     const auto carrier = static_cast<std::size_t>(info.instance - 1);
-    int num_scans = 0;
+    std::int64_t num_scans = 0;
+    const std::int64_t last_scan = std::int64_t{*frames.rbegin()} * content.every;
     Frame frame;
-    while (!simulation.finished() && num_scans <= *frames.rbegin() * content.every) {
+    while (!simulation.finished() && num_scans <= last_scan) {
       if (canceled()) return;
       simulation.tick();
       for (const auto& scan : simulation.view().scans[carrier]) {
         if (scan->scan.sensor != info.sensor) continue;
-        const int number = num_scans++;
-        if (number % content.every != 0 || !frames.contains(number / content.every)) continue;
+        const std::int64_t number = num_scans++;
+        const auto frame_number = static_cast<int>(number / content.every);
+        if (number % content.every != 0 || !frames.contains(frame_number)) continue;
         encode_frame(*scan, content, frame);
-        compare(root, number / content.every, content, frame);
+        compare(root, frame_number, content, frame);
       }
     }
-    if (num_scans <= *frames.rbegin() * content.every) {
+    if (num_scans <= last_scan) {
       problem("sequences/" + sequence_name(info.sequence) + ": simulated again, it ends before frame " +
               std::to_string(*frames.rbegin()));
     }

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -119,25 +118,6 @@ TEST(DataCard, ClassesComeByTheirSizeWithTheirShare) {
                               "| pillar | 53 | 999 | 0.0999 % |\n\n"));
 }
 
-TEST(DataCard, VehiclesComeInRowsOfTenMeters) {
-  SequenceInfo info = sequence_of(0, "train");
-  auto& bins = info.statistics.vehicles_by_range;
-  bins[0] = {.boxes = 5, .in_view = 4, .detected = 3, .well_detected = 2, .points = 100};
-  bins[4] = {.boxes = 1000, .in_view = 900, .detected = 1, .well_detected = 1, .points = 7};
-  bins[5] = {.boxes = 3, .in_view = 2, .detected = 0, .well_detected = 0, .points = 0};
-  bins[44] = {.boxes = 2, .in_view = 1, .detected = 1, .well_detected = 0, .points = 2};
-  bins[49] = {.boxes = 6, .in_view = 0, .detected = 0, .well_detected = 0, .points = 0};
-  const std::string card = card_of(plan_of({{"train", 1, 1}}), {info});
-  EXPECT_THAT(card, HasSubstr("Of the 1 016 vehicles in frames, 907 are visible"));
-  EXPECT_THAT(card, HasSubstr("and 5 have points."));
-  EXPECT_THAT(card, HasSubstr("| --- | --- | --- | --- | --- | --- |\n"
-                              "| 0 to 10 m | 1 005 | 904 | 4 | 3 | 26.8 |\n"
-                              "| 10 to 20 m | 3 | 2 | 0 | 0 |  |\n"
-                              "| 80 to 90 m | 2 | 1 | 1 | 0 | 2.0 |\n"
-                              "| 90 m and more | 6 | 0 | 0 | 0 |  |\n\n"));
-  EXPECT_THAT(card, Not(HasSubstr("## Classes"))) << "there are no points";
-}
-
 TEST(DataCard, SequencesAndDrawsAreListed) {
   DatasetPlan plan = plan_of({{"train", 2, 5}});
   plan.config.description = "Two flights.";
@@ -188,58 +168,6 @@ TEST(DataCard, ShowsTheSnapshotsAndNoneOfTheOtherPictures) {
                 {"snapshots/side.json", 1, ""}};
   const std::string card = card_of(plan_of({{"train", 1, 1}}), {info});
   EXPECT_THAT(card, HasSubstr("## Pictures\n\n![sequence 07, side_1](sequences/07/snapshots/side_1.png)\n\n## What"));
-}
-
-TEST(DataCard, ChartsAreThoseOfTheCounts) {
-  SequenceInfo info = sequence_of(0, "train");
-  SequenceStatistics& s = info.statistics;
-  s.points = 400;
-  s.points_by_class = {{40, 300}, {70, 100}};
-  for (std::size_t i = 0; i < 50; ++i) s.points_by_range[i] = static_cast<std::int64_t>(i % 8);
-  s.vehicles_by_range[0] = {.boxes = 5, .in_view = 4, .detected = 3, .well_detected = 2, .points = 100};
-  s.vehicles_by_range[1] = {.boxes = 9, .in_view = 8, .detected = 2, .well_detected = 1, .points = 30};
-  s.vehicles_by_range[3] = {.boxes = 2, .in_view = 0, .detected = 0, .well_detected = 0, .points = 0};
-  const TemporaryDirectory directory;
-  write_data_card(plan_of({{"train", 1, 1}}), {info}, directory.path());
-
-  plot::Figure classes("Points by class");
-  classes.set_panel_size(760, 380);
-  plot::Panel& bars = classes.add_panel();
-  bars.x.categories = {"ground", "vegetation"};
-  bars.y.label = "share of all points [%]";
-  bars.y.log = true;
-  bars.bars("", std::vector{75.0, 25.0});
-  EXPECT_EQ(text_of(directory.path() / "charts/classes.svg"), classes.svg());
-
-  plot::Figure ranges("Points by range");
-  plot::Panel& range = ranges.add_panel();
-  range.x.label = "range [m]";
-  range.y.label = "share of all points, by 2 m [%]";
-  std::vector<double> middle_m, share;
-  for (int i = 0; i < 50; ++i) {
-    middle_m.push_back(1.0 + 2.0 * i);
-    share.push_back(i % 8 / 4.0);
-  }
-  range.line("", middle_m, share);
-  EXPECT_EQ(text_of(directory.path() / "charts/ranges.svg"), ranges.svg());
-
-  // As far as there are vehicles.
-  plot::Figure distances("Vehicles by distance", 2);
-  plot::Panel& counts = distances.add_panel("how many");
-  middle_m.resize(4);
-  counts.x.label = "distance to the LiDAR [m]";
-  counts.y.label = "vehicles in frames, by 2 m";
-  counts.line("in frames", middle_m, std::vector{5.0, 9.0, 0.0, 2.0});
-  counts.line("visible", middle_m, std::vector{4.0, 8.0, 0.0, 0.0});
-  counts.line("with points", middle_m, std::vector{3.0, 2.0, 0.0, 0.0});
-  counts.line("with 5 points or more", middle_m, std::vector{2.0, 1.0, 0.0, 0.0});
-  plot::Panel& each = distances.add_panel("how well");
-  each.x.label = "distance to the LiDAR [m]";
-  each.y.label = "points on a vehicle that has any";
-  each.y.log = true;
-  const double none = std::nan("");
-  each.line("", middle_m, std::vector{100.0 / 3.0, 15.0, none, none}, {.marker = plot::Marker::kCircle});
-  EXPECT_EQ(text_of(directory.path() / "charts/distances.svg"), distances.svg());
 }
 
 TEST(DataCard, WithoutPointsOrVehiclesThereAreNoCharts) {
@@ -388,6 +316,13 @@ TEST(SequenceInfo, WhatIsNoneIsRefusedWithItsPlace) {
                  "not the description of a sequence");
   expect_refused([](auto& json) { json["statistics"]["vehicles_by_range"]["points"].erase(49); },
                  "not the description");
+  expect_refused([](auto& json) { json["flight"] = "first"; }, "flight: expected a whole number, found something else");
+  expect_refused([](auto& json) { json["flight"] = 1e300; }, "flight: expected a whole number");
+  expect_refused([](auto& json) { json["flight"] = 1LL << 40; }, "flight: expected a whole number");
+  expect_refused([](auto& json) { json["seed"] = -1; }, "seed: expected a whole number >= 0");
+  expect_refused([](auto& json) { json["vehicles"] = {"a", 1}; }, "vehicles: expected a list, each element a text");
+  expect_refused([](auto& json) { json["statistics"] = 3; }, "statistics: expected an object");
+  expect_refused([](auto& json) { json["statistics"]["points"] = 2'000'000'000'000'000; }, "points: expected a count");
   const auto whole = nlohmann::json::parse(to_json(full_sequence()));
   for (const auto& item : whole.items())
     expect_refused([&](auto& json) { json.erase(item.key()); }, "not the description of a sequence");

@@ -241,11 +241,48 @@ TEST_F(HandMade, ASequenceIsOfOneOfItsVehiclesAndHasAPlausibleNumberOfFrames) {
     info.statistics.frames = frames;
     EXPECT_THAT(problems(), ::testing::Each(::testing::Not(expect)));
   }
-  // So many would take long to look at: it is enough to see that they are accepted.
+}
+
+// Frames without files cost no time: as many are looked at as there are files.
+TEST_F(HandMade, FramesWithoutFilesAreReportedAtOnce) {
   info.statistics.frames = 100'000'000;
-  VerifyOptions options = without_frames();
-  options.canceled = [] { return true; };
-  EXPECT_THAT(verify(options).problems, ::testing::Each(::testing::Not(expect)));
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/velodyne: expected 100000000 files, found 3",
+                                      "sequences/00/labels: expected 100000000 files, found 3",
+                                      "sequences/00/poses.txt: expected 100000000 lines, found 3",
+                                      "sequences/00/times.txt: expected 100000000 lines, found 3",
+                                      "sequences/00/boxes.csv: expected 200000000 boxes, found 6"));
+}
+
+TEST_F(HandMade, PathsOutsideTheDatasetAreRefused) {
+  for (const std::string path : {"/etc/passwd", "../outside", "sequences/../../outside", "sequences/00/..", ""}) {
+    change_manifest = [&](nlohmann::json& manifest) { manifest["files"][0]["path"] = path; };
+    EXPECT_THAT([&] { verify(); }, ::testing::ThrowsMessage<InputError>(HasSubstr(
+                                       "manifest.json: files: expected paths within the dataset, found \"" + path)))
+        << path;
+  }
+  for (const std::string name : {"../sequences/00", "/tmp", "0", "00/", "x", ""}) {
+    change_manifest = [&](nlohmann::json& manifest) { manifest["sequences"][0]["sequence"] = name; };
+    EXPECT_THAT(problems(), ElementsAre(HasSubstr("sequences: expected a number such as 07, found \"" + name + "\"")));
+  }
+}
+
+TEST_F(HandMade, ASequenceHasTheNumberOfItsFolder) {
+  info.sequence = 1;
+  change_manifest = [](nlohmann::json& manifest) {
+    manifest["sequences"][0]["sequence"] = "00";
+    for (auto& file : manifest["files"]) {
+      std::string path = file["path"];
+      if (path.starts_with("sequences/01/")) file["path"] = path.replace(10, 2, "00");
+    }
+  };
+  EXPECT_THAT(problems(), ElementsAre("sequences/00/sequence.json: expected the sequence 00, found 01"));
+}
+
+TEST_F(HandMade, ValuesOfAnotherTypeAreReportedWithTheirKey) {
+  change_manifest = [](nlohmann::json& manifest) { manifest["sequences"][0]["state_hash"] = 7; };
+  EXPECT_THAT(problems(), ElementsAre("manifest.json: state_hash: expected a text, found something else"));
+  change_manifest = [](nlohmann::json& manifest) { manifest["complete"] = "yes"; };
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("the dataset is not complete")));
 }
 
 TEST_F(HandMade, TellsHowFarItIsAndEndsWhenCanceled) {
