@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <locale>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -58,6 +59,7 @@ Header read_header(std::istream& in, OctomapFormat format, const std::filesystem
   Header header;
   while (std::getline(in, line) && line != "data") {
     std::istringstream words(line);
+    words.imbue(std::locale::classic());
     std::string key;
     words >> key;
     if (key == "id") words >> id;
@@ -118,6 +120,7 @@ std::string octomap_content(const MapVoxels& map, OctomapFormat format, const st
   tree.prune();
   // The header is written here, because the library's own function tells its progress on the terminal.
   std::ostringstream out;
+  out.imbue(std::locale::classic());
   out.precision(10);
   out << title_of(format) << "\n";
   for (const std::string& comment : comments) out << "# " << comment << "\n";

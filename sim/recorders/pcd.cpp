@@ -3,27 +3,25 @@
 
 #include "sim/recorders/scan_files.hpp"
 
-#include <sstream>
+#include <string>
 
 namespace swiftlet::sim {
 namespace {
 
 std::string pcd_header(const CloudLayout& layout) {
-  std::ostringstream header;
-  const auto line = [&](const char* key, const auto& value_of) {
-    header << key;
-    for (const PointField& field : point_fields()) header << ' ' << value_of(field);
-    header << '\n';
+  const auto line = [](const char* key, const auto& value_of) {
+    std::string text = key;
+    for (const PointField& field : point_fields()) text += std::string(" ") + value_of(field);
+    return text + "\n";
   };
-  header << "# .PCD v0.7 - Point Cloud Data file format\n";
-  header << "# frame " << layout.frame << ", stamp_ns " << layout.stamp << "\nVERSION 0.7\n";
-  line("FIELDS", [](const PointField& field) { return field.name; });
-  line("SIZE", [](const PointField& field) { return field.size_bytes; });
-  line("TYPE", [](const PointField& field) { return field.type == PointField::Type::kFloat32 ? 'F' : 'U'; });
-  line("COUNT", [](const PointField&) { return 1; });
-  header << "WIDTH " << layout.width << "\nHEIGHT " << layout.height << "\nVIEWPOINT 0 0 0 1 0 0 0\n";
-  header << "POINTS " << layout.width * layout.height << "\nDATA binary\n";
-  return header.str();
+  const std::string width = std::to_string(layout.width), height = std::to_string(layout.height);
+  return "# .PCD v0.7 - Point Cloud Data file format\n# frame " + layout.frame + ", stamp_ns " +
+         std::to_string(layout.stamp) + "\nVERSION 0.7\n" +
+         line("FIELDS", [](const PointField& field) { return field.name; }) +
+         line("SIZE", [](const PointField& field) { return std::to_string(field.size_bytes); }) +
+         line("TYPE", [](const PointField& field) { return field.type == PointField::Type::kFloat32 ? "F" : "U"; }) +
+         line("COUNT", [](const PointField&) { return "1"; }) + "WIDTH " + width + "\nHEIGHT " + height +
+         "\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + std::to_string(layout.width * layout.height) + "\nDATA binary\n";
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/run/sweep_schedule.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <string>
@@ -41,7 +43,7 @@ void for_vehicle(const Team& team, VehicleId i, const Act& act) {
   try {
     act();
   } catch (const ContractViolation& violation) {
-    throw ContractViolation(team.names[i] + " at " + std::to_string(to_seconds(team.now)) + " s: " + violation.what());
+    throw ContractViolation(fmt::format("{} at {:f} s: {}", team.names[i], to_seconds(team.now), violation.what()));
   }
 }
 

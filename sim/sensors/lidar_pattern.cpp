@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <fstream>
-#include <sstream>
+#include <optional>
 #include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
 
 #include "swiftlet/core/elementary.hpp"
 #include "swiftlet/core/math/angles.hpp"
@@ -239,6 +243,12 @@ class Uniform final : public LidarPattern {
 // ---- CSV
 // --------------------------------------------------------------------------------------------------------------
 
+/// The fewest digits that read back as the same number, in any locale.
+std::string text_of(double value) {
+  std::array<char, 32> digits;
+  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
+}
+
 class CsvPattern final : public LidarPattern {
  public:
   CsvPattern(const CsvPatternConfig& config, double sweep_s) { read(config.file, sweep_s); }
@@ -251,6 +261,23 @@ class CsvPattern final : public LidarPattern {
   bool is_image() const override { return false; }
 
  private:
+  /// Azimuth, elevation and time of a line of three numbers between commas, with blanks around them.
+  static std::optional<std::array<double, 3>> shot_of(std::string_view line) {
+    std::array<double, 3> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const std::size_t end = i + 1 < values.size() ? line.find(',') : line.size();
+      if (end == std::string_view::npos) return std::nullopt;
+      std::string_view word = line.substr(0, end);
+      word.remove_prefix(std::min(word.find_first_not_of(" \t"), word.size()));
+      if (word.starts_with('+')) word.remove_prefix(1);
+      while (word.ends_with(' ') || word.ends_with('\t')) word.remove_suffix(1);
+      const auto [stop, problem] = std::from_chars(word.data(), word.data() + word.size(), values[i]);
+      if (problem != std::errc() || stop != word.data() + word.size()) return std::nullopt;
+      line.remove_prefix(std::min(end + 1, line.size()));
+    }
+    return values;
+  }
+
   void read(const std::string& path, double sweep_s) {
     std::ifstream in(path);
     if (!in) throw InputError(path + ": cannot be read");
@@ -258,20 +285,20 @@ class CsvPattern final : public LidarPattern {
     for (int number = 1; std::getline(in, line); ++number) {
       if (!line.empty() && line.back() == '\r') line.pop_back();
       if (line.empty() || line[0] == '#') continue;
+      const auto shot = shot_of(line);
+      if (!shot) {
+        if (directions_.empty() && number == 1) continue;  // a header
+        // The line is not quoted: it may be of a file of another kind.
+        throw InputError(path + ":" + std::to_string(number) +
+                         ": expected three numbers azimuth_deg,elevation_deg,time_s, found something else");
+      }
+      const auto [azimuth_deg, elevation_deg, time_s] = *shot;
       const auto fail = [&](const std::string& expected) {
         throw InputError(path + ":" + std::to_string(number) + ": expected " + expected + ", found \"" +
                          line.substr(0, 60) + "\"");
       };
-      std::istringstream fields(line);
-      double azimuth_deg = 0, elevation_deg = 0, time_s = 0;
-      char comma[2] = {};
-      if (!(fields >> azimuth_deg >> comma[0] >> elevation_deg >> comma[1] >> time_s) || comma[0] != ',' ||
-          comma[1] != ',' || !(fields >> std::ws).eof()) {
-        if (directions_.empty() && number == 1) continue;  // a header
-        fail("azimuth_deg,elevation_deg,time_s");
-      }
-      if (!std::isfinite(azimuth_deg) || std::abs(elevation_deg) > 90.0) fail("an elevation in -90..90 deg");
-      if (!(time_s >= 0.0 && time_s <= sweep_s)) fail("a time within the sweep, 0.." + std::to_string(sweep_s) + " s");
+      if (!std::isfinite(azimuth_deg) || !(std::abs(elevation_deg) <= 90.0)) fail("an elevation in -90..90 deg");
+      if (!(time_s >= 0.0 && time_s <= sweep_s)) fail("a time within the sweep, 0.." + text_of(sweep_s) + " s");
       if (!offsets_s_.empty() && static_cast<float>(time_s) < offsets_s_.back()) fail("times in ascending order");
       directions_.push_back(direction(azimuth_deg * kRadians, elevation_deg * kRadians));
       offsets_s_.push_back(static_cast<float>(time_s));
@@ -348,7 +375,7 @@ void CsvPatternConfig::visit(ConfigVisitor& v) {
 std::span<const ModuleType> lidar_pattern_types() { return patterns().modules(); }
 
 std::unique_ptr<LidarPattern> make_lidar_pattern(const Module& config, double sweep_s) {
-  return patterns().named(config.type).make(*config.config, sweep_s);
+  return patterns().make(config, sweep_s);
 }
 
 }  // namespace swiftlet::sim

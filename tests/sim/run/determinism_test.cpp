@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <clocale>
+#include <filesystem>
+#include <locale>
+#include <map>
+
 #include "swiftlet/core/agent/registry.hpp"
 #include "swiftlet/sim/io/files.hpp"
+#include "swiftlet/sim/octomap/octomap_file.hpp"
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
+#include "swiftlet/sim/registry/worlds.hpp"
 #include "swiftlet/sim/run/simulation.hpp"
 #include "swiftlet/sim/run/summary.hpp"
+#include "swiftlet/sim/world/export.hpp"
+#include "swiftlet/sim/world/point_cloud_file.hpp"
 #include "tests/support/recorder_types.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -92,6 +101,70 @@ TEST(Determinism, RecordersAndPicturesDoNotChangeTheBits) {
   scenario.snapshots = {camera};
   const TemporaryDirectory folder;
   EXPECT_EQ(fly(scenario, 2, folder.path()), reference_hash());
+}
+
+/// The global locale of a host program: commas in numbers, and points between thousands.
+class GermanProgram {
+ public:
+  GermanProgram() {
+    for (const char* name : {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "cs_CZ.UTF-8"}) {
+      if (std::setlocale(LC_NUMERIC, name) != nullptr) break;  // where one is installed, the C library's too
+    }
+    before_ = std::locale::global(std::locale(std::locale::classic(), new Numbers));
+  }
+  ~GermanProgram() {
+    std::locale::global(before_);
+    std::setlocale(LC_NUMERIC, "C");
+  }
+  GermanProgram(const GermanProgram&) = delete;
+  GermanProgram& operator=(const GermanProgram&) = delete;
+
+ private:
+  struct Numbers : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+  };
+  std::locale before_;
+};
+
+std::map<std::string, std::string> files_of(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files[entry.path().lexically_relative(folder)] = read_whole_file(entry.path());
+  }
+  return files;
+}
+
+TEST(Determinism, TheLocaleOfTheProgramChangesNoFile) {
+  const auto fly_both = [](const std::filesystem::path& folder) {
+    Scenario mixed = load_scenario(kMixedTeam, {{"duration_s", "0.3"}});
+    for (const char* type : recorders_of_any_run()) mixed.recorders.emplace_back(recorder_module_types(), type);
+    std::filesystem::create_directories(folder / "mixed");
+    fly(mixed, 1, folder / "mixed");
+    std::filesystem::create_directories(folder / "maps");
+    fly(load_scenario("submap_navigation", {{"duration_s", "0.4"}, {"snapshots", "[]"}}), 1, folder / "maps");
+    write_file(folder / "mixed.yaml", write_scenario(mixed));
+    export_world(make_world(mixed.world, 1), folder / "world.ply");
+    export_world(make_world(mixed.world, 1), folder / "world.obj");
+  };
+  const TemporaryDirectory plain, german;
+  fly_both(plain.path());
+  std::size_t num_points = 0, num_cells = 0;
+  {
+    const GermanProgram program;
+    fly_both(german.path());
+    for (const auto& [name, content] : files_of(german.path())) {
+      if (name.ends_with(".pcd") || (name.ends_with(".ply") && name.starts_with("mixed")))
+        num_points += read_point_cloud(german.path() / name).size();
+      if (name.ends_with(".bt")) num_cells += read_octomap(german.path() / name).occupied_m.size();
+    }
+  }
+  const auto expected = files_of(plain.path()), found = files_of(german.path());
+  ASSERT_EQ(expected.size(), found.size());
+  for (const auto& [name, content] : expected) EXPECT_TRUE(found.at(name) == content) << name;
+  EXPECT_GT(num_points, 1000U) << "read in that locale too";
+  EXPECT_GT(num_cells, 1000U);
 }
 
 TEST(Determinism, ASharedWorldGivesTheSameRun) {
