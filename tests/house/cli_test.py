@@ -131,6 +131,25 @@ class Cli(unittest.TestCase):
             result = self.run_swiftlet("check", scenario)
             self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""), scenario)
 
+    def test_check_and_run_tell_what_of_a_file_does_not_fit(self):
+        room = "".join(f"v {x} {y} {z}\n" for z in (0, 3) for y in (-4, 4) for x in (894, 906))
+        (self.path / "room.obj").write_text(room + "f 1 2 4 3\nf 1 5 6 2\nf 1 2\n")
+        self.scenario.write_text(HOVER.format(duration=1).replace("type: empty", "type: mesh, file: room.obj, class: ground"))
+        lidar = "vehicles[0].sensors=[{type: lidar, model: puck_lite, name: l}]"
+        prior = "vehicles[0].agent.detector={type: vofod, prior: {mesh: room.obj}}"
+        checked = self.run_swiftlet("check", self.scenario, "--set", lidar, "--set", prior)
+        self.assertEqual((checked.returncode, checked.stdout), (0, ""), checked.stderr)
+        run = self.run_swiftlet("run", self.scenario, "--set", lidar, "--set", prior, "--out", "out", check=True)
+        counters = {c["setting"]: c for c in json.loads((self.path / "out/summary.json").read_text())["counters"]}
+        for setting, what in (("vehicles[0].agent.detector.map.size_m", "voxels of the prior outside the map"),
+                              ("vehicles[0].agent.detector.prior.mesh", "faces left out: line 11"),
+                              ("world.file", "faces left out: line 11")):
+            self.assertIn(f"{setting}: ", checked.stderr)
+            self.assertIn(what, checked.stderr)
+            self.assertIn(what, run.stdout)
+            self.assertIn(what, counters[setting]["what"])
+        self.assertEqual(counters["world.file"]["of"], 3)
+
     def test_check_refuses_what_run_refuses_with_the_same_message(self):
         wrong = {
             "vehicles[0].agent.guidance={type: agile, speed_max_mps: 30}": "hover.yaml:8:12: vehicles[0].agent: guidance agile",
@@ -293,7 +312,8 @@ class Cli(unittest.TestCase):
 
     def test_a_stopped_run_cleans_up_whenever_it_is_stopped(self):
         for how in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            for world in ("empty", "field"):  # while flying, while the world is made
+            # While flying, while the world is made, and in the middle of minutes of making it.
+            for world in ("empty", "field", "forest, size_m: [300, 300]"):
                 self.scenario.write_text(HOVER.format(duration=100000).replace("type: empty", f"type: {world}"))
                 run = self.start_run()
                 while run.poll() is None and not list(self.path.glob(".out.partial-*")):
@@ -303,6 +323,59 @@ class Cli(unittest.TestCase):
                 self.assertEqual(run.returncode, 128 + how, message)
                 self.assertIn("interrupted", message)
                 self.assertEqual(self.left_behind(), [])
+
+    def test_a_link_to_nothing_is_refused_before_the_flight(self):
+        (self.path / "out").symlink_to("unmounted")
+        for out in ("out", "out/below"):
+            result = self.run_swiftlet("run", self.scenario, "--out", out)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        self.assertEqual(self.left_behind(), ["out"])
+
+    def test_nothing_is_written_behind_links_in_a_run_directory(self):
+        self.run_swiftlet("run", self.scenario, "--out", "out", "-q", check=True)
+        outside = self.path / "outside"
+        outside.mkdir()
+        (outside / "file").write_text("precious")
+        for name, command in {"report.html": ("report", "out"), "replay.html": ("replay", "out"),
+                              "w.ply": ("world", self.scenario, "--out", "out/w.ply"),
+                              "w.objects.csv": ("world", self.scenario, "--out", "out/w.ply")}.items():
+            for link in (name, name + ".part"):
+                (self.path / "out" / link).unlink(missing_ok=True)
+                (self.path / "out" / link).symlink_to("../outside/file")
+            self.run_swiftlet(*command, "-q", check=True)
+            self.assertEqual((outside / "file").read_text(), "precious", name)
+        (self.path / "out/render").symlink_to("../outside")
+        if "without pictures" not in self.run_swiftlet("--version").stdout:
+            self.assertEqual(self.run_swiftlet("render", "out", "--time", 0.1).returncode, 2)
+        self.assertEqual([p.name for p in outside.iterdir()], ["file"])
+
+    def test_pipes_in_place_of_files_are_refused_at_once(self):
+        self.run_swiftlet("run", self.scenario, "--out", "out", "-q", check=True)
+        for name in ("scenario.yaml", "summary.json", "events.jsonl"):
+            file = self.path / "out" / name
+            before = file.read_bytes()
+            file.unlink()
+            os.mkfifo(file)
+            for command in ("report", "replay", "render"):
+                result = self.run_swiftlet(command, "out", timeout=60)
+                if command == "report" or name == "scenario.yaml":
+                    self.assertEqual(result.returncode, 2, (name, command, result.stderr))
+                    self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+            file.unlink()
+            file.write_bytes(before)
+        os.mkfifo(self.path / "pipe.yaml")
+        for arguments in (("run", "pipe.yaml"), ("check", "pipe.yaml"), ("batch", "pipe.yaml"), ("run", "."), ("run", "/dev/zero"),
+                          ("dataset", "pipe.yaml", "--out", "data"), ("report", "pipe.yaml"), ("batch", "merge", "pipe.yaml", "--out", "m")):
+            result = self.run_swiftlet(*arguments, timeout=60)
+            self.assertEqual(result.returncode, 2, (arguments, result.stderr))
+            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
+    def test_a_missing_folder_for_temporary_files_does_not_matter(self):
+        for command in (("check", self.scenario), ("world", self.scenario, "--map", "map.png")):
+            result = self.run_swiftlet(*command, env={**os.environ, "TMPDIR": "/nonexistent"})
+            if "pictures" not in result.stderr:
+                self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_signals_that_are_ignored_stay_ignored(self):
         self.scenario.write_text(HOVER.format(duration=2))
