@@ -148,18 +148,21 @@ TEST_F(SmallDatasetDeathTest, WhatIsMissingIsFlownAgainAndComesOutTheSame) {
 
 TEST_F(SmallDatasetDeathTest, AGenerationThatWasKilledAtOnceGoesOn) {
   const fs::path begun = copies.path() / "begun";
-  fs::create_directories(begun / "scenarios");
-  std::ofstream(begun / ".lock") << "";
+  fs::create_directories(begun / "sequences");  // all of it at the earliest kill
   GenerateOptions options;
   options.directory = begun;
   EXPECT_THROW(generate_dataset(plan(), options), InputError) << "not without being asked to";
   options.resume = true;
   std::ofstream(begun / "mine.txt") << "";
-  EXPECT_THROW(generate_dataset(plan(), options), InputError) << "that is somebody's";
+  EXPECT_THROW(generate_dataset(plan(), options), InputError) << "a file of the user";
   fs::remove(begun / "mine.txt");
   fs::create_directories(begun / "sequences/00");
   EXPECT_THROW(generate_dataset(plan(), options), InputError) << "whose is that sequence?";
-  fs::remove_all(begun / "sequences/00");
+  fs::remove_all(begun / "sequences");
+  std::ofstream(begun / "dataset.yaml") << "mine";
+  EXPECT_THROW(generate_dataset(plan(), options), InputError) << "a configuration of the user";
+  EXPECT_EQ(text_of(begun / "dataset.yaml"), "mine");
+  fs::create_directories(begun / "sequences");
   int asked = 0;
   options.canceled = [&] { return ++asked > 0; };
   const GenerateReport report = generate_dataset(plan(), options);
@@ -186,6 +189,23 @@ TEST_F(SmallDatasetDeathTest, AnotherConfigurationOrADirectoryInUseIsRefused) {
   std::ofstream(copies.path() / "file") << "";
   options.directory = copies.path() / "file/below";
   EXPECT_THROW(generate_dataset(plan(), options), InputError);
+}
+
+TEST_F(SmallDatasetDeathTest, FoldersThatAreLinksAreRefusedAndNothingIsWrittenBehindThem) {
+  const fs::path outside = copies.path() / "outside";
+  fs::create_directories(outside);
+  GenerateOptions options;
+  options.resume = true;
+  for (const char* folder : {"sequences", "charts"}) {
+    options.directory = copies.path() / folder;
+    fs::copy(out, options.directory, fs::copy_options::recursive);
+    fs::remove_all(options.directory / folder);
+    fs::create_directory_symlink(outside, options.directory / folder);
+    EXPECT_THAT([&] { generate_dataset(plan(), options); },
+                ::testing::ThrowsMessage<InputError>(HasSubstr("found a link")))
+        << folder;
+    EXPECT_TRUE(fs::is_empty(outside)) << folder;
+  }
 }
 
 TEST_F(SmallDatasetDeathTest, AFlightThatCannotBeFlownIsToldWithHowOftenItWasTried) {
