@@ -20,6 +20,10 @@ set(content "// Written by cmake/Version.cmake.
 
 namespace swiftlet::sim {
 
+// Found in the file of a plugin before that is opened.
+extern const char plugin_mark[];
+[[gnu::used]] const char plugin_mark[] = \"swiftlet plugin mark: ${VERSION} (${revision})\";
+
 const char* version() { return \"${VERSION}\"; }
 const char* git_revision() { return \"${revision}\"; }
 

@@ -26,7 +26,7 @@ Registry<AgentType>& agent_registry() {
 }
 
 std::unique_ptr<Agent> make_agent(const Module& config, const AgentSetup& setup) {
-  return agent_registry().named(config.type).make(*config.config, setup);
+  return agent_registry().make(config, setup);
 }
 
 AgentNeeds needs_of(const Module& agent) {

@@ -58,7 +58,7 @@ Registry<DetectorType>& detector_registry() {
 }
 
 std::unique_ptr<Detector> make_detector(const Module& config, const AgentSetup& setup) {
-  return detector_registry().named(config.type).make(*config.config, setup);
+  return detector_registry().make(config, setup);
 }
 
 }  // namespace swiftlet

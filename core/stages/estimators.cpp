@@ -50,7 +50,7 @@ Registry<EstimatorType>& estimator_registry() {
 }
 
 std::unique_ptr<StateEstimator> make_estimator(const Module& config, const AgentSetup& setup) {
-  return estimator_registry().named(config.type).make(*config.config, setup);
+  return estimator_registry().make(config, setup);
 }
 
 }  // namespace swiftlet

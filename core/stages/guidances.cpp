@@ -113,7 +113,7 @@ Registry<GuidanceType>& guidance_registry() {
 }
 
 std::unique_ptr<Guidance> make_guidance(const Module& config, const GuidanceSetup& setup) {
-  return guidance_registry().named(config.type).make(*config.config, setup);
+  return guidance_registry().make(config, setup);
 }
 
 }  // namespace swiftlet

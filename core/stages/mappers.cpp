@@ -57,7 +57,7 @@ Registry<MapperType>& mapper_registry() {
 }
 
 std::unique_ptr<Mapper> make_mapper(const Module& config, const AgentSetup& setup) {
-  return mapper_registry().named(config.type).make(*config.config, setup);
+  return mapper_registry().make(config, setup);
 }
 
 }  // namespace swiftlet

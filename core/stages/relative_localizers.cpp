@@ -25,7 +25,7 @@ Registry<RelativeLocalizerType>& relative_localizer_registry() {
 }
 
 std::unique_ptr<RelativeLocalizer> make_relative_localizer(const Module& config, const AgentSetup& setup) {
-  return relative_localizer_registry().named(config.type).make(*config.config, setup);
+  return relative_localizer_registry().make(config, setup);
 }
 
 }  // namespace swiftlet

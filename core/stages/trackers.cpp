@@ -42,7 +42,7 @@ Registry<TrackerType>& tracker_registry() {
 }
 
 std::unique_ptr<Tracker> make_tracker(const Module& config, const AgentSetup& setup) {
-  return tracker_registry().named(config.type).make(*config.config, setup);
+  return tracker_registry().make(config, setup);
 }
 
 }  // namespace swiftlet

@@ -4,12 +4,17 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <stdexcept>
+#include <exception>
+#include <fstream>
+#include <iterator>
+#include <string_view>
 
 namespace swiftlet::sim {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::string_view kMark = "swiftlet plugin mark: ";  // before the version (cmake/Version.cmake)
 
 struct Loaded {
   std::string allowed_version;  // empty: none are allowed
@@ -29,6 +34,21 @@ fs::path path_of(const std::string& file, const fs::path& folder) {
 
 std::string in_quotes(const std::string& text) { return "\"" + text + "\""; }
 
+std::string content_of(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The version that a plugin with this content was built for, without running its code; empty when it is no plugin.
+std::string version_in(const std::string& content) {
+  for (std::size_t at = 0; (at = content.find(kMark, at)) != std::string::npos;) {
+    at += kMark.size();
+    const std::string version = content.substr(at, content.find('\0', at) - at);
+    if (!version.empty()) return version;  // the mark alone is the constant below, in a plugin that links this file
+  }
+  return {};
+}
+
 template <class Function>
 Function* symbol(void* library, const char* name) {
   return reinterpret_cast<Function*>(dlsym(library, name));
@@ -46,25 +66,39 @@ std::string load_plugin(const std::string& file, const fs::path& folder) {
   if (std::ranges::find(state.paths, path.string()) != state.paths.end()) return {};
   if (state.allowed_version.empty())
     return "--allow-plugins on the command line, because " + in_quotes(file) + " runs code of its own";
+  const std::string no_library = "a shared library, found " + in_quotes(file) + ": ";
+  const std::string no_plugin = "a plugin of Swiftlet, found " + in_quotes(file) +
+                                ", which has no SWIFTLET_PLUGIN, or that of an older version; build it again";
+  const auto other = [&](const std::string& version) {
+    return "a plugin that was built for swiftlet " + state.allowed_version + ", found " + in_quotes(file) + " for " +
+           version + "; build it again";
+  };
+  if (fs::is_regular_file(path)) {
+    const std::string content = content_of(path);
+    if (!content.starts_with("\177ELF")) return no_library + "it is no ELF file";
+    const std::string version = version_in(content);
+    if (version.empty()) return no_plugin;
+    if (version != state.allowed_version) return other(version);
+  }
   void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) return "a shared library, found " + in_quotes(file) + ": " + dlerror();
+  if (library == nullptr) return no_library + dlerror();
   auto* version_of = symbol<const char*()>(library, "swiftlet_plugin_version");
   auto* add_rows = symbol<void(const Registries&)>(library, "swiftlet_plugin_register");
-  if (version_of == nullptr || add_rows == nullptr) {
+  const char* version = version_of == nullptr ? nullptr : version_of();
+  if (version == nullptr || add_rows == nullptr || version != state.allowed_version) {
+    const std::string problem = version == nullptr || add_rows == nullptr ? no_plugin : other(version);
     dlclose(library);
-    return "a plugin of Swiftlet, found " + in_quotes(file) + ", which has no SWIFTLET_PLUGIN";
+    return problem;
   }
-  if (const std::string built_for = version_of(); built_for != state.allowed_version) {
-    dlclose(library);
-    return "a plugin that was built for swiftlet " + state.allowed_version + ", found " + in_quotes(file) + " for " +
-           built_for + "; build it again";
-  }
+  const std::string failed = "a plugin whose modules can be added, found " + in_quotes(file) + ": ";
   try {  // stays loaded from here on: tables point into it
     add_rows({agent_registry(), estimator_registry(), detector_registry(), tracker_registry(),
               relative_localizer_registry(), mapper_registry(), guidance_registry(), sensor_registry(),
               world_registry(), recorder_registry(), metric_registry()});
   } catch (const std::exception& problem) {
-    return "a plugin whose names are free, found " + in_quotes(file) + ": " + problem.what();
+    return failed + problem.what();
+  } catch (...) {
+    return failed + "it threw something that is no std::exception";
   }
   state.paths.push_back(path.string());
   return {};

@@ -41,8 +41,6 @@ Registry<RecorderType>& recorder_registry() {
   return table;
 }
 
-std::unique_ptr<Recorder> make_recorder(const Module& config) {
-  return recorder_registry().named(config.type).make(*config.config);
-}
+std::unique_ptr<Recorder> make_recorder(const Module& config) { return recorder_registry().make(config); }
 
 }  // namespace swiftlet::sim

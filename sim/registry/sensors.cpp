@@ -42,7 +42,7 @@ Registry<SensorType>& sensor_registry() {
 }
 
 std::unique_ptr<Sensor> make_sensor(const Module& config, SensorSetup setup) {
-  return sensor_registry().named(config.type).make(*config.config, std::move(setup));
+  return sensor_registry().make(config, std::move(setup));
 }
 
 }  // namespace swiftlet::sim

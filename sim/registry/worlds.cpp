@@ -51,8 +51,6 @@ Registry<WorldType>& world_registry() {
   return table;
 }
 
-Scene make_world(const Module& config, std::uint64_t seed) {
-  return world_registry().named(config.type).make(*config.config, seed);
-}
+Scene make_world(const Module& config, std::uint64_t seed) { return world_registry().make(config, seed); }
 
 }  // namespace swiftlet::sim

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <exception>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "swiftlet/core/config.hpp"
@@ -24,13 +26,37 @@ class Registry {
     for (const Row& row : rows) add(row);
   }
 
-  /// Throws std::invalid_argument when the name is taken.
+  /// Throws std::invalid_argument when the name is taken, or when name, description or a maker is null.
   void add(const Row& row) {
+    if (row.module.name == nullptr) throw std::invalid_argument("a " + what_ + " has no name");
+    const std::string place = "the " + what_ + " '" + row.module.name + "' has no ";
+    if (row.module.doc == nullptr) throw std::invalid_argument(place + "description");
+    if (row.module.make_config == nullptr || row.make == nullptr) throw std::invalid_argument(place + "maker");
     if (find(row.module.name) != nullptr)
       throw std::invalid_argument("there is a " + what_ + " named '" + row.module.name + "' already");
     rows_.push_back(row);
     modules_.push_back(row.module);
     if (added_ != nullptr) added_(row);
+  }
+
+  /// What the maker of the chosen row makes. Throws std::runtime_error, which names the module, when that is nothing or
+  /// when the maker throws something that is no std::exception.
+  template <class... Arguments>
+  auto make(const Module& chosen, Arguments&&... arguments) const {
+    const Row& row = named(chosen.type);
+    try {
+      auto made = row.make(*chosen.config, std::forward<Arguments>(arguments)...);
+      if constexpr (requires { made == nullptr; }) {
+        if (made == nullptr && chosen.type != "none")  // a stage that is left out
+          throw std::runtime_error("the maker of the " + what_ + " '" + chosen.type + "' made nothing");
+      }
+      return made;
+    } catch (const std::exception&) {
+      throw;
+    } catch (...) {
+      throw std::runtime_error("the maker of the " + what_ + " '" + chosen.type +
+                               "' threw something that is no std::exception");
+    }
   }
 
   std::span<const Row> rows() const { return rows_; }

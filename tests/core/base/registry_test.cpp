@@ -41,6 +41,57 @@ TEST(Registry, ANameThatIsTakenIsRefused) {
   }
 }
 
+TEST(Registry, ARowWithoutNameDescriptionOrMakerIsRefused) {
+  Registry<Row> registry("number", kRows);
+  const auto refusal = [&](const Row& row) -> std::string {
+    try {
+      registry.add(row);
+    } catch (const std::invalid_argument& refused) {
+      return refused.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal({{nullptr, "a note", make_module_config<Nothing>}, kThree.make}), "a number has no name");
+  EXPECT_EQ(refusal({{"four", nullptr, make_module_config<Nothing>}, kThree.make}),
+            "the number 'four' has no description");
+  EXPECT_EQ(refusal({{"four", "a note", nullptr}, kThree.make}), "the number 'four' has no maker");
+  EXPECT_EQ(refusal({{"four", "a note", make_module_config<Nothing>}, nullptr}), "the number 'four' has no maker");
+  EXPECT_EQ(registry.rows().size(), 2U);
+  registry.add({{"four", "a note", []() -> std::unique_ptr<ModuleConfig> { return nullptr; }}, kThree.make});
+  EXPECT_THROW(Module(registry.modules(), "four"), std::invalid_argument);
+}
+
+struct Made {
+  int number = 0;
+};
+struct MadeRow {
+  ModuleType module;
+  std::unique_ptr<Made> (*make)(const ModuleConfig&, int);
+};
+using Maker = decltype(MadeRow::make);
+
+std::string made_by(const char* name, Maker maker) {
+  Registry<MadeRow> registry("thing", {});
+  registry.add({{name, "a note", make_module_config<Nothing>}, maker});
+  try {
+    const auto made = registry.make(Module(registry.modules(), name), 7);
+    return made == nullptr ? "nothing" : std::to_string(made->number);
+  } catch (const std::exception& problem) {
+    return problem.what();
+  }
+}
+
+TEST(Registry, AMakerThatFailsIsNamed) {
+  EXPECT_EQ(made_by("own", [](const ModuleConfig&, int n) { return std::make_unique<Made>(Made{n}); }), "7");
+  const Maker nothing = [](const ModuleConfig&, int) -> std::unique_ptr<Made> { return nullptr; };
+  EXPECT_EQ(made_by("own", nothing), "the maker of the thing 'own' made nothing");
+  EXPECT_EQ(made_by("none", nothing), "nothing") << "a stage that is left out";
+  EXPECT_EQ(made_by("own", [](const ModuleConfig&, int) -> std::unique_ptr<Made> { throw 42; }),
+            "the maker of the thing 'own' threw something that is no std::exception");
+  EXPECT_EQ(made_by("own", [](const ModuleConfig&, int) -> std::unique_ptr<Made> { throw std::runtime_error("so"); }),
+            "so");
+}
+
 TEST(Registry, ANameThatNobodyHasIsToldWithItsKind) {
   const Registry<Row> registry("number", kRows);
   try {

@@ -30,9 +30,13 @@ class Plugins : public ::testing::Test {
         "c++ -shared -fPIC -o " + (folder.path() / (name + ".so")).string() + " " + source.string();
     ASSERT_EQ(std::system(command.c_str()), 0);
   }
+  /// The mark that a library of Swiftlet holds.
+  static std::string mark(const std::string& version) {
+    return "[[gnu::used]] static const char mark[] = \"swiftlet plugin mark: " + version + "\";\n";
+  }
   static std::string plugin_for(const std::string& version, const std::string& body = "") {
-    return "#include <stdexcept>\nextern \"C\" const char* swiftlet_plugin_version() { return \"" + version +
-           "\"; }\nextern \"C\" void swiftlet_plugin_register(const void*) {" + body + "}\n";
+    return mark(version) + "#include <stdexcept>\nextern \"C\" const char* swiftlet_plugin_version() { return \"" +
+           version + "\"; }\nextern \"C\" void swiftlet_plugin_register(const void*) {" + body + "}\n";
   }
   static bool is_loaded(const fs::path& path) {
     return std::ranges::count(loaded_plugins(), path.lexically_normal().string()) == 1;
@@ -68,6 +72,28 @@ TEST_F(Plugins, AreOfThisVersion) {
   EXPECT_FALSE(is_loaded(folder.path() / "old.so"));
 }
 
+TEST_F(Plugins, OfAnotherVersionOrOfNoneRunNoCode) {
+  const fs::path trace = folder.path() / "trace";
+  const std::string runs =
+      "#include <fstream>\nstatic const bool ran = [] { std::ofstream(\"" + trace.string() + "\"); return true; }();\n";
+  build("old", runs + plugin_for("1.1"));
+  build("older", runs + plugin_for("1.2").substr(mark("1.2").size()));
+  EXPECT_THAT(load_plugin("old.so", folder.path()), HasSubstr("for 1.1; build it again"));
+  EXPECT_THAT(load_plugin("older.so", folder.path()), HasSubstr("which has no SWIFTLET_PLUGIN, or that of an older"));
+  EXPECT_FALSE(fs::exists(trace));
+  build("fine", runs + plugin_for("1.2"));
+  EXPECT_EQ(load_plugin("fine.so", folder.path()), "");
+  EXPECT_TRUE(fs::exists(trace));
+}
+
+TEST_F(Plugins, WhoseVersionIsNullOrNotThatOfTheirMarkAreRefused) {
+  const std::string rest = "extern \"C\" void swiftlet_plugin_register(const void*) {}\n";
+  build("null", mark("1.2") + "extern \"C\" const char* swiftlet_plugin_version() { return nullptr; }\n" + rest);
+  EXPECT_THAT(load_plugin("null.so", folder.path()), HasSubstr("which has no SWIFTLET_PLUGIN"));
+  build("other", mark("1.2") + "extern \"C\" const char* swiftlet_plugin_version() { return \"1.1\"; }\n" + rest);
+  EXPECT_THAT(load_plugin("other.so", folder.path()), HasSubstr("for 1.1; build it again"));
+}
+
 TEST_F(Plugins, AreLibrariesThatSayWhatTheyAre) {
   std::ofstream(folder.path() / "text.so") << "no library";
   EXPECT_THAT(load_plugin("text.so", folder.path()), HasSubstr("a shared library, found \"text.so\": "));
@@ -75,9 +101,9 @@ TEST_F(Plugins, AreLibrariesThatSayWhatTheyAre) {
   const std::string expected = "which has no SWIFTLET_PLUGIN";
   build("other", "int x;\n");
   EXPECT_THAT(load_plugin("other.so", folder.path()), HasSubstr(expected));
-  build("half", "extern \"C\" const char* swiftlet_plugin_version() { return \"1.2\"; }\n");
+  build("half", mark("1.2") + "extern \"C\" const char* swiftlet_plugin_version() { return \"1.2\"; }\n");
   EXPECT_THAT(load_plugin("half.so", folder.path()), HasSubstr(expected));
-  build("rest", "extern \"C\" void swiftlet_plugin_register(const void*) {}\n");
+  build("rest", mark("1.2") + "extern \"C\" void swiftlet_plugin_register(const void*) {}\n");
   EXPECT_THAT(load_plugin("rest.so", folder.path()), HasSubstr(expected));
   EXPECT_FALSE(is_loaded(folder.path() / "half.so"));
 }
@@ -85,8 +111,14 @@ TEST_F(Plugins, AreLibrariesThatSayWhatTheyAre) {
 TEST_F(Plugins, TellWhenTheirNamesAreTaken) {
   build("taken", plugin_for("1.2", "throw std::runtime_error(\"hover is there\");"));
   EXPECT_EQ(load_plugin("taken.so", folder.path()),
-            "a plugin whose names are free, found \"taken.so\": hover is there");
+            "a plugin whose modules can be added, found \"taken.so\": hover is there");
   EXPECT_FALSE(is_loaded(folder.path() / "taken.so"));
+}
+
+TEST_F(Plugins, ThatThrowWhatIsNoExceptionAreRefused) {
+  build("odd", plugin_for("1.2", "throw 42;"));
+  EXPECT_EQ(load_plugin("odd.so", folder.path()),
+            "a plugin whose modules can be added, found \"odd.so\": it threw something that is no std::exception");
 }
 
 }  // namespace
