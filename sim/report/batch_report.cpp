@@ -157,6 +157,7 @@ std::string outcome_plots(const BatchTable& table) {
 
 /// What a batch of variants is flown for: how each differs from the reference, seed by seed.
 std::string difference_plot(const BatchTable& table, const Quantity& quantity) {
+  if (table.info.variants.size() < 2) return "";
   std::vector<IntervalRow> rows;
   for (const EpisodeGroup* group : groups_plotted(table)) {
     const EpisodeGroup* reference = table.reference_of(*group);

@@ -18,9 +18,14 @@ constexpr std::size_t kTelling = 6;
 constexpr const char* kMean = "mean";
 const double kNaN = std::nan("");
 
-BatchConfig config_of(const BatchInfo& info) {
+/// The batch file as the database holds it.
+BatchConfig config_of(const BatchInfo& info, const std::filesystem::path& database) {
   BatchConfig config;
-  read_config_text(info.text, info.file, [&](ConfigVisitor& v) { config.visit(v); });
+  try {
+    read_config_text(info.text, info.file, [&](ConfigVisitor& v) { config.visit(v); });
+  } catch (const InputError& problem) {
+    throw InputError(database.string() + ": batch.text: expected a batch file, found a mistake: " + problem.what());
+  }
   return config;
 }
 
@@ -197,9 +202,9 @@ std::string BatchTable::name_of(const EpisodeGroup& group) const {
 BatchTable read_batch_table(const ResultStore& store) {
   BatchTable table;
   const auto info = store.info();
-  if (!info) throw InputError("expected results of a batch, found a database without any");
+  if (!info) throw InputError(store.file().string() + ": expected results of a batch, found a database without any");
   table.info = *info;
-  table.config = config_of(*info);
+  table.config = config_of(*info, store.file());
   table.episodes = store.episodes();
   Columns columns(table.episodes.size());
   std::set<std::string> outcomes;

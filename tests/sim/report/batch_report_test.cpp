@@ -3,12 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <sstream>
 
@@ -22,6 +23,7 @@
 namespace swiftlet::sim {
 namespace {
 
+namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -94,6 +96,44 @@ TEST_F(BatchReport, GathersGroupsOutcomesAndNumbers) {
   EXPECT_DOUBLE_EQ(t.find("error_m", "mean")->values[2], 10.0);  // (10 + 10) / 2
   EXPECT_DOUBLE_EQ(t.find("error_m", "a")->values[1], -0.5 + 0.01);
   EXPECT_EQ(count_outcome(t, "crashed", t.groups[0]), 2U);
+}
+
+// Databases that no batch of Swiftlet leaves behind: each ends in a report or in a message with the file.
+TEST_F(BatchReport, IncompleteDatabasesEndInAReportOrAMessage) {
+  const fs::path file = folder_.path() / "results.sqlite";
+  const auto run = [&](const char* sql) {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, nullptr), SQLITE_OK) << sql;
+    sqlite3_close(database);
+  };
+  const fs::path whole = folder_.path() / "whole";
+  fs::copy_file(file, whole);
+  for (const char* sql :
+       {"UPDATE batch SET value = '[]' WHERE key = 'variants'",
+        "UPDATE batch SET value = '[]' WHERE key IN ('variants', 'parameters')",
+        "UPDATE batch SET value = '[\"other\"]' WHERE key = 'variants'", "DELETE FROM batch WHERE key = 'variants'",
+        "DELETE FROM batch WHERE key = 'parameters'", "DELETE FROM episodes", "DELETE FROM metrics",
+        "DELETE FROM parameters", "DELETE FROM timing", "UPDATE metrics SET value = NULL, text = NULL",
+        "UPDATE episodes SET simulated_s = NULL", "UPDATE episodes SET point = -1",
+        "UPDATE episodes SET point = 9223372036854775807, seed = -1", "UPDATE metrics SET value = 1e308",
+        "UPDATE parameters SET value = NULL, name = 'wind_mps'",
+        "UPDATE timing SET wall_s = NULL, flight_wall_s = 0"}) {
+    fs::copy_file(whole, file, fs::copy_options::overwrite_existing);
+    run(sql);
+    EXPECT_EQ(write_batch_report(folder_.path()).size(), 2U) << sql;
+  }
+  for (const char* sql : {"DELETE FROM batch", "DELETE FROM batch WHERE key = 'fingerprint'",
+                          "DELETE FROM batch WHERE key = 'num_episodes'", "DELETE FROM batch WHERE key = 'text'",
+                          "UPDATE batch SET value = 'nonsense: 1' WHERE key = 'text'",
+                          "UPDATE batch SET value = '[[]]' WHERE key = 'variants'", "DROP TABLE metrics",
+                          "DROP TABLE episodes", "DROP TABLE timing", "DROP TABLE parameters"}) {
+    fs::copy_file(whole, file, fs::copy_options::overwrite_existing);
+    run(sql);
+    EXPECT_THAT([&] { write_batch_report(folder_.path()); },
+                ::testing::ThrowsMessage<InputError>(HasSubstr(file.string() + ": ")))
+        << sql;
+  }
 }
 
 TEST_F(BatchReport, DifferencesArePairedBySeed) {
@@ -238,82 +278,6 @@ std::vector<std::vector<std::string>> table_after(const std::string& page, const
     }
   }
   return rows;
-}
-
-std::vector<std::string> cells_of(const SampleSummary& s) {
-  return {
-      std::to_string(s.n), html::number(s.mean),   html::number(s.sd), html::interval(s.mean_ci.low, s.mean_ci.high),
-      html::number(s.min), html::number(s.median), html::number(s.max)};
-}
-
-TEST_F(BatchReport, TablesOfThePageHoldTheNumbersOfTheirGroups) {
-  const BatchTable t = table();
-  const std::string page = batch_report_html(t);
-  std::vector<const EpisodeGroup*> groups;
-  for (const auto* list : {&t.totals, &t.groups}) {
-    for (const EpisodeGroup& group : *list) groups.push_back(&group);
-  }
-  const auto outcomes = table_after(page, "<h2>Outcomes");
-  ASSERT_EQ(outcomes.size(), groups.size());
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    const EpisodeGroup& group = *groups[i];
-    ASSERT_EQ(outcomes[i].size(), 2U + 2U * 4U);
-    EXPECT_EQ(outcomes[i][0], t.name_of(group));
-    double done = 0.0, crashed = 0.0;
-    for (const std::size_t e : group.episodes) {
-      done += t.episodes[e].done() ? 1.0 : 0.0;
-      crashed += t.episodes[e].outcome == "crashed" ? 1.0 : 0.0;
-    }
-    EXPECT_EQ(outcomes[i][1], html::number(done));
-    EXPECT_EQ(outcomes[i][2], html::number(100.0 * crashed / done) + " %");
-    const Interval ci = wilson(static_cast<std::uint64_t>(crashed), static_cast<std::uint64_t>(done),
-                               independent_share(outcomes_of(t, "crashed", group), seeds_of(t, group)));
-    EXPECT_EQ(outcomes[i][3], html::interval(100.0 * ci.low, 100.0 * ci.high));
-    if (const EpisodeGroup* reference = t.reference_of(group)) {
-      const RateDifference d = paired_rate_difference(paired_outcomes(t, "crashed", *reference, group));
-      EXPECT_EQ(outcomes[i][4], html::number(100.0 * d.difference) + " %");
-      EXPECT_EQ(outcomes[i][5], html::interval(100.0 * d.ci.low, 100.0 * d.ci.high));
-    } else {
-      EXPECT_EQ(outcomes[i][4], "–");
-      EXPECT_EQ(outcomes[i][5], "–");
-    }
-  }
-  const auto telling = telling_quantities(t);
-  ASSERT_FALSE(telling.empty());
-  for (const Quantity* quantity : telling) {
-    const auto rows = table_after(page, "<h2>" + quantity->label());
-    ASSERT_EQ(rows.size(), groups.size());
-    for (std::size_t i = 0; i < groups.size(); ++i) {
-      std::vector<std::string> expected = {t.name_of(*groups[i])};
-      for (const std::string& cell : cells_of(summarize(values_of(*quantity, *groups[i]), seeds_of(t, *groups[i]))))
-        expected.push_back(cell);
-      if (const EpisodeGroup* reference = t.reference_of(*groups[i])) {
-        const PairedValues pairs = paired_values(t, *quantity, *reference, *groups[i]);
-        const SampleSummary d = paired_difference(pairs.first, pairs.second, pairs.seeds);
-        for (const std::string& cell : {std::to_string(d.n), html::number(d.mean), html::number(d.sd),
-                                        html::interval(d.mean_ci.low, d.mean_ci.high)}) {
-          expected.push_back(cell);
-        }
-      } else {
-        expected.insert(expected.end(), 4, "");
-      }
-      EXPECT_EQ(rows[i], expected);
-    }
-  }
-  // Each group's fold has every quantity.
-  const auto brief = table_after(page, "Every metric: wind_mps 5, old");
-  ASSERT_EQ(brief.size(), t.quantities.size());
-  for (std::size_t q = 0; q < brief.size(); ++q) {
-    std::vector<std::string> expected = {t.quantities[q].label()};
-    for (const std::string& cell : cells_of(summarize(values_of(t.quantities[q], t.groups[2]))))
-      expected.push_back(cell);
-    EXPECT_EQ(brief[q], expected);
-  }
-  const auto failures = table_after(page, "<h2>Episodes that are not done: 1");
-  EXPECT_EQ(failures, (std::vector<std::vector<std::string>>{{"23", "new", "5", "crashed", "killed by signal 11",
-                                                              "<code>swiftlet run x --seed 5</code>"}}));
-  EXPECT_THAT(page, HasSubstr("24 episodes of 24, 1 crashed, 23 done."));
-  EXPECT_THAT(page, HasSubstr("0 worlds built for 24 episodes."));
 }
 
 /// A row of report.csv by its columns.
@@ -488,20 +452,6 @@ TEST(BatchTables, NamedQuantitiesAreThoseOfTheRunTheMeanOrTheVehicle) {
   EXPECT_EQ(t.name_of(t.groups[0]), "k 1");
 }
 
-TEST(BatchTables, LongNumbersAreShownShort) {
-  BatchTable t = made_table(1, {"v"}, 1, "", [](auto, auto, auto) { return std::vector<MetricRow>{}; });
-  const auto name = [&](const std::string& value) {
-    EpisodeGroup group = t.groups[0];
-    group.parameters = {value};
-    return t.point_name(group);
-  };
-  EXPECT_EQ(name("1.2345"), "k 1.2345");
-  EXPECT_EQ(name("1.23456"), "k 1.235");
-  EXPECT_EQ(name("0.0001234567"), "k 0.0001235");
-  EXPECT_EQ(name("a_long_word"), "k a_long_word");
-  EXPECT_EQ(name("1234567x"), "k 1234567x");
-}
-
 std::size_t count_of(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++count;
@@ -535,22 +485,6 @@ TEST(BatchPages, ManyPointsGroupsAndFailuresAreCutAndSaidSo) {
   EXPECT_THAT(page_of(3, 10), Not(HasSubstr("Episodes that are not done")));
 }
 
-TEST(BatchPages, TimesAreSummedUp) {
-  const std::string page =
-      batch_report_html(made_table(2, {"a", "b"}, 3, "", [](auto, auto, auto) { return std::vector<MetricRow>{}; }));
-  const auto rows = table_after(page, "<h2>Wall time");
-  ASSERT_EQ(rows.size(), 4U);
-  const std::pair<const char*, double> expected[] = {
-      {"whole episode [s]", 3.0}, {"set-up [s]", 0.5}, {"flight [s]", 2.5}, {"times real time", 4.0}};
-  for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(rows[i][0], expected[i].first);
-    EXPECT_EQ(rows[i][1], "12");
-    EXPECT_EQ(rows[i][2], html::number(expected[i].second));
-  }
-  EXPECT_THAT(page, HasSubstr("6 worlds built for 12 episodes."));
-  EXPECT_THAT(page, HasSubstr("12 episodes of 0, 12 done."));
-}
-
 TEST(BatchPages, TheWorstAreTheLeastWhereThatIsAsked) {
   const auto metrics = [](std::size_t, std::size_t, std::uint64_t seed) {
     return std::vector<MetricRow>{{"m", "a", static_cast<double>(seed * 7 % 12), "", ""},
@@ -582,18 +516,6 @@ TEST(Html, NumbersHaveFourDigitsOrAllBeforeThePoint) {
   EXPECT_EQ(html::interval(1.0, 2.5), "[1, 2.5]");
   EXPECT_EQ(html::interval(1.0, std::nan("")), "–");
   EXPECT_EQ(html::interval(std::nan(""), 1.0), "–");
-}
-
-TEST(Html, ColumnsOfWordsAreMarked) {
-  html::Table table({"a", "b", "c"}, {0, 2});
-  EXPECT_TRUE(table.empty());
-  table.add({"1", "2", "3", "4"});
-  EXPECT_FALSE(table.empty());
-  EXPECT_EQ(table.str(),
-            "<div class=\"wide\"><table><thead><tr><th class=\"w\">a</th><th>b</th><th class=\"w\">c</th></tr></thead>"
-            "<tbody>\n<tr><td class=\"w\">1</td><td>2</td><td class=\"w\">3</td><td>4</td></tr>\n</tbody></table>"
-            "</div>\n");
-  EXPECT_THAT(html::page("a < b", "body"), HasSubstr("a &lt; b"));
 }
 
 TEST_F(BatchReport, OnlyABatchHasOne) {
@@ -638,6 +560,21 @@ TEST(RunReport, ShowsMetricsFlightEventsPicturesAndStages) {
   EXPECT_NEAR(series[0].estimate_error_m[2], 0.5, 1e-12);
   // Half-way between the estimates: (1.5, 0.2, 2.15) against (1, 0, 2).
   EXPECT_NEAR(series[0].estimate_error_m[1], std::hypot(0.5, 0.2, 0.15), 1e-12);
+}
+
+TEST(RunReport, CountsFromTheStartOfTheRunWhateverTheRecordingsCountFrom) {
+  const TemporaryDirectory folder;
+  std::filesystem::create_directories(folder.path() / "trajectories");
+  std::ofstream(folder.path() / "summary.json") << R"({"scenario":"gap","outcome":"done"})";
+  std::ofstream(folder.path() / "scenario.yaml") << "tick_s: 0.004\nstart_time_s: 1700000000\n";
+  std::ofstream(folder.path() / "trajectories/uav1.tum")
+      << "# t_s x_m y_m z_m qx qy qz qw\n1700000000.000000000 0 0 2 0 0 0 1\n1700000008.000000000 4 0 2 0 0 0 1\n";
+  std::ofstream(folder.path() / "events.jsonl") << R"({"t_s":1700000002.5,"kind":"capture"})" << "\n";
+  write_run_report(folder.path());
+  std::ifstream file(folder.path() / "report.html");
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_THAT(page, HasSubstr(">2.5<"));
+  EXPECT_THAT(page, ::testing::Not(HasSubstr("10⁹")));
 }
 
 TEST(TimeSeries, CsvStatesGiveErrorsAndAreThinned) {
