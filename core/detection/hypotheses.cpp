@@ -31,6 +31,7 @@ constexpr std::size_t kLeastToDoubt = 6;  // returns of a body in a sweep
 constexpr double kNeverSmall = 1e-12;     // prior of a size that nobody asks about
 constexpr std::size_t kMostCandidates = 4096;
 constexpr std::size_t kMostPending = 16384;
+constexpr double kMostVoxels = 1000.0;  // of a reach around a point; beyond every map
 
 Matrix7 Sigma_w_of(const ExpectedNoise& config) {
   MeasurementNoise noise;
@@ -127,8 +128,10 @@ void Hypotheses::find_candidates(const LocalCloud& cloud) {
       continue;
     }
     const double blur_m = kReach_sigma * config_.noise.sigma_attitude_rad * range_m;
-    const int near = std::max(1, static_cast<int>(std::ceil(blur_m / air_.voxel_m())));
-    const int far = static_cast<int>(std::ceil((config_.free_reach_m + blur_m) / air_.voxel_m()));
+    const auto reach = [&](double reach_m) {
+      return static_cast<int>(std::min(std::ceil(reach_m / air_.voxel_m()), kMostVoxels));
+    };
+    const int near = std::max(1, reach(blur_m)), far = reach(config_.free_reach_m + blur_m);
     const bool in_free_air = air_.is_free_around(p_m, near, config_.free_share) &&
                              !air_.is_hit_around(p_m, std::max(near, far), config_.hit_share);
     candidates_.push_back({cloud.points_local_m[i], static_cast<std::uint32_t>(i), in_free_air, false});

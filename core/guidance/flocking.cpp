@@ -278,7 +278,7 @@ void PacnavConfig::visit(ConfigVisitor& v) {
           Range::positive());
   v.field("speed_mps", speed_mps, "[m/s] at most", Range::positive());
   v.field("memory_s", memory_s, "[s] length of the paths that are compared", Range::positive());
-  v.field("sample_s", sample_s, "[s] between the points of a path", Range::positive());
+  v.field("sample_s", sample_s, "[s] between the points of a path", Range::between(0.001, 1e6));
   v.field("avoid_distance_m", avoid_distance_m, "[m] neighbors nearer than this push away", Range::positive());
   v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
   v.field("least_persistence", least_persistence, "[-] of a path worth following", Range::probability());

@@ -85,11 +85,11 @@ FreeSpace::FreeSpace(std::shared_ptr<const StaticScene> world, const Limits& lim
   const Eigen::Vector2d extent = area_m_.sizes();
   // Nobody flies higher than the limit above the highest ground, which lies below the top of everything.
   const double height_m = bounds.sizes().z() + limits.height_max_m;
-  grid_.size = {static_cast<int>(extent.x() / limits.cell_m) + 1, static_cast<int>(extent.y() / limits.cell_m) + 1,
-                static_cast<int>(height_m / limits.cell_m) + 1};
-  if (grid_.num_cells() > kMaxCells) {
+  const Eigen::Array3d cells = (Eigen::Array3d(extent.x(), extent.y(), height_m) / limits.cell_m).floor() + 1.0;
+  if (!(cells.prod() <= static_cast<double>(kMaxCells))) {
     throw std::invalid_argument("flight.cell_m: expected a larger cell, found a grid of more than 40 million cells");
   }
+  grid_.size = cells.cast<int>().matrix();
   free_.assign(grid_.num_cells(), 0);
   ground_m_.assign(static_cast<std::size_t>(grid_.size.x()) * static_cast<std::size_t>(grid_.size.y()), kNotLookedAt);
   if (limits.indoors) indoors_.assign(free_.size(), 0);
