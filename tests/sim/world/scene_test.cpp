@@ -313,12 +313,12 @@ TEST(Cloud, IsScaledTurnedAndShifted) {
   CloudConfig config;
   config.file = (folder.path() / "a.pcd").string();
   config.scale = 0.01;
-  config.leaf_m = 0.4;  // 1, 2.1, 3 m lie in 0.8 ... 1.2, 2.0 ... 2.4, 2.8 ... 3.2
+  config.leaf_m = 0.4;
   config.yaw_deg = 90.0;
-  config.position_m = {10.0, 0.0, 1.0};
+  config.position_m = {10.0, 0.0, 1.1};  // to 7.9, 1, 4.1 m
   const Scene scene = make_cloud(config, 1);
-  EXPECT_TRUE(scene.bounds_m.min().isApprox(Vector3d(10.0 - 2.4, 0.8, 3.8), 1e-5)) << scene.bounds_m.min().transpose();
-  EXPECT_TRUE(scene.bounds_m.max().isApprox(Vector3d(10.0 - 2.0, 1.2, 4.2), 1e-5));
+  EXPECT_TRUE(scene.bounds_m.min().isApprox(Vector3d(7.6, 0.8, 4.0), 1e-5)) << scene.bounds_m.min().transpose();
+  EXPECT_TRUE(scene.bounds_m.max().isApprox(Vector3d(8.0, 1.2, 4.4), 1e-5));
   ASSERT_EQ(scene.instances.size(), 1U);
   EXPECT_EQ(scene.instances[0].instance, 1);
   EXPECT_NEAR(scene.materials[0].color_rgb.mean(), 0.6F, 0.1F);
