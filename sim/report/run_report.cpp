@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 #include "sim/report/detection_section_internal.hpp"
 #include "sim/report/html.hpp"
@@ -118,8 +119,22 @@ std::string series_figure(const std::vector<VehicleSeries>& all, const std::stri
   return any ? figure(plot) : "";
 }
 
+/// Time at which the recordings of the run begin; the page counts from there.
+double start_time_s(const fs::path& directory) {
+  constexpr std::string_view kKey = "start_time_s: ";
+  std::ifstream scenario(directory / "scenario.yaml");
+  for (std::string line; std::getline(scenario, line);) {
+    if (line.starts_with(kKey)) return number_in<double>(std::string_view(line).substr(kKey.size())).value_or(0.0);
+  }
+  return 0.0;
+}
+
 std::string series_section(const fs::path& directory) {
-  const std::vector<VehicleSeries> all = read_time_series(directory);
+  std::vector<VehicleSeries> all = read_time_series(directory);
+  const double start_s = start_time_s(directory);
+  for (VehicleSeries& series : all) {
+    for (double& t_s : series.t_s) t_s -= start_s;
+  }
   if (all.empty())
     return html::section("Flight",
                          "<p class=\"note\">No recorder wrote states: add <code>- {type: tum}</code> or <code>- {type: "
@@ -138,11 +153,13 @@ std::string series_section(const fs::path& directory) {
 std::string events_section(const fs::path& directory) {
   if (!fs::exists(directory / "events.jsonl")) return "";
   std::ifstream stream = open_to_read(directory / "events.jsonl");
+  const double start_s = start_time_s(directory);
   html::Table rows({"time [s]", "what", "vehicle", "with", "where [m]", ""}, {1, 2, 3, 4, 5});
   std::size_t count = 0;
   for (std::string line; std::getline(stream, line);) {
-    const Json event = parse_shallow<Json>(line);
+    Json event = parse_shallow<Json>(line);
     if (!event.is_object() || ++count > kMostEvents) continue;
+    if (event.contains("t_s") && event["t_s"].is_number()) event["t_s"] = event["t_s"].get<double>() - start_s;
     std::string where;
     for (const Json& x : event.value("position_m", Json::array())) where += (where.empty() ? "" : ", ") + text_of(x);
     rows.add({text_at(event, "t_s"), text_at(event, "kind"), text_at(event, "vehicle"), text_at(event, "partner"),
