@@ -569,7 +569,8 @@ TEST(RunReport, CountsFromTheStartOfTheRunWhateverTheRecordingsCountFrom) {
   std::ofstream(folder.path() / "scenario.yaml") << "tick_s: 0.004\nstart_time_s: 1700000000\n";
   std::ofstream(folder.path() / "trajectories/uav1.tum")
       << "# t_s x_m y_m z_m qx qy qz qw\n1700000000.000000000 0 0 2 0 0 0 1\n1700000008.000000000 4 0 2 0 0 0 1\n";
-  std::ofstream(folder.path() / "events.jsonl") << R"({"t_s":1700000002.5,"kind":"capture"})" << "\n";
+  std::ofstream(folder.path() / "events.jsonl") << R"({"t_s":1700000002.5,"kind":"capture"})"
+                                                << "\n";
   write_run_report(folder.path());
   std::ifstream file(folder.path() / "report.html");
   const std::string page((std::istreambuf_iterator<char>(file)), {});
