@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -6,9 +7,20 @@
 
 #include "swiftlet/sim/batch/batch_config.hpp"
 #include "swiftlet/sim/scenario/reference.hpp"
+#include "tests/support/numeric_bounds.hpp"
 
 namespace swiftlet::sim {
 namespace {
+
+TEST(BatchReference, EveryNumericKeyTakesItsBoundsAndNothingBeyond) {
+  std::size_t num_keys = 0;
+  const auto visit = [](ConfigVisitor& v) {
+    BatchConfig fresh;
+    fresh.visit(v);
+  };
+  EXPECT_THAT(testing::wrong_bounds(visit, num_keys), ::testing::IsEmpty());
+  EXPECT_GT(num_keys, 10U);
+}
 
 TEST(BatchReference, TheDocumentIsUpToDate) {
   BatchConfig config;

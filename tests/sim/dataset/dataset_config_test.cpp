@@ -16,6 +16,7 @@
 #include "swiftlet/core/math/random.hpp"
 #include "swiftlet/sim/dataset/flight.hpp"
 #include "tests/sim/world/config_support.hpp"
+#include "tests/support/numeric_bounds.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace swiftlet::sim {
@@ -389,6 +390,16 @@ TEST_F(TeamOfFour, NeedsALidarAndAWayToFly) {
   const DatasetPlan open = plan_dataset(config);
   EXPECT_THAT([&] { prepare_flight(open, open.flights.at(0), 0); },
               ThrowsMessage<NoPathFound>(HasSubstr("inside walls; flight.indoors: false flies outside")));
+}
+
+TEST(DatasetConfigs, EveryNumericKeyTakesItsBoundsAndNothingBeyond) {
+  std::size_t num_keys = 0;
+  const auto visit = [](ConfigVisitor& v) {
+    DatasetConfig fresh;
+    fresh.visit(v);
+  };
+  EXPECT_THAT(testing::wrong_bounds(visit, num_keys), ::testing::IsEmpty());
+  EXPECT_GT(num_keys, 20U);
 }
 
 TEST(DatasetPresets, AreValidAndHaveThreeSplits) {

@@ -11,8 +11,10 @@
 #include "swiftlet/sim/registry/recorders.hpp"
 #include "swiftlet/sim/registry/sensors.hpp"
 #include "swiftlet/sim/registry/worlds.hpp"
+#include "swiftlet/sim/scenario/scenario.hpp"
 #include "swiftlet/sim/view/recorder.hpp"
 #include "tests/sim/scenario/example_config.hpp"
+#include "tests/support/numeric_bounds.hpp"
 
 namespace swiftlet::sim {
 namespace {
@@ -43,6 +45,16 @@ TEST(Reference, NamesEveryModuleOfEveryRegistry) {
        {world_module_types(), sensor_module_types(), recorder_module_types(), agent_module_types()}) {
     for (const ModuleType& type : types) EXPECT_THAT(text, HasSubstr("### `type: " + std::string(type.name) + "`"));
   }
+}
+
+TEST(Reference, EveryNumericKeyTakesItsBoundsAndNothingBeyond) {
+  std::size_t num_keys = 0;
+  const auto visit = [](ConfigVisitor& v) {
+    Scenario fresh;
+    fresh.visit(v);
+  };
+  EXPECT_THAT(testing::wrong_bounds(visit, num_keys), ::testing::IsEmpty());
+  EXPECT_GT(num_keys, 700U);
 }
 
 // A resolved scenario holds every default, and must fly again.
