@@ -2,6 +2,7 @@
 #include "sim/render/video.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/socket.h>
@@ -36,7 +37,7 @@ VideoWriter::VideoWriter(std::filesystem::path path, int width, int height, doub
   std::filesystem::remove(file_.partial(), ignored);  // ffmpeg would follow a link
   std::vector<std::string> arguments = {"ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt",
                                         "rgb24", "-video_size", std::to_string(width) + "x" + std::to_string(height),
-                                        "-framerate", std::to_string(frames_per_s), "-i", "pipe:0",
+                                        "-framerate", fmt::format("{:f}", frames_per_s), "-i", "pipe:0",
                                         // H.264 players want even sizes and 4:2:0.
                                         "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset",
                                         "veryfast", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
