@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kOrcaAhead_s = 1.0;  // the goal of the reference governor lies this far ahead of a wanted velocity
 constexpr double kApproach_s = 1.5;   // in which the rest of the way to the goal is flown
-constexpr double kOrcaStep_s = 0.2;  // time step of the method; vehicles that overlap already separate within it
+constexpr double kOrcaStep_s = 0.2;   // time step of the method; vehicles that overlap already separate within it
 constexpr double kNothing = 1e-9;
 constexpr double kSlack_mps = 5e-3;  // by which a plane may be missed
 constexpr int kRounds = 60;
