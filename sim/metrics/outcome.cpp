@@ -24,7 +24,8 @@ constexpr MetricDefinition kOutcomeDefinitions[] = {kOutcome, kTimeToDone, kCras
 // From best to worst: a run is as good as its worst vehicle.
 enum class Outcome { kDone, kTimeout, kFailed, kCrashed };
 constexpr std::array<OutcomeWord, 4> kOutcomes = {{
-    {"done", "the agent said that its mission is done, or the net caught as many targets as it should, by true places"},
+    {"done",
+     "the agent said that its mission is done, or nets caught as many targets as they should, by true positions"},
     {"timeout", "the run ended before the agent said that its mission is done or has failed"},
     {"failed", "the agent gave up; its last mission event in events.jsonl tells why"},
     {"crashed", "the vehicle touched something; that outweighs whatever its mission says, also after it was done"},
@@ -49,8 +50,12 @@ class OutcomeMetric final : public Metric {
       if (vehicle.mission == MissionStatus::kDone && std::isnan(vehicle.done_s)) vehicle.done_s = to_seconds(tick.t);
     }
     if (const auto* captures = series_of<CaptureRecord>(context.series)) {
-      for (std::size_t k = 0; k < captures->size(); ++k)
-        vehicles_[static_cast<std::size_t>(captures->about(k))].captures = captures->rows()[k].number;
+      for (std::size_t k = 0; k < captures->size(); ++k) {
+        const auto hunter = static_cast<std::size_t>(captures->about(k));
+        const CaptureRecord& capture = captures->rows()[k];
+        if (wanted(hunter) == 0 || capture.number < wanted(hunter)) continue;
+        vehicles_[hunter].caught_enough = vehicles_[capture.target].caught = true;
+      }
     }
     for (const Event& event : tick.events) {
       if (event.kind != "crash" || event.vehicle == kNoVehicle) continue;
@@ -79,15 +84,28 @@ class OutcomeMetric final : public Metric {
     MissionStatus mission = MissionStatus::kRunning;
     double done_s = kNotMeasured;
     double crash_s = kNotMeasured;
-    int captures = 0;
+    bool caught_enough = false;  // targets, with its net
+    bool caught = false;         // by a vehicle that caught enough
     std::string partner;
   };
+
+  /// Captures after which the mission of vehicle i is done; 0: it does not hunt.
+  int wanted(std::size_t i) const { return i < setup().perception.size() ? setup().perception[i].captures : 0; }
+
+  bool every_target_caught() const {
+    bool any = false;
+    for (std::size_t i = 0; i < num_vehicles(); ++i) {
+      if (wanted(i) > 0) continue;
+      if (!vehicles_[i].caught) return false;
+      any = true;
+    }
+    return any;
+  }
 
   Outcome outcome_of(std::size_t i) const {
     const Vehicle& vehicle = vehicles_[i];
     if (!std::isnan(vehicle.crash_s)) return Outcome::kCrashed;
-    const int wanted = i < setup().perception.size() ? setup().perception[i].captures : 0;
-    if (wanted > 0 && vehicle.captures >= wanted) return Outcome::kDone;
+    if (wanted(i) > 0 && (vehicle.caught_enough || every_target_caught())) return Outcome::kDone;
     if (vehicle.mission == MissionStatus::kFailed) return Outcome::kFailed;
     return vehicle.mission == MissionStatus::kRunning ? Outcome::kTimeout : Outcome::kDone;
   }

@@ -54,6 +54,22 @@ TEST(CaptureMetric, EnoughCapturesAreTheOutcomeWhateverTheInterceptorBelieves) {
   }
 }
 
+TEST(CaptureMetric, IsDoneForBothInterceptorsOnceEachTargetIsCaught) {
+  std::vector<Perception> perception = Chase::with_net();
+  perception.insert(perception.begin(), perception[0]);
+  perception[0].captures = perception[1].captures = 1;
+  MetricsRun run(3, {}, {perception[0], perception[1], {}});
+  run.states[0].p_world_m = {50.0, 0.0, 10.0};
+  run.states[1].p_world_m = {0.0, 0.0, 10.0};
+  run.actions[2].mission = MissionStatus::kEndless;
+  for (const double z_m : {9.5, 8.5}) {
+    EXPECT_EQ(run.metrics.outcome(), "timeout");
+    run.states[2].p_world_m = {0.0, 0.0, z_m};
+    run.tick();
+  }
+  EXPECT_EQ(run.metrics.outcome(), "done");
+}
+
 TEST(CaptureMetric, CountsItAgainOnlyAfterItWasAway) {
   Chase run;
   for (const double z_m : {9.5, 8.5, 9.5, 8.5}) run.put_target({0.0, 0.0, z_m});
