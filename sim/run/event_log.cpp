@@ -75,7 +75,7 @@ void EventLog::note_crash(const Crash& crash) {
     event.partner = name_of(crash.surface_class);
     if (crash.instance) event.partner.append(" ").append(std::to_string(crash.instance));
   }
-  event.note = fmt::format("at {:f} m/s", crash.speed_mps);
+  event.note = fmt::format("at {:.2f} m/s", crash.speed_mps);
   events_.push_back(std::move(event));
 }
 
