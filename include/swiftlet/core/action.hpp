@@ -17,8 +17,8 @@ namespace swiftlet {
 
 inline constexpr int kMaxRotors = 8;
 
-/// Where guidance wants the vehicle to be; the reference governor makes it flyable. Local frame between stages, world
-/// in Action.
+/// Pose and motion that guidance commands; the reference governor limits it. Local frame between stages, world in
+/// Action.
 struct Reference {
   Vector3 position_m = Vector3::Zero();
   Vector3 velocity_mps = Vector3::Zero();
@@ -35,41 +35,41 @@ struct Reference {
   }
 };
 
-/// What the mission says about itself. Endless: it has no end by design (a hover, a patrol) and all is well.
+/// Mission state reported by guidance. kEndless: no end by design (hover, patrol); not an error.
 enum class MissionStatus { kRunning, kEndless, kDone, kFailed };
 inline constexpr std::array<const char*, 4> kMissionStatusWords = {"running", "endless", "done", "failed"};
 
-/// Everything that one vehicle does in one tick. Owned by the agent, which reuses it: valid until its next step. All
-/// places are told in the world as the vehicle knows it (StateEstimate::T_world_local).
+/// Outputs of one vehicle in one tick. Owned by the agent, which reuses it: valid until its next step. Positions are in
+/// the world frame as estimated by the vehicle (StateEstimate::T_world_local).
 struct Action {
   std::array<double, kMaxRotors>
       rotor_command{};  ///< 0..1 between least and greatest rotor speed, in the airframe's order
   StateEstimate estimate;
-  Reference reference;  ///< after the reference governor
+  Reference reference;  ///< output of the reference governor
   std::vector<Message> messages;
   bool has_detections = false;        ///< the detector finished a scan in this tick, even if it found nothing
   TimeNs detections_stamp = 0;        ///< start of that scan's sweep
-  std::vector<Detection> detections;  ///< made in this tick
+  std::vector<Detection> detections;  ///< finished in this tick
   bool has_tracks = false;            ///< `tracks` was updated in this tick
   std::vector<Track> tracks;
-  std::vector<RelativeEstimate> relatives;  ///< members of the team, as of this tick
+  std::vector<RelativeEstimate> relatives;  ///< estimates of teammates, as of this tick
   std::vector<Overlay> overlays;
   MissionStatus mission = MissionStatus::kRunning;
-  std::string mission_note;  ///< why it failed, or what it waits for; goes to the events when it changes
+  std::string mission_note;  ///< reason of a failure or a wait; recorded as an event when it changes
 
-  /// Overlays are left out: they are made only when somebody looks, and nothing hangs on them.
+  /// Overlays are not visited: they are made only for snapshots, and no result depends on them.
   static void visit(auto& a, auto& v) {
     v.array("rotor_command", a.rotor_command, "[-] 0 to 1 between least and greatest rotor speed");
     StateEstimate::visit(a.estimate, v);
     Reference::visit(a.reference, v);
-    v.list("messages", a.messages, "[-] what the vehicle says");
+    v.list("messages", a.messages, "[-] messages sent in this tick");
     v.field("has_detections", a.has_detections, "[-] did the detector finish a scan?");
     v.time("detections_stamp_s", a.detections_stamp, "[s] start of that scan's sweep");
-    v.list("detections", a.detections, "[-] what it found");
+    v.list("detections", a.detections, "[-] detections of that scan");
     v.field("has_tracks", a.has_tracks, "[-] did the tracker take a cloud?");
-    v.list("tracks", a.tracks, "[-] what it follows");
-    v.list("relatives", a.relatives, "[-] members of the team");
-    v.choice("mission", a.mission, std::span<const char* const>(kMissionStatusWords), "[-] how the mission stands");
+    v.list("tracks", a.tracks, "[-] tracks");
+    v.list("relatives", a.relatives, "[-] estimates of teammates");
+    v.choice("mission", a.mission, std::span<const char* const>(kMissionStatusWords), "[-] mission state");
     v.field("mission_note", a.mission_note, "[-] why it failed, or what it waits for");
   }
 

@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// The net of an interceptor: a disc, or an upright cylinder, that hangs below its vehicle and stays level.
+/// Net of an interceptor: a disc, or an upright cylinder, that hangs below its vehicle and stays level.
 struct CaptureVolume {
   Eigen::Vector3d offset_m = {0.0, 0.0, -1.2};
   double radius_m = 2.0;
@@ -17,10 +17,10 @@ struct CaptureVolume {
 
   void visit(ConfigVisitor& v);
 
-  /// Where its middle is. Any frame, the same for all arguments.
+  /// Center of the net. Any frame, the same for all arguments.
   Vector3 center(const Vector3& p_m, double yaw_rad) const;
-  /// A target moves straight from one place to another, seen from the net's middle. When it meets the net: the least
-  /// distance from the net's axis while it does. Any frame, the same for all arguments.
+  /// Smallest distance of a target from the net's axis while it is inside the net; nothing when it misses the net. The
+  /// target moves straight between two positions relative to the net's center. Any frame, the same for all arguments.
   std::optional<double> met_m(const Vector3& from_net_m, const Vector3& to_net_m) const;
 };
 

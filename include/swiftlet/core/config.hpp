@@ -20,7 +20,7 @@
 /// (sim/scenario).
 ///
 /// Rules:
-/// - Defaults stand in the struct and nowhere else, and a default-constructed config is valid.
+/// - Defaults are given in the struct and nowhere else, and a default-constructed config is valid.
 /// - A key carries its unit as a suffix (`_m`, `_s`, `_hz`, `_deg`, `_mps`, `_kg`, ...). The value is stored in that
 ///   unit.
 namespace swiftlet {
@@ -41,7 +41,7 @@ struct Range {
 
 class ConfigVisitor;
 
-/// The value of an enum by its word; `words` stand in the order of the values.
+/// Enum value of a word; `words` are in the order of the values.
 template <class Enum>
 std::optional<Enum> enum_named(std::string_view word, std::span<const char* const> words) {
   const auto found = std::find(words.begin(), words.end(), word);
@@ -49,14 +49,14 @@ std::optional<Enum> enum_named(std::string_view word, std::span<const char* cons
   return static_cast<Enum>(found - words.begin());
 }
 
-/// Base of a configuration that is chosen by name (world generator, sensor, guidance, recorder ...).
+/// Base of a configuration that is selected by name (world generator, sensor, guidance, recorder ...).
 struct ModuleConfig {
   virtual ~ModuleConfig() = default;
   virtual void visit(ConfigVisitor& visitor) = 0;
   virtual std::unique_ptr<ModuleConfig> clone() const = 0;
 };
 
-/// Saves each module config its clone(): struct ForestConfig : ModuleConfigOf<ForestConfig> { ... };
+/// Implements clone() for a module config: struct ForestConfig : ModuleConfigOf<ForestConfig> { ... };
 template <class Derived>
 struct ModuleConfigOf : ModuleConfig {
   std::unique_ptr<ModuleConfig> clone() const override {
@@ -64,7 +64,7 @@ struct ModuleConfigOf : ModuleConfig {
   }
 };
 
-/// One row of a room's registry table, as far as configuration is concerned.
+/// Configuration part of a row of a registry.
 struct ModuleType {
   const char* name;
   const char* doc;  ///< one line, for `swiftlet list` and the reference
@@ -76,8 +76,8 @@ std::unique_ptr<ModuleConfig> make_module_config() {
   return std::make_unique<Config>();
 }
 
-/// A choice by name with that choice's own configuration; has the semantics of a value.
-/// `types` is the registry of the room (a view with static lifetime); the first type is the default unless told.
+/// A module selected by name with its own configuration; has value semantics. `types` is the registry of the module's
+/// kind (a view with static lifetime). The first type is the default unless a type is given.
 struct Module {
   std::string type;
   std::unique_ptr<ModuleConfig> config;
@@ -103,7 +103,7 @@ struct Module {
   }
 };
 
-/// Changes to some other configuration: ("vehicles[0].start.yaw_deg", "90"), key path and YAML value, made in this
+/// Changes to another configuration: ("vehicles[0].start.yaw_deg", "90"), key path and YAML value, applied in this
 /// order.
 using ConfigChanges = std::vector<std::pair<std::string, std::string>>;
 
@@ -117,7 +117,7 @@ class ConfigVisitor {
   virtual void field(const char* key, std::uint64_t& value, const char* doc) = 0;
   virtual void field(const char* key, double& value, const char* doc, Range range = {}) = 0;
   virtual void field(const char* key, std::string& value, const char* doc) = 0;
-  /// Fixed-length vectors; `range` holds for each element.
+  /// Fixed-length vectors; `range` applies to each element.
   virtual void field(const char* key, Eigen::Vector2d& value, const char* doc, Range range = {}) = 0;
   virtual void field(const char* key, Eigen::Vector3d& value, const char* doc, Range range = {}) = 0;
   /// Lists of any length.
@@ -126,7 +126,7 @@ class ConfigVisitor {
   virtual void field(const char* key, std::vector<Eigen::Vector3d>& value, const char* doc, Range range = {}) = 0;
   /// One of the given words.
   virtual void choice(const char* key, std::string& value, std::span<const char* const> words, const char* doc) = 0;
-  /// The words in the order of the enum's values, all of them.
+  /// `words` lists all enum values in their order.
   template <class Enum>
   requires std::is_enum_v<Enum>
   void choice(const char* key, Enum& value, std::span<const char* const> words, const char* doc) {
@@ -137,14 +137,14 @@ class ConfigVisitor {
   void choice(const char* key, auto& value, std::initializer_list<const char*> words, const char* doc) {
     choice(key, value, std::span<const char* const>(words.begin(), words.size()), doc);
   }
-  /// A path of an input file; empty means none. The reader resolves it against the file that names it and checks that
-  /// it exists.
+  /// Path of an input file; empty means none. The reader resolves it relative to the file that contains it and checks
+  /// that it exists.
   virtual void file(const char* key, std::string& path, const char* doc) = 0;
-  /// Names an asset (`assets/<folder>/<value>.yaml`, or a path) whose content lies under the keys of this object,
-  /// which override it. Must be the first call of a visit. Empty: none.
+  /// Name of an asset (`assets/<folder>/<value>.yaml`, or a path) whose content is the default of the other keys of
+  /// this object. Must be the first call of a visit. Empty: none.
   virtual void model(const char* key, std::string& name, const char* folder, const char* doc) = 0;
 
-  /// A map of any keys, nested or as paths, that says how another configuration is to be changed.
+  /// A map of arbitrary keys, nested or as paths: changes to another configuration.
   virtual void changes(const char* /*key*/, ConfigChanges& /*value*/, const char* /*doc*/) {}
 
   /// A nested object with a `void visit(ConfigVisitor&)`.
@@ -176,18 +176,18 @@ class ConfigVisitor {
     end_list();
   }
 
-  /// An object whose key `type` picks one of `types`, the other keys being that type's own.
+  /// An object whose key `type` selects one of `types`; the other keys belong to that type.
   virtual void module(const char* key, Module& value, std::span<const ModuleType> types, const char* doc) = 0;
   /// A list of such objects.
   virtual void modules(const char* key, std::vector<Module>& values, std::span<const ModuleType> types,
                        const char* doc) = 0;
 
-  /// What a type cannot say: `ok` is false when the field `key` contradicts another one. The reader reports it at
-  /// the place of `key`: "<place>: <key>: expected <expected>". Call it after the fields.
+  /// Constraint between fields: `ok` is false when the field `key` contradicts another one. The reader reports it at
+  /// the position of `key`: "<place>: <key>: expected <expected>". Call it after the fields.
   virtual void check(bool ok, const char* key, const std::string& expected) = 0;
 
-  /// World places in the field `key` that the vehicle is meant to reach. A run refuses those inside an obstacle, as it
-  /// refuses starts. Call it after the field.
+  /// Positions in the field `key`, world frame, that the vehicle is meant to reach. A run rejects positions inside an
+  /// obstacle, as it rejects such starts. Call it after the field.
   void destinations(const char* key, const Eigen::Vector3d& place_world_m) { destination(key, place_world_m); }
   void destinations(const char* key, const std::vector<Eigen::Vector3d>& places_world_m) {
     for (std::size_t i = 0; i < places_world_m.size(); ++i) {
@@ -203,9 +203,9 @@ class ConfigVisitor {
   virtual void end_element() = 0;
   virtual void end_list() = 0;
   virtual bool wants_example() const { return false; }
-  /// Does the list that has just begun replace the default elements, or keep them?
+  /// Does the list that has just begun replace the default elements?
   virtual bool starts_afresh() const { return false; }
-  /// One of destinations(): its key, as "goals_m[2]", and the place.
+  /// One of destinations(): key, as "goals_m[2]", and position.
   virtual void destination(const std::string& /*key*/, const Eigen::Vector3d& /*place_world_m*/) {}
 };
 

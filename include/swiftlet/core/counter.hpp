@@ -6,12 +6,12 @@
 
 namespace swiftlet {
 
-/// How often the world did not fit a setting since the start of a run, and which setting that is.
+/// Number of events since the start of a run that exceeded a setting, with the key of that setting.
 struct Counter {
   std::string what;  ///< such as "returns outside the detector's map"
   std::uint64_t count = 0;
-  std::uint64_t of = 0;  ///< how many there were in all; 0: not counted
-  std::string setting;   ///< key to change, from the module that tells it: "map.size_m"
+  std::uint64_t of = 0;  ///< total number of events; 0: not counted
+  std::string setting;   ///< key to change, relative to the module that reports the counter: "map.size_m"
 };
 
 }  // namespace swiftlet

@@ -8,13 +8,13 @@ namespace swiftlet {
 /// A flying object found in one scan [Vrba 2025, sec. III-B]. Local frame between stages, world in Action.
 struct Detection {
   static constexpr const char* kName = "detections";
-  TimeNs t = 0;  ///< mean firing time of its points
+  TimeNs t = 0;  ///< mean firing time of the detection's points
   Vector3 position_m = Vector3::Zero();
   Matrix3 covariance = Matrix3::Identity();
-  Vector3 extent_m = Vector3::Zero();  ///< edges of its bounding box
+  Vector3 extent_m = Vector3::Zero();  ///< edges of the bounding box
   int num_points = 0;
   double confidence = 0.0;    ///< 0..1
-  double reflectivity = 0.0;  ///< greatest among its returns; 1 = white Lambertian, markers are far brighter
+  double reflectivity = 0.0;  ///< maximum over the returns; 1 = white Lambertian, markers are far brighter
 
   static void visit(auto& d, auto& v) {
     v.time("t_s", d.t, "[s] mean firing time of its points");

@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <numbers>
 
-/// Elementary functions with the same bits wherever IEEE arithmetic is: libm rounds by version and by processor. Errors
-/// are a few units in the last place (tests/core/math/elementary_test.cpp).
+/// Elementary functions with bit-identical results on all IEEE platforms; results of libm depend on version and
+/// processor. Errors are a few units in the last place (tests/core/math/elementary_test.cpp).
 namespace swiftlet::elementary {
 
 namespace detail {
 
-// ln 2, pi/2 in parts whose products with small whole numbers are exact.
+// ln 2 and pi/2 in parts whose products with small integers are exact.
 inline constexpr double kLn2High = 6.93147180369123816490e-01, kLn2Low = 1.90821492927058770002e-10;
 inline constexpr double kHalfPi1 = 1.57079632673412561417e+00, kHalfPi2 = 6.07710050630396597660e-11,
                         kHalfPi3 = 2.02226624879595063154e-21;
@@ -116,7 +116,7 @@ inline double log(double x) {
   for (int k = 21; k >= 3; k -= 2) series = series * z + 1.0 / k;
   return exponent * detail::kLn2High + (2.0 * s + (2.0 * s * z * series + exponent * detail::kLn2Low));
 }
-/// Of a base that is not negative.
+/// Power of a non-negative base.
 inline double pow(double base, double exponent) {
   if (exponent == 0.0 || base == 1.0) return 1.0;
   if (base == 0.0) return exponent > 0.0 ? 0.0 : HUGE_VAL;
@@ -129,11 +129,11 @@ inline double cbrt(double x) {
   root -= (root - a / (root * root)) / 3.0;
   return std::copysign(root, x);
 }
-/// Of sides whose squares are neither too small nor too large.
+/// Euclidean norm without scaling: the squares must neither overflow nor underflow.
 inline double hypot(double x, double y) { return std::sqrt(x * x + y * y); }
 inline double hypot(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }
 
-// In single precision: rounded once more.
+// Single precision: the double result, rounded.
 inline float sin(float x) { return static_cast<float>(sin(static_cast<double>(x))); }
 inline float cos(float x) { return static_cast<float>(cos(static_cast<double>(x))); }
 inline float exp(float x) { return static_cast<float>(exp(static_cast<double>(x))); }

@@ -8,12 +8,12 @@
 #include <string_view>
 #include <type_traits>
 
-/// Contracts that stay on in optimized builds. A failure means that the program is wrong, not its input.
+/// Contracts that stay enabled in optimized builds. A failure means an error of the program, not of its input.
 ///
 ///   ENSURE(index < size, index, size);
 ///
-/// ends in a ContractViolation that says "core/map/x.cpp:12: ENSURE(index < size): index = 7, size = 5". The values are
-/// evaluated on failure only; the cost of a contract that holds is that of its condition.
+/// throws a ContractViolation with the text "core/map/x.cpp:12: ENSURE(index < size): index = 7, size = 5". The values
+/// are evaluated on failure only; a contract that holds costs only its condition.
 namespace swiftlet {
 
 /// what() is one line. Programs report it as an internal error, with exit status 1.
@@ -25,7 +25,7 @@ namespace contract {
 
 struct Place {
   const char* expression;
-  const char* names;  // of the values, separated by commas
+  const char* names;  // names of the values, separated by commas
   const char* file;
   int line;
 };
@@ -58,7 +58,7 @@ void append_value(std::string& text, const T& value) {
   }
 }
 
-/// Appends "name = " with the next name of the list and takes it from there.
+/// Appends "name = " with the next name of the list and removes it from the list.
 void append_name(std::string& text, std::string_view& names);
 [[noreturn]] void fail(const Place& place, const std::string& values);
 

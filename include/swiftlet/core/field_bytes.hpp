@@ -13,8 +13,8 @@
 
 namespace swiftlet {
 
-/// The visitor that hands every field of a kind of data (swiftlet/core/fields.hpp) as bytes to `Derived::bytes(data,
-/// size)`; texts and lists with their length. It takes values, never whole structs, because padding has no defined
+/// Visitor that passes every field of a kind of data (swiftlet/core/fields.hpp) as bytes to `Derived::bytes(data,
+/// size)`; texts and lists with their length. Structs are visited field by field, because padding has no defined
 /// content.
 template <class Derived>
 class FieldBytes {

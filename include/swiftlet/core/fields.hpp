@@ -12,8 +12,8 @@
 #include "swiftlet/core/frames.hpp"
 
 /// Data without a format: every kind of data (a sample, a detection, a message, an event ...) is one struct whose
-/// static `visit` names each of its fields once. The state hash, tables, ROS messages, the bytes on the radio and the
-/// reference are visitors.
+/// static `visit` lists each of its fields once. The state hash, tables, ROS messages, radio payloads and the reference
+/// are visitors.
 ///
 ///   struct AltimeterSample {
 ///     static constexpr const char* kName = "altimeter";
@@ -25,32 +25,32 @@
 ///     }
 ///   };
 ///
-/// Rules: a name carries its unit as a suffix. Its text is one line, starts with the unit in brackets and tells the
-/// frame. "*" stands where the component goes: "v*_mps" has the columns vx_mps, vy_mps and vz_mps. "*" alone is a pose,
+/// Rules: a name carries its unit as a suffix. Its text is one line, starts with the unit in brackets and names the
+/// frame. "*" is replaced by the component: "v*_mps" has the columns vx_mps, vy_mps and vz_mps. "*" alone is a pose,
 /// with x_m to z_m and qx to qw.
 ///
 /// A visitor has these functions, each with the name first and the text last:
 ///   time        TimeNs; tables show seconds
 ///   field       bool, numbers, texts, vectors, quaternions, poses, bytes
-///   valid       bool: when it is false, what follows means nothing
+///   valid       bool: when it is false, the fields that follow are meaningless
 ///   vehicle     VehicleId; tables show its name
 ///   choice      an enum; its words come before the text
 ///   covariance  a square matrix; tables show its first three rows and columns
 ///   array       numbers of which only the first few may be in use
-///   list        any number of things with a `visit` of their own
+///   list        any number of values with a `visit` of their own
 namespace swiftlet {
 
-/// What a value of a row is called, for as long as the call lasts.
+/// Name of a value in a row; valid for the duration of the call.
 struct ColumnName {
   std::string_view prefix;
-  const char* pattern;    ///< with "*" for the component
+  const char* pattern;    ///< with "*" in place of the component
   const char* component;  ///< "x", "xy", "qw" ...
-  const char* doc;        ///< of the whole field
+  const char* doc;        ///< description of the whole field
 
   std::string text() const;
 };
 
-/// Takes the values of one row, column by column.
+/// Receives the values of one row, column by column.
 class ColumnSink {
  public:
   virtual ~ColumnSink() = default;
@@ -60,13 +60,13 @@ class ColumnSink {
   virtual void flag(const ColumnName& name, bool value) = 0;
   virtual void text(const ColumnName& name, std::string_view value) = 0;
   virtual void vehicle(const ColumnName& name, VehicleId id) = 0;
-  virtual void missing(const ColumnName& name) = 0;  ///< there is no such value in this row
+  virtual void missing(const ColumnName& name) = 0;  ///< no value in this row
 };
 
-/// The visitor that makes a flat row of a kind of data: whatever is a table is made from it.
+/// Visitor that flattens a kind of data into a row; all tables are made with it.
 class Columns {
  public:
-  /// @param prefix  before every name
+  /// @param prefix  prepended to every name
   explicit Columns(ColumnSink& sink, std::string_view prefix = {}) : sink_(sink), prefix_(prefix) {}
 
   void time(const char* name, TimeNs t, const char* doc);
@@ -79,14 +79,14 @@ class Columns {
   void field(const char* name, const Vector3& value, const char* doc);
   void field(const char* name, const Eigen::Quaterniond& value, const char* doc);
   void field(const char* name, const Pose& value, const char* doc);
-  /// Of bytes a table shows only how many they are.
+  /// Tables show only the number of bytes.
   void field(const char* name, const std::vector<std::byte>& value, const char* doc) {
     integer(name, static_cast<std::int64_t>(value.size()), doc);
   }
   void field(const char* name, const std::vector<std::uint8_t>& value, const char* doc) {
     integer(name, static_cast<std::int64_t>(value.size()), doc);
   }
-  /// And of a list, of how many it is.
+  /// Tables show only the number of elements.
   template <class List>
   void list(const char* name, const List& values, const char* doc) {
     integer(name, static_cast<std::int64_t>(values.size()), doc);
@@ -116,14 +116,14 @@ class Columns {
   bool missing_ = false;
 };
 
-/// The row of `value`.
+/// Puts `value` as one row.
 template <class Kind>
 void put_columns(const Kind& value, ColumnSink& sink, std::string_view prefix = {}) {
   Columns columns(sink, prefix);
   Kind::visit(value, columns);
 }
 
-/// A column of a table, for its head.
+/// Column of a table, for its header.
 struct Column {
   enum class Type { kTime, kNumber, kInteger, kFlag, kText };
   std::string name;
@@ -131,7 +131,7 @@ struct Column {
   std::string doc;  ///< unit in brackets, meaning
 };
 
-/// Notes the columns that are put into it.
+/// Collects the columns that are put into it.
 class ColumnList final : public ColumnSink {
  public:
   void time(const ColumnName& name, TimeNs) override { add(name, Column::Type::kTime); }

@@ -8,12 +8,12 @@
 
 #include "swiftlet/core/frames.hpp"
 
-/// Is every number of a value finite? Asked wherever a value passes from one stage to the next.
+/// Checks that all numbers of a value are finite; applied to every value passed between stages.
 namespace swiftlet {
 
 inline bool is_finite(double value) { return value * 0.0 == 0.0; }
 
-/// A product with zero is zero unless the coefficient is infinite or NaN; the sum keeps what is not.
+/// A product with zero is zero unless the coefficient is infinite or NaN; the sum keeps the NaN.
 template <class Derived>
 bool is_finite(const Eigen::MatrixBase<Derived>& matrix) {
   return (matrix * 0.0).sum() == 0.0;
@@ -22,8 +22,8 @@ bool is_finite(const Eigen::MatrixBase<Derived>& matrix) {
 inline bool is_finite(const Eigen::Quaterniond& q) { return is_finite(q.coeffs()); }
 inline bool is_finite(const Pose& pose) { return is_finite(pose.affine()); }
 
-/// Exponents that are all ones are those of infinity and NaN. Counted, so that compilers take several numbers at a
-/// time.
+/// An exponent of all ones is that of infinity and NaN. Counting without an early exit lets compilers vectorize the
+/// loop.
 inline bool is_finite(std::span<const float> values) {
   constexpr std::uint32_t kExponent = 0x7f800000U;
   std::uint32_t count = 0;
@@ -31,7 +31,7 @@ inline bool is_finite(std::span<const float> values) {
   return count == 0;
 }
 
-/// The visitor that asks every number of a kind of data (swiftlet/core/fields.hpp).
+/// Visitor that checks every number of a kind of data (swiftlet/core/fields.hpp).
 class FiniteNumbers {
  public:
   bool all() const { return all_; }

@@ -10,8 +10,8 @@
 /// Frames (docs/conventions.md):
 /// - world: east, north, up;
 /// - body: forward, left, up, with the origin in the center of mass;
-/// - lidar: as the driver of the sensor gives it;
-/// - local: smooth and drifting, from a vehicle's start; its control, clouds and maps live in it.
+/// - lidar: as the sensor's driver defines it;
+/// - local: smooth and drifting, from a vehicle's start; control, clouds and maps of the vehicle use it.
 ///
 /// A transform names both frames, destination first: point_world = T_world_body * point_body.
 namespace swiftlet {
@@ -21,7 +21,7 @@ using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Index of a vehicle in the scenario, from 0. Also its identity on the radio.
+/// Index of a vehicle in the scenario, from 0. Also its address on the radio.
 using VehicleId = std::int32_t;
 inline constexpr VehicleId kNoVehicle = -1;
 

@@ -11,38 +11,38 @@
 
 namespace swiftlet {
 
-/// What vehicles say to each other. The payload is already serialized: its size is what the radio carries.
+/// Radio message between vehicles. The payload is already serialized: its size is what the radio carries.
 struct Message {
   static constexpr const char* kName = "messages";
   VehicleId from = kNoVehicle;
-  VehicleId to = kNoVehicle;  ///< kNoVehicle: to everybody
-  std::string topic;          ///< short; names the kind and is part of what is sent
-  std::uint16_t version = 0;  ///< of the kind (core/messages)
+  VehicleId to = kNoVehicle;  ///< kNoVehicle: broadcast
+  std::string topic;          ///< short name of the message kind; transmitted with the message
+  std::uint16_t version = 0;  ///< version of the message kind (core/messages)
   std::vector<std::byte> payload;
   TimeNs sent = 0;
   TimeNs received = 0;  ///< set by the radio
 
   static void visit(auto& m, auto& v) {
-    v.time("t_s", m.received, "[s] when it came");
-    v.vehicle("sender", m.from, "[-] who sent it");
-    v.vehicle("receiver", m.to, "[-] to whom; empty: to everybody");
+    v.time("t_s", m.received, "[s] time of reception");
+    v.vehicle("sender", m.from, "[-] sender");
+    v.vehicle("receiver", m.to, "[-] receiver; empty: broadcast");
     v.time("sent_s", m.sent, "[s] when it was handed to the radio");
-    v.field("topic", m.topic, "[-] its kind");
-    v.field("version", m.version, "[-] of the kind");
+    v.field("topic", m.topic, "[-] message kind");
+    v.field("version", m.version, "[-] version of the message kind");
     v.field("payload_bytes", m.payload, "[B] size of its content");
   }
 
   std::size_t size_bytes() const { return kHeaderBytes + topic.size() + payload.size(); }
   static constexpr std::size_t kHeaderBytes =
-      24;  ///< from, to: 4 each; stamp: 8; version, length of the topic: 2 each; of the payload: 4
+      24;  ///< from, to: 4 each; stamp: 8; version, length of the topic: 2 each; length of the payload: 4
 };
 
-/// What one vehicle says in one tick. Every stage of its software may add to it.
+/// Messages sent by one vehicle in one tick. Every stage of its software may add to it.
 class Outbox {
  public:
   explicit Outbox(VehicleId self = kNoVehicle) : self_(self) {}
 
-  /// A new message, which the caller fills (core/messages). @param to  kNoVehicle: to everybody
+  /// A new message, to be filled by the caller (core/messages). @param to  kNoVehicle: broadcast
   Message& say(VehicleId to = kNoVehicle) {
     Message& message = messages_.emplace_back();
     if (!spare_.empty()) {
@@ -55,12 +55,12 @@ class Outbox {
     return message;
   }
   const std::vector<Message>& messages() const { return messages_; }
-  /// Hands over what was said, in exchange for memory to use again.
+  /// Moves the messages out, in exchange for memory to reuse.
   void empty_into(std::vector<Message>& messages) {
     messages.clear();
     messages.swap(messages_);
   }
-  /// Takes back what was handed over and is of no more use: its memory is used again.
+  /// Takes back messages that are no longer used, to reuse their memory.
   void take_back(std::vector<Message>& messages) {
     for (Message& message : messages) spare_.push_back(std::move(message.payload));
     messages.clear();

@@ -13,10 +13,10 @@
 
 namespace swiftlet {
 
-/// Everything that one vehicle gets to know in one tick: what its sensors and its radio delivered since the last one.
-/// Vectors are in order of their stamps and keep their capacity between ticks.
+/// Inputs of one vehicle in one tick: data of its sensors and its radio since the last tick. Vectors are in order of
+/// their stamps and keep their capacity between ticks.
 struct Observation {
-  TimeNs t = 0;  ///< now
+  TimeNs t = 0;  ///< current time
   VehicleId self = 0;
   std::vector<ImuSample> imu;
   std::vector<OdometrySample> odometry;
@@ -25,17 +25,17 @@ struct Observation {
   std::vector<CompassSample> compass;
   std::vector<PoseSample> pose;
   std::vector<NeighborSample> neighbors;
-  SampleLists others;                              ///< of kinds that only their sensor and its users know
-  std::vector<std::shared_ptr<const Scan>> scans;  ///< shared, because a slow module may hold on to a scan
+  SampleLists others;                              ///< sample types of plug-in sensors
+  std::vector<std::shared_ptr<const Scan>> scans;  ///< shared, because a slow module may keep a scan
   std::vector<Message> messages;
-  bool wants_overlays = false;  ///< a picture is taken in this tick
+  bool wants_overlays = false;  ///< a snapshot is taken in this tick
 
-  /// The lists that have a name above.
+  /// The lists of samples that are members of Observation.
   static constexpr auto lists() {
     using O = Observation;
     return std::tuple(&O::imu, &O::odometry, &O::gnss, &O::altimeter, &O::compass, &O::pose, &O::neighbors);
   }
-  /// Calls `each` with every one of them.
+  /// Calls `each` with every one of the lists.
   static void each_samples(auto& o, auto&& each) {
     std::apply([&](auto... list) { (each(o.*list), ...); }, lists());
   }
@@ -49,7 +49,7 @@ struct Observation {
   }
 };
 
-/// The list of one kind of sample, whether it has a name in Observation or not: sensors fill it, stages read it.
+/// List of one sample type, whether it is a member of Observation or not: sensors fill it, stages read it.
 template <class Sample>
 auto& samples_of(auto& observation) {
   using List = std::vector<Sample> Observation::*;

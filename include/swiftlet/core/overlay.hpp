@@ -8,13 +8,13 @@
 
 namespace swiftlet {
 
-/// Something an agent wants drawn in a snapshot (voxels, tracks, cells, paths). Local frame between stages, world in
-/// Action. Recorders and renderers pick overlays by name; agents make them only when `Observation::wants_overlays` is
+/// Geometry that an agent adds to a snapshot (voxels, tracks, cells, paths). Local frame between stages, world in
+/// Action. Recorders and renderers select overlays by name; agents make them only when `Observation::wants_overlays` is
 /// set.
 struct Overlay {
   enum class Kind { kPoints, kLines, kPolyline, kCubes, kSpheres, kTriangles };
 
-  /// What a color means, for the legend of a picture.
+  /// Meaning of a color, for the legend of a picture.
   struct Key {
     std::string meaning;
     Eigen::Vector4f color;
@@ -24,7 +24,7 @@ struct Overlay {
   std::string name;  ///< such as "reference", "tracks", "voxels.confident"
   Kind kind = Kind::kPoints;
   std::vector<Eigen::Vector3f> positions;  ///< points, cubes, spheres: centers; lines: pairs; triangles: triples
-  std::vector<Eigen::Vector4f> colors;     ///< RGBA 0..1, one per position, or one for all; none: the vehicle's
+  std::vector<Eigen::Vector4f> colors;     ///< RGBA 0..1, one per position, or one for all; none: the vehicle's color
   float size_m = 0.1F;  ///< edge of a cube, radius of a sphere, diameter of a point; lines: width in px
   std::vector<Key> legend;
 };

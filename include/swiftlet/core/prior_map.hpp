@@ -10,15 +10,14 @@
 
 namespace swiftlet {
 
-/// What is known of the world before the start [Vrba 2025, sec. III-E]: points of occupied and of free voxels, world
-/// frame.
+/// Prior knowledge of the world [Vrba 2025, sec. III-E]: points of occupied and of free voxels, world frame.
 struct PriorMap {
   std::vector<Eigen::Vector3f> occupied_world_m;
   std::vector<Eigen::Vector3f> free_world_m;
-  std::vector<Counter> counters;  ///< what of its files was left out; settings from the detector's own
+  std::vector<Counter> counters;  ///< points of the files that were left out; settings relative to the detector's own
 };
 
-/// Where that knowledge comes from; by default there is none.
+/// Sources of the prior map; none by default.
 struct PriorConfig {
   std::string occupied;
   std::string free;

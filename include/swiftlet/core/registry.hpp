@@ -13,13 +13,14 @@
 
 namespace swiftlet {
 
-/// What a scenario may choose by name. First come the rows of Swiftlet, in one .cpp of a room above everything that it
-/// names. Then come those that a program plugs in. A row is a struct that begins with `ModuleType module` and has a
-/// `make`. Rows are added before configurations are read, and not beside other threads.
+/// Modules that a scenario may select by name. First come the rows of Swiftlet, then those plugged in by a program. The
+/// table of Swiftlet is in one .cpp of a room above all modules in it. A row is a struct that begins with `ModuleType
+/// module` and has a `make`. Rows must be added before configurations are read, and not concurrently with other
+/// threads.
 template <class Row>
 class Registry {
  public:
-  /// `what` names the kind of module in messages; `rows` is the table that comes with Swiftlet. `added` is told of
+  /// `what` names the kind of module in messages; `rows` is the table that comes with Swiftlet. `added` is called with
   /// every row.
   Registry(const char* what, std::span<const Row> rows, void (*added)(const Row&) = nullptr)
       : what_(what), added_(added) {
@@ -39,8 +40,8 @@ class Registry {
     if (added_ != nullptr) added_(row);
   }
 
-  /// What the maker of the chosen row makes. Throws std::runtime_error, which names the module, when that is nothing or
-  /// when the maker throws something that is no std::exception.
+  /// Makes the chosen module. Throws std::runtime_error, which names the module, when the maker returns null or throws
+  /// an object that is not a std::exception.
   template <class... Arguments>
   auto make(const Module& chosen, Arguments&&... arguments) const {
     const Row& row = named(chosen.type);
@@ -60,10 +61,10 @@ class Registry {
   }
 
   std::span<const Row> rows() const { return rows_; }
-  /// The rows as far as configuration is concerned, in their order.
+  /// The configuration parts of the rows, in their order.
   std::span<const ModuleType> modules() const { return modules_; }
 
-  /// The row of that name. Throws std::invalid_argument: "no <what> is named '<type>'".
+  /// Row with the given name. Throws std::invalid_argument: "no <what> is named '<type>'".
   const Row& named(std::string_view type) const {
     if (const Row* row = find(type)) return *row;
     throw std::invalid_argument("no " + what_ + " is named '" + std::string(type) + "'");

@@ -5,26 +5,26 @@
 
 namespace swiftlet {
 
-/// Another member of the team, as its observer believes it to be now. Local frame between stages, world in Action.
+/// State of a teammate as estimated by the observer, predicted to now. Local frame between stages, world in Action.
 struct RelativeEstimate {
   static constexpr const char* kName = "relatives";
   using Covariance = Eigen::Matrix<double, 7, 7>;
 
-  TimeNs t = 0;  ///< now
+  TimeNs t = 0;  ///< current time
   VehicleId other = kNoVehicle;
   Vector3 position_m = Vector3::Zero();
   Vector3 velocity_mps = Vector3::Zero();
   double yaw_rad = 0.0;
   Covariance covariance = Covariance::Identity();  ///< position [m], velocity [m/s], heading [rad]
-  TimeNs seen = 0;                                 ///< when it was last seen; earlier than now: it is coasting
-  TimeNs heard = 0;                                ///< when its newest odometry held
-  TimeNs heard_stamp = 0;                          ///< the same instant by the other's clock
-  Vector3 heard_position_m = Vector3::Zero();      ///< where it was then: the frame of a GuidingPath for that instant
+  TimeNs seen = 0;         ///< time of the last sighting; earlier than now: the estimate is coasting
+  TimeNs heard = 0;        ///< validity time of the newest odometry report, by the observer's clock
+  TimeNs heard_stamp = 0;  ///< validity time of that report, by the teammate's clock
+  Vector3 heard_position_m = Vector3::Zero();  ///< position then; origin of a GuidingPath's frame
   double heard_yaw_rad = 0.0;
 
   static void visit(auto& r, auto& v) {
     v.time("t_s", r.t, "[s] when it holds");
-    v.vehicle("other", r.other, "[-] who was localized");
+    v.vehicle("other", r.other, "[-] localized vehicle");
     v.field("*_m", r.position_m, "[m] in the world of the estimate");
     v.field("v*_mps", r.velocity_mps, "[m/s] velocity, in the same axes");
     v.field("yaw_rad", r.yaw_rad, "[rad] heading, counter-clockwise from the x axis of that world");

@@ -12,7 +12,7 @@
 
 namespace swiftlet {
 
-/// Samples of one kind as those see them who do not know the kind: recorders, the state hash, checks.
+/// Samples of one type behind a type-erased interface, for recorders, the state hash and checks.
 class SampleList {
  public:
   virtual ~SampleList() = default;
@@ -24,7 +24,7 @@ class SampleList {
   virtual TimeNs time_of(std::size_t i) const = 0;
   virtual bool finite(std::size_t i) const = 0;
   virtual void put(std::size_t i, ColumnSink& sink) const = 0;
-  /// Every field of every sample.
+  /// Appends every field of every sample.
   virtual void append_bytes(std::vector<std::byte>& bytes) const = 0;
 };
 
@@ -55,7 +55,7 @@ class SampleListOf final : public SampleList {
   }
 };
 
-/// Lists of any kinds, each made when it is asked for first.
+/// Lists of any sample types, each created on first use.
 class SampleLists {
  public:
   SampleLists() = default;

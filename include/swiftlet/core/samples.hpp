@@ -3,11 +3,11 @@
 
 #include "swiftlet/core/frames.hpp"
 
-/// What a vehicle's sensors other than LiDARs say. `t` is the time of validity, not of delivery. `kName` names the
-/// table and the topic of a kind in recordings; its `visit` is all that they need (fields.hpp).
+/// Samples of a vehicle's sensors other than LiDARs. `t` is the time of validity, not of delivery. `kName` names the
+/// table and the topic of a sample type in recordings; its `visit` is all that recordings need (fields.hpp).
 namespace swiftlet {
 
-/// Mean over the sampling interval that ends at t, as a real IMU with its anti-aliasing filter gives.
+/// Mean over the sampling interval that ends at t, as measured by a real IMU with its anti-aliasing filter.
 struct ImuSample {
   static constexpr const char* kName = "imu";
   TimeNs t = 0;
@@ -82,7 +82,7 @@ struct CompassSample {
   }
 };
 
-/// Pose in the world from outside: motion capture, RTK, or the simulator's truth (the named bypass).
+/// Pose in the world from an external source: motion capture, RTK, or the simulator's truth (the named bypass).
 struct PoseSample {
   static constexpr const char* kName = "pose";
   TimeNs t = 0;
@@ -98,19 +98,19 @@ struct PoseSample {
   }
 };
 
-/// Another vehicle as a mutual-localization sensor sees it (UVDAR and the like).
+/// Position of another vehicle measured by a mutual-localization sensor (UVDAR and the like).
 struct NeighborSample {
   static constexpr const char* kName = "neighbors";
   TimeNs t = 0;
   VehicleId id = kNoVehicle;
-  Vector3 p_body_m = Vector3::Zero();  ///< position of the other in the body frame of the observer
+  Vector3 p_body_m = Vector3::Zero();  ///< position of the neighbor in the body frame of the observer
   Matrix3 covariance_body = Matrix3::Identity();
 
   static void visit(auto& s, auto& v) {
     v.time("t_s", s.t, "[s] when it holds");
-    v.vehicle("neighbor", s.id, "[-] who was seen; empty: not known");
+    v.vehicle("neighbor", s.id, "[-] observed vehicle; empty: not identified");
     v.field("*_body_m", s.p_body_m, "[m] its position in the body frame of the observer");
-    v.covariance("cov_*_m2", s.covariance_body, "[m^2] covariance of that");
+    v.covariance("cov_*_m2", s.covariance_body, "[m^2] covariance of the position");
   }
 };
 

@@ -7,9 +7,9 @@
 
 namespace swiftlet {
 
-/// Where the vehicle believes to be, in two frames as REP-105 has them. The local frame is smooth: control, references,
-/// clouds and maps live in it and never see a jump. Where it lies in the world is the correction, which may jump
-/// whenever the estimator learns better.
+/// Estimated state of the vehicle, in two frames as in REP-105. The local frame is smooth: control, references, clouds
+/// and maps use it and never see a jump. Its pose in the world is the correction, which may jump when the estimator
+/// improves its estimate.
 struct StateEstimate {
   TimeNs t = 0;
   bool valid = false;
@@ -17,10 +17,10 @@ struct StateEstimate {
   Vector3 v_local_mps = Vector3::Zero();
   Vector3 omega_body_radps = Vector3::Zero();
   Matrix6 covariance = Matrix6::Zero();   ///< position in the local frame [m], rotation vector in body axes [rad]
-  Pose T_world_local = Pose::Identity();  ///< the correction, as far as the vehicle knows; it may move slowly
-  std::uint32_t correction_revision = 0;  ///< how often it changed; 0: it is the identity
+  Pose T_world_local = Pose::Identity();  ///< correction as estimated by the vehicle; may change slowly
+  std::uint32_t correction_revision = 0;  ///< number of changes of the correction; 0: it is the identity
 
-  /// A new correction; one that is equal to the present one changes nothing.
+  /// Sets the correction; an equal one changes nothing.
   void correct(const Pose& T_world_local_now) {
     if (T_world_local_now.matrix() == T_world_local.matrix()) return;
     T_world_local = T_world_local_now;
@@ -43,7 +43,7 @@ struct StateEstimate {
   }
 };
 
-/// The same as told to the world, for recordings.
+/// Estimate in world axes, for recordings.
 struct WorldEstimate {
   TimeNs t = 0;
   bool valid = false;

@@ -10,8 +10,8 @@
 
 namespace swiftlet {
 
-/// The other vehicle of that name; without a name the first other one, or kNoVehicle when there is none. `key` is that
-/// of the setting. Throws std::invalid_argument.
+/// Id of the other vehicle with this name; an empty name selects the first other vehicle, or kNoVehicle when there is
+/// none. `key` is the key of the setting. Throws std::invalid_argument.
 inline VehicleId vehicle_named(const std::string& name, const AgentSetup& setup, const char* key) {
   if (name.empty()) return setup.num_vehicles < 2 ? kNoVehicle : VehicleId{setup.self == 0 ? 1 : 0};
   std::string others;
@@ -24,8 +24,8 @@ inline VehicleId vehicle_named(const std::string& name, const AgentSetup& setup,
                               (others.empty() ? "there is none" : others) + "), found \"" + name + "\"");
 }
 
-/// Those of a list, or, when it is empty, the one of that name. `key` is that of the object that holds `other` and
-/// `others`. Throws std::invalid_argument.
+/// Ids of the vehicles in `others`, or, when it is empty, of `other`. `key` is the key of the object that contains
+/// both. Throws std::invalid_argument.
 inline std::vector<VehicleId> vehicles_named(const std::string& other, const std::vector<std::string>& others,
                                              const AgentSetup& setup, const std::string& key) {
   if (others.empty()) return {vehicle_named(other, setup, (key + ".other").c_str())};
