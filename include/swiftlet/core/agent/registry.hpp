@@ -17,9 +17,10 @@ using OverlayNames = std::optional<std::vector<std::string>>;
 struct AgentType {
   ModuleType module;
   std::unique_ptr<Agent> (*make)(const ModuleConfig& config, const AgentSetup& setup);
-  AgentNeeds (*needs)(const ModuleConfig& config) = nullptr;  ///< null: nothing
-  Module* (*guidance)(ModuleConfig& config) = nullptr;        ///< where its guidance is chosen; null: nowhere
-  /// The names of all that agents of this kind may draw; nothing: one of its stages does not tell. Null: not told.
+  AgentNeeds (*needs)(const ModuleConfig& config) = nullptr;  ///< null: no requirements
+  Module* (*guidance)(ModuleConfig& config) = nullptr;        ///< the agent's choice of guidance; null: not selectable
+  /// Names of all overlays that agents of this kind may draw; nothing: one of the stages does not declare its own.
+  /// Null: not declared.
   OverlayNames (*overlays)(const ModuleConfig& config) = nullptr;
 };
 
@@ -27,7 +28,7 @@ Registry<AgentType>& agent_registry();
 inline std::span<const ModuleType> agent_module_types() { return agent_registry().modules(); }
 std::unique_ptr<Agent> make_agent(const Module& config, const AgentSetup& setup);
 AgentNeeds needs_of(const Module& agent);
-/// Null when guidance of this agent cannot be chosen.
+/// Null when the guidance of this agent is not selectable.
 Module* guidance_of(Module& agent);
 OverlayNames overlays_of(const Module& agent);
 

@@ -29,7 +29,7 @@ struct StackConfig : ModuleConfigOf<StackConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// The stages of a stack, ready made: from its configuration, or one's own.
+/// Stages of a stack: made from its configuration, or supplied by the caller.
 struct StackStages {
   std::unique_ptr<StateEstimator> localization;
   std::unique_ptr<Detector> detector;                        ///< null: none
@@ -42,7 +42,7 @@ struct StackStages {
 /// Throws std::invalid_argument when the airframe cannot be controlled, or guidance needs a map and there is none.
 std::unique_ptr<Agent> make_stack(StackStages stages, const ControlConfig& control, const AgentSetup& setup);
 
-// What its row in the registry says of it.
+// Functions of the stack's row in the registry.
 std::unique_ptr<Agent> make_stack(const ModuleConfig& config, const AgentSetup& setup);
 AgentNeeds stack_needs(const ModuleConfig& config);
 Module* stack_guidance(ModuleConfig& config);

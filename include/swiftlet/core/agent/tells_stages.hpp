@@ -6,7 +6,7 @@
 
 namespace swiftlet {
 
-/// The parts of an agent's step, in the order of a stack. Other is what belongs to none of them.
+/// Parts of an agent's step, in the order of a stack. kOther: work outside of all stages.
 enum class AgentStage {
   kLocalization,
   kClouds,
@@ -22,12 +22,12 @@ inline constexpr std::array<const char*, 9> kAgentStageNames = {
     "localization", "clouds",   "detection", "tracking", "relative_localization",
     "mapping",      "guidance", "control",   "other"};
 
-/// An agent that tells which of its stages begins. So its stages can be timed, although it knows no clock.
+/// An agent that reports which of its stages begins. So its stages can be timed, although it has no clock.
 class TellsStages {
  public:
   virtual ~TellsStages() = default;
-  /// From now on each step calls `begins`, in its own thread, for every stage that the agent has. Empty: nobody
-  /// listens.
+  /// From now on each step calls `begins`, in its own thread, at the beginning of every stage that the agent has.
+  /// Empty: disabled.
   virtual void tell_stages(std::function<void(AgentStage)> begins) = 0;
 };
 

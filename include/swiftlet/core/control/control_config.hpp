@@ -6,14 +6,14 @@
 
 namespace swiftlet {
 
-/// How a vehicle is flown.
+/// Motion limits and controller gains of a vehicle.
 struct ControlConfig {
   MotionLimitsConfig limits;
   ControlGainsConfig gains;
 
   void visit(ConfigVisitor& v) {
     v.object("limits", limits, "how fast the reference may move");
-    v.object("gains", gains, "of the controller");
+    v.object("gains", gains, "controller gains");
   }
 };
 

@@ -10,14 +10,14 @@
 
 namespace swiftlet {
 
-/// Gains of the cascade. A gain of 0 is derived from the airframe: the speed of its motors bounds the rate loop. That
-/// bounds the attitude loop, which bounds the position loop. Gains act on accelerations, so mass and inertia drop out.
+/// Gains of the cascade. A gain of 0 is derived from the airframe: the motor time constants bound the rate loop, which
+/// bounds the attitude loop, which bounds the position loop. Gains act on accelerations, so mass and inertia cancel.
 struct ControlGainsConfig {
   double position_radps = 0.0;  ///< natural frequency of the position loop
   double position_damping = 1.0;
   double integral_time_s = 2.0;    ///< 0: no integral part
-  double integral_max_mps2 = 3.0;  ///< what the integral part can hold against (wind)
-  double feedback_max_mps2 = 6.0;  ///< of position and velocity errors together
+  double integral_max_mps2 = 3.0;  ///< limit of the integral part; larger values compensate stronger wind
+  double feedback_max_mps2 = 6.0;  ///< limit of the feedback of position and velocity errors together
   double attitude_radps = 0.0;     ///< tilt error -> rate
   double rate_radps = 0.0;         ///< roll and pitch rate error -> angular acceleration
   double yaw_attitude_radps = 0.0;
@@ -25,16 +25,16 @@ struct ControlGainsConfig {
   double tilt_max_deg = 60.0;
   double tilt_rate_max_degps = 570.0;
   double yaw_rate_max_degps = 170.0;
-  double motor_lead = 0.5;        ///< share of the motors' lag that is compensated, 0..0.9
+  double motor_lead = 0.5;        ///< share of the motor lag that is compensated, 0..0.9
   bool drag_compensation = true;  ///< feed forward the drag of the airframe in still air
 
   void visit(ConfigVisitor& v);
 };
 
-/// The gains in use.
+/// Resolved gains.
 struct ControlGains {
   double position = 0.0, velocity = 0.0, integral = 0.0;
-  Vector3 attitude_body = Vector3::Zero();  ///< about the axes
+  Vector3 attitude_body = Vector3::Zero();  ///< about the body axes
   Vector3 rate_body = Vector3::Zero();
 };
 
@@ -42,14 +42,14 @@ struct ControlGains {
 ///
 /// Structure and feed-forward terms are those of T. Lee, M. Leok, N. H. McClamroch, "Geometric tracking control of a
 /// quadrotor UAV on SE(3)", CDC 2010: thrust along the body axis, and moment, eqs. (10), (11), (16). Deviations:
-/// - The attitude error is the rotation angle instead of its sine, so that it also brings back a vehicle that is upside
-///   down.
-/// - Tilt is split from heading, so that weak yaw torque never disturbs the thrust direction (D. Brescianini, R.
-///   D'Andrea, "Tilt-prioritized quadrocopter attitude control", TCST 2020).
-/// - Body rates of the reference come from its jerk (D. Mellinger, V. Kumar, "Minimum snap trajectory generation and
-///   control for quadrotors", ICRA 2011).
+/// - The attitude error is the rotation angle instead of its sine, so that the controller also recovers an upside-down
+///   vehicle.
+/// - Tilt is controlled separately from heading, so that weak yaw torque never disturbs the thrust direction (D.
+///   Brescianini, R. D'Andrea, "Tilt-prioritized quadrocopter attitude control", TCST 2020).
+/// - Reference body rates follow from the reference jerk (D. Mellinger, V. Kumar, "Minimum snap trajectory generation
+///   and control for quadrotors", ICRA 2011).
 ///
-/// The rotors' speeds are known from a model of the motors. It gives the lead that makes up for part of their lag.
+/// Rotor speeds are estimated by a motor model, which also gives the lead that compensates part of the motor lag.
 class MultirotorController {
  public:
   using Commands = std::array<double, kMaxRotors>;
@@ -58,10 +58,10 @@ class MultirotorController {
   MultirotorController(const Airframe& airframe, const ControlGainsConfig& config, double tick_s);
 
   /// Rotor commands 0..1 for the next `dt_s`. All zero when the estimate is not valid or not finite.
-  /// @param jerk_local_mps3  of the reference
+  /// @param jerk_local_mps3  jerk of the reference
   const Commands& step(const StateEstimate& estimate, const Reference& reference, const Vector3& jerk_local_mps3,
                        double dt_s);
-  /// Motors at idle; forgets the integral part.
+  /// Sets the motors to idle and resets the integral part.
   const Commands& idle(double dt_s);
 
   const ControlGains& gains() const { return gains_; }
@@ -78,15 +78,15 @@ class MultirotorController {
   Mixer mixer_;
   ControlGains gains_;
   double tan_tilt_max_ = 1.7;
-  double max_acceleration_mps2_ = 0.0;  ///< of all rotors together
+  double max_acceleration_mps2_ = 0.0;  ///< maximum thrust of all rotors over mass
 
   Vector3 integral_mps2_ = Vector3::Zero();
   Wrench wanted_;
-  std::array<double, kMaxRotors> rotor_speed_radps_{};  ///< by the motor model
+  std::array<double, kMaxRotors> rotor_speed_radps_{};  ///< estimated by the motor model
   std::array<double, kMaxRotors> commanded_speed_radps_{};
   Commands commands_{};
   bool saturated_ = false;
-  double decay_dt_s_ = -1.0;  ///< step for which the decays below hold
+  double decay_dt_s_ = -1.0;  ///< time step of the decays below
   double decay_up_ = 0.0, decay_down_ = 0.0, lead_up_ = 1.0, lead_down_ = 1.0;
 };
 

@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// How fast a reference may move. Horizontal limits hold for the length of the vector in the x-y plane.
+/// Limits of the reference. Horizontal limits apply to the norm of the vector in the x-y plane.
 struct MotionLimits {
   double horizontal_speed_mps = 4.0;
   double horizontal_acceleration_mps2 = 2.0;
@@ -19,10 +19,10 @@ struct MotionLimits {
   double heading_acceleration_radps2 = 1.0;
 };
 
-/// A named set of limits; a number other than 0 replaces the one of the set.
+/// A named set of limits; a value other than 0 replaces that of the set.
 ///
 /// "slow", "medium", "fast": the constraint sets of the MRS UAV system; "medium" equals Kamler 2025, Table 2.1.
-/// "agile": room for the trajectories of Vrba 2025, Table IV (8.2 m/s, 4.5 m/s^2), in any direction.
+/// "agile": sufficient for the trajectories of Vrba 2025, Table IV (8.2 m/s, 4.5 m/s^2), in any direction.
 struct MotionLimitsConfig {
   enum class Set { kSlow, kMedium, kFast, kAgile };
   Set set = Set::kMedium;

@@ -8,30 +8,32 @@
 
 namespace swiftlet {
 
-/// Makes whatever guidance asks for flyable. Its point follows the goal within the limits of velocity, acceleration and
-/// jerk, and its heading within those of rate and acceleration.
+/// Limits the goal from guidance to a feasible reference. Its position follows the goal within the limits of velocity,
+/// acceleration and jerk, and its heading within those of rate and acceleration.
 ///
-/// A goal far away is approached in nearly least time along straight lines. A moving goal that keeps the limits itself
-/// is followed without lag, sample by sample.
+/// A distant goal is approached in nearly minimum time along straight lines. A moving goal that keeps the limits is
+/// followed without lag, sample by sample.
 ///
-/// The limits hold by construction, whatever the goal. From every state that it enters, braking at full jerk ends the
-/// acceleration before the speed limit is reached. That braking step is always at hand.
+/// The limits hold by construction for any goal: from every reachable state, braking at full jerk ends the acceleration
+/// before the speed limit is reached. That braking step is always available.
 class ReferenceGovernor {
  public:
   explicit ReferenceGovernor(const MotionLimits& limits);
 
-  /// Starts here; velocity is cut to the limits, acceleration and turning start from zero.
+  /// Resets the state to `start`; velocity is clipped to the limits, acceleration and heading rate start from zero.
   void reset(const Reference& start);
 
-  /// One step of `dt_s` toward `goal`, which is where to be at the end of the step. Not-finite goals keep the last one.
-  /// @param speed_limit_mps  a lower speed that guidance wishes for now; approached without breaking the other limits
+  /// One step of `dt_s` toward `goal`, the reference at the end of the step. A goal that is not finite is replaced by
+  /// the last one.
+  /// @param speed_limit_mps  current lower speed limit from guidance; approached without violating the other limits
   const Reference& step(const Reference& goal, double dt_s,
                         double speed_limit_mps = std::numeric_limits<double>::infinity());
 
-  /// A reference that keeps the limits by itself is taken as it is; step() goes on from there. Not-finite ones are not.
+  /// Adopts a reference that keeps the limits without change; step() continues from it. References that are not finite
+  /// are ignored.
   const Reference& take(const Reference& feasible, double dt_s);
 
-  /// One step with the acceleration that is wanted, as far as the limits allow. At the speed limit it still turns.
+  /// One step with the wanted acceleration, clipped to the limits. At the speed limit it still changes direction.
   const Reference& accelerate(const Vector3& a_local_mps2, double yaw_rad, double dt_s);
 
   const Reference& state() const { return state_; }

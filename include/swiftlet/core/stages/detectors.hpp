@@ -14,7 +14,7 @@ struct DetectorType {
   ModuleType module;
   std::unique_ptr<Detector> (*make)(const ModuleConfig& config, const AgentSetup& setup);
   void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
-  const char* overlays = nullptr;  ///< names of what it draws, with spaces between; null: not told
+  const char* overlays = nullptr;  ///< names of the overlays, separated by spaces; null: not declared
 };
 
 Registry<DetectorType>& detector_registry();

@@ -13,7 +13,7 @@ struct GuidanceType {
   ModuleType module;
   std::unique_ptr<Guidance> (*make)(const ModuleConfig& config, const GuidanceSetup& setup);
   void (*add_needs)(const ModuleConfig& config, AgentNeeds& needs) = nullptr;
-  const char* overlays = nullptr;  ///< names of what it draws, with spaces between; null: not told
+  const char* overlays = nullptr;  ///< names of the overlays, separated by spaces; null: not declared
 };
 
 Registry<GuidanceType>& guidance_registry();

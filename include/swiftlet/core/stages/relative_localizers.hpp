@@ -13,7 +13,7 @@ namespace swiftlet {
 struct RelativeLocalizerType {
   ModuleType module;
   std::unique_ptr<RelativeLocalizer> (*make)(const ModuleConfig& config, const AgentSetup& setup);
-  const char* overlays = nullptr;  ///< names of what it draws, with spaces between; null: not told
+  const char* overlays = nullptr;  ///< names of the overlays, separated by spaces; null: not declared
 };
 
 Registry<RelativeLocalizerType>& relative_localizer_registry();
