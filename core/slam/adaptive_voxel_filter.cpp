@@ -4,8 +4,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kFinestShare = 0.01;  // of the widest edge; cubes are not made smaller than this
-constexpr double kExactEnough = 0.1;   // of the edge
+constexpr double kFinestShare = 0.01;  // smallest edge tried, as a share of edge_max_m
+constexpr double kExactEnough = 0.1;   // relative width of the bracket at which the bisection ends
 
 }  // namespace
 
@@ -37,7 +37,7 @@ double AdaptiveVoxelFilter::thin(std::span<const Eigen::Vector3f> points_m, cons
     const double middle_m = 0.5 * (narrow_m + wide_m);
     (is_enough(middle_m) ? narrow_m : wide_m) = middle_m;
   }
-  is_enough(narrow_m);  // the last one tried may have been too wide
+  is_enough(narrow_m);  // the edge tried last may have been too wide
   return narrow_m;
 }
 

@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-/// place[i]: when block i is eliminated.
+/// Elimination order: place[i] is the position of block i.
 std::vector<int> minimum_degree(int num_blocks, std::span<const std::pair<int, int>> pairs) {
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(2 * pairs.size() + num_blocks);
@@ -29,8 +29,8 @@ std::vector<int> minimum_degree(int num_blocks, std::span<const std::pair<int, i
   return place;
 }
 
-/// A^-1 of a symmetric, positive definite A by its Cholesky factor; false when it is not. Solvers of Eigen take three
-/// times as long for so small a block.
+/// Inverse of a symmetric, positive definite A by its Cholesky factor; false when A is not positive definite. Eigen's
+/// solvers take three times as long for so small a block.
 bool invert_block(const Matrix6& A, Matrix6& inverse) {
   double C[6][6];  // A = C C^T, with inverse diagonal
   for (int i = 0; i < 6; ++i) {
@@ -93,7 +93,7 @@ void BlockCholesky::set_pattern(int num_blocks, std::span<const std::pair<int, i
     slots_.push_back({static_cast<int>(found - row_.begin()), place_[i] > place_[j]});
   }
 
-  // The elimination tree, and how many blocks each column of L has.
+  // Elimination tree, and the number of blocks in each column of L.
   parent_.assign(num_blocks, -1);
   num_in_L_.assign(num_blocks, 0);
   flag_.assign(num_blocks, -1);
@@ -136,7 +136,7 @@ bool BlockCholesky::factorize(double damping) {
   std::fill(num_in_L_.begin(), num_in_L_.end(), 0);
   std::fill(flag_.begin(), flag_.end(), -1);
   for (int k = 0; k < n; ++k) {
-    // Column k of H, and the rows that it reaches through the tree, children before parents.
+    // Column k of H, and the rows reached from it through the tree, children before parents.
     int top = n;
     flag_[k] = k;
     for (int p = first_[k]; p < first_[k + 1]; ++p) {

@@ -13,14 +13,14 @@ namespace {
 
 Eigen::Vector3i cell_of(const Vector3& p_m, double cell_m) { return (p_m / cell_m).array().floor().cast<int>(); }
 
-/// All displacements from `offset` on, 2^level along x and y, and along z.
+/// A block of displacements starting at `offset`: 2^level along x and y, and along z.
 struct Node {
   int level = 0;
   Eigen::Vector3i offset = Eigen::Vector3i::Zero();
   int score = 0;  // an upper bound
 };
 
-/// The cells of the cloud at one heading, and what is sought among its displacements.
+/// Branch and bound over the displacements of the cloud at one heading.
 class Search {
  public:
   Search(const OccupancyPyramid& map, const SearchWindow& window, std::int64_t budget, SearchResult& result)
@@ -62,7 +62,7 @@ class Search {
     }
     std::stable_sort(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.score > b.score; });
     for (const Node& node : nodes) {
-      if (node.score <= best_score) return;  // sorted: so are all that follow
+      if (node.score <= best_score) return;  // sorted: the following nodes score no higher
       if (result_.num_expanded > budget_) {
         result_.complete = false;
         return;
@@ -97,7 +97,7 @@ class Search {
   int i_yaw_ = 0;
 };
 
-/// Turned about the origin of the cloud.
+/// Rotates the cloud about its own origin.
 Pose turned(const Pose& T_map_cloud, double yaw_rad) {
   Pose T = T_map_cloud;
   T.linear() = rotation_by({0, 0, yaw_rad}).toRotationMatrix() * T_map_cloud.linear();
@@ -119,7 +119,7 @@ OccupancyPyramid::OccupancyPyramid(std::span<const Eigen::Vector3f> points_map_m
     min_ = i == 0 ? c : Eigen::Vector3i(min_.cwiseMin(c));
     max = i == 0 ? c : Eigen::Vector3i(max.cwiseMax(c));
   }
-  // A cell of level h also stands below the box by up to 2^h - 1 cells.
+  // A cell of level h also covers up to 2^h - 1 cells below the box.
   const int reach = (1 << (levels - 1)) - 1;
   min_.array() -= reach;
   size_ = (max - min_).array() + 1;
@@ -135,7 +135,7 @@ OccupancyPyramid::OccupancyPyramid(std::span<const Eigen::Vector3f> points_map_m
     bits_[0][index(c.x(), c.y(), c.z())] = 1;
   }
   for (int h = 1; h < levels; ++h) {
-    // Axis by axis: a cell or the one that lies half of the edge further.
+    // Per axis: a cell or the cell half an edge further.
     bits_[h] = bits_[h - 1];
     std::vector<std::uint8_t>& bits = bits_[h];
     const int half = 1 << (h - 1);
@@ -172,7 +172,7 @@ SearchResult search_best_pose(const OccupancyPyramid& map, std::span<const Eigen
   ENSURE(yaws_allowed.empty() || static_cast<int>(yaws_allowed.size()) == yaws, yaws_allowed.size(), yaws);
   if (num == 0) return result;
   Search search(map, window, budget, result);
-  // Only what is better than this counts.
+  // Only scores above this bound are accepted.
   search.best_score = std::max(static_cast<int>(std::ceil(score_min * num - 1e-9)) - 1, 0);
   std::vector<Eigen::Vector3i> cells(points_cloud_m.size());
   for (int i = 0; i < yaws && result.complete; ++i) {

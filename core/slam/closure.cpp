@@ -23,29 +23,33 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kFinest_m = 0.01;  // of surfaces that two submaps have: each is bent a little in its own way
+constexpr double kFinest_m = 0.01;  // finest surface sigma of a refinement: drift bends each submap a little
 constexpr double kUpright_m = 1.0;
 constexpr std::size_t kLeastUpright = 40;
-constexpr double kRivalHeading_rad = 20.0 * kRadPerDeg;  // another heading at the same place is one at least so far off
-constexpr double kRivalScore = 0.7;                      // of the best score: what another place needs to be looked at
-constexpr double kRivalFit = 0.8;                        // of overlap and share of near points: what makes it as good
-constexpr std::size_t kFitted = 5000;   // points of the newer submap, at most: surfaces ask for no more
-constexpr double kNarrowest_m = 1.0;    // of the window of a search: two cells of the grid
-constexpr double kNearlyRight_m = 0.6;  // so far off, the points of a guess still meet the surfaces that they belong to
-constexpr double kLeastOff_m = 0.3;     // by which a guess may be off in any case
-// Normals of a thinned cloud are off by up to 8 degrees. What planes seem to tell of a direction by such a share of all
-// may be that alone.
+// smallest heading difference at which a rival at the same place counts as another pose
+constexpr double kRivalHeading_rad = 20.0 * kRadPerDeg;
+constexpr double kRivalScore = 0.7;  // lowest score of a rival that is examined, as a share of the best score
+// quality (overlap times share of near points) of a rival, relative to the best, that makes a closure ambiguous
+constexpr double kRivalFit = 0.8;
+constexpr std::size_t kFitted = 5000;   // most points of the newer submap used in a fit; more points do not improve it
+constexpr double kNarrowest_m = 1.0;    // smallest search window: two cells of the grid
+constexpr double kNearlyRight_m = 0.6;  // largest error of a guess at which its points still match the right surfaces
+constexpr double kLeastOff_m = 0.3;     // lower bound of the assumed error of a guess
+// Directions with less than this share of the information count as open: normals of a thinned cloud are off by up to 8
+// degrees, which alone can produce such a share.
 constexpr double kOpenShare = 0.02;
-constexpr int kMostOpen = 1, kAllOpen = 6;           // directions of a pose
-constexpr double kMoves = 0.1;                       // meters a step of one: a direction with less of them only turns
-constexpr double kTurnedOff_deg = 1.0;               // the same of its attitude, one standard deviation
-constexpr double kCoarsest_m = 0.3, kFine_m = 0.03;  // of the first steps of a refinement
-constexpr double kApart_m = 0.1;                     // farther from each other, two places are not the same
-constexpr double kSlid_m = 0.15;                     // of each step along the direction of which least is told
-constexpr double kHolds_m = 0.3, kHolds = 0.95;      // so far off, a larger share of points still near tells nothing
+constexpr int kMostOpen = 1, kAllOpen = 6;  // open directions allowed after a guess; all directions of a pose
+constexpr double kMoves = 0.1;              // translation [m] per unit step; directions below it are pure rotations
+constexpr double kTurnedOff_deg = 1.0;      // attitude error of a guess, one standard deviation
+constexpr double kCoarsest_m = 0.3, kFine_m = 0.03;  // surface sigma of the first steps: wide and close
+constexpr double kApart_m = 0.1;                     // places farther from each other than this are different
+constexpr double kSlid_m = 0.15;                     // step along the least constrained direction
+// a fit with more than kHolds of the near points, shifted by kHolds_m or more, does not constrain the direction
+constexpr double kHolds_m = 0.3, kHolds = 0.95;
 constexpr int kRefinements = 8;
-constexpr double kStill = 1e-4;                             // m and rad: refined
-constexpr double kMovedMost_m = 1.0, kMovedMost_deg = 4.0;  // by the refinement: a cell of the grid and some
+constexpr double kStill = 1e-4;  // step below which a refinement has converged [m, rad]
+// largest correction by the refinement: somewhat more than a cell of the grid
+constexpr double kMovedMost_m = 1.0, kMovedMost_deg = 4.0;
 
 void keep_at_most(std::size_t most, std::vector<Eigen::Vector3f>& points_m) {
   const std::size_t num = points_m.size();
@@ -54,7 +58,7 @@ void keep_at_most(std::size_t most, std::vector<Eigen::Vector3f>& points_m) {
   points_m.resize(most);
 }
 
-/// So small that the farthest point moves by less than a cell [Hess et al., ICRA 2016, eq. 7].
+/// Step at which the farthest point moves by less than a cell [Hess et al., ICRA 2016, eq. 7].
 double yaw_step_rad(double cell_m, double range_m) {
   const double share = cell_m / std::max(range_m, cell_m);
   return 0.99 * elementary::acos(1.0 - 0.5 * share * share);
@@ -67,7 +71,7 @@ ScanToMapConfig matching_of(double surface_sigma_m, double open_share = ScanToMa
   return matching;
 }
 
-/// Walls hardly tell the height: the one at which most points lie on surfaces, floors among them.
+/// Walls hardly constrain the height. This selects the height at which most points lie on surfaces, floors included.
 void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, double cell_m, Pose& T) {
   const ScanToMapConfig matching = matching_of(0.1);
   const double z_m = T.translation().z();
@@ -84,7 +88,7 @@ void settle_height(const SurfaceMap& map, std::span<const Eigen::Vector3f> point
   T.translation().z() = best_m;
 }
 
-/// What is known of a pose before its surfaces are looked at, as information [1/m^2, 1/rad^2].
+/// Prior knowledge of a pose, as information [1/m^2, 1/rad^2].
 struct PosePrior {
   Pose T = Pose::Identity();
   Matrix6 information = Matrix6::Zero();
@@ -98,7 +102,7 @@ PosePrior prior_of(const Pose& T_guess, double off_m) {
   return prior;
 }
 
-/// By which moved() brings the one to the other.
+/// Step by which moved() takes T_from to T_to.
 Vector6 step_between(const Pose& T_from, const Pose& T_to) {
   Vector6 step;
   step << T_to.translation() - T_from.translation(),
@@ -106,11 +110,11 @@ Vector6 step_between(const Pose& T_from, const Pose& T_to) {
   return step;
 }
 
-/// Gauss and Newton on the distances of the points from the surfaces. The first steps count points as far off as a cell
-/// of the grid is wide, the last ones only those that lie close.
-/// @param prior  holds the pose in directions that the surfaces leave open; null: none may be
-/// @param coarsest_m  of the first steps
-/// @return how many they leave open
+/// Gauss-Newton on the distances of the points from the surfaces. The first steps include points as far off as a cell
+/// of the grid is wide, the last ones only close points.
+/// @param prior  constrains the pose in directions that the surfaces leave open; null: no direction may be open
+/// @param coarsest_m  surface sigma of the first steps
+/// @return number of open directions
 int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, const PosePrior* prior, double coarsest_m,
            Pose& T) {
   ScanFitter fitter;
@@ -135,8 +139,8 @@ int refine(const SurfaceMap& map, std::span<const Eigen::Vector3f> points_m, con
   return fitter.fit(map, points_m, T, matching_of(kFinest_m, open_share)).num_degenerate;
 }
 
-/// The directions of a pose by what evidence tells of them, the least first. A step of 1 along one moves points by 1 m
-/// in the mean: turns are counted by the mean lever arm.
+/// Directions of a pose, the least constrained first. A unit step along a direction moves points by 1 m on average:
+/// rotations are scaled by the mean lever arm.
 struct Directions {
   explicit Directions(const PoseEvidence& evidence) {
     const Matrix6& information = evidence.information;
@@ -148,10 +152,10 @@ struct Directions {
   Vector6 step(int i) const { return vectors.col(i).cwiseQuotient(scale); }
 
   Vector6 scale;
-  Matrix6 vectors;  // of scaled steps
+  Matrix6 vectors;  // eigenvectors in scaled steps
 };
 
-/// Without the directions of a pose that evidence leaves open.
+/// Projection onto the directions of a pose that the evidence constrains.
 Matrix6 told_by(const PoseEvidence& evidence, int num_open) {
   if (num_open == 0) return Matrix6::Identity();
   const Directions of(evidence);
@@ -160,7 +164,8 @@ Matrix6 told_by(const PoseEvidence& evidence, int num_open) {
   return of.scale.cwiseInverse().asDiagonal() * kept * of.scale.asDiagonal();
 }
 
-/// No wider than the guess can be off: where bays look alike, the one next to it is none of those that can be meant.
+/// Search window, no wider than the error of the guess: where bays look alike, the neighboring bay is outside the
+/// window.
 SearchWindow window_of(const ClosureConfig& config, double guess_off_m = std::numeric_limits<double>::infinity()) {
   const double off_m = std::max(guess_off_m, kNarrowest_m);
   SearchWindow window;
@@ -171,7 +176,7 @@ SearchWindow window_of(const ClosureConfig& config, double guess_off_m = std::nu
   return window;
 }
 
-/// A flag for each heading of the window: do the histograms agree there?
+/// A flag for each heading of the window: true where the histograms agree.
 std::vector<std::uint8_t> likely_headings(const RotationalHistogram& of_older, const RotationalHistogram& of_newer,
                                           double yaw_guess_rad, const SearchWindow& window, double least) {
   std::vector<std::uint8_t> allowed(num_yaws(window));
@@ -190,7 +195,7 @@ SurfaceMap surfaces_of(std::span<const Eigen::Vector3f> points_m) {
   return surfaces;
 }
 
-/// The cloud of the newer submap, and as much of it as surfaces ask for.
+/// The cloud of the newer submap, and a subset of it for fits.
 struct NewerCloud {
   explicit NewerCloud(std::span<const Eigen::Vector3f> points_m)
       : all_m(points_m), fitted_m(points_m.begin(), points_m.end()) {
@@ -200,15 +205,16 @@ struct NewerCloud {
   std::vector<Eigen::Vector3f> fitted_m;
 };
 
-/// Places that the newer submap takes when it slides in the direction of which the surfaces tell least.
+/// Poses of the newer submap when it slides along the direction that the surfaces constrain least.
 struct Slide {
-  PoseEvidence evidence;  // where it begins
-  Vector6 step;           // the direction
+  PoseEvidence evidence;  // at the start of the slide
+  Vector6 step;           // direction of the slide
   std::vector<Pose> T_older_newer;
   std::vector<double> way_m;
-  std::vector<int> num_near;  // points on surfaces
+  std::vector<int> num_near;  // number of points on surfaces
 
-  /// How far another place is from the line of all these. A pure turn has none, and stays where it is.
+  /// Distance of another pose from the line of the slide. A pure rotation has no line: there it is the distance from
+  /// the start.
   double off_it_m(const Pose& T) const {
     const Vector3 off_m = T.translation() - T_older_newer.front().translation();
     if (step.head<3>().norm() < kMoves) return off_m.norm();
@@ -217,7 +223,7 @@ struct Slide {
   }
 };
 
-/// @param reach_m  to either side; it begins in the middle, and the nearer ones come first
+/// @param reach_m  length to either side; poses are sampled from the start outward
 Slide slide_of(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer, double reach_m) {
   ENSURE(std::isfinite(reach_m), reach_m);
   ScanFitter fitter;
@@ -237,8 +243,8 @@ Slide slide_of(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& 
   return slide;
 }
 
-/// Does it lie on the surfaces about as well when it slides? Then what they seem to tell of that direction are errors
-/// of their normals, or ledges that meet others.
+/// Does the submap fit about as well after it slides? Then the apparent constraint along that direction comes from
+/// errors of normals, or from ledges that meet other ledges.
 bool fits_elsewhere(const Slide& slide) {
   for (std::size_t i = 1; i < slide.way_m.size(); ++i) {
     if (std::abs(slide.way_m[i]) >= kHolds_m && slide.num_near[i] > kHolds * slide.num_near.front()) return true;
@@ -246,7 +252,7 @@ bool fits_elsewhere(const Slide& slide) {
   return false;
 }
 
-/// The last checks: how much of the newer submap is known in the older one, and does that lie on its surfaces?
+/// Final checks: overlap of the newer submap with the older one, and fit of the overlapping points to its surfaces.
 /// @param num_open  directions that may be left open
 void check_fit(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer, int num_open,
                const ClosureConfig& config, ClosureResult& result) {
@@ -263,7 +269,7 @@ void check_fit(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& 
   result.told = told_by(fit.evidence, fit.num_degenerate);
 }
 
-/// From a place of the grid to the surfaces of the older submap, and the last checks.
+/// Refines a match of the grid on the surfaces of the older submap and makes the final checks.
 void settle(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_older_newer_grid,
             const ClosureConfig& config, ClosureResult& result) {
   Pose T = T_older_newer_grid;
@@ -284,9 +290,9 @@ void settle(const SurfaceMap& surfaces, const NewerCloud& newer, const Pose& T_o
 
 double distance_m(const Pose& T_a, const Pose& T_b) { return (T_a.translation() - T_b.translation()).norm(); }
 
-/// From a guess that is nearly right to the surfaces. One direction may stay open: there the guess is kept, and the
-/// closure tells nothing of it. Floors fit wherever the guess is, so what stands upright has to fit by itself as well.
-/// @param T_start  where it begins
+/// Refines a nearly correct guess on the surfaces. One direction may stay open: it keeps the guess, and the closure
+/// does not constrain it. Floors fit wherever the guess is, so upright structure has to fit by itself as well.
+/// @param T_start  initial pose of the refinement
 ClosureResult settle_from_guess(const SurfaceMap& surfaces, const NewerCloud& newer,
                                 std::span<const Eigen::Vector3f> upright_newer_m, const PosePrior& prior,
                                 const Pose& T_start, double off_m, double coarsest_m, const ClosureConfig& config) {
@@ -309,9 +315,10 @@ ClosureResult settle_from_guess(const SurfaceMap& surfaces, const NewerCloud& ne
 
 double quality_of(const ClosureResult& closed) { return closed.overlap * closed.near_share; }
 
-/// Of two places where the surfaces nearly meet, a wide reach may find the wrong one and a short reach none. So both
-/// are tried. Along a wall the surfaces reach nowhere, and a guess that is too far off stays where it is. So the newer
-/// submap slides along it to where most of it fits. What fits elsewhere about as well tells nothing of that direction.
+/// Where surfaces nearly meet at two places, a wide reach may find the wrong one and a short reach none, so both are
+/// tried. Along a wall the surfaces give no gradient, and a wrong guess stays where it is. So the newer submap slides
+/// along the wall to where most of it fits. If other places fit about as well, the closure does not constrain that
+/// direction.
 ClosureResult settle_near_guess(const SurfaceMap& surfaces, const NewerCloud& newer,
                                 std::span<const Eigen::Vector3f> upright_newer_m, const Pose& T_guess, double off_m,
                                 const ClosureConfig& config) {
@@ -344,7 +351,7 @@ ClosureResult settle_near_guess(const SurfaceMap& surfaces, const NewerCloud& ne
   return result;
 }
 
-/// What is sought, and where.
+/// Inputs of a search: clouds, guess and window.
 struct Sought {
   const OccupancyPyramid& pyramid;
   std::span<const Eigen::Vector3f> upright_newer_m;
@@ -354,10 +361,9 @@ struct Sought {
   std::span<const std::uint8_t> headings;
 };
 
-/// A place that was settled on is doubtful when the surfaces fit about as well at another one. A lower score of the
-/// grid does not speak against that one: where all bays of an aisle look alike, the place with the largest overlap
-/// scores best. Others do not count that are farther from the guess than this one, and farther than the guess can be
-/// off.
+/// Marks a closure as ambiguous when the surfaces fit about as well at another place. The other place may have a lower
+/// score of the grid: where all bays of an aisle look alike, the place with the largest overlap scores best. Places
+/// farther from the guess than both this one and the error of the guess are ignored.
 void doubt(const Sought& sought, const SurfaceMap& surfaces, const GridMatch& best, double guess_off_m,
            const ClosureConfig& config, ClosureResult& result) {
   const Excluded excluded{best.T_map_cloud, config.rival_distance_m};
@@ -476,7 +482,7 @@ MapMatch find_in_map(std::span<const MapPart> parts, std::span<const Eigen::Vect
         parts[i].directions != nullptr ? *parts[i].directions : RotationalHistogram(parts[i].points_part_m);
     places[i].headings = likely_headings(of_part, of_cloud, 0.0, window, config.histogram_min);
   }
-  // Every place is looked at twice: for the best one, and for others that are about as good.
+  // Two passes: the best match, then rivals of nearly the same score.
   std::optional<GridMatch> best;
   Pose T_map_cloud = Pose::Identity();
   for (const bool for_rivals : {false, true}) {

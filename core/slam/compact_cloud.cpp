@@ -16,13 +16,13 @@ constexpr int kHalfTree = 1 << (kTreeDepth - 1);
 constexpr std::size_t kMostPointsOfChunk = 65535;
 
 struct PackedPoint {
-  std::uint32_t path = 0;  // a digit of three bits for each level of the octree, the topmost first
+  std::uint32_t path = 0;  // three bits for each level of the octree, the topmost first
   std::uint32_t within = 0;
 };
 
 int digit_of(std::uint32_t path, int level) { return static_cast<int>(path >> (3 * (kTreeDepth - 1 - level)) & 7U); }
 
-/// How many levels of the octree two voxels share.
+/// Number of octree levels that two voxels share.
 int shared_levels(std::uint32_t a, std::uint32_t b) {
   int level = 0;
   while (level < kTreeDepth && digit_of(a, level) == digit_of(b, level)) ++level;
@@ -44,7 +44,7 @@ class BitWriter {
   std::vector<std::uint8_t> bytes;
 
  private:
-  int free_ = 0;  // bits of the last byte
+  int free_ = 0;  // unused bits of the last byte
 };
 
 class BitReader {
@@ -82,7 +82,7 @@ void write_tree(std::span<const PackedPoint> points, int level, int bits, BitWri
   }
 }
 
-/// False: the bytes end early, or there are more points than told.
+/// False when the bytes end early or the points exceed `most`.
 bool read_tree(BitReader& in, int level, std::uint32_t path, int bits, std::size_t most,
                std::vector<PackedPoint>& points) {
   if (level == kTreeDepth) {
@@ -102,7 +102,7 @@ bool read_tree(BitReader& in, int level, std::uint32_t path, int bits, std::size
 std::vector<Eigen::Vector3f> points_to_share_m(std::span<const Eigen::Vector3f> points_m,
                                                const CompactCloudConfig& config) {
   std::vector<Eigen::Vector3f> shared_m = upright_points_m(points_m, config.voxel_m, config.range_max_m);
-  // Whole columns go or stay, so that what stands upright can be told by those that are left.
+  // Thins by whole columns, so that upright structure can be detected in the rest.
   const auto one_in = static_cast<std::int64_t>(shared_m.size()) / config.upright_points + 1;
   std::erase_if(shared_m, [&](const Eigen::Vector3f& p) {
     const auto x = static_cast<std::int64_t>(std::floor(static_cast<double>(p.x()) / config.voxel_m));

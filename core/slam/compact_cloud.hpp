@@ -10,24 +10,25 @@
 
 namespace swiftlet {
 
-/// A part of a compact cloud that can be read alone. Clouds are in the frames of their submaps, as T_local_submap tells
-/// them.
+/// A part of a compact cloud that can be decoded alone, in the frame of its submap (T_local_submap).
 struct PackedPoints {
   std::uint16_t num_points = 0;
   std::vector<std::uint8_t> data;
 };
 
-/// The points of a submap that are worth sending: one in each voxel of what stands upright, and fewer of the ground.
+/// The points of a submap that are sent: one per voxel of upright structure, thinned by whole columns, and one per
+/// coarser voxel of everything.
 std::vector<Eigen::Vector3f> points_to_share_m(std::span<const Eigen::Vector3f> points_submap_m,
                                                const CompactCloudConfig& config);
 
-/// An octree over voxels around the origin of the frame, and the place of each voxel's point within it. Of points that
-/// share a voxel the first is kept; what lies beyond the octree is left out.
+/// Octree over voxels around the origin of the frame, with the position of each voxel's point inside it. The first
+/// point of a voxel is kept; points beyond the octree are dropped.
 ///
-/// @param most_bytes  of each part
+/// @param most_bytes  size limit of a part
 std::vector<PackedPoints> pack_points(std::span<const Eigen::Vector3f> points_submap_m, double voxel_m, int bits,
                                       int most_bytes);
-/// Appends the points of a part. False, and nothing is appended, when the bytes are not what pack_points() makes.
+/// Appends the points of a part. Returns false, and appends nothing, when the bytes do not have the format of
+/// pack_points().
 bool unpack_points(std::span<const std::uint8_t> data, int num_points, double voxel_m, int bits,
                    std::vector<Eigen::Vector3f>& points_submap_m);
 

@@ -12,21 +12,21 @@ namespace {
 
 // [Orsulic 2021, eq. 2]
 constexpr double kSteepness = 1.5, kMiddle_s = 3.0, kWindow_s = 7.0;
-// Peaks of the quintic from rest to rest over 1 in 1 s: speed, acceleration, jerk.
+// Peak speed, acceleration and jerk of the quintic from rest to rest over a distance of 1 in 1 s.
 constexpr double kPeakSpeed = 1.875, kPeakAcceleration = 5.7735027, kPeakJerk = 60.0;
-constexpr double kMargin = 1.001;  // for peaks between two samples
+constexpr double kMargin = 1.001;  // margin for peaks between two samples
 constexpr int kSamples = 48;
 constexpr double kLonger = 1.05;
 constexpr int kTries = 60;
 
-/// Weight of the old pose.
+/// Weight of the old pose [Orsulic 2021, eq. 2].
 double weight_of_old(BlendForm form, double t_s) {
   if (t_s >= kWindow_s || form == BlendForm::kNone) return 0.0;
   return form == BlendForm::kPrinted ? 1.0 / (1.0 + kSteepness * elementary::exp(t_s - kMiddle_s))
                                      : 1.0 / (1.0 + elementary::exp(kSteepness * (t_s - kMiddle_s)));
 }
 
-/// A polynomial of fifth degree to rest at zero after T, at the share s of it.
+/// A polynomial of fifth degree that comes to rest at zero after T, at the fraction s of T.
 struct Quintic {
   Vector3 c0, c1, c2, c3, c4, c5;
 
@@ -44,7 +44,7 @@ struct Quintic {
   Vector3 third(double s) const { return 6.0 * c3 + s * (24.0 * c4 + s * 60.0 * c5); }
 };
 
-/// The rate of turning of Exp(turn), in its destination's axes, is this times the derivative of `turn`.
+/// Maps the derivative of `turn` to the angular rate of Exp(turn), in the axes of its destination.
 Matrix3 left_jacobian(const Vector3& turn_rad) {
   const Matrix3 K = skew_of(turn_rad);
   const double angle = turn_rad.norm(), square = angle * angle;
@@ -123,8 +123,8 @@ void CorrectionBlend::begin_blend(TimeNs t, const Pose& T_world_local, const Vec
   blending_ = true;
 }
 
-/// From the pose shown now, with its rate and acceleration. False when no such motion keeps the limits: what goes on
-/// then comes to rest within them, and from rest there always is one.
+/// Blends from the pose shown now, with its rate and acceleration. False when no such motion keeps the limits: the
+/// present motion then first comes to rest within them, and a blend from rest always exists.
 bool CorrectionBlend::begin_limited(TimeNs t) {
   Motion start;
   if (blending_) {
@@ -156,7 +156,7 @@ bool CorrectionBlend::begin_limited(TimeNs t) {
   return false;
 }
 
-/// The largest speed, acceleration and jerk, each as a share of its limit: the largest of them.
+/// Largest ratio of speed, acceleration and jerk to their limits.
 double CorrectionBlend::peak_share(const Motion& start, double duration_s) const {
   const double T = duration_s;
   const Quintic u(start.value.u_world_m, start.rate.u_world_m, start.acceleration.u_world_m, T);

@@ -16,14 +16,15 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kLeastStep_m = 0.05;  // of odometry: below it errors do not get smaller
+// shortest path length for the odometry sigma: errors do not get smaller below it
+constexpr double kLeastStep_m = 0.05;
 constexpr double kSigmasOff = 3.0;
-constexpr int kLooksFromOnePlace = 10;  // for oneself in a given map: more see nothing new
-constexpr double kInSubmap_m = 0.005;   // how exactly a node lies in its own submap
+constexpr int kLooksFromOnePlace = 10;  // most searches of a given map from one place: further ones see nothing new
+constexpr double kInSubmap_m = 0.005;   // position sigma of a node relative to its own submap
 constexpr double kInSubmap_deg = 0.02;
-constexpr double kTold_m = 0.01, kTold_deg = 0.1;         // a start pose that was told
-constexpr double kGuessed_m = 10.0, kGuessed_deg = 10.0;  // one that was not
-constexpr double kTilt_rad = 0.5 * kRadPerDeg;            // of any start: gravity is known
+constexpr double kTold_m = 0.01, kTold_deg = 0.1;         // sigma of a known start pose
+constexpr double kGuessed_m = 10.0, kGuessed_deg = 10.0;  // sigma of an unknown start pose
+constexpr double kTilt_rad = 0.5 * kRadPerDeg;            // tilt sigma of an unknown start: gravity is known
 // Longest delay between a scan and a GNSS fix that arrives before it [s]. Scans that are later may lose their fix.
 constexpr double kScanLate_s = 2.0;
 // Most pairs of position and GNSS fix kept to fit an unknown start. Larger values average more fixes.
@@ -36,7 +37,7 @@ Matrix6 information_of(double position_m, double attitude_rad) {
   return information;
 }
 
-/// With z up, as the local frame has it: heading and place of a body.
+/// Heading and position of a body, without tilt; z up as in the local frame.
 Pose level(const Pose& T) { return make_pose(T.translation(), rotation_by({0.0, 0.0, yaw_of(T.linear())})); }
 
 }  // namespace
@@ -115,7 +116,8 @@ void GlobalSlam::begin_submap(const Tie& tie, int first_pose, double hidden_m) {
   told_.given = pieces_of(*config_.loaded_map);
 }
 
-/// The one before takes no further scans: it keeps a point in a cube and is compared with older ones.
+/// Finishes the newest submap: it is thinned to one point per voxel and compared with older submaps. Then the next
+/// begins.
 void GlobalSlam::begin_next_submap() {
   double hidden_m = 0.0;
   if (!submaps_.empty()) {
@@ -144,7 +146,8 @@ std::vector<Eigen::Vector3f> GlobalSlam::thinned_m(std::span<const Eigen::Vector
   return thinned_m;
 }
 
-/// With the nearest older submaps that the vehicle left long ago, or an earlier flight made.
+/// Matches the newest submap with the nearest older ones that the vehicle left long ago, or that an earlier flight
+/// made.
 std::vector<GlobalSlam::Older> GlobalSlam::seek_closures() {
   std::vector<Older> joined;
   if (num_given_poses_ > 0 && !located_) return joined;
@@ -200,18 +203,18 @@ std::vector<Eigen::Vector3f> GlobalSlam::unknown_m(std::span<const Older> older)
   return unknown_m;
 }
 
-/// Do older submaps know enough of the newest one, if they lack so many of its points?
+/// Do older submaps contain enough of the newest one's points?
 bool GlobalSlam::is_covered(std::size_t num_unknown) const {
   const auto num = static_cast<double>(submaps_.back().points_submap_m.size());
   return num - static_cast<double>(num_unknown) >= config_.covered_share * num;
 }
 
-/// The newest submap keeps only the points that the older ones joined with it lack.
+/// Keeps only the points of the newest submap that the older ones joined with it lack.
 void GlobalSlam::forget_known(std::span<const Older> joined) {
   if (joined.empty() || config_.covered_share >= 1.0) return;
   const std::vector<Eigen::Vector3f> fresh_m = unknown_m(joined);
   if (!is_covered(fresh_m.size())) return;
-  submaps_.back().points_submap_m = std::vector<Eigen::Vector3f>(fresh_m);  // takes no more memory than it needs
+  submaps_.back().points_submap_m = std::vector<Eigen::Vector3f>(fresh_m);  // exact copy: releases the spare capacity
   submaps_.back().thinned_out = true;
 }
 
@@ -243,7 +246,7 @@ bool GlobalSlam::drop_known(std::span<const Older> joined) {
   return true;
 }
 
-/// Cells that a mapper has attached to the newest submap belong to an older one from now on.
+/// Moves cells that a mapper attached to the newest submap to an older one.
 void GlobalSlam::tell_dropped(int into, const Pose& T_into_newest) {
   const int number = num_submaps() - 1;
   told_.dropped = {told_.dropped.count + 1, number, into, T_into_newest};
@@ -288,7 +291,7 @@ void GlobalSlam::drop_newest(std::span<const Older> joined) {
   }
 }
 
-/// The newest submap with an older one.
+/// Adds a closure between the newest submap and an older one.
 void GlobalSlam::join(int older_pose, int newer_pose, const ClosureResult& closure) {
   const Matrix6 information = information_of(config_.closure_position_m, config_.closure_attitude_deg * kRadPerDeg);
   graph_.add(RelativeFactor{older_pose, newer_pose, closure.T_older_newer,
@@ -299,7 +302,7 @@ void GlobalSlam::join(int older_pose, int newer_pose, const ClosureResult& closu
   news_ = true;
 }
 
-/// Does a vehicle that hovers look for itself again? It turns meanwhile and sees more.
+/// Does a hovering vehicle search again? It turns meanwhile and sees more.
 bool GlobalSlam::is_sought(TimeNs t, double way_m) const {
   return num_given_poses_ > 0 && !located_ && !gave_up_looking() && way_m - hovers_at_m_ < config_.node_every_m &&
          to_seconds(t - sought_) >= config_.locate_every_s;
@@ -309,8 +312,8 @@ bool GlobalSlam::gave_up_looking() const {
   return num_given_poses_ > 0 && !located_ && num_sought_here_ >= kLooksFromOnePlace;
 }
 
-/// A vehicle that was told nothing of its start looks for itself in the map of an earlier flight: with what it has seen
-/// of its present submap, now and then on its way and while it hovers.
+/// Relocalizes a vehicle of unknown start in the map of an earlier flight by its present submap: at intervals along its
+/// path and while it hovers.
 void GlobalSlam::locate(TimeNs t) {
   if (located_ || num_given_poses_ == 0) return;
   const double way_m = nodes_.back().way_m;
@@ -334,7 +337,7 @@ void GlobalSlam::locate(TimeNs t) {
   const Pose T_older_own = match.result.T_older_newer;
   const Pose by = level(graph_.pose(older_pose) * T_older_own) * level(graph_.pose(own.pose)).inverse();
   for (int i = num_given_poses_; i < graph_.num_poses(); ++i) graph_.set_pose(i, by * graph_.pose(i));
-  graph_.clear_priors(num_given_poses_);  // what was guessed of the start
+  graph_.clear_priors(num_given_poses_);  // removes the guess of the start
   join(older_pose, own.pose, match.result);
 }
 
@@ -364,8 +367,8 @@ void GlobalSlam::add_gnss(const GnssSample& sample) {
   while (waiting_.size() > 1 && to_seconds(sample.t - waiting_[1].t) > kScanLate_s) waiting_.erase(waiting_.begin());
 }
 
-/// Fixes between the last two nodes; while the vehicle hovers the last one stands for all. Fixes may be newer than the
-/// nodes, whose scans take a while.
+/// Adds the last fix before the newest node; it stands for all fixes since the node before. Fixes may be newer than the
+/// nodes, whose scans arrive later.
 void GlobalSlam::place_fixes() {
   if (waiting_.empty() || nodes_.size() < 2) return;
   const Node &before = nodes_[nodes_.size() - 2], &after = nodes_.back();
@@ -383,7 +386,7 @@ void GlobalSlam::place_fixes() {
   fixes_ = true;
 }
 
-/// A start that nobody told is fitted to east, north and up as soon as the way is long enough to tell a heading.
+/// Fits an unknown start to east, north and up once the path is long enough to determine a heading.
 void GlobalSlam::fit_start() {
   if (pose_known_ || fitted_ || num_given_poses_ > 0 || matched_.size() < 5) return;
   const Node& first = nodes_.front();
@@ -391,7 +394,7 @@ void GlobalSlam::fit_start() {
   const double yaw_rad = yaw_of(T_world_local.linear());
   const Pose fitted = fit_to_world(matched_, yaw_rad, config_.fit_spread_m);
   if (yaw_of(fitted.linear()) == yaw_of(level_alignment(yaw_rad, Vector3::Zero(), Vector3::Zero()).linear()))
-    return;  // too near to each other
+    return;  // fixes too near to each other
   fitted_ = true;
   matched_ = {};
   const Pose by = fitted * T_world_local.inverse();
@@ -407,7 +410,7 @@ void GlobalSlam::optimize(TimeNs t) {
   news_ = fixes_ = false;
   last_optimized_ = t;
   const Node& last = nodes_.back();
-  // Both frames have z up: the tilt of the local frame is local SLAM's own.
+  // Both frames have z up: only local SLAM determines the tilt of the local frame.
   const Pose T_world_local = graph_.pose(last.pose) * last.T_local_body.inverse();
   Learned learned;
   learned.begun = t;
@@ -421,7 +424,7 @@ void GlobalSlam::optimize(TimeNs t) {
   learned_.push_back(std::move(learned));
 }
 
-/// By the submap that grows: what the vehicle sees now stands still in the local frame.
+/// The newest submap links the frames: what the vehicle sees now stands still in the local frame.
 Pose GlobalSlam::T_local_world() const {
   return submaps_.back().T_local_submap * graph_.pose(submaps_.back().pose).inverse();
 }
@@ -441,7 +444,7 @@ std::optional<Pose> GlobalSlam::correction(TimeNs t) {
   while (!learned_.empty() && latency_.is_over(learned_.front().begun, t)) {
     Learned& learned = learned_.front();
     newest = learned.T_world_local;
-    // Submaps that began since then lie where they began.
+    // Submaps begun since then keep their start pose.
     std::copy(learned.T_local_own.begin(), learned.T_local_own.end(), told_.T_local_own.begin());
     if (!learned.T_local_given.empty()) {
       if (told_.given.empty()) told_.given = pieces_of(*config_.loaded_map);
@@ -493,7 +496,7 @@ std::size_t GlobalSlam::num_points() const {
   return num;
 }
 
-/// By so much local SLAM is off at most after a way, as far as the graph trusts it.
+/// Bound of the drift of local SLAM over a path, by the odometry sigmas of the graph.
 double GlobalSlam::off_m(double way_m) const {
   const double turn_rad_sqrt_m = config_.odometry_attitude_deg_sqrt_m * kRadPerDeg;
   return kSigmasOff * std::sqrt(way_m) *

@@ -11,14 +11,15 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kLeastInformation = 1.0;  // [1/m^2, 1/rad^2] of a closure, in its least certain direction
+// smallest information [1/m^2, 1/rad^2] of a closure in its least certain direction
+constexpr double kLeastInformation = 1.0;
 
 struct GraphEdge {
   int to = 0;
   double length_m = 0.0;
 };
 
-/// In some direction the two poses may lie anywhere.
+/// True when the factor leaves some direction of the relative pose unconstrained.
 bool leaves_open(const RelativeFactor& factor) {
   return factor.huber != kNoHuber && symmetric_eigen<6>(factor.information).values(0) < kLeastInformation;
 }
@@ -39,7 +40,7 @@ std::vector<std::vector<GraphEdge>> edges_of(const PoseGraph& graph) {
 std::vector<double> shortest_ways_m(const PoseGraph& graph, int from_pose) {
   const std::vector<std::vector<GraphEdge>> edges = edges_of(graph);
   std::vector<double> way_m(edges.size(), std::numeric_limits<double>::infinity());
-  using Reached = std::pair<double, int>;  // way and pose: ties are broken by the pose
+  using Reached = std::pair<double, int>;  // path length and pose: ties are broken by the pose
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front;
   way_m[static_cast<std::size_t>(from_pose)] = 0.0;
   front.emplace(0.0, from_pose);

@@ -7,12 +7,12 @@
 
 namespace swiftlet {
 
-/// How far is it from one pose of a graph to each of the others, along relative factors? Closures have a Huber loss.
-/// They join places that were left long ago, and count nothing. A closure that leaves a direction open leads nowhere.
-/// So errors of the way between two poses grow with this and no longer with the time between them.
-/// By Dijkstra (1959).
+/// Length of the shortest path from one pose of a graph to each of the others along relative factors, by Dijkstra
+/// (1959). Closures (factors with a Huber loss) join places left long ago and have zero length; closures that leave a
+/// direction open are no edges. Errors between two poses grow with this length and no longer with the time between
+/// them.
 ///
-/// @return by pose [m]; infinite where no factors lead to
+/// @return length per pose [m]; infinite where no factors lead
 std::vector<double> shortest_ways_m(const PoseGraph& graph, int from_pose);
 
 }  // namespace swiftlet

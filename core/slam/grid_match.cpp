@@ -11,10 +11,10 @@
 namespace swiftlet {
 namespace {
 
-// Damping of Levenberg and Marquardt's method, relative to the diagonal of H: first value, and the value that ends it.
+// Damping of the Levenberg-Marquardt method, relative to the diagonal of H: first value, and the value that ends it.
 constexpr double kGridFirstDamping = 1e-4, kGridMostDamping = 1e8;
-constexpr double kLeastEasing = 1.0 / 3.0;  // of the damping, after a step that was as good as foretold
-constexpr double kSettledShare = 1e-6;      // of the cost: a smaller gain ends the search
+constexpr double kLeastEasing = 1.0 / 3.0;  // smallest factor of the damping after a step whose gain was as predicted
+constexpr double kSettledShare = 1e-6;      // share of the cost; a smaller predicted gain ends the search
 
 Pose changed_pose(const Pose& T, const Vector6& d) {
   return make_pose(T.translation() + d.head<3>(),
@@ -48,7 +48,7 @@ GridEvidence evidence_at(const std::array<GridCloud, 2>& clouds, const Pose& T_g
   return e;
 }
 
-/// The whole cost at a pose.
+/// Total cost at a pose.
 struct WholeCost {
   GridEvidence points;
   double cost = 0.0;
@@ -79,7 +79,7 @@ class Problem {
     whole.g = whole.points.g + J.transpose() * r;
     return whole;
   }
-  /// Of the two terms, where they are zero.
+  /// Information of the translation and rotation terms at the predicted pose.
   Vector6 held() const {
     Vector6 held = weight_.cwiseProduct(weight_);
     held.tail<3>() *= 0.25;
@@ -131,7 +131,7 @@ GridsMatch match_to_grids(const std::array<GridCloud, 2>& clouds, const Vector3&
     const WholeCost next = problem.at(T_next);
     const double foretold = -step.dot(2.0 * here.g + here.H * step), gain = here.cost - next.cost;
     if (foretold < kSettledShare * here.cost) break;
-    if (gain <= 0.0) {  // the more often, the harder (Nielsen 1999)
+    if (gain <= 0.0) {  // each further rejection raises the damping more (Nielsen 1999)
       damping *= harder;
       harder *= 2.0;
       continue;

@@ -9,22 +9,23 @@
 namespace swiftlet {
 namespace {
 
-// Scans that meet the same cells share what the cells are off by: half of the variance of what each tells.
+// Scans that meet the same cells share the errors of the cells: half of the variance of each scan's evidence.
 constexpr double kMapShare = 0.5;
-constexpr double kSurface = 0.5;        // a cell at least as probable as this is one
-constexpr double kTinyScatter = 1e-12;  // of the trace: in directions in which nothing is seen
+constexpr double kSurface = 0.5;        // least probability of a cell that counts as a surface
+constexpr double kTinyScatter = 1e-12;  // scatter in directions without evidence, as a share of the trace
 
-// One point in a cube of these edges makes the planes that say which directions are open, and is held against them.
+// Voxels of the points that build the planes for the test of open directions, and of the points tested against them.
 constexpr double kPlanesVoxel_m = 0.3, kJudgedVoxel_m = 0.5;
-constexpr int kJudgedStanding = 30;    // points on what stands free; the gaps between scan lines look like it
-constexpr double kJudgedShare = 0.01;  // of the planes' information: normals are no better than the poses
+// least number of points on free-standing structure; gaps between scan lines look like it
+constexpr int kJudgedStanding = 30;
+constexpr double kJudgedShare = 0.01;  // least share of the planes' information: normals are no better than the poses
 
-constexpr int kPlanesScans = 10, kPlanesLeast = 5;  // scans of which their planes are, at most twice as many
+constexpr int kPlanesScans = 10, kPlanesLeast = 5;  // scans per map of planes, at most twice as many; fewest for a test
 
 SurfaceMapConfig last_planes() {
   SurfaceMapConfig config;
   config.levels = 3;
-  config.plane_sigma_m = 0.1;  // the poses of the scans are off by some of it
+  config.plane_sigma_m = 0.1;  // includes errors of the scans' poses
   return config;
 }
 
@@ -80,7 +81,7 @@ ScanMatcher::Match GridMatcher::match(InertialFilter& filter, const Doubt& doubt
   return match;
 }
 
-/// In how many directions of the pose the planes of the last scans leave it open.
+/// Number of directions of the pose that the planes of the last scans leave open.
 int GridMatcher::count_open(const Pose& T_local_body, double range_sigma_m) {
   const Planes& planes = planes_[older_planes_];
   if (planes.num_scans < kPlanesLeast) return 0;

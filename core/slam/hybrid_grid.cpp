@@ -12,7 +12,7 @@ constexpr std::size_t kFirstGridTable = 1U << 10;
 constexpr std::uint64_t kBlockAxisBits = 21, kBlockAxisMask = (1U << kBlockAxisBits) - 1,
                         kBlockAxisHalf = 1U << (kBlockAxisBits - 1);
 
-/// Never 0, which stands for no block.
+/// Nonzero; 0 marks an empty slot.
 std::uint64_t block_key(const Eigen::Vector3i& cell) {
   const auto axis = [](int index) {
     return (static_cast<std::uint64_t>(static_cast<std::int64_t>(index >> 3)) + kBlockAxisHalf) & kBlockAxisMask;
@@ -28,7 +28,7 @@ std::size_t block_slot(std::uint64_t key, std::size_t table_size) {  // Fibonacc
   return (key * 0x9E3779B97F4A7C15ULL >> 24U) & (table_size - 1);
 }
 
-/// A cubic from 0 to 1 without slope at its ends, and its slope.
+/// A cubic from 0 to 1 with zero slope at its ends, and its slope.
 struct Rise {
   double value, slope;
   explicit Rise(double t) : value(t * t * (3.0 - 2.0 * t)), slope(6.0 * t * (1.0 - t)) {}

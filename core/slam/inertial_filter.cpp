@@ -11,9 +11,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kLongestStep_s = 0.1;  // a longer gap in the IMU's samples is not bridged by one of them
+constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that one sample bridges
 
-constexpr double kTwice = 4.0;  // of the standard deviations: the same scans are used again
+// factor of the variances (twice the standard deviations): the same scans are used again
+constexpr double kTwice = 4.0;
 
 double squared(double x) { return x * x; }
 
@@ -133,7 +134,7 @@ void InertialFilter::step(const Vector3& omega_body_radps, const Vector3& force_
   P_.block<3, 3>(kTheta, kTheta).diagonal().array() += squared(config_.gyro_noise_radps_sqrt_hz) * dt;
   P_.block<3, 3>(kAccelBias, kAccelBias).diagonal().array() += squared(config_.accel_walk_mps3_sqrt_hz) * dt;
   P_.block<3, 3>(kGyroBias, kGyroBias).diagonal().array() += squared(config_.gyro_walk_radps2_sqrt_hz) * dt;
-  if (dt > kLongestStep_s) {  // what happened in the gap is not known
+  if (dt > kLongestStep_s) {  // the motion in the gap is unknown
     P_.block<3, 3>(kP, kP).diagonal().array() += squared(dt * dt);
     P_.block<3, 3>(kV, kV).diagonal().array() += squared(2.0 * dt);
     P_.block<3, 3>(kTheta, kTheta).diagonal().array() += squared(dt);
@@ -174,12 +175,12 @@ void InertialFilter::settle(const PoseEvidence& evidence) {
 
 void InertialFilter::settle(const Covariance& posterior) {
   P_ = 0.5 * (posterior + posterior.transpose());
-  // Rounding must not make a variance negative.
+  // Keeps variances positive despite rounding.
   for (int i = 0; i < kStates; ++i) P_(i, i) = std::max(P_(i, i), 1e-18);
 }
 
 void InertialFilter::take(const WeighedPose& pose) {
-  const PoseColumns told_by = pose_columns() * pose.slope;  // covariance of all states with what is told
+  const PoseColumns told_by = pose_columns() * pose.slope;  // covariance of all states with the measured pose
   const Matrix6 spread = pose.slope * pose_covariance() * pose.slope + pose.scatter;
   PoseColumns gain = spread.partialPivLu().solve(told_by.transpose()).transpose();
   gain.middleRows<3>(kP) = pose.gain.topRows<3>();

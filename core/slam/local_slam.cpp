@@ -11,11 +11,13 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kUnknownVelocity_mps = 0.3;     // a scan of a vehicle whose speed is less sure than this is smeared
-constexpr std::size_t kMostStartSamples = 4096;  // of the IMU; when scans come later than that, they count once
-constexpr double kVehicleKnown_s = 1.0;          // since another vehicle was seen: by then it is elsewhere
-constexpr int kLeastReturns = 50;                // that a scan needs to say something
-// A direction of which a scan tells less than this is as good as open: planes do not tell how far it is off.
+constexpr double kUnknownVelocity_mps = 0.3;  // velocity sigma above which a scan counts as smeared
+// most IMU samples kept for a second start; with later scans there is none
+constexpr std::size_t kMostStartSamples = 4096;
+// longest age of a sighting of another vehicle at which its position is extrapolated
+constexpr double kVehicleKnown_s = 1.0;
+constexpr int kLeastReturns = 50;  // fewest points of a scan that is matched
+// Sigma from which a direction counts as open: planes do not measure the error along it.
 constexpr double kOpen_m = 0.1, kOpen_rad = 0.02;
 
 double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
@@ -53,8 +55,8 @@ ScanOutcome LocalSlam::add(std::shared_ptr<const Scan> scan, std::vector<SeenVeh
   return outcome;
 }
 
-/// The first scans were carried by a gyroscope whose bias was not known, and the first of them is what all later ones
-/// refer to. So they are matched once more with the biases that they gave.
+/// Repeats the start with the learned biases: all later scans refer to the first ones, which were undistorted by a
+/// gyroscope of unknown bias.
 void LocalSlam::begin_again() {
   start_.over = true;
   if (start_.imu.size() < kMostStartSamples) {
@@ -77,7 +79,7 @@ void LocalSlam::begin_again() {
   start_.scans = {};
 }
 
-/// Since the start, by the IMU alone.
+/// Velocity gained since the start, by the IMU alone.
 Vector3 LocalSlam::velocity_gained(const InertialFilter& learned) const {
   InertialFilter::State state = learned.state();
   state.nav = {};
@@ -120,14 +122,14 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
   drift_.move_to(filter_.state().nav.p_m);
   if (outcome.num_iterations > 0 && outcome.used) learn_doubt(outcome.fit);
   if (first || due_for_map()) {
-    if (smeared) matcher_->clear();  // made of a scan whose motion was not known
+    if (smeared) matcher_->clear();  // the map holds a scan of unknown motion
     const Matrix3 R_local_body = filter_.T_local_body().linear();
     if (matcher_->is_empty()) {
       drift_.inherit(filter_.pose_covariance(), R_local_body);
       filter_.anchor_pose();
     } else {
-      // Its errors last: those of the map while it is in sight, the filter's own for several scans. So they add
-      // up to what was renewed, as one error that lasted until all is renewed would.
+      // Errors persist: those of the map while it is in view, the filter's own for several scans. So the renewed share
+      // adds up like one error that lasts until the whole map is renewed.
       drift_.inherit(outcome.fit.renewal * (filter_.pose_covariance() + shared_covariance_), R_local_body);
     }
     insert();
@@ -136,7 +138,7 @@ ScanOutcome LocalSlam::match(const Scan& scan, std::span<const SeenVehicle> othe
   return outcome;
 }
 
-/// What scans that meet the same part of the map have in common. The filter takes each scan for a new one.
+/// Covariance shared by scans that meet the same part of the map; the filter treats scans as independent.
 void LocalSlam::learn_doubt(const ScanFit& fit) {
   Matrix6 bounded = fit.evidence.information;
   bounded.diagonal().head<3>().array() += 1.0 / (kOpen_m * kOpen_m);
@@ -151,7 +153,7 @@ void LocalSlam::gather(const Scan& scan, std::span<const SeenVehicle> others) {
   matcher_->take(returns_body_m_, num_inserted_ < admission_.first_scans);
 }
 
-/// Other vehicles fly on: what lies where they are by now is no part of the map.
+/// Removes points at the predicted positions of other vehicles: moving vehicles are no part of the map.
 void LocalSlam::leave_out(std::span<const SeenVehicle> others) {
   const TimeNs t = filter_.state().nav.t;
   const Pose T_body_local = filter_.T_local_body().inverse();
@@ -186,7 +188,7 @@ Matrix6 LocalSlam::pose_covariance(const InertialFilter& filter) const {
 }
 
 void MapDrift::move_to(const Vector3& p_local_m) {
-  // A turn of the map by phi moves what lies by d away by phi x d.
+  // A rotation of the map by phi moves points at distance d by phi x d.
   Matrix6 A = Matrix6::Identity();
   A.topRightCorner<3, 3>() = -skew_of(p_local_m - p_local_m_);
   C_ = (A * C_ * A.transpose()).eval();

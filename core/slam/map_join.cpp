@@ -15,9 +15,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kMostJudged = 64;   // closures: a bit each
-constexpr int kMostCliqueNodes = 200000;  // of the search for the largest set
-constexpr double kLeastWay_m = 0.05;      // of odometry: below it errors do not get smaller
+constexpr std::size_t kMostJudged = 64;   // most closures judged: one bit each
+constexpr int kMostCliqueNodes = 200000;  // most nodes of the search for the largest set
+constexpr double kLeastWay_m = 0.05;  // shortest path length for the odometry sigma: errors do not get smaller below it
 constexpr double kStandsStill_m = 1e-3, kStandsStill_rad = 1e-5;
 
 struct JoinSigmas {
@@ -42,7 +42,7 @@ JoinSigmas closure_sigmas(const MapJoinConfig& config) {
   return {config.closure_position_m * config.closure_position_m, attitude * attitude};
 }
 
-/// Sets as bits. Of equally large ones the first in the order of the search.
+/// Sets as bits. Among equally large sets the first in the order of the search is returned.
 class LargestClique {
  public:
   explicit LargestClique(std::span<const std::uint64_t> agrees_with) : agrees_with_(agrees_with) {}
@@ -73,7 +73,7 @@ bool is_known(std::span<const SubmapPlace> places, int i) {
   return i >= 0 && static_cast<std::size_t>(i) < places.size() && places[static_cast<std::size_t>(i)].known;
 }
 
-/// A chain of poses with what odometry tells between them; -1 where a place is not known.
+/// A chain of poses joined by odometry; -1 where a place is unknown.
 std::vector<int> add_chain(std::span<const SubmapPlace> places, const Pose& T_local_places, const MapJoinConfig& config,
                            PoseGraph& graph) {
   std::vector<int> poses(places.size(), -1);
@@ -107,14 +107,14 @@ double loop_chi2(const MapClosure& a, const MapClosure& b, std::span<const Subma
   const JoinSigmas closure = closure_sigmas(config);
   const JoinSigmas own_way = odometry_of(own_b.way_m - own_a.way_m, config),
                    other_way = odometry_of(other_b.way_m - other_a.way_m, config);
-  // A turn moves what lies beyond by the distance to it.
+  // A rotation displaces distant submaps in proportion to their distance.
   const double own_m2 = T_own_a_b.translation().squaredNorm(), last_m2 = b.T_own_other.translation().squaredNorm();
   const double other_m2 = (T_other_a_b * b.T_own_other.inverse()).translation().squaredNorm();
   const double attitude_rad2 = 2.0 * closure.attitude_rad2 + own_way.attitude_rad2 + other_way.attitude_rad2;
   const double position_m2 = 2.0 * closure.position_m2 + own_way.position_m2 + other_way.position_m2 +
                              closure.attitude_rad2 * (other_m2 + last_m2) + other_way.attitude_rad2 * other_m2 +
                              own_way.attitude_rad2 * own_m2;
-  // Where the second own submap comes to lie by way of the first closure, against where it is.
+  // Pose of the second own submap through the first closure, against its own pose.
   const Vector3 off_m = loop * T_own_a_b.translation() - T_own_a_b.translation();
   const Vector3 turn_rad = rotation_vector_rad(Eigen::Quaterniond(Matrix3(loop.linear())));
   return off_m.squaredNorm() / position_m2 + turn_rad.squaredNorm() / attitude_rad2;
@@ -178,7 +178,7 @@ MapJoin join_maps(std::span<const MapClosure> closures, std::span<const int> agr
   joined.T_local_otherlocal = level_alignment(yaw_of(Matrix3(T_found.linear() * T_told.linear().transpose())),
                                               T_found.translation(), T_told.translation());
   const Matrix6 covariance = graph.covariance_of(other_poses[newest]);
-  const int rows[] = {0, 1, 2, 5};  // of a level pose: place and heading
+  const int rows[] = {0, 1, 2, 5};  // components of a level pose: position and heading
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < 4; ++j) joined.covariance(i, j) = covariance(rows[i], rows[j]);
   }

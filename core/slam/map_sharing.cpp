@@ -20,21 +20,21 @@
 namespace swiftlet {
 namespace {
 
-// What others may say at most. More is refused.
+// Limits on received messages; messages beyond them are rejected.
 constexpr std::uint32_t kMostSubmaps = 4096;
 constexpr std::size_t kMostChunks = 256;
-constexpr std::uint32_t kMostPoints = 50000;  // of a compact cloud
-constexpr std::size_t kMostPlaces = 32;       // of one message
-constexpr std::size_t kMostClosures = 32;     // with one vehicle
-constexpr double kFarthest_m = 1e5;           // from the start of any flight
+constexpr std::uint32_t kMostPoints = 50000;  // points of a compact cloud
+constexpr std::size_t kMostPlaces = 32;       // places in a message
+constexpr std::size_t kMostClosures = 32;     // closures with one vehicle
+constexpr double kFarthest_m = 1e5;           // distance from the start of a flight
 constexpr double kLongestWay_m = 1e6;
 constexpr double kFarthestInSubmap_m = 200.0;
 constexpr double kMostTiltCosine = 0.9;  // cosine of the tilt of a submap
 
-constexpr std::size_t kMostWaiting = 2;           // clouds that are not searched yet
-constexpr int kMostSaid = 8;                      // messages of a step
-constexpr double kLeastBetween_s = 1.0;           // from one word about places to the next, and from join to join
-constexpr double kLargestMessage_bytes = 1200.0;  // but for chunks
+constexpr std::size_t kMostWaiting = 2;           // received clouds not yet searched
+constexpr int kMostSaid = 8;                      // messages sent per step
+constexpr double kLeastBetween_s = 1.0;           // shortest interval between reports of places, and between joins
+constexpr double kLargestMessage_bytes = 1200.0;  // all messages but chunks
 constexpr double kChunkHead_bytes = 100.0;
 constexpr double kBurst_s = 0.1;
 
@@ -44,7 +44,7 @@ Eigen::Vector3f turn_of(const Pose& T) {
   return rotation_vector_rad(Eigen::Quaterniond(Matrix3(T.linear()))).cast<float>();
 }
 
-/// The pose that was told, if there can be such a one.
+/// The received pose, or none if it is implausible.
 std::optional<Pose> pose_told(const Eigen::Vector3f& p_m, const Eigen::Vector3f& turn_rad, double farthest_m) {
   if (!p_m.allFinite() || !turn_rad.allFinite()) return std::nullopt;
   if (p_m.cwiseAbs().maxCoeff() > farthest_m || turn_rad.norm() > kPi + 0.01) return std::nullopt;
@@ -124,7 +124,7 @@ void MapSharing::update_places(const TellsSubmaps& own) {
   for (Peer& other : peers_) other.news = true;
 }
 
-// What others say.
+// Received messages.
 
 bool MapSharing::hear(TimeNs t, const Message& message) {
   if (message.from < 0 || static_cast<std::size_t>(message.from) >= peers_.size() || message.from == self_)
@@ -163,7 +163,7 @@ bool MapSharing::hear_places(TimeNs t, Peer& from, const Message& message) {
   }
   if (told.num_finished > from.num_finished) {
     from.num_finished = told.num_finished;
-    from.asked_looks = t;  // their descriptors are on the way
+    from.asked_looks = t;  // their descriptors are in transit
   }
   return true;
 }
@@ -210,7 +210,7 @@ bool MapSharing::hear_chunk(TimeNs t, Peer& from, const Message& message) {
   SubmapChunk told;
   if (read_message(message, told) != Reading::kDone || told.submap >= from.submaps.size()) return false;
   Their& their = from.submaps[told.submap];
-  if (their.complete) return true;  // it came twice
+  if (their.complete) return true;  // a repeated chunk
   if (static_cast<int>(told.submap) != from.fetching || told.chunk >= their.has_chunk.size()) return false;
   if (!(told.voxel_m >= 0.01F && told.voxel_m <= 10.0F)) return false;
   if (their.has_chunk[told.chunk] != 0) return true;
@@ -219,16 +219,16 @@ bool MapSharing::hear_chunk(TimeNs t, Peer& from, const Message& message) {
     return false;
   }
   their.has_chunk[told.chunk] = 1;
-  from.asked = t;  // it goes on
+  from.asked = t;  // the transfer continues
   their.complete =
       std::all_of(their.has_chunk.begin(), their.has_chunk.end(), [](std::uint8_t has) { return has != 0; });
   if (their.complete) from.fetching = -1;
-  if (told.chunk >= from.last_asked) from.was_asked = false;  // they come in order: what is missing now was lost
+  if (told.chunk >= from.last_asked) from.was_asked = false;  // chunks arrive in order: chunks missing now were lost
   return true;
 }
 
 bool MapSharing::hear_closures(Peer& from, const Message& message) {
-  if (asks(message.from)) return false;  // this one seeks them itself
+  if (asks(message.from)) return false;  // the own vehicle is the one that seeks closures
   MapClosures told;
   if (read_message(message, told) != Reading::kDone || told.closures.size() > kMostClosures) return false;
   std::vector<MapClosure> closures;
@@ -246,7 +246,7 @@ bool MapSharing::hear_closures(Peer& from, const Message& message) {
   return true;
 }
 
-// What is made of it.
+// Use of received data.
 
 bool MapSharing::is_about(TimeNs t, const Peer& other) const {
   return other.was_heard && to_seconds(t - other.heard) <= 3.0 * config_.tell_every_s;
@@ -256,7 +256,7 @@ bool MapSharing::is_enough(const Peer& other) const {
   return other.closures.size() >= kMostClosures || static_cast<int>(other.agreeing.size()) >= config_.closures_enough;
 }
 
-/// Where a submap of another vehicle would lie in the own local frame, by the closures that there are.
+/// Predicted pose of another vehicle's submap in the own local frame, by the present closures.
 std::optional<Pose> MapSharing::prediction_of(const Peer& from, int submap) const {
   const auto number = static_cast<std::size_t>(submap);
   if (number >= from.places.size() || !from.places[number].known) return std::nullopt;
@@ -277,8 +277,8 @@ bool MapSharing::is_near_own(const Vector3& p_local_m) const {
   return false;
 }
 
-/// Asks for the one that looks most like an own one. Once a closure says where they lie, those near own ones are first,
-/// and once the maps are joined there are no others.
+/// Requests the submap most similar to an own one. Submaps predicted near own ones by a closure come first; once
+/// closures agree, only those are requested.
 void MapSharing::choose_cloud(TimeNs t, Peer& from) {
   if (from.fetching >= 0 || own_.empty() || is_enough(from) || !is_about(t, from)) return;
   std::size_t waiting = 0;
@@ -301,7 +301,7 @@ void MapSharing::choose_cloud(TimeNs t, Peer& from) {
   from.was_asked = false;
 }
 
-/// One cloud of one vehicle in all own submaps that look like it.
+/// Searches one cloud of one vehicle in all own submaps similar to it.
 void MapSharing::search(TimeNs t, const TellsSubmaps& own) {
   if (!worker_.idle()) return;
   Their* chosen = nullptr;
@@ -386,9 +386,9 @@ void MapSharing::join(TimeNs t) {
   }
 }
 
-// What it says.
+// Sent messages.
 
-/// Never more than the budget and a short burst. What matters most goes first, and what is too much waits.
+/// Sends within the budget and a short burst, in order of priority; the rest waits.
 void MapSharing::speak(TimeNs t, Outbox& outbox) {
   const double rate_bytes_s = 1e3 / 8.0 * config_.budget_kbps;
   const double largest_bytes = std::max(kLargestMessage_bytes, config_.cloud.chunk_bytes + kChunkHead_bytes);
@@ -408,7 +408,7 @@ bool MapSharing::say_next(TimeNs t, Outbox& outbox) {
     if (i != self_ && (say_request(t, i, outbox) || say_closures(t, i, outbox))) return true;
   }
   if (say_places(t, outbox) || say_descriptor(outbox)) return true;
-  for (VehicleId i = 0; i < num; ++i) {  // in turn
+  for (VehicleId i = 0; i < num; ++i) {  // round robin over vehicles
     const VehicleId to = (next_served_ + i) % num;
     if (!say_chunk(to, outbox)) continue;
     next_served_ = (to + 1) % num;

@@ -20,13 +20,13 @@
 
 namespace swiftlet {
 
-/// Two vehicles tell each other by radio what their finished submaps look like. Of two vehicles the one with the lower
-/// number asks for clouds of submaps that look like its own. It searches them in its map, and tells the other what it
-/// found. Both then know how their local frames lie to each other, as soon as enough closures agree. Clouds are in the
-/// frames of their submaps, as T_local_submap tells them.
+/// Two vehicles exchange descriptors of their finished submaps by radio. The vehicle with the lower number requests
+/// clouds of submaps similar to its own, searches them in its map and reports the closures it finds. Once enough
+/// closures agree, both know the transform between their local frames. Clouds are in the frames of their submaps
+/// (T_local_submap).
 ///
-/// What others say may be lost, late, repeated or wrong: every message says what holds now, and what cannot be is
-/// refused. Results hang on nothing but the messages, the own submaps and the time of the steps.
+/// Messages may be lost, late, repeated or wrong: every message reports the present state, and implausible ones are
+/// rejected. Results depend only on the messages, the own submaps and the times of the steps.
 class MapSharing {
  public:
   MapSharing(const MapSharingConfig& config, VehicleId self, int num_vehicles);
@@ -50,33 +50,33 @@ class MapSharing {
   };
   struct Their {
     std::optional<SubmapLook> look;
-    double alike = 0.0;  // the best likeness to an own submap
+    double alike = 0.0;  // best similarity to an own submap
     std::uint32_t num_points = 0;
     std::vector<std::uint8_t> has_chunk;
     std::vector<Eigen::Vector3f> points_submap_m;
     bool complete = false;
     bool closed = false;
-    int sought_in = 0;  // own submaps when it was last searched
+    int sought_in = 0;  // number of own submaps at the last search
   };
   struct Peer {
     std::vector<SubmapPlace> places;
-    std::vector<Their> submaps;  // finished ones that were heard of
+    std::vector<Their> submaps;  // finished submaps that were reported
     std::uint32_t num_finished = 0;
     TimeNs heard = 0;
     bool was_heard = false;
-    // What is asked of it.
+    // Requests to it.
     int fetching = -1;
     TimeNs asked = 0, asked_looks = 0;
-    std::size_t last_asked = 0;  // chunk
+    std::size_t last_asked = 0;  // number of the chunk
     bool was_asked = false;
-    // What it asks for.
+    // Requests from it.
     int wanted = -1;
     std::vector<std::uint8_t> wanted_chunks;
-    // What both have in common.
+    // Shared results.
     std::vector<MapClosure> closures;
     bool closures_to_be_told = false;
     TimeNs closures_told = 0;
-    bool news = false;  // since the closures were last judged
+    bool news = false;  // new closures since the last test of consistency
     TimeNs judged = 0;
     std::vector<int> agreeing;
     std::vector<Pose> T_local_other;
@@ -118,7 +118,7 @@ class MapSharing {
 
   MapSharingConfig config_;
   VehicleId self_;
-  std::vector<Peer> peers_;  // by VehicleId; the own one stays empty
+  std::vector<Peer> peers_;  // indexed by VehicleId; the own entry stays empty
   std::vector<Own> own_;     // finished submaps
   std::vector<SubmapPlace> own_places_;
   std::uint64_t places_revision_ = 0;
@@ -129,7 +129,7 @@ class MapSharing {
   int num_searches_ = 0;
   std::uint64_t num_refused_ = 0, num_heard_ = 0;
 
-  // What it says.
+  // Sending.
   double allowance_bytes_ = 0.0;
   TimeNs last_step_ = 0;
   bool started_ = false;

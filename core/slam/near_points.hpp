@@ -11,8 +11,8 @@
 
 namespace swiftlet {
 
-/// Which points lie near one of some others: within the edge of a voxel along each axis. Where the cells, twice as
-/// wide, lie so, it is up to three edges. Any frame, the same for all arguments.
+/// Set of points with a test for near neighbors: true within one voxel edge along each axis, possibly up to three
+/// edges, as the cells are two edges wide. Any frame, the same for all arguments.
 class NearPoints {
  public:
   NearPoints(double voxel_m, std::span<const Eigen::Vector3f> points_m) : cells_per_m_(0.5 / voxel_m) {
@@ -22,7 +22,7 @@ class NearPoints {
     keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
   }
   bool contain(const Vector3& p_m) const {
-    const Vector3 low = (cells_per_m_ * p_m).array() - 0.5;  // of the two cells by axis that are nearest
+    const Vector3 low = (cells_per_m_ * p_m).array() - 0.5;  // lower of the two nearest cells per axis
     for (int corner = 0; corner < 8; ++corner) {
       const Vector3 at = low + Vector3(corner & 1, corner >> 1 & 1, corner >> 2);
       if (std::binary_search(keys_.begin(), keys_.end(), key_of(at))) return true;

@@ -12,7 +12,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kShrinks = 0.1;  // by more than this a step does where the cost is nearly quadratic
+constexpr double kShrinks = 0.1;  // ratio of steps below which the cost counts as nearly quadratic
 constexpr double kFirstDamping = 1e-9, kLeastDamping = 1e-12, kMostDamping = 1e6;
 
 /// Derivative of the rotation vector of Exp(r) Exp(turn) by a small turn (inverse of the right Jacobian).
@@ -24,7 +24,7 @@ Matrix3 right_jacobian_inverse(const Vector3& r_rad) {
   return Matrix3::Identity() + 0.5 * K + (1.0 / (angle * angle) - (1.0 + cosine) / (2.0 * angle * sine)) * (K * K);
 }
 
-/// By which a quadratic cost is multiplied, so that its derivative is that of Huber's.
+/// Factor of a quadratic cost that gives it the derivative of Huber's.
 double huber_weight(double length, double scale) { return length <= scale ? 1.0 : scale / length; }
 
 double huber_cost(double length_sq, double scale) {
@@ -53,8 +53,8 @@ Vector6 prior_residual(const PriorFactor& f, const Pose& T) {
 
 Vector3 gravity_residual(const GravityFactor& f, const Pose& T) { return T.linear().row(2).transpose() - f.up_body; }
 
-/// The same to first order as moved(), as a motion of the world about its origin. Poses that all make the same motion
-/// stay where they were among each other, however far it goes. So a long way that turns as a whole costs nothing.
+/// Equals moved() to first order, as a motion of the world about its origin. Poses that share one motion keep their
+/// relative poses, however far it goes, so rotating a long trajectory as a whole has no cost.
 Pose carried(const Pose& T_world_pose, const Vector6& step) {
   const Vector3 p_m = T_world_pose.translation();
   const Vector3 turn_rad = T_world_pose.linear() * step.tail<3>();
@@ -72,14 +72,14 @@ Pose carried(const Pose& T_world_pose, const Vector6& step) {
   return make_pose(turn * p_m + along_m, q.normalized());
 }
 
-/// What a factor adds to the normal equations: J^T W J and J^T W r.
+/// Contribution of a factor to the normal equations: J^T W J and J^T W r.
 struct RelativeTerms {
   Matrix6 H_from, H_to, H_from_to;
   Vector6 g_from, g_to;
 };
 
-/// The same as by the derivatives of residual_of(), by blocks of 3 x 3: J_to is (R 0; 0 K), and J_from is
-/// -J_to (I -A; 0 Q) with the lever A of the displacement and the turn Q between the poses.
+/// J^T W J and J^T W r of residual_of() by blocks of 3 x 3: J_to is (R 0; 0 K), and J_from is -J_to (I -A; 0 Q) with
+/// the lever A of the displacement and the rotation Q between the poses.
 RelativeTerms terms_of(const RelativeFactor& f, const Vector6& r, const Pose& T_from, const Pose& T_to) {
   const Vector6 weighted = f.information * r;
   const double w = huber_weight(std::sqrt(r.dot(weighted)), f.huber);
@@ -180,7 +180,7 @@ double PoseGraph::cost() const {
   return cost_of(poses_, of_relatives);
 }
 
-/// @param of_relatives  the residuals of the relative factors, which linearize() needs again
+/// @param of_relatives  residuals of the relative factors, reused by linearize()
 double PoseGraph::cost_of(std::span<const Pose> poses, std::vector<Vector6>& of_relatives) const {
   double cost = 0.0;
   of_relatives.resize(relatives_.size());
@@ -202,12 +202,12 @@ double PoseGraph::cost_of(std::span<const Pose> poses, std::vector<Vector6>& of_
   return cost;
 }
 
-/// @param of_relatives  the residuals of the relative factors at the present poses
+/// @param of_relatives  residuals of the relative factors at the present poses
 void PoseGraph::linearize(std::span<const Vector6> of_relatives, BlockCholesky& H,
                           std::vector<Vector6>& gradient) const {
   H.set_zero();
   gradient.assign(poses_.size(), Vector6::Zero());
-  std::size_t pair = 0;  // in the order of pairs()
+  std::size_t pair = 0;  // index in the order of pairs()
   for (const RelativeFactor& f : relatives_) {
     const RelativeTerms e = terms_of(f, of_relatives[pair], poses_[f.from], poses_[f.to]);
     H.diagonal(f.from) += e.H_from;
@@ -280,7 +280,7 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config, GraphWorkspace&
   report.cost_before = report.cost_after = cost_of(poses_, of_relatives);
   tried.resize(poses_.size());
   double damping = kFirstDamping;
-  double last_step = 0.0;  // 0: none was taken
+  double last_step = 0.0;  // 0: no step yet
   bool stale = true;
   while (report.num_iterations < config.iterations && damping <= kMostDamping) {
     if (stale) linearize(of_relatives, H, gradient);
@@ -299,7 +299,7 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config, GraphWorkspace&
     const double cost = cost_of(tried, of_relatives_tried);
     if (!std::isfinite(cost) || (cost > report.cost_after && largest >= config.step_min)) {
       damping = std::max(damping * 100.0, 1e-6);
-      last_step = 0.0;  // a step that is damped tells nothing of the next one
+      last_step = 0.0;  // a damped step does not predict the next one
       continue;
     }
     if (cost <= report.cost_after) {
@@ -309,7 +309,7 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config, GraphWorkspace&
     }
     stale = true;
     damping = std::max(damping * 0.1, kLeastDamping);
-    // Steps shrink at least as fast as before, so the next one would be smaller than this.
+    // Steps shrink at least as fast as before: the next step would be smaller than this.
     const double next_step = largest < kShrinks * last_step ? largest * largest / last_step : largest;
     last_step = largest;
     report.converged = next_step < config.step_min;
@@ -319,7 +319,7 @@ GraphReport PoseGraph::optimize(const GraphSolverConfig& config, GraphWorkspace&
 }
 
 Vector3 gnss_weight_1_m(const GnssFactorConfig& config, const Vector3& sigma_world_m) {
-  constexpr double kLeast_m = 0.003;  // released code: what claims to be better is not believed
+  constexpr double kLeast_m = 0.003;  // released code: lower bound of the reported sigmas
   Vector3 sigma_m = sigma_world_m.cwiseMax(kLeast_m);
   if (config.weighting == GnssWeighting::kIsotropic) sigma_m.setConstant(sigma_m.maxCoeff());
   const Vector3 inverse_1_m = config.weighting == GnssWeighting::kReleased ? Vector3(sigma_m.cwiseAbs2().cwiseInverse())

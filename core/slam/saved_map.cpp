@@ -9,14 +9,14 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kRigid = 1e-6;  // a rotation may be off by this
+constexpr double kRigid = 1e-6;  // tolerance of the orthogonality of a rotation
 
 bool is_pose(const Pose& T) {
   return T.matrix().allFinite() && (T.linear() * T.linear().transpose() - Matrix3::Identity()).norm() < kRigid &&
          T.linear().determinant() > 0.0;
 }
 
-bool is_scale(double huber) { return huber > 0.0; }  // infinite: none
+bool is_scale(double huber) { return huber > 0.0; }  // infinite: no Huber loss
 
 }  // namespace
 

@@ -16,20 +16,22 @@
 namespace swiftlet {
 namespace {
 
-// Normals that are off by a little make an open direction seem to hang on the others: those count less then.
+// Factor of the noise floor while a direction is open: slightly wrong normals couple an open direction to the others.
 constexpr double kOpenFloor = 60.0;
-// A wider floor lets points count that are farther off. It does not make the planes of the map less sure.
+// Upper bound of the floor in the variance of a map plane. A wider floor accepts points farther off, but leaves the
+// planes as certain.
 constexpr double kFlat_m2 = 1e-4;
-constexpr double kNoiseFactor = 3.0;  // information of noise that is taken for none
+constexpr double kNoiseFactor = 3.0;  // multiple of the information from noise below which a direction is open
 constexpr double kNear_sq = 9.0;      // squared standard deviations within which a point lies on a surface
-// What stands free.
-constexpr double kStep_m = 0.7;        // ahead and behind: more than the thickness of a stem, less than their distance
-constexpr double kAcross = 0.3;        // sine of the angle of a surface against the direction: 17 degrees
-constexpr double kLeastMotion = 0.25;  // points near the axis of a turn hardly move, so they tell nothing of it
-constexpr double kBeside_m = 1.5;      // a beam as near as this goes by beside a point
-constexpr double kBeyond_m = 0.5;      // and ends at least so far behind the surface that it would have met
-constexpr int kLeastPassed = 3;        // points beside which beams have to go by
-constexpr double kSpread_m = 0.15;     // a cell without plane whose points are spread by more is no single thing
+// Free-standing structure.
+// distance tested ahead and behind: more than the thickness of a stem, less than the distance between stems
+constexpr double kStep_m = 0.7;
+constexpr double kAcross = 0.3;        // least sine of the angle between surface and direction: 17 degrees
+constexpr double kLeastMotion = 0.25;  // least motion per unit: points near the axis of a rotation hardly constrain it
+constexpr double kBeside_m = 1.5;      // largest lateral distance at which a beam passes beside a point
+constexpr double kBeyond_m = 0.5;      // least distance of its end behind the continued surface
+constexpr int kLeastPassed = 3;        // fewest points with a passing beam
+constexpr double kSpread_m = 0.15;     // spread above which a cell without a plane is no single object
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
@@ -39,13 +41,13 @@ double kernel(double distance_sq, double kernel_sq) {
   return k * k;
 }
 
-/// Sums of one kind of residuals.
+/// Sums over one kind of residuals.
 struct Sums {
   Matrix6 H = Matrix6::Zero();  // the upper half
   Vector6 g = Vector6::Zero();
   double weight = 0.0, lever_m2 = 0.0;
-  // Of planes alone: what errors of their normals add to the information of any direction; the weight that the scan
-  // would have if the map were exact; the map's share of the variance, and what the scan would renew of it.
+  // Planes only: information that errors of their normals add to any direction; weight of the scan if the map were
+  // exact; the map's share of the variance, and the part that the scan would renew.
   double noise = 0.0, of_scan = 0.0, of_map = 0.0, renewed = 0.0;
 
   void add(const Vector3& x_body_m, const Vector3& n_local, const Matrix3& R_local_body, double r_m, double w) {
@@ -67,7 +69,7 @@ struct Sums {
 /// Distance of a point from the plane of its cell.
 struct PlaneDistance {
   double r_m = 0.0;
-  double variance_m2 = 0.0;  // scatter of the point about the plane, and of the plane where the point is
+  double variance_m2 = 0.0;  // scatter of the point about the plane plus the plane's own uncertainty at the point
 };
 
 PlaneDistance distance_from_plane(const SurfaceCell& cell, const Vector3& off_m, double floor_m2) {
@@ -79,7 +81,7 @@ PlaneDistance distance_from_plane(const SurfaceCell& cell, const Vector3& off_m,
   return d;
 }
 
-/// A scan where it is now.
+/// A scan at its present pose.
 struct PlacedScan {
   const SurfaceMap& map;
   std::span<const Eigen::Vector3f> points_body_m;
@@ -92,8 +94,8 @@ struct PlacedScan {
 
 }  // namespace
 
-/// The points of a scan that meet one plane of the map. Each lies at (u, v) from the middle of the cell, along its axis
-/// and aside, and tells (1, u, v) times the offset and the two slopes by which the scan's plane differs from the map's.
+/// Points of a scan that meet one plane of the map. A point at (u, v) from the center of the cell, along its axis and
+/// aside, measures (1, u, v) times the offset and the two slopes of the scan's plane relative to the map's.
 class ScanFitter::MetPlane {
  public:
   explicit MetPlane(const SurfaceCell& cell) : cell_(&cell) {}
@@ -114,8 +116,8 @@ class ScanFitter::MetPlane {
   Vector3 s_ = Vector3::Zero();
 };
 
-/// Of offset and slopes of the map's plane. Scatter that the ranges' noise explains averages out, what is beyond does
-/// not. The variance of n points is itself unsure by sqrt(2 / n) of it.
+/// Variances of offset and slopes of the map's plane. Scatter explained by range noise averages out; the excess does
+/// not. The variance of n points is itself uncertain by a share of sqrt(2 / n).
 Vector3 ScanFitter::MetPlane::variances(const PlacedScan& scan, const Vector3& lever_m) const {
   const double n = cell_->count_fitted, across = lever_m.normalized().dot(cell_->normal.cast<double>());
   const double explained_m2 = scan.range_variance_m2 * across * across * (1.0 + 2.0 * std::sqrt(2.0 / n));
@@ -124,7 +126,8 @@ Vector3 ScanFitter::MetPlane::variances(const PlacedScan& scan, const Vector3& l
           mean_m2 / cell_->narrow_variance_m2};
 }
 
-/// Offset and slopes hang linearly on the pose: by B. The map's plane is taken out as an unknown with a prior.
+/// Offset and slopes depend linearly on the pose, through B. The map's plane is marginalized as an unknown with a
+/// prior.
 void ScanFitter::MetPlane::add_to(Sums& sums, const PlacedScan& scan) const {
   const Vector3 lever_m = cell_->mean_m.cast<double>() - scan.p_local_m;
   const Vector3 N_inverse = variances(scan, lever_m);
@@ -147,7 +150,7 @@ void ScanFitter::MetPlane::add_to(Sums& sums, const PlacedScan& scan) const {
   if (!scan.map.is_full(*cell_)) sums.renewed += M_(0, 0) - W(0, 0);
 }
 
-/// By cell, in the order in which the points meet them.
+/// One entry per cell, in the order in which the points meet the cells.
 class ScanFitter::MetPlanes {
  public:
   void clear(std::size_t most) {
@@ -174,20 +177,20 @@ class ScanFitter::MetPlanes {
 
 namespace {
 
-/// Directions of the pose in which turns are counted by a lever arm.
+/// Weakly constrained directions of the pose; rotations are scaled by a lever arm.
 struct WeakDirections {
   Vector6 scale;
   int num = 0;
   std::array<Vector6, 6> axes;  // unit vectors
 
-  /// How a point moves with a unit of one of them, in local axes.
+  /// Displacement of a point per unit of direction i, in local axes.
   Vector3 motion(int i, const PlacedScan& scan, const Vector3& x_body_m) const {
     const Vector6 twist = axes[i].cwiseQuotient(scale);
     return twist.head<3>() + scan.R_local_body * twist.tail<3>().cross(x_body_m);
   }
 };
 
-/// Is there no surface that a point at this place would lie on?
+/// True when no surface of the map explains a point at this place.
 bool is_bare(const PlacedScan& scan, const Vector3& at_m) {
   const SurfaceCell* cell = scan.map.find(at_m);
   if (cell == nullptr) return true;
@@ -196,18 +199,18 @@ bool is_bare(const PlacedScan& scan, const Vector3& at_m) {
     const PlaneDistance d = distance_from_plane(*cell, off_m, scan.floor_m2);
     return d.r_m * d.r_m > kNear_sq * d.variance_m2;
   }
-  if (cell->narrow_variance_m2 > kSpread_m * kSpread_m) return true;  // a large cell of several things
+  if (cell->narrow_variance_m2 > kSpread_m * kSpread_m) return true;  // a large cell that mixes several objects
   const double across_m = cell->normal.cast<double>().dot(off_m), aside_m = cell->aside().cast<double>().dot(off_m);
   return across_m * across_m > kNear_sq * (scan.floor_m2 + cell->variance_m2) ||
          aside_m * aside_m > kNear_sq * (scan.floor_m2 + cell->narrow_variance_m2);
 }
 
-/// Does a beam go by beside a point, ahead or behind along a direction, through where a smooth surface would go on?
-/// Then there is none. The other direction within that surface is `aside`. All are unit vectors of the body frame, from
-/// whose origin beams are taken to come.
+/// Does a beam pass beside a point, ahead or behind along a direction, through the continuation of a smooth surface?
+/// Then the surface ends there. `aside` is the other direction within that surface. Directions are unit vectors of the
+/// body frame, from whose origin the beams are assumed to come.
 bool is_passed(const PlacedScan& scan, const Vector3& x_body_m, const Vector3& along, const Vector3& aside) {
   const Vector3 normal = along.cross(aside);
-  const double here_m = -normal.dot(x_body_m);  // of the sensor from the surface
+  const double here_m = -normal.dot(x_body_m);  // signed distance of the sensor from the surface
   const double side = here_m < 0.0 ? -1.0 : 1.0;
   for (const Eigen::Vector3f& point : scan.points_body_m) {
     const Vector3 end = point.cast<double>();
@@ -220,7 +223,7 @@ bool is_passed(const PlacedScan& scan, const Vector3& x_body_m, const Vector3& a
   return false;
 }
 
-/// What points tell that stand free along weak directions.
+/// Evidence of points that stand free along weak directions.
 struct Standing {
   struct Residual {
     Vector6 J;  // scaled
@@ -229,7 +232,7 @@ struct Standing {
   };
   std::vector<Residual> residuals;
   std::array<int, 6> num_points{};
-  std::array<int, 6> num_passed{};  // of these, beside which a beam goes by, as far as it has to be counted
+  std::array<int, 6> num_passed{};  // number of these points beside which a beam passes; counted up to the limit
 };
 
 Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
@@ -239,7 +242,7 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
     const SurfaceCell* cell = scan.map.find(at);
     if (cell != nullptr && !cell->planar) cell = scan.map.find_pole(at);
     if (cell == nullptr) continue;
-    // A plane tells of one direction, a pole of the two across it.
+    // A plane constrains one direction, a pole the two across it.
     const int num = cell->planar ? 1 : 2;
     const Vector3 off = at - cell->mean_m.cast<double>();
     const std::array<Vector3, 2> n = {cell->normal.cast<double>(), cell->aside().cast<double>()};
@@ -264,7 +267,7 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
       free_along |= 1U << i;
       ++standing.num_points[i];
       if (standing.num_passed[i] >= kLeastPassed) continue;
-      // The surface that only seems to end here, as one of a few scan lines does: through the pole, or along the plane.
+      // The surface that may only seem to end here because scan lines are few: through the pole, or along the plane.
       const Vector3 along = motion / length;
       Vector3 aside = num == 2 ? Vector3(cell->axis.cast<double>()) : n[0].cross(along);
       if (aside.norm() < kAcross) aside = along.unitOrthogonal();
@@ -283,9 +286,9 @@ Standing find_standing(const PlacedScan& scan, const WeakDirections& weak) {
   return standing;
 }
 
-/// Takes out what the planes do not tell: directions in which their information, with turns counted by the mean lever
-/// arm, is but a small share of the whole. What stands free along such a direction tells of it all the same; all other
-/// points are then taken to say nothing of it, as their normals are off by a little.
+/// Removes directions that the planes do not constrain: their information, with rotations scaled by the mean lever arm,
+/// is a small share of the whole. Free-standing structure along such a direction still constrains it; all other points
+/// are excluded there, because their normals are slightly off.
 void remove_unobserved(ScanFit& fit, const PlacedScan& scan, const Sums& planes, double least_share,
                        int least_standing) {
   WeakDirections weak;
@@ -323,8 +326,8 @@ void remove_unobserved(ScanFit& fit, const PlacedScan& scan, const Sums& planes,
   fit.evidence.gradient = (weak.scale.asDiagonal() * g).eval();
 }
 
-/// Errors that all points of a scan share do not average out: their covariance is added to that of the pose, which is
-/// the inverse of the information. (Omega^-1 + F)^-1 = Omega - Omega (F^-1 + Omega)^-1 Omega.
+/// Adds the covariance of errors common to all points of a scan, which do not average out, to that of the pose, the
+/// inverse of the information. (Omega^-1 + F)^-1 = Omega - Omega (F^-1 + Omega)^-1 Omega.
 void add_floor(PoseEvidence& evidence, const ScanToMapConfig& config, double times, double smear_m) {
   Vector6 floor_inverse;
   const double angle_rad = times * config.floor_attitude_deg * kRadPerDeg;
@@ -375,7 +378,8 @@ ScanFit ScanFitter::fit(const SurfaceMap& map, std::span<const Eigen::Vector3f> 
       if (distance_sq < kNear_sq) ++fit.num_near;
       met_->at(*cell).add(off, d.r_m, kernel(distance_sq, kernel_sq) / (floor_m2 + cell->variance_m2));
     } else if (config.point_weight > 0.0) {
-      const double variance = floor_m2 + cell->variance_m2 + 2.0 * cell->narrow_variance_m2;  // by axis, generously
+      // conservative variance per axis
+      const double variance = floor_m2 + cell->variance_m2 + 2.0 * cell->narrow_variance_m2;
       const double distance_sq = off.squaredNorm() / variance;
       if (distance_sq < kNear_sq) ++fit.num_near;
       const double weight = config.point_weight * kernel(distance_sq, kernel_sq) / variance;

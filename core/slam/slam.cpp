@@ -94,7 +94,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
     if (!outcome.used) return;
     last_used_ = matched.arrived;
     const LocalSlam& slam = slam_.at_scan();
-    // Who shares its map begins one without knowing where it is.
+    // With map sharing, the map begins before the pose is known.
     const bool placed = is_placed() || config_.global.loaded_map != nullptr || sharing_;
     if (global_ && outcome.inserted && slam.started() && placed) {
       global_->add_scan(slam.inserted_at().t, slam.inserted_at().T, slam.points_body_m(), estimate_.T_world_local);
@@ -129,16 +129,16 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
     }
   }
 
-  /// The correction of the pose graph, shown little by little. Its revision tells when a new one begins to be shown,
-  /// and when it holds in full.
+  /// Applies the correction of the pose graph gradually. The revision changes when a new correction begins to be
+  /// applied, and when it is complete.
   void correct(const Observation& observation) {
     for (const GnssSample& sample : observation.gnss) global_->add_gnss(sample);
     const std::optional<Pose> learned = global_->correction(observation.t);
     if (search_ != Search::kNone && global_->gave_up_looking()) {
-      search_ = is_placed() ? Search::kNone : Search::kInVain;  // compass and GNSS have to do
+      search_ = is_placed() ? Search::kNone : Search::kInVain;  // continues with compass and GNSS
     }
     if (blend_.is_done() && !learned) return;
-    if (learned && search_ != Search::kNone) {  // it has found itself: goals of the world mean something now
+    if (learned && search_ != Search::kNone) {  // relocalized: goals in the world frame are usable now
       search_ = Search::kNone;
       heading_known_ = place_known_ = true;
       estimate_.correct(*learned);
@@ -151,7 +151,7 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
   }
 
   void judge(TimeNs t) {
-    const TimeNs due = t - latency_;  // later scans cannot have been matched yet
+    const TimeNs due = t - latency_;  // later scans cannot be matched yet
     const double sigma_m = std::sqrt(estimate_.covariance.diagonal().head<3>().maxCoeff());
     fault_ = "";
     if (!slam_.now().is_sound())
@@ -174,12 +174,12 @@ class SlamEstimator : public StateEstimator, public KeepsMap, public JoinsMaps {
   TimeNs latency_;
   SlamToNow slam_;
   Vector3 start_m_;
-  bool heading_known_, place_known_;  // of the local frame in the world
+  bool heading_known_, place_known_;  // is the pose of the local frame in the world known?
   std::optional<GlobalSlam> global_;
   std::optional<MapSharing> sharing_;
   CorrectionBlend blend_;
   Search search_ = Search::kNone;
-  std::vector<SeenVehicle> others_;  // as of the last step
+  std::vector<SeenVehicle> others_;  // from the last step
   bool started_ = false;
   TimeNs last_imu_ = 0, last_used_ = 0, last_sure_ = 0;
   std::uint64_t num_scans_ = 0, num_strange_ = 0;

@@ -42,7 +42,7 @@ void SlamToNow::tell_until(std::uint64_t num_samples) {
   for (; num_told_ < num_samples; ++num_told_) slam_.add(sample(num_told_));
 }
 
-/// Local SLAM itself goes on until the next scan, what is after it is carried on ahead of it.
+/// Local SLAM processes samples up to the next scan; a copy of its filter predicts from there to now.
 void SlamToNow::catch_up() {
   tell_until(waiting_.empty() ? num_samples_ : waiting_.front().samples_before);
   if (num_ahead() == 0) return;

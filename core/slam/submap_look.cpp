@@ -10,9 +10,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kGroundShare = 0.05;  // of the points lie lower than what is taken for the ground
+constexpr double kGroundShare = 0.05;  // quantile of the points' heights that is taken as the ground
 
-/// The heights at which things stand, in cells.
+/// Histogram of the heights of upright structure above the ground, in bins of 1 m.
 std::array<std::uint8_t, SubmapLook::kHeights> heights_of(std::span<const Eigen::Vector3f> points_m, double cell_m,
                                                           double range_max_m) {
   std::array<std::uint8_t, SubmapLook::kHeights> heights{};

@@ -11,22 +11,22 @@
 
 namespace swiftlet {
 
-/// What a submap looks like from afar: directions of its surfaces, and how high stands what is upright. Its heading
-/// changes neither but by a shift of the directions. Its cloud is in the frame that T_local_submap tells.
+/// Descriptor of a submap: directions of its surfaces and heights of its upright structure. The heading of the submap
+/// only shifts the directions. The cloud is in the frame of the submap (T_local_submap).
 struct SubmapLook {
-  static constexpr std::size_t kHeights = 16;  // of a meter
+  static constexpr std::size_t kHeights = 16;  // bins of 1 m
   RotationalHistogram directions{std::span<const Eigen::Vector3f>{}};
   std::array<std::uint8_t, kHeights> heights{};
 
-  /// None when a vehicle tells something else.
+  /// None when the received data have another size.
   static std::optional<SubmapLook> of_told(std::span<const std::uint8_t> directions,
                                            std::span<const std::uint8_t> heights);
 };
 
-/// Of a cloud whose frame has z up.
+/// Descriptor of a cloud whose frame has z up.
 SubmapLook look_of(std::span<const Eigen::Vector3f> points_submap_m, double cell_m, double range_max_m);
 
-/// 1 when two look the same at the best heading.
+/// Similarity at the best heading; 1 when the descriptors are equal.
 double likeness(const SubmapLook& a, const SubmapLook& b);
 
 }  // namespace swiftlet

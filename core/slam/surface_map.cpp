@@ -9,12 +9,13 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kLeastPoints = 6;        // for a fit
-constexpr int kSettledPoints = 30;     // a plane of so many is one for good
-constexpr double kPoleSigma_m = 0.15;  // the thickest pole, across: half a stem of half a meter
-constexpr double kPoleUpright = 0.9;   // cosine of its axis against the vertical
-constexpr float kGrowth = 1.25F;       // cells are fitted anew when they have grown by this
-// Floors and walls like to lie at round coordinates, where half of their points would fall on either side of a face.
+constexpr int kLeastPoints = 6;        // fewest points of a fit
+constexpr int kSettledPoints = 30;     // points from which a plane is final
+constexpr double kPoleSigma_m = 0.15;  // largest sigma across a pole: half of a stem 0.5 m thick
+constexpr double kPoleUpright = 0.9;   // least cosine of a pole's axis against the vertical
+constexpr float kGrowth = 1.25F;       // growth of a cell's number of points that triggers a new fit
+// Offset of the grid: floors and walls often lie at round coordinates, where their points would fall on both sides of a
+// cell face.
 constexpr double kShift_m = 0.11;
 constexpr std::size_t kFirstTable = 1U << 12;
 constexpr std::uint64_t kAxisBits = 21, kAxisMask = (1U << kAxisBits) - 1, kAxisHalf = 1U << (kAxisBits - 1);
@@ -80,7 +81,7 @@ SurfaceMap::SurfaceMap(const SurfaceMapConfig& config) : config_(config), levels
 void SurfaceMap::insert(std::span<const Vector3> points_m, const Vector3& origin_m) {
   touched_.clear();
   for (const Vector3& p_m : points_m) {
-    // What is far away is seen by few beams: it needs no small cells.
+    // Distant surfaces are seen by few beams and need no small cells.
     const double least_edge_m = config_.fineness * (p_m - origin_m).norm();
     for (std::size_t l = 0; l < levels_.size(); ++l) {
       Level& level = levels_[l];
@@ -90,12 +91,12 @@ void SurfaceMap::insert(std::span<const Vector3> points_m, const Vector3& origin
       if (cell.count < static_cast<float>(config_.points_per_cell)) {
         add(level, key, cell, p_m);
         if (cell.count >= kLeastPoints && cell.count >= kGrowth * cell.count_fitted) {
-          // Marks it as due once, until it is fitted.
+          // Marks the cell as due once, until it is fitted.
           cell.count_fitted = static_cast<float>(config_.points_per_cell);
           touched_.push_back({static_cast<std::uint32_t>(l), index});
         }
       }
-      // A cell that is not known to be anything but a plane needs no smaller ones.
+      // A cell that is a final plane, or has too few points for a fit, needs no finer level.
       if (cell.settled || cell.count < kLeastPoints || 0.5 * level.edge_m < least_edge_m) break;
     }
   }
@@ -128,14 +129,15 @@ void SurfaceMap::fit(const Level& level, std::uint64_t key, SurfaceCell& cell) c
   const SymmetricEigen<3> eigen = symmetric_eigen<3>(C);
   cell.mean_m = (corner_of(key, level.edge_m) + mean).cast<float>();
   cell.normal = eigen.vectors.col(0).cast<float>();
-  // The plane has taken three of the points' freedoms: of six points hardly any scatter is left to be seen.
+  // The plane uses three degrees of freedom: six points leave hardly any scatter.
   cell.variance_m2 = static_cast<float>(std::max(eigen.values(0), 0.0) * (n - 1.0) / (n - 3.0));
   cell.narrow_variance_m2 = static_cast<float>(std::max(eigen.values(1), 0.0));
   cell.wide_variance_m2 = static_cast<float>(std::max(eigen.values(2), 0.0));
-  // Thin, and wide in two directions: at least a tenth of the cell, as of points that fill a third of its width.
+  // A plane is thin, and wide in two directions: at least a tenth of the cell, as of points that fill a third of its
+  // width.
   const double narrow_m2 = std::max(0.01 * level.edge_m * level.edge_m, 9.0 * eigen.values(0));
   cell.planar = eigen.values(0) < config_.plane_sigma_m * config_.plane_sigma_m && eigen.values(1) > narrow_m2;
-  // A line, at least three times as long as thick: as of points that fill half of the cell's height.
+  // A pole is at least three times as long as thick, as of points that fill half of the cell's height.
   const double long_m2 = std::max(0.02 * level.edge_m * level.edge_m, 9.0 * eigen.values(1));
   cell.axis = eigen.vectors.col(2).cast<float>();
   cell.pole = !cell.planar && eigen.values(1) < kPoleSigma_m * kPoleSigma_m && eigen.values(2) > long_m2 &&

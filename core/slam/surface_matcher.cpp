@@ -6,10 +6,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kEveryScanFirst = 10;  // goes into the map: one alone has few planes
+constexpr int kEveryScanFirst = 10;  // first scans that all enter the map: a single scan has few planes
 constexpr double kCropEvery_m = 10.0;
 
-/// Every so-manieth of the points, if there are more than enough.
+/// Keeps at most `most` points, evenly spaced in their order.
 void thin_to(std::size_t most, std::vector<Eigen::Vector3f>& points_body_m) {
   const std::size_t num = points_body_m.size();
   if (num <= most) return;

@@ -10,8 +10,7 @@
 namespace swiftlet {
 namespace {
 
-/// Along the straight line between two attitudes that lie a few milliseconds apart: the error of the angle is of third
-/// order in it.
+/// Linear interpolation of two attitudes a few milliseconds apart: the error of the angle is of third order.
 Eigen::Quaterniond between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double f) {
   const double sign = a.dot(b) < 0.0 ? -1.0 : 1.0;
   Eigen::Quaterniond q;
