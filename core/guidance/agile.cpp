@@ -13,13 +13,13 @@ namespace swiftlet {
 namespace {
 
 constexpr double kTargetReached_m = 4.0;
-constexpr double kPassingShare = 0.5;  // of the greatest speed, at a target
+constexpr double kPassingShare = 0.5;  // speed at a target, as a share of the greatest speed
 
 bool is_inside(const Vector3& p, const Vector3& min, const Vector3& max) {
   return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();
 }
 
-/// The step that is closest to a length of at most `longest`, and `longest_z` along the vertical.
+/// Limits a step to the length `longest`, and to `longest_z` along the vertical.
 Vector3 cut_to(Vector3 v, double longest, double longest_z) {
   v.z() = std::clamp(v.z(), -longest_z, longest_z);
   const double length = v.norm();
@@ -92,7 +92,7 @@ void AgileSpline::add_control_point() {
   const Vector3 step = control_m_[4] - control_m_[3];
   if (!rests_ && (point - target_m_).norm() < kTargetReached_m) pick_target(point);
 
-  // As near to the wanted step as leaves room to stop inside the box; full braking always does.
+  // The step nearest to the wanted one that leaves room to stop inside the box. Full braking always does.
   const Vector3 wanted = step + cut_to(wanted_step(point) - step, pace_ * change_max_m_, pace_ * change_max_z_m_);
   const Vector3 braked = brake(step);
   double good = 0.0, bad = 1.0;
@@ -106,8 +106,7 @@ void AgileSpline::add_control_point() {
   control_m_[4] = point + blend(good);
 }
 
-/// A point of the area at least leg_min_m away (the last draw when the area is too small for that), and the pace of the
-/// way there.
+/// Draws a point of the area at least leg_min_m away (the last draw if the area is too small), and the pace of the leg.
 void AgileSpline::pick_target(const Vector3& from_m) {
   for (int attempt = 0; attempt < 32; ++attempt) {
     const std::uint32_t n = num_targets_++;
@@ -131,7 +130,7 @@ Vector3 AgileSpline::wanted_step(const Vector3& point) const {
 
 Vector3 AgileSpline::cut_step(const Vector3& step) const { return cut_to(step, step_max_m_, step_max_z_m_); }
 
-/// How much shorter a step can get within one knot, keeping its direction.
+/// Largest reduction of the step's length within one knot, at constant direction.
 double AgileSpline::braking_per_knot(const Vector3& step) const {
   const double length = step.norm();
   const double z_share = length > 0.0 ? std::abs(step.z()) / length : 0.0;
@@ -154,14 +153,14 @@ bool AgileSpline::can_stop_inside(const Vector3& point, const Vector3& step) con
 }
 
 void AgileConfig::visit(ConfigVisitor& v) {
-  v.field("seed", seed, "[-] another number, another trajectory");
+  v.field("seed", seed, "[-] random seed of the trajectory");
   v.field("speed_max_mps", speed_max_mps, "[m/s] never exceeded", Range::positive());
   v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] never exceeded", Range::positive());
-  v.field("area_min_m", area_min_m, "[m] least corner of the box that holds the trajectory (and the start)");
-  v.field("area_max_m", area_max_m, "[m] greatest corner");
-  v.field("leg_min_m", leg_min_m, "[m] from one target to the next", Range::non_negative());
+  v.field("area_min_m", area_min_m, "[m] lowest corner of the box around the trajectory (and the start)");
+  v.field("area_max_m", area_max_m, "[m] highest corner of the box");
+  v.field("leg_min_m", leg_min_m, "[m] least distance between successive targets", Range::non_negative());
   v.field("pace_min", pace_min,
-          "[-] each leg is flown at a pace drawn between this and 1: its share of greatest speed and acceleration",
+          "[-] least pace of a leg; paces are drawn between this and 1 and scale greatest speed and acceleration",
           Range::between(0.02, 1.0));
   v.field("knot_s", knot_s, "[s] between the spline's knots; jerk is at most twice the acceleration over this",
           Range{0.05, 10.0, false, false});

@@ -10,11 +10,11 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kLeg_m = 6.0;         // at least, to the next target
-constexpr double kKnot_s = 0.25;       // of the spline
-constexpr double kLanding_pace = 0.5;  // of the greatest speed and acceleration, on the way to a perch
-constexpr double kPerched_m = 0.3;     // from the perch: it has landed
-constexpr double kGrowing_s = 1.0;     // until it bounds in full, and until it bounds no more
+constexpr double kLeg_m = 6.0;         // least distance between targets
+constexpr double kKnot_s = 0.25;       // knot interval of the spline
+constexpr double kLanding_pace = 0.5;  // share of the greatest speed and acceleration during the approach of a perch
+constexpr double kPerched_m = 0.3;     // distance from the perch at which it has landed
+constexpr double kGrowing_s = 1.0;     // time for the bounding to grow or to fade
 
 AgileConfig spline_of(const BirdConfig& config) {
   AgileConfig spline;
@@ -23,7 +23,7 @@ AgileConfig spline_of(const BirdConfig& config) {
   spline.acceleration_max_mps2 = config.acceleration_max_mps2;
   spline.area_min_m = config.area_min_m;
   spline.area_max_m = config.area_max_m;
-  for (const Eigen::Vector3d& perch_m : config.perches_m) {  // it can stop there
+  for (const Eigen::Vector3d& perch_m : config.perches_m) {  // the box includes the perches
     spline.area_min_m = spline.area_min_m.cwiseMin(perch_m);
     spline.area_max_m = spline.area_max_m.cwiseMax(perch_m);
   }
@@ -79,7 +79,7 @@ void BirdFlight::seek_perch() {
   spline_.rest_at(perch_m_, kLanding_pace);
 }
 
-/// Between half of the mean and one and a half of it.
+/// Uniform between 0.5 and 1.5 times the mean.
 double BirdFlight::drawn_s(double mean_s) { return mean_s * random_.uniform(0.5, 1.5, num_drawn_++, 0); }
 
 void BirdFlight::bounding_share(double (&share)[3]) const {
@@ -104,21 +104,20 @@ Reference BirdFlight::reference() const {
 }
 
 void BirdConfig::visit(ConfigVisitor& v) {
-  v.field("seed", seed, "[-] another number, another flight");
-  v.field("speed_max_mps", speed_max_mps, "[m/s] never exceeded but by the bounds", Range::positive());
-  v.field("speed_min_mps", speed_min_mps, "[m/s] each leg is flown at a speed drawn between this and the greatest",
+  v.field("seed", seed, "[-] random seed of the flight");
+  v.field("speed_max_mps", speed_max_mps, "[m/s] highest speed, without the bounding", Range::positive());
+  v.field("speed_min_mps", speed_min_mps, "[m/s] lowest speed of a leg; speeds are drawn between this and the highest",
           Range::positive());
-  v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] of its turns", Range::positive());
-  v.field("area_min_m", area_min_m, "[m] least corner of the box that holds the flight (and the start)");
-  v.field("area_max_m", area_max_m, "[m] greatest corner");
-  v.field("turn_s", turn_s, "[s] in the mean from one sudden turn to the next; drawn from half of it to 1.5 times it",
-          Range::positive());
-  v.field("bound_m", bound_m, "[m] amplitude of its height while it flaps and folds its wings",
+  v.field("acceleration_max_mps2", acceleration_max_mps2, "[m/s^2] largest acceleration in turns", Range::positive());
+  v.field("area_min_m", area_min_m, "[m] lowest corner of the box around the flight (and the start)");
+  v.field("area_max_m", area_max_m, "[m] highest corner of the box");
+  v.field("turn_s", turn_s, "[s] mean time between sudden turns; drawn from 0.5 to 1.5 times it", Range::positive());
+  v.field("bound_m", bound_m, "[m] amplitude of the height of bounding flight (flapping and folding the wings)",
           Range::between(0.0, 1.0));
-  v.field("bound_hz", bound_hz, "[Hz] of that", Range{0.0, 10.0, true});
-  v.field("flight_s", flight_s, "[s] in the mean until it looks for a perch; drawn in the same way", Range::positive());
-  v.field("perch_s", perch_s, "[s] on a perch, in the mean; drawn in the same way", Range::positive());
-  v.field("perches_m", perches_m, "[m] where it may perch; none: it flies without end");
+  v.field("bound_hz", bound_hz, "[Hz] frequency of bounding flight", Range{0.0, 10.0, true});
+  v.field("flight_s", flight_s, "[s] mean time of flight before a perch; drawn like turn_s", Range::positive());
+  v.field("perch_s", perch_s, "[s] mean time on a perch; drawn like turn_s", Range::positive());
+  v.field("perches_m", perches_m, "[m] positions of perches; none: flies without end");
   v.destinations("perches_m", perches_m);
   v.check((area_max_m.array() > area_min_m.array()).all(), "area_max_m", "more than area_min_m in each direction");
   v.check(speed_min_mps <= speed_max_mps && speed_min_mps >= 0.02 * speed_max_mps, "speed_min_mps",

@@ -11,8 +11,8 @@
 
 namespace swiftlet {
 
-/// Guidance along a flight that is drawn as it goes: `Flight(config, start_m, vertical_speed_mps,
-/// vertical_acceleration_mps2)`, `advance(dt_s)`, `reference()`, all in the world. It begins where the vehicle starts,
+/// Guidance along a flight that is generated during the run: `Flight(config, start_m, vertical_speed_mps,
+/// vertical_acceleration_mps2)`, `advance(dt_s)`, `reference()`, all in the world. It begins at the vehicle's start,
 /// and its heading follows the velocity unless one is given.
 template <typename Config, typename Flight>
 class EndlessFlight : public Guidance {
@@ -25,7 +25,7 @@ class EndlessFlight : public Guidance {
         yaw_rad_(yaw_of(setup.agent.T_local_body_start.linear())) {}
 
   void step(const GuidanceInput& input, GuidanceOutput& output, Outbox&) override {
-    if (!flight_) {  // begins where the start lies in the world, as known now
+    if (!flight_) {  // begins at the start's position in the world, as known now
       flight_.emplace(config_, FrameChange::to_world(input.estimate).point(start_local_m_), limits_.vertical_speed_mps,
                       limits_.vertical_acceleration_mps2);
     }
@@ -43,7 +43,7 @@ class EndlessFlight : public Guidance {
   }
 
  private:
-  static constexpr double kSlowest_mps = 0.5;  // slower than this, the velocity does not tell a heading
+  static constexpr double kSlowest_mps = 0.5;  // slower velocities give no heading
 
   Config config_;
   MotionLimits limits_;

@@ -8,8 +8,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kMoreRays = 16;        // than a view is judged by, to find what stays unknown
-constexpr double kSeenEnough = 0.5;  // of what a view promised is known before the vehicle is there: no need to go on
+constexpr int kMoreRays = 16;  // factor on the rays of a view, to find what stays unknown
+// Share of a view's unknown rays that are known before arrival, at which the flight to it ends.
+constexpr double kSeenEnough = 0.5;
 
 class Explore : public Guidance {
  public:
@@ -74,12 +75,13 @@ class Explore : public Guidance {
     return {config_.box_min_world_m, config_.box_max_world_m, estimate.T_world_local};
   }
 
-  /// What is unknown in the sight of a place.
+  /// Unknown space in sight of a position.
   void see(const GuidanceInput& input, const Vector3& p_local_m, int num_rays) {
     unknown_in_sight(*input.map, config_.view, box(input.estimate), given_up_, p_local_m, num_rays, dark_local_m_);
   }
 
-  /// What is still unknown after some scans from here will not be seen from here, and hardly from elsewhere.
+  /// Space that is still unknown after some scans from here is given up: it is not visible from here, and hardly from
+  /// elsewhere.
   void look(const GuidanceInput& input) {
     const bool hovers = input.estimate.v_local_mps.norm() < PathFollower::kHovers_mps;
     if (!hovers && waited(config_.stage_timeout_s)) return fail("the vehicle does not come to rest");
@@ -133,7 +135,7 @@ class Explore : public Guidance {
     }
   }
 
-  /// Was most of what the view promised seen on the way to it?
+  /// Is most of the space that the view promised known before arrival?
   bool shows_enough(const GuidanceInput& input) {
     if (judged_ == input.map->revision()) return false;
     judged_ = input.map->revision();
@@ -174,7 +176,7 @@ class Explore : public Guidance {
   TimeNs now_ = 0, entered_ = 0;
   bool started_ = false;
   State state_ = State::kLooking;
-  bool at_view_ = true;  // where it looks around; not where it was stopped
+  bool at_view_ = true;  // at the end of a path; false where a flight was ended
   int failures_ = 0;
   const char* reason_ = "";
   GivenUp given_up_;
@@ -191,18 +193,20 @@ class Explore : public Guidance {
 }  // namespace
 
 void ExploreConfig::visit(ConfigVisitor& v) {
-  v.field("box_min_m", box_min_world_m, "[m] lowest corner of what is explored, world frame",
+  v.field("box_min_m", box_min_world_m, "[m] lowest corner of the explored box, world frame",
           Range::between(-1e5, 1e5));
-  v.field("box_max_m", box_max_world_m, "[m] highest corner of what is explored, world frame",
+  v.field("box_max_m", box_max_world_m, "[m] highest corner of the explored box, world frame",
           Range::between(-1e5, 1e5));
-  v.field("speed_mps", speed_mps, "[m/s] at most, horizontal and vertical each", Range::positive());
-  v.field("visited_m", visited_m, "[m] nearer than this, a corner of the path was visited", Range::positive());
-  v.field("look_s", look_s, "[s] to hover at a view, so that scans come in", Range::between(0.0, 1000.0));
-  v.field("planning_latency_s", planning_latency_s, "[s] that planning takes on board", Range::between(0.0, 1000.0));
+  v.field("speed_mps", speed_mps, "[m/s] highest speed, horizontal and vertical each", Range::positive());
+  v.field("visited_m", visited_m, "[m] distance within which a corner of the path counts as visited",
+          Range::positive());
+  v.field("look_s", look_s, "[s] time to hover at a view while scans are integrated", Range::between(0.0, 1000.0));
+  v.field("planning_latency_s", planning_latency_s, "[s] computing time of a plan on board",
+          Range::between(0.0, 1000.0));
   v.field("stage_timeout_s", stage_timeout_s, "[s] after which a flight to a view has failed", Range::positive());
-  v.field("retries", retries, "[-] plans that may follow a failure before the mission fails", Range::between(0, 1e6));
+  v.field("retries", retries, "[-] plans after failures before the mission fails", Range::between(0, 1e6));
   v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
-  v.object("view", view, "how views are judged and searched");
+  v.object("view", view, "evaluation and search of views");
   v.check((box_max_world_m.array() > box_min_world_m.array()).all(), "box_max_m",
           "more than box_min_m along each axis");
 }

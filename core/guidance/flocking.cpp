@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kAhead_s = 1.0;  // the goal of the reference governor lies this far ahead of a wanted velocity
 constexpr double kNearest_m = 1e-3;
-constexpr double kLevel_m = 0.6;             // obstacles this much above or below are not met
-constexpr TimeNs kLook = kNsPerSecond / 10;  // between two looks at the map
+constexpr double kLevel_m = 0.6;             // obstacles farther above or below are ignored
+constexpr TimeNs kLook = kNsPerSecond / 10;  // period of the search for obstacles
 
 double wrap(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
@@ -23,7 +23,7 @@ Vector3 horizontal(Vector3 v) {
   return v;
 }
 
-/// Pushes away from everybody nearer than the distance, the harder the nearer.
+/// Repulsive velocity from all neighbors within the distance, stronger for nearer ones.
 Vector3 avoidance(const Vector3& p_local_m, std::span<const Neighbor> neighbors, double distance_m, double gain_mps) {
   Vector3 push = Vector3::Zero();
   for (const Neighbor& neighbor : neighbors) {
@@ -35,7 +35,7 @@ Vector3 avoidance(const Vector3& p_local_m, std::span<const Neighbor> neighbors,
   return push;
 }
 
-/// What the two models have in common: flight at one height, neighbors, and a push away from obstacles.
+/// Common part of both models: flight at constant height, neighbors, and repulsion from obstacles.
 class LevelFlight : public Guidance {
  public:
   GuidanceNeeds needs() const override { return {.map = lidar_.enabled}; }
@@ -48,13 +48,13 @@ class LevelFlight : public Guidance {
     height_m_ = goal_.position_m.z();
   }
 
-  /// Takes the tick in.
+  /// Updates neighbors and the nearest obstacle from the tick's input.
   void look(const GuidanceInput& input) {
     neighbors_.update(input);
     if (lidar_.enabled && input.observation.t >= next_look_) find_obstacle(input);
   }
 
-  /// Velocity away from the nearest obstacle, the harder the nearer.
+  /// Repulsive velocity from the nearest obstacle, stronger at smaller distance.
   Vector3 off_obstacle(const Vector3& p_local_m) const {
     const Vector3 away = horizontal(p_local_m - obstacle_m_);
     const double d = std::max(away.norm(), kNearest_m);
@@ -150,7 +150,7 @@ class Pacnav : public LevelFlight {
     return d > kNearest_m ? Vector3(way / d * std::min(config_.speed_mps, d / kAhead_s)) : Vector3(Vector3::Zero());
   }
 
-  /// The goal, or a place behind the neighbor that seems to know the way; without one: stay.
+  /// The goal, or a place behind the neighbor with the most persistent path; without one, the own position.
   Vector3 aim(const Vector3& p_local_m, const Vector3& goal_local_m) const {
     if (config_.informed) return goal_local_m;
     double best = 0.0;
@@ -207,7 +207,7 @@ class Mezey : public LevelFlight {
         input.dt_s * (config_.relaxation_radps * (config_.cruise_speed_mps - speed_mps_) + seen.acceleration_mps2);
     speed_mps_ = std::clamp(speed_mps_, 0.0, 2.0 * config_.cruise_speed_mps);
     heading_rad_ = wrap(heading_rad_ + input.dt_s * turn);
-    // Who has arrived rests.
+    // A vehicle that has arrived stops.
     const double v = arrived_ ? 0.0 : speed_mps_;
     goal_.yaw_rad = heading_rad_;
     fly(p_local_m,
@@ -246,7 +246,7 @@ VisualResponse visual_response(const MezeyConfig& config, const Vector3& p_local
     const int last = static_cast<int>(std::floor((bearing + half + kPi) / pixel));
     for (int i = first; i <= last; ++i) retina[static_cast<std::size_t>(((i % n) + n) % n)] = 1;
   }
-  // A place that is seen repels, an edge attracts: near ones are wide, far ones are all edge.
+  // Covered pixels repel, edges attract: near neighbors cover many pixels, far ones are all edge.
   VisualResponse response;
   for (int i = 0; i < n; ++i) {
     const double phi = -kPi + (i + 0.5) * pixel;
@@ -274,14 +274,15 @@ void PacnavConfig::visit(ConfigVisitor& v) {
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (informed)",
           Range::positive());
   v.field("follow_radius_m", follow_radius_m,
-          "[m] uninformed: distance kept to the followed one; within twice this of the goal it has arrived",
+          "[m] uninformed: distance to the followed neighbor; the vehicle has arrived within twice this of the goal",
           Range::positive());
   v.field("speed_mps", speed_mps, "[m/s] at most", Range::positive());
   v.field("memory_s", memory_s, "[s] length of the paths that are compared", Range::positive());
   v.field("sample_s", sample_s, "[s] between the points of a path", Range::between(0.001, 1e6));
   v.field("avoid_distance_m", avoid_distance_m, "[m] neighbors nearer than this push away", Range::positive());
   v.field("avoid_gain_mps", avoid_gain_mps, "[m/s] push at half of that distance", Range::non_negative());
-  v.field("least_persistence", least_persistence, "[-] of a path worth following", Range::probability());
+  v.field("least_persistence", least_persistence, "[-] least persistence of a path that is followed",
+          Range::probability());
   v.object("neighbors", neighbors, "where the neighbors are known from");
   v.object("lidar", lidar, "obstacles");
   v.check(memory_s >= 2.0 * sample_s, "memory_s", "at least twice sample_s");
@@ -299,7 +300,7 @@ void MezeyConfig::visit(ConfigVisitor& v) {
   v.field("beta0", beta0, "[rad/s] strength of the turn", Range::non_negative());
   v.field("beta1", beta1, "[-] weight of edges for the turn", Range::non_negative());
   v.field("body_radius_m", body_radius_m, "[m] size in which neighbors are seen", Range::positive());
-  v.field("retina_pixels", retina_pixels, "[-] of the projection field", Range::between(8, 100000));
+  v.field("retina_pixels", retina_pixels, "[-] number of pixels of the projection field", Range::between(8, 100000));
   v.object("neighbors", neighbors, "where the neighbors are known from");
   v.object("lidar", lidar, "obstacles");
 }

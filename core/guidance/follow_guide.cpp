@@ -16,9 +16,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kFigure_m = 1.0;  // a larger one shows no more of the heading
+constexpr double kFigure_m = 1.0;  // larger figures do not improve the estimate of the heading
 
-/// Without roll and pitch.
+/// The pose without roll and pitch.
 Pose level(const Pose& T_local_body) {
   Pose T = Pose::Identity();
   const double yaw_rad = yaw_of(T_local_body.linear());
@@ -55,7 +55,7 @@ class FollowGuide : public Guidance {
   }
 
  private:
-  /// By this vehicle's own clock.
+  /// Time on this vehicle's own clock.
   TimeNs own_time(TimeNs t) const {
     return t + from_seconds(config_.clock.offset_s + 1e-6 * config_.clock.drift_ppm * to_seconds(t));
   }
@@ -64,24 +64,24 @@ class FollowGuide : public Guidance {
     return own - from_seconds((config_.clock.offset_s + rate * to_seconds(own)) / (1.0 + rate));
   }
 
-  /// True when something came that can be followed.
+  /// Processes messages; true if a path was accepted.
   bool listen(const GuidanceInput& input) {
     bool heard = false;
     for (const Message& message : input.observation.messages) {
       GuidingPath told;
       if (message.from != primary_ || read_message(message, told) != Reading::kDone) continue;
-      if (linked_ && told.path <= newest_path_) continue;  // overtaken by a later one
+      if (linked_ && told.path <= newest_path_) continue;  // outdated by a later one
       const TimeNs t = told.has_instant ? from_own_time(told.t) : input.estimate.t;
       const Pose* T_local_body = told.has_instant ? pose_at(told.t) : &input.estimate.T_local_body;
       const bool remembered = t >= input.poses[0].t && t <= input.estimate.t;
-      if (T_local_body == nullptr && !remembered) continue;  // of a time when it was who knows where
+      if (T_local_body == nullptr && !remembered) continue;  // no pose is known for its time
       take(told, level(T_local_body != nullptr ? *T_local_body : input.poses.at(t)), input.estimate);
       heard = true;
     }
     return heard;
   }
 
-  /// Of a report that it sent, by its own clock: over a slow radio, the answer comes seconds later.
+  /// Pose of a sent report, by its time stamp on the own clock: over a slow radio, the answer arrives seconds later.
   const Pose* pose_at(TimeNs t) const {
     const auto sent = std::find_if(reported_.begin(), reported_.end(), [t](const Reported& r) { return r.t == t; });
     return sent == reported_.end() ? nullptr : &sent->T_local_body;
@@ -105,8 +105,8 @@ class FollowGuide : public Guidance {
     was_guided_ = true;
   }
 
-  /// What its guide told when it was farther behind: a vehicle that is on a later leg does not turn back to the one
-  /// before. So a path that took seconds on its way is followed, too. It passed no more than it flew since then.
+  /// Skips legs that were passed during the delay of the path, so that a delayed path does not turn the vehicle back.
+  /// At most the distance flown since then is skipped.
   void skip_passed(const Vector3& p_local_m, const Vector3& then_local_m) {
     if (path_.empty()) return;
     const double flown_m = (p_local_m - then_local_m).norm();
@@ -144,7 +144,7 @@ class FollowGuide : public Guidance {
     goal_.yaw_rad = yaw_of(T_local_body.linear());
   }
 
-  /// Holds the place where it comes to rest.
+  /// Holds the point of rest after braking.
   void stop(const StateEstimate& estimate) {
     hold(estimate.T_local_body);
     const Vector3& v = estimate.v_local_mps;
@@ -155,7 +155,7 @@ class FollowGuide : public Guidance {
 
   void drop_visited(const Vector3& p_local_m) {
     while (!path_.empty() && (path_.front().position_m - p_local_m).norm() < config_.visited_m) {
-      goal_ = path_.front();  // the last one is held
+      goal_ = path_.front();  // holds the last one
       path_.erase(path_.begin());
       ++num_visited_;
     }
@@ -177,7 +177,7 @@ class FollowGuide : public Guidance {
     if (radius_m > 0.0) excite(radius_m, input.dt_s, output.goal);
   }
 
-  /// A lying eight through the place where it waits.
+  /// Flies a horizontal figure eight through the waiting position.
   void excite(double radius_m, double dt_s, Reference& goal) {
     phase_rad_ = std::remainder(phase_rad_ + dt_s * config_.excitation.speed_mps / (std::numbers::sqrt2 * radius_m),
                                 2.0 * std::numbers::pi);
@@ -187,7 +187,7 @@ class FollowGuide : public Guidance {
 
   void report(const GuidanceInput& input, Outbox& outbox) {
     const TimeNs t = input.observation.t;
-    if (primary_ == kNoVehicle || t < next_report_) return;  // alone, it has nobody to tell
+    if (primary_ == kNoVehicle || t < next_report_) return;  // no guide to report to
     next_report_ = std::max(next_report_ + report_period_, t);
     const StateEstimate& e = input.estimate;
     OdometryReport report;
@@ -215,39 +215,40 @@ class FollowGuide : public Guidance {
   bool linked_ = false, lost_ = false, was_guided_ = false;
   TimeNs last_heard_ = 0, next_report_ = 0;
   GuidingPath::Word word_ = GuidingPath::Word::kGuide;
-  double moves_within_m_ = 0.0;  // 0: it was not asked to
+  double moves_within_m_ = 0.0;  // 0: no motion requested
   std::uint32_t newest_path_ = 0;
   std::uint16_t num_visited_ = 0;
   std::array<Reported, 64> reported_;
   std::size_t next_reported_ = 0;
-  std::vector<Reference> path_;  // what is left of it, in the local frame
-  Reference goal_;               // where it is held without a path
+  std::vector<Reference> path_;  // remaining waypoints, in the local frame
+  Reference goal_;               // held without a path
   double phase_rad_ = 0.0;
 };
 
 }  // namespace
 
 void OwnClockConfig::visit(ConfigVisitor& v) {
-  v.field("offset_s", offset_s, "[s] that it is ahead at the start", Range::between(-1e6, 1e6));
-  v.field("drift_ppm", drift_ppm, "[1e-6] that it is too fast", Range::between(-1e4, 1e4));
+  v.field("offset_s", offset_s, "[s] offset of the vehicle's clock at the start; positive: ahead",
+          Range::between(-1e6, 1e6));
+  v.field("drift_ppm", drift_ppm, "[1e-6] drift of the vehicle's clock; positive: too fast", Range::between(-1e4, 1e4));
 }
 
 void ExcitationConfig::visit(ConfigVisitor& v) {
-  v.field("radius_m", radius_m, "[m] half the length of the lying eight; 0: it hovers instead",
+  v.field("radius_m", radius_m, "[m] half the length of the horizontal figure eight; 0: hovers instead",
           Range::between(0.0, 100.0));
-  v.field("speed_mps", speed_mps, "[m/s] in its middle", Range{0.0, 10.0, true});
+  v.field("speed_mps", speed_mps, "[m/s] speed in its center", Range{0.0, 10.0, true});
 }
 
 void FollowGuideConfig::visit(ConfigVisitor& v) {
-  v.field("primary", primary, "[-] name of the vehicle that guides it; empty: the first other one");
-  v.field("odometry_rate_hz", odometry_rate_hz, "[Hz] at which it tells its odometry to its guide",
+  v.field("primary", primary, "[-] name of the guiding vehicle; empty: the first other one");
+  v.field("odometry_rate_hz", odometry_rate_hz, "[Hz] rate of odometry reports to the guide",
           Range::between(0.01, 1000.0));
-  v.field("speed_mps", speed_mps, "[m/s] at most, horizontal and vertical each", Range::positive());
-  v.field("visited_m", visited_m, "[m] nearer than this, a waypoint was visited and is dropped", Range::positive());
-  v.field("link_timeout_s", link_timeout_s, "[s] without a path of its guide, after which it hovers",
+  v.field("speed_mps", speed_mps, "[m/s] highest speed, horizontal and vertical each", Range::positive());
+  v.field("visited_m", visited_m, "[m] distance within which a waypoint counts as visited", Range::positive());
+  v.field("link_timeout_s", link_timeout_s, "[s] time without a path from the guide after which the vehicle hovers",
           Range::positive());
-  v.object("excitation", excitation, "what it flies until its guide first speaks to it");
-  v.object("clock", clock, "how far its clock is off");
+  v.object("excitation", excitation, "motion until the first message of the guide");
+  v.object("clock", clock, "error of the vehicle's clock");
 }
 
 std::unique_ptr<Guidance> make_follow_guide(const ModuleConfig& config, const GuidanceSetup& setup) {

@@ -6,12 +6,12 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kStep_s = 0.05;  // of what is flown ahead of time
-constexpr int kParts = 4;         // of the period, in which the goal glides
-constexpr int kMostSteps = 400;   // within 20 s every vehicle is at rest
+constexpr double kStep_s = 0.05;  // step of the simulated braking
+constexpr int kParts = 4;         // steps of the simulated period, in which the goal glides
+constexpr int kMostSteps = 400;   // limit of 20 s, within which every vehicle is at rest
 constexpr double kStanding_mps = 0.02;
-constexpr double kBrakingPole_radps = 5.0;                                             // of the speed, near rest
-constexpr double kHeightPole_radps2 = 0.25 * kBrakingPole_radps * kBrakingPole_radps;  // without overshoot
+constexpr double kBrakingPole_radps = 5.0;                                             // pole of the speed near rest
+constexpr double kHeightPole_radps2 = 0.25 * kBrakingPole_radps * kBrakingPole_radps;  // critically damped
 constexpr double kSlack_m = 1e-3;
 
 void brake(ReferenceGovernor& governor, double yaw_rad, double dt_s) {
@@ -55,7 +55,7 @@ Vector3 GuardedReference::admit(const Vector3& last_goal_local_m, const Vector3&
   const Vector3 rest_m = rest_local_m();
   const auto crosses = [&](const Vector3& q_m) {
     return std::any_of(planes.begin(), planes.end(), [&](const HalfSpace& plane) {
-      // Nothing better than to brake at once, or to stay, can be asked for.
+      // The bound is never stricter than braking at once, or staying.
       const double least_m = std::max(0.0, plane.normal_local.dot(rest_m - p_local_m));
       return plane.normal_local.dot(q_m - p_local_m) > std::max(plane.offset_m, least_m) + kSlack_m;
     });

@@ -18,12 +18,15 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kAtRest_mps = 0.25;  // slower than this, a vehicle hovers
-constexpr double kClearBody_m = 0.6;  // around the figure that a lost vehicle flies
+constexpr double kAtRest_mps = 0.25;  // slower vehicles count as hovering
+constexpr double kClearBody_m = 0.6;  // clearance around the figure that a lost vehicle flies
 constexpr double kLeastFigure_m = 0.3;
-constexpr double kSeenFarther = 1.5;  // than a viewpoint may be away: it is on its way to the next one
-constexpr double kOwnRadius_m = 0.3;  // returns of a guided vehicle lie around where it is
-constexpr double kPlanAhead_m = 1.5;  // left of the guided vehicle's path when the next one is planned
+// Range of sight in multiples of the viewpoint's, since the guide flies to the next one.
+constexpr double kSeenFarther = 1.5;
+// Radius around a guided vehicle's estimate within which occupied cells may be the vehicle itself.
+constexpr double kOwnRadius_m = 0.3;
+// Remaining length of the guided vehicle's path at which the next leg is planned.
+constexpr double kPlanAhead_m = 1.5;
 
 /// The states of [Pritzl 2024, sec. II-A].
 enum class GuideState { kIdle, kPlanning, kPrimaryMoving, kSecondaryMoving, kGoalReached, kFailure };
@@ -73,12 +76,12 @@ class Guide : public Guidance {
   }
   bool waited(double seconds) const { return now_ - entered_ >= from_seconds(seconds); }
 
-  /// What is known of a guided vehicle, and how far it came. One of them moves, the others hover.
+  /// State of a guided vehicle and its progress. One of them moves, the others hover.
   struct Guided {
     VehicleId id = kNoVehicle;
     std::vector<Eigen::Vector3d> goals_m;
     std::vector<double> goal_yaws_deg;
-    std::optional<RelativeEstimate> estimate;  // in this tick
+    std::optional<RelativeEstimate> estimate;  // from this tick's input
     bool known_well = false, linked = false, was_known = false;
     Vector3 last_place_local_m = Vector3::Zero();
     TimeNs last_known = 0;
@@ -111,10 +114,10 @@ class Guide : public Guidance {
 
   Guided& moving() { return team_[moving_]; }
   const Guided& moving() const { return team_[moving_]; }
-  /// Where the one that moves is; it must be known.
+  /// Estimate of the moving vehicle; it must exist.
   const RelativeEstimate& there() const { return *team_[moving_].estimate; }
 
-  /// Where the others are, when that is known well enough to guide them.
+  /// Updates the estimates of the guided vehicles: known well enough to guide them, and linked.
   void find_team(const GuidanceInput& input) {
     for (Guided& guided : team_) {
       guided.estimate.reset();
@@ -132,8 +135,8 @@ class Guide : public Guidance {
     }
   }
 
-  /// A vehicle that hovers shows no heading. When nothing is known any more of the one whose turn it is, it is asked to
-  /// move where its surroundings are clear, as it did before it was first found.
+  /// The heading of a hovering vehicle is not observable. If the moving vehicle has no estimate any more, it is asked
+  /// to fly a figure where its surroundings are clear, as before it was first found.
   void search(const GuidanceInput& input) {
     figure_m_ = 0.0;
     const Guided& lost = moving();
@@ -145,7 +148,7 @@ class Guide : public Guidance {
     if (room_m >= kLeastFigure_m) figure_m_ = room_m;
   }
 
-  /// Where the others are while one moves, or were when they were last known: unguided, they hover.
+  /// Present or last known positions of the hovering vehicles.
   std::vector<Vector3> hovering_local_m() const {
     std::vector<Vector3> places_local_m;
     places_local_m.reserve(team_.size());
@@ -161,7 +164,7 @@ class Guide : public Guidance {
         if (std::ranges::all_of(team_, &Guided::ready)) {
           if (anybody_has_more_goals() && (has_more_goals(moving()) || choose_next())) next_goal(input);
         } else if (anybody_has_more_goals() && waited(config_.stage_timeout_s)) {
-          failures_ = config_.retries;  // what was never there is not waited for again
+          failures_ = config_.retries;  // no retry for a vehicle that was never found
           fail("the guided vehicle was not found");
         }
         return;
@@ -199,8 +202,8 @@ class Guide : public Guidance {
     return std::ranges::any_of(team_, [this](const Guided& guided) { return has_more_goals(guided); });
   }
 
-  /// In turn: goal by goal they stay together, where the guide sees them. False when nobody who has more to do is
-  /// known.
+  /// Chooses the next vehicle in turn, goal by goal, so that the team stays together in view of the guide. False if no
+  /// vehicle with goals left has an estimate.
   bool choose_next() {
     for (std::size_t i = 1; i <= team_.size(); ++i) {
       const std::size_t next = (moving_ + i) % team_.size();
@@ -216,7 +219,7 @@ class Guide : public Guidance {
     take_goal(input);
   }
 
-  /// What stood in one's way may have been another one, whose turn it is now.
+  /// Retries with the next vehicle, which may have blocked the path.
   void try_again(const GuidanceInput& input) {
     if (team_.size() > 1 && choose_next()) {
       take_goal(input);
@@ -238,7 +241,7 @@ class Guide : public Guidance {
     start_planning();
   }
 
-  /// Where it is to go from there.
+  /// The goal of the moving vehicle after `num_reached` goals.
   PlannedPose goal_after(std::size_t num_reached, const PlannedPose& from, const FrameChange& to_local) const {
     PlannedPose goal = from;
     if (advances()) {
@@ -288,7 +291,7 @@ class Guide : public Guidance {
     if (plan.secondary_search == ClearPathStatus::kBudgetSpent) ++num_given_up_secondary_;
   }
 
-  /// Both hover, and the other one's place is known.
+  /// Both vehicles hover, and the position of the guided one is known.
   bool settled(const GuidanceInput& input) {
     const bool still = moving().ready() && there().velocity_mps.norm() < kAtRest_mps &&
                        input.estimate.v_local_mps.norm() < kAtRest_mps;
@@ -345,10 +348,10 @@ class Guide : public Guidance {
     }
   }
 
-  /// True when it hovers at the end of its path.
+  /// True when the guide hovers at the end of its path.
   bool follow_own_path(const GuidanceInput& input) {
     const std::vector<Vector3>& corners_local_m = plan_->primary_local_m;
-    if (corners_local_m.empty()) return true;  // it stands at its viewpoint
+    if (corners_local_m.empty()) return true;  // the guide is at its viewpoint
     const bool last = next_corner_ + 1 >= corners_local_m.size();
     hold_.position_m = corners_local_m[std::min(next_corner_, corners_local_m.size() - 1)];
     const double distance_m = (input.estimate.T_local_body.translation() - hold_.position_m).norm();
@@ -357,14 +360,14 @@ class Guide : public Guidance {
     return last && input.estimate.v_local_mps.norm() < kAtRest_mps;
   }
 
-  /// A path may have led through what nobody had seen.
+  /// The path may lead through space that was unknown when it was planned.
   bool own_path_is_blocked(const GuidanceInput& input) {
     const std::vector<Vector3>& corners_local_m = plan_->primary_local_m;
     return corners_local_m.size() > 1 &&
            is_blocked(*input.map, config_.planner.primary, input.estimate.T_local_body.translation(), corners_local_m,
                       std::min(next_corner_, corners_local_m.size() - 1));
   }
-  /// What is near ahead of the guided vehicle may be itself: it has flown on since it told where it is.
+  /// Skips the path's beginning: cells there may be the guided vehicle itself, which has moved since its last report.
   bool path_is_blocked(const GuidanceInput& input) {
     const ClearPathConfig& rules = config_.planner.secondary;
     double skipped_m =
@@ -381,7 +384,7 @@ class Guide : public Guidance {
     }
     return corners_local_m.size() > 1 && is_blocked(*input.map, rules, there().position_m, corners_local_m);
   }
-  /// Is the guide on its way to a viewpoint while the guided vehicle flies?
+  /// Does the guide fly to a viewpoint while the guided vehicle flies?
   bool flies_along(const GuidanceInput& input) const {
     if (config_.motion != GuideConfig::Motion::kTogether || plan_->primary_local_m.empty()) return false;
     const Vector3 left_m = plan_->primary_local_m.back() - input.estimate.T_local_body.translation();
@@ -404,7 +407,7 @@ class Guide : public Guidance {
       fail(moving().ready() ? "the guided vehicle does not reach its goal" : "the guided vehicle was lost on its way");
       return;
     }
-    if (!moving().ready()) {  // it hovers, and so does this vehicle
+    if (!moving().ready()) {  // both vehicles hover
       if (config_.motion == GuideConfig::Motion::kTogether) hold_.position_m = rest_place_m(input);
       return;
     }
@@ -430,7 +433,7 @@ class Guide : public Guidance {
 
   // The next leg, while the guided vehicle flies.
 
-  /// Where the guide stays while the other one is lost.
+  /// Position of the guide while the guided vehicle is lost.
   Vector3 rest_place_m(const GuidanceInput& input) {
     if (!hovers_) hovers_ = input.estimate.T_local_body.translation();
     return *hovers_;
@@ -454,7 +457,7 @@ class Guide : public Guidance {
                   {.flying = together ? std::span<const PlannedPose>(path_) : std::span<const PlannedPose>()});
     count(ahead);
     const bool usable = ahead.next == TeamPlan::Next::kMovePrimary || ahead.next == TeamPlan::Next::kMoveSecondary;
-    if (!usable) return;  // it is planned again when both hover, and tells its reason then
+    if (!usable) return;  // planned again, with its reason, when both hover
     plan_ahead_ = std::move(ahead);
     planner_.start(now_);
   }
@@ -470,7 +473,7 @@ class Guide : public Guidance {
     return left_m;
   }
 
-  /// The goal becomes a waypoint, and the way goes on.
+  /// The goal becomes a waypoint of the continued path.
   void fly_on() {
     plan_ = std::move(plan_ahead_);
     plan_ahead_.reset();
@@ -482,7 +485,7 @@ class Guide : public Guidance {
     entered_ = now_;
   }
 
-  /// How many of the waypoints that are left the guide sees, from the first one on.
+  /// Number of remaining waypoints in sight of the guide, from the first one on.
   std::size_t num_in_sight(const OccupancyView& map, const Vector3& p_local_m) const {
     std::size_t seen = 0;
     const double far_m = kSeenFarther * config_.planner.viewpoint.ray_max_m;
@@ -493,7 +496,7 @@ class Guide : public Guidance {
     return seen;
   }
 
-  // What the others are told: the rest of their path in their level body frame, or an empty path, on which they hover.
+  // Messages to the others: the rest of their path in their level body frame, or an empty path, on which they hover.
 
   void speak(const GuidanceInput& input, Outbox& outbox) {
     if (now_ < next_word_ || std::ranges::none_of(team_, &Guided::was_known)) return;
@@ -522,7 +525,7 @@ class Guide : public Guidance {
     write_message(told, outbox.say(team_[i].id));
   }
 
-  /// In the level body frame of the instant of its newest odometry, so that no delay of the radio shifts the path.
+  /// The path in the level body frame at the time of the newest odometry, so that the radio's delay does not shift it.
   void append_path(const GuidanceInput& input, GuidingPath& told) const {
     told.has_instant = true;
     told.t = there().heard_stamp;
@@ -576,8 +579,8 @@ class Guide : public Guidance {
   }
 
   GuideConfig config_;
-  std::vector<Guided> team_;  // in the order of their turns
-  std::size_t moving_ = 0;    // whose turn it is
+  std::vector<Guided> team_;  // in the order of turns
+  std::size_t moving_ = 0;    // index of the moving vehicle
   TimeNs guiding_period_;
   TimeNs now_ = 0;
 
@@ -586,7 +589,7 @@ class Guide : public Guidance {
   int failures_ = 0;
   std::string reason_;
 
-  double figure_m_ = 0.0;  // 0: the lost one is not asked to move
+  double figure_m_ = 0.0;  // radius of the figure that a lost vehicle flies; 0: none
 
   PlannedPose goal_;
 
@@ -594,12 +597,12 @@ class Guide : public Guidance {
   std::optional<TimeNs> settled_since_;
   std::optional<TeamPlan> plan_, plan_ahead_;
   PlannedPose next_goal_;
-  bool tried_ahead_ = false;       // on this leg
-  std::optional<Vector3> hovers_;  // where, while the other one is lost
+  bool tried_ahead_ = false;       // for this leg
+  std::optional<Vector3> hovers_;  // position while the guided vehicle is lost
   std::size_t next_corner_ = 1;
   Reference hold_;
-  std::vector<PlannedPose> path_;  // what is left of the other one's
-  std::uint64_t checked_ = 0;      // revision of the map for which what is left was found clear
+  std::vector<PlannedPose> path_;  // remaining path of the guided vehicle
+  std::uint64_t checked_ = 0;      // revision of the map in which the remaining paths were checked
   const char* why_planning_ = "planning";
 
   TimeNs next_word_ = 0;
@@ -612,16 +615,16 @@ class Guide : public Guidance {
 }  // namespace
 
 void GuideAdvanceConfig::visit(ConfigVisitor& v) {
-  v.field("step_m", step_m, "[m] from where the guided vehicle is to its next goal, axes of the world; 0: goals_m",
+  v.field("step_m", step_m, "[m] displacement from the guided vehicle to its next goal, world axes; 0: goals_m",
           Range::between(-1000.0, 1000.0));
-  v.field("distance_m", distance_m, "[m] from the first place, horizontally, after which the mission is done",
+  v.field("distance_m", distance_m, "[m] horizontal distance from the first position at which the mission is done",
           Range::positive());
 }
 
 void GuidedVehicleConfig::visit(ConfigVisitor& v) {
-  v.field("name", name, "[-] of the vehicle");
-  v.field("goals_m", goals_m, "[m] where it is to go, one after the other, world frame", Range::between(-1e5, 1e5));
-  v.field("goal_yaws_deg", goal_yaws_deg, "[deg] its heading there; it keeps the one it has where none is given");
+  v.field("name", name, "[-] name of the vehicle");
+  v.field("goals_m", goals_m, "[m] goals of the guided vehicle in order, world frame", Range::between(-1e5, 1e5));
+  v.field("goal_yaws_deg", goal_yaws_deg, "[deg] headings at the goals; none: keeps its heading");
   v.check(goal_yaws_deg.empty() || goal_yaws_deg.size() == goals_m.size(), "goal_yaws_deg",
           "as many as goals_m, or none");
 }
@@ -631,29 +634,30 @@ void GuideConfig::visit(ConfigVisitor& v) {
   v.list("secondaries", secondaries,
          "several that are guided, goal by goal in turn: one moves, the others hover; then secondary and goals_m stay "
          "empty");
-  v.field("goals_m", goals_m, "[m] where it is to go, one after the other, world frame", Range::between(-1e5, 1e5));
-  v.field("goal_yaws_deg", goal_yaws_deg, "[deg] its heading there; it keeps the one it has where none is given");
-  v.object("advance", advance, "goals that follow from where it is, instead of goals_m");
+  v.field("goals_m", goals_m, "[m] goals of the guided vehicle in order, world frame", Range::between(-1e5, 1e5));
+  v.field("goal_yaws_deg", goal_yaws_deg, "[deg] headings at the goals; none: keeps its heading");
+  v.object("advance", advance, "goals relative to the guided vehicle's position, instead of goals_m");
   v.field("loop", loop, "[-] go on with the first goal after the last");
-  v.field("periodic", periodic, "[-] tell the rest of the path again and again; otherwise the path once");
+  v.field("periodic", periodic, "[-] send the rest of the path periodically; otherwise the path once");
   v.choice("motion", motion, {"alternate", "ahead", "together"},
            "[-] the next leg is planned while both hover, while the guided vehicle flies, or so that both fly at once");
-  v.field("guiding_rate_hz", guiding_rate_hz, "[Hz] at which it is told its path", Range::between(0.01, 1000.0));
-  v.field("visited_m", visited_m, "[m] nearer than this, a waypoint was visited and is dropped", Range::positive());
-  v.field("speed_mps", speed_mps, "[m/s] of the guide, at most, horizontal and vertical each", Range::positive());
-  v.field("planning_latency_s", planning_latency_s, "[s] that planning takes on board", Range::between(0.0, 1000.0));
-  v.field("settle_s", settle_s, "[s] for which both have hovered before it plans", Range::between(0.0, 1000.0));
-  v.field("link_timeout_s", link_timeout_s, "[s] without odometry of the guided vehicle, after which both hover",
+  v.field("guiding_rate_hz", guiding_rate_hz, "[Hz] rate of guiding messages", Range::between(0.01, 1000.0));
+  v.field("visited_m", visited_m, "[m] distance within which a waypoint counts as visited", Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] highest speed of the guide, horizontal and vertical each", Range::positive());
+  v.field("planning_latency_s", planning_latency_s, "[s] computing time of a plan on board",
+          Range::between(0.0, 1000.0));
+  v.field("settle_s", settle_s, "[s] time for which both hover before planning", Range::between(0.0, 1000.0));
+  v.field("link_timeout_s", link_timeout_s, "[s] time without odometry of the guided vehicle after which both hover",
           Range::positive());
   v.field("sigma_max_m", sigma_max_m,
-          "[m] standard deviation of the guided vehicle's place, along the worst axis, above which both hover",
+          "[m] standard deviation of the guided vehicle's position along the worst axis above which both hover",
           Range::positive());
   v.field("search_after_s", search_after_s,
-          "[s] without any estimate of its place, after which the guided vehicle is asked to move, to be found again",
+          "[s] time without an estimate after which the guided vehicle is asked to move, to be found again",
           Range::positive());
-  v.field("stage_timeout_s", stage_timeout_s, "[s] after which the search, planning or a motion has failed",
+  v.field("stage_timeout_s", stage_timeout_s, "[s] time after which the search, planning or a motion has failed",
           Range::positive());
-  v.field("retries", retries, "[-] plans that may follow a failure before the mission fails", Range::between(0, 1e6));
+  v.field("retries", retries, "[-] plans after failures before the mission fails", Range::between(0, 1e6));
   v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
   v.object("planner", planner, "paths of both vehicles and the viewpoint");
   v.check(goal_yaws_deg.empty() || goal_yaws_deg.size() == goals_m.size(), "goal_yaws_deg",

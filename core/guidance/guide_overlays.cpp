@@ -37,7 +37,7 @@ void append_border(const PlaneRegion& region, double height_local_m, Overlay& ov
 }  // namespace
 
 void append_guide_overlays(const TeamPlan& plan, double height_local_m, std::vector<Overlay>& overlays) {
-  // Each path in the color of trails and names of the vehicle that flies it, when the guide is the first vehicle.
+  // Each path has the trail color of the vehicle that flies it, if the guide is the first vehicle.
   Overlay secondary = line("guide.secondary_path", kSecondaryColor, "path of the guided vehicle");
   for (std::size_t i = 1; i < plan.secondary_path.size(); ++i) {
     append_segment(plan.secondary_path[i - 1].p_local_m, plan.secondary_path[i].p_local_m, secondary);

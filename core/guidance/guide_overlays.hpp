@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// What a guide planned, for pictures: both paths, from where the path is seen, and the viewpoint.
+/// Overlays of a guide's plan: both paths, the regions that see the path, and the viewpoint.
 void append_guide_overlays(const TeamPlan& plan, double height_local_m, std::vector<Overlay>& overlays);
 
 }  // namespace swiftlet

@@ -7,7 +7,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kGoalAheadMax_m = 0.5;  // pushes down on the ground, but not harder than this
+constexpr double kGoalAheadMax_m = 0.5;  // bounds the thrust downwards on the ground
 constexpr double kGoalAheadLanded_m = 0.3;
 constexpr double kStillSpeed_mps = 0.1;
 constexpr double kStillTime_s = 0.5;

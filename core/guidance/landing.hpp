@@ -5,8 +5,8 @@
 
 namespace swiftlet {
 
-/// Straight down at constant speed until the ground holds the vehicle up: the goal gets ahead of the vehicle, which
-/// does not move any more. Needs no height above ground.
+/// Descends at constant speed until the vehicle stands on the ground: the goal gets ahead of the vehicle, which no
+/// longer moves. Needs no height above ground.
 class Landing {
  public:
   explicit Landing(double speed_mps) : speed_mps_(speed_mps) {}
@@ -15,14 +15,14 @@ class Landing {
   bool started() const { return started_; }
   /// Writes the goal for this tick; true once on the ground.
   bool step(const StateEstimate& estimate, double dt_s, Reference& goal);
-  /// Ends a mission: goes down from there, and stops the motors once on the ground, which is then true.
+  /// Ends a mission: lands below `from`, then stops the motors. True once on the ground.
   bool finish(const Reference& from, const GuidanceInput& input, GuidanceOutput& output);
 
  private:
   double speed_mps_;
   bool started_ = false;
   Reference goal_;
-  double still_s_ = 0.0;  ///< for how long the ground has held it up
+  double still_s_ = 0.0;  ///< time for which the vehicle has stood on the ground
 };
 
 }  // namespace swiftlet

@@ -11,10 +11,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kLeastRounding_m = 0.0;  // where there is no room it takes corners slowly
-constexpr double kReserve = 0.8;          // of the acceleration: the rest brings back who is off the path
+constexpr double kLeastRounding_m = 0.0;  // without room, corners are taken slowly
+constexpr double kReserve = 0.8;          // share of the acceleration that paths use; the rest is for corrections
 
-/// What a path may ask for, so that the reference governor can follow.
+/// Limits of a path that the reference governor can follow.
 PathLimits path_limits(double speed_mps, const MotionLimits& limits) {
   return {.speed_mps = std::min(speed_mps, limits.horizontal_speed_mps),
           .vertical_speed_mps = std::min(speed_mps, limits.vertical_speed_mps),
@@ -122,7 +122,7 @@ class Navigate : public Guidance {
     }
     if (timed) {
       follower_.start(std::move(path_.corners_local_m), std::move(*timed));
-    } else {  // no room to round its corners
+    } else {  // no room to round the corners
       follower_.start(std::move(path_.corners_local_m));
     }
     enter(State::kFlying);
@@ -135,7 +135,7 @@ class Navigate : public Guidance {
     hold_.yaw_rad = yaw_rad;
     if (outcome == PathFollower::Outcome::kArrived) {
       failures_ = 0;
-      // A correction may have moved the goal since the path was planned. Then there is a rest to fly.
+      // A correction may have moved the goal since the path was planned; then the rest is planned anew.
       const Vector3 goal_local_m = FrameChange::to_local(input.estimate).point(config_.goals_m[next_goal_]);
       if ((goal_local_m - follower_.corners_local_m().back()).norm() < config_.visited_m) ++next_goal_;
     }
@@ -191,21 +191,24 @@ class Navigate : public Guidance {
 }  // namespace
 
 void NavigateConfig::visit(ConfigVisitor& v) {
-  v.field("goals_m", goals_m, "[m] where to go, one after the other, world frame", Range::between(-1e5, 1e5));
+  v.field("goals_m", goals_m, "[m] goals in order, world frame", Range::between(-1e5, 1e5));
   v.destinations("goals_m", goals_m);
-  v.field("rounds", rounds, "[-] how often it goes to all of them; 0: for ever", Range::between(0, 1e6));
+  v.field("rounds", rounds, "[-] number of rounds through all goals; 0: without end", Range::between(0, 1e6));
   v.choice("search", search, {"a_star", "rrt", "informed_rrt_star"},
            "[-] cell by cell (a_star), or by random samples: the first path (rrt), or one that gets ever shorter");
   v.choice("follow", follow, {"corners", "timed"},
            "[-] from corner to corner, or along a smooth path with its times; where that has no room, by corners");
-  v.field("speed_mps", speed_mps, "[m/s] at most, horizontal and vertical each", Range::positive());
-  v.field("visited_m", visited_m, "[m] nearer than this, a corner of the path was visited", Range::positive());
-  v.field("planning_latency_s", planning_latency_s, "[s] that planning takes on board", Range::between(0.0, 1000.0));
-  v.field("stage_timeout_s", stage_timeout_s, "[s] after which planning or a flight has failed", Range::positive());
-  v.field("retries", retries, "[-] plans that may follow a failure before the mission fails", Range::between(0, 1e6));
+  v.field("speed_mps", speed_mps, "[m/s] highest speed, horizontal and vertical each", Range::positive());
+  v.field("visited_m", visited_m, "[m] distance within which a corner of the path counts as visited",
+          Range::positive());
+  v.field("planning_latency_s", planning_latency_s, "[s] computing time of a plan on board",
+          Range::between(0.0, 1000.0));
+  v.field("stage_timeout_s", stage_timeout_s, "[s] time after which planning or a flight has failed",
+          Range::positive());
+  v.field("retries", retries, "[-] plans after failures before the mission fails", Range::between(0, 1e6));
   v.field("retry_after_s", retry_after_s, "[s] to wait after a failure", Range::non_negative());
-  v.object("planner", planner, "where a path may lead, and how a_star searches it");
-  v.object("sampling", sampling, "of rrt and informed_rrt_star");
+  v.object("planner", planner, "limits of the path, and search by a_star");
+  v.object("sampling", sampling, "search by rrt and informed_rrt_star");
 }
 
 std::unique_ptr<Guidance> make_navigate(const ModuleConfig& config, const GuidanceSetup& setup) {

@@ -19,7 +19,7 @@ float squared(int n) { return static_cast<float>(n * n); }
 
 }  // namespace
 
-// Keeps the lower envelope of parabolas (s - q)^2 + height, whose q grow.
+// Extends the lower envelope of parabolas (s - q)^2 + height, with increasing q.
 void NearestVoxels::Line::add(int q, float height_sq, std::int32_t whose) {
   const float value = height_sq + squared(q);
   float start = kAlways;
@@ -43,7 +43,7 @@ void NearestVoxels::compute(std::span<const Vector3> voxels_m, const VoxelGrid& 
   empty_ = true;
   occupied_.assign(static_cast<std::size_t>(around.num_cells()), 0);
   row_occupied_.assign(static_cast<std::size_t>(around.size.y()) * around.size.z(), 0);
-  // Counted from two cells before the corner, so that cutting off the fraction rounds down.
+  // Coordinates begin two cells before the corner, so that truncation rounds down.
   const Vector3 from_m = (around.min_cell.array() - 2).cast<double>() * around.edge_m;
   const double per_edge = 1.0 / around.edge_m;
   for (const Vector3& voxel_m : voxels_m) {
@@ -62,7 +62,7 @@ void NearestVoxels::compute(std::span<const Vector3> voxels_m, const VoxelGrid& 
   along_z();
 }
 
-// In each row: what was met last on the way there, then on the way back.
+// Two passes in each row: the last occupied voxel before, then behind each cell.
 void NearestVoxels::along_x() {
   const int n = around_.size.x(), width = box_.size.x();
   const int num_rows = around_.size.y() * around_.size.z();

@@ -10,11 +10,12 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kRadioVariance_m2 = 1e-4;  // of what a neighbor says of itself
+constexpr double kRadioVariance_m2 = 1e-4;  // variance of positions reported by radio
 constexpr TimeNs kLongestAhead = 1'000'000'000;
-constexpr double kFade_s = 20.0;                    // in which the longest interval between samples is forgotten
-constexpr double kLongestInterval_s = 4.0;          // whoever was not seen for longer is gone rather than seen seldom
-constexpr TimeNs kLongestOnItsWay = 2'000'000'000;  // beyond that; later nobody knows where it flies
+constexpr double kFade_s = 20.0;            // time constant with which the longest sample interval decays
+constexpr double kLongestInterval_s = 4.0;  // longer gaps do not count as sample intervals: the neighbor is lost
+// Time beyond kLongestAhead after which an unmeasured neighbor counts as at rest.
+constexpr TimeNs kLongestOnItsWay = 2'000'000'000;
 
 }  // namespace
 
@@ -28,19 +29,20 @@ NeighborSourceConfig NeighborSourceConfig::forgetful() {
 void NeighborSourceConfig::visit(ConfigVisitor& v) {
   v.choice("source", source, {"sensor", "radio", "tracks", "none"},
            "[-] neighbors from a `neighbors` sensor (ideal: the truth), from their messages, or from the own tracks");
-  v.field("timeout_s", timeout_s, "[s] a neighbor that the sensor looked for so long without measuring it is forgotten",
+  v.field("timeout_s", timeout_s,
+          "[s] a neighbor within the sensor's view is forgotten after this time without a measurement",
           Range::positive());
   v.field("acceleration_sigma_mps2", acceleration_sigma_mps2,
-          "[m/s^2] how much a neighbor may maneuver (process noise of its filter)", Range::positive());
+          "[m/s^2] standard deviation of a neighbor's acceleration (process noise of its filter)", Range::positive());
   v.field("first_speed_sigma_mps", first_speed_sigma_mps,
-          "[m/s] how fast one that was measured once may fly (standard deviation by axis)", Range::positive());
+          "[m/s] standard deviation by axis of the velocity of a neighbor after its first measurement",
+          Range::positive());
   v.field("unseen_speed_mps", unseen_speed_mps,
-          "[m/s] by how much the place of one that is not measured becomes uncertain after the first second",
+          "[m/s] growth of the position's standard deviation of an unmeasured neighbor after the first second",
           Range::non_negative());
-  v.field(
-      "remember_hidden", remember_hidden,
-      "[-] the timeout counts only while the sensor looks where the neighbor should be: one in the blind sector is not "
-      "forgotten");
+  v.field("remember_hidden", remember_hidden,
+          "[-] the timeout counts only while the neighbor should be in view: one in the blind sector is not "
+          "forgotten");
   v.field("predict", predict, "[-] positions are carried forward to now with the filtered velocity");
 }
 
@@ -94,7 +96,7 @@ Vector3 NeighborMemory::position_now_local_m(const Filter& filter) const {
   return ahead > 0 ? Vector3(filter.x.head<3>() + to_seconds(ahead) * filter.x.tail<3>()) : filter.x.head<3>();
 }
 
-// Farther ahead the velocity says nothing any more; then the neighbor has flown on for about a second.
+// State carried forward to now. Beyond kLongestAhead the position is held and becomes uncertain with unseen_speed_mps.
 Neighbor NeighborMemory::now_of(const Filter& filter) const {
   const TimeNs now = now_;
   Neighbor neighbor{filter.key,
@@ -163,7 +165,7 @@ void NeighborMemory::predict(Filter& filter, TimeNs t) const {
   if (dt_s <= 0.0) return;
   Matrix6 F = Matrix6::Identity();
   F.topRightCorner<3, 3>().diagonal().setConstant(dt_s);
-  // Acceleration constant over the step.
+  // Process noise: acceleration constant over the step.
   Eigen::Matrix<double, 6, 3> G;
   G << 0.5 * dt_s * dt_s * Matrix3::Identity(), dt_s * Matrix3::Identity();
   const double variance = config_.acceleration_sigma_mps2 * config_.acceleration_sigma_mps2;
@@ -188,7 +190,7 @@ void NeighborMemory::measure(std::int64_t key, TimeNs t, const Vector3& position
     return;
   }
   Filter& filter = *known;
-  if (t < filter.t) return;  // older than what is known
+  if (t < filter.t) return;  // older than the state
   const double interval_s = to_seconds(t - filter.seen);
   if (interval_s > 0.0) shortest_s_ = shortest_s_ > 0.0 ? std::min(shortest_s_, interval_s) : interval_s;
   predict(filter, t);

@@ -11,10 +11,10 @@ namespace swiftlet {
 namespace {
 
 constexpr double kOrcaAhead_s = 1.0;  // the goal of the reference governor lies this far ahead of a wanted velocity
-constexpr double kApproach_s = 1.5;   // in which the rest of the way to the goal is flown
+constexpr double kApproach_s = 1.5;   // time in which the remaining distance to the goal is flown
 constexpr double kOrcaStep_s = 0.2;   // time step of the method; vehicles that overlap already separate within it
 constexpr double kNothing = 1e-9;
-constexpr double kSlack_mps = 5e-3;  // by which a plane may be missed
+constexpr double kSlack_mps = 5e-3;  // tolerated violation of a plane
 constexpr int kRounds = 60;
 
 Vector3 within(const Vector3& v, double longest) {
@@ -27,7 +27,8 @@ Vector3 unit(const Vector3& v, const Vector3& otherwise) {
   return length > kNothing ? Vector3(v / length) : otherwise;
 }
 
-/// Nearest point of all half-spaces and the ball to the wanted one, by alternating projections [Dykstra 1983].
+/// Point of the intersection of all half-spaces and the ball that is nearest to the wanted one, by alternating
+/// projections [Dykstra 1983].
 Vector3 nearest(std::span<const OrcaPlane> planes, const Vector3& wanted, double speed_mps, double give_way_mps,
                 std::vector<Vector3>& owed) {
   owed.assign(planes.size() + 1, Vector3::Zero());
@@ -89,7 +90,7 @@ class Orca : public Guidance {
       planes_.push_back(orca_plane(level(neighbor.position_local_m - p_local_m), level(estimate.v_local_mps),
                                    level(neighbor.velocity_local_mps), distance_m, config_.horizon_s, kOrcaStep_s));
     }
-    // A little to the right: two that fly straight at each other would only brake.
+    // Turned slightly to the right: two vehicles that fly straight at each other would only brake.
     const Vector3 wanted = Eigen::AngleAxisd(-config_.turn_deg * kRadPerDeg, Vector3::UnitZ()) *
                            within(to_goal_m / kApproach_s, config_.speed_mps);
     if (!config_.planar) {
@@ -159,11 +160,11 @@ void OrcaConfig::visit(ConfigVisitor& v) {
   v.field("goal_m", goal_m, "[m] world");
   v.destinations("goal_m", goal_m);
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached", Range::positive());
-  v.field("speed_mps", speed_mps, "[m/s] at most", Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] highest speed", Range::positive());
   v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
-  v.field("margin_m", margin_m, "[m] beside the sum of the encumbrances", Range::non_negative());
-  v.field("horizon_s", horizon_s, "[s] for how long velocities keep vehicles apart", Range::positive());
-  v.field("turn_deg", turn_deg, "[deg] by which the wanted velocity is turned to the right, so that nobody gets stuck",
+  v.field("margin_m", margin_m, "[m] margin added to the sum of the encumbrances", Range::non_negative());
+  v.field("horizon_s", horizon_s, "[s] time horizon for which velocities keep vehicles apart", Range::positive());
+  v.field("turn_deg", turn_deg, "[deg] turn of the wanted velocity to the right, which avoids deadlocks",
           Range::between(-90.0, 90.0));
   v.field("z_min_m", z_min_m, "[m] lowest flight level");
   v.field("z_max_m", z_max_m, "[m] highest flight level");

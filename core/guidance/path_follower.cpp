@@ -9,7 +9,7 @@ namespace swiftlet {
 namespace {
 
 constexpr double kArrived_m = 0.3;
-constexpr double kBehind_m = 0.5;  // a vehicle so far behind is waited for
+constexpr double kBehind_m = 0.5;  // the path's clock waits for a vehicle that is farther behind
 
 }  // namespace
 
@@ -59,7 +59,7 @@ PathFollower::Outcome PathFollower::step_by_time(const Vector3& p_local_m, doubl
   return arrived && speed_mps < kHovers_mps ? Outcome::kArrived : Outcome::kFlying;
 }
 
-/// Has the map changed so that the rest of the path is not clear any more?
+/// Has the map changed so that the rest of the path is no longer clear?
 bool PathFollower::is_blocked(const OccupancyView& map, const Vector3& p_local_m) {
   if (checked_ == map.revision()) return false;
   checked_ = map.revision();

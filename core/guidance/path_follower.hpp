@@ -10,22 +10,22 @@
 
 namespace swiftlet {
 
-/// Flies a path, from corner to corner or by its times. Whenever the map has changed, it asks whether the rest is still
+/// Follows a path, from corner to corner or by its times. Checks after each change of the map whether the rest is
 /// clear.
 class PathFollower {
  public:
   enum class Outcome { kFlying, kBlocked, kArrived };
-  static constexpr double kHovers_mps = 0.25;  ///< slower than this, it hovers
+  static constexpr double kHovers_mps = 0.25;  ///< slower vehicles count as hovering
 
-  /// @param visited_m  nearer than this, a corner was visited
+  /// @param visited_m  distance within which a corner counts as visited
   PathFollower(const ClearPathConfig& rules, double visited_m) : rules_(rules), visited_m_(visited_m) {}
 
-  /// @param corners_local_m  at least two: where it starts, and where it ends
+  /// @param corners_local_m  at least two: start and end
   void start(std::vector<Vector3> corners_local_m);
-  /// By time: the path's clock waits for a vehicle that stays behind.
+  /// Follows the path by its times; its clock waits for a vehicle that stays behind.
   /// @param path_local  in the local frame
   void start(std::vector<Vector3> corners_local_m, SplineTrajectory path_local);
-  /// Where to fly next is in `target_local_m` then, or in `target_local`; when blocked, where the vehicle is.
+  /// Sets `target_local_m` and `target_local`; when blocked, to the vehicle's position.
   Outcome step(const GuidanceInput& input);
   const Vector3& target_local_m() const { return target_local_.position_m; }
   const Reference& target_local() const { return target_local_; }
@@ -39,12 +39,12 @@ class PathFollower {
   ClearPathConfig rules_;
   double visited_m_;
   std::vector<Vector3> corners_local_m_;
-  std::vector<Vector3> legs_local_m_;  // what is flown: the corners, or the control points of the spline
-  std::size_t next_ = 1;               // of the legs
+  std::vector<Vector3> legs_local_m_;  // flown polyline: the corners, or the control points of the spline
+  std::size_t next_ = 1;               // index of the next point of the legs
   bool timed_ = false;
   UniformSpline spline_local_;
   double interval_s_ = 0.0, t_s_ = 0.0;
-  std::uint64_t checked_ = 0;  // revision of the map for which the path was found clear
+  std::uint64_t checked_ = 0;  // revision of the map in which the path was checked
   Reference target_local_;
 };
 

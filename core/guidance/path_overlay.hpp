@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// The points of a path that was given, as spheres.
+/// Points of a path, as spheres.
 inline Overlay path_overlay(const std::string& name, std::span<const Vector3> points_local_m, float size_m) {
   Overlay overlay;
   overlay.name = name;

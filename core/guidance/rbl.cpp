@@ -20,32 +20,41 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kShortestToFace_m = 0.3;  // nearer than this, a direction is noise
-constexpr double kPressed_m = 0.01;        // farther behind a plane, there is no time to look around
+constexpr double kShortestToFace_m = 0.3;  // shorter displacements give no heading
+// Violation of a plane beyond which the vehicle evades without turning its sensor first.
+constexpr double kPressed_m = 0.01;
 constexpr double kHurry = 3.0;
-constexpr double kLongUnseen_s = 5.0;   // then doubt says little about where somebody is
-constexpr double kDoubtLeaves_m = 1.0;  // of the cell by then; one cut at the vehicle itself drives it away, on and on
-constexpr double kComing_mps = 0.5;     // slower than this, nobody need be dodged
-constexpr double kComes_sigmas = 0.5;   // of the speed, above which it is taken for one that comes
-constexpr double kFaster_sigmas = 0.5;  // by which it may come faster than it seems
-constexpr std::size_t kDodgedAtOnce = 64;  // tracks that end and begin anew are others
-constexpr double kMostBeside_m = 0.5;      // that it may pass nearer than it seems
-constexpr double kDodge_s = 0.5;           // before somebody's braking way comes too near, who then does not brake
-constexpr double kOutOfPlane_s = 1.5;      // after that nobody came any more, it returns to its plane
-constexpr double kSameHeight_m = 0.3;      // of one no higher than that above, it gets out of the way upwards
-constexpr double kWatch_s = 3.0;           // before two meet as they fly now, they keep each other in view
-constexpr double kPledged_s = 1.0;         // beyond two samples and those lost, for which one keeps to its pledges
-constexpr double kLookAround = 2.0;        // times the longest interval of samples, before it starts
-constexpr double kSeldom_s = 0.5;          // an interval of samples that is worth waiting for
-constexpr double kAims_m = 1.0;            // that it aims ahead where its cell holds it on its path
-constexpr double kUnseen_m = 0.2;          // the same where that leads out of its view: up or down
-constexpr double kSeesFree_radii = 2.0;    // sensing radii as far as it sees that a place is free
-constexpr double kHeightStep_m = 0.2;      // by which it asks what is above and below
-constexpr double kLeastEdge_deg = 5.0, kMostEdge_deg = 60.0;  // of a view, as far as a goal is looked at by it
+// Neighbors unseen for longer than this no longer shrink the cell below kDoubtLeaves_m. Larger values slow the team
+// down after a dropout.
+constexpr double kLongUnseen_s = 5.0;
+// Smallest cell radius left by the uncertainty of a neighbor unseen for long. At 0 the vehicle retreats indefinitely
+// from a lost neighbor.
+constexpr double kDoubtLeaves_m = 1.0;
+constexpr double kComing_mps = 0.5;  // lowest closing speed of a neighbor that is evaded
+// A neighbor counts as approaching if its closing speed exceeds this many of its standard deviations.
+constexpr double kComes_sigmas = 0.5;
+constexpr double kFaster_sigmas = 0.5;  // standard deviations added to the closing speed of an approaching neighbor
+// Reserved capacity: a track that is lost and found again takes a second entry.
+constexpr std::size_t kDodgedAtOnce = 64;
+constexpr double kMostBeside_m = 0.5;  // largest margin for the lateral uncertainty of an approaching neighbor
+constexpr double kDodge_s = 0.5;       // time before the braking paths come too close at which evasion begins
+constexpr double kOutOfPlane_s = 1.5;  // time after the last approach until the vehicle returns to its plane
+constexpr double kSameHeight_m = 0.3;  // evades upwards unless the neighbor is higher by more than this
+// Neighbors that meet the vehicle within this time at their present velocities stay in view.
+constexpr double kWatch_s = 3.0;
+// Time for which the vehicle keeps its own pledge, beyond two samples and lost ones.
+constexpr double kPledged_s = 1.0;
+constexpr double kLookAround = 2.0;  // waiting time before the start, in longest sample intervals
+constexpr double kSeldom_s = 0.5;        // shorter sample intervals do not delay the start
+constexpr double kAims_m = 1.0;          // distance of the goal on a straight part of the detour, in view
+constexpr double kUnseen_m = 0.2;        // same out of view: up or down
+constexpr double kSeesFree_radii = 2.0;  // range within which a view proves a place free, in sensing radii
+constexpr double kHeightStep_m = 0.2;    // step of the search for free height
+constexpr double kLeastEdge_deg = 5.0, kMostEdge_deg = 60.0;  // bounds of the elevation of the view's edge
 constexpr double kBetweenSamples = 0.87;                      // steps: half the diagonal between samples
 constexpr double kFar_m = std::numeric_limits<double>::infinity();
 
-/// Of the sensors of neighbors; infinite when they have no limit, or there is none.
+/// Shortest range of the sensors that measure neighbors; infinite without a limit or a sensor.
 double range_of(const AgentSetup& setup) {
   double range_m = kFar_m;
   for (const NeighborView& view : setup.neighbor_views) range_m = std::min(range_m, view.range_max_m);
@@ -142,7 +151,7 @@ class Rbl : public Guidance {
     planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
     if (config_.separation.enabled) cut_by_braking(p_local_m, config_.separation.sigmas, now);
     if (config_.separation.enabled && planner_.cell().is_empty()) {
-      // Who has to make way for somebody is not held by what may be where it goes.
+      // An evading vehicle is not held by the uncertainty of the neighbors where it evades to.
       planner_.partition(p_local_m, neighbors_local_m_, z_min_m(), z_max_m());
       cut_by_braking(p_local_m, 0.0, now);
     }
@@ -170,7 +179,7 @@ class Rbl : public Guidance {
     return {MissionStatus::kRunning, *detour_.note() != '\0' ? detour_.note() : settled.note};
   }
 
-  /// Where it flies to if nobody is in its way. Who gives way does so at once: there is no time to look first.
+  /// Next goal without neighbors in the path. An evading vehicle takes the centroid at once, without looking first.
   Vector3 next_local_m(const Pose& T_local_body, TimeNs now) {
     if (!config_.lidar.enabled) return step_.centroid_local_m;
     if (pressed_) {
@@ -182,7 +191,7 @@ class Rbl : public Guidance {
     return within_sight(T_local_body, now);
   }
 
-  /// The goal, or the next point of a path around what keeps the vehicle from it.
+  /// The goal, or the next point of the detour around an obstacle.
   Vector3 next_goal_local_m(const Vector3& p_local_m, TimeNs now) {
     return detour_.next_goal_local_m({.goal_local_m = goal_local_m_,
                                       .p_local_m = p_local_m,
@@ -196,7 +205,8 @@ class Rbl : public Guidance {
                                       .now = now});
   }
 
-  /// How far beside the goal the vehicle has it between the planes of its sensor, at its own height.
+  /// Horizontal distance from the goal at which the goal lies within the vertical field of view, at the vehicle's
+  /// height.
   double sees_goal_from_m(const Vector3& p_local_m) const {
     if (planar_) return 0.0;
     const double up_m = goal_local_m_.z() - p_local_m.z();
@@ -206,7 +216,8 @@ class Rbl : public Guidance {
     return std::abs(up_m) / steepest + config_.cells.encumbrance_m;
   }
 
-  /// Looks where it flies, waits until it sees, and flies no faster than it can stop.
+  /// Turns the sensor along the flight, waits until the vehicle sees its path, and limits the goal to where it can
+  /// stop.
   void keep_apart(const Pose& T_local_body, TimeNs now) {
     const Vector3 p_local_m = T_local_body.translation();
     if (!config_.lidar.enabled) {
@@ -223,8 +234,8 @@ class Rbl : public Guidance {
         reference_.admit(from_local_m_, to_local_m_, braking_cuts_, p_local_m, to_seconds(period_), speed_mps());
   }
 
-  /// The governor goes slowly to what is near. Whoever gives way aims farther, as far as it is admitted. That leads
-  /// neither below nor above the heights of flight, nor beyond what it senses, nor into an obstacle.
+  /// The governor approaches near goals slowly, so the goal of an evading vehicle lies farther away. It stays within
+  /// the heights of flight, the sensing radius and the obstacle planes.
   Vector3 hurry_local_m(const Vector3& p_local_m) const {
     const Vector3 aside_m = to_local_m_ - p_local_m;
     double farther = kHurry;
@@ -239,10 +250,10 @@ class Rbl : public Guidance {
     return hurried_local_m;
   }
 
-  /// The height of a vehicle in a plane: that of its goal, or above or below somebody who flies on whatever it meets.
+  /// Height of a planar vehicle: that of its goal, or above or below a neighbor that does not brake.
   ///
-  /// In a crowd nobody may have the room to step aside in the plane. The level distance to all others is kept on the
-  /// way, so that nobody else is above or below.
+  /// A crowd may leave no room to evade in the plane. The horizontal distance to all others is kept meanwhile, so that
+  /// no other vehicle is above or below.
   double out_of_the_way_local_m(const Vector3& p_local_m, TimeNs now) {
     const RblSeparationConfig& separation = config_.separation;
     const double height_m = goal_local_m_.z();
@@ -259,7 +270,7 @@ class Rbl : public Guidance {
     return config_.lidar.enabled ? clear_height_local_m(p_local_m, within_m) : within_m;
   }
 
-  /// As far up or down as there is room in the map, and as it has been or looked there.
+  /// Height nearest to the wanted one that the map shows free and the vehicle has viewed, step by step.
   double clear_height_local_m(const Vector3& p_local_m, double wanted_m) const {
     const double encumbrance_m = config_.cells.encumbrance_m;
     const double up = wanted_m >= p_local_m.z() ? 1.0 : -1.0;
@@ -275,7 +286,7 @@ class Rbl : public Guidance {
     return clear_m;
   }
 
-  /// Cells of vehicles that can stop: neither crosses the plane between their braking ways.
+  /// Cuts the cell by the planes between the braking paths, which neither vehicle crosses.
   void cut_by_braking(const Vector3& p_local_m, double sigmas, TimeNs now) {
     const RblSeparationConfig& separation = config_.separation;
     const double distance_m = apart_m();
@@ -296,13 +307,13 @@ class Rbl : public Guidance {
       const auto sigma = [&](const Matrix3& covariance) {
         return d > 0.0 ? std::sqrt(to_other_local_m.dot(covariance * to_other_local_m)) / d : 0.0;
       };
-      // What the other's way v t + v^2 / 2a would be if it came faster.
+      // Derivative of the neighbor's stopping distance v t + v^2 / 2a with respect to its closing speed.
       const double closing_mps = d > 0.0 ? std::max(0.0, -v_local_mps.dot(to_other_local_m) / d) : 0.0;
       const double way_s = reaction_s + closing_mps / limits_.horizontal_acceleration_mps2;
       const double sigma_m =
           sigma(neighbor.covariance_local_m2) + way_s * sigma(neighbor.velocity_covariance_local_m2ps2);
       const double vertical_m = planar_ ? distance_m : separation.vertical_m;
-      // Whoever keeps to what it pledged is not feared beyond that, but for how badly its place is known.
+      // While a neighbor's pledge holds, only the uncertainty of its last measured position counts.
       const double seen_m = sigmas * sigma(neighbor.seen_covariance_local_m2);
       const double unsure_m = is_pledged(neighbor, now) ? std::min(seen_m, sigmas * sigma_m) : sigmas * sigma_m;
       const HalfSpace cut = braking_cut(self, other, distance_m, vertical_m, unsure_m);
@@ -316,7 +327,7 @@ class Rbl : public Guidance {
       const double meeting_mps = d > 0.0 ? (v_own_mps - v_local_mps).dot(to_other_local_m) / d : 0.0;
       if (meeting_mps > kComing_mps && d - distance_m < kWatch_s * meeting_mps)
         coming_local_m_.push_back(other_local_m);
-      // Who brakes is slow by now. Who is seen badly comes faster than it seems: at first it is believed to stand.
+      // A braking neighbor is already slow. A poorly measured one is taken to be faster: its filter starts at rest.
       const double speed_sigma_mps = sigma(neighbor.velocity_covariance_local_m2ps2);
       if (closing_mps > std::max(kComing_mps, kComes_sigmas * speed_sigma_mps)) {
         const double faster_mps = closing_mps + kFaster_sigmas * speed_sigma_mps;
@@ -334,22 +345,23 @@ class Rbl : public Guidance {
       if (separation.pledge_share <= 0.0 || to_seconds(now - neighbor.seen) > kept_for_s()) continue;
       HalfSpace pledged = pledged_cut(level(neighbor.own_seen_local_m), level(neighbor.seen_local_m), self.p_local_m,
                                       distance_m, vertical_m, seen_m, separation.pledge_share);
-      // It may stop where it would stop anyway.
+      // The plane leaves the vehicle's own point of rest.
       const double least_m = std::max(0.0, pledged.normal_local.dot(self.stop_local_m - self.p_local_m));
       pledged.offset_m = std::max(pledged.offset_m, least_m);
       keep_behind(pledged);
     }
     if (!pressed_) return;
-    for (const HalfSpace& cut : braking_cuts_) planner_.cell().cut(cut);  // who hurries aims where it may go at once
+    // The cell of an evading vehicle respects the full planes.
+    for (const HalfSpace& cut : braking_cuts_) planner_.cell().cut(cut);
   }
-  /// Out of the way of somebody who comes and does not brake, always to the same side.
+  /// Evades a neighbor that approaches without braking, always to the same side.
   void dodge(const Braking& self, const Neighbor& neighbor, double comes_in_s, double distance_m, double vertical_m,
              TimeNs now) {
     const Vector3 other_local_m = level(neighbor.position_local_m), v_local_mps = level(neighbor.velocity_local_mps);
     std::erase_if(dodged_, [&](const Dodged& dodged) { return now - dodged.t > from_seconds(kOutOfPlane_s); });
     const auto known =
         std::find_if(dodged_.begin(), dodged_.end(), [&](const Dodged& dodged) { return dodged.key == neighbor.key; });
-    // It may pass nearer than it seems.
+    // Margin for the neighbor's lateral uncertainty.
     const double aside_m = distance_m + std::min(kMostBeside_m, side_sigma_m(neighbor, v_local_mps, comes_in_s));
     const auto beside = dodging_cut(self, other_local_m, v_local_mps, aside_m, vertical_m * aside_m / distance_m,
                                     limits_, known != dodged_.end() ? &known->normal_local : nullptr);
@@ -363,7 +375,7 @@ class Rbl : public Guidance {
       dodged_.push_back(dodged);
     }
   }
-  /// How badly it is known on which side somebody passes after that time.
+  /// Standard deviation of the neighbor's lateral position after that time.
   static double side_sigma_m(const Neighbor& neighbor, const Vector3& v_local_mps, double time_s) {
     const Vector3 across(v_local_mps.y(), -v_local_mps.x(), 0.0);
     if (across.norm() < kComing_mps) return 0.0;
@@ -372,14 +384,14 @@ class Rbl : public Guidance {
                      time_s * time_s * side.dot(neighbor.velocity_covariance_local_m2ps2 * side));
   }
   void keep_behind(const HalfSpace& cut) { keep_behind(cut, cut.offset_m); }
-  /// What bounds the cell may lie farther than what bounds the way.
+  /// @param cell_offset_m  offset of the plane for the cell, which may be larger than the one for the goal
   void keep_behind(const HalfSpace& cut, double cell_offset_m) {
     braking_cuts_.push_back(cut);
     if (cell_offset_m >= config_.cells.sensing_radius_m) return;
     planner_.cuts().push_back({cut.normal_local, cell_offset_m});
     planner_.cell().cut(planner_.cuts().back());
   }
-  /// Nobody flies faster than it could stop before whom it does not see yet.
+  /// Highest speed at which the vehicle can stop before a neighbor that enters the sensing range.
   double speed_mps() const {
     if (!config_.separation.enabled || range_m_ == kFar_m) return config_.speed_mps;
     const double unknown_s =
@@ -387,34 +399,34 @@ class Rbl : public Guidance {
     return std::min(config_.speed_mps,
                     speed_into_unknown_mps(range_m_, unknown_s, apart_m(), limits_.horizontal_acceleration_mps2));
   }
-  /// Where many samples are lost, somebody next to it may not have been seen yet.
+  /// With long sample intervals, a near neighbor may not have been measured yet.
   bool looks_around(TimeNs now) const {
     const double longest_s = neighbors_.longest_s();
     return longest_s > kSeldom_s && to_seconds(now - started_) < kLookAround * longest_s;
   }
-  /// Until the next sample of a neighbor should have come, it may count on what was pledged.
+  /// Time after a sample during which the neighbor counts as keeping its pledge.
   double pledged_for_s() const { return neighbors_.shortest_s() + neighbors_.latency_s() + to_seconds(period_); }
-  /// The vehicle itself keeps to it for longer: samples may be lost.
+  /// Time for which the vehicle keeps its own pledge; longer, because samples may be lost.
   double kept_for_s() const { return 2.0 * pledged_for_s() + neighbors_.longest_s() + kPledged_s; }
   bool is_pledged(const Neighbor& neighbor, TimeNs now) const {
     return config_.separation.pledge_share > 0.0 && neighbors_.shortest_s() > 0.0 &&
            to_seconds(now - neighbor.seen) <= pledged_for_s();
   }
-  /// Between two centers that are level with each other.
+  /// Horizontal distance to keep between two centers.
   double apart_m() const { return 2.0 * config_.cells.encumbrance_m + config_.separation.margin_m; }
   Vector3 level(const Vector3& v) const { return planar_ ? Vector3(v.x(), v.y(), 0.0) : v; }
 
-  /// Without the limits of (2.14) the ground is one.
+  /// Without the limits of (2.14), the encumbrance above the ground is the lowest height.
   double z_min_m() const {
     return to_local_.height(clipped_ ? config_.z_min_m : config_.ground_m + config_.cells.encumbrance_m);
   }
-  /// Who flies in a plane leaves it upwards only as far.
+  /// Also bounds the height to which a planar vehicle evades.
   double z_max_m() const {
     if (planar_) return std::max(to_local_.height(config_.z_max_m), goal_local_m_.z());
     return to_local_.height(clipped_ ? config_.z_max_m : kFar_m);
   }
 
-  /// What the map shows bounds the cell. With no room left it counts before the neighbors, who may make way.
+  /// Cuts the cell by occupied voxels. If no room is left, obstacles take precedence over neighbors, which may yield.
   void cut_by_obstacles(const Pose& T_local_body) {
     const Vector3 p_local_m = T_local_body.translation();
     const std::size_t first = planner_.cuts().size();
@@ -430,8 +442,8 @@ class Rbl : public Guidance {
     viewed_.look(p_local_m, yaw_of(T_local_body.linear()), level_view(T_local_body.linear()));
   }
 
-  /// Cuts a cell by the voxels hit since then. What lies deeper below the lowest flight level than the vehicle needs
-  /// for itself cannot be met.
+  /// Cuts a cell by the voxels hit since then. Voxels below the lowest flight level by more than the encumbrance cannot
+  /// be met.
   void cut_by(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& p_local_m, TimeNs since) {
     const RblCellConfig& cells = config_.cells;
     const double edge_m = map_->edge_m();
@@ -445,9 +457,9 @@ class Rbl : public Guidance {
     }
   }
 
-  /// The centroid when it lies in the cell A' that is sensed now, else the nearest place that does; turns to it, and
-  /// stays until it faces it [Kamler 2025, sec. 3.3.1]. A goal within the own encumbrance is flown to without: one
-  /// right above or below would never come into sight.
+  /// The centroid if it lies in the cell A' that is sensed now, else the nearest sample that does. Turns towards it,
+  /// and stays until the heading is reached [Kamler 2025, sec. 3.3.1]. A goal within the own encumbrance is approached
+  /// without: right above or below it would never come into view.
   Vector3 within_sight(const Pose& T_local_body, TimeNs now) {
     const Vector3 p_local_m = T_local_body.translation();
     const Vector3 to_centroid_local_m = step_.centroid_local_m - p_local_m;
@@ -475,7 +487,7 @@ class Rbl : public Guidance {
     return p_local_m + seen_agent_m;
   }
 
-  /// A goal nearly above or below does not come into view, but it may have been seen.
+  /// A goal nearly above or below does not come into view, but may have been viewed before.
   std::optional<Vector3> down_to_goal_local_m(const Vector3& p_local_m) const {
     const bool is_near = (goal_local_m_ - p_local_m).norm() <= config_.cells.sensing_radius_m;
     if (!config_.separation.enabled || !is_near) return std::nullopt;
@@ -487,7 +499,7 @@ class Rbl : public Guidance {
     return std::abs(off_rad) <= config_.lidar.facing_deg * kRadPerDeg;
   }
 
-  /// What it sees while it is level: whoever speeds up bows its sensor for a moment.
+  /// Field of view of the level vehicle: acceleration tilts the sensor for a moment.
   std::array<HalfSpace, 2> level_view(const Matrix3& R_local_body) const {
     const Vector3 ahead_local = Vector3(R_local_body(0, 0), R_local_body(1, 0), 0.0).normalized();
     Matrix3 R_local_level;
@@ -495,9 +507,9 @@ class Rbl : public Guidance {
     return field_of_view(R_local_level, config_.lidar.fov_lower_deg, config_.lidar.fov_deg, p_lidar_body_m_);
   }
 
-  /// On the path where a cell holds the vehicle: turns to it, and flies there once it faces it. What is right above or
-  /// below never comes into view. There it goes slowly, and only where it has been or looked as it came from farther
-  /// away. Elsewhere its cell decides.
+  /// On a detour where the cell holds the vehicle: turns along the path, and flies once the heading is reached. A place
+  /// right above or below never comes into view; the vehicle approaches it slowly, and only where it has been or has
+  /// viewed from farther away. Elsewhere its cell decides.
   Vector3 straight_on(const Pose& T_local_body, const Vector3& next_local_m, TimeNs now) {
     const Vector3 p_local_m = T_local_body.translation();
     const Vector3 to_next_m = next_local_m - p_local_m;
@@ -515,7 +527,7 @@ class Rbl : public Guidance {
     return blindly_local_m ? *blindly_local_m : within_sight(T_local_body, now);
   }
 
-  /// The next bit of a way that is not in view, if the vehicle has been or looked there.
+  /// Next short step outside the view, if the vehicle has been or viewed there.
   std::optional<Vector3> slowly_local_m(const Vector3& p_local_m, const Vector3& way_m) const {
     const double length_m = way_m.norm();
     if (length_m <= 0.0) return std::nullopt;
@@ -525,8 +537,8 @@ class Rbl : public Guidance {
     return p_local_m + bit_m;
   }
 
-  // The centroid jumps at every update; the vehicle's goal glides there until the next one, or each jump would shake
-  // it. When every tick brings an update, there is no time to glide.
+  // The centroid jumps at every update. The goal moves there linearly until the next one, because the governor would
+  // answer each jump with full jerk. Without ticks between updates the goal jumps, too.
   void glide(TimeNs now, TimeNs tick) {
     const bool jumps = period_ <= tick;
     const double left = jumps ? 0.0 : std::clamp(to_seconds(next_update_ - now) / to_seconds(period_), 0.0, 1.0);
@@ -538,37 +550,37 @@ class Rbl : public Guidance {
   TimeNs period_, next_update_ = 0, started_ = 0;
   MotionLimits limits_;
   NeighborMemory neighbors_;
-  const OccupancyView* map_ = nullptr;     // of this tick
-  FrameChange to_local_;                   // of this tick
-  Vector3 v_local_mps_ = Vector3::Zero();  // of this tick
+  const OccupancyView* map_ = nullptr;     // from this tick's input
+  FrameChange to_local_;                   // from this tick's input
+  Vector3 v_local_mps_ = Vector3::Zero();  // from this tick's input
   Vector3 goal_local_m_ = Vector3::Zero();
   RblCell sensed_;                            // A'
-  Vector3 p_lidar_body_m_ = Vector3::Zero();  // of the first LiDAR, as its scans tell it
+  Vector3 p_lidar_body_m_ = Vector3::Zero();  // mounting position of the first LiDAR, from its scans
   std::vector<HalfSpace> sensed_cuts_;
   std::vector<Vector3> voxels_local_m_;
   ObstacleCutter cutter_;
   RblPlanner planner_;
   RblPlanner::Step step_;
-  GuardedReference reference_;            // while vehicles keep apart by braking
-  double range_m_;                        // of the sensor of neighbors
+  GuardedReference reference_;            // used with `separation`
+  double range_m_;                        // range of the sensors of neighbors
   std::vector<HalfSpace> braking_cuts_;   // relative to the vehicle
-  std::vector<HalfSpace> obstacle_cuts_;  // the same
-  std::vector<Vector3> coming_local_m_;   // who may have to be dodged
+  std::vector<HalfSpace> obstacle_cuts_;  // relative to the vehicle
+  std::vector<Vector3> coming_local_m_;   // approaching neighbors, which stay in view
   struct Passing {
-    TimeNs t = -1;  // negative: nobody yet
+    TimeNs t = -1;  // negative: none yet
     double height_local_m = 0.0;
   };
-  Passing passed_;             // the last one who came and did not brake
-  std::optional<bool> rises_;  // out of its way: upwards
+  Passing passed_;             // the last neighbor that approached without braking
+  std::optional<bool> rises_;  // evades it upwards; empty: no evasion
   struct Dodged {
     std::int64_t key = 0;
     TimeNs t = 0;
-    Vector3 normal_local = Vector3::Zero();  // of the plane that it stepped behind
+    Vector3 normal_local = Vector3::Zero();  // normal of the evasion plane
   };
-  std::vector<Dodged> dodged_;  // of late, one each
-  bool pressed_ = false;        // somebody comes too near: no time to look where it goes
+  std::vector<Dodged> dodged_;  // recent evasions, one for each neighbor
+  bool pressed_ = false;        // a plane is violated: evade at once
   std::vector<Vector3> neighbors_local_m_;
-  Vector3 from_local_m_ = Vector3::Zero(), to_local_m_ = Vector3::Zero();  // the goal on its way between two updates
+  Vector3 from_local_m_ = Vector3::Zero(), to_local_m_ = Vector3::Zero();  // goal at the last and at the next update
   Reference goal_;
   bool arrived_ = false;
   RblSettling settling_;
@@ -609,12 +621,12 @@ std::vector<Vector3> level_outline(double radius_m, std::span<const HalfSpace> c
   return corners;
 }
 
-// What has no color of its own is drawn in the vehicle's.
+// Overlays without a color take the vehicle's.
 void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
   const RblCell& cell = planner_.cell();
   const Vector3& p_local_m = planner_.p_local_m();
   const auto place = [&](const Vector3& q) { return Eigen::Vector3f((p_local_m + q).cast<float>()); };
-  // Of a ball the slice at the agent's height is shown: the whole would hide what it explains.
+  // For a ball, only the slice at the agent's height is shown.
   const std::vector<Vector3> corners = level_outline(cell.radius_m(), planner_.cuts());
   Overlay area = marks("rbl.cell", Overlay::Kind::kTriangles, 0.0F);
   Overlay outline = marks("rbl.cell_outline", Overlay::Kind::kPolyline, 2.0F);
@@ -637,7 +649,7 @@ void Rbl::append_overlays(std::vector<Overlay>& overlays) const {
   Overlay sensing_centroid =
       marks("rbl.sensing_centroid", Overlay::Kind::kSpheres, 0.1F, {{0.05F, 0.05F, 0.05F, 1.0F}});
   sensing_centroid.positions = {step_.sensing_local_m.cast<float>()};
-  // The destination lies far away: its direction is what matters.
+  // The destination is far away, so only its direction is shown.
   const Vector3 to_destination = step_.destination_local_m - p_local_m;
   const double shown_m = std::min(to_destination.norm(), cell.radius_m() + 1.0);
   Overlay destination = marks("rbl.destination", Overlay::Kind::kLines, 3.0F);
@@ -672,24 +684,24 @@ void RblConfig::visit(ConfigVisitor& v) {
   v.field("goal_m", goal_m, "[m] world");
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached (r_g)", Range::positive());
   v.field("settle_s", settle_s,
-          "[s] no nearer to the goal for so long, the vehicle says what is there, or that it lies out of the limits; "
+          "[s] time without progress after which the vehicle reports what is at its goal, or that it is out of limits; "
           "0: never",
           Range::non_negative());
-  v.field("update_rate_hz", update_rate_hz, "[Hz] of cells, rules and the centroid to fly to",
+  v.field("update_rate_hz", update_rate_hz, "[Hz] rate of updates of cells, rules and centroid",
           Range::between(1e-3, 1e5));
   v.field("speed_mps", speed_mps, "[m/s] at most, below the motion limits", Range::positive());
   v.field("ground_m", ground_m,
-          "[m] height of the ground in 3d, which has no limits of height; the encumbrance above it is kept");
+          "[m] height of the ground in 3d, which has no height limits; the vehicle stays an encumbrance above it");
   v.field("z_min_m", z_min_m, "[m] lowest flight level (2.14)");
   v.field("z_max_m", z_max_m, "[m] highest flight level (2.14)");
   v.object("cells", cells, "cells S and A");
   v.object("rules", rules, "weighting, azimuth and elevation rules");
-  v.object("separation", separation, "what keeps vehicles apart where their cells alone do not");
+  v.object("separation", separation, "braking planes, pledges and evasion beyond the cells of the document");
   v.object("neighbors", neighbors, "where the neighbors are known from");
   v.object("lidar", lidar, "obstacles");
   // With a map the vehicle keeps clear of what is at its goal, and reports it (settle_s).
   if (variant != Variant::k2d && !lidar.enabled) v.destinations("goal_m", goal_m);
-  v.object("detour", detour, "the way out of a pocket between obstacles");
+  v.object("detour", detour, "detour out of a pocket between obstacles");
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }
 

@@ -12,13 +12,13 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kUnderflow = 1e-30;     // a sum of weights below this is rounding
-constexpr float kSampleSlack_m = 1e-6F;  // samples on a limit count
-constexpr double kBoxSlack_m = 1e-4;     // more than single precision loses
+constexpr double kUnderflow = 1e-30;     // smaller sums of weights are rounding errors
+constexpr float kSampleSlack_m = 1e-6F;  // samples on a limit belong to the cell
+constexpr double kBoxSlack_m = 1e-4;     // exceeds the rounding error of single precision
 
 int most_in_a_row(double radius_m, double step_m) { return 2 * static_cast<int>(radius_m / step_m) + 2; }
 
-/// Of a number not below -1; the library's floor is a call without SSE 4.1.
+/// Floor of a number not below -1. std::floor is a function call without SSE 4.1.
 int floor_of(double value) { return static_cast<int>(value + 1.0) - 1; }
 int ceil_of(double value) {
   const int below = floor_of(value);
@@ -27,7 +27,8 @@ int ceil_of(double value) {
 
 constexpr float kLeastPower = -126.0F;
 
-/// 2^t for kLeastPower <= t <= 0 in place, to 2e-7 of itself. Without a condition the compiler takes four at a time.
+/// 2^t for kLeastPower <= t <= 0 in place, with a relative error of 2e-7. Without branches, so that the loop
+/// vectorizes.
 void raise_two(float* t, int count) {
   for (int i = 0; i < count; ++i) {
     const int whole = static_cast<int>(t[i] - 0.5F);
@@ -54,7 +55,7 @@ void weigh(const Samples& x, const Samples& y, const Samples& z, const Vector3& 
 }  // namespace
 
 RblCell::RblCell(double radius_m, double step_m, bool planar) : radius_m_(radius_m), step_m_(step_m), planar_(planar) {
-  // The bound holds for every placement of the lattice: reset() never allocates.
+  // The capacity suffices for every placement of the lattice: reset() never allocates.
   const int n = most_in_a_row(radius_m, step_m);
   const int layers = planar ? 1 : n;
   ball_.reserve(static_cast<std::size_t>(n) * layers);
@@ -87,7 +88,7 @@ void RblCell::sample_ball(const Vector3& origin_agent_m) {
   origin_m_ = origin_agent_m;
   ball_.clear();
   int num_samples = 0;
-  const double slack_m = 1e-9 * radius_m_;  // samples on the sphere count
+  const double slack_m = 1e-9 * radius_m_;  // samples on the sphere belong to the ball
   const auto first_index = [&](double low, double from) {
     return static_cast<int>(std::ceil((low - slack_m - from) / step_m_));
   };
@@ -166,7 +167,7 @@ void RblCell::cut_ball(const Vector3& center_agent_m, double radius_m) {
   trim();
 }
 
-// After the intervals have shrunk: the mask follows, or is made anew when it is needed.
+// The intervals have shrunk: updates the mask, or leaves it to be built when needed.
 void RblCell::trim() {
   if (!excluded_) {
     masked_ = false;
@@ -205,7 +206,7 @@ bool RblCell::is_empty() const { return num_partitioned() == 0; }
 
 Vector3 RblCell::centroid(const Sums& sums, const Vector3& destination_agent_m) const {
   if (sums.weight > kUnderflow) return sums.moment_agent / sums.weight;
-  // Every weight underflowed (or there is no sample): what a vanishing beta tends to.
+  // All weights underflowed (or there is no sample): the limit for vanishing beta.
   const int sample = nearest_partitioned(destination_agent_m);
   return sample < 0 ? Vector3(Vector3::Zero()) : point(sample);
 }
@@ -214,7 +215,7 @@ CellCentroids RblCell::centroids(const Vector3& destination_agent_m, double beta
   weigh(x_.segment(first_sample_, num_samples_), y_.segment(first_sample_, num_samples_),
         z_.segment(first_sample_, num_samples_), destination_agent_m, beta_m, radius_m_,
         weight_.segment(first_sample_, num_samples_));
-  // In a row y and z are the same.
+  // y and z are constant in a row.
   const auto add = [](Sums& sums, const Row& row, float weight, float moment_x) {
     sums.weight += weight;
     sums.moment_agent += Vector3(moment_x, weight * row.y, weight * row.z);
@@ -300,7 +301,7 @@ Vector3 RblCell::least_violating(const std::vector<HalfSpace>& cuts, std::size_t
       const double beyond_m = cuts[k].normal_local.dot(q) - cuts[k].offset_m;
       worst = std::max(worst, k < num_soft ? beyond_m : kHard * beyond_m);
     }
-    // Of equal ones the nearest.
+    // Ties go to the nearest sample.
     const double cost = worst + 1e-6 * q.norm();
     if (cost >= least) continue;
     least = cost;

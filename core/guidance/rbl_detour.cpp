@@ -11,30 +11,31 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kNearer_m = 0.3;       // what counts as getting on
-constexpr double kStands_mps = 0.3;     // a slower neighbor is planned around
-constexpr double kOff_m = 2.0;          // a vehicle so far off its path needs another one
-constexpr double kNearGoal_m = 8.0;     // nearer than this, a path leads to the goal's height
-constexpr double kGoalMoved_m = 0.5;    // so does one whose goal lies elsewhere
-constexpr double kColumn_m = 3.0;       // of air that belongs to a neighbor
-constexpr double kMoves_m = 0.3;        // what counts as moving
-constexpr double kHeld_s = 2.0;         // without that, its cell holds it on its path
-constexpr double kStraight_m = 2.0;     // of the path that it then flies straight
-constexpr double kLeastPoint_m = 1e-6;  // shorter legs have no direction
-constexpr double kBeside_m = 2.0;       // of a goal that is blocked, from where it looks; at least
-constexpr double kSteep = 0.7;          // share of the distance at which it sees the goal; nearer it is steep
-constexpr double kThere_m = 0.5;        // near enough to that
-constexpr int kSides = 8;               // of it
+constexpr double kNearer_m = 0.3;       // shortest progress that resets the patience
+constexpr double kStands_mps = 0.3;     // slower neighbors are obstacles of the detour
+constexpr double kOff_m = 2.0;          // distance from the path beyond which it is planned anew
+constexpr double kNearGoal_m = 8.0;     // horizontal distance within which a path leads to the goal's height
+constexpr double kGoalMoved_m = 0.5;    // displacement of the goal beyond which the path is planned anew
+constexpr double kColumn_m = 3.0;       // vertical extent of a neighbor
+constexpr double kMoves_m = 0.3;        // smaller displacements count as standing
+constexpr double kHeld_s = 2.0;         // time of standing after which the cell counts as holding the vehicle
+constexpr double kStraight_m = 2.0;     // length of path that is then flown straight
+constexpr double kLeastPoint_m = 1e-6;  // [m^2] bound of a squared leg length, against division by 0
+constexpr double kBeside_m = 2.0;       // least horizontal distance of the viewpoint from a blocked goal
+constexpr double kSteep = 0.7;          // share of the viewing distance below which the goal counts as above or below
+constexpr double kThere_m = 0.5;        // distance at which the viewpoint is reached
+constexpr int kSides = 8;               // directions in which a viewpoint is sought
 
-constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05};  // of what lies ahead, within reach
+// Shares of the lookahead distance that are tried, the farthest first.
+constexpr double kShares[] = {1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05};
 
-/// Share of a leg at which it is nearest to a point.
+/// Share of the leg before its point nearest to p.
 double nearest_share(const Vector3& from_m, const Vector3& to_m, const Vector3& p_m) {
   const Vector3 leg_m = to_m - from_m;
   return std::clamp((p_m - from_m).dot(leg_m) / std::max(leg_m.squaredNorm(), kLeastPoint_m), 0.0, 1.0);
 }
 
-/// Those that stand: a path around one that flies would be old before it is flown.
+/// Columns around neighbors that stand. A path around moving neighbors would be outdated before it is flown.
 std::vector<KeepOut> standing(const RblDetour::Situation& situation, double radius_m) {
   std::vector<KeepOut> places;
   for (const Neighbor& neighbor : situation.neighbors) {
@@ -44,7 +45,7 @@ std::vector<KeepOut> standing(const RblDetour::Situation& situation, double radi
   return places;
 }
 
-/// On a straight way nearer than the encumbrances of both.
+/// Does the segment pass a standing neighbor nearer than both encumbrances?
 bool meets_standing(const RblDetour::Situation& situation, const Vector3& to_local_m) {
   const std::vector<KeepOut> places = standing(situation, 2.0 * situation.encumbrance_m);
   return std::any_of(places.begin(), places.end(), [&](const KeepOut& place) {
@@ -52,7 +53,7 @@ bool meets_standing(const RblDetour::Situation& situation, const Vector3& to_loc
   });
 }
 
-/// A cell's edge less of clearance: an obstacle whose cells flicker is no reason for another path.
+/// Clearance less one voxel, so that flickering voxels do not invalidate the path.
 ClearPathConfig narrowed(const ClearPathConfig& rules, double edge_m) {
   ClearPathConfig narrow = rules;
   narrow.clearance_m = std::max(rules.clearance_m - edge_m, 0.5 * edge_m);
@@ -69,7 +70,7 @@ Vector3 RblDetour::next_goal_local_m(const Situation& situation) {
   if (planner_.due(situation.now)) take(situation);
   double left_m = (situation.goal_local_m - situation.p_local_m).norm();
   if (on_path()) left_m = follow(situation.p_local_m);
-  if (on_path() && beside_ && left_m < kThere_m) {  // it looks now
+  if (on_path() && beside_ && left_m < kThere_m) {  // the viewpoint is reached
     corners_local_m_.clear();
     since_ = situation.now;
     least_m_ = left_m = (situation.goal_local_m - situation.p_local_m).norm();
@@ -85,7 +86,7 @@ Vector3 RblDetour::next_goal_local_m(const Situation& situation) {
   return point_ahead_local_m(situation);
 }
 
-/// Once held, for a part of the path: or its cell would draw it back to where it stood.
+/// Stays true for kStraight_m of path after the vehicle was held, or the cell would draw it back.
 bool RblDetour::is_held(const Situation& situation) {
   if ((situation.p_local_m - stood_local_m_).norm() > kMoves_m) {
     stood_local_m_ = situation.p_local_m;
@@ -124,8 +125,8 @@ bool RblDetour::has_to_plan(const Situation& situation, double left_m) {
   return is_blocked(*situation.map, rules_, situation.p_local_m, corners_local_m_, next);
 }
 
-/// Heights near that of the vehicle, which looks ahead and sees little of what is above it; near the goal up or down to
-/// its height, too.
+/// Limits the path to heights near that of the vehicle, whose sensor sees little above and below; near the goal, also
+/// to heights between both.
 ClearPathConfig RblDetour::rules_for(const Situation& situation, bool level) const {
   ClearPathConfig rules = config_.planner;
   const double own_m = situation.p_local_m.z(), edge_m = situation.map->edge_m();
@@ -137,20 +138,20 @@ ClearPathConfig RblDetour::rules_for(const Situation& situation, bool level) con
   return rules;
 }
 
-/// @param level   to above or below the goal, at the vehicle's own height
-/// @param narrow  with no more clearance than its cells need: the vehicle may be where no other path begins
+/// @param level   ends above or below the goal, at the vehicle's own height
+/// @param narrow  with the least clearance that the cells need, where no wider path begins
 void RblDetour::search(const Situation& situation, Vector3 goal_local_m, bool level, bool narrow) {
   rules_ = rules_for(situation, level);
   const double least_m = situation.encumbrance_m + 0.5 * situation.map->edge_m();
   if (narrow) rules_.clearance_m = std::min(rules_.clearance_m, least_m);
   level_ = level;
   goal_local_m.z() = std::clamp(level ? situation.p_local_m.z() : goal_local_m.z(), rules_.z_min_m, rules_.z_max_m);
-  // The clearance of the path comes on top.
+  // The clearance of the path is added to the encumbrance.
   const std::vector<KeepOut> others = standing(situation, situation.encumbrance_m);
   const OverlaidOccupancy with_others(*situation.map, others);
   const OccupancyView& view = others.empty() ? *situation.map : static_cast<const OccupancyView&>(with_others);
   found_ = find_clear_path(view, rules_, situation.p_local_m, goal_local_m);
-  // Who stands in the only way may go on, or be at the goal.
+  // Without a path around standing neighbors, plans through them: they may fly on, or stand at the goal.
   if (found_.status == ClearPathStatus::kFound || others.empty()) return;
   found_ = find_clear_path(*situation.map, rules_, situation.p_local_m, goal_local_m);
 }
@@ -173,21 +174,21 @@ void RblDetour::plan(const Situation& situation) {
   planner_.start(situation.now);
 }
 
-/// So that the goal cannot come into view on the way there.
+/// Is the direction to the goal too steep for the goal to come into view?
 bool RblDetour::is_above_or_below(const Situation& situation) const {
   const Vector3 to_goal_m = situation.goal_local_m - situation.p_local_m;
   return !situation.planar && std::abs(to_goal_m.z()) > situation.encumbrance_m &&
          to_goal_m.head<2>().norm() < kSteep * situation.sees_goal_from_m;
 }
 
-/// A path at its own height to a place beside the goal, from where that is in view. What the map shows at the goal may
-/// be a vehicle that was there, and one above or below it never sees that it is gone.
+/// Plans a path at the vehicle's own height to a viewpoint beside the goal. Voxels at the goal may be those of a
+/// vehicle that has left, which is never visible from above or below.
 bool RblDetour::look_from_beside(const Situation& situation) {
   const Vector3 from_goal_m = situation.p_local_m - situation.goal_local_m;
   const double toward_rad = elementary::atan2(from_goal_m.y(), from_goal_m.x());
   beside_m_ = std::max(kBeside_m, situation.sees_goal_from_m);
   for (int i = 0; i < kSides; ++i) {
-    const int side = (i + 1) / 2;  // to the left and to the right in turn
+    const int side = (i + 1) / 2;  // left and right in turn
     const double turn_rad = (i % 2 == 0 ? 1.0 : -1.0) * side * 2.0 * kPi / kSides;
     const double azimuth_rad = toward_rad + turn_rad;
     const Vector3 out_m = beside_m_ * Vector3(elementary::cos(azimuth_rad), elementary::sin(azimuth_rad), 0.0);
@@ -217,7 +218,7 @@ void RblDetour::take(const Situation& situation) {
   note_ = text_of(found_.status);
 }
 
-/// Where on the path the vehicle is, never backwards; what is left of it.
+/// Advances along the path to the point nearest to the vehicle, never backwards. Returns the remaining length.
 double RblDetour::follow(const Vector3& p_local_m) {
   double begins_m = 0.0, best_m = arc_m_, nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < corners_local_m_.size(); ++i) {
@@ -248,7 +249,7 @@ Vector3 RblDetour::at_local_m(double arc_m) const {
   return corners_local_m_.back();
 }
 
-/// The farthest point of the path within reach to which the straight way is clear.
+/// The farthest point of the path within the lookahead that a clear segment joins with the vehicle.
 std::optional<Vector3> RblDetour::clear_point_local_m(const Situation& situation, double clearance_m) const {
   ClearPathConfig rules = rules_;
   rules.clearance_m = clearance_m;
@@ -267,17 +268,17 @@ Vector3 RblDetour::point_ahead_local_m(const Situation& situation) const {
 }
 
 void RblDetourConfig::visit(ConfigVisitor& v) {
-  v.field("enabled", enabled,
-          "[-] a vehicle with `lidar` that gets no nearer to its goal flies on a path through its own map");
-  v.field("patience_s", patience_s, "[s] no nearer for so long, it looks for a path", Range::positive());
+  v.field("enabled", enabled, "[-] without progress, a vehicle with `lidar` plans a path through its own map");
+  v.field("patience_s", patience_s, "[s] time without progress before a path is planned", Range::positive());
   v.field("climb_m", climb_m,
-          "[m] the path keeps within this above and below the vehicle; near the goal, of the heights of both",
+          "[m] largest height of the path above and below the vehicle; near the goal, also above and below the goal",
           Range::non_negative());
-  v.field("planning_latency_s", planning_latency_s, "[s] that planning takes on board", Range::between(0.0, 1000.0));
+  v.field("planning_latency_s", planning_latency_s, "[s] computing time of a plan on board",
+          Range::between(0.0, 1000.0));
   v.field("retry_after_s", retry_after_s, "[s] from one search without a path to the next", Range::non_negative());
   v.field("retries", retries, "[-] further searches without a path before the mission has failed",
           Range::between(0, 1e6));
-  v.object("planner", planner, "where a path may lead, and how it is searched");
+  v.object("planner", planner, "limits and search of the path");
 }
 
 }  // namespace swiftlet

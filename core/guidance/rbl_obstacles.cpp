@@ -12,7 +12,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr float kInside_m = 0.01F;  // nearer than this, the direction to a voxel is that to its center
+constexpr float kInside_m = 0.01F;  // below this distance the direction to a voxel is that to its center
 
 Matrix3 turn_y(double angle_rad) { return Eigen::AngleAxisd(angle_rad, Vector3::UnitY()).toRotationMatrix(); }
 
@@ -72,7 +72,7 @@ void ObstacleCutter::convex_planes(const Vector3& p_local_m, std::span<const Vec
     const HalfSpace cut =
         voxel_cut(at.nearest_agent_m.cast<double>(), at.center_agent_m.cast<double>(), encumbrance_m, eta);
     cuts.push_back(cut);
-    // What lies beyond the plane through the nearest point is at least as far from the cell as that point.
+    // Voxels beyond the plane through the nearest point are at least as far from the cell as that point.
     const Eigen::Vector3f normal = cut.normal_local.cast<float>();
     const float beyond = std::sqrt(at.distance_sq) - 1e-4F;
     std::size_t kept = 0;
@@ -90,14 +90,14 @@ void ObstacleCutter::cut_nearest(RblCell& cell, const Vector3& p_local_m, std::s
   const int half = static_cast<int>(std::ceil(cell.radius_m() / eta / edge_m)) + 1;
   const VoxelGrid around{edge_m, (p_local_m.array() / edge_m).floor().cast<int>() - half, Cell::Constant(2 * half + 1)};
   const Vector3 from_corner_m = p_local_m - around.min_cell.cast<double>() * edge_m;
-  // Inside of the grid, where cutting off the fraction rounds down.
+  // Inside the grid all coordinates are positive, so truncation rounds down.
   const auto counted_cell = [&](const Vector3& q) { return Cell(((q + from_corner_m) / edge_m).cast<int>()); };
   const auto [low_m, high_m] = cell.bounds();
   const Cell low = counted_cell(low_m), high = counted_cell(high_m);
   nearest_.compute(voxels_local_m, around, {edge_m, around.min_cell + low, high - low + Cell::Ones()});
   if (nearest_.empty()) return;
 
-  // Asked for every sample: in single precision and without a root.
+  // Evaluated for every sample: single precision, no root.
   const auto edge = static_cast<float>(edge_m), per_edge = static_cast<float>(1.0 / edge_m);
   const Eigen::Vector3f to_face = Eigen::Vector3f::Constant(0.5F * edge);
   const Eigen::Vector3f to_box_cells = (from_corner_m / edge_m - low.cast<double>()).cast<float>();
@@ -126,9 +126,10 @@ void RblLidarConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled, "[-] keep clear of what the map shows (mapping) [Kamler 2025, chapter 3]");
   v.choice("cut", cut, {"convex", "nearest"},
            "[-] half-spaces at one voxel after the other, or each sample by the voxel nearest to it (3.1)");
-  v.choice("legal", legal, {"sensed", "cell"},
-           "[-] where it may fly to (A'): what is sensed now, or the whole cell A (authors' experiment files), each in "
-           "view");
+  v.choice(
+      "legal", legal, {"sensed", "cell"},
+      "[-] cell A' of admissible goals: what is sensed now, or the whole cell A (authors' experiment files), each in "
+      "view");
   v.field("fov_lower_deg", fov_lower_deg, "[deg] gamma of (3.2): the sensor sees down to this below the horizon ahead",
           Range::between(-90.0, 90.0));
   v.field("fov_deg", fov_deg, "[deg] alpha of (3.3): vertical field of view", Range::between(1.0, 180.0));

@@ -7,7 +7,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSamePlace_m = 1e-6;  // two agents in one place: any direction will do
+constexpr double kSamePlace_m = 1e-6;  // below this distance the direction is arbitrary
 
 double offset_of(RblCellConfig::Cut cut, double d, double Delta, double eta) {
   if (cut == RblCellConfig::Cut::kProjected) return d >= 2.0 * Delta ? eta * d : 2.0 * eta * (d - Delta);
@@ -20,11 +20,12 @@ HalfSpace half_space(const Vector3& to_local_m, double d, double offset_m) {
   return {d > kSamePlace_m ? Vector3(to_local_m / d) : Vector3(Vector3::UnitX()), offset_m};
 }
 
-/// (2.3) as printed: nearer to the agent than eta times to the other (or to its mirrored place). The set is a ball.
+/// (2.3) as printed: nearer to the agent than eta times to the neighbor (or to its mirrored position). The set is a
+/// ball.
 void cut_as_printed(RblCell& cell, std::vector<HalfSpace>& cuts, const Vector3& to_local_m, double Delta, double eta) {
   const double d = to_local_m.norm();
   const double reach = d >= 2.0 * Delta ? d : 2.0 * (d - Delta);
-  if (reach <= 0.0) {  // the mirrored place is on the wrong side: only the plane makes sense
+  if (reach <= 0.0) {  // the mirrored position is on the wrong side: only the plane is meaningful
     cuts.push_back(half_space(to_local_m, d, d - Delta));
     cell.cut(cuts.back());
     return;
@@ -59,7 +60,7 @@ RblPlanner::RblPlanner(const RblCellConfig& config, const RblRules& rules, bool 
 void RblPlanner::partition(const Vector3& p_local_m, std::span<const Vector3> neighbors_local_m, double z_min_m,
                            double z_max_m) {
   p_local_m_ = p_local_m;
-  // An agent outside of its limits keeps the layer next to them.
+  // An agent outside the height limits keeps the layer next to them.
   z_low_m_ = std::min(z_min_m - p_local_m.z(), config_.sensing_radius_m - config_.step_m);
   z_high_m_ = std::max(z_max_m - p_local_m.z(), -config_.sensing_radius_m + config_.step_m);
   cell_.reset(config_.lattice == RblCellConfig::Lattice::kWorld ? Vector3(-p_local_m) : Vector3(Vector3::Zero()),
@@ -109,11 +110,11 @@ RblPlanner::Step RblPlanner::update(const Vector3& goal_local_m, double dt_s) {
 
 void RblCellConfig::visit(ConfigVisitor& v) {
   v.field("sensing_radius_m", sensing_radius_m, "[m] r_s, radius of the cell S", Range::positive());
-  v.field("step_m", step_m, "[m] distance of the samples of a cell; not in the document", Range::positive());
+  v.field("step_m", step_m, "[m] spacing of the samples of a cell; not in the document", Range::positive());
   v.choice("lattice", lattice, {"agent", "world"},
            "[-] samples centered at the agent (symmetric), or on multiples of the step in the local frame");
   v.field("encumbrance_m", encumbrance_m, "[m] delta: radius that each vehicle needs for itself", Range::positive());
-  v.field("eta", eta, "[-] scale of the cells: the part of the distance to a neighbor that the agent takes",
+  v.field("eta", eta, "[-] scale of the cells: share of the distance to a neighbor that belongs to the agent",
           Range{0.0, 1.0, true, false});
   v.choice(
       "cut", cut, {"program", "projected", "printed", "buffered", "continued"},

@@ -19,8 +19,8 @@ double toward_zero(double value, double step) {
   return value > 0.0 ? std::max(0.0, value - step) : std::min(0.0, value + step);
 }
 
-// (2.7). With the goal in reach, too: with a wide weight neighbors that rest at goals of their own move the centroid,
-// and with it the vehicle, off its goal or out of the gap between them for ever.
+// (2.7). beta also falls with the goal in reach: with a wide weight, neighbors that rest at their own goals move the
+// centroid, and with it the vehicle, off its goal or out of the gap between them indefinitely.
 double next_beta(const RblRules& rules, const RblSituation& now, double beta_m, double dt_s) {
   const bool goal_in_reach = now.goal_agent_m.norm() < rules.weight_goal_m;
   const bool cut_off = (now.partitioned_agent_m - now.sensing_agent_m).norm() > rules.weight_gap_m;
@@ -45,8 +45,8 @@ double next_theta(const RblRules& rules, const RblSituation& now, double theta_r
   return next >= kMostAzimuth_rad && clear ? 0.0 : next;
 }
 
-// What stands for c_S,z - p_z in (2.18). c_S lies towards the destination, so that a destination that was turned up
-// (2.20) would go on turning up; "level" lets the own turn count backwards and keeps what the limits of height do.
+// Stands for c_S,z - p_z in (2.18). c_S lies towards the destination, so a destination that was turned up (2.20) would
+// go on turning up. "level" lets the own turn count backwards and keeps the effect of the height limits.
 double centering(const RblRules& rules, const RblSituation& now, double phi_rad) {
   if (rules.elevation_sense != RblRules::ElevationSense::kLevel) return now.sensing_agent_m.z();
   const double goal_rad = elementary::atan2(now.goal_agent_m.z(), length_xy(now.goal_agent_m));
@@ -55,7 +55,7 @@ double centering(const RblRules& rules, const RblSituation& now, double phi_rad)
   return (now.sensing_agent_m.z() - turned_m) - (turned_m - reach_m * elementary::sin(goal_rad));
 }
 
-// (2.19); then the reset that only the released program has
+// (2.19), then the reset of the released program
 double next_phi(const RblRules& rules, const RblSituation& now, double phi_rad, double dt_s) {
   const double step = rules.elevation_rate_radps * dt_s;
   double next = toward_zero(phi_rad, step);

@@ -12,9 +12,9 @@ namespace swiftlet {
 namespace {
 
 constexpr double kTouching_m = 1e-6;
-constexpr double kTurnsBack = 3.0;  // when the side that it has begun takes so much longer
+constexpr double kTurnsBack = 3.0;  // the begun side is left only if it takes this many times longer
 
-/// What the vector's length allows when its level and its vertical part have limits of their own.
+/// Limit along a direction, from limits of the horizontal and the vertical part.
 double along(const Vector3& direction, double level, double vertical) {
   const double level_share = elementary::hypot(direction.x(), direction.y()), vertical_share = std::abs(direction.z());
   return 1.0 / std::max(level_share / level, vertical_share / vertical);
@@ -54,17 +54,17 @@ Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double 
 
 HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m,
                       double unsure_m) {
-  // In a space that is compressed vertically the ellipsoid of the distances is a ball.
+  // Compressing the vertical axis turns the ellipsoid of distances into a ball.
   const Vector3 scale(1.0, 1.0, distance_m / vertical_m);
   const auto scaled = [&](const Vector3& v) -> Vector3 { return scale.cwiseProduct(v); };
   const Vector3 a = scaled(self.p_local_m), b = scaled(other.p_local_m);
   const auto [mine, theirs] = nearest_points(a, scaled(self.stop_local_m) - a, b, scaled(other.stop_local_m) - b);
   Vector3 gap = theirs - mine;
-  if (gap.norm() < kTouching_m) gap = b - a;  // ways that cross: back from where the other is now
+  if (gap.norm() < kTouching_m) gap = b - a;  // crossing paths: away from the neighbor's present position
   const double d = (theirs - mine).norm();
   const double length = gap.norm();
   const Vector3 normal = length > kTouching_m ? Vector3(gap / length) : Vector3(Vector3::UnitX());
-  // Who is too near already makes all of the room, whatever the other does.
+  // If the distance is already missing, the vehicle yields alone.
   const double room_m = d - distance_m, share_m = room_m > 0.0 ? 0.5 * room_m : room_m;
   const double offset_m = normal.dot(mine - a) + std::max(share_m - 0.5 * unsure_m, std::min(share_m, 0.0));
   const Vector3 unscaled = scaled(normal);  // n' . (S q) = (S n') . q
@@ -96,12 +96,12 @@ std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other
   const Vector3 beside = to_self - to_self.dot(ahead) * ahead;
   if (beside.norm() >= distance_m) return std::nullopt;
 
-  // How far out, in the scaled space, and how long that takes from rest.
+  // Direction and length of the evasion in the scaled space, and its duration from rest.
   struct Escape {
     Vector3 out = Vector3::Zero();
     double way_m = 0.0, time_s = std::numeric_limits<double>::infinity();
   };
-  // Out of the ball of the distance around the other's way.
+  // Shortest evasion along `out` to the required distance from the other's path.
   const auto escape = [&](const Vector3& out) {
     const double out_m = out.dot(beside);
     const double over_m2 = std::max(0.0, beside.squaredNorm() - out_m * out_m);
@@ -114,13 +114,13 @@ std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other
   };
   Escape best;
   if (beside.norm() > kTouching_m) best = escape(beside.normalized());
-  Vector3 across = ahead.cross(Vector3::UnitZ());  // to the right of who comes
+  Vector3 across = ahead.cross(Vector3::UnitZ());  // to the right of the approaching vehicle
   if (across.norm() > kTouching_m) {
     across.normalize();
     const Escape level = escape(across.dot(beside) < -kTouching_m ? Vector3(-across) : across);
     if (level.time_s < best.time_s) best = level;
   } else if (best.time_s == std::numeric_limits<double>::infinity()) {
-    best = escape(Vector3::UnitX());  // one that falls straight onto it
+    best = escape(Vector3::UnitX());  // the other falls vertically onto the vehicle
   }
   if (begun_local != nullptr) {
     Vector3 last = -begun_local->cwiseQuotient(scale);
@@ -136,7 +136,7 @@ std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other
   return HalfSpace{-unscaled / stretch, -out_m / stretch};
 }
 
-// Two ways of v t + v^2 / 2a and the distance fill the range.
+// The stopping distances v t + v^2 / 2a of both vehicles and the distance to keep fill the range.
 double speed_into_unknown_mps(double range_m, double unknown_s, double distance_m, double braking_mps2) {
   const double way_m = std::max(0.0, 0.5 * (range_m - distance_m));
   if (way_m == std::numeric_limits<double>::infinity()) return way_m;
@@ -156,21 +156,23 @@ MotionLimits RblSeparationConfig::within(MotionLimits limits) const {
 
 void RblSeparationConfig::visit(ConfigVisitor& v) {
   v.field("enabled", enabled,
-          "[-] planes between the ways that vehicles need to brake bound the cells; false: the document's cells alone");
-  v.field("margin_m", margin_m, "[m] beside the sum of the encumbrances, for what control adds", Range::non_negative());
-  v.field("sigmas", sigmas, "[-] standard deviations by which a neighbor may be nearer than it seems",
+          "[-] planes between the braking paths of vehicles bound the cells; false: the document's cells alone");
+  v.field("margin_m", margin_m, "[m] margin for the control error, added to the sum of the encumbrances",
+          Range::non_negative());
+  v.field("sigmas", sigmas, "[-] standard deviations of a neighbor's position by which it counts as nearer",
           Range::non_negative());
   v.field("vertical_m", vertical_m, "[m] least distance of two vehicles one above the other: wakes push down",
           Range::positive());
-  v.field("reaction_s", reaction_s, "[s] beside the period of the updates: what a vehicle needs before it brakes",
+  v.field("reaction_s", reaction_s, "[s] delay before a vehicle brakes, added to the period of the updates",
           Range::non_negative());
   v.field("pledge_share", pledge_share,
-          "[-] share of the room to a neighbor that may be used until it is seen again; the same for all, 0: nothing",
+          "[-] share of the room to a neighbor that may be used until its next sample; equal for all vehicles. 0: no "
+          "pledges",
           Range::between(0.0, 0.49));
   v.field("acceleration_mps2", acceleration_mps2,
-          "[m/s^2] at most, below the motion limits: what is asked for must be followed within margin_m",
+          "[m/s^2] upper limit below the motion limits, so that the controller follows within margin_m",
           Range::positive());
-  v.field("jerk_mps3", jerk_mps3, "[m/s^3] at most, below the motion limits; the rotors must turn the vehicle as fast",
+  v.field("jerk_mps3", jerk_mps3, "[m/s^3] upper limit below the motion limits; the vehicle must tilt as fast",
           Range::positive());
 }
 

@@ -7,8 +7,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSettlingStep_m = 0.1;  // what counts as progress
-constexpr double kUnexplained = 2.0;     // times the patience, before it says that it knows no reason
+constexpr double kSettlingStep_m = 0.1;  // shortest progress that resets the patience
+// Time without an explanation before it is reported, in multiples of the patience.
+constexpr double kUnexplained = 2.0;
 
 double to_goal_m(const RblGoal& goal, const Vector3& q_local_m) {
   const Vector3 to_m = goal.p_local_m - q_local_m;
@@ -36,7 +37,7 @@ RblStatus RblSettling::update(const RblGoal& goal, const Vector3& p_local_m, std
   return told_;
 }
 
-/// Why it cannot get there; running when nothing that it knows keeps it.
+/// Reason why the goal is not reached; kRunning if none is known.
 RblStatus RblSettling::reason(const RblGoal& goal, const Vector3& p_local_m, std::span<const Neighbor> neighbors,
                               const OccupancyView* map) {
   if (!goal.planar && goal.p_local_m.z() < goal.z_min_m)

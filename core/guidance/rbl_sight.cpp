@@ -13,16 +13,17 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kNoDirection_m = 0.3;  // nearer than this, a direction is noise
-constexpr double kBesideTheView = 0.2;  // tangent of what is near enough, where it is level
-constexpr double kAheadUnseen = 2.0;    // as much as a neighbor next to it that was not seen for a second
-constexpr double kUnlooked_s = 1.0;     // of an azimuth, that is no matter
-constexpr double kGlancePerS = 2.0;     // beyond that, of the azimuth that it glances at
-constexpr double kGlance = 4.0;         // at most
-constexpr double kComesUnseen = 5.0;    // of each who may have to be dodged
-constexpr double kSlow_mps = 1.0;       // of one that does not come
+constexpr double kNoDirection_m = 0.3;  // shorter displacements give no direction
+constexpr double kBesideTheView = 0.2;  // tangent of the tolerated horizontal angle outside the view
+// Cost of a flight direction out of view; that of a near neighbor unseen for 1 s is 2.
+constexpr double kAheadUnseen = 2.0;
+constexpr double kUnlooked_s = 1.0;   // time since an azimuth was in view that costs nothing
+constexpr double kGlancePerS = 2.0;   // cost for each further second, for the azimuth to be viewed next
+constexpr double kGlance = 4.0;       // upper limit of that cost
+constexpr double kComesUnseen = 5.0;  // cost of each approaching neighbor out of view
+constexpr double kSlow_mps = 1.0;     // speed assumed in addition to the closing speed
 
-/// When a neighbor could be here that comes as it does, or slowly; never less than a second.
+/// Time until the neighbor could be here, at its closing speed plus kSlow_mps; at least 1 s.
 double soon_s(const Neighbor& neighbor, const Vector3& to_neighbor_m) {
   const double d = to_neighbor_m.norm();
   const double closing_mps = d > 0.0 ? std::max(0.0, -neighbor.velocity_local_mps.dot(to_neighbor_m) / d) : 0.0;
@@ -47,7 +48,7 @@ void RblSight::look(const Matrix3& R_local_body, TimeNs now) {
 }
 
 bool RblSight::sees_beside(const Vector3& direction_body) const {
-  // Right above and below, the edge of a view ahead is no view.
+  // The tolerance vanishes right above and below.
   const double level = elementary::hypot(direction_body.x(), direction_body.y());
   return sees(direction_body + kBesideTheView * level * Vector3::UnitX());
 }
@@ -68,7 +69,7 @@ double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, st
   const bool flies = ahead_local_m.norm() > kNoDirection_m;
   const auto turn_rad = [](int i) { return std::remainder(2.0 * kPi * i / kHeadings, 2.0 * kPi); };
   std::array<Matrix3, kHeadings> R_body_local;
-  std::array<bool, kHeadings> blindly{};  // it flies where it would not see
+  std::array<bool, kHeadings> blindly{};  // with this heading the flight direction is out of view
   std::array<std::bitset<kHeadings>, kHeadings> shows{};
   std::bitset<kHeadings> within_reach;
   for (int i = 0; i < kHeadings; ++i) {
@@ -77,7 +78,7 @@ double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, st
     for (int k = 0; k < kHeadings; ++k) shows[i][k] = sees(R_body_local[i] * azimuth_of(k, kHeadings));
     if (!blindly[i]) within_reach |= shows[i];
   }
-  // One glance after the other, each to its end.
+  // One azimuth after the other, each until it was in view.
   if (glance_ >= 0 && (looked_[glance_] == now || !within_reach[glance_])) glance_ = -1;
   if (glance_ < 0) {
     for (int k = 0; k < kHeadings; ++k) {
@@ -95,7 +96,7 @@ double RblSight::heading(const Pose& T_local_body, const Vector3& to_local_m, st
       if (!sees(R_body_local[i] * (coming_m - p_local_m))) cost += kComesUnseen;
     }
     if (flies && !sees(R_body_local[i] * ahead_local_m)) cost += kAheadUnseen;
-    // Who flies glances aside as far as it still sees where it flies.
+    // In flight, the heading leaves the flight direction only as far as that stays in view.
     if (glance_ >= 0 && (blindly[i] || !shows[i][glance_])) {
       const double overdue_s = std::max(0.0, to_seconds(now - looked_[glance_]) - kUnlooked_s);
       cost += std::min(kGlance, kGlancePerS * overdue_s);

@@ -15,13 +15,13 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kInterval_s = 0.1;  // of paths
-constexpr int kPathParts = 5;        // steps of the governor in it
+constexpr double kInterval_s = 0.1;  // interval between points of a path
+constexpr int kPathParts = 5;        // steps of the governor in that interval
 constexpr double kToldInterval_s = 0.2;
-// A reference slower than this at the goal stands still and ends the prediction.
+// A reference slower than this at the goal counts as at rest and ends the prediction.
 constexpr double kPathStanding_mps = 0.02;
-constexpr double kAgain_s = 0.2;    // after which a path is told again: a message may be lost
-constexpr double kBetter_m = 0.05;  // by which a plan must be better than what is flown
+constexpr double kAgain_s = 0.2;    // period of repeated messages, against losses
+constexpr double kBetter_m = 0.05;  // least improvement of a plan over the flown path
 
 PathInTime heard(const SharedPath& said, const FrameChange& to_local) {
   PathInTime path{said.t, said.interval_s, {}};
@@ -35,7 +35,7 @@ class SharePaths : public Guidance {
  public:
   SharePaths(const SharePathsConfig& config, const GuidanceSetup& setup)
       : config_(config), limits_(setup.limits), governor_(setup.limits) {
-    // Those who plan at the same time would all find the others in their way.
+    // Planning times are staggered: simultaneous plans would all block each other.
     next_plan_ = from_seconds(config.period_s * setup.agent.self / std::max(1, setup.agent.num_vehicles));
     others_.resize(static_cast<std::size_t>(setup.agent.num_vehicles));
   }
@@ -65,7 +65,7 @@ class SharePaths : public Guidance {
   }
 
  private:
-  /// A way to a place, from where the governor is at some time.
+  /// A path to a position, from the governor's state at some time.
   struct Way {
     ReferenceGovernor from;
     Vector3 to_local_m = Vector3::Zero();
@@ -121,7 +121,7 @@ class SharePaths : public Guidance {
     plan_.reset();
   }
 
-  /// The governor's own way to a place, until it rests there.
+  /// The governor's path to a position, until it rests there.
   PathInTime way(ReferenceGovernor governor, const Vector3& to_local_m, TimeNs begins) const {
     PathInTime path{begins, kInterval_s, {governor.state().position_m}};
     Reference goal;
@@ -139,7 +139,7 @@ class SharePaths : public Guidance {
 
   void plan(const Vector3& goal_local_m, const FrameChange& to_local) {
     plan_heard_ = false;
-    // From where it will be when the check is over.
+    // Plans from the state at the end of the check.
     ReferenceGovernor from = governor_;
     Reference goal = from.state();
     goal.position_m = flown_.to_local_m;
@@ -178,7 +178,7 @@ class SharePaths : public Guidance {
     if (plan_) checked_ = begins;
   }
 
-  /// How far from the goal it ends, and what time it takes there, as a distance.
+  /// Cost of a path: distance of its end from the goal, plus its duration as a distance.
   double cost_m(const PathInTime& path, const Vector3& goal_local_m) const {
     const Vector3 rest_m = goal_local_m - path.places_local_m.back();
     const double left_m = config_.planar ? elementary::hypot(rest_m.x(), rest_m.y()) : rest_m.norm();
@@ -214,8 +214,8 @@ class SharePaths : public Guidance {
   bool started_ = false, plan_heard_ = false, arrived_ = false;
   Way flown_{ReferenceGovernor(MotionLimits{}), Vector3::Zero(), {}};
   std::optional<Way> plan_;
-  std::vector<Other> others_;  // by VehicleId
-  SharedPath said_;            // its memory serves again
+  std::vector<Other> others_;  // indexed by VehicleId
+  SharedPath said_;            // kept to reuse its memory
 };
 
 }  // namespace
@@ -242,17 +242,17 @@ double least_distance_m(const PathInTime& a, const PathInTime& b, TimeNs from, d
 void SharePathsConfig::visit(ConfigVisitor& v) {
   v.field("goal_m", goal_m, "[m] world");
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, the goal is reached", Range::positive());
-  v.field("speed_mps", speed_mps, "[m/s] at most", Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] highest speed", Range::positive());
   v.field("encumbrance_m", encumbrance_m, "[m] radius that each vehicle needs for itself", Range::positive());
-  v.field("margin_m", margin_m, "[m] beside the sum of the encumbrances", Range::non_negative());
+  v.field("margin_m", margin_m, "[m] margin added to the sum of the encumbrances", Range::non_negative());
   v.field("vertical_m", vertical_m, "[m] least distance of two vehicles one above the other", Range::positive());
-  v.field("period_s", period_s, "[s] between two plans", Range::positive());
-  v.field("check_s", check_s, "[s] for which a plan waits for objections: no less than the radio's delay",
+  v.field("period_s", period_s, "[s] period of planning", Range::positive());
+  v.field("check_s", check_s, "[s] time for which a plan waits for conflicting ones: no less than the radio's delay",
           Range::non_negative());
-  v.field("longest_s", longest_s, "[s] that a plan may take", Range::between(0.5, 60.0));
+  v.field("longest_s", longest_s, "[s] longest duration of a plan", Range::between(0.5, 60.0));
   v.field("z_min_m", z_min_m, "[m] lowest flight level");
   v.field("z_max_m", z_max_m, "[m] highest flight level");
-  v.field("planar", planar, "[-] at the height of the start");
+  v.field("planar", planar, "[-] fly at the height of the start");
   if (!planar) v.destinations("goal_m", goal_m);
   v.check(z_max_m > z_min_m, "z_max_m", "more than z_min_m");
 }

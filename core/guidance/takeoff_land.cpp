@@ -47,9 +47,9 @@ class TakeoffLand : public Guidance {
 }  // namespace
 
 void TakeoffLandConfig::visit(ConfigVisitor& v) {
-  v.field("wait_s", wait_s, "[s] where it starts, motors off, before it climbs", Range::non_negative());
-  v.field("altitude_m", altitude_m, "[m] to climb above the start", Range::positive());
-  v.field("hover_s", hover_s, "[s] up there", Range::non_negative());
+  v.field("wait_s", wait_s, "[s] time at the start with motors off before the climb", Range::non_negative());
+  v.field("altitude_m", altitude_m, "[m] height of the climb above the start", Range::positive());
+  v.field("hover_s", hover_s, "[s] time of hovering before the landing", Range::non_negative());
   v.field("climb_speed_mps", climb_speed_mps, "[m/s]", Range::positive());
   v.field("landing_speed_mps", landing_speed_mps, "[m/s]", Range::positive());
 }

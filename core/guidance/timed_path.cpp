@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSlowestTimed_mps = 0.2;  // slower than this, the velocity does not tell a heading
+constexpr double kSlowestTimed_mps = 0.2;  // slower velocities give no heading
 
 class TimedPath : public Guidance {
  public:
@@ -45,9 +45,9 @@ class TimedPath : public Guidance {
 
  private:
   TimedPathConfig config_;
-  bool stays_;  // where it starts: no path was given
+  bool stays_;  // no path was given: stays at the start
   UniformSpline path_;
-  FrameChange to_local_;  // of this tick
+  FrameChange to_local_;  // from this tick's input
   double yaw_rad_ = 0.0;  // in the local frame
   double t_s_ = 0.0;
 };
@@ -55,8 +55,8 @@ class TimedPath : public Guidance {
 }  // namespace
 
 void TimedPathConfig::visit(ConfigVisitor& v) {
-  v.field("points_m", points_m, "[m] control points of the spline, world frame; the first is where it begins");
-  v.field("interval_s", interval_s, "[s] from one control point to the next", Range{1e-3, 1e6});
+  v.field("points_m", points_m, "[m] control points of the spline, world frame; it begins at the first");
+  v.field("interval_s", interval_s, "[s] time between control points", Range{1e-3, 1e6});
   v.choice("yaw", yaw, {"along_path", "fixed"}, "[-] heading: along the velocity, or yaw_deg");
   v.field("yaw_deg", yaw_deg, "[deg] heading when fixed");
 }

@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kGoalReached_m = 0.3;
 constexpr double kArrivedSpeed_mps = 0.3;
-constexpr double kSlowestLeg_mps = 0.1;  // slower than this, the velocity does not tell a heading
+constexpr double kSlowestLeg_mps = 0.1;  // slower velocities give no heading
 
-/// A point of a curve and its derivatives by the parameter.
+/// A point of a curve and its derivatives with respect to the parameter.
 struct CurvePoint {
   Vector3 p, dp, ddp;
 };
@@ -90,13 +90,13 @@ class Trajectory : public Guidance {
   }
 
  private:
-  /// Parameter per second: the greatest speed along the curve is speed_mps.
+  /// Rate of the parameter at which the greatest speed along the curve is speed_mps.
   double parameter_rate() const {
     if (config_.shape == TrajectoryConfig::Shape::kCircle) return config_.speed_mps / config_.radius_m;
     return config_.speed_mps / config_.amplitude_m.cwiseProduct(config_.frequency_ratio).norm();
   }
 
-  /// Bounds of each axis, put together.
+  /// Checks bounds on speed and acceleration that combine the maxima of the axes.
   static void require_within(const MotionLimits& limits, const Vector3& v, const Vector3& a) {
     const double slack = 1.0 + 1e-9;
     require(v.head<2>().norm() <= slack * limits.horizontal_speed_mps, "a horizontal speed in m/s", v.head<2>().norm(),
@@ -144,7 +144,7 @@ class Trajectory : public Guidance {
 
   TrajectoryConfig config_;
   RampedTravel travel_;
-  Vector3 direction_ = Vector3::Zero();  // of a line
+  Vector3 direction_ = Vector3::Zero();  // direction of a line
   double yaw_rad_ = 0.0;                 // in the local frame
   double t_s_ = 0.0;
   bool flying_ = false;
@@ -175,13 +175,15 @@ void TrajectoryConfig::visit(ConfigVisitor& v) {
   v.choice("shape", shape, {"circle", "lissajous", "line"},
            "[-] circle; lissajous: center_m + amplitude_m sin(frequency_ratio s); line: from_m to to_m and back");
   v.field("speed_mps", speed_mps, "[m/s] greatest speed along the curve", Range::positive());
-  v.field("laps", laps, "[-] then stop and be done; 0: fly for ever; of a line: there and back", Range::non_negative());
-  v.field("center_m", center_m, "[m] of circle and lissajous");
-  v.field("radius_m", radius_m, "[m] of the circle", Range::positive());
-  v.field("phase_deg", phase_deg, "[deg] where circle and lissajous begin");
+  v.field("laps", laps,
+          "[-] number of laps before it stops and is done; 0: without end. A lap of a line is there and back",
+          Range::non_negative());
+  v.field("center_m", center_m, "[m] center of circle and lissajous");
+  v.field("radius_m", radius_m, "[m] radius of the circle", Range::positive());
+  v.field("phase_deg", phase_deg, "[deg] phase at which circle and lissajous begin");
   v.field("clockwise", clockwise, "[-] sense of the circle seen from above");
-  v.field("amplitude_m", amplitude_m, "[m] of the lissajous curve");
-  v.field("frequency_ratio", frequency_ratio, "[-] of the lissajous curve; 1, 2: a figure of eight");
+  v.field("amplitude_m", amplitude_m, "[m] amplitude of the lissajous curve by axis");
+  v.field("frequency_ratio", frequency_ratio, "[-] frequencies of the lissajous curve by axis; 1, 2: a figure eight");
   v.field("from_m", from_m, "[m] beginning of the line");
   v.field("to_m", to_m, "[m] end of the line");
   if (shape == Shape::kLine) {

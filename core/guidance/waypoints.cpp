@@ -10,7 +10,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kShortestToSee_m = 0.3;  // nearer than this, a direction is noise
+constexpr double kShortestToSee_m = 0.3;  // shorter displacements give no heading
 
 class Waypoints : public Guidance {
  public:
@@ -21,7 +21,7 @@ class Waypoints : public Guidance {
     leg_start_m_ = T_local_start.translation();
     goal_.yaw_rad = start_yaw;
     goal_.position_m = leg_start_m_;
-    // Waypoints of the start's frame turn with its heading only, and lie in the local frame.
+    // Waypoints in the start frame turn with its heading only, and lie in the local frame.
     const Eigen::AngleAxisd turn(start_yaw, Vector3::UnitZ());
     if (config.frame != WaypointsConfig::Frame::kStart) return;
     for (Vector3& p : config_.waypoints_m) p = Vector3(leg_start_m_ + turn * p);
@@ -55,7 +55,7 @@ class Waypoints : public Guidance {
   }
 
   void advance(const Vector3& p_m, double dt_s) {
-    if (next_ >= config_.waypoints_m.size()) {  // none given
+    if (next_ >= config_.waypoints_m.size()) {  // no waypoints
       finished_ = true;
       return;
     }
@@ -94,7 +94,7 @@ class Waypoints : public Guidance {
   WaypointsConfig config_;
   Landing landing_;
   Reference goal_;
-  FrameChange to_local_;  // of this tick
+  FrameChange to_local_;  // from this tick's input
   Vector3 leg_start_m_;
   std::size_t next_ = 0;
   bool arrived_ = false, finished_ = false, landed_ = false;
@@ -104,12 +104,12 @@ class Waypoints : public Guidance {
 }  // namespace
 
 void WaypointsConfig::visit(ConfigVisitor& v) {
-  v.field("waypoints_m", waypoints_m, "[m] where to go, in order");
+  v.field("waypoints_m", waypoints_m, "[m] positions to visit, in order");
   v.check(!waypoints_m.empty(), "waypoints_m", "at least one waypoint");
   v.choice("frame", frame, {"world", "start"},
-           "[-] of the waypoints; start: origin and heading of the vehicle's start");
+           "[-] frame of the waypoints; start: origin and heading of the vehicle's start");
   if (frame == Frame::kWorld) v.destinations("waypoints_m", waypoints_m);
-  v.field("speed_mps", speed_mps, "[m/s] at most, horizontal and vertical each", Range::positive());
+  v.field("speed_mps", speed_mps, "[m/s] highest speed, horizontal and vertical each", Range::positive());
   v.field("arrival_radius_m", arrival_radius_m, "[m] nearer than this, a waypoint is reached", Range::positive());
   v.field("dwell_s", dwell_s, "[s] to stay at each waypoint", Range::non_negative());
   v.field("loop", loop, "[-] go on with the first after the last");
