@@ -8,9 +8,9 @@
 
 namespace swiftlet {
 
-/// Flies like a small bird: at 5 to 12 m/s (Alerstam et al., PLoS Biology 5(8), 2007), with turns of a sudden. It flaps
-/// and folds its wings in turns, so that it bounds (Rayner, J. Theor. Biol. 117, 1985; Tobalske, Bioinspiration and
-/// Biomimetics 5, 2010). From time to time it perches.
+/// Flight of a small bird: 5 to 12 m/s (Alerstam et al., PLoS Biology 5(8), 2007) with sudden turns. Flapping
+/// alternates with folded wings, which gives bounding flight (Rayner, J. Theor. Biol. 117, 1985; Tobalske,
+/// Bioinspiration and Biomimetics 5, 2010). The bird perches from time to time.
 struct BirdConfig : ModuleConfigOf<BirdConfig> {
   std::uint64_t seed = 1;
   double speed_max_mps = 9.0;
@@ -28,11 +28,11 @@ struct BirdConfig : ModuleConfigOf<BirdConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// The flight without end: the spline of AgileSpline, whose targets a bird changes, plus its bounds. These are a
-/// harmonic of the height that grows and ends smoothly. Any frame, the same for all arguments.
+/// Endless flight: an AgileSpline with targets changed by the bird, plus bounds: a harmonic of the height that begins
+/// and ends smoothly. Any frame, the same for all arguments.
 class BirdFlight {
  public:
-  /// Rests at `start` first.
+  /// Begins at rest at `start`.
   BirdFlight(const BirdConfig& config, const Vector3& start_m, double vertical_speed_mps,
              double vertical_acceleration_mps2);
 
@@ -46,7 +46,7 @@ class BirdFlight {
   void fly();
   void seek_perch();
   double drawn_s(double mean_s);
-  /// Share of the bounds, and its first two derivatives by time: a quintic that begins and ends at rest.
+  /// Share of the bounds and its first two time derivatives: a quintic that begins and ends at rest.
   void bounding_share(double (&share)[3]) const;
 
   BirdConfig config_;
@@ -54,7 +54,7 @@ class BirdFlight {
   AgileSpline spline_;
   Phase phase_ = Phase::kFlying;
   double t_s_ = 0.0, turn_at_s_ = 0.0, change_at_s_ = 0.0;
-  double bounds_since_s_ = 0.0;  ///< or not, since then
+  double bounds_since_s_ = 0.0;  ///< time of the last change of bounds_
   bool bounds_ = false;
   Vector3 perch_m_ = Vector3::Zero();
   std::uint32_t num_drawn_ = 0;

@@ -8,8 +8,8 @@
 
 namespace swiftlet {
 
-/// One vehicle flies from view to view until nothing in a box of the world that it can reach shows it anything unknown.
-/// It looks around while it hovers, plans, and flies on paths that are clear in its own map.
+/// Single-vehicle exploration: the vehicle flies from view to view until no reachable view in a box of the world shows
+/// unknown space. It looks around and plans while it hovers, and flies on paths that are clear in its own map.
 struct ExploreConfig : ModuleConfigOf<ExploreConfig> {
   Vector3 box_min_world_m{-20, -20, 0};
   Vector3 box_max_world_m{20, 20, 10};

@@ -6,12 +6,12 @@
 #include "swiftlet/core/guidance/guidance.hpp"
 #include "swiftlet/core/guidance/neighbor_memory.hpp"
 
-/// Two other models of flocking without messages, to compare the rule-based Lloyd algorithm with [Kamler
-/// 2025, sec. 2.5].
+/// Two other flocking models without communication, as baselines for the rule-based Lloyd algorithm [Kamler 2025, sec.
+/// 2.5].
 namespace swiftlet {
 
-/// What both models share. Neither says how to keep off trees: here the nearest thing that the map shows at the height
-/// of flight pushes the vehicle away.
+/// Obstacle avoidance of both models. Neither model defines any: here the nearest occupied voxel at flight height
+/// repels the vehicle.
 struct FlockObstacleConfig {
   bool enabled = false;
   double avoid_distance_m = 2.0;
@@ -21,12 +21,12 @@ struct FlockObstacleConfig {
 };
 
 /// PACNav (Ahmad, Bonilla Licea, Silano, Baca and Saska, 2022). Informed vehicles fly to the goal. Uninformed ones
-/// follow the neighbor whose path is the most persistent and the most similar to the others'. All avoid collisions. The
-/// standard forms of both measures are used:
+/// follow the neighbor whose path is the most persistent and the most similar to the others'. All avoid collisions.
+/// Both measures in their standard forms:
 /// - Persistence is the distance between the ends of the remembered path over its length.
 /// - Similarity is the mean cosine between its direction of motion and those of the other paths.
 ///
-/// All of it is horizontal.
+/// All motion is horizontal.
 struct PacnavConfig : ModuleConfigOf<PacnavConfig> {
   bool informed = true;
   Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
@@ -48,7 +48,7 @@ struct PacnavConfig : ModuleConfigOf<PacnavConfig> {
 /// projection field of the neighbors on the retina, and from its edges:
 ///   dv/dt = gamma (v0 - v) + int cos(phi) alpha0 (-V + alpha1 |dV/dphi|) dphi,
 ///   dpsi/dt = int sin(phi) beta0 (-V + beta1 |dV/dphi|) dphi.
-/// The model has no goal; `goal_weight_radps` adds a turn towards one (0: as published). Horizontal.
+/// The model has no goal; `goal_weight_radps` adds a turn toward one (0: as published). Horizontal.
 struct MezeyConfig : ModuleConfigOf<MezeyConfig> {
   Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
   double goal_weight_radps = 0.8;
@@ -70,10 +70,10 @@ struct MezeyConfig : ModuleConfigOf<MezeyConfig> {
 std::unique_ptr<Guidance> make_pacnav(const ModuleConfig& config, const GuidanceSetup& setup);
 std::unique_ptr<Guidance> make_mezey(const ModuleConfig& config, const GuidanceSetup& setup);
 
-/// Persistence of a path: 1 for a straight one, towards 0 for one that leads nowhere.
+/// Persistence of a path: distance between its ends over its length; 1 for a straight path, near 0 for a closed one.
 double path_persistence(std::span<const Vector3> path_local_m);
 
-/// What the retina says: change of speed and of heading. Bearings are counted from the heading, to the left.
+/// Commanded changes of speed and heading from the retina. Bearings are relative to the heading, positive to the left.
 struct VisualResponse {
   double acceleration_mps2 = 0.0;
   double turn_radps = 0.0;

@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// What the stamps of a vehicle's messages are off by: what synchronization leaves over, or a clock of its own.
+/// Error of the clock that stamps a vehicle's messages: a residual of synchronization, or an independent clock.
 struct OwnClockConfig {
   double offset_s = 0.0;
   double drift_ppm = 0.0;
@@ -16,7 +16,8 @@ struct OwnClockConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// A small flight to and fro, by which the guide finds out its heading. It ends when the guide speaks.
+/// Small periodic motion that makes the vehicle's heading observable for its guide, until the first message of the
+/// guide.
 struct ExcitationConfig {
   double radius_m = 0.0;
   double speed_mps = 0.5;
@@ -24,8 +25,8 @@ struct ExcitationConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// The guided vehicle [Pritzl 2024, sec. II-A]. It knows its odometry and nothing else, and tells it to its guide. It
-/// follows the waypoints that the guide tells it in its own body frame. While it hears nothing, it hovers.
+/// The guided vehicle [Pritzl 2024, sec. II-A]. Its only sensor is odometry, which it reports to its guide. It follows
+/// the waypoints that the guide sends in the vehicle's body frame, and hovers when the link times out.
 struct FollowGuideConfig : ModuleConfigOf<FollowGuideConfig> {
   std::string primary;
   double odometry_rate_hz = 2.0;

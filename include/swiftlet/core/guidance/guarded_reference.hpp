@@ -8,27 +8,27 @@
 
 namespace swiftlet {
 
-/// A reference that can come to rest behind given planes at any time.
+/// A reference that can stop at any time without crossing the given planes.
 ///
-/// A vehicle that turns aside while it brakes has less to brake with. So a goal behind the planes is not enough. The
-/// next period is flown ahead of time, with braking at its end. When that crosses a plane, the goal moves nearer to
-/// where the vehicle would come to rest if it braked now. When no goal will do, the vehicle brakes.
+/// Turning while braking reduces the deceleration, so a goal behind the planes does not guarantee a stop behind them.
+/// Each period is simulated in advance, with braking at its end. When the simulated motion crosses a plane, the goal is
+/// moved toward the stopping point of braking now. When no such goal is admissible, the vehicle brakes.
 class GuardedReference {
  public:
-  /// @param planar  no plane is level, so it goes on to the goal's height while it brakes
+  /// @param planar  all planes are vertical, so the vehicle continues to the goal's height while it brakes
   explicit GuardedReference(const MotionLimits& limits, bool planar = false) : governor_(limits), planar_(planar) {}
 
   void reset(const Reference& start);
 
-  /// Where it comes to rest when it brakes at once.
+  /// Stopping point when braking begins now.
   Vector3 rest_local_m() const;
 
-  /// The goal to fly to in the next period, in which it glides there from the last one.
-  /// @param planes  relative to `p_local_m`, the place of the vehicle as far as it knows
+  /// Admissible goal of the next period; the commanded goal moves linearly to it from the last one.
+  /// @param planes  relative to `p_local_m`, the estimated position of the vehicle
   Vector3 admit(const Vector3& last_goal_local_m, const Vector3& goal_local_m, std::span<const HalfSpace> planes,
                 const Vector3& p_local_m, double period_s, double speed_limit_mps);
 
-  /// One tick.
+  /// Advances the reference by one tick.
   const Reference& step(const Reference& goal, double dt_s, double speed_limit_mps);
 
  private:

@@ -12,55 +12,55 @@
 
 namespace swiftlet {
 
-/// What guidance is told before the start.
+/// Data that guidance receives before the start.
 struct GuidanceSetup {
   const AgentSetup& agent;
-  MotionLimits limits;  ///< of the reference governor that follows
+  MotionLimits limits;  ///< limits of the reference governor that follows
 };
 
-/// What guidance knows in one tick: all values, nothing kept. Everything but what it was told before the start and what
-/// neighbors say lies in the local frame.
+/// Inputs of guidance in one tick; references are valid for this call only. All quantities are in the local frame,
+/// except those from the setup and from messages of neighbors.
 struct GuidanceInput {
-  double dt_s = 0.0;               ///< since the last tick
+  double dt_s = 0.0;               ///< time since the last tick
   const StateEstimate& estimate;   ///< valid
   const Observation& observation;  ///< messages, neighbors, scans
-  const LocalPoses& poses;         ///< where the vehicle was in the last seconds
+  const LocalPoses& poses;         ///< poses of the vehicle in the last seconds
   std::span<const Detection> detections = {};
   std::span<const Track> tracks = {};
-  std::span<const TrackModes> track_modes = {};                    ///< of the tracks, when it needs them; may be none
-  std::span<const RelativeEstimate> relatives = {};                ///< members of the team
-  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< new in this tick, when it needs them
-  const OccupancyView* map = nullptr;                              ///< null: there is none
+  std::span<const TrackModes> track_modes = {};      ///< modes of the tracks, if requested by needs(); may be empty
+  std::span<const RelativeEstimate> relatives = {};  ///< estimates of teammates
+  std::span<const std::shared_ptr<const LocalCloud>> clouds = {};  ///< finished in this tick, if requested by needs()
+  const OccupancyView* map = nullptr;                              ///< null: no map
 };
 
-/// What guidance wants in one tick, in the local frame. Owned by the caller, reused.
+/// Outputs of guidance in one tick, in the local frame. Owned by the caller, reused.
 struct GuidanceOutput {
-  Reference goal;                 ///< the reference governor makes it flyable
-  bool goal_is_feasible = false;  ///< it keeps the motion limits already and is flown as it is
-  double speed_limit_mps = std::numeric_limits<double>::infinity();  ///< lower than the governor's, for now
+  Reference goal;                 ///< limited by the reference governor
+  bool goal_is_feasible = false;  ///< the goal keeps the motion limits and bypasses the governor
+  double speed_limit_mps = std::numeric_limits<double>::infinity();  ///< current speed limit, if below the governor's
   bool motors_on = true;
   MissionStatus mission = MissionStatus::kRunning;
-  const char* note = "";  ///< why it failed, or what it waits for
+  const char* note = "";  ///< reason of a failure or a wait
 };
 
-/// What guidance asks of the stages before it.
+/// Inputs that guidance requires from the stages before it.
 struct GuidanceNeeds {
   bool clouds = false;
   bool map = false;
-  bool relatives = false;  ///< where the other members of the team are
+  bool relatives = false;  ///< estimates of teammates
   bool track_modes = false;
-  bool neighbors = false;  ///< it keeps from those that a sensor of neighbors sees, so the map need not show them
-  bool world = true;  ///< goals, limits or neighbors of the world: it waits until the vehicle has found itself there
+  bool neighbors = false;  ///< guidance avoids neighbors seen by a mutual-localization sensor, so the map may omit them
+  bool world = true;       ///< uses the world frame, so guidance waits until the vehicle is localized in it
 };
 
-/// Where should I go? A scenario chooses by name who answers. Goals of the world are carried into
-/// the local frame anew in every tick: the correction may have changed.
+/// Interface of guidance: decides where the vehicle flies. A scenario selects the implementation by name. Goals in the
+/// world frame are transformed into the local frame in every tick, because the correction may change.
 class Guidance {
  public:
   virtual ~Guidance() = default;
   virtual GuidanceNeeds needs() const { return {}; }
   virtual void step(const GuidanceInput& input, GuidanceOutput& output, Outbox& outbox) = 0;
-  /// What may help to understand it in a picture; called only when one is taken.
+  /// Geometry for debugging in pictures; called only when a snapshot is taken.
   virtual void append_overlays(std::vector<Overlay>&) const {}
   virtual void append_counters(std::vector<Counter>&) const {}
 };

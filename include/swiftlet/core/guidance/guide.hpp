@@ -10,7 +10,7 @@
 
 namespace swiftlet {
 
-/// Goals one after the other, each so far from where the guided vehicle is then.
+/// Sequence of goals, each at a fixed displacement from the guided vehicle's position when it is set.
 struct GuideAdvanceConfig {
   Eigen::Vector3d step_m = Eigen::Vector3d::Zero();
   double distance_m = 30.0;
@@ -18,7 +18,7 @@ struct GuideAdvanceConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// One of several vehicles that are guided.
+/// Configuration of one of several guided vehicles.
 struct GuidedVehicleConfig {
   std::string name = {};
   std::vector<Eigen::Vector3d> goals_m = {};
@@ -27,12 +27,13 @@ struct GuidedVehicleConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// Guides another vehicle, which sees nothing, along a path that is clear in one's own map [Pritzl 2024]. It plans for
-/// both while both hover, and flies to a viewpoint from which it sees the path. Then it tells the other its path in the
-/// other's own body frame, again and again, until the goal is reached. Of several, one moves and the others hover.
+/// Guides another vehicle without exteroceptive sensors along a path that is clear in the guide's map [Pritzl 2024].
+/// The guide plans for both vehicles while both hover, and flies to a viewpoint from which it observes the path. Then
+/// it sends the path in the other's body frame, repeatedly, until the goal is reached. With several guided vehicles,
+/// one moves and the others hover.
 struct GuideConfig : ModuleConfigOf<GuideConfig> {
   /// When the next leg is planned. kAlternate: while both hover [Pritzl 2024]. kAhead: while the guided vehicle flies.
-  /// kTogether: so, too, and then both fly at once; the guided vehicle is told what the guide sees of its path.
+  /// kTogether: as kAhead, and both fly at the same time; the guide sends the part of the path that it observes.
   enum class Motion { kAlternate, kAhead, kTogether };
 
   std::string secondary;

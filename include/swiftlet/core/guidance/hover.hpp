@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// Stay at one place: the start, or a given point. The mission is endless.
+/// Holds one position: the start, or a given point. The mission is endless.
 struct HoverConfig : ModuleConfigOf<HoverConfig> {
   enum class At { kStart, kPoint };
   At at = At::kStart;

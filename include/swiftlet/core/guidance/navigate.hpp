@@ -9,8 +9,8 @@
 
 namespace swiftlet {
 
-/// One vehicle flies from goal to goal along paths that are clear in its own map [Orsulic 2021, sec. IV]. It plans
-/// while it hovers, and again when the map shows something on the rest of its path.
+/// Single-vehicle navigation from goal to goal along paths that are clear in its own map [Orsulic 2021, sec. IV]. The
+/// vehicle plans while it hovers, and again when the map shows an obstacle on the rest of its path.
 struct NavigateConfig : ModuleConfigOf<NavigateConfig> {
   std::vector<Eigen::Vector3d> goals_m;
   int rounds = 1;

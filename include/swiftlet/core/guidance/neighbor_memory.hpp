@@ -9,7 +9,7 @@
 
 namespace swiftlet {
 
-/// Where a vehicle learns about its neighbors.
+/// Source of neighbor positions.
 struct NeighborSourceConfig {
   enum class Source { kSensor, kRadio, kTracks, kNone };
   Source source = Source::kSensor;
@@ -20,60 +20,59 @@ struct NeighborSourceConfig {
   bool remember_hidden = true;
   bool predict = true;
 
-  /// Who was not measured for a second is gone, as flocking models have it.
+  /// Neighbors are dropped one second after their last measurement, as flocking models assume.
   static NeighborSourceConfig forgetful();
   void visit(ConfigVisitor& v);
 };
 
-/// Another vehicle as known now, in the own local frame.
+/// State of another vehicle, predicted to now, in the own local frame.
 struct Neighbor {
-  std::int64_t key = 0;  ///< identity at its source
+  std::int64_t key = 0;  ///< identity at the source
   Vector3 position_local_m = Vector3::Zero();
   Vector3 velocity_local_mps = Vector3::Zero();
-  TimeNs seen = 0;                                            ///< time of validity of the last measurement
-  Matrix3 covariance_local_m2 = Matrix3::Zero();              ///< of the position
-  Matrix3 velocity_covariance_local_m2ps2 = Matrix3::Zero();  ///< of the velocity
-  double unpredicted_s = 0.0;                                 ///< since the time up to which it was carried forward
-  bool in_view = true;                                        ///< could be seen from here
-  Vector3 seen_local_m = Vector3::Zero();                     ///< where it was at the last measurement
-  Matrix3 seen_covariance_local_m2 = Matrix3::Zero();         ///< of that place
-  Vector3 own_seen_local_m = Vector3::Zero();                 ///< where the own vehicle was then
+  TimeNs seen = 0;                                            ///< validity time of the last measurement
+  Matrix3 covariance_local_m2 = Matrix3::Zero();              ///< covariance of the position
+  Matrix3 velocity_covariance_local_m2ps2 = Matrix3::Zero();  ///< covariance of the velocity
+  double unpredicted_s = 0.0;                          ///< time since the end of the prediction, which is limited
+  bool in_view = true;                                 ///< inside the field of view and range of a sensor
+  Vector3 seen_local_m = Vector3::Zero();              ///< position at the last measurement
+  Matrix3 seen_covariance_local_m2 = Matrix3::Zero();  ///< covariance of seen_local_m
+  Vector3 own_seen_local_m = Vector3::Zero();          ///< position of the own vehicle at that time
 };
 
-/// Keeps the neighbors of a mutual-localization sensor, of radio messages, or of tracks. Each has a Kalman filter of
-/// constant velocity. It is forgotten when it was not measured for a while although the sensor looked there: one in the
-/// blind sector is still there. One beyond the range is no other than those that were never seen.
+/// Tracks the neighbors of a mutual-localization sensor, of radio messages, or of tracks, each by a Kalman filter with
+/// constant velocity. A neighbor is dropped when it is unseen for timeout_s inside the sensor's field of view; time in
+/// the blind sector does not count. Beyond the range a neighbor is like an undetected vehicle, so that time counts.
 class NeighborMemory {
  public:
-  /// @param views  of the sensors; none: all around
+  /// @param views  fields of view of the sensors; empty: omnidirectional
   explicit NeighborMemory(const NeighborSourceConfig& config, std::vector<NeighborView> views = {})
       : config_(config), views_(std::move(views)) {}
 
   void update(const GuidanceInput& input);
-  /// Everybody not forgotten, in order of keys, as of the last update. They are carried forward when they are asked
-  /// for.
+  /// Neighbors in order of keys, as of the last update. The prediction to now is computed on the first call.
   std::span<const Neighbor> neighbors();
 
-  /// How late samples come, and how far apart those of one neighbor are: at least, and at most of late. As seen so far;
-  /// 0: not yet. A neighbor that should be in view and is not measured counts as it is.
+  /// Largest latency of samples, and shortest and recent longest interval between samples of one neighbor; 0: no sample
+  /// yet. A neighbor in view without measurement counts toward the longest interval.
   double latency_s() const { return latency_s_; }
   double shortest_s() const { return shortest_s_; }
   double longest_s() const { return longest_s_; }
 
-  /// What to say to the neighbors when they listen to the radio (source: radio), once a call.
+  /// Broadcasts the own position when the source is the radio; once per call.
   void announce(const StateEstimate& estimate, Outbox& outbox) const;
 
  private:
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   struct Filter {
     std::int64_t key = 0;
-    TimeNs t = 0;  // of the state
+    TimeNs t = 0;  // time of the state
     TimeNs seen = 0;
-    TimeNs missed = 0;                      ///< for how long it was in view since then, unseen
-    TimeNs sought = 0;                      ///< the same with those times at which it was beyond the range
-    bool in_view = true;                    ///< at the last update
-    bool looked_at = true;                  ///< at the last update
-    Vector3 own_local_m = Vector3::Zero();  ///< of the own vehicle when it was seen
+    TimeNs missed = 0;      ///< time in view since the last measurement
+    TimeNs sought = 0;      ///< time in the field of view since the last measurement, including beyond the range
+    bool in_view = true;    ///< at the last update
+    bool looked_at = true;  ///< at the last update
+    Vector3 own_local_m = Vector3::Zero();  ///< position of the own vehicle at the last measurement
     Vector6 x = Vector6::Zero();
     Matrix6 P = Matrix6::Identity();
   };
@@ -90,12 +89,12 @@ class NeighborMemory {
 
   NeighborSourceConfig config_;
   std::vector<NeighborView> views_;
-  TimeNs last_ = -1;  ///< update; negative: there was none
+  TimeNs last_ = -1;  ///< time of the last update; negative: none yet
   TimeNs now_ = 0;
   double latency_s_ = 0.0, shortest_s_ = 0.0, longest_s_ = 0.0;
   std::vector<Filter> filters_;  ///< in order of keys
   std::vector<Neighbor> known_;
-  bool to_carry_ = false;  ///< the filters have changed since
+  bool to_carry_ = false;  ///< the filters have changed since the last prediction
 };
 
 }  // namespace swiftlet

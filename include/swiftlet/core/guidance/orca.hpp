@@ -10,9 +10,9 @@
 
 namespace swiftlet {
 
-/// Optimal reciprocal collision avoidance (van den Berg, Guy, Lin and Manocha, 2011), to compare the rule-based Lloyd
-/// algorithm with. Each vehicle takes half of the change of velocity that keeps two apart for a while. Of all
-/// velocities that do so with every neighbor it flies the one nearest to what it would like to fly.
+/// Optimal reciprocal collision avoidance (van den Berg, Guy, Lin and Manocha, 2011), as a baseline for the rule-based
+/// Lloyd algorithm. Each vehicle makes half of the velocity change that keeps a pair apart for the time horizon. Among
+/// the velocities that satisfy this for all neighbors, the one nearest to the preferred velocity is flown.
 struct OrcaConfig : ModuleConfigOf<OrcaConfig> {
   Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
   double arrival_radius_m = 0.2;
@@ -37,16 +37,16 @@ struct OrcaPlane {
   Vector3 normal_local = Vector3::UnitX();  ///< unit length
 };
 
-/// What a vehicle owes to another one.
-/// @param to_other_local_m  from the vehicle
-/// @param distance_m        to keep
-/// @param horizon_s         for how long
-/// @param step_s            those that are too near already are to be apart after that
+/// Constraint of a vehicle on its velocity due to another vehicle.
+/// @param to_other_local_m  position of the other relative to the vehicle
+/// @param distance_m        distance to keep
+/// @param horizon_s         time for which to keep it
+/// @param step_s            time in which vehicles that are already too near separate
 OrcaPlane orca_plane(const Vector3& to_other_local_m, const Vector3& v_local_mps, const Vector3& other_v_local_mps,
                      double distance_m, double horizon_s, double step_s);
 
-/// The velocity nearest to the wanted one that keeps all planes and the speed. When there is none, the planes give way
-/// by the same amount until there is.
+/// Velocity nearest to the wanted one within all planes and the speed limit. When there is none, all planes are relaxed
+/// by the smallest common amount.
 Vector3 orca_velocity(std::span<const OrcaPlane> planes, const Vector3& wanted_local_mps, double speed_mps,
                       std::vector<Vector3>& scratch_local_mps);
 

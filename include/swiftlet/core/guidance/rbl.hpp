@@ -15,9 +15,9 @@
 
 namespace swiftlet {
 
-/// Rule-based Lloyd algorithm in 2D and 3D [Kamler 2025; Boldrer 2023]: each vehicle flies to the weighted
-/// centroid of its own cell, without a word to its neighbors. Defaults: Table 2.2. Done when the goal was reached; the
-/// vehicle then goes on to keep its cell. It is done as well, with a note, when others are at its goal.
+/// Rule-based Lloyd algorithm in 2D and 3D [Kamler 2025; Boldrer 2023]: each vehicle flies to the weighted centroid of
+/// its own cell, without communication. Defaults: Table 2.2. The mission is done when the goal is reached; the vehicle
+/// then continues to keep its cell. It is also done, with a note, when other vehicles occupy the goal.
 struct RblConfig : ModuleConfigOf<RblConfig> {
   enum class Variant { k2d, k3d, k3dClipped, k3dZ };
   std::string model;
@@ -38,7 +38,7 @@ struct RblConfig : ModuleConfigOf<RblConfig> {
   RblLidarConfig lidar;
   RblDetourConfig detour;
 
-  /// Kept apart by more than their cells, vehicles fly well with a narrower weighting than the document's.
+  /// With `separation` the cells need not keep vehicles apart alone, so the weighting is narrower than the document's.
   RblConfig() { rules.beta_desired_m = 0.4; }
   void visit(ConfigVisitor& v) override;
 };

@@ -17,29 +17,29 @@ struct HalfSpace {
   double offset_m = 0.0;
 };
 
-/// Weighted centroids. Here as below, `agent` is the frame with its origin at the agent and local axes.
+/// Weighted centroids. In this file, `agent` is the frame with its origin at the agent and local axes.
 struct CellCentroids {
   Vector3 sensing_agent_m = Vector3::Zero();      ///< c_S
   Vector3 partitioned_agent_m = Vector3::Zero();  ///< c_A; zero when A is empty
 };
 
-/// The cells S and A of one agent, as samples on a cubic lattice [Kamler 2025, sec. 2.4.1]. Everything is in the
-/// agent's frame. The samples lie in rows along x, and a convex cut leaves an interval of every row. So a cut costs one
-/// division a row, whatever the number of samples.
+/// Cells S and A of one agent, sampled on a cubic lattice [Kamler 2025, sec. 2.4.1], in the agent's frame. The samples
+/// are stored in rows along x, and a convex cut leaves an interval of every row. So a cut costs one division per row,
+/// independent of the number of samples.
 class RblCell {
  public:
   /// @param planar  a disc in the agent's horizontal plane instead of a ball
   RblCell(double radius_m, double step_m, bool planar);
 
-  /// S anew: the ball between two heights (2.4, 2.14), and A = S.
+  /// Resets S to the ball between two heights (2.4, 2.14), and A to S.
   /// @param lattice_agent_m  any point of the lattice; zero: the lattice is centered at the agent
   void reset(const Vector3& lattice_agent_m, double z_low_m, double z_high_m);
 
-  /// Leaves of A only what lies in the half-space (2.3).
+  /// Restricts A to the half-space (2.3).
   void cut(const HalfSpace& keep);
-  /// Leaves of A only what lies in the ball (2.3 as printed: an Apollonius ball).
+  /// Restricts A to the ball (2.3 as printed: an Apollonius ball).
   void cut_ball(const Vector3& center_agent_m, double radius_m);
-  /// Takes single samples out of A: those for which `excluded(q)` holds. Asked once for each sample in A, in order.
+  /// Removes the samples q of A with `excluded(q)`. Called once per sample of A, in order.
   template <class Excluded>
   void exclude(const Excluded& excluded) {
     prepare_mask();
@@ -53,20 +53,20 @@ class RblCell {
 
   /// Centroids with the weight exp(-|q - destination| / beta) (2.5, 2.10).
   CellCentroids centroids(const Vector3& destination_agent_m, double beta_m);
-  /// Of A alone; cheaper.
+  /// Centroid of A with the same weight; cheaper.
   Vector3 partitioned_centroid(const Vector3& destination_agent_m, double beta_m);
 
-  bool is_empty() const;                            ///< A
-  int num_samples() const { return num_samples_; }  ///< of S
-  int num_partitioned() const;                      ///< of A
+  bool is_empty() const;                            ///< no sample is in A
+  int num_samples() const { return num_samples_; }  ///< number of samples of S
+  int num_partitioned() const;                      ///< number of samples of A
   Vector3 point(int sample) const { return at(first_sample_ + sample); }
   bool contains(int sample) const;  ///< is the sample in A?
-  /// Lowest and highest coordinates of the samples of A, which is not empty.
+  /// Axis-aligned bounds of the samples of A, which is not empty.
   std::array<Vector3, 2> bounds() const;
   /// Sample of A that is nearest to `wanted_agent_m`; -1 when A is empty.
   int nearest_partitioned(const Vector3& wanted_agent_m) const;
-  /// Sample of S for which the greatest violation of the half-spaces is least; where to go when A is empty.
-  /// @param num_soft  of the first ones; the rest is violated only as far as it must be
+  /// Sample of S with the smallest maximum violation of the half-spaces; the target when A is empty.
+  /// @param num_soft  number of soft half-spaces at the beginning; violations of the others weigh more
   Vector3 least_violating(const std::vector<HalfSpace>& cuts,
                           std::size_t num_soft = std::numeric_limits<std::size_t>::max()) const;
   double step_m() const { return step_m_; }
@@ -74,10 +74,10 @@ class RblCell {
 
  private:
   struct Row {
-    int first = 0, count = 0;  // of its samples, in x_, y_, z_
-    int low = 0, high = 0;     // what A leaves of them: [low, high)
+    int first = 0, count = 0;  // range of the row's samples in x_, y_, z_
+    int low = 0, high = 0;     // samples of the row in A: [low, high)
     float x0 = 0, y = 0, z = 0;
-    float x0_steps = 0;  // x0 in steps
+    float x0_steps = 0;  // x0 in lattice steps
   };
   struct Sums {
     double weight = 0.0;
@@ -92,17 +92,17 @@ class RblCell {
 
   double radius_m_, step_m_;
   bool planar_;
-  Vector3 origin_m_ = Vector3::Zero();  // a point of the lattice, within half a step
+  Vector3 origin_m_ = Vector3::Zero();  // lattice point within half a step of the agent
   std::vector<Row> ball_;               // all rows for this origin, by height
-  std::vector<Row> rows_;               // those between the heights
+  std::vector<Row> rows_;               // rows between the two heights
   int first_sample_ = 0, num_samples_ = 0;
-  Vector3 low_m_ = Vector3::Zero(), high_m_ = Vector3::Zero();  // a box around A
+  Vector3 low_m_ = Vector3::Zero(), high_m_ = Vector3::Zero();  // bounding box of A
   Eigen::ArrayXf x_, y_, z_;
   Eigen::ArrayXf weight_;
   Eigen::ArrayXf in_x_, in_y_, in_z_;  // samples of A, packed
   Eigen::ArrayXf inside_;              // 1: in A; valid while masked_
   bool masked_ = false;
-  bool excluded_ = false;  // samples were taken out singly: the intervals alone do not tell A
+  bool excluded_ = false;  // single samples were removed, so the intervals alone do not determine A
 };
 
 }  // namespace swiftlet

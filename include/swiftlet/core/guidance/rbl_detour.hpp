@@ -14,7 +14,7 @@
 
 namespace swiftlet {
 
-/// How a vehicle gets out of a pocket. Not in the document.
+/// Escape from dead ends. Not in the document.
 struct RblDetourConfig {
   bool enabled = true;
   double patience_s = 3.0;
@@ -24,7 +24,7 @@ struct RblDetourConfig {
   int retries = 3;
   ClearPathConfig planner;
 
-  /// A vehicle in a pocket has not seen the way out, and looks for any way rather than for the shortest.
+  /// The exit of a dead end is unseen, so unknown space counts as free, and any path serves rather than the shortest.
   RblDetourConfig() {
     planner.clearance_m = 0.75;
     planner.unknown_is_free = true;
@@ -34,39 +34,40 @@ struct RblDetourConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// The next goal of a vehicle: the goal itself, until it gets no nearer for a while. From then on it is a point ahead
-/// on a path to the goal that is clear in the vehicle's own map. The path is held against every new map. It is planned
-/// anew when something stands in it, when the vehicle is off it, and when the vehicle does not get on.
+/// Provides the next goal of a vehicle: the goal itself until progress stalls, then a point ahead on a path to the goal
+/// that is clear in the vehicle's own map. The path is checked against every map revision. It is replanned when it is
+/// blocked, when the vehicle is off the path, and when progress stalls.
 class RblDetour {
  public:
-  /// @param ahead_m  how far the next goal lies ahead, at most
+  /// @param ahead_m  maximum distance of the next goal along the path
   RblDetour(const RblDetourConfig& config, double ahead_m);
 
   struct Situation {
     Vector3 goal_local_m = Vector3::Zero();
     Vector3 p_local_m = Vector3::Zero();
-    double z_min_m = 0.0, z_max_m = 0.0;  ///< of the heights to fly at, in the local frame
-    double encumbrance_m = 0.0;           ///< of a neighbor
-    bool planar = false;                  ///< it keeps its height
-    double sees_goal_from_m = 0.0;        ///< as far beside the goal, at its own height, the goal is in view
+    double z_min_m = 0.0, z_max_m = 0.0;  ///< allowed flight heights, in the local frame
+    double encumbrance_m = 0.0;           ///< encumbrance of a neighbor
+    bool planar = false;                  ///< the vehicle keeps its height
+    double sees_goal_from_m = 0.0;        ///< horizontal distance from which the goal is in view at the own height
     std::span<const Neighbor> neighbors = {};
-    const OccupancyView* map = nullptr;  ///< null: the goal is the next goal for ever
+    const OccupancyView* map = nullptr;  ///< null: the detour is disabled
     TimeNs now = 0;
   };
   Vector3 next_goal_local_m(const Situation& situation);
 
-  /// A point of the path to fly straight to, since the last call of next_goal_local_m. Cells are convex, so before a
-  /// gap between two trunks a vehicle may stand at its own centroid, although the way ahead is clear. Nothing while it
-  /// moves, or when the way is not clear. Nor past somebody who stands: its own rules lead around neighbors.
+  /// A point of the path that may be flown to in a straight line, as of the last call of next_goal_local_m. Cells are
+  /// convex, so a vehicle may rest at its own centroid before a gap between two trunks although the path is clear.
+  /// Empty while the vehicle moves, when the line is not clear, or when a stationary neighbor is on it: the cell rules
+  /// lead around neighbors.
   const std::optional<Vector3>& straight_local_m() const { return straight_local_m_; }
 
-  /// It flies to where it sees its goal, which may be free although its map says otherwise.
+  /// The path ends at a viewpoint of the goal, which may be free although the map shows it occupied.
   bool is_looking() const { return beside_ && !gave_up(); }
   bool on_path() const { return !corners_local_m_.empty(); }
   const std::vector<Vector3>& corners_local_m() const { return corners_local_m_; }
-  /// Why there is no path, or that there is one; empty while the goal itself is flown to.
+  /// Why there is no path, or that there is one; empty while the goal itself is the target.
   const char* note() const { return note_; }
-  /// Again and again there was no path.
+  /// The number of consecutive failed plans exceeds the retries.
   bool gave_up() const { return failures_ > config_.retries; }
 
   std::uint64_t num_plans() const { return num_plans_; }
@@ -90,20 +91,20 @@ class RblDetour {
 
   RblDetourConfig config_;
   double ahead_m_;
-  double least_m_ = std::numeric_limits<double>::infinity();  // that was left so far
+  double least_m_ = std::numeric_limits<double>::infinity();  // smallest remaining distance so far
   TimeNs since_ = 0, retry_ = 0;
   Worker planner_;
-  ClearPath found_;  // what the planner is at work on
+  ClearPath found_;  // result of the plan in progress
   ClearPathConfig rules_;
   std::vector<Vector3> corners_local_m_;
-  double arc_m_ = 0.0;                       // along the path, where the vehicle is
-  double off_m_ = 0.0;                       // it
-  bool beside_ = false;                      // it ends beside the goal, from where it looks
-  double beside_m_ = 0.0;                    // as far
-  bool level_ = false;                       // the path ends at its own height, not at the goal's
-  Vector3 stood_local_m_ = Vector3::Zero();  // where it was when it moved last
-  TimeNs stood_ = 0;                         // since then
-  double straight_until_m_ = 0.0;            // along the path
+  double arc_m_ = 0.0;                       // position of the vehicle along the path
+  double off_m_ = 0.0;                       // distance of the vehicle from the path
+  bool beside_ = false;                      // the path ends at a viewpoint beside the goal
+  double beside_m_ = 0.0;                    // horizontal distance of the viewpoint from the goal
+  bool level_ = false;                       // the path ends at the vehicle's height, not at the goal's
+  Vector3 stood_local_m_ = Vector3::Zero();  // position when the vehicle moved last
+  TimeNs stood_ = 0;                         // time when the vehicle moved last
+  double straight_until_m_ = 0.0;            // position along the path up to which straight flight is kept
   std::optional<Vector3> straight_local_m_;
   std::uint64_t checked_ = 0;
   const char* note_ = "";

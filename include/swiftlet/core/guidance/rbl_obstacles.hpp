@@ -36,17 +36,17 @@ inline Vector3 nearest_in_voxel(const Vector3& p_m, const Vector3& center_m, dou
   return {along(p_m.x(), center_m.x()), along(p_m.y(), center_m.y()), along(p_m.z(), center_m.z())};
 }
 
-/// Cuts cells by voxels. Both cuts keep the agent's encumbrance away from every voxel that faces it:
-/// - convex [Kamler 2025, sec. 3.1.3]: the cell stays convex, by half-spaces. The first touches the nearest point of
-///   the nearest voxel. Each further one touches the nearest voxel that is not yet behind one of them.
-/// - nearest [Kamler 2025, sec. 3.2.5, sign of the exclusion corrected]: each sample is judged by the voxel nearest to
-///   it.
+/// Cuts cells by occupied voxels. Both cuts keep the agent's encumbrance away from every voxel that faces it:
+/// - convex [Kamler 2025, sec. 3.1.3]: half-spaces, so the cell stays convex. The first touches the nearest point of
+///   the nearest voxel. Each further one touches the nearest voxel not yet outside of the cut cell.
+/// - nearest [Kamler 2025, sec. 3.2.5, sign of the exclusion corrected]: each sample is tested against the voxel
+///   nearest to it.
 class ObstacleCutter {
  public:
-  /// @param p_local_m  the agent; the cell is relative to it
+  /// @param p_local_m  position of the agent, the origin of the cell
   void cut_convex(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
                   double encumbrance_m, double eta, std::vector<HalfSpace>& cuts);
-  /// The planes of `cut_convex` alone.
+  /// Computes the planes of `cut_convex` without cutting a cell.
   void convex_planes(const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
                      double encumbrance_m, double eta, std::vector<HalfSpace>& cuts);
   void cut_nearest(RblCell& cell, const Vector3& p_local_m, std::span<const Vector3> voxels_local_m, double edge_m,
@@ -54,7 +54,7 @@ class ObstacleCutter {
 
  private:
   struct Candidate {
-    Eigen::Vector3f nearest_agent_m;  // point of the voxel
+    Eigen::Vector3f nearest_agent_m;  // nearest point of the voxel
     Eigen::Vector3f center_agent_m;
     float distance_sq;
   };
@@ -63,9 +63,9 @@ class ObstacleCutter {
   NearestVoxels nearest_;
 };
 
-/// The part of space between the two planes of the tilted sensor (3.2-3.4): ahead of the sensor, from fov_lower_deg
-/// below its horizontal plane. Half-spaces relative to the vehicle.
-/// @param p_lidar_body_m  through which both planes go
+/// Field of view of the tilted sensor (3.2-3.4) as two half-spaces relative to the vehicle: the region ahead between
+/// two planes, from fov_lower_deg below the sensor's horizontal plane.
+/// @param p_lidar_body_m  point that both planes contain
 std::array<HalfSpace, 2> field_of_view(const Matrix3& R_local_body, double fov_lower_deg, double fov_deg,
                                        const Vector3& p_lidar_body_m = Vector3::Zero());
 

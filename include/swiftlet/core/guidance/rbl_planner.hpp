@@ -18,7 +18,7 @@ struct RblCellConfig {
   double step_m = 0.2;
   enum class Lattice { kAgent, kWorld };
   Lattice lattice = Lattice::kAgent;
-  double encumbrance_m = 0.5;  ///< delta_i, and that of each neighbor
+  double encumbrance_m = 0.5;  ///< delta_i, equal for all vehicles
   double eta = 0.9;
   enum class Cut { kProgram, kProjected, kPrinted, kBuffered, kContinued };
   Cut cut = Cut::kProgram;
@@ -26,42 +26,43 @@ struct RblCellConfig {
   void visit(ConfigVisitor& v);
 };
 
-/// What keeps agent and neighbor apart: the part of the cell on the agent's side (2.3). All interpretations
-/// agree that a neighbor nearer than Delta leaves the agent outside of its own cell, so that it moves away.
-/// @param to_neighbor_local_m  from the agent
+/// Half-space of the cell on the agent's side of a neighbor (2.3). For all interpretations, a neighbor nearer than
+/// Delta places the agent outside of its own cell, so that it retreats.
+/// @param to_neighbor_local_m  position of the neighbor relative to the agent
 /// @param Delta_m        sum of the two encumbrances
 HalfSpace neighbor_cut(const Vector3& to_neighbor_local_m, double Delta_m, double eta, RblCellConfig::Cut cut);
 
-/// How far an agent may go towards a point of an obstacle at this distance: its own encumbrance is left free.
+/// Distance that an agent may advance toward an obstacle point at this distance and keep its encumbrance clear.
 inline double obstacle_offset_m(double distance_m, double encumbrance_m, double eta) {
   return distance_m >= 2.0 * encumbrance_m ? encumbrance_m + eta * (distance_m - 2.0 * encumbrance_m)
                                            : distance_m - encumbrance_m;
 }
-/// The same as a half-space.
+/// Half-space of obstacle_offset_m() toward the point.
 HalfSpace obstacle_cut(const Vector3& to_point_local_m, double encumbrance_m, double eta);
 
-/// Cells, centroids and rules of one agent: the whole of (2.3) to (2.20). Pure: keeps only beta, theta and phi.
+/// Cells, centroids and rules of one agent: all of (2.3) to (2.20). Its only memory is beta, theta and phi.
 class RblPlanner {
  public:
   RblPlanner(const RblCellConfig& config, const RblRules& rules, bool planar);
 
-  /// S (between the heights, local frame), cut by the neighbors. Obstacles may then cut cell() further.
+  /// Resets S (between the heights, local frame) and cuts it by the neighbors. Obstacles may then cut cell() further.
   void partition(const Vector3& p_local_m, std::span<const Vector3> neighbors_local_m, double z_min_m, double z_max_m);
 
   struct Step {
-    Vector3 centroid_local_m = Vector3::Zero();     ///< c_A: where to go
+    Vector3 centroid_local_m = Vector3::Zero();     ///< c_A, the target position
     Vector3 sensing_local_m = Vector3::Zero();      ///< c_S
     Vector3 unrotated_local_m = Vector3::Zero();    ///< c_A with the goal as destination
     Vector3 destination_local_m = Vector3::Zero();  ///< d of the next update
     bool empty_cell = false;
   };
-  /// Centroids of the partitioned cell with the last destination, then the rules, then the next destination.
+  /// Computes the centroids with the last destination, then applies the rules, then sets the next destination.
   Step update(const Vector3& goal_local_m, double dt_s);
 
   RblCell& cell() { return cell_; }
   const RblCell& cell() const { return cell_; }
   std::vector<HalfSpace>& cuts() { return cuts_; }
-  /// What cuts from now on is harder than a neighbor, who may make way: with no room left, it is kept.
+  /// Cuts added from now on are hard, unlike those of neighbors, which may yield: an empty cell violates soft cuts
+  /// first.
   void harden() { num_soft_ = cuts_.size(); }
   const std::vector<HalfSpace>& cuts() const { return cuts_; }
   const RblState& state() const { return state_; }
@@ -76,7 +77,7 @@ class RblPlanner {
   std::size_t num_soft_ = std::numeric_limits<std::size_t>::max();
   RblState state_;
   Vector3 p_local_m_ = Vector3::Zero();
-  double z_low_m_ = 0.0, z_high_m_ = 0.0;  // of the cell, relative
+  double z_low_m_ = 0.0, z_high_m_ = 0.0;  // height limits relative to the agent
 };
 
 }  // namespace swiftlet

@@ -6,12 +6,12 @@
 
 namespace swiftlet {
 
-/// The rules of the 3D rule-based Lloyd algorithm [Kamler 2025, eqs. 2.7 to 2.20]. Where the document is ambiguous or
-/// prints something else than its authors' program does, the interpretation is an option (docs/rbl.md).
+/// Rules of the 3D rule-based Lloyd algorithm [Kamler 2025, eqs. 2.7 to 2.20]. Where the document is ambiguous or
+/// differs from its authors' program, the interpretation is an option (docs/rbl.md).
 struct RblRules {
   double weight_near_m = 0.5;       ///< d_1
   double weight_gap_m = 1.0;        ///< d_2
-  double weight_goal_m = 3.5;       ///< not in the document (0: off); as far as r_s reaches
+  double weight_goal_m = 3.5;       ///< beta also falls for goals nearer than this; not in the document (0: off)
   double azimuth_near_m = 0.5;      ///< d_3
   double azimuth_gap_m = 1.0;       ///< d_4
   double elevation_near_m = 0.5;    ///< d_5
@@ -43,14 +43,14 @@ struct RblRules {
   void visit(ConfigVisitor& v);
 };
 
-/// What the rules change.
+/// State changed by the rules.
 struct RblState {
   double beta_m = 1.5;
-  double theta_rad = 0.0;  ///< the destination is turned to the right by this
-  double phi_rad = 0.0;    ///< and upwards by this
+  double theta_rad = 0.0;  ///< rotation of the destination to the right
+  double phi_rad = 0.0;    ///< rotation of the destination upward
 };
 
-/// What the rules look at, in the agent's frame.
+/// Inputs of the rules, in the agent's frame.
 struct RblSituation {
   Vector3 goal_agent_m = Vector3::Zero();
   Vector3 partitioned_agent_m = Vector3::Zero();  ///< c_A with the present destination
@@ -58,18 +58,18 @@ struct RblSituation {
   Vector3 unrotated_agent_m = Vector3::Zero();    ///< c_A with the goal as destination
 };
 
-/// One step of all rules.
+/// Applies all rules once.
 /// @param planar  norms and rules of the 2D algorithm: no elevation
 RblState apply_rules(const RblRules& rules, const RblSituation& now, const RblState& state, double dt_s, bool planar);
 
 /// Destination (2.20) relative to the agent: the goal turned to the right by theta and up by phi, distance kept.
 Vector3 rbl_destination(const RblRules& rules, const Vector3& goal_agent_m, const RblState& state);
 
-/// C_influence (2.16 to 2.18); positive: go up.
-/// @param phi_rad  of the present destination
+/// C_influence (2.16 to 2.18); positive: climb.
+/// @param phi_rad  elevation of the present destination
 double vertical_influence(const RblRules& rules, const RblSituation& now, double phi_rad = 0.0);
 
-/// Omega (2.15): is there a reason to leave the level?
+/// Omega (2.15): the condition for leaving the level of the goal.
 bool wants_elevation(const RblRules& rules, const RblSituation& now);
 
 }  // namespace swiftlet

@@ -11,7 +11,7 @@
 
 namespace swiftlet {
 
-/// What keeps vehicles apart where their cells alone do not. Not in the document.
+/// Collision avoidance beyond that of the cells. Not in the document.
 struct RblSeparationConfig {
   bool enabled = true;
   double margin_m = 0.1;
@@ -22,53 +22,56 @@ struct RblSeparationConfig {
   double acceleration_mps2 = 2.5;
   double jerk_mps3 = 15.0;
 
-  /// Those of the vehicle, where they are not above what it follows closely; the vertical ones in the same ratio.
+  /// Motion limits reduced to acceleration_mps2 and jerk_mps3, which the controller tracks closely; vertical limits in
+  /// the same ratio.
   MotionLimits within(MotionLimits limits) const;
   void visit(ConfigVisitor& v);
 };
 
-/// A vehicle on the way that it flies if it brakes from now on.
+/// Braking path of a vehicle: the segment from its position to its stopping point.
 struct Braking {
   Vector3 p_local_m = Vector3::Zero();
-  Vector3 stop_local_m = Vector3::Zero();  ///< where it comes to rest
+  Vector3 stop_local_m = Vector3::Zero();  ///< stopping point
 };
 
-/// @param reaction_s  before the braking begins
+/// @param reaction_s  delay before the braking begins
 Braking braking_of(const Vector3& p_local_m, const Vector3& v_local_mps, double reaction_s, const MotionLimits& limits);
 
-/// The nearest points of two braking ways, and the plane halfway between them.
+/// Plane halfway between the nearest points of two braking paths.
 ///
-/// Each of two vehicles that keep their way on their own side of such planes can still stop there. So the distance
-/// stays above `distance_m` as far as the ways are right. Heights count `distance_m / vertical_m` times, because
-/// the rotors move the air above and below a vehicle.
-/// @param unsure_m  by how much the other may be nearer; it takes room to advance, but never pushes back
-/// @return relative to the place of `self`
+/// Two vehicles that keep their braking paths on their own sides of such planes can still stop there. So their distance
+/// stays above `distance_m` as far as the braking paths are accurate. Heights are scaled by `distance_m / vertical_m`,
+/// because of the downwash of the rotors.
+/// @param unsure_m  uncertainty of the other's position; reduces the room to advance, but never forces a retreat
+/// @return relative to the position of `self`
 HalfSpace braking_cut(const Braking& self, const Braking& other, double distance_m, double vertical_m, double unsure_m);
 
-/// What a vehicle may use, until it knows more, of the room that was between it and another one when it saw it last.
+/// Half-space within which the vehicle stays until its next sighting of the other: a share of the gap at the last
+/// sighting.
 ///
-/// When both use less than half, they stay apart whatever they do with it, and however seldom they see each other.
-/// Nothing need be known of their speeds.
-/// @param unsure_m  by how much the other may have been nearer
-/// @return relative to `p_local_m`, where the vehicle is now
+/// When both vehicles use less than half, they stay apart for any motion within it and any interval between sightings.
+/// No knowledge of speeds is required.
+/// @param unsure_m  uncertainty of the other's position at the last sighting
+/// @return relative to `p_local_m`, the present position of the vehicle
 HalfSpace pledged_cut(const Vector3& own_seen_local_m, const Vector3& other_seen_local_m, const Vector3& p_local_m,
                       double distance_m, double vertical_m, double unsure_m, double share);
 
-/// What lies beside the way of somebody who flies straight on. Whoever backs off before it is caught up with.
+/// Half-space beside the path of another vehicle that continues straight: a vehicle that only retreats is caught up
+/// with.
 ///
-/// It is the side that the vehicle is on, or the right one as the other flies. The vehicle moves level, or up or down
-/// where that is sooner done. Once it has begun, it goes on to the same side: each sample tells another one of somebody
-/// who comes straight on.
-/// @param begun_local  normal of the plane of the last time; nullptr: it begins
-/// @return relative to the place of `self`; nothing when the other does not come, or passes `self` at its stop by more
-///         than the distance
+/// The side is the one where the vehicle is, or the right one seen in flight direction of the other. The evasion is
+/// level, or vertical where that is faster. The side is kept once chosen, because each sample of a head-on neighbor
+/// suggests another one.
+/// @param begun_local  normal of the last evasion plane; nullptr: a new evasion
+/// @return relative to the position of `self`; nothing when the other does not approach, or passes the stopping point
+/// of `self` at more than the distance
 std::optional<HalfSpace> dodging_cut(const Braking& self, const Vector3& p_other_local_m,
                                      const Vector3& v_other_local_mps, double distance_m, double vertical_m,
                                      const MotionLimits& limits, const Vector3* begun_local = nullptr);
 
-/// How fast a vehicle may fly that knows nobody ahead. One that flies towards it as fast may be just beyond the range
-/// of its sensor. Both can still stop when they have seen each other.
-/// @param unknown_s  from coming into range until the vehicle brakes: period and latency of the sensor, and reaction
+/// Speed limit with no neighbor in view: another vehicle with the same speed may approach just beyond the sensor's
+/// range. Both can still stop after detection.
+/// @param unknown_s  time from entering the range to braking: period and latency of the sensor, and reaction
 double speed_into_unknown_mps(double range_m, double unknown_s, double distance_m, double braking_mps2);
 
 }  // namespace swiftlet

@@ -10,28 +10,28 @@
 
 namespace swiftlet {
 
-/// What a vehicle says of its way to the goal.
+/// Mission status of the flight to the goal.
 struct RblStatus {
   MissionStatus mission = MissionStatus::kRunning;
   const char* note = "";
 };
 
-/// Where the goal lies, and what is there.
+/// Goal and its surroundings.
 struct RblGoal {
   Vector3 p_local_m = Vector3::Zero();
-  double z_min_m = 0.0, z_max_m = 0.0;  ///< of the heights that the vehicle may fly at, in the local frame
-  double reach_m = 0.0;                 ///< nearer than this, what is at the goal is known
+  double z_min_m = 0.0, z_max_m = 0.0;  ///< allowed flight heights, in the local frame
+  double reach_m = 0.0;                 ///< distance within which the surroundings of the goal are known
   double encumbrance_m = 0.0;
-  double apart_m = 0.0;  ///< that two vehicles keep: one nearer to the goal than this leaves no room there
-  bool planar = false;   ///< the height does not count
+  double apart_m = 0.0;  ///< distance that vehicles keep; a neighbor closer to the goal than this occupies it
+  bool planar = false;   ///< heights are ignored
 };
 
-/// Tells a vehicle that cannot reach its goal from one that is on its way. One that got no nearer for a while says
-/// why, when it is known. It is done when others are at the goal. It has failed when an obstacle is there, or when the
-/// goal lies out of the limits. What was said stands until it gets nearer, although the others move.
+/// Detects vehicles that cannot reach their goal. After patience_s without progress, the known reason is reported. The
+/// mission is done when other vehicles are at the goal. It has failed when an obstacle is there, or when the goal is
+/// outside of the limits. The report stands until progress resumes, even if the others move.
 class RblSettling {
  public:
-  /// @param patience_s  0: never says so
+  /// @param patience_s  time without progress before a report; 0: no reports
   explicit RblSettling(double patience_s) : patience_s_(patience_s) {}
 
   RblStatus update(const RblGoal& goal, const Vector3& p_local_m, std::span<const Neighbor> neighbors,
@@ -43,7 +43,7 @@ class RblSettling {
 
   double patience_s_;
   RblStatus told_;
-  double least_m_ = std::numeric_limits<double>::infinity();  // distance to the goal so far
+  double least_m_ = std::numeric_limits<double>::infinity();  // smallest distance to the goal so far
   TimeNs since_ = 0;
 };
 

@@ -9,19 +9,19 @@
 
 namespace swiftlet {
 
-/// Where a vehicle has been or looked of late. Its map shows obstacles, but not which air it has seen.
+/// Recent positions and fields of view of a vehicle. Its map shows obstacles, but not which free space was observed.
 class RblViewed {
  public:
-  /// @param reach_m    how far it sees that a place is free
-  /// @param own_half_m  radius of the vehicle: where it has been, there is at least that much room
+  /// @param reach_m    range within which a position is observed to be free
+  /// @param own_half_m  radius of the vehicle: free space around its past positions
   RblViewed(double reach_m, double own_half_m);
 
-  /// From where it looks now. Nothing is added until it has moved or turned.
-  /// @param yaw_rad  of its heading, in the local frame
-  /// @param view     what it sees, relative to the vehicle
+  /// Adds the present view, if the vehicle has moved or turned since the last one.
+  /// @param yaw_rad  heading in the local frame
+  /// @param view     field of view, relative to the vehicle
   void look(const Vector3& p_local_m, double yaw_rad, const std::array<HalfSpace, 2>& view);
 
-  /// Has it been there, or looked there along a line that is free in the map of now?
+  /// True when the vehicle has been at the position, or looked there along a line that is free in the present map.
   bool contains(const Vector3& q_local_m, const OccupancyView& map) const;
 
  private:
@@ -32,8 +32,8 @@ class RblViewed {
   };
 
   double reach_m_, own_half_m_;
-  std::vector<Look> looks_;  // the last ones, in a ring
-  std::size_t next_ = 0;     // that is written
+  std::vector<Look> looks_;  // ring of the last views
+  std::size_t next_ = 0;     // index of the next view to overwrite
 };
 
 }  // namespace swiftlet

@@ -9,10 +9,10 @@
 
 namespace swiftlet {
 
-/// Vehicles that tell each other by radio where they will be, to compare the rule-based Lloyd algorithm with. Each
-/// plans for itself, when it likes. A plan ends at rest and keeps clear of all paths that were heard. It is told, and
-/// flown unless another one is heard meanwhile that it comes too near to (the delay check of Kondo et al., 2023).
-/// Plans are the governor's own ways to places around the vehicle.
+/// Vehicles that broadcast their planned paths by radio, as a baseline for the rule-based Lloyd algorithm. Each plans
+/// asynchronously. A plan ends at rest and keeps clear of all received paths. It is broadcast, and flown unless a
+/// conflicting path is received during the delay check [Kondo et al., 2023]. Candidate plans are trajectories of the
+/// reference governor to points around the vehicle.
 struct SharePathsConfig : ModuleConfigOf<SharePathsConfig> {
   Eigen::Vector3d goal_m = {0.0, 0.0, 2.0};
   double arrival_radius_m = 0.2;
@@ -32,7 +32,7 @@ struct SharePathsConfig : ModuleConfigOf<SharePathsConfig> {
 
 std::unique_ptr<Guidance> make_share_paths(const ModuleConfig& config, const GuidanceSetup& setup);
 
-/// Where somebody will be; before its beginning and after its end at rest.
+/// Predicted path of a vehicle; at rest before its beginning and after its end.
 struct PathInTime {
   TimeNs t = 0;
   double interval_s = 0.1;
@@ -42,7 +42,7 @@ struct PathInTime {
   TimeNs end() const { return t + from_seconds(interval_s * static_cast<double>(places_local_m.size() - 1)); }
 };
 
-/// The least distance of two from a time on. Heights count `distance_m / vertical_m` times.
+/// Smallest distance between two paths from a time on. Heights are scaled by `distance_m / vertical_m`.
 double least_distance_m(const PathInTime& a, const PathInTime& b, TimeNs from, double distance_m, double vertical_m);
 
 }  // namespace swiftlet

@@ -7,7 +7,7 @@
 
 namespace swiftlet {
 
-/// From the ground: up, hover, down, motors off. Done when landed.
+/// Takeoff, hover, landing, motors off. Done when landed.
 struct TakeoffLandConfig : ModuleConfigOf<TakeoffLandConfig> {
   double wait_s = 0.0;
   double altitude_m = 2.0;

@@ -10,8 +10,8 @@
 
 namespace swiftlet {
 
-/// A path that was planned in advance with its times, flown as a spline with its exact velocity and acceleration. For
-/// flights whose meeting points and clearances somebody else has made sure of.
+/// A path planned in advance with its times, flown as a spline with its exact velocity and acceleration. The
+/// configuration must ensure that meeting points and clearances are safe.
 struct TimedPathConfig : ModuleConfigOf<TimedPathConfig> {
   std::vector<Eigen::Vector3d> points_m;
   double interval_s = 0.5;

@@ -7,8 +7,8 @@
 
 namespace swiftlet {
 
-/// A curve given by a formula, flown with its exact velocity and acceleration. The vehicle first flies to its
-/// beginning, rests there, and then speeds up smoothly. It slows down as smoothly at the end of the last lap.
+/// An analytic curve, flown with its exact velocity and acceleration. The vehicle first flies to the start of the
+/// curve, rests there, and then accelerates smoothly. It decelerates as smoothly at the end of the last lap.
 struct TrajectoryConfig : ModuleConfigOf<TrajectoryConfig> {
   enum class Shape { kCircle, kLissajous, kLine };
   Shape shape = Shape::kCircle;
@@ -29,14 +29,14 @@ struct TrajectoryConfig : ModuleConfigOf<TrajectoryConfig> {
   void visit(ConfigVisitor& v) override;
 };
 
-/// Throws std::invalid_argument when the curve at this speed does not keep the motion limits.
+/// Throws std::invalid_argument when the curve at this speed violates the motion limits.
 std::unique_ptr<Guidance> make_trajectory(const ModuleConfig& config, const GuidanceSetup& setup);
 
-/// Travel along a length with smooth speeding up and slowing down (quintic steps of the speed, so that acceleration and
-/// jerk are continuous).
+/// Travel along a length with smooth acceleration and deceleration (quintic steps of the speed, so that acceleration
+/// and jerk are continuous).
 struct RampedTravel {
   double length = 0.0;  ///< infinity: never slows down
-  double speed = 0.0;   ///< in between; lowered by the constructor when the length is too short for it
+  double speed = 0.0;   ///< cruise speed; lowered by the constructor when the length is too short for it
   double ramp_s = 0.0;
 
   RampedTravel() = default;

@@ -8,8 +8,8 @@
 
 namespace swiftlet {
 
-/// From waypoint to waypoint. A waypoint counts as reached within the arrival radius; then the vehicle stays for the
-/// dwell and goes on. Done when the last dwell has elapsed (or when landed).
+/// Flight along waypoints. A waypoint is reached within the arrival radius; the vehicle then stays for the dwell time
+/// and continues. Done when the last dwell time has elapsed (or when landed).
 struct WaypointsConfig : ModuleConfigOf<WaypointsConfig> {
   std::vector<Eigen::Vector3d> waypoints_m;
   enum class Frame { kWorld, kStart };
