@@ -10,7 +10,7 @@
 
 namespace swiftlet {
 
-/// A map of how often beams pass a voxel and how often they end there.
+/// Map of the numbers of beams that pass each voxel and that end in it.
 struct AirMapConfig {
   double voxel_m = 0.5;
   Eigen::Vector3d size_m = {128.0, 128.0, 64.0};
@@ -22,26 +22,27 @@ struct AirMapConfig {
   double bytes() const;
 };
 
-/// Where does the background return beams? Each voxel counts the beams that passed it and those that ended in it. The
-/// share of a beam that reaches a voxel and is returned there has a beta distribution; its mean is the clutter share.
-/// A voxel remembers a bounded number of beams: older ones fade. The box scrolls with the sensor, and what enters it is
-/// unknown. Any frame, the same for all arguments.
+/// Share of beams that the background returns, by voxel. Each voxel counts the beams that passed it and those that
+/// ended in it. The share of the arriving beams that are returned has a beta distribution; its mean is the clutter
+/// share. A voxel remembers a bounded number of beams: older ones fade. The box scrolls with the sensor; voxels that
+/// enter it are unknown. Any frame, the same for all arguments.
 class AirMap {
  public:
   explicit AirMap(const AirMapConfig& config);
 
-  /// Centers the box at a place. Nothing is copied: what leaves on one side makes room for what enters on the other.
+  /// Centers the box. Nothing is copied: storage of voxels that leave is reused for those that enter.
   void follow(const Vector3& center_m);
-  /// A beam passed all voxels from one place to another, that of its end included.
+  /// Adds a beam that passed all voxels of a segment, including that of its end.
   void pass(const Vector3& from_m, const Vector3& to_m);
-  /// A beam ended here in the background. @param weight  the probability that it did, 0 to 1
+  /// Adds a beam that ended here in the background. @param weight  probability that it did, 0 to 1
   void hit(const Vector3& p_m, double weight);
 
-  /// Mean of the clutter share of the voxel; the prior's outside.
+  /// Mean of the clutter share of the voxel; outside the box, the prior's.
   double clutter_share(const Vector3& p_m) const;
-  /// Do fewer beams end in each of the voxels around? It takes passes to know that: the prior's share is greater.
+  /// True when the clutter share of each voxel around is at most `share`. Requires passes: the prior's share is
+  /// greater.
   bool is_free_around(const Vector3& p_m, int reach_voxels, double share) const;
-  /// Did a greater share of the beams end in any of the voxels around? Nothing is known to be there before.
+  /// True when the clutter share of any voxel around exceeds `share`. False for unknown voxels.
   bool is_hit_around(const Vector3& p_m, int reach_voxels, double share) const;
 
   double voxel_m() const { return edge_m_; }
@@ -64,7 +65,7 @@ class AirMap {
   double share_of(const Counts& counts) const;
   template <class Test>
   bool any_around(const Vector3& p_m, int reach_voxels, Test&& test) const;
-  // What is too much to remember is halved, so that older beams fade.
+  // Counts beyond the memory are halved, so that older beams fade.
   void add(Counts& counts, int passes, int hits) const {
     const int all_passes = counts.passes + passes, all_hits = counts.hits + hits;
     const int halved = all_passes + all_hits > most_ ? 1 : 0;
@@ -75,11 +76,11 @@ class AirMap {
 
   double edge_m_, cells_per_m_;
   double prior_hits_, prior_sum_, prior_share_;
-  int most_;  // of a voxel's counts
+  int most_;  // limit of the sum of a voxel's counts
   Cell mask_, min_cell_ = Cell::Zero();
-  // An index interleaves the bits of the three axes, so that what is near in space is near in memory.
+  // An index interleaves the bits of the three axes, so that voxels near in space are near in memory.
   std::array<std::size_t, 3> field_mask_{};           // bits of each axis
-  std::array<std::vector<std::uint32_t>, 3> fields_;  // by coordinate
+  std::array<std::vector<std::uint32_t>, 3> fields_;  // index bits of each coordinate
   bool centered_ = false;
   std::vector<Counts> counts_;
 };

@@ -13,8 +13,8 @@ namespace swiftlet {
 
 /// Joins points by their mutual distance [Vrba 2025, eqs. 13-15]. Two points are in the same cluster exactly if a chain
 /// of points joins them in steps of at most the tolerance.
-///
-/// Clusters are in the order of their first points, members in the order of the points, so results do not depend on who
+/// Clusters are in the order of their first points, members in the order of the points, so results do not depend on the
+/// implementation. Any frame, the same for all arguments.
 /// joins them. Any frame, the same for all arguments.
 class Clusterer {
  public:
@@ -33,11 +33,11 @@ class Clusterer {
 
 using MakeClusterer = std::unique_ptr<Clusterer> (*)();
 
-/// A clusterer by its name: "swiftlet", or one that a room outside has plugged in. Throws std::invalid_argument.
+/// Clusterer by name: "swiftlet", or one plugged in by an optional room. Throws std::invalid_argument.
 std::unique_ptr<Clusterer> make_clusterer(const std::string& name);
 bool has_clusterer(std::string_view name);
-/// Plugs in the clusterer of an optional room, in place of an earlier one of that name. Call it before configurations
-/// are read, and not beside other threads.
+/// Plugs in the clusterer of an optional room, replacing one of the same name. Must be called before configurations are
+/// read, and not concurrently with other threads.
 void plug_in_clusterer(const std::string& name, MakeClusterer make);
 
 }  // namespace swiftlet

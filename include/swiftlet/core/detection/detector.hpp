@@ -12,20 +12,20 @@
 
 namespace swiftlet {
 
-/// What a detector gets in one tick.
+/// Inputs of a detector in one tick.
 struct DetectorInput {
-  TimeNs t = 0;                                               ///< now
+  TimeNs t = 0;                                               ///< current time
   const StateEstimate& estimate;                              ///< valid
-  const LocalPoses& poses;                                    ///< where the vehicle was in the last seconds
-  std::span<const std::shared_ptr<const LocalCloud>> clouds;  ///< new in this tick
+  const LocalPoses& poses;                                    ///< poses of the vehicle in the last seconds
+  std::span<const std::shared_ptr<const LocalCloud>> clouds;  ///< finished in this tick
   const Observation& observation;
 };
 
-/// What it gives: has_detections and the stamp say which scan was finished, even if nothing was found in it.
+/// Outputs of a detector. has_detections and the stamp identify the finished scan, even if it has no detections.
 struct DetectorOutput {
   bool has_detections = false;
   TimeNs stamp = 0;                   ///< start of the sweep of that scan
-  std::vector<Detection> detections;  ///< keeps its memory
+  std::vector<Detection> detections;  ///< keeps its capacity
 
   void clear() {
     has_detections = false;
@@ -33,20 +33,20 @@ struct DetectorOutput {
   }
 };
 
-/// Finds flying objects. Slow modules inside work at their own rates with configured latencies: `step` is called every
-/// tick and gives what is ready by then. No result depends on how fast the machine is.
+/// Detects flying objects. Slow modules inside run at their own rates with configured latencies: `step` is called every
+/// tick and returns results whose latency has elapsed. Results do not depend on the speed of the machine.
 class Detector {
  public:
   virtual ~Detector() = default;
-  /// Adds to the output what became ready since the last call.
+  /// Adds the results that became ready since the last call.
   virtual void step(const DetectorInput& input, DetectorOutput& output, Outbox& outbox) = 0;
-  /// The map that it keeps, as of now; null when it keeps none.
+  /// Map of the detector, as of now; null when there is none.
   virtual const VoxelMap* map() const { return nullptr; }
-  /// What a detector that tracks before it detects follows, as of the last scan that it finished; none otherwise. Local
-  /// frame. Track i is that of detection i of that scan.
+  /// Tracks of a track-before-detect detector, as of its last finished scan; empty otherwise. Local frame. Track i
+  /// belongs to detection i of that scan.
   virtual std::span<const Track> tracks() const { return {}; }
   virtual void append_overlays(std::vector<Overlay>&) const {}
-  /// What did not fit its settings so far.
+  /// Appends counters of events that exceeded the settings.
   virtual void append_counters(std::vector<Counter>&) const {}
 };
 

@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// The named bypass: what the vehicle's mutual-localization sensor says (Observation::neighbors) as detections. A
+/// The named bypass: measurements of the vehicle's mutual-localization sensor (Observation::neighbors) as detections. A
 /// vehicle without such a sensor gets an ideal one.
 struct GroundTruthDetectorConfig : ModuleConfigOf<GroundTruthDetectorConfig> {
   double range_max_m = 100.0;

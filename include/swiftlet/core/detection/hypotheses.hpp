@@ -20,63 +20,63 @@ namespace swiftlet {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Something that may fly: a Bernoulli component with a Gaussian state. Local frame.
+/// Hypothesis of a flying object: a Bernoulli component with a Gaussian state. Local frame.
 struct Hypothesis {
   std::uint32_t id = 0;
-  std::uint32_t identity = 0;         ///< that is told: its own id, or that of the target which came back
-  std::uint32_t heir_of = 0;          ///< identity of the target that it probably is; 0: nobody
-  TimeNs t = 0, begun = 0, seen = 0;  ///< of its state; of its first and of its newest return
+  std::uint32_t identity = 0;         ///< reported id: the own id, or that of a reappeared target
+  std::uint32_t heir_of = 0;          ///< identity of the hidden target that this one probably continues; 0: none
+  TimeNs t = 0, begun = 0, seen = 0;  ///< times of the state, of the first and of the newest return
   double existence = 0.0;
   Vector6 mean = Vector6::Zero();  ///< position, velocity
   Matrix6 covariance = Matrix6::Identity();
   ReturnRate rate;
   Observability sight;
   Smallness small;
-  int num_sweeps = 0;   ///< that returned something of it
-  int num_returns = 0;  ///< in the newest sweep
+  int num_sweeps = 0;   ///< number of sweeps with returns of the target
+  int num_returns = 0;  ///< returns in the newest sweep
   bool was_target = false;
-  double size_m = 0.0;  ///< across, of a body that parts were joined to; 0: not known to be large
+  double size_m = 0.0;  ///< diameter of a body merged from parts; 0: not known to be large
   Vector3 extent_m = Vector3::Zero();
   Vector3 measured_local_m = Vector3::Zero();
   Matrix3 measured_covariance = Matrix3::Identity();
   double reflectivity = 0.0;
 
-  /// That a UAV is there: it exists, and is not too small.
+  /// Probability that a UAV is there: it exists, and is not too small.
   double told() const { return existence * (1.0 - small.probability()); }
   Vector3 p_local_m() const { return mean.head<3>(); }
   Vector3 v_local_mps() const { return mean.tail<3>(); }
   Matrix3 position_covariance() const { return covariance.topLeftCorner<3, 3>(); }
 };
 
-/// Track before detect: a bank of Bernoulli hypotheses, each followed from its first return on. All sweeps together
-/// decide whether it exists. Its returns count against what the background returns there. Beams that should have met it
-/// and did not count as well. A target that is hidden, or out of the field of view, is given up after a while. When a
-/// new one appears where it can be by then, that one goes on with its identity. Works on one sweep at a time, without a
-/// clock. Work and memory are bounded.
+/// Track before detect: a bank of Bernoulli hypotheses, each tracked from its first return on. All sweeps together
+/// decide about existence. Returns are weighed against the clutter expected there; beams that should have hit the
+/// target and did not count as well. A target that is hidden, or out of the field of view, is given up after a while. A
+/// new hypothesis at a position that it can have reached continues its identity. Processes one sweep at a time, without
+/// a clock. Time and memory are bounded.
 class Hypotheses {
  public:
   explicit Hypotheses(const TrackBeforeDetectConfig& config);
 
-  /// One sweep: hypotheses, then background, then air.
+  /// Processes one sweep: hypotheses, then background, then free air.
   void take(const LocalCloud& cloud);
 
-  /// All of them, the likeliest first.
+  /// All hypotheses, the likeliest first.
   std::span<const Hypothesis> all() const { return hypotheses_; }
-  /// Those that are likely enough to be told; detections and tracks in the same order.
+  /// Appends the hypotheses above the reporting threshold; detections and tracks in the same order.
   void append_told(std::vector<Detection>& detections) const;
   void append_told(std::vector<Track>& tracks) const;
   const AirMap& air() const { return air_; }
   void append_counters(std::vector<Counter>& counters) const;
 
  private:
-  /// A return where the background returns few.
+  /// A return where the clutter share is low.
   struct Candidate {
     Eigen::Vector3f p_local_m;
-    std::uint32_t point;  // of the cloud
-    bool in_free_air;     // and so does everything around it
+    std::uint32_t point;  // index of the point in the cloud
+    bool in_free_air;     // the voxels around are free air as well
     bool taken;
   };
-  /// Returns that may be one target's.
+  /// Returns assigned to one target.
   struct Measurement {
     Vector3 p_local_m = Vector3::Zero();
     Vector3 extent_m = Vector3::Zero();
@@ -86,7 +86,7 @@ class Hypotheses {
     double reflectivity = 0.0;
     bool in_free_air = false;
   };
-  /// A candidate that becomes background after a while, unless its hypothesis turns out to be a target.
+  /// A candidate that becomes background after a delay, unless its hypothesis turns out to be a target.
   struct Pending {
     TimeNs t = 0;
     Eigen::Vector3f p_local_m;
@@ -114,7 +114,7 @@ class Hypotheses {
   void wait(const Candidate& candidate, std::uint32_t hypothesis);
   void learn(TimeNs t);
   void learn_oldest();
-  /// All returns count, but only as much as the share of beams that clear air.
+  /// All returns are added, weighted by the share of beams that clear air.
   void learn_hit(const Vector3& p_local_m, double weight) { air_.hit(p_local_m, weight / ray_stride_); }
   void clear_air(const LocalCloud& cloud);
 
@@ -132,22 +132,22 @@ class Hypotheses {
   BeamIndex beams_;
   BodyParts parts_;
   std::vector<Hypothesis> hypotheses_, born_;
-  std::vector<Hypothesis> hidden_;  // targets that were given up, and may come back
-  double small_log_odds_ = 0.0;     // of the newborn
+  std::vector<Hypothesis> hidden_;  // targets that were given up and may reappear
+  double small_log_odds_ = 0.0;     // prior log odds of smallness of a new hypothesis
   std::uint32_t next_id_ = 1;
-  std::vector<Pending> pending_;  // a ring
+  std::vector<Pending> pending_;  // ring buffer
   std::size_t first_pending_ = 0, num_pending_ = 0;
   int ray_stride_ = 1, ray_offset_ = 0;  // every n-th beam of a sweep clears air
   std::uint64_t num_born_ = 0, num_dropped_ = 0;
 
-  // Memory of one sweep, kept for the next.
+  // Scratch memory of one sweep, reused.
   std::vector<Candidate> candidates_;
-  std::vector<std::vector<std::uint32_t>> returns_of_;  // candidates, by hypothesis
+  std::vector<std::vector<std::uint32_t>> returns_of_;  // indices of candidates, by hypothesis
   std::vector<Vector3> part_a_m_, part_b_m_;
   std::vector<Eigen::Vector3f> loose_m_;
   std::vector<std::uint32_t> loose_, members_;
   std::vector<Matrix3> gate_information_;
-  std::vector<double> spread_;  // log of the ratio of determinants: the returns of a large body lie wider
+  std::vector<double> spread_;  // log of the ratio of determinants: returns of a large body spread wider
   EuclideanClusters clusters_;
   std::vector<char> cluster_taken_;
   std::vector<BeamExposure> exposures_;

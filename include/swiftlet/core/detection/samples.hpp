@@ -11,12 +11,12 @@
 
 namespace swiftlet {
 
-/// What the detector clusters: the points of a scan that lie in the map, or the voxels that hold them.
+/// Input of the detector's clustering: the points of a scan in the map, or the voxels that contain them.
 struct Samples {
   std::vector<Eigen::Vector3f> at_local_m;
   std::vector<std::ptrdiff_t> voxel;  ///< index in the map
-  std::vector<std::uint32_t> point;   ///< of the cloud; of a voxel: its first
-  std::vector<int> weight;            ///< points in the voxel; empty: 1 each
+  std::vector<std::uint32_t> point;   ///< index of the point in the cloud; for a voxel, of its first point
+  std::vector<int> weight;            ///< number of points in the voxel; empty: 1 each
 
   std::size_t size() const { return at_local_m.size(); }
   int weight_of(std::size_t i) const { return weight.empty() ? 1 : weight[i]; }
@@ -26,17 +26,17 @@ struct Samples {
   void move(std::size_t from, std::size_t to);
   void resize(std::size_t count);
 
-  /// Each point by itself (paper).
+  /// Uses each point as a sample (paper).
   void take_points(const LocalCloud& cloud, const VoxelGrid& grid);
-  /// Afterwards: the center of each voxel with points in it, with their number (released code).
+  /// Replaces the points by the centers of their voxels, weighted by the number of points (released code).
   void thin_to_voxels(const VoxelGrid& grid);
 
  private:
   std::vector<std::pair<std::ptrdiff_t, std::uint32_t>> sorted_;  // scratch
 };
 
-/// Mean of a cluster and the box around it along its principal axes. A voxel counts as often as it holds points, in
-/// the mean as in the scatter that the axes are those of.
+/// Mean of a cluster and its bounding box along the principal axes. A voxel is weighted by its number of points, in the
+/// mean and in the scatter matrix.
 struct ClusterShape {
   Vector3 centroid_local_m = Vector3::Zero();
   Vector3 box_center_local_m = Vector3::Zero();

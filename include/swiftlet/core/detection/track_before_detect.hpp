@@ -8,9 +8,9 @@
 
 namespace swiftlet {
 
-/// A detector for targets that return few beams or none in a sweep. Hypotheses are followed through all sweeps. One is
-/// told once it is likely enough that it exists (Detection::confidence). It works on one sweep at a time, for its
-/// configured latency, and then tells it. Its detections and its tracks have the same order.
+/// Detector of targets with few or no returns in a sweep. Hypotheses are tracked through all sweeps and reported once
+/// they are likely enough to exist (Detection::confidence). Processes one sweep at a time and reports it after the
+/// configured latency. Detections and tracks have the same order.
 std::unique_ptr<Detector> make_track_before_detect(const ModuleConfig& config, const AgentSetup& setup);
 
 }  // namespace swiftlet

@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// What is expected of a target and of those that nobody knows of yet.
+/// Model of a target and of not yet detected targets.
 struct ExpectedTarget {
   double radius_m = 0.325;
   double return_share = 0.25;
@@ -32,7 +32,7 @@ struct ExpectedTarget {
   void visit(ConfigVisitor& v);
 };
 
-/// Sigma_w of the pose by which beams are placed, and of their ranges [Vrba 2025, eq. 66].
+/// Sigma_w of the pose by which beams are registered, and noise of their ranges [Vrba 2025, eq. 66].
 struct ExpectedNoise {
   double sigma_range_m = 0.03;
   double sigma_position_m = 0.05;
@@ -41,7 +41,7 @@ struct ExpectedNoise {
   void visit(ConfigVisitor& v);
 };
 
-/// Fuses sweeps before it decides whether something flies; docs/detection.md.
+/// Fuses sweeps before it decides whether an object flies; docs/detection.md.
 struct TrackBeforeDetectConfig : ModuleConfigOf<TrackBeforeDetectConfig> {
   std::string sensor;
   AirMapConfig air;

@@ -8,11 +8,12 @@
 
 namespace swiftlet {
 
-/// What may lie within a distance of one of some points: a bit for each cell of a grid of that edge. Says yes of
-/// everything that does, and of some that is up to four times as far. Any frame, the same for all arguments.
+/// Conservative test whether a position is within a distance of a set of points: one bit per cell of a grid with that
+/// edge. True for all positions within the distance, and for some up to four times as far. Any frame, the same for all
+/// arguments.
 class Vicinity {
  public:
-  /// Forgets all points. The box: where points can be; its voxels are the least cells that are worth it.
+  /// Removes all points. @param box  region of the points; its voxels limit the cell size from below
   void begin(const VoxelGrid& box, double distance_m);
   void add(const Eigen::Vector3f& p_m);
   bool contains(const Eigen::Vector3f& p_m) const;

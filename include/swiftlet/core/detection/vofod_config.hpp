@@ -10,11 +10,11 @@
 
 namespace swiftlet {
 
-/// Rays are followed so far beyond a scrolling map, which may have moved when they take effect.
+/// Margin of raycasting beyond a scrolling map, which may have moved when the rays are applied.
 inline constexpr int kRayScroll_voxels = 32;
 
-/// How the method is read where the paper leaves it open or the authors' released code does otherwise. The numbers
-/// behind the defaults are in docs/detection.md.
+/// Interpretations of the method where the paper is ambiguous or differs from the authors' released code.
+/// docs/detection.md gives the figures behind the defaults.
 struct VofodChoices {
   enum class Clustering { kPoints, kVoxels } clustering = Clustering::kPoints;
   enum class Position { kCentroid, kBoxCenter } position = Position::kCentroid;
@@ -32,11 +32,11 @@ struct VofodChoices {
   void visit(ConfigVisitor& v);
 };
 
-/// What begins the background in an unknown world.
+/// Sources of the first background in an unknown world.
 enum class VofodSeed { kLargeAndAltimeter, kLarge, kAltimeter, kNone };
 enum class DetectionCovariance { kConstant, kPoseNoise };
 
-/// The three modules run beside each other, each at its own rate; the defaults are the means of Table VI.
+/// Timing of the three concurrent modules; the defaults are the means of Table VI.
 struct VofodTiming {
   double classification_latency_s = 0.1123;
   double raycasting_latency_s = 0.3195;
@@ -73,9 +73,8 @@ struct VofodConfig : ModuleConfigOf<VofodConfig> {
   PriorConfig prior;
 
   void visit(ConfigVisitor& v) override;
-  double map_bytes() const;  ///< of the map's voxels
-  double ray_window_bytes()
-      const;  ///< of the voxels in which rays are followed: around the sensor, about the map at most
+  double map_bytes() const;         ///< memory of the map's voxels
+  double ray_window_bytes() const;  ///< memory of the raycasting window: around the sensor, at most about the map
 };
 
 }  // namespace swiftlet

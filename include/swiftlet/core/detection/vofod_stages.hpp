@@ -17,38 +17,37 @@
 
 namespace swiftlet {
 
-/// Result of rules A to C. Too large: no flying object by its size, the seed of the background.
+/// Result of rules A to C. kTooLarge: not a flying object because of its size; seed of the background.
 enum class ClusterClass : std::uint8_t { kBackground, kUnknown, kFlying, kTooLarge };
 
-/// The stages of the VoFOD detector on one map, without a clock [Vrba 2025, sec. III-B to III-D]. Each does its work on
-/// a scan or on the map. A copy is expensive: it holds the map.
+/// Stages of the VoFOD detector on one map, without a clock [Vrba 2025, sec. III-B to III-D]. Each processes a scan or
+/// the map. A copy is expensive: it includes the map.
 class VofodStages {
  public:
   explicit VofodStages(const VofodConfig& config);
 
-  /// Clustering and classification of a scan, its points into the map, and its detections.
+  /// Clusters and classifies a scan, updates the map by its points, and appends its detections.
   void classify(const LocalCloud& cloud, std::vector<Detection>& detections);
-  /// Rays of a scan: lengths by voxel, kept for apply_rays().
+  /// Casts the rays of a scan: lengths by voxel, stored for apply_rays().
   void cast_rays(const LocalCloud& cloud);
-  /// Their effect on the map, eq. (22). @param num_classifications  N_cls, since the rays were cast
+  /// Applies the rays to the map, eq. (22). @param num_classifications  N_cls, since the rays were cast
   void apply_rays(int num_classifications);
-  /// V_sep as of now, kept for remove_separate(). Voxels are remembered by their cells: the map may scroll meanwhile.
+  /// Computes V_sep, stored for remove_separate(). Voxels are stored as cells: the map may scroll meanwhile.
   void find_separate();
-  /// Eq. (25). @param num_classifications  N_cls, since the last removal
+  /// Applies eq. (25). @param num_classifications  N_cls, since the last removal
   void remove_separate(int num_classifications);
-  /// The ground below an altimeter moves half-way to occupied.
+  /// Moves the voxel of a ground point measured by an altimeter half-way to occupied.
   void seed_ground(const Vector3& p_local_m);
 
   VoxelMap& map() { return map_; }
   const VoxelMap& map() const { return map_; }
   const RayLengths& rays() const { return rays_; }
 
-  // Returns of all classified scans, and those of them that lay outside the map.
+  // Number of returns of all classified scans, and of those outside the map.
   std::uint64_t num_points() const { return num_points_; }
   std::uint64_t num_points_outside() const { return num_points_outside_; }
 
-  // Of the last classified scan.
-  /// Without what is background all around, whose clusters nobody asks for.
+  // Number of clusters of the last classified scan, without those surrounded by background, which are not clustered.
   int num_clusters() const { return clusters_.size(); }
   void append_cluster_points(ClusterClass of_class, std::vector<Eigen::Vector3f>& points_local_m) const;
 
@@ -69,7 +68,7 @@ class VofodStages {
   SearchShape search_shape(const ClusterShape& shape) const;
   bool is_sufficient();
 
-  // Points into the map: the interpretations of the paper and of the released code.
+  // Map update by points: the interpretations of the paper and of the released code.
   void classify_then_update(const LocalCloud& cloud, std::vector<Detection>& detections);
   void update_then_classify(const LocalCloud& cloud, std::vector<Detection>& detections);
   void put_aside();
@@ -89,12 +88,12 @@ class VofodStages {
   VoxelMap map_;
   bool large_is_background_;
   bool was_sufficient_ = false;
-  float g_just_free_;  // the greatest value that is free
+  float g_just_free_;  // greatest value that counts as free
 
-  Samples samples_;                            // what is clustered
-  Samples aside_;                              // background without asking for its clusters
-  std::vector<std::uint8_t> near_background_;  // by sample
-  Vicinity vicinity_;                          // of the samples that are not
+  Samples samples_;                            // samples to cluster
+  Samples aside_;                              // background samples that are not clustered
+  std::vector<std::uint8_t> near_background_;  // flag of each sample
+  Vicinity vicinity_;                          // vicinity of the samples that are not near background
   std::unique_ptr<Clusterer> clusterer_;
   Clusterer& clusters_ = *clusterer_;
   std::vector<ClusterClass> classes_;
@@ -103,7 +102,7 @@ class VofodStages {
   std::vector<Cell> starts_;
 
   RayLengths rays_;
-  std::vector<Cell> hits_;  // voxels with a point since the last ray casting
+  std::vector<Cell> hits_;  // voxels with a point since the last raycasting
   SeparateBackground separator_;
   std::vector<Cell> separate_;
   std::vector<std::ptrdiff_t> separate_index_;
