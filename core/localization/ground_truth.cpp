@@ -35,7 +35,7 @@ class GroundTruthEstimator : public StateEstimator {
       take(*newest);
       reckoning_is_stale_ = true;
     }
-    // Where a pose comes in every tick, nothing is ever carried forward.
+    // With a pose in every tick there is nothing to propagate.
     for (const ImuSample& sample : observation.imu) {
       reckoning_is_stale_ ? reckoning_.keep(sample) : reckoning_.push(sample);
     }
@@ -58,7 +58,7 @@ class GroundTruthEstimator : public StateEstimator {
   const char* fault() const override { return estimate_.valid ? "" : "no pose from outside"; }
 
  private:
-  /// The first pose says where the local frame lies in the world, if the vehicle was not told.
+  /// The first pose determines the local frame in the world unless the scenario gives the start pose.
   void take(const PoseSample& sample) {
     if (!started_ && !local_is_world_) {
       const double yaw_rad = yaw_of(sample.T_world_body.linear()) - yaw_of(T_local_body_start_.linear());
@@ -85,9 +85,9 @@ class GroundTruthEstimator : public StateEstimator {
 
   TimeNs timeout_;
   Pose T_local_body_start_;
-  bool local_is_world_;  // from the start on
+  bool local_is_world_;  // the local frame equals the world frame from the start
   bool started_ = false;
-  bool reckoning_is_stale_ = false;  // a newer pose is there than the one it started from
+  bool reckoning_is_stale_ = false;  // a pose arrived after the one that dead reckoning started from
   TimedPose last_;                   // in the local frame
   Vector3 v_local_mps_ = Vector3::Zero(), omega_body_radps_ = Vector3::Zero();
   DeadReckoning reckoning_;

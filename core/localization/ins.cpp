@@ -13,8 +13,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kRejectedMost = 20;       // in a row; then the measurement is right and the filter is not
-constexpr double kLongestStep_s = 0.1;  // a gap in the IMU's samples longer than this is not bridged by one of them
+constexpr int kRejectedMost = 20;       // rejections in a row after which the measurement is trusted over the filter
+constexpr double kLongestStep_s = 0.1;  // longest gap between IMU samples that one sample bridges
 
 enum Source { kGnssPosition, kGnssVelocity, kAltimeter, kCompass, kOdometry };
 
@@ -57,7 +57,7 @@ class InsEstimator : public StateEstimator {
   const char* fault() const override { return fault_; }
 
  private:
-  /// Measurements in the order of their stamps between the IMU's samples.
+  /// Processes measurements in the order of their stamps between IMU samples.
   void take_in(const Observation& observation) {
     for (const ImuSample& sample : observation.imu) filter_.predict(sample);
     if (config_.use_gnss)
@@ -70,8 +70,8 @@ class InsEstimator : public StateEstimator {
       for (const OdometrySample& sample : observation.odometry) filter_.update(sample);
   }
 
-  /// What a sensor tells of the world goes through the correction into the local frame, where the filter lives. The
-  /// first sample makes the correction where the vehicle was not told its start.
+  /// Absolute measurements pass through the correction into the local frame, where the filter runs. Without a known
+  /// start, the first sample defines the correction.
   void take(const CompassSample& sample) {
     if (!heading_known_) {
       if (!std::isfinite(sample.yaw_rad)) return;
@@ -124,7 +124,7 @@ class InsEstimator : public StateEstimator {
   InsConfig config_;
   InsFilter filter_;  // in the local frame
   Vector3 start_m_;
-  bool heading_known_, place_known_;  // of the local frame in the world
+  bool heading_known_, place_known_;  // is the pose of the local frame in the world known?
   StateEstimate estimate_;
   const char* fault_ = "";
 };
@@ -136,7 +136,7 @@ InsFilter::InsFilter(const InsConfig& config, const Pose& T_local_body_start) : 
   nominal_.q = Eigen::Quaterniond(T_local_body_start.linear()).normalized();
   ground_m_ = nominal_.p_m.z();
 
-  // Tilt and heading are uncertain to a different degree: about world axes, turned into the body's.
+  // Tilt and heading have different uncertainties: about world axes, rotated into body axes.
   const Matrix3 R = nominal_.q.toRotationMatrix();
   const double tilt = square(config.start_tilt_sigma_deg * kRadPerDeg);
   const Vector3 attitude(tilt, tilt, square(config.start_yaw_sigma_deg * kRadPerDeg));
@@ -184,9 +184,9 @@ void InsFilter::predict(const ImuSample& sample) {
   P_.block<3, 3>(kTheta, kTheta).diagonal().array() += square(config_.gyro_noise_radps_sqrt_hz) * dt;
   P_.block<3, 3>(kAccelBias, kAccelBias).diagonal().array() += square(config_.accel_walk_mps3_sqrt_hz) * dt;
   P_.block<3, 3>(kGyroBias, kGyroBias).diagonal().array() += square(config_.gyro_walk_radps2_sqrt_hz) * dt;
-  // The ground's height wanders with the way over it.
+  // The height of the ground is a random walk over the horizontal distance flown.
   P_(kGround, kGround) += square(config_.ground_walk_m_sqrt_m) * nominal_.v_mps.head<2>().norm() * dt;
-  if (dt > kLongestStep_s) {  // what happened in the gap is not known
+  if (dt > kLongestStep_s) {  // the motion in the gap is unknown
     P_.block<3, 3>(kP, kP).diagonal().array() += square(dt * dt);
     P_.block<3, 3>(kV, kV).diagonal().array() += square(2.0 * dt);
   }
@@ -211,7 +211,7 @@ void InsFilter::update(const GnssSample& sample) {
 void InsFilter::update(const AltimeterSample& sample) {
   if (!std::isfinite(sample.height_m) || !std::isfinite(sample.sigma_m)) return;
   const NavState& then = at(sample.t);
-  if (!ground_known_) {  // the first height says where the ground is; its uncertainty is that of the start
+  if (!ground_known_) {  // the first height determines the height of the ground, with the uncertainty of the start
     ground_m_ = then.p_m.z() - sample.height_m;
     ground_known_ = true;
   }
@@ -227,7 +227,7 @@ void InsFilter::update(const CompassSample& sample) {
   // yaw = atan2(R10, R00); the body's small rotation theta moves R's first column by R (theta x e1).
   const Matrix3 R = at(sample.t).q.toRotationMatrix();
   const double level_sq = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0);
-  if (level_sq < 0.01) return;  // nose up or down: no heading
+  if (level_sq < 0.01) return;  // nose straight up or down: no heading
   Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
   const Matrix3 d_column = -R * skew_of(Vector3::UnitX());
   H.block<1, 3>(0, kTheta) = (R(0, 0) * d_column.row(1) - R(1, 0) * d_column.row(0)) / level_sq;
@@ -238,7 +238,7 @@ void InsFilter::update(const CompassSample& sample) {
 
 void InsFilter::update(const OdometrySample& sample) {
   if (!sample.T_local_body.matrix().allFinite() || !sample.v_local_body_mps.allFinite()) return;
-  // The heading of the local frame drifts, so only the velocity in body axes says something about the world.
+  // The heading of the local frame drifts, so only the velocity in body axes constrains the world velocity.
   const NavState& then = at(sample.t);
   const Matrix3 R_body_world = then.q.toRotationMatrix().transpose();
   const Vector3 v_body = R_body_world * then.v_mps;
@@ -256,13 +256,13 @@ void InsFilter::correct(const Eigen::Matrix<double, M, 1>& innovation, const Eig
   const Eigen::Matrix<double, M, M> S = H * PHt + R;
   const Eigen::Matrix<double, M, M> S_inverse = S.inverse();
 
-  // Gate: outliers are passed over, unless they go on, which means that the filter has lost the way.
+  // Gate: outliers are rejected. If they persist, the filter has diverged.
   const double distance_sq = innovation.dot(S_inverse * innovation);
   if (!std::isfinite(distance_sq) || distance_sq < 0.0) return;
   if (distance_sq > M * square(config_.gate_sigma)) {
     ++num_rejected_;
     if (++rejected_in_a_row_[source] <= kRejectedMost) return;
-    // Give the states that this measurement sees enough doubt to follow it.
+    // Inflates the covariance of the observed states so that they follow the measurement.
     P_ += H.transpose() * (H * H.transpose()).diagonal().cwiseInverse().asDiagonal() *
           innovation.cwiseProduct(innovation).asDiagonal() * H;
     rejected_in_a_row_[source] = 0;
@@ -288,7 +288,7 @@ void InsFilter::inject(const Eigen::Matrix<double, kStates, 1>& dx) {
   gyro_bias_ += dx.segment<3>(kGyroBias);
   nominal_.omega_body_radps -= dx.segment<3>(kGyroBias);
   ground_m_ += dx[kGround];
-  // The past was wrong by about the same: later late measurements must not correct it again.
+  // Applies the correction to the history too, so that later delayed measurements do not repeat it.
   for (int i = 0; i < count_; ++i) {
     history_[i].p_m += dx.segment<3>(kP);
     history_[i].v_mps += dx.segment<3>(kV);
@@ -296,7 +296,7 @@ void InsFilter::inject(const Eigen::Matrix<double, kStates, 1>& dx) {
   }
 }
 
-/// The state at the IMU sample nearest to t.
+/// State at the IMU sample nearest to t.
 const NavState& InsFilter::at(TimeNs t) const {
   if (t >= nominal_.t || count_ == 0) return nominal_;
   int best = newest_;

@@ -8,7 +8,7 @@
 namespace swiftlet {
 namespace {
 
-/// Poses in order of time, and a cursor: sweeps ask for times that hardly ever go back.
+/// Poses in order of time, with a cursor: the times requested by sweeps hardly ever decrease.
 template <class Poses>
 class Interpolator {
  public:
@@ -96,7 +96,7 @@ std::shared_ptr<const LocalCloud> LocalCloudPool::make(std::shared_ptr<const Sca
   std::shared_ptr<LocalCloud> unused;
   for (const auto& cloud : clouds_) {
     if (cloud.use_count() > 1) continue;
-    cloud->scan.reset();  // lets go of the sensor's memory as well
+    cloud->scan.reset();  // releases the sensor's memory as well
     unused = cloud;
   }
   if (!unused) unused = clouds_.emplace_back(std::make_shared<LocalCloud>());

@@ -28,7 +28,7 @@ void LocalPoses::push(const StateEstimate& estimate) {
 
 Pose LocalPoses::at(TimeNs t) const {
   ENSURE(count_ > 0, t);
-  int after = 0, end = count_;  // the first pose later than t
+  int after = 0, end = count_;  // index of the first pose later than t
   while (after < end) {
     const int middle = (after + end) / 2;
     if ((*this)[middle].t <= t)

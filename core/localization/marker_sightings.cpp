@@ -6,9 +6,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kMaxBodies = 256;  // racks and signs shine, too
-constexpr int kLeastBright = 2;          // returns; one alone may be a glint
-constexpr int kRecenterings = 2;         // markers lie below and before the middle
+constexpr std::size_t kMaxBodies = 256;  // most bright bodies per scan; racks and signs shine, too
+constexpr int kLeastBright = 2;          // fewest bright returns of a body; a single one may be a glint
+// iterations that center a body on its returns: markers lie below and before the center
+constexpr int kRecenterings = 2;
 
 }  // namespace
 
@@ -22,7 +23,7 @@ void MarkerSightings::append(const LocalCloud& cloud, std::vector<Sighting>& fou
   }
 }
 
-/// Bright returns that are nearer to each other than a vehicle is wide.
+/// Groups bright returns that are nearer to each other than the width of a vehicle.
 void MarkerSightings::gather(const LocalCloud& cloud) {
   bodies_.clear();
   if (cloud.scan->reflectivity.empty()) return;
@@ -41,7 +42,7 @@ void MarkerSightings::gather(const LocalCloud& cloud) {
   }
 }
 
-/// To the middle of the box, along and across the line of sight, around all returns near it.
+/// Centers a body on the box, along and across the line of sight, around all returns near it.
 bool MarkerSightings::center_on_returns(const LocalCloud& cloud, Body& body, TimeNs& t) const {
   const Eigen::Vector3f middle_local_m = body.middle_local_m;
   const Eigen::Vector3f sensor_local_m = cloud.T_local_lidar.front().translation().cast<float>();

@@ -8,22 +8,22 @@
 
 namespace swiftlet {
 
-/// Vehicles with retro-reflective markers, straight from the returns of a scan. No free air around them is asked for.
-/// So they are seen in a doorway, too, where a detector takes them for parts of the wall.
+/// Detects vehicles with retro-reflective markers in the returns of a scan. It needs no free air around them and so
+/// finds them in a doorway, where a detector takes them for parts of the wall.
 class MarkerSightings {
  public:
-  /// @param reflectivity  that a return of a marker has at least
-  /// @param radius_m      around the middle of a vehicle, in which all returns are taken for its own
+  /// @param reflectivity  least reflectivity of a return from a marker
+  /// @param radius_m      all returns within this distance of a vehicle's center belong to it
   MarkerSightings(double reflectivity, double radius_m, double sigma_m)
       : reflectivity_(static_cast<float>(reflectivity)), radius_m_(static_cast<float>(radius_m)), sigma_m_(sigma_m) {}
 
-  /// Middles of the boxes around what each vehicle shows, as of the instants at which it was hit.
+  /// Appends the centers of the boxes around the visible part of each vehicle, stamped with the times of their returns.
   void append(const LocalCloud& cloud, std::vector<Sighting>& found);
 
  private:
   struct Body {
     Eigen::Vector3f middle_local_m;
-    int count = 0;  // bright returns
+    int count = 0;  // number of bright returns
   };
   void gather(const LocalCloud& cloud);
   bool center_on_returns(const LocalCloud& cloud, Body& body, TimeNs& t) const;

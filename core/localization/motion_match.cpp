@@ -10,10 +10,10 @@ namespace swiftlet {
 namespace {
 
 constexpr TimeNs kSpacing = kNsPerSecond / 5;
-constexpr std::size_t kMaxSightings = 64;  // of a chain: 13 s
-constexpr double kReach_m = 0.5;           // from one sighting to the next, and
-constexpr double kReach_mps = 2.0;         // so much more by the time between them
-constexpr std::size_t kMaxChains = 256;    // racks and signs shine, too
+constexpr std::size_t kMaxSightings = 64;  // most sightings of a chain: 13 s
+constexpr double kReach_m = 0.5;           // largest step between successive sightings of a chain at zero interval
+constexpr double kReach_mps = 2.0;         // growth of that step with the interval
+constexpr std::size_t kMaxChains = 256;    // most chains; racks and signs shine, too
 
 }  // namespace
 
@@ -39,7 +39,7 @@ MotionMatch match_motion(std::span<const Sighting> seen, const RelativeOdometry&
 
   Vector3 mean_m = Vector3::Zero();
   for (const Vector3& p_m : local_m) mean_m += p_m / static_cast<double>(match.count);
-  // One that says to rest has no heading: then all motion that is seen is left over.
+  // Odometry at rest gives no heading: then all observed motion is residual.
   const auto aligned = align_in_closed_form(local_m, other_m, weights);
   double spread_m2 = 0.0, residual = 0.0;
   for (std::size_t i = 0; i < weights.size(); ++i) {

@@ -11,7 +11,7 @@
 namespace swiftlet {
 namespace {
 
-/// Body rate that turns one attitude into the next.
+/// Body rate that rotates one attitude into the next.
 Vector3 rate_between(const Eigen::Quaterniond& before, const Eigen::Quaterniond& after, double dt_s) {
   const Eigen::AngleAxisd turn(before.conjugate() * after);
   return turn.axis() * (std::remainder(turn.angle(), 2.0 * std::numbers::pi) / dt_s);
@@ -54,7 +54,7 @@ class OdometryEstimator : public StateEstimator {
  private:
   void take(const OdometrySample& sample) {
     if (!aligned_) {
-      // Position and heading of the odometry's frame; roll and pitch are measured against gravity anyway.
+      // Aligns position and heading of the odometry's frame; roll and pitch refer to gravity already.
       const double yaw = yaw_of(T_local_body_start_.linear()) - yaw_of(sample.T_local_body.linear());
       T_local_odometry_ = level_alignment(yaw, T_local_body_start_.translation(), sample.T_local_body.translation());
     }
@@ -72,7 +72,7 @@ class OdometryEstimator : public StateEstimator {
     aligned_ = true;
   }
 
-  /// The first heading of a compass turns the local frame about the start.
+  /// The first compass heading rotates the local frame about the start.
   void learn_heading(const Observation& observation) {
     for (const CompassSample& sample : observation.compass) {
       if (heading_known_ || !std::isfinite(sample.yaw_rad)) continue;

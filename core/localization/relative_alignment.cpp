@@ -13,11 +13,12 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kMaxSteps = 30;           // of the refinement; it needs three to eight
-constexpr double kSmallStep = 1e-9;     // [m], [rad], [s]
-constexpr int kMaxHypotheses = 400;     // two pairs each: with 30 % false sightings, half of them are right
-constexpr double kKnownClock_s = 1e-9;  // what "exactly" means
-// Of a clock that is known, nothing is estimated: its entry in the normal equations.
+constexpr int kMaxSteps = 30;        // most steps of a refinement; three to eight suffice
+constexpr double kSmallStep = 1e-9;  // step below which it has converged [m, rad, s]
+// hypotheses of two pairs each: with 30 % false sightings, half of the hypotheses are right
+constexpr int kMaxHypotheses = 400;
+constexpr double kKnownClock_s = 1e-9;  // clock sigma that counts as exact
+// Information of the clock prior in the normal equations; a known clock is not estimated.
 double clock_information(const ClockPrior& clock) {
   const double sigma_s = std::max(clock.sigma_s, kKnownClock_s);
   return 1.0 / (sigma_s * sigma_s);
@@ -28,12 +29,12 @@ Matrix3 turn_about_z(double yaw_rad) {
   return (Matrix3() << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0).finished();
 }
 
-/// z x v: how a turn about the vertical moves v.
+/// z x v: derivative of v by a rotation about the vertical.
 Vector3 z_cross(const Vector3& v) { return {-v.y(), v.x(), 0.0}; }
 
 double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
-/// Weight of a residual of so many squared standard deviations, and its cost.
+/// Weight of a residual of the given squared standard deviations, and its cost.
 double weight_of(RelativeAlignmentConfig::Loss loss, double scale, double squared) {
   const double k2 = scale * scale;
   switch (loss) {
@@ -178,7 +179,7 @@ const std::optional<FrameAlignment>& RelativeAlignment::fit(const OtherMotion& a
     guess = refine(*guess, true);
     take_inliers(*guess);
   }
-  // What fits counts in full, so that the covariance is that of least squares.
+  // Inliers have full weight, so that the covariance is that of least squares.
   guess = refine(*guess, false);
   take_inliers(*guess);
 
@@ -200,7 +201,7 @@ Vector3 RelativeAlignment::residual(const AlignmentPair& pair, const Guess& gues
   return pair.p_local_m - guess.anchor_local_m - turn_about_z(guess.yaw_rad) * (told_m - anchor_other_m_);
 }
 
-/// By anchor, heading and clock.
+/// Derivative of the residual by anchor, heading and clock.
 RelativeAlignment::Matrix35 RelativeAlignment::jacobian(const AlignmentPair& pair, const Guess& guess) const {
   const Matrix3 R = turn_about_z(guess.yaw_rad);
   const Vector3 told_m = pair.p_other_m + (guess.clock_s - pair.clock_s) * -pair.v_other_mps;
@@ -216,8 +217,8 @@ double RelativeAlignment::squared_sigmas(std::size_t i, const Guess& guess) cons
   return r.dot(information_[i] * r);
 }
 
-/// By the sighting's covariance and what the odometry may have drifted from then to now, which is the same along each
-/// axis here: weights need not be exact.
+/// Weights each pair by the covariance of its sighting and the drift of the odometry since then. The drift is taken as
+/// equal along all axes: weights need not be exact.
 void RelativeAlignment::weigh(const OtherMotion& anchor) {
   information_.clear();
   for (const AlignmentPair& pair : pairs_) {
@@ -229,7 +230,7 @@ void RelativeAlignment::weigh(const OtherMotion& anchor) {
   }
 }
 
-/// Two pairs that lie apart make an alignment; of many, the one that most pairs fit.
+/// Two distant pairs define an alignment; the hypothesis that most pairs fit is kept.
 std::optional<RelativeAlignment::Guess> RelativeAlignment::global_start() const {
   const std::size_t count = pairs_.size();
   double widest_sq = 0.0;
@@ -241,7 +242,7 @@ std::optional<RelativeAlignment::Guess> RelativeAlignment::global_start() const 
   std::optional<Guess> best;
   double least = std::numeric_limits<double>::infinity();
   int num_hypotheses = 0;
-  // Partners at ever other distances in the window: half of it, a step nearer, and so on.
+  // Pairs with partners at decreasing distances in the window, beginning with half of it.
   for (std::size_t offset = (count + 1) / 2; offset >= 1 && num_hypotheses < kMaxHypotheses; --offset) {
     for (std::size_t i = 0; i + offset < count && num_hypotheses < kMaxHypotheses; ++i) {
       const AlignmentPair &a = pairs_[i], &b = pairs_[i + offset];
@@ -249,7 +250,7 @@ std::optional<RelativeAlignment::Guess> RelativeAlignment::global_start() const 
       const double told = told_m.head<2>().norm(), seen = seen_m.head<2>().norm();
       if (!(told >= apart_m && told > 0.0 && seen > 0.0)) continue;
       const double sigma_m = std::sqrt(3.0 / information_[i].trace() + 3.0 / information_[i + offset].trace());
-      if (std::abs(told - seen) > config_.gate_sigma * sigma_m) continue;  // one of them is false
+      if (std::abs(told - seen) > config_.gate_sigma * sigma_m) continue;  // one of the two is an outlier
       ++num_hypotheses;
       Guess guess;
       guess.clock_s = clock_.clock_s;
@@ -265,7 +266,7 @@ std::optional<RelativeAlignment::Guess> RelativeAlignment::global_start() const 
   }
   if (!best) return std::nullopt;
 
-  // All pairs that fit it together.
+  // Fits all inliers together.
   local_.clear();
   other_.clear();
   weights_.clear();
@@ -282,7 +283,7 @@ std::optional<RelativeAlignment::Guess> RelativeAlignment::global_start() const 
   return best;
 }
 
-/// @param robust  all pairs by the loss; otherwise those that fit, by their squares
+/// @param robust  true: all pairs, weighted by the loss; false: inliers by least squares
 RelativeAlignment::Guess RelativeAlignment::refine(Guess guess, bool robust) const {
   double damping = 1e-6;
   double now = cost(guess, robust);
@@ -358,9 +359,9 @@ double RelativeAlignment::spread_m() const {
   return std::sqrt(sum / num_inliers_);
 }
 
-/// Of the weighted least squares under its true noise: every sighting errs by itself, but a step of the odometry that
-/// drifts moves and turns all pairs before it together. What each pair moves of the result is A, so that sums of A over
-/// the pairs before a step are all that it takes.
+/// Covariance of the weighted least squares under its true noise: errors of sightings are independent, but each
+/// drifting step of the odometry moves and rotates all earlier pairs together. A is the derivative of the result by a
+/// pair, so sums of A over the pairs before a step suffice.
 RelativeAlignment::Matrix5 RelativeAlignment::covariance(const Guess& guess, const OtherMotion& now) const {
   Matrix5 H = Matrix5::Zero();
   H(4, 4) += clock_information(clock_);
@@ -393,7 +394,7 @@ RelativeAlignment::Matrix5 RelativeAlignment::covariance(const Guess& guess, con
   return 0.5 * (C + C.transpose());
 }
 
-/// RMS by axis; 1 when the covariances are true.
+/// RMS per axis; 1 when the covariances are correct.
 double RelativeAlignment::residual_sigma(const Guess& guess) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < pairs_.size(); ++i) {

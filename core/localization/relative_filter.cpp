@@ -12,8 +12,9 @@ namespace swiftlet {
 namespace {
 
 constexpr std::size_t kMaxHistory = 128;
-constexpr double kLogFactorWalk = 0.003;   // variance by sample: what was learned of the drift is forgotten in a minute
-constexpr double kMostSurprise_sq = 25.0;  // of one sample, in standard deviations: one of them proves nothing
+constexpr double kLogFactorWalk = 0.003;  // variance per sample: the learned drift factor is forgotten in a minute
+// largest squared standard deviations that one sample contributes: a single outlier proves nothing
+constexpr double kMostSurprise_sq = 25.0;
 
 Matrix3 turn_about_vertical(double yaw_rad) {
   const double s = elementary::sin(yaw_rad), c = elementary::cos(yaw_rad);
@@ -22,7 +23,7 @@ Matrix3 turn_about_vertical(double yaw_rad) {
 
 Vector3 vertical_cross(const Vector3& v) { return {-v.y(), v.x(), 0.0}; }
 
-/// A P A^T, coefficient by coefficient (core/tracking/motion_filter.cpp says why).
+/// A P A^T, coefficient by coefficient (reason in core/tracking/motion_filter.cpp).
 template <class Transition, class Matrix>
 Matrix carried(const Transition& A, const Matrix& P) {
   const Matrix AP = A.lazyProduct(P);
@@ -79,7 +80,7 @@ void RelativeFilter::start(const FrameAlignment& alignment, const OtherMotion& a
   base_.odometry = anchor;
   const Vector3 v_local_mps = turn_about_vertical(alignment.yaw_rad) * anchor.v_other_local_mps;
   base_.x << alignment.anchor_local_m, v_local_mps, alignment.anchor_local_m, alignment.yaw_rad;
-  // Position and velocity follow from the alignment, each with a noise of its own.
+  // Position and velocity follow from the alignment, each with additional noise.
   Eigen::Matrix<double, kStates, 4> J = Eigen::Matrix<double, kStates, 4>::Zero();
   J.block<3, 3>(kP, 0).setIdentity();
   J.block<3, 1>(kV, 3) = vertical_cross(v_local_mps);
@@ -123,7 +124,7 @@ bool RelativeFilter::push(const Sighting& sighting) {
   return insert(entry);
 }
 
-/// In its place; what is later is done again.
+/// Inserts an entry by its time and repeats the later ones.
 bool RelativeFilter::insert(Entry entry) {
   ENSURE(started_);
   if (entry.t < base_.t) return false;
@@ -137,7 +138,7 @@ bool RelativeFilter::insert(Entry entry) {
     history_[i].is_odometry ? correct(state, history_[i].odometry) : correct(state, history_[i].sighting);
     history_[i].after = state;
   }
-  // The history is as long as something may come late.
+  // The history spans the longest accepted delay.
   const TimeNs oldest = history_.back().t - from_seconds(config_.history_s);
   std::size_t num_old = 0;
   while (num_old + 1 < history_.size() && (history_[num_old].t < oldest || history_.size() - num_old > kMaxHistory)) {
@@ -150,7 +151,7 @@ bool RelativeFilter::insert(Entry entry) {
   return true;
 }
 
-/// The newest state that is not later, or the oldest.
+/// Newest state at or before t, or the oldest state.
 const RelativeFilter::State& RelativeFilter::before(TimeNs t) const {
   for (auto entry = history_.rbegin(); entry != history_.rend(); ++entry) {
     if (entry->t <= t) return entry->after;
@@ -182,7 +183,7 @@ void RelativeFilter::correct(State& state, const Eigen::Matrix<double, M, 1>& in
   const Eigen::Matrix<double, M, M> S = H.lazyProduct(PHt) + R;
   const Eigen::Matrix<double, kStates, M> K = S.llt().solve(PHt.transpose()).transpose();
   state.x += K.lazyProduct(innovation);
-  // Joseph's form stays positive whatever the rounding.
+  // Joseph form: stays positive despite rounding.
   Covariance I_KH = Covariance::Identity();
   I_KH -= K.lazyProduct(H);
   const Eigen::Matrix<double, kStates, M> KR = K.lazyProduct(R);
@@ -198,8 +199,8 @@ void RelativeFilter::correct(State& state, const Sighting& sighting) const {
 }
 
 void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
-  // The alignment walks by what was flown since its anchor. A turn of the odometry's frame on the way moves what comes
-  // after it: as if it were half-way.
+  // The alignment drifts with the distance flown since its anchor. A rotation of the odometry's frame in between
+  // displaces what follows, as if it happened half-way.
   const Flown flown = odometry.flown - state.odometry.flown;
   const Vector3 step_other_m = odometry.p_other_local_m - state.odometry.p_other_local_m;
   const Matrix3 R = turn_about_vertical(state.x(kYaw));
@@ -228,7 +229,7 @@ void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
   state.P.block<4, 4>(kAnchor, kAnchor) += elementary::exp(state.log_factor) * drift;
   correct<6>(state, innovation, H, noise);
 
-  // The anchor goes on to this sample.
+  // Moves the anchor to this sample.
   const Vector3 onward_m = turn_about_vertical(state.x(kYaw)) * step_other_m;
   state.x.segment<3>(kAnchor) += onward_m;
   Covariance A = Covariance::Identity();
@@ -238,8 +239,8 @@ void RelativeFilter::correct(State& state, const OtherMotion& odometry) const {
 }
 
 /// With the factor f, the innovation of the position has the covariance S = expected + f of_drift. Its squared length
-/// in standard deviations is 3 in the mean when f is right, and s = tr(S^-1 f of_drift) / 3 is what share of it tells
-/// of f.
+/// in standard deviations has the mean 3 for the true f; s = tr(S^-1 f of_drift) / 3 is the share of it that depends on
+/// f.
 void RelativeFilter::learn_drift(State& state, const Vector3& innovation_local_m, const Matrix3& expected,
                                  const Matrix3& of_drift) const {
   const Matrix3 drifted = elementary::exp(state.log_factor) * of_drift;

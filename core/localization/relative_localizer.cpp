@@ -17,12 +17,12 @@
 namespace swiftlet {
 namespace {
 
-// Among several that are missing, a chain of sightings is that of the one whose odometry explains it, when it explains
-// none of the others' as well.
-constexpr int kLeastMatched = 20;       // sightings, five a second
-constexpr double kRefuted_sigma = 2.0;  // residual from which on an odometry does not explain a chain
-constexpr double kChainGap_s = 1.5;     // without a sighting, after which a chain has ended
-constexpr double kBody_m = 0.8;         // around a known vehicle: what shines there is it
+// With several unlocalized teammates, a chain of sightings is assigned to the one whose odometry explains it, if no
+// other odometry does.
+constexpr int kLeastMatched = 20;       // fewest matched sightings, at five a second
+constexpr double kRefuted_sigma = 2.0;  // residual above which an odometry does not explain a chain
+constexpr double kChainGap_s = 1.5;     // time without a sighting after which a chain ends
+constexpr double kBody_m = 0.8;         // radius around a known vehicle within which bright returns belong to it
 
 class SlidingWindow : public RelativeLocalizer {
  public:
@@ -69,10 +69,10 @@ class SlidingWindow : public RelativeLocalizer {
  private:
   struct MarkedTrack {
     std::uint32_t id;
-    TimeNs bright;  // when it was last
+    TimeNs bright;  // time of the last bright return
   };
 
-  // ---- where something is seen
+  // ---- sightings
   void see(const RelativeInput& input) {
     seen_.clear();
     if (config_.source == SlidingWindowConfig::Source::kMarkers) {
@@ -92,7 +92,7 @@ class SlidingWindow : public RelativeLocalizer {
     }
   }
 
-  /// A track that was bright a moment ago: far away, few beams meet a marker.
+  /// True for a track that was bright recently: far away, few beams meet a marker.
   bool is_marked(const Track& track) {
     if (config_.marker_reflectivity <= 0.0) return true;
     const TimeNs memory = from_seconds(config_.marker_memory_s);
@@ -114,9 +114,9 @@ class SlidingWindow : public RelativeLocalizer {
     seen_.push_back({t, p_local_m + behind_m + config_.center_above_m * Vector3::UnitZ(), covariance});
   }
 
-  // ---- whose it is
-  /// A sighting is that of the known vehicle under which it is most likely; of those, each takes the nearest. What is
-  /// left is of somebody who is missing.
+  // ---- assignment
+  /// Assigns each sighting to the known vehicle under which it is most likely; each vehicle then takes the nearest.
+  /// Sightings that are left, and not near a known vehicle, may be of unlocalized teammates.
   void share_out() {
     left_.clear();
     num_missing_ = static_cast<std::size_t>(
@@ -163,7 +163,7 @@ class SlidingWindow : public RelativeLocalizer {
     if (mates_[m].take(seen_[*nearest])) {
       owners_[*nearest] = kTaken;
     } else if (num_missing_ == 0) {
-      mates_[m].doubt(seen_[*nearest].t);  // whatever it is that is seen instead for so long may be it
+      mates_[m].doubt(seen_[*nearest].t);  // the other sighting may be the vehicle once this lasts long enough
     }
   }
 
@@ -173,7 +173,7 @@ class SlidingWindow : public RelativeLocalizer {
     });
   }
 
-  // ---- who is missing
+  // ---- unlocalized teammates
   void find_missing(TimeNs now) {
     const bool much_else_shines = config_.source == SlidingWindowConfig::Source::kMarkers;
     if (mates_.size() == 1 && !much_else_shines) {
@@ -188,8 +188,8 @@ class SlidingWindow : public RelativeLocalizer {
     }
   }
 
-  /// The one whose motion it is, when that of nobody else who is missing would do. Who has told nothing of these
-  /// seconds can't be told apart, and is left out.
+  /// The only unlocalized teammate whose odometry explains the chain; null if there is none or another one might as
+  /// well. Teammates without odometry for these seconds are skipped.
   Teammate* explained_by(std::span<const Sighting> chain) {
     Teammate* found = nullptr;
     for (Teammate& mate : mates_) {
@@ -208,11 +208,11 @@ class SlidingWindow : public RelativeLocalizer {
 
   SlidingWindowConfig config_;
   std::vector<Teammate> mates_;
-  std::vector<char> heard_;  // in this tick
+  std::vector<char> heard_;  // reports received in this tick, per teammate
   MarkerSightings markers_;
   std::vector<MarkedTrack> marked_;
   std::vector<Sighting> bright_, seen_, left_;  // in this tick
-  std::vector<std::size_t> owners_;             // of those that are seen: a teammate, or taken by it
+  std::vector<std::size_t> owners_;             // per sighting: index of its teammate, or kTaken
   std::size_t num_missing_ = 0;
   SightingChains chains_;
   std::uint64_t num_sightings_ = 0, num_rejected_ = 0;
@@ -244,7 +244,7 @@ class SharedWorld : public RelativeLocalizer {
  private:
   struct Told {
     VehicleId id;
-    std::optional<OtherMotion> newest;  // in the world
+    std::optional<OtherMotion> newest;  // latest report, in the world
   };
 
   RelativeEstimate estimate_of(const Told& other, TimeNs t) const {

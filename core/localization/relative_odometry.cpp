@@ -13,7 +13,7 @@ constexpr double kTurn = 2.0 * kPi;
 
 double squared(double x) { return x * x; }
 
-/// The cubic with the positions and velocities of both ends. `s` from 0 to 1 over `dt_s`.
+/// Cubic Hermite interpolation of positions and velocities. `s` from 0 to 1 over `dt_s`.
 void cubic(const OtherMotion& a, const OtherMotion& b, double s, double dt_s, OtherMotion& out) {
   const Vector3 step_m = b.p_other_local_m - a.p_other_local_m;
   const Vector3 out_m = dt_s * a.v_other_local_mps, in_m = dt_s * b.v_other_local_mps;

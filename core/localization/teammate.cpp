@@ -11,10 +11,11 @@
 namespace swiftlet {
 namespace {
 
-constexpr TimeNs kClockJump = 5 * kNsPerSecond;  // nobody's clock drifts so much from message to message
+// change of the clock offset between messages that means a clock was reset; drift is far smaller
+constexpr TimeNs kClockJump = 5 * kNsPerSecond;
 constexpr std::size_t kMaxWaiting = 128;
 constexpr int kMaxDisagreements = 4;
-constexpr double kDisagreement_sigma_sq = 30.0;  // 1 in 200 000 by chance, with four degrees of freedom
+constexpr double kDisagreement_sigma_sq = 30.0;  // probability of 1 in 200 000 with four degrees of freedom
 
 Overlay overlay_of(const char* name, Overlay::Kind kind, float size_m, const char* meaning,
                    const Eigen::Vector4f& color) {
@@ -133,7 +134,7 @@ void Teammate::update(bool heard) {
   if (heard) align();
 }
 
-/// Sightings that the odometry has come up to.
+/// Pairs waiting sightings that the odometry has reached.
 void Teammate::pair() {
   if (odometry_.empty()) return;
   const double clock_s_now = clock_s();
@@ -163,7 +164,7 @@ void Teammate::align() {
   for (const Sighting& sighting : waiting_) filter_.push(sighting);
 }
 
-/// The filter is what the window says, or off by chance for a moment.
+/// True while the filter agrees with the window, or deviates only for a moment.
 bool Teammate::agrees(const FrameAlignment& found) {
   const FrameAlignment own = filter_.alignment();
   Eigen::Matrix<double, 4, 1> difference;
@@ -194,7 +195,8 @@ bool Teammate::is_sure(const RelativeEstimate& estimate) const {
   return greatest <= config_.position_sigma_max_m * config_.position_sigma_max_m;
 }
 
-/// Where it is and heads, with three standard deviations, and the sightings of the window beside the aligned odometry.
+/// Estimated position and heading with three standard deviations, and the window's sightings beside the aligned
+/// odometry.
 void Teammate::append_overlays(std::vector<Overlay>& overlays) const {
   const Eigen::Vector4f kBlue = {0.0F, 0.45F, 0.7F, 0.45F}, kYellow = {0.94F, 0.89F, 0.26F, 1.0F};
   const char* const kMeaning = "teammate: heading and three standard deviations";

@@ -17,18 +17,18 @@ namespace swiftlet {
 
 OtherMotion motion_of(const OdometryReport& report);
 
-/// How far another clock is behind, from what came: a message takes some time, the quickest one nearly none.
+/// Estimates the offset of another clock from message delays: the fastest message has nearly none.
 class OtherClock {
  public:
   OtherClock(SlidingWindowConfig::Clock mode, double sigma_s, double least_delay_s)
       : one_way_(mode == SlidingWindowConfig::Clock::kOneWay), sigma_s_(sigma_s), least_delay_s_(least_delay_s) {}
 
-  /// The stamp in a time that is the own one but for a little. False: the clock has jumped since the last one.
+  /// Unwraps the stamp to a time near the own clock. False when the other clock has jumped since the last message.
   bool take(TimeNs& stamp, TimeNs received);
   ClockPrior prior() const;
 
  private:
-  static constexpr int kRemembered = 64;  // half a minute: a clock that drifts moves little
+  static constexpr int kRemembered = 64;  // half a minute: drift is small in that time
   bool one_way_;
   double sigma_s_, least_delay_s_;
   TimeNs epoch_ = 0, last_ = 0;
@@ -36,35 +36,36 @@ class OtherClock {
   int next_ = 0, count_ = 0;
 };
 
-/// One other vehicle: what it tells and where it was seen, window and filter. Whose sightings are whose is not decided
-/// here.
+/// Another vehicle: its odometry and sightings, the window and the filter. The assignment of sightings to vehicles is
+/// decided elsewhere.
 class Teammate {
  public:
   Teammate(VehicleId id, const SlidingWindowConfig& config);
 
   VehicleId id() const { return id_; }
-  /// Its place and heading are known.
+  /// True once position and heading are estimated.
   bool known() const { return filter_.started(); }
 
-  /// True when it told something new.
+  /// Returns true when the messages contain new odometry.
   bool hear(std::span<const Message> messages);
-  /// Of what is known: squared distance from where it is expected, in standard deviations.
+  /// Squared distance from the predicted position, in standard deviations; the vehicle must be known.
   double squared_sigmas(const Sighting& sighting) const { return filter_.squared_sigmas(sighting); }
-  /// The same by likelihood: a wide guess does not claim what a narrow one explains.
+  /// -2 log likelihood but for a constant: a wide estimate does not claim sightings that a narrow one explains.
   double unlikelihood(const Sighting& sighting) const { return filter_.unlikelihood(sighting); }
   Vector3 place_local_m() const { return last_.position_m; }
-  /// Of what is known: takes its own sighting. False when it is no sighting of this vehicle.
+  /// Applies a sighting of this vehicle to the filter and queues it for the window; the vehicle must be known. False
+  /// when the filter rejects it.
   bool take(const Sighting& sighting);
-  /// Of what is known: what shines elsewhere is it, perhaps, when it was not seen where it should be for so long.
+  /// Drops the estimate after reacquire_s without an accepted sighting, as a sighting elsewhere may be this vehicle.
   void doubt(TimeNs t);
-  /// A sighting that may well be of this vehicle waits for odometry that is newer.
+  /// Queues a possible sighting of this vehicle until newer odometry arrives.
   void wait(const Sighting& sighting);
-  /// The same of a chain of them; those that came before are left out.
+  /// Queues the new sightings of a chain.
   void wait_for_new_of(std::span<const Sighting> chain);
   MotionMatch match(std::span<const Sighting> chain) const;
-  /// Pairs what waits; with something new, the window is fitted.
+  /// Pairs queued sightings; fits the window when new odometry was received.
   void update(bool heard);
-  /// The estimate of now, when there is one that is sure.
+  /// Present estimate, if it is certain enough.
   std::optional<RelativeEstimate> estimate(TimeNs t);
 
   void append_overlays(std::vector<Overlay>& overlays) const;
@@ -86,12 +87,12 @@ class Teammate {
   VehicleId id_;
   OdometryDrift drift_;
   OtherClock clock_;
-  std::optional<double> clock_s_;  // found with the alignment
-  RelativeOdometry odometry_;      // by the other clock, near the own one
+  std::optional<double> clock_s_;  // result of the alignment
+  RelativeOdometry odometry_;      // stamped by the other clock, unwrapped to near the own one
   RelativeAlignment alignment_;
   RelativeFilter filter_;
   RelativeEstimate last_;          // for pictures
-  std::vector<Sighting> waiting_;  // for odometry that is newer
+  std::vector<Sighting> waiting_;  // until newer odometry arrives
   TimeNs last_pair_ = 0, last_accepted_ = 0, last_waiting_ = 0;
   int num_disagreements_ = 0;
   std::uint64_t num_reports_ = 0, num_late_ = 0, num_starts_ = 0, num_lost_ = 0;
