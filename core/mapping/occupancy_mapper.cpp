@@ -10,8 +10,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kShown_m = 15.0;      // cells of an overlay
-constexpr double kShownBelow_m = 1.0;  // the vehicle; what is lower is mostly the ground, and would hide the picture
+constexpr double kShown_m = 15.0;  // radius around the vehicle of the cells in the overlay
+// depth below the vehicle to which cells are shown; lower ones are mostly ground and would hide the rest
+constexpr double kShownBelow_m = 1.0;
 
 class OccupancyMapper : public Mapper {
  public:
@@ -63,7 +64,7 @@ class OccupancyMapper : public Mapper {
   }
 
  private:
-  // Of somebody else, who may see this vehicle.
+  // Inserts the rays reported by another vehicle, without those that end on this vehicle.
   void insert_told(const MapperInput& input) {
     const FrameChange to_local = FrameChange::to_local(input.estimate);
     rays_.clear();
@@ -92,7 +93,7 @@ class OccupancyMapper : public Mapper {
   Vector3 p_local_m_ = Vector3::Zero();
   ScanRays scan_rays_;
   VehiclesAround vehicles_;
-  std::vector<OccupancyMap::Ray> rays_;  // that somebody else told
+  std::vector<OccupancyMap::Ray> rays_;  // reported by another vehicle
   VehicleId rays_of_ = kNoVehicle, tell_to_ = kNoVehicle;
   MapRays told_;
 };

@@ -15,14 +15,15 @@ std::vector<OccupancyMap::Ray>& ScanRays::take(const LocalCloud& cloud, const Ve
     const float range_m = (cloud.points_local_m[i] - origin_local_m).norm();
     if (range_m < rules_.range_min_m) continue;
     ++num_returns_;
-    if (range_m > rules_.range_max_m) ++num_far_;  // the map is cleared on the way, but not hit
+    if (range_m > rules_.range_max_m) ++num_far_;  // clears the cells before range_max_m, without a hit
     rays_.push_back({origin_local_m, cloud.points_local_m[i], true});
   }
   if (rules_.clear_range_m > 0.0) take_without_return(cloud);
   return rays_;
 }
 
-/// Beams without return tell that nothing is near; the own body's beams have a return or a mask.
+/// Adds clearing rays for beams without return: nothing is near along them. The own body's beams have a return or a
+/// mask.
 void ScanRays::take_without_return(const LocalCloud& cloud) {
   const Scan& scan = *cloud.scan;
   const auto far_m = static_cast<float>(rules_.clear_range_m);

@@ -9,20 +9,20 @@
 
 namespace swiftlet {
 
-/// Which beams of a scan tell a map something.
+/// Selection of the beams of a scan that update a map.
 struct ScanRaysRules {
   int every_column = 1, every_row = 1;
   double range_min_m = 0.0;    ///< nearer returns are the own body
   double range_max_m = 0.0;    ///< farther returns only clear
-  double clear_range_m = 0.0;  ///< beams without return clear up to here; 0: they tell nothing
+  double clear_range_m = 0.0;  ///< beams without return clear up to here; 0: they are ignored
 };
 
-/// The rays of scans, without those that hit another vehicle.
+/// Rays of scans, without returns from other vehicles.
 class ScanRays {
  public:
   explicit ScanRays(const ScanRaysRules& rules) : rules_(rules) {}
 
-  /// Of one scan; until the next one.
+  /// Rays of a scan, valid until the next call.
   std::vector<OccupancyMap::Ray>& take(const LocalCloud& cloud, const VehiclesAround& vehicles);
   void append_counters(std::vector<Counter>& counters) const {
     counters.push_back({"returns farther than the map takes them", num_far_, num_returns_, "range_max_m"});
@@ -36,7 +36,7 @@ class ScanRays {
 
   ScanRaysRules rules_;
   std::vector<OccupancyMap::Ray> rays_;
-  std::vector<bool> returned_;  // by beam
+  std::vector<bool> returned_;  // per beam
   std::uint64_t num_returns_ = 0, num_far_ = 0;
 };
 

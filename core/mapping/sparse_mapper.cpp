@@ -46,7 +46,7 @@ class SparseMapper : public Mapper {
       }
       rays_.push_back({origin, cloud.points_local_m[i], true});
     }
-    // Beams without return tell that nothing is near; the own body's beams have a return or a mask.
+    // Beams without return clear the air along them; the own body's beams have a return or a mask.
     const auto far_m = static_cast<float>(config_.map.clear_range_m);
     for (int beam = 0; beam < scan.size(); ++beam) {
       if (returned_[beam] || scan.hit(beam)) continue;
@@ -62,7 +62,7 @@ class SparseMapper : public Mapper {
   SparseVoxelMap map_;
   VehiclesAround vehicles_;
   std::vector<SparseVoxelMap::Ray> rays_;
-  std::vector<bool> returned_;  // by beam
+  std::vector<bool> returned_;  // per beam
   std::uint64_t num_returns_ = 0, num_far_ = 0;
 };
 

@@ -14,12 +14,13 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSubmapsShown_m = 15.0;      // cells of the overlay mapping.cells
-constexpr double kSubmapsShownBelow_m = 1.0;  // the vehicle; what is lower is mostly the ground
-constexpr double kBesideWay_m = 2.0;          // from the vehicle to its LiDARs, and what it flies between two scans
-constexpr int kLookEvery = 32;                // blocks, to tell whether a piece is covered
-constexpr int kNewest = 2;                    // pieces that are kept anyway
-// Most pieces of one submap. More are merged into one. Larger values keep more votes on cells that changed, and take
+constexpr double kSubmapsShown_m = 15.0;  // radius around the vehicle of the cells in the overlay mapping.cells
+// depth below the vehicle to which cells are shown; lower ones are mostly ground
+constexpr double kSubmapsShownBelow_m = 1.0;
+constexpr double kBesideWay_m = 2.0;  // margin for the offset of the LiDARs and the flight between two scans
+constexpr int kLookEvery = 32;        // stride of the blocks sampled to estimate how much of a piece is covered
+constexpr int kNewest = 2;            // newest pieces, which are never thinned
+// Most pieces of one submap; more are merged into one. Larger values keep more votes on cells that changed, and take
 // more memory.
 constexpr std::size_t kMostOfSubmap = 4;
 constexpr int kNoSubmap = -1;
@@ -105,13 +106,13 @@ class SubmapMapper : public Mapper {
     int in_map = 0;
   };
 
-  /// The pose graph has moved, or a submap began.
+  /// Follows the pose graph: moves pieces, finishes the growing one when a submap began, takes pieces of a loaded map.
   void follow(const SubmapPoses& poses) {
     seen_ = poses.revision;
     if (!poses.T_local_own.empty()) attach(poses.T_local_own.front());
     if (poses.dropped.count != num_dropped_) hang_elsewhere(poses.dropped);
     const int newest = static_cast<int>(poses.T_local_own.size()) - 1;
-    // The submap that grows stands still. If an estimator moves it, what was seen until then is a piece of its own.
+    // The growing submap stands still. If an estimator moves it, the present piece is finished.
     const auto stands = [&] {
       const Pose T = poses.T_local_own[static_cast<std::size_t>(growing_submap_)] * T_submap_growing_;
       return (T.matrix() - T_local_growing().matrix()).cwiseAbs().maxCoeff() < 1e-6;
@@ -132,7 +133,7 @@ class SubmapMapper : public Mapper {
     }
   }
 
-  /// What was seen before there was a submap hangs on the first one.
+  /// Attaches pieces from before the first submap to it.
   void attach(const Pose& T_local_first) {
     if (growing_ != nullptr && growing_submap_ == kNoSubmap) {
       growing_submap_ = 0;
@@ -141,12 +142,13 @@ class SubmapMapper : public Mapper {
     for (Kept& kept : pieces_) {
       if (kept.piece.submap != kNoSubmap) continue;
       kept.piece.submap = 0;
-      kept.piece.T_submap_cells = T_local_first.inverse() * kept.piece.T_submap_cells;  // it was T_local_cells
+      // T_submap_cells held T_local_cells until now
+      kept.piece.T_submap_cells = T_local_first.inverse() * kept.piece.T_submap_cells;
     }
   }
 
-  /// Pieces of a dropped submap belong to an older one from now on. If several were dropped since the last step, their
-  /// place is unknown and they are forgotten.
+  /// Attaches the pieces of a dropped submap to an older one. If several were dropped since the last step, their poses
+  /// are unknown and their pieces are discarded.
   void hang_elsewhere(const SubmapPoses::Dropped& dropped) {
     const bool known = dropped.count == num_dropped_ + 1;
     num_dropped_ = dropped.count;
@@ -180,7 +182,8 @@ class SubmapMapper : public Mapper {
     map_.set_growing(growing_.get(), offset_);
   }
 
-  /// Its blocks are those of the map, so that nothing is worked out twice before the graph moves it.
+  /// Begins a piece whose blocks coincide with those of the map, so that they need no resampling until the graph moves
+  /// it.
   void begin() {
     growing_ = std::make_unique<OccupancyMap>(config_.growing());
     offset_ = (p_local_m_ / (RayCells::kSide * config_.edge_m)).array().round().cast<int>();
@@ -194,7 +197,7 @@ class SubmapMapper : public Mapper {
     return T;
   }
 
-  /// The piece that grows, as it is when it grows no more.
+  /// The growing piece in its finished form.
   MapPiece finished() const {
     return {growing_submap_, T_submap_growing_,
             std::make_shared<const SubmapCells>(config_.edge_m, growing_->blocks_surer_than(config_.p_occupied))};
@@ -226,7 +229,7 @@ class SubmapMapper : public Mapper {
     ++num_forgotten_;
   }
 
-  /// More than kMostOfSubmap pieces of one submap become one, in the frame of the oldest.
+  /// Merges more than kMostOfSubmap pieces of one submap into one, in the frame of the oldest.
   void merge_pieces(int submap) {
     const auto hangs_on_it = [submap](const Kept& kept) {
       return !kept.given && submap != kNoSubmap && kept.piece.submap == submap;
@@ -252,7 +255,7 @@ class SubmapMapper : public Mapper {
          T_local_cells, kOwnAge, grown_until_);
   }
 
-  /// Cells that differ from the map were outvoted by other pieces. In a merged piece they would count as newest.
+  /// Removes cells that other pieces outvoted. In a merged piece they would count as the newest.
   void leave_out_outvoted(const Pose& T_local_cells, CellBlock& block) const {
     constexpr int kSide = RayCells::kSide;
     for (int z = 0; z < kSide; ++z) {
@@ -268,7 +271,7 @@ class SubmapMapper : public Mapper {
     }
   }
 
-  /// Older pieces keep only the cells that newer ones lack.
+  /// Reduces older pieces to the cells that newer ones lack.
   void thin_out() {
     if (config_.covered_share >= 1.0) return;
     const auto num = static_cast<int>(pieces_.size()) - kNewest;
@@ -292,15 +295,15 @@ class SubmapMapper : public Mapper {
   VehiclesAround vehicles_;
   SubmapMap map_;
   Vector3 p_local_m_ = Vector3::Zero();
-  std::uint64_t seen_ = 0;         // revision of the poses
-  std::uint64_t num_dropped_ = 0;  // submaps, by then
+  std::uint64_t seen_ = 0;         // revision of the poses at the last step
+  std::uint64_t num_dropped_ = 0;  // dropped submaps at the last step
   int newest_submap_ = kNoSubmap;
   Pose T_local_newest_ = Pose::Identity();
   bool given_taken_ = false;
-  std::vector<Kept> pieces_;  // from the oldest on
+  std::vector<Kept> pieces_;  // the oldest first
   std::uint64_t num_finished_ = 0, num_forgotten_ = 0;
-  // The piece that grows. It lies in the local frame by whole blocks.
-  std::unique_ptr<OccupancyMap> growing_;  // null: begun with the next scan
+  // The growing piece. It is aligned with whole blocks of the local frame.
+  std::unique_ptr<OccupancyMap> growing_;  // null: begins with the next scan
   Cell offset_ = Cell::Zero();
   int growing_submap_ = kNoSubmap;
   Pose T_submap_growing_ = Pose::Identity();
@@ -357,7 +360,7 @@ OccupancyMapConfig SubmapMapperConfig::growing() const {
   config.p_max = p_max;
   config.range_max_m = range_max_m;
   config.keep_radius_m = range_max_m + piece_m + kBesideWay_m;
-  config.distance_max_m = edge_m;  // nobody asks it
+  config.distance_max_m = edge_m;  // distances are not queried
   return config;
 }
 

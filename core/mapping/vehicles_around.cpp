@@ -8,10 +8,10 @@ namespace swiftlet {
 namespace {
 
 constexpr double kCell_m = 4.0;
-constexpr double kMemory_s = 0.5;   // of a sample
-constexpr double kFlies_mps = 2.0;  // for so long it may have flown on, to any side
+constexpr double kMemory_s = 0.5;   // longest age of a position sample of a neighbor
+constexpr double kFlies_mps = 2.0;  // assumed speed of a neighbor since its sample, in any direction
 constexpr double kSigmas = 2.0;
-constexpr double kScan_s = 0.3;  // one of known speed flies on during a scan
+constexpr double kScan_s = 0.3;  // duration of a scan, during which a tracked vehicle moves on
 
 }  // namespace
 
@@ -60,7 +60,7 @@ void VehiclesAround::hear(const MapperInput& input) {
   }
 }
 
-/// @param reach_m  farther from where it is now none of its points lies
+/// @param reach_m  largest distance of the vehicle's points from its present position
 void VehiclesAround::add(const Vehicle& vehicle, TimeNs now, double reach_m) {
   vehicles_.push_back(vehicle);
   const Vector3 now_m = vehicle.p_local_m + to_seconds(now - vehicle.t) * vehicle.v_local_mps;

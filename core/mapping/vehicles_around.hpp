@@ -9,17 +9,17 @@
 
 namespace swiftlet {
 
-/// Who flies around and is no obstacle: tracks, members of the team that are localized, and neighbors that guidance
-/// keeps from. The last sample of each counts for a while.
+/// Vehicles whose returns are no obstacles: tracks, localized team members, and neighbors that guidance keeps its
+/// distance from. The last sample of each neighbor is valid for a while.
 class VehiclesAround {
  public:
-  /// @param radius_m  around a vehicle, in which returns are its own; 0: all are obstacles
+  /// @param radius_m  returns within this distance of a vehicle are its own; 0: all returns are obstacles
   explicit VehiclesAround(double radius_m) : radius_m_(radius_m) {}
 
-  /// In every tick, before it is asked.
+  /// Call in every tick before contains().
   void update(const MapperInput& input);
 
-  /// Is a point that was measured at that time one of them?
+  /// Does a point measured at that time belong to a vehicle?
   bool contains(const Eigen::Vector3f& p_local_m, TimeNs t) const {
     return !vehicles_.empty() && marked_[cell_of(p_local_m.x(), p_local_m.y())] && is_one(p_local_m.cast<double>(), t);
   }
@@ -35,9 +35,10 @@ class VehiclesAround {
     TimeNs t = 0;
     Vector3 p_local_m = Vector3::Zero();
     Vector3 v_local_mps = Vector3::Zero();
-    Matrix3 inverse_m2 = Matrix3::Zero();  ///< its points q are those with q' inverse q < 1
+    Matrix3 inverse_m2 = Matrix3::Zero();  ///< matrix of the ellipsoid that holds its points: q' inverse q < 1
   };
-  static constexpr std::size_t kSide = 64;  // cells that repeat themselves, for points that are near nobody
+  // cells of a periodic grid, which quickly rejects points far from all vehicles
+  static constexpr std::size_t kSide = 64;
 
   static std::size_t cell_of(double x_m, double y_m);
   void hear(const MapperInput& input);
@@ -45,7 +46,7 @@ class VehiclesAround {
   bool is_one(const Vector3& p_local_m, TimeNs t) const;
 
   double radius_m_;
-  std::vector<Sample> samples_;  // the last one of each, in order of identity
+  std::vector<Sample> samples_;  // the last one of each neighbor, in order of identity
   std::vector<Vehicle> vehicles_;
   std::bitset<kSide * kSide> marked_;
 };
