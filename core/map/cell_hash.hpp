@@ -8,7 +8,7 @@
 
 namespace swiftlet {
 
-/// Where a search for a block begins in a table with open addressing; its size is a power of two.
+/// First slot probed for a block in a table with open addressing; the table's size is a power of two.
 inline std::size_t first_slot(const Cell& block, std::size_t slots) {
   const auto part = [](int c) { return static_cast<std::uint64_t>(c) & 0x1FFFFFU; };
   const std::uint64_t key = part(block.x()) | part(block.y()) << 21U | part(block.z()) << 42U;

@@ -16,7 +16,7 @@ inline int index_in_block(const Cell& cell) { return (cell.x() & 7) | (cell.y() 
 struct CellWalk {
   Cell cell;
   int step[3];
-  double next[3], per_cell[3];  // way to the next wall, and from wall to wall
+  double next[3], per_cell[3];  // distance to the next cell wall, and between walls
 
   CellWalk(const Vector3& origin, const Vector3& direction) : cell(origin.array().floor().cast<int>()) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -30,8 +30,8 @@ struct CellWalk {
   int next_axis() const { return next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2); }
 };
 
-/// From the beginning of a segment to the first cell on it of which this is true, in m; negative when there is none.
-/// Any frame, the same for all arguments.
+/// Distance [m] from the start of a segment to the first cell on it that satisfies the predicate; negative if there is
+/// none. Any frame, the same for all arguments.
 template <class Predicate>
 double way_to_first_m(const Vector3& from_m, const Vector3& to_m, double cells_per_m, Cell& cell, Predicate&& is_it) {
   const double length_m = (to_m - from_m).norm();

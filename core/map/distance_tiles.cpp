@@ -13,8 +13,8 @@
 namespace swiftlet {
 namespace {
 
-using Squares = std::int16_t __attribute__((vector_size(16)));  // of a row of eight cells
-using Pair = std::int16_t __attribute__((vector_size(32)));     // of two rows, one after the other
+using Squares = std::int16_t __attribute__((vector_size(16)));  // one row of eight cells
+using Pair = std::int16_t __attribute__((vector_size(32)));     // two rows, one after the other
 
 template <class Vector>
 [[gnu::always_inline]] inline Vector least_of(const Vector& a, const Vector& b) {
@@ -23,7 +23,7 @@ template <class Vector>
 [[gnu::always_inline]] inline Pair twice(const Squares& row) {
   return __builtin_shufflevector(row, row, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
 }
-/// Of a comparison, whose lanes are all ones or all zeros.
+/// True when any lane of a comparison is set; lanes are all ones or all zeros.
 template <class Vector>
 [[gnu::always_inline]] inline bool any(const Vector& lanes) {
   std::uint64_t words[sizeof(Vector) / sizeof(std::uint64_t)], all = 0;
@@ -32,15 +32,15 @@ template <class Vector>
   return all != 0;
 }
 
-/// Cells between two blocks, along one axis: at least, and at most.
+/// Least and largest number of cells between two blocks along one axis.
 int least_gap(int offset) { return offset == 0 ? 0 : RayCells::kSide * (std::abs(offset) - 1) + 1; }
 int most_gap(int offset) { return RayCells::kSide * (std::abs(offset) + 1) - 1; }
-/// Cells from a place to the nearest from first to last.
+/// Number of cells from a place to the nearest one in [first, last].
 int gap_to(int place, int first, int last) { return std::max({0, first - place, place - last}); }
 
 int squared_norm(int x, int y, int z) { return x * x + y * y + z * z; }
 
-/// Squares of the distances of a row's eight cells to the nearest occupied one of them.
+/// Squared distances of a row's eight cells to the nearest occupied cell in it.
 std::array<std::int16_t, RayCells::kSide> squares_within(unsigned row) {
   std::array<std::int16_t, RayCells::kSide> squares{};
   for (int x = 0; x < RayCells::kSide; ++x) {
@@ -53,7 +53,7 @@ std::array<std::int16_t, RayCells::kSide> squares_within(unsigned row) {
   return squares;
 }
 
-/// The same for every row.
+/// squares_within() of every row.
 struct RowTable {
   RowTable() {
     for (unsigned row = 0; row < of.size(); ++row) of[row] = squares_within(row);
@@ -63,7 +63,7 @@ struct RowTable {
 
 constexpr int kMostGap = DistanceTiles::kMostReach + 2 * RayCells::kSide;
 
-/// Of a gap in cells: its square eight times, then eight times that of the gap one smaller, to the next row.
+/// Per gap in cells: its square eight times, then the square of the gap less one eight times, for the next row.
 struct SquareTable {
   SquareTable() {
     for (int gap = -kMostGap; gap <= kMostGap; ++gap) {
@@ -77,8 +77,7 @@ struct SquareTable {
   Pair of[2 * kMostGap + 1];
 };
 
-/// Squared gaps to the eight cubes of half a block's side, by one axis: from a cell, or from a block so many blocks
-/// away.
+/// Squared gaps per axis to the eight octants of a block, from a cell or from a block at an offset in blocks.
 struct OctantTable {
   static constexpr int kHalf = RayCells::kSide / 2, kMostBlocks = kMostGap / RayCells::kSide;
   OctantTable() {
@@ -115,7 +114,7 @@ const RowTable kRows;
 const SquareTable kSquares;
 const OctantTable kOctants;
 
-/// And to the nearest cell of a row that lies so many blocks farther along x.
+/// Squared distances of eight cells to the nearest occupied cell of a row at an offset in blocks along x.
 [[gnu::always_inline]] inline Squares squares_to(unsigned row, int blocks) {
   if (blocks == 0) return lanes::load<Squares>(kRows.of[row].data());
   const int nearest =
@@ -124,8 +123,8 @@ const OctantTable kOctants;
   return gap * gap;
 }
 
-/// Calls fn(squares of the distances from a place to the cells of a pair of rows, which pair, in which layer, where
-/// these cells stand) for the layers of a block that are not farther from the place than the bound.
+/// Calls fn(squared distances from a place to the cells of a pair of rows, index of the pair, layer, stored values of
+/// these cells) for the layers of a block within the bound.
 template <class Fn>
 [[gnu::always_inline]] inline void for_pairs(const Cell& place, int bound_sq, Fn&& fn, std::int16_t* squared) {
   const Squares gap = static_cast<std::int16_t>(place.x()) - Squares{0, 1, 2, 3, 4, 5, 6, 7};
@@ -172,8 +171,8 @@ std::int16_t DistanceTiles::squared(const Cell& cell, const OccupiedBlocks& map,
   return tile.squared[static_cast<std::size_t>((cell.x() & 7) | (cell.y() & 7) << 3 | (cell.z() & 7) << 6)];
 }
 
-// What came lowers distances. What went leaves cells of which it was the nearest to be worked out again. False when the
-// map has forgotten what changed.
+// Applies changes of the map: new cells lower distances; cells whose nearest cell is gone are recomputed. False when
+// the map no longer has the changes.
 bool DistanceTiles::follow(Tile& tile, const OccupiedBlocks& map) {
   const Cell blocks = Cell::Constant((tile.reach + kSide - 1) / kSide);
   changes_.clear();
@@ -224,8 +223,7 @@ bool DistanceTiles::follow(Tile& tile, const OccupiedBlocks& map) {
   return true;
 }
 
-// What is near is looked at first: when no cell of the tile is farther from an occupied one than that reaches, the rest
-// does not matter.
+// Measures near blocks first and stops when no farther block can lower a distance of the tile.
 void DistanceTiles::compute(Tile& tile, const OccupiedBlocks& map, const Part& part) {
   ++num_computed_;
   auto offset = offsets_.begin();
@@ -254,13 +252,13 @@ void DistanceTiles::compute(Tile& tile, const OccupiedBlocks& map, const Part& p
   finish(tile);
 }
 
-// Distances to the occupied cells of the blocks in near_, as far as the bound.
+// Distances to the occupied cells of the blocks in near_, up to the bound.
 void DistanceTiles::measure(Tile& tile, int bound_sq, const Part& part) {
   Cell low = near_.front().blocks, high = low;
   for (const Near& near : near_) low = low.cwiseMin(near.blocks), high = high.cwiseMax(near.blocks);
   const int num_y = kSide * (high.y() - low.y() + 1), num_z = kSide * (high.z() - low.z() + 1);
   const int words = (num_y + 63) / 64;
-  // Along x: the nearest occupied cell of every row.
+  // Along x: nearest occupied cell of each row.
   rows_.resize(static_cast<std::size_t>(num_y) * num_z);
   rows_used_.assign(static_cast<std::size_t>(words) * num_z, 0);
   for (const Near& near : near_) {
@@ -316,10 +314,10 @@ void DistanceTiles::measure(Tile& tile, int bound_sq, const Part& part) {
   }
 }
 
-// What lies beyond the reach is far, and what may matter from now on.
+// Marks distances beyond the reach as far, and bounds the distance at which changes of the map matter.
 void DistanceTiles::finish(Tile& tile) const {
   const auto reach_sq = static_cast<std::int16_t>(reach_ * reach_);
-  Pair most[2][2] = {};  // of four rows, by the halves of y and z
+  Pair most[2][2] = {};  // largest squares of four rows, by the halves of y and z
   for (int z = 0; z < kSide; ++z) {
     for (int y = 0; y < kSide; y += 2) {
       std::int16_t* const at = &tile.squared[static_cast<std::size_t>(z * kSide + y) * kSide];

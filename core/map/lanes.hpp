@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstring>
 
-// A function in a version for processors with AVX2 and one for all others, chosen when the program starts. Both do the
-// same operations, so both give the same bits. Not under sanitizers, whose run time is not there yet by then.
+// Compiles a function for AVX2 and for all other processors; the version is chosen at program start. Both do the same
+// operations and give the same bits. Not under sanitizers, whose runtime is not initialized yet at that time.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__) && !defined(__AVX2__)
 #define SWIFTLET_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
@@ -13,7 +13,7 @@
 #define SWIFTLET_VECTOR_CLONES
 #endif
 
-/// Eight numbers side by side (vector extension of GCC and Clang, which make of it what the processor has).
+/// Vectors of eight numbers (vector extension of GCC and Clang, compiled to the instructions of the processor).
 namespace swiftlet::lanes {
 
 inline constexpr int kLanes = 8;
@@ -32,7 +32,7 @@ template <class Vector, class Number>
 }
 [[gnu::always_inline]] inline Floats max(const Floats& a, const Floats& b) { return a > b ? a : b; }
 [[gnu::always_inline]] inline Floats min(const Floats& a, const Floats& b) { return a < b ? a : b; }
-/// All lanes' bits in one number.
+/// Bitwise OR of all lanes.
 [[gnu::always_inline]] inline std::uint64_t union_of(const Ints& v) {
   std::uint64_t words[4];
   std::memcpy(words, &v, sizeof words);

@@ -13,8 +13,8 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::size_t kScanTimes = 4096;      // of which the instants are remembered
-constexpr std::size_t kTouchedBlocks = 4096;  // in a scan, for which there is memory from the start
+constexpr std::size_t kScanTimes = 4096;      // number of scans whose times are kept
+constexpr std::size_t kTouchedBlocks = 4096;  // touched blocks per scan for which memory is reserved
 
 float log_odds_of(double p) { return static_cast<float>(elementary::log(p / (1.0 - p))); }
 
@@ -65,7 +65,7 @@ int OccupancyMap::find_or_make(const Cell& block) {
   const std::size_t place = place_of(block);
   int i = places_[place];
   if (i >= 0 && blocks_[i].at == block) return i;
-  // Another one in its place lies farther away than anything that is kept.
+  // A block in the same slot lies beyond the kept radius.
   if (i >= 0) forget(i);
   if (!free_blocks_.empty()) {
     i = free_blocks_.back();
@@ -93,7 +93,7 @@ void OccupancyMap::forget(int i) {
 }
 
 void OccupancyMap::keep_around(const Vector3& center_local_m) {
-  // Blocks are dropped whole: there is nothing to do before the vehicle has flown a part of one.
+  // Blocks are dropped whole: nothing changes until the vehicle has moved by a part of a block.
   const double block_m = kSide * config_.edge_m;
   if ((center_local_m - kept_around_local_m_).norm() < 0.25 * block_m) return;
   kept_around_local_m_ = center_local_m;
@@ -180,7 +180,7 @@ void OccupancyMap::miss(int i, const Bits& passed) {
     if (const std::uint64_t valued = cells & b.valued[z]; valued != 0) miss_valued(i, z, valued);
     std::uint64_t carry = cells & ~b.valued[z];
     std::uint64_t &ones = b.misses_1[z], &twos = b.misses_2[z], &fours = b.misses_4[z];
-    // As often as can be counted, or until more changes nothing.
+    // Cells whose counter is full, or that further misses no longer change.
     const std::uint64_t most = ((most_misses_ & 1) != 0 ? ones : ~ones) & ((most_misses_ & 2) != 0 ? twos : ~twos) &
                                ((most_misses_ & 4) != 0 ? fours : ~fours) & carry;
     if (most != 0 && !counted_to_the_end) {
@@ -218,7 +218,7 @@ int OccupancyMap::misses_of(const Block& b, int z, int bit) const {
   return digit(b.misses_1) + 2 * digit(b.misses_2) + 4 * digit(b.misses_4);
 }
 
-// Cells that were counted get a number of their own.
+// Gives counted cells a log-odds value of their own.
 void OccupancyMap::give_values(int i, int z, std::uint64_t cells) {
   give_page(i);
   Block& b = block(i);
@@ -254,7 +254,7 @@ void OccupancyMap::hit(const Cell& cell) {
   note_occupied(i);
 }
 
-// Questions
+// Queries
 
 CellState OccupancyMap::state(const Vector3& p_local_m) const { return state_of(cell_of(p_local_m)); }
 
@@ -304,7 +304,7 @@ void OccupancyMap::occupied_within(const Vector3& center_local_m, double radius_
                                    std::vector<Vector3>& centers_local_m) const {
   centers_local_m.clear();
   const double reach_m = radius_m + config_.edge_m, half_m = 0.5 * config_.edge_m;
-  // A cell that was hit in a scan whose instant is not remembered counts as hit long ago.
+  // A cell hit in a scan whose time is not kept counts as hit long ago.
   const auto recent = [&](std::uint32_t scan) {
     if (since == kEver) return true;
     return scan + kScanTimes > scan_ && scan_times_[scan % kScanTimes] >= since;
@@ -350,7 +350,7 @@ const RayCells::Bits* OccupancyMap::occupied_of(const Cell& at) const {
   return i < 0 ? nullptr : &block(i).occupied;
 }
 
-// Another block with the same place lies far away: what changed there makes one look again, no more.
+// Blocks of the same slot share a change counter; a change far away only causes an unnecessary check.
 void OccupancyMap::append_changes(const Cell& low, const Cell& high, std::uint64_t since,
                                   std::vector<Change>& changes) const {
   const bool remembered = since >= touched_after_;
@@ -425,7 +425,7 @@ void OccupancyMap::append_voxels(MapVoxels& copy) const {
   const auto known = [](const Block& b, int z) {
     return b.occupied[z] | b.valued[z] | b.misses_1[z] | b.misses_2[z] | b.misses_4[z];
   };
-  // There are millions: room for all of them at once.
+  // There are millions of cells: reserve once.
   std::size_t count = copy.size();
   for (int i = 0; i < static_cast<int>(blocks_.size()); ++i) {
     for (int z = 0; blocks_[i].used && z < kSide; ++z) count += std::popcount(known(block(i), z));
@@ -470,14 +470,15 @@ void OccupancyMapConfig::visit(ConfigVisitor& v) {
   v.check(distance_max_m <= DistanceTiles::kMostReach * edge_m, "distance_max_m", "at most 64 times edge_m");
 }
 
-// What is kept around a vehicle between two blocks, and what a scan reaches beyond before it is forgotten.
+// Slots per axis for the blocks around a vehicle between two blocks, and for the reach of a scan before blocks are
+// dropped.
 double OccupancyMapConfig::places_across() const { return 2.0 * keep_radius_m / (RayCells::kSide * edge_m) + 6.0; }
 
 double OccupancyMapConfig::bytes() const {
   const double radius_cells = keep_radius_m / edge_m;
   const double blocks = 4.19 * radius_cells * radius_cells * radius_cells / 512.0;
   constexpr double kBlock = 400.0, kPage = 4096.0, kNearSurfaces = 0.1, kPlace = 12.0, kTile = 1100.0, kAskedFor = 0.25;
-  double across = 1.0;  // of the table
+  double across = 1.0;  // slots per axis
   while (across < places_across()) across *= 2.0;
   return blocks * (kBlock + kNearSurfaces * kPage + kAskedFor * kTile) + across * across * across * kPlace +
          RayCells::bytes(range_max_m, edge_m);

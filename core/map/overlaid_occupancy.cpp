@@ -7,7 +7,7 @@
 namespace swiftlet {
 namespace {
 
-/// The part of a segment, 0 to 1, in which this is at most 0: an interval that only becomes smaller.
+/// Interval of the segment parameter, 0 to 1, inside a body; cuts only shrink it.
 struct Inside {
   double first = 0.0, last = 1.0;
   bool empty() const { return first > last; }

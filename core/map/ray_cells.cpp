@@ -22,7 +22,7 @@ using Longs = std::int64_t __attribute__((vector_size(32)));
 constexpr double kNoWall = std::numeric_limits<double>::max();
 constexpr double kLibraryCells = 32768.0;  // on both sides of the origin
 
-/// A bit for each lane whose mask is set.
+/// One bit per set lane of a mask.
 [[gnu::always_inline]] inline unsigned bits_of_lanes(const Longs& mask) {
 #if defined(__AVX__)
   return static_cast<unsigned>(_mm256_movemask_pd(std::bit_cast<__m256d>(mask)));
@@ -55,10 +55,11 @@ void RayCells::begin(const Eigen::AlignedBox3d& origins_m, double reach_m) {
   if (blocks_.size() < std::size_t{1} << 3 * bits_) blocks_.assign(std::size_t{1} << 3 * bits_, Bits{});
   const std::int64_t field = (std::int64_t{1} << bits_) - 1;
   for (int axis = 0; axis < 3; ++axis) fields_[axis] = std::int64_t{7} << 3 * axis | field << (9 + axis * bits_);
-  fields_[2] = ~(fields_[0] | fields_[1]);  // with all that is above
+  fields_[2] = ~(fields_[0] | fields_[1]);  // the highest field also holds all bits above
 }
 
-// OcTreeBaseImpl::computeRayKeys of the library, in its types: points and directions are single, the rest is double.
+// As OcTreeBaseImpl::computeRayKeys of the library, in its types: points and directions are single precision, the rest
+// is double.
 void RayCells::add(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& end_m, bool ends) {
   if (!origin_m.allFinite() || !end_m.allFinite()) return;
   const Eigen::Array3d from = (origin_m.cast<double>().array() * cells_per_m_).floor();
@@ -99,7 +100,7 @@ void RayCells::add(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& end_m
   if (busy_ == (1U << kLanes) - 1U) busy_ &= ~follow();
 }
 
-// A lane without a ray stands still in a cell that is passed anyway.
+// Parks a lane without a ray in a cell that is passed anyway.
 void RayCells::idle(int lane) {
   for (int axis = 0; axis < 3; ++axis) {
     lanes_.next[axis][lane] = lanes_.per_cell[axis][lane] = 0.0;
@@ -110,7 +111,7 @@ void RayCells::idle(int lane) {
   lanes_.end[lane] = -1;
 }
 
-// All lanes go on from cell to cell until a ray of one has ended. Which ones, as bits.
+// Advances all lanes from cell to cell until at least one ray ends; returns the ended lanes as bits.
 unsigned RayCells::follow() {
   using lanes::load, lanes::store;
   Doubles t0 = load<Doubles>(lanes_.next[0]), t1 = load<Doubles>(lanes_.next[1]), t2 = load<Doubles>(lanes_.next[2]);
@@ -124,7 +125,7 @@ unsigned RayCells::follow() {
   unsigned done = 0;
   alignas(32) std::int64_t index[kLanes];
   do {
-    // Ties are decided as the library does.
+    // Ties are broken as in the library.
     const Longs x_before_y = t0 < t1;
     const Longs along_x = x_before_y & (t0 < t2), along_y = ~x_before_y & (t1 < t2), along_z = ~(along_x | along_y);
     t0 += where(along_x, d0);
@@ -158,7 +159,7 @@ void RayCells::finish() {
       if ((done >> lane & 1U) != 0) idle(lane);
     }
   }
-  // What any ray ends in counts as hit only.
+  // A cell in which a ray ends counts as hit only.
   auto* const words = reinterpret_cast<std::uint64_t*>(blocks_.data());
   ends_.clear();
   for (const std::int64_t i : end_indices_) {

@@ -15,31 +15,32 @@
 namespace swiftlet {
 namespace {
 
-// A ray is worked on in stretches of this many planes.
+// Planes per stretch, the unit in which a ray is processed.
 constexpr int kStretch = 96;
-// Cells around the window that no ray reaches: rounding and the unused third piece of a slab stay inside.
+// Cells around the window that no ray reaches; they absorb rounding and the unused third piece of a slab.
 constexpr int kMargin = 2;
-// Later than the end of any ray, but finite.
+// Finite bound beyond the end of any ray.
 constexpr float kNever = 1e30F;
 constexpr double kHuge = 1e300;
 
-/// A ray in edges, mirrored so that it climbs along every axis, from within the cell of its origin: small numbers keep
-/// single precision exact. a is its steepest axis, b and c are the others.
+/// A ray in units of the edge, relative to the cell of its origin and mirrored so that it ascends along every axis:
+/// small numbers keep single precision exact. a is its steepest axis, b and c are the others.
 struct Ray {
   float o_b, o_c;                             // origin in its cell, 0..1
-  float d_b, d_c;                             // direction, not negative; along a the planes say it
+  float d_b, d_c;                             // direction, not negative; along a it follows from the planes
   float inv_b, inv_c;                         // 1 / direction, at most kNever
   std::int32_t base, step_a, step_b, step_c;  // index = base + j step_a + b step_b + c step_c
 };
 
-/// Pieces of the slabs between neighboring planes: three voxels each, of which the later ones may have length 0.
+/// Pieces of the slabs between neighboring planes: three voxels each, the later ones possibly of length 0.
 struct Pieces {
   alignas(32) std::array<float, kStretch> length_0, length_1, length_2;
   alignas(32) std::array<std::int32_t, kStretch> index_0, index_1, index_2;
-  std::array<std::uint64_t, (kStretch + 63) / 64> crosses{};  // a bit for each that leaves its first voxel sideways
+  // a bit for each piece that leaves its first voxel sideways
+  std::array<std::uint64_t, (kStretch + 63) / 64> crosses{};
 };
 
-/// Planes of a ray: the j-th is met at before + j * step, but none before 0 or after the end [edges from the origin].
+/// Planes of a ray: the j-th is met at before + j * step, clamped to [0, end] [edges from the origin].
 struct Planes {
   float before, step, end;
 };
@@ -54,7 +55,7 @@ void cut(const Ray& r, const Planes& planes, int first, int count, Pieces& out) 
   for (int j = 0; j < count; j += kLanes) {
     const Floats begin = met(j + kCount), end = met(j + 1 + kCount);
     const Ints b = truncated(r.o_b + begin * r.d_b), c = truncated(r.o_c + begin * r.d_c);
-    // Where the voxel of the slab's begin would be left sideways, if that is within the slab.
+    // Where the ray would leave the first voxel of the slab sideways, if within the slab.
     const Floats t_b = min(max((to_float(b + 1) - r.o_b) * r.inv_b, begin), end);
     const Floats t_c = min(max((to_float(c + 1) - r.o_c) * r.inv_c, begin), end);
     const Floats near = min(t_b, t_c), far = max(t_b, t_c);
@@ -82,7 +83,7 @@ void accumulate(const Pieces& pieces, int count, float* __restrict lengths) {
   }
 }
 
-/// Where a row's lengths begin that are not 0, and where they end. Both 0 when all are.
+/// Range of a row's nonzero lengths; both 0 when all are zero.
 std::pair<int, int> used(const float* row, int count) {
   constexpr int kBlock = 8;
   const auto empty = [row](int from) {
@@ -110,7 +111,7 @@ void RayLengths::begin(const Eigen::AlignedBox3d& origins_m, double reach_m, dou
   Eigen::Array3d first = ((origins_m.min().array() - reach_m) / edge_m).floor();
   Eigen::Array3d end = ((origins_m.max().array() + reach_m) / edge_m).ceil();
   cut_ = false;
-  if (within != nullptr) {  // but never less than where the rays begin
+  if (within != nullptr) {  // the window always includes the origins
     const Eigen::Array3d least =
         (origins_m.min().array() / edge_m).floor().min(within->min_cell.array().cast<double>());
     const Eigen::Array3d most =
@@ -119,7 +120,7 @@ void RayLengths::begin(const Eigen::AlignedBox3d& origins_m, double reach_m, dou
     first = first.max(least);
     end = end.min(most);
   }
-  // Voxels of the window are numbered in 32 bits.
+  // Voxels of the window have 32-bit indices.
   const double cells = (end - first + 2.0 * kMargin).prod();
   ENSURE(cells < static_cast<double>(std::numeric_limits<std::int32_t>::max()), cells, origins_m.sizes(), reach_m,
          edge_m);
@@ -139,11 +140,11 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
   if (!(length_m > 0.0) || length_m > reach_m_ || !origins_m_.contains(origin_m)) return;
   const Vector3 d = direction.cwiseAbs();
   const int a = d.x() >= d.y() ? (d.x() >= d.z() ? 0 : 2) : (d.y() >= d.z() ? 1 : 2);
-  if (!(d[a] > 0.0 && d.sum() < kHuge)) return;  // nor what is not finite
+  if (!(d[a] > 0.0 && d.sum() < kHuge)) return;  // zero or not finite
   const int b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
   const std::array<std::int32_t, 3> stride = {1, window_.size.x(), window_.size.x() * window_.size.y()};
 
-  // The window begins before every origin, so these are positive and towards 0 is down.
+  // The window begins before every origin, so coordinates are positive and truncation rounds down.
   const Vector3 origin = edges_per_m_ * origin_m - first_cell_;
   const double length = length_m * edges_per_m_;
   std::array<double, 3> inside;
@@ -167,10 +168,10 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
   r.step_a = step[a], r.step_b = step[b], r.step_c = step[c];
   r.base = base;
 
-  // Slab j lies between planes j - 1 and j; the first begins at the origin, the last ends at the ray's end. A little
-  // more than the length, so that rounding never leaves out the last bit of it.
+  // Slab j lies between planes j - 1 and j; the first begins at the origin, the last ends at the ray's end. The length
+  // is slightly extended, so that rounding never drops the last piece.
   int num_slabs = 1 + std::max(0, static_cast<int>((length - first_plane) * d[a] + 1.0001));
-  if (cut_) {  // up to the slab in which the ray leaves; the margin has room for the rest of that one
+  if (cut_) {  // up to the slab in which the ray leaves; the margin covers the rest of that slab
     const double exit = exit_edges(origin, direction);
     if (exit < length)
       num_slabs = std::min(num_slabs, 1 + std::max(0, static_cast<int>((exit - first_plane) * d[a] + 1.0)));
@@ -185,7 +186,7 @@ void RayLengths::add(const Vector3& origin_m, const Vector3& direction, double l
   }
 }
 
-// How far a ray from an origin in the window goes in what is counted, both in edges.
+// Distance from an origin in the window to where the ray leaves it, in edges.
 double RayLengths::exit_edges(const Vector3& origin, const Vector3& direction) const {
   double exit = kHuge;
   for (int k = 0; k < 3; ++k) {

@@ -13,10 +13,10 @@
 namespace swiftlet {
 namespace {
 
-constexpr int kMostPlaceBits = 7;  // a table of 8 MB
+constexpr int kMostPlaceBits = 7;  // limits the table to 8 MB
 
-/// Of a coordinate in the table, for the blocks within the radius of a vehicle between two blocks, and those that reach
-/// out of it.
+/// Bits per axis of the table, for the blocks within the radius of a vehicle between two blocks, and those partly
+/// beyond it.
 int place_bits(double keep_radius_m, double block_m) {
   const double across = 2.0 * keep_radius_m / block_m + 4.0;
   int bits = 0;
@@ -26,7 +26,7 @@ int place_bits(double keep_radius_m, double block_m) {
 constexpr std::uint64_t kNobody = std::numeric_limits<std::uint64_t>::max();
 
 std::uint64_t key_of(const Cell& cell) {
-  constexpr std::uint64_t kMask = (1ULL << 21U) - 1U;  // +-1 million cells by axis
+  constexpr std::uint64_t kMask = (1ULL << 21U) - 1U;  // +-1 million cells per axis
   const auto part = [](int c) { return static_cast<std::uint64_t>(c + (1 << 20)) & kMask; };
   return part(cell.x()) | part(cell.y()) << 21U | part(cell.z()) << 42U;
 }
@@ -43,7 +43,7 @@ SparseVoxelMap::SparseVoxelMap(const SparseVoxelMapConfig& config)
 double SparseVoxelMap::most_bytes(const SparseVoxelMapConfig& config, double radius_m) {
   const double block_m = kSide * config.edge_m;
   const auto places = static_cast<double>(std::size_t{1} << 3 * place_bits(config.keep_radius_m, block_m));
-  // A block stays while its middle is within the radius; in one step the vehicle may move by a block.
+  // A block stays while its center is within the radius; in one step the vehicle may move by a block.
   const double radius_blocks = std::min(radius_m, config.keep_radius_m) / block_m + 1.0;
   const double blocks = std::min(places, 4.0 / 3.0 * std::numbers::pi * radius_blocks * radius_blocks * radius_blocks);
   return places * sizeof(std::uint32_t) + blocks * sizeof(Block);
@@ -52,7 +52,7 @@ double SparseVoxelMap::most_bytes(const SparseVoxelMapConfig& config, double rad
 SparseVoxelMap::Block& SparseVoxelMap::block_for(const Cell& block) {
   std::uint32_t& place = places_[place_of(block)];
   if (place != 0 && blocks_[place - 1].at == block) return blocks_[place - 1];
-  // Another one in its place lies farther away than anything that is kept.
+  // A block in the same slot lies beyond the kept radius.
   if (place != 0) forgotten_.note(revision_, blocks_[place - 1].at);
   if (place == 0 && !free_.empty()) {
     place = free_.back();
@@ -98,7 +98,7 @@ void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
   passing_.clear();
   ends_.assign(std::max(std::bit_ceil(2 * rays.size() + 1), ends_.size()), kNobody);
   const auto keep_sq = static_cast<float>(config_.keep_radius_m * config_.keep_radius_m);
-  // First all hits, so that no ray takes away what another one has just seen.
+  // Hits come first, so that no ray clears what another ray has just hit.
   for (const Ray& ray : rays) {
     const Cell cell = cell_of(ray.end_local_m.cast<double>());
     if (!ray.hit || (ray.end_local_m - ray.origin_local_m).squaredNorm() > keep_sq) {
@@ -122,14 +122,14 @@ void SparseVoxelMap::insert(std::span<const Ray> rays, TimeNs now) {
   for (const Ray* ray : passing_) pass(*ray);
 }
 
-// From the origin to the end or to the clearing range; only voxels that are stored can lose.
+// Lowers voxels from the origin to the end or to the clearing range; only stored voxels can lose.
 void SparseVoxelMap::pass(const Ray& ray) {
   const Vector3 origin = ray.origin_local_m.cast<double>() * cells_per_m_;
   const Vector3 way = (ray.end_local_m - ray.origin_local_m).cast<double>();
   const double length_m = way.norm();
   if (!(length_m > 0.0)) return;
   const Vector3 direction = way / length_m;
-  // The last half voxel before a surface is its own roughness.
+  // Returns scatter about a surface by up to half a voxel: that part is not cleared.
   const double end =
       (std::min(length_m, config_.clear_range_m) - (ray.hit ? 0.5 * config_.edge_m : 0.0)) * cells_per_m_;
   CellWalk walk(origin, direction);
@@ -137,7 +137,7 @@ void SparseVoxelMap::pass(const Ray& ray) {
   const auto loss = static_cast<float>(config_.miss_log_odds), least = static_cast<float>(config_.min_log_odds);
   for (double traveled = 0.0; traveled < end;) {
     auto* const block = const_cast<Block*>(block_at(block_of(cell)));
-    if (block == nullptr) {  // to where the ray leaves it
+    if (block == nullptr) {  // skips to where the ray leaves the block
       int last[3];           // steps to its last voxel
       double leaves[3];
       for (int axis = 0; axis < 3; ++axis) {

@@ -13,9 +13,9 @@
 namespace swiftlet {
 namespace {
 
-constexpr double kSnap = 0.25;            // of a cell: poses are taken to that
-constexpr double kRounding = 1e-6;        // cells, for rounding
-constexpr double kWholeCell = 1U << 24U;  // a cell in whole numbers
+constexpr double kSnap = 0.25;            // grid of the poses, as a share of a cell
+constexpr double kRounding = 1e-6;        // margin for rounding, in cells
+constexpr double kWholeCell = 1U << 24U;  // fixed-point units per cell
 
 bool any_in(const RayCells::Bits& bits) {
   return std::any_of(bits.begin(), bits.end(), [](std::uint64_t word) { return word != 0; });
@@ -27,8 +27,8 @@ bool is_lattice_m(double p_m, double step_m, int& steps) {
   return std::abs(p_m - count * step_m) < kRounding * step_m;
 }
 
-/// The votes of pieces on the cells of a block, from the newest piece on. A cell is decided when a piece saw it
-/// occupied, or as many in a row saw it free as outvote older ones. What older pieces say of it no longer matters.
+/// Votes of pieces on the cells of a block, from the newest piece on. A cell is decided when a piece reports it
+/// occupied, or when outvoted_by pieces in a row report it free. Older pieces no longer matter for it.
 class Votes {
  public:
   explicit Votes(int outvoted_by) : outvoted_by_(outvoted_by) { open_.fill(~std::uint64_t{0}); }
@@ -39,7 +39,7 @@ class Votes {
       occupied_[z] |= occupied[z] & open_[z];
       open_[z] &= ~occupied[z];
       if (outvoted_by_ == 0) continue;
-      // So many in a row: two bits for each cell.
+      // Number of free votes in a row: two bits per cell.
       const std::uint64_t against = free[z] & open_[z];
       twos_[z] ^= ones_[z] & against;
       ones_[z] ^= against;
@@ -47,7 +47,7 @@ class Votes {
           ~(((outvoted_by_ & 1) != 0 ? ones_[z] : ~ones_[z]) & ((outvoted_by_ & 2) != 0 ? twos_[z] : ~twos_[z]));
     }
   }
-  /// The cells that are not decided yet.
+  /// Cells that are not decided yet.
   const RayCells::Bits& open() const { return open_; }
   void result(RayCells::Bits& occupied, RayCells::Bits& free) const {
     occupied = occupied_;
@@ -120,12 +120,12 @@ void SubmapMap::remove(int i) {
   --num_pieces_;
 }
 
-/// A function of the pose alone: what was there before plays no part.
+/// Depends on the pose alone, not on earlier poses.
 Pose SubmapMap::snapped(const Piece& piece, const Pose& T_local_cells) const {
   const double step_m = kSnap * config_.edge_m, step = 0.5 * step_m / std::max(piece.reach_m, step_m);
   Eigen::Quaterniond q(T_local_cells.linear());
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
-  // Twice a change of it is a turn, nearly.
+  // A rotation is about twice the change of the quaternion.
   for (int i = 0; i < 4; ++i) q.coeffs()[i] = step * std::round(q.coeffs()[i] / step);
   Vector3 middle_local_m = T_local_cells * piece.middle_cells_m;
   for (int axis = 0; axis < 3; ++axis) middle_local_m[axis] = step_m * std::round(middle_local_m[axis] / step_m);
@@ -150,7 +150,7 @@ void SubmapMap::place(std::uint32_t i, const Pose& T_local_cells) {
     piece.aligned = piece.aligned && fits;
     piece.offset_blocks[axis] = blocks;
   }
-  // Every group into which one of its own groups reaches.
+  // Every group of the map that a group of the piece overlaps.
   constexpr double kCells = kSide * kGroup;
   const Vector3 half = (0.5 * kCells) * (piece.M_back.cwiseAbs() * Vector3::Ones()).array() + kRounding;
   for (const Cell& group : cells.groups()) {
@@ -250,7 +250,7 @@ std::uint32_t SubmapMap::find_or_make_group(const Cell& group) {
   return group_slots_[slot] - 1;
 }
 
-// What a block is
+// Composition of blocks
 
 bool SubmapMap::look(const Piece& piece, const Cell& block, Bits& occupied, Bits& free) const {
   return look(piece, block, kAllCells, occupied, free);
@@ -269,7 +269,7 @@ bool SubmapMap::look(const Piece& piece, const Cell& block, const Bits& wanted, 
 bool SubmapMap::look_turned(const Piece& piece, const Cell& block, const Bits& wanted, Bits& occupied,
                             Bits& free) const {
   const SubmapCells& cells = *piece.cells;
-  // The blocks of the piece around this one.
+  // Blocks of the piece around this block.
   const Vector3 first = (kSide * block).cast<double>();
   const Vector3 middle = piece.M * (first.array() + 0.5 * kSide).matrix() + piece.o_cells;
   const Vector3 half = (0.5 * kSide) * (piece.M.cwiseAbs() * Vector3::Ones()).array() + kRounding;
@@ -289,7 +289,7 @@ bool SubmapMap::look_turned(const Piece& piece, const Cell& block, const Bits& w
   if (!any) return false;
   occupied.fill(0);
   free.fill(0);
-  // What the piece knows at the centers of the block's cells.
+  // States of the piece at the centers of the block's cells.
   const Vector3 from = piece.M * (first.array() + 0.5).matrix() + piece.o_cells - (kSide * low).cast<double>();
   const auto whole = [](double x) { return static_cast<std::int64_t>(std::floor(x * kWholeCell)); };
   const std::int64_t dx = whole(piece.M(0, 0)), dy = whole(piece.M(1, 0)), dz = whole(piece.M(2, 0));
@@ -315,7 +315,8 @@ bool SubmapMap::look_turned(const Piece& piece, const Cell& block, const Bits& w
     free[static_cast<std::size_t>(z)] = layer_free;
   }
   if (!any_occupied) return true;
-  // Occupied cells of the piece whose centers lie in the block: thin ones may lie between the centers above.
+  // Occupied cells of the piece whose centers lie in the block: thin structure may lie between the centers sampled
+  // above.
   std::size_t next = 0;
   for (int z = 0; z < size.z(); ++z) {
     for (int y = 0; y < size.y(); ++y) {
@@ -384,7 +385,7 @@ const SubmapMap::Composed* SubmapMap::composed(Group& group, const Cell& block) 
   return slot.block >= 0 ? at(slot.block) : nullptr;
 }
 
-// Questions
+// Queries
 
 CellState SubmapMap::state(const Vector3& p_local_m) const { return state_of(cell_of(p_local_m)); }
 
@@ -406,7 +407,7 @@ const RayCells::Bits* SubmapMap::occupied_of(const Cell& block) const {
   return made != nullptr && group->slots[slot_in_group(block)].any_occupied ? &made->occupied : nullptr;
 }
 
-// Which cells of a block came or went is not known before the block is made anew.
+// Changes name whole blocks: the changed cells are unknown until the block is composed again.
 void SubmapMap::append_changes(const Cell& low, const Cell& high, std::uint64_t since,
                                std::vector<Change>& changes) const {
   for (int z = low.z(); z <= high.z(); ++z) {
@@ -461,7 +462,7 @@ void SubmapMap::occupied_within(const Vector3& center_local_m, double radius_m, 
     });
     return;
   }
-  std::vector<Vector3> fresh_m;  // in the frame of the piece that grows
+  std::vector<Vector3> fresh_m;  // in the frame of the growing piece
   const Vector3 offset_m = (kSide * config_.edge_m) * growing_offset_blocks_.cast<double>();
   if (growing_ != nullptr) growing_->occupied_within(center_local_m - offset_m, radius_m, since, fresh_m);
   std::vector<Cell> fresh;
@@ -625,7 +626,7 @@ std::shared_ptr<const SubmapCells> SubmapMap::needed_of(int i) const {
       kept[static_cast<std::size_t>(b)].occupied[z] |= (*its)[z] & bit;
     }
   };
-  // The cell at the center of one of the map, and those whose centers lie in it.
+  // Keeps the piece's cell at the center of the map's cell, and those whose centers lie in it.
   const Vector3 half = 0.5 * (piece.M.cwiseAbs() * Vector3::Ones()).array() + kRounding;
   const auto keep_for = [&](const Cell& cell) {
     const Vector3 middle = piece.M * (cell.cast<double>().array() + 0.5).matrix() + piece.o_cells;

@@ -17,11 +17,10 @@ namespace {
 constexpr double kMaxCells = 4e9;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// A scrolling map moves when the vehicle is so far from its middle: moving costs a copy of the map.
+// A scrolling map moves when the vehicle is this many voxels from its center; moving copies the map.
 constexpr int kScrollStep = 16;
 
-// G before n updates towards g, after them. Through the difference: the fixed point g is then exact, and so is n =
-// infinity.
+// G after n updates towards g. The difference form keeps the fixed point g and the limit n = infinity exact.
 float updated(float G, float weight, float g) { return g + weight * (G - g); }
 
 /// 2^-n for n in [0, 126], relative error below 2e-7.
@@ -39,7 +38,7 @@ float updated(float G, float weight, float g) { return g + weight * (G - g); }
   return e * std::bit_cast<lanes::Floats>((127 - whole) << 23);
 }
 
-/// update() for eight voxels: infinite values stay what they are, because the weight never becomes 0.
+/// update() for eight voxels: infinite values stay, because the weight never becomes 0.
 [[gnu::always_inline]] inline lanes::Floats moved(const lanes::Floats& values, const lanes::Floats& n, float g) {
   const lanes::Floats weight = half_to_the(lanes::min(n, 126.0F + lanes::Floats{}));
   return n > 0.0F ? g + weight * (values - g) : values;
@@ -100,7 +99,7 @@ void VoxelMap::update(std::ptrdiff_t index, double n, double g) {
   ENSURE(index >= 0 && index < grid_.num_cells(), index, grid_.num_cells());
   const float before = values_[index];
   if (!std::isfinite(before)) return;
-  const double weight = n == 1.0 ? 0.5 : elementary::exp2(-n);  // single points are what there is most of
+  const double weight = n == 1.0 ? 0.5 : elementary::exp2(-n);  // updates by single points are the most frequent
   set(index, updated(before, static_cast<float>(weight), static_cast<float>(g)));
 }
 
@@ -123,7 +122,7 @@ void VoxelMap::move_to_free(const Cell& first, std::span<const float> n) {
          n.size(), grid_.min_cell, grid_.size);
   const std::ptrdiff_t index = grid_.index(first);
   move_row(n.data(), n.size(), static_cast<float>(config_.g_free), values_.data() + index);
-  // Going towards free only clears bits.
+  // Updates towards free only clear bits.
   const std::ptrdiff_t row = index / grid_.size.x();
   const int x = static_cast<int>(index - row * grid_.size.x());
   for (int w = x / 64; w <= (x + static_cast<int>(n.size()) - 1) / 64; ++w) {
@@ -193,7 +192,7 @@ void VoxelMap::follow(const Vector3& p_m) {
     return;
   }
 
-  // What stays moves by -shift; rows go in the order in which none is overwritten before it has moved.
+  // Remaining voxels move by -shift; the order of rows avoids overwriting those not yet moved.
   const Cell n = grid_.size;
   const int keep = n.x() - std::abs(shift.x());
   const int from = std::max(shift.x(), 0), to = std::max(-shift.x(), 0);
@@ -265,8 +264,8 @@ bool VoxelMap::visit_row(std::ptrdiff_t row, int x_first, int x_last, Visit&& vi
   return true;
 }
 
-// Calls visit(x, y, z) for the occupied cells, counted from the corner of the box, whose center may lie within the
-// radius; it says whether to go on. No finite point, no cell.
+// Calls visit(x, y, z) for occupied cells, counted from the corner of the box, whose centers may lie within the radius,
+// while it returns true. For a point that is not finite there are none.
 template <class Visit>
 void VoxelMap::visit_box(const Vector3& p_m, double radius_m, Visit&& visit) const {
   const Eigen::Array3d at = p_m.array() / grid_.edge_m - grid_.min_cell.array().cast<double>() - 0.5;
@@ -287,7 +286,7 @@ bool VoxelMap::any_within(const Vector3& p_m, double radius_m, VoxelState at_lea
   const auto counts = [&](const Cell& cell) {
     return (grid_.center_m(cell) - p_m).squaredNorm() <= radius_sq && state(grid_.index(cell)) >= at_least;
   };
-  // Points of the background mostly lie in a voxel of it.
+  // Background points mostly lie in an occupied voxel.
   const std::ptrdiff_t own = grid_.index_of(p_m);
   if (own >= 0 && state(own) >= at_least && (grid_.center_m(grid_.cell_of(p_m)) - p_m).squaredNorm() <= radius_sq)
     return true;
